@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <vector>
+
+namespace saliency {
+
+/// A centre-surround pair of pyramid levels, surround = centre + δ (paper, Section 3: s = c + δ).
+struct LevelPair
+{
+  int center;
+  int surround;
+};
+
+/// A centre-surround pair of temporal windows, in frames at 30 fps (level n of the temporal pyramid is 2ⁿ frames).
+struct WindowPair
+{
+  int center;
+  int surround;
+};
+
+/// The operator N(·) of Itti & Koch, or none.
+enum class Normalization
+{
+  none,
+  itti, ///< scale to [0, 1], multiply by (1 − m̄)²
+};
+
+/// Which temporal differences count.
+enum class TemporalSign
+{
+  absolute, ///< |centre − surround|: also what went away (a ghost for up to 64 frames)
+  onset,    ///< max(0, centre − surround): only what came
+};
+
+/// What a temporal window counts.
+enum class TimeBase
+{
+  frames,  ///< frames, whatever their duration
+  seconds, ///< frames / 30 s, whatever the frame rate
+};
+
+/// What the history holds before the first frame.
+enum class HistoryStart
+{
+  empty,  ///< nothing: windows are the mean of what there is
+  filled, ///< the first map, as if it had always been there: no burst after start, seek or cut
+};
+
+/// Every choice between the frame and its saliency map: `../shared` design notes "What the paper leaves open",
+/// docs/algorithm.md.
+struct Profile
+{
+  bool exact = false;              ///< L*a*b* of every pixel before decimation, rather than after
+  int reference_width = 0;         ///< 0: pyramid levels are the frame's own. Else they are renumbered so that level 2 is the level whose width is nearest (in octaves) to this
+  double chroma_weight = 1;        ///< ΔE = √(ΔL² + w² (Δa² + Δb²))
+  std::vector<LevelPair> levels;   ///< of the spatial contrast maps; each is limited to the levels that the frame has
+  Normalization contrast_normalization = Normalization::none; ///< of each contrast map before they are summed
+  bool contrast_mean = false;      ///< mean of the contrast maps rather than their sum
+  int saliency_level = 2;          ///< level of the spatial saliency map; contrast maps are brought to it grid-correctly
+  std::vector<WindowPair> windows; ///< of the temporal contrast maps
+  TemporalSign temporal_sign = TemporalSign::absolute;
+  bool temporal_mean = false;      ///< mean of the temporal contrast maps rather than their sum
+  TimeBase time_base = TimeBase::seconds;
+  HistoryStart history_start = HistoryStart::filled;
+  Normalization temporal_normalization = Normalization::none; ///< of the spatiotemporal saliency map
+
+  /// The paper taken literally where it is explicit: c ∈ {2,3,4}, δ ∈ {3,4}, N(·), absolute temporal differences of
+  /// levels c ∈ {0,1,2}, s = c + {3,4}, per-pixel L*a*b*.
+  static Profile paper();
+
+  /// What measures best so far (docs/algorithm.md): one pair c = 2, δ = 1, chroma × 2, no N(·), pooled to level 4, onsets
+  /// only, windows 1/8, 2/16, 4/32, 8/64.
+  static Profile tuned();
+};
+
+} // namespace saliency

@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include "tactor/command_planner.h"
+
+#include <optional>
+#include <span>
+#include <vector>
+
+namespace tactor {
+
+/// Planned commands in order of their due time, and what every motor was told last. Not thread-safe.
+class CommandQueue
+{
+public:
+  explicit CommandQueue(int tactors);
+
+  void push(std::span<const Command> commands);
+
+  /// Due time of the earliest command, if any.
+  std::optional<Time> next_due() const;
+
+  /// Takes all commands due at or before `now`, in order of due time. Commands for the same tactor coalesce: only the
+  /// latest is returned, `coalesced()` counts the others. levels() is up to date afterwards.
+  std::vector<Command> take_due(Time now);
+
+  /// Volts of all tactors after the commands taken so far: what a resume after pause reissues.
+  std::span<const double> levels() const;
+
+  /// Drops everything and sets all levels to zero (flush, stop). Returns how many commands were dropped.
+  std::size_t clear();
+
+  std::size_t size() const;
+  std::size_t coalesced() const; ///< since construction
+
+private:
+  // …
+};
+
+} // namespace tactor

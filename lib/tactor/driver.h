@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include "tactor/time.h"
+
+#include <functional>
+#include <memory>
+#include <span>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace tactor {
+
+/// What went wrong with a board, in one line that says what was expected, what came and what to do.
+class DriverError : public std::runtime_error
+{
+public:
+  enum class Kind
+  {
+    not_found,  ///< no such driver or no such board
+    busy,       ///< another program has it
+    permission, ///< the user may not open it
+    settings,   ///< the configuration does not fit the board
+    lost,       ///< the board went away
+    failed,     ///< anything else
+  };
+
+  DriverError(Kind kind, const std::string &what)
+      : std::runtime_error(what), kind_(kind)
+  {
+  }
+
+  Kind
+  kind() const
+  {
+    return kind_;
+  }
+
+private:
+  Kind kind_;
+};
+
+/// What a driver is opened with.
+struct DriverConfig
+{
+  std::string device;             ///< which board: serial number or bus path; the simulator takes a file name (see there)
+  int tactors = 9;                ///< how many tactors the film needs, 1…4096
+  double full_scale_volts = 3.0;  ///< volts at the motor when a board's output is fully on
+};
+
+/// A board that drives tactors. A driver is called from one thread only (the sink's scheduler). close() and the
+/// destructor leave every motor at zero. All methods but close() may throw DriverError.
+class Driver
+{
+public:
+  virtual ~Driver() = default;
+
+  /// Opens the board; every motor is at zero afterwards.
+  virtual void open(const DriverConfig &config) = 0;
+
+  /// Number of tactors that the open board can drive, at most `config.tactors`.
+  virtual int tactors() const = 0;
+
+  /// Smallest difference in volts that the board can make; 0 if it is continuous.
+  virtual double resolution() const = 0;
+
+  /// Time from write() to the motor's terminals; part of every command's lead.
+  virtual Time transport_latency() const = 0;
+
+  /// Sets all tactors at once: `volts.size() == tactors()`, 0 … full_scale_volts. `now` is the running time.
+  virtual void write(std::span<const double> volts, Time now) = 0;
+
+  /// Motors to zero, board released. Never throws; harmless when not open.
+  virtual void close() noexcept = 0;
+};
+
+/// One line of the list of drivers.
+struct DriverInfo
+{
+  std::string_view name;        ///< as in `tactorsink driver=NAME`
+  std::string_view description; ///< one line
+  std::function<std::unique_ptr<Driver>()> create;
+};
+
+/// All drivers that were built, the default one first.
+const std::vector<DriverInfo> &drivers();
+
+/// A driver by name. Throws DriverError::Kind::not_found with the known names in the text.
+std::unique_ptr<Driver> make_driver(std::string_view name);
+
+} // namespace tactor

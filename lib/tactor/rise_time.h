@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include "tactor/time.h"
+
+#include <variant>
+#include <vector>
+
+namespace tactor {
+
+/// Motors below this voltage do not turn (paper, Section 4: "less than a certain threshold (e.g., 0.5 V)").
+inline constexpr double kStartVolts = 0.5;
+
+/// The paper's Eq. 1: time in milliseconds from `start_volts` to 90 % of the steady-state vibration of
+/// `start_volts + offset_volts`, the raw fit: neither clamped nor monotone (R² = 0.98 on 0–3.0 V).
+double rise_time_quadratic_ms(double start_volts, double offset_volts);
+
+/// Measured rise times of one motor on a regular grid of start and target volts; bilinear in between,
+/// clamped to the grid's edges outside.
+struct RiseTimeTable
+{
+  double step_volts = 0.1;                       ///< spacing of both axes; both begin at 0 V
+  int size = 0;                                  ///< points per axis
+  std::vector<double> milliseconds;              ///< size × size, [start * size + target]
+};
+
+/// How long a motor needs to rise from one voltage to another.
+class RiseTime
+{
+public:
+  /// The paper's quadratic.
+  RiseTime() = default;
+  /// A calibrated table. Throws std::invalid_argument if its size does not fit or a time is negative or not finite.
+  explicit RiseTime(RiseTimeTable table);
+
+  /// Time from start to 90 % of target, at least 0. Zero where the motor does not accelerate
+  /// (target ≤ start: "decelerating ones were within a frame") and where the target is below kStartVolts.
+  Time operator()(double start_volts, double target_volts) const;
+
+private:
+  std::variant<std::monostate, RiseTimeTable> model_;
+};
+
+} // namespace tactor
