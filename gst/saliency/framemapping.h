@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include "saliency/frame_view.h"
+
+#include <gst/video/video.h>
+
+/// The raw formats whose samples saliency::FrameView can describe, for caps.
+#define FRAME_MAPPING_FORMATS                                                                                                \
+  "{ I420, YV12, NV12, NV21, YUY2, UYVY, Y42B, Y444, RGB, BGR, RGBx, BGRx, xRGB, xBGR, RGBA, BGRA, ARGB, ABGR, GRAY8, "       \
+  "I420_10LE, P010_10LE }"
+
+/// A buffer mapped for reading for as long as this lives, and its samples as saliency::FrameView sees them. The part
+/// that a GstVideoCropMeta cuts out is seen alone.
+class FrameMapping
+{
+public:
+  FrameMapping(const GstVideoInfo &info, GstBuffer *buffer);
+  ~FrameMapping();
+  FrameMapping(const FrameMapping &) = delete;
+  FrameMapping &operator=(const FrameMapping &) = delete;
+
+  /// False if the buffer could not be mapped, or is smaller than its format says.
+  explicit
+  operator bool() const
+  {
+    return mapped_;
+  }
+
+  const saliency::FrameView &
+  view() const
+  {
+    return view_;
+  }
+
+private:
+  GstVideoFrame frame_;
+  bool mapped_;
+  saliency::FrameView view_;
+};

@@ -1,0 +1,547 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+/**
+ * SECTION:element-saliencytactile
+ * @title: saliencytactile
+ * @short_description: finds what draws the eye and adds it to each frame as a tactile map
+ *
+ * saliencytactile analyses the frames that pass through it and adds a #GstTactileMeta to each: a small grid of levels, 3 × 3
+ * by default, that says where and how strongly the film shall be felt. Pixels and memory are left as they are.
+ *
+ * The analysis is "Saliency-Driven Tactile Effect Authoring for Real-Time Visuotactile Feedback" (Kim, Lee, Choi 2012): spatial
+ * centre-surround contrast in CIE L*a*b*, temporal centre-surround contrast of the resulting maps, a threshold, pooling to the
+ * grid. `profile=paper` takes the paper literally; the default, `profile=tuned`, feels what appears or moves, and
+ * neither what went away nor sensor noise.
+ *
+ * ## Example launch lines
+ * |[
+ * gst-launch-1.0 tactiletestsrc num-buffers=150 ! saliencytactile ! tactileoverlay ! videoconvert ! autovideosink
+ * gst-launch-1.0 tactiletestsrc num-buffers=150 ! saliencytactile rows=4 columns=6 attach-saliency=true ! \
+ *     tactileoverlay style=heatmap ! videoconvert ! autovideosink
+ * ]|
+ *
+ * ## Messages
+ * - `saliencytactile-stats`: the contents of #GstSaliencyTactile:stats at the end of the stream.
+ *
+ * Since: 0.1
+ */
+#include "gstsaliencytactile.h"
+
+#include "framemapping.h"
+#include "saliency/analyzer.h"
+#include "tactile/tactile_mapping.h"
+
+#include <gst/tactile/tactile.h>
+
+#include <chrono>
+#include <optional>
+#include <vector>
+
+GST_DEBUG_CATEGORY_STATIC(saliency_tactile_debug);
+#define GST_CAT_DEFAULT saliency_tactile_debug
+
+namespace {
+
+enum
+{
+  PROP_0,
+  PROP_PROFILE,
+  PROP_ROWS,
+  PROP_COLUMNS,
+  PROP_TEMPORAL,
+  PROP_THRESHOLD,
+  PROP_FLOOR,
+  PROP_ATTACH_SALIENCY,
+  PROP_MAX_RATE,
+  PROP_STATS,
+};
+
+enum class ProfileName
+{
+  tuned,
+  paper,
+};
+
+/// A floor that is not set is the profile's own.
+constexpr double kProfileFloor = -1;
+
+/// What the user sets; guarded by the object lock.
+struct Settings
+{
+  ProfileName profile = ProfileName::tuned;
+  int rows = 3;
+  int columns = 3;
+  bool temporal = true;
+  double threshold = 0.5;
+  double floor = kProfileFloor;
+  bool attach_saliency = false;
+  double max_rate = 0;
+};
+
+struct Statistics
+{
+  guint64 frames = 0;   ///< passed through
+  guint64 analysed = 0; ///< of these
+  guint64 active = 0;   ///< frames with any level above zero
+  GstClockTime busy = 0;
+  GstClockTime longest = 0;
+};
+
+saliency::Profile
+make_profile(ProfileName name)
+{
+  return name == ProfileName::paper ? saliency::Profile::paper() : saliency::Profile::tuned();
+}
+
+tactile::MappingSettings
+make_mapping(const Settings &settings)
+{
+  tactile::MappingSettings mapping = settings.profile == ProfileName::paper ? tactile::MappingSettings::paper()
+                                                                            : tactile::MappingSettings::tuned();
+  mapping.threshold = settings.threshold;
+  if (settings.floor >= 0)
+    mapping.floor = settings.floor * mapping.units_per_delta_e;
+  return mapping;
+}
+
+} // namespace
+
+struct GstSaliencyTactilePrivate
+{
+  Settings settings; ///< object lock
+  Statistics stats;  ///< object lock
+
+  // Streaming thread only.
+  GstVideoInfo info;
+  bool negotiated = false;
+  ProfileName profile = ProfileName::tuned; ///< of the analyzer
+  std::optional<saliency::Analyzer> analyzer;
+  tactile::TactileMap map;
+  std::vector<gfloat> saliency; ///< packed copy of the last saliency map
+  guint saliency_width = 0;
+  guint saliency_height = 0;
+  gfloat saliency_floor = 0;
+  std::optional<saliency::Time> last_analysed;
+  saliency::Time next_time{ 0 }; ///< for frames without one
+  bool warned_map = false;
+};
+
+struct _GstSaliencyTactile
+{
+  GstBaseTransform parent;
+  GstSaliencyTactilePrivate *priv;
+};
+
+#define gst_saliency_tactile_parent_class parent_class
+G_DEFINE_TYPE_WITH_CODE(GstSaliencyTactile, gst_saliency_tactile, GST_TYPE_BASE_TRANSFORM,
+                        GST_DEBUG_CATEGORY_INIT(saliency_tactile_debug, "saliencytactile", 0, "visual saliency to tactile maps"));
+GST_ELEMENT_REGISTER_DEFINE(saliencytactile, "saliencytactile", GST_RANK_NONE, GST_TYPE_SALIENCY_TACTILE);
+
+#define SALIENCY_CAPS                                                                                                        \
+  GST_VIDEO_CAPS_MAKE(FRAME_MAPPING_FORMATS) "; " GST_VIDEO_CAPS_MAKE_WITH_FEATURES("ANY", FRAME_MAPPING_FORMATS)
+static GstStaticPadTemplate sink_template =
+    GST_STATIC_PAD_TEMPLATE("sink", GST_PAD_SINK, GST_PAD_ALWAYS, GST_STATIC_CAPS(SALIENCY_CAPS));
+static GstStaticPadTemplate src_template =
+    GST_STATIC_PAD_TEMPLATE("src", GST_PAD_SRC, GST_PAD_ALWAYS, GST_STATIC_CAPS(SALIENCY_CAPS));
+
+#define GST_TYPE_SALIENCY_TACTILE_PROFILE (gst_saliency_tactile_profile_get_type())
+static GType
+gst_saliency_tactile_profile_get_type(void)
+{
+  static gsize type = 0;
+  static const GEnumValue values[] = {
+    { static_cast<gint>(ProfileName::tuned), "What measures best: onsets only, absolute floor, perceptual gain", "tuned" },
+    { static_cast<gint>(ProfileName::paper), "Kim, Lee, Choi 2012, taken literally", "paper" },
+    { 0, nullptr, nullptr },
+  };
+  if (g_once_init_enter(&type))
+    g_once_init_leave(&type, g_enum_register_static("GstSaliencyTactileProfile", values));
+  return type;
+}
+
+/* ---- analysis (streaming thread) ---- */
+
+/// Time and duration of a frame on a time line that rises even where the film is played backwards.
+static void
+gst_saliency_tactile_times(GstSaliencyTactile *self, GstBuffer *buffer, saliency::Time &time, saliency::Time &duration)
+{
+  GstSaliencyTactilePrivate *priv = self->priv;
+  const GstSegment &segment = GST_BASE_TRANSFORM(self)->segment;
+  const GstVideoInfo &info = priv->info;
+
+  GstClockTime length = GST_BUFFER_DURATION(buffer);
+  if (!GST_CLOCK_TIME_IS_VALID(length))
+    length = info.fps_n > 0 ? gst_util_uint64_scale_int(GST_SECOND, info.fps_d, info.fps_n) : GST_SECOND / 30;
+  duration = saliency::Time(static_cast<gint64>(std::min<GstClockTime>(length, 3600 * GST_SECOND)));
+
+  const GstClockTime pts = GST_BUFFER_PTS(buffer);
+  if (!GST_CLOCK_TIME_IS_VALID(pts))
+    time = priv->next_time;
+  else if (segment.format == GST_FORMAT_TIME && segment.rate < 0)
+    time = -saliency::Time(static_cast<gint64>(pts));
+  else
+    time = saliency::Time(static_cast<gint64>(pts));
+  priv->next_time = time + duration;
+}
+
+static void
+gst_saliency_tactile_analyse(GstSaliencyTactile *self, const Settings &settings, GstBuffer *buffer, saliency::Time time,
+                             saliency::Time duration)
+{
+  GstSaliencyTactilePrivate *priv = self->priv;
+
+  const FrameMapping mapping(priv->info, buffer);
+  if (!mapping) {
+    if (!priv->warned_map)
+      GST_ELEMENT_WARNING(self, RESOURCE, READ, ("A frame could not be read; it is felt as nothing."),
+                          ("expected %" GST_PTR_FORMAT " in readable memory",
+                           gst_video_info_to_caps(&priv->info)));
+    priv->warned_map = true;
+    priv->map = tactile::TactileMap(settings.rows, settings.columns);
+    return;
+  }
+
+  const saliency::Saliency &found = priv->analyzer->analyze(mapping.view(), time, duration, settings.temporal);
+  const tactile::MappingSettings how = make_mapping(settings);
+  const tactile::SaliencyView view{ .values = found.map.ptr<float>(),
+                                    .width = found.map.cols,
+                                    .height = found.map.rows,
+                                    .stride = static_cast<std::ptrdiff_t>(found.map.step1()) };
+  if (priv->map.rows != settings.rows || priv->map.columns != settings.columns)
+    priv->map = tactile::TactileMap(settings.rows, settings.columns);
+  tactile::map_saliency(view, how, priv->map);
+
+  if (settings.attach_saliency) {
+    priv->saliency_width = static_cast<guint>(view.width);
+    priv->saliency_height = static_cast<guint>(view.height);
+    priv->saliency_floor = static_cast<gfloat>(how.floor);
+    priv->saliency.clear();
+    for (int y = 0; y < view.height; y++)
+      priv->saliency.insert(priv->saliency.end(), view.values + y * view.stride, view.values + y * view.stride + view.width);
+  }
+}
+
+static GstFlowReturn
+gst_saliency_tactile_transform_ip(GstBaseTransform *transform, GstBuffer *buffer)
+{
+  GstSaliencyTactile *self = GST_SALIENCY_TACTILE(transform);
+  GstSaliencyTactilePrivate *priv = self->priv;
+
+  if (!priv->negotiated)
+    return GST_FLOW_NOT_NEGOTIATED;
+
+  GST_OBJECT_LOCK(self);
+  const Settings settings = priv->settings;
+  GST_OBJECT_UNLOCK(self);
+
+  if (GST_BUFFER_FLAG_IS_SET(buffer, GST_BUFFER_FLAG_DISCONT) && priv->analyzer)
+    priv->analyzer->reset();
+
+  saliency::Time time;
+  saliency::Time duration;
+  gst_saliency_tactile_times(self, buffer, time, duration);
+
+  // Between two analyses the last map holds, unless it is for another grid or from another part of the film.
+  const bool fits = priv->map.rows == settings.rows && priv->map.columns == settings.columns;
+  const bool due = settings.max_rate <= 0 || !priv->last_analysed || time < *priv->last_analysed
+                   || std::chrono::duration<double>(time + duration / 2 - *priv->last_analysed).count() >= 1 / settings.max_rate;
+  GstClockTime spent = 0;
+  const bool analyse = due || !fits || !priv->analyzer || priv->profile != settings.profile;
+  if (analyse) {
+    try {
+      const GstClockTime begin = gst_util_get_timestamp();
+      if (!priv->analyzer || priv->profile != settings.profile) {
+        priv->profile = settings.profile;
+        priv->analyzer.emplace(make_profile(settings.profile));
+      }
+      saliency::Time span = duration;
+      if (settings.max_rate > 0)
+        span = std::max(span, saliency::Time(static_cast<gint64>(1e9 / settings.max_rate)));
+      gst_saliency_tactile_analyse(self, settings, buffer, time, span);
+      priv->last_analysed = time;
+      spent = gst_util_get_timestamp() - begin;
+    } catch (const std::exception &e) {
+      GST_ELEMENT_ERROR(self, STREAM, FAILED, ("The film analysis failed."), ("%s", e.what()));
+      return GST_FLOW_ERROR;
+    }
+  }
+
+  gst_buffer_add_tactile_meta(buffer, static_cast<guint>(priv->map.rows), static_cast<guint>(priv->map.columns),
+                              priv->map.levels.data(), priv->map.levels.size());
+  if (settings.attach_saliency && !priv->saliency.empty())
+    gst_buffer_add_saliency_meta(buffer, priv->saliency_width, priv->saliency_height, priv->saliency.data(),
+                                 priv->saliency.size(), priv->saliency_floor);
+
+  GST_OBJECT_LOCK(self);
+  Statistics &stats = priv->stats;
+  stats.frames++;
+  stats.analysed += analyse ? 1 : 0;
+  stats.active += std::ranges::any_of(priv->map.levels, [](float level) { return level > 0; }) ? 1 : 0;
+  stats.busy += spent;
+  stats.longest = std::max(stats.longest, spent);
+  GST_OBJECT_UNLOCK(self);
+  return GST_FLOW_OK;
+}
+
+/// The same memory in a buffer whose metas may be written.
+static GstFlowReturn
+gst_saliency_tactile_prepare_output_buffer(GstBaseTransform *, GstBuffer *input, GstBuffer **output)
+{
+  *output = gst_buffer_is_writable(input) ? input : gst_buffer_copy(input);
+  return *output ? GST_FLOW_OK : GST_FLOW_ERROR;
+}
+
+static GstStructure *
+gst_saliency_tactile_stats(GstSaliencyTactile *self)
+{
+  GST_OBJECT_LOCK(self);
+  const Statistics stats = self->priv->stats;
+  GST_OBJECT_UNLOCK(self);
+  return gst_structure_new("application/x-saliency-stats", "frames", G_TYPE_UINT64, stats.frames, "analysed", G_TYPE_UINT64,
+                           stats.analysed, "active", G_TYPE_UINT64, stats.active, "analysis-mean", G_TYPE_UINT64,
+                           stats.analysed ? stats.busy / stats.analysed : 0, "analysis-max", G_TYPE_UINT64, stats.longest,
+                           nullptr);
+}
+
+/* ---- stream ---- */
+
+static void
+gst_saliency_tactile_reset(GstSaliencyTactile *self)
+{
+  GstSaliencyTactilePrivate *priv = self->priv;
+  if (priv->analyzer)
+    priv->analyzer->reset();
+  priv->map = {};
+  priv->saliency.clear();
+  priv->last_analysed.reset();
+  priv->next_time = saliency::Time(0);
+}
+
+static gboolean
+gst_saliency_tactile_set_caps(GstBaseTransform *transform, GstCaps *incaps, GstCaps *)
+{
+  GstSaliencyTactile *self = GST_SALIENCY_TACTILE(transform);
+  GstSaliencyTactilePrivate *priv = self->priv;
+
+  priv->negotiated = gst_video_info_from_caps(&priv->info, incaps);
+  if (!priv->negotiated) {
+    GST_ERROR_OBJECT(self, "expected raw video with a size of at least 1 x 1, got %" GST_PTR_FORMAT, incaps);
+    return FALSE;
+  }
+  gst_saliency_tactile_reset(self);
+  return TRUE;
+}
+
+static gboolean
+gst_saliency_tactile_sink_event(GstBaseTransform *transform, GstEvent *event)
+{
+  GstSaliencyTactile *self = GST_SALIENCY_TACTILE(transform);
+
+  switch (GST_EVENT_TYPE(event)) {
+    case GST_EVENT_SEGMENT:
+    case GST_EVENT_FLUSH_STOP:
+      gst_saliency_tactile_reset(self);
+      break;
+    case GST_EVENT_EOS: {
+      GstStructure *stats = gst_saliency_tactile_stats(self);
+      gst_structure_set_name(stats, "saliencytactile-stats");
+      gst_element_post_message(GST_ELEMENT(self), gst_message_new_element(GST_OBJECT(self), stats));
+      break;
+    }
+    default:
+      break;
+  }
+  return GST_BASE_TRANSFORM_CLASS(parent_class)->sink_event(transform, event);
+}
+
+static gboolean
+gst_saliency_tactile_start(GstBaseTransform *transform)
+{
+  GstSaliencyTactile *self = GST_SALIENCY_TACTILE(transform);
+  self->priv->negotiated = false;
+  self->priv->warned_map = false;
+  self->priv->analyzer.reset();
+  gst_saliency_tactile_reset(self);
+  GST_OBJECT_LOCK(self);
+  self->priv->stats = {};
+  GST_OBJECT_UNLOCK(self);
+  return TRUE;
+}
+
+static gboolean
+gst_saliency_tactile_stop(GstBaseTransform *transform)
+{
+  GST_SALIENCY_TACTILE(transform)->priv->analyzer.reset();
+  return TRUE;
+}
+
+/* ---- properties ---- */
+
+static void
+gst_saliency_tactile_set_property(GObject *object, guint id, const GValue *value, GParamSpec *pspec)
+{
+  Settings &settings = GST_SALIENCY_TACTILE(object)->priv->settings;
+  GST_OBJECT_LOCK(object);
+  switch (id) {
+    case PROP_PROFILE:
+      settings.profile = static_cast<ProfileName>(g_value_get_enum(value));
+      break;
+    case PROP_ROWS:
+      settings.rows = static_cast<int>(g_value_get_uint(value));
+      break;
+    case PROP_COLUMNS:
+      settings.columns = static_cast<int>(g_value_get_uint(value));
+      break;
+    case PROP_TEMPORAL:
+      settings.temporal = g_value_get_boolean(value);
+      break;
+    case PROP_THRESHOLD:
+      settings.threshold = g_value_get_double(value);
+      break;
+    case PROP_FLOOR:
+      settings.floor = g_value_get_double(value);
+      break;
+    case PROP_ATTACH_SALIENCY:
+      settings.attach_saliency = g_value_get_boolean(value);
+      break;
+    case PROP_MAX_RATE:
+      settings.max_rate = g_value_get_double(value);
+      break;
+    default:
+      G_OBJECT_WARN_INVALID_PROPERTY_ID(object, id, pspec);
+      break;
+  }
+  GST_OBJECT_UNLOCK(object);
+}
+
+static void
+gst_saliency_tactile_get_property(GObject *object, guint id, GValue *value, GParamSpec *pspec)
+{
+  const Settings &settings = GST_SALIENCY_TACTILE(object)->priv->settings;
+
+  if (id == PROP_STATS) {
+    g_value_take_boxed(value, gst_saliency_tactile_stats(GST_SALIENCY_TACTILE(object)));
+    return;
+  }
+
+  GST_OBJECT_LOCK(object);
+  switch (id) {
+    case PROP_PROFILE:
+      g_value_set_enum(value, static_cast<gint>(settings.profile));
+      break;
+    case PROP_ROWS:
+      g_value_set_uint(value, static_cast<guint>(settings.rows));
+      break;
+    case PROP_COLUMNS:
+      g_value_set_uint(value, static_cast<guint>(settings.columns));
+      break;
+    case PROP_TEMPORAL:
+      g_value_set_boolean(value, settings.temporal);
+      break;
+    case PROP_THRESHOLD:
+      g_value_set_double(value, settings.threshold);
+      break;
+    case PROP_FLOOR:
+      g_value_set_double(value, settings.floor);
+      break;
+    case PROP_ATTACH_SALIENCY:
+      g_value_set_boolean(value, settings.attach_saliency);
+      break;
+    case PROP_MAX_RATE:
+      g_value_set_double(value, settings.max_rate);
+      break;
+    default:
+      G_OBJECT_WARN_INVALID_PROPERTY_ID(object, id, pspec);
+      break;
+  }
+  GST_OBJECT_UNLOCK(object);
+}
+
+static void
+gst_saliency_tactile_install_properties(GObjectClass *klass)
+{
+  const auto playing = static_cast<GParamFlags>(G_PARAM_READWRITE | G_PARAM_STATIC_STRINGS | GST_PARAM_MUTABLE_PLAYING);
+  const auto controllable = static_cast<GParamFlags>(playing | GST_PARAM_CONTROLLABLE);
+  const Settings defaults;
+
+  g_object_class_install_property(klass, PROP_PROFILE,
+                                  g_param_spec_enum("profile", "Profile", "How saliency is computed",
+                                                    GST_TYPE_SALIENCY_TACTILE_PROFILE, static_cast<gint>(defaults.profile),
+                                                    playing));
+  g_object_class_install_property(klass, PROP_ROWS,
+                                  g_param_spec_uint("rows", "Rows", "Rows of the tactile map", tactile::kMinGridSide,
+                                                    tactile::kMaxGridSide, static_cast<guint>(defaults.rows), playing));
+  g_object_class_install_property(klass, PROP_COLUMNS,
+                                  g_param_spec_uint("columns", "Columns", "Columns of the tactile map", tactile::kMinGridSide,
+                                                    tactile::kMaxGridSide, static_cast<guint>(defaults.columns), playing));
+  g_object_class_install_property(
+      klass, PROP_TEMPORAL,
+      g_param_spec_boolean("temporal", "Temporal", "Feel what changes (spatiotemporal saliency) rather than what stands out in a still picture (spatial saliency)",
+                           defaults.temporal, controllable));
+  g_object_class_install_property(
+      klass, PROP_THRESHOLD,
+      g_param_spec_double("threshold", "Threshold", "Share of the frame's maximum saliency below which nothing is felt", 0, 1,
+                          defaults.threshold, controllable));
+  g_object_class_install_property(
+      klass, PROP_FLOOR,
+      g_param_spec_double("floor", "Floor",
+                          "Event contrast in CIE Delta E up to which a frame is silent whatever its maximum (-1 = the profile's own)",
+                          kProfileFloor, 1000, defaults.floor, controllable));
+  g_object_class_install_property(klass, PROP_ATTACH_SALIENCY,
+                                  g_param_spec_boolean("attach-saliency", "Attach saliency",
+                                                       "Add the saliency map to each frame too, as a GstSaliencyMeta",
+                                                       defaults.attach_saliency, playing));
+  g_object_class_install_property(
+      klass, PROP_MAX_RATE,
+      g_param_spec_double("max-rate", "Maximum rate", "Analyse at most this many frames per second; the others repeat the last map (0 = all)",
+                          0, 1000, defaults.max_rate, playing));
+  g_object_class_install_property(
+      klass, PROP_STATS,
+      g_param_spec_boxed("stats", "Statistics",
+                         "Frames passed, analysed and active (any level above 0); mean and longest analysis time in ns",
+                         GST_TYPE_STRUCTURE, static_cast<GParamFlags>(G_PARAM_READABLE | G_PARAM_STATIC_STRINGS)));
+}
+
+static void
+gst_saliency_tactile_finalize(GObject *object)
+{
+  delete GST_SALIENCY_TACTILE(object)->priv;
+  G_OBJECT_CLASS(parent_class)->finalize(object);
+}
+
+static void
+gst_saliency_tactile_class_init(GstSaliencyTactileClass *klass)
+{
+  GObjectClass *object_class = G_OBJECT_CLASS(klass);
+  GstElementClass *element_class = GST_ELEMENT_CLASS(klass);
+  GstBaseTransformClass *transform_class = GST_BASE_TRANSFORM_CLASS(klass);
+
+  object_class->set_property = gst_saliency_tactile_set_property;
+  object_class->get_property = gst_saliency_tactile_get_property;
+  object_class->finalize = gst_saliency_tactile_finalize;
+  gst_saliency_tactile_install_properties(object_class);
+
+  gst_element_class_set_static_metadata(element_class, "Saliency to touch", "Filter/Analyzer/Video",
+                                        "Finds what draws the eye and adds it to each frame as a tactile map (GstTactileMeta)",
+                                        "The visuotactile authors");
+  gst_element_class_add_static_pad_template(element_class, &sink_template);
+  gst_element_class_add_static_pad_template(element_class, &src_template);
+  gst_type_mark_as_plugin_api(GST_TYPE_SALIENCY_TACTILE_PROFILE, static_cast<GstPluginAPIFlags>(0));
+
+  transform_class->set_caps = gst_saliency_tactile_set_caps;
+  transform_class->sink_event = gst_saliency_tactile_sink_event;
+  transform_class->start = gst_saliency_tactile_start;
+  transform_class->stop = gst_saliency_tactile_stop;
+  transform_class->prepare_output_buffer = gst_saliency_tactile_prepare_output_buffer;
+  transform_class->transform_ip = gst_saliency_tactile_transform_ip;
+  // Passthrough leaves caps, ALLOCATION and pools to the neighbours; transform_ip still sees every frame.
+  transform_class->transform_ip_on_passthrough = TRUE;
+}
+
+static void
+gst_saliency_tactile_init(GstSaliencyTactile *self)
+{
+  self->priv = new GstSaliencyTactilePrivate;
+  gst_video_info_init(&self->priv->info);
+  gst_base_transform_set_in_place(GST_BASE_TRANSFORM(self), TRUE);
+  gst_base_transform_set_passthrough(GST_BASE_TRANSFORM(self), TRUE);
+}

@@ -1,0 +1,11 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "gstsaliencytactile.h"
+
+static gboolean
+plugin_init(GstPlugin *plugin)
+{
+  return GST_ELEMENT_REGISTER(saliencytactile, plugin);
+}
+
+GST_PLUGIN_DEFINE(GST_VERSION_MAJOR, GST_VERSION_MINOR, gstsaliency, "Finds what draws the eye in a film and turns it into touch",
+                  plugin_init, PACKAGE_VERSION, "LGPL", PACKAGE_NAME, PACKAGE_ORIGIN)

@@ -1,0 +1,398 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "tactorscheduler.h"
+
+#include <algorithm>
+#include <utility>
+
+using tactor::Command;
+using tactor::Time;
+
+/// One reading of the clock.
+struct TactorScheduler::Moment
+{
+  GstClock *clock = nullptr; ///< owned; NULL: there is none
+  GstClockTimeDiff offset = 0;
+  Time running{ 0 };
+
+  explicit Moment(TactorSchedulerHost::Timing timing, Time fallback)
+      : clock(timing.clock), offset(timing.offset), running(fallback)
+  {
+    if (clock)
+      running = Time(GST_CLOCK_DIFF(static_cast<GstClockTime>(offset), gst_clock_get_time(clock)));
+  }
+  ~Moment()
+  {
+    if (clock)
+      gst_object_unref(clock);
+  }
+  Moment(const Moment &) = delete;
+  Moment &operator=(const Moment &) = delete;
+};
+
+TactorScheduler::TactorScheduler(TactorSchedulerHost &host)
+    : host_(host), queue_(0)
+{
+}
+
+TactorScheduler::~TactorScheduler()
+{
+  stop();
+}
+
+void
+TactorScheduler::start(std::unique_ptr<tactor::Driver> driver, const tactor::DriverConfig &config,
+                       std::unique_ptr<tactor::CommandTrace> trace)
+{
+  stop();
+  driver_ = std::move(driver);
+  config_ = config;
+  trace_ = std::move(trace);
+  queue_ = tactor::CommandQueue(driver_->tactors());
+  sent_.clear();
+  counters_ = {};
+  expires_.reset();
+  quit_ = playing_ = changed_ = lost_ = starved_ = false;
+  running_ = next_reconnect_ = Time(0);
+  thread_ = std::thread([this] { run(); });
+}
+
+void
+TactorScheduler::stop()
+{
+  if (!thread_.joinable())
+    return;
+  {
+    std::lock_guard lock(mutex_);
+    quit_ = true;
+    wake();
+  }
+  thread_.join();
+  std::lock_guard lock(mutex_);
+  driver_.reset();
+  trace_.reset();
+  settled_.notify_all();
+}
+
+void
+TactorScheduler::play()
+{
+  std::unique_lock lock(mutex_);
+  playing_ = true;
+  settle(lock);
+}
+
+void
+TactorScheduler::pause()
+{
+  std::unique_lock lock(mutex_);
+  playing_ = false;
+  settle(lock);
+}
+
+void
+TactorScheduler::flush()
+{
+  std::unique_lock lock(mutex_);
+  counters_.dropped += queue_.clear();
+  expires_.reset();
+  starved_ = false;
+  settle(lock);
+}
+
+void
+TactorScheduler::set_muted(bool muted)
+{
+  std::unique_lock lock(mutex_);
+  muted_ = muted;
+  settle(lock);
+}
+
+void
+TactorScheduler::set_immediate(bool immediate)
+{
+  std::lock_guard lock(mutex_);
+  immediate_ = immediate;
+  wake();
+}
+
+void
+TactorScheduler::push(std::span<const Command> commands, Time expires)
+{
+  std::lock_guard lock(mutex_);
+  const std::optional<Time> before = queue_.next_due();
+  queue_.push(commands);
+  const bool sleeps_on_nothing = !before && !expires_;
+  expires_ = expires;
+  // A wait that ends too early looks again and goes on waiting; only one that would end too late is cut short.
+  if (sleeps_on_nothing || (queue_.next_due() && (!before || *queue_.next_due() < *before)))
+    wake();
+}
+
+void
+TactorScheduler::timing_changed()
+{
+  std::lock_guard lock(mutex_);
+  wake();
+}
+
+bool
+TactorScheduler::take_starved()
+{
+  std::lock_guard lock(mutex_);
+  return std::exchange(starved_, false);
+}
+
+TactorScheduler::Counters
+TactorScheduler::counters() const
+{
+  std::lock_guard lock(mutex_);
+  Counters counters = counters_;
+  counters.coalesced = queue_.coalesced();
+  return counters;
+}
+
+bool
+TactorScheduler::trace_failed() const
+{
+  std::lock_guard lock(mutex_);
+  return trace_ && trace_->failed();
+}
+
+/// Ends whatever the thread waits on; it looks at everything anew.
+void
+TactorScheduler::wake()
+{
+  if (waiting_)
+    gst_clock_id_unschedule(waiting_);
+  wake_.notify_all();
+}
+
+/// Returns when what the motors shall do now is what they were told.
+void
+TactorScheduler::settle(Lock &lock)
+{
+  if (!thread_.joinable())
+    return;
+  changed_ = true;
+  wake();
+  settled_.wait(lock, [this] { return !changed_ || quit_; });
+}
+
+void
+TactorScheduler::run()
+{
+  std::unique_lock lock(mutex_);
+  while (!quit_)
+    turn(lock);
+  playing_ = false;
+  counters_.dropped += queue_.clear();
+  apply(lock, running_, {});
+  changed_ = false;
+  settled_.notify_all();
+  if (driver_)
+    driver_->close();
+  if (trace_)
+    trace_->flush();
+}
+
+void
+TactorScheduler::turn(Lock &lock)
+{
+  if (!changed_ && (!playing_ || (!queue_.next_due() && !expires_))) {
+    wake_.wait(lock);
+    return;
+  }
+
+  // The host takes the element's locks, under which others may be waiting for ours.
+  lock.unlock();
+  const Moment moment(host_.timing(), running_);
+  lock.lock();
+  running_ = moment.running;
+
+  if (changed_) {
+    // Cleared first: whoever asks for more while the driver is being written to gets another turn.
+    changed_ = false;
+    apply(lock, moment.running, {});
+    if (!playing_ && trace_)
+      trace_->flush();
+    settled_.notify_all();
+    return;
+  }
+  if (quit_ || !playing_)
+    return;
+
+  if (immediate_ || !moment.clock) {
+    expires_.reset();
+    if (const std::vector<Command> due = queue_.take_due(Time::max()); !due.empty())
+      issue(lock, moment.running, due, false);
+    return;
+  }
+
+  const std::optional<Time> next = queue_.next_due();
+  if (next && *next <= moment.running) {
+    issue(lock, moment.running, queue_.take_due(moment.running), true);
+  } else if (!next && expires_ && *expires_ <= moment.running) {
+    starve(lock, moment.running);
+  } else if (next || expires_) {
+    wait_until(lock, moment, next ? *next : *expires_);
+  }
+}
+
+void
+TactorScheduler::wait_until(Lock &lock, const Moment &moment, Time running)
+{
+  const GstClockTimeDiff target = running.count() + moment.offset;
+  if (target <= 0)
+    return;
+  const GstClockID id = gst_clock_new_single_shot_id(moment.clock, static_cast<GstClockTime>(target));
+  waiting_ = id;
+  lock.unlock();
+  gst_clock_id_wait(id, nullptr);
+  lock.lock();
+  waiting_ = nullptr;
+  gst_clock_id_unref(id);
+}
+
+void
+TactorScheduler::issue(Lock &lock, Time running, std::span<const Command> commands, bool timed)
+{
+  Time latest{ 0 };
+  Time lead{ 0 };
+  for (const Command &command : commands) {
+    counters_.issued++;
+    if (!timed)
+      continue;
+    const Time late = running - command.due();
+    counters_.error.add(late);
+    if (late > kLate)
+      counters_.late++;
+    if (late > latest) {
+      latest = late;
+      lead = command.lead;
+    }
+  }
+  apply(lock, running, commands);
+  if (latest > kLate) {
+    lock.unlock();
+    host_.lead_short(lead, latest);
+    lock.lock();
+  }
+}
+
+void
+TactorScheduler::starve(Lock &lock, Time running)
+{
+  std::vector<Command> zeros;
+  const std::span<const double> levels = queue_.levels();
+  for (std::size_t i = 0; i < levels.size(); i++)
+    if (levels[i] > 0)
+      zeros.push_back({ .effect = *expires_, .lead = Time(0), .tactor = static_cast<int>(i), .volts = 0 });
+  expires_.reset();
+  if (zeros.empty())
+    return;
+  counters_.starved++;
+  starved_ = true;
+  queue_.push(zeros);
+  apply(lock, running, queue_.take_due(running));
+}
+
+/// Makes the driver's volts what they have to be now. `commands` are those that led here, for the trace; any other
+/// change (pause, resume, mute, flush) is traced as due and in effect when it happened.
+void
+TactorScheduler::apply(Lock &lock, Time running, std::span<const Command> commands)
+{
+  if (lost_ && playing_ && running >= next_reconnect_)
+    reconnect(lock, running);
+  if (!driver_ || lost_)
+    return;
+
+  const std::span<const double> levels = queue_.levels();
+  std::size_t used = std::max(sent_.size(), static_cast<std::size_t>(std::max(config_.tactors, 0)));
+  for (const Command &command : commands)
+    used = std::max(used, static_cast<std::size_t>(command.tactor) + 1);
+  used = std::min(used, levels.size());
+
+  const bool silent = !playing_ || muted_;
+  sent_.resize(used, 0.0);
+  std::vector<double> volts(used, 0.0);
+  if (!silent)
+    std::copy_n(levels.begin(), used, volts.begin());
+  if (volts == sent_)
+    return;
+
+  lock.unlock();
+  std::optional<tactor::DriverError> error;
+  try {
+    driver_->write(volts, running);
+  } catch (const tactor::DriverError &e) {
+    error = e;
+  } catch (const std::exception &e) {
+    error.emplace(tactor::DriverError::Kind::failed, e.what());
+  }
+  lock.lock();
+
+  if (error) {
+    lose(lock, running, *error);
+    return;
+  }
+  trace_changes(running, commands, volts);
+  sent_ = std::move(volts);
+}
+
+void
+TactorScheduler::trace_changes(Time running, std::span<const Command> commands, std::span<const double> volts)
+{
+  if (!trace_)
+    return;
+  for (std::size_t i = 0; i < volts.size(); i++) {
+    if (volts[i] == sent_[i])
+      continue;
+    const int index = static_cast<int>(i);
+    const auto command = std::ranges::find(commands, index, &Command::tactor);
+    Command sent{ .effect = running, .lead = Time(0), .tactor = index, .volts = volts[i] };
+    if (command != commands.end())
+      sent = *command;
+    sent.volts = volts[i];
+    trace_->write({ .command = sent, .issued = running });
+  }
+}
+
+void
+TactorScheduler::lose(Lock &lock, Time running, const tactor::DriverError &error)
+{
+  lost_ = true;
+  sent_.clear(); // nothing is known of the motors: a board that comes back begins at zero
+  next_reconnect_ = running + kReconnectInterval;
+  driver_->close();
+  const bool may_return = error.kind() == tactor::DriverError::Kind::lost;
+  if (!may_return)
+    driver_.reset();
+  lock.unlock();
+  if (may_return)
+    host_.device_lost(error);
+  else
+    host_.device_failed(error);
+  lock.lock();
+}
+
+void
+TactorScheduler::reconnect(Lock &lock, Time running)
+{
+  if (!driver_)
+    return;
+  next_reconnect_ = running + kReconnectInterval;
+  lock.unlock();
+  bool found = true;
+  try {
+    driver_->open(config_);
+  } catch (const std::exception &) {
+    found = false;
+  }
+  if (found)
+    host_.device_found();
+  lock.lock();
+  if (found) {
+    lost_ = false;
+    counters_.reconnects++;
+  }
+}

@@ -1,0 +1,203 @@
+/* SPDX-License-Identifier: LGPL-2.1-or-later */
+
+/**
+ * SECTION:gstsaliencymeta
+ * @title: GstSaliencyMeta
+ * @short_description: the saliency map of a video frame
+ *
+ * `saliencytactile attach-saliency=true` puts a #GstSaliencyMeta on every frame
+ * that it analyses, so that `tactileoverlay` or an application can show what the
+ * tactile map was made from.
+ */
+
+#include "gstsaliencymeta.h"
+
+#include <gst/video/gstvideometa.h>
+#include <math.h>
+
+static gboolean
+gst_saliency_meta_init(GstMeta *meta, gpointer params, GstBuffer *buffer)
+{
+  GstSaliencyMeta *self = (GstSaliencyMeta *)meta;
+
+  self->width = 0;
+  self->height = 0;
+  self->values = NULL;
+  self->floor = 0;
+  return TRUE;
+}
+
+static void
+gst_saliency_meta_free(GstMeta *meta, GstBuffer *buffer)
+{
+  GstSaliencyMeta *self = (GstSaliencyMeta *)meta;
+
+  g_clear_pointer(&self->values, g_free);
+}
+
+static gboolean
+gst_saliency_meta_transform(GstBuffer *dest, GstMeta *meta, GstBuffer *buffer, GQuark type,
+                            gpointer data)
+{
+  const GstSaliencyMeta *self = (const GstSaliencyMeta *)meta;
+
+  /* The map covers the whole picture at a resolution of its own, and a part of a buffer's bytes
+   * is no part of its picture. */
+  if (!GST_META_TRANSFORM_IS_COPY(type) && !GST_VIDEO_META_TRANSFORM_IS_SCALE(type))
+    return FALSE;
+
+  return gst_buffer_add_saliency_meta(dest, self->width, self->height, self->values,
+                                      (gsize)self->width * self->height, self->floor)
+         != NULL;
+}
+
+/**
+ * gst_saliency_meta_api_get_type: (skip)
+ *
+ * Returns: the type of the #GstSaliencyMeta API, whose only tag is `video`
+ *
+ * Since: 0.1
+ */
+GType
+gst_saliency_meta_api_get_type(void)
+{
+  static GType type = 0;
+  static const gchar *tags[] = { GST_META_TAG_VIDEO_STR, NULL };
+
+  if (g_once_init_enter(&type)) {
+    GType registered = gst_meta_api_type_register("GstSaliencyMetaAPI", tags);
+    g_once_init_leave(&type, registered);
+  }
+  return type;
+}
+
+/**
+ * gst_saliency_meta_get_info: (skip)
+ *
+ * Returns: the #GstMetaInfo of #GstSaliencyMeta
+ *
+ * Since: 0.1
+ */
+const GstMetaInfo *
+gst_saliency_meta_get_info(void)
+{
+  static const GstMetaInfo *info = NULL;
+
+  if (g_once_init_enter(&info)) {
+    const GstMetaInfo *registered = gst_meta_register(
+        GST_SALIENCY_META_API_TYPE, "GstSaliencyMeta", sizeof(GstSaliencyMeta),
+        gst_saliency_meta_init, gst_saliency_meta_free, gst_saliency_meta_transform);
+    g_once_init_leave(&info, registered);
+  }
+  return info;
+}
+
+/**
+ * gst_buffer_add_saliency_meta:
+ * @buffer: a writable #GstBuffer
+ * @width: columns of the map, 1 to %GST_SALIENCY_MAX_SIDE
+ * @height: rows of the map, 1 to %GST_SALIENCY_MAX_SIDE
+ * @values: (array length=n_values): values of at least 0, row-major from the
+ *     top left, in the units of the analysis; they are copied, negative values
+ *     and such as aren't finite become 0
+ * @n_values: number of @values: @width × @height
+ * @floor: in the same units, at least 0: a map whose maximum isn't above it is
+ *     silent
+ *
+ * Puts a saliency map on a video frame. A frame has one saliency map: if @buffer
+ * has a #GstSaliencyMeta already, its contents are replaced.
+ *
+ * Returns: (transfer none) (nullable): the #GstSaliencyMeta on @buffer, or %NULL
+ *     if a parameter is out of range
+ *
+ * Since: 0.1
+ */
+GstSaliencyMeta *
+gst_buffer_add_saliency_meta(GstBuffer *buffer, guint width, guint height, const gfloat *values,
+                             gsize n_values, gfloat floor)
+{
+  GstSaliencyMeta *self;
+  gfloat *copy;
+
+  g_return_val_if_fail(GST_IS_BUFFER(buffer), NULL);
+  g_return_val_if_fail(gst_buffer_is_writable(buffer), NULL);
+  g_return_val_if_fail(width >= 1 && width <= GST_SALIENCY_MAX_SIDE, NULL);
+  g_return_val_if_fail(height >= 1 && height <= GST_SALIENCY_MAX_SIDE, NULL);
+  g_return_val_if_fail(values != NULL, NULL);
+  g_return_val_if_fail(n_values == (gsize)width * height, NULL);
+  g_return_val_if_fail(isfinite(floor) && floor >= 0, NULL);
+
+  self = gst_buffer_get_saliency_meta(buffer);
+  if (self == NULL)
+    self = (GstSaliencyMeta *)gst_buffer_add_meta(buffer, GST_SALIENCY_META_INFO, NULL);
+  if (self == NULL)
+    return NULL;
+
+  /* @values may be the replaced meta's own. */
+  copy = g_new(gfloat, n_values);
+  for (gsize i = 0; i < n_values; i++)
+    copy[i] = isfinite(values[i]) && values[i] > 0 ? values[i] : 0.0f;
+
+  g_free(self->values);
+  self->values = copy;
+  self->width = width;
+  self->height = height;
+  self->floor = floor;
+  return self;
+}
+
+/**
+ * gst_buffer_get_saliency_meta:
+ * @buffer: a #GstBuffer
+ *
+ * Returns: (transfer none) (nullable): the #GstSaliencyMeta on @buffer, or %NULL
+ *     if it has none
+ *
+ * Since: 0.1
+ */
+GstSaliencyMeta *
+gst_buffer_get_saliency_meta(GstBuffer *buffer)
+{
+  g_return_val_if_fail(GST_IS_BUFFER(buffer), NULL);
+
+  return (GstSaliencyMeta *)gst_buffer_get_meta(buffer, GST_SALIENCY_META_API_TYPE);
+}
+
+/**
+ * gst_saliency_meta_get_value:
+ * @meta: a #GstSaliencyMeta
+ * @x: column of the map, 0 is the left one
+ * @y: row of the map, 0 is the top one
+ *
+ * Returns: the map's value there, at least 0, in the units of the analysis
+ *
+ * Since: 0.1
+ */
+gfloat
+gst_saliency_meta_get_value(const GstSaliencyMeta *meta, guint x, guint y)
+{
+  g_return_val_if_fail(meta != NULL, 0);
+  g_return_val_if_fail(x < meta->width && y < meta->height, 0);
+
+  return meta->values[(gsize)y * meta->width + x];
+}
+
+/**
+ * gst_saliency_meta_get_values:
+ * @meta: a #GstSaliencyMeta
+ * @n_values: (out): number of values: width × height
+ *
+ * Returns: (array length=n_values) (transfer none): the whole map, row-major from
+ *     the top left
+ *
+ * Since: 0.1
+ */
+const gfloat *
+gst_saliency_meta_get_values(const GstSaliencyMeta *meta, gsize *n_values)
+{
+  g_return_val_if_fail(meta != NULL, NULL);
+  g_return_val_if_fail(n_values != NULL, NULL);
+
+  *n_values = (gsize)meta->width * meta->height;
+  return meta->values;
+}

@@ -1,0 +1,166 @@
+/* SPDX-License-Identifier: LGPL-2.1-or-later */
+
+/**
+ * SECTION:gsttactilecaps
+ * @title: Tactile maps as a stream
+ * @short_description: caps and buffers of application/x-tactile-map
+ *
+ * A tactile stream is what is left of a film when only its tactile maps are
+ * kept: see %GST_TACTILE_MAP_MEDIA_TYPE for the form of its buffers.
+ */
+
+#include "gsttactilecaps.h"
+#include "gsttactilemeta.h"
+
+static gfloat
+clamp_level(gfloat level)
+{
+  return level > 0 ? MIN(level, 1.0f) : 0.0f; /* NaN > 0 is false */
+}
+
+static gboolean
+is_grid(gint rows, gint columns)
+{
+  return rows >= 1 && rows <= GST_TACTILE_MAX_GRID_SIDE && columns >= 1
+         && columns <= GST_TACTILE_MAX_GRID_SIDE;
+}
+
+/**
+ * gst_tactile_map_caps_new:
+ * @rows: rows of the grid of tactors, 1 to %GST_TACTILE_MAX_GRID_SIDE
+ * @columns: columns of the grid of tactors, 1 to %GST_TACTILE_MAX_GRID_SIDE
+ * @fps_n: numerator of the maps' rate, 0 if it is unknown or variable
+ * @fps_d: denominator of the maps' rate, at least 1
+ *
+ * Returns: (transfer full) (nullable): fixed caps of a stream of tactile maps,
+ *     or %NULL if a parameter is out of range
+ *
+ * Since: 0.1
+ */
+GstCaps *
+gst_tactile_map_caps_new(guint rows, guint columns, gint fps_n, gint fps_d)
+{
+  g_return_val_if_fail(rows >= 1 && rows <= GST_TACTILE_MAX_GRID_SIDE, NULL);
+  g_return_val_if_fail(columns >= 1 && columns <= GST_TACTILE_MAX_GRID_SIDE, NULL);
+  g_return_val_if_fail(fps_n >= 0 && fps_d >= 1, NULL);
+
+  return gst_caps_new_simple(GST_TACTILE_MAP_MEDIA_TYPE, "rows", G_TYPE_INT, (gint)rows, "columns",
+                             G_TYPE_INT, (gint)columns, "framerate", GST_TYPE_FRACTION, fps_n,
+                             fps_d, NULL);
+}
+
+/**
+ * gst_tactile_map_caps_parse:
+ * @caps: any #GstCaps
+ * @rows: (out) (optional): rows of the grid of tactors
+ * @columns: (out) (optional): columns of the grid of tactors
+ * @fps_n: (out) (optional): numerator of the maps' rate, 0 if @caps has none
+ * @fps_d: (out) (optional): denominator of the maps' rate, 1 if @caps has none
+ *
+ * Reads the first structure of @caps. Nothing is written unless all of it can be
+ * read.
+ *
+ * Returns: %TRUE if @caps are those of a stream of tactile maps with a grid in
+ *     range
+ *
+ * Since: 0.1
+ */
+gboolean
+gst_tactile_map_caps_parse(const GstCaps *caps, guint *rows, guint *columns, gint *fps_n,
+                           gint *fps_d)
+{
+  const GstStructure *structure;
+  gint r, c, n = 0, d = 1;
+
+  g_return_val_if_fail(GST_IS_CAPS(caps), FALSE);
+
+  if (gst_caps_is_any(caps) || gst_caps_is_empty(caps))
+    return FALSE;
+
+  structure = gst_caps_get_structure(caps, 0);
+  if (!gst_structure_has_name(structure, GST_TACTILE_MAP_MEDIA_TYPE)
+      || !gst_structure_get_int(structure, "rows", &r)
+      || !gst_structure_get_int(structure, "columns", &c) || !is_grid(r, c))
+    return FALSE;
+  if (gst_structure_has_field(structure, "framerate")
+      && (!gst_structure_get_fraction(structure, "framerate", &n, &d) || n < 0))
+    return FALSE;
+
+  if (rows)
+    *rows = (guint)r;
+  if (columns)
+    *columns = (guint)c;
+  if (fps_n)
+    *fps_n = n;
+  if (fps_d)
+    *fps_d = d;
+  return TRUE;
+}
+
+/**
+ * gst_tactile_map_buffer_new:
+ * @levels: (array length=n_levels): levels in [0, 1], row-major, the top left
+ *     tactor first; values outside are clamped, NaN becomes 0
+ * @n_levels: number of @levels, at least 1
+ *
+ * Returns: (transfer full) (nullable): a buffer of a tactile stream without time
+ *     stamps, or %NULL if there are no levels
+ *
+ * Since: 0.1
+ */
+GstBuffer *
+gst_tactile_map_buffer_new(const gfloat *levels, gsize n_levels)
+{
+  guint8 *data;
+
+  g_return_val_if_fail(levels != NULL, NULL);
+  g_return_val_if_fail(
+      n_levels >= 1 && n_levels <= GST_TACTILE_MAX_GRID_SIDE * GST_TACTILE_MAX_GRID_SIDE, NULL);
+
+  data = g_malloc(n_levels * sizeof(gfloat));
+  for (gsize i = 0; i < n_levels; i++)
+    GST_WRITE_FLOAT_LE(data + i * sizeof(gfloat), clamp_level(levels[i]));
+  return gst_buffer_new_wrapped(data, n_levels * sizeof(gfloat));
+}
+
+/**
+ * gst_tactile_map_buffer_get_levels:
+ * @buffer: a buffer of a tactile stream
+ * @rows: rows of the grid, from the stream's caps
+ * @columns: columns of the grid, from the stream's caps
+ * @levels: (out) (array length=n_levels) (transfer full): all levels in [0, 1],
+ *     row-major, the top left tactor first; values outside are clamped, NaN
+ *     becomes 0. Free with g_free()
+ * @n_levels: (out): number of @levels: @rows × @columns
+ *
+ * Returns: %TRUE if @buffer can be read and holds exactly @rows × @columns
+ *     levels; else @levels is %NULL and @n_levels is 0
+ *
+ * Since: 0.1
+ */
+gboolean
+gst_tactile_map_buffer_get_levels(GstBuffer *buffer, guint rows, guint columns, gfloat **levels,
+                                  gsize *n_levels)
+{
+  GstMapInfo map;
+  gsize n;
+
+  g_return_val_if_fail(levels != NULL && n_levels != NULL, FALSE);
+  *levels = NULL;
+  *n_levels = 0;
+  g_return_val_if_fail(GST_IS_BUFFER(buffer), FALSE);
+  g_return_val_if_fail(rows >= 1 && rows <= GST_TACTILE_MAX_GRID_SIDE, FALSE);
+  g_return_val_if_fail(columns >= 1 && columns <= GST_TACTILE_MAX_GRID_SIDE, FALSE);
+
+  n = (gsize)rows * columns;
+  if (!gst_buffer_map(buffer, &map, GST_MAP_READ))
+    return FALSE;
+  if (map.size == n * sizeof(gfloat)) {
+    *levels = g_new(gfloat, n);
+    *n_levels = n;
+    for (gsize i = 0; i < n; i++)
+      (*levels)[i] = clamp_level(GST_READ_FLOAT_LE(map.data + i * sizeof(gfloat)));
+  }
+  gst_buffer_unmap(buffer, &map);
+  return *levels != NULL;
+}

@@ -1,0 +1,198 @@
+/* SPDX-License-Identifier: LGPL-2.1-or-later */
+
+/**
+ * SECTION:gsttactilemeta
+ * @title: GstTactileMeta
+ * @short_description: levels of a grid of tactors on a video frame
+ *
+ * `saliencytactile` puts a #GstTactileMeta on every frame that it analyses;
+ * `tactorsink`, `tactileextractor` and `tactileoverlay` read it. An application
+ * can add one of its own with gst_buffer_add_tactile_meta().
+ */
+
+#include "gsttactilemeta.h"
+
+#include <gst/video/gstvideometa.h>
+
+static gboolean
+gst_tactile_meta_init(GstMeta *meta, gpointer params, GstBuffer *buffer)
+{
+  GstTactileMeta *self = (GstTactileMeta *)meta;
+
+  self->rows = 0;
+  self->columns = 0;
+  self->levels = NULL;
+  return TRUE;
+}
+
+static void
+gst_tactile_meta_free(GstMeta *meta, GstBuffer *buffer)
+{
+  GstTactileMeta *self = (GstTactileMeta *)meta;
+
+  g_clear_pointer(&self->levels, g_free);
+}
+
+static gboolean
+gst_tactile_meta_transform(GstBuffer *dest, GstMeta *meta, GstBuffer *buffer, GQuark type,
+                           gpointer data)
+{
+  const GstTactileMeta *self = (const GstTactileMeta *)meta;
+
+  /* Levels are relative to the picture: a scaled picture feels the same. A part of a buffer's
+   * bytes is no part of its picture, so that a copy of a region keeps all of the grid. */
+  if (!GST_META_TRANSFORM_IS_COPY(type) && !GST_VIDEO_META_TRANSFORM_IS_SCALE(type))
+    return FALSE;
+
+  return gst_buffer_add_tactile_meta(dest, self->rows, self->columns, self->levels,
+                                     (gsize)self->rows * self->columns)
+         != NULL;
+}
+
+/**
+ * gst_tactile_meta_api_get_type: (skip)
+ *
+ * Returns: the type of the #GstTactileMeta API, whose only tag is `video`
+ *
+ * Since: 0.1
+ */
+GType
+gst_tactile_meta_api_get_type(void)
+{
+  static GType type = 0;
+  static const gchar *tags[] = { GST_META_TAG_VIDEO_STR, NULL };
+
+  if (g_once_init_enter(&type)) {
+    GType registered = gst_meta_api_type_register("GstTactileMetaAPI", tags);
+    g_once_init_leave(&type, registered);
+  }
+  return type;
+}
+
+/**
+ * gst_tactile_meta_get_info: (skip)
+ *
+ * Returns: the #GstMetaInfo of #GstTactileMeta
+ *
+ * Since: 0.1
+ */
+const GstMetaInfo *
+gst_tactile_meta_get_info(void)
+{
+  static const GstMetaInfo *info = NULL;
+
+  if (g_once_init_enter(&info)) {
+    const GstMetaInfo *registered = gst_meta_register(
+        GST_TACTILE_META_API_TYPE, "GstTactileMeta", sizeof(GstTactileMeta), gst_tactile_meta_init,
+        gst_tactile_meta_free, gst_tactile_meta_transform);
+    g_once_init_leave(&info, registered);
+  }
+  return info;
+}
+
+/**
+ * gst_buffer_add_tactile_meta:
+ * @buffer: a writable #GstBuffer
+ * @rows: rows of the grid, 1 to %GST_TACTILE_MAX_GRID_SIDE
+ * @columns: columns of the grid, 1 to %GST_TACTILE_MAX_GRID_SIDE
+ * @levels: (array length=n_levels): levels in [0, 1], row-major, the top left
+ *     tactor as seen on the screen first; they are copied, values outside are
+ *     clamped, NaN becomes 0
+ * @n_levels: number of @levels: @rows × @columns
+ *
+ * Puts a tactile map on a video frame. A frame has one tactile map: if @buffer
+ * has a #GstTactileMeta already, its grid and levels are replaced, so that a
+ * frame that is analysed again isn't felt twice.
+ *
+ * Returns: (transfer none) (nullable): the #GstTactileMeta on @buffer, or %NULL
+ *     if a parameter is out of range
+ *
+ * Since: 0.1
+ */
+GstTactileMeta *
+gst_buffer_add_tactile_meta(GstBuffer *buffer, guint rows, guint columns, const gfloat *levels,
+                            gsize n_levels)
+{
+  GstTactileMeta *self;
+  gfloat *copy;
+
+  g_return_val_if_fail(GST_IS_BUFFER(buffer), NULL);
+  g_return_val_if_fail(gst_buffer_is_writable(buffer), NULL);
+  g_return_val_if_fail(rows >= 1 && rows <= GST_TACTILE_MAX_GRID_SIDE, NULL);
+  g_return_val_if_fail(columns >= 1 && columns <= GST_TACTILE_MAX_GRID_SIDE, NULL);
+  g_return_val_if_fail(levels != NULL, NULL);
+  g_return_val_if_fail(n_levels == (gsize)rows * columns, NULL);
+
+  self = gst_buffer_get_tactile_meta(buffer);
+  if (self == NULL)
+    self = (GstTactileMeta *)gst_buffer_add_meta(buffer, GST_TACTILE_META_INFO, NULL);
+  if (self == NULL)
+    return NULL;
+
+  /* @levels may be the replaced meta's own. */
+  copy = g_new(gfloat, n_levels);
+  for (gsize i = 0; i < n_levels; i++)
+    copy[i] = levels[i] > 0 ? MIN(levels[i], 1.0f) : 0.0f; /* NaN > 0 is false */
+
+  g_free(self->levels);
+  self->levels = copy;
+  self->rows = rows;
+  self->columns = columns;
+  return self;
+}
+
+/**
+ * gst_buffer_get_tactile_meta:
+ * @buffer: a #GstBuffer
+ *
+ * Returns: (transfer none) (nullable): the #GstTactileMeta on @buffer, or %NULL
+ *     if it has none
+ *
+ * Since: 0.1
+ */
+GstTactileMeta *
+gst_buffer_get_tactile_meta(GstBuffer *buffer)
+{
+  g_return_val_if_fail(GST_IS_BUFFER(buffer), NULL);
+
+  return (GstTactileMeta *)gst_buffer_get_meta(buffer, GST_TACTILE_META_API_TYPE);
+}
+
+/**
+ * gst_tactile_meta_get_level:
+ * @meta: a #GstTactileMeta
+ * @row: row of the tactor, 0 is the top one
+ * @column: column of the tactor, 0 is the left one
+ *
+ * Returns: the tactor's level in [0, 1]
+ *
+ * Since: 0.1
+ */
+gfloat
+gst_tactile_meta_get_level(const GstTactileMeta *meta, guint row, guint column)
+{
+  g_return_val_if_fail(meta != NULL, 0);
+  g_return_val_if_fail(row < meta->rows && column < meta->columns, 0);
+
+  return meta->levels[(gsize)row * meta->columns + column];
+}
+
+/**
+ * gst_tactile_meta_get_levels:
+ * @meta: a #GstTactileMeta
+ * @n_levels: (out): number of levels: rows × columns
+ *
+ * Returns: (array length=n_levels) (transfer none): all levels in [0, 1],
+ *     row-major, the top left tactor as seen on the screen first
+ *
+ * Since: 0.1
+ */
+const gfloat *
+gst_tactile_meta_get_levels(const GstTactileMeta *meta, gsize *n_levels)
+{
+  g_return_val_if_fail(meta != NULL, NULL);
+  g_return_val_if_fail(n_levels != NULL, NULL);
+
+  *n_levels = (gsize)meta->rows * meta->columns;
+  return meta->levels;
+}

@@ -1,0 +1,72 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: LGPL-2.1-or-later
+# Installs what this project needs on Debian or Ubuntu, and only that; says nothing about what is already there.
+#
+# Usage: tools/setup.sh [build] [play] [test]     (no argument: all three)
+#   build   compiler, meson and the libraries the plugins are made of
+#   play    GStreamer's plugins that decode, encode and show a film
+#   test    what the test suite needs beyond that
+set -euo pipefail
+
+declare -A packages=(
+  [build]="g++ meson ninja-build pkg-config libgstreamer1.0-dev libgstreamer-plugins-base1.0-dev libopencv-core-dev
+           libopencv-imgproc-dev gobject-introspection libgirepository1.0-dev"
+  [play]="gstreamer1.0-tools gstreamer1.0-plugins-base gstreamer1.0-plugins-good gstreamer1.0-plugins-ugly gstreamer1.0-libav
+          gstreamer1.0-x gstreamer1.0-alsa gstreamer1.0-pulseaudio"
+  [test]="python3 python3-gi gir1.2-gstreamer-1.0 gir1.2-gst-plugins-base-1.0"
+)
+
+usage() {
+  sed -n '3,8s/^# \{0,1\}//p' "$0"
+}
+
+parts=("$@")
+[ $# -gt 0 ] || parts=(build play test)
+wanted=()
+for part in "${parts[@]}"; do
+  case $part in
+    -h | --help) usage; exit 0 ;;
+    build | play | test) read -r -d '' -a names <<<"${packages[$part]}" || true; wanted+=("${names[@]}") ;;
+    *) echo "setup.sh: expected build, play or test, got '$part'; see setup.sh --help" >&2; exit 2 ;;
+  esac
+done
+
+if ! command -v apt-get >/dev/null || ! command -v dpkg-query >/dev/null; then
+  cat >&2 <<TXT
+setup.sh: this is not Debian or Ubuntu, so nothing was installed. Please install what these Debian packages hold
+with your distribution's package manager, then set VISUOTACTILE_NO_SETUP=1 and try again:
+  ${wanted[*]}
+(GStreamer and its base, good, ugly and libav plugins, 1.22 or newer; OpenCV core and imgproc 4; meson 1.0; a C++20 compiler; Python's gi)
+TXT
+  exit 1
+fi
+
+missing=()
+for name in "${wanted[@]}"; do
+  state=$(dpkg-query -W -f '${db:Status-Status}' "$name" 2>/dev/null || true)
+  [ "$state" = installed ] || missing+=("$name")
+done
+[ ${#missing[@]} -gt 0 ] || exit 0
+
+run=()
+if [ "$(id -u)" -ne 0 ]; then
+  if ! command -v sudo >/dev/null; then
+    printf 'setup.sh: these packages are missing and you are neither root nor have sudo. Please install them as root:\n  apt-get install %s\n' \
+      "${missing[*]}" >&2
+    exit 1
+  fi
+  run=(sudo)
+fi
+
+echo "Installing: ${missing[*]}"
+log=$(mktemp)
+trap 'rm -f "$log"' EXIT
+export DEBIAN_FRONTEND=noninteractive
+apt() {
+  "${run[@]}" env DEBIAN_FRONTEND=noninteractive apt-get -qq -o Dpkg::Use-Pty=0 "$@" >"$log" 2>&1
+}
+if ! { apt update && apt install -y --no-install-recommends "${missing[@]}"; }; then
+  tail -n 20 "$log" >&2
+  echo "setup.sh: apt-get could not install them (see above); is this machine online?" >&2
+  exit 1
+fi
