@@ -21,14 +21,14 @@ clamp_level(gfloat level)
 static gboolean
 is_grid(gint rows, gint columns)
 {
-  return rows >= 1 && rows <= GST_TACTILE_MAX_GRID_SIDE && columns >= 1
-         && columns <= GST_TACTILE_MAX_GRID_SIDE;
+  return rows >= 1 && rows <= GST_TACTILE_MAX_SIDE && columns >= 1
+         && columns <= GST_TACTILE_MAX_SIDE;
 }
 
 /**
  * gst_tactile_map_caps_new:
- * @rows: rows of the grid of tactors, 1 to %GST_TACTILE_MAX_GRID_SIDE
- * @columns: columns of the grid of tactors, 1 to %GST_TACTILE_MAX_GRID_SIDE
+ * @rows: rows of the grid of tactors, 1 to %GST_TACTILE_MAX_SIDE
+ * @columns: columns of the grid of tactors, 1 to %GST_TACTILE_MAX_SIDE
  * @fps_n: numerator of the maps' rate, 0 if it is unknown or variable
  * @fps_d: denominator of the maps' rate, at least 1
  *
@@ -40,8 +40,8 @@ is_grid(gint rows, gint columns)
 GstCaps *
 gst_tactile_map_caps_new(guint rows, guint columns, gint fps_n, gint fps_d)
 {
-  g_return_val_if_fail(rows >= 1 && rows <= GST_TACTILE_MAX_GRID_SIDE, NULL);
-  g_return_val_if_fail(columns >= 1 && columns <= GST_TACTILE_MAX_GRID_SIDE, NULL);
+  g_return_val_if_fail(rows >= 1 && rows <= GST_TACTILE_MAX_SIDE, NULL);
+  g_return_val_if_fail(columns >= 1 && columns <= GST_TACTILE_MAX_SIDE, NULL);
   g_return_val_if_fail(fps_n >= 0 && fps_d >= 1, NULL);
 
   return gst_caps_new_simple(GST_TACTILE_MAP_MEDIA_TYPE, "rows", G_TYPE_INT, (gint)rows, "columns",
@@ -114,8 +114,8 @@ gst_tactile_map_buffer_new(const gfloat *levels, gsize n_levels)
   guint8 *data;
 
   g_return_val_if_fail(levels != NULL, NULL);
-  g_return_val_if_fail(
-      n_levels >= 1 && n_levels <= GST_TACTILE_MAX_GRID_SIDE * GST_TACTILE_MAX_GRID_SIDE, NULL);
+  g_return_val_if_fail(n_levels >= 1 && n_levels <= GST_TACTILE_MAX_SIDE * GST_TACTILE_MAX_SIDE,
+                       NULL);
 
   data = g_malloc(n_levels * sizeof(gfloat));
   for (gsize i = 0; i < n_levels; i++)
@@ -149,8 +149,8 @@ gst_tactile_map_buffer_get_levels(GstBuffer *buffer, guint rows, guint columns, 
   *levels = NULL;
   *n_levels = 0;
   g_return_val_if_fail(GST_IS_BUFFER(buffer), FALSE);
-  g_return_val_if_fail(rows >= 1 && rows <= GST_TACTILE_MAX_GRID_SIDE, FALSE);
-  g_return_val_if_fail(columns >= 1 && columns <= GST_TACTILE_MAX_GRID_SIDE, FALSE);
+  g_return_val_if_fail(rows >= 1 && rows <= GST_TACTILE_MAX_SIDE, FALSE);
+  g_return_val_if_fail(columns >= 1 && columns <= GST_TACTILE_MAX_SIDE, FALSE);
 
   n = (gsize)rows * columns;
   if (!gst_buffer_map(buffer, &map, GST_MAP_READ))

@@ -93,8 +93,8 @@ gst_tactile_meta_get_info(void)
 /**
  * gst_buffer_add_tactile_meta:
  * @buffer: a writable #GstBuffer
- * @rows: rows of the grid, 1 to %GST_TACTILE_MAX_GRID_SIDE
- * @columns: columns of the grid, 1 to %GST_TACTILE_MAX_GRID_SIDE
+ * @rows: rows of the grid, 1 to %GST_TACTILE_MAX_SIDE
+ * @columns: columns of the grid, 1 to %GST_TACTILE_MAX_SIDE
  * @levels: (array length=n_levels): levels in [0, 1], row-major, the top left
  *     tactor as seen on the screen first; they are copied, values outside are
  *     clamped, NaN becomes 0
@@ -118,8 +118,8 @@ gst_buffer_add_tactile_meta(GstBuffer *buffer, guint rows, guint columns, const 
 
   g_return_val_if_fail(GST_IS_BUFFER(buffer), NULL);
   g_return_val_if_fail(gst_buffer_is_writable(buffer), NULL);
-  g_return_val_if_fail(rows >= 1 && rows <= GST_TACTILE_MAX_GRID_SIDE, NULL);
-  g_return_val_if_fail(columns >= 1 && columns <= GST_TACTILE_MAX_GRID_SIDE, NULL);
+  g_return_val_if_fail(rows >= 1 && rows <= GST_TACTILE_MAX_SIDE, NULL);
+  g_return_val_if_fail(columns >= 1 && columns <= GST_TACTILE_MAX_SIDE, NULL);
   g_return_val_if_fail(levels != NULL, NULL);
   g_return_val_if_fail(n_levels == (gsize)rows * columns, NULL);
 

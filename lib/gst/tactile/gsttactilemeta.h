@@ -11,21 +11,21 @@ G_BEGIN_DECLS
 #define GST_TACTILE_META_INFO (gst_tactile_meta_get_info())
 
 /**
- * GST_TACTILE_MAX_GRID_SIDE:
+ * GST_TACTILE_MAX_SIDE:
  *
  * Largest number of rows and largest number of columns of a grid of tactors.
  *
  * Since: 0.1
  */
-#define GST_TACTILE_MAX_GRID_SIDE 64
+#define GST_TACTILE_MAX_SIDE 64
 
 typedef struct _GstTactileMeta GstTactileMeta;
 
 /**
  * GstTactileMeta:
  * @meta: parent #GstMeta
- * @rows: rows of the grid of tactors, 1 to %GST_TACTILE_MAX_GRID_SIDE
- * @columns: columns of the grid of tactors, 1 to %GST_TACTILE_MAX_GRID_SIDE
+ * @rows: rows of the grid of tactors, 1 to %GST_TACTILE_MAX_SIDE
+ * @columns: columns of the grid of tactors, 1 to %GST_TACTILE_MAX_SIDE
  * @levels: (skip): @rows × @columns levels in [0, 1], row-major, the top left
  *     tactor as seen on the screen first
  *
