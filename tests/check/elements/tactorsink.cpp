@@ -1,0 +1,852 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+//
+// tactorsink on a GstTestClock: every command's time is exact, nothing waits for real time.
+#include <gst/check/gstcheck.h>
+#include <gst/check/gstharness.h>
+#include <gst/check/gsttestclock.h>
+#include <gst/tactile/tactile.h>
+#include <gst/video/video.h>
+
+#include <cmath>
+#include <cstdlib>
+#include <fstream>
+#include <functional>
+#include <map>
+#include <sstream>
+#include <string>
+#include <thread>
+#include <unistd.h>
+#include <vector>
+
+namespace {
+
+constexpr GstClockTime kMs = GST_MSECOND;
+constexpr GstClockTime kFrame = 40 * kMs; // 25 frames/s: exact in ns
+constexpr GstClockTime kLatency = 160 * kMs; // max-lead and the wake margin, as a pipeline would configure it
+
+/// Eq. 1 at start 0, written down anew.
+double
+rise_ms(double volts)
+{
+  return 241.9 - 175.7 * volts + 38.86 * volts * volts;
+}
+
+GstClockTime
+rise(double volts)
+{
+  return static_cast<GstClockTime>(std::llround(rise_ms(volts) * 1e6));
+}
+
+struct Line
+{
+  gint64 issued;
+  gint64 due;
+  gint64 effect;
+  int tactor;
+  double volts;
+};
+
+/// A tactorsink with a test clock, its bus and its trace; what is pushed is pushed by a thread of its own.
+class Rig
+{
+public:
+  explicit Rig(const char *caps = "application/x-tactile-map,rows=1,columns=1,framerate=25/1")
+  {
+    char name[] = "/tmp/tactorsink-XXXXXX";
+    const int fd = mkstemp(name);
+    fail_unless(fd >= 0);
+    close(fd);
+    trace_path = name;
+    element = gst_element_factory_make("tactorsink", nullptr);
+    fail_unless(element != nullptr);
+    gst_object_ref_sink(element);
+    g_object_set(element, "trace-location", name, nullptr);
+    bus = gst_bus_new();
+    gst_element_set_bus(element, bus);
+    clock = GST_TEST_CLOCK(gst_test_clock_new());
+    gst_element_set_clock(element, GST_CLOCK(clock));
+    gst_element_set_base_time(element, 0);
+    sink_pad = gst_element_get_static_pad(element, "sink");
+    caps_string = caps;
+  }
+
+  ~Rig()
+  {
+    finish();
+    gst_object_unref(sink_pad);
+    gst_element_set_bus(element, nullptr);
+    gst_object_unref(bus);
+    gst_object_unref(element);
+    gst_object_unref(clock);
+    unlink(trace_path.c_str());
+  }
+
+  void
+  start(const GstSegment *segment = nullptr, bool play = true)
+  {
+    g_object_set(element, "async", FALSE, nullptr);
+    fail_if(gst_element_set_state(element, play ? GST_STATE_PLAYING : GST_STATE_PAUSED) == GST_STATE_CHANGE_FAILURE);
+    fail_unless(gst_element_send_event(element, gst_event_new_latency(kLatency)));
+    open(segment);
+  }
+
+  void
+  open(const GstSegment *segment = nullptr)
+  {
+    GstSegment plain;
+    gst_segment_init(&plain, GST_FORMAT_TIME);
+    GstCaps *caps = gst_caps_from_string(caps_string.c_str());
+    fail_unless(gst_pad_send_event(sink_pad, gst_event_new_stream_start("test")));
+    fail_unless(gst_pad_send_event(sink_pad, gst_event_new_caps(caps)));
+    gst_caps_unref(caps);
+    fail_unless(gst_pad_send_event(sink_pad, gst_event_new_segment(segment ? segment : &plain)));
+  }
+
+  /// Runs in the streaming thread, after what was given before.
+  void
+  stream(std::function<void()> work)
+  {
+    if (pusher.joinable())
+      pusher.join();
+    pusher = std::thread(std::move(work));
+  }
+
+  void
+  join()
+  {
+    if (pusher.joinable())
+      pusher.join();
+  }
+
+  GstBuffer *
+  buffer(GstClockTime pts, const std::vector<gfloat> &levels, GstClockTime duration = kFrame)
+  {
+    GstBuffer *map = gst_tactile_map_buffer_new(levels.data(), levels.size());
+    GST_BUFFER_PTS(map) = pts;
+    GST_BUFFER_DURATION(map) = duration;
+    return map;
+  }
+
+  GstFlowReturn
+  push(GstClockTime pts, const std::vector<gfloat> &levels, GstClockTime duration = kFrame)
+  {
+    return gst_pad_chain(sink_pad, buffer(pts, levels, duration));
+  }
+
+  /// Waits until `waiters` threads sleep on the clock, then moves it to the earliest of them. Returns the new time.
+  GstClockTime
+  step(guint waiters)
+  {
+    GList *pending = nullptr;
+    gst_test_clock_wait_for_multiple_pending_ids(clock, waiters, &pending);
+    GstClockTime next = GST_CLOCK_TIME_NONE;
+    for (GList *item = pending; item; item = item->next)
+      next = std::min<GstClockTime>(next, gst_clock_id_get_time(item->data));
+    g_list_free_full(pending, gst_clock_id_unref);
+    if (next > gst_clock_get_time(GST_CLOCK(clock)))
+      gst_test_clock_set_time(clock, next);
+    GstClockID id = gst_test_clock_process_next_clock_id(clock);
+    fail_unless(id != nullptr);
+    gst_clock_id_unref(id);
+    return next;
+  }
+
+  /// Steps until the clock would pass `time`, with `waiters` asleep each time, then stands at `time`.
+  void
+  run_to(GstClockTime time, guint waiters)
+  {
+    for (;;) {
+      GList *pending = nullptr;
+      gst_test_clock_wait_for_multiple_pending_ids(clock, waiters, &pending);
+      GstClockTime next = GST_CLOCK_TIME_NONE;
+      for (GList *item = pending; item; item = item->next)
+        next = std::min<GstClockTime>(next, gst_clock_id_get_time(item->data));
+      g_list_free_full(pending, gst_clock_id_unref);
+      if (next > time)
+        break;
+      step(waiters);
+    }
+    gst_test_clock_set_time(clock, time);
+  }
+
+  /// Steps whatever sleeps until the streaming thread has done its work.
+  void
+  run_out(const std::function<void()> &work)
+  {
+    std::atomic<bool> done{ false };
+    stream([&] {
+      work();
+      done = true;
+      // Someone may be waiting for a sleeper: the last thing that sleeps is the scheduler, on the hold of the last map, or nothing.
+    });
+    while (!done) {
+      GstClockID id = nullptr;
+      if (gst_test_clock_peek_next_pending_id(clock, &id)) {
+        const GstClockTime next = gst_clock_id_get_time(id);
+        gst_clock_id_unref(id);
+        if (next > gst_clock_get_time(GST_CLOCK(clock)))
+          gst_test_clock_set_time(clock, next);
+        if (GstClockID processed = gst_test_clock_process_next_clock_id(clock))
+          gst_clock_id_unref(processed);
+      }
+      std::this_thread::yield();
+    }
+    join();
+  }
+
+  void
+  finish()
+  {
+    if (!finished) {
+      finished = true;
+      gst_element_set_state(element, GST_STATE_NULL);
+      join();
+    }
+  }
+
+  std::vector<Line>
+  trace()
+  {
+    finish();
+    std::vector<Line> lines;
+    std::ifstream file(trace_path);
+    std::string text;
+    std::getline(file, text);
+    ck_assert_str_eq(text.c_str(), "issued_ns,due_ns,effect_ns,tactor,volts");
+    while (std::getline(file, text)) {
+      Line line;
+      char comma;
+      std::istringstream in(text);
+      in >> line.issued >> comma >> line.due >> comma >> line.effect >> comma >> line.tactor >> comma >> line.volts;
+      fail_if(in.fail(), "bad line: %s", text.c_str());
+      lines.push_back(line);
+    }
+    return lines;
+  }
+
+  guint64
+  stat(const char *field)
+  {
+    GstStructure *stats = nullptr;
+    g_object_get(element, "stats", &stats, nullptr);
+    guint64 value = 0;
+    fail_unless(gst_structure_get_uint64(stats, field, &value));
+    gst_structure_free(stats);
+    return value;
+  }
+
+  GstElement *element;
+  GstBus *bus;
+  GstTestClock *clock;
+  GstPad *sink_pad;
+  std::string trace_path;
+  std::string caps_string;
+  std::thread pusher;
+  bool finished = false;
+};
+
+void
+assert_line(const Line &line, GstClockTime issued, GstClockTime due, GstClockTime effect, int tactor, double volts)
+{
+  ck_assert_int_eq(line.issued, static_cast<gint64>(issued));
+  ck_assert_int_eq(line.due, static_cast<gint64>(due));
+  ck_assert_int_eq(line.effect, static_cast<gint64>(effect));
+  ck_assert_int_eq(line.tactor, tactor);
+  ck_assert_double_eq_tol(line.volts, volts, 5e-4);
+}
+
+/// Whatever happened, each motor's last command is zero.
+void
+assert_silent_at_end(const std::vector<Line> &lines)
+{
+  std::map<int, double> last;
+  for (const Line &line : lines)
+    last[line.tactor] = line.volts;
+  for (const auto &[tactor, volts] : last)
+    fail_unless(volts == 0, "tactor %d is left at %g V", tactor, volts);
+}
+
+} // namespace
+
+/// One rise from rest to full, under each compensation: 64.54 ms by Eq. 1, which is 1.6 frames of 40 ms, so two.
+static void
+check_compensation(const char *compensation, GstClockTime lead)
+{
+  Rig rig;
+  gst_util_set_object_arg(G_OBJECT(rig.element), "compensation", compensation);
+  rig.start();
+  rig.run_out([&] {
+    for (GstClockTime pts = 0; pts <= 1000 * kMs; pts += kFrame)
+      ck_assert_int_eq(rig.push(pts, { pts < 1000 * kMs ? 0.0f : 1.0f }), GST_FLOW_OK);
+    fail_unless(gst_pad_send_event(rig.sink_pad, gst_event_new_eos()));
+  });
+  const std::vector<Line> lines = rig.trace();
+  ck_assert_uint_eq(lines.size(), 2);
+  const GstClockTime due = 1000 * kMs - lead;
+  assert_line(lines[0], due, due, 1000 * kMs, 0, 3.0);
+  assert_line(lines[1], 1040 * kMs, 1040 * kMs, 1040 * kMs, 0, 0.0);
+}
+
+GST_START_TEST(test_compensation_exact)
+{
+  check_compensation("exact", rise(3.0));
+}
+GST_END_TEST;
+
+GST_START_TEST(test_compensation_frame_block)
+{
+  check_compensation("frame-block", 2 * kFrame);
+}
+GST_END_TEST;
+
+GST_START_TEST(test_compensation_none)
+{
+  check_compensation("none", 0);
+}
+GST_END_TEST;
+
+/// 5 Hz blocks: within 200 ms nothing changes, whatever the maps say; the block's level is the map at its start.
+GST_START_TEST(test_blocks_at_5_hz)
+{
+  Rig rig;
+  g_object_set(rig.element, "compensation", 2, nullptr);
+  rig.start();
+  rig.run_out([&] {
+    for (int i = 0; i < 20; i++)
+      rig.push(static_cast<GstClockTime>(i) * kFrame, { i % 5 == 0 ? 0.2f * static_cast<gfloat>(i / 5 + 1) : 1.0f });
+    gst_pad_send_event(rig.sink_pad, gst_event_new_eos());
+  });
+  const std::vector<Line> lines = rig.trace();
+  ck_assert_uint_eq(lines.size(), 5);
+  for (guint i = 0; i < 4; i++)
+    assert_line(lines[i], i * 200 * kMs, i * 200 * kMs, i * 200 * kMs, 0, 0.6 * (i + 1));
+  assert_line(lines[4], 800 * kMs, 800 * kMs, 800 * kMs, 0, 0);
+}
+GST_END_TEST;
+
+GST_START_TEST(test_pause_silences_and_resume_reissues)
+{
+  Rig rig;
+  g_object_set(rig.element, "compensation", 2, nullptr);
+  rig.start();
+  rig.stream([&] {
+    rig.push(0, { 1.0f });
+    rig.push(200 * kMs, { 1.0f });
+    rig.push(400 * kMs, { 0.5f });
+  });
+  // Maps come at clock times 0, 200 and 400; the level of the first is due at 160 (latency).
+  rig.run_to(300 * kMs, 2);
+  gst_element_set_state(rig.element, GST_STATE_PAUSED);
+  gst_test_clock_set_time(rig.clock, 1300 * kMs);
+  gst_element_set_base_time(rig.element, 1000 * kMs); // as a pipeline does: running time did not pass
+  gst_element_set_state(rig.element, GST_STATE_PLAYING);
+  rig.run_to(1600 * kMs, 2);
+  rig.join();
+  const std::vector<Line> lines = rig.trace();
+  ck_assert_uint_ge(lines.size(), 4);
+  assert_line(lines[0], 0, 0, 0, 0, 3.0);
+  assert_line(lines[1], 140 * kMs, 140 * kMs, 140 * kMs, 0, 0.0);
+  assert_line(lines[2], 140 * kMs, 140 * kMs, 140 * kMs, 0, 3.0);
+  assert_line(lines[3], 400 * kMs, 400 * kMs, 400 * kMs, 0, 1.5);
+  assert_silent_at_end(lines);
+}
+GST_END_TEST;
+
+GST_START_TEST(test_flush_during_wait)
+{
+  Rig rig;
+  rig.start();
+  rig.stream([&] {
+    rig.push(0, { 1.0f });
+    rig.push(200 * kMs, { 0.0f });
+    ck_assert_int_eq(rig.push(400 * kMs, { 1.0f }), GST_FLOW_FLUSHING);
+  });
+  rig.run_to(300 * kMs, 2);
+  fail_unless(gst_pad_send_event(rig.sink_pad, gst_event_new_flush_start()));
+  rig.join();
+  // The fall at 200 had been planned but was not due (360 on the clock): it is dropped, the motor stands at once.
+  ck_assert_uint_eq(rig.stat("dropped"), 1);
+  fail_unless(gst_pad_send_event(rig.sink_pad, gst_event_new_flush_stop(TRUE)));
+  gst_element_set_base_time(rig.element, 300 * kMs);
+  rig.open();
+  rig.run_out([&] {
+    rig.push(0, { 0.5f });
+    gst_pad_send_event(rig.sink_pad, gst_event_new_eos());
+  });
+  const std::vector<Line> lines = rig.trace();
+  ck_assert_uint_eq(lines.size(), 4);
+  // No lead is possible at running time 0: the data came 160 before, i.e. before the stream began.
+  ck_assert_double_eq(lines[0].volts, 3.0);
+  assert_line(lines[1], 140 * kMs, 140 * kMs, 140 * kMs, 0, 0.0);
+  ck_assert_double_eq(lines[2].volts, 1.5);
+  ck_assert_int_eq(lines[2].effect, 0);
+  assert_line(lines[3], kFrame, kFrame, kFrame, 0, 0);
+}
+GST_END_TEST;
+
+GST_START_TEST(test_gap_is_zero_at_its_time)
+{
+  Rig rig;
+  g_object_set(rig.element, "compensation", 2, nullptr);
+  rig.start();
+  rig.run_out([&] {
+    rig.push(0, { 1.0f });
+    // 120 ms is inside the block: a gap does not wait for its end.
+    fail_unless(gst_pad_send_event(rig.sink_pad, gst_event_new_gap(120 * kMs, 40 * kMs)));
+    rig.push(160 * kMs, { 0.5f });
+    gst_pad_send_event(rig.sink_pad, gst_event_new_eos());
+  });
+  const std::vector<Line> lines = rig.trace();
+  ck_assert_uint_eq(lines.size(), 4);
+  assert_line(lines[1], 120 * kMs, 120 * kMs, 120 * kMs, 0, 0);
+  assert_line(lines[2], 160 * kMs, 160 * kMs, 160 * kMs, 0, 1.5);
+  assert_line(lines[3], 200 * kMs, 200 * kMs, 200 * kMs, 0, 0);
+}
+GST_END_TEST;
+
+/// The EOS message comes when the last frame has been shown and the motors stand: not render-delay early.
+GST_START_TEST(test_eos_drains)
+{
+  Rig rig;
+  rig.start();
+  rig.run_out([&] {
+    rig.push(0, { 0.0f });
+    rig.push(200 * kMs, { 1.0f });
+    gst_pad_send_event(rig.sink_pad, gst_event_new_eos());
+  });
+  ck_assert_uint_ge(gst_clock_get_time(GST_CLOCK(rig.clock)), 240 * kMs + kLatency);
+  GstMessage *eos = gst_bus_pop_filtered(rig.bus, GST_MESSAGE_EOS);
+  fail_unless(eos != nullptr);
+  gst_message_unref(eos);
+  bool stats = false;
+  while (GstMessage *message = gst_bus_pop_filtered(rig.bus, GST_MESSAGE_ELEMENT)) {
+    stats |= gst_message_has_name(message, "tactor-stats");
+    gst_message_unref(message);
+  }
+  fail_unless(stats);
+  const std::vector<Line> lines = rig.trace();
+  ck_assert_uint_eq(lines.size(), 2);
+  assert_line(lines[0], 200 * kMs - rise(3.0), 200 * kMs - rise(3.0), 200 * kMs, 0, 3.0);
+  assert_line(lines[1], 240 * kMs, 240 * kMs, 240 * kMs, 0, 0);
+}
+GST_END_TEST;
+
+/// Rates and segment starts: effects are running times.
+static void
+check_segment(gdouble rate, GstClockTime start, GstClockTime stop, GstClockTime pts, GstClockTime effect)
+{
+  Rig rig;
+  g_object_set(rig.element, "compensation", 2, nullptr);
+  GstSegment segment;
+  gst_segment_init(&segment, GST_FORMAT_TIME);
+  segment.rate = rate;
+  segment.start = start;
+  segment.time = start;
+  segment.stop = stop;
+  segment.position = rate > 0 ? start : stop;
+  rig.start(&segment);
+  rig.run_out([&] {
+    rig.push(pts, { 1.0f });
+    gst_pad_send_event(rig.sink_pad, gst_event_new_eos());
+  });
+  const std::vector<Line> lines = rig.trace();
+  ck_assert_uint_eq(lines.size(), 2);
+  assert_line(lines[0], effect, effect, effect, 0, 3.0);
+  const GstClockTime end = effect + static_cast<GstClockTime>(kFrame / std::abs(rate));
+  assert_line(lines[1], end, end, end, 0, 0);
+}
+
+GST_START_TEST(test_rates_and_segments)
+{
+  check_segment(1.0, 10 * GST_SECOND, GST_CLOCK_TIME_NONE, 10400 * kMs, 400 * kMs);
+  check_segment(2.0, 0, GST_CLOCK_TIME_NONE, 1000 * kMs, 500 * kMs);
+  check_segment(0.5, 0, GST_CLOCK_TIME_NONE, 200 * kMs, 400 * kMs);
+  // Backwards a frame is shown when its end is reached: at 2 s - (1.2 s + 40 ms).
+  check_segment(-1.0, 0, 2 * GST_SECOND, 1200 * kMs, 760 * kMs);
+}
+GST_END_TEST;
+
+/// A new latency moves what is already waiting.
+GST_START_TEST(test_latency_change_moves_the_wait)
+{
+  Rig rig;
+  g_object_set(rig.element, "compensation", 2, nullptr);
+  rig.start();
+  rig.stream([&] {
+    rig.push(0, { 0.0f });
+    rig.push(200 * kMs, { 1.0f });
+    rig.push(600 * kMs, { 1.0f });
+  });
+  rig.run_to(250 * kMs, 2);
+  fail_unless(gst_element_send_event(rig.element, gst_event_new_latency(kLatency + 500 * kMs)));
+  rig.run_to(1000 * kMs, 2);
+  const std::vector<Line> lines = rig.trace();
+  ck_assert_uint_ge(lines.size(), 1);
+  // Issued at clock 860, which the new latency calls 200 again: on time.
+  assert_line(lines[0], 200 * kMs, 200 * kMs, 200 * kMs, 0, 3.0);
+  assert_silent_at_end(lines);
+}
+GST_END_TEST;
+
+GST_START_TEST(test_caps_change)
+{
+  Rig rig;
+  g_object_set(rig.element, "compensation", 2, nullptr);
+  rig.start();
+  rig.run_out([&] {
+    rig.push(0, { 1.0f });
+    GstCaps *caps = gst_tactile_map_caps_new(2, 2, 25, 1);
+    fail_unless(gst_pad_send_event(rig.sink_pad, gst_event_new_caps(caps)));
+    gst_caps_unref(caps);
+    rig.push(40 * kMs, { 0.0f, 0.5f, 0.0f, 1.0f });
+    gst_pad_send_event(rig.sink_pad, gst_event_new_eos());
+  });
+  const std::vector<Line> lines = rig.trace();
+  std::map<int, std::vector<double>> volts;
+  for (const Line &line : lines)
+    volts[line.tactor].push_back(line.volts);
+  fail_unless(volts[0] == (std::vector<double>{ 3.0, 0.0 }));
+  fail_unless(volts[1] == (std::vector<double>{ 1.5, 0.0 }));
+  fail_unless(volts[2].empty());
+  fail_unless(volts[3] == (std::vector<double>{ 3.0, 0.0 }));
+}
+GST_END_TEST;
+
+GST_START_TEST(test_mapping_and_volts)
+{
+  Rig rig("application/x-tactile-map,rows=1,columns=4,framerate=25/1");
+  g_object_set(rig.element, "compensation", 2, "voltage-max", 2.0, "voltage-min", 0.6, "intensity", 0.5, nullptr);
+  gst_util_set_object_arg(G_OBJECT(rig.element), "mapping", "<3,-1,0,1>");
+  rig.start();
+  rig.run_out([&] {
+    // 1.0 V, dropped, 0.6 V (not below the minimum), 0.5 V (below it).
+    rig.push(0, { 1.0f, 1.0f, 0.6f, 0.5f });
+    gst_pad_send_event(rig.sink_pad, gst_event_new_eos());
+  });
+  std::map<int, double> first;
+  for (const Line &line : rig.trace())
+    first.emplace(line.tactor, line.volts);
+  ck_assert_uint_eq(first.size(), 2);
+  ck_assert_double_eq_tol(first[3], 1.0, 1e-3);
+  ck_assert_double_eq_tol(first[0], 0.6, 1e-3);
+}
+GST_END_TEST;
+
+GST_START_TEST(test_mute_acts_at_once)
+{
+  Rig rig;
+  g_object_set(rig.element, "compensation", 2, nullptr);
+  rig.start();
+  rig.stream([&] {
+    rig.push(0, { 1.0f });
+    rig.push(400 * kMs, { 1.0f });
+  });
+  rig.run_to(250 * kMs, 2);
+  g_object_set(rig.element, "mute", TRUE, nullptr);
+  gst_test_clock_set_time(rig.clock, 270 * kMs);
+  g_object_set(rig.element, "mute", FALSE, nullptr);
+  const std::vector<Line> lines = rig.trace();
+  ck_assert_uint_ge(lines.size(), 3);
+  assert_line(lines[1], 90 * kMs, 90 * kMs, 90 * kMs, 0, 0.0);
+  assert_line(lines[2], 110 * kMs, 110 * kMs, 110 * kMs, 0, 3.0);
+  assert_silent_at_end(lines);
+}
+GST_END_TEST;
+
+/// An upstream that stops delivering: the last map is held for its frame and a second, then the motors stand; the next map moves them again.
+GST_START_TEST(test_starved)
+{
+  Rig rig;
+  g_object_set(rig.element, "compensation", 2, nullptr);
+  rig.start();
+  rig.stream([&] { rig.push(0, { 1.0f }); });
+  rig.step(1); // the map comes
+  rig.join();
+  rig.step(1); // its command is due
+  ck_assert_uint_eq(rig.step(1), kLatency + kFrame + GST_SECOND);
+  rig.run_out([&] {
+    rig.push(1600 * kMs, { 1.0f });
+    gst_pad_send_event(rig.sink_pad, gst_event_new_eos());
+  });
+  ck_assert_uint_eq(rig.stat("starved"), 1);
+  const std::vector<Line> lines = rig.trace();
+  ck_assert_uint_eq(lines.size(), 4);
+  assert_line(lines[1], 1040 * kMs, 1040 * kMs, 1040 * kMs, 0, 0.0);
+  assert_line(lines[2], 1600 * kMs, 1600 * kMs, 1600 * kMs, 0, 3.0);
+}
+GST_END_TEST;
+
+/// Data that comes too late for its lead goes out at once, is counted, and an element message says so once.
+GST_START_TEST(test_late_is_counted_and_said)
+{
+  Rig rig;
+  rig.start();
+  gst_test_clock_set_time(rig.clock, 1100 * kMs);
+  rig.run_out([&] {
+    rig.push(1000 * kMs, { 1.0f }); // due at 935.46, it is 940
+    rig.push(1200 * kMs, { 0.0f });
+    gst_pad_send_event(rig.sink_pad, gst_event_new_eos());
+  });
+  (void)rig;
+  ck_assert_uint_eq(rig.stat("late"), 0); // 4.54 ms: within the tolerance of 5 ms
+  Rig later;
+  later.start();
+  gst_test_clock_set_time(later.clock, 1150 * kMs);
+  later.run_out([&] {
+    later.push(1000 * kMs, { 1.0f }); // it is 990: 54.54 ms late
+    gst_pad_send_event(later.sink_pad, gst_event_new_eos());
+  });
+  ck_assert_uint_eq(later.stat("late"), 1);
+  guint said = 0;
+  while (GstMessage *message = gst_bus_pop_filtered(later.bus, GST_MESSAGE_ELEMENT)) {
+    if (gst_message_has_name(message, "tactor-lead-short")) {
+      guint64 lead = 0;
+      guint64 late = 0;
+      const GstStructure *structure = gst_message_get_structure(message);
+      fail_unless(gst_structure_get_uint64(structure, "lead", &lead));
+      fail_unless(gst_structure_get_uint64(structure, "late", &late));
+      ck_assert_uint_eq(lead, rise(3.0));
+      ck_assert_uint_eq(late, 990 * kMs - (1000 * kMs - rise(3.0)));
+      said++;
+    }
+    gst_message_unref(message);
+  }
+  ck_assert_uint_eq(said, 1);
+}
+GST_END_TEST;
+
+/// A whole film is late at once (a slow start): what is stale for a tactor coalesces, no backlog is played.
+GST_START_TEST(test_stale_commands_coalesce)
+{
+  Rig rig;
+  g_object_set(rig.element, "compensation", 2, "rate", 0.0, nullptr);
+  rig.start(nullptr, false);
+  rig.stream([&] {
+    for (GstClockTime i = 0; i < 4; i++)
+      rig.push(i * kFrame, { 0.25f * static_cast<gfloat>(i + 1) });
+  });
+  gst_test_clock_set_time(rig.clock, 2 * GST_SECOND);
+  gst_element_set_state(rig.element, GST_STATE_PLAYING);
+  rig.join();
+  rig.run_out([&] { gst_pad_send_event(rig.sink_pad, gst_event_new_eos()); });
+  const guint64 issued = rig.stat("issued");
+  const guint64 coalesced = rig.stat("coalesced");
+  // Four levels and the final zero.
+  ck_assert_uint_eq(issued + coalesced, 5);
+  assert_silent_at_end(rig.trace());
+}
+GST_END_TEST;
+
+/// Straight to NULL, as an application that gives up: the last word to every motor is zero.
+GST_START_TEST(test_null_while_playing_is_silent)
+{
+  Rig rig("application/x-tactile-map,rows=3,columns=3,framerate=25/1");
+  g_object_set(rig.element, "compensation", 2, nullptr);
+  rig.start();
+  rig.stream([&] {
+    rig.push(0, std::vector<gfloat>(9, 1.0f));
+    rig.push(200 * kMs, std::vector<gfloat>(9, 1.0f));
+    rig.push(400 * kMs, std::vector<gfloat>(9, 1.0f));
+  });
+  rig.run_to(300 * kMs, 2);
+  const std::vector<Line> lines = rig.trace();
+  ck_assert_uint_eq(lines.size(), 18);
+  assert_silent_at_end(lines);
+}
+GST_END_TEST;
+
+GST_START_TEST(test_video_frames_with_and_without_meta)
+{
+  Rig rig("video/x-raw,format=GRAY8,width=4,height=4,framerate=25/1");
+  g_object_set(rig.element, "compensation", 2, nullptr);
+  rig.start();
+  rig.run_out([&] {
+    for (int i = 0; i < 3; i++) {
+      GstBuffer *frame = gst_buffer_new_allocate(nullptr, 16, nullptr);
+      GST_BUFFER_PTS(frame) = static_cast<GstClockTime>(i) * 200 * kMs;
+      GST_BUFFER_DURATION(frame) = kFrame;
+      const gfloat levels[] = { 0.0f, 1.0f };
+      if (i < 2)
+        gst_buffer_add_tactile_meta(frame, 1, 2, levels, 2);
+      ck_assert_int_eq(gst_pad_chain(rig.sink_pad, frame), GST_FLOW_OK);
+    }
+    gst_pad_send_event(rig.sink_pad, gst_event_new_eos());
+  });
+  GstMessage *warning = gst_bus_pop_filtered(rig.bus, GST_MESSAGE_WARNING);
+  fail_unless(warning != nullptr);
+  gst_message_unref(warning);
+  const std::vector<Line> lines = rig.trace();
+  ck_assert_uint_eq(lines.size(), 2);
+  assert_line(lines[0], 0, 0, 0, 1, 3.0);
+  assert_line(lines[1], 400 * kMs, 400 * kMs, 400 * kMs, 1, 0.0);
+}
+GST_END_TEST;
+
+GST_START_TEST(test_missing_pts_follow_each_other)
+{
+  Rig rig;
+  g_object_set(rig.element, "compensation", 2, "rate", 0.0, nullptr);
+  rig.start();
+  rig.run_out([&] {
+    rig.push(400 * kMs, { 1.0f });
+    rig.push(GST_CLOCK_TIME_NONE, { 0.5f }, GST_CLOCK_TIME_NONE);
+    gst_pad_send_event(rig.sink_pad, gst_event_new_eos());
+  });
+  const std::vector<Line> lines = rig.trace();
+  ck_assert_uint_eq(lines.size(), 3);
+  assert_line(lines[0], 400 * kMs, 400 * kMs, 400 * kMs, 0, 3.0);
+  assert_line(lines[1], 440 * kMs, 440 * kMs, 440 * kMs, 0, 1.5);
+  assert_line(lines[2], 480 * kMs, 480 * kMs, 480 * kMs, 0, 0.0);
+}
+GST_END_TEST;
+
+GST_START_TEST(test_sync_false_does_not_wait)
+{
+  Rig rig;
+  g_object_set(rig.element, "sync", FALSE, nullptr);
+  rig.start();
+  // Nobody moves the clock.
+  for (GstClockTime i = 0; i < 10; i++)
+    ck_assert_int_eq(rig.push(i * 200 * kMs, { i % 2 ? 1.0f : 0.0f }), GST_FLOW_OK);
+  fail_unless(gst_pad_send_event(rig.sink_pad, gst_event_new_eos()));
+  assert_silent_at_end(rig.trace());
+}
+GST_END_TEST;
+
+GST_START_TEST(test_wrong_size_is_an_error)
+{
+  Rig rig;
+  rig.start();
+  GstFlowReturn flow = GST_FLOW_OK;
+  rig.run_out([&] { flow = rig.push(0, { 1.0f, 1.0f }); });
+  ck_assert_int_eq(flow, GST_FLOW_ERROR);
+  GstMessage *message = gst_bus_pop_filtered(rig.bus, GST_MESSAGE_ERROR);
+  fail_unless(message != nullptr);
+  gst_message_unref(message);
+}
+GST_END_TEST;
+
+GST_START_TEST(test_absurd_caps_are_refused)
+{
+  GstHarness *h = gst_harness_new_with_padnames("tactorsink", "sink", nullptr);
+  GstPad *pad = gst_element_get_static_pad(h->element, "sink");
+  GstCaps *caps = gst_caps_from_string("application/x-tactile-map,rows=(int)65,columns=(int)3,framerate=(fraction)25/1");
+  fail_if(gst_pad_query_accept_caps(pad, caps));
+  gst_caps_unref(caps);
+  caps = gst_caps_from_string("application/x-tactile-map,rows=(int)0,columns=(int)3");
+  fail_if(gst_pad_query_accept_caps(pad, caps));
+  gst_caps_unref(caps);
+  gst_object_unref(pad);
+  gst_harness_teardown(h);
+}
+GST_END_TEST;
+
+/// Errors say what was asked for, and the element stays in NULL.
+static void
+check_start_error(const char *property, const char *value, const char *expected)
+{
+  GstElement *sink = gst_element_factory_make("tactorsink", nullptr);
+  gst_object_ref_sink(sink);
+  GstBus *bus = gst_bus_new();
+  gst_element_set_bus(sink, bus);
+  g_object_set(sink, property, value, nullptr);
+  ck_assert_int_eq(gst_element_set_state(sink, GST_STATE_READY), GST_STATE_CHANGE_FAILURE);
+  GstMessage *message = gst_bus_pop_filtered(bus, GST_MESSAGE_ERROR);
+  fail_unless(message != nullptr);
+  GError *error = nullptr;
+  gst_message_parse_error(message, &error, nullptr);
+  fail_unless(g_strrstr(error->message, expected) != nullptr, "%s", error->message);
+  g_error_free(error);
+  gst_message_unref(message);
+  gst_element_set_state(sink, GST_STATE_NULL);
+  gst_element_set_bus(sink, nullptr);
+  gst_object_unref(bus);
+  gst_object_unref(sink);
+}
+
+GST_START_TEST(test_start_errors)
+{
+  check_start_error("driver", "telepathy", "telepathy");
+  check_start_error("driver", "telepathy", "simulator");
+  check_start_error("trace-location", "/nonexistent/commands.csv", "/nonexistent/commands.csv");
+  check_start_error("device", "/nonexistent/amplitude.csv", "/nonexistent/amplitude.csv");
+}
+GST_END_TEST;
+
+/// 150 ms of max-lead and a 10 ms margin at 30 frames/s are 4.8 frames: 6 buffers.
+GST_START_TEST(test_allocation_asks_for_lookahead)
+{
+  GstHarness *h = gst_harness_new_with_padnames("tactorsink", "sink", nullptr);
+  GstCaps *caps = gst_caps_from_string("video/x-raw,format=I420,width=64,height=48,framerate=30/1");
+  GstQuery *query = gst_query_new_allocation(caps, TRUE);
+  GstPad *pad = gst_element_get_static_pad(h->element, "sink");
+  fail_unless(gst_pad_query(pad, query));
+  ck_assert_uint_eq(gst_query_get_n_allocation_pools(query), 1);
+  guint min = 0;
+  gst_query_parse_nth_allocation_pool(query, 0, nullptr, nullptr, &min, nullptr);
+  ck_assert_uint_eq(min, 6);
+  fail_unless(gst_query_find_allocation_meta(query, GST_VIDEO_META_API_TYPE, nullptr));
+  gst_query_unref(query);
+  gst_caps_unref(caps);
+  gst_object_unref(pad);
+  gst_harness_teardown(h);
+}
+GST_END_TEST;
+
+/// Every other sink is delayed by what this one asks for early.
+GST_START_TEST(test_render_delay_is_the_lead)
+{
+  GstElement *sink = gst_element_factory_make("tactorsink", nullptr);
+  gst_object_ref_sink(sink);
+  g_object_set(sink, "max-lead", 80u, nullptr);
+  gst_element_set_state(sink, GST_STATE_READY);
+  guint64 delay = 0;
+  g_object_get(sink, "render-delay", &delay, nullptr);
+  ck_assert_uint_eq(delay, 90 * kMs);
+  gboolean qos = TRUE;
+  gboolean last_sample = TRUE;
+  gint64 max_lateness = 0;
+  g_object_get(sink, "qos", &qos, "enable-last-sample", &last_sample, "max-lateness", &max_lateness, nullptr);
+  fail_if(qos);
+  fail_if(last_sample);
+  ck_assert_int_eq(max_lateness, -1);
+  gst_element_set_state(sink, GST_STATE_NULL);
+  gst_object_unref(sink);
+}
+GST_END_TEST;
+
+static Suite *
+tactorsink_suite(void)
+{
+  Suite *suite = suite_create("tactorsink");
+  TCase *cases = tcase_create("general");
+  suite_add_tcase(suite, cases);
+  tcase_add_test(cases, test_compensation_exact);
+  tcase_add_test(cases, test_compensation_frame_block);
+  tcase_add_test(cases, test_compensation_none);
+  tcase_add_test(cases, test_blocks_at_5_hz);
+  tcase_add_test(cases, test_pause_silences_and_resume_reissues);
+  tcase_add_test(cases, test_flush_during_wait);
+  tcase_add_test(cases, test_gap_is_zero_at_its_time);
+  tcase_add_test(cases, test_eos_drains);
+  tcase_add_test(cases, test_rates_and_segments);
+  tcase_add_test(cases, test_latency_change_moves_the_wait);
+  tcase_add_test(cases, test_caps_change);
+  tcase_add_test(cases, test_mapping_and_volts);
+  tcase_add_test(cases, test_mute_acts_at_once);
+  tcase_add_test(cases, test_starved);
+  tcase_add_test(cases, test_late_is_counted_and_said);
+  tcase_add_test(cases, test_stale_commands_coalesce);
+  tcase_add_test(cases, test_null_while_playing_is_silent);
+  tcase_add_test(cases, test_video_frames_with_and_without_meta);
+  tcase_add_test(cases, test_missing_pts_follow_each_other);
+  tcase_add_test(cases, test_sync_false_does_not_wait);
+  tcase_add_test(cases, test_wrong_size_is_an_error);
+  tcase_add_test(cases, test_absurd_caps_are_refused);
+  tcase_add_test(cases, test_start_errors);
+  tcase_add_test(cases, test_allocation_asks_for_lookahead);
+  tcase_add_test(cases, test_render_delay_is_the_lead);
+  return suite;
+}
+
+GST_CHECK_MAIN(tactorsink);

@@ -1,0 +1,360 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "player.h"
+
+#include <glib-unix.h>
+#include <gst/video/video.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cinttypes>
+#include <cstdio>
+#include <memory>
+#include <stdexcept>
+#include <utility>
+
+namespace {
+
+/// Room for what tactorsink asks for early (150 ms and its margins), with as much again.
+constexpr const char *kLookahead = "queue max-size-bytes=0 max-size-buffers=0 max-size-time=400000000";
+
+/// How long the end may take once it was asked for; then the pipeline is stopped as it is.
+constexpr guint kDrainSeconds = 5;
+
+bool
+have_element(const char *name)
+{
+  GstElementFactory *factory = gst_element_factory_find(name);
+  if (factory)
+    gst_object_unref(factory);
+  return factory != nullptr;
+}
+
+std::string
+video_encoder()
+{
+  // Live encoders without look-ahead: the film is recorded while the chair follows it on the clock.
+  if (have_element("x264enc"))
+    return "x264enc speed-preset=ultrafast tune=zerolatency pass=quant quantizer=23 key-int-max=60 ! h264parse";
+  if (have_element("vp9enc"))
+    return "vp9enc deadline=1 cpu-used=8 target-bitrate=4000000 keyframe-max-dist=60";
+  throw std::runtime_error("cannot record: neither x264enc (gstreamer1.0-plugins-ugly) nor vp9enc (gstreamer1.0-plugins-good) is installed");
+}
+
+/// A value for a launch line.
+std::string
+quoted(const std::string &value)
+{
+  std::string text = "\"";
+  for (const char c : value) {
+    if (c == '"' || c == '\\')
+      text += '\\';
+    text += c;
+  }
+  return text + "\"";
+}
+
+struct Unref
+{
+  void
+  operator()(gpointer object) const
+  {
+    gst_object_unref(object);
+  }
+};
+template <typename T> using Owned = std::unique_ptr<T, Unref>;
+
+/// One run: the pipeline, its main loop and what happened.
+class Run
+{
+public:
+  Run(const PlaySettings &settings, const Film &film, Strip &strip)
+      : settings_(settings), film_(film), strip_(strip), loop_(g_main_loop_new(nullptr, FALSE))
+  {
+  }
+
+  ~Run()
+  {
+    for (const guint source : sources_)
+      g_source_remove(source);
+    if (drain_source_)
+      g_source_remove(drain_source_);
+    if (pipeline_)
+      gst_element_set_state(pipeline_.get(), GST_STATE_NULL);
+    g_main_loop_unref(loop_);
+  }
+  Run(const Run &) = delete;
+  Run &operator=(const Run &) = delete;
+
+  PlayReport
+  operator()()
+  {
+    g_autoptr(GError) error = nullptr;
+    pipeline_.reset(gst_parse_launch_full(launch_line(film_, settings_).c_str(), nullptr, GST_PARSE_FLAG_FATAL_ERRORS, &error));
+    if (!pipeline_) {
+      report_.failure = std::string("cannot build the pipeline: ") + error->message;
+      return std::move(report_);
+    }
+    analysis_.reset(gst_bin_get_by_name(GST_BIN(pipeline_.get()), "analysis"));
+    chair_.reset(gst_bin_get_by_name(GST_BIN(pipeline_.get()), "chair"));
+    probe("analysis", "sink", GST_PAD_PROBE_TYPE_BUFFER, gate);
+    probe("sound", "sink", GST_PAD_PROBE_TYPE_BUFFER, gate);
+    probe("overlay", "src", GST_PAD_PROBE_TYPE_BUFFER, watch);
+
+    const Owned<GstBus> bus(gst_element_get_bus(pipeline_.get()));
+    sources_.push_back(gst_bus_add_watch(
+        bus.get(), +[](GstBus *, GstMessage *message, gpointer self) { return static_cast<Run *>(self)->on_message(message); }, this));
+    for (const int number : { SIGINT, SIGTERM, SIGHUP })
+      sources_.push_back(g_unix_signal_add(number, +[](gpointer self) { return static_cast<Run *>(self)->on_signal(); }, this));
+    if (!settings_.quiet)
+      sources_.push_back(g_timeout_add_seconds(settings_.progress_in_place ? 1 : 5,
+                                               +[](gpointer self) { return static_cast<Run *>(self)->on_progress(); }, this));
+
+    gst_element_set_state(pipeline_.get(), GST_STATE_PLAYING);
+    g_main_loop_run(loop_);
+
+    gst_element_set_state(pipeline_.get(), GST_STATE_PAUSED); // motors to zero before anything else is taken down
+    if (settings_.progress_in_place && progress_shown_)
+      std::fputs("\r\033[K", stderr);
+    if (analysis_)
+      g_object_get(analysis_.get(), "stats", &report_.analysis, nullptr);
+    if (chair_)
+      g_object_get(chair_.get(), "stats", &report_.chair, nullptr);
+    gst_element_set_state(pipeline_.get(), GST_STATE_NULL);
+    report_.position = position_.load();
+    report_.played = report_.position > 0;
+    return std::move(report_);
+  }
+
+private:
+  void
+  probe(const char *element_name, const char *pad_name, GstPadProbeType type, GstPadProbeCallback callback)
+  {
+    const Owned<GstElement> element(gst_bin_get_by_name(GST_BIN(pipeline_.get()), element_name));
+    if (!element)
+      return;
+    const Owned<GstPad> pad(gst_element_get_static_pad(element.get(), pad_name));
+    gst_pad_add_probe(pad.get(), type, callback, this, nullptr);
+  }
+
+  /// Ends the stream here once that was asked for: what is behind is played and written to its end, on time.
+  static GstPadProbeReturn
+  gate(GstPad *pad, GstPadProbeInfo *info, gpointer data)
+  {
+    Run *self = static_cast<Run *>(data);
+    if (!self->ending_.load())
+      return GST_PAD_PROBE_OK;
+    gst_buffer_unref(GST_PAD_PROBE_INFO_BUFFER(info));
+    GST_PAD_PROBE_INFO_DATA(info) = nullptr;
+    gst_pad_send_event(pad, gst_event_new_eos());
+    GST_PAD_PROBE_INFO_FLOW_RETURN(info) = GST_FLOW_EOS;
+    return GST_PAD_PROBE_HANDLED;
+  }
+
+  /// Sees each frame with its overlay.
+  static GstPadProbeReturn
+  watch(GstPad *pad, GstPadProbeInfo *info, gpointer data)
+  {
+    Run *self = static_cast<Run *>(data);
+    GstBuffer *buffer = GST_PAD_PROBE_INFO_BUFFER(info);
+    GstEvent *event = gst_pad_get_sticky_event(pad, GST_EVENT_SEGMENT, 0);
+    GstCaps *caps = gst_pad_get_current_caps(pad);
+    if (event && caps) {
+      const GstSegment *segment;
+      gst_event_parse_segment(event, &segment);
+      // Running time: a film is played once, forward, from its beginning, and parts that are put together follow each other.
+      const GstClockTime time = gst_segment_to_running_time(segment, GST_FORMAT_TIME, GST_BUFFER_PTS(buffer));
+      if (GST_CLOCK_TIME_IS_VALID(time)) {
+        self->strip_.offer(buffer, caps, time);
+        self->position_ = time + (GST_BUFFER_DURATION_IS_VALID(buffer) ? GST_BUFFER_DURATION(buffer) : 1);
+      }
+    }
+    if (caps)
+      gst_caps_unref(caps);
+    if (event)
+      gst_event_unref(event);
+    return GST_PAD_PROBE_OK;
+  }
+
+  /// Ends the film in order; if that takes too long, as it is.
+  void
+  end()
+  {
+    ending_ = true;
+    if (!drain_source_)
+      drain_source_ = g_timeout_add_seconds(
+          kDrainSeconds,
+          +[](gpointer self) {
+            static_cast<Run *>(self)->drain_source_ = 0;
+            g_main_loop_quit(static_cast<Run *>(self)->loop_);
+            return G_SOURCE_REMOVE;
+          },
+          this);
+  }
+
+  gboolean
+  on_signal()
+  {
+    if (std::exchange(report_.stopped, true))
+      g_main_loop_quit(loop_); // asked twice
+    else
+      end();
+    return G_SOURCE_CONTINUE;
+  }
+
+  gboolean
+  on_message(GstMessage *message)
+  {
+    switch (GST_MESSAGE_TYPE(message)) {
+      case GST_MESSAGE_EOS:
+        g_main_loop_quit(loop_);
+        break;
+      case GST_MESSAGE_ERROR:
+        on_error(message);
+        break;
+      case GST_MESSAGE_WARNING: {
+        g_autoptr(GError) error = nullptr;
+        gst_message_parse_warning(message, &error, nullptr);
+        std::fprintf(stderr, "%swarning: %s\n", settings_.progress_in_place ? "\r\033[K" : "", error->message);
+        break;
+      }
+      case GST_MESSAGE_LATENCY:
+        gst_bin_recalculate_latency(GST_BIN(pipeline_.get()));
+        break;
+      default:
+        break;
+    }
+    return G_SOURCE_CONTINUE;
+  }
+
+  /// A film that breaks off is played to where it breaks; anything else that fails is a failure.
+  void
+  on_error(GstMessage *message)
+  {
+    g_autoptr(GError) error = nullptr;
+    gst_message_parse_error(message, &error, nullptr);
+    const Owned<GstElement> source(gst_bin_get_by_name(GST_BIN(pipeline_.get()), "film"));
+    const bool from_film = source
+                           && (GST_MESSAGE_SRC(message) == GST_OBJECT(source.get())
+                               || gst_object_has_as_ancestor(GST_MESSAGE_SRC(message), GST_OBJECT(source.get())));
+    const bool window_closed = settings_.window && g_error_matches(error, GST_RESOURCE_ERROR, GST_RESOURCE_ERROR_NOT_FOUND)
+                               && GST_OBJECT_FLAG_IS_SET(GST_MESSAGE_SRC(message), GST_ELEMENT_FLAG_SINK);
+    if (window_closed) {
+      report_.stopped = true;
+      g_main_loop_quit(loop_);
+    } else if (from_film && position_.load() > 0) {
+      report_.ended_early = error->message;
+      end();
+    } else {
+      report_.failure = error->message;
+      g_main_loop_quit(loop_);
+    }
+  }
+
+  gboolean
+  on_progress()
+  {
+    gint64 position = 0;
+    if (!gst_element_query_position(pipeline_.get(), GST_FORMAT_TIME, &position))
+      position = static_cast<gint64>(position_.load());
+    GstStructure *stats = nullptr;
+    g_object_get(chair_.get(), "stats", &stats, nullptr);
+    guint64 issued = 0;
+    guint64 late = 0;
+    if (stats) {
+      gst_structure_get_uint64(stats, "issued", &issued);
+      gst_structure_get_uint64(stats, "late", &late);
+      gst_structure_free(stats);
+    }
+    const auto seconds = [](GstClockTime time) { return static_cast<double>(time) / GST_SECOND; };
+    std::fprintf(stderr, "%s%6.1f s", settings_.progress_in_place ? "\r\033[K" : "", seconds(static_cast<GstClockTime>(position)));
+    if (GST_CLOCK_TIME_IS_VALID(film_.duration))
+      std::fprintf(stderr, " of %.1f s", seconds(film_.duration));
+    std::fprintf(stderr, "   %" PRIu64 " commands, %" PRIu64 " late%s", static_cast<std::uint64_t>(issued),
+                 static_cast<std::uint64_t>(late), settings_.progress_in_place ? "" : "\n");
+    std::fflush(stderr);
+    progress_shown_ = true;
+    return G_SOURCE_CONTINUE;
+  }
+
+  const PlaySettings &settings_;
+  const Film &film_;
+  Strip &strip_;
+  GMainLoop *loop_;
+  Owned<GstElement> pipeline_;
+  Owned<GstElement> analysis_;
+  Owned<GstElement> chair_;
+  std::vector<guint> sources_;
+  guint drain_source_ = 0;
+  bool progress_shown_ = false;
+  std::atomic<bool> ending_{ false };
+  std::atomic<GstClockTime> position_{ 0 };
+  PlayReport report_;
+};
+
+} // namespace
+
+PlayReport::~PlayReport()
+{
+  if (analysis)
+    gst_structure_free(analysis);
+  if (chair)
+    gst_structure_free(chair);
+}
+
+PlayReport::PlayReport(PlayReport &&other) noexcept
+    : played(other.played), stopped(other.stopped), failure(std::move(other.failure)), ended_early(std::move(other.ended_early)),
+      position(other.position), analysis(std::exchange(other.analysis, nullptr)), chair(std::exchange(other.chair, nullptr))
+{
+}
+
+std::string
+launch_line(const Film &film, const PlaySettings &settings)
+{
+  const std::string look = kLookahead;
+  std::string line = film_source(film) + "  film. ! " + look + " ! saliencytactile name=analysis " + settings.analysis_options
+                     + " ! tactileextractor name=split"
+                     + "  split.tactile ! " + look + " ! tactorsink name=chair " + settings.chair_options + " trace-location="
+                     + quoted(settings.commands)
+                     + "  split.src ! " + look + " ! tactileoverlay name=overlay ! videoconvert";
+  if (settings.window) {
+    line += " ! autovideosink";
+    if (film.has_sound)
+      line += "  film. ! " + look + " ! audioconvert name=sound ! audioresample ! autoaudiosink";
+  } else {
+    line += " ! " + video_encoder() + " ! " + look + " ! matroskamux name=mux ! filesink async=false location="
+            + quoted(settings.recording);
+    if (film.has_sound)
+      line += "  film. ! " + look + " ! audioconvert name=sound ! audioresample ! vorbisenc ! " + look + " ! mux.";
+  }
+  return line;
+}
+
+bool
+have_display()
+{
+  if (!g_getenv("DISPLAY") && !g_getenv("WAYLAND_DISPLAY"))
+    return false;
+  // autovideosink opens the best sink that works, or settles for a fake one.
+  const Owned<GstElement> sink(gst_object_ref_sink(gst_element_factory_make("autovideosink", nullptr)));
+  if (!sink)
+    return false;
+  bool found = false;
+  if (gst_element_set_state(sink.get(), GST_STATE_READY) != GST_STATE_CHANGE_FAILURE) {
+    GstIterator *children = gst_bin_iterate_elements(GST_BIN(sink.get()));
+    GValue item = G_VALUE_INIT;
+    while (gst_iterator_next(children, &item) == GST_ITERATOR_OK) {
+      const GstElementFactory *factory = gst_element_get_factory(GST_ELEMENT(g_value_get_object(&item)));
+      found = factory && !g_str_has_prefix(GST_OBJECT_NAME(factory), "fake");
+      g_value_unset(&item);
+    }
+    gst_iterator_free(children);
+  }
+  gst_element_set_state(sink.get(), GST_STATE_NULL);
+  return found;
+}
+
+PlayReport
+play(const Film &film, const PlaySettings &settings, Strip &strip)
+{
+  return Run(settings, film, strip)();
+}
