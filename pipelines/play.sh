@@ -7,9 +7,5 @@ here=$(cd "$(dirname "$0")" && pwd)
 # shellcheck source=../tools/build.sh
 . "$here/../tools/build.sh"
 
-# Progress of the set-up goes where the film's progress goes; what is printed is the report.
-build_project "$root/build" "build play" >&2
-
-export GST_PLUGIN_PATH="$root/build/gst${GST_PLUGIN_PATH:+:$GST_PLUGIN_PATH}"
-export GST_REGISTRY="$root/build/registry.bin"
+build_and_use
 exec "$root/build/tools/visuotactile-play" "$@"

@@ -15,7 +15,7 @@ directory=$root/build
 options=(-Dsaliency=enabled -Dintrospection=enabled -Dtools=enabled -Dtests=enabled)
 case ${1:-} in
   -h | --help) sed -n '3,8s/^# \{0,1\}//p' "$0"; exit 0 ;;
-  --asan) shift; directory=$root/build-asan; options+=(-Db_sanitize=address,undefined -Db_lundef=false) ;;
+  --asan) shift; directory=$root/build-asan; options+=("-Db_sanitize=address,undefined" -Db_lundef=false) ;;
   --tsan) shift; directory=$root/build-tsan; options+=(-Db_sanitize=thread -Db_lundef=false) ;;
 esac
 

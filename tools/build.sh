@@ -1,3 +1,4 @@
+# shellcheck shell=bash
 # SPDX-License-Identifier: LGPL-2.1-or-later
 # Sourced by pipelines/play.sh and tests/run.sh: sets up and builds this checkout.
 #   build_project DIRECTORY PARTS [meson options]   PARTS: what tools/setup.sh shall install, in one word
@@ -26,4 +27,22 @@ build_project() {
   fi
   ninja -C "$directory" >"$log" 2>&1 || { cat "$log" >&2; rm -f "$log"; return 1; }
   rm -f "$log"
+}
+
+# Builds what playing needs and makes GStreamer find it, for the scripts in pipelines/.
+build_and_use() {
+  # What is printed on standard output belongs to the pipeline.
+  build_project "$root/build" "build play" >&2
+  export GST_PLUGIN_PATH="$root/build/gst${GST_PLUGIN_PATH:+:$GST_PLUGIN_PATH}"
+  export GST_REGISTRY="$root/build/registry.bin"
+}
+
+# The URI of a film given as a path or a URI.
+film_uri() {
+  case $1 in
+    "") echo "$(basename "$0"): expected a film; usage: $0 FILM" >&2; return 2 ;;
+    *://*) printf '%s\n' "$1" ;;
+    *) [ -f "$1" ] || { echo "$(basename "$0"): there is no film '$1'" >&2; return 1; }
+       printf 'file://%s\n' "$(realpath "$1" | sed 's/%/%25/g; s/ /%20/g; s/#/%23/g; s/?/%3F/g')" ;;
+  esac
 }

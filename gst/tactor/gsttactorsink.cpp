@@ -288,8 +288,12 @@ gst_tactor_sink_read_levels(GstTactorSink *self, GstBuffer *buffer, guint &rows,
   if (priv->stream.is_map) {
     rows = priv->stream.rows;
     columns = priv->stream.columns;
-    priv->levels.resize(static_cast<gsize>(rows) * columns);
-    return gst_tactile_map_buffer_get_levels(buffer, priv->levels.data(), priv->levels.size());
+    g_autofree gfloat *levels = nullptr;
+    gsize count = 0;
+    if (!gst_tactile_map_buffer_get_levels(buffer, rows, columns, &levels, &count))
+      return false;
+    priv->levels.assign(levels, levels + count);
+    return true;
   }
   const GstTactileMeta *meta = gst_buffer_get_tactile_meta(buffer);
   if (!meta)

@@ -1,0 +1,12 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: LGPL-2.1-or-later
+# Shows what draws the eye in a film as colours over the picture.
+# Usage: pipelines/heatmap.sh FILM
+set -euo pipefail
+. "$(dirname "$0")/../tools/build.sh"
+build_and_use
+film=$(film_uri "${1:-}")
+
+exec gst-launch-1.0 -e \
+  uridecodebin uri="$film" ! queue ! saliencytactile attach-saliency=true ! tactileoverlay style=heatmap \
+  ! videoconvert ! autovideosink
