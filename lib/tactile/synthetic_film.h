@@ -1,111 +1,148 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include <array>
 #include <chrono>
+#include <cstddef>
 #include <cstdint>
-#include <span>
 #include <vector>
 
+/// The synthetic films of the paper's user study (Section 5, Fig. 6), with the truth about every
+/// ball.
 namespace tactile {
 
 using Time = std::chrono::nanoseconds;
 
-/// A colour as R'G'B' in [0, 1].
-struct Rgb
-{
-  float r = 0;
-  float g = 0;
-  float b = 0;
-
-  bool operator==(const Rgb &) const = default;
-};
-
-/// The two synthetic films of the paper (Section 5, Fig. 6).
+/// Which of the two films.
 enum class FilmPattern
 {
-  static_motion,  ///< one or two balls appear, rest, and appear elsewhere
-  dynamic_motion, ///< a ball moves about at varying speed and stalls suddenly
+  static_motion,  ///< one or two balls appear, rest for more than a second, then are elsewhere at
+                  ///< once
+  dynamic_motion, ///< a ball moves around at various speeds and stalls suddenly
 };
 
-/// A ball at one moment: x = 0 is the left edge of the picture, 1 the right one; y = 0 the top, 1
-/// the bottom.
+/// Gamma-encoded R'G'B', as on an sRGB screen.
+struct Color
+{
+  std::uint8_t red;
+  std::uint8_t green;
+  std::uint8_t blue;
+
+  bool operator==(const Color &) const = default;
+};
+
+struct FilmSettings
+{
+  FilmPattern pattern = FilmPattern::static_motion;
+  std::uint64_t seed = 0;
+  int balls = 0;                 ///< 1 or 2 at a time; 0: as in the paper
+  double ball_size = 1.0 / 16.0; ///< diameter as a share of the picture's width
+
+  bool operator==(const FilmSettings &) const = default;
+};
+
+/// One ball in one picture, in pixels; the top left corner of the top left pixel is (0, 0).
 struct Ball
 {
-  double x = 0; ///< centre, share of the picture's width
-  double y = 0; ///< centre, share of the picture's height
-  double radius
-      = 0; ///< share of the picture's *width* in both directions: a ball is round in pixels
-  Rgb colour;
+  int index = 0; ///< 0 or 1
+  double x = 0;  ///< centre
+  double y = 0;  ///< centre
+  double radius = 0;
+  Color color{};
   Time onset{ 0 };     ///< when it last appeared or started to move
   bool moving = false; ///< it is on its way
+
+  bool operator==(const Ball &) const = default;
 };
 
-/// A film as a pure function of its settings and the time: any moment at once, in any order, the
-/// same on every run.
+/// Where the balls are at any time. The film is a pure function of settings, time and picture size:
+/// another frame rate or a seek shows the same motion. It begins with kEmptyStart of empty
+/// background, so that its first ball is an event like all others, and repeats after kPeriod.
 ///
-/// Static motion: rests of 1.2–3 s, and in every 16 s one of 4–6 s. At the end of a rest all balls
-/// disappear and as many as the next rest has appear at the same moment, each at least a sixth of
-/// the picture from where any was (for balls up to 1/8 of the width). Balls that appear together
-/// have one colour and their centres in different thirds of the width; up to a ball size of a third
-/// they don't overlap.
-///
-/// Dynamic motion: one ball on a smooth path. In every 20 s four moves of 1.5–5.5 s, each with a
-/// sudden stop: three stalls of 0.5–1.5 s and one of 3–4 s.
-///
-/// From time 0 on there is always a ball, and balls are wholly in the picture where it is large
-/// enough for them.
+/// Static motion: rests of 1.2–3 s, one in four of 3.2–5 s. Balls that appear together have one
+/// colour and are in different thirds of the width; none appears in that ninth of the picture where
+/// one has just been. Dynamic motion: moves of 1.5–4 s and stalls of 0.5–2 s, one stall in three
+/// of 2.7–4 s. A moving ball never rests.
 class SyntheticFilm
 {
 public:
-  /// `balls`: 1 or 2 in each rest, anything else: one or two at random (as in the paper); dynamic
-  /// motion has always one. `ball_size`: diameter as share of the picture's width, (0, 0.5].
-  /// `aspect`: width / height of the picture in pixels, > 0.
-  SyntheticFilm(FilmPattern pattern, std::uint64_t seed, int balls = 0, double ball_size = 1.0 / 16,
-                double aspect = 1);
+  static constexpr Time kPeriod = std::chrono::minutes(10);
+  static constexpr Time kEmptyStart = std::chrono::seconds(1);
+  static constexpr Color kBackground{ 119, 119, 119 }; ///< L* = 50
 
-  /// The balls to be seen at `time`; a negative time is taken as 0.
-  std::vector<Ball> balls_at(Time time) const;
+  /// Settings out of range are taken as the nearest in range.
+  explicit SyntheticFilm(const FilmSettings &settings);
+
+  /// The balls at `time` (before 0: as at 0) in a picture of width × height pixels, at least 1 × 1.
+  /// Whole balls lie inside the picture as far as they fit.
+  std::vector<Ball> balls_at(Time time, int width, int height) const;
 
 private:
-  struct Place
+  /// What one ball does from `begin` until the next stretch: rests at (u, v), or moves around the
+  /// middle. Positions are in [0, 1], relative to the part of the picture that a whole ball's
+  /// centre can be in.
+  struct Stretch
   {
-    double x;
-    double y;
+    Time begin{ 0 };
+    Time onset{ 0 };
+    bool visible = false;
+    bool moving = false;
+    Color color{};
+    double u = 0.5;
+    double v = 0.5;
+    double angle = 0;       ///< moving: around the middle, radians, at `begin`
+    double reach = 0;       ///< moving: phase of the distance from the middle, radians, at `begin`
+    double direction = 1;   ///< moving: sense of rotation, ±1
+    double speed = 0;       ///< moving: mean, radians per second
+    double speed_phase = 0; ///< moving: phase of the speed's swell, radians, at `begin`
   };
+  using Track = std::vector<Stretch>;
 
-  std::vector<Ball> resting_balls(Time time) const;
-  Ball moving_ball(Time time) const;
-  std::vector<Place> places(std::int64_t rest) const;
+  static Stretch advance(const Stretch &from, Time time);
+  void make_static_tracks();
+  Track make_dynamic_track(int index) const;
 
-  FilmPattern pattern_;
-  std::uint64_t seed_;
-  int balls_;
-  double radius_;   ///< share of the width
-  double radius_y_; ///< the same length as share of the height
+  FilmSettings settings_;
+  std::vector<Track> tracks_; ///< one for each ball
 };
 
-/// Where a ball lies in pixels; pixel i covers [i, i + 1).
-struct Disc
+/// One component of a picture where it lies in memory, 8 bits: sample (x, y) is at
+/// `data + y * row_stride + x * pixel_stride` (bytes) and covers `block_width × block_height`
+/// pixels.
+struct SamplePlane
 {
-  double x;
-  double y;
-  double radius;
+  std::uint8_t *data = nullptr;
+  std::ptrdiff_t row_stride = 0;
+  int pixel_stride = 1;
+  int width = 0;  ///< samples
+  int height = 0; ///< samples
+  int block_width = 1;
+  int block_height = 1;
 };
 
-/// The ball on a picture of `width` × `height` pixels, at least one pixel across.
-Disc disc_in_pixels(const Ball &ball, int width, int height);
+/// Draws a ball's component value over what is there, the edge anti-aliased. Pixels outside
+/// [⌊x − radius⌋, ⌈x + radius⌉) × [⌊y − radius⌋, ⌈y + radius⌉) stay as they are where samples are
+/// pixels.
+void draw_ball(const SamplePlane &plane, const Ball &ball, std::uint8_t value);
 
-/// Pixels [left, left + row.size()) of row `y` of the picture: a plain grey background with a
-/// gentle gradient, and the balls with an anti-aliased edge one pixel wide. A ball touches only
-/// pixels of its bounding box [floor(x - radius), ceil(x + radius)) × [floor(y - radius), ceil(y +
-/// radius)).
-void paint_row(std::span<const Ball> balls, int width, int height, int y, int left,
-               std::span<Rgb> row);
+/// Sensor noise: normally distributed, rounded to whole codes, independent from sample to sample
+/// and frame to frame, and a function of nothing but its seed, the frame's time and the sample's
+/// position.
+class SensorNoise
+{
+public:
+  /// Standard deviation in 8-bit codes, [0, 32].
+  SensorNoise(double sigma, std::uint64_t seed);
 
-/// Adds normally distributed noise of standard deviation `sigma` (in codes, [0, 32]) to `count`
-/// 8-bit samples that are `step` bytes apart, clipped to [0, 255]. The noise is a function of
-/// (seed, time, component, row, index of the sample).
-void add_noise(std::uint8_t *samples, int count, int step, double sigma, std::uint64_t seed,
-               Time time, int component, int row);
+  /// Adds noise to every sample of one component (`component` tells those of one frame apart),
+  /// clamped to 0…255.
+  void add(const SamplePlane &plane, int component, Time time) const;
+
+private:
+  static constexpr std::size_t kQuantiles = 4096; ///< to ± 3.7 σ
+
+  std::uint64_t seed_;
+  std::array<std::int16_t, kQuantiles> quantiles_{}; ///< of the distribution, in whole codes
+};
 
 } // namespace tactile
