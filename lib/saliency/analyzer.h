@@ -13,29 +13,38 @@ namespace saliency {
 
 using Time = std::chrono::nanoseconds;
 
-/// Saliency of one frame. `map` stays valid until the next call on the same analyzer and must not be written to.
+/// Saliency of one frame. `map` stays valid until the next call on the same analyzer and must not
+/// be written to.
 struct Saliency
 {
-  cv::Mat map;      ///< CV_32FC1, at `Profile::saliency_level`'s resolution, ≥ 0, in the profile's units (ΔE or N(·)-scaled)
-  double peak = 0;  ///< maximum of `map`
+  /// CV_32FC1 at `Profile::saliency_level`'s resolution, finite and ≥ 0, in the profile's units
+  /// (ΔE, or what N(·) makes of it).
+  cv::Mat map;
+  double peak = 0; ///< maximum of `map`
 };
 
-/// Frame → L*a*b* pyramid → contrast → spatial → (temporal → spatiotemporal) saliency: paper, Section 3.
-/// Not thread-safe: one stream, one analyzer, one thread at a time.
+/// Frame → L*a*b* pyramid → contrast → spatial → (temporal → spatiotemporal) saliency: paper,
+/// Section 3. Not thread-safe: one stream, one analyzer, one thread at a time.
 class Analyzer
 {
 public:
+  /// Throws std::invalid_argument if the profile is not valid (see Profile).
   explicit Analyzer(const Profile &profile);
   ~Analyzer();
   Analyzer(Analyzer &&) noexcept;
   Analyzer &operator=(Analyzer &&) noexcept;
 
-  /// Analyses the frame shown during [time, time + duration). Frames come in order of time; a frame whose time is
-  /// not after its predecessor's, or whose size differs, resets the history first. duration ≤ 0 is taken as 1/30 s.
-  /// With `temporal` off the result is the spatial saliency alone (the history is kept up to date all the same).
+  /// Analyses the frame shown during [time, time + duration). Frames come in order of time. A frame
+  /// resets the history first if its time is not after its predecessor's, if its size differs or,
+  /// with windows in seconds, if it comes later after its predecessor's end than the longest
+  /// window. duration ≤ 0 is taken as 1/30 s. With `temporal` off the result is the spatial
+  /// saliency alone (the history is kept up to date all the same). Throws std::invalid_argument for
+  /// a frame that cannot be one (see FrameView), which leaves the history as if it had not come, or
+  /// reset.
   const Saliency &analyze(const FrameView &frame, Time time, Time duration, bool temporal = true);
 
-  /// Forgets the history: the next frame fills it with its own spatial map (no burst after start, seek or cut).
+  /// Forgets the history: the next frame fills it with its own spatial map (no burst after start,
+  /// seek or cut).
   void reset();
 
   const Profile &profile() const;

@@ -32,12 +32,12 @@ struct Component
   const std::uint8_t *data = nullptr;
   std::ptrdiff_t row_stride = 0;
   int pixel_stride = 1;
-  int width = 0;  ///< samples, after chroma subsampling
-  int height = 0; ///< samples, after chroma subsampling
+  int width = 0;  ///< samples: ⌈frame width / 2ᵏ⌉ for some k ≥ 0
+  int height = 0; ///< samples, likewise
 };
 
-/// A frame as it lies in memory; planar, semi-planar and packed layouts alike. Nothing is owned or copied.
-/// 8-bit samples are bytes; deeper samples are 16-bit little-endian words whose value is
+/// A frame as it lies in memory; planar, semi-planar and packed layouts alike. Nothing is owned or
+/// copied. 8-bit samples are bytes; deeper samples are 16-bit little-endian words whose value is
 /// `(word >> shift) & ((1 << depth) - 1)`: I420_10LE has shift 0, P010_10LE shift 6.
 struct FrameView
 {
@@ -45,8 +45,9 @@ struct FrameView
   int height = 0; ///< pixels, at least 1
   ColorModel model = ColorModel::yuv;
   int depth = 8; ///< significant bits of a sample: 8…16
-  int shift = 0; ///< position of the lowest significant bit in the word
-  bool full_range = false; ///< samples use all codes ("pc") rather than 16–235/240 ("tv"); grey and yuv only
+  int shift = 0; ///< position of the lowest significant bit in the word; 0 for bytes
+  /// Samples use all codes ("pc") rather than 16–235/240 ("tv"); grey and yuv only.
+  bool full_range = false;
   YuvMatrix matrix = kBt709;
   std::array<Component, 3> components{}; ///< Y, Cb, Cr or R, G, B or grey alone
 };

@@ -12,7 +12,8 @@ struct LevelPair
   int surround;
 };
 
-/// A centre-surround pair of temporal windows, in frames at 30 fps (level n of the temporal pyramid is 2ⁿ frames).
+/// A centre-surround pair of temporal windows, in frames at 30 fps (level n of the temporal pyramid
+/// is 2ⁿ frames).
 struct WindowPair
 {
   int center;
@@ -47,30 +48,41 @@ enum class HistoryStart
   filled, ///< the first map, as if it had always been there: no burst after start, seek or cut
 };
 
-/// Every choice between the frame and its saliency map: `../shared` design notes "What the paper leaves open",
-/// docs/algorithm.md.
+/// Every choice between the frame and its saliency map (docs/algorithm.md). Valid if there are
+/// level pairs with 0 ≤ center ≤ surround, window pairs of at least 1, and no negative level.
 struct Profile
 {
-  bool exact = false;              ///< L*a*b* of every pixel before decimation, rather than after
-  int reference_width = 0;         ///< 0: pyramid levels are the frame's own. Else they are renumbered so that level 2 is the level whose width is nearest (in octaves) to this
-  double chroma_weight = 1;        ///< ΔE = √(ΔL² + w² (Δa² + Δb²))
-  std::vector<LevelPair> levels;   ///< of the spatial contrast maps; each is limited to the levels that the frame has
-  Normalization contrast_normalization = Normalization::none; ///< of each contrast map before they are summed
-  bool contrast_mean = false;      ///< mean of the contrast maps rather than their sum
-  int saliency_level = 2;          ///< level of the spatial saliency map; contrast maps are brought to it grid-correctly
-  std::vector<WindowPair> windows; ///< of the temporal contrast maps
+  /// L*a*b* of every pixel before decimation, rather than after.
+  bool exact = false;
+  /// 0: pyramid levels are the frame's own. Else they are renumbered so that level 2 is the level
+  /// whose width is nearest to this in octaves, as far as none falls below 0.
+  int reference_width = 0;
+  /// w in ΔE = √(ΔL² + w² (Δa² + Δb²)).
+  double chroma_weight = 1;
+  /// Of the spatial contrast maps; each is limited to the levels that the frame has.
+  std::vector<LevelPair> levels;
+  /// Of each contrast map, before they are combined.
+  Normalization contrast_normalization = Normalization::none;
+  /// Mean of the contrast maps rather than their sum.
+  bool contrast_mean = false;
+  /// Level of the spatial saliency map; contrast maps are brought to it grid-correctly.
+  int saliency_level = 2;
+  /// Of the temporal contrast maps.
+  std::vector<WindowPair> windows;
   TemporalSign temporal_sign = TemporalSign::absolute;
-  bool temporal_mean = false;      ///< mean of the temporal contrast maps rather than their sum
+  /// Mean of the temporal contrast maps rather than their sum.
+  bool temporal_mean = false;
   TimeBase time_base = TimeBase::seconds;
   HistoryStart history_start = HistoryStart::filled;
-  Normalization temporal_normalization = Normalization::none; ///< of the spatiotemporal saliency map
+  /// Of the spatiotemporal saliency map.
+  Normalization temporal_normalization = Normalization::none;
 
-  /// The paper taken literally where it is explicit: c ∈ {2,3,4}, δ ∈ {3,4}, N(·), absolute temporal differences of
-  /// levels c ∈ {0,1,2}, s = c + {3,4}, per-pixel L*a*b*.
+  /// The paper taken literally where it is explicit: c ∈ {2,3,4}, δ ∈ {3,4}, N(·), absolute
+  /// temporal differences of levels c ∈ {0,1,2}, s = c + {3,4}, per-pixel L*a*b*.
   static Profile paper();
 
-  /// What measures best so far (docs/algorithm.md): one pair c = 2, δ = 1, chroma × 2, no N(·), pooled to level 4, onsets
-  /// only, windows 1/8, 2/16, 4/32, 8/64.
+  /// What measures best so far (docs/algorithm.md): one pair c = 2, δ = 1, chroma × 2, no N(·),
+  /// pooled to level 4, onsets only, windows 1/8, 2/16, 4/32, 8/64.
   static Profile tuned();
 };
 

@@ -1,0 +1,153 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "saliency/analyzer.h"
+
+#include "saliency/front_end.h"
+#include "saliency/pyramid.h"
+#include "saliency/spatial_saliency.h"
+#include "saliency/spatiotemporal_saliency.h"
+#include "saliency/temporal_pyramid.h"
+
+#include <opencv2/core.hpp>
+
+#include <algorithm>
+#include <cstdint>
+#include <optional>
+#include <stdexcept>
+
+namespace saliency {
+
+namespace {
+
+constexpr double kFramesPerNanosecond = 30e-9;
+constexpr Time kDefaultDuration{ 1'000'000'000 / 30 };
+
+const Profile &
+checked(const Profile &profile)
+{
+  if (profile.levels.empty() || profile.windows.empty())
+    throw std::invalid_argument("a profile has level pairs and window pairs");
+  for (const auto &pair : profile.levels)
+    if (pair.center < 0 || pair.surround < pair.center)
+      throw std::invalid_argument("a surround is a level no finer than its centre");
+  for (const auto &pair : profile.windows)
+    if (pair.center < 1 || pair.surround < 1)
+      throw std::invalid_argument("a window is at least one frame long");
+  if (profile.saliency_level < 0)
+    throw std::invalid_argument("the saliency map's level is at least 0");
+  return profile;
+}
+
+int
+longest_window(const Profile &profile)
+{
+  int longest = 1;
+  for (const auto &pair : profile.windows)
+    longest = std::max({ longest, pair.center, pair.surround });
+  return longest;
+}
+
+/// to - from, which is > 0, in frames at 30 fps; exact times may be further apart than Time can
+/// tell.
+double
+frames_between(Time from, Time to)
+{
+  const auto ticks
+      = static_cast<std::uint64_t>(to.count()) - static_cast<std::uint64_t>(from.count());
+  return static_cast<double>(ticks) * kFramesPerNanosecond;
+}
+
+} // namespace
+
+struct Analyzer::State
+{
+  explicit State(const Profile &profile_)
+      : profile(checked(profile_)), longest(longest_window(profile)), front_end(profile.exact),
+        spatial(profile), history(longest, profile.history_start), spatiotemporal(profile)
+  {
+  }
+
+  void follow(cv::Size size, Time time);
+
+  Profile profile;
+  double longest; ///< window, in frames
+  FrontEnd front_end;
+  Pyramid pyramid;
+  SpatialSaliency spatial;
+  TemporalPyramid history;
+  SpatiotemporalSaliency spatiotemporal;
+
+  struct Previous
+  {
+    Time time;
+    Time duration;
+  };
+  std::optional<Previous> previous; ///< frame since the last reset
+  FrameLevels levels;
+  Saliency result;
+};
+
+/// Prepares for a frame of this size at this time: what went before may not be its history.
+void
+Analyzer::State::follow(cv::Size size, Time time)
+{
+  if (size != levels.frame) {
+    levels = frame_levels(profile, size);
+    previous.reset();
+  }
+  if (previous && time <= previous->time)
+    previous.reset();
+  // After a hole nobody knows what was to be seen, unlike after a frame that was displayed for
+  // long.
+  if (previous && profile.time_base == TimeBase::seconds
+      && frames_between(previous->time, time)
+             > longest + frames_between(Time{}, previous->duration))
+    previous.reset();
+  if (!previous)
+    history.reset();
+}
+
+Analyzer::Analyzer(const Profile &profile) : state_(std::make_unique<State>(profile))
+{
+}
+Analyzer::~Analyzer() = default;
+Analyzer::Analyzer(Analyzer &&) noexcept = default;
+Analyzer &Analyzer::operator=(Analyzer &&) noexcept = default;
+
+const Saliency &
+Analyzer::analyze(const FrameView &frame, Time time, Time duration, bool temporal)
+{
+  auto &s = *state_;
+  if (frame.width < 1 || frame.height < 1)
+    throw std::invalid_argument("a frame is at least 1×1");
+  if (duration <= Time::zero())
+    duration = kDefaultDuration;
+
+  s.follow({ frame.width, frame.height }, time);
+  s.pyramid.build(s.front_end.lab(frame, s.levels.finest), s.levels.finest, s.levels.coarsest);
+  const cv::Mat &spatial = s.spatial.compute(s.pyramid, s.levels);
+
+  if (s.profile.time_base == TimeBase::frames)
+    s.history.push(spatial, 1, 1);
+  else
+    s.history.push(spatial, s.previous ? frames_between(s.previous->time, time) : 0,
+                   frames_between(Time{}, duration));
+  s.previous = State::Previous{ time, duration };
+
+  s.result.map = temporal ? s.spatiotemporal.compute(s.history) : spatial;
+  cv::minMaxLoc(s.result.map, nullptr, &s.result.peak);
+  return s.result;
+}
+
+void
+Analyzer::reset()
+{
+  state_->previous.reset();
+}
+
+const Profile &
+Analyzer::profile() const
+{
+  return state_->profile;
+}
+
+} // namespace saliency

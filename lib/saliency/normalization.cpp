@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "saliency/normalization.h"
+
+#include <opencv2/core.hpp>
+
+namespace saliency {
+
+namespace {
+
+bool
+is_local_maximum(const float *above, const float *row, const float *below, int x)
+{
+  const float v = row[x];
+  return v > row[x - 1] && v > row[x + 1] && v > above[x - 1] && v > above[x] && v > above[x + 1]
+         && v > below[x - 1] && v > below[x] && v > below[x + 1];
+}
+
+/// m̄ of a map that spans [0, 1].
+double
+mean_of_other_maxima(const cv::Mat &map)
+{
+  double sum = 0;
+  int count = 0;
+  bool global_found = false;
+  for (int y = 1; y + 1 < map.rows; ++y) {
+    const auto *above = map.ptr<float>(y - 1);
+    const auto *row = map.ptr<float>(y);
+    const auto *below = map.ptr<float>(y + 1);
+    for (int x = 1; x + 1 < map.cols; ++x) {
+      if (!is_local_maximum(above, row, below, x))
+        continue;
+      if (row[x] >= 1 && !global_found) {
+        global_found = true;
+        continue;
+      }
+      sum += row[x];
+      ++count;
+    }
+  }
+  return count > 0 ? sum / count : 0;
+}
+
+} // namespace
+
+void
+normalize_itti(cv::Mat &map)
+{
+  double low = 0;
+  double high = 0;
+  cv::minMaxLoc(map, &low, &high);
+  const double range = high - low;
+  if (range <= kFlatRange) {
+    map.setTo(0);
+    return;
+  }
+  // Subtract and divide rather than scale and offset: the maximum becomes exactly 1, by which it is
+  // recognised.
+  const auto floor = static_cast<float>(low);
+  const auto span = static_cast<float>(high) - floor;
+  for (int y = 0; y < map.rows; ++y) {
+    auto *row = map.ptr<float>(y);
+    for (int x = 0; x < map.cols; ++x)
+      row[x] = (row[x] - floor) / span;
+  }
+  const double others = mean_of_other_maxima(map);
+  map *= (1 - others) * (1 - others);
+}
+
+} // namespace saliency

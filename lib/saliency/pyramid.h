@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <opencv2/core/mat.hpp>
+
+#include <vector>
+
+namespace saliency {
+
+/// The pyramid's geometry: level n has ⌈width / 2ⁿ⌉ × ⌈height / 2ⁿ⌉ samples, and sample i of level
+/// n lies at pixel 2ⁿ·i of level 0, because every reduction keeps the even samples. Whatever brings
+/// a level to another one's resolution has to respect that: a resize that assumes half-pixel
+/// centres is off by up to (2ⁿ - 1)/2 pixels.
+cv::Size level_size(cv::Size size, int level);
+
+/// The level that is 1×1 (paper, Section 3: "until reaching the coarsest image of 1×1").
+int coarsest_level(cv::Size size);
+
+/// One level down: the 5-tap Gaussian [1 4 6 4 1]/16 along both axes, mirrored at the borders
+/// without repeating the border sample, even samples kept (Burt & Adelson 1983, REDUCE;
+/// cv::pyrDown). Any depth and number of channels.
+void reduce(const cv::Mat &source, cv::Mat &reduced);
+
+/// The same along one axis alone, CV_32FC1.
+void reduce_columns(const cv::Mat &source, cv::Mat &reduced);
+void reduce_rows(const cv::Mat &source, cv::Mat &reduced);
+
+/// Brings an image to a level finer by `octaves_x` and `octaves_y` ≥ 0: linear interpolation on the
+/// grid above, the last sample repeated beyond it. `size`: of the finer level. CV_32FC1 or CV_32FC3;
+/// `source` and `upsampled` are not the same.
+void upsample(const cv::Mat &source, int octaves_x, int octaves_y, cv::Size size,
+              cv::Mat &upsampled);
+
+/// The Gaussian pyramid of an image, from the level at which the image lies to a coarser one.
+class Pyramid
+{
+public:
+  /// `image` is level `base`; levels base…coarsest are (re)built. The image is referred to, not
+  /// copied.
+  void build(const cv::Mat &image, int base, int coarsest);
+
+  /// A level between base and coarsest.
+  const cv::Mat &level(int n) const;
+
+private:
+  int base_ = 0;
+  std::vector<cv::Mat> levels_;
+};
+
+} // namespace saliency

@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include "saliency/contrast.h"
+#include "saliency/profile.h"
+#include "saliency/pyramid.h"
+
+#include <opencv2/core/mat.hpp>
+
+#include <vector>
+
+namespace saliency {
+
+/// A profile's levels in the numbering of one frame size's own pyramid, limited to the levels that
+/// it has.
+struct FrameLevels
+{
+  cv::Size frame; ///< the size of level 0
+  std::vector<LevelPair> pairs;
+  int saliency = 0; ///< of the spatial saliency map
+  int finest = 0;   ///< finest and coarsest level among the pairs
+  int coarsest = 0;
+};
+
+/// With a reference width, level 2 is the level whose width is nearest to it in octaves, as far as
+/// no level of the profile falls below 0. A pair whose two levels are limited to the same one has
+/// no contrast.
+FrameLevels frame_levels(const Profile &profile, cv::Size frame);
+
+/// Spatial saliency S (paper, Section 3: "contrast maps are linearly combined to yield [a] single …
+/// saliency map").
+class SpatialSaliency
+{
+public:
+  explicit SpatialSaliency(const Profile &profile);
+
+  /// Sum or mean of the (normalised) contrast maps at the saliency level: finer ones are reduced to
+  /// it as the pyramid is, coarser ones upsampled on its grid. `pyramid` holds the L*a*b* levels
+  /// finest…coarsest. CV_32FC1, ≥ 0, valid until the next call.
+  const cv::Mat &compute(const Pyramid &pyramid, const FrameLevels &levels);
+
+private:
+  Normalization normalization_;
+  bool mean_;
+  Contrast contrast_;
+  std::vector<cv::Mat>
+      contrast_map_; ///< of one pair, by level: at its centre's, and reduced from there on
+  cv::Mat upsampled_;
+  cv::Mat sum_;
+};
+
+} // namespace saliency

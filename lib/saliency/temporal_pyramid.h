@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include "saliency/profile.h"
+
+#include <opencv2/core/mat.hpp>
+
+#include <cstddef>
+#include <deque>
+
+namespace saliency {
+
+/// The temporal pyramid (paper, Section 3: "a level-n image averages the spatial saliency maps of
+/// 2ⁿ previous frames including the current frame"), for windows of any length rather than 2ⁿ
+/// alone.
+///
+/// Time is counted in frames, which are 1/30 s where windows are meant in seconds. A map is on show
+/// from its push to the next one; a window is the stretch of that length which ends with the
+/// current map's display, and its mean weighs each map by the time it was on show inside. So a film
+/// has the same windows at whatever frame rate.
+///
+/// What is kept is the integral of the maps over time at each push, in double precision: a window
+/// is one subtraction, with linear interpolation where its start falls inside a display. The
+/// integral only grows, yet a window's mean stays exact to float's precision for years of film:
+/// neither drift nor wrap-around.
+///
+/// Memory: pushes less than 1/8 apart share one entry, so at most 8 × longest + 3 maps of 8 bytes a
+/// pixel are held (66 at one push a frame and a longest window of 64).
+class TemporalPyramid
+{
+public:
+  /// A map counts as displayed for no longer than this when its windows are taken (its share in
+  /// later windows is not limited). It only matters below ten frames a second: with windows that
+  /// end late in a long display the current map would fill centre and surround alike, and slides
+  /// would never be salient.
+  static constexpr double kLongestDisplay = 3;
+
+  /// `longest`: the longest window that will be asked for.
+  TemporalPyramid(double longest, HistoryStart start);
+
+  /// Forgets everything.
+  void reset();
+
+  /// The next map (CV_32FC1, finite, copied), `elapsed` > 0 after the previous one was pushed (of
+  /// no meaning for the first) and to be displayed for `duration` > 0. All maps between two resets
+  /// have one size. Never blocks on long times: beyond the longest window they make no difference.
+  void push(const cv::Mat &map, double elapsed, double duration);
+
+  /// The mean over the last `window` > 0. Before the first push lies nothing (HistoryStart::empty:
+  /// the mean of what there is) or the first map for ever. CV_32FC1; if nothing has changed inside
+  /// the window, exactly the current map.
+  void mean(double window, cv::Mat &map) const;
+
+  /// Integrals held.
+  std::size_t size() const;
+
+private:
+  /// The integral of the maps over time, up to `time`.
+  struct Entry
+  {
+    double time;
+    cv::Mat integral; ///< CV_64FC1
+  };
+
+  double longest_;
+  HistoryStart start_;
+  std::deque<Entry> history_; ///< oldest first; the last entry is the time of the latest push
+  cv::Mat current_;           ///< the latest map
+  Entry end_{};               ///< the end of its display
+};
+
+} // namespace saliency
