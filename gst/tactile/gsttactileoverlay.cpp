@@ -1,0 +1,291 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+/**
+ * SECTION:element-tactileoverlay
+ * @title: tactileoverlay
+ * @short_description: shows in the picture what is to be felt
+ *
+ * tactileoverlay draws the #GstTactileMeta of each frame into it:
+ *
+ * - `style=grid`: the grid of tactors. A cell is tinted from yellow to red as its level rises, and
+ * a gauge on its left is as high as the level.
+ * - `style=heatmap`: a colour map from blue to red of the frame's #GstSaliencyMeta, or of its
+ * levels if it has none.
+ * - `style=saliency`: the saliency map in grey instead of the picture, white at the map's peak or
+ * at twice its floor, whichever is higher. It needs `saliencytactile attach-saliency=true`; without
+ * it the levels are shown and a warning is posted.
+ *
+ * A frame without metas stays as it is.
+ *
+ * ## Example launch lines
+ * |[
+ * gst-launch-1.0 tactiletestsrc num-buffers=150 ! saliencytactile ! tactileoverlay ! videoconvert !
+ * autovideosink
+ * gst-launch-1.0 tactiletestsrc num-buffers=150 ! saliencytactile attach-saliency=true ! \
+ *     tactileoverlay style=heatmap opacity=0.7 ! videoconvert ! autovideosink
+ * ]|
+ *
+ * Since: 0.1
+ */
+#include "gsttactileoverlay.h"
+
+#include "gsttactileelements.h"
+#include "overlaypainter.h"
+
+#include <gst/tactile/tactile.h>
+
+#include <algorithm>
+#include <exception>
+#include <optional>
+
+GST_DEBUG_CATEGORY_STATIC(tactile_overlay_debug);
+#define GST_CAT_DEFAULT tactile_overlay_debug
+
+namespace {
+
+enum
+{
+  PROP_0,
+  PROP_STYLE,
+  PROP_OPACITY,
+};
+
+enum Style
+{
+  STYLE_GRID,
+  STYLE_HEATMAP,
+  STYLE_SALIENCY,
+};
+
+constexpr Style kDefaultStyle = STYLE_GRID;
+constexpr double kDefaultOpacity = 0.5;
+
+struct Private
+{
+  Style style = kDefaultStyle;      ///< object lock
+  double opacity = kDefaultOpacity; ///< object lock
+  OverlayPainter painter;           ///< streaming thread
+  bool warned = false;              ///< streaming thread
+};
+
+#define OVERLAY_FORMATS                                                                            \
+  "{ I420, YV12, NV12, NV21, YUY2, UYVY, Y42B, Y444, RGB, BGR, RGBx, BGRx, xRGB, xBGR, RGBA, "     \
+  "BGRA, ARGB, ABGR, GRAY8, "                                                                      \
+  "I420_10LE, P010_10LE }"
+
+GstStaticPadTemplate sink_template = GST_STATIC_PAD_TEMPLATE(
+    "sink", GST_PAD_SINK, GST_PAD_ALWAYS, GST_STATIC_CAPS(GST_VIDEO_CAPS_MAKE(OVERLAY_FORMATS)));
+GstStaticPadTemplate src_template = GST_STATIC_PAD_TEMPLATE(
+    "src", GST_PAD_SRC, GST_PAD_ALWAYS, GST_STATIC_CAPS(GST_VIDEO_CAPS_MAKE(OVERLAY_FORMATS)));
+
+} // namespace
+
+struct _GstTactileOverlay
+{
+  GstVideoFilter parent;
+  Private *priv;
+};
+
+#define gst_tactile_overlay_parent_class parent_class
+G_DEFINE_TYPE_WITH_CODE(GstTactileOverlay, gst_tactile_overlay, GST_TYPE_VIDEO_FILTER,
+                        GST_DEBUG_CATEGORY_INIT(tactile_overlay_debug, "tactileoverlay", 0,
+                                                "tactile maps drawn into the picture"));
+GST_ELEMENT_REGISTER_DEFINE(tactileoverlay, "tactileoverlay", GST_RANK_NONE,
+                            GST_TYPE_TACTILE_OVERLAY);
+
+#define GST_TYPE_TACTILE_OVERLAY_STYLE (gst_tactile_overlay_style_get_type())
+static GType
+gst_tactile_overlay_style_get_type(void)
+{
+  static const GEnumValue values[] = {
+    { STYLE_GRID, "Grid of tactors with their levels", "grid" },
+    { STYLE_HEATMAP, "Colour map of the saliency, or of the levels", "heatmap" },
+    { STYLE_SALIENCY, "Saliency map in grey instead of the picture", "saliency" },
+    { 0, nullptr, nullptr },
+  };
+  static GType type = 0;
+  if (g_once_init_enter(&type)) {
+    const GType registered = g_enum_register_static("GstTactileOverlayStyle", values);
+    g_once_init_leave(&type, registered);
+  }
+  return type;
+}
+
+static std::optional<LevelField>
+tactile_field(GstBuffer *buffer)
+{
+  const GstTactileMeta *meta = gst_buffer_get_tactile_meta(buffer);
+  if (meta == nullptr)
+    return std::nullopt;
+  gsize count = 0;
+  const gfloat *levels = gst_tactile_meta_get_levels(meta, &count);
+  return LevelField{
+    { levels, count }, static_cast<int>(meta->columns), static_cast<int>(meta->rows), 1.0
+  };
+}
+
+static std::optional<LevelField>
+saliency_field(GstBuffer *buffer)
+{
+  const GstSaliencyMeta *meta = gst_buffer_get_saliency_meta(buffer);
+  if (meta == nullptr)
+    return std::nullopt;
+  gsize count = 0;
+  const gfloat *values = gst_saliency_meta_get_values(meta, &count);
+  const double peak = *std::max_element(values, values + count);
+  const double white = std::max(peak, 2.0 * meta->floor); // a map at its floor is at most mid-grey
+  return LevelField{ { values, count },
+                     static_cast<int>(meta->width),
+                     static_cast<int>(meta->height),
+                     white > 0 ? 1 / white : 0 };
+}
+
+static GstFlowReturn
+gst_tactile_overlay_transform_frame_ip(GstVideoFilter *filter, GstVideoFrame *frame)
+try {
+  auto *self = GST_TACTILE_OVERLAY(filter);
+  Private *priv = self->priv;
+
+  GST_OBJECT_LOCK(self);
+  const Style style = priv->style;
+  const double opacity = priv->opacity;
+  GST_OBJECT_UNLOCK(self);
+
+  const std::optional<LevelField> levels = tactile_field(frame->buffer);
+  const std::optional<LevelField> saliency
+      = style == STYLE_GRID ? std::nullopt : saliency_field(frame->buffer);
+  const std::optional<LevelField> &shown = saliency ? saliency : levels;
+  if (!shown)
+    return GST_FLOW_OK;
+
+  switch (style) {
+  case STYLE_GRID:
+    priv->painter.paint_grid(frame, *shown, opacity);
+    break;
+  case STYLE_HEATMAP:
+    priv->painter.paint_heatmap(frame, *shown, opacity);
+    break;
+  case STYLE_SALIENCY:
+    if (!saliency && !priv->warned) {
+      priv->warned = true;
+      GST_ELEMENT_WARNING(self, STREAM, WRONG_TYPE,
+                          ("style=saliency needs frames with a saliency map: set "
+                           "attach-saliency=true on saliencytactile. "
+                           "Showing the tactile levels."),
+                          ("a frame has a GstTactileMeta, but no GstSaliencyMeta"));
+    }
+    priv->painter.paint_grey(frame, *shown);
+    break;
+  }
+  return GST_FLOW_OK;
+} catch (const std::exception &error) {
+  GST_ELEMENT_ERROR(filter, RESOURCE, NO_SPACE_LEFT,
+                    ("Can't draw the tactile map: %s", error.what()), (nullptr));
+  return GST_FLOW_ERROR;
+}
+
+static void
+gst_tactile_overlay_before_transform(GstBaseTransform *transform, GstBuffer *buffer)
+{
+  const GstClockTime time = gst_segment_to_stream_time(&transform->segment, GST_FORMAT_TIME,
+                                                       GST_BUFFER_TIMESTAMP(buffer));
+  if (GST_CLOCK_TIME_IS_VALID(time))
+    gst_object_sync_values(GST_OBJECT(transform), time);
+}
+
+static gboolean
+gst_tactile_overlay_start(GstBaseTransform *transform)
+{
+  GST_TACTILE_OVERLAY(transform)->priv->warned = false;
+  return TRUE;
+}
+
+static void
+gst_tactile_overlay_set_property(GObject *object, guint id, const GValue *value, GParamSpec *spec)
+{
+  Private *priv = GST_TACTILE_OVERLAY(object)->priv;
+
+  GST_OBJECT_LOCK(object);
+  switch (id) {
+  case PROP_STYLE:
+    priv->style = static_cast<Style>(g_value_get_enum(value));
+    break;
+  case PROP_OPACITY:
+    priv->opacity = g_value_get_double(value);
+    break;
+  default:
+    G_OBJECT_WARN_INVALID_PROPERTY_ID(object, id, spec);
+    break;
+  }
+  GST_OBJECT_UNLOCK(object);
+}
+
+static void
+gst_tactile_overlay_get_property(GObject *object, guint id, GValue *value, GParamSpec *spec)
+{
+  Private *priv = GST_TACTILE_OVERLAY(object)->priv;
+
+  GST_OBJECT_LOCK(object);
+  switch (id) {
+  case PROP_STYLE:
+    g_value_set_enum(value, priv->style);
+    break;
+  case PROP_OPACITY:
+    g_value_set_double(value, priv->opacity);
+    break;
+  default:
+    G_OBJECT_WARN_INVALID_PROPERTY_ID(object, id, spec);
+    break;
+  }
+  GST_OBJECT_UNLOCK(object);
+}
+
+static void
+gst_tactile_overlay_finalize(GObject *object)
+{
+  delete GST_TACTILE_OVERLAY(object)->priv;
+  G_OBJECT_CLASS(parent_class)->finalize(object);
+}
+
+static void
+gst_tactile_overlay_class_init(GstTactileOverlayClass *klass)
+{
+  auto *object_class = G_OBJECT_CLASS(klass);
+  auto *element_class = GST_ELEMENT_CLASS(klass);
+  auto *transform_class = GST_BASE_TRANSFORM_CLASS(klass);
+  constexpr auto flags
+      = static_cast<GParamFlags>(G_PARAM_READWRITE | G_PARAM_STATIC_STRINGS | GST_PARAM_CONTROLLABLE
+                                 | GST_PARAM_MUTABLE_PLAYING);
+
+  object_class->set_property = gst_tactile_overlay_set_property;
+  object_class->get_property = gst_tactile_overlay_get_property;
+  object_class->finalize = gst_tactile_overlay_finalize;
+  g_object_class_install_property(
+      object_class, PROP_STYLE,
+      g_param_spec_enum("style", "Style", "What is drawn into the picture",
+                        GST_TYPE_TACTILE_OVERLAY_STYLE, kDefaultStyle, flags));
+  g_object_class_install_property(
+      object_class, PROP_OPACITY,
+      g_param_spec_double("opacity", "Opacity",
+                          "How much of the picture a full level covers in the styles grid and "
+                          "heatmap: 0 nothing, 1 all",
+                          0, 1, kDefaultOpacity, flags));
+
+  transform_class->start = GST_DEBUG_FUNCPTR(gst_tactile_overlay_start);
+  transform_class->before_transform = GST_DEBUG_FUNCPTR(gst_tactile_overlay_before_transform);
+  GST_VIDEO_FILTER_CLASS(klass)->transform_frame_ip
+      = GST_DEBUG_FUNCPTR(gst_tactile_overlay_transform_frame_ip);
+
+  gst_element_class_add_static_pad_template(element_class, &sink_template);
+  gst_element_class_add_static_pad_template(element_class, &src_template);
+  gst_element_class_set_static_metadata(
+      element_class, "Tactile map overlay", "Filter/Effect/Video",
+      "Draws tactile maps or the saliency they come from into the picture",
+      "The visuotactile developers");
+  gst_type_mark_as_plugin_api(GST_TYPE_TACTILE_OVERLAY_STYLE, static_cast<GstPluginAPIFlags>(0));
+}
+
+static void
+gst_tactile_overlay_init(GstTactileOverlay *self)
+{
+  self->priv = new Private;
+}

@@ -1,0 +1,508 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+/**
+ * SECTION:element-tactiletestsrc
+ * @title: tactiletestsrc
+ * @short_description: films of balls that appear, rest and move, with the truth about them
+ *
+ * tactiletestsrc makes the two synthetic films of "Saliency-Driven Tactile Effect Authoring for
+ * Real-Time Visuotactile Feedback" (Kim, Lee, Choi 2012, Section 5): `pattern=static-motion`, where
+ * one or two balls appear, rest for more than a second and are elsewhere at once, and
+ * `pattern=dynamic-motion`, where a ball moves around at various speeds with sudden stalls. Both
+ * begin with one second of plain grey background and repeat after ten minutes.
+ *
+ * A picture depends on nothing but the properties, its time stamp and its format: the film is the
+ * same at any frame rate and after any seek. Seeking and reverse playback are supported. Unless
+ * downstream asks for something else the film has the paper's 1000 × 1000 pixels at 30 frames per
+ * second; a variable frame rate (0/1) is taken as 30.
+ *
+ * ## Ground truth
+ * Each ball has a #GstVideoRegionOfInterestMeta of type `tactile-target`: the pixels that it
+ * touches, inside the picture. Its parameter `tactile-target` has the fields
+ * - `ball` (int): 0 or 1, in the order of drawing,
+ * - `onset` (guint64): stream time in nanoseconds when this ball last appeared or started to move,
+ * - `moving` (boolean): whether it moves at the time of the frame.
+ *
+ * ## Example launch lines
+ * |[
+ * gst-launch-1.0 tactiletestsrc num-buffers=300 ! videoconvert ! autovideosink
+ * gst-launch-1.0 tactiletestsrc pattern=dynamic-motion seed=7 noise=2 num-buffers=300 !
+ * video/x-raw,width=640,height=360 ! \ saliencytactile ! tactileoverlay ! videoconvert !
+ * autovideosink
+ * ]|
+ *
+ * Since: 0.1
+ */
+#include "gsttactiletestsrc.h"
+
+#include "filmpainter.h"
+#include "gsttactileelements.h"
+#include "tactile/synthetic_film.h"
+
+#include <gst/video/video.h>
+
+#include <algorithm>
+#include <exception>
+#include <optional>
+
+GST_DEBUG_CATEGORY_STATIC(tactile_test_src_debug);
+#define GST_CAT_DEFAULT tactile_test_src_debug
+
+namespace {
+
+using tactile::FilmPattern;
+using tactile::FilmSettings;
+
+enum
+{
+  PROP_0,
+  PROP_PATTERN,
+  PROP_SEED,
+  PROP_NOISE,
+  PROP_BALLS,
+  PROP_BALL_SIZE,
+  PROP_IS_LIVE,
+};
+
+constexpr FilmSettings kDefaults{};
+constexpr int kPaperSide = 1000; ///< pixels (paper, Section 5)
+constexpr int kPaperRate = 30;   ///< frames per second
+
+struct Private
+{
+  FilmSettings settings = kDefaults; ///< object lock
+  double noise = 0;                  ///< object lock
+
+  // Streaming thread, or while it is stopped.
+  GstVideoInfo info{};
+  std::optional<FilmPainter> painter;
+  std::optional<tactile::SyntheticFilm> film;
+  std::optional<tactile::SensorNoise> sensor_noise;
+  FilmSettings film_settings;           ///< of film
+  double film_noise = 0;                ///< of sensor_noise
+  GstClockTime base = 0;                ///< time of frame 0
+  gint64 frame = 0;                     ///< the next one
+  std::optional<GstClockTime> start_at; ///< of a seek, until the frame rate is known
+};
+
+/// Time of frame `number` from the first: exact, however long the film.
+GstClockTime
+frame_time(const Private &priv, gint64 number)
+{
+  const gint n = GST_VIDEO_INFO_FPS_N(&priv.info);
+  const gint d = GST_VIDEO_INFO_FPS_D(&priv.info);
+  if (n == 0)
+    return gst_util_uint64_scale_int(static_cast<guint64>(number), GST_SECOND, kPaperRate);
+  return gst_util_uint64_scale(static_cast<guint64>(number), static_cast<guint64>(d) * GST_SECOND,
+                               static_cast<guint64>(n));
+}
+
+/// The frame that is shown at `time` from the first.
+gint64
+frame_at(const Private &priv, GstClockTime time)
+{
+  const gint n = GST_VIDEO_INFO_FPS_N(&priv.info);
+  const gint d = GST_VIDEO_INFO_FPS_D(&priv.info);
+  gint64 frame
+      = static_cast<gint64>(n == 0 ? gst_util_uint64_scale_int(time, kPaperRate, GST_SECOND)
+                                   : gst_util_uint64_scale(time, static_cast<guint64>(n),
+                                                           static_cast<guint64>(d) * GST_SECOND));
+  if (frame_time(priv, frame + 1) <= time) // frame times are rounded down
+    frame++;
+  return frame;
+}
+
+#define TEST_SRC_FORMATS "{ I420, GRAY8, RGB, BGRx, NV12 }"
+
+GstStaticPadTemplate src_template = GST_STATIC_PAD_TEMPLATE(
+    "src", GST_PAD_SRC, GST_PAD_ALWAYS, GST_STATIC_CAPS(GST_VIDEO_CAPS_MAKE(TEST_SRC_FORMATS)));
+
+} // namespace
+
+struct _GstTactileTestSrc
+{
+  GstPushSrc parent;
+  Private *priv;
+};
+
+#define gst_tactile_test_src_parent_class parent_class
+G_DEFINE_TYPE_WITH_CODE(GstTactileTestSrc, gst_tactile_test_src, GST_TYPE_PUSH_SRC,
+                        GST_DEBUG_CATEGORY_INIT(tactile_test_src_debug, "tactiletestsrc", 0,
+                                                "synthetic films with ground truth"));
+GST_ELEMENT_REGISTER_DEFINE(tactiletestsrc, "tactiletestsrc", GST_RANK_NONE,
+                            GST_TYPE_TACTILE_TEST_SRC);
+
+#define GST_TYPE_TACTILE_TEST_SRC_PATTERN (gst_tactile_test_src_pattern_get_type())
+static GType
+gst_tactile_test_src_pattern_get_type(void)
+{
+  static const GEnumValue values[] = {
+    { static_cast<gint>(FilmPattern::static_motion), "Balls appear, rest and are elsewhere at once",
+      "static-motion" },
+    { static_cast<gint>(FilmPattern::dynamic_motion), "A ball moves around and stalls",
+      "dynamic-motion" },
+    { 0, nullptr, nullptr },
+  };
+  static GType type = 0;
+  if (g_once_init_enter(&type)) {
+    const GType registered = g_enum_register_static("GstTactileTestSrcPattern", values);
+    g_once_init_leave(&type, registered);
+  }
+  return type;
+}
+
+static GstCaps *
+gst_tactile_test_src_fixate(GstBaseSrc *base, GstCaps *caps)
+{
+  caps = gst_caps_truncate(gst_caps_make_writable(caps));
+  GstStructure *structure = gst_caps_get_structure(caps, 0);
+  gst_structure_fixate_field_nearest_int(structure, "width", kPaperSide);
+  gst_structure_fixate_field_nearest_int(structure, "height", kPaperSide);
+  gst_structure_fixate_field_nearest_fraction(structure, "framerate", kPaperRate, 1);
+  if (gst_structure_has_field(structure, "pixel-aspect-ratio"))
+    gst_structure_fixate_field_nearest_fraction(structure, "pixel-aspect-ratio", 1, 1);
+  return GST_BASE_SRC_CLASS(parent_class)->fixate(base, caps);
+}
+
+static gboolean
+gst_tactile_test_src_set_caps(GstBaseSrc *base, GstCaps *caps)
+try {
+  Private *priv = GST_TACTILE_TEST_SRC(base)->priv;
+
+  GstVideoInfo info;
+  if (!gst_video_info_from_caps(&info, caps)) {
+    GST_ERROR_OBJECT(base, "expected caps of raw video, got %" GST_PTR_FORMAT, caps);
+    return FALSE;
+  }
+  // The film goes on where it is, at the new rate.
+  priv->base += frame_time(*priv, priv->frame);
+  priv->frame = 0;
+  priv->info = info;
+
+  priv->painter.emplace(info);
+  return TRUE;
+} catch (const std::exception &) {
+  GST_ELEMENT_ERROR(base, RESOURCE, NO_SPACE_LEFT,
+                    ("No memory for such large frames: ask for smaller ones."),
+                    ("%" GST_PTR_FORMAT, caps));
+  return FALSE;
+}
+
+static gboolean
+gst_tactile_test_src_decide_allocation(GstBaseSrc *base, GstQuery *query)
+{
+  const GstVideoInfo &info = GST_TACTILE_TEST_SRC(base)->priv->info;
+  GstBufferPool *pool = nullptr;
+  guint size = 0;
+  guint min = 0;
+  guint max = 0;
+  const bool offered = gst_query_get_n_allocation_pools(query) > 0;
+  if (offered)
+    gst_query_parse_nth_allocation_pool(query, 0, &pool, &size, &min, &max);
+  if (pool == nullptr)
+    pool = gst_video_buffer_pool_new();
+  size = std::max(size, static_cast<guint>(GST_VIDEO_INFO_SIZE(&info)));
+
+  GstCaps *caps = nullptr;
+  gst_query_parse_allocation(query, &caps, nullptr);
+  GstStructure *config = gst_buffer_pool_get_config(pool);
+  gst_buffer_pool_config_set_params(config, caps, size, min, max);
+  if (gst_query_find_allocation_meta(query, GST_VIDEO_META_API_TYPE, nullptr))
+    gst_buffer_pool_config_add_option(config, GST_BUFFER_POOL_OPTION_VIDEO_META);
+  gst_buffer_pool_set_config(pool, config);
+
+  if (offered)
+    gst_query_set_nth_allocation_pool(query, 0, pool, size, min, max);
+  else
+    gst_query_add_allocation_pool(query, pool, size, min, max);
+  gst_object_unref(pool);
+  return GST_BASE_SRC_CLASS(parent_class)->decide_allocation(base, query);
+}
+
+static gboolean
+gst_tactile_test_src_start(GstBaseSrc *base)
+{
+  Private *priv = GST_TACTILE_TEST_SRC(base)->priv;
+  gst_video_info_init(&priv->info);
+  priv->base = 0;
+  priv->frame = 0;
+  priv->start_at.reset();
+  return TRUE;
+}
+
+static gboolean
+gst_tactile_test_src_stop(GstBaseSrc *base)
+{
+  Private *priv = GST_TACTILE_TEST_SRC(base)->priv;
+  priv->painter.reset();
+  priv->film.reset();
+  priv->sensor_noise.reset();
+  return TRUE;
+}
+
+static gboolean
+gst_tactile_test_src_is_seekable(GstBaseSrc *base)
+{
+  (void)base;
+  return TRUE;
+}
+
+static gboolean
+gst_tactile_test_src_do_seek(GstBaseSrc *base, GstSegment *segment)
+{
+  Private *priv = GST_TACTILE_TEST_SRC(base)->priv;
+  if (segment->rate < 0 && !GST_CLOCK_TIME_IS_VALID(segment->stop)) {
+    GST_WARNING_OBJECT(base, "playing backwards needs a stop position, or num-buffers");
+    return FALSE;
+  }
+  segment->time = segment->start;
+  priv->start_at = segment->position;
+  return TRUE;
+}
+
+static gboolean
+gst_tactile_test_src_query(GstBaseSrc *base, GstQuery *query)
+{
+  const Private *priv = GST_TACTILE_TEST_SRC(base)->priv;
+  GstFormat format = GST_FORMAT_UNDEFINED;
+
+  if (GST_QUERY_TYPE(query) == GST_QUERY_DURATION) {
+    gst_query_parse_duration(query, &format, nullptr);
+    GST_OBJECT_LOCK(base);
+    const bool known = format == GST_FORMAT_TIME && base->num_buffers >= 0;
+    if (known)
+      gst_query_set_duration(query, format,
+                             static_cast<gint64>(frame_time(*priv, base->num_buffers)));
+    GST_OBJECT_UNLOCK(base);
+    if (known)
+      return TRUE;
+  }
+  return GST_BASE_SRC_CLASS(parent_class)->query(base, query);
+}
+
+static void
+gst_tactile_test_src_get_times(GstBaseSrc *base, GstBuffer *buffer, GstClockTime *start,
+                               GstClockTime *end)
+{
+  *start = *end = GST_CLOCK_TIME_NONE;
+  if (gst_base_src_is_live(base)) {
+    *start = GST_BUFFER_PTS(buffer);
+    *end = GST_BUFFER_PTS(buffer) + GST_BUFFER_DURATION(buffer);
+  }
+}
+
+/// The film that the properties ask for now.
+static void
+update_film(GstTactileTestSrc *self)
+{
+  Private *priv = self->priv;
+  GST_OBJECT_LOCK(self);
+  const FilmSettings settings = priv->settings;
+  const double noise = priv->noise;
+  GST_OBJECT_UNLOCK(self);
+
+  if (!priv->film || priv->film_settings != settings || priv->film_noise != noise) {
+    priv->film.emplace(settings);
+    priv->film_settings = settings;
+    priv->sensor_noise.reset();
+    if (noise > 0)
+      priv->sensor_noise.emplace(noise, settings.seed);
+    priv->film_noise = noise;
+  }
+}
+
+static GstFlowReturn
+gst_tactile_test_src_fill(GstPushSrc *source, GstBuffer *buffer)
+try {
+  auto *self = GST_TACTILE_TEST_SRC(source);
+  Private *priv = self->priv;
+  const bool backwards = GST_BASE_SRC(source)->segment.rate < 0;
+
+  if (!priv->painter)
+    return GST_FLOW_NOT_NEGOTIATED;
+  if (priv->start_at) {
+    const GstClockTime start = *priv->start_at;
+    priv->base = 0;
+    priv->frame = backwards && start > 0 ? frame_at(*priv, start - 1) : frame_at(*priv, start);
+    priv->start_at.reset();
+  }
+  if (priv->frame < 0)
+    return GST_FLOW_EOS;
+
+  const GstClockTime time = priv->base + frame_time(*priv, priv->frame);
+  gst_object_sync_values(GST_OBJECT(self), time);
+  update_film(self);
+
+  const std::chrono::nanoseconds film_time(static_cast<std::int64_t>(time));
+  const std::vector<tactile::Ball> balls = priv->film->balls_at(
+      film_time, GST_VIDEO_INFO_WIDTH(&priv->info), GST_VIDEO_INFO_HEIGHT(&priv->info));
+  GstVideoFrame frame;
+  if (!gst_video_frame_map(&frame, &priv->info, buffer, GST_MAP_WRITE)) {
+    GST_ELEMENT_ERROR(self, RESOURCE, WRITE,
+                      ("Can't write to the buffers that downstream provides."), (nullptr));
+    return GST_FLOW_ERROR;
+  }
+  priv->painter->paint(&frame, balls, priv->sensor_noise ? &*priv->sensor_noise : nullptr,
+                       film_time);
+  gst_video_frame_unmap(&frame);
+
+  for (const tactile::Ball &ball : balls)
+    add_target(buffer, priv->info, ball);
+  GST_BUFFER_PTS(buffer) = time;
+  GST_BUFFER_DTS(buffer) = GST_CLOCK_TIME_NONE;
+  GST_BUFFER_DURATION(buffer) = priv->base + frame_time(*priv, priv->frame + 1) - time;
+  GST_BUFFER_OFFSET(buffer) = static_cast<guint64>(priv->frame);
+  GST_BUFFER_OFFSET_END(buffer) = static_cast<guint64>(priv->frame) + 1;
+  priv->frame += backwards ? -1 : 1;
+  return GST_FLOW_OK;
+} catch (const std::exception &error) {
+  GST_ELEMENT_ERROR(source, RESOURCE, NO_SPACE_LEFT, ("Can't make a frame: %s", error.what()),
+                    (nullptr));
+  return GST_FLOW_ERROR;
+}
+
+static void
+gst_tactile_test_src_set_property(GObject *object, guint id, const GValue *value, GParamSpec *spec)
+{
+  Private *priv = GST_TACTILE_TEST_SRC(object)->priv;
+
+  if (id == PROP_IS_LIVE) { // takes the object lock itself
+    gst_base_src_set_live(GST_BASE_SRC(object), g_value_get_boolean(value));
+    return;
+  }
+  GST_OBJECT_LOCK(object);
+  switch (id) {
+  case PROP_PATTERN:
+    priv->settings.pattern = static_cast<FilmPattern>(g_value_get_enum(value));
+    break;
+  case PROP_SEED:
+    priv->settings.seed = g_value_get_uint(value);
+    break;
+  case PROP_NOISE:
+    priv->noise = g_value_get_double(value);
+    break;
+  case PROP_BALLS:
+    priv->settings.balls = g_value_get_int(value);
+    break;
+  case PROP_BALL_SIZE:
+    priv->settings.ball_size = g_value_get_double(value);
+    break;
+  default:
+    G_OBJECT_WARN_INVALID_PROPERTY_ID(object, id, spec);
+    break;
+  }
+  GST_OBJECT_UNLOCK(object);
+}
+
+static void
+gst_tactile_test_src_get_property(GObject *object, guint id, GValue *value, GParamSpec *spec)
+{
+  Private *priv = GST_TACTILE_TEST_SRC(object)->priv;
+
+  if (id == PROP_IS_LIVE) {
+    g_value_set_boolean(value, gst_base_src_is_live(GST_BASE_SRC(object)));
+    return;
+  }
+  GST_OBJECT_LOCK(object);
+  switch (id) {
+  case PROP_PATTERN:
+    g_value_set_enum(value, static_cast<gint>(priv->settings.pattern));
+    break;
+  case PROP_SEED:
+    g_value_set_uint(value, static_cast<guint>(priv->settings.seed));
+    break;
+  case PROP_NOISE:
+    g_value_set_double(value, priv->noise);
+    break;
+  case PROP_BALLS:
+    g_value_set_int(value, priv->settings.balls);
+    break;
+  case PROP_BALL_SIZE:
+    g_value_set_double(value, priv->settings.ball_size);
+    break;
+  default:
+    G_OBJECT_WARN_INVALID_PROPERTY_ID(object, id, spec);
+    break;
+  }
+  GST_OBJECT_UNLOCK(object);
+}
+
+static void
+gst_tactile_test_src_finalize(GObject *object)
+{
+  delete GST_TACTILE_TEST_SRC(object)->priv;
+  G_OBJECT_CLASS(parent_class)->finalize(object);
+}
+
+static void
+gst_tactile_test_src_class_init(GstTactileTestSrcClass *klass)
+{
+  auto *object_class = G_OBJECT_CLASS(klass);
+  auto *element_class = GST_ELEMENT_CLASS(klass);
+  auto *src_class = GST_BASE_SRC_CLASS(klass);
+  constexpr auto playing = static_cast<GParamFlags>(G_PARAM_READWRITE | G_PARAM_STATIC_STRINGS
+                                                    | GST_PARAM_MUTABLE_PLAYING);
+  constexpr auto controllable = static_cast<GParamFlags>(playing | GST_PARAM_CONTROLLABLE);
+  constexpr auto ready = static_cast<GParamFlags>(G_PARAM_READWRITE | G_PARAM_STATIC_STRINGS
+                                                  | GST_PARAM_MUTABLE_READY);
+
+  object_class->set_property = gst_tactile_test_src_set_property;
+  object_class->get_property = gst_tactile_test_src_get_property;
+  object_class->finalize = gst_tactile_test_src_finalize;
+  g_object_class_install_property(object_class, PROP_PATTERN,
+                                  g_param_spec_enum("pattern", "Pattern",
+                                                    "Which of the paper's two films",
+                                                    GST_TYPE_TACTILE_TEST_SRC_PATTERN,
+                                                    static_cast<gint>(kDefaults.pattern), playing));
+  g_object_class_install_property(
+      object_class, PROP_SEED,
+      g_param_spec_uint("seed", "Seed", "Which film of its pattern: same seed, same film", 0,
+                        G_MAXUINT, 0, playing));
+  g_object_class_install_property(
+      object_class, PROP_NOISE,
+      g_param_spec_double(
+          "noise", "Noise",
+          "Standard deviation of normally distributed sensor noise on every sample, "
+          "in 8-bit codes",
+          0, 32, 0, controllable));
+  g_object_class_install_property(
+      object_class, PROP_BALLS,
+      g_param_spec_int("balls", "Balls",
+                       "Balls at a time; 0: as in the paper, that is one or two by chance in "
+                       "static-motion, one in dynamic-motion",
+                       0, 2, kDefaults.balls, playing));
+  g_object_class_install_property(
+      object_class, PROP_BALL_SIZE,
+      g_param_spec_double("ball-size", "Ball size",
+                          "Diameter of a ball as a share of the picture's width", 0.01, 0.5,
+                          kDefaults.ball_size, playing));
+  g_object_class_install_property(
+      object_class, PROP_IS_LIVE,
+      g_param_spec_boolean("is-live", "Is live",
+                           "Make each frame when its time has come, as a camera does", FALSE,
+                           ready));
+
+  src_class->fixate = GST_DEBUG_FUNCPTR(gst_tactile_test_src_fixate);
+  src_class->set_caps = GST_DEBUG_FUNCPTR(gst_tactile_test_src_set_caps);
+  src_class->decide_allocation = GST_DEBUG_FUNCPTR(gst_tactile_test_src_decide_allocation);
+  src_class->start = GST_DEBUG_FUNCPTR(gst_tactile_test_src_start);
+  src_class->stop = GST_DEBUG_FUNCPTR(gst_tactile_test_src_stop);
+  src_class->is_seekable = GST_DEBUG_FUNCPTR(gst_tactile_test_src_is_seekable);
+  src_class->do_seek = GST_DEBUG_FUNCPTR(gst_tactile_test_src_do_seek);
+  src_class->query = GST_DEBUG_FUNCPTR(gst_tactile_test_src_query);
+  src_class->get_times = GST_DEBUG_FUNCPTR(gst_tactile_test_src_get_times);
+  GST_PUSH_SRC_CLASS(klass)->fill = GST_DEBUG_FUNCPTR(gst_tactile_test_src_fill);
+
+  gst_element_class_add_static_pad_template(element_class, &src_template);
+  gst_element_class_set_static_metadata(
+      element_class, "Tactile test source", "Source/Video",
+      "Makes films of balls that appear, rest and move, with ground truth",
+      "The visuotactile developers");
+  gst_type_mark_as_plugin_api(GST_TYPE_TACTILE_TEST_SRC_PATTERN, static_cast<GstPluginAPIFlags>(0));
+}
+
+static void
+gst_tactile_test_src_init(GstTactileTestSrc *self)
+{
+  self->priv = new Private;
+  gst_base_src_set_format(GST_BASE_SRC(self), GST_FORMAT_TIME);
+}

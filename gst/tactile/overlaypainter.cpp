@@ -1,0 +1,263 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "overlaypainter.h"
+
+#include <algorithm>
+#include <cmath>
+#include <type_traits>
+
+namespace {
+
+constexpr int kShades = 256; ///< of a level
+constexpr int kFullWeight = 256;
+
+// The grid's palette: a shade of tint and one of gauge for each level, and the borders.
+constexpr std::size_t kTint = 0;
+constexpr std::size_t kGauge = kShades;
+constexpr std::size_t kBorder = std::size_t{ 2 } * kShades;
+
+constexpr int kLinesPerSide = 360; ///< a border's width is this part of the picture's shorter side
+constexpr int kSmallestCell = 8; ///< in border widths: smaller cells have neither borders nor gauge
+constexpr int kGaugesPerCell = 12; ///< a gauge's width is this part of its cell's
+constexpr int kInterpolatedRows
+    = 360; ///< an interpolated field is smooth: rows of taller pictures share theirs
+
+std::uint16_t
+shade(double level)
+{
+  return static_cast<std::uint16_t>(std::lround(std::clamp(level, 0.0, 1.0) * (kShades - 1)));
+}
+
+/// Where cell number `cell` of `cells` begins on a side of `size` pixels.
+int
+edge(int cell, int cells, int size)
+{
+  return static_cast<int>(static_cast<std::int64_t>(cell) * size / cells);
+}
+
+/// Which cell pixel number `pixel` is in: edge(cell) ≤ pixel < edge(cell + 1).
+int
+cell_of(int pixel, int cells, int size)
+{
+  return static_cast<int>(((static_cast<std::int64_t>(pixel) + 1) * cells - 1) / size);
+}
+
+/// A pixel's centre in the field's cells, whose centres are whole numbers; outside of the first and
+/// last of them it is theirs.
+double
+field_position(int pixel, int size, int cells)
+{
+  return std::clamp((pixel + 0.5) * cells / size - 0.5, 0.0, static_cast<double>(cells - 1));
+}
+
+/// row += weights / 256 × (values − row), rounded, on samples that lie `shift` bits up in their
+/// words.
+template <typename Sample>
+void
+blend_row(Sample *row, const std::uint16_t *values, const std::uint16_t *weights, std::size_t count,
+          unsigned shift)
+{
+  // 8-bit samples fit 16-bit arithmetic: 255 × 256 + 128 < 2¹⁶.
+  using Wide = std::conditional_t<sizeof(Sample) == 1, std::uint16_t, std::uint32_t>;
+  const auto blend = [=](Sample &sample, std::uint16_t value, std::uint16_t weight) {
+    const auto in = static_cast<Wide>(sample >> shift);
+    const auto sum = static_cast<Wide>(in * static_cast<Wide>(kFullWeight - weight)
+                                       + value * static_cast<Wide>(weight) + kFullWeight / 2);
+    sample = static_cast<Sample>((sum / kFullWeight) << shift);
+  };
+
+  // Whole blocks let the compiler use vectors at its usual optimisation level.
+  constexpr std::size_t kBlock = 16;
+  std::size_t i = 0;
+  for (; i + kBlock <= count; i += kBlock)
+    for (std::size_t k = i; k < i + kBlock; k++)
+      blend(row[k], values[k], weights[k]);
+  for (; i < count; i++)
+    blend(row[i], values[i], weights[i]);
+}
+
+} // namespace
+
+void
+OverlayPainter::set_entry(const GstVideoInfo &info, std::size_t index, const Rgb &color,
+                          double weight)
+{
+  palette_[index]
+      = { color_codes(info, color),
+          static_cast<std::uint16_t>(std::lround(std::clamp(weight, 0.0, 1.0) * kFullWeight)) };
+}
+
+void
+OverlayPainter::paint_grid(GstVideoFrame *frame, const LevelField &field, double opacity)
+{
+  palette_.assign(kBorder + 1, {});
+  for (std::size_t i = 0; i < kShades; i++) {
+    const double level = static_cast<double>(i) / (kShades - 1);
+    const Rgb warm{ 1, 0.85 * (1 - level), 0.1 * (1 - level) }; // from yellow to red
+    set_entry(frame->info, kTint + i, warm, opacity * level);
+    set_entry(frame->info, kGauge + i, warm, opacity);
+  }
+  set_entry(frame->info, kBorder, { 1, 1, 1 }, opacity);
+  paint(frame, [&](int y) { fill_grid_row(frame->info, field, y); });
+}
+
+void
+OverlayPainter::fill_grid_row(const GstVideoInfo &info, const LevelField &field, int y)
+{
+  const int width = GST_VIDEO_INFO_WIDTH(&info);
+  const int height = GST_VIDEO_INFO_HEIGHT(&info);
+  const int line = std::max(1, std::min(width, height) / kLinesPerSide);
+  const bool lines = std::min(width / field.columns, height / field.rows) >= kSmallestCell * line;
+
+  const int r = cell_of(y, field.rows, height);
+  const int top = edge(r, field.rows, height);
+  const int bottom = edge(r + 1, field.rows, height);
+  for (int c = 0; c < field.columns; c++) {
+    const auto left = row_.begin() + edge(c, field.columns, width);
+    const auto right = row_.begin() + edge(c + 1, field.columns, width);
+    const double level
+        = field.values[static_cast<std::size_t>(r * field.columns + c)] * field.scale;
+    const std::uint16_t index = shade(level);
+    std::fill(left, right, static_cast<std::uint16_t>(kTint + index));
+    if (!lines)
+      continue;
+    if (y < top + line || y >= bottom - line) {
+      std::fill(left, right, static_cast<std::uint16_t>(kBorder));
+      continue;
+    }
+    std::fill(left, left + line, static_cast<std::uint16_t>(kBorder));
+    std::fill(right - line, right, static_cast<std::uint16_t>(kBorder));
+    if (bottom - line - y <= level * (bottom - top - 2 * line))
+      std::fill_n(left + line, (right - left) / kGaugesPerCell,
+                  static_cast<std::uint16_t>(kGauge + index));
+  }
+}
+
+void
+OverlayPainter::paint_heatmap(GstVideoFrame *frame, const LevelField &field, double opacity)
+{
+  palette_.assign(kShades, {});
+  for (std::size_t i = 0; i < kShades; i++) {
+    const double level = static_cast<double>(i) / (kShades - 1);
+    const Rgb color{ std::clamp(4 * level - 2, 0.0, 1.0),
+                     std::clamp(2 - std::abs(4 * level - 2), 0.0, 1.0),
+                     std::clamp(2 - 4 * level, 0.0, 1.0) }; // blue, cyan, green, yellow, red
+    set_entry(frame->info, i, color, opacity * std::min(1.0, 4 * level));
+  }
+  paint_interpolated(frame, field);
+}
+
+void
+OverlayPainter::paint_grey(GstVideoFrame *frame, const LevelField &field)
+{
+  palette_.assign(kShades, {});
+  for (std::size_t i = 0; i < kShades; i++) {
+    const double level = static_cast<double>(i) / (kShades - 1);
+    set_entry(frame->info, i, { level, level, level }, 1);
+  }
+  paint_interpolated(frame, field);
+}
+
+void
+OverlayPainter::paint_interpolated(GstVideoFrame *frame, const LevelField &field)
+{
+  between_.resize(static_cast<std::size_t>(GST_VIDEO_FRAME_WIDTH(frame)));
+  for (int x = 0; x < GST_VIDEO_FRAME_WIDTH(frame); x++) {
+    const double position = field_position(x, GST_VIDEO_FRAME_WIDTH(frame), field.columns);
+    const auto left = static_cast<std::size_t>(position);
+    between_[static_cast<std::size_t>(x)]
+        = { left, std::min(left + 1, static_cast<std::size_t>(field.columns - 1)),
+            static_cast<float>(position - std::floor(position)) };
+  }
+  field_row_.resize(static_cast<std::size_t>(field.columns));
+  paint(frame, [&](int y) { fill_interpolated_row(frame->info, field, y); });
+}
+
+void
+OverlayPainter::fill_interpolated_row(const GstVideoInfo &info, const LevelField &field, int y)
+{
+  const int height = GST_VIDEO_INFO_HEIGHT(&info);
+  const int shared = std::max(1, height / kInterpolatedRows);
+  if (y % shared != 0 && !last_row_.empty())
+    return; // as the row before
+
+  const double position = field_position(y, height, field.rows);
+  const auto top = static_cast<std::size_t>(position);
+  const auto bottom = std::min(top + 1, static_cast<std::size_t>(field.rows - 1));
+  const double share = position - std::floor(position);
+  const auto columns = static_cast<std::size_t>(field.columns);
+  for (std::size_t c = 0; c < columns; c++)
+    field_row_[c] = static_cast<float>(
+        ((1 - share) * field.values[top * columns + c] + share * field.values[bottom * columns + c])
+        * field.scale * (kShades - 1));
+  for (std::size_t x = 0; x < row_.size(); x++) {
+    const Between &between = between_[x];
+    const float value = field_row_[between.left]
+                        + between.share * (field_row_[between.right] - field_row_[between.left]);
+    row_[x] = static_cast<std::uint16_t>(std::min(value, kShades - 1.0F) + 0.5F);
+  }
+}
+
+void
+OverlayPainter::paint(GstVideoFrame *frame, const std::function<void(int)> &fill_row)
+{
+  row_.resize(static_cast<std::size_t>(GST_VIDEO_FRAME_WIDTH(frame)));
+  for (unsigned plane = 0; plane < GST_VIDEO_FRAME_N_PLANES(frame); plane++) {
+    if (GST_VIDEO_FRAME_COMP_DEPTH(frame, 0) > 8)
+      paint_plane<std::uint16_t>(frame, plane, fill_row);
+    else
+      paint_plane<std::uint8_t>(frame, plane, fill_row);
+  }
+}
+
+template <typename Sample>
+void
+OverlayPainter::paint_plane(GstVideoFrame *frame, unsigned plane,
+                            const std::function<void(int)> &fill_row)
+{
+  const GstVideoFormatInfo *format = frame->info.finfo;
+  const unsigned components = std::min(3U, GST_VIDEO_FRAME_N_COMPONENTS(frame)); // never alpha
+  const auto in_plane = [=](unsigned c) {
+    return GST_VIDEO_FORMAT_INFO_PLANE(format, c) == plane;
+  };
+  unsigned first = 0;
+  while (first < components && !in_plane(first))
+    first++;
+  if (first == components)
+    return;
+
+  // Samples between those of the components (padding, alpha) keep a weight of 0.
+  const auto position = [=](unsigned c, int x) {
+    return static_cast<std::size_t>(GST_VIDEO_FORMAT_INFO_POFFSET(format, c)
+                                    + x * GST_VIDEO_FORMAT_INFO_PSTRIDE(format, c))
+           / sizeof(Sample);
+  };
+  std::size_t count = 0;
+  for (unsigned c = first; c < components; c++)
+    if (in_plane(c))
+      count = std::max(count, position(c, GST_VIDEO_FRAME_COMP_WIDTH(frame, c) - 1) + 1);
+  values_.assign(count, 0);
+  weights_.assign(count, 0);
+  last_row_.clear();
+
+  for (int r = 0; r < GST_VIDEO_FRAME_COMP_HEIGHT(frame, first); r++) {
+    fill_row(std::min(r << GST_VIDEO_FORMAT_INFO_H_SUB(format, first),
+                      GST_VIDEO_FRAME_HEIGHT(frame) - 1));
+    if (row_ != last_row_) {
+      for (unsigned c = first; c < components; c++) {
+        if (!in_plane(c))
+          continue;
+        for (int x = 0; x < GST_VIDEO_FRAME_COMP_WIDTH(frame, c); x++) {
+          const Entry &entry = palette_[row_[static_cast<std::size_t>(x)
+                                             << GST_VIDEO_FORMAT_INFO_W_SUB(format, c)]];
+          values_[position(c, x)] = entry.value[c];
+          weights_[position(c, x)] = entry.weight;
+        }
+      }
+      last_row_ = row_;
+    }
+    auto *row = static_cast<std::uint8_t *>(GST_VIDEO_FRAME_PLANE_DATA(frame, plane))
+                + static_cast<std::ptrdiff_t>(r) * GST_VIDEO_FRAME_PLANE_STRIDE(frame, plane);
+    blend_row(reinterpret_cast<Sample *>(row), values_.data(), weights_.data(), count,
+              static_cast<unsigned>(GST_VIDEO_FORMAT_INFO_SHIFT(format, first)));
+  }
+}
