@@ -7,7 +7,8 @@
 
 namespace tactile {
 
-/// A saliency map to read: `values[y * stride + x]`, 0 ≤ x < width, 0 ≤ y < height; finite and ≥ 0.
+/// A saliency map to read: `values[y * stride + x]`, 0 ≤ x < width, 0 ≤ y < height. Values are ≥ 0;
+/// those that are not finite count as 0.
 struct SaliencyView
 {
   const float *values = nullptr;
@@ -20,26 +21,47 @@ struct SaliencyView
 enum class Gain
 {
   none,       ///< the pooled value itself (paper)
-  perceptual, ///< the strongest cell follows the event's contrast in ΔE, saturating; the others keep their ratio to it
+  perceptual, ///< the strongest cell follows the event's contrast in ΔE, saturating; the others
+              ///< keep their ratio to it
 };
 
 /// From saliency map to levels. Members are named in the order in which they act.
 struct MappingSettings
 {
-  double floor = 0;        ///< absolute, in the map's units: a map whose maximum does not exceed it is silent
-  double threshold = 0.5;  ///< share of the maximum, [0, 1]: pixels not above it are dropped (paper: 50 %)
-  bool binary = false;     ///< pixels above the threshold count 1 (paper), else they keep their value
-  double prefilter_sigma = 0; ///< σ of the Gaussian before pooling, in cells; 0: exact area pooling
+  /// Absolute, in the map's units, ≥ 0: a map whose maximum does not exceed it is silent.
+  double floor = 0;
+  /// Share of the maximum, [0, 1]: pixels not above it are dropped (paper: 50 %), but never the
+  /// maximum itself.
+  double threshold = 0.5;
+  /// Pixels that stay count 1 (paper), else they keep their value.
+  bool binary = false;
+  /// 0: a cell's value is the mean over its exact area. Else it is the map filtered by a Gaussian
+  /// of this σ, in cells, and linearly interpolated at the cell's middle (paper).
+  double prefilter_sigma = 0;
   Gain gain = Gain::perceptual;
-  double units_per_delta_e = 1; ///< the map's value per ΔE of event contrast (Gain::perceptual)
+  /// The map's value per ΔE of event contrast, > 0 (Gain::perceptual).
+  double units_per_delta_e = 1;
 
+  /// Threshold 50 %, binary, prefilter σ of a third of a cell, no gain (paper, Section 3; the σ is
+  /// our choice).
   static MappingSettings paper();
+
+  /// Floor and units of Profile::tuned()'s maps, values kept, exact area, perceptual gain
+  /// (docs/algorithm.md).
   static MappingSettings tuned();
 };
 
-/// Threshold, pooling by exact area (a pixel on a border of cells counts for each by its share) and gain.
-/// `map` of any size ≥ 1×1 is covered by the grid as a whole: cell (r, c) sees rows [r·h/rows, (r+1)·h/rows) and likewise columns.
-/// Writes rows × columns levels in [0, 1] into `out` (whose grid says how many).
+/// Threshold, pooling and gain. The grid covers a `map` of any size, also smaller than the grid:
+/// cell (r, c) is rows [r·h/rows, (r+1)·h/rows) and likewise columns, and a pixel on a border of
+/// cells counts for each by its share.
+///
+/// With Gain::none a level is the cell's value, at most 1. With Gain::perceptual the strongest
+/// cell's level is 0.2 + 0.8 (1 − exp(−max(0, e − 4) / 25)), e = maximum of the map /
+/// units_per_delta_e, and the others keep their ratio to it: what counts is how salient the event
+/// is, not how large.
+///
+/// Writes rows × columns levels in [0, 1] into `out`, whose grid says how many. A map without
+/// values is silent.
 void map_saliency(const SaliencyView &map, const MappingSettings &settings, TactileMap &out);
 
 } // namespace tactile
