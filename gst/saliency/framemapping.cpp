@@ -36,7 +36,8 @@ color_model(const GstVideoFormatInfo *format)
 
 FrameMapping::FrameMapping(const GstVideoInfo &info, GstBuffer *buffer)
     : mapped_(gst_video_frame_map(&frame_, &info, buffer,
-                                  static_cast<GstMapFlags>(GST_MAP_READ | GST_VIDEO_FRAME_MAP_FLAG_NO_REF)))
+                                  static_cast<GstMapFlags>(static_cast<int>(GST_MAP_READ)
+                                                           | static_cast<int>(GST_VIDEO_FRAME_MAP_FLAG_NO_REF))))
 {
   if (!mapped_)
     return;

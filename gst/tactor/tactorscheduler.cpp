@@ -307,7 +307,7 @@ TactorScheduler::apply(Lock &lock, Time running, std::span<const Command> comman
     return;
 
   const std::span<const double> levels = queue_.levels();
-  std::size_t used = std::max(sent_.size(), static_cast<std::size_t>(std::max(config_.tactors, 0)));
+  std::size_t used = sent_.size();
   for (const Command &command : commands)
     used = std::max(used, static_cast<std::size_t>(command.tactor) + 1);
   used = std::min(used, levels.size());

@@ -7,6 +7,7 @@
 
 #include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 namespace tactor {
@@ -47,8 +48,16 @@ struct PlannerSettings
   std::vector<int> mapping;                 ///< cell (row-major) → tactor index, −1 for none; empty: cell i is tactor i
 };
 
-/// Turns the stream of tactile maps into commands. Time is running time and never looks at a clock; maps come in
-/// order of T. Not thread-safe.
+/// Turns the stream of tactile maps into commands. Time is running time, and no clock is looked at; maps come in order
+/// of time. Not thread-safe.
+///
+/// Maps are taken in blocks of 1 / rate: a block begins with the first map of which more than half lies beyond the
+/// block's start on a regular grid, and its level is that map's (paper, Section 2: the tactile buffers are read at a lower
+/// rate). The grid begins with the first map, and anew after silence(), reset() or a change of rate.
+///
+/// Under Compensation::exact a rising command is due at the latest time from which its motor gets to 90 % by the frame, from the
+/// amplitude that the motor model predicts for that time: a retarget in the middle of a rise does not start from the last
+/// command. Commands for one tactor are never due before their predecessors, whose amplitude they build on.
 class CommandPlanner
 {
 public:
@@ -58,19 +67,40 @@ public:
   void set_settings(PlannerSettings settings);
   const PlannerSettings &settings() const;
 
+  /// What is wrong with a mapping of that many cells on a board of that many tactors, in one line; empty if nothing is.
+  static std::string validate_mapping(std::span<const int> mapping, int cells, int tactors);
+
   /// The map (row-major levels in [0, 1]; others are clamped, NaN is 0) whose frame is shown during
-  /// [time, time + duration). Returns the commands of the block that begins here, none inside a block or where nothing
-  /// changes: due times of one tactor never decrease.
+  /// [time, time + duration); duration ≤ 0 is taken as 1/30 s. Returns the commands of the block that begins here, none inside a
+  /// block or where nothing changes. Where two cells share a tactor the stronger one counts; cells without a tactor are ignored.
   std::vector<Command> plan(Time time, Time duration, std::span<const float> levels);
 
-  /// Everything to zero at `time` (gap, end of stream, mute). The next map begins a new block.
+  /// Everything to zero at `time` (gap, end of stream). The next map begins a new block.
   std::vector<Command> silence(Time time);
 
   /// Forgets everything (flush, start): motors are at rest, the next map begins a new block.
   void reset();
 
 private:
-  // …
+  /// What is known of one tactor: what it was told, and what its motor made of it.
+  struct Tactor
+  {
+    MotorModel motor;
+    double volts = 0;
+    Time due = Time::min();
+  };
+
+  bool begins_block(Time time, Time duration);
+  std::vector<double> target_volts(std::span<const float> levels) const;
+  Command command(int tactor, Time effect, Time frame, double volts);
+  Time exact_time(const Tactor &tactor, Time earliest, Time effect, double volts) const;
+  Time frame_block_time(const Tactor &tactor, Time earliest, Time effect, Time frame, double volts) const;
+
+  PlannerSettings settings_;
+  RiseTime rise_time_;
+  std::vector<Tactor> tactors_;
+  std::optional<Time> grid_start_;
+  double next_block_ = 0; ///< number of the next block on the grid
 };
 
 } // namespace tactor

@@ -34,7 +34,9 @@ public:
   std::size_t coalesced() const; ///< since construction
 
 private:
-  // …
+  std::vector<Command> commands_; ///< by due time; those of the same time in order of arrival
+  std::vector<double> levels_;
+  std::size_t coalesced_ = 0;
 };
 
 } // namespace tactor

@@ -45,9 +45,9 @@ private:
 /// What a driver is opened with.
 struct DriverConfig
 {
-  std::string device;             ///< which board: serial number or bus path; the simulator takes a file name (see there)
-  int tactors = 9;                ///< how many tactors the film needs, 1…4096
-  double full_scale_volts = 3.0;  ///< volts at the motor when a board's output is fully on
+  std::string device;            ///< which board: serial number or bus path; the simulator takes a file name (see there)
+  int max_tactors = 4096;        ///< at most this many are wanted, 1…4096
+  double full_scale_volts = 3.0; ///< volts at the motor when a board's output is fully on
 };
 
 /// A board that drives tactors. A driver is called from one thread only (the sink's scheduler). close() and the
@@ -60,7 +60,7 @@ public:
   /// Opens the board; every motor is at zero afterwards.
   virtual void open(const DriverConfig &config) = 0;
 
-  /// Number of tactors that the open board can drive, at most `config.tactors`.
+  /// How many tactors the open board can drive, at most `config.max_tactors`; 0 when not open.
   virtual int tactors() const = 0;
 
   /// Smallest difference in volts that the board can make; 0 if it is continuous.
@@ -69,7 +69,8 @@ public:
   /// Time from write() to the motor's terminals; part of every command's lead.
   virtual Time transport_latency() const = 0;
 
-  /// Sets all tactors at once: `volts.size() == tactors()`, 0 … full_scale_volts. `now` is the running time.
+  /// Sets all tactors at once: `volts` has 1…tactors() values of 0…full_scale_volts; tactors beyond
+  /// volts.size() are at zero. `now` is the running time.
   virtual void write(std::span<const double> volts, Time now) = 0;
 
   /// Motors to zero, board released. Never throws; harmless when not open.

@@ -6,21 +6,26 @@
 
 namespace tactor {
 
-/// A vibration motor as the simulator and the planner see it. Its state is its vibration amplitude, expressed as the
-/// voltage that would sustain it. After a step of the voltage the amplitude approaches the new steady state
-/// exponentially: rising so that 90 % of the steady state is reached after RiseTime's time, falling so that 10 % of the step is left
-/// after kFallTime (paper, Section 4: falling was within one frame, 33 ms). Voltages below kStartVolts have a steady state of 0.
+/// A vibration motor as the simulator and the planner see it. Its state is its vibration amplitude,
+/// expressed as the voltage that would sustain it. After a step of the voltage the amplitude
+/// approaches the new steady state exponentially: rising so that 90 % of the steady state is
+/// reached after RiseTime's time, falling so that 10 % of the step is left after kFallTime (paper,
+/// Section 4: falling was within one frame, 33 ms). A rise that starts at 90 % or more is as fast
+/// as a fall: Eq. 1 says nothing of it. A rise time of zero is a jump. Voltages below kStartVolts
+/// have a steady state of 0.
 class MotorModel
 {
 public:
   static constexpr Time kFallTime = std::chrono::milliseconds(30);
 
+  /// A motor at rest.
   explicit MotorModel(RiseTime rise_time = {});
 
-  /// The voltage becomes `volts` at `time`; times do not go back (an earlier time is taken as the last one).
+  /// The voltage becomes `volts` at `time`; times do not go back (an earlier time is taken as the
+  /// last one). The same voltage again changes nothing.
   void set(Time time, double volts);
 
-  /// Amplitude in volts at `time`, not before the last set().
+  /// Amplitude in volts at `time`; before the last set() it is that of the last set().
   double amplitude(Time time) const;
 
   /// The voltage set last.
@@ -28,10 +33,11 @@ public:
 
 private:
   RiseTime rise_time_;
-  Time since_{ 0 };
-  double volts_ = 0;          ///< as set
-  double from_ = 0;           ///< amplitude at since_
-  double rate_ = 0;           ///< 1/s of the exponential since then
+  Time since_ = Time::min();
+  double volts_ = 0;  ///< as set
+  double steady_ = 0; ///< amplitude that volts_ sustains
+  double from_ = 0;   ///< amplitude at since_
+  double rate_ = 0;   ///< 1/s of the exponential since then; 0: the amplitude stays at from_
 };
 
 } // namespace tactor

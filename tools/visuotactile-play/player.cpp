@@ -335,9 +335,10 @@ have_display()
   if (!g_getenv("DISPLAY") && !g_getenv("WAYLAND_DISPLAY"))
     return false;
   // autovideosink opens the best sink that works, or settles for a fake one.
-  const Owned<GstElement> sink(gst_object_ref_sink(gst_element_factory_make("autovideosink", nullptr)));
+  const Owned<GstElement> sink(gst_element_factory_make("autovideosink", nullptr));
   if (!sink)
     return false;
+  gst_object_ref_sink(sink.get());
   bool found = false;
   if (gst_element_set_state(sink.get(), GST_STATE_READY) != GST_STATE_CHANGE_FAILURE) {
     GstIterator *children = gst_bin_iterate_elements(GST_BIN(sink.get()));

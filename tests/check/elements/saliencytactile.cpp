@@ -332,7 +332,7 @@ GST_START_TEST(test_floor_silences)
   GstHarness *h = gst_harness_new("saliencytactile");
   g_object_set(h->element, "floor", 500.0, nullptr);
   for (const gfloat level : play(h, caps, frames))
-    ck_assert_float_eq(level, 0);
+    fail_unless(level == 0);
   gst_harness_teardown(h);
   release(frames, caps);
 }
@@ -446,7 +446,7 @@ GST_START_TEST(test_short_buffer)
     fail_unless_equals_int(gst_harness_push(h, gst_harness_create_buffer(h, 100)), GST_FLOW_OK);
     GstBuffer *out = gst_harness_pull(h);
     for (const gfloat level : levels_of(out))
-      ck_assert_float_eq(level, 0);
+      fail_unless(level == 0);
     gst_buffer_unref(out);
   }
   GstMessage *message = gst_bus_pop_filtered(bus, GST_MESSAGE_WARNING);
@@ -476,7 +476,7 @@ GST_START_TEST(test_caps_change_mid_stream)
         fail_unless_equals_int(gst_harness_push(h, frame), GST_FLOW_OK);
         GstBuffer *out = gst_harness_pull(h);
         for (const gfloat level : levels_of(out))
-          ck_assert_float_eq(level, 0);
+          fail_unless(level == 0);
         gst_buffer_unref(out);
       }
     }

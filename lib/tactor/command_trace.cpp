@@ -1,0 +1,127 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "tactor/command_trace.h"
+
+#include <cerrno>
+#include <charconv>
+#include <cmath>
+#include <cstring>
+#include <fstream>
+#include <stdexcept>
+#include <string_view>
+
+namespace tactor {
+
+namespace {
+
+constexpr std::string_view kHeader = "issued_ns,due_ns,effect_ns,tactor,volts";
+constexpr std::size_t kMaxCommands = 10'000'000;
+constexpr std::streamsize kMaxLine = 200;
+
+/// Takes the next field off a line. False if it is not a number, or not followed by a comma (or, if last, by the end).
+template <typename Number>
+bool
+take(std::string_view &line, Number &number, bool last = false)
+{
+  const auto [end, error] = std::from_chars(line.data(), line.data() + line.size(), number);
+  if (error != std::errc())
+    return false;
+  line.remove_prefix(static_cast<std::size_t>(end - line.data()));
+  if (last)
+    return line.empty();
+  if (line.empty() || line.front() != ',')
+    return false;
+  line.remove_prefix(1);
+  return true;
+}
+
+bool
+parse(std::string_view line, IssuedCommand &issued)
+{
+  std::int64_t at = 0;
+  std::int64_t due = 0;
+  std::int64_t effect = 0;
+  if (!take(line, at) || !take(line, due) || !take(line, effect) || !take(line, issued.command.tactor)
+      || !take(line, issued.command.volts, true))
+    return false;
+  constexpr std::int64_t kLongest = 1'000'000'000'000'000'000;
+  const auto sane = [](std::int64_t time) {
+    return time >= -kLongest && time <= kLongest;
+  };
+  if (!sane(at) || !sane(due) || !sane(effect) || due > effect || issued.command.tactor < 0
+      || !std::isfinite(issued.command.volts))
+    return false;
+  issued.issued = Time(at);
+  issued.command.effect = Time(effect);
+  issued.command.lead = Time(effect - due);
+  return true;
+}
+
+} // namespace
+
+CommandTrace::CommandTrace(const std::string &path) : csv_(path)
+{
+  csv_.field(kHeader).end_line();
+}
+
+void
+CommandTrace::write(const IssuedCommand &issued)
+{
+  csv_.field(issued.issued.count())
+      .field(issued.command.due().count())
+      .field(issued.command.effect.count())
+      .field(std::int64_t{ issued.command.tactor })
+      .field(issued.command.volts)
+      .end_line();
+}
+
+void
+CommandTrace::flush()
+{
+  csv_.flush();
+}
+
+bool
+CommandTrace::failed() const
+{
+  return csv_.failed();
+}
+
+std::vector<IssuedCommand>
+read_command_trace(const std::string &path)
+{
+  std::ifstream file(path);
+  if (!file)
+    throw std::runtime_error("cannot read '" + path + "': " + std::strerror(errno));
+
+  std::vector<IssuedCommand> commands;
+  std::vector<char> buffer(static_cast<std::size_t>(kMaxLine));
+  for (std::size_t number = 1;; number++) {
+    file.getline(buffer.data(), kMaxLine);
+    if (file.eof() && file.gcount() == 0)
+      break;
+    const auto fail = [&](const std::string &why) {
+      throw std::runtime_error(path + ", line " + std::to_string(number) + ": " + why);
+    };
+    if (!file && !file.eof())
+      fail("longer than a command can be");
+    const std::string_view line(buffer.data());
+    if (number == 1) {
+      if (line != kHeader)
+        fail("expected the header '" + std::string(kHeader) + "'");
+      continue;
+    }
+    IssuedCommand issued;
+    if (!parse(line, issued))
+      fail("expected " + std::string(kHeader) + " with due not after effect, got '" + std::string(line) + "'");
+    if (commands.size() == kMaxCommands)
+      fail("more commands than the " + std::to_string(kMaxCommands) + " that are read");
+    commands.push_back(issued);
+    if (file.eof())
+      break;
+  }
+  if (commands.empty() && file.bad())
+    throw std::runtime_error("cannot read '" + path + "'");
+  return commands;
+}
+
+} // namespace tactor

@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "tactor/csv_writer.h"
+
+#include "tactor/driver.h"
+
+#include <array>
+#include <cerrno>
+#include <charconv>
+#include <cstring>
+
+namespace tactor {
+
+CsvWriter::CsvWriter(const std::string &path) : file_(std::fopen(path.c_str(), "we"))
+{
+  if (!file_)
+    throw DriverError(DriverError::Kind::settings, "cannot write to '" + path + "': " + std::strerror(errno));
+}
+
+CsvWriter &
+CsvWriter::field(std::string_view text)
+{
+  if (!line_.empty())
+    line_ += ',';
+  line_ += text;
+  return *this;
+}
+
+CsvWriter &
+CsvWriter::field(std::int64_t value)
+{
+  std::array<char, 24> text;
+  const auto end = std::to_chars(text.begin(), text.end(), value).ptr;
+  return field(std::string_view(text.begin(), end));
+}
+
+CsvWriter &
+CsvWriter::field(double value)
+{
+  std::array<char, 400> text;
+  const auto end = std::to_chars(text.begin(), text.end(), value, std::chars_format::fixed, 3).ptr;
+  return field(std::string_view(text.begin(), end));
+}
+
+void
+CsvWriter::end_line()
+{
+  line_ += '\n';
+  failed_ |= std::fwrite(line_.data(), 1, line_.size(), file_.get()) != line_.size();
+  line_.clear();
+}
+
+void
+CsvWriter::flush()
+{
+  failed_ |= std::fflush(file_.get()) != 0;
+}
+
+bool
+CsvWriter::failed() const
+{
+  return failed_;
+}
+
+} // namespace tactor

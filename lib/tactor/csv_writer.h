@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <cstdint>
+#include <cstdio>
+#include <memory>
+#include <string>
+#include <string_view>
+
+namespace tactor {
+
+/// A CSV file being written, in the same form whatever the locale. Buffered: nothing is on disk for sure before flush().
+class CsvWriter
+{
+public:
+  /// Creates the file, or empties it. Throws DriverError (settings) with its name and the reason.
+  explicit CsvWriter(const std::string &path);
+
+  CsvWriter &field(std::int64_t value);
+  /// With three decimals.
+  CsvWriter &field(double value);
+  CsvWriter &field(std::string_view text);
+  void end_line();
+
+  void flush();
+  /// Whether anything could not be written, as on a full disk.
+  bool failed() const;
+
+private:
+  struct Close
+  {
+    void
+    operator()(std::FILE *file) const
+    {
+      std::fclose(file);
+    }
+  };
+
+  std::unique_ptr<std::FILE, Close> file_;
+  std::string line_;
+  bool failed_ = false;
+};
+
+} // namespace tactor

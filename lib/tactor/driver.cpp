@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "tactor/driver.h"
+
+#include "tactor/simulator.h"
+
+namespace tactor {
+
+const std::vector<DriverInfo> &
+drivers()
+{
+  static const std::vector<DriverInfo> all{
+    { "simulator", "no hardware: predicts what each motor would do",
+      [] { return std::make_unique<Simulator>(); } },
+  };
+  return all;
+}
+
+std::unique_ptr<Driver>
+make_driver(std::string_view name)
+{
+  std::string known;
+  for (const DriverInfo &driver : drivers()) {
+    if (driver.name == name)
+      return driver.create();
+    known += (known.empty() ? "" : ", ") + std::string(driver.name);
+  }
+  throw DriverError(DriverError::Kind::not_found,
+                    "no driver \"" + std::string(name) + "\"; known drivers: " + known);
+}
+
+} // namespace tactor

@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "tactor/motor_model.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace tactor {
+
+namespace {
+
+/// What counts as having risen, and what of a step may be left of a fall (paper, Section 4).
+constexpr double kRisen = 0.9;
+constexpr double kLeft = 1 - kRisen;
+
+double
+seconds(Time time)
+{
+  return std::chrono::duration<double>(time).count();
+}
+
+} // namespace
+
+MotorModel::MotorModel(RiseTime rise_time)
+    : rise_time_(std::move(rise_time))
+{
+}
+
+void
+MotorModel::set(Time time, double volts)
+{
+  if (volts == volts_)
+    return;
+  from_ = amplitude(time);
+  since_ = std::max(time, since_);
+  volts_ = volts;
+  steady_ = volts >= kStartVolts ? volts : 0;
+
+  if (from_ < kRisen * steady_) {
+    const double rise = seconds(rise_time_(from_, steady_));
+    if (rise > 0) {
+      rate_ = std::log((steady_ - from_) / (kLeft * steady_)) / rise;
+    } else {
+      from_ = steady_;
+      rate_ = 0;
+    }
+  } else {
+    rate_ = -std::log(kLeft) / seconds(kFallTime);
+  }
+}
+
+double
+MotorModel::amplitude(Time time) const
+{
+  if (rate_ == 0 || time <= since_)
+    return from_;
+  return steady_ + (from_ - steady_) * std::exp(-rate_ * seconds(time - since_));
+}
+
+double
+MotorModel::volts() const
+{
+  return volts_;
+}
+
+} // namespace tactor

@@ -1,0 +1,29 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: LGPL-2.1-or-later
+# Runs every gst-launch-1.0 line of the documentation given, as it is but for three things: films are shortened to 15 frames, windows are
+# fake ones, and FILM is a film made here. Each has to end with status 0.
+# Usage: launch_lines.sh FILE...      (with the plugins on GST_PLUGIN_PATH)
+set -euo pipefail
+
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+
+film=$work/film.mkv
+gst-launch-1.0 -q tactiletestsrc num-buffers=15 ! video/x-raw,width=320,height=240 ! x264enc tune=zerolatency ! matroskamux ! filesink location="$film"
+
+count=0
+failed=0
+for file in "$@"; do
+  # A line that ends in a backslash goes on; the leading " * " of a comment block is not part of it.
+  while IFS= read -r line; do
+    line=$(sed -E "s/num-buffers=[0-9]+/num-buffers=15/g; s/autovideosink/fakevideosink/g; s#FILM#$film#g" <<<"$line")
+    count=$((count + 1))
+    if ! (cd "$work" && eval "timeout 60 $line") >"$work/log" 2>&1; then
+      failed=$((failed + 1))
+      printf '%s: this line fails:\n  %s\n' "$file" "$line"
+      tail -n 5 "$work/log"
+    fi
+  done < <(sed -E 's/^ \* ?//' "$file" | sed -e ':a' -e '/\\$/N; s/\\\n *//; ta' | grep -E '^gst-launch-1\.0 ' || true)
+done
+echo "$count lines run, $failed failed"
+[ "$count" -gt 0 ] && [ "$failed" -eq 0 ]
