@@ -27,8 +27,8 @@ G_BEGIN_DECLS
  * Since: 0.1
  */
 #define GST_TACTILE_MAP_CAPS                                                                       \
-  GST_TACTILE_MAP_MEDIA_TYPE ", rows = (int) [ 1, 64 ], columns = (int) [ 1, 64 ], "               \
-                             "framerate = (fraction) [ 0/1, max ]"
+  "application/x-tactile-map, rows = (int) [ 1, 64 ], columns = (int) [ 1, 64 ], framerate = "     \
+  "(fraction) [ 0/1, max ]"
 
 GST_TACTILE_API
 GstCaps *gst_tactile_map_caps_new(guint rows, guint columns, gint fps_n, gint fps_d);

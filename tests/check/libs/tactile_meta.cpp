@@ -1,0 +1,254 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include <gst/check/gstcheck.h>
+#include <gst/check/gstharness.h>
+#include <gst/tactile/tactile.h>
+#include <gst/video/video.h>
+
+#include <array>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+namespace {
+
+constexpr std::array<gfloat, 6> kLevels{ 0.0F, 0.25F, 0.5F, 0.75F, 1.0F, 0.125F };
+
+GstTactileMeta *
+add(GstBuffer *buffer)
+{
+  return gst_buffer_add_tactile_meta(buffer, 2, 3, kLevels.data(), kLevels.size());
+}
+
+void
+assert_levels(GstBuffer *buffer)
+{
+  GstTactileMeta *meta = gst_buffer_get_tactile_meta(buffer);
+  fail_unless(meta != nullptr);
+  fail_unless_equals_int(meta->rows, 2);
+  fail_unless_equals_int(meta->columns, 3);
+  gsize n = 0;
+  const gfloat *levels = gst_tactile_meta_get_levels(meta, &n);
+  fail_unless_equals_int(n, kLevels.size());
+  for (gsize i = 0; i < n; i++) {
+    fail_unless_equals_float(levels[i], kLevels[i]);
+    fail_unless_equals_float(gst_tactile_meta_get_level(meta, i / 3, i % 3), kLevels[i]);
+  }
+}
+
+guint
+count_metas(GstBuffer *buffer)
+{
+  return gst_buffer_get_n_meta(buffer, GST_TACTILE_META_API_TYPE);
+}
+
+/// Each statement must be refused with a critical and `result` null.
+#define ASSERT_REFUSED(statement)                                                                  \
+  G_STMT_START                                                                                     \
+  {                                                                                                \
+    g_test_expect_message("visuotactile", G_LOG_LEVEL_CRITICAL, "*assertion*failed*");             \
+    fail_unless((statement) == nullptr);                                                           \
+    g_test_assert_expected_messages();                                                             \
+  }                                                                                                \
+  G_STMT_END
+
+} // namespace
+
+GST_START_TEST(test_add_and_get)
+{
+  GstBuffer *buffer = gst_buffer_new();
+  fail_unless(gst_buffer_get_tactile_meta(buffer) == nullptr);
+  GstTactileMeta *meta = add(buffer);
+  fail_unless(meta == gst_buffer_get_tactile_meta(buffer));
+  fail_unless(meta->levels != kLevels.data());
+  assert_levels(buffer);
+
+  const gchar *const *tags = gst_meta_api_type_get_tags(GST_TACTILE_META_API_TYPE);
+  fail_unless_equals_string(tags[0], GST_META_TAG_VIDEO_STR);
+  fail_unless(tags[1] == nullptr);
+  gst_buffer_unref(buffer);
+}
+GST_END_TEST;
+
+GST_START_TEST(test_levels_are_clamped)
+{
+  constexpr gfloat inf = std::numeric_limits<gfloat>::infinity();
+  const std::array<gfloat, 6> wild{ -0.5F, 1.5F, std::nanf(""), inf, -inf, 0.5F };
+  const std::array<gfloat, 6> tame{ 0, 1, 0, 1, 0, 0.5F };
+  GstBuffer *buffer = gst_buffer_new();
+  GstTactileMeta *meta = gst_buffer_add_tactile_meta(buffer, 1, 6, wild.data(), wild.size());
+  for (guint i = 0; i < tame.size(); i++)
+    fail_unless_equals_float(gst_tactile_meta_get_level(meta, 0, i), tame[i]);
+  gst_buffer_unref(buffer);
+}
+GST_END_TEST;
+
+GST_START_TEST(test_limits)
+{
+  const std::vector<gfloat> many(65 * 65, 0.5F);
+  GstBuffer *buffer = gst_buffer_new();
+  fail_unless(gst_buffer_add_tactile_meta(buffer, 64, 64, many.data(), 64 * 64) != nullptr);
+  fail_unless(gst_buffer_add_tactile_meta(buffer, 1, 1, many.data(), 1) != nullptr);
+  gst_buffer_unref(buffer);
+
+  buffer = gst_buffer_new();
+  ASSERT_REFUSED(gst_buffer_add_tactile_meta(buffer, 0, 3, many.data(), 0));
+  ASSERT_REFUSED(gst_buffer_add_tactile_meta(buffer, 3, 0, many.data(), 0));
+  ASSERT_REFUSED(gst_buffer_add_tactile_meta(buffer, 65, 1, many.data(), 65));
+  ASSERT_REFUSED(gst_buffer_add_tactile_meta(buffer, 1, 65, many.data(), 65));
+  ASSERT_REFUSED(gst_buffer_add_tactile_meta(buffer, 3, 3, many.data(), 8));
+  ASSERT_REFUSED(gst_buffer_add_tactile_meta(buffer, 3, 3, many.data(), 10));
+  ASSERT_REFUSED(gst_buffer_add_tactile_meta(buffer, 3, 3, nullptr, 9));
+  fail_unless_equals_int(count_metas(buffer), 0);
+
+  gst_buffer_ref(buffer); // not writable any more
+  ASSERT_REFUSED(add(buffer));
+  gst_buffer_unref(buffer);
+  gst_buffer_unref(buffer);
+}
+GST_END_TEST;
+
+GST_START_TEST(test_out_of_the_grid)
+{
+  GstBuffer *buffer = gst_buffer_new();
+  GstTactileMeta *meta = add(buffer);
+  for (const auto &[row, column] : { std::pair{ 2U, 0U }, std::pair{ 0U, 3U } }) {
+    g_test_expect_message("visuotactile", G_LOG_LEVEL_CRITICAL, "*assertion*failed*");
+    fail_unless_equals_float(gst_tactile_meta_get_level(meta, row, column), 0);
+    g_test_assert_expected_messages();
+  }
+  gst_buffer_unref(buffer);
+}
+GST_END_TEST;
+
+GST_START_TEST(test_one_per_buffer)
+{
+  const std::array<gfloat, 2> other{ 1, 0 };
+  GstBuffer *buffer = gst_buffer_new();
+  gst_buffer_add_tactile_meta(buffer, 1, 2, other.data(), other.size());
+  add(buffer);
+  fail_unless_equals_int(count_metas(buffer), 1);
+  assert_levels(buffer);
+
+  // A meta's own levels may be given back to it.
+  GstTactileMeta *meta = gst_buffer_get_tactile_meta(buffer);
+  gst_buffer_add_tactile_meta(buffer, 2, 3, meta->levels, 6);
+  assert_levels(buffer);
+  gst_buffer_unref(buffer);
+}
+GST_END_TEST;
+
+GST_START_TEST(test_copies)
+{
+  GstBuffer *buffer = gst_buffer_new_allocate(nullptr, 100, nullptr);
+  add(buffer);
+  GstBuffer *whole = gst_buffer_copy(buffer);
+  GstBuffer *deep = gst_buffer_copy_deep(buffer);
+  GstBuffer *region = gst_buffer_copy_region(buffer, GST_BUFFER_COPY_ALL, 10, 20);
+  GstBuffer *bare = gst_buffer_copy_region(buffer, GST_BUFFER_COPY_TIMESTAMPS, 0, -1);
+
+  gst_buffer_get_tactile_meta(buffer)->levels[1] = 1; // copies have levels of their own
+  gst_buffer_unref(buffer);
+  assert_levels(whole);
+  assert_levels(deep);
+  assert_levels(region);
+  fail_unless_equals_int(count_metas(bare), 0);
+  for (GstBuffer *copy : { whole, deep, region, bare })
+    gst_buffer_unref(copy);
+}
+GST_END_TEST;
+
+GST_START_TEST(test_transforms)
+{
+  GstBuffer *source = gst_buffer_new();
+  GstMeta *meta = &add(source)->meta;
+  GstVideoInfo in;
+  GstVideoInfo out;
+  gst_video_info_set_format(&in, GST_VIDEO_FORMAT_I420, 64, 48);
+  gst_video_info_set_format(&out, GST_VIDEO_FORMAT_I420, 32, 24);
+  GstVideoMetaTransform scale{ &in, &out };
+
+  GstBuffer *scaled = gst_buffer_new();
+  fail_unless(meta->info->transform_func(scaled, meta, source,
+                                         gst_video_meta_transform_scale_get_quark(), &scale));
+  assert_levels(scaled);
+  gst_buffer_unref(scaled);
+
+  GstBuffer *other = gst_buffer_new();
+  fail_if(meta->info->transform_func(other, meta, source,
+                                     g_quark_from_static_string("rotated-by-someone"), nullptr));
+  fail_unless_equals_int(count_metas(other), 0);
+  gst_buffer_unref(other);
+  gst_buffer_unref(source);
+}
+GST_END_TEST;
+
+GST_START_TEST(test_pooled_buffers)
+{
+  GstBufferPool *pool = gst_buffer_pool_new();
+  GstStructure *config = gst_buffer_pool_get_config(pool);
+  gst_buffer_pool_config_set_params(config, nullptr, 64, 1, 1);
+  fail_unless(gst_buffer_pool_set_config(pool, config));
+  fail_unless(gst_buffer_pool_set_active(pool, TRUE));
+
+  GstBuffer *acquired = nullptr;
+  fail_unless_equals_int(gst_buffer_pool_acquire_buffer(pool, &acquired, nullptr), GST_FLOW_OK);
+  GstTactileMeta *meta = add(acquired);
+  fail_if(GST_META_FLAG_IS_SET(&meta->meta, GST_META_FLAG_POOLED));
+  fail_if(GST_META_FLAG_IS_SET(&meta->meta, GST_META_FLAG_LOCKED));
+  const GstBuffer *same = acquired;
+  gst_buffer_unref(acquired);
+
+  // What was felt in the last frame isn't felt in the next one.
+  GstBuffer *again = nullptr;
+  fail_unless_equals_int(gst_buffer_pool_acquire_buffer(pool, &again, nullptr), GST_FLOW_OK);
+  fail_unless(again == same);
+  fail_unless_equals_int(count_metas(again), 0);
+  gst_buffer_unref(again);
+  gst_buffer_pool_set_active(pool, FALSE);
+  gst_object_unref(pool);
+}
+GST_END_TEST;
+
+GST_START_TEST(test_survives_real_elements)
+{
+  GstHarness *h = gst_harness_new_parse(
+      "videoconvert ! videoscale ! video/x-raw,format=RGB,width=20,height=30 ! "
+      "videoconvert ! video/x-raw,format=NV12 ! videoflip ! identity");
+  gst_harness_set_src_caps_str(
+      h, "video/x-raw,format=I420,width=40,height=30,framerate=30/1,interlace-mode=progressive");
+  GstBuffer *buffer = gst_buffer_new_allocate(nullptr, 40 * 30 * 3 / 2, nullptr);
+  gst_buffer_memset(buffer, 0, 128, -1);
+  add(buffer);
+  const std::array<gfloat, 1> value{ 2.5F };
+  gst_buffer_add_saliency_meta(buffer, 1, 1, value.data(), 1, 0.5F);
+  GstBuffer *out = gst_harness_push_and_pull(h, buffer);
+  fail_unless(out != nullptr);
+  assert_levels(out);
+  GstSaliencyMeta *saliency = gst_buffer_get_saliency_meta(out);
+  fail_unless(saliency != nullptr);
+  fail_unless_equals_float(gst_saliency_meta_get_value(saliency, 0, 0), 2.5);
+  fail_unless_equals_float(saliency->floor, 0.5);
+  gst_buffer_unref(out);
+  gst_harness_teardown(h);
+}
+GST_END_TEST;
+
+static Suite *
+tactile_meta_suite(void)
+{
+  Suite *suite = suite_create("tactile_meta");
+  TCase *tests = tcase_create("general");
+  suite_add_tcase(suite, tests);
+  tcase_add_test(tests, test_add_and_get);
+  tcase_add_test(tests, test_levels_are_clamped);
+  tcase_add_test(tests, test_limits);
+  tcase_add_test(tests, test_out_of_the_grid);
+  tcase_add_test(tests, test_one_per_buffer);
+  tcase_add_test(tests, test_copies);
+  tcase_add_test(tests, test_transforms);
+  tcase_add_test(tests, test_pooled_buffers);
+  tcase_add_test(tests, test_survives_real_elements);
+  return suite;
+}
+
+GST_CHECK_MAIN(tactile_meta)
