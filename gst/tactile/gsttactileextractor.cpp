@@ -118,15 +118,12 @@ send_default_sticky_events(GstTactileExtractor *self)
   send_sticky_events(self, rows, columns);
 }
 
-/* Sends an event that isn't sticky; an unlinked pad is told to the flow combiner as if it had been
- * a buffer. */
-static GstFlowReturn
+/* Sends an event that belongs to a place in the stream, and so needs caps and segment before it. */
+static gboolean
 push_tactile_event(GstTactileExtractor *self, GstEvent *event)
 {
   send_default_sticky_events(self);
-  if (gst_pad_push_event(self->tactilepad, event) || gst_pad_is_linked(self->tactilepad))
-    return GST_FLOW_OK;
-  return GST_FLOW_NOT_LINKED;
+  return gst_pad_push_event(self->tactilepad, event);
 }
 
 static GstClockTime
@@ -145,10 +142,10 @@ push_tactile(GstTactileExtractor *self, GstBuffer *frame)
   const GstClockTime duration = frame_duration(self, frame);
 
   if (meta == nullptr) {
-    send_default_sticky_events(self);
-    if (!GST_CLOCK_TIME_IS_VALID(pts))
-      return GST_FLOW_OK; /* a gap has to have a time */
-    return push_tactile_event(self, gst_event_new_gap(pts, duration));
+    /* A gap has to have a time. An unlinked pad counts as it would with a buffer. */
+    if (GST_CLOCK_TIME_IS_VALID(pts))
+      push_tactile_event(self, gst_event_new_gap(pts, duration));
+    return gst_pad_is_linked(self->tactilepad) ? GST_FLOW_OK : GST_FLOW_NOT_LINKED;
   }
 
   gsize n_levels = 0;
@@ -225,6 +222,7 @@ gst_tactile_extractor_sink_event(GstPad *pad, GstObject *parent, GstEvent *event
 {
   (void)pad;
   auto *self = GST_TACTILE_EXTRACTOR(parent);
+  gboolean handled = FALSE; /* by the tactile branch: then video may be unlinked */
 
   switch (GST_EVENT_TYPE(event)) {
   case GST_EVENT_STREAM_START:
@@ -234,28 +232,29 @@ gst_tactile_extractor_sink_event(GstPad *pad, GstObject *parent, GstEvent *event
     read_framerate(self, event);
     break;
   case GST_EVENT_SEGMENT:
-    gst_event_replace(&self->pending_segment, event);
     if (self->rows > 0)
-      send_default_sticky_events(self);
+      gst_pad_push_event(self->tactilepad, gst_event_ref(event));
+    else
+      gst_event_replace(&self->pending_segment, event);
     break;
   case GST_EVENT_GAP:
   case GST_EVENT_SEGMENT_DONE:
   case GST_EVENT_EOS:
-    push_tactile_event(self, gst_event_ref(event));
+    handled = push_tactile_event(self, gst_event_ref(event));
     break;
   case GST_EVENT_STREAM_GROUP_DONE:
   case GST_EVENT_FLUSH_START:
-    gst_pad_push_event(self->tactilepad, gst_event_ref(event));
+    handled = gst_pad_push_event(self->tactilepad, gst_event_ref(event));
     break;
   case GST_EVENT_FLUSH_STOP:
     gst_flow_combiner_reset(self->combiner);
     gst_clear_event(&self->pending_segment);
-    gst_pad_push_event(self->tactilepad, gst_event_ref(event));
+    handled = gst_pad_push_event(self->tactilepad, gst_event_ref(event));
     break;
   default:
     break;
   }
-  return gst_pad_push_event(self->srcpad, event);
+  return gst_pad_push_event(self->srcpad, event) || handled;
 }
 
 /* Video only passes through: either side's caps are the other's. */

@@ -1,0 +1,539 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include <gst/check/gstcheck.h>
+#include <gst/check/gstharness.h>
+#include <gst/tactile/tactile.h>
+#include <gst/video/video.h>
+
+#include <array>
+#include <string>
+#include <vector>
+
+namespace {
+
+constexpr const gchar *kVideoCaps = "video/x-raw,format=GRAY8,width=8,height=8,framerate=25/1";
+constexpr GstClockTime kFrame = 40 * GST_MSECOND;
+
+/// The element with a harness on each of its source pads; either may be left out.
+class Extractor
+{
+public:
+  explicit Extractor(bool with_video = true, bool with_tactile = true,
+                     const gchar *caps = kVideoCaps)
+      : element_(gst_element_factory_make("tactileextractor", nullptr)),
+        video(gst_harness_new_with_element(element_, "sink", with_video ? "src" : nullptr)),
+        tactile(with_tactile ? gst_harness_new_with_element(element_, nullptr, "tactile") : nullptr)
+  {
+    if (caps != nullptr)
+      gst_harness_set_src_caps_str(video, caps);
+  }
+
+  ~Extractor()
+  {
+    if (tactile != nullptr)
+      gst_harness_teardown(tactile);
+    gst_harness_teardown(video);
+    gst_object_unref(element_);
+  }
+
+  Extractor(const Extractor &) = delete;
+  Extractor &operator=(const Extractor &) = delete;
+
+private:
+  GstElement *element_;
+
+public:
+  GstHarness *video;
+  GstHarness *tactile;
+};
+
+GstBuffer *
+make_frame(guint number, guint rows = 0, guint columns = 0)
+{
+  GstBuffer *frame = gst_buffer_new_allocate(nullptr, 64, nullptr);
+  GST_BUFFER_PTS(frame) = number * kFrame;
+  GST_BUFFER_DURATION(frame) = kFrame;
+  if (rows > 0) {
+    std::vector<gfloat> levels(std::size_t{ rows } * columns);
+    for (std::size_t i = 0; i < levels.size(); i++)
+      levels[i] = static_cast<gfloat>((i + number) % 8) / 8;
+    gst_buffer_add_tactile_meta(frame, rows, columns, levels.data(), levels.size());
+  }
+  return frame;
+}
+
+void
+assert_map(GstBuffer *map, guint number, guint rows, guint columns)
+{
+  fail_unless(map != nullptr);
+  fail_unless_equals_uint64(GST_BUFFER_PTS(map), number * kFrame);
+  fail_unless_equals_uint64(GST_BUFFER_DURATION(map), kFrame);
+  gfloat *levels = nullptr;
+  gsize n = 0;
+  fail_unless(gst_tactile_map_buffer_get_levels(map, rows, columns, &levels, &n));
+  for (gsize i = 0; i < n; i++)
+    fail_unless_equals_float(levels[i], static_cast<gfloat>((i + number) % 8) / 8);
+  g_free(levels);
+  gst_buffer_unref(map);
+}
+
+/// Names of the events that came out since the last call, in order; caps with their grid and rate.
+std::string
+events(GstHarness *h)
+{
+  std::string names;
+  while (GstEvent *event = gst_harness_try_pull_event(h)) {
+    names += names.empty() ? "" : " ";
+    names += GST_EVENT_TYPE_NAME(event);
+    if (GST_EVENT_TYPE(event) == GST_EVENT_CAPS) {
+      GstCaps *caps = nullptr;
+      guint rows = 0;
+      guint columns = 0;
+      gint n = 0;
+      gint d = 0;
+      gst_event_parse_caps(event, &caps);
+      if (gst_tactile_map_caps_parse(caps, &rows, &columns, &n, &d))
+        names += ":" + std::to_string(rows) + "x" + std::to_string(columns) + "@"
+                 + std::to_string(n) + "/" + std::to_string(d);
+    }
+    gst_event_unref(event);
+  }
+  return names;
+}
+
+#define ASSERT_EVENTS(h, expected)                                                                 \
+  G_STMT_START                                                                                     \
+  {                                                                                                \
+    const std::string came = events(h);                                                            \
+    fail_unless_equals_string(came.c_str(), expected);                                             \
+  }                                                                                                \
+  G_STMT_END
+
+GstFlowReturn
+push(Extractor &e, GstBuffer *frame)
+{
+  return gst_harness_push(e.video, frame);
+}
+
+} // namespace
+
+GST_START_TEST(test_frame_and_map)
+{
+  Extractor e;
+  GstBuffer *frame = make_frame(0, 2, 3);
+  GstMemory *memory = gst_buffer_peek_memory(frame, 0);
+  const GstBuffer *same = frame;
+  fail_unless_equals_int(push(e, frame), GST_FLOW_OK);
+
+  ASSERT_EVENTS(e.tactile, "stream-start caps:2x3@25/1 segment");
+  ASSERT_EVENTS(e.video, "stream-start caps segment");
+  GstBuffer *out = gst_harness_pull(e.video);
+  fail_unless(out == same && gst_buffer_peek_memory(out, 0) == memory);
+  ASSERT_BUFFER_REFCOUNT(out, "frame", 1); // the map holds no part of it
+  fail_unless(gst_buffer_get_tactile_meta(out) != nullptr);
+  gst_buffer_unref(out);
+  GstBuffer *map = gst_harness_pull(e.tactile);
+  fail_unless_equals_int(gst_buffer_n_memory(map), 1);
+  assert_map(map, 0, 2, 3);
+}
+GST_END_TEST;
+
+GST_START_TEST(test_stream_ids)
+{
+  Extractor e;
+  fail_unless_equals_int(push(e, make_frame(0, 3, 3)), GST_FLOW_OK);
+  GstEvent *video = gst_harness_pull_event(e.video);
+  GstEvent *tactile = gst_harness_pull_event(e.tactile);
+  const gchar *video_id = nullptr;
+  const gchar *tactile_id = nullptr;
+  gst_event_parse_stream_start(video, &video_id);
+  gst_event_parse_stream_start(tactile, &tactile_id);
+  fail_unless(g_str_has_prefix(tactile_id, video_id) && !g_str_equal(tactile_id, video_id));
+  gst_event_unref(video);
+  gst_event_unref(tactile);
+
+  // Streams that belong together stay together.
+  const guint group = gst_util_group_id_next();
+  GstEvent *start = gst_event_new_stream_start("film");
+  gst_event_set_group_id(start, group);
+  while (GstEvent *event = gst_harness_try_pull_event(e.tactile))
+    gst_event_unref(event);
+  fail_unless(gst_harness_push_event(e.video, start));
+  tactile = gst_harness_pull_event(e.tactile);
+  guint got = 0;
+  fail_unless(gst_event_parse_group_id(tactile, &got));
+  fail_unless_equals_int(got, group);
+  gst_event_parse_stream_start(tactile, &tactile_id);
+  fail_unless_equals_string(tactile_id, "film/tactile");
+  gst_event_unref(tactile);
+}
+GST_END_TEST;
+
+GST_START_TEST(test_caps_changes)
+{
+  Extractor e;
+  push(e, make_frame(0, 2, 3));
+  push(e, make_frame(1, 2, 3));
+  ASSERT_EVENTS(e.tactile, "stream-start caps:2x3@25/1 segment");
+  push(e, make_frame(2, 3, 2)); // as many levels
+  ASSERT_EVENTS(e.tactile, "caps:3x2@25/1");
+  gst_harness_set_src_caps_str(e.video,
+                               "video/x-raw,format=GRAY8,width=8,height=8,framerate=30000/1001");
+  push(e, make_frame(3, 3, 2));
+  ASSERT_EVENTS(e.tactile, "segment caps:3x2@30000/1001");
+  gst_harness_set_src_caps_str(e.video,
+                               "video/x-raw,format=GRAY8,width=4,height=16,framerate=30000/1001");
+  push(e, make_frame(4, 3, 2)); // another size feels the same
+  ASSERT_EVENTS(e.tactile, "segment");
+  gst_harness_set_src_caps_str(e.video, "video/x-raw,format=GRAY8,width=4,height=16");
+  push(e, make_frame(5, 64, 64));
+  ASSERT_EVENTS(e.tactile, "segment caps:64x64@0/1");
+
+  const std::array<std::pair<guint, guint>, 6> grids{
+    { { 2, 3 }, { 2, 3 }, { 3, 2 }, { 3, 2 }, { 3, 2 }, { 64, 64 } }
+  };
+  for (guint i = 0; i < grids.size(); i++)
+    assert_map(gst_harness_pull(e.tactile), i, grids[i].first, grids[i].second);
+  fail_unless_equals_int(gst_harness_buffers_received(e.video), 6);
+}
+GST_END_TEST;
+
+GST_START_TEST(test_gaps)
+{
+  Extractor e;
+  push(e, make_frame(0)); // no grid is known yet: the paper's
+  ASSERT_EVENTS(e.tactile, "stream-start caps:3x3@25/1 segment gap");
+  push(e, make_frame(1, 4, 6));
+  ASSERT_EVENTS(e.tactile, "caps:4x6@25/1");
+  push(e, make_frame(2));
+  GstEvent *gap = gst_harness_pull_event(e.tactile);
+  GstClockTime time = 0;
+  GstClockTime duration = 0;
+  gst_event_parse_gap(gap, &time, &duration);
+  fail_unless_equals_uint64(time, 2 * kFrame);
+  fail_unless_equals_uint64(duration, kFrame);
+  gst_event_unref(gap);
+  ASSERT_EVENTS(e.tactile, "");
+  fail_unless_equals_int(gst_harness_buffers_received(e.tactile), 1);
+  fail_unless_equals_int(gst_harness_buffers_received(e.video), 3);
+
+  events(e.video);
+  fail_unless(gst_harness_push_event(e.video, gst_event_new_gap(3 * kFrame, kFrame)));
+  ASSERT_EVENTS(e.tactile, "gap");
+  ASSERT_EVENTS(e.video, "gap");
+}
+GST_END_TEST;
+
+GST_START_TEST(test_grid_that_downstream_wants)
+{
+  Extractor e(true, true, nullptr);
+  gst_harness_set_sink_caps_str(e.tactile, "application/x-tactile-map,rows=[4,8],columns=7");
+  gst_harness_set_src_caps_str(e.video, kVideoCaps);
+  push(e, make_frame(0));
+  ASSERT_EVENTS(e.tactile, "stream-start caps:4x7@25/1 segment gap");
+}
+GST_END_TEST;
+
+GST_START_TEST(test_end_of_stream)
+{
+  Extractor e;
+  fail_unless(gst_harness_push_event(
+      e.video, gst_event_new_eos())); // a sink that waits for data has to see it
+  ASSERT_EVENTS(e.tactile, "stream-start caps:3x3@25/1 segment eos");
+  ASSERT_EVENTS(e.video, "stream-start caps segment eos");
+}
+GST_END_TEST;
+
+GST_START_TEST(test_flush_and_segment)
+{
+  Extractor e;
+  push(e, make_frame(0, 3, 3));
+  events(e.tactile);
+  events(e.video);
+  fail_unless(gst_harness_push_event(e.video, gst_event_new_flush_start()));
+  fail_unless_equals_int(push(e, make_frame(1, 3, 3)), GST_FLOW_FLUSHING);
+  fail_unless(gst_harness_push_event(e.video, gst_event_new_flush_stop(TRUE)));
+  GstSegment segment;
+  gst_segment_init(&segment, GST_FORMAT_TIME);
+  segment.rate = 2;
+  segment.start = segment.time = segment.position = 10 * kFrame;
+  fail_unless(gst_harness_push_event(e.video, gst_event_new_segment(&segment)));
+  fail_unless_equals_int(push(e, make_frame(10, 3, 3)), GST_FLOW_OK);
+
+  for (GstHarness *h : { e.video, e.tactile }) {
+    GstEvent *event = nullptr;
+    for (const GstEventType type :
+         { GST_EVENT_FLUSH_START, GST_EVENT_FLUSH_STOP, GST_EVENT_SEGMENT }) {
+      event = gst_harness_pull_event(h);
+      fail_unless_equals_int(GST_EVENT_TYPE(event), type);
+      if (type != GST_EVENT_SEGMENT)
+        gst_event_unref(event);
+    }
+    const GstSegment *got = nullptr;
+    gst_event_parse_segment(event, &got);
+    fail_unless(gst_segment_is_equal(got, &segment));
+    gst_event_unref(event);
+  }
+  ASSERT_EVENTS(e.tactile, "");
+}
+GST_END_TEST;
+
+GST_START_TEST(test_flush_before_the_first_map)
+{
+  Extractor e; // a segment that was never sent is replaced by the one after the flush
+  fail_unless(gst_harness_push_event(e.video, gst_event_new_flush_start()));
+  fail_unless(gst_harness_push_event(e.video, gst_event_new_flush_stop(TRUE)));
+  GstSegment segment;
+  gst_segment_init(&segment, GST_FORMAT_TIME);
+  segment.start = segment.time = 7 * kFrame;
+  fail_unless(gst_harness_push_event(e.video, gst_event_new_segment(&segment)));
+  push(e, make_frame(7, 3, 3));
+  ASSERT_EVENTS(e.tactile, "stream-start flush-start flush-stop caps:3x3@25/1 segment");
+  GstPad *pad = gst_element_get_static_pad(e.video->element, "tactile");
+  GstEvent *event = gst_pad_get_sticky_event(pad, GST_EVENT_SEGMENT, 0);
+  const GstSegment *got = nullptr;
+  gst_event_parse_segment(event, &got);
+  fail_unless_equals_uint64(got->start, 7 * kFrame);
+  gst_event_unref(event);
+  gst_object_unref(pad);
+}
+GST_END_TEST;
+
+GST_START_TEST(test_other_events)
+{
+  Extractor e;
+  push(e, make_frame(0, 3, 3));
+  events(e.tactile);
+  events(e.video);
+  // What is about pictures isn't about maps.
+  gst_harness_push_event(
+      e.video, gst_event_new_tag(gst_tag_list_new(GST_TAG_VIDEO_CODEC, "MPEG-1", nullptr)));
+  gst_harness_push_event(e.video, gst_event_new_segment_done(GST_FORMAT_TIME, 0));
+  gst_harness_push_event(e.video, gst_event_new_stream_group_done(1));
+  ASSERT_EVENTS(e.video, "tag segment-done stream-group-done");
+  ASSERT_EVENTS(e.tactile, "segment-done stream-group-done");
+}
+GST_END_TEST;
+
+GST_START_TEST(test_upstream_events)
+{
+  Extractor e;
+  push(e, make_frame(0, 3, 3));
+  while (GstEvent *event = gst_harness_try_pull_upstream_event(e.video))
+    gst_event_unref(event);
+  const auto assert_upstream = [&](const gchar *expected) {
+    GstEvent *event = gst_harness_try_pull_upstream_event(e.video);
+    fail_unless_equals_string(event != nullptr ? GST_EVENT_TYPE_NAME(event) : "", expected);
+    if (event != nullptr)
+      gst_event_unref(event);
+  };
+  gst_harness_push_upstream_event(e.tactile,
+                                  gst_event_new_qos(GST_QOS_TYPE_UNDERFLOW, 0.5, 1000, 0));
+  gst_harness_push_upstream_event(e.tactile, gst_event_new_reconfigure());
+  assert_upstream("");
+  gst_harness_push_upstream_event(e.video, gst_event_new_qos(GST_QOS_TYPE_UNDERFLOW, 0.5, 1000, 0));
+  assert_upstream("qos");
+  gst_harness_push_upstream_event(e.tactile,
+                                  gst_event_new_seek(1, GST_FORMAT_TIME, GST_SEEK_FLAG_FLUSH,
+                                                     GST_SEEK_TYPE_SET, 0, GST_SEEK_TYPE_NONE, -1));
+  assert_upstream("seek");
+}
+GST_END_TEST;
+
+GST_START_TEST(test_missing_times)
+{
+  Extractor e;
+  GstBuffer *frame = make_frame(5, 3, 3);
+  GST_BUFFER_DURATION(frame) = GST_CLOCK_TIME_NONE;
+  push(e, frame);
+  assert_map(gst_harness_pull(e.tactile), 5, 3, 3); // 1 / 25 s
+
+  frame = make_frame(6, 3, 3);
+  GST_BUFFER_PTS(frame) = GST_CLOCK_TIME_NONE;
+  push(e, frame);
+  GstBuffer *map = gst_harness_pull(e.tactile);
+  fail_if(GST_BUFFER_PTS_IS_VALID(map));
+  gst_buffer_unref(map);
+
+  events(e.tactile);
+  frame = make_frame(7);
+  GST_BUFFER_PTS(frame) = GST_CLOCK_TIME_NONE;
+  fail_unless_equals_int(push(e, frame), GST_FLOW_OK); // no gap without a time
+  ASSERT_EVENTS(e.tactile, "");
+
+  gst_harness_set_src_caps_str(e.video, "video/x-raw,format=GRAY8,width=8,height=8,framerate=0/1");
+  frame = make_frame(8, 3, 3);
+  GST_BUFFER_DURATION(frame) = GST_CLOCK_TIME_NONE;
+  push(e, frame);
+  map = gst_harness_pull(e.tactile);
+  fail_unless_equals_uint64(GST_BUFFER_PTS(map), 8 * kFrame);
+  fail_if(GST_BUFFER_DURATION_IS_VALID(map));
+  gst_buffer_unref(map);
+}
+GST_END_TEST;
+
+GST_START_TEST(test_discont)
+{
+  Extractor e;
+  for (guint i = 0; i < 2; i++) {
+    GstBuffer *frame = make_frame(i, 3, 3);
+    if (i == 1)
+      GST_BUFFER_FLAG_SET(frame, GST_BUFFER_FLAG_DISCONT);
+    push(e, frame);
+    GstBuffer *map = gst_harness_pull(e.tactile);
+    fail_unless_equals_int(GST_BUFFER_IS_DISCONT(map), i == 1);
+    gst_buffer_unref(map);
+  }
+}
+GST_END_TEST;
+
+GST_START_TEST(test_unlinked_tactile_pad)
+{
+  Extractor e(true, false);
+  for (guint i = 0; i < 3; i++)
+    fail_unless_equals_int(push(e, make_frame(i, i, i)), GST_FLOW_OK); // the first without a map
+  fail_unless(gst_harness_push_event(e.video, gst_event_new_eos()));
+  fail_unless_equals_int(gst_harness_buffers_received(e.video), 3);
+}
+GST_END_TEST;
+
+GST_START_TEST(test_unlinked_video_pad)
+{
+  Extractor e(false, true);
+  for (guint i = 1; i < 4; i++)
+    fail_unless_equals_int(push(e, make_frame(i, i, i)), GST_FLOW_OK);
+  fail_unless_equals_int(gst_harness_buffers_received(e.tactile), 3);
+  fail_unless(gst_harness_push_event(e.video, gst_event_new_eos()));
+  ASSERT_EVENTS(e.tactile, "stream-start caps:1x1@25/1 segment caps:2x2@25/1 caps:3x3@25/1 eos");
+}
+GST_END_TEST;
+
+GST_START_TEST(test_both_unlinked)
+{
+  Extractor e(false, false);
+  fail_unless_equals_int(push(e, make_frame(0, 3, 3)), GST_FLOW_NOT_LINKED);
+  fail_unless_equals_int(push(e, make_frame(1)), GST_FLOW_NOT_LINKED);
+}
+GST_END_TEST;
+
+static GstFlowReturn
+refuse(GstPad *pad, GstObject *parent, GstBuffer *buffer)
+{
+  (void)parent;
+  gst_buffer_unref(buffer);
+  return static_cast<GstFlowReturn>(GPOINTER_TO_INT(g_object_get_data(G_OBJECT(pad), "flow")));
+}
+
+GST_START_TEST(test_flow_of_either_branch)
+{
+  for (const bool of_video : { false, true })
+    for (const auto &[branch, whole] :
+         { std::pair{ GST_FLOW_EOS, GST_FLOW_OK }, { GST_FLOW_ERROR, GST_FLOW_ERROR } }) {
+      Extractor e;
+      GstPad *pad = (of_video ? e.video : e.tactile)->sinkpad;
+      g_object_set_data(G_OBJECT(pad), "flow", GINT_TO_POINTER(branch));
+      gst_pad_set_chain_function(pad, refuse);
+      fail_unless_equals_int(push(e, make_frame(0, 3, 3)), whole);
+    }
+}
+GST_END_TEST;
+
+GST_START_TEST(test_caps_queries)
+{
+  Extractor e(true, true, nullptr);
+  gst_harness_set_sink_caps_str(e.video, "video/x-raw,format={NV12,I420}; audio/x-raw");
+  GstCaps *caps = gst_pad_peer_query_caps(e.video->srcpad, nullptr);
+  GstCaps *expected = gst_caps_from_string("video/x-raw,format={NV12,I420}");
+  fail_unless(gst_caps_is_equal(caps, expected), "%" GST_PTR_FORMAT, caps);
+  gst_caps_unref(caps);
+  GstCaps *other = gst_caps_from_string("video/x-raw,format=RGB,width=8,height=8,framerate=25/1");
+  fail_if(gst_pad_peer_query_accept_caps(e.video->srcpad, other));
+  gst_caps_unref(other);
+  gst_caps_unref(expected);
+
+  // From below, video's caps are those from above.
+  gst_harness_set_src_caps_str(e.video, "video/x-raw,format=I420,width=8,height=8,framerate=25/1");
+  caps = gst_pad_peer_query_caps(e.video->sinkpad, nullptr);
+  expected = gst_caps_from_string("video/x-raw,format=I420,width=8,height=8,framerate=25/1");
+  fail_unless(gst_caps_is_equal(caps, expected), "%" GST_PTR_FORMAT, caps);
+  gst_caps_unref(caps);
+  gst_caps_unref(expected);
+}
+GST_END_TEST;
+
+GST_START_TEST(test_allocation_and_latency)
+{
+  Extractor e;
+  gst_harness_add_propose_allocation_meta(e.video, GST_VIDEO_META_API_TYPE, nullptr);
+  GstCaps *caps = gst_caps_from_string(kVideoCaps);
+  GstQuery *query = gst_query_new_allocation(caps, TRUE);
+  fail_unless(gst_pad_peer_query(e.video->srcpad, query));
+  fail_unless(gst_query_find_allocation_meta(query, GST_VIDEO_META_API_TYPE, nullptr));
+  gst_query_unref(query);
+  gst_caps_unref(caps);
+
+  gst_harness_set_upstream_latency(e.video, 70 * GST_MSECOND);
+  for (GstHarness *h : { e.video, e.tactile }) {
+    GstQuery *latency = gst_query_new_latency();
+    fail_unless(gst_pad_peer_query(h->sinkpad, latency));
+    GstClockTime min = 0;
+    gst_query_parse_latency(latency, nullptr, &min, nullptr);
+    fail_unless_equals_uint64(min, 70 * GST_MSECOND);
+    gst_query_unref(latency);
+  }
+}
+GST_END_TEST;
+
+GST_START_TEST(test_any_memory)
+{
+  Extractor e(true, true, "video/x-raw(memory:DMABuf),format=NV12,width=8,height=8,framerate=25/1");
+  fail_unless_equals_int(push(e, make_frame(0, 3, 3)), GST_FLOW_OK);
+  assert_map(gst_harness_pull(e.tactile), 0, 3, 3);
+}
+GST_END_TEST;
+
+GST_START_TEST(test_second_run)
+{
+  Extractor e;
+  push(e, make_frame(0, 2, 2));
+  assert_map(gst_harness_pull(e.tactile), 0, 2, 2);
+  GstElement *element = e.video->element;
+  fail_unless_equals_int(gst_element_set_state(element, GST_STATE_READY), GST_STATE_CHANGE_SUCCESS);
+  fail_unless_equals_int(gst_element_set_state(element, GST_STATE_PLAYING),
+                         GST_STATE_CHANGE_SUCCESS);
+  events(e.tactile);
+  gst_harness_set_src_caps_str(e.video, kVideoCaps);
+  push(e, make_frame(0, 2, 2));
+  ASSERT_EVENTS(e.tactile, "stream-start caps:2x2@25/1 segment");
+}
+GST_END_TEST;
+
+static Suite *
+tactileextractor_suite(void)
+{
+  Suite *suite = suite_create("tactileextractor");
+  TCase *tests = tcase_create("general");
+  suite_add_tcase(suite, tests);
+  tcase_add_test(tests, test_frame_and_map);
+  tcase_add_test(tests, test_stream_ids);
+  tcase_add_test(tests, test_caps_changes);
+  tcase_add_test(tests, test_gaps);
+  tcase_add_test(tests, test_grid_that_downstream_wants);
+  tcase_add_test(tests, test_end_of_stream);
+  tcase_add_test(tests, test_flush_and_segment);
+  tcase_add_test(tests, test_flush_before_the_first_map);
+  tcase_add_test(tests, test_other_events);
+  tcase_add_test(tests, test_upstream_events);
+  tcase_add_test(tests, test_missing_times);
+  tcase_add_test(tests, test_discont);
+  tcase_add_test(tests, test_unlinked_tactile_pad);
+  tcase_add_test(tests, test_unlinked_video_pad);
+  tcase_add_test(tests, test_both_unlinked);
+  tcase_add_test(tests, test_flow_of_either_branch);
+  tcase_add_test(tests, test_caps_queries);
+  tcase_add_test(tests, test_allocation_and_latency);
+  tcase_add_test(tests, test_any_memory);
+  tcase_add_test(tests, test_second_run);
+  return suite;
+}
+
+GST_CHECK_MAIN(tactileextractor)
