@@ -205,7 +205,9 @@ gst_saliency_tactile_analyse(GstSaliencyTactile *self, const Settings &settings,
   const tactile::SaliencyView view{ .values = found.map.ptr<float>(),
                                     .width = found.map.cols,
                                     .height = found.map.rows,
-                                    .stride = static_cast<std::ptrdiff_t>(found.map.step1()) };
+                                    .stride = static_cast<std::ptrdiff_t>(found.map.step1()),
+                                    .horizontal = { found.picture.x, found.picture.width },
+                                    .vertical = { found.picture.y, found.picture.height } };
   if (priv->map.rows != settings.rows || priv->map.columns != settings.columns)
     priv->map = tactile::TactileMap(settings.rows, settings.columns);
   tactile::map_saliency(view, how, priv->map);

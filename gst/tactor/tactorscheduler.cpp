@@ -307,7 +307,9 @@ TactorScheduler::apply(Lock &lock, Time running, std::span<const Command> comman
     return;
 
   const std::span<const double> levels = queue_.levels();
-  std::size_t used = sent_.size();
+  // All that the board has been told of, and all that it should be told: after it came back it knows nothing.
+  const auto last = std::find_if(levels.rbegin(), levels.rend(), [](double volts) { return volts != 0; });
+  std::size_t used = std::max(sent_.size(), static_cast<std::size_t>(levels.rend() - last));
   for (const Command &command : commands)
     used = std::max(used, static_cast<std::size_t>(command.tactor) + 1);
   used = std::min(used, levels.size());

@@ -5,6 +5,7 @@
 #include "saliency/profile.h"
 
 #include <opencv2/core/mat.hpp>
+#include <opencv2/core/types.hpp>
 
 #include <chrono>
 #include <memory>
@@ -21,6 +22,9 @@ struct Saliency
   /// (ΔE, or what N(·) makes of it).
   cv::Mat map;
   double peak = 0; ///< maximum of `map`
+  /// Where the picture lies in the map, in samples of which sample i covers [i, i + 1): sample i of
+  /// level n sits on pixel 2ⁿ·i, so the picture's edge is not the map's.
+  cv::Rect2d picture;
 };
 
 /// Frame → L*a*b* pyramid → contrast → spatial → (temporal → spatiotemporal) saliency: paper,

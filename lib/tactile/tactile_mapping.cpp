@@ -24,19 +24,40 @@ struct Window
   std::vector<double> weights;
 };
 
-/// Cell `cell` of `cells` over `samples` samples, each sample counting by the share of it that lies
-/// in the cell. In units of 1/cells of a sample all borders are whole numbers: nothing is rounded.
-Window
-area_window(int samples, int cells, int cell)
+/// An axis of the map: its samples, and the picture's extent on it.
+struct Axis
 {
-  const long long begin = static_cast<long long>(samples) * cell;
-  const long long end = begin + samples;
-  Window window;
-  window.first = static_cast<int>(begin / cells);
-  for (long long sample = window.first; sample * cells < end; ++sample) {
-    const auto inside = std::min(end, (sample + 1) * cells) - std::max(begin, sample * cells);
-    window.weights.push_back(static_cast<double>(inside) / samples);
+  int samples;
+  double begin;
+  double length;
+
+  Axis(int samples_, const SaliencyView::Extent &picture)
+      : samples(samples_), begin(picture.length > 0 ? picture.begin : 0.0),
+        length(picture.length > 0 ? picture.length : static_cast<double>(samples_))
+  {
   }
+
+  /// The nearest sample, for what lies beyond the map.
+  int
+  inside(double sample) const
+  {
+    return static_cast<int>(std::clamp(sample, 0.0, static_cast<double>(samples - 1)));
+  }
+};
+
+/// Cell `cell` of `cells`, each sample counting by the share of it that lies in the cell.
+Window
+area_window(const Axis &axis, int cells, int cell)
+{
+  const double begin = axis.begin + axis.length * cell / cells;
+  const double end = axis.begin + axis.length * (cell + 1) / cells;
+  Window window;
+  window.first = axis.inside(std::floor(begin));
+  const int last = std::max(window.first, axis.inside(std::ceil(end) - 1));
+  window.weights.assign(static_cast<std::size_t>(last - window.first) + 1, 0.0);
+  for (double sample = std::floor(begin); sample < end; ++sample)
+    window.weights[static_cast<std::size_t>(axis.inside(sample) - window.first)]
+        += (std::min(end, sample + 1) - std::max(begin, sample)) / (end - begin);
   return window;
 }
 
@@ -50,12 +71,13 @@ gaussian(double z)
 /// cell: the sum of the Gaussians about the two nearest samples. Each is cut at 4 σ and at the
 /// map's borders and sums to 1 before it is weighted.
 Window
-gaussian_window(int samples, int cells, int cell, double sigma)
+gaussian_window(const Axis &axis, int cells, int cell, double sigma)
 {
-  const double middle
-      = std::clamp(samples * (cell + 0.5) / cells - 0.5, 0.0, static_cast<double>(samples - 1));
+  const int samples = axis.samples;
+  const double middle = std::clamp(axis.begin + axis.length * (cell + 0.5) / cells - 0.5, 0.0,
+                                   static_cast<double>(samples - 1));
   const int before = static_cast<int>(middle);
-  const double width = sigma * samples / cells;
+  const double width = sigma * axis.length / cells;
   const int reach = static_cast<int>(std::min<double>(samples, std::ceil(4 * width)));
 
   Window window;
@@ -79,13 +101,13 @@ gaussian_window(int samples, int cells, int cell, double sigma)
 }
 
 std::vector<Window>
-axis_windows(int samples, int cells, double sigma)
+axis_windows(const Axis &axis, int cells, double sigma)
 {
   std::vector<Window> windows;
   windows.reserve(static_cast<std::size_t>(cells));
   for (int cell = 0; cell < cells; ++cell)
-    windows.push_back(sigma > 0 ? gaussian_window(samples, cells, cell, sigma)
-                                : area_window(samples, cells, cell));
+    windows.push_back(sigma > 0 ? gaussian_window(axis, cells, cell, sigma)
+                                : area_window(axis, cells, cell));
   return windows;
 }
 
@@ -143,8 +165,8 @@ map_saliency(const SaliencyView &map, const MappingSettings &settings, TactileMa
     return;
 
   // The cells' windows are separable: along the columns of each row of the map, then down the rows.
-  const auto columns = axis_windows(map.width, out.columns, settings.prefilter_sigma);
-  const auto rows = axis_windows(map.height, out.rows, settings.prefilter_sigma);
+  const auto columns = axis_windows({ map.width, map.horizontal }, out.columns, settings.prefilter_sigma);
+  const auto rows = axis_windows({ map.height, map.vertical }, out.rows, settings.prefilter_sigma);
   const double cut = settings.threshold * peak;
   std::vector<double> kept(static_cast<std::size_t>(map.width));
   std::vector<double> pooled(static_cast<std::size_t>(map.height) * columns.size());

@@ -15,6 +15,17 @@ struct SaliencyView
   int width = 0;
   int height = 0;
   std::ptrdiff_t stride = 0; ///< floats from row to row
+
+  /// Where the picture that the grid covers lies along an axis of the map, in samples of which
+  /// sample i covers [i, i + 1). A pyramid's samples sit on every 2ⁿth pixel, so its picture begins
+  /// about half a sample after the map. Beyond the map its border is repeated.
+  struct Extent
+  {
+    double begin = 0;
+    double length = 0; ///< 0: the whole map
+  };
+  Extent horizontal;
+  Extent vertical;
 };
 
 /// How salient an event has to feel (perceptual), or how large it is.
@@ -51,9 +62,9 @@ struct MappingSettings
   static MappingSettings tuned();
 };
 
-/// Threshold, pooling and gain. The grid covers a `map` of any size, also smaller than the grid:
-/// cell (r, c) is rows [r·h/rows, (r+1)·h/rows) and likewise columns, and a pixel on a border of
-/// cells counts for each by its share.
+/// Threshold, pooling and gain. The grid covers the picture in a `map` of any size, also smaller
+/// than the grid: cell (r, c) is rows [r·h/rows, (r+1)·h/rows) of its h and likewise columns, and a
+/// sample on a border of cells counts for each by its share.
 ///
 /// With Gain::none a level is the cell's value, at most 1. With Gain::perceptual the strongest
 /// cell's level is 0.2 + 0.8 (1 − exp(−max(0, e − 4) / 25)), e = maximum of the map /

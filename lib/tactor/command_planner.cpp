@@ -15,6 +15,9 @@ constexpr Time kDefaultFrame = Time(1'000'000'000 / 30);
 constexpr Time kSearchStep = std::chrono::milliseconds(1);
 constexpr Time kSearchGoal = std::chrono::microseconds(1);
 
+/// A number of frames that exceeds a whole one by less is that one.
+constexpr double kSameFrames = 1e-6;
+
 /// An amplitude that differs by less is the same.
 constexpr double kSameVolts = 1e-6;
 
@@ -108,7 +111,13 @@ CommandPlanner::begins_block(Time time, Time duration)
   const double blocks = seconds(time - *grid_start_ + duration / 2) * settings_.rate;
   if (blocks < next_block_)
     return false;
-  next_block_ = std::floor(blocks) + 1;
+  if (blocks >= next_block_ + 1) {
+    // Whole blocks went by without a map: what is left of this one may be too short to be felt.
+    grid_start_ = time;
+    next_block_ = 1;
+  } else {
+    next_block_++;
+  }
   return true;
 }
 
@@ -147,7 +156,9 @@ CommandPlanner::command(int index, Time effect, Time frame, double volts)
   else if (settings_.compensation == Compensation::frame_block)
     at = frame_block_time(tactor, earliest, effect, frame, volts);
 
-  tactor.due = at - transport;
+  // Never before its predecessor, nor after its effect, even if maps or the transport latency go back.
+  tactor.due = std::max(at - transport, tactor.due);
+  effect = std::max(effect, tactor.due);
   tactor.volts = volts;
   tactor.motor.set(at, volts);
   return { .effect = effect, .lead = effect - tactor.due, .tactor = index, .volts = volts };
@@ -187,7 +198,9 @@ Time
 CommandPlanner::frame_block_time(const Tactor &tactor, Time earliest, Time effect, Time frame, double volts) const
 {
   const Time rise = rise_time_(tactor.motor.amplitude(earliest), volts);
-  const Time::rep frames = std::min((rise + frame - Time(1)) / frame, settings_.max_lead / frame);
+  // A rise of a whole number of frames takes that many, whichever way the frame's duration was rounded.
+  const double whole = std::ceil(seconds(rise) / seconds(frame) - kSameFrames);
+  const Time::rep frames = std::min(static_cast<Time::rep>(whole), settings_.max_lead / frame);
   return std::max(effect - frames * frame, earliest);
 }
 

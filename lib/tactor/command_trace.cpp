@@ -4,10 +4,10 @@
 #include <cerrno>
 #include <charconv>
 #include <cmath>
-#include <cstring>
 #include <fstream>
 #include <stdexcept>
 #include <string_view>
+#include <system_error>
 
 namespace tactor {
 
@@ -15,6 +15,7 @@ namespace {
 
 constexpr std::string_view kHeader = "issued_ns,due_ns,effect_ns,tactor,volts";
 constexpr std::size_t kMaxCommands = 10'000'000;
+constexpr int kLastTactor = 4095;
 constexpr std::streamsize kMaxLine = 200;
 
 /// Takes the next field off a line. False if it is not a number, or not followed by a comma (or, if last, by the end).
@@ -48,7 +49,7 @@ parse(std::string_view line, IssuedCommand &issued)
     return time >= -kLongest && time <= kLongest;
   };
   if (!sane(at) || !sane(due) || !sane(effect) || due > effect || issued.command.tactor < 0
-      || !std::isfinite(issued.command.volts))
+      || issued.command.tactor > kLastTactor || !std::isfinite(issued.command.volts) || issued.command.volts < 0)
     return false;
   issued.issued = Time(at);
   issued.command.effect = Time(effect);
@@ -91,20 +92,25 @@ read_command_trace(const std::string &path)
 {
   std::ifstream file(path);
   if (!file)
-    throw std::runtime_error("cannot read '" + path + "': " + std::strerror(errno));
+    throw std::runtime_error("cannot read '" + path + "': " + std::generic_category().message(errno));
 
   std::vector<IssuedCommand> commands;
   std::vector<char> buffer(static_cast<std::size_t>(kMaxLine));
   for (std::size_t number = 1;; number++) {
     file.getline(buffer.data(), kMaxLine);
-    if (file.eof() && file.gcount() == 0)
-      break;
+    const std::streamsize length = file.gcount() - (file.eof() ? 0 : 1);
     const auto fail = [&](const std::string &why) {
       throw std::runtime_error(path + ", line " + std::to_string(number) + ": " + why);
     };
-    if (!file && !file.eof())
+    if (file.bad())
+      fail("it cannot be read further; is it a file?");
+    if (number > 1 && file.eof() && length == 0)
+      return commands;
+    if (file.eof())
+      fail("it ends in the middle of a line");
+    if (!file)
       fail("longer than a command can be");
-    const std::string_view line(buffer.data());
+    const std::string_view line(buffer.data(), static_cast<std::size_t>(length));
     if (number == 1) {
       if (line != kHeader)
         fail("expected the header '" + std::string(kHeader) + "'");
@@ -112,16 +118,11 @@ read_command_trace(const std::string &path)
     }
     IssuedCommand issued;
     if (!parse(line, issued))
-      fail("expected " + std::string(kHeader) + " with due not after effect, got '" + std::string(line) + "'");
+      fail("expected " + std::string(kHeader) + " with due not after effect, got '" + std::string(line.data()) + "'");
     if (commands.size() == kMaxCommands)
       fail("more commands than the " + std::to_string(kMaxCommands) + " that are read");
     commands.push_back(issued);
-    if (file.eof())
-      break;
   }
-  if (commands.empty() && file.bad())
-    throw std::runtime_error("cannot read '" + path + "'");
-  return commands;
 }
 
 } // namespace tactor

@@ -6,14 +6,14 @@
 #include <array>
 #include <cerrno>
 #include <charconv>
-#include <cstring>
+#include <system_error>
 
 namespace tactor {
 
 CsvWriter::CsvWriter(const std::string &path) : file_(std::fopen(path.c_str(), "we"))
 {
   if (!file_)
-    throw DriverError(DriverError::Kind::settings, "cannot write to '" + path + "': " + std::strerror(errno));
+    throw DriverError(DriverError::Kind::settings, "cannot write to '" + path + "': " + std::generic_category().message(errno));
 }
 
 CsvWriter &

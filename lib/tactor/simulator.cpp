@@ -60,8 +60,11 @@ Simulator::write(std::span<const double> volts, Time now)
   for (std::size_t i = 0; i < motors_.size(); i++)
     motors_[i].set(now, i < volts.size() ? volts[i] : 0.0);
   last_write_ = now;
-  if (csv_)
+  if (csv_) {
     record(now);
+    if (csv_->failed())
+      throw DriverError(DriverError::Kind::failed, "cannot write the predicted amplitudes: is the disk full?");
+  }
 }
 
 void

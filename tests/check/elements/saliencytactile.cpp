@@ -17,9 +17,9 @@ namespace {
 
 constexpr int kWidth = 320;
 constexpr int kHeight = 240;
-constexpr int kBall = 40; // side of the square "ball"
+constexpr int kBall = 24; // side of the square "ball": fits into a cell of the cropped picture, too
 
-/// A grey RGB frame with a red square at (x, y), or none if x < 0.
+/// A grey RGB frame with a dark red square at (x, y), or none if x < 0.
 GstBuffer *
 rgb_frame(const GstVideoInfo &info, int x, int y)
 {
@@ -30,9 +30,9 @@ rgb_frame(const GstVideoInfo &info, int x, int y)
     guint8 *line = static_cast<guint8 *>(GST_VIDEO_FRAME_PLANE_DATA(&frame, 0)) + row * GST_VIDEO_FRAME_PLANE_STRIDE(&frame, 0);
     for (int column = 0; column < GST_VIDEO_INFO_WIDTH(&info); column++) {
       const bool inside = x >= 0 && column >= x && column < x + kBall && row >= y && row < y + kBall;
-      line[3 * column] = inside ? 220 : 110;
-      line[3 * column + 1] = inside ? 40 : 110;
-      line[3 * column + 2] = inside ? 40 : 110;
+      line[3 * column] = inside ? 150 : 110;
+      line[3 * column + 1] = inside ? 10 : 110;
+      line[3 * column + 2] = inside ? 10 : 110;
     }
   }
   gst_video_frame_unmap(&frame);
