@@ -1,0 +1,475 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "saliency/analyzer.h"
+
+#include "i420_frame.h"
+#include "saliency_oracle.h"
+#include "tolerance.h"
+
+#include <limits>
+#include <stdexcept>
+
+using oracle::film;
+using oracle::Frame;
+using oracle::Image;
+using oracle::textured;
+using saliency::Analyzer;
+using saliency::FrameView;
+using saliency::Profile;
+using saliency::Time;
+
+namespace {
+
+constexpr Time kSecond = std::chrono::seconds(1);
+
+oracle::LabImage
+lab_of(const Frame &frame)
+{
+  const auto plane = [&](std::size_t c) {
+    Image image(frame.plane_width(c), frame.plane_height(c));
+    for (std::size_t i = 0; i < image.values.size(); ++i)
+      image.values[i] = frame.planes[c][i];
+    return c == 0 ? image : oracle::up(image, 1, 1, frame.width, frame.height);
+  };
+  const std::array<Image, 3> codes{ plane(0), plane(1), plane(2) };
+  oracle::LabImage lab{ codes[0], codes[0], codes[0] };
+  for (std::size_t i = 0; i < codes[0].values.size(); ++i) {
+    const auto pixel
+        = oracle::samples_to_lab({ codes[0].values[i], codes[1].values[i], codes[2].values[i] },
+                                 saliency::ColorModel::yuv, 8, false, saliency::kBt601);
+    for (std::size_t c = 0; c < 3; ++c)
+      lab[c].values[i] = pixel[c];
+  }
+  return lab;
+}
+
+std::vector<oracle::LabImage>
+pyramid_of(const Frame &frame)
+{
+  std::vector<oracle::LabImage> levels{ lab_of(frame) };
+  while (levels.back()[0].values.size() > 1)
+    levels.push_back(oracle::pyr_down(levels.back()));
+  return levels;
+}
+
+/// Mean over the last `window` of maps of equal length `duration`; before the first one the first
+/// one again, or nothing.
+Image
+window_mean(const std::vector<Image> &maps, double window, double duration, bool filled)
+{
+  Image sum(maps[0].width, maps[0].height);
+  double length = 0;
+  for (int k = 0; k * duration < window; ++k) {
+    const int i = static_cast<int>(maps.size()) - 1 - k;
+    if (i < 0 && !filled)
+      break;
+    const double share = std::min(duration, window - k * duration);
+    length += share;
+    for (std::size_t p = 0; p < sum.values.size(); ++p)
+      sum.values[p] += share * maps[static_cast<std::size_t>(std::max(i, 0))].values[p];
+  }
+  for (double &v : sum.values)
+    v /= length;
+  return sum;
+}
+
+double
+correlation(const cv::Mat &a, const cv::Mat &b)
+{
+  cv::Mat da = a - cv::mean(a)[0];
+  cv::Mat db = b - cv::mean(b)[0];
+  return da.dot(db) / std::sqrt(da.dot(da) * db.dot(db));
+}
+
+template <typename Call>
+bool
+is_invalid(Call call)
+{
+  try {
+    call();
+  } catch (const std::invalid_argument &) {
+    return true;
+  }
+  return false;
+}
+
+double
+peak(Analyzer &analyzer, const Frame &frame, Time time, Time duration = kSecond / 30)
+{
+  return analyzer.analyze(frame.view(), time, duration).peak;
+}
+
+} // namespace
+
+GST_START_TEST(test_paper_profile)
+{
+  // 64×48 has levels 0…6: surrounds 7 and 8 are limited to 6.
+  const std::vector<saliency::LevelPair> levels{ { 2, 5 }, { 2, 6 }, { 3, 6 },
+                                                 { 3, 6 }, { 4, 6 }, { 4, 6 } };
+  Analyzer analyzer(Profile::paper());
+  Analyzer still(Profile::paper());
+  std::vector<Image> maps;
+  for (int i = 0; i < 30; ++i) {
+    const Frame frame = film(64, 48, i);
+    maps.push_back(oracle::spatial_saliency(pyramid_of(frame), levels, 2, 1, true, false));
+    Image st(maps[0].width, maps[0].height);
+    for (const auto &[center, surround] :
+         { std::pair{ 1, 8 }, { 1, 16 }, { 2, 16 }, { 2, 32 }, { 4, 32 }, { 4, 64 } }) {
+      const Image c = window_mean(maps, center, 1, false);
+      const Image s = window_mean(maps, surround, 1, false);
+      for (std::size_t p = 0; p < st.values.size(); ++p)
+        st.values[p] += std::abs(c.values[p] - s.values[p]);
+    }
+    st = oracle::itti(st);
+
+    // In frames: whatever the times are.
+    const Time time = i * i * kSecond;
+    const auto &spatial = still.analyze(frame.view(), time, kSecond, false);
+    fail_unless_at_most(oracle::difference(spatial.map, maps.back()), 5e-3);
+    fail_unless_near(spatial.peak, maps.back().maximum(), 5e-3);
+    const auto &result = analyzer.analyze(frame.view(), time, kSecond);
+    const double e = oracle::difference(result.map, st);
+    fail_unless(e <= 5e-3, "frame %d: %g", i, e);
+    fail_unless_near(result.peak, st.maximum(), 5e-3);
+  }
+}
+GST_END_TEST;
+
+GST_START_TEST(test_tuned_profile)
+{
+  // 64 wide: the pair's levels are 0 and 1, the map's 2, and nothing is left to decimate before
+  // L*a*b*.
+  for (const double rate : { 30.0, 25.0, 60.0 }) {
+    Analyzer analyzer(Profile::tuned());
+    Analyzer still(Profile::tuned());
+    std::vector<Image> maps;
+    double highest = 0;
+    for (int i = 0; i < 40; ++i) {
+      const Frame frame = film(64, 48, i);
+      maps.push_back(oracle::spatial_saliency(pyramid_of(frame), { { 0, 1 } }, 2, 2, false, true));
+      Image st(maps[0].width, maps[0].height);
+      for (const auto &[center, surround] :
+           { std::pair{ 1, 8 }, { 2, 16 }, { 4, 32 }, { 8, 64 } }) {
+        const Image c = window_mean(maps, center, 30 / rate, true);
+        const Image s = window_mean(maps, surround, 30 / rate, true);
+        for (std::size_t p = 0; p < st.values.size(); ++p)
+          st.values[p] += std::max(0.0, c.values[p] - s.values[p]) / 4;
+      }
+
+      const Time time(std::llround(1e9 * i / rate));
+      const Time duration = Time(std::llround(1e9 * (i + 1) / rate)) - time;
+      fail_unless_at_most(
+          oracle::difference(still.analyze(frame.view(), time, duration, false).map, maps.back()),
+          0.02);
+      const auto &result = analyzer.analyze(frame.view(), time, duration);
+      const double e = oracle::difference(result.map, st);
+      fail_unless(e <= 0.02, "frame %d at %g fps: %g", i, rate, e);
+      fail_unless_near(result.peak, st.maximum(), 0.02);
+      highest = std::max(highest, result.peak);
+    }
+    fail_unless(highest > 2, "the ball is not seen: %g", highest);
+  }
+}
+GST_END_TEST;
+
+GST_START_TEST(test_exact_and_decimated_agree)
+{
+  // On pictures made of coloured things with a little noise; on 700 photographs it was 0.999.
+  std::mt19937 generator(3);
+  const auto random = [&](int low, int high) {
+    return std::uniform_int_distribution<int>(low, high)(generator);
+  };
+  for (const auto &[width, height] :
+       { std::pair{ 400, 300 }, { 640, 360 }, { 501, 377 }, { 1000, 700 } }) {
+    Frame frame(width, height);
+    for (int i = 0; i < 40; ++i)
+      frame.disc(random(0, width), random(0, height), random(width / 40, width / 6),
+                 { random(30, 220), random(80, 170), random(80, 170) });
+    for (auto &v : frame.planes[0])
+      v = static_cast<std::uint8_t>(v + random(-3, 3));
+    Profile profile = Profile::tuned();
+    Analyzer fast(profile);
+    profile.exact = true;
+    Analyzer exact(profile);
+    const double c = correlation(fast.analyze(frame.view(), Time(0), Time(0), false).map,
+                                 exact.analyze(frame.view(), Time(0), Time(0), false).map);
+    fail_unless(c >= 0.99, "%dx%d: %g", width, height, c);
+  }
+}
+GST_END_TEST;
+
+GST_START_TEST(test_same_film_at_any_rate)
+{
+  // A ball appears at 1 s and moves at 2 s and 2.5 s. At the same times the map is the same,
+  // whatever the rate; at 29.97 and with frames of changing length their ends only lie near those
+  // times.
+  const auto at = [](double second) {
+    Frame frame = textured(48, 36);
+    if (second >= 1)
+      frame.disc(second < 2 ? 10 : second < 2.5 ? 24 : 38, 18, 6, { 210, 90, 200 });
+    return frame;
+  };
+  const auto run = [&](const std::vector<double> &borders) {
+    Analyzer analyzer(Profile::tuned());
+    std::vector<cv::Mat> maps;
+    for (std::size_t i = 0; i + 1 < borders.size(); ++i) {
+      const Time time(std::llround(borders[i] * 1e9));
+      const Time duration = Time(std::llround(borders[i + 1] * 1e9)) - time;
+      const cv::Mat map = analyzer.analyze(at(borders[i] + 1e-6).view(), time, duration).map;
+      const double half_seconds = borders[i + 1] * 2;
+      if (std::abs(half_seconds - std::round(half_seconds)) < 1e-6)
+        maps.push_back(map.clone());
+    }
+    return maps;
+  };
+  const auto regular = [](int rate) {
+    std::vector<double> borders;
+    for (int i = 0; i <= 4 * rate; ++i)
+      borders.push_back(static_cast<double>(i) / rate);
+    return borders;
+  };
+  std::vector<double> variable{ 0 };
+  while (variable.back() < 4)
+    for (const double length : { 0.02, 0.04, 0.1, 0.001, 0.039, 0.05 })
+      variable.push_back(variable.back() + length);
+
+  const auto reference = run(regular(30));
+  ck_assert_uint_eq(reference.size(), 8);
+  double highest = 0;
+  for (const auto &borders : { regular(24), regular(26), regular(48), regular(50), regular(60),
+                               regular(120), variable }) {
+    const auto maps = run(borders);
+    ck_assert_uint_ge(maps.size(), 8);
+    for (std::size_t i = 0; i < 8; ++i) {
+      fail_unless_at_most(cv::norm(maps[i], reference[i], cv::NORM_INF), 1e-3);
+      highest = std::max(highest, cv::norm(maps[i], cv::NORM_INF));
+    }
+  }
+  fail_unless(highest > 0.6, "nothing to compare: %g", highest);
+}
+GST_END_TEST;
+
+GST_START_TEST(test_no_ghost)
+{
+  // A ball that has stood for three seconds vanishes.
+  for (const bool onset : { true, false }) {
+    Profile profile = Profile::tuned();
+    profile.temporal_sign
+        = onset ? saliency::TemporalSign::onset : saliency::TemporalSign::absolute;
+    Analyzer analyzer(profile);
+    for (int i = 0; i < 120; ++i) {
+      Frame frame(64, 48);
+      if (i < 100)
+        frame.disc(32, 24, 8, { 210, 90, 200 });
+      const double p = peak(analyzer, frame, i * kSecond / 30);
+      if (i < 100 || onset)
+        fail_unless(p == 0, "frame %d: %g", i, p);
+      else
+        fail_unless(p > 0.6, "frame %d: %g", i, p);
+    }
+  }
+}
+GST_END_TEST;
+
+GST_START_TEST(test_no_burst)
+{
+  // After start, reset, a step back in time, the same time again, another size, a hole: the first
+  // frame is not salient, the next one with something new is.
+  const Frame grey = textured(64, 48);
+  const Frame ball = film(64, 48, 10);
+  const Frame other(80, 60);
+  const Time frame = kSecond / 30;
+  for (const auto &profile : { Profile::tuned(), Profile::paper() }) {
+    const bool seconds = profile.time_base == saliency::TimeBase::seconds;
+    Analyzer analyzer(profile);
+    const auto starts_anew = [&](const Frame &first, Time time) {
+      fail_unless(peak(analyzer, first, time) == 0);
+      fail_unless(peak(analyzer, &first == &ball ? grey : ball, time + frame) > 0);
+    };
+    starts_anew(grey, Time(0));
+    analyzer.reset();
+    starts_anew(grey, 2 * frame);
+    starts_anew(grey, Time(0));                          // back
+    starts_anew(grey, frame);                            // the same time
+    fail_unless(peak(analyzer, other, 10 * frame) == 0); // another size
+    starts_anew(grey, 11 * frame);                       // and back
+    starts_anew(grey, -100 * kSecond);                   // before zero
+    const Time hole = -100 * kSecond + 2 * frame + 64 * frame;
+    fail_unless((peak(analyzer, grey, hole + frame) == 0)
+                == seconds); // longer than the longest window
+    fail_unless(peak(analyzer, ball, hole + 2 * frame + 63 * frame) > 0); // not as long
+  }
+}
+GST_END_TEST;
+
+GST_START_TEST(test_extreme_times)
+{
+  const Time first(std::numeric_limits<Time::rep>::min());
+  const Time last(std::numeric_limits<Time::rep>::max());
+  const Frame grey(32, 24);
+  const Frame ball = film(32, 24, 10);
+  Analyzer analyzer(Profile::tuned());
+  for (const Time duration : { Time(0), Time(-1), first, last, kSecond }) {
+    analyzer.reset();
+    for (const Time time : { first, Time(-1), Time(0), Time(1), Time(2), last - Time(1), last }) {
+      const auto &result = analyzer.analyze(ball.view(), time, duration);
+      fail_unless(cv::checkRange(result.map));
+      fail_unless(result.peak == 0); // nothing changes
+    }
+  }
+
+  // Slides: each is displayed for an hour, and each is new.
+  analyzer.reset();
+  for (int i = 0; i < 6; ++i) {
+    const double p = peak(analyzer, i % 2 == 0 ? grey : ball, i * 3600 * kSecond, 3600 * kSecond);
+    fail_unless(i % 2 == 1 ? p > 0.6 : p < 0.6);
+  }
+  // An unknown duration is that of a frame at 30 fps.
+  Analyzer known(Profile::tuned());
+  analyzer.reset();
+  for (int i = 0; i < 6; ++i) {
+    const Frame frame = film(32, 24, 2 * i);
+    const Time time = i * kSecond / 30;
+    fail_unless_near(peak(analyzer, frame, time, Time(0)),
+                     peak(known, frame, time, Time(1'000'000'000 / 30)), 0);
+  }
+}
+GST_END_TEST;
+
+GST_START_TEST(test_sizes)
+{
+  for (const auto &profile : { Profile::tuned(), Profile::paper() }) {
+    Analyzer analyzer(profile);
+    for (const auto &[width, height] : { std::pair{ 1, 1 },
+                                         { 1, 2 },
+                                         { 2, 1 },
+                                         { 1, 301 },
+                                         { 701, 1 },
+                                         { 3, 3 },
+                                         { 17, 5 },
+                                         { 321, 241 },
+                                         { 640, 3 } })
+      for (int i = 0; i < 3; ++i)
+        for (const bool temporal : { false, true }) {
+          Frame frame(width, height, static_cast<std::uint8_t>(16 + 60 * i));
+          frame.disc(width / 3.0, height / 2.0, 1 + width / 8.0, { 200, 60, 220 });
+          const auto &result
+              = analyzer.analyze(frame.view(), i * kSecond / 30 + (temporal ? Time(1) : Time(0)),
+                                 kSecond / 30, temporal);
+          fail_unless(!result.map.empty() && result.map.type() == CV_32FC1);
+          fail_unless(cv::checkRange(result.map, true, nullptr, 0, 1e4)); // finite and ≥ 0
+          double highest = 0;
+          cv::minMaxLoc(result.map, nullptr, &highest);
+          fail_unless_near(result.peak, highest, 0);
+        }
+  }
+  // The map lies at the profile's level: 321 → level 1 is the one next to 220, so the map is at 3.
+  Analyzer analyzer(Profile::tuned());
+  const cv::Mat map = analyzer.analyze(Frame(321, 241).view(), Time(0), Time(0)).map;
+  ck_assert_int_eq(map.cols, 41);
+  ck_assert_int_eq(map.rows, 31);
+}
+GST_END_TEST;
+
+GST_START_TEST(test_picture)
+{
+  // Where a dot is in the map is where it is in the picture: sample coordinates (centre of sample i
+  // at i + ½) map linearly from the picture's edges. The dot is found by the map's centre of mass.
+  Profile profile = Profile::tuned();
+  Analyzer analyzer(profile);
+  for (const auto &[x, y] : { std::pair{ 200, 150 }, { 331, 222 }, { 448, 128 }, { 101, 307 } }) {
+    Frame frame(640, 480);
+    frame.disc(x, y, 30, { 220, 128, 128 });
+    const auto &result = analyzer.analyze(frame.view(), Time(0), Time(0), false);
+    double mass = 0;
+    double at_x = 0;
+    double at_y = 0;
+    for (int j = 0; j < result.map.rows; ++j)
+      for (int i = 0; i < result.map.cols; ++i) {
+        const auto v = static_cast<double>(result.map.at<float>(j, i));
+        mass += v;
+        at_x += v * (i + 0.5);
+        at_y += v * (j + 0.5);
+      }
+    const auto &picture = result.picture;
+    // The middle of pixel x is at x + ½ of the picture's 640; to a twentieth of the map's 16 pixels
+    // a sample.
+    fail_unless_near((at_x / mass - picture.x) / picture.width * 640, x + 0.5, 0.8);
+    fail_unless_near((at_y / mass - picture.y) / picture.height * 480, y + 0.5, 0.8);
+  }
+}
+GST_END_TEST;
+
+GST_START_TEST(test_invalid)
+{
+  Analyzer analyzer(Profile::tuned());
+  const Frame ball = film(64, 48, 10);
+  fail_unless(is_invalid([&] { analyzer.analyze({}, Time(0), Time(0)); }));
+  for (int i = 0; i < 3; ++i)
+    peak(analyzer, film(64, 48, i), i * kSecond / 30);
+  FrameView broken = ball.view();
+  broken.components[1].data = nullptr;
+  fail_unless(is_invalid([&] { analyzer.analyze(broken, kSecond / 10, Time(0)); }));
+  broken = ball.view();
+  broken.height = -1;
+  fail_unless(is_invalid([&] { analyzer.analyze(broken, kSecond / 10, Time(0)); }));
+  // The stream goes on where it was.
+  fail_unless(peak(analyzer, ball, 4 * kSecond / 30) > 0.6);
+
+  const auto with = [](auto change) {
+    Profile profile = Profile::tuned();
+    change(profile);
+    return is_invalid([&] { Analyzer a(profile); });
+  };
+  fail_if(with([](Profile &) {}));
+  fail_unless(is_invalid([] { Analyzer a{ Profile{} }; }));
+  fail_unless(with([](Profile &p) { p.levels.clear(); }));
+  fail_unless(with([](Profile &p) { p.windows.clear(); }));
+  fail_unless(with([](Profile &p) { p.levels = { { -1, 2 } }; }));
+  fail_unless(with([](Profile &p) { p.levels = { { 3, 2 } }; }));
+  fail_unless(with([](Profile &p) { p.windows = { { 0, 2 } }; }));
+  fail_unless(with([](Profile &p) { p.saliency_level = -1; }));
+}
+GST_END_TEST;
+
+GST_START_TEST(test_spatial_keeps_history)
+{
+  // Switching `temporal` off and on again gives what it would have given on.
+  Analyzer on(Profile::tuned());
+  Analyzer off(Profile::tuned());
+  for (int i = 0; i < 12; ++i) {
+    const Frame frame = film(64, 48, i);
+    const Time time = i * kSecond / 30;
+    const cv::Mat a = on.analyze(frame.view(), time, kSecond / 30).map;
+    const cv::Mat b = off.analyze(frame.view(), time, kSecond / 30, i == 11).map;
+    if (i == 11)
+      fail_unless_near(cv::norm(a, b, cv::NORM_INF), 0, 0);
+  }
+  // Moving an analyzer moves its history.
+  Analyzer moved = std::move(off);
+  const Frame frame = film(64, 48, 12);
+  fail_unless_near(peak(moved, frame, 12 * kSecond / 30), peak(on, frame, 12 * kSecond / 30), 0);
+  ck_assert_int_eq(moved.profile().reference_width, Profile::tuned().reference_width);
+}
+GST_END_TEST;
+
+static Suite *
+analyzer_suite(void)
+{
+  Suite *suite = suite_create("analyzer");
+  TCase *tc = tcase_create("general");
+  suite_add_tcase(suite, tc);
+  tcase_add_test(tc, test_paper_profile);
+  tcase_add_test(tc, test_tuned_profile);
+  tcase_add_test(tc, test_exact_and_decimated_agree);
+  tcase_add_test(tc, test_same_film_at_any_rate);
+  tcase_add_test(tc, test_no_ghost);
+  tcase_add_test(tc, test_no_burst);
+  tcase_add_test(tc, test_extreme_times);
+  tcase_add_test(tc, test_sizes);
+  tcase_add_test(tc, test_picture);
+  tcase_add_test(tc, test_invalid);
+  tcase_add_test(tc, test_spatial_keeps_history);
+  return suite;
+}
+
+GST_CHECK_MAIN(analyzer);

@@ -1,0 +1,214 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "saliency/lab.h"
+
+#include "saliency_oracle.h"
+#include "tolerance.h"
+
+#include <stdexcept>
+
+using saliency::ColorModel;
+using saliency::LabConverter;
+using saliency::SampleCoding;
+
+namespace {
+
+constexpr double kBound = 0.01; // ΔE, as documented
+
+/// Converts pixels given by their code values; returns the largest ΔE to the oracle.
+double
+error(const SampleCoding &coding, const std::vector<std::array<double, 3>> &codes)
+{
+  const int width = static_cast<int>(codes.size());
+  const std::size_t count = coding.model == ColorModel::grey ? 1 : 3;
+  std::vector<cv::Mat> components;
+  for (std::size_t c = 0; c < count; ++c) {
+    components.emplace_back(1, width, CV_32FC1);
+    for (int x = 0; x < width; ++x)
+      components[c].at<float>(x) = static_cast<float>(codes[static_cast<std::size_t>(x)][c]);
+  }
+  oracle::LabImage expected{ oracle::Image(width, 1), oracle::Image(width, 1),
+                             oracle::Image(width, 1) };
+  for (int x = 0; x < width; ++x) {
+    const auto lab = oracle::samples_to_lab(codes[static_cast<std::size_t>(x)], coding.model,
+                                            coding.depth, coding.full_range, coding.matrix);
+    for (std::size_t c = 0; c < 3; ++c)
+      expected[c](x, 0) = lab[c];
+  }
+  cv::Mat lab;
+  LabConverter().convert(coding, components, lab);
+  return oracle::difference(lab, expected);
+}
+
+std::vector<std::array<double, 3>>
+random_codes(int depth, unsigned seed)
+{
+  std::mt19937 generator(seed);
+  std::uniform_int_distribution<int> code(0, (1 << depth) - 1);
+  std::vector<std::array<double, 3>> codes(20000);
+  for (auto &pixel : codes)
+    for (double &v : pixel)
+      v = code(generator);
+  return codes;
+}
+
+cv::Vec3f
+lab_of(const SampleCoding &coding, std::array<float, 3> code)
+{
+  std::vector<cv::Mat> components;
+  for (std::size_t c = 0; c < (coding.model == ColorModel::grey ? 1U : 3U); ++c)
+    components.emplace_back(1, 1, CV_32FC1, cv::Scalar(static_cast<double>(code[c])));
+  cv::Mat lab;
+  LabConverter().convert(coding, components, lab);
+  return lab.at<cv::Vec3f>(0);
+}
+
+void
+expect_near(cv::Vec3f lab, std::array<double, 3> expected, double tolerance)
+{
+  for (int c = 0; c < 3; ++c)
+    fail_unless_near(lab[c], expected[static_cast<std::size_t>(c)], tolerance);
+}
+
+bool
+refuses(const SampleCoding &coding, std::size_t components)
+{
+  const std::vector<cv::Mat> planes(components, cv::Mat::zeros(1, 1, CV_32FC1));
+  cv::Mat lab;
+  try {
+    LabConverter().convert(coding, planes, lab);
+  } catch (const std::invalid_argument &) {
+    return true;
+  }
+  return false;
+}
+
+} // namespace
+
+GST_START_TEST(test_published_anchors)
+{
+  // Bruce Lindbloom's calculator, sRGB with D65 and no adaptation: two published decimals.
+  const SampleCoding rgb{ .model = ColorModel::rgb };
+  expect_near(lab_of(rgb, { 255, 255, 255 }), { 100, 0, 0 }, 0.001);
+  expect_near(lab_of(rgb, { 0, 0, 0 }), { 0, 0, 0 }, 0.001);
+  expect_near(lab_of(rgb, { 255, 0, 0 }), { 53.24, 80.09, 67.20 }, 0.015);
+  expect_near(lab_of(rgb, { 0, 255, 0 }), { 87.73, -86.18, 83.18 }, 0.015);
+  expect_near(lab_of(rgb, { 0, 0, 255 }), { 32.30, 79.19, -107.86 }, 0.015);
+
+  // The same white and red as video codes: white is 235/128/128, BT.601's red is 81/90/240 (ITU-R
+  // BT.801).
+  const SampleCoding video{ .matrix = saliency::kBt601 };
+  expect_near(lab_of(video, { 235, 128, 128 }), { 100, 0, 0 }, 0.001);
+  expect_near(lab_of(video, { 16, 128, 128 }), { 0, 0, 0 }, 0.001);
+  expect_near(lab_of(video, { 81, 90, 240 }), { 53.24, 80.09, 67.20 }, 1); // codes are rounded
+}
+GST_END_TEST;
+
+GST_START_TEST(test_greys)
+{
+  for (const bool full_range : { false, true })
+    for (const ColorModel model : { ColorModel::grey, ColorModel::yuv, ColorModel::rgb }) {
+      std::vector<std::array<double, 3>> codes;
+      for (int code = 0; code < 256; ++code)
+        codes.push_back(model == ColorModel::yuv
+                            ? std::array<double, 3>{ 1.0 * code, 128, 128 }
+                            : std::array<double, 3>{ 1.0 * code, 1.0 * code, 1.0 * code });
+      const SampleCoding coding{ .model = model, .full_range = full_range };
+      fail_unless_at_most(error(coding, codes), kBound);
+      for (int code = 0; code < 256; ++code) {
+        const auto grey = static_cast<float>(code);
+        const auto lab = lab_of(coding, { grey, model == ColorModel::yuv ? 128 : grey,
+                                          model == ColorModel::yuv ? 128 : grey });
+        fail_unless(std::abs(lab[1]) < 0.001F && std::abs(lab[2]) < 0.001F, "grey %d is coloured",
+                    code);
+      }
+    }
+}
+GST_END_TEST;
+
+GST_START_TEST(test_rgb)
+{
+  for (const int depth : { 8, 10, 12, 16 })
+    fail_unless_at_most(error({ .model = ColorModel::rgb, .depth = depth }, random_codes(depth, 1)),
+                        kBound);
+}
+GST_END_TEST;
+
+GST_START_TEST(test_rgb_ignores_range)
+{
+  const auto codes = random_codes(8, 2);
+  fail_unless_at_most(error({ .model = ColorModel::rgb, .full_range = true }, codes), kBound);
+  fail_unless_at_most(error({ .model = ColorModel::rgb, .full_range = false }, codes), kBound);
+}
+GST_END_TEST;
+
+GST_START_TEST(test_dark_rgb)
+{
+  // Where the curves bend most: all colours of the eight darkest codes and around CIE's and sRGB's
+  // linear parts.
+  std::vector<std::array<double, 3>> codes;
+  for (int r = 0; r < 32; ++r)
+    for (int g = 0; g < 32; ++g)
+      for (int b = 0; b < 32; ++b)
+        codes.push_back({ 1.0 * r, 1.0 * g, 1.0 * b });
+  fail_unless_at_most(error({ .model = ColorModel::rgb }, codes), kBound);
+}
+GST_END_TEST;
+
+GST_START_TEST(test_yuv)
+{
+  // Random codes: most of them outside of R'G'B's cube and of the nominal range, so clipping is
+  // part of it.
+  unsigned seed = 3;
+  for (const auto matrix : { saliency::kBt601, saliency::kBt709, saliency::kBt2020 })
+    for (const bool full_range : { false, true })
+      for (const int depth : { 8, 9, 10, 12, 16 }) {
+        const double e = error({ .depth = depth, .full_range = full_range, .matrix = matrix },
+                               random_codes(depth, ++seed));
+        fail_unless(e <= kBound, "kr %g, %d bits, full range %d: ΔE %g", matrix.kr, depth,
+                    full_range, e);
+      }
+}
+GST_END_TEST;
+
+GST_START_TEST(test_fractional_codes)
+{
+  auto codes = random_codes(8, 100);
+  for (std::size_t i = 0; i < codes.size(); ++i)
+    for (double &v : codes[i])
+      v += static_cast<double>(i % 64) / 64;
+  fail_unless_at_most(error({}, codes), kBound);
+}
+GST_END_TEST;
+
+GST_START_TEST(test_impossible_codings)
+{
+  fail_if(refuses({}, 3));
+  fail_unless(refuses({ .depth = 7 }, 3));
+  fail_unless(refuses({ .depth = 17 }, 3));
+  fail_unless(refuses({}, 1));
+  fail_unless(refuses({ .model = ColorModel::grey }, 3));
+  fail_unless(refuses({ .matrix = { 0.5, 0.5 } }, 3));
+  fail_unless(refuses({ .matrix = { 0, 0.1 } }, 3));
+  fail_unless(refuses({ .matrix = { NAN, 0.1 } }, 3));
+  fail_if(refuses({ .model = ColorModel::rgb, .matrix = { 0, 0 } }, 3)); // not used there
+}
+GST_END_TEST;
+
+static Suite *
+lab_suite(void)
+{
+  Suite *suite = suite_create("lab");
+  TCase *tc = tcase_create("general");
+  suite_add_tcase(suite, tc);
+  tcase_add_test(tc, test_published_anchors);
+  tcase_add_test(tc, test_greys);
+  tcase_add_test(tc, test_rgb);
+  tcase_add_test(tc, test_rgb_ignores_range);
+  tcase_add_test(tc, test_dark_rgb);
+  tcase_add_test(tc, test_yuv);
+  tcase_add_test(tc, test_fractional_codes);
+  tcase_add_test(tc, test_impossible_codings);
+  return suite;
+}
+
+GST_CHECK_MAIN(lab);

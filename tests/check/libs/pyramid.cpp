@@ -1,0 +1,173 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "saliency/pyramid.h"
+
+#include "saliency_oracle.h"
+#include "tolerance.h"
+
+#include <stdexcept>
+
+using oracle::Image;
+
+GST_START_TEST(test_geometry)
+{
+  ck_assert_int_eq(saliency::coarsest_level({ 1, 1 }), 0);
+  ck_assert_int_eq(saliency::coarsest_level({ 2, 1 }), 1);
+  ck_assert_int_eq(saliency::coarsest_level({ 1, 3 }), 2);
+  ck_assert_int_eq(saliency::coarsest_level({ 256, 256 }), 8); // paper: 2^N × 2^N has levels 0…N
+  ck_assert_int_eq(saliency::coarsest_level({ 1920, 1080 }), 11);
+  for (const auto &[width, height] : { std::pair{ 1, 1 }, { 5, 2 }, { 1920, 1080 }, { 641, 1 } })
+    for (int level = 0; level < 13; ++level) {
+      const auto size = saliency::level_size({ width, height }, level);
+      ck_assert_int_eq(size.width, static_cast<int>(std::ceil(width / std::pow(2.0, level))));
+      ck_assert_int_eq(size.height, static_cast<int>(std::ceil(height / std::pow(2.0, level))));
+    }
+}
+GST_END_TEST;
+
+GST_START_TEST(test_reduce)
+{
+  unsigned seed = 0;
+  for (int width = 1; width <= 18; ++width)
+    for (int height = 1; height <= 18; ++height) {
+      const Image image = oracle::random_image(width, height, -100, 100, ++seed);
+      cv::Mat reduced;
+      saliency::reduce(oracle::to_mat(image), reduced);
+      fail_unless_at_most(oracle::difference(reduced, oracle::pyr_down(image)), 1e-4);
+      saliency::reduce_columns(oracle::to_mat(image), reduced);
+      fail_unless_at_most(oracle::difference(reduced, oracle::pyr_down(image, true, false)), 1e-4);
+      saliency::reduce_rows(oracle::to_mat(image), reduced);
+      fail_unless_at_most(oracle::difference(reduced, oracle::pyr_down(image, false, true)), 1e-4);
+    }
+}
+GST_END_TEST;
+
+GST_START_TEST(test_reduce_integers)
+{
+  for (const int depth : { CV_8U, CV_16U })
+    for (const auto &[width, height] :
+         { std::pair{ 1, 1 }, { 1, 9 }, { 2, 2 }, { 3, 1 }, { 31, 17 }, { 100, 75 } }) {
+      Image image = oracle::random_image(width, height, 0, depth == CV_8U ? 255 : 65535, 9);
+      for (double &v : image.values)
+        v = std::round(v);
+      cv::Mat codes;
+      oracle::to_mat(image).convertTo(codes, depth);
+      cv::Mat reduced;
+      saliency::reduce(codes, reduced);
+      ck_assert_int_eq(reduced.type(), depth);
+      reduced.convertTo(reduced, CV_32F);
+      fail_unless_at_most(oracle::difference(reduced, oracle::pyr_down(image)), 0.501);
+    }
+}
+GST_END_TEST;
+
+GST_START_TEST(test_upsample)
+{
+  unsigned seed = 0;
+  for (const auto &[width, height] :
+       { std::pair{ 1, 1 }, { 1, 20 }, { 17, 1 }, { 33, 20 }, { 64, 48 } })
+    for (int octaves_x = 0; octaves_x <= 6; ++octaves_x)
+      for (int octaves_y = 0; octaves_y <= 6; octaves_y += 2) {
+        oracle::LabImage coarse;
+        oracle::LabImage fine;
+        const int w = saliency::level_size({ width, 1 }, octaves_x).width;
+        const int h = saliency::level_size({ 1, height }, octaves_y).height;
+        for (std::size_t c = 0; c < 3; ++c) {
+          coarse[c] = oracle::random_image(w, h, -100, 100, ++seed);
+          fine[c] = oracle::up(coarse[c], octaves_x, octaves_y, width, height);
+        }
+        cv::Mat up;
+        saliency::upsample(oracle::to_mat(coarse), octaves_x, octaves_y, { width, height }, up);
+        fail_unless_at_most(oracle::difference(up, fine), 1e-4);
+        saliency::upsample(oracle::to_mat(coarse[0]), octaves_x, octaves_y, { width, height }, up);
+        fail_unless_at_most(oracle::difference(up, fine[0]), 1e-4);
+      }
+}
+GST_END_TEST;
+
+GST_START_TEST(test_grid)
+{
+  // A ramp whose value is the position: each level's samples tell where they lie, and they must
+  // come back to there.
+  constexpr int kWidth = 257;
+  constexpr int kHeight = 129;
+  Image ramp(kWidth, kHeight);
+  for (int y = 0; y < kHeight; ++y)
+    for (int x = 0; x < kWidth; ++x)
+      ramp(x, y) = x + 1000.0 * y;
+
+  saliency::Pyramid pyramid;
+  pyramid.build(oracle::to_mat(ramp), 0, 4);
+  for (int n = 1; n <= 4; ++n) {
+    const int step = 1 << n;
+    cv::Mat up;
+    saliency::upsample(pyramid.level(n), n, n, { kWidth, kHeight }, up);
+    // The mirrored border bends the ramp by up to 2 samples of each level, 4·2ⁿ pixels in all.
+    const int margin = 4 * step;
+    for (int y = margin; y < kHeight - margin; ++y)
+      for (int x = margin; x < kWidth - margin; ++x) {
+        fail_unless_near(up.at<float>(y, x), ramp(x, y), 0.05);
+        if (x % step == 0 && y % step == 0)
+          fail_unless_near(pyramid.level(n).at<float>(y / step, x / step), ramp(x, y), 0.05);
+      }
+  }
+
+  // Without the borders' bend it is exact everywhere.
+  for (int n = 1; n <= 6; ++n) {
+    Image positions(kWidth / (1 << n) + 1, kHeight / (1 << n) + 1);
+    for (int y = 0; y < positions.height; ++y)
+      for (int x = 0; x < positions.width; ++x)
+        positions(x, y) = ((x + 2.0 * y) * (1 << n));
+    cv::Mat up;
+    saliency::upsample(oracle::to_mat(positions), n, n, { kWidth, kHeight }, up);
+    for (int y = 0; y < kHeight; ++y)
+      for (int x = 0; x < kWidth; ++x)
+        fail_unless_near(up.at<float>(y, x), x + 2.0 * y, 0);
+  }
+}
+GST_END_TEST;
+
+GST_START_TEST(test_pyramid)
+{
+  saliency::Pyramid pyramid;
+  // The second is smaller, starts at another level and must not see the first.
+  for (const auto &[width, height, base] :
+       { std::tuple{ 100, 75, 0 }, { 13, 1, 3 }, { 100, 75, 1 } }) {
+    oracle::LabImage level{ oracle::random_image(width, height, 0, 100, 1),
+                            oracle::random_image(width, height, -90, 90, 2),
+                            oracle::random_image(width, height, -90, 90, 3) };
+    const int coarsest = base + saliency::coarsest_level({ width, height });
+    pyramid.build(oracle::to_mat(level), base, coarsest);
+    for (int n = base; n <= coarsest; ++n) {
+      fail_unless_at_most(oracle::difference(pyramid.level(n), level), 1e-3);
+      level = oracle::pyr_down(level);
+    }
+    ck_assert(pyramid.level(coarsest).size() == cv::Size(1, 1));
+    for (const int outside : { base - 1, coarsest + 1 }) {
+      bool thrown = false;
+      try {
+        pyramid.level(outside);
+      } catch (const std::out_of_range &) {
+        thrown = true;
+      }
+      fail_unless(thrown);
+    }
+  }
+}
+GST_END_TEST;
+
+static Suite *
+pyramid_suite(void)
+{
+  Suite *suite = suite_create("pyramid");
+  TCase *tc = tcase_create("general");
+  suite_add_tcase(suite, tc);
+  tcase_add_test(tc, test_geometry);
+  tcase_add_test(tc, test_reduce);
+  tcase_add_test(tc, test_reduce_integers);
+  tcase_add_test(tc, test_upsample);
+  tcase_add_test(tc, test_grid);
+  tcase_add_test(tc, test_pyramid);
+  return suite;
+}
+
+GST_CHECK_MAIN(pyramid);

@@ -1,0 +1,306 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+// The saliency stages once more, by their definitions, in double precision and without regard to
+// speed: what the library's stages are tested against. Nothing of the library is used here but the
+// names of its types.
+
+#include "saliency/frame_view.h"
+#include "saliency/profile.h"
+
+#include <opencv2/core.hpp>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <random>
+#include <vector>
+
+namespace oracle {
+
+struct Image
+{
+  int width = 0;
+  int height = 0;
+  std::vector<double> values;
+
+  Image() = default;
+  Image(int w, int h, double value = 0)
+      : width(w), height(h),
+        values(static_cast<std::size_t>(w) * static_cast<std::size_t>(h), value)
+  {
+  }
+  double &operator()(int x, int y)
+  {
+    return values[static_cast<std::size_t>(y) * static_cast<std::size_t>(width)
+                  + static_cast<std::size_t>(x)];
+  }
+  double operator()(int x, int y) const
+  {
+    return values[static_cast<std::size_t>(y) * static_cast<std::size_t>(width)
+                  + static_cast<std::size_t>(x)];
+  }
+  double maximum() const
+  {
+    return *std::max_element(values.begin(), values.end());
+  }
+};
+
+using Lab = std::array<double, 3>;
+using LabImage = std::array<Image, 3>;
+
+inline Image
+random_image(int width, int height, double low, double high, unsigned seed)
+{
+  std::mt19937 generator(seed);
+  std::uniform_real_distribution<double> value(low, high);
+  Image image(width, height);
+  for (auto &v : image.values)
+    v = static_cast<double>(static_cast<float>(value(generator)));
+  return image;
+}
+
+inline cv::Mat
+to_mat(const Image &image)
+{
+  cv::Mat mat(image.height, image.width, CV_32FC1);
+  for (int y = 0; y < image.height; ++y)
+    for (int x = 0; x < image.width; ++x)
+      mat.at<float>(y, x) = static_cast<float>(image(x, y));
+  return mat;
+}
+
+inline cv::Mat
+to_mat(const LabImage &image)
+{
+  cv::Mat mat(image[0].height, image[0].width, CV_32FC3);
+  for (int y = 0; y < mat.rows; ++y)
+    for (int x = 0; x < mat.cols; ++x)
+      for (int c = 0; c < 3; ++c)
+        mat.at<cv::Vec3f>(y, x)[c] = static_cast<float>(image[static_cast<std::size_t>(c)](x, y));
+  return mat;
+}
+
+/// Largest difference, or infinity if the sizes differ or a value is not finite.
+inline double
+difference(const cv::Mat &mat, const Image &image)
+{
+  if (mat.type() != CV_32FC1 || mat.cols != image.width || mat.rows != image.height)
+    return INFINITY;
+  double largest = 0;
+  for (int y = 0; y < mat.rows; ++y)
+    for (int x = 0; x < mat.cols; ++x) {
+      const double d = std::abs(static_cast<double>(mat.at<float>(y, x)) - image(x, y));
+      if (!std::isfinite(d))
+        return INFINITY;
+      largest = std::max(largest, d);
+    }
+  return largest;
+}
+
+/// Largest ΔE, likewise.
+inline double
+difference(const cv::Mat &mat, const LabImage &image)
+{
+  if (mat.type() != CV_32FC3 || mat.cols != image[0].width || mat.rows != image[0].height)
+    return INFINITY;
+  double largest = 0;
+  for (int y = 0; y < mat.rows; ++y)
+    for (int x = 0; x < mat.cols; ++x) {
+      double squared = 0;
+      for (int c = 0; c < 3; ++c)
+        squared += std::pow(static_cast<double>(mat.at<cv::Vec3f>(y, x)[c])
+                                - image[static_cast<std::size_t>(c)](x, y),
+                            2);
+      if (!std::isfinite(squared))
+        return INFINITY;
+      largest = std::max(largest, std::sqrt(squared));
+    }
+  return largest;
+}
+
+// ---- colour
+// -----------------------------------------------------------------------------------------------------------
+
+/// R'G'B' in [0, 1] → L*a*b*, D65 (IEC 61966-2-1, CIE 15).
+inline Lab
+rgb_to_lab(std::array<double, 3> rgb)
+{
+  for (double &v : rgb) {
+    v = std::clamp(v, 0.0, 1.0);
+    v = v <= 0.04045 ? v / 12.92 : std::pow((v + 0.055) / 1.055, 2.4);
+  }
+  const double x = 0.4124564 * rgb[0] + 0.3575761 * rgb[1] + 0.1804375 * rgb[2];
+  const double y = 0.2126729 * rgb[0] + 0.7151522 * rgb[1] + 0.0721750 * rgb[2];
+  const double z = 0.0193339 * rgb[0] + 0.1191920 * rgb[1] + 0.9503041 * rgb[2];
+  const auto f = [](double t) {
+    return t > 216.0 / 24389 ? std::pow(t, 1.0 / 3) : (24389.0 / 27 * t + 16) / 116;
+  };
+  const double fx = f(x / 0.95047);
+  const double fy = f(y / 1.0);
+  const double fz = f(z / 1.08883);
+  return { 116 * fy - 16, 500 * (fx - fy), 200 * (fy - fz) };
+}
+
+/// Code values of one pixel → L*a*b* (ITU-R BT.601/709/2020, quantization as in BT.2100 table 9).
+inline Lab
+samples_to_lab(std::array<double, 3> code, saliency::ColorModel model, int depth, bool full_range,
+               saliency::YuvMatrix matrix)
+{
+  const double all = std::pow(2.0, depth) - 1;
+  const double step = std::pow(2.0, depth - 8);
+  if (model == saliency::ColorModel::rgb)
+    return rgb_to_lab({ code[0] / all, code[1] / all, code[2] / all });
+  const double y = full_range ? code[0] / all : (code[0] / step - 16) / 219;
+  if (model == saliency::ColorModel::grey)
+    return rgb_to_lab({ y, y, y });
+  const double cb = full_range ? (code[1] - 128 * step) / all : (code[1] / step - 128) / 224;
+  const double cr = full_range ? (code[2] - 128 * step) / all : (code[2] / step - 128) / 224;
+  // Cb = (B' - Y') / (2 (1 - kb)), Cr = (R' - Y') / (2 (1 - kr)), Y' = kr R' + kg G' + kb B'
+  const double r = y + 2 * (1 - matrix.kr) * cr;
+  const double b = y + 2 * (1 - matrix.kb) * cb;
+  const double g = (y - matrix.kr * r - matrix.kb * b) / (1 - matrix.kr - matrix.kb);
+  return rgb_to_lab({ r, g, b });
+}
+
+// ---- pyramid
+// ----------------------------------------------------------------------------------------------------------
+
+inline int
+mirror(int i, int length)
+{
+  if (length == 1)
+    return 0;
+  while (i < 0 || i >= length)
+    i = i < 0 ? -i : 2 * (length - 1) - i;
+  return i;
+}
+
+/// The 25 (or 5) taps at the even samples.
+inline Image
+pyr_down(const Image &image, bool along_x = true, bool along_y = true)
+{
+  static constexpr double tap[] = { 1.0 / 16, 4.0 / 16, 6.0 / 16, 4.0 / 16, 1.0 / 16 };
+  const int step_x = along_x ? 2 : 1;
+  const int step_y = along_y ? 2 : 1;
+  Image half((image.width + step_x - 1) / step_x, (image.height + step_y - 1) / step_y);
+  for (int y = 0; y < half.height; ++y)
+    for (int x = 0; x < half.width; ++x) {
+      double sum = 0;
+      for (int j = along_y ? -2 : 0; j <= (along_y ? 2 : 0); ++j)
+        for (int i = along_x ? -2 : 0; i <= (along_x ? 2 : 0); ++i)
+          sum += (along_x ? tap[i + 2] : 1) * (along_y ? tap[j + 2] : 1)
+                 * image(mirror(step_x * x + i, image.width), mirror(step_y * y + j, image.height));
+      half(x, y) = sum;
+    }
+  return half;
+}
+
+inline LabImage
+pyr_down(const LabImage &image)
+{
+  return { pyr_down(image[0]), pyr_down(image[1]), pyr_down(image[2]) };
+}
+
+/// The value at a position between samples, borders repeated.
+inline double
+bilinear(const Image &image, double x, double y)
+{
+  x = std::clamp(x, 0.0, image.width - 1.0);
+  y = std::clamp(y, 0.0, image.height - 1.0);
+  double sum = 0;
+  for (int j = 0; j < image.height; ++j)
+    for (int i = 0; i < image.width; ++i)
+      sum += image(i, j) * std::max(0.0, 1 - std::abs(x - i)) * std::max(0.0, 1 - std::abs(y - j));
+  return sum;
+}
+
+inline Image
+up(const Image &image, int octaves_x, int octaves_y, int width, int height)
+{
+  Image fine(width, height);
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x)
+      fine(x, y) = bilinear(image, x / std::pow(2.0, octaves_x), y / std::pow(2.0, octaves_y));
+  return fine;
+}
+
+// ---- saliency
+// ---------------------------------------------------------------------------------------------------------
+
+inline Image
+contrast(const LabImage &center, const LabImage &surround, int octaves, double chroma_weight)
+{
+  const int w = center[0].width;
+  const int h = center[0].height;
+  Image map(w, h);
+  for (std::size_t c = 0; c < 3; ++c) {
+    const Image fine = up(surround[c], octaves, octaves, w, h);
+    for (std::size_t i = 0; i < map.values.size(); ++i)
+      map.values[i]
+          += std::pow((c == 0 ? 1 : chroma_weight) * (center[c].values[i] - fine.values[i]), 2);
+  }
+  for (double &v : map.values)
+    v = std::sqrt(v);
+  return map;
+}
+
+/// N(·) with M = 1; what differs by no more than 1e-4 does not differ.
+inline Image
+itti(const Image &map)
+{
+  const auto [low, high] = std::minmax_element(map.values.begin(), map.values.end());
+  const double floor = *low;
+  const double span = *high - floor;
+  Image result(map.width, map.height);
+  if (span <= 1e-4)
+    return result;
+  for (std::size_t i = 0; i < map.values.size(); ++i)
+    result.values[i] = (map.values[i] - floor) / span;
+
+  std::vector<double> maxima;
+  for (int y = 1; y < map.height - 1; ++y)
+    for (int x = 1; x < map.width - 1; ++x) {
+      int lower = 0;
+      for (int j = -1; j <= 1; ++j)
+        for (int i = -1; i <= 1; ++i)
+          lower += map(x + i, y + j) < map(x, y) - 1e-4 ? 1 : 0;
+      if (lower == 8)
+        maxima.push_back(result(x, y));
+    }
+  if (const auto global = std::find(maxima.begin(), maxima.end(), 1.0); global != maxima.end())
+    maxima.erase(global);
+  double mean = 0;
+  for (const double v : maxima)
+    mean += v / static_cast<double>(maxima.size());
+  for (double &v : result.values)
+    v *= (1 - mean) * (1 - mean);
+  return result;
+}
+
+/// Contrast maps of a Lab pyramid (level 0 first), brought to a level and summed.
+inline Image
+spatial_saliency(const std::vector<LabImage> &pyramid,
+                 const std::vector<saliency::LevelPair> &pairs, int level, double chroma_weight,
+                 bool normalize, bool mean)
+{
+  const Image &target = pyramid[static_cast<std::size_t>(level)][0];
+  Image sum(target.width, target.height);
+  for (const auto &pair : pairs) {
+    Image map = contrast(pyramid[static_cast<std::size_t>(pair.center)],
+                         pyramid[static_cast<std::size_t>(pair.surround)],
+                         pair.surround - pair.center, chroma_weight);
+    if (normalize)
+      map = itti(map);
+    for (int n = pair.center; n < level; ++n)
+      map = pyr_down(map);
+    if (pair.center > level)
+      map = up(map, pair.center - level, pair.center - level, target.width, target.height);
+    for (std::size_t i = 0; i < sum.values.size(); ++i)
+      sum.values[i] += map.values[i] / (mean ? static_cast<double>(pairs.size()) : 1);
+  }
+  return sum;
+}
+
+} // namespace oracle

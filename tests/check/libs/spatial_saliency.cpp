@@ -1,0 +1,172 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "saliency/spatial_saliency.h"
+
+#include "saliency_oracle.h"
+#include "tolerance.h"
+
+using saliency::frame_levels;
+using saliency::FrameLevels;
+using saliency::LevelPair;
+using saliency::Normalization;
+using saliency::Profile;
+
+namespace {
+
+bool
+same(const std::vector<LevelPair> &a, const std::vector<LevelPair> &b)
+{
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(),
+                    [](const LevelPair &p, const LevelPair &q) {
+                      return p.center == q.center && p.surround == q.surround;
+                    });
+}
+
+/// A picture with structure at several scales.
+oracle::LabImage
+picture(int width, int height, unsigned seed)
+{
+  oracle::LabImage lab;
+  for (std::size_t c = 0; c < 3; ++c) {
+    lab[c] = oracle::random_image(width, height, c == 0 ? 20 : -30, c == 0 ? 60 : 30,
+                                  seed + static_cast<unsigned>(c));
+    const auto coarse = oracle::random_image((width + 7) / 8, (height + 7) / 8, -20, 30,
+                                             seed + 10 + static_cast<unsigned>(c));
+    for (int y = 0; y < height; ++y)
+      for (int x = 0; x < width; ++x)
+        lab[c](x, y) += coarse(x / 8, y / 8);
+  }
+  return lab;
+}
+
+void
+compare(const Profile &profile, int width, int height)
+{
+  std::vector<oracle::LabImage> levels{ picture(width, height,
+                                                static_cast<unsigned>(width * 100 + height)) };
+  while (levels.back()[0].values.size() > 1)
+    levels.push_back(oracle::pyr_down(levels.back()));
+
+  const FrameLevels own = frame_levels(profile, { width, height });
+  saliency::Pyramid pyramid;
+  pyramid.build(oracle::to_mat(levels[static_cast<std::size_t>(own.finest)]), own.finest,
+                own.coarsest);
+  saliency::SpatialSaliency spatial(profile);
+  const auto expected = oracle::spatial_saliency(
+      levels, own.pairs, own.saliency, profile.chroma_weight,
+      profile.contrast_normalization == Normalization::itti, profile.contrast_mean);
+  const double e = oracle::difference(spatial.compute(pyramid, own), expected);
+  fail_unless(e <= 1e-3, "%dx%d: %g", width, height, e);
+}
+
+} // namespace
+
+GST_START_TEST(test_reference_width)
+{
+  // Level 2 of the tuned profile is the level nearest to 220 pixels in octaves; the pair and the
+  // map follow it.
+  const struct
+  {
+    int width;
+    int level_2;
+  } cases[]
+      = { { 160, 0 }, { 220, 0 },  { 310, 0 },  { 320, 1 },  { 622, 1 },  { 623, 2 }, { 640, 2 },
+          { 854, 2 }, { 1000, 2 }, { 1280, 3 }, { 1920, 3 }, { 3840, 4 }, { 7680, 5 } };
+  for (const auto &c : cases) {
+    const auto levels = frame_levels(Profile::tuned(), { c.width, c.width });
+    fail_unless(same(levels.pairs, { { c.level_2, c.level_2 + 1 } }), "%d wide: level 2 is %d",
+                c.width, levels.pairs[0].center);
+    ck_assert_int_eq(levels.saliency, c.level_2 + 2);
+    ck_assert_int_eq(levels.finest, c.level_2);
+    ck_assert_int_eq(levels.coarsest, c.level_2 + 1);
+  }
+  // A small frame begins with its own level 0, and the pair keeps its δ as long as there are
+  // levels.
+  auto levels = frame_levels(Profile::tuned(), { 16, 9 });
+  fail_unless(same(levels.pairs, { { 0, 1 } }));
+  ck_assert_int_eq(levels.saliency, 2);
+  levels = frame_levels(Profile::tuned(), { 2, 1 });
+  fail_unless(same(levels.pairs, { { 0, 1 } }));
+  ck_assert_int_eq(levels.saliency, 1);
+  levels = frame_levels(Profile::tuned(), { 1, 1 });
+  fail_unless(same(levels.pairs, { { 0, 0 } }));
+  ck_assert_int_eq(levels.saliency, 0);
+}
+GST_END_TEST;
+
+GST_START_TEST(test_levels_without_reference)
+{
+  for (const int width : { 1000, 3840 }) {
+    const auto levels = frame_levels(Profile::paper(), { width, 500 });
+    fail_unless(same(levels.pairs, { { 2, 5 }, { 2, 6 }, { 3, 6 }, { 3, 7 }, { 4, 7 }, { 4, 8 } }));
+    ck_assert_int_eq(levels.saliency, 2);
+    ck_assert_int_eq(levels.finest, 2);
+    ck_assert_int_eq(levels.coarsest, 8);
+  }
+  // 64×48 has levels 0…6.
+  const auto small = frame_levels(Profile::paper(), { 64, 48 });
+  fail_unless(same(small.pairs, { { 2, 5 }, { 2, 6 }, { 3, 6 }, { 3, 6 }, { 4, 6 }, { 4, 6 } }));
+}
+GST_END_TEST;
+
+GST_START_TEST(test_brute_force)
+{
+  // Centres finer than the map, at it and coarser than it; sums and means; with N and without.
+  Profile profile;
+  profile.windows = { { 1, 8 } };
+  for (const auto &[width, height] :
+       { std::pair{ 1, 1 }, { 1, 30 }, { 30, 1 }, { 3, 2 }, { 33, 21 }, { 64, 48 } })
+    for (const Normalization normalization : { Normalization::none, Normalization::itti })
+      for (const bool mean : { false, true })
+        for (const int level : { 0, 2, 4 }) {
+          profile.contrast_normalization = normalization;
+          profile.contrast_mean = mean;
+          profile.saliency_level = level;
+          profile.chroma_weight = 1 + level;
+          profile.levels = { { 2, 5 }, { 1, 2 }, { 0, 3 }, { 3, 4 } };
+          compare(profile, width, height);
+          profile.levels = { { 2, 3 } };
+          compare(profile, width, height);
+        }
+}
+GST_END_TEST;
+
+GST_START_TEST(test_profiles)
+{
+  for (const auto &profile : { Profile::paper(), Profile::tuned() })
+    for (const auto &[width, height] : { std::pair{ 1, 1 }, { 5, 1 }, { 64, 48 }, { 100, 75 } })
+      compare(profile, width, height);
+}
+GST_END_TEST;
+
+GST_START_TEST(test_flat_picture)
+{
+  const oracle::LabImage grey{ oracle::Image(40, 30, 53.6), oracle::Image(40, 30, 1e-5),
+                               oracle::Image(40, 30, -2e-5) };
+  for (const auto &profile : { Profile::paper(), Profile::tuned() }) {
+    const auto levels = frame_levels(profile, { 40, 30 });
+    auto level = grey;
+    for (int n = 0; n < levels.finest; ++n)
+      level = oracle::pyr_down(level);
+    saliency::Pyramid pyramid;
+    pyramid.build(oracle::to_mat(level), levels.finest, levels.coarsest);
+    saliency::SpatialSaliency spatial(profile);
+    fail_unless_at_most(cv::norm(spatial.compute(pyramid, levels), cv::NORM_INF), 1e-4);
+  }
+}
+GST_END_TEST;
+
+static Suite *
+spatial_saliency_suite(void)
+{
+  Suite *suite = suite_create("spatial_saliency");
+  TCase *tc = tcase_create("general");
+  suite_add_tcase(suite, tc);
+  tcase_add_test(tc, test_reference_width);
+  tcase_add_test(tc, test_levels_without_reference);
+  tcase_add_test(tc, test_brute_force);
+  tcase_add_test(tc, test_profiles);
+  tcase_add_test(tc, test_flat_picture);
+  return suite;
+}
+
+GST_CHECK_MAIN(spatial_saliency);

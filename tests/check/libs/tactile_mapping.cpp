@@ -1,0 +1,412 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "tactile/tactile_mapping.h"
+
+#include "tolerance.h"
+
+#include <algorithm>
+#include <limits>
+#include <random>
+#include <vector>
+
+using tactile::Gain;
+using tactile::MappingSettings;
+using tactile::SaliencyView;
+using tactile::TactileMap;
+
+namespace {
+
+struct Map
+{
+  int width;
+  int height;
+  std::vector<float> values;
+
+  Map(int w, int h, float value = 0)
+      : width(w), height(h),
+        values(static_cast<std::size_t>(w) * static_cast<std::size_t>(h), value)
+  {
+  }
+
+  float &at(int x, int y)
+  {
+    return values[static_cast<std::size_t>(y * width + x)];
+  }
+
+  Map &square(int x0, int y0, int x1, int y1, float value)
+  {
+    for (int y = y0; y < y1; ++y)
+      for (int x = x0; x < x1; ++x)
+        at(x, y) = value;
+    return *this;
+  }
+
+  SaliencyView view() const
+  {
+    return { values.data(), width, height, width };
+  }
+};
+
+/// No floor, no threshold to speak of, values as they are, exact area: pooling alone.
+constexpr MappingSettings kPooling{ .floor = 0, .threshold = 0, .gain = Gain::none };
+
+TactileMap
+levels(const Map &map, const MappingSettings &settings, int rows, int columns)
+{
+  TactileMap out(rows, columns);
+  std::fill(out.levels.begin(), out.levels.end(), 0.77F); // what was there goes
+  map_saliency(map.view(), settings, out);
+  return out;
+}
+
+bool
+silent(const TactileMap &map)
+{
+  return std::all_of(map.levels.begin(), map.levels.end(), [](float level) { return level == 0; });
+}
+
+Map
+random_map(int width, int height, unsigned seed)
+{
+  Map map(width, height);
+  std::mt19937 generator(seed);
+  std::uniform_real_distribution<float> value(0, 1);
+  for (float &v : map.values)
+    v = value(generator);
+  return map;
+}
+
+/// Mean over a cell's area of the picture, which covers [begin, begin + length) of the map's
+/// samples (sample i is [i, i + 1), its border repeated): the integral of a staircase, summed
+/// exactly.
+struct Extent
+{
+  double begin;
+  double length;
+};
+
+double
+area_mean(const Map &map, Extent horizontal, Extent vertical, int rows, int columns, int r, int c)
+{
+  const auto inside = [](int sample, const Extent &picture, int cell, int cells) {
+    const double begin = picture.begin + picture.length * cell / cells;
+    const double end = picture.begin + picture.length * (cell + 1) / cells;
+    return std::max(0.0, std::min(sample + 1.0, end) - std::max(1.0 * sample, begin));
+  };
+  double sum = 0;
+  double area = 0;
+  for (int y = -10; y < map.height + 10; ++y)
+    for (int x = -10; x < map.width + 10; ++x) {
+      const double share = inside(x, horizontal, c, columns) * inside(y, vertical, r, rows);
+      const int nearest
+          = std::clamp(y, 0, map.height - 1) * map.width + std::clamp(x, 0, map.width - 1);
+      sum += share * static_cast<double>(map.values[static_cast<std::size_t>(nearest)]);
+      area += share;
+    }
+  return sum / area;
+}
+
+} // namespace
+
+GST_START_TEST(test_pooling_by_area)
+{
+  unsigned seed = 0;
+  for (const auto &[width, height] :
+       { std::pair{ 1, 1 }, { 2, 1 }, { 3, 5 }, { 16, 12 }, { 55, 31 }, { 64, 64 }, { 100, 7 } })
+    for (const auto &[rows, columns] :
+         { std::pair{ 1, 1 }, { 3, 3 }, { 2, 5 }, { 7, 4 }, { 64, 64 }, { 1, 64 } }) {
+      const Map map = random_map(width, height, ++seed);
+      const TactileMap out = levels(map, kPooling, rows, columns);
+      for (int r = 0; r < rows; ++r)
+        for (int c = 0; c < columns; ++c)
+          fail_unless_near(
+              out.at(r, c),
+              area_mean(map, { 0, 1.0 * width }, { 0, 1.0 * height }, rows, columns, r, c), 1e-6);
+    }
+}
+GST_END_TEST;
+
+GST_START_TEST(test_picture_in_the_map)
+{
+  // A pyramid's picture begins inside the first sample and may end inside the last one, or beyond
+  // it.
+  unsigned seed = 500;
+  for (const auto &[width, height] : { std::pair{ 1, 1 }, { 5, 4 }, { 31, 18 } })
+    for (const auto &[rows, columns] : { std::pair{ 1, 1 }, { 3, 3 }, { 5, 64 } })
+      for (const double begin : { 0.0, 0.46875, 0.25 })
+        for (const double end : { 0.0, 0.4375, -0.25 }) {
+          const Map map = random_map(width, height, ++seed);
+          const Extent horizontal{ begin, width + end - begin };
+          const Extent vertical{ begin / 2, height - end - begin / 2 };
+          SaliencyView view = map.view();
+          view.horizontal = { horizontal.begin, horizontal.length };
+          view.vertical = { vertical.begin, vertical.length };
+          TactileMap out(rows, columns);
+          map_saliency(view, kPooling, out);
+          for (int r = 0; r < rows; ++r)
+            for (int c = 0; c < columns; ++c)
+              fail_unless_near(out.at(r, c),
+                               area_mean(map, horizontal, vertical, rows, columns, r, c), 1e-6);
+        }
+}
+GST_END_TEST;
+
+GST_START_TEST(test_square_in_one_cell)
+{
+  // 4×4 of the 10×10 pixels of a cell, in each cell of each grid.
+  for (const int side : { 1, 3, 4 })
+    for (int r = 0; r < side; ++r)
+      for (int c = 0; c < side; ++c) {
+        const Map map
+            = Map(10 * side, 10 * side).square(10 * c + 3, 10 * r + 3, 10 * c + 7, 10 * r + 7, 1);
+        const TactileMap out = levels(map, kPooling, side, side);
+        for (int i = 0; i < side; ++i)
+          for (int j = 0; j < side; ++j)
+            fail_unless_near(out.at(i, j), i == r && j == c ? 0.16 : 0.0, 1e-7);
+      }
+}
+GST_END_TEST;
+
+GST_START_TEST(test_square_on_a_border)
+{
+  // 6 columns lie in the left cell and 2 in the right, 3 rows above and 5 below: shares of 64
+  // pixels.
+  const Map map = Map(20, 20).square(4, 7, 12, 15, 1);
+  const TactileMap out = levels(map, kPooling, 2, 2);
+  fail_unless_near(out.at(0, 0), 18 / 100.0, 1e-7);
+  fail_unless_near(out.at(0, 1), 6 / 100.0, 1e-7);
+  fail_unless_near(out.at(1, 0), 30 / 100.0, 1e-7);
+  fail_unless_near(out.at(1, 1), 10 / 100.0, 1e-7);
+
+  // A pixel on a border counts for both by its halves: 3 pixels, 2 cells.
+  const TactileMap halves = levels(Map(3, 1).square(1, 0, 2, 1, 1), kPooling, 1, 2);
+  fail_unless_near(halves.at(0, 0), 1 / 3.0, 1e-7);
+  fail_unless_near(halves.at(0, 1), 1 / 3.0, 1e-7);
+}
+GST_END_TEST;
+
+GST_START_TEST(test_map_smaller_than_grid)
+{
+  // One pixel fills any grid, two its halves.
+  for (const int side : { 1, 3, 64 })
+    for (const float level : levels(Map(1, 1, 0.5F), kPooling, side, side).levels)
+      fail_unless_near(level, 0.5, 1e-7);
+  const TactileMap out = levels(Map(2, 1).square(1, 0, 2, 1, 1), kPooling, 64, 64);
+  for (int r = 0; r < 64; ++r)
+    for (int c = 0; c < 64; ++c)
+      fail_unless_near(out.at(r, c), c < 32 ? 0 : 1, 0);
+}
+GST_END_TEST;
+
+GST_START_TEST(test_stride)
+{
+  // A memory whose rows go upwards.
+  const Map memory = random_map(9, 6, 3);
+  Map map(9, 6);
+  for (int y = 0; y < 6; ++y)
+    for (int x = 0; x < 9; ++x)
+      map.at(x, y) = memory.values[static_cast<std::size_t>((5 - y) * 9 + x)];
+  TactileMap out(3, 3);
+  map_saliency({ memory.values.data() + 5 * 9, 9, 6, -9 }, kPooling, out);
+  fail_unless(out == levels(map, kPooling, 3, 3));
+}
+GST_END_TEST;
+
+GST_START_TEST(test_threshold)
+{
+  // 1, ½, just more than ½, just less: at 50 % what is not above goes.
+  Map map(4, 1);
+  map.values = { 8, 4, std::nextafter(4.0F, 8.0F), std::nextafter(4.0F, 0.0F) };
+  MappingSettings settings = kPooling;
+  settings.binary = true;
+  settings.threshold = 0.5;
+  const auto kept = [&](double threshold) {
+    settings.threshold = threshold;
+    return levels(map, settings, 1, 4).levels;
+  };
+  fail_unless((kept(0.5) == std::vector<float>{ 1, 0, 1, 0 }));
+  fail_unless((kept(0.25) == std::vector<float>{ 1, 1, 1, 1 }));
+  fail_unless((kept(0.9) == std::vector<float>{ 1, 0, 0, 0 }));
+  fail_unless((kept(1) == std::vector<float>{ 1, 0, 0, 0 })); // the maximum itself always stays
+  settings.binary = false;
+  map.values = { 0.5F, 0.25F, 0.375F, 0 };
+  fail_unless((kept(0.5) == std::vector<float>{ 0.5F, 0, 0.375F, 0 }));
+  fail_unless((kept(0) == std::vector<float>{ 0.5F, 0.25F, 0.375F, 0 }));
+}
+GST_END_TEST;
+
+GST_START_TEST(test_floor)
+{
+  MappingSettings settings = kPooling;
+  settings.floor = 0.75;
+  fail_unless(silent(levels(Map(4, 4, 0.75F), settings, 3, 3)));
+  fail_if(silent(levels(Map(4, 4, std::nextafter(0.75F, 1.0F)), settings, 3, 3)));
+  settings.floor = 0;
+  fail_unless(silent(levels(Map(4, 4, 0), settings, 3, 3)));
+  // The floor looks at the maximum, not at what pooling leaves of it.
+  settings.floor = 0.75;
+  fail_if(silent(levels(Map(100, 100).square(0, 0, 1, 1, 1), settings, 1, 1)));
+}
+GST_END_TEST;
+
+GST_START_TEST(test_perceptual_gain)
+{
+  // The strongest cell by the event's ΔE, whatever its size; values of the formula by hand.
+  MappingSettings settings{ .threshold = 0.5,
+                            .gain = Gain::perceptual,
+                            .units_per_delta_e = 0.065 };
+  const struct
+  {
+    double delta_e;
+    double level;
+  } cases[] = { { 1, 0.2 },          { 4, 0.2 },          { 10, 0.370697711 },
+                { 29, 0.705696447 }, { 54, 0.891731773 }, { 400, 0.999999895 } };
+  for (const auto &c : cases)
+    for (const int size : { 1, 4, 10 }) {
+      const auto value = static_cast<float>(c.delta_e * 0.065);
+      const Map map
+          = Map(30, 30).square(12, 12, std::min(20, 12 + size), std::min(20, 12 + size), value);
+      const TactileMap out = levels(map, settings, 3, 3);
+      for (int i = 0; i < 9; ++i)
+        fail_unless_near(out.levels[static_cast<std::size_t>(i)], i == 4 ? c.level : 0, 2e-6);
+    }
+
+  // The others keep their ratio: half the area, and the same area at 0.75 of the value.
+  Map map(30, 10);
+  map.square(0, 0, 4, 4, 1.885F).square(11, 1, 15, 3, 1.885F).square(22, 2, 26, 6, 0.75F * 1.885F);
+  const TactileMap out = levels(map, settings, 1, 3);
+  fail_unless_near(out.at(0, 0), 0.705696447, 1e-6); // 29 ΔE
+  fail_unless_near(out.at(0, 1), 0.705696447 / 2, 1e-6);
+  fail_unless_near(out.at(0, 2), 0.705696447 * 0.75, 1e-6);
+  settings.binary = true;
+  fail_unless_near(levels(map, settings, 1, 3).at(0, 2), 0.705696447, 1e-6);
+}
+GST_END_TEST;
+
+GST_START_TEST(test_no_gain_is_limited)
+{
+  const TactileMap out = levels(Map(4, 4, 37.0F), kPooling, 2, 2);
+  for (const float level : out.levels)
+    fail_unless_near(level, 1, 0);
+}
+GST_END_TEST;
+
+GST_START_TEST(test_prefilter)
+{
+  // By its definition: every pixel replaced by the Gaussian mean about it (over what the map has),
+  // then interpolated between the pixels next to the cells' middles.
+  MappingSettings settings = kPooling;
+  unsigned seed = 40;
+  for (const double sigma : { 0.2, 1.0 / 3, 1.0 })
+    for (const auto &[width, height] :
+         { std::pair{ 1, 1 }, { 1, 9 }, { 8, 6 }, { 30, 30 }, { 47, 23 } })
+      for (const auto &[rows, columns] : { std::pair{ 3, 3 }, { 1, 1 }, { 2, 5 }, { 40, 64 } }) {
+        settings.prefilter_sigma = sigma;
+        const Map map = random_map(width, height, ++seed);
+        const auto filtered = [&](double px, double py, int r_, int c_) {
+          double sum = 0;
+          double weights = 0;
+          for (int y = 0; y < r_; ++y)
+            for (int x = 0; x < c_; ++x) {
+              const double dx = (x - px) / (sigma * width / columns);
+              const double dy = (y - py) / (sigma * height / rows);
+              const double weight = std::exp(-(dx * dx + dy * dy) / 2);
+              sum += weight
+                     * static_cast<double>(map.values[static_cast<std::size_t>(y * width + x)]);
+              weights += weight;
+            }
+          return sum / weights;
+        };
+        const TactileMap out = levels(map, settings, rows, columns);
+        for (int r = 0; r < rows; ++r)
+          for (int c = 0; c < columns; ++c) {
+            const double x = std::clamp((c + 0.5) * width / columns - 0.5, 0.0, width - 1.0);
+            const double y = std::clamp((r + 0.5) * height / rows - 0.5, 0.0, height - 1.0);
+            double expected = 0;
+            for (const double j : { std::floor(y), std::floor(y) + 1 })
+              for (const double i : { std::floor(x), std::floor(x) + 1 }) {
+                const double weight = (1 - std::abs(x - i)) * (1 - std::abs(y - j));
+                if (weight > 0)
+                  expected += weight * filtered(i, j, height, width);
+              }
+            fail_unless_near(out.at(r, c), expected, 1e-3); // cut at 4 σ: 6e-5 of the weight
+          }
+      }
+}
+GST_END_TEST;
+
+GST_START_TEST(test_profiles)
+{
+  const auto paper = MappingSettings::paper();
+  fail_unless(paper.binary && paper.gain == Gain::none);
+  fail_unless_near(paper.threshold, 0.5, 0);
+  fail_unless_near(paper.floor, 0, 0);
+  // A half-plane of any height: levels do not depend on it, and fall off across the border.
+  for (const float value : { 0.001F, 300.0F }) {
+    const TactileMap out = levels(Map(90, 90).square(0, 0, 45, 90, value), paper, 3, 3);
+    for (int r = 0; r < 3; ++r) {
+      fail_unless_near(out.at(r, 0), 1, 0.002); // the border is 3 σ away
+      fail_unless_near(out.at(r, 1), 0.5, 1e-6);
+      fail_unless_near(out.at(r, 2), 0, 0.002);
+    }
+  }
+
+  const auto tuned = MappingSettings::tuned();
+  fail_unless(silent(levels(Map(9, 9, 0.59F), tuned, 3, 3)));
+  // 0.61 is 9.38 ΔE: 0.2 + 0.8 (1 - exp(-5.38/25)).
+  for (const float level : levels(Map(9, 9, 0.61F), tuned, 3, 3).levels)
+    fail_unless_near(level, 0.355015, 1e-5);
+}
+GST_END_TEST;
+
+GST_START_TEST(test_bad_values)
+{
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  const float inf = std::numeric_limits<float>::infinity();
+  for (const auto &settings : { MappingSettings::paper(), MappingSettings::tuned(), kPooling })
+    for (const float bad : { nan, inf, -inf, -1.0F }) {
+      fail_unless(silent(levels(Map(4, 4, bad), settings, 3, 3)));
+      Map map(4, 4, 0.8F);
+      Map good(4, 4, 0.8F);
+      map.at(1, 2) = bad;
+      good.at(1, 2) = 0;
+      fail_unless(levels(map, settings, 3, 3) == levels(good, settings, 3, 3));
+    }
+
+  const Map map(4, 4, 0.8F);
+  TactileMap out(2, 2);
+  for (const SaliencyView view : { SaliencyView{}, SaliencyView{ nullptr, 4, 4, 4 },
+                                   SaliencyView{ map.values.data(), 0, 4, 4 },
+                                   SaliencyView{ map.values.data(), 4, -1, 4 } }) {
+    std::fill(out.levels.begin(), out.levels.end(), 0.77F);
+    map_saliency(view, kPooling, out);
+    fail_unless(silent(out));
+  }
+  TactileMap nothing;
+  map_saliency(map.view(), MappingSettings::tuned(), nothing);
+  fail_unless(nothing == TactileMap());
+}
+GST_END_TEST;
+
+static Suite *
+tactile_mapping_suite(void)
+{
+  Suite *suite = suite_create("tactile_mapping");
+  TCase *tc = tcase_create("general");
+  suite_add_tcase(suite, tc);
+  tcase_add_test(tc, test_pooling_by_area);
+  tcase_add_test(tc, test_picture_in_the_map);
+  tcase_add_test(tc, test_square_in_one_cell);
+  tcase_add_test(tc, test_square_on_a_border);
+  tcase_add_test(tc, test_map_smaller_than_grid);
+  tcase_add_test(tc, test_stride);
+  tcase_add_test(tc, test_threshold);
+  tcase_add_test(tc, test_floor);
+  tcase_add_test(tc, test_perceptual_gain);
+  tcase_add_test(tc, test_no_gain_is_limited);
+  tcase_add_test(tc, test_prefilter);
+  tcase_add_test(tc, test_profiles);
+  tcase_add_test(tc, test_bad_values);
+  return suite;
+}
+
+GST_CHECK_MAIN(tactile_mapping);
