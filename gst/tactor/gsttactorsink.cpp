@@ -784,7 +784,8 @@ gst_tactor_sink_install_properties(GObjectClass *klass)
       klass, PROP_MAX_LEAD,
       g_param_spec_uint("max-lead", "Max lead",
                         "Longest time in ms by which a command is issued before its frame; all other sinks are delayed by it",
-                        0, 1000, 150, ready));
+                        0, 1000,
+                        static_cast<guint>(std::chrono::duration_cast<std::chrono::milliseconds>(defaults.max_lead).count()), ready));
   g_object_class_install_property(klass, PROP_VOLTAGE_MAX,
                                   g_param_spec_double("voltage-max", "Maximum voltage", "Volts at the motor for level 1.0",
                                                       0.1, 24, defaults.volts_max, ready));

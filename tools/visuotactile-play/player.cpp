@@ -14,7 +14,7 @@
 
 namespace {
 
-/// Room for what tactorsink asks for early (150 ms and its margins), with as much again.
+/// Room for what tactorsink asks for early (190 ms), with as much again.
 constexpr const char *kLookahead = "queue max-size-bytes=0 max-size-buffers=0 max-size-time=400000000";
 
 /// How long the end may take once it was asked for; then the pipeline is stopped as it is.
@@ -34,7 +34,7 @@ video_encoder()
 {
   // Live encoders without look-ahead: the film is recorded while the chair follows it on the clock.
   if (have_element("x264enc"))
-    return "x264enc speed-preset=ultrafast tune=zerolatency pass=quant quantizer=23 key-int-max=60 ! h264parse";
+    return "x264enc speed-preset=ultrafast tune=zerolatency pass=quant quantizer=23 key-int-max=60";
   if (have_element("vp9enc"))
     return "vp9enc deadline=1 cpu-used=8 target-bitrate=4000000 keyframe-max-dist=60";
   throw std::runtime_error("cannot record: neither x264enc (gstreamer1.0-plugins-ugly) nor vp9enc (gstreamer1.0-plugins-good) is installed");
@@ -253,9 +253,7 @@ private:
   gboolean
   on_progress()
   {
-    gint64 position = 0;
-    if (!gst_element_query_position(pipeline_.get(), GST_FORMAT_TIME, &position))
-      position = static_cast<gint64>(position_.load());
+    const GstClockTime position = position_.load();
     GstStructure *stats = nullptr;
     g_object_get(chair_.get(), "stats", &stats, nullptr);
     guint64 issued = 0;
@@ -266,7 +264,7 @@ private:
       gst_structure_free(stats);
     }
     const auto seconds = [](GstClockTime time) { return static_cast<double>(time) / GST_SECOND; };
-    std::fprintf(stderr, "%s%6.1f s", settings_.progress_in_place ? "\r\033[K" : "", seconds(static_cast<GstClockTime>(position)));
+    std::fprintf(stderr, "%s%6.1f s", settings_.progress_in_place ? "\r\033[K" : "", seconds(position));
     if (GST_CLOCK_TIME_IS_VALID(film_.duration))
       std::fprintf(stderr, " of %.1f s", seconds(film_.duration));
     std::fprintf(stderr, "   %" PRIu64 " commands, %" PRIu64 " late%s", static_cast<std::uint64_t>(issued),

@@ -63,7 +63,7 @@ public:
     element = gst_element_factory_make("tactorsink", nullptr);
     fail_unless(element != nullptr);
     gst_object_ref_sink(element);
-    g_object_set(element, "trace-location", name, nullptr);
+    g_object_set(element, "trace-location", name, "max-lead", 150u, nullptr);
     bus = gst_bus_new();
     gst_element_set_bus(element, bus);
     clock = GST_TEST_CLOCK(gst_test_clock_new());
@@ -777,7 +777,7 @@ GST_START_TEST(test_start_errors)
 }
 GST_END_TEST;
 
-/// 150 ms of max-lead and a 10 ms margin at 30 frames/s are 4.8 frames: 6 buffers.
+/// The default 180 ms of max-lead and a margin of 10 ms are 5.7 frames at 30 frames/s: 6, and the one being shown.
 GST_START_TEST(test_allocation_asks_for_lookahead)
 {
   GstHarness *h = gst_harness_new_with_padnames("tactorsink", "sink", nullptr);
@@ -788,7 +788,7 @@ GST_START_TEST(test_allocation_asks_for_lookahead)
   ck_assert_uint_eq(gst_query_get_n_allocation_pools(query), 1);
   guint min = 0;
   gst_query_parse_nth_allocation_pool(query, 0, nullptr, nullptr, &min, nullptr);
-  ck_assert_uint_eq(min, 6);
+  ck_assert_uint_eq(min, 7);
   fail_unless(gst_query_find_allocation_meta(query, GST_VIDEO_META_API_TYPE, nullptr));
   gst_query_unref(query);
   gst_caps_unref(caps);
