@@ -58,11 +58,12 @@ blend_row(Sample *row, const std::uint16_t *values, const std::uint16_t *weights
 {
   // 8-bit samples fit 16-bit arithmetic: 255 × 256 + 128 < 2¹⁶.
   using Wide = std::conditional_t<sizeof(Sample) == 1, std::uint16_t, std::uint32_t>;
+  const auto unused = static_cast<Wide>((1U << shift) - 1);
   const auto blend = [=](Sample &sample, std::uint16_t value, std::uint16_t weight) {
     const auto in = static_cast<Wide>(sample >> shift);
     const auto sum = static_cast<Wide>(in * static_cast<Wide>(kFullWeight - weight)
                                        + value * static_cast<Wide>(weight) + kFullWeight / 2);
-    sample = static_cast<Sample>((sum / kFullWeight) << shift);
+    sample = static_cast<Sample>(((sum / kFullWeight) << shift) | (sample & unused));
   };
 
   // Whole blocks let the compiler use vectors at its usual optimisation level.
@@ -226,10 +227,13 @@ OverlayPainter::paint_plane(GstVideoFrame *frame, unsigned plane,
     return;
 
   // Samples between those of the components (padding, alpha) keep a weight of 0.
+  // GStreamer 1.22 gives P010's second chroma sample an offset of one byte rather than of one
+  // sample: rounded up.
   const auto position = [=](unsigned c, int x) {
-    return static_cast<std::size_t>(GST_VIDEO_FORMAT_INFO_POFFSET(format, c)
-                                    + x * GST_VIDEO_FORMAT_INFO_PSTRIDE(format, c))
-           / sizeof(Sample);
+    const auto offset = static_cast<std::size_t>(GST_VIDEO_FORMAT_INFO_POFFSET(format, c));
+    const auto stride = static_cast<std::size_t>(GST_VIDEO_FORMAT_INFO_PSTRIDE(format, c));
+    return (offset + sizeof(Sample) - 1) / sizeof(Sample)
+           + static_cast<std::size_t>(x) * stride / sizeof(Sample);
   };
   std::size_t count = 0;
   for (unsigned c = first; c < components; c++)

@@ -372,9 +372,8 @@ GST_END_TEST;
 
 GST_START_TEST(test_formats_show_the_same)
 {
-  // Every format against RGB, through GStreamer's own converter; edges differ by chroma
+  // Every format against RGB, by GStreamer's own converter; edges differ by chroma
   // subsampling.
-  const std::string properties = "seed=2 balls=1 ball-size=0.3 num-buffers=1";
   for (const auto &[width, height] : { std::pair{ 64, 48 }, { 65, 47 }, { 1300, 720 } })
     for (const std::string format : { "I420", "NV12", "GRAY8", "BGRx", "RGB" }) {
       const std::string size = ",width=" + std::to_string(width)
