@@ -53,27 +53,19 @@ field_position(int pixel, int size, int cells)
 /// words.
 template <typename Sample>
 void
-blend_row(Sample *row, const std::uint16_t *values, const std::uint16_t *weights, std::size_t count,
-          unsigned shift)
+blend_row(Sample *__restrict row, const std::uint16_t *__restrict values,
+          const std::uint16_t *__restrict weights, std::size_t count, unsigned shift)
 {
   // 8-bit samples fit 16-bit arithmetic: 255 × 256 + 128 < 2¹⁶.
   using Wide = std::conditional_t<sizeof(Sample) == 1, std::uint16_t, std::uint32_t>;
   const auto unused = static_cast<Wide>((1U << shift) - 1);
-  const auto blend = [=](Sample &sample, std::uint16_t value, std::uint16_t weight) {
-    const auto in = static_cast<Wide>(sample >> shift);
-    const auto sum = static_cast<Wide>(in * static_cast<Wide>(kFullWeight - weight)
-                                       + value * static_cast<Wide>(weight) + kFullWeight / 2);
-    sample = static_cast<Sample>(((sum / kFullWeight) << shift) | (sample & unused));
-  };
-
-  // Whole blocks let the compiler use vectors at its usual optimisation level.
-  constexpr std::size_t kBlock = 16;
-  std::size_t i = 0;
-  for (; i + kBlock <= count; i += kBlock)
-    for (std::size_t k = i; k < i + kBlock; k++)
-      blend(row[k], values[k], weights[k]);
-  for (; i < count; i++)
-    blend(row[i], values[i], weights[i]);
+  for (std::size_t i = 0; i < count; i++) {
+    const auto in = static_cast<Wide>(row[i] >> shift);
+    const auto kept = static_cast<Wide>(in * static_cast<Wide>(kFullWeight - weights[i]));
+    const auto sum
+        = static_cast<Wide>(kept + static_cast<Wide>(values[i] * weights[i]) + kFullWeight / 2);
+    row[i] = static_cast<Sample>(((sum / kFullWeight) << shift) | (row[i] & unused));
+  }
 }
 
 } // namespace
