@@ -137,7 +137,8 @@ Analyzer::analyze(const FrameView &frame, Time time, Time duration, bool tempora
   s.result.map = temporal ? s.spatiotemporal.compute(s.history) : spatial;
   cv::minMaxLoc(s.result.map, nullptr, &s.result.peak);
   const double step = std::ldexp(1.0, s.levels.saliency); // pixels from sample to sample
-  s.result.picture = { 0.5 - 0.5 / step, 0.5 - 0.5 / step, frame.width / step, frame.height / step };
+  s.result.picture
+      = { 0.5 - 0.5 / step, 0.5 - 0.5 / step, frame.width / step, frame.height / step };
   return s.result;
 }
 

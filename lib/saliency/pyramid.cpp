@@ -52,10 +52,12 @@ template <int channels>
 void
 upsample_row(const float *source, const std::vector<GridPosition> &columns, float *out)
 {
-  for (const auto &at : columns)
+  for (const auto &at : columns) {
+    const float *before = source + static_cast<std::ptrdiff_t>(at.before) * channels;
+    const float *after = source + static_cast<std::ptrdiff_t>(at.after) * channels;
     for (int c = 0; c < channels; ++c)
-      *out++ = interpolate(source[at.before * channels + c], source[at.after * channels + c],
-                           at.weight);
+      *out++ = interpolate(before[c], after[c], at.weight);
+  }
 }
 
 } // namespace
@@ -88,11 +90,12 @@ reduce_columns(const cv::Mat &source, cv::Mat &reduced)
   for (int x = 0; x < reduced.cols; ++x) {
     const int x0 = mirrored(2 * x - 2, source.cols);
     const int x1 = mirrored(2 * x - 1, source.cols);
+    const int x2 = 2 * x;
     const int x3 = mirrored(2 * x + 1, source.cols);
     const int x4 = mirrored(2 * x + 2, source.cols);
     for (int y = 0; y < source.rows; ++y) {
       const auto *in = source.ptr<float>(y);
-      reduced.at<float>(y, x) = (in[x0] + in[x4] + 4 * (in[x1] + in[x3]) + 6 * in[2 * x]) / 16;
+      reduced.at<float>(y, x) = (in[x0] + in[x4] + 4 * (in[x1] + in[x3]) + 6 * in[x2]) / 16;
     }
   }
 }

@@ -38,8 +38,7 @@ struct Axis
   }
 
   /// The nearest sample, for what lies beyond the map.
-  int
-  inside(double sample) const
+  int inside(double sample) const
   {
     return static_cast<int>(std::clamp(sample, 0.0, static_cast<double>(samples - 1)));
   }
@@ -55,9 +54,9 @@ area_window(const Axis &axis, int cells, int cell)
   window.first = axis.inside(std::floor(begin));
   const int last = std::max(window.first, axis.inside(std::ceil(end) - 1));
   window.weights.assign(static_cast<std::size_t>(last - window.first) + 1, 0.0);
-  for (double sample = std::floor(begin); sample < end; ++sample)
+  for (int sample = static_cast<int>(std::floor(begin)); sample < end; ++sample)
     window.weights[static_cast<std::size_t>(axis.inside(sample) - window.first)]
-        += (std::min(end, sample + 1) - std::max(begin, sample)) / (end - begin);
+        += (std::min(end, sample + 1.0) - std::max<double>(begin, sample)) / (end - begin);
   return window;
 }
 
@@ -165,7 +164,8 @@ map_saliency(const SaliencyView &map, const MappingSettings &settings, TactileMa
     return;
 
   // The cells' windows are separable: along the columns of each row of the map, then down the rows.
-  const auto columns = axis_windows({ map.width, map.horizontal }, out.columns, settings.prefilter_sigma);
+  const auto columns
+      = axis_windows({ map.width, map.horizontal }, out.columns, settings.prefilter_sigma);
   const auto rows = axis_windows({ map.height, map.vertical }, out.rows, settings.prefilter_sigma);
   const double cut = settings.threshold * peak;
   std::vector<double> kept(static_cast<std::size_t>(map.width));
