@@ -9,18 +9,19 @@ saliency::YuvMatrix
 yuv_matrix(const GstVideoColorimetry &colorimetry)
 {
   switch (colorimetry.matrix) {
-    case GST_VIDEO_COLOR_MATRIX_BT601:
-      return saliency::kBt601;
-    case GST_VIDEO_COLOR_MATRIX_BT2020:
-      return saliency::kBt2020;
-    default: {
-      gdouble kr;
-      gdouble kb;
-      // Other matrices that are given by two coefficients (FCC, SMPTE 240M); BT.709 where none is known.
-      if (gst_video_color_matrix_get_Kr_Kb(colorimetry.matrix, &kr, &kb))
-        return { kr, kb };
-      return saliency::kBt709;
-    }
+  case GST_VIDEO_COLOR_MATRIX_BT601:
+    return saliency::kBt601;
+  case GST_VIDEO_COLOR_MATRIX_BT2020:
+    return saliency::kBt2020;
+  default: {
+    gdouble kr;
+    gdouble kb;
+    // Other matrices that are given by two coefficients (FCC, SMPTE 240M); BT.709 where none is
+    // known.
+    if (gst_video_color_matrix_get_Kr_Kb(colorimetry.matrix, &kr, &kb))
+      return { kr, kb };
+    return saliency::kBt709;
+  }
   }
 }
 
@@ -29,15 +30,17 @@ color_model(const GstVideoFormatInfo *format)
 {
   if (GST_VIDEO_FORMAT_INFO_IS_GRAY(format))
     return saliency::ColorModel::grey;
-  return GST_VIDEO_FORMAT_INFO_IS_RGB(format) ? saliency::ColorModel::rgb : saliency::ColorModel::yuv;
+  return GST_VIDEO_FORMAT_INFO_IS_RGB(format) ? saliency::ColorModel::rgb
+                                              : saliency::ColorModel::yuv;
 }
 
 } // namespace
 
 FrameMapping::FrameMapping(const GstVideoInfo &info, GstBuffer *buffer)
-    : mapped_(gst_video_frame_map(&frame_, &info, buffer,
-                                  static_cast<GstMapFlags>(static_cast<int>(GST_MAP_READ)
-                                                           | static_cast<int>(GST_VIDEO_FRAME_MAP_FLAG_NO_REF))))
+    : mapped_(gst_video_frame_map(
+        &frame_, &info, buffer,
+        static_cast<GstMapFlags>(static_cast<int>(GST_MAP_READ)
+                                 | static_cast<int>(GST_VIDEO_FRAME_MAP_FLAG_NO_REF))))
 {
   if (!mapped_)
     return;
@@ -51,10 +54,14 @@ FrameMapping::FrameMapping(const GstVideoInfo &info, GstBuffer *buffer)
     // Chroma is cut at whole samples: the window begins at an even pixel.
     const int align_x = 1 << std::max(GST_VIDEO_FORMAT_INFO_W_SUB(format, 1), 0u);
     const int align_y = 1 << std::max(GST_VIDEO_FORMAT_INFO_H_SUB(format, 1), 0u);
-    left = static_cast<int>(std::min<guint>(crop->x, static_cast<guint>(view_.width - 1))) / align_x * align_x;
-    top = static_cast<int>(std::min<guint>(crop->y, static_cast<guint>(view_.height - 1))) / align_y * align_y;
-    view_.width = std::clamp(static_cast<int>(std::min<guint>(crop->width, G_MAXINT)), 1, view_.width - left);
-    view_.height = std::clamp(static_cast<int>(std::min<guint>(crop->height, G_MAXINT)), 1, view_.height - top);
+    left = static_cast<int>(std::min<guint>(crop->x, static_cast<guint>(view_.width - 1))) / align_x
+           * align_x;
+    top = static_cast<int>(std::min<guint>(crop->y, static_cast<guint>(view_.height - 1))) / align_y
+          * align_y;
+    view_.width = std::clamp(static_cast<int>(std::min<guint>(crop->width, G_MAXINT)), 1,
+                             view_.width - left);
+    view_.height = std::clamp(static_cast<int>(std::min<guint>(crop->height, G_MAXINT)), 1,
+                              view_.height - top);
   }
 
   view_.model = color_model(format);

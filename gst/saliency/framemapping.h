@@ -6,12 +6,13 @@
 #include <gst/video/video.h>
 
 /// The raw formats whose samples saliency::FrameView can describe, for caps.
-#define FRAME_MAPPING_FORMATS                                                                                                \
-  "{ I420, YV12, NV12, NV21, YUY2, UYVY, Y42B, Y444, RGB, BGR, RGBx, BGRx, xRGB, xBGR, RGBA, BGRA, ARGB, ABGR, GRAY8, "       \
+#define FRAME_MAPPING_FORMATS                                                                      \
+  "{ I420, YV12, NV12, NV21, YUY2, UYVY, Y42B, Y444, RGB, BGR, RGBx, BGRx, xRGB, xBGR, RGBA, "     \
+  "BGRA, ARGB, ABGR, GRAY8, "                                                                      \
   "I420_10LE, P010_10LE }"
 
-/// A buffer mapped for reading for as long as this lives, and its samples as saliency::FrameView sees them. The part
-/// that a GstVideoCropMeta cuts out is seen alone.
+/// A buffer mapped for reading for as long as this lives, and its samples as saliency::FrameView
+/// sees them. The part that a GstVideoCropMeta cuts out is seen alone.
 class FrameMapping
 {
 public:
@@ -21,14 +22,12 @@ public:
   FrameMapping &operator=(const FrameMapping &) = delete;
 
   /// False if the buffer could not be mapped, or is smaller than its format says.
-  explicit
-  operator bool() const
+  explicit operator bool() const
   {
     return mapped_;
   }
 
-  const saliency::FrameView &
-  view() const
+  const saliency::FrameView &view() const
   {
     return view_;
   }

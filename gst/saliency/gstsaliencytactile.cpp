@@ -4,19 +4,22 @@
  * @title: saliencytactile
  * @short_description: finds what draws the eye and adds it to each frame as a tactile map
  *
- * saliencytactile analyses the frames that pass through it and adds a #GstTactileMeta to each: a small grid of levels, 3 × 3
- * by default, that says where and how strongly the film shall be felt. Pixels and memory are left as they are.
+ * saliencytactile analyses the frames that pass through it and adds a #GstTactileMeta to each: a
+ * small grid of levels, 3 × 3 by default, that says where and how strongly the film shall be felt.
+ * Pixels and memory are left as they are.
  *
- * The analysis is "Saliency-Driven Tactile Effect Authoring for Real-Time Visuotactile Feedback" (Kim, Lee, Choi 2012): spatial
- * centre-surround contrast in CIE L*a*b*, temporal centre-surround contrast of the resulting maps, a threshold, pooling to the
- * grid. `profile=paper` takes the paper literally; the default, `profile=tuned`, feels what appears or moves, and
- * neither what went away nor sensor noise.
+ * The analysis is "Saliency-Driven Tactile Effect Authoring for Real-Time Visuotactile Feedback"
+ * (Kim, Lee, Choi 2012): spatial centre-surround contrast in CIE L*a*b*, temporal centre-surround
+ * contrast of the resulting maps, a threshold, pooling to the grid. `profile=paper` takes the paper
+ * literally; the default, `profile=tuned`, feels what appears or moves, and neither what went away
+ * nor sensor noise.
  *
  * ## Example launch lines
  * |[
- * gst-launch-1.0 tactiletestsrc num-buffers=150 ! saliencytactile ! tactileoverlay ! videoconvert ! autovideosink
- * gst-launch-1.0 tactiletestsrc num-buffers=150 ! saliencytactile rows=4 columns=6 attach-saliency=true ! \
- *     tactileoverlay style=heatmap ! videoconvert ! autovideosink
+ * gst-launch-1.0 tactiletestsrc num-buffers=150 ! saliencytactile ! tactileoverlay ! videoconvert !
+ * autovideosink
+ * gst-launch-1.0 tactiletestsrc num-buffers=150 ! saliencytactile rows=4 columns=6
+ * attach-saliency=true ! \ tactileoverlay style=heatmap ! videoconvert ! autovideosink
  * ]|
  *
  * ## Messages
@@ -95,8 +98,9 @@ make_profile(ProfileName name)
 tactile::MappingSettings
 make_mapping(const Settings &settings)
 {
-  tactile::MappingSettings mapping = settings.profile == ProfileName::paper ? tactile::MappingSettings::paper()
-                                                                            : tactile::MappingSettings::tuned();
+  tactile::MappingSettings mapping = settings.profile == ProfileName::paper
+                                         ? tactile::MappingSettings::paper()
+                                         : tactile::MappingSettings::tuned();
   mapping.threshold = settings.threshold;
   if (settings.floor >= 0)
     mapping.floor = settings.floor * mapping.units_per_delta_e;
@@ -133,15 +137,18 @@ struct _GstSaliencyTactile
 
 #define gst_saliency_tactile_parent_class parent_class
 G_DEFINE_TYPE_WITH_CODE(GstSaliencyTactile, gst_saliency_tactile, GST_TYPE_BASE_TRANSFORM,
-                        GST_DEBUG_CATEGORY_INIT(saliency_tactile_debug, "saliencytactile", 0, "visual saliency to tactile maps"));
-GST_ELEMENT_REGISTER_DEFINE(saliencytactile, "saliencytactile", GST_RANK_NONE, GST_TYPE_SALIENCY_TACTILE);
+                        GST_DEBUG_CATEGORY_INIT(saliency_tactile_debug, "saliencytactile", 0,
+                                                "visual saliency to tactile maps"));
+GST_ELEMENT_REGISTER_DEFINE(saliencytactile, "saliencytactile", GST_RANK_NONE,
+                            GST_TYPE_SALIENCY_TACTILE);
 
-#define SALIENCY_CAPS                                                                                                        \
-  GST_VIDEO_CAPS_MAKE(FRAME_MAPPING_FORMATS) "; " GST_VIDEO_CAPS_MAKE_WITH_FEATURES("ANY", FRAME_MAPPING_FORMATS)
-static GstStaticPadTemplate sink_template =
-    GST_STATIC_PAD_TEMPLATE("sink", GST_PAD_SINK, GST_PAD_ALWAYS, GST_STATIC_CAPS(SALIENCY_CAPS));
-static GstStaticPadTemplate src_template =
-    GST_STATIC_PAD_TEMPLATE("src", GST_PAD_SRC, GST_PAD_ALWAYS, GST_STATIC_CAPS(SALIENCY_CAPS));
+#define SALIENCY_CAPS                                                                              \
+  GST_VIDEO_CAPS_MAKE(FRAME_MAPPING_FORMATS)                                                       \
+  "; " GST_VIDEO_CAPS_MAKE_WITH_FEATURES("ANY", FRAME_MAPPING_FORMATS)
+static GstStaticPadTemplate sink_template
+    = GST_STATIC_PAD_TEMPLATE("sink", GST_PAD_SINK, GST_PAD_ALWAYS, GST_STATIC_CAPS(SALIENCY_CAPS));
+static GstStaticPadTemplate src_template
+    = GST_STATIC_PAD_TEMPLATE("src", GST_PAD_SRC, GST_PAD_ALWAYS, GST_STATIC_CAPS(SALIENCY_CAPS));
 
 #define GST_TYPE_SALIENCY_TACTILE_PROFILE (gst_saliency_tactile_profile_get_type())
 static GType
@@ -149,7 +156,8 @@ gst_saliency_tactile_profile_get_type(void)
 {
   static gsize type = 0;
   static const GEnumValue values[] = {
-    { static_cast<gint>(ProfileName::tuned), "What measures best: onsets only, absolute floor, perceptual gain", "tuned" },
+    { static_cast<gint>(ProfileName::tuned),
+      "What measures best: onsets only, absolute floor, perceptual gain", "tuned" },
     { static_cast<gint>(ProfileName::paper), "Kim, Lee, Choi 2012, taken literally", "paper" },
     { 0, nullptr, nullptr },
   };
@@ -162,7 +170,8 @@ gst_saliency_tactile_profile_get_type(void)
 
 /// Time and duration of a frame on a time line that rises even where the film is played backwards.
 static void
-gst_saliency_tactile_times(GstSaliencyTactile *self, GstBuffer *buffer, saliency::Time &time, saliency::Time &duration)
+gst_saliency_tactile_times(GstSaliencyTactile *self, GstBuffer *buffer, saliency::Time &time,
+                           saliency::Time &duration)
 {
   GstSaliencyTactilePrivate *priv = self->priv;
   const GstSegment &segment = GST_BASE_TRANSFORM(self)->segment;
@@ -170,7 +179,8 @@ gst_saliency_tactile_times(GstSaliencyTactile *self, GstBuffer *buffer, saliency
 
   GstClockTime length = GST_BUFFER_DURATION(buffer);
   if (!GST_CLOCK_TIME_IS_VALID(length))
-    length = info.fps_n > 0 ? gst_util_uint64_scale_int(GST_SECOND, info.fps_d, info.fps_n) : GST_SECOND / 30;
+    length = info.fps_n > 0 ? gst_util_uint64_scale_int(GST_SECOND, info.fps_d, info.fps_n)
+                            : GST_SECOND / 30;
   duration = saliency::Time(static_cast<gint64>(std::min<GstClockTime>(length, 3600 * GST_SECOND)));
 
   const GstClockTime pts = GST_BUFFER_PTS(buffer);
@@ -184,23 +194,24 @@ gst_saliency_tactile_times(GstSaliencyTactile *self, GstBuffer *buffer, saliency
 }
 
 static void
-gst_saliency_tactile_analyse(GstSaliencyTactile *self, const Settings &settings, GstBuffer *buffer, saliency::Time time,
-                             saliency::Time duration)
+gst_saliency_tactile_analyse(GstSaliencyTactile *self, const Settings &settings, GstBuffer *buffer,
+                             saliency::Time time, saliency::Time duration)
 {
   GstSaliencyTactilePrivate *priv = self->priv;
 
   const FrameMapping mapping(priv->info, buffer);
   if (!mapping) {
     if (!priv->warned_map)
-      GST_ELEMENT_WARNING(self, RESOURCE, READ, ("A frame could not be read; it is felt as nothing."),
-                          ("expected %" GST_PTR_FORMAT " in readable memory",
-                           gst_video_info_to_caps(&priv->info)));
+      GST_ELEMENT_WARNING(
+          self, RESOURCE, READ, ("A frame could not be read; it is felt as nothing."),
+          ("expected %" GST_PTR_FORMAT " in readable memory", gst_video_info_to_caps(&priv->info)));
     priv->warned_map = true;
     priv->map = tactile::TactileMap(settings.rows, settings.columns);
     return;
   }
 
-  const saliency::Saliency &found = priv->analyzer->analyze(mapping.view(), time, duration, settings.temporal);
+  const saliency::Saliency &found
+      = priv->analyzer->analyze(mapping.view(), time, duration, settings.temporal);
   const tactile::MappingSettings how = make_mapping(settings);
   const tactile::SaliencyView view{ .values = found.map.ptr<float>(),
                                     .width = found.map.cols,
@@ -218,7 +229,8 @@ gst_saliency_tactile_analyse(GstSaliencyTactile *self, const Settings &settings,
     priv->saliency_floor = static_cast<gfloat>(how.floor);
     priv->saliency.clear();
     for (int y = 0; y < view.height; y++)
-      priv->saliency.insert(priv->saliency.end(), view.values + y * view.stride, view.values + y * view.stride + view.width);
+      priv->saliency.insert(priv->saliency.end(), view.values + y * view.stride,
+                            view.values + y * view.stride + view.width);
   }
 }
 
@@ -242,10 +254,13 @@ gst_saliency_tactile_transform_ip(GstBaseTransform *transform, GstBuffer *buffer
   saliency::Time duration;
   gst_saliency_tactile_times(self, buffer, time, duration);
 
-  // Between two analyses the last map holds, unless it is for another grid or from another part of the film.
+  // Between two analyses the last map holds, unless it is for another grid or from another part of
+  // the film.
   const bool fits = priv->map.rows == settings.rows && priv->map.columns == settings.columns;
-  const bool due = settings.max_rate <= 0 || !priv->last_analysed || time < *priv->last_analysed
-                   || std::chrono::duration<double>(time + duration / 2 - *priv->last_analysed).count() >= 1 / settings.max_rate;
+  const bool due
+      = settings.max_rate <= 0 || !priv->last_analysed || time < *priv->last_analysed
+        || std::chrono::duration<double>(time + duration / 2 - *priv->last_analysed).count()
+               >= 1 / settings.max_rate;
   GstClockTime spent = 0;
   const bool analyse = due || !fits || !priv->analyzer || priv->profile != settings.profile;
   if (analyse) {
@@ -267,17 +282,20 @@ gst_saliency_tactile_transform_ip(GstBaseTransform *transform, GstBuffer *buffer
     }
   }
 
-  gst_buffer_add_tactile_meta(buffer, static_cast<guint>(priv->map.rows), static_cast<guint>(priv->map.columns),
-                              priv->map.levels.data(), priv->map.levels.size());
+  gst_buffer_add_tactile_meta(buffer, static_cast<guint>(priv->map.rows),
+                              static_cast<guint>(priv->map.columns), priv->map.levels.data(),
+                              priv->map.levels.size());
   if (settings.attach_saliency && !priv->saliency.empty())
-    gst_buffer_add_saliency_meta(buffer, priv->saliency_width, priv->saliency_height, priv->saliency.data(),
-                                 priv->saliency.size(), priv->saliency_floor);
+    gst_buffer_add_saliency_meta(buffer, priv->saliency_width, priv->saliency_height,
+                                 priv->saliency.data(), priv->saliency.size(),
+                                 priv->saliency_floor);
 
   GST_OBJECT_LOCK(self);
   Statistics &stats = priv->stats;
   stats.frames++;
   stats.analysed += analyse ? 1 : 0;
-  stats.active += std::ranges::any_of(priv->map.levels, [](float level) { return level > 0; }) ? 1 : 0;
+  stats.active
+      += std::ranges::any_of(priv->map.levels, [](float level) { return level > 0; }) ? 1 : 0;
   stats.busy += spent;
   stats.longest = std::max(stats.longest, spent);
   GST_OBJECT_UNLOCK(self);
@@ -298,10 +316,11 @@ gst_saliency_tactile_stats(GstSaliencyTactile *self)
   GST_OBJECT_LOCK(self);
   const Statistics stats = self->priv->stats;
   GST_OBJECT_UNLOCK(self);
-  return gst_structure_new("application/x-saliency-stats", "frames", G_TYPE_UINT64, stats.frames, "analysed", G_TYPE_UINT64,
-                           stats.analysed, "active", G_TYPE_UINT64, stats.active, "analysis-mean", G_TYPE_UINT64,
-                           stats.analysed ? stats.busy / stats.analysed : 0, "analysis-max", G_TYPE_UINT64, stats.longest,
-                           nullptr);
+  return gst_structure_new("application/x-saliency-stats", "frames", G_TYPE_UINT64, stats.frames,
+                           "analysed", G_TYPE_UINT64, stats.analysed, "active", G_TYPE_UINT64,
+                           stats.active, "analysis-mean", G_TYPE_UINT64,
+                           stats.analysed ? stats.busy / stats.analysed : 0, "analysis-max",
+                           G_TYPE_UINT64, stats.longest, nullptr);
 }
 
 /* ---- stream ---- */
@@ -326,7 +345,8 @@ gst_saliency_tactile_set_caps(GstBaseTransform *transform, GstCaps *incaps, GstC
 
   priv->negotiated = gst_video_info_from_caps(&priv->info, incaps);
   if (!priv->negotiated) {
-    GST_ERROR_OBJECT(self, "expected raw video with a size of at least 1 x 1, got %" GST_PTR_FORMAT, incaps);
+    GST_ERROR_OBJECT(self, "expected raw video with a size of at least 1 x 1, got %" GST_PTR_FORMAT,
+                     incaps);
     return FALSE;
   }
   gst_saliency_tactile_reset(self);
@@ -339,18 +359,18 @@ gst_saliency_tactile_sink_event(GstBaseTransform *transform, GstEvent *event)
   GstSaliencyTactile *self = GST_SALIENCY_TACTILE(transform);
 
   switch (GST_EVENT_TYPE(event)) {
-    case GST_EVENT_SEGMENT:
-    case GST_EVENT_FLUSH_STOP:
-      gst_saliency_tactile_reset(self);
-      break;
-    case GST_EVENT_EOS: {
-      GstStructure *stats = gst_saliency_tactile_stats(self);
-      gst_structure_set_name(stats, "saliencytactile-stats");
-      gst_element_post_message(GST_ELEMENT(self), gst_message_new_element(GST_OBJECT(self), stats));
-      break;
-    }
-    default:
-      break;
+  case GST_EVENT_SEGMENT:
+  case GST_EVENT_FLUSH_STOP:
+    gst_saliency_tactile_reset(self);
+    break;
+  case GST_EVENT_EOS: {
+    GstStructure *stats = gst_saliency_tactile_stats(self);
+    gst_structure_set_name(stats, "saliencytactile-stats");
+    gst_element_post_message(GST_ELEMENT(self), gst_message_new_element(GST_OBJECT(self), stats));
+    break;
+  }
+  default:
+    break;
   }
   return GST_BASE_TRANSFORM_CLASS(parent_class)->sink_event(transform, event);
 }
@@ -384,33 +404,33 @@ gst_saliency_tactile_set_property(GObject *object, guint id, const GValue *value
   Settings &settings = GST_SALIENCY_TACTILE(object)->priv->settings;
   GST_OBJECT_LOCK(object);
   switch (id) {
-    case PROP_PROFILE:
-      settings.profile = static_cast<ProfileName>(g_value_get_enum(value));
-      break;
-    case PROP_ROWS:
-      settings.rows = static_cast<int>(g_value_get_uint(value));
-      break;
-    case PROP_COLUMNS:
-      settings.columns = static_cast<int>(g_value_get_uint(value));
-      break;
-    case PROP_TEMPORAL:
-      settings.temporal = g_value_get_boolean(value);
-      break;
-    case PROP_THRESHOLD:
-      settings.threshold = g_value_get_double(value);
-      break;
-    case PROP_FLOOR:
-      settings.floor = g_value_get_double(value);
-      break;
-    case PROP_ATTACH_SALIENCY:
-      settings.attach_saliency = g_value_get_boolean(value);
-      break;
-    case PROP_MAX_RATE:
-      settings.max_rate = g_value_get_double(value);
-      break;
-    default:
-      G_OBJECT_WARN_INVALID_PROPERTY_ID(object, id, pspec);
-      break;
+  case PROP_PROFILE:
+    settings.profile = static_cast<ProfileName>(g_value_get_enum(value));
+    break;
+  case PROP_ROWS:
+    settings.rows = static_cast<int>(g_value_get_uint(value));
+    break;
+  case PROP_COLUMNS:
+    settings.columns = static_cast<int>(g_value_get_uint(value));
+    break;
+  case PROP_TEMPORAL:
+    settings.temporal = g_value_get_boolean(value);
+    break;
+  case PROP_THRESHOLD:
+    settings.threshold = g_value_get_double(value);
+    break;
+  case PROP_FLOOR:
+    settings.floor = g_value_get_double(value);
+    break;
+  case PROP_ATTACH_SALIENCY:
+    settings.attach_saliency = g_value_get_boolean(value);
+    break;
+  case PROP_MAX_RATE:
+    settings.max_rate = g_value_get_double(value);
+    break;
+  default:
+    G_OBJECT_WARN_INVALID_PROPERTY_ID(object, id, pspec);
+    break;
   }
   GST_OBJECT_UNLOCK(object);
 }
@@ -427,33 +447,33 @@ gst_saliency_tactile_get_property(GObject *object, guint id, GValue *value, GPar
 
   GST_OBJECT_LOCK(object);
   switch (id) {
-    case PROP_PROFILE:
-      g_value_set_enum(value, static_cast<gint>(settings.profile));
-      break;
-    case PROP_ROWS:
-      g_value_set_uint(value, static_cast<guint>(settings.rows));
-      break;
-    case PROP_COLUMNS:
-      g_value_set_uint(value, static_cast<guint>(settings.columns));
-      break;
-    case PROP_TEMPORAL:
-      g_value_set_boolean(value, settings.temporal);
-      break;
-    case PROP_THRESHOLD:
-      g_value_set_double(value, settings.threshold);
-      break;
-    case PROP_FLOOR:
-      g_value_set_double(value, settings.floor);
-      break;
-    case PROP_ATTACH_SALIENCY:
-      g_value_set_boolean(value, settings.attach_saliency);
-      break;
-    case PROP_MAX_RATE:
-      g_value_set_double(value, settings.max_rate);
-      break;
-    default:
-      G_OBJECT_WARN_INVALID_PROPERTY_ID(object, id, pspec);
-      break;
+  case PROP_PROFILE:
+    g_value_set_enum(value, static_cast<gint>(settings.profile));
+    break;
+  case PROP_ROWS:
+    g_value_set_uint(value, static_cast<guint>(settings.rows));
+    break;
+  case PROP_COLUMNS:
+    g_value_set_uint(value, static_cast<guint>(settings.columns));
+    break;
+  case PROP_TEMPORAL:
+    g_value_set_boolean(value, settings.temporal);
+    break;
+  case PROP_THRESHOLD:
+    g_value_set_double(value, settings.threshold);
+    break;
+  case PROP_FLOOR:
+    g_value_set_double(value, settings.floor);
+    break;
+  case PROP_ATTACH_SALIENCY:
+    g_value_set_boolean(value, settings.attach_saliency);
+    break;
+  case PROP_MAX_RATE:
+    g_value_set_double(value, settings.max_rate);
+    break;
+  default:
+    G_OBJECT_WARN_INVALID_PROPERTY_ID(object, id, pspec);
+    break;
   }
   GST_OBJECT_UNLOCK(object);
 }
@@ -461,46 +481,59 @@ gst_saliency_tactile_get_property(GObject *object, guint id, GValue *value, GPar
 static void
 gst_saliency_tactile_install_properties(GObjectClass *klass)
 {
-  const auto playing = static_cast<GParamFlags>(G_PARAM_READWRITE | G_PARAM_STATIC_STRINGS | GST_PARAM_MUTABLE_PLAYING);
+  const auto playing = static_cast<GParamFlags>(G_PARAM_READWRITE | G_PARAM_STATIC_STRINGS
+                                                | GST_PARAM_MUTABLE_PLAYING);
   const auto controllable = static_cast<GParamFlags>(playing | GST_PARAM_CONTROLLABLE);
   const Settings defaults;
 
   g_object_class_install_property(klass, PROP_PROFILE,
-                                  g_param_spec_enum("profile", "Profile", "How saliency is computed",
-                                                    GST_TYPE_SALIENCY_TACTILE_PROFILE, static_cast<gint>(defaults.profile),
-                                                    playing));
+                                  g_param_spec_enum("profile", "Profile",
+                                                    "How saliency is computed",
+                                                    GST_TYPE_SALIENCY_TACTILE_PROFILE,
+                                                    static_cast<gint>(defaults.profile), playing));
   g_object_class_install_property(klass, PROP_ROWS,
-                                  g_param_spec_uint("rows", "Rows", "Rows of the tactile map", tactile::kMinGridSide,
-                                                    tactile::kMaxGridSide, static_cast<guint>(defaults.rows), playing));
-  g_object_class_install_property(klass, PROP_COLUMNS,
-                                  g_param_spec_uint("columns", "Columns", "Columns of the tactile map", tactile::kMinGridSide,
-                                                    tactile::kMaxGridSide, static_cast<guint>(defaults.columns), playing));
+                                  g_param_spec_uint("rows", "Rows", "Rows of the tactile map",
+                                                    tactile::kMinGridSide, tactile::kMaxGridSide,
+                                                    static_cast<guint>(defaults.rows), playing));
+  g_object_class_install_property(
+      klass, PROP_COLUMNS,
+      g_param_spec_uint("columns", "Columns", "Columns of the tactile map", tactile::kMinGridSide,
+                        tactile::kMaxGridSide, static_cast<guint>(defaults.columns), playing));
   g_object_class_install_property(
       klass, PROP_TEMPORAL,
-      g_param_spec_boolean("temporal", "Temporal", "Feel what changes (spatiotemporal saliency) rather than what stands out in a still picture (spatial saliency)",
+      g_param_spec_boolean("temporal", "Temporal",
+                           "Feel what changes (spatiotemporal saliency) rather than what stands "
+                           "out in a still picture (spatial saliency)",
                            defaults.temporal, controllable));
   g_object_class_install_property(
       klass, PROP_THRESHOLD,
-      g_param_spec_double("threshold", "Threshold", "Share of the frame's maximum saliency below which nothing is felt", 0, 1,
+      g_param_spec_double("threshold", "Threshold",
+                          "Share of the frame's maximum saliency below which nothing is felt", 0, 1,
                           defaults.threshold, controllable));
   g_object_class_install_property(
       klass, PROP_FLOOR,
       g_param_spec_double("floor", "Floor",
-                          "Event contrast in CIE Delta E up to which a frame is silent whatever its maximum (-1 = the profile's own)",
+                          "Event contrast in CIE Delta E up to which a frame is silent whatever "
+                          "its maximum (-1 = the profile's own)",
                           kProfileFloor, 1000, defaults.floor, controllable));
-  g_object_class_install_property(klass, PROP_ATTACH_SALIENCY,
-                                  g_param_spec_boolean("attach-saliency", "Attach saliency",
-                                                       "Add the saliency map to each frame too, as a GstSaliencyMeta",
-                                                       defaults.attach_saliency, playing));
+  g_object_class_install_property(
+      klass, PROP_ATTACH_SALIENCY,
+      g_param_spec_boolean("attach-saliency", "Attach saliency",
+                           "Add the saliency map to each frame too, as a GstSaliencyMeta",
+                           defaults.attach_saliency, playing));
   g_object_class_install_property(
       klass, PROP_MAX_RATE,
-      g_param_spec_double("max-rate", "Maximum rate", "Analyse at most this many frames per second; the others repeat the last map (0 = all)",
-                          0, 1000, defaults.max_rate, playing));
+      g_param_spec_double(
+          "max-rate", "Maximum rate",
+          "Analyse at most this many frames per second; the others repeat the last map (0 = all)",
+          0, 1000, defaults.max_rate, playing));
   g_object_class_install_property(
       klass, PROP_STATS,
       g_param_spec_boxed("stats", "Statistics",
-                         "Frames passed, analysed and active (any level above 0); mean and longest analysis time in ns",
-                         GST_TYPE_STRUCTURE, static_cast<GParamFlags>(G_PARAM_READABLE | G_PARAM_STATIC_STRINGS)));
+                         "Frames passed, analysed and active (any level above 0); mean and longest "
+                         "analysis time in ns",
+                         GST_TYPE_STRUCTURE,
+                         static_cast<GParamFlags>(G_PARAM_READABLE | G_PARAM_STATIC_STRINGS)));
 }
 
 static void
@@ -522,9 +555,10 @@ gst_saliency_tactile_class_init(GstSaliencyTactileClass *klass)
   object_class->finalize = gst_saliency_tactile_finalize;
   gst_saliency_tactile_install_properties(object_class);
 
-  gst_element_class_set_static_metadata(element_class, "Saliency to touch", "Filter/Analyzer/Video",
-                                        "Finds what draws the eye and adds it to each frame as a tactile map (GstTactileMeta)",
-                                        "The visuotactile authors");
+  gst_element_class_set_static_metadata(
+      element_class, "Saliency to touch", "Filter/Analyzer/Video",
+      "Finds what draws the eye and adds it to each frame as a tactile map (GstTactileMeta)",
+      "The visuotactile authors");
   gst_element_class_add_static_pad_template(element_class, &sink_template);
   gst_element_class_add_static_pad_template(element_class, &src_template);
   gst_type_mark_as_plugin_api(GST_TYPE_SALIENCY_TACTILE_PROFILE, static_cast<GstPluginAPIFlags>(0));
@@ -535,7 +569,8 @@ gst_saliency_tactile_class_init(GstSaliencyTactileClass *klass)
   transform_class->stop = gst_saliency_tactile_stop;
   transform_class->prepare_output_buffer = gst_saliency_tactile_prepare_output_buffer;
   transform_class->transform_ip = gst_saliency_tactile_transform_ip;
-  // Passthrough leaves caps, ALLOCATION and pools to the neighbours; transform_ip still sees every frame.
+  // Passthrough leaves caps, ALLOCATION and pools to the neighbours; transform_ip still sees every
+  // frame.
   transform_class->transform_ip_on_passthrough = TRUE;
 }
 

@@ -6,7 +6,8 @@
 G_BEGIN_DECLS
 
 #define GST_TYPE_SALIENCY_TACTILE (gst_saliency_tactile_get_type())
-G_DECLARE_FINAL_TYPE(GstSaliencyTactile, gst_saliency_tactile, GST, SALIENCY_TACTILE, GstBaseTransform)
+G_DECLARE_FINAL_TYPE(GstSaliencyTactile, gst_saliency_tactile, GST, SALIENCY_TACTILE,
+                     GstBaseTransform)
 
 GST_ELEMENT_REGISTER_DECLARE(saliencytactile);
 

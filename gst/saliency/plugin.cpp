@@ -7,5 +7,6 @@ plugin_init(GstPlugin *plugin)
   return GST_ELEMENT_REGISTER(saliencytactile, plugin);
 }
 
-GST_PLUGIN_DEFINE(GST_VERSION_MAJOR, GST_VERSION_MINOR, saliency, "Finds what draws the eye in a film and turns it into touch",
-                  plugin_init, PACKAGE_VERSION, "LGPL", PACKAGE_NAME, PACKAGE_ORIGIN)
+GST_PLUGIN_DEFINE(GST_VERSION_MAJOR, GST_VERSION_MINOR, saliency,
+                  "Finds what draws the eye in a film and turns it into touch", plugin_init,
+                  PACKAGE_VERSION, "LGPL", PACKAGE_NAME, PACKAGE_ORIGIN)

@@ -4,28 +4,33 @@
  * @title: tactorsink
  * @short_description: plays tactile maps on vibration motors, early and on the clock
  *
- * tactorsink takes either video frames that carry a #GstTactileMeta (as `saliencytactile` adds them) or a stream of tactile
- * maps (`application/x-tactile-map`, as `tactileextractor` makes it) and drives one vibration motor (tactor) per cell.
+ * tactorsink takes either video frames that carry a #GstTactileMeta (as `saliencytactile` adds
+ * them) or a stream of tactile maps (`application/x-tactile-map`, as `tactileextractor` makes it)
+ * and drives one vibration motor (tactor) per cell.
  *
- * A coin motor needs up to 150 ms to reach 90 % of its level, so each command is issued that much before its frame is
- * shown. The element asks for its data #GstTactorSink:max-lead early by means of render-delay, which delays every
- * other sink of the pipeline accordingly; the data has to be there by then, so put a queue with
- * `max-size-bytes=0 max-size-buffers=0 max-size-time=300000000` before each sink (a default queue holds three raw
- * 1080p frames, which is too little) or do without raw frames in the tactile branch, as in the second line below.
+ * A coin motor needs up to 150 ms to reach 90 % of its level, so each command is issued that much
+ * before its frame is shown. The element asks for its data #GstTactorSink:max-lead early by means
+ * of render-delay, which delays every other sink of the pipeline accordingly; the data has to be
+ * there by then, so put a queue with `max-size-bytes=0 max-size-buffers=0 max-size-time=300000000`
+ * before each sink (a default queue holds three raw 1080p frames, which is too little) or do
+ * without raw frames in the tactile branch, as in the second line below.
  *
- * Every way out of PLAYING leaves all motors at zero: pause, flush, end of stream, error, and an upstream that stops delivering.
+ * Every way out of PLAYING leaves all motors at zero: pause, flush, end of stream, error, and an
+ * upstream that stops delivering.
  *
  * ## Example launch lines
  * |[
- * gst-launch-1.0 tactiletestsrc num-buffers=150 ! saliencytactile ! tactorsink trace-location=commands.csv
+ * gst-launch-1.0 tactiletestsrc num-buffers=150 ! saliencytactile ! tactorsink
+ * trace-location=commands.csv
  * gst-launch-1.0 tactiletestsrc num-buffers=150 ! saliencytactile ! tactileextractor name=x \
- *     x.src ! queue max-size-bytes=0 max-size-buffers=0 max-size-time=300000000 ! videoconvert ! autovideosink \
- *     x.tactile ! queue max-size-bytes=0 max-size-buffers=0 max-size-time=300000000 ! tactorsink
+ *     x.src ! queue max-size-bytes=0 max-size-buffers=0 max-size-time=300000000 ! videoconvert !
+ * autovideosink \ x.tactile ! queue max-size-bytes=0 max-size-buffers=0 max-size-time=300000000 !
+ * tactorsink
  * ]|
  *
  * ## Messages
- * - `tactor-lead-short`: a command could not be issued as early as its motor needs; fields `lead`, `late` (#guint64, ns). At most one
- *   in five seconds.
+ * - `tactor-lead-short`: a command could not be issued as early as its motor needs; fields `lead`,
+ * `late` (#guint64, ns). At most one in five seconds.
  * - `tactor-device-lost`, `tactor-device-found`: the board went away, came back.
  * - `tactor-stats`: the contents of #GstTactorSink:stats at the end of the stream.
  *
@@ -52,7 +57,8 @@ GST_DEBUG_CATEGORY_STATIC(tactor_sink_debug);
 
 namespace {
 
-/// Data is asked for this much before the earliest command can be due: the time that planning and a wake-up take.
+/// Data is asked for this much before the earliest command can be due: the time that planning and a
+/// wake-up take.
 constexpr Time kWakeMargin = std::chrono::milliseconds(10);
 
 /// A map is held at most this long after the end of its frame if no other follows.
@@ -109,8 +115,7 @@ to_time(GstClockTime time)
 
 struct GstTactorSinkPrivate final : TactorSchedulerHost
 {
-  explicit GstTactorSinkPrivate(GstTactorSink *sink)
-      : element(GST_ELEMENT(sink)), scheduler(*this)
+  explicit GstTactorSinkPrivate(GstTactorSink *sink) : element(GST_ELEMENT(sink)), scheduler(*this)
   {
   }
 
@@ -122,12 +127,12 @@ struct GstTactorSinkPrivate final : TactorSchedulerHost
 
   GstElement *element; ///< not owned: this is its private part
   Settings settings;
-  int board_tactors = 0;           ///< of the open driver
-  Time transport_latency{ 0 };     ///< of the open driver
+  int board_tactors = 0;       ///< of the open driver
+  Time transport_latency{ 0 }; ///< of the open driver
 
   Stream stream;
   std::optional<tactor::CommandPlanner> planner;
-  Time last_end{ 0 };              ///< running time of the end of the last map
+  Time last_end{ 0 }; ///< running time of the end of the last map
   bool warned_no_meta = false;
   bool warned_grid = false;
   std::vector<gfloat> levels;
@@ -148,9 +153,9 @@ G_DEFINE_TYPE_WITH_CODE(GstTactorSink, gst_tactor_sink, GST_TYPE_BASE_SINK,
                         GST_DEBUG_CATEGORY_INIT(tactor_sink_debug, "tactorsink", 0, "tactor sink"));
 GST_ELEMENT_REGISTER_DEFINE(tactorsink, "tactorsink", GST_RANK_NONE, GST_TYPE_TACTOR_SINK);
 
-static GstStaticPadTemplate sink_template =
-    GST_STATIC_PAD_TEMPLATE("sink", GST_PAD_SINK, GST_PAD_ALWAYS,
-                            GST_STATIC_CAPS("video/x-raw(ANY); " GST_TACTILE_MAP_CAPS));
+static GstStaticPadTemplate sink_template
+    = GST_STATIC_PAD_TEMPLATE("sink", GST_PAD_SINK, GST_PAD_ALWAYS,
+                              GST_STATIC_CAPS("video/x-raw(ANY); " GST_TACTILE_MAP_CAPS));
 
 #define GST_TYPE_TACTOR_COMPENSATION (gst_tactor_compensation_get_type())
 static GType
@@ -158,9 +163,10 @@ gst_tactor_compensation_get_type(void)
 {
   static gsize type = 0;
   static const GEnumValue values[] = {
-    { static_cast<gint>(tactor::Compensation::exact), "Issued exactly one rise time before the frame", "exact" },
-    { static_cast<gint>(tactor::Compensation::frame_block), "Rise time rounded up to whole frames (Kim et al. 2012)",
-      "frame-block" },
+    { static_cast<gint>(tactor::Compensation::exact),
+      "Issued exactly one rise time before the frame", "exact" },
+    { static_cast<gint>(tactor::Compensation::frame_block),
+      "Rise time rounded up to whole frames (Kim et al. 2012)", "frame-block" },
     { static_cast<gint>(tactor::Compensation::none), "Issued with the frame", "none" },
     { 0, nullptr, nullptr },
   };
@@ -178,17 +184,20 @@ GstTactorSinkPrivate::timing()
   Timing timing;
   timing.clock = gst_element_get_clock(element);
   timing.offset = static_cast<GstClockTimeDiff>(gst_element_get_base_time(element))
-                  + static_cast<GstClockTimeDiff>(gst_base_sink_get_latency(sink)) + gst_base_sink_get_ts_offset(sink);
+                  + static_cast<GstClockTimeDiff>(gst_base_sink_get_latency(sink))
+                  + gst_base_sink_get_ts_offset(sink);
   return timing;
 }
 
 void
 GstTactorSinkPrivate::device_lost(const tactor::DriverError &error)
 {
-  GST_ELEMENT_WARNING(element, RESOURCE, NOT_FOUND, ("The tactor board is gone; the film plays on."), ("%s", error.what()));
-  gst_element_post_message(element, gst_message_new_element(GST_OBJECT(element),
-                                                            gst_structure_new("tactor-device-lost", "reason", G_TYPE_STRING,
-                                                                              error.what(), nullptr)));
+  GST_ELEMENT_WARNING(element, RESOURCE, NOT_FOUND,
+                      ("The tactor board is gone; the film plays on."), ("%s", error.what()));
+  gst_element_post_message(
+      element, gst_message_new_element(GST_OBJECT(element),
+                                       gst_structure_new("tactor-device-lost", "reason",
+                                                         G_TYPE_STRING, error.what(), nullptr)));
 }
 
 void
@@ -196,7 +205,8 @@ GstTactorSinkPrivate::device_found()
 {
   GST_INFO_OBJECT(element, "the tactor board is back");
   gst_element_post_message(
-      element, gst_message_new_element(GST_OBJECT(element), gst_structure_new_empty("tactor-device-found")));
+      element,
+      gst_message_new_element(GST_OBJECT(element), gst_structure_new_empty("tactor-device-found")));
 }
 
 void
@@ -208,21 +218,25 @@ GstTactorSinkPrivate::device_failed(const tactor::DriverError &error)
 void
 GstTactorSinkPrivate::lead_short(Time lead, Time late)
 {
-  GST_DEBUG_OBJECT(element, "command with a lead of %" GST_STIME_FORMAT " is late by %" GST_STIME_FORMAT,
+  GST_DEBUG_OBJECT(element,
+                   "command with a lead of %" GST_STIME_FORMAT " is late by %" GST_STIME_FORMAT,
                    GST_STIME_ARGS(lead.count()), GST_STIME_ARGS(late.count()));
   const Time now(static_cast<gint64>(gst_util_get_timestamp()));
   if (last_lead_short && now - *last_lead_short < kLeadShortInterval)
     return;
   last_lead_short = now;
   GST_WARNING_OBJECT(element,
-                     "a command that needs a lead of %" GST_STIME_FORMAT " was late by %" GST_STIME_FORMAT
-                     ": is there a queue with max-size-bytes=0 max-size-buffers=0 and enough max-size-time before each sink?",
+                     "a command that needs a lead of %" GST_STIME_FORMAT
+                     " was late by %" GST_STIME_FORMAT
+                     ": is there a queue with max-size-bytes=0 max-size-buffers=0 and enough "
+                     "max-size-time before each sink?",
                      GST_STIME_ARGS(lead.count()), GST_STIME_ARGS(late.count()));
   gst_element_post_message(
-      element, gst_message_new_element(GST_OBJECT(element),
-                                       gst_structure_new("tactor-lead-short", "lead", G_TYPE_UINT64,
-                                                         static_cast<guint64>(lead.count()), "late", G_TYPE_UINT64,
-                                                         static_cast<guint64>(late.count()), nullptr)));
+      element, gst_message_new_element(
+                   GST_OBJECT(element),
+                   gst_structure_new("tactor-lead-short", "lead", G_TYPE_UINT64,
+                                     static_cast<guint64>(lead.count()), "late", G_TYPE_UINT64,
+                                     static_cast<guint64>(late.count()), nullptr)));
 }
 
 /* ---- statistics ---- */
@@ -231,14 +245,18 @@ static GstStructure *
 gst_tactor_sink_stats(GstTactorSink *self)
 {
   const TactorScheduler::Counters counters = self->priv->scheduler.counters();
-  const auto ns = [](Time time) { return static_cast<gint64>(time.count()); };
-  return gst_structure_new(
-      "application/x-tactor-stats", "issued", G_TYPE_UINT64, counters.issued, "late", G_TYPE_UINT64, counters.late,
-      "coalesced", G_TYPE_UINT64, counters.coalesced, "dropped", G_TYPE_UINT64, counters.dropped, "starved",
-      G_TYPE_UINT64, counters.starved, "reconnects", G_TYPE_UINT64, counters.reconnects, "error-min", G_TYPE_INT64,
-      ns(counters.error.min()), "error-mean", G_TYPE_INT64, ns(counters.error.mean()), "error-p50", G_TYPE_INT64,
-      ns(counters.error.percentile(0.5)), "error-p99", G_TYPE_INT64, ns(counters.error.percentile(0.99)), "error-max",
-      G_TYPE_INT64, ns(counters.error.max()), nullptr);
+  const auto ns = [](Time time) {
+    return static_cast<gint64>(time.count());
+  };
+  return gst_structure_new("application/x-tactor-stats", "issued", G_TYPE_UINT64, counters.issued,
+                           "late", G_TYPE_UINT64, counters.late, "coalesced", G_TYPE_UINT64,
+                           counters.coalesced, "dropped", G_TYPE_UINT64, counters.dropped,
+                           "starved", G_TYPE_UINT64, counters.starved, "reconnects", G_TYPE_UINT64,
+                           counters.reconnects, "error-min", G_TYPE_INT64, ns(counters.error.min()),
+                           "error-mean", G_TYPE_INT64, ns(counters.error.mean()), "error-p50",
+                           G_TYPE_INT64, ns(counters.error.percentile(0.5)), "error-p99",
+                           G_TYPE_INT64, ns(counters.error.percentile(0.99)), "error-max",
+                           G_TYPE_INT64, ns(counters.error.max()), nullptr);
 }
 
 /* ---- planning (streaming thread) ---- */
@@ -267,14 +285,17 @@ gst_tactor_sink_set_grid(GstTactorSink *self, guint rows, guint columns, Time ti
 
   const tactor::PlannerSettings settings = gst_tactor_sink_planner_settings(self);
   const int cells = static_cast<int>(rows * columns);
-  const int wanted = settings.mapping.empty() ? cells : 1 + *std::ranges::max_element(settings.mapping);
-  GST_INFO_OBJECT(self, "grid of %u x %u, %d tactors wanted, the board has %d", rows, columns, wanted,
-                  priv->board_tactors);
-  const std::string problem = tactor::CommandPlanner::validate_mapping(settings.mapping, cells, priv->board_tactors);
+  const int wanted
+      = settings.mapping.empty() ? cells : 1 + *std::ranges::max_element(settings.mapping);
+  GST_INFO_OBJECT(self, "grid of %u x %u, %d tactors wanted, the board has %d", rows, columns,
+                  wanted, priv->board_tactors);
+  const std::string problem
+      = tactor::CommandPlanner::validate_mapping(settings.mapping, cells, priv->board_tactors);
   if (!problem.empty() && !priv->warned_grid) {
     priv->warned_grid = true;
     GST_ELEMENT_WARNING(self, STREAM, FORMAT, ("Some cells of the film have no tactor."),
-                        ("%s; set rows and columns of saliencytactile to the chair's grid, or mapping of tactorsink",
+                        ("%s; set rows and columns of saliencytactile to the chair's grid, or "
+                         "mapping of tactorsink",
                          problem.c_str()));
   }
   priv->planner.emplace(std::clamp(wanted, 0, priv->board_tactors), settings);
@@ -304,9 +325,11 @@ gst_tactor_sink_read_levels(GstTactorSink *self, GstBuffer *buffer, guint &rows,
   return true;
 }
 
-/// Running time at which the buffer's frame is shown and how long, at the segment's rate. A buffer without time follows the last one.
+/// Running time at which the buffer's frame is shown and how long, at the segment's rate. A buffer
+/// without time follows the last one.
 static void
-gst_tactor_sink_times(GstTactorSink *self, GstClockTime pts, GstClockTime length, Time &start, Time &duration)
+gst_tactor_sink_times(GstTactorSink *self, GstClockTime pts, GstClockTime length, Time &start,
+                      Time &duration)
 {
   GstTactorSinkPrivate *priv = self->priv;
   GstBaseSink *sink = GST_BASE_SINK(self);
@@ -325,7 +348,8 @@ gst_tactor_sink_times(GstTactorSink *self, GstClockTime pts, GstClockTime length
       position = std::min<GstClockTime>(position, segment.stop);
     position = std::max<GstClockTime>(position, segment.start);
   }
-  duration = Time(static_cast<gint64>(std::min(static_cast<double>(duration.count()) / rate, 1e15)));
+  duration
+      = Time(static_cast<gint64>(std::min(static_cast<double>(duration.count()) / rate, 1e15)));
   const GstClockTime running = gst_segment_to_running_time(&segment, GST_FORMAT_TIME, position);
   start = GST_CLOCK_TIME_IS_VALID(running) ? to_time(running) : priv->last_end;
 }
@@ -345,14 +369,16 @@ gst_tactor_sink_render(GstBaseSink *sink, GstBuffer *buffer)
   const bool has_levels = gst_tactor_sink_read_levels(self, buffer, rows, columns);
   if (!has_levels && priv->stream.is_map) {
     GST_ELEMENT_ERROR(self, STREAM, FORMAT, ("A tactile map of the wrong size came."),
-                      ("expected %u x %u float32 levels (%u bytes), got %" G_GSIZE_FORMAT " bytes", priv->stream.rows,
-                       priv->stream.columns, priv->stream.rows * priv->stream.columns * 4u, gst_buffer_get_size(buffer)));
+                      ("expected %u x %u float32 levels (%u bytes), got %" G_GSIZE_FORMAT " bytes",
+                       priv->stream.rows, priv->stream.columns,
+                       priv->stream.rows * priv->stream.columns * 4u, gst_buffer_get_size(buffer)));
     return GST_FLOW_ERROR;
   }
   if (!has_levels && !priv->warned_no_meta) {
     priv->warned_no_meta = true;
-    GST_ELEMENT_WARNING(self, STREAM, FORMAT, ("The video frames carry no tactile map."),
-                        ("expected a GstTactileMeta on each frame; put saliencytactile before tactorsink"));
+    GST_ELEMENT_WARNING(
+        self, STREAM, FORMAT, ("The video frames carry no tactile map."),
+        ("expected a GstTactileMeta on each frame; put saliencytactile before tactorsink"));
   }
 
   const bool starved = priv->scheduler.take_starved();
@@ -365,15 +391,17 @@ gst_tactor_sink_render(GstBaseSink *sink, GstBuffer *buffer)
   priv->planner->set_settings(gst_tactor_sink_planner_settings(self));
 
   priv->last_end = start + duration;
-  const std::vector<tactor::Command> commands =
-      has_levels ? priv->planner->plan(start, duration, priv->levels) : priv->planner->silence(start);
-  GST_LOG_OBJECT(self, "map at %" GST_STIME_FORMAT ": %" G_GSIZE_FORMAT " commands", GST_STIME_ARGS(start.count()),
-                 commands.size());
+  const std::vector<tactor::Command> commands
+      = has_levels ? priv->planner->plan(start, duration, priv->levels)
+                   : priv->planner->silence(start);
+  GST_LOG_OBJECT(self, "map at %" GST_STIME_FORMAT ": %" G_GSIZE_FORMAT " commands",
+                 GST_STIME_ARGS(start.count()), commands.size());
   priv->scheduler.push(commands, priv->last_end + kHold);
   return GST_FLOW_OK;
 }
 
-/// Waits until the last map has been shown, which is later than the base class does: its wait ends render-delay early.
+/// Waits until the last map has been shown, which is later than the base class does: its wait ends
+/// render-delay early.
 static GstFlowReturn
 gst_tactor_sink_drain(GstTactorSink *self)
 {
@@ -383,7 +411,8 @@ gst_tactor_sink_drain(GstTactorSink *self)
     return GST_FLOW_OK;
   priv->scheduler.push(priv->planner->silence(priv->last_end), priv->last_end + kHold);
   const GstClockTime end = static_cast<GstClockTime>(std::max<gint64>(priv->last_end.count(), 0));
-  const GstFlowReturn ret = gst_base_sink_wait(sink, end + gst_base_sink_get_render_delay(sink), nullptr);
+  const GstFlowReturn ret
+      = gst_base_sink_wait(sink, end + gst_base_sink_get_render_delay(sink), nullptr);
   if (ret == GST_FLOW_OK)
     priv->scheduler.flush();
   return ret;
@@ -453,7 +482,8 @@ gst_tactor_sink_set_caps(GstBaseSink *sink, GstCaps *caps)
     guint rows;
     guint columns;
     if (!gst_tactile_map_caps_parse(caps, &rows, &columns, &fps_n, &fps_d)) {
-      GST_ERROR_OBJECT(self, "expected rows and columns from 1 to %d, got %" GST_PTR_FORMAT, GST_TACTILE_MAX_SIDE, caps);
+      GST_ERROR_OBJECT(self, "expected rows and columns from 1 to %d, got %" GST_PTR_FORMAT,
+                       GST_TACTILE_MAX_SIDE, caps);
       return FALSE;
     }
     priv->stream.is_map = true;
@@ -462,8 +492,8 @@ gst_tactor_sink_set_caps(GstBaseSink *sink, GstCaps *caps)
   } else {
     gst_structure_get_fraction(structure, "framerate", &fps_n, &fps_d);
   }
-  stream.frame_duration =
-      fps_n > 0 ? to_time(gst_util_uint64_scale_int(GST_SECOND, fps_d, fps_n)) : Time(0);
+  stream.frame_duration
+      = fps_n > 0 ? to_time(gst_util_uint64_scale_int(GST_SECOND, fps_d, fps_n)) : Time(0);
   priv->stream = stream;
   return TRUE;
 }
@@ -488,7 +518,8 @@ gst_tactor_sink_propose_allocation(GstBaseSink *sink, GstQuery *query)
     const double fps = info.fps_n > 0 ? static_cast<double>(info.fps_n) / info.fps_d : 30.0;
     const double lead = static_cast<double>(gst_base_sink_get_render_delay(sink)) / GST_SECOND;
     const guint frames = static_cast<guint>(std::min(std::ceil(lead * fps) + 1, 256.0));
-    gst_query_add_allocation_pool(query, nullptr, static_cast<guint>(std::min<gsize>(info.size, G_MAXUINT)), frames, 0);
+    gst_query_add_allocation_pool(
+        query, nullptr, static_cast<guint>(std::min<gsize>(info.size, G_MAXUINT)), frames, 0);
     GST_DEBUG_OBJECT(self, "asking for at least %u buffers", frames);
   }
   return TRUE;
@@ -521,21 +552,21 @@ gst_tactor_sink_start(GstBaseSink *sink)
     priv->scheduler.set_muted(settings.mute);
   } catch (const tactor::DriverError &e) {
     switch (e.kind()) {
-      case tactor::DriverError::Kind::not_found:
-        GST_ELEMENT_ERROR(self, RESOURCE, NOT_FOUND, ("%s", e.what()), (nullptr));
-        break;
-      case tactor::DriverError::Kind::busy:
-        GST_ELEMENT_ERROR(self, RESOURCE, BUSY, ("%s", e.what()), (nullptr));
-        break;
-      case tactor::DriverError::Kind::permission:
-        GST_ELEMENT_ERROR(self, RESOURCE, NOT_AUTHORIZED, ("%s", e.what()), (nullptr));
-        break;
-      case tactor::DriverError::Kind::settings:
-        GST_ELEMENT_ERROR(self, RESOURCE, SETTINGS, ("%s", e.what()), (nullptr));
-        break;
-      default:
-        GST_ELEMENT_ERROR(self, RESOURCE, OPEN_READ_WRITE, ("%s", e.what()), (nullptr));
-        break;
+    case tactor::DriverError::Kind::not_found:
+      GST_ELEMENT_ERROR(self, RESOURCE, NOT_FOUND, ("%s", e.what()), (nullptr));
+      break;
+    case tactor::DriverError::Kind::busy:
+      GST_ELEMENT_ERROR(self, RESOURCE, BUSY, ("%s", e.what()), (nullptr));
+      break;
+    case tactor::DriverError::Kind::permission:
+      GST_ELEMENT_ERROR(self, RESOURCE, NOT_AUTHORIZED, ("%s", e.what()), (nullptr));
+      break;
+    case tactor::DriverError::Kind::settings:
+      GST_ELEMENT_ERROR(self, RESOURCE, SETTINGS, ("%s", e.what()), (nullptr));
+      break;
+    default:
+      GST_ELEMENT_ERROR(self, RESOURCE, OPEN_READ_WRITE, ("%s", e.what()), (nullptr));
+      break;
     }
     return FALSE;
   } catch (const std::exception &e) {
@@ -543,7 +574,8 @@ gst_tactor_sink_start(GstBaseSink *sink)
     return FALSE;
   }
   gst_base_sink_set_render_delay(
-      sink, static_cast<GstClockTime>((settings.planner.max_lead + priv->transport_latency + kWakeMargin).count()));
+      sink, static_cast<GstClockTime>(
+                (settings.planner.max_lead + priv->transport_latency + kWakeMargin).count()));
   return TRUE;
 }
 
@@ -565,33 +597,34 @@ gst_tactor_sink_change_state(GstElement *element, GstStateChange transition)
   GstTactorSinkPrivate *priv = self->priv;
 
   switch (transition) {
-    case GST_STATE_CHANGE_READY_TO_PAUSED:
-      priv->planner.reset();
-      priv->stream = {};
-      priv->last_end = Time(0);
-      priv->warned_no_meta = priv->warned_grid = false;
-      priv->last_lead_short.reset();
-      priv->scheduler.set_immediate(!gst_base_sink_get_sync(GST_BASE_SINK(element)));
-      break;
-    case GST_STATE_CHANGE_PLAYING_TO_PAUSED:
-      priv->scheduler.pause();
-      break;
-    default:
-      break;
+  case GST_STATE_CHANGE_READY_TO_PAUSED:
+    priv->planner.reset();
+    priv->stream = {};
+    priv->last_end = Time(0);
+    priv->warned_no_meta = priv->warned_grid = false;
+    priv->last_lead_short.reset();
+    priv->scheduler.set_immediate(!gst_base_sink_get_sync(GST_BASE_SINK(element)));
+    break;
+  case GST_STATE_CHANGE_PLAYING_TO_PAUSED:
+    priv->scheduler.pause();
+    break;
+  default:
+    break;
   }
 
-  const GstStateChangeReturn ret = GST_ELEMENT_CLASS(parent_class)->change_state(element, transition);
+  const GstStateChangeReturn ret
+      = GST_ELEMENT_CLASS(parent_class)->change_state(element, transition);
 
   switch (transition) {
-    case GST_STATE_CHANGE_PAUSED_TO_PLAYING:
-      if (ret != GST_STATE_CHANGE_FAILURE)
-        priv->scheduler.play();
-      break;
-    case GST_STATE_CHANGE_PAUSED_TO_READY:
-      priv->scheduler.flush();
-      break;
-    default:
-      break;
+  case GST_STATE_CHANGE_PAUSED_TO_PLAYING:
+    if (ret != GST_STATE_CHANGE_FAILURE)
+      priv->scheduler.play();
+    break;
+  case GST_STATE_CHANGE_PAUSED_TO_READY:
+    priv->scheduler.flush();
+    break;
+  default:
+    break;
   }
   return ret;
 }
@@ -615,7 +648,8 @@ gst_tactor_sink_timing_notify(GObject *object, GParamSpec *, gpointer)
 static void
 gst_tactor_sink_sync_notify(GObject *object, GParamSpec *, gpointer)
 {
-  GST_TACTOR_SINK(object)->priv->scheduler.set_immediate(!gst_base_sink_get_sync(GST_BASE_SINK(object)));
+  GST_TACTOR_SINK(object)->priv->scheduler.set_immediate(
+      !gst_base_sink_get_sync(GST_BASE_SINK(object)));
 }
 
 /* ---- properties ---- */
@@ -664,39 +698,39 @@ gst_tactor_sink_set_property(GObject *object, guint id, const GValue *value, GPa
 
   GST_OBJECT_LOCK(object);
   switch (id) {
-    case PROP_DRIVER:
-      settings.driver = string_from_value(value);
-      break;
-    case PROP_DEVICE:
-      settings.device = string_from_value(value);
-      break;
-    case PROP_RATE:
-      settings.planner.rate = g_value_get_double(value);
-      break;
-    case PROP_COMPENSATION:
-      settings.planner.compensation = static_cast<tactor::Compensation>(g_value_get_enum(value));
-      break;
-    case PROP_MAX_LEAD:
-      settings.planner.max_lead = std::chrono::milliseconds(g_value_get_uint(value));
-      break;
-    case PROP_VOLTAGE_MAX:
-      settings.planner.volts_max = g_value_get_double(value);
-      break;
-    case PROP_VOLTAGE_MIN:
-      settings.planner.volts_min = g_value_get_double(value);
-      break;
-    case PROP_INTENSITY:
-      settings.planner.intensity = g_value_get_double(value);
-      break;
-    case PROP_MAPPING:
-      settings.planner.mapping = mapping_from_value(value);
-      break;
-    case PROP_TRACE_LOCATION:
-      settings.trace_location = string_from_value(value);
-      break;
-    default:
-      G_OBJECT_WARN_INVALID_PROPERTY_ID(object, id, pspec);
-      break;
+  case PROP_DRIVER:
+    settings.driver = string_from_value(value);
+    break;
+  case PROP_DEVICE:
+    settings.device = string_from_value(value);
+    break;
+  case PROP_RATE:
+    settings.planner.rate = g_value_get_double(value);
+    break;
+  case PROP_COMPENSATION:
+    settings.planner.compensation = static_cast<tactor::Compensation>(g_value_get_enum(value));
+    break;
+  case PROP_MAX_LEAD:
+    settings.planner.max_lead = std::chrono::milliseconds(g_value_get_uint(value));
+    break;
+  case PROP_VOLTAGE_MAX:
+    settings.planner.volts_max = g_value_get_double(value);
+    break;
+  case PROP_VOLTAGE_MIN:
+    settings.planner.volts_min = g_value_get_double(value);
+    break;
+  case PROP_INTENSITY:
+    settings.planner.intensity = g_value_get_double(value);
+    break;
+  case PROP_MAPPING:
+    settings.planner.mapping = mapping_from_value(value);
+    break;
+  case PROP_TRACE_LOCATION:
+    settings.trace_location = string_from_value(value);
+    break;
+  default:
+    G_OBJECT_WARN_INVALID_PROPERTY_ID(object, id, pspec);
+    break;
   }
   GST_OBJECT_UNLOCK(object);
 }
@@ -713,44 +747,46 @@ gst_tactor_sink_get_property(GObject *object, guint id, GValue *value, GParamSpe
 
   GST_OBJECT_LOCK(object);
   switch (id) {
-    case PROP_DRIVER:
-      g_value_set_string(value, settings.driver.c_str());
-      break;
-    case PROP_DEVICE:
-      g_value_set_string(value, settings.device.empty() ? nullptr : settings.device.c_str());
-      break;
-    case PROP_RATE:
-      g_value_set_double(value, settings.planner.rate);
-      break;
-    case PROP_COMPENSATION:
-      g_value_set_enum(value, static_cast<gint>(settings.planner.compensation));
-      break;
-    case PROP_MAX_LEAD:
-      g_value_set_uint(
-          value,
-          static_cast<guint>(std::chrono::duration_cast<std::chrono::milliseconds>(settings.planner.max_lead).count()));
-      break;
-    case PROP_VOLTAGE_MAX:
-      g_value_set_double(value, settings.planner.volts_max);
-      break;
-    case PROP_VOLTAGE_MIN:
-      g_value_set_double(value, settings.planner.volts_min);
-      break;
-    case PROP_INTENSITY:
-      g_value_set_double(value, settings.planner.intensity);
-      break;
-    case PROP_MUTE:
-      g_value_set_boolean(value, settings.mute);
-      break;
-    case PROP_MAPPING:
-      mapping_to_value(settings.planner.mapping, value);
-      break;
-    case PROP_TRACE_LOCATION:
-      g_value_set_string(value, settings.trace_location.empty() ? nullptr : settings.trace_location.c_str());
-      break;
-    default:
-      G_OBJECT_WARN_INVALID_PROPERTY_ID(object, id, pspec);
-      break;
+  case PROP_DRIVER:
+    g_value_set_string(value, settings.driver.c_str());
+    break;
+  case PROP_DEVICE:
+    g_value_set_string(value, settings.device.empty() ? nullptr : settings.device.c_str());
+    break;
+  case PROP_RATE:
+    g_value_set_double(value, settings.planner.rate);
+    break;
+  case PROP_COMPENSATION:
+    g_value_set_enum(value, static_cast<gint>(settings.planner.compensation));
+    break;
+  case PROP_MAX_LEAD:
+    g_value_set_uint(
+        value, static_cast<guint>(
+                   std::chrono::duration_cast<std::chrono::milliseconds>(settings.planner.max_lead)
+                       .count()));
+    break;
+  case PROP_VOLTAGE_MAX:
+    g_value_set_double(value, settings.planner.volts_max);
+    break;
+  case PROP_VOLTAGE_MIN:
+    g_value_set_double(value, settings.planner.volts_min);
+    break;
+  case PROP_INTENSITY:
+    g_value_set_double(value, settings.planner.intensity);
+    break;
+  case PROP_MUTE:
+    g_value_set_boolean(value, settings.mute);
+    break;
+  case PROP_MAPPING:
+    mapping_to_value(settings.planner.mapping, value);
+    break;
+  case PROP_TRACE_LOCATION:
+    g_value_set_string(value,
+                       settings.trace_location.empty() ? nullptr : settings.trace_location.c_str());
+    break;
+  default:
+    G_OBJECT_WARN_INVALID_PROPERTY_ID(object, id, pspec);
+    break;
   }
   GST_OBJECT_UNLOCK(object);
 }
@@ -758,64 +794,85 @@ gst_tactor_sink_get_property(GObject *object, guint id, GValue *value, GParamSpe
 static void
 gst_tactor_sink_install_properties(GObjectClass *klass)
 {
-  const auto ready = static_cast<GParamFlags>(G_PARAM_READWRITE | G_PARAM_STATIC_STRINGS | GST_PARAM_MUTABLE_READY);
-  const auto playing = static_cast<GParamFlags>(G_PARAM_READWRITE | G_PARAM_STATIC_STRINGS | GST_PARAM_MUTABLE_PLAYING);
+  const auto ready = static_cast<GParamFlags>(G_PARAM_READWRITE | G_PARAM_STATIC_STRINGS
+                                              | GST_PARAM_MUTABLE_READY);
+  const auto playing = static_cast<GParamFlags>(G_PARAM_READWRITE | G_PARAM_STATIC_STRINGS
+                                                | GST_PARAM_MUTABLE_PLAYING);
   const auto controllable = static_cast<GParamFlags>(playing | GST_PARAM_CONTROLLABLE);
   const tactor::PlannerSettings defaults;
 
   g_object_class_install_property(
       klass, PROP_DRIVER,
-      g_param_spec_string("driver", "Driver", "What drives the tactors: simulator (motors predicted, no hardware)",
+      g_param_spec_string("driver", "Driver",
+                          "What drives the tactors: simulator (motors predicted, no hardware)",
                           Settings().driver.c_str(), ready));
   g_object_class_install_property(
       klass, PROP_DEVICE,
       g_param_spec_string("device", "Device",
-                          "Which board; for the simulator, a CSV file that gets the predicted amplitudes (unset: none)",
+                          "Which board; for the simulator, a CSV file that gets the predicted "
+                          "amplitudes (unset: none)",
                           nullptr, ready));
   g_object_class_install_property(
       klass, PROP_RATE,
-      g_param_spec_double("rate", "Rate", "How often the tactors may change, in Hz (0 = with every map)", 0, 1000,
+      g_param_spec_double("rate", "Rate",
+                          "How often the tactors may change, in Hz (0 = with every map)", 0, 1000,
                           defaults.rate, playing));
   g_object_class_install_property(
       klass, PROP_COMPENSATION,
-      g_param_spec_enum("compensation", "Compensation", "How commands are moved ahead by the motors' rise time",
-                        GST_TYPE_TACTOR_COMPENSATION, static_cast<gint>(defaults.compensation), playing));
+      g_param_spec_enum(
+          "compensation", "Compensation", "How commands are moved ahead by the motors' rise time",
+          GST_TYPE_TACTOR_COMPENSATION, static_cast<gint>(defaults.compensation), playing));
   g_object_class_install_property(
       klass, PROP_MAX_LEAD,
-      g_param_spec_uint("max-lead", "Max lead",
-                        "Longest time in ms by which a command is issued before its frame; all other sinks are delayed by it",
-                        0, 1000,
-                        static_cast<guint>(std::chrono::duration_cast<std::chrono::milliseconds>(defaults.max_lead).count()), ready));
+      g_param_spec_uint(
+          "max-lead", "Max lead",
+          "Longest time in ms by which a command is issued before its frame; all other sinks are "
+          "delayed by it",
+          0, 1000,
+          static_cast<guint>(
+              std::chrono::duration_cast<std::chrono::milliseconds>(defaults.max_lead).count()),
+          ready));
   g_object_class_install_property(klass, PROP_VOLTAGE_MAX,
-                                  g_param_spec_double("voltage-max", "Maximum voltage", "Volts at the motor for level 1.0",
-                                                      0.1, 24, defaults.volts_max, ready));
+                                  g_param_spec_double("voltage-max", "Maximum voltage",
+                                                      "Volts at the motor for level 1.0", 0.1, 24,
+                                                      defaults.volts_max, ready));
   g_object_class_install_property(
       klass, PROP_VOLTAGE_MIN,
-      g_param_spec_double("voltage-min", "Minimum voltage", "Commands below this many volts are sent as 0: the motor would not start", 0,
-                          24, defaults.volts_min, playing));
-  g_object_class_install_property(klass, PROP_INTENSITY,
-                                  g_param_spec_double("intensity", "Intensity",
-                                                      "Master intensity, a factor on all levels, from the next map on", 0, 1,
-                                                      defaults.intensity, controllable));
+      g_param_spec_double("voltage-min", "Minimum voltage",
+                          "Commands below this many volts are sent as 0: the motor would not start",
+                          0, 24, defaults.volts_min, playing));
+  g_object_class_install_property(
+      klass, PROP_INTENSITY,
+      g_param_spec_double("intensity", "Intensity",
+                          "Master intensity, a factor on all levels, from the next map on", 0, 1,
+                          defaults.intensity, controllable));
   g_object_class_install_property(
       klass, PROP_MUTE,
-      g_param_spec_boolean("mute", "Mute", "All motors at zero, at once; the film is followed silently", FALSE, controllable));
+      g_param_spec_boolean("mute", "Mute",
+                           "All motors at zero, at once; the film is followed silently", FALSE,
+                           controllable));
   g_object_class_install_property(
       klass, PROP_MAPPING,
-      gst_param_spec_array("mapping", "Mapping",
-                           "Tactor of each cell, row by row from the top left, -1 for none (empty: cell i is tactor i)",
-                           g_param_spec_int("tactor", "Tactor", "Index of a tactor, -1 for none", -1, kMaxTactors - 1, 0,
-                                            static_cast<GParamFlags>(G_PARAM_READWRITE | G_PARAM_STATIC_STRINGS)),
-                           playing));
+      gst_param_spec_array(
+          "mapping", "Mapping",
+          "Tactor of each cell, row by row from the top left, -1 for none (empty: cell i is tactor "
+          "i)",
+          g_param_spec_int("tactor", "Tactor", "Index of a tactor, -1 for none", -1,
+                           kMaxTactors - 1, 0,
+                           static_cast<GParamFlags>(G_PARAM_READWRITE | G_PARAM_STATIC_STRINGS)),
+          playing));
   g_object_class_install_property(
       klass, PROP_TRACE_LOCATION,
       g_param_spec_string("trace-location", "Trace location",
-                          "CSV file that gets one line a command: issued_ns,due_ns,effect_ns,tactor,volts (unset: none)", nullptr,
-                          ready));
+                          "CSV file that gets one line a command: "
+                          "issued_ns,due_ns,effect_ns,tactor,volts (unset: none)",
+                          nullptr, ready));
   g_object_class_install_property(
       klass, PROP_STATS,
-      g_param_spec_boxed("stats", "Statistics", "Commands issued, late, coalesced, dropped; schedule error |issued - due| in ns",
-                         GST_TYPE_STRUCTURE, static_cast<GParamFlags>(G_PARAM_READABLE | G_PARAM_STATIC_STRINGS)));
+      g_param_spec_boxed(
+          "stats", "Statistics",
+          "Commands issued, late, coalesced, dropped; schedule error |issued - due| in ns",
+          GST_TYPE_STRUCTURE, static_cast<GParamFlags>(G_PARAM_READABLE | G_PARAM_STATIC_STRINGS)));
 }
 
 static void
@@ -837,9 +894,10 @@ gst_tactor_sink_class_init(GstTactorSinkClass *klass)
   object_class->finalize = gst_tactor_sink_finalize;
   gst_tactor_sink_install_properties(object_class);
 
-  gst_element_class_set_static_metadata(element_class, "Tactor sink", "Sink/Hardware",
-                                        "Plays tactile maps on vibration motors, early by their rise time",
-                                        "The visuotactile authors");
+  gst_element_class_set_static_metadata(
+      element_class, "Tactor sink", "Sink/Hardware",
+      "Plays tactile maps on vibration motors, early by their rise time",
+      "The visuotactile authors");
   gst_element_class_add_static_pad_template(element_class, &sink_template);
   gst_type_mark_as_plugin_api(GST_TYPE_TACTOR_COMPENSATION, static_cast<GstPluginAPIFlags>(0));
 

@@ -29,8 +29,7 @@ struct TactorScheduler::Moment
   Moment &operator=(const Moment &) = delete;
 };
 
-TactorScheduler::TactorScheduler(TactorSchedulerHost &host)
-    : host_(host), queue_(0)
+TactorScheduler::TactorScheduler(TactorSchedulerHost &host) : host_(host), queue_(0)
 {
 }
 
@@ -123,7 +122,8 @@ TactorScheduler::push(std::span<const Command> commands, Time expires)
   queue_.push(commands);
   const bool sleeps_on_nothing = !before && !expires_;
   expires_ = expires;
-  // A wait that ends too early looks again and goes on waiting; only one that would end too late is cut short.
+  // A wait that ends too early looks again and goes on waiting; only one that would end too late is
+  // cut short.
   if (sleeps_on_nothing || (queue_.next_due() && (!before || *queue_.next_due() < *before)))
     wake();
 }
@@ -244,7 +244,8 @@ TactorScheduler::wait_until(Lock &lock, const Moment &moment, Time running)
   const GstClockTimeDiff target = running.count() + moment.offset;
   if (target <= 0)
     return;
-  const GstClockID id = gst_clock_new_single_shot_id(moment.clock, static_cast<GstClockTime>(target));
+  const GstClockID id
+      = gst_clock_new_single_shot_id(moment.clock, static_cast<GstClockTime>(target));
   waiting_ = id;
   lock.unlock();
   gst_clock_id_wait(id, nullptr);
@@ -286,7 +287,8 @@ TactorScheduler::starve(Lock &lock, Time running)
   const std::span<const double> levels = queue_.levels();
   for (std::size_t i = 0; i < levels.size(); i++)
     if (levels[i] > 0)
-      zeros.push_back({ .effect = *expires_, .lead = Time(0), .tactor = static_cast<int>(i), .volts = 0 });
+      zeros.push_back(
+          { .effect = *expires_, .lead = Time(0), .tactor = static_cast<int>(i), .volts = 0 });
   expires_.reset();
   if (zeros.empty())
     return;
@@ -296,8 +298,9 @@ TactorScheduler::starve(Lock &lock, Time running)
   apply(lock, running, queue_.take_due(running));
 }
 
-/// Makes the driver's volts what they have to be now. `commands` are those that led here, for the trace; any other
-/// change (pause, resume, mute, flush) is traced as due and in effect when it happened.
+/// Makes the driver's volts what they have to be now. `commands` are those that led here, for the
+/// trace; any other change (pause, resume, mute, flush) is traced as due and in effect when it
+/// happened.
 void
 TactorScheduler::apply(Lock &lock, Time running, std::span<const Command> commands)
 {
@@ -307,8 +310,10 @@ TactorScheduler::apply(Lock &lock, Time running, std::span<const Command> comman
     return;
 
   const std::span<const double> levels = queue_.levels();
-  // All that the board has been told of, and all that it should be told: after it came back it knows nothing.
-  const auto last = std::find_if(levels.rbegin(), levels.rend(), [](double volts) { return volts != 0; });
+  // All that the board has been told of, and all that it should be told: after it came back it
+  // knows nothing.
+  const auto last
+      = std::find_if(levels.rbegin(), levels.rend(), [](double volts) { return volts != 0; });
   std::size_t used = std::max(sent_.size(), static_cast<std::size_t>(levels.rend() - last));
   for (const Command &command : commands)
     used = std::max(used, static_cast<std::size_t>(command.tactor) + 1);
@@ -342,7 +347,8 @@ TactorScheduler::apply(Lock &lock, Time running, std::span<const Command> comman
 }
 
 void
-TactorScheduler::trace_changes(Time running, std::span<const Command> commands, std::span<const double> volts)
+TactorScheduler::trace_changes(Time running, std::span<const Command> commands,
+                               std::span<const double> volts)
 {
   if (!trace_)
     return;

@@ -16,15 +16,16 @@
 #include <thread>
 #include <vector>
 
-/// What the scheduler needs to know of the element it works for, and tells it. Called on the scheduler's thread
-/// without any of its locks held.
+/// What the scheduler needs to know of the element it works for, and tells it. Called on the
+/// scheduler's thread without any of its locks held.
 class TactorSchedulerHost
 {
 public:
   /// How running time and clock time hang together at this moment.
   struct Timing
   {
-    GstClock *clock = nullptr;   ///< transfer full; NULL: there is no clock, everything is due at once
+    GstClock *clock
+        = nullptr; ///< transfer full; NULL: there is no clock, everything is due at once
     GstClockTimeDiff offset = 0; ///< clock time − running time: base time + latency + ts-offset
   };
 
@@ -33,20 +34,22 @@ public:
   virtual void device_lost(const tactor::DriverError &error) = 0;
   virtual void device_found() = 0;
   virtual void device_failed(const tactor::DriverError &error) = 0;
-  /// A command was `late` behind its due time: upstream did not deliver it `lead` ahead of its frame.
+  /// A command was `late` behind its due time: upstream did not deliver it `lead` ahead of its
+  /// frame.
   virtual void lead_short(tactor::Time lead, tactor::Time late) = 0;
 };
 
-/// The thread that hands commands to the driver when they are due, and the only one that talks to it while it runs.
+/// The thread that hands commands to the driver when they are due, and the only one that talks to
+/// it while it runs.
 ///
-/// It stores no clock time: clock, base time, latency and ts-offset are read at each turn, so that a pause, a new clock
-/// or a new latency needs no case of its own. Every public method may be called from any thread; pause(), flush() and
-/// stop() return when all motors are at zero.
+/// It stores no clock time: clock, base time, latency and ts-offset are read at each turn, so that
+/// a pause, a new clock or a new latency needs no case of its own. Every public method may be
+/// called from any thread; pause(), flush() and stop() return when all motors are at zero.
 class TactorScheduler
 {
 public:
-  /// A command handed over later than this after it was due counts as late: a tenth of the ± 50 ms within which haptics that come late
-  /// pass unnoticed (Di Luca & Mahnan 2019).
+  /// A command handed over later than this after it was due counts as late: a tenth of the ± 50 ms
+  /// within which haptics that come late pass unnoticed (Di Luca & Mahnan 2019).
   static constexpr tactor::Time kLate = std::chrono::milliseconds(5);
 
   /// How often a lost board is looked for.
@@ -56,9 +59,9 @@ public:
   {
     guint64 issued = 0;
     guint64 late = 0;
-    guint64 coalesced = 0;  ///< overtaken by a later command for the same tactor
-    guint64 dropped = 0;    ///< thrown away by a flush or a stop before they were due
-    guint64 starved = 0;    ///< times when no map came and the motors were silenced
+    guint64 coalesced = 0; ///< overtaken by a later command for the same tactor
+    guint64 dropped = 0;   ///< thrown away by a flush or a stop before they were due
+    guint64 starved = 0;   ///< times when no map came and the motors were silenced
     guint64 reconnects = 0;
     tactor::ScheduleStatistics error; ///< |issued − due|
   };
@@ -68,7 +71,8 @@ public:
   TactorScheduler(const TactorScheduler &) = delete;
   TactorScheduler &operator=(const TactorScheduler &) = delete;
 
-  /// Takes an open driver, and what is needed to open it again; the trace may be null. Paused until play().
+  /// Takes an open driver, and what is needed to open it again; the trace may be null. Paused until
+  /// play().
   void start(std::unique_ptr<tactor::Driver> driver, const tactor::DriverConfig &config,
              std::unique_ptr<tactor::CommandTrace> trace);
   /// Motors to zero, driver closed, thread joined. Harmless when not started.
@@ -85,10 +89,12 @@ public:
   /// While immediate, commands do not wait for the clock (sync=false).
   void set_immediate(bool immediate);
 
-  /// New commands, of a map that holds until `expires`: if none follows by then, the motors are silenced.
+  /// New commands, of a map that holds until `expires`: if none follows by then, the motors are
+  /// silenced.
   void push(std::span<const tactor::Command> commands, tactor::Time expires);
 
-  /// Whether the motors were silenced for want of a map since the last call: whoever plans must know.
+  /// Whether the motors were silenced for want of a map since the last call: whoever plans must
+  /// know.
   bool take_starved();
 
   /// Clock, base time, latency or ts-offset changed.
@@ -101,15 +107,18 @@ private:
   struct Moment;
   using Lock = std::unique_lock<std::mutex>;
 
-  // All of these run on the scheduler's thread, but settle() and wake(); all are called with the lock held and
-  // give it up while they wait, while the driver is at work and while the host is told something.
+  // All of these run on the scheduler's thread, but settle() and wake(); all are called with the
+  // lock held and give it up while they wait, while the driver is at work and while the host is
+  // told something.
   void run();
   void turn(Lock &lock);
   void wait_until(Lock &lock, const Moment &moment, tactor::Time running);
-  void issue(Lock &lock, tactor::Time running, std::span<const tactor::Command> commands, bool timed);
+  void issue(Lock &lock, tactor::Time running, std::span<const tactor::Command> commands,
+             bool timed);
   void starve(Lock &lock, tactor::Time running);
   void apply(Lock &lock, tactor::Time running, std::span<const tactor::Command> commands);
-  void trace_changes(tactor::Time running, std::span<const tactor::Command> commands, std::span<const double> volts);
+  void trace_changes(tactor::Time running, std::span<const tactor::Command> commands,
+                     std::span<const double> volts);
   void lose(Lock &lock, tactor::Time running, const tactor::DriverError &error);
   void reconnect(Lock &lock, tactor::Time running);
   void settle(Lock &lock);
@@ -126,7 +135,7 @@ private:
   bool playing_ = false;
   bool muted_ = false;
   bool immediate_ = false;
-  bool changed_ = false; ///< something other than a due command has to reach the motors
+  bool changed_ = false;      ///< something other than a due command has to reach the motors
   tactor::Time running_{ 0 }; ///< running time of the last turn on the clock
   std::optional<tactor::Time> expires_;
   tactor::Time next_reconnect_{ 0 };

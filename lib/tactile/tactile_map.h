@@ -12,8 +12,9 @@ namespace tactile {
 inline constexpr int kMinGridSide = 1;
 inline constexpr int kMaxGridSide = 64;
 
-/// What a grid of tactors shall do at one moment: `rows × columns` levels in [0, 1], row-major, the top left tactor
-/// as seen on the screen first (paper, Section 3: "a tactile map such as a 3×3 array").
+/// What a grid of tactors shall do at one moment: `rows × columns` levels in [0, 1], row-major, the
+/// top left tactor as seen on the screen first (paper, Section 3: "a tactile map such as a 3×3
+/// array").
 struct TactileMap
 {
   int rows = 0;
@@ -30,16 +31,16 @@ struct TactileMap
   {
   }
 
-  float &
-  at(int row, int column)
+  float &at(int row, int column)
   {
-    return levels[static_cast<std::size_t>(row) * static_cast<std::size_t>(columns) + static_cast<std::size_t>(column)];
+    return levels[static_cast<std::size_t>(row) * static_cast<std::size_t>(columns)
+                  + static_cast<std::size_t>(column)];
   }
 
-  float
-  at(int row, int column) const
+  float at(int row, int column) const
   {
-    return levels[static_cast<std::size_t>(row) * static_cast<std::size_t>(columns) + static_cast<std::size_t>(column)];
+    return levels[static_cast<std::size_t>(row) * static_cast<std::size_t>(columns)
+                  + static_cast<std::size_t>(column)];
   }
 
   bool operator==(const TactileMap &) const = default;

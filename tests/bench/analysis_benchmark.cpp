@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 //
-// What the analysis of a frame costs, I420 in, 3 x 3 levels out, on one thread: milliseconds (median), and as a multiple of what it takes to
-// read the frame from memory once in the same run.
+// What the analysis of a frame costs, I420 in, 3 x 3 levels out, on one thread: milliseconds
+// (median), and as a multiple of what it takes to read the frame from memory once in the same run.
 #include "saliency/analyzer.h"
 #include "tactile/tactile_mapping.h"
 
@@ -28,24 +28,24 @@ struct Film
   int height;
   std::vector<std::vector<std::uint8_t>> frames;
 
-  Film(int width_, int height_)
-      : width(width_), height(height_)
+  Film(int width_, int height_) : width(width_), height(height_)
   {
     const std::size_t luma = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
-    const std::size_t chroma = static_cast<std::size_t>((width + 1) / 2) * static_cast<std::size_t>((height + 1) / 2);
+    const std::size_t chroma
+        = static_cast<std::size_t>((width + 1) / 2) * static_cast<std::size_t>((height + 1) / 2);
     std::mt19937 random(1);
     std::vector<std::uint8_t> frame(luma + 2 * chroma);
     for (std::uint8_t &sample : frame)
       sample = static_cast<std::uint8_t>(120 + random() % 8);
     frames.push_back(frame);
     for (int y = height / 3; y < height / 2; y++)
-      std::memset(&frame[static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(width) / 3], 200,
-                  static_cast<std::size_t>(width) / 12);
+      std::memset(&frame[static_cast<std::size_t>(y) * static_cast<std::size_t>(width)
+                         + static_cast<std::size_t>(width) / 3],
+                  200, static_cast<std::size_t>(width) / 12);
     frames.push_back(frame);
   }
 
-  saliency::FrameView
-  view(std::size_t i) const
+  saliency::FrameView view(std::size_t i) const
   {
     const std::uint8_t *data = frames[i % frames.size()].data();
     const int cw = (width + 1) / 2;
@@ -55,7 +55,8 @@ struct Film
     saliency::FrameView view;
     view.width = width;
     view.height = height;
-    view.components = { saliency::Component{ data, width, 1, width, height }, saliency::Component{ data + luma, cw, 1, cw, ch },
+    view.components = { saliency::Component{ data, width, 1, width, height },
+                        saliency::Component{ data + luma, cw, 1, cw, ch },
                         saliency::Component{ data + luma + chroma, cw, 1, cw, ch } };
     return view;
   }
@@ -93,13 +94,15 @@ read_ms(const Film &film)
 }
 
 double
-analysis_ms(const Film &film, const saliency::Profile &profile, const tactile::MappingSettings &mapping, int runs)
+analysis_ms(const Film &film, const saliency::Profile &profile,
+            const tactile::MappingSettings &mapping, int runs)
 {
   saliency::Analyzer analyzer(profile);
   tactile::TactileMap map(3, 3);
   return median_ms(runs, [&](std::size_t i) {
     const saliency::Time frame(33333333);
-    const saliency::Saliency &found = analyzer.analyze(film.view(i), frame * static_cast<int>(i), frame);
+    const saliency::Saliency &found
+        = analyzer.analyze(film.view(i), frame * static_cast<int>(i), frame);
     tactile::map_saliency({ .values = found.map.ptr<float>(),
                             .width = found.map.cols,
                             .height = found.map.rows,
@@ -116,15 +119,19 @@ int
 main()
 {
   cv::setNumThreads(1);
-  std::printf("| I420 | memory read, ms | tuned, ms | paper, ms | tuned / memory read | paper / tuned |\n|---|---|---|---|---|---|\n");
+  std::printf("| I420 | memory read, ms | tuned, ms | paper, ms | tuned / memory read | paper / "
+              "tuned |\n|---|---|---|---|---|---|\n");
   const int sizes[][2] = { { 640, 480 }, { 1000, 1000 }, { 1920, 1080 }, { 3840, 2160 } };
   for (const auto &[width, height] : sizes) {
     const Film film(width, height);
     const int runs = static_cast<int>(60'000'000LL / width / height) + 5;
     const double read = read_ms(film);
-    const double tuned = analysis_ms(film, saliency::Profile::tuned(), tactile::MappingSettings::tuned(), 2 * runs);
-    const double paper = analysis_ms(film, saliency::Profile::paper(), tactile::MappingSettings::paper(), runs);
-    std::printf("| %d x %d | %.3f | %.2f | %.1f | %.1f | %.1f |\n", width, height, read, tuned, paper, tuned / read, paper / tuned);
+    const double tuned = analysis_ms(film, saliency::Profile::tuned(),
+                                     tactile::MappingSettings::tuned(), 2 * runs);
+    const double paper
+        = analysis_ms(film, saliency::Profile::paper(), tactile::MappingSettings::paper(), runs);
+    std::printf("| %d x %d | %.3f | %.2f | %.1f | %.1f | %.1f |\n", width, height, read, tuned,
+                paper, tuned / read, paper / tuned);
     std::fflush(stdout);
   }
   return 0;

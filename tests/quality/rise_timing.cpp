@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 //
-// When did the vibration arrive? Reads a command trace (tactorsink trace-location), drives a simulated motor per tactor with the
-// commands as they were issued, and prints how far from its frame each rising command reached 90 % of its level, as a
-// histogram. Usage: rise_timing commands.csv ...
+// When did the vibration arrive? Reads a command trace (tactorsink trace-location), drives a
+// simulated motor per tactor with the commands as they were issued, and prints how far from its
+// frame each rising command reached 90 % of its level, as a histogram. Usage: rise_timing
+// commands.csv ...
 #include "tactor/command_trace.h"
 #include "tactor/motor_model.h"
 
@@ -23,7 +24,8 @@ namespace {
 constexpr double kBinMs = 10;
 constexpr int kBins = 20; // on each side of the frame
 
-/// Milliseconds from a rising command's frame to 90 % of its level; NaN if the next command came before.
+/// Milliseconds from a rising command's frame to 90 % of its level; NaN if the next command came
+/// before.
 double
 arrival_ms(const tactor::MotorModel &motor, const IssuedCommand &command, Time until)
 {
@@ -53,10 +55,11 @@ judge(const char *path)
     motor.set(command.issued, command.command.volts);
     if (!rises)
       continue;
-    const auto next = std::find_if(trace.begin() + static_cast<std::ptrdiff_t>(i) + 1, trace.end(), [&](const IssuedCommand &other) {
-      return other.command.tactor == command.command.tactor;
-    });
-    const Time until = next == trace.end() ? command.issued + std::chrono::seconds(2) : next->issued;
+    const auto next = std::find_if(
+        trace.begin() + static_cast<std::ptrdiff_t>(i) + 1, trace.end(),
+        [&](const IssuedCommand &other) { return other.command.tactor == command.command.tactor; });
+    const Time until
+        = next == trace.end() ? command.issued + std::chrono::seconds(2) : next->issued;
     const double arrival = arrival_ms(motor, command, until);
     if (std::isnan(arrival))
       overtaken++;
@@ -64,19 +67,29 @@ judge(const char *path)
       arrivals.push_back(arrival);
   }
   std::ranges::sort(arrivals);
-  std::printf("%s: %zu rising commands, %d overtaken by the next before 90 %%\n", path, arrivals.size(), overtaken);
+  std::printf("%s: %zu rising commands, %d overtaken by the next before 90 %%\n", path,
+              arrivals.size(), overtaken);
   if (arrivals.empty())
     return;
   const auto within = std::ranges::count_if(arrivals, [](double ms) { return std::abs(ms) <= 10; });
-  const auto at = [&](double share) { return arrivals[static_cast<std::size_t>(share * static_cast<double>(arrivals.size() - 1))]; };
-  std::printf("90 %% reached, relative to the frame: %.1f ms p1, %.1f ms p50, %.1f ms p99; within 10 ms: %.1f %%\n", at(0.01), at(0.5), at(0.99),
+  const auto at = [&](double share) {
+    return arrivals[static_cast<std::size_t>(share * static_cast<double>(arrivals.size() - 1))];
+  };
+  std::printf("90 %% reached, relative to the frame: %.1f ms p1, %.1f ms p50, %.1f ms p99; within "
+              "10 ms: %.1f %%\n",
+              at(0.01), at(0.5), at(0.99),
               100.0 * static_cast<double>(within) / static_cast<double>(arrivals.size()));
   for (int bin = -kBins; bin < kBins; bin++) {
     const double low = (bin - 0.5) * kBinMs;
-    const auto count = std::ranges::count_if(arrivals, [&](double ms) { return ms >= low && ms < low + kBinMs; });
+    const auto count = std::ranges::count_if(
+        arrivals, [&](double ms) { return ms >= low && ms < low + kBinMs; });
     if (count > 0)
-      std::printf("%5.0f ms %6td %s\n", bin * kBinMs, count,
-                  std::string(static_cast<std::size_t>(std::ceil(60.0 * static_cast<double>(count) / static_cast<double>(arrivals.size()))), '#').c_str());
+      std::printf(
+          "%5.0f ms %6td %s\n", bin * kBinMs, count,
+          std::string(static_cast<std::size_t>(std::ceil(60.0 * static_cast<double>(count)
+                                                         / static_cast<double>(arrivals.size()))),
+                      '#')
+              .c_str());
   }
 }
 

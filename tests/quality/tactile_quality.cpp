@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 //
-// How well do the maps follow the film? Plays the paper's synthetic films, whose balls are known, through saliencytactile
-// and prints the metrics of docs/algorithm.md as a Markdown table:
-//   (a) share of frames within 0.5 s of an onset or of movement whose strongest cell is one that a ball touches
-//   (b) share of the map's energy in such cells
-//   (c) share of all-zero maps among frames where nothing has moved for 2.2 s
-//   (d) frames from an onset to the first level above zero in a cell that the ball touches (mean)
+// How well do the maps follow the film? Plays the paper's synthetic films, whose balls are known,
+// through saliencytactile and prints the metrics of docs/algorithm.md as a Markdown table:
+//   (a) share of frames within 0.5 s of an onset or of movement whose strongest cell is one that a
+//   ball touches (b) share of the map's energy in such cells (c) share of all-zero maps among
+//   frames where nothing has moved for 2.2 s (d) frames from an onset to the first level above zero
+//   in a cell that the ball touches (mean)
 // With --check: exit status 1 if the tuned profile is below the floors that are written here.
 #include <gst/gst.h>
 #include <gst/tactile/tactile.h>
@@ -39,18 +39,29 @@ struct Scores
   double silent = 0, rest_frames = 0;
   double delay = 0, onsets = 0, never = 0;
 
-  double a() const { return hits / event_frames; }
-  double b() const { return energy_inside / energy_frames; }
-  double c() const { return silent / rest_frames; }
-  double d() const { return delay / onsets; }
+  double a() const
+  {
+    return hits / event_frames;
+  }
+  double b() const
+  {
+    return energy_inside / energy_frames;
+  }
+  double c() const
+  {
+    return silent / rest_frames;
+  }
+  double d() const
+  {
+    return delay / onsets;
+  }
 };
 
 /// Follows one film, frame by frame.
 class Judge
 {
 public:
-  explicit Judge(Scores &scores)
-      : scores_(scores)
+  explicit Judge(Scores &scores) : scores_(scores)
   {
   }
 
@@ -59,8 +70,7 @@ public:
     finish_onsets();
   }
 
-  void
-  frame(GstBuffer *buffer)
+  void frame(GstBuffer *buffer)
   {
     const GstTactileMeta *meta = gst_buffer_get_tactile_meta(buffer);
     if (!meta)
@@ -72,9 +82,11 @@ public:
     gpointer state = nullptr;
     bool moving = false;
     std::map<int, GstClockTime> onsets;
-    while (GstMeta *item = gst_buffer_iterate_meta_filtered(buffer, &state, GST_VIDEO_REGION_OF_INTEREST_META_API_TYPE)) {
+    while (GstMeta *item = gst_buffer_iterate_meta_filtered(
+               buffer, &state, GST_VIDEO_REGION_OF_INTEREST_META_API_TYPE)) {
       auto *roi = reinterpret_cast<GstVideoRegionOfInterestMeta *>(item);
-      const GstStructure *target = gst_video_region_of_interest_meta_get_param(roi, "tactile-target");
+      const GstStructure *target
+          = gst_video_region_of_interest_meta_get_param(roi, "tactile-target");
       if (!target)
         continue;
       gint ball = 0;
@@ -85,8 +97,10 @@ public:
       gst_structure_get_boolean(target, "moving", &ball_moves);
       moving |= ball_moves;
       onsets[ball] = onset;
-      for (guint r = roi->y * meta->rows / kHeight; r <= (roi->y + roi->h - 1) * meta->rows / kHeight; r++)
-        for (guint c = roi->x * meta->columns / kWidth; c <= (roi->x + roi->w - 1) * meta->columns / kWidth; c++)
+      for (guint r = roi->y * meta->rows / kHeight;
+           r <= (roi->y + roi->h - 1) * meta->rows / kHeight; r++)
+        for (guint c = roi->x * meta->columns / kWidth;
+             c <= (roi->x + roi->w - 1) * meta->columns / kWidth; c++)
           touched.insert(r * meta->columns + c);
     }
 
@@ -121,7 +135,8 @@ public:
     }
     if (last_event_ && time - *last_event_ <= kEventSpan) {
       scores_.event_frames++;
-      const auto strongest = static_cast<std::size_t>(std::ranges::max_element(levels) - levels.begin());
+      const auto strongest
+          = static_cast<std::size_t>(std::ranges::max_element(levels) - levels.begin());
       scores_.hits += sum > 0 && touched.contains(strongest);
       if (sum > 0) {
         scores_.energy_inside += inside / sum;
@@ -135,8 +150,7 @@ public:
   }
 
 private:
-  void
-  finish_onsets()
+  void finish_onsets()
   {
     if (!pending_)
       return;
@@ -176,8 +190,8 @@ play(const std::string &line, Scores &scores)
   gst_object_unref(end);
   gst_element_set_state(pipeline, GST_STATE_PLAYING);
   GstBus *bus = gst_element_get_bus(pipeline);
-  GstMessage *message =
-      gst_bus_timed_pop_filtered(bus, GST_CLOCK_TIME_NONE, static_cast<GstMessageType>(GST_MESSAGE_EOS | GST_MESSAGE_ERROR));
+  GstMessage *message = gst_bus_timed_pop_filtered(
+      bus, GST_CLOCK_TIME_NONE, static_cast<GstMessageType>(GST_MESSAGE_EOS | GST_MESSAGE_ERROR));
   const bool ok = GST_MESSAGE_TYPE(message) == GST_MESSAGE_EOS;
   if (!ok) {
     gst_message_parse_error(message, &error, nullptr);
@@ -202,28 +216,35 @@ main(int argc, char **argv)
     return 2;
   }
   bool good = true;
-  std::printf("| film | profile | noise σ | (a) | (b) | (c) | (d) frames | onsets | never felt |\n");
+  std::printf(
+      "| film | profile | noise σ | (a) | (b) | (c) | (d) frames | onsets | never felt |\n");
   std::printf("|---|---|---|---|---|---|---|---|---|\n");
   for (const char *pattern : { "static-motion", "dynamic-motion" })
     for (const char *profile : { "paper", "tuned" })
       for (const int noise : { 0, 2, 4 }) {
         Scores scores;
         for (int seed = 1; seed <= kSeeds; seed++) {
-          g_autofree gchar *line = g_strdup_printf(
-              "tactiletestsrc pattern=%s seed=%d noise=%d num-buffers=%d ! "
-              "video/x-raw,format=I420,width=%d,height=%d,framerate=%d/1 ! saliencytactile profile=%s ! fakesink name=end",
-              pattern, seed, noise, kFrames, kWidth, kHeight, kFps, profile);
+          g_autofree gchar *line
+              = g_strdup_printf("tactiletestsrc pattern=%s seed=%d noise=%d num-buffers=%d ! "
+                                "video/x-raw,format=I420,width=%d,height=%d,framerate=%d/1 ! "
+                                "saliencytactile profile=%s ! fakesink name=end",
+                                pattern, seed, noise, kFrames, kWidth, kHeight, kFps, profile);
           if (!play(line, scores))
             return 1;
         }
-        std::printf("| %s | %s | %d | %.3f | %.3f | %.3f | %.2f | %.0f | %.0f |\n", pattern, profile, noise, scores.a(),
-                    scores.b(), scores.c(), scores.d(), scores.onsets, scores.never);
+        std::printf("| %s | %s | %d | %.3f | %.3f | %.3f | %.2f | %.0f | %.0f |\n", pattern,
+                    profile, noise, scores.a(), scores.b(), scores.c(), scores.d(), scores.onsets,
+                    scores.never);
         std::fflush(stdout);
-        // Floors for the tuned profile, on the film of onsets: a regression of the maps turns this red.
-        if (check && std::strcmp(profile, "tuned") == 0 && std::strcmp(pattern, "static-motion") == 0)
-          good &= scores.a() >= 0.95 && scores.b() >= 0.90 && scores.c() >= 0.98 && scores.d() <= 0.5;
+        // Floors for the tuned profile, on the film of onsets: a regression of the maps turns this
+        // red.
+        if (check && std::strcmp(profile, "tuned") == 0
+            && std::strcmp(pattern, "static-motion") == 0)
+          good &= scores.a() >= 0.95 && scores.b() >= 0.90 && scores.c() >= 0.98
+                  && scores.d() <= 0.5;
       }
   if (check && !good)
-    std::fprintf(stderr, "tactile_quality: the tuned profile is below its floors: (a) 0.95, (b) 0.90, (c) 0.98, (d) 0.5\n");
+    std::fprintf(stderr, "tactile_quality: the tuned profile is below its floors: (a) 0.95, (b) "
+                         "0.90, (c) 0.98, (d) 0.5\n");
   return good ? 0 : 1;
 }

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 //
-// saliencytactile as an element: what passes through it stays as it is, every format is seen as the same film, and
-// every stream it may meet gets a map. What the map says is tested in libs/analyzer and libs/tactile_mapping.
+// saliencytactile as an element: what passes through it stays as it is, every format is seen as the
+// same film, and every stream it may meet gets a map. What the map says is tested in libs/analyzer
+// and libs/tactile_mapping.
 #include <gst/check/gstcheck.h>
 #include <gst/check/gstharness.h>
 #include <gst/tactile/tactile.h>
@@ -27,9 +28,11 @@ rgb_frame(const GstVideoInfo &info, int x, int y)
   GstVideoFrame frame;
   fail_unless(gst_video_frame_map(&frame, &info, buffer, GST_MAP_WRITE));
   for (int row = 0; row < GST_VIDEO_INFO_HEIGHT(&info); row++) {
-    guint8 *line = static_cast<guint8 *>(GST_VIDEO_FRAME_PLANE_DATA(&frame, 0)) + row * GST_VIDEO_FRAME_PLANE_STRIDE(&frame, 0);
+    guint8 *line = static_cast<guint8 *>(GST_VIDEO_FRAME_PLANE_DATA(&frame, 0))
+                   + row * GST_VIDEO_FRAME_PLANE_STRIDE(&frame, 0);
     for (int column = 0; column < GST_VIDEO_INFO_WIDTH(&info); column++) {
-      const bool inside = x >= 0 && column >= x && column < x + kBall && row >= y && row < y + kBall;
+      const bool inside
+          = x >= 0 && column >= x && column < x + kBall && row >= y && row < y + kBall;
       line[3 * column] = inside ? 150 : 110;
       line[3 * column + 1] = inside ? 10 : 110;
       line[3 * column + 2] = inside ? 10 : 110;
@@ -39,22 +42,27 @@ rgb_frame(const GstVideoInfo &info, int x, int y)
   return buffer;
 }
 
-/// The film of the tests in any format, by videoconvert: 12 still frames, then a square appears in the cell (row, column) of 3 × 3.
+/// The film of the tests in any format, by videoconvert: 12 still frames, then a square appears in
+/// the cell (row, column) of 3 × 3.
 std::vector<GstBuffer *>
-film(const char *format, int row, int column, GstCaps **caps_out, int width = kWidth, int height = kHeight)
+film(const char *format, int row, int column, GstCaps **caps_out, int width = kWidth,
+     int height = kHeight)
 {
   GstVideoInfo info;
-  gst_video_info_set_format(&info, GST_VIDEO_FORMAT_RGB, static_cast<guint>(width), static_cast<guint>(height));
+  gst_video_info_set_format(&info, GST_VIDEO_FORMAT_RGB, static_cast<guint>(width),
+                            static_cast<guint>(height));
   info.fps_n = 30;
   info.fps_d = 1;
   GstCaps *from = gst_video_info_to_caps(&info);
-  g_autofree gchar *line = g_strdup_printf("videoconvert ! capsfilter caps=video/x-raw,format=%s", format);
+  g_autofree gchar *line
+      = g_strdup_printf("videoconvert ! capsfilter caps=video/x-raw,format=%s", format);
   GstHarness *h = gst_harness_new_parse(line);
   gst_harness_set_src_caps(h, from);
   std::vector<GstBuffer *> frames;
   for (int i = 0; i < 16; i++) {
     GstBuffer *frame = i < 12 ? rgb_frame(info, -1, 0)
-                              : rgb_frame(info, (2 * column + 1) * width / 6 - kBall / 2, (2 * row + 1) * height / 6 - kBall / 2);
+                              : rgb_frame(info, (2 * column + 1) * width / 6 - kBall / 2,
+                                          (2 * row + 1) * height / 6 - kBall / 2);
     GST_BUFFER_PTS(frame) = gst_util_uint64_scale(static_cast<guint64>(i), GST_SECOND, 30);
     GST_BUFFER_DURATION(frame) = GST_SECOND / 30;
     fail_unless_equals_int(gst_harness_push(h, frame), GST_FLOW_OK);
@@ -105,8 +113,10 @@ strongest(const std::vector<gfloat> &levels)
   return static_cast<std::size_t>(std::ranges::max_element(levels) - levels.begin());
 }
 
-const char *const kFormats[] = { "I420", "YV12", "NV12", "NV21", "YUY2", "UYVY", "Y42B", "Y444", "RGB", "BGR", "RGBx",
-                                 "BGRx", "xRGB", "xBGR", "RGBA", "BGRA", "ARGB", "ABGR", "I420_10LE", "P010_10LE", "GRAY8" };
+const char *const kFormats[]
+    = { "I420", "YV12", "NV12", "NV21", "YUY2",      "UYVY",      "Y42B",
+        "Y444", "RGB",  "BGR",  "RGBx", "BGRx",      "xRGB",      "xBGR",
+        "RGBA", "BGRA", "ARGB", "ABGR", "I420_10LE", "P010_10LE", "GRAY8" };
 
 } // namespace
 
@@ -134,8 +144,8 @@ GST_START_TEST(test_formats)
   // Grey has lost the colour, chroma subsampling a little of it.
   const float tolerance = g_str_equal(format, "GRAY8") ? 1.0f : 0.06f;
   for (std::size_t i = 0; i < 9; i++)
-    fail_unless(std::abs(levels[i] - reference[i]) <= tolerance, "%s: cell %u is %g, in RGB %g", format, static_cast<guint>(i),
-                levels[i], reference[i]);
+    fail_unless(std::abs(levels[i] - reference[i]) <= tolerance, "%s: cell %u is %g, in RGB %g",
+                format, static_cast<guint>(i), levels[i], reference[i]);
 }
 GST_END_TEST;
 
@@ -150,14 +160,16 @@ GST_START_TEST(test_cells)
         GstHarness *h = gst_harness_new("saliencytactile");
         gst_util_set_object_arg(G_OBJECT(h->element), "profile", profile);
         const std::vector<gfloat> levels = play(h, caps, frames);
-        fail_unless(strongest(levels) == static_cast<std::size_t>(3 * row + column), "%s: row %d, column %d", profile, row, column);
+        fail_unless(strongest(levels) == static_cast<std::size_t>(3 * row + column),
+                    "%s: row %d, column %d", profile, row, column);
         gst_harness_teardown(h);
         release(frames, caps);
       }
 }
 GST_END_TEST;
 
-/// The same GstMemory goes out as came in, metas and flags of upstream stay, and a buffer that others hold is not written to.
+/// The same GstMemory goes out as came in, metas and flags of upstream stay, and a buffer that
+/// others hold is not written to.
 GST_START_TEST(test_memory_and_metas_stay)
 {
   GstHarness *h = gst_harness_new("saliencytactile");
@@ -199,7 +211,8 @@ GST_START_TEST(test_memory_and_metas_stay)
 }
 GST_END_TEST;
 
-/// Downstream's answer to ALLOCATION reaches upstream unchanged: its pools and metas are upstream's business.
+/// Downstream's answer to ALLOCATION reaches upstream unchanged: its pools and metas are upstream's
+/// business.
 GST_START_TEST(test_allocation_passes)
 {
   GstHarness *h = gst_harness_new("saliencytactile");
@@ -223,7 +236,8 @@ GST_END_TEST;
 /// Any size from 1 × 1 up, odd ones too, any grid, any rate, with and without times.
 GST_START_TEST(test_sizes_and_streams)
 {
-  const int sizes[][2] = { { 1, 1 }, { 1, 7 }, { 7, 1 }, { 2, 2 }, { 3, 3 }, { 17, 33 }, { 101, 75 }, { 640, 2 } };
+  const int sizes[][2]
+      = { { 1, 1 }, { 1, 7 }, { 7, 1 }, { 2, 2 }, { 3, 3 }, { 17, 33 }, { 101, 75 }, { 640, 2 } };
   const char *const rates[] = { "30/1", "0/1", "24000/1001", "1/1000", "2147483647/1" };
   for (const auto &[width, height] : sizes)
     for (const char *format : { "I420", "NV12", "YUY2", "RGB", "GRAY8", "P010_10LE" })
@@ -232,7 +246,8 @@ GST_START_TEST(test_sizes_and_streams)
         gst_util_set_object_arg(G_OBJECT(h->element), "profile", profile);
         g_object_set(h->element, "rows", 5u, "columns", 64u, "attach-saliency", TRUE, nullptr);
         const char *rate = rates[static_cast<std::size_t>(width + height) % G_N_ELEMENTS(rates)];
-        g_autofree gchar *caps = g_strdup_printf("video/x-raw,format=%s,width=%d,height=%d,framerate=%s", format, width, height, rate);
+        g_autofree gchar *caps = g_strdup_printf(
+            "video/x-raw,format=%s,width=%d,height=%d,framerate=%s", format, width, height, rate);
         gst_harness_set_src_caps_str(h, caps);
         GstVideoInfo info;
         GstCaps *parsed = gst_caps_from_string(caps);
@@ -255,7 +270,8 @@ GST_START_TEST(test_sizes_and_streams)
 }
 GST_END_TEST;
 
-/// Only what the crop meta shows is felt: a square in the picture's bottom left corner is in the middle of its crop.
+/// Only what the crop meta shows is felt: a square in the picture's bottom left corner is in the
+/// middle of its crop.
 GST_START_TEST(test_crop_meta)
 {
   GstCaps *caps;
@@ -308,8 +324,9 @@ GST_START_TEST(test_properties_while_playing)
   for (GstBuffer *frame : frames) {
     const guint rows = 1 + i % 7;
     const guint columns = 1 + (i * 5) % 64;
-    g_object_set(h->element, "rows", rows, "columns", columns, "threshold", i / 16.0, "temporal", i % 3 != 0, "floor", i % 5 - 1.0,
-                 "attach-saliency", i % 2 == 0, "max-rate", i % 4 * 10.0, "profile", i % 2, nullptr);
+    g_object_set(h->element, "rows", rows, "columns", columns, "threshold", i / 16.0, "temporal",
+                 i % 3 != 0, "floor", i % 5 - 1.0, "attach-saliency", i % 2 == 0, "max-rate",
+                 i % 4 * 10.0, "profile", i % 2, nullptr);
     fail_unless_equals_int(gst_harness_push(h, gst_buffer_ref(frame)), GST_FLOW_OK);
     GstBuffer *out = gst_harness_pull(h);
     const GstTactileMeta *meta = gst_buffer_get_tactile_meta(out);
@@ -338,7 +355,8 @@ GST_START_TEST(test_floor_silences)
 }
 GST_END_TEST;
 
-/// Nothing bursts at the start, after a flush, a new segment, new caps or a discontinuity: the square that is there at once is not an event.
+/// Nothing bursts at the start, after a flush, a new segment, new caps or a discontinuity: the
+/// square that is there at once is not an event.
 GST_START_TEST(test_no_burst_after_resets)
 {
   GstCaps *caps;
@@ -464,7 +482,8 @@ GST_START_TEST(test_caps_change_mid_stream)
   GstHarness *h = gst_harness_new("saliencytactile");
   for (const char *format : { "I420", "RGB", "GRAY8", "I420" })
     for (const int width : { 64, 33 }) {
-      g_autofree gchar *caps = g_strdup_printf("video/x-raw,format=%s,width=%d,height=31,framerate=25/1", format, width);
+      g_autofree gchar *caps = g_strdup_printf(
+          "video/x-raw,format=%s,width=%d,height=31,framerate=25/1", format, width);
       gst_harness_set_src_caps_str(h, caps);
       GstVideoInfo info;
       GstCaps *parsed = gst_caps_from_string(caps);

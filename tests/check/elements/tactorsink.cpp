@@ -25,7 +25,8 @@ namespace {
 
 constexpr GstClockTime kMs = GST_MSECOND;
 constexpr GstClockTime kFrame = 40 * kMs; // 25 frames/s: exact in ns
-constexpr GstClockTime kLatency = 160 * kMs; // max-lead and the wake margin, as a pipeline would configure it
+constexpr GstClockTime kLatency
+    = 160 * kMs; // max-lead and the wake margin, as a pipeline would configure it
 
 /// Eq. 1 at start 0, written down anew.
 double
@@ -49,7 +50,8 @@ struct Line
   double volts;
 };
 
-/// A tactorsink with a test clock, its bus and its trace; what is pushed is pushed by a thread of its own.
+/// A tactorsink with a test clock, its bus and its trace; what is pushed is pushed by a thread of
+/// its own.
 class Rig
 {
 public:
@@ -84,17 +86,16 @@ public:
     unlink(trace_path.c_str());
   }
 
-  void
-  start(const GstSegment *segment = nullptr, bool play = true)
+  void start(const GstSegment *segment = nullptr, bool play = true)
   {
     g_object_set(element, "async", FALSE, nullptr);
-    fail_if(gst_element_set_state(element, play ? GST_STATE_PLAYING : GST_STATE_PAUSED) == GST_STATE_CHANGE_FAILURE);
+    fail_if(gst_element_set_state(element, play ? GST_STATE_PLAYING : GST_STATE_PAUSED)
+            == GST_STATE_CHANGE_FAILURE);
     fail_unless(gst_element_send_event(element, gst_event_new_latency(kLatency)));
     open(segment);
   }
 
-  void
-  open(const GstSegment *segment = nullptr)
+  void open(const GstSegment *segment = nullptr)
   {
     GstSegment plain;
     gst_segment_init(&plain, GST_FORMAT_TIME);
@@ -106,23 +107,21 @@ public:
   }
 
   /// Runs in the streaming thread, after what was given before.
-  void
-  stream(std::function<void()> work)
+  void stream(std::function<void()> work)
   {
     if (pusher.joinable())
       pusher.join();
     pusher = std::thread(std::move(work));
   }
 
-  void
-  join()
+  void join()
   {
     if (pusher.joinable())
       pusher.join();
   }
 
-  GstBuffer *
-  buffer(GstClockTime pts, const std::vector<gfloat> &levels, GstClockTime duration = kFrame)
+  GstBuffer *buffer(GstClockTime pts, const std::vector<gfloat> &levels,
+                    GstClockTime duration = kFrame)
   {
     GstBuffer *map = gst_tactile_map_buffer_new(levels.data(), levels.size());
     GST_BUFFER_PTS(map) = pts;
@@ -130,15 +129,15 @@ public:
     return map;
   }
 
-  GstFlowReturn
-  push(GstClockTime pts, const std::vector<gfloat> &levels, GstClockTime duration = kFrame)
+  GstFlowReturn push(GstClockTime pts, const std::vector<gfloat> &levels,
+                     GstClockTime duration = kFrame)
   {
     return gst_pad_chain(sink_pad, buffer(pts, levels, duration));
   }
 
-  /// Waits until `waiters` threads sleep on the clock and moves it to the earliest of them. Returns the new time.
-  GstClockTime
-  step(guint waiters)
+  /// Waits until `waiters` threads sleep on the clock and moves it to the earliest of them. Returns
+  /// the new time.
+  GstClockTime step(guint waiters)
   {
     GList *pending = nullptr;
     gst_test_clock_wait_for_multiple_pending_ids(clock, waiters, &pending);
@@ -153,20 +152,21 @@ public:
     return next;
   }
 
-  /// Whether everybody who is going to sleep does so now: the streaming thread, and once a map has come the scheduler too, which then
-  /// always has a command or the end of a hold to wait for. The wait is cut in pieces only to look whether the work is done.
-  bool
-  all_asleep()
+  /// Whether everybody who is going to sleep does so now: the streaming thread, and once a map has
+  /// come the scheduler too, which then always has a command or the end of a hold to wait for. The
+  /// wait is cut in pieces only to look whether the work is done.
+  bool all_asleep()
   {
     GList *pending = nullptr;
-    const bool asleep = gst_test_clock_timed_wait_for_multiple_pending_ids(clock, rendered ? 2 : 1, 10, &pending);
+    const bool asleep
+        = gst_test_clock_timed_wait_for_multiple_pending_ids(clock, rendered ? 2 : 1, 10, &pending);
     g_list_free_full(pending, gst_clock_id_unref);
     return asleep;
   }
 
-  /// Lets the clock run to `time`, at which the streaming thread must still be waiting to render something later.
-  void
-  run_to(GstClockTime time)
+  /// Lets the clock run to `time`, at which the streaming thread must still be waiting to render
+  /// something later.
+  void run_to(GstClockTime time)
   {
     for (;;) {
       while (!all_asleep())
@@ -179,8 +179,7 @@ public:
   }
 
   /// Does the work in the streaming thread and lets the clock run until it is done.
-  void
-  run_out(const std::function<void()> &work)
+  void run_out(const std::function<void()> &work)
   {
     std::atomic<bool> done{ false };
     stream([&] {
@@ -193,8 +192,7 @@ public:
     join();
   }
 
-  void
-  finish()
+  void finish()
   {
     if (!finished) {
       finished = true;
@@ -203,8 +201,7 @@ public:
     }
   }
 
-  std::vector<Line>
-  trace()
+  std::vector<Line> trace()
   {
     finish();
     std::vector<Line> lines;
@@ -216,16 +213,15 @@ public:
       Line line;
       char comma;
       std::istringstream in(text);
-      const bool read =
-          bool(in >> line.issued >> comma >> line.due >> comma >> line.effect >> comma >> line.tactor >> comma >> line.volts);
+      const bool read = bool(in >> line.issued >> comma >> line.due >> comma >> line.effect >> comma
+                             >> line.tactor >> comma >> line.volts);
       fail_unless(read, "bad line: %s", text.c_str());
       lines.push_back(line);
     }
     return lines;
   }
 
-  guint64
-  stat(const char *field)
+  guint64 stat(const char *field)
   {
     GstStructure *stats = nullptr;
     g_object_get(element, "stats", &stats, nullptr);
@@ -247,7 +243,8 @@ public:
 };
 
 void
-assert_line(const Line &line, GstClockTime issued, GstClockTime due, GstClockTime effect, int tactor, double volts)
+assert_line(const Line &line, GstClockTime issued, GstClockTime due, GstClockTime effect,
+            int tactor, double volts)
 {
   ck_assert_int_eq(line.issued, static_cast<gint64>(issued));
   ck_assert_int_eq(line.due, static_cast<gint64>(due));
@@ -269,7 +266,8 @@ assert_silent_at_end(const std::vector<Line> &lines)
 
 } // namespace
 
-/// One rise from rest to full, under each compensation: 64.54 ms by Eq. 1, which is 1.6 frames of 40 ms, so two.
+/// One rise from rest to full, under each compensation: 64.54 ms by Eq. 1, which is 1.6 frames of
+/// 40 ms, so two.
 static void
 check_compensation(const char *compensation, GstClockTime lead)
 {
@@ -306,7 +304,8 @@ GST_START_TEST(test_compensation_none)
 }
 GST_END_TEST;
 
-/// 5 Hz blocks: within 200 ms nothing changes, whatever the maps say; the block's level is the map at its start.
+/// 5 Hz blocks: within 200 ms nothing changes, whatever the maps say; the block's level is the map
+/// at its start.
 GST_START_TEST(test_blocks_at_5_hz)
 {
   Rig rig;
@@ -314,7 +313,8 @@ GST_START_TEST(test_blocks_at_5_hz)
   rig.start();
   rig.run_out([&] {
     for (int i = 0; i < 20; i++)
-      rig.push(static_cast<GstClockTime>(i) * kFrame, { i % 5 == 0 ? 0.2f * static_cast<gfloat>(i / 5 + 1) : 1.0f });
+      rig.push(static_cast<GstClockTime>(i) * kFrame,
+               { i % 5 == 0 ? 0.2f * static_cast<gfloat>(i / 5 + 1) : 1.0f });
     gst_pad_send_event(rig.sink_pad, gst_event_new_eos());
   });
   const std::vector<Line> lines = rig.trace();
@@ -340,7 +340,8 @@ GST_START_TEST(test_pause_silences_and_resume_reissues)
   rig.run_to(300 * kMs);
   gst_element_set_state(rig.element, GST_STATE_PAUSED);
   gst_test_clock_set_time(rig.clock, 1300 * kMs);
-  gst_element_set_base_time(rig.element, 1000 * kMs); // as a pipeline does: running time did not pass
+  gst_element_set_base_time(rig.element,
+                            1000 * kMs); // as a pipeline does: running time did not pass
   gst_element_set_state(rig.element, GST_STATE_PLAYING);
   rig.run_to(1600 * kMs);
   const std::vector<Line> lines = rig.trace();
@@ -365,7 +366,8 @@ GST_START_TEST(test_flush_during_wait)
   rig.run_to(300 * kMs);
   fail_unless(gst_pad_send_event(rig.sink_pad, gst_event_new_flush_start()));
   rig.join();
-  // The fall at 200 had been planned but was not due (360 on the clock): it is dropped, the motor stands at once.
+  // The fall at 200 had been planned but was not due (360 on the clock): it is dropped, the motor
+  // stands at once.
   ck_assert_uint_eq(rig.stat("dropped"), 1);
   fail_unless(gst_pad_send_event(rig.sink_pad, gst_event_new_flush_stop(TRUE)));
   gst_element_set_base_time(rig.element, 300 * kMs);
@@ -406,7 +408,8 @@ GST_START_TEST(test_gap_is_zero_at_its_time)
 }
 GST_END_TEST;
 
-/// The EOS message comes when the last frame has been shown and the motors stand: not render-delay early.
+/// The EOS message comes when the last frame has been shown and the motors stand: not render-delay
+/// early.
 GST_START_TEST(test_eos_drains)
 {
   Rig rig;
@@ -435,7 +438,8 @@ GST_END_TEST;
 
 /// Rates and segment starts: effects are running times.
 static void
-check_segment(gdouble rate, GstClockTime start, GstClockTime stop, GstClockTime pts, GstClockTime effect)
+check_segment(gdouble rate, GstClockTime start, GstClockTime stop, GstClockTime pts,
+              GstClockTime effect)
 {
   Rig rig;
   g_object_set(rig.element, "compensation", 2, nullptr);
@@ -518,7 +522,8 @@ GST_END_TEST;
 GST_START_TEST(test_mapping_and_volts)
 {
   Rig rig("application/x-tactile-map,rows=1,columns=4,framerate=25/1");
-  g_object_set(rig.element, "compensation", 2, "voltage-max", 2.0, "voltage-min", 0.6, "intensity", 0.5, nullptr);
+  g_object_set(rig.element, "compensation", 2, "voltage-max", 2.0, "voltage-min", 0.6, "intensity",
+               0.5, nullptr);
   gst_util_set_object_arg(G_OBJECT(rig.element), "mapping", "<3,-1,0,1>");
   rig.start();
   rig.run_out([&] {
@@ -556,7 +561,8 @@ GST_START_TEST(test_mute_acts_at_once)
 }
 GST_END_TEST;
 
-/// An upstream that stops delivering: the last map is held for its frame and a second, then the motors stand; the next map moves them again.
+/// An upstream that stops delivering: the last map is held for its frame and a second, then the
+/// motors stand; the next map moves them again.
 GST_START_TEST(test_starved)
 {
   Rig rig;
@@ -580,7 +586,8 @@ GST_START_TEST(test_starved)
 }
 GST_END_TEST;
 
-/// Data that comes too late for its lead goes out at once, is counted, and an element message says so once.
+/// Data that comes too late for its lead goes out at once, is counted, and an element message says
+/// so once.
 GST_START_TEST(test_late_is_counted_and_said)
 {
   Rig rig;
@@ -618,7 +625,8 @@ GST_START_TEST(test_late_is_counted_and_said)
 }
 GST_END_TEST;
 
-/// Three levels of one tactor wait; a latency that shrinks makes all of them due at once: only the last is sent.
+/// Three levels of one tactor wait; a latency that shrinks makes all of them due at once: only the
+/// last is sent.
 GST_START_TEST(test_stale_commands_coalesce)
 {
   Rig rig;
@@ -734,7 +742,8 @@ GST_START_TEST(test_absurd_caps_are_refused)
 {
   GstHarness *h = gst_harness_new_with_padnames("tactorsink", "sink", nullptr);
   GstPad *pad = gst_element_get_static_pad(h->element, "sink");
-  GstCaps *caps = gst_caps_from_string("application/x-tactile-map,rows=(int)65,columns=(int)3,framerate=(fraction)25/1");
+  GstCaps *caps = gst_caps_from_string(
+      "application/x-tactile-map,rows=(int)65,columns=(int)3,framerate=(fraction)25/1");
   fail_if(gst_pad_query_accept_caps(pad, caps));
   gst_caps_unref(caps);
   caps = gst_caps_from_string("application/x-tactile-map,rows=(int)0,columns=(int)3");
@@ -777,7 +786,8 @@ GST_START_TEST(test_start_errors)
 }
 GST_END_TEST;
 
-/// The default 180 ms of max-lead and a margin of 10 ms are 5.7 frames at 30 frames/s: 6, and the one being shown.
+/// The default 180 ms of max-lead and a margin of 10 ms are 5.7 frames at 30 frames/s: 6, and the
+/// one being shown.
 GST_START_TEST(test_allocation_asks_for_lookahead)
 {
   GstHarness *h = gst_harness_new_with_padnames("tactorsink", "sink", nullptr);
@@ -810,7 +820,8 @@ GST_START_TEST(test_render_delay_is_the_lead)
   gboolean qos = TRUE;
   gboolean last_sample = TRUE;
   gint64 max_lateness = 0;
-  g_object_get(sink, "qos", &qos, "enable-last-sample", &last_sample, "max-lateness", &max_lateness, nullptr);
+  g_object_get(sink, "qos", &qos, "enable-last-sample", &last_sample, "max-lateness", &max_lateness,
+               nullptr);
   fail_if(qos);
   fail_if(last_sample);
   ck_assert_int_eq(max_lateness, -1);
