@@ -16,10 +16,9 @@
  *
  * ## Example launch lines
  * |[
- * gst-launch-1.0 tactiletestsrc num-buffers=150 ! saliencytactile ! tactileoverlay ! videoconvert !
- * autovideosink
- * gst-launch-1.0 tactiletestsrc num-buffers=150 ! saliencytactile rows=4 columns=6
- * attach-saliency=true ! \ tactileoverlay style=heatmap ! videoconvert ! autovideosink
+ * gst-launch-1.0 tactiletestsrc num-buffers=150 ! saliencytactile ! tactileoverlay ! videoconvert ! autovideosink
+ * gst-launch-1.0 tactiletestsrc num-buffers=150 ! saliencytactile rows=4 columns=6 attach-saliency=true ! \
+ *     tactileoverlay style=heatmap ! videoconvert ! autovideosink
  * ]|
  *
  * ## Messages
@@ -98,9 +97,10 @@ make_profile(ProfileName name)
 tactile::MappingSettings
 make_mapping(const Settings &settings)
 {
-  tactile::MappingSettings mapping = settings.profile == ProfileName::paper
-                                         ? tactile::MappingSettings::paper()
-                                         : tactile::MappingSettings::tuned();
+  using tactile::MappingSettings;
+  MappingSettings mapping = settings.profile == ProfileName::paper ? MappingSettings::paper()
+                            : settings.temporal                    ? MappingSettings::tuned()
+                                                : MappingSettings::tuned_spatial();
   mapping.threshold = settings.threshold;
   if (settings.floor >= 0)
     mapping.floor = settings.floor * mapping.units_per_delta_e;
@@ -201,10 +201,12 @@ gst_saliency_tactile_analyse(GstSaliencyTactile *self, const Settings &settings,
 
   const FrameMapping mapping(priv->info, buffer);
   if (!mapping) {
-    if (!priv->warned_map)
-      GST_ELEMENT_WARNING(
-          self, RESOURCE, READ, ("A frame could not be read; it is felt as nothing."),
-          ("expected %" GST_PTR_FORMAT " in readable memory", gst_video_info_to_caps(&priv->info)));
+    if (!priv->warned_map) {
+      g_autoptr(GstCaps) caps = gst_video_info_to_caps(&priv->info);
+      GST_ELEMENT_WARNING(self, RESOURCE, READ,
+                          ("A frame could not be read; it is felt as nothing."),
+                          ("expected %" GST_PTR_FORMAT " in readable memory", caps));
+    }
     priv->warned_map = true;
     priv->map = tactile::TactileMap(settings.rows, settings.columns);
     return;

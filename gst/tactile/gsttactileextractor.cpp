@@ -15,9 +15,8 @@
  *
  * ## Example launch line
  * |[
- * gst-launch-1.0 tactiletestsrc num-buffers=90 ! saliencytactile ! tactileextractor name=extractor
- * \
- *     extractor. ! queue ! videoconvert ! fakesink sync=true \
+ * gst-launch-1.0 tactiletestsrc num-buffers=90 ! saliencytactile ! tactileextractor name=extractor \
+ *     extractor.src ! queue ! videoconvert ! autovideosink \
  *     extractor.tactile ! queue ! fakesink sync=true dump=true
  * ]|
  *

@@ -8,10 +8,10 @@
  * them) or a stream of tactile maps (`application/x-tactile-map`, as `tactileextractor` makes it)
  * and drives one vibration motor (tactor) per cell.
  *
- * A coin motor needs up to 150 ms to reach 90 % of its level, so each command is issued that much
+ * A coin motor needs up to 180 ms to reach 90 % of its level, so each command is issued that much
  * before its frame is shown. The element asks for its data #GstTactorSink:max-lead early by means
  * of render-delay, which delays every other sink of the pipeline accordingly; the data has to be
- * there by then, so put a queue with `max-size-bytes=0 max-size-buffers=0 max-size-time=300000000`
+ * there by then, so put a queue with `max-size-bytes=0 max-size-buffers=0 max-size-time=400000000`
  * before each sink (a default queue holds three raw 1080p frames, which is too little) or do
  * without raw frames in the tactile branch, as in the second line below.
  *
@@ -20,17 +20,15 @@
  *
  * ## Example launch lines
  * |[
- * gst-launch-1.0 tactiletestsrc num-buffers=150 ! saliencytactile ! tactorsink
- * trace-location=commands.csv
+ * gst-launch-1.0 tactiletestsrc num-buffers=150 ! saliencytactile ! tactorsink trace-location=commands.csv
  * gst-launch-1.0 tactiletestsrc num-buffers=150 ! saliencytactile ! tactileextractor name=x \
- *     x.src ! queue max-size-bytes=0 max-size-buffers=0 max-size-time=300000000 ! videoconvert !
- * autovideosink \ x.tactile ! queue max-size-bytes=0 max-size-buffers=0 max-size-time=300000000 !
- * tactorsink
+ *     x.src ! queue max-size-bytes=0 max-size-buffers=0 max-size-time=400000000 ! videoconvert ! autovideosink \
+ *     x.tactile ! queue max-size-bytes=0 max-size-buffers=0 max-size-time=400000000 ! tactorsink
  * ]|
  *
  * ## Messages
- * - `tactor-lead-short`: a command could not be issued as early as its motor needs; fields `lead`,
- * `late` (#guint64, ns). At most one in five seconds.
+ * - `tactor-lead-short`: a command could not be issued as early as its motor needs; fields `lead`
+ *   and `late` (#guint64, ns). At most one in five seconds.
  * - `tactor-device-lost`, `tactor-device-found`: the board went away, came back.
  * - `tactor-stats`: the contents of #GstTactorSink:stats at the end of the stream.
  *

@@ -149,6 +149,16 @@ MappingSettings::tuned()
            .units_per_delta_e = 0.065 };
 }
 
+MappingSettings
+MappingSettings::tuned_spatial()
+{
+  constexpr double kFirstFrame = (7.0 / 8 + 7.0 / 16 + 7.0 / 32 + 7.0 / 64) / 4;
+  MappingSettings settings = tuned();
+  settings.floor /= kFirstFrame;
+  settings.units_per_delta_e /= kFirstFrame;
+  return settings;
+}
+
 void
 map_saliency(const SaliencyView &map, const MappingSettings &settings, TactileMap &out)
 {

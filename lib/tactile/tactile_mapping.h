@@ -60,6 +60,11 @@ struct MappingSettings
   /// Floor and units of Profile::tuned()'s maps, values kept, exact area, perceptual gain
   /// (docs/algorithm.md).
   static MappingSettings tuned();
+
+  /// The same for its spatial maps. A spatial contrast S makes an onset of
+  /// ¼ (7/8 + 7/16 + 7/32 + 7/64) S = 0.41 S in its first frame (windows 1/8, 2/16, 4/32, 8/64 at
+  /// 30 fps), so a unit of the spatial map is worth that much of a unit of the spatiotemporal one.
+  static MappingSettings tuned_spatial();
 };
 
 /// Threshold, pooling and gain. The grid covers the picture in a `map` of any size, also smaller
