@@ -134,10 +134,9 @@ CommandPlanner::target_volts(std::span<const float> levels) const
     double &target = volts[static_cast<std::size_t>(tactor)];
     target = std::max(target, level * settings_.intensity * settings_.volts_max);
   }
-  // Half a microvolt: 0.2 as a float, of 3 V, shall not fall short of 0.6 V.
+  // Half a microvolt: 1/6 as a float, of 3 V, shall not fall short of 0.5 V, below which motors stand still.
   for (double &target : volts)
-    if (target < settings_.volts_min - kSameVolts / 2)
-      target = 0;
+    target = target < settings_.volts_min - kSameVolts / 2 ? 0 : std::max(target, settings_.volts_min);
   return volts;
 }
 

@@ -46,7 +46,7 @@ struct PlannerSettings
   double volts_max = 3.0;                   ///< level 1.0
   double volts_min = kStartVolts;           ///< commands below are sent as 0
   double intensity = 1.0;                   ///< master, [0, 1]
-  std::vector<int> mapping;                 ///< cell (row-major) → tactor index, −1 for none; empty: cell i is tactor i
+  std::vector<int> mapping{};               ///< cell (row-major) → tactor index, −1 for none; empty: cell i is tactor i
 };
 
 /// Turns the stream of tactile maps into commands. Time is running time, and no clock is looked at; maps come in order
@@ -54,7 +54,8 @@ struct PlannerSettings
 ///
 /// Maps are taken in blocks of 1 / rate: a block begins with the first map of which more than half lies beyond the
 /// block's start on a regular grid, and its level is that map's (paper, Section 2: the tactile buffers are read at a lower
-/// rate). The grid begins with the first map, and anew after silence(), reset() or a change of rate.
+/// rate). The grid begins with the first map, and anew after silence(), reset(), a change of rate or a hole in
+/// which a whole block was lost.
 ///
 /// Under Compensation::exact a rising command is due at the latest time from which its motor gets to 90 % by the frame, from the
 /// amplitude that the motor model predicts for that time: a retarget in the middle of a rise does not start from the last
