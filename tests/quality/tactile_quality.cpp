@@ -32,6 +32,15 @@ constexpr int kFps = 30;
 constexpr int kFrames = 40 * kFps;
 constexpr int kSeeds = 3;
 
+/// What --check asks of the tuned profile on every film.
+constexpr struct
+{
+  double a = 0.99;
+  double b = 0.96;
+  double c = 0.98;
+  double d = 0.5;
+} kFloors;
+
 struct Scores
 {
   double hits = 0, event_frames = 0;
@@ -222,8 +231,11 @@ main(int argc, char **argv)
   for (const char *pattern : { "static-motion", "dynamic-motion" })
     for (const char *profile : { "paper", "tuned" })
       for (const int noise : { 0, 2, 4 }) {
+        // The floors are the tuned profile's, and the ends of the noise scale tell enough.
+        if (check && (std::strcmp(profile, "paper") == 0 || noise == 2))
+          continue;
         Scores scores;
-        for (int seed = 1; seed <= kSeeds; seed++) {
+        for (int seed = 1; seed <= (check ? 2 : kSeeds); seed++) {
           g_autofree gchar *line
               = g_strdup_printf("tactiletestsrc pattern=%s seed=%d noise=%d num-buffers=%d ! "
                                 "video/x-raw,format=I420,width=%d,height=%d,framerate=%d/1 ! "
@@ -236,15 +248,13 @@ main(int argc, char **argv)
                     profile, noise, scores.a(), scores.b(), scores.c(), scores.d(), scores.onsets,
                     scores.never);
         std::fflush(stdout);
-        // Floors for the tuned profile, on the film of onsets: a regression of the maps turns this
-        // red.
-        if (check && std::strcmp(profile, "tuned") == 0
-            && std::strcmp(pattern, "static-motion") == 0)
-          good &= scores.a() >= 0.95 && scores.b() >= 0.90 && scores.c() >= 0.98
-                  && scores.d() <= 0.5;
+        if (check)
+          good &= scores.a() >= kFloors.a && scores.b() >= kFloors.b && scores.c() >= kFloors.c
+                  && scores.d() <= kFloors.d;
       }
-  if (check && !good)
-    std::fprintf(stderr, "tactile_quality: the tuned profile is below its floors: (a) 0.95, (b) "
-                         "0.90, (c) 0.98, (d) 0.5\n");
+  if (!good)
+    std::fprintf(stderr,
+                 "tactile_quality: below the floors: (a) %.2f, (b) %.2f, (c) %.2f, (d) %.2f\n",
+                 kFloors.a, kFloors.b, kFloors.c, kFloors.d);
   return good ? 0 : 1;
 }
