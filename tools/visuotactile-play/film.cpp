@@ -3,6 +3,7 @@
 
 #include <gst/pbutils/pbutils.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
@@ -19,8 +20,7 @@ constexpr int kDynamicSeconds = 10;
 
 struct ObjectUnref
 {
-  void
-  operator()(gpointer object) const
+  void operator()(gpointer object) const
   {
     g_object_unref(object);
   }
@@ -29,11 +29,14 @@ struct ObjectUnref
 std::string
 to_uri(const std::string &path)
 {
-  if (gst_uri_is_valid(path.c_str()))
-    return path;
   std::error_code error;
-  if (!std::filesystem::exists(path, error))
-    throw std::runtime_error("there is no film '" + path + "'; give the path of a film, or none for the built-in one");
+  if (!std::filesystem::exists(path, error)) {
+    // Only now: "Part 2: the return.mkv" looks like a URI, too.
+    if (gst_uri_is_valid(path.c_str()))
+      return path;
+    throw std::runtime_error("there is no film '" + path
+                             + "'; give the path of a film, or none for the built-in one");
+  }
   if (std::filesystem::is_directory(path, error))
     throw std::runtime_error("'" + path + "' is a folder; give the path of a film");
   if (access(path.c_str(), R_OK) != 0)
@@ -48,7 +51,8 @@ std::string
 missing_plugins(GstDiscovererInfo *info)
 {
   std::string names;
-  for (const gchar **detail = gst_discoverer_info_get_missing_elements_installer_details(info); detail && *detail; detail++) {
+  for (const gchar **detail = gst_discoverer_info_get_missing_elements_installer_details(info);
+       detail && *detail; detail++) {
     // gstreamer|1.0|program|description|what
     g_auto(GStrv) fields = g_strsplit(*detail, "|", 5);
     if (g_strv_length(fields) >= 4)
@@ -79,13 +83,15 @@ discover_film(const std::string &path_or_uri)
   film.title = path_or_uri;
 
   g_autoptr(GError) error = nullptr;
-  const std::unique_ptr<GstDiscoverer, ObjectUnref> discoverer(gst_discoverer_new(20 * GST_SECOND, &error));
+  const std::unique_ptr<GstDiscoverer, ObjectUnref> discoverer(
+      gst_discoverer_new(20 * GST_SECOND, &error));
   if (!discoverer)
     throw std::runtime_error(error->message);
   const std::unique_ptr<GstDiscovererInfo, ObjectUnref> info(
       gst_discoverer_discover_uri(discoverer.get(), film.uri.c_str(), &error));
   if (!info)
-    throw std::runtime_error("cannot look into '" + path_or_uri + "': " + (error ? error->message : "no reason given"));
+    throw std::runtime_error("cannot look into '" + path_or_uri
+                             + "': " + (error ? error->message : "no reason given"));
 
   const std::string missing = missing_plugins(info.get());
   GList *videos = gst_discoverer_info_get_video_streams(info.get());
@@ -97,7 +103,9 @@ discover_film(const std::string &path_or_uri)
     film.width = static_cast<int>(gst_discoverer_video_info_get_width(video));
     film.height = static_cast<int>(gst_discoverer_video_info_get_height(video));
     const guint denominator = gst_discoverer_video_info_get_framerate_denom(video);
-    film.fps = denominator ? static_cast<double>(gst_discoverer_video_info_get_framerate_num(video)) / denominator : 0;
+    film.fps = denominator ? static_cast<double>(gst_discoverer_video_info_get_framerate_num(video))
+                                 / denominator
+                           : 0;
   }
   gst_discoverer_stream_info_list_free(videos);
   GList *sounds = gst_discoverer_info_get_audio_streams(info.get());
@@ -108,7 +116,8 @@ discover_film(const std::string &path_or_uri)
     film.duration = duration;
 
   if (!missing.empty() && film.width == 0)
-    throw std::runtime_error("'" + path_or_uri + "' needs a decoder that is not installed: " + missing);
+    throw std::runtime_error("'" + path_or_uri
+                             + "' needs a decoder that is not installed: " + missing);
   if (gst_discoverer_info_get_result(info.get()) != GST_DISCOVERER_OK && film.width == 0)
     throw std::runtime_error("'" + path_or_uri + "' is not a film that GStreamer can decode: "
                              + (error ? error->message : "unknown kind of file"));
@@ -118,15 +127,32 @@ discover_film(const std::string &path_or_uri)
 }
 
 std::string
+launch_value(const std::string &value)
+{
+  const auto is_plain = [](char c) {
+    return g_ascii_isalnum(c) || std::strchr("_-./:%", c);
+  };
+  if (!value.empty() && std::ranges::all_of(value, is_plain))
+    return value;
+  std::string text = "\"";
+  for (const char c : value) {
+    if (c == '"' || c == '\\')
+      text += '\\';
+    text += c;
+  }
+  return text + "\"";
+}
+
+std::string
 film_source(const Film &film)
 {
-  if (!film.uri.empty()) {
-    // Neither of the characters that end or escape a quoted value can stand in a URI.
-    return "uridecodebin name=film uri=\"" + film.uri + "\"";
-  }
-  const std::string caps = "video/x-raw,width=" + std::to_string(kSyntheticSide) + ",height=" + std::to_string(kSyntheticSide)
+  if (!film.uri.empty())
+    return "uridecodebin name=film uri=" + launch_value(film.uri);
+  const std::string caps = "video/x-raw,width=" + std::to_string(kSyntheticSide)
+                           + ",height=" + std::to_string(kSyntheticSide)
                            + ",framerate=" + std::to_string(kSyntheticFps) + "/1";
-  return "tactiletestsrc pattern=static-motion num-buffers=" + std::to_string(kStaticSeconds * kSyntheticFps) + " ! " + caps
+  return "tactiletestsrc pattern=static-motion num-buffers="
+         + std::to_string(kStaticSeconds * kSyntheticFps) + " ! " + caps
          + " ! concat name=film  tactiletestsrc pattern=dynamic-motion num-buffers="
          + std::to_string(kDynamicSeconds * kSyntheticFps) + " ! " + caps + " ! film. ";
 }

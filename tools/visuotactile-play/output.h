@@ -9,25 +9,25 @@
 class Output
 {
 public:
+  /// Throws std::runtime_error in one line if something else than a file has the name.
   Output(const std::filesystem::path &directory, const std::string &name);
   ~Output();
   Output(const Output &) = delete;
   Output &operator=(const Output &) = delete;
 
-  const std::filesystem::path &
-  final_path() const
+  const std::filesystem::path &final_path() const
   {
     return final_;
   }
 
   /// Where to write meanwhile.
-  const std::filesystem::path &
-  part_path() const
+  const std::filesystem::path &part_path() const
   {
     return part_;
   }
 
-  /// Gives the file its name if anything was written. Returns whether there is such a file now.
+  /// Gives the file its name if anything was written. Returns whether anything was; throws std::runtime_error in one
+  /// line if it can't have that name.
   bool commit();
 
 private:

@@ -8,6 +8,7 @@
 #include <atomic>
 #include <cinttypes>
 #include <cstdio>
+#include <cstring>
 #include <memory>
 #include <stdexcept>
 #include <utility>
@@ -15,7 +16,11 @@
 namespace {
 
 /// Room for what tactorsink asks for early (190 ms), with as much again.
-constexpr const char *kLookahead = "queue max-size-bytes=0 max-size-buffers=0 max-size-time=400000000";
+constexpr const char *kLookahead
+    = "queue max-size-bytes=0 max-size-buffers=0 max-size-time=400000000";
+
+/// The least width and height that the encoders can be relied upon to take.
+constexpr int kSmallestSide = 16;
 
 /// How long the end may take once it was asked for; then the pipeline is stopped as it is.
 constexpr guint kDrainSeconds = 5;
@@ -37,26 +42,51 @@ video_encoder()
     return "x264enc speed-preset=ultrafast tune=zerolatency pass=quant quantizer=23 key-int-max=60";
   if (have_element("vp9enc"))
     return "vp9enc deadline=1 cpu-used=8 target-bitrate=4000000 keyframe-max-dist=60";
-  throw std::runtime_error("cannot record: neither x264enc (gstreamer1.0-plugins-ugly) nor vp9enc (gstreamer1.0-plugins-good) is installed");
+  throw std::runtime_error("cannot record: neither x264enc (gstreamer1.0-plugins-ugly) nor vp9enc "
+                           "(gstreamer1.0-plugins-good) is installed");
 }
 
-/// A value for a launch line.
+/// Encoders want even sizes, and a file one size throughout: what comes before them on a launch line.
 std::string
-quoted(const std::string &value)
+recorded_size(const Film &film)
 {
-  std::string text = "\"";
-  for (const char c : value) {
-    if (c == '"' || c == '\\')
-      text += '\\';
-    text += c;
-  }
-  return text + "\"";
+  const auto even = [](int side) {
+    return std::to_string(std::max(side + side % 2, kSmallestSide));
+  };
+  return "videoscale ! video/x-raw,width=" + even(film.width) + ",height=" + even(film.height)
+         + " ! ";
+}
+
+/// The pipeline, with or without the names of the files that it writes.
+std::string
+pipeline_line(const Film &film, const PlaySettings &settings, bool with_files)
+{
+  const std::string look = kLookahead;
+  const auto file = [with_files](const char *property, const std::string &name) {
+    return with_files ? std::string(" ") + property + "=" + launch_value(name) : "";
+  };
+  // Converters do nothing where there is nothing to convert: saliencytactile takes the usual formats as they are.
+  std::string line = film_source(film) + " film. ! " + look
+                     + " ! videoconvert ! saliencytactile name=analysis "
+                     + settings.analysis_options + " ! tactileextractor name=split split.tactile ! "
+                     + look + " ! tactorsink name=chair " + settings.chair_options
+                     + file("trace-location", settings.commands) + " split.src ! " + look
+                     + " ! tactileoverlay name=overlay ! videoconvert ! ";
+  if (settings.window)
+    line += "autovideosink";
+  else
+    line += recorded_size(film) + video_encoder() + " ! " + look
+            + " ! matroskamux name=mux ! filesink name=recorder async=false"
+            + file("location", settings.recording);
+  if (film.has_sound)
+    line += " film. ! " + look + " name=heard ! audioconvert name=sound ! audioresample ! "
+            + (settings.window ? "autoaudiosink" : "vorbisenc ! " + look + " ! mux.");
+  return line;
 }
 
 struct Unref
 {
-  void
-  operator()(gpointer object) const
+  void operator()(gpointer object) const
   {
     gst_object_unref(object);
   }
@@ -85,34 +115,50 @@ public:
   Run(const Run &) = delete;
   Run &operator=(const Run &) = delete;
 
-  PlayReport
-  operator()()
+  PlayReport operator()()
   {
     g_autoptr(GError) error = nullptr;
-    pipeline_.reset(gst_parse_launch_full(launch_line(film_, settings_).c_str(), nullptr, GST_PARSE_FLAG_FATAL_ERRORS, &error));
+    pipeline_.reset(gst_parse_launch_full(launch_line(film_, settings_).c_str(), nullptr,
+                                          GST_PARSE_FLAG_FATAL_ERRORS, &error));
     if (!pipeline_) {
       report_.failure = std::string("cannot build the pipeline: ") + error->message;
       return std::move(report_);
     }
     analysis_.reset(gst_bin_get_by_name(GST_BIN(pipeline_.get()), "analysis"));
     chair_.reset(gst_bin_get_by_name(GST_BIN(pipeline_.get()), "chair"));
+    const Owned<GstElement> recorder(gst_bin_get_by_name(GST_BIN(pipeline_.get()), "recorder"));
+    if (recorder)
+      g_object_set(recorder.get(), "location", settings_.recording.c_str(), nullptr);
+    g_object_set(chair_.get(), "trace-location", settings_.commands.c_str(), nullptr);
+    const Owned<GstElement> source(gst_bin_get_by_name(GST_BIN(pipeline_.get()), "film"));
+    if (film_.has_sound)
+      g_signal_connect(source.get(), "no-more-pads", G_CALLBACK(no_more_pads), this);
     probe("analysis", "sink", GST_PAD_PROBE_TYPE_BUFFER, gate);
     probe("sound", "sink", GST_PAD_PROBE_TYPE_BUFFER, gate);
+    probe("sound", "sink", GST_PAD_PROBE_TYPE_BUFFER, listen);
     probe("overlay", "src", GST_PAD_PROBE_TYPE_BUFFER, watch);
+    probe("recorder", "sink", GST_PAD_PROBE_TYPE_EVENT_DOWNSTREAM, record);
 
     const Owned<GstBus> bus(gst_element_get_bus(pipeline_.get()));
     sources_.push_back(gst_bus_add_watch(
-        bus.get(), +[](GstBus *, GstMessage *message, gpointer self) { return static_cast<Run *>(self)->on_message(message); }, this));
+        bus.get(),
+        +[](GstBus *, GstMessage *message, gpointer self) {
+          return static_cast<Run *>(self)->on_message(message);
+        },
+        this));
     for (const int number : { SIGINT, SIGTERM, SIGHUP })
-      sources_.push_back(g_unix_signal_add(number, +[](gpointer self) { return static_cast<Run *>(self)->on_signal(); }, this));
+      sources_.push_back(g_unix_signal_add(
+          number, +[](gpointer self) { return static_cast<Run *>(self)->on_signal(); }, this));
     if (!settings_.quiet)
-      sources_.push_back(g_timeout_add_seconds(settings_.progress_in_place ? 1 : 5,
-                                               +[](gpointer self) { return static_cast<Run *>(self)->on_progress(); }, this));
+      sources_.push_back(g_timeout_add_seconds(
+          settings_.progress_in_place ? 1 : 5,
+          +[](gpointer self) { return static_cast<Run *>(self)->on_progress(); }, this));
 
     gst_element_set_state(pipeline_.get(), GST_STATE_PLAYING);
     g_main_loop_run(loop_);
 
-    gst_element_set_state(pipeline_.get(), GST_STATE_PAUSED); // motors to zero before anything else is taken down
+    gst_element_set_state(pipeline_.get(),
+                          GST_STATE_PAUSED); // motors to zero before anything else is taken down
     if (settings_.progress_in_place && progress_shown_)
       std::fputs("\r\033[K", stderr);
     if (analysis_)
@@ -121,13 +167,16 @@ public:
       g_object_get(chair_.get(), "stats", &report_.chair, nullptr);
     gst_element_set_state(pipeline_.get(), GST_STATE_NULL);
     report_.position = position_.load();
+    report_.reached = std::max(report_.position, heard_.load());
+    report_.recorded = recorded_.load();
+    report_.silent = silent_.load();
     report_.played = report_.position > 0;
     return std::move(report_);
   }
 
 private:
-  void
-  probe(const char *element_name, const char *pad_name, GstPadProbeType type, GstPadProbeCallback callback)
+  void probe(const char *element_name, const char *pad_name, GstPadProbeType type,
+             GstPadProbeCallback callback)
   {
     const Owned<GstElement> element(gst_bin_get_by_name(GST_BIN(pipeline_.get()), element_name));
     if (!element)
@@ -137,8 +186,7 @@ private:
   }
 
   /// Ends the stream here once that was asked for: what is behind is played and written to its end, on time.
-  static GstPadProbeReturn
-  gate(GstPad *pad, GstPadProbeInfo *info, gpointer data)
+  static GstPadProbeReturn gate(GstPad *pad, GstPadProbeInfo *info, gpointer data)
   {
     Run *self = static_cast<Run *>(data);
     if (!self->ending_.load())
@@ -150,34 +198,74 @@ private:
     return GST_PAD_PROBE_HANDLED;
   }
 
+  /// A film is played once, forward, from its beginning, and parts that are put together follow each other.
+  static GstClockTime running_time(GstPad *pad, GstBuffer *buffer)
+  {
+    GstEvent *event = gst_pad_get_sticky_event(pad, GST_EVENT_SEGMENT, 0);
+    if (!event)
+      return GST_CLOCK_TIME_NONE;
+    const GstSegment *segment;
+    gst_event_parse_segment(event, &segment);
+    const GstClockTime time
+        = gst_segment_to_running_time(segment, GST_FORMAT_TIME, GST_BUFFER_PTS(buffer));
+    gst_event_unref(event);
+    return time;
+  }
+
+  static GstClockTime end_of(GstBuffer *buffer, GstClockTime start)
+  {
+    return start + (GST_BUFFER_DURATION_IS_VALID(buffer) ? GST_BUFFER_DURATION(buffer) : 1);
+  }
+
   /// Sees each frame with its overlay.
-  static GstPadProbeReturn
-  watch(GstPad *pad, GstPadProbeInfo *info, gpointer data)
+  static GstPadProbeReturn watch(GstPad *pad, GstPadProbeInfo *info, gpointer data)
   {
     Run *self = static_cast<Run *>(data);
     GstBuffer *buffer = GST_PAD_PROBE_INFO_BUFFER(info);
-    GstEvent *event = gst_pad_get_sticky_event(pad, GST_EVENT_SEGMENT, 0);
+    const GstClockTime time = running_time(pad, buffer);
     GstCaps *caps = gst_pad_get_current_caps(pad);
-    if (event && caps) {
-      const GstSegment *segment;
-      gst_event_parse_segment(event, &segment);
-      // Running time: a film is played once, forward, from its beginning, and parts that are put together follow each other.
-      const GstClockTime time = gst_segment_to_running_time(segment, GST_FORMAT_TIME, GST_BUFFER_PTS(buffer));
-      if (GST_CLOCK_TIME_IS_VALID(time)) {
-        self->strip_.offer(buffer, caps, time);
-        self->position_ = time + (GST_BUFFER_DURATION_IS_VALID(buffer) ? GST_BUFFER_DURATION(buffer) : 1);
-      }
+    if (caps && GST_CLOCK_TIME_IS_VALID(time)) {
+      self->strip_.offer(buffer, caps, time);
+      self->position_ = end_of(buffer, time);
     }
     if (caps)
       gst_caps_unref(caps);
-    if (event)
-      gst_event_unref(event);
     return GST_PAD_PROBE_OK;
   }
 
+  /// Sees each piece of sound.
+  static GstPadProbeReturn listen(GstPad *pad, GstPadProbeInfo *info, gpointer data)
+  {
+    GstBuffer *buffer = GST_PAD_PROBE_INFO_BUFFER(info);
+    const GstClockTime time = running_time(pad, buffer);
+    if (GST_CLOCK_TIME_IS_VALID(time))
+      static_cast<Run *>(data)->heard_ = end_of(buffer, time);
+    return GST_PAD_PROBE_OK;
+  }
+
+  /// Sees what is written: when its end comes, all else has been.
+  static GstPadProbeReturn record(GstPad *, GstPadProbeInfo *info, gpointer data)
+  {
+    if (GST_EVENT_TYPE(GST_PAD_PROBE_INFO_EVENT(info)) == GST_EVENT_EOS)
+      static_cast<Run *>(data)->recorded_ = true;
+    return GST_PAD_PROBE_OK;
+  }
+
+  /// All that the film has is linked now. Sound that can't be decoded is not: the recording must not wait for it.
+  static void no_more_pads(GstElement *, gpointer data)
+  {
+    Run *self = static_cast<Run *>(data);
+    const Owned<GstElement> queue(gst_bin_get_by_name(GST_BIN(self->pipeline_.get()), "heard"));
+    const Owned<GstPad> pad(gst_element_get_static_pad(queue.get(), "sink"));
+    if (gst_pad_is_linked(pad.get()))
+      return;
+    self->silent_ = true;
+    gst_pad_send_event(pad.get(), gst_event_new_stream_start("no sound"));
+    gst_pad_send_event(pad.get(), gst_event_new_eos());
+  }
+
   /// Ends the film in order; if that takes too long, as it is.
-  void
-  end()
+  void end()
   {
     ending_ = true;
     if (!drain_source_)
@@ -191,8 +279,7 @@ private:
           this);
   }
 
-  gboolean
-  on_signal()
+  gboolean on_signal()
   {
     if (std::exchange(report_.stopped, true))
       g_main_loop_quit(loop_); // asked twice
@@ -201,43 +288,57 @@ private:
     return G_SOURCE_CONTINUE;
   }
 
-  gboolean
-  on_message(GstMessage *message)
+  gboolean on_message(GstMessage *message)
   {
     switch (GST_MESSAGE_TYPE(message)) {
-      case GST_MESSAGE_EOS:
-        g_main_loop_quit(loop_);
-        break;
-      case GST_MESSAGE_ERROR:
-        on_error(message);
-        break;
-      case GST_MESSAGE_WARNING: {
-        g_autoptr(GError) error = nullptr;
-        gst_message_parse_warning(message, &error, nullptr);
-        std::fprintf(stderr, "%swarning: %s\n", settings_.progress_in_place ? "\r\033[K" : "", error->message);
-        break;
-      }
-      case GST_MESSAGE_LATENCY:
-        gst_bin_recalculate_latency(GST_BIN(pipeline_.get()));
-        break;
-      default:
-        break;
+    case GST_MESSAGE_EOS:
+      g_main_loop_quit(loop_);
+      break;
+    case GST_MESSAGE_ERROR:
+      on_error(message);
+      break;
+    case GST_MESSAGE_WARNING: {
+      g_autoptr(GError) error = nullptr;
+      gst_message_parse_warning(message, &error, nullptr);
+      if (g_error_matches(error, GST_PARSE_ERROR, GST_PARSE_ERROR_DELAYED_LINK))
+        break; // the warning about the decoder that is missing says it better
+      std::fprintf(stderr, "%swarning: %s\n", settings_.progress_in_place ? "\r\033[K" : "",
+                   error->message);
+      break;
+    }
+    case GST_MESSAGE_ASYNC_DONE:
+      if (!settings_.quiet && !std::exchange(announced_, true))
+        std::fprintf(stderr, "%s '%s'; Ctrl-C ends it\n",
+                     settings_.window ? "Playing" : "Recording, in real time,",
+                     film_.title.c_str());
+      break;
+    case GST_MESSAGE_CLOCK_LOST: // a sound card that was unplugged took its clock along
+      gst_element_set_state(pipeline_.get(), GST_STATE_PAUSED);
+      gst_element_set_state(pipeline_.get(), GST_STATE_PLAYING);
+      break;
+    case GST_MESSAGE_LATENCY:
+      gst_bin_recalculate_latency(GST_BIN(pipeline_.get()));
+      break;
+    default:
+      break;
     }
     return G_SOURCE_CONTINUE;
   }
 
   /// A film that breaks off is played to where it breaks; anything else that fails is a failure.
-  void
-  on_error(GstMessage *message)
+  void on_error(GstMessage *message)
   {
     g_autoptr(GError) error = nullptr;
     gst_message_parse_error(message, &error, nullptr);
     const Owned<GstElement> source(gst_bin_get_by_name(GST_BIN(pipeline_.get()), "film"));
-    const bool from_film = source
-                           && (GST_MESSAGE_SRC(message) == GST_OBJECT(source.get())
-                               || gst_object_has_as_ancestor(GST_MESSAGE_SRC(message), GST_OBJECT(source.get())));
-    const bool window_closed = settings_.window && g_error_matches(error, GST_RESOURCE_ERROR, GST_RESOURCE_ERROR_NOT_FOUND)
-                               && GST_OBJECT_FLAG_IS_SET(GST_MESSAGE_SRC(message), GST_ELEMENT_FLAG_SINK);
+    const bool from_film
+        = source
+          && (GST_MESSAGE_SRC(message) == GST_OBJECT(source.get())
+              || gst_object_has_as_ancestor(GST_MESSAGE_SRC(message), GST_OBJECT(source.get())));
+    const bool window_closed
+        = settings_.window
+          && g_error_matches(error, GST_RESOURCE_ERROR, GST_RESOURCE_ERROR_NOT_FOUND)
+          && GST_OBJECT_FLAG_IS_SET(GST_MESSAGE_SRC(message), GST_ELEMENT_FLAG_SINK);
     if (window_closed) {
       report_.stopped = true;
       g_main_loop_quit(loop_);
@@ -250,8 +351,7 @@ private:
     }
   }
 
-  gboolean
-  on_progress()
+  gboolean on_progress()
   {
     const GstClockTime position = position_.load();
     GstStructure *stats = nullptr;
@@ -263,12 +363,16 @@ private:
       gst_structure_get_uint64(stats, "late", &late);
       gst_structure_free(stats);
     }
-    const auto seconds = [](GstClockTime time) { return static_cast<double>(time) / GST_SECOND; };
-    std::fprintf(stderr, "%s%6.1f s", settings_.progress_in_place ? "\r\033[K" : "", seconds(position));
+    const auto seconds = [](GstClockTime time) {
+      return static_cast<double>(time) / GST_SECOND;
+    };
+    std::fprintf(stderr, "%s%6.1f s", settings_.progress_in_place ? "\r\033[K" : "",
+                 seconds(position));
     if (GST_CLOCK_TIME_IS_VALID(film_.duration))
       std::fprintf(stderr, " of %.1f s", seconds(film_.duration));
-    std::fprintf(stderr, "   %" PRIu64 " commands, %" PRIu64 " late%s", static_cast<std::uint64_t>(issued),
-                 static_cast<std::uint64_t>(late), settings_.progress_in_place ? "" : "\n");
+    std::fprintf(stderr, "   %" PRIu64 " commands, %" PRIu64 " late%s",
+                 static_cast<std::uint64_t>(issued), static_cast<std::uint64_t>(late),
+                 settings_.progress_in_place ? "" : "\n");
     std::fflush(stderr);
     progress_shown_ = true;
     return G_SOURCE_CONTINUE;
@@ -283,9 +387,13 @@ private:
   Owned<GstElement> chair_;
   std::vector<guint> sources_;
   guint drain_source_ = 0;
+  bool announced_ = false;
   bool progress_shown_ = false;
   std::atomic<bool> ending_{ false };
+  std::atomic<bool> recorded_{ false };
+  std::atomic<bool> silent_{ false };
   std::atomic<GstClockTime> position_{ 0 };
+  std::atomic<GstClockTime> heard_{ 0 };
   PlayReport report_;
 };
 
@@ -300,31 +408,52 @@ PlayReport::~PlayReport()
 }
 
 PlayReport::PlayReport(PlayReport &&other) noexcept
-    : played(other.played), stopped(other.stopped), failure(std::move(other.failure)), ended_early(std::move(other.ended_early)),
-      position(other.position), analysis(std::exchange(other.analysis, nullptr)), chair(std::exchange(other.chair, nullptr))
+    : played(other.played), stopped(other.stopped), recorded(other.recorded), silent(other.silent),
+      failure(std::move(other.failure)), ended_early(std::move(other.ended_early)),
+      position(other.position), reached(other.reached),
+      analysis(std::exchange(other.analysis, nullptr)), chair(std::exchange(other.chair, nullptr))
 {
 }
 
 std::string
 launch_line(const Film &film, const PlaySettings &settings)
 {
-  const std::string look = kLookahead;
-  std::string line = film_source(film) + "  film. ! " + look + " ! saliencytactile name=analysis " + settings.analysis_options
-                     + " ! tactileextractor name=split"
-                     + "  split.tactile ! " + look + " ! tactorsink name=chair " + settings.chair_options + " trace-location="
-                     + quoted(settings.commands)
-                     + "  split.src ! " + look + " ! tactileoverlay name=overlay ! videoconvert";
-  if (settings.window) {
-    line += " ! autovideosink";
-    if (film.has_sound)
-      line += "  film. ! " + look + " ! audioconvert name=sound ! audioresample ! autoaudiosink";
-  } else {
-    line += " ! " + video_encoder() + " ! " + look + " ! matroskamux name=mux ! filesink async=false location="
-            + quoted(settings.recording);
-    if (film.has_sound)
-      line += "  film. ! " + look + " ! audioconvert name=sound ! audioresample ! vorbisenc ! " + look + " ! mux.";
+  return pipeline_line(film, settings, false);
+}
+
+std::string
+shell_command(const Film &film, const PlaySettings &settings)
+{
+  const std::string line = pipeline_line(film, settings, true);
+  std::string command = "gst-launch-1.0 -e";
+  // A word ends at a space that is not in double quotes; what is more than letters and the like gets a shell's quotes, too.
+  bool in_quotes = false;
+  std::string word;
+  const auto add_word = [&] {
+    const auto is_plain = [](char c) {
+      return g_ascii_isalnum(c) || std::strchr("_-./:%=,", c);
+    };
+    if (word == "!" || std::ranges::all_of(word, is_plain)) {
+      command += (word.empty() ? "" : " ") + word;
+    } else {
+      g_autofree gchar *in_shell_quotes = g_shell_quote(word.c_str());
+      command += std::string(" ") + in_shell_quotes;
+    }
+    word.clear();
+  };
+  for (std::size_t i = 0; i < line.size(); i++) {
+    if (line[i] == ' ' && !in_quotes) {
+      add_word();
+      continue;
+    }
+    if (line[i] == '"')
+      in_quotes = !in_quotes;
+    else if (line[i] == '\\')
+      word += line[i++];
+    word += line[i];
   }
-  return line;
+  add_word();
+  return command;
 }
 
 bool
@@ -342,7 +471,8 @@ have_display()
     GstIterator *children = gst_bin_iterate_elements(GST_BIN(sink.get()));
     GValue item = G_VALUE_INIT;
     while (gst_iterator_next(children, &item) == GST_ITERATOR_OK) {
-      const GstElementFactory *factory = gst_element_get_factory(GST_ELEMENT(g_value_get_object(&item)));
+      const GstElementFactory *factory
+          = gst_element_get_factory(GST_ELEMENT(g_value_get_object(&item)));
       found = factory && !g_str_has_prefix(GST_OBJECT_NAME(factory), "fake");
       g_value_unset(&item);
     }

@@ -14,6 +14,7 @@ namespace {
 constexpr int kFrameWidth = 240;
 constexpr int kMargin = 6;
 constexpr GstClockTime kDefaultStep = 10 * GST_SECOND;
+constexpr GstClockTime kEarlyStep = GST_SECOND / 2;
 
 using Colour = std::array<guint8, 3>;
 constexpr Colour kPaper{ 255, 255, 255 };
@@ -34,8 +35,7 @@ struct Picture
   {
   }
 
-  void
-  fill(int x, int y, int w, int h, const Colour &colour)
+  void fill(int x, int y, int w, int h, const Colour &colour)
   {
     for (int row = std::max(y, 0); row < std::min(y + h, height); row++)
       for (int column = std::max(x, 0); column < std::min(x + w, width); column++)
@@ -48,7 +48,8 @@ level_colour(float level)
 {
   Colour colour;
   for (std::size_t i = 0; i < colour.size(); i++)
-    colour[i] = static_cast<guint8>(static_cast<float>(kIdle[i]) + level * static_cast<float>(kFull[i] - kIdle[i]));
+    colour[i] = static_cast<guint8>(static_cast<float>(kIdle[i])
+                                    + level * static_cast<float>(kFull[i] - kIdle[i]));
   return colour;
 }
 
@@ -62,8 +63,10 @@ draw_map(Picture &picture, const GstTactileMeta *meta, int x, int y, int side)
       const int left = x + c * side / columns;
       const int top = y + r * side / rows;
       const int gap = side / std::max(rows, columns) > 4 ? 1 : 0;
-      picture.fill(left, top, x + (c + 1) * side / columns - left - gap, y + (r + 1) * side / rows - top - gap,
-                   level_colour(gst_tactile_meta_get_level(meta, static_cast<guint>(r), static_cast<guint>(c))));
+      picture.fill(left, top, x + (c + 1) * side / columns - left - gap,
+                   y + (r + 1) * side / rows - top - gap,
+                   level_colour(gst_tactile_meta_get_level(meta, static_cast<guint>(r),
+                                                           static_cast<guint>(c))));
     }
 }
 
@@ -87,15 +90,17 @@ draw_frame(Picture &picture, GstSample *sample, int x, int y)
 GstCaps *
 rgb_caps(int width, int height)
 {
-  return gst_caps_new_simple("video/x-raw", "format", G_TYPE_STRING, "RGB", "width", G_TYPE_INT, width, "height", G_TYPE_INT,
-                             height, "pixel-aspect-ratio", GST_TYPE_FRACTION, 1, 1, nullptr);
+  return gst_caps_new_simple("video/x-raw", "format", G_TYPE_STRING, "RGB", "width", G_TYPE_INT,
+                             width, "height", G_TYPE_INT, height, "pixel-aspect-ratio",
+                             GST_TYPE_FRACTION, 1, 1, nullptr);
 }
 
 } // namespace
 
 Strip::Strip(GstClockTime film_duration, int count)
-    : step_(GST_CLOCK_TIME_IS_VALID(film_duration) ? std::max<GstClockTime>(film_duration / static_cast<guint>(count), 1)
-                                                   : kDefaultStep),
+    : step_(GST_CLOCK_TIME_IS_VALID(film_duration)
+                ? std::max<GstClockTime>(film_duration / static_cast<guint>(count), 1)
+                : kDefaultStep),
       next_(step_ / 2), count_(count)
 {
 }
@@ -110,9 +115,22 @@ void
 Strip::offer(GstBuffer *buffer, GstCaps *caps, GstClockTime stream_time)
 {
   const std::lock_guard lock(mutex_);
-  if (!GST_CLOCK_TIME_IS_VALID(stream_time) || stream_time < next_ || static_cast<int>(samples_.size()) >= count_)
+  if (!GST_CLOCK_TIME_IS_VALID(stream_time))
     return;
-  next_ += step_;
+  const bool its_turn = stream_time >= next_;
+  const bool has_enough = its_turn ? static_cast<int>(samples_.size()) - early_ >= count_
+                                   : !samples_.empty() && (!early_ || stream_time < next_early_);
+  if (has_enough)
+    return;
+  if (early_) {
+    gst_sample_unref(samples_.back());
+    samples_.pop_back();
+  }
+  early_ = !its_turn;
+  if (its_turn)
+    next_ += step_;
+  else
+    next_early_ = stream_time + kEarlyStep;
   // A deep copy: decoders' pools are small.
   GstBuffer *copy = gst_buffer_copy_deep(buffer);
   samples_.push_back(gst_sample_new(copy, caps, nullptr, nullptr));
@@ -129,7 +147,8 @@ Strip::write(const std::filesystem::path &path)
   if (!gst_video_info_from_caps(&info, gst_sample_get_caps(samples_.front())))
     return false;
   const int frame_height = std::clamp(
-      static_cast<int>(gst_util_uint64_scale_int(kFrameWidth * static_cast<guint64>(info.height) * static_cast<guint>(info.par_d),
+      static_cast<int>(gst_util_uint64_scale_int(kFrameWidth * static_cast<guint64>(info.height)
+                                                     * static_cast<guint>(info.par_d),
                                                  1, std::max(info.width * info.par_n, 1))),
       1, 4 * kFrameWidth);
   constexpr int kMapSide = kFrameWidth / 2;
@@ -139,12 +158,14 @@ Strip::write(const std::filesystem::path &path)
   int x = kMargin;
   GstCaps *thumbnail_caps = rgb_caps(kFrameWidth, frame_height);
   for (GstSample *sample : samples_) {
-    if (GstSample *thumbnail = gst_video_convert_sample(sample, thumbnail_caps, 5 * GST_SECOND, nullptr)) {
+    if (GstSample *thumbnail
+        = gst_video_convert_sample(sample, thumbnail_caps, 5 * GST_SECOND, nullptr)) {
       draw_frame(picture, thumbnail, x, kMargin);
       gst_sample_unref(thumbnail);
     }
     if (const GstTactileMeta *meta = gst_buffer_get_tactile_meta(gst_sample_get_buffer(sample)))
-      draw_map(picture, meta, x + (kFrameWidth - kMapSide) / 2, 2 * kMargin + frame_height, kMapSide);
+      draw_map(picture, meta, x + (kFrameWidth - kMapSide) / 2, 2 * kMargin + frame_height,
+               kMapSide);
     x += kFrameWidth + kMargin;
   }
   gst_caps_unref(thumbnail_caps);

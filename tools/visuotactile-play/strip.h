@@ -12,6 +12,7 @@ class Strip
 {
 public:
   /// Frames are taken at the middle of `count` equal parts of the film; of one without a known length, every ten seconds.
+  /// Of one that ends before the first of these, the latest frame that was looked at.
   Strip(GstClockTime film_duration, int count);
   ~Strip();
   Strip(const Strip &) = delete;
@@ -27,6 +28,8 @@ private:
   std::mutex mutex_;
   GstClockTime step_;
   GstClockTime next_;
+  GstClockTime next_early_ = 0; ///< until the first turn has come
+  bool early_ = false;          ///< what is kept is from before the first turn
   int count_;
   std::vector<GstSample *> samples_;
 };
