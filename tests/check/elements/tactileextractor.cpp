@@ -298,6 +298,16 @@ GST_START_TEST(test_flush_before_the_first_map)
 }
 GST_END_TEST;
 
+GST_START_TEST(test_flush_without_a_segment_after_it)
+{
+  Extractor e;
+  fail_unless(gst_harness_push_event(e.video, gst_event_new_flush_start()));
+  fail_unless(gst_harness_push_event(e.video, gst_event_new_flush_stop(TRUE)));
+  fail_unless(gst_harness_push_event(e.video, gst_event_new_eos()));
+  ASSERT_EVENTS(e.tactile, "stream-start flush-start flush-stop caps:3x3@25/1 eos");
+}
+GST_END_TEST;
+
 GST_START_TEST(test_other_events)
 {
   Extractor e;
@@ -521,6 +531,7 @@ tactileextractor_suite(void)
   tcase_add_test(tests, test_end_of_stream);
   tcase_add_test(tests, test_flush_and_segment);
   tcase_add_test(tests, test_flush_before_the_first_map);
+  tcase_add_test(tests, test_flush_without_a_segment_after_it);
   tcase_add_test(tests, test_other_events);
   tcase_add_test(tests, test_upstream_events);
   tcase_add_test(tests, test_missing_times);
