@@ -108,7 +108,9 @@ OverlayPainter::fill_grid_row(const GstVideoInfo &info, const LevelField &field,
     const auto left = row_.begin() + edge(c, field.columns, width);
     const auto right = row_.begin() + edge(c + 1, field.columns, width);
     const double level
-        = field.values[static_cast<std::size_t>(r * field.columns + c)] * field.scale;
+        = field.values[static_cast<std::size_t>(r) * static_cast<std::size_t>(field.columns)
+                       + static_cast<std::size_t>(c)]
+          * field.scale;
     const std::uint16_t index = shade(level);
     std::fill(left, right, static_cast<std::uint16_t>(kTint + index));
     if (!lines)
@@ -186,7 +188,9 @@ OverlayPainter::fill_interpolated_row(const GstVideoInfo &info, const LevelField
     const Between &between = between_[x];
     const float value = field_row_[between.left]
                         + between.share * (field_row_[between.right] - field_row_[between.left]);
-    row_[x] = static_cast<std::uint16_t>(std::min(value, kShades - 1.0F) + 0.5F);
+    const float rounded = std::min(value, kShades - 1.0F)
+                          + 0.5F; // never negative; lround would cost half of the frame's time
+    row_[x] = static_cast<std::uint16_t>(rounded);
   }
 }
 
