@@ -12,20 +12,28 @@ here=$(cd "$(dirname "$0")" && pwd)
 . "$here/../tools/build.sh"
 
 directory=$root/build
+patience=1
 options=(-Dsaliency=enabled -Dintrospection=enabled -Dtools=enabled -Dtests=enabled)
 case ${1:-} in
   -h | --help) sed -n '3,8s/^# \{0,1\}//p' "$0"; exit 0 ;;
-  --asan) shift; directory=$root/build-asan; options+=("-Db_sanitize=address,undefined" -Db_lundef=false) ;;
-  --tsan) shift; directory=$root/build-tsan; options+=(-Db_sanitize=thread -Db_lundef=false) ;;
+  --asan) shift; directory=$root/build-asan; patience=5; options+=("-Db_sanitize=address,undefined" -Db_lundef=false) ;;
+  --tsan) shift; directory=$root/build-tsan; patience=5; options+=(-Db_sanitize=thread -Db_lundef=false) ;;
 esac
 
 build_project "$directory" "build play test" "${options[@]}"
+
+# Suppressions are for libraries alone, each with its reason. Leaks in libraries without frame pointers are only told apart with full stacks.
+supp=$root/tests/sanitizers
+export ASAN_OPTIONS="detect_leaks=1:fast_unwind_on_malloc=0${ASAN_OPTIONS:+:$ASAN_OPTIONS}"
+export LSAN_OPTIONS="suppressions=$supp/lsan.supp:print_suppressions=0"
+export UBSAN_OPTIONS="print_stacktrace=1:halt_on_error=1"
+export TSAN_OPTIONS="suppressions=$supp/tsan.supp:halt_on_error=1${TSAN_OPTIONS:+:$TSAN_OPTIONS}"
 
 # The last lines are meson's, then one in a form that any CI reads.
 log=$(mktemp)
 trap 'rm -f "$log"' EXIT
 status=0
-meson test -C "$directory" --no-rebuild --print-errorlogs "$@" 2>&1 | tee "$log" || status=$?
+meson test -C "$directory" --no-rebuild --print-errorlogs --timeout-multiplier "$patience" "$@" 2>&1 | tee "$log" || status=$?
 count() { sed -n "s/^$1: *\([0-9][0-9]*\).*/\1/p" "$log" | tail -n 1; }
 passed=$(count Ok); failed=$(count Fail); timeouts=$(count Timeout); unexpected=$(count 'Unexpected Pass'); skipped=$(count Skipped)
 failed=$((${failed:-0} + ${timeouts:-0} + ${unexpected:-0}))
