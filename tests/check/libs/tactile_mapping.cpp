@@ -358,6 +358,25 @@ GST_START_TEST(test_profiles)
 }
 GST_END_TEST;
 
+GST_START_TEST(test_spatial_profile)
+{
+  // A still picture of spatial contrast S feels as that contrast does in the first frame after it has
+  // come: then each of the pairs 1/8, 2/16, 4/32, 8/64 holds S for one frame of its windows.
+  for (const double s : { 1.0, 1.4, 1.5, 2.0, 5.0, 20.0 }) {
+    double onset = 0;
+    for (const int window : { 1, 2, 4, 8 })
+      onset += (s / window - s / (8 * window)) / 4;
+    const Map spatial = Map(9, 9).square(3, 3, 6, 6, static_cast<float>(s));
+    const Map first = Map(9, 9).square(3, 3, 6, 6, static_cast<float>(onset));
+    const TactileMap expected = levels(first, MappingSettings::tuned(), 3, 3);
+    const TactileMap out = levels(spatial, MappingSettings::tuned_spatial(), 3, 3);
+    fail_unless(silent(out) == (onset <= 0.6));
+    for (std::size_t i = 0; i < 9; ++i)
+      fail_unless_near(out.levels[i], expected.levels[i], 1e-6);
+  }
+}
+GST_END_TEST;
+
 GST_START_TEST(test_bad_values)
 {
   const float nan = std::numeric_limits<float>::quiet_NaN();
@@ -405,6 +424,7 @@ tactile_mapping_suite(void)
   tcase_add_test(tc, test_no_gain_is_limited);
   tcase_add_test(tc, test_prefilter);
   tcase_add_test(tc, test_profiles);
+  tcase_add_test(tc, test_spatial_profile);
   tcase_add_test(tc, test_bad_values);
   return suite;
 }
