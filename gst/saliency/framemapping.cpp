@@ -78,8 +78,11 @@ FrameMapping::FrameMapping(const GstVideoInfo &info, GstBuffer *buffer)
     const int h_sub = static_cast<int>(GST_VIDEO_FORMAT_INFO_H_SUB(format, i));
     component.row_stride = GST_VIDEO_FRAME_COMP_STRIDE(&frame_, i);
     component.pixel_stride = GST_VIDEO_FRAME_COMP_PSTRIDE(&frame_, i);
+    // GStreamer 1.22 gives P010's second chroma sample an offset of one byte, not of one sample.
+    const int misplaced
+        = view_.depth > 8 ? static_cast<int>(GST_VIDEO_FORMAT_INFO_POFFSET(format, i) & 1) : 0;
     component.data = static_cast<const std::uint8_t *>(GST_VIDEO_FRAME_COMP_DATA(&frame_, i))
-                     + (top >> h_sub) * component.row_stride
+                     + misplaced + (top >> h_sub) * component.row_stride
                      + static_cast<std::ptrdiff_t>(left >> w_sub) * component.pixel_stride;
     component.width = GST_VIDEO_SUB_SCALE(w_sub, view_.width);
     component.height = GST_VIDEO_SUB_SCALE(h_sub, view_.height);

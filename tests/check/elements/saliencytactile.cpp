@@ -20,7 +20,7 @@ constexpr int kWidth = 320;
 constexpr int kHeight = 240;
 constexpr int kBall = 24; // side of the square "ball": fits into a cell of the cropped picture, too
 
-/// A grey RGB frame with a dark red square at (x, y), or none if x < 0.
+/// A grey RGB frame with a reddish square, weak enough not to saturate the levels, at (x, y), or none if x < 0.
 GstBuffer *
 rgb_frame(const GstVideoInfo &info, int x, int y)
 {
@@ -33,9 +33,9 @@ rgb_frame(const GstVideoInfo &info, int x, int y)
     for (int column = 0; column < GST_VIDEO_INFO_WIDTH(&info); column++) {
       const bool inside
           = x >= 0 && column >= x && column < x + kBall && row >= y && row < y + kBall;
-      line[3 * column] = inside ? 150 : 110;
-      line[3 * column + 1] = inside ? 10 : 110;
-      line[3 * column + 2] = inside ? 10 : 110;
+      line[3 * column] = inside ? 130 : 110;
+      line[3 * column + 1] = inside ? 96 : 110;
+      line[3 * column + 2] = inside ? 96 : 110;
     }
   }
   gst_video_frame_unmap(&frame);
@@ -136,6 +136,7 @@ GST_START_TEST(test_formats)
 
   frames = film(format, 2, 0, &caps);
   h = gst_harness_new("saliencytactile");
+  g_object_set(h->element, "floor", 0.0, nullptr); // in grey the square is a faint one
   const std::vector<gfloat> levels = play(h, caps, frames);
   gst_harness_teardown(h);
   release(frames, caps);
