@@ -43,6 +43,7 @@ TactorScheduler::start(std::unique_ptr<tactor::Driver> driver, const tactor::Dri
                        std::unique_ptr<tactor::CommandTrace> trace)
 {
   stop();
+  std::lock_guard lock(mutex_);
   driver_ = std::move(driver);
   config_ = config;
   trace_ = std::move(trace);
@@ -50,26 +51,29 @@ TactorScheduler::start(std::unique_ptr<tactor::Driver> driver, const tactor::Dri
   sent_.clear();
   counters_ = {};
   expires_.reset();
-  quit_ = playing_ = changed_ = lost_ = starved_ = false;
-  running_ = next_reconnect_ = Time(0);
+  reconnect_.reset();
+  quit_ = playing_ = starved_ = false;
+  met_ = requested_;
+  running_ = Time(0);
   thread_ = std::thread([this] { run(); });
+  live_ = true;
 }
 
 void
 TactorScheduler::stop()
 {
-  if (!thread_.joinable())
-    return;
+  std::thread thread;
   {
-    std::lock_guard lock(mutex_);
+    std::unique_lock lock(mutex_);
+    playing_ = false;
+    settle(lock);
     quit_ = true;
     wake();
+    settled_.wait(lock, [this] { return !live_; });
+    thread = std::move(thread_);
   }
-  thread_.join();
-  std::lock_guard lock(mutex_);
-  driver_.reset();
-  trace_.reset();
-  settled_.notify_all();
+  if (thread.joinable())
+    thread.join();
 }
 
 void
@@ -132,6 +136,8 @@ void
 TactorScheduler::timing_changed()
 {
   std::lock_guard lock(mutex_);
+  // A request, since the thread may have read the timing already and not be asleep yet.
+  requested_++;
   wake();
 }
 
@@ -171,11 +177,13 @@ TactorScheduler::wake()
 void
 TactorScheduler::settle(Lock &lock)
 {
-  if (!thread_.joinable())
+  if (!live_)
     return;
-  changed_ = true;
+  const std::uint64_t request = ++requested_;
   wake();
-  settled_.wait(lock, [this] { return !changed_ || quit_; });
+  // The host, when the thread tells it something, must not wait for the thread.
+  if (thread_.get_id() != std::this_thread::get_id())
+    settled_.wait(lock, [&] { return met_ >= request || !live_; });
 }
 
 void
@@ -187,18 +195,18 @@ TactorScheduler::run()
   playing_ = false;
   counters_.dropped += queue_.clear();
   apply(lock, running_, {});
-  changed_ = false;
-  settled_.notify_all();
-  if (driver_)
-    driver_->close();
+  driver_.reset();
   if (trace_)
     trace_->flush();
+  trace_.reset();
+  live_ = false;
+  settled_.notify_all();
 }
 
 void
 TactorScheduler::turn(Lock &lock)
 {
-  if (!changed_ && (!playing_ || (!queue_.next_due() && !expires_))) {
+  if (met_ == requested_ && (!playing_ || (!queue_.next_due() && !expires_ && !reconnect_))) {
     wake_.wait(lock);
     return;
   }
@@ -208,33 +216,48 @@ TactorScheduler::turn(Lock &lock)
   const Moment moment(host_.timing(), running_);
   lock.lock();
   running_ = moment.running;
+  // After a seek running time begins anew.
+  if (reconnect_)
+    reconnect_ = std::min(*reconnect_, moment.running + kReconnectInterval);
 
-  if (changed_) {
-    // Cleared first: whoever asks for more while the driver is being written to gets another turn.
-    changed_ = false;
+  if (met_ != requested_) {
+    // Whoever asks for more while the driver is being written to gets another turn.
+    const std::uint64_t request = requested_;
     apply(lock, moment.running, {});
     if (!playing_ && trace_)
       trace_->flush();
+    met_ = request;
     settled_.notify_all();
     return;
   }
   if (quit_ || !playing_)
     return;
 
+  if (reconnect_ && *reconnect_ <= moment.running) {
+    reconnect(lock, moment.running);
+    return;
+  }
   if (immediate_ || !moment.clock) {
     expires_.reset();
     if (const std::vector<Command> due = queue_.take_due(Time::max()); !due.empty())
       issue(lock, moment.running, due, false);
+    else
+      wake_.wait(lock);
     return;
   }
 
-  const std::optional<Time> next = queue_.next_due();
+  std::optional<Time> next = queue_.next_due();
   if (next && *next <= moment.running) {
     issue(lock, moment.running, queue_.take_due(moment.running), true);
   } else if (!next && expires_ && *expires_ <= moment.running) {
     starve(lock, moment.running);
-  } else if (next || expires_) {
-    wait_until(lock, moment, next ? *next : *expires_);
+  } else {
+    if (!next)
+      next = expires_;
+    if (reconnect_)
+      next = next ? std::min(*next, *reconnect_) : *reconnect_;
+    if (next)
+      wait_until(lock, moment, *next);
   }
 }
 
@@ -304,9 +327,7 @@ TactorScheduler::starve(Lock &lock, Time running)
 void
 TactorScheduler::apply(Lock &lock, Time running, std::span<const Command> commands)
 {
-  if (lost_ && playing_ && running >= next_reconnect_)
-    reconnect(lock, running);
-  if (!driver_ || lost_)
+  if (!driver_ || reconnect_)
     return;
 
   const std::span<const double> levels = queue_.levels();
@@ -368,39 +389,44 @@ TactorScheduler::trace_changes(Time running, std::span<const Command> commands,
 void
 TactorScheduler::lose(Lock &lock, Time running, const tactor::DriverError &error)
 {
-  lost_ = true;
-  sent_.clear(); // nothing is known of the motors: a board that comes back begins at zero
-  next_reconnect_ = running + kReconnectInterval;
-  driver_->close();
+  trace_changes(running, {}, std::vector<double>(sent_.size(), 0.0)); // no motor runs on
+  sent_.clear(); // a board that comes back begins at zero
   const bool may_return = error.kind() == tactor::DriverError::Kind::lost;
-  if (!may_return)
-    driver_.reset();
-  lock.unlock();
   if (may_return)
+    reconnect_ = running + kReconnectInterval;
+
+  lock.unlock();
+  driver_->close();
+  if (may_return) {
     host_.device_lost(error);
-  else
+  } else {
+    driver_.reset();
     host_.device_failed(error);
+  }
   lock.lock();
 }
 
 void
 TactorScheduler::reconnect(Lock &lock, Time running)
 {
-  if (!driver_)
-    return;
-  next_reconnect_ = running + kReconnectInterval;
+  reconnect_ = running + kReconnectInterval;
+  const auto tactors = static_cast<int>(queue_.levels().size());
   lock.unlock();
-  bool found = true;
+  bool found = false;
   try {
     driver_->open(config_);
+    found = driver_->tactors() >= tactors; // else it is another board
   } catch (const std::exception &) {
-    found = false;
+    // Still away.
   }
   if (found)
     host_.device_found();
+  else
+    driver_->close();
   lock.lock();
-  if (found) {
-    lost_ = false;
-    counters_.reconnects++;
-  }
+  if (!found)
+    return;
+  reconnect_.reset();
+  counters_.reconnects++;
+  apply(lock, running, {});
 }

@@ -9,6 +9,7 @@
 #include <gst/gst.h>
 
 #include <condition_variable>
+#include <cstdint>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -43,8 +44,9 @@ public:
 /// it while it runs.
 ///
 /// It stores no clock time: clock, base time, latency and ts-offset are read at each turn, so that
-/// a pause, a new clock or a new latency needs no case of its own. Every public method may be
-/// called from any thread; pause(), flush() and stop() return when all motors are at zero.
+/// a pause, a new clock or a new latency needs no case of its own. Every public method but start()
+/// may be called from any thread, and all but start() and stop() by the host when it is told
+/// something; pause(), flush() and stop() return when all motors are at zero.
 class TactorScheduler
 {
 public:
@@ -127,20 +129,24 @@ private:
   TactorSchedulerHost &host_;
   mutable std::mutex mutex_;
   std::condition_variable wake_;
-  std::condition_variable settled_;
+  std::condition_variable settled_; ///< met_ or live_ changed
   std::thread thread_;
   GstClockID waiting_ = nullptr; ///< what the thread sleeps on, owned by it
 
+  bool live_ = false; ///< the thread attends to requests
   bool quit_ = false;
   bool playing_ = false;
   bool muted_ = false;
   bool immediate_ = false;
-  bool changed_ = false;      ///< something other than a due command has to reach the motors
+  // Requests: something other than a due command has to reach the motors, or to be looked at anew.
+  // Numbered, so that each caller waits for the turn that saw its own: the one before may still be
+  // writing.
+  std::uint64_t requested_ = 0;
+  std::uint64_t met_ = 0;     ///< the last request that was met
   tactor::Time running_{ 0 }; ///< running time of the last turn on the clock
   std::optional<tactor::Time> expires_;
-  tactor::Time next_reconnect_{ 0 };
-  bool lost_ = false;    ///< the board is away
-  bool starved_ = false; ///< see take_starved()
+  std::optional<tactor::Time> reconnect_; ///< when the board, which is away, is looked for next
+  bool starved_ = false;                  ///< see take_starved()
 
   std::unique_ptr<tactor::Driver> driver_;
   tactor::DriverConfig config_;
