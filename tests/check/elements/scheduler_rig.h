@@ -1,0 +1,326 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+//
+// tactorsink's scheduler with a host and a board that are made up, on a GstTestClock: every time is exact.
+#pragma once
+
+#include "gst/tactor/tactorscheduler.h"
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <condition_variable>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <unistd.h>
+#include <utility>
+#include <vector>
+
+// After the standard library's headers: gstcheck.h defines a macro named fail.
+#include <gst/check/gstcheck.h>
+#include <gst/check/gsttestclock.h>
+
+using tactor::Command;
+using tactor::DriverError;
+using tactor::Time;
+using Volts = std::vector<double>;
+using Kind = DriverError::Kind;
+using std::chrono::milliseconds;
+
+constexpr Time kForever = std::chrono::hours(1);
+
+inline bool
+silent(const Volts &volts)
+{
+  return std::ranges::all_of(volts, [](double v) { return v == 0; });
+}
+
+/// One thing that was done to a board.
+struct Write
+{
+  Time now;
+  Volts volts;
+  bool operator==(const Write &) const = default;
+};
+
+/// The host's side of the tests, and the element's clock. A test that wants to act while the scheduler has read the
+/// timing but not used it yet sets `after_timing`.
+class Host final : public TactorSchedulerHost
+{
+public:
+  Timing timing() override
+  {
+    Timing timing;
+    std::function<void()> after;
+    {
+      std::lock_guard lock(mutex_);
+      timing = { clock_ ? GST_CLOCK(gst_object_ref(clock_)) : nullptr, offset_ };
+      after = std::exchange(after_timing_, nullptr);
+    }
+    if (after)
+      after();
+    return timing;
+  }
+  void device_lost(const DriverError &) override
+  {
+    lost++;
+    if (on_lost)
+      on_lost();
+  }
+  void device_found() override
+  {
+    found++;
+  }
+  void device_failed(const DriverError &) override
+  {
+    failed++;
+  }
+  void lead_short(Time lead, Time late) override
+  {
+    std::lock_guard lock(mutex_);
+    shorts_.emplace_back(lead, late);
+  }
+
+  void set(GstClock *clock, Time offset, std::function<void()> after_timing = nullptr)
+  {
+    std::lock_guard lock(mutex_);
+    clock_ = clock;
+    offset_ = offset.count();
+    after_timing_ = std::move(after_timing);
+  }
+  std::vector<std::pair<Time, Time>> shorts()
+  {
+    std::lock_guard lock(mutex_);
+    return shorts_;
+  }
+
+  std::atomic<int> lost{ 0 };
+  std::atomic<int> found{ 0 };
+  std::atomic<int> failed{ 0 };
+  std::function<void()> on_lost;
+
+private:
+  std::mutex mutex_;
+  GstClock *clock_ = nullptr; ///< the rig's
+  GstClockTimeDiff offset_ = 0;
+  std::function<void()> after_timing_;
+  std::vector<std::pair<Time, Time>> shorts_;
+};
+
+/// The board, which outlives its driver: what it was told, what its motors do, and when it shall misbehave.
+struct Board
+{
+  std::mutex mutex;
+  std::condition_variable changed;
+  int tactors = 4;
+  bool open = false;
+  Volts volts; ///< what the motors have now
+  std::vector<Write> writes;
+  std::vector<Time> opens; ///< attempts to open it again
+  std::function<Time()> now = [] {
+    return Time(0);
+  };
+  std::optional<Kind> error; ///< of the next write
+  bool odd_error = false;    ///< the next write throws something else
+  int refusals = 0;          ///< so many attempts to open it fail
+  bool hold = false;         ///< a write does not end…
+  int passes = 0;            ///< …but so many do
+  bool held = false;         ///< one is there
+  bool destroyed = false;
+  std::string misuse;
+
+  template <typename Value> void set(Value Board::*member, Value value)
+  {
+    std::lock_guard lock(mutex);
+    this->*member = std::move(value);
+    changed.notify_all();
+  }
+  template <typename Value> Value get(Value Board::*member)
+  {
+    std::lock_guard lock(mutex);
+    return this->*member;
+  }
+  bool is_silent()
+  {
+    return silent(get(&Board::volts));
+  }
+  void wait_until_held()
+  {
+    std::unique_lock lock(mutex);
+    changed.wait(lock, [this] { return held && passes == 0; });
+  }
+};
+
+class FakeDriver final : public tactor::Driver
+{
+public:
+  explicit FakeDriver(Board &board) : board_(board)
+  {
+  }
+  ~FakeDriver() override
+  {
+    close();
+    board_.set(&Board::destroyed, true);
+  }
+  void open(const tactor::DriverConfig &config) override
+  {
+    std::lock_guard lock(board_.mutex);
+    board_.opens.push_back(board_.now());
+    if (config.device != "seat 7")
+      board_.misuse += "opened with another configuration; ";
+    if (board_.refusals > 0) {
+      board_.refusals--;
+      throw DriverError(Kind::not_found, "still away");
+    }
+    board_.open = true;
+    board_.volts.clear();
+  }
+  int tactors() const override
+  {
+    std::lock_guard lock(board_.mutex);
+    return board_.open ? board_.tactors : 0;
+  }
+  double resolution() const override
+  {
+    return 0;
+  }
+  Time transport_latency() const override
+  {
+    return Time(0);
+  }
+  void write(std::span<const double> volts, Time now) override
+  {
+    std::unique_lock lock(board_.mutex);
+    if (!board_.open)
+      board_.misuse += "write without open; ";
+    if (volts.empty() || volts.size() > static_cast<std::size_t>(board_.tactors))
+      board_.misuse += "write of " + std::to_string(volts.size()) + " values; ";
+    board_.held = board_.hold;
+    board_.changed.notify_all();
+    board_.changed.wait(lock, [this] { return !board_.hold || board_.passes > 0; });
+    board_.passes -= board_.passes > 0;
+    board_.held = false;
+    if (std::exchange(board_.odd_error, false))
+      throw std::runtime_error("a bug");
+    if (const std::optional<Kind> error = std::exchange(board_.error, std::nullopt)) {
+      board_.volts.clear(); // no power, no vibration
+      throw DriverError(*error, "unplugged");
+    }
+    board_.volts.assign(volts.begin(), volts.end());
+    board_.writes.push_back({ now, board_.volts });
+  }
+  void close() noexcept override
+  {
+    std::lock_guard lock(board_.mutex);
+    board_.open = false;
+    board_.volts.clear();
+  }
+
+private:
+  Board &board_;
+};
+
+inline Command
+command(int effect_ms, int tactor, double volts, int lead_ms = 0)
+{
+  return { .effect = milliseconds(effect_ms),
+           .lead = milliseconds(lead_ms),
+           .tactor = tactor,
+           .volts = volts };
+}
+
+/// A scheduler that plays, its clock at 5 s being running time 0.
+class Rig
+{
+public:
+  explicit Rig(bool play = true)
+  {
+    clock = GST_TEST_CLOCK(gst_test_clock_new_with_start_time(GST_SECOND * 5));
+    host.set(GST_CLOCK(clock), offset);
+    board.now = [this] {
+      return running();
+    };
+    scheduler = std::make_unique<TactorScheduler>(host);
+    char name[] = "/tmp/tactorscheduler-XXXXXX";
+    const int fd = mkstemp(name);
+    fail_unless(fd >= 0);
+    close(fd);
+    trace_path = name;
+    start();
+    if (play)
+      scheduler->play();
+  }
+  ~Rig()
+  {
+    scheduler.reset();
+    fail_unless(board.misuse.empty(), "%s", board.misuse.c_str());
+    fail_unless(board.is_silent());
+    fail_unless(board.destroyed);
+    // What a reader of the trace thinks the motors do at the end.
+    std::array<double, 4096> last{};
+    for (const tactor::IssuedCommand &issued : tactor::read_command_trace(trace_path))
+      last[static_cast<std::size_t>(issued.command.tactor)] = issued.command.volts;
+    fail_unless(silent({ last.begin(), last.end() }));
+    unlink(trace_path.c_str());
+    gst_object_unref(clock);
+  }
+
+  void start()
+  {
+    auto driver = std::make_unique<FakeDriver>(board);
+    const tactor::DriverConfig config{ .device = "seat 7" };
+    driver->open(config);
+    board.opens.clear();
+    scheduler->start(std::move(driver), config, std::make_unique<tactor::CommandTrace>(trace_path));
+  }
+  void push(const std::vector<Command> &commands, Time expires = kForever)
+  {
+    scheduler->push(commands, expires);
+  }
+  Time running()
+  {
+    return Time(static_cast<gint64>(gst_clock_get_time(GST_CLOCK(clock)))) - offset;
+  }
+  /// Running time that the scheduler sleeps until; returns when it does.
+  Time asleep(GstTestClock *on = nullptr)
+  {
+    GstClockID id = nullptr;
+    gst_test_clock_wait_for_next_pending_id(on ? on : clock, &id);
+    const Time time(static_cast<gint64>(gst_clock_id_get_time(id)));
+    gst_clock_id_unref(id);
+    return time - offset;
+  }
+  /// Moves the clock in one jump, and lets a sleep that this ends end.
+  void jump_to(Time time)
+  {
+    const Time until = asleep();
+    gst_test_clock_set_time(clock, static_cast<GstClockTime>((time + offset).count()));
+    if (until <= time)
+      gst_clock_id_unref(gst_test_clock_process_next_clock_id(clock));
+  }
+  /// Lets time pass, at no point faster than the scheduler; it has to have something to sleep on afterwards.
+  void run_to(Time time)
+  {
+    for (Time next = asleep(); next <= time; next = asleep())
+      jump_to(std::max(next, running()));
+    jump_to(time);
+  }
+  void run_to(int ms)
+  {
+    run_to(milliseconds(ms));
+  }
+  std::vector<Write> writes()
+  {
+    return board.get(&Board::writes);
+  }
+
+  Board board;
+  Host host;
+  GstTestClock *clock;
+  Time offset = std::chrono::seconds(5);
+  std::string trace_path;
+  std::unique_ptr<TactorScheduler> scheduler; ///< ends first
+};
