@@ -1,0 +1,200 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "tactor/command_queue.h"
+
+#include <algorithm>
+#include <optional>
+#include <random>
+#include <vector>
+
+#include <gst/check/gstcheck.h>
+
+using namespace std::chrono_literals;
+using namespace tactor;
+
+namespace {
+
+Command
+command(Time due, int tactor, double volts, Time lead = 0ns)
+{
+  return { .effect = due + lead, .lead = lead, .tactor = tactor, .volts = volts };
+}
+
+void
+push(CommandQueue &queue, const std::vector<Command> &commands)
+{
+  queue.push(commands);
+}
+
+std::vector<double>
+levels(const CommandQueue &queue)
+{
+  return { queue.levels().begin(), queue.levels().end() };
+}
+
+/// The queue again, as plainly as can be: a bag that is searched for the earliest command each
+/// time.
+struct Bag
+{
+  std::vector<Command> commands; ///< in order of arrival
+  std::vector<double> volts;
+  std::size_t coalesced = 0;
+
+  std::optional<std::size_t> earliest() const
+  {
+    std::optional<std::size_t> found;
+    for (std::size_t i = 0; i < commands.size(); i++)
+      if (!found || commands[i].due() < commands[*found].due())
+        found = i;
+    return found;
+  }
+
+  std::vector<Command> take(Time now)
+  {
+    std::vector<Command> taken;
+    for (auto next = earliest(); next && commands[*next].due() <= now; next = earliest()) {
+      const Command one = commands[*next];
+      commands.erase(commands.begin() + static_cast<std::ptrdiff_t>(*next));
+      coalesced
+          += std::erase_if(taken, [&](const Command &other) { return other.tactor == one.tactor; });
+      taken.push_back(one);
+      volts[static_cast<std::size_t>(one.tactor)] = one.volts;
+    }
+    return taken;
+  }
+};
+
+} // namespace
+
+GST_START_TEST(test_empty)
+{
+  CommandQueue queue(3);
+  fail_unless(queue.size() == 0);
+  fail_unless(queue.next_due() == std::nullopt);
+  fail_unless(queue.take_due(Time::max()).empty());
+  fail_unless(levels(queue) == std::vector<double>(3, 0.0));
+  fail_unless(queue.clear() == 0);
+  push(queue, {});
+  fail_unless(queue.size() == 0);
+  fail_unless(CommandQueue(0).levels().empty());
+  fail_unless(CommandQueue(-1).levels().empty());
+}
+GST_END_TEST;
+
+GST_START_TEST(test_order_of_due_times)
+{
+  CommandQueue queue(4);
+  // The first by its effect is the last by its due time.
+  push(queue, { command(30ms, 0, 1), command(20ms, 1, 2, 100ms), command(25ms, 2, 3, 50ms) });
+  push(queue, { command(10ms, 3, 0.5, 500ms) });
+  fail_unless(queue.size() == 4);
+  fail_unless(queue.next_due() == Time(10ms));
+  fail_unless(queue.take_due(10ms - 1ns).empty());
+  fail_unless(queue.take_due(10ms) == (std::vector<Command>{ command(10ms, 3, 0.5, 500ms) }));
+  fail_unless(levels(queue) == (std::vector<double>{ 0, 0, 0, 0.5 }));
+  fail_unless(queue.next_due() == Time(20ms));
+  fail_unless(queue.take_due(1s)
+              == (std::vector<Command>{ command(20ms, 1, 2, 100ms), command(25ms, 2, 3, 50ms),
+                                        command(30ms, 0, 1) }));
+  fail_unless(levels(queue) == (std::vector<double>{ 1, 2, 3, 0.5 }));
+  fail_unless(queue.size() == 0 && queue.coalesced() == 0);
+}
+GST_END_TEST;
+
+GST_START_TEST(test_latest_wins)
+{
+  CommandQueue queue(2);
+  push(queue,
+       { command(10ms, 0, 1), command(20ms, 1, 1), command(30ms, 0, 2), command(50ms, 0, 3) });
+  fail_unless(queue.take_due(40ms)
+              == (std::vector<Command>{ command(20ms, 1, 1), command(30ms, 0, 2) }));
+  fail_unless(queue.coalesced() == 1);
+  fail_unless(levels(queue) == (std::vector<double>{ 2, 1 }));
+  // At the same time the one that came last is the latest.
+  push(queue, { command(50ms, 0, 0.7), command(50ms, 0, 0) });
+  fail_unless(queue.take_due(50ms) == (std::vector<Command>{ command(50ms, 0, 0) }));
+  fail_unless(queue.coalesced() == 3);
+  fail_unless(levels(queue) == (std::vector<double>{ 0, 1 }));
+}
+GST_END_TEST;
+
+GST_START_TEST(test_clear)
+{
+  CommandQueue queue(2);
+  push(queue, { command(10ms, 0, 1), command(10ms, 0, 2), command(20ms, 1, 3) });
+  queue.take_due(10ms);
+  push(queue, { command(30ms, 0, 1) });
+  fail_unless(queue.clear() == 2);
+  fail_unless(queue.size() == 0 && !queue.next_due());
+  fail_unless(levels(queue) == (std::vector<double>{ 0, 0 }));
+  fail_unless(queue.coalesced() == 1);
+  fail_unless(queue.take_due(Time::max()).empty());
+}
+GST_END_TEST;
+
+GST_START_TEST(test_tactors_that_are_not_there)
+{
+  CommandQueue queue(2);
+  push(queue, { command(0ms, -1, 1), command(0ms, 2, 1), command(0ms, 1, 1), command(0ms, 4096, 1),
+                command(0ms, G_MININT, 1), command(0ms, G_MAXINT, 1) });
+  fail_unless(queue.size() == 1);
+  fail_unless(queue.take_due(0ms) == (std::vector<Command>{ command(0ms, 1, 1) }));
+  CommandQueue none(0);
+  push(none, { command(0ms, 0, 1) });
+  fail_unless(none.size() == 0);
+}
+GST_END_TEST;
+
+GST_START_TEST(test_against_a_bag)
+{
+  constexpr int kTactors = 5;
+  std::mt19937 random(1);
+  const auto dice = [&random](int sides) {
+    return std::uniform_int_distribution<int>(0, sides - 1)(random);
+  };
+  CommandQueue queue(kTactors);
+  Bag bag;
+  bag.volts.assign(kTactors, 0.0);
+  Time now = 0s;
+  for (int turn = 0; turn < 5000; turn++) {
+    std::vector<Command> commands;
+    for (int i = dice(5); i > 0; i--)
+      commands.push_back(command(now + dice(30) * 1ms - 5ms, dice(kTactors + 2) - 1,
+                                 dice(30) / 10.0, dice(10) * 10ms));
+    queue.push(commands);
+    std::ranges::copy_if(commands, std::back_inserter(bag.commands), [](const Command &one) {
+      return one.tactor >= 0 && one.tactor < kTactors;
+    });
+    now += dice(10) * 1ms;
+    if (dice(100) == 0) {
+      fail_unless(queue.clear() == bag.commands.size());
+      bag.commands.clear();
+      bag.volts.assign(kTactors, 0.0);
+    }
+    const auto next = bag.earliest();
+    fail_unless(queue.next_due()
+                == (next ? std::optional<Time>(bag.commands[*next].due()) : std::nullopt));
+    fail_unless(queue.take_due(now) == bag.take(now), "turn %d", turn);
+    fail_unless(queue.size() == bag.commands.size());
+    fail_unless(queue.coalesced() == bag.coalesced);
+    fail_unless(levels(queue) == bag.volts);
+  }
+  fail_unless(bag.coalesced > 100);
+}
+GST_END_TEST;
+
+static Suite *
+command_queue_suite(void)
+{
+  Suite *suite = suite_create("command_queue");
+  TCase *tests = tcase_create("general");
+  suite_add_tcase(suite, tests);
+  tcase_add_test(tests, test_empty);
+  tcase_add_test(tests, test_order_of_due_times);
+  tcase_add_test(tests, test_latest_wins);
+  tcase_add_test(tests, test_clear);
+  tcase_add_test(tests, test_tactors_that_are_not_there);
+  tcase_add_test(tests, test_against_a_bag);
+  return suite;
+}
+
+GST_CHECK_MAIN(command_queue)

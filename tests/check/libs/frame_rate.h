@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include "tactor/time.h"
+
+#include <cstdint>
+
+/// Frames per second as a fraction, and the timestamps that such a film has in GStreamer.
+struct FrameRate
+{
+  std::int64_t numerator;
+  std::int64_t denominator;
+
+  tactor::Time frame(std::int64_t number) const
+  {
+    return tactor::Time(number * denominator * 1'000'000'000 / numerator);
+  }
+  tactor::Time duration(std::int64_t number) const
+  {
+    return frame(number + 1) - frame(number);
+  }
+};

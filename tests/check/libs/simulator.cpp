@@ -1,0 +1,341 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "tactor/simulator.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <random>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <gst/check/gstcheck.h>
+
+using namespace std::chrono_literals;
+using namespace tactor;
+
+namespace {
+
+/// A folder that goes away.
+class Folder
+{
+public:
+  Folder()
+  {
+    gchar *path = g_dir_make_tmp("simulator-XXXXXX", nullptr);
+    fail_unless(path != nullptr);
+    path_ = path;
+    g_free(path);
+  }
+  ~Folder()
+  {
+    std::filesystem::remove_all(path_);
+  }
+  Folder(const Folder &) = delete;
+  Folder &operator=(const Folder &) = delete;
+
+  std::string file(const char *name) const
+  {
+    return path_ + "/" + name;
+  }
+
+private:
+  std::string path_;
+};
+
+std::string
+read(const std::string &path)
+{
+  std::ifstream file(path, std::ios::binary);
+  return { std::istreambuf_iterator<char>(file), {} };
+}
+
+/// A write and its time.
+struct Write
+{
+  Time time;
+  std::vector<double> volts;
+};
+
+/// What the CSV file of these writes has to be: a line every 5 ms after the last one while it is
+/// before the next and less than a second has passed.
+std::string
+expected_csv(const std::vector<Write> &writes, std::size_t columns)
+{
+  std::string text = "time_ns";
+  for (std::size_t i = 0; i < columns; i++)
+    text += ",tactor_" + std::to_string(i);
+  text += '\n';
+  std::vector<MotorModel> motors(columns);
+  const auto line = [&](Time time) {
+    text += std::to_string(time.count());
+    for (const MotorModel &motor : motors) {
+      char field[32];
+      std::snprintf(field, sizeof field, ",%.3f", motor.amplitude(time));
+      text += field;
+    }
+    text += '\n';
+  };
+  for (std::size_t i = 0; i < writes.size(); i++) {
+    const bool anew = i > 0 && writes[i].time < writes[i - 1].time;
+    if (anew)
+      std::ranges::fill(motors, MotorModel());
+    for (int step = 1; i > 0 && !anew && step < 200; step++)
+      if (const Time time = writes[i - 1].time + step * 5ms; time < writes[i].time)
+        line(time);
+    for (std::size_t j = 0; j < columns; j++)
+      motors[j].set(writes[i].time, j < writes[i].volts.size() ? writes[i].volts[j] : 0.0);
+    line(writes[i].time);
+  }
+  return text;
+}
+
+/// What the driver says when it is opened; fails if it does not mind.
+DriverError
+refusal(const DriverConfig &config)
+{
+  Simulator simulator;
+  try {
+    simulator.open(config);
+  } catch (const DriverError &error) {
+    fail_unless(simulator.tactors() == 0);
+    return error;
+  }
+  fail("opened all the same");
+  std::abort();
+}
+
+} // namespace
+
+GST_START_TEST(test_what_it_is)
+{
+  Simulator simulator;
+  fail_unless(simulator.tactors() == 0);
+  simulator.open({});
+  fail_unless(simulator.tactors() == 4096);
+  simulator.open({ .device = "", .max_tactors = 16 });
+  fail_unless(simulator.tactors() == 16);
+  fail_unless(simulator.resolution() == 0);
+  fail_unless(simulator.transport_latency() == 0s);
+  simulator.close();
+  fail_unless(simulator.tactors() == 0);
+  simulator.close();
+}
+GST_END_TEST;
+
+GST_START_TEST(test_amplitudes_are_the_motors)
+{
+  constexpr std::size_t kTactors = 6;
+  std::mt19937 random(1);
+  std::uniform_real_distribution<double> volts(0.0, 3.0);
+  std::uniform_int_distribution<int> pause(0, 150);
+  Simulator simulator;
+  simulator.open({ .device = "", .max_tactors = 6 });
+  std::vector<MotorModel> motors(kTactors);
+  Time now = 0s;
+  for (int i = 0; i < 500; i++) {
+    std::vector<double> levels(kTactors);
+    for (std::size_t j = 0; j < kTactors; j++) {
+      levels[j] = volts(random);
+      motors[j].set(now, levels[j]);
+    }
+    simulator.write(levels, now);
+    const Time next = now + pause(random) * 1ms;
+    for (const Time time : { now, now + (next - now) / 2, next })
+      for (std::size_t j = 0; j < kTactors; j++)
+        fail_unless(simulator.amplitude(static_cast<int>(j), time) == motors[j].amplitude(time));
+    now = next;
+  }
+  fail_unless(simulator.amplitude(6, now) == 0);
+  fail_unless(simulator.amplitude(-1, now) == 0);
+  fail_unless(simulator.amplitude(G_MAXINT, now) == 0);
+}
+GST_END_TEST;
+
+GST_START_TEST(test_fewer_and_more_volts)
+{
+  Simulator simulator;
+  simulator.open({ .device = "", .max_tactors = 4 });
+  simulator.write(std::vector<double>{ 3.0, 2.0 }, 0s);
+  fail_unless(simulator.amplitude(1, 1s) > 1.9);
+  fail_unless(simulator.amplitude(2, 1s) == 0);
+  // What is beyond the volts written goes to zero.
+  simulator.write(std::vector<double>{ 3.0 }, 1s);
+  fail_unless(simulator.amplitude(0, 2s) > 2.9);
+  fail_unless(simulator.amplitude(1, 2s) < 1e-9);
+  simulator.write(std::vector<double>{ 0, 0, 0, 2.0 }, 2s);
+  fail_unless(simulator.amplitude(0, 3s) < 1e-9);
+  fail_unless(simulator.amplitude(3, 3s) > 1.9);
+  // What is beyond the board is not there.
+  simulator.write(std::vector<double>{ 1, 1, 1, 1, 3, 3 }, 3s);
+  fail_unless(simulator.amplitude(4, 4s) == 0);
+}
+GST_END_TEST;
+
+GST_START_TEST(test_time_that_goes_back)
+{
+  Simulator simulator;
+  simulator.open({});
+  simulator.write(std::vector<double>{ 3.0 }, 10s);
+  fail_unless(simulator.amplitude(0, 11s) > 2.9);
+  // The film was begun anew: its motors start from rest.
+  simulator.write(std::vector<double>{ 2.0 }, 1s);
+  MotorModel motor;
+  motor.set(1s, 2.0);
+  for (Time time = 1s; time < 2s; time += 10ms)
+    fail_unless(simulator.amplitude(0, time) == motor.amplitude(time));
+}
+GST_END_TEST;
+
+GST_START_TEST(test_close_leaves_zero)
+{
+  Simulator simulator;
+  simulator.open({ .device = "", .max_tactors = 9 });
+  simulator.write(std::vector<double>(9, 3.0), 0s);
+  simulator.close();
+  for (int tactor = 0; tactor < 9; tactor++)
+    for (const Time time : { 0s, 1s })
+      fail_unless(simulator.amplitude(tactor, time) == 0);
+  // So does opening it again.
+  simulator.open({ .device = "", .max_tactors = 9 });
+  simulator.write(std::vector<double>(9, 3.0), 0s);
+  simulator.open({ .device = "", .max_tactors = 9 });
+  fail_unless(simulator.amplitude(0, 1s) == 0);
+}
+GST_END_TEST;
+
+GST_START_TEST(test_amplitude_file)
+{
+  const std::vector<Write> writes{ { 0ms, { 3.0, 0, 0.7 } },    { 3ms, { 3.0, 1.0, 0.7 } },
+                                   { 3ms, { 2.0, 1.0, 0.7 } },  { 8ms, { 2.0, 1.0, 0.7 } },
+                                   { 20ms, { 0, 2.9 } },        { 133'333'333ns, { 0, 0, 0 } },
+                                   { 1s, { 1, 1, 1 } },         { 2s, { 1, 1, 2 } },
+                                   { 4s, { 0, 3.0, 0 } },       { 500ms, { 1.5 } },
+                                   { 600ms, { 1.5, 1.5, 3.0 } } };
+  for (const std::size_t tactors : { std::size_t{ 3 }, std::size_t{ 12 } }) {
+    const Folder folder;
+    const std::string path = folder.file("amplitude.csv");
+    std::vector<Write> padded = writes;
+    // The first write says how many columns there are, nine at least.
+    padded[0].volts.resize(tactors, 0.0);
+    Simulator simulator;
+    simulator.open({ .device = path, .max_tactors = 64 });
+    for (const Write &write : padded)
+      simulator.write(write.volts, write.time);
+    simulator.close();
+    const std::string got = read(path);
+    const std::string expected = expected_csv(padded, std::max<std::size_t>(tactors, 9));
+    const auto difference = std::ranges::mismatch(got, expected).in1 - got.begin();
+    fail_unless(got == expected, "differs from character %d: %s", static_cast<int>(difference),
+                got.substr(static_cast<std::size_t>(difference), 80).c_str());
+  }
+}
+GST_END_TEST;
+
+GST_START_TEST(test_amplitude_file_without_writes)
+{
+  const Folder folder;
+  const std::string path = folder.file("amplitude.csv");
+  Simulator simulator;
+  simulator.open({ .device = path, .max_tactors = 9 });
+  simulator.close();
+  fail_unless(std::filesystem::exists(path));
+  fail_unless(read(path).empty());
+}
+GST_END_TEST;
+
+GST_START_TEST(test_file_that_cannot_be_written)
+{
+  const Folder folder;
+  for (const std::string &path : { folder.file("no/such/folder.csv"), folder.file(".") }) {
+    const DriverError error = refusal({ .device = path, .max_tactors = 9 });
+    const std::string what = error.what();
+    fail_unless(error.kind() == DriverError::Kind::settings);
+    fail_unless(what.find(path) != std::string::npos, "%s", what.c_str());
+    fail_unless(what.find('\n') == std::string::npos);
+  }
+}
+GST_END_TEST;
+
+GST_START_TEST(test_full_disk)
+{
+  if (!std::filesystem::exists("/dev/full"))
+    return;
+  Simulator simulator;
+  simulator.open({ .device = "/dev/full", .max_tactors = 9 });
+  try {
+    // Enough to fill any buffer
+    for (int i = 0; i < 100'000; i++)
+      simulator.write(std::vector<double>(9, 1.0), i * 1ms);
+  } catch (const DriverError &error) {
+    fail_unless(error.kind() == DriverError::Kind::failed);
+    return;
+  }
+  fail("nobody noticed");
+}
+GST_END_TEST;
+
+GST_START_TEST(test_number_of_tactors)
+{
+  for (const int tactors : { 0, -1, 4097, G_MAXINT, G_MININT }) {
+    const DriverError error = refusal({ .device = "", .max_tactors = tactors });
+    fail_unless(error.kind() == DriverError::Kind::settings);
+    fail_unless(std::string(error.what()).find(std::to_string(tactors)) != std::string::npos);
+  }
+  // No file is touched for a refusal.
+  const Folder folder;
+  refusal({ .device = folder.file("untouched.csv"), .max_tactors = 0 });
+  fail_if(std::filesystem::exists(folder.file("untouched.csv")));
+}
+GST_END_TEST;
+
+GST_START_TEST(test_list_of_drivers)
+{
+  fail_unless(!drivers().empty());
+  fail_unless(drivers()[0].name == "simulator");
+  for (const DriverInfo &info : drivers()) {
+    fail_unless(!info.description.empty());
+    const auto driver = make_driver(info.name);
+    fail_unless(driver != nullptr);
+    fail_unless(driver->tactors() == 0);
+  }
+  fail_unless(dynamic_cast<Simulator *>(make_driver("simulator").get()) != nullptr);
+
+  for (const char *name : { "pianola", "", "Simulator" }) {
+    try {
+      make_driver(name);
+      fail("there is no such driver");
+    } catch (const DriverError &error) {
+      const std::string what = error.what();
+      fail_unless(error.kind() == DriverError::Kind::not_found);
+      fail_unless(what.find(std::string("\"") + name + "\"") != std::string::npos);
+      for (const DriverInfo &info : drivers())
+        fail_unless(what.find(std::string(info.name)) != std::string::npos);
+    }
+  }
+}
+GST_END_TEST;
+
+static Suite *
+simulator_suite(void)
+{
+  Suite *suite = suite_create("simulator");
+  TCase *tests = tcase_create("general");
+  suite_add_tcase(suite, tests);
+  tcase_add_test(tests, test_what_it_is);
+  tcase_add_test(tests, test_amplitudes_are_the_motors);
+  tcase_add_test(tests, test_fewer_and_more_volts);
+  tcase_add_test(tests, test_time_that_goes_back);
+  tcase_add_test(tests, test_close_leaves_zero);
+  tcase_add_test(tests, test_amplitude_file);
+  tcase_add_test(tests, test_amplitude_file_without_writes);
+  tcase_add_test(tests, test_file_that_cannot_be_written);
+  tcase_add_test(tests, test_full_disk);
+  tcase_add_test(tests, test_number_of_tactors);
+  tcase_add_test(tests, test_list_of_drivers);
+  return suite;
+}
+
+GST_CHECK_MAIN(simulator)
