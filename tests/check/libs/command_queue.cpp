@@ -158,13 +158,13 @@ GST_START_TEST(test_against_a_bag)
   for (int turn = 0; turn < 5000; turn++) {
     std::vector<Command> commands;
     for (int i = dice(5); i > 0; i--)
-      commands.push_back(command(now + dice(30) * 1ms - 5ms, dice(kTactors + 2) - 1,
+      commands.push_back(command(now + dice(30) * 1ns - 5ns, dice(kTactors + 2) - 1,
                                  dice(30) / 10.0, dice(10) * 10ms));
     queue.push(commands);
     std::ranges::copy_if(commands, std::back_inserter(bag.commands), [](const Command &one) {
       return one.tactor >= 0 && one.tactor < kTactors;
     });
-    now += dice(10) * 1ms;
+    now += dice(10) * 1ns;
     if (dice(100) == 0) {
       fail_unless(queue.clear() == bag.commands.size());
       bag.commands.clear();
