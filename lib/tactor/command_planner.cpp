@@ -31,7 +31,8 @@ seconds(Time time)
 
 CommandPlanner::CommandPlanner(int tactors, PlannerSettings settings, RiseTime rise_time)
     : settings_(std::move(settings)), rise_time_(std::move(rise_time)),
-      tactors_(static_cast<std::size_t>(std::max(tactors, 0)), Tactor{ .motor = MotorModel(rise_time_) })
+      tactors_(static_cast<std::size_t>(std::max(tactors, 0)),
+               Tactor{ .motor = MotorModel(rise_time_) })
 {
 }
 
@@ -54,14 +55,17 @@ CommandPlanner::validate_mapping(std::span<const int> mapping, int cells, int ta
 {
   if (mapping.empty()) {
     if (cells > tactors)
-      return "the film has " + std::to_string(cells) + " cells, the board " + std::to_string(tactors) + " tactors";
+      return "the film has " + std::to_string(cells) + " cells, the board "
+             + std::to_string(tactors) + " tactors";
     return {};
   }
   if (std::ssize(mapping) != cells)
-    return "expected a mapping of " + std::to_string(cells) + " cells, got one of " + std::to_string(mapping.size());
+    return "expected a mapping of " + std::to_string(cells) + " cells, got one of "
+           + std::to_string(mapping.size());
   for (const int tactor : mapping)
     if (tactor >= tactors)
-      return "the mapping names tactor " + std::to_string(tactor) + ", the board has " + std::to_string(tactors);
+      return "the mapping names tactor " + std::to_string(tactor) + ", the board has "
+             + std::to_string(tactors);
   return {};
 }
 
@@ -127,16 +131,20 @@ CommandPlanner::target_volts(std::span<const float> levels) const
   std::vector<double> volts(tactors_.size(), 0.0);
   for (std::size_t cell = 0; cell < levels.size(); cell++) {
     const std::vector<int> &mapping = settings_.mapping;
-    const int tactor = mapping.empty() ? static_cast<int>(cell) : cell < mapping.size() ? mapping[cell] : -1;
+    const int tactor = mapping.empty()         ? static_cast<int>(cell)
+                       : cell < mapping.size() ? mapping[cell]
+                                               : -1;
     if (tactor < 0 || static_cast<std::size_t>(tactor) >= volts.size())
       continue;
-    const double level = levels[cell] > 0 ? std::min(static_cast<double>(levels[cell]), 1.0) : 0.0; // NaN is 0
+    const double level
+        = levels[cell] > 0 ? std::min(static_cast<double>(levels[cell]), 1.0) : 0.0; // NaN is 0
     double &target = volts[static_cast<std::size_t>(tactor)];
     target = std::max(target, level * settings_.intensity * settings_.volts_max);
   }
   // Half a microvolt: 1/6 as a float, of 3 V, shall not fall short of 0.5 V, below which motors stand still.
   for (double &target : volts)
-    target = target < settings_.volts_min - kSameVolts / 2 ? 0 : std::max(target, settings_.volts_min);
+    target
+        = target < settings_.volts_min - kSameVolts / 2 ? 0 : std::max(target, settings_.volts_min);
   return volts;
 }
 
@@ -145,7 +153,8 @@ Command
 CommandPlanner::command(int index, Time effect, Time frame, double volts)
 {
   Tactor &tactor = tactors_[static_cast<std::size_t>(index)];
-  const Time transport = settings_.compensation == Compensation::exact ? settings_.transport_latency : Time(0);
+  const Time transport
+      = settings_.compensation == Compensation::exact ? settings_.transport_latency : Time(0);
   const Time previous = tactor.due == Time::min() ? Time::min() : tactor.due + transport;
   // When the command reaches the motor: not before its predecessor did, nor earlier than it may.
   const Time earliest = std::min(std::max(previous, effect - settings_.max_lead), effect);
@@ -194,7 +203,8 @@ CommandPlanner::exact_time(const Tactor &tactor, Time earliest, Time effect, dou
 
 /// The paper's data block: the rise time in whole frames, rounded up, before the frame. The lead stays a number of whole frames within max_lead.
 Time
-CommandPlanner::frame_block_time(const Tactor &tactor, Time earliest, Time effect, Time frame, double volts) const
+CommandPlanner::frame_block_time(const Tactor &tactor, Time earliest, Time effect, Time frame,
+                                 double volts) const
 {
   const Time rise = rise_time_(tactor.motor.amplitude(earliest), volts);
   // A rise of a whole number of frames takes that many, whichever way the frame's duration was rounded.

@@ -28,8 +28,7 @@ struct Command
   int tactor = 0;
   double volts = 0;
 
-  Time
-  due() const
+  Time due() const
   {
     return effect - lead;
   }
@@ -38,15 +37,18 @@ struct Command
 
 struct PlannerSettings
 {
-  double rate = 5.0;                        ///< blocks per second (paper: 5 Hz); 0: every map is a block
+  double rate = 5.0; ///< blocks per second (paper: 5 Hz); 0: every map is a block
   Compensation compensation = Compensation::exact;
   /// Eq. 1 asks for 164 ms from rest to 0.5 V and for up to 180 ms for small rises just above it: more than the paper's "150 ms or less".
   Time max_lead = std::chrono::milliseconds(180);
-  Time transport_latency{ 0 };              ///< from Driver::transport_latency(), added to every lead within max_lead
-  double volts_max = 3.0;                   ///< level 1.0
-  double volts_min = kStartVolts;           ///< commands below are sent as 0
-  double intensity = 1.0;                   ///< master, [0, 1]
-  std::vector<int> mapping{};               ///< cell (row-major) → tactor index, −1 for none; empty: cell i is tactor i
+  Time transport_latency{
+    0
+  };                      ///< from Driver::transport_latency(), added to every lead within max_lead
+  double volts_max = 3.0; ///< level 1.0
+  double volts_min = kStartVolts; ///< commands below are sent as 0
+  double intensity = 1.0;         ///< master, [0, 1]
+  std::vector<int>
+      mapping{}; ///< cell (row-major) → tactor index, −1 for none; empty: cell i is tactor i
 };
 
 /// Turns the stream of tactile maps into commands. Time is running time, and no clock is looked at; maps come in order
@@ -96,7 +98,8 @@ private:
   std::vector<double> target_volts(std::span<const float> levels) const;
   Command command(int tactor, Time effect, Time frame, double volts);
   Time exact_time(const Tactor &tactor, Time earliest, Time effect, double volts) const;
-  Time frame_block_time(const Tactor &tactor, Time earliest, Time effect, Time frame, double volts) const;
+  Time frame_block_time(const Tactor &tactor, Time earliest, Time effect, Time frame,
+                        double volts) const;
 
   PlannerSettings settings_;
   RiseTime rise_time_;

@@ -5,7 +5,8 @@
 
 namespace tactor {
 
-CommandQueue::CommandQueue(int tactors) : levels_(static_cast<std::size_t>(std::max(tactors, 0)), 0.0)
+CommandQueue::CommandQueue(int tactors)
+    : levels_(static_cast<std::size_t>(std::max(tactors, 0)), 0.0)
 {
 }
 
@@ -35,7 +36,8 @@ CommandQueue::take_due(Time now)
   std::vector<Command> due;
   for (auto command = commands_.begin(); command != end; ++command) {
     // The latest for its tactor, which is the only one that changes anything.
-    const bool overtaken = std::any_of(command + 1, end, [&](const Command &later) { return later.tactor == command->tactor; });
+    const bool overtaken = std::any_of(
+        command + 1, end, [&](const Command &later) { return later.tactor == command->tactor; });
     if (overtaken) {
       coalesced_++;
       continue;

@@ -41,15 +41,16 @@ parse(std::string_view line, IssuedCommand &issued)
   std::int64_t at = 0;
   std::int64_t due = 0;
   std::int64_t effect = 0;
-  if (!take(line, at) || !take(line, due) || !take(line, effect) || !take(line, issued.command.tactor)
-      || !take(line, issued.command.volts, true))
+  if (!take(line, at) || !take(line, due) || !take(line, effect)
+      || !take(line, issued.command.tactor) || !take(line, issued.command.volts, true))
     return false;
   constexpr std::int64_t kLongest = 1'000'000'000'000'000'000;
   const auto sane = [](std::int64_t time) {
     return time >= -kLongest && time <= kLongest;
   };
   if (!sane(at) || !sane(due) || !sane(effect) || due > effect || issued.command.tactor < 0
-      || issued.command.tactor > kLastTactor || !std::isfinite(issued.command.volts) || issued.command.volts < 0)
+      || issued.command.tactor > kLastTactor || !std::isfinite(issued.command.volts)
+      || issued.command.volts < 0)
     return false;
   issued.issued = Time(at);
   issued.command.effect = Time(effect);
@@ -92,7 +93,8 @@ read_command_trace(const std::string &path)
 {
   std::ifstream file(path);
   if (!file)
-    throw std::runtime_error("cannot read '" + path + "': " + std::generic_category().message(errno));
+    throw std::runtime_error("cannot read '" + path
+                             + "': " + std::generic_category().message(errno));
 
   std::vector<IssuedCommand> commands;
   std::vector<char> buffer(static_cast<std::size_t>(kMaxLine));
@@ -100,7 +102,11 @@ read_command_trace(const std::string &path)
     file.getline(buffer.data(), kMaxLine);
     const std::streamsize length = file.gcount() - (file.eof() ? 0 : 1);
     const auto fail = [&](const std::string &why) {
-      throw std::runtime_error(path + ", line " + std::to_string(number) + ": " + why);
+      throw std::runtime_error(std::string(path)
+                                   .append(", line ")
+                                   .append(std::to_string(number))
+                                   .append(": ")
+                                   .append(why));
     };
     if (file.bad())
       fail("it cannot be read further; is it a file?");
@@ -118,7 +124,8 @@ read_command_trace(const std::string &path)
     }
     IssuedCommand issued;
     if (!parse(line, issued))
-      fail("expected " + std::string(kHeader) + " with due not after effect, got '" + std::string(line.data()) + "'");
+      fail("expected " + std::string(kHeader) + " with due not after effect, got '"
+           + std::string(line.data()) + "'");
     if (commands.size() == kMaxCommands)
       fail("more commands than the " + std::to_string(kMaxCommands) + " that are read");
     commands.push_back(issued);

@@ -13,7 +13,8 @@ namespace tactor {
 CsvWriter::CsvWriter(const std::string &path) : file_(std::fopen(path.c_str(), "we"))
 {
   if (!file_)
-    throw DriverError(DriverError::Kind::settings, "cannot write to '" + path + "': " + std::generic_category().message(errno));
+    throw DriverError(DriverError::Kind::settings,
+                      "cannot write to '" + path + "': " + std::generic_category().message(errno));
 }
 
 CsvWriter &

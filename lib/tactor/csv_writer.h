@@ -29,8 +29,7 @@ public:
 private:
   struct Close
   {
-    void
-    operator()(std::FILE *file) const
+    void operator()(std::FILE *file) const
     {
       std::fclose(file);
     }

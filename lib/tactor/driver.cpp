@@ -10,7 +10,9 @@ drivers()
 {
   static const std::vector<DriverInfo> all{
     { "simulator", "no hardware: predicts what each motor would do",
-      [] { return std::make_unique<Simulator>(); } },
+      [] {
+        return std::make_unique<Simulator>();
+      } },
   };
   return all;
 }

@@ -27,13 +27,11 @@ public:
     failed,     ///< anything else
   };
 
-  DriverError(Kind kind, const std::string &what)
-      : std::runtime_error(what), kind_(kind)
+  DriverError(Kind kind, const std::string &what) : std::runtime_error(what), kind_(kind)
   {
   }
 
-  Kind
-  kind() const
+  Kind kind() const
   {
     return kind_;
   }
@@ -45,7 +43,8 @@ private:
 /// What a driver is opened with.
 struct DriverConfig
 {
-  std::string device;            ///< which board: serial number or bus path; the simulator takes a file name (see there)
+  std::string
+      device; ///< which board: serial number or bus path; the simulator takes a file name (see there)
   int max_tactors = 4096;        ///< at most this many are wanted, 1…4096
   double full_scale_volts = 3.0; ///< volts at the motor when a board's output is fully on
 };

@@ -21,8 +21,7 @@ seconds(Time time)
 
 } // namespace
 
-MotorModel::MotorModel(RiseTime rise_time)
-    : rise_time_(std::move(rise_time))
+MotorModel::MotorModel(RiseTime rise_time) : rise_time_(std::move(rise_time))
 {
 }
 

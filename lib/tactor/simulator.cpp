@@ -53,17 +53,20 @@ Simulator::write(std::span<const double> volts, Time now)
     last_write_.reset();
   }
   if (csv_ && last_write_)
-    for (Time time = *last_write_ + kStep; time < std::min(now, *last_write_ + kTail); time += kStep)
+    for (Time time = *last_write_ + kStep; time < std::min(now, *last_write_ + kTail);
+         time += kStep)
       record(time);
 
-  motors_.resize(std::max(motors_.size(), std::min(volts.size(), static_cast<std::size_t>(tactors_))));
+  motors_.resize(
+      std::max(motors_.size(), std::min(volts.size(), static_cast<std::size_t>(tactors_))));
   for (std::size_t i = 0; i < motors_.size(); i++)
     motors_[i].set(now, i < volts.size() ? volts[i] : 0.0);
   last_write_ = now;
   if (csv_) {
     record(now);
     if (csv_->failed())
-      throw DriverError(DriverError::Kind::failed, "cannot write the predicted amplitudes: is the disk full?");
+      throw DriverError(DriverError::Kind::failed,
+                        "cannot write the predicted amplitudes: is the disk full?");
   }
 }
 

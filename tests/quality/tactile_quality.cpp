@@ -85,7 +85,7 @@ public:
     if (!meta)
       return;
     const GstClockTime time = GST_BUFFER_PTS(buffer);
-    const std::size_t cells = meta->rows * meta->columns;
+    const std::size_t cells = static_cast<std::size_t>(meta->rows) * meta->columns;
 
     std::set<std::size_t> touched;
     gpointer state = nullptr;

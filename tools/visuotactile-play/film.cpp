@@ -9,6 +9,7 @@
 #include <filesystem>
 #include <memory>
 #include <stdexcept>
+#include <system_error>
 #include <unistd.h>
 
 namespace {
@@ -40,7 +41,8 @@ to_uri(const std::string &path)
   if (std::filesystem::is_directory(path, error))
     throw std::runtime_error("'" + path + "' is a folder; give the path of a film");
   if (access(path.c_str(), R_OK) != 0)
-    throw std::runtime_error("cannot read '" + path + "': " + std::strerror(errno));
+    throw std::runtime_error("cannot read '" + path
+                             + "': " + std::generic_category().message(errno));
   g_autofree gchar *uri = gst_filename_to_uri(path.c_str(), nullptr);
   if (!uri)
     throw std::runtime_error("cannot make a URI of '" + path + "'");

@@ -2,8 +2,8 @@
 #include "output.h"
 
 #include <cerrno>
-#include <cstring>
 #include <stdexcept>
+#include <system_error>
 #include <unistd.h>
 
 namespace fs = std::filesystem;
@@ -49,5 +49,5 @@ prepare_directory(const fs::path &directory)
                              + "' is not a folder; expected one for --output");
   if (access(directory.c_str(), W_OK) != 0)
     throw std::runtime_error("cannot write to the folder '" + directory.string()
-                             + "': " + std::strerror(errno));
+                             + "': " + std::generic_category().message(errno));
 }

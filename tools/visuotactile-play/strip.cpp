@@ -35,11 +35,17 @@ struct Picture
   {
   }
 
+  guint8 *at(int x, int y)
+  {
+    return pixels.data() + static_cast<std::ptrdiff_t>(y) * stride
+           + static_cast<std::ptrdiff_t>(x) * 3;
+  }
+
   void fill(int x, int y, int w, int h, const Colour &colour)
   {
     for (int row = std::max(y, 0); row < std::min(y + h, height); row++)
       for (int column = std::max(x, 0); column < std::min(x + w, width); column++)
-        std::copy(colour.begin(), colour.end(), pixels.begin() + row * stride + column * 3);
+        std::ranges::copy(colour, at(column, row));
   }
 };
 
@@ -80,9 +86,9 @@ draw_frame(Picture &picture, GstSample *sample, int x, int y)
     return;
   const int width = std::min(GST_VIDEO_FRAME_WIDTH(&frame), picture.width - x);
   for (int row = 0; row < std::min(GST_VIDEO_FRAME_HEIGHT(&frame), picture.height - y); row++)
-    std::memcpy(picture.pixels.data() + (y + row) * picture.stride + x * 3,
+    std::memcpy(picture.at(x, y + row),
                 static_cast<const guint8 *>(GST_VIDEO_FRAME_PLANE_DATA(&frame, 0))
-                    + row * GST_VIDEO_FRAME_PLANE_STRIDE(&frame, 0),
+                    + static_cast<std::ptrdiff_t>(row) * GST_VIDEO_FRAME_PLANE_STRIDE(&frame, 0),
                 static_cast<std::size_t>(width) * 3);
   gst_video_frame_unmap(&frame);
 }
