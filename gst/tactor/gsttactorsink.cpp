@@ -38,6 +38,7 @@
 
 #include "tactor/command_planner.h"
 #include "tactorscheduler.h"
+#include "tactorsettings.h"
 
 #include <gst/tactile/tactile.h>
 #include <gst/video/video.h>
@@ -64,35 +65,6 @@ constexpr Time kHold = std::chrono::seconds(1);
 
 /// At most one message about short leads in this time.
 constexpr Time kLeadShortInterval = std::chrono::seconds(5);
-
-constexpr int kMaxTactors = GST_TACTILE_MAX_SIDE * GST_TACTILE_MAX_SIDE;
-
-enum
-{
-  PROP_0,
-  PROP_DRIVER,
-  PROP_DEVICE,
-  PROP_RATE,
-  PROP_COMPENSATION,
-  PROP_MAX_LEAD,
-  PROP_VOLTAGE_MAX,
-  PROP_VOLTAGE_MIN,
-  PROP_INTENSITY,
-  PROP_MUTE,
-  PROP_MAPPING,
-  PROP_TRACE_LOCATION,
-  PROP_STATS,
-};
-
-/// What the user sets; guarded by the object lock.
-struct Settings
-{
-  std::string driver = "simulator";
-  std::string device;
-  std::string trace_location;
-  tactor::PlannerSettings planner;
-  bool mute = false;
-};
 
 /// The grid and timing of the stream as last negotiated; streaming thread only.
 struct Stream
@@ -123,8 +95,8 @@ struct GstTactorSinkPrivate final : TactorSchedulerHost
   void device_failed(const tactor::DriverError &error) override;
   void lead_short(Time lead, Time late) override;
 
-  GstElement *element; ///< not owned: this is its private part
-  Settings settings;
+  GstElement *element;         ///< not owned: this is its private part
+  TactorSettings settings;     ///< guarded by the object lock
   int board_tactors = 0;       ///< of the open driver
   Time transport_latency{ 0 }; ///< of the open driver
 
@@ -154,24 +126,6 @@ GST_ELEMENT_REGISTER_DEFINE(tactorsink, "tactorsink", GST_RANK_NONE, GST_TYPE_TA
 static GstStaticPadTemplate sink_template
     = GST_STATIC_PAD_TEMPLATE("sink", GST_PAD_SINK, GST_PAD_ALWAYS,
                               GST_STATIC_CAPS("video/x-raw(ANY); " GST_TACTILE_MAP_CAPS));
-
-#define GST_TYPE_TACTOR_COMPENSATION (gst_tactor_compensation_get_type())
-static GType
-gst_tactor_compensation_get_type(void)
-{
-  static gsize type = 0;
-  static const GEnumValue values[] = {
-    { static_cast<gint>(tactor::Compensation::exact),
-      "Issued exactly one rise time before the frame", "exact" },
-    { static_cast<gint>(tactor::Compensation::frame_block),
-      "Rise time rounded up to whole frames (Kim et al. 2012)", "frame-block" },
-    { static_cast<gint>(tactor::Compensation::none), "Issued with the frame", "none" },
-    { 0, nullptr, nullptr },
-  };
-  if (g_once_init_enter(&type))
-    g_once_init_leave(&type, g_enum_register_static("GstTactorCompensation", values));
-  return type;
-}
 
 /* ---- host of the scheduler ---- */
 
@@ -532,12 +486,12 @@ gst_tactor_sink_start(GstBaseSink *sink)
   GstTactorSinkPrivate *priv = self->priv;
 
   GST_OBJECT_LOCK(self);
-  const Settings settings = priv->settings;
+  const TactorSettings settings = priv->settings;
   GST_OBJECT_UNLOCK(self);
 
   try {
     const tactor::DriverConfig config{ .device = settings.device,
-                                       .max_tactors = kMaxTactors,
+                                       .max_tactors = TactorSettings::kMaxTactors,
                                        .full_scale_volts = settings.planner.volts_max };
     std::unique_ptr<tactor::Driver> driver = tactor::make_driver(settings.driver);
     driver->open(config);
@@ -652,225 +606,32 @@ gst_tactor_sink_sync_notify(GObject *object, GParamSpec *, gpointer)
 
 /* ---- properties ---- */
 
-static std::vector<int>
-mapping_from_value(const GValue *value)
-{
-  std::vector<int> mapping(gst_value_array_get_size(value));
-  for (guint i = 0; i < mapping.size(); i++)
-    mapping[i] = g_value_get_int(gst_value_array_get_value(value, i));
-  return mapping;
-}
-
-static void
-mapping_to_value(const std::vector<int> &mapping, GValue *value)
-{
-  for (const int tactor : mapping) {
-    GValue item = G_VALUE_INIT;
-    g_value_init(&item, G_TYPE_INT);
-    g_value_set_int(&item, tactor);
-    gst_value_array_append_and_take_value(value, &item);
-  }
-}
-
-static std::string
-string_from_value(const GValue *value)
-{
-  const gchar *text = g_value_get_string(value);
-  return text ? text : "";
-}
-
 static void
 gst_tactor_sink_set_property(GObject *object, guint id, const GValue *value, GParamSpec *pspec)
 {
   GstTactorSinkPrivate *priv = GST_TACTOR_SINK(object)->priv;
-  Settings &settings = priv->settings;
-
-  if (id == PROP_MUTE) {
-    const bool mute = g_value_get_boolean(value);
-    GST_OBJECT_LOCK(object);
-    settings.mute = mute;
-    GST_OBJECT_UNLOCK(object);
-    priv->scheduler.set_muted(mute);
-    return;
-  }
-
   GST_OBJECT_LOCK(object);
-  switch (id) {
-  case PROP_DRIVER:
-    settings.driver = string_from_value(value);
-    break;
-  case PROP_DEVICE:
-    settings.device = string_from_value(value);
-    break;
-  case PROP_RATE:
-    settings.planner.rate = g_value_get_double(value);
-    break;
-  case PROP_COMPENSATION:
-    settings.planner.compensation = static_cast<tactor::Compensation>(g_value_get_enum(value));
-    break;
-  case PROP_MAX_LEAD:
-    settings.planner.max_lead = std::chrono::milliseconds(g_value_get_uint(value));
-    break;
-  case PROP_VOLTAGE_MAX:
-    settings.planner.volts_max = g_value_get_double(value);
-    break;
-  case PROP_VOLTAGE_MIN:
-    settings.planner.volts_min = g_value_get_double(value);
-    break;
-  case PROP_INTENSITY:
-    settings.planner.intensity = g_value_get_double(value);
-    break;
-  case PROP_MAPPING:
-    settings.planner.mapping = mapping_from_value(value);
-    break;
-  case PROP_TRACE_LOCATION:
-    settings.trace_location = string_from_value(value);
-    break;
-  default:
-    G_OBJECT_WARN_INVALID_PROPERTY_ID(object, id, pspec);
-    break;
-  }
+  const bool known = priv->settings.set(id, value);
+  const bool mute = priv->settings.mute;
   GST_OBJECT_UNLOCK(object);
+  if (!known)
+    G_OBJECT_WARN_INVALID_PROPERTY_ID(object, id, pspec);
+  else if (id == TACTOR_PROP_MUTE)
+    priv->scheduler.set_muted(mute);
 }
 
 static void
 gst_tactor_sink_get_property(GObject *object, guint id, GValue *value, GParamSpec *pspec)
 {
-  const Settings &settings = GST_TACTOR_SINK(object)->priv->settings;
-
-  if (id == PROP_STATS) {
+  if (id == TACTOR_PROP_STATS) {
     g_value_take_boxed(value, gst_tactor_sink_stats(GST_TACTOR_SINK(object)));
     return;
   }
-
   GST_OBJECT_LOCK(object);
-  switch (id) {
-  case PROP_DRIVER:
-    g_value_set_string(value, settings.driver.c_str());
-    break;
-  case PROP_DEVICE:
-    g_value_set_string(value, settings.device.empty() ? nullptr : settings.device.c_str());
-    break;
-  case PROP_RATE:
-    g_value_set_double(value, settings.planner.rate);
-    break;
-  case PROP_COMPENSATION:
-    g_value_set_enum(value, static_cast<gint>(settings.planner.compensation));
-    break;
-  case PROP_MAX_LEAD:
-    g_value_set_uint(
-        value, static_cast<guint>(
-                   std::chrono::duration_cast<std::chrono::milliseconds>(settings.planner.max_lead)
-                       .count()));
-    break;
-  case PROP_VOLTAGE_MAX:
-    g_value_set_double(value, settings.planner.volts_max);
-    break;
-  case PROP_VOLTAGE_MIN:
-    g_value_set_double(value, settings.planner.volts_min);
-    break;
-  case PROP_INTENSITY:
-    g_value_set_double(value, settings.planner.intensity);
-    break;
-  case PROP_MUTE:
-    g_value_set_boolean(value, settings.mute);
-    break;
-  case PROP_MAPPING:
-    mapping_to_value(settings.planner.mapping, value);
-    break;
-  case PROP_TRACE_LOCATION:
-    g_value_set_string(value,
-                       settings.trace_location.empty() ? nullptr : settings.trace_location.c_str());
-    break;
-  default:
-    G_OBJECT_WARN_INVALID_PROPERTY_ID(object, id, pspec);
-    break;
-  }
+  const bool known = GST_TACTOR_SINK(object)->priv->settings.get(id, value);
   GST_OBJECT_UNLOCK(object);
-}
-
-static void
-gst_tactor_sink_install_properties(GObjectClass *klass)
-{
-  const auto ready = static_cast<GParamFlags>(G_PARAM_READWRITE | G_PARAM_STATIC_STRINGS
-                                              | GST_PARAM_MUTABLE_READY);
-  const auto playing = static_cast<GParamFlags>(G_PARAM_READWRITE | G_PARAM_STATIC_STRINGS
-                                                | GST_PARAM_MUTABLE_PLAYING);
-  const auto controllable = static_cast<GParamFlags>(playing | GST_PARAM_CONTROLLABLE);
-  const tactor::PlannerSettings defaults;
-
-  g_object_class_install_property(
-      klass, PROP_DRIVER,
-      g_param_spec_string("driver", "Driver",
-                          "What drives the tactors: simulator (motors predicted, no hardware)",
-                          Settings().driver.c_str(), ready));
-  g_object_class_install_property(
-      klass, PROP_DEVICE,
-      g_param_spec_string("device", "Device",
-                          "Which board; for the simulator, a CSV file that gets the predicted "
-                          "amplitudes (unset: none)",
-                          nullptr, ready));
-  g_object_class_install_property(
-      klass, PROP_RATE,
-      g_param_spec_double("rate", "Rate",
-                          "How often the tactors may change, in Hz (0 = with every map)", 0, 1000,
-                          defaults.rate, playing));
-  g_object_class_install_property(
-      klass, PROP_COMPENSATION,
-      g_param_spec_enum(
-          "compensation", "Compensation", "How commands are moved ahead by the motors' rise time",
-          GST_TYPE_TACTOR_COMPENSATION, static_cast<gint>(defaults.compensation), playing));
-  g_object_class_install_property(
-      klass, PROP_MAX_LEAD,
-      g_param_spec_uint(
-          "max-lead", "Max lead",
-          "Longest time in ms by which a command is issued before its frame; all other sinks are "
-          "delayed by it",
-          0, 1000,
-          static_cast<guint>(
-              std::chrono::duration_cast<std::chrono::milliseconds>(defaults.max_lead).count()),
-          ready));
-  g_object_class_install_property(klass, PROP_VOLTAGE_MAX,
-                                  g_param_spec_double("voltage-max", "Maximum voltage",
-                                                      "Volts at the motor for level 1.0", 0.1, 24,
-                                                      defaults.volts_max, ready));
-  g_object_class_install_property(
-      klass, PROP_VOLTAGE_MIN,
-      g_param_spec_double("voltage-min", "Minimum voltage",
-                          "Commands below this many volts are sent as 0: the motor would not start",
-                          0, 24, defaults.volts_min, playing));
-  g_object_class_install_property(
-      klass, PROP_INTENSITY,
-      g_param_spec_double("intensity", "Intensity",
-                          "Master intensity, a factor on all levels, from the next map on", 0, 1,
-                          defaults.intensity, controllable));
-  g_object_class_install_property(
-      klass, PROP_MUTE,
-      g_param_spec_boolean("mute", "Mute",
-                           "All motors at zero, at once; the film is followed silently", FALSE,
-                           controllable));
-  g_object_class_install_property(
-      klass, PROP_MAPPING,
-      gst_param_spec_array(
-          "mapping", "Mapping",
-          "Tactor of each cell, row by row from the top left, -1 for none (empty: cell i is tactor "
-          "i)",
-          g_param_spec_int("tactor", "Tactor", "Index of a tactor, -1 for none", -1,
-                           kMaxTactors - 1, 0,
-                           static_cast<GParamFlags>(G_PARAM_READWRITE | G_PARAM_STATIC_STRINGS)),
-          playing));
-  g_object_class_install_property(
-      klass, PROP_TRACE_LOCATION,
-      g_param_spec_string("trace-location", "Trace location",
-                          "CSV file that gets one line a command: "
-                          "issued_ns,due_ns,effect_ns,tactor,volts (unset: none)",
-                          nullptr, ready));
-  g_object_class_install_property(
-      klass, PROP_STATS,
-      g_param_spec_boxed(
-          "stats", "Statistics",
-          "Commands issued, late, coalesced, dropped; schedule error |issued - due| in ns",
-          GST_TYPE_STRUCTURE, static_cast<GParamFlags>(G_PARAM_READABLE | G_PARAM_STATIC_STRINGS)));
+  if (!known)
+    G_OBJECT_WARN_INVALID_PROPERTY_ID(object, id, pspec);
 }
 
 static void
@@ -890,14 +651,13 @@ gst_tactor_sink_class_init(GstTactorSinkClass *klass)
   object_class->set_property = gst_tactor_sink_set_property;
   object_class->get_property = gst_tactor_sink_get_property;
   object_class->finalize = gst_tactor_sink_finalize;
-  gst_tactor_sink_install_properties(object_class);
+  TactorSettings::install(object_class);
 
   gst_element_class_set_static_metadata(
       element_class, "Tactor sink", "Sink/Hardware",
       "Plays tactile maps on vibration motors, early by their rise time",
       "The visuotactile authors");
   gst_element_class_add_static_pad_template(element_class, &sink_template);
-  gst_type_mark_as_plugin_api(GST_TYPE_TACTOR_COMPENSATION, static_cast<GstPluginAPIFlags>(0));
 
   element_class->change_state = gst_tactor_sink_change_state;
   element_class->send_event = gst_tactor_sink_send_event;

@@ -1,0 +1,229 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "tactorsettings.h"
+
+#include <chrono>
+#include <vector>
+
+namespace {
+
+#define GST_TYPE_TACTOR_COMPENSATION (gst_tactor_compensation_get_type())
+GType
+gst_tactor_compensation_get_type(void)
+{
+  static gsize type = 0;
+  static const GEnumValue values[] = {
+    { static_cast<gint>(tactor::Compensation::exact),
+      "Issued exactly one rise time before the frame", "exact" },
+    { static_cast<gint>(tactor::Compensation::frame_block),
+      "Rise time rounded up to whole frames (Kim et al. 2012)", "frame-block" },
+    { static_cast<gint>(tactor::Compensation::none), "Issued with the frame", "none" },
+    { 0, nullptr, nullptr },
+  };
+  if (g_once_init_enter(&type))
+    g_once_init_leave(&type, g_enum_register_static("GstTactorCompensation", values));
+  return type;
+}
+
+std::vector<int>
+mapping_from_value(const GValue *value)
+{
+  std::vector<int> mapping(gst_value_array_get_size(value));
+  for (guint i = 0; i < mapping.size(); i++)
+    mapping[i] = g_value_get_int(gst_value_array_get_value(value, i));
+  return mapping;
+}
+
+void
+mapping_to_value(const std::vector<int> &mapping, GValue *value)
+{
+  for (const int tactor : mapping) {
+    GValue item = G_VALUE_INIT;
+    g_value_init(&item, G_TYPE_INT);
+    g_value_set_int(&item, tactor);
+    gst_value_array_append_and_take_value(value, &item);
+  }
+}
+
+std::string
+string_from_value(const GValue *value)
+{
+  const gchar *text = g_value_get_string(value);
+  return text ? text : "";
+}
+
+} // namespace
+
+void
+TactorSettings::install(GObjectClass *klass)
+{
+  const auto ready = static_cast<GParamFlags>(G_PARAM_READWRITE | G_PARAM_STATIC_STRINGS
+                                              | GST_PARAM_MUTABLE_READY);
+  const auto playing = static_cast<GParamFlags>(G_PARAM_READWRITE | G_PARAM_STATIC_STRINGS
+                                                | GST_PARAM_MUTABLE_PLAYING);
+  const auto controllable = static_cast<GParamFlags>(playing | GST_PARAM_CONTROLLABLE);
+  const TactorSettings unset;
+  const tactor::PlannerSettings &defaults = unset.planner;
+
+  g_object_class_install_property(
+      klass, TACTOR_PROP_DRIVER,
+      g_param_spec_string("driver", "Driver",
+                          "What drives the tactors: simulator (motors predicted, no hardware)",
+                          unset.driver.c_str(), ready));
+  g_object_class_install_property(
+      klass, TACTOR_PROP_DEVICE,
+      g_param_spec_string("device", "Device",
+                          "Which board; for the simulator, a CSV file that gets the predicted "
+                          "amplitudes (unset: none)",
+                          nullptr, ready));
+  g_object_class_install_property(
+      klass, TACTOR_PROP_RATE,
+      g_param_spec_double("rate", "Rate",
+                          "How often the tactors may change, in Hz (0 = with every map)", 0, 1000,
+                          defaults.rate, playing));
+  g_object_class_install_property(
+      klass, TACTOR_PROP_COMPENSATION,
+      g_param_spec_enum(
+          "compensation", "Compensation", "How commands are moved ahead by the motors' rise time",
+          GST_TYPE_TACTOR_COMPENSATION, static_cast<gint>(defaults.compensation), playing));
+  g_object_class_install_property(
+      klass, TACTOR_PROP_MAX_LEAD,
+      g_param_spec_uint(
+          "max-lead", "Max lead",
+          "Longest time in ms by which a command is issued before its frame; all other sinks are "
+          "delayed by it",
+          0, 1000,
+          static_cast<guint>(
+              std::chrono::duration_cast<std::chrono::milliseconds>(defaults.max_lead).count()),
+          ready));
+  g_object_class_install_property(klass, TACTOR_PROP_VOLTAGE_MAX,
+                                  g_param_spec_double("voltage-max", "Maximum voltage",
+                                                      "Volts at the motor for level 1.0", 0.1, 24,
+                                                      defaults.volts_max, ready));
+  g_object_class_install_property(
+      klass, TACTOR_PROP_VOLTAGE_MIN,
+      g_param_spec_double("voltage-min", "Minimum voltage",
+                          "Commands below this many volts are sent as 0: the motor would not start",
+                          0, 24, defaults.volts_min, playing));
+  g_object_class_install_property(
+      klass, TACTOR_PROP_INTENSITY,
+      g_param_spec_double("intensity", "Intensity",
+                          "Master intensity, a factor on all levels, from the next map on", 0, 1,
+                          defaults.intensity, controllable));
+  g_object_class_install_property(
+      klass, TACTOR_PROP_MUTE,
+      g_param_spec_boolean("mute", "Mute",
+                           "All motors at zero, at once; the film is followed silently", FALSE,
+                           controllable));
+  g_object_class_install_property(
+      klass, TACTOR_PROP_MAPPING,
+      gst_param_spec_array(
+          "mapping", "Mapping",
+          "Tactor of each cell, row by row from the top left, -1 for none (empty: cell i is tactor "
+          "i)",
+          g_param_spec_int("tactor", "Tactor", "Index of a tactor, -1 for none", -1,
+                           kMaxTactors - 1, 0,
+                           static_cast<GParamFlags>(G_PARAM_READWRITE | G_PARAM_STATIC_STRINGS)),
+          playing));
+  g_object_class_install_property(
+      klass, TACTOR_PROP_TRACE_LOCATION,
+      g_param_spec_string("trace-location", "Trace location",
+                          "CSV file that gets one line a command: "
+                          "issued_ns,due_ns,effect_ns,tactor,volts (unset: none)",
+                          nullptr, ready));
+  g_object_class_install_property(
+      klass, TACTOR_PROP_STATS,
+      g_param_spec_boxed(
+          "stats", "Statistics",
+          "Commands issued, late, coalesced, dropped; schedule error |issued - due| in ns",
+          GST_TYPE_STRUCTURE, static_cast<GParamFlags>(G_PARAM_READABLE | G_PARAM_STATIC_STRINGS)));
+  gst_type_mark_as_plugin_api(GST_TYPE_TACTOR_COMPENSATION, static_cast<GstPluginAPIFlags>(0));
+}
+
+bool
+TactorSettings::set(guint id, const GValue *value)
+{
+  switch (id) {
+  case TACTOR_PROP_DRIVER:
+    driver = string_from_value(value);
+    break;
+  case TACTOR_PROP_DEVICE:
+    device = string_from_value(value);
+    break;
+  case TACTOR_PROP_RATE:
+    planner.rate = g_value_get_double(value);
+    break;
+  case TACTOR_PROP_COMPENSATION:
+    planner.compensation = static_cast<tactor::Compensation>(g_value_get_enum(value));
+    break;
+  case TACTOR_PROP_MAX_LEAD:
+    planner.max_lead = std::chrono::milliseconds(g_value_get_uint(value));
+    break;
+  case TACTOR_PROP_VOLTAGE_MAX:
+    planner.volts_max = g_value_get_double(value);
+    break;
+  case TACTOR_PROP_VOLTAGE_MIN:
+    planner.volts_min = g_value_get_double(value);
+    break;
+  case TACTOR_PROP_INTENSITY:
+    planner.intensity = g_value_get_double(value);
+    break;
+  case TACTOR_PROP_MUTE:
+    mute = g_value_get_boolean(value);
+    break;
+  case TACTOR_PROP_MAPPING:
+    planner.mapping = mapping_from_value(value);
+    break;
+  case TACTOR_PROP_TRACE_LOCATION:
+    trace_location = string_from_value(value);
+    break;
+  default:
+    return false;
+  }
+  return true;
+}
+
+bool
+TactorSettings::get(guint id, GValue *value) const
+{
+  switch (id) {
+  case TACTOR_PROP_DRIVER:
+    g_value_set_string(value, driver.c_str());
+    break;
+  case TACTOR_PROP_DEVICE:
+    g_value_set_string(value, device.empty() ? nullptr : device.c_str());
+    break;
+  case TACTOR_PROP_RATE:
+    g_value_set_double(value, planner.rate);
+    break;
+  case TACTOR_PROP_COMPENSATION:
+    g_value_set_enum(value, static_cast<gint>(planner.compensation));
+    break;
+  case TACTOR_PROP_MAX_LEAD:
+    g_value_set_uint(
+        value,
+        static_cast<guint>(
+            std::chrono::duration_cast<std::chrono::milliseconds>(planner.max_lead).count()));
+    break;
+  case TACTOR_PROP_VOLTAGE_MAX:
+    g_value_set_double(value, planner.volts_max);
+    break;
+  case TACTOR_PROP_VOLTAGE_MIN:
+    g_value_set_double(value, planner.volts_min);
+    break;
+  case TACTOR_PROP_INTENSITY:
+    g_value_set_double(value, planner.intensity);
+    break;
+  case TACTOR_PROP_MUTE:
+    g_value_set_boolean(value, mute);
+    break;
+  case TACTOR_PROP_MAPPING:
+    mapping_to_value(planner.mapping, value);
+    break;
+  case TACTOR_PROP_TRACE_LOCATION:
+    g_value_set_string(value, trace_location.empty() ? nullptr : trace_location.c_str());
+    break;
+  default:
+    return false;
+  }
+  return true;
+}

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include "tactor/command_planner.h"
+
+#include <gst/gst.h>
+#include <gst/tactile/tactile.h>
+
+#include <string>
+
+/// tactorsink's properties.
+enum TactorProperty : guint
+{
+  TACTOR_PROP_DRIVER = 1,
+  TACTOR_PROP_DEVICE,
+  TACTOR_PROP_RATE,
+  TACTOR_PROP_COMPENSATION,
+  TACTOR_PROP_MAX_LEAD,
+  TACTOR_PROP_VOLTAGE_MAX,
+  TACTOR_PROP_VOLTAGE_MIN,
+  TACTOR_PROP_INTENSITY,
+  TACTOR_PROP_MUTE,
+  TACTOR_PROP_MAPPING,
+  TACTOR_PROP_TRACE_LOCATION,
+  TACTOR_PROP_STATS,
+};
+
+/// What the user of tactorsink sets, and how that looks as properties of a GObject. Not thread-safe: the element guards it.
+struct TactorSettings
+{
+  static constexpr int kMaxTactors = GST_TACTILE_MAX_SIDE * GST_TACTILE_MAX_SIDE;
+
+  std::string driver = "simulator";
+  std::string device;
+  std::string trace_location;
+  tactor::PlannerSettings planner;
+  bool mute = false;
+
+  /// All of TactorProperty, with their texts, ranges and defaults.
+  static void install(GObjectClass *klass);
+
+  /// Sets or gets a property. False if it is none of these: TACTOR_PROP_STATS is the element's own.
+  bool set(guint id, const GValue *value);
+  bool get(guint id, GValue *value) const;
+};
