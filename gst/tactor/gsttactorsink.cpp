@@ -223,19 +223,21 @@ gst_tactor_sink_planner_settings(GstTactorSink *self)
   return settings;
 }
 
-/// A planner for the grid of the map at hand; what the motors do for the old grid ends at `time`.
+/// A planner for the grid of the map at hand and the mapping that is set; what the motors do for the
+/// old ones ends at `time`.
 static void
 gst_tactor_sink_set_grid(GstTactorSink *self, guint rows, guint columns, Time time)
 {
   GstTactorSinkPrivate *priv = self->priv;
-  if (priv->planner && priv->stream.rows == rows && priv->stream.columns == columns)
+  const tactor::PlannerSettings settings = gst_tactor_sink_planner_settings(self);
+  if (priv->planner && priv->stream.rows == rows && priv->stream.columns == columns
+      && priv->planner->settings().mapping == settings.mapping)
     return;
   if (priv->planner)
     priv->scheduler.push(priv->planner->silence(time), time + kHold);
   priv->stream.rows = rows;
   priv->stream.columns = columns;
 
-  const tactor::PlannerSettings settings = gst_tactor_sink_planner_settings(self);
   const int cells = static_cast<int>(rows * columns);
   const int wanted
       = settings.mapping.empty() ? cells : 1 + *std::ranges::max_element(settings.mapping);

@@ -540,6 +540,27 @@ GST_START_TEST(test_mapping_and_volts)
 }
 GST_END_TEST;
 
+/// A mapping set while playing moves the vibration to the other tactor with the next map.
+GST_START_TEST(test_mapping_while_playing)
+{
+  Rig rig;
+  g_object_set(rig.element, "compensation", 2, nullptr);
+  rig.start();
+  rig.run_out([&] {
+    rig.push(0, { 1.0f });
+    gst_util_set_object_arg(G_OBJECT(rig.element), "mapping", "<5>");
+    rig.push(40 * kMs, { 1.0f });
+    gst_pad_send_event(rig.sink_pad, gst_event_new_eos());
+  });
+  const std::vector<Line> lines = rig.trace();
+  ck_assert_uint_eq(lines.size(), 4);
+  assert_line(lines[0], 0, 0, 0, 0, 3.0);
+  assert_line(lines[1], 40 * kMs, 40 * kMs, 40 * kMs, 0, 0.0);
+  assert_line(lines[2], 40 * kMs, 40 * kMs, 40 * kMs, 5, 3.0);
+  assert_line(lines[3], 80 * kMs, 80 * kMs, 80 * kMs, 5, 0.0);
+}
+GST_END_TEST;
+
 GST_START_TEST(test_mute_acts_at_once)
 {
   Rig rig;
@@ -848,6 +869,7 @@ tactorsink_suite(void)
   tcase_add_test(cases, test_latency_change_moves_the_wait);
   tcase_add_test(cases, test_caps_change);
   tcase_add_test(cases, test_mapping_and_volts);
+  tcase_add_test(cases, test_mapping_while_playing);
   tcase_add_test(cases, test_mute_acts_at_once);
   tcase_add_test(cases, test_starved);
   tcase_add_test(cases, test_late_is_counted_and_said);
