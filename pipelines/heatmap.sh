@@ -3,10 +3,11 @@
 # Shows what draws the eye in a film as colours over the picture.
 # Usage: pipelines/heatmap.sh FILM
 set -euo pipefail
+# shellcheck source=../tools/build.sh
 . "$(dirname "$0")/../tools/build.sh"
-build_and_use
 film=$(film_uri "${1:-}")
+build_and_use
 
 exec gst-launch-1.0 -e \
-  uridecodebin uri="$film" ! queue ! saliencytactile attach-saliency=true ! tactileoverlay style=heatmap \
+  uridecodebin uri="$film" ! queue ! videoconvert ! saliencytactile attach-saliency=true ! tactileoverlay style=heatmap \
   ! videoconvert ! autovideosink

@@ -3,13 +3,14 @@
 # Shows a film with the tactile grid over it, while the simulated chair follows.
 # Usage: pipelines/overlay.sh FILM
 set -euo pipefail
+# shellcheck source=../tools/build.sh
 . "$(dirname "$0")/../tools/build.sh"
-build_and_use
 film=$(film_uri "${1:-}")
+build_and_use
 lookahead="queue max-size-bytes=0 max-size-buffers=0 max-size-time=400000000"
 
 # shellcheck disable=SC2086 # lookahead is an element and its properties
 exec gst-launch-1.0 -e \
-  uridecodebin uri="$film" ! queue ! saliencytactile ! tactileextractor name=split \
+  uridecodebin uri="$film" ! queue ! videoconvert ! saliencytactile ! tactileextractor name=split \
   split.src ! $lookahead ! tactileoverlay ! videoconvert ! autovideosink \
   split.tactile ! $lookahead ! tactorsink

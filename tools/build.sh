@@ -39,10 +39,19 @@ build_and_use() {
 
 # The URI of a film given as a path or a URI.
 film_uri() {
+  local LC_ALL=C path uri=file:// i
   case $1 in
     "") echo "$(basename "$0"): expected a film; usage: $0 FILM" >&2; return 2 ;;
-    *://*) printf '%s\n' "$1" ;;
-    *) [ -f "$1" ] || { echo "$(basename "$0"): there is no film '$1'" >&2; return 1; }
-       printf 'file://%s\n' "$(realpath "$1" | sed 's/%/%25/g; s/ /%20/g; s/#/%23/g; s/?/%3F/g')" ;;
+    *://*) printf '%s\n' "$1"; return ;;
   esac
+  [ -f "$1" ] || { echo "$(basename "$0"): there is no film '$1'" >&2; return 1; }
+  # Byte by byte: a name may hold any, also such that mean something in a URI or on a launch line.
+  IFS= read -r -d '' path < <(realpath -z -- "$1")
+  for ((i = 0; i < ${#path}; i++)); do
+    case ${path:i:1} in
+      [A-Za-z0-9/._~-]) uri+=${path:i:1} ;;
+      *) uri+=$(printf '%%%02X' "$(($(printf '%d' "'${path:i:1}") & 255))") ;;
+    esac
+  done
+  printf '%s\n' "$uri"
 }
