@@ -165,6 +165,8 @@ public:
       g_object_get(analysis_.get(), "stats", &report_.analysis, nullptr);
     if (chair_)
       g_object_get(chair_.get(), "stats", &report_.chair, nullptr);
+    gst_element_set_state(pipeline_.get(), GST_STATE_READY);
+    check_trace(bus.get());
     gst_element_set_state(pipeline_.get(), GST_STATE_NULL);
     report_.position = position_.load();
     report_.reached = std::max(report_.position, heard_.load());
@@ -226,7 +228,10 @@ private:
     GstCaps *caps = gst_pad_get_current_caps(pad);
     if (caps && GST_CLOCK_TIME_IS_VALID(time)) {
       self->strip_.offer(buffer, caps, time);
-      self->position_ = end_of(buffer, time);
+      if (self->position_.exchange(end_of(buffer, time)) == 0 && !self->settings_.quiet)
+        std::fprintf(stderr, "%s '%s'; Ctrl-C ends it\n",
+                     self->settings_.window ? "Playing" : "Recording, in real time,",
+                     self->film_.title.c_str());
     }
     if (caps)
       gst_caps_unref(caps);
@@ -306,12 +311,6 @@ private:
                    error->message);
       break;
     }
-    case GST_MESSAGE_ASYNC_DONE:
-      if (!settings_.quiet && !std::exchange(announced_, true))
-        std::fprintf(stderr, "%s '%s'; Ctrl-C ends it\n",
-                     settings_.window ? "Playing" : "Recording, in real time,",
-                     film_.title.c_str());
-      break;
     case GST_MESSAGE_CLOCK_LOST: // a sound card that was unplugged took its clock along
       gst_element_set_state(pipeline_.get(), GST_STATE_PAUSED);
       gst_element_set_state(pipeline_.get(), GST_STATE_PLAYING);
@@ -346,8 +345,23 @@ private:
       report_.ended_early = error->message;
       end();
     } else {
-      report_.failure = error->message;
+      const bool from_recorder = g_str_equal(GST_MESSAGE_SRC_NAME(message), "recorder");
+      report_.failure
+          = std::string(from_recorder ? "cannot write the recording: " : "") + error->message;
       g_main_loop_quit(loop_);
+    }
+  }
+
+  /// tactorsink completes its trace as it stops, and warns if it could not.
+  void check_trace(GstBus *bus)
+  {
+    while (GstMessage *message = gst_bus_pop_filtered(bus, GST_MESSAGE_WARNING)) {
+      g_autoptr(GError) error = nullptr;
+      gst_message_parse_warning(message, &error, nullptr);
+      if (GST_MESSAGE_SRC(message) == GST_OBJECT(chair_.get()) && report_.failure.empty()
+          && g_error_matches(error, GST_RESOURCE_ERROR, GST_RESOURCE_ERROR_WRITE))
+        report_.failure = std::string("cannot write the commands: ") + error->message;
+      gst_message_unref(message);
     }
   }
 
@@ -387,7 +401,6 @@ private:
   Owned<GstElement> chair_;
   std::vector<guint> sources_;
   guint drain_source_ = 0;
-  bool announced_ = false;
   bool progress_shown_ = false;
   std::atomic<bool> ending_{ false };
   std::atomic<bool> recorded_{ false };
