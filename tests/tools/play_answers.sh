@@ -1,0 +1,57 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: LGPL-2.1-or-later
+# visuotactile-play --help, --version and --print-pipeline; the pipeline that is printed runs, in a shell, as it stands.
+# shellcheck source=common.sh
+. "$(dirname "$0")/common.sh"
+
+# answers OPTION PATTERN: on standard output, with status 0, and no file
+answers() {
+  play "$1"
+  expect_status 0
+  expect_line out "$2"
+  [ ! -s err ] || fail "$(cat err)"
+  expect_only . out err
+}
+
+# prints_pipeline FOLDER FILM STREAMS: what it would write, the printed line writes
+prints_pipeline() {
+  mkdir -- "$1"
+  play --print-pipeline --rows 2 -o "$1" "$2"
+  expect_status 0
+  [ ! -s err ] || fail "$(cat err)"
+  [ "$(wc -l <out)" -eq 1 ] || fail "not one line: $(cat out)"
+  expect_line out "^gst-launch-1.0 .* rows=2 "
+  expect_only "$1"
+  (eval "timeout 30 $(cat out)") >launch.log 2>&1 || fail "$(cat out launch.log)"
+  expect_only "$1" visuotactile.mkv commands.csv
+  expect_recording "$1/visuotactile.mkv" 0.95 1.1 "160 120 $3"
+  expect_commands "$1/commands.csv"
+}
+
+plain_names() {
+  prints_pipeline o "$work/sound.mkv" "video audio"
+}
+
+strange_names() {
+  cp "$work/silent.mkv" "a  %41 \"b\" 'c' \\d !e \$HOME \`f\`; g.mkv"
+  prints_pipeline "to a  %41 \"b\" 'c' \\d !e \$HOME \`f\`; g" "a  %41 \"b\" 'c' \\d !e \$HOME \`f\`; g.mkv" video
+}
+
+built_in_film() {
+  play --print-pipeline
+  expect_status 0
+  expect_line out '^gst-launch-1.0 .*tactiletestsrc'
+  # Only its first frames.
+  (eval "timeout 30 $(sed -E 's/num-buffers=[0-9]+/num-buffers=10/g' out)") >launch.log 2>&1 || fail "$(cat out launch.log)"
+  expect_recording visuotactile.mkv 0.6 0.75 "640 640 video"
+}
+
+film silent.mkv "$(picture 160 120) ! $h264 ! matroskamux"
+film sound.mkv "$(picture 160 120) ! $h264 ! matroskamux name=mux $vorbis ! mux. mux."
+
+start help answers --help '--output=DIR'
+start version answers --version '^visuotactile-play [0-9]+\.[0-9]+\.[0-9]+$'
+start plain_names plain_names
+start strange_names strange_names
+start built_in_film built_in_film
+finish

@@ -1,0 +1,85 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: LGPL-2.1-or-later
+# visuotactile-play ends in order on SIGINT, SIGTERM and SIGHUP: complete files, tactors at zero. The second SIGINT ends it at once; not even
+# SIGKILL leaves a broken file under a name that is not hidden.
+# shellcheck source=common.sh
+. "$(dirname "$0")/common.sh"
+
+# begin [FILM ...]: plays in the background until about a second of film is under way; sets `pid`
+begin() {
+  mkdir -p o
+  # Background jobs of a script ignore SIGINT from the start; a program that was started at a terminal does not.
+  "$PYTHON" -c 'import os, signal, sys; signal.signal(signal.SIGINT, signal.SIG_DFL); os.execv(sys.argv[1], sys.argv[1:])' \
+    "$PLAY" -o o "$@" >out 2>err &
+  pid=$!
+  for _ in $(seq 200); do
+    grep -q '^Recording' err && break
+    sleep 0.05
+  done
+  expect_line err '^Recording, in real time'
+  sleep 1
+}
+
+# await SECONDS: the program's end within that; sets `status`
+await() {
+  for _ in $(seq $(($1 * 20))); do
+    kill -0 "$pid" 2>/dev/null || break
+    sleep 0.05
+  done
+  ! kill -0 "$pid" 2>/dev/null || fail "still runs after $1 s: $(cat err)"
+  status=0
+  wait "$pid" || status=$?
+}
+
+stopped() {
+  begin "${@:2}"
+  kill -s "$1" "$pid"
+  await 10
+  expect_all o 0.1 20
+  expect_commands o/commands.csv
+  expect_line out '^Played .*\(stopped\)$'
+}
+
+twice() {
+  begin "$work/film.mkv"
+  kill -INT "$pid"
+  sleep 0.02
+  kill -INT "$pid" 2>/dev/null || true
+  await 3
+  expect_status 0
+  expect_commands o/commands.csv
+  expect_strip o/strip.png
+  # The recording is either complete or not there.
+  if [ -e o/visuotactile.mkv ]; then
+    expect_only o visuotactile.mkv commands.csv strip.png
+    expect_recording o/visuotactile.mkv 0.1 20
+  else
+    expect_only o commands.csv strip.png
+    expect_line out '^Recording +not finished, so not kept$'
+  fi
+}
+
+killed() {
+  mkdir o
+  for name in visuotactile.mkv commands.csv strip.png; do
+    echo "kept $name" >"o/$name"
+  done
+  begin
+  kill -KILL "$pid"
+  await 3
+  expect_status 137
+  for name in visuotactile.mkv commands.csv strip.png; do
+    [ "$(cat "o/$name")" = "kept $name" ] || fail "$name was changed"
+    rm "o/$name"
+  done
+  [ -z "$(find o -mindepth 1 ! -name '.*.part')" ] || fail "left behind: $(ls -A o)"
+}
+
+film film.mkv "$(picture 160 120 I420 300) ! $h264 ! matroskamux name=mux ${vorbis/num-buffers=40/num-buffers=400} ! mux. mux."
+start interrupted stopped INT
+start terminated stopped TERM
+start hung_up stopped HUP
+start interrupted_sound stopped INT "$work/film.mkv"
+start twice twice
+start killed killed
+finish

@@ -1,0 +1,60 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: LGPL-2.1-or-later
+# With a display, visuotactile-play shows the film and records nothing. Skipped where there is no Xvfb.
+# shellcheck source=common.sh
+. "$(dirname "$0")/common.sh"
+
+if ! command -v Xvfb >/dev/null; then
+  echo "not tested: there is no Xvfb (Debian package xvfb)"
+  exit 77
+fi
+
+mkfifo number
+Xvfb -displayfd 3 -noreset -nolisten tcp -screen 0 640x480x24 3>number >xvfb.log 2>&1 &
+server=$!
+trap 'kill "$server" 2>/dev/null; rm -rf "$work"' EXIT
+read -r -t 20 display <number || fail "Xvfb does not start: $(cat xvfb.log)"
+export DISPLAY=:$display
+
+shown() {
+  play -o o "$work/$1"
+  expect_status 0
+  expect_report
+  expect_line err '^Playing '
+  expect_line out '^Played +1\.0 s of 1\.0 s$'
+  expect_only o commands.csv strip.png
+  expect_commands o/commands.csv
+  expect_strip o/strip.png
+}
+
+broken() {
+  play -o o "$work/cut.mkv"
+  expect_status 0
+  expect_line out '^Film broken +it ends here'
+  expect_only o commands.csv strip.png
+}
+
+not_shown() {
+  play --no-window -o o "$work/sound.mkv"
+  expect_all o 0.95 1.1 "160 120 video audio"
+  expect_line err '^Recording'
+}
+
+# A display that is not there is none.
+no_such_display() {
+  DISPLAY=:$((display + 1000)) play -o o "$work/silent.mkv"
+  expect_all o 0.95 1.1 "160 120 video"
+}
+
+film silent.mkv "$(picture 160 120) ! $h264 ! matroskamux"
+film sound.mkv "$(picture 160 120) ! $h264 ! matroskamux name=mux $vorbis ! mux. mux."
+film odd.mkv "$(picture 161 121) ! vp8enc deadline=1 ! matroskamux"
+cut_film cut.mkv sound.mkv 50
+
+start silent shown silent.mkv
+start sound shown sound.mkv
+start odd_size shown odd.mkv
+start broken broken
+start not_shown not_shown
+start no_such_display no_such_display
+finish
