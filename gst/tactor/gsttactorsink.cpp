@@ -47,6 +47,7 @@
 #include <cmath>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 using tactor::Time;
@@ -75,10 +76,13 @@ struct Stream
   Time frame_duration{ 0 }; ///< 0: unknown
 };
 
+/// Times beyond thirty years are taken as that: sums of them do not overflow.
+constexpr GstClockTime kLatest = 1'000'000'000'000'000'000;
+
 Time
 to_time(GstClockTime time)
 {
-  return Time(static_cast<gint64>(time));
+  return Time(static_cast<gint64>(std::min(time, kLatest)));
 }
 
 } // namespace
@@ -95,13 +99,15 @@ struct GstTactorSinkPrivate final : TactorSchedulerHost
   void device_failed(const tactor::DriverError &error) override;
   void lead_short(Time lead, Time late) override;
 
-  GstElement *element;         ///< not owned: this is its private part
-  TactorSettings settings;     ///< guarded by the object lock
-  int board_tactors = 0;       ///< of the open driver
-  Time transport_latency{ 0 }; ///< of the open driver
+  GstElement *element;            ///< not owned: this is its private part
+  TactorSettings settings;        ///< guarded by the object lock
+  int board_tactors = 0;          ///< of the open driver
+  tactor::PlannerSettings opened; ///< as they were when the driver was opened
 
   Stream stream;
-  std::optional<tactor::CommandPlanner> planner;
+  std::optional<tactor::CommandPlanner> planner; ///< from READY → PAUSED on
+  guint checked_rows = 0;                        ///< grid that was compared with the board
+  guint checked_columns = 0;
   Time last_end{ 0 }; ///< running time of the end of the last map
   bool warned_no_meta = false;
   bool warned_grid = false;
@@ -213,46 +219,41 @@ gst_tactor_sink_stats(GstTactorSink *self)
 
 /* ---- planning (streaming thread) ---- */
 
+/// What is set now, but for what was agreed on with the board and with the pipeline when it was opened.
 static tactor::PlannerSettings
 gst_tactor_sink_planner_settings(GstTactorSink *self)
 {
+  GstTactorSinkPrivate *priv = self->priv;
   GST_OBJECT_LOCK(self);
-  tactor::PlannerSettings settings = self->priv->settings.planner;
+  tactor::PlannerSettings settings = priv->settings.planner;
   GST_OBJECT_UNLOCK(self);
-  settings.transport_latency = self->priv->transport_latency;
+  settings.volts_max = priv->opened.volts_max;
+  settings.max_lead = priv->opened.max_lead;
+  settings.transport_latency = priv->opened.transport_latency;
   return settings;
 }
 
-/// A planner for the grid of the map at hand and the mapping that is set; what the motors do for the
-/// old ones ends at `time`.
+/// Says once if cells of this grid have no tactor under the mapping that is set.
 static void
-gst_tactor_sink_set_grid(GstTactorSink *self, guint rows, guint columns, Time time)
+gst_tactor_sink_check_grid(GstTactorSink *self, guint rows, guint columns,
+                           const tactor::PlannerSettings &settings)
 {
   GstTactorSinkPrivate *priv = self->priv;
-  const tactor::PlannerSettings settings = gst_tactor_sink_planner_settings(self);
-  if (priv->planner && priv->stream.rows == rows && priv->stream.columns == columns
+  if (priv->checked_rows == rows && priv->checked_columns == columns
       && priv->planner->settings().mapping == settings.mapping)
     return;
-  if (priv->planner)
-    priv->scheduler.push(priv->planner->silence(time), time + kHold);
-  priv->stream.rows = rows;
-  priv->stream.columns = columns;
-
-  const int cells = static_cast<int>(rows * columns);
-  const int wanted
-      = settings.mapping.empty() ? cells : 1 + *std::ranges::max_element(settings.mapping);
-  GST_INFO_OBJECT(self, "grid of %u x %u, %d tactors wanted, the board has %d", rows, columns,
-                  wanted, priv->board_tactors);
-  const std::string problem
-      = tactor::CommandPlanner::validate_mapping(settings.mapping, cells, priv->board_tactors);
-  if (!problem.empty() && !priv->warned_grid) {
-    priv->warned_grid = true;
-    GST_ELEMENT_WARNING(self, STREAM, FORMAT, ("Some cells of the film have no tactor."),
-                        ("%s; set rows and columns of saliencytactile to the chair's grid, or "
-                         "mapping of tactorsink",
-                         problem.c_str()));
-  }
-  priv->planner.emplace(std::clamp(wanted, 0, priv->board_tactors), settings);
+  priv->checked_rows = rows;
+  priv->checked_columns = columns;
+  GST_INFO_OBJECT(self, "grid of %u x %u, the board has %d tactors", rows, columns,
+                  priv->board_tactors);
+  const std::string problem = tactor::CommandPlanner::validate_mapping(
+      settings.mapping, static_cast<int>(rows * columns), priv->board_tactors);
+  if (problem.empty() || std::exchange(priv->warned_grid, true))
+    return;
+  GST_ELEMENT_WARNING(self, STREAM, FORMAT, ("Some cells of the film have no tactor."),
+                      ("%s; set rows and columns of saliencytactile to the chair's grid, or "
+                       "mapping of tactorsink",
+                       problem.c_str()));
 }
 
 /// Levels of a buffer into priv->levels, and the grid they are for. False if the buffer has none.
@@ -294,7 +295,7 @@ gst_tactor_sink_times(GstTactorSink *self, GstClockTime pts, GstClockTime length
 
   const double rate = segment.rate == 0 ? 1.0 : std::abs(segment.rate);
   duration = GST_CLOCK_TIME_IS_VALID(length) ? to_time(length) : priv->stream.frame_duration;
-  GstClockTime position = pts;
+  GstClockTime position = segment.format == GST_FORMAT_TIME ? pts : GST_CLOCK_TIME_NONE;
   if (GST_CLOCK_TIME_IS_VALID(position)) {
     if (segment.rate < 0)
       position += static_cast<GstClockTime>(duration.count());
@@ -304,14 +305,32 @@ gst_tactor_sink_times(GstTactorSink *self, GstClockTime pts, GstClockTime length
   }
   duration
       = Time(static_cast<gint64>(std::min(static_cast<double>(duration.count()) / rate, 1e15)));
-  const GstClockTime running = gst_segment_to_running_time(&segment, GST_FORMAT_TIME, position);
+  const GstClockTime running
+      = GST_CLOCK_TIME_IS_VALID(position)
+            ? gst_segment_to_running_time(&segment, GST_FORMAT_TIME, position)
+            : GST_CLOCK_TIME_NONE;
   start = GST_CLOCK_TIME_IS_VALID(running) ? to_time(running) : priv->last_end;
 }
 
-static GstFlowReturn
-gst_tactor_sink_render(GstBaseSink *sink, GstBuffer *buffer)
+/// Lets controlled properties have their values for the frame at hand.
+static void
+gst_tactor_sink_sync_values(GstTactorSink *self, GstClockTime pts)
 {
-  GstTactorSink *self = GST_TACTOR_SINK(sink);
+  GstBaseSink *sink = GST_BASE_SINK(self);
+  GST_OBJECT_LOCK(self);
+  const GstSegment segment = sink->segment;
+  GST_OBJECT_UNLOCK(self);
+  if (segment.format != GST_FORMAT_TIME)
+    return;
+  const GstClockTime time = gst_segment_to_stream_time(&segment, GST_FORMAT_TIME, pts);
+  if (GST_CLOCK_TIME_IS_VALID(time))
+    gst_object_sync_values(GST_OBJECT(self), time);
+}
+
+/// Plans what a buffer asks for and hands it to the scheduler. Throws what the library throws.
+static GstFlowReturn
+gst_tactor_sink_play_map(GstTactorSink *self, GstBuffer *buffer)
+{
   GstTactorSinkPrivate *priv = self->priv;
 
   Time start;
@@ -328,21 +347,17 @@ gst_tactor_sink_render(GstBaseSink *sink, GstBuffer *buffer)
                        priv->stream.rows * priv->stream.columns * 4u, gst_buffer_get_size(buffer)));
     return GST_FLOW_ERROR;
   }
-  if (!has_levels && !priv->warned_no_meta) {
-    priv->warned_no_meta = true;
+  if (!has_levels && !std::exchange(priv->warned_no_meta, true))
     GST_ELEMENT_WARNING(
         self, STREAM, FORMAT, ("The video frames carry no tactile map."),
         ("expected a GstTactileMeta on each frame; put saliencytactile before tactorsink"));
-  }
 
-  const bool starved = priv->scheduler.take_starved();
-  if (has_levels)
-    gst_tactor_sink_set_grid(self, rows, columns, start);
-  if (!priv->planner)
-    return GST_FLOW_OK;
-  if (starved)
+  if (priv->scheduler.take_starved())
     priv->planner->reset();
-  priv->planner->set_settings(gst_tactor_sink_planner_settings(self));
+  const tactor::PlannerSettings settings = gst_tactor_sink_planner_settings(self);
+  if (has_levels)
+    gst_tactor_sink_check_grid(self, rows, columns, settings);
+  priv->planner->set_settings(settings);
 
   priv->last_end = start + duration;
   const std::vector<tactor::Command> commands
@@ -354,43 +369,74 @@ gst_tactor_sink_render(GstBaseSink *sink, GstBuffer *buffer)
   return GST_FLOW_OK;
 }
 
-/// Waits until the last map has been shown, which is later than the base class does: its wait ends
-/// render-delay early.
+static GstFlowReturn
+gst_tactor_sink_render(GstBaseSink *sink, GstBuffer *buffer)
+{
+  GstTactorSink *self = GST_TACTOR_SINK(sink);
+
+  gst_tactor_sink_sync_values(self, GST_BUFFER_PTS(buffer));
+  if (self->priv->scheduler.failed())
+    return GST_FLOW_ERROR; // said when it happened
+  try {
+    return gst_tactor_sink_play_map(self, buffer);
+  } catch (const std::exception &e) {
+    GST_ELEMENT_ERROR(self, STREAM, FAILED, ("A tactile map could not be played."),
+                      ("%s", e.what()));
+    return GST_FLOW_ERROR;
+  }
+}
+
+/// Silence at `time`, held until `end`.
+static void
+gst_tactor_sink_silence(GstTactorSink *self, Time time, Time end)
+{
+  GstTactorSinkPrivate *priv = self->priv;
+  priv->last_end = end;
+  priv->scheduler.push(priv->planner->silence(time), end + kHold);
+}
+
+/// Waits until the last map has been shown and the motors stand, which is later than the base class does: its wait
+/// ends render-delay early, and goes on while the play is paused.
 static GstFlowReturn
 gst_tactor_sink_drain(GstTactorSink *self)
 {
   GstTactorSinkPrivate *priv = self->priv;
   GstBaseSink *sink = GST_BASE_SINK(self);
-  if (!priv->planner)
-    return GST_FLOW_OK;
-  priv->scheduler.push(priv->planner->silence(priv->last_end), priv->last_end + kHold);
+
+  gst_tactor_sink_silence(self, priv->last_end, priv->last_end);
   const GstClockTime end = static_cast<GstClockTime>(std::max<gint64>(priv->last_end.count(), 0));
   const GstFlowReturn ret
       = gst_base_sink_wait(sink, end + gst_base_sink_get_render_delay(sink), nullptr);
-  if (ret == GST_FLOW_OK)
-    priv->scheduler.flush();
-  return ret;
+  if (ret != GST_FLOW_OK)
+    return ret;
+
+  // As in the base class, the lock is given up while waiting: pause, play and flush need it.
+  GST_BASE_SINK_PREROLL_UNLOCK(sink);
+  priv->scheduler.drain();
+  GST_BASE_SINK_PREROLL_LOCK(sink);
+  if (sink->flushing)
+    return GST_FLOW_FLUSHING;
+  priv->scheduler.flush();
+  return GST_FLOW_OK;
 }
 
 static GstFlowReturn
 gst_tactor_sink_wait_event(GstBaseSink *sink, GstEvent *event)
 {
   GstTactorSink *self = GST_TACTOR_SINK(sink);
-  GstTactorSinkPrivate *priv = self->priv;
 
   GstFlowReturn ret = GST_BASE_SINK_CLASS(parent_class)->wait_event(sink, event);
   if (ret != GST_FLOW_OK)
     return ret;
 
-  if (GST_EVENT_TYPE(event) == GST_EVENT_GAP && priv->planner) {
+  if (GST_EVENT_TYPE(event) == GST_EVENT_GAP) {
     GstClockTime pts;
     GstClockTime length;
     gst_event_parse_gap(event, &pts, &length);
     Time start;
     Time duration;
     gst_tactor_sink_times(self, pts, GST_CLOCK_TIME_IS_VALID(length) ? length : 0, start, duration);
-    priv->last_end = start + duration;
-    priv->scheduler.push(priv->planner->silence(start), priv->last_end + kHold);
+    gst_tactor_sink_silence(self, start, start + duration);
   } else if (GST_EVENT_TYPE(event) == GST_EVENT_EOS) {
     ret = gst_tactor_sink_drain(self);
     if (ret == GST_FLOW_OK) {
@@ -400,6 +446,20 @@ gst_tactor_sink_wait_event(GstBaseSink *sink, GstEvent *event)
     }
   }
   return ret;
+}
+
+static gboolean
+gst_tactor_sink_unlock(GstBaseSink *sink)
+{
+  GST_TACTOR_SINK(sink)->priv->scheduler.interrupt(true);
+  return TRUE;
+}
+
+static gboolean
+gst_tactor_sink_unlock_stop(GstBaseSink *sink)
+{
+  GST_TACTOR_SINK(sink)->priv->scheduler.interrupt(false);
+  return TRUE;
 }
 
 static gboolean
@@ -414,8 +474,7 @@ gst_tactor_sink_event(GstBaseSink *sink, GstEvent *event)
   if (type == GST_EVENT_FLUSH_START) {
     priv->scheduler.flush();
   } else if (type == GST_EVENT_FLUSH_STOP) {
-    if (priv->planner)
-      priv->planner->reset();
+    priv->planner->reset();
     priv->last_end = Time(0);
   }
   return handled;
@@ -427,22 +486,17 @@ gst_tactor_sink_set_caps(GstBaseSink *sink, GstCaps *caps)
   GstTactorSink *self = GST_TACTOR_SINK(sink);
   GstTactorSinkPrivate *priv = self->priv;
   const GstStructure *structure = gst_caps_get_structure(caps, 0);
-  Stream stream = priv->stream;
+  Stream stream;
   gint fps_n = 0;
   gint fps_d = 1;
 
   stream.is_map = gst_structure_has_name(structure, GST_TACTILE_MAP_MEDIA_TYPE);
   if (stream.is_map) {
-    guint rows;
-    guint columns;
-    if (!gst_tactile_map_caps_parse(caps, &rows, &columns, &fps_n, &fps_d)) {
+    if (!gst_tactile_map_caps_parse(caps, &stream.rows, &stream.columns, &fps_n, &fps_d)) {
       GST_ERROR_OBJECT(self, "expected rows and columns from 1 to %d, got %" GST_PTR_FORMAT,
                        GST_TACTILE_MAX_SIDE, caps);
       return FALSE;
     }
-    priv->stream.is_map = true;
-    gst_tactor_sink_set_grid(self, rows, columns, priv->last_end);
-    stream = priv->stream;
   } else {
     gst_structure_get_fraction(structure, "framerate", &fps_n, &fps_d);
   }
@@ -481,67 +535,92 @@ gst_tactor_sink_propose_allocation(GstBaseSink *sink, GstQuery *query)
 
 /* ---- life ---- */
 
-static gboolean
-gst_tactor_sink_start(GstBaseSink *sink)
+static GstResourceError
+resource_error(tactor::DriverError::Kind kind)
 {
-  GstTactorSink *self = GST_TACTOR_SINK(sink);
+  using Kind = tactor::DriverError::Kind;
+  switch (kind) {
+  case Kind::not_found:
+    return GST_RESOURCE_ERROR_NOT_FOUND;
+  case Kind::busy:
+    return GST_RESOURCE_ERROR_BUSY;
+  case Kind::permission:
+    return GST_RESOURCE_ERROR_NOT_AUTHORIZED;
+  case Kind::settings:
+    return GST_RESOURCE_ERROR_SETTINGS;
+  default:
+    return GST_RESOURCE_ERROR_OPEN_READ_WRITE;
+  }
+}
+
+/// Opens the board and the trace, both anew for each play. Throws tactor::DriverError.
+static void
+gst_tactor_sink_open(GstTactorSink *self)
+{
   GstTactorSinkPrivate *priv = self->priv;
 
   GST_OBJECT_LOCK(self);
   const TactorSettings settings = priv->settings;
   GST_OBJECT_UNLOCK(self);
 
-  try {
-    const tactor::DriverConfig config{ .device = settings.device,
-                                       .max_tactors = TactorSettings::kMaxTactors,
-                                       .full_scale_volts = settings.planner.volts_max };
-    std::unique_ptr<tactor::Driver> driver = tactor::make_driver(settings.driver);
-    driver->open(config);
-    std::unique_ptr<tactor::CommandTrace> trace;
-    if (!settings.trace_location.empty())
-      trace = std::make_unique<tactor::CommandTrace>(settings.trace_location);
-    priv->board_tactors = driver->tactors();
-    priv->transport_latency = driver->transport_latency();
-    priv->scheduler.start(std::move(driver), config, std::move(trace));
-    priv->scheduler.set_muted(settings.mute);
-  } catch (const tactor::DriverError &e) {
-    switch (e.kind()) {
-    case tactor::DriverError::Kind::not_found:
-      GST_ELEMENT_ERROR(self, RESOURCE, NOT_FOUND, ("%s", e.what()), (nullptr));
-      break;
-    case tactor::DriverError::Kind::busy:
-      GST_ELEMENT_ERROR(self, RESOURCE, BUSY, ("%s", e.what()), (nullptr));
-      break;
-    case tactor::DriverError::Kind::permission:
-      GST_ELEMENT_ERROR(self, RESOURCE, NOT_AUTHORIZED, ("%s", e.what()), (nullptr));
-      break;
-    case tactor::DriverError::Kind::settings:
-      GST_ELEMENT_ERROR(self, RESOURCE, SETTINGS, ("%s", e.what()), (nullptr));
-      break;
-    default:
-      GST_ELEMENT_ERROR(self, RESOURCE, OPEN_READ_WRITE, ("%s", e.what()), (nullptr));
-      break;
-    }
-    return FALSE;
-  } catch (const std::exception &e) {
-    GST_ELEMENT_ERROR(self, RESOURCE, FAILED, ("%s", e.what()), (nullptr));
-    return FALSE;
-  }
-  gst_base_sink_set_render_delay(
-      sink, static_cast<GstClockTime>(
-                (settings.planner.max_lead + priv->transport_latency + kWakeMargin).count()));
-  return TRUE;
+  if (!settings.device.empty() && settings.device == settings.trace_location)
+    throw tactor::DriverError(tactor::DriverError::Kind::settings,
+                              "device and trace-location are the same file, '" + settings.device
+                                  + "'; expected two");
+  const tactor::DriverConfig config{ .device = settings.device,
+                                     .max_tactors = TactorSettings::kMaxTactors,
+                                     .full_scale_volts = settings.planner.volts_max };
+  std::unique_ptr<tactor::Driver> driver = tactor::make_driver(settings.driver);
+  driver->open(config);
+  std::unique_ptr<tactor::CommandTrace> trace;
+  if (!settings.trace_location.empty())
+    trace = std::make_unique<tactor::CommandTrace>(settings.trace_location);
+
+  priv->opened = settings.planner;
+  priv->opened.transport_latency = driver->transport_latency();
+  priv->board_tactors = driver->tactors();
+  priv->planner.emplace(priv->board_tactors, priv->opened);
+  priv->stream = {};
+  priv->checked_rows = priv->checked_columns = 0;
+  priv->last_end = Time(0);
+  priv->warned_no_meta = priv->warned_grid = false;
+  priv->last_lead_short.reset();
+  priv->scheduler.start(std::move(driver), config, std::move(trace));
+  priv->scheduler.set_immediate(!gst_base_sink_get_sync(GST_BASE_SINK(self)));
+  priv->scheduler.set_muted(settings.mute);
+  const Time early = priv->opened.max_lead + priv->opened.transport_latency + kWakeMargin;
+  gst_base_sink_set_render_delay(GST_BASE_SINK(self), static_cast<GstClockTime>(early.count()));
 }
 
+/// Like gst_tactor_sink_open(), but what went wrong becomes an error message and FALSE.
 static gboolean
-gst_tactor_sink_stop(GstBaseSink *sink)
+gst_tactor_sink_try_open(GstTactorSink *self)
 {
-  GstTactorSinkPrivate *priv = GST_TACTOR_SINK(sink)->priv;
+  int code = GST_RESOURCE_ERROR_FAILED;
+  std::string reason;
+  try {
+    gst_tactor_sink_open(self);
+    return TRUE;
+  } catch (const tactor::DriverError &e) {
+    code = resource_error(e.kind());
+    reason = e.what();
+  } catch (const std::exception &e) {
+    reason = e.what();
+  }
+  gst_element_message_full(GST_ELEMENT(self), GST_MESSAGE_ERROR, GST_RESOURCE_ERROR, code,
+                           g_strdup(reason.c_str()), nullptr, __FILE__, G_STRFUNC, __LINE__);
+  return FALSE;
+}
+
+static void
+gst_tactor_sink_close(GstTactorSink *self)
+{
+  GstTactorSinkPrivate *priv = self->priv;
+  priv->scheduler.flush(); // the trace, too
   if (priv->scheduler.trace_failed())
-    GST_ELEMENT_WARNING(sink, RESOURCE, WRITE, ("The command trace is incomplete."),
+    GST_ELEMENT_WARNING(self, RESOURCE, WRITE, ("The command trace is incomplete."),
                         ("writing to it failed: is the disk full?"));
   priv->scheduler.stop();
-  return TRUE;
 }
 
 static GstStateChangeReturn
@@ -550,36 +629,20 @@ gst_tactor_sink_change_state(GstElement *element, GstStateChange transition)
   GstTactorSink *self = GST_TACTOR_SINK(element);
   GstTactorSinkPrivate *priv = self->priv;
 
-  switch (transition) {
-  case GST_STATE_CHANGE_READY_TO_PAUSED:
-    priv->planner.reset();
-    priv->stream = {};
-    priv->last_end = Time(0);
-    priv->warned_no_meta = priv->warned_grid = false;
-    priv->last_lead_short.reset();
-    priv->scheduler.set_immediate(!gst_base_sink_get_sync(GST_BASE_SINK(element)));
-    break;
-  case GST_STATE_CHANGE_PLAYING_TO_PAUSED:
+  if (transition == GST_STATE_CHANGE_READY_TO_PAUSED && !gst_tactor_sink_try_open(self))
+    return GST_STATE_CHANGE_FAILURE;
+  if (transition == GST_STATE_CHANGE_PLAYING_TO_PAUSED)
     priv->scheduler.pause();
-    break;
-  default:
-    break;
-  }
 
   const GstStateChangeReturn ret
       = GST_ELEMENT_CLASS(parent_class)->change_state(element, transition);
 
-  switch (transition) {
-  case GST_STATE_CHANGE_PAUSED_TO_PLAYING:
-    if (ret != GST_STATE_CHANGE_FAILURE)
-      priv->scheduler.play();
-    break;
-  case GST_STATE_CHANGE_PAUSED_TO_READY:
-    priv->scheduler.flush();
-    break;
-  default:
-    break;
-  }
+  if (transition == GST_STATE_CHANGE_PAUSED_TO_PLAYING && ret != GST_STATE_CHANGE_FAILURE)
+    priv->scheduler.play();
+  // After a failure nothing is left running either.
+  if (transition == GST_STATE_CHANGE_PAUSED_TO_READY
+      || (transition == GST_STATE_CHANGE_READY_TO_PAUSED && ret == GST_STATE_CHANGE_FAILURE))
+    gst_tactor_sink_close(self);
   return ret;
 }
 
@@ -663,13 +726,13 @@ gst_tactor_sink_class_init(GstTactorSinkClass *klass)
 
   element_class->change_state = gst_tactor_sink_change_state;
   element_class->send_event = gst_tactor_sink_send_event;
-  sink_class->start = gst_tactor_sink_start;
-  sink_class->stop = gst_tactor_sink_stop;
   sink_class->set_caps = gst_tactor_sink_set_caps;
   sink_class->propose_allocation = gst_tactor_sink_propose_allocation;
   sink_class->event = gst_tactor_sink_event;
   sink_class->wait_event = gst_tactor_sink_wait_event;
   sink_class->render = gst_tactor_sink_render;
+  sink_class->unlock = gst_tactor_sink_unlock;
+  sink_class->unlock_stop = gst_tactor_sink_unlock_stop;
 }
 
 static void

@@ -52,7 +52,7 @@ TactorScheduler::start(std::unique_ptr<tactor::Driver> driver, const tactor::Dri
   counters_ = {};
   expires_.reset();
   reconnect_.reset();
-  quit_ = playing_ = starved_ = false;
+  quit_ = playing_ = starved_ = failed_ = false;
   met_ = requested_;
   running_ = Time(0);
   thread_ = std::thread([this] { run(); });
@@ -103,6 +103,23 @@ TactorScheduler::flush()
 }
 
 void
+TactorScheduler::drain()
+{
+  std::unique_lock lock(mutex_);
+  settled_.wait(lock, [this] {
+    return interrupted_ || !live_ || failed_ || (queue_.size() == 0 && !issuing_);
+  });
+}
+
+void
+TactorScheduler::interrupt(bool interrupted)
+{
+  std::lock_guard lock(mutex_);
+  interrupted_ = interrupted;
+  settled_.notify_all();
+}
+
+void
 TactorScheduler::set_muted(bool muted)
 {
   std::unique_lock lock(mutex_);
@@ -121,7 +138,7 @@ TactorScheduler::set_immediate(bool immediate)
 void
 TactorScheduler::push(std::span<const Command> commands, Time expires)
 {
-  std::lock_guard lock(mutex_);
+  std::unique_lock lock(mutex_);
   const std::optional<Time> before = queue_.next_due();
   queue_.push(commands);
   const bool sleeps_on_nothing = !before && !expires_;
@@ -130,6 +147,9 @@ TactorScheduler::push(std::span<const Command> commands, Time expires)
   // cut short.
   if (sleeps_on_nothing || (queue_.next_due() && (!before || *queue_.next_due() < *before)))
     wake();
+  // Nobody paces a stream that does not wait for the clock but who works it off.
+  if (immediate_ && playing_)
+    settle(lock);
 }
 
 void
@@ -162,6 +182,13 @@ TactorScheduler::trace_failed() const
 {
   std::lock_guard lock(mutex_);
   return trace_ && trace_->failed();
+}
+
+bool
+TactorScheduler::failed() const
+{
+  std::lock_guard lock(mutex_);
+  return failed_;
 }
 
 /// Ends whatever the thread waits on; it looks at everything anew.
@@ -215,15 +242,19 @@ TactorScheduler::turn(Lock &lock)
   lock.unlock();
   const Moment moment(host_.timing(), running_);
   lock.lock();
-  running_ = moment.running;
+  const bool timed = !immediate_ && moment.clock;
+  if (timed)
+    running_ = moment.running;
   // After a seek running time begins anew.
   if (reconnect_)
-    reconnect_ = std::min(*reconnect_, moment.running + kReconnectInterval);
+    reconnect_ = std::min(*reconnect_, running_ + kReconnectInterval);
 
   if (met_ != requested_) {
     // Whoever asks for more while the driver is being written to gets another turn.
     const std::uint64_t request = requested_;
-    apply(lock, moment.running, {});
+    if (playing_)
+      issue_due(lock, timed);
+    apply(lock, running_, {});
     if (!playing_ && trace_)
       trace_->flush();
     met_ = request;
@@ -233,32 +264,44 @@ TactorScheduler::turn(Lock &lock)
   if (quit_ || !playing_)
     return;
 
-  if (reconnect_ && *reconnect_ <= moment.running) {
-    reconnect(lock, moment.running);
+  if (reconnect_ && *reconnect_ <= running_) {
+    reconnect(lock, running_);
+  } else if (issue_due(lock, timed)) {
     return;
-  }
-  if (immediate_ || !moment.clock) {
-    expires_.reset();
-    if (const std::vector<Command> due = queue_.take_due(Time::max()); !due.empty())
-      issue(lock, moment.running, due, false);
-    else
-      wake_.wait(lock);
-    return;
-  }
-
-  std::optional<Time> next = queue_.next_due();
-  if (next && *next <= moment.running) {
-    issue(lock, moment.running, queue_.take_due(moment.running), true);
-  } else if (!next && expires_ && *expires_ <= moment.running) {
-    starve(lock, moment.running);
+  } else if (!timed) {
+    wake_.wait(lock);
+  } else if (const std::optional<Time> next = queue_.next_due();
+             !next && expires_ && *expires_ <= running_) {
+    starve(lock, running_);
   } else {
-    if (!next)
-      next = expires_;
+    Time until = next ? *next : expires_.value_or(Time::max());
     if (reconnect_)
-      next = next ? std::min(*next, *reconnect_) : *reconnect_;
-    if (next)
-      wait_until(lock, moment, *next);
+      until = std::min(until, *reconnect_);
+    if (until != Time::max())
+      wait_until(lock, moment, until);
   }
+}
+
+/// Hands over what is due now. Untimed, that is everything, each command as if its time had come.
+/// False if there was nothing.
+bool
+TactorScheduler::issue_due(Lock &lock, bool timed)
+{
+  if (!timed)
+    expires_.reset();
+  bool any = false;
+  for (std::optional<Time> next = queue_.next_due(); next && (!timed || *next <= running_);
+       next = queue_.next_due()) {
+    if (!timed)
+      running_ = *next;
+    issuing_ = true;
+    issue(lock, running_, queue_.take_due(running_), timed);
+    issuing_ = false;
+    any = true;
+  }
+  if (any)
+    settled_.notify_all();
+  return any;
 }
 
 void
@@ -344,7 +387,9 @@ TactorScheduler::apply(Lock &lock, Time running, std::span<const Command> comman
   sent_.resize(used, 0.0);
   std::vector<double> volts(used, 0.0);
   if (!silent)
-    std::copy_n(levels.begin(), used, volts.begin());
+    std::transform(levels.begin(), levels.begin() + static_cast<std::ptrdiff_t>(used),
+                   volts.begin(),
+                   [this](double level) { return std::min(level, config_.full_scale_volts); });
   if (volts == sent_)
     return;
 
@@ -394,6 +439,8 @@ TactorScheduler::lose(Lock &lock, Time running, const tactor::DriverError &error
   const bool may_return = error.kind() == tactor::DriverError::Kind::lost;
   if (may_return)
     reconnect_ = running + kReconnectInterval;
+  else
+    failed_ = true;
 
   lock.unlock();
   driver_->close();

@@ -86,9 +86,15 @@ public:
   void pause();
   /// Motors to zero; commands are forgotten.
   void flush();
+  /// Returns when every command was issued, however long the play is paused meanwhile, or when
+  /// interrupt() was called.
+  void drain();
+  /// While interrupted, drain() returns at once.
+  void interrupt(bool interrupted);
   /// While muted, motors are at zero and the film's commands are followed silently.
   void set_muted(bool muted);
-  /// While immediate, commands do not wait for the clock (sync=false).
+  /// While immediate, commands do not wait for the clock (sync=false): push() returns when they were
+  /// issued, each as if its time had come, and the trace has its due time as when it was issued.
   void set_immediate(bool immediate);
 
   /// New commands, of a map that holds until `expires`: if none follows by then, the motors are
@@ -104,6 +110,8 @@ public:
 
   Counters counters() const;
   bool trace_failed() const;
+  /// Whether the driver failed for good (TactorSchedulerHost::device_failed()).
+  bool failed() const;
 
 private:
   struct Moment;
@@ -115,6 +123,7 @@ private:
   void run();
   void turn(Lock &lock);
   void wait_until(Lock &lock, const Moment &moment, tactor::Time running);
+  bool issue_due(Lock &lock, bool timed);
   void issue(Lock &lock, tactor::Time running, std::span<const tactor::Command> commands,
              bool timed);
   void starve(Lock &lock, tactor::Time running);
@@ -138,6 +147,9 @@ private:
   bool playing_ = false;
   bool muted_ = false;
   bool immediate_ = false;
+  bool interrupted_ = false;
+  bool failed_ = false;
+  bool issuing_ = false; ///< commands were taken off the queue and are on their way to the driver
   // Requests: something other than a due command has to reach the motors, or to be looked at anew.
   // Numbered, so that each caller waits for the turn that saw its own: the one before may still be
   // writing.

@@ -39,7 +39,7 @@ CommandPlanner::CommandPlanner(int tactors, PlannerSettings settings, RiseTime r
 void
 CommandPlanner::set_settings(PlannerSettings settings)
 {
-  if (settings.rate != settings_.rate)
+  if (settings.rate != settings_.rate || settings.mapping != settings_.mapping)
     grid_start_.reset();
   settings_ = std::move(settings);
 }
@@ -73,6 +73,10 @@ std::vector<Command>
 CommandPlanner::plan(Time time, Time duration, std::span<const float> levels)
 {
   const Time frame = duration > Time(0) ? duration : kDefaultFrame;
+  if (levels.size() != cells_) {
+    cells_ = levels.size();
+    grid_start_.reset();
+  }
   std::vector<Command> commands;
   if (!begins_block(time, frame))
     return commands;

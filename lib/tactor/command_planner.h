@@ -56,7 +56,7 @@ struct PlannerSettings
 ///
 /// Maps are taken in blocks of 1 / rate: a block begins with the first map of which more than half lies beyond the
 /// block's start on a regular grid, and its level is that map's (paper, Section 2: the tactile buffers are read at a lower
-/// rate). The grid begins with the first map, and anew after silence(), reset(), a change of rate or a hole in
+/// rate). The grid begins with the first map, and anew after silence(), reset(), a change of rate, mapping or grid or a hole in
 /// which a whole block was lost.
 ///
 /// Under Compensation::exact a rising command is due at the latest time from which its motor gets to 90 % by the frame, from the
@@ -105,6 +105,7 @@ private:
   RiseTime rise_time_;
   std::vector<Tactor> tactors_;
   std::optional<Time> grid_start_;
+  std::size_t cells_ = 0; ///< of the last map
   double next_block_ = 0; ///< number of the next block on the grid
 };
 

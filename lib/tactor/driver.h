@@ -49,7 +49,7 @@ struct DriverConfig
   double full_scale_volts = 3.0; ///< volts at the motor when a board's output is fully on
 };
 
-/// A board that drives tactors. A driver is called from one thread only (the sink's scheduler). close() and the
+/// A board that drives tactors. A driver is never called by two threads at once (the sink's scheduler). close() and the
 /// destructor leave every motor at zero. All methods but close() may throw DriverError.
 class Driver
 {

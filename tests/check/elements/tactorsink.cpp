@@ -153,15 +153,29 @@ public:
   }
 
   /// Whether everybody who is going to sleep does so now: the streaming thread, and once a map has
-  /// come the scheduler too, which then always has a command or the end of a hold to wait for. The
-  /// wait is cut in pieces only to look whether the work is done.
+  /// come the scheduler too, which then always has a command or the end of a hold to wait for; or one
+  /// alone whose time has come already. The wait is cut in pieces only to look whether the work is done.
   bool all_asleep()
   {
     GList *pending = nullptr;
     const bool asleep
         = gst_test_clock_timed_wait_for_multiple_pending_ids(clock, rendered ? 2 : 1, 10, &pending);
     g_list_free_full(pending, gst_clock_id_unref);
-    return asleep;
+    if (asleep)
+      return true;
+    const GstClockTime next = gst_test_clock_get_next_entry_time(clock);
+    if (next != GST_CLOCK_TIME_NONE && next <= gst_clock_get_time(GST_CLOCK(clock)))
+      if (GstClockID id = gst_test_clock_process_next_clock_id(clock))
+        gst_clock_id_unref(id);
+    return false;
+  }
+
+  /// Ends every wait whose time has come.
+  void wake_all_due()
+  {
+    while (GstClockID id = gst_test_clock_process_next_clock_id(clock))
+      gst_clock_id_unref(id);
+    std::this_thread::yield();
   }
 
   /// Lets the clock run to `time`, at which the streaming thread must still be waiting to render
@@ -429,6 +443,8 @@ GST_START_TEST(test_eos_drains)
   }
   fail_unless(eos);
   fail_unless(stats);
+  ck_assert_uint_eq(rig.stat("issued"), 2);
+  ck_assert_uint_eq(rig.stat("dropped"), 0);
   const std::vector<Line> lines = rig.trace();
   ck_assert_uint_eq(lines.size(), 2);
   assert_line(lines[0], 200 * kMs - rise(3.0), 200 * kMs - rise(3.0), 200 * kMs, 0, 3.0);
@@ -579,6 +595,137 @@ GST_START_TEST(test_mute_acts_at_once)
   assert_line(lines[1], 90 * kMs, 90 * kMs, 90 * kMs, 0, 0.0);
   assert_line(lines[2], 110 * kMs, 110 * kMs, 110 * kMs, 0, 3.0);
   assert_silent_at_end(lines);
+}
+GST_END_TEST;
+
+/// A grid that changes under a level that does not: the motor goes on, and the new one joins in.
+GST_START_TEST(test_grid_change_keeps_steady_levels)
+{
+  Rig rig;
+  g_object_set(rig.element, "compensation", 2, nullptr);
+  rig.start();
+  rig.run_out([&] {
+    rig.push(0, { 1.0f });
+    GstCaps *caps = gst_tactile_map_caps_new(1, 2, 25, 1);
+    fail_unless(gst_pad_send_event(rig.sink_pad, gst_event_new_caps(caps)));
+    gst_caps_unref(caps);
+    for (GstClockTime pts = kFrame; pts < 400 * kMs; pts += kFrame)
+      rig.push(pts, { 1.0f, 1.0f });
+    gst_pad_send_event(rig.sink_pad, gst_event_new_eos());
+  });
+  const std::vector<Line> lines = rig.trace();
+  ck_assert_uint_eq(lines.size(), 4);
+  assert_line(lines[0], 0, 0, 0, 0, 3.0);
+  assert_line(lines[1], kFrame, kFrame, kFrame, 1, 3.0);
+  assert_line(lines[2], 400 * kMs, 400 * kMs, 400 * kMs, 0, 0.0);
+  assert_line(lines[3], 400 * kMs, 400 * kMs, 400 * kMs, 1, 0.0);
+}
+GST_END_TEST;
+
+/// The volts and the lead that the board and the pipeline were told of hold until the next play.
+GST_START_TEST(test_volts_and_lead_are_fixed_while_playing)
+{
+  Rig rig;
+  rig.start();
+  rig.run_out([&] {
+    rig.push(0, { 0.0f });
+    g_object_set(rig.element, "voltage-max", 24.0, "max-lead", 1000u, nullptr);
+    rig.push(400 * kMs, { 1.0f });
+    gst_pad_send_event(rig.sink_pad, gst_event_new_eos());
+  });
+  const std::vector<Line> lines = rig.trace();
+  ck_assert_uint_eq(lines.size(), 2);
+  assert_line(lines[0], 400 * kMs - rise(3.0), 400 * kMs - rise(3.0), 400 * kMs, 0, 3.0);
+}
+GST_END_TEST;
+
+/// Paused in the last frame: the end waits for the resume, and the motor is heard until then.
+GST_START_TEST(test_pause_in_the_last_frame)
+{
+  Rig rig;
+  g_object_set(rig.element, "compensation", 2, nullptr);
+  rig.start();
+  std::atomic<bool> done{ false };
+  rig.stream([&] {
+    rig.push(0, { 1.0f }, 2 * GST_SECOND);
+    gst_pad_send_event(rig.sink_pad, gst_event_new_eos());
+    done = true;
+  });
+  rig.run_to(1160 * kMs);
+  gst_element_set_state(rig.element, GST_STATE_PAUSED);
+  gst_test_clock_set_time(rig.clock, 5160 * kMs);
+  rig.wake_all_due();
+  fail_if(done);
+  gst_element_set_base_time(rig.element, 4000 * kMs);
+  gst_element_set_state(rig.element, GST_STATE_PLAYING);
+  rig.wake_all_due();
+  fail_if(done);
+  gst_test_clock_set_time(rig.clock, 6160 * kMs); // running time 2 s
+  while (!done)
+    rig.wake_all_due();
+  rig.join();
+  ck_assert_uint_eq(rig.stat("dropped"), 0);
+  const std::vector<Line> lines = rig.trace();
+  ck_assert_uint_eq(lines.size(), 4);
+  assert_line(lines[0], 0, 0, 0, 0, 3.0);
+  assert_line(lines[1], 1000 * kMs, 1000 * kMs, 1000 * kMs, 0, 0.0);
+  assert_line(lines[2], 1000 * kMs, 1000 * kMs, 1000 * kMs, 0, 3.0);
+  assert_line(lines[3], 2000 * kMs, 2000 * kMs, 2000 * kMs, 0, 0.0);
+}
+GST_END_TEST;
+
+/// Without the clock no command is lost or overtaken, and each is traced as if its time had come.
+GST_START_TEST(test_sync_false_issues_every_command)
+{
+  Rig rig;
+  g_object_set(rig.element, "sync", FALSE, "rate", 0.0, nullptr);
+  rig.start();
+  // Nobody moves the clock.
+  for (GstClockTime i = 0; i < 1000; i++)
+    ck_assert_int_eq(rig.push(i * 200 * kMs, { i % 2 ? 1.0f : 0.0f }), GST_FLOW_OK);
+  fail_unless(gst_pad_send_event(rig.sink_pad, gst_event_new_eos()));
+  ck_assert_uint_eq(rig.stat("issued"), 1000); // 500 rises, 499 falls, the end
+  ck_assert_uint_eq(rig.stat("coalesced"), 0);
+  ck_assert_uint_eq(rig.stat("dropped"), 0);
+  const std::vector<Line> lines = rig.trace();
+  ck_assert_uint_eq(lines.size(), 1000);
+  for (const Line &line : lines)
+    ck_assert_int_eq(line.issued, line.due);
+  assert_silent_at_end(lines);
+}
+GST_END_TEST;
+
+/// A stream without times is played as it comes.
+GST_START_TEST(test_segment_in_bytes)
+{
+  Rig rig;
+  GstSegment segment;
+  gst_segment_init(&segment, GST_FORMAT_BYTES);
+  rig.start(&segment);
+  rig.run_out([&] {
+    ck_assert_int_eq(rig.push(0, { 1.0f }), GST_FLOW_OK);
+    gst_pad_send_event(rig.sink_pad, gst_event_new_eos());
+  });
+  assert_silent_at_end(rig.trace());
+}
+GST_END_TEST;
+
+/// A trace that cannot be written is said when the play ends.
+GST_START_TEST(test_full_disk_is_said)
+{
+  if (access("/dev/full", W_OK) != 0)
+    return;
+  Rig rig;
+  g_object_set(rig.element, "trace-location", "/dev/full", "compensation", 2, nullptr);
+  rig.start();
+  rig.run_out([&] {
+    rig.push(0, { 1.0f });
+    gst_pad_send_event(rig.sink_pad, gst_event_new_eos());
+  });
+  gst_element_set_state(rig.element, GST_STATE_READY);
+  GstMessage *warning = gst_bus_pop_filtered(rig.bus, GST_MESSAGE_WARNING);
+  fail_unless(warning != nullptr);
+  gst_message_unref(warning);
 }
 GST_END_TEST;
 
@@ -733,19 +880,6 @@ GST_START_TEST(test_missing_pts_follow_each_other)
 }
 GST_END_TEST;
 
-GST_START_TEST(test_sync_false_does_not_wait)
-{
-  Rig rig;
-  g_object_set(rig.element, "sync", FALSE, nullptr);
-  rig.start();
-  // Nobody moves the clock.
-  for (GstClockTime i = 0; i < 10; i++)
-    ck_assert_int_eq(rig.push(i * 200 * kMs, { i % 2 ? 1.0f : 0.0f }), GST_FLOW_OK);
-  fail_unless(gst_pad_send_event(rig.sink_pad, gst_event_new_eos()));
-  assert_silent_at_end(rig.trace());
-}
-GST_END_TEST;
-
 GST_START_TEST(test_wrong_size_is_an_error)
 {
   Rig rig;
@@ -784,7 +918,7 @@ check_start_error(const char *property, const char *value, const char *expected)
   GstBus *bus = gst_bus_new();
   gst_element_set_bus(sink, bus);
   g_object_set(sink, property, value, nullptr);
-  ck_assert_int_eq(gst_element_set_state(sink, GST_STATE_READY), GST_STATE_CHANGE_FAILURE);
+  ck_assert_int_eq(gst_element_set_state(sink, GST_STATE_PAUSED), GST_STATE_CHANGE_FAILURE);
   GstMessage *message = gst_bus_pop_filtered(bus, GST_MESSAGE_ERROR);
   fail_unless(message != nullptr);
   GError *error = nullptr;
@@ -834,7 +968,7 @@ GST_START_TEST(test_render_delay_is_the_lead)
   GstElement *sink = gst_element_factory_make("tactorsink", nullptr);
   gst_object_ref_sink(sink);
   g_object_set(sink, "max-lead", 80u, nullptr);
-  gst_element_set_state(sink, GST_STATE_READY);
+  gst_element_set_state(sink, GST_STATE_PAUSED);
   guint64 delay = 0;
   g_object_get(sink, "render-delay", &delay, nullptr);
   ck_assert_uint_eq(delay, 90 * kMs);
@@ -871,13 +1005,18 @@ tactorsink_suite(void)
   tcase_add_test(cases, test_mapping_and_volts);
   tcase_add_test(cases, test_mapping_while_playing);
   tcase_add_test(cases, test_mute_acts_at_once);
+  tcase_add_test(cases, test_grid_change_keeps_steady_levels);
+  tcase_add_test(cases, test_volts_and_lead_are_fixed_while_playing);
+  tcase_add_test(cases, test_pause_in_the_last_frame);
+  tcase_add_test(cases, test_sync_false_issues_every_command);
+  tcase_add_test(cases, test_segment_in_bytes);
+  tcase_add_test(cases, test_full_disk_is_said);
   tcase_add_test(cases, test_starved);
   tcase_add_test(cases, test_late_is_counted_and_said);
   tcase_add_test(cases, test_stale_commands_coalesce);
   tcase_add_test(cases, test_null_while_playing_is_silent);
   tcase_add_test(cases, test_video_frames_with_and_without_meta);
   tcase_add_test(cases, test_missing_pts_follow_each_other);
-  tcase_add_test(cases, test_sync_false_does_not_wait);
   tcase_add_test(cases, test_wrong_size_is_an_error);
   tcase_add_test(cases, test_absurd_caps_are_refused);
   tcase_add_test(cases, test_start_errors);
