@@ -3,8 +3,8 @@
 # Installs what is missing, builds, runs every test.
 #
 # Usage: tests/run.sh [--asan | --tsan] [meson test arguments]
-#   --asan   build and run under AddressSanitizer and UndefinedBehaviorSanitizer
-#   --tsan   build and run under ThreadSanitizer
+#   --asan   build and run under AddressSanitizer and UndefinedBehaviorSanitizer, in C++ alone: no Python
+#   --tsan   build and run under ThreadSanitizer, likewise
 # Examples: tests/run.sh          tests/run.sh --asan          tests/run.sh tactorsink -v
 set -euo pipefail
 here=$(cd "$(dirname "$0")" && pwd)
@@ -16,8 +16,8 @@ patience=1
 options=(-Dsaliency=enabled -Dintrospection=enabled -Dtools=enabled -Dtests=enabled)
 case ${1:-} in
   -h | --help) sed -n '3,8s/^# \{0,1\}//p' "$0"; exit 0 ;;
-  --asan) shift; directory=$root/build-asan; patience=5; options+=("-Db_sanitize=address,undefined" -Db_lundef=false) ;;
-  --tsan) shift; directory=$root/build-tsan; patience=5; options+=(-Db_sanitize=thread -Db_lundef=false) ;;
+  --asan) shift; directory=$root/build-asan; patience=5; options+=("-Db_sanitize=address,undefined" -Db_lundef=false -Dintrospection=disabled) ;;
+  --tsan) shift; directory=$root/build-tsan; patience=5; options+=(-Db_sanitize=thread -Db_lundef=false -Dintrospection=disabled) ;;
 esac
 
 build_project "$directory" "build play test" "${options[@]}"

@@ -10,6 +10,8 @@
  */
 
 #include "gsttactilecaps.h"
+
+#include <string.h>
 #include "gsttactilemeta.h"
 
 static gfloat
@@ -158,8 +160,10 @@ gst_tactile_map_buffer_get_levels(GstBuffer *buffer, guint rows, guint columns, 
   if (map.size == n * sizeof(gfloat)) {
     *levels = g_new(gfloat, n);
     *n_levels = n;
+    /* Copied first: a payload need not lie where a float may, and GST_READ_FLOAT_LE assumes it. */
+    memcpy(*levels, map.data, map.size);
     for (gsize i = 0; i < n; i++)
-      (*levels)[i] = clamp_level(GST_READ_FLOAT_LE(map.data + i * sizeof(gfloat)));
+      (*levels)[i] = clamp_level(GFLOAT_FROM_LE((*levels)[i]));
   }
   gst_buffer_unmap(buffer, &map);
   return *levels != NULL;
