@@ -49,7 +49,7 @@ FrameMapping::FrameMapping(const GstVideoInfo &info, GstBuffer *buffer)
   int left = 0;
   int top = 0;
   view_.width = GST_VIDEO_FRAME_WIDTH(&frame_);
-  view_.height = GST_VIDEO_FRAME_HEIGHT(&frame_);
+  view_.height = GST_VIDEO_INFO_FIELD_HEIGHT(&frame_.info); // alternate fields come one a buffer
   if (const GstVideoCropMeta *crop = gst_buffer_get_video_crop_meta(buffer)) {
     // Chroma is cut at whole samples: the window begins at an even pixel.
     const int align_x = 1 << std::max(GST_VIDEO_FORMAT_INFO_W_SUB(format, 1), 0u);

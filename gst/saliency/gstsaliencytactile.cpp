@@ -34,8 +34,10 @@
 
 #include <gst/tactile/tactile.h>
 
+#include <algorithm>
 #include <chrono>
 #include <optional>
+#include <utility>
 #include <vector>
 
 GST_DEBUG_CATEGORY_STATIC(saliency_tactile_debug);
@@ -107,6 +109,13 @@ make_mapping(const Settings &settings)
   return mapping;
 }
 
+/// Time between two analyses; 0 without a limit.
+saliency::Time
+analysis_period(double max_rate)
+{
+  return saliency::Time(max_rate > 0 ? static_cast<gint64>(std::min(1e9 / max_rate, 1e15)) : 0);
+}
+
 } // namespace
 
 struct GstSaliencyTactilePrivate
@@ -124,9 +133,11 @@ struct GstSaliencyTactilePrivate
   guint saliency_width = 0;
   guint saliency_height = 0;
   gfloat saliency_floor = 0;
-  std::optional<saliency::Time> last_analysed;
-  saliency::Time next_time{ 0 }; ///< for frames without one
+  std::optional<saliency::Time> next_analysis; ///< on max-rate's grid; none: the next frame
+  saliency::Time last_time{ 0 };               ///< of the last frame
+  saliency::Time next_time{ 0 };               ///< for frames without one
   bool warned_map = false;
+  bool warned_size = false;
 };
 
 struct _GstSaliencyTactile
@@ -183,13 +194,14 @@ gst_saliency_tactile_times(GstSaliencyTactile *self, GstBuffer *buffer, saliency
                             : GST_SECOND / 30;
   duration = saliency::Time(static_cast<gint64>(std::min<GstClockTime>(length, 3600 * GST_SECOND)));
 
+  // Beyond thirty years nothing overflows: such times are taken as that.
+  constexpr GstClockTime kLatest = 1'000'000'000'000'000'000;
   const GstClockTime pts = GST_BUFFER_PTS(buffer);
+  const saliency::Time shown(static_cast<gint64>(std::min(pts, kLatest)));
   if (!GST_CLOCK_TIME_IS_VALID(pts))
     time = priv->next_time;
-  else if (segment.format == GST_FORMAT_TIME && segment.rate < 0)
-    time = -saliency::Time(static_cast<gint64>(pts));
   else
-    time = saliency::Time(static_cast<gint64>(pts));
+    time = segment.format == GST_FORMAT_TIME && segment.rate < 0 ? -shown : shown;
   priv->next_time = time + duration;
 }
 
@@ -199,6 +211,7 @@ gst_saliency_tactile_analyse(GstSaliencyTactile *self, const Settings &settings,
 {
   GstSaliencyTactilePrivate *priv = self->priv;
 
+  priv->saliency.clear();
   const FrameMapping mapping(priv->info, buffer);
   if (!mapping) {
     if (!priv->warned_map) {
@@ -229,11 +242,60 @@ gst_saliency_tactile_analyse(GstSaliencyTactile *self, const Settings &settings,
     priv->saliency_width = static_cast<guint>(view.width);
     priv->saliency_height = static_cast<guint>(view.height);
     priv->saliency_floor = static_cast<gfloat>(how.floor);
-    priv->saliency.clear();
     for (int y = 0; y < view.height; y++)
       priv->saliency.insert(priv->saliency.end(), view.values + y * view.stride,
                             view.values + y * view.stride + view.width);
   }
+}
+
+/// Lets controlled properties have their values for the frame at hand.
+static void
+gst_saliency_tactile_sync_values(GstSaliencyTactile *self, GstBuffer *buffer)
+{
+  const GstSegment &segment = GST_BASE_TRANSFORM(self)->segment;
+  if (segment.format != GST_FORMAT_TIME)
+    return;
+  const GstClockTime time
+      = gst_segment_to_stream_time(&segment, GST_FORMAT_TIME, GST_BUFFER_PTS(buffer));
+  if (GST_CLOCK_TIME_IS_VALID(time))
+    gst_object_sync_values(GST_OBJECT(self), time);
+}
+
+/// Whether this frame is analysed under max-rate: the first one at or after each point of a regular
+/// grid, which begins anew after a jump in time.
+static bool
+gst_saliency_tactile_is_due(GstSaliencyTactile *self, double max_rate, saliency::Time time)
+{
+  // Timestamps are rounded: a third of 100 ms, three times, falls short of it.
+  constexpr saliency::Time kSameTime = std::chrono::milliseconds(1);
+  GstSaliencyTactilePrivate *priv = self->priv;
+
+  const bool back = time < std::exchange(priv->last_time, time);
+  if (priv->next_analysis && !back && max_rate > 0 && time + kSameTime < *priv->next_analysis)
+    return false;
+  const saliency::Time period = analysis_period(max_rate);
+  const bool on_grid = priv->next_analysis && !back && time - *priv->next_analysis < period;
+  priv->next_analysis = (on_grid ? *priv->next_analysis : time) + period;
+  return true;
+}
+
+static void
+gst_saliency_tactile_attach_saliency(GstSaliencyTactile *self, const Settings &settings,
+                                     GstBuffer *buffer)
+{
+  GstSaliencyTactilePrivate *priv = self->priv;
+  if (!settings.attach_saliency)
+    priv->saliency.clear();
+  if (priv->saliency.empty())
+    return;
+  if (std::max(priv->saliency_width, priv->saliency_height) <= GST_SALIENCY_MAX_SIDE)
+    gst_buffer_add_saliency_meta(buffer, priv->saliency_width, priv->saliency_height,
+                                 priv->saliency.data(), priv->saliency.size(),
+                                 priv->saliency_floor);
+  else if (!std::exchange(priv->warned_size, true))
+    GST_ELEMENT_WARNING(self, STREAM, FORMAT, ("The saliency map is too large to be attached."),
+                        ("expected sides of at most %d, got %u x %u", GST_SALIENCY_MAX_SIDE,
+                         priv->saliency_width, priv->saliency_height));
 }
 
 static GstFlowReturn
@@ -245,6 +307,7 @@ gst_saliency_tactile_transform_ip(GstBaseTransform *transform, GstBuffer *buffer
   if (!priv->negotiated)
     return GST_FLOW_NOT_NEGOTIATED;
 
+  gst_saliency_tactile_sync_values(self, buffer);
   GST_OBJECT_LOCK(self);
   const Settings settings = priv->settings;
   GST_OBJECT_UNLOCK(self);
@@ -258,13 +321,10 @@ gst_saliency_tactile_transform_ip(GstBaseTransform *transform, GstBuffer *buffer
 
   // Between two analyses the last map holds, unless it is for another grid or from another part of
   // the film.
-  const bool fits = priv->map.rows == settings.rows && priv->map.columns == settings.columns;
-  const bool due
-      = settings.max_rate <= 0 || !priv->last_analysed || time < *priv->last_analysed
-        || std::chrono::duration<double>(time + duration / 2 - *priv->last_analysed).count()
-               >= 1 / settings.max_rate;
+  const bool fits = priv->map.rows == settings.rows && priv->map.columns == settings.columns
+                    && priv->analyzer && priv->profile == settings.profile;
+  const bool analyse = !fits || gst_saliency_tactile_is_due(self, settings.max_rate, time);
   GstClockTime spent = 0;
-  const bool analyse = due || !fits || !priv->analyzer || priv->profile != settings.profile;
   if (analyse) {
     try {
       const GstClockTime begin = gst_util_get_timestamp();
@@ -272,11 +332,8 @@ gst_saliency_tactile_transform_ip(GstBaseTransform *transform, GstBuffer *buffer
         priv->profile = settings.profile;
         priv->analyzer.emplace(make_profile(settings.profile));
       }
-      saliency::Time span = duration;
-      if (settings.max_rate > 0)
-        span = std::max(span, saliency::Time(static_cast<gint64>(1e9 / settings.max_rate)));
-      gst_saliency_tactile_analyse(self, settings, buffer, time, span);
-      priv->last_analysed = time;
+      const saliency::Time period = analysis_period(settings.max_rate);
+      gst_saliency_tactile_analyse(self, settings, buffer, time, std::max(duration, period));
       spent = gst_util_get_timestamp() - begin;
     } catch (const std::exception &e) {
       GST_ELEMENT_ERROR(self, STREAM, FAILED, ("The film analysis failed."), ("%s", e.what()));
@@ -287,10 +344,7 @@ gst_saliency_tactile_transform_ip(GstBaseTransform *transform, GstBuffer *buffer
   gst_buffer_add_tactile_meta(buffer, static_cast<guint>(priv->map.rows),
                               static_cast<guint>(priv->map.columns), priv->map.levels.data(),
                               priv->map.levels.size());
-  if (settings.attach_saliency && !priv->saliency.empty())
-    gst_buffer_add_saliency_meta(buffer, priv->saliency_width, priv->saliency_height,
-                                 priv->saliency.data(), priv->saliency.size(),
-                                 priv->saliency_floor);
+  gst_saliency_tactile_attach_saliency(self, settings, buffer);
 
   GST_OBJECT_LOCK(self);
   Statistics &stats = priv->stats;
@@ -335,7 +389,7 @@ gst_saliency_tactile_reset(GstSaliencyTactile *self)
     priv->analyzer->reset();
   priv->map = {};
   priv->saliency.clear();
-  priv->last_analysed.reset();
+  priv->next_analysis.reset();
   priv->next_time = saliency::Time(0);
 }
 
@@ -382,7 +436,7 @@ gst_saliency_tactile_start(GstBaseTransform *transform)
 {
   GstSaliencyTactile *self = GST_SALIENCY_TACTILE(transform);
   self->priv->negotiated = false;
-  self->priv->warned_map = false;
+  self->priv->warned_map = self->priv->warned_size = false;
   self->priv->analyzer.reset();
   gst_saliency_tactile_reset(self);
   GST_OBJECT_LOCK(self);

@@ -454,6 +454,71 @@ GST_START_TEST(test_max_rate)
 }
 GST_END_TEST;
 
+/// No rate is exceeded, whatever the film's: 25 of 30 frames a second.
+GST_START_TEST(test_max_rate_is_not_exceeded)
+{
+  GstHarness *h = gst_harness_new("saliencytactile");
+  g_object_set(h->element, "max-rate", 25.0, nullptr);
+  gst_harness_set_src_caps_str(h, "video/x-raw,format=GRAY8,width=16,height=16,framerate=30/1");
+  for (guint i = 0; i < 300; i++) {
+    GstBuffer *frame = gst_harness_create_buffer(h, 256);
+    gst_buffer_memset(frame, 0, 9, 256);
+    GST_BUFFER_PTS(frame) = gst_util_uint64_scale(i, GST_SECOND, 30);
+    GST_BUFFER_DURATION(frame) = GST_SECOND / 30;
+    fail_unless_equals_int(gst_harness_push(h, frame), GST_FLOW_OK);
+    gst_buffer_unref(gst_harness_pull(h));
+  }
+  GstStructure *stats = nullptr;
+  g_object_get(h->element, "stats", &stats, nullptr);
+  guint64 analysed = 0;
+  gst_structure_get_uint64(stats, "analysed", &analysed);
+  fail_unless(analysed >= 249 && analysed <= 251, "%u", static_cast<guint>(analysed));
+  gst_structure_free(stats);
+  gst_harness_teardown(h);
+}
+GST_END_TEST;
+
+/// Fields that come one a buffer are half as high as the frame; a map of a side that no meta can hold is left out with one warning.
+GST_START_TEST(test_alternate_fields_and_long_sides)
+{
+  GstHarness *h = gst_harness_new("saliencytactile");
+  GstBus *bus = gst_bus_new();
+  gst_element_set_bus(h->element, bus);
+  gst_harness_set_src_caps_str(
+      h, "video/x-raw(format:Interlaced),format=I420,width=64,height=96,framerate=25/"
+         "1,interlace-mode=alternate");
+  for (int i = 0; i < 4; i++) {
+    // To the byte: whatever reads on is seen by a sanitizer.
+    GstBuffer *field
+        = gst_buffer_new_memdup(std::vector<guint8>(64 * 48 * 3 / 2, 80).data(), 64 * 48 * 3 / 2);
+    GST_BUFFER_FLAG_SET(field, GST_VIDEO_BUFFER_FLAG_INTERLACED | GST_VIDEO_BUFFER_FLAG_ONEFIELD);
+    fail_unless_equals_int(gst_harness_push(h, field), GST_FLOW_OK);
+    GstBuffer *out = gst_harness_pull(h);
+    ck_assert_uint_eq(levels_of(out).size(), 9);
+    gst_buffer_unref(out);
+  }
+  fail_unless(gst_bus_pop_filtered(bus, GST_MESSAGE_WARNING) == nullptr);
+
+  g_object_set(h->element, "attach-saliency", TRUE, "profile", 1, nullptr);
+  gst_harness_set_src_caps_str(h, "video/x-raw,format=GRAY8,width=4,height=20000,framerate=25/1");
+  for (int i = 0; i < 2; i++) {
+    GstBuffer *frame = gst_harness_create_buffer(h, 80000);
+    gst_buffer_memset(frame, 0, 9, 80000);
+    fail_unless_equals_int(gst_harness_push(h, frame), GST_FLOW_OK);
+    GstBuffer *out = gst_harness_pull(h);
+    fail_unless(gst_buffer_get_saliency_meta(out) == nullptr);
+    gst_buffer_unref(out);
+  }
+  GstMessage *warning = gst_bus_pop_filtered(bus, GST_MESSAGE_WARNING);
+  fail_unless(warning != nullptr);
+  gst_message_unref(warning);
+  fail_unless(gst_bus_pop_filtered(bus, GST_MESSAGE_WARNING) == nullptr);
+  gst_element_set_bus(h->element, nullptr);
+  gst_object_unref(bus);
+  gst_harness_teardown(h);
+}
+GST_END_TEST;
+
 /// A buffer that is smaller than its caps say is passed on, felt as nothing, and said once.
 GST_START_TEST(test_short_buffer)
 {
@@ -546,6 +611,8 @@ saliencytactile_suite(void)
   tcase_add_test(cases, test_no_burst_after_resets);
   tcase_add_test(cases, test_reverse);
   tcase_add_test(cases, test_max_rate);
+  tcase_add_test(cases, test_max_rate_is_not_exceeded);
+  tcase_add_test(cases, test_alternate_fields_and_long_sides);
   tcase_add_test(cases, test_short_buffer);
   tcase_add_test(cases, test_caps_change_mid_stream);
   tcase_add_test(cases, test_statistics_message_at_eos);
