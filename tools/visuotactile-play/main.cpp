@@ -246,14 +246,14 @@ run(const Options &options)
     if (output.commit())
       written += (written.empty() ? "" : ", ") + output.final_path().lexically_normal().string();
   };
-  if (report.recorded)
+  if (report.recorded && report.played)
     commit(recording);
   commit(commands);
   if (strip.write(picture.part_path()))
     commit(picture);
 
   print_report(film, report);
-  if (!settings.window && !report.recorded)
+  if (!settings.window && report.played && !report.recorded)
     std::printf("Recording      not finished, so not kept\n");
   std::printf("Written        %s\n", written.empty() ? "nothing" : written.c_str());
   return 0;

@@ -23,7 +23,10 @@ constexpr const char *kLookahead
 constexpr int kSmallestSide = 16;
 
 /// How long the end may take once it was asked for; then the pipeline is stopped as it is.
-constexpr guint kDrainSeconds = 5;
+constexpr guint kDrainSeconds = 3;
+
+/// How long the recording may take to be completed then.
+constexpr guint kFinishSeconds = 2;
 
 bool
 have_element(const char *name)
@@ -106,8 +109,8 @@ public:
   {
     for (const guint source : sources_)
       g_source_remove(source);
-    if (drain_source_)
-      g_source_remove(drain_source_);
+    if (timeout_)
+      g_source_remove(timeout_);
     if (pipeline_)
       gst_element_set_state(pipeline_.get(), GST_STATE_NULL);
     g_main_loop_unref(loop_);
@@ -154,8 +157,10 @@ public:
           settings_.progress_in_place ? 1 : 5,
           +[](gpointer self) { return static_cast<Run *>(self)->on_progress(); }, this));
 
-    gst_element_set_state(pipeline_.get(), GST_STATE_PLAYING);
-    g_main_loop_run(loop_);
+    if (gst_element_set_state(pipeline_.get(), GST_STATE_PLAYING) != GST_STATE_CHANGE_FAILURE)
+      g_main_loop_run(loop_);
+    else
+      explain_failure(bus.get());
 
     gst_element_set_state(pipeline_.get(),
                           GST_STATE_PAUSED); // motors to zero before anything else is taken down
@@ -251,8 +256,13 @@ private:
   /// Sees what is written: when its end comes, all else has been.
   static GstPadProbeReturn record(GstPad *, GstPadProbeInfo *info, gpointer data)
   {
-    if (GST_EVENT_TYPE(GST_PAD_PROBE_INFO_EVENT(info)) == GST_EVENT_EOS)
-      static_cast<Run *>(data)->recorded_ = true;
+    Run *self = static_cast<Run *>(data);
+    if (GST_EVENT_TYPE(GST_PAD_PROBE_INFO_EVENT(info)) == GST_EVENT_EOS) {
+      self->recorded_ = true;
+      gst_element_post_message(self->pipeline_.get(),
+                               gst_message_new_application(GST_OBJECT(self->pipeline_.get()),
+                                                           gst_structure_new_empty("recorded")));
+    }
     return GST_PAD_PROBE_OK;
   }
 
@@ -269,25 +279,58 @@ private:
     gst_pad_send_event(pad.get(), gst_event_new_eos());
   }
 
-  /// Ends the film in order; if that takes too long, as it is.
+  /// Ends the film in order: what was read of it is played. If that takes too long, at once.
   void end()
   {
     ending_ = true;
-    if (!drain_source_)
-      drain_source_ = g_timeout_add_seconds(
+    if (!timeout_)
+      timeout_ = g_timeout_add_seconds(
           kDrainSeconds,
-          +[](gpointer self) {
-            static_cast<Run *>(self)->drain_source_ = 0;
-            g_main_loop_quit(static_cast<Run *>(self)->loop_);
+          +[](gpointer data) {
+            Run *self = static_cast<Run *>(data);
+            self->timeout_ = 0;
+            self->end_at_once();
             return G_SOURCE_REMOVE;
           },
           this);
   }
 
+  /// Ends the recording where it is, without waiting for the film or the clock; the main loop ends when it is complete.
+  void end_at_once()
+  {
+    if (settings_.window || recorded_.load()) {
+      g_main_loop_quit(loop_);
+      return;
+    }
+    if (std::exchange(at_once_, true))
+      return;
+    if (timeout_)
+      g_source_remove(timeout_);
+    timeout_ = g_timeout_add_seconds(
+        kFinishSeconds,
+        +[](gpointer data) {
+          Run *self = static_cast<Run *>(data);
+          self->timeout_ = 0;
+          g_main_loop_quit(self->loop_);
+          return G_SOURCE_REMOVE;
+        },
+        this);
+    for (const char *name : { "overlay", "sound" })
+      if (const Owned<GstElement> element{ gst_bin_get_by_name(GST_BIN(pipeline_.get()), name) })
+        // Not from here: an element that is at work would be waited for.
+        gst_element_call_async(
+            element.get(),
+            +[](GstElement *self, gpointer) {
+              const Owned<GstPad> pad(gst_element_get_static_pad(self, "sink"));
+              gst_pad_send_event(pad.get(), gst_event_new_eos());
+            },
+            nullptr, nullptr);
+  }
+
   gboolean on_signal()
   {
     if (std::exchange(report_.stopped, true))
-      g_main_loop_quit(loop_); // asked twice
+      end_at_once(); // asked twice
     else
       end();
     return G_SOURCE_CONTINUE;
@@ -296,6 +339,10 @@ private:
   gboolean on_message(GstMessage *message)
   {
     switch (GST_MESSAGE_TYPE(message)) {
+    case GST_MESSAGE_APPLICATION: // the recording is complete
+      if (at_once_)
+        g_main_loop_quit(loop_);
+      break;
     case GST_MESSAGE_EOS:
       g_main_loop_quit(loop_);
       break;
@@ -353,6 +400,18 @@ private:
   }
 
   /// tactorsink completes its trace as it stops, and warns if it could not.
+  /// Why the pipeline did not start: what an element said, if any did.
+  void explain_failure(GstBus *bus)
+  {
+    report_.failure = "the pipeline could not be started";
+    if (GstMessage *message = gst_bus_pop_filtered(bus, GST_MESSAGE_ERROR)) {
+      g_autoptr(GError) error = nullptr;
+      gst_message_parse_error(message, &error, nullptr);
+      report_.failure = error->message;
+      gst_message_unref(message);
+    }
+  }
+
   void check_trace(GstBus *bus)
   {
     while (GstMessage *message = gst_bus_pop_filtered(bus, GST_MESSAGE_WARNING)) {
@@ -400,8 +459,9 @@ private:
   Owned<GstElement> analysis_;
   Owned<GstElement> chair_;
   std::vector<guint> sources_;
-  guint drain_source_ = 0;
+  guint timeout_ = 0;
   bool progress_shown_ = false;
+  bool at_once_ = false;
   std::atomic<bool> ending_{ false };
   std::atomic<bool> recorded_{ false };
   std::atomic<bool> silent_{ false };
