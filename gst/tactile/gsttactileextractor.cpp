@@ -242,6 +242,7 @@ gst_tactile_extractor_sink_event(GstPad *pad, GstObject *parent, GstEvent *event
     handled = push_tactile_event(self, gst_event_ref(event));
     break;
   case GST_EVENT_STREAM_GROUP_DONE:
+  case GST_EVENT_INSTANT_RATE_CHANGE:
   case GST_EVENT_FLUSH_START:
     handled = gst_pad_push_event(self->tactilepad, gst_event_ref(event));
     break;
