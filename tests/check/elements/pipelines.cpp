@@ -1,0 +1,525 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+//
+// Whole pipelines on the system clock, from film to motors. Whatever is done to them, the trace of the commands ends with
+// every motor at zero. Nothing here depends on how fast the machine is: it is waited for what has to happen.
+#include "tactor/command_trace.h"
+
+#include <array>
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <functional>
+#include <string>
+#include <unistd.h>
+#include <vector>
+
+// After the standard library's headers: gstcheck.h defines a macro named fail.
+#include <gst/base/gstbasesink.h>
+#include <gst/check/gstcheck.h>
+
+using std::chrono::milliseconds;
+using tactor::IssuedCommand;
+using tactor::Time;
+
+namespace {
+
+constexpr GstClockTime kMs = GST_MSECOND;
+constexpr guint64 kRenderDelay
+    = 190 * kMs; ///< max-lead of 180 ms and the 10 ms that planning and waking up take
+
+const std::string kSource = "tactiletestsrc name=source ";
+const std::string kCaps = " ! video/x-raw,format=I420,width=160,height=120,framerate=30/1 ";
+const std::string kQueue
+    = " ! queue max-size-bytes=0 max-size-buffers=0 max-size-time=300000000 ! ";
+const std::string kTactors = "tactorsink name=tactors ";
+const std::string kBranches = " ! tactileextractor name=x x.src" + kQueue
+                              + "fakesink name=video sync=true x.tactile" + kQueue + kTactors;
+/// A ball that moves about from its first second on, and is felt wherever one begins to look.
+const std::string kFilm
+    = kSource + "pattern=dynamic-motion" + kCaps + "! saliencytactile temporal=false" + kBranches;
+
+/// The commands of a tactor that something other than a map made: pause, resume, flush, mute.
+bool
+is_unplanned(const IssuedCommand &line)
+{
+  return line.command.lead == Time(0) && line.command.effect == line.issued;
+}
+
+/// A pipeline with an element `tactors`, and what came on its bus.
+class Player
+{
+public:
+  explicit Player(const std::string &description)
+  {
+    char name[] = "/tmp/pipelines-XXXXXX";
+    const int fd = mkstemp(name);
+    fail_unless(fd >= 0);
+    close(fd);
+    trace_path = name;
+    GError *error = nullptr;
+    pipeline = gst_parse_launch(description.c_str(), &error);
+    fail_unless(error == nullptr, "%s", error ? error->message : "");
+    tactors = gst_bin_get_by_name(GST_BIN(pipeline), "tactors");
+    video = gst_bin_get_by_name(GST_BIN(pipeline), "video");
+    bus = gst_element_get_bus(pipeline);
+    if (tactors)
+      g_object_set(tactors, "trace-location", name, nullptr);
+  }
+  ~Player()
+  {
+    gst_element_set_state(pipeline, GST_STATE_NULL);
+    drain_bus();
+    gst_clear_object(&tactors);
+    gst_clear_object(&video);
+    gst_object_unref(bus);
+    gst_object_unref(pipeline);
+    unlink(trace_path.c_str());
+  }
+  Player(const Player &) = delete;
+  Player &operator=(const Player &) = delete;
+
+  void set_state(GstState state)
+  {
+    fail_if(gst_element_set_state(pipeline, state) == GST_STATE_CHANGE_FAILURE);
+    fail_if(gst_element_get_state(pipeline, nullptr, nullptr, GST_CLOCK_TIME_NONE)
+            == GST_STATE_CHANGE_FAILURE);
+  }
+  /// From `start` to `stop`, both in the film's time.
+  void seek(double rate, GstClockTime start, GstClockTime stop,
+            GstSeekFlags flags = GST_SEEK_FLAG_FLUSH)
+  {
+    fail_unless(gst_element_seek(pipeline, rate, GST_FORMAT_TIME,
+                                 static_cast<GstSeekFlags>(flags | GST_SEEK_FLAG_ACCURATE),
+                                 GST_SEEK_TYPE_SET, static_cast<gint64>(start), GST_SEEK_TYPE_SET,
+                                 static_cast<gint64>(stop)));
+  }
+  void wait(const std::function<bool()> &done)
+  {
+    while (!done())
+      if (GstMessage *message = gst_bus_timed_pop(bus, 10 * kMs))
+        take(message);
+  }
+  void wait_for_eos()
+  {
+    eos = false;
+    wait([this] { return eos; });
+  }
+  guint64 stat(const char *field)
+  {
+    GstStructure *stats = nullptr;
+    guint64 value = 0;
+    g_object_get(tactors, "stats", &stats, nullptr);
+    fail_unless(gst_structure_get_uint64(stats, field, &value));
+    gst_structure_free(stats);
+    return value;
+  }
+  /// Plays on until so many more commands have been given.
+  void wait_for_commands(guint64 count)
+  {
+    wait([this, until = stat("issued") + count] { return stat("issued") >= until; });
+  }
+  guint64 rendered()
+  {
+    GstStructure *stats = nullptr;
+    guint64 value = 0;
+    guint64 dropped = 1;
+    g_object_get(video, "stats", &stats, nullptr);
+    fail_unless(gst_structure_get(stats, "rendered", G_TYPE_UINT64, &value, "dropped",
+                                  G_TYPE_UINT64, &dropped, nullptr));
+    gst_structure_free(stats);
+    ck_assert_uint_eq(dropped, 0);
+    return value;
+  }
+
+  /// What has been traced: in a pause, at the end of the stream or after the play. Each motor's last command is zero.
+  std::vector<IssuedCommand> trace()
+  {
+    const std::vector<IssuedCommand> lines = tactor::read_command_trace(trace_path);
+    std::array<double, 4096> last{};
+    for (const IssuedCommand &line : lines) {
+      last[static_cast<std::size_t>(line.command.tactor)] = line.command.volts;
+      fail_unless(line.command.lead >= Time(0) && line.command.lead <= milliseconds(180));
+      fail_unless(line.issued >= line.command.due());
+      fail_unless(line.command.volts <= 3.0);
+    }
+    for (std::size_t i = 0; i < last.size(); i++)
+      fail_unless(last[i] == 0, "tactor %u is left at %g V", static_cast<guint>(i), last[i]);
+    return lines;
+  }
+  /// The trace after the play; within each piece of play effects follow each other in order.
+  std::vector<IssuedCommand> final_trace()
+  {
+    set_state(GST_STATE_NULL);
+    drain_bus();
+    const std::vector<IssuedCommand> lines = trace();
+    Time effect = Time::min();
+    Time issued = Time::min();
+    bool vibrated = false;
+    for (const IssuedCommand &line : lines) {
+      // A pause or a seek. One that finds all motors at rest leaves only a running time that begins anew, if that.
+      const bool begins = is_unplanned(line) || line.issued < issued
+                          || (seeks > 0 && line.issued > line.command.effect);
+      fail_unless(begins || line.command.effect >= effect);
+      effect = is_unplanned(line) ? Time::min() : line.command.effect;
+      issued = line.issued;
+      vibrated |= line.command.volts > 0;
+    }
+    fail_unless(vibrated);
+    return lines;
+  }
+
+  GstElement *pipeline;
+  GstElement *tactors;
+  GstElement *video;
+  GstBus *bus;
+  std::string trace_path;
+  bool eos = false;
+  int errors = 0;
+  int errors_expected = 0;
+  int seeks = 0; ///< flushing ones while it played
+
+private:
+  void drain_bus()
+  {
+    while (GstMessage *message = gst_bus_pop(bus))
+      take(message);
+  }
+  /// Nothing is warned of, and no error comes that is not wanted.
+  void take(GstMessage *message)
+  {
+    const GstMessageType type = GST_MESSAGE_TYPE(message);
+    eos |= type == GST_MESSAGE_EOS;
+    if (type == GST_MESSAGE_ERROR || type == GST_MESSAGE_WARNING) {
+      errors += type == GST_MESSAGE_ERROR;
+      GError *error = nullptr;
+      gchar *debug = nullptr;
+      if (type == GST_MESSAGE_ERROR)
+        gst_message_parse_error(message, &error, &debug);
+      else
+        gst_message_parse_warning(message, &error, &debug);
+      fail_unless(type == GST_MESSAGE_ERROR && errors <= errors_expected, "%s: %s (%s)",
+                  GST_MESSAGE_SRC_NAME(message), error->message, debug ? debug : "");
+      g_error_free(error);
+      g_free(debug);
+    }
+    gst_message_unref(message);
+  }
+};
+
+void
+assert_effects_within(const std::vector<IssuedCommand> &lines, Time from, Time to)
+{
+  for (const IssuedCommand &line : lines)
+    if (!is_unplanned(line))
+      fail_unless(line.command.effect >= from && line.command.effect <= to, "effect at %g s",
+                  static_cast<double>(line.command.effect.count()) * 1e-9);
+}
+
+} // namespace
+
+GST_START_TEST(test_to_the_end)
+{
+  Player player(kSource + "num-buffers=60" + kCaps + "! saliencytactile" + kBranches);
+  player.set_state(GST_STATE_PLAYING);
+  player.wait_for_eos();
+  ck_assert_uint_eq(player.rendered(), 60);
+  // The zeros at the end are issued, or dropped because the sink has silenced all motors already.
+  const guint64 commands = player.stat("issued") + player.stat("dropped");
+  const std::vector<IssuedCommand> lines = player.final_trace();
+  // Nothing for the first second of plain grey, and the last frame ends at two.
+  assert_effects_within(lines, milliseconds(1000), milliseconds(2000));
+  fail_unless(lines.size() <= commands); // not each is a change
+}
+GST_END_TEST;
+
+GST_START_TEST(test_pause_and_play)
+{
+  Player player(kFilm);
+  player.set_state(GST_STATE_PAUSED);
+  player.seek(1.0, GST_SECOND, 60 * GST_SECOND);
+  for (int i = 0; i < 10; i++) {
+    player.set_state(GST_STATE_PLAYING);
+    player.wait_for_commands(1);
+    player.set_state(GST_STATE_PAUSED);
+    player.trace();
+  }
+  player.final_trace();
+}
+GST_END_TEST;
+
+/// Half a second of the film at several rates: running time is film time through rate, the frames are as many.
+static void
+check_rate(double rate)
+{
+  Player player(kFilm);
+  player.set_state(GST_STATE_PAUSED);
+  player.seek(rate, GST_SECOND, 1500 * kMs);
+  player.set_state(GST_STATE_PLAYING);
+  player.wait_for_eos();
+  ck_assert_uint_eq(player.rendered(), 15);
+  const Time end(static_cast<gint64>(GST_SECOND / 2 / std::abs(rate)));
+  const std::vector<IssuedCommand> lines = player.final_trace();
+  assert_effects_within(lines, Time(0), end + Time(10));
+  fail_unless(lines.back().command.effect >= end - Time(10)); // vibrates to the last frame's end
+}
+
+GST_START_TEST(test_rates)
+{
+  check_rate(0.5);
+  check_rate(2.0);
+  check_rate(-1.0);
+}
+GST_END_TEST;
+
+GST_START_TEST(test_flushing_seeks)
+{
+  Player player(kFilm);
+  player.set_state(GST_STATE_PAUSED);
+  player.seek(1.0, GST_SECOND, 60 * GST_SECOND);
+  player.set_state(GST_STATE_PLAYING);
+  player.wait_for_commands(2);
+  for (const double rate : { 1.0, 2.0, -1.0, 0.5, -2.0, 1.0 }) {
+    player.seeks++;
+    player.seek(rate, rate > 0 ? 3 * GST_SECOND : 0, rate > 0 ? 60 * GST_SECOND : 5 * GST_SECOND);
+    player.wait_for_commands(2);
+  }
+  // One upon the other: the pipeline may not have prerolled when the next comes.
+  for (int i = 0; i < 10; i++) {
+    player.seeks++;
+    player.seek(1.0, static_cast<GstClockTime>(1 + i) * GST_SECOND, 60 * GST_SECOND);
+  }
+  player.wait_for_commands(2);
+  player.set_state(GST_STATE_PAUSED);
+  player.trace();
+  player.seeks++;
+  player.seek(1.0, 2 * GST_SECOND, 60 * GST_SECOND);
+  player.set_state(GST_STATE_PLAYING);
+  player.wait_for_commands(2);
+  player.final_trace();
+}
+GST_END_TEST;
+
+/// Running time goes on, and so do the effects.
+GST_START_TEST(test_seeks_without_flush)
+{
+  Player player(kFilm);
+  player.set_state(GST_STATE_PAUSED);
+  player.seek(1.0, GST_SECOND, 60 * GST_SECOND);
+  player.set_state(GST_STATE_PLAYING);
+  player.wait_for_commands(2);
+  for (const double rate : { 2.0, 0.5, 1.0 }) {
+    player.seek(rate, 3 * GST_SECOND, 60 * GST_SECOND, GST_SEEK_FLAG_NONE);
+    player.wait_for_commands(3);
+  }
+  player.seek(-1.0, GST_SECOND, 2 * GST_SECOND, GST_SEEK_FLAG_NONE);
+  player.wait_for_eos();
+  player.final_trace();
+}
+GST_END_TEST;
+
+GST_START_TEST(test_null_while_playing)
+{
+  Player player(kFilm);
+  for (const GstState rest : { GST_STATE_READY, GST_STATE_NULL }) {
+    player.set_state(GST_STATE_PAUSED);
+    player.seek(1.0, GST_SECOND, 60 * GST_SECOND);
+    player.set_state(GST_STATE_PLAYING);
+    player.wait_for_commands(2);
+    player.set_state(rest);
+  }
+  player.final_trace();
+}
+GST_END_TEST;
+
+/// All sinks have the pipeline's latency, and this one alone wants its data render-delay before it.
+static void
+assert_latencies(Player &player, bool live)
+{
+  GstBaseSink *tactors = GST_BASE_SINK(player.tactors);
+  GstBaseSink *video = GST_BASE_SINK(player.video);
+  ck_assert_uint_eq(gst_base_sink_get_render_delay(tactors), kRenderDelay);
+  ck_assert_uint_eq(gst_base_sink_get_render_delay(video), 0);
+  fail_unless(gst_base_sink_get_latency(tactors) >= kRenderDelay);
+  ck_assert_uint_eq(gst_base_sink_get_latency(tactors), gst_base_sink_get_latency(video));
+
+  gboolean sync = FALSE;
+  gboolean upstream_live = !live;
+  fail_unless(gst_base_sink_query_latency(video, &sync, &upstream_live, nullptr, nullptr));
+  ck_assert_int_eq(upstream_live, live);
+
+  GstQuery *query = gst_query_new_latency();
+  fail_unless(gst_element_query(player.pipeline, query));
+  GstClockTime min = 0;
+  GstClockTime max = 0;
+  gst_query_parse_latency(query, nullptr, &min, &max);
+  gst_query_unref(query);
+  fail_unless(min >= kRenderDelay);
+  fail_unless(max >= min);
+  ck_assert_uint_eq(gst_base_sink_get_latency(tactors), min);
+}
+
+GST_START_TEST(test_film_waits_for_motors)
+{
+  Player player(kFilm);
+  player.set_state(GST_STATE_PLAYING);
+  assert_latencies(player, false);
+}
+GST_END_TEST;
+
+GST_START_TEST(test_live)
+{
+  Player player(kSource + "is-live=true" + kCaps + "! saliencytactile" + kBranches);
+  player.set_state(GST_STATE_PLAYING);
+  player.wait_for_commands(1); // the first second is plain grey
+  assert_latencies(player, true);
+  player.set_state(GST_STATE_PAUSED);
+  player.trace();
+  player.set_state(GST_STATE_PLAYING);
+  player.wait_for_commands(2);
+  gst_element_send_event(player.pipeline, gst_event_new_eos());
+  player.wait_for_eos();
+  player.final_trace();
+}
+GST_END_TEST;
+
+GST_START_TEST(test_error_upstream)
+{
+  Player player(kSource + kCaps + "! identity error-after=50 ! saliencytactile" + kBranches);
+  player.errors_expected = 2; // identity's, and the source's that its data go nowhere
+  player.set_state(GST_STATE_PLAYING);
+  player.wait([&] { return player.errors > 0; });
+  player.wait_for_commands(1); // what came before is still played
+  player.final_trace();
+}
+GST_END_TEST;
+
+/// Other frames and another grid in the middle of the stream: the old grid's motors stand, the new one's go on.
+GST_START_TEST(test_caps_change)
+{
+  Player player("tactiletestsrc num-buffers=45" + kCaps
+                + "! saliencytactile rows=1 columns=12 ! concat name=c "
+                  "tactiletestsrc num-buffers=45 ! "
+                  "video/x-raw,format=NV12,width=96,height=160,framerate=25/1 "
+                  "! saliencytactile rows=2 columns=2 ! c. c."
+                + kBranches);
+  player.set_state(GST_STATE_PLAYING);
+  player.wait_for_eos();
+  ck_assert_uint_eq(player.rendered(), 45);
+  const std::vector<IssuedCommand> lines = player.final_trace();
+  assert_effects_within(lines, milliseconds(1000), milliseconds(1500 + 1800));
+  // 1.5 s, of which one is grey, and 1.8 s, of which one is grey.
+  bool old_grid = false;
+  bool new_grid = false;
+  for (const IssuedCommand &line : lines) {
+    const bool vibrates = line.command.volts > 0;
+    old_grid |= vibrates && line.command.effect < milliseconds(1500);
+    new_grid |= vibrates && line.command.effect >= milliseconds(2500);
+    fail_if(vibrates && line.command.effect > milliseconds(1500) && line.command.tactor >= 4);
+    fail_if(vibrates && line.command.effect > milliseconds(1500)
+            && line.command.effect < milliseconds(2500));
+  }
+  fail_unless(old_grid && new_grid);
+}
+GST_END_TEST;
+
+GST_START_TEST(test_unlinked_pads)
+{
+  const std::string source
+      = kSource + "num-buffers=40" + kCaps + "! saliencytactile ! tactileextractor name=x ";
+  Player video_only(source + "x.src" + kQueue + "fakesink name=video sync=true");
+  video_only.set_state(GST_STATE_PLAYING);
+  video_only.wait_for_eos();
+  ck_assert_uint_eq(video_only.rendered(), 40);
+
+  Player tactors_only(source + "x.tactile" + kQueue + kTactors);
+  tactors_only.set_state(GST_STATE_PLAYING);
+  tactors_only.wait_for_eos();
+  tactors_only.final_trace();
+}
+GST_END_TEST;
+
+/// The tactors at the end of the video branch itself, as frames with metas.
+GST_START_TEST(test_without_extractor)
+{
+  Player player(kSource + "num-buffers=45" + kCaps + "! saliencytactile" + kQueue + kTactors);
+  player.set_state(GST_STATE_PLAYING);
+  player.wait_for_eos();
+  assert_effects_within(player.final_trace(), milliseconds(1000), milliseconds(1500));
+}
+GST_END_TEST;
+
+static bool
+have_elements(const std::vector<const char *> &names)
+{
+  for (const char *name : names) {
+    GstElementFactory *factory = gst_element_factory_find(name);
+    if (!factory) {
+      GST_WARNING("left out: there is no element %s", name);
+      return false;
+    }
+    gst_object_unref(factory);
+  }
+  return true;
+}
+
+/// The film through a container, and its maps through a network's packets.
+GST_START_TEST(test_muxed_and_payloaded)
+{
+  if (!have_elements({ "matroskamux", "matroskademux", "rtpgstpay", "rtpgstdepay" }))
+    return;
+  Player player(
+      kSource + "num-buffers=60" + kCaps
+      + "! matroskamux ! matroskademux ! queue ! saliencytactile ! tactileextractor name=x x.src"
+      + kQueue + "fakesink name=video sync=true x.tactile ! rtpgstpay ! rtpgstdepay" + kQueue
+      + kTactors);
+  player.set_state(GST_STATE_PLAYING);
+  player.wait_for_eos();
+  ck_assert_uint_eq(player.rendered(), 60);
+  assert_effects_within(player.final_trace(), milliseconds(950), milliseconds(2050));
+}
+GST_END_TEST;
+
+/// Two seconds of a film from a street, where one is at hand.
+GST_START_TEST(test_clip)
+{
+  const char *folder = std::getenv("TEST_CLIPS");
+  const std::string clip = std::string(folder ? folder : "") + "/car-detection.mp4";
+  if (!folder || !std::filesystem::exists(clip)) {
+    GST_WARNING("left out: TEST_CLIPS is not a folder with car-detection.mp4");
+    return;
+  }
+  Player player("filesrc location=" + clip + " ! decodebin ! videoconvert ! saliencytactile"
+                + kBranches);
+  player.set_state(GST_STATE_PAUSED);
+  player.seek(1.0, 5 * GST_SECOND, 7 * GST_SECOND);
+  player.set_state(GST_STATE_PLAYING);
+  player.wait_for_eos();
+  fail_unless(player.rendered() > 10);
+  assert_effects_within(player.final_trace(), Time(0), milliseconds(2100));
+}
+GST_END_TEST;
+
+static Suite *
+pipelines_suite(void)
+{
+  Suite *suite = suite_create("pipelines");
+  TCase *cases = tcase_create("general");
+  suite_add_tcase(suite, cases);
+  tcase_add_test(cases, test_to_the_end);
+  tcase_add_test(cases, test_pause_and_play);
+  tcase_add_test(cases, test_rates);
+  tcase_add_test(cases, test_flushing_seeks);
+  tcase_add_test(cases, test_seeks_without_flush);
+  tcase_add_test(cases, test_null_while_playing);
+  tcase_add_test(cases, test_film_waits_for_motors);
+  tcase_add_test(cases, test_live);
+  tcase_add_test(cases, test_error_upstream);
+  tcase_add_test(cases, test_caps_change);
+  tcase_add_test(cases, test_unlinked_pads);
+  tcase_add_test(cases, test_without_extractor);
+  tcase_add_test(cases, test_muxed_and_payloaded);
+  tcase_add_test(cases, test_clip);
+  return suite;
+}
+
+GST_CHECK_MAIN(pipelines);
