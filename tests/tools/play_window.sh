@@ -1,12 +1,12 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: LGPL-2.1-or-later
-# With a display, visuotactile-play shows the film and records nothing. Skipped where there is no Xvfb.
+# With a display, visuotactile-play shows the film and records nothing. Needs Xvfb, which tools/setup.sh installs.
 # shellcheck source=common.sh
 . "$(dirname "$0")/common.sh"
 
 if ! command -v Xvfb >/dev/null; then
-  echo "not tested: there is no Xvfb (Debian package xvfb)"
-  exit 77
+  echo "there is no Xvfb: install the Debian package xvfb, or run tools/setup.sh"
+  exit 1
 fi
 
 mkfifo number
