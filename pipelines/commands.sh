@@ -8,5 +8,9 @@ set -euo pipefail
 film=$(film_uri "${1:-}")
 build_and_use
 
-exec gst-launch-1.0 -e \
-  uridecodebin uri="$film" ! queue ! videoconvert ! saliencytactile ! tactorsink sync=false trace-location=commands.csv
+# Under its name only when it is complete: a film that can't be played leaves what is there.
+part=.commands.csv.$$.part
+trap 'rm -f "$part"' EXIT
+gst-launch-1.0 -e \
+  uridecodebin uri="$film" ! queue ! videoconvert ! saliencytactile ! tactorsink sync=false trace-location="$part"
+mv "$part" commands.csv
