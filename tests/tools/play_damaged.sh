@@ -32,12 +32,13 @@ plays_what_is_there() {
   expect_all o 0.2 1.1
 }
 
+tone="audiotestsrc num-buffers=40 samplesperbuffer=1102 ! audio/x-raw,rate=44100,channels=1"
 film sound.mkv "$(picture 160 120) ! $h264 ! matroskamux name=mux $vorbis ! mux. mux."
 film silent.mkv "$(picture 160 120) ! $h264 ! matroskamux"
-film sound.mp4 "$(picture 160 120) ! $h264 ! mp4mux name=mux faststart=true audiotestsrc num-buffers=40 samplesperbuffer=1102 ! lamemp3enc ! mux. mux."
+film sound.mp4 "$(picture 160 120) ! $h264 ! mp4mux name=mux faststart=true $tone ! lamemp3enc ! mux. mux."
 film vp8.mkv "$(picture 160 120) ! vp8enc deadline=1 ! matroskamux name=mux $vorbis ! mux. mux."
 film sound.ogv "$(picture 160 120) ! theoraenc ! oggmux name=mux $vorbis ! mux. mux."
-film sound.avi "$(picture 160 120) ! jpegenc ! avimux name=mux audiotestsrc num-buffers=40 samplesperbuffer=1102 ! audio/x-raw,rate=44100,channels=1 ! mux. mux."
+film sound.avi "$(picture 160 120) ! jpegenc ! avimux name=mux $tone ! mux. mux."
 
 for whole in sound.mkv silent.mkv sound.mp4; do
   cut_film "cut_$whole" "$whole" 50

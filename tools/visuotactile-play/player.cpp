@@ -7,85 +7,19 @@
 #include <algorithm>
 #include <atomic>
 #include <cinttypes>
+#include <csignal>
 #include <cstdio>
-#include <cstring>
 #include <memory>
-#include <stdexcept>
 #include <utility>
+#include <vector>
 
 namespace {
 
-/// Room for what tactorsink asks for early (190 ms), with as much again.
-constexpr const char *kLookahead
-    = "queue max-size-bytes=0 max-size-buffers=0 max-size-time=400000000";
-
-/// The least width and height that the encoders can be relied upon to take.
-constexpr int kSmallestSide = 16;
-
-/// How long the end may take once it was asked for; then the pipeline is stopped as it is.
+/// How long the end may take once it was asked for; then the film ends where it is.
 constexpr guint kDrainSeconds = 3;
 
 /// How long the recording may take to be completed then.
 constexpr guint kFinishSeconds = 2;
-
-bool
-have_element(const char *name)
-{
-  GstElementFactory *factory = gst_element_factory_find(name);
-  if (factory)
-    gst_object_unref(factory);
-  return factory != nullptr;
-}
-
-std::string
-video_encoder()
-{
-  // Live encoders without look-ahead: the film is recorded while the chair follows it on the clock.
-  if (have_element("x264enc"))
-    return "x264enc speed-preset=ultrafast tune=zerolatency pass=quant quantizer=23 key-int-max=60";
-  if (have_element("vp9enc"))
-    return "vp9enc deadline=1 cpu-used=8 target-bitrate=4000000 keyframe-max-dist=60";
-  throw std::runtime_error("cannot record: neither x264enc (gstreamer1.0-plugins-ugly) nor vp9enc "
-                           "(gstreamer1.0-plugins-good) is installed");
-}
-
-/// Encoders want even sizes, and a file one size throughout: what comes before them on a launch line.
-std::string
-recorded_size(const Film &film)
-{
-  const auto even = [](int side) {
-    return std::to_string(std::max(side + side % 2, kSmallestSide));
-  };
-  return "videoscale ! video/x-raw,width=" + even(film.width) + ",height=" + even(film.height)
-         + " ! ";
-}
-
-/// The pipeline, with or without the names of the files that it writes.
-std::string
-pipeline_line(const Film &film, const PlaySettings &settings, bool with_files)
-{
-  const std::string look = kLookahead;
-  const auto file = [with_files](const char *property, const std::string &name) {
-    return with_files ? std::string(" ") + property + "=" + launch_value(name) : "";
-  };
-  // Converters do nothing where there is nothing to convert: saliencytactile takes the usual formats as they are.
-  std::string line = film_source(film) + " film. ! " + look
-                     + " ! videoconvert ! saliencytactile name=analysis "
-                     + settings.analysis_options + " ! tactileextractor name=split split.tactile ! "
-                     + look + " ! tactorsink name=chair " + settings.chair_options
-                     + file("trace-location", settings.commands) + " split.src ! " + look
-                     + " ! tactileoverlay name=overlay ! videoconvert ! ";
-  if (settings.window)
-    line += "autovideosink";
-  else
-    line += recorded_size(film) + video_encoder() + " ! " + look
-            + " ! matroskamux name=mux ! filesink name=recorder async=false"
-            + file("location", settings.recording);
-  if (film.has_sound)
-    line += " film. ! " + look + " name=heard ! audioconvert name=sound ! audioresample ! "
-            + (settings.window ? "autoaudiosink" : "vorbisenc ! " + look + " ! mux.");
-  return line;
-}
 
 struct Unref
 {
@@ -486,47 +420,6 @@ PlayReport::PlayReport(PlayReport &&other) noexcept
       position(other.position), reached(other.reached),
       analysis(std::exchange(other.analysis, nullptr)), chair(std::exchange(other.chair, nullptr))
 {
-}
-
-std::string
-launch_line(const Film &film, const PlaySettings &settings)
-{
-  return pipeline_line(film, settings, false);
-}
-
-std::string
-shell_command(const Film &film, const PlaySettings &settings)
-{
-  const std::string line = pipeline_line(film, settings, true);
-  std::string command = "gst-launch-1.0 -e";
-  // A word ends at a space that is not in double quotes; what is more than letters and the like gets a shell's quotes, too.
-  bool in_quotes = false;
-  std::string word;
-  const auto add_word = [&] {
-    const auto is_plain = [](char c) {
-      return g_ascii_isalnum(c) || std::strchr("_-./:%=,", c);
-    };
-    if (word == "!" || std::ranges::all_of(word, is_plain)) {
-      command += (word.empty() ? "" : " ") + word;
-    } else {
-      g_autofree gchar *in_shell_quotes = g_shell_quote(word.c_str());
-      command += std::string(" ") + in_shell_quotes;
-    }
-    word.clear();
-  };
-  for (std::size_t i = 0; i < line.size(); i++) {
-    if (line[i] == ' ' && !in_quotes) {
-      add_word();
-      continue;
-    }
-    if (line[i] == '"')
-      in_quotes = !in_quotes;
-    else if (line[i] == '\\')
-      word += line[i++];
-    word += line[i];
-  }
-  add_word();
-  return command;
 }
 
 bool

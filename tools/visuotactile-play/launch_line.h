@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include "film.h"
+
+#include <string>
+
+/// How a film is played.
+struct PlaySettings
+{
+  bool window = false;          ///< picture and sound on this machine, else a recording
+  std::string recording;        ///< file of the recording
+  std::string commands;         ///< file of the command trace
+  std::string analysis_options; ///< properties of saliencytactile, as on a launch line
+  std::string chair_options;    ///< properties of tactorsink, as on a launch line
+  bool progress_in_place
+      = false;        ///< progress rewrites its line (terminal) rather than adding lines
+  bool quiet = false; ///< no progress
+};
+
+/// The pipeline as a line for gst_parse_launch(), without the files that it writes: their names need not be UTF-8.
+std::string launch_line(const Film &film, const PlaySettings &settings);
+
+/// The pipeline as a command for a shell.
+std::string shell_command(const Film &film, const PlaySettings &settings);
