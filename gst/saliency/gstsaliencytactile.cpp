@@ -312,7 +312,9 @@ gst_saliency_tactile_transform_ip(GstBaseTransform *transform, GstBuffer *buffer
   const Settings settings = priv->settings;
   GST_OBJECT_UNLOCK(self);
 
-  if (GST_BUFFER_FLAG_IS_SET(buffer, GST_BUFFER_FLAG_DISCONT) && priv->analyzer)
+  // Backwards, sources and decoders mark frames that do follow each other in this order.
+  if (GST_BUFFER_FLAG_IS_SET(buffer, GST_BUFFER_FLAG_DISCONT) && transform->segment.rate > 0
+      && priv->analyzer)
     priv->analyzer->reset();
 
   saliency::Time time;

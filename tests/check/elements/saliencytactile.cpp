@@ -420,6 +420,7 @@ GST_START_TEST(test_reverse)
   for (std::size_t i = 0; i < frames.size(); i++) {
     GstBuffer *frame = gst_buffer_copy(frames[i]);
     GST_BUFFER_PTS(frame) = (frames.size() - 1 - i) * (GST_SECOND / 30);
+    GST_BUFFER_FLAG_SET(frame, GST_BUFFER_FLAG_DISCONT); // as GstBaseSrc does
     fail_unless_equals_int(gst_harness_push(h, frame), GST_FLOW_OK);
     GstBuffer *out = gst_harness_pull(h);
     levels = levels_of(out);

@@ -741,6 +741,8 @@ GST_START_TEST(test_starved)
   rig.join();
   rig.step(1); // its command is due
   ck_assert_uint_eq(rig.step(1), kLatency + kFrame + GST_SECOND);
+  while (rig.stat("starved") == 0)
+    std::this_thread::yield();
   rig.rendered = false; // nothing left to wait for
   rig.run_out([&] {
     rig.push(1600 * kMs, { 1.0f });
