@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "saliency/analyzer.h"
 
+#include "saliency/camera_motion.h"
 #include "saliency/front_end.h"
 #include "saliency/pyramid.h"
+#include "saliency/shot_cut.h"
 #include "saliency/spatial_saliency.h"
 #include "saliency/spatiotemporal_saliency.h"
 #include "saliency/temporal_pyramid.h"
@@ -63,11 +65,14 @@ struct Analyzer::State
 {
   explicit State(const Profile &profile_)
       : profile(checked(profile_)), longest(longest_window(profile)), front_end(profile.exact),
-        spatial(profile), history(longest, profile.history_start), spatiotemporal(profile)
+        spatial(profile), history(longest, profile.history_start), spatiotemporal(profile),
+        shot_cut(profile)
   {
   }
 
   void follow(cv::Size size, Time time);
+  void forget();
+  Similarity camera_pose(double elapsed);
 
   Profile profile;
   double longest; ///< window, in frames
@@ -76,6 +81,8 @@ struct Analyzer::State
   SpatialSaliency spatial;
   TemporalPyramid history;
   SpatiotemporalSaliency spatiotemporal;
+  ShotCut shot_cut;
+  CameraMotion camera;
 
   struct Previous
   {
@@ -103,8 +110,29 @@ Analyzer::State::follow(cv::Size size, Time time)
       && frames_between(previous->time, time)
              > longest + frames_between(Time{}, previous->duration))
     previous.reset();
-  if (!previous)
-    history.reset();
+  if (!previous) {
+    forget();
+    shot_cut.reset();
+  }
+}
+
+/// What follows has no history.
+void
+Analyzer::State::forget()
+{
+  history.reset();
+  camera.reset();
+}
+
+/// The camera's pose in samples of the saliency map.
+Similarity
+Analyzer::State::camera_pose(double elapsed)
+{
+  if (!profile.camera_motion)
+    return {};
+  const int level = std::max(levels.finest, levels.saliency - 1);
+  return camera.follow(pyramid.level(level), elapsed)
+      .in_units_of(std::ldexp(1.0, levels.saliency - level));
 }
 
 Analyzer::Analyzer(const Profile &profile) : state_(std::make_unique<State>(profile))
@@ -124,16 +152,23 @@ Analyzer::analyze(const FrameView &frame, Time time, Time duration, bool tempora
     duration = kDefaultDuration;
 
   s.follow({ frame.width, frame.height }, time);
+  s.result.cut = false;
   s.pyramid.build(s.front_end.lab(frame, s.levels.finest), s.levels.finest, s.levels.coarsest);
+  if (s.profile.cut_share < 1 && s.shot_cut(s.pyramid.level(s.levels.saliency))) {
+    s.previous.reset();
+    s.forget();
+    s.result.cut = true;
+  }
   const cv::Mat &spatial = s.spatial.compute(s.pyramid, s.levels);
 
+  const double elapsed = s.previous ? frames_between(s.previous->time, time) : 0;
   if (s.profile.time_base == TimeBase::frames)
     s.history.push(spatial, 1, 1);
   else
-    s.history.push(spatial, s.previous ? frames_between(s.previous->time, time) : 0,
-                   frames_between(Time{}, duration));
+    s.history.push(spatial, elapsed, frames_between(Time{}, duration), s.camera_pose(elapsed));
   s.previous = State::Previous{ time, duration };
 
+  s.result.camera_moves = s.history.moved();
   s.result.map = temporal ? s.spatiotemporal.compute(s.history) : spatial;
   cv::minMaxLoc(s.result.map, nullptr, &s.result.peak);
   const double step = std::ldexp(1.0, s.levels.saliency); // pixels from sample to sample

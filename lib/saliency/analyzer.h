@@ -25,6 +25,8 @@ struct Saliency
   /// Where the picture lies in the map, in samples of which sample i covers [i, i + 1): sample i of
   /// level n sits on pixel 2ⁿ·i, so the picture's edge is not the map's.
   cv::Rect2d picture;
+  bool cut = false;          ///< a new shot begins with this frame
+  bool camera_moves = false; ///< or has done so within the longest window
 };
 
 /// Frame → L*a*b* pyramid → contrast → spatial → (temporal → spatiotemporal) saliency: paper,

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include "saliency/profile.h"
+#include "saliency/pyramid.h"
+
 #include <opencv2/core/mat.hpp>
 
 namespace saliency {
@@ -13,13 +16,18 @@ public:
   /// `chroma_weight` w: the difference is √(ΔL² + w² (Δa² + Δb²)); 1 is CIE 1976 ΔE.
   explicit Contrast(double chroma_weight);
 
-  /// C(c, s) = ‖P_c - up(P_s)‖ ≥ 0. `center` and `surround`: CV_32FC3 L*a*b* images of one pyramid,
-  /// the surround coarser by `octaves` ≥ 0. `map` becomes CV_32FC1 of the centre's size.
-  void operator()(const cv::Mat &center, const cv::Mat &surround, int octaves, cv::Mat &map);
+  /// C(c, s) = ‖P_c - up(P_s)‖ ≥ 0 in a pyramid of L*a*b* images, surround ≥ centre. The differences of
+  /// a* and b* are those of the pair `chroma`, no finer than `lightness`, brought to the centre's
+  /// resolution. `map` becomes CV_32FC1 of the size of the lightness' centre.
+  void operator()(const Pyramid &pyramid, LevelPair lightness, LevelPair chroma, cv::Mat &map);
 
 private:
+  void chroma_squared(const Pyramid &pyramid, LevelPair pair);
+
   float chroma_weight_squared_;
   cv::Mat surround_; ///< at the centre's resolution
+  cv::Mat chroma_;   ///< w² (Δa² + Δb²)
+  cv::Mat chroma_upsampled_;
 };
 
 } // namespace saliency

@@ -29,6 +29,7 @@ Profile::tuned()
   Profile profile;
   profile.reference_width = 220;
   profile.chroma_weight = 2;
+  profile.chroma_octaves = 1;
   profile.levels = { { 2, 3 } };
   profile.saliency_level = 4;
   profile.windows = { { 1, 8 }, { 2, 16 }, { 4, 32 }, { 8, 64 } };
@@ -36,6 +37,15 @@ Profile::tuned()
   profile.temporal_mean = true;
   profile.time_base = TimeBase::seconds;
   profile.history_start = HistoryStart::filled;
+  profile.illumination_guard = true;
+  profile.camera_motion = true;
+  profile.camera_dilation = 1;
+  profile.camera_margin = 1.15;
+  profile.camera_rim = 2;
+  profile.background_gain = 8;
+  profile.background_quantile = 0.75;
+  profile.cut_share = 0.5;
+  profile.cut_contrast = 6;
   return profile;
 }
 

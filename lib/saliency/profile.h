@@ -10,6 +10,8 @@ struct LevelPair
 {
   int center;
   int surround;
+
+  bool operator==(const LevelPair &) const = default;
 };
 
 /// A centre-surround pair of temporal windows, in frames at 30 fps (level n of the temporal pyramid
@@ -59,6 +61,9 @@ struct Profile
   int reference_width = 0;
   /// w in ΔE = √(ΔL² + w² (Δa² + Δb²)).
   double chroma_weight = 1;
+  /// By so many levels the chroma's pairs are coarser than the lightness': the eye sees colour less
+  /// sharply, and films hold it at half the resolution, hence with more noise.
+  int chroma_octaves = 0;
   /// Of the spatial contrast maps; each is limited to the levels that the frame has.
   std::vector<LevelPair> levels;
   /// Of each contrast map, before they are combined.
@@ -74,6 +79,27 @@ struct Profile
   bool temporal_mean = false;
   TimeBase time_base = TimeBase::seconds;
   HistoryStart history_start = HistoryStart::filled;
+  /// Illumination guard: if most of what has contrast gains it by one factor β, then the light has
+  /// changed and not what is to be seen. Surrounds count β times.
+  bool illumination_guard = false;
+  /// Camera motion: it is followed, and the history moved with it. As long as the history holds a
+  /// motion, the following three count as well.
+  bool camera_motion = false;
+  /// Surrounds are dilated by so many samples: motion is not followed exactly, nor is it a similarity
+  /// everywhere.
+  int camera_dilation = 0;
+  /// Surrounds count so many times: contrast depends a little on where samples fall.
+  double camera_margin = 1;
+  /// So wide a rim of the map is silent, in samples: there the picture comes in.
+  int camera_rim = 0;
+  /// What happens all over the map is no event: so many times the map's quantile below is taken off
+  /// the spatiotemporal map. 0: nothing is.
+  double background_gain = 0;
+  double background_quantile = 0.75; ///< in [0, 1]
+  /// A new shot begins, with no history, where more than this share of the picture's pixels change by
+  /// more than `cut_contrast` from one frame to the next. 1: never.
+  double cut_share = 1;
+  double cut_contrast = 6; ///< ΔE
   /// Of the spatiotemporal saliency map.
   Normalization temporal_normalization = Normalization::none;
 

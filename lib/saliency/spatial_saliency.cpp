@@ -32,11 +32,15 @@ frame_levels(const Profile &profile, cv::Size frame)
   levels.frame = frame;
   levels.saliency = limited(profile.saliency_level);
   levels.finest = last;
+  levels.coarsest = levels.saliency;
   for (const auto &pair : profile.levels) {
     const LevelPair own{ limited(pair.center), limited(pair.surround) };
+    const LevelPair chroma{ limited(pair.center + profile.chroma_octaves),
+                            limited(pair.surround + profile.chroma_octaves) };
     levels.pairs.push_back(own);
+    levels.chroma.push_back(chroma);
     levels.finest = std::min(levels.finest, own.center);
-    levels.coarsest = std::max(levels.coarsest, own.surround);
+    levels.coarsest = std::max(levels.coarsest, chroma.surround);
   }
   return levels;
 }
@@ -52,10 +56,9 @@ SpatialSaliency::compute(const Pyramid &pyramid, const FrameLevels &levels)
 {
   contrast_map_.resize(static_cast<std::size_t>(std::max(levels.coarsest, levels.saliency)) + 1);
   bool first = true;
-  for (const auto &pair : levels.pairs) {
-    auto center = static_cast<std::size_t>(pair.center);
-    contrast_(pyramid.level(pair.center), pyramid.level(pair.surround), pair.surround - pair.center,
-              contrast_map_[center]);
+  for (std::size_t i = 0; i < levels.pairs.size(); ++i) {
+    auto center = static_cast<std::size_t>(levels.pairs[i].center);
+    contrast_(pyramid, levels.pairs[i], levels.chroma[i], contrast_map_[center]);
     if (normalization_ == Normalization::itti)
       normalize_itti(contrast_map_[center]);
 

@@ -15,10 +15,11 @@ namespace saliency {
 /// it has.
 struct FrameLevels
 {
-  cv::Size frame; ///< the size of level 0
-  std::vector<LevelPair> pairs;
-  int saliency = 0; ///< of the spatial saliency map
-  int finest = 0;   ///< finest and coarsest level among the pairs
+  cv::Size frame;                ///< the size of level 0
+  std::vector<LevelPair> pairs;  ///< of lightness
+  std::vector<LevelPair> chroma; ///< of each of these
+  int saliency = 0;              ///< of the spatial saliency map
+  int finest = 0;                ///< finest and coarsest level among the pairs
   int coarsest = 0;
 };
 

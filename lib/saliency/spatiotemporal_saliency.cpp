@@ -3,54 +3,126 @@
 
 #include "saliency/normalization.h"
 
+#include <opencv2/imgproc.hpp>
+
 #include <algorithm>
 #include <cmath>
 
 namespace saliency {
 
+namespace {
+
+/// The place of the quantile `q` in [0, 1] among `values`, which are partly sorted for it.
+float
+quantile(std::vector<float> &values, double q)
+{
+  const auto place
+      = values.begin() + static_cast<std::ptrdiff_t>(q * static_cast<double>(values.size() - 1));
+  std::nth_element(values.begin(), place, values.end());
+  return *place;
+}
+
+} // namespace
+
 SpatiotemporalSaliency::SpatiotemporalSaliency(const Profile &profile)
     : sign_(profile.temporal_sign), mean_(profile.temporal_mean),
+      illumination_guard_(profile.illumination_guard), camera_dilation_(profile.camera_dilation),
+      camera_margin_(profile.camera_margin), camera_rim_(profile.camera_rim),
+      background_gain_(profile.background_gain), background_quantile_(profile.background_quantile),
       normalization_(profile.temporal_normalization)
 {
-  const auto place = [this](int window) {
-    const auto found = std::find(windows_.begin(), windows_.end(), window);
-    const auto index = static_cast<std::size_t>(found - windows_.begin());
-    if (found == windows_.end())
-      windows_.push_back(window);
-    return index;
-  };
   for (const auto &pair : profile.windows) {
-    const auto center = place(pair.center);
-    pairs_.push_back({ center, place(pair.surround) });
+    windows_.push_back(pair.center);
+    windows_.push_back(pair.surround);
   }
-  means_.resize(windows_.size());
+  std::ranges::sort(windows_);
+  windows_.erase(std::ranges::unique(windows_).begin(), windows_.end());
+  const auto place = [this](int window) {
+    return static_cast<std::size_t>(std::ranges::find(windows_, window) - windows_.begin());
+  };
+  for (const auto &pair : profile.windows)
+    pairs_.push_back({ place(pair.center), place(pair.surround) });
 }
 
 const cv::Mat &
-SpatiotemporalSaliency::compute(const TemporalPyramid &history)
+SpatiotemporalSaliency::compute(TemporalPyramid &history)
 {
-  for (std::size_t i = 0; i < windows_.size(); ++i)
-    history.mean(windows_[i], means_[i]);
+  const bool moved = history.moved();
+  history.means(windows_, means_);
 
   saliency_.create(means_.at(0).size(), CV_32FC1);
   saliency_.setTo(0);
   const float weight = mean_ ? 1.0F / static_cast<float>(pairs_.size()) : 1.0F;
-  for (const auto &pair : pairs_)
+  for (const auto &pair : pairs_) {
+    const cv::Mat *surrounds = &means_[pair.surround];
+    const float light
+        = illumination_guard_ ? illumination(means_[pair.center], means_[pair.surround]) : 1.0F;
+    if (moved) {
+      const int side = 2 * camera_dilation_ + 1;
+      cv::dilate(*surrounds, dilated_, cv::Mat::ones(side, side, CV_8UC1));
+      surrounds = &dilated_;
+    }
+    const float factor = light * (moved ? static_cast<float>(camera_margin_) : 1.0F);
     for (int y = 0; y < saliency_.rows; ++y) {
       const auto *center = means_[pair.center].ptr<float>(y);
-      const auto *surround = means_[pair.surround].ptr<float>(y);
+      const auto *surround = surrounds->ptr<float>(y);
       auto *out = saliency_.ptr<float>(y);
       if (sign_ == TemporalSign::onset)
         for (int x = 0; x < saliency_.cols; ++x)
-          out[x] += weight * std::max(0.0F, center[x] - surround[x]);
+          out[x] += weight * std::max(0.0F, center[x] - factor * surround[x]);
       else
         for (int x = 0; x < saliency_.cols; ++x)
-          out[x] += weight * std::abs(center[x] - surround[x]);
+          out[x] += weight * std::abs(center[x] - factor * surround[x]);
     }
+  }
 
+  cv::Rect within({}, saliency_.size());
+  if (const int rim = camera_rim_;
+      moved && rim > 0 && saliency_.cols > 2 * rim && saliency_.rows > 2 * rim) {
+    within = { rim, rim, saliency_.cols - 2 * rim, saliency_.rows - 2 * rim };
+    cv::copyMakeBorder(saliency_(within).clone(), saliency_, rim, rim, rim, rim,
+                       cv::BORDER_CONSTANT, cv::Scalar(0));
+  }
+  if (background_gain_ > 0)
+    take_background_off(within);
   if (normalization_ == Normalization::itti)
     normalize_itti(saliency_);
   return saliency_;
+}
+
+/// β: the factor by which whatever has contrast has gained it.
+float
+SpatiotemporalSaliency::illumination(const cv::Mat &center, const cv::Mat &surround)
+{
+  constexpr float kContrast = 1; // what has some, in the map's units
+  constexpr float kNothing = 0.05F;
+  constexpr double kEnough = 0.3; // of the map
+
+  sorted_.clear();
+  for (int y = 0; y < center.rows; ++y) {
+    const auto *c = center.ptr<float>(y);
+    const auto *s = surround.ptr<float>(y);
+    for (int x = 0; x < center.cols; ++x)
+      if (c[x] > kContrast)
+        sorted_.push_back(c[x] / (s[x] + kNothing));
+  }
+  if (static_cast<double>(sorted_.size()) <= kEnough * static_cast<double>(center.total()))
+    return 1;
+  return std::max(1.0F, quantile(sorted_, 0.5));
+}
+
+void
+SpatiotemporalSaliency::take_background_off(const cv::Rect &within)
+{
+  const cv::Mat seen = saliency_(within);
+  sorted_.assign(seen.begin<float>(), seen.end<float>());
+  const float background
+      = static_cast<float>(background_gain_) * quantile(sorted_, background_quantile_);
+  for (int y = 0; y < saliency_.rows; ++y) {
+    auto *row = saliency_.ptr<float>(y);
+    for (int x = 0; x < saliency_.cols; ++x)
+      row[x] = std::max(0.0F, row[x] - background);
+  }
 }
 
 } // namespace saliency

@@ -5,6 +5,7 @@
 #include "saliency/temporal_pyramid.h"
 
 #include <opencv2/core/mat.hpp>
+#include <opencv2/core/types.hpp>
 
 #include <cstddef>
 #include <vector>
@@ -18,10 +19,11 @@ class SpatiotemporalSaliency
 public:
   explicit SpatiotemporalSaliency(const Profile &profile);
 
-  /// Sum or mean over the profile's windows of |T_c - T_s| or max(0, T_c - T_s), optionally
-  /// normalised by N(·). CV_32FC1, ≥ 0, valid until the next call. `history` has had at least one
-  /// push.
-  const cv::Mat &compute(const TemporalPyramid &history);
+  /// Sum or mean over the profile's windows of |T_c - T_s| or max(0, T_c - T_s), less what the map
+  /// has in common, optionally normalised by N(·). CV_32FC1, ≥ 0, valid until the next call.
+  /// `history` has had at least one push. If the camera has moved, surrounds are dilated and the rim
+  /// is silent (Profile::camera_dilation, camera_rim).
+  const cv::Mat &compute(TemporalPyramid &history);
 
 private:
   /// A pair, by the places of its windows in `windows_`.
@@ -31,12 +33,23 @@ private:
     std::size_t surround;
   };
 
+  float illumination(const cv::Mat &center, const cv::Mat &surround);
+  void take_background_off(const cv::Rect &within);
+
   TemporalSign sign_;
   bool mean_;
+  bool illumination_guard_;
+  int camera_dilation_;
+  double camera_margin_;
+  int camera_rim_;
+  double background_gain_;
+  double background_quantile_;
   Normalization normalization_;
-  std::vector<int> windows_; ///< each once
+  std::vector<int> windows_; ///< each once, ascending
   std::vector<Pair> pairs_;
   std::vector<cv::Mat> means_; ///< of windows_
+  cv::Mat dilated_;
+  std::vector<float> sorted_;
   cv::Mat saliency_;
 };
 

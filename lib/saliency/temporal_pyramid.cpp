@@ -13,6 +13,9 @@ namespace {
 
 constexpr double kShortestEntry = 1.0 / 8;
 
+/// Maps of an age are moved together for this share of it.
+constexpr double kShareOfAge = 1.0 / 8;
+
 /// sum = base + map × duration; base and sum may be the same.
 void
 add_display(const cv::Mat &base, const cv::Mat &map, double duration, cv::Mat &sum)
@@ -41,16 +44,16 @@ TemporalPyramid::reset()
 }
 
 void
-TemporalPyramid::push(const cv::Mat &map, double elapsed, double duration)
+TemporalPyramid::push(const cv::Mat &map, double elapsed, double duration, const Similarity &pose)
 {
   if (history_.empty()) {
     const cv::Mat nothing = cv::Mat::zeros(map.size(), CV_64FC1);
     if (start_ == HistoryStart::filled) {
-      Entry before{ -longest_, {} };
+      Entry before{ -longest_, {}, pose };
       add_display(nothing, map, -longest_, before.integral);
       history_.push_back(std::move(before));
     }
-    history_.push_back({ 0, nothing });
+    history_.push_back({ 0, nothing, pose });
   } else {
     const double on_show = std::min(elapsed, longest_);
     Entry &last = history_.back();
@@ -58,8 +61,9 @@ TemporalPyramid::push(const cv::Mat &map, double elapsed, double duration)
     if (history_.size() > 1 && last.time - std::prev(history_.end(), 2)->time < kShortestEntry) {
       add_display(last.integral, current_, on_show, last.integral);
       last.time = now;
+      last.pose = pose;
     } else {
-      Entry next{ now, {} };
+      Entry next{ now, {}, pose };
       add_display(last.integral, current_, on_show, next.integral);
       history_.push_back(std::move(next));
     }
@@ -73,26 +77,126 @@ TemporalPyramid::push(const cv::Mat &map, double elapsed, double duration)
   add_display(history_.back().integral, current_, displayed, end_.integral);
 }
 
+bool
+TemporalPyramid::moved() const
+{
+  return std::ranges::any_of(
+      history_, [this](const Entry &entry) { return entry.pose != history_.back().pose; });
+}
+
+void
+TemporalPyramid::means(std::span<const int> windows, std::vector<cv::Mat> &maps)
+{
+  maps.resize(windows.size());
+  if (moved())
+    moved_means(windows, maps);
+  else
+    for (std::size_t i = 0; i < windows.size(); ++i)
+      mean(windows[i], maps[i]);
+}
+
+double
+TemporalPyramid::Moment::integral(int y, int x) const
+{
+  const double a = before->integral.at<double>(y, x);
+  return a + part * (after->integral.at<double>(y, x) - a);
+}
+
+std::size_t
+TemporalPyramid::display_before(double time) const
+{
+  const auto after = std::lower_bound(history_.begin() + 1, history_.end(), time,
+                                      [](const Entry &entry, double t) { return entry.time < t; });
+  return static_cast<std::size_t>(std::prev(after) - history_.begin());
+}
+
+TemporalPyramid::Moment
+TemporalPyramid::moment(double time) const
+{
+  const auto after = std::upper_bound(history_.begin() + 1, history_.end(), time,
+                                      [](double t, const Entry &entry) { return t < entry.time; });
+  const Entry &from = *std::prev(after);
+  const Entry &to = after == history_.end() ? end_ : *after;
+  return { &from, &to, (time - from.time) / (to.time - from.time) };
+}
+
+/// With a camera that rests.
 void
 TemporalPyramid::mean(double window, cv::Mat &map) const
 {
   const double start = std::max(end_.time - window, history_.front().time);
-  const auto after
-      = std::upper_bound(history_.begin(), history_.end(), start,
-                         [](double time, const Entry &entry) { return time < entry.time; });
-  const Entry &from = *std::prev(after);
-  const Entry &to = after == history_.end() ? end_ : *after;
-  const double part = (start - from.time) / (to.time - from.time);
+  const Moment from = moment(start);
   const double length = end_.time - start;
 
   map.create(current_.size(), CV_32FC1);
   for (int y = 0; y < map.rows; ++y) {
-    const auto *a = from.integral.ptr<double>(y);
-    const auto *b = to.integral.ptr<double>(y);
+    const auto *a = from.before->integral.ptr<double>(y);
+    const auto *b = from.after->integral.ptr<double>(y);
     const auto *e = end_.integral.ptr<double>(y);
     auto *out = map.ptr<float>(y);
     for (int x = 0; x < map.cols; ++x)
-      out[x] = static_cast<float>((e[x] - a[x] - part * (b[x] - a[x])) / length);
+      out[x] = static_cast<float>((e[x] - a[x] - from.part * (b[x] - a[x])) / length);
+  }
+}
+
+/// From the present back, stretch by stretch. A stretch begins where a display does, as soon as it is
+/// as long as a share of its age, or where a window does.
+void
+TemporalPyramid::moved_means(std::span<const int> windows, std::vector<cv::Mat> &maps)
+{
+  sum_.create(current_.size(), CV_32FC1);
+  sum_.setTo(0);
+  double to = end_.time;
+  for (std::size_t i = 0; i < windows.size(); ++i) {
+    const double start = std::max(end_.time - windows[i], history_.front().time);
+    while (to > start) {
+      const double latest = to - kShareOfAge * (end_.time - to);
+      const double from = std::max(start, history_[display_before(latest)].time);
+      add_moved(from, to);
+      to = from;
+    }
+    cv::scaleAdd(sum_, 1 / (end_.time - start), current_, maps[i]);
+  }
+}
+
+/// Adds what was on show from one time to another, less the current map, moved to where it is now.
+void
+TemporalPyramid::add_moved(double from, double to)
+{
+  const Moment begin = moment(from);
+  const Moment end = to < end_.time ? moment(to) : Moment{ &history_.back(), &end_, 1 };
+  const auto length = static_cast<float>(to - from);
+  const cv::Size size = current_.size();
+  stretch_.create(size, CV_32FC1);
+  for (int y = 0; y < size.height; ++y) {
+    auto *out = stretch_.ptr<float>(y);
+    for (int x = 0; x < size.width; ++x)
+      out[x] = static_cast<float>(end.integral(y, x) - begin.integral(y, x));
+  }
+
+  const Similarity &then = history_[display_before((from + to) / 2)].pose;
+  const Similarity back = then.inverse() * history_.back().pose;
+  for (int y = 0; y < size.height; ++y) {
+    const auto *now = current_.ptr<float>(y);
+    auto *sum = sum_.ptr<float>(y);
+    for (int x = 0; x < size.width; ++x) {
+      const double at_x = back.x(x, y);
+      const double at_y = back.y(x, y);
+      if (then == history_.back().pose) {
+        sum[x] += stretch_.at<float>(y, x) - length * now[x];
+      } else if (at_x >= kBorder && at_y >= kBorder && at_x < size.width - 1 - kBorder
+                 && at_y < size.height - 1 - kBorder) {
+        const int left = static_cast<int>(at_x);
+        const int top = static_cast<int>(at_y);
+        const auto right_share = static_cast<float>(at_x - left);
+        const auto bottom_share = static_cast<float>(at_y - top);
+        const auto *upper = stretch_.ptr<float>(top) + left;
+        const auto *lower = stretch_.ptr<float>(top + 1) + left;
+        const float above = upper[0] + right_share * (upper[1] - upper[0]);
+        const float below = lower[0] + right_share * (lower[1] - lower[0]);
+        sum[x] += above + bottom_share * (below - above) - length * now[x];
+      }
+    }
   }
 }
 

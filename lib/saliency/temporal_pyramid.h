@@ -2,11 +2,14 @@
 #pragma once
 
 #include "saliency/profile.h"
+#include "saliency/similarity.h"
 
 #include <opencv2/core/mat.hpp>
 
 #include <cstddef>
 #include <deque>
+#include <span>
+#include <vector>
 
 namespace saliency {
 
@@ -24,6 +27,11 @@ namespace saliency {
 /// integral only grows, yet a window's mean stays exact to float's precision for years of film:
 /// neither drift nor wrap-around.
 ///
+/// With a camera that moves, a window has to show where things were in the picture as it is now:
+/// each map is moved from its own pose to the current one before it counts. Where a map did not see
+/// what is to be seen now, it is taken to have been like the current one. Maps further back are moved
+/// several at a time, as far as they make an eighth of their age.
+///
 /// Memory: pushes less than 1/8 apart share one entry, so at most 8 × longest + 3 maps of 8 bytes a
 /// pixel are held (66 at one push a frame and a longest window of 64).
 class TemporalPyramid
@@ -35,6 +43,10 @@ public:
   /// would never be salient.
   static constexpr double kLongestDisplay = 3;
 
+  /// So close to their border, in samples, maps do not count as having seen anything once they are
+  /// moved: what enters the picture changes them.
+  static constexpr double kBorder = 1;
+
   /// `longest`: the longest window that will be asked for.
   TemporalPyramid(double longest, HistoryStart start);
 
@@ -44,29 +56,56 @@ public:
   /// The next map (CV_32FC1, finite, copied), `elapsed` > 0 after the previous one was pushed (of
   /// no meaning for the first) and to be displayed for `duration` > 0. All maps between two resets
   /// have one size. Never blocks on long times: beyond the longest window they make no difference.
-  void push(const cv::Mat &map, double elapsed, double duration);
+  /// `pose`: from this map's samples to where they lie in a common frame of reference, the same
+  /// exactly as long as the camera rests.
+  void push(const cv::Mat &map, double elapsed, double duration, const Similarity &pose = {});
 
-  /// The mean over the last `window` > 0. Before the first push lies nothing (HistoryStart::empty:
-  /// the mean of what there is) or the first map for ever. CV_32FC1; if nothing has changed inside
-  /// the window, exactly the current map.
-  void mean(double window, cv::Mat &map) const;
+  /// Whether the camera has moved within the longest window.
+  bool moved() const;
+
+  /// The means over the last `windows`, each > 0, ascending, into as many `maps` (CV_32FC1). Before
+  /// the first push lies nothing (HistoryStart::empty: the mean of what there is) or the first map
+  /// for ever. If nothing has changed inside a window, exactly the current map.
+  void means(std::span<const int> windows, std::vector<cv::Mat> &maps);
 
   /// Integrals held.
   std::size_t size() const;
 
 private:
-  /// The integral of the maps over time, up to `time`.
+  /// The integral of the maps over time up to `time`, and the pose of the map that is on show from
+  /// then on.
   struct Entry
   {
     double time;
     cv::Mat integral; ///< CV_64FC1
+    Similarity pose{};
   };
+
+  /// A moment inside the display between two entries.
+  struct Moment
+  {
+    const Entry *before;
+    const Entry *after;
+    double part; ///< of the display that is over
+
+    double integral(int y, int x) const;
+  };
+
+  /// The last display that begins before `time`, or is the first, by its place in the history.
+  std::size_t display_before(double time) const;
+  Moment moment(double time) const;
+  void mean(double window, cv::Mat &map) const;
+  void moved_means(std::span<const int> windows, std::vector<cv::Mat> &maps);
+  void add_moved(double from, double to);
 
   double longest_;
   HistoryStart start_;
   std::deque<Entry> history_; ///< oldest first; the last entry is the time of the latest push
   cv::Mat current_;           ///< the latest map
   Entry end_{};               ///< the end of its display
+
+  cv::Mat stretch_; ///< what was on show for a while (CV_32FC1)
+  cv::Mat sum_;     ///< of stretches, each moved, less the current map (CV_32FC1)
 };
 
 } // namespace saliency

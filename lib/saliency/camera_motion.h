@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include "saliency/similarity.h"
+
+#include <opencv2/core/mat.hpp>
+
+#include <array>
+#include <vector>
+
+namespace saliency {
+
+/// What the camera does as it pans, tilts, zooms, rolls or shakes, as one similarity from frame to
+/// frame.
+///
+/// Frames are registered with a key frame up to 8/30 s back, on lightness, coarse to fine: Gauss-Newton
+/// steps that compare the frame with the key frame's most textured points, weighted so that what goes
+/// its own way does not count, allowing for another exposure (inverse compositional alignment: Baker &
+/// Matthews, "Lucas-Kanade 20 Years On", 2004). The camera counts as moving only if that explains the
+/// difference in most of those parts of the picture that would show it, and if there are enough of
+/// these: what moves in front of a still or an even background is not the camera.
+class CameraMotion
+{
+public:
+  /// The next frame, `elapsed` frames at 30 fps after the last one: its L*a*b* (CV_32FC3) at a pyramid
+  /// level about 100 samples wide. Returns the camera's pose, that is where this frame's samples lie
+  /// in the first frame; exactly the last pose again while the camera rests. The first frame after a
+  /// reset, and one of another size, is a first frame.
+  const Similarity &follow(const cv::Mat &lab, double elapsed);
+
+  void reset();
+
+private:
+  static constexpr std::size_t kLevels = 3;
+
+  /// A textured point of the key frame: what a small motion, about the middle of the picture, does to
+  /// its lightness, and what a change of exposure does.
+  struct Point
+  {
+    float x, y;
+    float lightness;
+    std::array<float, 6> change; ///< by scale, turn, shift along x and y, gain and offset
+  };
+  using Images = std::array<cv::Mat, kLevels>; ///< lightness, CV_32FC1, finest first
+
+  void set_key();
+  void register_level(std::size_t level);
+  std::array<double, 2> exposure_at_rest() const;
+  bool explained() const;
+
+  Images now_;
+  std::array<std::vector<Point>, kLevels> points_;
+  cv::Size size_;                    ///< of the key frame; empty: none
+  double age_ = 0;                   ///< of the key frame, in frames
+  Similarity key_pose_;              ///< of the key frame
+  Similarity motion_;                ///< from the key frame to this one
+  std::array<double, 2> exposure_{}; ///< since the key frame: gain and offset
+  Similarity pose_;
+  std::vector<float> residuals_;
+};
+
+} // namespace saliency

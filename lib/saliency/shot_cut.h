@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include "saliency/profile.h"
+
+#include <opencv2/core/mat.hpp>
+
+namespace saliency {
+
+/// Tells where one shot ends and the next begins: from one frame to the next most of the picture
+/// changes visibly. What moves in a shot, and a fade, do not change that much at once.
+class ShotCut
+{
+public:
+  explicit ShotCut(const Profile &profile);
+
+  /// Whether the frame begins a new shot: more than `Profile::cut_share` of its pixels differ from the
+  /// last frame's by more than `Profile::cut_contrast` (ΔE). `lab`: CV_32FC3, copied. The first frame
+  /// after a reset, and one of another size, begins none.
+  bool operator()(const cv::Mat &lab);
+
+  void reset();
+
+private:
+  double share_;
+  float contrast_squared_;
+  cv::Mat last_;
+};
+
+} // namespace saliency

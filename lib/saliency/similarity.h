@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+namespace saliency {
+
+/// A similarity of the plane: (x, y) ↦ (a x − b y + tx, b x + a y + ty). It shifts, turns and scales.
+struct Similarity
+{
+  double a = 1;
+  double b = 0;
+  double tx = 0;
+  double ty = 0;
+
+  double x(double px, double py) const
+  {
+    return a * px - b * py + tx;
+  }
+  double y(double px, double py) const
+  {
+    return b * px + a * py + ty;
+  }
+
+  /// First `inner`, then this.
+  Similarity operator*(const Similarity &inner) const
+  {
+    return { a * inner.a - b * inner.b, a * inner.b + b * inner.a, x(inner.tx, inner.ty),
+             y(inner.tx, inner.ty) };
+  }
+
+  /// Defined if this is not all zero.
+  Similarity inverse() const
+  {
+    const double norm = a * a + b * b;
+    const Similarity turned{ a / norm, -b / norm, 0, 0 };
+    return { turned.a, turned.b, -turned.x(tx, ty), -turned.y(tx, ty) };
+  }
+
+  /// The same in a unit of length `unit` times as long, between grids whose origins coincide.
+  Similarity in_units_of(double unit) const
+  {
+    return { a, b, tx / unit, ty / unit };
+  }
+
+  bool operator==(const Similarity &) const = default;
+};
+
+} // namespace saliency

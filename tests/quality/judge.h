@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include "films.h"
+#include "tactile/tactile_map.h"
+
+#include <map>
+#include <optional>
+#include <vector>
+
+namespace quality {
+
+/// A share, or a mean, that is still being counted.
+struct Mean
+{
+  double sum = 0;
+  double count = 0;
+
+  void add(double value)
+  {
+    sum += value;
+    count += 1;
+  }
+  /// NaN if nothing has been counted.
+  double value() const
+  {
+    return sum / count;
+  }
+};
+
+/// How well maps follow films (docs/quality.md). An event is an onset, that is a ball that appears or
+/// starts to move, or its movement; a ball that is there in the first frame is none. A cell is a
+/// ball's if the square around the ball touches it.
+struct Scores
+{
+  Mean strongest; ///< (a) strongest cell is a ball's: frames within 0.5 s of an event
+  Mean energy;    ///< (b) the map's energy in cells of balls: the same frames, if not silent
+  Mean silent;    ///< (c) silent: frames where nothing has happened for 2.2 s
+  Mean delay;     ///< (d) frames from an onset to the first level above zero in the ball's cells
+  Mean prompt;    ///< onsets that are felt in their first frame
+  Mean pair;      ///< (e) both balls are felt: frames within 0.5 s of two balls' common onset
+  Mean active;    ///< not silent: all frames
+  Mean cells;     ///< cells above zero: all frames
+  Mean found;     ///< felt within 1/3 s in the ball's cells: onsets that could be seen
+  Mean right;     ///< strongest cell is a ball's: frames not silent within 0.5 s of such an onset
+};
+
+/// Follows one film.
+class Judge
+{
+public:
+  Judge(Scores &scores, cv::Size size) : scores_(scores), size_(size)
+  {
+  }
+
+  void frame(const Film &film, Time time, const std::vector<tactile::Ball> &balls,
+             const tactile::TactileMap &map);
+
+  /// After the last frame.
+  void finish();
+
+private:
+  /// An onset under judgement.
+  struct Onset
+  {
+    Time time;
+    double frames = 0; ///< since
+    bool felt = false;
+    bool found = false;
+    double right = 0;
+    double active = 0;
+  };
+
+  void follow_onset(const Film &film, Time time, bool touched, bool strongest, bool active);
+  void finish_onset(const Film &film);
+
+  Scores &scores_;
+  cv::Size size_;
+  std::map<int, Time> onsets_; ///< of the balls in the last frame
+  std::optional<Onset> onset_;
+  const Film *film_ = nullptr;
+  std::optional<Time> last_event_;
+  std::optional<Time> last_pair_; ///< common onset of two balls
+  bool first_ = true;
+};
+
+} // namespace quality
