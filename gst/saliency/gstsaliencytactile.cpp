@@ -30,6 +30,7 @@
 
 #include "framemapping.h"
 #include "saliency/analyzer.h"
+#include "saliencysettings.h"
 #include "tactile/tactile_mapping.h"
 
 #include <gst/tactile/tactile.h>
@@ -44,42 +45,6 @@ GST_DEBUG_CATEGORY_STATIC(saliency_tactile_debug);
 #define GST_CAT_DEFAULT saliency_tactile_debug
 
 namespace {
-
-enum
-{
-  PROP_0,
-  PROP_PROFILE,
-  PROP_ROWS,
-  PROP_COLUMNS,
-  PROP_TEMPORAL,
-  PROP_THRESHOLD,
-  PROP_FLOOR,
-  PROP_ATTACH_SALIENCY,
-  PROP_MAX_RATE,
-  PROP_STATS,
-};
-
-enum class ProfileName
-{
-  tuned,
-  paper,
-};
-
-/// A floor that is not set is the profile's own.
-constexpr double kProfileFloor = -1;
-
-/// What the user sets; guarded by the object lock.
-struct Settings
-{
-  ProfileName profile = ProfileName::tuned;
-  int rows = 3;
-  int columns = 3;
-  bool temporal = true;
-  double threshold = 0.5;
-  double floor = kProfileFloor;
-  bool attach_saliency = false;
-  double max_rate = 0;
-};
 
 struct Statistics
 {
@@ -97,7 +62,7 @@ make_profile(ProfileName name)
 }
 
 tactile::MappingSettings
-make_mapping(const Settings &settings)
+make_mapping(const SaliencySettings &settings)
 {
   using tactile::MappingSettings;
   MappingSettings mapping = settings.profile == ProfileName::paper ? MappingSettings::paper()
@@ -120,8 +85,8 @@ analysis_period(double max_rate)
 
 struct GstSaliencyTactilePrivate
 {
-  Settings settings; ///< object lock
-  Statistics stats;  ///< object lock
+  SaliencySettings settings; ///< object lock
+  Statistics stats;          ///< object lock
 
   // Streaming thread only.
   GstVideoInfo info;
@@ -161,22 +126,6 @@ static GstStaticPadTemplate sink_template
 static GstStaticPadTemplate src_template
     = GST_STATIC_PAD_TEMPLATE("src", GST_PAD_SRC, GST_PAD_ALWAYS, GST_STATIC_CAPS(SALIENCY_CAPS));
 
-#define GST_TYPE_SALIENCY_TACTILE_PROFILE (gst_saliency_tactile_profile_get_type())
-static GType
-gst_saliency_tactile_profile_get_type(void)
-{
-  static gsize type = 0;
-  static const GEnumValue values[] = {
-    { static_cast<gint>(ProfileName::tuned),
-      "What measures best: onsets only, absolute floor, perceptual gain", "tuned" },
-    { static_cast<gint>(ProfileName::paper), "Kim, Lee, Choi 2012, taken literally", "paper" },
-    { 0, nullptr, nullptr },
-  };
-  if (g_once_init_enter(&type))
-    g_once_init_leave(&type, g_enum_register_static("GstSaliencyTactileProfile", values));
-  return type;
-}
-
 /* ---- analysis (streaming thread) ---- */
 
 /// Time and duration of a frame on a time line that rises even where the film is played backwards.
@@ -206,8 +155,8 @@ gst_saliency_tactile_times(GstSaliencyTactile *self, GstBuffer *buffer, saliency
 }
 
 static void
-gst_saliency_tactile_analyse(GstSaliencyTactile *self, const Settings &settings, GstBuffer *buffer,
-                             saliency::Time time, saliency::Time duration)
+gst_saliency_tactile_analyse(GstSaliencyTactile *self, const SaliencySettings &settings,
+                             GstBuffer *buffer, saliency::Time time, saliency::Time duration)
 {
   GstSaliencyTactilePrivate *priv = self->priv;
 
@@ -280,7 +229,7 @@ gst_saliency_tactile_is_due(GstSaliencyTactile *self, double max_rate, saliency:
 }
 
 static void
-gst_saliency_tactile_attach_saliency(GstSaliencyTactile *self, const Settings &settings,
+gst_saliency_tactile_attach_saliency(GstSaliencyTactile *self, const SaliencySettings &settings,
                                      GstBuffer *buffer)
 {
   GstSaliencyTactilePrivate *priv = self->priv;
@@ -309,7 +258,7 @@ gst_saliency_tactile_transform_ip(GstBaseTransform *transform, GstBuffer *buffer
 
   gst_saliency_tactile_sync_values(self, buffer);
   GST_OBJECT_LOCK(self);
-  const Settings settings = priv->settings;
+  const SaliencySettings settings = priv->settings;
   GST_OBJECT_UNLOCK(self);
 
   // Backwards, sources and decoders mark frames that do follow each other in this order.
@@ -459,139 +408,27 @@ gst_saliency_tactile_stop(GstBaseTransform *transform)
 static void
 gst_saliency_tactile_set_property(GObject *object, guint id, const GValue *value, GParamSpec *pspec)
 {
-  Settings &settings = GST_SALIENCY_TACTILE(object)->priv->settings;
+  GstSaliencyTactile *self = GST_SALIENCY_TACTILE(object);
   GST_OBJECT_LOCK(object);
-  switch (id) {
-  case PROP_PROFILE:
-    settings.profile = static_cast<ProfileName>(g_value_get_enum(value));
-    break;
-  case PROP_ROWS:
-    settings.rows = static_cast<int>(g_value_get_uint(value));
-    break;
-  case PROP_COLUMNS:
-    settings.columns = static_cast<int>(g_value_get_uint(value));
-    break;
-  case PROP_TEMPORAL:
-    settings.temporal = g_value_get_boolean(value);
-    break;
-  case PROP_THRESHOLD:
-    settings.threshold = g_value_get_double(value);
-    break;
-  case PROP_FLOOR:
-    settings.floor = g_value_get_double(value);
-    break;
-  case PROP_ATTACH_SALIENCY:
-    settings.attach_saliency = g_value_get_boolean(value);
-    break;
-  case PROP_MAX_RATE:
-    settings.max_rate = g_value_get_double(value);
-    break;
-  default:
-    G_OBJECT_WARN_INVALID_PROPERTY_ID(object, id, pspec);
-    break;
-  }
+  const bool known = self->priv->settings.set(id, value);
   GST_OBJECT_UNLOCK(object);
+  if (!known)
+    G_OBJECT_WARN_INVALID_PROPERTY_ID(object, id, pspec);
 }
 
 static void
 gst_saliency_tactile_get_property(GObject *object, guint id, GValue *value, GParamSpec *pspec)
 {
-  const Settings &settings = GST_SALIENCY_TACTILE(object)->priv->settings;
-
-  if (id == PROP_STATS) {
-    g_value_take_boxed(value, gst_saliency_tactile_stats(GST_SALIENCY_TACTILE(object)));
+  GstSaliencyTactile *self = GST_SALIENCY_TACTILE(object);
+  if (id == SALIENCY_PROP_STATS) {
+    g_value_take_boxed(value, gst_saliency_tactile_stats(self));
     return;
   }
-
   GST_OBJECT_LOCK(object);
-  switch (id) {
-  case PROP_PROFILE:
-    g_value_set_enum(value, static_cast<gint>(settings.profile));
-    break;
-  case PROP_ROWS:
-    g_value_set_uint(value, static_cast<guint>(settings.rows));
-    break;
-  case PROP_COLUMNS:
-    g_value_set_uint(value, static_cast<guint>(settings.columns));
-    break;
-  case PROP_TEMPORAL:
-    g_value_set_boolean(value, settings.temporal);
-    break;
-  case PROP_THRESHOLD:
-    g_value_set_double(value, settings.threshold);
-    break;
-  case PROP_FLOOR:
-    g_value_set_double(value, settings.floor);
-    break;
-  case PROP_ATTACH_SALIENCY:
-    g_value_set_boolean(value, settings.attach_saliency);
-    break;
-  case PROP_MAX_RATE:
-    g_value_set_double(value, settings.max_rate);
-    break;
-  default:
-    G_OBJECT_WARN_INVALID_PROPERTY_ID(object, id, pspec);
-    break;
-  }
+  const bool known = self->priv->settings.get(id, value);
   GST_OBJECT_UNLOCK(object);
-}
-
-static void
-gst_saliency_tactile_install_properties(GObjectClass *klass)
-{
-  const auto playing = static_cast<GParamFlags>(G_PARAM_READWRITE | G_PARAM_STATIC_STRINGS
-                                                | GST_PARAM_MUTABLE_PLAYING);
-  const auto controllable = static_cast<GParamFlags>(playing | GST_PARAM_CONTROLLABLE);
-  const Settings defaults;
-
-  g_object_class_install_property(klass, PROP_PROFILE,
-                                  g_param_spec_enum("profile", "Profile",
-                                                    "How saliency is computed",
-                                                    GST_TYPE_SALIENCY_TACTILE_PROFILE,
-                                                    static_cast<gint>(defaults.profile), playing));
-  g_object_class_install_property(klass, PROP_ROWS,
-                                  g_param_spec_uint("rows", "Rows", "Rows of the tactile map",
-                                                    tactile::kMinGridSide, tactile::kMaxGridSide,
-                                                    static_cast<guint>(defaults.rows), playing));
-  g_object_class_install_property(
-      klass, PROP_COLUMNS,
-      g_param_spec_uint("columns", "Columns", "Columns of the tactile map", tactile::kMinGridSide,
-                        tactile::kMaxGridSide, static_cast<guint>(defaults.columns), playing));
-  g_object_class_install_property(
-      klass, PROP_TEMPORAL,
-      g_param_spec_boolean("temporal", "Temporal",
-                           "Feel what changes (spatiotemporal saliency) rather than what stands "
-                           "out in a still picture (spatial saliency)",
-                           defaults.temporal, controllable));
-  g_object_class_install_property(
-      klass, PROP_THRESHOLD,
-      g_param_spec_double("threshold", "Threshold",
-                          "Share of the frame's maximum saliency below which nothing is felt", 0, 1,
-                          defaults.threshold, controllable));
-  g_object_class_install_property(
-      klass, PROP_FLOOR,
-      g_param_spec_double("floor", "Floor",
-                          "Event contrast in CIE Delta E up to which a frame is silent whatever "
-                          "its maximum (-1 = the profile's own)",
-                          kProfileFloor, 1000, defaults.floor, controllable));
-  g_object_class_install_property(
-      klass, PROP_ATTACH_SALIENCY,
-      g_param_spec_boolean("attach-saliency", "Attach saliency",
-                           "Add the saliency map to each frame too, as a GstSaliencyMeta",
-                           defaults.attach_saliency, playing));
-  g_object_class_install_property(
-      klass, PROP_MAX_RATE,
-      g_param_spec_double(
-          "max-rate", "Maximum rate",
-          "Analyse at most this many frames per second; the others repeat the last map (0 = all)",
-          0, 1000, defaults.max_rate, playing));
-  g_object_class_install_property(
-      klass, PROP_STATS,
-      g_param_spec_boxed("stats", "Statistics",
-                         "Frames passed, analysed and active (any level above 0); mean and longest "
-                         "analysis time in ns",
-                         GST_TYPE_STRUCTURE,
-                         static_cast<GParamFlags>(G_PARAM_READABLE | G_PARAM_STATIC_STRINGS)));
+  if (!known)
+    G_OBJECT_WARN_INVALID_PROPERTY_ID(object, id, pspec);
 }
 
 static void
@@ -611,7 +448,7 @@ gst_saliency_tactile_class_init(GstSaliencyTactileClass *klass)
   object_class->set_property = gst_saliency_tactile_set_property;
   object_class->get_property = gst_saliency_tactile_get_property;
   object_class->finalize = gst_saliency_tactile_finalize;
-  gst_saliency_tactile_install_properties(object_class);
+  SaliencySettings::install(object_class);
 
   gst_element_class_set_static_metadata(
       element_class, "Saliency to touch", "Filter/Analyzer/Video",
@@ -619,7 +456,6 @@ gst_saliency_tactile_class_init(GstSaliencyTactileClass *klass)
       "The visuotactile authors");
   gst_element_class_add_static_pad_template(element_class, &sink_template);
   gst_element_class_add_static_pad_template(element_class, &src_template);
-  gst_type_mark_as_plugin_api(GST_TYPE_SALIENCY_TACTILE_PROFILE, static_cast<GstPluginAPIFlags>(0));
 
   transform_class->set_caps = gst_saliency_tactile_set_caps;
   transform_class->sink_event = gst_saliency_tactile_sink_event;
