@@ -14,11 +14,18 @@
  * literally; the default, `profile=tuned`, feels what appears or moves, and neither what went away
  * nor sensor noise.
  *
+ * Regions that elements upstream have found (#GstVideoRegionOfInterestMeta) raise or lower saliency
+ * by `roi-weights`. `viewport=adaptive` lets the grid cover the part of the picture in which things
+ * have lately happened. `max-cue-duration` and `cue-refractory` limit how long a tactor is felt and
+ * how soon again.
+ *
  * ## Example launch lines
  * |[
  * gst-launch-1.0 tactiletestsrc num-buffers=150 ! saliencytactile ! tactileoverlay ! videoconvert ! autovideosink
  * gst-launch-1.0 tactiletestsrc num-buffers=150 ! saliencytactile rows=4 columns=6 attach-saliency=true ! \
  *     tactileoverlay style=heatmap ! videoconvert ! autovideosink
+ * gst-launch-1.0 tactiletestsrc num-buffers=150 ! saliencytactile roi-weights="tactile-target=0.5" \
+ *     viewport=adaptive max-cue-duration=1000000000 ! tactileoverlay ! videoconvert ! autovideosink
  * ]|
  *
  * ## Messages
@@ -29,20 +36,27 @@
 #include "gstsaliencytactile.h"
 
 #include "framemapping.h"
+#include "regionsofinterest.h"
 #include "saliency/analyzer.h"
+#include "saliency/top_down_saliency.h"
 #include "saliencysettings.h"
+#include "tactile/cue_limiter.h"
 #include "tactile/tactile_mapping.h"
+#include "tactile/viewport.h"
 
 #include <gst/tactile/tactile.h>
 
 #include <algorithm>
 #include <chrono>
 #include <optional>
+#include <string>
 #include <utility>
 #include <vector>
 
 GST_DEBUG_CATEGORY_STATIC(saliency_tactile_debug);
 #define GST_CAT_DEFAULT saliency_tactile_debug
+
+#define ROI_WEIGHTS_FORM "write them as type=weight,type=weight, for example face=3,logo=0"
 
 namespace {
 
@@ -93,7 +107,10 @@ struct GstSaliencyTactilePrivate
   bool negotiated = false;
   ProfileName profile = ProfileName::tuned; ///< of the analyzer
   std::optional<saliency::Analyzer> analyzer;
-  tactile::TactileMap map;
+  std::optional<saliency::TopDownSaliency> top_down; ///< there when the analyzer is
+  tactile::AdaptiveViewport viewport;
+  tactile::TactileMap map; ///< of the last analysis
+  tactile::CueLimiter limiter;
   std::vector<gfloat> saliency; ///< packed copy of the last saliency map
   guint saliency_width = 0;
   guint saliency_height = 0;
@@ -128,6 +145,19 @@ static GstStaticPadTemplate src_template
 
 /* ---- analysis (streaming thread) ---- */
 
+/// Forgets what went before: what comes does not follow it.
+static void
+gst_saliency_tactile_forget(GstSaliencyTactile *self)
+{
+  GstSaliencyTactilePrivate *priv = self->priv;
+  if (priv->analyzer) {
+    priv->analyzer->reset();
+    priv->top_down->reset();
+  }
+  priv->viewport.reset();
+  priv->limiter.reset();
+}
+
 /// Time and duration of a frame on a time line that rises even where the film is played backwards.
 static void
 gst_saliency_tactile_times(GstSaliencyTactile *self, GstBuffer *buffer, saliency::Time &time,
@@ -154,6 +184,20 @@ gst_saliency_tactile_times(GstSaliencyTactile *self, GstBuffer *buffer, saliency
   priv->next_time = time + duration;
 }
 
+/// The saliency map as what detectors have found says that it counts.
+static const cv::Mat &
+gst_saliency_tactile_weigh(GstSaliencyTactile *self, const SaliencySettings &settings,
+                           GstBuffer *buffer, const FrameMapping &mapping,
+                           const saliency::Saliency &found, saliency::Time time)
+{
+  if (!settings.roi_weights)
+    return found.map;
+  const saliency::FrameView &frame = mapping.view();
+  return self->priv->top_down->compute(
+      found, { frame.width, frame.height },
+      regions_of_interest(buffer, mapping.left(), mapping.top(), *settings.roi_weights), time);
+}
+
 static void
 gst_saliency_tactile_analyse(GstSaliencyTactile *self, const SaliencySettings &settings,
                              GstBuffer *buffer, saliency::Time time, saliency::Time duration)
@@ -176,16 +220,23 @@ gst_saliency_tactile_analyse(GstSaliencyTactile *self, const SaliencySettings &s
 
   const saliency::Saliency &found
       = priv->analyzer->analyze(mapping.view(), time, duration, settings.temporal);
+  const cv::Mat &saliency
+      = gst_saliency_tactile_weigh(self, settings, buffer, mapping, found, time);
   const tactile::MappingSettings how = make_mapping(settings);
-  const tactile::SaliencyView view{ .values = found.map.ptr<float>(),
-                                    .width = found.map.cols,
-                                    .height = found.map.rows,
-                                    .stride = static_cast<std::ptrdiff_t>(found.map.step1()),
+  const tactile::SaliencyView view{ .values = saliency.ptr<float>(),
+                                    .width = saliency.cols,
+                                    .height = saliency.rows,
+                                    .stride = static_cast<std::ptrdiff_t>(saliency.step1()),
                                     .horizontal = { found.picture.x, found.picture.width },
                                     .vertical = { found.picture.y, found.picture.height } };
+  tactile::Viewport viewport;
+  if (settings.viewport == ViewportMode::adaptive)
+    viewport = priv->viewport.follow(view, how.floor, how.threshold, time);
+  else
+    priv->viewport.reset();
   if (priv->map.rows != settings.rows || priv->map.columns != settings.columns)
     priv->map = tactile::TactileMap(settings.rows, settings.columns);
-  tactile::map_saliency(view, how, priv->map);
+  tactile::map_saliency(view, how, priv->map, viewport);
 
   if (settings.attach_saliency) {
     priv->saliency_width = static_cast<guint>(view.width);
@@ -262,9 +313,8 @@ gst_saliency_tactile_transform_ip(GstBaseTransform *transform, GstBuffer *buffer
   GST_OBJECT_UNLOCK(self);
 
   // Backwards, sources and decoders mark frames that do follow each other in this order.
-  if (GST_BUFFER_FLAG_IS_SET(buffer, GST_BUFFER_FLAG_DISCONT) && transform->segment.rate > 0
-      && priv->analyzer)
-    priv->analyzer->reset();
+  if (GST_BUFFER_FLAG_IS_SET(buffer, GST_BUFFER_FLAG_DISCONT) && transform->segment.rate > 0)
+    gst_saliency_tactile_forget(self);
 
   saliency::Time time;
   saliency::Time duration;
@@ -281,7 +331,9 @@ gst_saliency_tactile_transform_ip(GstBaseTransform *transform, GstBuffer *buffer
       const GstClockTime begin = gst_util_get_timestamp();
       if (!priv->analyzer || priv->profile != settings.profile) {
         priv->profile = settings.profile;
-        priv->analyzer.emplace(make_profile(settings.profile));
+        const saliency::Profile profile = make_profile(settings.profile);
+        priv->top_down.emplace(profile);
+        priv->analyzer.emplace(profile);
       }
       const saliency::Time period = analysis_period(settings.max_rate);
       gst_saliency_tactile_analyse(self, settings, buffer, time, std::max(duration, period));
@@ -292,17 +344,18 @@ gst_saliency_tactile_transform_ip(GstBaseTransform *transform, GstBuffer *buffer
     }
   }
 
-  gst_buffer_add_tactile_meta(buffer, static_cast<guint>(priv->map.rows),
-                              static_cast<guint>(priv->map.columns), priv->map.levels.data(),
-                              priv->map.levels.size());
+  tactile::TactileMap felt = priv->map;
+  priv->limiter.limit(felt, time, settings.cue_limits);
+  gst_buffer_add_tactile_meta(buffer, static_cast<guint>(felt.rows),
+                              static_cast<guint>(felt.columns), felt.levels.data(),
+                              felt.levels.size());
   gst_saliency_tactile_attach_saliency(self, settings, buffer);
 
   GST_OBJECT_LOCK(self);
   Statistics &stats = priv->stats;
   stats.frames++;
   stats.analysed += analyse ? 1 : 0;
-  stats.active
-      += std::ranges::any_of(priv->map.levels, [](float level) { return level > 0; }) ? 1 : 0;
+  stats.active += std::ranges::any_of(felt.levels, [](float level) { return level > 0; }) ? 1 : 0;
   stats.busy += spent;
   stats.longest = std::max(stats.longest, spent);
   GST_OBJECT_UNLOCK(self);
@@ -336,8 +389,7 @@ static void
 gst_saliency_tactile_reset(GstSaliencyTactile *self)
 {
   GstSaliencyTactilePrivate *priv = self->priv;
-  if (priv->analyzer)
-    priv->analyzer->reset();
+  gst_saliency_tactile_forget(self);
   priv->map = {};
   priv->saliency.clear();
   priv->next_analysis.reset();
@@ -386,6 +438,15 @@ static gboolean
 gst_saliency_tactile_start(GstBaseTransform *transform)
 {
   GstSaliencyTactile *self = GST_SALIENCY_TACTILE(transform);
+  GST_OBJECT_LOCK(self);
+  const std::string weights_error = self->priv->settings.roi_weights_error;
+  GST_OBJECT_UNLOCK(self);
+  if (!weights_error.empty()) {
+    GST_ELEMENT_ERROR(self, LIBRARY, SETTINGS,
+                      ("roi-weights cannot be read: %s.", weights_error.c_str()),
+                      (ROI_WEIGHTS_FORM));
+    return FALSE;
+  }
   self->priv->negotiated = false;
   self->priv->warned_map = self->priv->warned_size = false;
   self->priv->analyzer.reset();
@@ -411,9 +472,13 @@ gst_saliency_tactile_set_property(GObject *object, guint id, const GValue *value
   GstSaliencyTactile *self = GST_SALIENCY_TACTILE(object);
   GST_OBJECT_LOCK(object);
   const bool known = self->priv->settings.set(id, value);
+  const std::string error = self->priv->settings.roi_weights_error;
   GST_OBJECT_UNLOCK(object);
   if (!known)
     G_OBJECT_WARN_INVALID_PROPERTY_ID(object, id, pspec);
+  if (id == SALIENCY_PROP_ROI_WEIGHTS && !error.empty())
+    GST_ELEMENT_WARNING(self, LIBRARY, SETTINGS,
+                        ("roi-weights stay as they were: %s.", error.c_str()), (ROI_WEIGHTS_FORM));
 }
 
 static void

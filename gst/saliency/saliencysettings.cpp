@@ -3,6 +3,8 @@
 
 #include "tactile/tactile_map.h"
 
+#include <exception>
+
 namespace {
 
 #define GST_TYPE_SALIENCY_TACTILE_PROFILE (gst_saliency_tactile_profile_get_type())
@@ -19,6 +21,37 @@ gst_saliency_tactile_profile_get_type(void)
   if (g_once_init_enter(&type))
     g_once_init_leave(&type, g_enum_register_static("GstSaliencyTactileProfile", values));
   return type;
+}
+
+#define GST_TYPE_SALIENCY_TACTILE_VIEWPORT (gst_saliency_tactile_viewport_get_type())
+GType
+gst_saliency_tactile_viewport_get_type(void)
+{
+  static gsize type = 0;
+  static const GEnumValue values[] = {
+    { static_cast<gint>(ViewportMode::fixed), "The whole picture", "fixed" },
+    { static_cast<gint>(ViewportMode::adaptive),
+      "The part of the picture in which things have lately happened", "adaptive" },
+    { 0, nullptr, nullptr },
+  };
+  if (g_once_init_enter(&type))
+    g_once_init_leave(&type, g_enum_register_static("GstSaliencyTactileViewport", values));
+  return type;
+}
+
+/// Times beyond this, thirty years, are taken as that: sums of them do not overflow.
+constexpr guint64 kLongest = 1'000'000'000'000'000'000;
+
+tactile::Time
+time_from_value(const GValue *value)
+{
+  return tactile::Time(static_cast<gint64>(MIN(g_value_get_uint64(value), kLongest)));
+}
+
+void
+time_to_value(tactile::Time time, GValue *value)
+{
+  g_value_set_uint64(value, static_cast<guint64>(time.count()));
 }
 
 } // namespace
@@ -62,6 +95,32 @@ SaliencySettings::install(GObjectClass *klass)
                           "its maximum (-1 = the profile's own)",
                           kProfileFloor, 1000, defaults.floor, controllable));
   g_object_class_install_property(
+      klass, SALIENCY_PROP_ROI_WEIGHTS,
+      g_param_spec_string(
+          "roi-weights", "Region of interest weights",
+          "What saliency is multiplied by inside GstVideoRegionOfInterestMeta, by their type, 0 to "
+          "10 each: type=weight,... with * for any other type (unset: 1 each)",
+          nullptr, playing));
+  g_object_class_install_property(klass, SALIENCY_PROP_VIEWPORT,
+                                  g_param_spec_enum("viewport", "Viewport",
+                                                    "The part of the picture that the grid covers",
+                                                    GST_TYPE_SALIENCY_TACTILE_VIEWPORT,
+                                                    static_cast<gint>(defaults.viewport), playing));
+  g_object_class_install_property(
+      klass, SALIENCY_PROP_MAX_CUE_DURATION,
+      g_param_spec_uint64("max-cue-duration", "Maximum cue duration",
+                          "How long in ns a cell is felt without a break before it is silent until "
+                          "it was at rest or something clearly stronger comes (0 = unlimited)",
+                          0, G_MAXUINT64,
+                          static_cast<guint64>(defaults.cue_limits.max_duration.count()), playing));
+  g_object_class_install_property(
+      klass, SALIENCY_PROP_CUE_REFRACTORY,
+      g_param_spec_uint64("cue-refractory", "Cue refractory time",
+                          "Time in ns after the end of a cue in which its cell is not felt again "
+                          "(0 = none)",
+                          0, G_MAXUINT64,
+                          static_cast<guint64>(defaults.cue_limits.refractory.count()), playing));
+  g_object_class_install_property(
       klass, SALIENCY_PROP_ATTACH_SALIENCY,
       g_param_spec_boolean("attach-saliency", "Attach saliency",
                            "Add the saliency map to each frame too, as a GstSaliencyMeta",
@@ -80,6 +139,8 @@ SaliencySettings::install(GObjectClass *klass)
                          GST_TYPE_STRUCTURE,
                          static_cast<GParamFlags>(G_PARAM_READABLE | G_PARAM_STATIC_STRINGS)));
   gst_type_mark_as_plugin_api(GST_TYPE_SALIENCY_TACTILE_PROFILE, static_cast<GstPluginAPIFlags>(0));
+  gst_type_mark_as_plugin_api(GST_TYPE_SALIENCY_TACTILE_VIEWPORT,
+                              static_cast<GstPluginAPIFlags>(0));
 }
 
 bool
@@ -103,6 +164,24 @@ SaliencySettings::set(guint id, const GValue *value)
     break;
   case SALIENCY_PROP_FLOOR:
     floor = g_value_get_double(value);
+    break;
+  case SALIENCY_PROP_ROI_WEIGHTS:
+    roi_weights_error.clear();
+    try {
+      const gchar *text = g_value_get_string(value);
+      roi_weights = text ? std::make_shared<saliency::RegionWeights>(text) : nullptr;
+    } catch (const std::exception &e) {
+      roi_weights_error = e.what();
+    }
+    break;
+  case SALIENCY_PROP_VIEWPORT:
+    viewport = static_cast<ViewportMode>(g_value_get_enum(value));
+    break;
+  case SALIENCY_PROP_MAX_CUE_DURATION:
+    cue_limits.max_duration = time_from_value(value);
+    break;
+  case SALIENCY_PROP_CUE_REFRACTORY:
+    cue_limits.refractory = time_from_value(value);
     break;
   case SALIENCY_PROP_ATTACH_SALIENCY:
     attach_saliency = g_value_get_boolean(value);
@@ -137,6 +216,18 @@ SaliencySettings::get(guint id, GValue *value) const
     break;
   case SALIENCY_PROP_FLOOR:
     g_value_set_double(value, floor);
+    break;
+  case SALIENCY_PROP_ROI_WEIGHTS:
+    g_value_set_string(value, roi_weights ? roi_weights->text().c_str() : nullptr);
+    break;
+  case SALIENCY_PROP_VIEWPORT:
+    g_value_set_enum(value, static_cast<gint>(viewport));
+    break;
+  case SALIENCY_PROP_MAX_CUE_DURATION:
+    time_to_value(cue_limits.max_duration, value);
+    break;
+  case SALIENCY_PROP_CUE_REFRACTORY:
+    time_to_value(cue_limits.refractory, value);
     break;
   case SALIENCY_PROP_ATTACH_SALIENCY:
     g_value_set_boolean(value, attach_saliency);
