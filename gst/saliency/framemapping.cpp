@@ -46,22 +46,20 @@ FrameMapping::FrameMapping(const GstVideoInfo &info, GstBuffer *buffer)
     return;
   const GstVideoFormatInfo *format = frame_.info.finfo;
 
-  int left = 0;
-  int top = 0;
   view_.width = GST_VIDEO_FRAME_WIDTH(&frame_);
   view_.height = GST_VIDEO_INFO_FIELD_HEIGHT(&frame_.info); // alternate fields come one a buffer
   if (const GstVideoCropMeta *crop = gst_buffer_get_video_crop_meta(buffer)) {
     // Chroma is cut at whole samples: the window begins at an even pixel.
     const int align_x = 1 << std::max(GST_VIDEO_FORMAT_INFO_W_SUB(format, 1), 0u);
     const int align_y = 1 << std::max(GST_VIDEO_FORMAT_INFO_H_SUB(format, 1), 0u);
-    left = static_cast<int>(std::min<guint>(crop->x, static_cast<guint>(view_.width - 1))) / align_x
-           * align_x;
-    top = static_cast<int>(std::min<guint>(crop->y, static_cast<guint>(view_.height - 1))) / align_y
-          * align_y;
+    left_ = static_cast<int>(std::min<guint>(crop->x, static_cast<guint>(view_.width - 1)))
+            / align_x * align_x;
+    top_ = static_cast<int>(std::min<guint>(crop->y, static_cast<guint>(view_.height - 1)))
+           / align_y * align_y;
     view_.width = std::clamp(static_cast<int>(std::min<guint>(crop->width, G_MAXINT)), 1,
-                             view_.width - left);
+                             view_.width - left_);
     view_.height = std::clamp(static_cast<int>(std::min<guint>(crop->height, G_MAXINT)), 1,
-                              view_.height - top);
+                              view_.height - top_);
   }
 
   view_.model = color_model(format);
@@ -82,8 +80,8 @@ FrameMapping::FrameMapping(const GstVideoInfo &info, GstBuffer *buffer)
     const int misplaced
         = view_.depth > 8 ? static_cast<int>(GST_VIDEO_FORMAT_INFO_POFFSET(format, i) & 1) : 0;
     component.data = static_cast<const std::uint8_t *>(GST_VIDEO_FRAME_COMP_DATA(&frame_, i))
-                     + misplaced + (top >> h_sub) * component.row_stride
-                     + static_cast<std::ptrdiff_t>(left >> w_sub) * component.pixel_stride;
+                     + misplaced + (top_ >> h_sub) * component.row_stride
+                     + static_cast<std::ptrdiff_t>(left_ >> w_sub) * component.pixel_stride;
     component.width = GST_VIDEO_SUB_SCALE(w_sub, view_.width);
     component.height = GST_VIDEO_SUB_SCALE(h_sub, view_.height);
   }

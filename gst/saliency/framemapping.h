@@ -32,8 +32,20 @@ public:
     return view_;
   }
 
+  /// The pixel of the frame at which the view begins.
+  int left() const
+  {
+    return left_;
+  }
+  int top() const
+  {
+    return top_;
+  }
+
 private:
   GstVideoFrame frame_;
   bool mapped_;
+  int left_ = 0;
+  int top_ = 0;
   saliency::FrameView view_;
 };

@@ -14,11 +14,18 @@
  * literally; the default, `profile=tuned`, feels what appears or moves, and neither what went away
  * nor sensor noise.
  *
+ * Regions that elements upstream have found (#GstVideoRegionOfInterestMeta) raise or lower saliency
+ * by `roi-weights`. `viewport=adaptive` lets the grid cover the part of the picture in which things
+ * have lately happened. `max-cue-duration` and `cue-refractory` limit how long a tactor is felt and
+ * how soon again.
+ *
  * ## Example launch lines
  * |[
  * gst-launch-1.0 tactiletestsrc num-buffers=150 ! saliencytactile ! tactileoverlay ! videoconvert ! autovideosink
  * gst-launch-1.0 tactiletestsrc num-buffers=150 ! saliencytactile rows=4 columns=6 attach-saliency=true ! \
  *     tactileoverlay style=heatmap ! videoconvert ! autovideosink
+ * gst-launch-1.0 tactiletestsrc num-buffers=150 ! saliencytactile roi-weights="tactile-target=0.5" \
+ *     viewport=adaptive max-cue-duration=1000000000 ! tactileoverlay ! videoconvert ! autovideosink
  * ]|
  *
  * ## Messages
@@ -29,57 +36,29 @@
 #include "gstsaliencytactile.h"
 
 #include "framemapping.h"
+#include "regionsofinterest.h"
 #include "saliency/analyzer.h"
+#include "saliency/top_down_saliency.h"
+#include "saliencysettings.h"
+#include "tactile/cue_limiter.h"
 #include "tactile/tactile_mapping.h"
+#include "tactile/viewport.h"
 
 #include <gst/tactile/tactile.h>
 
 #include <algorithm>
 #include <chrono>
 #include <optional>
+#include <string>
 #include <utility>
 #include <vector>
 
 GST_DEBUG_CATEGORY_STATIC(saliency_tactile_debug);
 #define GST_CAT_DEFAULT saliency_tactile_debug
 
+#define ROI_WEIGHTS_FORM "write them as type=weight,type=weight, for example face=3,logo=0"
+
 namespace {
-
-enum
-{
-  PROP_0,
-  PROP_PROFILE,
-  PROP_ROWS,
-  PROP_COLUMNS,
-  PROP_TEMPORAL,
-  PROP_THRESHOLD,
-  PROP_FLOOR,
-  PROP_ATTACH_SALIENCY,
-  PROP_MAX_RATE,
-  PROP_STATS,
-};
-
-enum class ProfileName
-{
-  tuned,
-  paper,
-};
-
-/// A floor that is not set is the profile's own.
-constexpr double kProfileFloor = -1;
-
-/// What the user sets; guarded by the object lock.
-struct Settings
-{
-  ProfileName profile = ProfileName::tuned;
-  int rows = 3;
-  int columns = 3;
-  bool temporal = true;
-  double threshold = 0.5;
-  double floor = kProfileFloor;
-  bool attach_saliency = false;
-  double max_rate = 0;
-};
 
 struct Statistics
 {
@@ -97,7 +76,7 @@ make_profile(ProfileName name)
 }
 
 tactile::MappingSettings
-make_mapping(const Settings &settings)
+make_mapping(const SaliencySettings &settings)
 {
   using tactile::MappingSettings;
   MappingSettings mapping = settings.profile == ProfileName::paper ? MappingSettings::paper()
@@ -120,15 +99,18 @@ analysis_period(double max_rate)
 
 struct GstSaliencyTactilePrivate
 {
-  Settings settings; ///< object lock
-  Statistics stats;  ///< object lock
+  SaliencySettings settings; ///< object lock
+  Statistics stats;          ///< object lock
 
   // Streaming thread only.
   GstVideoInfo info;
   bool negotiated = false;
   ProfileName profile = ProfileName::tuned; ///< of the analyzer
   std::optional<saliency::Analyzer> analyzer;
-  tactile::TactileMap map;
+  std::optional<saliency::TopDownSaliency> top_down; ///< there when the analyzer is
+  tactile::AdaptiveViewport viewport;
+  tactile::TactileMap map; ///< of the last analysis
+  tactile::CueLimiter limiter;
   std::vector<gfloat> saliency; ///< packed copy of the last saliency map
   guint saliency_width = 0;
   guint saliency_height = 0;
@@ -161,23 +143,20 @@ static GstStaticPadTemplate sink_template
 static GstStaticPadTemplate src_template
     = GST_STATIC_PAD_TEMPLATE("src", GST_PAD_SRC, GST_PAD_ALWAYS, GST_STATIC_CAPS(SALIENCY_CAPS));
 
-#define GST_TYPE_SALIENCY_TACTILE_PROFILE (gst_saliency_tactile_profile_get_type())
-static GType
-gst_saliency_tactile_profile_get_type(void)
-{
-  static gsize type = 0;
-  static const GEnumValue values[] = {
-    { static_cast<gint>(ProfileName::tuned),
-      "What measures best: onsets only, absolute floor, perceptual gain", "tuned" },
-    { static_cast<gint>(ProfileName::paper), "Kim, Lee, Choi 2012, taken literally", "paper" },
-    { 0, nullptr, nullptr },
-  };
-  if (g_once_init_enter(&type))
-    g_once_init_leave(&type, g_enum_register_static("GstSaliencyTactileProfile", values));
-  return type;
-}
-
 /* ---- analysis (streaming thread) ---- */
+
+/// Forgets what went before: what comes does not follow it.
+static void
+gst_saliency_tactile_forget(GstSaliencyTactile *self)
+{
+  GstSaliencyTactilePrivate *priv = self->priv;
+  if (priv->analyzer) {
+    priv->analyzer->reset();
+    priv->top_down->reset();
+  }
+  priv->viewport.reset();
+  priv->limiter.reset();
+}
 
 /// Time and duration of a frame on a time line that rises even where the film is played backwards.
 static void
@@ -205,9 +184,23 @@ gst_saliency_tactile_times(GstSaliencyTactile *self, GstBuffer *buffer, saliency
   priv->next_time = time + duration;
 }
 
+/// The saliency map as what detectors have found says that it counts.
+static const cv::Mat &
+gst_saliency_tactile_weigh(GstSaliencyTactile *self, const SaliencySettings &settings,
+                           GstBuffer *buffer, const FrameMapping &mapping,
+                           const saliency::Saliency &found, saliency::Time time)
+{
+  if (!settings.roi_weights)
+    return found.map;
+  const saliency::FrameView &frame = mapping.view();
+  return self->priv->top_down->compute(
+      found, { frame.width, frame.height },
+      regions_of_interest(buffer, mapping.left(), mapping.top(), *settings.roi_weights), time);
+}
+
 static void
-gst_saliency_tactile_analyse(GstSaliencyTactile *self, const Settings &settings, GstBuffer *buffer,
-                             saliency::Time time, saliency::Time duration)
+gst_saliency_tactile_analyse(GstSaliencyTactile *self, const SaliencySettings &settings,
+                             GstBuffer *buffer, saliency::Time time, saliency::Time duration)
 {
   GstSaliencyTactilePrivate *priv = self->priv;
 
@@ -227,16 +220,23 @@ gst_saliency_tactile_analyse(GstSaliencyTactile *self, const Settings &settings,
 
   const saliency::Saliency &found
       = priv->analyzer->analyze(mapping.view(), time, duration, settings.temporal);
+  const cv::Mat &saliency
+      = gst_saliency_tactile_weigh(self, settings, buffer, mapping, found, time);
   const tactile::MappingSettings how = make_mapping(settings);
-  const tactile::SaliencyView view{ .values = found.map.ptr<float>(),
-                                    .width = found.map.cols,
-                                    .height = found.map.rows,
-                                    .stride = static_cast<std::ptrdiff_t>(found.map.step1()),
+  const tactile::SaliencyView view{ .values = saliency.ptr<float>(),
+                                    .width = saliency.cols,
+                                    .height = saliency.rows,
+                                    .stride = static_cast<std::ptrdiff_t>(saliency.step1()),
                                     .horizontal = { found.picture.x, found.picture.width },
                                     .vertical = { found.picture.y, found.picture.height } };
+  tactile::Viewport viewport;
+  if (settings.viewport == ViewportMode::adaptive)
+    viewport = priv->viewport.follow(view, how.floor, how.threshold, time);
+  else
+    priv->viewport.reset();
   if (priv->map.rows != settings.rows || priv->map.columns != settings.columns)
     priv->map = tactile::TactileMap(settings.rows, settings.columns);
-  tactile::map_saliency(view, how, priv->map);
+  tactile::map_saliency(view, how, priv->map, viewport);
 
   if (settings.attach_saliency) {
     priv->saliency_width = static_cast<guint>(view.width);
@@ -280,7 +280,7 @@ gst_saliency_tactile_is_due(GstSaliencyTactile *self, double max_rate, saliency:
 }
 
 static void
-gst_saliency_tactile_attach_saliency(GstSaliencyTactile *self, const Settings &settings,
+gst_saliency_tactile_attach_saliency(GstSaliencyTactile *self, const SaliencySettings &settings,
                                      GstBuffer *buffer)
 {
   GstSaliencyTactilePrivate *priv = self->priv;
@@ -309,13 +309,12 @@ gst_saliency_tactile_transform_ip(GstBaseTransform *transform, GstBuffer *buffer
 
   gst_saliency_tactile_sync_values(self, buffer);
   GST_OBJECT_LOCK(self);
-  const Settings settings = priv->settings;
+  const SaliencySettings settings = priv->settings;
   GST_OBJECT_UNLOCK(self);
 
   // Backwards, sources and decoders mark frames that do follow each other in this order.
-  if (GST_BUFFER_FLAG_IS_SET(buffer, GST_BUFFER_FLAG_DISCONT) && transform->segment.rate > 0
-      && priv->analyzer)
-    priv->analyzer->reset();
+  if (GST_BUFFER_FLAG_IS_SET(buffer, GST_BUFFER_FLAG_DISCONT) && transform->segment.rate > 0)
+    gst_saliency_tactile_forget(self);
 
   saliency::Time time;
   saliency::Time duration;
@@ -332,7 +331,9 @@ gst_saliency_tactile_transform_ip(GstBaseTransform *transform, GstBuffer *buffer
       const GstClockTime begin = gst_util_get_timestamp();
       if (!priv->analyzer || priv->profile != settings.profile) {
         priv->profile = settings.profile;
-        priv->analyzer.emplace(make_profile(settings.profile));
+        const saliency::Profile profile = make_profile(settings.profile);
+        priv->top_down.emplace(profile);
+        priv->analyzer.emplace(profile);
       }
       const saliency::Time period = analysis_period(settings.max_rate);
       gst_saliency_tactile_analyse(self, settings, buffer, time, std::max(duration, period));
@@ -343,17 +344,18 @@ gst_saliency_tactile_transform_ip(GstBaseTransform *transform, GstBuffer *buffer
     }
   }
 
-  gst_buffer_add_tactile_meta(buffer, static_cast<guint>(priv->map.rows),
-                              static_cast<guint>(priv->map.columns), priv->map.levels.data(),
-                              priv->map.levels.size());
+  tactile::TactileMap felt = priv->map;
+  priv->limiter.limit(felt, time, settings.cue_limits);
+  gst_buffer_add_tactile_meta(buffer, static_cast<guint>(felt.rows),
+                              static_cast<guint>(felt.columns), felt.levels.data(),
+                              felt.levels.size());
   gst_saliency_tactile_attach_saliency(self, settings, buffer);
 
   GST_OBJECT_LOCK(self);
   Statistics &stats = priv->stats;
   stats.frames++;
   stats.analysed += analyse ? 1 : 0;
-  stats.active
-      += std::ranges::any_of(priv->map.levels, [](float level) { return level > 0; }) ? 1 : 0;
+  stats.active += std::ranges::any_of(felt.levels, [](float level) { return level > 0; }) ? 1 : 0;
   stats.busy += spent;
   stats.longest = std::max(stats.longest, spent);
   GST_OBJECT_UNLOCK(self);
@@ -387,8 +389,7 @@ static void
 gst_saliency_tactile_reset(GstSaliencyTactile *self)
 {
   GstSaliencyTactilePrivate *priv = self->priv;
-  if (priv->analyzer)
-    priv->analyzer->reset();
+  gst_saliency_tactile_forget(self);
   priv->map = {};
   priv->saliency.clear();
   priv->next_analysis.reset();
@@ -437,6 +438,15 @@ static gboolean
 gst_saliency_tactile_start(GstBaseTransform *transform)
 {
   GstSaliencyTactile *self = GST_SALIENCY_TACTILE(transform);
+  GST_OBJECT_LOCK(self);
+  const std::string weights_error = self->priv->settings.roi_weights_error;
+  GST_OBJECT_UNLOCK(self);
+  if (!weights_error.empty()) {
+    GST_ELEMENT_ERROR(self, LIBRARY, SETTINGS,
+                      ("roi-weights cannot be read: %s.", weights_error.c_str()),
+                      (ROI_WEIGHTS_FORM));
+    return FALSE;
+  }
   self->priv->negotiated = false;
   self->priv->warned_map = self->priv->warned_size = false;
   self->priv->analyzer.reset();
@@ -459,139 +469,31 @@ gst_saliency_tactile_stop(GstBaseTransform *transform)
 static void
 gst_saliency_tactile_set_property(GObject *object, guint id, const GValue *value, GParamSpec *pspec)
 {
-  Settings &settings = GST_SALIENCY_TACTILE(object)->priv->settings;
+  GstSaliencyTactile *self = GST_SALIENCY_TACTILE(object);
   GST_OBJECT_LOCK(object);
-  switch (id) {
-  case PROP_PROFILE:
-    settings.profile = static_cast<ProfileName>(g_value_get_enum(value));
-    break;
-  case PROP_ROWS:
-    settings.rows = static_cast<int>(g_value_get_uint(value));
-    break;
-  case PROP_COLUMNS:
-    settings.columns = static_cast<int>(g_value_get_uint(value));
-    break;
-  case PROP_TEMPORAL:
-    settings.temporal = g_value_get_boolean(value);
-    break;
-  case PROP_THRESHOLD:
-    settings.threshold = g_value_get_double(value);
-    break;
-  case PROP_FLOOR:
-    settings.floor = g_value_get_double(value);
-    break;
-  case PROP_ATTACH_SALIENCY:
-    settings.attach_saliency = g_value_get_boolean(value);
-    break;
-  case PROP_MAX_RATE:
-    settings.max_rate = g_value_get_double(value);
-    break;
-  default:
-    G_OBJECT_WARN_INVALID_PROPERTY_ID(object, id, pspec);
-    break;
-  }
+  const bool known = self->priv->settings.set(id, value);
+  const std::string error = self->priv->settings.roi_weights_error;
   GST_OBJECT_UNLOCK(object);
+  if (!known)
+    G_OBJECT_WARN_INVALID_PROPERTY_ID(object, id, pspec);
+  if (id == SALIENCY_PROP_ROI_WEIGHTS && !error.empty())
+    GST_ELEMENT_WARNING(self, LIBRARY, SETTINGS,
+                        ("roi-weights stay as they were: %s.", error.c_str()), (ROI_WEIGHTS_FORM));
 }
 
 static void
 gst_saliency_tactile_get_property(GObject *object, guint id, GValue *value, GParamSpec *pspec)
 {
-  const Settings &settings = GST_SALIENCY_TACTILE(object)->priv->settings;
-
-  if (id == PROP_STATS) {
-    g_value_take_boxed(value, gst_saliency_tactile_stats(GST_SALIENCY_TACTILE(object)));
+  GstSaliencyTactile *self = GST_SALIENCY_TACTILE(object);
+  if (id == SALIENCY_PROP_STATS) {
+    g_value_take_boxed(value, gst_saliency_tactile_stats(self));
     return;
   }
-
   GST_OBJECT_LOCK(object);
-  switch (id) {
-  case PROP_PROFILE:
-    g_value_set_enum(value, static_cast<gint>(settings.profile));
-    break;
-  case PROP_ROWS:
-    g_value_set_uint(value, static_cast<guint>(settings.rows));
-    break;
-  case PROP_COLUMNS:
-    g_value_set_uint(value, static_cast<guint>(settings.columns));
-    break;
-  case PROP_TEMPORAL:
-    g_value_set_boolean(value, settings.temporal);
-    break;
-  case PROP_THRESHOLD:
-    g_value_set_double(value, settings.threshold);
-    break;
-  case PROP_FLOOR:
-    g_value_set_double(value, settings.floor);
-    break;
-  case PROP_ATTACH_SALIENCY:
-    g_value_set_boolean(value, settings.attach_saliency);
-    break;
-  case PROP_MAX_RATE:
-    g_value_set_double(value, settings.max_rate);
-    break;
-  default:
-    G_OBJECT_WARN_INVALID_PROPERTY_ID(object, id, pspec);
-    break;
-  }
+  const bool known = self->priv->settings.get(id, value);
   GST_OBJECT_UNLOCK(object);
-}
-
-static void
-gst_saliency_tactile_install_properties(GObjectClass *klass)
-{
-  const auto playing = static_cast<GParamFlags>(G_PARAM_READWRITE | G_PARAM_STATIC_STRINGS
-                                                | GST_PARAM_MUTABLE_PLAYING);
-  const auto controllable = static_cast<GParamFlags>(playing | GST_PARAM_CONTROLLABLE);
-  const Settings defaults;
-
-  g_object_class_install_property(klass, PROP_PROFILE,
-                                  g_param_spec_enum("profile", "Profile",
-                                                    "How saliency is computed",
-                                                    GST_TYPE_SALIENCY_TACTILE_PROFILE,
-                                                    static_cast<gint>(defaults.profile), playing));
-  g_object_class_install_property(klass, PROP_ROWS,
-                                  g_param_spec_uint("rows", "Rows", "Rows of the tactile map",
-                                                    tactile::kMinGridSide, tactile::kMaxGridSide,
-                                                    static_cast<guint>(defaults.rows), playing));
-  g_object_class_install_property(
-      klass, PROP_COLUMNS,
-      g_param_spec_uint("columns", "Columns", "Columns of the tactile map", tactile::kMinGridSide,
-                        tactile::kMaxGridSide, static_cast<guint>(defaults.columns), playing));
-  g_object_class_install_property(
-      klass, PROP_TEMPORAL,
-      g_param_spec_boolean("temporal", "Temporal",
-                           "Feel what changes (spatiotemporal saliency) rather than what stands "
-                           "out in a still picture (spatial saliency)",
-                           defaults.temporal, controllable));
-  g_object_class_install_property(
-      klass, PROP_THRESHOLD,
-      g_param_spec_double("threshold", "Threshold",
-                          "Share of the frame's maximum saliency below which nothing is felt", 0, 1,
-                          defaults.threshold, controllable));
-  g_object_class_install_property(
-      klass, PROP_FLOOR,
-      g_param_spec_double("floor", "Floor",
-                          "Event contrast in CIE Delta E up to which a frame is silent whatever "
-                          "its maximum (-1 = the profile's own)",
-                          kProfileFloor, 1000, defaults.floor, controllable));
-  g_object_class_install_property(
-      klass, PROP_ATTACH_SALIENCY,
-      g_param_spec_boolean("attach-saliency", "Attach saliency",
-                           "Add the saliency map to each frame too, as a GstSaliencyMeta",
-                           defaults.attach_saliency, playing));
-  g_object_class_install_property(
-      klass, PROP_MAX_RATE,
-      g_param_spec_double(
-          "max-rate", "Maximum rate",
-          "Analyse at most this many frames per second; the others repeat the last map (0 = all)",
-          0, 1000, defaults.max_rate, playing));
-  g_object_class_install_property(
-      klass, PROP_STATS,
-      g_param_spec_boxed("stats", "Statistics",
-                         "Frames passed, analysed and active (any level above 0); mean and longest "
-                         "analysis time in ns",
-                         GST_TYPE_STRUCTURE,
-                         static_cast<GParamFlags>(G_PARAM_READABLE | G_PARAM_STATIC_STRINGS)));
+  if (!known)
+    G_OBJECT_WARN_INVALID_PROPERTY_ID(object, id, pspec);
 }
 
 static void
@@ -611,7 +513,7 @@ gst_saliency_tactile_class_init(GstSaliencyTactileClass *klass)
   object_class->set_property = gst_saliency_tactile_set_property;
   object_class->get_property = gst_saliency_tactile_get_property;
   object_class->finalize = gst_saliency_tactile_finalize;
-  gst_saliency_tactile_install_properties(object_class);
+  SaliencySettings::install(object_class);
 
   gst_element_class_set_static_metadata(
       element_class, "Saliency to touch", "Filter/Analyzer/Video",
@@ -619,7 +521,6 @@ gst_saliency_tactile_class_init(GstSaliencyTactileClass *klass)
       "The visuotactile authors");
   gst_element_class_add_static_pad_template(element_class, &sink_template);
   gst_element_class_add_static_pad_template(element_class, &src_template);
-  gst_type_mark_as_plugin_api(GST_TYPE_SALIENCY_TACTILE_PROFILE, static_cast<GstPluginAPIFlags>(0));
 
   transform_class->set_caps = gst_saliency_tactile_set_caps;
   transform_class->sink_event = gst_saliency_tactile_sink_event;

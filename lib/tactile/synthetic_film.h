@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include "tactile/time.h"
+
 #include <array>
-#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -10,8 +11,6 @@
 /// The synthetic films of the paper's user study (Section 5, Fig. 6), with the truth about every
 /// ball.
 namespace tactile {
-
-using Time = std::chrono::nanoseconds;
 
 /// Which of the two films.
 enum class FilmPattern

@@ -17,24 +17,42 @@ constexpr double kPerceptualOnset = 4;
 constexpr double kPerceptualScale = 25;
 constexpr double kWeakestLevel = 0.2;
 
-/// What one cell of an axis sees: weights of the samples from `first` on, summing to 1.
+/// What one cell of an axis sees: weights of the samples from `first` on, summing to 1 where the
+/// viewport is the whole picture.
 struct Window
 {
   int first = 0;
   std::vector<double> weights;
+
+  Window(int first_, int last)
+      : first(first_), weights(static_cast<std::size_t>(last - first_) + 1, 0.0)
+  {
+  }
+
+  void add(int sample, double weight)
+  {
+    weights[static_cast<std::size_t>(sample - first)] += weight;
+  }
 };
 
-/// An axis of the map: its samples, and the picture's extent on it.
+/// An axis of the map: its samples, the extent on it that the cells share, and how much of the
+/// picture lies before and after that.
 struct Axis
 {
   int samples;
   double begin;
   double length;
+  double before;
+  double after;
 
-  Axis(int samples_, const SaliencyView::Extent &picture)
-      : samples(samples_), begin(picture.length > 0 ? picture.begin : 0.0),
-        length(picture.length > 0 ? picture.length : static_cast<double>(samples_))
+  Axis(int samples_, const SaliencyView::Extent &picture, double view_begin, double view_length)
+      : samples(samples_)
   {
+    const double whole = picture.length > 0 ? picture.length : static_cast<double>(samples);
+    before = std::max(0.0, view_begin * whole);
+    after = std::max(0.0, (1 - (view_begin + view_length)) * whole);
+    begin = (picture.length > 0 ? picture.begin : 0.0) + before;
+    length = view_length * whole;
   }
 
   /// The nearest sample, for what lies beyond the map.
@@ -42,21 +60,33 @@ struct Axis
   {
     return static_cast<int>(std::clamp(sample, 0.0, static_cast<double>(samples - 1)));
   }
+
+  /// Where a sample's middle lies, in samples: on the viewport's border if it is outside.
+  double place(int sample) const
+  {
+    double at = sample;
+    if (before > 0)
+      at = std::max(at, begin - 0.5);
+    if (after > 0)
+      at = std::min(at, begin + length - 0.5);
+    return at;
+  }
 };
 
-/// Cell `cell` of `cells`, each sample counting by the share of it that lies in the cell.
+/// Cell `cell` of `cells`, each sample counting by the share of it that lies in the cell, or outside
+/// the viewport next to it.
 Window
 area_window(const Axis &axis, int cells, int cell)
 {
-  const double begin = axis.begin + axis.length * cell / cells;
-  const double end = axis.begin + axis.length * (cell + 1) / cells;
-  Window window;
-  window.first = axis.inside(std::floor(begin));
-  const int last = std::max(window.first, axis.inside(std::ceil(end) - 1));
-  window.weights.assign(static_cast<std::size_t>(last - window.first) + 1, 0.0);
+  const double cell_begin = axis.begin + axis.length * cell / cells;
+  const double cell_end = axis.begin + axis.length * (cell + 1) / cells;
+  const double begin = cell_begin - (cell == 0 ? axis.before : 0.0);
+  const double end = cell_end + (cell + 1 == cells ? axis.after : 0.0);
+  const int first = axis.inside(std::floor(begin));
+  Window window(first, std::max(first, axis.inside(std::ceil(end) - 1)));
   for (int sample = static_cast<int>(std::floor(begin)); sample < end; ++sample)
-    window.weights[static_cast<std::size_t>(axis.inside(sample) - window.first)]
-        += (std::min(end, sample + 1.0) - std::max<double>(begin, sample)) / (end - begin);
+    window.add(axis.inside(sample), (std::min(end, sample + 1.0) - std::max<double>(begin, sample))
+                                        / (cell_end - cell_begin));
   return window;
 }
 
@@ -68,7 +98,8 @@ gaussian(double z)
 
 /// The image filtered by a Gaussian of `sigma` cells and linearly interpolated at the middle of the
 /// cell: the sum of the Gaussians about the two nearest samples. Each is cut at 4 σ and at the
-/// map's borders and sums to 1 before it is weighted.
+/// map's borders and sums to 1 before it is weighted and what is outside the viewport is put onto
+/// its border.
 Window
 gaussian_window(const Axis &axis, int cells, int cell, double sigma)
 {
@@ -79,19 +110,20 @@ gaussian_window(const Axis &axis, int cells, int cell, double sigma)
   const double width = sigma * axis.length / cells;
   const int reach = static_cast<int>(std::min<double>(samples, std::ceil(4 * width)));
 
-  Window window;
-  window.first = std::max(0, before - reach);
-  const int last = std::min(samples - 1, before + 1 + reach);
-  window.weights.assign(static_cast<std::size_t>(last - window.first) + 1, 0.0);
+  const bool to_begin = axis.before > 0 && axis.place(0) >= before - reach;
+  const bool to_end = axis.after > 0 && axis.place(samples - 1) <= before + 1 + reach;
+  Window window(to_begin ? 0 : std::max(0, before - reach),
+                to_end ? samples - 1 : std::min(samples - 1, before + 1 + reach));
+  const int last = window.first + static_cast<int>(window.weights.size()) - 1;
   const auto add_gaussian = [&](int center, double share) {
-    const int begin = std::max(window.first, center - reach);
-    const int end = std::min(last, center + reach);
     double sum = 0;
-    for (int i = begin; i <= end; ++i)
+    for (int i = std::max(0, center - reach); i <= std::min(samples - 1, center + reach); ++i)
       sum += gaussian((i - center) / width);
-    for (int i = begin; i <= end; ++i)
-      window.weights[static_cast<std::size_t>(i - window.first)]
-          += share * gaussian((i - center) / width) / sum;
+    for (int i = window.first; i <= last; ++i) {
+      const double distance = axis.place(i) - center;
+      if (std::abs(distance) <= reach)
+        window.add(i, share * gaussian(distance / width) / sum);
+    }
   };
   add_gaussian(before, 1 - (middle - before));
   if (before < last)
@@ -116,13 +148,6 @@ perceptual_level(double contrast)
 {
   const double felt = std::max(0.0, contrast - kPerceptualOnset) / kPerceptualScale;
   return kWeakestLevel + (1 - kWeakestLevel) * (1 - std::exp(-felt));
-}
-
-double
-value_at(const SaliencyView &map, int x, int y)
-{
-  const float value = map.values[y * map.stride + x];
-  return std::isfinite(value) ? static_cast<double>(value) : 0.0;
 }
 
 } // namespace
@@ -160,29 +185,28 @@ MappingSettings::tuned_spatial()
 }
 
 void
-map_saliency(const SaliencyView &map, const MappingSettings &settings, TactileMap &out)
+map_saliency(const SaliencyView &map, const MappingSettings &settings, TactileMap &out,
+             const Viewport &viewport)
 {
   std::ranges::fill(out.levels, 0.0F);
-  if (out.levels.empty() || map.values == nullptr || map.width < 1 || map.height < 1)
+  if (out.levels.empty() || map.empty())
     return;
 
-  double peak = 0;
-  for (int y = 0; y < map.height; ++y)
-    for (int x = 0; x < map.width; ++x)
-      peak = std::max(peak, value_at(map, x, y));
+  const double peak = map.peak();
   if (peak <= std::max(0.0, settings.floor))
     return;
 
   // The cells' windows are separable: along the columns of each row of the map, then down the rows.
-  const auto columns
-      = axis_windows({ map.width, map.horizontal }, out.columns, settings.prefilter_sigma);
-  const auto rows = axis_windows({ map.height, map.vertical }, out.rows, settings.prefilter_sigma);
+  const auto columns = axis_windows({ map.width, map.horizontal, viewport.left, viewport.width },
+                                    out.columns, settings.prefilter_sigma);
+  const auto rows = axis_windows({ map.height, map.vertical, viewport.top, viewport.height },
+                                 out.rows, settings.prefilter_sigma);
   const double cut = settings.threshold * peak;
   std::vector<double> kept(static_cast<std::size_t>(map.width));
   std::vector<double> pooled(static_cast<std::size_t>(map.height) * columns.size());
   for (int y = 0; y < map.height; ++y) {
     for (int x = 0; x < map.width; ++x) {
-      const double value = value_at(map, x, y);
+      const double value = map.at(x, y);
       const bool keep = value > cut || value == peak;
       kept[static_cast<std::size_t>(x)] = keep ? (settings.binary ? 1.0 : value) : 0.0;
     }

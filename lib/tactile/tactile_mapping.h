@@ -1,32 +1,11 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include "tactile/saliency_view.h"
 #include "tactile/tactile_map.h"
-
-#include <cstddef>
+#include "tactile/viewport.h"
 
 namespace tactile {
-
-/// A saliency map to read: `values[y * stride + x]`, 0 ≤ x < width, 0 ≤ y < height. Values are ≥ 0;
-/// those that are not finite count as 0.
-struct SaliencyView
-{
-  const float *values = nullptr;
-  int width = 0;
-  int height = 0;
-  std::ptrdiff_t stride = 0; ///< floats from row to row
-
-  /// Where the picture that the grid covers lies along an axis of the map, in samples of which
-  /// sample i covers [i, i + 1). A pyramid's samples sit on every 2ⁿth pixel, so its picture begins
-  /// about half a sample after the map. Beyond the map its border is repeated.
-  struct Extent
-  {
-    double begin = 0;
-    double length = 0; ///< 0: the whole map
-  };
-  Extent horizontal;
-  Extent vertical;
-};
 
 /// How salient an event has to feel (perceptual), or how large it is.
 enum class Gain
@@ -71,6 +50,10 @@ struct MappingSettings
 /// than the grid: cell (r, c) is rows [r·h/rows, (r+1)·h/rows) of its h and likewise columns, and a
 /// sample on a border of cells counts for each by its share.
 ///
+/// With a viewport the cells share that part of the picture alone, and the rest of the picture lies
+/// on its border: a sample outside counts for the nearest cell as much as it would inside, so that
+/// nothing is lost.
+///
 /// With Gain::none a level is the cell's value, at most 1. With Gain::perceptual the strongest
 /// cell's level is 0.2 + 0.8 (1 − exp(−max(0, e − 4) / 25)), e = maximum of the map /
 /// units_per_delta_e, and the others keep their ratio to it: what counts is how salient the event
@@ -78,6 +61,7 @@ struct MappingSettings
 ///
 /// Writes rows × columns levels in [0, 1] into `out`, whose grid says how many. A map without
 /// values is silent.
-void map_saliency(const SaliencyView &map, const MappingSettings &settings, TactileMap &out);
+void map_saliency(const SaliencyView &map, const MappingSettings &settings, TactileMap &out,
+                  const Viewport &viewport = {});
 
 } // namespace tactile

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace saliency {
+
+/// How much saliency counts in regions of a type: 0 is never felt, 1 changes nothing, more raises.
+/// Written as `face=3,logo=0,*=0.5`, where `*` is any other type.
+class RegionWeights
+{
+public:
+  static constexpr double kMax = 10;
+  static constexpr std::size_t kMaxTypes = 64;
+  static constexpr std::string_view kAnyOther = "*";
+
+  /// All types count 1.
+  RegionWeights() = default;
+
+  /// At most kMaxTypes pairs of a type, any characters but ',' and '=', and a decimal number in
+  /// [0, kMax], each type once; spaces about them are ignored, an empty text is none. Throws
+  /// std::invalid_argument that says what was expected and what came.
+  explicit RegionWeights(std::string_view text);
+
+  double of(std::string_view type) const;
+
+  /// As it was given.
+  const std::string &text() const
+  {
+    return text_;
+  }
+
+private:
+  struct Weight
+  {
+    std::string type;
+    double weight;
+  };
+  std::string text_;
+  std::vector<Weight> weights_;
+};
+
+} // namespace saliency

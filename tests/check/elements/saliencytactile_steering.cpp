@@ -1,0 +1,501 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+//
+// What steers saliencytactile: roi-weights with regions from upstream, among them those of a real
+// face detector, viewport, max-cue-duration and cue-refractory. What they compute is tested in
+// libs/region_weights, top_down_saliency, viewport and cue_limiter.
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <set>
+#include <string>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "schematic_face.h"
+
+#include <gst/check/gstcheck.h>
+#include <gst/check/gstharness.h>
+#include <gst/tactile/tactile.h>
+#include <gst/video/video.h>
+
+namespace {
+
+constexpr int kWidth = 320;
+constexpr int kHeight = 240;
+constexpr int kGrey = 110;
+constexpr const char *kCaps = "video/x-raw,format=RGB,width=320,height=240,framerate=30/1";
+
+/// Grey of the picture at a pixel, or -1 for its background.
+using Paint = std::function<int(int x, int y)>;
+
+GstBuffer *
+frame(guint number, const Paint &paint)
+{
+  std::vector<guint8> pixels(kWidth * kHeight * 3, kGrey);
+  for (int y = 0; y < kHeight; y++)
+    for (int x = 0; x < kWidth; x++)
+      if (const int grey = paint(x, y); grey >= 0)
+        std::fill_n(pixels.begin() + 3 * (y * kWidth + x), 3, static_cast<guint8>(grey));
+  GstBuffer *buffer = gst_buffer_new_memdup(pixels.data(), pixels.size());
+  GST_BUFFER_PTS(buffer) = gst_util_uint64_scale(number, GST_SECOND, 30);
+  GST_BUFFER_DURATION(buffer) = GST_SECOND / 30;
+  return buffer;
+}
+
+int
+nothing(int, int)
+{
+  return -1;
+}
+
+/// A white square of so many pixels about (x, y).
+Paint
+square(int x, int y, int side)
+{
+  return [=](int px, int py) {
+    return std::abs(2 * (px - x) + 1) <= side && std::abs(2 * (py - y) + 1) <= side ? 230 : -1;
+  };
+}
+
+Paint
+both(const Paint &a, const Paint &b)
+{
+  return [=](int x, int y) {
+    return std::max(a(x, y), b(x, y));
+  };
+}
+
+std::vector<gfloat>
+levels_of(GstBuffer *buffer)
+{
+  const GstTactileMeta *meta = gst_buffer_get_tactile_meta(buffer);
+  fail_unless(meta != nullptr, "no GstTactileMeta");
+  return { meta->levels, meta->levels + meta->rows * meta->columns };
+}
+
+/// Pushes a frame and gives back what comes out.
+GstBuffer *
+pass(GstHarness *h, GstBuffer *buffer)
+{
+  fail_unless_equals_int(gst_harness_push(h, buffer), GST_FLOW_OK);
+  return gst_harness_pull(h);
+}
+
+std::vector<gfloat>
+felt(GstHarness *h, GstBuffer *buffer)
+{
+  GstBuffer *out = pass(h, buffer);
+  std::vector<gfloat> levels = levels_of(out);
+  gst_buffer_unref(out);
+  return levels;
+}
+
+bool
+any(const std::vector<gfloat> &levels)
+{
+  return std::ranges::any_of(levels, [](gfloat level) { return level > 0; });
+}
+
+std::size_t
+strongest(const std::vector<gfloat> &levels)
+{
+  return static_cast<std::size_t>(std::ranges::max_element(levels) - levels.begin());
+}
+
+GstHarness *
+new_harness(const char *line)
+{
+  GstHarness *h = gst_harness_new_parse(line);
+  gst_harness_set_src_caps_str(h, kCaps);
+  return h;
+}
+
+/// Two squares that appear at once, left and right, in the middle row; a region about each.
+std::vector<gfloat>
+squares_with_regions(const char *weights, const char *left_type, const char *right_type,
+                     GstBuffer **last = nullptr)
+{
+  g_autofree gchar *line = g_strdup_printf("saliencytactile attach-saliency=true %s", weights);
+  GstHarness *h = new_harness(line);
+  const Paint two = both(square(53, 120, 24), square(267, 120, 24));
+  std::vector<gfloat> levels;
+  for (guint i = 0; i < 16; i++) {
+    GstBuffer *buffer = frame(i, i < 12 ? nothing : two);
+    if (left_type)
+      gst_buffer_add_video_region_of_interest_meta(buffer, left_type, 41, 108, 24, 24);
+    if (right_type)
+      gst_buffer_add_video_region_of_interest_meta(buffer, right_type, 255, 108, 24, 24);
+    GstBuffer *out = pass(h, buffer);
+    levels = levels_of(out);
+    if (last && i == 15)
+      *last = gst_buffer_ref(out);
+    gst_buffer_unref(out);
+  }
+  gst_harness_teardown(h);
+  return levels;
+}
+
+} // namespace
+
+/// A region of weight 0 is never felt, one that is raised hides the others below the threshold, and
+/// types that nobody names change nothing.
+GST_START_TEST(test_weights)
+{
+  const std::vector<gfloat> plain = squares_with_regions("", "face", "logo");
+  fail_unless(plain[3] > 0.3f && plain[5] > 0.3f);
+
+  for (const char *unnamed : { "", "roi-weights=car=0", "roi-weights=face=1" })
+    fail_unless(squares_with_regions(unnamed, "face", "logo") == plain);
+
+  const std::vector<gfloat> no_logo
+      = squares_with_regions("roi-weights=\"face=1,logo=0\"", "face", "logo");
+  fail_unless(no_logo[3] > 0.3f && strongest(no_logo) == 3);
+  fail_unless(no_logo[5] == 0 && no_logo[4] == 0 && no_logo[2] == 0 && no_logo[8] == 0);
+
+  const std::vector<gfloat> face
+      = squares_with_regions("roi-weights=\"logo=1,face=3\"", "face", "logo");
+  fail_unless(strongest(face) == 3 && face[3] > plain[3] && face[5] == 0);
+
+  fail_if(any(squares_with_regions("roi-weights=\"*=0\"", "face", "logo")));
+  fail_unless(strongest(squares_with_regions("roi-weights=\"*=0,logo=1\"", "face", "logo")) == 5);
+}
+GST_END_TEST;
+
+/// The saliency map that is attached is the one that is felt.
+GST_START_TEST(test_attached_map)
+{
+  const auto peaks = [](const char *weights) {
+    GstBuffer *buffer = nullptr;
+    squares_with_regions(weights, "face", "logo", &buffer);
+    const GstSaliencyMeta *meta = gst_buffer_get_saliency_meta(buffer);
+    fail_unless(meta != nullptr);
+    gfloat left = 0;
+    gfloat right = 0;
+    for (guint y = 0; y < meta->height; y++)
+      for (guint x = 0; x < meta->width; x++) {
+        gfloat &side = x < meta->width / 2 ? left : right;
+        side = std::max(side, meta->values[y * meta->width + x]);
+      }
+    gst_buffer_unref(buffer);
+    return std::pair(left, right);
+  };
+  const auto [left, right] = peaks("");
+  const auto [left_raised, right_lowered] = peaks("roi-weights=\"face=2,logo=0.25\"");
+  fail_unless(left > 0 && right > 0);
+  fail_unless(std::abs(left_raised - 2 * left) < 0.001f * left);
+  fail_unless(std::abs(right_lowered - 0.25f * right) < 0.001f * right);
+}
+GST_END_TEST;
+
+/// Regions are in the pixels of the frame, also of one that is cropped.
+GST_START_TEST(test_regions_of_a_cropped_frame)
+{
+  for (const bool on_it : { true, false }) {
+    GstHarness *h = new_harness("saliencytactile roi-weights=\"logo=0\"");
+    std::vector<gfloat> levels;
+    for (guint i = 0; i < 16; i++) {
+      GstBuffer *buffer = frame(i, i < 12 ? Paint(nothing) : square(240, 180, 16));
+      GstVideoCropMeta *crop = gst_buffer_add_video_crop_meta(buffer);
+      crop->x = 160;
+      crop->y = 120;
+      crop->width = 160;
+      crop->height = 120;
+      // Taken from the corner of the crop, either would be the other.
+      gst_buffer_add_video_region_of_interest_meta(buffer, "logo", on_it ? 232 : 72,
+                                                   on_it ? 172 : 52, 16, 16);
+      levels = felt(h, buffer);
+    }
+    fail_unless(any(levels) == !on_it);
+    gst_harness_teardown(h);
+  }
+}
+GST_END_TEST;
+
+/// What was found lately still counts, but not after a jump in the film.
+GST_START_TEST(test_jump_forgets_regions)
+{
+  for (const bool jumps : { false, true }) {
+    GstHarness *h = new_harness("saliencytactile temporal=false roi-weights=\"logo=0\"");
+    GstBuffer *with = frame(0, square(160, 120, 20));
+    gst_buffer_add_video_region_of_interest_meta(with, "logo", 150, 110, 20, 20);
+    fail_if(any(felt(h, with)));
+    GstBuffer *without = frame(1, square(160, 120, 20));
+    if (jumps)
+      GST_BUFFER_FLAG_SET(without, GST_BUFFER_FLAG_DISCONT);
+    fail_unless(any(felt(h, without)) == jumps);
+    gst_harness_teardown(h);
+  }
+}
+GST_END_TEST;
+
+/// The synthetic film's own targets: nothing of it is felt where they are not to be.
+GST_START_TEST(test_targets_of_a_film)
+{
+  for (const char *pattern : { "static-motion", "dynamic-motion" }) {
+    g_autofree gchar *line
+        = g_strdup_printf("tactiletestsrc pattern=%s num-buffers=240 ! video/x-raw,format=I420,"
+                          "width=320,height=240,framerate=30/1 ! "
+                          "saliencytactile roi-weights=\"tactile-target=0\"",
+                          pattern);
+    GstHarness *h = gst_harness_new_parse(line);
+    gst_harness_play(h);
+    for (int i = 0; i < 240; i++) {
+      GstBuffer *out = gst_harness_pull(h);
+      fail_if(any(levels_of(out)), "%s: frame %d", pattern, i);
+      gst_buffer_unref(out);
+    }
+    gst_harness_teardown(h);
+  }
+}
+GST_END_TEST;
+
+/// A real detector: OpenCV's, of gst-plugins-bad, with the cascade of Debian's opencv-data. The
+/// picture has a face and, as large and as contrasting, the same lying on its side, which is none to
+/// it.
+GST_START_TEST(test_face_detector)
+{
+  GstElementFactory *detector = gst_element_factory_find("facedetect");
+  fail_unless(detector != nullptr, "there is no facedetect: run tools/setup.sh test");
+  gst_object_unref(detector);
+
+  constexpr double kHalfWidth = 25;
+  const auto two_faces = [](int left_edge) {
+    return [=](int x, int y) {
+      const double dx = (x + 0.5 - left_edge) / kHalfWidth;
+      const double dy = (y + 0.5 - 120) / kHalfWidth;
+      const double dx_other = (x + 0.5 - 267) / kHalfWidth;
+      return std::max(schematic_face_at(dx, dy), schematic_face_at(dy, dx_other));
+    };
+  };
+  const auto play = [&](const char *weights, const std::function<void(GstBuffer *)> &each) {
+    g_autofree gchar *line
+        = g_strdup_printf("facedetect display=false updates=none ! saliencytactile %s", weights);
+    GstHarness *h = new_harness(line);
+    // They appear, and the face then moves.
+    for (guint i = 0; i < 30; i++) {
+      const int x = 53 + (i < 18 ? 0 : static_cast<int>(i - 18) / 2);
+      GstBuffer *out = pass(h, frame(i, i < 12 ? Paint(nothing) : Paint(two_faces(x))));
+      if (i >= 12)
+        each(out);
+      gst_buffer_unref(out);
+    }
+    gst_harness_teardown(h);
+  };
+
+  play("", [](GstBuffer *out) {
+    gpointer state = nullptr;
+    int faces = 0;
+    while (GstMeta *meta = gst_buffer_iterate_meta_filtered(
+               out, &state, GST_VIDEO_REGION_OF_INTEREST_META_API_TYPE)) {
+      const auto *region = reinterpret_cast<GstVideoRegionOfInterestMeta *>(meta);
+      fail_unless_equals_string(g_quark_to_string(region->roi_type), "face");
+      fail_unless(region->x + region->w < 120);
+      faces++;
+    }
+    ck_assert_int_eq(faces, 1);
+    const std::vector<gfloat> levels = levels_of(out);
+    fail_unless(levels[3] > 0 && levels[5] > 0);
+  });
+  play("roi-weights=\"face=3\"", [](GstBuffer *out) {
+    const std::vector<gfloat> levels = levels_of(out);
+    ck_assert_uint_eq(strongest(levels), 3);
+    fail_unless(levels[5] == 0);
+  });
+  play("roi-weights=\"face=0\"", [](GstBuffer *out) {
+    const std::vector<gfloat> levels = levels_of(out);
+    fail_unless(levels[3] == 0 && levels[0] == 0 && levels[6] == 0);
+    ck_assert_uint_eq(strongest(levels), 5);
+    fail_unless(levels[5] > 0);
+  });
+}
+GST_END_TEST;
+
+/// Shown back as set; what cannot be read is said, on the bus and by not starting, and changes
+/// nothing.
+GST_START_TEST(test_weights_as_text)
+{
+  GstElement *element = gst_element_factory_make("saliencytactile", nullptr);
+  gst_object_ref_sink(element);
+  GstBus *bus = gst_bus_new();
+  gst_element_set_bus(element, bus);
+  const auto shown = [&] {
+    gchar *text = nullptr;
+    g_object_get(element, "roi-weights", &text, nullptr);
+    const std::string copy = text ? text : "(none)";
+    g_free(text);
+    return copy;
+  };
+  const auto said = [&](GstMessageType type) {
+    GstMessage *message = gst_bus_pop_filtered(bus, type);
+    if (!message)
+      return std::string();
+    GError *error = nullptr;
+    if (type == GST_MESSAGE_WARNING)
+      gst_message_parse_warning(message, &error, nullptr);
+    else
+      gst_message_parse_error(message, &error, nullptr);
+    const std::string text = error->message;
+    fail_unless(g_error_matches(error, GST_LIBRARY_ERROR, GST_LIBRARY_ERROR_SETTINGS));
+    g_error_free(error);
+    gst_message_unref(message);
+    return text;
+  };
+  fail_unless(shown() == "(none)");
+  g_object_set(element, "roi-weights", "face=3, *=0.50", nullptr);
+  fail_unless(shown() == "face=3, *=0.50");
+  fail_unless(said(GST_MESSAGE_WARNING).empty());
+
+  g_object_set(element, "roi-weights", "face=30", nullptr);
+  fail_unless(shown() == "face=3, *=0.50");
+  fail_unless(said(GST_MESSAGE_WARNING).find("0 to 10, got '30'") != std::string::npos);
+  fail_unless_equals_int(gst_element_set_state(element, GST_STATE_PAUSED),
+                         GST_STATE_CHANGE_FAILURE);
+  fail_unless(said(GST_MESSAGE_ERROR).find("0 to 10, got '30'") != std::string::npos);
+  gst_element_set_state(element, GST_STATE_NULL);
+
+  g_object_set(element, "roi-weights", "", nullptr);
+  fail_unless(shown().empty());
+  fail_unless(gst_element_set_state(element, GST_STATE_PAUSED) != GST_STATE_CHANGE_FAILURE);
+  g_object_set(element, "roi-weights", nullptr, nullptr);
+  fail_unless(shown() == "(none)");
+  gst_element_set_state(element, GST_STATE_NULL);
+  gst_element_set_bus(element, nullptr);
+  gst_object_unref(bus);
+  gst_object_unref(element);
+}
+GST_END_TEST;
+
+/// A small square that moves about the middle of the picture: fixed, the middle is felt alone;
+/// adaptive, left and right too, until the film jumps.
+GST_START_TEST(test_viewport)
+{
+  const auto moving = [](guint i) {
+    return square(160 + static_cast<int>(44 * std::sin(i * 2 * G_PI / 60)), 120, 10);
+  };
+  for (const char *mode : { "fixed", "adaptive" }) {
+    const bool adaptive = g_str_equal(mode, "adaptive");
+    g_autofree gchar *line = g_strdup_printf("saliencytactile viewport=%s temporal=false", mode);
+    GstHarness *h = new_harness(line);
+    std::set<std::size_t> cells;
+    for (guint i = 0; i < 300; i++) {
+      const std::size_t cell = strongest(felt(h, frame(i, moving(i))));
+      if (i >= 150)
+        cells.insert(cell);
+    }
+    fail_unless(cells
+                == (adaptive ? std::set<std::size_t>{ 3, 4, 5 } : std::set<std::size_t>{ 4 }));
+
+    // At its rightmost.
+    ck_assert_uint_eq(strongest(felt(h, frame(300, moving(15)))), adaptive ? 5 : 4);
+    GstBuffer *jump = frame(301, moving(15));
+    GST_BUFFER_FLAG_SET(jump, GST_BUFFER_FLAG_DISCONT);
+    ck_assert_uint_eq(strongest(felt(h, jump)), 4);
+    gst_harness_teardown(h);
+  }
+}
+GST_END_TEST;
+
+/// A square that stays is felt for as long as a cue may last, and again after a jump in the film,
+/// whichever; so it is where maps are repeated between analyses.
+GST_START_TEST(test_cue_duration)
+{
+  for (const char *rate : { "", "max-rate=2" }) {
+    g_autofree gchar *line
+        = g_strdup_printf("saliencytactile temporal=false max-cue-duration=500000000 %s", rate);
+    GstHarness *h = new_harness(line);
+    guint number = 0;
+    const auto expect_cue = [&](bool discont) {
+      for (guint i = 0; i < 40; i++) {
+        GstBuffer *buffer = frame(number++, square(160, 120, 20));
+        if (discont && i == 0)
+          GST_BUFFER_FLAG_SET(buffer, GST_BUFFER_FLAG_DISCONT);
+        fail_unless(any(felt(h, buffer)) == (i < 15), "frame %u of %u", i, number);
+      }
+    };
+    expect_cue(false);
+    expect_cue(true);
+    GstSegment segment;
+    gst_segment_init(&segment, GST_FORMAT_TIME);
+    fail_unless(gst_harness_push_event(h, gst_event_new_segment(&segment)));
+    expect_cue(false);
+    fail_unless(gst_harness_push_event(h, gst_event_new_flush_start()));
+    fail_unless(gst_harness_push_event(h, gst_event_new_flush_stop(TRUE)));
+    fail_unless(gst_harness_push_event(h, gst_event_new_segment(&segment)));
+    expect_cue(false);
+    gst_harness_set_src_caps_str(
+        h, "video/x-raw,format=RGB,width=320,height=240,framerate=30/1,pixel-aspect-ratio=2/1");
+    expect_cue(false);
+    number = 0; // back in time
+    expect_cue(false);
+    gst_harness_teardown(h);
+  }
+}
+GST_END_TEST;
+
+/// Squares that come and go, each in the middle cell: those that come too soon are not felt.
+GST_START_TEST(test_cue_refractory)
+{
+  GstHarness *h = new_harness("saliencytactile temporal=false cue-refractory=1000000000");
+  for (guint i = 0; i < 180; i++) {
+    // Half a second there, half a second not: the second one begins half a second after the first
+    // has ended, and is felt from its end on, when it is over.
+    const bool there = i % 30 < 15;
+    const bool is_felt = any(felt(h, frame(i, there ? square(160, 120, 20) : Paint(nothing))));
+    fail_unless(is_felt == (i % 60 < 15), "frame %u", i);
+  }
+  gst_harness_teardown(h);
+}
+GST_END_TEST;
+
+/// Every property may be set from another thread at any time.
+GST_START_TEST(test_set_from_another_thread)
+{
+  GstHarness *h = new_harness("saliencytactile");
+  GstElement *element = gst_harness_find_element(h, "saliencytactile");
+  std::thread other([&] {
+    const char *const weights[] = { "face=3,logo=0", "*=0.5", "", "logo=10" };
+    for (guint i = 0; i < 2000; i++) {
+      g_object_set(element, "roi-weights", weights[i % 4], "viewport", i % 2, "max-cue-duration",
+                   static_cast<guint64>(i % 3) * GST_MSECOND, "cue-refractory",
+                   i % 5 ? static_cast<guint64>(0) : G_MAXUINT64, nullptr);
+      gchar *text = nullptr;
+      guint64 refractory = 0;
+      g_object_get(element, "roi-weights", &text, "cue-refractory", &refractory, nullptr);
+      g_free(text);
+    }
+  });
+  for (guint i = 0; i < 60; i++) {
+    GstBuffer *buffer = frame(i, square(40 + 4 * static_cast<int>(i), 120, 20));
+    gst_buffer_add_video_region_of_interest_meta(buffer, i % 2 ? "face" : "logo", 30 + 4 * i, 110,
+                                                 20, 20);
+    for (const gfloat level : felt(h, buffer))
+      fail_unless(level >= 0 && level <= 1);
+  }
+  other.join();
+  gst_object_unref(element);
+  gst_harness_teardown(h);
+}
+GST_END_TEST;
+
+static Suite *
+saliencytactile_steering_suite(void)
+{
+  Suite *suite = suite_create("saliencytactile_steering");
+  TCase *cases = tcase_create("general");
+  suite_add_tcase(suite, cases);
+  tcase_add_test(cases, test_weights);
+  tcase_add_test(cases, test_attached_map);
+  tcase_add_test(cases, test_regions_of_a_cropped_frame);
+  tcase_add_test(cases, test_jump_forgets_regions);
+  tcase_add_test(cases, test_targets_of_a_film);
+  tcase_add_test(cases, test_face_detector);
+  tcase_add_test(cases, test_weights_as_text);
+  tcase_add_test(cases, test_viewport);
+  tcase_add_test(cases, test_cue_duration);
+  tcase_add_test(cases, test_cue_refractory);
+  tcase_add_test(cases, test_set_from_another_thread);
+  return suite;
+}
+
+GST_CHECK_MAIN(saliencytactile_steering);

@@ -1,0 +1,248 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "saliency/top_down_saliency.h"
+
+#include "tolerance.h"
+
+#include <opencv2/core.hpp>
+
+#include <algorithm>
+#include <map>
+#include <random>
+#include <vector>
+
+using saliency::Profile;
+using saliency::Region;
+using saliency::Saliency;
+using saliency::Time;
+using saliency::TopDownSaliency;
+using namespace std::chrono_literals;
+
+namespace {
+
+constexpr int kStep = 16; // pixels from sample to sample at level 4
+
+/// A random saliency map of a frame of this size.
+Saliency
+random_saliency(cv::Size frame, unsigned seed)
+{
+  Saliency found;
+  found.map.create((frame.height + kStep - 1) / kStep, (frame.width + kStep - 1) / kStep, CV_32FC1);
+  cv::RNG generator(seed);
+  generator.fill(found.map, cv::RNG::UNIFORM, 0, 10);
+  found.picture = { 0.5 - 0.5 / kStep, 0.5 - 0.5 / kStep, frame.width * 1.0 / kStep,
+                    frame.height * 1.0 / kStep };
+  return found;
+}
+
+/// The sample that has this place of the picture, in samples: the nearest for what is beyond.
+int
+sample_at(double place, int samples)
+{
+  return std::clamp(static_cast<int>(std::floor(place)), 0, samples - 1);
+}
+
+/// By definition, in squares of a 32nd of a sample: all edges lie between them.
+cv::Mat1d
+factors(const Saliency &found, const std::vector<Region> &regions, double reach)
+{
+  constexpr int kFine = 32;
+  const cv::Size size = found.map.size();
+  std::map<unsigned, cv::Mat1d> largest; // share by type
+  std::map<unsigned, double> weight;
+  for (const Region &region : regions) {
+    cv::Mat1d inside(size, 0.0);
+    cv::Mat1d all(size, 0.0);
+    for (int y = 0; y < found.picture.height * kFine; ++y)
+      for (int x = 0; x < found.picture.width * kFine; ++x) {
+        const double px = (x + 0.5) / kFine;
+        const double py = (y + 0.5) / kFine;
+        const int column = sample_at(found.picture.x + px, size.width);
+        const int row = sample_at(found.picture.y + py, size.height);
+        all(row, column) += 1;
+        inside(row, column) += px > region.area.x / kStep - reach
+                               && px < (region.area.x + region.area.width) / kStep + reach
+                               && py > region.area.y / kStep - reach
+                               && py < (region.area.y + region.area.height) / kStep + reach;
+      }
+    const cv::Mat1d share = inside / all;
+    auto [entry, is_new] = largest.try_emplace(region.type, share);
+    if (!is_new)
+      entry->second = cv::max(entry->second, share);
+    weight[region.type] = region.weight;
+  }
+  cv::Mat1d product(size, 1.0);
+  for (const auto &[type, share] : largest)
+    product = product.mul(1 + share * (weight[type] - 1));
+  return product;
+}
+
+void
+fail_unless_weighed(const cv::Mat &map, const Saliency &found, const cv::Mat1d &factor)
+{
+  fail_unless(map.size() == found.map.size());
+  for (int y = 0; y < map.rows; ++y)
+    for (int x = 0; x < map.cols; ++x)
+      fail_unless_near(map.at<float>(y, x),
+                       static_cast<double>(found.map.at<float>(y, x)) * factor(y, x), 1e-4);
+}
+
+} // namespace
+
+/// Regions anywhere, of any size, also beyond the frame, overlapping, of several types.
+GST_START_TEST(test_definition)
+{
+  std::mt19937 generator(23);
+  const auto pixel = [&](int from, int to) {
+    return from + static_cast<int>(generator() % static_cast<unsigned>(to - from));
+  };
+  for (int i = 0; i < 40; ++i) {
+    const cv::Size frame(pixel(1, 200), pixel(1, 150));
+    const Saliency found = random_saliency(frame, generator());
+    std::vector<Region> regions;
+    for (int n = pixel(1, 5); n > 0; --n) {
+      const unsigned type = generator() % 3;
+      regions.push_back({ cv::Rect2d(pixel(-20, frame.width), pixel(-20, frame.height),
+                                     pixel(1, 120), pixel(1, 120)),
+                          type, type * 1.5 });
+    }
+    const cv::Rect2d picture(0, 0, frame.width, frame.height);
+    std::erase_if(regions, [&](const Region &r) { return (r.area & picture).empty(); });
+    TopDownSaliency top_down(Profile::tuned());
+    fail_unless_near(top_down.reach(), 2, 0);
+    const cv::Mat before = found.map.clone();
+    const cv::Mat &map = top_down.compute(found, frame, regions, 0s);
+    fail_unless_weighed(map, found, factors(found, regions, 2));
+    fail_unless(cv::norm(before, found.map, cv::NORM_INF) == 0, "the analyzer's map is its own");
+  }
+}
+GST_END_TEST;
+
+/// Where nothing is found the map is passed on as it is.
+GST_START_TEST(test_nothing_to_weigh)
+{
+  const Saliency found = random_saliency({ 160, 120 }, 1);
+  TopDownSaliency top_down(Profile::tuned());
+  fail_unless(top_down.compute(found, { 160, 120 }, {}, 0s).data == found.map.data);
+  // Outside the frame, or empty: not there, however near.
+  const std::vector<Region> outside{ { { 160, 0, 10, 10 }, 1, 0 },
+                                     { { -10, 0, 10, 10 }, 1, 0 },
+                                     { { 50, 50, 0, 10 }, 1, 0 },
+                                     { { 4294967295.0, 4294967295.0, 4294967295.0, 1 }, 1, 0 } };
+  fail_unless(top_down.compute(found, { 160, 120 }, outside, 1s).data == found.map.data);
+  // As large as can be told: the whole frame.
+  const std::vector<Region> all{ { { 0, 0, 4294967295.0, 4294967295.0 }, 1, 0 } };
+  fail_unless(cv::countNonZero(top_down.compute(found, { 160, 120 }, all, 2s)) == 0);
+}
+GST_END_TEST;
+
+/// How far and how long a region reaches follows from what the profile spreads.
+GST_START_TEST(test_reach_and_hold)
+{
+  const TopDownSaliency tuned(Profile::tuned());
+  fail_unless_near(tuned.reach(), 2, 0);
+  fail_unless(tuned.hold() == Time(8'000'000'000 / 30));
+  // Level 4 is the coarsest centre, the map is level 2; what is gone is felt for 64 frames.
+  const TopDownSaliency paper(Profile::paper());
+  fail_unless_near(paper.reach(), 8, 0);
+  fail_unless(paper.hold() == Time(64'000'000'000 / 30));
+}
+GST_END_TEST;
+
+/// A region stays for the time of a temporal window, at any rate, where it was too.
+GST_START_TEST(test_regions_stay)
+{
+  const cv::Size frame(320, 64);
+  const Saliency found = random_saliency(frame, 9);
+  const auto at = [](double x) {
+    return Region{ { x, 0, 16, 64 }, 1, 0 };
+  };
+  for (const Time period : { Time(10ms), Time(33'333'333ns), Time(100ms) }) {
+    TopDownSaliency top_down(Profile::tuned());
+    std::vector<std::pair<Time, Region>> past;
+    for (int i = 0; i < 30; ++i) {
+      const Time time = i * period;
+      std::vector<Region> now;
+      if (i < 10) // then it is lost
+        now.push_back(at(10.0 * i));
+      for (const Region &region : now)
+        past.emplace_back(time, region);
+      std::vector<Region> expected;
+      for (const auto &[then, region] : past)
+        if (time - then <= Time(8'000'000'000 / 30))
+          expected.push_back(region);
+      fail_unless_weighed(top_down.compute(found, frame, now, time), found,
+                          factors(found, expected, 2));
+    }
+  }
+}
+GST_END_TEST;
+
+/// The weight of a type is that of the frame at hand, also for where it was.
+GST_START_TEST(test_newest_weight)
+{
+  const cv::Size frame(320, 64);
+  const Saliency found = random_saliency(frame, 10);
+  TopDownSaliency top_down(Profile::tuned());
+  const Region then{ { 0, 0, 16, 64 }, 1, 0 };
+  Region now{ { 200, 0, 16, 64 }, 1, 5 };
+  top_down.compute(found, frame, { &then, 1 }, 0s);
+  Region expected = then;
+  expected.weight = 5;
+  fail_unless_weighed(top_down.compute(found, frame, { &now, 1 }, 40ms), found,
+                      factors(found, { expected, now }, 2));
+}
+GST_END_TEST;
+
+GST_START_TEST(test_resets)
+{
+  const cv::Size frame(160, 120);
+  const Saliency found = random_saliency(frame, 2);
+  const std::vector<Region> all{ { { 0, 0, 160, 120 }, 1, 0 } };
+  TopDownSaliency top_down(Profile::tuned());
+  const auto forgets = [&](auto then) {
+    top_down.compute(found, frame, all, 10s);
+    fail_unless(cv::countNonZero(top_down.compute(found, frame, {}, 10s)) == 0);
+    return then().data == found.map.data;
+  };
+  fail_unless(forgets([&] { return top_down.compute(found, frame, {}, 10s - 1ns); }));
+  fail_unless(forgets([&] {
+    top_down.reset();
+    return top_down.compute(found, frame, {}, 10s);
+  }));
+  top_down.reset();
+  const Saliency other = random_saliency({ 161, 120 }, 3);
+  top_down.compute(found, frame, all, 10s);
+  fail_unless(top_down.compute(other, { 161, 120 }, {}, 10s).data == other.map.data);
+}
+GST_END_TEST;
+
+/// However many are found, the last ones count.
+GST_START_TEST(test_many_regions)
+{
+  const cv::Size frame(160, 120);
+  const Saliency found = random_saliency(frame, 4);
+  std::vector<Region> regions(5000, Region{ { 0, 0, 1, 1 }, 1, 1 });
+  regions.push_back({ { 0, 0, 160, 120 }, 2, 0 });
+  TopDownSaliency top_down(Profile::tuned());
+  for (int i = 0; i < 5; ++i)
+    fail_unless(cv::countNonZero(top_down.compute(found, frame, regions, i * 10ms)) == 0);
+}
+GST_END_TEST;
+
+static Suite *
+top_down_saliency_suite(void)
+{
+  Suite *suite = suite_create("top_down_saliency");
+  TCase *tc = tcase_create("general");
+  suite_add_tcase(suite, tc);
+  tcase_add_test(tc, test_definition);
+  tcase_add_test(tc, test_nothing_to_weigh);
+  tcase_add_test(tc, test_reach_and_hold);
+  tcase_add_test(tc, test_regions_stay);
+  tcase_add_test(tc, test_newest_weight);
+  tcase_add_test(tc, test_resets);
+  tcase_add_test(tc, test_many_regions);
+  return suite;
+}
+
+GST_CHECK_MAIN(top_down_saliency);
