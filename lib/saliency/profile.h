@@ -20,6 +20,13 @@ struct WindowPair
   int surround;
 };
 
+/// What makes a place stand out in a single picture.
+enum class SpatialCue
+{
+  contrast,       ///< ΔE to its surround, a coarser level of the pyramid
+  surroundedness, ///< being enclosed by another colour (see Surroundedness)
+};
+
 /// The operator N(·) of Itti & Koch, or none.
 enum class Normalization
 {
@@ -59,14 +66,23 @@ struct Profile
   int reference_width = 0;
   /// w in ΔE = √(ΔL² + w² (Δa² + Δb²)).
   double chroma_weight = 1;
+  SpatialCue spatial_cue = SpatialCue::contrast;
   /// Of the spatial contrast maps; each is limited to the levels that the frame has.
+  /// Surroundedness is taken at the centre's level alone.
   std::vector<LevelPair> levels;
+  /// ΔE between the thresholds of surroundedness, 0.5 to 100.
+  double threshold_step = 5;
+  /// p of surroundedness: a region counts 1/areaᵖ, 0 to 1.
+  double area_exponent = 0.5;
   /// Of each contrast map, before they are combined.
   Normalization contrast_normalization = Normalization::none;
   /// Mean of the contrast maps rather than their sum.
   bool contrast_mean = false;
   /// Level of the spatial saliency map; contrast maps are brought to it grid-correctly.
   int saliency_level = 2;
+  /// The spatial saliency map is multiplied by colour rarity, taken at the coarsest of the pairs'
+  /// levels.
+  bool rarity = false;
   /// Of the temporal contrast maps.
   std::vector<WindowPair> windows;
   TemporalSign temporal_sign = TemporalSign::absolute;
@@ -84,6 +100,10 @@ struct Profile
   /// What measures best so far (docs/algorithm.md): one pair c = 2, δ = 1, chroma × 2, no N(·),
   /// pooled to level 4, onsets only, windows 1/8, 2/16, 4/32, 8/64.
   static Profile tuned();
+
+  /// What measures best on single pictures, that is without `temporal`: surroundedness at level 3
+  /// times colour rarity. Otherwise as tuned().
+  static Profile tuned_spatial();
 };
 
 } // namespace saliency
