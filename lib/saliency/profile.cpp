@@ -45,7 +45,7 @@ Profile::tuned_spatial()
   Profile profile = tuned();
   profile.spatial_cue = SpatialCue::surroundedness;
   profile.levels = { { 3, 3 } };
-  profile.threshold_step = 5;
+  profile.threshold_step = 3;
   profile.area_exponent = 0.5;
   profile.saliency_level = 3;
   profile.rarity = true;

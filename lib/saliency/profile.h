@@ -71,8 +71,8 @@ struct Profile
   /// Surroundedness is taken at the centre's level alone.
   std::vector<LevelPair> levels;
   /// ΔE between the thresholds of surroundedness, 0.5 to 100.
-  double threshold_step = 5;
-  /// p of surroundedness: a region counts 1/areaᵖ, 0 to 1.
+  double threshold_step = 3;
+  /// p of surroundedness: a region counts (1 % of the picture / its area)^p, 0 to 1.
   double area_exponent = 0.5;
   /// Of each contrast map, before they are combined.
   Normalization contrast_normalization = Normalization::none;

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <span>
 #include <stdexcept>
 
 namespace saliency {
@@ -15,10 +16,35 @@ namespace {
 /// No colour's L*, a* or b* is further from 0.
 constexpr double kLargest = 128;
 
+/// A₀, as a share of the picture.
+constexpr double kReferenceArea = 0.01;
+
 /// 1 in fixed-point: what is added at a run's start is taken away exactly at its end.
 constexpr double kOne = 1 << 20;
 
 } // namespace
+
+/// Goes along the crossings of a threshold.
+class Surroundedness::CrossingCursor
+{
+public:
+  explicit CrossingCursor(std::span<const Crossing> crossings) : rest_(crossings)
+  {
+  }
+
+  /// Whether there is one on row y in columns [begin, end). Rows and columns only grow from call to
+  /// call.
+  bool find(int y, int begin, int end)
+  {
+    while (!rest_.empty()
+           && (rest_.front().y < y || (rest_.front().y == y && rest_.front().x < begin)))
+      rest_ = rest_.subspan(1);
+    return !rest_.empty() && rest_.front().y == y && rest_.front().x < end;
+  }
+
+private:
+  std::span<const Crossing> rest_;
+};
 
 Surroundedness::Surroundedness(double threshold_step, double area_exponent)
     : threshold_step_(threshold_step), area_exponent_(area_exponent)
@@ -37,11 +63,11 @@ Surroundedness::prepare(cv::Size size)
     size_ = size;
     row_codes_.resize(static_cast<std::size_t>(size.height));
     row_runs_.resize(static_cast<std::size_t>(size.height) + 1);
-    const double picture = size.area();
+    const double reference = kReferenceArea * size.area();
     weight_.assign(static_cast<std::size_t>(size.area()) + 1, 0);
     for (std::size_t area = 1; area < weight_.size(); ++area)
       weight_[area] = std::llround(
-          kOne * threshold_step_ * std::pow(static_cast<double>(area) / picture, -area_exponent_));
+          kOne * threshold_step_ * std::pow(reference / static_cast<double>(area), area_exponent_));
   }
   change_.assign(static_cast<std::size_t>(size.area()), 0);
 }
@@ -103,6 +129,7 @@ Surroundedness::unite(int a, int b)
   child.parent = std::min(a, b);
   parent.area += child.area;
   parent.border = parent.border || child.border;
+  parent.beyond = parent.beyond || child.beyond;
 }
 
 /// Parts the picture into the regions above and below a threshold.
@@ -112,9 +139,16 @@ Surroundedness::join_runs(int threshold)
   runs_.clear();
   const auto add_run = [this](int x) {
     const int index = static_cast<int>(runs_.size());
-    runs_.push_back({ x, index, 0, false });
+    runs_.push_back({ x, index, 0, false, false });
   };
-  const auto &crossings = crossings_[static_cast<std::size_t>(threshold)];
+  const auto crossings_of = [this](int k) -> std::span<const Crossing> {
+    if (k < 0 || k >= static_cast<int>(crossings_.size()))
+      return {};
+    return crossings_[static_cast<std::size_t>(k)];
+  };
+  const auto crossings = crossings_of(threshold);
+  CrossingCursor higher(crossings_of(threshold + 1));
+  CrossingCursor lower(crossings_of(threshold - 1));
   auto crossing = crossings.begin();
   for (int y = 0; y < size_.height; ++y) {
     const int first = static_cast<int>(runs_.size());
@@ -126,10 +160,14 @@ Surroundedness::join_runs(int threshold)
     row_runs_[static_cast<std::size_t>(y) + 1] = end;
 
     const bool outermost_row = y == 0 || y == size_.height - 1;
-    for (int run = first; run < end; ++run) {
+    bool above = row_codes_[static_cast<std::size_t>(y)] > threshold;
+    for (int run = first; run < end; ++run, above = !above) {
       auto &r = runs_[static_cast<std::size_t>(run)];
-      r.area = run_end(run, y) - r.x;
+      const int after = run_end(run, y);
+      r.area = after - r.x;
       r.border = outermost_row || run == first || run == end - 1;
+      // Inside the picture, a run that lies beyond the next threshold crosses it on the way.
+      r.beyond = (above ? higher : lower).find(y, r.x, after);
     }
     if (y == 0)
       continue;
@@ -157,17 +195,21 @@ Surroundedness::join_runs(int threshold)
 void
 Surroundedness::add_surrounded()
 {
+  auto *runs = runs_.data();
   auto *change = change_.data();
-  for (int y = 0; y < size_.height; ++y, change += size_.width)
-    for (int run = row_runs_[static_cast<std::size_t>(y)];
-         run < row_runs_[static_cast<std::size_t>(y) + 1]; ++run) {
-      const auto &region = runs_[static_cast<std::size_t>(root(run))];
-      if (region.border)
+  for (int y = 0; y < size_.height; ++y, change += size_.width) {
+    const int end = row_runs_[static_cast<std::size_t>(y) + 1];
+    for (int run = row_runs_[static_cast<std::size_t>(y)]; run < end; ++run) {
+      // A parent comes before its children, so it already hangs on its root.
+      runs[run].parent = runs[runs[run].parent].parent;
+      const auto &region = runs[runs[run].parent];
+      if (region.border || !region.beyond)
         continue;
       const auto weight = weight_[static_cast<std::size_t>(region.area)];
-      change[runs_[static_cast<std::size_t>(run)].x] += weight;
-      change[run_end(run, y)] -= weight; // a surrounded run is never a row's last
+      change[runs[run].x] += weight;
+      change[runs[run + 1].x] -= weight; // the row's last run touches the border
     }
+  }
 }
 
 void

@@ -12,13 +12,14 @@ namespace saliency {
 /// is enclosed by its ground.
 ///
 /// L*, a* and b* are each cut at every threshold t = (k + ½) Δt; a cut parts the picture into
-/// 4-connected regions above and below t. A region that does not touch the picture's border is
-/// surrounded, and
-///   S(x) = Σ_channels Σ_t Δt / areaᵖ of the surrounded region of t in which x lies, if any,
-/// areas being fractions of the picture's. With p = 0, S(x) is how much of each channel every way
-/// from x to the border has to cross (Zhang & Sclaroff 2016: Boolean map distance). With p > 0 a
-/// small region stands out more than a large one; at p = ½ the sum of S over a region grows as its
-/// diameter does.
+/// 4-connected regions above and below t. A region is surrounded if it does not touch the picture's
+/// border, and counts if any of it lies beyond the next threshold too: a step across one alone may
+/// be noise. Then
+///   S(x) = Σ_channels Σ_t Δt (A₀ / A)^p, A the area of the surrounded region of t in which x lies,
+/// if any, and A₀ one percent of the picture. For a region of that size, and for any with p = 0,
+/// S(x) is how much of each channel every way from x to the border has to cross (Zhang & Sclaroff
+/// 2016: Boolean map distance), less the last Δt. With p > 0 a small region stands out more than a large one; at
+/// p = ½ the sum of S over a region grows as its diameter does.
 ///
 /// What the picture's border cuts off counts as ground. Unlike in the paper, each region counts by
 /// its own area rather than by the L2 norm of all that a threshold finds, thresholds do not depend
@@ -51,7 +52,10 @@ private:
     int parent;
     int area;    ///< of the region, pixels
     bool border; ///< the region touches the picture's border
+    bool beyond; ///< some of the region lies beyond the next threshold
   };
+
+  class CrossingCursor;
 
   void prepare(cv::Size size);
   void find_crossings(const cv::Mat &lab, int channel);
@@ -64,7 +68,7 @@ private:
   double threshold_step_;
   double area_exponent_;
   cv::Size size_;
-  std::vector<std::int64_t> weight_;             ///< Δt / areaᵖ by area in pixels, fixed-point
+  std::vector<std::int64_t> weight_;             ///< Δt (A₀/A)^p by area in pixels, fixed-point
   std::vector<std::vector<Crossing>> crossings_; ///< by threshold, row by row
   std::vector<int> row_codes_;       ///< thresholds that each row's first pixel is above
   std::vector<Run> runs_;            ///< of one cut, row by row

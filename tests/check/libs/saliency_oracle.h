@@ -261,12 +261,14 @@ surroundedness(const LabImage &lab, double step, double exponent)
           continue;
         const bool above = channel.values[static_cast<std::size_t>(start)] > t;
         bool border = false;
+        bool beyond = false;
         std::vector<int> region{ start };
         seen.values[static_cast<std::size_t>(start)] = 1;
         for (std::size_t i = 0; i < region.size(); ++i) {
           const int x = region[i] % w;
           const int y = region[i] / w;
           border = border || x == 0 || y == 0 || x == w - 1 || y == h - 1;
+          beyond = beyond || (above ? channel(x, y) > t + step : channel(x, y) <= t - step);
           for (const auto &[nx, ny] :
                { std::pair{ x - 1, y }, { x + 1, y }, { x, y - 1 }, { x, y + 1 } })
             if (nx >= 0 && ny >= 0 && nx < w && ny < h && seen(nx, ny) == 0
@@ -275,10 +277,10 @@ surroundedness(const LabImage &lab, double step, double exponent)
               region.push_back(ny * w + nx);
             }
         }
-        if (!border)
+        if (!border && beyond)
           for (const int i : region)
             map.values[static_cast<std::size_t>(i)]
-                += step * std::pow(static_cast<double>(region.size()) / (w * h), -exponent);
+                += step * std::pow(0.01 * w * h / static_cast<double>(region.size()), exponent);
       }
     }
   return map;

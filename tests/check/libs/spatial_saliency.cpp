@@ -145,7 +145,7 @@ GST_START_TEST(test_tuned_spatial)
     auto lab = picture(width, height, 5);
     for (int n = 0; n < (width == 220 ? 1 : 0); ++n)
       lab = oracle::pyr_down(lab);
-    auto expected = oracle::surroundedness(lab, 5, 0.5);
+    auto expected = oracle::surroundedness(lab, 3, 0.5);
     const auto rarity = oracle::rarity(lab, 0);
     for (std::size_t i = 0; i < expected.values.size(); ++i)
       expected.values[i] *= rarity.values[i];
