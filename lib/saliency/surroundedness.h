@@ -18,8 +18,8 @@ namespace saliency {
 ///   S(x) = Σ_channels Σ_t Δt (A₀ / A)^p, A the area of the surrounded region of t in which x lies,
 /// if any, and A₀ one percent of the picture. For a region of that size, and for any with p = 0,
 /// S(x) is how much of each channel every way from x to the border has to cross (Zhang & Sclaroff
-/// 2016: Boolean map distance), less the last Δt. With p > 0 a small region stands out more than a large one; at
-/// p = ½ the sum of S over a region grows as its diameter does.
+/// 2016: Boolean map distance), less the last Δt. With p > 0 a small region stands out more than a
+/// large one; at p = ½ the sum of S over a region grows as its diameter does.
 ///
 /// What the picture's border cuts off counts as ground. Unlike in the paper, each region counts by
 /// its own area rather than by the L2 norm of all that a threshold finds, thresholds do not depend
