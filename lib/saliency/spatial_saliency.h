@@ -30,8 +30,8 @@ struct FrameLevels
 FrameLevels frame_levels(const Profile &profile, cv::Size frame);
 
 /// Spatial saliency S (paper, Section 3: "contrast maps are linearly combined to yield [a] single …
-/// saliency map"), or surroundedness in the place of contrast; times colour rarity where the profile
-/// asks for it.
+/// saliency map"), or surroundedness in the place of contrast; times colour rarity where the
+/// profile asks for it.
 class SpatialSaliency
 {
 public:
