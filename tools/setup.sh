@@ -2,10 +2,11 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 # Installs what this project needs on Debian or Ubuntu, and only that; says nothing about what is already there.
 #
-# Usage: tools/setup.sh [build] [play] [test]     (no argument: all three)
+# Usage: tools/setup.sh [build] [play] [test] [quality]     (no argument: all but the last)
 #   build   compiler, meson and the libraries the plugins are made of
 #   play    GStreamer's plugins that decode, encode and show a film
 #   test    what the test suite needs beyond that
+#   quality OpenCV's saliency models, to compare with; left out of the comparison where they are missing
 set -euo pipefail
 
 declare -A packages=(
@@ -15,10 +16,11 @@ declare -A packages=(
           gstreamer1.0-x gstreamer1.0-alsa gstreamer1.0-pulseaudio"
   [test]="python3 python3-gi gir1.2-gstreamer-1.0 gir1.2-gst-plugins-base-1.0 xvfb gstreamer1.0-opencv
           opencv-data"
+  [quality]="libopencv-contrib-dev"
 )
 
 usage() {
-  sed -n '3,8s/^# \{0,1\}//p' "$0"
+  sed -n '3,9s/^# \{0,1\}//p' "$0"
 }
 
 parts=("$@")
@@ -27,8 +29,8 @@ wanted=()
 for part in "${parts[@]}"; do
   case $part in
     -h | --help) usage; exit 0 ;;
-    build | play | test) read -r -d '' -a names <<<"${packages[$part]}" || true; wanted+=("${names[@]}") ;;
-    *) echo "setup.sh: expected build, play or test, got '$part'; see setup.sh --help" >&2; exit 2 ;;
+    build | play | test | quality) read -r -d '' -a names <<<"${packages[$part]}" || true; wanted+=("${names[@]}") ;;
+    *) echo "setup.sh: expected build, play, test or quality, got '$part'; see setup.sh --help" >&2; exit 2 ;;
   esac
 done
 

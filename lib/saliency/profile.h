@@ -22,6 +22,13 @@ struct WindowPair
   int surround;
 };
 
+/// What makes a place stand out in a single picture.
+enum class SpatialCue
+{
+  contrast,       ///< ΔE to its surround, a coarser level of the pyramid
+  surroundedness, ///< being enclosed by another colour (see Surroundedness)
+};
+
 /// The operator N(·) of Itti & Koch, or none.
 enum class Normalization
 {
@@ -64,14 +71,23 @@ struct Profile
   /// By so many levels the chroma's pairs are coarser than the lightness': the eye sees colour less
   /// sharply, and films hold it at half the resolution, hence with more noise.
   int chroma_octaves = 0;
+  SpatialCue spatial_cue = SpatialCue::contrast;
   /// Of the spatial contrast maps; each is limited to the levels that the frame has.
+  /// Surroundedness is taken at the centre's level alone.
   std::vector<LevelPair> levels;
+  /// ΔE between the thresholds of surroundedness, 0.5 to 100.
+  double threshold_step = 3;
+  /// p of surroundedness: a region counts (1 % of the picture / its area)^p, 0 to 1.
+  double area_exponent = 0.5;
   /// Of each contrast map, before they are combined.
   Normalization contrast_normalization = Normalization::none;
   /// Mean of the contrast maps rather than their sum.
   bool contrast_mean = false;
   /// Level of the spatial saliency map; contrast maps are brought to it grid-correctly.
   int saliency_level = 2;
+  /// The spatial saliency map is multiplied by colour rarity, taken at the coarsest of the pairs'
+  /// levels.
+  bool rarity = false;
   /// Of the temporal contrast maps.
   std::vector<WindowPair> windows;
   TemporalSign temporal_sign = TemporalSign::absolute;
@@ -110,6 +126,10 @@ struct Profile
   /// What measures best so far (docs/algorithm.md): one pair c = 2, δ = 1, chroma × 2, no N(·),
   /// pooled to level 4, onsets only, windows 1/8, 2/16, 4/32, 8/64.
   static Profile tuned();
+
+  /// What measures best on single pictures, that is without `temporal`: surroundedness at level 3
+  /// times colour rarity. Otherwise as tuned().
+  static Profile tuned_spatial();
 };
 
 } // namespace saliency

@@ -46,38 +46,57 @@ frame_levels(const Profile &profile, cv::Size frame)
 }
 
 SpatialSaliency::SpatialSaliency(const Profile &profile)
-    : normalization_(profile.contrast_normalization), mean_(profile.contrast_mean),
-      contrast_(profile.chroma_weight)
+    : cue_(profile.spatial_cue), normalization_(profile.contrast_normalization),
+      mean_(profile.contrast_mean), contrast_(profile.chroma_weight),
+      surroundedness_(profile.threshold_step, profile.area_exponent),
+      weigh_by_rarity_(profile.rarity)
 {
+}
+
+const cv::Mat &
+SpatialSaliency::at_saliency_level(std::vector<cv::Mat> &maps, int level, const FrameLevels &levels)
+{
+  auto index = static_cast<std::size_t>(level);
+  for (; static_cast<int>(index) < levels.saliency; ++index)
+    reduce(maps[index], maps[index + 1]);
+  if (const int octaves = static_cast<int>(index) - levels.saliency; octaves > 0) {
+    upsample(maps[index], octaves, octaves, level_size(levels.frame, levels.saliency), upsampled_);
+    return upsampled_;
+  }
+  return maps[index];
 }
 
 const cv::Mat &
 SpatialSaliency::compute(const Pyramid &pyramid, const FrameLevels &levels)
 {
-  contrast_map_.resize(static_cast<std::size_t>(std::max(levels.coarsest, levels.saliency)) + 1);
+  const auto count = static_cast<std::size_t>(std::max(levels.coarsest, levels.saliency)) + 1;
+  contrast_map_.resize(count);
+  rarity_map_.resize(count);
   bool first = true;
   for (std::size_t i = 0; i < levels.pairs.size(); ++i) {
-    auto center = static_cast<std::size_t>(levels.pairs[i].center);
-    contrast_(pyramid, levels.pairs[i], levels.chroma[i], contrast_map_[center]);
-    if (normalization_ == Normalization::itti)
-      normalize_itti(contrast_map_[center]);
-
-    for (; static_cast<int>(center) < levels.saliency; ++center)
-      reduce(contrast_map_[center], contrast_map_[center + 1]);
-    const cv::Mat *map = &contrast_map_[center];
-    if (const int octaves = static_cast<int>(center) - levels.saliency; octaves > 0) {
-      upsample(*map, octaves, octaves, level_size(levels.frame, levels.saliency), upsampled_);
-      map = &upsampled_;
-    }
-
-    if (first)
-      map->copyTo(sum_);
+    const LevelPair &pair = levels.pairs[i];
+    auto &contrast_map = contrast_map_[static_cast<std::size_t>(pair.center)];
+    if (cue_ == SpatialCue::surroundedness)
+      surroundedness_(pyramid.level(pair.center), contrast_map);
     else
-      cv::add(sum_, *map, sum_);
+      contrast_(pyramid, pair, levels.chroma[i], contrast_map);
+    if (normalization_ == Normalization::itti)
+      normalize_itti(contrast_map);
+
+    const cv::Mat &map = at_saliency_level(contrast_map_, pair.center, levels);
+    if (first)
+      map.copyTo(sum_);
+    else
+      cv::add(sum_, map, sum_);
     first = false;
   }
   if (mean_ && levels.pairs.size() > 1)
     sum_ *= 1.0 / static_cast<double>(levels.pairs.size());
+  if (weigh_by_rarity_) {
+    rarity_(pyramid.level(levels.coarsest), rarity_map_[static_cast<std::size_t>(levels.coarsest)]);
+    const cv::Mat &rarity = at_saliency_level(rarity_map_, levels.coarsest, levels);
+    cv::multiply(sum_, rarity, sum_);
+  }
   return sum_;
 }
 

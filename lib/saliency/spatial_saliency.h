@@ -4,6 +4,8 @@
 #include "saliency/contrast.h"
 #include "saliency/profile.h"
 #include "saliency/pyramid.h"
+#include "saliency/rarity.h"
+#include "saliency/surroundedness.h"
 
 #include <opencv2/core/mat.hpp>
 
@@ -29,7 +31,8 @@ struct FrameLevels
 FrameLevels frame_levels(const Profile &profile, cv::Size frame);
 
 /// Spatial saliency S (paper, Section 3: "contrast maps are linearly combined to yield [a] single …
-/// saliency map").
+/// saliency map"), or surroundedness in the place of contrast; times colour rarity where the
+/// profile asks for it.
 class SpatialSaliency
 {
 public:
@@ -41,11 +44,21 @@ public:
   const cv::Mat &compute(const Pyramid &pyramid, const FrameLevels &levels);
 
 private:
+  /// Brings a map from its level to the saliency level; `maps[level]` is the map and what is finer
+  /// than the saliency level is filled up to it.
+  const cv::Mat &at_saliency_level(std::vector<cv::Mat> &maps, int level,
+                                   const FrameLevels &levels);
+
+  SpatialCue cue_;
   Normalization normalization_;
   bool mean_;
   Contrast contrast_;
+  Surroundedness surroundedness_;
+  bool weigh_by_rarity_;
+  Rarity rarity_;
   std::vector<cv::Mat>
       contrast_map_; ///< of one pair, by level: at its centre's, and reduced from there on
+  std::vector<cv::Mat> rarity_map_; ///< likewise
   cv::Mat upsampled_;
   cv::Mat sum_;
 };

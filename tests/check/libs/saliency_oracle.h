@@ -246,6 +246,99 @@ contrast(const LabImage &center, const LabImage &surround, int octaves, double c
   return map;
 }
 
+/// Every region of every cut is filled from one of its pixels.
+inline Image
+surroundedness(const LabImage &lab, double step, double exponent)
+{
+  const int w = lab[0].width;
+  const int h = lab[0].height;
+  Image map(w, h);
+  for (const Image &channel : lab)
+    for (double t = -199.5 * step; t < 200 * step; t += step) {
+      Image seen(w, h);
+      for (int start = 0; start < w * h; ++start) {
+        if (seen.values[static_cast<std::size_t>(start)] > 0)
+          continue;
+        const bool above = channel.values[static_cast<std::size_t>(start)] > t;
+        bool border = false;
+        bool beyond = false;
+        std::vector<int> region{ start };
+        seen.values[static_cast<std::size_t>(start)] = 1;
+        for (std::size_t i = 0; i < region.size(); ++i) {
+          const int x = region[i] % w;
+          const int y = region[i] / w;
+          border = border || x == 0 || y == 0 || x == w - 1 || y == h - 1;
+          beyond = beyond || (above ? channel(x, y) > t + step : channel(x, y) <= t - step);
+          for (const auto &[nx, ny] :
+               { std::pair{ x - 1, y }, { x + 1, y }, { x, y - 1 }, { x, y + 1 } })
+            if (nx >= 0 && ny >= 0 && nx < w && ny < h && seen(nx, ny) == 0
+                && (channel(nx, ny) > t) == above) {
+              seen(nx, ny) = 1;
+              region.push_back(ny * w + nx);
+            }
+        }
+        if (!border && beyond)
+          for (const int i : region)
+            map.values[static_cast<std::size_t>(i)]
+                += step * std::pow(0.01 * w * h / static_cast<double>(region.size()), exponent);
+      }
+    }
+  return map;
+}
+
+/// The share of the picture (or of its outer frame) with about a pixel's colour, bin by bin.
+inline Image
+rarity(const LabImage &lab, double border)
+{
+  const int w = lab[0].width;
+  const int h = lab[0].height;
+  const auto bin = [](double position) {
+    return std::clamp(static_cast<int>(std::floor(16 * position)), 0, 15);
+  };
+  const auto chroma = [](double a) {
+    return (1 + a / (std::abs(a) + 24) * (112.0 + 24) / 112) / 2;
+  };
+  const auto cell = [&](int x, int y) {
+    return std::array{ bin(lab[0](x, y) / 100), bin(chroma(lab[1](x, y))),
+                       bin(chroma(lab[2](x, y))) };
+  };
+  const auto margin = [border](int length) {
+    return std::max(1, static_cast<int>(std::lround(border * length)));
+  };
+  const auto counts = [&](int x, int y) {
+    return border == 0 || x < margin(w) || x >= w - margin(w) || y < margin(h)
+           || y >= h - margin(h);
+  };
+
+  std::vector<int> pixels(16 * 16 * 16);
+  double total = 0;
+  for (int y = 0; y < h; ++y)
+    for (int x = 0; x < w; ++x)
+      if (counts(x, y)) {
+        const auto c = cell(x, y);
+        ++pixels[static_cast<std::size_t>((c[0] * 16 + c[1]) * 16 + c[2])];
+        ++total;
+      }
+  Image map(w, h);
+  for (int y = 0; y < h; ++y)
+    for (int x = 0; x < w; ++x) {
+      const auto own = cell(x, y);
+      double near = 0;
+      for (int l = 0; l < 16; ++l)
+        for (int a = 0; a < 16; ++a)
+          for (int b = 0; b < 16; ++b) {
+            const int dl = std::abs(l - own[0]);
+            const int da = std::abs(a - own[1]);
+            const int db = std::abs(b - own[2]);
+            if (std::max({ dl, da, db }) <= 1)
+              near += std::pow(0.5, dl + da + db)
+                      * pixels[static_cast<std::size_t>((l * 16 + a) * 16 + b)];
+          }
+      map(x, y) = std::max(0.0, -std::log(near / total + 1e-4) / 5);
+    }
+  return map;
+}
+
 /// N(·) with M = 1; what differs by no more than 1e-4 does not differ.
 inline Image
 itti(const Image &map)

@@ -138,11 +138,66 @@ GST_START_TEST(test_profiles)
 }
 GST_END_TEST;
 
+GST_START_TEST(test_tuned_spatial)
+{
+  // 100 pixels are level 3, on which everything lies; at 220 level 3 is the frame's level 1.
+  for (const auto &[width, height] : { std::pair{ 1, 1 }, { 5, 1 }, { 100, 75 }, { 220, 40 } }) {
+    auto lab = picture(width, height, 5);
+    for (int n = 0; n < (width == 220 ? 1 : 0); ++n)
+      lab = oracle::pyr_down(lab);
+    auto expected = oracle::surroundedness(lab, 3, 0.5);
+    const auto rarity = oracle::rarity(lab, 0);
+    for (std::size_t i = 0; i < expected.values.size(); ++i)
+      expected.values[i] *= rarity.values[i];
+
+    const Profile profile = Profile::tuned_spatial();
+    const FrameLevels levels = frame_levels(profile, { width, height });
+    saliency::Pyramid pyramid;
+    pyramid.build(oracle::to_mat(lab), levels.finest, levels.coarsest);
+    saliency::SpatialSaliency spatial(profile);
+    const auto &map = spatial.compute(pyramid, levels);
+    const double e = oracle::difference(map, expected);
+    fail_unless(e <= 1e-4 * expected.maximum(), "%dx%d: %g of %g", width, height, e,
+                expected.maximum());
+  }
+}
+GST_END_TEST;
+
+GST_START_TEST(test_cue_and_rarity_at_other_levels)
+{
+  // Two levels of surroundedness, one coarser than the map and one finer; rarity of the coarser.
+  Profile profile;
+  profile.spatial_cue = saliency::SpatialCue::surroundedness;
+  profile.levels = { { 0, 1 }, { 2, 2 } };
+  profile.saliency_level = 1;
+  profile.contrast_mean = true;
+  profile.rarity = true;
+  profile.threshold_step = 3;
+  profile.area_exponent = 0.25;
+  const auto fine = picture(64, 48, 9);
+  const auto middle = oracle::pyr_down(fine);
+  const auto coarse = oracle::pyr_down(middle);
+  const auto a = oracle::pyr_down(oracle::surroundedness(fine, 3, 0.25));
+  const auto b = oracle::up(oracle::surroundedness(coarse, 3, 0.25), 1, 1, 32, 24);
+  const auto r = oracle::up(oracle::rarity(coarse, 0), 1, 1, 32, 24);
+  oracle::Image expected(32, 24);
+  for (std::size_t i = 0; i < expected.values.size(); ++i)
+    expected.values[i] = 0.5 * (a.values[i] + b.values[i]) * r.values[i];
+
+  const FrameLevels levels = frame_levels(profile, { 64, 48 });
+  saliency::Pyramid pyramid;
+  pyramid.build(oracle::to_mat(fine), levels.finest, levels.coarsest);
+  saliency::SpatialSaliency spatial(profile);
+  fail_unless_at_most(oracle::difference(spatial.compute(pyramid, levels), expected),
+                      1e-4 * expected.maximum());
+}
+GST_END_TEST;
+
 GST_START_TEST(test_flat_picture)
 {
   const oracle::LabImage grey{ oracle::Image(40, 30, 53.6), oracle::Image(40, 30, 1e-5),
                                oracle::Image(40, 30, -2e-5) };
-  for (const auto &profile : { Profile::paper(), Profile::tuned() }) {
+  for (const auto &profile : { Profile::paper(), Profile::tuned(), Profile::tuned_spatial() }) {
     const auto levels = frame_levels(profile, { 40, 30 });
     auto level = grey;
     for (int n = 0; n < levels.finest; ++n)
@@ -165,6 +220,8 @@ spatial_saliency_suite(void)
   tcase_add_test(tc, test_levels_without_reference);
   tcase_add_test(tc, test_brute_force);
   tcase_add_test(tc, test_profiles);
+  tcase_add_test(tc, test_tuned_spatial);
+  tcase_add_test(tc, test_cue_and_rarity_at_other_levels);
   tcase_add_test(tc, test_flat_picture);
   return suite;
 }

@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "saliency/rarity.h"
+
+#include <opencv2/core.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <stdexcept>
+
+namespace saliency {
+
+namespace {
+
+constexpr std::size_t kBins = 16; ///< along each axis
+constexpr std::size_t kCells = kBins * kBins * kBins;
+constexpr float kLightnessRange = 100;
+constexpr float kHalfChroma = 24;     ///< |a*| that takes half of the way to infinity
+constexpr float kLargestChroma = 112; ///< |a*| at the outermost bin's edge
+constexpr float kUnseen = 1e-4F;      ///< share that any colour is taken to have
+constexpr float kScale = 5;
+
+/// The bin of a position in [0, 1]; beyond it, the outermost one.
+int
+bin(float position)
+{
+  constexpr auto bins = static_cast<float>(kBins);
+  return static_cast<int>(std::min(std::max(position * bins, 0.0F), bins - 1));
+}
+
+float
+chroma_position(float chroma)
+{
+  constexpr float scale = 0.5F * (kLargestChroma + kHalfChroma) / kLargestChroma;
+  return 0.5F + scale * chroma / (std::abs(chroma) + kHalfChroma);
+}
+
+std::uint16_t
+cell(const cv::Vec3f &lab)
+{
+  constexpr int bins = kBins;
+  const int l = bin(lab[0] / kLightnessRange);
+  const int a = bin(chroma_position(lab[1]));
+  const int b = bin(chroma_position(lab[2]));
+  return static_cast<std::uint16_t>((l * bins + a) * bins + b);
+}
+
+/// [½ 1 ½] along the axis of this stride, nothing beyond the outermost bins.
+void
+smooth(const std::vector<float> &in, std::size_t stride, std::vector<float> &out)
+{
+  std::copy(in.begin(), in.end(), out.begin());
+  const std::size_t line = kBins * stride;
+  const std::size_t pairs = line - stride;
+  for (std::size_t start = 0; start < kCells; start += line) {
+    const float *from = in.data() + start;
+    float *to = out.data() + start;
+    for (std::size_t i = 0; i < pairs; ++i)
+      to[i] += 0.5F * from[i + stride];
+    for (std::size_t i = 0; i < pairs; ++i)
+      to[i + stride] += 0.5F * from[i];
+  }
+}
+
+} // namespace
+
+Rarity::Rarity(double border) : border_(border), histogram_(kCells), table_(kCells)
+{
+  if (!(border >= 0 && border <= 0.5))
+    throw std::invalid_argument("a border takes at most half of the picture");
+}
+
+void
+Rarity::operator()(const cv::Mat &lab, cv::Mat &weight)
+{
+  CV_Assert(lab.type() == CV_32FC3 && !lab.empty());
+  weight.create(lab.size(), CV_32FC1);
+  bins_.resize(lab.total());
+
+  const auto margin = [this](int length) {
+    const int samples = static_cast<int>(std::lround(border_ * length));
+    return border_ > 0 ? std::clamp(samples, 1, (length + 1) / 2) : (length + 1) / 2;
+  };
+  const int rows = margin(lab.rows);
+  const int columns = margin(lab.cols);
+
+  std::fill(histogram_.begin(), histogram_.end(), 0.0F);
+  std::size_t counted = 0;
+  auto *bins = bins_.data();
+  for (int y = 0; y < lab.rows; ++y, bins += lab.cols) {
+    const auto *in = lab.ptr<cv::Vec3f>(y);
+    for (int x = 0; x < lab.cols; ++x)
+      bins[x] = cell(in[x]);
+    const auto count = [&](int from, int to) {
+      for (int x = from; x < to; ++x)
+        histogram_[bins[x]] += 1;
+      counted += static_cast<std::size_t>(to - from);
+    };
+    if (y < rows || y >= lab.rows - rows) {
+      count(0, lab.cols);
+    } else {
+      count(0, columns);
+      count(std::max(columns, lab.cols - columns), lab.cols);
+    }
+  }
+
+  smooth(histogram_, 1, table_);
+  smooth(table_, kBins, histogram_);
+  smooth(histogram_, kBins * kBins, table_);
+
+  // Of every bin, seen or not: the vectorised logarithm costs less than one call for each bin seen.
+  cv::Mat rarity(1, static_cast<int>(kCells), CV_32FC1, table_.data());
+  rarity.convertTo(rarity, CV_32F, 1 / static_cast<double>(counted), kUnseen);
+  cv::log(rarity, rarity);
+  for (float &r : table_)
+    r = std::max(0.0F, -r / kScale);
+
+  bins = bins_.data();
+  for (int y = 0; y < lab.rows; ++y, bins += lab.cols) {
+    auto *out = weight.ptr<float>(y);
+    for (int x = 0; x < lab.cols; ++x)
+      out[x] = table_[bins[x]];
+  }
+}
+
+} // namespace saliency

@@ -1,0 +1,320 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "photographs.h"
+
+#include "fixations.h"
+#include "gst/saliency/framemapping.h"
+#include "peers.h"
+#include "saliency/analyzer.h"
+#include "saliency/front_end.h"
+#include "saliency/rarity.h"
+#include "saliency/spatial_saliency.h"
+
+#include <gst/app/gstappsink.h>
+#include <gst/gst.h>
+#include <gst/video/video.h>
+
+#include <opencv2/core.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <charconv>
+#include <cstddef>
+#include <exception>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <stdexcept>
+#include <thread>
+
+namespace quality {
+
+namespace {
+
+const cv::Size kPicture(800, 600);
+const cv::Size kGrid(200, 150);
+constexpr double kBlur = 6; ///< samples of the grid
+constexpr double kBorder = 0.1;
+constexpr GstClockTime kPatience = 20 * GST_SECOND;
+
+enum Split
+{
+  train,
+  validation,
+};
+constexpr std::array kSplitNames{ "train", "validation" };
+
+struct Photograph
+{
+  std::string name;
+  Split split = train;
+  Fixations fixations; ///< in samples of the grid
+};
+
+/// The pictures that fixations are known of, by name.
+std::vector<Photograph>
+list_photographs(const std::filesystem::path &directory)
+{
+  std::vector<Photograph> photographs;
+  for (auto &[name, fixations] : read_fixations(directory / "fixations.csv", kPicture)) {
+    int number = 0;
+    const auto [end, error] = std::from_chars(name.data(), name.data() + name.size(), number);
+    if (error != std::errc{} || std::string_view(end) != ".jpg"
+        || (number % 4 != 1 && number % 4 != 3))
+      throw std::runtime_error("fixations.csv: expected pictures ODD-NUMBER.jpg, not " + name);
+    Fixations scaled;
+    for (const auto &fixation : fixations)
+      scaled.emplace_back(fixation.x * kGrid.width / kPicture.width,
+                          fixation.y * kGrid.height / kPicture.height);
+    photographs.push_back({ name, number % 4 == 1 ? train : validation, std::move(scaled) });
+  }
+  return photographs;
+}
+
+struct Unref
+{
+  void operator()(GstElement *element) const
+  {
+    gst_element_set_state(element, GST_STATE_NULL);
+    gst_object_unref(element);
+  }
+  void operator()(GstSample *sample) const
+  {
+    gst_sample_unref(sample);
+  }
+};
+
+/// A decoded picture.
+class Picture
+{
+public:
+  Picture(const std::filesystem::path &file, const char *format)
+  {
+    gst_video_info_init(&info_);
+    g_autoptr(GError) error = nullptr;
+    const std::string launch
+        = std::string("filesrc name=source ! jpegdec ! videoconvert ! video/x-raw,format=") + format
+          + " ! appsink name=sink sync=false";
+    const std::unique_ptr<GstElement, Unref> pipeline(gst_parse_launch(launch.c_str(), &error));
+    if (!pipeline || error)
+      throw std::runtime_error(std::string("cannot decode JPEG: ")
+                               + (error ? error->message : "no pipeline")
+                               + " (tools/setup.sh play)");
+    g_autoptr(GstElement) source = gst_bin_get_by_name(GST_BIN(pipeline.get()), "source");
+    g_autoptr(GstElement) sink = gst_bin_get_by_name(GST_BIN(pipeline.get()), "sink");
+    g_object_set(source, "location", file.c_str(), nullptr);
+    gst_element_set_state(pipeline.get(), GST_STATE_PLAYING);
+    sample_.reset(gst_app_sink_try_pull_sample(GST_APP_SINK(sink), kPatience));
+    if (!sample_ || !gst_video_info_from_caps(&info_, gst_sample_get_caps(sample_.get())))
+      throw std::runtime_error(file.string() + ": no picture in it");
+    mapping_ = std::make_unique<FrameMapping>(info_, gst_sample_get_buffer(sample_.get()));
+    if (!*mapping_ || mapping_->view().width != kPicture.width
+        || mapping_->view().height != kPicture.height)
+      throw std::runtime_error(file.string() + ": expected 800 x 600 pixels");
+  }
+
+  const saliency::FrameView &view() const
+  {
+    return mapping_->view();
+  }
+
+private:
+  std::unique_ptr<GstSample, Unref> sample_;
+  GstVideoInfo info_;
+  std::unique_ptr<FrameMapping> mapping_;
+};
+
+/// A BGR picture as OpenCV sees it.
+cv::Mat
+as_mat(const saliency::FrameView &bgr)
+{
+  const auto &blue = bgr.components[2];
+  return { bgr.height, bgr.width, CV_8UC3, const_cast<std::uint8_t *>(blue.data),
+           static_cast<std::size_t>(blue.row_stride) };
+}
+
+/// A map of which `picture` tells where the picture lies, on the grid.
+cv::Mat
+on_grid(const cv::Mat &map, const cv::Rect2d &picture)
+{
+  const double x = picture.width / kGrid.width;
+  const double y = picture.height / kGrid.height;
+  // From sample centre to sample centre: i + ½ on the grid is picture.x + x (i + ½) in the map.
+  const cv::Matx23d transform(x, 0, picture.x + 0.5 * x - 0.5, 0, y, picture.y + 0.5 * y - 0.5);
+  cv::Mat grid;
+  cv::warpAffine(map, grid, transform, kGrid, cv::INTER_LINEAR | cv::WARP_INVERSE_MAP,
+                 cv::BORDER_REPLICATE);
+  return grid;
+}
+
+/// A map that the whole picture fills, on the grid.
+cv::Mat
+on_grid(const cv::Mat &map)
+{
+  cv::Mat grid;
+  const bool finer = map.cols > kGrid.width && map.rows > kGrid.height;
+  cv::resize(map, grid, kGrid, 0, 0, finer ? cv::INTER_AREA : cv::INTER_LINEAR);
+  return grid;
+}
+
+/// The models, with what each of them keeps from picture to picture.
+class Models
+{
+public:
+  static std::vector<std::string> names()
+  {
+    std::vector<std::string> names{ "paper literal", "tuned film", "tuned film × R·B²",
+                                    "tuned spatial" };
+    for (const Peer peer : still_peers()) {
+      const std::string own = name(peer);
+      names.insert(names.end(), { own, own + " × R", own + " × R·B²" });
+    }
+    return names;
+  }
+
+  Models()
+  {
+    for (const Peer peer : still_peers())
+      peers_.emplace_back(peer);
+  }
+
+  /// Their maps on the grid, in the order of names().
+  std::vector<cv::Mat> maps(const std::filesystem::path &file)
+  {
+    const Picture i420(file, "I420");
+    const Picture bgr(file, "BGR");
+    const cv::Mat rarity = weight(i420.view(), rarity_);
+    const cv::Mat border_rarity = weight(i420.view(), border_rarity_);
+    const cv::Mat sketch = rarity.mul(border_rarity).mul(border_rarity);
+
+    std::vector<cv::Mat> maps;
+    maps.push_back(own(paper_, i420.view()));
+    maps.push_back(own(film_, i420.view()));
+    maps.emplace_back(maps.back().mul(sketch));
+    maps.push_back(own(spatial_, i420.view()));
+    for (auto &peer : peers_) {
+      const cv::Mat map = on_grid(peer.compute(as_mat(bgr.view())));
+      maps.insert(maps.end(), { map, map.mul(rarity), map.mul(sketch) });
+    }
+    return maps;
+  }
+
+private:
+  static std::vector<Peer> still_peers()
+  {
+    std::vector<Peer> peers;
+    std::copy_if(kPeers.begin(), kPeers.end(), std::back_inserter(peers),
+                 [](Peer peer) { return is_available(peer) && !needs_motion(peer); });
+    return peers;
+  }
+
+  static cv::Mat own(saliency::Analyzer &analyzer, const saliency::FrameView &view)
+  {
+    analyzer.reset();
+    const auto &saliency = analyzer.analyze(view, saliency::Time{}, saliency::Time{}, false);
+    return on_grid(saliency.map, saliency.picture);
+  }
+
+  /// Rarity at the level at which the profile for single pictures takes it.
+  cv::Mat weight(const saliency::FrameView &view, saliency::Rarity &rarity)
+  {
+    const int level = saliency::frame_levels(spatial_.profile(), kPicture).coarsest;
+    cv::Mat map;
+    rarity(front_end_.lab(view, level), map);
+    const double step = 1 << level;
+    return on_grid(
+        map, { 0.5 - 0.5 / step, 0.5 - 0.5 / step, kPicture.width / step, kPicture.height / step });
+  }
+
+  saliency::Analyzer paper_{ saliency::Profile::paper() };
+  saliency::Analyzer film_{ saliency::Profile::tuned() };
+  saliency::Analyzer spatial_{ saliency::Profile::tuned_spatial() };
+  saliency::FrontEnd front_end_{ false };
+  saliency::Rarity rarity_;
+  saliency::Rarity border_rarity_{ kBorder };
+  std::vector<PeerSaliency> peers_;
+};
+
+PhotographScores
+score(cv::Mat map, const Photograph &photograph, const Fixations &others)
+{
+  cv::GaussianBlur(map, map, {}, kBlur);
+  return { nss(map, photograph.fixations), auc_judd(map, photograph.fixations),
+           shuffled_auc(map, photograph.fixations, others),
+           correlation(map, fixation_density(kGrid, photograph.fixations, kBlur)) };
+}
+
+/// Runs `work` on every index below `count`, on several threads. What it throws is thrown here.
+void
+in_parallel(int threads, std::size_t count, const std::function<void(std::size_t, Models &)> &work)
+{
+  std::atomic<std::size_t> next{ 0 };
+  std::exception_ptr failure;
+  std::mutex mutex;
+  const auto run = [&] {
+    try {
+      Models models;
+      for (std::size_t i = next++; i < count; i = next++)
+        work(i, models);
+    } catch (...) {
+      const std::lock_guard lock(mutex);
+      failure = std::current_exception();
+      next = count;
+    }
+  };
+  {
+    std::vector<std::jthread> helpers;
+    for (int i = 1; i < threads; ++i)
+      helpers.emplace_back(run);
+    run();
+  }
+  if (failure)
+    std::rethrow_exception(failure);
+}
+
+} // namespace
+
+std::vector<PhotographRow>
+score_photographs(const std::filesystem::path &directory, int threads)
+{
+  const auto photographs = list_photographs(directory);
+  std::vector<std::vector<PhotographScores>> scores(photographs.size());
+  in_parallel(threads, photographs.size(), [&](std::size_t i, Models &models) {
+    const auto &photograph = photographs[i];
+    Fixations others;
+    for (const auto &other : photographs)
+      if (other.split == photograph.split && other.name != photograph.name)
+        others.insert(others.end(), other.fixations.begin(), other.fixations.end());
+    if (others.empty())
+      throw std::runtime_error("fixations.csv: a split needs two pictures or more");
+    for (const auto &map : models.maps(directory / photograph.name))
+      scores[i].push_back(score(map, photograph, others));
+  });
+
+  std::vector<PhotographRow> rows;
+  const auto names = Models::names();
+  for (std::size_t model = 0; model < names.size(); ++model)
+    for (const Split split : { train, validation }) {
+      PhotographRow row{ names[model], kSplitNames[split], 0, {} };
+      for (std::size_t i = 0; i < photographs.size(); ++i) {
+        if (photographs[i].split != split)
+          continue;
+        ++row.pictures;
+        row.scores.nss += scores[i][model].nss;
+        row.scores.auc_judd += scores[i][model].auc_judd;
+        row.scores.shuffled_auc += scores[i][model].shuffled_auc;
+        row.scores.cc += scores[i][model].cc;
+      }
+      if (row.pictures == 0)
+        continue;
+      row.scores.nss /= row.pictures;
+      row.scores.auc_judd /= row.pictures;
+      row.scores.shuffled_auc /= row.pictures;
+      row.scores.cc /= row.pictures;
+      rows.push_back(row);
+    }
+  return rows;
+}
+
+} // namespace quality
