@@ -69,10 +69,22 @@ struct Statistics
   GstClockTime longest = 0;
 };
 
-saliency::Profile
-make_profile(ProfileName name)
+/// What an analyzer is made for.
+struct Analysis
 {
-  return name == ProfileName::paper ? saliency::Profile::paper() : saliency::Profile::tuned();
+  ProfileName profile = ProfileName::tuned;
+  bool temporal = true;
+
+  bool operator==(const Analysis &) const = default;
+};
+
+saliency::Profile
+make_profile(const Analysis &analysis)
+{
+  using saliency::Profile;
+  if (analysis.profile == ProfileName::paper)
+    return Profile::paper();
+  return analysis.temporal ? Profile::tuned() : Profile::tuned_spatial();
 }
 
 tactile::MappingSettings
@@ -105,7 +117,7 @@ struct GstSaliencyTactilePrivate
   // Streaming thread only.
   GstVideoInfo info;
   bool negotiated = false;
-  ProfileName profile = ProfileName::tuned; ///< of the analyzer
+  Analysis analysis; ///< that the analyzer is made for
   std::optional<saliency::Analyzer> analyzer;
   std::optional<saliency::TopDownSaliency> top_down; ///< there when the analyzer is
   tactile::AdaptiveViewport viewport;
@@ -220,6 +232,10 @@ gst_saliency_tactile_analyse(GstSaliencyTactile *self, const SaliencySettings &s
 
   const saliency::Saliency &found
       = priv->analyzer->analyze(mapping.view(), time, duration, settings.temporal);
+  if (found.cut) { // what has been found in the last shot is no longer there
+    priv->top_down->reset();
+    priv->viewport.reset();
+  }
   const cv::Mat &saliency
       = gst_saliency_tactile_weigh(self, settings, buffer, mapping, found, time);
   const tactile::MappingSettings how = make_mapping(settings);
@@ -320,18 +336,19 @@ gst_saliency_tactile_transform_ip(GstBaseTransform *transform, GstBuffer *buffer
   saliency::Time duration;
   gst_saliency_tactile_times(self, buffer, time, duration);
 
+  const Analysis wanted{ settings.profile, settings.temporal };
   // Between two analyses the last map holds, unless it is for another grid or from another part of
   // the film.
   const bool fits = priv->map.rows == settings.rows && priv->map.columns == settings.columns
-                    && priv->analyzer && priv->profile == settings.profile;
+                    && priv->analyzer && priv->analysis == wanted;
   const bool analyse = !fits || gst_saliency_tactile_is_due(self, settings.max_rate, time);
   GstClockTime spent = 0;
   if (analyse) {
     try {
       const GstClockTime begin = gst_util_get_timestamp();
-      if (!priv->analyzer || priv->profile != settings.profile) {
-        priv->profile = settings.profile;
-        const saliency::Profile profile = make_profile(settings.profile);
+      if (!priv->analyzer || priv->analysis != wanted) {
+        priv->analysis = wanted;
+        const saliency::Profile profile = make_profile(wanted);
         priv->top_down.emplace(profile);
         priv->analyzer.emplace(profile);
       }

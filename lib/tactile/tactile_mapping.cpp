@@ -177,10 +177,9 @@ MappingSettings::tuned()
 MappingSettings
 MappingSettings::tuned_spatial()
 {
-  constexpr double kFirstFrame = (7.0 / 8 + 7.0 / 16 + 7.0 / 32 + 7.0 / 64) / 4;
   MappingSettings settings = tuned();
-  settings.floor /= kFirstFrame;
-  settings.units_per_delta_e /= kFirstFrame;
+  settings.units_per_delta_e = 2;
+  settings.floor = kPerceptualOnset * settings.units_per_delta_e;
   return settings;
 }
 

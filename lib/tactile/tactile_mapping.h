@@ -40,9 +40,9 @@ struct MappingSettings
   /// (docs/algorithm.md).
   static MappingSettings tuned();
 
-  /// The same for its spatial maps. A spatial contrast S makes an onset of
-  /// ¼ (7/8 + 7/16 + 7/32 + 7/64) S = 0.41 S in its first frame (windows 1/8, 2/16, 4/32, 8/64 at
-  /// 30 fps), so a unit of the spatial map is worth that much of a unit of the spatiotemporal one.
+  /// The same for Profile::tuned_spatial()'s maps, whose values are ΔE for figures of one percent of
+  /// the picture, more for smaller ones: a unit is taken as half a ΔE, and the weakest that is felt
+  /// is the weakest that a motor can render, 4 ΔE.
   static MappingSettings tuned_spatial();
 };
 
