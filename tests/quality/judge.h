@@ -40,6 +40,7 @@ struct Scores
   Mean prompt;    ///< onsets that are felt in their first frame
   Mean pair;      ///< (e) both balls are felt: frames within 0.5 s of two balls' common onset
   Mean active;    ///< not silent: all frames
+  Mean camera;    ///< the camera counts as moving: all frames
   Mean cells;     ///< cells above zero: all frames
   Mean found;     ///< felt within 1/3 s in the ball's cells: onsets that could be seen
   Mean right;     ///< strongest cell is a ball's: frames not silent within 0.5 s of such an onset

@@ -2,10 +2,12 @@
 #pragma once
 
 #include "films.h"
-#include "saliency/analyzer.h"
-#include "tactile/tactile_mapping.h"
+#include "peers.h"
+#include "tactile/tactile_map.h"
 
+#include <memory>
 #include <string>
+#include <utility>
 
 namespace quality {
 
@@ -28,35 +30,24 @@ public:
   /// The next frame of a film, shown during [time, time + duration).
   virtual void frame(const Frame &frame, Time time, Time duration, tactile::TactileMap &map) = 0;
 
+  /// Whether the camera counts as moving.
+  virtual bool camera_moves() const
+  {
+    return false;
+  }
+
 private:
   std::string name_;
 };
 
-/// This project's.
-class AnalyzerModel : public Model
-{
-public:
-  AnalyzerModel(std::string name, const saliency::Profile &profile,
-                const tactile::MappingSettings &mapping)
-      : Model(std::move(name)), analyzer_(profile), mapping_(mapping)
-  {
-  }
+/// This project's models.
+std::unique_ptr<Model> paper_model();
+std::unique_ptr<Model> tuned_model();
 
-  void frame(const Frame &frame, Time time, Time duration, tactile::TactileMap &map) override
-  {
-    const auto &found = analyzer_.analyze(frame.view(), time, duration);
-    const tactile::SaliencyView view{ .values = found.map.ptr<float>(),
-                                      .width = found.map.cols,
-                                      .height = found.map.rows,
-                                      .stride = static_cast<std::ptrdiff_t>(found.map.step1()),
-                                      .horizontal = { found.picture.x, found.picture.width },
-                                      .vertical = { found.picture.y, found.picture.height } };
-    tactile::map_saliency(view, mapping_, map);
-  }
-
-private:
-  saliency::Analyzer analyzer_;
-  tactile::MappingSettings mapping_;
-};
+/// A peer's map with what is decided by this project's means: half of the maximum as the threshold,
+/// values kept, pooled by exact area. With `weighted`, it is multiplied by colour rarity before.
+/// It never decides that nothing happens, unless its map is 0. Throws std::runtime_error if the peer
+/// is not available.
+std::unique_ptr<Model> peer_model(Peer peer, bool weighted);
 
 } // namespace quality

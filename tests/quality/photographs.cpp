@@ -317,4 +317,10 @@ score_photographs(const std::filesystem::path &directory, int threads)
   return rows;
 }
 
+cv::Mat
+read_photograph(const std::filesystem::path &file)
+{
+  return as_mat(Picture(file, "BGR").view()).clone();
+}
+
 } // namespace quality

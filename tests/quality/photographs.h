@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include <opencv2/core/mat.hpp>
+
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -39,5 +41,8 @@ struct PhotographRow
 /// initialised. Throws std::runtime_error if a file is missing or not as it has to be.
 std::vector<PhotographRow> score_photographs(const std::filesystem::path &directory,
                                              int threads = 2);
+
+/// A photograph, CV_8UC3 BGR, 800 × 600. Throws std::runtime_error as above.
+cv::Mat read_photograph(const std::filesystem::path &file);
 
 } // namespace quality

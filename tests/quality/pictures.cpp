@@ -15,11 +15,11 @@ namespace {
 /// A slope of lightness across a disc, in codes from rim to rim.
 constexpr double kSlope = 24;
 
-/// An R'G'B' colour: lightness all over the scale, chroma small (σ 22 codes on each axis).
+/// An R'G'B' colour: lightness all over the scale short of overexposure, chroma small (σ 22 codes).
 cv::Scalar
 leaf_color(Random &random)
 {
-  const double grey = random.uniform(20, 225);
+  const double grey = random.uniform(20, 190);
   const double warm = 22 * random.normal();
   const double green = 22 * random.normal() / 2;
   return { grey - warm, grey + green, grey + warm };

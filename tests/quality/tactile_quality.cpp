@@ -1,216 +1,311 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 //
-// How well do the maps follow the film? Plays the paper's synthetic films, whose balls are known,
-// through saliencytactile and prints the metrics of docs/algorithm.md as a Markdown table:
-//   (a) share of frames within 0.5 s of an onset or of movement whose strongest cell is one that a
-//   ball touches (b) share of the map's energy in such cells (c) share of all-zero maps among
-//   frames where nothing has moved for 2.2 s (d) frames from an onset to the first level above zero
-//   in a cell that the ball touches (mean)
-// With --check: exit status 1 if the tuned profile is below the floors that are written here.
-#include <gst/gst.h>
-#include <gst/tactile/tactile.h>
-#include <gst/video/video.h>
+// How well do the maps follow what happens? Tables of docs/quality.md: films whose events are known,
+// films in which nothing happens however much changes, photographs with people's fixations; the
+// literal paper, the tuned profile and its peers.
+#include "film_scores.h"
+#include "photographs.h"
+#include "pictures.h"
+#include "table.h"
 
-#include <algorithm>
+#include <gst/gst.h>
+
+#include <opencv2/core.hpp>
+
 #include <array>
+#include <cmath>
 #include <cstdio>
-#include <cstring>
-#include <map>
-#include <optional>
-#include <set>
-#include <span>
-#include <string>
-#include <vector>
+#include <exception>
+#include <filesystem>
+#include <fstream>
+#include <iostream>
+#include <sstream>
+
+using namespace quality;
 
 namespace {
 
-constexpr GstClockTime kEventSpan = 500 * GST_MSECOND;
-constexpr GstClockTime kRestSpan = 2200 * GST_MSECOND;
-constexpr int kWidth = 640;
-constexpr int kHeight = 480;
-constexpr int kFps = 30;
-constexpr int kFrames = 40 * kFps;
-constexpr int kSeeds = 3;
+constexpr std::array kDisturbances{ Disturbance::still, Disturbance::flicker,
+                                    Disturbance::fade,  Disturbance::cut,
+                                    Disturbance::pan,   Disturbance::pan_and_rest,
+                                    Disturbance::zoom,  Disturbance::shake };
 
-/// What --check asks of the tuned profile on every film.
-constexpr struct
+/// Backgrounds for the disturbances: of what kind, and pictures in proportion 4 : 3.
+struct Backgrounds
 {
-  double a = 0.99;
-  double b = 0.96;
-  double c = 0.98;
-  double d = 0.5;
-} kFloors;
-
-struct Scores
-{
-  double hits = 0, event_frames = 0;
-  double energy_inside = 0, energy_frames = 0;
-  double silent = 0, rest_frames = 0;
-  double delay = 0, onsets = 0, never = 0;
-
-  double a() const
-  {
-    return hits / event_frames;
-  }
-  double b() const
-  {
-    return energy_inside / energy_frames;
-  }
-  double c() const
-  {
-    return silent / rest_frames;
-  }
-  double d() const
-  {
-    return delay / onsets;
-  }
+  std::string kind;
+  std::vector<cv::Mat> pictures;
 };
 
-/// Follows one film, frame by frame.
-class Judge
+struct Options
 {
-public:
-  explicit Judge(Scores &scores) : scores_(scores)
-  {
-  }
-
-  ~Judge()
-  {
-    finish_onsets();
-  }
-
-  void frame(GstBuffer *buffer)
-  {
-    const GstTactileMeta *meta = gst_buffer_get_tactile_meta(buffer);
-    if (!meta)
-      return;
-    const GstClockTime time = GST_BUFFER_PTS(buffer);
-    const std::size_t cells = static_cast<std::size_t>(meta->rows) * meta->columns;
-
-    std::set<std::size_t> touched;
-    gpointer state = nullptr;
-    bool moving = false;
-    std::map<int, GstClockTime> onsets;
-    while (GstMeta *item = gst_buffer_iterate_meta_filtered(
-               buffer, &state, GST_VIDEO_REGION_OF_INTEREST_META_API_TYPE)) {
-      auto *roi = reinterpret_cast<GstVideoRegionOfInterestMeta *>(item);
-      const GstStructure *target
-          = gst_video_region_of_interest_meta_get_param(roi, "tactile-target");
-      if (!target)
-        continue;
-      gint ball = 0;
-      guint64 onset = 0;
-      gboolean ball_moves = FALSE;
-      gst_structure_get_int(target, "ball", &ball);
-      gst_structure_get_uint64(target, "onset", &onset);
-      gst_structure_get_boolean(target, "moving", &ball_moves);
-      moving |= ball_moves;
-      onsets[ball] = onset;
-      for (guint r = roi->y * meta->rows / kHeight;
-           r <= (roi->y + roi->h - 1) * meta->rows / kHeight; r++)
-        for (guint c = roi->x * meta->columns / kWidth;
-             c <= (roi->x + roi->w - 1) * meta->columns / kWidth; c++)
-          touched.insert(r * meta->columns + c);
-    }
-
-    if (onsets != onsets_) {
-      finish_onsets();
-      // A ball that is there in the first frame is no onset.
-      if (!first_)
-        pending_ = 0;
-      onsets_ = onsets;
-      if (!first_)
-        last_event_ = time;
-    }
-    if (moving)
-      last_event_ = time;
-    first_ = false;
-
-    const std::span<const gfloat> levels(meta->levels, cells);
-    double sum = 0;
-    double inside = 0;
-    for (std::size_t i = 0; i < cells; i++) {
-      sum += levels[i];
-      inside += touched.contains(i) ? levels[i] : 0;
-    }
-    if (pending_) {
-      if (inside > 0) {
-        scores_.delay += *pending_;
-        scores_.onsets++;
-        pending_.reset();
-      } else {
-        ++*pending_;
-      }
-    }
-    if (last_event_ && time - *last_event_ <= kEventSpan) {
-      scores_.event_frames++;
-      const auto strongest
-          = static_cast<std::size_t>(std::ranges::max_element(levels) - levels.begin());
-      scores_.hits += sum > 0 && touched.contains(strongest);
-      if (sum > 0) {
-        scores_.energy_inside += inside / sum;
-        scores_.energy_frames++;
-      }
-    }
-    if (time - last_event_.value_or(0) >= kRestSpan) {
-      scores_.rest_frames++;
-      scores_.silent += sum == 0;
-    }
-  }
-
-private:
-  void finish_onsets()
-  {
-    if (!pending_)
-      return;
-    scores_.delay += *pending_; // never felt: as long as it lasted
-    scores_.onsets++;
-    scores_.never++;
-    pending_.reset();
-  }
-
-  Scores &scores_;
-  std::map<int, GstClockTime> onsets_;
-  std::optional<double> pending_;
-  std::optional<GstClockTime> last_event_;
-  bool first_ = true;
+  gboolean check = FALSE;
+  gboolean quick = FALSE;
+  gint threads = 2;
+  gchar *data = nullptr;
+  gchar *markdown = nullptr;
+  gchar *csv = nullptr;
 };
+
+std::vector<ModelMaker>
+our_models()
+{
+  return { paper_model, tuned_model };
+}
+
+std::vector<ModelMaker>
+all_models()
+{
+  auto models = our_models();
+  for (const Peer peer : kPeers)
+    if (is_available(peer))
+      for (const bool weighted : { false, true })
+        models.emplace_back([peer, weighted] { return peer_model(peer, weighted); });
+  return models;
+}
+
+std::string
+size_text(cv::Size size)
+{
+  return std::to_string(size.width) + "×" + std::to_string(size.height);
+}
+
+FilmCase
+ball_case(tactile::FilmPattern pattern, cv::Size size, int fps, double noise)
+{
+  FilmCase film;
+  film.film = pattern == tactile::FilmPattern::static_motion ? "static-motion" : "dynamic-motion";
+  film.make = [pattern](std::uint64_t seed) {
+    return ball_film({ .pattern = pattern, .seed = seed });
+  };
+  film.size = size;
+  film.fps = fps;
+  film.noise = noise;
+  return film;
+}
+
+FilmCase
+disturbed_case(Disturbance disturbance, const Backgrounds &backgrounds, cv::Size size, bool ball,
+               double noise)
+{
+  FilmCase film;
+  film.film = name(disturbance);
+  film.pictures = backgrounds.kind;
+  film.make = [=](std::uint64_t seed) {
+    auto pictures = backgrounds.pictures;
+    std::rotate(pictures.begin(),
+                pictures.begin() + static_cast<std::ptrdiff_t>(seed % pictures.size()),
+                pictures.end());
+    return disturbed_film(disturbance, pictures, size, ball, seed);
+  };
+  film.size = size;
+  film.noise = noise;
+  return film;
+}
+
+std::vector<std::vector<FilmScores>>
+score(const std::vector<FilmCase> &cases, const Options &options, const char *what)
+{
+  auto scores = score_films(cases, options.threads, [&](std::size_t done) {
+    std::fprintf(stderr, "\r%s: %zu of %zu", what, done, cases.size());
+  });
+  std::fputc('\n', stderr);
+  return scores;
+}
+
+Table
+film_table(const Options &options)
+{
+  std::vector<FilmCase> cases;
+  for (const cv::Size size : { cv::Size(320, 240), cv::Size(640, 480), cv::Size(1920, 1080) })
+    for (const int fps : { 24, 30, 60 })
+      for (const auto pattern :
+           { tactile::FilmPattern::static_motion, tactile::FilmPattern::dynamic_motion })
+        for (const double noise : { 0.0, 2.0, 4.0 }) {
+          FilmCase film = ball_case(pattern, size, fps, noise);
+          film.models = fps == 30 ? all_models() : our_models();
+          film.seconds = size.width > 640 ? 10 : 40;
+          if (options.quick && (size.width != 320 || fps != 30))
+            continue;
+          cases.push_back(film);
+        }
+  Table table("Balls on an even background",
+              { "film", "size", "fps", "σ", "model", "(a) strongest", "(b) energy", "(c) silent",
+                "(d) frames", "felt in the first frame", "(e) pairs", "onsets" });
+  const auto scores = score(cases, options, "films");
+  for (std::size_t i = 0; i < cases.size(); ++i)
+    for (const auto &[model, s] : scores[i])
+      table.add({ cases[i].film, size_text(cases[i].size), std::to_string(cases[i].fps),
+                  figure(cases[i].noise, 0), model, figure(s.strongest.value(), 3),
+                  figure(s.energy.value(), 3), figure(s.silent.value(), 3),
+                  figure(s.delay.value(), 2), figure(s.prompt.value(), 3),
+                  figure(s.pair.value(), 3), figure(s.delay.count, 0) });
+  return table;
+}
+
+std::vector<Backgrounds>
+backgrounds(const Options &options)
+{
+  std::vector<Backgrounds> all{ { "leaves", {} } };
+  for (const std::uint64_t seed : { 1, 2, 3 })
+    all[0].pictures.push_back(dead_leaves({ 1280, 960 }, seed));
+  if (options.data) {
+    all.push_back({ "photographs", {} });
+    for (const char *file : { "1001.jpg", "1017.jpg", "1033.jpg", "1049.jpg" })
+      all[1].pictures.push_back(
+          read_photograph(std::filesystem::path(options.data) / "osie" / file));
+  }
+  return all;
+}
+
+Table
+phantom_table(const Options &options)
+{
+  struct Setting
+  {
+    cv::Size size;
+    int fps;
+  };
+  std::vector<FilmCase> cases;
+  for (const auto &background : backgrounds(options))
+    for (const Setting setting : { Setting{ { 640, 360 }, 30 },
+                                   { { 320, 180 }, 30 },
+                                   { { 1920, 1080 }, 30 },
+                                   { { 640, 360 }, 24 },
+                                   { { 640, 360 }, 60 } })
+      for (const auto disturbance : kDisturbances)
+        for (const bool ball : { false, true })
+          for (const double noise : { 0.0, 2.0, 4.0, 6.0 }) {
+            // Noise alone is what a still picture is for.
+            if (noise != 2 && (disturbance != Disturbance::still || ball))
+              continue;
+            const bool standard = setting.size.width == 640 && setting.fps == 30;
+            if (options.quick && !standard)
+              continue;
+            FilmCase film = disturbed_case(disturbance, background, setting.size, ball, noise);
+            film.fps = setting.fps;
+            film.models = standard ? all_models() : our_models();
+            film.seeds = standard ? 3 : 2;
+            film.seconds = setting.size.width > 640 ? 10 : 20;
+            cases.push_back(film);
+          }
+  Table table("Nothing happens, and a ball appears",
+              { "film", "picture", "size", "fps", "σ", "model", "frames felt", "cells",
+                "camera moves", "ball found", "right cell", "balls" });
+  const auto scores = score(cases, options, "phantoms");
+  for (std::size_t i = 0; i < cases.size(); ++i)
+    for (const auto &[model, s] : scores[i]) {
+      const bool ball = s.found.count > 0;
+      table.add({ cases[i].film + (ball ? " + ball" : ""), cases[i].pictures,
+                  size_text(cases[i].size), std::to_string(cases[i].fps), figure(cases[i].noise, 0),
+                  model, percent(s.active.value()), figure(s.cells.value(), 2),
+                  percent(s.camera.value()), ball ? percent(s.found.value()) : "",
+                  ball ? percent(s.right.value()) : "", ball ? figure(s.found.count, 0) : "" });
+    }
+  return table;
+}
+
+Table
+photograph_table(const Options &options)
+{
+  Table table("Photographs and fixations",
+              { "model", "split", "pictures", "NSS", "AUC-Judd", "shuffled AUC", "CC" });
+  for (const auto &row :
+       score_photographs(std::filesystem::path(options.data) / "osie", options.threads))
+    table.add({ row.model, row.split, std::to_string(row.pictures), figure(row.scores.nss, 3),
+                figure(row.scores.auc_judd, 3), figure(row.scores.shuffled_auc, 3),
+                figure(row.scores.cc, 3) });
+  return table;
+}
+
+/// A floor or a ceiling, and whether it holds; says so if not.
+bool
+holds(const FilmCase &film, const char *what, double value, double limit, bool least)
+{
+  if (std::isnan(value) || (least ? value >= limit : value <= limit))
+    return true;
+  std::fprintf(stderr, "tactile_quality: %s %s σ %.0f: %s is %.4f; expected at %s %.4f\n",
+               film.film.c_str(), size_text(film.size).c_str(), film.noise, what, value,
+               least ? "least" : "most", limit);
+  return false;
+}
+
+/// The tuned profile against floors, on a part of the films.
+bool
+check(const Options &options)
+{
+  std::vector<FilmCase> cases;
+  for (const cv::Size size : { cv::Size(320, 240), cv::Size(640, 480) })
+    for (const auto pattern :
+         { tactile::FilmPattern::static_motion, tactile::FilmPattern::dynamic_motion })
+      for (const double noise : { 0.0, 4.0 })
+        cases.push_back(ball_case(pattern, size, 30, noise));
+  const std::size_t balls = cases.size();
+  const Backgrounds leaves{ "leaves",
+                            { dead_leaves({ 640, 480 }, 1), dead_leaves({ 640, 480 }, 2) } };
+  for (const auto disturbance : kDisturbances)
+    for (const bool ball : { false, true })
+      cases.push_back(disturbed_case(disturbance, leaves, { 320, 180 }, ball, 2));
+  for (auto &film : cases)
+    film.models = { tuned_model };
+
+  const auto scores = score(cases, options, "check");
+  bool good = true;
+  for (std::size_t i = 0; i < cases.size(); ++i) {
+    const FilmCase &film = cases[i];
+    const Scores &s = scores[i][0].scores;
+    if (i < balls) {
+      good &= holds(film, "(a)", s.strongest.value(), 0.99, true);
+      good &= holds(film, "(b)", s.energy.value(), 0.96, true);
+      good &= holds(film, "(c)", s.silent.value(), 0.99, true);
+      good &= holds(film, "(d)", s.delay.value(), 0.5, false);
+      good &= holds(film, "(e)", s.pair.value(), 0.99, true);
+    } else if (s.found.count > 0) {
+      good &= holds(film, "share of balls found", s.found.value(), 0.99, true);
+      good &= holds(film, "share of right cells", s.right.value(), 0.98, true);
+    } else {
+      const bool moves = film.film == "zoom" || film.film == "shake";
+      const double most = film.film == "fade" ? 0.05 : moves ? 0.02 : 0.005;
+      good &= holds(film, "share of frames felt", s.active.value(), most, false);
+    }
+    if (film.film == "still")
+      good &= holds(film, "share of frames with camera motion", s.camera.value(), 0.02, false);
+  }
+  return good;
+}
 
 bool
-play(const std::string &line, Scores &scores)
+write(const char *path, const std::string &text)
 {
-  g_autoptr(GError) error = nullptr;
-  GstElement *pipeline = gst_parse_launch(line.c_str(), &error);
-  if (!pipeline || error) {
-    std::fprintf(stderr, "%s: %s\n", line.c_str(), error->message);
-    return false;
+  std::ofstream out(path);
+  out << text;
+  out.close();
+  if (!out)
+    std::fprintf(stderr, "tactile_quality: cannot write '%s'\n", path);
+  return static_cast<bool>(out);
+}
+
+bool
+report(const Options &options)
+{
+  std::vector<Table> tables{ film_table(options), phantom_table(options) };
+  if (options.data)
+    tables.push_back(photograph_table(options));
+  else
+    std::fprintf(stderr, "photographs left out: no --data\n");
+  std::ostringstream markdown;
+  std::ostringstream csv;
+  for (const auto &table : tables) {
+    table.write_markdown(markdown);
+    table.write_csv(csv);
   }
-  Judge judge(scores);
-  GstElement *end = gst_bin_get_by_name(GST_BIN(pipeline), "end");
-  GstPad *pad = gst_element_get_static_pad(end, "sink");
-  gst_pad_add_probe(
-      pad, GST_PAD_PROBE_TYPE_BUFFER,
-      +[](GstPad *, GstPadProbeInfo *info, gpointer data) {
-        static_cast<Judge *>(data)->frame(GST_PAD_PROBE_INFO_BUFFER(info));
-        return GST_PAD_PROBE_OK;
-      },
-      &judge, nullptr);
-  gst_object_unref(pad);
-  gst_object_unref(end);
-  gst_element_set_state(pipeline, GST_STATE_PLAYING);
-  GstBus *bus = gst_element_get_bus(pipeline);
-  GstMessage *message = gst_bus_timed_pop_filtered(
-      bus, GST_CLOCK_TIME_NONE, static_cast<GstMessageType>(GST_MESSAGE_EOS | GST_MESSAGE_ERROR));
-  const bool ok = GST_MESSAGE_TYPE(message) == GST_MESSAGE_EOS;
-  if (!ok) {
-    gst_message_parse_error(message, &error, nullptr);
-    std::fprintf(stderr, "%s: %s\n", line.c_str(), error->message);
-  }
-  gst_message_unref(message);
-  gst_object_unref(bus);
-  gst_element_set_state(pipeline, GST_STATE_NULL);
-  gst_object_unref(pipeline);
-  return ok;
+  for (const Peer peer : kPeers)
+    if (!is_available(peer))
+      std::fprintf(stderr, "%s left out: run tools/setup.sh quality, then configure again\n",
+                   name(peer));
+  std::cout << markdown.str();
+  return (!options.markdown || write(options.markdown, markdown.str()))
+         && (!options.csv || write(options.csv, csv.str()));
 }
 
 } // namespace
@@ -218,43 +313,39 @@ play(const std::string &line, Scores &scores)
 int
 main(int argc, char **argv)
 {
-  gst_init(&argc, &argv);
-  const bool check = argc > 1 && std::strcmp(argv[1], "--check") == 0;
-  if (argc > 1 && !check) {
-    std::fprintf(stderr, "usage: %s [--check]\n", argv[0]);
+  Options options;
+  const GOptionEntry entries[] = {
+    { "check", 0, 0, G_OPTION_ARG_NONE, &options.check,
+      "Hold the tuned profile to its floors; exit status 1 if it is below", nullptr },
+    { "quick", 0, 0, G_OPTION_ARG_NONE, &options.quick, "One size and frame rate of each film",
+      nullptr },
+    { "data", 0, 0, G_OPTION_ARG_FILENAME, &options.data,
+      "Where osie/ lies: photographs with fixations", "DIRECTORY" },
+    { "markdown", 0, 0, G_OPTION_ARG_FILENAME, &options.markdown, "Write the tables as Markdown",
+      "FILE" },
+    { "csv", 0, 0, G_OPTION_ARG_FILENAME, &options.csv, "Write the tables as CSV", "FILE" },
+    { "threads", 0, 0, G_OPTION_ARG_INT, &options.threads, "Films at a time (2)", "N" },
+    { nullptr, 0, 0, G_OPTION_ARG_NONE, nullptr, nullptr, nullptr },
+  };
+  g_autoptr(GOptionContext) context = g_option_context_new("- how well maps follow films");
+  g_option_context_set_summary(context, "Prints tables of scores; docs/quality.md explains them.");
+  g_option_context_add_main_entries(context, entries, nullptr);
+  g_option_context_add_group(context, gst_init_get_option_group());
+  g_autoptr(GError) error = nullptr;
+  if (!g_option_context_parse(context, &argc, &argv, &error) || argc > 1) {
+    std::fprintf(stderr, "tactile_quality: %s; see --help\n",
+                 error ? error->message : "expected options alone");
     return 2;
   }
-  bool good = true;
-  std::printf(
-      "| film | profile | noise σ | (a) | (b) | (c) | (d) frames | onsets | never felt |\n");
-  std::printf("|---|---|---|---|---|---|---|---|---|\n");
-  for (const char *pattern : { "static-motion", "dynamic-motion" })
-    for (const char *profile : { "paper", "tuned" })
-      for (const int noise : { 0, 2, 4 }) {
-        // The floors are the tuned profile's, and the ends of the noise scale tell enough.
-        if (check && (std::strcmp(profile, "paper") == 0 || noise == 2))
-          continue;
-        Scores scores;
-        for (int seed = 1; seed <= (check ? 2 : kSeeds); seed++) {
-          g_autofree gchar *line
-              = g_strdup_printf("tactiletestsrc pattern=%s seed=%d noise=%d num-buffers=%d ! "
-                                "video/x-raw,format=I420,width=%d,height=%d,framerate=%d/1 ! "
-                                "saliencytactile profile=%s ! fakesink name=end",
-                                pattern, seed, noise, kFrames, kWidth, kHeight, kFps, profile);
-          if (!play(line, scores))
-            return 1;
-        }
-        std::printf("| %s | %s | %d | %.3f | %.3f | %.3f | %.2f | %.0f | %.0f |\n", pattern,
-                    profile, noise, scores.a(), scores.b(), scores.c(), scores.d(), scores.onsets,
-                    scores.never);
-        std::fflush(stdout);
-        if (check)
-          good &= scores.a() >= kFloors.a && scores.b() >= kFloors.b && scores.c() >= kFloors.c
-                  && scores.d() <= kFloors.d;
-      }
-  if (!good)
-    std::fprintf(stderr,
-                 "tactile_quality: below the floors: (a) %.2f, (b) %.2f, (c) %.2f, (d) %.2f\n",
-                 kFloors.a, kFloors.b, kFloors.c, kFloors.d);
-  return good ? 0 : 1;
+  if (options.threads < 1 || options.threads > 64) {
+    std::fprintf(stderr, "tactile_quality: expected 1 to 64 threads, got %d\n", options.threads);
+    return 2;
+  }
+  cv::setNumThreads(1);
+  try {
+    return (options.check ? check(options) : report(options)) ? 0 : 1;
+  } catch (const std::exception &problem) {
+    std::fprintf(stderr, "tactile_quality: %s\n", problem.what());
+    return 1;
+  }
 }

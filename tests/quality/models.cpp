@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "models.h"
+
+#include "saliency/analyzer.h"
+#include "saliency/front_end.h"
+#include "saliency/rarity.h"
+#include "saliency/spatial_saliency.h"
+#include "tactile/tactile_mapping.h"
+
+#include <opencv2/core.hpp>
+#include <opencv2/imgproc.hpp>
+
+namespace quality {
+
+namespace {
+
+tactile::SaliencyView
+view_of(const cv::Mat &map)
+{
+  return { .values = map.ptr<float>(),
+           .width = map.cols,
+           .height = map.rows,
+           .stride = static_cast<std::ptrdiff_t>(map.step1()) };
+}
+
+class AnalyzerModel : public Model
+{
+public:
+  AnalyzerModel(std::string name, const saliency::Profile &profile,
+                const tactile::MappingSettings &mapping)
+      : Model(std::move(name)), analyzer_(profile), mapping_(mapping)
+  {
+  }
+
+  void frame(const Frame &frame, Time time, Time duration, tactile::TactileMap &map) override
+  {
+    const auto &found = analyzer_.analyze(frame.view(), time, duration);
+    camera_moves_ = found.camera_moves;
+    auto view = view_of(found.map);
+    view.horizontal = { found.picture.x, found.picture.width };
+    view.vertical = { found.picture.y, found.picture.height };
+    tactile::map_saliency(view, mapping_, map);
+  }
+
+  bool camera_moves() const override
+  {
+    return camera_moves_;
+  }
+
+private:
+  saliency::Analyzer analyzer_;
+  tactile::MappingSettings mapping_;
+  bool camera_moves_ = false;
+};
+
+class PeerModel : public Model
+{
+public:
+  PeerModel(Peer peer, bool weighted)
+      : Model(std::string(quality::name(peer)) + (weighted ? " × R" : "")), peer_(peer),
+        weighted_(weighted), front_end_(false)
+  {
+  }
+
+  void frame(const Frame &frame, Time, Time, tactile::TactileMap &map) override
+  {
+    peer_.compute(frame.bgr()).copyTo(map_);
+    if (weighted_) {
+      const int level
+          = saliency::frame_levels(saliency::Profile::tuned_spatial(), frame.size()).finest;
+      rarity_(front_end_.lab(frame.view(), level), weight_);
+      cv::resize(weight_, weight_, map_.size(), 0, 0, cv::INTER_LINEAR);
+      cv::multiply(map_, weight_, map_);
+    }
+    constexpr tactile::MappingSettings kMapping{ .gain = tactile::Gain::none };
+    tactile::map_saliency(view_of(map_), kMapping, map);
+  }
+
+private:
+  PeerSaliency peer_;
+  bool weighted_;
+  saliency::FrontEnd front_end_;
+  saliency::Rarity rarity_;
+  cv::Mat weight_;
+  cv::Mat map_;
+};
+
+} // namespace
+
+std::unique_ptr<Model>
+paper_model()
+{
+  return std::make_unique<AnalyzerModel>("paper", saliency::Profile::paper(),
+                                         tactile::MappingSettings::paper());
+}
+
+std::unique_ptr<Model>
+tuned_model()
+{
+  return std::make_unique<AnalyzerModel>("tuned", saliency::Profile::tuned(),
+                                         tactile::MappingSettings::tuned());
+}
+
+std::unique_ptr<Model>
+peer_model(Peer peer, bool weighted)
+{
+  return std::make_unique<PeerModel>(peer, weighted);
+}
+
+} // namespace quality

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <iosfwd>
+#include <string>
+#include <vector>
+
+namespace quality {
+
+/// A table of figures to be read by people (Markdown) and programs (CSV).
+class Table
+{
+public:
+  Table(std::string title, std::vector<std::string> header);
+
+  /// As many cells as the header has.
+  void add(std::vector<std::string> row);
+
+  void write_markdown(std::ostream &out) const;
+  /// Title first in every line, then the cells; fields quoted as RFC 4180 says.
+  void write_csv(std::ostream &out) const;
+
+private:
+  std::string title_;
+  std::vector<std::string> header_;
+  std::vector<std::vector<std::string>> rows_;
+};
+
+/// With so many digits after the point; "–" for what is not a number.
+std::string figure(double value, int digits);
+/// As a percentage with so many digits after the point.
+std::string percent(double share, int digits = 1);
+
+} // namespace quality
