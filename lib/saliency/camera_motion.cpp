@@ -27,11 +27,13 @@ constexpr std::array<int, 3> kCell{ 4, 2, 1 };
 constexpr float kTexture = 1.0F;
 
 // The parts of the picture that are asked whether they have moved: so many along each side; they have
-// an opinion if this share of their cells has points and would have moved by so many samples. Enough
+// an opinion if this share of their cells, and so many, have points and would have moved by so many
+// samples. In a picture of a few dozen samples nobody is asked: one thing that moves is most of it. Enough
 // are this many, and this share of them has to agree: that the motion leaves this share of the
 // difference.
 constexpr int kParts = 4;
 constexpr double kTexturedShare = 0.15;
+constexpr int kFewestPoints = 3;
 constexpr double kSmallestPartMotion = 0.15;
 constexpr int kEnoughParts = 5;
 constexpr double kAgreeing = 0.7;
@@ -267,7 +269,8 @@ CameraMotion::explained() const
   int asked = 0;
   int agreeing = 0;
   for (const Part &part : parts) {
-    if (part.points < kTexturedShare * cells || part.motion < kSmallestPartMotion * part.points)
+    if (part.points < kFewestPoints || part.points < kTexturedShare * cells
+        || part.motion < kSmallestPartMotion * part.points)
       continue;
     ++asked;
     agreeing += part.with < kExplained * part.without ? 1 : 0;

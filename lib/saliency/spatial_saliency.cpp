@@ -23,6 +23,9 @@ frame_levels(const Profile &profile, cv::Size frame)
     shift = std::max(static_cast<int>(std::lround(octaves)) - 2, -finest);
   }
 
+  // Surroundedness has one pair for all channels.
+  const int chroma_octaves
+      = profile.spatial_cue == SpatialCue::contrast ? profile.chroma_octaves : 0;
   const int last = coarsest_level(frame);
   const auto limited = [shift, last](int level) {
     return std::min(level + shift, last);
@@ -35,8 +38,8 @@ frame_levels(const Profile &profile, cv::Size frame)
   levels.coarsest = levels.saliency;
   for (const auto &pair : profile.levels) {
     const LevelPair own{ limited(pair.center), limited(pair.surround) };
-    const LevelPair chroma{ limited(pair.center + profile.chroma_octaves),
-                            limited(pair.surround + profile.chroma_octaves) };
+    const LevelPair chroma{ limited(pair.center + chroma_octaves),
+                            limited(pair.surround + chroma_octaves) };
     levels.pairs.push_back(own);
     levels.chroma.push_back(chroma);
     levels.finest = std::min(levels.finest, own.center);

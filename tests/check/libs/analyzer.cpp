@@ -110,7 +110,7 @@ GST_START_TEST(test_paper_profile)
   std::vector<Image> maps;
   for (int i = 0; i < 30; ++i) {
     const Frame frame = film(64, 48, i);
-    maps.push_back(oracle::spatial_saliency(pyramid_of(frame), levels, 2, 1, true, false));
+    maps.push_back(oracle::spatial_saliency(pyramid_of(frame), levels, levels, 2, 1, true, false));
     Image st(maps[0].width, maps[0].height);
     for (const auto &[center, surround] :
          { std::pair{ 1, 8 }, { 1, 16 }, { 2, 16 }, { 2, 32 }, { 4, 32 }, { 4, 64 } }) {
@@ -145,15 +145,18 @@ GST_START_TEST(test_tuned_profile)
     double highest = 0;
     for (int i = 0; i < 40; ++i) {
       const Frame frame = film(64, 48, i);
-      maps.push_back(oracle::spatial_saliency(pyramid_of(frame), { { 0, 1 } }, 2, 2, false, true));
+      maps.push_back(oracle::spatial_saliency(pyramid_of(frame), { { 0, 1 } }, { { 1, 2 } }, 2, 2,
+                                              false, true));
       Image st(maps[0].width, maps[0].height);
       for (const auto &[center, surround] :
            { std::pair{ 1, 8 }, { 2, 16 }, { 4, 32 }, { 8, 64 } }) {
         const Image c = window_mean(maps, center, 30 / rate, true);
         const Image s = window_mean(maps, surround, 30 / rate, true);
+        const double light = oracle::illumination(c, s);
         for (std::size_t p = 0; p < st.values.size(); ++p)
-          st.values[p] += std::max(0.0, c.values[p] - s.values[p]) / 4;
+          st.values[p] += std::max(0.0, c.values[p] - light * s.values[p]) / 4;
       }
+      st = oracle::without_background(st, 8, 0.75);
 
       const Time time(std::llround(1e9 * i / rate));
       const Time duration = Time(std::llround(1e9 * (i + 1) / rate)) - time;
@@ -305,8 +308,9 @@ GST_START_TEST(test_extreme_times)
 {
   const Time first(std::numeric_limits<Time::rep>::min());
   const Time last(std::numeric_limits<Time::rep>::max());
-  const Frame grey(32, 24);
-  const Frame ball = film(32, 24, 10);
+  const Frame grey(64, 48);
+  Frame ball = grey;
+  ball.disc(32, 24, 8, { 210, 90, 200 });
   Analyzer analyzer(Profile::tuned());
   for (const Time duration : { Time(0), Time(-1), first, last, kSecond }) {
     analyzer.reset();

@@ -5,7 +5,20 @@
 #include "saliency_oracle.h"
 #include "tolerance.h"
 
+using saliency::Contrast;
+using saliency::LevelPair;
+using saliency::Pyramid;
+
 namespace {
+
+std::vector<oracle::LabImage>
+levels_of(const oracle::LabImage &finest, int coarsest)
+{
+  std::vector<oracle::LabImage> levels{ finest };
+  while (static_cast<int>(levels.size()) <= coarsest)
+    levels.push_back(oracle::pyr_down(levels.back()));
+  return levels;
+}
 
 oracle::LabImage
 random_lab(cv::Size size, unsigned seed)
@@ -22,55 +35,87 @@ uniform_lab(int width, int height, oracle::Lab lab)
            oracle::Image(width, height, lab[2]) };
 }
 
+Pyramid
+pyramid_of(const oracle::LabImage &finest, int coarsest)
+{
+  Pyramid pyramid;
+  pyramid.build(oracle::to_mat(finest), 0, coarsest);
+  return pyramid;
+}
+
 } // namespace
 
 GST_START_TEST(test_brute_force)
 {
+  // Lightness and chroma of the same pair, and chroma of a coarser one, wider or narrower, as far as
+  // levels that are limited to the same one: then without contrast.
+  const struct
+  {
+    LevelPair lightness;
+    LevelPair chroma;
+  } cases[] = { { { 0, 0 }, { 0, 0 } }, { { 0, 1 }, { 0, 1 } }, { { 0, 5 }, { 0, 5 } },
+                { { 2, 5 }, { 2, 5 } }, { { 0, 1 }, { 1, 2 } }, { { 1, 2 }, { 3, 4 } },
+                { { 0, 3 }, { 2, 3 } }, { { 0, 3 }, { 0, 1 } }, { { 0, 1 }, { 5, 5 } },
+                { { 4, 5 }, { 5, 5 } }, { { 1, 1 }, { 1, 2 } } };
   unsigned seed = 0;
   for (const double weight : { 1.0, 2.0, 0.5, 0.0 }) {
-    saliency::Contrast contrast(weight); // one for all sizes: buffers are reused
+    Contrast contrast(weight); // one for all sizes: buffers are reused
     for (const cv::Size size :
-         { cv::Size(1, 1), cv::Size(1, 9), cv::Size(20, 1), cv::Size(31, 17) })
-      for (int octaves = 0; octaves <= 5; ++octaves) {
-        const auto center = random_lab(size, seed += 3);
-        const auto surround = random_lab(saliency::level_size(size, octaves), seed += 3);
+         { cv::Size(1, 1), cv::Size(1, 9), cv::Size(20, 1), cv::Size(31, 17) }) {
+      const auto lab = random_lab(size, seed += 3);
+      const auto levels = levels_of(lab, 5);
+      const auto pyramid = pyramid_of(lab, 5);
+      for (const auto &c : cases) {
         cv::Mat map;
-        contrast(oracle::to_mat(center), oracle::to_mat(surround), octaves, map);
+        contrast(pyramid, c.lightness, c.chroma, map);
         fail_unless_at_most(
-            oracle::difference(map, oracle::contrast(center, surround, octaves, weight)), 1e-3);
+            oracle::difference(map, oracle::contrast(levels, c.lightness, c.chroma, weight)), 1e-3);
       }
+    }
   }
 }
 GST_END_TEST;
 
 GST_START_TEST(test_closed_form)
 {
-  // (3, 4, 12) apart: ΔE = 13, and with chroma counted twice √(9 + 4·160).
-  const auto center = oracle::to_mat(uniform_lab(8, 8, { 53, -6, 22 }));
-  const auto surround = oracle::to_mat(uniform_lab(2, 2, { 50, -10, 10 }));
+  // A dot of (3, 4, 12) on black. Along each axis 6/16 of it lie on the same sample one level up and
+  // 1/16 on its neighbours; two levels up (6·6 + 2·4·1)/256 = 44/256.
+  auto lab = uniform_lab(33, 33, { 0, 0, 0 });
+  lab[0](16, 16) = 3;
+  lab[1](16, 16) = 4;
+  lab[2](16, 16) = 12;
+  const auto pyramid = pyramid_of(lab, 2);
+  const double fine = 55.0 / 64;
+  const double coarse = 9.0 / 64 - std::pow(44.0 / 256, 2);
   cv::Mat map;
-  saliency::Contrast(1)(center, surround, 2, map);
-  fail_unless_at_most(oracle::difference(map, oracle::Image(8, 8, 13)), 1e-5);
-  saliency::Contrast(2)(center, surround, 2, map);
-  fail_unless_at_most(oracle::difference(map, oracle::Image(8, 8, std::sqrt(649.0))), 1e-5);
+  Contrast(1)(pyramid, { 0, 1 }, { 0, 1 }, map);
+  fail_unless_near(map.at<float>(16, 16), 13 * fine, 1e-5);
+  Contrast(2)(pyramid, { 0, 1 }, { 0, 1 }, map);
+  fail_unless_near(map.at<float>(16, 16), std::sqrt(649.0) * fine, 1e-5);
+  Contrast(2)(pyramid, { 0, 1 }, { 1, 2 }, map);
+  fail_unless_near(map.at<float>(16, 16), std::sqrt(9 * fine * fine + 4 * 160 * coarse * coarse),
+                   1e-5);
 }
 GST_END_TEST;
 
 GST_START_TEST(test_ramp_has_no_contrast)
 {
   // Centre and surround of a linear ramp agree wherever both lie where they say they lie;
-  // half-pixel centres would leave a contrast of (2² - 1)/2 samples' worth of slope.
-  oracle::LabImage fine = uniform_lab(65, 65, { 0, 0, 0 });
-  oracle::LabImage coarse = uniform_lab(17, 17, { 0, 0, 0 });
+  // half-pixel centres would leave a contrast of (2² - 1)/2 samples' worth of slope. Borders are
+  // mirrored and no ramp: two levels up they reach 2 + 2·2 pixels, to the sample at 8.
+  auto lab = uniform_lab(65, 65, { 0, 0, 0 });
   for (int y = 0; y < 65; ++y)
-    for (int x = 0; x < 65; ++x)
-      fine[0](x, y) = x + 0.5 * y;
-  for (int y = 0; y < 17; ++y)
-    for (int x = 0; x < 17; ++x)
-      coarse[0](x, y) = 4 * x + 2.0 * y;
+    for (int x = 0; x < 65; ++x) {
+      lab[0](x, y) = x + 0.5 * y;
+      lab[1](x, y) = 0.5 * x - y;
+    }
+  const auto pyramid = pyramid_of(lab, 3);
   cv::Mat map;
-  saliency::Contrast(1)(oracle::to_mat(fine), oracle::to_mat(coarse), 2, map);
-  fail_unless_at_most(oracle::difference(map, oracle::Image(65, 65, 0)), 1e-5);
+  Contrast(1)(pyramid, { 0, 2 }, { 0, 2 }, map);
+  const cv::Rect within(8, 8, 49, 49);
+  fail_unless_at_most(oracle::difference(map(within), oracle::Image(49, 49, 0)), 1e-4);
+  Contrast(1)(pyramid, { 0, 2 }, { 1, 2 }, map);
+  fail_unless_at_most(oracle::difference(map(within), oracle::Image(49, 49, 0)), 1e-4);
 }
 GST_END_TEST;
 

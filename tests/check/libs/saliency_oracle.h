@@ -229,17 +229,26 @@ up(const Image &image, int octaves_x, int octaves_y, int width, int height)
 // ---- saliency
 // ---------------------------------------------------------------------------------------------------------
 
+/// Lightness and chroma each from a pair of levels (level 0 first) of their own.
 inline Image
-contrast(const LabImage &center, const LabImage &surround, int octaves, double chroma_weight)
+contrast(const std::vector<LabImage> &pyramid, saliency::LevelPair lightness,
+         saliency::LevelPair chroma, double chroma_weight)
 {
-  const int w = center[0].width;
-  const int h = center[0].height;
-  Image map(w, h);
-  for (std::size_t c = 0; c < 3; ++c) {
-    const Image fine = up(surround[c], octaves, octaves, w, h);
+  const auto squared = [&](saliency::LevelPair pair, std::size_t channel) {
+    Image map = pyramid[static_cast<std::size_t>(pair.center)][channel];
+    const int octaves = pair.surround - pair.center;
+    const Image surround = up(pyramid[static_cast<std::size_t>(pair.surround)][channel], octaves,
+                              octaves, map.width, map.height);
     for (std::size_t i = 0; i < map.values.size(); ++i)
-      map.values[i]
-          += std::pow((c == 0 ? 1 : chroma_weight) * (center[c].values[i] - fine.values[i]), 2);
+      map.values[i] = std::pow(map.values[i] - surround.values[i], 2);
+    return map;
+  };
+  Image map = squared(lightness, 0);
+  const int octaves = chroma.center - lightness.center;
+  for (const std::size_t channel : { 1, 2 }) {
+    const Image differences = up(squared(chroma, channel), octaves, octaves, map.width, map.height);
+    for (std::size_t i = 0; i < map.values.size(); ++i)
+      map.values[i] += chroma_weight * chroma_weight * differences.values[i];
   }
   for (double &v : map.values)
     v = std::sqrt(v);
@@ -375,25 +384,60 @@ itti(const Image &map)
 /// Contrast maps of a Lab pyramid (level 0 first), brought to a level and summed.
 inline Image
 spatial_saliency(const std::vector<LabImage> &pyramid,
-                 const std::vector<saliency::LevelPair> &pairs, int level, double chroma_weight,
+                 const std::vector<saliency::LevelPair> &lightness,
+                 const std::vector<saliency::LevelPair> &chroma, int level, double chroma_weight,
                  bool normalize, bool mean)
 {
   const Image &target = pyramid[static_cast<std::size_t>(level)][0];
   Image sum(target.width, target.height);
-  for (const auto &pair : pairs) {
-    Image map = contrast(pyramid[static_cast<std::size_t>(pair.center)],
-                         pyramid[static_cast<std::size_t>(pair.surround)],
-                         pair.surround - pair.center, chroma_weight);
+  for (std::size_t p = 0; p < lightness.size(); ++p) {
+    const int center = lightness[p].center;
+    Image map = contrast(pyramid, lightness[p], chroma[p], chroma_weight);
     if (normalize)
       map = itti(map);
-    for (int n = pair.center; n < level; ++n)
+    for (int n = center; n < level; ++n)
       map = pyr_down(map);
-    if (pair.center > level)
-      map = up(map, pair.center - level, pair.center - level, target.width, target.height);
+    if (center > level)
+      map = up(map, center - level, center - level, target.width, target.height);
     for (std::size_t i = 0; i < sum.values.size(); ++i)
-      sum.values[i] += map.values[i] / (mean ? static_cast<double>(pairs.size()) : 1);
+      sum.values[i] += map.values[i] / (mean ? static_cast<double>(lightness.size()) : 1);
   }
   return sum;
+}
+
+/// The value below which the share `q` of the others lies.
+inline double
+quantile(std::vector<double> values, double q)
+{
+  std::sort(values.begin(), values.end());
+  return values[static_cast<std::size_t>(q * static_cast<double>(values.size() - 1))];
+}
+
+/// β: the factor by which most of what has contrast has gained it.
+inline double
+illumination(const Image &center, const Image &surround)
+{
+  std::vector<double> gains;
+  for (std::size_t i = 0; i < center.values.size(); ++i)
+    if (center.values[i] > 1)
+      gains.push_back(center.values[i] / (surround.values[i] + 0.05));
+  return static_cast<double>(gains.size()) > 0.3 * static_cast<double>(center.values.size())
+             ? std::max(1.0, quantile(gains, 0.5))
+             : 1;
+}
+
+/// Less so many times the quantile of what lies within the rim.
+inline Image
+without_background(Image map, double gain, double q, int rim = 0)
+{
+  std::vector<double> within;
+  for (int y = rim; y < map.height - rim; ++y)
+    for (int x = rim; x < map.width - rim; ++x)
+      within.push_back(map(x, y));
+  const double background = gain * quantile(within, q);
+  for (double &v : map.values)
+    v = std::max(0.0, v - background);
+  return map;
 }
 
 } // namespace oracle

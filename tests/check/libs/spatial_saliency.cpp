@@ -52,7 +52,7 @@ compare(const Profile &profile, int width, int height)
                 own.coarsest);
   saliency::SpatialSaliency spatial(profile);
   const auto expected = oracle::spatial_saliency(
-      levels, own.pairs, own.saliency, profile.chroma_weight,
+      levels, own.pairs, own.chroma, own.saliency, profile.chroma_weight,
       profile.contrast_normalization == Normalization::itti, profile.contrast_mean);
   const double e = oracle::difference(spatial.compute(pyramid, own), expected);
   fail_unless(e <= 1e-3, "%dx%d: %g", width, height, e);
@@ -75,9 +75,10 @@ GST_START_TEST(test_reference_width)
     const auto levels = frame_levels(Profile::tuned(), { c.width, c.width });
     fail_unless(same(levels.pairs, { { c.level_2, c.level_2 + 1 } }), "%d wide: level 2 is %d",
                 c.width, levels.pairs[0].center);
+    fail_unless(same(levels.chroma, { { c.level_2 + 1, c.level_2 + 2 } })); // coarser
     ck_assert_int_eq(levels.saliency, c.level_2 + 2);
     ck_assert_int_eq(levels.finest, c.level_2);
-    ck_assert_int_eq(levels.coarsest, c.level_2 + 1);
+    ck_assert_int_eq(levels.coarsest, c.level_2 + 2);
   }
   // A small frame begins with its own level 0, and the pair keeps its δ as long as there are
   // levels.
@@ -86,6 +87,7 @@ GST_START_TEST(test_reference_width)
   ck_assert_int_eq(levels.saliency, 2);
   levels = frame_levels(Profile::tuned(), { 2, 1 });
   fail_unless(same(levels.pairs, { { 0, 1 } }));
+  fail_unless(same(levels.chroma, { { 1, 1 } }));
   ck_assert_int_eq(levels.saliency, 1);
   levels = frame_levels(Profile::tuned(), { 1, 1 });
   fail_unless(same(levels.pairs, { { 0, 0 } }));

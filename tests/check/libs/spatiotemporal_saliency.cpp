@@ -48,6 +48,8 @@ course(TemporalSign sign, const std::vector<double> &values)
 {
   Profile profile = Profile::tuned();
   profile.temporal_sign = sign;
+  profile.illumination_guard = false; // one pixel is the whole map
+  profile.background_gain = 0;
   TemporalPyramid history(64, HistoryStart::filled);
   SpatiotemporalSaliency saliency(profile);
   std::vector<double> result;
