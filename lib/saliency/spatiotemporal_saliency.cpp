@@ -58,8 +58,7 @@ SpatiotemporalSaliency::compute(TemporalPyramid &history)
     const float light
         = illumination_guard_ ? illumination(means_[pair.center], means_[pair.surround]) : 1.0F;
     if (moved) {
-      const int side = 2 * camera_dilation_ + 1;
-      cv::dilate(*surrounds, dilated_, cv::Mat::ones(side, side, CV_8UC1));
+      cv::dilate(*surrounds, dilated_, cv::Mat(), { -1, -1 }, camera_dilation_);
       surrounds = &dilated_;
     }
     const float factor = light * (moved ? static_cast<float>(camera_margin_) : 1.0F);

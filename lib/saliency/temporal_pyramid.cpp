@@ -14,7 +14,7 @@ namespace {
 constexpr double kShortestEntry = 1.0 / 8;
 
 /// Maps of an age are moved together for this share of it.
-constexpr double kShareOfAge = 1.0 / 8;
+constexpr double kShareOfAge = 1.0 / 4;
 
 /// sum = base + map × duration; base and sum may be the same.
 void
@@ -95,13 +95,6 @@ TemporalPyramid::means(std::span<const int> windows, std::vector<cv::Mat> &maps)
       mean(windows[i], maps[i]);
 }
 
-double
-TemporalPyramid::Moment::integral(int y, int x) const
-{
-  const double a = before->integral.at<double>(y, x);
-  return a + part * (after->integral.at<double>(y, x) - a);
-}
-
 std::size_t
 TemporalPyramid::display_before(double time) const
 {
@@ -163,40 +156,58 @@ TemporalPyramid::moved_means(std::span<const int> windows, std::vector<cv::Mat> 
 void
 TemporalPyramid::add_moved(double from, double to)
 {
-  const Moment begin = moment(from);
-  const Moment end = to < end_.time ? moment(to) : Moment{ &history_.back(), &end_, 1 };
+  find_stretch(moment(from), to < end_.time ? moment(to) : Moment{ &history_.back(), &end_, 1 });
   const auto length = static_cast<float>(to - from);
-  const cv::Size size = current_.size();
-  stretch_.create(size, CV_32FC1);
-  for (int y = 0; y < size.height; ++y) {
-    auto *out = stretch_.ptr<float>(y);
-    for (int x = 0; x < size.width; ++x)
-      out[x] = static_cast<float>(end.integral(y, x) - begin.integral(y, x));
+  const Similarity &then = history_[display_before((from + to) / 2)].pose;
+  if (then == history_.back().pose) {
+    sum_ += stretch_;
+    cv::scaleAdd(current_, static_cast<double>(-length), sum_, sum_);
+    return;
   }
 
-  const Similarity &then = history_[display_before((from + to) / 2)].pose;
   const Similarity back = then.inverse() * history_.back().pose;
-  for (int y = 0; y < size.height; ++y) {
+  const auto border = static_cast<float>(kBorder);
+  const float right = static_cast<float>(stretch_.cols - 1) - border;
+  const float bottom = static_cast<float>(stretch_.rows - 1) - border;
+  const auto step_x = static_cast<float>(back.a);
+  const auto step_y = static_cast<float>(back.b);
+  for (int y = 0; y < sum_.rows; ++y) {
+    const auto begin_x = static_cast<float>(back.x(0, y));
+    const auto begin_y = static_cast<float>(back.y(0, y));
     const auto *now = current_.ptr<float>(y);
     auto *sum = sum_.ptr<float>(y);
-    for (int x = 0; x < size.width; ++x) {
-      const double at_x = back.x(x, y);
-      const double at_y = back.y(x, y);
-      if (then == history_.back().pose) {
-        sum[x] += stretch_.at<float>(y, x) - length * now[x];
-      } else if (at_x >= kBorder && at_y >= kBorder && at_x < size.width - 1 - kBorder
-                 && at_y < size.height - 1 - kBorder) {
-        const int left = static_cast<int>(at_x);
-        const int top = static_cast<int>(at_y);
-        const auto right_share = static_cast<float>(at_x - left);
-        const auto bottom_share = static_cast<float>(at_y - top);
-        const auto *upper = stretch_.ptr<float>(top) + left;
-        const auto *lower = stretch_.ptr<float>(top + 1) + left;
-        const float above = upper[0] + right_share * (upper[1] - upper[0]);
-        const float below = lower[0] + right_share * (lower[1] - lower[0]);
-        sum[x] += above + bottom_share * (below - above) - length * now[x];
-      }
+    for (int x = 0; x < sum_.cols; ++x) {
+      const float at_x = begin_x + step_x * static_cast<float>(x);
+      const float at_y = begin_y + step_y * static_cast<float>(x);
+      if (!(at_x >= border && at_y >= border && at_x < right && at_y < bottom))
+        continue;
+      const int left = static_cast<int>(at_x);
+      const int top = static_cast<int>(at_y);
+      const float right_share = at_x - static_cast<float>(left);
+      const float bottom_share = at_y - static_cast<float>(top);
+      const auto *upper = stretch_.ptr<float>(top) + left;
+      const auto *lower = stretch_.ptr<float>(top + 1) + left;
+      const float above = upper[0] + right_share * (upper[1] - upper[0]);
+      const float below = lower[0] + right_share * (lower[1] - lower[0]);
+      sum[x] += above + bottom_share * (below - above) - length * now[x];
     }
+  }
+}
+
+/// `stretch_` becomes the integral from one moment to another.
+void
+TemporalPyramid::find_stretch(const Moment &from, const Moment &to)
+{
+  stretch_.create(current_.size(), CV_32FC1);
+  for (int y = 0; y < stretch_.rows; ++y) {
+    const auto *a = from.before->integral.ptr<double>(y);
+    const auto *b = from.after->integral.ptr<double>(y);
+    const auto *c = to.before->integral.ptr<double>(y);
+    const auto *d = to.after->integral.ptr<double>(y);
+    auto *out = stretch_.ptr<float>(y);
+    for (int x = 0; x < stretch_.cols; ++x)
+      out[x]
+          = static_cast<float>(c[x] - a[x] + to.part * (d[x] - c[x]) - from.part * (b[x] - a[x]));
   }
 }
 

@@ -30,7 +30,7 @@ namespace saliency {
 /// With a camera that moves, a window has to show where things were in the picture as it is now:
 /// each map is moved from its own pose to the current one before it counts. Where a map did not see
 /// what is to be seen now, it is taken to have been like the current one. Maps further back are moved
-/// several at a time, as far as they make an eighth of their age.
+/// several at a time, as far as they make a quarter of their age.
 ///
 /// Memory: pushes less than 1/8 apart share one entry, so at most 8 × longest + 3 maps of 8 bytes a
 /// pixel are held (66 at one push a frame and a longest window of 64).
@@ -87,8 +87,6 @@ private:
     const Entry *before;
     const Entry *after;
     double part; ///< of the display that is over
-
-    double integral(int y, int x) const;
   };
 
   /// The last display that begins before `time`, or is the first, by its place in the history.
@@ -97,6 +95,7 @@ private:
   void mean(double window, cv::Mat &map) const;
   void moved_means(std::span<const int> windows, std::vector<cv::Mat> &maps);
   void add_moved(double from, double to);
+  void find_stretch(const Moment &from, const Moment &to);
 
   double longest_;
   HistoryStart start_;

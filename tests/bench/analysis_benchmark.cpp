@@ -2,6 +2,7 @@
 //
 // What the analysis of a frame costs, I420 in, 3 x 3 levels out, on one thread: milliseconds
 // (median), and as a multiple of what it takes to read the frame from memory once in the same run.
+// "bare" is the tuned profile without what tells events from cuts, light, noise and camera motion.
 #include "saliency/analyzer.h"
 #include "tactile/tactile_mapping.h"
 
@@ -21,20 +22,35 @@ using Clock = std::chrono::steady_clock;
 
 constexpr int kWarmUp = 5;
 
-/// A film of two frames: noise, and the same with a disc.
+/// A film of two frames, noise and the same with a disc; or of a camera that pans to and fro, 4 pixels
+/// a frame, over a texture of random squares.
 struct Film
 {
   int width;
   int height;
   std::vector<std::vector<std::uint8_t>> frames;
 
-  Film(int width_, int height_) : width(width_), height(height_)
+  Film(int width_, int height_, bool pan) : width(width_), height(height_)
   {
-    const std::size_t luma = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
-    const std::size_t chroma
-        = static_cast<std::size_t>((width + 1) / 2) * static_cast<std::size_t>((height + 1) / 2);
+    pan ? draw_pan() : draw_disc();
+  }
+
+  std::size_t luma_size() const
+  {
+    return static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
+  }
+
+  std::size_t size() const
+  {
+    return luma_size()
+           + 2 * static_cast<std::size_t>((width + 1) / 2)
+                 * static_cast<std::size_t>((height + 1) / 2);
+  }
+
+  void draw_disc()
+  {
     std::mt19937 random(1);
-    std::vector<std::uint8_t> frame(luma + 2 * chroma);
+    std::vector<std::uint8_t> frame(size());
     for (std::uint8_t &sample : frame)
       sample = static_cast<std::uint8_t>(120 + random() % 8);
     frames.push_back(frame);
@@ -43,6 +59,27 @@ struct Film
                          + static_cast<std::size_t>(width) / 3],
                   200, static_cast<std::size_t>(width) / 12);
     frames.push_back(frame);
+  }
+
+  void draw_pan()
+  {
+    constexpr int kSteps = 8;
+    constexpr int kStep = 4;
+    const int side = width / 24;
+    std::mt19937 random(1);
+    std::vector<std::uint8_t> squares(4096);
+    for (std::uint8_t &square : squares)
+      square = static_cast<std::uint8_t>(40 + random() % 160);
+    for (int i = 0; i < 2 * kSteps; i++) {
+      const int shift = kStep * (i < kSteps ? i : 2 * kSteps - i);
+      std::vector<std::uint8_t> frame(size(), 128);
+      for (int y = 0; y < height; y++)
+        for (int x = 0; x < width; x++)
+          frame[static_cast<std::size_t>(y) * static_cast<std::size_t>(width)
+                + static_cast<std::size_t>(x)]
+              = squares[static_cast<std::size_t>((x + shift) / side * 61 + y / side * 7) % 4096];
+      frames.push_back(std::move(frame));
+    }
   }
 
   saliency::FrameView view(std::size_t i) const
@@ -119,19 +156,28 @@ int
 main()
 {
   cv::setNumThreads(1);
-  std::printf("| I420 | memory read, ms | tuned, ms | paper, ms | tuned / memory read | paper / "
-              "tuned |\n|---|---|---|---|---|---|\n");
+  std::printf(
+      "| I420 | memory read, ms | bare, ms | tuned, ms | tuned, camera moving, ms | paper, ms | "
+      "tuned / memory read | paper / tuned |\n|---|---|---|---|---|---|---|---|\n");
+  saliency::Profile bare = saliency::Profile::tuned();
+  bare.illumination_guard = false;
+  bare.camera_motion = false;
+  bare.background_gain = 0;
+  bare.cut_share = 1;
+  const auto tuned_mapping = tactile::MappingSettings::tuned();
   const int sizes[][2] = { { 640, 480 }, { 1000, 1000 }, { 1920, 1080 }, { 3840, 2160 } };
   for (const auto &[width, height] : sizes) {
-    const Film film(width, height);
+    const Film film(width, height, false);
+    const Film pan(width, height, true);
     const int runs = static_cast<int>(60'000'000LL / width / height) + 5;
     const double read = read_ms(film);
-    const double tuned = analysis_ms(film, saliency::Profile::tuned(),
-                                     tactile::MappingSettings::tuned(), 2 * runs);
+    const double plain = analysis_ms(film, bare, tuned_mapping, 2 * runs);
+    const double tuned = analysis_ms(film, saliency::Profile::tuned(), tuned_mapping, 2 * runs);
+    const double moving = analysis_ms(pan, saliency::Profile::tuned(), tuned_mapping, 2 * runs);
     const double paper
         = analysis_ms(film, saliency::Profile::paper(), tactile::MappingSettings::paper(), runs);
-    std::printf("| %d x %d | %.3f | %.2f | %.1f | %.1f | %.1f |\n", width, height, read, tuned,
-                paper, tuned / read, paper / tuned);
+    std::printf("| %d x %d | %.3f | %.2f | %.2f | %.2f | %.1f | %.1f | %.1f |\n", width, height,
+                read, plain, tuned, moving, paper, tuned / read, paper / tuned);
     std::fflush(stdout);
   }
   return 0;
