@@ -36,6 +36,7 @@ constexpr double kTexturedShare = 0.15;
 constexpr int kFewestPoints = 3;
 constexpr double kSmallestPartMotion = 0.15;
 constexpr int kEnoughParts = 5;
+constexpr int kEnoughSides = 3; ///< of the picture: a large object that moves does not reach these
 constexpr double kAgreeing = 0.7;
 constexpr double kExplained = 0.7;
 
@@ -268,14 +269,25 @@ CameraMotion::explained() const
   const double cells = static_cast<double>(size_.area()) / (kCell[0] * kCell[0] * kParts * kParts);
   int asked = 0;
   int agreeing = 0;
-  for (const Part &part : parts) {
+  std::array<bool, 4> sides{}; // of the picture, where a part agrees
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    const Part &part = parts[i];
     if (part.points < kFewestPoints || part.points < kTexturedShare * cells
         || part.motion < kSmallestPartMotion * part.points)
       continue;
     ++asked;
-    agreeing += part.with < kExplained * part.without ? 1 : 0;
+    if (part.with >= kExplained * part.without)
+      continue;
+    ++agreeing;
+    const std::size_t row = i / kParts;
+    const std::size_t column = i % kParts;
+    sides[0] |= row == 0;
+    sides[1] |= row == kParts - 1;
+    sides[2] |= column == 0;
+    sides[3] |= column == kParts - 1;
   }
-  return asked >= kEnoughParts && agreeing >= kAgreeing * asked;
+  return asked >= kEnoughParts && agreeing >= kAgreeing * asked
+         && std::ranges::count(sides, true) >= kEnoughSides;
 }
 
 } // namespace saliency

@@ -54,13 +54,16 @@ our_models()
 }
 
 std::vector<ModelMaker>
-all_models()
+peer_models(bool weighted_too)
 {
-  auto models = our_models();
-  for (const Peer peer : kPeers)
-    if (is_available(peer))
-      for (const bool weighted : { false, true })
-        models.emplace_back([peer, weighted] { return peer_model(peer, weighted); });
+  std::vector<ModelMaker> models;
+  for (const Peer peer : kPeers) {
+    if (!is_available(peer))
+      continue;
+    models.emplace_back([peer] { return peer_model(peer, false); });
+    if (weighted_too)
+      models.emplace_back([peer] { return peer_model(peer, true); });
+  }
   return models;
 }
 
@@ -123,11 +126,15 @@ film_table(const Options &options)
            { tactile::FilmPattern::static_motion, tactile::FilmPattern::dynamic_motion })
         for (const double noise : { 0.0, 2.0, 4.0 }) {
           FilmCase film = ball_case(pattern, size, fps, noise);
-          film.models = fps == 30 ? all_models() : our_models();
-          film.seconds = size.width > 640 ? 10 : 40;
-          if (options.quick && (size.width != 320 || fps != 30))
-            continue;
-          cases.push_back(film);
+          const bool large = size.width > 640;
+          film.models = our_models();
+          if (fps == 30)
+            for (const auto &peer : peer_models(!large))
+              film.models.push_back(peer);
+          film.seconds = large ? 10 : 20;
+          film.seeds = large ? 1 : 2;
+          if (!options.quick || (size.width == 320 && fps == 30))
+            cases.push_back(film);
         }
   Table table("Balls on an even background",
               { "film", "size", "fps", "σ", "model", "(a) strongest", "(b) energy", "(c) silent",
@@ -184,10 +191,15 @@ phantom_table(const Options &options)
               continue;
             FilmCase film = disturbed_case(disturbance, background, setting.size, ball, noise);
             film.fps = setting.fps;
-            film.models = standard ? all_models() : our_models();
+            film.models = our_models();
             film.seeds = standard ? 3 : 2;
             film.seconds = setting.size.width > 640 ? 10 : 20;
             cases.push_back(film);
+            film.models = peer_models(false);
+            film.seeds = 1;
+            film.seconds = 10;
+            if (standard && !film.models.empty())
+              cases.push_back(film);
           }
   Table table("Nothing happens, and a ball appears",
               { "film", "picture", "size", "fps", "σ", "model", "frames felt", "cells",
