@@ -27,10 +27,10 @@ constexpr std::array<int, 3> kCell{ 4, 2, 1 };
 constexpr float kTexture = 1.0F;
 
 // The parts of the picture that are asked whether they have moved: so many along each side; they have
-// an opinion if this share of their cells, and so many, have points and would have moved by so many
-// samples. In a picture of a few dozen samples nobody is asked: one thing that moves is most of it. Enough
-// are this many, and this share of them has to agree: that the motion leaves this share of the
-// difference.
+// an opinion if this share of their cells, and so many of them, have points and would have moved by so
+// many samples. Enough are this many, and this share of them has to agree: that the motion leaves this
+// share of the difference. So a picture of a few dozen samples has no camera: a thing in it is soon
+// most of it.
 constexpr int kParts = 4;
 constexpr double kTexturedShare = 0.15;
 constexpr int kFewestPoints = 3;
@@ -194,6 +194,9 @@ CameraMotion::register_level(std::size_t level)
     }
     if (residuals_.size() < 12)
       break;
+    // What little is presumed about exposure is that there is none, not that this step finds none.
+    right[4] -= exposure_[0];
+    right[5] -= exposure_[1];
     for (int m = 0; m < 6; ++m)
       for (int n = 0; n < m; ++n)
         normal(m, n) = normal(n, m);
@@ -244,8 +247,9 @@ CameraMotion::explained() const
   {
     int points = 0;
     double motion = 0;
-    double with = 0;    ///< difference that the motion leaves
-    double without = 0; ///< that there is
+    double with = 0;     ///< difference that the motion leaves
+    double without = 0;  ///< that there is
+    double opposite = 0; ///< that the opposite motion leaves
   };
   const auto [rest_gain, rest_offset] = exposure_at_rest();
   std::array<Part, static_cast<std::size_t>(kParts) * kParts> parts{};
@@ -262,8 +266,14 @@ CameraMotion::explained() const
     part.points++;
     part.motion += std::hypot(x - point.x, y - point.y);
     part.with += std::abs(sample(now_[0], x, y) - expected);
-    part.without += std::abs(sample(now_[0], point.x, point.y) - point.lightness
-                             - rest_gain * point.change[4] - rest_offset);
+    const double at_rest = point.lightness + rest_gain * point.change[4] + rest_offset;
+    const double without = std::abs(sample(now_[0], point.x, point.y) - at_rest);
+    part.without += without;
+    const double opposite_x = 2 * point.x - x;
+    const double opposite_y = 2 * point.y - y;
+    part.opposite += inside(now_[0], opposite_x, opposite_y)
+                         ? std::abs(sample(now_[0], opposite_x, opposite_y) - at_rest)
+                         : without;
   }
 
   const double cells = static_cast<double>(size_.area()) / (kCell[0] * kCell[0] * kParts * kParts);
@@ -276,7 +286,8 @@ CameraMotion::explained() const
         || part.motion < kSmallestPartMotion * part.points)
       continue;
     ++asked;
-    if (part.with >= kExplained * part.without)
+    // Between samples noise is averaged, whichever way one goes.
+    if (part.with >= kExplained * std::min(part.without, part.opposite))
       continue;
     ++agreeing;
     const std::size_t row = i / kParts;

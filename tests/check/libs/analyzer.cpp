@@ -456,6 +456,108 @@ GST_START_TEST(test_spatial_keeps_history)
 }
 GST_END_TEST;
 
+GST_START_TEST(test_cut)
+{
+  // Another shot gives silence, and what comes in it is felt; so does a frame of another size, which is
+  // no cut.
+  const Frame grey = textured(160, 120);
+  Frame other = grey;
+  for (auto &v : other.planes[0])
+    v = static_cast<std::uint8_t>(255 - v / 2);
+  Frame ball = other;
+  ball.disc(80, 60, 12, { 60, 90, 200 });
+  Analyzer analyzer(Profile::tuned());
+  for (int i = 0; i < 12; ++i) {
+    const auto &result = analyzer.analyze((i < 5    ? grey
+                                           : i < 10 ? other
+                                                    : ball)
+                                              .view(),
+                                          i * kSecond / 30, Time(0));
+    fail_unless(result.cut == (i == 5), "frame %d", i);
+    fail_if(result.camera_moves);
+    fail_unless((result.peak > 0.6) == (i >= 10), "frame %d: %g", i, result.peak);
+  }
+  const auto &result = analyzer.analyze(Frame(80, 60, 20).view(), kSecond, Time(0));
+  fail_if(result.cut);
+  fail_unless_near(result.peak, 0, 0);
+
+  // With a share of 1 nothing is a cut, nor is it after a reset.
+  Profile profile = Profile::tuned();
+  analyzer.reset();
+  fail_if(analyzer.analyze(grey.view(), Time(0), Time(0)).cut);
+  analyzer.reset();
+  fail_if(analyzer.analyze(other.view(), kSecond, Time(0)).cut);
+  profile.cut_share = 1;
+  profile.background_gain = 0;
+  Analyzer uncut(profile);
+  uncut.analyze(grey.view(), Time(0), Time(0));
+  const auto &next = uncut.analyze(ball.view(), kSecond / 30, Time(0));
+  fail_if(next.cut);
+  fail_unless(next.peak > 0.6);
+}
+GST_END_TEST;
+
+GST_START_TEST(test_pan)
+{
+  // A camera pans over a surface and rests: silence, but for a ball that appears and stays where it is
+  // in the picture. Without following, the surface is felt.
+  const auto frame = [](double left, bool ball) {
+    Frame f(220, 124);
+    for (int y = 0; y < f.height; ++y)
+      for (int x = 0; x < f.width; ++x) {
+        double sum = 120;
+        for (int i = 0; i < 8; ++i) {
+          const double length = 14 * std::pow(1.35, i);
+          sum += 12
+                 * std::sin(6.2832 / length
+                                * ((x + left) * std::cos(2.4 * i) + y * std::sin(2.4 * i))
+                            + i * i);
+        }
+        f.at(0, x, y) = static_cast<std::uint8_t>(std::clamp(std::lround(sum), 16L, 235L));
+      }
+    if (ball)
+      f.disc(110, 62, 13, { 210, 60, 220 });
+    return f;
+  };
+  Profile unfollowed = Profile::tuned();
+  unfollowed.camera_motion = false;
+  unfollowed.background_gain = 0;
+  Profile followed = Profile::tuned();
+  followed.background_gain = 0;
+  Analyzer tuned(Profile::tuned());
+  Analyzer with(followed);
+  Analyzer without(unfollowed);
+  double highest = 0;
+  double highest_with = 0;
+  double highest_without = 0;
+  for (int i = 0; i < 150; ++i) {
+    const bool ball = i == 40 || i == 41;
+    const Frame f = frame(1.4 * std::clamp(i - 10, 0, 50), ball);
+    const Time time = i * kSecond / 30;
+    const auto &result = tuned.analyze(f.view(), time, Time(0));
+    fail_if(result.cut);
+    if (i <= 10 || i >= 145)
+      fail_if(result.camera_moves, "frame %d", i);
+    if (i >= 14 && i < 120)
+      fail_unless(result.camera_moves, "frame %d", i);
+    if (ball) {
+      cv::Point at;
+      cv::minMaxLoc(result.map, nullptr, nullptr, nullptr, &at);
+      fail_unless(result.peak > 1, "the ball is not seen: %g", result.peak);
+      fail_unless_at_most(std::hypot(at.x - 110 / 4.0, at.y - 62 / 4.0), 4);
+    }
+    if (i >= 40)
+      continue;
+    highest = std::max(highest, result.peak);
+    highest_with = std::max(highest_with, with.analyze(f.view(), time, Time(0)).peak);
+    highest_without = std::max(highest_without, without.analyze(f.view(), time, Time(0)).peak);
+  }
+  fail_unless(highest_without > 0.5, "nothing to be silent about: %g", highest_without);
+  fail_unless_at_most(highest_with, highest_without / 5);
+  fail_unless_at_most(highest, highest_with);
+}
+GST_END_TEST;
+
 static Suite *
 analyzer_suite(void)
 {
@@ -473,6 +575,8 @@ analyzer_suite(void)
   tcase_add_test(tc, test_picture);
   tcase_add_test(tc, test_invalid);
   tcase_add_test(tc, test_spatial_keeps_history);
+  tcase_add_test(tc, test_cut);
+  tcase_add_test(tc, test_pan);
   return suite;
 }
 

@@ -8,6 +8,7 @@ using oracle::Image;
 using saliency::HistoryStart;
 using saliency::Normalization;
 using saliency::Profile;
+using saliency::Similarity;
 using saliency::SpatiotemporalSaliency;
 using saliency::TemporalPyramid;
 using saliency::TemporalSign;
@@ -40,6 +41,70 @@ expected(const Profile &profile, const std::vector<Image> &maps)
     }
   }
   return profile.temporal_normalization == Normalization::itti ? oracle::itti(saliency) : saliency;
+}
+
+Image
+to_image(const cv::Mat &map)
+{
+  Image image(map.cols, map.rows);
+  for (int y = 0; y < map.rows; ++y)
+    for (int x = 0; x < map.cols; ++x)
+      image(x, y) = static_cast<double>(map.at<float>(y, x));
+  return image;
+}
+
+/// The largest of the samples up to so many away.
+Image
+dilated(const Image &map, int reach)
+{
+  Image result = map;
+  for (int y = 0; y < map.height; ++y)
+    for (int x = 0; x < map.width; ++x)
+      for (int j = std::max(0, y - reach); j <= std::min(map.height - 1, y + reach); ++j)
+        for (int i = std::max(0, x - reach); i <= std::min(map.width - 1, x + reach); ++i)
+          result(x, y) = std::max(result(x, y), map(i, j));
+  return result;
+}
+
+/// ST by its definition from the means that the history gives.
+Image
+expected(const Profile &profile, TemporalPyramid &history)
+{
+  const auto mean = [&](int window) {
+    std::vector<cv::Mat> maps;
+    history.means({ &window, 1 }, maps);
+    return to_image(maps[0]);
+  };
+  const bool moved = history.moved();
+  Image saliency;
+  for (const auto &pair : profile.windows) {
+    const Image center = mean(pair.center);
+    Image surround = mean(pair.surround);
+    const double light = profile.illumination_guard ? oracle::illumination(center, surround) : 1;
+    if (moved)
+      surround = dilated(surround, profile.camera_dilation);
+    saliency.width = center.width;
+    saliency.height = center.height;
+    saliency.values.resize(center.values.size());
+    for (std::size_t p = 0; p < saliency.values.size(); ++p) {
+      const double d
+          = center.values[p] - light * (moved ? profile.camera_margin : 1) * surround.values[p];
+      saliency.values[p]
+          += (profile.temporal_sign == TemporalSign::absolute ? std::abs(d) : std::max(0.0, d))
+             / (profile.temporal_mean ? static_cast<double>(profile.windows.size()) : 1);
+    }
+  }
+  const int rim = profile.camera_rim;
+  const bool rimmed = moved && saliency.width > 2 * rim && saliency.height > 2 * rim;
+  if (rimmed)
+    for (int y = 0; y < saliency.height; ++y)
+      for (int x = 0; x < saliency.width; ++x)
+        if (std::min({ x, y, saliency.width - 1 - x, saliency.height - 1 - y }) < rim)
+          saliency(x, y) = 0;
+  if (profile.background_gain > 0)
+    saliency = oracle::without_background(saliency, profile.background_gain,
+                                          profile.background_quantile, rimmed ? rim : 0);
+  return saliency;
 }
 
 /// ST of one pixel over a film of one pixel.
@@ -122,6 +187,132 @@ GST_START_TEST(test_ghost)
 }
 GST_END_TEST;
 
+GST_START_TEST(test_camera_and_background)
+{
+  // Maps of all sizes, also without anything within the rim; a camera that rests and moves.
+  unsigned seed = 0;
+  for (const auto sign : { TemporalSign::absolute, TemporalSign::onset })
+    for (const int dilation : { 0, 1, 2 })
+      for (const int rim : { 0, 1, 2 })
+        for (const double gain : { 0.0, 0.5, 8.0 })
+          for (const auto &[width, height] :
+               { std::pair{ 1, 1 }, { 2, 3 }, { 4, 5 }, { 5, 4 }, { 5, 5 }, { 3, 9 }, { 13, 8 } }) {
+            Profile profile;
+            profile.windows = { { 1, 4 }, { 2, 8 } };
+            profile.temporal_sign = sign;
+            profile.camera_dilation = dilation;
+            profile.camera_margin = 1.15;
+            profile.camera_rim = rim;
+            profile.background_gain = gain;
+            profile.background_quantile = rim == 0 ? 0.75 : rim == 1 ? 0 : 1;
+            profile.illumination_guard = dilation != 1;
+            TemporalPyramid history(8, HistoryStart::filled);
+            SpatiotemporalSaliency saliency(profile);
+            for (int i = 0; i < 14; ++i) {
+              const Similarity pose{ 1, 0, i < 4 ? 0 : 0.4 * i, 0 };
+              history.push(oracle::to_mat(oracle::random_image(width, height, 0, 20, ++seed)), 1, 1,
+                           pose);
+              fail_unless(history.moved() == (i >= 4));
+              const double e
+                  = oracle::difference(saliency.compute(history), expected(profile, history));
+              fail_unless(e <= 1e-3, "%dx%d, dilation %d, rim %d, gain %g, frame %d: %g", width,
+                          height, dilation, rim, gain, i, e);
+            }
+          }
+}
+GST_END_TEST;
+
+GST_START_TEST(test_light)
+{
+  // All contrast is three times what it was, as in a picture that is lit: nothing, to what 0.05 in
+  // the ratio leaves. Where it is six times, the difference to three times remains. If only a part
+  // has gained, it is what has changed; if all but it, likewise.
+  Profile profile;
+  profile.windows = { { 1, 8 } };
+  profile.temporal_sign = TemporalSign::onset;
+  profile.illumination_guard = true;
+  Image dark(10, 10);
+  for (std::size_t i = 0; i < 100; ++i)
+    dark.values[i] = 5 + static_cast<double>(i % 7);
+  // Gains of the first ten samples and of all others; T_c / T_s = 8 g / (g + 7).
+  const auto st = [&](double first, double others, bool guard = true) {
+    profile.illumination_guard = guard;
+    TemporalPyramid history(8, HistoryStart::filled);
+    SpatiotemporalSaliency saliency(profile);
+    history.push(oracle::to_mat(dark), 1, 1);
+    Image lit = dark;
+    for (std::size_t i = 0; i < 100; ++i)
+      lit.values[i] *= i < 10 ? first : others;
+    history.push(oracle::to_mat(lit), 1, 1);
+    return to_image(saliency.compute(history));
+  };
+  // T_s ≥ 5 · 10/8, T_c ≤ 11 · 3: off by up to 0.05 / T_s of T_c.
+  fail_unless_at_most(st(3, 3).maximum(), 0.3);
+  fail_unless(st(3, 3, false).maximum() > 15);
+
+  const Image one_more = st(6, 3);
+  const double beta = 8 * 3 / (3.0 + 7);
+  for (std::size_t i = 0; i < 100; ++i)
+    fail_unless_near(one_more.values[i], i < 10 ? dark.values[i] * (6 - beta * (6 + 7) / 8) : 0,
+                     0.5);
+  const Image only_one = st(6, 1);
+  for (std::size_t i = 0; i < 100; ++i)
+    fail_unless_near(only_one.values[i], i < 10 ? dark.values[i] * (6 - 13.0 / 8) : 0, 1e-4);
+  // Light that goes is none, and what comes with it is felt as in the light that was.
+  const Image darker = st(2, 0.5);
+  for (std::size_t i = 0; i < 100; ++i)
+    fail_unless_near(darker.values[i], i < 10 ? dark.values[i] * (2 - 9.0 / 8) : 0, 1e-4);
+}
+GST_END_TEST;
+
+GST_START_TEST(test_enough_to_judge_light)
+{
+  // A map that is empty but for so many of 100 samples: a thing on up to 30 is a thing, and one that
+  // comes onto more of it is light only if it was there before.
+  for (const int count : { 30, 31 }) {
+    Profile profile;
+    profile.windows = { { 1, 8 } };
+    profile.illumination_guard = true;
+    TemporalPyramid history(8, HistoryStart::filled);
+    SpatiotemporalSaliency saliency(profile);
+    Image map(10, 10);
+    for (const double value : { 8.0, 24.0 }) {
+      std::fill_n(map.values.begin(), count, value);
+      history.push(oracle::to_mat(map), 1, 1);
+    }
+    const double found = to_image(saliency.compute(history)).maximum();
+    if (count <= 30)
+      fail_unless_near(found, 24 - (24 + 7 * 8) / 8.0, 1e-4);
+    else
+      fail_unless_at_most(found, 0.2);
+  }
+}
+GST_END_TEST;
+
+GST_START_TEST(test_background)
+{
+  // A map that was empty becomes 0, 1, … 100 in some order: with the median twice off, what is above
+  // 100 · 7/8 remains of the largest, that is nothing; with half of it, 75 · 7/8.
+  Profile profile;
+  profile.windows = { { 1, 8 } };
+  profile.temporal_sign = TemporalSign::onset;
+  profile.background_quantile = 0.5;
+  for (const double gain : { 0.0, 0.5, 1.0, 2.0 }) {
+    profile.background_gain = gain;
+    TemporalPyramid history(8, HistoryStart::filled);
+    SpatiotemporalSaliency saliency(profile);
+    Image map(101, 1);
+    history.push(oracle::to_mat(map), 1, 1);
+    for (int i = 0; i < 101; ++i)
+      map(i, 0) = 37 * i % 101;
+    history.push(oracle::to_mat(map), 1, 1);
+    const Image st = to_image(saliency.compute(history));
+    for (int i = 0; i < 101; ++i)
+      fail_unless_near(st(i, 0), std::max(0.0, map(i, 0) - 50 * gain) * 7 / 8, 1e-4);
+  }
+}
+GST_END_TEST;
+
 static Suite *
 spatiotemporal_saliency_suite(void)
 {
@@ -131,6 +322,10 @@ spatiotemporal_saliency_suite(void)
   tcase_add_test(tc, test_brute_force);
   tcase_add_test(tc, test_step);
   tcase_add_test(tc, test_ghost);
+  tcase_add_test(tc, test_camera_and_background);
+  tcase_add_test(tc, test_light);
+  tcase_add_test(tc, test_enough_to_judge_light);
+  tcase_add_test(tc, test_background);
   return suite;
 }
 

@@ -4,8 +4,12 @@
 #include "saliency_oracle.h"
 #include "tolerance.h"
 
+#include <array>
+#include <span>
+
 using oracle::Image;
 using saliency::HistoryStart;
+using saliency::Similarity;
 using saliency::TemporalPyramid;
 
 namespace {
@@ -86,6 +90,88 @@ compare(HistoryStart start, int count, const std::vector<double> &durations)
   }
 }
 
+/// A film by a camera that moves, and the means over windows as TemporalPyramid defines them.
+struct MovedFilm
+{
+  struct Display
+  {
+    double begin;
+    Image map;
+    Similarity pose;
+  };
+  std::vector<Display> displays; ///< each ends where the next begins
+  double end = 0;                ///< of the last
+
+  void push(const Image &map, double elapsed, double duration, const Similarity &pose)
+  {
+    if (displays.empty())
+      displays.push_back({ -kForever, map, pose });
+    const double begin = displays.size() == 1 ? 0 : displays.back().begin + elapsed;
+    displays.push_back({ begin, map, pose });
+    end = begin + duration;
+  }
+
+  /// The display in which the time lies; a moment between two belongs to the earlier.
+  std::size_t before(double time) const
+  {
+    std::size_t i = displays.size() - 1;
+    while (i > 0 && displays[i].begin >= time - 1e-9)
+      --i;
+    return i;
+  }
+
+  /// What was on show from one time to another, on average.
+  Image stretch(double from, double to) const
+  {
+    Image sum(displays[0].map.width, displays[0].map.height);
+    for (std::size_t i = 0; i < displays.size(); ++i) {
+      const double until = i + 1 < displays.size() ? displays[i + 1].begin : end;
+      const double share = std::min(to, until) - std::max(from, displays[i].begin);
+      for (std::size_t p = 0; share > 0 && p < sum.values.size(); ++p)
+        sum.values[p] += share / (to - from) * displays[i].map.values[p];
+    }
+    return sum;
+  }
+
+  /// Windows ascend: where one begins, a stretch does.
+  std::vector<Image> means(std::span<const int> windows) const
+  {
+    const Display &now = displays.back();
+    Image sum(now.map.width, now.map.height);
+    std::vector<Image> result;
+    double to = end;
+    for (const int window : windows) {
+      const double start = end - window;
+      while (to > start + 1e-9) {
+        const double from = std::max(start, displays[before(to - (end - to) / 8)].begin);
+        const Similarity &then = displays[before((from + to) / 2)].pose;
+        const Image map = stretch(from, to);
+        for (int y = 0; y < sum.height; ++y)
+          for (int x = 0; x < sum.width; ++x) {
+            // Where the point (x, y) of the current map lay in the map of then.
+            const double px = now.pose.x(x, y) - then.tx;
+            const double py = now.pose.y(x, y) - then.ty;
+            const double norm = then.a * then.a + then.b * then.b;
+            const double at_x = (then.a * px + then.b * py) / norm;
+            const double at_y = (then.a * py - then.b * px) / norm;
+            const bool seen
+                = at_x >= 1 && at_y >= 1 && at_x < sum.width - 2 && at_y < sum.height - 2;
+            const double value = then == now.pose ? map(x, y)
+                                 : seen           ? oracle::bilinear(map, at_x, at_y)
+                                                  : now.map(x, y);
+            sum(x, y) += (to - from) * value;
+          }
+        to = from;
+      }
+      Image mean = sum;
+      for (double &v : mean.values)
+        v /= window;
+      result.push_back(mean);
+    }
+    return result;
+  }
+};
+
 } // namespace
 
 GST_START_TEST(test_frames)
@@ -107,6 +193,129 @@ GST_START_TEST(test_variable_rate)
 {
   for (const auto start : { HistoryStart::empty, HistoryStart::filled })
     compare(start, 300, { 1, 0.5, 2.3, 0.7, 1.001, 3, 0.2 });
+}
+GST_END_TEST;
+
+GST_START_TEST(test_poses)
+{
+  // A camera that shakes, pans, zooms and rolls, now and then rests, at 30, 24, about 25, 60
+  // and a variable number of frames a second. (At exactly 25 rounding decides whether the 9th map back
+  // makes an eighth of its age.)
+  const std::vector<std::vector<double>> rates{ { 1 },
+                                                { 30 / 24.0 },
+                                                { 1.2031, 1.1973, 1.2019, 1.1987, 1.2007 },
+                                                { 0.5 },
+                                                { 1, 0.53, 2.3, 0.7, 1.001, 3, 0.21 } };
+  constexpr std::array windows{ 1, 2, 4, 8, 16, 32, 64 };
+  for (const auto &durations : rates) {
+    TemporalPyramid pyramid(64, HistoryStart::filled);
+    MovedFilm film;
+    Similarity pose{ 1, 0, 0.3, -0.2 };
+    for (int i = 0; i < 120; ++i) {
+      const Image map = oracle::random_image(12, 9, 0, 100, static_cast<unsigned>(i));
+      const auto at = [&](int k) {
+        return durations[static_cast<std::size_t>(k) % durations.size()];
+      };
+      if (i % 25 < 15)
+        pose = pose
+               * Similarity{ 1 + 0.004 * std::sin(i), 0.006 * std::cos(1.3 * i),
+                             0.31 * std::sin(0.41 * i) + 0.05, 0.17 * std::cos(0.7 * i) };
+      const double elapsed = i > 0 ? at(i - 1) : 0;
+      pyramid.push(oracle::to_mat(map), elapsed, at(i), pose);
+      film.push(map, elapsed, at(i), pose);
+      std::vector<cv::Mat> means;
+      pyramid.means(windows, means);
+      ck_assert_uint_eq(means.size(), windows.size());
+      const auto expected = film.means(windows);
+      for (std::size_t w = 0; w < windows.size(); ++w) {
+        const double e = oracle::difference(means[w], expected[w]);
+        fail_unless(e <= 1e-3, "%g a frame, frame %d, window %d: %g", durations[0], i, windows[w],
+                    e);
+      }
+    }
+  }
+}
+GST_END_TEST;
+
+GST_START_TEST(test_followed_world)
+{
+  // A world that stands still, and a camera that moves over it by whole samples: all windows are the
+  // current map, for what was not seen is taken to have been like it. Without poses they are not.
+  // (Longer windows move several maps as one.)
+  const Image world = oracle::random_image(200, 60, 0, 100, 5);
+  constexpr std::array windows{ 1, 2, 8 };
+  for (const bool followed : { true, false }) {
+    TemporalPyramid pyramid(64, HistoryStart::filled);
+    double farthest = 0;
+    for (int i = 0; i < 80; ++i) {
+      const int left = 2 * i;
+      const int top = i / 4;
+      Image map(20, 15);
+      for (int y = 0; y < 15; ++y)
+        for (int x = 0; x < 20; ++x)
+          map(x, y) = world(left + x, top + y);
+      const Similarity pose{ 1, 0, 1.0 * left, 1.0 * top };
+      pyramid.push(oracle::to_mat(map), 1, 1, followed ? pose : Similarity{});
+      std::vector<cv::Mat> means;
+      pyramid.means(windows, means);
+      for (const auto &mean : means)
+        farthest = std::max(farthest, oracle::difference(mean, map));
+    }
+    if (followed)
+      fail_unless_at_most(farthest, 1e-4);
+    else
+      fail_unless(farthest > 20);
+  }
+}
+GST_END_TEST;
+
+GST_START_TEST(test_moved)
+{
+  TemporalPyramid pyramid(64, HistoryStart::filled);
+  const Image map = oracle::random_image(6, 5, 0, 300, 7);
+  for (int i = 0; i < 200; ++i) {
+    // Rests, moves from frame 10 to 13, rests where it then is. Frame i's windows end at i + 1; the
+    // longest begins where frame 12's display ends from frame 76 on, and entries may be kept one
+    // frame longer.
+    const Similarity pose{ 1, 0, 0.4 * std::clamp(i - 9, 0, 4), 0 };
+    pyramid.push(oracle::to_mat(map), 1, 1, pose);
+    if (i < 10 || i > 77)
+      fail_if(pyramid.moved(), "frame %d", i);
+    else if (i < 76)
+      fail_unless(pyramid.moved(), "frame %d", i);
+    if (!pyramid.moved())
+      for (const int window : { 1, 2, 8, 64 }) // exactly
+        fail_unless_near(oracle::difference(mean_of(pyramid, window), map), 0, 0);
+  }
+  pyramid.push(oracle::to_mat(map), 1, 1, { 1, 0, 5, 0 });
+  fail_unless(pyramid.moved());
+  pyramid.reset();
+  fail_if(pyramid.moved());
+  pyramid.push(oracle::to_mat(map), 1, 1, { 1, 0, 9, 0 });
+  fail_if(pyramid.moved());
+}
+GST_END_TEST;
+
+GST_START_TEST(test_poses_of_tiny_maps)
+{
+  // Nothing of them is far enough from their border to have been seen: all is as it is now, but for
+  // the moments that had the same pose.
+  constexpr std::array windows{ 1, 8, 64 };
+  for (int height = 1; height <= 5; ++height)
+    for (int width = 1; width <= 5; ++width) {
+      TemporalPyramid pyramid(64, HistoryStart::filled);
+      for (int i = 0; i < 70; ++i) {
+        const Image map = oracle::random_image(width, height, 0, 9, static_cast<unsigned>(i));
+        pyramid.push(oracle::to_mat(map), 1, 1, { 1, 0, 0.5 * i, 0 });
+        std::vector<cv::Mat> means;
+        pyramid.means(windows, means);
+        for (const auto &mean : means) {
+          fail_unless(cv::checkRange(mean, true, nullptr, 0, 9.01));
+          if (std::min(width, height) <= 3)
+            fail_unless_at_most(oracle::difference(mean, map), 1e-5);
+        }
+      }
+    }
 }
 GST_END_TEST;
 
@@ -268,6 +477,10 @@ temporal_pyramid_suite(void)
   tcase_add_test(tc, test_frames);
   tcase_add_test(tc, test_fractions);
   tcase_add_test(tc, test_variable_rate);
+  tcase_add_test(tc, test_poses);
+  tcase_add_test(tc, test_followed_world);
+  tcase_add_test(tc, test_moved);
+  tcase_add_test(tc, test_poses_of_tiny_maps);
   tcase_add_test(tc, test_paper);
   tcase_add_test(tc, test_same_film_at_any_rate);
   tcase_add_test(tc, test_start);

@@ -1,0 +1,334 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "saliency/camera_motion.h"
+
+#include "saliency_oracle.h"
+#include "tolerance.h"
+
+#include <functional>
+
+using saliency::CameraMotion;
+using saliency::Similarity;
+
+namespace {
+
+const cv::Size kSize(110, 62);
+
+/// An endless surface in closed form, L* 20 to 80: waves of 5 to 40 samples in all directions.
+double
+surface(double x, double y)
+{
+  double sum = 50;
+  for (int i = 0; i < 6; ++i) {
+    const double length = 5 * std::pow(8.0, i / 5.0);
+    const double angle = 2.4 * i;
+    sum += 8 * std::sin(2 * M_PI / length * (x * std::cos(angle) + y * std::sin(angle)) + i * i);
+  }
+  return std::clamp(sum, 20.0, 80.0);
+}
+
+cv::Mat
+frame(cv::Size size, const std::function<double(int, int)> &lightness)
+{
+  cv::Mat lab(size, CV_32FC3);
+  for (int y = 0; y < size.height; ++y)
+    for (int x = 0; x < size.width; ++x)
+      lab.at<cv::Vec3f>(y, x) = { static_cast<float>(lightness(x, y)), 0, 0 };
+  return lab;
+}
+
+/// The surface from a pose: where the frame's samples lie on it.
+cv::Mat
+seen_from(const Similarity &pose, cv::Size size = kSize)
+{
+  return frame(size, [&](int x, int y) { return surface(pose.x(x, y), pose.y(x, y)); });
+}
+
+void
+add_noise(cv::Mat &lab, double deviation, unsigned seed)
+{
+  std::mt19937 generator(seed);
+  std::normal_distribution<float> noise(0, static_cast<float>(deviation));
+  for (int y = 0; y < lab.rows; ++y)
+    for (int x = 0; x < lab.cols; ++x)
+      lab.at<cv::Vec3f>(y, x)[0] += noise(generator);
+}
+
+/// Turned and scaled about the middle of the picture, then shifted.
+Similarity
+about_middle(double scale, double angle, double dx, double dy)
+{
+  const double cx = kSize.width / 2.0;
+  const double cy = kSize.height / 2.0;
+  const double a = scale * std::cos(angle);
+  const double b = scale * std::sin(angle);
+  return { a, b, cx - a * cx + b * cy + dx, cy - b * cx - a * cy + dy };
+}
+
+/// How far apart two poses put a corner of the picture.
+double
+apart(const Similarity &p, const Similarity &q, cv::Size size = kSize)
+{
+  double largest = 0;
+  for (const int x : { 0, size.width - 1 })
+    for (const int y : { 0, size.height - 1 }) {
+      const double d = std::hypot(p.x(x, y) - q.x(x, y), p.y(x, y) - q.y(x, y));
+      if (!std::isfinite(d))
+        return INFINITY;
+      largest = std::max(largest, d);
+    }
+  return largest;
+}
+
+} // namespace
+
+GST_START_TEST(test_follows)
+{
+  // Each frame's step, for so many frames; the sum of steps is known to 1 % of the way that a corner
+  // has gone, and half a sample.
+  const struct
+  {
+    const char *name;
+    Similarity step;
+    int frames;
+  } cases[] = {
+    { "pan", about_middle(1, 0, 0.7, 0), 90 },
+    { "tilt back", about_middle(1, 0, 0, -0.4), 90 },
+    { "slow pan", about_middle(1, 0, 0.08, 0.03), 120 },
+    { "fast pan", about_middle(1, 0, -4, 1), 60 },
+    { "zoom in", about_middle(0.995, 0, 0, 0), 90 },
+    { "zoom out", about_middle(1.006, 0, 0, 0), 60 },
+    { "roll", about_middle(1, 0.01, 0, 0), 90 },
+    { "all", about_middle(1.003, -0.004, 0.5, -0.3), 90 },
+  };
+  for (const auto &c : cases)
+    for (const double noise : { 0.0, 1.0 }) {
+      CameraMotion camera;
+      Similarity pose;
+      double way = 0;
+      for (int i = 0; i < c.frames; ++i) {
+        cv::Mat lab = seen_from(pose);
+        add_noise(lab, noise, static_cast<unsigned>(i));
+        const double e = apart(camera.follow(lab, 1), pose);
+        fail_unless(e <= 0.5 + 0.01 * way, "%s, noise %g, frame %d: %g of %g", c.name, noise, i, e,
+                    way);
+        way += apart(pose * c.step, pose);
+        pose = pose * c.step;
+      }
+    }
+}
+GST_END_TEST;
+
+GST_START_TEST(test_shakes)
+{
+  // A hand-held camera: to and fro, and nothing adds up.
+  CameraMotion camera;
+  for (int i = 0; i < 150; ++i) {
+    const Similarity pose
+        = about_middle(1 + 0.002 * std::sin(0.3 * i), 0.004 * std::sin(0.5 * i),
+                       1.2 * std::sin(0.7 * i), 0.8 * std::sin(0.9 * i + 1) - 0.8 * std::sin(1));
+    fail_unless_at_most(apart(camera.follow(seen_from(pose), 1), pose), 0.5);
+  }
+}
+GST_END_TEST;
+
+GST_START_TEST(test_rests)
+{
+  // Exactly the same pose at rest, whatever the noise; also after a motion, once the key frame is one
+  // at rest, at most 8 frames later.
+  for (const double noise : { 0.0, 0.5, 2.0, 4.0 }) {
+    CameraMotion camera;
+    Similarity pose;
+    Similarity last;
+    for (int i = 0; i < 160; ++i) {
+      if (i >= 60 && i < 80)
+        pose = pose * about_middle(1, 0.004, 0.6, -0.2);
+      cv::Mat lab = seen_from(pose);
+      add_noise(lab, noise, static_cast<unsigned>(i));
+      const Similarity now = camera.follow(lab, 1);
+      if (i < 60)
+        fail_unless(now == Similarity{}, "noise %g, frame %d", noise, i);
+      if (i >= 90)
+        fail_unless(now == last, "noise %g, frame %d", noise, i);
+      last = now;
+    }
+    fail_unless_at_most(apart(last, pose), 0.7);
+  }
+}
+GST_END_TEST;
+
+GST_START_TEST(test_exposure)
+{
+  // Gain and offset of lightness change from frame to frame, also at once: at rest that is no motion,
+  // and a pan is followed all the same.
+  for (const double speed : { 0.0, 0.6 })
+    for (const bool at_once : { false, true }) {
+      CameraMotion camera;
+      for (int i = 0; i < 60; ++i) {
+        const double t = at_once ? i / 20 % 2 : std::sin(0.1 * i);
+        const Similarity pose = about_middle(1, 0, speed * i, 0);
+        const cv::Mat lab = frame(kSize, [&](int x, int y) {
+          return 50 + 8 * t + (1 - 0.25 * t) * (surface(pose.x(x, y), pose.y(x, y)) - 50);
+        });
+        const Similarity now = camera.follow(lab, 1);
+        if (speed == 0)
+          fail_unless(now == Similarity{}, "frame %d", i);
+        else
+          fail_unless_at_most(apart(now, pose), 1);
+      }
+    }
+}
+GST_END_TEST;
+
+GST_START_TEST(test_balls)
+{
+  // One ball of up to a fifth of the picture's width, and two of up to a ninth that come towards each
+  // other, on an even background, with noise and without.
+  for (const auto &[balls, radius] :
+       { std::pair{ 1, 4.0 }, { 1, 9.0 }, { 1, 12.0 }, { 2, 4.0 }, { 2, 6.0 } })
+    for (const double noise : { 0.0, 2.0 }) {
+      CameraMotion camera;
+      for (int i = 0; i < 60; ++i) {
+        cv::Mat lab = frame(kSize, [&, count = balls, r = radius](int x, int y) {
+          const double d = std::hypot(x - 20 - 1.2 * i, y - 25);
+          const double e = std::hypot(x - 90 + 1.2 * i, y - 40);
+          return d < r || (count == 2 && e < r) ? 80.0 : 45.0;
+        });
+        add_noise(lab, noise, static_cast<unsigned>(i));
+        fail_unless(camera.follow(lab, 1) == Similarity{}, "%d balls of %g, noise %g, frame %d",
+                    balls, radius, noise, i);
+      }
+    }
+}
+GST_END_TEST;
+
+GST_START_TEST(test_large_object)
+{
+  // A textured thing that fills so much of the picture's width and its whole height crosses a still
+  // surface.
+  for (const auto &[share, speed] :
+       { std::pair{ 0.2, 0.4 }, { 0.3, 0.4 }, { 0.3, 4.0 }, { 0.5, 1.5 } }) {
+    CameraMotion camera;
+    for (int i = 0; i < 50; ++i) {
+      const double left = 5 + speed * i;
+      const double right = left + share * kSize.width;
+      const cv::Mat lab = frame(kSize, [&](int x, int y) {
+        return x >= left && x < right ? surface(x - left + 300, y + 500) : surface(x, y);
+      });
+      fail_unless(camera.follow(lab, 1) == Similarity{}, "%g of the width, %g a frame, frame %d",
+                  share, speed, i);
+    }
+  }
+}
+GST_END_TEST;
+
+GST_START_TEST(test_nothing_to_go_by)
+{
+  // Black, an even picture that brightens, a mere edge.
+  const std::function<double(int, int)> films[]
+      = { [](int, int) { return 0; }, [](int, int i) { return 50 + i; },
+          [](int x, int i) {
+            return x < 40 + i ? 30 : 70;
+          } };
+  for (const auto &film : films) {
+    CameraMotion camera;
+    for (int i = 0; i < 40; ++i) {
+      const cv::Mat lab = frame(kSize, [&](int x, int) { return film(x, i); });
+      fail_unless(camera.follow(lab, 1) == Similarity{}, "film %d, frame %d",
+                  static_cast<int>(&film - films), i);
+    }
+  }
+}
+GST_END_TEST;
+
+GST_START_TEST(test_noise_alone)
+{
+  // Noise on an even picture has texture, and is another one each time.
+  for (const double noise : { 0.5, 1.0, 2.0, 4.0, 10.0 }) {
+    CameraMotion camera;
+    for (int i = 0; i < 100; ++i) {
+      cv::Mat lab = frame(kSize, [](int, int) { return 50; });
+      add_noise(lab, noise, static_cast<unsigned>(i));
+      fail_unless(camera.follow(lab, 1) == Similarity{}, "noise %g, frame %d", noise, i);
+    }
+  }
+}
+GST_END_TEST;
+
+GST_START_TEST(test_small_pictures)
+{
+  // Too little to go by, and nothing outside them is read.
+  CameraMotion camera;
+  for (int height = 1; height <= 9; ++height)
+    for (int width = 1; width <= 9; ++width)
+      for (int i = 0; i < 4; ++i)
+        fail_unless(camera.follow(seen_from(about_middle(1, 0, i, i), { width, height }), 1)
+                    == Similarity{});
+  for (const cv::Size size :
+       { cv::Size(200, 1), cv::Size(1, 200), cv::Size(200, 2), cv::Size(3, 200), cv::Size(24, 18) })
+    for (int i = 0; i < 4; ++i)
+      fail_unless(camera.follow(seen_from(about_middle(1, 0, i, i), size), 1) == Similarity{});
+}
+GST_END_TEST;
+
+GST_START_TEST(test_begins_anew)
+{
+  CameraMotion camera;
+  const auto moved = [&](cv::Size size) {
+    for (int i = 0; i < 5; ++i)
+      camera.follow(seen_from(about_middle(1, 0, i, 0), size), 1);
+    return apart(camera.follow(seen_from(about_middle(1, 0, 5, 0), size), 1), {}, size);
+  };
+  fail_unless_near(moved(kSize), 5, 0.3);
+  const cv::Size other(96, 72);
+  fail_unless(camera.follow(seen_from({}, other), 1) == Similarity{}); // another size
+  fail_unless_near(moved(other), 5, 0.3);
+  camera.reset();
+  fail_unless(camera.follow(seen_from(about_middle(1, 0, 7, 0), other), 1) == Similarity{});
+}
+GST_END_TEST;
+
+GST_START_TEST(test_key_frames_age)
+{
+  // What counts as motion is the way within 8 frames at 30 fps, 0.2 samples: 0.02 a frame is none at
+  // all, however long it goes on, and 0.04 is followed; at four times the rate likewise.
+  for (const double speed : { 0.02, 0.04 })
+    for (const double elapsed : { 1.0, 0.25 }) {
+      CameraMotion camera;
+      const int frames = static_cast<int>(80 / elapsed);
+      Similarity pose;
+      for (int i = 0; i < frames; ++i) {
+        const double e = apart(camera.follow(seen_from({ 1, 0, speed * elapsed * i, 0 }), elapsed),
+                               speed > 0.03 ? Similarity{ 1, 0, speed * elapsed * i, 0 } : pose);
+        fail_unless_at_most(e, speed > 0.03 ? 0.3 : 0);
+      }
+    }
+  // Each of these frames is a key frame, for it comes 8 frames after the last: pictures that differ
+  // by 3 samples each are compared with their predecessors.
+  CameraMotion camera;
+  for (int i = 0; i < 20; ++i)
+    fail_unless_at_most(
+        apart(camera.follow(seen_from({ 1, 0, 3.0 * i, 0 }), 8), { 1, 0, 3.0 * i, 0 }), 0.5);
+}
+GST_END_TEST;
+
+static Suite *
+camera_motion_suite(void)
+{
+  Suite *suite = suite_create("camera_motion");
+  TCase *tc = tcase_create("general");
+  suite_add_tcase(suite, tc);
+  tcase_add_test(tc, test_follows);
+  tcase_add_test(tc, test_shakes);
+  tcase_add_test(tc, test_rests);
+  tcase_add_test(tc, test_exposure);
+  tcase_add_test(tc, test_balls);
+  tcase_add_test(tc, test_large_object);
+  tcase_add_test(tc, test_nothing_to_go_by);
+  tcase_add_test(tc, test_noise_alone);
+  tcase_add_test(tc, test_small_pictures);
+  tcase_add_test(tc, test_begins_anew);
+  tcase_add_test(tc, test_key_frames_age);
+  return suite;
+}
+
+GST_CHECK_MAIN(camera_motion);

@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "saliency/shot_cut.h"
+
+#include "saliency_oracle.h"
+#include "tolerance.h"
+
+using saliency::Profile;
+using saliency::ShotCut;
+
+namespace {
+
+Profile
+profile(double share, double contrast)
+{
+  Profile p;
+  p.cut_share = share;
+  p.cut_contrast = contrast;
+  return p;
+}
+
+/// The colour on every pixel, or on the first `count` of a black picture of 10×8.
+cv::Mat
+picture(cv::Vec3f color, int count = 80)
+{
+  cv::Mat lab(8, 10, CV_32FC3, cv::Scalar::all(0));
+  for (int i = 0; i < count; ++i)
+    lab.at<cv::Vec3f>(i / 10, i % 10) = color;
+  return lab;
+}
+
+} // namespace
+
+GST_START_TEST(test_share)
+{
+  // More than half of 80 pixels: 41 do, 40 do not; there and back.
+  ShotCut cut(profile(0.5, 6));
+  fail_if(cut(picture({})));
+  for (const int count : { 39, 40, 41, 80 }) {
+    ck_assert_int_eq(cut(picture({ 50, 0, 0 }, count)), count > 40);
+    ck_assert_int_eq(cut(picture({})), count > 40);
+  }
+}
+GST_END_TEST;
+
+GST_START_TEST(test_contrast)
+{
+  // (2, 3, 6) is ΔE 7 from black, whatever the signs.
+  for (const auto &color : { cv::Vec3f(2, 3, 6), cv::Vec3f(2, -6, 3), cv::Vec3f(6, 2, -3) })
+    for (const double contrast : { 6.999, 7.001 }) {
+      ShotCut cut(profile(0.5, contrast));
+      fail_if(cut(picture({})));
+      ck_assert_int_eq(cut(picture(color)), contrast < 7);
+    }
+}
+GST_END_TEST;
+
+GST_START_TEST(test_slow_change)
+{
+  // A fade over 20 frames is none, although the picture is another one at its end: each frame is
+  // compared with its predecessor.
+  ShotCut cut(profile(0.5, 6));
+  for (int i = 0; i <= 20; ++i)
+    fail_if(cut(picture({ 5.0F * static_cast<float>(i), 0, 0 })));
+  fail_unless(cut(picture({})));
+}
+GST_END_TEST;
+
+GST_START_TEST(test_nothing_before)
+{
+  ShotCut cut(profile(0, 6));
+  const cv::Mat white = picture({ 100, 0, 0 });
+  const cv::Mat other(3, 5, CV_32FC3, cv::Scalar(0, 0, 0));
+  fail_if(cut(white));
+  fail_unless(cut(picture({})));
+  cut.reset();
+  fail_if(cut(white));
+  fail_if(cut(other)); // another size
+  fail_if(cut(other));
+  fail_if(cut(white));
+  fail_unless(cut(picture({}, 80)));
+  // A share of 1 is never exceeded.
+  ShotCut never(profile(1, 6));
+  fail_if(never(white));
+  fail_if(never(picture({})));
+}
+GST_END_TEST;
+
+GST_START_TEST(test_copies)
+{
+  // The frame's memory is the caller's again.
+  ShotCut cut(profile(0.5, 6));
+  cv::Mat frame = picture({});
+  fail_if(cut(frame));
+  frame.setTo(cv::Scalar(100, 0, 0));
+  fail_unless(cut(frame));
+}
+GST_END_TEST;
+
+static Suite *
+shot_cut_suite(void)
+{
+  Suite *suite = suite_create("shot_cut");
+  TCase *tc = tcase_create("general");
+  suite_add_tcase(suite, tc);
+  tcase_add_test(tc, test_share);
+  tcase_add_test(tc, test_contrast);
+  tcase_add_test(tc, test_slow_change);
+  tcase_add_test(tc, test_nothing_before);
+  tcase_add_test(tc, test_copies);
+  return suite;
+}
+
+GST_CHECK_MAIN(shot_cut);
