@@ -44,7 +44,14 @@ public:
 
   void frame(const Frame &frame, Time time, Time duration, tactile::TactileMap &map) override
   {
-    const auto &found = analyzer_.analyze(frame.view(), time, duration);
+    this->frame(frame.view(), time, duration, map);
+  }
+
+  /// The same for any frame; returns what was found, valid until the next one.
+  const saliency::Saliency &frame(const saliency::FrameView &frame, Time time, Time duration,
+                                  tactile::TactileMap &map)
+  {
+    const auto &found = analyzer_.analyze(frame, time, duration);
     const tactile::SaliencyView view{ .values = found.map.ptr<float>(),
                                       .width = found.map.cols,
                                       .height = found.map.rows,
@@ -52,6 +59,7 @@ public:
                                       .horizontal = { found.picture.x, found.picture.width },
                                       .vertical = { found.picture.y, found.picture.height } };
     tactile::map_saliency(view, mapping_, map);
+    return found;
   }
 
 private:
