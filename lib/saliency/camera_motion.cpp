@@ -224,24 +224,39 @@ CameraMotion::register_level(std::size_t level)
   motion_ = motion.in_units_of(1 / unit);
 }
 
-/// The exposure that explains most if nothing has moved: least squares over all points.
+/// The exposure that explains most if nothing has moved, weighted as in register_level(): what goes its
+/// own way says nothing of the light.
 std::array<double, 2>
-CameraMotion::exposure_at_rest() const
+CameraMotion::exposure_at_rest()
 {
-  cv::Matx22d normal = cv::Matx22d::eye();
-  cv::Vec2d right(0, 0);
-  for (const Point &point : points_[0]) {
-    const cv::Vec2d change(point.change[4], point.change[5]);
-    normal += change * change.t();
-    right += change * (sample(now_[0], point.x, point.y) - point.lightness);
+  cv::Vec2d exposure(0, 0);
+  double scale = 20;
+  for (int step = 0; step < kMostSteps; ++step) {
+    cv::Matx22d normal = cv::Matx22d::eye();
+    cv::Vec2d right(0, 0);
+    residuals_.clear();
+    for (const Point &point : points_[0]) {
+      const cv::Vec2d change(point.change[4], point.change[5]);
+      const double difference = sample(now_[0], point.x, point.y) - point.lightness;
+      const double residual = difference - exposure.dot(change);
+      residuals_.push_back(static_cast<float>(std::abs(residual)));
+      const double closeness = 1 / (1 + residual * residual / (scale * scale));
+      normal += closeness * closeness * change * change.t();
+      right += closeness * closeness * difference * change;
+    }
+    if (residuals_.empty())
+      break;
+    exposure = normal.solve(right, cv::DECOMP_CHOLESKY);
+    const auto median = residuals_.begin() + static_cast<std::ptrdiff_t>(residuals_.size() / 2);
+    std::nth_element(residuals_.begin(), median, residuals_.end());
+    scale = std::max(0.5, 4.5 * static_cast<double>(*median));
   }
-  const cv::Vec2d exposure = normal.solve(right, cv::DECOMP_CHOLESKY);
   return { exposure[0], exposure[1] };
 }
 
 /// Whether most parts of the picture that would show the motion do.
 bool
-CameraMotion::explained() const
+CameraMotion::explained()
 {
   struct Part
   {

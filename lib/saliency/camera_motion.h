@@ -45,8 +45,8 @@ private:
 
   void set_key();
   void register_level(std::size_t level);
-  std::array<double, 2> exposure_at_rest() const;
-  bool explained() const;
+  std::array<double, 2> exposure_at_rest();
+  bool explained();
 
   Images now_;
   std::array<std::vector<Point>, kLevels> points_;

@@ -1,11 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "models.h"
 
-#include "saliency/analyzer.h"
 #include "saliency/front_end.h"
 #include "saliency/rarity.h"
 #include "saliency/spatial_saliency.h"
-#include "tactile/tactile_mapping.h"
 
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
@@ -22,36 +20,6 @@ view_of(const cv::Mat &map)
            .height = map.rows,
            .stride = static_cast<std::ptrdiff_t>(map.step1()) };
 }
-
-class AnalyzerModel : public Model
-{
-public:
-  AnalyzerModel(std::string name, const saliency::Profile &profile,
-                const tactile::MappingSettings &mapping)
-      : Model(std::move(name)), analyzer_(profile), mapping_(mapping)
-  {
-  }
-
-  void frame(const Frame &frame, Time time, Time duration, tactile::TactileMap &map) override
-  {
-    const auto &found = analyzer_.analyze(frame.view(), time, duration);
-    camera_moves_ = found.camera_moves;
-    auto view = view_of(found.map);
-    view.horizontal = { found.picture.x, found.picture.width };
-    view.vertical = { found.picture.y, found.picture.height };
-    tactile::map_saliency(view, mapping_, map);
-  }
-
-  bool camera_moves() const override
-  {
-    return camera_moves_;
-  }
-
-private:
-  saliency::Analyzer analyzer_;
-  tactile::MappingSettings mapping_;
-  bool camera_moves_ = false;
-};
 
 class PeerModel : public Model
 {
@@ -87,14 +55,26 @@ private:
 
 } // namespace
 
-std::unique_ptr<Model>
+const saliency::Saliency &
+AnalyzerModel::frame(const saliency::FrameView &frame, Time time, Time duration,
+                     tactile::TactileMap &map)
+{
+  const auto &found = analyzer_.analyze(frame, time, duration);
+  auto view = view_of(found.map);
+  view.horizontal = { found.picture.x, found.picture.width };
+  view.vertical = { found.picture.y, found.picture.height };
+  tactile::map_saliency(view, mapping_, map);
+  return found;
+}
+
+std::unique_ptr<AnalyzerModel>
 paper_model()
 {
   return std::make_unique<AnalyzerModel>("paper", saliency::Profile::paper(),
                                          tactile::MappingSettings::paper());
 }
 
-std::unique_ptr<Model>
+std::unique_ptr<AnalyzerModel>
 tuned_model()
 {
   return std::make_unique<AnalyzerModel>("tuned", saliency::Profile::tuned(),

@@ -3,7 +3,9 @@
 
 #include "films.h"
 #include "peers.h"
+#include "saliency/analyzer.h"
 #include "tactile/tactile_map.h"
+#include "tactile/tactile_mapping.h"
 
 #include <memory>
 #include <string>
@@ -40,9 +42,38 @@ private:
   std::string name_;
 };
 
-/// This project's models.
-std::unique_ptr<Model> paper_model();
-std::unique_ptr<Model> tuned_model();
+/// This project's.
+class AnalyzerModel : public Model
+{
+public:
+  AnalyzerModel(std::string name, const saliency::Profile &profile,
+                const tactile::MappingSettings &mapping)
+      : Model(std::move(name)), analyzer_(profile), mapping_(mapping)
+  {
+  }
+
+  void frame(const Frame &frame, Time time, Time duration, tactile::TactileMap &map) override
+  {
+    camera_moves_ = this->frame(frame.view(), time, duration, map).camera_moves;
+  }
+
+  /// The same for any frame; returns what was found, valid until the next one.
+  const saliency::Saliency &frame(const saliency::FrameView &frame, Time time, Time duration,
+                                  tactile::TactileMap &map);
+
+  bool camera_moves() const override
+  {
+    return camera_moves_;
+  }
+
+private:
+  saliency::Analyzer analyzer_;
+  tactile::MappingSettings mapping_;
+  bool camera_moves_ = false;
+};
+
+std::unique_ptr<AnalyzerModel> paper_model();
+std::unique_ptr<AnalyzerModel> tuned_model();
 
 /// A peer's map with what is decided by this project's means: half of the maximum as the threshold,
 /// values kept, pooled by exact area. With `weighted`, it is multiplied by colour rarity before.

@@ -3,6 +3,7 @@
 // How well do the maps follow what happens? Tables of docs/quality.md: films whose events are known,
 // films in which nothing happens however much changes, photographs with people's fixations; the
 // literal paper, the tuned profile and its peers.
+#include "clips.h"
 #include "film_scores.h"
 #include "photographs.h"
 #include "pictures.h"
@@ -230,6 +231,19 @@ photograph_table(const Options &options)
   return table;
 }
 
+Table
+clip_table(const Options &options)
+{
+  Table table("Real films",
+              { "clip", "profile", "frames", "felt", "tactors felt", "at a time", "longest, s",
+                "longest of a tactor, s", "cues a minute", "camera moves", "cuts" });
+  for (const auto &[clip, profile, s] : score_clips(std::filesystem::path(options.data) / "clips"))
+    table.add({ clip, profile, std::to_string(s.frames), percent(s.active), percent(s.tactors),
+                figure(s.tactors_active, 2), figure(s.longest, 1), figure(s.longest_tactor, 1),
+                figure(s.cues_per_minute, 0), percent(s.camera_moves), std::to_string(s.cuts) });
+  return table;
+}
+
 /// A floor or a ceiling, and whether it holds; says so if not.
 bool
 holds(const FilmCase &film, const char *what, double value, double limit, bool least)
@@ -301,10 +315,12 @@ bool
 report(const Options &options)
 {
   std::vector<Table> tables{ film_table(options), phantom_table(options) };
-  if (options.data)
+  if (options.data) {
     tables.push_back(photograph_table(options));
-  else
-    std::fprintf(stderr, "photographs left out: no --data\n");
+    tables.push_back(clip_table(options));
+  } else {
+    std::fprintf(stderr, "photographs and real films left out: no --data\n");
+  }
   std::ostringstream markdown;
   std::ostringstream csv;
   for (const auto &table : tables) {
@@ -332,7 +348,7 @@ main(int argc, char **argv)
     { "quick", 0, 0, G_OPTION_ARG_NONE, &options.quick, "One size and frame rate of each film",
       nullptr },
     { "data", 0, 0, G_OPTION_ARG_FILENAME, &options.data,
-      "Where osie/ lies: photographs with fixations", "DIRECTORY" },
+      "Where osie/ (photographs with fixations) and clips/ (films) lie", "DIRECTORY" },
     { "markdown", 0, 0, G_OPTION_ARG_FILENAME, &options.markdown, "Write the tables as Markdown",
       "FILE" },
     { "csv", 0, 0, G_OPTION_ARG_FILENAME, &options.csv, "Write the tables as CSV", "FILE" },
