@@ -293,6 +293,12 @@ GST_START_TEST(test_moved)
   fail_if(pyramid.moved());
   pyramid.push(oracle::to_mat(map), 1, 1, { 1, 0, 9, 0 });
   fail_if(pyramid.moved());
+  // Also if the map shares its entry with the one before.
+  pyramid.push(oracle::to_mat(map), 0.01, 1, { 1, 0, 9, 0 });
+  const std::size_t entries = pyramid.size();
+  pyramid.push(oracle::to_mat(map), 0.01, 1, { 1, 0, 12, 0 });
+  ck_assert_uint_eq(pyramid.size(), entries);
+  fail_unless(pyramid.moved());
 }
 GST_END_TEST;
 
