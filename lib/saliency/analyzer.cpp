@@ -37,6 +37,12 @@ checked(const Profile &profile)
       throw std::invalid_argument("a window is at least one frame long");
   if (profile.saliency_level < 0)
     throw std::invalid_argument("the saliency map's level is at least 0");
+  if (profile.chroma_octaves < 0)
+    throw std::invalid_argument("chroma is no finer than lightness");
+  if (profile.camera_dilation < 0 || profile.camera_rim < 0)
+    throw std::invalid_argument("a camera's dilation and rim are at least 0 samples");
+  if (!(profile.background_quantile >= 0 && profile.background_quantile <= 1))
+    throw std::invalid_argument("a quantile is between 0 and 1");
   return profile;
 }
 

@@ -18,14 +18,16 @@ namespace saliency {
 /// its own way does not count, allowing for another exposure (inverse compositional alignment: Baker &
 /// Matthews, "Lucas-Kanade 20 Years On", 2004). The camera counts as moving only if that explains the
 /// difference in most of those parts of the picture that would show it, and if there are enough of
-/// these: what moves in front of a still or an even background is not the camera.
+/// these: what moves in front of a still background is not the camera, nor what moves in front of an
+/// even one if it is narrower than about a fifth of the picture (two things: a tenth each). Pictures
+/// of less than about 30 × 20 samples have no camera.
 class CameraMotion
 {
 public:
   /// The next frame, `elapsed` frames at 30 fps after the last one: its L*a*b* (CV_32FC3) at a pyramid
   /// level about 100 samples wide. Returns the camera's pose, that is where this frame's samples lie
-  /// in the first frame; exactly the last pose again while the camera rests. The first frame after a
-  /// reset, and one of another size, is a first frame.
+  /// in the first frame; exactly the last pose again while the camera rests, from the first key frame
+  /// at rest on. The first frame after a reset, and one of another size, is a first frame.
   const Similarity &follow(const cv::Mat &lab, double elapsed);
 
   void reset();

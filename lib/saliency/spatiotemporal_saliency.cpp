@@ -26,10 +26,12 @@ quantile(std::vector<float> &values, double q)
 
 SpatiotemporalSaliency::SpatiotemporalSaliency(const Profile &profile)
     : sign_(profile.temporal_sign), mean_(profile.temporal_mean),
-      illumination_guard_(profile.illumination_guard), camera_dilation_(profile.camera_dilation),
-      camera_margin_(profile.camera_margin), camera_rim_(profile.camera_rim),
-      background_gain_(profile.background_gain), background_quantile_(profile.background_quantile),
-      normalization_(profile.temporal_normalization)
+      illumination_guard_(profile.illumination_guard), camera_margin_(profile.camera_margin),
+      camera_rim_(profile.camera_rim), background_gain_(profile.background_gain),
+      background_quantile_(profile.background_quantile),
+      normalization_(profile.temporal_normalization),
+      neighbourhood_(
+          cv::Mat::ones(2 * profile.camera_dilation + 1, 2 * profile.camera_dilation + 1, CV_8UC1))
 {
   for (const auto &pair : profile.windows) {
     windows_.push_back(pair.center);
@@ -58,7 +60,7 @@ SpatiotemporalSaliency::compute(TemporalPyramid &history)
     const float light
         = illumination_guard_ ? illumination(means_[pair.center], means_[pair.surround]) : 1.0F;
     if (moved) {
-      cv::dilate(*surrounds, dilated_, cv::Mat(), { -1, -1 }, camera_dilation_);
+      cv::dilate(*surrounds, dilated_, neighbourhood_);
       surrounds = &dilated_;
     }
     const float factor = light * (moved ? static_cast<float>(camera_margin_) : 1.0F);
@@ -79,8 +81,10 @@ SpatiotemporalSaliency::compute(TemporalPyramid &history)
   if (const int rim = camera_rim_;
       moved && rim > 0 && saliency_.cols > 2 * rim && saliency_.rows > 2 * rim) {
     within = { rim, rim, saliency_.cols - 2 * rim, saliency_.rows - 2 * rim };
-    cv::copyMakeBorder(saliency_(within).clone(), saliency_, rim, rim, rim, rim,
-                       cv::BORDER_CONSTANT, cv::Scalar(0));
+    saliency_.rowRange(0, rim).setTo(0);
+    saliency_.rowRange(saliency_.rows - rim, saliency_.rows).setTo(0);
+    saliency_.colRange(0, rim).setTo(0);
+    saliency_.colRange(saliency_.cols - rim, saliency_.cols).setTo(0);
   }
   if (background_gain_ > 0)
     take_background_off(within);

@@ -21,8 +21,9 @@ public:
 
   /// Sum or mean over the profile's windows of |T_c - T_s| or max(0, T_c - T_s), less what the map
   /// has in common, optionally normalised by N(·). CV_32FC1, ≥ 0, valid until the next call.
-  /// `history` has had at least one push. If the camera has moved, surrounds are dilated and the rim
-  /// is silent (Profile::camera_dilation, camera_rim).
+  /// `history` has had at least one push. If the camera has moved, surrounds are dilated and count
+  /// more, and the rim is silent unless it is the whole map (Profile::camera_dilation, camera_margin,
+  /// camera_rim).
   const cv::Mat &compute(TemporalPyramid &history);
 
 private:
@@ -39,7 +40,6 @@ private:
   TemporalSign sign_;
   bool mean_;
   bool illumination_guard_;
-  int camera_dilation_;
   double camera_margin_;
   int camera_rim_;
   double background_gain_;
@@ -48,6 +48,7 @@ private:
   std::vector<int> windows_; ///< each once, ascending
   std::vector<Pair> pairs_;
   std::vector<cv::Mat> means_; ///< of windows_
+  cv::Mat neighbourhood_;      ///< by which surrounds are dilated
   cv::Mat dilated_;
   std::vector<float> sorted_;
   cv::Mat saliency_;

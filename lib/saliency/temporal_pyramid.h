@@ -60,7 +60,7 @@ public:
   /// exactly as long as the camera rests.
   void push(const cv::Mat &map, double elapsed, double duration, const Similarity &pose = {});
 
-  /// Whether the camera has moved within the longest window.
+  /// Whether the camera has moved within the longest window, or shortly before.
   bool moved() const;
 
   /// The means over the last `windows`, each > 0, ascending, into as many `maps` (CV_32FC1). Before

@@ -432,6 +432,11 @@ GST_START_TEST(test_invalid)
   fail_unless(with([](Profile &p) { p.levels = { { 3, 2 } }; }));
   fail_unless(with([](Profile &p) { p.windows = { { 0, 2 } }; }));
   fail_unless(with([](Profile &p) { p.saliency_level = -1; }));
+  fail_unless(with([](Profile &p) { p.chroma_octaves = -1; }));
+  fail_unless(with([](Profile &p) { p.camera_dilation = -1; }));
+  fail_unless(with([](Profile &p) { p.camera_rim = -1; }));
+  fail_unless(with([](Profile &p) { p.background_quantile = 1.01; }));
+  fail_unless(with([](Profile &p) { p.background_quantile = NAN; }));
 }
 GST_END_TEST;
 
