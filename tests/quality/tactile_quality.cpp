@@ -3,6 +3,7 @@
 // How well do the maps follow what happens? Tables of docs/quality.md: films whose events are known,
 // films in which nothing happens however much changes, photographs with people's fixations; the
 // literal paper, the tuned profile and its peers.
+#include "choices.h"
 #include "clips.h"
 #include "film_scores.h"
 #include "photographs.h"
@@ -244,6 +245,60 @@ clip_table(const Options &options)
   return table;
 }
 
+/// What each choice is worth: the worst of the films.
+Table
+choice_table(const Options &options)
+{
+  constexpr std::size_t kBalls = 4; // films on an even background, first
+  const auto all = choices();
+  const Backgrounds leaves{ "leaves",
+                            { dead_leaves({ 1280, 960 }, 1), dead_leaves({ 1280, 960 }, 2) } };
+  std::vector<FilmCase> cases;
+  for (const auto pattern :
+       { tactile::FilmPattern::static_motion, tactile::FilmPattern::dynamic_motion })
+    for (const double noise : { 0.0, 4.0 })
+      cases.push_back(ball_case(pattern, { 640, 480 }, 30, noise));
+  for (const auto disturbance : kDisturbances)
+    for (const bool ball : { false, true })
+      cases.push_back(disturbed_case(disturbance, leaves, { 640, 360 }, ball,
+                                     disturbance == Disturbance::still && !ball ? 6 : 2));
+  for (auto &film : cases) {
+    for (const auto &choice : all)
+      film.models.push_back(choice.model);
+    film.seconds = 15;
+  }
+  std::vector<std::string> header{ "parameter", "value", "(a)", "(b)", "(c)", "(d)", "(e)" };
+  for (const auto disturbance : kDisturbances)
+    header.emplace_back(name(disturbance));
+  header.insert(header.end(), { "ball found", "right cell" });
+  Table table("One choice made otherwise (frames felt where nothing happens; worst of the films)",
+              header);
+  const auto scores = score(cases, options, "choices");
+  for (std::size_t c = 0; c < all.size(); ++c) {
+    // Of the first `films`.
+    const auto worst = [&](Mean Scores::*what, std::size_t films, bool least) {
+      double value = std::nan("");
+      for (std::size_t i = 0; i < films; ++i)
+        if (const double v = (scores[i][c].scores.*what).value(); !std::isnan(v))
+          value = std::isnan(value) ? v : least ? std::min(value, v) : std::max(value, v);
+      return value;
+    };
+    std::vector<std::string> row{ all[c].parameter,
+                                  all[c].value,
+                                  figure(worst(&Scores::strongest, kBalls, true), 3),
+                                  figure(worst(&Scores::energy, kBalls, true), 3),
+                                  figure(worst(&Scores::silent, kBalls, true), 3),
+                                  figure(worst(&Scores::delay, kBalls, false), 2),
+                                  figure(worst(&Scores::pair, kBalls, true), 3) };
+    for (std::size_t i = kBalls; i < cases.size(); i += 2)
+      row.push_back(percent(scores[i][c].scores.active.value()));
+    row.push_back(percent(worst(&Scores::found, cases.size(), true)));
+    row.push_back(percent(worst(&Scores::right, cases.size(), true)));
+    table.add(row);
+  }
+  return table;
+}
+
 /// A floor or a ceiling, and whether it holds; says so if not.
 bool
 holds(const FilmCase &film, const char *what, double value, double limit, bool least)
@@ -314,7 +369,7 @@ write(const char *path, const std::string &text)
 bool
 report(const Options &options)
 {
-  std::vector<Table> tables{ film_table(options), phantom_table(options) };
+  std::vector<Table> tables{ film_table(options), phantom_table(options), choice_table(options) };
   if (options.data) {
     tables.push_back(photograph_table(options));
     tables.push_back(clip_table(options));

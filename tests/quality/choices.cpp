@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "choices.h"
+
+#include "saliency/profile.h"
+#include "tactile/tactile_mapping.h"
+
+#include <utility>
+
+namespace quality {
+
+namespace {
+
+using saliency::Profile;
+using tactile::MappingSettings;
+
+template <typename Change>
+Choice
+choice(std::string parameter, std::string value, Change change)
+{
+  Profile profile = Profile::tuned();
+  MappingSettings mapping = MappingSettings::tuned();
+  change(profile, mapping);
+  return { parameter, value, [=] {
+            return std::make_unique<AnalyzerModel>(parameter + " " + value, profile, mapping);
+          } };
+}
+
+} // namespace
+
+std::vector<Choice>
+choices()
+{
+  using P = Profile;
+  using M = MappingSettings;
+  const auto paper = Profile::paper();
+  std::vector<Choice> all;
+  const auto add = [&](const char *parameter, const char *value, auto change) {
+    all.push_back(choice(parameter, value, change));
+  };
+  add("tuned", "", [](P &, M &) {});
+  add("reference_width", "110", [](P &p, M &) { p.reference_width = 110; });
+  add("reference_width", "440", [](P &p, M &) { p.reference_width = 440; });
+  add("chroma_weight", "1", [](P &p, M &) { p.chroma_weight = 1; });
+  add("chroma_octaves", "0", [](P &p, M &) { p.chroma_octaves = 0; });
+  add("levels", "the paper's", [=](P &p, M &) {
+    p.levels = paper.levels;
+    p.contrast_mean = true;
+  });
+  add("contrast_normalization", "Itti",
+      [](P &p, M &) { p.contrast_normalization = saliency::Normalization::itti; });
+  add("saliency_level", "3", [](P &p, M &) { p.saliency_level = 3; });
+  add("saliency_level", "5", [](P &p, M &) { p.saliency_level = 5; });
+  add("windows", "the paper's", [=](P &p, M &) { p.windows = paper.windows; });
+  add("temporal_sign", "absolute",
+      [](P &p, M &) { p.temporal_sign = saliency::TemporalSign::absolute; });
+  add("history_start", "empty", [](P &p, M &) { p.history_start = saliency::HistoryStart::empty; });
+  add("illumination_guard", "off", [](P &p, M &) { p.illumination_guard = false; });
+  add("camera_motion", "off", [](P &p, M &) { p.camera_motion = false; });
+  add("camera_dilation", "0", [](P &p, M &) { p.camera_dilation = 0; });
+  add("camera_margin", "1", [](P &p, M &) { p.camera_margin = 1; });
+  add("camera_margin", "1.3", [](P &p, M &) { p.camera_margin = 1.3; });
+  add("camera_rim", "0", [](P &p, M &) { p.camera_rim = 0; });
+  add("background_gain", "0", [](P &p, M &) { p.background_gain = 0; });
+  add("background_gain", "4", [](P &p, M &) { p.background_gain = 4; });
+  add("background_gain", "16", [](P &p, M &) { p.background_gain = 16; });
+  add("background_quantile", "0.5", [](P &p, M &) { p.background_quantile = 0.5; });
+  add("background_quantile", "0.9", [](P &p, M &) { p.background_quantile = 0.9; });
+  add("cut_share", "1 (never)", [](P &p, M &) { p.cut_share = 1; });
+  add("cut_share", "0.3", [](P &p, M &) { p.cut_share = 0.3; });
+  add("floor", "0.3", [](P &, M &m) { m.floor = 0.3; });
+  add("floor", "1.2", [](P &, M &m) { m.floor = 1.2; });
+  add("threshold", "0", [](P &, M &m) { m.threshold = 0; });
+  add("binary", "on", [](P &, M &m) { m.binary = true; });
+  add("prefilter_sigma", "1/3 cell", [](P &, M &m) { m.prefilter_sigma = 1.0 / 3; });
+  return all;
+}
+
+} // namespace quality
