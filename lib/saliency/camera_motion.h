@@ -28,6 +28,12 @@ public:
   /// reset, and one of another size, is a first frame.
   const Similarity &follow(const cv::Mat &lab, double elapsed);
 
+  /// Whether the last frame shows what went before, from elsewhere.
+  bool moved() const
+  {
+    return moved_;
+  }
+
   void reset();
 
 private:
@@ -56,6 +62,7 @@ private:
   Similarity motion_;                ///< from the key frame to this one
   std::array<double, 2> exposure_{}; ///< since the key frame: gain and offset
   Similarity pose_;
+  bool moved_ = false; ///< since the key frame
   std::vector<float> residuals_;
 };
 
