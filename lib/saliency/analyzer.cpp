@@ -160,18 +160,22 @@ Analyzer::analyze(const FrameView &frame, Time time, Time duration, bool tempora
   s.follow({ frame.width, frame.height }, time);
   s.result.cut = false;
   s.pyramid.build(s.front_end.lab(frame, s.levels.finest), s.levels.finest, s.levels.coarsest);
-  if (s.profile.cut_share < 1 && s.shot_cut(s.pyramid.level(s.levels.saliency))) {
-    s.previous.reset();
+  double elapsed = s.previous ? frames_between(s.previous->time, time) : 0;
+  Similarity pose = s.camera_pose(elapsed);
+  // A fast pan at few frames a second changes as much, but can be followed.
+  if (s.profile.cut_share < 1 && s.shot_cut(s.pyramid.level(s.levels.saliency))
+      && !s.camera.moved()) {
     s.forget();
+    elapsed = 0;
+    pose = s.camera_pose(elapsed);
     s.result.cut = true;
   }
   const cv::Mat &spatial = s.spatial.compute(s.pyramid, s.levels);
 
-  const double elapsed = s.previous ? frames_between(s.previous->time, time) : 0;
   if (s.profile.time_base == TimeBase::frames)
     s.history.push(spatial, 1, 1);
   else
-    s.history.push(spatial, elapsed, frames_between(Time{}, duration), s.camera_pose(elapsed));
+    s.history.push(spatial, elapsed, frames_between(Time{}, duration), pose);
   s.previous = State::Previous{ time, duration };
 
   s.result.camera_moves = s.history.moved();

@@ -94,6 +94,7 @@ CameraMotion::follow(const cv::Mat &lab, double elapsed)
 
   if (lab.size() != size_) {
     pose_ = {};
+    moved_ = false;
     set_key();
     return pose_;
   }
@@ -103,14 +104,13 @@ CameraMotion::follow(const cv::Mat &lab, double elapsed)
   for (std::size_t level = kLevels; level-- > 0;)
     register_level(level);
   const double distance = farthest(motion_, size_);
-  const bool moving = distance > kSmallestMotion
-                      && distance < kLargestMotion * std::max(size_.width, size_.height)
-                      && explained();
-  if (moving)
+  moved_ = distance > kSmallestMotion
+           && distance < kLargestMotion * std::max(size_.width, size_.height) && explained();
+  if (moved_)
     pose_ = key_pose_ * motion_.inverse();
   else
     motion_ = {};
-  if (age_ >= kOldestKey || (moving && distance > kFarthestKey))
+  if (age_ >= kOldestKey || (moved_ && distance > kFarthestKey))
     set_key();
   return pose_;
 }

@@ -30,6 +30,12 @@ public:
   /// at rest on. The first frame after a reset, and one of another size, is a first frame.
   const Similarity &follow(const cv::Mat &lab, double elapsed);
 
+  /// Whether the last frame shows what went before, from elsewhere.
+  bool moved() const
+  {
+    return moved_;
+  }
+
   void reset();
 
 private:
@@ -58,6 +64,7 @@ private:
   Similarity motion_;                ///< from the key frame to this one
   std::array<double, 2> exposure_{}; ///< since the key frame: gain and offset
   Similarity pose_;
+  bool moved_ = false; ///< since the key frame
   std::vector<float> residuals_;
 };
 
