@@ -37,7 +37,7 @@ constexpr int kFewestPoints = 3;
 constexpr double kSmallestPartMotion = 0.15;
 constexpr int kEnoughParts = 5;
 constexpr int kEnoughSides = 3; ///< of the picture: a large object that moves does not reach these
-constexpr double kAgreeing = 0.7;
+constexpr double kAgreeing = 0.8;
 constexpr double kExplained = 0.7;
 
 constexpr int kMostSteps = 6;

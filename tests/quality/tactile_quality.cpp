@@ -14,6 +14,7 @@
 
 #include <opencv2/core.hpp>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdio>
@@ -22,6 +23,8 @@
 #include <fstream>
 #include <iostream>
 #include <sstream>
+#include <stdexcept>
+#include <string_view>
 
 using namespace quality;
 
@@ -45,6 +48,7 @@ struct Options
   gboolean quick = FALSE;
   gint threads = 2;
   gchar *data = nullptr;
+  gchar **tables = nullptr;
   gchar *markdown = nullptr;
   gchar *csv = nullptr;
 };
@@ -366,16 +370,51 @@ write(const char *path, const std::string &text)
   return static_cast<bool>(out);
 }
 
+struct NamedTable
+{
+  const char *name;
+  Table (*make)(const Options &);
+  bool needs_data;
+};
+
+constexpr std::array kTables{ NamedTable{ "films", film_table, false },
+                              NamedTable{ "phantoms", phantom_table, false },
+                              NamedTable{ "choices", choice_table, false },
+                              NamedTable{ "photographs", photograph_table, true },
+                              NamedTable{ "clips", clip_table, true } };
+
+/// The tables that were asked for, or all that can be made. Throws std::runtime_error for a name that
+/// is none, and for a table that lacks its data.
+std::vector<Table>
+make_tables(const Options &options)
+{
+  std::vector<Table> tables;
+  if (options.tables) {
+    for (gchar **name = options.tables; *name; ++name) {
+      const auto table = std::ranges::find_if(
+          kTables, [&](const NamedTable &t) { return std::string_view(t.name) == *name; });
+      if (table == kTables.end())
+        throw std::runtime_error(std::string("expected films, phantoms, choices, photographs or "
+                                             "clips, got '")
+                                 + *name + "'");
+      if (table->needs_data && !options.data)
+        throw std::runtime_error(std::string(*name) + " need --data DIRECTORY");
+      tables.push_back(table->make(options));
+    }
+    return tables;
+  }
+  for (const auto &table : kTables)
+    if (!table.needs_data || options.data)
+      tables.push_back(table.make(options));
+    else
+      std::fprintf(stderr, "%s left out: no --data\n", table.name);
+  return tables;
+}
+
 bool
 report(const Options &options)
 {
-  std::vector<Table> tables{ film_table(options), phantom_table(options), choice_table(options) };
-  if (options.data) {
-    tables.push_back(photograph_table(options));
-    tables.push_back(clip_table(options));
-  } else {
-    std::fprintf(stderr, "photographs and real films left out: no --data\n");
-  }
+  const auto tables = make_tables(options);
   std::ostringstream markdown;
   std::ostringstream csv;
   for (const auto &table : tables) {
@@ -404,6 +443,8 @@ main(int argc, char **argv)
       nullptr },
     { "data", 0, 0, G_OPTION_ARG_FILENAME, &options.data,
       "Where osie/ (photographs with fixations) and clips/ (films) lie", "DIRECTORY" },
+    { "table", 0, 0, G_OPTION_ARG_STRING_ARRAY, &options.tables,
+      "Only this: films, phantoms, choices, photographs or clips; may be repeated", "NAME" },
     { "markdown", 0, 0, G_OPTION_ARG_FILENAME, &options.markdown, "Write the tables as Markdown",
       "FILE" },
     { "csv", 0, 0, G_OPTION_ARG_FILENAME, &options.csv, "Write the tables as CSV", "FILE" },
