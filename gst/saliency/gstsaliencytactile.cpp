@@ -193,7 +193,7 @@ gst_saliency_tactile_times(GstSaliencyTactile *self, GstBuffer *buffer, saliency
     time = priv->next_time;
   else
     time = segment.format == GST_FORMAT_TIME && segment.rate < 0 ? -shown : shown;
-  priv->next_time = time + duration;
+  priv->next_time = std::min(time, saliency::Time(static_cast<gint64>(kLatest))) + duration;
 }
 
 /// The saliency map as what detectors have found says that it counts.
@@ -336,7 +336,9 @@ gst_saliency_tactile_transform_ip(GstBaseTransform *transform, GstBuffer *buffer
   saliency::Time duration;
   gst_saliency_tactile_times(self, buffer, time, duration);
 
-  const Analysis wanted{ settings.profile, settings.temporal };
+  // The paper's profile is the same for both.
+  const Analysis wanted{ settings.profile,
+                         settings.temporal || settings.profile == ProfileName::paper };
   // Between two analyses the last map holds, unless it is for another grid or from another part of
   // the film.
   const bool fits = priv->map.rows == settings.rows && priv->map.columns == settings.columns

@@ -41,6 +41,12 @@ checked(const Profile &profile)
     throw std::invalid_argument("chroma is no finer than lightness");
   if (profile.camera_dilation < 0 || profile.camera_rim < 0)
     throw std::invalid_argument("a camera's dilation and rim are at least 0 samples");
+  for (const double value : { profile.chroma_weight, profile.camera_margin, profile.background_gain,
+                              profile.background_limit, profile.cut_share, profile.cut_contrast })
+    if (!(value >= 0))
+      throw std::invalid_argument("weights, gains, shares and limits are at least 0");
+  if (profile.camera_motion && profile.time_base == TimeBase::frames)
+    throw std::invalid_argument("a camera's motion is followed in seconds");
   if (!(profile.background_quantile >= 0 && profile.background_quantile <= 1))
     throw std::invalid_argument("a quantile is between 0 and 1");
   return profile;
@@ -53,6 +59,16 @@ longest_window(const Profile &profile)
   for (const auto &pair : profile.windows)
     longest = std::max({ longest, pair.center, pair.surround });
   return longest;
+}
+
+/// Whether a pose is so far from its frame of reference that it might soon not be told exactly.
+bool
+is_far(const Similarity &pose)
+{
+  constexpr double kFarthest = 1e6; // samples
+  constexpr double kMostScale = 16;
+  const double scale = std::hypot(pose.a, pose.b);
+  return std::hypot(pose.tx, pose.ty) > kFarthest || scale > kMostScale || scale < 1 / kMostScale;
 }
 
 /// to - from, which is > 0, in frames at 30 fps; exact times may be further apart than Time can
@@ -174,8 +190,14 @@ Analyzer::analyze(const FrameView &frame, Time time, Time duration, bool tempora
 
   if (s.profile.time_base == TimeBase::frames)
     s.history.push(spatial, 1, 1);
-  else
+  else {
+    if (is_far(pose)) {
+      s.camera.rebase();
+      s.history.rebase(pose.inverse());
+      pose = {};
+    }
     s.history.push(spatial, elapsed, frames_between(Time{}, duration), pose);
+  }
   s.previous = State::Previous{ time, duration };
 
   s.result.camera_moves = s.history.moved();

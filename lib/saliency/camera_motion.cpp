@@ -121,6 +121,13 @@ CameraMotion::reset()
   size_ = {};
 }
 
+void
+CameraMotion::rebase()
+{
+  key_pose_ = pose_.inverse() * key_pose_;
+  pose_ = {};
+}
+
 /// Makes the current frame the key frame.
 void
 CameraMotion::set_key()

@@ -38,6 +38,10 @@ public:
 
   void reset();
 
+  /// Makes the last frame the one in which poses are: from far away, or zoomed far, they could not be
+  /// told exactly.
+  void rebase();
+
 private:
   static constexpr std::size_t kLevels = 3;
 

@@ -44,6 +44,7 @@ Profile::tuned()
   profile.camera_rim = 2;
   profile.background_gain = 8;
   profile.background_quantile = 0.75;
+  profile.background_limit = 3;
   profile.cut_share = 0.5;
   profile.cut_contrast = 6;
   return profile;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include <limits>
 #include <vector>
 
 namespace saliency {
@@ -57,6 +58,11 @@ enum class HistoryStart
   filled, ///< the first map, as if it had always been there: no burst after start, seek or cut
 };
 
+/// Of so few samples one thing may be most: in smaller maps nothing is said of what the whole picture
+/// does: that a shot begins (Profile::cut_share), that the light changes (illumination_guard), that
+/// something happens everywhere (background_gain).
+inline constexpr int kFewestSamples = 64;
+
 /// Every choice between the frame and its saliency map (docs/algorithm.md). Valid if there are
 /// level pairs with 0 ≤ center ≤ surround, window pairs of at least 1, and no negative level.
 struct Profile
@@ -64,7 +70,7 @@ struct Profile
   /// L*a*b* of every pixel before decimation, rather than after.
   bool exact = false;
   /// 0: pyramid levels are the frame's own. Else they are renumbered so that level 2 is the level
-  /// whose width is nearest to this in octaves, as far as none falls below 0.
+  /// whose larger side is nearest to this in octaves, as far as none falls below 0.
   int reference_width = 0;
   /// w in ΔE = √(ΔL² + w² (Δa² + Δb²)).
   double chroma_weight = 1;
@@ -98,7 +104,7 @@ struct Profile
   /// Illumination guard: if most of what has contrast gains it by one factor β, then the light has
   /// changed and not what is to be seen. Surrounds count β times.
   bool illumination_guard = false;
-  /// Camera motion: it is followed, and the history moved with it. As long as the history holds a
+  /// Camera motion (windows in seconds only): it is followed, and the history moved with it. As long as the history holds a
   /// motion, the following three count as well.
   bool camera_motion = false;
   /// Surrounds are dilated by so many samples: motion is not followed exactly, nor is it a similarity
@@ -106,12 +112,16 @@ struct Profile
   int camera_dilation = 0;
   /// Surrounds count so many times: contrast depends a little on where samples fall.
   double camera_margin = 1;
-  /// So wide a rim of the map is silent, in samples: there the picture comes in.
+  /// So wide a rim of the map is silent, in samples: there the picture comes in. A map of at most twice
+  /// that has none.
   int camera_rim = 0;
   /// What happens all over the map is no event: so many times the map's quantile below is taken off
   /// the spatiotemporal map. 0: nothing is.
   double background_gain = 0;
   double background_quantile = 0.75; ///< in [0, 1]
+  /// No more than this is taken off, in the map's units: what is very salient is an event even if it is
+  /// large.
+  double background_limit = std::numeric_limits<double>::infinity();
   /// A new shot begins, with no history, where more than this share of the picture's pixels change by
   /// more than `cut_contrast` from one frame to the next. 1: never.
   double cut_share = 1;

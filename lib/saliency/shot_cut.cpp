@@ -23,7 +23,8 @@ ShotCut::operator()(const cv::Mat &lab)
       }
     }
   lab.copyTo(last_);
-  return static_cast<double>(changed) > share_ * static_cast<double>(lab.total());
+  return lab.total() >= kFewestSamples
+         && static_cast<double>(changed) > share_ * static_cast<double>(lab.total());
 }
 
 void

@@ -16,7 +16,7 @@ public:
 
   /// Whether the frame begins a new shot: more than `Profile::cut_share` of its pixels differ from the
   /// last frame's by more than `Profile::cut_contrast` (ΔE). `lab`: CV_32FC3, copied. The first frame
-  /// after a reset, and one of another size, begins none.
+  /// after a reset, one of another size and one of fewer than kFewestSamples begin none.
   bool operator()(const cv::Mat &lab);
 
   void reset();

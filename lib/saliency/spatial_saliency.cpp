@@ -19,7 +19,8 @@ frame_levels(const Profile &profile, cv::Size frame)
     int finest = profile.saliency_level;
     for (const auto &pair : profile.levels)
       finest = std::min({ finest, pair.center, pair.surround });
-    const double octaves = std::log2(static_cast<double>(frame.width) / profile.reference_width);
+    const double octaves = std::log2(static_cast<double>(std::max(frame.width, frame.height))
+                                     / profile.reference_width);
     shift = std::max(static_cast<int>(std::lround(octaves)) - 2, -finest);
   }
 
@@ -45,6 +46,8 @@ frame_levels(const Profile &profile, cv::Size frame)
     levels.finest = std::min(levels.finest, own.center);
     levels.coarsest = std::max(levels.coarsest, chroma.surround);
   }
+  if (profile.cut_share < 1 || profile.camera_motion)
+    levels.finest = std::min(levels.finest, levels.saliency);
   return levels;
 }
 

@@ -25,7 +25,7 @@ struct FrameLevels
   int coarsest = 0;
 };
 
-/// With a reference width, level 2 is the level whose width is nearest to it in octaves, as far as
+/// With a reference width, level 2 is the level whose larger side is nearest to it in octaves, as far as
 /// no level of the profile falls below 0. A pair whose two levels are limited to the same one has
 /// no contrast.
 FrameLevels frame_levels(const Profile &profile, cv::Size frame);

@@ -29,7 +29,7 @@ SpatiotemporalSaliency::SpatiotemporalSaliency(const Profile &profile)
       illumination_guard_(profile.illumination_guard), camera_margin_(profile.camera_margin),
       camera_rim_(profile.camera_rim), background_gain_(profile.background_gain),
       background_quantile_(profile.background_quantile),
-      normalization_(profile.temporal_normalization),
+      background_limit_(profile.background_limit), normalization_(profile.temporal_normalization),
       neighbourhood_(
           cv::Mat::ones(2 * profile.camera_dilation + 1, 2 * profile.camera_dilation + 1, CV_8UC1))
 {
@@ -101,6 +101,8 @@ SpatiotemporalSaliency::illumination(const cv::Mat &center, const cv::Mat &surro
   constexpr float kNothing = 0.05F;
   constexpr double kEnough = 0.3; // of the map
 
+  if (center.total() < kFewestSamples)
+    return 1;
   sorted_.clear();
   for (int y = 0; y < center.rows; ++y) {
     const auto *c = center.ptr<float>(y);
@@ -117,10 +119,13 @@ SpatiotemporalSaliency::illumination(const cv::Mat &center, const cv::Mat &surro
 void
 SpatiotemporalSaliency::take_background_off(const cv::Rect &within)
 {
+  if (within.area() < kFewestSamples)
+    return;
   const cv::Mat seen = saliency_(within);
   sorted_.assign(seen.begin<float>(), seen.end<float>());
-  const float background
-      = static_cast<float>(background_gain_) * quantile(sorted_, background_quantile_);
+  const auto background = static_cast<float>(
+      std::min(background_limit_,
+               background_gain_ * static_cast<double>(quantile(sorted_, background_quantile_))));
   for (int y = 0; y < saliency_.rows; ++y) {
     auto *row = saliency_.ptr<float>(y);
     for (int x = 0; x < saliency_.cols; ++x)

@@ -44,6 +44,7 @@ private:
   int camera_rim_;
   double background_gain_;
   double background_quantile_;
+  double background_limit_;
   Normalization normalization_;
   std::vector<int> windows_; ///< each once, ascending
   std::vector<Pair> pairs_;

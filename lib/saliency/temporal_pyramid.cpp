@@ -77,6 +77,13 @@ TemporalPyramid::push(const cv::Mat &map, double elapsed, double duration, const
   add_display(history_.back().integral, current_, displayed, end_.integral);
 }
 
+void
+TemporalPyramid::rebase(const Similarity &view)
+{
+  for (auto &entry : history_)
+    entry.pose = view * entry.pose;
+}
+
 bool
 TemporalPyramid::moved() const
 {

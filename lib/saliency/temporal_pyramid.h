@@ -60,6 +60,9 @@ public:
   /// exactly as long as the camera rests.
   void push(const cv::Mat &map, double elapsed, double duration, const Similarity &pose = {});
 
+  /// The frame of reference is another one: `view` tells where in it lies what lies in the old one.
+  void rebase(const Similarity &view);
+
   /// Whether the camera has moved within the longest window, or shortly before.
   bool moved() const;
 

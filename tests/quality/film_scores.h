@@ -22,6 +22,7 @@ struct FilmCase
   cv::Size size;
   int fps = 30;
   double noise = 0; ///< σ in 8-bit codes
+  bool ball = true;
   double seconds = 20;
   int seeds = 2;
   std::vector<ModelMaker> models;

@@ -282,6 +282,39 @@ private:
   cv::Mat shown_;
 };
 
+class EnteringFilm : public Film
+{
+public:
+  EnteringFilm(cv::Mat picture, cv::Mat object, double share)
+      : picture_(std::move(picture)), object_(std::move(object)), share_(share)
+  {
+  }
+
+  std::vector<tactile::Ball> draw(Time time, Frame &frame) override
+  {
+    constexpr double kHeight = 0.8; // of the frame
+    const cv::Size size = frame.size();
+    cv::resize(picture_, shown_, size, 0, 0, cv::INTER_AREA);
+    const cv::Size whole(static_cast<int>(size.width * share_ / kHeight),
+                         static_cast<int>(size.height * kHeight));
+    const double in = std::clamp(Seconds(time).count() - 1, 0.0, 1.0);
+    if (const int width = static_cast<int>(in * whole.width); width > 0) {
+      cv::Mat object;
+      cv::resize(object_, object, size, 0, 0, cv::INTER_AREA);
+      object(cv::Rect(whole.width - width, 0, width, whole.height))
+          .copyTo(shown_(cv::Rect(0, (size.height - whole.height) / 2, width, whole.height)));
+    }
+    frame.draw(shown_);
+    return {};
+  }
+
+private:
+  cv::Mat picture_;
+  cv::Mat object_;
+  double share_;
+  cv::Mat shown_;
+};
+
 } // namespace
 
 Frame::Frame(cv::Size size) : i420_(size.height * 3 / 2, size.width, CV_8UC1)
@@ -389,6 +422,12 @@ name(Disturbance disturbance)
     return "shake";
   }
   return "";
+}
+
+std::unique_ptr<Film>
+entering_film(cv::Mat picture, cv::Mat object, double share)
+{
+  return std::make_unique<EnteringFilm>(std::move(picture), std::move(object), share);
 }
 
 std::unique_ptr<Film>

@@ -84,4 +84,8 @@ std::unique_ptr<Film> disturbed_film(Disturbance disturbance, std::vector<cv::Ma
                                      cv::Size size, bool ball, std::uint64_t seed,
                                      double ball_size = 1.0 / 16);
 
+/// A still picture into which another comes from the left, from second 1 to second 2, until it covers
+/// `share` of the frame; without balls. Felt throughout that second: half of the film's first two.
+std::unique_ptr<Film> entering_film(cv::Mat picture, cv::Mat object, double share);
+
 } // namespace quality

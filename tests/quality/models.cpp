@@ -37,8 +37,14 @@ public:
       const int level
           = saliency::frame_levels(saliency::Profile::tuned_spatial(), frame.size()).finest;
       rarity_(front_end_.lab(frame.view(), level), weight_);
-      cv::resize(weight_, weight_, map_.size(), 0, 0, cv::INTER_LINEAR);
-      cv::multiply(map_, weight_, map_);
+      // Sample i of the weight lies on pixel 2ⁿ i, the map's fill the frame.
+      const double step = 1 << level;
+      const double x = frame.size().width / step / map_.cols;
+      const double y = frame.size().height / step / map_.rows;
+      cv::warpAffine(weight_, on_map_,
+                     cv::Matx23d(x, 0, (x - 1 / step) / 2, 0, y, (y - 1 / step) / 2), map_.size(),
+                     cv::INTER_LINEAR | cv::WARP_INVERSE_MAP, cv::BORDER_REPLICATE);
+      cv::multiply(map_, on_map_, map_);
     }
     constexpr tactile::MappingSettings kMapping{ .gain = tactile::Gain::none };
     tactile::map_saliency(view_of(map_), kMapping, map);
@@ -50,6 +56,7 @@ private:
   saliency::FrontEnd front_end_;
   saliency::Rarity rarity_;
   cv::Mat weight_;
+  cv::Mat on_map_;
   cv::Mat map_;
 };
 

@@ -156,7 +156,7 @@ GST_START_TEST(test_tuned_profile)
         for (std::size_t p = 0; p < st.values.size(); ++p)
           st.values[p] += std::max(0.0, c.values[p] - light * s.values[p]) / 4;
       }
-      st = oracle::without_background(st, 8, 0.75);
+      st = oracle::without_background(st, 8, 0.75, 0, 3);
 
       const Time time(std::llround(1e9 * i / rate));
       const Time duration = Time(std::llround(1e9 * (i + 1) / rate)) - time;

@@ -417,6 +417,8 @@ quantile(std::vector<double> values, double q)
 inline double
 illumination(const Image &center, const Image &surround)
 {
+  if (center.values.size() < 64)
+    return 1;
   std::vector<double> gains;
   for (std::size_t i = 0; i < center.values.size(); ++i)
     if (center.values[i] > 1)
@@ -426,15 +428,17 @@ illumination(const Image &center, const Image &surround)
              : 1;
 }
 
-/// Less so many times the quantile of what lies within the rim.
+/// Less so many times the quantile of what lies within the rim, but no more than the limit, if that is at least 64 samples.
 inline Image
-without_background(Image map, double gain, double q, int rim = 0)
+without_background(Image map, double gain, double q, int rim = 0, double limit = 1e9)
 {
   std::vector<double> within;
   for (int y = rim; y < map.height - rim; ++y)
     for (int x = rim; x < map.width - rim; ++x)
       within.push_back(map(x, y));
-  const double background = gain * quantile(within, q);
+  if (within.size() < 64)
+    return map;
+  const double background = std::min(limit, gain * quantile(within, q));
   for (double &v : map.values)
     v = std::max(0.0, v - background);
   return map;

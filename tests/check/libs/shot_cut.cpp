@@ -96,6 +96,17 @@ GST_START_TEST(test_copies)
 }
 GST_END_TEST;
 
+GST_START_TEST(test_few_samples)
+{
+  // Of 63 samples nothing is said, of 64 it is.
+  for (const cv::Size size : { cv::Size(9, 7), cv::Size(8, 8), cv::Size(1, 1) }) {
+    ShotCut cut(profile(0.5, 6));
+    fail_if(cut(cv::Mat(size, CV_32FC3, cv::Scalar(0, 0, 0))));
+    ck_assert_int_eq(cut(cv::Mat(size, CV_32FC3, cv::Scalar(100, 0, 0))), size.area() == 64);
+  }
+}
+GST_END_TEST;
+
 static Suite *
 shot_cut_suite(void)
 {
@@ -107,6 +118,7 @@ shot_cut_suite(void)
   tcase_add_test(tc, test_slow_change);
   tcase_add_test(tc, test_nothing_before);
   tcase_add_test(tc, test_copies);
+  tcase_add_test(tc, test_few_samples);
   return suite;
 }
 
