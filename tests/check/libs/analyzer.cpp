@@ -437,6 +437,17 @@ GST_START_TEST(test_invalid)
   fail_unless(with([](Profile &p) { p.camera_rim = -1; }));
   fail_unless(with([](Profile &p) { p.background_quantile = 1.01; }));
   fail_unless(with([](Profile &p) { p.background_quantile = NAN; }));
+  fail_unless(with([](Profile &p) { p.background_limit = NAN; }));
+  fail_unless(with([](Profile &p) { p.camera_margin = -1; }));
+  fail_unless(with([](Profile &p) { p.cut_share = NAN; }));
+  fail_unless(with([](Profile &p) { p.time_base = saliency::TimeBase::frames; }));
+  // Levels in any order are none of these.
+  for (const int level : { 0, 1, 2, 6 }) {
+    Profile profile = Profile::tuned();
+    profile.saliency_level = level;
+    Analyzer fine(profile);
+    fail_if(is_invalid([&] { fine.analyze(ball.view(), Time(0), kSecond / 30); }));
+  }
 }
 GST_END_TEST;
 

@@ -292,13 +292,20 @@ GST_END_TEST;
 GST_START_TEST(test_background)
 {
   // A map that was empty becomes 0, 1, … 100 in some order: with the median twice off, what is above
-  // 100 · 7/8 remains of the largest, that is nothing; with half of it, 75 · 7/8.
+  // 100 · 7/8 remains of the largest, that is nothing; with half of it, 75 · 7/8. No more than the
+  // limit is taken off.
   Profile profile;
   profile.windows = { { 1, 8 } };
   profile.temporal_sign = TemporalSign::onset;
   profile.background_quantile = 0.5;
-  for (const double gain : { 0.0, 0.5, 1.0, 2.0 }) {
+  for (const auto &[gain, limit] : { std::pair{ 0.0, 1e9 },
+                                     { 0.5, 1e9 },
+                                     { 1.0, 1e9 },
+                                     { 2.0, 1e9 },
+                                     { 2.0, 30.0 },
+                                     { 0.5, 30.0 } }) {
     profile.background_gain = gain;
+    profile.background_limit = limit;
     TemporalPyramid history(8, HistoryStart::filled);
     SpatiotemporalSaliency saliency(profile);
     Image map(101, 1);
@@ -308,7 +315,8 @@ GST_START_TEST(test_background)
     history.push(oracle::to_mat(map), 1, 1);
     const Image st = to_image(saliency.compute(history));
     for (int i = 0; i < 101; ++i)
-      fail_unless_near(st(i, 0), std::max(0.0, map(i, 0) - 50 * gain) * 7 / 8, 1e-4);
+      fail_unless_near(
+          st(i, 0), std::max(0.0, map(i, 0) * 7.0 / 8 - std::min(limit, 50 * gain * 7 / 8)), 1e-4);
   }
 }
 GST_END_TEST;

@@ -474,6 +474,30 @@ GST_START_TEST(test_long_displays)
 }
 GST_END_TEST;
 
+GST_START_TEST(test_rebase)
+{
+  // Wherever poses are seen from, the same maps move by the same.
+  constexpr std::array windows{ 1, 4, 16 };
+  const Similarity view{ 0.02, -0.01, 300, -80 };
+  TemporalPyramid plain(64, HistoryStart::filled);
+  TemporalPyramid rebased(64, HistoryStart::filled);
+  for (int i = 0; i < 40; ++i) {
+    const Image map = oracle::random_image(12, 9, 0, 100, static_cast<unsigned>(i));
+    const Similarity pose{ 1 + 0.01 * i, 0.002 * i, 0.4 * i, -0.1 * i };
+    if (i == 20)
+      rebased.rebase(view);
+    plain.push(oracle::to_mat(map), 1, 1, pose);
+    rebased.push(oracle::to_mat(map), 1, 1, i < 20 ? pose : view * pose);
+    std::vector<cv::Mat> expected;
+    std::vector<cv::Mat> means;
+    plain.means(windows, expected);
+    rebased.means(windows, means);
+    for (std::size_t w = 0; w < windows.size(); ++w)
+      fail_unless_at_most(cv::norm(means[w], expected[w], cv::NORM_INF), 1e-3);
+  }
+}
+GST_END_TEST;
+
 static Suite *
 temporal_pyramid_suite(void)
 {
@@ -484,6 +508,7 @@ temporal_pyramid_suite(void)
   tcase_add_test(tc, test_fractions);
   tcase_add_test(tc, test_variable_rate);
   tcase_add_test(tc, test_poses);
+  tcase_add_test(tc, test_rebase);
   tcase_add_test(tc, test_followed_world);
   tcase_add_test(tc, test_moved);
   tcase_add_test(tc, test_poses_of_tiny_maps);
