@@ -12,7 +12,7 @@
  * (Kim, Lee, Choi 2012): spatial centre-surround contrast in CIE L*a*b*, temporal centre-surround
  * contrast of the resulting maps, a threshold, pooling to the grid. `profile=paper` takes the paper
  * literally; the default, `profile=tuned`, feels what appears or moves, and neither what went away
- * nor sensor noise.
+ * nor sensor noise, cuts, fades or the camera's own motion.
  *
  * Regions that elements upstream have found (#GstVideoRegionOfInterestMeta) raise or lower saliency
  * by `roi-weights`. `viewport=adaptive` lets the grid cover the part of the picture in which things

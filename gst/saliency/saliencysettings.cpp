@@ -14,7 +14,7 @@ gst_saliency_tactile_profile_get_type(void)
   static gsize type = 0;
   static const GEnumValue values[] = {
     { static_cast<gint>(ProfileName::tuned),
-      "What measures best: onsets only, absolute floor, perceptual gain", "tuned" },
+      "What measures best: events alone, not cuts, fades, noise or camera motion", "tuned" },
     { static_cast<gint>(ProfileName::paper), "Kim, Lee, Choi 2012, taken literally", "paper" },
     { 0, nullptr, nullptr },
   };

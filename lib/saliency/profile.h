@@ -133,8 +133,9 @@ struct Profile
   /// temporal differences of levels c ∈ {0,1,2}, s = c + {3,4}, per-pixel L*a*b*.
   static Profile paper();
 
-  /// What measures best so far (docs/algorithm.md): one pair c = 2, δ = 1, chroma × 2, no N(·),
-  /// pooled to level 4, onsets only, windows 1/8, 2/16, 4/32, 8/64.
+  /// What measures best on films (docs/algorithm.md has the figure behind each choice): one pair c = 2,
+  /// δ = 1, chroma × 2, no N(·), pooled to level 4, onsets only, windows 1/8, 2/16, 4/32, 8/64; shots,
+  /// changes of light, what happens everywhere and the camera's motion are told from events.
   static Profile tuned();
 
   /// What measures best on single pictures, that is without `temporal`: surroundedness at level 3

@@ -65,6 +65,8 @@ choices()
   add("background_gain", "16", [](P &p, M &) { p.background_gain = 16; });
   add("background_quantile", "0.5", [](P &p, M &) { p.background_quantile = 0.5; });
   add("background_quantile", "0.9", [](P &p, M &) { p.background_quantile = 0.9; });
+  add("background_limit", "none", [](P &p, M &) { p.background_limit = 1e9; });
+  add("background_limit", "1.5", [](P &p, M &) { p.background_limit = 1.5; });
   add("cut_share", "1 (never)", [](P &p, M &) { p.cut_share = 1; });
   add("cut_share", "0.3", [](P &p, M &) { p.cut_share = 0.3; });
   add("floor", "0.3", [](P &, M &m) { m.floor = 0.3; });

@@ -16,7 +16,7 @@ struct Choice
   ModelMaker model;
 };
 
-/// The tuned profile itself first, then each parameter of the film's analysis at the paper's value,
+/// The tuned profile itself first, then the parameters of the film's analysis, each at the paper's value,
 /// or off where the paper has nothing like it, and at values to either side.
 std::vector<Choice> choices();
 

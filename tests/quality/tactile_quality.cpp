@@ -151,13 +151,14 @@ film_table(const Options &options)
            { tactile::FilmPattern::static_motion, tactile::FilmPattern::dynamic_motion })
         for (const double noise : { 0.0, 2.0, 4.0 }) {
           FilmCase film = ball_case(pattern, size, fps, noise);
-          const bool large = size.width > 640;
-          film.models = large && fps != 30 ? std::vector<ModelMaker>{ tuned_model } : our_models();
-          // Peers take up to 0.3 s a frame.
-          if (fps == 30 && (!large || noise == 2))
+          // The slowest peers take 0.3 s for a large frame.
+          film.models = { tuned_model };
+          if (fps == 30 || size.width == 320)
+            film.models.push_back(paper_model);
+          if (fps == 30 && (size.width == 320 || (size.width == 640 && noise == 2)))
             for (const auto &peer : peer_models(size.width == 320))
               film.models.push_back(peer);
-          film.seconds = large ? 10 : 20;
+          film.seconds = size.width > 640 ? 10 : 20;
           film.seeds = size.width == 320 ? 2 : 1;
           if (!options.quick || (size.width == 320 && fps == 30))
             cases.push_back(film);
@@ -220,11 +221,11 @@ phantom_table(const Options &options)
             film.fps = setting.fps;
             film.models = standard ? our_models() : std::vector<ModelMaker>{ tuned_model };
             film.seeds = setting.size.width > 640 ? 1 : 2;
-            film.seconds = standard ? 15 : 10;
+            film.seconds = setting.fps == 60 ? 6 : 10;
             cases.push_back(film);
             film.models = peer_models(false);
             film.seeds = 1;
-            film.seconds = 10;
+            film.seconds = 6;
             if (standard && synthetic && !film.models.empty())
               cases.push_back(film);
           }
@@ -293,16 +294,18 @@ choice_table(const Options &options)
     for (const bool ball : { false, true })
       cases.push_back(disturbed_case(disturbance, leaves, { 640, 360 }, ball,
                                      disturbance == Disturbance::still && !ball ? 6 : 2));
+  const std::size_t disturbed = cases.size();
+  cases.push_back(entering_case(0.6, { 640, 360 }, 0.15));
   for (auto &film : cases) {
     for (const auto &choice : all)
       film.models.push_back(choice.model);
-    film.seconds = 15;
+    film.seconds = film.ball ? 15 : std::min(film.seconds, 15.0);
     film.seeds = 1;
   }
   std::vector<std::string> header{ "parameter", "value", "(a)", "(b)", "(c)", "(d)", "(e)" };
   for (const auto disturbance : kDisturbances)
     header.emplace_back(name(disturbance));
-  header.insert(header.end(), { "ball found", "right cell" });
+  header.insert(header.end(), { "ball found", "right cell", "60 % object comes in (of 50 %)" });
   Table table("One choice made otherwise (frames felt where nothing happens; worst of the films)",
               header);
   const auto scores = score(cases, options, "choices");
@@ -322,10 +325,11 @@ choice_table(const Options &options)
                                   figure(worst(&Scores::silent, kBalls, true), 3),
                                   figure(worst(&Scores::delay, kBalls, false), 2),
                                   figure(worst(&Scores::pair, kBalls, true), 3) };
-    for (std::size_t i = kBalls; i < cases.size(); i += 2)
+    for (std::size_t i = kBalls; i < disturbed; i += 2)
       row.push_back(percent(scores[i][c].scores.active.value()));
     row.push_back(percent(worst(&Scores::found, cases.size(), true)));
     row.push_back(percent(worst(&Scores::right, cases.size(), true)));
+    row.push_back(percent(scores[disturbed][c].scores.active.value()));
     table.add(row);
   }
   return table;
