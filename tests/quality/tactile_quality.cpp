@@ -153,13 +153,14 @@ film_table(const Options &options)
           FilmCase film = ball_case(pattern, size, fps, noise);
           // The slowest peers take 0.3 s for a large frame.
           film.models = { tuned_model };
-          if (fps == 30 || size.width == 320)
+          const bool small = size.width == 320;
+          if (fps == 30 && (small || noise == 2))
             film.models.push_back(paper_model);
-          if (fps == 30 && (size.width == 320 || (size.width == 640 && noise == 2)))
-            for (const auto &peer : peer_models(size.width == 320))
+          if (fps == 30 && (small || (size.width == 640 && noise == 2)))
+            for (const auto &peer : peer_models(small))
               film.models.push_back(peer);
-          film.seconds = size.width > 640 ? 10 : 20;
-          film.seeds = size.width == 320 ? 2 : 1;
+          film.seconds = small ? 30 : size.width > 640 ? 10 : 20;
+          film.seeds = 1;
           if (!options.quick || (size.width == 320 && fps == 30))
             cases.push_back(film);
         }
