@@ -64,7 +64,8 @@ enum class HistoryStart
 inline constexpr int kFewestSamples = 64;
 
 /// Every choice between the frame and its saliency map (docs/algorithm.md). Valid if there are
-/// level pairs with 0 ≤ center ≤ surround, window pairs of at least 1, and no negative level.
+/// level pairs with 0 ≤ center ≤ surround and window pairs of at least 1, no number is negative or
+/// NaN, the quantile is in [0, 1], and the camera is followed in seconds only.
 struct Profile
 {
   /// L*a*b* of every pixel before decimation, rather than after.
@@ -104,8 +105,8 @@ struct Profile
   /// Illumination guard: if most of what has contrast gains it by one factor β, then the light has
   /// changed and not what is to be seen. Surrounds count β times.
   bool illumination_guard = false;
-  /// Camera motion (windows in seconds only): it is followed, and the history moved with it. As long as the history holds a
-  /// motion, the following three count as well.
+  /// Camera motion (windows in seconds only): it is followed, and the history moved with it. As long
+  /// as the history holds a motion, the following three count as well.
   bool camera_motion = false;
   /// Surrounds are dilated by so many samples: motion is not followed exactly, nor is it a similarity
   /// everywhere.
@@ -139,7 +140,7 @@ struct Profile
   static Profile tuned();
 
   /// What measures best on single pictures, that is without `temporal`: surroundedness at level 3
-  /// times colour rarity. Otherwise as tuned().
+  /// times colour rarity; neither cuts nor camera. Otherwise as tuned().
   static Profile tuned_spatial();
 };
 
