@@ -62,15 +62,21 @@ private:
 
 } // namespace
 
+tactile::SaliencyView
+view_of(const saliency::Saliency &found)
+{
+  auto view = view_of(found.map);
+  view.horizontal = { found.picture.x, found.picture.width };
+  view.vertical = { found.picture.y, found.picture.height };
+  return view;
+}
+
 const saliency::Saliency &
 AnalyzerModel::frame(const saliency::FrameView &frame, Time time, Time duration,
                      tactile::TactileMap &map)
 {
   const auto &found = analyzer_.analyze(frame, time, duration);
-  auto view = view_of(found.map);
-  view.horizontal = { found.picture.x, found.picture.width };
-  view.vertical = { found.picture.y, found.picture.height };
-  tactile::map_saliency(view, mapping_, map);
+  tactile::map_saliency(view_of(found), mapping_, map);
   return found;
 }
 

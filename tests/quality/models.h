@@ -42,6 +42,9 @@ private:
   std::string name_;
 };
 
+/// The same map, as what is felt is made of it.
+tactile::SaliencyView view_of(const saliency::Saliency &found);
+
 /// This project's.
 class AnalyzerModel : public Model
 {

@@ -5,9 +5,10 @@
 // literal paper, the tuned profile and its peers.
 #include "choices.h"
 #include "clips.h"
-#include "film_scores.h"
+#include "film_cases.h"
 #include "photographs.h"
 #include "pictures.h"
+#include "steering.h"
 #include "table.h"
 
 #include <gst/gst.h>
@@ -34,13 +35,6 @@ constexpr std::array kDisturbances{ Disturbance::still, Disturbance::flicker,
                                     Disturbance::fade,  Disturbance::cut,
                                     Disturbance::pan,   Disturbance::pan_and_rest,
                                     Disturbance::zoom,  Disturbance::shake };
-
-/// Backgrounds for the disturbances: of what kind, and pictures in proportion 4 : 3.
-struct Backgrounds
-{
-  std::string kind;
-  std::vector<cv::Mat> pictures;
-};
 
 struct Options
 {
@@ -77,58 +71,6 @@ std::string
 size_text(cv::Size size)
 {
   return std::to_string(size.width) + "×" + std::to_string(size.height);
-}
-
-FilmCase
-ball_case(tactile::FilmPattern pattern, cv::Size size, int fps, double noise)
-{
-  FilmCase film;
-  film.film = pattern == tactile::FilmPattern::static_motion ? "static-motion" : "dynamic-motion";
-  film.make = [pattern](std::uint64_t seed) {
-    return ball_film({ .pattern = pattern, .seed = seed });
-  };
-  film.size = size;
-  film.fps = fps;
-  film.noise = noise;
-  return film;
-}
-
-FilmCase
-disturbed_case(Disturbance disturbance, const Backgrounds &backgrounds, cv::Size size, bool ball,
-               double noise)
-{
-  FilmCase film;
-  film.film = name(disturbance);
-  film.pictures = backgrounds.kind;
-  film.make = [=](std::uint64_t seed) {
-    auto pictures = backgrounds.pictures;
-    std::rotate(pictures.begin(),
-                pictures.begin() + static_cast<std::ptrdiff_t>(seed % pictures.size()),
-                pictures.end());
-    return disturbed_film(disturbance, pictures, size, ball, seed);
-  };
-  film.size = size;
-  film.noise = noise;
-  film.ball = ball;
-  return film;
-}
-
-FilmCase
-entering_case(double share, cv::Size size, double contrast)
-{
-  FilmCase film;
-  film.film = "object of " + percent(share, 0) + " comes in";
-  film.pictures = contrast < 1 ? "soft leaves" : "leaves";
-  film.make = [=](std::uint64_t seed) {
-    cv::Mat picture = dead_leaves({ 640, 480 }, seed);
-    picture.convertTo(picture, -1, contrast, 110 * (1 - contrast));
-    return entering_film(picture, dead_leaves({ 640, 480 }, seed + 100), share);
-  };
-  film.size = size;
-  film.noise = 2;
-  film.ball = false;
-  film.seconds = 2;
-  return film;
 }
 
 std::vector<std::vector<FilmScores>>
@@ -415,11 +357,15 @@ struct NamedTable
   bool needs_data;
 };
 
-constexpr std::array kTables{ NamedTable{ "films", film_table, false },
-                              NamedTable{ "phantoms", phantom_table, false },
-                              NamedTable{ "choices", choice_table, false },
-                              NamedTable{ "photographs", photograph_table, true },
-                              NamedTable{ "clips", clip_table, true } };
+constexpr std::array kTables{
+  NamedTable{ "films", film_table, false },
+  NamedTable{ "phantoms", phantom_table, false },
+  NamedTable{ "choices", choice_table, false },
+  NamedTable{ "cues", [](const Options &o) { return cue_limit_table(o.threads); }, false },
+  NamedTable{ "viewports", [](const Options &o) { return viewport_table(o.threads); }, false },
+  NamedTable{ "photographs", photograph_table, true },
+  NamedTable{ "clips", clip_table, true }
+};
 
 /// The tables that were asked for, or all that can be made. Throws std::runtime_error for a name that
 /// is none, and for a table that lacks its data.
@@ -432,8 +378,8 @@ make_tables(const Options &options)
       const auto table = std::ranges::find_if(
           kTables, [&](const NamedTable &t) { return std::string_view(t.name) == *name; });
       if (table == kTables.end())
-        throw std::runtime_error(std::string("expected films, phantoms, choices, photographs or "
-                                             "clips, got '")
+        throw std::runtime_error(std::string("expected films, phantoms, choices, cues, viewports, "
+                                             "photographs or clips, got '")
                                  + *name + "'");
       if (table->needs_data && !options.data)
         throw std::runtime_error(std::string(*name) + " need --data DIRECTORY");
@@ -482,7 +428,8 @@ main(int argc, char **argv)
     { "data", 0, 0, G_OPTION_ARG_FILENAME, &options.data,
       "Where osie/ (photographs with fixations) and clips/ (films) lie", "DIRECTORY" },
     { "table", 0, 0, G_OPTION_ARG_STRING_ARRAY, &options.tables,
-      "Only this: films, phantoms, choices, photographs or clips; may be repeated", "NAME" },
+      "Only this: films, phantoms, choices, cues, viewports, photographs or clips; may be repeated",
+      "NAME" },
     { "markdown", 0, 0, G_OPTION_ARG_FILENAME, &options.markdown, "Write the tables as Markdown",
       "FILE" },
     { "csv", 0, 0, G_OPTION_ARG_FILENAME, &options.csv, "Write the tables as CSV", "FILE" },

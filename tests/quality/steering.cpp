@@ -1,0 +1,155 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "steering.h"
+
+#include "film_cases.h"
+#include "tactile/cue_limiter.h"
+#include "tactile/viewport.h"
+
+#include <algorithm>
+#include <array>
+#include <memory>
+#include <utility>
+#include <vector>
+
+namespace quality {
+
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr std::array kPatterns{ tactile::FilmPattern::static_motion,
+                                tactile::FilmPattern::dynamic_motion };
+const cv::Size kSize(320, 240);
+
+/// The tuned model with limits to its cues.
+class LimitedModel : public Model
+{
+public:
+  explicit LimitedModel(const tactile::CueLimits &limits) : Model("limited"), limits_(limits)
+  {
+  }
+
+  void frame(const Frame &frame, Time time, Time duration, tactile::TactileMap &map) override
+  {
+    model_->frame(frame, time, duration, map);
+    limiter_.limit(map, time, limits_);
+  }
+
+private:
+  std::unique_ptr<Model> model_ = tuned_model();
+  tactile::CueLimiter limiter_;
+  tactile::CueLimits limits_;
+};
+
+/// The tuned model with a viewport that adapts.
+class AdaptiveModel : public Model
+{
+public:
+  AdaptiveModel() : Model("adaptive")
+  {
+  }
+
+  void frame(const Frame &frame, Time time, Time duration, tactile::TactileMap &map) override
+  {
+    const auto &found = model_->frame(frame.view(), time, duration, map);
+    if (found.cut)
+      viewport_.reset();
+    const auto mapping = tactile::MappingSettings::tuned();
+    const auto view = view_of(found);
+    tactile::map_saliency(view, mapping, map,
+                          viewport_.follow(view, mapping.floor, mapping.threshold, time));
+  }
+
+private:
+  std::unique_ptr<AnalyzerModel> model_ = tuned_model();
+  tactile::AdaptiveViewport viewport_;
+};
+
+std::size_t
+strongest(const tactile::TactileMap &map)
+{
+  return static_cast<std::size_t>(std::ranges::max_element(map.levels) - map.levels.begin());
+}
+
+/// In frames that are felt: whether the strongest cell is the same with both.
+Mean
+agreement(const FilmCase &film_case)
+{
+  Mean same;
+  for (int seed = 1; seed <= film_case.seeds; ++seed) {
+    const auto film = film_case.make(static_cast<std::uint64_t>(seed));
+    const auto fixed = tuned_model();
+    AdaptiveModel adaptive;
+    Frame frame(film_case.size);
+    tactile::TactileMap one(3, 3);
+    tactile::TactileMap other(3, 3);
+    const Time second = 1s;
+    for (int i = 0; i < static_cast<int>(film_case.seconds * film_case.fps); ++i) {
+      const Time time = i * second / film_case.fps;
+      film->draw(time, frame);
+      static_cast<Model &>(*fixed).frame(frame, time, second / film_case.fps, one);
+      adaptive.frame(frame, time, second / film_case.fps, other);
+      if (*std::ranges::max_element(one.levels) > 0)
+        same.add(strongest(one) == strongest(other));
+    }
+  }
+  return same;
+}
+
+} // namespace
+
+Table
+cue_limit_table(int threads)
+{
+  constexpr std::array<std::pair<Time, Time>, 7> kLimits{
+    { { 0s, 0s }, { 0s, 500ms }, { 0s, 1s }, { 2s, 0s }, { 1s, 0s }, { 1s, 500ms }, { 500ms, 0s } }
+  };
+  std::vector<FilmCase> cases;
+  for (const auto pattern : kPatterns) {
+    FilmCase film = ball_case(pattern, kSize, 30, 0);
+    for (const auto &[longest, refractory] : kLimits) {
+      const tactile::CueLimits limits{ longest, refractory };
+      film.models.emplace_back([limits] { return std::make_unique<LimitedModel>(limits); });
+    }
+    cases.push_back(film);
+  }
+  const auto scores = score_films(cases, threads);
+  Table table("Limits to cues",
+              { "max-cue-duration, s", "cue-refractory, s", "(a) static", "(a) dynamic",
+                "(d) dynamic, frames", "tactors felt, static", "tactors felt, dynamic" });
+  const auto seconds = [](Time time) {
+    return figure(std::chrono::duration<double>(time).count(), 1);
+  };
+  for (std::size_t i = 0; i < kLimits.size(); ++i) {
+    const Scores &still = scores[0][i].scores;
+    const Scores &dynamic = scores[1][i].scores;
+    table.add({ seconds(kLimits[i].first), seconds(kLimits[i].second),
+                figure(still.strongest.value(), 3), figure(dynamic.strongest.value(), 3),
+                figure(dynamic.delay.value(), 2), figure(still.cells.value() / 9, 3),
+                figure(dynamic.cells.value() / 9, 3) });
+  }
+  return table;
+}
+
+Table
+viewport_table(int threads)
+{
+  std::vector<FilmCase> cases;
+  for (const auto pattern : kPatterns) {
+    FilmCase film = ball_case(pattern, kSize, 30, 0);
+    film.models = { tuned_model, [] {
+                     return std::make_unique<AdaptiveModel>();
+                   } };
+    cases.push_back(film);
+  }
+  const auto scores = score_films(cases, threads);
+  Table table("The viewport that adapts",
+              { "film", "strongest cell is the fixed viewport's", "(a) fixed", "(a) adaptive" });
+  for (std::size_t i = 0; i < cases.size(); ++i)
+    table.add({ cases[i].film, percent(agreement(cases[i]).value()),
+                figure(scores[i][0].scores.strongest.value(), 3),
+                figure(scores[i][1].scores.strongest.value(), 3) });
+  return table;
+}
+
+} // namespace quality
