@@ -98,6 +98,27 @@ peak(Analyzer &analyzer, const Frame &frame, Time time, Time duration = kSecond 
   return analyzer.analyze(frame.view(), time, duration).peak;
 }
 
+/// A patterned surface, 220 × 124 of it from `left` on, and a ball in the middle of the picture.
+Frame
+surface(double left, bool ball)
+{
+  Frame f(220, 124);
+  for (int y = 0; y < f.height; ++y)
+    for (int x = 0; x < f.width; ++x) {
+      double sum = 120;
+      for (int i = 0; i < 8; ++i) {
+        const double length = 14 * std::pow(1.35, i);
+        sum += 12
+               * std::sin(6.2832 / length * ((x + left) * std::cos(2.4 * i) + y * std::sin(2.4 * i))
+                          + i * i);
+      }
+      f.at(0, x, y) = static_cast<std::uint8_t>(std::clamp(std::lround(sum), 16L, 235L));
+    }
+  if (ball)
+    f.disc(110, 62, 13, { 210, 60, 220 });
+  return f;
+}
+
 } // namespace
 
 GST_START_TEST(test_paper_profile)
@@ -517,24 +538,6 @@ GST_START_TEST(test_pan)
 {
   // A camera pans over a surface and rests: silence, but for a ball that appears and stays where it is
   // in the picture. Without following, the surface is felt.
-  const auto frame = [](double left, bool ball) {
-    Frame f(220, 124);
-    for (int y = 0; y < f.height; ++y)
-      for (int x = 0; x < f.width; ++x) {
-        double sum = 120;
-        for (int i = 0; i < 8; ++i) {
-          const double length = 14 * std::pow(1.35, i);
-          sum += 12
-                 * std::sin(6.2832 / length
-                                * ((x + left) * std::cos(2.4 * i) + y * std::sin(2.4 * i))
-                            + i * i);
-        }
-        f.at(0, x, y) = static_cast<std::uint8_t>(std::clamp(std::lround(sum), 16L, 235L));
-      }
-    if (ball)
-      f.disc(110, 62, 13, { 210, 60, 220 });
-    return f;
-  };
   Profile unfollowed = Profile::tuned();
   unfollowed.camera_motion = false;
   unfollowed.background_gain = 0;
@@ -548,7 +551,7 @@ GST_START_TEST(test_pan)
   double highest_without = 0;
   for (int i = 0; i < 150; ++i) {
     const bool ball = i == 40 || i == 41;
-    const Frame f = frame(1.4 * std::clamp(i - 10, 0, 50), ball);
+    const Frame f = surface(1.4 * std::clamp(i - 10, 0, 50), ball);
     const Time time = i * kSecond / 30;
     const auto &result = tuned.analyze(f.view(), time, Time(0));
     fail_if(result.cut);
@@ -574,6 +577,22 @@ GST_START_TEST(test_pan)
 }
 GST_END_TEST;
 
+/// A camera that pans fast, at few frames a second, changes as much as a cut, but goes on with the shot.
+GST_START_TEST(test_fast_pan_is_no_cut)
+{
+  Profile unfollowed = Profile::tuned();
+  unfollowed.camera_motion = false;
+  Analyzer with(Profile::tuned());
+  Analyzer without(unfollowed);
+  for (int i = 0; i < 12; ++i) {
+    const Frame f = surface(10.0 * std::max(i - 3, 0), false);
+    const Time time = i * kSecond / 8;
+    fail_if(with.analyze(f.view(), time, kSecond / 8).cut, "frame %d", i);
+    fail_unless(without.analyze(f.view(), time, kSecond / 8).cut == (i > 3), "frame %d", i);
+  }
+}
+GST_END_TEST;
+
 static Suite *
 analyzer_suite(void)
 {
@@ -593,6 +612,7 @@ analyzer_suite(void)
   tcase_add_test(tc, test_spatial_keeps_history);
   tcase_add_test(tc, test_cut);
   tcase_add_test(tc, test_pan);
+  tcase_add_test(tc, test_fast_pan_is_no_cut);
   return suite;
 }
 

@@ -311,6 +311,29 @@ GST_START_TEST(test_key_frames_age)
 }
 GST_END_TEST;
 
+/// In another frame of reference the way is the same, whatever the key frame's age.
+GST_START_TEST(test_rebase)
+{
+  for (const int when : { 3, 8, 13, 20 }) {
+    CameraMotion camera;
+    CameraMotion rebased;
+    Similarity then;
+    Similarity pose;
+    for (int i = 0; i < 40; ++i) {
+      const cv::Mat lab = seen_from(pose);
+      const Similarity far = camera.follow(lab, 1);
+      fail_unless_at_most(apart(rebased.follow(lab, 1), then.inverse() * far), 1e-9);
+      if (i == when) {
+        then = far;
+        rebased.rebase();
+      }
+      pose = pose * about_middle(1.003, -0.004, 0.5, -0.3);
+    }
+    fail_unless(apart(then, {}) > 1);
+  }
+}
+GST_END_TEST;
+
 static Suite *
 camera_motion_suite(void)
 {
@@ -328,6 +351,7 @@ camera_motion_suite(void)
   tcase_add_test(tc, test_small_pictures);
   tcase_add_test(tc, test_begins_anew);
   tcase_add_test(tc, test_key_frames_age);
+  tcase_add_test(tc, test_rebase);
   return suite;
 }
 
