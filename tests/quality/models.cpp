@@ -24,15 +24,15 @@ view_of(const cv::Mat &map)
 class PeerModel : public Model
 {
 public:
-  PeerModel(Peer peer, bool weighted)
-      : Model(std::string(quality::name(peer)) + (weighted ? " × R" : "")), peer_(peer),
-        weighted_(weighted), front_end_(false)
+  PeerModel(std::shared_ptr<PeerMaps> maps, bool weighted)
+      : Model(std::string(quality::name(maps->peer())) + (weighted ? " × R" : "")),
+        maps_(std::move(maps)), weighted_(weighted), front_end_(false)
   {
   }
 
-  void frame(const Frame &frame, Time, Time, tactile::TactileMap &map) override
+  void frame(const Frame &frame, Time time, Time, tactile::TactileMap &map) override
   {
-    peer_.compute(frame.bgr()).copyTo(map_);
+    maps_->of(frame, time).copyTo(map_);
     if (weighted_) {
       const int level
           = saliency::frame_levels(saliency::Profile::tuned_spatial(), frame.size()).finest;
@@ -51,7 +51,7 @@ public:
   }
 
 private:
-  PeerSaliency peer_;
+  std::shared_ptr<PeerMaps> maps_;
   bool weighted_;
   saliency::FrontEnd front_end_;
   saliency::Rarity rarity_;
@@ -94,10 +94,21 @@ tuned_model()
                                          tactile::MappingSettings::tuned());
 }
 
-std::unique_ptr<Model>
-peer_model(Peer peer, bool weighted)
+const cv::Mat &
+PeerMaps::of(const Frame &frame, Time time)
 {
-  return std::make_unique<PeerModel>(peer, weighted);
+  if (time_ && time < *time_)
+    saliency_.reset();
+  if (time_ != time)
+    saliency_.compute(frame.bgr()).copyTo(map_);
+  time_ = time;
+  return map_;
+}
+
+std::unique_ptr<Model>
+peer_model(std::shared_ptr<PeerMaps> maps, bool weighted)
+{
+  return std::make_unique<PeerModel>(std::move(maps), weighted);
 }
 
 } // namespace quality

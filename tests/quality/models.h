@@ -8,6 +8,7 @@
 #include "tactile/tactile_mapping.h"
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 
@@ -78,10 +79,34 @@ private:
 std::unique_ptr<AnalyzerModel> paper_model();
 std::unique_ptr<AnalyzerModel> tuned_model();
 
+/// A peer's saliency maps of one film, for all models that are made of them. Not thread-safe.
+class PeerMaps
+{
+public:
+  /// Throws std::runtime_error if the peer is not available.
+  explicit PeerMaps(Peer peer) : peer_(peer), saliency_(peer)
+  {
+  }
+
+  Peer peer() const
+  {
+    return peer_;
+  }
+
+  /// Of the frame shown from `time` on, computed once however often it is asked for. Time that goes back
+  /// begins another film.
+  const cv::Mat &of(const Frame &frame, Time time);
+
+private:
+  Peer peer_;
+  PeerSaliency saliency_;
+  std::optional<Time> time_;
+  cv::Mat map_;
+};
+
 /// A peer's map with what is decided by this project's means: half of the maximum as the threshold,
 /// values kept, pooled by exact area. With `weighted`, it is multiplied by colour rarity before.
-/// It never decides that nothing happens, unless its map is 0. Throws std::runtime_error if the peer
-/// is not available.
-std::unique_ptr<Model> peer_model(Peer peer, bool weighted);
+/// It never decides that nothing happens, unless its map is 0.
+std::unique_ptr<Model> peer_model(std::shared_ptr<PeerMaps> maps, bool weighted);
 
 } // namespace quality

@@ -53,6 +53,7 @@ our_models()
   return { paper_model, tuned_model };
 }
 
+/// For one case: models of the same peer share its maps.
 std::vector<ModelMaker>
 peer_models(bool weighted_too)
 {
@@ -60,9 +61,10 @@ peer_models(bool weighted_too)
   for (const Peer peer : kPeers) {
     if (!is_available(peer))
       continue;
-    models.emplace_back([peer] { return peer_model(peer, false); });
+    const auto maps = std::make_shared<PeerMaps>(peer);
+    models.emplace_back([maps] { return peer_model(maps, false); });
     if (weighted_too)
-      models.emplace_back([peer] { return peer_model(peer, true); });
+      models.emplace_back([maps] { return peer_model(maps, true); });
   }
   return models;
 }
@@ -102,7 +104,7 @@ film_table(const Options &options)
           // The slowest peers take 0.3 s for a large frame.
           film.models = peer_models(true);
           film.models.insert(film.models.begin(), paper_model);
-          film.seconds = size.width == 320 ? 20 : size.width == 640 ? 10 : 5;
+          film.seconds = size.width == 320 ? 20 : size.width == 640 ? 10 : 4;
           cases.push_back(film);
         }
   Table table("Balls on an even background",
