@@ -95,14 +95,6 @@ make_rows(ImageRows<float> &band, int begin, int end, cv::Mat &image)
   }
 }
 
-int
-checked(int threads)
-{
-  if (threads < 0)
-    throw std::invalid_argument("a number of threads is at least 0");
-  return threads;
-}
-
 /// Below a million pixels for each, waking threads takes longer than they save.
 int
 threads_that_pay(const FrameView &frame)
@@ -116,8 +108,17 @@ threads_that_pay(const FrameView &frame)
 
 } // namespace
 
-FrontEnd::FrontEnd(bool exact, int threads) : exact_(exact), threads_(checked(threads))
+FrontEnd::FrontEnd(bool exact) : exact_(exact)
 {
+}
+
+void
+FrontEnd::set_threads(int threads)
+{
+  if (threads < 0)
+    throw std::invalid_argument("a number of threads is at least 0");
+  if (std::exchange(threads_, threads) != threads)
+    geometry_ = {};
 }
 
 void

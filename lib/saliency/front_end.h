@@ -30,9 +30,11 @@ namespace saliency {
 class FrontEnd
 {
 public:
-  /// `threads`: how many at most, 0 for as many as pay: one for each million pixels, up to four and
-  /// to the processor's own. Throws std::invalid_argument below 0.
-  explicit FrontEnd(bool exact, int threads = 1);
+  explicit FrontEnd(bool exact);
+
+  /// How many threads at most, 0 for as many as pay: one for each million pixels, up to four and to
+  /// the processor's own. One at first. Throws std::invalid_argument below 0.
+  void set_threads(int threads);
 
   /// The frame's CV_32FC3 L*a*b* image at `level`, valid until the next call. A component's width
   /// must be ⌈frame width / 2ᵏ⌉ for some k ≥ 0, likewise its height; the first component has the
@@ -55,7 +57,7 @@ private:
   void make_bands(const FrameView &frame, const Geometry &geometry);
 
   bool exact_;
-  int threads_;
+  int threads_ = 1;
   Geometry geometry_;
   std::vector<std::unique_ptr<ImageRows<float>>> bands_; ///< each makes rows of its own
   ThreadPool pool_;

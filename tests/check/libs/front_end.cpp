@@ -255,7 +255,8 @@ GST_START_TEST(test_threads)
   const Layout &layout = kLayouts[__i__];
   for (const bool exact : { false, true })
     for (const int threads : { 0, 2, 3, 8 }) {
-      FrontEnd front_end(exact, threads);
+      FrontEnd front_end(exact);
+      front_end.set_threads(threads);
       for (const auto &[width, height] : { std::pair{ 1, 1 }, { 7, 2 }, { 131, 93 } })
         for (const int level : { 0, 2, 4 })
           for (unsigned seed = 0; seed < 3; ++seed) {
@@ -304,7 +305,7 @@ GST_START_TEST(test_threads_below_none)
 {
   bool refused = false;
   try {
-    FrontEnd(false, -1);
+    FrontEnd(false).set_threads(-1);
   } catch (const std::invalid_argument &) {
     refused = true;
   }
