@@ -39,7 +39,7 @@ if ! command -v apt-get >/dev/null || ! command -v dpkg-query >/dev/null; then
 setup.sh: this is not Debian or Ubuntu, so nothing was installed. Please install what these Debian packages hold
 with your distribution's package manager, then set VISUOTACTILE_NO_SETUP=1 and try again:
   ${wanted[*]}
-(GStreamer and its base, good, ugly and libav plugins, 1.22 or newer; OpenCV core and imgproc 4; meson 1.0; a C++20 compiler; Python's gi)
+(GStreamer and its base, good, ugly and libav plugins, 1.22 or newer; OpenCV core and imgproc 4; Highway 1.0; meson 1.0; a C++20 compiler; Python's gi)
 TXT
   exit 1
 fi

@@ -24,9 +24,9 @@ namespace saliency {
 /// MPEG-2, H.264 and later put it horizontally; vertically it is half a pixel off.
 ///
 /// Rows are made on demand from the rows that they are made of (ImageRows): the frame is read once,
-/// and what is held beside the result are about nine rows of each level, below 80 bytes for each
-/// pixel of the frame's width and thread (200 when exact). Several threads make one band of rows
-/// each; the result is the same for any number of them, and on any processor.
+/// and beside the result about nine rows of each level are held, less than 120 bytes for each pixel
+/// of the frame's width and each thread (200 when exact). Several threads make a band of rows each;
+/// the result is the same for any number of them, and on any processor.
 class FrontEnd
 {
 public:

@@ -20,7 +20,7 @@ template <typename T> using Tag = hn::CappedTag<T, 64 / sizeof(T)>;
 
 /// Lanes from memory that need not be aligned for them: as many samples of less width as fit.
 template <class D>
-hn::VFromD<D>
+HWY_INLINE hn::VFromD<D>
 load_bytes(D d, const void *bytes)
 {
 #if HWY_TARGET == HWY_SCALAR
@@ -35,7 +35,7 @@ load_bytes(D d, const void *bytes)
 
 /// Unsigned lanes to half their width, which their values fit.
 template <class D, typename Narrow = hwy::MakeNarrow<hn::TFromD<D>>>
-hn::VFromD<hn::Rebind<Narrow, D>>
+HWY_INLINE hn::VFromD<hn::Rebind<Narrow, D>>
 narrow(D, hn::VFromD<D> v)
 {
   return hn::DemoteTo(hn::Rebind<Narrow, D>(), hn::BitCast(hn::RebindToSigned<D>(), v));
@@ -48,35 +48,33 @@ Unpack8(const std::uint8_t *in, int stride, int count, std::uint8_t *out)
     std::memcpy(out, in, static_cast<std::size_t>(count));
     return;
   }
-  // A vector ends with the bytes between two samples, so it stops short of the last sample.
   int x = 0;
+#if HWY_TARGET != HWY_SCALAR
+  // Vectors end with the bytes between two samples, so they stop short of the last sample.
+  const Tag<std::uint8_t> d;
+  const hn::Repartition<std::uint16_t, decltype(d)> d16;
+  const int step = static_cast<int>(hn::Lanes(d));
   if (stride == 2) {
-    const Tag<std::uint16_t> d;
-    const int step = static_cast<int>(hn::Lanes(d));
-    const auto mask = hn::Set(d, 0xFF);
     for (; x + step < count; x += step) {
-      const auto pairs = load_bytes(d, in + static_cast<std::ptrdiff_t>(x) * 2);
-      hn::StoreU(narrow(d, hn::And(pairs, mask)), hn::Rebind<std::uint8_t, decltype(d)>(), out + x);
+      const auto *at = in + static_cast<std::ptrdiff_t>(x) * 2;
+      hn::StoreU(hn::ConcatEven(d, hn::LoadU(d, at + step), hn::LoadU(d, at)), d, out + x);
     }
   } else if (stride == 3) {
-    const Tag<std::uint8_t> d;
-    const int step = static_cast<int>(hn::Lanes(d));
     for (; x + step < count; x += step) {
       hn::Vec<decltype(d)> sample, second, third;
       hn::LoadInterleaved3(d, in + static_cast<std::ptrdiff_t>(x) * 3, sample, second, third);
       hn::StoreU(sample, d, out + x);
     }
   } else if (stride == 4) {
-    const Tag<std::uint32_t> d;
-    const hn::Rebind<std::uint8_t, decltype(d)> bytes;
-    const int step = static_cast<int>(hn::Lanes(d));
-    const auto mask = hn::Set(d, 0xFF);
     for (; x + step < count; x += step) {
-      const auto quads = hn::And(load_bytes(d, in + static_cast<std::ptrdiff_t>(x) * 4), mask);
-      hn::StoreU(hn::DemoteTo(bytes, hn::BitCast(hn::RebindToSigned<decltype(d)>(), quads)), bytes,
-                 out + x);
+      const auto *at = in + static_cast<std::ptrdiff_t>(x) * 4;
+      const auto low = hn::ConcatEven(d16, load_bytes(d16, at + step), load_bytes(d16, at));
+      const auto high
+          = hn::ConcatEven(d16, load_bytes(d16, at + 3 * step), load_bytes(d16, at + 2 * step));
+      hn::StoreU(hn::ConcatEven(d, hn::BitCast(d, high), hn::BitCast(d, low)), d, out + x);
     }
   }
+#endif
   for (; x < count; ++x)
     out[x] = in[static_cast<std::ptrdiff_t>(x) * stride];
 }
@@ -94,16 +92,19 @@ Unpack16(const std::uint8_t *in, int stride, int shift, unsigned mask, int count
       const auto words = load_bytes(d, in + static_cast<std::ptrdiff_t>(x) * 2);
       hn::StoreU(hn::And(hn::ShiftRightSame(words, shift), bits), d, out + x);
     }
-  } else if (stride == 4) {
-    const Tag<std::uint32_t> d;
+  }
+#if HWY_TARGET != HWY_SCALAR
+  if (stride == 4) {
+    const Tag<std::uint16_t> d;
     const int step = static_cast<int>(hn::Lanes(d));
-    const auto bits = hn::Set(d, mask);
+    const auto bits = hn::Set(d, static_cast<std::uint16_t>(mask));
     for (; x + step < count; x += step) {
-      const auto pairs = load_bytes(d, in + static_cast<std::ptrdiff_t>(x) * 4);
-      hn::StoreU(narrow(d, hn::And(hn::ShiftRightSame(pairs, shift), bits)),
-                 hn::Rebind<std::uint16_t, decltype(d)>(), out + x);
+      const auto *at = in + static_cast<std::ptrdiff_t>(x) * 4;
+      const auto words = hn::ConcatEven(d, load_bytes(d, at + 2 * step), load_bytes(d, at));
+      hn::StoreU(hn::And(hn::ShiftRightSame(words, shift), bits), d, out + x);
     }
   }
+#endif
   for (; x < count; ++x) {
     const auto *word = in + static_cast<std::ptrdiff_t>(x) * stride;
     out[x] = static_cast<std::uint16_t>((static_cast<unsigned>(word[0] | word[1] << 8) >> shift)
@@ -160,7 +161,7 @@ HalveColumns16(std::uint16_t *row, int width, std::uint32_t *halved)
 }
 
 template <class D>
-hn::VFromD<D>
+HWY_INLINE hn::VFromD<D>
 gaussian(D d, hn::VFromD<D> v0, hn::VFromD<D> v1, hn::VFromD<D> v2, hn::VFromD<D> v3,
          hn::VFromD<D> v4)
 {
