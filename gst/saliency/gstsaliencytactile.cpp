@@ -354,6 +354,7 @@ gst_saliency_tactile_transform_ip(GstBaseTransform *transform, GstBuffer *buffer
         priv->top_down.emplace(profile);
         priv->analyzer.emplace(profile);
       }
+      priv->analyzer->set_threads(settings.n_threads);
       const saliency::Time period = analysis_period(settings.max_rate);
       gst_saliency_tactile_analyse(self, settings, buffer, time, std::max(duration, period));
       spent = gst_util_get_timestamp() - begin;

@@ -42,6 +42,8 @@ gst_saliency_tactile_viewport_get_type(void)
 /// Times beyond this, thirty years, are taken as that: sums of them do not overflow.
 constexpr guint64 kLongest = 1'000'000'000'000'000'000;
 
+constexpr guint kMostThreads = 64;
+
 tactile::Time
 time_from_value(const GValue *value)
 {
@@ -132,6 +134,12 @@ SaliencySettings::install(GObjectClass *klass)
           "Analyse at most this many frames per second; the others repeat the last map (0 = all)",
           0, 1000, defaults.max_rate, playing));
   g_object_class_install_property(
+      klass, SALIENCY_PROP_N_THREADS,
+      g_param_spec_uint("n-threads", "Threads",
+                        "Threads that read a frame, which is felt the same with any number (0 = "
+                        "by the frame's size and the processor)",
+                        0, kMostThreads, static_cast<guint>(defaults.n_threads), playing));
+  g_object_class_install_property(
       klass, SALIENCY_PROP_STATS,
       g_param_spec_boxed("stats", "Statistics",
                          "Frames passed, analysed and active (any level above 0); mean and longest "
@@ -189,6 +197,9 @@ SaliencySettings::set(guint id, const GValue *value)
   case SALIENCY_PROP_MAX_RATE:
     max_rate = g_value_get_double(value);
     break;
+  case SALIENCY_PROP_N_THREADS:
+    n_threads = static_cast<int>(g_value_get_uint(value));
+    break;
   default:
     return false;
   }
@@ -234,6 +245,9 @@ SaliencySettings::get(guint id, GValue *value) const
     break;
   case SALIENCY_PROP_MAX_RATE:
     g_value_set_double(value, max_rate);
+    break;
+  case SALIENCY_PROP_N_THREADS:
+    g_value_set_uint(value, static_cast<guint>(n_threads));
     break;
   default:
     return false;

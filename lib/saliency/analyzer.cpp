@@ -215,6 +215,12 @@ Analyzer::reset()
   state_->previous.reset();
 }
 
+void
+Analyzer::set_threads(int threads)
+{
+  state_->front_end.set_threads(threads);
+}
+
 const Profile &
 Analyzer::profile() const
 {

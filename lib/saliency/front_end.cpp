@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "saliency/front_end.h"
 
+#include "saliency/component_rows.h"
+#include "saliency/front_end_kernels.h"
+#include "saliency/lab.h"
 #include "saliency/pyramid.h"
 
 #include <algorithm>
@@ -8,6 +11,8 @@
 #include <cstdint>
 #include <span>
 #include <stdexcept>
+#include <thread>
+#include <utility>
 
 namespace saliency {
 
@@ -17,19 +22,6 @@ std::size_t
 component_count(const FrameView &frame)
 {
   return frame.model == ColorModel::grey ? 1 : 3;
-}
-
-/// k of a component of ⌈frame / 2ᵏ⌉ samples, or -1.
-int
-subsampling(int frame, int component)
-{
-  const auto samples = [frame](int k) {
-    return (static_cast<long long>(frame) + (1LL << k) - 1) >> k;
-  };
-  int k = 0;
-  while (samples(k) > component && samples(k) > 1)
-    ++k;
-  return samples(k) == component ? k : -1;
 }
 
 void
@@ -55,37 +47,63 @@ check(const FrameView &frame)
     throw std::invalid_argument("the first component has the frame's size");
 }
 
-const std::uint8_t *
-row(const Component &component, int y)
+/// L*a*b* of a frame's components at a level: three channels.
+class LabRows final : public ImageRows<float>
 {
-  return component.data + y * component.row_stride;
+public:
+  LabRows(const FrameView &frame, int level)
+      : ImageRows(level_size({ frame.width, frame.height }, level), 3),
+        count_(component_count(frame)), buffer_(1, size().width, 3)
+  {
+    for (std::size_t i = 0; i < count_; ++i)
+      components_[i] = component_rows(frame, i, level);
+  }
+
+  void begin(const FrameView &frame) override
+  {
+    converter_ = LabConverter({ frame.model, frame.depth, frame.full_range, frame.matrix });
+    for (std::size_t i = 0; i < count_; ++i)
+      components_[i]->begin(frame);
+  }
+
+  float *row(int y) override
+  {
+    std::array<const float *, 3> rows{};
+    for (std::size_t i = 0; i < count_; ++i)
+      rows[i] = components_[i]->row(y);
+    float *lab = buffer_.row(0);
+    converter_.convert(rows, size().width,
+                       { lab, lab + buffer_.pitch(), lab + 2 * buffer_.pitch() });
+    return lab;
+  }
+
+private:
+  std::size_t count_;
+  std::array<std::unique_ptr<ImageRows<float>>, 3> components_;
+  LabConverter converter_;
+  RowBuffer<float> buffer_;
+};
+
+/// Rows [begin, end) of the image.
+void
+make_rows(ImageRows<float> &band, int begin, int end, cv::Mat &image)
+{
+  const auto pitch = RowBuffer<float>::pitch(image.cols);
+  for (int y = begin; y < end; ++y) {
+    const float *lab = band.row(y);
+    kernels::interleave(lab, lab + pitch, lab + 2 * pitch, image.cols, image.ptr<float>(y));
+  }
 }
 
-/// The samples as an image that OpenCV can read: the frame's own memory where it lies suitably,
-/// else `buffer`.
-cv::Mat
-samples_of(const FrameView &frame, const Component &component, cv::Mat &buffer)
+/// Below a million pixels for each, waking threads takes longer than they save.
+int
+threads_that_pay(const FrameView &frame)
 {
-  const bool bytes = frame.depth == 8;
-  if (bytes && component.pixel_stride == 1 && component.row_stride >= component.width)
-    return { component.height, component.width, CV_8UC1, const_cast<std::uint8_t *>(component.data),
-             static_cast<std::size_t>(component.row_stride) };
-
-  buffer.create(component.height, component.width, bytes ? CV_8UC1 : CV_16UC1);
-  const auto mask = (1U << frame.depth) - 1;
-  for (int y = 0; y < component.height; ++y) {
-    const auto *in = row(component, y);
-    if (bytes) {
-      auto *out = buffer.ptr<std::uint8_t>(y);
-      for (int x = 0; x < component.width; ++x, in += component.pixel_stride)
-        out[x] = *in;
-    } else {
-      auto *out = buffer.ptr<std::uint16_t>(y);
-      for (int x = 0; x < component.width; ++x, in += component.pixel_stride)
-        out[x] = static_cast<std::uint16_t>(((in[0] | in[1] << 8U) >> frame.shift) & mask);
-    }
-  }
-  return buffer;
+  constexpr long long kPixels = 1'000'000;
+  constexpr long long kMost = 4;
+  const auto processors = static_cast<long long>(std::thread::hardware_concurrency());
+  const long long pixels = static_cast<long long>(frame.width) * frame.height;
+  return static_cast<int>(std::clamp(std::min(pixels / kPixels, processors), 1LL, kMost));
 }
 
 } // namespace
@@ -94,51 +112,52 @@ FrontEnd::FrontEnd(bool exact) : exact_(exact)
 {
 }
 
-cv::Mat
-FrontEnd::at_level(const FrameView &frame, const Component &component, int level, Plane &plane)
+void
+FrontEnd::set_threads(int threads)
 {
-  // What there is to do along each axis; subsampling has done some of it already, or too much.
-  const int columns = level - subsampling(frame.width, component.width);
-  const int rows = level - subsampling(frame.height, component.height);
-  const int both = std::max(0, std::min(columns, rows));
+  if (threads < 0)
+    throw std::invalid_argument("a number of threads is at least 0");
+  if (std::exchange(threads_, threads) != threads)
+    geometry_ = {};
+}
 
-  cv::Mat samples = samples_of(frame, component, plane.samples);
-  plane.reduced.resize(static_cast<std::size_t>(both));
-  for (auto &reduced : plane.reduced) {
-    reduce(samples, reduced);
-    samples = reduced;
+void
+FrontEnd::make_bands(const FrameView &frame, const Geometry &geometry)
+{
+  geometry_ = {};
+  bands_.clear();
+  lab_.create(level_size({ frame.width, frame.height }, geometry.level), CV_32FC3);
+  const int threads = threads_ > 0 ? threads_ : threads_that_pay(frame);
+  for (int i = 0; i < std::min(threads, lab_.rows); ++i) {
+    std::unique_ptr<ImageRows<float>> band
+        = std::make_unique<LabRows>(frame, exact_ ? 0 : geometry.level);
+    for (int n = 0; exact_ && n < geometry.level; ++n)
+      band = halved_rows(std::move(band));
+    bands_.push_back(std::move(band));
   }
-  samples.convertTo(plane.values, CV_32F);
-
-  cv::Mat values = plane.values;
-  for (int i = both; i < std::max(columns, rows); ++i) {
-    auto &reduced = plane.single_axis[static_cast<std::size_t>(i) % 2];
-    columns > rows ? reduce_columns(values, reduced) : reduce_rows(values, reduced);
-    values = reduced;
-  }
-  if (columns < 0 || rows < 0) {
-    upsample(values, std::max(0, -columns), std::max(0, -rows),
-             level_size({ frame.width, frame.height }, level), plane.upsampled);
-    values = plane.upsampled;
-  }
-  return values;
+  geometry_ = geometry;
 }
 
 const cv::Mat &
 FrontEnd::lab(const FrameView &frame, int level)
 {
   check(frame);
-  std::array<cv::Mat, 3> components;
-  const auto count = component_count(frame);
-  for (std::size_t i = 0; i < count; ++i)
-    components[i] = at_level(frame, frame.components[i], exact_ ? 0 : level, planes_[i]);
+  Geometry geometry{ .model = frame.model, .bytes = frame.depth == 8, .level = level };
+  for (std::size_t i = 0; i < component_count(frame); ++i)
+    geometry.components[i] = { frame.components[i].width, frame.components[i].height };
+  if (geometry != geometry_)
+    make_bands(frame, geometry);
 
-  lab_.resize(exact_ ? static_cast<std::size_t>(level) + 1 : 1);
-  converter_.convert({ frame.model, frame.depth, frame.full_range, frame.matrix },
-                     std::span(components).first(count), lab_[0]);
-  for (std::size_t i = 1; i < lab_.size(); ++i)
-    reduce(lab_[i - 1], lab_[i]);
-  return lab_.back();
+  for (const auto &band : bands_)
+    band->begin(frame);
+  const auto parts = static_cast<long long>(bands_.size());
+  pool_.run(static_cast<int>(parts), [this, parts](int part) {
+    const auto first = [&](long long i) {
+      return static_cast<int>(lab_.rows * i / parts);
+    };
+    make_rows(*bands_[static_cast<std::size_t>(part)], first(part), first(part + 1), lab_);
+  });
+  return lab_;
 }
 
 } // namespace saliency

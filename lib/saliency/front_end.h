@@ -2,11 +2,13 @@
 #pragma once
 
 #include "saliency/frame_view.h"
-#include "saliency/lab.h"
+#include "saliency/image_rows.h"
+#include "saliency/thread_pool.h"
 
 #include <opencv2/core/mat.hpp>
 
 #include <array>
+#include <memory>
 #include <vector>
 
 namespace saliency {
@@ -20,35 +22,46 @@ namespace saliency {
 ///
 /// Subsampled chroma is taken to lie on the pyramid's grid, sample i at pixel 2ᵏ·i, which is where
 /// MPEG-2, H.264 and later put it horizontally; vertically it is half a pixel off.
+///
+/// Rows are made on demand from the rows that they are made of (ImageRows): the frame is read once,
+/// and beside the result about nine rows of each level are held, less than 120 bytes for each pixel
+/// of the frame's width and each thread (200 when exact). Several threads make a band of rows each;
+/// the result is the same for any number of them, and on any processor.
 class FrontEnd
 {
 public:
   explicit FrontEnd(bool exact);
 
+  /// How many threads at most, 0 for as many as pay: one for each million pixels, up to four and to
+  /// the processor's own. One at first. Throws std::invalid_argument below 0.
+  void set_threads(int threads);
+
   /// The frame's CV_32FC3 L*a*b* image at `level`, valid until the next call. A component's width
   /// must be ⌈frame width / 2ᵏ⌉ for some k ≥ 0, likewise its height; the first component has the
   /// frame's size. Throws std::invalid_argument for a frame that cannot be one: no size, no data,
-  /// impossible depth or strides.
+  /// impossible depth or strides. Allocates only when geometry, format or level change.
   const cv::Mat &lab(const FrameView &frame, int level);
 
 private:
-  /// Buffers of one component, kept from frame to frame.
-  struct Plane
+  /// What the bands are made for.
+  struct Geometry
   {
-    cv::Mat samples; ///< unpacked to CV_8UC1 or CV_16UC1 where they do not lie like that already
-    std::vector<cv::Mat> reduced;       ///< in the samples' own depth
-    std::array<cv::Mat, 2> single_axis; ///< further reduced along one axis, CV_32FC1
-    cv::Mat values;                     ///< CV_32FC1
-    cv::Mat upsampled;
+    ColorModel model = ColorModel::yuv;
+    bool bytes = true;
+    int level = -1;
+    std::array<cv::Size, 3> components;
+
+    bool operator==(const Geometry &) const = default;
   };
 
-  static cv::Mat at_level(const FrameView &frame, const Component &component, int level,
-                          Plane &plane);
+  void make_bands(const FrameView &frame, const Geometry &geometry);
 
   bool exact_;
-  LabConverter converter_;
-  std::array<Plane, 3> planes_;
-  std::vector<cv::Mat> lab_; ///< at level 0…`level` when exact, else one
+  int threads_ = 1;
+  Geometry geometry_;
+  std::vector<std::unique_ptr<ImageRows<float>>> bands_; ///< each makes rows of its own
+  ThreadPool pool_;
+  cv::Mat lab_;
 };
 
 } // namespace saliency

@@ -327,7 +327,7 @@ GST_START_TEST(test_properties_while_playing)
     const guint columns = 1 + (i * 5) % 64;
     g_object_set(h->element, "rows", rows, "columns", columns, "threshold", i / 16.0, "temporal",
                  i % 3 != 0, "floor", i % 5 - 1.0, "attach-saliency", i % 2 == 0, "max-rate",
-                 i % 4 * 10.0, "profile", i % 2, nullptr);
+                 i % 4 * 10.0, "profile", i % 2, "n-threads", i % 5, nullptr);
     fail_unless_equals_int(gst_harness_push(h, gst_buffer_ref(frame)), GST_FLOW_OK);
     GstBuffer *out = gst_harness_pull(h);
     const GstTactileMeta *meta = gst_buffer_get_tactile_meta(out);
@@ -336,6 +336,35 @@ GST_START_TEST(test_properties_while_playing)
     ck_assert_int_eq(gst_buffer_get_saliency_meta(out) != nullptr, i % 2 == 0);
     gst_buffer_unref(out);
     i++;
+  }
+  gst_harness_teardown(h);
+  release(frames, caps);
+}
+GST_END_TEST;
+
+/// Any number of threads feels the same, also when it changes while playing: the history goes on.
+GST_START_TEST(test_threads)
+{
+  GstCaps *caps;
+  std::vector<GstBuffer *> frames = film("NV12", 1, 2, &caps);
+  GstHarness *h = gst_harness_new("saliencytactile");
+  g_object_set(h->element, "n-threads", 1, nullptr);
+  const std::vector<gfloat> expected = play(h, caps, frames);
+  gst_harness_teardown(h);
+  ck_assert_uint_eq(strongest(expected), 5);
+
+  h = gst_harness_new("saliencytactile");
+  guint threads;
+  g_object_get(h->element, "n-threads", &threads, nullptr);
+  ck_assert_uint_eq(threads, 0);
+  gst_harness_set_src_caps(h, gst_caps_ref(caps));
+  for (GstBuffer *frame : frames) {
+    g_object_set(h->element, "n-threads", ++threads, nullptr);
+    fail_unless_equals_int(gst_harness_push(h, gst_buffer_ref(frame)), GST_FLOW_OK);
+    GstBuffer *out = gst_harness_pull(h);
+    if (frame == frames.back())
+      fail_unless(levels_of(out) == expected);
+    gst_buffer_unref(out);
   }
   gst_harness_teardown(h);
   release(frames, caps);
@@ -608,6 +637,7 @@ saliencytactile_suite(void)
   tcase_add_test(cases, test_crop_meta);
   tcase_add_test(cases, test_interlaced);
   tcase_add_test(cases, test_properties_while_playing);
+  tcase_add_test(cases, test_threads);
   tcase_add_test(cases, test_floor_silences);
   tcase_add_test(cases, test_no_burst_after_resets);
   tcase_add_test(cases, test_reverse);

@@ -4,6 +4,9 @@
 #include "saliency_oracle.h"
 #include "tolerance.h"
 
+#include <hwy/targets.h>
+#include <opencv2/imgproc.hpp>
+
 #include <cstring>
 #include <memory>
 #include <stdexcept>
@@ -204,13 +207,109 @@ GST_START_TEST(test_layouts)
         const Frame frame(layout, width, height, bottom_up, ++seed);
         FrontEnd front_end(exact);
         for (int level = 0; (std::max(width, height) - 1) >> level > 0 || level == 0; ++level) {
-          // The Lab tables' bound; the reductions add float's rounding alone.
+          // The conversion's bound; the reductions add float's rounding alone.
           const double e = oracle::difference(front_end.lab(frame.view, level),
                                               expected_lab(frame, level, exact));
-          fail_unless(e <= 0.011, "%s %dx%d level %d, exact %d: ΔE %g", layout.name, width, height,
+          fail_unless(e <= 0.006, "%s %dx%d level %d, exact %d: ΔE %g", layout.name, width, height,
                       level, exact, e);
         }
       }
+}
+GST_END_TEST;
+
+/// Whether all bits of two images are the same.
+static bool
+same(const cv::Mat &a, const cv::Mat &b)
+{
+  return a.size() == b.size() && a.type() == b.type()
+         && std::memcmp(a.data, b.data, a.total() * a.elemSize()) == 0;
+}
+
+GST_START_TEST(test_targets)
+{
+  // Every instruction set that this processor has gives the same bits, the scalar code too.
+  const Layout &layout = kLayouts[__i__];
+  const auto targets = hwy::SupportedTargets();
+  for (const auto &[width, height] : { std::pair{ 1, 1 }, { 70, 9 }, { 331, 42 }, { 260, 34 } })
+    for (const bool exact : { false, true }) {
+      const Frame frame(layout, width, height, false, 3);
+      for (const int level : { 0, 1, 3 }) {
+        const cv::Mat expected = FrontEnd(exact).lab(frame.view, level).clone();
+        for (int bit = 0; bit < 63; ++bit)
+          if (const std::int64_t target = std::int64_t{ 1 } << bit; (targets & target) != 0) {
+            hwy::GetChosenTarget().Update(target);
+            FrontEnd front_end(exact);
+            const bool equal = same(front_end.lab(frame.view, level), expected);
+            hwy::GetChosenTarget().Update(targets);
+            fail_unless(equal, "%s: %s %dx%d level %d, exact %d", hwy::TargetName(target),
+                        layout.name, width, height, level, exact);
+          }
+      }
+    }
+}
+GST_END_TEST;
+
+GST_START_TEST(test_threads)
+{
+  // As many threads as one likes, more than rows too: the same bits, frame after frame.
+  const Layout &layout = kLayouts[__i__];
+  for (const bool exact : { false, true })
+    for (const int threads : { 0, 2, 3, 8 }) {
+      FrontEnd front_end(exact);
+      front_end.set_threads(threads);
+      for (const auto &[width, height] : { std::pair{ 1, 1 }, { 7, 2 }, { 131, 93 } })
+        for (const int level : { 0, 2, 4 })
+          for (unsigned seed = 0; seed < 3; ++seed) {
+            const Frame frame(layout, width, height, seed == 1, seed);
+            fail_unless(same(front_end.lab(frame.view, level),
+                             FrontEnd(exact).lab(frame.view, level).clone()),
+                        "%d threads: %s %dx%d level %d, exact %d", threads, layout.name, width,
+                        height, level, exact);
+          }
+    }
+}
+GST_END_TEST;
+
+GST_START_TEST(test_planes_as_opencv_reduces_them)
+{
+  // Every rounding of 8- and 16-bit planes is cv::pyrDown's: a grey picture of all codes has the
+  // L*a*b* of the plane that OpenCV makes of it.
+  for (const int depth : { 8, 16 })
+    for (const auto &[width, height] :
+         { std::pair{ 1, 1 }, { 2, 3 }, { 64, 64 }, { 65, 63 }, { 1001, 37 } }) {
+      const Layout grey{
+        "GREY", ColorModel::grey, depth, 0, 0, 0, { { { 0, 0, depth / 8 }, {}, {} } }
+      };
+      const Frame frame(grey, width, height, false, 8);
+      const Component &samples = frame.view.components[0];
+      cv::Mat plane(height, width, depth == 8 ? CV_8UC1 : CV_16UC1,
+                    const_cast<std::uint8_t *>(samples.data));
+      for (int level = 0; level < 4; ++level) {
+        FrameView view = frame.view;
+        view.width = plane.cols;
+        view.height = plane.rows;
+        view.components[0] = { plane.data, static_cast<std::ptrdiff_t>(plane.step), depth / 8,
+                               plane.cols, plane.rows };
+        fail_unless(same(FrontEnd(false).lab(frame.view, level).clone(),
+                         FrontEnd(false).lab(view, 0).clone()),
+                    "%d bits, %dx%d, level %d", depth, width, height, level);
+        cv::Mat reduced;
+        cv::pyrDown(plane, reduced);
+        plane = reduced;
+      }
+    }
+}
+GST_END_TEST;
+
+GST_START_TEST(test_threads_below_none)
+{
+  bool refused = false;
+  try {
+    FrontEnd(false).set_threads(-1);
+  } catch (const std::invalid_argument &) {
+    refused = true;
+  }
+  fail_unless(refused);
 }
 GST_END_TEST;
 
@@ -225,7 +324,7 @@ GST_START_TEST(test_reuse)
         const Frame frame(layout, width, height, false, ++seed);
         const double e
             = oracle::difference(front_end.lab(frame.view, 1), expected_lab(frame, 1, exact));
-        fail_unless(e <= 0.011, "%s: ΔE %g", layout.name, e);
+        fail_unless(e <= 0.006, "%s: ΔE %g", layout.name, e);
       }
   }
 }
@@ -293,6 +392,10 @@ front_end_suite(void)
   TCase *tc = tcase_create("general");
   suite_add_tcase(suite, tc);
   tcase_add_loop_test(tc, test_layouts, 0, static_cast<int>(std::size(kLayouts)));
+  tcase_add_loop_test(tc, test_targets, 0, static_cast<int>(std::size(kLayouts)));
+  tcase_add_loop_test(tc, test_threads, 0, static_cast<int>(std::size(kLayouts)));
+  tcase_add_test(tc, test_planes_as_opencv_reduces_them);
+  tcase_add_test(tc, test_threads_below_none);
   tcase_add_test(tc, test_reuse);
   tcase_add_test(tc, test_decimating_first_is_close);
   tcase_add_test(tc, test_frames_that_cannot_be);

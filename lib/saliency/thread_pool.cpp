@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "saliency/thread_pool.h"
+
+#include <cstddef>
+#include <system_error>
+#include <utility>
+
+namespace saliency {
+
+ThreadPool::~ThreadPool()
+{
+  {
+    const std::lock_guard lock(mutex_);
+    end_ = true;
+  }
+  work_to_do_.notify_all();
+  for (std::thread &thread : threads_)
+    thread.join();
+}
+
+void
+ThreadPool::start(int threads)
+{
+  try {
+    while (static_cast<int>(threads_.size()) < threads)
+      threads_.emplace_back([this] { wait_for_work(); });
+  } catch (const std::system_error &) {
+    // The caller does what they would have done.
+  }
+}
+
+void
+ThreadPool::run(int parts, Part part, const void *work)
+{
+  if (parts > 1)
+    start(parts - 1);
+  std::unique_lock lock(mutex_);
+  part_ = part;
+  work_ = work;
+  next_ = 0;
+  parts_ = parts;
+  undone_ = parts;
+  if (parts > 1)
+    work_to_do_.notify_all();
+  do_parts(lock);
+  all_done_.wait(lock, [this] { return undone_ == 0; });
+  if (error_)
+    std::rethrow_exception(std::exchange(error_, nullptr));
+}
+
+void
+ThreadPool::wait_for_work()
+{
+  std::unique_lock lock(mutex_);
+  while (!end_) {
+    do_parts(lock);
+    work_to_do_.wait(lock, [this] { return end_ || next_ < parts_; });
+  }
+}
+
+/// Takes parts that nobody does yet until there are none.
+void
+ThreadPool::do_parts(std::unique_lock<std::mutex> &lock)
+{
+  while (next_ < parts_) {
+    const int mine = next_++;
+    lock.unlock();
+    std::exception_ptr error;
+    try {
+      part_(work_, mine);
+    } catch (...) {
+      error = std::current_exception();
+    }
+    lock.lock();
+    if (error)
+      error_ = error;
+    if (--undone_ == 0)
+      all_done_.notify_one();
+  }
+}
+
+} // namespace saliency
