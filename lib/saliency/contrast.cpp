@@ -16,13 +16,13 @@ Contrast::Contrast(double chroma_weight)
 void
 Contrast::operator()(const Pyramid &pyramid, LevelPair lightness, LevelPair chroma, cv::Mat &map)
 {
-  chroma_squared(pyramid, chroma);
   const cv::Mat &center = pyramid.level(lightness.center);
-  const int coarser = chroma.center - lightness.center;
-  if (coarser > 0)
+  if (const int coarser = chroma.center - lightness.center; coarser > 0) {
+    chroma_squared(pyramid, chroma, chroma_);
     upsample(chroma_, coarser, coarser, center.size(), map);
-  else
-    chroma_.copyTo(map);
+  } else {
+    chroma_squared(pyramid, chroma, map);
+  }
 
   const int octaves = lightness.surround - lightness.center;
   const auto width = static_cast<std::size_t>(center.cols);
@@ -33,17 +33,17 @@ Contrast::operator()(const Pyramid &pyramid, LevelPair lightness, LevelPair chro
   }
 }
 
-/// `chroma_` at the centre's resolution.
+/// w² (Δa² + Δb²) at the centre's resolution.
 void
-Contrast::chroma_squared(const Pyramid &pyramid, LevelPair pair)
+Contrast::chroma_squared(const Pyramid &pyramid, LevelPair pair, cv::Mat &map)
 {
   const cv::Mat &center = pyramid.level(pair.center);
   const auto width = static_cast<std::size_t>(center.cols);
-  chroma_.create(center.size(), CV_32FC1);
-  for (int y = 0; y < chroma_.rows; ++y) {
+  map.create(center.size(), CV_32FC1);
+  for (int y = 0; y < map.rows; ++y) {
     surround_row(pyramid.level(pair.surround), pair.surround - pair.center, y, 3, width);
     rows::chroma_contrast(center.ptr<float>(y), fine_[1].data(), fine_[2].data(),
-                          chroma_weight_squared_, width, chroma_.ptr<float>(y));
+                          chroma_weight_squared_, width, map.ptr<float>(y));
   }
 }
 

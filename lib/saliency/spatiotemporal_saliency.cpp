@@ -64,7 +64,7 @@ SpatiotemporalSaliency::compute(TemporalPyramid &history)
   history.means(windows_, means_);
 
   saliency_.create(means_.at(0).size(), CV_32FC1);
-  saliency_.setTo(0);
+  std::fill_n(saliency_.ptr<float>(), saliency_.total(), 0.0F); // cv::Mat::setTo allocates
   const float weight = mean_ ? 1.0F / static_cast<float>(pairs_.size()) : 1.0F;
   for (const auto &pair : pairs_) {
     const cv::Mat *surrounds = &means_[pair.surround];
@@ -92,10 +92,12 @@ SpatiotemporalSaliency::compute(TemporalPyramid &history)
   if (const int rim = camera_rim_;
       moved && rim > 0 && saliency_.cols > 2 * rim && saliency_.rows > 2 * rim) {
     within = { rim, rim, saliency_.cols - 2 * rim, saliency_.rows - 2 * rim };
-    saliency_.rowRange(0, rim).setTo(0);
-    saliency_.rowRange(saliency_.rows - rim, saliency_.rows).setTo(0);
-    saliency_.colRange(0, rim).setTo(0);
-    saliency_.colRange(saliency_.cols - rim, saliency_.cols).setTo(0);
+    for (int y = 0; y < saliency_.rows; ++y) {
+      auto *row = saliency_.ptr<float>(y);
+      const bool silent = y < rim || y >= saliency_.rows - rim;
+      std::fill_n(row, silent ? saliency_.cols : rim, 0.0F);
+      std::fill_n(row + saliency_.cols - rim, rim, 0.0F);
+    }
   }
   if (background_gain_ > 0)
     take_background_off(within);

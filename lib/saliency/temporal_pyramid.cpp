@@ -17,6 +17,13 @@ constexpr double kShortestEntry = 1.0 / 8;
 /// Maps of an age are moved together for this share of it.
 constexpr double kShareOfAge = 1.0 / 4;
 
+/// cv::Mat::setTo allocates.
+void
+clear(cv::Mat &integral)
+{
+  std::fill_n(integral.ptr<double>(), integral.total(), 0.0);
+}
+
 } // namespace
 
 TemporalPyramid::TemporalPyramid(double longest, HistoryStart start)
@@ -63,10 +70,10 @@ TemporalPyramid::push(const cv::Mat &map, double elapsed, double duration, const
     map.copyTo(current_);
     if (start_ == HistoryStart::filled) {
       Entry &before = add_entry(-longest_, pose);
-      before.integral.setTo(0);
+      clear(before.integral);
       integrate(before, -longest_, before);
     }
-    add_entry(0, pose).integral.setTo(0);
+    clear(add_entry(0, pose).integral);
   } else {
     const double on_show = std::min(elapsed, longest_);
     const double now = latest().time + on_show;
@@ -161,7 +168,7 @@ void
 TemporalPyramid::moved_means(std::span<const int> windows, std::vector<cv::Mat> &maps)
 {
   sum_.create(current_.size(), CV_32FC1);
-  sum_.setTo(0);
+  std::fill_n(sum_.ptr<float>(), sum_.total(), 0.0F);
   double to = end_.time;
   for (std::size_t i = 0; i < windows.size(); ++i) {
     const double start = std::max(end_.time - windows[i], entry(0).time);
