@@ -33,7 +33,7 @@ namespace saliency {
 /// several at a time, as far as they make a quarter of their age.
 ///
 /// Memory: pushes less than 1/8 apart share one entry, so at most 8 × longest + 3 integrals of 8 bytes
-/// a sample are held (66 at one push a frame and a longest window of 64), and maps of 24 bytes a
+/// a sample are held (66 at one push a frame and a longest window of 64), and maps of 20 bytes a
 /// sample beside them. What is no longer needed is used again: nothing is allocated once as many are
 /// held as it takes.
 class TemporalPyramid
