@@ -95,6 +95,7 @@ struct Analyzer::State
   void follow(cv::Size size, Time time);
   void forget();
   Similarity camera_pose(double elapsed);
+  const cv::Mat &spatiotemporal_map(Time time, Time duration);
 
   Profile profile;
   double longest; ///< window, in frames
@@ -157,6 +158,35 @@ Analyzer::State::camera_pose(double elapsed)
       .in_units_of(std::ldexp(1.0, levels.saliency - level));
 }
 
+/// Of the frame whose pyramid was built; it becomes part of the history.
+const cv::Mat &
+Analyzer::State::spatiotemporal_map(Time time, Time duration)
+{
+  double elapsed = previous ? frames_between(previous->time, time) : 0;
+  Similarity pose = camera_pose(elapsed);
+  // A fast pan at few frames a second changes as much, but can be followed.
+  if (profile.cut_share < 1 && shot_cut(pyramid.level(levels.saliency)) && !camera.moved()) {
+    forget();
+    elapsed = 0;
+    pose = camera_pose(elapsed);
+    result.cut = true;
+  }
+  const cv::Mat &map = spatial.compute(pyramid, levels);
+  if (profile.time_base == TimeBase::frames)
+    history.push(map, 1, 1);
+  else {
+    if (is_far(pose)) {
+      camera.rebase();
+      history.rebase(pose.inverse());
+      pose = {};
+    }
+    history.push(map, elapsed, frames_between(Time{}, duration), pose);
+  }
+  previous = Previous{ time, duration };
+  result.camera_moves = history.moved();
+  return spatiotemporal.compute(history);
+}
+
 Analyzer::Analyzer(const Profile &profile) : state_(std::make_unique<State>(profile))
 {
 }
@@ -173,35 +203,14 @@ Analyzer::analyze(const FrameView &frame, Time time, Time duration, bool tempora
   if (duration <= Time::zero())
     duration = kDefaultDuration;
 
+  if (!temporal)
+    s.previous.reset();
   s.follow({ frame.width, frame.height }, time);
   s.result.cut = false;
+  s.result.camera_moves = false;
   s.pyramid.build(s.front_end.lab(frame, s.levels.finest), s.levels.finest, s.levels.coarsest);
-  double elapsed = s.previous ? frames_between(s.previous->time, time) : 0;
-  Similarity pose = s.camera_pose(elapsed);
-  // A fast pan at few frames a second changes as much, but can be followed.
-  if (s.profile.cut_share < 1 && s.shot_cut(s.pyramid.level(s.levels.saliency))
-      && !s.camera.moved()) {
-    s.forget();
-    elapsed = 0;
-    pose = s.camera_pose(elapsed);
-    s.result.cut = true;
-  }
-  const cv::Mat &spatial = s.spatial.compute(s.pyramid, s.levels);
-
-  if (s.profile.time_base == TimeBase::frames)
-    s.history.push(spatial, 1, 1);
-  else {
-    if (is_far(pose)) {
-      s.camera.rebase();
-      s.history.rebase(pose.inverse());
-      pose = {};
-    }
-    s.history.push(spatial, elapsed, frames_between(Time{}, duration), pose);
-  }
-  s.previous = State::Previous{ time, duration };
-
-  s.result.camera_moves = s.history.moved();
-  s.result.map = temporal ? s.spatiotemporal.compute(s.history) : spatial;
+  s.result.map
+      = temporal ? s.spatiotemporal_map(time, duration) : s.spatial.compute(s.pyramid, s.levels);
   cv::minMaxLoc(s.result.map, nullptr, &s.result.peak);
   const double step = std::ldexp(1.0, s.levels.saliency); // pixels from sample to sample
   s.result.picture

@@ -2,6 +2,7 @@
 #include "saliency/camera_motion.h"
 
 #include "saliency/pyramid.h"
+#include "saliency/quantile.h"
 
 #include <opencv2/core.hpp>
 
@@ -50,28 +51,6 @@ exposed(float lightness)
   return (lightness - 50) / 50;
 }
 
-/// Whether a position lies between samples of the image.
-bool
-inside(const cv::Mat &image, double x, double y)
-{
-  return x >= 0 && y >= 0 && x < image.cols - 1 && y < image.rows - 1;
-}
-
-/// Linear interpolation at a position inside.
-float
-sample(const cv::Mat &image, double x, double y)
-{
-  const int left = static_cast<int>(x);
-  const int top = static_cast<int>(y);
-  const auto right_share = static_cast<float>(x - left);
-  const auto bottom_share = static_cast<float>(y - top);
-  const auto *upper = image.ptr<float>(top) + left;
-  const auto *lower = image.ptr<float>(top + 1) + left;
-  const float above = upper[0] + right_share * (upper[1] - upper[0]);
-  const float below = lower[0] + right_share * (lower[1] - lower[0]);
-  return above + bottom_share * (below - above);
-}
-
 /// The largest distance by which the motion carries a corner of the picture.
 double
 farthest(const Similarity &motion, cv::Size size)
@@ -100,16 +79,19 @@ CameraMotion::follow(const cv::Mat &lab, double elapsed)
   }
 
   age_ += elapsed;
-  exposure_ = {};
-  for (std::size_t level = kLevels; level-- > 0;)
-    register_level(level);
-  const double distance = farthest(motion_, size_);
+  change_.exposure = {};
+  for (std::size_t level = kLevels; level-- > 0;) {
+    const double unit = std::ldexp(1.0, static_cast<int>(level)); // in samples of the finest level
+    change_ = fit(level, { change_.motion.in_units_of(unit), change_.exposure }, false);
+    change_.motion = change_.motion.in_units_of(1 / unit);
+  }
+  const double distance = farthest(change_.motion, size_);
   moved_ = distance > kSmallestMotion
            && distance < kLargestMotion * std::max(size_.width, size_.height) && explained();
   if (moved_)
-    pose_ = key_pose_ * motion_.inverse();
+    pose_ = key_pose_ * change_.motion.inverse();
   else
-    motion_ = {};
+    change_.motion = {};
   if (age_ >= kOldestKey || (moved_ && distance > kFarthestKey))
     set_key();
   return pose_;
@@ -134,7 +116,7 @@ CameraMotion::set_key()
 {
   size_ = now_[0].size();
   key_pose_ = pose_;
-  motion_ = {};
+  change_ = {};
   age_ = 0;
   for (std::size_t level = 0; level < kLevels; ++level) {
     const cv::Mat &image = now_[level];
@@ -145,7 +127,10 @@ CameraMotion::set_key()
     for (int top = 1; top < image.rows - 1; top += cell)
       for (int left = 1; left < image.cols - 1; left += cell) {
         float best = kTexture * kTexture;
-        Point point{};
+        float best_x = 0;
+        float best_y = 0;
+        float lightness = 0;
+        std::array<float, TexturedPoints::kParameters> change{};
         for (int y = top; y < std::min(top + cell, image.rows - 1); ++y)
           for (int x = left; x < std::min(left + cell, image.cols - 1); ++x) {
             const auto *row = image.ptr<float>(y);
@@ -156,60 +141,62 @@ CameraMotion::set_key()
             best = dx * dx + dy * dy;
             const float px = (static_cast<float>(x) - static_cast<float>(image.cols) / 2) * unit;
             const float py = (static_cast<float>(y) - static_cast<float>(image.rows) / 2) * unit;
-            point = { static_cast<float>(x),
-                      static_cast<float>(y),
-                      row[x],
-                      { dx * px + dy * py, dy * px - dx * py, dx, dy, exposed(row[x]), 1 } };
+            best_x = static_cast<float>(x);
+            best_y = static_cast<float>(y);
+            lightness = row[x];
+            change = { dx * px + dy * py, dy * px - dx * py, dx, dy, exposed(row[x]), 1 };
           }
-        if (point.change[5] > 0)
-          points.push_back(point);
+        if (change[5] > 0)
+          points.add(best_x, best_y, lightness, change);
       }
+    points.finish();
   }
 }
 
-/// Improves `motion_` and `exposure_` on one level.
+/// What the change leaves unexplained at each of a level's points, NaN where it leaves the picture.
 void
-CameraMotion::register_level(std::size_t level)
+CameraMotion::find_residuals(std::size_t level, const Change &change,
+                             std::vector<float> &residuals) const
+{
+  const auto &points = points_[level];
+  sample(now_[level], change.motion, points, residuals);
+  const auto gain = static_cast<float>(change.exposure[0]);
+  const auto offset = static_cast<float>(change.exposure[1]);
+  for (std::size_t i = 0; i < residuals.size(); ++i)
+    residuals[i] -= points.lightness[i] + gain * points.change[4][i] + offset;
+}
+
+/// Improves what is known of the change, on one level; at rest, its exposure alone.
+CameraMotion::Change
+CameraMotion::fit(std::size_t level, Change change, bool at_rest)
 {
   const cv::Mat &image = now_[level];
-  const auto &points = points_[level];
-  const double unit = std::ldexp(1.0, static_cast<int>(level)); // in samples of the finest level
-  Similarity motion = motion_.in_units_of(unit);
-
   double scale = 20; // L*: beyond it a point counts less and less
   for (int step = 0; step < kMostSteps; ++step) {
+    find_residuals(level, change, residuals_);
+    sizes_.clear();
+    for (const float residual : residuals_)
+      if (!std::isnan(residual))
+        sizes_.push_back(std::abs(residual));
+    if (sizes_.size() < 12)
+      break;
+
+    const Equations sums = equations(points_[level], residuals_, scale);
     cv::Matx<double, 6, 6> normal = cv::Matx<double, 6, 6>::eye();
     cv::Vec<double, 6> right = cv::Vec<double, 6>::all(0);
-    residuals_.clear();
-    for (const Point &point : points) {
-      const double x = motion.x(point.x, point.y);
-      const double y = motion.y(point.x, point.y);
-      if (!inside(image, x, y))
-        continue;
-      const double residual
-          = sample(image, x, y) - point.lightness - exposure_[0] * point.change[4] - exposure_[1];
-      residuals_.push_back(static_cast<float>(std::abs(residual)));
-      const double closeness = 1 / (1 + residual * residual / (scale * scale));
-      const double weight = closeness * closeness; // Geman & McClure
-      for (int m = 0; m < 6; ++m) {
-        const double weighted
-            = weight * static_cast<double>(point.change[static_cast<std::size_t>(m)]);
-        for (int n = m; n < 6; ++n)
-          normal(m, n) += weighted * static_cast<double>(point.change[static_cast<std::size_t>(n)]);
-        right[m] += weighted * residual;
+    const int first = at_rest ? 4 : 0; // the exposure's parameters come last
+    for (int m = first; m < 6; ++m) {
+      const auto &row = sums.normal[static_cast<std::size_t>(m)];
+      for (int n = m; n < 6; ++n) {
+        normal(m, n) += row[static_cast<std::size_t>(n)];
+        normal(n, m) = normal(m, n);
       }
+      right[m] = sums.right[static_cast<std::size_t>(m)];
     }
-    if (residuals_.size() < 12)
-      break;
     // What little is presumed about exposure is that there is none, not that this step finds none.
-    right[4] -= exposure_[0];
-    right[5] -= exposure_[1];
-    for (int m = 0; m < 6; ++m)
-      for (int n = 0; n < m; ++n)
-        normal(m, n) = normal(n, m);
-    cv::Vec<double, 6> by;
-    if (!cv::solve(normal, right, by, cv::DECOMP_CHOLESKY))
-      break;
+    right[4] -= change.exposure[0];
+    right[5] -= change.exposure[1];
+    const cv::Vec<double, 6> by = normal.solve(right, cv::DECOMP_CHOLESKY);
 
     // About the middle of the picture, and in its half width, to samples from the origin.
     const double middle_x = image.cols / 2.0;
@@ -218,47 +205,15 @@ CameraMotion::register_level(std::size_t level)
     const double turned = by[1] * 2 / image.cols;
     const Similarity small{ 1 + scaled, turned, by[2] - scaled * middle_x + turned * middle_y,
                             by[3] - turned * middle_x - scaled * middle_y };
-    motion = motion * small.inverse();
-    exposure_[0] += by[4];
-    exposure_[1] += by[5];
-    if (std::abs(by[0]) + std::abs(by[1]) + std::abs(by[2]) + std::abs(by[3]) < kConverged)
+    change.motion = change.motion * small.inverse();
+    change.exposure[0] += by[4];
+    change.exposure[1] += by[5];
+    if (!at_rest
+        && std::abs(by[0]) + std::abs(by[1]) + std::abs(by[2]) + std::abs(by[3]) < kConverged)
       break;
-
-    const auto median = residuals_.begin() + static_cast<std::ptrdiff_t>(residuals_.size() / 2);
-    std::nth_element(residuals_.begin(), median, residuals_.end());
-    scale = std::max(0.5, 4.5 * static_cast<double>(*median)); // 3 σ
+    scale = std::max(0.5, 4.5 * static_cast<double>(quantile(sizes_, 0.5))); // 3 σ
   }
-  motion_ = motion.in_units_of(1 / unit);
-}
-
-/// The exposure that explains most if nothing has moved, weighted as in register_level(): what goes its
-/// own way says nothing of the light.
-std::array<double, 2>
-CameraMotion::exposure_at_rest()
-{
-  cv::Vec2d exposure(0, 0);
-  double scale = 20;
-  for (int step = 0; step < kMostSteps; ++step) {
-    cv::Matx22d normal = cv::Matx22d::eye();
-    cv::Vec2d right(0, 0);
-    residuals_.clear();
-    for (const Point &point : points_[0]) {
-      const cv::Vec2d change(point.change[4], point.change[5]);
-      const double difference = sample(now_[0], point.x, point.y) - point.lightness;
-      const double residual = difference - exposure.dot(change);
-      residuals_.push_back(static_cast<float>(std::abs(residual)));
-      const double closeness = 1 / (1 + residual * residual / (scale * scale));
-      normal += closeness * closeness * change * change.t();
-      right += closeness * closeness * difference * change;
-    }
-    if (residuals_.empty())
-      break;
-    exposure = normal.solve(right, cv::DECOMP_CHOLESKY);
-    const auto median = residuals_.begin() + static_cast<std::ptrdiff_t>(residuals_.size() / 2);
-    std::nth_element(residuals_.begin(), median, residuals_.end());
-    scale = std::max(0.5, 4.5 * static_cast<double>(*median));
-  }
-  return { exposure[0], exposure[1] };
+  return change;
 }
 
 /// Whether most parts of the picture that would show the motion do.
@@ -273,29 +228,31 @@ CameraMotion::explained()
     double without = 0;  ///< that there is
     double opposite = 0; ///< that the opposite motion leaves
   };
-  const auto [rest_gain, rest_offset] = exposure_at_rest();
+  const TexturedPoints &points = points_[0];
+  const Similarity &motion = change_.motion;
+  const Similarity back{ 2 - motion.a, -motion.b, -motion.tx, -motion.ty }; // p - (motion(p) - p)
+  const Change rest = fit(0, {}, true);
+  find_residuals(0, { back, rest.exposure }, opposite_);
+  find_residuals(0, rest, without_);
+  find_residuals(0, change_, residuals_);
   std::array<Part, static_cast<std::size_t>(kParts) * kParts> parts{};
-  for (const Point &point : points_[0]) {
-    const double x = motion_.x(point.x, point.y);
-    const double y = motion_.y(point.x, point.y);
-    if (!inside(now_[0], x, y))
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    if (std::isnan(residuals_[i]))
       continue;
+    const double x = points.x[i];
+    const double y = points.y[i];
     const auto column
-        = static_cast<std::size_t>(point.x * kParts / static_cast<float>(size_.width));
-    const auto row = static_cast<std::size_t>(point.y * kParts / static_cast<float>(size_.height));
+        = static_cast<std::size_t>(points.x[i] * kParts / static_cast<float>(size_.width));
+    const auto row
+        = static_cast<std::size_t>(points.y[i] * kParts / static_cast<float>(size_.height));
     Part &part = parts[row * kParts + column];
-    const double expected = point.lightness + exposure_[0] * point.change[4] + exposure_[1];
+    const double without = std::abs(static_cast<double>(without_[i]));
     part.points++;
-    part.motion += std::hypot(x - point.x, y - point.y);
-    part.with += std::abs(sample(now_[0], x, y) - expected);
-    const double at_rest = point.lightness + rest_gain * point.change[4] + rest_offset;
-    const double without = std::abs(sample(now_[0], point.x, point.y) - at_rest);
+    part.motion += std::hypot(motion.x(x, y) - x, motion.y(x, y) - y);
+    part.with += std::abs(static_cast<double>(residuals_[i]));
     part.without += without;
-    const double opposite_x = 2 * point.x - x;
-    const double opposite_y = 2 * point.y - y;
-    part.opposite += inside(now_[0], opposite_x, opposite_y)
-                         ? std::abs(sample(now_[0], opposite_x, opposite_y) - at_rest)
-                         : without;
+    part.opposite
+        += std::isnan(opposite_[i]) ? without : std::abs(static_cast<double>(opposite_[i]));
   }
 
   const double cells = static_cast<double>(size_.area()) / (kCell[0] * kCell[0] * kParts * kParts);

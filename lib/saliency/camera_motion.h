@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include "saliency/sampling.h"
 #include "saliency/similarity.h"
 
 #include <opencv2/core/mat.hpp>
@@ -45,31 +46,32 @@ public:
 private:
   static constexpr std::size_t kLevels = 3;
 
-  /// A textured point of the key frame: what a small motion, about the middle of the picture, does to
-  /// its lightness, and what a change of exposure does.
-  struct Point
-  {
-    float x, y;
-    float lightness;
-    std::array<float, 6> change; ///< by scale, turn, shift along x and y, gain and offset
-  };
   using Images = std::array<cv::Mat, kLevels>; ///< lightness, CV_32FC1, finest first
 
   void set_key();
-  void register_level(std::size_t level);
-  std::array<double, 2> exposure_at_rest();
+  /// What leads from the key frame to this one.
+  struct Change
+  {
+    Similarity motion;                ///< in samples of the level at hand
+    std::array<double, 2> exposure{}; ///< gain and offset
+  };
+
+  Change fit(std::size_t level, Change change, bool at_rest);
+  void find_residuals(std::size_t level, const Change &change, std::vector<float> &residuals) const;
   bool explained();
 
   Images now_;
-  std::array<std::vector<Point>, kLevels> points_;
-  cv::Size size_;                    ///< of the key frame; empty: none
-  double age_ = 0;                   ///< of the key frame, in frames
-  Similarity key_pose_;              ///< of the key frame
-  Similarity motion_;                ///< from the key frame to this one
-  std::array<double, 2> exposure_{}; ///< since the key frame: gain and offset
+  std::array<TexturedPoints, kLevels> points_; ///< of the key frame
+  cv::Size size_;                              ///< of the key frame; empty: none
+  double age_ = 0;                             ///< of the key frame, in frames
+  Similarity key_pose_;                        ///< of the key frame
+  Change change_;
   Similarity pose_;
-  bool moved_ = false; ///< since the key frame
-  std::vector<float> residuals_;
+  bool moved_ = false;           ///< since the key frame
+  std::vector<float> residuals_; ///< of the points of a level
+  std::vector<float> without_;   ///< if the camera rests
+  std::vector<float> opposite_;  ///< if it makes the opposite motion
+  std::vector<float> sizes_;     ///< of residuals
 };
 
 } // namespace saliency

@@ -2,8 +2,9 @@
 #include "saliency/contrast.h"
 
 #include "saliency/pyramid.h"
+#include "saliency/rows.h"
 
-#include <cmath>
+#include <opencv2/core.hpp>
 
 namespace saliency {
 
@@ -15,47 +16,53 @@ Contrast::Contrast(double chroma_weight)
 void
 Contrast::operator()(const Pyramid &pyramid, LevelPair lightness, LevelPair chroma, cv::Mat &map)
 {
-  chroma_squared(pyramid, chroma);
   const cv::Mat &center = pyramid.level(lightness.center);
-  const cv::Mat *chroma_map = &chroma_;
-  if (const int octaves = chroma.center - lightness.center; octaves > 0) {
-    upsample(chroma_, octaves, octaves, center.size(), chroma_upsampled_);
-    chroma_map = &chroma_upsampled_;
+  if (const int coarser = chroma.center - lightness.center; coarser > 0) {
+    chroma_squared(pyramid, chroma, chroma_);
+    upsample(chroma_, coarser, coarser, center.size(), map);
+  } else {
+    chroma_squared(pyramid, chroma, map);
   }
-  if (chroma != lightness) {
-    const int octaves = lightness.surround - lightness.center;
-    upsample(pyramid.level(lightness.surround), octaves, octaves, center.size(), surround_);
-  }
-  map.create(center.size(), CV_32FC1);
+
+  const int octaves = lightness.surround - lightness.center;
+  const auto width = static_cast<std::size_t>(center.cols);
   for (int y = 0; y < map.rows; ++y) {
-    const auto *c = center.ptr<cv::Vec3f>(y);
-    const auto *s = surround_.ptr<cv::Vec3f>(y);
-    const auto *ab = chroma_map->ptr<float>(y);
-    auto *out = map.ptr<float>(y);
-    for (int x = 0; x < map.cols; ++x) {
-      const float dl = c[x][0] - s[x][0];
-      out[x] = std::sqrt(dl * dl + ab[x]);
-    }
+    surround_row(pyramid.level(lightness.surround), octaves, y, 1, width);
+    auto *row = map.ptr<float>(y);
+    rows::contrast(center.ptr<float>(y), fine_[0].data(), row, width, row);
   }
 }
 
-/// Leaves the pair's surround in `surround_` as well.
+/// w² (Δa² + Δb²) at the centre's resolution.
 void
-Contrast::chroma_squared(const Pyramid &pyramid, LevelPair pair)
+Contrast::chroma_squared(const Pyramid &pyramid, LevelPair pair, cv::Mat &map)
 {
   const cv::Mat &center = pyramid.level(pair.center);
-  const int octaves = pair.surround - pair.center;
-  upsample(pyramid.level(pair.surround), octaves, octaves, center.size(), surround_);
-  chroma_.create(center.size(), CV_32FC1);
-  for (int y = 0; y < chroma_.rows; ++y) {
-    const auto *c = center.ptr<cv::Vec3f>(y);
-    const auto *s = surround_.ptr<cv::Vec3f>(y);
-    auto *out = chroma_.ptr<float>(y);
-    for (int x = 0; x < chroma_.cols; ++x) {
-      const float da = c[x][1] - s[x][1];
-      const float db = c[x][2] - s[x][2];
-      out[x] = chroma_weight_squared_ * (da * da + db * db);
-    }
+  const auto width = static_cast<std::size_t>(center.cols);
+  map.create(center.size(), CV_32FC1);
+  for (int y = 0; y < map.rows; ++y) {
+    surround_row(pyramid.level(pair.surround), pair.surround - pair.center, y, 3, width);
+    rows::chroma_contrast(center.ptr<float>(y), fine_[1].data(), fine_[2].data(),
+                          chroma_weight_squared_, width, map.ptr<float>(y));
+  }
+}
+
+/// `fine_` becomes what the surround has on a row of the centre: its first channels.
+void
+Contrast::surround_row(const cv::Mat &surround, int octaves, int row, std::size_t channels,
+                       std::size_t width)
+{
+  const auto length = static_cast<std::size_t>(surround.cols);
+  mixed_.resize(3 * length);
+  for (auto &plane : coarse_)
+    plane.resize(length);
+  const RowPosition at = locate_row(row, octaves, surround.rows);
+  rows::interpolate(surround.ptr<float>(at.before), surround.ptr<float>(at.after), at.weight,
+                    3 * length, mixed_.data());
+  rows::split(mixed_.data(), length, { coarse_[0].data(), coarse_[1].data(), coarse_[2].data() });
+  for (std::size_t c = 0; c < channels; ++c) {
+    fine_[c].resize(width);
+    rows::enlarge(coarse_[c].data(), length, octaves, width, fine_[c].data());
   }
 }
 

@@ -6,6 +6,10 @@
 
 #include <opencv2/core/mat.hpp>
 
+#include <array>
+#include <cstddef>
+#include <vector>
+
 namespace saliency {
 
 /// Contrast maps (paper, Section 3): "upsampling a coarser surround image to the finer center image
@@ -22,12 +26,15 @@ public:
   void operator()(const Pyramid &pyramid, LevelPair lightness, LevelPair chroma, cv::Mat &map);
 
 private:
-  void chroma_squared(const Pyramid &pyramid, LevelPair pair);
+  void surround_row(const cv::Mat &surround, int octaves, int row, std::size_t channels,
+                    std::size_t width);
+  void chroma_squared(const Pyramid &pyramid, LevelPair pair, cv::Mat &map);
 
   float chroma_weight_squared_;
-  cv::Mat surround_; ///< at the centre's resolution
-  cv::Mat chroma_;   ///< w² (Δa² + Δb²)
-  cv::Mat chroma_upsampled_;
+  std::vector<float> mixed_;                 ///< a row between two of the surround's
+  std::array<std::vector<float>, 3> coarse_; ///< its L*, a* and b*
+  std::array<std::vector<float>, 3> fine_;   ///< at the centre's resolution
+  cv::Mat chroma_; ///< w² (Δa² + Δb²), if it is coarser than lightness
 };
 
 } // namespace saliency

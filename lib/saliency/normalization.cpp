@@ -3,6 +3,8 @@
 
 #include <opencv2/core.hpp>
 
+#include <algorithm>
+
 namespace saliency {
 
 namespace {
@@ -52,7 +54,8 @@ normalize_itti(cv::Mat &map)
   const auto floor = static_cast<float>(low);
   const auto span = static_cast<float>(high) - floor;
   if (span <= kRounding) {
-    map.setTo(0);
+    for (int y = 0; y < map.rows; ++y)
+      std::fill_n(map.ptr<float>(y), map.cols, 0.0F);
     return;
   }
   // Subtract and divide rather than scale and offset: the maximum becomes exactly 1, by which it is

@@ -56,7 +56,6 @@ Profile::tuned_spatial()
   // Beside each choice: NSS on the training half of the photographs (1.698 with all of them), and
   // what else was tried. The paper has contrast, of levels c ∈ {2,3,4}, and no weights: 0.924.
   Profile profile = tuned();
-  profile.chroma_octaves = 0;
   profile.spatial_cue = SpatialCue::surroundedness; // contrast × rarity: 1.278
   profile.levels = { { 3, 3 } };                    // 4: 1.547; 2: 1.755, three times the time
   profile.threshold_step = 3;    // 1.5: 1.710; 2: 1.704; 4: 1.685; 5: 1.678; 8: 1.644

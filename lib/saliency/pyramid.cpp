@@ -1,10 +1,14 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "saliency/pyramid.h"
 
+#include "saliency/rows.h"
+
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 
 #include <algorithm>
+#include <array>
+#include <cmath>
 #include <cstddef>
 
 namespace saliency {
@@ -25,38 +29,48 @@ mirrored(int index, int length)
   return cv::borderInterpolate(index, length, cv::BORDER_REFLECT_101);
 }
 
-/// Where a sample of a finer level lies among the samples of a coarser one.
-struct GridPosition
-{
-  int before;
-  int after;
-  float weight; ///< of `after`
-};
+/// Of so many columns at a time the reduced image is made: what is between fits on the stack.
+constexpr int kBlock = 256;
 
-GridPosition
-locate(int index, int octaves, int length)
-{
-  const int before = std::min(index >> octaves, length - 1);
-  const int after = std::min(before + 1, length - 1);
-  const int step = 1 << octaves;
-  return { before, after, static_cast<float>(index & (step - 1)) / static_cast<float>(step) };
-}
-
-inline float
-interpolate(float before, float after, float weight)
-{
-  return before + weight * (after - before);
-}
-
-template <int channels>
+/// The columns [begin, end) of one row of the reduced image, from the five rows about it.
+template <std::size_t channels>
 void
-upsample_row(const float *source, const std::vector<GridPosition> &columns, float *out)
+reduce_block(const std::array<const float *, 5> &rows, int length, int begin, int end, float *out)
 {
-  for (const auto &at : columns) {
-    const float *before = source + static_cast<std::ptrdiff_t>(at.before) * channels;
-    const float *after = source + static_cast<std::ptrdiff_t>(at.after) * channels;
-    for (int c = 0; c < channels; ++c)
-      *out++ = interpolate(before[c], after[c], at.weight);
+  // The source's columns there are, and the two on either side, mirrored where there are none.
+  const int first = 2 * begin - 2;
+  const int last = 2 * end;
+  const int from = std::max(first, 0);
+  const int until = std::min(last + 1, length);
+  const auto count = static_cast<std::size_t>(until - from);
+  std::array<std::array<float, 2 * kBlock + 4>, channels> planes;
+  std::array<float *, channels> inside;
+  for (std::size_t c = 0; c < channels; ++c)
+    inside[c] = planes[c].data() + (from - first);
+
+  auto in = rows;
+  for (const float *&row : in)
+    row += static_cast<std::size_t>(from) * channels;
+  const auto halved_count = static_cast<std::size_t>(end - begin);
+  const auto halve = [&](std::size_t c, float *to) {
+    for (int x = first; x < from; ++x)
+      planes[c][static_cast<std::size_t>(x - first)] = inside[c][mirrored(x, length) - from];
+    for (int x = until; x <= last; ++x)
+      inside[c][x - from] = inside[c][mirrored(x, length) - from];
+    rows::halve(planes[c].data() + 2, halved_count, to);
+  };
+  if constexpr (channels == 1) {
+    rows::smooth(in, count, inside[0]);
+    halve(0, out + begin);
+  } else {
+    std::array<float, (2 * kBlock + 4) * channels> smoothed;
+    rows::smooth(in, count * channels, smoothed.data());
+    rows::split(smoothed.data(), count, inside);
+    std::array<std::array<float, kBlock>, channels> halves;
+    for (std::size_t c = 0; c < channels; ++c)
+      halve(c, halves[c].data());
+    rows::join({ halves[0].data(), halves[1].data(), halves[2].data() }, halved_count,
+               out + static_cast<std::size_t>(begin) * channels);
   }
 }
 
@@ -66,6 +80,14 @@ cv::Size
 level_size(cv::Size size, int level)
 {
   return { halved(size.width, level), halved(size.height, level) };
+}
+
+RowPosition
+locate_row(int row, int octaves, int rows)
+{
+  const int before = std::min(row >> octaves, rows - 1);
+  return { before, std::min(before + 1, rows - 1),
+           std::ldexp(static_cast<float>(row & ((1 << octaves) - 1)), -octaves) };
 }
 
 int
@@ -80,7 +102,24 @@ coarsest_level(cv::Size size)
 void
 reduce(const cv::Mat &source, cv::Mat &reduced)
 {
-  cv::pyrDown(source, reduced, level_size(source.size(), 1));
+  const int channels = source.channels();
+  if (source.depth() != CV_32F || (channels != 1 && channels != 3)) {
+    cv::pyrDown(source, reduced, level_size(source.size(), 1));
+    return;
+  }
+  reduced.create(level_size(source.size(), 1), source.type());
+  for (int y = 0; y < reduced.rows; ++y) {
+    std::array<const float *, 5> rows;
+    for (int i = 0; i < 5; ++i)
+      rows[static_cast<std::size_t>(i)] = source.ptr<float>(mirrored(2 * y - 2 + i, source.rows));
+    for (int x = 0; x < reduced.cols; x += kBlock) {
+      const int end = std::min(x + kBlock, reduced.cols);
+      if (channels == 1)
+        reduce_block<1>(rows, source.cols, x, end, reduced.ptr<float>(y));
+      else
+        reduce_block<3>(rows, source.cols, x, end, reduced.ptr<float>(y));
+    }
+  }
 }
 
 void
@@ -119,29 +158,21 @@ reduce_rows(const cv::Mat &source, cv::Mat &reduced)
 void
 upsample(const cv::Mat &source, int octaves_x, int octaves_y, cv::Size size, cv::Mat &upsampled)
 {
-  const int channels = source.channels();
-  CV_Assert(source.depth() == CV_32F && (channels == 1 || channels == 3)
-            && source.data != upsampled.data);
-  upsampled.create(size, source.type());
-
-  std::vector<GridPosition> columns;
-  columns.reserve(static_cast<std::size_t>(size.width));
-  for (int x = 0; x < size.width; ++x)
-    columns.push_back(locate(x, octaves_x, source.cols));
-
-  std::vector<float> between(static_cast<std::size_t>(source.cols)
-                             * static_cast<std::size_t>(channels));
+  CV_Assert(source.type() == CV_32FC1 && source.data != upsampled.data
+            && source.cols == halved(size.width, octaves_x)
+            && source.rows == halved(size.height, octaves_y));
+  upsampled.create(size, CV_32FC1);
+  const auto length = static_cast<std::size_t>(source.cols);
+  const auto width = static_cast<std::size_t>(size.width);
+  for (int i = 0; i < source.rows; ++i)
+    rows::enlarge(source.ptr<float>(i), length, octaves_x, width,
+                  upsampled.ptr<float>(i << octaves_y));
   for (int y = 0; y < size.height; ++y) {
-    const auto at = locate(y, octaves_y, source.rows);
-    const auto *before = source.ptr<float>(at.before);
-    const auto *after = source.ptr<float>(at.after);
-    for (std::size_t i = 0; i < between.size(); ++i)
-      between[i] = interpolate(before[i], after[i], at.weight);
-    auto *out = upsampled.ptr<float>(y);
-    if (channels == 1)
-      upsample_row<1>(between.data(), columns, out);
-    else
-      upsample_row<3>(between.data(), columns, out);
+    const RowPosition at = locate_row(y, octaves_y, source.rows);
+    if (y != at.before << octaves_y)
+      rows::interpolate(upsampled.ptr<float>(at.before << octaves_y),
+                        upsampled.ptr<float>(at.after << octaves_y), at.weight, width,
+                        upsampled.ptr<float>(y));
   }
 }
 

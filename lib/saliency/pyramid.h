@@ -18,16 +18,26 @@ int coarsest_level(cv::Size size);
 
 /// One level down: the 5-tap Gaussian [1 4 6 4 1]/16 along both axes, mirrored at the borders
 /// without repeating the border sample, even samples kept (Burt & Adelson 1983, REDUCE;
-/// cv::pyrDown). Any depth and number of channels.
+/// cv::pyrDown). Any depth and number of channels; CV_32FC1 and CV_32FC3 are quickest.
 void reduce(const cv::Mat &source, cv::Mat &reduced);
 
 /// The same along one axis alone, CV_32FC1.
 void reduce_columns(const cv::Mat &source, cv::Mat &reduced);
 void reduce_rows(const cv::Mat &source, cv::Mat &reduced);
 
+/// Where a row of a level lies among those of a level coarser by `octaves`, of `rows` rows: a share
+/// `weight` of the way from one to the next, the last repeated beyond it.
+struct RowPosition
+{
+  int before;
+  int after;
+  float weight;
+};
+RowPosition locate_row(int row, int octaves, int rows);
+
 /// Brings an image to a level finer by `octaves_x` and `octaves_y` ≥ 0: linear interpolation on the
-/// grid above, the last sample repeated beyond it. `size`: of the finer level. CV_32FC1 or CV_32FC3;
-/// `source` and `upsampled` are not the same.
+/// grid above, the last sample repeated beyond it. `size`: of the finer level, whose coarser level has
+/// the source's size. CV_32FC1; `source` and `upsampled` are not the same.
 void upsample(const cv::Mat &source, int octaves_x, int octaves_y, cv::Size size,
               cv::Mat &upsampled);
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "saliency/shot_cut.h"
 
+#include "saliency/rows.h"
+
 namespace saliency {
 
 ShotCut::ShotCut(const Profile &profile)
@@ -14,14 +16,9 @@ ShotCut::operator()(const cv::Mat &lab)
 {
   std::size_t changed = 0;
   if (last_.size() == lab.size())
-    for (int y = 0; y < lab.rows; ++y) {
-      const auto *now = lab.ptr<cv::Vec3f>(y);
-      const auto *before = last_.ptr<cv::Vec3f>(y);
-      for (int x = 0; x < lab.cols; ++x) {
-        const cv::Vec3f delta = now[x] - before[x];
-        changed += delta.dot(delta) > contrast_squared_ ? 1 : 0;
-      }
-    }
+    for (int y = 0; y < lab.rows; ++y)
+      changed += rows::count_changed(lab.ptr<float>(y), last_.ptr<float>(y), contrast_squared_,
+                                     static_cast<std::size_t>(lab.cols));
   lab.copyTo(last_);
   return lab.total() >= kFewestSamples
          && static_cast<double>(changed) > share_ * static_cast<double>(lab.total());

@@ -2,36 +2,47 @@
 #include "saliency/spatiotemporal_saliency.h"
 
 #include "saliency/normalization.h"
+#include "saliency/quantile.h"
 
-#include <opencv2/imgproc.hpp>
+#include <opencv2/core.hpp>
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 
 namespace saliency {
 
 namespace {
 
-/// The place of the quantile `q` in [0, 1] among `values`, which are partly sorted for it.
-float
-quantile(std::vector<float> &values, double q)
+/// Each sample becomes the largest of those up to `radius` away along both axes. `along_rows` holds
+/// what is so along one.
+void
+dilate(const cv::Mat &map, int radius, cv::Mat &along_rows, cv::Mat &dilated)
 {
-  const auto place
-      = values.begin() + static_cast<std::ptrdiff_t>(q * static_cast<double>(values.size() - 1));
-  std::nth_element(values.begin(), place, values.end());
-  return *place;
+  const auto raise = [](const float *by, int count, float *values) {
+    for (int x = 0; x < count; ++x)
+      values[x] = std::max(values[x], by[x]);
+  };
+  map.copyTo(along_rows);
+  for (int y = 0; y < map.rows; ++y)
+    for (int by = 1; by <= std::min(radius, map.cols - 1); ++by) {
+      raise(map.ptr<float>(y), map.cols - by, along_rows.ptr<float>(y) + by);
+      raise(map.ptr<float>(y) + by, map.cols - by, along_rows.ptr<float>(y));
+    }
+  along_rows.copyTo(dilated);
+  for (int y = 0; y < map.rows; ++y)
+    for (int from = std::max(0, y - radius); from <= std::min(map.rows - 1, y + radius); ++from)
+      raise(along_rows.ptr<float>(from), map.cols, dilated.ptr<float>(y));
 }
 
 } // namespace
 
 SpatiotemporalSaliency::SpatiotemporalSaliency(const Profile &profile)
     : sign_(profile.temporal_sign), mean_(profile.temporal_mean),
-      illumination_guard_(profile.illumination_guard), camera_margin_(profile.camera_margin),
-      camera_rim_(profile.camera_rim), background_gain_(profile.background_gain),
-      background_quantile_(profile.background_quantile),
-      background_limit_(profile.background_limit), normalization_(profile.temporal_normalization),
-      neighbourhood_(
-          cv::Mat::ones(2 * profile.camera_dilation + 1, 2 * profile.camera_dilation + 1, CV_8UC1))
+      illumination_guard_(profile.illumination_guard), camera_dilation_(profile.camera_dilation),
+      camera_margin_(profile.camera_margin), camera_rim_(profile.camera_rim),
+      background_gain_(profile.background_gain), background_quantile_(profile.background_quantile),
+      background_limit_(profile.background_limit), normalization_(profile.temporal_normalization)
 {
   for (const auto &pair : profile.windows) {
     windows_.push_back(pair.center);
@@ -53,14 +64,14 @@ SpatiotemporalSaliency::compute(TemporalPyramid &history)
   history.means(windows_, means_);
 
   saliency_.create(means_.at(0).size(), CV_32FC1);
-  saliency_.setTo(0);
+  std::fill_n(saliency_.ptr<float>(), saliency_.total(), 0.0F); // cv::Mat::setTo allocates
   const float weight = mean_ ? 1.0F / static_cast<float>(pairs_.size()) : 1.0F;
   for (const auto &pair : pairs_) {
     const cv::Mat *surrounds = &means_[pair.surround];
     const float light
         = illumination_guard_ ? illumination(means_[pair.center], means_[pair.surround]) : 1.0F;
     if (moved) {
-      cv::dilate(*surrounds, dilated_, neighbourhood_);
+      dilate(*surrounds, camera_dilation_, along_rows_, dilated_);
       surrounds = &dilated_;
     }
     const float factor = light * (moved ? static_cast<float>(camera_margin_) : 1.0F);
@@ -81,10 +92,12 @@ SpatiotemporalSaliency::compute(TemporalPyramid &history)
   if (const int rim = camera_rim_;
       moved && rim > 0 && saliency_.cols > 2 * rim && saliency_.rows > 2 * rim) {
     within = { rim, rim, saliency_.cols - 2 * rim, saliency_.rows - 2 * rim };
-    saliency_.rowRange(0, rim).setTo(0);
-    saliency_.rowRange(saliency_.rows - rim, saliency_.rows).setTo(0);
-    saliency_.colRange(0, rim).setTo(0);
-    saliency_.colRange(saliency_.cols - rim, saliency_.cols).setTo(0);
+    for (int y = 0; y < saliency_.rows; ++y) {
+      auto *row = saliency_.ptr<float>(y);
+      const bool silent = y < rim || y >= saliency_.rows - rim;
+      std::fill_n(row, silent ? saliency_.cols : rim, 0.0F);
+      std::fill_n(row + saliency_.cols - rim, rim, 0.0F);
+    }
   }
   if (background_gain_ > 0)
     take_background_off(within);
@@ -103,16 +116,24 @@ SpatiotemporalSaliency::illumination(const cv::Mat &center, const cv::Mat &surro
 
   if (center.total() < kFewestSamples)
     return 1;
-  sorted_.clear();
-  for (int y = 0; y < center.rows; ++y) {
-    const auto *c = center.ptr<float>(y);
-    const auto *s = surround.ptr<float>(y);
-    for (int x = 0; x < center.cols; ++x)
-      if (c[x] > kContrast)
-        sorted_.push_back(c[x] / (s[x] + kNothing));
+  const auto *c = center.ptr<float>();
+  const auto *s = surround.ptr<float>();
+  // Without branches: which samples of noise have contrast cannot be predicted.
+  std::uint32_t count = 0;
+  std::uint32_t gained = 0;
+  for (std::size_t i = 0; i < center.total(); ++i) {
+    const std::uint32_t counts = c[i] > kContrast ? 1 : 0;
+    const std::uint32_t gains = c[i] > s[i] + kNothing ? 1 : 0;
+    count += counts;
+    gained += counts & gains;
   }
-  if (static_cast<double>(sorted_.size()) <= kEnough * static_cast<double>(center.total()))
+  if (static_cast<double>(count) <= kEnough * static_cast<double>(center.total())
+      || 2 * gained < count) // the median is at most 1
     return 1;
+  sorted_.clear();
+  for (std::size_t i = 0; i < center.total(); ++i)
+    if (c[i] > kContrast)
+      sorted_.push_back(c[i] / (s[i] + kNothing));
   return std::max(1.0F, quantile(sorted_, 0.5));
 }
 
@@ -122,7 +143,9 @@ SpatiotemporalSaliency::take_background_off(const cv::Rect &within)
   if (within.area() < kFewestSamples)
     return;
   const cv::Mat seen = saliency_(within);
-  sorted_.assign(seen.begin<float>(), seen.end<float>());
+  sorted_.clear();
+  for (int y = 0; y < seen.rows; ++y)
+    sorted_.insert(sorted_.end(), seen.ptr<float>(y), seen.ptr<float>(y) + seen.cols);
   const auto background = static_cast<float>(
       std::min(background_limit_,
                background_gain_ * static_cast<double>(quantile(sorted_, background_quantile_))));

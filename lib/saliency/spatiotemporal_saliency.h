@@ -40,6 +40,7 @@ private:
   TemporalSign sign_;
   bool mean_;
   bool illumination_guard_;
+  int camera_dilation_;
   double camera_margin_;
   int camera_rim_;
   double background_gain_;
@@ -49,7 +50,7 @@ private:
   std::vector<int> windows_; ///< each once, ascending
   std::vector<Pair> pairs_;
   std::vector<cv::Mat> means_; ///< of windows_
-  cv::Mat neighbourhood_;      ///< by which surrounds are dilated
+  cv::Mat along_rows_;         ///< surrounds dilated along one axis, and along both
   cv::Mat dilated_;
   std::vector<float> sorted_;
   cv::Mat saliency_;

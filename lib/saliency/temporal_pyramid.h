@@ -7,8 +7,8 @@
 #include <opencv2/core/mat.hpp>
 
 #include <cstddef>
-#include <deque>
 #include <span>
+#include <utility>
 #include <vector>
 
 namespace saliency {
@@ -32,8 +32,10 @@ namespace saliency {
 /// what is to be seen now, it is taken to have been like the current one. Maps further back are moved
 /// several at a time, as far as they make a quarter of their age.
 ///
-/// Memory: pushes less than 1/8 apart share one entry, so at most 8 × longest + 3 maps of 8 bytes a
-/// pixel are held (66 at one push a frame and a longest window of 64).
+/// Memory: pushes less than 1/8 apart share one entry, so at most 8 × longest + 3 integrals of 8 bytes
+/// a sample are held (66 at one push a frame and a longest window of 64), and maps of 20 bytes a
+/// sample beside them. What is no longer needed is used again: nothing is allocated once as many are
+/// held as it takes.
 class TemporalPyramid
 {
 public:
@@ -79,8 +81,8 @@ private:
   /// then on.
   struct Entry
   {
-    double time;
-    cv::Mat integral; ///< CV_64FC1
+    double time = 0;
+    cv::Mat integral{}; ///< CV_64FC1
     Similarity pose{};
   };
 
@@ -92,19 +94,37 @@ private:
     double part; ///< of the display that is over
   };
 
+  /// Entry i, oldest first; the last is the time of the latest push.
+  const Entry &entry(std::size_t i) const
+  {
+    const std::size_t place = oldest_ + i;
+    return ring_[place < ring_.size() ? place : place - ring_.size()];
+  }
+  Entry &entry(std::size_t i)
+  {
+    return const_cast<Entry &>(std::as_const(*this).entry(i));
+  }
+  const Entry &latest() const
+  {
+    return entry(count_ - 1);
+  }
+  Entry &add_entry(double time, const Similarity &pose);
+  void integrate(const Entry &from, double duration, Entry &to);
+
   /// The last display that begins before `time`, or is the first, by its place in the history.
   std::size_t display_before(double time) const;
   Moment moment(double time) const;
-  void mean(double window, cv::Mat &map) const;
+  void difference(const Moment &from, const Moment &to, double scale, cv::Mat &map) const;
   void moved_means(std::span<const int> windows, std::vector<cv::Mat> &maps);
   void add_moved(double from, double to);
-  void find_stretch(const Moment &from, const Moment &to);
 
   double longest_;
   HistoryStart start_;
-  std::deque<Entry> history_; ///< oldest first; the last entry is the time of the latest push
-  cv::Mat current_;           ///< the latest map
-  Entry end_{};               ///< the end of its display
+  std::vector<Entry> ring_; ///< entries in use and, after them, integrals to use again
+  std::size_t oldest_ = 0;
+  std::size_t count_ = 0;
+  cv::Mat current_; ///< the latest map
+  Entry end_{};     ///< the end of its display
 
   cv::Mat stretch_; ///< what was on show for a while (CV_32FC1)
   cv::Mat sum_;     ///< of stretches, each moved, less the current map (CV_32FC1)

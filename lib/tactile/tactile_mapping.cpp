@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstddef>
 #include <numeric>
+#include <span>
 #include <vector>
 
 namespace tactile {
@@ -17,22 +18,47 @@ constexpr double kPerceptualOnset = 4;
 constexpr double kPerceptualScale = 25;
 constexpr double kWeakestLevel = 0.2;
 
-/// What one cell of an axis sees: weights of the samples from `first` on, summing to 1 where the
-/// viewport is the whole picture.
-struct Window
+/// What each cell of an axis sees: for cell c, weights of the samples from first on, summing to 1 where
+/// the viewport is the whole picture.
+struct Windows
 {
-  int first = 0;
+  struct Cell
+  {
+    int first;
+    std::size_t begin; ///< its weights in `weights`
+    std::size_t count;
+  };
+  std::vector<Cell> cells;
   std::vector<double> weights;
 
-  Window(int first_, int last)
-      : first(first_), weights(static_cast<std::size_t>(last - first_) + 1, 0.0)
+  std::span<const double> of(const Cell &cell) const
   {
+    return std::span(weights).subspan(cell.begin, cell.count);
+  }
+
+  /// Begins the next cell, which sees the samples first…last.
+  void begin(int first, int last)
+  {
+    const auto count = static_cast<std::size_t>(last - first) + 1;
+    cells.push_back({ first, weights.size(), count });
+    weights.resize(weights.size() + count, 0.0);
   }
 
   void add(int sample, double weight)
   {
-    weights[static_cast<std::size_t>(sample - first)] += weight;
+    weights[cells.back().begin + static_cast<std::size_t>(sample - cells.back().first)] += weight;
   }
+};
+
+/// What map_saliency() needs on the way, kept from frame to frame by each thread: it allocates only for
+/// a larger map or grid.
+struct Workspace
+{
+  Windows columns;
+  Windows rows;
+  std::vector<double> kept;   ///< a row of the map
+  std::vector<double> pooled; ///< along columns: rows of cells × samples
+  std::vector<double> cells;
 };
 
 /// An axis of the map: its samples, the extent on it that the cells share, and how much of the
@@ -75,19 +101,18 @@ struct Axis
 
 /// Cell `cell` of `cells`, each sample counting by the share of it that lies in the cell, or outside
 /// the viewport next to it.
-Window
-area_window(const Axis &axis, int cells, int cell)
+void
+add_area_window(const Axis &axis, int cells, int cell, Windows &windows)
 {
   const double cell_begin = axis.begin + axis.length * cell / cells;
   const double cell_end = axis.begin + axis.length * (cell + 1) / cells;
   const double begin = cell_begin - (cell == 0 ? axis.before : 0.0);
   const double end = cell_end + (cell + 1 == cells ? axis.after : 0.0);
   const int first = axis.inside(std::floor(begin));
-  Window window(first, std::max(first, axis.inside(std::ceil(end) - 1)));
+  windows.begin(first, std::max(first, axis.inside(std::ceil(end) - 1)));
   for (int sample = static_cast<int>(std::floor(begin)); sample < end; ++sample)
-    window.add(axis.inside(sample), (std::min(end, sample + 1.0) - std::max<double>(begin, sample))
-                                        / (cell_end - cell_begin));
-  return window;
+    windows.add(axis.inside(sample), (std::min(end, sample + 1.0) - std::max<double>(begin, sample))
+                                         / (cell_end - cell_begin));
 }
 
 double
@@ -100,8 +125,8 @@ gaussian(double z)
 /// cell: the sum of the Gaussians about the two nearest samples. Each is cut at 4 σ and at the
 /// map's borders and sums to 1 before it is weighted and what is outside the viewport is put onto
 /// its border.
-Window
-gaussian_window(const Axis &axis, int cells, int cell, double sigma)
+void
+add_gaussian_window(const Axis &axis, int cells, int cell, double sigma, Windows &windows)
 {
   const int samples = axis.samples;
   const double middle = std::clamp(axis.begin + axis.length * (cell + 0.5) / cells - 0.5, 0.0,
@@ -112,34 +137,34 @@ gaussian_window(const Axis &axis, int cells, int cell, double sigma)
 
   const bool to_begin = axis.before > 0 && axis.place(0) >= before - reach;
   const bool to_end = axis.after > 0 && axis.place(samples - 1) <= before + 1 + reach;
-  Window window(to_begin ? 0 : std::max(0, before - reach),
-                to_end ? samples - 1 : std::min(samples - 1, before + 1 + reach));
-  const int last = window.first + static_cast<int>(window.weights.size()) - 1;
+  const int first = to_begin ? 0 : std::max(0, before - reach);
+  const int last = to_end ? samples - 1 : std::min(samples - 1, before + 1 + reach);
+  windows.begin(first, last);
   const auto add_gaussian = [&](int center, double share) {
     double sum = 0;
     for (int i = std::max(0, center - reach); i <= std::min(samples - 1, center + reach); ++i)
       sum += gaussian((i - center) / width);
-    for (int i = window.first; i <= last; ++i) {
+    for (int i = first; i <= last; ++i) {
       const double distance = axis.place(i) - center;
       if (std::abs(distance) <= reach)
-        window.add(i, share * gaussian(distance / width) / sum);
+        windows.add(i, share * gaussian(distance / width) / sum);
     }
   };
   add_gaussian(before, 1 - (middle - before));
   if (before < last)
     add_gaussian(before + 1, middle - before);
-  return window;
 }
 
-std::vector<Window>
-axis_windows(const Axis &axis, int cells, double sigma)
+void
+find_windows(const Axis &axis, int cells, double sigma, Windows &windows)
 {
-  std::vector<Window> windows;
-  windows.reserve(static_cast<std::size_t>(cells));
+  windows.cells.clear();
+  windows.weights.clear();
   for (int cell = 0; cell < cells; ++cell)
-    windows.push_back(sigma > 0 ? gaussian_window(axis, cells, cell, sigma)
-                                : area_window(axis, cells, cell));
-  return windows;
+    if (sigma > 0)
+      add_gaussian_window(axis, cells, cell, sigma, windows);
+    else
+      add_area_window(axis, cells, cell, windows);
 }
 
 /// Level of the strongest cell for an event of so many ΔE.
@@ -195,32 +220,42 @@ map_saliency(const SaliencyView &map, const MappingSettings &settings, TactileMa
   if (peak <= std::max(0.0, settings.floor))
     return;
 
-  // The cells' windows are separable: along the columns of each row of the map, then down the rows.
-  const auto columns = axis_windows({ map.width, map.horizontal, viewport.left, viewport.width },
-                                    out.columns, settings.prefilter_sigma);
-  const auto rows = axis_windows({ map.height, map.vertical, viewport.top, viewport.height },
-                                 out.rows, settings.prefilter_sigma);
+  // The cells' windows are separable: down the rows of the map, then along them.
+  thread_local Workspace work;
+  find_windows({ map.width, map.horizontal, viewport.left, viewport.width }, out.columns,
+               settings.prefilter_sigma, work.columns);
+  find_windows({ map.height, map.vertical, viewport.top, viewport.height }, out.rows,
+               settings.prefilter_sigma, work.rows);
   const double cut = settings.threshold * peak;
-  std::vector<double> kept(static_cast<std::size_t>(map.width));
-  std::vector<double> pooled(static_cast<std::size_t>(map.height) * columns.size());
+  const auto width = static_cast<std::size_t>(map.width);
+  work.kept.resize(width);
+  work.pooled.assign(work.rows.cells.size() * width, 0.0);
   for (int y = 0; y < map.height; ++y) {
     for (int x = 0; x < map.width; ++x) {
       const double value = map.at(x, y);
       const bool keep = value > cut || value == peak;
-      kept[static_cast<std::size_t>(x)] = keep ? (settings.binary ? 1.0 : value) : 0.0;
+      work.kept[static_cast<std::size_t>(x)] = keep ? (settings.binary ? 1.0 : value) : 0.0;
     }
-    for (std::size_t c = 0; c < columns.size(); ++c)
-      pooled[static_cast<std::size_t>(y) * columns.size() + c]
-          = std::inner_product(columns[c].weights.begin(), columns[c].weights.end(),
-                               kept.begin() + columns[c].first, 0.0);
+    double *row = work.pooled.data();
+    for (const Windows::Cell &cell : work.rows.cells) {
+      const auto i = static_cast<std::size_t>(y - cell.first); // huge before the first
+      if (i < cell.count) {
+        const double weight = work.rows.of(cell)[i];
+        for (std::size_t x = 0; x < width; ++x)
+          row[x] += weight * work.kept[x];
+      }
+      row += width;
+    }
   }
-  std::vector<double> cells(out.levels.size());
-  for (std::size_t r = 0; r < rows.size(); ++r)
-    for (std::size_t i = 0; i < rows[r].weights.size(); ++i) {
-      const auto y = static_cast<std::size_t>(rows[r].first) + i;
-      for (std::size_t c = 0; c < columns.size(); ++c)
-        cells[r * columns.size() + c] += rows[r].weights[i] * pooled[y * columns.size() + c];
+  work.cells.clear();
+  for (std::size_t r = 0; r < work.rows.cells.size(); ++r)
+    for (const Windows::Cell &cell : work.columns.cells) {
+      const auto weights = work.columns.of(cell);
+      work.cells.push_back(std::inner_product(
+          weights.begin(), weights.end(),
+          work.pooled.begin() + static_cast<std::ptrdiff_t>(r * width) + cell.first, 0.0));
     }
+  const std::vector<double> &cells = work.cells;
 
   double scale = 1;
   if (settings.gain == Gain::perceptual) {

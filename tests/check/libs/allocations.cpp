@@ -1,0 +1,240 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+//
+// Nothing is allocated for a frame once the analysis is warm: malloc and its kin are counted, by
+// standing before the C library's. Sanitizers stand there themselves, so meson leaves this out there.
+#include <cstddef>
+#include <cstdlib>
+#include <dlfcn.h>
+
+#include "saliency/analyzer.h"
+#include "tactile/tactile_mapping.h"
+
+#include "i420_frame.h"
+
+#include <opencv2/core.hpp>
+
+#include <gst/check/gstcheck.h>
+
+#include <vector>
+
+namespace {
+
+thread_local bool armed = false; ///< of this thread's allocations
+thread_local int allocations = 0;
+
+template <typename Function>
+Function
+next(const char *name)
+{
+  return reinterpret_cast<Function>(dlsym(RTLD_NEXT, name));
+}
+
+void
+count()
+{
+  if (armed)
+    ++allocations;
+}
+
+} // namespace
+
+extern "C" void *__libc_malloc(std::size_t size);
+extern "C" void *__libc_calloc(std::size_t count, std::size_t size);
+extern "C" void *__libc_realloc(void *memory, std::size_t size);
+
+// operator new of libstdc++ and OpenCV's fastMalloc end here. free() is the C library's own.
+extern "C" __attribute__((visibility("default"))) void *
+malloc(std::size_t size) noexcept
+{
+  count();
+  return __libc_malloc(size);
+}
+
+extern "C" __attribute__((visibility("default"))) void *
+calloc(std::size_t number, std::size_t size) noexcept
+{
+  count();
+  return __libc_calloc(number, size);
+}
+
+extern "C" __attribute__((visibility("default"))) void *
+realloc(void *memory, std::size_t size) noexcept
+{
+  count();
+  return __libc_realloc(memory, size);
+}
+
+extern "C" __attribute__((visibility("default"))) int
+posix_memalign(void **memory, std::size_t alignment, std::size_t size) noexcept
+{
+  count();
+  static const auto allocate = next<int (*)(void **, std::size_t, std::size_t)>("posix_memalign");
+  return allocate(memory, alignment, size);
+}
+
+extern "C" __attribute__((visibility("default"))) void *
+aligned_alloc(std::size_t alignment, std::size_t size) noexcept
+{
+  count();
+  static const auto allocate = next<void *(*)(std::size_t, std::size_t)>("aligned_alloc");
+  return allocate(alignment, size);
+}
+
+extern "C" __attribute__((visibility("default"))) void *
+memalign(std::size_t alignment, std::size_t size) noexcept
+{
+  count();
+  static const auto allocate = next<void *(*)(std::size_t, std::size_t)>("memalign");
+  return allocate(alignment, size);
+}
+
+namespace {
+
+using oracle::Frame;
+
+// As large as the front end does not have to decimate: cv::pyrDown, which it uses for that, allocates.
+const cv::Size kFilm(160, 120);
+const cv::Size kPicture(96, 72); ///< for Profile::tuned_spatial()
+
+/// A textured picture seen from a place further right each frame, and back.
+std::vector<Frame>
+pan()
+{
+  const Frame world = oracle::textured(kFilm.width + 60, kFilm.height);
+  std::vector<Frame> frames;
+  for (int i = 0; i < 20; ++i) {
+    const int left = 2 * (i < 10 ? i : 20 - i);
+    Frame frame(kFilm.width, kFilm.height);
+    for (std::size_t c = 0; c < 3; ++c)
+      for (int y = 0; y < frame.plane_height(c); ++y)
+        for (int x = 0; x < frame.plane_width(c); ++x)
+          frame.at(c, x, y) = world.planes[c][static_cast<std::size_t>(
+              y * world.plane_width(c) + x + (c == 0 ? left : left / 2))];
+    // Larger things than noise, for the camera to be followed by.
+    for (int k = 0; k < 9; ++k)
+      frame.disc(25 * k - left, 15 + 47 * k % 90, 11, { 60 + 20 * k, 128, 128 });
+    frames.push_back(frame);
+  }
+  return frames;
+}
+
+std::vector<Frame>
+still(cv::Size size)
+{
+  std::vector<Frame> frames;
+  for (int i = 0; i < 30; ++i)
+    frames.push_back(oracle::film(size.width, size.height, i));
+  return frames;
+}
+
+/// A shot of five frames, then another.
+std::vector<Frame>
+cuts()
+{
+  std::vector<Frame> frames;
+  for (int i = 0; i < 10; ++i)
+    frames.push_back(Frame(kFilm.width, kFilm.height, i < 5 ? 40 : 200));
+  return frames;
+}
+
+struct Counted
+{
+  int allocations;
+  int cuts;
+  int moved;
+};
+
+/// Of `measured` frames after `warm_up`.
+Counted
+analyse(const saliency::Profile &profile, const tactile::MappingSettings &mapping, bool temporal,
+        const std::vector<Frame> &frames)
+{
+  constexpr int kWarmUp = 200;
+  constexpr int kMeasured = 120;
+  saliency::Analyzer analyzer(profile);
+  tactile::TactileMap map(3, 3);
+  Counted counted{ 0, 0, 0 };
+  for (int i = 0; i < kWarmUp + kMeasured; ++i) {
+    const auto view = frames[static_cast<std::size_t>(i) % frames.size()].view();
+    const saliency::Time duration(33'333'333);
+    allocations = 0;
+    armed = i >= kWarmUp;
+    const auto &found = analyzer.analyze(view, i * duration, duration, temporal);
+    tactile::map_saliency({ .values = found.map.ptr<float>(),
+                            .width = found.map.cols,
+                            .height = found.map.rows,
+                            .stride = static_cast<std::ptrdiff_t>(found.map.step1()),
+                            .horizontal = { found.picture.x, found.picture.width },
+                            .vertical = { found.picture.y, found.picture.height } },
+                          mapping, map);
+    armed = false;
+    counted.allocations += allocations;
+    counted.cuts += found.cut ? 1 : 0;
+    counted.moved += found.camera_moves ? 1 : 0;
+  }
+  return counted;
+}
+
+} // namespace
+
+GST_START_TEST(test_counter)
+{
+  // An allocation by each way in is seen.
+  armed = true;
+  allocations = 0;
+  std::vector<int> by_new(10);
+  cv::Mat by_opencv(10, 10, CV_8UC1);
+  void *by_malloc = malloc(10);
+  armed = false;
+  free(by_malloc);
+  ck_assert_int_ge(allocations, 3);
+}
+GST_END_TEST;
+
+GST_START_TEST(test_tuned)
+{
+  const auto mapping = tactile::MappingSettings::tuned();
+  const auto profile = saliency::Profile::tuned();
+  ck_assert_int_eq(analyse(profile, mapping, true, still(kFilm)).allocations, 0);
+
+  const Counted moving = analyse(profile, mapping, true, pan());
+  ck_assert_int_ge(moving.moved, 100);
+  ck_assert_int_eq(moving.allocations, 0);
+
+  const Counted cut = analyse(profile, mapping, true, cuts());
+  ck_assert_int_ge(cut.cuts, 50);
+  ck_assert_int_eq(cut.allocations, 0);
+}
+GST_END_TEST;
+
+GST_START_TEST(test_tuned_spatial)
+{
+  const Counted counted
+      = analyse(saliency::Profile::tuned_spatial(), tactile::MappingSettings::tuned_spatial(),
+                false, still(kPicture));
+  ck_assert_int_eq(counted.allocations, 0);
+}
+GST_END_TEST;
+
+GST_START_TEST(test_paper)
+{
+  const Counted counted
+      = analyse(saliency::Profile::paper(), tactile::MappingSettings::paper(), true, still(kFilm));
+  ck_assert_int_eq(counted.allocations, 0);
+}
+GST_END_TEST;
+
+static Suite *
+allocations_suite(void)
+{
+  Suite *suite = suite_create("allocations");
+  TCase *tc = tcase_create("general");
+  suite_add_tcase(suite, tc);
+  tcase_add_test(tc, test_counter);
+  tcase_add_test(tc, test_tuned);
+  tcase_add_test(tc, test_tuned_spatial);
+  tcase_add_test(tc, test_paper);
+  return suite;
+}
+
+GST_CHECK_MAIN(allocations);
