@@ -92,14 +92,14 @@ contenders(cv::Size size)
                       sink = sink + sum_of_words(in_format->bytes(i));
                     } });
     for (const int threads : thread_counts())
-      all.push_back(ours("tuned", tuned, mapping, in_format, format, threads));
+      if (threads <= 2 || format == Format::i420)
+        all.push_back(ours("tuned", tuned, mapping, in_format, format, threads));
   }
-  for (const int threads : thread_counts()) {
-    all.push_back(ours("tuned, camera moving", tuned, mapping, pan, Format::i420, threads));
+  for (const int threads : thread_counts())
     all.push_back(ours("exact", exact, mapping, film, Format::i420, threads));
-    all.push_back(ours("paper", saliency::Profile::paper(), tactile::MappingSettings::paper(), film,
-                       Format::i420, threads));
-  }
+  all.push_back(ours("tuned, camera moving", tuned, mapping, pan, Format::i420, 1));
+  all.push_back(ours("paper", saliency::Profile::paper(), tactile::MappingSettings::paper(), film,
+                     Format::i420, 1));
 
   const auto literal = std::make_shared<LiteralPaper>();
   all.push_back({ .method = "literal paper",
