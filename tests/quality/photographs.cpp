@@ -1,17 +1,13 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "photographs.h"
 
+#include "decode.h"
 #include "fixations.h"
-#include "gst/saliency/framemapping.h"
 #include "peers.h"
 #include "saliency/analyzer.h"
 #include "saliency/front_end.h"
 #include "saliency/rarity.h"
 #include "saliency/spatial_saliency.h"
-
-#include <gst/app/gstappsink.h>
-#include <gst/gst.h>
-#include <gst/video/video.h>
 
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
@@ -23,7 +19,6 @@
 #include <cstddef>
 #include <exception>
 #include <functional>
-#include <memory>
 #include <mutex>
 #include <stdexcept>
 #include <thread>
@@ -36,7 +31,6 @@ const cv::Size kPicture(800, 600);
 const cv::Size kGrid(200, 150);
 constexpr double kBlur = 6; ///< samples of the grid
 constexpr double kBorder = 0.1;
-constexpr GstClockTime kPatience = 20 * GST_SECOND;
 
 enum Split
 {
@@ -72,57 +66,25 @@ list_photographs(const std::filesystem::path &directory)
   return photographs;
 }
 
-struct Unref
-{
-  void operator()(GstElement *element) const
-  {
-    gst_element_set_state(element, GST_STATE_NULL);
-    gst_object_unref(element);
-  }
-  void operator()(GstSample *sample) const
-  {
-    gst_sample_unref(sample);
-  }
-};
-
 /// A decoded picture.
 class Picture
 {
 public:
-  Picture(const std::filesystem::path &file, const char *format)
+  Picture(const std::filesystem::path &file, const char *format) : decoder_(file, "jpegdec", format)
   {
-    gst_video_info_init(&info_);
-    g_autoptr(GError) error = nullptr;
-    const std::string launch
-        = std::string("filesrc name=source ! jpegdec ! videoconvert ! video/x-raw,format=") + format
-          + " ! appsink name=sink sync=false";
-    const std::unique_ptr<GstElement, Unref> pipeline(gst_parse_launch(launch.c_str(), &error));
-    if (!pipeline || error)
-      throw std::runtime_error(std::string("cannot decode JPEG: ")
-                               + (error ? error->message : "no pipeline")
-                               + " (tools/setup.sh play)");
-    g_autoptr(GstElement) source = gst_bin_get_by_name(GST_BIN(pipeline.get()), "source");
-    g_autoptr(GstElement) sink = gst_bin_get_by_name(GST_BIN(pipeline.get()), "sink");
-    g_object_set(source, "location", file.c_str(), nullptr);
-    gst_element_set_state(pipeline.get(), GST_STATE_PLAYING);
-    sample_.reset(gst_app_sink_try_pull_sample(GST_APP_SINK(sink), kPatience));
-    if (!sample_ || !gst_video_info_from_caps(&info_, gst_sample_get_caps(sample_.get())))
+    if (!decoder_.next())
       throw std::runtime_error(file.string() + ": no picture in it");
-    mapping_ = std::make_unique<FrameMapping>(info_, gst_sample_get_buffer(sample_.get()));
-    if (!*mapping_ || mapping_->view().width != kPicture.width
-        || mapping_->view().height != kPicture.height)
+    if (view().width != kPicture.width || view().height != kPicture.height)
       throw std::runtime_error(file.string() + ": expected 800 x 600 pixels");
   }
 
   const saliency::FrameView &view() const
   {
-    return mapping_->view();
+    return decoder_.view();
   }
 
 private:
-  std::unique_ptr<GstSample, Unref> sample_;
-  GstVideoInfo info_;
-  std::unique_ptr<FrameMapping> mapping_;
+  Decoder decoder_;
 };
 
 /// A BGR picture as OpenCV sees it.

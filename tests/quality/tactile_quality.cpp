@@ -3,6 +3,7 @@
 // How well do the maps follow what happens? Tables of docs/quality.md: films whose events are known,
 // films in which nothing happens however much changes, photographs with people's fixations; the
 // literal paper, the tuned profile and its peers.
+#include "accuracy.h"
 #include "choices.h"
 #include "clips.h"
 #include "film_cases.h"
@@ -221,6 +222,12 @@ clip_table(const Options &options)
   return table;
 }
 
+Table
+agreement_table(const Options &options)
+{
+  return accuracy_table(options.data ? options.data : "", options.threads, options.quick);
+}
+
 /// What each choice is worth: the worst of the films.
 Table
 choice_table(const Options &options)
@@ -365,6 +372,7 @@ constexpr std::array kTables{
   NamedTable{ "choices", choice_table, false },
   NamedTable{ "cues", [](const Options &o) { return cue_limit_table(o.threads); }, false },
   NamedTable{ "viewports", [](const Options &o) { return viewport_table(o.threads); }, false },
+  NamedTable{ "accuracy", agreement_table, false },
   NamedTable{ "photographs", photograph_table, true },
   NamedTable{ "clips", clip_table, true }
 };
@@ -380,9 +388,10 @@ make_tables(const Options &options)
       const auto table = std::ranges::find_if(
           kTables, [&](const NamedTable &t) { return std::string_view(t.name) == *name; });
       if (table == kTables.end())
-        throw std::runtime_error(std::string("expected films, phantoms, choices, cues, viewports, "
-                                             "photographs or clips, got '")
-                                 + *name + "'");
+        throw std::runtime_error(
+            std::string("expected films, phantoms, choices, cues, viewports, accuracy, "
+                        "photographs or clips, got '")
+            + *name + "'");
       if (table->needs_data && !options.data)
         throw std::runtime_error(std::string(*name) + " need --data DIRECTORY");
       tables.push_back(table->make(options));
@@ -430,7 +439,8 @@ main(int argc, char **argv)
     { "data", 0, 0, G_OPTION_ARG_FILENAME, &options.data,
       "Where osie/ (photographs with fixations) and clips/ (films) lie", "DIRECTORY" },
     { "table", 0, 0, G_OPTION_ARG_STRING_ARRAY, &options.tables,
-      "Only this: films, phantoms, choices, cues, viewports, photographs or clips; may be repeated",
+      "Only this: films, phantoms, choices, cues, viewports, accuracy, photographs or clips; may "
+      "be repeated",
       "NAME" },
     { "markdown", 0, 0, G_OPTION_ARG_FILENAME, &options.markdown, "Write the tables as Markdown",
       "FILE" },
@@ -454,7 +464,9 @@ main(int argc, char **argv)
   }
   cv::setNumThreads(1);
   try {
-    return (options.check ? check(options) : report(options)) ? 0 : 1;
+    const bool good
+        = options.check ? accuracy_holds(options.threads) & check(options) : report(options);
+    return good ? 0 : 1;
   } catch (const std::exception &problem) {
     std::fprintf(stderr, "tactile_quality: %s\n", problem.what());
     return 1;

@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "analysis.h"
+
+#include "race.h"
+#include "saliency/front_end.h"
+#include "saliency/pyramid.h"
+#include "tests/quality/stages.h"
+
+#include <opencv2/core.hpp>
+
+#include <cmath>
+#include <vector>
+
+namespace bench {
+
+namespace {
+
+constexpr saliency::Time kFrame{ 1'000'000'000 / 30 };
+
+void
+pool(const saliency::Saliency &found, const tactile::MappingSettings &mapping,
+     tactile::TactileMap &map)
+{
+  tactile::map_saliency({ .values = found.map.ptr<float>(),
+                          .width = found.map.cols,
+                          .height = found.map.rows,
+                          .stride = static_cast<std::ptrdiff_t>(found.map.step1()),
+                          .horizontal = { found.picture.x, found.picture.width },
+                          .vertical = { found.picture.y, found.picture.height } },
+                        mapping, map);
+}
+
+/// A frame as small as what decimation leaves, with all of its chroma.
+saliency::FrameView
+small_frame(const cv::Mat &samples)
+{
+  saliency::FrameView view;
+  view.width = samples.cols;
+  view.height = samples.rows / 3;
+  for (std::size_t c = 0; c < 3; c++)
+    view.components[c] = { samples.ptr(static_cast<int>(c) * view.height), samples.cols, 1,
+                           view.width, view.height };
+  return view;
+}
+
+} // namespace
+
+// The one place where the number of threads reaches the library.
+Analysis::Analysis(const saliency::Profile &profile, const tactile::MappingSettings &mapping,
+                   cv::Size grid, [[maybe_unused]] int threads)
+    : analyzer_(profile), mapping_(mapping), map_(grid.height, grid.width)
+{
+}
+
+void
+Analysis::frame(const saliency::FrameView &frame, std::size_t i)
+{
+  pool(analyzer_.analyze(frame, static_cast<int>(i) * kFrame, kFrame), mapping_, map_);
+}
+
+StageTimes
+stage_times(const saliency::Profile &profile, const tactile::MappingSettings &mapping,
+            const Film &film, int warm_up, int frames)
+{
+  saliency::FrontEnd front_end(profile.exact);
+  saliency::FrontEnd converter(false);
+  quality::Stages stages(profile, film.size());
+  tactile::TactileMap map(3, 3);
+  const cv::Size small = saliency::level_size(film.size(), stages.level());
+  cv::Mat samples(3 * small.height, small.width, CV_8UC1);
+  cv::randu(samples, 60, 200);
+
+  constexpr std::size_t kOthers = 3; // front end, Lab and pooling, around the stages
+  std::array<std::vector<double>, quality::kStages.size() + kOthers> times;
+  for (int i = 0; i < warm_up + frames; i++) {
+    std::size_t next = 0;
+    Stopwatch watch(1);
+    const auto lap = [&] {
+      if (i >= warm_up)
+        times[next++].push_back(watch.ms());
+      watch = Stopwatch(1);
+    };
+    const cv::Mat &lab = front_end.lab(film.view(static_cast<std::size_t>(i)), stages.level());
+    lap();
+    converter.lab(small_frame(samples), 0);
+    lap();
+    const auto &found
+        = stages.analyze(lab, i * kFrame, kFrame, true, [&](quality::Stage) { lap(); });
+    pool(found, mapping, map);
+    lap();
+  }
+
+  StageTimes medians;
+  medians.front_end = median(times[0]);
+  medians.lab = profile.exact ? std::nan("") : median(times[1]);
+  for (std::size_t i = 0; i < medians.stages.size(); i++)
+    medians.stages[i] = median(times[2 + i]);
+  medians.pooling = median(times.back());
+  return medians;
+}
+
+} // namespace bench

@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "analysis.h"
+#include "film.h"
+#include "literal_paper.h"
+#include "opencv_rewrite.h"
+#include "race.h"
+#include "tests/quality/peers.h"
+
+#include <opencv2/core.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include <cstdint>
+#include <cstring>
+#include <memory>
+
+namespace bench {
+
+namespace {
+
+/// What keeps the processor from leaving it out.
+volatile std::uint64_t sink = 0;
+
+std::uint64_t
+sum_of_words(const cv::Mat &bytes)
+{
+  const std::size_t size = bytes.total() * bytes.elemSize();
+  std::uint64_t sum = 0;
+  for (std::size_t at = 0; at + 8 <= size; at += 8) {
+    std::uint64_t word;
+    std::memcpy(&word, bytes.data + at, 8);
+    sum += word;
+  }
+  return sum;
+}
+
+std::size_t
+frame_bytes(const Film &film)
+{
+  return film.bytes(0).total() * film.bytes(0).elemSize();
+}
+
+Contender
+ours(const std::string &method, const saliency::Profile &profile,
+     const tactile::MappingSettings &mapping, std::shared_ptr<Film> film, Format format,
+     int threads)
+{
+  auto analysis = std::make_shared<Analysis>(profile, mapping, cv::Size(3, 3), threads);
+  return { .method = method,
+           .input = name(format),
+           .threads = threads,
+           .frame_bytes = frame_bytes(*film),
+           .work = [=](std::size_t i) {
+             analysis->frame(film->view(i), i);
+           } };
+}
+
+Contender
+peer(quality::Peer which, std::shared_ptr<Film> film)
+{
+  auto model = std::make_shared<quality::PeerSaliency>(which);
+  auto bgr = std::make_shared<cv::Mat>();
+  const bool reduced = quality::needs_motion(which) && film->size().width > 320;
+  return { .method = std::string(quality::name(which)) + (reduced ? " (320 wide)" : ""),
+           .input = "I420",
+           .frame_bytes = frame_bytes(*film),
+           .work = [=](std::size_t i) {
+             cv::cvtColor(film->bytes(i), *bgr, cv::COLOR_YUV2BGR_I420);
+             model->compute(*bgr);
+           } };
+}
+
+} // namespace
+
+std::vector<Contender>
+contenders(cv::Size size)
+{
+  const auto film = std::make_shared<Film>(size, Scene::disc);
+  const auto pan = std::make_shared<Film>(size, Scene::pan);
+  const auto tuned = saliency::Profile::tuned();
+  auto exact = tuned;
+  exact.exact = true;
+  const auto mapping = tactile::MappingSettings::tuned();
+
+  std::vector<Contender> all;
+  for (const Format format : kFormats) {
+    const auto in_format
+        = format == Format::i420 ? film : std::make_shared<Film>(size, Scene::disc, format);
+    all.push_back({ .method = kReading,
+                    .input = name(format),
+                    .frame_bytes = frame_bytes(*in_format),
+                    .work = [=](std::size_t i) {
+                      sink = sink + sum_of_words(in_format->bytes(i));
+                    } });
+    for (const int threads : thread_counts())
+      if (threads <= 2 || format == Format::i420)
+        all.push_back(ours("tuned", tuned, mapping, in_format, format, threads));
+  }
+  for (const int threads : thread_counts())
+    all.push_back(ours("exact", exact, mapping, film, Format::i420, threads));
+  all.push_back(ours("tuned, camera moving", tuned, mapping, pan, Format::i420, 1));
+  all.push_back(ours("paper", saliency::Profile::paper(), tactile::MappingSettings::paper(), film,
+                     Format::i420, 1));
+
+  const auto literal = std::make_shared<LiteralPaper>();
+  all.push_back({ .method = "literal paper",
+                  .input = "I420",
+                  .frame_bytes = frame_bytes(*film),
+                  .work = [=](std::size_t i) {
+                    literal->frame(film->bytes(i));
+                  } });
+  for (const bool decimate_first : { false, true }) {
+    const auto rewrite = std::make_shared<OpencvRewrite>(size, decimate_first);
+    all.push_back(
+        { .method = decimate_first ? "OpenCV rewrite, decimating first" : "OpenCV rewrite",
+          .input = "I420",
+          .frame_bytes = frame_bytes(*film),
+          .work = [=](std::size_t i) {
+            rewrite->frame(film->bytes(i));
+          } });
+  }
+  for (const quality::Peer which : quality::kPeers)
+    if (quality::is_available(which) && which != quality::Peer::frame_difference)
+      all.push_back(peer(which, film));
+  return all;
+}
+
+std::vector<int>
+thread_counts()
+{
+  return { 1 };
+}
+
+} // namespace bench

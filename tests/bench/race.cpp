@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "race.h"
+
+#include "allocations.h"
+
+#include <algorithm>
+#include <ctime>
+
+namespace bench {
+
+namespace {
+
+constexpr double kWarmUpMs = 300;
+constexpr std::size_t kWarmUp = 80; // frames: the longest window is 64
+constexpr double kSliceMs = 8;
+constexpr std::size_t kSlice = 8;
+constexpr double kSlowMs = 60;
+constexpr int kSlowRounds = 3;
+
+} // namespace
+
+Stopwatch::Stopwatch(int threads) : threads_(threads), begin_(now())
+{
+}
+
+double
+Stopwatch::now() const
+{
+  timespec time{};
+  clock_gettime(threads_ > 1 ? CLOCK_MONOTONIC : CLOCK_THREAD_CPUTIME_ID, &time);
+  return 1e3 * static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_nsec);
+}
+
+double
+Stopwatch::ms() const
+{
+  return now() - begin_;
+}
+
+double
+median(std::vector<double> values)
+{
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+void
+race(std::vector<Contender> &contenders, int rounds)
+{
+  struct Lane
+  {
+    std::size_t frame = 0;
+    std::size_t slice = 1;
+    bool slow = false;
+    double bytes = 0;
+    std::size_t counted = 0;
+    std::vector<double> ms;
+  };
+  std::vector<Lane> lanes(contenders.size());
+  const auto run = [&](std::size_t i, std::size_t frames) {
+    for (std::size_t n = 0; n < frames; n++)
+      contenders[i].work(lanes[i].frame++);
+  };
+
+  for (std::size_t i = 0; i < lanes.size(); i++) {
+    run(i, 1);
+    const Stopwatch watch(contenders[i].threads);
+    run(i, 1);
+    const double each = std::max(1e-3, watch.ms());
+    run(i, std::min(kWarmUp, static_cast<std::size_t>(kWarmUpMs / each)));
+    lanes[i].slice = std::clamp<std::size_t>(static_cast<std::size_t>(kSliceMs / each), 1, kSlice);
+    lanes[i].slow = each > kSlowMs;
+  }
+  for (int round = 0; round < rounds; round++)
+    for (std::size_t i = 0; i < lanes.size(); i++) {
+      Lane &lane = lanes[i];
+      if (lane.slow && round >= kSlowRounds)
+        continue;
+      const std::uint64_t before = allocated_bytes();
+      const Stopwatch watch(contenders[i].threads);
+      run(i, lane.slice);
+      const double ms = watch.ms() / static_cast<double>(lane.slice);
+      lane.bytes += static_cast<double>(allocated_bytes() - before);
+      lane.counted += lane.slice;
+      lane.ms.push_back(ms);
+    }
+  for (std::size_t i = 0; i < lanes.size(); i++) {
+    contenders[i].ms = median(lanes[i].ms);
+    contenders[i].allocated = lanes[i].bytes / static_cast<double>(lanes[i].counted);
+  }
+}
+
+} // namespace bench

@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <opencv2/core/types.hpp>
+
+#include <cstddef>
+#include <functional>
+#include <string>
+#include <vector>
+
+namespace bench {
+
+/// Something that does its work on a film, frame by frame, and what that costs.
+struct Contender
+{
+  std::string method;
+  std::string input; ///< format of the frames
+  int threads = 1;
+  std::size_t frame_bytes = 0;
+  std::function<void(std::size_t)> work{}; ///< on the i-th frame
+
+  double ms = 0;        ///< a frame: median over rounds
+  double allocated = 0; ///< bytes asked for a frame, after warm-up
+};
+
+/// How long something took, in ms: CPU time of this thread, which other programs do not disturb, or,
+/// where it has several threads, time on the wall.
+class Stopwatch
+{
+public:
+  explicit Stopwatch(int threads);
+  double ms() const;
+
+private:
+  double now() const;
+
+  int threads_;
+  double begin_;
+};
+
+double median(std::vector<double> values);
+
+/// Lets them work in turn, a few frames each, `rounds` times (the slow fewer times).
+void race(std::vector<Contender> &contenders, int rounds);
+
+/// The method of reading a frame from memory.
+inline constexpr const char *kReading = "reading the frame";
+
+/// Everything that is compared, on frames of this size: reading a frame from memory, this project's
+/// profiles, formats and threads, the paper taken literally, OpenCV rewrites, and the peers that this
+/// build has. The film lives as long as they do.
+std::vector<Contender> contenders(cv::Size size);
+
+/// Numbers of threads to compare.
+std::vector<int> thread_counts();
+
+} // namespace bench

@@ -1,0 +1,338 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+//
+// What the analysis of a frame costs, beside what others take: tables of docs/speed.md, and its plot.
+// Everything is measured in one run, in turns. One thread is measured in CPU time, more on the wall.
+#include "allocations.h"
+#include "analysis.h"
+#include "film.h"
+#include "race.h"
+#include "svg_plot.h"
+#include "tests/quality/peers.h"
+#include "tests/quality/table.h"
+
+#include <glib.h>
+
+#include <opencv2/core.hpp>
+#include <opencv2/core/utility.hpp>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <cstdio>
+#include <fstream>
+#include <iostream>
+#include <memory>
+#include <sstream>
+#include <stdexcept>
+#include <string_view>
+
+using namespace bench;
+using quality::figure;
+using quality::percent;
+using quality::Table;
+
+namespace {
+
+struct Options
+{
+  gboolean quick = FALSE;
+  gchar **sizes = nullptr;
+  gchar *markdown = nullptr;
+  gchar *csv = nullptr;
+  gchar *svg = nullptr;
+};
+
+/// The race of one size.
+struct Result
+{
+  cv::Size size;
+  std::vector<Contender> contenders;
+
+  double ms(std::string_view method, std::string_view input = "I420", int threads = 1) const
+  {
+    for (const Contender &one : contenders)
+      if (one.method.starts_with(method) && one.input == input && one.threads == threads)
+        return one.ms;
+    return std::nan("");
+  }
+};
+
+std::string
+size_text(cv::Size size)
+{
+  return std::to_string(size.width) + "×" + std::to_string(size.height);
+}
+
+cv::Size
+parse_size(std::string_view text)
+{
+  cv::Size size;
+  const char *end = text.data() + text.size();
+  const auto width = std::from_chars(text.data(), end, size.width);
+  const auto valid = [](int side) {
+    return side >= 16 && side <= 8192 && side % 2 == 0;
+  };
+  if (width.ec != std::errc{} || width.ptr == end || *width.ptr != 'x'
+      || std::from_chars(width.ptr + 1, end, size.height).ptr != end || !valid(size.width)
+      || !valid(size.height))
+    throw std::runtime_error("expected sizes like 1920x1080, even and from 16 to 8192, got '"
+                             + std::string(text) + "'");
+  return size;
+}
+
+std::vector<cv::Size>
+sizes(const Options &options)
+{
+  std::vector<cv::Size> all;
+  for (gchar **text = options.sizes; text && *text; text++)
+    all.push_back(parse_size(*text));
+  if (all.empty())
+    all = { { 640, 480 }, { 1000, 1000 }, { 1920, 1080 }, { 3840, 2160 } };
+  std::ranges::sort(all, {}, &cv::Size::area);
+  return all;
+}
+
+std::string
+times(double ratio)
+{
+  return std::isnan(ratio) ? "–" : figure(ratio, ratio < 10 ? 2 : 1);
+}
+
+std::string
+milliseconds(double ms)
+{
+  return figure(ms, ms < 0.1 ? 4 : ms < 10 ? 3 : 1);
+}
+
+Table
+race_table(const Result &result)
+{
+  Table table("A frame of " + size_text(result.size),
+              { "method", "format", "threads", "ms", "ns a pixel", "of the speed of memory",
+                "bytes allocated", "× literal paper", "× OpenCV rewrite",
+                "× the same, decimating first", "× spectral residual", "× fine-grained",
+                "× BinWang" });
+  for (const Contender &one : result.contenders) {
+    std::vector<std::string> row{ one.method,
+                                  one.input,
+                                  std::to_string(one.threads),
+                                  milliseconds(one.ms),
+                                  figure(1e6 * one.ms / result.size.area(), 2),
+                                  percent(result.ms(kReading, one.input) / one.ms),
+                                  counts_allocations() ? figure(one.allocated, 0) : "–" };
+    for (const char *peer : { "literal paper", "OpenCV rewrite", "OpenCV rewrite, decimating first",
+                              "spectral residual", "fine-grained", "BinWang" })
+      row.push_back(one.method == kReading ? "" : times(result.ms(peer) / one.ms));
+    table.add(row);
+  }
+  return table;
+}
+
+Table
+stage_table(const std::vector<cv::Size> &all, bool quick)
+{
+  std::vector<std::string> header{ "size", "profile", "front end", "of it Lab" };
+  for (const auto stage : quality::kStages)
+    header.emplace_back(quality::name(stage));
+  header.insert(header.end(), { "pooling", "sum" });
+  Table table("Stages, ms a frame", header);
+  struct Case
+  {
+    const char *name;
+    Scene scene;
+    saliency::Profile profile;
+    tactile::MappingSettings mapping;
+  };
+  auto exact = saliency::Profile::tuned();
+  exact.exact = true;
+  const auto mapping = tactile::MappingSettings::tuned();
+  for (const cv::Size size : all)
+    for (const auto &[name, scene, profile, map] :
+         { Case{ "tuned", Scene::disc, saliency::Profile::tuned(), mapping },
+           Case{ "tuned, camera moving", Scene::pan, saliency::Profile::tuned(), mapping },
+           Case{ "exact", Scene::disc, exact, mapping },
+           Case{ "paper", Scene::disc, saliency::Profile::paper(),
+                 tactile::MappingSettings::paper() } }) {
+      const bool slow = profile.exact && size.area() > 1'000'000;
+      const int frames = quick ? 5 : slow ? 10 : 60;
+      const StageTimes times = stage_times(profile, map, Film(size, scene), slow ? 5 : 80, frames);
+      std::vector<std::string> row{ size_text(size), name, milliseconds(times.front_end),
+                                    milliseconds(times.lab) };
+      double sum = times.front_end + times.pooling;
+      for (const double ms : times.stages) {
+        row.push_back(milliseconds(ms));
+        sum += ms;
+      }
+      row.insert(row.end(), { milliseconds(times.pooling), milliseconds(sum) });
+      table.add(row);
+    }
+  return table;
+}
+
+struct GridTime
+{
+  int side;
+  double ms;
+};
+
+std::vector<GridTime>
+grid_times(cv::Size size, int rounds)
+{
+  const auto film = std::make_shared<Film>(size, Scene::disc);
+  std::vector<Contender> all;
+  const int sides[] = { 1, 2, 3, 4, 6, 8, 12, 16 };
+  for (const int side : sides) {
+    const auto analysis = std::make_shared<Analysis>(
+        saliency::Profile::tuned(), tactile::MappingSettings::tuned(), cv::Size(side, side), 1);
+    all.push_back({ .method = std::to_string(side), .input = "I420", .work = [=](std::size_t i) {
+                     analysis->frame(film->view(i), i);
+                   } });
+  }
+  race(all, rounds);
+  std::vector<GridTime> times;
+  for (std::size_t i = 0; i < all.size(); i++)
+    times.push_back({ sides[i], all[i].ms });
+  return times;
+}
+
+std::string
+plots(const std::vector<Result> &results, const std::vector<GridTime> &grids, cv::Size grid_size)
+{
+  Plot pixels{ .title = "Picture size", .x_label = "pixels", .y_label = "ms a frame, one thread" };
+  for (const Result &result : results) {
+    pixels.x_ticks.push_back(result.size.area());
+    pixels.x_tick_labels.push_back(size_text(result.size));
+  }
+  for (const Contender &one : results.front().contenders) {
+    if (one.input != "I420" || one.threads != 1)
+      continue;
+    const bool own
+        = one.method.starts_with("tuned") || one.method == "exact" || one.method == "paper";
+    Series series{ one.method.substr(0, one.method.find(" (")), own };
+    for (const Result &result : results)
+      series.points.push_back({ static_cast<double>(result.size.area()), result.ms(series.name) });
+    pixels.series.push_back(series);
+  }
+  std::vector<Plot> all{ pixels };
+
+  Plot grid{ .title = "Tactors, " + size_text(grid_size),
+             .x_label = "tactors",
+             .y_label = "ms a frame, one thread",
+             .series = { { "tuned", true } } };
+  for (const auto &[side, ms] : grids) {
+    grid.x_ticks.push_back(side * side);
+    grid.x_tick_labels.push_back(std::to_string(side) + "×" + std::to_string(side));
+    grid.series[0].points.push_back({ static_cast<double>(side * side), ms });
+  }
+  all.push_back(grid);
+
+  if (thread_counts().size() > 1) {
+    Plot threads{ .title = "Threads", .x_label = "threads", .y_label = "ms a frame" };
+    for (const int count : thread_counts()) {
+      threads.x_ticks.push_back(count);
+      threads.x_tick_labels.push_back(std::to_string(count));
+    }
+    for (const Result &result : results)
+      for (const char *method : { "tuned", "exact" }) {
+        Series series{ std::string(method) + " " + size_text(result.size), true };
+        for (const int count : thread_counts())
+          series.points.push_back({ static_cast<double>(count), result.ms(method, "I420", count) });
+        threads.series.push_back(series);
+      }
+    all.push_back(threads);
+  }
+  return svg(all);
+}
+
+bool
+write(const char *path, const std::string &text)
+{
+  std::ofstream out(path);
+  out << text;
+  out.close();
+  if (!out)
+    std::fprintf(stderr, "speed: cannot write '%s'\n", path);
+  return static_cast<bool>(out);
+}
+
+bool
+report(const Options &options)
+{
+  const auto all = sizes(options);
+  const int rounds = options.quick ? 3 : 15;
+  std::vector<Table> tables;
+  std::vector<Result> results;
+  for (const cv::Size size : all) {
+    std::fprintf(stderr, "%s\n", size_text(size).c_str());
+    results.push_back({ size, contenders(size) });
+    race(results.back().contenders, rounds);
+    for (Contender &one : results.back().contenders)
+      one.work = {};
+    tables.push_back(race_table(results.back()));
+  }
+  std::fprintf(stderr, "stages\n");
+  tables.push_back(stage_table(all, options.quick));
+
+  const cv::Size grid_size = all[all.size() > 2 ? 2 : all.size() - 1];
+  const auto grids = grid_times(grid_size, rounds);
+  Table grid_table("Tactors, a frame of " + size_text(grid_size), { "tactors", "ms" });
+  for (const auto &[side, ms] : grids)
+    grid_table.add({ std::to_string(side) + "×" + std::to_string(side), milliseconds(ms) });
+  tables.push_back(grid_table);
+
+  std::ostringstream markdown;
+  std::ostringstream csv;
+  for (const Table &table : tables) {
+    table.write_markdown(markdown);
+    table.write_csv(csv);
+  }
+  std::cout << markdown.str();
+  for (const quality::Peer peer : quality::kPeers)
+    if (!quality::is_available(peer))
+      std::fprintf(stderr, "%s left out: run tools/setup.sh quality, then configure again\n",
+                   quality::name(peer));
+  bool good = true;
+  if (options.markdown)
+    good &= write(options.markdown, markdown.str());
+  if (options.csv)
+    good &= write(options.csv, csv.str());
+  if (options.svg)
+    good &= write(options.svg, plots(results, grids, grid_size));
+  return good;
+}
+
+} // namespace
+
+int
+main(int argc, char **argv)
+{
+  Options options;
+  const GOptionEntry entries[] = {
+    { "quick", 0, 0, G_OPTION_ARG_NONE, &options.quick, "Fewer rounds", nullptr },
+    { "sizes", 0, 0, G_OPTION_ARG_STRING_ARRAY, &options.sizes,
+      "Only this size; may be repeated (640x480, 1000x1000, 1920x1080, 3840x2160)",
+      "WIDTHxHEIGHT" },
+    { "markdown", 0, 0, G_OPTION_ARG_FILENAME, &options.markdown, "Write the tables as Markdown",
+      "FILE" },
+    { "csv", 0, 0, G_OPTION_ARG_FILENAME, &options.csv, "Write the tables as CSV", "FILE" },
+    { "svg", 0, 0, G_OPTION_ARG_FILENAME, &options.svg, "Write how the cost grows as a plot",
+      "FILE" },
+    { nullptr, 0, 0, G_OPTION_ARG_NONE, nullptr, nullptr, nullptr },
+  };
+  g_autoptr(GOptionContext) context = g_option_context_new("- what the analysis costs");
+  g_option_context_set_summary(context, "Prints tables of times; docs/speed.md explains them.");
+  g_option_context_add_main_entries(context, entries, nullptr);
+  g_autoptr(GError) error = nullptr;
+  if (!g_option_context_parse(context, &argc, &argv, &error) || argc > 1) {
+    std::fprintf(stderr, "speed: %s; see --help\n",
+                 error ? error->message : "expected options alone");
+    return 2;
+  }
+  cv::setNumThreads(1);
+  try {
+    return report(options) ? 0 : 1;
+  } catch (const std::exception &problem) {
+    std::fprintf(stderr, "speed: %s\n", problem.what());
+    return 1;
+  }
+}

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace bench {
+
+struct Point
+{
+  double x;
+  double y;
+};
+
+struct Series
+{
+  std::string name;
+  bool own = false; ///< drawn strong, the others thin
+  std::vector<Point> points{};
+};
+
+/// A plot with two logarithmic axes. Numbers are > 0.
+struct Plot
+{
+  std::string title;
+  std::string x_label; ///< with its unit
+  std::string y_label;
+  std::vector<double> x_ticks; ///< where, and how far the axis goes
+  std::vector<std::string> x_tick_labels;
+  std::vector<Series> series;
+};
+
+/// The plots side by side as an SVG document.
+std::string svg(const std::vector<Plot> &plots);
+
+} // namespace bench

@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+//
+// What the benchmark times and the accuracy table compares is what the analyzer does.
+#include "tests/quality/stages.h"
+
+#include "i420_frame.h"
+#include "saliency/analyzer.h"
+#include "saliency/front_end.h"
+
+#include <opencv2/core.hpp>
+
+#include <algorithm>
+#include <cstdint>
+#include <vector>
+
+#include <gst/check/gstcheck.h>
+
+namespace {
+
+constexpr int kWidth = 500;
+constexpr int kHeight = 300;
+constexpr saliency::Time kFrame{ 1'000'000'000 / 30 };
+
+/// A ball, then a camera that pans over the texture, then another shot.
+oracle::Frame
+picture(int i)
+{
+  if (i < 20)
+    return oracle::film(kWidth, kHeight, i);
+  oracle::Frame frame = oracle::textured(kWidth + 60, kHeight);
+  oracle::Frame seen(kWidth, kHeight);
+  const int left = i < 40 ? 2 * (i - 20) : 0;
+  for (std::size_t c = 0; c < 3; ++c)
+    for (int y = 0; y < seen.plane_height(c); ++y)
+      for (int x = 0; x < seen.plane_width(c); ++x)
+        seen.at(c, x, y) = static_cast<std::uint8_t>(
+            i < 40 ? frame.at(c, x + left / (c == 0 ? 1 : 2), y)
+                   : 255 - frame.at(c, x, y) + 90 * (c == 1 ? x / 40 % 2 : 0));
+  return seen;
+}
+
+void
+compare(const saliency::Profile &profile)
+{
+  saliency::Analyzer analyzer(profile);
+  saliency::FrontEnd front_end(profile.exact);
+  quality::Stages stages(profile, { kWidth, kHeight });
+  bool moved = false;
+  int cuts = 0;
+  for (int i = 0; i < 50; ++i) {
+    const oracle::Frame frame = picture(i);
+    const auto &expected = analyzer.analyze(frame.view(), i * kFrame, kFrame);
+    std::vector<quality::Stage> done;
+    const auto &found
+        = stages.analyze(front_end.lab(frame.view(), stages.level()), i * kFrame, kFrame, true,
+                         [&](quality::Stage stage) { done.push_back(stage); });
+    fail_unless(cv::norm(found.map, expected.map, cv::NORM_INF) == 0, "frame %d", i);
+    fail_unless(found.peak == expected.peak && found.picture == expected.picture);
+    fail_unless(found.cut == expected.cut && found.camera_moves == expected.camera_moves);
+    fail_unless(std::ranges::equal(done, quality::kStages));
+    moved = moved || found.camera_moves;
+    cuts += found.cut ? 1 : 0;
+  }
+  fail_unless(moved == profile.camera_motion);
+  fail_unless((cuts > 0) == (profile.cut_share < 1));
+}
+
+} // namespace
+
+GST_START_TEST(test_same_as_analyzer)
+{
+  compare(saliency::Profile::tuned());
+  compare(saliency::Profile::paper());
+}
+GST_END_TEST;
+
+static Suite *
+stages_suite(void)
+{
+  Suite *suite = suite_create("stages");
+  TCase *tcase = tcase_create("general");
+  suite_add_tcase(suite, tcase);
+  tcase_add_test(tcase, test_same_as_analyzer);
+  return suite;
+}
+
+GST_CHECK_MAIN(stages);

@@ -1,0 +1,375 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "accuracy.h"
+
+#include "decode.h"
+#include "exact_maps.h"
+#include "films.h"
+#include "fixations.h"
+#include "pictures.h"
+#include "saliency/front_end.h"
+#include "stages.h"
+#include "tactile/tactile_map.h"
+#include "tactile/tactile_mapping.h"
+
+#include <opencv2/core.hpp>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <memory>
+#include <stdexcept>
+
+namespace quality {
+
+namespace {
+
+constexpr Time kFrame{ 1'000'000'000 / 30 };
+constexpr double kNearlyFlat
+    = 1; ///< ΔE: oracle's spatial maps that rise no higher are not compared
+constexpr double kAsGood = 0.95;
+
+/// A front end's maps and the oracle's.
+struct Agreement
+{
+  std::string frames_of; ///< which pictures or film
+  std::string map;       ///< spatial, spatiotemporal or tuned spatial
+  std::string front_end; ///< of kFrontEnds
+  int frames = 0;
+  /// Frames whose oracle map rises above 1 ΔE, or above the floor under which nothing is felt: what
+  /// is nearly flat correlates as noise does.
+  int compared = 0;
+  double delta_e = 0;    ///< between the L*a*b* images: mean over samples and frames
+  double least = 0;      ///< Pearson's correlation of the maps: minimum over the frames compared
+  double percentile = 0; ///< that of the worst percent of them
+  double share_999 = 0;  ///< share of them with 0.999 or more
+  /// Share of all frames of whose 3 × 3 cells the same is strongest, or which are silent in both.
+  double same_cell = 0;
+  /// That, or the oracle's own level in our strongest cell is at least 95 % of its strongest.
+  double as_good = 0;
+};
+
+struct FrontEndKind
+{
+  const char *name;
+  bool exact;
+  bool unrounded;
+  int earlier; ///< levels of decimation that are left to L*a*b*
+};
+constexpr std::array kFrontEnds{ FrontEndKind{ "decimated", false, false, 0 },
+                                 FrontEndKind{ "decimated, not rounded", false, true, 0 },
+                                 FrontEndKind{ "one level earlier", false, false, 1 },
+                                 FrontEndKind{ "one level earlier, not rounded", false, true, 1 },
+                                 FrontEndKind{ "exact", true, false, 0 } };
+
+class FrontEndOf
+{
+public:
+  explicit FrontEndOf(const FrontEndKind &kind) : kind_(kind), front_end_(kind.exact)
+  {
+  }
+
+  /// CV_32FC3
+  cv::Mat lab(const saliency::FrameView &frame, int level)
+  {
+    const int earlier = std::min(level, kind_.earlier);
+    cv::Mat lab;
+    if (kind_.unrounded)
+      unrounded_lab(frame, level - earlier).convertTo(lab, CV_32F);
+    else
+      lab = front_end_.lab(frame, level - earlier);
+    return decimated(lab, earlier);
+  }
+
+private:
+  FrontEndKind kind_;
+  saliency::FrontEnd front_end_;
+};
+
+double
+mean_delta_e(const cv::Mat &lab, const cv::Mat &truth)
+{
+  cv::Mat difference;
+  lab.convertTo(difference, CV_64F);
+  difference -= truth;
+  double sum = 0;
+  for (int y = 0; y < difference.rows; ++y)
+    for (int x = 0; x < difference.cols; ++x)
+      sum += cv::norm(difference.at<cv::Vec3d>(y, x));
+  return sum / static_cast<double>(difference.total());
+}
+
+/// A map, where the picture lies in it and how it is felt.
+struct FeltMap
+{
+  cv::Mat map; ///< CV_32FC1
+  cv::Rect2d picture;
+  tactile::MappingSettings mapping;
+
+  tactile::TactileMap levels() const
+  {
+    tactile::TactileMap cells(3, 3);
+    tactile::map_saliency({ .values = map.ptr<float>(),
+                            .width = map.cols,
+                            .height = map.rows,
+                            .stride = static_cast<std::ptrdiff_t>(map.step1()),
+                            .horizontal = { picture.x, picture.width },
+                            .vertical = { picture.y, picture.height } },
+                          mapping, cells);
+    return cells;
+  }
+};
+
+/// Of one kind of map, over frames.
+class Tally
+{
+public:
+  /// `floor`: of the oracle's map.
+  void add(const FeltMap &ours, const FeltMap &truth, double floor, double delta_e)
+  {
+    double peak = 0;
+    cv::minMaxLoc(truth.map, nullptr, &peak);
+    if (peak > floor)
+      correlations_.push_back(correlation(ours.map, truth.map));
+    const auto our_cells = ours.levels();
+    const auto true_cells = truth.levels();
+    const auto our_best = std::ranges::max_element(our_cells.levels);
+    const auto true_best = std::ranges::max_element(true_cells.levels);
+    const bool silence = *our_best == 0 && *true_best == 0;
+    const auto place = our_best - our_cells.levels.begin();
+    const bool same
+        = silence
+          || (*our_best > 0 && *true_best > 0 && place == true_best - true_cells.levels.begin());
+    ++frames_;
+    same_ += same ? 1 : 0;
+    as_good_ += same
+                        || (*our_best > 0 && *true_best > 0
+                            && true_cells.levels[static_cast<std::size_t>(place)]
+                                   >= kAsGood * *true_best)
+                    ? 1
+                    : 0;
+    delta_e_ += delta_e;
+  }
+
+  Agreement row(std::string frames_of, std::string map, std::string front_end) const
+  {
+    if (frames_ == 0)
+      throw std::runtime_error(frames_of + ": no frames to compare");
+    auto sorted = correlations_;
+    std::ranges::sort(sorted);
+    Agreement row{ std::move(frames_of), std::move(map), std::move(front_end) };
+    row.frames = frames_;
+    row.compared = static_cast<int>(sorted.size());
+    row.delta_e = delta_e_ / frames_;
+    row.least = sorted.empty() ? std::nan("") : sorted.front();
+    row.percentile = sorted.empty() ? std::nan("") : sorted[sorted.size() / 100];
+    row.share_999
+        = static_cast<double>(std::ranges::count_if(sorted, [](double r) { return r >= 0.999; }))
+          / row.compared;
+    row.same_cell = static_cast<double>(same_) / frames_;
+    row.as_good = static_cast<double>(as_good_) / frames_;
+    return row;
+  }
+
+private:
+  int frames_ = 0;
+  int same_ = 0;
+  int as_good_ = 0;
+  double delta_e_ = 0;
+  std::vector<double> correlations_;
+};
+
+/// Of spatial maps, which are not felt as they are: the cells' means.
+constexpr tactile::MappingSettings kSpatialMapping{ .threshold = 0, .gain = tactile::Gain::none };
+
+/// The spatial and the spatiotemporal maps of a contrast profile, by all front ends and by the oracle.
+class FilmComparison
+{
+public:
+  FilmComparison(cv::Size size, int threads)
+      : threads_(threads), profile_(saliency::Profile::tuned()), oracle_(profile_, size)
+  {
+    for (const auto &kind : kFrontEnds)
+      ways_.push_back(std::make_unique<Way>(kind, profile_, size));
+  }
+
+  void frame(const saliency::FrameView &frame, Time time, Time duration)
+  {
+    const cv::Mat lab = decimated(exact_lab(frame, threads_), oracle_.level());
+    cv::Mat lab_32;
+    lab.convertTo(lab_32, CV_32F);
+    const auto &truth = oracle_.analyze(lab_32, time, duration);
+    FeltMap spatial{ {}, truth.picture, kSpatialMapping };
+    exact_spatial_saliency(lab, oracle_.levels(), profile_).convertTo(spatial.map, CV_32F);
+    const auto mapping = tactile::MappingSettings::tuned();
+    for (auto &way : ways_) {
+      const cv::Mat own = way->front_end.lab(frame, oracle_.level());
+      const double delta_e = mean_delta_e(own, lab);
+      const auto &found = way->stages.analyze(own, time, duration);
+      way->spatial.add({ way->stages.spatial(), found.picture, kSpatialMapping }, spatial,
+                       kNearlyFlat, delta_e);
+      way->spatiotemporal.add({ found.map, found.picture, mapping },
+                              { truth.map, truth.picture, mapping }, mapping.floor, delta_e);
+    }
+  }
+
+  void add_rows(const std::string &name, bool temporal, std::vector<Agreement> &rows) const
+  {
+    for (std::size_t i = 0; i < ways_.size(); ++i)
+      rows.push_back(ways_[i]->spatial.row(name, "spatial", kFrontEnds[i].name));
+    for (std::size_t i = 0; temporal && i < ways_.size(); ++i)
+      rows.push_back(ways_[i]->spatiotemporal.row(name, "spatiotemporal", kFrontEnds[i].name));
+  }
+
+private:
+  struct Way
+  {
+    Way(const FrontEndKind &kind, const saliency::Profile &profile, cv::Size size)
+        : front_end(kind), stages(profile, size)
+    {
+    }
+
+    FrontEndOf front_end;
+    Stages stages;
+    Tally spatial;
+    Tally spatiotemporal;
+  };
+
+  int threads_;
+  saliency::Profile profile_;
+  Stages oracle_;
+  std::vector<std::unique_ptr<Way>> ways_;
+};
+
+std::vector<Agreement>
+photograph_agreement(const std::filesystem::path &directory, int threads, bool quick)
+{
+  const cv::Size size(800, 600);
+  std::vector<std::filesystem::path> files;
+  std::error_code error;
+  for (const auto &entry : std::filesystem::directory_iterator(directory / "osie", error))
+    if (entry.path().extension() == ".jpg")
+      files.push_back(entry.path());
+  std::ranges::sort(files);
+  if (files.empty())
+    throw std::runtime_error((directory / "osie").string() + ": no photographs there");
+
+  const auto profile = saliency::Profile::tuned_spatial();
+  const auto mapping = tactile::MappingSettings::tuned_spatial();
+  FilmComparison contrast(size, threads);
+  std::array<Tally, kFrontEnds.size()> tallies;
+  for (std::size_t i = 0; i < files.size(); i += quick ? 10 : 1) {
+    Decoder picture(files[i], "jpegdec", "I420");
+    if (!picture.next() || picture.view().width != size.width
+        || picture.view().height != size.height)
+      throw std::runtime_error(files[i].string() + ": expected 800 x 600 pixels");
+    contrast.frame(picture.view(), static_cast<int>(i) * kFrame, kFrame);
+
+    Stages oracle(profile, size);
+    const cv::Mat lab = decimated(exact_lab(picture.view(), threads), oracle.level());
+    cv::Mat lab_32;
+    lab.convertTo(lab_32, CV_32F);
+    const auto &truth = oracle.analyze(lab_32, {}, kFrame, false);
+    for (std::size_t kind = 0; kind < kFrontEnds.size(); ++kind) {
+      FrontEndOf front_end(kFrontEnds[kind]);
+      Stages stages(profile, size);
+      const cv::Mat own = front_end.lab(picture.view(), stages.level());
+      const auto &found = stages.analyze(own, {}, kFrame, false);
+      tallies[kind].add({ found.map, found.picture, mapping },
+                        { truth.map, truth.picture, mapping }, mapping.floor,
+                        mean_delta_e(own, lab));
+    }
+  }
+  std::vector<Agreement> rows;
+  contrast.add_rows("photographs", false, rows);
+  for (std::size_t kind = 0; kind < kFrontEnds.size(); ++kind)
+    rows.push_back(tallies[kind].row("photographs", "tuned spatial", kFrontEnds[kind].name));
+  return rows;
+}
+
+std::vector<Agreement>
+clip_agreement(const std::filesystem::path &directory, int threads, bool quick)
+{
+  std::vector<Agreement> rows;
+  for (const auto &file : list_films(directory / "clips")) {
+    Decoder clip(file, "decodebin", "I420");
+    std::unique_ptr<FilmComparison> comparison;
+    for (int i = 0; (!quick || i < 100) && clip.next(); ++i) {
+      if (!comparison)
+        comparison = std::make_unique<FilmComparison>(
+            cv::Size(clip.view().width, clip.view().height), threads);
+      comparison->frame(clip.view(), clip.time(), clip.duration());
+    }
+    if (!comparison)
+      throw std::runtime_error(file.string() + ": no frames in it");
+    comparison->add_rows(file.filename().string(), true, rows);
+  }
+  return rows;
+}
+
+std::vector<Agreement>
+leaves_agreement(cv::Size size, int pictures, int threads)
+{
+  FilmComparison comparison(size, threads);
+  for (int i = 0; i < pictures; ++i) {
+    Frame frame(size);
+    frame.draw(dead_leaves(size, static_cast<std::uint64_t>(i) + 1));
+    frame.add_noise(tactile::SensorNoise(2, static_cast<std::uint64_t>(i)), i * kFrame);
+    comparison.frame(frame.view(), i * kFrame, kFrame);
+  }
+  std::vector<Agreement> rows;
+  comparison.add_rows("leaves " + std::to_string(size.width) + "×" + std::to_string(size.height),
+                      false, rows);
+  return rows;
+}
+
+} // namespace
+
+Table
+accuracy_table(const std::filesystem::path &data, int threads, bool quick)
+{
+  std::vector<Agreement> rows;
+  const auto append = [&](const std::vector<Agreement> &more) {
+    rows.insert(rows.end(), more.begin(), more.end());
+  };
+  append(leaves_agreement({ 640, 360 }, 10, threads));
+  append(leaves_agreement({ 1920, 1080 }, quick ? 2 : 10, threads));
+  append(leaves_agreement({ 3840, 2160 }, quick ? 1 : 5, threads));
+  if (!data.empty()) {
+    append(photograph_agreement(data, threads, quick));
+    append(clip_agreement(data, threads, quick));
+  }
+  Table table("Agreement with a double-precision oracle",
+              { "frames of", "map", "front end", "frames", "compared", "ΔE, mean", "r, least",
+                "r, 1 % quantile", "r ≥ 0.999", "same strongest cell", "or as good" });
+  for (const auto &row : rows)
+    table.add({ row.frames_of, row.map, row.front_end, std::to_string(row.frames),
+                std::to_string(row.compared), figure(row.delta_e, 3), figure(row.least, 5),
+                figure(row.percentile, 5), percent(row.share_999), percent(row.same_cell),
+                percent(row.as_good) });
+  return table;
+}
+
+bool
+accuracy_holds(int threads)
+{
+  bool good = true;
+  const auto floor = [&](const Agreement &row, const char *what, double value, double least) {
+    if (value >= least)
+      return;
+    std::fprintf(stderr, "%s, %s: %s is %.6f; expected at least %.6f\n", row.frames_of.c_str(),
+                 row.front_end.c_str(), what, value, least);
+    good = false;
+  };
+  for (const cv::Size size : { cv::Size(640, 360), cv::Size(1920, 1080) })
+    for (const auto &row : leaves_agreement(size, size.width > 640 ? 1 : 8, threads)) {
+      const bool exact = row.front_end == "exact";
+      if (!exact && row.front_end != "decimated")
+        continue;
+      floor(row, "correlation", row.least, exact ? 0.999999 : 0.998);
+      floor(row, "share of frames with the same strongest cell", row.same_cell, 1);
+    }
+  return good;
+}
+
+} // namespace quality

@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include "table.h"
+
+#include <filesystem>
+
+namespace quality {
+
+/// How well maps agree with those of a double-precision oracle, which computes L*a*b* of every pixel
+/// and decimates that.
+///
+/// Of the front ends "decimated", the default, and "exact" are the library's. The others it might
+/// have: components decimated in double precision (not rounded), or one level less than asked for, and
+/// L*a*b* from there on (one level earlier).
+///
+/// Spatial maps of tuned on dead leaves with sensor noise σ 2; with `data`, not empty, also on the
+/// photographs in its folder osie, where tuned_spatial's maps are compared too, and on the films in
+/// its folder clips, with the spatiotemporal maps. A spatial map is computed in double precision
+/// throughout; what follows is the library's (Stages), run over the oracle's L*a*b*.
+///
+/// `quick`: fewer leaves, every tenth photograph, the first 100 frames of films. Throws
+/// std::runtime_error if a file is missing or cannot be read.
+Table accuracy_table(const std::filesystem::path &data, int threads, bool quick);
+
+/// Whether decimated and exact front ends keep to their floors on a few leaves; says where not.
+bool accuracy_holds(int threads);
+
+} // namespace quality
