@@ -123,39 +123,6 @@ reduce(const cv::Mat &source, cv::Mat &reduced)
 }
 
 void
-reduce_columns(const cv::Mat &source, cv::Mat &reduced)
-{
-  reduced.create(source.rows, halved(source.cols, 1), CV_32FC1);
-  for (int x = 0; x < reduced.cols; ++x) {
-    const int x0 = mirrored(2 * x - 2, source.cols);
-    const int x1 = mirrored(2 * x - 1, source.cols);
-    const int x2 = 2 * x;
-    const int x3 = mirrored(2 * x + 1, source.cols);
-    const int x4 = mirrored(2 * x + 2, source.cols);
-    for (int y = 0; y < source.rows; ++y) {
-      const auto *in = source.ptr<float>(y);
-      reduced.at<float>(y, x) = (in[x0] + in[x4] + 4 * (in[x1] + in[x3]) + 6 * in[x2]) / 16;
-    }
-  }
-}
-
-void
-reduce_rows(const cv::Mat &source, cv::Mat &reduced)
-{
-  reduced.create(halved(source.rows, 1), source.cols, CV_32FC1);
-  for (int y = 0; y < reduced.rows; ++y) {
-    const auto *in0 = source.ptr<float>(mirrored(2 * y - 2, source.rows));
-    const auto *in1 = source.ptr<float>(mirrored(2 * y - 1, source.rows));
-    const auto *in2 = source.ptr<float>(2 * y);
-    const auto *in3 = source.ptr<float>(mirrored(2 * y + 1, source.rows));
-    const auto *in4 = source.ptr<float>(mirrored(2 * y + 2, source.rows));
-    auto *out = reduced.ptr<float>(y);
-    for (int x = 0; x < source.cols; ++x)
-      out[x] = (in0[x] + in4[x] + 4 * (in1[x] + in3[x]) + 6 * in2[x]) / 16;
-  }
-}
-
-void
 upsample(const cv::Mat &source, int octaves_x, int octaves_y, cv::Size size, cv::Mat &upsampled)
 {
   CV_Assert(source.type() == CV_32FC1 && source.data != upsampled.data

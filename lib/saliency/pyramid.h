@@ -21,10 +21,6 @@ int coarsest_level(cv::Size size);
 /// cv::pyrDown). Any depth and number of channels; CV_32FC1 and CV_32FC3 are quickest.
 void reduce(const cv::Mat &source, cv::Mat &reduced);
 
-/// The same along one axis alone, CV_32FC1.
-void reduce_columns(const cv::Mat &source, cv::Mat &reduced);
-void reduce_rows(const cv::Mat &source, cv::Mat &reduced);
-
 /// Where a row of a level lies among those of a level coarser by `octaves`, of `rows` rows: a share
 /// `weight` of the way from one to the next, the last repeated beyond it.
 struct RowPosition

@@ -45,11 +45,11 @@ small_frame(const cv::Mat &samples)
 
 } // namespace
 
-// The one place where the number of threads reaches the library.
 Analysis::Analysis(const saliency::Profile &profile, const tactile::MappingSettings &mapping,
-                   cv::Size grid, [[maybe_unused]] int threads)
+                   cv::Size grid, int threads)
     : analyzer_(profile), mapping_(mapping), map_(grid.height, grid.width)
 {
+  analyzer_.set_threads(threads);
 }
 
 void

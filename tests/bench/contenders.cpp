@@ -127,7 +127,7 @@ contenders(cv::Size size)
 std::vector<int>
 thread_counts()
 {
-  return { 1 };
+  return { 1, 2, 4 };
 }
 
 } // namespace bench
