@@ -336,9 +336,7 @@ gst_saliency_tactile_transform_ip(GstBaseTransform *transform, GstBuffer *buffer
   saliency::Time duration;
   gst_saliency_tactile_times(self, buffer, time, duration);
 
-  // The paper's profile is the same for both.
-  const Analysis wanted{ settings.profile,
-                         settings.temporal || settings.profile == ProfileName::paper };
+  const Analysis wanted{ settings.profile, settings.temporal };
   // Between two analyses the last map holds, unless it is for another grid or from another part of
   // the film.
   const bool fits = priv->map.rows == settings.rows && priv->map.columns == settings.columns
@@ -351,7 +349,7 @@ gst_saliency_tactile_transform_ip(GstBaseTransform *transform, GstBuffer *buffer
       if (!priv->analyzer || priv->analysis != wanted) {
         priv->analysis = wanted;
         const saliency::Profile profile = make_profile(wanted);
-        priv->top_down.emplace(profile);
+        priv->top_down.emplace(profile, wanted.temporal);
         priv->analyzer.emplace(profile);
       }
       priv->analyzer->set_threads(settings.n_threads);

@@ -9,6 +9,9 @@ namespace saliency {
 
 namespace {
 
+/// At 30 a second.
+constexpr Time kFrame = Time(std::chrono::seconds(1)) / 30;
+
 double
 reach_of(const Profile &profile)
 {
@@ -65,8 +68,9 @@ cover(const Axis &axis, double begin, double end)
 
 } // namespace
 
-TopDownSaliency::TopDownSaliency(const Profile &profile)
-    : reach_(reach_of(profile)), hold_(hold_of(profile))
+TopDownSaliency::TopDownSaliency(const Profile &profile, bool temporal)
+    : reach_(reach_of(profile)), hold_(temporal ? hold_of(profile) : Time{}),
+      in_frames_(profile.time_base == TimeBase::frames)
 {
 }
 
@@ -76,14 +80,17 @@ TopDownSaliency::compute(const Saliency &found, cv::Size frame, std::span<const 
 {
   if ((last_time_ && time < *last_time_) || frame != frame_)
     reset();
+  const Time elapsed = in_frames_ ? kFrame : time - last_time_.value_or(time);
   last_time_ = time;
   frame_ = frame;
-  while (!regions_.empty() && time - regions_.back().time > hold_)
+  for (Remembered &remembered : regions_)
+    remembered.age += elapsed;
+  while (!regions_.empty() && regions_.back().age > hold_)
     regions_.pop_back();
   for (const Region &region : regions)
     // One that is not in the picture at all does not reach into it.
     if (!(region.area & cv::Rect2d(0, 0, frame.width, frame.height)).empty())
-      regions_.push_front({ region, time });
+      regions_.push_front({ region, Time{} });
   if (regions_.size() > kMaxRegions)
     regions_.resize(kMaxRegions);
   if (regions_.empty())

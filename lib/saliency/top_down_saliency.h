@@ -28,7 +28,8 @@ struct Region
 ///
 /// What is salient about an object is not in its outline alone, so a region reaches further, by the
 /// two samples of the coarsest centre level that contrast and pooling spread it, and it stays for
-/// as long as a temporal window holds what has passed there. A weight of 0 thus takes away all that
+/// as long as a temporal window holds what has passed there: so many frames where windows are meant in
+/// frames, no longer than its own frame where the map is of single pictures. A weight of 0 thus takes away all that
 /// the object does, also where it moves, and a detector that loses an object for some frames makes
 /// no event of it.
 ///
@@ -45,7 +46,8 @@ public:
   /// More regions in a frame, or remembered, are left out, the oldest first.
   static constexpr std::size_t kMaxRegions = 1024;
 
-  explicit TopDownSaliency(const Profile &profile);
+  /// `temporal`: as the maps were analysed (see Analyzer::analyze).
+  explicit TopDownSaliency(const Profile &profile, bool temporal = true);
 
   /// The map of `found`, an analysis of a frame of this size shown from `time` on, with the weights
   /// of the regions found in it; where there is nothing to weigh that is `found.map` itself. Valid
@@ -58,7 +60,7 @@ public:
   void reset();
 
   /// How far a region reaches in every direction, in samples of the map, and how long after it was
-  /// found.
+  /// found; where windows are meant in frames one counts 1/30 s.
   double reach() const
   {
     return reach_;
@@ -72,11 +74,12 @@ private:
   struct Remembered
   {
     Region region;
-    Time time;
+    Time age; ///< in hold()'s time
   };
 
   double reach_;
   Time hold_;
+  bool in_frames_;                 ///< hold() counts frames
   std::deque<Remembered> regions_; ///< the newest first
   std::optional<Time> last_time_;
   cv::Size frame_;

@@ -145,6 +145,28 @@ GST_START_TEST(test_reach_and_hold)
   const TopDownSaliency paper(Profile::paper());
   fail_unless_near(paper.reach(), 8, 0);
   fail_unless(paper.hold() == Time(64'000'000'000 / 30));
+  // A map of single pictures holds nothing of the last one.
+  for (const Profile &profile : { Profile::tuned_spatial(), Profile::paper() })
+    fail_unless(TopDownSaliency(profile, false).hold() == Time(0));
+}
+GST_END_TEST;
+
+/// Where windows count frames, regions stay for frames, whatever the rate; without windows for their
+/// own.
+GST_START_TEST(test_regions_stay_for_frames)
+{
+  const cv::Size frame(320, 64);
+  const Saliency found = random_saliency(frame, 11);
+  const std::vector<Region> region{ { { 100, 0, 16, 64 }, 1, 0 } };
+  for (const Time period : { Time(10ms), Time(33'333'333ns), Time(100ms) })
+    for (const bool temporal : { true, false }) {
+      TopDownSaliency paper(Profile::paper(), temporal);
+      paper.compute(found, frame, region, 0s);
+      for (int i = 1; i < 70; ++i) {
+        const cv::Mat &map = paper.compute(found, frame, {}, i * period);
+        fail_unless((map.data != found.map.data) == (temporal && i <= 64), "frame %d", i);
+      }
+    }
 }
 GST_END_TEST;
 
@@ -238,6 +260,7 @@ top_down_saliency_suite(void)
   tcase_add_test(tc, test_definition);
   tcase_add_test(tc, test_nothing_to_weigh);
   tcase_add_test(tc, test_reach_and_hold);
+  tcase_add_test(tc, test_regions_stay_for_frames);
   tcase_add_test(tc, test_regions_stay);
   tcase_add_test(tc, test_newest_weight);
   tcase_add_test(tc, test_resets);
