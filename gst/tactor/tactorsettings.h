@@ -31,7 +31,7 @@ struct TactorSettings
 {
   static constexpr int kMaxTactors = GST_TACTILE_MAX_SIDE * GST_TACTILE_MAX_SIDE;
 
-  std::string driver = "simulator";
+  std::string driver = "auto";
   std::string device;
   std::string trace_location;
   tactor::PlannerSettings planner;
