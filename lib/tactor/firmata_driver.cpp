@@ -35,12 +35,23 @@ steady_now()
   return std::chrono::steady_clock::now().time_since_epoch();
 }
 
+/// What a device says of itself may be anything, and comes into messages.
+std::string
+printable(std::string text)
+{
+  text.resize(std::min<std::size_t>(text.size(), 80));
+  std::ranges::replace_if(
+      text, [](char c) { return c < ' ' || c > '~'; }, '?');
+  return text;
+}
+
 /// "Arduino Mega 2560 (serial 7573, at 1-2)"
 std::string
 describe(const SerialDevice &device)
 {
-  return device.name + " (" + (device.serial.empty() ? "" : "serial " + device.serial + ", ")
-         + "at " + device.bus_path + ")";
+  return printable(device.name) + " ("
+         + (device.serial.empty() ? "" : "serial " + printable(device.serial) + ", ") + "at "
+         + device.bus_path + ")";
 }
 
 std::string

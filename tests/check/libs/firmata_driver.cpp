@@ -402,6 +402,12 @@ GST_START_TEST(test_too_few_pins)
   rig.driver.close();
   rig.sockets.unplug(bare);
 
+  // What a device calls itself may be anything.
+  MemoryBoard odd(device("a\nb", "1-8", "\xff\x1b[2J"), none);
+  rig.sockets.plug(odd);
+  assert_contains(rig.refusal(1, "1-8").what(), { "??[2J (serial a?b, at 1-8) has 0 pins" });
+  rig.sockets.unplug(odd);
+
   // No more tactors than are wanted.
   DriverConfig config = rig.config();
   config.max_tactors = 4;
