@@ -4,6 +4,7 @@
 #include <linux/usbdevice_fs.h>
 
 #include <algorithm>
+#include <array>
 #include <cerrno>
 #include <cstdio>
 #include <cstdlib>
@@ -12,6 +13,7 @@
 #include <filesystem>
 #include <stdexcept>
 #include <sys/ioctl.h>
+#include <sys/stat.h>
 #include <termios.h>
 #include <unistd.h>
 #include <utility>
@@ -20,8 +22,10 @@ namespace usb_test {
 
 namespace {
 
-constexpr int kBitsPerByte = 10;          // 8N1
-constexpr std::size_t kLongestRead = 512; // of the host's transfers
+constexpr int kBitsPerByte = 10; // 8N1
+constexpr std::array<std::uint8_t, 2> kStatus{ 0x01,
+                                               0x60 }; // FT232R: nothing to tell; sender empty
+constexpr std::size_t kLongestRead = 512;              // of the host's transfers
 
 std::string
 hex(std::span<const std::uint8_t> bytes)
@@ -124,59 +128,29 @@ EmulatedUsb::stop_udev()
 }
 
 Bytes
-EmulatedBoard::descriptors(Transport transport, std::optional<std::uint16_t> vendor)
+EmulatedBoard::descriptors(Transport transport, std::optional<std::uint16_t> own_vendor)
 {
-  const auto little_endian = [](std::uint16_t value) {
-    return Bytes{ static_cast<std::uint8_t>(value), static_cast<std::uint8_t>(value >> 8) };
-  };
   struct Model
   {
-    std::uint16_t vendor, product;
-    std::uint8_t device_class, interfaces;
-    Bytes body; ///< what follows the configuration's header
+    unsigned vendor, product, device_class, interfaces;
+    std::string body; ///< what follows the configuration's header
   };
   const Model models[] = {
     // Mega 2560 R3: the abstract control model with its functional descriptors, then data.
     { 0x2341, 0x0042, 0x02, 2,
-      from_hex("090400000102020100 0524001001 04240206 0524060001 070582030800ff"
-               "09040100020a000000 07050402400001 07058302400001") },
-    { 0x0403, 0x6001, 0x00, 1, from_hex("0904000002ffffff02 07058102400000 07050202400000") },
-    { 0x1a86, 0x7523, 0xff, 1,
-      from_hex("0904000003ff010200 07058202200000 07050202200000 07058103080001") },
+      "090400000102020100 0524001001 04240206 0524060001 070582030800ff"
+      "09040100020a000000 07050402400001 07058302400001" },
+    { 0x0403, 0x6001, 0x00, 1, "0904000002ffffff02 07058102400000 07050202400000" },
+    { 0x1a86, 0x7523, 0xff, 1, "0904000003ff010200 07058202200000 07050202200000 07058103080001" },
   };
   const Model &model = models[static_cast<int>(transport)];
-  const Bytes id = little_endian(vendor.value_or(model.vendor));
-  const Bytes product = little_endian(model.product);
-  const Bytes length = little_endian(static_cast<std::uint16_t>(9 + model.body.size()));
-  Bytes all{ 18,
-             1,
-             0,
-             2,
-             model.device_class,
-             0,
-             0,
-             8,
-             id[0],
-             id[1],
-             product[0],
-             product[1],
-             1,
-             0,
-             1,
-             2,
-             3,
-             1,
-             9,
-             2,
-             length[0],
-             length[1],
-             model.interfaces,
-             1,
-             0,
-             0x80,
-             50 };
-  all.insert(all.end(), model.body.begin(), model.body.end());
-  return all;
+  const unsigned vendor = own_vendor.value_or(model.vendor);
+  const auto length = static_cast<unsigned>(9 + from_hex(model.body).size());
+  return from_hex(
+      format("12010002%02x000008 %02x%02x %02x%02x 0001 010203 01", model.device_class,
+             vendor & 0xff, vendor >> 8, model.product & 0xff, model.product >> 8)
+      + format("0902 %02x%02x %02x 01 00 80 32", length & 0xff, length >> 8, model.interfaces)
+      + model.body);
 }
 
 EmulatedBoard::EmulatedBoard(EmulatedUsb &usb, BoardDescription description,
@@ -346,18 +320,18 @@ EmulatedBoard::stall(bool on)
 }
 
 void
-EmulatedBoard::fail(int transfers)
+EmulatedBoard::break_transfers(int count)
 {
   const std::lock_guard lock(mutex_);
-  failures_ = transfers;
+  failures_ = count;
   for (std::list<Urb> *pending : { &reads_, &writes_ })
     for (; failures_ > 0 && !pending->empty(); pending->pop_front())
-      fail_one(pending->front());
+      break_one(pending->front());
   changed_.notify_all();
 }
 
 void
-EmulatedBoard::fail_one(Urb urb)
+EmulatedBoard::break_one(Urb urb)
 {
   failures_ -= failures_ < kAll ? 1 : 0;
   done(urb, -EPROTO, 0);
@@ -384,6 +358,13 @@ EmulatedBoard::use_by_another(bool on)
   busy_ = on;
 }
 
+void
+EmulatedBoard::forbid()
+{
+  const std::lock_guard lock(mutex_);
+  fchmod(slave_, 0);
+}
+
 // ---- to the host
 
 void
@@ -406,7 +387,7 @@ EmulatedBoard::queue_for_host(std::span<const std::uint8_t> bytes)
       if (payload == 0 && !transfer.empty())
         break;
       if (status_bytes_ > 0)
-        transfer.insert(transfer.end(), { 0x01, 0x60 }); // FT232R: clear to send; sender empty
+        transfer.insert(transfer.end(), kStatus.begin(), kStatus.end());
       transfer.insert(transfer.end(), bytes.begin(), bytes.begin() + payload);
       bytes = bytes.subspan(payload);
       full = payload == static_cast<std::size_t>(packet_ - status_bytes_);
@@ -511,7 +492,7 @@ EmulatedBoard::submit(UMockdevIoctlData *argument)
   if (as_urb(urb.urb)->type == USBDEVFS_URB_TYPE_CONTROL) {
     control(urb);
   } else if (failures_ > 0) {
-    fail_one(urb);
+    break_one(urb);
   } else if (as_urb(urb.urb)->endpoint & 0x80) {
     reads_.push_back(urb);
     feed_reads();

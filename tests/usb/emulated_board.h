@@ -107,11 +107,12 @@ public:
   void send(std::span<const std::uint8_t> bytes);
 
   // ---- what goes wrong
-  void stall(bool on);           ///< what is sent is not taken
-  void fail(int transfers);      ///< so many bulk transfers end in EPROTO; kAll: every one
-  void ignore_requests(bool on); ///< control requests are never answered
-  void refuse_requests(bool on); ///< control requests stall
-  void use_by_another(bool on);  ///< claims end in EBUSY
+  void stall(bool on);             ///< what is sent is not taken
+  void break_transfers(int count); ///< so many bulk transfers end in EPROTO; kAll: every one
+  void ignore_requests(bool on);   ///< control requests are never answered
+  void refuse_requests(bool on);   ///< control requests stall
+  void use_by_another(bool on);    ///< claims end in EBUSY
+  void forbid();                   ///< nobody may open the device any more; root still may
   static constexpr int kAll = std::numeric_limits<int>::max();
 
 private:
@@ -141,7 +142,7 @@ private:
   void feed_reads();
   void queue_for_host(std::span<const std::uint8_t> bytes);
   void to_firmware(std::uint8_t byte, Clock::time_point time);
-  void fail_one(Urb urb);
+  void break_one(Urb urb);
   void open_gate(bool open);
 
   void run_wire();

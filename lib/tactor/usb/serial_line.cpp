@@ -13,6 +13,8 @@ constexpr int kLargestPacket = 512;
 std::optional<SerialLine>
 bulk_line(const libusb_interface_descriptor &interface)
 {
+  if (!interface.endpoint) // libusb gave up on a descriptor in front of the endpoints, but kept their number
+    return std::nullopt;
   SerialLine line;
   for (int i = 0; i < interface.bNumEndpoints; i++) {
     const libusb_endpoint_descriptor &endpoint = interface.endpoint[i];
