@@ -9,6 +9,7 @@
 #include <filesystem>
 #include <map>
 #include <random>
+#include <stdexcept>
 #include <string>
 #include <unistd.h>
 #include <vector>
@@ -24,12 +25,15 @@ public:
   explicit Film(int blocks, const std::string &properties = "")
       : trace_path_("/tmp/film-" + std::to_string(getpid()) + ".csv")
   {
+    GError *error = nullptr;
     pipeline_ = gst_parse_launch(("appsrc name=maps format=time caps=\"application/x-tactile-map,"
                                   "rows=(int)3,columns=(int)3,framerate=(fraction)30/1\" "
                                   "! tactorsink name=tactors driver=firmata trace-location="
                                   + trace_path_ + " " + properties)
                                      .c_str(),
-                                 nullptr);
+                                 &error);
+    if (error)
+      throw std::runtime_error(error->message); // not found: see GST_PLUGIN_PATH
     bus_ = gst_element_get_bus(pipeline_);
     GstElement *maps = gst_bin_get_by_name(GST_BIN(pipeline_), "maps");
     std::mt19937 random(blocks);
@@ -99,10 +103,16 @@ public:
     return tactor::read_command_trace(trace_path_);
   }
 
-  /// When the running time was 0, on the steady clock. While it plays.
+  /// When what has running time 0 is due, on the steady clock. While it plays.
   Clock::time_point start() const
   {
-    return Clock::time_point(std::chrono::nanoseconds(gst_element_get_base_time(pipeline_)));
+    GstQuery *query = gst_query_new_latency();
+    GstClockTime latency = 0;
+    if (gst_element_query(pipeline_, query))
+      gst_query_parse_latency(query, nullptr, &latency, nullptr);
+    gst_query_unref(query);
+    return Clock::time_point(
+        std::chrono::nanoseconds(gst_element_get_base_time(pipeline_) + latency));
   }
 
   std::vector<std::string> warnings;
