@@ -405,7 +405,7 @@ EmulatedBoard::feed_reads()
     const Urb urb = reads_.front();
     reads_.pop_front();
     const int size = std::min(static_cast<int>(bytes.size()), as_urb(urb.urb)->buffer_length);
-    std::memcpy(urb.buffer->data, bytes.data(), static_cast<std::size_t>(size));
+    std::copy_n(bytes.begin(), size, urb.buffer->data);
     done(urb, static_cast<std::size_t>(size) < bytes.size() ? -EOVERFLOW : 0, size);
   }
 }

@@ -112,7 +112,7 @@ ClaimedDevice::set_up(const SerialDevice &device, std::chrono::milliseconds pati
 }
 
 UsbSerialPort::UsbSerialPort(const SerialDevice &device, Events events, const UsbPatience &patience)
-    : events_(std::move(events)), name_(called(device)), device_(context_, device, patience.request)
+    : events_(std::move(events)), device_(context_, device, patience.request)
 {
   const SerialLine &line = device_.line();
   for (std::size_t i = 0; i < kReads; i++)
@@ -240,7 +240,7 @@ UsbSerialPort::submit(libusb_transfer &transfer)
     in_flight_++;
     return true;
   }
-  lose(error == LIBUSB_ERROR_NO_DEVICE ? "was unplugged"
+  lose(error == LIBUSB_ERROR_NO_DEVICE ? "it was unplugged"
                                        : libusb_strerror(static_cast<libusb_error>(error)));
   return false;
 }
@@ -259,19 +259,19 @@ UsbSerialPort::goes_on(const libusb_transfer &transfer)
   case LIBUSB_TRANSFER_ERROR:
   case LIBUSB_TRANSFER_OVERFLOW:
     if (++errors >= kErrorsInARow)
-      lose("does not answer any more; was it unplugged?");
+      lose("it does not answer any more; was it unplugged?");
     break;
   case LIBUSB_TRANSFER_NO_DEVICE:
-    lose("was unplugged");
+    lose("it was unplugged");
     break;
   case LIBUSB_TRANSFER_TIMED_OUT:
-    lose("has not taken what it was sent for " + std::to_string(transfer.timeout) + " ms");
+    lose("it has not taken what it was sent for " + std::to_string(transfer.timeout) + " ms");
     break;
   case LIBUSB_TRANSFER_STALL:
-    lose("refuses what it is sent");
+    lose("it refuses what it is sent");
     break;
   case LIBUSB_TRANSFER_CANCELLED:
-    lose("was reset");
+    lose("it was reset");
     break;
   }
   return !lost_ && !closing_;
@@ -283,7 +283,7 @@ UsbSerialPort::lose(const std::string &why)
   if (closing_ || lost_)
     return;
   lost_ = true;
-  loss_ = name_ + " " + why;
+  loss_ = why;
   libusb_interrupt_event_handler(context_.get());
 }
 

@@ -94,7 +94,6 @@ private:
   void lose(const std::string &why);
 
   const Events events_;
-  const std::string name_;
   const UsbContext context_;
   const ClaimedDevice device_;
 
