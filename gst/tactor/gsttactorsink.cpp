@@ -29,7 +29,8 @@
  * ## Messages
  * - `tactor-lead-short`: a command could not be issued as early as its motor needs; fields `lead`
  *   and `late` (#guint64, ns). At most one in five seconds.
- * - `tactor-device-lost`, `tactor-device-found`: the board went away, came back.
+ * - `tactor-device-lost`, `tactor-device-found`: the board went away, came back; with them a warning
+ *   and an info message for people. The film plays on meanwhile.
  * - `tactor-stats`: the contents of #GstTactorSink:stats at the end of the stream.
  *
  * Since: 0.1
@@ -94,10 +95,9 @@ struct GstTactorSinkPrivate final : TactorSchedulerHost
   }
 
   Timing timing() override;
-  void device_lost(const tactor::DriverError &error) override;
-  void device_found() override;
   void device_failed(const tactor::DriverError &error) override;
   void lead_short(Time lead, Time late) override;
+  void device_event(const tactor::DriverEvent &event);
 
   GstElement *element;            ///< not owned: this is its private part
   TactorSettings settings;        ///< guarded by the object lock
@@ -147,24 +147,35 @@ GstTactorSinkPrivate::timing()
   return timing;
 }
 
+/// On any thread of the driver's.
 void
-GstTactorSinkPrivate::device_lost(const tactor::DriverError &error)
+GstTactorSinkPrivate::device_event(const tactor::DriverEvent &event)
 {
-  GST_ELEMENT_WARNING(element, RESOURCE, NOT_FOUND,
-                      ("The tactor board is gone; the film plays on."), ("%s", error.what()));
-  gst_element_post_message(
-      element, gst_message_new_element(GST_OBJECT(element),
-                                       gst_structure_new("tactor-device-lost", "reason",
-                                                         G_TYPE_STRING, error.what(), nullptr)));
-}
-
-void
-GstTactorSinkPrivate::device_found()
-{
-  GST_INFO_OBJECT(element, "the tactor board is back");
-  gst_element_post_message(
-      element,
-      gst_message_new_element(GST_OBJECT(element), gst_structure_new_empty("tactor-device-found")));
+  using Kind = tactor::DriverEvent::Kind;
+  switch (event.kind) {
+  case Kind::opened:
+    GST_ELEMENT_INFO(element, RESOURCE, SETTINGS, ("%s", event.text.c_str()), (nullptr));
+    break;
+  case Kind::warning:
+    GST_ELEMENT_WARNING(element, RESOURCE, SETTINGS, ("%s", event.text.c_str()), (nullptr));
+    break;
+  case Kind::lost:
+    GST_ELEMENT_WARNING(element, RESOURCE, NOT_FOUND,
+                        ("The tactor board is gone; the film plays on."),
+                        ("%s", event.text.c_str()));
+    gst_element_post_message(
+        element,
+        gst_message_new_element(GST_OBJECT(element),
+                                gst_structure_new("tactor-device-lost", "reason", G_TYPE_STRING,
+                                                  event.text.c_str(), nullptr)));
+    break;
+  case Kind::returned:
+    GST_ELEMENT_INFO(element, RESOURCE, SETTINGS, ("%s", event.text.c_str()), (nullptr));
+    gst_element_post_message(
+        element, gst_message_new_element(GST_OBJECT(element),
+                                         gst_structure_new_empty("tactor-device-found")));
+    break;
+  }
 }
 
 void
@@ -203,18 +214,27 @@ static GstStructure *
 gst_tactor_sink_stats(GstTactorSink *self)
 {
   const TactorScheduler::Counters counters = self->priv->scheduler.counters();
+  const tactor::DriverStatus board = self->priv->scheduler.driver_status();
   const auto ns = [](Time time) {
     return static_cast<gint64>(time.count());
   };
-  return gst_structure_new("application/x-tactor-stats", "issued", G_TYPE_UINT64, counters.issued,
-                           "late", G_TYPE_UINT64, counters.late, "coalesced", G_TYPE_UINT64,
-                           counters.coalesced, "dropped", G_TYPE_UINT64, counters.dropped,
-                           "starved", G_TYPE_UINT64, counters.starved, "reconnects", G_TYPE_UINT64,
-                           counters.reconnects, "error-min", G_TYPE_INT64, ns(counters.error.min()),
-                           "error-mean", G_TYPE_INT64, ns(counters.error.mean()), "error-p50",
-                           G_TYPE_INT64, ns(counters.error.percentile(0.5)), "error-p99",
-                           G_TYPE_INT64, ns(counters.error.percentile(0.99)), "error-max",
-                           G_TYPE_INT64, ns(counters.error.max()), nullptr);
+  GstStructure *stats = gst_structure_new(
+      "application/x-tactor-stats", "issued", G_TYPE_UINT64, counters.issued, "late", G_TYPE_UINT64,
+      counters.late, "coalesced", G_TYPE_UINT64, counters.coalesced, "dropped", G_TYPE_UINT64,
+      counters.dropped, "starved", G_TYPE_UINT64, counters.starved, "error-min", G_TYPE_INT64,
+      ns(counters.error.min()), "error-mean", G_TYPE_INT64, ns(counters.error.mean()), "error-p50",
+      G_TYPE_INT64, ns(counters.error.percentile(0.5)), "error-p99", G_TYPE_INT64,
+      ns(counters.error.percentile(0.99)), "error-max", G_TYPE_INT64, ns(counters.error.max()),
+      "board", G_TYPE_STRING, board.board.c_str(), "firmware", G_TYPE_STRING,
+      board.firmware.c_str(), "connected", G_TYPE_BOOLEAN, static_cast<gboolean>(board.is_there),
+      "watchdog", G_TYPE_BOOLEAN, static_cast<gboolean>(board.has_watchdog), "reconnects",
+      G_TYPE_UINT64, static_cast<guint64>(board.reconnects), "bytes", G_TYPE_UINT64,
+      static_cast<guint64>(board.bytes), nullptr);
+  GValue pins = G_VALUE_INIT;
+  g_value_init(&pins, GST_TYPE_ARRAY);
+  tactor_ints_to_value(board.pins, &pins);
+  gst_structure_take_value(stats, "pins", &pins);
+  return stats;
 }
 
 /* ---- planning (streaming thread) ---- */
@@ -569,7 +589,11 @@ gst_tactor_sink_open(GstTactorSink *self)
                                   + "'; expected two");
   const tactor::DriverConfig config{ .device = settings.device,
                                      .max_tactors = TactorSettings::kMaxTactors,
-                                     .full_scale_volts = settings.planner.volts_max };
+                                     .min_tactors = settings.needed_tactors(),
+                                     .full_scale_volts = settings.planner.volts_max,
+                                     .notify = [priv](const tactor::DriverEvent &event) {
+                                       priv->device_event(event);
+                                     } };
   std::unique_ptr<tactor::Driver> driver = tactor::make_driver(settings.driver);
   driver->open(config);
   std::unique_ptr<tactor::CommandTrace> trace;
@@ -585,7 +609,7 @@ gst_tactor_sink_open(GstTactorSink *self)
   priv->last_end = Time(0);
   priv->warned_no_meta = priv->warned_grid = false;
   priv->last_lead_short.reset();
-  priv->scheduler.start(std::move(driver), config, std::move(trace));
+  priv->scheduler.start(std::move(driver), config.full_scale_volts, std::move(trace));
   priv->scheduler.set_immediate(!gst_base_sink_get_sync(GST_BASE_SINK(self)));
   priv->scheduler.set_muted(settings.mute);
   const Time early = priv->opened.max_lead + priv->opened.transport_latency + kWakeMargin;

@@ -39,19 +39,20 @@ TactorScheduler::~TactorScheduler()
 }
 
 void
-TactorScheduler::start(std::unique_ptr<tactor::Driver> driver, const tactor::DriverConfig &config,
+TactorScheduler::start(std::unique_ptr<tactor::Driver> driver, double full_scale_volts,
                        std::unique_ptr<tactor::CommandTrace> trace)
 {
   stop();
   std::lock_guard lock(mutex_);
   driver_ = std::move(driver);
-  config_ = config;
+  refresh_interval_ = driver_->refresh_interval();
+  full_scale_volts_ = full_scale_volts;
   trace_ = std::move(trace);
   queue_ = tactor::CommandQueue(driver_->tactors());
   sent_.clear();
   counters_ = {};
   expires_.reset();
-  reconnect_.reset();
+  refresh_.reset();
   quit_ = playing_ = starved_ = failed_ = false;
   met_ = requested_;
   running_ = Time(0);
@@ -177,6 +178,13 @@ TactorScheduler::counters() const
   return counters;
 }
 
+tactor::DriverStatus
+TactorScheduler::driver_status() const
+{
+  std::lock_guard lock(mutex_);
+  return driver_ ? driver_->status() : last_status_;
+}
+
 bool
 TactorScheduler::trace_failed() const
 {
@@ -222,7 +230,7 @@ TactorScheduler::run()
   playing_ = false;
   counters_.dropped += queue_.clear();
   apply(lock, running_, {});
-  driver_.reset();
+  close_driver(lock);
   if (trace_)
     trace_->flush();
   trace_.reset();
@@ -233,7 +241,7 @@ TactorScheduler::run()
 void
 TactorScheduler::turn(Lock &lock)
 {
-  if (met_ == requested_ && (!playing_ || (!queue_.next_due() && !expires_ && !reconnect_))) {
+  if (met_ == requested_ && (!playing_ || (!queue_.next_due() && !expires_ && !refresh_))) {
     wake_.wait(lock);
     return;
   }
@@ -246,8 +254,8 @@ TactorScheduler::turn(Lock &lock)
   if (timed)
     running_ = moment.running;
   // After a seek running time begins anew.
-  if (reconnect_)
-    reconnect_ = std::min(*reconnect_, running_ + kReconnectInterval);
+  if (refresh_)
+    refresh_ = std::min(*refresh_, running_ + refresh_interval_);
 
   if (met_ != requested_) {
     // Whoever asks for more while the driver is being written to gets another turn.
@@ -264,19 +272,22 @@ TactorScheduler::turn(Lock &lock)
   if (quit_ || !playing_)
     return;
 
-  if (reconnect_ && *reconnect_ <= running_) {
-    reconnect(lock, running_);
-  } else if (issue_due(lock, timed)) {
+  if (issue_due(lock, timed)) {
     return;
+  } else if (refresh_ && *refresh_ <= running_) {
+    apply(lock, running_, {});
   } else if (!timed) {
-    wake_.wait(lock);
+    if (!refresh_)
+      wake_.wait(lock);
+    else if (wake_.wait_for(lock, refresh_interval_) == std::cv_status::timeout)
+      refresh_ = running_;
   } else if (const std::optional<Time> next = queue_.next_due();
              !next && expires_ && *expires_ <= running_) {
     starve(lock, running_);
   } else {
     Time until = next ? *next : expires_.value_or(Time::max());
-    if (reconnect_)
-      until = std::min(until, *reconnect_);
+    if (refresh_)
+      until = std::min(until, *refresh_);
     if (until != Time::max())
       wait_until(lock, moment, until);
   }
@@ -370,12 +381,11 @@ TactorScheduler::starve(Lock &lock, Time running)
 void
 TactorScheduler::apply(Lock &lock, Time running, std::span<const Command> commands)
 {
-  if (!driver_ || reconnect_)
+  if (!driver_)
     return;
 
   const std::span<const double> levels = queue_.levels();
-  // All that the board has been told of, and all that it should be told: after it came back it
-  // knows nothing.
+  // All that the board has been told of, and all that it should be told.
   const auto last
       = std::find_if(levels.rbegin(), levels.rend(), [](double volts) { return volts != 0; });
   std::size_t used = std::max(sent_.size(), static_cast<std::size_t>(levels.rend() - last));
@@ -389,8 +399,8 @@ TactorScheduler::apply(Lock &lock, Time running, std::span<const Command> comman
   if (!silent)
     std::transform(levels.begin(), levels.begin() + static_cast<std::ptrdiff_t>(used),
                    volts.begin(),
-                   [this](double level) { return std::min(level, config_.full_scale_volts); });
-  if (volts == sent_)
+                   [this](double level) { return std::min(level, full_scale_volts_); });
+  if (volts == sent_ && !(refresh_ && *refresh_ <= running))
     return;
 
   lock.unlock();
@@ -405,11 +415,14 @@ TactorScheduler::apply(Lock &lock, Time running, std::span<const Command> comman
   lock.lock();
 
   if (error) {
-    lose(lock, running, *error);
+    fail(lock, running, *error);
     return;
   }
   trace_changes(running, commands, volts);
   sent_ = std::move(volts);
+  refresh_.reset();
+  if (refresh_interval_ > Time(0) && std::ranges::any_of(sent_, [](double v) { return v != 0; }))
+    refresh_ = running + refresh_interval_;
 }
 
 void
@@ -432,48 +445,29 @@ TactorScheduler::trace_changes(Time running, std::span<const Command> commands,
 }
 
 void
-TactorScheduler::lose(Lock &lock, Time running, const tactor::DriverError &error)
+TactorScheduler::fail(Lock &lock, Time running, const tactor::DriverError &error)
 {
   trace_changes(running, {}, std::vector<double>(sent_.size(), 0.0)); // no motor runs on
-  sent_.clear(); // a board that comes back begins at zero
-  const bool may_return = error.kind() == tactor::DriverError::Kind::lost;
-  if (may_return)
-    reconnect_ = running + kReconnectInterval;
-  else
-    failed_ = true;
-
+  sent_.clear();
+  refresh_.reset();
+  failed_ = true;
+  close_driver(lock);
   lock.unlock();
-  driver_->close();
-  if (may_return) {
-    host_.device_lost(error);
-  } else {
-    driver_.reset();
-    host_.device_failed(error);
-  }
+  host_.device_failed(error);
   lock.lock();
 }
 
 void
-TactorScheduler::reconnect(Lock &lock, Time running)
+TactorScheduler::close_driver(Lock &lock)
 {
-  reconnect_ = running + kReconnectInterval;
-  const auto tactors = static_cast<int>(queue_.levels().size());
-  lock.unlock();
-  bool found = false;
-  try {
-    driver_->open(config_);
-    found = driver_->tactors() >= tactors; // else it is another board
-  } catch (const std::exception &) {
-    // Still away.
-  }
-  if (found)
-    host_.device_found();
-  else
-    driver_->close();
-  lock.lock();
-  if (!found)
+  if (!driver_)
     return;
-  reconnect_.reset();
-  counters_.reconnects++;
-  apply(lock, running, {});
+  std::unique_ptr<tactor::Driver> driver = std::move(driver_);
+  last_status_ = driver->status();
+  lock.unlock();
+  driver->close();
+  const tactor::DriverStatus status = driver->status();
+  driver.reset();
+  lock.lock();
+  last_status_ = status;
 }

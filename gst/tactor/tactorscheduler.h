@@ -32,8 +32,6 @@ public:
 
   virtual ~TactorSchedulerHost() = default;
   virtual Timing timing() = 0;
-  virtual void device_lost(const tactor::DriverError &error) = 0;
-  virtual void device_found() = 0;
   virtual void device_failed(const tactor::DriverError &error) = 0;
   /// A command was `late` behind its due time: upstream did not deliver it `lead` ahead of its
   /// frame.
@@ -54,17 +52,13 @@ public:
   /// within which haptics that come late pass unnoticed (Di Luca & Mahnan 2019).
   static constexpr tactor::Time kLate = std::chrono::milliseconds(5);
 
-  /// How often a lost board is looked for.
-  static constexpr tactor::Time kReconnectInterval = std::chrono::seconds(1);
-
   struct Counters
   {
     guint64 issued = 0;
     guint64 late = 0;
-    guint64 coalesced = 0; ///< overtaken by a later command for the same tactor
-    guint64 dropped = 0;   ///< thrown away by a flush or a stop before they were due
-    guint64 starved = 0;   ///< times when no map came and the motors were silenced
-    guint64 reconnects = 0;
+    guint64 coalesced = 0;            ///< overtaken by a later command for the same tactor
+    guint64 dropped = 0;              ///< thrown away by a flush or a stop before they were due
+    guint64 starved = 0;              ///< times when no map came and the motors were silenced
     tactor::ScheduleStatistics error; ///< |issued − due|
   };
 
@@ -73,9 +67,9 @@ public:
   TactorScheduler(const TactorScheduler &) = delete;
   TactorScheduler &operator=(const TactorScheduler &) = delete;
 
-  /// Takes an open driver, and what is needed to open it again; the trace may be null. Paused until
-  /// play().
-  void start(std::unique_ptr<tactor::Driver> driver, const tactor::DriverConfig &config,
+  /// Takes an open driver and the volts that its board makes at most; the trace may be null. Paused
+  /// until play().
+  void start(std::unique_ptr<tactor::Driver> driver, double full_scale_volts,
              std::unique_ptr<tactor::CommandTrace> trace);
   /// Motors to zero, driver closed, thread joined. Harmless when not started.
   void stop();
@@ -109,6 +103,8 @@ public:
   void timing_changed();
 
   Counters counters() const;
+  /// Of the driver; after stop() as it was then.
+  tactor::DriverStatus driver_status() const;
   bool trace_failed() const;
   /// Whether the driver failed for good (TactorSchedulerHost::device_failed()).
   bool failed() const;
@@ -130,8 +126,8 @@ private:
   void apply(Lock &lock, tactor::Time running, std::span<const tactor::Command> commands);
   void trace_changes(tactor::Time running, std::span<const tactor::Command> commands,
                      std::span<const double> volts);
-  void lose(Lock &lock, tactor::Time running, const tactor::DriverError &error);
-  void reconnect(Lock &lock, tactor::Time running);
+  void fail(Lock &lock, tactor::Time running, const tactor::DriverError &error);
+  void close_driver(Lock &lock);
   void settle(Lock &lock);
   void wake();
 
@@ -157,11 +153,13 @@ private:
   std::uint64_t met_ = 0;     ///< the last request that was met
   tactor::Time running_{ 0 }; ///< running time of the last turn on the clock
   std::optional<tactor::Time> expires_;
-  std::optional<tactor::Time> reconnect_; ///< when the board, which is away, is looked for next
-  bool starved_ = false;                  ///< see take_starved()
+  std::optional<tactor::Time> refresh_; ///< when the driver is told again what it was told
+  bool starved_ = false;                ///< see take_starved()
 
   std::unique_ptr<tactor::Driver> driver_;
-  tactor::DriverConfig config_;
+  tactor::DriverStatus last_status_; ///< when there is no driver any more
+  tactor::Time refresh_interval_{ 0 };
+  double full_scale_volts_ = 0;
   std::unique_ptr<tactor::CommandTrace> trace_;
   tactor::CommandQueue queue_;
   std::vector<double> sent_; ///< volts that the driver has, one for each tactor used so far

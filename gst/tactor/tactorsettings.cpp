@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "tactorsettings.h"
 
+#include <algorithm>
 #include <chrono>
 #include <vector>
 
@@ -33,17 +34,6 @@ mapping_from_value(const GValue *value)
   return mapping;
 }
 
-void
-mapping_to_value(const std::vector<int> &mapping, GValue *value)
-{
-  for (const int tactor : mapping) {
-    GValue item = G_VALUE_INIT;
-    g_value_init(&item, G_TYPE_INT);
-    g_value_set_int(&item, tactor);
-    gst_value_array_append_and_take_value(value, &item);
-  }
-}
-
 std::string
 string_from_value(const GValue *value)
 {
@@ -52,6 +42,24 @@ string_from_value(const GValue *value)
 }
 
 } // namespace
+
+void
+tactor_ints_to_value(const std::vector<int> &numbers, GValue *value)
+{
+  for (const int number : numbers) {
+    GValue item = G_VALUE_INIT;
+    g_value_init(&item, G_TYPE_INT);
+    g_value_set_int(&item, number);
+    gst_value_array_append_and_take_value(value, &item);
+  }
+}
+
+int
+TactorSettings::needed_tactors() const
+{
+  const auto last = std::ranges::max_element(planner.mapping);
+  return last == planner.mapping.end() ? 1 : std::max(*last + 1, 1);
+}
 
 void
 TactorSettings::install(GObjectClass *klass)
@@ -66,13 +74,17 @@ TactorSettings::install(GObjectClass *klass)
 
   g_object_class_install_property(
       klass, TACTOR_PROP_DRIVER,
-      g_param_spec_string("driver", "Driver",
-                          "What drives the tactors: simulator (motors predicted, no hardware)",
-                          unset.driver.c_str(), ready));
+      g_param_spec_string(
+          "driver", "Driver",
+          "What drives the tactors: auto (firmata if a board is there, else simulator), "
+          "firmata (any board with StandardFirmata), seat (one whose firmware has "
+          "the watchdog), simulator (motors predicted, no hardware)",
+          unset.driver.c_str(), ready));
   g_object_class_install_property(
       klass, TACTOR_PROP_DEVICE,
       g_param_spec_string("device", "Device",
-                          "Which board; for the simulator, a CSV file that gets the predicted "
+                          "Which board: its serial number or bus path (unset: the first that "
+                          "answers); for the simulator, a CSV file that gets the predicted "
                           "amplitudes (unset: none)",
                           nullptr, ready));
   g_object_class_install_property(
@@ -134,7 +146,8 @@ TactorSettings::install(GObjectClass *klass)
       klass, TACTOR_PROP_STATS,
       g_param_spec_boxed(
           "stats", "Statistics",
-          "Commands issued, late, coalesced, dropped; schedule error |issued - due| in ns",
+          "Commands issued, late, coalesced, dropped; schedule error |issued - due| in "
+          "ns; the board, its pins and the bytes sent to it",
           GST_TYPE_STRUCTURE, static_cast<GParamFlags>(G_PARAM_READABLE | G_PARAM_STATIC_STRINGS)));
   gst_type_mark_as_plugin_api(GST_TYPE_TACTOR_COMPENSATION, static_cast<GstPluginAPIFlags>(0));
 }
@@ -217,7 +230,7 @@ TactorSettings::get(guint id, GValue *value) const
     g_value_set_boolean(value, mute);
     break;
   case TACTOR_PROP_MAPPING:
-    mapping_to_value(planner.mapping, value);
+    tactor_ints_to_value(planner.mapping, value);
     break;
   case TACTOR_PROP_TRACE_LOCATION:
     g_value_set_string(value, trace_location.empty() ? nullptr : trace_location.c_str());

@@ -7,6 +7,7 @@
 #include <gst/tactile/tactile.h>
 
 #include <string>
+#include <vector>
 
 /// tactorsink's properties.
 enum TactorProperty : guint
@@ -30,11 +31,14 @@ struct TactorSettings
 {
   static constexpr int kMaxTactors = GST_TACTILE_MAX_SIDE * GST_TACTILE_MAX_SIDE;
 
-  std::string driver = "simulator";
+  std::string driver = "auto";
   std::string device;
   std::string trace_location;
   tactor::PlannerSettings planner;
   bool mute = false;
+
+  /// Tactors that the mapping names, at least 1.
+  int needed_tactors() const;
 
   /// All of TactorProperty, with their texts, ranges and defaults.
   static void install(GObjectClass *klass);
@@ -43,3 +47,6 @@ struct TactorSettings
   bool set(guint id, const GValue *value);
   bool get(guint id, GValue *value) const;
 };
+
+/// Appends numbers to a value of GST_TYPE_ARRAY.
+void tactor_ints_to_value(const std::vector<int> &numbers, GValue *value);

@@ -65,7 +65,7 @@ public:
     element = gst_element_factory_make("tactorsink", nullptr);
     fail_unless(element != nullptr);
     gst_object_ref_sink(element);
-    g_object_set(element, "trace-location", name, "max-lead", 150u, nullptr);
+    g_object_set(element, "driver", "simulator", "trace-location", name, "max-lead", 150u, nullptr);
     bus = gst_bus_new();
     gst_element_set_bus(element, bus);
     clock = GST_TEST_CLOCK(gst_test_clock_new());
@@ -940,6 +940,7 @@ GST_START_TEST(test_start_errors)
   check_start_error("driver", "telepathy", "simulator");
   check_start_error("trace-location", "/nonexistent/commands.csv", "/nonexistent/commands.csv");
   check_start_error("device", "/nonexistent/amplitude.csv", "/nonexistent/amplitude.csv");
+  check_start_error("device", "amplitude.csv", "driver=simulator");
 }
 GST_END_TEST;
 
