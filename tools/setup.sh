@@ -2,12 +2,13 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 # Installs what this project needs on Debian or Ubuntu, and only that; says nothing about what is already there.
 #
-# Usage: tools/setup.sh [build] [play] [test] [quality] [fuzz]     (no argument: all but the last two)
-#   build   compiler, meson and the libraries the plugins are made of
-#   play    GStreamer's plugins that decode, encode and show a film
-#   test    what the test suite needs beyond that
-#   quality OpenCV's saliency models, to compare with; left out of the comparison where they are missing
-#   fuzz    clang with libFuzzer, for tests/fuzz
+# Usage: tools/setup.sh [build] [play] [test] [quality] [fuzz] [firmware]     (no argument: the first three)
+#   build    compiler, meson and the libraries the plugins are made of
+#   play     GStreamer's plugins that decode, encode and show a film
+#   test     what the test suite needs beyond that
+#   quality  OpenCV's saliency models, to compare with; left out of the comparison where they are missing
+#   fuzz     clang with libFuzzer, for tests/fuzz
+#   firmware cross compiler and emulator for the test of the seat sketch, which is skipped where they are missing
 set -euo pipefail
 
 declare -A packages=(
@@ -19,10 +20,11 @@ declare -A packages=(
           opencv-data umockdev libumockdev-dev"
   [quality]="libopencv-contrib-dev"
   [fuzz]="clang libclang-rt-14-dev"
+  [firmware]="gcc-avr avr-libc arduino-core-avr libsimavr-dev"
 )
 
 usage() {
-  sed -n '3,10s/^# \{0,1\}//p' "$0"
+  sed -n '3,11s/^# \{0,1\}//p' "$0"
 }
 
 parts=("$@")
@@ -31,8 +33,8 @@ wanted=()
 for part in "${parts[@]}"; do
   case $part in
     -h | --help) usage; exit 0 ;;
-    build | play | test | quality | fuzz) read -r -d '' -a names <<<"${packages[$part]}" || true; wanted+=("${names[@]}") ;;
-    *) echo "setup.sh: expected build, play, test, quality or fuzz, got '$part'; see setup.sh --help" >&2; exit 2 ;;
+    build | play | test | quality | fuzz | firmware) read -r -d '' -a names <<<"${packages[$part]}" || true; wanted+=("${names[@]}") ;;
+    *) echo "setup.sh: expected build, play, test, quality, fuzz or firmware, got '$part'; see setup.sh --help" >&2; exit 2 ;;
   esac
 done
 

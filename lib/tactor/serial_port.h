@@ -67,7 +67,7 @@ public:
   virtual void watch(std::function<void()> changed) = 0;
 };
 
-/// The bus that this build has. Throws DriverError (not_found) if it has none.
+/// The bus that this build has. Throws DriverError: not_found if it has none, failed if it cannot be used.
 std::unique_ptr<SerialBus> make_serial_bus();
 
 } // namespace tactor

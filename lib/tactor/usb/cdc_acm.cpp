@@ -1,25 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "tactor/usb/cdc_acm.h"
 
-#include <algorithm>
-#include <array>
-
 namespace tactor {
 
 namespace {
-
-constexpr std::array<std::uint16_t, 10> kBoardVendors{
-  0x2341, // Arduino
-  0x2a03, // Arduino (arduino.org)
-  0x16c0, // Teensy
-  0x2e8a, // Raspberry Pi
-  0x239a, // Adafruit
-  0x1b4f, // SparkFun
-  0x2886, // Seeed
-  0x303a, // Espressif
-  0x1209, // pid.codes, open hardware
-  0x1a86, // WCH, USB chips of many boards
-};
 
 constexpr std::uint8_t kAbstractControlModel = 0x02;
 constexpr std::uint8_t kToInterface = 0x21; // host to device, class, interface
@@ -31,7 +15,7 @@ constexpr std::uint8_t kSetControlLineState = 0x22;
 std::optional<SerialLine>
 cdc_acm_line(const libusb_device_descriptor &device, const libusb_config_descriptor &config)
 {
-  if (std::find(kBoardVendors.begin(), kBoardVendors.end(), device.idVendor) == kBoardVendors.end())
+  if (!is_one_of(device, kCdcAcmDevices))
     return std::nullopt;
   const libusb_interface_descriptor *control = nullptr;
   for (const libusb_interface_descriptor *interface : first_settings(config)) {

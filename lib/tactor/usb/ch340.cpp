@@ -1,20 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "tactor/usb/ch340.h"
 
-#include <algorithm>
-#include <array>
-#include <utility>
-
 namespace tactor {
 
 namespace {
-
-constexpr std::array<std::pair<std::uint16_t, std::uint16_t>, 4> kProducts{ {
-    { 0x1a86, 0x7523 }, // CH340
-    { 0x1a86, 0x7522 }, // CH340K
-    { 0x1a86, 0x5523 }, // CH341
-    { 0x4348, 0x5523 }, // CH341, older
-} };
 
 constexpr std::uint8_t kToDevice = 0x40;   // host to device, vendor, device
 constexpr std::uint8_t kFromDevice = 0xc0; // device to host, vendor, device
@@ -28,8 +17,7 @@ constexpr std::uint8_t kModemControl = 0xa4;
 std::optional<SerialLine>
 ch340_line(const libusb_device_descriptor &device, const libusb_config_descriptor &config)
 {
-  if (std::find(kProducts.begin(), kProducts.end(), std::pair(device.idVendor, device.idProduct))
-      == kProducts.end())
+  if (!is_one_of(device, kCh340Devices))
     return std::nullopt;
   const std::vector<const libusb_interface_descriptor *> interfaces = first_settings(config);
   if (interfaces.empty())

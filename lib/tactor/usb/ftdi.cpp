@@ -1,15 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "tactor/usb/ftdi.h"
 
-#include <algorithm>
-#include <array>
-
 namespace tactor {
 
 namespace {
-
-constexpr std::uint16_t kVendor = 0x0403;
-constexpr std::array<std::uint16_t, 5> kProducts{ 0x6001, 0x6010, 0x6011, 0x6014, 0x6015 };
 
 constexpr std::uint8_t kToDevice = 0x40; // host to device, vendor, device
 constexpr std::uint8_t kReset = 0x00;
@@ -23,8 +17,7 @@ constexpr std::uint8_t kLatencyTimer = 0x09;
 std::optional<SerialLine>
 ftdi_line(const libusb_device_descriptor &device, const libusb_config_descriptor &config)
 {
-  if (device.idVendor != kVendor
-      || std::find(kProducts.begin(), kProducts.end(), device.idProduct) == kProducts.end())
+  if (!is_one_of(device, kFtdiDevices))
     return std::nullopt;
   const std::vector<const libusb_interface_descriptor *> interfaces = first_settings(config);
   if (interfaces.empty())

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "tactor/usb/serial_line.h"
 
+#include <algorithm>
+
 namespace tactor {
 
 namespace {
@@ -9,6 +11,14 @@ constexpr int kSmallestPacket = 8;
 constexpr int kLargestPacket = 512;
 
 } // namespace
+
+bool
+is_one_of(const libusb_device_descriptor &device, std::span<const UsbId> ids)
+{
+  return std::any_of(ids.begin(), ids.end(), [&](const UsbId &id) {
+    return id.vendor == device.idVendor && (id.product == 0 || id.product == device.idProduct);
+  });
+}
 
 std::optional<SerialLine>
 bulk_line(const libusb_interface_descriptor &interface)

@@ -5,10 +5,21 @@
 
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string_view>
 #include <vector>
 
 namespace tactor {
+
+/// Which devices a transport takes for boards. data/udev/70-visuotactile.rules has the same.
+struct UsbId
+{
+  std::uint16_t vendor;
+  std::uint16_t product; ///< 0: any
+};
+
+/// Whether one of these is the device's.
+bool is_one_of(const libusb_device_descriptor &device, std::span<const UsbId> ids);
 
 /// A request on the default control pipe (USB 2.0, 9.3).
 struct ControlRequest

@@ -26,11 +26,12 @@ throw_error(int error, const SerialDevice &device, const char *what)
   using Kind = DriverError::Kind;
   switch (error) {
   case LIBUSB_ERROR_ACCESS:
-    throw DriverError(Kind::permission,
-                      called(device)
-                          + " may not be opened by you; install the udev rule: sudo install -m 644 "
-                            "70-visuotactile.rules /etc/udev/rules.d/ && sudo udevadm control "
-                            "--reload && sudo udevadm trigger --subsystem-match=usb");
+    throw DriverError(
+        Kind::permission,
+        called(device)
+            + " may not be opened by you; install the udev rule: sudo install -m 644 "
+              "data/udev/70-visuotactile.rules /etc/udev/rules.d/ && sudo udevadm control "
+              "--reload && sudo udevadm trigger --subsystem-match=usb");
   case LIBUSB_ERROR_BUSY:
     throw DriverError(Kind::busy, called(device) + " is used by another program; close that first");
   case LIBUSB_ERROR_NO_DEVICE:
