@@ -52,7 +52,9 @@ TactorScheduler::start(std::unique_ptr<tactor::Driver> driver, const tactor::Dri
   counters_ = {};
   expires_.reset();
   reconnect_.reset();
-  quit_ = playing_ = starved_ = failed_ = false;
+  starved_.reset();
+  soft_start_.arm();
+  quit_ = playing_ = failed_ = false;
   met_ = requested_;
   running_ = Time(0);
   thread_ = std::thread([this] { run(); });
@@ -92,14 +94,16 @@ TactorScheduler::pause()
   settle(lock);
 }
 
-void
+Time
 TactorScheduler::flush()
 {
   std::unique_lock lock(mutex_);
   counters_.dropped += queue_.clear();
   expires_.reset();
-  starved_ = false;
+  starved_.reset();
+  soft_start_.arm();
   settle(lock);
+  return running_;
 }
 
 void
@@ -125,6 +129,14 @@ TactorScheduler::set_muted(bool muted)
   std::unique_lock lock(mutex_);
   muted_ = muted;
   settle(lock);
+}
+
+void
+TactorScheduler::set_ramp_in(Time length)
+{
+  std::lock_guard lock(mutex_);
+  soft_start_.set_length(length);
+  wake();
 }
 
 void
@@ -161,11 +173,11 @@ TactorScheduler::timing_changed()
   wake();
 }
 
-bool
+std::optional<Time>
 TactorScheduler::take_starved()
 {
   std::lock_guard lock(mutex_);
-  return std::exchange(starved_, false);
+  return std::exchange(starved_, std::nullopt);
 }
 
 TactorScheduler::Counters
@@ -233,7 +245,10 @@ TactorScheduler::run()
 void
 TactorScheduler::turn(Lock &lock)
 {
-  if (met_ == requested_ && (!playing_ || (!queue_.next_due() && !expires_ && !reconnect_))) {
+  if (met_ == requested_
+      && (!playing_
+          || (!queue_.next_due() && !expires_ && !reconnect_
+              && !soft_start_.next_step(running_)))) {
     wake_.wait(lock);
     return;
   }
@@ -242,7 +257,7 @@ TactorScheduler::turn(Lock &lock)
   lock.unlock();
   const Moment moment(host_.timing(), running_);
   lock.lock();
-  const bool timed = !immediate_ && moment.clock;
+  const bool timed = timed_ = !immediate_ && moment.clock;
   if (timed)
     running_ = moment.running;
   // After a seek running time begins anew.
@@ -270,13 +285,15 @@ TactorScheduler::turn(Lock &lock)
     return;
   } else if (!timed) {
     wake_.wait(lock);
-  } else if (const std::optional<Time> next = queue_.next_due();
-             !next && expires_ && *expires_ <= running_) {
+  } else if (expires_ && *expires_ <= running_) {
     starve(lock, running_);
+  } else if (driver_ && !reconnect_ && soft_start_.ceiling(running_) != ceiling_) {
+    apply(lock, running_, {});
   } else {
-    Time until = next ? *next : expires_.value_or(Time::max());
-    if (reconnect_)
-      until = std::min(until, *reconnect_);
+    Time until = Time::max();
+    for (const std::optional<Time> &next :
+         { queue_.next_due(), expires_, reconnect_, soft_start_.next_step(running_) })
+      until = std::min(until, next.value_or(Time::max()));
     if (until != Time::max())
       wait_until(lock, moment, until);
   }
@@ -290,8 +307,8 @@ TactorScheduler::issue_due(Lock &lock, bool timed)
   if (!timed)
     expires_.reset();
   bool any = false;
-  for (std::optional<Time> next = queue_.next_due(); next && (!timed || *next <= running_);
-       next = queue_.next_due()) {
+  for (std::optional<Time> next = queue_.next_due();
+       next && (timed ? *next <= running_ : queue_.size() > 0); next = queue_.next_due()) {
     if (!timed)
       running_ = *next;
     issuing_ = true;
@@ -359,7 +376,7 @@ TactorScheduler::starve(Lock &lock, Time running)
   if (zeros.empty())
     return;
   counters_.starved++;
-  starved_ = true;
+  starved_ = running;
   queue_.push(zeros);
   apply(lock, running, queue_.take_due(running));
 }
@@ -386,10 +403,15 @@ TactorScheduler::apply(Lock &lock, Time running, std::span<const Command> comman
   const bool silent = !playing_ || muted_;
   sent_.resize(used, 0.0);
   std::vector<double> volts(used, 0.0);
+  if (silent)
+    soft_start_.arm();
+  else if (timed_ && last != levels.rend())
+    counters_.ramps += soft_start_.vibrate(running);
+  ceiling_ = soft_start_.ceiling(running);
+  const double ceiling = config_.full_scale_volts * (timed_ ? ceiling_ : 1.0);
   if (!silent)
     std::transform(levels.begin(), levels.begin() + static_cast<std::ptrdiff_t>(used),
-                   volts.begin(),
-                   [this](double level) { return std::min(level, config_.full_scale_volts); });
+                   volts.begin(), [=](double level) { return std::min(level, ceiling); });
   if (volts == sent_)
     return;
 
@@ -436,6 +458,7 @@ TactorScheduler::lose(Lock &lock, Time running, const tactor::DriverError &error
 {
   trace_changes(running, {}, std::vector<double>(sent_.size(), 0.0)); // no motor runs on
   sent_.clear(); // a board that comes back begins at zero
+  soft_start_.arm();
   const bool may_return = error.kind() == tactor::DriverError::Kind::lost;
   if (may_return)
     reconnect_ = running + kReconnectInterval;
