@@ -18,6 +18,10 @@
  * Every way out of PLAYING leaves all motors at zero: pause, flush, end of stream, error, and an
  * upstream that stops delivering.
  *
+ * Motors and skin are spared: #GstTactorSink:max-on-time, #GstTactorSink:max-duty and
+ * #GstTactorSink:max-active end cues, #GstTactorSink:ramp-in softens the first vibration after
+ * start, seek and pause. 0 switches each of them off.
+ *
  * ## Example launch lines
  * |[
  * gst-launch-1.0 tactiletestsrc num-buffers=150 ! saliencytactile ! tactorsink trace-location=commands.csv
