@@ -2,6 +2,7 @@
 #include "tactor/soft_start.h"
 
 #include <algorithm>
+#include <utility>
 
 namespace tactor {
 
@@ -21,12 +22,10 @@ SoftStart::arm()
 bool
 SoftStart::vibrate(Time now)
 {
-  if (!armed_)
-    return false;
-  armed_ = false;
-  if (length_ > Time(0))
+  const bool begins = std::exchange(armed_, false) && length_ > Time(0);
+  if (begins || (begin_ && now < *begin_))
     begin_ = now;
-  return begin_.has_value();
+  return begins;
 }
 
 double
@@ -34,7 +33,7 @@ SoftStart::ceiling(Time now) const
 {
   if (!begin_ || length_ <= Time(0))
     return 1;
-  const double steps = static_cast<double>((now - *begin_) / kStep + 1);
+  const double steps = static_cast<double>(std::max(now - *begin_, Time(0)) / kStep + 1);
   return std::min(
       steps * static_cast<double>(Time(kStep).count()) / static_cast<double>(length_.count()), 1.0);
 }
@@ -44,7 +43,7 @@ SoftStart::next_step(Time now) const
 {
   if (ceiling(now) >= 1)
     return std::nullopt;
-  return *begin_ + ((now - *begin_) / kStep + 1) * kStep;
+  return *begin_ + (std::max(now - *begin_, Time(0)) / kStep + 1) * kStep;
 }
 
 } // namespace tactor

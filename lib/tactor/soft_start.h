@@ -21,7 +21,7 @@ public:
   /// The motors are at zero; the next vibration is a soft start.
   void arm();
 
-  /// The motors vibrate at `now`. True if a soft start begins.
+  /// The motors vibrate at `now`. True if a soft start begins. One that is under way begins again if time goes back.
   bool vibrate(Time now);
 
   /// What a motor may get at `now`, a share of full scale: (n + 1) · kStep / length in the n-th step, 1 at most.

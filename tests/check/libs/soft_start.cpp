@@ -23,6 +23,10 @@ GST_START_TEST(test_steps)
     fail_unless(!next || *next == 5s + (ms / 20 + 1) * 20ms);
     fail_unless(!start.vibrate(now)); // once
   }
+  // Another clock: no motor is held down until the old one's time comes again.
+  fail_unless(!start.vibrate(3s));
+  fail_unless_near(start.ceiling(2s), 0.2, 1e-12);
+  fail_unless_near(start.ceiling(3s + 20ms), 0.4, 1e-12);
   start.arm();
   fail_unless(start.ceiling(6s) == 1);
   fail_unless(start.vibrate(1s)); // time may begin anew
