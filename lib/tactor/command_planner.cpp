@@ -148,7 +148,7 @@ CommandPlanner::reset(Time time)
 {
   // Twice with nothing in between: the time of the second is that of a film of which nothing was played.
   if (!restarts_after_)
-    restarts_after_ = time;
+    restarts_after_ = std::max(time, account_begin_);
   silenced(*restarts_after_);
   for (Tactor &tactor : tactors_)
     tactor.due = Time::min();
@@ -217,6 +217,7 @@ CommandPlanner::begin_plan(Time effect, Time frame)
       for (Tactor &tactor : tactors_)
         tactor.use.age(*restarts_after_ - first);
     restarts_after_.reset();
+    account_begin_ = first;
   }
   Plan plan{ .effect = effect, .frame = frame, .latest = effect - transport() };
   for (std::size_t i = 0; i < tactors_.size(); i++) {

@@ -160,6 +160,7 @@ private:
   std::vector<Tactor> tactors_;
   LimitCounters limited_;
   std::optional<Time> restarts_after_; ///< running time begins anew, after this one
+  Time account_begin_ = Time::min();   ///< where the time before the last reset() ends
   std::optional<Time> grid_start_;
   std::size_t cells_ = 0; ///< of the last map
   double next_block_ = 0; ///< number of the next block on the grid

@@ -526,9 +526,9 @@ GST_START_TEST(test_the_strongest_win)
     return on;
   };
   volts.clear();
-  ck_assert_str_eq(on_after(0s, { 0, 0, 1, 1, 1, 1 }).c_str(), "..####");
-  ck_assert_str_eq(on_after(200ms, { 1, 1, 1, 1, 1, 1 }).c_str(), "..####");
-  ck_assert_str_eq(on_after(400ms, { 1, 1, 1, 1, 1, 0.5F }).c_str(), "#.###.");
+  fail_unless(on_after(0s, { 0, 0, 1, 1, 1, 1 }) == "..####");
+  fail_unless(on_after(200ms, { 1, 1, 1, 1, 1, 1 }) == "..####");
+  fail_unless(on_after(400ms, { 1, 1, 1, 1, 1, 0.5F }) == "#.###.");
   fail_unless(equals.limited().number == 3); // two that had to wait, and the one that had to go
 }
 GST_END_TEST;
@@ -562,6 +562,23 @@ GST_START_TEST(test_seeking_about_does_not_help)
   }
   fail_unless(fullest_minute(chair.stretches[0]) <= 24s);
   fail_unless(fullest_minute(chair.stretches[0]) >= 23s); // and not much less
+}
+GST_END_TEST;
+
+/// A seek that follows another so soon that nothing was due yet takes nothing from the account.
+GST_START_TEST(test_seek_before_anything_was_due)
+{
+  CommandPlanner planner(1, { .limits = { .max_on_time = 0s } });
+  planner.plan(0s, 33ms, std::vector<float>{ 1.0F });
+  planner.reset(23s);
+  for (int seek = 0; seek < 20; seek++) {
+    planner.plan(0s, 33ms, std::vector<float>{ 1.0F });
+    planner.reset(-1s);
+  }
+  const auto commands = planner.plan(0s, 33ms, std::vector<float>{ 1.0F });
+  const Time lead = RiseTime()(0, 3.0);
+  fail_unless(commands.size() == 1);
+  fail_unless(commands[0].until - commands[0].due() == 24s - (23s + lead));
 }
 GST_END_TEST;
 
@@ -635,6 +652,7 @@ motor_limits_suite(void)
   tcase_add_test(tests, test_the_strongest_win);
   tcase_add_test(tests, test_room_is_made_in_time);
   tcase_add_test(tests, test_seeking_about_does_not_help);
+  tcase_add_test(tests, test_seek_before_anything_was_due);
   tcase_add_test(tests, test_change_of_limits);
   tcase_add_test(tests, test_kick_start);
   return suite;
