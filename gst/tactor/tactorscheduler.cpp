@@ -53,7 +53,9 @@ TactorScheduler::start(std::unique_ptr<tactor::Driver> driver, double full_scale
   counters_ = {};
   expires_.reset();
   refresh_.reset();
-  quit_ = playing_ = starved_ = failed_ = false;
+  starved_.reset();
+  soft_start_.arm();
+  quit_ = playing_ = failed_ = away_ = false;
   met_ = requested_;
   running_ = Time(0);
   thread_ = std::thread([this] { run(); });
@@ -93,14 +95,16 @@ TactorScheduler::pause()
   settle(lock);
 }
 
-void
+Time
 TactorScheduler::flush()
 {
   std::unique_lock lock(mutex_);
   counters_.dropped += queue_.clear();
   expires_.reset();
-  starved_ = false;
+  starved_.reset();
+  soft_start_.arm();
   settle(lock);
+  return running_;
 }
 
 void
@@ -126,6 +130,23 @@ TactorScheduler::set_muted(bool muted)
   std::unique_lock lock(mutex_);
   muted_ = muted;
   settle(lock);
+}
+
+void
+TactorScheduler::set_ramp_in(Time length)
+{
+  std::lock_guard lock(mutex_);
+  soft_start_.set_length(length);
+  wake();
+}
+
+void
+TactorScheduler::set_board_away(bool away)
+{
+  std::lock_guard lock(mutex_);
+  away_ = away;
+  requested_++;
+  wake();
 }
 
 void
@@ -162,11 +183,11 @@ TactorScheduler::timing_changed()
   wake();
 }
 
-bool
+std::optional<Time>
 TactorScheduler::take_starved()
 {
   std::lock_guard lock(mutex_);
-  return std::exchange(starved_, false);
+  return std::exchange(starved_, std::nullopt);
 }
 
 TactorScheduler::Counters
@@ -241,7 +262,9 @@ TactorScheduler::run()
 void
 TactorScheduler::turn(Lock &lock)
 {
-  if (met_ == requested_ && (!playing_ || (!queue_.next_due() && !expires_ && !refresh_))) {
+  if (met_ == requested_
+      && (!playing_
+          || (!queue_.next_due() && !expires_ && !refresh_ && !soft_start_.next_step(running_)))) {
     wake_.wait(lock);
     return;
   }
@@ -250,7 +273,7 @@ TactorScheduler::turn(Lock &lock)
   lock.unlock();
   const Moment moment(host_.timing(), running_);
   lock.lock();
-  const bool timed = !immediate_ && moment.clock;
+  const bool timed = timed_ = !immediate_ && moment.clock;
   if (timed)
     running_ = moment.running;
   // After a seek running time begins anew.
@@ -281,13 +304,15 @@ TactorScheduler::turn(Lock &lock)
       wake_.wait(lock);
     else if (wake_.wait_for(lock, refresh_interval_) == std::cv_status::timeout)
       refresh_ = running_;
-  } else if (const std::optional<Time> next = queue_.next_due();
-             !next && expires_ && *expires_ <= running_) {
+  } else if (expires_ && *expires_ <= running_) {
     starve(lock, running_);
+  } else if (driver_ && soft_start_.ceiling(running_) != ceiling_) {
+    apply(lock, running_, {});
   } else {
-    Time until = next ? *next : expires_.value_or(Time::max());
-    if (refresh_)
-      until = std::min(until, *refresh_);
+    Time until = Time::max();
+    for (const std::optional<Time> &next :
+         { queue_.next_due(), expires_, refresh_, soft_start_.next_step(running_) })
+      until = std::min(until, next.value_or(Time::max()));
     if (until != Time::max())
       wait_until(lock, moment, until);
   }
@@ -301,8 +326,8 @@ TactorScheduler::issue_due(Lock &lock, bool timed)
   if (!timed)
     expires_.reset();
   bool any = false;
-  for (std::optional<Time> next = queue_.next_due(); next && (!timed || *next <= running_);
-       next = queue_.next_due()) {
+  for (std::optional<Time> next = queue_.next_due();
+       next && (timed ? *next <= running_ : queue_.size() > 0); next = queue_.next_due()) {
     if (!timed)
       running_ = *next;
     issuing_ = true;
@@ -370,13 +395,13 @@ TactorScheduler::starve(Lock &lock, Time running)
   if (zeros.empty())
     return;
   counters_.starved++;
-  starved_ = true;
+  starved_ = running;
   queue_.push(zeros);
   apply(lock, running, queue_.take_due(running));
 }
 
 /// Makes the driver's volts what they have to be now. `commands` are those that led here, for the
-/// trace; any other change (pause, resume, mute, flush) is traced as due and in effect when it
+/// trace; any other change (pause, resume, mute, flush, a lost board) is traced as due and in effect when it
 /// happened.
 void
 TactorScheduler::apply(Lock &lock, Time running, std::span<const Command> commands)
@@ -393,13 +418,18 @@ TactorScheduler::apply(Lock &lock, Time running, std::span<const Command> comman
     used = std::max(used, static_cast<std::size_t>(command.tactor) + 1);
   used = std::min(used, levels.size());
 
-  const bool silent = !playing_ || muted_;
+  const bool silent = !playing_ || muted_ || away_;
   sent_.resize(used, 0.0);
   std::vector<double> volts(used, 0.0);
+  if (silent)
+    soft_start_.arm();
+  else if (timed_ && last != levels.rend())
+    counters_.ramps += soft_start_.vibrate(running);
+  ceiling_ = soft_start_.ceiling(running);
+  const double ceiling = full_scale_volts_ * (timed_ ? ceiling_ : 1.0);
   if (!silent)
     std::transform(levels.begin(), levels.begin() + static_cast<std::ptrdiff_t>(used),
-                   volts.begin(),
-                   [this](double level) { return std::min(level, full_scale_volts_); });
+                   volts.begin(), [=](double level) { return std::min(level, ceiling); });
   if (volts == sent_ && !(refresh_ && *refresh_ <= running))
     return;
 
@@ -450,6 +480,7 @@ TactorScheduler::fail(Lock &lock, Time running, const tactor::DriverError &error
   trace_changes(running, {}, std::vector<double>(sent_.size(), 0.0)); // no motor runs on
   sent_.clear();
   refresh_.reset();
+  soft_start_.arm();
   failed_ = true;
   close_driver(lock);
   lock.unlock();

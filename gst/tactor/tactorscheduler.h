@@ -5,6 +5,7 @@
 #include "tactor/command_trace.h"
 #include "tactor/driver.h"
 #include "tactor/schedule_statistics.h"
+#include "tactor/soft_start.h"
 
 #include <gst/gst.h>
 
@@ -59,6 +60,7 @@ public:
     guint64 coalesced = 0;            ///< overtaken by a later command for the same tactor
     guint64 dropped = 0;              ///< thrown away by a flush or a stop before they were due
     guint64 starved = 0;              ///< times when no map came and the motors were silenced
+    guint64 ramps = 0;                ///< soft starts
     tactor::ScheduleStatistics error; ///< |issued − due|
   };
 
@@ -78,8 +80,8 @@ public:
   void play();
   /// Motors to zero; commands are kept.
   void pause();
-  /// Motors to zero; commands are forgotten.
-  void flush();
+  /// Motors to zero; commands are forgotten. Returns the running time at which that was.
+  tactor::Time flush();
   /// Returns when every command was issued, however long the play is paused meanwhile, or when
   /// interrupt() was called.
   void drain();
@@ -87,6 +89,12 @@ public:
   void interrupt(bool interrupted);
   /// While muted, motors are at zero and the film's commands are followed silently.
   void set_muted(bool muted);
+  /// How long the first vibration after start(), pause(), flush(), mute or a lost board takes to full scale, from the next one
+  /// on; not where commands don't wait for the clock.
+  void set_ramp_in(tactor::Time length);
+  /// While the board is away its driver is told that all motors are at zero: so they are when it returns, and then start softly.
+  /// Returns at once, since it is called on the driver's thread.
+  void set_board_away(bool away);
   /// While immediate, commands do not wait for the clock (sync=false): push() returns when they were
   /// issued, each as if its time had come, and the trace has its due time as when it was issued.
   void set_immediate(bool immediate);
@@ -95,9 +103,9 @@ public:
   /// silenced.
   void push(std::span<const tactor::Command> commands, tactor::Time expires);
 
-  /// Whether the motors were silenced for want of a map since the last call: whoever plans must
-  /// know.
-  bool take_starved();
+  /// When the motors were silenced for want of a map, if they were since the last call: whoever plans
+  /// must know.
+  std::optional<tactor::Time> take_starved();
 
   /// Clock, base time, latency or ts-offset changed.
   void timing_changed();
@@ -154,7 +162,11 @@ private:
   tactor::Time running_{ 0 }; ///< running time of the last turn on the clock
   std::optional<tactor::Time> expires_;
   std::optional<tactor::Time> refresh_; ///< when the driver is told again what it was told
-  bool starved_ = false;                ///< see take_starved()
+  std::optional<tactor::Time> starved_; ///< see take_starved()
+  bool timed_ = false;                  ///< commands wait for the clock
+  bool away_ = false;                   ///< the board was lost and is not back
+  tactor::SoftStart soft_start_;
+  double ceiling_ = 1; ///< of the soft start, as applied last
 
   std::unique_ptr<tactor::Driver> driver_;
   tactor::DriverStatus last_status_; ///< when there is no driver any more

@@ -22,6 +22,11 @@ enum TactorProperty : guint
   TACTOR_PROP_INTENSITY,
   TACTOR_PROP_MUTE,
   TACTOR_PROP_MAPPING,
+  TACTOR_PROP_MAX_ON_TIME,
+  TACTOR_PROP_MAX_DUTY,
+  TACTOR_PROP_MAX_ACTIVE,
+  TACTOR_PROP_RAMP_IN,
+  TACTOR_PROP_KICK_START,
   TACTOR_PROP_TRACE_LOCATION,
   TACTOR_PROP_STATS,
 };
@@ -36,6 +41,7 @@ struct TactorSettings
   std::string trace_location;
   tactor::PlannerSettings planner;
   bool mute = false;
+  tactor::Time ramp_in = std::chrono::milliseconds(100);
 
   /// Tactors that the mapping names, at least 1.
   int needed_tactors() const;

@@ -133,10 +133,14 @@ struct Board
   {
     return silent(get(&Board::volts));
   }
-  void wait_until_held()
+  template <typename Condition> void wait_until(Condition condition)
   {
     std::unique_lock lock(mutex);
-    changed.wait(lock, [this] { return held && passes == 0; });
+    changed.wait(lock, condition);
+  }
+  void wait_until_held()
+  {
+    wait_until([this] { return held && passes == 0; });
   }
 };
 
@@ -202,6 +206,7 @@ public:
     }
     board_.volts.assign(volts.begin(), volts.end());
     board_.writes.push_back({ now, board_.volts });
+    board_.changed.notify_all();
   }
   void close() noexcept override
   {

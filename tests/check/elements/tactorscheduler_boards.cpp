@@ -167,10 +167,12 @@ GST_START_TEST(test_many_threads)
     for (int i = 0; i < 2; i++)
       thread(1500, [&](std::mt19937 &random) {
         std::vector<Command> commands;
-        for (unsigned n = random() % 5; n > 0; n--)
+        for (unsigned n = random() % 5; n > 0; n--) {
           commands.push_back(
               command(ms_now() + static_cast<int>(random() % 60), static_cast<int>(random() % 4),
                       0.5 * static_cast<double>(random() % 4), static_cast<int>(random() % 60)));
+          commands.back().until = commands.back().effect + milliseconds(random() % 100);
+        }
         rig.push(commands, rig.running() + milliseconds(random() % 100));
       });
     thread(400, [&](std::mt19937 &) {
@@ -183,9 +185,12 @@ GST_START_TEST(test_many_threads)
     });
     for (int i = 0; i < 3; i++)
       thread(300, [&](std::mt19937 &random) {
-        switch (random() % 4) {
+        switch (random() % 5) {
         case 0:
           rig.scheduler->flush();
+          break;
+        case 2:
+          rig.scheduler->set_ramp_in(milliseconds(random() % 100));
           break;
         case 1:
           rig.scheduler->set_immediate(random() % 4 == 0);
