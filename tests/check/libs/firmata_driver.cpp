@@ -267,8 +267,8 @@ GST_END_TEST;
 GST_START_TEST(test_stalled_board)
 {
   FirmataPatience patience = kEndless;
-  patience.transfer = 2ms;
-  patience.farewell = 2ms;
+  patience.transfer = 250ms;
+  patience.farewell = 250ms;
   Rig rig(Firmware::any, patience, 2ms);
   rig.sockets.plug(rig.mega);
   // Under a load of others it may be lost before it stalls: then it returns all the same.
@@ -510,8 +510,11 @@ GST_START_TEST(test_scheduler_hangs)
   Rig rig(Firmware::any, patience);
   rig.sockets.plug(rig.mega);
   rig.open();
-  rig.write({ 1.0, 2.0 });
-  rig.sockets.wait([&] { return std::ranges::count(rig.mega.model.received, 0xe2) >= 3; });
+  // On a busy computer the driver may come to it too late.
+  while (rig.sockets.locked([&] { return rig.mega.model.is_silent(); })) {
+    rig.write({ 1.0, 2.0 });
+    std::this_thread::yield();
+  }
   rig.expect(rig.mega, {});
 }
 GST_END_TEST;
