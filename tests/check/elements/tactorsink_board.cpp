@@ -41,7 +41,8 @@ public:
     GST_ELEMENT_REGISTER(tactorsink, nullptr);
     element = gst_element_factory_make("tactorsink", nullptr);
     gst_object_ref_sink(element);
-    g_object_set(element, "sync", FALSE, "async", FALSE, "rate", 0.0, "compensation", 2, nullptr);
+    g_object_set(element, "sync", FALSE, "async", FALSE, "rate", 0.0, "compensation", 2,
+                 "max-on-time", guint64{ 0 }, "max-duty", 0.0, "max-active", 0u, nullptr);
     if (driver)
       g_object_set(element, "driver", driver, nullptr);
     bus = gst_bus_new();
@@ -318,4 +319,10 @@ tactorsink_board_suite(void)
   return suite;
 }
 
-GST_CHECK_MAIN(tactorsink_board)
+int
+main(int argc, char **argv)
+{
+  g_unsetenv("GST_PLUGIN_PATH_1_0"); // where the same element is
+  gst_check_init(&argc, &argv);
+  return gst_check_run_suite(tactorsink_board_suite(), "tactorsink_board", __FILE__);
+}
