@@ -5,7 +5,12 @@
 
 #include "../libs/memory_bus.h"
 
+#include "tactor/command_trace.h"
+
+#include <cmath>
+#include <cstdlib>
 #include <string>
+#include <unistd.h>
 
 #include <gst/check/gstcheck.h>
 #include <gst/tactile/tactile.h>
@@ -229,10 +234,15 @@ GST_START_TEST(test_end_of_stream)
 }
 GST_END_TEST;
 
-/// One warning for people, a message for programs; the film goes on; the board that returns does what holds then.
+/// One warning for people, a message for programs; the film goes on; the board is told zeros, and when it returns what holds then.
 GST_START_TEST(test_lost_and_found)
 {
   Rig rig("firmata");
+  char trace[] = "/tmp/tactorsink_board-XXXXXX";
+  const int fd = mkstemp(trace);
+  fail_unless(fd >= 0);
+  close(fd);
+  g_object_set(rig.element, "trace-location", trace, nullptr);
   rig.sockets_.plug(rig.mega);
   fail_unless(rig.start());
   rig.message(GST_MESSAGE_INFO);
@@ -261,6 +271,12 @@ GST_START_TEST(test_lost_and_found)
   gst_structure_free(stats);
   rig.stop();
   fail_unless(rig.mega.model.is_silent());
+  std::vector<long> told; // tactor 0
+  for (const tactor::IssuedCommand &line : tactor::read_command_trace(trace))
+    if (line.command.tactor == 0)
+      told.push_back(std::lround(line.command.volts / 3.0 * 255));
+  fail_unless(told == (std::vector<long>{ 255, 0, 200, 0 }));
+  unlink(trace);
 }
 GST_END_TEST;
 
