@@ -12,5 +12,5 @@ build_and_use
 part=.commands.csv.$$.part
 trap 'rm -f "$part"' EXIT
 gst-launch-1.0 -e \
-  uridecodebin uri="$film" ! queue ! videoconvert ! saliencytactile ! tactorsink sync=false trace-location="$part"
+  uridecodebin uri="$film" ! queue ! videoconvert ! saliencytactile ! tactorsink driver=simulator sync=false trace-location="$part"
 mv "$part" commands.csv

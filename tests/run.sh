@@ -13,7 +13,7 @@ here=$(cd "$(dirname "$0")" && pwd)
 
 directory=$root/build
 patience=1
-options=(-Dsaliency=enabled -Dintrospection=enabled -Dtools=enabled -Dtests=enabled)
+options=(-Dsaliency=enabled -Dusb=enabled -Dintrospection=enabled -Dtools=enabled -Dtests=enabled)
 case ${1:-} in
   -h | --help) sed -n '3,8s/^# \{0,1\}//p' "$0"; exit 0 ;;
   --asan) shift; directory=$root/build-asan; patience=5; options+=("-Db_sanitize=address,undefined" -Db_lundef=false -Dintrospection=disabled) ;;

@@ -2,25 +2,29 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 # Installs what this project needs on Debian or Ubuntu, and only that; says nothing about what is already there.
 #
-# Usage: tools/setup.sh [build] [play] [test] [quality]     (no argument: all but the last)
-#   build   compiler, meson and the libraries the plugins are made of
-#   play    GStreamer's plugins that decode, encode and show a film
-#   test    what the test suite needs beyond that
-#   quality OpenCV's saliency models, to compare with; left out of the comparison where they are missing
+# Usage: tools/setup.sh [build] [play] [test] [quality] [fuzz] [firmware]     (no argument: the first three)
+#   build    compiler, meson and the libraries the plugins are made of
+#   play     GStreamer's plugins that decode, encode and show a film
+#   test     what the test suite needs beyond that
+#   quality  OpenCV's saliency models, to compare with; left out of the comparison where they are missing
+#   fuzz     clang with libFuzzer, for tests/fuzz
+#   firmware cross compiler and emulator for the test of the seat sketch, which is skipped where they are missing
 set -euo pipefail
 
 declare -A packages=(
   [build]="g++ meson ninja-build pkg-config libgstreamer1.0-dev libgstreamer-plugins-base1.0-dev libopencv-core-dev
-           libopencv-imgproc-dev libhwy-dev gobject-introspection libgirepository1.0-dev"
+           libopencv-imgproc-dev libhwy-dev libusb-1.0-0-dev gobject-introspection libgirepository1.0-dev"
   [play]="gstreamer1.0-tools gstreamer1.0-plugins-base gstreamer1.0-plugins-good gstreamer1.0-plugins-ugly gstreamer1.0-libav
           gstreamer1.0-x gstreamer1.0-alsa gstreamer1.0-pulseaudio"
   [test]="python3 python3-gi gir1.2-gstreamer-1.0 gir1.2-gst-plugins-base-1.0 xvfb gstreamer1.0-opencv
-          opencv-data"
+          opencv-data umockdev libumockdev-dev"
   [quality]="libopencv-contrib-dev"
+  [fuzz]="clang libclang-rt-14-dev"
+  [firmware]="gcc-avr avr-libc arduino-core-avr libsimavr-dev"
 )
 
 usage() {
-  sed -n '3,9s/^# \{0,1\}//p' "$0"
+  sed -n '3,11s/^# \{0,1\}//p' "$0"
 }
 
 parts=("$@")
@@ -29,8 +33,8 @@ wanted=()
 for part in "${parts[@]}"; do
   case $part in
     -h | --help) usage; exit 0 ;;
-    build | play | test | quality) read -r -d '' -a names <<<"${packages[$part]}" || true; wanted+=("${names[@]}") ;;
-    *) echo "setup.sh: expected build, play, test or quality, got '$part'; see setup.sh --help" >&2; exit 2 ;;
+    build | play | test | quality | fuzz | firmware) read -r -d '' -a names <<<"${packages[$part]}" || true; wanted+=("${names[@]}") ;;
+    *) echo "setup.sh: expected build, play, test, quality, fuzz or firmware, got '$part'; see setup.sh --help" >&2; exit 2 ;;
   esac
 done
 
@@ -39,7 +43,7 @@ if ! command -v apt-get >/dev/null || ! command -v dpkg-query >/dev/null; then
 setup.sh: this is not Debian or Ubuntu, so nothing was installed. Please install what these Debian packages hold
 with your distribution's package manager, then set VISUOTACTILE_NO_SETUP=1 and try again:
   ${wanted[*]}
-(GStreamer and its base, good, ugly and libav plugins, 1.22 or newer; OpenCV core and imgproc 4; Highway 1.0; meson 1.0; a C++20 compiler; Python's gi)
+(GStreamer and its base, good, ugly and libav plugins, 1.22 or newer; OpenCV core and imgproc 4; Highway 1.0; libusb 1.0; meson 1.0; a C++20 compiler; Python's gi)
 TXT
   exit 1
 fi

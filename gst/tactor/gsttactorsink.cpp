@@ -18,6 +18,10 @@
  * Every way out of PLAYING leaves all motors at zero: pause, flush, end of stream, error, and an
  * upstream that stops delivering.
  *
+ * Motors and skin are spared: #GstTactorSink:max-on-time, #GstTactorSink:max-duty and
+ * #GstTactorSink:max-active end cues, #GstTactorSink:ramp-in softens the first vibration after
+ * start, seek and pause. 0 switches each of them off.
+ *
  * ## Example launch lines
  * |[
  * gst-launch-1.0 tactiletestsrc num-buffers=150 ! saliencytactile ! tactorsink trace-location=commands.csv
@@ -29,7 +33,8 @@
  * ## Messages
  * - `tactor-lead-short`: a command could not be issued as early as its motor needs; fields `lead`
  *   and `late` (#guint64, ns). At most one in five seconds.
- * - `tactor-device-lost`, `tactor-device-found`: the board went away, came back.
+ * - `tactor-device-lost`, `tactor-device-found`: the board went away, came back; with them a warning
+ *   and an info message for people. The film plays on meanwhile.
  * - `tactor-stats`: the contents of #GstTactorSink:stats at the end of the stream.
  *
  * Since: 0.1
@@ -39,6 +44,7 @@
 #include "tactor/command_planner.h"
 #include "tactorscheduler.h"
 #include "tactorsettings.h"
+#include "tactorstream.h"
 
 #include <gst/tactile/tactile.h>
 #include <gst/video/video.h>
@@ -67,24 +73,6 @@ constexpr Time kHold = std::chrono::seconds(1);
 /// At most one message about short leads in this time.
 constexpr Time kLeadShortInterval = std::chrono::seconds(5);
 
-/// The grid and timing of the stream as last negotiated; streaming thread only.
-struct Stream
-{
-  bool is_map = false; ///< application/x-tactile-map rather than video
-  guint rows = 0;
-  guint columns = 0;
-  Time frame_duration{ 0 }; ///< 0: unknown
-};
-
-/// Times beyond thirty years are taken as that: sums of them do not overflow.
-constexpr GstClockTime kLatest = 1'000'000'000'000'000'000;
-
-Time
-to_time(GstClockTime time)
-{
-  return Time(static_cast<gint64>(std::min(time, kLatest)));
-}
-
 } // namespace
 
 struct GstTactorSinkPrivate final : TactorSchedulerHost
@@ -94,24 +82,24 @@ struct GstTactorSinkPrivate final : TactorSchedulerHost
   }
 
   Timing timing() override;
-  void device_lost(const tactor::DriverError &error) override;
-  void device_found() override;
   void device_failed(const tactor::DriverError &error) override;
   void lead_short(Time lead, Time late) override;
+  void device_event(const tactor::DriverEvent &event);
 
   GstElement *element;            ///< not owned: this is its private part
   TactorSettings settings;        ///< guarded by the object lock
   int board_tactors = 0;          ///< of the open driver
   tactor::PlannerSettings opened; ///< as they were when the driver was opened
+  tactor::LimitCounters limited;  ///< guarded by the object lock
 
-  Stream stream;
+  TactorStream stream;
   std::optional<tactor::CommandPlanner> planner; ///< from READY → PAUSED on
   guint checked_rows = 0;                        ///< grid that was compared with the board
   guint checked_columns = 0;
-  Time last_end{ 0 }; ///< running time of the end of the last map
+  Time last_end{ 0 };   ///< running time of the end of the last map
+  Time flushed_at{ 0 }; ///< running time of the last flush
   bool warned_no_meta = false;
   bool warned_grid = false;
-  std::vector<gfloat> levels;
 
   std::optional<Time> last_lead_short; ///< scheduler's thread only
 
@@ -147,24 +135,37 @@ GstTactorSinkPrivate::timing()
   return timing;
 }
 
+/// On any thread of the driver's.
 void
-GstTactorSinkPrivate::device_lost(const tactor::DriverError &error)
+GstTactorSinkPrivate::device_event(const tactor::DriverEvent &event)
 {
-  GST_ELEMENT_WARNING(element, RESOURCE, NOT_FOUND,
-                      ("The tactor board is gone; the film plays on."), ("%s", error.what()));
-  gst_element_post_message(
-      element, gst_message_new_element(GST_OBJECT(element),
-                                       gst_structure_new("tactor-device-lost", "reason",
-                                                         G_TYPE_STRING, error.what(), nullptr)));
-}
-
-void
-GstTactorSinkPrivate::device_found()
-{
-  GST_INFO_OBJECT(element, "the tactor board is back");
-  gst_element_post_message(
-      element,
-      gst_message_new_element(GST_OBJECT(element), gst_structure_new_empty("tactor-device-found")));
+  using Kind = tactor::DriverEvent::Kind;
+  switch (event.kind) {
+  case Kind::opened:
+    GST_ELEMENT_INFO(element, RESOURCE, SETTINGS, ("%s", event.text.c_str()), (nullptr));
+    break;
+  case Kind::warning:
+    GST_ELEMENT_WARNING(element, RESOURCE, SETTINGS, ("%s", event.text.c_str()), (nullptr));
+    break;
+  case Kind::lost:
+    scheduler.set_board_away(true);
+    GST_ELEMENT_WARNING(element, RESOURCE, NOT_FOUND,
+                        ("The tactor board is gone; the film plays on."),
+                        ("%s", event.text.c_str()));
+    gst_element_post_message(
+        element,
+        gst_message_new_element(GST_OBJECT(element),
+                                gst_structure_new("tactor-device-lost", "reason", G_TYPE_STRING,
+                                                  event.text.c_str(), nullptr)));
+    break;
+  case Kind::returned:
+    scheduler.set_board_away(false);
+    GST_ELEMENT_INFO(element, RESOURCE, SETTINGS, ("%s", event.text.c_str()), (nullptr));
+    gst_element_post_message(
+        element, gst_message_new_element(GST_OBJECT(element),
+                                         gst_structure_new_empty("tactor-device-found")));
+    break;
+  }
 }
 
 void
@@ -202,19 +203,46 @@ GstTactorSinkPrivate::lead_short(Time lead, Time late)
 static GstStructure *
 gst_tactor_sink_stats(GstTactorSink *self)
 {
-  const TactorScheduler::Counters counters = self->priv->scheduler.counters();
-  const auto ns = [](Time time) {
-    return static_cast<gint64>(time.count());
+  GstTactorSinkPrivate *priv = self->priv;
+  const TactorScheduler::Counters counters = priv->scheduler.counters();
+  const tactor::DriverStatus board = priv->scheduler.driver_status();
+  GST_OBJECT_LOCK(self);
+  const tactor::LimitCounters limited = priv->limited;
+  GST_OBJECT_UNLOCK(self);
+  GstStructure *stats
+      = gst_structure_new("application/x-tactor-stats", "board", G_TYPE_STRING, board.board.c_str(),
+                          "firmware", G_TYPE_STRING, board.firmware.c_str(), "connected",
+                          G_TYPE_BOOLEAN, static_cast<gboolean>(board.is_there), "watchdog",
+                          G_TYPE_BOOLEAN, static_cast<gboolean>(board.has_watchdog), nullptr);
+  const std::pair<const gchar *, guint64> counts[] = {
+    { "issued", counters.issued },
+    { "late", counters.late },
+    { "coalesced", counters.coalesced },
+    { "dropped", counters.dropped },
+    { "starved", counters.starved },
+    { "cut-on-time", limited.on_time },
+    { "cut-duty", limited.duty },
+    { "cut-active", limited.number },
+    { "ramps", counters.ramps },
+    { "reconnects", board.reconnects },
+    { "bytes", board.bytes },
   };
-  return gst_structure_new("application/x-tactor-stats", "issued", G_TYPE_UINT64, counters.issued,
-                           "late", G_TYPE_UINT64, counters.late, "coalesced", G_TYPE_UINT64,
-                           counters.coalesced, "dropped", G_TYPE_UINT64, counters.dropped,
-                           "starved", G_TYPE_UINT64, counters.starved, "reconnects", G_TYPE_UINT64,
-                           counters.reconnects, "error-min", G_TYPE_INT64, ns(counters.error.min()),
-                           "error-mean", G_TYPE_INT64, ns(counters.error.mean()), "error-p50",
-                           G_TYPE_INT64, ns(counters.error.percentile(0.5)), "error-p99",
-                           G_TYPE_INT64, ns(counters.error.percentile(0.99)), "error-max",
-                           G_TYPE_INT64, ns(counters.error.max()), nullptr);
+  const std::pair<const gchar *, Time> times[] = {
+    { "error-min", counters.error.min() },
+    { "error-mean", counters.error.mean() },
+    { "error-p50", counters.error.percentile(0.5) },
+    { "error-p99", counters.error.percentile(0.99) },
+    { "error-max", counters.error.max() },
+  };
+  for (const auto &[name, count] : counts)
+    gst_structure_set(stats, name, G_TYPE_UINT64, count, nullptr);
+  for (const auto &[name, time] : times)
+    gst_structure_set(stats, name, G_TYPE_INT64, static_cast<gint64>(time.count()), nullptr);
+  GValue pins = G_VALUE_INIT;
+  g_value_init(&pins, GST_TYPE_ARRAY);
+  tactor_ints_to_value(board.pins, &pins);
+  gst_structure_take_value(stats, "pins", &pins);
+  return stats;
 }
 
 /* ---- planning (streaming thread) ---- */
@@ -256,60 +284,26 @@ gst_tactor_sink_check_grid(GstTactorSink *self, guint rows, guint columns,
                        problem.c_str()));
 }
 
-/// Levels of a buffer into priv->levels, and the grid they are for. False if the buffer has none.
-static bool
-gst_tactor_sink_read_levels(GstTactorSink *self, GstBuffer *buffer, guint &rows, guint &columns)
+/// Running time at which what has this time and duration is shown, and for how long.
+static TactorStream::Span
+gst_tactor_sink_shown(GstTactorSink *self, GstClockTime pts, GstClockTime duration)
 {
-  GstTactorSinkPrivate *priv = self->priv;
-  if (priv->stream.is_map) {
-    rows = priv->stream.rows;
-    columns = priv->stream.columns;
-    g_autofree gfloat *levels = nullptr;
-    gsize count = 0;
-    if (!gst_tactile_map_buffer_get_levels(buffer, rows, columns, &levels, &count))
-      return false;
-    priv->levels.assign(levels, levels + count);
-    return true;
-  }
-  const GstTactileMeta *meta = gst_buffer_get_tactile_meta(buffer);
-  if (!meta)
-    return false;
-  rows = meta->rows;
-  columns = meta->columns;
-  priv->levels.assign(meta->levels, meta->levels + static_cast<gsize>(rows) * columns);
-  return true;
+  GST_OBJECT_LOCK(self);
+  const GstSegment segment = GST_BASE_SINK(self)->segment;
+  GST_OBJECT_UNLOCK(self);
+  return self->priv->stream.shown(segment, pts, duration, self->priv->last_end);
 }
 
-/// Running time at which the buffer's frame is shown and how long, at the segment's rate. A buffer
-/// without time follows the last one.
+/// Hands over what was planned, of a map that is shown until `end`.
 static void
-gst_tactor_sink_times(GstTactorSink *self, GstClockTime pts, GstClockTime length, Time &start,
-                      Time &duration)
+gst_tactor_sink_push(GstTactorSink *self, const std::vector<tactor::Command> &commands, Time end)
 {
   GstTactorSinkPrivate *priv = self->priv;
-  GstBaseSink *sink = GST_BASE_SINK(self);
-
   GST_OBJECT_LOCK(self);
-  const GstSegment segment = sink->segment;
+  priv->limited = priv->planner->limited();
   GST_OBJECT_UNLOCK(self);
-
-  const double rate = segment.rate == 0 ? 1.0 : std::abs(segment.rate);
-  duration = GST_CLOCK_TIME_IS_VALID(length) ? to_time(length) : priv->stream.frame_duration;
-  GstClockTime position = segment.format == GST_FORMAT_TIME ? pts : GST_CLOCK_TIME_NONE;
-  if (GST_CLOCK_TIME_IS_VALID(position)) {
-    if (segment.rate < 0)
-      position += static_cast<GstClockTime>(duration.count());
-    if (GST_CLOCK_TIME_IS_VALID(segment.stop))
-      position = std::min<GstClockTime>(position, segment.stop);
-    position = std::max<GstClockTime>(position, segment.start);
-  }
-  duration
-      = Time(static_cast<gint64>(std::min(static_cast<double>(duration.count()) / rate, 1e15)));
-  const GstClockTime running
-      = GST_CLOCK_TIME_IS_VALID(position)
-            ? gst_segment_to_running_time(&segment, GST_FORMAT_TIME, position)
-            : GST_CLOCK_TIME_NONE;
-  start = GST_CLOCK_TIME_IS_VALID(running) ? to_time(running) : priv->last_end;
+  priv->last_end = end;
+  priv->scheduler.push(commands, end + kHold);
 }
 
 /// Lets controlled properties have their values for the frame at hand.
@@ -333,18 +327,16 @@ gst_tactor_sink_play_map(GstTactorSink *self, GstBuffer *buffer)
 {
   GstTactorSinkPrivate *priv = self->priv;
 
-  Time start;
-  Time duration;
-  gst_tactor_sink_times(self, GST_BUFFER_PTS(buffer), GST_BUFFER_DURATION(buffer), start, duration);
-
-  guint rows = 0;
-  guint columns = 0;
-  const bool has_levels = gst_tactor_sink_read_levels(self, buffer, rows, columns);
-  if (!has_levels && priv->stream.is_map) {
+  const TactorStream::Span shown
+      = gst_tactor_sink_shown(self, GST_BUFFER_PTS(buffer), GST_BUFFER_DURATION(buffer));
+  TactorStream::Map map;
+  const bool has_levels = priv->stream.read(buffer, map);
+  if (!has_levels && priv->stream.is_map()) {
     GST_ELEMENT_ERROR(self, STREAM, FORMAT, ("A tactile map of the wrong size came."),
                       ("expected %u x %u float32 levels (%u bytes), got %" G_GSIZE_FORMAT " bytes",
-                       priv->stream.rows, priv->stream.columns,
-                       priv->stream.rows * priv->stream.columns * 4u, gst_buffer_get_size(buffer)));
+                       priv->stream.rows(), priv->stream.columns(),
+                       priv->stream.rows() * priv->stream.columns() * 4u,
+                       gst_buffer_get_size(buffer)));
     return GST_FLOW_ERROR;
   }
   if (!has_levels && !std::exchange(priv->warned_no_meta, true))
@@ -352,20 +344,19 @@ gst_tactor_sink_play_map(GstTactorSink *self, GstBuffer *buffer)
         self, STREAM, FORMAT, ("The video frames carry no tactile map."),
         ("expected a GstTactileMeta on each frame; put saliencytactile before tactorsink"));
 
-  if (priv->scheduler.take_starved())
-    priv->planner->reset();
+  if (const std::optional<Time> starved = priv->scheduler.take_starved())
+    priv->planner->silenced(*starved);
   const tactor::PlannerSettings settings = gst_tactor_sink_planner_settings(self);
   if (has_levels)
-    gst_tactor_sink_check_grid(self, rows, columns, settings);
+    gst_tactor_sink_check_grid(self, map.rows, map.columns, settings);
   priv->planner->set_settings(settings);
 
-  priv->last_end = start + duration;
   const std::vector<tactor::Command> commands
-      = has_levels ? priv->planner->plan(start, duration, priv->levels)
-                   : priv->planner->silence(start);
+      = has_levels ? priv->planner->plan(shown.start, shown.duration, map.levels)
+                   : priv->planner->silence(shown.start);
   GST_LOG_OBJECT(self, "map at %" GST_STIME_FORMAT ": %" G_GSIZE_FORMAT " commands",
-                 GST_STIME_ARGS(start.count()), commands.size());
-  priv->scheduler.push(commands, priv->last_end + kHold);
+                 GST_STIME_ARGS(shown.start.count()), commands.size());
+  gst_tactor_sink_push(self, commands, shown.end());
   return GST_FLOW_OK;
 }
 
@@ -386,15 +377,6 @@ gst_tactor_sink_render(GstBaseSink *sink, GstBuffer *buffer)
   }
 }
 
-/// Silence at `time`, held until `end`.
-static void
-gst_tactor_sink_silence(GstTactorSink *self, Time time, Time end)
-{
-  GstTactorSinkPrivate *priv = self->priv;
-  priv->last_end = end;
-  priv->scheduler.push(priv->planner->silence(time), end + kHold);
-}
-
 /// Waits until the last map has been shown and the motors stand, which is later than the base class does: its wait
 /// ends render-delay early, and goes on while the play is paused.
 static GstFlowReturn
@@ -403,7 +385,7 @@ gst_tactor_sink_drain(GstTactorSink *self)
   GstTactorSinkPrivate *priv = self->priv;
   GstBaseSink *sink = GST_BASE_SINK(self);
 
-  gst_tactor_sink_silence(self, priv->last_end, priv->last_end);
+  gst_tactor_sink_push(self, priv->planner->silence(priv->last_end), priv->last_end);
   const GstClockTime end = static_cast<GstClockTime>(std::max<gint64>(priv->last_end.count(), 0));
   const GstFlowReturn ret
       = gst_base_sink_wait(sink, end + gst_base_sink_get_render_delay(sink), nullptr);
@@ -433,10 +415,9 @@ gst_tactor_sink_wait_event(GstBaseSink *sink, GstEvent *event)
     GstClockTime pts;
     GstClockTime length;
     gst_event_parse_gap(event, &pts, &length);
-    Time start;
-    Time duration;
-    gst_tactor_sink_times(self, pts, GST_CLOCK_TIME_IS_VALID(length) ? length : 0, start, duration);
-    gst_tactor_sink_silence(self, start, start + duration);
+    const TactorStream::Span gap
+        = gst_tactor_sink_shown(self, pts, GST_CLOCK_TIME_IS_VALID(length) ? length : 0);
+    gst_tactor_sink_push(self, self->priv->planner->silence(gap.start), gap.end());
   } else if (GST_EVENT_TYPE(event) == GST_EVENT_EOS) {
     ret = gst_tactor_sink_drain(self);
     if (ret == GST_FLOW_OK) {
@@ -469,12 +450,19 @@ gst_tactor_sink_event(GstBaseSink *sink, GstEvent *event)
   GstTactorSinkPrivate *priv = self->priv;
   const GstEventType type = GST_EVENT_TYPE(event);
 
+  gboolean resets_time = FALSE;
+  if (type == GST_EVENT_FLUSH_STOP)
+    gst_event_parse_flush_stop(event, &resets_time);
+
   const gboolean handled = GST_BASE_SINK_CLASS(parent_class)->event(sink, event);
   // Afterwards, since only then the streaming thread has left render().
   if (type == GST_EVENT_FLUSH_START) {
-    priv->scheduler.flush();
+    priv->flushed_at = priv->scheduler.flush();
   } else if (type == GST_EVENT_FLUSH_STOP) {
-    priv->planner->reset();
+    if (resets_time)
+      priv->planner->reset(priv->flushed_at);
+    else
+      priv->planner->silenced(priv->flushed_at);
     priv->last_end = Time(0);
   }
   return handled;
@@ -484,26 +472,11 @@ static gboolean
 gst_tactor_sink_set_caps(GstBaseSink *sink, GstCaps *caps)
 {
   GstTactorSink *self = GST_TACTOR_SINK(sink);
-  GstTactorSinkPrivate *priv = self->priv;
-  const GstStructure *structure = gst_caps_get_structure(caps, 0);
-  Stream stream;
-  gint fps_n = 0;
-  gint fps_d = 1;
-
-  stream.is_map = gst_structure_has_name(structure, GST_TACTILE_MAP_MEDIA_TYPE);
-  if (stream.is_map) {
-    if (!gst_tactile_map_caps_parse(caps, &stream.rows, &stream.columns, &fps_n, &fps_d)) {
-      GST_ERROR_OBJECT(self, "expected rows and columns from 1 to %d, got %" GST_PTR_FORMAT,
-                       GST_TACTILE_MAX_SIDE, caps);
-      return FALSE;
-    }
-  } else {
-    gst_structure_get_fraction(structure, "framerate", &fps_n, &fps_d);
-  }
-  stream.frame_duration
-      = fps_n > 0 ? to_time(gst_util_uint64_scale_int(GST_SECOND, fps_d, fps_n)) : Time(0);
-  priv->stream = stream;
-  return TRUE;
+  if (self->priv->stream.set_caps(caps))
+    return TRUE;
+  GST_ERROR_OBJECT(self, "expected rows and columns from 1 to %d, got %" GST_PTR_FORMAT,
+                   GST_TACTILE_MAX_SIDE, caps);
+  return FALSE;
 }
 
 /// A queue before this sink has to hold what is asked for early, and upstream may keep its strides.
@@ -569,7 +542,11 @@ gst_tactor_sink_open(GstTactorSink *self)
                                   + "'; expected two");
   const tactor::DriverConfig config{ .device = settings.device,
                                      .max_tactors = TactorSettings::kMaxTactors,
-                                     .full_scale_volts = settings.planner.volts_max };
+                                     .min_tactors = settings.needed_tactors(),
+                                     .full_scale_volts = settings.planner.volts_max,
+                                     .notify = [priv](const tactor::DriverEvent &event) {
+                                       priv->device_event(event);
+                                     } };
   std::unique_ptr<tactor::Driver> driver = tactor::make_driver(settings.driver);
   driver->open(config);
   std::unique_ptr<tactor::CommandTrace> trace;
@@ -580,14 +557,18 @@ gst_tactor_sink_open(GstTactorSink *self)
   priv->opened.transport_latency = driver->transport_latency();
   priv->board_tactors = driver->tactors();
   priv->planner.emplace(priv->board_tactors, priv->opened);
+  GST_OBJECT_LOCK(self);
+  priv->limited = {};
+  GST_OBJECT_UNLOCK(self);
   priv->stream = {};
   priv->checked_rows = priv->checked_columns = 0;
   priv->last_end = Time(0);
   priv->warned_no_meta = priv->warned_grid = false;
   priv->last_lead_short.reset();
-  priv->scheduler.start(std::move(driver), config, std::move(trace));
+  priv->scheduler.start(std::move(driver), config.full_scale_volts, std::move(trace));
   priv->scheduler.set_immediate(!gst_base_sink_get_sync(GST_BASE_SINK(self)));
   priv->scheduler.set_muted(settings.mute);
+  priv->scheduler.set_ramp_in(settings.ramp_in);
   const Time early = priv->opened.max_lead + priv->opened.transport_latency + kWakeMargin;
   gst_base_sink_set_render_delay(GST_BASE_SINK(self), static_cast<GstClockTime>(early.count()));
 }
@@ -678,11 +659,14 @@ gst_tactor_sink_set_property(GObject *object, guint id, const GValue *value, GPa
   GST_OBJECT_LOCK(object);
   const bool known = priv->settings.set(id, value);
   const bool mute = priv->settings.mute;
+  const Time ramp_in = priv->settings.ramp_in;
   GST_OBJECT_UNLOCK(object);
   if (!known)
     G_OBJECT_WARN_INVALID_PROPERTY_ID(object, id, pspec);
   else if (id == TACTOR_PROP_MUTE)
     priv->scheduler.set_muted(mute);
+  else if (id == TACTOR_PROP_RAMP_IN)
+    priv->scheduler.set_ramp_in(ramp_in);
 }
 
 static void

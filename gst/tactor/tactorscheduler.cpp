@@ -39,20 +39,23 @@ TactorScheduler::~TactorScheduler()
 }
 
 void
-TactorScheduler::start(std::unique_ptr<tactor::Driver> driver, const tactor::DriverConfig &config,
+TactorScheduler::start(std::unique_ptr<tactor::Driver> driver, double full_scale_volts,
                        std::unique_ptr<tactor::CommandTrace> trace)
 {
   stop();
   std::lock_guard lock(mutex_);
   driver_ = std::move(driver);
-  config_ = config;
+  refresh_interval_ = driver_->refresh_interval();
+  full_scale_volts_ = full_scale_volts;
   trace_ = std::move(trace);
   queue_ = tactor::CommandQueue(driver_->tactors());
   sent_.clear();
   counters_ = {};
   expires_.reset();
-  reconnect_.reset();
-  quit_ = playing_ = starved_ = failed_ = false;
+  refresh_.reset();
+  starved_.reset();
+  soft_start_.arm();
+  quit_ = playing_ = failed_ = away_ = false;
   met_ = requested_;
   running_ = Time(0);
   thread_ = std::thread([this] { run(); });
@@ -92,14 +95,16 @@ TactorScheduler::pause()
   settle(lock);
 }
 
-void
+Time
 TactorScheduler::flush()
 {
   std::unique_lock lock(mutex_);
   counters_.dropped += queue_.clear();
   expires_.reset();
-  starved_ = false;
+  starved_.reset();
+  soft_start_.arm();
   settle(lock);
+  return running_;
 }
 
 void
@@ -125,6 +130,23 @@ TactorScheduler::set_muted(bool muted)
   std::unique_lock lock(mutex_);
   muted_ = muted;
   settle(lock);
+}
+
+void
+TactorScheduler::set_ramp_in(Time length)
+{
+  std::lock_guard lock(mutex_);
+  soft_start_.set_length(length);
+  wake();
+}
+
+void
+TactorScheduler::set_board_away(bool away)
+{
+  std::lock_guard lock(mutex_);
+  away_ = away;
+  requested_++;
+  wake();
 }
 
 void
@@ -161,11 +183,11 @@ TactorScheduler::timing_changed()
   wake();
 }
 
-bool
+std::optional<Time>
 TactorScheduler::take_starved()
 {
   std::lock_guard lock(mutex_);
-  return std::exchange(starved_, false);
+  return std::exchange(starved_, std::nullopt);
 }
 
 TactorScheduler::Counters
@@ -175,6 +197,13 @@ TactorScheduler::counters() const
   Counters counters = counters_;
   counters.coalesced = queue_.coalesced();
   return counters;
+}
+
+tactor::DriverStatus
+TactorScheduler::driver_status() const
+{
+  std::lock_guard lock(mutex_);
+  return driver_ ? driver_->status() : last_status_;
 }
 
 bool
@@ -222,7 +251,7 @@ TactorScheduler::run()
   playing_ = false;
   counters_.dropped += queue_.clear();
   apply(lock, running_, {});
-  driver_.reset();
+  close_driver(lock);
   if (trace_)
     trace_->flush();
   trace_.reset();
@@ -233,7 +262,9 @@ TactorScheduler::run()
 void
 TactorScheduler::turn(Lock &lock)
 {
-  if (met_ == requested_ && (!playing_ || (!queue_.next_due() && !expires_ && !reconnect_))) {
+  if (met_ == requested_
+      && (!playing_
+          || (!queue_.next_due() && !expires_ && !refresh_ && !soft_start_.next_step(running_)))) {
     wake_.wait(lock);
     return;
   }
@@ -242,12 +273,12 @@ TactorScheduler::turn(Lock &lock)
   lock.unlock();
   const Moment moment(host_.timing(), running_);
   lock.lock();
-  const bool timed = !immediate_ && moment.clock;
+  const bool timed = timed_ = !immediate_ && moment.clock;
   if (timed)
     running_ = moment.running;
   // After a seek running time begins anew.
-  if (reconnect_)
-    reconnect_ = std::min(*reconnect_, running_ + kReconnectInterval);
+  if (refresh_)
+    refresh_ = std::min(*refresh_, running_ + refresh_interval_);
 
   if (met_ != requested_) {
     // Whoever asks for more while the driver is being written to gets another turn.
@@ -264,19 +295,24 @@ TactorScheduler::turn(Lock &lock)
   if (quit_ || !playing_)
     return;
 
-  if (reconnect_ && *reconnect_ <= running_) {
-    reconnect(lock, running_);
-  } else if (issue_due(lock, timed)) {
+  if (issue_due(lock, timed)) {
     return;
+  } else if (refresh_ && *refresh_ <= running_) {
+    apply(lock, running_, {});
   } else if (!timed) {
-    wake_.wait(lock);
-  } else if (const std::optional<Time> next = queue_.next_due();
-             !next && expires_ && *expires_ <= running_) {
+    if (!refresh_)
+      wake_.wait(lock);
+    else if (wake_.wait_for(lock, refresh_interval_) == std::cv_status::timeout)
+      refresh_ = running_;
+  } else if (expires_ && *expires_ <= running_) {
     starve(lock, running_);
+  } else if (driver_ && soft_start_.ceiling(running_) != ceiling_) {
+    apply(lock, running_, {});
   } else {
-    Time until = next ? *next : expires_.value_or(Time::max());
-    if (reconnect_)
-      until = std::min(until, *reconnect_);
+    Time until = Time::max();
+    for (const std::optional<Time> &next :
+         { queue_.next_due(), expires_, refresh_, soft_start_.next_step(running_) })
+      until = std::min(until, next.value_or(Time::max()));
     if (until != Time::max())
       wait_until(lock, moment, until);
   }
@@ -290,8 +326,8 @@ TactorScheduler::issue_due(Lock &lock, bool timed)
   if (!timed)
     expires_.reset();
   bool any = false;
-  for (std::optional<Time> next = queue_.next_due(); next && (!timed || *next <= running_);
-       next = queue_.next_due()) {
+  for (std::optional<Time> next = queue_.next_due();
+       next && (timed ? *next <= running_ : queue_.size() > 0); next = queue_.next_due()) {
     if (!timed)
       running_ = *next;
     issuing_ = true;
@@ -359,23 +395,22 @@ TactorScheduler::starve(Lock &lock, Time running)
   if (zeros.empty())
     return;
   counters_.starved++;
-  starved_ = true;
+  starved_ = running;
   queue_.push(zeros);
   apply(lock, running, queue_.take_due(running));
 }
 
 /// Makes the driver's volts what they have to be now. `commands` are those that led here, for the
-/// trace; any other change (pause, resume, mute, flush) is traced as due and in effect when it
+/// trace; any other change (pause, resume, mute, flush, a lost board) is traced as due and in effect when it
 /// happened.
 void
 TactorScheduler::apply(Lock &lock, Time running, std::span<const Command> commands)
 {
-  if (!driver_ || reconnect_)
+  if (!driver_)
     return;
 
   const std::span<const double> levels = queue_.levels();
-  // All that the board has been told of, and all that it should be told: after it came back it
-  // knows nothing.
+  // All that the board has been told of, and all that it should be told.
   const auto last
       = std::find_if(levels.rbegin(), levels.rend(), [](double volts) { return volts != 0; });
   std::size_t used = std::max(sent_.size(), static_cast<std::size_t>(levels.rend() - last));
@@ -383,14 +418,19 @@ TactorScheduler::apply(Lock &lock, Time running, std::span<const Command> comman
     used = std::max(used, static_cast<std::size_t>(command.tactor) + 1);
   used = std::min(used, levels.size());
 
-  const bool silent = !playing_ || muted_;
+  const bool silent = !playing_ || muted_ || away_;
   sent_.resize(used, 0.0);
   std::vector<double> volts(used, 0.0);
+  if (silent)
+    soft_start_.arm();
+  else if (timed_ && last != levels.rend())
+    counters_.ramps += soft_start_.vibrate(running);
+  ceiling_ = soft_start_.ceiling(running);
+  const double ceiling = full_scale_volts_ * (timed_ ? ceiling_ : 1.0);
   if (!silent)
     std::transform(levels.begin(), levels.begin() + static_cast<std::ptrdiff_t>(used),
-                   volts.begin(),
-                   [this](double level) { return std::min(level, config_.full_scale_volts); });
-  if (volts == sent_)
+                   volts.begin(), [=](double level) { return std::min(level, ceiling); });
+  if (volts == sent_ && !(refresh_ && *refresh_ <= running))
     return;
 
   lock.unlock();
@@ -405,11 +445,14 @@ TactorScheduler::apply(Lock &lock, Time running, std::span<const Command> comman
   lock.lock();
 
   if (error) {
-    lose(lock, running, *error);
+    fail(lock, running, *error);
     return;
   }
   trace_changes(running, commands, volts);
   sent_ = std::move(volts);
+  refresh_.reset();
+  if (refresh_interval_ > Time(0) && std::ranges::any_of(sent_, [](double v) { return v != 0; }))
+    refresh_ = running + refresh_interval_;
 }
 
 void
@@ -432,48 +475,30 @@ TactorScheduler::trace_changes(Time running, std::span<const Command> commands,
 }
 
 void
-TactorScheduler::lose(Lock &lock, Time running, const tactor::DriverError &error)
+TactorScheduler::fail(Lock &lock, Time running, const tactor::DriverError &error)
 {
   trace_changes(running, {}, std::vector<double>(sent_.size(), 0.0)); // no motor runs on
-  sent_.clear(); // a board that comes back begins at zero
-  const bool may_return = error.kind() == tactor::DriverError::Kind::lost;
-  if (may_return)
-    reconnect_ = running + kReconnectInterval;
-  else
-    failed_ = true;
-
+  sent_.clear();
+  refresh_.reset();
+  soft_start_.arm();
+  failed_ = true;
+  close_driver(lock);
   lock.unlock();
-  driver_->close();
-  if (may_return) {
-    host_.device_lost(error);
-  } else {
-    driver_.reset();
-    host_.device_failed(error);
-  }
+  host_.device_failed(error);
   lock.lock();
 }
 
 void
-TactorScheduler::reconnect(Lock &lock, Time running)
+TactorScheduler::close_driver(Lock &lock)
 {
-  reconnect_ = running + kReconnectInterval;
-  const auto tactors = static_cast<int>(queue_.levels().size());
-  lock.unlock();
-  bool found = false;
-  try {
-    driver_->open(config_);
-    found = driver_->tactors() >= tactors; // else it is another board
-  } catch (const std::exception &) {
-    // Still away.
-  }
-  if (found)
-    host_.device_found();
-  else
-    driver_->close();
-  lock.lock();
-  if (!found)
+  if (!driver_)
     return;
-  reconnect_.reset();
-  counters_.reconnects++;
-  apply(lock, running, {});
+  std::unique_ptr<tactor::Driver> driver = std::move(driver_);
+  last_status_ = driver->status();
+  lock.unlock();
+  driver->close();
+  const tactor::DriverStatus status = driver->status();
+  driver.reset();
+  lock.lock();
+  last_status_ = status;
 }

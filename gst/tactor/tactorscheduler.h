@@ -5,6 +5,7 @@
 #include "tactor/command_trace.h"
 #include "tactor/driver.h"
 #include "tactor/schedule_statistics.h"
+#include "tactor/soft_start.h"
 
 #include <gst/gst.h>
 
@@ -32,8 +33,6 @@ public:
 
   virtual ~TactorSchedulerHost() = default;
   virtual Timing timing() = 0;
-  virtual void device_lost(const tactor::DriverError &error) = 0;
-  virtual void device_found() = 0;
   virtual void device_failed(const tactor::DriverError &error) = 0;
   /// A command was `late` behind its due time: upstream did not deliver it `lead` ahead of its
   /// frame.
@@ -54,17 +53,14 @@ public:
   /// within which haptics that come late pass unnoticed (Di Luca & Mahnan 2019).
   static constexpr tactor::Time kLate = std::chrono::milliseconds(5);
 
-  /// How often a lost board is looked for.
-  static constexpr tactor::Time kReconnectInterval = std::chrono::seconds(1);
-
   struct Counters
   {
     guint64 issued = 0;
     guint64 late = 0;
-    guint64 coalesced = 0; ///< overtaken by a later command for the same tactor
-    guint64 dropped = 0;   ///< thrown away by a flush or a stop before they were due
-    guint64 starved = 0;   ///< times when no map came and the motors were silenced
-    guint64 reconnects = 0;
+    guint64 coalesced = 0;            ///< overtaken by a later command for the same tactor
+    guint64 dropped = 0;              ///< thrown away by a flush or a stop before they were due
+    guint64 starved = 0;              ///< times when no map came and the motors were silenced
+    guint64 ramps = 0;                ///< soft starts
     tactor::ScheduleStatistics error; ///< |issued − due|
   };
 
@@ -73,9 +69,9 @@ public:
   TactorScheduler(const TactorScheduler &) = delete;
   TactorScheduler &operator=(const TactorScheduler &) = delete;
 
-  /// Takes an open driver, and what is needed to open it again; the trace may be null. Paused until
-  /// play().
-  void start(std::unique_ptr<tactor::Driver> driver, const tactor::DriverConfig &config,
+  /// Takes an open driver and the volts that its board makes at most; the trace may be null. Paused
+  /// until play().
+  void start(std::unique_ptr<tactor::Driver> driver, double full_scale_volts,
              std::unique_ptr<tactor::CommandTrace> trace);
   /// Motors to zero, driver closed, thread joined. Harmless when not started.
   void stop();
@@ -84,8 +80,8 @@ public:
   void play();
   /// Motors to zero; commands are kept.
   void pause();
-  /// Motors to zero; commands are forgotten.
-  void flush();
+  /// Motors to zero; commands are forgotten. Returns the running time at which that was.
+  tactor::Time flush();
   /// Returns when every command was issued, however long the play is paused meanwhile, or when
   /// interrupt() was called.
   void drain();
@@ -93,6 +89,12 @@ public:
   void interrupt(bool interrupted);
   /// While muted, motors are at zero and the film's commands are followed silently.
   void set_muted(bool muted);
+  /// How long the first vibration after start(), pause(), flush(), mute or a lost board takes to full scale, from the next one
+  /// on; not where commands don't wait for the clock.
+  void set_ramp_in(tactor::Time length);
+  /// While the board is away its driver is told that all motors are at zero: so they are when it returns, and then start softly.
+  /// Returns at once, since it is called on the driver's thread.
+  void set_board_away(bool away);
   /// While immediate, commands do not wait for the clock (sync=false): push() returns when they were
   /// issued, each as if its time had come, and the trace has its due time as when it was issued.
   void set_immediate(bool immediate);
@@ -101,14 +103,16 @@ public:
   /// silenced.
   void push(std::span<const tactor::Command> commands, tactor::Time expires);
 
-  /// Whether the motors were silenced for want of a map since the last call: whoever plans must
-  /// know.
-  bool take_starved();
+  /// When the motors were silenced for want of a map, if they were since the last call: whoever plans
+  /// must know.
+  std::optional<tactor::Time> take_starved();
 
   /// Clock, base time, latency or ts-offset changed.
   void timing_changed();
 
   Counters counters() const;
+  /// Of the driver; after stop() as it was then.
+  tactor::DriverStatus driver_status() const;
   bool trace_failed() const;
   /// Whether the driver failed for good (TactorSchedulerHost::device_failed()).
   bool failed() const;
@@ -130,8 +134,8 @@ private:
   void apply(Lock &lock, tactor::Time running, std::span<const tactor::Command> commands);
   void trace_changes(tactor::Time running, std::span<const tactor::Command> commands,
                      std::span<const double> volts);
-  void lose(Lock &lock, tactor::Time running, const tactor::DriverError &error);
-  void reconnect(Lock &lock, tactor::Time running);
+  void fail(Lock &lock, tactor::Time running, const tactor::DriverError &error);
+  void close_driver(Lock &lock);
   void settle(Lock &lock);
   void wake();
 
@@ -157,11 +161,17 @@ private:
   std::uint64_t met_ = 0;     ///< the last request that was met
   tactor::Time running_{ 0 }; ///< running time of the last turn on the clock
   std::optional<tactor::Time> expires_;
-  std::optional<tactor::Time> reconnect_; ///< when the board, which is away, is looked for next
-  bool starved_ = false;                  ///< see take_starved()
+  std::optional<tactor::Time> refresh_; ///< when the driver is told again what it was told
+  std::optional<tactor::Time> starved_; ///< see take_starved()
+  bool timed_ = false;                  ///< commands wait for the clock
+  bool away_ = false;                   ///< the board was lost and is not back
+  tactor::SoftStart soft_start_;
+  double ceiling_ = 1; ///< of the soft start, as applied last
 
   std::unique_ptr<tactor::Driver> driver_;
-  tactor::DriverConfig config_;
+  tactor::DriverStatus last_status_; ///< when there is no driver any more
+  tactor::Time refresh_interval_{ 0 };
+  double full_scale_volts_ = 0;
   std::unique_ptr<tactor::CommandTrace> trace_;
   tactor::CommandQueue queue_;
   std::vector<double> sent_; ///< volts that the driver has, one for each tactor used so far

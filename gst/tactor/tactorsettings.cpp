@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "tactorsettings.h"
 
+#include <algorithm>
 #include <chrono>
 #include <vector>
 
@@ -33,15 +34,19 @@ mapping_from_value(const GValue *value)
   return mapping;
 }
 
-void
-mapping_to_value(const std::vector<int> &mapping, GValue *value)
+/// Longer times are taken as that, some thirty years: sums of them do not overflow.
+constexpr guint64 kLongest = 1'000'000'000'000'000'000;
+
+tactor::Time
+time_from_value(const GValue *value)
 {
-  for (const int tactor : mapping) {
-    GValue item = G_VALUE_INIT;
-    g_value_init(&item, G_TYPE_INT);
-    g_value_set_int(&item, tactor);
-    gst_value_array_append_and_take_value(value, &item);
-  }
+  return tactor::Time(static_cast<gint64>(MIN(g_value_get_uint64(value), kLongest)));
+}
+
+void
+time_to_value(tactor::Time time, GValue *value)
+{
+  g_value_set_uint64(value, static_cast<guint64>(time.count()));
 }
 
 std::string
@@ -52,6 +57,24 @@ string_from_value(const GValue *value)
 }
 
 } // namespace
+
+void
+tactor_ints_to_value(const std::vector<int> &numbers, GValue *value)
+{
+  for (const int number : numbers) {
+    GValue item = G_VALUE_INIT;
+    g_value_init(&item, G_TYPE_INT);
+    g_value_set_int(&item, number);
+    gst_value_array_append_and_take_value(value, &item);
+  }
+}
+
+int
+TactorSettings::needed_tactors() const
+{
+  const auto last = std::ranges::max_element(planner.mapping);
+  return last == planner.mapping.end() ? 1 : std::max(*last + 1, 1);
+}
 
 void
 TactorSettings::install(GObjectClass *klass)
@@ -66,13 +89,17 @@ TactorSettings::install(GObjectClass *klass)
 
   g_object_class_install_property(
       klass, TACTOR_PROP_DRIVER,
-      g_param_spec_string("driver", "Driver",
-                          "What drives the tactors: simulator (motors predicted, no hardware)",
-                          unset.driver.c_str(), ready));
+      g_param_spec_string(
+          "driver", "Driver",
+          "What drives the tactors: auto (firmata if a board is there, else simulator), "
+          "firmata (any board with StandardFirmata), seat (one whose firmware has "
+          "the watchdog), simulator (motors predicted, no hardware)",
+          unset.driver.c_str(), ready));
   g_object_class_install_property(
       klass, TACTOR_PROP_DEVICE,
       g_param_spec_string("device", "Device",
-                          "Which board; for the simulator, a CSV file that gets the predicted "
+                          "Which board: its serial number or bus path (unset: the first that "
+                          "answers); for the simulator, a CSV file that gets the predicted "
                           "amplitudes (unset: none)",
                           nullptr, ready));
   g_object_class_install_property(
@@ -125,6 +152,35 @@ TactorSettings::install(GObjectClass *klass)
                            static_cast<GParamFlags>(G_PARAM_READWRITE | G_PARAM_STATIC_STRINGS)),
           playing));
   g_object_class_install_property(
+      klass, TACTOR_PROP_MAX_ON_TIME,
+      g_param_spec_uint64("max-on-time", "Maximum on-time",
+                          "How long in ns a tactor is on without a break before its cue is over "
+                          "(0 = unlimited)",
+                          0, G_MAXUINT64, static_cast<guint64>(defaults.limits.max_on_time.count()),
+                          playing));
+  g_object_class_install_property(
+      klass, TACTOR_PROP_MAX_DUTY,
+      g_param_spec_double("max-duty", "Maximum duty",
+                          "Share of any 60 s for which a tactor is on (0 = unlimited)", 0, 1,
+                          defaults.limits.max_duty, playing));
+  g_object_class_install_property(
+      klass, TACTOR_PROP_MAX_ACTIVE,
+      g_param_spec_uint("max-active", "Maximum active",
+                        "How many tactors are on at once, the strongest (0 = unlimited)", 0,
+                        kMaxTactors, static_cast<guint>(defaults.limits.max_active), playing));
+  g_object_class_install_property(
+      klass, TACTOR_PROP_RAMP_IN,
+      g_param_spec_uint64("ramp-in", "Ramp in",
+                          "Time in ns in which the first vibration after start, seek, pause and "
+                          "mute may rise to full scale (0 = at once)",
+                          0, G_MAXUINT64, static_cast<guint64>(unset.ramp_in.count()), playing));
+  g_object_class_install_property(
+      klass, TACTOR_PROP_KICK_START,
+      g_param_spec_boolean("kick-start", "Kick start",
+                           "Start motors from rest with a pulse of full voltage, until they are "
+                           "predicted to be at 90 % of their level",
+                           defaults.kick_start, playing));
+  g_object_class_install_property(
       klass, TACTOR_PROP_TRACE_LOCATION,
       g_param_spec_string("trace-location", "Trace location",
                           "CSV file that gets one line a command: "
@@ -134,7 +190,8 @@ TactorSettings::install(GObjectClass *klass)
       klass, TACTOR_PROP_STATS,
       g_param_spec_boxed(
           "stats", "Statistics",
-          "Commands issued, late, coalesced, dropped; schedule error |issued - due| in ns",
+          "Commands issued, late, coalesced, dropped; cues that limits cut; schedule error "
+          "|issued - due| in ns; the board, its pins and the bytes sent to it",
           GST_TYPE_STRUCTURE, static_cast<GParamFlags>(G_PARAM_READABLE | G_PARAM_STATIC_STRINGS)));
   gst_type_mark_as_plugin_api(GST_TYPE_TACTOR_COMPENSATION, static_cast<GstPluginAPIFlags>(0));
 }
@@ -172,6 +229,21 @@ TactorSettings::set(guint id, const GValue *value)
     break;
   case TACTOR_PROP_MAPPING:
     planner.mapping = mapping_from_value(value);
+    break;
+  case TACTOR_PROP_MAX_ON_TIME:
+    planner.limits.max_on_time = time_from_value(value);
+    break;
+  case TACTOR_PROP_MAX_DUTY:
+    planner.limits.max_duty = g_value_get_double(value);
+    break;
+  case TACTOR_PROP_MAX_ACTIVE:
+    planner.limits.max_active = static_cast<int>(g_value_get_uint(value));
+    break;
+  case TACTOR_PROP_RAMP_IN:
+    ramp_in = time_from_value(value);
+    break;
+  case TACTOR_PROP_KICK_START:
+    planner.kick_start = g_value_get_boolean(value);
     break;
   case TACTOR_PROP_TRACE_LOCATION:
     trace_location = string_from_value(value);
@@ -217,7 +289,22 @@ TactorSettings::get(guint id, GValue *value) const
     g_value_set_boolean(value, mute);
     break;
   case TACTOR_PROP_MAPPING:
-    mapping_to_value(planner.mapping, value);
+    tactor_ints_to_value(planner.mapping, value);
+    break;
+  case TACTOR_PROP_MAX_ON_TIME:
+    time_to_value(planner.limits.max_on_time, value);
+    break;
+  case TACTOR_PROP_MAX_DUTY:
+    g_value_set_double(value, planner.limits.max_duty);
+    break;
+  case TACTOR_PROP_MAX_ACTIVE:
+    g_value_set_uint(value, static_cast<guint>(planner.limits.max_active));
+    break;
+  case TACTOR_PROP_RAMP_IN:
+    time_to_value(ramp_in, value);
+    break;
+  case TACTOR_PROP_KICK_START:
+    g_value_set_boolean(value, planner.kick_start);
     break;
   case TACTOR_PROP_TRACE_LOCATION:
     g_value_set_string(value, trace_location.empty() ? nullptr : trace_location.c_str());

@@ -7,6 +7,7 @@
 #include <gst/tactile/tactile.h>
 
 #include <string>
+#include <vector>
 
 /// tactorsink's properties.
 enum TactorProperty : guint
@@ -21,6 +22,11 @@ enum TactorProperty : guint
   TACTOR_PROP_INTENSITY,
   TACTOR_PROP_MUTE,
   TACTOR_PROP_MAPPING,
+  TACTOR_PROP_MAX_ON_TIME,
+  TACTOR_PROP_MAX_DUTY,
+  TACTOR_PROP_MAX_ACTIVE,
+  TACTOR_PROP_RAMP_IN,
+  TACTOR_PROP_KICK_START,
   TACTOR_PROP_TRACE_LOCATION,
   TACTOR_PROP_STATS,
 };
@@ -30,11 +36,15 @@ struct TactorSettings
 {
   static constexpr int kMaxTactors = GST_TACTILE_MAX_SIDE * GST_TACTILE_MAX_SIDE;
 
-  std::string driver = "simulator";
+  std::string driver = "auto";
   std::string device;
   std::string trace_location;
   tactor::PlannerSettings planner;
   bool mute = false;
+  tactor::Time ramp_in = std::chrono::milliseconds(100);
+
+  /// Tactors that the mapping names, at least 1.
+  int needed_tactors() const;
 
   /// All of TactorProperty, with their texts, ranges and defaults.
   static void install(GObjectClass *klass);
@@ -43,3 +53,6 @@ struct TactorSettings
   bool set(guint id, const GValue *value);
   bool get(guint id, GValue *value) const;
 };
+
+/// Appends numbers to a value of GST_TYPE_ARRAY.
+void tactor_ints_to_value(const std::vector<int> &numbers, GValue *value);

@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
+#include <tuple>
 #include <utility>
 
 namespace tactor {
@@ -21,10 +23,22 @@ constexpr double kSameFrames = 1e-6;
 /// An amplitude that differs by less is the same.
 constexpr double kSameVolts = 1e-6;
 
+/// A motor with less than this left of its vibration is at rest.
+constexpr double kStillVolts = 0.1 * kStartVolts;
+
 double
 seconds(Time time)
 {
   return std::chrono::duration<double>(time).count();
+}
+
+/// The paper's data block: the rise time in whole frames, rounded up, but no more than fit into max_lead.
+Time
+whole_frames(Time rise, Time frame, Time max_lead)
+{
+  // A rise of a whole number of frames takes that many, whichever way the frame's duration was rounded.
+  const double whole = std::ceil(seconds(rise) / seconds(frame) - kSameFrames);
+  return std::min(static_cast<Time::rep>(whole), max_lead / frame) * frame;
 }
 
 } // namespace
@@ -77,32 +91,73 @@ CommandPlanner::plan(Time time, Time duration, std::span<const float> levels)
     cells_ = levels.size();
     grid_start_.reset();
   }
-  std::vector<Command> commands;
   if (!begins_block(time, frame))
-    return commands;
-  const std::vector<double> volts = target_volts(levels);
+    return {};
+  Plan plan = begin_plan(time, frame);
+  std::vector<double> volts = target_volts(levels);
+  limit_time(plan, volts);
+  limit_number(volts);
+  // Tactors that begin may have others end; what is left of these ends with the frame before.
   for (std::size_t i = 0; i < tactors_.size(); i++)
-    if (volts[i] != tactors_[i].volts)
-      commands.push_back(command(static_cast<int>(i), time, frame, volts[i]));
-  return commands;
+    if (volts[i] != 0 && !tactors_[i].use.is_on())
+      turn_on(plan, i, volts);
+  for (std::size_t i = 0; i < tactors_.size(); i++) {
+    const Tactor &tactor = tactors_[i];
+    if (!tactor.use.is_on())
+      continue;
+    if (volts[i] == 0)
+      turn_off(plan, i, plan.latest);
+    else if (volts[i] != tactor.volts || tactor.end.time != tactor.until)
+      give(plan, i, plan.effect, due_time(tactor, plan, volts[i], Time(0)), volts[i]);
+  }
+  std::ranges::stable_sort(plan.commands, {}, &Command::tactor);
+  return std::move(plan.commands);
 }
 
 std::vector<Command>
 CommandPlanner::silence(Time time)
 {
   grid_start_.reset();
-  std::vector<Command> commands;
-  for (std::size_t i = 0; i < tactors_.size(); i++)
-    if (tactors_[i].volts != 0)
-      commands.push_back(command(static_cast<int>(i), time, kDefaultFrame, 0));
-  return commands;
+  Plan plan = begin_plan(time, kDefaultFrame);
+  for (std::size_t i = 0; i < tactors_.size(); i++) {
+    if (tactors_[i].use.is_on())
+      turn_off(plan, i, plan.latest);
+    tactors_[i].spent_since.reset();
+    tactors_[i].outdone = false;
+  }
+  std::ranges::stable_sort(plan.commands, {}, &Command::tactor);
+  return std::move(plan.commands);
 }
 
 void
-CommandPlanner::reset()
+CommandPlanner::silenced(Time time)
 {
   grid_start_.reset();
-  std::ranges::fill(tactors_, Tactor{ .motor = MotorModel(rise_time_) });
+  for (Tactor &tactor : tactors_) {
+    if (tactor.use.is_on() && tactor.end.time < time) {
+      spend(tactor, tactor.end.time, tactor.end.limit);
+      tactor.use.end(tactor.end.time, true);
+    }
+    tactor.use.forget_from(time);
+    tactor = { .motor = MotorModel(rise_time_), .due = time, .use = std::move(tactor.use) };
+  }
+}
+
+void
+CommandPlanner::reset(Time time)
+{
+  // Twice with nothing in between: the time of the second is that of a film of which nothing was played.
+  if (!restarts_after_)
+    restarts_after_ = std::max(time, account_begin_);
+  silenced(*restarts_after_);
+  for (Tactor &tactor : tactors_)
+    tactor.due = Time::min();
+}
+
+const LimitCounters &
+CommandPlanner::limited() const
+{
+  return limited_;
 }
 
 bool
@@ -152,28 +207,217 @@ CommandPlanner::target_volts(std::span<const float> levels) const
   return volts;
 }
 
-/// The command that brings a tactor to `volts` for the frame at `effect`, entered into what is known of the tactor.
-Command
-CommandPlanner::command(int index, Time effect, Time frame, double volts)
+/// Begins the plan of a frame: time is reckoned on from before a reset(), cues that have run out by then are over.
+CommandPlanner::Plan
+CommandPlanner::begin_plan(Time effect, Time frame)
 {
-  Tactor &tactor = tactors_[static_cast<std::size_t>(index)];
-  const Time transport
-      = settings_.compensation == Compensation::exact ? settings_.transport_latency : Time(0);
-  const Time previous = tactor.due == Time::min() ? Time::min() : tactor.due + transport;
+  if (restarts_after_) {
+    const Time first = effect - settings_.max_lead - transport();
+    if (*restarts_after_ > first)
+      for (Tactor &tactor : tactors_)
+        tactor.use.age(*restarts_after_ - first);
+    restarts_after_.reset();
+    account_begin_ = first;
+  }
+  Plan plan{ .effect = effect, .frame = frame, .latest = effect - transport() };
+  for (std::size_t i = 0; i < tactors_.size(); i++) {
+    Tactor &tactor = tactors_[i];
+    if (!tactor.use.is_on() || tactor.end.time > plan.latest)
+      continue;
+    spend(tactor, tactor.end.time, tactor.end.limit);
+    turn_off(plan, i, tactor.end.time, true);
+  }
+  return plan;
+}
+
+/// Takes the volts from tactors whose cue is over or that have to rest, and says when the others have to end.
+void
+CommandPlanner::limit_time(const Plan &plan, std::vector<double> &volts)
+{
+  const MotorLimits &limits = settings_.limits;
+  for (std::size_t i = 0; i < tactors_.size(); i++) {
+    Tactor &tactor = tactors_[i];
+    if (volts[i] == 0) {
+      tactor.spent_since.reset();
+      continue;
+    }
+    if (tactor.use.is_on()) {
+      // The same as before unless the limits were changed.
+      tactor.end = tactor.use.latest_end(tactor.use.on_since(), limits);
+      if (tactor.end.time <= plan.latest) {
+        spend(tactor, plan.effect, tactor.end.limit);
+        volts[i] = 0;
+      }
+      continue;
+    }
+    const bool rests = tactor.spent_since && plan.effect - *tactor.spent_since < Time(kLongestRest);
+    if (rests || tactor.use.ready_at() > plan.latest) {
+      volts[i] = 0;
+      continue;
+    }
+    tactor.spent_since.reset();
+    const Time begin
+        = std::max(due_time(tactor, plan, volts[i], kick_time(tactor, plan.effect, volts[i])),
+                   tactor.use.ready_at());
+    const MotorUse::End end = tactor.use.latest_end(begin, limits);
+    const Time shortest = std::min(Time(kShortestCue), MotorUse().latest_end(Time(0), limits).time);
+    if (end.time < begin + shortest) {
+      spend(tactor, plan.effect, end.limit);
+      volts[i] = 0;
+    }
+  }
+}
+
+/// Takes the volts from all but the strongest.
+void
+CommandPlanner::limit_number(std::vector<double> &volts)
+{
+  if (settings_.limits.max_active <= 0)
+    return;
+  std::vector<std::size_t> wanted;
+  for (std::size_t i = 0; i < tactors_.size(); i++) {
+    if (volts[i] != 0)
+      wanted.push_back(i);
+    else
+      tactors_[i].outdone = false;
+  }
+  std::ranges::sort(wanted, [&](std::size_t a, std::size_t b) {
+    const auto rank = [&](std::size_t i) {
+      return std::tuple(-volts[i], !tactors_[i].use.is_on(), i);
+    };
+    return rank(a) < rank(b);
+  });
+  for (std::size_t rank = 0; rank < wanted.size(); rank++) {
+    Tactor &tactor = tactors_[wanted[rank]];
+    const bool outdone = rank >= static_cast<std::size_t>(settings_.limits.max_active);
+    if (outdone)
+      volts[wanted[rank]] = 0;
+    if (outdone && !tactor.outdone)
+      limited_.number++;
+    tactor.outdone = outdone;
+  }
+}
+
+/// The earliest time from `due` on at which the tactor may join those that are on. Tactors that end with this frame end as early
+/// as it takes, the weakest first.
+Time
+CommandPlanner::make_room(Plan &plan, std::size_t index, Time due, std::span<const double> volts)
+{
+  const std::size_t others = static_cast<std::size_t>(settings_.limits.max_active) - 1;
+  if (settings_.limits.max_active <= 0 || others + 1 >= tactors_.size())
+    return due;
+  for (;;) {
+    std::vector<Time> off;
+    std::optional<std::size_t> weakest;
+    for (std::size_t i = 0; i < tactors_.size(); i++) {
+      if (i == index)
+        continue;
+      const Tactor &tactor = tactors_[i];
+      const bool ends = tactor.use.is_on() && volts[i] == 0;
+      if (ends && (!weakest || tactor.volts < tactors_[*weakest].volts))
+        weakest = i;
+      off.push_back(ends ? std::max(plan.latest, tactor.due) : tactor.use.off_since());
+    }
+    // As many may still be on.
+    const auto last = off.begin() + static_cast<std::ptrdiff_t>(others);
+    std::ranges::nth_element(off, last, std::greater{});
+    if (*last <= due || !weakest)
+      return std::max(due, *last);
+    turn_off(plan, *weakest, due);
+  }
+}
+
+/// A cue has run out, or may not begin.
+void
+CommandPlanner::spend(Tactor &tactor, Time since, MotorUse::Limit limit)
+{
+  tactor.spent_since = since;
+  (limit == MotorUse::Limit::duty ? limited_.duty : limited_.on_time)++;
+}
+
+void
+CommandPlanner::turn_on(Plan &plan, std::size_t index, std::span<const double> volts)
+{
+  Tactor &tactor = tactors_[index];
+  const Time kick = kick_time(tactor, plan.effect, volts[index]);
+  Time due = std::max(due_time(tactor, plan, volts[index], kick), tactor.use.ready_at());
+  due = make_room(plan, index, due, volts);
+  const MotorUse::End end = tactor.use.latest_end(due, settings_.limits);
+  if (end.time <= due)
+    return;
+  tactor.end = end;
+  tactor.use.begin(due);
+  if (kick > Time(0) && due + kick < end.time) {
+    give(plan, index, plan.effect, due, settings_.volts_max);
+    due += kick;
+  }
+  give(plan, index, plan.effect, due, volts[index]);
+}
+
+void
+CommandPlanner::turn_off(Plan &plan, std::size_t index, Time due, bool limited)
+{
+  Tactor &tactor = tactors_[index];
+  due = std::max(due, tactor.due);
+  tactor.end = {};
+  tactor.use.end(due, limited);
+  // A cue that ran out did so at its own time, not with the frame.
+  give(plan, index, limited ? due + transport() : plan.effect, due, 0);
+}
+
+/// A command, entered into what is known of the tactor.
+void
+CommandPlanner::give(Plan &plan, std::size_t index, Time effect, Time due, double volts)
+{
+  Tactor &tactor = tactors_[index];
+  tactor.due = due;
+  tactor.volts = volts;
+  tactor.until = tactor.end.time;
+  tactor.motor.set(due + transport(), volts);
+  effect = std::max(effect, due);
+  plan.commands.push_back({ .effect = effect,
+                            .lead = effect - due,
+                            .tactor = static_cast<int>(index),
+                            .volts = volts,
+                            .until = tactor.until });
+}
+
+Time
+CommandPlanner::transport() const
+{
+  return settings_.compensation == Compensation::exact ? settings_.transport_latency : Time(0);
+}
+
+/// How long a rise to `volts` begins with full voltage; 0: not at all.
+Time
+CommandPlanner::kick_time(const Tactor &tactor, Time effect, double volts) const
+{
+  if (!settings_.kick_start)
+    return Time(0);
+  const Time kick = overdrive_time(rise_time_, settings_.volts_max, volts);
+  if (kick == Time(0))
+    return kick;
+  const Time time = std::max(kick, Time(kShortestKick));
+  return tactor.motor.amplitude(effect - time) < kStillVolts ? time : Time(0);
+}
+
+/// When a command for the frame is due that brings a tactor to `volts`; `kick` as of kick_time(). Never before its predecessor.
+Time
+CommandPlanner::due_time(const Tactor &tactor, const Plan &plan, double volts, Time kick) const
+{
+  const Time effect = plan.effect;
+  const Time previous = tactor.due == Time::min() ? Time::min() : tactor.due + transport();
   // When the command reaches the motor: not before its predecessor did, nor earlier than it may.
   const Time earliest = std::min(std::max(previous, effect - settings_.max_lead), effect);
   Time at = effect;
-  if (settings_.compensation == Compensation::exact)
-    at = exact_time(tactor, earliest, effect, volts);
-  else if (settings_.compensation == Compensation::frame_block)
-    at = frame_block_time(tactor, earliest, effect, frame, volts);
-
-  // Never before its predecessor, nor after its effect, even if maps or the transport latency go back.
-  tactor.due = std::max(at - transport, tactor.due);
-  effect = std::max(effect, tactor.due);
-  tactor.volts = volts;
-  tactor.motor.set(at, volts);
-  return { .effect = effect, .lead = effect - tactor.due, .tactor = index, .volts = volts };
+  if (settings_.compensation == Compensation::exact) {
+    at = kick > Time(0) ? std::max(effect - kick, earliest)
+                        : exact_time(tactor, earliest, effect, volts);
+  } else if (settings_.compensation == Compensation::frame_block) {
+    const Time rise = kick > Time(0) ? kick : rise_time_(tactor.motor.amplitude(earliest), volts);
+    at = std::max(effect - whole_frames(rise, plan.frame, settings_.max_lead), earliest);
+  }
+  return std::max(at - transport(), tactor.due);
 }
 
 /// The latest time in [earliest, effect] from which the motor rises to 90 % of `volts` by `effect`; `earliest` if there is none.
@@ -203,18 +447,6 @@ CommandPlanner::exact_time(const Tactor &tactor, Time earliest, Time effect, dou
     (arrives(middle) ? early : late) = middle;
   }
   return early;
-}
-
-/// The paper's data block: the rise time in whole frames, rounded up, before the frame. The lead stays a number of whole frames within max_lead.
-Time
-CommandPlanner::frame_block_time(const Tactor &tactor, Time earliest, Time effect, Time frame,
-                                 double volts) const
-{
-  const Time rise = rise_time_(tactor.motor.amplitude(earliest), volts);
-  // A rise of a whole number of frames takes that many, whichever way the frame's duration was rounded.
-  const double whole = std::ceil(seconds(rise) / seconds(frame) - kSameFrames);
-  const Time::rep frames = std::min(static_cast<Time::rep>(whole), settings_.max_lead / frame);
-  return std::max(effect - frames * frame, earliest);
 }
 
 } // namespace tactor

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include "tactor/motor_limits.h"
 #include "tactor/motor_model.h"
 #include "tactor/rise_time.h"
 #include "tactor/time.h"
@@ -27,6 +28,7 @@ struct Command
   Time lead{ 0 };   ///< how much earlier the command is issued, ≥ 0
   int tactor = 0;
   double volts = 0;
+  Time until = Time::max(); ///< the motor is off from then on if no other command for it comes
 
   Time due() const
   {
@@ -49,6 +51,10 @@ struct PlannerSettings
   double intensity = 1.0;         ///< master, [0, 1]
   std::vector<int>
       mapping{}; ///< cell (row-major) → tactor index, −1 for none; empty: cell i is tactor i
+  MotorLimits limits{};
+  /// Rises from rest begin with a pulse of volts_max that lasts until the motor is at 90 % of its level, and kShortestKick at
+  /// least: weak levels start motors that stick, and come in time with less lead.
+  bool kick_start = false;
 };
 
 /// Turns the stream of tactile maps into commands. Time is running time, and no clock is looked at; maps come in order
@@ -62,9 +68,25 @@ struct PlannerSettings
 /// Under Compensation::exact a rising command is due at the latest time from which its motor gets to 90 % by the frame, from the
 /// amplitude that the motor model predicts for that time: a retarget in the middle of a rise does not start from the last
 /// command. Commands for one tactor are never due before their predecessors, whose amplitude they build on.
+///
+/// MotorLimits hold for the times at which commands are due, whatever comes after:
+/// - Each command says until when it may last at most. A cue that ran out is over: its tactor is off until a block in which the
+///   film wants nothing of it, or for kLongestRest if the film never lets go of it. Nor does a cue begin that would
+///   last less than kShortestCue.
+/// - Of more than max_active tactors the strongest are on; of equals those that are. Where a rise comes before the frame
+///   at which another tactor ends, that one ends when the rise begins, the weakest first.
+/// - reset() begins running time anew, but not the account: time in which nothing was played is not known, so what follows is
+///   taken to follow at once.
 class CommandPlanner
 {
 public:
+  /// A pulse shorter than this does not get a motor off its rest.
+  static constexpr Time kShortestKick = std::chrono::milliseconds(10);
+  /// What an on-time of 2 s asks for under a duty of 40 %.
+  static constexpr Time kLongestRest = std::chrono::seconds(3);
+  /// A motor takes up to 180 ms to rise: a shorter cue is not the one that was meant.
+  static constexpr Time kShortestCue = std::chrono::milliseconds(200);
+
   explicit CommandPlanner(int tactors, PlannerSettings settings = {}, RiseTime rise_time = {});
 
   /// New settings apply from the next map on.
@@ -82,8 +104,15 @@ public:
   /// Everything to zero at `time` (gap, end of stream). The next map begins a new block.
   std::vector<Command> silence(Time time);
 
-  /// Forgets everything (flush, start): motors are at rest, the next map begins a new block.
-  void reset();
+  /// The motors were silenced at `time` and nothing planned to be due later came to pass (no map came). The next map begins
+  /// a new block.
+  void silenced(Time time);
+
+  /// As silenced(), and running time begins anew (flush).
+  void reset(Time time);
+
+  /// Since construction.
+  const LimitCounters &limited() const;
 
 private:
   /// What is known of one tactor: what it was told, and what its motor made of it.
@@ -92,18 +121,46 @@ private:
     MotorModel motor;
     double volts = 0;
     Time due = Time::min();
+    Time until = Time::max(); ///< Command::until of the last command
+    MotorUse use{};
+    MotorUse::End end{};               ///< of the present stretch
+    std::optional<Time> spent_since{}; ///< its cue ran out, and the film still wants it
+    bool outdone = false;              ///< the film wants it, but stronger ones are on
+  };
+
+  /// What one call plans: the frame, and the commands so far.
+  struct Plan
+  {
+    Time effect;
+    Time frame;
+    Time latest; ///< when commands for the frame are due at the latest
+    std::vector<Command> commands{};
   };
 
   bool begins_block(Time time, Time duration);
+  Plan begin_plan(Time effect, Time frame);
   std::vector<double> target_volts(std::span<const float> levels) const;
-  Command command(int tactor, Time effect, Time frame, double volts);
+
+  void limit_time(const Plan &plan, std::vector<double> &volts);
+  void limit_number(std::vector<double> &volts);
+  Time make_room(Plan &plan, std::size_t index, Time due, std::span<const double> volts);
+  void spend(Tactor &tactor, Time since, MotorUse::Limit limit);
+
+  void turn_on(Plan &plan, std::size_t index, std::span<const double> volts);
+  void turn_off(Plan &plan, std::size_t index, Time due, bool limited = false);
+  void give(Plan &plan, std::size_t index, Time effect, Time due, double volts);
+
+  Time transport() const;
+  Time kick_time(const Tactor &tactor, Time effect, double volts) const;
+  Time due_time(const Tactor &tactor, const Plan &plan, double volts, Time kick) const;
   Time exact_time(const Tactor &tactor, Time earliest, Time effect, double volts) const;
-  Time frame_block_time(const Tactor &tactor, Time earliest, Time effect, Time frame,
-                        double volts) const;
 
   PlannerSettings settings_;
   RiseTime rise_time_;
   std::vector<Tactor> tactors_;
+  LimitCounters limited_;
+  std::optional<Time> restarts_after_; ///< running time begins anew, after this one
+  Time account_begin_ = Time::min();   ///< where the time before the last reset() ends
   std::optional<Time> grid_start_;
   std::size_t cells_ = 0; ///< of the last map
   double next_block_ = 0; ///< number of the next block on the grid

@@ -6,7 +6,8 @@
 namespace tactor {
 
 CommandQueue::CommandQueue(int tactors)
-    : levels_(static_cast<std::size_t>(std::max(tactors, 0)), 0.0)
+    : levels_(static_cast<std::size_t>(std::max(tactors, 0)), 0.0),
+      until_(levels_.size(), Time::max())
 {
 }
 
@@ -16,6 +17,9 @@ CommandQueue::push(std::span<const Command> commands)
   for (const Command &command : commands) {
     if (command.tactor < 0 || static_cast<std::size_t>(command.tactor) >= levels_.size())
       continue;
+    const auto tactor = static_cast<std::size_t>(command.tactor);
+    if (command.volts == 0 && levels_[tactor] == 0 && command.due() == until_[tactor])
+      continue;
     const auto place = std::ranges::upper_bound(commands_, command.due(), {}, &Command::due);
     commands_.insert(place, command);
   }
@@ -24,9 +28,13 @@ CommandQueue::push(std::span<const Command> commands)
 std::optional<Time>
 CommandQueue::next_due() const
 {
-  if (commands_.empty())
+  Time next = commands_.empty() ? Time::max() : commands_.front().due();
+  for (std::size_t i = 0; i < levels_.size(); i++)
+    if (levels_[i] != 0)
+      next = std::min(next, until_[i]);
+  if (next == Time::max())
     return std::nullopt;
-  return commands_.front().due();
+  return next;
 }
 
 std::vector<Command>
@@ -43,9 +51,19 @@ CommandQueue::take_due(Time now)
       continue;
     }
     levels_[static_cast<std::size_t>(command->tactor)] = command->volts;
+    until_[static_cast<std::size_t>(command->tactor)] = command->until;
     due.push_back(*command);
   }
   commands_.erase(commands_.begin(), end);
+  for (std::size_t i = 0; i < levels_.size(); i++) {
+    if (levels_[i] == 0 || until_[i] > now || until_[i] == Time::max())
+      continue;
+    const auto tactor = static_cast<int>(i);
+    std::erase_if(due, [&](const Command &command) { return command.tactor == tactor; });
+    due.push_back({ .effect = until_[i], .lead = Time(0), .tactor = tactor, .volts = 0 });
+    levels_[i] = 0;
+  }
+  std::ranges::stable_sort(due, {}, &Command::due);
   return due;
 }
 
@@ -61,6 +79,7 @@ CommandQueue::clear()
   const std::size_t dropped = commands_.size();
   commands_.clear();
   std::ranges::fill(levels_, 0.0);
+  std::ranges::fill(until_, Time::max());
   return dropped;
 }
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "tactor/driver.h"
 
+#include "tactor/auto_driver.h"
+#include "tactor/firmata_driver.h"
 #include "tactor/simulator.h"
 
 namespace tactor {
@@ -9,6 +11,20 @@ const std::vector<DriverInfo> &
 drivers()
 {
   static const std::vector<DriverInfo> all{
+    { "auto", "firmata if a board is there, else simulator",
+      [] {
+        return std::make_unique<AutoDriver>(
+            std::make_unique<FirmataDriver>(FirmataDriver::Firmware::any),
+            std::make_unique<Simulator>());
+      } },
+    { "firmata", "any board with StandardFirmata or another Firmata sketch, on USB",
+      [] {
+        return std::make_unique<FirmataDriver>(FirmataDriver::Firmware::any);
+      } },
+    { "seat", "a board with the seat firmware, whose watchdog stops the motors, on USB",
+      [] {
+        return std::make_unique<FirmataDriver>(FirmataDriver::Firmware::with_watchdog);
+      } },
     { "simulator", "no hardware: predicts what each motor would do",
       [] {
         return std::make_unique<Simulator>();

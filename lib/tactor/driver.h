@@ -3,6 +3,7 @@
 
 #include "tactor/time.h"
 
+#include <cstdint>
 #include <functional>
 #include <memory>
 #include <span>
@@ -40,17 +41,49 @@ private:
   Kind kind_;
 };
 
+/// What a driver tells by itself.
+struct DriverEvent
+{
+  enum class Kind
+  {
+    opened,   ///< which board it is, and how to choose another
+    warning,  ///< what the user should know of it
+    lost,     ///< it went away; the driver looks for it by itself
+    returned, ///< it is back, and does what was written last
+  };
+
+  Kind kind;
+  std::string text; ///< one line
+};
+
 /// What a driver is opened with.
 struct DriverConfig
 {
   std::string
       device; ///< which board: serial number or bus path; the simulator takes a file name (see there)
   int max_tactors = 4096;        ///< at most this many are wanted, 1…4096
+  int min_tactors = 1;           ///< a board with fewer is refused
   double full_scale_volts = 3.0; ///< volts at the motor when a board's output is fully on
+  /// Called from any thread, one call at a time, between the beginning of open() and the end of close(), and also from within these.
+  /// It may call status(), nothing else.
+  std::function<void(const DriverEvent &)> notify{};
 };
 
-/// A board that drives tactors. A driver is never called by two threads at once (the sink's scheduler). close() and the
-/// destructor leave every motor at zero. All methods but close() may throw DriverError.
+/// What is known of a board now.
+struct DriverStatus
+{
+  std::string board;            ///< to be read by people: name, serial number, bus path
+  std::string firmware;         ///< name and version
+  bool is_there = false;        ///< false while it is lost
+  bool has_watchdog = false;    ///< its motors stop by themselves when the host falls silent
+  std::vector<int> pins;        ///< of each tactor
+  std::uint64_t bytes = 0;      ///< sent since open()
+  std::uint64_t reconnects = 0; ///< times it came back since open()
+};
+
+/// A board that drives tactors. A driver is never called by two threads at once (the sink's scheduler), but for status(). close() and the
+/// destructor leave every motor at zero. open() and write() may throw DriverError; a board that goes away and may come back is not an
+/// error of write(), but an event.
 class Driver
 {
 public:
@@ -68,12 +101,22 @@ public:
   /// Time from write() to the motor's terminals; part of every command's lead.
   virtual Time transport_latency() const = 0;
 
+  /// While a motor is on, write() is to be called at least this often even if nothing changes: a board may silence motors whose host
+  /// hangs. 0: never.
+  virtual Time refresh_interval() const
+  {
+    return Time(0);
+  }
+
   /// Sets all tactors at once: `volts` has 1…tactors() values of 0…full_scale_volts; tactors beyond
   /// volts.size() are at zero. `now` is the running time.
   virtual void write(std::span<const double> volts, Time now) = 0;
 
   /// Motors to zero, board released. Never throws; harmless when not open.
   virtual void close() noexcept = 0;
+
+  /// From any thread. After close() that of the last board.
+  virtual DriverStatus status() const = 0;
 };
 
 /// One line of the list of drivers.

@@ -62,4 +62,13 @@ MotorModel::volts() const
   return volts_;
 }
 
+Time
+overdrive_time(const RiseTime &rise_time, double drive_volts, double volts)
+{
+  if (!(volts > 0 && volts < drive_volts))
+    return Time(0);
+  const double share = std::log10(drive_volts / (drive_volts - kRisen * volts));
+  return Time(std::llround(share * static_cast<double>(rise_time(0, drive_volts).count())));
+}
+
 } // namespace tactor

@@ -96,6 +96,14 @@ Simulator::close() noexcept
   tactors_ = 0;
 }
 
+DriverStatus
+Simulator::status() const
+{
+  DriverStatus status;
+  status.board = "simulator";
+  return status;
+}
+
 double
 Simulator::amplitude(int tactor, Time time) const
 {

@@ -22,6 +22,7 @@ public:
   Time transport_latency() const override;
   void write(std::span<const double> volts, Time now) override;
   void close() noexcept override;
+  DriverStatus status() const override;
 
   /// Predicted amplitude of a tactor in volts; 0 for one that was never written to.
   double amplitude(int tactor, Time time) const;

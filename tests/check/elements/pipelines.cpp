@@ -63,7 +63,7 @@ public:
     video = gst_bin_get_by_name(GST_BIN(pipeline), "video");
     bus = gst_element_get_bus(pipeline);
     if (tactors)
-      g_object_set(tactors, "trace-location", name, nullptr);
+      g_object_set(tactors, "trace-location", name, "ramp-in", guint64{ 0 }, nullptr);
   }
   ~Player()
   {

@@ -64,19 +64,11 @@ public:
       after();
     return timing;
   }
-  void device_lost(const DriverError &) override
-  {
-    lost++;
-    if (on_lost)
-      on_lost();
-  }
-  void device_found() override
-  {
-    found++;
-  }
   void device_failed(const DriverError &) override
   {
     failed++;
+    if (on_failed)
+      on_failed();
   }
   void lead_short(Time lead, Time late) override
   {
@@ -97,10 +89,8 @@ public:
     return shorts_;
   }
 
-  std::atomic<int> lost{ 0 };
-  std::atomic<int> found{ 0 };
   std::atomic<int> failed{ 0 };
-  std::function<void()> on_lost;
+  std::function<void()> on_failed;
 
 private:
   std::mutex mutex_;
@@ -119,16 +109,12 @@ struct Board
   bool open = false;
   Volts volts; ///< what the motors have now
   std::vector<Write> writes;
-  std::vector<Time> opens; ///< attempts to open it again
-  std::function<Time()> now = [] {
-    return Time(0);
-  };
-  std::optional<Kind> error; ///< of the next write
-  bool odd_error = false;    ///< the next write throws something else
-  int refusals = 0;          ///< so many attempts to open it fail
-  bool hold = false;         ///< a write does not end…
-  int passes = 0;            ///< …but so many do
-  bool held = false;         ///< one is there
+  Time refresh_interval{ 0 }; ///< set before start()
+  std::optional<Kind> error;  ///< of the next write
+  bool odd_error = false;     ///< the next write throws something else
+  bool hold = false;          ///< a write does not end…
+  int passes = 0;             ///< …but so many do
+  bool held = false;          ///< one is there
   bool destroyed = false;
   std::string misuse;
 
@@ -147,10 +133,14 @@ struct Board
   {
     return silent(get(&Board::volts));
   }
-  void wait_until_held()
+  template <typename Condition> void wait_until(Condition condition)
   {
     std::unique_lock lock(mutex);
-    changed.wait(lock, [this] { return held && passes == 0; });
+    changed.wait(lock, condition);
+  }
+  void wait_until_held()
+  {
+    wait_until([this] { return held && passes == 0; });
   }
 };
 
@@ -165,16 +155,9 @@ public:
     close();
     board_.set(&Board::destroyed, true);
   }
-  void open(const tactor::DriverConfig &config) override
+  void open(const tactor::DriverConfig &) override
   {
     std::lock_guard lock(board_.mutex);
-    board_.opens.push_back(board_.now());
-    if (config.device != "seat 7")
-      board_.misuse += "opened with another configuration; ";
-    if (board_.refusals > 0) {
-      board_.refusals--;
-      throw DriverError(Kind::not_found, "still away");
-    }
     board_.open = true;
     board_.volts.clear();
   }
@@ -190,6 +173,18 @@ public:
   Time transport_latency() const override
   {
     return Time(0);
+  }
+  Time refresh_interval() const override
+  {
+    return board_.get(&Board::refresh_interval);
+  }
+  tactor::DriverStatus status() const override
+  {
+    std::lock_guard lock(board_.mutex);
+    tactor::DriverStatus status;
+    status.is_there = board_.open;
+    status.bytes = board_.writes.size();
+    return status;
   }
   void write(std::span<const double> volts, Time now) override
   {
@@ -211,6 +206,7 @@ public:
     }
     board_.volts.assign(volts.begin(), volts.end());
     board_.writes.push_back({ now, board_.volts });
+    board_.changed.notify_all();
   }
   void close() noexcept override
   {
@@ -240,9 +236,6 @@ public:
   {
     clock = GST_TEST_CLOCK(gst_test_clock_new_with_start_time(GST_SECOND * 5));
     host.set(GST_CLOCK(clock), offset);
-    board.now = [this] {
-      return running();
-    };
     scheduler = std::make_unique<TactorScheduler>(host);
     char name[] = "/tmp/tactorscheduler-XXXXXX";
     const int fd = mkstemp(name);
@@ -271,10 +264,10 @@ public:
   void start()
   {
     auto driver = std::make_unique<FakeDriver>(board);
-    const tactor::DriverConfig config{ .device = "seat 7" };
+    const tactor::DriverConfig config;
     driver->open(config);
-    board.opens.clear();
-    scheduler->start(std::move(driver), config, std::make_unique<tactor::CommandTrace>(trace_path));
+    scheduler->start(std::move(driver), config.full_scale_volts,
+                     std::make_unique<tactor::CommandTrace>(trace_path));
   }
   void push(const std::vector<Command> &commands, Time expires = kForever)
   {

@@ -1,126 +1,71 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 //
-// tactorsink's scheduler: boards that go away, and many threads at once.
+// tactorsink's scheduler: boards that want to be refreshed, boards that fail, and many threads at once.
 #include "scheduler_rig.h"
 
 #include <random>
 #include <thread>
 
-/// The film goes on without the board, which is looked for once a second; when it is back it is told all that holds then.
-GST_START_TEST(test_board_lost_and_found)
+/// A board that wants to know that its host is alive is told again what it was told, while a motor is on.
+GST_START_TEST(test_refresh)
 {
-  Rig rig;
-  std::vector<Command> commands{ command(50, 3, 0.5) };
-  for (int i = 0; i < 40; i++)
-    commands.push_back(command(100 + i * 100, i % 2, 1.0 + i / 32.0));
-  rig.push(commands);
-  rig.run_to(350);
-  rig.board.set(&Board::refusals, 2);
-  rig.board.set(&Board::error, std::optional(Kind::lost)); // at 400
-  rig.run_to(3390);
-  ck_assert_int_eq(rig.host.lost, 1);
-  ck_assert_int_eq(rig.host.found, 0);
-  ck_assert_uint_eq(rig.writes().size(), 4);
-  rig.run_to(5000);
-  ck_assert_int_eq(rig.host.lost, 1);
-  ck_assert_int_eq(rig.host.found, 1);
-  ck_assert_int_eq(rig.host.failed, 0);
-  fail_unless(rig.board.get(&Board::opens)
-              == (std::vector<Time>{ milliseconds(1400), milliseconds(2400), milliseconds(3400) }));
-  const std::vector<Write> writes = rig.writes();
-  fail_unless(writes[3].now == milliseconds(300));
-  // At 3400 i is 33, and at most that command is told apart from what held before.
-  fail_unless(writes[4].now == milliseconds(3400));
-  fail_unless(writes[4].volts == (Volts{ 2.0, 1.96875, 0.0, 0.5 })
-              || writes[4].volts == (Volts{ 2.0, 2.03125, 0.0, 0.5 }));
-  fail_unless(writes.back() == (Write{ milliseconds(4000), { 2.1875, 2.21875, 0.0, 0.5 } }));
-  ck_assert_uint_eq(rig.scheduler->counters().reconnects, 1);
-  ck_assert_uint_eq(rig.scheduler->counters().issued, 41);
-  ck_assert_uint_eq(rig.scheduler->counters().late, 0);
-}
-GST_END_TEST;
-
-/// A board that returns while nothing in the film changes is found as well.
-GST_START_TEST(test_board_found_while_the_film_rests)
-{
-  Rig rig;
-  rig.push({ command(100, 1, 2.0) });
-  rig.board.set(&Board::error, std::optional(Kind::lost));
-  rig.board.set(&Board::refusals, 1);
-  rig.run_to(2500);
-  fail_unless(rig.board.get(&Board::opens)
-              == (std::vector<Time>{ milliseconds(1100), milliseconds(2100) }));
-  fail_unless(rig.writes() == (std::vector<Write>{ { milliseconds(2100), { 0.0, 2.0 } } }));
-
-  // Lost again with the first write after that: told again.
-  rig.board.set(&Board::error, std::optional(Kind::lost));
-  rig.push({ command(2600, 1, 1.0) });
-  rig.run_to(2700);
-  ck_assert_int_eq(rig.host.lost, 2);
-  rig.run_to(4000);
-  ck_assert_int_eq(rig.host.found, 2);
-  fail_unless(rig.writes().back() == (Write{ milliseconds(3600), { 0.0, 1.0 } }));
-}
-GST_END_TEST;
-
-/// Not looked for in a pause; a seek, after which running time begins anew, does not put the search off.
-GST_START_TEST(test_board_lost_pause_and_seek)
-{
-  Rig rig;
-  rig.push({ command(9000, 1, 2.0) });
-  rig.board.set(&Board::error, std::optional(Kind::lost));
-  rig.board.set(&Board::refusals, 1);
-  rig.run_to(9500);
-  rig.scheduler->pause();
-  fail_unless(rig.board.is_silent());
-  gst_test_clock_advance_time(rig.clock, 2 * GST_SECOND); // running time 11.5 s
-  rig.scheduler->timing_changed();
-  rig.scheduler->flush();
-  fail_unless(rig.board.get(&Board::opens).empty());
-  rig.offset += milliseconds(11500);
-  rig.host.set(GST_CLOCK(rig.clock), rig.offset);
+  Rig rig(false);
+  rig.scheduler->stop();
+  rig.board.set(&Board::refresh_interval, Time(milliseconds(100)));
+  rig.start();
   rig.scheduler->play();
-  rig.push({ command(200, 0, 1.0) });
-  rig.run_to(2500);
-  fail_unless(rig.board.get(&Board::opens)
-              == (std::vector<Time>{ milliseconds(1000), milliseconds(2000) }));
-  fail_unless(rig.writes() == (std::vector<Write>{ { milliseconds(2000), { 1.0 } } }));
-  ck_assert_int_eq(rig.host.lost, 1);
-  ck_assert_int_eq(rig.host.found, 1);
-}
-GST_END_TEST;
-
-/// Lost in the middle of being silenced: its motors stand, and whoever waits for that is let go.
-GST_START_TEST(test_board_lost_while_pausing)
-{
-  Rig rig;
-  rig.push({ command(100, 1, 2.0) });
-  rig.run_to(200);
-  rig.board.set(&Board::error, std::optional(Kind::lost));
-  rig.scheduler->pause();
-  ck_assert_int_eq(rig.host.lost, 1);
-  rig.scheduler->play();
-  rig.run_to(1300);
-  fail_unless(rig.writes().back() == (Write{ milliseconds(1200), { 0.0, 2.0 } }));
-}
-GST_END_TEST;
-
-/// A board with fewer motors than the film uses is not the one that was lost.
-GST_START_TEST(test_smaller_board_is_not_taken)
-{
-  Rig rig;
-  rig.push({ command(100, 3, 2.0) });
-  rig.board.set(&Board::error, std::optional(Kind::lost));
-  rig.run_to(500);
-  rig.board.set(&Board::tactors, 2);
-  rig.run_to(1500);
-  ck_assert_int_eq(rig.host.found, 0);
-  fail_if(rig.board.get(&Board::open));
-  rig.board.set(&Board::tactors, 4);
-  rig.run_to(2500);
-  ck_assert_int_eq(rig.host.found, 1);
+  rig.push({ command(1000, 0, 2.0), command(1250, 1, 1.0), command(1500, 0, 0.0),
+             command(1500, 1, 0.0) });
+  rig.run_to(3000);
+  const Volts one{ 2.0 };
+  const Volts both{ 2.0, 1.0 };
   fail_unless(rig.writes()
-              == (std::vector<Write>{ { milliseconds(2100), { 0.0, 0.0, 0.0, 2.0 } } }));
+              == (std::vector<Write>{ { milliseconds(1000), one },
+                                      { milliseconds(1100), one },
+                                      { milliseconds(1200), one },
+                                      { milliseconds(1250), both },
+                                      { milliseconds(1350), both },
+                                      { milliseconds(1450), both },
+                                      { milliseconds(1500), { 0.0, 0.0 } } }));
+  ck_assert_uint_eq(rig.scheduler->driver_status().bytes, 7);
+
+  // Neither in a pause nor when muted; and a seek, after which running time begins anew, does not put it off.
+  rig.push({ command(3500, 0, 2.0) });
+  rig.run_to(3650);
+  rig.scheduler->pause();
+  gst_test_clock_advance_time(rig.clock, GST_SECOND);
+  const std::size_t before = rig.writes().size();
+  fail_unless(rig.board.is_silent());
+  rig.offset += milliseconds(4650);
+  rig.host.set(GST_CLOCK(rig.clock), rig.offset);
+  rig.scheduler->play(); // at 0: what held before
+  rig.run_to(150);
+  fail_unless(rig.writes().size() == before + 2);
+  fail_unless(rig.writes().back() == (Write{ milliseconds(100), { 2.0, 0.0 } }));
+  rig.scheduler->set_muted(true);
+  rig.run_to(1000);
+  fail_unless(rig.writes().size() == before + 3);
+  fail_unless(rig.board.is_silent());
+
+  rig.scheduler->stop();
+  fail_if(rig.scheduler->driver_status().is_there);
+  ck_assert_uint_eq(rig.scheduler->driver_status().bytes, rig.writes().size());
+}
+GST_END_TEST;
+
+/// Also where nothing waits for a clock: then time is that of the computer.
+GST_START_TEST(test_refresh_without_clock)
+{
+  Rig rig(false);
+  rig.scheduler->stop();
+  rig.board.set(&Board::refresh_interval, Time(milliseconds(1)));
+  rig.start();
+  rig.scheduler->set_immediate(true);
+  rig.scheduler->play();
+  rig.push({ command(1000, 0, 2.0) });
+  std::unique_lock lock(rig.board.mutex);
+  rig.board.changed.wait(lock, [&] { return rig.board.writes.size() >= 5; });
+  fail_unless(rig.board.writes.back() == (Write{ milliseconds(1000), { 2.0 } }));
 }
 GST_END_TEST;
 
@@ -137,9 +82,7 @@ GST_START_TEST(test_board_failed)
       rig.board.set(&Board::error, std::optional(Kind::failed));
     rig.run_to(9500);
     ck_assert_int_eq(rig.host.failed, 1);
-    ck_assert_int_eq(rig.host.lost, 0);
     ck_assert_uint_eq(rig.writes().size(), 1);
-    fail_unless(rig.board.get(&Board::opens).empty());
     fail_unless(rig.board.get(&Board::destroyed));
     rig.scheduler->pause();
     rig.scheduler->play();
@@ -154,15 +97,18 @@ GST_END_TEST;
 GST_START_TEST(test_host_calls_back)
 {
   Rig rig;
-  rig.host.on_lost = [&] {
+  rig.host.on_failed = [&] {
     rig.scheduler->set_muted(true);
+    rig.scheduler->counters();
+    rig.scheduler->driver_status();
   };
-  rig.board.set(&Board::error, std::optional(Kind::lost));
+  rig.board.set(&Board::error, std::optional(Kind::failed));
   rig.push({ command(100, 0, 1.0) });
-  rig.run_to(1500);
-  ck_assert_int_eq(rig.host.lost, 1);
-  ck_assert_int_eq(rig.host.found, 1);
-  fail_unless(rig.writes().empty()); // it is back, and muted
+  rig.run_to(100);
+  rig.scheduler->pause(); // returns after the host did
+  ck_assert_int_eq(rig.host.failed, 1);
+  fail_unless(rig.scheduler->failed());
+  fail_unless(rig.writes().empty());
 }
 GST_END_TEST;
 
@@ -175,6 +121,7 @@ GST_START_TEST(test_start_and_stop_against_others)
     for (bool muted = false; !done; muted = !muted) {
       rig.scheduler->set_muted(muted);
       rig.scheduler->counters();
+      rig.scheduler->driver_status();
       rig.scheduler->trace_failed();
       rig.scheduler->timing_changed();
     }
@@ -194,11 +141,15 @@ GST_START_TEST(test_start_and_stop_against_others)
 }
 GST_END_TEST;
 
-/// Everything at once, with a board that comes and goes. One thread alone pauses and plays, and finds the motors at zero between.
+/// Everything at once, with a board that wants to be refreshed. One thread alone pauses and plays, and finds the motors at zero between.
 GST_START_TEST(test_many_threads)
 {
   for (unsigned seed = 1; seed <= 25; seed++) {
-    Rig rig;
+    Rig rig(false);
+    rig.scheduler->stop();
+    rig.board.set(&Board::refresh_interval, Time(milliseconds(seed % 2 * 10)));
+    rig.start();
+    rig.scheduler->play();
     std::atomic<int> busy{ 0 };
     std::vector<std::thread> threads;
     const auto thread = [&](int times, auto work) {
@@ -216,10 +167,12 @@ GST_START_TEST(test_many_threads)
     for (int i = 0; i < 2; i++)
       thread(1500, [&](std::mt19937 &random) {
         std::vector<Command> commands;
-        for (unsigned n = random() % 5; n > 0; n--)
+        for (unsigned n = random() % 5; n > 0; n--) {
           commands.push_back(
               command(ms_now() + static_cast<int>(random() % 60), static_cast<int>(random() % 4),
                       0.5 * static_cast<double>(random() % 4), static_cast<int>(random() % 60)));
+          commands.back().until = commands.back().effect + milliseconds(random() % 100);
+        }
         rig.push(commands, rig.running() + milliseconds(random() % 100));
       });
     thread(400, [&](std::mt19937 &) {
@@ -232,9 +185,12 @@ GST_START_TEST(test_many_threads)
     });
     for (int i = 0; i < 3; i++)
       thread(300, [&](std::mt19937 &random) {
-        switch (random() % 4) {
+        switch (random() % 5) {
         case 0:
           rig.scheduler->flush();
+          break;
+        case 2:
+          rig.scheduler->set_ramp_in(milliseconds(random() % 100));
           break;
         case 1:
           rig.scheduler->set_immediate(random() % 4 == 0);
@@ -243,13 +199,10 @@ GST_START_TEST(test_many_threads)
           rig.scheduler->set_muted(random() % 2 == 0);
         }
       });
-    thread(300, [&](std::mt19937 &random) {
+    thread(300, [&](std::mt19937 &) {
       rig.scheduler->timing_changed();
       rig.scheduler->take_starved();
-      if (random() % 16 == 0) {
-        rig.board.set(&Board::refusals, static_cast<int>(random() % 2));
-        rig.board.set(&Board::error, std::optional(Kind::lost));
-      }
+      rig.scheduler->driver_status();
     });
     std::mt19937 random(seed);
     while (busy > 0) {
@@ -266,9 +219,7 @@ GST_START_TEST(test_many_threads)
       one.join();
     rig.scheduler->stop();
     fail_unless(rig.board.is_silent());
-    const int away = rig.host.lost - rig.host.found;
-    fail_unless(away == 0 || away == 1);
-    ck_assert_uint_eq(rig.scheduler->counters().reconnects, static_cast<guint64>(rig.host.found));
+    ck_assert_int_eq(rig.host.failed, 0);
   }
 }
 GST_END_TEST;
@@ -279,11 +230,8 @@ tactorscheduler_boards_suite(void)
   Suite *suite = suite_create("tactorscheduler_boards");
   TCase *cases = tcase_create("general");
   suite_add_tcase(suite, cases);
-  tcase_add_test(cases, test_board_lost_and_found);
-  tcase_add_test(cases, test_board_found_while_the_film_rests);
-  tcase_add_test(cases, test_board_lost_pause_and_seek);
-  tcase_add_test(cases, test_board_lost_while_pausing);
-  tcase_add_test(cases, test_smaller_board_is_not_taken);
+  tcase_add_test(cases, test_refresh);
+  tcase_add_test(cases, test_refresh_without_clock);
   tcase_add_test(cases, test_board_failed);
   tcase_add_test(cases, test_host_calls_back);
   tcase_add_test(cases, test_start_and_stop_against_others);

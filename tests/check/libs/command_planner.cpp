@@ -11,6 +11,7 @@
 
 #include "frame_rate.h"
 #include "tolerance.h"
+#include "unlimited.h"
 
 using namespace std::chrono_literals;
 using namespace tactor;
@@ -34,7 +35,7 @@ level_of(std::int64_t frame)
 std::vector<Command>
 first_plan(const PlannerSettings &settings, int tactors, const std::vector<float> &levels)
 {
-  CommandPlanner planner(tactors, settings);
+  CommandPlanner planner(tactors, unlimited(settings));
   return planner.plan(0s, 33ms, levels);
 }
 
@@ -65,7 +66,7 @@ GST_START_TEST(test_blocks_do_not_drift)
   const FrameRate rates[] = { { 24, 1 }, { 25, 1 }, { 30000, 1001 }, { 30, 1 },
                               { 50, 1 }, { 60, 1 }, { 24000, 1001 }, { 60000, 1001 } };
   for (const FrameRate &rate : rates) {
-    CommandPlanner planner(1);
+    CommandPlanner planner(1, unlimited());
     std::int64_t blocks = 0;
     const std::int64_t frames = 600 * rate.numerator / rate.denominator;
     for (std::int64_t frame = 0; frame < frames; frame++) {
@@ -94,7 +95,7 @@ GST_START_TEST(test_rounded_stamps)
 {
   // A film of 30 frames a second whose stamps are sums of rounded durations: every sixth frame.
   for (const Time duration : { 33'333'333ns, 33'333'334ns }) {
-    CommandPlanner planner(1);
+    CommandPlanner planner(1, unlimited());
     for (std::int64_t frame = 0; frame < 18000; frame++) {
       const auto commands
           = planner.plan(frame * duration, duration, std::vector<float>{ level_of(frame) });
@@ -107,7 +108,7 @@ GST_END_TEST;
 GST_START_TEST(test_every_map_is_a_block)
 {
   for (const double rate : { 0.0, 24.0, 30.0, 100.0 }) {
-    CommandPlanner planner(1, { .rate = rate });
+    CommandPlanner planner(1, unlimited({ .rate = rate }));
     for (int frame = 0; frame < 1000; frame++) {
       const FrameRate film{ 24, 1 };
       const auto commands = planner.plan(film.frame(frame), film.duration(frame),
@@ -122,7 +123,7 @@ GST_START_TEST(test_unknown_durations)
 {
   // Durations of 0 or less count as 1/30 s.
   for (const Time duration : { 0ns, -1ns }) {
-    CommandPlanner planner(1);
+    CommandPlanner planner(1, unlimited());
     for (int frame = 0; frame < 100; frame++)
       fail_unless(
           planner.plan(kThirty.frame(frame), duration, std::vector<float>{ level_of(frame) }).size()
@@ -133,7 +134,7 @@ GST_END_TEST;
 
 GST_START_TEST(test_holes)
 {
-  CommandPlanner planner(1);
+  CommandPlanner planner(1, unlimited());
   std::vector<int> begun;
   for (int frame = 0; frame < 60; frame++) {
     // A hole shorter than a block leaves the grid; one in which a whole block was lost begins it
@@ -152,7 +153,7 @@ GST_END_TEST;
 
 GST_START_TEST(test_level_of_the_blocks_first_map)
 {
-  CommandPlanner planner(1);
+  CommandPlanner planner(1, unlimited());
   for (int frame = 0; frame < 6; frame++) {
     const float level = frame == 0 ? 0.5F : 1.0F;
     const auto commands
@@ -167,7 +168,7 @@ GST_END_TEST;
 
 GST_START_TEST(test_silence)
 {
-  CommandPlanner planner(3);
+  CommandPlanner planner(3, unlimited());
   fail_unless(planner.silence(0s).empty());
   fail_unless(text(planner.plan(1s, 33ms, std::vector<float>{ 1.0F, 0.0F, 0.5F }))
               == "0:300 2:150 ");
@@ -188,7 +189,7 @@ GST_END_TEST;
 GST_START_TEST(test_silence_before_what_is_planned)
 {
   // A gap that begins before the last map's time must not be overtaken by that map's command.
-  CommandPlanner planner(1);
+  CommandPlanner planner(1, unlimited());
   const Command on = planner.plan(1s, 33ms, std::vector<float>{ 1.0F })[0];
   const Command off = planner.silence(0s)[0];
   fail_unless(off.due() >= on.due());
@@ -198,15 +199,15 @@ GST_END_TEST;
 
 GST_START_TEST(test_reset)
 {
-  CommandPlanner planner(2);
+  CommandPlanner planner(2, unlimited());
   const std::vector<float> levels{ 1.0F, 0.4F };
   const auto first = planner.plan(10s, 33ms, levels);
   fail_unless(first.size() == 2);
   fail_unless(planner.plan(10s + 33ms, 33ms, std::vector<float>{ 0.0F, 0.0F }).empty());
   // Motors are at rest again, and time may begin anew.
-  planner.reset();
+  planner.reset(10s + 66ms);
   fail_unless(planner.silence(0s).empty());
-  planner.reset();
+  planner.reset(0s);
   auto again = planner.plan(0s, 33ms, levels);
   for (Command &command : again)
     command.effect += 10s;
@@ -214,18 +215,33 @@ GST_START_TEST(test_reset)
 }
 GST_END_TEST;
 
+GST_START_TEST(test_silenced)
+{
+  CommandPlanner planner(2, unlimited());
+  const std::vector<float> levels{ 1.0F, 0.4F };
+  fail_unless(text(planner.plan(1s, 33ms, levels)) == "0:300 1:120 ");
+  // Motors are at rest again, time goes on; nothing is due before.
+  planner.silenced(2s);
+  fail_unless(planner.silence(2s).empty());
+  const auto again = planner.plan(2s, 33ms, levels);
+  fail_unless(text(again) == "0:300 1:120 ");
+  for (const Command &command : again)
+    fail_unless(command.due() == 2s && command.effect == 2s);
+}
+GST_END_TEST;
+
 GST_START_TEST(test_change_of_rate)
 {
-  CommandPlanner planner(1);
+  CommandPlanner planner(1, unlimited());
   PlannerSettings settings;
   planner.plan(0s, 33ms, std::vector<float>{ 1.0F });
   settings.intensity = 0.5;
-  planner.set_settings(settings);
+  planner.set_settings(unlimited(settings));
   fail_unless(planner.settings().intensity == 0.5);
   // Another setting leaves the grid, another rate does not.
   fail_unless(planner.plan(100ms, 33ms, std::vector<float>{ 1.0F }).empty());
   settings.rate = 10;
-  planner.set_settings(settings);
+  planner.set_settings(unlimited(settings));
   fail_unless(text(planner.plan(133ms, 33ms, std::vector<float>{ 1.0F })) == "0:150 ");
   fail_unless(planner.plan(200ms, 33ms, std::vector<float>{ 0.0F }).empty());
   fail_unless(text(planner.plan(233ms, 33ms, std::vector<float>{ 0.0F })) == "0:0 ");
@@ -315,7 +331,7 @@ GST_START_TEST(test_levels_out_of_range)
   fail_unless(volts_for({}, -kInfinity) == 0);
   fail_unless(volts_for({}, kNan) == 0);
   // NaN turns a motor off that is on.
-  CommandPlanner planner(1);
+  CommandPlanner planner(1, unlimited());
   planner.plan(0s, 33ms, std::vector<float>{ 1.0F });
   fail_unless(text(planner.plan(1s, 33ms, std::vector<float>{ kNan })) == "0:0 ");
 }
@@ -336,13 +352,13 @@ GST_START_TEST(test_order_lead_and_range)
                               .volts_max = 0.5 + 0.03 * per_cent(random),
                               .intensity = 0.01 * per_cent(random) };
     };
-    CommandPlanner planner(kTactors, settings());
+    CommandPlanner planner(kTactors, unlimited(settings()));
     std::vector<Time> last(kTactors, Time::min());
     const FrameRate rate{ 24 + per_cent(random), 1 };
     for (int frame = 0; frame < 1000; frame++) {
       const int dice = per_cent(random);
       if (dice < 2)
-        planner.set_settings(settings());
+        planner.set_settings(unlimited(settings()));
       if (dice > 95) {
         frame += dice; // a hole
         continue;
@@ -388,6 +404,7 @@ command_planner_suite(void)
   tcase_add_test(tests, test_silence);
   tcase_add_test(tests, test_silence_before_what_is_planned);
   tcase_add_test(tests, test_reset);
+  tcase_add_test(tests, test_silenced);
   tcase_add_test(tests, test_change_of_rate);
   tcase_add_test(tests, test_mapping);
   tcase_add_test(tests, test_validate_mapping);

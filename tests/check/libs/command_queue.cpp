@@ -117,6 +117,43 @@ GST_START_TEST(test_latest_wins)
 }
 GST_END_TEST;
 
+GST_START_TEST(test_runs_out)
+{
+  CommandQueue queue(3);
+  const auto until = [](Command one, Time end) {
+    one.until = end;
+    return one;
+  };
+  push(queue, { until(command(10ms, 0, 1), 30ms), until(command(10ms, 1, 2), 40ms) });
+  fail_unless(queue.next_due() == Time(10ms));
+  fail_unless(queue.take_due(10ms).size() == 2);
+  fail_unless(queue.next_due() == Time(30ms) && queue.size() == 0);
+  fail_unless(queue.take_due(30ms - 1ns).empty());
+  fail_unless(queue.take_due(30ms) == (std::vector<Command>{ command(30ms, 0, 0) }));
+  fail_unless(levels(queue) == (std::vector<double>{ 0, 2, 0 }));
+  // Whoever says so afterwards says nothing new; another time is another command.
+  push(queue, { command(30ms, 0, 0) });
+  fail_unless(queue.size() == 0);
+  push(queue, { command(31ms, 0, 0) });
+  fail_unless(queue.take_due(31ms) == (std::vector<Command>{ command(31ms, 0, 0) }));
+  // A command before the end has an end of its own, or none.
+  push(queue, { until(command(35ms, 1, 1.5), 60ms) });
+  fail_unless(queue.take_due(35ms).size() == 1);
+  fail_unless(queue.next_due() == Time(60ms));
+  push(queue, { command(50ms, 1, 1) });
+  fail_unless(queue.take_due(1s) == (std::vector<Command>{ command(50ms, 1, 1) }));
+  fail_unless(!queue.next_due());
+  // Taken too late, it is over; what came after that is not.
+  push(queue, { until(command(2s, 0, 1), 2100ms), until(command(2s, 1, 1), 2300ms),
+                command(2050ms, 2, 1) });
+  fail_unless(queue.take_due(2200ms).size() == 3);
+  fail_unless(levels(queue) == (std::vector<double>{ 0, 1, 1 }));
+  fail_unless(queue.next_due() == Time(2300ms));
+  queue.clear();
+  fail_unless(!queue.next_due());
+}
+GST_END_TEST;
+
 GST_START_TEST(test_clear)
 {
   CommandQueue queue(2);
@@ -191,6 +228,7 @@ command_queue_suite(void)
   tcase_add_test(tests, test_empty);
   tcase_add_test(tests, test_order_of_due_times);
   tcase_add_test(tests, test_latest_wins);
+  tcase_add_test(tests, test_runs_out);
   tcase_add_test(tests, test_clear);
   tcase_add_test(tests, test_tactors_that_are_not_there);
   tcase_add_test(tests, test_against_a_bag);

@@ -10,6 +10,7 @@
 
 #include "frame_rate.h"
 #include "tolerance.h"
+#include "unlimited.h"
 
 using namespace std::chrono_literals;
 using namespace tactor;
@@ -34,7 +35,7 @@ seconds(Time time)
 std::vector<Command>
 first_plan(const PlannerSettings &settings, int tactors, const std::vector<float> &levels)
 {
-  CommandPlanner planner(tactors, settings);
+  CommandPlanner planner(tactors, unlimited(settings));
   return planner.plan(0s, 33ms, levels);
 }
 
@@ -83,7 +84,7 @@ GST_START_TEST(test_papers_worked_example)
   // with the previous input voltage and the remaining two frames are filled with the target voltage
   // at the next data block": 30 frames a second, five to a block.
   const PlannerSettings settings{ .rate = 6, .compensation = Compensation::frame_block };
-  CommandPlanner planner(1, settings, constant(60));
+  CommandPlanner planner(1, unlimited(settings), constant(60));
   std::vector<Command> commands;
   for (int frame = 0; frame < 10; frame++) {
     const float level = frame < 5 ? 0.5F : 1.0F;
@@ -121,7 +122,7 @@ GST_START_TEST(test_frame_block_rounds_up_to_frames)
   for (const Case &c : cases) {
     const PlannerSettings settings{ .compensation = Compensation::frame_block,
                                     .max_lead = c.max_lead };
-    CommandPlanner planner(1, settings, constant(c.rise));
+    CommandPlanner planner(1, unlimited(settings), constant(c.rise));
     const auto commands = planner.plan(1s, c.frame, std::vector<float>{ 1.0F });
     fail_unless(commands.size() == 1);
     fail_unless(commands[0].lead == c.frames * c.frame, "%g ms in frames of %g ms: lead %g ms",
@@ -129,11 +130,12 @@ GST_START_TEST(test_frame_block_rounds_up_to_frames)
   }
   // Three frames of 33 333 333 ns, or …34, are 100 ms.
   for (const Time frame : { 33'333'333ns, 33'333'334ns }) {
-    CommandPlanner planner(1, { .compensation = Compensation::frame_block }, constant(100));
+    CommandPlanner planner(1, unlimited({ .compensation = Compensation::frame_block }),
+                           constant(100));
     fail_unless(planner.plan(1s, frame, std::vector<float>{ 1.0F })[0].lead == 3 * frame);
   }
   // A frame of unknown duration is one of 1/30 s.
-  CommandPlanner planner(1, { .compensation = Compensation::frame_block }, constant(60));
+  CommandPlanner planner(1, unlimited({ .compensation = Compensation::frame_block }), constant(60));
   fail_unless_near(planner.plan(0s, 0s, std::vector<float>{ 1.0F })[0].lead.count(), 2e9 / 30, 1);
 }
 GST_END_TEST;
@@ -172,12 +174,12 @@ GST_START_TEST(test_other_compensations_at_rest)
 
   // exact: the transport latency comes on top, of falling commands, too.
   settings.compensation = Compensation::exact;
-  CommandPlanner planner(1, settings, constant(60));
+  CommandPlanner planner(1, unlimited(settings), constant(60));
   fail_unless(planner.plan(0s, 33ms, std::vector<float>{ 1.0F })[0].lead == 64ms);
   fail_unless(planner.plan(1s, 33ms, std::vector<float>{ 0.5F })[0].lead == 4ms);
   fail_unless(planner.plan(2s, 33ms, std::vector<float>{ 0.0F })[0].lead == 4ms);
   settings.max_lead = 150ms;
-  CommandPlanner slow(1, settings, constant(400));
+  CommandPlanner slow(1, unlimited(settings), constant(400));
   fail_unless(slow.plan(0s, 33ms, std::vector<float>{ 1.0F })[0].lead == 154ms);
 }
 GST_END_TEST;
@@ -186,7 +188,7 @@ GST_START_TEST(test_falling_commands_have_no_lead)
 {
   for (const Compensation compensation : { Compensation::exact, Compensation::frame_block })
     for (const float level : { 0.7F, 0.3F, 0.0F }) {
-      CommandPlanner planner(1, { .compensation = compensation });
+      CommandPlanner planner(1, unlimited({ .compensation = compensation }));
       planner.plan(0s, 33ms, std::vector<float>{ 1.0F });
       const auto commands = planner.plan(1s, 33ms, std::vector<float>{ level });
       fail_unless(commands.size() == 1);
@@ -202,7 +204,7 @@ GST_START_TEST(test_exact_against_brute_force)
   std::uniform_int_distribution<int> tenth(0, 10);
   for (const double rate : { 5.0, 30.0 })
     for (const Time max_lead : { 150ms, 80ms }) {
-      CommandPlanner planner(1, { .rate = rate, .max_lead = max_lead });
+      CommandPlanner planner(1, unlimited({ .rate = rate, .max_lead = max_lead }));
       OracleMotor motor;
       double previous = -1e9;
       int searched = 0;
@@ -239,7 +241,7 @@ GST_START_TEST(test_amplitude_arrives_with_the_frame)
   std::mt19937 random(5);
   std::uniform_real_distribution<float> level(0.0F, 1.0F);
   for (const FrameRate &rate : { FrameRate{ 24, 1 }, kThirty, FrameRate{ 60, 1 } }) {
-    CommandPlanner planner(1);
+    CommandPlanner planner(1, unlimited());
     MotorModel motor;
     int rising = 0;
     for (int frame = 0; frame < 20000; frame++) {

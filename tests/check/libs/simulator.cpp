@@ -294,7 +294,7 @@ GST_END_TEST;
 GST_START_TEST(test_list_of_drivers)
 {
   fail_unless(!drivers().empty());
-  fail_unless(drivers()[0].name == "simulator");
+  fail_unless(drivers()[0].name == "auto");
   for (const DriverInfo &info : drivers()) {
     fail_unless(!info.description.empty());
     const auto driver = make_driver(info.name);

@@ -1,0 +1,303 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+/**
+ * SECTION:provider-tactordeviceprovider
+ * @title: tactordeviceprovider
+ * @short_description: lists the tactor boards that are plugged in
+ *
+ * tactordeviceprovider lists every USB serial line behind which a tactor board may be, as devices
+ * of the class `Sink/Tactile/Hardware`, and tells when one is plugged in or out. Nothing is opened for that, so
+ * no playing board is disturbed; whether the board has a Firmata sketch shows when it is played
+ * on.
+ *
+ * gst_device_create_element() gives a tactorsink for that board: its serial number if no other
+ * board that is plugged in has the same, else the socket that it is plugged into.
+ *
+ * ## Example launch line
+ * |[
+ * gst-device-monitor-1.0 Sink/Tactile
+ * ]|
+ *
+ * ## Properties of a device
+ * - `device.serial`: serial number, where it has one
+ * - `device.bus_path`: bus and ports, as "1-2.3"
+ * - `device.vendor.id`, `device.product.id`: USB's, as "2341"
+ * - `device.transport`: "cdc-acm", "ftdi" or "ch340"
+ *
+ * Since: 0.1
+ */
+#include "gsttactordeviceprovider.h"
+
+#include "tactor/driver.h"
+
+#include <gst/tactile/tactile.h>
+
+#include <algorithm>
+#include <condition_variable>
+#include <mutex>
+#include <string>
+#include <thread>
+#include <utility>
+#include <vector>
+
+GST_DEBUG_CATEGORY_STATIC(tactor_device_debug);
+#define GST_CAT_DEFAULT tactor_device_debug
+
+/* ---- a board ---- */
+
+struct _GstTactorDevice
+{
+  GstDevice parent;
+  gchar *device; ///< as tactorsink's property
+};
+
+G_DEFINE_TYPE(GstTactorDevice, gst_tactor_device, GST_TYPE_DEVICE);
+
+static GstElement *
+gst_tactor_device_create_element(GstDevice *device, const gchar *name)
+{
+  GstElement *element = gst_element_factory_make("tactorsink", name);
+  if (element)
+    // Not driver=auto, which stands for "a board or none".
+    g_object_set(element, "driver", "firmata", "device", GST_TACTOR_DEVICE(device)->device,
+                 nullptr);
+  return element;
+}
+
+static void
+gst_tactor_device_finalize(GObject *object)
+{
+  g_free(GST_TACTOR_DEVICE(object)->device);
+  G_OBJECT_CLASS(gst_tactor_device_parent_class)->finalize(object);
+}
+
+static void
+gst_tactor_device_class_init(GstTactorDeviceClass *klass)
+{
+  G_OBJECT_CLASS(klass)->finalize = gst_tactor_device_finalize;
+  GST_DEVICE_CLASS(klass)->create_element = gst_tactor_device_create_element;
+}
+
+static void
+gst_tactor_device_init(GstTactorDevice *)
+{
+}
+
+namespace {
+
+using Boards = std::vector<tactor::SerialDevice>;
+
+/// How tactorsink's `device` names one of the boards.
+const std::string &
+name_of(const tactor::SerialDevice &board, const Boards &all)
+{
+  const bool has_own_serial
+      = !board.serial.empty()
+        && std::ranges::count(all, board.serial, &tactor::SerialDevice::serial) == 1;
+  return has_own_serial ? board.serial : board.bus_path;
+}
+
+/// A floating device.
+GstDevice *
+make_device(const tactor::SerialDevice &board, const Boards &all)
+{
+  g_autofree gchar *vendor = g_strdup_printf("%04x", board.vendor);
+  g_autofree gchar *product = g_strdup_printf("%04x", board.product);
+  GstStructure *properties = gst_structure_new(
+      "tactor-proplist", "device.api", G_TYPE_STRING, "usb", "device.bus_path", G_TYPE_STRING,
+      board.bus_path.c_str(), "device.vendor.id", G_TYPE_STRING, vendor, "device.product.id",
+      G_TYPE_STRING, product, "device.transport", G_TYPE_STRING, board.transport.c_str(), nullptr);
+  if (!board.serial.empty())
+    gst_structure_set(properties, "device.serial", G_TYPE_STRING, board.serial.c_str(), nullptr);
+  GstCaps *caps = gst_caps_from_string(GST_TACTILE_MAP_CAPS);
+
+  auto *device = GST_TACTOR_DEVICE(
+      g_object_new(GST_TYPE_TACTOR_DEVICE, "display-name",
+                   board.name.empty() ? "Tactor board" : board.name.c_str(), "device-class",
+                   "Sink/Tactile/Hardware", "caps", caps, "properties", properties, nullptr));
+  device->device = g_strdup(name_of(board, all).c_str());
+  gst_caps_unref(caps);
+  gst_structure_free(properties);
+  return GST_DEVICE(device);
+}
+
+/// Follows a bus for a started provider. The bus is used by whoever makes the watcher, then by its thread, then by whoever
+/// deletes it: never by two at once.
+class BoardWatcher
+{
+public:
+  /// All boards that are there now are the provider's devices afterwards. Throws tactor::DriverError.
+  BoardWatcher(GstDeviceProvider *provider, std::unique_ptr<tactor::SerialBus> bus)
+      : provider_(provider), bus_(std::move(bus))
+  {
+    bus_->watch([this] {
+      std::lock_guard lock(mutex_);
+      changed_ = true;
+      wake_.notify_one();
+    });
+    try {
+      update();
+      thread_ = std::thread([this] { run(); });
+    } catch (...) {
+      bus_->watch(nullptr);
+      throw;
+    }
+  }
+
+  ~BoardWatcher()
+  {
+    {
+      std::lock_guard lock(mutex_);
+      quit_ = true;
+      wake_.notify_one();
+    }
+    thread_.join();
+    bus_->watch(nullptr);
+    for (const auto &[board, device] : known_)
+      gst_object_unref(device);
+  }
+
+  BoardWatcher(const BoardWatcher &) = delete;
+  BoardWatcher &operator=(const BoardWatcher &) = delete;
+
+private:
+  void run()
+  {
+    std::unique_lock lock(mutex_);
+    while (true) {
+      wake_.wait(lock, [this] { return changed_ || quit_; });
+      if (quit_)
+        return;
+      changed_ = false;
+      lock.unlock();
+      try {
+        update();
+      } catch (const std::exception &e) {
+        GST_WARNING_OBJECT(provider_, "the boards cannot be listed: %s", e.what());
+      }
+      lock.lock();
+    }
+  }
+
+  /// Adds and removes devices as boards came and went.
+  void update()
+  {
+    const Boards boards = bus_->list();
+    std::erase_if(known_, [&](const auto &known) {
+      if (std::ranges::find(boards, known.first) != boards.end())
+        return false;
+      gst_device_provider_device_remove(provider_, known.second);
+      gst_object_unref(known.second);
+      return true;
+    });
+    for (const tactor::SerialDevice &board : boards) {
+      if (std::ranges::find(known_, board, &Known::first) != known_.end())
+        continue;
+      GstDevice *device = make_device(board, boards);
+      known_.emplace_back(board, GST_DEVICE(gst_object_ref_sink(device)));
+      gst_device_provider_device_add(provider_, device);
+    }
+  }
+
+  using Known = std::pair<tactor::SerialDevice, GstDevice *>;
+
+  GstDeviceProvider *provider_; ///< not owned: the watcher is its private part
+  std::unique_ptr<tactor::SerialBus> bus_;
+  std::vector<Known> known_; ///< boards that are devices now, each with a reference
+  std::mutex mutex_;         ///< guards what follows
+  std::condition_variable wake_;
+  bool changed_ = false;
+  bool quit_ = false;
+  std::thread thread_;
+};
+
+} // namespace
+
+/* ---- the provider ---- */
+
+struct GstTactorDeviceProviderPrivate
+{
+  std::function<std::unique_ptr<tactor::SerialBus>()> make_bus = tactor::make_serial_bus;
+  std::unique_ptr<BoardWatcher> watcher; ///< while started
+};
+
+struct _GstTactorDeviceProvider
+{
+  GstDeviceProvider parent;
+  GstTactorDeviceProviderPrivate *priv;
+};
+
+#define gst_tactor_device_provider_parent_class parent_class
+G_DEFINE_TYPE_WITH_CODE(GstTactorDeviceProvider, gst_tactor_device_provider,
+                        GST_TYPE_DEVICE_PROVIDER,
+                        GST_DEBUG_CATEGORY_INIT(tactor_device_debug, "tactordeviceprovider", 0,
+                                                "tactor device provider"));
+GST_DEVICE_PROVIDER_REGISTER_DEFINE(tactordeviceprovider, "tactordeviceprovider", GST_RANK_PRIMARY,
+                                    GST_TYPE_TACTOR_DEVICE_PROVIDER);
+
+static GList *
+gst_tactor_device_provider_probe(GstDeviceProvider *provider)
+{
+  GList *devices = nullptr;
+  try {
+    const Boards boards = GST_TACTOR_DEVICE_PROVIDER(provider)->priv->make_bus()->list();
+    for (const tactor::SerialDevice &board : boards)
+      devices = g_list_append(devices, make_device(board, boards));
+  } catch (const std::exception &e) {
+    GST_WARNING_OBJECT(provider, "the boards cannot be listed: %s", e.what());
+  }
+  return devices;
+}
+
+static gboolean
+gst_tactor_device_provider_start(GstDeviceProvider *provider)
+{
+  GstTactorDeviceProviderPrivate *priv = GST_TACTOR_DEVICE_PROVIDER(provider)->priv;
+  try {
+    priv->watcher = std::make_unique<BoardWatcher>(provider, priv->make_bus());
+    return TRUE;
+  } catch (const std::exception &e) {
+    GST_WARNING_OBJECT(provider, "the boards cannot be watched: %s", e.what());
+    return FALSE;
+  }
+}
+
+static void
+gst_tactor_device_provider_stop(GstDeviceProvider *provider)
+{
+  GST_TACTOR_DEVICE_PROVIDER(provider)->priv->watcher.reset();
+}
+
+static void
+gst_tactor_device_provider_finalize(GObject *object)
+{
+  delete GST_TACTOR_DEVICE_PROVIDER(object)->priv;
+  G_OBJECT_CLASS(parent_class)->finalize(object);
+}
+
+static void
+gst_tactor_device_provider_class_init(GstTactorDeviceProviderClass *klass)
+{
+  GstDeviceProviderClass *provider_class = GST_DEVICE_PROVIDER_CLASS(klass);
+
+  G_OBJECT_CLASS(klass)->finalize = gst_tactor_device_provider_finalize;
+  gst_device_provider_class_set_static_metadata(
+      provider_class, "Tactor boards", "Sink/Tactile/Hardware",
+      "Lists the tactor boards that are plugged in", "The visuotactile authors");
+  provider_class->probe = gst_tactor_device_provider_probe;
+  provider_class->start = gst_tactor_device_provider_start;
+  provider_class->stop = gst_tactor_device_provider_stop;
+}
+
+static void
+gst_tactor_device_provider_init(GstTactorDeviceProvider *self)
+{
+  self->priv = new GstTactorDeviceProviderPrivate;
+}
+
+GstDeviceProvider *
+gst_tactor_device_provider_new(std::function<std::unique_ptr<tactor::SerialBus>()> make_bus)
+{
+  auto *self = GST_TACTOR_DEVICE_PROVIDER(g_object_new(GST_TYPE_TACTOR_DEVICE_PROVIDER, nullptr));
+  self->priv->make_bus = std::move(make_bus);
+  return GST_DEVICE_PROVIDER(self);
+}

@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include "tactor/serial_port.h"
+
+#include <gst/gst.h>
+
+#include <functional>
+#include <memory>
+
+G_BEGIN_DECLS
+
+#define GST_TYPE_TACTOR_DEVICE (gst_tactor_device_get_type())
+G_DECLARE_FINAL_TYPE(GstTactorDevice, gst_tactor_device, GST, TACTOR_DEVICE, GstDevice)
+
+#define GST_TYPE_TACTOR_DEVICE_PROVIDER (gst_tactor_device_provider_get_type())
+G_DECLARE_FINAL_TYPE(GstTactorDeviceProvider, gst_tactor_device_provider, GST,
+                     TACTOR_DEVICE_PROVIDER, GstDeviceProvider)
+
+GST_DEVICE_PROVIDER_REGISTER_DECLARE(tactordeviceprovider);
+
+G_END_DECLS
+
+/// A provider of the boards on another bus than the build's own, for tests.
+GstDeviceProvider *
+gst_tactor_device_provider_new(std::function<std::unique_ptr<tactor::SerialBus>()> make_bus);

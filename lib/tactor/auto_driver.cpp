@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "tactor/auto_driver.h"
+
+#include <utility>
+
+namespace tactor {
+
+AutoDriver::AutoDriver(std::unique_ptr<Driver> board, std::unique_ptr<Driver> simulator)
+    : board_(std::move(board)), simulator_(std::move(simulator)), chosen_(board_.get())
+{
+}
+
+AutoDriver::~AutoDriver()
+{
+  close();
+}
+
+void
+AutoDriver::open(const DriverConfig &config)
+{
+  close();
+  chosen_ = board_.get();
+  try {
+    board_->open(config);
+  } catch (const DriverError &error) {
+    if (!config.device.empty() && error.kind() == DriverError::Kind::not_found)
+      throw DriverError(error.kind(), error.what()
+                                          + std::string("; to have predicted amplitudes written to "
+                                                        "a file, set driver=simulator"));
+    if (!config.device.empty() || error.kind() == DriverError::Kind::settings)
+      throw;
+    chosen_ = simulator_.get();
+    simulator_->open(config);
+    // What is plugged in and cannot be used may be meant, or not.
+    const bool is_there = error.kind() != DriverError::Kind::not_found;
+    if (config.notify)
+      config.notify({ is_there ? DriverEvent::Kind::warning : DriverEvent::Kind::opened,
+                      "the motors are simulated: " + std::string(error.what()) });
+  }
+}
+
+int
+AutoDriver::tactors() const
+{
+  return chosen_.load()->tactors();
+}
+
+double
+AutoDriver::resolution() const
+{
+  return chosen_.load()->resolution();
+}
+
+Time
+AutoDriver::transport_latency() const
+{
+  return chosen_.load()->transport_latency();
+}
+
+Time
+AutoDriver::refresh_interval() const
+{
+  return chosen_.load()->refresh_interval();
+}
+
+void
+AutoDriver::write(std::span<const double> volts, Time now)
+{
+  chosen_.load()->write(volts, now);
+}
+
+void
+AutoDriver::close() noexcept
+{
+  board_->close();
+  simulator_->close();
+}
+
+DriverStatus
+AutoDriver::status() const
+{
+  return chosen_.load()->status();
+}
+
+} // namespace tactor

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include "tactor/driver.h"
+
+#include <atomic>
+#include <memory>
+
+namespace tactor {
+
+/// A board if one can be used, else a simulator; DriverEvent says which, and why. Where nothing is plugged in that knows at once. Throws
+/// what the board's driver throws if DriverConfig::device names a board, or if a board was found that does not fit the settings.
+class AutoDriver : public Driver
+{
+public:
+  AutoDriver(std::unique_ptr<Driver> board, std::unique_ptr<Driver> simulator);
+  ~AutoDriver() override;
+
+  void open(const DriverConfig &config) override;
+  int tactors() const override;
+  double resolution() const override;
+  Time transport_latency() const override;
+  Time refresh_interval() const override;
+  void write(std::span<const double> volts, Time now) override;
+  void close() noexcept override;
+  DriverStatus status() const override;
+
+private:
+  const std::unique_ptr<Driver> board_;
+  const std::unique_ptr<Driver> simulator_;
+  std::atomic<Driver *> chosen_;
+};
+
+} // namespace tactor

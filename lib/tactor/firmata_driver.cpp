@@ -1,0 +1,460 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "tactor/firmata_driver.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace tactor {
+
+namespace {
+
+using Lock = std::unique_lock<std::mutex>;
+
+/// Gives a lock up for as long as it lives.
+class Unlocked
+{
+public:
+  explicit Unlocked(Lock &lock) : lock_(lock)
+  {
+    lock_.unlock();
+  }
+  ~Unlocked()
+  {
+    lock_.lock();
+  }
+  Unlocked(const Unlocked &) = delete;
+  Unlocked &operator=(const Unlocked &) = delete;
+
+private:
+  Lock &lock_;
+};
+
+Time
+steady_now()
+{
+  return std::chrono::steady_clock::now().time_since_epoch();
+}
+
+/// What a device says of itself may be anything, and comes into messages.
+std::string
+printable(std::string text)
+{
+  text.resize(std::min<std::size_t>(text.size(), 80));
+  std::ranges::replace_if(
+      text, [](char c) { return c < ' ' || c > '~'; }, '?');
+  return text;
+}
+
+/// "Arduino Mega 2560 (serial 7573, at 1-2)"
+std::string
+describe(const SerialDevice &device)
+{
+  return printable(device.name) + " ("
+         + (device.serial.empty() ? "" : "serial " + printable(device.serial) + ", ") + "at "
+         + device.bus_path + ")";
+}
+
+std::string
+describe(const std::vector<SerialDevice> &devices)
+{
+  std::string text;
+  for (const SerialDevice &device : devices)
+    text += (text.empty() ? "" : ", ") + describe(device);
+  return text;
+}
+
+std::string
+list(const std::vector<int> &numbers)
+{
+  std::string text;
+  for (const int number : numbers)
+    text += (text.empty() ? "" : ", ") + std::to_string(number);
+  return text;
+}
+
+bool
+is_same_board(const SerialDevice &a, const SerialDevice &b)
+{
+  return a.vendor == b.vendor && a.product == b.product && a.serial == b.serial
+         && (!a.serial.empty() || a.bus_path == b.bus_path);
+}
+
+/// Why none of several boards was taken.
+DriverError
+summary(const std::vector<DriverError> &refusals)
+{
+  std::string text;
+  for (const DriverError &refusal : refusals)
+    text += (text.empty() ? "" : "; ") + std::string(refusal.what());
+  return { refusals.front().kind(), text };
+}
+
+} // namespace
+
+FirmataDriver::FirmataDriver(Firmware firmware, MakeBus make_bus)
+    : FirmataDriver(firmware, std::move(make_bus), Settings{})
+{
+}
+
+FirmataDriver::FirmataDriver(Firmware firmware, MakeBus make_bus, Settings settings)
+    : firmware_(firmware), make_bus_(std::move(make_bus)), settings_(settings)
+{
+}
+
+FirmataDriver::~FirmataDriver()
+{
+  close();
+}
+
+/* ---- the scheduler's side ---- */
+
+void
+FirmataDriver::open(const DriverConfig &config)
+{
+  close();
+  Lock lock(mutex_);
+  config_ = config;
+  quit_ = bus_changed_ = false;
+  refusal_.reset();
+  levels_.clear();
+  bytes_before_ = 0;
+  status_ = {};
+  thread_ = std::thread([this] { run(); });
+  changed_.wait(lock, [this] { return is_open_ || refusal_; });
+  if (is_open_)
+    return;
+  const DriverError refusal = *refusal_;
+  lock.unlock();
+  close();
+  throw refusal;
+}
+
+int
+FirmataDriver::tactors() const
+{
+  std::lock_guard lock(mutex_);
+  return tactors_;
+}
+
+double
+FirmataDriver::resolution() const
+{
+  std::lock_guard lock(mutex_);
+  return resolution_;
+}
+
+Time
+FirmataDriver::transport_latency() const
+{
+  std::lock_guard lock(mutex_);
+  return transport_latency_;
+}
+
+Time
+FirmataDriver::refresh_interval() const
+{
+  return settings_.patience.keepalive;
+}
+
+void
+FirmataDriver::write(std::span<const double> volts, Time)
+{
+  std::lock_guard lock(mutex_);
+  levels_.assign(volts.begin(), volts.end());
+  levels_.resize(std::min(levels_.size(), static_cast<std::size_t>(tactors_)));
+  for (double &level : levels_)
+    level /= config_.full_scale_volts;
+  levels_set_ = steady_now();
+  if (board_ && board_->set_levels(levels_, levels_set_))
+    changed_.notify_all();
+}
+
+void
+FirmataDriver::close() noexcept
+{
+  std::thread thread;
+  {
+    std::lock_guard lock(mutex_);
+    quit_ = true;
+    thread = std::move(thread_);
+    changed_.notify_all();
+  }
+  if (thread.joinable())
+    thread.join();
+  std::lock_guard lock(mutex_);
+  is_open_ = status_.is_there = false;
+  tactors_ = 0;
+  resolution_ = 0;
+  transport_latency_ = Time(0);
+}
+
+DriverStatus
+FirmataDriver::status() const
+{
+  std::lock_guard lock(mutex_);
+  DriverStatus status = status_;
+  status.bytes = bytes_before_ + (board_ ? board_->bytes_sent() : 0);
+  return status;
+}
+
+/* ---- the driver's thread ---- */
+
+void
+FirmataDriver::run()
+{
+  Lock lock(mutex_);
+  std::unique_ptr<SerialBus> bus;
+  std::unique_ptr<SerialPort> port;
+  try {
+    {
+      const Unlocked unlocked(lock);
+      bus = make_bus_();
+      bus->watch([this] {
+        std::lock_guard changed(mutex_);
+        bus_changed_ = true;
+        changed_.notify_all();
+      });
+    }
+    port = connect_first(lock, *bus);
+    is_open_ = true;
+  } catch (const DriverError &error) {
+    refusal_ = error;
+  } catch (const std::exception &error) {
+    refusal_.emplace(DriverError::Kind::failed, error.what());
+  }
+  changed_.notify_all();
+
+  while (port) {
+    converse(lock, *port, &FirmataDriver::is_quitting);
+    const std::string why = lost_.value_or("");
+    release(lock, std::move(port));
+    if (quit_)
+      break;
+    status_.is_there = false;
+    tell(lock, DriverEvent::Kind::lost, describe(device_) + ": " + why);
+    while (!quit_ && !port)
+      port = connect_again(lock, *bus);
+    if (!port)
+      break;
+    status_.reconnects++;
+    tell(lock, DriverEvent::Kind::returned, status_.board + " is back");
+  }
+
+  const Unlocked unlocked(lock);
+  if (bus)
+    bus->watch(nullptr);
+  bus.reset();
+}
+
+std::unique_ptr<SerialPort>
+FirmataDriver::connect_first(Lock &lock, SerialBus &bus)
+{
+  std::vector<SerialDevice> devices;
+  {
+    const Unlocked unlocked(lock);
+    devices = bus.list();
+  }
+  std::vector<SerialDevice> wanted;
+  for (const SerialDevice &device : devices)
+    if (config_.device.empty() || device.serial == config_.device
+        || device.bus_path == config_.device)
+      wanted.push_back(device);
+  if (wanted.empty() && config_.device.empty())
+    throw DriverError(DriverError::Kind::not_found,
+                      "no tactor board is plugged in; expected one with StandardFirmata on USB");
+  if (wanted.empty())
+    throw DriverError(DriverError::Kind::not_found,
+                      "no tactor board '" + config_.device
+                          + "' is plugged in; expected the serial number or the bus path of one, "
+                            "and there is "
+                          + (devices.empty() ? "none" : describe(devices)));
+
+  std::vector<DriverError> refusals;
+  for (const SerialDevice &device : wanted) {
+    try {
+      std::unique_ptr<SerialPort> port = connect(lock, bus, device);
+      tactors_ = std::min(config_.max_tactors, static_cast<int>(status_.pins.size()));
+      resolution_ = board_->resolution() * config_.full_scale_volts;
+      transport_latency_ = board_->update_time();
+      std::erase(devices, device);
+      tell(lock, DriverEvent::Kind::opened,
+           status_.board + ": " + status_.firmware + ", tactors on pins " + list(status_.pins)
+               + (devices.empty() ? ""
+                                  : "; another is chosen by device=SERIAL or device=BUS-PATH: "
+                                        + describe(devices)));
+      if (!status_.has_watchdog)
+        tell(lock, DriverEvent::Kind::warning,
+             status_.board + ": " + status_.firmware
+                 + " has no watchdog: motors run on if this computer hangs or the player is "
+                   "killed; the seat firmware has one (docs/hardware)");
+      return port;
+    } catch (const DriverError &refusal) {
+      if (quit_)
+        throw;
+      refusals.push_back(refusal);
+    }
+  }
+  throw summary(refusals);
+}
+
+/// Waits until it is worth while and looks for the board that was lost. Null if it is not there yet.
+std::unique_ptr<SerialPort>
+FirmataDriver::connect_again(Lock &lock, SerialBus &bus)
+{
+  changed_.wait_for(lock, settings_.look_again, [this] { return quit_ || bus_changed_; });
+  if (quit_)
+    return nullptr;
+  bus_changed_ = false;
+  try {
+    std::vector<SerialDevice> devices;
+    {
+      const Unlocked unlocked(lock);
+      devices = bus.list();
+    }
+    std::erase_if(devices,
+                  [this](const SerialDevice &device) { return !is_same_board(device, device_); });
+    if (devices.empty())
+      return nullptr;
+    // Of clones with one number, that in the same socket.
+    const auto same = std::ranges::find(devices, device_.bus_path, &SerialDevice::bus_path);
+    return connect(lock, bus, same != devices.end() ? *same : devices.front());
+  } catch (const std::exception &) {
+    return nullptr; // as when it is plugged in but says nothing yet
+  }
+}
+
+/// Opens a device, asks what it is and gives it the levels. Throws DriverError.
+std::unique_ptr<SerialPort>
+FirmataDriver::connect(Lock &lock, SerialBus &bus, const SerialDevice &device)
+{
+  SerialPort::Events events;
+  events.received = [this](std::span<const std::uint8_t> bytes) {
+    std::lock_guard event(mutex_);
+    board_->received(bytes);
+    changed_.notify_all();
+  };
+  events.written = [this] {
+    std::lock_guard event(mutex_);
+    board_->written();
+    changed_.notify_all();
+  };
+  events.lost = [this](const std::string &why) {
+    std::lock_guard event(mutex_);
+    lost_ = why;
+    changed_.notify_all();
+  };
+
+  lost_.reset();
+  board_.emplace(steady_now(), settings_.patience);
+  std::unique_ptr<SerialPort> port;
+  try {
+    const Unlocked unlocked(lock);
+    port = bus.open(device, std::move(events));
+  } catch (...) {
+    board_.reset();
+    throw;
+  }
+  converse(lock, *port, &FirmataDriver::has_answered);
+
+  const std::vector<int> pins = board_->pins();
+  const auto count = static_cast<int>(pins.size());
+  const int needed = std::max(config_.min_tactors, tactors_);
+  using Kind = DriverError::Kind;
+  std::optional<DriverError> refusal;
+  if (quit_)
+    refusal.emplace(Kind::failed, "closed while it was being opened");
+  else if (lost_)
+    refusal.emplace(Kind::failed, describe(device) + ": " + *lost_);
+  else if (count < needed)
+    refusal.emplace(Kind::settings, describe(device) + " has " + std::to_string(count)
+                                        + " pins with pulse-width modulation (" + list(pins)
+                                        + "), but " + std::to_string(needed)
+                                        + " tactors are wanted; set mapping to tactors below "
+                                        + std::to_string(count) + ", or take a board with more");
+  else if (firmware_ == Firmware::with_watchdog && !board_->has_watchdog())
+    refusal.emplace(Kind::settings, describe(device) + ": expected the seat firmware, got "
+                                        + board_->firmware()
+                                        + "; flash it (docs/hardware), or use driver=firmata");
+  if (refusal) {
+    release(lock, std::move(port));
+    throw *refusal;
+  }
+
+  device_ = device;
+  status_.board = describe(device);
+  status_.firmware = board_->firmware();
+  status_.has_watchdog = board_->has_watchdog();
+  status_.pins = pins;
+  status_.is_there = true;
+  board_->set_levels(levels_, levels_set_);
+  return port;
+}
+
+/// Sends what is to be sent until the board is lost, or more.
+void
+FirmataDriver::converse(Lock &lock, SerialPort &port, bool (FirmataDriver::*is_done)() const)
+{
+  while (!lost_ && !(this->*is_done)()) {
+    const std::vector<std::uint8_t> bytes = board_->next(steady_now());
+    if (board_->state() == FirmataBoard::State::failed) {
+      lost_ = board_->failure();
+    } else if (!bytes.empty()) {
+      bool is_taken;
+      {
+        const Unlocked unlocked(lock);
+        is_taken = port.write(bytes);
+      }
+      if (!is_taken && !lost_)
+        lost_ = "it does not take what it is sent";
+    } else if ((this->*is_done)()) {
+      return;
+    } else if (const std::optional<Time> deadline = board_->deadline()) {
+      changed_.wait_until(lock, std::chrono::steady_clock::time_point(*deadline));
+    } else {
+      changed_.wait(lock);
+    }
+  }
+}
+
+/// Motors to zero, as far as the board still takes it, and the port closed.
+void
+FirmataDriver::release(Lock &lock, std::unique_ptr<SerialPort> port)
+{
+  board_->close(steady_now());
+  converse(lock, *port, &FirmataDriver::has_left);
+  {
+    const Unlocked unlocked(lock);
+    port.reset();
+  }
+  bytes_before_ += board_->bytes_sent();
+  board_.reset();
+}
+
+void
+FirmataDriver::tell(Lock &lock, DriverEvent::Kind kind, const std::string &text)
+{
+  if (!config_.notify)
+    return;
+  const Unlocked unlocked(lock);
+  config_.notify({ kind, text });
+}
+
+bool
+FirmataDriver::has_answered() const
+{
+  return quit_ || board_->state() == FirmataBoard::State::running;
+}
+
+bool
+FirmataDriver::is_quitting() const
+{
+  return quit_;
+}
+
+bool
+FirmataDriver::has_left() const
+{
+  return board_->state() == FirmataBoard::State::closed;
+}
+
+} // namespace tactor

@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include "tactor/driver.h"
+#include "tactor/firmata_board.h"
+#include "tactor/serial_port.h"
+
+#include <condition_variable>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <thread>
+#include <vector>
+
+namespace tactor {
+
+/// Any board with a Firmata sketch on a serial bus. Its tactors are the pins with pulse-width modulation, in ascending order: on a Mega
+/// 2–13 and 44–46, on an Uno 3, 5, 6, 9, 10 and 11.
+///
+/// Without DriverConfig::device the first board that answers is taken, one device after the other, each for FirmataPatience::answer
+/// at most. A board that goes away is looked for whenever something is plugged in or out, and once in `look_again`: the same
+/// serial number, or the same socket where there is none.
+///
+/// One thread of its own has bus, port and reconnection; write() leaves the levels there and never waits. close() may be called
+/// by another thread while open() waits, which then throws.
+class FirmataDriver : public Driver
+{
+public:
+  enum class Firmware
+  {
+    any,
+    with_watchdog, ///< others are refused
+  };
+
+  struct Settings
+  {
+    FirmataPatience patience{};
+    Time look_again = std::chrono::seconds(1);
+  };
+
+  using MakeBus = std::function<std::unique_ptr<SerialBus>()>;
+
+  explicit FirmataDriver(Firmware firmware, MakeBus make_bus = make_serial_bus);
+  FirmataDriver(Firmware firmware, MakeBus make_bus, Settings settings);
+  ~FirmataDriver() override;
+
+  void open(const DriverConfig &config) override;
+  int tactors() const override;
+  double resolution() const override;
+  Time transport_latency() const override;
+  Time refresh_interval() const override;
+  void write(std::span<const double> volts, Time now) override;
+  void close() noexcept override;
+  DriverStatus status() const override;
+
+private:
+  using Lock = std::unique_lock<std::mutex>;
+
+  // These run on the driver's thread. Those with a lock give it up while they wait, and while bus, port or listener are at work.
+  void run();
+  std::unique_ptr<SerialPort> connect_first(Lock &lock, SerialBus &bus);
+  std::unique_ptr<SerialPort> connect_again(Lock &lock, SerialBus &bus);
+  std::unique_ptr<SerialPort> connect(Lock &lock, SerialBus &bus, const SerialDevice &device);
+  void converse(Lock &lock, SerialPort &port, bool (FirmataDriver::*is_done)() const);
+  void release(Lock &lock, std::unique_ptr<SerialPort> port);
+  void tell(Lock &lock, DriverEvent::Kind kind, const std::string &text);
+  bool has_answered() const;
+  bool is_quitting() const;
+  bool has_left() const;
+
+  const Firmware firmware_;
+  const MakeBus make_bus_;
+  const Settings settings_;
+
+  mutable std::mutex mutex_; ///< guards everything below
+  std::condition_variable changed_;
+  std::thread thread_;
+  DriverConfig config_;
+  bool is_open_ = false;
+  bool quit_ = false;
+  bool bus_changed_ = false;
+  std::optional<DriverError> refusal_; ///< why open() throws
+  std::optional<std::string> lost_;    ///< why the port is of no use any more
+  std::optional<FirmataBoard> board_;  ///< at the other end of the port, while there is one
+  SerialDevice device_;                ///< the last one that was taken
+  std::vector<double> levels_;         ///< 0…1, as written last
+  Time levels_set_{ 0 };
+  std::uint64_t bytes_before_ = 0; ///< sent to boards before board_
+  DriverStatus status_;
+  // As they were when it was opened
+  int tactors_ = 0;
+  double resolution_ = 0;
+  Time transport_latency_{ 0 };
+};
+
+} // namespace tactor

@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "tactor/serial_port.h"
+
+#ifdef HAVE_LIBUSB
+#include "tactor/usb/usb_serial_bus.h"
+#else
+#include "tactor/driver.h"
+#endif
+
+namespace tactor {
+
+std::unique_ptr<SerialBus>
+make_serial_bus()
+{
+#ifdef HAVE_LIBUSB
+  return std::make_unique<UsbSerialBus>();
+#else
+  throw DriverError(DriverError::Kind::not_found,
+                    "no tactor board can be used: this was built without libusb-1.0");
+#endif
+}
+
+} // namespace tactor

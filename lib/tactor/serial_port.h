@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace tactor {
+
+/// A serial line to a board, 57600 baud 8N1, whatever carries it. Open for as long as it exists: the destructor cancels what is on
+/// the way, waits until no event is being called any more and releases the board.
+class SerialPort
+{
+public:
+  /// Most bytes in one write.
+  static constexpr std::size_t kMaxWrite = 512;
+
+  /// What comes from the line. Called on the port's own thread, one at a time, never from within a call to the port.
+  struct Events
+  {
+    std::function<void(std::span<const std::uint8_t>)> received; ///< in order, any cuts
+    /// All bytes of the last write() have been handed to the board: the next one may come.
+    std::function<void()> written;
+    /// The board is gone, or does not take what it is sent; nothing follows. Why, in one line.
+    std::function<void(const std::string &)> lost;
+  };
+
+  virtual ~SerialPort() = default;
+
+  /// Begins to send 1…kMaxWrite bytes and returns at once. False, and nothing is sent, as long as an earlier write is on the way, and
+  /// after `lost`.
+  virtual bool write(std::span<const std::uint8_t> bytes) = 0;
+};
+
+/// A serial line that could be opened.
+struct SerialDevice
+{
+  std::string serial;   ///< number, may be empty or shared by cheap clones
+  std::string bus_path; ///< "1-2.3": bus and ports, the same as long as it stays plugged in there
+  std::string name;     ///< to be read by people: manufacturer and product
+  std::uint16_t vendor = 0;
+  std::uint16_t product = 0;
+  std::string transport; ///< "cdc-acm", "ftdi", "ch340"
+
+  bool operator==(const SerialDevice &) const = default;
+};
+
+/// Where serial lines are found.
+class SerialBus
+{
+public:
+  virtual ~SerialBus() = default;
+
+  /// What is plugged in now, in a stable order. Throws DriverError (failed) if the bus itself cannot be used.
+  virtual std::vector<SerialDevice> list() = 0;
+
+  /// Opens one. Throws DriverError: not_found, busy, permission (the text names the udev rule and the command that installs it), failed.
+  virtual std::unique_ptr<SerialPort> open(const SerialDevice &device, SerialPort::Events events)
+      = 0;
+
+  /// From now on `changed` is called after something was plugged in or out, from any thread; nullptr: no more, and none is being called
+  /// after this returns. Works also where no udevd runs.
+  virtual void watch(std::function<void()> changed) = 0;
+};
+
+/// The bus that this build has. Throws DriverError: not_found if it has none, failed if it cannot be used.
+std::unique_ptr<SerialBus> make_serial_bus();
+
+} // namespace tactor

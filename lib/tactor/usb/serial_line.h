@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <libusb.h>
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string_view>
+#include <vector>
+
+namespace tactor {
+
+/// Which devices a transport takes for boards. data/udev/70-visuotactile.rules has the same.
+struct UsbId
+{
+  std::uint16_t vendor;
+  std::uint16_t product; ///< 0: any
+};
+
+/// Whether one of these is the device's.
+bool is_one_of(const libusb_device_descriptor &device, std::span<const UsbId> ids);
+
+/// A request on the default control pipe (USB 2.0, 9.3).
+struct ControlRequest
+{
+  std::uint8_t type;    ///< bmRequestType
+  std::uint8_t request; ///< bRequest
+  std::uint16_t value;  ///< wValue
+  std::uint16_t index;  ///< wIndex
+  /// Data stage: what is sent, or as many bytes as are asked for.
+  std::vector<std::uint8_t> data{};
+};
+
+/// How bytes get to a board and back: what a transport makes of a device's descriptors.
+struct SerialLine
+{
+  std::string_view transport;    ///< "cdc-acm", "ftdi", "ch340"
+  std::vector<int> interfaces;   ///< to be claimed, in this order, and released in the opposite one
+  std::uint8_t in_endpoint = 0;  ///< bulk
+  std::uint8_t out_endpoint = 0; ///< bulk
+  int in_packet = 0;             ///< bytes, > status_bytes
+  int status_bytes = 0;          ///< that begin every packet from the board and are not on the line
+  std::vector<ControlRequest> set_up; ///< to 57600 baud 8N1, DTR and RTS on
+};
+
+/// A line with the first bulk endpoint in each direction of an interface; nothing if one is missing or its packets are of no legal
+/// size (USB 2.0, 5.8.3).
+std::optional<SerialLine> bulk_line(const libusb_interface_descriptor &interface);
+
+/// The first setting of every interface of a configuration, in the device's order.
+std::vector<const libusb_interface_descriptor *>
+first_settings(const libusb_config_descriptor &config);
+
+} // namespace tactor

@@ -1,0 +1,434 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+//
+// tactordeviceprovider on a bus in memory. It and tactorsink are part of this program, since it must not meet itself in a plugin.
+#include "gst/tactor/gsttactordeviceprovider.h"
+#include "gst/tactor/gsttactorsink.h"
+#include "tactor/driver.h"
+
+#include <atomic>
+#include <mutex>
+#include <string>
+#include <thread>
+#include <utility>
+#include <vector>
+
+// After the standard library's headers: gstcheck.h defines a macro named fail.
+#include <gst/check/gstcheck.h>
+
+using tactor::DriverError;
+using tactor::SerialDevice;
+
+namespace {
+
+constexpr GstClockTime kPatience = 60 * GST_SECOND;
+
+const SerialDevice kMega{ .serial = "7593331313335110F0D1",
+                          .bus_path = "1-2.3",
+                          .name = "Arduino (www.arduino.cc) Mega 2560",
+                          .vendor = 0x2341,
+                          .product = 0x0042,
+                          .transport = "cdc-acm" };
+const SerialDevice kClone{ .serial = "",
+                           .bus_path = "1-4",
+                           .name = "",
+                           .vendor = 0x1a86,
+                           .product = 0x7523,
+                           .transport = "ch340" };
+
+/// What is plugged in, whoever looks at it.
+class Sockets
+{
+public:
+  std::vector<SerialDevice> plugged() const
+  {
+    std::lock_guard lock(mutex_);
+    return plugged_;
+  }
+
+  void plug(std::vector<SerialDevice> boards)
+  {
+    std::lock_guard lock(mutex_);
+    plugged_ = std::move(boards);
+    if (changed_)
+      changed_();
+  }
+
+  void watch(std::function<void()> changed)
+  {
+    std::lock_guard lock(mutex_);
+    changed_ = std::move(changed);
+  }
+
+  bool is_watched() const
+  {
+    std::lock_guard lock(mutex_);
+    return changed_ != nullptr;
+  }
+
+  std::atomic<bool> broken{ false };
+  std::atomic<int> buses{ 0 };
+  std::atomic<bool> used_by_two{ false }; ///< methods of one bus were called by two threads at once
+
+private:
+  mutable std::mutex mutex_;
+  std::vector<SerialDevice> plugged_;
+  std::function<void()> changed_;
+};
+
+class Bus final : public tactor::SerialBus
+{
+public:
+  explicit Bus(Sockets &sockets) : sockets_(sockets)
+  {
+    sockets_.buses++;
+  }
+  ~Bus() override
+  {
+    sockets_.buses--;
+  }
+
+  std::vector<SerialDevice> list() override
+  {
+    const Use use(*this);
+    if (sockets_.broken)
+      throw DriverError(DriverError::Kind::failed, "the bus is broken");
+    return sockets_.plugged();
+  }
+  std::unique_ptr<tactor::SerialPort> open(const SerialDevice &,
+                                           tactor::SerialPort::Events) override
+  {
+    throw DriverError(DriverError::Kind::failed, "nobody opens boards here");
+  }
+  void watch(std::function<void()> changed) override
+  {
+    const Use use(*this);
+    sockets_.watch(std::move(changed));
+  }
+
+private:
+  struct Use
+  {
+    explicit Use(Bus &bus) : bus_(bus)
+    {
+      if (bus_.users_++ > 0)
+        bus_.sockets_.used_by_two = true;
+    }
+    ~Use()
+    {
+      bus_.users_--;
+    }
+    Bus &bus_;
+  };
+
+  Sockets &sockets_;
+  std::atomic<int> users_{ 0 };
+};
+
+/// A provider on sockets of its own.
+struct Rig
+{
+  Rig()
+      : provider(gst_tactor_device_provider_new([this] { return std::make_unique<Bus>(sockets); }))
+  {
+    bus = gst_device_provider_get_bus(provider);
+  }
+  ~Rig()
+  {
+    gst_object_unref(bus);
+    ck_assert_int_eq(GST_OBJECT_REFCOUNT_VALUE(provider), 1);
+    gst_object_unref(provider);
+    ck_assert_int_eq(sockets.buses, 0);
+    fail_if(sockets.used_by_two);
+    fail_if(sockets.is_watched());
+  }
+  Rig(const Rig &) = delete;
+  Rig &operator=(const Rig &) = delete;
+
+  /// The device that the next message of this kind is about.
+  GstDevice *next(GstMessageType type)
+  {
+    GstMessage *message = gst_bus_timed_pop_filtered(bus, kPatience, type);
+    fail_unless(message != nullptr, "no message of type %s", gst_message_type_get_name(type));
+    GstDevice *device = nullptr;
+    if (type == GST_MESSAGE_DEVICE_ADDED)
+      gst_message_parse_device_added(message, &device);
+    else
+      gst_message_parse_device_removed(message, &device);
+    gst_message_unref(message);
+    return device;
+  }
+
+  Sockets sockets;
+  GstDeviceProvider *provider;
+  GstBus *bus;
+};
+
+void
+same(const std::string &text, const std::string &expected)
+{
+  ck_assert_str_eq(text.c_str(), expected.c_str());
+}
+
+void
+free_devices(GList *devices)
+{
+  g_list_free_full(devices, gst_object_unref);
+}
+
+std::string
+display_name(GstDevice *device)
+{
+  g_autofree gchar *name = gst_device_get_display_name(device);
+  return name;
+}
+
+/// A property of a device, empty if it has none of that name.
+std::string
+property(GstDevice *device, const char *name)
+{
+  GstStructure *properties = gst_device_get_properties(device);
+  const gchar *text = gst_structure_get_string(properties, name);
+  const std::string value = text ? text : "";
+  gst_structure_free(properties);
+  return value;
+}
+
+/// Property `device` of the tactorsink that the device makes.
+std::string
+sink_device(GstDevice *device)
+{
+  GstElement *element = gst_device_create_element(device, "chair");
+  fail_unless(element != nullptr);
+  fail_unless(GST_IS_TACTOR_SINK(element));
+  ck_assert_str_eq(GST_OBJECT_NAME(element), "chair");
+  g_autofree gchar *driver = nullptr;
+  g_autofree gchar *name = nullptr;
+  g_object_get(element, "driver", &driver, "device", &name, nullptr);
+  ck_assert_str_eq(driver, "firmata");
+  gst_object_ref_sink(element);
+  gst_object_unref(element);
+  return name;
+}
+
+} // namespace
+
+GST_START_TEST(test_probe)
+{
+  Rig rig;
+  fail_unless(gst_device_provider_get_devices(rig.provider) == nullptr);
+  rig.sockets.plug({ kMega, kClone });
+  GList *devices = gst_device_provider_get_devices(rig.provider);
+  ck_assert_uint_eq(g_list_length(devices), 2);
+
+  auto *mega = GST_DEVICE(devices->data);
+  same(display_name(mega), "Arduino (www.arduino.cc) Mega 2560");
+  fail_unless(gst_device_has_classes(mega, "Sink/Tactile"));
+  fail_if(gst_device_has_classes(mega, "Video"));
+  fail_if(gst_device_has_classes(mega, "Audio"));
+  same(property(mega, "device.serial"), "7593331313335110F0D1");
+  same(property(mega, "device.bus_path"), "1-2.3");
+  same(property(mega, "device.vendor.id"), "2341");
+  same(property(mega, "device.product.id"), "0042");
+  same(property(mega, "device.transport"), "cdc-acm");
+  GstCaps *caps = gst_device_get_caps(mega);
+  GstCaps *grid = gst_caps_from_string(
+      "application/x-tactile-map, rows=(int)3, columns=(int)3, framerate=(fraction)30/1");
+  fail_unless(gst_caps_is_subset(grid, caps));
+  gst_caps_unref(grid);
+  gst_caps_unref(caps);
+
+  auto *clone = GST_DEVICE(devices->next->data);
+  same(display_name(clone), "Tactor board");
+  same(property(clone, "device.serial"), "");
+  same(property(clone, "device.transport"), "ch340");
+  free_devices(devices);
+}
+GST_END_TEST;
+
+/// A tactorsink is made for the serial number, or for the socket where that would be no or another board's.
+GST_START_TEST(test_create_element)
+{
+  Rig rig;
+  SerialDevice twin = kMega;
+  twin.bus_path = "3-1";
+  SerialDevice other = kMega;
+  other.bus_path = "3-2";
+  other.serial = "1";
+  rig.sockets.plug({ kMega, kClone, other });
+  GList *devices = gst_device_provider_get_devices(rig.provider);
+  same(sink_device(GST_DEVICE(devices->data)), kMega.serial);
+  same(sink_device(GST_DEVICE(devices->next->data)), "1-4");
+  same(sink_device(GST_DEVICE(devices->next->next->data)), "1");
+  free_devices(devices);
+
+  rig.sockets.plug({ kMega, twin });
+  devices = gst_device_provider_get_devices(rig.provider);
+  same(sink_device(GST_DEVICE(devices->data)), "1-2.3");
+  same(sink_device(GST_DEVICE(devices->next->data)), "3-1");
+  free_devices(devices);
+}
+GST_END_TEST;
+
+/// What is there at the start is there at once; what comes and goes is told.
+GST_START_TEST(test_plugging)
+{
+  Rig rig;
+  rig.sockets.plug({ kMega });
+  fail_unless(gst_device_provider_can_monitor(rig.provider));
+  fail_unless(gst_device_provider_start(rig.provider));
+  GList *devices = gst_device_provider_get_devices(rig.provider);
+  ck_assert_uint_eq(g_list_length(devices), 1);
+  GstDevice *mega = rig.next(GST_MESSAGE_DEVICE_ADDED);
+  fail_unless(mega == devices->data);
+  free_devices(devices);
+
+  rig.sockets.plug({ kClone, kMega });
+  GstDevice *clone = rig.next(GST_MESSAGE_DEVICE_ADDED);
+  same(property(clone, "device.bus_path"), "1-4");
+  rig.sockets.plug({ kClone });
+  GstDevice *removed = rig.next(GST_MESSAGE_DEVICE_REMOVED);
+  fail_unless(removed == mega);
+  gst_object_unref(removed);
+
+  // Another board in the same socket is another device.
+  SerialDevice other = kMega;
+  other.bus_path = kClone.bus_path;
+  rig.sockets.plug({ other });
+  removed = rig.next(GST_MESSAGE_DEVICE_REMOVED);
+  fail_unless(removed == clone);
+  gst_object_unref(removed);
+  GstDevice *added = rig.next(GST_MESSAGE_DEVICE_ADDED);
+  same(property(added, "device.serial"), kMega.serial);
+  devices = gst_device_provider_get_devices(rig.provider);
+  ck_assert_uint_eq(g_list_length(devices), 1);
+  fail_unless(devices->data == added);
+  free_devices(devices);
+
+  gst_device_provider_stop(rig.provider);
+  fail_unless(gst_bus_pop(rig.bus) == nullptr);
+  for (GstDevice *device : { mega, clone, added }) {
+    ck_assert_int_eq(GST_OBJECT_REFCOUNT_VALUE(device), 1);
+    gst_object_unref(device);
+  }
+}
+GST_END_TEST;
+
+/// Stopped and started again; stopped for good by the last reference, too.
+GST_START_TEST(test_stop_and_start)
+{
+  Rig rig;
+  for (int i = 0; i < 3; i++) {
+    rig.sockets.plug({ kMega });
+    fail_unless(gst_device_provider_start(rig.provider));
+    fail_unless(rig.sockets.is_watched());
+    gst_object_unref(rig.next(GST_MESSAGE_DEVICE_ADDED));
+    gst_device_provider_stop(rig.provider);
+    fail_if(rig.sockets.is_watched());
+    rig.sockets.plug({});
+    fail_unless(gst_device_provider_get_devices(rig.provider) == nullptr);
+  }
+  fail_unless(gst_device_provider_start(rig.provider));
+  fail_unless(gst_bus_pop(rig.bus) == nullptr);
+}
+GST_END_TEST;
+
+GST_START_TEST(test_bus_of_no_use)
+{
+  Rig rig;
+  rig.sockets.plug({ kMega });
+  rig.sockets.broken = true;
+  fail_unless(gst_device_provider_get_devices(rig.provider) == nullptr);
+  fail_if(gst_device_provider_start(rig.provider));
+  fail_if(rig.sockets.is_watched());
+
+  // A fault that passes hides nothing.
+  rig.sockets.broken = false;
+  fail_unless(gst_device_provider_start(rig.provider));
+  gst_object_unref(rig.next(GST_MESSAGE_DEVICE_ADDED));
+  rig.sockets.broken = true;
+  rig.sockets.plug({ kMega, kClone });
+  rig.sockets.broken = false;
+  rig.sockets.plug({ kMega, kClone });
+  GstDevice *clone = rig.next(GST_MESSAGE_DEVICE_ADDED);
+  same(property(clone, "device.bus_path"), "1-4");
+  gst_object_unref(clone);
+  gst_device_provider_stop(rig.provider);
+}
+GST_END_TEST;
+
+/// Boards come and go on one thread while another one lists them and the first stops the provider.
+GST_START_TEST(test_many_changes)
+{
+  Rig rig;
+  SerialDevice last = kMega;
+  last.bus_path = "9-9";
+  fail_unless(gst_device_provider_start(rig.provider));
+  std::atomic<bool> done{ false };
+  std::thread plugger([&] {
+    for (int i = 0; i < 2000; i++)
+      rig.sockets.plug(i % 3 ? std::vector<SerialDevice>{ kMega, kClone }
+                             : std::vector<SerialDevice>{ kClone });
+    rig.sockets.plug({ last });
+    done = true;
+  });
+  while (!done)
+    free_devices(gst_device_provider_get_devices(rig.provider));
+  plugger.join();
+
+  // Each device is removed once at most, and what is left is what is plugged in. The provider may still be at it.
+  std::vector<GstDevice *> there;
+  const auto is_settled = [&] {
+    return there.size() == 1 && property(there[0], "device.bus_path") == "9-9"
+           && !gst_bus_have_pending(rig.bus);
+  };
+  while (!is_settled()) {
+    GstMessage *message = gst_bus_timed_pop_filtered(
+        rig.bus, kPatience,
+        static_cast<GstMessageType>(GST_MESSAGE_DEVICE_ADDED | GST_MESSAGE_DEVICE_REMOVED));
+    fail_unless(message != nullptr);
+    GstDevice *device = nullptr;
+    if (GST_MESSAGE_TYPE(message) == GST_MESSAGE_DEVICE_ADDED) {
+      gst_message_parse_device_added(message, &device);
+      there.push_back(device);
+    } else {
+      gst_message_parse_device_removed(message, &device);
+      ck_assert_uint_eq(std::erase(there, device), 1);
+      gst_object_unref(device); // the message's reference
+      gst_object_unref(device); // that of there
+    }
+    gst_message_unref(message);
+  }
+  gst_device_provider_stop(rig.provider);
+  gst_object_unref(there[0]);
+}
+GST_END_TEST;
+
+static void
+register_tactorsink(void)
+{
+  fail_unless(GST_ELEMENT_REGISTER(tactorsink, nullptr));
+}
+
+static Suite *
+tactordeviceprovider_suite(void)
+{
+  Suite *suite = suite_create("tactordeviceprovider");
+  TCase *tests = tcase_create("general");
+  suite_add_tcase(suite, tests);
+  tcase_add_checked_fixture(tests, register_tactorsink, nullptr);
+  tcase_add_test(tests, test_probe);
+  tcase_add_test(tests, test_create_element);
+  tcase_add_test(tests, test_plugging);
+  tcase_add_test(tests, test_stop_and_start);
+  tcase_add_test(tests, test_bus_of_no_use);
+  tcase_add_test(tests, test_many_changes);
+  return suite;
+}
+
+int
+main(int argc, char **argv)
+{
+  g_unsetenv("GST_PLUGIN_PATH_1_0");
+  gst_check_init(&argc, &argv);
+  return gst_check_run_suite(tactordeviceprovider_suite(), "tactordeviceprovider", __FILE__);
+}

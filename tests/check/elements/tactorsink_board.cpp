@@ -1,0 +1,344 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+//
+// tactorsink with real drivers and boards in memory: the element is built into this program, which brings its own serial bus.
+#include "gst/tactor/gsttactorsink.h"
+
+#include "../libs/memory_bus.h"
+
+#include "tactor/command_trace.h"
+
+#include <cmath>
+#include <cstdlib>
+#include <string>
+#include <unistd.h>
+
+#include <gst/check/gstcheck.h>
+#include <gst/tactile/tactile.h>
+
+using tactor::SerialDevice;
+using Duties = std::vector<int>; ///< 0…255: what a pin of 8 bits gets
+
+static Sockets *sockets; ///< of the test that runs
+
+std::unique_ptr<tactor::SerialBus>
+tactor::make_serial_bus()
+{
+  return std::make_unique<MemoryBus>(*sockets);
+}
+
+namespace {
+
+SerialDevice
+device(const char *serial, const char *name)
+{
+  return {
+    .serial = serial, .bus_path = std::string("1-") + serial, .name = name, .transport = ""
+  };
+}
+
+/// A sink that does not wait for the clock, so that a map is with the driver when push() returns.
+class Rig
+{
+public:
+  explicit Rig(const char *driver = nullptr)
+  {
+    sockets = &sockets_;
+    GST_ELEMENT_REGISTER(tactorsink, nullptr);
+    element = gst_element_factory_make("tactorsink", nullptr);
+    gst_object_ref_sink(element);
+    g_object_set(element, "sync", FALSE, "async", FALSE, "rate", 0.0, "compensation", 2,
+                 "max-on-time", guint64{ 0 }, "max-duty", 0.0, "max-active", 0u, nullptr);
+    if (driver)
+      g_object_set(element, "driver", driver, nullptr);
+    bus = gst_bus_new();
+    gst_element_set_bus(element, bus);
+    pad = gst_element_get_static_pad(element, "sink");
+  }
+  ~Rig()
+  {
+    stop();
+    gst_element_set_bus(element, nullptr);
+    gst_object_unref(pad);
+    gst_object_unref(bus);
+    gst_object_unref(element);
+  }
+
+  bool start()
+  {
+    if (gst_element_set_state(element, GST_STATE_PLAYING) == GST_STATE_CHANGE_FAILURE)
+      return false;
+    GstSegment segment;
+    gst_segment_init(&segment, GST_FORMAT_TIME);
+    GstCaps *caps = gst_caps_from_string(
+        "application/x-tactile-map,rows=(int)1,columns=(int)3,framerate=(fraction)25/1");
+    fail_unless(gst_pad_send_event(pad, gst_event_new_stream_start("film")));
+    fail_unless(gst_pad_send_event(pad, gst_event_new_caps(caps)));
+    fail_unless(gst_pad_send_event(pad, gst_event_new_segment(&segment)));
+    gst_caps_unref(caps);
+    return true;
+  }
+  void stop()
+  {
+    gst_element_set_state(element, GST_STATE_NULL);
+  }
+  /// A map whose levels are these duties.
+  void push(const Duties &duties)
+  {
+    std::vector<gfloat> levels;
+    for (const int duty : duties)
+      levels.push_back(static_cast<gfloat>(duty) / 255.0f);
+    GstBuffer *map = gst_tactile_map_buffer_new(levels.data(), levels.size());
+    GST_BUFFER_PTS(map) = frame++ * 40 * GST_MSECOND;
+    GST_BUFFER_DURATION(map) = 40 * GST_MSECOND;
+    ck_assert_int_eq(gst_pad_chain(pad, map), GST_FLOW_OK);
+  }
+  /// Waits until pins of a board have these duties.
+  void expect(MemoryBoard &board, const std::vector<int> &pins, const Duties &duties)
+  {
+    sockets_.wait([&] {
+      for (std::size_t i = 0; i < pins.size(); i++)
+        if (board.model.duty[pins[i]] != duties[i])
+          return false;
+      return true;
+    });
+  }
+  /// Text of the next message of a type, and what it is about.
+  std::string message(GstMessageType type, int *code = nullptr)
+  {
+    GstMessage *message = gst_bus_timed_pop_filtered(bus, GST_CLOCK_TIME_NONE, type);
+    std::string text;
+    if (type == GST_MESSAGE_ELEMENT) {
+      text = gst_structure_get_name(gst_message_get_structure(message));
+    } else {
+      GError *error = nullptr;
+      gchar *debug = nullptr;
+      if (type == GST_MESSAGE_ERROR)
+        gst_message_parse_error(message, &error, &debug);
+      else if (type == GST_MESSAGE_WARNING)
+        gst_message_parse_warning(message, &error, &debug);
+      else
+        gst_message_parse_info(message, &error, &debug);
+      text = std::string(error->message) + (debug ? debug : "");
+      if (code)
+        *code = error->code;
+      g_error_free(error);
+      g_free(debug);
+    }
+    gst_message_unref(message);
+    return text;
+  }
+  bool has_message(GstMessageType type)
+  {
+    GstMessage *message = gst_bus_pop_filtered(bus, type);
+    const bool any = message != nullptr;
+    gst_clear_message(&message);
+    return any;
+  }
+  GstStructure *stats()
+  {
+    GstStructure *stats = nullptr;
+    g_object_get(element, "stats", &stats, nullptr);
+    return stats;
+  }
+
+  Sockets sockets_;
+  MemoryBoard mega{ device("7573", "Arduino Mega 2560"), kMega };
+  MemoryBoard uno{ device("95", "Arduino Uno"), kUno };
+  GstElement *element;
+  GstBus *bus;
+  GstPad *pad;
+  guint frame = 0;
+};
+
+void
+assert_contains(const std::string &text, std::initializer_list<const char *> parts)
+{
+  for (const char *part : parts)
+    fail_unless(text.find(part) != std::string::npos, "no '%s' in: %s", part, text.c_str());
+}
+
+} // namespace
+
+/// The default without a board: simulated, and said.
+GST_START_TEST(test_auto_without_board)
+{
+  Rig rig;
+  fail_unless(rig.start());
+  assert_contains(rig.message(GST_MESSAGE_INFO), { "simulated", "no tactor board" });
+  fail_if(rig.has_message(GST_MESSAGE_WARNING));
+  rig.push({ 255, 0, 128 });
+  GstStructure *stats = rig.stats();
+  ck_assert_str_eq(gst_structure_get_string(stats, "board"), "simulator");
+  gst_structure_free(stats);
+}
+GST_END_TEST;
+
+/// The default with a board: a film on its motors, what the board is, and zeros on every way out.
+GST_START_TEST(test_auto_with_board)
+{
+  Rig rig;
+  rig.sockets_.plug(rig.mega);
+  fail_unless(rig.start());
+  assert_contains(rig.message(GST_MESSAGE_INFO), { "Mega", "7573", "StandardFirmata" });
+  assert_contains(rig.message(GST_MESSAGE_WARNING), { "no watchdog" });
+  const std::vector<int> pins{ 2, 3, 4 };
+  for (int i = 0; i < 50; i++) {
+    const Duties duties{ 255 - i, 60 + i, i % 2 * 128 };
+    rig.push(duties);
+    rig.expect(rig.mega, pins, duties);
+  }
+
+  GstStructure *stats = rig.stats();
+  assert_contains(gst_structure_get_string(stats, "board"), { "Mega", "7573" });
+  ck_assert_str_eq(gst_structure_get_string(stats, "firmware"), "StandardFirmata.ino 2.5");
+  gboolean connected = FALSE;
+  gboolean watchdog = TRUE;
+  guint64 bytes = 0;
+  guint64 reconnects = 1;
+  fail_unless(gst_structure_get(stats, "connected", G_TYPE_BOOLEAN, &connected, "watchdog",
+                                G_TYPE_BOOLEAN, &watchdog, "bytes", G_TYPE_UINT64, &bytes,
+                                "reconnects", G_TYPE_UINT64, &reconnects, nullptr));
+  fail_unless(connected && !watchdog && reconnects == 0);
+  ck_assert_uint_ge(bytes, 50 * 9);
+  const GValue *array = gst_structure_get_value(stats, "pins");
+  ck_assert_uint_eq(gst_value_array_get_size(array), 15);
+  ck_assert_int_eq(g_value_get_int(gst_value_array_get_value(array, 14)), 46);
+  gst_structure_free(stats);
+  guint64 delay = 0;
+  g_object_get(rig.element, "render-delay", &delay, nullptr);
+  ck_assert_uint_eq(delay, 190 * GST_MSECOND + 9375 * GST_USECOND);
+
+  gst_element_set_state(rig.element, GST_STATE_PAUSED);
+  rig.expect(rig.mega, pins, { 0, 0, 0 });
+  gst_element_set_state(rig.element, GST_STATE_PLAYING);
+  rig.expect(rig.mega, pins, { 206, 109, 128 });
+  g_object_set(rig.element, "mute", TRUE, nullptr);
+  rig.expect(rig.mega, pins, { 0, 0, 0 });
+  g_object_set(rig.element, "mute", FALSE, nullptr);
+  rig.expect(rig.mega, pins, { 206, 109, 128 });
+  rig.stop();
+  fail_unless(rig.mega.model.is_silent());
+  ck_assert_int_eq(rig.mega.model.received.back(), 0xff);
+  fail_if(rig.mega.is_open);
+}
+GST_END_TEST;
+
+GST_START_TEST(test_end_of_stream)
+{
+  Rig rig("firmata");
+  rig.sockets_.plug(rig.mega);
+  fail_unless(rig.start());
+  rig.push({ 255, 255, 255 });
+  fail_unless(gst_pad_send_event(rig.pad, gst_event_new_eos()));
+  rig.sockets_.wait([&] { return rig.mega.model.is_silent(); });
+}
+GST_END_TEST;
+
+/// One warning for people, a message for programs; the film goes on; the board is told zeros, and when it returns what holds then.
+GST_START_TEST(test_lost_and_found)
+{
+  Rig rig("firmata");
+  char trace[] = "/tmp/tactorsink_board-XXXXXX";
+  const int fd = mkstemp(trace);
+  fail_unless(fd >= 0);
+  close(fd);
+  g_object_set(rig.element, "trace-location", trace, nullptr);
+  rig.sockets_.plug(rig.mega);
+  fail_unless(rig.start());
+  rig.message(GST_MESSAGE_INFO);
+  rig.message(GST_MESSAGE_WARNING);
+  rig.push({ 255, 127, 128 });
+  rig.expect(rig.mega, { 2, 3, 4 }, { 255, 127, 128 });
+  rig.sockets_.unplug(rig.mega);
+  assert_contains(rig.message(GST_MESSAGE_WARNING), { "gone", "7573", "plugged out" });
+  assert_contains(rig.message(GST_MESSAGE_ELEMENT), { "tactor-device-lost" });
+  for (int i = 0; i < 30; i++)
+    rig.push({ 200, 100, 50 + i });
+  GstStructure *stats = rig.stats();
+  gboolean connected = TRUE;
+  gst_structure_get_boolean(stats, "connected", &connected);
+  fail_if(connected);
+  gst_structure_free(stats);
+  rig.sockets_.plug(rig.mega);
+  assert_contains(rig.message(GST_MESSAGE_INFO), { "7573", "is back" });
+  assert_contains(rig.message(GST_MESSAGE_ELEMENT), { "tactor-device-found" });
+  rig.expect(rig.mega, { 2, 3, 4 }, { 200, 100, 79 });
+  fail_if(rig.has_message(GST_MESSAGE_WARNING));
+  stats = rig.stats();
+  guint64 reconnects = 0;
+  gst_structure_get_uint64(stats, "reconnects", &reconnects);
+  ck_assert_uint_eq(reconnects, 1);
+  gst_structure_free(stats);
+  rig.stop();
+  fail_unless(rig.mega.model.is_silent());
+  std::vector<long> told; // tactor 0
+  for (const tactor::IssuedCommand &line : tactor::read_command_trace(trace))
+    if (line.command.tactor == 0)
+      told.push_back(std::lround(line.command.volts / 3.0 * 255));
+  fail_unless(told == (std::vector<long>{ 255, 0, 200, 0 }));
+  unlink(trace);
+}
+GST_END_TEST;
+
+/// What cannot be opened is an error that says why, with GStreamer's code for it.
+GST_START_TEST(test_errors)
+{
+  const auto refused = [](Rig &rig) {
+    fail_if(rig.start());
+    int code = 0;
+    const std::string text = rig.message(GST_MESSAGE_ERROR, &code);
+    return std::pair(text, code);
+  };
+  Rig none("firmata");
+  fail_unless(refused(none).second == GST_RESOURCE_ERROR_NOT_FOUND);
+
+  Rig stock("seat");
+  stock.sockets_.plug(stock.mega);
+  auto [text, code] = refused(stock);
+  assert_contains(text, { "seat firmware", "driver=firmata" });
+  ck_assert_int_eq(code, GST_RESOURCE_ERROR_SETTINGS);
+
+  Rig small;
+  small.sockets_.plug(small.uno);
+  gst_util_set_object_arg(G_OBJECT(small.element), "mapping", "<0,-1,8>");
+  std::tie(text, code) = refused(small);
+  assert_contains(text, { "6 pins", "9 tactors", "mapping" });
+  ck_assert_int_eq(code, GST_RESOURCE_ERROR_SETTINGS);
+  gst_util_set_object_arg(G_OBJECT(small.element), "mapping", "<5,-1,0>");
+  fail_unless(small.start());
+  small.push({ 255, 200, 128 });
+  small.expect(small.uno, { 11, 3, 5 }, { 255, 128, 0 });
+
+  using Kind = tactor::DriverError::Kind;
+  for (const auto &[kind, expected] :
+       { std::pair(Kind::permission, GST_RESOURCE_ERROR_NOT_AUTHORIZED),
+         std::pair(Kind::busy, GST_RESOURCE_ERROR_BUSY) }) {
+    Rig rig("firmata");
+    rig.mega.refusal = kind;
+    rig.sockets_.plug(rig.mega);
+    ck_assert_int_eq(refused(rig).second, expected);
+  }
+}
+GST_END_TEST;
+
+static Suite *
+tactorsink_board_suite(void)
+{
+  Suite *suite = suite_create("tactorsink_board");
+  TCase *cases = tcase_create("general");
+  suite_add_tcase(suite, cases);
+  tcase_add_test(cases, test_auto_without_board);
+  tcase_add_test(cases, test_auto_with_board);
+  tcase_add_test(cases, test_end_of_stream);
+  tcase_add_test(cases, test_lost_and_found);
+  tcase_add_test(cases, test_errors);
+  return suite;
+}
+
+int
+main(int argc, char **argv)
+{
+  g_unsetenv("GST_PLUGIN_PATH_1_0"); // where the same element is
+  gst_check_init(&argc, &argv);
+  return gst_check_run_suite(tactorsink_board_suite(), "tactorsink_board", __FILE__);
+}

@@ -1,0 +1,261 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+//
+// tactorsink's properties that spare motors and skin, on the clock. What the limits are is tested in libs/motor_limits.
+#include "tactorsink_rig.h"
+
+namespace {
+
+/// Maps of one level from `start` to `stop`, in the streaming thread.
+void
+push_level(Rig &rig, GstClockTime start, GstClockTime stop, gfloat level)
+{
+  for (GstClockTime pts = start; pts < stop; pts += kFrame)
+    ck_assert_int_eq(rig.push(pts, { level }), GST_FLOW_OK);
+}
+
+void
+push_eos(Rig &rig)
+{
+  fail_unless(gst_pad_send_event(rig.sink_pad, gst_event_new_eos()));
+}
+
+/// Commands that are issued with the frame make the arithmetic plain.
+void
+uncompensated(Rig &rig)
+{
+  g_object_set(rig.element, "compensation", 2, nullptr);
+}
+
+} // namespace
+
+GST_START_TEST(test_defaults_spare_motors)
+{
+  GstElement *sink = gst_element_factory_make("tactorsink", nullptr);
+  guint64 max_on_time = 0;
+  guint64 ramp_in = 0;
+  gdouble max_duty = 0;
+  guint max_active = 0;
+  gboolean kick_start = TRUE;
+  g_object_get(sink, "max-on-time", &max_on_time, "ramp-in", &ramp_in, "max-duty", &max_duty,
+               "max-active", &max_active, "kick-start", &kick_start, nullptr);
+  ck_assert_uint_eq(max_on_time, 2 * GST_SECOND);
+  ck_assert_uint_eq(ramp_in, 100 * kMs);
+  fail_unless(max_duty == 0.4);
+  ck_assert_uint_eq(max_active, 4);
+  fail_if(kick_start);
+  // However long: no sum of times overflows.
+  g_object_set(sink, "max-on-time", G_MAXUINT64, "ramp-in", G_MAXUINT64, "kick-start", TRUE,
+               nullptr);
+  g_object_get(sink, "max-on-time", &max_on_time, "kick-start", &kick_start, nullptr);
+  ck_assert_uint_eq(max_on_time, 1000000000 * GST_SECOND);
+  fail_unless(kick_start);
+  gst_object_unref(gst_object_ref_sink(sink));
+}
+GST_END_TEST;
+
+GST_START_TEST(test_max_on_time)
+{
+  Rig rig;
+  uncompensated(rig);
+  g_object_set(rig.element, "max-on-time", guint64{ 500 * kMs }, nullptr);
+  rig.start();
+  rig.run_out([&] {
+    push_level(rig, 0, 1200 * kMs, 1.0F);
+    push_level(rig, 1200 * kMs, 1400 * kMs, 0.0F);
+    push_level(rig, 1400 * kMs, 1600 * kMs, 0.5F);
+    push_eos(rig);
+  });
+  ck_assert_uint_eq(rig.stat("cut-on-time"), 1);
+  ck_assert_uint_eq(rig.stat("cut-duty"), 0);
+  ck_assert_uint_eq(rig.stat("cut-active"), 0);
+  ck_assert_uint_eq(rig.stat("issued"), 4);
+  ck_assert_uint_eq(rig.stat("late"), 0);
+  const std::vector<Line> lines = rig.trace();
+  ck_assert_uint_eq(lines.size(), 4);
+  assert_line(lines[0], 0, 0, 0, 0, 3.0);
+  assert_line(lines[1], 500 * kMs, 500 * kMs, 500 * kMs, 0, 0.0);
+  assert_line(lines[2], 1400 * kMs, 1400 * kMs, 1400 * kMs, 0, 1.5);
+  assert_line(lines[3], 1600 * kMs, 1600 * kMs, 1600 * kMs, 0, 0.0);
+}
+GST_END_TEST;
+
+/// Nothing comes any more, not even the end: the motor stops all the same, on time.
+GST_START_TEST(test_max_on_time_without_another_map)
+{
+  Rig rig;
+  uncompensated(rig);
+  g_object_set(rig.element, "max-on-time", guint64{ 500 * kMs }, nullptr);
+  rig.start();
+  rig.stream([&] { rig.push(0, { 1.0F }); });
+  rig.step(1); // the map comes
+  rig.join();
+  rig.step(1); // its command is due
+  ck_assert_uint_eq(rig.step(1), kLatency + 500 * kMs);
+  while (rig.stat("issued") < 2)
+    std::this_thread::yield();
+  ck_assert_uint_eq(rig.stat("starved"), 0);
+  const std::vector<Line> lines = rig.trace();
+  ck_assert_uint_eq(lines.size(), 2);
+  assert_line(lines[1], 500 * kMs, 500 * kMs, 500 * kMs, 0, 0.0);
+}
+GST_END_TEST;
+
+/// Without the clock it is the film's time that counts.
+GST_START_TEST(test_max_on_time_without_the_clock)
+{
+  Rig rig;
+  uncompensated(rig);
+  g_object_set(rig.element, "sync", FALSE, "max-on-time", guint64{ 500 * kMs }, nullptr);
+  rig.start();
+  push_level(rig, 0, 1200 * kMs, 1.0F);
+  push_eos(rig);
+  const std::vector<Line> lines = rig.trace();
+  ck_assert_uint_eq(lines.size(), 2);
+  assert_line(lines[0], 0, 0, 0, 0, 3.0);
+  assert_line(lines[1], 500 * kMs, 500 * kMs, 500 * kMs, 0, 0.0);
+}
+GST_END_TEST;
+
+/// The end of the stream comes before another block has seen that the cue has run out.
+GST_START_TEST(test_cue_runs_out_in_the_last_block)
+{
+  for (const bool sync : { true, false }) {
+    Rig rig;
+    uncompensated(rig);
+    g_object_set(rig.element, "sync", gboolean{ sync }, "max-on-time", guint64{ 100 * kMs }, nullptr);
+    rig.start();
+    rig.run_out([&] {
+      push_level(rig, 0, 160 * kMs, 1.0F);
+      push_eos(rig);
+    });
+    ck_assert_uint_eq(rig.stat("cut-on-time"), 1);
+    const std::vector<Line> lines = rig.trace();
+    ck_assert_uint_eq(lines.size(), 2);
+    assert_line(lines[1], 100 * kMs, 100 * kMs, 100 * kMs, 0, 0.0);
+  }
+}
+GST_END_TEST;
+
+/// 600 ms in any minute: what was felt before a seek counts after it.
+GST_START_TEST(test_max_duty_outlives_a_seek)
+{
+  Rig rig;
+  uncompensated(rig);
+  g_object_set(rig.element, "max-duty", 0.01, nullptr);
+  rig.start();
+  rig.stream([&] {
+    push_level(rig, 0, 400 * kMs, 1.0F);
+    ck_assert_int_eq(rig.push(3000 * kMs, { 1.0F }), GST_FLOW_FLUSHING);
+  });
+  rig.run_to(kLatency + 350 * kMs);
+  fail_unless(gst_pad_send_event(rig.sink_pad, gst_event_new_flush_start()));
+  rig.join();
+  fail_unless(gst_pad_send_event(rig.sink_pad, gst_event_new_flush_stop(TRUE)));
+  gst_element_set_base_time(rig.element, kLatency + 350 * kMs);
+  rig.open();
+  rig.rendered = false; // nothing left to wait for
+  rig.run_out([&] {
+    push_level(rig, 0, 1000 * kMs, 0.5F);
+    push_eos(rig);
+  });
+  ck_assert_uint_eq(rig.stat("cut-duty"), 1);
+  const std::vector<Line> lines = rig.trace();
+  ck_assert_uint_eq(lines.size(), 4);
+  assert_line(lines[0], 0, 0, 0, 0, 3.0);
+  assert_line(lines[1], 350 * kMs, 350 * kMs, 350 * kMs, 0, 0.0);
+  fail_unless(lines[2].volts == 1.5 && lines[2].effect == 0);
+  assert_line(lines[3], 250 * kMs, 250 * kMs, 250 * kMs, 0, 0.0);
+}
+GST_END_TEST;
+
+GST_START_TEST(test_max_active)
+{
+  Rig rig("application/x-tactile-map,rows=1,columns=3,framerate=25/1");
+  uncompensated(rig);
+  g_object_set(rig.element, "max-active", 2u, nullptr);
+  rig.start();
+  rig.run_out([&] {
+    rig.push(0, { 0.5F, 0.7F, 0.6F });
+    rig.push(200 * kMs, { 1.0F, 0.7F, 0.6F });
+    g_object_set(rig.element, "max-active", 0u, nullptr);
+    rig.push(400 * kMs, { 1.0F, 0.7F, 0.6F });
+    push_eos(rig);
+  });
+  ck_assert_uint_eq(rig.stat("cut-active"), 2);
+  std::string told;
+  for (const Line &line : rig.trace())
+    told += std::to_string(line.due / static_cast<gint64>(kMs)) + ":" + std::to_string(line.tactor)
+            + (line.volts > 0 ? "+ " : "- ");
+  ck_assert_str_eq(told.c_str(), "0:1+ 0:2+ 200:0+ 200:2- 400:2+ 440:0- 440:1- 440:2- ");
+}
+GST_END_TEST;
+
+/// After start and after pause the first vibration rises in five steps.
+GST_START_TEST(test_ramp_in)
+{
+  Rig rig;
+  uncompensated(rig);
+  g_object_set(rig.element, "ramp-in", guint64{ 100 * kMs }, nullptr);
+  rig.start();
+  rig.stream([&] {
+    push_level(rig, 0, 400 * kMs, 1.0F);
+    rig.push(2000 * kMs, { 1.0F });
+  });
+  rig.run_to(300 * kMs);
+  gst_element_set_state(rig.element, GST_STATE_PAUSED);
+  gst_test_clock_set_time(rig.clock, 1300 * kMs);
+  gst_element_set_base_time(rig.element, 1000 * kMs);
+  gst_element_set_state(rig.element, GST_STATE_PLAYING);
+  rig.run_to(1500 * kMs);
+  ck_assert_uint_eq(rig.stat("ramps"), 2);
+  const std::vector<Line> lines = rig.trace();
+  fail_unless(lines.size() >= 11);
+  for (guint step = 0; step < 5; step++) {
+    const GstClockTime ms = 20 * kMs * step;
+    assert_line(lines[step], ms, ms, ms, 0, 0.6 * (step + 1));
+    const GstClockTime again = 140 * kMs + ms;
+    assert_line(lines[6 + step], again, again, again, 0, 0.6 * (step + 1));
+  }
+  assert_line(lines[5], 140 * kMs, 140 * kMs, 140 * kMs, 0, 0.0);
+  assert_silent_at_end(lines);
+}
+GST_END_TEST;
+
+/// 0.6 V from rest: full voltage for 64.54 ms · lg(3 / (3 - 0.9 · 0.6)) = 5.6 ms, but 10 ms at least.
+GST_START_TEST(test_kick_start)
+{
+  Rig rig;
+  g_object_set(rig.element, "kick-start", TRUE, nullptr);
+  rig.start();
+  rig.run_out([&] {
+    push_level(rig, 0, 1000 * kMs, 0.0F);
+    push_level(rig, 1000 * kMs, 1200 * kMs, 0.2F);
+    push_eos(rig);
+  });
+  const std::vector<Line> lines = rig.trace();
+  ck_assert_uint_eq(lines.size(), 3);
+  assert_line(lines[0], 990 * kMs, 990 * kMs, 1000 * kMs, 0, 3.0);
+  assert_line(lines[1], 1000 * kMs, 1000 * kMs, 1000 * kMs, 0, 0.6);
+  assert_line(lines[2], 1200 * kMs, 1200 * kMs, 1200 * kMs, 0, 0.0);
+}
+GST_END_TEST;
+
+static Suite *
+tactorsink_limits_suite(void)
+{
+  Suite *suite = suite_create("tactorsink_limits");
+  TCase *cases = tcase_create("general");
+  suite_add_tcase(suite, cases);
+  tcase_add_test(cases, test_defaults_spare_motors);
+  tcase_add_test(cases, test_max_on_time);
+  tcase_add_test(cases, test_max_on_time_without_another_map);
+  tcase_add_test(cases, test_max_on_time_without_the_clock);
+  tcase_add_test(cases, test_cue_runs_out_in_the_last_block);
+  tcase_add_test(cases, test_max_duty_outlives_a_seek);
+  tcase_add_test(cases, test_max_active);
+  tcase_add_test(cases, test_ramp_in);
+  tcase_add_test(cases, test_kick_start);
+  return suite;
+}
+
+GST_CHECK_MAIN(tactorsink_limits);

@@ -1,0 +1,280 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+//
+// tactorsink on a GstTestClock: every command's time is exact, nothing waits for real time.
+#pragma once
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <cstdlib>
+#include <fstream>
+#include <functional>
+#include <map>
+#include <sstream>
+#include <string>
+#include <thread>
+#include <unistd.h>
+#include <vector>
+
+// After the standard library's headers: gstcheck.h defines a macro named fail.
+#include <gst/check/gstcheck.h>
+#include <gst/check/gsttestclock.h>
+#include <gst/tactile/tactile.h>
+
+constexpr GstClockTime kMs = GST_MSECOND;
+constexpr GstClockTime kFrame = 40 * kMs; // 25 frames/s: exact in ns
+constexpr GstClockTime kLatency
+    = 160 * kMs; // max-lead and the wake margin, as a pipeline would configure it
+
+/// Eq. 1 at start 0, written down anew.
+inline double
+rise_ms(double volts)
+{
+  return 241.9 - 175.7 * volts + 38.86 * volts * volts;
+}
+
+inline GstClockTime
+rise(double volts)
+{
+  return static_cast<GstClockTime>(std::llround(rise_ms(volts) * 1e6));
+}
+
+struct Line
+{
+  gint64 issued;
+  gint64 due;
+  gint64 effect;
+  int tactor;
+  double volts;
+};
+
+/// A tactorsink with a test clock, its bus and its trace; what is pushed is pushed by a thread of
+/// its own.
+class Rig
+{
+public:
+  explicit Rig(const char *caps = "application/x-tactile-map,rows=1,columns=1,framerate=25/1")
+  {
+    char name[] = "/tmp/tactorsink-XXXXXX";
+    const int fd = mkstemp(name);
+    fail_unless(fd >= 0);
+    close(fd);
+    trace_path = name;
+    element = gst_element_factory_make("tactorsink", nullptr);
+    fail_unless(element != nullptr);
+    gst_object_ref_sink(element);
+    // Limits have tests of their own.
+    g_object_set(element, "driver", "simulator", "trace-location", name, "max-lead", 150u,
+                 "max-on-time", guint64{ 0 }, "max-duty", 0.0, "max-active", 0u, "ramp-in",
+                 guint64{ 0 }, nullptr);
+    bus = gst_bus_new();
+    gst_element_set_bus(element, bus);
+    clock = GST_TEST_CLOCK(gst_test_clock_new());
+    gst_element_set_clock(element, GST_CLOCK(clock));
+    gst_element_set_base_time(element, 0);
+    sink_pad = gst_element_get_static_pad(element, "sink");
+    caps_string = caps;
+  }
+
+  ~Rig()
+  {
+    finish();
+    gst_object_unref(sink_pad);
+    gst_element_set_bus(element, nullptr);
+    gst_object_unref(bus);
+    gst_object_unref(element);
+    gst_object_unref(clock);
+    unlink(trace_path.c_str());
+  }
+
+  void start(const GstSegment *segment = nullptr, bool play = true)
+  {
+    g_object_set(element, "async", FALSE, nullptr);
+    fail_if(gst_element_set_state(element, play ? GST_STATE_PLAYING : GST_STATE_PAUSED)
+            == GST_STATE_CHANGE_FAILURE);
+    fail_unless(gst_element_send_event(element, gst_event_new_latency(kLatency)));
+    open(segment);
+  }
+
+  void open(const GstSegment *segment = nullptr)
+  {
+    GstSegment plain;
+    gst_segment_init(&plain, GST_FORMAT_TIME);
+    GstCaps *caps = gst_caps_from_string(caps_string.c_str());
+    fail_unless(gst_pad_send_event(sink_pad, gst_event_new_stream_start("test")));
+    fail_unless(gst_pad_send_event(sink_pad, gst_event_new_caps(caps)));
+    gst_caps_unref(caps);
+    fail_unless(gst_pad_send_event(sink_pad, gst_event_new_segment(segment ? segment : &plain)));
+  }
+
+  /// Runs in the streaming thread, after what was given before.
+  void stream(std::function<void()> work)
+  {
+    if (pusher.joinable())
+      pusher.join();
+    pusher = std::thread(std::move(work));
+  }
+
+  void join()
+  {
+    if (pusher.joinable())
+      pusher.join();
+  }
+
+  GstBuffer *buffer(GstClockTime pts, const std::vector<gfloat> &levels,
+                    GstClockTime duration = kFrame)
+  {
+    GstBuffer *map = gst_tactile_map_buffer_new(levels.data(), levels.size());
+    GST_BUFFER_PTS(map) = pts;
+    GST_BUFFER_DURATION(map) = duration;
+    return map;
+  }
+
+  GstFlowReturn push(GstClockTime pts, const std::vector<gfloat> &levels,
+                     GstClockTime duration = kFrame)
+  {
+    return gst_pad_chain(sink_pad, buffer(pts, levels, duration));
+  }
+
+  /// Waits until `waiters` threads sleep on the clock and moves it to the earliest of them. Returns
+  /// the new time.
+  GstClockTime step(guint waiters)
+  {
+    GList *pending = nullptr;
+    gst_test_clock_wait_for_multiple_pending_ids(clock, waiters, &pending);
+    g_list_free_full(pending, gst_clock_id_unref);
+    const GstClockTime next = gst_test_clock_get_next_entry_time(clock);
+    if (next > gst_clock_get_time(GST_CLOCK(clock)))
+      gst_test_clock_set_time(clock, next);
+    GstClockID id = gst_test_clock_process_next_clock_id(clock);
+    fail_unless(id != nullptr);
+    gst_clock_id_unref(id);
+    rendered = true;
+    return next;
+  }
+
+  /// Whether everybody who is going to sleep does so now: the streaming thread, and once a map has
+  /// come the scheduler too, which then always has a command or the end of a hold to wait for; or one
+  /// alone whose time has come already. The wait is cut in pieces only to look whether the work is done.
+  bool all_asleep()
+  {
+    GList *pending = nullptr;
+    const bool asleep
+        = gst_test_clock_timed_wait_for_multiple_pending_ids(clock, rendered ? 2 : 1, 10, &pending);
+    g_list_free_full(pending, gst_clock_id_unref);
+    if (asleep)
+      return true;
+    const GstClockTime next = gst_test_clock_get_next_entry_time(clock);
+    if (next != GST_CLOCK_TIME_NONE && next <= gst_clock_get_time(GST_CLOCK(clock)))
+      if (GstClockID id = gst_test_clock_process_next_clock_id(clock))
+        gst_clock_id_unref(id);
+    return false;
+  }
+
+  /// Ends every wait whose time has come.
+  void wake_all_due()
+  {
+    while (GstClockID id = gst_test_clock_process_next_clock_id(clock))
+      gst_clock_id_unref(id);
+    std::this_thread::yield();
+  }
+
+  /// Lets the clock run to `time`, at which the streaming thread must still be waiting to render
+  /// something later.
+  void run_to(GstClockTime time)
+  {
+    for (;;) {
+      while (!all_asleep())
+        ;
+      if (gst_test_clock_get_next_entry_time(clock) > time)
+        break;
+      step(rendered ? 2 : 1);
+    }
+    gst_test_clock_set_time(clock, time);
+  }
+
+  /// Does the work in the streaming thread and lets the clock run until it is done.
+  void run_out(const std::function<void()> &work)
+  {
+    std::atomic<bool> done{ false };
+    stream([&] {
+      work();
+      done = true;
+    });
+    while (!done)
+      if (all_asleep())
+        step(rendered ? 2 : 1);
+    join();
+  }
+
+  void finish()
+  {
+    if (!finished) {
+      finished = true;
+      gst_element_set_state(element, GST_STATE_NULL);
+      join();
+    }
+  }
+
+  std::vector<Line> trace()
+  {
+    finish();
+    std::vector<Line> lines;
+    std::ifstream file(trace_path);
+    std::string text;
+    std::getline(file, text);
+    ck_assert_str_eq(text.c_str(), "issued_ns,due_ns,effect_ns,tactor,volts");
+    while (std::getline(file, text)) {
+      Line line;
+      char comma;
+      std::istringstream in(text);
+      const bool read = bool(in >> line.issued >> comma >> line.due >> comma >> line.effect >> comma
+                             >> line.tactor >> comma >> line.volts);
+      fail_unless(read, "bad line: %s", text.c_str());
+      lines.push_back(line);
+    }
+    return lines;
+  }
+
+  guint64 stat(const char *field)
+  {
+    GstStructure *stats = nullptr;
+    g_object_get(element, "stats", &stats, nullptr);
+    guint64 value = 0;
+    fail_unless(gst_structure_get_uint64(stats, field, &value));
+    gst_structure_free(stats);
+    return value;
+  }
+
+  GstElement *element;
+  GstBus *bus;
+  GstTestClock *clock;
+  GstPad *sink_pad;
+  std::string trace_path;
+  std::string caps_string;
+  std::thread pusher;
+  bool rendered = false; ///< the scheduler has something to wait for
+  bool finished = false;
+};
+
+inline void
+assert_line(const Line &line, GstClockTime issued, GstClockTime due, GstClockTime effect,
+            int tactor, double volts)
+{
+  ck_assert_int_eq(line.issued, static_cast<gint64>(issued));
+  ck_assert_int_eq(line.due, static_cast<gint64>(due));
+  ck_assert_int_eq(line.effect, static_cast<gint64>(effect));
+  ck_assert_int_eq(line.tactor, tactor);
+  fail_unless(std::abs(line.volts - (volts)) <= 5e-4);
+}
+
+/// Whatever happened, each motor's last command is zero.
+inline void
+assert_silent_at_end(const std::vector<Line> &lines)
+{
+  std::map<int, double> last;
+  for (const Line &line : lines)
+    last[line.tactor] = line.volts;
+  for (const auto &[tactor, volts] : last)
+    fail_unless(volts == 0, "tactor %d is left at %g V", tactor, volts);
+}

@@ -1,0 +1,227 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+//
+// A serial bus in memory with boards that can be plugged in and out, and that misbehave when asked to. Each open port has a thread, as a
+// real one has. No time passes: a board answers as soon as its thread runs.
+#pragma once
+
+#include "firmata_model.h"
+#include "tactor/driver.h"
+#include "tactor/serial_port.h"
+
+#include <condition_variable>
+#include <list>
+#include <mutex>
+#include <thread>
+#include <utility>
+
+/// A board, in a socket or in the hand.
+struct MemoryBoard
+{
+  MemoryBoard(tactor::SerialDevice device, const Layout &layout, bool seat = false)
+      : device(std::move(device)), model(layout, seat)
+  {
+  }
+
+  tactor::SerialDevice device;
+  FirmataModel model;
+  bool resets_on_open = true;                         ///< DTR is wired to reset
+  std::optional<tactor::DriverError::Kind> refusal{}; ///< of open()
+  bool says_nothing = false;
+  bool takes_nothing = false; ///< a write never ends
+  long bytes_to_live = -1;    ///< it is plugged out when it has got so many more; −1: never
+
+  // Of the bus
+  bool is_plugged = false;
+  bool is_open = false;
+  int opens = 0;
+};
+
+/// What all buses of a test share: the sockets. Boards outlive it.
+class Sockets
+{
+public:
+  bool announces = true; ///< whether watchers are told; set before a bus is made
+
+  void plug(MemoryBoard &board)
+  {
+    {
+      std::lock_guard lock(mutex);
+      board.is_plugged = true;
+      board.model.power_off();
+      board.model.restart({});
+      boards.push_back(&board);
+      changed.notify_all();
+    }
+    announce();
+  }
+  void unplug(MemoryBoard &board)
+  {
+    {
+      std::lock_guard lock(mutex);
+      pull(board);
+    }
+    announce();
+  }
+  /// Waits for something about boards or events.
+  template <typename Predicate> void wait(Predicate predicate)
+  {
+    std::unique_lock lock(mutex);
+    changed.wait(lock, predicate);
+  }
+  template <typename Function> auto locked(Function function)
+  {
+    std::lock_guard lock(mutex);
+    return function();
+  }
+  /// With the lock held.
+  void pull(MemoryBoard &board)
+  {
+    board.is_plugged = false;
+    board.model.power_off();
+    boards.remove(&board);
+    changed.notify_all();
+  }
+  void announce()
+  {
+    std::lock_guard lock(watching);
+    if (watcher && announces)
+      watcher();
+  }
+
+  std::mutex mutex; ///< guards boards and whatever a test waits for
+  std::condition_variable changed;
+  std::list<MemoryBoard *> boards;
+  std::mutex watching; ///< held while the watcher is called
+  std::function<void()> watcher;
+};
+
+class MemoryPort final : public tactor::SerialPort
+{
+public:
+  MemoryPort(Sockets &sockets, MemoryBoard &board, Events events)
+      : sockets_(sockets), board_(board), events_(std::move(events)), thread_([this] { run(); })
+  {
+  }
+  ~MemoryPort() override
+  {
+    {
+      std::lock_guard lock(sockets_.mutex);
+      quit_ = true;
+      sockets_.changed.notify_all();
+    }
+    thread_.join();
+    std::lock_guard lock(sockets_.mutex);
+    board_.is_open = false;
+    sockets_.changed.notify_all();
+  }
+  bool write(std::span<const std::uint8_t> bytes) override
+  {
+    std::lock_guard lock(sockets_.mutex);
+    if (is_lost_ || !out_.empty() || bytes.empty() || bytes.size() > kMaxWrite)
+      return false;
+    out_.assign(bytes.begin(), bytes.end());
+    sockets_.changed.notify_all();
+    return true;
+  }
+
+private:
+  void run()
+  {
+    std::unique_lock lock(sockets_.mutex);
+    while (!quit_) {
+      const bool takes = !out_.empty() && !board_.takes_nothing;
+      std::vector<std::uint8_t> in;
+      bool is_written = false;
+      if (board_.is_plugged && takes) {
+        board_.model.receive(out_.front(), {});
+        out_.erase(out_.begin());
+        is_written = out_.empty();
+        if (board_.bytes_to_live > 0 && --board_.bytes_to_live == 0)
+          sockets_.pull(board_);
+        sockets_.changed.notify_all();
+      }
+      while (board_.is_plugged && !board_.model.replies.empty() && in.size() < 50) {
+        in.push_back(board_.model.replies.front());
+        board_.model.replies.pop_front();
+      }
+      if (board_.says_nothing)
+        in.clear();
+      if (!board_.is_plugged) {
+        is_lost_ = true;
+        lock.unlock();
+        events_.lost("it was plugged out");
+        lock.lock();
+        sockets_.changed.wait(lock, [this] { return quit_; });
+      } else if (is_written || !in.empty()) {
+        lock.unlock();
+        if (!in.empty())
+          events_.received(in);
+        if (is_written)
+          events_.written();
+        lock.lock();
+      } else if (!takes) {
+        sockets_.changed.wait(lock);
+      }
+    }
+  }
+
+  Sockets &sockets_;
+  MemoryBoard &board_;
+  Events events_;
+  std::vector<std::uint8_t> out_;
+  bool is_lost_ = false;
+  bool quit_ = false;
+  std::thread thread_; ///< last: it uses the others
+};
+
+class MemoryBus final : public tactor::SerialBus
+{
+public:
+  explicit MemoryBus(Sockets &sockets) : sockets_(sockets)
+  {
+  }
+  ~MemoryBus() override
+  {
+    watch(nullptr);
+  }
+  std::vector<tactor::SerialDevice> list() override
+  {
+    std::lock_guard lock(sockets_.mutex);
+    std::vector<tactor::SerialDevice> devices;
+    for (const MemoryBoard *board : sockets_.boards)
+      devices.push_back(board->device);
+    return devices;
+  }
+  std::unique_ptr<tactor::SerialPort> open(const tactor::SerialDevice &device,
+                                           tactor::SerialPort::Events events) override
+  {
+    using tactor::DriverError;
+    MemoryBoard *board = nullptr;
+    {
+      std::lock_guard lock(sockets_.mutex);
+      for (MemoryBoard *each : sockets_.boards)
+        if (each->device == device)
+          board = each;
+      if (!board)
+        throw DriverError(DriverError::Kind::not_found, device.name + " was plugged out");
+      board->opens++;
+      sockets_.changed.notify_all();
+      if (board->refusal)
+        throw DriverError(*board->refusal, device.name + " is refused");
+      if (board->is_open)
+        throw DriverError(DriverError::Kind::busy, device.name + " is in use");
+      board->is_open = true;
+      if (board->resets_on_open)
+        board->model.restart({});
+    }
+    return std::make_unique<MemoryPort>(sockets_, *board, std::move(events));
+  }
+  void watch(std::function<void()> changed) override
+  {
+    std::lock_guard lock(sockets_.watching);
+    sockets_.watcher = std::move(changed);
+  }
+
+private:
+  Sockets &sockets_;
+};

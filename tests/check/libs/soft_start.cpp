@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "tactor/soft_start.h"
+
+#include <cmath>
+
+#include "tolerance.h"
+
+using namespace std::chrono_literals;
+using namespace tactor;
+
+GST_START_TEST(test_steps)
+{
+  SoftStart start;
+  start.set_length(100ms);
+  fail_unless(start.ceiling(0s) == 1 && !start.next_step(0s)); // nothing vibrates
+  fail_unless(start.vibrate(5s));
+  // A fifth more each 20 ms, the first at once.
+  for (int ms = 0; ms < 200; ms++) {
+    const Time now = 5s + ms * 1ms;
+    fail_unless_near(start.ceiling(now), std::min(ms / 20 + 1, 5) / 5.0, 1e-12);
+    const auto next = start.next_step(now);
+    fail_unless(next.has_value() == (ms < 80));
+    fail_unless(!next || *next == 5s + (ms / 20 + 1) * 20ms);
+    fail_unless(!start.vibrate(now)); // once
+  }
+  // Another clock: no motor is held down until the old one's time comes again.
+  fail_unless(!start.vibrate(3s));
+  fail_unless_near(start.ceiling(2s), 0.2, 1e-12);
+  fail_unless_near(start.ceiling(3s + 20ms), 0.4, 1e-12);
+  start.arm();
+  fail_unless(start.ceiling(6s) == 1);
+  fail_unless(start.vibrate(1s)); // time may begin anew
+  fail_unless_near(start.ceiling(1s), 0.2, 1e-12);
+}
+GST_END_TEST;
+
+GST_START_TEST(test_lengths)
+{
+  // Never more than the straight line to full scale, at the end of the step.
+  for (const Time length :
+       { Time(1ns), Time(19ms), Time(20ms), Time(21ms), Time(250ms), Time(10s) }) {
+    SoftStart start;
+    start.set_length(length);
+    fail_unless(start.vibrate(0s));
+    Time now = 0s;
+    while (const auto next = start.next_step(now)) {
+      fail_unless_near(start.ceiling(now),
+                       static_cast<double>(next->count()) / static_cast<double>(length.count()),
+                       1e-12);
+      fail_unless(*next > now && *next <= length);
+      now = *next;
+    }
+    fail_unless(start.ceiling(now) == 1 && now + 20ms >= length);
+  }
+  SoftStart none;
+  fail_unless(!none.vibrate(0s));
+  fail_unless(none.ceiling(0s) == 1 && !none.next_step(0s));
+}
+GST_END_TEST;
+
+static Suite *
+soft_start_suite(void)
+{
+  Suite *suite = suite_create("soft_start");
+  TCase *tests = tcase_create("general");
+  suite_add_tcase(suite, tests);
+  tcase_add_test(tests, test_steps);
+  tcase_add_test(tests, test_lengths);
+  return suite;
+}
+
+GST_CHECK_MAIN(soft_start)

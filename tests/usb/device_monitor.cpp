@@ -1,0 +1,144 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+//
+// The whole way of a player: GstDeviceMonitor, tactordeviceprovider of the plugin, USB, a board with StandardFirmata, and back.
+#include "emulated_board.h"
+
+#include <csignal>
+#include <memory>
+#include <string>
+
+#include <gst/check/gstcheck.h>
+
+using namespace usb_test;
+
+namespace {
+
+/// A running monitor of tactors.
+class Monitor
+{
+public:
+  Monitor() : monitor_(gst_device_monitor_new()), bus_(gst_device_monitor_get_bus(monitor_))
+  {
+    fail_unless(gst_device_monitor_add_filter(monitor_, "Sink/Tactile", nullptr) != 0);
+    fail_unless(gst_device_monitor_start(monitor_));
+  }
+  ~Monitor()
+  {
+    gst_device_monitor_stop(monitor_);
+    gst_object_unref(bus_);
+    gst_object_unref(monitor_);
+  }
+  Monitor(const Monitor &) = delete;
+  Monitor &operator=(const Monitor &) = delete;
+
+  /// The device of the next message of a kind, with a reference.
+  GstDevice *next(GstMessageType type)
+  {
+    GstMessage *message
+        = gst_bus_timed_pop_filtered(bus_, std::chrono::nanoseconds(kPatience).count(), type);
+    fail_unless(message != nullptr, "nothing was told");
+    GstDevice *device = nullptr;
+    if (type == GST_MESSAGE_DEVICE_ADDED)
+      gst_message_parse_device_added(message, &device);
+    else
+      gst_message_parse_device_removed(message, &device);
+    gst_message_unref(message);
+    return device;
+  }
+
+  guint count()
+  {
+    GList *devices = gst_device_monitor_get_devices(monitor_);
+    const guint count = g_list_length(devices);
+    g_list_free_full(devices, gst_object_unref);
+    return count;
+  }
+
+private:
+  GstDeviceMonitor *monitor_;
+  GstBus *bus_;
+};
+
+std::string
+property(GstDevice *device, const char *name)
+{
+  GstStructure *properties = gst_device_get_properties(device);
+  const gchar *text = gst_structure_get_string(properties, name);
+  const std::string value = text ? text : "";
+  gst_structure_free(properties);
+  return value;
+}
+
+} // namespace
+
+/// A board that is there, one that comes, and one that goes.
+GST_START_TEST(test_plugging)
+{
+  EmulatedUsb usb;
+  EmulatedBoard mega(usb, {});
+  Monitor monitor;
+  GstDevice *first = monitor.next(GST_MESSAGE_DEVICE_ADDED);
+  fail_unless(property(first, "device.serial") == BoardDescription{}.serial);
+  fail_unless(property(first, "device.transport") == "cdc-acm");
+  g_autofree gchar *name = gst_device_get_display_name(first);
+  ck_assert_str_eq(name, "Arduino (www.arduino.cc) Mega 2560");
+
+  EmulatedBoard clone(usb, { .transport = Transport::ch340, .port = "1-2", .serial = "" });
+  GstDevice *second = monitor.next(GST_MESSAGE_DEVICE_ADDED);
+  fail_unless(property(second, "device.bus_path") == "1-2");
+  fail_unless(property(second, "device.transport") == "ch340");
+  ck_assert_uint_eq(monitor.count(), 2);
+
+  mega.unplug();
+  GstDevice *gone = monitor.next(GST_MESSAGE_DEVICE_REMOVED);
+  fail_unless(gone == first);
+  ck_assert_uint_eq(monitor.count(), 1);
+  for (GstDevice *device : { first, second, gone })
+    gst_object_unref(device);
+}
+GST_END_TEST;
+
+/// What create_element() gives plays on that very board.
+GST_START_TEST(test_element)
+{
+  EmulatedUsb usb;
+  const auto other_firmware = std::make_shared<StandardFirmata>(StandardFirmata::mega());
+  const auto firmware = std::make_shared<StandardFirmata>(StandardFirmata::mega());
+  EmulatedBoard other(usb, { .port = "1-1", .serial = "1" }, other_firmware);
+  EmulatedBoard board(usb, { .port = "1-2", .serial = "2" }, firmware);
+  Monitor monitor;
+  gst_object_unref(monitor.next(GST_MESSAGE_DEVICE_ADDED));
+  GstDevice *device = monitor.next(GST_MESSAGE_DEVICE_ADDED);
+  fail_unless(property(device, "device.serial") == "2");
+
+  GstElement *sink = gst_device_create_element(device, nullptr);
+  fail_unless(sink != nullptr);
+  gst_object_ref_sink(sink);
+  ck_assert_int_eq(gst_element_set_state(sink, GST_STATE_PAUSED), GST_STATE_CHANGE_ASYNC);
+  GstStructure *stats = nullptr;
+  g_object_get(sink, "stats", &stats, nullptr);
+  gboolean connected = FALSE;
+  fail_unless(gst_structure_get_boolean(stats, "connected", &connected) && connected);
+  ck_assert_str_eq(gst_structure_get_string(stats, "firmware"), "StandardFirmata.ino 2.5");
+  gst_structure_free(stats);
+  ck_assert_int_eq(gst_element_set_state(sink, GST_STATE_NULL), GST_STATE_CHANGE_SUCCESS);
+  gst_object_unref(sink);
+  gst_object_unref(device);
+  fail_if(board.bytes().empty());
+  fail_unless(other.bytes().empty());
+}
+GST_END_TEST;
+
+static Suite *
+device_monitor_suite(void)
+{
+  std::signal(SIGHUP, SIG_IGN); // see usb_serial_bus.cpp
+  Suite *suite = suite_create("device_monitor");
+  TCase *tests = tcase_create("general");
+  suite_add_tcase(suite, tests);
+  tcase_add_test(tests, test_plugging);
+  tcase_add_test(tests, test_element);
+  return suite;
+}
+
+GST_CHECK_MAIN(device_monitor)

@@ -1,0 +1,647 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "emulated_board.h"
+
+#include <linux/usbdevice_fs.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <fcntl.h>
+#include <filesystem>
+#include <stdexcept>
+#include <sys/ioctl.h>
+#include <sys/stat.h>
+#include <termios.h>
+#include <unistd.h>
+#include <utility>
+
+namespace usb_test {
+
+namespace {
+
+constexpr int kBitsPerByte = 10; // 8N1
+constexpr std::array<std::uint8_t, 2> kStatus{ 0x01,
+                                               0x60 }; // FT232R: nothing to tell; sender empty
+constexpr std::size_t kLongestRead = 512;              // of the host's transfers
+
+std::string
+hex(std::span<const std::uint8_t> bytes)
+{
+  std::string text;
+  for (const std::uint8_t byte : bytes) {
+    char digits[3];
+    std::snprintf(digits, sizeof digits, "%02x", byte);
+    text += digits;
+  }
+  return text;
+}
+
+std::string
+hex(const std::string &text)
+{
+  return hex(std::span(reinterpret_cast<const std::uint8_t *>(text.data()), text.size()));
+}
+
+Bytes
+from_hex(std::string_view text)
+{
+  Bytes bytes;
+  std::string digits;
+  for (const char c : text) {
+    if (c != ' ')
+      digits += c;
+    if (digits.size() == 2)
+      bytes.push_back(std::stoi(std::exchange(digits, {}), nullptr, 16));
+  }
+  return bytes;
+}
+
+std::string
+format(const char *pattern, auto... values)
+{
+  char text[256];
+  std::snprintf(text, sizeof text, pattern, values...);
+  return text;
+}
+
+struct usbdevfs_urb *
+as_urb(UMockdevIoctlData *data)
+{
+  return reinterpret_cast<struct usbdevfs_urb *>(data->data);
+}
+
+template <class T>
+T
+resolve(UMockdevIoctlData *argument)
+{
+  UMockdevIoctlData *data = umockdev_ioctl_data_resolve(argument, 0, sizeof(T), nullptr);
+  T value;
+  std::memcpy(&value, data->data, sizeof value);
+  g_object_unref(data);
+  return value;
+}
+
+} // namespace
+
+EmulatedUsb::EmulatedUsb() : testbed_(umockdev_testbed_new())
+{
+  // Asked while there is a test bed: the first answer is kept.
+  if (!umockdev_in_mock_environment())
+    throw std::runtime_error("this must be run by umockdev-wrapper");
+}
+
+EmulatedUsb::~EmulatedUsb()
+{
+  g_object_unref(testbed_);
+}
+
+UMockdevTestbed *
+EmulatedUsb::testbed() const
+{
+  return testbed_;
+}
+
+std::string
+EmulatedUsb::path(const std::string &path) const
+{
+  char *root = umockdev_testbed_get_root_dir(testbed_);
+  const std::string result = root + path;
+  g_free(root);
+  return result;
+}
+
+int
+EmulatedUsb::next_address()
+{
+  return ++address_;
+}
+
+void
+EmulatedUsb::stop_udev()
+{
+  for (const auto &entry : std::filesystem::directory_iterator(path("/")))
+    if (entry.path().filename().string().starts_with("event"))
+      std::filesystem::remove(entry.path());
+}
+
+Bytes
+EmulatedBoard::descriptors(Transport transport, std::optional<std::uint16_t> own_vendor)
+{
+  struct Model
+  {
+    unsigned vendor, product, device_class, interfaces;
+    std::string body; ///< what follows the configuration's header
+  };
+  const Model models[] = {
+    // Mega 2560 R3: the abstract control model with its functional descriptors, then data.
+    { 0x2341, 0x0042, 0x02, 2,
+      "090400000102020100 0524001001 04240206 0524060001 070582030800ff"
+      "09040100020a000000 07050402400001 07058302400001" },
+    { 0x0403, 0x6001, 0x00, 1, "0904000002ffffff02 07058102400000 07050202400000" },
+    { 0x1a86, 0x7523, 0xff, 1, "0904000003ff010200 07058202200000 07050202200000 07058103080001" },
+  };
+  const Model &model = models[static_cast<int>(transport)];
+  const unsigned vendor = own_vendor.value_or(model.vendor);
+  const auto length = static_cast<unsigned>(9 + from_hex(model.body).size());
+  return from_hex(
+      format("12010002%02x000008 %02x%02x %02x%02x 0001 010203 01", model.device_class,
+             vendor & 0xff, vendor >> 8, model.product & 0xff, model.product >> 8)
+      + format("0902 %02x%02x %02x 01 00 80 32", length & 0xff, length >> 8, model.interfaces)
+      + model.body);
+}
+
+EmulatedBoard::EmulatedBoard(EmulatedUsb &usb, BoardDescription description,
+                             std::shared_ptr<Firmware> firmware)
+    : usb_(usb), description_(std::move(description)), firmware_(std::move(firmware)),
+      packet_(description_.transport == Transport::ch340 ? 32 : 64),
+      status_bytes_(description_.transport == Transport::ftdi ? 2 : 0),
+      wire_(&EmulatedBoard::run_wire, this)
+{
+  plug();
+}
+
+EmulatedBoard::~EmulatedBoard()
+{
+  unplug();
+  {
+    const std::lock_guard lock(mutex_);
+    stop_ = true;
+    changed_.notify_all();
+  }
+  wire_.join();
+  for (const auto &[node, handler] : handlers_) {
+    umockdev_testbed_detach_ioctl(usb_.testbed(), node.c_str(), nullptr);
+    g_signal_handlers_disconnect_by_data(handler, this);
+    g_object_unref(handler);
+  }
+  for (const Urb &urb : done_)
+    g_object_unref(urb.urb);
+}
+
+void
+EmulatedBoard::plug()
+{
+  const std::lock_guard lock(mutex_);
+  const int bus = std::atoi(description_.port.c_str());
+  const int address = usb_.next_address();
+  node_ = format("/dev/bus/usb/%03d/%03d", bus, address);
+  syspath_ = format("/devices/usb%d/%s", bus, description_.port.c_str());
+
+  master_ = posix_openpt(O_RDWR | O_NOCTTY | O_CLOEXEC);
+  if (master_ < 0 || grantpt(master_) != 0 || unlockpt(master_) != 0)
+    throw std::runtime_error("no pty");
+  slave_ = ioctl(master_, TIOCGPTPEER, O_RDWR | O_NOCTTY | O_CLOEXEC);
+  if (slave_ < 0)
+    throw std::runtime_error("no pty");
+  open_gate(false);
+
+  UMockdevIoctlBase *handler = umockdev_ioctl_base_new();
+  g_signal_connect(handler, "handle-ioctl", G_CALLBACK(handle_ioctl), this);
+  umockdev_testbed_attach_ioctl(usb_.testbed(), node_.c_str(), handler, nullptr);
+  handlers_[node_] = handler;
+
+  // The node first, and not by umockdev: it would be a plain file, always ready, in the moment in which the device is announced.
+  const std::filesystem::path node = usb_.path(node_);
+  std::filesystem::create_directories(node.parent_path());
+  std::filesystem::create_symlink(ptsname(master_), node);
+
+  plugged_ = true;
+  dtr_ = false;
+  const Bytes descriptors
+      = description_.descriptors.empty()
+            ? EmulatedBoard::descriptors(description_.transport, description_.vendor)
+            : description_.descriptors;
+  const std::string device
+      = "P: " + syspath_ + "\n"
+        + format("E: DEVNAME=%s\nE: SUBSYSTEM=usb\nE: DEVTYPE=usb_device\nE: BUSNUM=%03d\nE: "
+                 "DEVNUM=%03d\n",
+                 node_.c_str(), bus, address)
+        + format("A: busnum=%d\\n\nA: devnum=%d\\n\nA: speed=12\\n\nA: bConfigurationValue=1\\n\n",
+                 bus, address)
+        + "H: serial=" + hex(description_.serial + "\n")
+        + "\nH: product=" + hex(description_.product + "\n") + "\nH: manufacturer="
+        + hex(description_.manufacturer + "\n") + "\nH: descriptors=" + hex(descriptors) + "\n";
+  GError *error = nullptr;
+  if (!umockdev_testbed_add_from_string(usb_.testbed(), device.c_str(), &error))
+    throw std::runtime_error(error->message);
+}
+
+void
+EmulatedBoard::unplug()
+{
+  const std::lock_guard lock(mutex_);
+  if (!plugged_)
+    return;
+  plugged_ = false;
+  // The event needs the properties in sysfs.
+  umockdev_testbed_uevent(usb_.testbed(), ("/sys" + syspath_).c_str(), "remove");
+  umockdev_testbed_remove_device(usb_.testbed(), ("/sys" + syspath_).c_str());
+  std::filesystem::remove(usb_.path(node_));
+  for (std::list<Urb> *pending : { &reads_, &writes_, &requests_ })
+    for (; !pending->empty(); pending->pop_front())
+      done(pending->front(), -ESHUTDOWN, 0);
+  close(slave_);
+  close(master_); // POLLERR at the host
+  slave_ = master_ = -1;
+  for_host_.clear();
+  changed_.notify_all();
+}
+
+// ---- what came
+
+std::vector<EmulatedBoard::Received>
+EmulatedBoard::received() const
+{
+  const std::lock_guard lock(mutex_);
+  return received_;
+}
+
+Bytes
+EmulatedBoard::bytes() const
+{
+  Bytes all;
+  for (const Received &one : received())
+    all.push_back(one.byte);
+  return all;
+}
+
+bool
+EmulatedBoard::wait_until(const std::function<bool()> &condition) const
+{
+  std::unique_lock lock(mutex_);
+  return changed_.wait_for(lock, kPatience, condition);
+}
+
+bool
+EmulatedBoard::wait_for_bytes(std::size_t count) const
+{
+  return wait_until([&] { return received_.size() >= count; });
+}
+
+std::vector<std::string>
+EmulatedBoard::conversation() const
+{
+  const std::lock_guard lock(mutex_);
+  return conversation_;
+}
+
+int
+EmulatedBoard::transfers_pending() const
+{
+  const std::lock_guard lock(mutex_);
+  return static_cast<int>(reads_.size() + writes_.size() + requests_.size() + done_.size());
+}
+
+int
+EmulatedBoard::most_writes_pending() const
+{
+  const std::lock_guard lock(mutex_);
+  return most_writes_pending_;
+}
+
+void
+EmulatedBoard::with_firmware(const std::function<void()> &look) const
+{
+  const std::lock_guard lock(mutex_);
+  look();
+}
+
+// ---- faults
+
+void
+EmulatedBoard::stall(bool on)
+{
+  const std::lock_guard lock(mutex_);
+  stalled_ = on;
+  changed_.notify_all();
+}
+
+void
+EmulatedBoard::break_transfers(int count)
+{
+  const std::lock_guard lock(mutex_);
+  failures_ = count;
+  for (std::list<Urb> *pending : { &reads_, &writes_ })
+    for (; failures_ > 0 && !pending->empty(); pending->pop_front())
+      break_one(pending->front());
+  changed_.notify_all();
+}
+
+void
+EmulatedBoard::break_one(Urb urb)
+{
+  failures_ -= failures_ < kAll ? 1 : 0;
+  done(urb, -EPROTO, 0);
+}
+
+void
+EmulatedBoard::ignore_requests(bool on)
+{
+  const std::lock_guard lock(mutex_);
+  ignore_requests_ = on;
+}
+
+void
+EmulatedBoard::refuse_requests(bool on)
+{
+  const std::lock_guard lock(mutex_);
+  refuse_requests_ = on;
+}
+
+void
+EmulatedBoard::use_by_another(bool on)
+{
+  const std::lock_guard lock(mutex_);
+  busy_ = on;
+}
+
+void
+EmulatedBoard::forbid()
+{
+  const std::lock_guard lock(mutex_);
+  fchmod(slave_, 0);
+}
+
+// ---- to the host
+
+void
+EmulatedBoard::send(std::span<const std::uint8_t> bytes)
+{
+  const std::lock_guard lock(mutex_);
+  queue_for_host(bytes);
+  feed_reads();
+}
+
+/// Cuts into what one transfer of the host can take: whole packets, the last one of any length.
+void
+EmulatedBoard::queue_for_host(std::span<const std::uint8_t> bytes)
+{
+  do {
+    Bytes transfer;
+    for (bool full = true; full && transfer.size() + packet_ <= kLongestRead;) {
+      const std::size_t payload
+          = std::min(bytes.size(), static_cast<std::size_t>(packet_ - status_bytes_));
+      if (payload == 0 && !transfer.empty())
+        break;
+      if (status_bytes_ > 0)
+        transfer.insert(transfer.end(), kStatus.begin(), kStatus.end());
+      transfer.insert(transfer.end(), bytes.begin(), bytes.begin() + payload);
+      bytes = bytes.subspan(payload);
+      full = payload == static_cast<std::size_t>(packet_ - status_bytes_);
+    }
+    for_host_.push_back(std::move(transfer));
+  } while (!bytes.empty());
+}
+
+void
+EmulatedBoard::feed_reads()
+{
+  while (!reads_.empty() && !for_host_.empty()) {
+    const Bytes bytes = std::move(for_host_.front());
+    for_host_.pop_front();
+    const Urb urb = reads_.front();
+    reads_.pop_front();
+    const int size = std::min(static_cast<int>(bytes.size()), as_urb(urb.urb)->buffer_length);
+    std::copy_n(bytes.begin(), size, urb.buffer->data);
+    done(urb, static_cast<std::size_t>(size) < bytes.size() ? -EOVERFLOW : 0, size);
+  }
+}
+
+// ---- usbfs (linux/usbdevice_fs.h)
+
+gboolean
+EmulatedBoard::handle_ioctl(UMockdevIoctlBase *, UMockdevIoctlClient *client, EmulatedBoard *board)
+{
+  UMockdevIoctlData *argument = umockdev_ioctl_client_get_arg(client);
+  std::optional<Answer> answer;
+  {
+    const std::lock_guard lock(board->mutex_);
+    // An earlier plugging's node.
+    if (board->node_ != umockdev_ioctl_client_get_devnode(client))
+      answer = Answer{ -1, ENODEV };
+    else
+      answer = board->answer(umockdev_ioctl_client_get_request(client), argument);
+    board->changed_.notify_all();
+  }
+  if (!answer)
+    return FALSE;
+  umockdev_ioctl_client_complete(client, answer->result, answer->error);
+  return TRUE;
+}
+
+std::optional<EmulatedBoard::Answer>
+EmulatedBoard::answer(unsigned long request, UMockdevIoctlData *argument)
+{
+  if (request == USBDEVFS_REAPURBNDELAY || request == USBDEVFS_REAPURB)
+    return reap(argument);
+  if (!plugged_)
+    return Answer{ -1, ENODEV };
+  switch (request) {
+  case USBDEVFS_GET_CAPABILITIES: {
+    UMockdevIoctlData *data = umockdev_ioctl_data_resolve(argument, 0, sizeof(guint32), nullptr);
+    const guint32 capabilities = USBDEVFS_CAP_BULK_CONTINUATION | USBDEVFS_CAP_NO_PACKET_SIZE_LIM
+                                 | USBDEVFS_CAP_REAP_AFTER_DISCONNECT | USBDEVFS_CAP_ZERO_PACKET;
+    std::memcpy(data->data, &capabilities, sizeof capabilities);
+    g_object_unref(data);
+    return Answer{};
+  }
+  case USBDEVFS_DISCONNECT_CLAIM:
+    return claim(static_cast<int>(resolve<struct usbdevfs_disconnect_claim>(argument).interface));
+  case USBDEVFS_RELEASEINTERFACE:
+    conversation_.push_back(format("release %d", resolve<int>(argument)));
+    return Answer{};
+  case USBDEVFS_IOCTL: {
+    const auto command = resolve<struct usbdevfs_ioctl>(argument);
+    if (command.ioctl_code != static_cast<int>(USBDEVFS_CONNECT))
+      return Answer{ -1, ENOTTY };
+    conversation_.push_back(format("return %d", command.ifno));
+    return Answer{ 1, 0 };
+  }
+  case USBDEVFS_SUBMITURB:
+    return submit(argument);
+  case USBDEVFS_DISCARDURB:
+    return discard(argument);
+  default:
+    return Answer{ -1, ENOTTY };
+  }
+}
+
+EmulatedBoard::Answer
+EmulatedBoard::claim(int interface)
+{
+  if (busy_)
+    return { -1, EBUSY };
+  conversation_.push_back(format("claim %d", interface));
+  return {};
+}
+
+EmulatedBoard::Answer
+EmulatedBoard::submit(UMockdevIoctlData *argument)
+{
+  Urb urb;
+  urb.urb = umockdev_ioctl_data_resolve(argument, 0, sizeof(struct usbdevfs_urb), nullptr);
+  const int length = as_urb(urb.urb)->buffer_length;
+  UMockdevIoctlData *buffer = umockdev_ioctl_data_resolve(
+      urb.urb, offsetof(struct usbdevfs_urb, buffer), static_cast<std::size_t>(length), nullptr);
+  urb.buffer = buffer; // kept by the other one
+  if (buffer)
+    g_object_unref(buffer);
+  if (as_urb(urb.urb)->type == USBDEVFS_URB_TYPE_CONTROL) {
+    control(urb);
+  } else if (failures_ > 0) {
+    break_one(urb);
+  } else if (as_urb(urb.urb)->endpoint & 0x80) {
+    reads_.push_back(urb);
+    feed_reads();
+  } else {
+    writes_.push_back(urb);
+    most_writes_pending_ = std::max(most_writes_pending_, static_cast<int>(writes_.size()));
+  }
+  return {};
+}
+
+void
+EmulatedBoard::control(Urb urb)
+{
+  const std::uint8_t *bytes = urb.buffer->data;
+  const auto word = [&](int at) {
+    return bytes[at] | bytes[at + 1] << 8;
+  };
+  const int length = word(6);
+  const bool in = bytes[0] & 0x80;
+  std::string request = format("%02x %02x %04x %04x", bytes[0], bytes[1], word(2), word(4));
+  if (length > 0)
+    request += in ? format(" %d bytes", length)
+                  : " " + hex({ bytes + 8, static_cast<std::size_t>(length) });
+  conversation_.push_back(request);
+  if (ignore_requests_) {
+    requests_.push_back(urb);
+    return;
+  }
+  if (refuse_requests_) {
+    done(urb, -EPIPE, 0);
+    return;
+  }
+  if (in)
+    std::memset(urb.buffer->data + 8, 0x31, static_cast<std::size_t>(length));
+  done(urb, 0, length);
+  // The board is reset when DTR rises.
+  const bool dtr = request.starts_with("21 22 0003") || request.starts_with("40 01 0101")
+                   || request.starts_with("40 a4 ff9f");
+  if (dtr && !dtr_ && firmware_) {
+    queue_for_host(firmware_->reset());
+    feed_reads();
+  }
+  dtr_ = dtr_ || dtr;
+}
+
+EmulatedBoard::Answer
+EmulatedBoard::reap(UMockdevIoctlData *argument)
+{
+  if (done_.empty()) {
+    if (!plugged_)
+      return { -1, ENODEV };
+    open_gate(false);
+    return { -1, EAGAIN };
+  }
+  const Urb urb = done_.front();
+  done_.pop_front();
+  as_urb(urb.urb)->status = urb.status;
+  as_urb(urb.urb)->actual_length = urb.actual;
+  UMockdevIoctlData *pointer = umockdev_ioctl_data_resolve(argument, 0, sizeof(gpointer), nullptr);
+  umockdev_ioctl_data_set_ptr(pointer, 0, urb.urb);
+  g_object_unref(pointer);
+  g_object_unref(urb.urb);
+  return {};
+}
+
+EmulatedBoard::Answer
+EmulatedBoard::discard(UMockdevIoctlData *argument)
+{
+  gulong address = 0;
+  std::memcpy(&address, argument->data, sizeof address);
+  for (std::list<Urb> *pending : { &reads_, &writes_, &requests_ })
+    for (auto urb = pending->begin(); urb != pending->end(); ++urb)
+      if (urb->urb->client_addr == address) {
+        done(*urb, -ENOENT, 0);
+        pending->erase(urb);
+        return {};
+      }
+  return { -1, EINVAL };
+}
+
+void
+EmulatedBoard::done(Urb urb, int status, int actual)
+{
+  urb.status = status;
+  urb.actual = actual;
+  done_.push_back(urb);
+  if (plugged_)
+    open_gate(true);
+}
+
+/// Whether the host's poll() says that there is something to reap.
+void
+EmulatedBoard::open_gate(bool open)
+{
+  tcflow(slave_, open ? TCOON : TCOOFF);
+}
+
+// ---- the wire to the firmware
+
+void
+EmulatedBoard::run_wire()
+{
+  std::unique_lock lock(mutex_);
+  while (!stop_) {
+    if (!stalled_ && !writes_.empty())
+      carry(lock);
+    else
+      changed_.wait(lock);
+  }
+}
+
+/// One transfer: its bytes one after another at the wire's rate. A transfer is done when its last byte has left.
+void
+EmulatedBoard::carry(std::unique_lock<std::mutex> &lock)
+{
+  const UMockdevIoctlData *const urb = writes_.front().urb;
+  const Bytes bytes(writes_.front().buffer->data,
+                    writes_.front().buffer->data + as_urb(writes_.front().urb)->buffer_length);
+  const auto byte_time = std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(
+      description_.baud > 0 ? kBitsPerByte / description_.baud : 0.0));
+  const Clock::time_point begin = std::max(Clock::now(), wire_free_);
+  const Clock::time_point end = begin + byte_time * bytes.size();
+  const auto gone = [&] {
+    return stop_ || stalled_ || writes_.empty() || writes_.front().urb != urb;
+  };
+  const bool cut = end > Clock::now() && changed_.wait_until(lock, end, gone);
+  std::size_t carried = bytes.size();
+  if (cut)
+    carried = std::min(carried, static_cast<std::size_t>((Clock::now() - begin) / byte_time));
+  for (std::size_t i = 0; i < carried; i++)
+    to_firmware(bytes[i], begin + byte_time * (i + 1));
+  wire_free_ = begin + byte_time * carried;
+  if (!cut) {
+    const Urb whole = writes_.front();
+    writes_.pop_front();
+    done(whole, 0, static_cast<int>(bytes.size()));
+  }
+  feed_reads();
+  changed_.notify_all();
+}
+
+void
+EmulatedBoard::to_firmware(std::uint8_t byte, Clock::time_point time)
+{
+  received_.push_back({ time, byte });
+  if (!firmware_)
+    return;
+  if (const Bytes answer = firmware_->receive(byte, time); !answer.empty())
+    queue_for_host(answer);
+}
+
+} // namespace usb_test

@@ -1,0 +1,186 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include "standard_firmata.h"
+
+#include <umockdev.h>
+
+#include <condition_variable>
+#include <deque>
+#include <functional>
+#include <limits>
+#include <list>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <span>
+#include <string>
+#include <thread>
+#include <vector>
+
+namespace usb_test {
+
+/// How long something that must come may take, in a test that would otherwise hang. Nothing is ever waited for that shall not come.
+constexpr auto kPatience = std::chrono::seconds(20);
+
+/// The USB ports of an emulated machine. The process must run under umockdev-wrapper.
+class EmulatedUsb
+{
+public:
+  EmulatedUsb();
+  ~EmulatedUsb();
+  EmulatedUsb(const EmulatedUsb &) = delete;
+  EmulatedUsb &operator=(const EmulatedUsb &) = delete;
+
+  UMockdevTestbed *testbed() const;
+  std::string
+  path(const std::string &path) const; ///< where a path of the emulated machine really is
+  int next_address();
+
+  /// udevd falls silent: nobody who listens now hears of what is plugged in or out.
+  void stop_udev();
+
+private:
+  UMockdevTestbed *testbed_;
+  int address_ = 1;
+};
+
+enum class Transport
+{
+  cdc_acm,
+  ftdi,
+  ch340,
+};
+
+constexpr Transport kTransports[] = { Transport::cdc_acm, Transport::ftdi, Transport::ch340 };
+
+struct BoardDescription
+{
+  Transport transport = Transport::cdc_acm;
+  std::string port = "1-1"; ///< where it is plugged in
+  std::string serial = "75833353035351F0C0A1";
+  std::string manufacturer = "Arduino (www.arduino.cc)";
+  std::string product = "Mega 2560";
+  std::optional<std::uint16_t> vendor{};
+  Bytes descriptors{}; ///< instead of the transport's
+  double baud = 0;     ///< of the emulated wire from host to board; 0: no time passes on it
+};
+
+/// A USB board: descriptors, control requests, bulk endpoints and a wire of some speed to the firmware behind it. Plugged in, it is a device
+/// node on a pty: umockdev hands its ioctls over, the pty's flow control says when there is something to reap, its hang-up is the unplugging.
+/// All methods may be called by any thread.
+class EmulatedBoard
+{
+public:
+  EmulatedBoard(EmulatedUsb &usb, BoardDescription description,
+                std::shared_ptr<Firmware> firmware = nullptr);
+  ~EmulatedBoard();
+  EmulatedBoard(const EmulatedBoard &) = delete;
+  EmulatedBoard &operator=(const EmulatedBoard &) = delete;
+
+  void plug();
+  void unplug();
+
+  static Bytes descriptors(Transport transport, std::optional<std::uint16_t> vendor = {});
+
+  // ---- what came
+  struct Received
+  {
+    Clock::time_point time; ///< its stop bit's end on the wire
+    std::uint8_t byte = 0;
+  };
+  std::vector<Received> received() const;
+  Bytes bytes() const;
+  /// False if there were not as many within kPatience.
+  bool wait_for_bytes(std::size_t count) const;
+  bool wait_until(const std::function<bool()> &condition)
+      const; ///< asked after every event; the board's lock is held
+  /// Claims ("claim 0", "release 0", "return 0": to the kernel's driver) and control requests ("40 03 c034 0000", data after that), in order.
+  std::vector<std::string> conversation() const;
+  int transfers_pending() const;
+  int most_writes_pending() const;
+  /// Runs while the firmware stands still.
+  void with_firmware(const std::function<void()> &look) const;
+
+  // ---- what is sent: each as packets of its own
+  void send(std::span<const std::uint8_t> bytes);
+
+  // ---- what goes wrong
+  void stall(bool on);             ///< what is sent is not taken
+  void break_transfers(int count); ///< so many bulk transfers end in EPROTO; kAll: every one
+  void ignore_requests(bool on);   ///< control requests are never answered
+  void refuse_requests(bool on);   ///< control requests stall
+  void use_by_another(bool on);    ///< claims end in EBUSY
+  void forbid();                   ///< nobody may open the device any more; root still may
+  static constexpr int kAll = std::numeric_limits<int>::max();
+
+private:
+  struct Urb
+  {
+    UMockdevIoctlData *urb = nullptr; ///< owned
+    UMockdevIoctlData *buffer = nullptr;
+    int status = 0;
+    int actual = 0;
+  };
+
+  static gboolean handle_ioctl(UMockdevIoctlBase *handler, UMockdevIoctlClient *client,
+                               EmulatedBoard *board);
+  struct Answer
+  {
+    long result = 0;
+    int error = 0;
+  };
+  // With the lock held.
+  std::optional<Answer> answer(unsigned long request, UMockdevIoctlData *argument);
+  Answer claim(int interface);
+  Answer submit(UMockdevIoctlData *argument);
+  Answer reap(UMockdevIoctlData *argument);
+  Answer discard(UMockdevIoctlData *argument);
+  void control(Urb urb);
+  void done(Urb urb, int status, int actual);
+  void feed_reads();
+  void queue_for_host(std::span<const std::uint8_t> bytes);
+  void to_firmware(std::uint8_t byte, Clock::time_point time);
+  void break_one(Urb urb);
+  void open_gate(bool open);
+
+  void run_wire();
+  void carry(std::unique_lock<std::mutex> &lock);
+
+  EmulatedUsb &usb_;
+  const BoardDescription description_;
+  const std::shared_ptr<Firmware> firmware_;
+  const int packet_;       ///< bytes, of the bulk endpoints
+  const int status_bytes_; ///< that begin each packet to the host
+  std::map<std::string, UMockdevIoctlBase *> handlers_;
+
+  mutable std::mutex mutex_;
+  mutable std::condition_variable changed_;
+  bool plugged_ = false;
+  bool stop_ = false;
+  bool dtr_ = false;
+  std::string syspath_;
+  std::string node_;
+  int master_ = -1;
+  int slave_ = -1;
+  std::list<Urb> reads_;
+  std::list<Urb> writes_;
+  std::list<Urb> requests_; ///< that are not being answered
+  std::deque<Urb> done_;    ///< to be reaped
+  std::deque<Bytes> for_host_;
+  Clock::time_point wire_free_{};
+  std::vector<Received> received_;
+  std::vector<std::string> conversation_;
+  int most_writes_pending_ = 0;
+
+  bool stalled_ = false;
+  int failures_ = 0;
+  bool ignore_requests_ = false;
+  bool refuse_requests_ = false;
+  bool busy_ = false;
+
+  std::thread wire_;
+};
+
+} // namespace usb_test

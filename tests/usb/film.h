@@ -1,0 +1,145 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include "emulated_board.h"
+
+#include "tactor/command_trace.h"
+
+#include <cmath>
+#include <filesystem>
+#include <map>
+#include <random>
+#include <stdexcept>
+#include <string>
+#include <unistd.h>
+#include <vector>
+
+#include <gst/gst.h>
+
+namespace usb_test {
+
+/// A stream of tactile maps, played in real time by `tactorsink driver=firmata`: 3 × 3, another random one each 200 ms.
+class Film
+{
+public:
+  explicit Film(int blocks, const std::string &properties = "")
+      : trace_path_("/tmp/film-" + std::to_string(getpid()) + ".csv")
+  {
+    GError *error = nullptr;
+    pipeline_ = gst_parse_launch(("appsrc name=maps format=time caps=\"application/x-tactile-map,"
+                                  "rows=(int)3,columns=(int)3,framerate=(fraction)30/1\" "
+                                  "! tactorsink name=tactors driver=firmata trace-location="
+                                  + trace_path_ + " " + properties)
+                                     .c_str(),
+                                 &error);
+    if (error)
+      throw std::runtime_error(error->message); // not found: see GST_PLUGIN_PATH
+    bus_ = gst_element_get_bus(pipeline_);
+    GstElement *maps = gst_bin_get_by_name(GST_BIN(pipeline_), "maps");
+    std::mt19937 random(blocks);
+    std::vector<float> levels(9);
+    for (int frame = 0; frame < blocks * kFrames; frame++) {
+      if (frame % kFrames == 0)
+        for (float &level : levels)
+          level = static_cast<float>(random() % 5) / 4;
+      const std::size_t size = levels.size() * sizeof levels[0];
+      GstBuffer *buffer = gst_buffer_new_memdup(levels.data(), size);
+      GST_BUFFER_PTS(buffer) = gst_util_uint64_scale(frame, GST_SECOND, 30);
+      GST_BUFFER_DURATION(buffer) = GST_SECOND / 30;
+      GstFlowReturn flow;
+      g_signal_emit_by_name(maps, "push-buffer", buffer, &flow);
+      gst_buffer_unref(buffer);
+    }
+    GstFlowReturn flow;
+    g_signal_emit_by_name(maps, "end-of-stream", &flow);
+    gst_object_unref(maps);
+  }
+  ~Film()
+  {
+    stop();
+    gst_object_unref(bus_);
+    gst_object_unref(pipeline_);
+    unlink(trace_path_.c_str());
+  }
+  Film(const Film &) = delete;
+  Film &operator=(const Film &) = delete;
+
+  void play()
+  {
+    gst_element_set_state(pipeline_, GST_STATE_PLAYING);
+  }
+
+  void stop()
+  {
+    gst_element_set_state(pipeline_, GST_STATE_NULL);
+  }
+
+  /// Plays on until that message, or an element's one of that name, has come; false if an error did.
+  bool wait_for(GstMessageType type, const char *name = nullptr)
+  {
+    for (;;) {
+      GstMessage *message = gst_bus_timed_pop(bus_, GST_CLOCK_TIME_NONE);
+      const bool is_it
+          = GST_MESSAGE_TYPE(message) == type && (!name || gst_message_has_name(message, name));
+      const bool is_error = GST_MESSAGE_TYPE(message) == GST_MESSAGE_ERROR;
+      if (is_error || GST_MESSAGE_TYPE(message) == GST_MESSAGE_WARNING) {
+        GError *error = nullptr;
+        char *debug = nullptr;
+        (is_error ? gst_message_parse_error : gst_message_parse_warning)(message, &error, &debug);
+        (is_error ? errors : warnings)
+            .push_back(std::string(error->message) + " " + (debug ? debug : ""));
+        g_error_free(error);
+        g_free(debug);
+      }
+      gst_message_unref(message);
+      if (is_it || is_error)
+        return is_it;
+    }
+  }
+
+  /// After the film: what was handed to the driver.
+  std::vector<tactor::IssuedCommand> trace() const
+  {
+    return tactor::read_command_trace(trace_path_);
+  }
+
+  /// When what has running time 0 is due, on the steady clock. While it plays.
+  Clock::time_point start() const
+  {
+    GstQuery *query = gst_query_new_latency();
+    GstClockTime latency = 0;
+    if (gst_element_query(pipeline_, query))
+      gst_query_parse_latency(query, nullptr, &latency, nullptr);
+    gst_query_unref(query);
+    return Clock::time_point(
+        std::chrono::nanoseconds(gst_element_get_base_time(pipeline_) + latency));
+  }
+
+  std::vector<std::string> warnings;
+  std::vector<std::string> errors;
+
+private:
+  static constexpr int kFrames = 6; ///< of a block
+  GstElement *pipeline_;
+  GstBus *bus_;
+  const std::string trace_path_;
+};
+
+/// What a motor's pin shall hold, one after the other.
+inline std::map<int, std::vector<int>>
+planned_duties(const std::vector<tactor::IssuedCommand> &trace)
+{
+  constexpr double kFullScale = 3.0;
+  constexpr int kFirstPin = 2; // of those with PWM on a Mega: 2…13
+  std::map<int, std::vector<int>> duties;
+  for (const tactor::IssuedCommand &line : trace) {
+    std::vector<int> &pin = duties[kFirstPin + line.command.tactor];
+    const int duty = static_cast<int>(std::lround(line.command.volts / kFullScale * 255));
+    if (duty != (pin.empty() ? 0 : pin.back()))
+      pin.push_back(duty);
+  }
+  std::erase_if(duties, [](const auto &pin) { return pin.second.empty(); });
+  return duties;
+}
+
+} // namespace usb_test

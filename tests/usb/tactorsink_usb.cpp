@@ -1,0 +1,175 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+//
+// From tactile maps to the pins of an emulated Mega: tactorsink, driver, USB and firmware in real time.
+#include "film.h"
+
+#include <csignal>
+
+#include <gst/check/gstcheck.h>
+
+using namespace std::chrono_literals;
+using namespace usb_test;
+
+namespace {
+
+/// A Mega on a USB port, at the wire's real rate.
+struct Mega
+{
+  explicit Mega(Transport transport = Transport::cdc_acm)
+      : board(usb, { .transport = transport, .baud = 57600 }, firmware)
+  {
+  }
+
+  bool any_motor_on() const
+  {
+    for (int pin = 0; pin < 70; pin++)
+      if (firmware->duty(pin) > 0)
+        return true;
+    return false;
+  }
+
+  bool wait_for_motors(bool on)
+  {
+    return board.wait_until([&] { return any_motor_on() == on; });
+  }
+
+  std::map<int, std::vector<int>> duties() const
+  {
+    std::map<int, std::vector<int>> all;
+    board.with_firmware([&] {
+      for (const StandardFirmata::Change &change : firmware->changes())
+        all[change.pin].push_back(change.duty);
+    });
+    return all;
+  }
+
+  EmulatedUsb usb;
+  std::shared_ptr<StandardFirmata> firmware
+      = std::make_shared<StandardFirmata>(StandardFirmata::mega());
+  EmulatedBoard board;
+};
+
+} // namespace
+
+GST_START_TEST(test_pins_get_what_was_planned)
+{
+  for (const Transport transport : kTransports) {
+    Mega mega(transport);
+    Film film(8);
+    film.play();
+    fail_unless(film.wait_for(GST_MESSAGE_EOS));
+    film.stop();
+    const auto planned = planned_duties(film.trace());
+    fail_unless(planned.size() == 9);
+    fail_unless(mega.duties() == planned);
+    fail_if(mega.any_motor_on());
+    fail_unless(mega.firmware->resets() > 0);
+  }
+}
+GST_END_TEST;
+
+GST_START_TEST(test_stopped_while_motors_are_on)
+{
+  Mega mega;
+  Film film(20);
+  film.play();
+  fail_unless(mega.wait_for_motors(true));
+  film.stop();
+  fail_if(mega.any_motor_on());
+  fail_unless(mega.board.bytes().back() == 0xff);
+  fail_unless_equals_int(mega.board.transfers_pending(), 0);
+}
+GST_END_TEST;
+
+GST_START_TEST(test_unplugged_and_plugged_in_again)
+{
+  for (const bool udev : { true, false }) {
+    Mega mega;
+    Film film(40);
+    film.play();
+    fail_unless(mega.wait_for_motors(true));
+    if (!udev)
+      mega.usb.stop_udev();
+    mega.board.unplug();
+    fail_unless(film.wait_for(GST_MESSAGE_ELEMENT, "tactor-device-lost"));
+    mega.board.plug();
+    fail_unless(film.wait_for(GST_MESSAGE_ELEMENT, "tactor-device-found"));
+    fail_unless(mega.wait_for_motors(true));
+    fail_unless(film.wait_for(GST_MESSAGE_EOS));
+    film.stop();
+    fail_if(mega.any_motor_on());
+    fail_unless(film.errors.empty());
+    int gone = 0;
+    for (const std::string &warning : film.warnings)
+      gone += warning.find("gone") != std::string::npos;
+    fail_unless_equals_int(gone, 1);
+  }
+}
+GST_END_TEST;
+
+GST_START_TEST(test_unplugged_for_good)
+{
+  Mega mega;
+  Film film(10);
+  film.play();
+  fail_unless(mega.wait_for_motors(true));
+  mega.board.unplug();
+  fail_unless(film.wait_for(GST_MESSAGE_EOS));
+  fail_unless(film.errors.empty());
+}
+GST_END_TEST;
+
+/// A board that takes nothing any more is given up, and taken again when it does.
+GST_START_TEST(test_stalled)
+{
+  Mega mega;
+  Film film(40);
+  film.play();
+  fail_unless(mega.wait_for_motors(true));
+  mega.board.stall(true);
+  fail_unless(film.wait_for(GST_MESSAGE_ELEMENT, "tactor-device-lost"));
+  mega.board.stall(false);
+  fail_unless(film.wait_for(GST_MESSAGE_ELEMENT, "tactor-device-found"));
+  fail_unless(film.wait_for(GST_MESSAGE_EOS));
+  film.stop();
+  fail_if(mega.any_motor_on());
+}
+GST_END_TEST;
+
+GST_START_TEST(test_boards_that_cannot_be_used)
+{
+  {
+    Mega mega;
+    mega.board.use_by_another(true);
+    Film film(1);
+    film.play();
+    fail_if(film.wait_for(GST_MESSAGE_EOS));
+    fail_unless(film.errors.at(0).find("another program") != std::string::npos);
+  }
+  {
+    EmulatedUsb usb;
+    EmulatedBoard silent(usb, {});
+    Film film(1);
+    film.play();
+    fail_if(film.wait_for(GST_MESSAGE_EOS));
+  }
+}
+GST_END_TEST;
+
+static Suite *
+tactorsink_usb_suite(void)
+{
+  std::signal(SIGHUP, SIG_IGN);
+  Suite *suite = suite_create("tactorsink_usb");
+  TCase *tests = tcase_create("general");
+  suite_add_tcase(suite, tests);
+  tcase_add_test(tests, test_pins_get_what_was_planned);
+  tcase_add_test(tests, test_stopped_while_motors_are_on);
+  tcase_add_test(tests, test_unplugged_and_plugged_in_again);
+  tcase_add_test(tests, test_unplugged_for_good);
+  tcase_add_test(tests, test_stalled);
+  tcase_add_test(tests, test_boards_that_cannot_be_used);
+  return suite;
+}
+
+GST_CHECK_MAIN(tactorsink_usb)

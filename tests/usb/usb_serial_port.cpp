@@ -1,0 +1,289 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "listener.h"
+
+#include <csignal>
+#include <filesystem>
+#include <iterator>
+
+#include <gst/check/gstcheck.h>
+
+using namespace std::chrono_literals;
+using namespace tactor;
+using namespace usb_test;
+
+GST_START_TEST(test_bytes_out)
+{
+  for (const Transport transport : kTransports) {
+    EmulatedUsb usb;
+    EmulatedBoard board(usb, { .transport = transport });
+    UsbSerialBus bus;
+    Listener listener;
+    const auto port = open_only(bus, listener);
+    std::mt19937 random(static_cast<unsigned>(transport));
+    Bytes sent;
+    for (int i = 0; i < 100; i++) {
+      // The longest and the shortest, too.
+      const std::size_t size = i == 0   ? SerialPort::kMaxWrite
+                               : i == 1 ? 1
+                                        : 1 + random() % SerialPort::kMaxWrite;
+      const Bytes bytes = random_bytes(random, size);
+      sent.insert(sent.end(), bytes.begin(), bytes.end());
+      fail_unless(port->write(bytes));
+      fail_unless(listener.wait_for_written(i + 1));
+    }
+    fail_unless(board.bytes() == sent);
+    fail_unless_equals_int(board.most_writes_pending(), 1);
+  }
+}
+GST_END_TEST;
+
+GST_START_TEST(test_bytes_in)
+{
+  for (const Transport transport : kTransports) {
+    EmulatedUsb usb;
+    EmulatedBoard board(usb, { .transport = transport });
+    UsbSerialBus bus;
+    Listener listener;
+    const auto port = open_only(bus, listener);
+    std::mt19937 random(static_cast<unsigned>(transport));
+    Bytes sent;
+    for (int i = 0; i < 300; i++) {
+      // Around the packets' ends, too. An empty one is FTDI's every millisecond: status and nothing else.
+      constexpr std::size_t edges[] = { 0, 1, 31, 32, 33, 61, 62, 63, 64, 65, 124, 496, 512, 683 };
+      const std::size_t size = i < 14 ? edges[i] : random() % 700;
+      const Bytes bytes = random_bytes(random, size);
+      sent.insert(sent.end(), bytes.begin(), bytes.end());
+      board.send(bytes);
+    }
+    fail_unless(listener.wait_for_bytes(sent.size()));
+    fail_unless(listener.received() == sent);
+  }
+}
+GST_END_TEST;
+
+/// Each write is begun by the word that the last one is done.
+GST_START_TEST(test_ten_thousand_writes)
+{
+  constexpr int kWrites = 10000;
+  EmulatedUsb usb;
+  EmulatedBoard board(usb, {});
+  UsbSerialBus bus;
+  std::unique_ptr<SerialPort> port;
+  Counter count;
+  std::mutex opened; // `port` is there
+  Bytes sent;
+  const auto write = [&] {
+    const Bytes bytes{ static_cast<std::uint8_t>(sent.size() >> 9),
+                       static_cast<std::uint8_t>(sent.size() >> 1) };
+    fail_unless(port->write(bytes));
+    fail_unless(!port->write(bytes)); // one at a time
+    sent.insert(sent.end(), bytes.begin(), bytes.end());
+  };
+  {
+    const std::lock_guard lock(opened);
+    port = bus.open(bus.list().at(0), { .written = [&] {
+                      const std::lock_guard lock(opened);
+                      if (sent.size() < 2 * kWrites)
+                        write();
+                      count.count();
+                    } });
+    write();
+  }
+  for (int written = 1000; written <= kWrites; written += 1000)
+    fail_unless(count.wait_for(written));
+  port.reset();
+  fail_unless(board.bytes() == sent);
+  fail_unless_equals_int(board.most_writes_pending(), 1);
+}
+GST_END_TEST;
+
+GST_START_TEST(test_one_write_at_a_time)
+{
+  EmulatedUsb usb;
+  EmulatedBoard board(usb, {});
+  UsbSerialBus bus;
+  Listener listener;
+  const auto port = open_only(bus, listener);
+  board.stall(true);
+  const Bytes first{ 1 }, second{ 2 }, third{ 3 };
+  fail_unless(port->write(first));
+  fail_unless(!port->write(second));
+  board.stall(false);
+  fail_unless(listener.wait_for_written(1));
+  fail_unless(port->write(third));
+  fail_unless(listener.wait_for_written(2));
+  const Bytes expected{ 1, 3 };
+  fail_unless(board.bytes() == expected);
+}
+GST_END_TEST;
+
+/// Whatever is on the way, destroying the port ends it, at any moment.
+GST_START_TEST(test_teardown_at_any_moment)
+{
+  EmulatedUsb usb;
+  EmulatedBoard board(usb, { .baud = 57600 });
+  UsbSerialBus bus;
+  std::mt19937 random(3);
+  for (int i = 0; i < 60; i++) {
+    Listener listener;
+    auto port = open_only(bus, listener);
+    board.stall(i % 4 == 0);
+    board.send(random_bytes(random, random() % 200));
+    if (i % 3 != 0)
+      fail_unless(port->write(random_bytes(random, 1 + random() % 20)));
+    if (i % 4 == 1)
+      fail_unless(listener.wait_for_written(i % 3 != 0));
+    port.reset();
+    fail_unless_equals_int(board.transfers_pending(), 0);
+    fail_unless(listener.lost().empty());
+  }
+}
+GST_END_TEST;
+
+GST_START_TEST(test_unplugged)
+{
+  for (const Transport transport : kTransports)
+    for (const bool udev : { true, false }) {
+      EmulatedUsb usb;
+      EmulatedBoard board(usb, { .transport = transport });
+      UsbSerialBus bus;
+      Listener listener;
+      auto port = open_only(bus, listener);
+      if (!udev)
+        usb.stop_udev();
+      board.stall(true);
+      const Bytes bytes{ 1, 2, 3 };
+      fail_unless(port->write(bytes));
+      board.unplug();
+      fail_unless(listener.wait_for_loss());
+      fail_unless(!port->write(bytes));
+      port.reset();
+      fail_unless_equals_int(listener.lost().size(), 1);
+      fail_unless_equals_int(listener.written(), 0);
+      fail_unless(board.bytes().empty());
+    }
+}
+GST_END_TEST;
+
+/// What an unplugged board looks like before the hub has noticed.
+GST_START_TEST(test_transfers_that_fail)
+{
+  EmulatedUsb usb;
+  EmulatedBoard board(usb, {});
+  UsbSerialBus bus;
+  Listener listener;
+  auto port = open_only(bus, listener);
+  board.break_transfers(EmulatedBoard::kAll);
+  fail_unless(listener.wait_for_loss());
+  const Bytes bytes{ 1 };
+  fail_unless(!port->write(bytes));
+  port.reset();
+  fail_unless_equals_int(listener.lost().size(), 1);
+}
+GST_END_TEST;
+
+/// Motors make noise: now and then a transfer fails, and nothing is lost by that.
+GST_START_TEST(test_noise)
+{
+  EmulatedUsb usb;
+  EmulatedBoard board(usb, {});
+  UsbSerialBus bus;
+  Listener listener;
+  const auto port = open_only(bus, listener);
+  Bytes sent;
+  for (int i = 0; i < 20; i++) {
+    // The reads that wait, then as many writes.
+    board.break_transfers(4 + i % 3);
+    const Bytes bytes{ static_cast<std::uint8_t>(i) };
+    sent.push_back(bytes[0]);
+    fail_unless(port->write(bytes));
+    fail_unless(listener.wait_for_written(i + 1));
+    board.break_transfers(0);
+    board.send(bytes);
+    fail_unless(listener.wait_for_bytes(i + 1));
+  }
+  fail_unless(board.bytes() == sent);
+  fail_unless(listener.received() == sent);
+  fail_unless(listener.lost().empty());
+}
+GST_END_TEST;
+
+GST_START_TEST(test_stalled)
+{
+  EmulatedUsb usb;
+  EmulatedBoard board(usb, {});
+  UsbSerialBus bus({ .write = 30ms });
+  Listener listener;
+  auto port = open_only(bus, listener);
+  board.stall(true);
+  const Bytes bytes{ 1 };
+  fail_unless(port->write(bytes));
+  fail_unless(listener.wait_for_loss());
+  fail_unless(!port->write(bytes));
+  port.reset();
+  fail_unless_equals_int(listener.lost().size(), 1);
+  fail_unless(listener.lost()[0].find("30 ms") != std::string::npos);
+  fail_unless_equals_int(listener.written(), 0);
+}
+GST_END_TEST;
+
+namespace {
+
+std::ptrdiff_t
+entries(const char *folder)
+{
+  return std::distance(std::filesystem::directory_iterator(folder), {});
+}
+
+} // namespace
+
+GST_START_TEST(test_nothing_is_left_behind)
+{
+  EmulatedUsb usb;
+  EmulatedBoard board(usb, {});
+  UsbSerialBus bus;
+  std::ptrdiff_t files = 0, threads = 0;
+  for (int i = 0; i < 100; i++) {
+    Listener listener;
+    const auto port = open_only(bus, listener);
+    bus.watch([] {});
+    board.send(Bytes{ 1 });
+    fail_unless(listener.wait_for_bytes(1));
+    bus.watch(nullptr);
+    if (i == 10) {
+      files = entries("/proc/self/fd");
+      threads = entries("/proc/self/task");
+    }
+    if (i == 99) {
+      fail_unless_equals_int(entries("/proc/self/task"), threads);
+      // umockdev closes its end of a device in its own time.
+      for (int more = 0; more < 100 && entries("/proc/self/fd") > files; more++)
+        bus.list();
+      fail_unless(entries("/proc/self/fd") <= files);
+    }
+  }
+}
+GST_END_TEST;
+
+static Suite *
+usb_serial_port_suite(void)
+{
+  // The pty behind the device node becomes the controlling terminal of a test that leads its session, and hangs up when a board is unplugged.
+  std::signal(SIGHUP, SIG_IGN);
+  Suite *suite = suite_create("usb_serial_port");
+  TCase *tests = tcase_create("general");
+  suite_add_tcase(suite, tests);
+  tcase_add_test(tests, test_bytes_out);
+  tcase_add_test(tests, test_bytes_in);
+  tcase_add_test(tests, test_ten_thousand_writes);
+  tcase_add_test(tests, test_one_write_at_a_time);
+  tcase_add_test(tests, test_teardown_at_any_moment);
+  tcase_add_test(tests, test_unplugged);
+  tcase_add_test(tests, test_transfers_that_fail);
+  tcase_add_test(tests, test_noise);
+  tcase_add_test(tests, test_stalled);
+  tcase_add_test(tests, test_nothing_is_left_behind);
+  return suite;
+}
+
+GST_CHECK_MAIN(usb_serial_port)
