@@ -122,7 +122,8 @@ GST_START_TEST(test_cue_runs_out_in_the_last_block)
   for (const bool sync : { true, false }) {
     Rig rig;
     uncompensated(rig);
-    g_object_set(rig.element, "sync", gboolean{ sync }, "max-on-time", guint64{ 100 * kMs }, nullptr);
+    g_object_set(rig.element, "sync", gboolean{ sync }, "max-on-time", guint64{ 100 * kMs },
+                 nullptr);
     rig.start();
     rig.run_out([&] {
       push_level(rig, 0, 160 * kMs, 1.0F);
