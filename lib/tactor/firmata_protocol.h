@@ -18,7 +18,7 @@ namespace tactor::firmata {
 inline constexpr int kMaxPins = 128;
 /// Mode of a pin whose output is pulse-width modulated: a motor's.
 inline constexpr std::uint8_t kPwm = 3;
-/// Firmware whose name begins with this has the watchdog: after the first keepalive, 250 ms without a byte from the host turn every
+/// Firmware whose name begins with this has the watchdog: 250 ms without a byte from the host turn every
 /// motor off.
 inline constexpr std::string_view kSeatFirmware = "visuotactile-seat";
 
