@@ -154,7 +154,7 @@ Analyzer::State::camera_pose(double elapsed)
   if (!profile.camera_motion)
     return {};
   const int level = std::max(levels.finest, levels.saliency - 1);
-  return camera.follow(pyramid.level(level), elapsed)
+  return camera.follow(pyramid.level(level).lightness(), elapsed)
       .in_units_of(std::ldexp(1.0, levels.saliency - level));
 }
 

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "saliency/camera_motion.h"
 
-#include "saliency/pyramid.h"
 #include "saliency/quantile.h"
 
 #include <opencv2/core.hpp>
@@ -65,13 +64,13 @@ farthest(const Similarity &motion, cv::Size size)
 } // namespace
 
 const Similarity &
-CameraMotion::follow(const cv::Mat &lab, double elapsed)
+CameraMotion::follow(const cv::Mat &lightness, double elapsed)
 {
-  cv::extractChannel(lab, now_[0], 0);
+  now_[0] = lightness;
   for (std::size_t i = 1; i < kLevels; ++i)
-    reduce(now_[i - 1], now_[i]);
+    reductions_[i](now_[i - 1], now_[i]);
 
-  if (lab.size() != size_) {
+  if (lightness.size() != size_) {
     pose_ = {};
     moved_ = false;
     set_key();

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include "saliency/pyramid.h"
 #include "saliency/sampling.h"
 #include "saliency/similarity.h"
 
@@ -25,11 +26,11 @@ namespace saliency {
 class CameraMotion
 {
 public:
-  /// The next frame, `elapsed` frames at 30 fps after the last one: its L*a*b* (CV_32FC3) at a pyramid
-  /// level about 100 samples wide. Returns the camera's pose, that is where this frame's samples lie
+  /// The next frame, `elapsed` frames at 30 fps after the last one: its L*, CV_32FC1 and continuous, at a
+  /// pyramid level about 100 samples wide. Returns the camera's pose, that is where this frame's samples lie
   /// in the first frame; exactly the last pose again while the camera rests, from the first key frame
   /// at rest on. The first frame after a reset, and one of another size, is a first frame.
-  const Similarity &follow(const cv::Mat &lab, double elapsed);
+  const Similarity &follow(const cv::Mat &lightness, double elapsed);
 
   /// Whether the last frame shows what went before, from elsewhere.
   bool moved() const
@@ -61,6 +62,7 @@ private:
   bool explained();
 
   Images now_;
+  std::array<Reduction, kLevels> reductions_;  ///< to each level
   std::array<TexturedPoints, kLevels> points_; ///< of the key frame
   cv::Size size_;                              ///< of the key frame; empty: none
   double age_ = 0;                             ///< of the key frame, in frames

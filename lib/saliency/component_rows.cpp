@@ -3,21 +3,19 @@
 
 #include "saliency/front_end_kernels.h"
 #include "saliency/pyramid.h"
-
-#include <opencv2/core.hpp>
+#include "saliency/rows.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstring>
+#include <functional>
 #include <utility>
-#include <vector>
 
 namespace saliency {
 
 namespace {
 
-/// The samples of a component, from the frame's memory.
+/// The samples of a component: of 16-bit words their significant bits, at the top.
 template <typename Sample> class SampleRows final : public ImageRows<Sample>
 {
 public:
@@ -30,82 +28,69 @@ public:
   void begin(const FrameView &frame) override
   {
     component_ = frame.components[index_];
-    shift_ = frame.shift;
-    mask_ = (1U << frame.depth) - 1;
+    left_ = 16 - frame.depth - frame.shift;
+    mask_ = 0xffffU << (16 - frame.depth) & 0xffffU;
   }
 
-  Sample *row(int y) override
+  const Sample *row(int y) override
   {
     const std::uint8_t *in = component_.data + y * component_.row_stride;
-    if constexpr (sizeof(Sample) == 1)
+    if constexpr (sizeof(Sample) == 1) {
+      if (component_.pixel_stride == 1)
+        return in;
       kernels::unpack(in, component_.pixel_stride, component_.width, buffer_.row(0));
-    else
-      kernels::unpack(in, component_.pixel_stride, shift_, mask_, component_.width, buffer_.row(0));
+    } else
+      kernels::unpack(in, component_.pixel_stride, left_, mask_, component_.width, buffer_.row(0));
     return buffer_.row(0);
   }
 
 private:
   std::size_t index_;
   Component component_;
-  int shift_ = 0;
+  int left_ = 0;
   unsigned mask_ = 0;
   RowBuffer<Sample> buffer_;
 };
 
-/// The five rows about row y of an image of half the height, mirrored: kept in a ring that is filled
-/// as y rises.
-template <typename T> class FiveRows
+/// The samples of pixels whose three bytes lie side by side.
+class PixelRows final : public ImageRows<std::uint8_t>
 {
 public:
-  FiveRows(int rows, int width, int channels) : rows_(rows), ring_(kRing, width, channels)
+  explicit PixelRows(cv::Size size) : ImageRows(size, 3), buffer_(1, size.width, 3)
   {
   }
 
-  void begin()
+  void begin(const FrameView &frame) override
   {
-    next_ = 0;
+    const auto by_address = [](const Component &a, const Component &b) {
+      return std::less<>()(a.data, b.data);
+    };
+    first_ = *std::ranges::min_element(frame.components, by_address);
+    for (std::size_t c = 0; c < 3; ++c)
+      places_[static_cast<std::size_t>(frame.components[c].data - first_.data)]
+          = buffer_.row(0) + static_cast<std::ptrdiff_t>(c) * buffer_.pitch();
   }
 
-  /// `fill(y, row)` is asked for each row once.
-  template <typename Fill> void advance(int y, const Fill &fill)
+  const std::uint8_t *row(int y) override
   {
-    next_ = std::max(next_, 2 * y - 2);
-    for (const int end = std::min(2 * y + 2, rows_ - 1); next_ <= end; ++next_)
-      fill(next_, ring_.row(next_ % kRing));
-    for (int i = 0; i < 5; ++i) {
-      const int at = cv::borderInterpolate(2 * y - 2 + i, rows_, cv::BORDER_REFLECT_101);
-      about_[static_cast<std::size_t>(i)] = ring_.row(at % kRing);
-    }
-  }
-
-  std::array<const T *, 5> channel(int c) const
-  {
-    auto rows = about_;
-    for (const T *&row : rows)
-      row += c * ring_.pitch();
-    return rows;
-  }
-
-  std::ptrdiff_t pitch() const
-  {
-    return ring_.pitch();
+    kernels::unpack_triples(first_.data + y * first_.row_stride, first_.pixel_stride, size().width,
+                            places_);
+    return buffer_.row(0);
   }
 
 private:
-  static constexpr int kRing = 8; ///< a power of two that holds five
-
-  int rows_;
-  int next_ = 0;
-  RowBuffer<T> ring_;
-  std::array<const T *, 5> about_{};
+  Component first_;                        ///< in memory
+  std::array<std::uint8_t *, 3> places_{}; ///< rows for the bytes of a pixel
+  RowBuffer<std::uint8_t> buffer_;
 };
 
-/// Halved along both axes; `Sum` holds 16 times a sample.
-template <typename Sample, typename Sum> class HalvedRows final : public ImageRows<Sample>
+/// Halved along both axes; `Sum` holds 16 times a sample, `Half` what halve_rows makes of five of them.
+template <typename Sample, typename Sum, typename Half>
+class HalvedRows final : public ImageRows<Half>
 {
 public:
   explicit HalvedRows(std::unique_ptr<ImageRows<Sample>> source)
-      : ImageRows<Sample>(level_size(source->size(), 1), source->channels()),
+      : ImageRows<Half>(level_size(source->size(), 1), source->channels()),
         source_(std::move(source)),
         sums_(source_->size().height, this->size().width, this->channels()),
         buffer_(1, this->size().width, this->channels()),
@@ -119,10 +104,10 @@ public:
     sums_.begin();
   }
 
-  Sample *row(int y) override
+  const Half *row(int y) override
   {
     sums_.advance(y, [this](int source_y, Sum *sums) {
-      Sample *samples = source_->row(source_y);
+      const Sample *samples = source_->row(source_y);
       for (int c = 0; c < this->channels(); ++c)
         kernels::halve_columns(samples + c * source_pitch_, source_->size().width,
                                sums + c * sums_.pitch());
@@ -136,33 +121,40 @@ public:
 private:
   std::unique_ptr<ImageRows<Sample>> source_;
   FiveRows<Sum> sums_;
-  RowBuffer<Sample> buffer_;
+  RowBuffer<Half> buffer_;
   std::ptrdiff_t source_pitch_;
 };
 
-/// Integer samples as real numbers.
+/// Integer samples as code values. Bytes that were halved are 16-bit, with eight bits after the point.
 template <typename Sample> class FloatRows final : public ImageRows<float>
 {
 public:
   explicit FloatRows(std::unique_ptr<ImageRows<Sample>> source)
-      : ImageRows(source->size()), source_(std::move(source)), buffer_(1, size().width)
+      : ImageRows(source->size(), source->channels()), source_(std::move(source)),
+        buffer_(1, size().width, channels())
   {
   }
 
   void begin(const FrameView &frame) override
   {
     source_->begin(frame);
+    constexpr int bits = 8 * sizeof(Sample);
+    scale_ = std::ldexp(1.0F, frame.depth - bits);
   }
 
-  float *row(int y) override
+  const float *row(int y) override
   {
-    kernels::to_float(source_->row(y), size().width, buffer_.row(0));
+    const Sample *samples = source_->row(y);
+    for (int c = 0; c < channels(); ++c)
+      kernels::to_float(samples + c * RowBuffer<Sample>::pitch(size().width), size().width, scale_,
+                        buffer_.row(0) + c * buffer_.pitch());
     return buffer_.row(0);
   }
 
 private:
   std::unique_ptr<ImageRows<Sample>> source_;
   RowBuffer<float> buffer_;
+  float scale_ = 1;
 };
 
 /// Halved from side to side alone.
@@ -180,7 +172,7 @@ public:
     source_->begin(frame);
   }
 
-  float *row(int y) override
+  const float *row(int y) override
   {
     kernels::halve_columns(source_->row(y), source_->size().width, buffer_.row(0));
     return buffer_.row(0);
@@ -208,7 +200,7 @@ public:
     rows_.begin();
   }
 
-  float *row(int y) override
+  const float *row(int y) override
   {
     rows_.advance(y, [this](int source_y, float *row) {
       std::copy_n(source_->row(source_y), size().width, row);
@@ -229,7 +221,7 @@ class UpsampledColumns final : public ImageRows<float>
 public:
   UpsampledColumns(std::unique_ptr<ImageRows<float>> source, int octaves, int width)
       : ImageRows({ width, source->size().height }), source_(std::move(source)), octaves_(octaves),
-        buffer_(1, std::max(width, 2 * source_->size().width))
+        buffer_(1, width)
   {
   }
 
@@ -238,23 +230,11 @@ public:
     source_->begin(frame);
   }
 
-  float *row(int y) override
+  const float *row(int y) override
   {
-    float *in = source_->row(y);
-    float *out = buffer_.row(0);
-    const int width = source_->size().width;
-    if (octaves_ == 1) {
-      kernels::double_columns(in, width, out);
-      return out;
-    }
-    in[width] = in[width - 1];
-    const int step = 1 << octaves_;
-    for (int x = 0; x < size().width; ++x) {
-      const float *at = in + (x >> octaves_);
-      const auto weight = static_cast<float>(x % step) / static_cast<float>(step);
-      out[x] = at[0] + weight * (at[1] - at[0]);
-    }
-    return out;
+    rows::enlarge(source_->row(y), static_cast<std::size_t>(source_->size().width), octaves_,
+                  static_cast<std::size_t>(size().width), buffer_.row(0));
+    return buffer_.row(0);
   }
 
 private:
@@ -278,16 +258,13 @@ public:
     next_ = 0;
   }
 
-  float *row(int y) override
+  const float *row(int y) override
   {
-    const int before = y >> octaves_;
-    const int after = std::min(before + 1, source_->size().height - 1);
-    for (next_ = std::max(next_, before); next_ <= after; ++next_)
+    const RowPosition at = locate_row(y, octaves_, source_->size().height);
+    for (next_ = std::max(next_, at.before); next_ <= at.after; ++next_)
       std::copy_n(source_->row(next_), size().width, held_.row(next_ % 2));
-    const int step = 1 << octaves_;
-    const auto weight = static_cast<float>(y % step) / static_cast<float>(step);
-    kernels::interpolate(held_.row(before % 2), held_.row(after % 2), weight, size().width,
-                         buffer_.row(0));
+    rows::interpolate(held_.row(at.before % 2), held_.row(at.after % 2), at.weight,
+                      static_cast<std::size_t>(size().width), buffer_.row(0));
     return buffer_.row(0);
   }
 
@@ -299,15 +276,24 @@ private:
   RowBuffer<float> buffer_;
 };
 
-/// The samples halved so often, as real numbers.
-template <typename Sample, typename Sum>
+/// Halved so often, as code values.
 std::unique_ptr<ImageRows<float>>
-integer_rows(const Component &component, std::size_t index, int octaves)
+decimated(std::unique_ptr<ImageRows<std::uint16_t>> rows, int octaves)
 {
-  std::unique_ptr<ImageRows<Sample>> rows = std::make_unique<SampleRows<Sample>>(component, index);
   for (int i = 0; i < octaves; ++i)
-    rows = std::make_unique<HalvedRows<Sample, Sum>>(std::move(rows));
-  return std::make_unique<FloatRows<Sample>>(std::move(rows));
+    rows = std::make_unique<HalvedRows<std::uint16_t, std::uint32_t, std::uint16_t>>(
+        std::move(rows));
+  return std::make_unique<FloatRows<std::uint16_t>>(std::move(rows));
+}
+
+std::unique_ptr<ImageRows<float>>
+decimated(std::unique_ptr<ImageRows<std::uint8_t>> rows, int octaves)
+{
+  if (octaves == 0)
+    return std::make_unique<FloatRows<std::uint8_t>>(std::move(rows));
+  return decimated(
+      std::make_unique<HalvedRows<std::uint8_t, std::uint16_t, std::uint16_t>>(std::move(rows)),
+      octaves - 1);
 }
 
 } // namespace
@@ -333,9 +319,10 @@ component_rows(const FrameView &frame, std::size_t component, int level)
   const int rows = level - subsampling(frame.height, samples.height);
   const int both = std::max(0, std::min(columns, rows));
 
-  auto image = frame.depth == 8
-                   ? integer_rows<std::uint8_t, std::uint16_t>(samples, component, both)
-                   : integer_rows<std::uint16_t, std::uint32_t>(samples, component, both);
+  auto image
+      = frame.depth == 8
+            ? decimated(std::make_unique<SampleRows<std::uint8_t>>(samples, component), both)
+            : decimated(std::make_unique<SampleRows<std::uint16_t>>(samples, component), both);
   for (int i = both; i < columns; ++i)
     image = std::make_unique<HalvedColumns>(std::move(image));
   for (int i = both; i < rows; ++i)
@@ -348,10 +335,31 @@ component_rows(const FrameView &frame, std::size_t component, int level)
   return image;
 }
 
+bool
+has_byte_triples(const FrameView &frame)
+{
+  const auto &[a, b, c] = frame.components;
+  const auto first = std::min({ a.data, b.data, c.data }, std::less<>());
+  const auto last = std::max({ a.data, b.data, c.data }, std::less<>());
+  const auto alike = [&a](const Component &other) {
+    return other.pixel_stride == a.pixel_stride && other.row_stride == a.row_stride
+           && other.width == a.width && other.height == a.height;
+  };
+  return frame.model != ColorModel::grey && frame.depth == 8 && a.pixel_stride >= 3 && alike(b)
+         && alike(c) && last - first == 2 && a.data != b.data && b.data != c.data
+         && a.data != c.data;
+}
+
+std::unique_ptr<ImageRows<float>>
+pixel_rows(const FrameView &frame, int level)
+{
+  return decimated(std::make_unique<PixelRows>(cv::Size(frame.width, frame.height)), level);
+}
+
 std::unique_ptr<ImageRows<float>>
 halved_rows(std::unique_ptr<ImageRows<float>> source)
 {
-  return std::make_unique<HalvedRows<float, float>>(std::move(source));
+  return std::make_unique<HalvedRows<float, float, float>>(std::move(source));
 }
 
 } // namespace saliency

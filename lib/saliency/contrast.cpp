@@ -16,7 +16,7 @@ Contrast::Contrast(double chroma_weight)
 void
 Contrast::operator()(const Pyramid &pyramid, LevelPair lightness, LevelPair chroma, cv::Mat &map)
 {
-  const cv::Mat &center = pyramid.level(lightness.center);
+  const cv::Mat &center = pyramid.level(lightness.center).lightness();
   if (const int coarser = chroma.center - lightness.center; coarser > 0) {
     chroma_squared(pyramid, chroma, chroma_);
     upsample(chroma_, coarser, coarser, center.size(), map);
@@ -24,12 +24,12 @@ Contrast::operator()(const Pyramid &pyramid, LevelPair lightness, LevelPair chro
     chroma_squared(pyramid, chroma, map);
   }
 
+  const cv::Mat &surround = pyramid.level(lightness.surround).lightness();
   const int octaves = lightness.surround - lightness.center;
-  const auto width = static_cast<std::size_t>(center.cols);
   for (int y = 0; y < map.rows; ++y) {
-    surround_row(pyramid.level(lightness.surround), octaves, y, 1, width);
     auto *row = map.ptr<float>(y);
-    rows::contrast(center.ptr<float>(y), fine_[0].data(), row, width, row);
+    rows::contrast(center.ptr<float>(y), surround_row(surround, octaves, y, map.cols, fine_[0]),
+                   row, static_cast<std::size_t>(map.cols), row);
   }
 }
 
@@ -37,33 +37,31 @@ Contrast::operator()(const Pyramid &pyramid, LevelPair lightness, LevelPair chro
 void
 Contrast::chroma_squared(const Pyramid &pyramid, LevelPair pair, cv::Mat &map)
 {
-  const cv::Mat &center = pyramid.level(pair.center);
-  const auto width = static_cast<std::size_t>(center.cols);
-  map.create(center.size(), CV_32FC1);
-  for (int y = 0; y < map.rows; ++y) {
-    surround_row(pyramid.level(pair.surround), pair.surround - pair.center, y, 3, width);
-    rows::chroma_contrast(center.ptr<float>(y), fine_[1].data(), fine_[2].data(),
-                          chroma_weight_squared_, width, map.ptr<float>(y));
-  }
+  const auto &[lightness, a, b] = pyramid.level(pair.center).planes;
+  const auto &surround = pyramid.level(pair.surround).planes;
+  const int octaves = pair.surround - pair.center;
+  map.create(a.size(), CV_32FC1);
+  for (int y = 0; y < map.rows; ++y)
+    rows::chroma_contrast({ a.ptr<float>(y), b.ptr<float>(y) },
+                          { surround_row(surround[1], octaves, y, map.cols, fine_[0]),
+                            surround_row(surround[2], octaves, y, map.cols, fine_[1]) },
+                          chroma_weight_squared_, static_cast<std::size_t>(map.cols),
+                          map.ptr<float>(y));
 }
 
-/// `fine_` becomes what the surround has on a row of the centre: its first channels.
-void
-Contrast::surround_row(const cv::Mat &surround, int octaves, int row, std::size_t channels,
-                       std::size_t width)
+/// What a plane of the surround has on a row of the centre, which is `width` wide.
+const float *
+Contrast::surround_row(const cv::Mat &surround, int octaves, int row, int width,
+                       std::vector<float> &fine)
 {
   const auto length = static_cast<std::size_t>(surround.cols);
-  mixed_.resize(3 * length);
-  for (auto &plane : coarse_)
-    plane.resize(length);
+  mixed_.resize(length);
+  fine.resize(static_cast<std::size_t>(width));
   const RowPosition at = locate_row(row, octaves, surround.rows);
   rows::interpolate(surround.ptr<float>(at.before), surround.ptr<float>(at.after), at.weight,
-                    3 * length, mixed_.data());
-  rows::split(mixed_.data(), length, { coarse_[0].data(), coarse_[1].data(), coarse_[2].data() });
-  for (std::size_t c = 0; c < channels; ++c) {
-    fine_[c].resize(width);
-    rows::enlarge(coarse_[c].data(), length, octaves, width, fine_[c].data());
-  }
+                    length, mixed_.data());
+  rows::enlarge(mixed_.data(), length, octaves, fine.size(), fine.data());
+  return fine.data();
 }
 
 } // namespace saliency

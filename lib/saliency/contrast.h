@@ -26,15 +26,14 @@ public:
   void operator()(const Pyramid &pyramid, LevelPair lightness, LevelPair chroma, cv::Mat &map);
 
 private:
-  void surround_row(const cv::Mat &surround, int octaves, int row, std::size_t channels,
-                    std::size_t width);
+  const float *surround_row(const cv::Mat &surround, int octaves, int row, int width,
+                            std::vector<float> &fine);
   void chroma_squared(const Pyramid &pyramid, LevelPair pair, cv::Mat &map);
 
   float chroma_weight_squared_;
-  std::vector<float> mixed_;                 ///< a row between two of the surround's
-  std::array<std::vector<float>, 3> coarse_; ///< its L*, a* and b*
-  std::array<std::vector<float>, 3> fine_;   ///< at the centre's resolution
-  cv::Mat chroma_; ///< w² (Δa² + Δb²), if it is coarser than lightness
+  std::vector<float> mixed_;               ///< a row between two of the surround's
+  std::array<std::vector<float>, 2> fine_; ///< at the centre's resolution
+  cv::Mat chroma_;                         ///< w² (Δa² + Δb²), if it is coarser than lightness
 };
 
 } // namespace saliency

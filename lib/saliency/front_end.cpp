@@ -2,13 +2,11 @@
 #include "saliency/front_end.h"
 
 #include "saliency/component_rows.h"
-#include "saliency/front_end_kernels.h"
 #include "saliency/lab.h"
 #include "saliency/pyramid.h"
 
 #include <algorithm>
 #include <cstddef>
-#include <cstdint>
 #include <span>
 #include <stdexcept>
 #include <thread>
@@ -52,25 +50,31 @@ class LabRows final : public ImageRows<float>
 {
 public:
   LabRows(const FrameView &frame, int level)
-      : ImageRows(level_size({ frame.width, frame.height }, level), 3),
-        count_(component_count(frame)), buffer_(1, size().width, 3)
+      : ImageRows(level_size({ frame.width, frame.height }, level), 3), buffer_(1, size().width, 3)
   {
-    for (std::size_t i = 0; i < count_; ++i)
-      components_[i] = component_rows(frame, i, level);
+    if (has_byte_triples(frame))
+      components_.push_back(pixel_rows(frame, level));
+    else
+      for (std::size_t i = 0; i < component_count(frame); ++i)
+        components_.push_back(component_rows(frame, i, level));
   }
 
   void begin(const FrameView &frame) override
   {
     converter_ = LabConverter({ frame.model, frame.depth, frame.full_range, frame.matrix });
-    for (std::size_t i = 0; i < count_; ++i)
-      components_[i]->begin(frame);
+    for (const auto &component : components_)
+      component->begin(frame);
   }
 
-  float *row(int y) override
+  const float *row(int y) override
   {
     std::array<const float *, 3> rows{};
-    for (std::size_t i = 0; i < count_; ++i)
-      rows[i] = components_[i]->row(y);
+    std::size_t next = 0;
+    for (const auto &component : components_) {
+      const float *row = component->row(y);
+      for (int c = 0; c < component->channels(); ++c)
+        rows[next++] = row + c * buffer_.pitch();
+    }
     float *lab = buffer_.row(0);
     converter_.convert(rows, size().width,
                        { lab, lab + buffer_.pitch(), lab + 2 * buffer_.pitch() });
@@ -78,20 +82,22 @@ public:
   }
 
 private:
-  std::size_t count_;
-  std::array<std::unique_ptr<ImageRows<float>>, 3> components_;
+  std::vector<std::unique_ptr<ImageRows<float>>> components_;
   LabConverter converter_;
   RowBuffer<float> buffer_;
 };
 
 /// Rows [begin, end) of the image.
 void
-make_rows(ImageRows<float> &band, int begin, int end, cv::Mat &image)
+make_rows(ImageRows<float> &band, int begin, int end, LabImage &image)
 {
-  const auto pitch = RowBuffer<float>::pitch(image.cols);
+  const int width = image.size().width;
   for (int y = begin; y < end; ++y) {
     const float *lab = band.row(y);
-    kernels::interleave(lab, lab + pitch, lab + 2 * pitch, image.cols, image.ptr<float>(y));
+    for (auto &plane : image.planes) {
+      std::copy_n(lab, width, plane.ptr<float>(y));
+      lab += RowBuffer<float>::pitch(width);
+    }
   }
 }
 
@@ -126,9 +132,9 @@ FrontEnd::make_bands(const FrameView &frame, const Geometry &geometry)
 {
   geometry_ = {};
   bands_.clear();
-  lab_.create(level_size({ frame.width, frame.height }, geometry.level), CV_32FC3);
+  lab_.create(level_size({ frame.width, frame.height }, geometry.level));
   const int threads = threads_ > 0 ? threads_ : threads_that_pay(frame);
-  for (int i = 0; i < std::min(threads, lab_.rows); ++i) {
+  for (int i = 0; i < std::min(threads, lab_.size().height); ++i) {
     std::unique_ptr<ImageRows<float>> band
         = std::make_unique<LabRows>(frame, exact_ ? 0 : geometry.level);
     for (int n = 0; exact_ && n < geometry.level; ++n)
@@ -138,11 +144,14 @@ FrontEnd::make_bands(const FrameView &frame, const Geometry &geometry)
   geometry_ = geometry;
 }
 
-const cv::Mat &
+const LabImage &
 FrontEnd::lab(const FrameView &frame, int level)
 {
   check(frame);
-  Geometry geometry{ .model = frame.model, .bytes = frame.depth == 8, .level = level };
+  Geometry geometry{ .model = frame.model,
+                     .bytes = frame.depth == 8,
+                     .byte_triples = has_byte_triples(frame),
+                     .level = level };
   for (std::size_t i = 0; i < component_count(frame); ++i)
     geometry.components[i] = { frame.components[i].width, frame.components[i].height };
   if (geometry != geometry_)
@@ -153,7 +162,7 @@ FrontEnd::lab(const FrameView &frame, int level)
   const auto parts = static_cast<long long>(bands_.size());
   pool_.run(static_cast<int>(parts), [this, parts](int part) {
     const auto first = [&](long long i) {
-      return static_cast<int>(lab_.rows * i / parts);
+      return static_cast<int>(lab_.size().height * i / parts);
     };
     make_rows(*bands_[static_cast<std::size_t>(part)], first(part), first(part + 1), lab_);
   });

@@ -3,9 +3,10 @@
 
 #include "saliency/frame_view.h"
 #include "saliency/image_rows.h"
+#include "saliency/lab_image.h"
 #include "saliency/thread_pool.h"
 
-#include <opencv2/core/mat.hpp>
+#include <opencv2/core/types.hpp>
 
 #include <array>
 #include <memory>
@@ -17,8 +18,8 @@ namespace saliency {
 ///
 /// `exact` computes L*a*b* of every pixel, then the pyramid, as the paper does. Otherwise the
 /// components are decimated first, each from its own resolution, and L*a*b* is computed on what is
-/// left: at two levels a sixteenth of the work for a mean ΔE of 0.64 (the conversion is not linear;
-/// 8-bit planes are rounded at each level).
+/// left: at two levels a sixteenth of the work, for a small difference where the picture is not smooth
+/// (the conversion is not linear).
 ///
 /// Subsampled chroma is taken to lie on the pyramid's grid, sample i at pixel 2ᵏ·i, which is where
 /// MPEG-2, H.264 and later put it horizontally; vertically it is half a pixel off.
@@ -36,11 +37,11 @@ public:
   /// the processor's own. One at first. Throws std::invalid_argument below 0.
   void set_threads(int threads);
 
-  /// The frame's CV_32FC3 L*a*b* image at `level`, valid until the next call. A component's width
+  /// The frame's L*a*b* image at `level`, valid until the next call. A component's width
   /// must be ⌈frame width / 2ᵏ⌉ for some k ≥ 0, likewise its height; the first component has the
   /// frame's size. Throws std::invalid_argument for a frame that cannot be one: no size, no data,
   /// impossible depth or strides. Allocates only when geometry, format or level change.
-  const cv::Mat &lab(const FrameView &frame, int level);
+  const LabImage &lab(const FrameView &frame, int level);
 
 private:
   /// What the bands are made for.
@@ -48,6 +49,7 @@ private:
   {
     ColorModel model = ColorModel::yuv;
     bool bytes = true;
+    bool byte_triples = false;
     int level = -1;
     std::array<cv::Size, 3> components;
 
@@ -61,7 +63,7 @@ private:
   Geometry geometry_;
   std::vector<std::unique_ptr<ImageRows<float>>> bands_; ///< each makes rows of its own
   ThreadPool pool_;
-  cv::Mat lab_;
+  LabImage lab_;
 };
 
 } // namespace saliency

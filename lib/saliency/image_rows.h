@@ -7,19 +7,19 @@
 #include <opencv2/core/types.hpp>
 
 #include <algorithm>
+#include <array>
 #include <cstddef>
+#include <cstdlib>
 #include <new>
 
 namespace saliency {
 
-/// Rows of samples with room around them: kernels of any vector width read and write beyond a row's
-/// end instead of treating its last samples apart, and mirror samples before its start. A row has
+/// Rows of samples with room after their ends, which kernels of any vector width may use. A row has
 /// one run of samples for each channel.
 template <typename T> class RowBuffer
 {
 public:
-  static constexpr int kBefore = 64; ///< samples of room before a channel's first
-  static constexpr int kAfter = 192; ///< and after its last
+  static constexpr int kRoom = 64; ///< samples after a channel's last
 
   RowBuffer(int rows, int width, int channels = 1)
       : pitch_(pitch(width)), channels_(channels),
@@ -35,7 +35,7 @@ public:
   /// Sample 0 of the row's first channel.
   T *row(int y)
   {
-    return samples_.get() + y * channels_ * pitch_ + kBefore;
+    return samples_.get() + y * channels_ * pitch_;
   }
 
   /// From a channel's sample to the next channel's.
@@ -45,7 +45,7 @@ public:
   }
   static std::ptrdiff_t pitch(int width)
   {
-    return kBefore + (static_cast<std::ptrdiff_t>(width) + 63) / 64 * 64 + kAfter;
+    return (static_cast<std::ptrdiff_t>(width) + 63) / 64 * 64 + kRoom;
   }
 
 private:
@@ -70,9 +70,9 @@ public:
   /// geometry that these rows were made for.
   virtual void begin(const FrameView &frame) = 0;
 
-  /// Row y, in a RowBuffer with `size().width` and `channels()`; until the next call. After begin(),
+  /// Row y, until the next call; of several channels, as in a RowBuffer of this width. After begin(),
   /// y does not fall from call to call; the first may be any.
-  virtual T *row(int y) = 0;
+  virtual const T *row(int y) = 0;
 
   cv::Size size() const
   {
@@ -86,6 +86,56 @@ public:
 private:
   cv::Size size_;
   int channels_;
+};
+
+/// The five rows about row y of an image of half the height, mirrored at the borders without repeating
+/// the border row: kept in a ring that is filled as y rises.
+template <typename T> class FiveRows
+{
+public:
+  /// `rows` of the image that they are taken from.
+  FiveRows(int rows, int width, int channels) : rows_(rows), ring_(kRing, width, channels)
+  {
+  }
+
+  void begin()
+  {
+    next_ = 0;
+  }
+
+  /// `fill(y, row)` is asked for each row once.
+  template <typename Fill> void advance(int y, const Fill &fill)
+  {
+    next_ = std::max(next_, 2 * y - 2);
+    for (const int end = std::min(2 * y + 2, rows_ - 1); next_ <= end; ++next_)
+      fill(next_, ring_.row(next_ % kRing));
+    for (int i = 0; i < 5; ++i) {
+      const int at = std::abs(2 * y - 2 + i);
+      const int mirrored = at < rows_ ? at : 2 * (rows_ - 1) - at;
+      about_[static_cast<std::size_t>(i)] = ring_.row(std::max(0, mirrored) % kRing);
+    }
+  }
+
+  std::array<const T *, 5> channel(int c) const
+  {
+    auto rows = about_;
+    for (const T *&row : rows)
+      row += c * ring_.pitch();
+    return rows;
+  }
+
+  std::ptrdiff_t pitch() const
+  {
+    return ring_.pitch();
+  }
+
+private:
+  static constexpr int kRing = 8; ///< a power of two that holds five
+
+  int rows_;
+  int next_ = 0;
+  RowBuffer<T> ring_;
+  std::array<const T *, 5> about_{};
 };
 
 } // namespace saliency

@@ -1,8 +1,12 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include "saliency/image_rows.h"
+#include "saliency/lab_image.h"
+
 #include <opencv2/core/mat.hpp>
 
+#include <optional>
 #include <vector>
 
 namespace saliency {
@@ -18,8 +22,16 @@ int coarsest_level(cv::Size size);
 
 /// One level down: the 5-tap Gaussian [1 4 6 4 1]/16 along both axes, mirrored at the borders
 /// without repeating the border sample, even samples kept (Burt & Adelson 1983, REDUCE;
-/// cv::pyrDown). Any depth and number of channels; CV_32FC1 and CV_32FC3 are quickest.
-void reduce(const cv::Mat &source, cv::Mat &reduced);
+/// cv::pyrDown). CV_32FC1. Allocates only when the size changes.
+class Reduction
+{
+public:
+  void operator()(const cv::Mat &source, cv::Mat &reduced);
+
+private:
+  cv::Size size_;                         ///< of the source
+  std::optional<FiveRows<float>> halved_; ///< from side to side
+};
 
 /// Where a row of a level lies among those of a level coarser by `octaves`, of `rows` rows: a share
 /// `weight` of the way from one to the next, the last repeated beyond it.
@@ -37,20 +49,21 @@ RowPosition locate_row(int row, int octaves, int rows);
 void upsample(const cv::Mat &source, int octaves_x, int octaves_y, cv::Size size,
               cv::Mat &upsampled);
 
-/// The Gaussian pyramid of an image, from the level at which the image lies to a coarser one.
+/// The Gaussian pyramid of an L*a*b* image, from the level at which the image lies to a coarser one.
 class Pyramid
 {
 public:
   /// `image` is level `base`; levels base…coarsest are (re)built. The image is referred to, not
   /// copied.
-  void build(const cv::Mat &image, int base, int coarsest);
+  void build(const LabImage &image, int base, int coarsest);
 
   /// A level between base and coarsest.
-  const cv::Mat &level(int n) const;
+  const LabImage &level(int n) const;
 
 private:
   int base_ = 0;
-  std::vector<cv::Mat> levels_;
+  std::vector<LabImage> levels_;
+  std::vector<Reduction> reductions_; ///< to each level
 };
 
 } // namespace saliency

@@ -36,13 +36,12 @@ chroma_position(float chroma)
 }
 
 std::uint16_t
-cell(const cv::Vec3f &lab)
+cell(float lightness, float a, float b)
 {
   constexpr int bins = kBins;
-  const int l = bin(lab[0] / kLightnessRange);
-  const int a = bin(chroma_position(lab[1]));
-  const int b = bin(chroma_position(lab[2]));
-  return static_cast<std::uint16_t>((l * bins + a) * bins + b);
+  return static_cast<std::uint16_t>(
+      (bin(lightness / kLightnessRange) * bins + bin(chroma_position(a))) * bins
+      + bin(chroma_position(b)));
 }
 
 /// [½ 1 ½] along the axis of this stride, nothing beyond the outermost bins.
@@ -71,36 +70,39 @@ Rarity::Rarity(double border) : border_(border), histogram_(kCells), table_(kCel
 }
 
 void
-Rarity::operator()(const cv::Mat &lab, cv::Mat &weight)
+Rarity::operator()(const LabImage &lab, cv::Mat &weight)
 {
-  CV_Assert(lab.type() == CV_32FC3 && !lab.empty());
-  weight.create(lab.size(), CV_32FC1);
-  bins_.resize(lab.total());
+  const cv::Size size = lab.size();
+  CV_Assert(!size.empty());
+  weight.create(size, CV_32FC1);
+  bins_.resize(weight.total());
 
   const auto margin = [this](int length) {
     const int samples = static_cast<int>(std::lround(border_ * length));
     return border_ > 0 ? std::clamp(samples, 1, (length + 1) / 2) : (length + 1) / 2;
   };
-  const int rows = margin(lab.rows);
-  const int columns = margin(lab.cols);
+  const int rows = margin(size.height);
+  const int columns = margin(size.width);
 
   std::fill(histogram_.begin(), histogram_.end(), 0.0F);
   std::size_t counted = 0;
   auto *bins = bins_.data();
-  for (int y = 0; y < lab.rows; ++y, bins += lab.cols) {
-    const auto *in = lab.ptr<cv::Vec3f>(y);
-    for (int x = 0; x < lab.cols; ++x)
-      bins[x] = cell(in[x]);
+  for (int y = 0; y < size.height; ++y, bins += size.width) {
+    const auto *lightness = lab.planes[0].ptr<float>(y);
+    const auto *a = lab.planes[1].ptr<float>(y);
+    const auto *b = lab.planes[2].ptr<float>(y);
+    for (int x = 0; x < size.width; ++x)
+      bins[x] = cell(lightness[x], a[x], b[x]);
     const auto count = [&](int from, int to) {
       for (int x = from; x < to; ++x)
         histogram_[bins[x]] += 1;
       counted += static_cast<std::size_t>(to - from);
     };
-    if (y < rows || y >= lab.rows - rows) {
-      count(0, lab.cols);
+    if (y < rows || y >= size.height - rows) {
+      count(0, size.width);
     } else {
       count(0, columns);
-      count(std::max(columns, lab.cols - columns), lab.cols);
+      count(std::max(columns, size.width - columns), size.width);
     }
   }
 
@@ -116,9 +118,9 @@ Rarity::operator()(const cv::Mat &lab, cv::Mat &weight)
     r = std::max(0.0F, -r / kScale);
 
   bins = bins_.data();
-  for (int y = 0; y < lab.rows; ++y, bins += lab.cols) {
+  for (int y = 0; y < size.height; ++y, bins += size.width) {
     auto *out = weight.ptr<float>(y);
-    for (int x = 0; x < lab.cols; ++x)
+    for (int x = 0; x < size.width; ++x)
       out[x] = table_[bins[x]];
   }
 }

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include "saliency/lab_image.h"
+
 #include <opencv2/core/mat.hpp>
 
 #include <cstdint>
@@ -24,8 +26,8 @@ public:
   /// picture. Throws std::invalid_argument otherwise.
   explicit Rarity(double border = 0);
 
-  /// `lab`: CV_32FC3 L*a*b*, finite, not empty. `weight` becomes CV_32FC1 of its size, finite, ≥ 0.
-  void operator()(const cv::Mat &lab, cv::Mat &weight);
+  /// `lab`: finite, not empty. `weight` becomes CV_32FC1 of its size, finite, ≥ 0.
+  void operator()(const LabImage &lab, cv::Mat &weight);
 
 private:
   double border_;

@@ -19,7 +19,7 @@ template <typename T, typename Work>
 HWY_INLINE void
 for_vectors(std::size_t n, const Work &work)
 {
-  const hn::ScalableTag<T> d;
+  const hn::CappedTag<T, kRoom> d;
   const std::size_t lanes = hn::Lanes(d);
   std::size_t i = 0;
   for (; i + lanes <= n; i += lanes)
@@ -27,47 +27,6 @@ for_vectors(std::size_t n, const Work &work)
   const hn::CappedTag<T, 1> one;
   for (; i < n; ++i)
     work(one, i);
-}
-
-template <class D, class V = hn::Vec<D>>
-HWY_INLINE V
-taps(D d, V outer, V next, V middle)
-{
-  const V sum
-      = hn::Add(outer, hn::Add(hn::Mul(hn::Set(d, 4.0F), next), hn::Mul(hn::Set(d, 6.0F), middle)));
-  return hn::Mul(sum, hn::Set(d, 1.0F / 16));
-}
-
-void
-smooth(const std::array<const float *, 5> &in, std::size_t n, float *out)
-{
-  for_vectors<float>(n, [&](auto d, std::size_t i) HWY_ATTR {
-    const auto outer = hn::Add(hn::LoadU(d, in[0] + i), hn::LoadU(d, in[4] + i));
-    const auto next = hn::Add(hn::LoadU(d, in[1] + i), hn::LoadU(d, in[3] + i));
-    hn::StoreU(taps(d, outer, next, hn::LoadU(d, in[2] + i)), d, out + i);
-  });
-}
-
-void
-halve(const float *in, std::size_t n, float *out)
-{
-  // Pairs: of these the second of the last is one sample further than is needed.
-  const std::size_t pairs = n > 0 ? n - 1 : 0;
-  for_vectors<float>(pairs, [&](auto d, std::size_t i) HWY_ATTR {
-    const float *at = in + 2 * i;
-    hn::Vec<decltype(d)> even0, odd0, even1, odd1, even2, unused;
-    hn::LoadInterleaved2(d, at - 2, even0, odd0);
-    hn::LoadInterleaved2(d, at, even1, odd1);
-    hn::LoadInterleaved2(d, at + 2, even2, unused);
-    hn::StoreU(taps(d, hn::Add(even0, even2), hn::Add(odd0, odd1), even1), d, out + i);
-  });
-  for (std::size_t i = pairs; i < n; ++i) {
-    const float *at = in + 2 * i;
-    const hn::CappedTag<float, 1> one;
-    const auto outer = hn::Add(hn::LoadU(one, at - 2), hn::LoadU(one, at + 2));
-    const auto next = hn::Add(hn::LoadU(one, at - 1), hn::LoadU(one, at + 1));
-    hn::StoreU(taps(one, outer, next, hn::LoadU(one, at)), one, out + i);
-  }
 }
 
 void
@@ -114,67 +73,56 @@ enlarge(const float *in, std::size_t length, int octaves, std::size_t n, float *
 }
 
 void
-split(const float *lab, std::size_t n, const std::array<float *, 3> &planes)
+chroma_contrast(const std::array<const float *, 2> &ab,
+                const std::array<const float *, 2> &surround, float weight_squared, std::size_t n,
+                float *out)
 {
   for_vectors<float>(n, [&](auto d, std::size_t i) HWY_ATTR {
-    hn::Vec<decltype(d)> l, a, b;
-    hn::LoadInterleaved3(d, lab + 3 * i, l, a, b);
-    hn::StoreU(l, d, planes[0] + i);
-    hn::StoreU(a, d, planes[1] + i);
-    hn::StoreU(b, d, planes[2] + i);
-  });
-}
-
-void
-join(const std::array<const float *, 3> &planes, std::size_t n, float *lab)
-{
-  for_vectors<float>(n, [&](auto d, std::size_t i) HWY_ATTR {
-    hn::StoreInterleaved3(hn::LoadU(d, planes[0] + i), hn::LoadU(d, planes[1] + i),
-                          hn::LoadU(d, planes[2] + i), d, lab + 3 * i);
-  });
-}
-
-void
-chroma_contrast(const float *lab, const float *surround_a, const float *surround_b,
-                float weight_squared, std::size_t n, float *out)
-{
-  for_vectors<float>(n, [&](auto d, std::size_t i) HWY_ATTR {
-    hn::Vec<decltype(d)> l, a, b;
-    hn::LoadInterleaved3(d, lab + 3 * i, l, a, b);
-    a = hn::Sub(a, hn::LoadU(d, surround_a + i));
-    b = hn::Sub(b, hn::LoadU(d, surround_b + i));
+    const auto a = hn::Sub(hn::LoadU(d, ab[0] + i), hn::LoadU(d, surround[0] + i));
+    const auto b = hn::Sub(hn::LoadU(d, ab[1] + i), hn::LoadU(d, surround[1] + i));
     const auto squared = hn::Add(hn::Mul(a, a), hn::Mul(b, b));
     hn::StoreU(hn::Mul(hn::Set(d, weight_squared), squared), d, out + i);
   });
 }
 
 void
-contrast(const float *lab, const float *surround_lightness, const float *chroma, std::size_t n,
+contrast(const float *lightness, const float *surround, const float *chroma, std::size_t n,
          float *out)
 {
   for_vectors<float>(n, [&](auto d, std::size_t i) HWY_ATTR {
-    hn::Vec<decltype(d)> l, a, b;
-    hn::LoadInterleaved3(d, lab + 3 * i, l, a, b);
-    l = hn::Sub(l, hn::LoadU(d, surround_lightness + i));
+    const auto l = hn::Sub(hn::LoadU(d, lightness + i), hn::LoadU(d, surround + i));
     hn::StoreU(hn::Sqrt(hn::Add(hn::Mul(l, l), hn::LoadU(d, chroma + i))), d, out + i);
   });
 }
 
 std::size_t
-count_changed(const float *lab, const float *before, float limit_squared, std::size_t n)
+count_changed(const std::array<const float *, 3> &lab, const std::array<const float *, 3> &before,
+              float limit_squared, std::size_t n)
 {
   std::size_t count = 0;
   for_vectors<float>(n, [&](auto d, std::size_t i) HWY_ATTR {
-    hn::Vec<decltype(d)> l, a, b, l_before, a_before, b_before;
-    hn::LoadInterleaved3(d, lab + 3 * i, l, a, b);
-    hn::LoadInterleaved3(d, before + 3 * i, l_before, a_before, b_before);
-    l = hn::Sub(l, l_before);
-    a = hn::Sub(a, a_before);
-    b = hn::Sub(b, b_before);
+    const auto l = hn::Sub(hn::LoadU(d, lab[0] + i), hn::LoadU(d, before[0] + i));
+    const auto a = hn::Sub(hn::LoadU(d, lab[1] + i), hn::LoadU(d, before[1] + i));
+    const auto b = hn::Sub(hn::LoadU(d, lab[2] + i), hn::LoadU(d, before[2] + i));
     const auto squared = hn::Add(hn::Mul(l, l), hn::Add(hn::Mul(a, a), hn::Mul(b, b)));
     count += hn::CountTrue(d, hn::Gt(squared, hn::Set(d, limit_squared)));
   });
   return count;
+}
+
+Gains
+gains(const float *center, const float *surround, float least, float nothing, std::size_t n,
+      float *ratios)
+{
+  Gains found{};
+  for_vectors<float>(n, [&](auto d, std::size_t i) HWY_ATTR {
+    const auto value = hn::LoadU(d, center + i);
+    const auto base = hn::Add(hn::LoadU(d, surround + i), hn::Set(d, nothing));
+    const auto counts = hn::Gt(value, hn::Set(d, least));
+    found.gained += hn::CountTrue(d, hn::And(counts, hn::Gt(value, base)));
+    found.count += hn::CompressStore(hn::Div(value, base), counts, d, ratios + found.count);
+  });
+  return found;
 }
 
 void
@@ -214,29 +162,14 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace saliency::rows {
 
-HWY_EXPORT(smooth);
-HWY_EXPORT(halve);
 HWY_EXPORT(interpolate);
 HWY_EXPORT(enlarge);
-HWY_EXPORT(split);
-HWY_EXPORT(join);
 HWY_EXPORT(chroma_contrast);
 HWY_EXPORT(contrast);
 HWY_EXPORT(count_changed);
+HWY_EXPORT(gains);
 HWY_EXPORT(integrate);
 HWY_EXPORT(difference);
-
-void
-smooth(const std::array<const float *, 5> &in, std::size_t n, float *out)
-{
-  HWY_DYNAMIC_DISPATCH(smooth)(in, n, out);
-}
-
-void
-halve(const float *in, std::size_t n, float *out)
-{
-  HWY_DYNAMIC_DISPATCH(halve)(in, n, out);
-}
 
 void
 interpolate(const float *before, const float *after, float weight, std::size_t n, float *out)
@@ -251,35 +184,32 @@ enlarge(const float *in, std::size_t length, int octaves, std::size_t n, float *
 }
 
 void
-split(const float *lab, std::size_t n, const std::array<float *, 3> &planes)
+chroma_contrast(const std::array<const float *, 2> &ab,
+                const std::array<const float *, 2> &surround, float weight_squared, std::size_t n,
+                float *out)
 {
-  HWY_DYNAMIC_DISPATCH(split)(lab, n, planes);
+  HWY_DYNAMIC_DISPATCH(chroma_contrast)(ab, surround, weight_squared, n, out);
 }
 
 void
-join(const std::array<const float *, 3> &planes, std::size_t n, float *lab)
-{
-  HWY_DYNAMIC_DISPATCH(join)(planes, n, lab);
-}
-
-void
-chroma_contrast(const float *lab, const float *surround_a, const float *surround_b,
-                float weight_squared, std::size_t n, float *out)
-{
-  HWY_DYNAMIC_DISPATCH(chroma_contrast)(lab, surround_a, surround_b, weight_squared, n, out);
-}
-
-void
-contrast(const float *lab, const float *surround_lightness, const float *chroma, std::size_t n,
+contrast(const float *lightness, const float *surround, const float *chroma, std::size_t n,
          float *out)
 {
-  HWY_DYNAMIC_DISPATCH(contrast)(lab, surround_lightness, chroma, n, out);
+  HWY_DYNAMIC_DISPATCH(contrast)(lightness, surround, chroma, n, out);
 }
 
 std::size_t
-count_changed(const float *lab, const float *before, float limit_squared, std::size_t n)
+count_changed(const std::array<const float *, 3> &lab, const std::array<const float *, 3> &before,
+              float limit_squared, std::size_t n)
 {
   return HWY_DYNAMIC_DISPATCH(count_changed)(lab, before, limit_squared, n);
+}
+
+Gains
+gains(const float *center, const float *surround, float least, float nothing, std::size_t n,
+      float *ratios)
+{
+  return HWY_DYNAMIC_DISPATCH(gains)(center, surround, least, nothing, n, ratios);
 }
 
 void

@@ -10,12 +10,6 @@
 /// a count. Rows do not overlap unless it is said.
 namespace saliency::rows {
 
-/// The taps [1 4 6 4 1]/16 across five rows of n samples.
-void smooth(const std::array<const float *, 5> &in, std::size_t n, float *out);
-
-/// The same taps along a row, even samples kept: out[i] from in[2i - 2]…in[2i + 2], i < n.
-void halve(const float *in, std::size_t n, float *out);
-
 /// out = before + weight × (after - before). `out` may be one of them.
 void interpolate(const float *before, const float *after, float weight, std::size_t n, float *out);
 
@@ -23,21 +17,32 @@ void interpolate(const float *before, const float *after, float weight, std::siz
 /// the last of `length` samples repeated. Writes n.
 void enlarge(const float *in, std::size_t length, int octaves, std::size_t n, float *out);
 
-/// n pixels L*a*b* L*a*b* … to three rows, and back.
-void split(const float *lab, std::size_t n, const std::array<float *, 3> &planes);
-void join(const std::array<const float *, 3> &planes, std::size_t n, float *lab);
-
-/// w² (Δa² + Δb²) of a row of L*a*b* pixels to a surround in planes.
-void chroma_contrast(const float *lab, const float *surround_a, const float *surround_b,
-                     float weight_squared, std::size_t n, float *out);
+/// w² (Δa² + Δb²) of rows of a* and b* to their surrounds.
+void chroma_contrast(const std::array<const float *, 2> &ab,
+                     const std::array<const float *, 2> &surround, float weight_squared,
+                     std::size_t n, float *out);
 
 /// √(ΔL² + chroma), likewise; `out` may be `chroma`.
-void contrast(const float *lab, const float *surround_lightness, const float *chroma, std::size_t n,
+void contrast(const float *lightness, const float *surround, const float *chroma, std::size_t n,
               float *out);
 
 /// Of n L*a*b* pixels, those whose squared ΔE is above a limit.
-std::size_t count_changed(const float *lab, const float *before, float limit_squared,
+std::size_t count_changed(const std::array<const float *, 3> &lab,
+                          const std::array<const float *, 3> &before, float limit_squared,
                           std::size_t n);
+
+/// What gains() may write beyond what it finds.
+inline constexpr std::size_t kRoom = 16;
+
+/// center / (surround + nothing) of those of n samples whose centre is above `least`, one after the
+/// other into `ratios`. How many these are, and how many of them are above 1.
+struct Gains
+{
+  std::size_t count;
+  std::size_t gained;
+};
+Gains gains(const float *center, const float *surround, float least, float nothing, std::size_t n,
+            float *ratios);
 
 /// An integral over time at a moment between two: before + part × (after - before).
 struct Integral

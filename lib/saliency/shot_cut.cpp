@@ -3,6 +3,8 @@
 
 #include "saliency/rows.h"
 
+#include <array>
+
 namespace saliency {
 
 ShotCut::ShotCut(const Profile &profile)
@@ -12,22 +14,27 @@ ShotCut::ShotCut(const Profile &profile)
 }
 
 bool
-ShotCut::operator()(const cv::Mat &lab)
+ShotCut::operator()(const LabImage &lab)
 {
+  const cv::Size size = lab.size();
+  const auto row = [](const LabImage &image, int y) -> std::array<const float *, 3> {
+    return { image.planes[0].ptr<float>(y), image.planes[1].ptr<float>(y),
+             image.planes[2].ptr<float>(y) };
+  };
   std::size_t changed = 0;
-  if (last_.size() == lab.size())
-    for (int y = 0; y < lab.rows; ++y)
-      changed += rows::count_changed(lab.ptr<float>(y), last_.ptr<float>(y), contrast_squared_,
-                                     static_cast<std::size_t>(lab.cols));
-  lab.copyTo(last_);
-  return lab.total() >= kFewestSamples
-         && static_cast<double>(changed) > share_ * static_cast<double>(lab.total());
+  if (last_.size() == size)
+    for (int y = 0; y < size.height; ++y)
+      changed += rows::count_changed(row(lab, y), row(last_, y), contrast_squared_,
+                                     static_cast<std::size_t>(size.width));
+  for (std::size_t c = 0; c < 3; ++c)
+    lab.planes[c].copyTo(last_.planes[c]);
+  return size.area() >= kFewestSamples && static_cast<double>(changed) > share_ * size.area();
 }
 
 void
 ShotCut::reset()
 {
-  last_.release();
+  last_ = {};
 }
 
 } // namespace saliency

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include "saliency/lab_image.h"
 #include "saliency/profile.h"
-
-#include <opencv2/core/mat.hpp>
 
 namespace saliency {
 
@@ -15,16 +14,16 @@ public:
   explicit ShotCut(const Profile &profile);
 
   /// Whether the frame begins a new shot: more than `Profile::cut_share` of its pixels differ from the
-  /// last frame's by more than `Profile::cut_contrast` (ΔE). `lab`: CV_32FC3, copied. The first frame
+  /// last frame's by more than `Profile::cut_contrast` (ΔE). `lab` is copied. The first frame
   /// after a reset, one of another size and one of fewer than kFewestSamples begin none.
-  bool operator()(const cv::Mat &lab);
+  bool operator()(const LabImage &lab);
 
   void reset();
 
 private:
   double share_;
   float contrast_squared_;
-  cv::Mat last_;
+  LabImage last_;
 };
 
 } // namespace saliency

@@ -64,7 +64,7 @@ SpatialSaliency::at_saliency_level(std::vector<cv::Mat> &maps, int level, const 
 {
   auto index = static_cast<std::size_t>(level);
   for (; static_cast<int>(index) < levels.saliency; ++index)
-    reduce(maps[index], maps[index + 1]);
+    reductions_[index](maps[index], maps[index + 1]);
   if (const int octaves = static_cast<int>(index) - levels.saliency; octaves > 0) {
     upsample(maps[index], octaves, octaves, level_size(levels.frame, levels.saliency), upsampled_);
     return upsampled_;
@@ -78,6 +78,7 @@ SpatialSaliency::compute(const Pyramid &pyramid, const FrameLevels &levels)
   const auto count = static_cast<std::size_t>(std::max(levels.coarsest, levels.saliency)) + 1;
   contrast_map_.resize(count);
   rarity_map_.resize(count);
+  reductions_.resize(count);
   bool first = true;
   for (std::size_t i = 0; i < levels.pairs.size(); ++i) {
     const LevelPair &pair = levels.pairs[i];

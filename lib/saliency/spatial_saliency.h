@@ -58,7 +58,8 @@ private:
   Rarity rarity_;
   std::vector<cv::Mat>
       contrast_map_; ///< of one pair, by level: at its centre's, and reduced from there on
-  std::vector<cv::Mat> rarity_map_; ///< likewise
+  std::vector<cv::Mat> rarity_map_;   ///< likewise
+  std::vector<Reduction> reductions_; ///< of these, from each level
   cv::Mat upsampled_;
   cv::Mat sum_;
 };

@@ -3,12 +3,13 @@
 
 #include "saliency/normalization.h"
 #include "saliency/quantile.h"
+#include "saliency/rows.h"
 
 #include <opencv2/core.hpp>
 
 #include <algorithm>
 #include <cmath>
-#include <cstdint>
+#include <cstddef>
 
 namespace saliency {
 
@@ -114,26 +115,16 @@ SpatiotemporalSaliency::illumination(const cv::Mat &center, const cv::Mat &surro
   constexpr float kNothing = 0.05F;
   constexpr double kEnough = 0.3; // of the map
 
-  if (center.total() < kFewestSamples)
+  const std::size_t total = center.total();
+  if (total < kFewestSamples)
     return 1;
-  const auto *c = center.ptr<float>();
-  const auto *s = surround.ptr<float>();
-  // Without branches: which samples of noise have contrast cannot be predicted.
-  std::uint32_t count = 0;
-  std::uint32_t gained = 0;
-  for (std::size_t i = 0; i < center.total(); ++i) {
-    const std::uint32_t counts = c[i] > kContrast ? 1 : 0;
-    const std::uint32_t gains = c[i] > s[i] + kNothing ? 1 : 0;
-    count += counts;
-    gained += counts & gains;
-  }
-  if (static_cast<double>(count) <= kEnough * static_cast<double>(center.total())
+  sorted_.resize(total + rows::kRoom);
+  const auto [count, gained] = rows::gains(center.ptr<float>(), surround.ptr<float>(), kContrast,
+                                           kNothing, total, sorted_.data());
+  if (static_cast<double>(count) <= kEnough * static_cast<double>(total)
       || 2 * gained < count) // the median is at most 1
     return 1;
-  sorted_.clear();
-  for (std::size_t i = 0; i < center.total(); ++i)
-    if (c[i] > kContrast)
-      sorted_.push_back(c[i] / (s[i] + kNothing));
+  sorted_.resize(count);
   return std::max(1.0F, quantile(sorted_, 0.5));
 }
 

@@ -72,9 +72,9 @@ Surroundedness::prepare(cv::Size size)
   change_.assign(static_cast<std::size_t>(size.area()), 0);
 }
 
-/// Sorts the channel's crossings by threshold. Threshold k lies between codes k and k + 1.
+/// Sorts the plane's crossings by threshold. Threshold k lies between codes k and k + 1.
 void
-Surroundedness::find_crossings(const cv::Mat &lab, int channel)
+Surroundedness::find_crossings(const cv::Mat &plane)
 {
   for (auto &crossings : crossings_)
     crossings.clear();
@@ -82,14 +82,14 @@ Surroundedness::find_crossings(const cv::Mat &lab, int channel)
   const auto last = static_cast<float>(crossings_.size());
   const auto middle = static_cast<float>(crossings_.size() / 2) + 0.5F;
   const auto scale = static_cast<float>(1 / threshold_step_);
-  const auto code = [&](const cv::Vec3f &pixel) {
-    return static_cast<int>(std::min(std::max(pixel[channel] * scale + middle, 0.0F), last));
+  const auto code = [&](float value) {
+    return static_cast<int>(std::min(std::max(value * scale + middle, 0.0F), last));
   };
-  for (int y = 0; y < lab.rows; ++y) {
-    const auto *row = lab.ptr<cv::Vec3f>(y);
+  for (int y = 0; y < plane.rows; ++y) {
+    const auto *row = plane.ptr<float>(y);
     int before = code(row[0]);
     row_codes_[static_cast<std::size_t>(y)] = before;
-    for (int x = 1; x < lab.cols; ++x) {
+    for (int x = 1; x < plane.cols; ++x) {
       const int here = code(row[x]);
       for (int k = std::min(before, here); k < std::max(before, here); ++k)
         crossings_[static_cast<std::size_t>(k)].push_back({ x, y });
@@ -213,12 +213,12 @@ Surroundedness::add_surrounded()
 }
 
 void
-Surroundedness::operator()(const cv::Mat &lab, cv::Mat &map)
+Surroundedness::operator()(const LabImage &lab, cv::Mat &map)
 {
-  CV_Assert(lab.type() == CV_32FC3 && !lab.empty());
+  CV_Assert(!lab.size().empty());
   prepare(lab.size());
-  for (int channel = 0; channel < 3; ++channel) {
-    find_crossings(lab, channel);
+  for (const cv::Mat &plane : lab.planes) {
+    find_crossings(plane);
     for (std::size_t threshold = 0; threshold < crossings_.size(); ++threshold) {
       // A row that does not cross the threshold lies in a region that touches the border.
       if (crossings_[threshold].empty())

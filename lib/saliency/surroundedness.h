@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include "saliency/lab_image.h"
+
 #include <opencv2/core/mat.hpp>
 
 #include <cstdint>
@@ -31,10 +33,10 @@ public:
   /// Δt in [0.5, 100] ΔE; p in [0, 1]. Throws std::invalid_argument otherwise.
   Surroundedness(double threshold_step, double area_exponent);
 
-  /// `lab`: CV_32FC3 L*a*b*, finite, not empty. `map` becomes CV_32FC1 of its size, ≥ 0; what is
+  /// `lab`: finite, not empty. `map` becomes CV_32FC1 of its size, ≥ 0; what is
   /// not surrounded is exactly 0. The time it takes grows with the sum of all horizontal steps of
   /// colour, in units of Δt.
-  void operator()(const cv::Mat &lab, cv::Mat &map);
+  void operator()(const LabImage &lab, cv::Mat &map);
 
 private:
   /// A row lies on different sides of a threshold in columns x - 1 and x.
@@ -58,7 +60,7 @@ private:
   class CrossingCursor;
 
   void prepare(cv::Size size);
-  void find_crossings(const cv::Mat &lab, int channel);
+  void find_crossings(const cv::Mat &plane);
   void join_runs(int threshold);
   void add_surrounded();
   int run_end(int run, int y) const;

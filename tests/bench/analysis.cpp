@@ -80,7 +80,7 @@ stage_times(const saliency::Profile &profile, const tactile::MappingSettings &ma
         times[next++].push_back(watch.ms());
       watch = Stopwatch(1);
     };
-    const cv::Mat &lab = front_end.lab(film.view(static_cast<std::size_t>(i)), stages.level());
+    const auto &lab = front_end.lab(film.view(static_cast<std::size_t>(i)), stages.level());
     lap();
     converter.lab(small_frame(samples), 0);
     lap();

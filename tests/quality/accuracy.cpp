@@ -53,14 +53,11 @@ struct FrontEndKind
 {
   const char *name;
   bool exact;
-  bool unrounded;
   int earlier; ///< levels of decimation that are left to L*a*b*
 };
-constexpr std::array kFrontEnds{ FrontEndKind{ "decimated", false, false, 0 },
-                                 FrontEndKind{ "decimated, not rounded", false, true, 0 },
-                                 FrontEndKind{ "one level earlier", false, false, 1 },
-                                 FrontEndKind{ "one level earlier, not rounded", false, true, 1 },
-                                 FrontEndKind{ "exact", true, false, 0 } };
+constexpr std::array kFrontEnds{ FrontEndKind{ "decimated", false, 0 },
+                                 FrontEndKind{ "one level earlier", false, 1 },
+                                 FrontEndKind{ "exact", true, 0 } };
 
 class FrontEndOf
 {
@@ -74,10 +71,7 @@ public:
   {
     const int earlier = std::min(level, kind_.earlier);
     cv::Mat lab;
-    if (kind_.unrounded)
-      unrounded_lab(frame, level - earlier).convertTo(lab, CV_32F);
-    else
-      lab = front_end_.lab(frame, level - earlier);
+    cv::merge(front_end_.lab(frame, level - earlier).planes, lab);
     return decimated(lab, earlier);
   }
 
@@ -85,6 +79,16 @@ private:
   FrontEndKind kind_;
   saliency::FrontEnd front_end_;
 };
+
+saliency::LabImage
+planes(const cv::Mat &lab)
+{
+  saliency::LabImage image;
+  cv::Mat real;
+  lab.convertTo(real, CV_32F);
+  cv::split(real, image.planes.data());
+  return image;
+}
 
 double
 mean_delta_e(const cv::Mat &lab, const cv::Mat &truth)
@@ -196,16 +200,14 @@ public:
   void frame(const saliency::FrameView &frame, Time time, Time duration)
   {
     const cv::Mat lab = decimated(exact_lab(frame, threads_), oracle_.level());
-    cv::Mat lab_32;
-    lab.convertTo(lab_32, CV_32F);
-    const auto &truth = oracle_.analyze(lab_32, time, duration);
+    const auto &truth = oracle_.analyze(planes(lab), time, duration);
     FeltMap spatial{ {}, truth.picture, kSpatialMapping };
     exact_spatial_saliency(lab, oracle_.levels(), profile_).convertTo(spatial.map, CV_32F);
     const auto mapping = tactile::MappingSettings::tuned();
     for (auto &way : ways_) {
       const cv::Mat own = way->front_end.lab(frame, oracle_.level());
       const double delta_e = mean_delta_e(own, lab);
-      const auto &found = way->stages.analyze(own, time, duration);
+      const auto &found = way->stages.analyze(planes(own), time, duration);
       way->spatial.add({ way->stages.spatial(), found.picture, kSpatialMapping }, spatial,
                        kNearlyFlat, delta_e);
       way->spatiotemporal.add({ found.map, found.picture, mapping },
@@ -267,14 +269,12 @@ photograph_agreement(const std::filesystem::path &directory, int threads, bool q
 
     Stages oracle(profile, size);
     const cv::Mat lab = decimated(exact_lab(picture.view(), threads), oracle.level());
-    cv::Mat lab_32;
-    lab.convertTo(lab_32, CV_32F);
-    const auto &truth = oracle.analyze(lab_32, {}, kFrame, false);
+    const auto &truth = oracle.analyze(planes(lab), {}, kFrame, false);
     for (std::size_t kind = 0; kind < kFrontEnds.size(); ++kind) {
       FrontEndOf front_end(kFrontEnds[kind]);
       Stages stages(profile, size);
       const cv::Mat own = front_end.lab(picture.view(), stages.level());
-      const auto &found = stages.analyze(own, {}, kFrame, false);
+      const auto &found = stages.analyze(planes(own), {}, kFrame, false);
       tallies[kind].add({ found.map, found.picture, mapping },
                         { truth.map, truth.picture, mapping }, mapping.floor,
                         mean_delta_e(own, lab));

@@ -86,9 +86,9 @@ octaves_between(int fine, int coarse)
   throw std::invalid_argument("chroma has all samples or half of them");
 }
 
-/// The components at a level, each decimated from its own resolution.
+/// The components, each as large as the frame.
 std::array<cv::Mat, 3>
-components_at(const saliency::FrameView &frame, int level)
+components_of(const saliency::FrameView &frame)
 {
   if (frame.depth != 8 || frame.model == saliency::ColorModel::grey)
     throw std::invalid_argument("expected three components of 8 bits");
@@ -97,10 +97,8 @@ components_at(const saliency::FrameView &frame, int level)
     const auto &component = frame.components[i];
     const int columns = octaves_between(frame.width, component.width);
     const int rows = octaves_between(frame.height, component.height);
-    if (level > 0 && columns != rows)
-      throw std::invalid_argument("chroma is subsampled along both axes or none");
-    components[i] = decimated(samples(component), std::max(0, level - columns));
-    if (level < std::max(columns, rows))
+    components[i] = samples(component);
+    if (std::max(columns, rows) > 0)
       components[i] = upsampled(components[i], columns, rows, { frame.width, frame.height });
   }
   return components;
@@ -111,13 +109,7 @@ components_at(const saliency::FrameView &frame, int level)
 cv::Mat
 exact_lab(const saliency::FrameView &frame, int threads)
 {
-  return lab_of(components_at(frame, 0), frame, threads);
-}
-
-cv::Mat
-unrounded_lab(const saliency::FrameView &frame, int level)
-{
-  return lab_of(components_at(frame, level), frame, 1);
+  return lab_of(components_of(frame), frame, threads);
 }
 
 cv::Mat

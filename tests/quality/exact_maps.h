@@ -18,10 +18,6 @@ namespace quality {
 /// `threads` ≥ 1 share the rows.
 cv::Mat exact_lab(const saliency::FrameView &frame, int threads);
 
-/// L*a*b* at `level`, of components that were decimated without rounding, CV_64FC3: what decimating
-/// first costs, whatever the arithmetic.
-cv::Mat unrounded_lab(const saliency::FrameView &frame, int level);
-
 /// [1 4 6 4 1]/16 and every second sample, `octaves` times.
 cv::Mat decimated(cv::Mat image, int octaves);
 

@@ -60,13 +60,13 @@ Stages::camera_pose(double elapsed)
   if (!profile_.camera_motion)
     return {};
   const int level = std::max(levels_.finest, levels_.saliency - 1);
-  return camera_.follow(pyramid_.level(level), elapsed)
+  return camera_.follow(pyramid_.level(level).lightness(), elapsed)
       .in_units_of(std::ldexp(1.0, levels_.saliency - level));
 }
 
 const saliency::Saliency &
-Stages::analyze(const cv::Mat &lab, saliency::Time time, saliency::Time duration, bool temporal,
-                const Done &done)
+Stages::analyze(const saliency::LabImage &lab, saliency::Time time, saliency::Time duration,
+                bool temporal, const Done &done)
 {
   const auto finish = [&](Stage stage) {
     if (done)

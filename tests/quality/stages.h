@@ -52,8 +52,8 @@ public:
     return levels_;
   }
 
-  /// `lab`: CV_32FC3, at level(). `done` is called after each stage.
-  const saliency::Saliency &analyze(const cv::Mat &lab, saliency::Time time,
+  /// `lab`: at level(). `done` is called after each stage.
+  const saliency::Saliency &analyze(const saliency::LabImage &lab, saliency::Time time,
                                     saliency::Time duration, bool temporal = true,
                                     const Done &done = {});
 

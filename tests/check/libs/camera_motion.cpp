@@ -29,11 +29,11 @@ surface(double x, double y)
 cv::Mat
 frame(cv::Size size, const std::function<double(int, int)> &lightness)
 {
-  cv::Mat lab(size, CV_32FC3);
+  cv::Mat image(size, CV_32FC1);
   for (int y = 0; y < size.height; ++y)
     for (int x = 0; x < size.width; ++x)
-      lab.at<cv::Vec3f>(y, x) = { static_cast<float>(lightness(x, y)), 0, 0 };
-  return lab;
+      image.at<float>(y, x) = static_cast<float>(lightness(x, y));
+  return image;
 }
 
 /// The surface from a pose: where the frame's samples lie on it.
@@ -44,13 +44,13 @@ seen_from(const Similarity &pose, cv::Size size = kSize)
 }
 
 void
-add_noise(cv::Mat &lab, double deviation, unsigned seed)
+add_noise(cv::Mat &image, double deviation, unsigned seed)
 {
   std::mt19937 generator(seed);
   std::normal_distribution<float> noise(0, static_cast<float>(deviation));
-  for (int y = 0; y < lab.rows; ++y)
-    for (int x = 0; x < lab.cols; ++x)
-      lab.at<cv::Vec3f>(y, x)[0] += noise(generator);
+  for (int y = 0; y < image.rows; ++y)
+    for (int x = 0; x < image.cols; ++x)
+      image.at<float>(y, x) += noise(generator);
 }
 
 /// Turned and scaled about the middle of the picture, then shifted.

@@ -39,7 +39,7 @@ Pyramid
 pyramid_of(const oracle::LabImage &finest, int coarsest)
 {
   Pyramid pyramid;
-  pyramid.build(oracle::to_mat(finest), 0, coarsest);
+  pyramid.build(oracle::to_planes(finest), 0, coarsest);
   return pyramid;
 }
 

@@ -25,7 +25,7 @@ weight_of(const oracle::LabImage &lab, double border = 0)
 {
   Rarity rarity(border);
   cv::Mat weight;
-  rarity(oracle::to_mat(lab), weight);
+  rarity(oracle::to_planes(lab), weight);
   return weight;
 }
 
@@ -93,7 +93,7 @@ GST_START_TEST(test_brute_force)
                                     oracle::random_image(width, height, -range, range, ++seed),
                                     oracle::random_image(width, height, -range, range, ++seed) };
         cv::Mat weight;
-        rarity(oracle::to_mat(lab), weight);
+        rarity(oracle::to_planes(lab), weight);
         fail_unless_at_most(oracle::difference(weight, oracle::rarity(lab, border)), 1e-5);
       }
   }

@@ -6,6 +6,7 @@
 // names of its types.
 
 #include "saliency/frame_view.h"
+#include "saliency/lab_image.h"
 #include "saliency/profile.h"
 
 #include <opencv2/core.hpp>
@@ -71,15 +72,10 @@ to_mat(const Image &image)
   return mat;
 }
 
-inline cv::Mat
-to_mat(const LabImage &image)
+inline saliency::LabImage
+to_planes(const LabImage &image)
 {
-  cv::Mat mat(image[0].height, image[0].width, CV_32FC3);
-  for (int y = 0; y < mat.rows; ++y)
-    for (int x = 0; x < mat.cols; ++x)
-      for (int c = 0; c < 3; ++c)
-        mat.at<cv::Vec3f>(y, x)[c] = static_cast<float>(image[static_cast<std::size_t>(c)](x, y));
-  return mat;
+  return { { to_mat(image[0]), to_mat(image[1]), to_mat(image[2]) } };
 }
 
 /// Largest difference, or infinity if the sizes differ or a value is not finite.
@@ -101,18 +97,18 @@ difference(const cv::Mat &mat, const Image &image)
 
 /// Largest ΔE, likewise.
 inline double
-difference(const cv::Mat &mat, const LabImage &image)
+difference(const saliency::LabImage &found, const LabImage &image)
 {
-  if (mat.type() != CV_32FC3 || mat.cols != image[0].width || mat.rows != image[0].height)
-    return INFINITY;
+  for (const auto &plane : found.planes)
+    if (plane.type() != CV_32FC1 || plane.cols != image[0].width || plane.rows != image[0].height)
+      return INFINITY;
   double largest = 0;
-  for (int y = 0; y < mat.rows; ++y)
-    for (int x = 0; x < mat.cols; ++x) {
+  for (int y = 0; y < image[0].height; ++y)
+    for (int x = 0; x < image[0].width; ++x) {
       double squared = 0;
-      for (int c = 0; c < 3; ++c)
-        squared += std::pow(static_cast<double>(mat.at<cv::Vec3f>(y, x)[c])
-                                - image[static_cast<std::size_t>(c)](x, y),
-                            2);
+      for (std::size_t c = 0; c < 3; ++c)
+        squared
+            += std::pow(static_cast<double>(found.planes[c].at<float>(y, x)) - image[c](x, y), 2);
       if (!std::isfinite(squared))
         return INFINITY;
       largest = std::max(largest, std::sqrt(squared));

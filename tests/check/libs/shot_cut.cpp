@@ -4,6 +4,7 @@
 #include "saliency_oracle.h"
 #include "tolerance.h"
 
+using saliency::LabImage;
 using saliency::Profile;
 using saliency::ShotCut;
 
@@ -18,14 +19,23 @@ profile(double share, double contrast)
   return p;
 }
 
+LabImage
+even(cv::Size size, cv::Vec3f color)
+{
+  LabImage image;
+  for (std::size_t c = 0; c < 3; ++c)
+    image.planes[c] = cv::Mat(size, CV_32FC1, cv::Scalar(color[static_cast<int>(c)]));
+  return image;
+}
+
 /// The colour on every pixel, or on the first `count` of a black picture of 10×8.
-cv::Mat
+LabImage
 picture(cv::Vec3f color, int count = 80)
 {
-  cv::Mat lab(8, 10, CV_32FC3, cv::Scalar::all(0));
-  for (int i = 0; i < count; ++i)
-    lab.at<cv::Vec3f>(i / 10, i % 10) = color;
-  return lab;
+  LabImage image = even({ 10, 8 }, {});
+  for (std::size_t c = 0; c < 3; ++c)
+    std::fill_n(image.planes[c].ptr<float>(), count, color[static_cast<int>(c)]);
+  return image;
 }
 
 } // namespace
@@ -68,8 +78,8 @@ GST_END_TEST;
 GST_START_TEST(test_nothing_before)
 {
   ShotCut cut(profile(0, 6));
-  const cv::Mat white = picture({ 100, 0, 0 });
-  const cv::Mat other(3, 5, CV_32FC3, cv::Scalar(0, 0, 0));
+  const LabImage white = picture({ 100, 0, 0 });
+  const LabImage other = even({ 5, 3 }, {});
   fail_if(cut(white));
   fail_unless(cut(picture({})));
   cut.reset();
@@ -89,9 +99,9 @@ GST_START_TEST(test_copies)
 {
   // The frame's memory is the caller's again.
   ShotCut cut(profile(0.5, 6));
-  cv::Mat frame = picture({});
+  LabImage frame = picture({});
   fail_if(cut(frame));
-  frame.setTo(cv::Scalar(100, 0, 0));
+  frame.planes[0].setTo(100);
   fail_unless(cut(frame));
 }
 GST_END_TEST;
@@ -101,8 +111,8 @@ GST_START_TEST(test_few_samples)
   // Of 63 samples nothing is said, of 64 it is.
   for (const cv::Size size : { cv::Size(9, 7), cv::Size(8, 8), cv::Size(1, 1) }) {
     ShotCut cut(profile(0.5, 6));
-    fail_if(cut(cv::Mat(size, CV_32FC3, cv::Scalar(0, 0, 0))));
-    ck_assert_int_eq(cut(cv::Mat(size, CV_32FC3, cv::Scalar(100, 0, 0))), size.area() == 64);
+    fail_if(cut(even(size, {})));
+    ck_assert_int_eq(cut(even(size, { 100, 0, 0 })), size.area() == 64);
   }
 }
 GST_END_TEST;

@@ -48,7 +48,7 @@ compare(const Profile &profile, int width, int height)
 
   const FrameLevels own = frame_levels(profile, { width, height });
   saliency::Pyramid pyramid;
-  pyramid.build(oracle::to_mat(levels[static_cast<std::size_t>(own.finest)]), own.finest,
+  pyramid.build(oracle::to_planes(levels[static_cast<std::size_t>(own.finest)]), own.finest,
                 own.coarsest);
   saliency::SpatialSaliency spatial(profile);
   const auto expected = oracle::spatial_saliency(
@@ -155,7 +155,7 @@ GST_START_TEST(test_tuned_spatial)
     const Profile profile = Profile::tuned_spatial();
     const FrameLevels levels = frame_levels(profile, { width, height });
     saliency::Pyramid pyramid;
-    pyramid.build(oracle::to_mat(lab), levels.finest, levels.coarsest);
+    pyramid.build(oracle::to_planes(lab), levels.finest, levels.coarsest);
     saliency::SpatialSaliency spatial(profile);
     const auto &map = spatial.compute(pyramid, levels);
     const double e = oracle::difference(map, expected);
@@ -188,7 +188,7 @@ GST_START_TEST(test_cue_and_rarity_at_other_levels)
 
   const FrameLevels levels = frame_levels(profile, { 64, 48 });
   saliency::Pyramid pyramid;
-  pyramid.build(oracle::to_mat(fine), levels.finest, levels.coarsest);
+  pyramid.build(oracle::to_planes(fine), levels.finest, levels.coarsest);
   saliency::SpatialSaliency spatial(profile);
   fail_unless_at_most(oracle::difference(spatial.compute(pyramid, levels), expected),
                       1e-4 * expected.maximum());
@@ -205,7 +205,7 @@ GST_START_TEST(test_flat_picture)
     for (int n = 0; n < levels.finest; ++n)
       level = oracle::pyr_down(level);
     saliency::Pyramid pyramid;
-    pyramid.build(oracle::to_mat(level), levels.finest, levels.coarsest);
+    pyramid.build(oracle::to_planes(level), levels.finest, levels.coarsest);
     saliency::SpatialSaliency spatial(profile);
     fail_unless_at_most(cv::norm(spatial.compute(pyramid, levels), cv::NORM_INF), 1e-4);
   }

@@ -36,7 +36,7 @@ map_of(const oracle::LabImage &lab, double step = 5, double exponent = 0.5)
 {
   Surroundedness surroundedness(step, exponent);
   cv::Mat map;
-  surroundedness(oracle::to_mat(lab), map);
+  surroundedness(oracle::to_planes(lab), map);
   return map;
 }
 
@@ -188,7 +188,7 @@ GST_START_TEST(test_brute_force)
           v = static_cast<double>(static_cast<float>(std::clamp(v, -128.0, 128.0)));
       }
       cv::Mat map;
-      surroundedness(oracle::to_mat(lab), map);
+      surroundedness(oracle::to_planes(lab), map);
       const auto expected = oracle::surroundedness(lab, 7, 0.75);
       fail_unless_at_most(oracle::difference(map, expected), 1e-5 * expected.maximum() + 1e-9);
     }
