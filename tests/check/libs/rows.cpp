@@ -1,0 +1,219 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "saliency/rows.h"
+
+#include "saliency/quantile.h"
+#include "tolerance.h"
+
+#include <hwy/targets.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <functional>
+#include <random>
+#include <vector>
+
+#include <gst/check/gstcheck.h>
+
+namespace rows = saliency::rows;
+
+namespace {
+
+/// Shorter than every vector, and with every remainder of the longest.
+constexpr std::size_t kLongest = 70;
+
+/// Rows of their exact length, so that a sanitizer sees their ends.
+std::vector<float>
+random_row(std::size_t n, unsigned seed, float low = -100, float high = 100)
+{
+  std::mt19937 generator(seed);
+  std::uniform_real_distribution<float> value(low, high);
+  std::vector<float> row(n);
+  for (float &v : row)
+    v = value(generator);
+  return row;
+}
+
+std::vector<double>
+random_doubles(std::size_t n, unsigned seed)
+{
+  const auto row = random_row(n, seed);
+  return { row.begin(), row.end() };
+}
+
+/// With each instruction set that this processor has, for rows of each length.
+void
+with_all(const std::function<void(std::size_t)> &check)
+{
+  const auto targets = hwy::SupportedTargets();
+  for (const std::int64_t target : hwy::SupportedAndGeneratedTargets()) {
+    hwy::GetChosenTarget().Update(target);
+    for (std::size_t n = 1; n <= kLongest; ++n)
+      check(n);
+    hwy::GetChosenTarget().Update(targets);
+  }
+}
+
+} // namespace
+
+GST_START_TEST(test_interpolate)
+{
+  with_all([](std::size_t n) {
+    const auto a = random_row(n, 1);
+    const auto b = random_row(n, 2);
+    for (const float weight : { 0.0F, 0.3F, 1.0F }) {
+      auto out = a;
+      rows::interpolate(out.data(), b.data(), weight, n, out.data()); // in place
+      for (std::size_t i = 0; i < n; ++i)
+        fail_unless_near(out[i], a[i] + static_cast<double>(weight) * (b[i] - a[i]), 1e-4);
+    }
+  });
+}
+GST_END_TEST;
+
+GST_START_TEST(test_enlarge)
+{
+  with_all([](std::size_t n) {
+    for (int octaves = 0; octaves <= 7; ++octaves) {
+      const double step = 1 << octaves;
+      // The fewest samples that reach so far; fewer, whose last is repeated; more than needed.
+      const auto reach = static_cast<std::size_t>(std::ceil((n - 1) / step)) + 1;
+      for (const std::size_t length : { std::size_t{ 1 }, reach, reach + 3 }) {
+        const auto in = random_row(length, 3);
+        std::vector<float> out(n);
+        rows::enlarge(in.data(), length, octaves, n, out.data());
+        for (std::size_t x = 0; x < n; ++x) {
+          const double at = std::min(x / step, length - 1.0);
+          const auto before = static_cast<std::size_t>(at);
+          const double after = in[std::min(before + 1, length - 1)];
+          fail_unless_near(out[x], in[before] + (at - before) * (after - in[before]), 1e-4);
+        }
+      }
+    }
+  });
+}
+GST_END_TEST;
+
+GST_START_TEST(test_contrasts)
+{
+  with_all([](std::size_t n) {
+    std::vector<std::vector<float>> r;
+    for (unsigned seed = 0; seed < 6; ++seed)
+      r.push_back(random_row(n, seed));
+    std::vector<float> out(n);
+    rows::chroma_contrast({ r[0].data(), r[1].data() }, { r[2].data(), r[3].data() }, 4, n,
+                          out.data());
+    for (std::size_t i = 0; i < n; ++i) {
+      const double squared = 4 * (std::pow(r[0][i] - r[2][i], 2) + std::pow(r[1][i] - r[3][i], 2));
+      fail_unless_near(out[i], squared, 1e-6 * squared + 1e-6);
+    }
+    const auto chroma = out;
+    rows::contrast(r[4].data(), r[5].data(), out.data(), n, out.data()); // in place
+    for (std::size_t i = 0; i < n; ++i)
+      fail_unless_near(
+          out[i], std::sqrt(std::pow(static_cast<double>(r[4][i]) - r[5][i], 2) + chroma[i]), 1e-3);
+  });
+}
+GST_END_TEST;
+
+GST_START_TEST(test_count_changed)
+{
+  with_all([](std::size_t n) {
+    std::vector<std::vector<float>> r;
+    for (unsigned seed = 0; seed < 6; ++seed)
+      r.push_back(random_row(n, seed));
+    std::size_t expected = 0;
+    for (std::size_t i = 0; i < n; ++i)
+      expected += std::hypot(r[0][i] - r[3][i], r[1][i] - r[4][i], r[2][i] - r[5][i]) > 120 ? 1 : 0;
+    ck_assert_uint_eq(rows::count_changed({ r[0].data(), r[1].data(), r[2].data() },
+                                          { r[3].data(), r[4].data(), r[5].data() }, 120 * 120, n),
+                      expected);
+  });
+}
+GST_END_TEST;
+
+GST_START_TEST(test_gains)
+{
+  with_all([](std::size_t n) {
+    const auto center = random_row(n, 7, 0, 3);
+    const auto surround = random_row(n, 8, 0, 3);
+    std::vector<float> expected;
+    std::size_t gained = 0;
+    for (std::size_t i = 0; i < n; ++i)
+      if (center[i] > 1) {
+        expected.push_back(center[i] / (surround[i] + 0.05F));
+        gained += expected.back() > 1 ? 1 : 0;
+      }
+    std::vector<float> ratios(n + rows::kRoom);
+    const auto found = rows::gains(center.data(), surround.data(), 1, 0.05F, n, ratios.data());
+    ck_assert_uint_eq(found.count, expected.size());
+    ck_assert_uint_eq(found.gained, gained);
+    fail_unless(std::equal(expected.begin(), expected.end(), ratios.begin()));
+  });
+}
+GST_END_TEST;
+
+GST_START_TEST(test_integrals)
+{
+  with_all([](std::size_t n) {
+    const auto map = random_row(n, 9);
+    const auto base = random_doubles(n, 10);
+    auto sum = base;
+    rows::integrate(sum.data(), map.data(), 0.7, n, sum.data()); // in place
+    for (std::size_t i = 0; i < n; ++i)
+      fail_unless_near(sum[i], base[i] + 0.7 * static_cast<double>(map[i]), 1e-12);
+
+    const auto a = random_doubles(n, 11);
+    const auto b = random_doubles(n, 12);
+    std::vector<float> out(n);
+    for (const double part : { 0.0, 0.25 }) {
+      rows::difference({ a.data(), b.data(), part }, { base.data(), sum.data(), 0.5 }, 3, n,
+                       out.data());
+      for (std::size_t i = 0; i < n; ++i) {
+        const double from = a[i] + part * (b[i] - a[i]);
+        fail_unless_near(out[i], 3 * ((base[i] + sum[i]) / 2 - from), 1e-4);
+      }
+    }
+  });
+}
+GST_END_TEST;
+
+GST_START_TEST(test_quantile)
+{
+  // Against sorting, of any spread: many equal ones, zeros, all powers of two.
+  std::mt19937 generator(13);
+  for (std::size_t n = 1; n < 300; n += 7)
+    for (const int kind : { 0, 1, 2 }) {
+      std::vector<float> values = random_row(n, static_cast<unsigned>(n), 0, 50);
+      for (float &v : values)
+        v = kind == 0   ? v
+            : kind == 1 ? std::floor(v / 20)
+                        : std::ldexp(v, static_cast<int>(generator() % 200) - 100);
+      auto sorted = values;
+      std::ranges::sort(sorted);
+      for (const double q : { 0.0, 0.1, 0.5, 0.75, 1.0 }) {
+        auto scratch = values;
+        const auto place = static_cast<std::size_t>(q * static_cast<double>(n - 1));
+        fail_unless(saliency::quantile(scratch, q) == sorted[place], "%zu numbers, %g", n, q);
+      }
+    }
+}
+GST_END_TEST;
+
+static Suite *
+rows_suite(void)
+{
+  Suite *suite = suite_create("rows");
+  TCase *tc = tcase_create("general");
+  suite_add_tcase(suite, tc);
+  tcase_add_test(tc, test_interpolate);
+  tcase_add_test(tc, test_enlarge);
+  tcase_add_test(tc, test_contrasts);
+  tcase_add_test(tc, test_count_changed);
+  tcase_add_test(tc, test_gains);
+  tcase_add_test(tc, test_integrals);
+  tcase_add_test(tc, test_quantile);
+  return suite;
+}
+
+GST_CHECK_MAIN(rows);
