@@ -263,6 +263,8 @@ public:
     const RowPosition at = locate_row(y, octaves_, source_->size().height);
     for (next_ = std::max(next_, at.before); next_ <= at.after; ++next_)
       std::copy_n(source_->row(next_), size().width, held_.row(next_ % 2));
+    if (at.weight == 0)
+      return held_.row(at.before % 2);
     rows::interpolate(held_.row(at.before % 2), held_.row(at.after % 2), at.weight,
                       static_cast<std::size_t>(size().width), buffer_.row(0));
     return buffer_.row(0);

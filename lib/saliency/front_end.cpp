@@ -101,6 +101,16 @@ make_rows(ImageRows<float> &band, int begin, int end, LabImage &image)
   }
 }
 
+/// Where L*a*b* is computed for an image at `level`: one level earlier, which is closer to all pixels'
+/// L*a*b* by three quarters, if that costs little.
+int
+conversion_level(const FrameView &frame, int level)
+{
+  constexpr int kSamples = 150'000;
+  const int earlier = std::max(0, level - 1);
+  return level_size({ frame.width, frame.height }, earlier).area() <= kSamples ? earlier : level;
+}
+
 /// Below a million pixels for each, waking threads takes longer than they save.
 int
 threads_that_pay(const FrameView &frame)
@@ -134,10 +144,10 @@ FrontEnd::make_bands(const FrameView &frame, const Geometry &geometry)
   bands_.clear();
   lab_.create(level_size({ frame.width, frame.height }, geometry.level));
   const int threads = threads_ > 0 ? threads_ : threads_that_pay(frame);
+  const int converted = exact_ ? 0 : conversion_level(frame, geometry.level);
   for (int i = 0; i < std::min(threads, lab_.size().height); ++i) {
-    std::unique_ptr<ImageRows<float>> band
-        = std::make_unique<LabRows>(frame, exact_ ? 0 : geometry.level);
-    for (int n = 0; exact_ && n < geometry.level; ++n)
+    std::unique_ptr<ImageRows<float>> band = std::make_unique<LabRows>(frame, converted);
+    for (int n = converted; n < geometry.level; ++n)
       band = halved_rows(std::move(band));
     bands_.push_back(std::move(band));
   }

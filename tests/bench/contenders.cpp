@@ -49,6 +49,7 @@ ours(const std::string &method, const saliency::Profile &profile,
            .input = name(format),
            .threads = threads,
            .frame_bytes = frame_bytes(*film),
+           .history = 70, // the longest window is 64
            .work = [=](std::size_t i) {
              analysis->frame(film->view(i), i);
            } };

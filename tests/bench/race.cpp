@@ -68,7 +68,8 @@ race(std::vector<Contender> &contenders, int rounds)
     const Stopwatch watch(contenders[i].threads);
     run(i, 1);
     const double each = std::max(1e-3, watch.ms());
-    run(i, std::min(kWarmUp, static_cast<std::size_t>(kWarmUpMs / each)));
+    run(i, std::max(contenders[i].history,
+                    std::min(kWarmUp, static_cast<std::size_t>(kWarmUpMs / each))));
     lanes[i].slice = std::clamp<std::size_t>(static_cast<std::size_t>(kSliceMs / each), 1, kSlice);
     lanes[i].slow = each > kSlowMs;
   }

@@ -17,6 +17,7 @@ struct Contender
   std::string input; ///< format of the frames
   int threads = 1;
   std::size_t frame_bytes = 0;
+  std::size_t history = 0; ///< frames after which it holds all the memory that it will
   std::function<void(std::size_t)> work{}; ///< on the i-th frame
 
   double ms = 0;        ///< a frame: median over rounds

@@ -53,32 +53,9 @@ struct FrontEndKind
 {
   const char *name;
   bool exact;
-  int earlier; ///< levels of decimation that are left to L*a*b*
 };
-constexpr std::array kFrontEnds{ FrontEndKind{ "decimated", false, 0 },
-                                 FrontEndKind{ "one level earlier", false, 1 },
-                                 FrontEndKind{ "exact", true, 0 } };
-
-class FrontEndOf
-{
-public:
-  explicit FrontEndOf(const FrontEndKind &kind) : kind_(kind), front_end_(kind.exact)
-  {
-  }
-
-  /// CV_32FC3
-  cv::Mat lab(const saliency::FrameView &frame, int level)
-  {
-    const int earlier = std::min(level, kind_.earlier);
-    cv::Mat lab;
-    cv::merge(front_end_.lab(frame, level - earlier).planes, lab);
-    return decimated(lab, earlier);
-  }
-
-private:
-  FrontEndKind kind_;
-  saliency::FrontEnd front_end_;
-};
+constexpr std::array kFrontEnds{ FrontEndKind{ "decimated", false },
+                                 FrontEndKind{ "exact", true } };
 
 saliency::LabImage
 planes(const cv::Mat &lab)
@@ -91,10 +68,11 @@ planes(const cv::Mat &lab)
 }
 
 double
-mean_delta_e(const cv::Mat &lab, const cv::Mat &truth)
+mean_delta_e(const saliency::LabImage &lab, const cv::Mat &truth)
 {
   cv::Mat difference;
-  lab.convertTo(difference, CV_64F);
+  cv::merge(lab.planes, difference);
+  difference.convertTo(difference, CV_64F);
   difference -= truth;
   double sum = 0;
   for (int y = 0; y < difference.rows; ++y)
@@ -205,9 +183,9 @@ public:
     exact_spatial_saliency(lab, oracle_.levels(), profile_).convertTo(spatial.map, CV_32F);
     const auto mapping = tactile::MappingSettings::tuned();
     for (auto &way : ways_) {
-      const cv::Mat own = way->front_end.lab(frame, oracle_.level());
+      const auto &own = way->front_end.lab(frame, oracle_.level());
       const double delta_e = mean_delta_e(own, lab);
-      const auto &found = way->stages.analyze(planes(own), time, duration);
+      const auto &found = way->stages.analyze(own, time, duration);
       way->spatial.add({ way->stages.spatial(), found.picture, kSpatialMapping }, spatial,
                        kNearlyFlat, delta_e);
       way->spatiotemporal.add({ found.map, found.picture, mapping },
@@ -227,11 +205,11 @@ private:
   struct Way
   {
     Way(const FrontEndKind &kind, const saliency::Profile &profile, cv::Size size)
-        : front_end(kind), stages(profile, size)
+        : front_end(kind.exact), stages(profile, size)
     {
     }
 
-    FrontEndOf front_end;
+    saliency::FrontEnd front_end;
     Stages stages;
     Tally spatial;
     Tally spatiotemporal;
@@ -271,10 +249,10 @@ photograph_agreement(const std::filesystem::path &directory, int threads, bool q
     const cv::Mat lab = decimated(exact_lab(picture.view(), threads), oracle.level());
     const auto &truth = oracle.analyze(planes(lab), {}, kFrame, false);
     for (std::size_t kind = 0; kind < kFrontEnds.size(); ++kind) {
-      FrontEndOf front_end(kFrontEnds[kind]);
+      saliency::FrontEnd front_end(kFrontEnds[kind].exact);
       Stages stages(profile, size);
-      const cv::Mat own = front_end.lab(picture.view(), stages.level());
-      const auto &found = stages.analyze(planes(own), {}, kFrame, false);
+      const auto &own = front_end.lab(picture.view(), stages.level());
+      const auto &found = stages.analyze(own, {}, kFrame, false);
       tallies[kind].add({ found.map, found.picture, mapping },
                         { truth.map, truth.picture, mapping }, mapping.floor,
                         mean_delta_e(own, lab));
