@@ -340,7 +340,9 @@ component_rows(const FrameView &frame, std::size_t component, int level)
 bool
 has_byte_triples(const FrameView &frame)
 {
-  const auto &[a, b, c] = frame.components;
+  const Component &a = frame.components[0];
+  const Component &b = frame.components[1];
+  const Component &c = frame.components[2];
   const auto first = std::min({ a.data, b.data, c.data }, std::less<>());
   const auto last = std::max({ a.data, b.data, c.data }, std::less<>());
   const auto alike = [&a](const Component &other) {

@@ -101,16 +101,6 @@ make_rows(ImageRows<float> &band, int begin, int end, LabImage &image)
   }
 }
 
-/// Where L*a*b* is computed for an image at `level`: one level earlier, which is closer to all pixels'
-/// L*a*b* by three quarters, if that costs little.
-int
-conversion_level(const FrameView &frame, int level)
-{
-  constexpr int kSamples = 150'000;
-  const int earlier = std::max(0, level - 1);
-  return level_size({ frame.width, frame.height }, earlier).area() <= kSamples ? earlier : level;
-}
-
 /// Below a million pixels for each, waking threads takes longer than they save.
 int
 threads_that_pay(const FrameView &frame)
@@ -123,6 +113,15 @@ threads_that_pay(const FrameView &frame)
 }
 
 } // namespace
+
+int
+conversion_level(cv::Size frame, int level)
+{
+  constexpr long long kSamples = 150'000;
+  const int earlier = std::max(0, level - 1);
+  const cv::Size size = level_size(frame, earlier);
+  return static_cast<long long>(size.width) * size.height <= kSamples ? earlier : level;
+}
 
 FrontEnd::FrontEnd(bool exact) : exact_(exact)
 {
@@ -144,7 +143,8 @@ FrontEnd::make_bands(const FrameView &frame, const Geometry &geometry)
   bands_.clear();
   lab_.create(level_size({ frame.width, frame.height }, geometry.level));
   const int threads = threads_ > 0 ? threads_ : threads_that_pay(frame);
-  const int converted = exact_ ? 0 : conversion_level(frame, geometry.level);
+  const int converted
+      = exact_ ? 0 : conversion_level({ frame.width, frame.height }, geometry.level);
   for (int i = 0; i < std::min(threads, lab_.size().height); ++i) {
     std::unique_ptr<ImageRows<float>> band = std::make_unique<LabRows>(frame, converted);
     for (int n = converted; n < geometry.level; ++n)

@@ -14,6 +14,9 @@
 
 namespace saliency {
 
+/// The level at which L*a*b* of a frame's decimated components is computed for an image at `level`.
+int conversion_level(cv::Size frame, int level);
+
 /// Frame → L*a*b* image at one level of the pyramid: the only part that reads a frame's memory.
 ///
 /// `exact` computes L*a*b* of every pixel, then the pyramid, as the paper does. Otherwise the
@@ -26,8 +29,8 @@ namespace saliency {
 /// MPEG-2, H.264 and later put it horizontally; vertically it is half a pixel off.
 ///
 /// Rows are made on demand from the rows that they are made of (ImageRows): the frame is read once,
-/// and beside the result about nine rows of each level are held, less than 120 bytes for each pixel
-/// of the frame's width and each thread (200 when exact). Several threads make a band of rows each;
+/// and beside the result about nine rows of each level are held, up to 120 bytes for each pixel
+/// of a wide frame's width and each thread (150 when exact). Several threads make a band of rows each;
 /// the result is the same for any number of them, and on any processor.
 class FrontEnd
 {

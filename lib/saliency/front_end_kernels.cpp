@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "saliency/front_end_kernels.h"
 
+#include "saliency/image_rows.h"
+
 #include <algorithm>
 #include <cstddef>
 #include <cstring>
+#include <type_traits>
 
 // Everything up to HWY_ONCE is compiled for each target. No fused multiply-add, which not all have.
 #undef HWY_TARGET_INCLUDE
@@ -19,7 +22,7 @@ namespace hn = hwy::HWY_NAMESPACE;
 template <typename T> using Tag = hn::CappedTag<T, 64 / sizeof(T)>;
 
 /// Calls work(d, x) so that vectors at x cover 0…count - 1 and nothing else: the last one goes over
-/// some a second time, fewer than a vector's are done one by one.
+/// some a second time (so not in place), fewer than a vector's are done one by one.
 template <typename T, typename Work>
 HWY_INLINE void
 cover(int count, const Work &work)
@@ -153,10 +156,8 @@ template <typename Sum, typename Sample>
 Sum
 halved_sample(const Sample *row, int width, int x)
 {
-  const int last = width - 1;
   const auto at = [&](int i) {
-    i = last > 0 ? std::abs(i) : 0;
-    return static_cast<Sum>(row[i > last ? 2 * last - i : i]);
+    return static_cast<Sum>(row[mirrored(i, width)]);
   };
   const Sum outer = at(2 * x - 2) + at(2 * x + 2);
   const Sum inner = at(2 * x - 1) + at(2 * x + 1);

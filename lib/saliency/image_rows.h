@@ -9,7 +9,6 @@
 #include <algorithm>
 #include <array>
 #include <cstddef>
-#include <cstdlib>
 #include <new>
 
 namespace saliency {
@@ -88,6 +87,14 @@ private:
   int channels_;
 };
 
+/// Place `i`, up to two beyond an end of `length` samples, mirrored there without repeating the last.
+constexpr int
+mirrored(int i, int length)
+{
+  i = i < 0 ? -i : i;
+  return std::max(0, i < length ? i : 2 * (length - 1) - i);
+}
+
 /// The five rows about row y of an image of half the height, mirrored at the borders without repeating
 /// the border row: kept in a ring that is filled as y rises.
 template <typename T> class FiveRows
@@ -110,9 +117,7 @@ public:
     for (const int end = std::min(2 * y + 2, rows_ - 1); next_ <= end; ++next_)
       fill(next_, ring_.row(next_ % kRing));
     for (int i = 0; i < 5; ++i) {
-      const int at = std::abs(2 * y - 2 + i);
-      const int mirrored = at < rows_ ? at : 2 * (rows_ - 1) - at;
-      about_[static_cast<std::size_t>(i)] = ring_.row(std::max(0, mirrored) % kRing);
+      about_[static_cast<std::size_t>(i)] = ring_.row(mirrored(2 * y - 2 + i, rows_) % kRing);
     }
   }
 

@@ -54,8 +54,8 @@ Reduction::operator()(const cv::Mat &source, cv::Mat &reduced)
   CV_Assert(source.type() == CV_32FC1 && source.data != reduced.data);
   reduced.create(level_size(source.size(), 1), CV_32FC1);
   if (source.size() != size_) {
-    size_ = source.size();
     halved_.emplace(source.rows, reduced.cols, 1);
+    size_ = source.size();
   }
   halved_->begin();
   for (int y = 0; y < reduced.rows; ++y) {

@@ -30,7 +30,7 @@ pool(const saliency::Saliency &found, const tactile::MappingSettings &mapping,
                         mapping, map);
 }
 
-/// A frame as small as what decimation leaves, with all of its chroma.
+/// A frame as small as what decimation leaves for L*a*b*, with all of its chroma.
 saliency::FrameView
 small_frame(const cv::Mat &samples)
 {
@@ -66,7 +66,8 @@ stage_times(const saliency::Profile &profile, const tactile::MappingSettings &ma
   saliency::FrontEnd converter(false);
   quality::Stages stages(profile, film.size());
   tactile::TactileMap map(3, 3);
-  const cv::Size small = saliency::level_size(film.size(), stages.level());
+  const cv::Size small
+      = saliency::level_size(film.size(), saliency::conversion_level(film.size(), stages.level()));
   cv::Mat samples(3 * small.height, small.width, CV_8UC1);
   cv::randu(samples, 60, 200);
 

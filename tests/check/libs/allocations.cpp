@@ -7,6 +7,7 @@
 #include <dlfcn.h>
 
 #include "saliency/analyzer.h"
+#include "saliency/front_end.h"
 #include "tactile/tactile_mapping.h"
 
 #include "i420_frame.h"
@@ -92,7 +93,6 @@ namespace {
 
 using oracle::Frame;
 
-// As large as the front end does not have to decimate: cv::pyrDown, which it uses for that, allocates.
 const cv::Size kFilm(160, 120);
 const cv::Size kPicture(96, 72); ///< for Profile::tuned_spatial()
 
@@ -224,6 +224,39 @@ GST_START_TEST(test_paper)
 }
 GST_END_TEST;
 
+GST_START_TEST(test_front_end)
+{
+  // Planes, deep planes and packed pixels, decimated and not.
+  constexpr int kWidth = 800;
+  constexpr int kHeight = 760;
+  const Frame planes = oracle::film(kWidth, kHeight, 0);
+  const std::vector<std::uint8_t> memory(static_cast<std::size_t>(kWidth) * kHeight * 4, 77);
+  saliency::FrameView pixels;
+  pixels.model = saliency::ColorModel::rgb;
+  saliency::FrameView deep;
+  deep.depth = 10;
+  for (auto *view : { &pixels, &deep }) {
+    view->width = kWidth;
+    view->height = kHeight;
+    const int stride = view == &pixels ? 4 : 2;
+    for (std::size_t c = 0; c < 3; ++c)
+      view->components[c]
+          = { memory.data() + (view == &pixels ? c : 0), kWidth * stride, stride, kWidth, kHeight };
+  }
+  for (const auto &view : { planes.view(), pixels, deep })
+    for (const bool exact : { false, true })
+      for (int level = 0; level <= 3; ++level) {
+        saliency::FrontEnd front_end(exact);
+        front_end.lab(view, level);
+        allocations = 0;
+        armed = true;
+        front_end.lab(view, level);
+        armed = false;
+        ck_assert_int_eq(allocations, 0);
+      }
+}
+GST_END_TEST;
+
 static Suite *
 allocations_suite(void)
 {
@@ -234,6 +267,7 @@ allocations_suite(void)
   tcase_add_test(tc, test_tuned);
   tcase_add_test(tc, test_tuned_spatial);
   tcase_add_test(tc, test_paper);
+  tcase_add_test(tc, test_front_end);
   return suite;
 }
 

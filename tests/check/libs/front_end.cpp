@@ -251,7 +251,7 @@ GST_END_TEST;
 
 GST_START_TEST(test_targets)
 {
-  // Every instruction set that this processor has gives the same bits, the scalar code too.
+  // Every instruction set that this processor has gives the same bits.
   const Layout &layout = kLayouts[__i__];
   const auto targets = hwy::SupportedTargets();
   for (const auto &[width, height] : { std::pair{ 1, 1 }, { 70, 9 }, { 331, 42 }, { 260, 34 } })
@@ -324,8 +324,7 @@ GST_END_TEST;
 
 GST_START_TEST(test_decimating_first_is_close)
 {
-  // On a picture that is not noise: a sum of waves, saturated in places. Algorithm notes: mean ΔE
-  // 0.64 at level 2.
+  // On a picture that is not noise: a sum of waves, saturated in places.
   Frame frame(kLayouts[8], 200, 160, false, 5);
   for (int c = 0; c < 3; ++c)
     for (int y = 0; y < 160; ++y)
@@ -343,7 +342,7 @@ GST_START_TEST(test_decimating_first_is_close)
       sum += std::hypot(a[0].at<float>(y, x) - b[0].at<float>(y, x),
                         a[1].at<float>(y, x) - b[1].at<float>(y, x),
                         a[2].at<float>(y, x) - b[2].at<float>(y, x));
-  fail_unless_at_most(sum / static_cast<double>(a[0].total()), 1);
+  fail_unless_at_most(sum / static_cast<double>(a[0].total()), 0.3);
 }
 GST_END_TEST;
 

@@ -41,15 +41,21 @@ random_doubles(std::size_t n, unsigned seed)
   return { row.begin(), row.end() };
 }
 
-/// With each instruction set that this processor has, for rows of each length.
+/// With each instruction set that this processor has, for rows of each length. `check` returns what
+/// was found, which is the same to the bit with all of them.
 void
-with_all(const std::function<void(std::size_t)> &check)
+with_all(const std::function<std::vector<float>(std::size_t)> &check)
 {
   const auto targets = hwy::SupportedTargets();
+  std::vector<std::vector<float>> first(kLongest + 1);
   for (const std::int64_t target : hwy::SupportedAndGeneratedTargets()) {
     hwy::GetChosenTarget().Update(target);
-    for (std::size_t n = 1; n <= kLongest; ++n)
-      check(n);
+    for (std::size_t n = 1; n <= kLongest; ++n) {
+      const auto found = check(n);
+      if (first[n].empty())
+        first[n] = found;
+      fail_unless(found == first[n], "%s differs", hwy::TargetName(target));
+    }
     hwy::GetChosenTarget().Update(targets);
   }
 }
@@ -61,12 +67,15 @@ GST_START_TEST(test_interpolate)
   with_all([](std::size_t n) {
     const auto a = random_row(n, 1);
     const auto b = random_row(n, 2);
+    std::vector<float> found;
     for (const float weight : { 0.0F, 0.3F, 1.0F }) {
       auto out = a;
       rows::interpolate(out.data(), b.data(), weight, n, out.data()); // in place
       for (std::size_t i = 0; i < n; ++i)
         fail_unless_near(out[i], a[i] + static_cast<double>(weight) * (b[i] - a[i]), 1e-4);
+      found.insert(found.end(), out.begin(), out.end());
     }
+    return found;
   });
 }
 GST_END_TEST;
@@ -74,6 +83,7 @@ GST_END_TEST;
 GST_START_TEST(test_enlarge)
 {
   with_all([](std::size_t n) {
+    std::vector<float> found;
     for (int octaves = 0; octaves <= 7; ++octaves) {
       const double step = 1 << octaves;
       // The fewest samples that reach so far; fewer, whose last is repeated; more than needed.
@@ -88,8 +98,10 @@ GST_START_TEST(test_enlarge)
           const double after = in[std::min(before + 1, length - 1)];
           fail_unless_near(out[x], in[before] + (at - before) * (after - in[before]), 1e-4);
         }
+        found.insert(found.end(), out.begin(), out.end());
       }
     }
+    return found;
   });
 }
 GST_END_TEST;
@@ -112,6 +124,8 @@ GST_START_TEST(test_contrasts)
     for (std::size_t i = 0; i < n; ++i)
       fail_unless_near(
           out[i], std::sqrt(std::pow(static_cast<double>(r[4][i]) - r[5][i], 2) + chroma[i]), 1e-3);
+    out.insert(out.end(), chroma.begin(), chroma.end());
+    return out;
   });
 }
 GST_END_TEST;
@@ -128,6 +142,7 @@ GST_START_TEST(test_count_changed)
     ck_assert_uint_eq(rows::count_changed({ r[0].data(), r[1].data(), r[2].data() },
                                           { r[3].data(), r[4].data(), r[5].data() }, 120 * 120, n),
                       expected);
+    return std::vector<float>{ static_cast<float>(expected) };
   });
 }
 GST_END_TEST;
@@ -149,6 +164,7 @@ GST_START_TEST(test_gains)
     ck_assert_uint_eq(found.count, expected.size());
     ck_assert_uint_eq(found.gained, gained);
     fail_unless(std::equal(expected.begin(), expected.end(), ratios.begin()));
+    return std::vector<float>(ratios.begin(), ratios.begin() + static_cast<long>(found.count));
   });
 }
 GST_END_TEST;
@@ -165,6 +181,7 @@ GST_START_TEST(test_integrals)
 
     const auto a = random_doubles(n, 11);
     const auto b = random_doubles(n, 12);
+    std::vector<float> found(sum.begin(), sum.end());
     std::vector<float> out(n);
     for (const double part : { 0.0, 0.25 }) {
       rows::difference({ a.data(), b.data(), part }, { base.data(), sum.data(), 0.5 }, 3, n,
@@ -173,7 +190,9 @@ GST_START_TEST(test_integrals)
         const double from = a[i] + part * (b[i] - a[i]);
         fail_unless_near(out[i], 3 * ((base[i] + sum[i]) / 2 - from), 1e-4);
       }
+      found.insert(found.end(), out.begin(), out.end());
     }
+    return found;
   });
 }
 GST_END_TEST;
