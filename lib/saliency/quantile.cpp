@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "saliency/quantile.h"
 
+#include "saliency/rows.h"
+
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -20,6 +22,13 @@ bucket(float value)
   return std::bit_cast<std::uint32_t>(value) >> 21U & (kBuckets - 1);
 }
 
+/// The smallest number in a bucket.
+float
+least_of(std::size_t bucket)
+{
+  return std::bit_cast<float>(static_cast<std::uint32_t>(bucket) << 21U);
+}
+
 } // namespace
 
 float
@@ -33,7 +42,8 @@ quantile(std::vector<float> &values, double q)
   std::size_t wanted = 0;
   while (place >= counts[wanted])
     place -= counts[wanted++];
-  std::erase_if(values, [wanted](float value) { return bucket(value) != wanted; });
+  values.resize(
+      rows::keep_between(least_of(wanted), least_of(wanted + 1), values.size(), values.data()));
   const auto nth = values.begin() + static_cast<std::ptrdiff_t>(place);
   std::ranges::nth_element(values, nth);
   return *nth;

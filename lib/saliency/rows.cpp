@@ -110,6 +110,18 @@ count_changed(const std::array<const float *, 3> &lab, const std::array<const fl
   return count;
 }
 
+std::size_t
+keep_between(float low, float high, std::size_t n, float *values)
+{
+  std::size_t kept = 0;
+  for_vectors<float>(n, [&](auto d, std::size_t i) HWY_ATTR {
+    const auto value = hn::LoadU(d, values + i);
+    const auto keep = hn::And(hn::Ge(value, hn::Set(d, low)), hn::Lt(value, hn::Set(d, high)));
+    kept += hn::CompressStore(value, keep, d, values + kept);
+  });
+  return kept;
+}
+
 Gains
 gains(const float *center, const float *surround, float least, float nothing, std::size_t n,
       float *ratios)
@@ -167,6 +179,7 @@ HWY_EXPORT(enlarge);
 HWY_EXPORT(chroma_contrast);
 HWY_EXPORT(contrast);
 HWY_EXPORT(count_changed);
+HWY_EXPORT(keep_between);
 HWY_EXPORT(gains);
 HWY_EXPORT(integrate);
 HWY_EXPORT(difference);
@@ -203,6 +216,12 @@ count_changed(const std::array<const float *, 3> &lab, const std::array<const fl
               float limit_squared, std::size_t n)
 {
   return HWY_DYNAMIC_DISPATCH(count_changed)(lab, before, limit_squared, n);
+}
+
+std::size_t
+keep_between(float low, float high, std::size_t n, float *values)
+{
+  return HWY_DYNAMIC_DISPATCH(keep_between)(low, high, n, values);
 }
 
 Gains

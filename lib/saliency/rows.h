@@ -31,6 +31,10 @@ std::size_t count_changed(const std::array<const float *, 3> &lab,
                           const std::array<const float *, 3> &before, float limit_squared,
                           std::size_t n);
 
+/// Moves those of n values that are at least `low` and below `high` to the front, in their order; how
+/// many these are.
+std::size_t keep_between(float low, float high, std::size_t n, float *values);
+
 /// What gains() may write beyond what it finds.
 inline constexpr std::size_t kRoom = 16;
 
