@@ -1,16 +1,14 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include "standard_firmata.h"
-
-#include <umockdev.h>
+#include "emulated_usb.h"
+#include "firmware.h"
 
 #include <condition_variable>
 #include <deque>
 #include <functional>
 #include <limits>
 #include <list>
-#include <map>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -23,28 +21,6 @@ namespace usb_test {
 
 /// How long something that must come may take, in a test that would otherwise hang. Nothing is ever waited for that shall not come.
 constexpr auto kPatience = std::chrono::seconds(20);
-
-/// The USB ports of an emulated machine. The process must run under umockdev-wrapper.
-class EmulatedUsb
-{
-public:
-  EmulatedUsb();
-  ~EmulatedUsb();
-  EmulatedUsb(const EmulatedUsb &) = delete;
-  EmulatedUsb &operator=(const EmulatedUsb &) = delete;
-
-  UMockdevTestbed *testbed() const;
-  std::string
-  path(const std::string &path) const; ///< where a path of the emulated machine really is
-  int next_address();
-
-  /// udevd falls silent: nobody who listens now hears of what is plugged in or out.
-  void stop_udev();
-
-private:
-  UMockdevTestbed *testbed_;
-  int address_ = 1;
-};
 
 enum class Transport
 {
@@ -67,10 +43,9 @@ struct BoardDescription
   double baud = 0;     ///< of the emulated wire from host to board; 0: no time passes on it
 };
 
-/// A USB board: descriptors, control requests, bulk endpoints and a wire of some speed to the firmware behind it. Plugged in, it is a device
-/// node on a pty: umockdev hands its ioctls over, the pty's flow control says when there is something to reap, its hang-up is the unplugging.
-/// All methods may be called by any thread.
-class EmulatedBoard
+/// A USB board: descriptors, control requests, bulk endpoints and a wire of some speed to the firmware behind it. All public methods may be
+/// called by any thread.
+class EmulatedBoard : private UsbfsNode::Device
 {
 public:
   EmulatedBoard(EmulatedUsb &usb, BoardDescription description,
@@ -116,34 +91,19 @@ public:
   static constexpr int kAll = std::numeric_limits<int>::max();
 
 private:
-  struct Urb
-  {
-    UMockdevIoctlData *urb = nullptr; ///< owned
-    UMockdevIoctlData *buffer = nullptr;
-    int status = 0;
-    int actual = 0;
-  };
-
-  static gboolean handle_ioctl(UMockdevIoctlBase *handler, UMockdevIoctlClient *client,
-                               EmulatedBoard *board);
-  struct Answer
-  {
-    long result = 0;
-    int error = 0;
-  };
   // With the lock held.
-  std::optional<Answer> answer(unsigned long request, UMockdevIoctlData *argument);
-  Answer claim(int interface);
-  Answer submit(UMockdevIoctlData *argument);
-  Answer reap(UMockdevIoctlData *argument);
-  Answer discard(UMockdevIoctlData *argument);
-  void control(Urb urb);
-  void done(Urb urb, int status, int actual);
+  bool claim(int interface) override;
+  void release(int interface) override;
+  void give_back(int interface) override;
+  void submit(const Urb &urb) override;
+  std::optional<Urb> cancel(const void *host, gulong address) override;
+  void host_left(const void *host) override;
+  void changed() override;
+  void control(const Urb &urb);
   void feed_reads();
   void queue_for_host(std::span<const std::uint8_t> bytes);
   void to_firmware(std::uint8_t byte, Clock::time_point time);
-  void break_one(Urb urb);
-  void open_gate(bool open);
+  void break_one(const Urb &urb);
 
   void run_wire();
   void carry(std::unique_lock<std::mutex> &lock);
@@ -153,7 +113,6 @@ private:
   const std::shared_ptr<Firmware> firmware_;
   const int packet_;       ///< bytes, of the bulk endpoints
   const int status_bytes_; ///< that begin each packet to the host
-  std::map<std::string, UMockdevIoctlBase *> handlers_;
 
   mutable std::mutex mutex_;
   mutable std::condition_variable changed_;
@@ -161,13 +120,10 @@ private:
   bool stop_ = false;
   bool dtr_ = false;
   std::string syspath_;
-  std::string node_;
-  int master_ = -1;
-  int slave_ = -1;
+  std::list<UsbfsNode> nodes_; ///< the last one is where it is plugged in, or was
   std::list<Urb> reads_;
   std::list<Urb> writes_;
   std::list<Urb> requests_; ///< that are not being answered
-  std::deque<Urb> done_;    ///< to be reaped
   std::deque<Bytes> for_host_;
   Clock::time_point wire_free_{};
   std::vector<Received> received_;

@@ -23,7 +23,7 @@ main(int argc, char **argv)
   for (const Transport transport : kTransports) {
     const char *const names[] = { "cdc-acm", "ftdi", "ch340" };
     EmulatedUsb usb;
-    const auto firmware = std::make_shared<StandardFirmata>(StandardFirmata::mega());
+    const auto firmware = std::make_shared<Firmware>();
     EmulatedBoard board(usb, { .transport = transport, .baud = 57600 }, firmware);
     Film film(seconds * 5);
     film.play();
@@ -31,8 +31,8 @@ main(int argc, char **argv)
     const Clock::time_point start = film.start();
     film.stop();
 
-    std::map<int, std::deque<StandardFirmata::Change>> changes;
-    for (const StandardFirmata::Change &change : firmware->changes())
+    std::map<int, std::deque<Firmware::Change>> changes;
+    for (const Firmware::Change &change : firmware->changes())
       changes[change.pin].push_back(change);
     std::vector<double> late;
     const std::vector<tactor::IssuedCommand> trace = film.trace();
