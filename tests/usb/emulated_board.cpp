@@ -206,6 +206,12 @@ EmulatedBoard::transfers_pending() const
                           + nodes_.back().to_be_reaped());
 }
 
+std::size_t
+EmulatedBoard::hosts() const
+{
+  return hosts_.size();
+}
+
 int
 EmulatedBoard::most_writes_pending() const
 {
@@ -324,10 +330,11 @@ EmulatedBoard::feed_reads()
 // ---- what the host does
 
 bool
-EmulatedBoard::claim(int interface)
+EmulatedBoard::claim(const void *host, int interface)
 {
   if (busy_)
     return false;
+  hosts_.insert(host);
   conversation_.push_back(format("claim %d", interface));
   return true;
 }
@@ -376,6 +383,7 @@ EmulatedBoard::cancel(const void *host, gulong address)
 void
 EmulatedBoard::host_left(const void *host)
 {
+  hosts_.erase(host);
   for (std::list<Urb> *pending : { &reads_, &writes_, &requests_ })
     std::erase_if(*pending, [host](const Urb &urb) {
       if (urb.host != host)

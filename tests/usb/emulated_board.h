@@ -12,6 +12,7 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <set>
 #include <span>
 #include <string>
 #include <thread>
@@ -74,6 +75,8 @@ public:
   /// Claims ("claim 0", "release 0", "return 0": to the kernel's driver) and control requests ("40 03 c034 0000", data after that), in order.
   std::vector<std::string> conversation() const;
   int transfers_pending() const;
+  /// That have claimed the board and not closed it. With the lock held: in wait_until() and with_firmware().
+  std::size_t hosts() const;
   int most_writes_pending() const;
   /// Runs while the firmware stands still.
   void with_firmware(const std::function<void()> &look) const;
@@ -92,7 +95,7 @@ public:
 
 private:
   // With the lock held.
-  bool claim(int interface) override;
+  bool claim(const void *host, int interface) override;
   void release(int interface) override;
   void give_back(int interface) override;
   void submit(const Urb &urb) override;
@@ -120,6 +123,7 @@ private:
   bool stop_ = false;
   bool dtr_ = false;
   std::string syspath_;
+  std::set<const void *> hosts_;
   std::list<UsbfsNode> nodes_; ///< the last one is where it is plugged in, or was
   std::list<Urb> reads_;
   std::list<Urb> writes_;

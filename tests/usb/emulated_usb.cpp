@@ -26,11 +26,14 @@ as_urb(UMockdevIoctlData *data)
   return reinterpret_cast<struct usbdevfs_urb *>(data->data);
 }
 
+/// What the argument points to; nothing if the host has died meanwhile.
 template <class T>
-T
+std::optional<T>
 resolve(UMockdevIoctlData *argument)
 {
   UMockdevIoctlData *data = umockdev_ioctl_data_resolve(argument, 0, sizeof(T), nullptr);
+  if (!data)
+    return std::nullopt;
   T value;
   std::memcpy(&value, data->data, sizeof value);
   g_object_unref(data);
@@ -111,7 +114,7 @@ UsbfsNode::UsbfsNode(EmulatedUsb &usb, std::string path, std::mutex &mutex, Devi
   open_gate(false);
 
   g_signal_connect(handler_, "handle-ioctl", G_CALLBACK(handle_ioctl), this);
-  g_signal_connect(handler_, "client-vanished", G_CALLBACK(client_vanished), this);
+  g_signal_connect(handler_, "client-connected", G_CALLBACK(client_connected), this);
   umockdev_testbed_attach_ioctl(usb_.testbed(), path_.c_str(), handler_, nullptr);
 
   // Not by umockdev: it would be a plain file, always ready, in the moment in which the device is announced.
@@ -125,6 +128,8 @@ UsbfsNode::~UsbfsNode()
   umockdev_testbed_detach_ioctl(usb_.testbed(), path_.c_str(), nullptr);
   g_signal_handlers_disconnect_by_data(handler_, this);
   g_object_unref(handler_);
+  for (GObject *client : clients_)
+    g_object_weak_unref(client, client_left, this);
   for (const Urb &urb : done_)
     g_object_unref(urb.urb);
 }
@@ -178,9 +183,19 @@ UsbfsNode::handle_ioctl(UMockdevIoctlBase *, UMockdevIoctlClient *client, UsbfsN
 }
 
 void
-UsbfsNode::client_vanished(UMockdevIoctlBase *, UMockdevIoctlClient *client, UsbfsNode *node)
+UsbfsNode::client_connected(UMockdevIoctlBase *, UMockdevIoctlClient *client, UsbfsNode *node)
 {
   const std::lock_guard lock(node->mutex_);
+  node->clients_.insert(G_OBJECT(client));
+  g_object_weak_ref(G_OBJECT(client), client_left, node);
+}
+
+void
+UsbfsNode::client_left(gpointer self, GObject *client)
+{
+  auto *node = static_cast<UsbfsNode *>(self);
+  const std::lock_guard lock(node->mutex_);
+  node->clients_.erase(client);
   std::erase_if(node->done_, [client](const Urb &urb) {
     if (urb.host != client)
       return false;
@@ -209,21 +224,26 @@ UsbfsNode::answer(const void *host, unsigned long request, UMockdevIoctlData *ar
   }
   case USBDEVFS_DISCONNECT_CLAIM: {
     const auto claim = resolve<struct usbdevfs_disconnect_claim>(argument);
-    return device_.claim(static_cast<int>(claim.interface)) ? Answer{} : Answer{ -1, EBUSY };
+    return !claim                                                    ? Answer{ -1, EFAULT }
+           : device_.claim(host, static_cast<int>(claim->interface)) ? Answer{}
+                                                                     : Answer{ -1, EBUSY };
   }
-  case USBDEVFS_RELEASEINTERFACE:
-    device_.release(resolve<int>(argument));
+  case USBDEVFS_RELEASEINTERFACE: {
+    const auto interface = resolve<int>(argument);
+    if (!interface)
+      return Answer{ -1, EFAULT };
+    device_.release(*interface);
     return Answer{};
+  }
   case USBDEVFS_IOCTL: {
     const auto command = resolve<struct usbdevfs_ioctl>(argument);
-    if (command.ioctl_code != static_cast<int>(USBDEVFS_CONNECT))
+    if (!command || command->ioctl_code != static_cast<int>(USBDEVFS_CONNECT))
       return Answer{ -1, ENOTTY };
-    device_.give_back(command.ifno);
+    device_.give_back(command->ifno);
     return Answer{ 1, 0 };
   }
   case USBDEVFS_SUBMITURB:
-    submit(host, argument);
-    return Answer{};
+    return submit(host, argument);
   case USBDEVFS_DISCARDURB:
     return discard(host, argument);
   default:
@@ -231,11 +251,13 @@ UsbfsNode::answer(const void *host, unsigned long request, UMockdevIoctlData *ar
   }
 }
 
-void
+UsbfsNode::Answer
 UsbfsNode::submit(const void *host, UMockdevIoctlData *argument)
 {
   Urb urb{ .host = host };
   urb.urb = umockdev_ioctl_data_resolve(argument, 0, sizeof(struct usbdevfs_urb), nullptr);
+  if (!urb.urb)
+    return { -1, EFAULT };
   UMockdevIoctlData *buffer = umockdev_ioctl_data_resolve(
       urb.urb, offsetof(struct usbdevfs_urb, buffer),
       static_cast<std::size_t>(as_urb(urb.urb)->buffer_length), nullptr);
@@ -243,6 +265,7 @@ UsbfsNode::submit(const void *host, UMockdevIoctlData *argument)
   if (buffer)
     g_object_unref(buffer);
   device_.submit(urb);
+  return {};
 }
 
 UsbfsNode::Answer
@@ -254,11 +277,13 @@ UsbfsNode::reap(UMockdevIoctlData *argument)
     open_gate(false);
     return { -1, EAGAIN };
   }
+  UMockdevIoctlData *pointer = umockdev_ioctl_data_resolve(argument, 0, sizeof(gpointer), nullptr);
+  if (!pointer)
+    return { -1, EFAULT };
   const Urb urb = done_.front();
   done_.pop_front();
   as_urb(urb.urb)->status = urb.status;
   as_urb(urb.urb)->actual_length = urb.actual;
-  UMockdevIoctlData *pointer = umockdev_ioctl_data_resolve(argument, 0, sizeof(gpointer), nullptr);
   umockdev_ioctl_data_set_ptr(pointer, 0, urb.urb);
   g_object_unref(pointer);
   g_object_unref(urb.urb);

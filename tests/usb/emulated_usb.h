@@ -7,6 +7,7 @@
 #include <deque>
 #include <mutex>
 #include <optional>
+#include <set>
 #include <span>
 #include <string>
 
@@ -57,7 +58,7 @@ public:
   class Device
   {
   public:
-    virtual bool claim(int interface) = 0; ///< false: it is busy
+    virtual bool claim(const void *host, int interface) = 0; ///< false: it is busy
     virtual void release(int interface) = 0;
     virtual void give_back(int interface) = 0; ///< to the kernel's driver
     virtual void submit(const Urb &urb) = 0;
@@ -94,11 +95,12 @@ private:
 
   static gboolean handle_ioctl(UMockdevIoctlBase *handler, UMockdevIoctlClient *client,
                                UsbfsNode *node);
-  static void client_vanished(UMockdevIoctlBase *handler, UMockdevIoctlClient *client,
-                              UsbfsNode *node);
+  static void client_connected(UMockdevIoctlBase *handler, UMockdevIoctlClient *client,
+                               UsbfsNode *node);
+  static void client_left(gpointer node, GObject *client);
   std::optional<Answer> answer(const void *host, unsigned long request,
                                UMockdevIoctlData *argument);
-  void submit(const void *host, UMockdevIoctlData *argument);
+  Answer submit(const void *host, UMockdevIoctlData *argument);
   Answer reap(UMockdevIoctlData *argument);
   Answer discard(const void *host, UMockdevIoctlData *argument);
   void open_gate(bool open);
@@ -112,6 +114,7 @@ private:
   int master_ = -1;
   int slave_ = -1;
   std::deque<Urb> done_;
+  std::set<GObject *> clients_; ///< that have it open; of umockdev
 };
 
 } // namespace usb_test
