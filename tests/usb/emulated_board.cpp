@@ -92,7 +92,7 @@ EmulatedBoard::EmulatedBoard(EmulatedUsb &usb, BoardDescription description,
     : usb_(usb), description_(std::move(description)), firmware_(std::move(firmware)),
       packet_(description_.transport == Transport::ch340 ? 32 : 64),
       status_bytes_(description_.transport == Transport::ftdi ? 2 : 0),
-      wire_(&EmulatedBoard::run_wire, this)
+      payload_(packet_ - status_bytes_), wire_(&EmulatedBoard::run_wire, this)
 {
   plug();
 }
@@ -292,6 +292,37 @@ EmulatedBoard::send(std::span<const std::uint8_t> bytes)
   feed_reads();
 }
 
+void
+EmulatedBoard::send_packet(const Bytes &packet)
+{
+  const std::lock_guard lock(mutex_);
+  for_host_.push_back(packet);
+  feed_reads();
+}
+
+void
+EmulatedBoard::fill_packets(std::size_t payload)
+{
+  const std::lock_guard lock(mutex_);
+  payload_ = payload;
+}
+
+void
+EmulatedBoard::garble(std::function<void(Bytes &)> change)
+{
+  const std::lock_guard lock(mutex_);
+  garble_ = std::move(change);
+}
+
+void
+EmulatedBoard::say(Bytes reply)
+{
+  if (garble_)
+    garble_(reply);
+  if (!reply.empty())
+    queue_for_host(reply);
+}
+
 /// Cuts into what one transfer of the host can take: whole packets, the last one of any length.
 void
 EmulatedBoard::queue_for_host(std::span<const std::uint8_t> bytes)
@@ -299,15 +330,14 @@ EmulatedBoard::queue_for_host(std::span<const std::uint8_t> bytes)
   do {
     Bytes transfer;
     for (bool full = true; full && transfer.size() + packet_ <= kLongestRead;) {
-      const std::size_t payload
-          = std::min(bytes.size(), static_cast<std::size_t>(packet_ - status_bytes_));
+      const std::size_t payload = std::min(bytes.size(), payload_);
       if (payload == 0 && !transfer.empty())
         break;
       if (status_bytes_ > 0)
         transfer.insert(transfer.end(), kStatus.begin(), kStatus.end());
       transfer.insert(transfer.end(), bytes.begin(), bytes.begin() + payload);
       bytes = bytes.subspan(payload);
-      full = payload == static_cast<std::size_t>(packet_ - status_bytes_);
+      full = payload == packet_ - status_bytes_;
     }
     for_host_.push_back(std::move(transfer));
   } while (!bytes.empty());
@@ -428,7 +458,7 @@ EmulatedBoard::control(const Urb &urb)
   const bool dtr = request.starts_with("21 22 0003") || request.starts_with("40 01 0101")
                    || request.starts_with("40 a4 ff9f");
   if (dtr && !dtr_ && firmware_) {
-    queue_for_host(firmware_->reset());
+    say(firmware_->reset());
     feed_reads();
   }
   dtr_ = dtr_ || dtr;
@@ -490,8 +520,8 @@ EmulatedBoard::to_firmware(std::uint8_t byte, Clock::time_point time)
   received_.push_back({ time, byte });
   if (!firmware_)
     return;
-  if (const Bytes answer = firmware_->receive(byte, time); !answer.empty())
-    queue_for_host(answer);
+  if (Bytes answer = firmware_->receive(byte, time); !answer.empty())
+    say(std::move(answer));
 }
 
 } // namespace usb_test

@@ -83,6 +83,12 @@ public:
 
   // ---- what is sent: each as packets of its own
   void send(std::span<const std::uint8_t> bytes);
+  /// One packet as it is, with what a transport adds: nothing.
+  void send_packet(const Bytes &packet);
+  /// Packets have at most so many bytes of the line's.
+  void fill_packets(std::size_t payload);
+  /// Changes what the firmware says before it is sent, with the lock held.
+  void garble(std::function<void(Bytes &)> change);
 
   // ---- what goes wrong
   void stall(bool on);             ///< what is sent is not taken
@@ -105,6 +111,7 @@ private:
   void control(const Urb &urb);
   void feed_reads();
   void queue_for_host(std::span<const std::uint8_t> bytes);
+  void say(Bytes reply);
   void to_firmware(std::uint8_t byte, Clock::time_point time);
   void break_one(const Urb &urb);
 
@@ -114,8 +121,8 @@ private:
   EmulatedUsb &usb_;
   const BoardDescription description_;
   const std::shared_ptr<Firmware> firmware_;
-  const int packet_;       ///< bytes, of the bulk endpoints
-  const int status_bytes_; ///< that begin each packet to the host
+  const std::size_t packet_;       ///< bytes, of the bulk endpoints
+  const std::size_t status_bytes_; ///< that begin each packet to the host
 
   mutable std::mutex mutex_;
   mutable std::condition_variable changed_;
@@ -134,6 +141,8 @@ private:
   std::vector<std::string> conversation_;
   int most_writes_pending_ = 0;
 
+  std::size_t payload_; ///< of a packet to the host
+  std::function<void(Bytes &)> garble_;
   bool stalled_ = false;
   int failures_ = 0;
   bool ignore_requests_ = false;
