@@ -142,7 +142,9 @@ GstTactorSinkPrivate::device_event(const tactor::DriverEvent &event)
   using Kind = tactor::DriverEvent::Kind;
   switch (event.kind) {
   case Kind::opened:
-    GST_ELEMENT_INFO(element, RESOURCE, SETTINGS, ("%s", event.text.c_str()), (nullptr));
+    // Twice: gst-launch-1.0 shows what is meant for developers.
+    GST_ELEMENT_INFO(element, RESOURCE, SETTINGS, ("%s", event.text.c_str()),
+                     ("%s", event.text.c_str()));
     break;
   case Kind::warning:
     GST_ELEMENT_WARNING(element, RESOURCE, SETTINGS, ("%s", event.text.c_str()), (nullptr));
@@ -160,7 +162,8 @@ GstTactorSinkPrivate::device_event(const tactor::DriverEvent &event)
     break;
   case Kind::returned:
     scheduler.set_board_away(false);
-    GST_ELEMENT_INFO(element, RESOURCE, SETTINGS, ("%s", event.text.c_str()), (nullptr));
+    GST_ELEMENT_INFO(element, RESOURCE, SETTINGS, ("%s", event.text.c_str()),
+                     ("%s", event.text.c_str()));
     gst_element_post_message(
         element, gst_message_new_element(GST_OBJECT(element),
                                          gst_structure_new_empty("tactor-device-found")));
