@@ -237,10 +237,11 @@ EmulatedBoard::stall(bool on)
 }
 
 void
-EmulatedBoard::break_transfers(int count)
+EmulatedBoard::break_transfers(int count, int error)
 {
   const std::lock_guard lock(mutex_);
   failures_ = count;
+  failure_ = error;
   for (std::list<Urb> *pending : { &reads_, &writes_ })
     for (; failures_ > 0 && !pending->empty(); pending->pop_front())
       break_one(pending->front());
@@ -248,10 +249,12 @@ EmulatedBoard::break_transfers(int count)
 }
 
 void
-EmulatedBoard::break_one(const Urb &urb)
+EmulatedBoard::break_one(const Urb &urb, std::size_t taken)
 {
   failures_ -= failures_ < kAll ? 1 : 0;
-  nodes_.back().done(urb, -EPROTO, 0);
+  for (const std::uint8_t byte : urb.bytes().first(taken))
+    to_firmware(byte, Clock::now());
+  nodes_.back().done(urb, -failure_, taken);
 }
 
 void
@@ -387,7 +390,7 @@ EmulatedBoard::submit(const Urb &urb)
   if (urb.is_control()) {
     control(urb);
   } else if (failures_ > 0) {
-    break_one(urb);
+    break_one(urb, urb.is_to_host() ? 0 : urb.bytes().size() / 2);
   } else if (urb.is_to_host()) {
     reads_.push_back(urb);
     feed_reads();

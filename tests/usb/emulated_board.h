@@ -4,6 +4,7 @@
 #include "emulated_usb.h"
 #include "firmware.h"
 
+#include <cerrno>
 #include <condition_variable>
 #include <deque>
 #include <functional>
@@ -91,12 +92,13 @@ public:
   void garble(std::function<void(Bytes &)> change);
 
   // ---- what goes wrong
-  void stall(bool on);             ///< what is sent is not taken
-  void break_transfers(int count); ///< so many bulk transfers end in EPROTO; kAll: every one
-  void ignore_requests(bool on);   ///< control requests are never answered
-  void refuse_requests(bool on);   ///< control requests stall
-  void use_by_another(bool on);    ///< claims end in EBUSY
-  void forbid();                   ///< nobody may open the device any more; root still may
+  void stall(bool on); ///< what is sent is not taken
+  /// So many bulk transfers end in an error, writes that begin after this with half of their bytes taken; kAll: every one.
+  void break_transfers(int count, int error = EPROTO);
+  void ignore_requests(bool on); ///< control requests are never answered
+  void refuse_requests(bool on); ///< control requests stall
+  void use_by_another(bool on);  ///< claims end in EBUSY
+  void forbid();                 ///< nobody may open the device any more; root still may
   static constexpr int kAll = std::numeric_limits<int>::max();
 
 private:
@@ -113,7 +115,7 @@ private:
   void queue_for_host(std::span<const std::uint8_t> bytes);
   void say(Bytes reply);
   void to_firmware(std::uint8_t byte, Clock::time_point time);
-  void break_one(const Urb &urb);
+  void break_one(const Urb &urb, std::size_t taken = 0);
 
   void run_wire();
   void carry(std::unique_lock<std::mutex> &lock);
@@ -145,6 +147,7 @@ private:
   std::function<void(Bytes &)> garble_;
   bool stalled_ = false;
   int failures_ = 0;
+  int failure_ = 0; ///< errno of each
   bool ignore_requests_ = false;
   bool refuse_requests_ = false;
   bool busy_ = false;

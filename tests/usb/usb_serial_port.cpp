@@ -218,6 +218,25 @@ GST_START_TEST(test_transfers_that_fail)
 }
 GST_END_TEST;
 
+/// An endpoint that is halted takes nothing until somebody clears it, which is for whoever opens the board anew.
+GST_START_TEST(test_halted)
+{
+  for (const Transport transport : kTransports) {
+    EmulatedUsb usb;
+    EmulatedBoard board(usb, { .transport = transport });
+    UsbSerialBus bus;
+    Listener listener;
+    auto port = open_only(bus, listener);
+    board.break_transfers(1, EPIPE);
+    fail_unless(listener.wait_for_loss());
+    fail_unless(!port->write(Bytes{ 1 }));
+    port.reset();
+    fail_unless_equals_int(listener.lost().size(), 1);
+    fail_unless(listener.lost()[0].find("refuses") != std::string::npos);
+  }
+}
+GST_END_TEST;
+
 /// Motors make noise: now and then a transfer fails, and nothing is lost by that.
 GST_START_TEST(test_noise)
 {
@@ -226,17 +245,18 @@ GST_START_TEST(test_noise)
   UsbSerialBus bus;
   Listener listener;
   const auto port = open_only(bus, listener);
+  std::mt19937 random(2);
   Bytes sent;
   for (int i = 0; i < 20; i++) {
     // The reads that wait, then as many writes.
     board.break_transfers(4 + i % 3);
-    const Bytes bytes{ static_cast<std::uint8_t>(i) };
-    sent.push_back(bytes[0]);
+    const Bytes bytes = random_bytes(random, 1 + random() % 70);
+    sent.insert(sent.end(), bytes.begin(), bytes.end());
     fail_unless(port->write(bytes));
     fail_unless(listener.wait_for_written(i + 1));
     board.break_transfers(0);
     board.send(bytes);
-    fail_unless(listener.wait_for_bytes(i + 1));
+    fail_unless(listener.wait_for_bytes(sent.size()));
   }
   fail_unless(board.bytes() == sent);
   fail_unless(listener.received() == sent);
@@ -317,6 +337,7 @@ usb_serial_port_suite(void)
   tcase_add_test(tests, test_teardown_at_any_moment);
   tcase_add_test(tests, test_unplugged);
   tcase_add_test(tests, test_transfers_that_fail);
+  tcase_add_test(tests, test_halted);
   tcase_add_test(tests, test_noise);
   tcase_add_test(tests, test_stalled);
   tcase_add_test(tests, test_nothing_is_left_behind);
