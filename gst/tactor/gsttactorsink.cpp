@@ -30,6 +30,8 @@
  *     x.tactile ! queue max-size-bytes=0 max-size-buffers=0 max-size-time=400000000 ! tactorsink
  * ]|
  *
+ * As a #GstURIHandler it plays on `tactor://SERIAL`, the board with that serial number or bus path.
+ *
  * ## Messages
  * - `tactor-lead-short`: a command could not be issued as early as its motor needs; fields `lead`
  *   and `late` (#guint64, ns). At most one in five seconds.
@@ -45,6 +47,7 @@
 #include "tactorscheduler.h"
 #include "tactorsettings.h"
 #include "tactorstream.h"
+#include "tactorurihandler.h"
 
 #include <gst/tactile/tactile.h>
 #include <gst/video/video.h>
@@ -114,6 +117,7 @@ struct _GstTactorSink
 
 #define gst_tactor_sink_parent_class parent_class
 G_DEFINE_TYPE_WITH_CODE(GstTactorSink, gst_tactor_sink, GST_TYPE_BASE_SINK,
+                        G_IMPLEMENT_INTERFACE(GST_TYPE_URI_HANDLER, tactor_uri_handler_init);
                         GST_DEBUG_CATEGORY_INIT(tactor_sink_debug, "tactorsink", 0, "tactor sink"));
 GST_ELEMENT_REGISTER_DEFINE(tactorsink, "tactorsink", GST_RANK_NONE, GST_TYPE_TACTOR_SINK);
 
@@ -142,7 +146,9 @@ GstTactorSinkPrivate::device_event(const tactor::DriverEvent &event)
   using Kind = tactor::DriverEvent::Kind;
   switch (event.kind) {
   case Kind::opened:
-    GST_ELEMENT_INFO(element, RESOURCE, SETTINGS, ("%s", event.text.c_str()), (nullptr));
+    // Twice: gst-launch-1.0 shows what is meant for developers.
+    GST_ELEMENT_INFO(element, RESOURCE, SETTINGS, ("%s", event.text.c_str()),
+                     ("%s", event.text.c_str()));
     break;
   case Kind::warning:
     GST_ELEMENT_WARNING(element, RESOURCE, SETTINGS, ("%s", event.text.c_str()), (nullptr));
@@ -160,7 +166,8 @@ GstTactorSinkPrivate::device_event(const tactor::DriverEvent &event)
     break;
   case Kind::returned:
     scheduler.set_board_away(false);
-    GST_ELEMENT_INFO(element, RESOURCE, SETTINGS, ("%s", event.text.c_str()), (nullptr));
+    GST_ELEMENT_INFO(element, RESOURCE, SETTINGS, ("%s", event.text.c_str()),
+                     ("%s", event.text.c_str()));
     gst_element_post_message(
         element, gst_message_new_element(GST_OBJECT(element),
                                          gst_structure_new_empty("tactor-device-found")));

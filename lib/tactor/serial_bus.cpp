@@ -16,7 +16,7 @@ make_serial_bus()
   return std::make_unique<UsbSerialBus>();
 #else
   throw DriverError(DriverError::Kind::not_found,
-                    "no tactor board can be used: this was built without libusb-1.0");
+                    "no tactor board can be used: this was built without USB (meson option usb, libusb-1.0)");
 #endif
 }
 

@@ -17,6 +17,7 @@ begin() {
     sleep 0.05
   done
   expect_line err '^Recording, in real time'
+  expect_line err '^the motors are simulated: '
   sleep 1.5
 }
 

@@ -102,8 +102,8 @@ GST_END_TEST;
 GST_START_TEST(test_element)
 {
   EmulatedUsb usb;
-  const auto other_firmware = std::make_shared<StandardFirmata>(StandardFirmata::mega());
-  const auto firmware = std::make_shared<StandardFirmata>(StandardFirmata::mega());
+  const auto other_firmware = std::make_shared<Firmware>();
+  const auto firmware = std::make_shared<Firmware>();
   EmulatedBoard other(usb, { .port = "1-1", .serial = "1" }, other_firmware);
   EmulatedBoard board(usb, { .port = "1-2", .serial = "2" }, firmware);
   Monitor monitor;

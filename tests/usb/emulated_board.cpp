@@ -1,21 +1,13 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "emulated_board.h"
 
-#include <linux/usbdevice_fs.h>
-
 #include <algorithm>
 #include <array>
 #include <cerrno>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
-#include <fcntl.h>
-#include <filesystem>
 #include <stdexcept>
-#include <sys/ioctl.h>
-#include <sys/stat.h>
-#include <termios.h>
-#include <unistd.h>
 #include <utility>
 
 namespace usb_test {
@@ -67,65 +59,7 @@ format(const char *pattern, auto... values)
   return text;
 }
 
-struct usbdevfs_urb *
-as_urb(UMockdevIoctlData *data)
-{
-  return reinterpret_cast<struct usbdevfs_urb *>(data->data);
-}
-
-template <class T>
-T
-resolve(UMockdevIoctlData *argument)
-{
-  UMockdevIoctlData *data = umockdev_ioctl_data_resolve(argument, 0, sizeof(T), nullptr);
-  T value;
-  std::memcpy(&value, data->data, sizeof value);
-  g_object_unref(data);
-  return value;
-}
-
 } // namespace
-
-EmulatedUsb::EmulatedUsb() : testbed_(umockdev_testbed_new())
-{
-  // Asked while there is a test bed: the first answer is kept.
-  if (!umockdev_in_mock_environment())
-    throw std::runtime_error("this must be run by umockdev-wrapper");
-}
-
-EmulatedUsb::~EmulatedUsb()
-{
-  g_object_unref(testbed_);
-}
-
-UMockdevTestbed *
-EmulatedUsb::testbed() const
-{
-  return testbed_;
-}
-
-std::string
-EmulatedUsb::path(const std::string &path) const
-{
-  char *root = umockdev_testbed_get_root_dir(testbed_);
-  const std::string result = root + path;
-  g_free(root);
-  return result;
-}
-
-int
-EmulatedUsb::next_address()
-{
-  return ++address_;
-}
-
-void
-EmulatedUsb::stop_udev()
-{
-  for (const auto &entry : std::filesystem::directory_iterator(path("/")))
-    if (entry.path().filename().string().starts_with("event"))
-      std::filesystem::remove(entry.path());
-}
 
 Bytes
 EmulatedBoard::descriptors(Transport transport, std::optional<std::uint16_t> own_vendor)
@@ -158,7 +92,7 @@ EmulatedBoard::EmulatedBoard(EmulatedUsb &usb, BoardDescription description,
     : usb_(usb), description_(std::move(description)), firmware_(std::move(firmware)),
       packet_(description_.transport == Transport::ch340 ? 32 : 64),
       status_bytes_(description_.transport == Transport::ftdi ? 2 : 0),
-      wire_(&EmulatedBoard::run_wire, this)
+      payload_(packet_ - status_bytes_), wire_(&EmulatedBoard::run_wire, this)
 {
   plug();
 }
@@ -172,13 +106,7 @@ EmulatedBoard::~EmulatedBoard()
     changed_.notify_all();
   }
   wire_.join();
-  for (const auto &[node, handler] : handlers_) {
-    umockdev_testbed_detach_ioctl(usb_.testbed(), node.c_str(), nullptr);
-    g_signal_handlers_disconnect_by_data(handler, this);
-    g_object_unref(handler);
-  }
-  for (const Urb &urb : done_)
-    g_object_unref(urb.urb);
+  nodes_.clear(); // they call
 }
 
 void
@@ -187,26 +115,11 @@ EmulatedBoard::plug()
   const std::lock_guard lock(mutex_);
   const int bus = std::atoi(description_.port.c_str());
   const int address = usb_.next_address();
-  node_ = format("/dev/bus/usb/%03d/%03d", bus, address);
+  const std::string node = format("/dev/bus/usb/%03d/%03d", bus, address);
   syspath_ = format("/devices/usb%d/%s", bus, description_.port.c_str());
-
-  master_ = posix_openpt(O_RDWR | O_NOCTTY | O_CLOEXEC);
-  if (master_ < 0 || grantpt(master_) != 0 || unlockpt(master_) != 0)
-    throw std::runtime_error("no pty");
-  slave_ = ioctl(master_, TIOCGPTPEER, O_RDWR | O_NOCTTY | O_CLOEXEC);
-  if (slave_ < 0)
-    throw std::runtime_error("no pty");
-  open_gate(false);
-
-  UMockdevIoctlBase *handler = umockdev_ioctl_base_new();
-  g_signal_connect(handler, "handle-ioctl", G_CALLBACK(handle_ioctl), this);
-  umockdev_testbed_attach_ioctl(usb_.testbed(), node_.c_str(), handler, nullptr);
-  handlers_[node_] = handler;
-
-  // The node first, and not by umockdev: it would be a plain file, always ready, in the moment in which the device is announced.
-  const std::filesystem::path node = usb_.path(node_);
-  std::filesystem::create_directories(node.parent_path());
-  std::filesystem::create_symlink(ptsname(master_), node);
+  // Before the device is announced.
+  UsbfsNode::Device &self = *this;
+  nodes_.emplace_back(usb_, node, mutex_, self);
 
   plugged_ = true;
   dtr_ = false;
@@ -218,7 +131,7 @@ EmulatedBoard::plug()
       = "P: " + syspath_ + "\n"
         + format("E: DEVNAME=%s\nE: SUBSYSTEM=usb\nE: DEVTYPE=usb_device\nE: BUSNUM=%03d\nE: "
                  "DEVNUM=%03d\n",
-                 node_.c_str(), bus, address)
+                 node.c_str(), bus, address)
         + format("A: busnum=%d\\n\nA: devnum=%d\\n\nA: speed=12\\n\nA: bConfigurationValue=1\\n\n",
                  bus, address)
         + "H: serial=" + hex(description_.serial + "\n")
@@ -239,13 +152,10 @@ EmulatedBoard::unplug()
   // The event needs the properties in sysfs.
   umockdev_testbed_uevent(usb_.testbed(), ("/sys" + syspath_).c_str(), "remove");
   umockdev_testbed_remove_device(usb_.testbed(), ("/sys" + syspath_).c_str());
-  std::filesystem::remove(usb_.path(node_));
   for (std::list<Urb> *pending : { &reads_, &writes_, &requests_ })
     for (; !pending->empty(); pending->pop_front())
-      done(pending->front(), -ESHUTDOWN, 0);
-  close(slave_);
-  close(master_); // POLLERR at the host
-  slave_ = master_ = -1;
+      nodes_.back().done(pending->front(), -ESHUTDOWN, 0);
+  nodes_.back().unplug();
   for_host_.clear();
   changed_.notify_all();
 }
@@ -292,7 +202,14 @@ int
 EmulatedBoard::transfers_pending() const
 {
   const std::lock_guard lock(mutex_);
-  return static_cast<int>(reads_.size() + writes_.size() + requests_.size() + done_.size());
+  return static_cast<int>(reads_.size() + writes_.size() + requests_.size()
+                          + nodes_.back().to_be_reaped());
+}
+
+std::size_t
+EmulatedBoard::hosts() const
+{
+  return hosts_.size();
 }
 
 int
@@ -320,10 +237,11 @@ EmulatedBoard::stall(bool on)
 }
 
 void
-EmulatedBoard::break_transfers(int count)
+EmulatedBoard::break_transfers(int count, int error)
 {
   const std::lock_guard lock(mutex_);
   failures_ = count;
+  failure_ = error;
   for (std::list<Urb> *pending : { &reads_, &writes_ })
     for (; failures_ > 0 && !pending->empty(); pending->pop_front())
       break_one(pending->front());
@@ -331,10 +249,12 @@ EmulatedBoard::break_transfers(int count)
 }
 
 void
-EmulatedBoard::break_one(Urb urb)
+EmulatedBoard::break_one(const Urb &urb, std::size_t taken)
 {
   failures_ -= failures_ < kAll ? 1 : 0;
-  done(urb, -EPROTO, 0);
+  for (const std::uint8_t byte : urb.bytes().first(taken))
+    to_firmware(byte, Clock::now());
+  nodes_.back().done(urb, -failure_, taken);
 }
 
 void
@@ -362,7 +282,7 @@ void
 EmulatedBoard::forbid()
 {
   const std::lock_guard lock(mutex_);
-  fchmod(slave_, 0);
+  nodes_.back().forbid();
 }
 
 // ---- to the host
@@ -375,6 +295,37 @@ EmulatedBoard::send(std::span<const std::uint8_t> bytes)
   feed_reads();
 }
 
+void
+EmulatedBoard::send_packet(const Bytes &packet)
+{
+  const std::lock_guard lock(mutex_);
+  for_host_.push_back(packet);
+  feed_reads();
+}
+
+void
+EmulatedBoard::fill_packets(std::size_t payload)
+{
+  const std::lock_guard lock(mutex_);
+  payload_ = payload;
+}
+
+void
+EmulatedBoard::garble(std::function<void(Bytes &)> change)
+{
+  const std::lock_guard lock(mutex_);
+  garble_ = std::move(change);
+}
+
+void
+EmulatedBoard::say(Bytes reply)
+{
+  if (garble_)
+    garble_(reply);
+  if (!reply.empty())
+    queue_for_host(reply);
+}
+
 /// Cuts into what one transfer of the host can take: whole packets, the last one of any length.
 void
 EmulatedBoard::queue_for_host(std::span<const std::uint8_t> bytes)
@@ -382,15 +333,14 @@ EmulatedBoard::queue_for_host(std::span<const std::uint8_t> bytes)
   do {
     Bytes transfer;
     for (bool full = true; full && transfer.size() + packet_ <= kLongestRead;) {
-      const std::size_t payload
-          = std::min(bytes.size(), static_cast<std::size_t>(packet_ - status_bytes_));
+      const std::size_t payload = std::min(bytes.size(), payload_);
       if (payload == 0 && !transfer.empty())
         break;
       if (status_bytes_ > 0)
         transfer.insert(transfer.end(), kStatus.begin(), kStatus.end());
       transfer.insert(transfer.end(), bytes.begin(), bytes.begin() + payload);
       bytes = bytes.subspan(payload);
-      full = payload == static_cast<std::size_t>(packet_ - status_bytes_);
+      full = payload == packet_ - status_bytes_;
     }
     for_host_.push_back(std::move(transfer));
   } while (!bytes.empty());
@@ -404,109 +354,88 @@ EmulatedBoard::feed_reads()
     for_host_.pop_front();
     const Urb urb = reads_.front();
     reads_.pop_front();
-    const int size = std::min(static_cast<int>(bytes.size()), as_urb(urb.urb)->buffer_length);
-    std::copy_n(bytes.begin(), size, urb.buffer->data);
-    done(urb, static_cast<std::size_t>(size) < bytes.size() ? -EOVERFLOW : 0, size);
+    const std::size_t size = std::min(bytes.size(), urb.bytes().size());
+    std::copy_n(bytes.begin(), size, urb.bytes().begin());
+    nodes_.back().done(urb, size < bytes.size() ? -EOVERFLOW : 0, size);
   }
 }
 
-// ---- usbfs (linux/usbdevice_fs.h)
+// ---- what the host does
 
-gboolean
-EmulatedBoard::handle_ioctl(UMockdevIoctlBase *, UMockdevIoctlClient *client, EmulatedBoard *board)
-{
-  UMockdevIoctlData *argument = umockdev_ioctl_client_get_arg(client);
-  std::optional<Answer> answer;
-  {
-    const std::lock_guard lock(board->mutex_);
-    // An earlier plugging's node.
-    if (board->node_ != umockdev_ioctl_client_get_devnode(client))
-      answer = Answer{ -1, ENODEV };
-    else
-      answer = board->answer(umockdev_ioctl_client_get_request(client), argument);
-    board->changed_.notify_all();
-  }
-  if (!answer)
-    return FALSE;
-  umockdev_ioctl_client_complete(client, answer->result, answer->error);
-  return TRUE;
-}
-
-std::optional<EmulatedBoard::Answer>
-EmulatedBoard::answer(unsigned long request, UMockdevIoctlData *argument)
-{
-  if (request == USBDEVFS_REAPURBNDELAY || request == USBDEVFS_REAPURB)
-    return reap(argument);
-  if (!plugged_)
-    return Answer{ -1, ENODEV };
-  switch (request) {
-  case USBDEVFS_GET_CAPABILITIES: {
-    UMockdevIoctlData *data = umockdev_ioctl_data_resolve(argument, 0, sizeof(guint32), nullptr);
-    const guint32 capabilities = USBDEVFS_CAP_BULK_CONTINUATION | USBDEVFS_CAP_NO_PACKET_SIZE_LIM
-                                 | USBDEVFS_CAP_REAP_AFTER_DISCONNECT | USBDEVFS_CAP_ZERO_PACKET;
-    std::memcpy(data->data, &capabilities, sizeof capabilities);
-    g_object_unref(data);
-    return Answer{};
-  }
-  case USBDEVFS_DISCONNECT_CLAIM:
-    return claim(static_cast<int>(resolve<struct usbdevfs_disconnect_claim>(argument).interface));
-  case USBDEVFS_RELEASEINTERFACE:
-    conversation_.push_back(format("release %d", resolve<int>(argument)));
-    return Answer{};
-  case USBDEVFS_IOCTL: {
-    const auto command = resolve<struct usbdevfs_ioctl>(argument);
-    if (command.ioctl_code != static_cast<int>(USBDEVFS_CONNECT))
-      return Answer{ -1, ENOTTY };
-    conversation_.push_back(format("return %d", command.ifno));
-    return Answer{ 1, 0 };
-  }
-  case USBDEVFS_SUBMITURB:
-    return submit(argument);
-  case USBDEVFS_DISCARDURB:
-    return discard(argument);
-  default:
-    return Answer{ -1, ENOTTY };
-  }
-}
-
-EmulatedBoard::Answer
-EmulatedBoard::claim(int interface)
+bool
+EmulatedBoard::claim(const void *host, int interface)
 {
   if (busy_)
-    return { -1, EBUSY };
+    return false;
+  hosts_.insert(host);
   conversation_.push_back(format("claim %d", interface));
-  return {};
+  return true;
 }
 
-EmulatedBoard::Answer
-EmulatedBoard::submit(UMockdevIoctlData *argument)
+void
+EmulatedBoard::release(int interface)
 {
-  Urb urb;
-  urb.urb = umockdev_ioctl_data_resolve(argument, 0, sizeof(struct usbdevfs_urb), nullptr);
-  const int length = as_urb(urb.urb)->buffer_length;
-  UMockdevIoctlData *buffer = umockdev_ioctl_data_resolve(
-      urb.urb, offsetof(struct usbdevfs_urb, buffer), static_cast<std::size_t>(length), nullptr);
-  urb.buffer = buffer; // kept by the other one
-  if (buffer)
-    g_object_unref(buffer);
-  if (as_urb(urb.urb)->type == USBDEVFS_URB_TYPE_CONTROL) {
+  conversation_.push_back(format("release %d", interface));
+}
+
+void
+EmulatedBoard::give_back(int interface)
+{
+  conversation_.push_back(format("return %d", interface));
+}
+
+void
+EmulatedBoard::submit(const Urb &urb)
+{
+  if (urb.is_control()) {
     control(urb);
   } else if (failures_ > 0) {
-    break_one(urb);
-  } else if (as_urb(urb.urb)->endpoint & 0x80) {
+    break_one(urb, urb.is_to_host() ? 0 : urb.bytes().size() / 2);
+  } else if (urb.is_to_host()) {
     reads_.push_back(urb);
     feed_reads();
   } else {
     writes_.push_back(urb);
     most_writes_pending_ = std::max(most_writes_pending_, static_cast<int>(writes_.size()));
   }
-  return {};
+}
+
+std::optional<Urb>
+EmulatedBoard::cancel(const void *host, gulong address)
+{
+  for (std::list<Urb> *pending : { &reads_, &writes_, &requests_ })
+    for (auto urb = pending->begin(); urb != pending->end(); ++urb)
+      if (urb->host == host && urb->urb->client_addr == address) {
+        const Urb found = *urb;
+        pending->erase(urb);
+        return found;
+      }
+  return std::nullopt;
 }
 
 void
-EmulatedBoard::control(Urb urb)
+EmulatedBoard::host_left(const void *host)
 {
-  const std::uint8_t *bytes = urb.buffer->data;
+  hosts_.erase(host);
+  for (std::list<Urb> *pending : { &reads_, &writes_, &requests_ })
+    std::erase_if(*pending, [host](const Urb &urb) {
+      if (urb.host != host)
+        return false;
+      g_object_unref(urb.urb);
+      return true;
+    });
+}
+
+void
+EmulatedBoard::changed()
+{
+  changed_.notify_all();
+}
+
+void
+EmulatedBoard::control(const Urb &urb)
+{
+  const std::uint8_t *bytes = urb.bytes().data();
   const auto word = [&](int at) {
     return bytes[at] | bytes[at + 1] << 8;
   };
@@ -522,72 +451,20 @@ EmulatedBoard::control(Urb urb)
     return;
   }
   if (refuse_requests_) {
-    done(urb, -EPIPE, 0);
+    nodes_.back().done(urb, -EPIPE, 0);
     return;
   }
   if (in)
-    std::memset(urb.buffer->data + 8, 0x31, static_cast<std::size_t>(length));
-  done(urb, 0, length);
+    std::fill_n(urb.bytes().begin() + 8, length, 0x31);
+  nodes_.back().done(urb, 0, static_cast<std::size_t>(length));
   // The board is reset when DTR rises.
   const bool dtr = request.starts_with("21 22 0003") || request.starts_with("40 01 0101")
                    || request.starts_with("40 a4 ff9f");
   if (dtr && !dtr_ && firmware_) {
-    queue_for_host(firmware_->reset());
+    say(firmware_->reset());
     feed_reads();
   }
   dtr_ = dtr_ || dtr;
-}
-
-EmulatedBoard::Answer
-EmulatedBoard::reap(UMockdevIoctlData *argument)
-{
-  if (done_.empty()) {
-    if (!plugged_)
-      return { -1, ENODEV };
-    open_gate(false);
-    return { -1, EAGAIN };
-  }
-  const Urb urb = done_.front();
-  done_.pop_front();
-  as_urb(urb.urb)->status = urb.status;
-  as_urb(urb.urb)->actual_length = urb.actual;
-  UMockdevIoctlData *pointer = umockdev_ioctl_data_resolve(argument, 0, sizeof(gpointer), nullptr);
-  umockdev_ioctl_data_set_ptr(pointer, 0, urb.urb);
-  g_object_unref(pointer);
-  g_object_unref(urb.urb);
-  return {};
-}
-
-EmulatedBoard::Answer
-EmulatedBoard::discard(UMockdevIoctlData *argument)
-{
-  gulong address = 0;
-  std::memcpy(&address, argument->data, sizeof address);
-  for (std::list<Urb> *pending : { &reads_, &writes_, &requests_ })
-    for (auto urb = pending->begin(); urb != pending->end(); ++urb)
-      if (urb->urb->client_addr == address) {
-        done(*urb, -ENOENT, 0);
-        pending->erase(urb);
-        return {};
-      }
-  return { -1, EINVAL };
-}
-
-void
-EmulatedBoard::done(Urb urb, int status, int actual)
-{
-  urb.status = status;
-  urb.actual = actual;
-  done_.push_back(urb);
-  if (plugged_)
-    open_gate(true);
-}
-
-/// Whether the host's poll() says that there is something to reap.
-void
-EmulatedBoard::open_gate(bool open)
-{
-  tcflow(slave_, open ? TCOON : TCOOFF);
 }
 
 // ---- the wire to the firmware
@@ -597,10 +474,17 @@ EmulatedBoard::run_wire()
 {
   std::unique_lock lock(mutex_);
   while (!stop_) {
-    if (!stalled_ && !writes_.empty())
+    const std::optional<Clock::time_point> next = firmware_ ? firmware_->next() : std::nullopt;
+    if (!stalled_ && !writes_.empty()) {
       carry(lock);
-    else
+    } else if (!next) {
       changed_.wait(lock);
+    } else if (Clock::now() < *next) {
+      changed_.wait_until(lock, *next);
+    } else {
+      firmware_->pass(*next);
+      changed_.notify_all();
+    }
   }
 }
 
@@ -609,8 +493,7 @@ void
 EmulatedBoard::carry(std::unique_lock<std::mutex> &lock)
 {
   const UMockdevIoctlData *const urb = writes_.front().urb;
-  const Bytes bytes(writes_.front().buffer->data,
-                    writes_.front().buffer->data + as_urb(writes_.front().urb)->buffer_length);
+  const Bytes bytes(writes_.front().bytes().begin(), writes_.front().bytes().end());
   const auto byte_time = std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(
       description_.baud > 0 ? kBitsPerByte / description_.baud : 0.0));
   const Clock::time_point begin = std::max(Clock::now(), wire_free_);
@@ -628,7 +511,7 @@ EmulatedBoard::carry(std::unique_lock<std::mutex> &lock)
   if (!cut) {
     const Urb whole = writes_.front();
     writes_.pop_front();
-    done(whole, 0, static_cast<int>(bytes.size()));
+    nodes_.back().done(whole, 0, bytes.size());
   }
   feed_reads();
   changed_.notify_all();
@@ -640,8 +523,8 @@ EmulatedBoard::to_firmware(std::uint8_t byte, Clock::time_point time)
   received_.push_back({ time, byte });
   if (!firmware_)
     return;
-  if (const Bytes answer = firmware_->receive(byte, time); !answer.empty())
-    queue_for_host(answer);
+  if (Bytes answer = firmware_->receive(byte, time); !answer.empty())
+    say(std::move(answer));
 }
 
 } // namespace usb_test

@@ -1,19 +1,19 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include "standard_firmata.h"
+#include "emulated_usb.h"
+#include "firmware.h"
 
-#include <umockdev.h>
-
+#include <cerrno>
 #include <condition_variable>
 #include <deque>
 #include <functional>
 #include <limits>
 #include <list>
-#include <map>
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <set>
 #include <span>
 #include <string>
 #include <thread>
@@ -23,28 +23,6 @@ namespace usb_test {
 
 /// How long something that must come may take, in a test that would otherwise hang. Nothing is ever waited for that shall not come.
 constexpr auto kPatience = std::chrono::seconds(20);
-
-/// The USB ports of an emulated machine. The process must run under umockdev-wrapper.
-class EmulatedUsb
-{
-public:
-  EmulatedUsb();
-  ~EmulatedUsb();
-  EmulatedUsb(const EmulatedUsb &) = delete;
-  EmulatedUsb &operator=(const EmulatedUsb &) = delete;
-
-  UMockdevTestbed *testbed() const;
-  std::string
-  path(const std::string &path) const; ///< where a path of the emulated machine really is
-  int next_address();
-
-  /// udevd falls silent: nobody who listens now hears of what is plugged in or out.
-  void stop_udev();
-
-private:
-  UMockdevTestbed *testbed_;
-  int address_ = 1;
-};
 
 enum class Transport
 {
@@ -67,10 +45,9 @@ struct BoardDescription
   double baud = 0;     ///< of the emulated wire from host to board; 0: no time passes on it
 };
 
-/// A USB board: descriptors, control requests, bulk endpoints and a wire of some speed to the firmware behind it. Plugged in, it is a device
-/// node on a pty: umockdev hands its ioctls over, the pty's flow control says when there is something to reap, its hang-up is the unplugging.
-/// All methods may be called by any thread.
-class EmulatedBoard
+/// A USB board: descriptors, control requests, bulk endpoints and a wire of some speed to the firmware behind it. All public methods may be
+/// called by any thread.
+class EmulatedBoard : private UsbfsNode::Device
 {
 public:
   EmulatedBoard(EmulatedUsb &usb, BoardDescription description,
@@ -99,51 +76,46 @@ public:
   /// Claims ("claim 0", "release 0", "return 0": to the kernel's driver) and control requests ("40 03 c034 0000", data after that), in order.
   std::vector<std::string> conversation() const;
   int transfers_pending() const;
+  /// That have claimed the board and not closed it. With the lock held: in wait_until() and with_firmware().
+  std::size_t hosts() const;
   int most_writes_pending() const;
   /// Runs while the firmware stands still.
   void with_firmware(const std::function<void()> &look) const;
 
   // ---- what is sent: each as packets of its own
   void send(std::span<const std::uint8_t> bytes);
+  /// One packet as it is, with what a transport adds: nothing.
+  void send_packet(const Bytes &packet);
+  /// Packets have at most so many bytes of the line's.
+  void fill_packets(std::size_t payload);
+  /// Changes what the firmware says before it is sent, with the lock held.
+  void garble(std::function<void(Bytes &)> change);
 
   // ---- what goes wrong
-  void stall(bool on);             ///< what is sent is not taken
-  void break_transfers(int count); ///< so many bulk transfers end in EPROTO; kAll: every one
-  void ignore_requests(bool on);   ///< control requests are never answered
-  void refuse_requests(bool on);   ///< control requests stall
-  void use_by_another(bool on);    ///< claims end in EBUSY
-  void forbid();                   ///< nobody may open the device any more; root still may
+  void stall(bool on); ///< what is sent is not taken
+  /// So many bulk transfers end in an error, writes that begin after this with half of their bytes taken; kAll: every one.
+  void break_transfers(int count, int error = EPROTO);
+  void ignore_requests(bool on); ///< control requests are never answered
+  void refuse_requests(bool on); ///< control requests stall
+  void use_by_another(bool on);  ///< claims end in EBUSY
+  void forbid();                 ///< nobody may open the device any more; root still may
   static constexpr int kAll = std::numeric_limits<int>::max();
 
 private:
-  struct Urb
-  {
-    UMockdevIoctlData *urb = nullptr; ///< owned
-    UMockdevIoctlData *buffer = nullptr;
-    int status = 0;
-    int actual = 0;
-  };
-
-  static gboolean handle_ioctl(UMockdevIoctlBase *handler, UMockdevIoctlClient *client,
-                               EmulatedBoard *board);
-  struct Answer
-  {
-    long result = 0;
-    int error = 0;
-  };
   // With the lock held.
-  std::optional<Answer> answer(unsigned long request, UMockdevIoctlData *argument);
-  Answer claim(int interface);
-  Answer submit(UMockdevIoctlData *argument);
-  Answer reap(UMockdevIoctlData *argument);
-  Answer discard(UMockdevIoctlData *argument);
-  void control(Urb urb);
-  void done(Urb urb, int status, int actual);
+  bool claim(const void *host, int interface) override;
+  void release(int interface) override;
+  void give_back(int interface) override;
+  void submit(const Urb &urb) override;
+  std::optional<Urb> cancel(const void *host, gulong address) override;
+  void host_left(const void *host) override;
+  void changed() override;
+  void control(const Urb &urb);
   void feed_reads();
   void queue_for_host(std::span<const std::uint8_t> bytes);
+  void say(Bytes reply);
   void to_firmware(std::uint8_t byte, Clock::time_point time);
-  void break_one(Urb urb);
-  void open_gate(bool open);
+  void break_one(const Urb &urb, std::size_t taken = 0);
 
   void run_wire();
   void carry(std::unique_lock<std::mutex> &lock);
@@ -151,9 +123,8 @@ private:
   EmulatedUsb &usb_;
   const BoardDescription description_;
   const std::shared_ptr<Firmware> firmware_;
-  const int packet_;       ///< bytes, of the bulk endpoints
-  const int status_bytes_; ///< that begin each packet to the host
-  std::map<std::string, UMockdevIoctlBase *> handlers_;
+  const std::size_t packet_;       ///< bytes, of the bulk endpoints
+  const std::size_t status_bytes_; ///< that begin each packet to the host
 
   mutable std::mutex mutex_;
   mutable std::condition_variable changed_;
@@ -161,21 +132,22 @@ private:
   bool stop_ = false;
   bool dtr_ = false;
   std::string syspath_;
-  std::string node_;
-  int master_ = -1;
-  int slave_ = -1;
+  std::set<const void *> hosts_;
+  std::list<UsbfsNode> nodes_; ///< the last one is where it is plugged in, or was
   std::list<Urb> reads_;
   std::list<Urb> writes_;
   std::list<Urb> requests_; ///< that are not being answered
-  std::deque<Urb> done_;    ///< to be reaped
   std::deque<Bytes> for_host_;
   Clock::time_point wire_free_{};
   std::vector<Received> received_;
   std::vector<std::string> conversation_;
   int most_writes_pending_ = 0;
 
+  std::size_t payload_; ///< of a packet to the host
+  std::function<void(Bytes &)> garble_;
   bool stalled_ = false;
   int failures_ = 0;
+  int failure_ = 0; ///< errno of each
   bool ignore_requests_ = false;
   bool refuse_requests_ = false;
   bool busy_ = false;

@@ -69,6 +69,22 @@ public:
     gst_element_set_state(pipeline_, GST_STATE_PLAYING);
   }
 
+  /// The motors stand when it returns.
+  void pause()
+  {
+    gst_element_set_state(pipeline_, GST_STATE_PAUSED);
+  }
+
+  /// What a seek begins with: all that was asked for is forgotten.
+  void flush()
+  {
+    GstElement *sink = gst_bin_get_by_name(GST_BIN(pipeline_), "tactors");
+    GstPad *pad = gst_element_get_static_pad(sink, "sink");
+    gst_pad_send_event(pad, gst_event_new_flush_start());
+    gst_object_unref(pad);
+    gst_object_unref(sink);
+  }
+
   void stop()
   {
     gst_element_set_state(pipeline_, GST_STATE_NULL);

@@ -6,6 +6,7 @@
 #include "tactor/usb/usb_serial_bus.h"
 
 #include <condition_variable>
+#include <functional>
 #include <memory>
 #include <mutex>
 #include <random>
@@ -36,6 +37,12 @@ public:
   bool wait_for_bytes(std::size_t count)
   {
     return wait([&] { return received_.size() >= count; });
+  }
+
+  /// Waits until what was received is as it shall be.
+  bool wait_for(const std::function<bool(const Bytes &)> &condition)
+  {
+    return wait([&] { return condition(received_); });
   }
 
   bool wait_for_written(int count)

@@ -20,32 +20,23 @@ struct Mega
   {
   }
 
-  bool any_motor_on() const
-  {
-    for (int pin = 0; pin < 70; pin++)
-      if (firmware->duty(pin) > 0)
-        return true;
-    return false;
-  }
-
   bool wait_for_motors(bool on)
   {
-    return board.wait_until([&] { return any_motor_on() == on; });
+    return board.wait_until([&] { return firmware->any_motor_on() == on; });
   }
 
   std::map<int, std::vector<int>> duties() const
   {
     std::map<int, std::vector<int>> all;
     board.with_firmware([&] {
-      for (const StandardFirmata::Change &change : firmware->changes())
+      for (const Firmware::Change &change : firmware->changes())
         all[change.pin].push_back(change.duty);
     });
     return all;
   }
 
   EmulatedUsb usb;
-  std::shared_ptr<StandardFirmata> firmware
-      = std::make_shared<StandardFirmata>(StandardFirmata::mega());
+  std::shared_ptr<Firmware> firmware = std::make_shared<Firmware>();
   EmulatedBoard board;
 };
 
@@ -62,7 +53,7 @@ GST_START_TEST(test_pins_get_what_was_planned)
     const auto planned = planned_duties(film.trace());
     fail_unless(planned.size() == 9);
     fail_unless(mega.duties() == planned);
-    fail_if(mega.any_motor_on());
+    fail_if(mega.firmware->any_motor_on());
     fail_unless(mega.firmware->resets() > 0);
   }
 }
@@ -75,7 +66,7 @@ GST_START_TEST(test_stopped_while_motors_are_on)
   film.play();
   fail_unless(mega.wait_for_motors(true));
   film.stop();
-  fail_if(mega.any_motor_on());
+  fail_if(mega.firmware->any_motor_on());
   fail_unless(mega.board.bytes().back() == 0xff);
   fail_unless_equals_int(mega.board.transfers_pending(), 0);
 }
@@ -97,7 +88,7 @@ GST_START_TEST(test_unplugged_and_plugged_in_again)
     fail_unless(mega.wait_for_motors(true));
     fail_unless(film.wait_for(GST_MESSAGE_EOS));
     film.stop();
-    fail_if(mega.any_motor_on());
+    fail_if(mega.firmware->any_motor_on());
     fail_unless(film.errors.empty());
     int gone = 0;
     for (const std::string &warning : film.warnings)
@@ -132,7 +123,7 @@ GST_START_TEST(test_stalled)
   fail_unless(film.wait_for(GST_MESSAGE_ELEMENT, "tactor-device-found"));
   fail_unless(film.wait_for(GST_MESSAGE_EOS));
   film.stop();
-  fail_if(mega.any_motor_on());
+  fail_if(mega.firmware->any_motor_on());
 }
 GST_END_TEST;
 

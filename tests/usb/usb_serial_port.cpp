@@ -61,6 +61,42 @@ GST_START_TEST(test_bytes_in)
 }
 GST_END_TEST;
 
+/// Packets with less than a transport's own bytes in them, and one with more than there is room for: what else comes is whole.
+GST_START_TEST(test_odd_packets)
+{
+  for (const Transport transport : kTransports) {
+    EmulatedUsb usb;
+    EmulatedBoard board(usb, { .transport = transport });
+    UsbSerialBus bus;
+    Listener listener;
+    const auto port = open_only(bus, listener);
+    std::mt19937 random(7);
+    Bytes sent;
+    for (int i = 0; i < 60; i++) {
+      board.send_packet({});
+      if (transport == Transport::ftdi) {
+        board.send_packet({ 0x01 });
+        board.send_packet({ 0x01, 0x60 });
+      }
+      const Bytes bytes = random_bytes(random, 1 + random() % 70);
+      sent.insert(sent.end(), bytes.begin(), bytes.end());
+      board.send(bytes);
+    }
+    fail_unless(listener.wait_for_bytes(sent.size()));
+    fail_unless(listener.received() == sent);
+
+    board.send_packet(random_bytes(random, 600));
+    const Bytes last = random_bytes(random, 5);
+    board.send(last);
+    fail_unless(listener.wait_for([&](const Bytes &received) {
+      return received.size() >= last.size()
+             && std::equal(last.begin(), last.end(), received.end() - 5);
+    }));
+    fail_unless(listener.lost().empty());
+  }
+}
+GST_END_TEST;
+
 /// Each write is begun by the word that the last one is done.
 GST_START_TEST(test_ten_thousand_writes)
 {
@@ -182,6 +218,25 @@ GST_START_TEST(test_transfers_that_fail)
 }
 GST_END_TEST;
 
+/// An endpoint that is halted takes nothing until somebody clears it, which is for whoever opens the board anew.
+GST_START_TEST(test_halted)
+{
+  for (const Transport transport : kTransports) {
+    EmulatedUsb usb;
+    EmulatedBoard board(usb, { .transport = transport });
+    UsbSerialBus bus;
+    Listener listener;
+    auto port = open_only(bus, listener);
+    board.break_transfers(1, EPIPE);
+    fail_unless(listener.wait_for_loss());
+    fail_unless(!port->write(Bytes{ 1 }));
+    port.reset();
+    fail_unless_equals_int(listener.lost().size(), 1);
+    fail_unless(listener.lost()[0].find("refuses") != std::string::npos);
+  }
+}
+GST_END_TEST;
+
 /// Motors make noise: now and then a transfer fails, and nothing is lost by that.
 GST_START_TEST(test_noise)
 {
@@ -190,17 +245,18 @@ GST_START_TEST(test_noise)
   UsbSerialBus bus;
   Listener listener;
   const auto port = open_only(bus, listener);
+  std::mt19937 random(2);
   Bytes sent;
   for (int i = 0; i < 20; i++) {
     // The reads that wait, then as many writes.
     board.break_transfers(4 + i % 3);
-    const Bytes bytes{ static_cast<std::uint8_t>(i) };
-    sent.push_back(bytes[0]);
+    const Bytes bytes = random_bytes(random, 1 + random() % 70);
+    sent.insert(sent.end(), bytes.begin(), bytes.end());
     fail_unless(port->write(bytes));
     fail_unless(listener.wait_for_written(i + 1));
     board.break_transfers(0);
     board.send(bytes);
-    fail_unless(listener.wait_for_bytes(i + 1));
+    fail_unless(listener.wait_for_bytes(sent.size()));
   }
   fail_unless(board.bytes() == sent);
   fail_unless(listener.received() == sent);
@@ -275,11 +331,13 @@ usb_serial_port_suite(void)
   suite_add_tcase(suite, tests);
   tcase_add_test(tests, test_bytes_out);
   tcase_add_test(tests, test_bytes_in);
+  tcase_add_test(tests, test_odd_packets);
   tcase_add_test(tests, test_ten_thousand_writes);
   tcase_add_test(tests, test_one_write_at_a_time);
   tcase_add_test(tests, test_teardown_at_any_moment);
   tcase_add_test(tests, test_unplugged);
   tcase_add_test(tests, test_transfers_that_fail);
+  tcase_add_test(tests, test_halted);
   tcase_add_test(tests, test_noise);
   tcase_add_test(tests, test_stalled);
   tcase_add_test(tests, test_nothing_is_left_behind);

@@ -1,65 +1,167 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 //
-// How long after its due time is a command's last byte on the wire to the board? A film of some seconds on an emulated Mega at 57600 baud, over each
-// transport. Usage: umockdev-wrapper wire_time [seconds, default 10]
+// What time real boards take, on emulated Megas at 57600 baud: how long after its due time is a command's last byte on the wire, and how long
+// after each end of the play do the motors stand?
+//
+// Usage: umockdev-wrapper wire_time [seconds of film, default 10] [ends of each kind, default 10]
 #include "film.h"
+#include "launch.h"
 
 #include <algorithm>
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
 #include <deque>
+#include <functional>
 
 using namespace usb_test;
+
+namespace {
+
+using Milliseconds = std::chrono::duration<double, std::milli>;
+
+double
+percentile(std::vector<double> values, double p)
+{
+  std::sort(values.begin(), values.end());
+  return values.empty() ? NAN : values[static_cast<std::size_t>(p * (values.size() - 1))];
+}
+
+struct Chair
+{
+  explicit Chair(Transport transport = Transport::cdc_acm, bool seat = false)
+      : firmware(std::make_shared<Firmware>(kMega, seat)),
+        board(usb, { .transport = transport, .baud = 57600 }, firmware)
+  {
+  }
+
+  void wait_for_motors(bool on)
+  {
+    if (!board.wait_until([&] { return firmware->any_motor_on() == on; }))
+      throw std::runtime_error(on ? "the motors do not begin" : "the motors do not end");
+  }
+
+  EmulatedUsb usb;
+  std::shared_ptr<Firmware> firmware;
+  EmulatedBoard board;
+};
+
+/// Of each command that changed a pin, how late its last byte was, in ms.
+std::vector<double>
+lateness(Chair &chair, int seconds)
+{
+  Film film(seconds * 5);
+  film.play();
+  film.wait_for(GST_MESSAGE_EOS);
+  const Clock::time_point start = film.start();
+  film.stop();
+
+  std::map<int, std::deque<Firmware::Change>> changes;
+  for (const Firmware::Change &change : chair.firmware->changes())
+    changes[change.pin].push_back(change);
+  std::vector<double> late;
+  for (const tactor::IssuedCommand &line : film.trace()) {
+    auto &pin = changes[2 + line.command.tactor];
+    if (pin.empty() || pin.front().duty != std::lround(line.command.volts / 3.0 * 255))
+      continue; // overtaken by the tactor's next one, or no change
+    late.push_back(Milliseconds(pin.front().time - (start + line.command.due())).count());
+    pin.pop_front();
+  }
+  return late;
+}
+
+/// A play that is ended while motors are on: how long after that they stand, in ms.
+template <class Play>
+double
+time_to_zero(const std::function<void(Chair &, Play &)> &end, bool seat = false)
+{
+  Chair chair(Transport::cdc_acm, seat);
+  Clock::time_point begin;
+  if constexpr (std::is_same_v<Play, Film>) {
+    Film film(100);
+    film.play();
+    chair.wait_for_motors(true);
+    begin = Clock::now();
+    end(chair, film);
+    chair.wait_for_motors(false);
+  } else {
+    Launch launch;
+    chair.wait_for_motors(true);
+    begin = Clock::now();
+    end(chair, launch);
+    chair.wait_for_motors(false);
+  }
+  return Milliseconds(chair.firmware->changes().back().time - begin).count();
+}
+
+/// A film that is played to its end: how long after the end of its last frame they stand.
+double
+time_to_zero_at_end()
+{
+  constexpr int kBlocks = 5; // of 200 ms; the last one leaves motors on
+  Chair chair;
+  Film film(kBlocks);
+  film.play();
+  film.wait_for(GST_MESSAGE_EOS);
+  const Clock::time_point end
+      = film.start() + std::chrono::duration_cast<Clock::duration>(Milliseconds(kBlocks * 200));
+  return Milliseconds(chair.firmware->changes().back().time - end).count();
+}
+
+} // namespace
 
 int
 main(int argc, char **argv)
 {
   std::signal(SIGHUP, SIG_IGN); // see usb_serial_bus.cpp
+  // umockdev complains of a host that dies in the middle of a request.
+  g_log_set_default_handler([](const gchar *, GLogLevelFlags, const gchar *, gpointer) {}, nullptr);
   gst_init(nullptr, nullptr);
   const int seconds = argc > 1 ? std::atoi(argv[1]) : 10;
-  std::printf(
-      "transport  commands  at board  late p50 ms  p99 ms  max ms  time to zero when stopped ms\n");
+  const int times = argc > 2 ? std::atoi(argv[2]) : 10;
+
+  std::printf("due to last byte on the wire  commands   p50 ms   p99 ms   max ms\n");
   for (const Transport transport : kTransports) {
     const char *const names[] = { "cdc-acm", "ftdi", "ch340" };
-    EmulatedUsb usb;
-    const auto firmware = std::make_shared<StandardFirmata>(StandardFirmata::mega());
-    EmulatedBoard board(usb, { .transport = transport, .baud = 57600 }, firmware);
-    Film film(seconds * 5);
-    film.play();
-    film.wait_for(GST_MESSAGE_EOS);
-    const Clock::time_point start = film.start();
-    film.stop();
+    Chair chair(transport);
+    const std::vector<double> late = lateness(chair, seconds);
+    std::printf("%-28s  %8zu  %7.2f  %7.2f  %7.2f\n", names[static_cast<int>(transport)],
+                late.size(), percentile(late, 0.5), percentile(late, 0.99), percentile(late, 1.0));
+  }
 
-    std::map<int, std::deque<StandardFirmata::Change>> changes;
-    for (const StandardFirmata::Change &change : firmware->changes())
-      changes[change.pin].push_back(change);
-    std::vector<double> late;
-    const std::vector<tactor::IssuedCommand> trace = film.trace();
-    for (const tactor::IssuedCommand &line : trace) {
-      auto &pin = changes[2 + line.command.tactor];
-      if (pin.empty() || pin.front().duty != std::lround(line.command.volts / 3.0 * 255))
-        continue; // overtaken by the tactor's next one, or no change
-      late.push_back(
-          std::chrono::duration<double, std::milli>(pin.front().time - (start + line.command.due()))
-              .count());
-      pin.pop_front();
-    }
-    std::sort(late.begin(), late.end());
-
-    // Another film, stopped while motors are on.
-    Film stopped(50);
-    stopped.play();
-    board.wait_until([&] { return firmware->duty(2) + firmware->duty(3) + firmware->duty(4) > 0; });
-    const Clock::time_point stop = Clock::now();
-    stopped.stop();
-    const double zero
-        = std::chrono::duration<double, std::milli>(firmware->changes().back().time - stop).count();
-    const auto percentile = [&](double p) {
-      return late.empty() ? NAN : late[static_cast<std::size_t>(p * (late.size() - 1))];
-    };
-    std::printf("%-9s  %8zu  %8zu  %11.2f  %6.2f  %6.2f  %.2f\n",
-                names[static_cast<int>(transport)], trace.size(), late.size(), percentile(0.5),
-                percentile(0.99), percentile(1.0), zero);
+  const std::pair<const char *, std::function<double()>> ends[] = {
+    { "end of stream", time_to_zero_at_end },
+    { "pause",
+      [] {
+        return time_to_zero<Film>([](Chair &, Film &film) { film.pause(); });
+      } },
+    { "flush (seek)",
+      [] {
+        return time_to_zero<Film>([](Chair &, Film &film) { film.flush(); });
+      } },
+    { "stop",
+      [] {
+        return time_to_zero<Film>([](Chair &, Film &film) { film.stop(); });
+      } },
+    { "Ctrl-C in gst-launch-1.0",
+      [] {
+        return time_to_zero<Launch>([](Chair &, Launch &launch) { launch.end(SIGINT); });
+      } },
+    { "killed, watchdog",
+      [] {
+        return time_to_zero<Launch>([](Chair &, Launch &launch) { launch.end(SIGKILL); }, true);
+      } },
+    { "unplugged, watchdog",
+      [] {
+        return time_to_zero<Film>([](Chair &chair, Film &) { chair.board.unplug(); }, true);
+      } },
+  };
+  std::printf("end of play to motors at zero    times   p50 ms            max ms\n");
+  for (const auto &[name, end] : ends) {
+    std::vector<double> zero;
+    for (int i = 0; i < times; i++)
+      zero.push_back(end());
+    std::printf("%-28s  %8d  %7.2f           %7.2f\n", name, times, percentile(zero, 0.5),
+                percentile(zero, 1.0));
   }
 }

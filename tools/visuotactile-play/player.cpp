@@ -292,6 +292,14 @@ private:
                    error->message);
       break;
     }
+    case GST_MESSAGE_INFO: {
+      if (settings_.quiet || GST_MESSAGE_SRC(message) != GST_OBJECT(chair_.get()))
+        break;
+      g_autoptr(GError) info = nullptr; // which board, or that there is none
+      gst_message_parse_info(message, &info, nullptr);
+      std::fprintf(stderr, "%s%s\n", settings_.progress_in_place ? "\r\033[K" : "", info->message);
+      break;
+    }
     case GST_MESSAGE_CLOCK_LOST: // a sound card that was unplugged took its clock along
       gst_element_set_state(pipeline_.get(), GST_STATE_PAUSED);
       gst_element_set_state(pipeline_.get(), GST_STATE_PLAYING);

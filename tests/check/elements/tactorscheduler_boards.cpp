@@ -185,15 +185,18 @@ GST_START_TEST(test_many_threads)
     });
     for (int i = 0; i < 3; i++)
       thread(300, [&](std::mt19937 &random) {
-        switch (random() % 5) {
+        switch (random() % 6) {
         case 0:
           rig.scheduler->flush();
+          break;
+        case 1:
+          rig.scheduler->set_immediate(random() % 4 == 0);
           break;
         case 2:
           rig.scheduler->set_ramp_in(milliseconds(random() % 100));
           break;
-        case 1:
-          rig.scheduler->set_immediate(random() % 4 == 0);
+        case 3:
+          rig.scheduler->set_board_away(random() % 2 == 0);
           break;
         default:
           rig.scheduler->set_muted(random() % 2 == 0);

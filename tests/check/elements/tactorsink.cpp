@@ -635,6 +635,41 @@ GST_START_TEST(test_absurd_caps_are_refused)
 }
 GST_END_TEST;
 
+/// tactor://SERIAL is driver=firmata device=SERIAL, whatever is in the serial number.
+GST_START_TEST(test_uri)
+{
+  const std::pair<const char *, const char *> uris[] = {
+    { "tactor://75833353035351F0C0A1", "75833353035351F0C0A1" },
+    { "tactor://1-2.3", "1-2.3" },
+    { "tactor://a%20b", "a b" },
+    { "tactor://", nullptr },
+  };
+  for (const auto &[uri, device] : uris) {
+    GstElement *sink = gst_element_make_from_uri(GST_URI_SINK, uri, nullptr, nullptr);
+    fail_unless(sink != nullptr, "%s", uri);
+    gst_object_ref_sink(sink);
+    g_autofree gchar *driver = nullptr;
+    g_autofree gchar *is_device = nullptr;
+    g_object_get(sink, "driver", &driver, "device", &is_device, nullptr);
+    ck_assert_str_eq(driver, "firmata");
+    fail_unless(g_strcmp0(is_device, device) == 0, "%s", uri);
+    g_autofree gchar *again = gst_uri_handler_get_uri(GST_URI_HANDLER(sink));
+    ck_assert_str_eq(again, uri);
+
+    // There is no board of that name in the simulator, and none is changed while it is played on.
+    g_object_set(sink, "driver", "simulator", "device", nullptr, nullptr);
+    fail_unless(gst_uri_handler_get_uri(GST_URI_HANDLER(sink)) == nullptr);
+    gst_element_set_state(sink, GST_STATE_PAUSED);
+    GError *error = nullptr;
+    fail_if(gst_uri_handler_set_uri(GST_URI_HANDLER(sink), "tactor://1-2", &error));
+    fail_unless(g_error_matches(error, GST_URI_ERROR, GST_URI_ERROR_BAD_STATE));
+    g_error_free(error);
+    gst_element_set_state(sink, GST_STATE_NULL);
+    gst_object_unref(sink);
+  }
+}
+GST_END_TEST;
+
 /// Errors say what was asked for, and the element stays in NULL.
 static void
 check_start_error(const char *property, const char *value, const char *expected)
@@ -663,7 +698,6 @@ GST_START_TEST(test_start_errors)
   check_start_error("driver", "telepathy", "telepathy");
   check_start_error("driver", "telepathy", "simulator");
   check_start_error("trace-location", "/nonexistent/commands.csv", "/nonexistent/commands.csv");
-  check_start_error("device", "/nonexistent/amplitude.csv", "/nonexistent/amplitude.csv");
   check_start_error("device", "amplitude.csv", "driver=simulator");
 }
 GST_END_TEST;
@@ -746,6 +780,7 @@ tactorsink_suite(void)
   tcase_add_test(cases, test_missing_pts_follow_each_other);
   tcase_add_test(cases, test_wrong_size_is_an_error);
   tcase_add_test(cases, test_absurd_caps_are_refused);
+  tcase_add_test(cases, test_uri);
   tcase_add_test(cases, test_start_errors);
   tcase_add_test(cases, test_allocation_asks_for_lookahead);
   tcase_add_test(cases, test_render_delay_is_the_lead);

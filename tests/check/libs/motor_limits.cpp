@@ -11,6 +11,7 @@
 #include <random>
 #include <string>
 #include <tuple>
+#include <utility>
 #include <vector>
 
 #include "frame_rate.h"
@@ -480,6 +481,24 @@ GST_START_TEST(test_endless_level)
 }
 GST_END_TEST;
 
+/// No cue begins that would last less than 200 ms: here after one that leaves so much of the minute's 24 s.
+GST_START_TEST(test_shortest_cue)
+{
+  for (const auto &[left, begins] : { std::pair(100ms, false), std::pair(199ms, false),
+                                      std::pair(200ms, true), std::pair(300ms, true) }) {
+    CommandPlanner planner(
+        1, { .rate = 0, .compensation = Compensation::none, .limits = { .max_on_time = 0s } });
+    planner.plan(0s, 33ms, std::vector<float>{ 1.0F });
+    planner.silence(24s - left);
+    const auto commands = planner.plan(30s, 33ms, std::vector<float>{ 1.0F });
+    fail_unless(commands.size() == (begins ? 1 : 0));
+    if (begins)
+      fail_unless(commands[0].until - commands[0].due() == left);
+    fail_unless(planner.limited().duty == (begins ? 0 : 1));
+  }
+}
+GST_END_TEST;
+
 /// After a cue that ran out, an event that begins anew is felt at once; what goes on is not.
 GST_START_TEST(test_new_event_after_a_cue_that_ran_out)
 {
@@ -648,6 +667,7 @@ motor_limits_suite(void)
   tcase_add_test(tests, test_limits_out_of_reach_change_nothing);
   tcase_add_test(tests, test_film_within_limits_is_untouched);
   tcase_add_test(tests, test_endless_level);
+  tcase_add_test(tests, test_shortest_cue);
   tcase_add_test(tests, test_new_event_after_a_cue_that_ran_out);
   tcase_add_test(tests, test_the_strongest_win);
   tcase_add_test(tests, test_room_is_made_in_time);

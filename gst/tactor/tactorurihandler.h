@@ -1,0 +1,8 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <glib-object.h>
+
+/// Fills in tactorsink's GstURIHandlerInterface: `tactor://SERIAL` is the board with that serial number or bus path, `tactor://` the
+/// first that answers. It speaks of the properties `driver` and `device` and knows nothing else of the element.
+void tactor_uri_handler_init(gpointer interface, gpointer data);

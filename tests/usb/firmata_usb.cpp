@@ -1,0 +1,170 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+//
+// The driver of Firmata boards over each transport, when what comes back is not what was said.
+#include "emulated_board.h"
+
+#include "tactor/firmata_driver.h"
+#include "tactor/usb/usb_serial_bus.h"
+
+#include <cmath>
+#include <csignal>
+#include <memory>
+#include <random>
+#include <string>
+
+#include <gst/check/gstcheck.h>
+
+using namespace std::chrono_literals;
+using namespace usb_test;
+using tactor::DriverError;
+using tactor::FirmataDriver;
+
+namespace {
+
+/// A Mega, and a driver that is patient where it must not give up and asks again at once.
+struct Rig
+{
+  explicit Rig(Transport transport, tactor::Time answer = 1h)
+      : board(usb, { .transport = transport }, firmware),
+        driver(FirmataDriver::Firmware::any,
+               [] { return std::make_unique<tactor::UsbSerialBus>(); },
+               { .patience = { .answer = answer, .ask_again = 2ms } })
+  {
+  }
+
+  /// Whether the motors do what they are told.
+  bool obeys()
+  {
+    const std::vector<double> volts{ 3.0, 1.5, 0.75 };
+    driver.write(volts, 0s);
+    return board.wait_until([&] {
+      for (int i = 0; i < 3; i++)
+        if (firmware->duty(2 + i) != std::lround(volts[static_cast<std::size_t>(i)] / 3.0 * 255))
+          return false;
+      return true;
+    });
+  }
+
+  EmulatedUsb usb;
+  std::shared_ptr<Firmware> firmware = std::make_shared<Firmware>();
+  EmulatedBoard board;
+  FirmataDriver driver;
+};
+
+const std::vector<int> kPins{ 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 44, 45, 46 };
+
+} // namespace
+
+/// The first replies are lost, cut short, or have a byte that belongs to no such message: it is asked again, and the board is known in the end.
+GST_START_TEST(test_garbled_replies)
+{
+  for (const Transport transport : kTransports)
+    for (unsigned seed = 0; seed < 12; seed++) {
+      Rig rig(transport);
+      std::mt19937 random(seed);
+      unsigned bad = 1 + seed % 5;
+      unsigned said = 0;
+      rig.board.garble([&](Bytes &reply) {
+        said++;
+        if (bad == 0 || reply.empty())
+          return;
+        bad--;
+        switch (random() % 3) {
+        case 0:
+          reply.clear();
+          break;
+        case 1:
+          reply.resize(random() % reply.size());
+          break;
+        default:
+          // Not F7, behind which nothing would be missing.
+          reply[1 + random() % (reply.size() - 1)]
+              = static_cast<std::uint8_t>(0x80 + random() % 0x70);
+        }
+      });
+      rig.driver.open({});
+      fail_unless(rig.driver.status().pins == kPins);
+      fail_unless(rig.driver.status().firmware == "StandardFirmata.ino 2.5");
+      fail_unless(rig.obeys());
+      rig.driver.close();
+      fail_if(rig.firmware->any_motor_on());
+      fail_unless_equals_int(bad, 0);
+      fail_unless(said > 1 + seed % 5);
+    }
+}
+GST_END_TEST;
+
+/// A long reply in packets of a byte each, as a chip may send them.
+GST_START_TEST(test_replies_in_short_packets)
+{
+  for (const Transport transport : kTransports) {
+    Rig rig(transport);
+    rig.board.fill_packets(1);
+    rig.driver.open({});
+    fail_unless(rig.driver.status().pins == kPins);
+    fail_unless(rig.obeys());
+  }
+}
+GST_END_TEST;
+
+/// Never a whole one: the error says how far it came, and the board is free again.
+GST_START_TEST(test_replies_always_cut_short)
+{
+  for (const Transport transport : kTransports)
+    for (const bool knows_firmware : { false, true }) {
+      Rig rig(transport, 100ms);
+      rig.board.garble([&](Bytes &reply) {
+        constexpr std::uint8_t kCapabilities = 0x6c;
+        if (!knows_firmware || (reply.size() > 1 && reply[1] == kCapabilities))
+          reply.resize(reply.size() / 2);
+      });
+      std::string why;
+      try {
+        rig.driver.open({});
+      } catch (const DriverError &error) {
+        why = error.what();
+        fail_unless(error.kind() == DriverError::Kind::failed);
+      }
+      fail_unless(why.find(knows_firmware ? "does not say what its pins can do" : "is not Firmata")
+                      != std::string::npos,
+                  "%s", why.c_str());
+      fail_unless(rig.board.conversation().back() == "return 0");
+      fail_if(rig.firmware->any_motor_on());
+    }
+}
+GST_END_TEST;
+
+/// Noise on a line that is in use changes nothing of what the motors do.
+GST_START_TEST(test_noise_while_playing)
+{
+  for (const Transport transport : kTransports) {
+    Rig rig(transport);
+    rig.driver.open({});
+    std::mt19937 random(9);
+    for (int i = 0; i < 200; i++) {
+      Bytes noise(random() % 100);
+      for (std::uint8_t &byte : noise)
+        byte = static_cast<std::uint8_t>(random());
+      rig.board.send(noise);
+    }
+    fail_unless(rig.obeys());
+    fail_unless(rig.driver.status().is_there);
+  }
+}
+GST_END_TEST;
+
+static Suite *
+firmata_usb_suite(void)
+{
+  std::signal(SIGHUP, SIG_IGN); // see usb_serial_bus.cpp
+  Suite *suite = suite_create("firmata_usb");
+  TCase *tests = tcase_create("general");
+  suite_add_tcase(suite, tests);
+  tcase_add_test(tests, test_garbled_replies);
+  tcase_add_test(tests, test_replies_in_short_packets);
+  tcase_add_test(tests, test_replies_always_cut_short);
+  tcase_add_test(tests, test_noise_while_playing);
+  return suite;
+}
+
+GST_CHECK_MAIN(firmata_usb)

@@ -1,0 +1,138 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+//
+// What a chair is left with when gst-launch-1.0, a program that knows nothing of chairs, is ended from outside.
+#include "launch.h"
+
+#include "emulated_board.h"
+#include "film.h"
+
+#include <array>
+#include <cstring>
+#include <memory>
+
+#include <gst/check/gstcheck.h>
+
+using namespace std::chrono_literals;
+using namespace usb_test;
+
+namespace {
+
+/// The chair's nine pins of a Mega.
+constexpr std::array kPins{ 2, 3, 4, 5, 6, 7, 8, 9, 10 };
+
+constexpr int kDuty = 190; ///< of 255: level 0.747
+
+struct Chair
+{
+  explicit Chair(bool seat = false, Transport transport = Transport::cdc_acm)
+      : firmware(std::make_shared<Firmware>(kMega, seat)),
+        board(usb, { .transport = transport, .baud = 57600 }, firmware)
+  {
+  }
+
+  /// After the soft start.
+  bool wait_for_motors()
+  {
+    return board.wait_until([&] {
+      return std::ranges::all_of(kPins, [&](int pin) { return firmware->duty(pin) == kDuty; });
+    });
+  }
+  /// The kernel has taken the board from a process that is gone.
+  bool wait_for_hosts_end()
+  {
+    return board.wait_until([&] { return board.hosts() == 0; });
+  }
+
+  EmulatedUsb usb;
+  std::shared_ptr<Firmware> firmware;
+  EmulatedBoard board;
+};
+
+} // namespace
+
+/// Ctrl-C, with and without an end of stream first: zeros, then reset, over every transport.
+GST_START_TEST(test_interrupted)
+{
+  for (const Transport transport : kTransports)
+    for (const bool seat : { false, true })
+      for (const bool eos : { false, true }) {
+        Chair chair(seat, transport);
+        Launch launch(eos ? std::vector<std::string>{ "-e" } : std::vector<std::string>{});
+        fail_unless(chair.wait_for_motors());
+        const int status = launch.end(SIGINT);
+        fail_unless(WIFEXITED(status));
+        fail_if(chair.firmware->any_motor_on());
+        fail_unless(chair.board.bytes().back() == 0xff);
+        fail_unless(chair.wait_for_hosts_end());
+      }
+}
+GST_END_TEST;
+
+/// Nobody can send anything for a process that was killed. With the stock sketch the motors stay on; the next play begins with a reset.
+GST_START_TEST(test_killed)
+{
+  Chair chair;
+  Launch launch;
+  fail_unless(chair.wait_for_motors());
+  fail_unless(WIFSIGNALED(launch.end(SIGKILL)));
+  fail_unless(chair.wait_for_hosts_end());
+  chair.board.with_firmware([&] {
+    for (const int pin : kPins)
+      fail_unless_equals_int(chair.firmware->duty(pin), kDuty);
+    fail_if(chair.firmware->next()); // and nothing will end that
+  });
+
+  const std::size_t before = chair.board.bytes().size();
+  Film film(1);
+  film.play();
+  fail_unless(chair.board.wait_until([&] { return !chair.firmware->any_motor_on(); }));
+  fail_unless(film.wait_for(GST_MESSAGE_EOS));
+  const Bytes bytes = chair.board.bytes();
+  const auto first_level
+      = std::find_if(bytes.begin() + static_cast<std::ptrdiff_t>(before), bytes.end(),
+                     [](std::uint8_t byte) { return (byte & 0xf0) == 0xe0; });
+  fail_unless(std::find(bytes.begin() + static_cast<std::ptrdiff_t>(before), first_level, 0xff)
+              != first_level);
+}
+GST_END_TEST;
+
+/// The sketch with the watchdog turns them off, 250 ms after the last byte.
+GST_START_TEST(test_killed_with_watchdog)
+{
+  for (const Transport transport : kTransports) {
+    Chair chair(true, transport);
+    Launch launch({}, { "driver=seat" });
+    fail_unless(chair.wait_for_motors());
+    fail_unless(WIFSIGNALED(launch.end(SIGKILL)));
+    fail_unless(chair.wait_for_hosts_end());
+    fail_unless(chair.board.wait_until([&] { return !chair.firmware->any_motor_on(); }));
+    fail_unless(chair.firmware->changes().back().time
+                == chair.board.received().back().time + 250ms);
+    fail_unless(chair.firmware->keepalives() > 0);
+  }
+}
+GST_END_TEST;
+
+static Suite *
+gst_launch_suite(void)
+{
+  std::signal(SIGHUP, SIG_IGN); // see usb_serial_bus.cpp
+  // umockdev complains of a host that dies in the middle of a request, which is what happens here.
+  g_log_set_always_fatal(static_cast<GLogLevelFlags>(G_LOG_FATAL_MASK));
+  g_log_set_handler(
+      nullptr, G_LOG_LEVEL_CRITICAL,
+      [](const gchar *, GLogLevelFlags, const gchar *text, gpointer) {
+        if (!std::strstr(text, "IoctlClient"))
+          g_error("%s", text);
+      },
+      nullptr);
+  Suite *suite = suite_create("gst_launch");
+  TCase *tests = tcase_create("general");
+  suite_add_tcase(suite, tests);
+  tcase_add_test(tests, test_interrupted);
+  tcase_add_test(tests, test_killed);
+  tcase_add_test(tests, test_killed_with_watchdog);
+  return suite;
+}
+
+GST_CHECK_MAIN(gst_launch)

@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <csignal>
+#include <spawn.h>
+#include <stdexcept>
+#include <string>
+#include <sys/wait.h>
+#include <unistd.h>
+#include <vector>
+
+namespace usb_test {
+
+/// gst-launch-1.0 in a process of its own, with the emulated USB of this one, that turns nine motors on and leaves them on.
+class Launch
+{
+public:
+  /// `options` of gst-launch-1.0 and `properties` of tactorsink, in words.
+  explicit Launch(const std::vector<std::string> &options = {},
+                  const std::vector<std::string> &properties = { "driver=firmata" })
+  {
+    std::vector<std::string> words{ "gst-launch-1.0", "-q" };
+    words.insert(words.end(), options.begin(), options.end());
+    // A picture of 36 bytes of 63 is a map of 9 floats of 0.747.
+    for (const char *word : { "videotestsrc", "pattern=solid-color", "foreground-color=0xff373737",
+                              "!", "video/x-raw,format=GRAY8,width=36,height=1,framerate=30/1", "!",
+                              "capssetter", "replace=true", "join=false",
+                              "caps=application/x-tactile-map,rows=3,columns=3,framerate=30/1", "!",
+                              "tactorsink", "max-on-time=0", "max-duty=0", "max-active=0" })
+      words.emplace_back(word);
+    words.insert(words.end(), properties.begin(), properties.end());
+    std::vector<char *> arguments;
+    for (std::string &word : words)
+      arguments.push_back(word.data());
+    arguments.push_back(nullptr);
+    if (posix_spawnp(&pid_, arguments[0], nullptr, nullptr, arguments.data(), environ) != 0)
+      throw std::runtime_error("gst-launch-1.0 cannot be run");
+  }
+  ~Launch()
+  {
+    if (pid_ > 0)
+      end(SIGKILL);
+  }
+  Launch(const Launch &) = delete;
+  Launch &operator=(const Launch &) = delete;
+
+  /// Sends a signal and waits until the process is gone; as waitpid() has it.
+  int end(int signal)
+  {
+    int status = 0;
+    kill(pid_, signal);
+    waitpid(pid_, &status, 0);
+    pid_ = -1;
+    return status;
+  }
+
+private:
+  pid_t pid_ = -1;
+};
+
+} // namespace usb_test
