@@ -128,6 +128,7 @@ struct _GstVisuotactileSink
   GstElement *analysis; ///< NULL where an element is missing, as all of these
   GstElement *queue;
   GstTactileBranch *branch;
+  GstElement *placeholder; ///< where the video sink will be; NULL while there is one
 
   /* Object lock. */
   GstElement *wanted;     ///< video-sink as set; owned
@@ -309,6 +310,24 @@ gst_visuotactile_sink_choose(GstVisuotactileSink *self)
   return chosen;
 }
 
+/// Takes the place of the video sink while there is none: a bin around this one would take a pad without
+/// a peer for one of its own (gst_parse_bin_from_description()).
+static void
+gst_visuotactile_sink_add_placeholder(GstVisuotactileSink *self)
+{
+  self->placeholder = gst_element_factory_make("fakesink", "placeholder");
+  gst_bin_add(GST_BIN(self), self->placeholder);
+  gst_element_link(self->queue, self->placeholder);
+}
+
+static void
+gst_visuotactile_sink_remove_placeholder(GstVisuotactileSink *self)
+{
+  gst_element_set_state(self->placeholder, GST_STATE_NULL);
+  gst_bin_remove(GST_BIN(self), self->placeholder);
+  self->placeholder = nullptr;
+}
+
 static void
 gst_visuotactile_sink_remove_shown(GstVisuotactileSink *self)
 {
@@ -319,8 +338,10 @@ gst_visuotactile_sink_remove_shown(GstVisuotactileSink *self)
   if (shown == nullptr)
     return;
   gst_element_set_state(shown, GST_STATE_NULL);
-  gst_bin_remove(GST_BIN(self), shown);
+  if (gst_object_has_as_parent(GST_OBJECT(shown), GST_OBJECT(self)))
+    gst_bin_remove(GST_BIN(self), shown);
   gst_object_unref(shown);
+  gst_visuotactile_sink_add_placeholder(self);
 }
 
 /// NULL to READY: the video sink that is wanted, or the best there is.
@@ -345,6 +366,7 @@ gst_visuotactile_sink_open(GstVisuotactileSink *self)
   GST_OBJECT_UNLOCK(self);
   gst_structure_foreach(settings, set_within, shown);
   gst_visuotactile_sink_apply_window(self, shown);
+  gst_visuotactile_sink_remove_placeholder(self);
   if (!gst_bin_add(GST_BIN(self), shown) || !gst_element_link(self->queue, shown)) {
     GST_ELEMENT_ERROR(self, LIBRARY, SETTINGS, ("The video sink cannot be used."),
                       ("%s is in another bin or takes no video", GST_OBJECT_NAME(shown)));
@@ -406,9 +428,11 @@ static gboolean
 gst_visuotactile_sink_query(GstPad *pad, GstObject *parent, GstQuery *query)
 {
   const gboolean answered = gst_pad_query_default(pad, parent, query);
-  if (answered && GST_QUERY_TYPE(query) == GST_QUERY_ALLOCATION)
-    gst_visuotactile_sink_raise_buffers(GST_VISUOTACTILE_SINK(parent), query);
-  return answered;
+  if (GST_QUERY_TYPE(query) != GST_QUERY_ALLOCATION)
+    return answered;
+  // Also for a video sink that has no wishes of its own.
+  gst_visuotactile_sink_raise_buffers(GST_VISUOTACTILE_SINK(parent), query);
+  return TRUE;
 }
 
 /* ---- properties ---- */
@@ -560,7 +584,7 @@ install_properties(GObjectClass *klass)
   install(PROP_THRESHOLD,
           g_param_spec_double("threshold", "Threshold",
                               "Share of the frame's maximum saliency below which nothing is felt",
-                              0, 1, 0.2, playing));
+                              0, 1, 0.5, playing));
   install(PROP_FLOOR,
           g_param_spec_double("floor", "Floor",
                               "Event contrast in CIE Delta E up to which a frame is silent "
@@ -657,6 +681,7 @@ gst_visuotactile_sink_build(GstVisuotactileSink *self)
   self->analysis = analysis;
   self->queue = queue;
   self->branch = branch;
+  gst_visuotactile_sink_add_placeholder(self);
 }
 
 static void
