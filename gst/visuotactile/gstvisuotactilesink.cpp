@@ -152,8 +152,9 @@ G_DEFINE_TYPE_WITH_CODE(
 GST_ELEMENT_REGISTER_DEFINE(visuotactilesink, "visuotactilesink", GST_RANK_NONE,
                             GST_TYPE_VISUOTACTILE_SINK);
 
+// Ordinary memory by itself, too: playbin counts the features that it has in common with a decoder, and knows no ANY.
 static GstStaticPadTemplate sink_template = GST_STATIC_PAD_TEMPLATE(
-    "sink", GST_PAD_SINK, GST_PAD_ALWAYS, GST_STATIC_CAPS("video/x-raw(ANY)"));
+    "sink", GST_PAD_SINK, GST_PAD_ALWAYS, GST_STATIC_CAPS("video/x-raw; video/x-raw(ANY)"));
 
 static GstElement *
 gst_visuotactile_sink_get_tactors(GstVisuotactileSink *self)

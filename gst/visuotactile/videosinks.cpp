@@ -41,13 +41,13 @@ choose_video_sink(const gchar *name, GString *errors)
     gst_element_set_bus(sink, bus); /* that it cannot be used is no error of the film */
     const GstStateChangeReturn ret = gst_element_set_state(sink, GST_STATE_READY);
     collect_errors(factory, bus, errors);
-    gst_element_set_bus(sink, nullptr);
-    if (ret == GST_STATE_CHANGE_SUCCESS) {
-      chosen = sink;
-      break;
-    }
+    /* Back again: what it asks of the application on its way (a window, a context) has to reach it. */
     gst_element_set_state(sink, GST_STATE_NULL);
-    gst_object_unref(gst_object_ref_sink(sink));
+    gst_element_set_bus(sink, nullptr);
+    if (ret == GST_STATE_CHANGE_SUCCESS)
+      chosen = sink;
+    else
+      gst_object_unref(gst_object_ref_sink(sink));
   }
   gst_plugin_feature_list_free(factories);
   return chosen;

@@ -3,7 +3,7 @@
 
 #include <gst/gst.h>
 
-/// The video sink of the highest rank that reaches READY, in READY, as autovideosink would choose it; never one of those that
+/// The video sink of the highest rank that reaches READY, left in NULL; never one of those that
 /// would choose in turn (visuotactilesink, autovideosink). Floating. NULL if there is none; `errors` then tells
 /// why, one line each.
 GstElement *choose_video_sink(const gchar *name, GString *errors);

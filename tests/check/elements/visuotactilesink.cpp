@@ -100,6 +100,8 @@ test_video_sink_change_state(GstElement *element, GstStateChange transition)
   if (transition == GST_STATE_CHANGE_NULL_TO_READY
       && !test_video_sink_start(GST_BASE_SINK(element)))
     return GST_STATE_CHANGE_FAILURE;
+  if (transition == GST_STATE_CHANGE_NULL_TO_READY) // as glimagesink does
+    gst_video_overlay_prepare_window_handle(GST_VIDEO_OVERLAY(element));
   return GST_ELEMENT_CLASS(test_video_sink_parent_class)->change_state(element, transition);
 }
 
@@ -565,6 +567,23 @@ GST_START_TEST(test_choice_by_rank)
 }
 GST_END_TEST;
 
+/// A chosen sink that asks for a window as early as it can is heard.
+GST_START_TEST(test_chosen_sink_asks_for_a_window)
+{
+  hide_other_sinks();
+  register_test_sink(GST_RANK_PRIMARY);
+  Player player(kFilm + kSink);
+  player.set_state(GST_STATE_READY);
+  bool asked = false;
+  while (GstMessage *message = gst_bus_pop_filtered(player.bus, GST_MESSAGE_ELEMENT)) {
+    asked |= gst_is_video_overlay_prepare_window_handle_message(message)
+             && GST_MESSAGE_SRC(message) == GST_OBJECT(shown_by(player.chair));
+    gst_message_unref(message);
+  }
+  fail_unless(asked);
+}
+GST_END_TEST;
+
 /// An application that knows nothing of it: what autovideosink finds is visuotactilesink.
 GST_START_TEST(test_autovideosink_chooses_it)
 {
@@ -730,6 +749,7 @@ visuotactilesink_suite(void)
   tcase_add_test(cases, test_navigation_upstream);
   tcase_add_test(cases, test_in_a_described_bin);
   tcase_add_test(cases, test_choice_by_rank);
+  tcase_add_test(cases, test_chosen_sink_asks_for_a_window);
   tcase_add_test(cases, test_autovideosink_chooses_it);
   tcase_add_test(cases, test_without_a_video_sink);
   tcase_add_test(cases, test_plays_and_delays_the_picture);
