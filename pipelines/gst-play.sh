@@ -6,6 +6,6 @@ set -euo pipefail
 # shellcheck source=../tools/build.sh
 . "$(dirname "$0")/../tools/build.sh"
 film_uri "${1:-}" >/dev/null
-build_and_use
+build_and_use players
 
 exec gst-play-1.0 --videosink="visuotactilesink ${CHAIR:-}" "$@"

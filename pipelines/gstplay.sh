@@ -6,6 +6,6 @@ set -euo pipefail
 # shellcheck source=../tools/build.sh
 . "$(dirname "$0")/../tools/build.sh"
 film=$(film_uri "${1:-}")
-build_and_use
+build_and_use players
 
-exec "$root/build/examples/gstplay" "$film" "${@:2}"
+exec "$built/examples/gstplay" "$film" "${@:2}"

@@ -6,8 +6,8 @@ set -euo pipefail
 # shellcheck source=../tools/build.sh
 . "$(dirname "$0")/../tools/build.sh"
 film=$(film_uri "${1:-}")
-build_and_use
+build_and_use players
 
-export GI_TYPELIB_PATH="$root/build/lib/gst/tactile${GI_TYPELIB_PATH:+:$GI_TYPELIB_PATH}"
-export LD_LIBRARY_PATH="$root/build/lib/gst/tactile${LD_LIBRARY_PATH:+:$LD_LIBRARY_PATH}"
+export GI_TYPELIB_PATH="$built/lib/gst/tactile${GI_TYPELIB_PATH:+:$GI_TYPELIB_PATH}"
+export LD_LIBRARY_PATH="$built/lib/gst/tactile${LD_LIBRARY_PATH:+:$LD_LIBRARY_PATH}"
 exec /usr/bin/python3 "$root/examples/terminal.py" "$film"

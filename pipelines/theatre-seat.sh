@@ -5,6 +5,6 @@
 set -euo pipefail
 # shellcheck source=../tools/build.sh
 . "$(dirname "$0")/../tools/build.sh"
-build_and_use >&2
+build_and_use players
 
 exec /usr/bin/python3 "$root/examples/theatre_seat.py" "$@"
