@@ -644,6 +644,46 @@ GST_START_TEST(test_plays_and_delays_the_picture)
 }
 GST_END_TEST;
 
+/// Live, the picture is later than its source by what the motors need and 10 ms, and by nothing else: so also when `max-lead` is
+/// small, and behind a network.
+static void
+check_live(const std::string &source, guint max_lead, GstClockTime at_least)
+{
+  Player player(source + kSink
+                + "video-sink=visuotactiletestsink max-lead=" + std::to_string(max_lead));
+  player.set_state(GST_STATE_PLAYING);
+  // A live pipeline is in PLAYING before anything has come.
+  while (test_video_sink(shown_by(player.chair))->frames < 2)
+    g_usleep(1000);
+  gboolean live = FALSE;
+  GstClockTime upstream = 0;
+  auto *screen = GST_BASE_SINK(shown_by(player.chair));
+  fail_unless(gst_base_sink_query_latency(screen, nullptr, &live, &upstream, nullptr));
+  fail_unless(live);
+  GstQuery *query = gst_query_new_latency();
+  g_autoptr(GstPad) pad = gst_element_get_static_pad(player.chair, "sink");
+  fail_unless(gst_pad_peer_query(pad, query));
+  GstClockTime source_latency = 0;
+  gst_query_parse_latency(query, nullptr, &source_latency, nullptr);
+  gst_query_unref(query);
+  fail_unless(source_latency >= at_least);
+  // What a live pipeline grants its elements to work in, 20 ms, is the same without touch.
+  ck_assert_uint_eq(gst_base_sink_get_latency(screen),
+                    source_latency + gst_base_sink_get_processing_deadline(screen)
+                        + (max_lead + 10) * kMs);
+}
+
+GST_START_TEST(test_live)
+{
+  register_test_sink(GST_RANK_NONE);
+  const std::string camera = "tactiletestsrc pattern=dynamic-motion is-live=true ! "
+                             "video/x-raw,format=I420,width=160,height=120,framerate=30/1 ! ";
+  check_live(camera, 180, 0);
+  check_live(camera, 20, 0);
+  check_live(camera + "rtpvrawpay ! rtpjitterbuffer latency=50 ! rtpvrawdepay ! ", 180, 50 * kMs);
+}
+GST_END_TEST;
+
 /// Neither a board that is not there nor one that fails stops the film; the next play tries again.
 GST_START_TEST(test_plays_without_tactors)
 {
@@ -753,6 +793,7 @@ visuotactilesink_suite(void)
   tcase_add_test(cases, test_autovideosink_chooses_it);
   tcase_add_test(cases, test_without_a_video_sink);
   tcase_add_test(cases, test_plays_and_delays_the_picture);
+  tcase_add_test(cases, test_live);
   tcase_add_test(cases, test_plays_without_tactors);
   tcase_add_test(cases, test_asks_for_more_buffers);
   tcase_add_test(cases, test_unreadable_memory);
