@@ -13,14 +13,14 @@ here=$(cd "$(dirname "$0")" && pwd)
 
 directory=$root/build
 patience=1
-options=(-Dsaliency=enabled -Dusb=enabled -Dintrospection=enabled -Dtools=enabled -Dtests=enabled)
+options=(-Dsaliency=enabled -Dusb=enabled -Dintrospection=enabled -Dtools=enabled -Dtests=enabled -Dexamples=enabled)
 case ${1:-} in
   -h | --help) sed -n '3,8s/^# \{0,1\}//p' "$0"; exit 0 ;;
   --asan) shift; directory=$root/build-asan; patience=5; options+=("-Db_sanitize=address,undefined" -Db_lundef=false -Dintrospection=disabled) ;;
   --tsan) shift; directory=$root/build-tsan; patience=5; options+=(-Db_sanitize=thread -Db_lundef=false -Dintrospection=disabled) ;;
 esac
 
-build_project "$directory" "build play test" "${options[@]}"
+build_project "$directory" "build play test players" "${options[@]}"
 
 # Suppressions are for libraries alone, each with its reason. Leaks in libraries without frame pointers are only told apart with full stacks.
 supp=$root/tests/sanitizers

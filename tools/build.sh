@@ -29,12 +29,14 @@ build_project() {
   rm -f "$log"
 }
 
-# Builds what playing needs and makes GStreamer find it, for the scripts in pipelines/.
+# Builds what playing needs and makes GStreamer find it, for the scripts in pipelines/. Sets `built`, the folder; VISUOTACTILE_BUILD names
+# one in which all is built already.
 build_and_use() {
+  built=${VISUOTACTILE_BUILD:-$root/build}
   # What is printed on standard output belongs to the pipeline.
-  build_project "$root/build" "build play" >&2
-  export GST_PLUGIN_PATH="$root/build/gst${GST_PLUGIN_PATH:+:$GST_PLUGIN_PATH}"
-  export GST_REGISTRY="$root/build/registry.bin"
+  [ -n "${VISUOTACTILE_BUILD:-}" ] || build_project "$built" "build play ${1:-}" >&2
+  export GST_PLUGIN_PATH="$built/gst${GST_PLUGIN_PATH:+:$GST_PLUGIN_PATH}"
+  export GST_REGISTRY="${GST_REGISTRY_1_0:-$built/registry.bin}"
 }
 
 # The URI of a film given as a path or a URI.

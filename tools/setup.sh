@@ -2,10 +2,11 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 # Installs what this project needs on Debian or Ubuntu, and only that; says nothing about what is already there.
 #
-# Usage: tools/setup.sh [build] [play] [test] [quality] [fuzz] [firmware]     (no argument: the first three)
+# Usage: tools/setup.sh [build] [play] [test] [players] [quality] [fuzz] [firmware]     (no argument: the first four)
 #   build    compiler, meson and the libraries the plugins are made of
 #   play     GStreamer's plugins that decode, encode and show a film
 #   test     what the test suite needs beyond that
+#   players  gst-play-1.0, GstPlay for the C example, Python's bindings: what pipelines/ and examples/ show
 #   quality  OpenCV's saliency models, to compare with; left out of the comparison where they are missing
 #   fuzz     clang with libFuzzer, for tests/fuzz
 #   firmware cross compiler and emulator for the test of the seat sketch, which is skipped where they are missing
@@ -17,24 +18,26 @@ declare -A packages=(
   [play]="gstreamer1.0-tools gstreamer1.0-plugins-base gstreamer1.0-plugins-good gstreamer1.0-plugins-ugly gstreamer1.0-libav
           gstreamer1.0-x gstreamer1.0-alsa gstreamer1.0-pulseaudio"
   [test]="python3 python3-gi gir1.2-gstreamer-1.0 gir1.2-gst-plugins-base-1.0 xvfb gstreamer1.0-opencv
-          opencv-data umockdev libumockdev-dev"
+          opencv-data umockdev libumockdev-dev gst123 iproute2"
+  [players]="gstreamer1.0-plugins-base-apps libgstreamer-plugins-bad1.0-dev python3 python3-gi gir1.2-gstreamer-1.0
+             gir1.2-gst-plugins-base-1.0"
   [quality]="libopencv-contrib-dev"
   [fuzz]="clang libclang-rt-14-dev"
   [firmware]="gcc-avr avr-libc arduino-core-avr libsimavr-dev"
 )
 
 usage() {
-  sed -n '3,11s/^# \{0,1\}//p' "$0"
+  sed -n '3,12s/^# \{0,1\}//p' "$0"
 }
 
 parts=("$@")
-[ $# -gt 0 ] || parts=(build play test)
+[ $# -gt 0 ] || parts=(build play test players)
 wanted=()
 for part in "${parts[@]}"; do
   case $part in
     -h | --help) usage; exit 0 ;;
-    build | play | test | quality | fuzz | firmware) read -r -d '' -a names <<<"${packages[$part]}" || true; wanted+=("${names[@]}") ;;
-    *) echo "setup.sh: expected build, play, test, quality, fuzz or firmware, got '$part'; see setup.sh --help" >&2; exit 2 ;;
+    build | play | test | players | quality | fuzz | firmware) read -r -d '' -a names <<<"${packages[$part]}" || true; wanted+=("${names[@]}") ;;
+    *) echo "setup.sh: expected build, play, test, players, quality, fuzz or firmware, got '$part'; see setup.sh --help" >&2; exit 2 ;;
   esac
 done
 

@@ -1,0 +1,51 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
+"""What server and seats of a theatre have to agree on.
+
+Maps travel as RTP (rtpgstpay). Each packet carries the time at which its map is shown, in the network's clock (RFC 6051), so that
+a seat needs nothing but the clock, the stream and the latency, whenever it joins. The name of the stream (CNAME) has to be known to
+use that time before the first RTCP report; hence a fixed SSRC.
+"""
+import gi
+
+gi.require_version("Gst", "1.0")
+gi.require_version("GstNet", "1.0")
+gi.require_version("GstRtp", "1.0")
+from gi.repository import GLib, Gst, GstNet, GstRtp  # noqa: E402, F401
+
+SSRC = 0x74726561
+EXTENSION = 1  # its number in the packets
+CAPS = (
+    "application/x-rtp,media=application,clock-rate=90000,encoding-name=X-GST,payload=96,"
+    f"ssrc=(uint){SSRC},ssrc-{SSRC}-cname=theatre,extmap-{EXTENSION}=urn:ietf:params:rtp-hdrext:ntp-64"
+)
+PORT = 5104  # of the maps
+CLOCK_PORT = 5106
+LATENCY = 500  # ms from when a map leaves the server until its frame is shown
+
+
+def run(pipeline, ended=None):
+    """Plays until the end of the stream, an error, SIGINT or SIGTERM. Returns the exit status."""
+    loop = GLib.MainLoop()
+    status = [0]
+
+    def on_message(_bus, message):
+        if message.type == Gst.MessageType.ERROR:
+            error, debug = message.parse_error()
+            print(f"{message.src.get_name()}: {error.message} ({debug})", flush=True)
+            status[0] = 1
+        elif message.type == Gst.MessageType.WARNING:
+            print(f"{message.src.get_name()}: {message.parse_warning()[0].message}", flush=True)
+        if message.type in (Gst.MessageType.ERROR, Gst.MessageType.EOS):
+            loop.quit()
+
+    bus = pipeline.get_bus()
+    bus.add_signal_watch()
+    bus.connect("message", on_message)
+    for signal in (2, 15):
+        GLib.unix_signal_add(GLib.PRIORITY_HIGH, signal, loop.quit)
+    pipeline.set_state(Gst.State.PLAYING)
+    loop.run()
+    if ended:
+        ended()
+    pipeline.set_state(Gst.State.NULL)
+    return status[0]

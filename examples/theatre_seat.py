@@ -1,0 +1,60 @@
+#!/usr/bin/python3
+# SPDX-License-Identifier: LGPL-2.1-or-later
+"""A seat of a theatre: plays what theatre_server.py sends on the motors of one chair."""
+import argparse
+import sys
+
+import theatre
+from theatre import Gst, GstNet
+
+
+def parse(arguments):
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("server", help="its address, for the clock")
+    parser.add_argument("--group", metavar="ADDRESS", default="239.255.42.42", help="multicast group of the maps; 0.0.0.0: sent to this seat alone")
+    parser.add_argument("--port", type=int, default=theatre.PORT)
+    parser.add_argument("--clock-port", type=int, default=theatre.CLOCK_PORT)
+    parser.add_argument("--latency", type=int, default=theatre.LATENCY, metavar="MS", help="the server's")
+    parser.add_argument("--jitter", type=int, default=150, metavar="MS", help="how long a packet is waited for; with the motors' lead, 190 ms, less than the latency")
+    parser.add_argument("--chair", default="", help="properties of tactorsink, as in 'intensity=0.5'")
+    return parser.parse_args(arguments)
+
+
+def make(options):
+    """The pipeline, with the network's clock; running time is that clock's time."""
+    clock = GstNet.NetClientClock.new("theatre", options.server, options.clock_port, 0)
+    while not clock.wait_for_sync(10 * Gst.SECOND):
+        print(f"waiting for the clock of {options.server}", flush=True)
+
+    pipeline = Gst.parse_launch(
+        f'udpsrc name=maps address={options.group} port={options.port} caps="{theatre.CAPS}" ! rtp.recv_rtp_sink_0 '
+        f"rtpbin name=rtp ntp-sync=true ntp-time-source=clock-time buffer-mode=none latency={options.jitter} "
+        # The server has chosen when what is felt may change.
+        f"rtpgstdepay name=depay ! tactorsink name=chair rate=0 {options.chair}"
+    )
+
+    def on_pad(_rtp, pad):
+        if pad.get_name().startswith("recv_rtp_src"):
+            depay = pipeline.get_by_name("depay").get_static_pad("sink")
+            if depay.is_linked():
+                depay.get_peer().unlink(depay)
+            pad.link(depay)
+
+    pipeline.get_by_name("rtp").connect("pad-added", on_pad)
+    pipeline.use_clock(clock)
+    pipeline.set_start_time(Gst.CLOCK_TIME_NONE)
+    pipeline.set_base_time(0)
+    pipeline.set_latency(options.latency * Gst.MSECOND)
+    return pipeline
+
+
+def main():
+    options = parse(sys.argv[1:])
+    Gst.init(None)
+    pipeline = make(options)
+    print("ready", flush=True)
+    sys.exit(theatre.run(pipeline))
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,95 @@
+#!/usr/bin/python3
+# SPDX-License-Identifier: LGPL-2.1-or-later
+"""Shows a film and sends what is felt of it to the seats of a theatre."""
+import argparse
+import sys
+
+import theatre
+from theatre import GLib, Gst, GstNet
+
+
+def parse(arguments):
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("film", help="file or URI")
+    parser.add_argument(
+        "--to", action="append", metavar="ADDRESS:PORT", help="where maps are sent, a multicast group as well; may be repeated (default: 239.255.42.42:5104)"
+    )
+    parser.add_argument("--latency", type=int, default=theatre.LATENCY, metavar="MS", help="by how much the picture is later than its map; the same for all seats")
+    parser.add_argument("--rate", type=float, default=5, metavar="HZ", help="how often what is felt may change")
+    parser.add_argument("--copies", type=int, default=3, help="how often each map is sent, 50 ms apart, so that one that is lost is not missed")
+    parser.add_argument("--clock-port", type=int, default=theatre.CLOCK_PORT)
+    parser.add_argument("--analysis", default="", help="properties of saliencytactile, as in 'rows=2 columns=4'")
+    parser.add_argument("--video-sink", default="autovideosink", help="a launch line")
+    parser.add_argument("--audio-sink", default="autoaudiosink", help="a launch line")
+    return parser.parse_args(arguments)
+
+
+def sender(number, clients, latency):
+    """A map leaves when its frame would be shown without the latency; copies 50 ms after one another."""
+    delay = max(latency - 50 * number, 0) * Gst.MSECOND
+    return f"copies. ! queue ! multiudpsink clients={clients} sync=true async=false auto-multicast=true ttl-mc=8 render-delay={delay}"
+
+
+def main():
+    options = parse(sys.argv[1:])
+    Gst.init(None)
+    clients = ",".join(options.to or [f"239.255.42.42:{theatre.PORT}"])
+    room = f"queue max-size-bytes=0 max-size-buffers=0 max-size-time={(options.latency + 300) * Gst.MSECOND}"
+    screen = Gst.parse_bin_from_description(
+        f"saliencytactile name=analysis max-rate={options.rate} {options.analysis} ! tactileextractor name=split "
+        f"split.src ! {room} ! videoconvert ! {options.video_sink} "
+        f"split.tactile ! {room} ! rtpgstpay name=pay ssrc={theatre.SSRC} config-interval=1 ! rtp.send_rtp_sink_0 "
+        "rtpbin name=rtp ntp-time-source=clock-time rtcp-sync-send-time=false "
+        "rtp.send_rtp_src_0 ! tee name=copies "
+        + " ".join(sender(number, clients, options.latency) for number in range(options.copies)),
+        False,
+    )
+    screen.add_pad(Gst.GhostPad.new("sink", screen.get_by_name("analysis").get_static_pad("sink")))
+    extension = Gst.ElementFactory.make("rtphdrextntp64")
+    extension.set_id(theatre.EXTENSION)
+    screen.get_by_name("pay").emit("add-extension", extension)
+
+    play = Gst.ElementFactory.make("playbin3")
+    play.set_property("uri", options.film if Gst.uri_is_valid(options.film) else Gst.filename_to_uri(options.film))
+    play.set_property("video-sink", screen)
+    play.set_property("audio-sink", Gst.parse_bin_from_description(options.audio_sink, True))
+
+    clock = Gst.SystemClock.obtain()
+    provider = GstNet.NetTimeProvider.new(clock, "0.0.0.0", options.clock_port)
+    play.use_clock(clock)
+    play.set_latency(options.latency * Gst.MSECOND)
+
+    sent = {"packets": 0, "bytes": 0}
+
+    def count(_pad, info):
+        # A map with caps or other events before it is a list.
+        packets = [info.get_buffer()] if info.type & Gst.PadProbeType.BUFFER else info.get_buffer_list()
+        if isinstance(packets, Gst.BufferList):
+            packets = [packets.get(i) for i in range(packets.length())]
+        sent["packets"] += len(packets)
+        sent["bytes"] += sum(packet.get_size() for packet in packets)
+        return Gst.PadProbeReturn.OK
+
+    screen.get_by_name("copies").get_static_pad("sink").add_probe(Gst.PadProbeType.BUFFER | Gst.PadProbeType.BUFFER_LIST, count)
+
+    def playing():
+        if play.get_state(0)[1] != Gst.State.PLAYING:
+            return True
+        print(f"playing, base time {play.get_base_time()} ns, latency {options.latency} ms", flush=True)
+        return False
+
+    GLib.timeout_add(20, playing)
+
+    def ended():
+        seconds = max((clock.get_time() - play.get_base_time()) / Gst.SECOND - options.latency / 1000, 0.001)
+        # IPv4 and UDP add 28 bytes to each packet.
+        rate = options.copies * 8 * (sent["bytes"] + 28 * sent["packets"]) / seconds
+        print(f"sent {options.copies} x {sent['packets']} packets, {rate / 1000:.1f} kbit/s with IP and UDP", flush=True)
+
+    status = theatre.run(play, ended)
+    del provider
+    sys.exit(status)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,12 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "gstvisuotactilesink.h"
+
+static gboolean
+plugin_init(GstPlugin *plugin)
+{
+  return GST_ELEMENT_REGISTER(visuotactilesink, plugin);
+}
+
+GST_PLUGIN_DEFINE(GST_VERSION_MAJOR, GST_VERSION_MINOR, visuotactile,
+                  "Shows a film and plays what is felt of it, in any player", plugin_init,
+                  PACKAGE_VERSION, "LGPL", PACKAGE_NAME, PACKAGE_ORIGIN)

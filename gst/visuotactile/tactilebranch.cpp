@@ -1,0 +1,219 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "tactilebranch.h"
+
+struct _GstTactileBranch
+{
+  GstBin parent;
+  GstElement *queue;
+  GstElement *tactors; ///< a reference of our own: it may be out of the bin
+
+  /* Object lock. */
+  gboolean opening; ///< in the change of state from READY to PAUSED
+  gboolean failed;  ///< since then
+  gboolean ended;   ///< the end of the stream came in
+};
+
+#define gst_tactile_branch_parent_class parent_class
+G_DEFINE_TYPE(GstTactileBranch, gst_tactile_branch, GST_TYPE_BIN);
+
+static GstStaticPadTemplate sink_template = GST_STATIC_PAD_TEMPLATE(
+    "sink", GST_PAD_SINK, GST_PAD_ALWAYS, GST_STATIC_CAPS("application/x-tactile-map"));
+
+static gboolean
+is_in(GstTactileBranch *self)
+{
+  g_autoptr(GstObject) parent = gst_object_get_parent(GST_OBJECT(self->tactors));
+  return parent == GST_OBJECT(self);
+}
+
+/* Takes tactorsink out, and with it what the bin around would wait for: preroll and the end of the
+ * stream. Not on a streaming thread. */
+static void
+gst_tactile_branch_give_up(GstTactileBranch *self)
+{
+  if (!is_in(self))
+    return;
+  gst_bin_remove(GST_BIN(self), self->tactors);
+  gst_element_set_state(self->tactors, GST_STATE_NULL);
+  GST_OBJECT_LOCK(self);
+  const gboolean ended = self->ended;
+  GST_OBJECT_UNLOCK(self);
+  if (ended)
+    gst_element_post_message(GST_ELEMENT(self), gst_message_new_eos(GST_OBJECT(self)));
+}
+
+static void
+give_up_async(GstElement *element, gpointer)
+{
+  gst_tactile_branch_give_up(GST_TACTILE_BRANCH(element));
+}
+
+static void
+gst_tactile_branch_restore(GstTactileBranch *self)
+{
+  if (is_in(self))
+    return;
+  gst_bin_add(GST_BIN(self), self->tactors);
+  gst_element_link(self->queue, self->tactors);
+}
+
+static void
+gst_tactile_branch_handle_message(GstBin *bin, GstMessage *message)
+{
+  auto *self = GST_TACTILE_BRANCH(bin);
+
+  if (GST_MESSAGE_TYPE(message) != GST_MESSAGE_ERROR) {
+    GST_BIN_CLASS(parent_class)->handle_message(bin, message);
+    return;
+  }
+  GST_OBJECT_LOCK(self);
+  const gboolean opening = self->opening;
+  const gboolean failed = self->failed;
+  self->failed = TRUE;
+  GST_OBJECT_UNLOCK(self);
+  if (failed) { /* what follows from the first error */
+    gst_message_unref(message);
+    return;
+  }
+  g_autoptr(GError) error = nullptr;
+  g_autofree gchar *debug = nullptr;
+  gst_message_parse_error(message, &error, &debug);
+  g_prefix_error(&error, "The film plays without touch: ");
+  GstMessage *warning = gst_message_new_warning(GST_MESSAGE_SRC(message), error, debug);
+  gst_message_unref(message);
+  GST_BIN_CLASS(parent_class)->handle_message(bin, warning);
+  if (!opening)
+    gst_element_call_async(GST_ELEMENT(self), give_up_async, nullptr, nullptr);
+}
+
+static GstStateChangeReturn
+gst_tactile_branch_change_state(GstElement *element, GstStateChange transition)
+{
+  auto *self = GST_TACTILE_BRANCH(element);
+  const gboolean opening = transition == GST_STATE_CHANGE_READY_TO_PAUSED;
+
+  if (opening)
+    gst_tactile_branch_restore(self);
+  GST_OBJECT_LOCK(self);
+  self->opening = opening;
+  if (opening)
+    self->failed = self->ended = FALSE;
+  GST_OBJECT_UNLOCK(self);
+
+  GstStateChangeReturn ret = GST_ELEMENT_CLASS(parent_class)->change_state(element, transition);
+  if (opening && ret == GST_STATE_CHANGE_FAILURE) {
+    gst_tactile_branch_give_up(self);
+    ret = GST_ELEMENT_CLASS(parent_class)->change_state(element, transition);
+  }
+  GST_OBJECT_LOCK(self);
+  self->opening = FALSE;
+  GST_OBJECT_UNLOCK(self);
+  return ret;
+}
+
+static gboolean
+has_failed(GstTactileBranch *self)
+{
+  GST_OBJECT_LOCK(self);
+  const gboolean failed = self->failed;
+  GST_OBJECT_UNLOCK(self);
+  return failed;
+}
+
+/* To the film, maps that nobody plays are as good as played. */
+static GstFlowReturn
+gst_tactile_branch_chain(GstPad *pad, GstObject *parent, GstBuffer *buffer)
+{
+  if (has_failed(GST_TACTILE_BRANCH(parent))) {
+    gst_buffer_unref(buffer);
+    return GST_FLOW_OK;
+  }
+  const GstFlowReturn flow = gst_proxy_pad_chain_default(pad, parent, buffer);
+  return flow < GST_FLOW_EOS || flow == GST_FLOW_NOT_LINKED ? GST_FLOW_OK : flow;
+}
+
+static gboolean
+gst_tactile_branch_sink_event(GstPad *pad, GstObject *parent, GstEvent *event)
+{
+  auto *self = GST_TACTILE_BRANCH(parent);
+  const GstEventType type = GST_EVENT_TYPE(event);
+
+  if (type == GST_EVENT_EOS || type == GST_EVENT_FLUSH_STOP || type == GST_EVENT_STREAM_START) {
+    GST_OBJECT_LOCK(self);
+    self->ended = type == GST_EVENT_EOS;
+    GST_OBJECT_UNLOCK(self);
+  }
+  if ((gst_event_type_get_flags(type) & GST_EVENT_TYPE_SERIALIZED) && type != GST_EVENT_FLUSH_STOP
+      && has_failed(self)) {
+    gst_event_unref(event);
+    return TRUE;
+  }
+  return gst_pad_event_default(pad, parent, event);
+}
+
+static void
+gst_tactile_branch_dispose(GObject *object)
+{
+  auto *self = GST_TACTILE_BRANCH(object);
+  if (self->tactors != nullptr && !is_in(self))
+    gst_element_set_state(self->tactors, GST_STATE_NULL);
+  gst_clear_object(&self->tactors);
+  G_OBJECT_CLASS(parent_class)->dispose(object);
+}
+
+static void
+gst_tactile_branch_class_init(GstTactileBranchClass *klass)
+{
+  auto *element_class = GST_ELEMENT_CLASS(klass);
+
+  G_OBJECT_CLASS(klass)->dispose = gst_tactile_branch_dispose;
+  element_class->change_state = GST_DEBUG_FUNCPTR(gst_tactile_branch_change_state);
+  GST_BIN_CLASS(klass)->handle_message = GST_DEBUG_FUNCPTR(gst_tactile_branch_handle_message);
+  gst_element_class_add_static_pad_template(element_class, &sink_template);
+  gst_element_class_set_static_metadata(element_class, "Tactile branch", "Sink",
+                                        "Plays tactile maps if that is possible",
+                                        "The visuotactile authors");
+}
+
+static void
+gst_tactile_branch_init(GstTactileBranch *)
+{
+}
+
+GstTactileBranch *
+gst_tactile_branch_new(const gchar *name)
+{
+  GstElement *tactors = gst_element_factory_make("tactorsink", "tactors");
+  GstElement *queue = gst_element_factory_make("queue", "tactile-queue");
+  if (tactors == nullptr || queue == nullptr) {
+    gst_clear_object(&tactors);
+    gst_clear_object(&queue);
+    return nullptr;
+  }
+  auto *self = GST_TACTILE_BRANCH(g_object_new(GST_TYPE_TACTILE_BRANCH, "name", name, nullptr));
+  self->queue = queue;
+  self->tactors = GST_ELEMENT(gst_object_ref_sink(tactors));
+  g_object_set(queue, "max-size-bytes", 0, "max-size-buffers", 0, nullptr);
+  gst_bin_add(GST_BIN(self), queue);
+  gst_tactile_branch_restore(self);
+
+  g_autoptr(GstPad) target = gst_element_get_static_pad(queue, "sink");
+  g_autoptr(GstPadTemplate) pad_template = gst_static_pad_template_get(&sink_template);
+  GstPad *pad = gst_ghost_pad_new_from_template("sink", target, pad_template);
+  gst_pad_set_chain_function(pad, GST_DEBUG_FUNCPTR(gst_tactile_branch_chain));
+  gst_pad_set_event_function(pad, GST_DEBUG_FUNCPTR(gst_tactile_branch_sink_event));
+  gst_element_add_pad(GST_ELEMENT(self), pad);
+  return self;
+}
+
+GstElement *
+gst_tactile_branch_get_tactors(GstTactileBranch *self)
+{
+  return self->tactors;
+}
+
+void
+gst_tactile_branch_set_lookahead(GstTactileBranch *self, GstClockTime lookahead)
+{
+  g_object_set(self->queue, "max-size-time", lookahead, nullptr);
+}

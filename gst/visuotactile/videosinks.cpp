@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "videosinks.h"
+
+#include <functional>
+
+static bool
+chooses_in_turn(GstElementFactory *factory)
+{
+  const gchar *name = GST_OBJECT_NAME(factory);
+  return g_strcmp0(name, "visuotactilesink") == 0 || g_strcmp0(name, "autovideosink") == 0;
+}
+
+/* The errors on the bus of a sink that did not reach READY. */
+static void
+collect_errors(GstElementFactory *factory, GstBus *bus, GString *errors)
+{
+  while (GstMessage *message = gst_bus_pop_filtered(bus, GST_MESSAGE_ERROR)) {
+    g_autoptr(GError) error = nullptr;
+    gst_message_parse_error(message, &error, nullptr);
+    g_string_append_printf(errors, "%s: %s\n", GST_OBJECT_NAME(factory), error->message);
+    gst_message_unref(message);
+  }
+}
+
+GstElement *
+choose_video_sink(const gchar *name, GString *errors)
+{
+  GList *factories = gst_element_factory_list_get_elements(
+      GST_ELEMENT_FACTORY_TYPE_SINK | GST_ELEMENT_FACTORY_TYPE_MEDIA_VIDEO, GST_RANK_MARGINAL);
+  factories = g_list_sort(factories, gst_plugin_feature_rank_compare_func);
+  g_autoptr(GstBus) bus = gst_bus_new();
+  GstElement *chosen = nullptr;
+
+  for (GList *item = factories; item != nullptr && chosen == nullptr; item = item->next) {
+    auto *factory = GST_ELEMENT_FACTORY(item->data);
+    if (chooses_in_turn(factory))
+      continue;
+    GstElement *sink = gst_element_factory_create(factory, name);
+    if (sink == nullptr)
+      continue;
+    gst_element_set_bus(sink, bus); /* that it cannot be used is no error of the film */
+    const GstStateChangeReturn ret = gst_element_set_state(sink, GST_STATE_READY);
+    collect_errors(factory, bus, errors);
+    /* Back again: what it asks of the application on its way (a window, a context) has to reach it. */
+    gst_element_set_state(sink, GST_STATE_NULL);
+    gst_element_set_bus(sink, nullptr);
+    if (ret == GST_STATE_CHANGE_SUCCESS)
+      chosen = sink;
+    else
+      gst_object_unref(gst_object_ref_sink(sink));
+  }
+  gst_plugin_feature_list_free(factories);
+  return chosen;
+}
+
+/* Calls `visit` with the element itself, or where that is not wanted and it is a bin, with what is in it,
+ * until it returns true. */
+static bool
+visit_within(GstElement *element, const std::function<bool(GstElement *)> &visit)
+{
+  if (visit(element))
+    return true;
+  if (!GST_IS_BIN(element))
+    return false;
+  bool found = false;
+  GstIterator *children = gst_bin_iterate_recurse(GST_BIN(element));
+  GValue item = G_VALUE_INIT;
+  for (bool done = false; !done && !found;) {
+    switch (gst_iterator_next(children, &item)) {
+    case GST_ITERATOR_OK:
+      found = visit(GST_ELEMENT(g_value_get_object(&item)));
+      g_value_reset(&item);
+      break;
+    case GST_ITERATOR_RESYNC:
+      gst_iterator_resync(children);
+      break;
+    default:
+      done = true;
+      break;
+    }
+  }
+  g_value_unset(&item);
+  gst_iterator_free(children);
+  return found;
+}
+
+static bool
+has_property(GstElement *element, const gchar *name)
+{
+  return g_object_class_find_property(G_OBJECT_GET_CLASS(element), name) != nullptr;
+}
+
+void
+set_property_within(GstElement *element, const gchar *name, const GValue *value)
+{
+  visit_within(element, [=](GstElement *found) {
+    if (!has_property(found, name))
+      return false;
+    g_object_set_property(G_OBJECT(found), name, value);
+    return found == element;
+  });
+}
+
+bool
+get_property_within(GstElement *element, const gchar *name, GValue *value)
+{
+  return visit_within(element, [=](GstElement *found) {
+    if (!has_property(found, name))
+      return false;
+    g_object_get_property(G_OBJECT(found), name, value);
+    return true;
+  });
+}
+
+GstElement *
+find_interface_within(GstElement *element, GType iface)
+{
+  GstElement *result = nullptr;
+  visit_within(element, [iface, &result](GstElement *found) {
+    if (!g_type_is_a(G_OBJECT_TYPE(found), iface))
+      return false;
+    result = GST_ELEMENT(gst_object_ref(found));
+    return true;
+  });
+  return result;
+}

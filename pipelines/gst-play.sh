@@ -1,0 +1,11 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: LGPL-2.1-or-later
+# Plays films in GStreamer's own player, shown and felt: gst-play-1.0 with visuotactilesink as its video sink. CHAIR as in playbin.sh.
+# Usage: pipelines/gst-play.sh FILM...
+set -euo pipefail
+# shellcheck source=../tools/build.sh
+. "$(dirname "$0")/../tools/build.sh"
+film_uri "${1:-}" >/dev/null
+build_and_use players
+
+exec gst-play-1.0 --videosink="visuotactilesink ${CHAIR:-}" "$@"

@@ -1,0 +1,11 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: LGPL-2.1-or-later
+# Plays a film with the C example of GstPlay (examples/gstplay.c), shown and felt.
+# Usage: pipelines/gstplay.sh FILM [property=value ...]      (visuotactilesink's properties)
+set -euo pipefail
+# shellcheck source=../tools/build.sh
+. "$(dirname "$0")/../tools/build.sh"
+film=$(film_uri "${1:-}")
+build_and_use players
+
+exec "$built/examples/gstplay" "$film" "${@:2}"

@@ -1,0 +1,13 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: LGPL-2.1-or-later
+# Draws in the terminal what is felt of a film (examples/terminal.py).
+# Usage: pipelines/terminal.sh FILM
+set -euo pipefail
+# shellcheck source=../tools/build.sh
+. "$(dirname "$0")/../tools/build.sh"
+film=$(film_uri "${1:-}")
+build_and_use players
+
+export GI_TYPELIB_PATH="$built/lib/gst/tactile${GI_TYPELIB_PATH:+:$GI_TYPELIB_PATH}"
+export LD_LIBRARY_PATH="$built/lib/gst/tactile${LD_LIBRARY_PATH:+:$LD_LIBRARY_PATH}"
+exec /usr/bin/python3 "$root/examples/terminal.py" "$film"

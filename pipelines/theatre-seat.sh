@@ -1,0 +1,10 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: LGPL-2.1-or-later
+# A seat of a theatre: plays what theatre-server.sh sends on the motors of one chair (examples/theatre_seat.py).
+# Usage: pipelines/theatre-seat.sh SERVER [options]      (--help lists them)
+set -euo pipefail
+# shellcheck source=../tools/build.sh
+. "$(dirname "$0")/../tools/build.sh"
+build_and_use players
+
+exec /usr/bin/python3 "$root/examples/theatre_seat.py" "$@"

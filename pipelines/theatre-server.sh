@@ -1,0 +1,10 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: LGPL-2.1-or-later
+# Shows a film and sends what is felt of it to the seats of a theatre (examples/theatre_server.py).
+# Usage: pipelines/theatre-server.sh FILM [options]      (--help lists them)
+set -euo pipefail
+# shellcheck source=../tools/build.sh
+. "$(dirname "$0")/../tools/build.sh"
+build_and_use players
+
+exec /usr/bin/python3 "$root/examples/theatre_server.py" "$@"

@@ -1,0 +1,97 @@
+#!/usr/bin/python3
+# SPDX-License-Identifier: LGPL-2.1-or-later
+"""Which elements keep the tactile map on a frame? Runs frames with maps through them and prints a table.
+
+Usage: survival.py [PAGE]      (with the plugins on GST_PLUGIN_PATH; PAGE: fails unless the table in it is this one)
+"""
+import sys
+
+import gi
+
+gi.require_version("Gst", "1.0")
+gi.require_version("GstTactile", "1.0")
+from gi.repository import Gst, GstTactile  # noqa: E402
+
+FRAMES = 12
+SOURCE = f"tactiletestsrc num-buffers={FRAMES} ! video/x-raw,format=I420,width=64,height=48,framerate=30/1 ! saliencytactile rows=2 columns=3 ! "
+
+# What it is called, the launch line.
+CHAINS = [
+    ("queues and other plumbing", "queue ! identity ! tee ! multiqueue ! valve ! clocksync ! input-selector ! funnel ! concat"),
+    ("`videoconvert` to RGB", "videoconvert ! video/x-raw,format=RGB"),
+    ("`videoscale`", "videoscale ! video/x-raw,width=32,height=32"),
+    ("`videoconvertscale`", "videoconvertscale ! video/x-raw,format=BGRx,width=32"),
+    ("`videorate` to 15 Hz", "videorate ! video/x-raw,framerate=15/1"),
+    ("`videorate` to 60 Hz", "videorate ! video/x-raw,framerate=60/1"),
+    ("`videocrop`", "videocrop left=8"),
+    ("`aspectratiocrop`", "aspectratiocrop aspect-ratio=1/1"),
+    ("`videobox`", "videobox left=-8"),
+    ("`videoflip`, turned", "videoflip method=clockwise"),
+    ("`videobalance`", "videobalance saturation=0.5"),
+    ("`gamma`", "gamma gamma=2"),
+    ("`alpha`", "alpha alpha=0.5"),
+    ("`textoverlay`", "textoverlay text=x"),
+    ("`deinterlace`, on progressive video", "deinterlace"),
+    ("`deinterlace`, on interlaced video", "interlace field-pattern=2:2 ! deinterlace"),
+    ("`avdeinterlace`", "avdeinterlace"),
+    ("`compositor`", "compositor"),
+    ("`edgetv`", "videoconvert ! edgetv"),
+    ("`imagefreeze`", f"imagefreeze num-buffers={FRAMES}"),
+    ("`x264enc`, `avdec_h264`", "x264enc tune=zerolatency ! avdec_h264"),
+    ("`jpegenc`, `jpegdec`", "jpegenc ! jpegdec"),
+    ("`vp8enc`, `vp8dec`", "vp8enc deadline=1 ! vp8dec"),
+    ("`matroskamux`, `matroskademux`, raw video", "matroskamux ! matroskademux"),
+    ("`rtpvrawpay`, `rtpvrawdepay`", "rtpvrawpay ! rtpvrawdepay"),
+    ("`rtpgstpay`, `rtpgstdepay`", "rtpgstpay ! rtpgstdepay"),
+    ("`tactileoverlay`", "tactileoverlay"),
+    ("`tactileextractor`, its `src`", "tactileextractor"),
+    ("`visuotactilesink`, before its video sink", None),
+]
+
+
+def count(description):
+    """Frames that came out, and those of them with the map that went in."""
+    line = SOURCE + (f"{description} ! fakesink name=end" if description else "visuotactilesink name=end driver=simulator sync=false rows=2 columns=3 video-sink=fakesink")
+    pipeline = Gst.parse_launch(line)
+    seen = [0, 0]
+
+    def on_frame(_pad, info):
+        meta = GstTactile.buffer_get_tactile_meta(info.get_buffer())
+        seen[0] += 1
+        seen[1] += meta is not None and (meta.rows, meta.columns) == (2, 3)
+        return Gst.PadProbeReturn.OK
+
+    end = pipeline.get_by_name("end")
+    if description is None:
+        end = end.get_property("video-sink")
+    end.get_static_pad("sink").add_probe(Gst.PadProbeType.BUFFER, on_frame)
+    pipeline.set_state(Gst.State.PLAYING)
+    message = pipeline.get_bus().timed_pop_filtered(Gst.CLOCK_TIME_NONE, Gst.MessageType.EOS | Gst.MessageType.ERROR)
+    if message.type == Gst.MessageType.ERROR:
+        raise SystemExit(f"{line}: {message.parse_error()[0].message}")
+    pipeline.set_state(Gst.State.NULL)
+    return seen
+
+
+def verdict(frames, maps):
+    return "yes" if maps == frames else "no" if maps == 0 else f"on {maps} of {frames} frames"
+
+
+def main():
+    Gst.init(None)
+    rows = ["| frames with maps through | maps that are kept |", "|---|---|"]
+    for name, description in CHAINS:
+        frames, maps = count(description)
+        if frames == 0:
+            raise SystemExit(f"{name}: no frame came out")
+        rows.append(f"| {name} | {verdict(frames, maps)} |")
+    table = "\n".join(rows)
+    print(table)
+    if len(sys.argv) > 1:
+        with open(sys.argv[1], encoding="utf-8") as page:
+            if table not in page.read():
+                raise SystemExit(f"{sys.argv[1]} has another table")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,325 @@
+#!/usr/bin/python3
+# SPDX-License-Identifier: LGPL-2.1-or-later
+"""A theatre on one computer: a server and three seats, each behind a network that loses 1 % of the packets and delays maps by up
+to 20 ms and the clock's packets by up to 1 ms (CLOCK_JITTER in the environment, in ms: another jitter for these). Seats are in network namespaces of their own where these can be made, else on loopback.
+
+One seat plays all of the film, one joins late, one loses its network for a while. What is compared are running times in the traces
+of the commands, with those of the film played without a network; what depends on how fast the machine is is printed.
+
+Usage: seats.py EXAMPLES [REPORT]      (with the plugins on GST_PLUGIN_PATH; REPORT gets the figures)
+"""
+import contextlib
+import csv
+import os
+import random
+import shutil
+import signal
+import socket
+import statistics
+import subprocess
+import sys
+import tempfile
+import time
+
+LOSS = 0.01
+JITTER = 0.020  # s
+CLOCK_JITTER = float(os.environ.get("CLOCK_JITTER", "1")) / 1000
+LATENCY = 600  # ms
+FILM = 18  # s
+SAME = 2e6  # ns
+# Each map is a command of its own, and no limit depends on when a seat joined.
+CHAIR = "driver=simulator ramp-in=0 max-active=0 max-duty=0 max-on-time=0"
+
+
+# ---- the network -----------------------------------------------------------------------------------------------------
+def relay(maps_in, maps_out, clock_in, server, clock_out, seed):
+    """Hands on maps to 127.0.0.1:maps_out and asks server:clock_out for the time; nothing while SIGUSR1 holds, until SIGUSR2."""
+    import asyncio
+
+    chance = random.Random(seed)
+    state = {"up": True}
+    signal.signal(signal.SIGUSR1, lambda *_: state.update(up=False))
+    signal.signal(signal.SIGUSR2, lambda *_: state.update(up=True))
+
+    async def work():
+        loop = asyncio.get_running_loop()
+
+        def later(send, jitter=CLOCK_JITTER):
+            if state["up"] and chance.random() >= LOSS:
+                loop.call_later(chance.uniform(0, jitter), send)
+
+        class Maps(asyncio.DatagramProtocol):
+            def connection_made(self, transport):
+                self.transport = transport
+
+            def datagram_received(self, data, _address):
+                later(lambda: self.transport.sendto(data, ("127.0.0.1", maps_out)), JITTER)
+
+        class Answer(asyncio.DatagramProtocol):
+            def __init__(self, back):
+                self.back = back
+
+            def datagram_received(self, data, _address):
+                later(lambda: self.back(data))
+
+        class Clock(Maps):
+            def __init__(self):
+                self.there = {}
+
+            def datagram_received(self, data, address):
+                asyncio.ensure_future(self.ask(data, address))
+
+            async def ask(self, data, address):
+                if address not in self.there:
+                    self.there[address], _ = await loop.create_datagram_endpoint(
+                        lambda: Answer(lambda reply: self.transport.sendto(reply, address)), remote_addr=(server, clock_out)
+                    )
+                later(lambda: self.there[address].sendto(data))
+
+        await loop.create_datagram_endpoint(Maps, local_addr=("0.0.0.0", maps_in))
+        await loop.create_datagram_endpoint(Clock, local_addr=("127.0.0.1", clock_in))
+        await asyncio.Event().wait()
+
+    asyncio.run(work())
+
+
+def seat(arguments):
+    """theatre_seat.py, that tells in the end by how much its clock was off the computer's, which is the server's."""
+    import theatre
+    import theatre_seat
+    from theatre import GLib, Gst
+
+    offsets = []
+    play = theatre.run
+
+    def run(pipeline):
+        def read():
+            offsets.append(pipeline.get_clock().get_time() - Gst.SystemClock.obtain().get_time())
+            return True
+
+        GLib.timeout_add(100, read)
+        return play(pipeline, lambda: print("offsets", *offsets, flush=True))
+
+    theatre.run = run
+    sys.argv[1:] = arguments
+    theatre_seat.main()
+
+
+class Namespaces:
+    """A network namespace for each seat, linked with this one; without the right to make them, names for loopback."""
+
+    def __init__(self, stack, count):
+        self.names = []
+        self.prefix = f"vt{os.getpid()}"
+        for number in range(count if shutil.which("ip") else 0):
+            name = f"{self.prefix}-{number}"
+            if subprocess.run(["ip", "netns", "add", name], stderr=subprocess.DEVNULL, check=False).returncode:
+                break
+            stack.callback(subprocess.run, ["ip", "netns", "del", name], check=False)
+            self.names.append(name)
+            net = f"10.213.{number}"
+            for command in (
+                f"ip link add {self.prefix}h{number} type veth peer name eth0 netns {name}",
+                f"ip addr add {net}.1/24 dev {self.prefix}h{number}",
+                f"ip link set {self.prefix}h{number} up",
+                f"ip -n {name} addr add {net}.2/24 dev eth0",
+                f"ip -n {name} link set eth0 up",
+                f"ip -n {name} link set lo up",
+            ):
+                subprocess.run(command.split(), check=True)
+
+    def __bool__(self):
+        return bool(self.names)
+
+    def command(self, number):
+        return ["ip", "netns", "exec", self.names[number]] if self else []
+
+    def server(self, number):
+        return f"10.213.{number}.1" if self else "127.0.0.1"
+
+    def address(self, number):
+        return f"10.213.{number}.2" if self else "127.0.0.1"
+
+
+def free_ports(count):
+    sockets = [socket.socket(socket.AF_INET, socket.SOCK_DGRAM) for _ in range(count)]
+    for one in sockets:
+        one.bind(("127.0.0.1", 0))
+    ports = [one.getsockname()[1] for one in sockets]
+    for one in sockets:
+        one.close()
+    return ports
+
+
+# ---- what came of it -------------------------------------------------------------------------------------------------
+def trace(path, base=0, played=True):
+    """Planned commands as (effect in the film, tactor, volts), and all as (issued in the film, tactor, volts, late)."""
+    planned, told = [], []
+    with open(path, newline="", encoding="ascii") as file:
+        for line in csv.DictReader(file):
+            issued, due, effect = (int(line[f"{name}_ns"]) for name in ("issued", "due", "effect"))
+            command = (effect - base, int(line["tactor"]), float(line["volts"]))
+            told.append((issued - base, *command[1:], issued - due))
+            # What was played and not planned (silence for want of maps) took effect when it was issued.
+            if not played or effect != issued:
+                planned.append(command)
+    return planned, told
+
+
+def expect(condition, text):
+    if not condition:
+        raise SystemExit(f"FAILED: {text}")
+
+
+def compare(name, commands, reference, start, end):
+    """All commands that take effect between these times in the film, and no others."""
+    left = [command for command in commands if start <= command[0] < end]
+    count = 0
+    worst = 0
+    for effect, tactor, volts in (command for command in reference if start <= command[0] < end):
+        match = [c for c in left if c[1:] == (tactor, volts) and abs(c[0] - effect) <= SAME]
+        expect(match, f"{name}: no command like tactor {tactor}, {volts} V at {effect / 1e9:.3f} s among {[c for c in commands if abs(c[0] - effect) < 1e8]}")
+        worst = max(worst, abs(match[0][0] - effect))
+        left.remove(match[0])
+        count += 1
+    expect(not left, f"{name}: {len(left)} commands more than without a network, first {left[:1]}")
+    expect(count > 0, f"{name}: nothing to compare")
+    return f"{name}: {count} commands as without a network, at most {worst / 1e6:.3f} ms off"
+
+
+def main(examples, report):
+    python = "/usr/bin/python3"
+    lines = []
+    with contextlib.ExitStack() as stack:
+        work = stack.enter_context(tempfile.TemporaryDirectory())
+        film = os.path.join(work, "film.mkv")
+        source = f"tactiletestsrc pattern=dynamic-motion num-buffers={FILM * 30} ! video/x-raw,format=I420,width=160,height=120,framerate=30/1"
+        analysis = "temporal=false"
+        subprocess.run(f"gst-launch-1.0 -q {source} ! jpegenc ! matroskamux ! filesink location={film}".split(), check=True)
+        subprocess.run(
+            f"gst-launch-1.0 -q filesrc location={film} ! matroskademux ! jpegdec ! saliencytactile max-rate=5 {analysis} ! "
+            f"tactorsink rate=0 sync=false {CHAIR} trace-location={work}/reference.csv".split(),
+            check=True,
+        )
+        reference, _ = trace(f"{work}/reference.csv", played=False)
+
+        networks = Namespaces(stack, 3)
+        lines.append(f"three seats, {'in network namespaces' if networks else 'on loopback'}, {LOSS:.0%} loss, {JITTER * 1000:.0f} ms jitter of the maps, {CLOCK_JITTER * 1000:g} ms of the clock")
+        ports = free_ports(10)
+        clock_port = ports[9]
+        maps_in, maps_out, clocks = ports[0:3], ports[3:6], ports[6:9]
+        processes = []
+
+        def start(name, command):
+            log = stack.enter_context(open(os.path.join(work, f"{name}.log"), "w+", encoding="utf-8"))
+            process = subprocess.Popen(command, stdout=log, stderr=subprocess.STDOUT, env={**os.environ, "PYTHONPATH": examples})
+            stack.callback(lambda: process.poll() is not None or process.kill())
+            process.log = log.name
+            processes.append((name, process))
+            return process
+
+        def said(process, what):
+            with open(process.log, encoding="utf-8") as log:
+                return next((line for line in log if line.startswith(what)), None)
+
+        def wait_for(process, what):
+            while not said(process, what):
+                expect(process.poll() is None, open(process.log, encoding="utf-8").read())
+                time.sleep(0.02)
+            return said(process, what)
+
+        relays = [
+            start(
+                f"relay{n}",
+                networks.command(n)
+                + [python, __file__, "--relay", *map(str, (maps_in[n], maps_out[n], clocks[n], networks.server(n), clock_port, n + 1))],
+            )
+            for n in range(3)
+        ]
+
+        def start_seat(number):
+            chair = f"{CHAIR} trace-location={work}/seat{number}.csv"
+            return start(
+                f"seat{number}",
+                networks.command(number)
+                + [python, __file__, "--seat", "127.0.0.1", "--group", "0.0.0.0", "--port", str(maps_out[number])]
+                + ["--clock-port", str(clocks[number]), "--latency", str(LATENCY), "--chair", chair],
+            )
+
+        # A seat waits for the clock, the server for nobody: all that the first two seats miss is their own start.
+        seats = [start_seat(0), start_seat(1)]
+        to = [argument for n in range(3) for argument in ("--to", f"{networks.address(n)}:{maps_in[n]}")]
+        server = start(
+            "server",
+            [python, os.path.join(examples, "theatre_server.py"), film, *to, "--latency", str(LATENCY), "--clock-port", str(clock_port)]
+            + ["--analysis", analysis, "--video-sink", "fakesink sync=true", "--audio-sink", "fakesink"],
+        )
+        base = int(wait_for(server, "playing").split()[3])
+        place = lambda: time.monotonic_ns() - base  # noqa: E731
+
+        def wait_until(seconds):
+            while place() < seconds * 1e9 and server.poll() is None:
+                time.sleep(0.02)
+
+        for one in seats:
+            wait_for(one, "ready")
+        begun = place()
+        wait_until(3)
+        seats.append(start_seat(2))
+        wait_for(seats[2], "ready")
+        joined = place()
+        wait_until(9)
+        os.kill(relays[1].pid, signal.SIGUSR1)
+        cut = place()
+        wait_until(12)
+        os.kill(relays[1].pid, signal.SIGUSR2)
+        back = place()
+        expect(server.wait() == 0, open(server.log, encoding="utf-8").read())
+        lines.append(f"server: {said(server, 'sent').strip()}")
+        time.sleep(1.5)  # no assertion hangs on it: seats silence their motors when no map comes, or else when they are told to end
+        for one in seats:
+            one.terminate()
+        for one in seats:
+            expect(one.wait() == 0, open(one.log, encoding="utf-8").read())
+
+        # A seat needs the clock and caps, which come once a second.
+        settle = 3.5e9
+        end = FILM * 1e9
+        traces = [trace(f"{work}/seat{n}.csv", base) for n in range(3)]
+        lines.append(compare("seat that plays all", traces[0][0], reference, begun + settle, end))
+        lines.append(compare("seat before its network is lost", traces[1][0], reference, begun + settle, cut - 0.2e9))
+        lines.append(compare("seat after its network is back", traces[1][0], reference, back + settle, end))
+        lines.append(compare("seat that joins late", traces[2][0], reference, joined + settle, end))
+
+        # Maps that were sent before the cut are played, the last is held for a second and the motors' lead; then there is silence.
+        levels = {}
+        for issued, tactor, volts, _ in traces[1][1]:
+            if issued > back - 0.5e9:
+                break
+            levels[tactor] = volts
+        expect(not any(levels.values()), f"the seat without a network is not silent: {levels}")
+        silent = max(issued for issued, _, volts, _ in traces[1][1] if issued < back - 0.5e9)
+        expect(silent < cut + 1.3e9, f"the seat without a network was silent {(silent - cut) / 1e9:.2f} s after its last map")
+        lines.append(f"seat without a network: silent {(silent - cut) / 1e9:.2f} s after it was lost")
+        for number, (_, told) in enumerate(traces):
+            last = {tactor: volts for _, tactor, volts, _ in told}
+            expect(not any(last.values()), f"seat {number} leaves motors on: {last}")
+            offsets = [abs(int(text)) / 1e6 for text in said(seats[number], "offsets").split()[1:]]
+            late = sorted(command[3] / 1e6 for command in told)
+            lines.append(
+                f"seat {number}: clock off by {statistics.median(offsets):.2f} ms (median), {max(offsets):.2f} ms (most); "
+                f"commands {statistics.median(late):.2f} ms late (median), {late[int(len(late) * 0.95)]:.2f} ms (19 of 20)"
+            )
+    print("\n".join(lines))
+    if report:
+        with open(report, "w", encoding="utf-8") as file:
+            file.write("\n".join(lines) + "\n")
+
+
+if __name__ == "__main__":
+    if sys.argv[1:2] == ["--relay"]:
+        relay(int(sys.argv[2]), int(sys.argv[3]), int(sys.argv[4]), sys.argv[5], int(sys.argv[6]), int(sys.argv[7]))
+    elif sys.argv[1:2] == ["--seat"]:
+        seat(sys.argv[2:])
+    else:
+        main(os.path.abspath(sys.argv[1]), sys.argv[2] if len(sys.argv) > 2 else None)

@@ -1,0 +1,74 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: LGPL-2.1-or-later
+# The players of pipelines/ on a display: each shows a film and tells a simulated chair what is felt of it.
+# Needs Xvfb, gst-play-1.0 and gst123, which tools/setup.sh installs. Expects ROOT (of the source) and VISUOTACTILE_BUILD.
+# shellcheck source=common.sh
+. "$(dirname "$0")/common.sh"
+: "${ROOT:?root of the source}" "${VISUOTACTILE_BUILD:?folder of the build}"
+
+for program in Xvfb gst-play-1.0 gst123; do
+  command -v "$program" >/dev/null || fail "there is no $program: run tools/setup.sh"
+done
+
+mkfifo number
+Xvfb -displayfd 3 -noreset -nolisten tcp -screen 0 640x480x24 3>number >xvfb.log 2>&1 &
+server=$!
+trap 'kill "$server" 2>/dev/null; rm -rf "$work"' EXIT
+read -r -t 20 display <number || fail "Xvfb does not start: $(cat xvfb.log)"
+export DISPLAY=:$display
+chair="driver=simulator analysis::temporal=false trace-location=commands.csv"
+
+# shows SCRIPT ARGUMENT ...: ends with status 0, and the chair was told something
+shows() {
+  CHAIR=$chair timeout 60 "$ROOT/pipelines/$1" "${@:2}" >out 2>&1 || fail "status $?; it said: $(cat out)"
+  expect_commands commands.csv
+}
+
+terminal() {
+  timeout 60 "$ROOT/pipelines/terminal.sh" "$1" >out 2>&1 || fail "status $?; it said: $(cat out)"
+  expect_line out '█'
+}
+
+# Until it is told to end, which ends with zeros.
+live() {
+  CHAIR=$chair timeout --preserve-status -s INT 4 "$ROOT/pipelines/live.sh" "$@" >out 2>&1 || fail "status $?; it said: $(cat out)"
+  expect_commands commands.csv
+}
+
+# A player that was not made for touch, in the terminal that it wants: its window shows the film's grey, and maps come to the chair.
+any_player() {
+  export GST_DEBUG=visuotactilesink:4,tactorsink:6 GST_DEBUG_NO_COLOR=1 GST_DEBUG_FILE=$PWD/debug TERM=xterm
+  script -qec "timeout 60 '$ROOT/pipelines/any-player.sh' gst123 '$1'" /dev/null >out 2>&1 </dev/null &
+  local player=$! try level=0
+  unset GST_DEBUG GST_DEBUG_FILE
+  for ((try = 0; try < 100; try++)); do
+    sleep 0.2
+    # A pixel of the background.
+    plain gst-launch-1.0 -q ximagesrc num-buffers=1 startx=5 starty=5 endx=5 endy=5 ! videoconvert ! video/x-raw,format=GRAY8 ! filesink location=pixel || true
+    level=$(od -An -tu1 -N1 pixel | tr -d ' ')
+    [ "${level:-0}" -le 40 ] || ! grep -q 'map at' debug || break
+  done
+  kill "$player" 2>/dev/null || true
+  wait "$player" 2>/dev/null || true
+  grep -q 'shown by' debug || fail "the player does not use visuotactilesink: $(cat out)"
+  grep -q 'map at' debug || fail "nothing is felt: $(tail -n 5 debug)"
+  [ "${level:-0}" -gt 40 ] || fail "its window shows nothing: a pixel of $level"
+}
+
+make() {
+  gst-launch-1.0 -q tactiletestsrc pattern=dynamic-motion num-buffers="$2" ! video/x-raw,format=I420,width=320,height=240,framerate=30/1 ! jpegenc ! matroskamux ! filesink location="$1"
+}
+make film.mkv 60
+make long.mkv 600
+
+start gst-play shows gst-play.sh "$work/film.mkv" --no-interactive
+start playbin shows playbin.sh "$work/film.mkv" playbin
+start playbin3 shows playbin.sh "$work/film.mkv" playbin3
+# shellcheck disable=SC2086 # properties
+start gstplay shows gstplay.sh "$work/film.mkv" $chair
+start terminal terminal "$work/film.mkv"
+start live live
+start least_delay live --least-delay
+finish
+start any_player any_player "$work/long.mkv"
+finish
