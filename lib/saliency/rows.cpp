@@ -19,7 +19,7 @@ template <typename T, typename Work>
 HWY_INLINE void
 for_vectors(std::size_t n, const Work &work)
 {
-  const hn::CappedTag<T, kRoom> d;
+  const hn::ScalableTag<T> d;
   const std::size_t lanes = hn::Lanes(d);
   std::size_t i = 0;
   for (; i + lanes <= n; i += lanes)
@@ -117,7 +117,7 @@ keep_between(float low, float high, std::size_t n, float *values)
   for_vectors<float>(n, [&](auto d, std::size_t i) HWY_ATTR {
     const auto value = hn::LoadU(d, values + i);
     const auto keep = hn::And(hn::Ge(value, hn::Set(d, low)), hn::Lt(value, hn::Set(d, high)));
-    kept += hn::CompressStore(value, keep, d, values + kept);
+    kept += hn::CompressBlendedStore(value, keep, d, values + kept);
   });
   return kept;
 }
@@ -132,7 +132,7 @@ gains(const float *center, const float *surround, float least, float nothing, st
     const auto base = hn::Add(hn::LoadU(d, surround + i), hn::Set(d, nothing));
     const auto counts = hn::Gt(value, hn::Set(d, least));
     found.gained += hn::CountTrue(d, hn::And(counts, hn::Gt(value, base)));
-    found.count += hn::CompressStore(hn::Div(value, base), counts, d, ratios + found.count);
+    found.count += hn::CompressBlendedStore(hn::Div(value, base), counts, d, ratios + found.count);
   });
   return found;
 }

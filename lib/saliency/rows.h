@@ -35,11 +35,8 @@ std::size_t count_changed(const std::array<const float *, 3> &lab,
 /// many these are.
 std::size_t keep_between(float low, float high, std::size_t n, float *values);
 
-/// What gains() may write beyond what it finds.
-inline constexpr std::size_t kRoom = 16;
-
 /// center / (surround + nothing) of those of n samples whose centre is above `least`, one after the
-/// other into `ratios`. How many these are, and how many of them are above 1.
+/// other into `ratios`, n of which there is room for. How many these are, and how many of them are above 1.
 struct Gains
 {
   std::size_t count;

@@ -118,7 +118,7 @@ SpatiotemporalSaliency::illumination(const cv::Mat &center, const cv::Mat &surro
   const std::size_t total = center.total();
   if (total < kFewestSamples)
     return 1;
-  sorted_.resize(total + rows::kRoom);
+  sorted_.resize(total);
   const auto [count, gained] = rows::gains(center.ptr<float>(), surround.ptr<float>(), kContrast,
                                            kNothing, total, sorted_.data());
   if (static_cast<double>(count) <= kEnough * static_cast<double>(total)

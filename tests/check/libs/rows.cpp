@@ -10,6 +10,7 @@
 #include <cmath>
 #include <cstdint>
 #include <functional>
+#include <iterator>
 #include <random>
 #include <vector>
 
@@ -159,12 +160,30 @@ GST_START_TEST(test_gains)
         expected.push_back(center[i] / (surround[i] + 0.05F));
         gained += expected.back() > 1 ? 1 : 0;
       }
-    std::vector<float> ratios(n + rows::kRoom);
+    std::vector<float> ratios(n);
     const auto found = rows::gains(center.data(), surround.data(), 1, 0.05F, n, ratios.data());
     ck_assert_uint_eq(found.count, expected.size());
     ck_assert_uint_eq(found.gained, gained);
     fail_unless(std::equal(expected.begin(), expected.end(), ratios.begin()));
     return std::vector<float>(ratios.begin(), ratios.begin() + static_cast<long>(found.count));
+  });
+}
+GST_END_TEST;
+
+GST_START_TEST(test_keep_between)
+{
+  with_all([](std::size_t n) {
+    for (const float low : { 0.0F, 10.0F, 90.0F }) {
+      auto values = random_row(n, static_cast<unsigned>(n), 0, 50);
+      values[n / 2] = low; // the lower end belongs to it
+      std::vector<float> expected;
+      std::ranges::copy_if(values, std::back_inserter(expected),
+                           [low](float v) { return v >= low && v < low + 20; });
+      const std::size_t kept = rows::keep_between(low, low + 20, n, values.data());
+      ck_assert_uint_eq(kept, expected.size());
+      fail_unless(std::equal(expected.begin(), expected.end(), values.begin()));
+    }
+    return std::vector<float>{ 0 };
   });
 }
 GST_END_TEST;
@@ -230,6 +249,7 @@ rows_suite(void)
   tcase_add_test(tc, test_contrasts);
   tcase_add_test(tc, test_count_changed);
   tcase_add_test(tc, test_gains);
+  tcase_add_test(tc, test_keep_between);
   tcase_add_test(tc, test_integrals);
   tcase_add_test(tc, test_quantile);
   return suite;
