@@ -3,7 +3,6 @@
 // The whole way of a player: GstDeviceMonitor, tactordeviceprovider of the plugin, USB, a board with StandardFirmata, and back.
 #include "emulated_board.h"
 
-#include <csignal>
 #include <memory>
 #include <string>
 
@@ -132,7 +131,7 @@ GST_END_TEST;
 static Suite *
 device_monitor_suite(void)
 {
-  std::signal(SIGHUP, SIG_IGN); // see usb_serial_bus.cpp
+  begin_emulation();
   Suite *suite = suite_create("device_monitor");
   TCase *tests = tcase_create("general");
   suite_add_tcase(suite, tests);

@@ -4,11 +4,13 @@
 #include <linux/usbdevice_fs.h>
 
 #include <cerrno>
+#include <csignal>
 #include <cstddef>
 #include <cstdlib>
 #include <cstring>
 #include <fcntl.h>
 #include <filesystem>
+#include <initializer_list>
 #include <stdexcept>
 #include <sys/ioctl.h>
 #include <sys/stat.h>
@@ -17,6 +19,22 @@
 #include <utility>
 
 namespace usb_test {
+
+void
+begin_emulation()
+{
+  std::signal(SIGHUP, SIG_IGN);
+  g_log_set_always_fatal(static_cast<GLogLevelFlags>(G_LOG_FATAL_MASK));
+  for (const char *domain : std::initializer_list<const char *>{ nullptr, "GLib", "GLib-GObject",
+                                                                 "GLib-GIO", "GStreamer" })
+    g_log_set_handler(
+        domain, static_cast<GLogLevelFlags>(G_LOG_LEVEL_CRITICAL | G_LOG_LEVEL_WARNING),
+        [](const gchar *, GLogLevelFlags, const gchar *text, gpointer) {
+          if (!std::strstr(text, "IoctlClient") && !std::strstr(text, "g_object_weak_unref"))
+            g_error("%s", text);
+        },
+        nullptr);
+}
 
 namespace {
 

@@ -13,6 +13,11 @@
 
 namespace usb_test {
 
+/// What a test program begins with: hang-ups are nobody's (the pty behind a device node becomes the controlling terminal of a test that
+/// leads its session, and hangs up when a board is unplugged), and warnings are errors, but for those of umockdev itself, which tears its
+/// clients down in one thread while another still serves them.
+void begin_emulation();
+
 /// The USB ports of an emulated machine. The process must run under umockdev-wrapper; processes that it starts have the same ports.
 class EmulatedUsb
 {

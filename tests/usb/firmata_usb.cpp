@@ -7,7 +7,6 @@
 #include "tactor/usb/usb_serial_bus.h"
 
 #include <cmath>
-#include <csignal>
 #include <memory>
 #include <random>
 #include <string>
@@ -156,7 +155,7 @@ GST_END_TEST;
 static Suite *
 firmata_usb_suite(void)
 {
-  std::signal(SIGHUP, SIG_IGN); // see usb_serial_bus.cpp
+  begin_emulation();
   Suite *suite = suite_create("firmata_usb");
   TCase *tests = tcase_create("general");
   suite_add_tcase(suite, tests);

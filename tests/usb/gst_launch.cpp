@@ -116,16 +116,7 @@ GST_END_TEST;
 static Suite *
 gst_launch_suite(void)
 {
-  std::signal(SIGHUP, SIG_IGN); // see usb_serial_bus.cpp
-  // umockdev complains of a host that dies in the middle of a request, which is what happens here.
-  g_log_set_always_fatal(static_cast<GLogLevelFlags>(G_LOG_FATAL_MASK));
-  g_log_set_handler(
-      nullptr, G_LOG_LEVEL_CRITICAL,
-      [](const gchar *, GLogLevelFlags, const gchar *text, gpointer) {
-        if (!std::strstr(text, "IoctlClient"))
-          g_error("%s", text);
-      },
-      nullptr);
+  begin_emulation();
   Suite *suite = suite_create("gst_launch");
   TCase *tests = tcase_create("general");
   suite_add_tcase(suite, tests);

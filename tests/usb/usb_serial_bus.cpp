@@ -4,7 +4,6 @@
 #include "tactor/driver.h"
 
 #include <algorithm>
-#include <csignal>
 #include <cstdlib>
 #include <filesystem>
 #include <sys/fsuid.h>
@@ -297,8 +296,7 @@ GST_END_TEST;
 static Suite *
 usb_serial_bus_suite(void)
 {
-  // The pty behind the device node becomes the controlling terminal of a test that leads its session, and hangs up when a board is unplugged.
-  std::signal(SIGHUP, SIG_IGN);
+  begin_emulation();
   Suite *suite = suite_create("usb_serial_bus");
   TCase *tests = tcase_create("general");
   suite_add_tcase(suite, tests);

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "listener.h"
 
-#include <csignal>
 #include <filesystem>
 #include <iterator>
 
@@ -324,8 +323,7 @@ GST_END_TEST;
 static Suite *
 usb_serial_port_suite(void)
 {
-  // The pty behind the device node becomes the controlling terminal of a test that leads its session, and hangs up when a board is unplugged.
-  std::signal(SIGHUP, SIG_IGN);
+  begin_emulation();
   Suite *suite = suite_create("usb_serial_port");
   TCase *tests = tcase_create("general");
   suite_add_tcase(suite, tests);

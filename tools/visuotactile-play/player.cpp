@@ -167,14 +167,24 @@ private:
     GstCaps *caps = gst_pad_get_current_caps(pad);
     if (caps && GST_CLOCK_TIME_IS_VALID(time)) {
       self->strip_.offer(buffer, caps, time);
-      if (self->position_.exchange(end_of(buffer, time)) == 0 && !self->settings_.quiet)
-        std::fprintf(stderr, "%s '%s'; Ctrl-C ends it\n",
-                     self->settings_.window ? "Playing" : "Recording, in real time,",
-                     self->film_.title.c_str());
+      if (self->position_.exchange(end_of(buffer, time)) == 0) {
+        if (!self->settings_.quiet)
+          std::fprintf(stderr, "%s '%s'; Ctrl-C ends it\n",
+                       self->settings_.window ? "Playing" : "Recording, in real time,",
+                       self->film_.title.c_str());
+        self->post("playing");
+      }
     }
     if (caps)
       gst_caps_unref(caps);
     return GST_PAD_PROBE_OK;
+  }
+
+  void post(const char *what)
+  {
+    gst_element_post_message(
+        pipeline_.get(),
+        gst_message_new_application(GST_OBJECT(pipeline_.get()), gst_structure_new_empty(what)));
   }
 
   /// Sees each piece of sound.
@@ -193,9 +203,7 @@ private:
     Run *self = static_cast<Run *>(data);
     if (GST_EVENT_TYPE(GST_PAD_PROBE_INFO_EVENT(info)) == GST_EVENT_EOS) {
       self->recorded_ = true;
-      gst_element_post_message(self->pipeline_.get(),
-                               gst_message_new_application(GST_OBJECT(self->pipeline_.get()),
-                                                           gst_structure_new_empty("recorded")));
+      self->post("recorded");
     }
     return GST_PAD_PROBE_OK;
   }
@@ -273,8 +281,11 @@ private:
   gboolean on_message(GstMessage *message)
   {
     switch (GST_MESSAGE_TYPE(message)) {
-    case GST_MESSAGE_APPLICATION: // the recording is complete
-      if (at_once_)
+    case GST_MESSAGE_APPLICATION:
+      if (gst_message_has_name(message, "playing")) {
+        playing_ = true;
+        tell_about_chair();
+      } else if (at_once_) // the recording is complete
         g_main_loop_quit(loop_);
       break;
     case GST_MESSAGE_EOS:
@@ -297,7 +308,9 @@ private:
         break;
       g_autoptr(GError) info = nullptr; // which board, or that there is none
       gst_message_parse_info(message, &info, nullptr);
-      std::fprintf(stderr, "%s%s\n", settings_.progress_in_place ? "\r\033[K" : "", info->message);
+      about_chair_ = info->message;
+      if (playing_) // of a film that cannot be played, only that is said
+        tell_about_chair();
       break;
     }
     case GST_MESSAGE_CLOCK_LOST: // a sound card that was unplugged took its clock along
@@ -311,6 +324,12 @@ private:
       break;
     }
     return G_SOURCE_CONTINUE;
+  }
+
+  void tell_about_chair()
+  {
+    if (const std::string told = std::exchange(about_chair_, {}); !told.empty())
+      std::fprintf(stderr, "%s%s\n", settings_.progress_in_place ? "\r\033[K" : "", told.c_str());
   }
 
   /// A film that breaks off is played to where it breaks; anything else that fails is a failure.
@@ -403,6 +422,8 @@ private:
   std::vector<guint> sources_;
   guint timeout_ = 0;
   bool progress_shown_ = false;
+  bool playing_ = false;    ///< the first frame has come
+  std::string about_chair_; ///< what is still to be told
   bool at_once_ = false;
   std::atomic<bool> ending_{ false };
   std::atomic<bool> recorded_{ false };
@@ -435,6 +456,12 @@ have_display()
 {
   if (!g_getenv("DISPLAY") && !g_getenv("WAYLAND_DISPLAY"))
     return false;
+  // GStreamer 1.22's DirectFB sink takes the process along if it is only asked where there is no
+  // frame buffer.
+  if (GstPluginFeature *feature = gst_registry_lookup_feature(gst_registry_get(), "dfbvideosink")) {
+    gst_plugin_feature_set_rank(feature, GST_RANK_NONE);
+    gst_object_unref(feature);
+  }
   // autovideosink opens the best sink that works, or settles for a fake one.
   const Owned<GstElement> sink(gst_element_factory_make("autovideosink", nullptr));
   if (!sink)
