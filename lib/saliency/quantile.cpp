@@ -16,17 +16,21 @@ namespace {
 /// Numbers ≥ 0 are in the order of their bits: exponent and the first two of the mantissa.
 constexpr std::size_t kBuckets = 1024;
 
+/// That of 0 and of all that is below the normal numbers, which a processor may be told to take for 0
+/// (by any library that was built for fast mathematics).
+constexpr std::size_t kZero = 3;
+
 std::size_t
 bucket(float value)
 {
-  return std::bit_cast<std::uint32_t>(value) >> 21U & (kBuckets - 1);
+  return std::max<std::size_t>(kZero, std::bit_cast<std::uint32_t>(value) >> 21U & (kBuckets - 1));
 }
 
 /// The smallest number in a bucket.
 float
 least_of(std::size_t bucket)
 {
-  return std::bit_cast<float>(static_cast<std::uint32_t>(bucket) << 21U);
+  return bucket == kZero ? 0 : std::bit_cast<float>(static_cast<std::uint32_t>(bucket) << 21U);
 }
 
 } // namespace
@@ -39,7 +43,7 @@ quantile(std::vector<float> &values, double q)
   std::array<std::uint32_t, kBuckets> counts{};
   for (const float value : values)
     ++counts[bucket(value)];
-  std::size_t wanted = 0;
+  std::size_t wanted = kZero;
   while (place >= counts[wanted])
     place -= counts[wanted++];
   values.resize(
