@@ -6,6 +6,8 @@ set -euo pipefail
 # shellcheck source=../tools/build.sh
 . "$(dirname "$0")/../tools/build.sh"
 film_uri "${1:-}" >/dev/null
-build_and_use players
+# shellcheck disable=SC2034 # for build_and_use
+needs=players
+build_and_use
 
 exec gst-play-1.0 --videosink="visuotactilesink ${CHAIR:-}" "$@"

@@ -6,6 +6,8 @@ set -euo pipefail
 # shellcheck source=../tools/build.sh
 . "$(dirname "$0")/../tools/build.sh"
 film=$(film_uri "${1:-}")
-build_and_use players
+# shellcheck disable=SC2034 # for build_and_use
+needs=players
+build_and_use
 
 exec "$built/examples/gstplay" "$film" "${@:2}"

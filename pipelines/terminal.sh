@@ -6,7 +6,9 @@ set -euo pipefail
 # shellcheck source=../tools/build.sh
 . "$(dirname "$0")/../tools/build.sh"
 film=$(film_uri "${1:-}")
-build_and_use players
+# shellcheck disable=SC2034 # for build_and_use
+needs=players
+build_and_use
 
 export GI_TYPELIB_PATH="$built/lib/gst/tactile${GI_TYPELIB_PATH:+:$GI_TYPELIB_PATH}"
 export LD_LIBRARY_PATH="$built/lib/gst/tactile${LD_LIBRARY_PATH:+:$LD_LIBRARY_PATH}"

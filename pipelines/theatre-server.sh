@@ -5,6 +5,8 @@
 set -euo pipefail
 # shellcheck source=../tools/build.sh
 . "$(dirname "$0")/../tools/build.sh"
-build_and_use players
+# shellcheck disable=SC2034 # for build_and_use
+needs=players
+build_and_use
 
 exec /usr/bin/python3 "$root/examples/theatre_server.py" "$@"

@@ -29,12 +29,12 @@ build_project() {
   rm -f "$log"
 }
 
-# Builds what playing needs and makes GStreamer find it, for the scripts in pipelines/. Sets `built`, the folder; VISUOTACTILE_BUILD names
-# one in which all is built already.
+# Builds what playing needs and makes GStreamer find it, for the scripts in pipelines/; `needs` may name more that tools/setup.sh shall install.
+# Sets `built`, the folder; VISUOTACTILE_BUILD names one in which all is built already.
 build_and_use() {
   built=${VISUOTACTILE_BUILD:-$root/build}
   # What is printed on standard output belongs to the pipeline.
-  [ -n "${VISUOTACTILE_BUILD:-}" ] || build_project "$built" "build play ${1:-}" >&2
+  [ -n "${VISUOTACTILE_BUILD:-}" ] || build_project "$built" "build play ${needs:-}" >&2
   export GST_PLUGIN_PATH="$built/gst${GST_PLUGIN_PATH:+:$GST_PLUGIN_PATH}"
   export GST_REGISTRY="${GST_REGISTRY_1_0:-$built/registry.bin}"
 }

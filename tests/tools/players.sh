@@ -55,10 +55,24 @@ any_player() {
   [ "${level:-0}" -gt 40 ] || fail "its window shows nothing: a pixel of $level"
 }
 
+# Both scripts of the theatre; its seats over a bad network are tests/theatre's.
+theatre() {
+  local maps clock seat
+  read -r maps clock < <("$PYTHON" -c 'import socket; s = [socket.socket(socket.AF_INET, socket.SOCK_DGRAM) for _ in "12"]; [x.bind(("127.0.0.1", 0)) for x in s]; print(*(x.getsockname()[1] for x in s))')
+  "$ROOT/pipelines/theatre-seat.sh" 127.0.0.1 --group 0.0.0.0 --port "$maps" --clock-port "$clock" --chair "driver=simulator trace-location=commands.csv" >seat 2>&1 &
+  seat=$!
+  timeout 60 "$ROOT/pipelines/theatre-server.sh" "$1" --to "127.0.0.1:$maps" --clock-port "$clock" --analysis temporal=false \
+    --video-sink "fakesink sync=true" --audio-sink fakesink >out 2>&1 || fail "status $?; it said: $(cat out)"
+  kill "$seat"
+  wait "$seat" || fail "status $?; it said: $(cat seat)"
+  expect_commands commands.csv
+}
+
 make() {
   gst-launch-1.0 -q tactiletestsrc pattern=dynamic-motion num-buffers="$2" ! video/x-raw,format=I420,width=320,height=240,framerate=30/1 ! jpegenc ! matroskamux ! filesink location="$1"
 }
 make film.mkv 60
+make theatre.mkv 240
 make long.mkv 600
 
 start gst-play shows gst-play.sh "$work/film.mkv" --no-interactive
@@ -68,6 +82,7 @@ start playbin3 shows playbin.sh "$work/film.mkv" playbin3
 start gstplay shows gstplay.sh "$work/film.mkv" $chair
 start terminal terminal "$work/film.mkv"
 start live live
+start theatre theatre "$work/theatre.mkv"
 start least_delay live --least-delay
 finish
 start any_player any_player "$work/long.mkv"
