@@ -122,10 +122,10 @@ read_text_cue(std::string_view text, std::optional<Grid> grid, std::size_t first
   }
   TactileMap map(grid->rows, grid->columns);
   if (levels.size() != map.levels.size())
-    throw FormatError::at_line(line, "expected " + std::to_string(map.levels.size())
-                                         + " levels for a grid of " + std::to_string(map.rows) + "x"
-                                         + std::to_string(map.columns) + ", got "
-                                         + std::to_string(levels.size()));
+    throw FormatError::at_line(first_line, "expected " + std::to_string(map.levels.size())
+                                               + " levels for a grid of " + std::to_string(map.rows)
+                                               + "x" + std::to_string(map.columns) + ", got "
+                                               + std::to_string(levels.size()));
   map.levels = std::move(levels);
   return map;
 }
