@@ -19,16 +19,17 @@
  *
  * Cues begin where the map changes, and at least every second; they have a duration, and the next
  * begins where they end. Their times are cut down to milliseconds. So a cue is complete when the
- * next map comes, which is up to a second later: the element's latency towards text and KLV.
+ * next map comes, which is up to a second later: the element's latency towards text and KLV. What
+ * runs beside it has to be queued for as long.
  *
  * Where there is no cue, the maps' stream has a GAP. What is no cue, as in subtitles that are meant
  * to be read, is a gap too, and a warning.
  *
  * ## Example launch lines
  * |[
- * gst-launch-1.0 tactiletestsrc num-buffers=300 ! saliencytactile ! tactileextractor name=x x.src ! fakesink \
+ * gst-launch-1.0 tactiletestsrc num-buffers=300 ! saliencytactile ! tactileextractor name=x \
  *     x.tactile ! tactileconverter ! webvttenc ! filesink location=track.vtt
- * gst-launch-1.0 tactiletestsrc num-buffers=300 ! saliencytactile ! tactileextractor name=x x.src ! fakesink \
+ * gst-launch-1.0 tactiletestsrc num-buffers=300 ! saliencytactile ! tactileextractor name=x \
  *     x.tactile ! tactileconverter ! meta/x-klv ! tactileconverter ! tactorsink driver=simulator
  * ]|
  *
@@ -221,8 +222,8 @@ static GstFlowReturn
 push_cue(GstTactileConverter *self, const Cue &cue)
 {
   GstTactileConverterPrivate *priv = self->priv;
-  push_gap(self, cue.begin);
   send_sticky_events(self, static_cast<guint>(cue.map.rows), static_cast<guint>(cue.map.columns));
+  push_gap(self, cue.begin);
 
   GstBuffer *buffer = nullptr;
   if (priv->out == Form::map) {
