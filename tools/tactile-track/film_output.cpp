@@ -8,25 +8,29 @@
 #include "tactile/formats/track_file.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cstdio>
+#include <mutex>
 
 namespace {
 
 constexpr const char *kLookahead
     = "queue max-size-bytes=0 max-size-buffers=0 max-size-time=2000000000";
 
-/// Gives the named appsrc the track and the named element its file, then plays to the end.
+/// Plays to the end with the file as location of the element named so; keeps it if `is_film` says so then.
 int
-write_film(const Owned<GstElement> &pipeline, const tactile::Track &track, CueForm form,
-           const std::string &path, GstClockTime duration)
+write_film(
+    const Owned<GstElement> &pipeline, const std::string &path, GstClockTime duration,
+    const std::function<bool()> &is_film = [] { return true; })
 {
   const auto [folder, name] = folder_and_name(path);
   Output output(folder, name);
   if (const Owned<GstElement> file = element(pipeline, "file"))
     g_object_set(file.get(), "location", output.part_path().c_str(), nullptr);
-  feed_track(element(pipeline, "track").get(), track, form);
   if (!run_to_end(pipeline, duration))
     return 130;
+  if (!is_film())
+    throw std::runtime_error("'" + path + "' can hold no stream of the film");
   output.commit();
   return 0;
 }
@@ -54,8 +58,29 @@ struct Muxing
 {
   GstElement *pipeline;
   GstElement *muxer;
-  int streams = 0;
+  GstElement *source; ///< of the track
+  GstElement *last;   ///< of the track's branch
+  const tactile::Track &track;
+  CueForm form;
+  std::atomic<int> taken{ 0 }; ///< streams
+  std::once_flag begun{};
 };
+
+/// The first data of the film: all of its streams are linked now. The track comes after them, for a transport stream takes its clock
+/// from the first; then the muxer may begin.
+GstPadProbeReturn
+begin_track(GstPad *, GstPadProbeInfo *, gpointer data)
+{
+  auto *muxing = static_cast<Muxing *>(data);
+  std::call_once(muxing->begun, [&] {
+    if (!gst_element_link_pads(muxing->last, "src", muxing->muxer,
+                               muxing->form == CueForm::klv ? "sink_%d" : "subtitle_%u"))
+      GST_ELEMENT_ERROR(muxing->muxer, STREAM, FAILED, ("The file cannot hold a track."),
+                        (nullptr));
+    feed_track(muxing->source, muxing->track, muxing->form);
+  });
+  return GST_PAD_PROBE_REMOVE;
+}
 
 /// Takes a stream of the film over into the muxer as it is. Those that it cannot hold are left out, with a word about it.
 void
@@ -71,8 +96,6 @@ take_stream(GstElement *, GstPad *pad, gpointer data)
   gst_object_ref_sink(bin);
   gst_bin_add(GST_BIN(muxing->pipeline), bin);
   const Owned<GstPad> sink(gst_element_get_static_pad(bin, "sink"));
-  const bool is_video
-      = g_str_has_prefix(gst_structure_get_name(gst_caps_get_structure(caps, 0)), "video/");
   if (GST_PAD_LINK_FAILED(gst_pad_link(pad, sink.get())) || !gst_element_link(bin, muxing->muxer)) {
     std::fprintf(stderr, "tactile-track: warning: left out: %s\n",
                  gst_structure_get_name(gst_caps_get_structure(caps, 0)));
@@ -87,9 +110,10 @@ take_stream(GstElement *, GstPad *pad, gpointer data)
     gst_element_sync_state_with_parent(nothing.get());
   } else {
     gst_element_sync_state_with_parent(bin);
-    muxing->streams += is_video;
+    muxing->taken++;
   }
   gst_caps_unref(caps);
+  gst_pad_add_probe(pad, GST_PAD_PROBE_TYPE_BUFFER, begin_track, muxing, nullptr);
 }
 
 } // namespace
@@ -125,9 +149,9 @@ preview(int argc, char **argv)
             + " ! tactileoverlay ! videoconvert ! autovideosink split.tactile ! " + look
             + " ! tactorsink " + chair.text("rate=0");
   const Owned<GstElement> pipeline = make_pipeline(line);
-  if (output.given())
-    return write_film(pipeline, track, CueForm::map, output.text(), film.duration);
   feed_track(element(pipeline, "track").get(), track, CueForm::map);
+  if (output.given())
+    return write_film(pipeline, output.text(), film.duration);
   return run_to_end(pipeline, film.duration) ? 0 : 130;
 }
 
@@ -165,9 +189,18 @@ mux(int argc, char **argv)
       std::string("filesrc location=") + launch_value(path) + " ! parsebin name=film  " + muxer
       + " name=muxer ! filesink name=file  appsrc name=track ! "
       + (is_ts ? "" : "taginject tags=\"title=Tactile,language-code=zxx\" ! ") + kLookahead
-      + " ! muxer." + (is_ts ? "" : "subtitle_0"));
+      + " name=last");
   const Owned<GstElement> mux = element(pipeline, "muxer");
-  Muxing muxing{ .pipeline = pipeline.get(), .muxer = mux.get() };
-  g_signal_connect(element(pipeline, "film").get(), "pad-added", G_CALLBACK(take_stream), &muxing);
-  return write_film(pipeline, track, is_ts ? CueForm::klv : CueForm::text, out, film.duration);
+  const Owned<GstElement> source = element(pipeline, "track");
+  g_object_set(source.get(), "format", GST_FORMAT_TIME, nullptr);
+  const Owned<GstElement> last = element(pipeline, "last");
+  Muxing muxing{ .pipeline = pipeline.get(),
+                 .muxer = mux.get(),
+                 .source = source.get(),
+                 .last = last.get(),
+                 .track = track,
+                 .form = is_ts ? CueForm::klv : CueForm::text };
+  const Owned<GstElement> streams = element(pipeline, "film");
+  g_signal_connect(streams.get(), "pad-added", G_CALLBACK(take_stream), &muxing);
+  return write_film(pipeline, out, film.duration, [&] { return muxing.taken > 0; });
 }
