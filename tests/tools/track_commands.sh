@@ -151,6 +151,30 @@ batch() {
   expect_line out 'tracks/two.vtt: .* times real time'
 }
 
+# Stopped once the first of a dozen tracks is there: what is there is complete, and the same command goes on.
+interrupted() {
+  local i pid status=0
+  mkdir films
+  for i in a b c d e f g h i j k l; do
+    ln "$work/film.mkv" "films/$i.mkv" 2>/dev/null || cp "$work/film.mkv" "films/$i.mkv"
+  done
+  "$PLAY" author -j 1 films/*.mkv -o tracks >out 2>err &
+  pid=$!
+  until [ -e tracks/a.vtt ]; do
+    kill -0 "$pid" || fail "it ended: $(cat err)"
+    sleep 0.02
+  done
+  kill -INT "$pid"
+  wait "$pid" || status=$?
+  [ "$status" -eq 130 ] || fail "status $status; it said: $(cat out err)"
+  [ ! -e tracks/l.vtt ] || fail "it was not stopped"
+  [ "$(find tracks -name '.*.part' | wc -l)" -eq 0 ] || fail "$(find tracks)"
+  track validate tracks/*.vtt
+  track author films/*.mkv -o tracks
+  expect_line out '^tracks/a.vtt: there already$'
+  [ "$(find tracks -name '*.vtt' | wc -l)" -eq 12 ] || fail "$(find tracks)"
+}
+
 # refuses STATUS PATTERN ARGUMENTS ...
 refuses() {
   local expected=$1 pattern=$2
@@ -179,6 +203,7 @@ start edits edits
 start by_hand by_hand
 start pictures pictures
 start batch batch
+start interrupted interrupted
 start no_command refuses 2 "no command 'sing'" sing
 start no_film refuses 1 "there is no film" mux nowhere.mkv "$work/good.vtt" -o kept.vtt.mkv
 start no_output refuses 2 "expected -o" author "$work/film.mkv"
