@@ -134,6 +134,14 @@ pictures() {
   expect_recording preview.mkv 5.8 6.2
 }
 
+# On the chair, in real time.
+chair() {
+  track author "$work/film.mkv" -o film.vtt -q
+  commands side "filesrc location=film.vtt ! subparse ! tactileconverter"
+  track preview "$work/film.mkv" film.vtt --chair "driver=simulator ramp-in=0 trace-location=chair.trace"
+  "$PYTHON" "$here/same_commands.py" side.trace chair.trace 0.016 34 || fail "the chair does not do what the track says" # a frame
+}
+
 batch() {
   mkdir films tracks
   cp "$work/film.mkv" films/one.mkv
@@ -202,6 +210,7 @@ start forms forms
 start edits edits
 start by_hand by_hand
 start pictures pictures
+start chair chair
 start batch batch
 start interrupted interrupted
 start no_command refuses 2 "no command 'sing'" sing

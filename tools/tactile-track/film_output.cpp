@@ -130,13 +130,16 @@ preview(int argc, char **argv)
       "Properties of tactorsink, such as 'driver=simulator rate=0' (default: rate=0)", "OPTIONS" },
     {},
   };
-  const std::vector<std::string> names = parse_options(
-      argc, argv, entries, "FILM TRACK",
-      "Shows what a track does with a film: on the screen and the chair, or recorded.", 2, 2);
+  const std::vector<std::string> names
+      = parse_options(argc, argv, entries, "FILM TRACK",
+                      "Shows what a track does with a film: on the screen, where there is one, and "
+                      "the chair, or recorded.",
+                      2, 2);
   gst_init(nullptr, nullptr);
   const tactile::Track track = tactile::read_track_file(names[1]);
   const Film film = discover_film(names[0]);
   const std::string look = kLookahead;
+  const bool has_display = g_getenv("DISPLAY") || g_getenv("WAYLAND_DISPLAY");
   std::string line = film_source(film) + " film. ! " + look
                      + " ! videoconvert ! tactilecombiner name=combiner appsrc name=track ! "
                        "combiner.tactile combiner. ! ";
@@ -146,7 +149,8 @@ preview(int argc, char **argv)
            "name=file";
   else
     line += "tactileextractor name=split split.src ! " + look
-            + " ! tactileoverlay ! videoconvert ! autovideosink split.tactile ! " + look
+            + " ! tactileoverlay ! videoconvert ! "
+            + (has_display ? "autovideosink" : "fakesink sync=true") + " split.tactile ! " + look
             + " ! tactorsink " + chair.text("rate=0");
   const Owned<GstElement> pipeline = make_pipeline(line);
   feed_track(element(pipeline, "track").get(), track, CueForm::map);
