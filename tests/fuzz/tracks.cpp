@@ -29,8 +29,7 @@ expect(bool holds)
 void
 check(std::string_view bytes)
 {
-  const Cue cue
-      = read_klv({ reinterpret_cast<const std::uint8_t *>(bytes.data()), bytes.size() });
+  const Cue cue = read_klv({ reinterpret_cast<const std::uint8_t *>(bytes.data()), bytes.size() });
   expect(read_klv(write_klv(cue.map, cue.end)) == cue);
 }
 #else
