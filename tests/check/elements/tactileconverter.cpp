@@ -180,6 +180,22 @@ GST_START_TEST(test_cues_on_change_and_every_second)
 }
 GST_END_TEST;
 
+GST_START_TEST(test_changes_within_a_percent)
+{
+  using namespace std::chrono_literals;
+  Harness converter(kMapCaps, kTextCaps);
+  for (guint i = 0; i < 4; i++) {
+    TactileMap map = make_map(50);
+    map.levels[1] += i % 2 == 0 ? 0.004F : -0.004F;
+    converter.push_map(map, i * 40 * GST_MSECOND, 40 * GST_MSECOND);
+  }
+  gst_harness_push_event(converter.h, gst_event_new_eos());
+  const Cue cue{ 0s, 160ms, make_map(50) };
+  fail_unless(converter.pull(kTextCaps) == cue);
+  fail_if(converter.pull(kTextCaps).has_value());
+}
+GST_END_TEST;
+
 GST_START_TEST(test_round_trip)
 {
   for (const gchar *between : { kTextCaps, kKlvCaps }) {
@@ -385,6 +401,7 @@ tactileconverter_suite(void)
   TCase *tests = tcase_create("general");
   suite_add_tcase(suite, tests);
   tcase_add_test(tests, test_cues_on_change_and_every_second);
+  tcase_add_test(tests, test_changes_within_a_percent);
   tcase_add_test(tests, test_round_trip);
   tcase_add_test(tests, test_gaps_of_a_track);
   tcase_add_test(tests, test_gap_of_maps_ends_a_cue);

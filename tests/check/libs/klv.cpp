@@ -46,6 +46,7 @@ GST_START_TEST(test_refused)
   std::vector<std::uint8_t> longer = good;
   longer.push_back(0);
   ASSERT_COMPLAINT(read_klv(longer), "byte 17", "value of 19 bytes, got 20");
+  ASSERT_COMPLAINT(read_klv(with(16, 20)), "byte 17", "value of 20 bytes, got 19");
   ASSERT_COMPLAINT(read_klv(with(16, 0x80)), "byte 16", "BER");
   ASSERT_COMPLAINT(read_klv(with(16, 0xff)), "byte 16", "BER");
   ASSERT_COMPLAINT(read_klv(with(16, 0x88)), "byte", "");
