@@ -82,7 +82,7 @@ change_times(const Track &a, const Track &b)
     times.push_back(track->end());
   }
   std::ranges::sort(times);
-  times.erase(std::ranges::unique(times).begin(), times.end());
+  times.erase(std::unique(times.begin(), times.end()), times.end());
   return times;
 }
 
