@@ -76,8 +76,10 @@ take_timestamp(std::string_view &text, Time &time)
   const int h = has_hours ? first : 0;
   const int m = has_hours ? second : first;
   const int s = has_hours ? third : second;
+  if (h > 100 || m >= 60 || s >= 60) // before they are multiplied
+    return false;
   time = hours(h) + minutes(m) + seconds(s) + milliseconds(fraction);
-  return h <= 100 && m < 60 && s < 60 && time <= Track::kMaxEnd;
+  return time <= Track::kMaxEnd;
 }
 
 std::string_view
