@@ -14,11 +14,12 @@ set -euo pipefail
 
 declare -A packages=(
   [build]="g++ meson ninja-build pkg-config libgstreamer1.0-dev libgstreamer-plugins-base1.0-dev libopencv-core-dev
-           libopencv-imgproc-dev libhwy-dev libusb-1.0-0-dev gobject-introspection libgirepository1.0-dev"
+           libopencv-imgproc-dev libhwy-dev libusb-1.0-0-dev gobject-introspection libgirepository1.0-dev
+           libjson-glib-dev libxml2-dev libcairo2-dev"
   [play]="gstreamer1.0-tools gstreamer1.0-plugins-base gstreamer1.0-plugins-good gstreamer1.0-plugins-ugly gstreamer1.0-libav
           gstreamer1.0-x gstreamer1.0-alsa gstreamer1.0-pulseaudio"
   [test]="python3 python3-gi gir1.2-gstreamer-1.0 gir1.2-gst-plugins-base-1.0 xvfb gstreamer1.0-opencv
-          opencv-data umockdev libumockdev-dev gst123 iproute2"
+          opencv-data umockdev libumockdev-dev gst123 iproute2 gstreamer1.0-plugins-bad parallel python3-webvtt"
   [players]="gstreamer1.0-plugins-base-apps libgstreamer-plugins-bad1.0-dev python3 python3-gi gir1.2-gstreamer-1.0
              gir1.2-gst-plugins-base-1.0"
   [quality]="libopencv-contrib-dev"

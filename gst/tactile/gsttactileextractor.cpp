@@ -25,6 +25,7 @@
 #include "gsttactileextractor.h"
 
 #include "gsttactileelements.h"
+#include "wantedgrid.h"
 
 #include <gst/base/gstflowcombiner.h>
 #include <gst/tactile/tactile.h>
@@ -67,27 +68,6 @@ static GstStaticPadTemplate src_template
 static GstStaticPadTemplate tactile_template = GST_STATIC_PAD_TEMPLATE(
     "tactile", GST_PAD_SRC, GST_PAD_ALWAYS, GST_STATIC_CAPS(GST_TACTILE_MAP_CAPS));
 
-/* The grid of a stream whose first map is still to come: what downstream wants, near the paper's 3
- * × 3. */
-static void
-choose_grid(GstTactileExtractor *self, guint *rows, guint *columns)
-{
-  constexpr gint kPaperSide = 3;
-
-  *rows = *columns = kPaperSide;
-  GstCaps *caps = gst_pad_get_pad_template_caps(self->tactilepad);
-  GstCaps *allowed = gst_pad_peer_query_caps(self->tactilepad, caps);
-  gst_caps_unref(caps);
-  if (!gst_caps_is_empty(allowed) && !gst_caps_is_any(allowed)) {
-    allowed = gst_caps_truncate(gst_caps_make_writable(allowed));
-    GstStructure *structure = gst_caps_get_structure(allowed, 0);
-    gst_structure_fixate_field_nearest_int(structure, "rows", kPaperSide);
-    gst_structure_fixate_field_nearest_int(structure, "columns", kPaperSide);
-    gst_tactile_map_caps_parse(allowed = gst_caps_fixate(allowed), rows, columns, nullptr, nullptr);
-  }
-  gst_caps_unref(allowed);
-}
-
 /* Sees to it that the tactile pad has caps with this grid and then a segment, in this order. */
 static void
 send_sticky_events(GstTactileExtractor *self, guint rows, guint columns)
@@ -113,7 +93,7 @@ send_default_sticky_events(GstTactileExtractor *self)
   guint rows = self->rows;
   guint columns = self->columns;
   if (rows == 0)
-    choose_grid(self, &rows, &columns);
+    wanted_grid(self->tactilepad, &rows, &columns);
   send_sticky_events(self, rows, columns);
 }
 

@@ -7,6 +7,8 @@ static gboolean
 plugin_init(GstPlugin *plugin)
 {
   gboolean registered = FALSE;
+  registered |= GST_ELEMENT_REGISTER(tactilecombiner, plugin);
+  registered |= GST_ELEMENT_REGISTER(tactileconverter, plugin);
   registered |= GST_ELEMENT_REGISTER(tactileextractor, plugin);
   registered |= GST_ELEMENT_REGISTER(tactileoverlay, plugin);
   registered |= GST_ELEMENT_REGISTER(tactiletestsrc, plugin);

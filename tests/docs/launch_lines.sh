@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: LGPL-2.1-or-later
 # Runs every gst-launch-1.0 line of the documentation given, as it is but for three things: films are shortened to 15 frames, windows are
-# fake ones, and FILM is a film made here. Each has to end with status 0.
+# fake ones, and FILM is a film made here, TRACK its track, CARRIER both in one file. Each has to end with status 0.
 # Usage: launch_lines.sh FILE...      (with the plugins on GST_PLUGIN_PATH)
 set -euo pipefail
 
@@ -10,13 +10,18 @@ trap 'rm -rf "$work"' EXIT
 
 film=$work/film.mkv
 gst-launch-1.0 -q tactiletestsrc num-buffers=15 ! video/x-raw,width=320,height=240 ! x264enc tune=zerolatency ! matroskamux ! filesink location="$film"
+track=$work/track.vtt
+gst-launch-1.0 -q filesrc location="$film" ! decodebin ! saliencytactile ! tactileextractor name=x x.tactile ! tactileconverter ! webvttenc ! filesink location="$track"
+carrier=$work/carrier.mkv
+gst-launch-1.0 -q matroskamux name=mux ! filesink location="$carrier" filesrc location="$film" ! matroskademux ! h264parse ! queue ! mux. \
+  filesrc location="$track" ! subparse ! tactileconverter ! tactileconverter ! queue ! mux.subtitle_0
 
 count=0
 failed=0
 for file in "$@"; do
   # A line that ends in a backslash goes on; the leading " * " of a comment block is not part of it.
   while IFS= read -r line; do
-    line=$(sed -E "s/num-buffers=[0-9]+/num-buffers=15/g; s/autovideosink/fakesink sync=true/g; s/visuotactilesink/visuotactilesink video-sink=fakesink/g; s#FILM#$film#g" <<<"$line")
+    line=$(sed -E "s/num-buffers=[0-9]+/num-buffers=15/g; s/autovideosink/fakesink sync=true/g; s/visuotactilesink/visuotactilesink video-sink=fakesink/g; s#FILM#$film#g; s#TRACK#$track#g; s#CARRIER#$carrier#g" <<<"$line")
     count=$((count + 1))
     if ! (cd "$work" && eval "timeout 60 $line") >"$work/log" 2>&1; then
       failed=$((failed + 1))

@@ -7,7 +7,7 @@ docs=$1
 shift
 
 # What every element of these base classes has.
-inherited=" name parent qos async blocksize enable-last-sample last-sample max-bitrate max-lateness processing-deadline render-delay stats sync throttle-time ts-offset do-timestamp num-buffers typefind async-handling message-forward "
+inherited=" name parent qos async blocksize enable-last-sample last-sample max-bitrate max-lateness processing-deadline render-delay stats sync throttle-time ts-offset do-timestamp num-buffers typefind async-handling message-forward emit-signals latency min-upstream-latency start-time start-time-selection "
 status=0
 for element in "$@"; do
   page=$docs/$element.md

@@ -1,0 +1,446 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+/**
+ * SECTION:element-tactilecombiner
+ * @title: tactilecombiner
+ * @short_description: puts a track's tactile maps on a film's frames
+ *
+ * tactilecombiner takes a film and a stream of tactile maps, such as a designer's track that
+ * `tactileconverter` has read, and puts on each frame, as #GstTactileMeta, the map in whose time
+ * the frame begins. Where the track has a gap, before its first map and after its end, that is a
+ * silent map. The film sets the pace: it may be longer or shorter than the track, and without a
+ * track it passes through.
+ *
+ * A frame that carries a map already, from `saliencytactile`, keeps it under
+ * #GstTactileCombiner:mix `max` where it is the stronger one, cell by cell; the track is resampled
+ * to its grid.
+ *
+ * ## Example launch lines
+ * |[
+ * gst-launch-1.0 tactiletestsrc num-buffers=150 ! saliencytactile ! tactileextractor name=x \
+ *     x.src ! queue max-size-bytes=0 max-size-buffers=0 max-size-time=2000000000 ! tactilecombiner name=c ! tactileoverlay ! videoconvert ! autovideosink \
+ *     x.tactile ! tactileconverter ! text/x-raw ! tactileconverter ! queue ! c.tactile
+ * ]|
+ *
+ * Since: 0.1
+ */
+#include "gsttactilecombiner.h"
+
+#include "gsttactileelements.h"
+#include "tactile/track_edit.h"
+
+#include <gst/tactile/tactile.h>
+
+#include <algorithm>
+#include <optional>
+
+using tactile::Mix;
+using tactile::TactileMap;
+
+GST_DEBUG_CATEGORY_STATIC(tactile_combiner_debug);
+#define GST_CAT_DEFAULT tactile_combiner_debug
+
+#define DEFAULT_MIX Mix::replace
+#define DEFAULT_OFFSET G_GINT64_CONSTANT(0)
+#define OFFSET_MAX (100 * 3600 * GST_SECOND)
+
+enum
+{
+  PROP_0,
+  PROP_MIX,
+  PROP_OFFSET,
+};
+
+namespace {
+
+/// A map of the track and when it holds, in running time of the film.
+struct Held
+{
+  gint64 begin = 0;
+  std::optional<gint64> end; ///< none: until the next
+  TactileMap map;
+};
+
+} // namespace
+
+struct GstTactileCombinerPrivate
+{
+  Mix mix = DEFAULT_MIX;          ///< guarded by the object lock
+  gint64 offset = DEFAULT_OFFSET; ///< guarded by the object lock
+
+  /* The aggregator's thread, or while it is stopped. */
+  guint rows = 0; ///< of the track
+  guint columns = 0;
+  std::optional<Held> held;
+};
+
+struct _GstTactileCombiner
+{
+  GstAggregator parent;
+
+  GstAggregatorPad *videopad;
+  GstTactileCombinerPrivate *priv;
+};
+
+#define gst_tactile_combiner_parent_class parent_class
+G_DEFINE_TYPE_WITH_CODE(GstTactileCombiner, gst_tactile_combiner, GST_TYPE_AGGREGATOR,
+                        GST_DEBUG_CATEGORY_INIT(tactile_combiner_debug, "tactilecombiner", 0,
+                                                "tactile track and film"));
+GST_ELEMENT_REGISTER_DEFINE(tactilecombiner, "tactilecombiner", GST_RANK_NONE,
+                            GST_TYPE_TACTILE_COMBINER);
+
+#define VIDEO_CAPS "video/x-raw(ANY)"
+
+static GstStaticPadTemplate sink_template
+    = GST_STATIC_PAD_TEMPLATE("sink", GST_PAD_SINK, GST_PAD_ALWAYS, GST_STATIC_CAPS(VIDEO_CAPS));
+static GstStaticPadTemplate src_template
+    = GST_STATIC_PAD_TEMPLATE("src", GST_PAD_SRC, GST_PAD_ALWAYS, GST_STATIC_CAPS(VIDEO_CAPS));
+static GstStaticPadTemplate tactile_template = GST_STATIC_PAD_TEMPLATE(
+    "tactile", GST_PAD_SINK, GST_PAD_REQUEST, GST_STATIC_CAPS(GST_TACTILE_MAP_CAPS));
+
+#define GST_TYPE_TACTILE_COMBINER_MIX (gst_tactile_combiner_mix_get_type())
+static GType
+gst_tactile_combiner_mix_get_type(void)
+{
+  static const GEnumValue values[] = {
+    { static_cast<gint>(Mix::replace), "The track alone", "replace" },
+    { static_cast<gint>(Mix::max), "Cell by cell the stronger of the film's own map and the track",
+      "max" },
+    { 0, nullptr, nullptr },
+  };
+  static const GType type = g_enum_register_static("GstTactileCombinerMix", values);
+  return type;
+}
+
+/* ---- the track ---- */
+
+/* Running time of a buffer; none for what lies before its segment or has no time. */
+static std::optional<gint64>
+running_time(GstAggregatorPad *pad, GstClockTime pts)
+{
+  GST_OBJECT_LOCK(pad);
+  const GstClockTime time = gst_segment_to_running_time(&pad->segment, GST_FORMAT_TIME, pts);
+  GST_OBJECT_UNLOCK(pad);
+  if (!GST_CLOCK_TIME_IS_VALID(time))
+    return std::nullopt;
+  return static_cast<gint64>(time);
+}
+
+/* The map that a buffer is, or a silent one. FALSE if it is none. */
+static gboolean
+read_map(GstTactileCombiner *self, GstBuffer *buffer, TactileMap &map)
+{
+  GstTactileCombinerPrivate *priv = self->priv;
+  map = TactileMap(static_cast<int>(priv->rows), static_cast<int>(priv->columns));
+  if (GST_BUFFER_FLAG_IS_SET(buffer, GST_BUFFER_FLAG_GAP))
+    return TRUE;
+  gfloat *levels = nullptr;
+  gsize count = 0;
+  if (priv->rows == 0
+      || !gst_tactile_map_buffer_get_levels(buffer, priv->rows, priv->columns, &levels, &count)) {
+    GST_ELEMENT_ERROR(self, STREAM, FORMAT, ("A tactile map of the wrong size came."),
+                      ("expected %u x %u float32 levels, got %" G_GSIZE_FORMAT " bytes", priv->rows,
+                       priv->columns, gst_buffer_get_size(buffer)));
+    return FALSE;
+  }
+  std::copy(levels, levels + count, map.levels.begin());
+  g_free(levels);
+  return TRUE;
+}
+
+/* Goes on in the track to what holds at `time`. NEED_DATA if that is not known yet. */
+static GstFlowReturn
+advance(GstTactileCombiner *self, GstAggregatorPad *pad, gint64 time)
+{
+  GstTactileCombinerPrivate *priv = self->priv;
+  GST_OBJECT_LOCK(self);
+  const gint64 offset = priv->offset;
+  GST_OBJECT_UNLOCK(self);
+
+  for (;;) {
+    GstBuffer *head = gst_aggregator_pad_peek_buffer(pad);
+    if (head == nullptr) {
+      const bool covers = priv->held && priv->held->end && *priv->held->end > time;
+      return covers || gst_aggregator_pad_is_eos(pad) ? GST_FLOW_OK : GST_AGGREGATOR_FLOW_NEED_DATA;
+    }
+    const std::optional<gint64> running = running_time(pad, GST_BUFFER_PTS(head));
+    if (running && *running + offset > time) {
+      gst_buffer_unref(head);
+      return GST_FLOW_OK;
+    }
+    Held next;
+    const gboolean is_map = read_map(self, head, next.map);
+    if (is_map && running) {
+      next.begin = *running + offset;
+      if (GST_BUFFER_DURATION_IS_VALID(head))
+        next.end = next.begin + static_cast<gint64>(GST_BUFFER_DURATION(head));
+      priv->held = next;
+    }
+    gst_buffer_unref(head);
+    gst_aggregator_pad_drop_buffer(pad);
+    if (!is_map)
+      return GST_FLOW_ERROR;
+  }
+}
+
+/* ---- frames ---- */
+
+static void
+put_map(GstTactileCombiner *self, GstBuffer *frame, gint64 time)
+{
+  const std::optional<Held> &held = self->priv->held;
+  GST_OBJECT_LOCK(self);
+  const Mix mix = self->priv->mix;
+  GST_OBJECT_UNLOCK(self);
+
+  TactileMap map(static_cast<int>(std::max(self->priv->rows, 1u)),
+                 static_cast<int>(std::max(self->priv->columns, 1u)));
+  if (held && (!held->end || time < *held->end))
+    map = held->map;
+  const GstTactileMeta *own = gst_buffer_get_tactile_meta(frame);
+  if (own != nullptr && mix == Mix::max) {
+    TactileMap film(static_cast<int>(own->rows), static_cast<int>(own->columns));
+    std::copy_n(own->levels, film.levels.size(), film.levels.begin());
+    tactile::mix_into(film, map, Mix::max);
+    map = film;
+  }
+  gst_buffer_add_tactile_meta(frame, static_cast<guint>(map.rows), static_cast<guint>(map.columns),
+                              map.levels.data(), map.levels.size());
+}
+
+static GstAggregatorPad *
+tactile_pad(GstTactileCombiner *self)
+{
+  GST_OBJECT_LOCK(self);
+  GList *pads = GST_ELEMENT(self)->sinkpads;
+  GstAggregatorPad *found = nullptr;
+  for (GList *item = pads; item != nullptr; item = item->next)
+    if (item->data != self->videopad)
+      found = GST_AGGREGATOR_PAD(gst_object_ref(item->data));
+  GST_OBJECT_UNLOCK(self);
+  return found;
+}
+
+static GstFlowReturn
+gst_tactile_combiner_aggregate(GstAggregator *aggregator, gboolean timeout)
+{
+  auto *self = GST_TACTILE_COMBINER(aggregator);
+
+  GstBuffer *frame = gst_aggregator_pad_peek_buffer(self->videopad);
+  if (frame == nullptr)
+    return gst_aggregator_pad_is_eos(self->videopad) ? GST_FLOW_EOS : GST_AGGREGATOR_FLOW_NEED_DATA;
+  const std::optional<gint64> time = running_time(self->videopad, GST_BUFFER_PTS(frame));
+  gst_buffer_unref(frame);
+
+  GstAggregatorPad *track = tactile_pad(self);
+  if (track != nullptr && time) {
+    const GstFlowReturn flow = advance(self, track, *time);
+    if (flow != GST_FLOW_OK && !(flow == GST_AGGREGATOR_FLOW_NEED_DATA && timeout)) {
+      gst_object_unref(track);
+      return flow;
+    }
+  }
+  frame = gst_aggregator_pad_pop_buffer(self->videopad);
+  if (frame == nullptr) { /* flushed meanwhile */
+    gst_clear_object(&track);
+    return GST_AGGREGATOR_FLOW_NEED_DATA;
+  }
+  /* A track of which nothing came at all has no grid, and nothing to say. */
+  if (track != nullptr && time && self->priv->rows > 0) {
+    frame = gst_buffer_make_writable(frame);
+    put_map(self, frame, *time);
+  }
+  gst_clear_object(&track);
+  if (GST_BUFFER_PTS_IS_VALID(frame)) {
+    GstSegment *segment = &GST_AGGREGATOR_PAD(aggregator->srcpad)->segment;
+    segment->position = GST_BUFFER_PTS(frame);
+    if (GST_BUFFER_DURATION_IS_VALID(frame))
+      segment->position += GST_BUFFER_DURATION(frame);
+  }
+  return gst_aggregator_finish_buffer(aggregator, frame);
+}
+
+/* ---- events and queries: the film's are those of the source pad ---- */
+
+static gboolean
+gst_tactile_combiner_sink_event(GstAggregator *aggregator, GstAggregatorPad *pad, GstEvent *event)
+{
+  auto *self = GST_TACTILE_COMBINER(aggregator);
+  const bool is_video = pad == self->videopad;
+
+  if (GST_EVENT_TYPE(event) == GST_EVENT_CAPS) {
+    GstCaps *caps = nullptr;
+    gst_event_parse_caps(event, &caps);
+    if (is_video)
+      gst_aggregator_set_src_caps(aggregator, caps);
+    else if (!gst_tactile_map_caps_parse(caps, &self->priv->rows, &self->priv->columns, nullptr,
+                                         nullptr)) {
+      gst_event_unref(event);
+      return FALSE;
+    }
+  } else if (GST_EVENT_TYPE(event) == GST_EVENT_SEGMENT) {
+    const GstSegment *segment = nullptr;
+    gst_event_parse_segment(event, &segment);
+    if (is_video)
+      gst_aggregator_update_segment(aggregator, segment);
+    else
+      self->priv->held.reset();
+  } else if (GST_EVENT_TYPE(event) == GST_EVENT_TAG && !is_video) {
+    gst_event_unref(event); /* what is about the track is not about the film */
+    return TRUE;
+  }
+  return GST_AGGREGATOR_CLASS(parent_class)->sink_event(aggregator, pad, event);
+}
+
+static gboolean
+gst_tactile_combiner_sink_query(GstAggregator *aggregator, GstAggregatorPad *pad, GstQuery *query)
+{
+  auto *self = GST_TACTILE_COMBINER(aggregator);
+  if (pad == self->videopad)
+    switch (GST_QUERY_TYPE(query)) {
+    case GST_QUERY_CAPS:
+    case GST_QUERY_ALLOCATION:
+    case GST_QUERY_ACCEPT_CAPS:
+      if (gst_pad_peer_query(aggregator->srcpad, query))
+        return TRUE;
+      break;
+    default:
+      break;
+    }
+  return GST_AGGREGATOR_CLASS(parent_class)->sink_query(aggregator, pad, query);
+}
+
+static gboolean
+gst_tactile_combiner_src_query(GstAggregator *aggregator, GstQuery *query)
+{
+  auto *self = GST_TACTILE_COMBINER(aggregator);
+  switch (GST_QUERY_TYPE(query)) {
+  case GST_QUERY_POSITION:
+  case GST_QUERY_DURATION:
+  case GST_QUERY_URI:
+  case GST_QUERY_CAPS:
+  case GST_QUERY_ALLOCATION:
+    return gst_pad_peer_query(GST_PAD(self->videopad), query);
+  default:
+    return GST_AGGREGATOR_CLASS(parent_class)->src_query(aggregator, query);
+  }
+}
+
+static GstFlowReturn
+gst_tactile_combiner_flush(GstAggregator *aggregator)
+{
+  GST_TACTILE_COMBINER(aggregator)->priv->held.reset();
+  return GST_FLOW_OK;
+}
+
+static gboolean
+gst_tactile_combiner_stop(GstAggregator *aggregator)
+{
+  GstTactileCombinerPrivate *priv = GST_TACTILE_COMBINER(aggregator)->priv;
+  priv->held.reset();
+  priv->rows = priv->columns = 0;
+  return TRUE;
+}
+
+/* ---- properties ---- */
+
+static void
+gst_tactile_combiner_set_property(GObject *object, guint id, const GValue *value, GParamSpec *pspec)
+{
+  GstTactileCombinerPrivate *priv = GST_TACTILE_COMBINER(object)->priv;
+  GST_OBJECT_LOCK(object);
+  switch (id) {
+  case PROP_MIX:
+    priv->mix = static_cast<Mix>(g_value_get_enum(value));
+    break;
+  case PROP_OFFSET:
+    priv->offset = g_value_get_int64(value);
+    break;
+  default:
+    G_OBJECT_WARN_INVALID_PROPERTY_ID(object, id, pspec);
+    break;
+  }
+  GST_OBJECT_UNLOCK(object);
+}
+
+static void
+gst_tactile_combiner_get_property(GObject *object, guint id, GValue *value, GParamSpec *pspec)
+{
+  GstTactileCombinerPrivate *priv = GST_TACTILE_COMBINER(object)->priv;
+  GST_OBJECT_LOCK(object);
+  switch (id) {
+  case PROP_MIX:
+    g_value_set_enum(value, static_cast<gint>(priv->mix));
+    break;
+  case PROP_OFFSET:
+    g_value_set_int64(value, priv->offset);
+    break;
+  default:
+    G_OBJECT_WARN_INVALID_PROPERTY_ID(object, id, pspec);
+    break;
+  }
+  GST_OBJECT_UNLOCK(object);
+}
+
+static void
+gst_tactile_combiner_finalize(GObject *object)
+{
+  delete GST_TACTILE_COMBINER(object)->priv;
+  G_OBJECT_CLASS(parent_class)->finalize(object);
+}
+
+static void
+gst_tactile_combiner_class_init(GstTactileCombinerClass *klass)
+{
+  auto *object_class = G_OBJECT_CLASS(klass);
+  auto *element_class = GST_ELEMENT_CLASS(klass);
+  auto *aggregator_class = GST_AGGREGATOR_CLASS(klass);
+
+  object_class->set_property = gst_tactile_combiner_set_property;
+  object_class->get_property = gst_tactile_combiner_get_property;
+  object_class->finalize = gst_tactile_combiner_finalize;
+  const auto playing = static_cast<GParamFlags>(G_PARAM_READWRITE | G_PARAM_STATIC_STRINGS
+                                                | GST_PARAM_MUTABLE_PLAYING);
+  g_object_class_install_property(
+      object_class, PROP_MIX,
+      g_param_spec_enum("mix", "Mix", "What becomes of a map that a frame carries already",
+                        GST_TYPE_TACTILE_COMBINER_MIX, static_cast<gint>(DEFAULT_MIX), playing));
+  g_object_class_install_property(
+      object_class, PROP_OFFSET,
+      g_param_spec_int64("offset", "Offset",
+                         "How much later than its own time the track is felt, in ns; earlier if "
+                         "negative",
+                         -static_cast<gint64>(OFFSET_MAX), static_cast<gint64>(OFFSET_MAX),
+                         DEFAULT_OFFSET, playing));
+
+  gst_element_class_add_static_pad_template_with_gtype(element_class, &sink_template,
+                                                       GST_TYPE_AGGREGATOR_PAD);
+  gst_element_class_add_static_pad_template_with_gtype(element_class, &tactile_template,
+                                                       GST_TYPE_AGGREGATOR_PAD);
+  gst_element_class_add_static_pad_template_with_gtype(element_class, &src_template,
+                                                       GST_TYPE_AGGREGATOR_PAD);
+  gst_element_class_set_static_metadata(element_class, "Tactile map combiner", "Filter",
+                                        "Puts a track's tactile maps on a film's frames",
+                                        "The visuotactile developers");
+  gst_type_mark_as_plugin_api(GST_TYPE_TACTILE_COMBINER_MIX, static_cast<GstPluginAPIFlags>(0));
+
+  aggregator_class->aggregate = gst_tactile_combiner_aggregate;
+  aggregator_class->sink_event = gst_tactile_combiner_sink_event;
+  aggregator_class->sink_query = gst_tactile_combiner_sink_query;
+  aggregator_class->src_query = gst_tactile_combiner_src_query;
+  aggregator_class->flush = gst_tactile_combiner_flush;
+  aggregator_class->stop = gst_tactile_combiner_stop;
+  aggregator_class->get_next_time = gst_aggregator_simple_get_next_time;
+  aggregator_class->negotiate = nullptr; /* the film's caps are ours */
+}
+
+static void
+gst_tactile_combiner_init(GstTactileCombiner *self)
+{
+  self->priv = new GstTactileCombinerPrivate;
+  GstPadTemplate *templ = gst_static_pad_template_get(&sink_template);
+  self->videopad
+      = GST_AGGREGATOR_PAD(g_object_new(GST_TYPE_AGGREGATOR_PAD, "name", "sink", "direction",
+                                        GST_PAD_SINK, "template", templ, nullptr));
+  gst_object_unref(templ);
+  gst_element_add_pad(GST_ELEMENT(self), GST_PAD(self->videopad));
+}

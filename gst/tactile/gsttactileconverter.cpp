@@ -1,0 +1,530 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+/**
+ * SECTION:element-tactileconverter
+ * @title: tactileconverter
+ * @short_description: tactile maps as text cues or KLV, and back
+ *
+ * tactileconverter turns a stream of tactile maps (`application/x-tactile-map`) into what files
+ * can hold, and that into maps: text cues for Matroska, MP4 and subtitle files, KLV packets for
+ * MPEG transport streams. The other side's caps say which; where anything goes, maps become text,
+ * and text and KLV become maps.
+ *
+ * A text cue is a map's picture, a line of whole percents for each row:
+ *
+ * |[
+ *   0   0   0
+ *   0  75  75
+ *   0   0   0
+ * ]|
+ *
+ * Cues begin where the map changes, and at least every second; they have a duration, and the next
+ * begins where they end. Their times are cut down to milliseconds. So a cue is complete when the
+ * next map comes, which is up to a second later: the element's latency towards text and KLV. What
+ * runs beside it has to be queued for as long.
+ *
+ * Where there is no cue, the maps' stream has a GAP. What is no cue, as in subtitles that are meant
+ * to be read, is a gap too, and a warning.
+ *
+ * ## Example launch lines
+ * |[
+ * gst-launch-1.0 tactiletestsrc num-buffers=300 ! saliencytactile ! tactileextractor name=x \
+ *     x.tactile ! tactileconverter ! webvttenc ! filesink location=track.vtt
+ * gst-launch-1.0 tactiletestsrc num-buffers=300 ! saliencytactile ! tactileextractor name=x \
+ *     x.tactile ! tactileconverter ! meta/x-klv ! tactileconverter ! tactorsink driver=simulator
+ * ]|
+ *
+ * Since: 0.1
+ */
+#include "gsttactileconverter.h"
+
+#include "gsttactileelements.h"
+#include "tactile/cue_builder.h"
+#include "tactile/klv.h"
+#include "tactile/text_cue.h"
+#include "tactile/track.h"
+#include "wantedgrid.h"
+
+#include <gst/tactile/tactile.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
+#include <string>
+#include <utility>
+
+using tactile::Cue;
+using tactile::Time;
+
+GST_DEBUG_CATEGORY_STATIC(tactile_converter_debug);
+#define GST_CAT_DEFAULT tactile_converter_debug
+
+namespace {
+
+enum class Form
+{
+  none,
+  map,
+  text,
+  klv,
+};
+
+/// What a form is turned into where downstream takes several, the first that it takes.
+constexpr std::array<Form, 3>
+preferred(Form in)
+{
+  return in == Form::map ? std::array{ Form::text, Form::klv, Form::map }
+                         : std::array{ Form::map, in, in == Form::text ? Form::klv : Form::text };
+}
+
+#define TEXT_CAPS "text/x-raw, format = (string) utf8"
+#define KLV_CAPS "meta/x-klv, parsed = (boolean) true"
+
+GstCaps *
+caps_of(Form form)
+{
+  return gst_caps_from_string(form == Form::map    ? GST_TACTILE_MAP_CAPS
+                              : form == Form::text ? TEXT_CAPS
+                                                   : KLV_CAPS);
+}
+
+Form
+form_of(const GstCaps *caps)
+{
+  const GstStructure *structure = gst_caps_get_structure(caps, 0);
+  if (gst_structure_has_name(structure, GST_TACTILE_MAP_MEDIA_TYPE))
+    return Form::map;
+  return gst_structure_has_name(structure, "meta/x-klv") ? Form::klv : Form::text;
+}
+
+/// The map as a text cue has it: levels in whole percents.
+void
+round_levels(tactile::TactileMap &map)
+{
+  for (float &level : map.levels)
+    level = std::round(level * 100.0F) / 100.0F;
+}
+
+Time
+to_time(GstClockTime time)
+{
+  return Time(static_cast<Time::rep>(std::min<GstClockTime>(
+      time, static_cast<GstClockTime>(2 * tactile::Track::kMaxEnd.count()))));
+}
+
+} // namespace
+
+/// All: streaming thread, or while it is stopped.
+struct GstTactileConverterPrivate
+{
+  Form in = Form::none;
+  Form out = Form::none;
+  guint rows = 0; ///< of maps that come in
+  guint columns = 0;
+  gint fps_n = 0;
+  gint fps_d = 1;
+  std::optional<tactile::Grid> grid; ///< of the last cue
+  tactile::CueBuilder builder;
+  GstEvent *pending_segment = nullptr; ///< for the source pad, which needs caps first
+  bool has_caps = false;               ///< the source pad has
+  guint sent_rows = 0;                 ///< of the source pad's caps
+  guint sent_columns = 0;
+  Time last_end{ 0 }; ///< of what was sent
+  bool warned = false;
+
+  ~GstTactileConverterPrivate()
+  {
+    gst_clear_event(&pending_segment);
+  }
+};
+
+struct _GstTactileConverter
+{
+  GstElement parent;
+
+  GstPad *sinkpad;
+  GstPad *srcpad;
+  gint waits; /* for the next map until a cue is complete; atomic */
+  GstTactileConverterPrivate *priv;
+};
+
+#define gst_tactile_converter_parent_class parent_class
+G_DEFINE_TYPE_WITH_CODE(GstTactileConverter, gst_tactile_converter, GST_TYPE_ELEMENT,
+                        GST_DEBUG_CATEGORY_INIT(tactile_converter_debug, "tactileconverter", 0,
+                                                "tactile maps as text and KLV"));
+GST_ELEMENT_REGISTER_DEFINE(tactileconverter, "tactileconverter", GST_RANK_NONE,
+                            GST_TYPE_TACTILE_CONVERTER);
+
+static GstStaticPadTemplate sink_template = GST_STATIC_PAD_TEMPLATE(
+    "sink", GST_PAD_SINK, GST_PAD_ALWAYS,
+    GST_STATIC_CAPS(GST_TACTILE_MAP_CAPS
+                    "; text/x-raw, format = (string) { utf8, pango-markup }; " KLV_CAPS));
+static GstStaticPadTemplate src_template
+    = GST_STATIC_PAD_TEMPLATE("src", GST_PAD_SRC, GST_PAD_ALWAYS,
+                              GST_STATIC_CAPS(GST_TACTILE_MAP_CAPS "; " TEXT_CAPS "; " KLV_CAPS));
+
+/* ---- what goes out ---- */
+
+/* Sees to it that the source pad has caps, and then a segment. */
+static void
+send_sticky_events(GstTactileConverter *self, guint rows, guint columns)
+{
+  GstTactileConverterPrivate *priv = self->priv;
+  const bool is_map = priv->out == Form::map;
+  if (!priv->has_caps || (is_map && (rows != priv->sent_rows || columns != priv->sent_columns))) {
+    GstCaps *caps
+        = is_map ? gst_tactile_map_caps_new(rows, columns, priv->in == Form::map ? priv->fps_n : 0,
+                                            priv->in == Form::map ? priv->fps_d : 1)
+                 : caps_of(priv->out);
+    GST_DEBUG_OBJECT(self, "caps %" GST_PTR_FORMAT, caps);
+    gst_pad_push_event(self->srcpad, gst_event_new_caps(caps));
+    gst_caps_unref(caps);
+    priv->has_caps = true;
+    priv->sent_rows = rows;
+    priv->sent_columns = columns;
+  }
+  if (priv->pending_segment != nullptr)
+    gst_pad_push_event(self->srcpad, std::exchange(priv->pending_segment, nullptr));
+}
+
+static void
+send_default_sticky_events(GstTactileConverter *self)
+{
+  GstTactileConverterPrivate *priv = self->priv;
+  guint rows = priv->sent_rows;
+  guint columns = priv->sent_columns;
+  if (priv->out == Form::none)
+    priv->out = Form::map; /* nothing ever came */
+  if (priv->out == Form::map && !priv->has_caps) {
+    rows = priv->rows;
+    columns = priv->columns;
+    if (rows == 0)
+      wanted_grid(self->srcpad, &rows, &columns);
+  }
+  send_sticky_events(self, rows, columns);
+}
+
+/* Silence up to `end`, if anything is left of it. */
+static void
+push_gap(GstTactileConverter *self, Time end)
+{
+  GstTactileConverterPrivate *priv = self->priv;
+  if (end - priv->last_end <= tactile::CueBuilder::kSeam)
+    return;
+  send_default_sticky_events(self);
+  gst_pad_push_event(self->srcpad,
+                     gst_event_new_gap(static_cast<GstClockTime>(priv->last_end.count()),
+                                       static_cast<GstClockTime>((end - priv->last_end).count())));
+  priv->last_end = end;
+}
+
+static GstFlowReturn
+push_cue(GstTactileConverter *self, const Cue &cue)
+{
+  GstTactileConverterPrivate *priv = self->priv;
+  send_sticky_events(self, static_cast<guint>(cue.map.rows), static_cast<guint>(cue.map.columns));
+  push_gap(self, cue.begin);
+
+  GstBuffer *buffer = nullptr;
+  if (priv->out == Form::map) {
+    buffer = gst_tactile_map_buffer_new(cue.map.levels.data(), cue.map.levels.size());
+  } else if (priv->out == Form::text) {
+    const std::string text = tactile::write_text_cue(cue.map);
+    buffer = gst_buffer_new_memdup(text.data(), text.size());
+  } else {
+    const std::vector<std::uint8_t> bytes = tactile::write_klv(cue.map, cue.end - cue.begin);
+    buffer = gst_buffer_new_memdup(bytes.data(), bytes.size());
+  }
+  GST_BUFFER_PTS(buffer) = static_cast<GstClockTime>(cue.begin.count());
+  GST_BUFFER_DURATION(buffer) = static_cast<GstClockTime>((cue.end - cue.begin).count());
+  priv->last_end = std::max(priv->last_end, cue.end);
+  return gst_pad_push(self->srcpad, buffer);
+}
+
+static GstFlowReturn
+push_complete_cues(GstTactileConverter *self)
+{
+  GstFlowReturn flow = GST_FLOW_OK;
+  while (flow == GST_FLOW_OK) {
+    const std::optional<Cue> cue = self->priv->builder.take();
+    if (!cue)
+      break;
+    flow = push_cue(self, *cue);
+  }
+  return flow;
+}
+
+static GstFlowReturn
+drain(GstTactileConverter *self)
+{
+  self->priv->builder.flush();
+  return push_complete_cues(self);
+}
+
+/* ---- what comes in ---- */
+
+/* The cue that a buffer is, which begins at 0 and has no end if the buffer says none. Throws FormatError. */
+static Cue
+read_cue(GstTactileConverter *self, GstBuffer *buffer)
+{
+  GstTactileConverterPrivate *priv = self->priv;
+  Cue cue;
+  if (priv->in == Form::map) {
+    gfloat *levels = nullptr;
+    gsize count = 0;
+    if (!gst_tactile_map_buffer_get_levels(buffer, priv->rows, priv->columns, &levels, &count))
+      throw tactile::FormatError("the map has another size than its caps say");
+    cue.map = tactile::TactileMap(static_cast<int>(priv->rows), static_cast<int>(priv->columns));
+    std::copy(levels, levels + count, cue.map.levels.begin());
+    g_free(levels);
+    return cue;
+  }
+
+  GstMapInfo info;
+  if (!gst_buffer_map(buffer, &info, GST_MAP_READ))
+    throw tactile::FormatError("the buffer cannot be read");
+  const std::string bytes(reinterpret_cast<const char *>(info.data), info.size);
+  gst_buffer_unmap(buffer, &info);
+  if (priv->in == Form::klv)
+    return tactile::read_klv(
+        { reinterpret_cast<const std::uint8_t *>(bytes.data()), bytes.size() });
+  const std::string_view text(bytes.data(), std::min(bytes.find('\0'), bytes.size()));
+  if (priv->grid) {
+    try {
+      cue.map = tactile::read_text_cue(text, priv->grid);
+      return cue;
+    } catch (const tactile::FormatError &) {
+      GST_DEBUG_OBJECT(self, "not of the grid of the cue before"); /* of its own grid, then */
+    }
+  }
+  cue.map = tactile::read_text_cue(text, std::nullopt);
+  return cue;
+}
+
+static GstClockTime
+duration_of(GstTactileConverter *self, GstBuffer *buffer, const Cue &cue)
+{
+  GstTactileConverterPrivate *priv = self->priv;
+  if (GST_BUFFER_DURATION_IS_VALID(buffer) && GST_BUFFER_DURATION(buffer) > 0)
+    return GST_BUFFER_DURATION(buffer);
+  if (cue.end > Time(0))
+    return static_cast<GstClockTime>(cue.end.count());
+  if (priv->fps_n > 0)
+    return gst_util_uint64_scale_int(GST_SECOND, priv->fps_d, priv->fps_n);
+  return static_cast<GstClockTime>(tactile::CueBuilder::kLongest.count());
+}
+
+static GstFlowReturn
+convert(GstTactileConverter *self, GstBuffer *buffer)
+{
+  GstTactileConverterPrivate *priv = self->priv;
+  Cue cue;
+  try {
+    cue = read_cue(self, buffer);
+  } catch (const tactile::FormatError &error) {
+    GST_WARNING_OBJECT(self, "buffer at %" GST_TIME_FORMAT " is no map: %s",
+                       GST_TIME_ARGS(GST_BUFFER_PTS(buffer)), error.what());
+    if (!std::exchange(priv->warned, true))
+      GST_ELEMENT_WARNING(
+          self, STREAM, DECODE,
+          ("A cue is no tactile map and is left out; is this another kind of "
+           "subtitles?"),
+          ("at %" GST_TIME_FORMAT ": %s", GST_TIME_ARGS(GST_BUFFER_PTS(buffer)), error.what()));
+    return GST_FLOW_OK;
+  }
+  priv->grid = { cue.map.rows, cue.map.columns };
+  const Time duration = to_time(duration_of(self, buffer, cue));
+  cue.begin = GST_BUFFER_PTS_IS_VALID(buffer) ? to_time(GST_BUFFER_PTS(buffer)) : priv->last_end;
+  cue.end = cue.begin + duration;
+  if (priv->out == Form::map)
+    return push_cue(self, cue);
+  if (priv->out == Form::text) {
+    constexpr Time kTick = std::chrono::milliseconds(1);
+    round_levels(cue.map);
+    cue.begin = cue.begin / kTick * kTick;
+    cue.end = cue.end / kTick * kTick;
+  }
+  priv->builder.add(cue.begin, cue.end, cue.map);
+  return push_complete_cues(self);
+}
+
+static GstFlowReturn
+gst_tactile_converter_chain(GstPad *pad, GstObject *parent, GstBuffer *buffer)
+{
+  (void)pad;
+  auto *self = GST_TACTILE_CONVERTER(parent);
+  GstTactileConverterPrivate *priv = self->priv;
+  if (priv->in == Form::none) {
+    gst_buffer_unref(buffer);
+    return GST_FLOW_NOT_NEGOTIATED;
+  }
+  if (priv->in == priv->out) { /* as it is */
+    send_default_sticky_events(self);
+    return gst_pad_push(self->srcpad, buffer);
+  }
+  const GstFlowReturn flow = convert(self, buffer);
+  gst_buffer_unref(buffer);
+  return flow;
+}
+
+/* Decides what to make of what comes. */
+static gboolean
+set_caps(GstTactileConverter *self, GstCaps *caps)
+{
+  GstTactileConverterPrivate *priv = self->priv;
+  drain(self);
+  priv->in = form_of(caps);
+  priv->rows = priv->columns = 0;
+  priv->fps_n = 0;
+  priv->fps_d = 1;
+  if (priv->in == Form::map
+      && !gst_tactile_map_caps_parse(caps, &priv->rows, &priv->columns, &priv->fps_n, &priv->fps_d))
+    return FALSE;
+
+  GstCaps *own = gst_pad_get_pad_template_caps(self->srcpad);
+  GstCaps *allowed = gst_pad_peer_query_caps(self->srcpad, own);
+  gst_caps_unref(own);
+  Form out = Form::none;
+  for (const Form form : preferred(priv->in)) {
+    GstCaps *of_form = caps_of(form);
+    if (out == Form::none && gst_caps_can_intersect(allowed, of_form))
+      out = form;
+    gst_caps_unref(of_form);
+  }
+  gst_caps_unref(allowed);
+  if (out == Form::none) {
+    GST_ERROR_OBJECT(self, "downstream takes neither maps nor text nor KLV");
+    return FALSE;
+  }
+  priv->has_caps = priv->has_caps && out == priv->out && out != Form::map;
+  priv->out = out;
+  g_atomic_int_set(&self->waits, priv->in == Form::map && out != Form::map);
+  gst_element_post_message(GST_ELEMENT(self), gst_message_new_latency(GST_OBJECT(self)));
+  return TRUE;
+}
+
+static void
+reset(GstTactileConverter *self)
+{
+  delete self->priv;
+  self->priv = new GstTactileConverterPrivate;
+}
+
+static void
+take_segment(GstTactileConverter *self, GstEvent *event)
+{
+  const GstSegment *segment = nullptr;
+  gst_event_parse_segment(event, &segment);
+  drain(self);
+  self->priv->last_end = segment->format == GST_FORMAT_TIME ? to_time(segment->start) : Time(0);
+  gst_event_replace(&self->priv->pending_segment, event);
+}
+
+static gboolean
+gst_tactile_converter_sink_event(GstPad *pad, GstObject *parent, GstEvent *event)
+{
+  auto *self = GST_TACTILE_CONVERTER(parent);
+  GstTactileConverterPrivate *priv = self->priv;
+
+  switch (GST_EVENT_TYPE(event)) {
+  case GST_EVENT_CAPS: {
+    GstCaps *caps = nullptr;
+    gst_event_parse_caps(event, &caps);
+    const gboolean is_set = set_caps(self, caps);
+    gst_event_unref(event);
+    return is_set;
+  }
+  case GST_EVENT_SEGMENT:
+    take_segment(self, event);
+    gst_event_unref(event);
+    return TRUE;
+  case GST_EVENT_GAP: {
+    GstClockTime begin = 0;
+    GstClockTime duration = 0;
+    gst_event_parse_gap(event, &begin, &duration);
+    drain(self);
+    if (GST_CLOCK_TIME_IS_VALID(duration))
+      begin += duration;
+    push_gap(self, to_time(begin));
+    gst_event_unref(event);
+    return TRUE;
+  }
+  case GST_EVENT_EOS:
+  case GST_EVENT_SEGMENT_DONE:
+    drain(self);
+    send_default_sticky_events(self);
+    break;
+  case GST_EVENT_FLUSH_STOP:
+    priv->builder.reset();
+    gst_clear_event(&priv->pending_segment);
+    break;
+  default:
+    break;
+  }
+  return gst_pad_event_default(pad, parent, event);
+}
+
+static gboolean
+gst_tactile_converter_src_query(GstPad *pad, GstObject *parent, GstQuery *query)
+{
+  auto *self = GST_TACTILE_CONVERTER(parent);
+  if (!gst_pad_query_default(pad, parent, query))
+    return FALSE;
+  if (GST_QUERY_TYPE(query) == GST_QUERY_LATENCY && g_atomic_int_get(&self->waits)) {
+    gboolean live = FALSE;
+    GstClockTime min = 0;
+    GstClockTime max = 0;
+    gst_query_parse_latency(query, &live, &min, &max);
+    const auto latency = static_cast<GstClockTime>(tactile::CueBuilder::kLongest.count());
+    gst_query_set_latency(query, live, min + latency,
+                          GST_CLOCK_TIME_IS_VALID(max) ? max + latency : max);
+  }
+  return TRUE;
+}
+
+static GstStateChangeReturn
+gst_tactile_converter_change_state(GstElement *element, GstStateChange transition)
+{
+  const GstStateChangeReturn result
+      = GST_ELEMENT_CLASS(parent_class)->change_state(element, transition);
+  if (transition == GST_STATE_CHANGE_PAUSED_TO_READY)
+    reset(GST_TACTILE_CONVERTER(element));
+  return result;
+}
+
+static void
+gst_tactile_converter_finalize(GObject *object)
+{
+  delete GST_TACTILE_CONVERTER(object)->priv;
+  G_OBJECT_CLASS(parent_class)->finalize(object);
+}
+
+static void
+gst_tactile_converter_class_init(GstTactileConverterClass *klass)
+{
+  auto *element_class = GST_ELEMENT_CLASS(klass);
+
+  G_OBJECT_CLASS(klass)->finalize = gst_tactile_converter_finalize;
+  element_class->change_state = GST_DEBUG_FUNCPTR(gst_tactile_converter_change_state);
+  gst_element_class_add_static_pad_template(element_class, &sink_template);
+  gst_element_class_add_static_pad_template(element_class, &src_template);
+  gst_element_class_set_static_metadata(
+      element_class, "Tactile map converter", "Converter/Tactile",
+      "Turns tactile maps into text cues or KLV, and those into maps",
+      "The visuotactile developers");
+}
+
+static void
+gst_tactile_converter_init(GstTactileConverter *self)
+{
+  self->priv = new GstTactileConverterPrivate;
+  self->sinkpad = gst_pad_new_from_static_template(&sink_template, "sink");
+  gst_pad_set_chain_function(self->sinkpad, GST_DEBUG_FUNCPTR(gst_tactile_converter_chain));
+  gst_pad_set_event_function(self->sinkpad, GST_DEBUG_FUNCPTR(gst_tactile_converter_sink_event));
+  gst_element_add_pad(GST_ELEMENT(self), self->sinkpad);
+
+  self->srcpad = gst_pad_new_from_static_template(&src_template, "src");
+  gst_pad_set_query_function(self->srcpad, GST_DEBUG_FUNCPTR(gst_tactile_converter_src_query));
+  gst_pad_use_fixed_caps(self->srcpad);
+  gst_element_add_pad(GST_ELEMENT(self), self->srcpad);
+}

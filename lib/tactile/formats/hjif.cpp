@@ -1,0 +1,551 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "tactile/formats/hjif.h"
+
+#include "tactile/formats/step_curve.h"
+#include "tactile/text_cue.h"
+
+#include <json-glib/json-glib.h>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace tactile {
+
+namespace {
+
+constexpr int kMostChannelsOfLevel1 = 128;
+constexpr int kTimescale = 1000;
+constexpr int kDeepest = 64; ///< of arrays and objects
+constexpr Time kRampStep = std::chrono::milliseconds(20);
+
+struct Unref
+{
+  void operator()(gpointer object) const
+  {
+    g_object_unref(object);
+  }
+};
+
+/* ---- writing ---- */
+
+class Writer
+{
+public:
+  std::string operator()(const Track &track, const std::string &date)
+  {
+    begin_object();
+    add("version", "2023");
+    add("profile", "Main");
+    const int channels = track.rows() * track.columns();
+    add("level", channels > kMostChannelsOfLevel1 ? 2 : 1);
+    add("date", date.c_str());
+    const std::string grid = std::to_string(track.rows()) + "x" + std::to_string(track.columns());
+    add("description",
+        ("tactile track " + write_grid({ track.rows(), track.columns() }, track.rate())).c_str());
+    add("timescale", kTimescale);
+    add_empty("avatars");
+    begin_array("perceptions");
+    begin_object();
+    add("id", 0);
+    add("perception_modality", "Vibrotactile");
+    add("description", ("seat back " + grid).c_str());
+    add("avatar_id", 0);
+    add_empty("effect_library");
+    add("unit_exponent", -3);
+    add("perception_unit_exponent", 0);
+    add_device();
+    begin_array("channels");
+    for (int row = 0; row < track.rows(); row++)
+      for (int column = 0; column < track.columns(); column++)
+        add_channel(track, row, column);
+    end_array();
+    end_object();
+    end_array();
+    begin_array("syncs");
+    begin_object();
+    add("timestamp", 0);
+    add("timescale", kTimescale);
+    end_object();
+    end_array();
+    end_object();
+
+    const std::unique_ptr<JsonGenerator, Unref> generator(json_generator_new());
+    json_generator_set_pretty(generator.get(), TRUE);
+    json_generator_set_indent(generator.get(), 1);
+    g_autoptr(JsonNode) root = json_builder_get_root(builder_.get());
+    json_generator_set_root(generator.get(), root);
+    gsize length = 0;
+    g_autofree gchar *text = json_generator_to_data(generator.get(), &length);
+    return std::string(text, length) + "\n";
+  }
+
+private:
+  /// A coin motor, as the simulated chair has.
+  void add_device()
+  {
+    begin_array("reference_devices");
+    begin_object();
+    add("id", 1);
+    add("name", "ERM coin motor");
+    add("type", "ERM");
+    add("resonance_frequency", 77.0);
+    add("minimum_frequency", 0.0);
+    add("maximum_frequency", 200.0);
+    add("maximum_voltage", 3.0);
+    end_object();
+    end_array();
+  }
+
+  void add_channel(const Track &track, int row, int column)
+  {
+    begin_object();
+    add("id", row * track.columns() + column);
+    add("description", ("back-r" + std::to_string(row) + "c" + std::to_string(column)).c_str());
+    add("gain", 1.0);
+    add("mixing_coefficient", 1.0);
+    add("reference_device_id", 1);
+    add("body_part_mask", 0);
+    begin_array("body_part_target");
+    json_builder_add_string_value(builder_.get(), "Back");
+    end_array();
+    json_builder_set_member_name(builder_.get(), "actuator_resolution");
+    add_vector(track.columns(), track.rows(), 1);
+    begin_array("actuator_target");
+    add_vector(column, track.rows() - 1 - row, 0);
+    end_array();
+    add_empty("vertices");
+    begin_array("bands");
+    begin_object();
+    add("band_type", "Curve");
+    add("curve_type", "Linear");
+    // The reference software takes whole numbers alone.
+    add("lower_frequency_limit", 0);
+    add("upper_frequency_limit", 1000);
+    begin_array("effects");
+    begin_object();
+    add("effect_type", "Basis");
+    // One effect from 0 on: its synthesizer renders effects at later positions as silence.
+    add("position", 0);
+    add_keyframes(track, row, column);
+    end_object();
+    end_array();
+    end_object();
+    end_array();
+    end_object();
+  }
+
+  void add_keyframes(const Track &track, int row, int column)
+  {
+    const auto position = [](Time time) {
+      return std::chrono::floor<std::chrono::milliseconds>(time).count();
+    };
+    StepCurve curve;
+    for (const Track::Entry &entry : track.entries())
+      curve.step(position(entry.time), static_cast<double>(entry.map.at(row, column)));
+    curve.finish(position(track.end()));
+    begin_array("keyframes");
+    for (const StepCurve::Point &point : curve.points()) {
+      begin_object();
+      add("relative_position", point.position);
+      add("amplitude_modulation", point.value);
+      end_object();
+    }
+    end_array();
+  }
+
+  void add_vector(int x, int y, int z)
+  {
+    begin_object();
+    add("X", x);
+    add("Y", y);
+    add("Z", z);
+    end_object();
+  }
+
+  void begin_object()
+  {
+    json_builder_begin_object(builder_.get());
+  }
+  void end_object()
+  {
+    json_builder_end_object(builder_.get());
+  }
+  void begin_array(const char *name)
+  {
+    json_builder_set_member_name(builder_.get(), name);
+    json_builder_begin_array(builder_.get());
+  }
+  void end_array()
+  {
+    json_builder_end_array(builder_.get());
+  }
+  void add_empty(const char *name)
+  {
+    begin_array(name);
+    end_array();
+  }
+  void add(const char *name, const char *value)
+  {
+    json_builder_set_member_name(builder_.get(), name);
+    json_builder_add_string_value(builder_.get(), value);
+  }
+  void add(const char *name, std::int64_t value)
+  {
+    json_builder_set_member_name(builder_.get(), name);
+    json_builder_add_int_value(builder_.get(), value);
+  }
+  void add(const char *name, int value)
+  {
+    add(name, std::int64_t{ value });
+  }
+  void add(const char *name, double value)
+  {
+    json_builder_set_member_name(builder_.get(), name);
+    json_builder_add_double_value(builder_.get(), value);
+  }
+
+  std::unique_ptr<JsonBuilder, Unref> builder_{ json_builder_new() };
+};
+
+/* ---- reading ---- */
+
+/// Refuses what is not JSON but is taken by JSON-GLib (comments, assignments), and what is nested so deeply that its parser, which
+/// calls itself, would run out of stack.
+void
+check_structure(std::string_view text)
+{
+  bool in_string = false;
+  int depth = 0;
+  std::size_t line = 1;
+  for (std::size_t i = 0; i < text.size(); i++) {
+    const char c = text[i];
+    if (c == '\n')
+      line++;
+    if (in_string) {
+      if (c == '\\')
+        i++;
+      else if (c == '"')
+        in_string = false;
+    } else if (c == '"') {
+      in_string = true;
+    } else if (c == '[' || c == '{') {
+      if (++depth > kDeepest)
+        throw FormatError::at_line(line, "nested more than " + std::to_string(kDeepest) + " deep");
+    } else if (c == ']' || c == '}') {
+      depth--;
+    } else if (!g_ascii_isspace(c) && !g_ascii_isalnum(c)
+               && std::string_view(",:+-.").find(c) == std::string_view::npos) {
+      throw FormatError::at_line(line, "this is no JSON");
+    }
+  }
+}
+
+/// An object of the document and where it is.
+class Object
+{
+public:
+  Object(JsonNode *node, std::string path) : path_(std::move(path))
+  {
+    if (!node || !JSON_NODE_HOLDS_OBJECT(node))
+      fail("expected an object");
+    object_ = json_node_get_object(node);
+  }
+
+  [[noreturn]] void fail(const std::string &reason) const
+  {
+    throw FormatError((path_.empty() ? "document" : path_) + ": " + reason);
+  }
+
+  bool has(const char *name) const
+  {
+    return json_object_has_member(object_, name);
+  }
+
+  double number(const char *name, double otherwise) const
+  {
+    return has(name) ? number(name) : otherwise;
+  }
+
+  double number(const char *name) const
+  {
+    JsonNode *node = json_object_get_member(object_, name);
+    const GType type
+        = node && JSON_NODE_HOLDS_VALUE(node) ? json_node_get_value_type(node) : G_TYPE_INVALID;
+    const double value = type == G_TYPE_DOUBLE  ? json_node_get_double(node)
+                         : type == G_TYPE_INT64 ? static_cast<double>(json_node_get_int(node))
+                                                : NAN;
+    if (!std::isfinite(value))
+      fail(std::string("expected a number '") + name + "'");
+    return value;
+  }
+
+  int integer(const char *name, int least, int most) const
+  {
+    const double value = number(name);
+    if (!(value >= least && value <= most) || value != std::floor(value))
+      fail(std::string("expected a whole number '") + name + "' from " + std::to_string(least)
+           + " to " + std::to_string(most));
+    return static_cast<int>(value);
+  }
+
+  std::string text(const char *name) const
+  {
+    JsonNode *node = json_object_get_member(object_, name);
+    if (!node || !JSON_NODE_HOLDS_VALUE(node) || json_node_get_value_type(node) != G_TYPE_STRING)
+      fail(std::string("expected a text '") + name + "'");
+    return json_node_get_string(node);
+  }
+
+  Object object(const char *name) const
+  {
+    return { json_object_get_member(object_, name), path_ + (path_.empty() ? "" : ".") + name };
+  }
+
+  std::size_t size(const char *name) const
+  {
+    return json_array_get_length(array(name));
+  }
+
+  Object element(const char *name, std::size_t index) const
+  {
+    return { json_array_get_element(array(name), static_cast<guint>(index)),
+             path_ + (path_.empty() ? "" : ".") + name + "[" + std::to_string(index) + "]" };
+  }
+
+private:
+  JsonArray *array(const char *name) const
+  {
+    JsonNode *node = json_object_get_member(object_, name);
+    if (!node || !JSON_NODE_HOLDS_ARRAY(node))
+      fail(std::string("expected an array '") + name + "'");
+    return json_node_get_array(node);
+  }
+
+  JsonObject *object_ = nullptr;
+  std::string path_;
+};
+
+/// Levels of one effect as steps, and which cells they are for.
+struct Change
+{
+  Time time;
+  std::size_t channel;
+  std::size_t effect;
+  double value;
+};
+
+class Reader
+{
+public:
+  Track operator()(const Object &root)
+  {
+    timescale_ = root.number("timescale", kTimescale);
+    if (!(timescale_ >= 1 && timescale_ <= 48'000))
+      root.fail("expected a timescale from 1 to 48000");
+    if (root.size("perceptions") != 1)
+      root.fail("expected one perception, got " + std::to_string(root.size("perceptions")));
+    const Object perception = root.element("perceptions", 0);
+    if (perception.text("perception_modality") != "Vibrotactile")
+      perception.fail("expected the modality Vibrotactile");
+    const std::size_t channels = perception.size("channels");
+    constexpr auto kMost
+        = static_cast<std::size_t>(kMaxGridSide) * static_cast<std::size_t>(kMaxGridSide);
+    if (channels < 1 || channels > kMost)
+      perception.fail("expected 1 to " + std::to_string(kMost) + " channels");
+    find_grid(perception, channels);
+    for (std::size_t i = 0; i < channels; i++)
+      read_channel(perception.element("channels", i), i);
+    Track track = make_track(channels);
+    if (root.has("description"))
+      track.set_rate(description_rate(root));
+    return track;
+  }
+
+private:
+  static double description_rate(const Object &root)
+  {
+    try {
+      return read_grid(root.text("description"), 1).rate;
+    } catch (const FormatError &) {
+      return 0; // it was no word of ours
+    }
+  }
+
+  void find_grid(const Object &perception, std::size_t channels)
+  {
+    const Object first = perception.element("channels", 0);
+    has_places_ = first.has("actuator_resolution") && first.has("actuator_target");
+    if (has_places_) {
+      const Object size = first.object("actuator_resolution");
+      grid_ = { size.integer("Y", 1, kMaxGridSide), size.integer("X", 1, kMaxGridSide) };
+      if (size.has("Z") && size.integer("Z", 0, 1) > 1)
+        size.fail("expected tactors in one plane");
+    } else if (channels <= static_cast<std::size_t>(kMaxGridSide)) {
+      grid_ = { 1, static_cast<int>(channels) };
+    } else {
+      perception.fail("channels without actuator_resolution and actuator_target: at most 64");
+    }
+    cells_.resize(channels);
+  }
+
+  void read_channel(const Object &channel, std::size_t index)
+  {
+    if (has_places_)
+      for (std::size_t i = 0; i < channel.size("actuator_target"); i++) {
+        const Object place = channel.element("actuator_target", i);
+        const int column = place.integer("X", 0, grid_.columns - 1);
+        const int row = grid_.rows - 1 - place.integer("Y", 0, grid_.rows - 1);
+        cells_[index].push_back(static_cast<std::size_t>(row * grid_.columns + column));
+      }
+    else
+      cells_[index].push_back(index);
+    const double gain = channel.number("gain", 1);
+    for (std::size_t b = 0; b < channel.size("bands"); b++) {
+      const Object band = channel.element("bands", b);
+      const std::string type = band.text("band_type");
+      if (type != "Curve" && type != "VectorialWave")
+        band.fail("bands of type " + type + " cannot be a track; only Curve and VectorialWave");
+      for (std::size_t e = 0; e < band.size("effects"); e++)
+        read_effect(band.element("effects", e), index, gain);
+    }
+  }
+
+  void read_effect(const Object &effect, std::size_t channel, double gain)
+  {
+    if (effect.has("effect_type") && effect.text("effect_type") != "Basis")
+      effect.fail("only effects of type Basis can be a track");
+    const double position = effect.number("position", 0);
+    const std::size_t id = effects_++;
+    std::optional<StepCurve::Point> last;
+    std::size_t count = effect.size("keyframes");
+    for (std::size_t k = 0; k < count; k++) {
+      const Object keyframe = effect.element("keyframes", k);
+      const double at = position + keyframe.number("relative_position", 0);
+      if (!(at >= 0 && at * 1e9 / timescale_ <= static_cast<double>(Track::kMaxEnd.count()))
+          || at != std::floor(at))
+        keyframe.fail("expected a whole position within 100 hours");
+      // A keyframe of a wave may be about its frequency alone.
+      if (!keyframe.has("amplitude_modulation"))
+        continue;
+      const StepCurve::Point point{
+        static_cast<std::int64_t>(at),
+        std::min(std::abs(keyframe.number("amplitude_modulation") * gain), 1.0)
+      };
+      if (last && point.position < last->position)
+        keyframe.fail("the position is before that of the keyframe before");
+      if (last)
+        add_segment(keyframe, channel, id, *last, point);
+      else
+        add(keyframe, point.position, channel, id, point.value);
+      last = point;
+    }
+    if (last)
+      add(effect, last_step_.value_or(last->position), channel, id, 0);
+    last_step_.reset();
+  }
+
+  /// The curve from one keyframe to the next: a step if it takes no more than a tick, else it holds or is a ramp.
+  void add_segment(const Object &where, std::size_t channel, std::size_t effect,
+                   const StepCurve::Point &from, const StepCurve::Point &to)
+  {
+    last_step_.reset();
+    if (from.value == to.value)
+      return;
+    if (to.position - from.position <= 1) {
+      add(where, from.position, channel, effect, to.value);
+      last_step_ = from.position;
+      return;
+    }
+    const double step
+        = std::max(std::chrono::duration<double>(kRampStep).count() * timescale_, 1.0);
+    const auto length = static_cast<double>(to.position - from.position);
+    for (double at = 0; at < length; at += step) {
+      const double middle = (at + std::min(at + step, length)) / 2 / length;
+      add(where, from.position + std::llround(at), channel, effect,
+          from.value + (to.value - from.value) * middle);
+    }
+    add(where, to.position, channel, effect, to.value);
+  }
+
+  void add(const Object &where, std::int64_t position, std::size_t channel, std::size_t effect,
+           double value)
+  {
+    if (changes_.size() >= Track::kMaxEntries)
+      where.fail("more changes than a track can have, " + std::to_string(Track::kMaxEntries));
+    const auto time
+        = static_cast<Time::rep>(std::llround(static_cast<double>(position) * 1e9 / timescale_));
+    changes_.push_back({ Time(time), channel, effect, value });
+  }
+
+  Track make_track(std::size_t channels)
+  {
+    std::ranges::stable_sort(changes_, {}, &Change::time);
+    struct Active
+    {
+      std::size_t effect;
+      double value;
+    };
+    std::vector<std::vector<Active>> active(channels);
+    Track track(grid_.rows, grid_.columns);
+    TactileMap map(grid_.rows, grid_.columns);
+    std::vector<double> sums(channels, 0);
+    for (std::size_t i = 0; i < changes_.size(); i++) {
+      const Change &change = changes_[i];
+      std::vector<Active> &effects = active[change.channel];
+      std::erase_if(effects, [&](const Active &a) { return a.effect == change.effect; });
+      if (change.value != 0)
+        effects.push_back({ change.effect, change.value });
+      sums[change.channel] = 0;
+      for (const Active &a : effects)
+        sums[change.channel] += a.value;
+      if (i + 1 < changes_.size() && changes_[i + 1].time == change.time)
+        continue;
+      std::ranges::fill(map.levels, 0.0F);
+      for (std::size_t c = 0; c < channels; c++)
+        for (const std::size_t cell : cells_[c])
+          map.levels[cell]
+              = std::min(map.levels[cell] + static_cast<float>(std::min(sums[c], 1.0)), 1.0F);
+      try {
+        track.append(change.time, map);
+      } catch (const std::invalid_argument &error) {
+        throw FormatError(std::string("document: ") + error.what());
+      }
+    }
+    track.set_end(changes_.empty() ? Time(0) : changes_.back().time);
+    return track;
+  }
+
+  double timescale_ = kTimescale;
+  Grid grid_;
+  bool has_places_ = false;
+  std::vector<std::vector<std::size_t>> cells_; ///< of each channel
+  std::size_t effects_ = 0;
+  std::optional<std::int64_t> last_step_; ///< where the curve stepped if that was its last segment
+  std::vector<Change> changes_;
+};
+
+} // namespace
+
+std::string
+write_hjif(const Track &track, const std::string &date)
+{
+  return Writer()(track, date);
+}
+
+Track
+read_hjif(std::string_view text)
+{
+  check_structure(text);
+  const std::unique_ptr<JsonParser, Unref> parser(json_parser_new());
+  g_autoptr(GError) error = nullptr;
+  if (!json_parser_load_from_data(parser.get(), text.data(), static_cast<gssize>(text.size()),
+                                  &error))
+    throw FormatError(std::string("document: ") + error->message);
+  return Reader()(Object(json_parser_get_root(parser.get()), ""));
+}
+
+} // namespace tactile

@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <cstddef>
+#include <string_view>
+
+namespace tactile {
+
+/// The lines of a text that ends them as Unix, Windows or old Macs do; a byte order mark is skipped.
+class LineReader
+{
+public:
+  explicit LineReader(std::string_view text) : rest_(text)
+  {
+    if (rest_.starts_with("\xef\xbb\xbf"))
+      rest_.remove_prefix(3);
+  }
+
+  /// Goes on to the next line. False at the end; the line is empty then.
+  bool next()
+  {
+    line_ = {};
+    if (rest_.empty())
+      return false;
+    const std::size_t length = rest_.find_first_of("\r\n");
+    line_ = rest_.substr(0, length);
+    rest_.remove_prefix(line_.size());
+    if (rest_.starts_with("\r\n"))
+      rest_.remove_prefix(2);
+    else if (!rest_.empty())
+      rest_.remove_prefix(1);
+    number_++;
+    return true;
+  }
+
+  /// Without what ends it.
+  std::string_view line() const
+  {
+    return line_;
+  }
+
+  /// From 1 on.
+  std::size_t number() const
+  {
+    return number_;
+  }
+
+private:
+  std::string_view rest_;
+  std::string_view line_;
+  std::size_t number_ = 0;
+};
+
+} // namespace tactile

@@ -1,0 +1,355 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "tactile/formats/mpegv_sem.h"
+
+#include "tactile/text_cue.h"
+
+#include <libxml/parser.h>
+#include <libxml/tree.h>
+#include <libxml/xmlerror.h>
+
+#include <array>
+#include <charconv>
+#include <climits>
+#include <cmath>
+#include <cstring>
+#include <memory>
+#include <optional>
+#include <vector>
+
+namespace tactile {
+
+namespace {
+
+constexpr const char *kSedl = "urn:mpeg:mpeg-v:2010:01-SEDL-NS";
+constexpr const char *kSev = "urn:mpeg:mpeg-v:2010:01-SEV-NS";
+constexpr const char *kMpeg7 = "urn:mpeg:mpeg7:schema:2004";
+constexpr const char *kSi = "urn:mpeg:mpeg21:2003:01-DIA-XSI-NS";
+constexpr const char *kXsi = "http://www.w3.org/2001/XMLSchema-instance";
+constexpr double kDefaultRate = 5;
+constexpr int kTimescale = 1000;
+
+struct FreeXml
+{
+  void operator()(xmlDoc *document) const
+  {
+    xmlFreeDoc(document);
+  }
+  void operator()(xmlParserCtxt *context) const
+  {
+    xmlFreeParserCtxt(context);
+  }
+  void operator()(xmlChar *text) const
+  {
+    xmlFree(text);
+  }
+};
+using Document = std::unique_ptr<xmlDoc, FreeXml>;
+using Text = std::unique_ptr<xmlChar, FreeXml>;
+
+const xmlChar *
+xml(const char *text)
+{
+  return reinterpret_cast<const xmlChar *>(text);
+}
+
+/* ---- writing ---- */
+
+class Writer
+{
+public:
+  explicit Writer(const Track &track)
+      : track_(track),
+        samples_(std::max(
+            1, static_cast<int>(std::ceil(track.rate() > 0 ? track.rate() : kDefaultRate))))
+  {
+  }
+
+  std::string operator()()
+  {
+    xmlNode *root = xmlNewDocNode(document_.get(), nullptr, xml("SEM"), nullptr);
+    xmlDocSetRootElement(document_.get(), root);
+    xmlSetNs(root, xmlNewNs(root, xml(kSedl), nullptr));
+    sev_ = xmlNewNs(root, xml(kSev), xml("sev"));
+    mpeg7_ = xmlNewNs(root, xml(kMpeg7), xml("mpeg7"));
+    si_ = xmlNewNs(root, xml(kSi), xml("si"));
+    xsi_ = xmlNewNs(root, xml(kXsi), xml("xsi"));
+    xmlNewProp(root, xml("autoExtraction"), xml("visual"));
+    xmlNewNsProp(root, si_, xml("absTimeScheme"), xml("mp7t"));
+    xmlNewNsProp(root, si_, xml("timeScale"), xml(std::to_string(kTimescale).c_str()));
+    xmlNewNsProp(root, si_, xml("puMode"), xml("ancestorsDescendants"));
+    const std::string grid
+        = " tactile " + write_grid({ track_.rows(), track_.columns() }, track_.rate()) + " ";
+    xmlAddChild(root, xmlNewDocComment(document_.get(), xml(grid.c_str())));
+
+    const Track rounded = at_resolution(track_, std::chrono::milliseconds(1), 0);
+    const auto &entries = rounded.entries();
+    for (std::size_t i = 0; i < entries.size(); i++) {
+      const bool is_last = i + 1 == entries.size();
+      const Time end = is_last ? rounded.end() : entries[i + 1].time;
+      if (end > entries[i].time && (is_last || !is_silent(entries[i].map)))
+        add_effect(root, entries[i].time, end, entries[i].map);
+    }
+
+    xmlChar *text = nullptr;
+    int length = 0;
+    xmlDocDumpFormatMemoryEnc(document_.get(), &text, &length, "UTF-8", 1);
+    const Text owned(text);
+    return { reinterpret_cast<const char *>(text), static_cast<std::size_t>(length) };
+  }
+
+private:
+  void add_effect(xmlNode *root, Time begin, Time end, const TactileMap &map)
+  {
+    using std::chrono::milliseconds;
+    const auto ms = [](Time time) {
+      return std::chrono::floor<milliseconds>(time).count();
+    };
+    const auto rows
+        = std::max<std::int64_t>(1, (ms(end - begin) * samples_ + kTimescale - 1) / kTimescale);
+    xmlNode *effect = xmlNewChild(root, nullptr, xml("Effect"), nullptr);
+    xmlNewNsProp(effect, xsi_, xml("type"), xml("sev:TactileType"));
+    xmlNewProp(effect, xml("activate"), xml("true"));
+    xmlNewNsProp(effect, si_, xml("pts"), xml(std::to_string(ms(begin)).c_str()));
+    xmlNewProp(effect, xml("duration"), xml(std::to_string(ms(end - begin)).c_str()));
+    xmlNewProp(effect, xml("timeSamples"), xml(std::to_string(samples_).c_str()));
+    xmlNewProp(effect, xml("tactileEffect"),
+               xml("urn:mpeg:mpeg-v:01-SI-TactileEffectCS-NS:vibration"));
+    xmlNewProp(effect, xml("location"), xml("urn:mpeg:mpeg-v:01-SI-LocationCS-NS:back"));
+
+    std::string row;
+    for (const float level : map.levels) {
+      std::array<char, 64> digits;
+      row += row.empty() ? "" : " ";
+      row.append(digits.data(), std::to_chars(digits.data(), digits.data() + digits.size(), level,
+                                              std::chars_format::fixed)
+                                    .ptr);
+    }
+    std::string text = "\n";
+    for (std::int64_t i = 0; i < rows; i++)
+      text += row + "\n";
+    xmlNode *array = xmlNewChild(effect, sev_, xml("ArrayIntensity"), xml(text.c_str()));
+    xmlNewNsProp(array, mpeg7_, xml("dim"),
+                 xml((std::to_string(rows) + " " + std::to_string(map.levels.size())).c_str()));
+  }
+
+  const Track &track_;
+  int samples_;
+  Document document_{ xmlNewDoc(xml("1.0")) };
+  xmlNs *sev_ = nullptr;
+  xmlNs *mpeg7_ = nullptr;
+  xmlNs *si_ = nullptr;
+  xmlNs *xsi_ = nullptr;
+};
+
+/* ---- reading ---- */
+
+[[noreturn]] void
+fail(const xmlNode *node, const std::string &reason)
+{
+  throw FormatError::at_line(static_cast<std::size_t>(std::max(xmlGetLineNo(node), 1L)), reason);
+}
+
+bool
+is_element(const xmlNode *node, const char *ns, const char *name)
+{
+  return node->type == XML_ELEMENT_NODE && xmlStrEqual(node->name, xml(name)) && node->ns
+         && xmlStrEqual(node->ns->href, xml(ns));
+}
+
+/// An attribute as a number that is whole; without the attribute, `otherwise`, without that an error.
+std::int64_t
+integer(const xmlNode *node, const char *ns, const char *name, std::int64_t least,
+        std::int64_t most, std::optional<std::int64_t> otherwise = std::nullopt)
+{
+  const Text text(ns ? xmlGetNsProp(node, xml(name), xml(ns)) : xmlGetNoNsProp(node, xml(name)));
+  if (!text && otherwise)
+    return *otherwise;
+  std::int64_t value = 0;
+  const char *begin = text ? reinterpret_cast<const char *>(text.get()) : "";
+  const char *end = begin + std::strlen(begin);
+  const auto [stop, error] = std::from_chars(begin, end, value);
+  if (error != std::errc() || stop != end || value < least || value > most)
+    fail(node, std::string("expected a whole number '") + name + "' from " + std::to_string(least)
+                   + " to " + std::to_string(most));
+  return value;
+}
+
+std::vector<double>
+numbers(const xmlNode *node, const char *text, double least, double most)
+{
+  std::vector<double> values;
+  const char *end = text + std::strlen(text);
+  for (;;) {
+    while (text < end && std::strchr(" \t\r\n", *text))
+      text++;
+    if (text == end)
+      return values;
+    double value = 0;
+    const auto [stop, error] = std::from_chars(text, end, value);
+    if (error != std::errc() || !(value >= least && value <= most)
+        || (stop < end && !std::strchr(" \t\r\n", *stop)))
+      fail(node,
+           "expected numbers in the range of what they stand for, got '"
+               + std::string(text, std::min<std::size_t>(static_cast<std::size_t>(end - text), 12))
+               + "'");
+    if (values.size() >= Track::kMaxLevels)
+      fail(node, "too many numbers");
+    values.push_back(value);
+    text = stop;
+  }
+}
+
+class Reader
+{
+public:
+  Track operator()(const xmlNode *root)
+  {
+    if (!is_element(root, kSedl, "SEM"))
+      fail(root, "expected a SEM of MPEG-V");
+    timescale_ = integer(root, kSi, "timeScale", 1, 1'000'000'000, kTimescale);
+    for (const xmlNode *node = root->children; node; node = node->next) {
+      if (node->type == XML_COMMENT_NODE && node->content)
+        read_comment(node);
+      if (node->type == XML_ELEMENT_NODE)
+        read_effect(node);
+    }
+    if (!track_ && grid_.grid)
+      track_.emplace(grid_.grid->rows, grid_.grid->columns);
+    if (!track_)
+      fail(root, "there is no effect");
+    track_->set_rate(grid_.rate);
+    track_->set_end(end_);
+    return std::move(*track_);
+  }
+
+private:
+  void read_comment(const xmlNode *node)
+  {
+    std::string_view text = reinterpret_cast<const char *>(node->content);
+    if (!track_ && text.starts_with(" tactile "))
+      grid_ = read_grid(text.substr(9), static_cast<std::size_t>(std::max(xmlGetLineNo(node), 1L)));
+  }
+
+  Time to_time(const xmlNode *node, std::int64_t units) const
+  {
+    const double ns = static_cast<double>(units) * 1e9 / static_cast<double>(timescale_);
+    if (!(ns <= static_cast<double>(Track::kMaxEnd.count())))
+      fail(node, "the effect is beyond 100 hours");
+    return Time(static_cast<Time::rep>(std::llround(ns)));
+  }
+
+  void read_effect(const xmlNode *node)
+  {
+    const Text type(xmlGetNsProp(node, xml("type"), xml(kXsi)));
+    const char *name = type ? reinterpret_cast<const char *>(type.get()) : "";
+    const char *colon = std::strchr(name, ':');
+    if (!is_element(node, kSedl, "Effect")
+        || std::strcmp(colon ? colon + 1 : name, "TactileType") != 0)
+      fail(node, "only effects of TactileType can be a track, with no groups around them");
+    const Text active(xmlGetNoNsProp(node, xml("activate")));
+    const bool is_active
+        = !active || xmlStrEqual(active.get(), xml("true")) || xmlStrEqual(active.get(), xml("1"));
+    const Time begin = to_time(node, integer(node, kSi, "pts", 0, LLONG_MAX));
+    const Time end = begin + to_time(node, integer(node, nullptr, "duration", 0, LLONG_MAX));
+    const std::int64_t samples = integer(node, nullptr, "timeSamples", 1, 1'000'000, 1);
+    const xmlNode *array = nullptr;
+    for (const xmlNode *child = node->children; child; child = child->next)
+      if (child->type == XML_ELEMENT_NODE) {
+        if (!is_element(child, kSev, "ArrayIntensity") || array)
+          fail(child, "expected one ArrayIntensity");
+        array = child;
+      }
+    if (!array)
+      fail(node, "expected an ArrayIntensity");
+    if (begin < end_)
+      fail(node, "the effect overlaps the one before");
+    read_array(array, is_active, begin, end, samples);
+  }
+
+  void read_array(const xmlNode *node, bool is_active, Time begin, Time end, std::int64_t samples)
+  {
+    const Text dim(xmlGetNsProp(node, xml("dim"), xml(kMpeg7)));
+    const std::vector<double> sizes
+        = numbers(node, dim ? reinterpret_cast<const char *>(dim.get()) : "", 1, 1e9);
+    const Text content(xmlNodeGetContent(node));
+    const std::vector<double> levels
+        = numbers(node, reinterpret_cast<const char *>(content.get()), 0, 1);
+    if (sizes.size() != 2 || sizes[0] * sizes[1] != static_cast<double>(levels.size()))
+      fail(node, "expected dim=\"SAMPLES TACTORS\" and as many levels, got "
+                     + std::to_string(levels.size()));
+    const auto tactors = static_cast<std::size_t>(sizes[1]);
+    begin_track(node, tactors);
+    TactileMap map(track_->rows(), track_->columns());
+    try {
+      for (std::size_t row = 0; row * tactors < levels.size(); row++) {
+        const Time time = begin + Time(std::chrono::seconds(row)) / samples;
+        if (time >= end)
+          break;
+        for (std::size_t i = 0; i < tactors; i++)
+          map.levels[i] = is_active ? static_cast<float>(levels[row * tactors + i]) : 0.0F;
+        track_->append(time, map);
+      }
+      track_->append(end, TactileMap(track_->rows(), track_->columns()));
+    } catch (const std::invalid_argument &error) {
+      fail(node, error.what());
+    }
+    end_ = end;
+  }
+
+  void begin_track(const xmlNode *node, std::size_t tactors)
+  {
+    if (!track_) {
+      const auto count = static_cast<int>(std::min<std::size_t>(tactors, INT_MAX));
+      const int side = static_cast<int>(std::lround(std::sqrt(count)));
+      Grid grid{ 1, count };
+      if (grid_.grid)
+        grid = *grid_.grid;
+      else if (side <= kMaxGridSide && side * side == count)
+        grid = { side, side };
+      if (grid.columns > kMaxGridSide)
+        fail(node, "a row of more than 64 tactors");
+      track_.emplace(grid.rows, grid.columns);
+    }
+    if (static_cast<std::size_t>(track_->rows()) * static_cast<std::size_t>(track_->columns())
+        != tactors)
+      fail(node, "expected " + std::to_string(track_->rows() * track_->columns()) + " tactors, got "
+                     + std::to_string(tactors));
+  }
+
+  std::int64_t timescale_ = kTimescale;
+  GridHeader grid_;
+  std::optional<Track> track_;
+  Time end_{ 0 };
+};
+
+} // namespace
+
+std::string
+write_sem(const Track &track)
+{
+  return Writer(track)();
+}
+
+Track
+read_sem(std::string_view text)
+{
+  if (text.size() > INT_MAX)
+    throw FormatError("document: too large");
+  const std::unique_ptr<xmlParserCtxt, FreeXml> context(xmlNewParserCtxt());
+  const Document document(
+      xmlCtxtReadMemory(context.get(), text.data(), static_cast<int>(text.size()), nullptr, nullptr,
+                        XML_PARSE_NONET | XML_PARSE_NOERROR | XML_PARSE_NOWARNING
+                            | XML_PARSE_BIG_LINES | XML_PARSE_NOCDATA));
+  if (!document) {
+    std::string reason = context->lastError.message ? context->lastError.message : "no XML";
+    while (!reason.empty() && reason.back() == '\n')
+      reason.pop_back();
+    throw FormatError::at_line(static_cast<std::size_t>(std::max(context->lastError.line, 1)),
+                               reason);
+  }
+  if (document->intSubset || document->extSubset)
+    throw FormatError::at_line(1, "documents with a DTD are not read");
+  return Reader()(xmlDocGetRootElement(document.get()));
+}
+
+} // namespace tactile

@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <vector>
+
+namespace tactile {
+
+/// Steps as a curve of points that are joined by straight lines, one millisecond from one level to the next: the form that formats
+/// of interpolated curves (HJIF, funscript) have for levels that hold.
+class StepCurve
+{
+public:
+  struct Point
+  {
+    std::int64_t position; ///< ms
+    double value;
+  };
+
+  /// `value` holds from `position` on; positions do not decrease, the first is 0.
+  void step(std::int64_t position, double value)
+  {
+    if (points_.empty()) {
+      points_.push_back({ position, value });
+      return;
+    }
+    if (value == points_.back().value)
+      return;
+    hold(position);
+    if (points_.back().position > position) // the second of two steps in one millisecond or in two
+      position = points_.back().position;
+    points_.push_back({ position + 1, value });
+  }
+
+  /// The curve ends at `position`, at 0, with three points at least.
+  void finish(std::int64_t position)
+  {
+    step(position, 0);
+    if (points_.back().position < position)
+      hold(position);
+    if (points_.size() == 2 && position >= 2)
+      points_.insert(points_.begin() + 1, { 1, points_.front().value });
+    while (points_.size() < 3)
+      points_.push_back({ points_.back().position + 1, points_.back().value });
+  }
+
+  const std::vector<Point> &points() const
+  {
+    return points_;
+  }
+
+private:
+  void hold(std::int64_t position)
+  {
+    if (points_.back().position < position)
+      points_.push_back({ position, points_.back().value });
+  }
+
+  std::vector<Point> points_;
+};
+
+} // namespace tactile

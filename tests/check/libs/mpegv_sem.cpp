@@ -1,0 +1,149 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "tactile/formats/mpegv_sem.h"
+
+#include "tactile/formats/track_file.h"
+
+#include <fstream>
+#include <iterator>
+#include <regex>
+
+#include "track_samples.h"
+
+using namespace std::chrono_literals;
+using namespace tactile;
+
+namespace {
+
+std::string
+reference()
+{
+  std::ifstream file(data_file("seat9.sem.xml"));
+  return { std::istreambuf_iterator<char>(file), {} };
+}
+
+/// What is in a document whatever its layout and the order of its attributes: names, attributes and values, sorted.
+std::vector<std::string>
+words(const std::string &text)
+{
+  const std::string plain = std::regex_replace(text, std::regex("<!--[^>]*-->"), "");
+  const std::regex word("[^\\s<>\"=]+=\"[^\"]*\"|[^\\s<>]+");
+  std::vector<std::string> all{ std::sregex_token_iterator(plain.begin(), plain.end(), word), {} };
+  std::ranges::sort(all);
+  return all;
+}
+
+std::string
+document(const std::string &effects)
+{
+  std::string text = reference();
+  text.erase(text.find("<Effect"));
+  return text + effects + "</SEM>";
+}
+
+std::string
+effect(const std::string &attributes, const std::string &dim, const std::string &levels)
+{
+  return "\n<Effect xsi:type=\"sev:TactileType\" " + attributes
+         + "><sev:ArrayIntensity mpeg7:dim=\"" + dim + "\">" + levels
+         + "</sev:ArrayIntensity></Effect>";
+}
+
+} // namespace
+
+GST_START_TEST(test_reference_file)
+{
+  fail_unless(read_sem(reference()) == two_tactors());
+  fail_unless(words(write_sem(two_tactors())) == words(reference()), "%s",
+              write_sem(two_tactors()).c_str());
+}
+GST_END_TEST;
+
+GST_START_TEST(test_round_trip)
+{
+  for (unsigned seed = 0; seed < 100; seed++) {
+    const Track track = random_track(seed, 1ms, 0);
+    fail_unless(read_sem(write_sem(track)) == track, "seed %u", seed);
+  }
+  const Track empty(2, 5);
+  fail_unless(read_sem(write_sem(empty)) == empty);
+}
+GST_END_TEST;
+
+GST_START_TEST(test_rows_are_samples)
+{
+  const Track track = read_sem(document(
+      effect("si:pts=\"100\" duration=\"500\" timeSamples=\"4\"", "2 2", "\n0 0.5\n1 0\n")));
+  fail_unless(track.rows() == 1 && track.columns() == 2);
+  fail_unless_equals_float(track.at(100ms).at(0, 1), 0.5);
+  fail_unless_equals_float(track.at(349ms).at(0, 1), 0.5);
+  fail_unless_equals_float(track.at(350ms).at(0, 0), 1);
+  fail_unless(is_silent(track.at(600ms)));
+  const Track inactive = read_sem(
+      document(effect("activate=\"false\" si:pts=\"0\" duration=\"500\"", "1 2", "1 1")));
+  fail_unless(is_silent(inactive.at(0s)) && inactive.end() == 500ms);
+}
+GST_END_TEST;
+
+GST_START_TEST(test_refused)
+{
+  const std::string when = "si:pts=\"0\" duration=\"500\"";
+  ASSERT_COMPLAINT(read_sem(""), "line 1", "");
+  ASSERT_COMPLAINT(read_sem("<SEM>"), "line 1", "");
+  ASSERT_COMPLAINT(read_sem("<SEM/>"), "line 1", "SEM of MPEG-V");
+  ASSERT_COMPLAINT(read_sem(document("")), "line", "no effect");
+  ASSERT_COMPLAINT(read_sem(document("\n<Effect xsi:type=\"sev:WindType\"/>")), "line 9",
+                   "TactileType");
+  ASSERT_COMPLAINT(read_sem(document("\n<GroupOfEffects/>")), "line 9", "TactileType");
+  ASSERT_COMPLAINT(read_sem(document(effect("si:pts=\"0\"", "1 2", "0 0"))), "line 9",
+                   "'duration'");
+  ASSERT_COMPLAINT(read_sem(document(effect("si:pts=\"-1\" duration=\"1\"", "1 2", "0 0"))),
+                   "line 9", "'pts'");
+  ASSERT_COMPLAINT(
+      read_sem(document(effect("si:pts=\"9000000000000\" duration=\"1\"", "1 2", "0 0"))), "line 9",
+      "100 hours");
+  ASSERT_COMPLAINT(read_sem(document(effect(when, "1 2", "0 0 0"))), "line 9", "got 3");
+  ASSERT_COMPLAINT(read_sem(document(effect(when, "", "0"))), "line 9", "dim");
+  ASSERT_COMPLAINT(read_sem(document(effect(when, "1 2", "0 2"))), "line 9", "range");
+  ASSERT_COMPLAINT(read_sem(document(effect(when, "1 2", "0 nan"))), "line 9", "range");
+  ASSERT_COMPLAINT(read_sem(document(effect(when, "1 2", "0 0") + effect(when, "1 2", "0 0"))),
+                   "line 10", "overlaps");
+  ASSERT_COMPLAINT(read_sem(document(effect(when, "1 2", "0 0")
+                                     + effect("si:pts=\"500\" duration=\"1\"", "1 3", "0 0 0"))),
+                   "line 10", "2 tactors, got 3");
+  ASSERT_COMPLAINT(read_sem("<!DOCTYPE SEM [<!ENTITY a \"x\">]><SEM/>"), "line 1", "DTD");
+  ASSERT_COMPLAINT(
+      read_sem("<!DOCTYPE SEM [<!ENTITY a SYSTEM \"file:///etc/passwd\">]><SEM>&a;</SEM>"),
+      "line 1", "DTD");
+}
+GST_END_TEST;
+
+GST_START_TEST(test_format_by_name)
+{
+  fail_unless(track_format("/a.b/film.vtt") == TrackFormat::webvtt);
+  fail_unless(track_format("film.csv") == TrackFormat::csv);
+  fail_unless(track_format("film.hjif") == TrackFormat::hjif);
+  fail_unless(track_format("film.sem.xml") == TrackFormat::sem);
+  fail_unless(track_format("film.funscript") == TrackFormat::funscript);
+  ASSERT_COMPLAINT(track_format("film.xml"), "'film.xml'", ".sem.xml");
+  ASSERT_COMPLAINT(read_track_file("/nowhere/film.vtt"), "'/nowhere/film.vtt'", "No such file");
+  ASSERT_COMPLAINT(read_track("{}", TrackFormat::funscript), "a funscript", "one axis");
+  ASSERT_COMPLAINT(read_track_file(data_file("nowhere/")), "'", "expected a name");
+  fail_unless(read_track_file(data_file("seat9.sem.xml")) == two_tactors());
+}
+GST_END_TEST;
+
+static Suite *
+mpegv_sem_suite(void)
+{
+  Suite *suite = suite_create("mpegv_sem");
+  TCase *tests = tcase_create("general");
+  suite_add_tcase(suite, tests);
+  tcase_add_test(tests, test_reference_file);
+  tcase_add_test(tests, test_round_trip);
+  tcase_add_test(tests, test_rows_are_samples);
+  tcase_add_test(tests, test_refused);
+  tcase_add_test(tests, test_format_by_name);
+  return suite;
+}
+
+GST_CHECK_MAIN(mpegv_sem)

@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "tactile/track.h"
+
+#include <stdexcept>
+
+#include "track_samples.h"
+
+using namespace std::chrono_literals;
+using namespace tactile;
+
+namespace {
+
+template <typename Call>
+bool
+is_refused(Call call)
+{
+  try {
+    call();
+  } catch (const std::invalid_argument &) {
+    return true;
+  }
+  return false;
+}
+
+} // namespace
+
+GST_START_TEST(test_empty)
+{
+  const Track track(2, 3);
+  fail_unless(track.rows() == 2 && track.columns() == 3);
+  fail_unless(track.end() == 0s && track.entries().size() == 1);
+  fail_unless(is_silent(track.at(0s)) && is_silent(track.at(-1s)) && is_silent(track.at(1h)));
+}
+GST_END_TEST;
+
+GST_START_TEST(test_maps_hold_until_the_next)
+{
+  const Track track = two_tactors();
+  fail_unless_equals_int(track.entries().size(), 2);
+  fail_unless(is_silent(track.at(1000ms - 1ns)));
+  fail_unless_equals_float(track.at(1000ms).at(1, 1), 0.75);
+  fail_unless_equals_float(track.at(1400ms - 1ns).at(1, 2), 0.75);
+  fail_unless(is_silent(track.at(1400ms)));
+}
+GST_END_TEST;
+
+GST_START_TEST(test_one_form_for_one_course)
+{
+  const TactileMap a = make_map(1, 2, { 0.5F, 0 });
+  const TactileMap b = make_map(1, 2, { 0, 1 });
+  Track track(1, 2);
+  track.append(0s, a);
+  track.append(1s, a); // nothing new
+  track.append(2s, b);
+  track.append(2s, a); // instead of b: nothing new again
+  track.append(3s, b);
+  track.set_end(3s); // b does not last
+  Track same(1, 2);
+  same.append(0s, a);
+  same.set_end(3s);
+  fail_unless(track == same);
+  fail_unless_equals_int(track.entries().size(), 1);
+  same.set_end(0s);
+  fail_unless(same == Track(1, 2));
+}
+GST_END_TEST;
+
+GST_START_TEST(test_refused)
+{
+  Track track(1, 1);
+  const TactileMap map = make_map(1, 1, { 1 });
+  track.append(2s, map);
+  fail_unless(is_refused([&] { track.append(1s, map); }));
+  fail_unless(is_refused([&] { track.append(Track::kMaxEnd + 1ns, map); }));
+  fail_unless(is_refused([&] { track.append(3s, TactileMap(1, 2)); }));
+  fail_unless(is_refused([&] { track.set_end(-1ns); }));
+  fail_unless(is_refused([&] { track.set_end(Track::kMaxEnd + 1ns); }));
+  fail_if(is_refused([&] { track.append(Track::kMaxEnd, TactileMap(1, 1)); }));
+}
+GST_END_TEST;
+
+GST_START_TEST(test_resolution)
+{
+  Track track(1, 1);
+  track.append(1'999'999ns, make_map(1, 1, { 0.124F }));
+  track.append(2'500'000ns, make_map(1, 1, { 0.126F }));
+  track.append(9'000'000ns, make_map(1, 1, { 0.9F }));
+  track.set_end(9'900'000ns);
+  Track expected(1, 1);
+  expected.append(1ms, make_map(1, 1, { 0.12F }));
+  expected.append(2ms, make_map(1, 1, { 0.13F }));
+  expected.set_end(9ms); // the last map is shorter than a tick
+  fail_unless(at_resolution(track, 1ms, 100) == expected);
+  fail_unless(at_resolution(track, 1ns, 0) == track);
+}
+GST_END_TEST;
+
+static Suite *
+track_suite(void)
+{
+  Suite *suite = suite_create("track");
+  TCase *tests = tcase_create("general");
+  suite_add_tcase(suite, tests);
+  tcase_add_test(tests, test_empty);
+  tcase_add_test(tests, test_maps_hold_until_the_next);
+  tcase_add_test(tests, test_one_form_for_one_course);
+  tcase_add_test(tests, test_refused);
+  tcase_add_test(tests, test_resolution);
+  return suite;
+}
+
+GST_CHECK_MAIN(track)

@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+//
+// Tracks made up by a fuzzer, in one form a program (TRACK_FORM): what is read can be written and read again as the same track, what is
+// not is refused with a FormatError. Anything else ends the process.
+#include "tactile/klv.h"
+#include "tactile/text_cue.h"
+#include "tactile/track_edit.h"
+
+#ifndef TRACK_FORM_KLV
+#include "tactile/formats/track_file.h"
+#endif
+
+#include <cstdint>
+#include <cstdlib>
+#include <string_view>
+
+using namespace tactile;
+
+namespace {
+
+void
+expect(bool holds)
+{
+  if (!holds)
+    std::abort();
+}
+
+#ifdef TRACK_FORM_KLV
+void
+check(std::string_view bytes)
+{
+  const Cue cue = read_klv({ reinterpret_cast<const std::uint8_t *>(bytes.data()), bytes.size() });
+  expect(read_klv(write_klv(cue.map, cue.end)) == cue);
+}
+#else
+void
+check(std::string_view bytes)
+{
+  constexpr auto kForm = TrackFormat::TRACK_FORM;
+  const Track track = read_track(bytes, kForm);
+  expect(track.entries().front().time == Time(0));
+  for (const Track::Entry &entry : track.entries()) {
+    expect(entry.map.rows == track.rows() && entry.map.columns == track.columns());
+    for (const float level : entry.map.levels)
+      expect(level >= 0 && level <= 1);
+  }
+  // Twice, for a form may round once.
+  const Track again = read_track(write_track(track, kForm, "2026-01-01"), kForm);
+  const Track once_more = read_track(write_track(again, kForm, "2026-01-01"), kForm);
+  expect(once_more.entries() == again.entries() && once_more.end() == again.end());
+  expect(diff(again, once_more).empty());
+}
+#endif
+
+} // namespace
+
+extern "C" int
+LLVMFuzzerTestOneInput(const std::uint8_t *data, std::size_t size)
+{
+  try {
+    check({ reinterpret_cast<const char *>(data), size });
+  } catch (const FormatError &error) {
+    expect(error.what()[0] != '\0');
+  }
+  return 0;
+}

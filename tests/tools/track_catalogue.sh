@@ -1,0 +1,45 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: LGPL-2.1-or-later
+# A catalogue of films by GNU parallel: films in sub-folders, names that a shell could take apart, one that is broken; stopped and gone on.
+# shellcheck source=common.sh
+. "$(dirname "$0")/common.sh"
+PATH=$(dirname "$PLAY"):$PATH
+catalogue=$here/../../pipelines/author-catalogue.sh
+
+generated() {
+  gst-launch-1.0 -q tactiletestsrc seed="$2" num-buffers=60 ! video/x-raw,width=160,height=120,framerate=30/1 \
+    ! x264enc speed-preset=ultrafast ! matroskamux ! filesink location=made.mkv
+  mkdir -p "$(dirname "$1")"
+  mv made.mkv "$1"
+}
+
+generated films/one.mkv 1
+generated "films/b/two three.mkv" 2
+generated $'films/b/it\'s \$HOME; "four".mkv' 3
+echo "This is no film." >films/broken.mp4
+
+status=0
+"$catalogue" --jobs 2 films tracks >out 2>err || status=$?
+expect_status 1
+expect_line out '^one\.mkv +2\.000 +[0-9]+ %$'
+expect_line out '^b/two three\.mkv +2\.000'
+expect_line out '^broken\.mp4 +no track$'
+expect_line out '^1 without a track$'
+expect_line err 'broken.mp4'
+[ "$(find tracks -name '*.vtt' | wc -l)" -eq 3 ] || fail "$(find tracks)"
+
+rm films/broken.mp4 tracks/one.mkv.vtt
+"$catalogue" --jobs 2 films tracks -- --rows=2 >out 2>err || fail "$(cat out err)"
+expect_line out 'two three.mkv.vtt: there already'
+expect_line out '^0 without a track$'
+expect_line tracks/one.mkv.vtt 'grid=2x3'
+expect_line "tracks/b/two three.mkv.vtt" 'grid=3x3'
+
+# A task of Slurm's array is one of the films, in the list's order.
+rm -r tracks
+for i in 0 1 2; do
+  SLURM_ARRAY_TASK_ID=$i "$catalogue" --task films tracks -- -q
+done
+"$catalogue" --table films tracks >out || fail "$(cat out)"
+expect_line out '^0 without a track$'
+echo "a catalogue of 4 films: passed"

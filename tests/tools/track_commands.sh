@@ -1,0 +1,230 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: LGPL-2.1-or-later
+# What tactile-track does with films and tracks: drafts, forms, edits, pictures, films that carry a track, and their commands.
+# shellcheck source=common.sh
+. "$(dirname "$0")/common.sh"
+export SOURCE_DATE_EPOCH=0
+
+track() {
+  play "$@"
+  expect_status 0
+}
+
+# commands NAME LAUNCH_LINE: NAME.csv gets what a simulated chair is told, effect, tactor and volts
+commands() {
+  # shellcheck disable=SC2086
+  timeout 60 gst-launch-1.0 -q $2 ! tactorsink driver=simulator sync=false trace-location="$1.trace" >"$1.log" 2>&1 || fail "$1: $(cat "$1.log")"
+  expect_commands "$1.trace" any
+  cut -d, -f3- "$1.trace" | sort -t, -n >"$1.csv"
+}
+
+# Line by line the same tactors at the same times, volts within the half percent to which text cues are rounded.
+expect_same_commands() {
+  paste -d, "$1.csv" "$2.csv" | awk -F, '
+    function off(a, b) { return a > b ? a - b : b - a }
+    NF != 6 || off($1, $4) > 1e6 || $2 != $5 || off($3, $6) > 0.016 { print "line " NR ": " $0; exit 1 }' || fail "$1 and $2 differ"
+  [ "$(wc -l <"$1.csv")" -gt 3 ] || fail "there are hardly any commands"
+}
+
+author_plays_as_the_film() {
+  track author "$work/film.mkv" -o film.vtt -q
+  # But for changes within the half percent, of which a text cue knows nothing, and parts of a millisecond.
+  commands film "uridecodebin uri=file://$work/film.mkv ! videoconvert ! saliencytactile"
+  commands track "filesrc location=film.vtt ! subparse ! tactileconverter"
+  "$PYTHON" "$here/same_commands.py" film.trace track.trace 0.016 1 || fail "the track does not play as the film does"
+  track validate film.vtt
+  expect_line out '^film.vtt: valid, 3 x 3, 6\.000 s$'
+  "$PYTHON" -c 'import sys, webvtt; cues = webvtt.read("film.vtt"); sys.exit(not (len(cues) > 3 and cues[0].start == "00:00:00.000"))' || fail "another reader of WebVTT does not take it"
+  track convert film.vtt -o film.csv
+  awk -F, 'NR > 2 && $1 % 200 > 34 { print "change at " $1 " ms"; exit 1 }' film.csv || fail "not in blocks of 200 ms"
+}
+
+carriers() {
+  local name
+  track author "$work/film.mkv" -o film.vtt -q
+  commands side "filesrc location=film.vtt ! subparse ! tactileconverter"
+  for name in film.mkv film.mp4 film.ts; do
+    track mux "$work/film.mkv" film.vtt -o "$name"
+  done
+  commands mkv "filesrc location=film.mkv ! matroskademux name=d d.subtitle_0 ! queue ! tactileconverter"
+  commands mp4 "filesrc location=film.mp4 ! qtdemux name=d d.subtitle_0 ! queue ! tactileconverter"
+  # The picture, too, for the stream's clock is its.
+  commands ts "filesrc location=film.ts ! tsdemux name=d d.video_0_0041 ! queue max-size-bytes=0 max-size-time=0 max-size-buffers=0 ! fakesink d.private_0_0042 ! queue max-size-bytes=0 max-size-time=0 max-size-buffers=0 ! tactileconverter"
+  expect_same_commands side mkv
+  expect_same_commands side mp4
+  expect_same_commands side ts
+}
+
+# A film with a track as its subtitles, in a player, by the tactorsink as text sink: in real time.
+players() {
+  local source fake="fakesink sync=true"
+  track author "$work/film.mkv" -o film.vtt -q
+  track mux "$work/film.mkv" film.vtt -o carrier.mkv
+  commands side "filesrc location=film.vtt ! subparse ! tactileconverter"
+  for source in "uri=file://$PWD/carrier.mkv" "uri=file://$work/film.mkv suburi=file://$PWD/film.vtt"; do
+    # shellcheck disable=SC2086
+    timeout 60 gst-launch-1.0 -q playbin $source video-sink="$fake" \
+      text-sink="tactileconverter ! tactorsink driver=simulator ramp-in=0 trace-location=player.trace" >log 2>&1 || fail "$(cat log)"
+    cut -d, -f3- player.trace | sort -t, -n >player.csv
+    expect_same_commands side player
+  done
+}
+
+forms() {
+  local form
+  track author "$work/film.mkv" -o film.csv -q --rate 0 -r 4 -c 6
+  for form in vtt hjif sem.xml; do
+    track convert film.csv -o "there.$form"
+    track convert "there.$form" -o back.csv
+    # To half a percent; a form that cuts times down to milliseconds differs for a part of one.
+    play diff film.csv back.csv --tolerance 0.51
+    awk '/^[0-9.]+ - / { if ($3 - $1 > 0.0011) { print; exit 1 } }' out || fail "$form"
+    track convert "there.$form" -o "again.$form"
+    cmp "there.$form" "again.$form"
+  done
+  track convert film.csv -o film.funscript
+  "$PYTHON" -m json.tool film.funscript >/dev/null
+}
+
+edits() {
+  track author "$work/film.mkv" -o film.vtt -q
+  cp film.vtt before.vtt
+  track edit film.vtt -o edited.vtt --prune-shorter=0.3 --shift=0.5 --scale=0.5 --mask=r0c0,r2c2
+  cmp film.vtt before.vtt
+  # The same in steps.
+  track edit film.vtt -o a.csv --prune-shorter=0.3
+  track edit a.csv -o b.csv --shift=0.5
+  track edit b.csv -o c.csv --scale=0.5
+  track edit c.csv -o stepwise.vtt --mask=r0c0 --mask=r2c2
+  cmp edited.vtt stepwise.vtt
+  # In the order in which they are given: what is scaled first is pruned.
+  track edit film.vtt -o order.vtt --scale=0.1 --prune-weaker=50
+  track info order.vtt
+  expect_line out '^Felt +0\.000 s'
+  play diff film.vtt edited.vtt
+  expect_status 1
+  expect_line out 'r[0-2]c[0-2] [0-9]+ > [0-9]+'
+  play diff film.vtt before.vtt
+  expect_status 0
+  track edit film.vtt --in-place --clip=1-2
+  track info film.vtt
+  expect_line out '^Length +1\.000 s'
+  track edit edited.vtt -o coarse.csv --resample=1x1 --quantise=4 --merge=5 --limit=1,0.5 --silence=0-1 --overlay-max=before.vtt
+  track info coarse.csv
+  expect_line out '^Grid +1 x 1'
+}
+
+# An editor's work on the text itself: a cue deleted, one moved.
+by_hand() {
+  track author "$work/film.mkv" -o film.vtt -q
+  awk 'BEGIN { RS = ""; ORS = "\n\n" } NR != 5' film.vtt >edited.vtt
+  track validate edited.vtt
+  play diff film.vtt edited.vtt
+  expect_status 1
+  expect_line out '^1 differences|^[0-9.]+ - [0-9.]+'
+}
+
+pictures() {
+  track author "$work/film.mkv" -o film.vtt -q
+  track plot film.vtt -o film.svg
+  expect_line film.svg '<svg'
+  track plot film.vtt -o film.png --film "$work/film.mkv"
+  expect_strip film.png
+  track preview "$work/film.mkv" film.vtt -o preview.mkv
+  expect_recording preview.mkv 5.8 6.2
+}
+
+# On the chair, in real time.
+chair() {
+  track author "$work/film.mkv" -o film.vtt -q
+  commands side "filesrc location=film.vtt ! subparse ! tactileconverter"
+  track preview "$work/film.mkv" film.vtt --chair "driver=simulator ramp-in=0 trace-location=chair.trace"
+  "$PYTHON" "$here/same_commands.py" side.trace chair.trace 0.016 34 || fail "the chair does not do what the track says" # a frame
+}
+
+batch() {
+  mkdir films tracks
+  cp "$work/film.mkv" films/one.mkv
+  cp "$work/film.mkv" films/two.mkv
+  head -c 1000 "$work/film.mkv" >films/broken.mkv
+  play author films/*.mkv -o tracks
+  expect_status 1
+  expect_line err 'broken.mkv'
+  expect_only tracks one.vtt two.vtt
+  cmp tracks/one.vtt tracks/two.vtt
+  touch -d '+1 hour' films/two.mkv
+  play author films/one.mkv films/two.mkv -o tracks
+  expect_status 0
+  expect_line out 'tracks/one.vtt: there already'
+  expect_line out 'tracks/two.vtt: .* times real time'
+}
+
+# Stopped once the first of a dozen tracks is there: what is there is complete, and the same command goes on.
+interrupted() {
+  local i pid status=0
+  mkdir films
+  for i in a b c d e f g h i j k l; do
+    ln "$work/film.mkv" "films/$i.mkv" 2>/dev/null || cp "$work/film.mkv" "films/$i.mkv"
+  done
+  "$PLAY" author -j 1 films/*.mkv -o tracks >out 2>err &
+  pid=$!
+  until [ -e tracks/a.vtt ]; do
+    kill -0 "$pid" || fail "it ended: $(cat err)"
+    sleep 0.02
+  done
+  kill -INT "$pid"
+  wait "$pid" || status=$?
+  [ "$status" -eq 130 ] || fail "status $status; it said: $(cat out err)"
+  [ ! -e tracks/l.vtt ] || fail "it was not stopped"
+  [ "$(find tracks -name '.*.part' | wc -l)" -eq 0 ] || fail "$(find tracks)"
+  track validate tracks/*.vtt
+  track author films/*.mkv -o tracks
+  expect_line out '^tracks/a.vtt: there already$'
+  [ "$(find tracks -name '*.vtt' | wc -l)" -eq 12 ] || fail "$(find tracks)"
+}
+
+# refuses STATUS PATTERN ARGUMENTS ...
+refuses() {
+  local expected=$1 pattern=$2
+  shift 2
+  echo kept >kept.vtt
+  play "$@"
+  expect_status "$expected"
+  [ "$(wc -l <err)" -eq 1 ] || fail "not one line: $(cat err)"
+  expect_line err "^tactile-track: .*$pattern"
+  [ "$(cat kept.vtt)" = kept ] || fail "kept.vtt was changed"
+}
+
+# With our own film: these tests are not run where gst-launch-1.0 cannot load its plugin.
+gst-launch-1.0 -q tactiletestsrc num-buffers=180 ! video/x-raw,width=320,height=240,framerate=30/1 ! x264enc speed-preset=ultrafast key-int-max=10 \
+  ! matroskamux ! filesink location=film.mkv
+printf 'WEBVTT\n\n00:01.000 --> 00:02.000\nWho is there?\n' >subtitles.vtt
+printf 'WEBVTT\n\n00:01.000 --> 00:02.000\n1 2\n3 4\n' >good.vtt
+
+echo '{}' >good.vtt.funscript
+
+start author author_plays_as_the_film
+start carriers carriers
+start players players
+start forms forms
+start edits edits
+start by_hand by_hand
+start pictures pictures
+start chair chair
+start batch batch
+start interrupted interrupted
+start no_command refuses 2 "no command 'sing'" sing
+start no_film refuses 1 "there is no film" mux nowhere.mkv "$work/good.vtt" -o kept.vtt.mkv
+start no_output refuses 2 "expected -o" author "$work/film.mkv"
+start bad_form refuses 1 "'x.txt'" author "$work/film.mkv" -o x.txt
+start bad_rows refuses 2 "--rows" author "$work/film.mkv" -o kept.vtt --rows=0
+start subtitles refuses 1 "subtitles.vtt': line 4: .*'Who'" convert "$work/subtitles.vtt" -o kept.vtt
+start overwrite refuses 2 "--in-place" edit "$work/good.vtt" -o "$work/good.vtt" --shift=1
+start bad_shift refuses 2 "--shift" edit "$work/good.vtt" -o kept.vtt --shift=soon
+start bad_mask refuses 2 "no cell r9c9" edit "$work/good.vtt" -o kept.vtt --mask=r9c9
+start bad_grid refuses 2 "--resample" edit "$work/good.vtt" -o kept.vtt --resample=0x65
+start bad_clip refuses 2 "--clip" edit "$work/good.vtt" -o kept.vtt --clip=2-1
+start funscript_in refuses 1 "one axis" convert "$work/good.vtt.funscript" -o kept.vtt
+start bad_container refuses 2 "ends in .mkv" mux "$work/film.mkv" "$work/good.vtt" -o kept.avi
+start bad_picture refuses 2 ".png or .svg" plot "$work/good.vtt" -o kept.jpg
+finish

@@ -1,0 +1,426 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+//
+// author: films in, first drafts of their tracks out, as fast as the machine allows.
+#include "../visuotactile-play/film.h"
+#include "../visuotactile-play/output.h"
+#include "commands.h"
+#include "pipeline.h"
+#include "tactile/formats/track_file.h"
+
+#include <glib-unix.h>
+#include <gst/app/gstappsink.h>
+#include <gst/tactile/tactile.h>
+
+#include <algorithm>
+#include <atomic>
+#include <csignal>
+#include <cstdio>
+#include <filesystem>
+#include <limits>
+#include <optional>
+#include <set>
+#include <unistd.h>
+
+namespace fs = std::filesystem;
+using tactile::Time;
+using tactile::Track;
+
+namespace {
+
+struct Settings
+{
+  double rate = 5;
+  int rows = 3;
+  int columns = 3;
+  std::string profile = "tuned";
+  bool quiet = false;
+};
+
+/// Makes a track of a stream of maps. As tactorsink does, it takes them in blocks of 1 / rate: a block begins with the first map of which
+/// more than half lies beyond the block's start, and has that map's levels.
+class Recorder
+{
+public:
+  explicit Recorder(const Settings &settings)
+      : track_(settings.rows, settings.columns), rate_(settings.rate)
+  {
+    track_.set_rate(settings.rate);
+  }
+
+  void add(Time time, Time duration, const tactile::TactileMap &map)
+  {
+    const bool is_first = !first_;
+    if (is_first)
+      first_ = time;
+    const auto passed = std::chrono::duration<double>(time - *first_ + duration / 2).count();
+    if (is_first || rate_ <= 0 || passed * rate_ >= static_cast<double>(next_block_)) {
+      track_.append(std::max(time, track_.end()), map);
+      next_block_ = rate_ > 0 ? static_cast<std::int64_t>(passed * rate_) + 1 : 0;
+    }
+    end_ = std::max(end_, time + duration);
+  }
+
+  Track finish()
+  {
+    track_.set_end(std::max(end_, track_.end()));
+    return track_;
+  }
+
+private:
+  Track track_;
+  double rate_;
+  std::optional<Time> first_;
+  std::int64_t next_block_ = 0;
+  Time end_{ 0 };
+};
+
+/// A film whose track is being made.
+class Job
+{
+public:
+  Job(std::string film, std::string output, const Settings &settings)
+      : film_(std::move(film)), output_(std::move(output)), settings_(settings)
+  {
+  }
+  ~Job()
+  {
+    stop();
+  }
+  Job(const Job &) = delete;
+  Job &operator=(const Job &) = delete;
+
+  const std::string &film() const
+  {
+    return film_;
+  }
+  const std::string &output() const
+  {
+    return output_;
+  }
+
+  /// Whether the track is there already, and later than its film.
+  bool is_done() const
+  {
+    std::error_code no_film;
+    std::error_code no_track;
+    const auto film_time = fs::last_write_time(film_, no_film);
+    const auto track_time = fs::last_write_time(output_, no_track);
+    return !no_track && (no_film || track_time >= film_time);
+  }
+
+  /// Begins. `finished` is called from the main loop at the end, with why it failed, if it did. Throws std::runtime_error.
+  void start(std::function<void(Job &, const std::string &)> finished)
+  {
+    const Film film = discover_film(film_);
+    finished_ = std::move(finished);
+    duration_ = film.duration;
+    recorder_.emplace(settings_);
+    began_ = g_get_monotonic_time();
+    pipeline_ = make_pipeline(
+        film_source(film)
+        + " film. ! queue ! videoconvert ! saliencytactile rows=" + std::to_string(settings_.rows)
+        + " columns=" + std::to_string(settings_.columns) + " profile=" + settings_.profile
+        + " ! tactileextractor name=split split.tactile ! appsink name=maps sync=false");
+    const Owned<GstElement> sink = element(pipeline_, "maps");
+    GstAppSinkCallbacks callbacks{};
+    callbacks.new_sample = [](GstAppSink *maps, gpointer self) {
+      return static_cast<Job *>(self)->on_map(maps);
+    };
+    gst_app_sink_set_callbacks(GST_APP_SINK(sink.get()), &callbacks, this, nullptr);
+    const Owned<GstBus> bus(gst_element_get_bus(pipeline_.get()));
+    watch_ = gst_bus_add_watch(
+        bus.get(),
+        +[](GstBus *, GstMessage *message, gpointer self) {
+          return static_cast<Job *>(self)->on_message(message);
+        },
+        this);
+    if (gst_element_set_state(pipeline_.get(), GST_STATE_PLAYING) == GST_STATE_CHANGE_FAILURE)
+      throw std::runtime_error("'" + film_ + "' cannot be played");
+  }
+
+  void stop()
+  {
+    if (watch_)
+      g_source_remove(watch_);
+    watch_ = 0;
+    if (pipeline_)
+      gst_element_set_state(pipeline_.get(), GST_STATE_NULL);
+    pipeline_.reset();
+  }
+
+  /// How much of the film is done, 0 to 1.
+  double progress() const
+  {
+    return duration_ > 0 && GST_CLOCK_TIME_IS_VALID(duration_) ? std::min(
+               static_cast<double>(position_.load()) / static_cast<double>(duration_), 1.0)
+                                                               : 0;
+  }
+
+  /// Seconds of film, and seconds that they took.
+  std::pair<double, double> times() const
+  {
+    return { static_cast<double>(position_.load()) / GST_SECOND,
+             static_cast<double>(g_get_monotonic_time() - began_) / G_USEC_PER_SEC };
+  }
+
+private:
+  /// On the streaming thread.
+  GstFlowReturn on_map(GstAppSink *maps)
+  {
+    GstSample *sample = gst_app_sink_pull_sample(maps);
+    if (!sample)
+      return GST_FLOW_EOS;
+    GstBuffer *buffer = gst_sample_get_buffer(sample);
+    guint rows = 0;
+    guint columns = 0;
+    g_autofree gfloat *levels = nullptr;
+    gsize count = 0;
+    const GstClockTime time = gst_segment_to_stream_time(gst_sample_get_segment(sample),
+                                                         GST_FORMAT_TIME, GST_BUFFER_PTS(buffer));
+    GstFlowReturn flow = GST_FLOW_OK;
+    if (GST_CLOCK_TIME_IS_VALID(time)
+        && gst_tactile_map_caps_parse(gst_sample_get_caps(sample), &rows, &columns, nullptr,
+                                      nullptr)
+        && gst_tactile_map_buffer_get_levels(buffer, rows, columns, &levels, &count)) {
+      tactile::TactileMap map(static_cast<int>(rows), static_cast<int>(columns));
+      map.levels.assign(levels, levels + count);
+      const GstClockTime duration
+          = GST_BUFFER_DURATION_IS_VALID(buffer) ? GST_BUFFER_DURATION(buffer) : 0;
+      try {
+        recorder_->add(Time(static_cast<Time::rep>(time)), Time(static_cast<Time::rep>(duration)),
+                       map);
+      } catch (const std::exception &error) {
+        GST_ELEMENT_ERROR(GST_ELEMENT(maps), STREAM, FAILED, ("%s", error.what()), (nullptr));
+        flow = GST_FLOW_ERROR;
+      }
+      position_ = time + duration;
+    }
+    gst_sample_unref(sample);
+    return flow;
+  }
+
+  gboolean on_message(GstMessage *message)
+  {
+    std::string failure;
+    if (GST_MESSAGE_TYPE(message) == GST_MESSAGE_ERROR) {
+      g_autoptr(GError) error = nullptr;
+      gst_message_parse_error(message, &error, nullptr);
+      failure = error->message;
+    } else if (GST_MESSAGE_TYPE(message) != GST_MESSAGE_EOS) {
+      return G_SOURCE_CONTINUE;
+    }
+    gst_element_set_state(pipeline_.get(), GST_STATE_NULL);
+    if (failure.empty() && position_.load() == 0)
+      failure = "no frame can be decoded";
+    if (failure.empty()) {
+      try {
+        write_track_file(recorder_->finish(), output_);
+      } catch (const std::exception &error) {
+        failure = error.what();
+      }
+    }
+    watch_ = 0;
+    finished_(*this, failure);
+    return G_SOURCE_REMOVE;
+  }
+
+  std::string film_;
+  std::string output_;
+  Settings settings_;
+  std::function<void(Job &, const std::string &)> finished_;
+  GstClockTime duration_ = 0;
+  gint64 began_ = 0; ///< µs
+  std::optional<Recorder> recorder_;
+  std::atomic<GstClockTime> position_{ 0 };
+  guint watch_ = 0;
+  Owned<GstElement> pipeline_;
+};
+
+/// Several films, a number of them at a time.
+class Batch
+{
+public:
+  Batch(std::vector<std::unique_ptr<Job>> jobs, std::size_t at_a_time, bool quiet)
+      : jobs_(std::move(jobs)), at_a_time_(at_a_time), quiet_(quiet),
+        loop_(g_main_loop_new(nullptr, FALSE))
+  {
+  }
+  ~Batch()
+  {
+    g_main_loop_unref(loop_);
+  }
+  Batch(const Batch &) = delete;
+  Batch &operator=(const Batch &) = delete;
+
+  /// The exit status.
+  int run()
+  {
+    std::vector<guint> sources;
+    for (const int number : { SIGINT, SIGTERM })
+      sources.push_back(g_unix_signal_add(
+          number,
+          +[](gpointer self) -> gboolean {
+            static_cast<Batch *>(self)->stopped_ = true;
+            g_main_loop_quit(static_cast<Batch *>(self)->loop_);
+            return G_SOURCE_CONTINUE;
+          },
+          this));
+    if (!quiet_ && isatty(STDERR_FILENO))
+      sources.push_back(g_timeout_add(
+          500, +[](gpointer self) { return static_cast<Batch *>(self)->show_progress(); }, this));
+    start_more();
+    if (running_ > 0)
+      g_main_loop_run(loop_);
+    for (const auto &job : jobs_)
+      job->stop();
+    for (const guint source : sources)
+      g_source_remove(source);
+    if (stopped_) {
+      std::fprintf(stderr, "tactile-track: stopped; the same command goes on from here\n");
+      return 130;
+    }
+    return failed_ > 0 ? 1 : 0;
+  }
+
+private:
+  void start_more()
+  {
+    while (running_ < at_a_time_ && next_ < jobs_.size()) {
+      Job &job = *jobs_[next_++];
+      try {
+        job.start([this](Job &ended, const std::string &failure) { finished(ended, failure); });
+        running_++;
+      } catch (const std::exception &error) {
+        fail(job, error.what());
+      }
+    }
+  }
+
+  void fail(const Job &job, const std::string &reason)
+  {
+    failed_++;
+    std::fprintf(stderr, "tactile-track: %s: %s\n", job.film().c_str(), reason.c_str());
+  }
+
+  void finished(Job &job, const std::string &failure)
+  {
+    running_--;
+    if (!failure.empty()) {
+      fail(job, failure);
+    } else if (!quiet_) {
+      const auto [film, taken] = job.times();
+      std::printf("%s: %.1f s of film in %.1f s, %.1f times real time\n", job.output().c_str(),
+                  film, taken, film / std::max(taken, 1e-3));
+      std::fflush(stdout);
+    }
+    start_more();
+    if (running_ == 0)
+      g_main_loop_quit(loop_);
+  }
+
+  gboolean show_progress()
+  {
+    double done = 0;
+    for (std::size_t i = 0; i < next_; i++)
+      done += jobs_[i]->progress();
+    std::fprintf(stderr, "\r\033[K%3.0f %% of %zu films\r",
+                 100 * done / static_cast<double>(jobs_.size()), jobs_.size());
+    return G_SOURCE_CONTINUE;
+  }
+
+  std::vector<std::unique_ptr<Job>> jobs_;
+  std::size_t at_a_time_;
+  bool quiet_;
+  GMainLoop *loop_;
+  std::size_t next_ = 0;
+  std::size_t running_ = 0;
+  int failed_ = 0;
+  bool stopped_ = false;
+};
+
+/// The track's name for each film: `output` itself, or in that folder the film's name with another ending.
+std::vector<std::string>
+output_names(const std::vector<std::string> &films, const std::string &output,
+             const std::string &ending)
+{
+  std::error_code error;
+  if (films.size() == 1 && !fs::is_directory(output, error)) {
+    tactile::track_format(output);
+    return { output };
+  }
+  tactile::track_format("x" + ending);
+  prepare_directory(output);
+  std::vector<std::string> names;
+  std::set<std::string> taken;
+  for (const std::string &film : films) {
+    names.push_back((fs::path(output) / fs::path(film).stem()).string() + ending);
+    if (!taken.insert(names.back()).second)
+      throw UsageError("two films would be '" + names.back() + "'");
+  }
+  return names;
+}
+
+} // namespace
+
+int
+author(int argc, char **argv)
+{
+  TextOption output;
+  TextOption ending;
+  TextOption profile;
+  Settings settings;
+  gint jobs = 0;
+  gboolean force = FALSE;
+  gboolean quiet = FALSE;
+  const GOptionEntry entries[] = {
+    { "output", 'o', 0, G_OPTION_ARG_FILENAME, &output.value,
+      "The track, or for several films the folder of their tracks", "TRACK" },
+    { "form", 0, 0, G_OPTION_ARG_STRING, &ending.value,
+      "Ending of tracks in a folder (default: .vtt)", "ENDING" },
+    { "rows", 'r', 0, G_OPTION_ARG_INT, &settings.rows, "Rows of tactors, 1 to 64 (default: 3)",
+      "N" },
+    { "columns", 'c', 0, G_OPTION_ARG_INT, &settings.columns,
+      "Columns of tactors, 1 to 64 (default: 3)", "N" },
+    { "rate", 0, 0, G_OPTION_ARG_DOUBLE, &settings.rate,
+      "How often levels may change, in Hz; 0: with every frame (default: 5)", "HZ" },
+    { "profile", 'p', 0, G_OPTION_ARG_STRING, &profile.value,
+      "How saliency is computed: tuned (default) or paper", "NAME" },
+    { "jobs", 'j', 0, G_OPTION_ARG_INT, &jobs,
+      "Films at a time (default: as many as there are processors)", "N" },
+    { "force", 'f', 0, G_OPTION_ARG_NONE, &force,
+      "Make tracks anew that are there, and later than their films", nullptr },
+    { "quiet", 'q', 0, G_OPTION_ARG_NONE, &quiet, "Say only what goes wrong", nullptr },
+    {},
+  };
+  const std::vector<std::string> films = parse_options(
+      argc, argv, entries, "FILM... -o TRACK",
+      "Makes tracks of films: what visuotactile-play would play, at the same times.\nTracks appear "
+      "when they are complete. Those that are there are left as they are, so that a batch that was "
+      "stopped goes on.\nThe status is 0 if there is a track for every film, 130 after Ctrl-C.",
+      1, std::numeric_limits<std::size_t>::max());
+  if (!output.given())
+    throw UsageError("expected -o TRACK");
+  if (settings.rows < 1 || settings.rows > 64 || settings.columns < 1 || settings.columns > 64)
+    throw UsageError("--rows and --columns are whole numbers from 1 to 64");
+  if (!(settings.rate >= 0 && settings.rate <= 1000))
+    throw UsageError("--rate is a number of Hz from 0 to 1000");
+  settings.profile = profile.text("tuned");
+  if (settings.profile != "tuned" && settings.profile != "paper")
+    throw UsageError("--profile is tuned or paper");
+  if (jobs < 0 || jobs > 1024)
+    throw UsageError("--jobs is a number from 1 to 1024");
+  gst_init(nullptr, nullptr);
+
+  const std::vector<std::string> names = output_names(films, output.text(), ending.text(".vtt"));
+  std::vector<std::unique_ptr<Job>> work;
+  for (std::size_t i = 0; i < films.size(); i++) {
+    auto job = std::make_unique<Job>(films[i], names[i], settings);
+    if (force || !job->is_done())
+      work.push_back(std::move(job));
+    else if (!quiet)
+      std::printf("%s: there already\n", names[i].c_str());
+  }
+  return Batch(std::move(work), jobs > 0 ? static_cast<std::size_t>(jobs) : g_get_num_processors(),
+               quiet)
+      .run();
+}

@@ -1,0 +1,210 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+//
+// preview, mux: films with a track.
+#include "../visuotactile-play/film.h"
+#include "../visuotactile-play/output.h"
+#include "commands.h"
+#include "pipeline.h"
+#include "tactile/formats/track_file.h"
+
+#include <algorithm>
+#include <atomic>
+#include <cstdio>
+#include <mutex>
+
+namespace {
+
+constexpr const char *kLookahead
+    = "queue max-size-bytes=0 max-size-buffers=0 max-size-time=2000000000";
+
+/// Plays to the end with the file as location of the element named so; keeps it if `is_film` says so then.
+int
+write_film(
+    const Owned<GstElement> &pipeline, const std::string &path, GstClockTime duration,
+    const std::function<bool()> &is_film = [] { return true; })
+{
+  const auto [folder, name] = folder_and_name(path);
+  Output output(folder, name);
+  if (const Owned<GstElement> file = element(pipeline, "file"))
+    g_object_set(file.get(), "location", output.part_path().c_str(), nullptr);
+  if (!run_to_end(pipeline, duration))
+    return 130;
+  if (!is_film())
+    throw std::runtime_error("'" + path + "' can hold no stream of the film");
+  output.commit();
+  return 0;
+}
+
+/// The parser that brings a stream into the form that a muxer wants.
+std::string
+parser_of(const GstStructure *structure)
+{
+  gint version = 0;
+  gst_structure_get_int(structure, "mpegversion", &version);
+  const std::string name = gst_structure_get_name(structure);
+  const std::string parser = name == "video/x-h264"                 ? "h264parse"
+                             : name == "video/x-h265"               ? "h265parse"
+                             : name == "audio/mpeg" && version == 1 ? "mpegaudioparse"
+                             : name == "audio/mpeg"                 ? "aacparse"
+                                                                    : "";
+  GstElementFactory *factory = parser.empty() ? nullptr : gst_element_factory_find(parser.c_str());
+  if (!factory)
+    return "identity";
+  gst_object_unref(factory);
+  return parser;
+}
+
+struct Muxing
+{
+  GstElement *pipeline;
+  GstElement *muxer;
+  GstElement *source; ///< of the track
+  GstElement *last;   ///< of the track's branch
+  const tactile::Track &track;
+  CueForm form;
+  std::atomic<int> taken{ 0 }; ///< streams
+  std::once_flag begun{};
+};
+
+/// The first data of the film: all of its streams are linked now. The track comes after them, for a transport stream takes its clock
+/// from the first; then the muxer may begin.
+GstPadProbeReturn
+begin_track(GstPad *, GstPadProbeInfo *, gpointer data)
+{
+  auto *muxing = static_cast<Muxing *>(data);
+  std::call_once(muxing->begun, [&] {
+    if (!gst_element_link_pads(muxing->last, "src", muxing->muxer,
+                               muxing->form == CueForm::klv ? "sink_%d" : "subtitle_%u"))
+      GST_ELEMENT_ERROR(muxing->muxer, STREAM, FAILED, ("The file cannot hold a track."),
+                        (nullptr));
+    feed_track(muxing->source, muxing->track, muxing->form);
+  });
+  return GST_PAD_PROBE_REMOVE;
+}
+
+/// Takes a stream of the film over into the muxer as it is. Those that it cannot hold are left out, with a word about it.
+void
+take_stream(GstElement *, GstPad *pad, gpointer data)
+{
+  auto *muxing = static_cast<Muxing *>(data);
+  GstCaps *caps = gst_pad_get_current_caps(pad);
+  if (!caps)
+    caps = gst_pad_query_caps(pad, nullptr);
+  const std::string line = parser_of(gst_caps_get_structure(caps, 0)) + " ! " + kLookahead;
+  Owned<GstElement> branch(gst_parse_bin_from_description(line.c_str(), TRUE, nullptr));
+  GstElement *bin = branch.get();
+  gst_object_ref_sink(bin);
+  gst_bin_add(GST_BIN(muxing->pipeline), bin);
+  const Owned<GstPad> sink(gst_element_get_static_pad(bin, "sink"));
+  if (GST_PAD_LINK_FAILED(gst_pad_link(pad, sink.get())) || !gst_element_link(bin, muxing->muxer)) {
+    std::fprintf(stderr, "tactile-track: warning: left out: %s\n",
+                 gst_structure_get_name(gst_caps_get_structure(caps, 0)));
+    gst_element_set_state(bin, GST_STATE_NULL);
+    gst_bin_remove(GST_BIN(muxing->pipeline), bin);
+    const Owned<GstElement> nothing(gst_element_factory_make("fakesink", nullptr));
+    g_object_set(nothing.get(), "async", FALSE, "sync", FALSE, nullptr);
+    gst_object_ref_sink(nothing.get());
+    gst_bin_add(GST_BIN(muxing->pipeline), nothing.get());
+    const Owned<GstPad> drain(gst_element_get_static_pad(nothing.get(), "sink"));
+    gst_pad_link(pad, drain.get());
+    gst_element_sync_state_with_parent(nothing.get());
+  } else {
+    gst_element_sync_state_with_parent(bin);
+    muxing->taken++;
+  }
+  gst_caps_unref(caps);
+  gst_pad_add_probe(pad, GST_PAD_PROBE_TYPE_BUFFER, begin_track, muxing, nullptr);
+}
+
+} // namespace
+
+int
+preview(int argc, char **argv)
+{
+  TextOption output;
+  TextOption chair;
+  const GOptionEntry entries[] = {
+    { "output", 'o', 0, G_OPTION_ARG_FILENAME, &output.value,
+      "Record the film with the track over it (.mkv) instead of playing it", "FILM" },
+    { "chair", 0, 0, G_OPTION_ARG_STRING, &chair.value,
+      "Properties of tactorsink, such as 'driver=simulator rate=0' (default: rate=0)", "OPTIONS" },
+    {},
+  };
+  const std::vector<std::string> names
+      = parse_options(argc, argv, entries, "FILM TRACK",
+                      "Shows what a track does with a film: on the screen, where there is one, and "
+                      "the chair, or recorded.",
+                      2, 2);
+  gst_init(nullptr, nullptr);
+  const tactile::Track track = tactile::read_track_file(names[1]);
+  const Film film = discover_film(names[0]);
+  const std::string look = kLookahead;
+  const bool has_display = g_getenv("DISPLAY") || g_getenv("WAYLAND_DISPLAY");
+  std::string line = film_source(film) + " film. ! " + look
+                     + " ! videoconvert ! tactilecombiner name=combiner appsrc name=track ! "
+                       "combiner.tactile combiner. ! ";
+  if (output.given())
+    line
+        += "tactileoverlay ! videoconvert ! x264enc speed-preset=veryfast ! matroskamux ! filesink "
+           "name=file";
+  else
+    line += "tactileextractor name=split split.src ! " + look
+            + " ! tactileoverlay ! videoconvert ! "
+            + (has_display ? "autovideosink" : "fakesink sync=true") + " split.tactile ! " + look
+            + " ! tactorsink " + chair.text("rate=0");
+  const Owned<GstElement> pipeline = make_pipeline(line);
+  feed_track(element(pipeline, "track").get(), track, CueForm::map);
+  if (output.given())
+    return write_film(pipeline, output.text(), film.duration);
+  return run_to_end(pipeline, film.duration) ? 0 : 130;
+}
+
+int
+mux(int argc, char **argv)
+{
+  TextOption output;
+  const GOptionEntry entries[] = { { "output", 'o', 0, G_OPTION_ARG_FILENAME, &output.value,
+                                     "The film to write: .mkv, .mp4 or .ts", "FILM" },
+                                   {} };
+  const std::vector<std::string> names = parse_options(
+      argc, argv, entries, "FILM TRACK -o OUT",
+      "Puts a track into a film's file beside its other streams, which stay as they are:\nin .mkv "
+      "and .mp4 as text cues (subtitles 'Tactile'), in .ts as KLV.",
+      2, 2);
+  if (!output.given())
+    throw UsageError("expected -o OUT");
+  const std::string out = output.text();
+  const bool is_ts = out.ends_with(".ts");
+  const char *muxer = out.ends_with(".mkv")   ? "matroskamux"
+                      : out.ends_with(".mp4") ? "mp4mux"
+                      : is_ts                 ? "mpegtsmux"
+                                              : nullptr;
+  if (!muxer)
+    throw UsageError("expected a name that ends in .mkv, .mp4 or .ts, got '" + out + "'");
+  gst_init(nullptr, nullptr);
+  const tactile::Track track = tactile::read_track_file(names[1]);
+  const Film film = discover_film(names[0]);
+  g_autofree gchar *path = g_filename_from_uri(film.uri.c_str(), nullptr, nullptr);
+  if (!path)
+    throw std::runtime_error("'" + names[0] + "' is no file here");
+
+  // The track by its tags: no language, and a name by which players tell it from subtitles.
+  const Owned<GstElement> pipeline = make_pipeline(
+      std::string("filesrc location=") + launch_value(path) + " ! parsebin name=film  " + muxer
+      + " name=muxer ! filesink name=file  appsrc name=track ! "
+      + (is_ts ? "" : "taginject tags=\"title=Tactile,language-code=zxx\" ! ") + kLookahead
+      + " name=last");
+  const Owned<GstElement> mux = element(pipeline, "muxer");
+  const Owned<GstElement> source = element(pipeline, "track");
+  g_object_set(source.get(), "format", GST_FORMAT_TIME, nullptr);
+  const Owned<GstElement> last = element(pipeline, "last");
+  Muxing muxing{ .pipeline = pipeline.get(),
+                 .muxer = mux.get(),
+                 .source = source.get(),
+                 .last = last.get(),
+                 .track = track,
+                 .form = is_ts ? CueForm::klv : CueForm::text };
+  const Owned<GstElement> streams = element(pipeline, "film");
+  g_signal_connect(streams.get(), "pad-added", G_CALLBACK(take_stream), &muxing);
+  return write_film(pipeline, out, film.duration, [&] { return muxing.taken > 0; });
+}

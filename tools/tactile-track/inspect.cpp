@@ -1,0 +1,134 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+//
+// info, validate, diff: what is in tracks.
+#include "commands.h"
+
+#include "tactile/formats/track_file.h"
+#include "tactile/track_edit.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <limits>
+
+using tactile::Time;
+using tactile::Track;
+
+namespace {
+
+constexpr std::size_t kAny = std::numeric_limits<std::size_t>::max();
+
+void
+print_info(const std::string &path, const Track &track)
+{
+  const auto &entries = track.entries();
+  const std::size_t cells = entries.front().map.levels.size();
+  std::vector<double> felt(cells, 0);
+  std::vector<int> events(cells, 0);
+  double any = 0;
+  float strongest = 0;
+  for (std::size_t i = 0; i < entries.size(); i++) {
+    const Time end = i + 1 < entries.size() ? entries[i + 1].time : track.end();
+    const double length = std::chrono::duration<double>(end - entries[i].time).count();
+    any += is_silent(entries[i].map) ? 0 : length;
+    for (std::size_t cell = 0; cell < cells; cell++) {
+      const float level = entries[i].map.levels[cell];
+      strongest = std::max(strongest, level);
+      felt[cell] += level > 0 ? length : 0;
+      events[cell] += level > 0 && (i == 0 || !(entries[i - 1].map.levels[cell] > 0));
+    }
+  }
+  const double length = std::chrono::duration<double>(track.end()).count();
+  std::printf("Track     %s\n", path.c_str());
+  std::printf("Grid      %d x %d", track.rows(), track.columns());
+  if (track.rate() > 0)
+    std::printf(", authored at %g Hz", track.rate());
+  std::printf("\nLength    %.3f s, %zu changes\n", length, entries.size() - 1);
+  std::printf("Felt      %.3f s (%.0f %%), up to %.0f %% of full scale\n", any,
+              length > 0 ? 100 * any / length : 0, 100 * static_cast<double>(strongest));
+  std::printf("Cells     events, share of the time\n");
+  for (int row = 0; row < track.rows(); row++) {
+    std::printf("         ");
+    for (int column = 0; column < track.columns(); column++) {
+      const auto cell = static_cast<std::size_t>(row * track.columns() + column);
+      std::printf(" %5d %3.0f%%", events[cell], length > 0 ? 100 * felt[cell] / length : 0);
+    }
+    std::printf("\n");
+  }
+}
+
+} // namespace
+
+int
+info(int argc, char **argv)
+{
+  const GOptionEntry entries[] = { {} };
+  const std::vector<std::string> tracks
+      = parse_options(argc, argv, entries, "TRACK...", "Says what is in tracks.", 1, kAny);
+  for (const std::string &path : tracks)
+    print_info(path, tactile::read_track_file(path));
+  return 0;
+}
+
+int
+validate(int argc, char **argv)
+{
+  const GOptionEntry entries[] = { {} };
+  const std::vector<std::string> tracks = parse_options(
+      argc, argv, entries, "TRACK...",
+      "Reads tracks and says of each whether it is one, else the first place where it is not and "
+      "why.\nThe status is 0 if all are.",
+      1, kAny);
+  int status = 0;
+  for (const std::string &path : tracks) {
+    try {
+      const Track track = tactile::read_track_file(path);
+      std::printf("%s: valid, %d x %d, %s s\n", path.c_str(), track.rows(), track.columns(),
+                  seconds(track.end()).c_str());
+    } catch (const tactile::FormatError &error) {
+      std::printf("invalid: %s\n", error.what());
+      status = 1;
+    }
+  }
+  return status;
+}
+
+int
+diff(int argc, char **argv)
+{
+  gdouble tolerance = 0;
+  const GOptionEntry entries[] = { { "tolerance", 't', 0, G_OPTION_ARG_DOUBLE, &tolerance,
+                                     "Percent by which levels may differ (default: 0)", "PERCENT" },
+                                   {} };
+  const std::vector<std::string> tracks = parse_options(
+      argc, argv, entries, "BEFORE AFTER",
+      "Prints where two tracks differ: a line for each stretch of time, and the cells that changed "
+      "in percent.\nThe status is 0 if they are the same, 1 if they differ, 2 if they cannot be "
+      "compared.",
+      2, 2);
+  std::vector<tactile::Difference> differences;
+  try {
+    differences
+        = tactile::diff(tactile::read_track_file(tracks[0]), tactile::read_track_file(tracks[1]),
+                        static_cast<float>(tolerance / 100));
+  } catch (const std::runtime_error &error) {
+    throw UsageError(error.what());
+  } catch (const std::invalid_argument &error) {
+    throw UsageError(error.what());
+  }
+  Time changed{ 0 };
+  for (const tactile::Difference &difference : differences) {
+    std::printf("%s - %s", seconds(difference.begin).c_str(), seconds(difference.end).c_str());
+    for (int row = 0; row < difference.before.rows; row++)
+      for (int column = 0; column < difference.before.columns; column++) {
+        const double before = static_cast<double>(difference.before.at(row, column));
+        const double after = static_cast<double>(difference.after.at(row, column));
+        if (std::abs(before - after) > tolerance / 100)
+          std::printf("  r%dc%d %.0f > %.0f", row, column, 100 * before, 100 * after);
+      }
+    std::printf("\n");
+    changed += difference.end - difference.begin;
+  }
+  if (!differences.empty())
+    std::printf("%zu differences, %s s in all\n", differences.size(), seconds(changed).c_str());
+  return differences.empty() ? 0 : 1;
+}

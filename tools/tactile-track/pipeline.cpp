@@ -1,0 +1,206 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "pipeline.h"
+
+#include "tactile/cue_builder.h"
+#include "tactile/formats/webvtt.h"
+#include "tactile/klv.h"
+#include "tactile/text_cue.h"
+
+#include <glib-unix.h>
+#include <gst/app/gstappsrc.h>
+#include <gst/tactile/tactile.h>
+
+#include <csignal>
+#include <cstdio>
+#include <stdexcept>
+#include <unistd.h>
+#include <utility>
+#include <vector>
+
+namespace {
+
+GstCaps *
+caps_of(const tactile::Track &track, CueForm form)
+{
+  switch (form) {
+  case CueForm::map:
+    return gst_tactile_map_caps_new(static_cast<guint>(track.rows()),
+                                    static_cast<guint>(track.columns()), 0, 1);
+  case CueForm::text:
+    return gst_caps_from_string("text/x-raw,format=utf8");
+  case CueForm::klv:
+    break;
+  }
+  return gst_caps_from_string("meta/x-klv,parsed=true");
+}
+
+GstBuffer *
+buffer_of(const tactile::Cue &cue, CueForm form)
+{
+  GstBuffer *buffer = nullptr;
+  if (form == CueForm::map) {
+    buffer = gst_tactile_map_buffer_new(cue.map.levels.data(), cue.map.levels.size());
+  } else if (form == CueForm::text) {
+    const std::string text = tactile::write_text_cue(cue.map);
+    buffer = gst_buffer_new_memdup(text.data(), text.size());
+  } else {
+    const std::vector<std::uint8_t> bytes = tactile::write_klv(cue.map, cue.end - cue.begin);
+    buffer = gst_buffer_new_memdup(bytes.data(), bytes.size());
+  }
+  GST_BUFFER_PTS(buffer) = static_cast<GstClockTime>(cue.begin.count());
+  GST_BUFFER_DURATION(buffer) = static_cast<GstClockTime>((cue.end - cue.begin).count());
+  return buffer;
+}
+
+/// One run of a main loop.
+class Run
+{
+public:
+  Run(GstElement *pipeline, GstClockTime duration)
+      : pipeline_(pipeline), duration_(duration), loop_(g_main_loop_new(nullptr, FALSE))
+  {
+    const Owned<GstBus> bus(gst_element_get_bus(pipeline));
+    sources_.push_back(gst_bus_add_watch(
+        bus.get(),
+        +[](GstBus *, GstMessage *message, gpointer self) {
+          return static_cast<Run *>(self)->on_message(message);
+        },
+        this));
+    for (const int number : { SIGINT, SIGTERM })
+      sources_.push_back(g_unix_signal_add(
+          number,
+          +[](gpointer self) -> gboolean {
+            static_cast<Run *>(self)->stopped_ = true;
+            g_main_loop_quit(static_cast<Run *>(self)->loop_);
+            return G_SOURCE_CONTINUE;
+          },
+          this));
+    if (isatty(STDERR_FILENO))
+      sources_.push_back(g_timeout_add_seconds(
+          1, +[](gpointer self) { return static_cast<Run *>(self)->on_progress(); }, this));
+  }
+  ~Run()
+  {
+    gst_element_set_state(pipeline_, GST_STATE_NULL);
+    for (const guint source : sources_)
+      g_source_remove(source);
+    g_main_loop_unref(loop_);
+  }
+  Run(const Run &) = delete;
+  Run &operator=(const Run &) = delete;
+
+  bool operator()()
+  {
+    if (gst_element_set_state(pipeline_, GST_STATE_PLAYING) != GST_STATE_CHANGE_FAILURE)
+      g_main_loop_run(loop_);
+    else
+      explain_failure();
+    gst_element_set_state(pipeline_, GST_STATE_NULL);
+    if (shown_)
+      std::fputs("\r\033[K", stderr);
+    if (!failure_.empty())
+      throw std::runtime_error(failure_);
+    return !stopped_;
+  }
+
+private:
+  /// Why it did not start: what an element said, if any did.
+  void explain_failure()
+  {
+    failure_ = "the pipeline cannot be started";
+    const Owned<GstBus> bus(gst_element_get_bus(pipeline_));
+    if (GstMessage *message = gst_bus_pop_filtered(bus.get(), GST_MESSAGE_ERROR)) {
+      g_autoptr(GError) error = nullptr;
+      gst_message_parse_error(message, &error, nullptr);
+      failure_ = error->message;
+      gst_message_unref(message);
+    }
+  }
+
+  gboolean on_message(GstMessage *message)
+  {
+    g_autoptr(GError) error = nullptr;
+    if (GST_MESSAGE_TYPE(message) == GST_MESSAGE_ERROR) {
+      gst_message_parse_error(message, &error, nullptr);
+      failure_ = error->message;
+    } else if (GST_MESSAGE_TYPE(message) == GST_MESSAGE_WARNING) {
+      gst_message_parse_warning(message, &error, nullptr);
+      std::fprintf(stderr, "tactile-track: warning: %s\n", error->message);
+      return G_SOURCE_CONTINUE;
+    } else if (GST_MESSAGE_TYPE(message) == GST_MESSAGE_LATENCY) {
+      gst_bin_recalculate_latency(GST_BIN(pipeline_));
+      return G_SOURCE_CONTINUE;
+    } else if (GST_MESSAGE_TYPE(message) != GST_MESSAGE_EOS) {
+      return G_SOURCE_CONTINUE;
+    }
+    g_main_loop_quit(loop_);
+    return G_SOURCE_CONTINUE;
+  }
+
+  gboolean on_progress()
+  {
+    gint64 position = 0;
+    if (gst_element_query_position(pipeline_, GST_FORMAT_TIME, &position) && duration_ > 0
+        && GST_CLOCK_TIME_IS_VALID(duration_)) {
+      std::fprintf(stderr, "\r\033[K%3.0f %%",
+                   100 * static_cast<double>(position) / static_cast<double>(duration_));
+      shown_ = true;
+    }
+    return G_SOURCE_CONTINUE;
+  }
+
+  GstElement *pipeline_;
+  GstClockTime duration_;
+  GMainLoop *loop_;
+  std::vector<guint> sources_;
+  std::string failure_;
+  bool stopped_ = false;
+  bool shown_ = false;
+};
+
+} // namespace
+
+Owned<GstElement>
+make_pipeline(const std::string &line)
+{
+  g_autoptr(GError) error = nullptr;
+  Owned<GstElement> pipeline(
+      gst_parse_launch_full(line.c_str(), nullptr, GST_PARSE_FLAG_FATAL_ERRORS, &error));
+  if (!pipeline)
+    throw std::runtime_error(std::string("cannot build the pipeline: ") + error->message);
+  return pipeline;
+}
+
+Owned<GstElement>
+element(const Owned<GstElement> &pipeline, const char *name)
+{
+  return Owned<GstElement>(gst_bin_get_by_name(GST_BIN(pipeline.get()), name));
+}
+
+void
+feed_track(GstElement *appsrc, const tactile::Track &track, CueForm form)
+{
+  // Text is cut down as in a file of it.
+  const tactile::Track sent
+      = form == CueForm::text
+            ? tactile::at_resolution(track, tactile::kTextTick, tactile::kTextSteps)
+            : track;
+  GstCaps *caps = caps_of(track, form);
+  g_object_set(appsrc, "caps", caps, "format", GST_FORMAT_TIME, "max-bytes", guint64{ 0 }, nullptr);
+  gst_caps_unref(caps);
+  tactile::CueBuilder builder;
+  const auto &entries = sent.entries();
+  for (std::size_t i = 0; i < entries.size(); i++)
+    builder.add(entries[i].time, i + 1 < entries.size() ? entries[i + 1].time : sent.end(),
+                entries[i].map);
+  builder.flush();
+  while (const std::optional<tactile::Cue> cue = builder.take())
+    gst_app_src_push_buffer(GST_APP_SRC(appsrc), buffer_of(*cue, form));
+  gst_app_src_end_of_stream(GST_APP_SRC(appsrc));
+}
+
+bool
+run_to_end(const Owned<GstElement> &pipeline, GstClockTime duration)
+{
+  return Run(pipeline.get(), duration)();
+}

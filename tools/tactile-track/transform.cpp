@@ -1,0 +1,250 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+//
+// convert, edit: a track in, a track out.
+#include "commands.h"
+
+#include "tactile/formats/track_file.h"
+#include "tactile/text_cue.h"
+#include "tactile/track_edit.h"
+
+#include <charconv>
+#include <cstdio>
+#include <filesystem>
+#include <functional>
+#include <optional>
+
+using tactile::Time;
+using tactile::Track;
+
+namespace {
+
+using Operation = std::function<Track(const Track &)>;
+
+double
+parse_number(const std::string &text, const char *option, double least, double most)
+{
+  double value = 0;
+  const char *end = text.data() + text.size();
+  const auto [stop, error] = std::from_chars(text.data(), end, value);
+  if (error != std::errc() || stop != end || !(value >= least && value <= most))
+    throw UsageError(std::string(option) + ": expected a number from " + std::to_string(least)
+                     + " to " + std::to_string(most) + ", got '" + text + "'");
+  return value;
+}
+
+/// The two sides of a separator.
+std::pair<std::string, std::string>
+parse_pair(const std::string &text, char separator, const char *option, const char *form)
+{
+  const std::size_t at = text.find(separator, 1);
+  if (at == std::string::npos)
+    throw UsageError(std::string(option) + ": expected " + form + ", got '" + text + "'");
+  return { text.substr(0, at), text.substr(at + 1) };
+}
+
+Operation
+parse_mask(const std::string &text)
+{
+  std::vector<std::pair<int, int>> places;
+  std::string rest = text;
+  while (!rest.empty()) {
+    const std::size_t comma = rest.find(',');
+    int row = 0;
+    int column = 0;
+    int used = 0;
+    const std::string word = rest.substr(0, comma);
+    if (std::sscanf(word.c_str(), "r%2dc%2d%n", &row, &column, &used) != 2
+        || static_cast<std::size_t>(used) != word.size())
+      throw UsageError("--mask: expected cells such as r0c2,r1c1, got '" + text + "'");
+    places.emplace_back(row, column);
+    rest = comma == std::string::npos ? "" : rest.substr(comma + 1);
+  }
+  return [places](const Track &track) {
+    std::vector<int> cells;
+    for (const auto &[row, column] : places) {
+      if (row >= track.rows() || column >= track.columns())
+        throw UsageError("--mask: the track has no cell r" + std::to_string(row) + "c"
+                         + std::to_string(column));
+      cells.push_back(row * track.columns() + column);
+    }
+    return mask(track, cells);
+  };
+}
+
+/// One option of edit as what it does. Throws UsageError.
+Operation
+parse_operation(const std::string &name, const std::string &value)
+{
+  const char *option = name.c_str();
+  if (name == "--prune-shorter") {
+    const Time shortest = parse_time(value, option);
+    return [=](const Track &track) {
+      return prune_short(track, shortest);
+    };
+  }
+  if (name == "--prune-weaker") {
+    const auto weakest = static_cast<float>(parse_number(value, option, 0, 100) / 100);
+    return [=](const Track &track) {
+      return prune_weak(track, weakest);
+    };
+  }
+  if (name == "--merge") {
+    const auto tolerance = static_cast<float>(parse_number(value, option, 0, 100) / 100);
+    return [=](const Track &track) {
+      return merge_equal(track, tolerance);
+    };
+  }
+  if (name == "--limit") {
+    const auto [longest, rest] = parse_pair(value, ',', option, "LONGEST,REST in seconds");
+    const tactile::CueLimits limits{ .max_duration = parse_time(longest, option),
+                                     .refractory = parse_time(rest, option) };
+    return [=](const Track &track) {
+      return limit_events(track, limits);
+    };
+  }
+  if (name == "--shift") {
+    const Time offset = parse_time(value, option);
+    return [=](const Track &track) {
+      return shift(track, offset);
+    };
+  }
+  if (name == "--scale") {
+    const auto factor = static_cast<float>(parse_number(value, option, 0, 100));
+    return [=](const Track &track) {
+      return scale(track, factor);
+    };
+  }
+  if (name == "--clip" || name == "--silence") {
+    const auto [from, to] = parse_pair(value, '-', option, "FROM-TO in seconds");
+    const Time begin = parse_time(from, option);
+    const Time end = parse_time(to, option);
+    if (end <= begin)
+      throw UsageError(name + ": expected an end after the beginning, got '" + value + "'");
+    return [=, is_clip = name == "--clip"](const Track &track) {
+      return is_clip ? clip(track, begin, end) : silence(track, begin, end);
+    };
+  }
+  if (name == "--mask")
+    return parse_mask(value);
+  if (name == "--quantise") {
+    const auto steps = static_cast<int>(parse_number(value, option, 1, 1000));
+    return [=](const Track &track) {
+      return quantise(track, steps);
+    };
+  }
+  if (name == "--resample") {
+    const std::optional<tactile::Grid> grid = [&] {
+      try {
+        return tactile::read_grid("grid=" + value, 1).grid;
+      } catch (const tactile::FormatError &) {
+        throw UsageError(name + ": expected ROWSxCOLUMNS, 1 to 64 each, got '" + value + "'");
+      }
+    }();
+    return [=](const Track &track) {
+      return resample(track, grid->rows, grid->columns);
+    };
+  }
+  const tactile::Mix mix = name == "--overlay-max" ? tactile::Mix::max : tactile::Mix::replace;
+  return [=](const Track &track) {
+    return overlay(track, tactile::read_track_file(value), mix);
+  };
+}
+
+gboolean
+on_operation(const gchar *name, const gchar *value, gpointer data, GError **error)
+{
+  try {
+    static_cast<std::vector<Operation> *>(data)->push_back(parse_operation(name, value));
+    return TRUE;
+  } catch (const std::exception &failure) {
+    g_set_error_literal(error, G_OPTION_ERROR, G_OPTION_ERROR_BAD_VALUE, failure.what());
+    return FALSE;
+  }
+}
+
+} // namespace
+
+int
+convert(int argc, char **argv)
+{
+  TextOption output;
+  const GOptionEntry entries[] = { { "output", 'o', 0, G_OPTION_ARG_FILENAME, &output.value,
+                                     "The file to write; its name says the form", "TRACK" },
+                                   {} };
+  const std::vector<std::string> tracks
+      = parse_options(argc, argv, entries, "IN -o OUT",
+                      "Writes a track in another form: .vtt (WebVTT), .csv, .hjif (MPEG haptics), "
+                      ".sem.xml (MPEG-V), .funscript.",
+                      1, 1);
+  if (!output.given())
+    throw UsageError("expected -o OUT");
+  write_track_file(tactile::read_track_file(tracks[0]), output.text());
+  return 0;
+}
+
+int
+edit(int argc, char **argv)
+{
+  TextOption output;
+  gboolean in_place = FALSE;
+  std::vector<Operation> operations;
+  const auto callback = reinterpret_cast<gpointer>(on_operation);
+  const GOptionEntry entries[] = {
+    { "output", 'o', 0, G_OPTION_ARG_FILENAME, &output.value,
+      "The file to write; its name says the form", "TRACK" },
+    { "in-place", 'i', 0, G_OPTION_ARG_NONE, &in_place, "Overwrite the track", nullptr },
+    {},
+  };
+  const GOptionEntry operation_entries[] = {
+    { "prune-shorter", 0, 0, G_OPTION_ARG_CALLBACK, callback,
+      "Silence events of a cell that last less", "SECONDS" },
+    { "prune-weaker", 0, 0, G_OPTION_ARG_CALLBACK, callback,
+      "Silence events of a cell that never get as strong", "PERCENT" },
+    { "merge", 0, 0, G_OPTION_ARG_CALLBACK, callback,
+      "Let maps that differ no more become the one before", "PERCENT" },
+    { "limit", 0, 0, G_OPTION_ARG_CALLBACK, callback,
+      "Longest event of a cell, and the rest after it", "SECONDS,SECONDS" },
+    { "shift", 0, 0, G_OPTION_ARG_CALLBACK, callback, "Later, or earlier if negative", "SECONDS" },
+    { "scale", 0, 0, G_OPTION_ARG_CALLBACK, callback, "Levels times a factor", "FACTOR" },
+    { "clip", 0, 0, G_OPTION_ARG_CALLBACK, callback, "Keep a part, which then begins at 0",
+      "FROM-TO" },
+    { "silence", 0, 0, G_OPTION_ARG_CALLBACK, callback, "Silence a part", "FROM-TO" },
+    { "mask", 0, 0, G_OPTION_ARG_CALLBACK, callback, "Silence cells", "r0c2,r1c1,..." },
+    { "quantise", 0, 0, G_OPTION_ARG_CALLBACK, callback, "Levels in so many steps", "N" },
+    { "resample", 0, 0, G_OPTION_ARG_CALLBACK, callback, "To another grid", "ROWSxCOLUMNS" },
+    { "overlay-max", 0, 0, G_OPTION_ARG_CALLBACK, callback,
+      "Cell by cell the stronger of this and another track", "TRACK" },
+    { "overlay-replace", 0, 0, G_OPTION_ARG_CALLBACK, callback,
+      "Another track wherever that is felt", "TRACK" },
+    {},
+  };
+  g_autoptr(GOptionContext) context = g_option_context_new("IN -o OUT OPERATION...");
+  g_option_context_set_summary(
+      context, "Does the operations to a track one after the other, in the order in which they "
+               "are given.\nIN is never overwritten without --in-place, so that each step can be "
+               "taken back. Times are seconds or H:MM:SS.mmm.");
+  GOptionGroup *group
+      = g_option_group_new("operations", "Operations:", "The operations", &operations, nullptr);
+  g_option_group_add_entries(group, operation_entries);
+  g_option_context_set_main_group(context, group);
+  g_option_context_add_main_entries(context, entries, nullptr);
+  g_set_prgname("tactile-track edit");
+  g_autoptr(GError) error = nullptr;
+  if (!g_option_context_parse(context, &argc, &argv, &error))
+    throw UsageError(error->message);
+  if (argc != 2)
+    throw UsageError("expected one track");
+  const std::string in = argv[1];
+  if (in_place == output.given())
+    throw UsageError("expected either -o OUT or --in-place");
+  const std::string out = in_place ? in : output.text();
+  std::error_code ignored;
+  if (!in_place && std::filesystem::equivalent(in, out, ignored))
+    throw UsageError("'" + out + "' is the track itself; use --in-place to overwrite it");
+
+  Track track = tactile::read_track_file(in);
+  for (const Operation &operation : operations)
+    track = operation(track);
+  write_track_file(track, out);
+  return 0;
+}
