@@ -29,9 +29,9 @@ terminal() {
   expect_line out '█'
 }
 
-# Until it is told to end, which ends with zeros.
+# Until it is told to end, once, which ends with zeros.
 live() {
-  CHAIR=$chair timeout --preserve-status -s INT 4 "$ROOT/pipelines/live.sh" "$@" >out 2>&1 || fail "status $?; it said: $(cat out)"
+  CHAIR=$chair timeout --foreground --preserve-status -s INT 6 "$ROOT/pipelines/live.sh" "$@" >out 2>&1 || fail "status $?; it said: $(cat out)"
   expect_commands commands.csv
 }
 
