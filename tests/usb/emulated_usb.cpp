@@ -30,7 +30,7 @@ begin_emulation()
     g_log_set_handler(
         domain, static_cast<GLogLevelFlags>(G_LOG_LEVEL_CRITICAL | G_LOG_LEVEL_WARNING),
         [](const gchar *, GLogLevelFlags, const gchar *text, gpointer) {
-          if (!std::strstr(text, "IoctlClient") && !std::strstr(text, "g_object_weak_unref"))
+          if (!std::strstr(text, "IoctlClient"))
             g_error("%s", text);
         },
         nullptr);
@@ -123,6 +123,7 @@ UsbfsNode::UsbfsNode(EmulatedUsb &usb, std::string path, std::mutex &mutex, Devi
     : usb_(usb), path_(std::move(path)), mutex_(mutex), device_(device),
       handler_(umockdev_ioctl_base_new())
 {
+  link_->node = this;
   master_ = posix_openpt(O_RDWR | O_NOCTTY | O_CLOEXEC);
   if (master_ < 0 || grantpt(master_) != 0 || unlockpt(master_) != 0)
     throw std::runtime_error("no pty");
@@ -146,8 +147,11 @@ UsbfsNode::~UsbfsNode()
   umockdev_testbed_detach_ioctl(usb_.testbed(), path_.c_str(), nullptr);
   g_signal_handlers_disconnect_by_data(handler_, this);
   g_object_unref(handler_);
-  for (GObject *client : clients_)
-    g_object_weak_unref(client, client_left, this);
+  {
+    const std::lock_guard lock(
+        link_->mutex); // a client that leaves at this moment is done with the node
+    link_->node = nullptr;
+  }
   for (const Urb &urb : done_)
     g_object_unref(urb.urb);
 }
@@ -203,17 +207,18 @@ UsbfsNode::handle_ioctl(UMockdevIoctlBase *, UMockdevIoctlClient *client, UsbfsN
 void
 UsbfsNode::client_connected(UMockdevIoctlBase *, UMockdevIoctlClient *client, UsbfsNode *node)
 {
-  const std::lock_guard lock(node->mutex_);
-  node->clients_.insert(G_OBJECT(client));
-  g_object_weak_ref(G_OBJECT(client), client_left, node);
+  g_object_weak_ref(G_OBJECT(client), client_left, new std::shared_ptr<Link>(node->link_));
 }
 
 void
-UsbfsNode::client_left(gpointer self, GObject *client)
+UsbfsNode::client_left(gpointer data, GObject *client)
 {
-  auto *node = static_cast<UsbfsNode *>(self);
+  const std::unique_ptr<std::shared_ptr<Link>> link(static_cast<std::shared_ptr<Link> *>(data));
+  const std::lock_guard link_lock((*link)->mutex);
+  UsbfsNode *node = (*link)->node;
+  if (!node)
+    return;
   const std::lock_guard lock(node->mutex_);
-  node->clients_.erase(client);
   std::erase_if(node->done_, [client](const Urb &urb) {
     if (urb.host != client)
       return false;

@@ -5,9 +5,9 @@
 
 #include <cstdint>
 #include <deque>
+#include <memory>
 #include <mutex>
 #include <optional>
-#include <set>
 #include <span>
 #include <string>
 
@@ -98,11 +98,18 @@ private:
     int error = 0;
   };
 
+  /// Between the node and those that have it open, which umockdev lets go in a thread of its own, maybe after the node.
+  struct Link
+  {
+    std::mutex mutex;
+    UsbfsNode *node = nullptr;
+  };
+
   static gboolean handle_ioctl(UMockdevIoctlBase *handler, UMockdevIoctlClient *client,
                                UsbfsNode *node);
   static void client_connected(UMockdevIoctlBase *handler, UMockdevIoctlClient *client,
                                UsbfsNode *node);
-  static void client_left(gpointer node, GObject *client);
+  static void client_left(gpointer link, GObject *client);
   std::optional<Answer> answer(const void *host, unsigned long request,
                                UMockdevIoctlData *argument);
   Answer submit(const void *host, UMockdevIoctlData *argument);
@@ -119,7 +126,7 @@ private:
   int master_ = -1;
   int slave_ = -1;
   std::deque<Urb> done_;
-  std::set<GObject *> clients_; ///< that have it open; of umockdev
+  std::shared_ptr<Link> link_ = std::make_shared<Link>();
 };
 
 } // namespace usb_test
