@@ -322,4 +322,12 @@ if __name__ == "__main__":
     elif sys.argv[1:2] == ["--seat"]:
         seat(sys.argv[2:])
     else:
-        main(os.path.abspath(sys.argv[1]), sys.argv[2] if len(sys.argv) > 2 else None)
+        # In real time: a computer that is busy with something else may keep a seat from its maps for longer than they wait for it.
+        for showing in range(3):
+            try:
+                main(os.path.abspath(sys.argv[1]), sys.argv[2] if len(sys.argv) > 2 else None)
+                break
+            except SystemExit as failure:
+                print(failure, file=sys.stderr)
+                if showing == 2:
+                    raise
