@@ -105,7 +105,7 @@ GST_END_TEST;
 
 GST_START_TEST(test_falls_within_a_frame)
 {
-  fail_unless(MotorModel::kFallTime == 30ms);
+  fail_unless(kFallTime == 30ms);
   for (double start = 0.6; start <= 3.0; start += 0.1)
     for (double target = 0.5; target < start; target += 0.1) {
       MotorModel motor = settled(start);
