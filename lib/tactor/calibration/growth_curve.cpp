@@ -10,8 +10,6 @@ namespace tactor {
 
 namespace {
 
-/// How far a motor's rise is expected to be from an exponential, as the logarithm of its roundness.
-constexpr double kRoundness = 0.3;
 /// The envelope is taken to be no more exact than this share of the level.
 constexpr double kExactness = 0.005;
 constexpr double kOnsetScale = 0.05;
@@ -31,9 +29,9 @@ class Misfit : public cv::MinProblemSolver::Function
 {
 public:
   Misfit(std::span<const double> envelope, double rate, double first_s, double before,
-         double steady, double noise, double independence)
+         double steady, double noise, double independence, const GrowthPrior &prior)
       : envelope_(envelope), rate_(rate), first_s_(first_s), before_(before), steady_(steady),
-        noise_(noise),
+        noise_(noise), prior_(prior),
         weight_(independence / (0.5 * noise + kExactness * kExactness * steady * steady))
   {
   }
@@ -56,8 +54,10 @@ public:
 
   double calc(const double *x) const override
   {
-    const double unround = x[3] / kRoundness;
-    return weight_ * sum(curve_of(x, before_, steady_)) + unround * unround;
+    const GrowthCurve curve = curve_of(x, before_, steady_);
+    const double early = (curve.onset_s - prior_.onset_s) / prior_.onset_deviation_s;
+    const double round = (x[3] - prior_.log_roundness) / prior_.log_roundness_deviation;
+    return weight_ * sum(curve) + early * early + round * round;
   }
 
 private:
@@ -67,6 +67,7 @@ private:
   double before_;
   double steady_;
   double noise_;
+  GrowthPrior prior_;
   double weight_;
 };
 
@@ -105,7 +106,7 @@ GrowthCurve::time_of(double amplitude) const
 
 GrowthCurve
 fit_growth(std::span<const double> envelope, double rate, double first_s, double before,
-           double steady, double noise, double independence)
+           double steady, double noise, double independence, const GrowthPrior &prior)
 {
   const auto level = [&](double share) {
     const double amplitude = std::lerp(before, steady, share);
@@ -117,7 +118,7 @@ fit_growth(std::span<const double> envelope, double rate, double first_s, double
   const double tau = std::max((late - early) / 0.847, 0.002);
 
   const auto misfit
-      = cv::makePtr<Misfit>(envelope, rate, first_s, before, steady, noise, independence);
+      = cv::makePtr<Misfit>(envelope, rate, first_s, before, steady, noise, independence, prior);
   cv::Mat best
       = (cv::Mat_<double>(1, 4) << 1, (early - 0.357 * tau) / kOnsetScale, std::log(tau), 0);
   cv::Mat step = (cv::Mat_<double>(1, 4) << 0.05, 0.2, 0.3, 0.2);

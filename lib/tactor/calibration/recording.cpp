@@ -59,11 +59,11 @@ resample(Recording &recording, const std::vector<double> &times)
 
 } // namespace
 
-const std::vector<double> &
+int
 Recording::channel_of(int tactor, int tactors) const
 {
   const bool own = std::ssize(channels) >= tactors && tactor < std::ssize(channels);
-  return channels.at(own ? static_cast<std::size_t>(tactor) : 0);
+  return own ? tactor : 0;
 }
 
 Recording

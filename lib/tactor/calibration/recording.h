@@ -22,7 +22,7 @@ struct Recording
     return channels.empty() ? 0 : channels.front().size();
   }
   /// The channel that hears a tactor: its own where there is one for each of `tactors`, else the only or the first one.
-  const std::vector<double> &channel_of(int tactor, int tactors) const;
+  int channel_of(int tactor, int tactors) const;
 };
 
 /// Reads a recording from a CSV file: a column of seconds, then one for each channel, separated by commas, semicolons or

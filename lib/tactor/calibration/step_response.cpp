@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "tactor/calibration/step_response.h"
 
-#include "tactor/calibration/growth_curve.h"
 #include "tactor/calibration/mains_hum.h"
+#include "tactor/calibration/median.h"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <numeric>
 #include <span>
 
@@ -30,6 +31,12 @@ constexpr double kSteadyShare = 0.4;
 constexpr double kSteadyChange = 0.05;
 constexpr double kLeastChange = 0.04;
 constexpr double kIrregular = 0.12;
+/// Motors are not more alike from step to step than this.
+constexpr double kLeastOnsetDeviationS = 0.001;
+constexpr double kLeastRoundnessDeviation = 0.03;
+constexpr std::size_t kFewestInCommon = 5;
+constexpr double kLowestHz = 8;
+constexpr std::size_t kLinesForBand = 9;
 
 double
 seconds(Time time)
@@ -189,7 +196,7 @@ fault_name(StepFault fault)
 
 StepResponse
 measure_step(const Recording &recording, int channel, const Step &step, Band band,
-             StepEnvelope *picture)
+             const GrowthPrior &prior, StepEnvelope *picture)
 {
   StepResponse response{ .step = step, .fallen_ms = kNan };
   const auto finish = [&response](StepFault fault) {
@@ -277,8 +284,9 @@ measure_step(const Recording &recording, int channel, const Step &step, Band ban
   const GrowthCurve curve = fit_growth(
       heard.part(-0.1, end - 0.01), heard.rate,
       thin.first_s + static_cast<double>(heard.index(-0.1)) / heard.rate, response.before,
-      response.steady, noise, (band.high_hz - band.low_hz) / heard.rate);
+      response.steady, noise, (band.high_hz - band.low_hz) / heard.rate, prior);
   response.onset_ms = 1e3 * curve.onset_s;
+  response.roundness = curve.roundness;
   response.risen_ms = 1e3 * curve.time_of(0.9 * curve.steady);
   if (!std::isfinite(response.risen_ms)
       || curve.rms > kIrregular * curve.steady + 2 * std::sqrt(noise))
@@ -287,29 +295,94 @@ measure_step(const Recording &recording, int channel, const Step &step, Band ban
   return response;
 }
 
+GrowthPrior
+prior_of(const std::vector<StepResponse> &responses)
+{
+  std::vector<double> signals;
+  for (const StepResponse &response : responses)
+    if (response.fault == StepFault::none && response.step.rises())
+      signals.push_back(response.snr_db);
+  const double clear = median(signals);
+  std::vector<double> onsets;
+  std::vector<double> roundness;
+  for (const StepResponse &response : responses)
+    if (response.fault == StepFault::none && response.step.rises() && response.snr_db >= clear) {
+      onsets.push_back(response.onset_ms / 1e3);
+      roundness.push_back(std::log(response.roundness));
+    }
+  if (onsets.size() < kFewestInCommon)
+    return {};
+  const auto deviation = [](const std::vector<double> &values) {
+    std::vector<double> left;
+    for (const double value : values)
+      left.push_back(std::abs(value - median(values)));
+    return 1.4826 * median(left);
+  };
+  return { .onset_s = median(onsets),
+           .onset_deviation_s = std::max(deviation(onsets), kLeastOnsetDeviationS),
+           .log_roundness = median(roundness),
+           .log_roundness_deviation = std::max(deviation(roundness), kLeastRoundnessDeviation) };
+}
+
+std::vector<StepResponse>
+measure_steps(const std::vector<RecordedRun> &runs, int tactors, Band band)
+{
+  struct Look
+  {
+    const Recording *recording;
+    StepResponse response;
+  };
+  const auto look = [&](const Recording &recording, const Step &step, const GrowthPrior &prior) {
+    return measure_step(recording, recording.channel_of(step.tactor, tactors), step, band, prior);
+  };
+  std::map<int, std::vector<Look>> motors;
+  for (const RecordedRun &run : runs)
+    for (const Step &step : run.steps)
+      motors[step.tactor].push_back({ &run.recording, look(run.recording, step, {}) });
+
+  std::vector<StepResponse> responses;
+  for (const auto &[tactor, looks] : motors) {
+    std::vector<StepResponse> own;
+    for (const Look &first : looks)
+      own.push_back(first.response);
+    const GrowthPrior prior = prior_of(own);
+    for (const auto &[recording, response] : looks)
+      responses.push_back(response.fault == StepFault::none && response.step.rises()
+                              ? look(*recording, response.step, prior)
+                              : response);
+  }
+  return responses;
+}
+
 Band
-band_of(const Recording &recording, const std::vector<Step> &steps, int tactors)
+band_of(const std::vector<RecordedRun> &runs, int tactors)
 {
   double strongest = 0;
-  for (const Step &step : steps)
-    strongest = std::max(strongest, step.target_volts);
+  double rate = 0;
+  for (const RecordedRun &run : runs)
+    for (const Step &step : run.steps) {
+      strongest = std::max(strongest, step.target_volts);
+      rate = run.recording.rate;
+    }
   std::vector<double> lines;
-  for (const Step &step : steps) {
-    if (step.target_volts < 0.9 * strongest || lines.size() >= 9)
-      continue;
-    const Window window = cut(recording, recording.channel_of(step.tactor, tactors), step);
-    const double end = seconds(step.end - step.at);
-    const std::span<const double> steady = window.part(0.6 * end, end);
-    std::vector<double> passed = band_pass(steady, window.rate, { 10, 0.45 * window.rate });
-    if (const double line = strongest_frequency(passed, window.rate); line > 0)
-      lines.push_back(line);
-  }
+  for (const RecordedRun &run : runs)
+    for (const Step &step : run.steps) {
+      if (step.target_volts < 0.9 * strongest || lines.size() >= kLinesForBand)
+        continue;
+      const int channel = run.recording.channel_of(step.tactor, tactors);
+      const Window window
+          = cut(run.recording, run.recording.channels[static_cast<std::size_t>(channel)], step);
+      const double end = seconds(step.end - step.at);
+      const std::vector<double> passed
+          = band_pass(window.part(0.6 * end, end), window.rate, { kLowestHz, 0.45 * window.rate });
+      if (const double line = strongest_frequency(passed, window.rate); line > 0)
+        lines.push_back(line);
+    }
   if (lines.empty())
     return {};
-  std::ranges::nth_element(lines, lines.begin() + std::ssize(lines) / 2);
-  const double line = lines[lines.size() / 2];
-  return { .low_hz = std::max(line / 4, 8.0),
-           .high_hz = std::min(2 * line, 0.45 * recording.rate) };
+  const double line = median(lines);
+  return { .low_hz = std::max(line / 4, kLowestHz),
+           .high_hz = std::max(std::min(2 * line, 0.45 * rate), 3 * kLowestHz) };
 }
 
 } // namespace tactor

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "tactor/calibration/envelope.h"
+#include "tactor/calibration/growth_curve.h"
 #include "tactor/calibration/recording.h"
 #include "tactor/calibration/step.h"
 #include "tactor/time.h"
@@ -45,10 +46,11 @@ struct StepResponse
 {
   Step step{};
   StepFault fault = StepFault::none;
-  double before = 0;   ///< amplitude at the start voltage
-  double steady = 0;   ///< amplitude at the target voltage
-  double onset_ms = 0; ///< first motion towards it
-  double risen_ms = 0; ///< 90 % of the steady amplitude; rising steps only
+  double before = 0;    ///< amplitude at the start voltage
+  double steady = 0;    ///< amplitude at the target voltage
+  double roundness = 1; ///< GrowthCurve::roundness; rising steps only
+  double onset_ms = 0;  ///< first motion towards it
+  double risen_ms = 0;  ///< 90 % of the steady amplitude; rising steps only
   double fallen_ms
       = 0;           ///< after the target's end, 10 % of the steady amplitude; NaN where not seen
   double snr_db = 0; ///< of the steady vibration to what is heard at rest, within the band
@@ -62,9 +64,25 @@ struct StepResponse
 /// noise at the moment of the 90 % does not matter: m = 1 is MotorModel, and as real motors are rounder at first m may
 /// differ, at a small price.
 StepResponse measure_step(const Recording &recording, int channel, const Step &step, Band band,
-                          StepEnvelope *picture = nullptr);
+                          const GrowthPrior &prior = {}, StepEnvelope *picture = nullptr);
+
+/// What the steps of one motor have in common: latency and roundness of the rises that are clear. For a second look at all of
+/// them, which is then less at the mercy of noise.
+GrowthPrior prior_of(const std::vector<StepResponse> &responses);
+
+/// A recording and what was played meanwhile.
+struct RecordedRun
+{
+  Recording recording{};
+  std::vector<Step> steps{};
+};
+
+/// The responses to all steps, tactor by tactor, each motor's looked at twice. `tactors` is how many the chair has
+/// (Recording::channel_of()).
+std::vector<StepResponse> measure_steps(const std::vector<RecordedRun> &runs, int tactors,
+                                        Band band);
 
 /// A band for all steps: from a quarter of the frequency at which the strongest driven motors vibrate to twice that.
-Band band_of(const Recording &recording, const std::vector<Step> &steps, int tactors);
+Band band_of(const std::vector<RecordedRun> &runs, int tactors);
 
 } // namespace tactor

@@ -29,17 +29,12 @@ inline std::vector<tactor::StepResponse>
 measure(const tactor::MeasurementSettings &settings, const std::vector<tactor::MotorParameters> &motors,
         tactor::SimulatedSensor sensor)
 {
-  std::vector<tactor::StepResponse> responses;
+  std::vector<tactor::RecordedRun> runs;
   for (const tactor::MeasurementRun &run : plan_measurement(settings)) {
     const std::vector<tactor::IssuedCommand> trace = trace_of(run);
     const tactor::Time end = length_of(run);
-    const tactor::Recording recording = hear(trace, motors, sensor, end);
+    runs.push_back({ hear(trace, motors, sensor, end), steps_of(trace, end) });
     sensor.seed++;
-    const std::vector<tactor::Step> steps = steps_of(trace, end);
-    for (const tactor::Step &step : steps) {
-      const int channel = sensor.separate ? step.tactor : 0;
-      responses.push_back(measure_step(recording, channel, step, { 15, 160 }));
-    }
   }
-  return responses;
+  return measure_steps(runs, static_cast<int>(motors.size()), { 15, 160 });
 }
