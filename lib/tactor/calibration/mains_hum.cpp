@@ -13,7 +13,8 @@ namespace tactor {
 namespace {
 
 constexpr double kSearchHz = 0.3;
-constexpr double kSearchStepHz = 0.02;
+constexpr double kSearchStepHz = 0.03;
+constexpr double kExactHz = 0.002;
 /// Of what is heard at rest, this much has to be hum: noise has a line here and there, too.
 constexpr double kLeastShare = 0.3;
 
@@ -70,10 +71,19 @@ remove_mains_hum(std::vector<double> &signal, const std::vector<bool> &rests, do
     const int harmonics = static_cast<int>(highest_hz / (mains + kSearchHz));
     if (harmonics < 1 || std::ssize(at) < 20 * harmonics)
       continue;
-    for (double hz = mains - kSearchHz; hz <= mains + kSearchHz; hz += kSearchStepHz) {
+    const auto consider = [&](double hz) {
       Hum hum = fit(signal, at, rate, hz, harmonics);
       if (!best || hum.power > best->power)
         best = std::move(hum);
+    };
+    for (double hz = mains - kSearchHz; hz <= mains + kSearchHz; hz += kSearchStepHz)
+      consider(hz);
+    if (std::abs(best->hz - mains) > kSearchHz)
+      continue; // the other mains
+    for (double step = kSearchStepHz / 2; step > kExactHz; step /= 2) {
+      const double middle = best->hz;
+      consider(middle - step);
+      consider(middle + step);
     }
   }
   if (!best || best->power < kLeastShare * power)
