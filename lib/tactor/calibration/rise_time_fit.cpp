@@ -19,6 +19,9 @@ constexpr int kTerms = 6;
 constexpr double kTableStepVolts = 0.1;
 /// How far a measurement's difference from the quadratic is felt in the table.
 constexpr double kNeighbourVolts = 0.25;
+/// What was measured counts for so many times what was guessed from it.
+constexpr double kMeasuredWeight = 100;
+constexpr double kSameVolts = 1e-6;
 constexpr double kWorstCondition = 1e-7;
 
 /// The 97.5 % quantile of Student's t (Cornish-Fisher expansion; Abramowitz & Stegun 26.7.5).
@@ -73,22 +76,30 @@ fit_quadratic(std::span<const RiseTimeSample> samples)
 }
 
 std::vector<double>
-isotonic(std::span<const double> values)
+isotonic(std::span<const double> values, std::span<const double> weights)
 {
-  std::vector<std::pair<double, int>> pools; // mean, how many
-  for (const double value : values) {
-    pools.emplace_back(value, 1);
-    while (pools.size() > 1 && pools[pools.size() - 2].first > pools.back().first) {
-      const auto [mean, count] = pools.back();
+  struct Pool
+  {
+    double mean;
+    double weight;
+    std::size_t count;
+  };
+  std::vector<Pool> pools;
+  for (std::size_t i = 0; i < values.size(); i++) {
+    pools.push_back({ values[i], weights.empty() ? 1.0 : weights[i], 1 });
+    while (pools.size() > 1 && pools[pools.size() - 2].mean > pools.back().mean) {
+      const Pool last = pools.back();
       pools.pop_back();
-      auto &[sum, others] = pools.back();
-      sum = (sum * others + mean * count) / (others + count);
-      others += count;
+      Pool &before = pools.back();
+      before.mean
+          = (before.mean * before.weight + last.mean * last.weight) / (before.weight + last.weight);
+      before.weight += last.weight;
+      before.count += last.count;
     }
   }
   std::vector<double> result;
-  for (const auto &[mean, count] : pools)
-    result.insert(result.end(), static_cast<std::size_t>(count), mean);
+  for (const Pool &pool : pools)
+    result.insert(result.end(), pool.count, pool.mean);
   return result;
 }
 
@@ -125,7 +136,7 @@ monotone_table(std::span<const RiseTimeSample> samples, double volts_max)
     double weights = 0;
     for (const Known &point : known) {
       const double distance = std::hypot(point.start - start, point.target - target);
-      if (distance < 1e-6)
+      if (distance < kSameVolts)
         return point.left;
       const double near = kNeighbourVolts / distance;
       const double weight = std::pow(near, 4);
@@ -142,14 +153,20 @@ monotone_table(std::span<const RiseTimeSample> samples, double volts_max)
                        .milliseconds = {} };
   for (int row = 0; row < table.size; row++) {
     std::vector<double> sooner; // negative times rise with the target
+    std::vector<double> weights;
     for (int column = 0; column < table.size; column++) {
       const double start = row * table.step_volts;
       const double target = column * table.step_volts;
       sooner.push_back(-std::clamp(trend(start, target) + left(start, target), earliest, latest));
+      const bool measured = std::ranges::any_of(known, [&](const Known &point) {
+        return std::hypot(point.start - start, point.target - target) < kSameVolts;
+      });
+      weights.push_back(measured ? kMeasuredWeight : 1);
     }
     // Targets not above the start are never asked for, and must not pull at those that are.
     const auto from = std::min(static_cast<std::size_t>(row + 1), sooner.size() - 1);
-    const std::vector<double> risen = isotonic(std::span(sooner).subspan(from));
+    const std::vector<double> risen
+        = isotonic(std::span(sooner).subspan(from), std::span(weights).subspan(from));
     for (std::size_t column = 0; column < sooner.size(); column++)
       table.milliseconds.push_back(-risen[column < from ? 0 : column - from]);
   }

@@ -27,7 +27,8 @@ std::optional<QuadraticRiseTime> fit_quadratic(std::span<const RiseTimeSample> s
 /// without samples.
 RiseTimeTable monotone_table(std::span<const RiseTimeSample> samples, double volts_max);
 
-/// The rising sequence nearest to the values in the sense of least squares (pool adjacent violators).
-std::vector<double> isotonic(std::span<const double> values);
+/// The rising sequence nearest to the values in the sense of least squares, weighted if there are as many weights (pool adjacent
+/// violators).
+std::vector<double> isotonic(std::span<const double> values, std::span<const double> weights = {});
 
 } // namespace tactor
