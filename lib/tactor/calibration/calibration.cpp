@@ -11,6 +11,7 @@ namespace {
 
 constexpr int kLevels = 65; ///< points of a level curve
 constexpr double kTableStepVolts = 0.1;
+constexpr double kQuadraticVolts = 3.0; ///< beyond, a quadratic leads astray
 
 /// Amplitude at a voltage: linear between the points, from the origin before them, constant after them.
 double
@@ -42,14 +43,13 @@ volts_at(const std::vector<VibrationPoint> &points, double amplitude)
   return before.volts;
 }
 
-RiseTime
-rise_time_of(const TactorCalibration &tactor)
+/// None: the paper's.
+std::optional<RiseTimeTable>
+table_of(const TactorCalibration &tactor)
 {
-  if (!tactor.table && !tactor.quadratic)
-    return {};
-  RiseTimeTable table = tactor.table ? *tactor.table : tactor.quadratic->table(3.0);
-  table.least_volts = std::min(tactor.hold_volts, tactor.start_volts);
-  return RiseTime(std::move(table));
+  if (tactor.quadratic && (tactor.prefers_quadratic || !tactor.table))
+    return tactor.quadratic->table(kQuadraticVolts);
+  return tactor.table;
 }
 
 } // namespace
@@ -76,6 +76,16 @@ QuadraticRiseTime::table(double volts_max) const
   return table;
 }
 
+RiseTime
+TactorCalibration::rise_time() const
+{
+  std::optional<RiseTimeTable> best = table_of(*this);
+  if (!best)
+    return {};
+  best->least_volts = std::min(hold_volts, start_volts);
+  return RiseTime(std::move(*best));
+}
+
 std::vector<MotorParameters>
 Calibration::motors(double volts_max) const
 {
@@ -88,7 +98,7 @@ Calibration::motors(double volts_max) const
   for (const auto &[index, tactor] : tactors) {
     result.resize(std::max(result.size(), static_cast<std::size_t>(index) + 1));
     MotorParameters &motor = result[static_cast<std::size_t>(index)];
-    motor = { .rise_time = rise_time_of(tactor),
+    motor = { .rise_time = tactor.rise_time(),
               .start_volts = tactor.start_volts,
               .hold_volts = std::min(tactor.hold_volts, tactor.start_volts),
               .fall_time = tactor.fall_time,
@@ -111,16 +121,14 @@ Calibration::longest_lead() const
   double longest = 0;
   for (const auto &[index, tactor] : tactors) {
     const double latency = static_cast<double>(tactor.latency.value_or(Time(0)).count()) / 1e6;
-    if (!tactor.table && !tactor.quadratic)
-      continue;
+    const std::optional<RiseTimeTable> table = table_of(tactor);
     // At start voltages from which there is something left to rise.
-    const RiseTimeTable table = tactor.table ? *tactor.table : tactor.quadratic->table(3.0);
-    for (int start = 0; start < table.size; start++)
-      for (int target = start + 1; target < table.size; target++)
-        if (target * table.step_volts >= tactor.start_volts && start < 0.9 * target)
-          longest = std::max(
-              longest,
-              latency + table.milliseconds[static_cast<std::size_t>(start * table.size + target)]);
+    for (int start = 0; table && start < table->size; start++)
+      for (int target = start + 1; target < table->size; target++) {
+        const auto place = static_cast<std::size_t>(start * table->size + target);
+        if (target * table->step_volts >= tactor.start_volts && start < 0.9 * target)
+          longest = std::max(longest, latency + table->milliseconds[place]);
+      }
   }
   return Time(std::llround(longest * 1e6));
 }

@@ -35,7 +35,8 @@ struct VibrationPoint
   double amplitude = 0;
 };
 
-/// What was measured of one tactor.
+/// What was measured of one tactor. Its rise times are the table's or the quadratic's, whichever is there or, of both,
+/// preferred; without either they are the paper's.
 struct TactorCalibration
 {
   std::optional<Time>
@@ -43,12 +44,14 @@ struct TactorCalibration
   double start_volts = kStartVolts;
   double hold_volts = kStartVolts;
   Time fall_time = kFallTime;
-  std::optional<RiseTimeTable>
-      table{}; ///< used if there, else the quadratic, else the paper's Eq. 1
+  std::optional<RiseTimeTable> table{};
   std::optional<QuadraticRiseTime> quadratic{};
+  bool prefers_quadratic = false;          ///< it is nearer to what was measured than the table
   std::vector<VibrationPoint> vibration{}; ///< rising in both; empty: linear in the voltage
   int steps_used = 0;
   int steps_refused = 0;
+
+  RiseTime rise_time() const;
 };
 
 /// What was measured of a chair's motors, and how. As a file it is a key file (docs/calibration.md).

@@ -190,6 +190,10 @@ read_tactor(const Reader &in)
     read_table(in, tactor);
   if (in.has("rise-quadratic-ms"))
     read_quadratic(in, tactor);
+  const std::string model = in.string("rise-model");
+  if (!model.empty() && model != "table" && model != "quadratic")
+    in.fail("rise-model", "expected table or quadratic, got '" + model + "'");
+  tactor.prefers_quadratic = model == "quadratic";
   if (in.has("vibration"))
     read_vibration(in, tactor);
   const auto count = [&](const char *key) {
@@ -214,6 +218,8 @@ write_tactor(GKeyFile *file, int index, const TactorCalibration &tactor)
   set("fall-ms", text(to_ms(tactor.fall_time)));
   set("steps-used", std::to_string(tactor.steps_used));
   set("steps-refused", std::to_string(tactor.steps_refused));
+  if (tactor.quadratic || tactor.table)
+    set("rise-model", tactor.prefers_quadratic ? "quadratic" : "table");
   if (tactor.quadratic) {
     set("rise-quadratic-ms", text(tactor.quadratic->coefficients));
     set("rise-quadratic-confidence-ms", text(tactor.quadratic->confidence));

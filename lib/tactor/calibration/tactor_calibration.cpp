@@ -177,6 +177,18 @@ calibrate_tactor(std::vector<StepResponse> &responses, bool latency_known)
     volts_max = std::max(volts_max, sample.target_volts);
   tactor.quadratic = fit_quadratic(samples);
   tactor.table = monotone_table(samples, volts_max);
+  // A table is monotone, which a motor whose rise times are not is not served by.
+  double table_squares = 0;
+  double quadratic_squares = 0;
+  for (const RiseTimeSample &sample : samples) {
+    const double s = sample.start_volts;
+    const double t = sample.target_volts;
+    const double table_ms = static_cast<double>(RiseTime(*tactor.table)(s, t).count()) / 1e6;
+    table_squares += std::pow(sample.milliseconds - table_ms, 2);
+    if (tactor.quadratic)
+      quadratic_squares += std::pow(sample.milliseconds - (*tactor.quadratic)(s, t - s), 2);
+  }
+  tactor.prefers_quadratic = tactor.quadratic && quadratic_squares < table_squares;
   tactor.vibration = vibration_of(responses);
   std::vector<double> falls;
   for (const StepResponse &response : responses)

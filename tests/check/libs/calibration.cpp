@@ -107,6 +107,7 @@ GST_START_TEST(file_gives_back_what_was_written)
   fail_unless(tactor.quadratic->confidence == some_tactor().quadratic->confidence);
   fail_unless(tactor.quadratic->r_squared == 0.98 && tactor.quadratic->residual_ms == 6.5);
   fail_unless(tactor.vibration.size() == 3 && tactor.vibration[1].amplitude == 0.5);
+  fail_if(tactor.prefers_quadratic);
   fail_unless(tactor.steps_used == 40 && tactor.steps_refused == 2);
   fail_if(read.tactors.at(0).latency.has_value());
 }
@@ -129,6 +130,7 @@ GST_START_TEST(damaged_files_are_refused_with_the_place)
                  "rise-table-ms");
   expect_refusal(head + "[Tactor 0]\nrise-table-ms=1;2;3;4;\n", "rise-table-step-volts");
   expect_refusal(head + "[Tactor 0]\nrise-quadratic-ms=1;2;3;\n", "expected six numbers, got 3");
+  expect_refusal(head + "[Tactor 0]\nrise-model=cubic\n", "expected table or quadratic");
   expect_refusal(head + "[Tactor 0]\nvibration-volts=1;2;\nvibration=1;\n", "one for each");
   expect_refusal(head + "[Tactor 0]\nvibration-volts=1;2;\nvibration=2;1;\n", "rising");
   expect_refusal(head + "[Tactor 0]\nvibration-volts=1;1;\nvibration=1;2;\n", "rising");
@@ -157,9 +159,9 @@ GST_START_TEST(motors_have_what_was_measured_and_the_others_are_the_papers)
   fail_unless(motors[2].latency == Time(12ms) && motors[2].thresholds_measured);
   fail_unless(motors[2].rise_time(0, 1.5) == Time(80'125'000));
   fail_unless(motors[0].rise_time(0, 1.5) == RiseTime()(0, 1.5) && !motors[0].thresholds_measured);
-  // Without a table the quadratic is used, between its grid's points, too.
+  // With both, the file says which; without a table the quadratic is used, between its grid's points, too.
   TactorCalibration without = some_tactor();
-  without.table.reset();
+  without.prefers_quadratic = true;
   const RiseTime rise_time = Calibration{ .tactors = { { 0, without } } }.motors(3.0)[0].rise_time;
   fail_unless_near(static_cast<double>(rise_time(0.55, 1.75).count()) / 1e6,
                    rise_time_quadratic_ms(0.55, 1.2), 0.2);
