@@ -73,8 +73,9 @@ std::string
 recording_branch()
 {
   // Gaps and overlaps of a source that stumbles become silence, so that what follows stays in its place.
-  return "audioconvert ! audiorate ! audioresample ! audio/x-raw,format=F64LE,layout=interleaved,rate="
-         + std::to_string(kRate) + " ! appsink name=heard sync=false max-buffers=0";
+  return "audioconvert ! audiorate ! audioresample ! "
+         "audio/x-raw,format=F64LE,layout=interleaved,rate="
+         + std::to_string(kRate) + " ! appsink name=heard sync=false async=false max-buffers=0";
 }
 
 void
@@ -102,7 +103,8 @@ AudioCollector::add(GstSample *sample)
     recording_.channels.resize(channels);
     const GstClockTime running = gst_segment_to_running_time(
         gst_sample_get_segment(sample), GST_FORMAT_TIME, GST_BUFFER_PTS(buffer));
-    recording_.start = tactor::Time(GST_CLOCK_TIME_IS_VALID(running) ? static_cast<gint64>(running) : 0);
+    recording_.start
+        = tactor::Time(GST_CLOCK_TIME_IS_VALID(running) ? static_cast<gint64>(running) : 0);
   }
   const auto *values = reinterpret_cast<const gdouble *>(map.data);
   for (std::size_t i = 0; i < map.size / sizeof(gdouble); i++)
@@ -117,7 +119,8 @@ AudioCollector::until()
   if (recording_.size() == 0)
     return tactor::Time(0);
   return recording_.start
-         + tactor::Time(std::llround(1e9 * static_cast<double>(recording_.size()) / recording_.rate));
+         + tactor::Time(
+             std::llround(1e9 * static_cast<double>(recording_.size()) / recording_.rate));
 }
 
 tactor::Recording
@@ -174,7 +177,8 @@ void
 write_recording(const tactor::Recording &recording, const std::string &path)
 {
   tactor::Recording aligned = recording;
-  const auto shift = std::lround(std::chrono::duration<double>(recording.start).count() * recording.rate);
+  const auto shift
+      = std::lround(std::chrono::duration<double>(recording.start).count() * recording.rate);
   for (std::vector<double> &channel : aligned.channels) {
     if (shift > 0)
       channel.insert(channel.begin(), static_cast<std::size_t>(shift), 0.0);

@@ -12,6 +12,7 @@
 #include <filesystem>
 #include <memory>
 #include <stdexcept>
+#include <unistd.h>
 
 namespace {
 
@@ -53,7 +54,7 @@ public:
     const gint fd = g_file_open_tmp("tactor-calibrate-XXXXXX", &path_, &error);
     if (fd < 0)
       throw std::runtime_error(error->message);
-    g_close(fd, nullptr);
+    close(fd);
   }
   ~TraceFile()
   {
@@ -86,7 +87,8 @@ make_pipeline(const PlayerSettings &settings)
   if (settings.source == "simulator")
     line += " appsrc name=microphone format=time max-bytes=0 ! " + recording_branch();
   else if (!settings.source.empty())
-    line += " " + settings.source + " ! queue max-size-time=2000000000 max-size-bytes=0 max-size-buffers=0 ! "
+    line += " " + settings.source
+            + " ! queue max-size-time=2000000000 max-size-bytes=0 max-size-buffers=0 ! "
             + recording_branch();
   g_autoptr(GError) error = nullptr;
   Pipeline pipeline(gst_parse_launch(line.c_str(), &error));
@@ -181,13 +183,17 @@ play(const std::vector<Frame> &frames, const PlayerSettings &settings,
         latency = simulated ? Time(0)
                             : Time(static_cast<gint64>(
                                 gst_base_sink_get_latency(GST_BASE_SINK(tactors.get()))));
-        if (simulated)
+        if (simulated) {
+          gst_element_set_state(tactors.get(), GST_STATE_PAUSED); // the trace is whole then
           push_recording(element(pipeline, "microphone").get(),
                          hear(tactor::read_command_trace(trace_file.path()), settings.motors,
                               settings.sensor, end + kTail));
+        }
       }
       over = message && GST_MESSAGE_TYPE(message) == GST_MESSAGE_EOS;
-      if (told && !simulated)
+      if (told && simulated)
+        over |= gst_app_sink_is_eos(GST_APP_SINK(element(pipeline, "heard").get()));
+      else if (told)
         over |= settings.source.empty() || heard.until() >= end + latency + kTail;
       const Time waited = std::chrono::microseconds(g_get_monotonic_time() - begin);
       if (!over && !simulated && waited > end + latency + kTail + kPatience)

@@ -24,7 +24,8 @@ struct PlayerSettings
   std::string driver = "auto"; ///< as tactorsink's
   std::string device{};
   double volts_max = 3.0;
-  bool compensate = false;   ///< commands come early by the motors' rise times, else with their frames
+  bool compensate
+      = false; ///< commands come early by the motors' rise times, else with their frames
   std::string calibration{}; ///< key file for tactorsink; empty: none
   /// A launch line of a GStreamer audio source; "simulator": motors are simulated, and heard; empty: nothing is recorded.
   std::string source{};

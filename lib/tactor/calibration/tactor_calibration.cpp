@@ -171,7 +171,7 @@ calibrate_tactor(std::vector<StepResponse> &responses, bool latency_known)
   if (latency_known)
     tactor.latency = Time(std::llround(latency_ms * 1e6));
   const std::vector<RiseTimeSample> samples
-      = samples_of(rises, latency_of(rises), tactor.start_volts);
+      = samples_of(rises, latency_known ? latency_ms : latency_of(rises), tactor.start_volts);
   double volts_max = 0;
   for (const RiseTimeSample &sample : samples)
     volts_max = std::max(volts_max, sample.target_volts);
