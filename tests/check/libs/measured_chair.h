@@ -17,17 +17,16 @@ trace_of(const tactor::MeasurementRun &run)
 {
   std::vector<tactor::IssuedCommand> trace;
   for (const tactor::MeasurementStretch &stretch : run)
-    trace.push_back({ .command = { .effect = stretch.begin,
-                                   .tactor = stretch.tactor,
-                                   .volts = stretch.volts },
-                      .issued = stretch.begin });
+    trace.push_back(
+        { .command = { .effect = stretch.begin, .tactor = stretch.tactor, .volts = stretch.volts },
+          .issued = stretch.begin });
   return trace;
 }
 
 /// The responses to all steps of a plan.
 inline std::vector<tactor::StepResponse>
-measure(const tactor::MeasurementSettings &settings, const std::vector<tactor::MotorParameters> &motors,
-        tactor::SimulatedSensor sensor)
+measure(const tactor::MeasurementSettings &settings,
+        const std::vector<tactor::MotorParameters> &motors, tactor::SimulatedSensor sensor)
 {
   std::vector<tactor::RecordedRun> runs;
   for (const tactor::MeasurementRun &run : plan_measurement(settings)) {
