@@ -87,15 +87,22 @@ cut(const Recording &recording, std::span<const double> channel, const Step &ste
   return window;
 }
 
+/// Whether samples are missing from what was heard of a motor: silence of every bit between its first and last sound.
 bool
-has_dropout(const Window &window)
+has_dropout(std::span<const double> samples, double rate)
 {
-  const auto longest = static_cast<int>(kDropoutS * window.rate);
-  int run = 1;
-  for (std::size_t i = 1; i < window.samples.size(); i++) {
-    run = window.samples[i] == window.samples[i - 1] ? run + 1 : 1;
-    if (run > std::max(longest, 3) && std::abs(window.samples[i]) < 1e-12)
+  const auto longest = static_cast<std::size_t>(std::max(3.0, kDropoutS * rate));
+  std::size_t silent = 0;
+  bool heard = false;
+  for (const double sample : samples) {
+    if (sample == 0) {
+      silent++;
+      continue;
+    }
+    if (heard && silent > longest)
       return true;
+    heard = true;
+    silent = 0;
   }
   return false;
 }
@@ -208,9 +215,9 @@ measure_step(const Recording &recording, int channel, const Step &step, Band ban
   Window window = cut(recording, recording.channels.at(static_cast<std::size_t>(channel)), step);
   if (window.truncated)
     return finish(StepFault::truncated);
-  if (has_dropout(window))
-    return finish(StepFault::dropout);
   const double end = seconds(step.end - step.at);
+  if (has_dropout(window.part(0, end), window.rate))
+    return finish(StepFault::dropout);
   const bool clipped = is_clipped(window.part(-0.1, end), recording.full_scale);
 
   if (picture)

@@ -21,7 +21,7 @@ enum class StepFault
   clipped,    ///< the sensor's range ended before the vibration did
   noisy,      ///< the steady vibration is less than 10 dB above the noise
   unsteady,   ///< the level drifts where it should be steady
-  dropout,    ///< samples are missing: one value for 10 ms
+  dropout,    ///< samples are missing: 10 ms of zeros amid the vibration
   truncated,  ///< the recording does not hold all of it
   overlapped, ///< another tactor was on meanwhile and heard by the same channel
   irregular,  ///< the envelope is no rise to a level
