@@ -9,6 +9,7 @@
 #include <map>
 #include <random>
 #include <stdexcept>
+#include <string>
 
 using namespace std::chrono_literals;
 using tactor::Time;
@@ -106,12 +107,12 @@ run_check(int argc, char **argv)
 
   std::map<int, std::vector<double>> errors;
   std::vector<double> all;
-  int refused = 0;
+  std::map<std::string, int> refused;
   for (const tactor::StepResponse &response : heard.responses) {
     if (!response.step.rises())
       continue;
     if (response.fault != tactor::StepFault::none) {
-      refused++;
+      refused[std::string(tactor::fault_name(response.fault))]++;
       continue;
     }
     const double lead
@@ -124,7 +125,7 @@ run_check(int argc, char **argv)
   for (const auto &[tactor, own_errors] : errors)
     print(("tactor " + std::to_string(tactor)).c_str(), own_errors);
   print("all", all);
-  if (refused > 0)
-    std::printf("%d rises could not be measured\n", refused);
+  for (const auto &[fault, count] : refused)
+    std::printf("%d rises could not be measured: %s\n", count, fault.c_str());
   return 0;
 }

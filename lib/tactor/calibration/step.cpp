@@ -33,6 +33,19 @@ stretches_of(std::span<const IssuedCommand> trace, int tactor, Time end)
   return stretches;
 }
 
+/// Rests are only where no other tactor can be heard either.
+void
+listen_apart(Step &step, const Stretch &other)
+{
+  const Time begin = std::min(step.rest_end, step.at);
+  if (other.begin < step.end && other.end > begin)
+    step.overlapped = true;
+  else if (other.end <= begin)
+    step.rest_begin = std::max(step.rest_begin, other.end);
+  else
+    step.next = std::min(step.next, std::max(other.begin, step.off));
+}
+
 } // namespace
 
 std::vector<Step>
@@ -71,11 +84,9 @@ steps_of(std::span<const IssuedCommand> trace, Time end, Time hold)
   }
   for (Step &step : steps)
     for (const auto &[tactor, stretches] : tactors)
-      step.overlapped
-          |= tactor != step.tactor && std::ranges::any_of(stretches, [&](const Stretch &other) {
-               return other.volts > 0 && other.begin < step.end
-                      && other.end > std::min(step.rest_end, step.at);
-             });
+      for (const Stretch &other : stretches)
+        if (tactor != step.tactor && other.volts > 0)
+          listen_apart(step, other);
   std::ranges::sort(steps, {}, &Step::at);
   return steps;
 }

@@ -15,12 +15,12 @@ struct Step
   int tactor = 0;
   double start_volts = 0; ///< held before; 0: at rest
   double target_volts = 0;
-  Time rest_begin{ 0 };    ///< the motor is at zero volts from here…
+  Time rest_begin{ 0 };    ///< the motors are at zero volts from here…
   Time rest_end{ 0 };      ///< …to here, before the step
   Time at{ 0 };            ///< when the driver was told the target
   Time effect{ 0 };        ///< when the vibration was to be there
   Time end{ 0 };           ///< when the target ends
-  Time off{ 0 };           ///< when the motor is at zero volts again…
+  Time off{ 0 };           ///< when they are at zero volts again…
   Time next{ 0 };          ///< …and until when
   bool overlapped = false; ///< another tactor was on meanwhile
 
