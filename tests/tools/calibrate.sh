@@ -49,11 +49,11 @@ INI
 hear=(--source=simulator --simulated-motors=simulated --tactors=0,2)
 
 # Stopped after its first run, it goes on with the second; done, it does nothing; for another measurement it takes no used folder.
-"$CALIBRATE" measure chair "${hear[@]}" --repetitions=2 --motor="two of them" --run=0 >out
+"$CALIBRATE" measure chair "${hear[@]}" --motor="two of them" --run=0 >out
 [ "$(grep -c ^run out)" -eq 1 ] || fail "--run=0 played $(cat out)"
-"$CALIBRATE" measure chair "${hear[@]}" --repetitions=2 --motor="two of them" >out
+"$CALIBRATE" measure chair "${hear[@]}" --motor="two of them" >out
 head -n 1 out | grep -q '^run 2 of' || fail "it did not go on: $(cat out)"
-"$CALIBRATE" measure chair "${hear[@]}" --repetitions=2 --motor="two of them" >out
+"$CALIBRATE" measure chair "${hear[@]}" --motor="two of them" >out
 [ ! -s out ] || fail "there was nothing left to do, but: $(cat out)"
 "$CALIBRATE" measure chair "${hear[@]}" --repetitions=3 2>err && fail "it took a used folder"
 grep -q "another measurement" err || fail "$(cat err)"
