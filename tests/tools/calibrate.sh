@@ -96,6 +96,16 @@ cp chair/run-002.wav elsewhere.wav
 grep -q '^start-volts=' elsewhere.calibration || fail "$(cat out)"
 grep -q '^latency-ms=' elsewhere.calibration && fail "a latency without a common clock"
 
+# A telephone beside the chair: a sound file of its own for each run.
+mkdir phone
+cp chair/session.ini chair/run-*.csv phone
+for sound in chair/run-*.wav; do
+  cp "$sound" "phone/$(basename "$sound" .wav).sound"
+done
+"$CALIBRATE" analyse phone >out
+sed -n '/^\[Tactor 2\]/,/^\[/s/^start-volts=//p' phone/motors.calibration | grep -qx 0.7 || fail "$(cat out)"
+grep -q '^latency-ms=' phone/motors.calibration && fail "a latency without a common clock"
+
 # Refusals are one line each, with status 1 or 2.
 refused() {
   local status=0
