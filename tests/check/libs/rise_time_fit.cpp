@@ -19,9 +19,9 @@ constexpr std::array<double, 6> kPrinted = { 241.9, -175.7, -117.7, 38.86, 49.59
 
 /// The paper's grid: start voltages and offsets from 0 to 3.0 V in steps of 0.1 V, within 3.0 V.
 std::vector<RiseTimeSample>
-papers_grid(double noise_ms = 0)
+papers_grid(double noise_ms = 0, unsigned seed = 3)
 {
-  std::mt19937 random(3);
+  std::mt19937 random(seed);
   std::normal_distribution<double> noise(0, noise_ms > 0 ? noise_ms : 1);
   std::vector<RiseTimeSample> samples;
   for (int start = 0; start < 30; start++)
@@ -47,17 +47,21 @@ GST_START_TEST(papers_equation_is_recovered_to_its_printed_digits)
 }
 GST_END_TEST
 
-// Noise as the paper's R² of 0.98 has it: the truth lies within the intervals, which are no wider than they need be.
+// Noise as the paper's R² of 0.98 has it: of many such measurements the truth is within the intervals in 95 of 100.
 GST_START_TEST(confidence_says_how_far_off_noise_leads)
 {
-  const auto fit = fit_quadratic(papers_grid(6));
-  fail_unless(fit.has_value());
-  for (std::size_t i = 0; i < kPrinted.size(); i++) {
-    fail_unless_near(fit->coefficients[i], kPrinted[i], 1.5 * fit->confidence[i]);
-    fail_unless_at_most(fit->confidence[i], 6);
+  constexpr int kTimes = 400;
+  std::array<int, 6> within{};
+  for (unsigned seed = 1; seed <= kTimes; seed++) {
+    const auto fit = fit_quadratic(papers_grid(6, seed));
+    fail_unless(fit.has_value());
+    for (std::size_t i = 0; i < kPrinted.size(); i++)
+      within[i] += std::abs(fit->coefficients[i] - kPrinted[i]) <= fit->confidence[i];
+    fail_unless_near(fit->residual_ms, 6, 0.8);
+    fail_unless(fit->r_squared > 0.96 && fit->r_squared < 0.996);
   }
-  fail_unless_near(fit->residual_ms, 6, 0.5);
-  fail_unless(fit->r_squared > 0.97 && fit->r_squared < 0.995);
+  for (const int count : within)
+    fail_unless_near(static_cast<double>(count) / kTimes, 0.95, 0.035);
 }
 GST_END_TEST
 

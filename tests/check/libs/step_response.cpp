@@ -219,6 +219,29 @@ GST_START_TEST(steps_of_two_tactors_at_once_are_told_apart_by_channels_alone)
 }
 GST_END_TEST
 
+// Latency and roundness are those of the clear half of the rises; too few tell nothing.
+GST_START_TEST(clear_rises_say_what_all_have_in_common)
+{
+  std::vector<StepResponse> responses;
+  for (int i = 0; i < 20; i++) {
+    StepResponse response;
+    response.step.target_volts = 1;
+    response.snr_db = i < 8 ? 12 : 40;
+    response.onset_ms = i < 8 ? 40 : 8;
+    response.roundness = i < 8 ? 3 : 1.2;
+    responses.push_back(response);
+  }
+  responses[15].fault = StepFault::clipped;
+  responses[15].onset_ms = 500;
+  const GrowthPrior prior = prior_of(responses);
+  fail_unless_near(prior.onset_s, 0.008, 1e-9);
+  fail_unless_near(prior.log_roundness, std::log(1.2), 1e-9);
+  fail_unless_at_most(prior.onset_deviation_s, 0.0011);
+  responses.resize(4);
+  fail_unless(prior_of(responses).onset_deviation_s >= 1);
+}
+GST_END_TEST
+
 GST_START_TEST(band_is_found_around_the_vibration)
 {
   const std::vector<RecordedRun> runs{ recorded(0, 3, 3, { .noise = 0.002, .drift = 1 }) };
@@ -241,6 +264,7 @@ step_response_suite(void)
   tcase_add_test(tests, what_is_wrong_with_a_recording_is_named);
   tcase_add_test(tests, a_step_that_nothing_came_of_is_missed);
   tcase_add_test(tests, steps_of_two_tactors_at_once_are_told_apart_by_channels_alone);
+  tcase_add_test(tests, clear_rises_say_what_all_have_in_common);
   tcase_add_test(tests, band_is_found_around_the_vibration);
   return suite;
 }
