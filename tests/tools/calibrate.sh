@@ -46,7 +46,7 @@ vibration-volts=3
 vibration=0.3
 INI
 
-hear=(--source=simulator --simulated-motors=simulated --tactors=0,2)
+hear=(--source=simulator --simulated-motors=simulated "--tactors=0,2")
 
 # Stopped after its first run, it goes on with the second; done, it does nothing; for another measurement it takes no used folder.
 "$CALIBRATE" measure chair "${hear[@]}" --motor="two of them" --run=0 >out
