@@ -22,6 +22,11 @@
  * #GstTactorSink:max-active end cues, #GstTactorSink:ramp-in softens the first vibration after
  * start, seek and pause. 0 switches each of them off.
  *
+ * With #GstTactorSink:calibration each tactor has its own motor, as `tactor-calibrate` measured it: its
+ * rise times and its latency make the lead, its start and hold volts decide what is sent as 0 in
+ * place of #GstTactorSink:voltage-min, and levels become volts so that what is felt is linear in the
+ * level and equally strong on all tactors.
+ *
  * ## Example launch lines
  * |[
  * gst-launch-1.0 tactiletestsrc num-buffers=150 ! saliencytactile ! tactorsink trace-location=commands.csv
@@ -43,6 +48,7 @@
  */
 #include "gsttactorsink.h"
 
+#include "tactor/calibration/calibration.h"
 #include "tactor/command_planner.h"
 #include "tactorscheduler.h"
 #include "tactorsettings.h"
@@ -533,6 +539,32 @@ resource_error(tactor::DriverError::Kind kind)
   }
 }
 
+/// The motors that were measured, and the longest latency among them. Throws tactor::DriverError.
+static std::vector<tactor::MotorParameters>
+gst_tactor_sink_read_motors(GstTactorSink *self, const TactorSettings &settings, Time &latency)
+{
+  if (settings.calibration.empty())
+    return {};
+  tactor::Calibration calibration;
+  try {
+    calibration = tactor::read_calibration(settings.calibration);
+  } catch (const std::exception &e) {
+    throw tactor::DriverError(tactor::DriverError::Kind::settings, e.what());
+  }
+  std::vector<tactor::MotorParameters> motors = calibration.motors(settings.planner.volts_max);
+  for (const tactor::MotorParameters &motor : motors)
+    latency = std::max(latency, motor.latency.value_or(Time(0)));
+  const Time longest = calibration.longest_lead();
+  if (longest > settings.planner.max_lead + latency)
+    GST_ELEMENT_WARNING(self, RESOURCE, SETTINGS,
+                        ("Some vibrations will come late: the motors are slower than max-lead."),
+                        ("the calibration asks for leads of up to %" G_GINT64_FORMAT
+                         " ms, max-lead is %" G_GINT64_FORMAT " ms",
+                         static_cast<gint64>(longest.count() / GST_MSECOND),
+                         static_cast<gint64>(settings.planner.max_lead.count() / GST_MSECOND)));
+  return motors;
+}
+
 /// Opens the board and the trace, both anew for each play. Throws tactor::DriverError.
 static void
 gst_tactor_sink_open(GstTactorSink *self)
@@ -554,6 +586,9 @@ gst_tactor_sink_open(GstTactorSink *self)
                                      .notify = [priv](const tactor::DriverEvent &event) {
                                        priv->device_event(event);
                                      } };
+  Time latency{ 0 };
+  std::vector<tactor::MotorParameters> motors
+      = gst_tactor_sink_read_motors(self, settings, latency);
   std::unique_ptr<tactor::Driver> driver = tactor::make_driver(settings.driver);
   driver->open(config);
   std::unique_ptr<tactor::CommandTrace> trace;
@@ -563,7 +598,7 @@ gst_tactor_sink_open(GstTactorSink *self)
   priv->opened = settings.planner;
   priv->opened.transport_latency = driver->transport_latency();
   priv->board_tactors = driver->tactors();
-  priv->planner.emplace(priv->board_tactors, priv->opened);
+  priv->planner.emplace(priv->board_tactors, priv->opened, std::move(motors));
   GST_OBJECT_LOCK(self);
   priv->limited = {};
   GST_OBJECT_UNLOCK(self);
@@ -576,7 +611,8 @@ gst_tactor_sink_open(GstTactorSink *self)
   priv->scheduler.set_immediate(!gst_base_sink_get_sync(GST_BASE_SINK(self)));
   priv->scheduler.set_muted(settings.mute);
   priv->scheduler.set_ramp_in(settings.ramp_in);
-  const Time early = priv->opened.max_lead + priv->opened.transport_latency + kWakeMargin;
+  latency = std::max(latency, priv->opened.transport_latency);
+  const Time early = priv->opened.max_lead + latency + kWakeMargin;
   gst_base_sink_set_render_delay(GST_BASE_SINK(self), static_cast<GstClockTime>(early.count()));
 }
 

@@ -181,6 +181,14 @@ TactorSettings::install(GObjectClass *klass)
                            "predicted to be at 90 % of their level",
                            defaults.kick_start, playing));
   g_object_class_install_property(
+      klass, TACTOR_PROP_CALIBRATION,
+      g_param_spec_string(
+          "calibration", "Calibration",
+          "Key file of tactor-calibrate with what was measured of each motor: rise "
+          "times, latency, start and hold volts, vibration for volts (unset: all are "
+          "the paper's)",
+          nullptr, ready));
+  g_object_class_install_property(
       klass, TACTOR_PROP_TRACE_LOCATION,
       g_param_spec_string("trace-location", "Trace location",
                           "CSV file that gets one line a command: "
@@ -245,6 +253,9 @@ TactorSettings::set(guint id, const GValue *value)
   case TACTOR_PROP_KICK_START:
     planner.kick_start = g_value_get_boolean(value);
     break;
+  case TACTOR_PROP_CALIBRATION:
+    calibration = string_from_value(value);
+    break;
   case TACTOR_PROP_TRACE_LOCATION:
     trace_location = string_from_value(value);
     break;
@@ -305,6 +316,9 @@ TactorSettings::get(guint id, GValue *value) const
     break;
   case TACTOR_PROP_KICK_START:
     g_value_set_boolean(value, planner.kick_start);
+    break;
+  case TACTOR_PROP_CALIBRATION:
+    g_value_set_string(value, calibration.empty() ? nullptr : calibration.c_str());
     break;
   case TACTOR_PROP_TRACE_LOCATION:
     g_value_set_string(value, trace_location.empty() ? nullptr : trace_location.c_str());

@@ -27,6 +27,7 @@ enum TactorProperty : guint
   TACTOR_PROP_MAX_ACTIVE,
   TACTOR_PROP_RAMP_IN,
   TACTOR_PROP_KICK_START,
+  TACTOR_PROP_CALIBRATION,
   TACTOR_PROP_TRACE_LOCATION,
   TACTOR_PROP_STATS,
 };
@@ -39,6 +40,7 @@ struct TactorSettings
   std::string driver = "auto";
   std::string device;
   std::string trace_location;
+  std::string calibration; ///< key file; empty: none
   tactor::PlannerSettings planner;
   bool mute = false;
   tactor::Time ramp_in = std::chrono::milliseconds(100);

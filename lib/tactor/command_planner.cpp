@@ -44,10 +44,17 @@ whole_frames(Time rise, Time frame, Time max_lead)
 } // namespace
 
 CommandPlanner::CommandPlanner(int tactors, PlannerSettings settings, RiseTime rise_time)
-    : settings_(std::move(settings)), rise_time_(std::move(rise_time)),
-      tactors_(static_cast<std::size_t>(std::max(tactors, 0)),
-               Tactor{ .motor = MotorModel(rise_time_) })
+    : settings_(std::move(settings)), tactors_(static_cast<std::size_t>(std::max(tactors, 0)),
+                                               Tactor{ .motor = MotorModel(std::move(rise_time)) })
 {
+}
+
+CommandPlanner::CommandPlanner(int tactors, PlannerSettings settings,
+                               std::vector<MotorParameters> motors)
+    : CommandPlanner(tactors, std::move(settings))
+{
+  for (std::size_t i = 0; i < std::min(tactors_.size(), motors.size()); i++)
+    tactors_[i].motor = MotorModel(std::move(motors[i]));
 }
 
 void
@@ -106,7 +113,7 @@ CommandPlanner::plan(Time time, Time duration, std::span<const float> levels)
     if (!tactor.use.is_on())
       continue;
     if (volts[i] == 0)
-      turn_off(plan, i, plan.latest);
+      turn_off(plan, i, latest(tactor, plan));
     else if (volts[i] != tactor.volts || tactor.end.time != tactor.until)
       give(plan, i, plan.effect, due_time(tactor, plan, volts[i], Time(0)), volts[i]);
   }
@@ -121,7 +128,7 @@ CommandPlanner::silence(Time time)
   Plan plan = begin_plan(time, kDefaultFrame);
   for (std::size_t i = 0; i < tactors_.size(); i++) {
     if (tactors_[i].use.is_on())
-      turn_off(plan, i, plan.latest);
+      turn_off(plan, i, latest(tactors_[i], plan));
     tactors_[i].spent_since.reset();
     tactors_[i].outdone = false;
   }
@@ -139,7 +146,9 @@ CommandPlanner::silenced(Time time)
       tactor.use.end(tactor.end.time, true);
     }
     tactor.use.forget_from(time);
-    tactor = { .motor = MotorModel(rise_time_), .due = time, .use = std::move(tactor.use) };
+    tactor = { .motor = MotorModel(tactor.motor.parameters()),
+               .due = time,
+               .use = std::move(tactor.use) };
   }
 }
 
@@ -197,14 +206,34 @@ CommandPlanner::target_volts(std::span<const float> levels) const
       continue;
     const double level
         = levels[cell] > 0 ? std::min(static_cast<double>(levels[cell]), 1.0) : 0.0; // NaN is 0
-    double &target = volts[static_cast<std::size_t>(tactor)];
-    target = std::max(target, level * settings_.intensity * settings_.volts_max);
+    const auto index = static_cast<std::size_t>(tactor);
+    volts[index] = std::max(volts[index], wanted_volts(tactors_[index], level));
   }
   // Half a microvolt: 1/6 as a float, of 3 V, shall not fall short of 0.5 V, below which motors stand still.
-  for (double &target : volts)
-    target
-        = target < settings_.volts_min - kSameVolts / 2 ? 0 : std::max(target, settings_.volts_min);
+  for (std::size_t i = 0; i < volts.size(); i++) {
+    const MotorParameters &motor = tactors_[i].motor.parameters();
+    const bool held = tactors_[i].use.is_on() || settings_.kick_start;
+    const double least = !motor.thresholds_measured ? settings_.volts_min
+                         : held                     ? motor.hold_volts
+                                                    : motor.start_volts;
+    volts[i] = volts[i] < least - kSameVolts / 2 ? 0 : std::max(volts[i], least);
+  }
   return volts;
+}
+
+/// What the level asks for, whether the motor turns with it or not.
+double
+CommandPlanner::wanted_volts(const Tactor &tactor, double level) const
+{
+  const std::vector<double> &curve = tactor.motor.parameters().level_volts;
+  const double wanted = level * settings_.intensity;
+  if (curve.size() < 2)
+    return wanted * settings_.volts_max;
+  const double place = wanted * static_cast<double>(curve.size() - 1);
+  const std::size_t below = std::min(static_cast<std::size_t>(place), curve.size() - 2);
+  const double volts
+      = std::lerp(curve[below], curve[below + 1], place - static_cast<double>(below));
+  return std::min(volts, settings_.volts_max);
 }
 
 /// Begins the plan of a frame: time is reckoned on from before a reset(), cues that have run out by then are over.
@@ -212,17 +241,20 @@ CommandPlanner::Plan
 CommandPlanner::begin_plan(Time effect, Time frame)
 {
   if (restarts_after_) {
-    const Time first = effect - settings_.max_lead - transport();
+    Time slowest = settings_.transport_latency;
+    for (const Tactor &tactor : tactors_)
+      slowest = std::max(slowest, transport(tactor));
+    const Time first = effect - settings_.max_lead - slowest;
     if (*restarts_after_ > first)
       for (Tactor &tactor : tactors_)
         tactor.use.age(*restarts_after_ - first);
     restarts_after_.reset();
     account_begin_ = first;
   }
-  Plan plan{ .effect = effect, .frame = frame, .latest = effect - transport() };
+  Plan plan{ .effect = effect, .frame = frame };
   for (std::size_t i = 0; i < tactors_.size(); i++) {
     Tactor &tactor = tactors_[i];
-    if (!tactor.use.is_on() || tactor.end.time > plan.latest)
+    if (!tactor.use.is_on() || tactor.end.time > latest(tactor, plan))
       continue;
     spend(tactor, tactor.end.time, tactor.end.limit);
     turn_off(plan, i, tactor.end.time, true);
@@ -244,14 +276,14 @@ CommandPlanner::limit_time(const Plan &plan, std::vector<double> &volts)
     if (tactor.use.is_on()) {
       // The same as before unless the limits were changed.
       tactor.end = tactor.use.latest_end(tactor.use.on_since(), limits);
-      if (tactor.end.time <= plan.latest) {
+      if (tactor.end.time <= latest(tactor, plan)) {
         spend(tactor, plan.effect, tactor.end.limit);
         volts[i] = 0;
       }
       continue;
     }
     const bool rests = tactor.spent_since && plan.effect - *tactor.spent_since < Time(kLongestRest);
-    if (rests || tactor.use.ready_at() > plan.latest) {
+    if (rests || tactor.use.ready_at() > latest(tactor, plan)) {
       volts[i] = 0;
       continue;
     }
@@ -316,7 +348,7 @@ CommandPlanner::make_room(Plan &plan, std::size_t index, Time due, std::span<con
       const bool ends = tactor.use.is_on() && volts[i] == 0;
       if (ends && (!weakest || tactor.volts < tactors_[*weakest].volts))
         weakest = i;
-      off.push_back(ends ? std::max(plan.latest, tactor.due) : tactor.use.off_since());
+      off.push_back(ends ? std::max(latest(tactor, plan), tactor.due) : tactor.use.off_since());
     }
     // As many may still be on.
     const auto last = off.begin() + static_cast<std::ptrdiff_t>(others);
@@ -362,7 +394,7 @@ CommandPlanner::turn_off(Plan &plan, std::size_t index, Time due, bool limited)
   tactor.end = {};
   tactor.use.end(due, limited);
   // A cue that ran out did so at its own time, not with the frame.
-  give(plan, index, limited ? due + transport() : plan.effect, due, 0);
+  give(plan, index, limited ? due + transport(tactor) : plan.effect, due, 0);
 }
 
 /// A command, entered into what is known of the tactor.
@@ -373,7 +405,7 @@ CommandPlanner::give(Plan &plan, std::size_t index, Time effect, Time due, doubl
   tactor.due = due;
   tactor.volts = volts;
   tactor.until = tactor.end.time;
-  tactor.motor.set(due + transport(), volts);
+  tactor.motor.set(due + transport(tactor), volts);
   effect = std::max(effect, due);
   plan.commands.push_back({ .effect = effect,
                             .lead = effect - due,
@@ -383,9 +415,18 @@ CommandPlanner::give(Plan &plan, std::size_t index, Time effect, Time due, doubl
 }
 
 Time
-CommandPlanner::transport() const
+CommandPlanner::transport(const Tactor &tactor) const
 {
-  return settings_.compensation == Compensation::exact ? settings_.transport_latency : Time(0);
+  if (settings_.compensation != Compensation::exact)
+    return Time(0);
+  return tactor.motor.parameters().latency.value_or(settings_.transport_latency);
+}
+
+/// When a command for the frame is due at the latest.
+Time
+CommandPlanner::latest(const Tactor &tactor, const Plan &plan) const
+{
+  return plan.effect - transport(tactor);
 }
 
 /// How long a rise to `volts` begins with full voltage; 0: not at all.
@@ -394,7 +435,7 @@ CommandPlanner::kick_time(const Tactor &tactor, Time effect, double volts) const
 {
   if (!settings_.kick_start)
     return Time(0);
-  const Time kick = overdrive_time(rise_time_, settings_.volts_max, volts);
+  const Time kick = overdrive_time(tactor.motor.parameters().rise_time, settings_.volts_max, volts);
   if (kick == Time(0))
     return kick;
   const Time time = std::max(kick, Time(kShortestKick));
@@ -406,7 +447,7 @@ Time
 CommandPlanner::due_time(const Tactor &tactor, const Plan &plan, double volts, Time kick) const
 {
   const Time effect = plan.effect;
-  const Time previous = tactor.due == Time::min() ? Time::min() : tactor.due + transport();
+  const Time previous = tactor.due == Time::min() ? Time::min() : tactor.due + transport(tactor);
   // When the command reaches the motor: not before its predecessor did, nor earlier than it may.
   const Time earliest = std::min(std::max(previous, effect - settings_.max_lead), effect);
   Time at = effect;
@@ -414,22 +455,26 @@ CommandPlanner::due_time(const Tactor &tactor, const Plan &plan, double volts, T
     at = kick > Time(0) ? std::max(effect - kick, earliest)
                         : exact_time(tactor, earliest, effect, volts);
   } else if (settings_.compensation == Compensation::frame_block) {
-    const Time rise = kick > Time(0) ? kick : rise_time_(tactor.motor.amplitude(earliest), volts);
+    const Time rise
+        = kick > Time(0)
+              ? kick
+              : tactor.motor.parameters().rise_time(tactor.motor.amplitude(earliest), volts);
     at = std::max(effect - whole_frames(rise, plan.frame, settings_.max_lead), earliest);
   }
-  return std::max(at - transport(), tactor.due);
+  return std::max(at - transport(tactor), tactor.due);
 }
 
 /// The latest time in [earliest, effect] from which the motor rises to 90 % of `volts` by `effect`; `earliest` if there is none.
 Time
 CommandPlanner::exact_time(const Tactor &tactor, Time earliest, Time effect, double volts) const
 {
+  const RiseTime &rise_time = tactor.motor.parameters().rise_time;
   const auto arrives = [&](Time time) {
-    return time + rise_time_(tactor.motor.amplitude(time), volts) <= effect;
+    return time + rise_time(tactor.motor.amplitude(time), volts) <= effect;
   };
   const double now = tactor.motor.amplitude(earliest);
   if (std::abs(tactor.motor.amplitude(effect) - now) < kSameVolts)
-    return std::max(effect - rise_time_(now, volts), earliest);
+    return std::max(effect - rise_time(now, volts), earliest);
 
   // The motor is still on its way: the rise time depends on when the command comes, and not monotonically (Eq. 1 is not).
   if (arrives(effect))

@@ -43,10 +43,9 @@ struct PlannerSettings
   Compensation compensation = Compensation::exact;
   /// Eq. 1 asks for 164 ms from rest to 0.5 V and for up to 180 ms for small rises just above it: more than the paper's "150 ms or less".
   Time max_lead = std::chrono::milliseconds(180);
-  Time transport_latency{
-    0
-  };                      ///< from Driver::transport_latency(), added to every lead within max_lead
-  double volts_max = 3.0; ///< level 1.0
+  /// From Driver::transport_latency(), added within max_lead to every lead of a motor whose own latency is not known.
+  Time transport_latency{ 0 };
+  double volts_max = 3.0;         ///< level 1.0
   double volts_min = kStartVolts; ///< commands below are sent as 0
   double intensity = 1.0;         ///< master, [0, 1]
   std::vector<int>
@@ -88,6 +87,8 @@ public:
   static constexpr Time kShortestCue = std::chrono::milliseconds(200);
 
   explicit CommandPlanner(int tactors, PlannerSettings settings = {}, RiseTime rise_time = {});
+  /// Each tactor with a motor of its own; tactors beyond motors.size() have the paper's.
+  CommandPlanner(int tactors, PlannerSettings settings, std::vector<MotorParameters> motors);
 
   /// New settings apply from the next map on.
   void set_settings(PlannerSettings settings);
@@ -133,7 +134,6 @@ private:
   {
     Time effect;
     Time frame;
-    Time latest; ///< when commands for the frame are due at the latest
     std::vector<Command> commands{};
   };
 
@@ -150,13 +150,14 @@ private:
   void turn_off(Plan &plan, std::size_t index, Time due, bool limited = false);
   void give(Plan &plan, std::size_t index, Time effect, Time due, double volts);
 
-  Time transport() const;
+  double wanted_volts(const Tactor &tactor, double level) const;
+  Time transport(const Tactor &tactor) const;
+  Time latest(const Tactor &tactor, const Plan &plan) const;
   Time kick_time(const Tactor &tactor, Time effect, double volts) const;
   Time due_time(const Tactor &tactor, const Plan &plan, double volts, Time kick) const;
   Time exact_time(const Tactor &tactor, Time earliest, Time effect, double volts) const;
 
   PlannerSettings settings_;
-  RiseTime rise_time_;
   std::vector<Tactor> tactors_;
   LimitCounters limited_;
   std::optional<Time> restarts_after_; ///< running time begins anew, after this one

@@ -13,6 +13,9 @@ namespace {
 constexpr double kRisen = 0.9;
 constexpr double kLeft = 1 - kRisen;
 
+/// A motor with less than this share of what holds it has stopped.
+constexpr double kTurns = 0.5;
+
 double
 seconds(Time time)
 {
@@ -21,7 +24,12 @@ seconds(Time time)
 
 } // namespace
 
-MotorModel::MotorModel(RiseTime rise_time) : rise_time_(std::move(rise_time))
+MotorModel::MotorModel(MotorParameters parameters) : parameters_(std::move(parameters))
+{
+}
+
+MotorModel::MotorModel(RiseTime rise_time)
+    : MotorModel(MotorParameters{ .rise_time = std::move(rise_time) })
 {
 }
 
@@ -33,10 +41,11 @@ MotorModel::set(Time time, double volts)
   from_ = amplitude(time);
   since_ = std::max(time, since_);
   volts_ = volts;
-  steady_ = volts >= kStartVolts ? volts : 0;
+  const bool turns = from_ > 0 && from_ >= kTurns * parameters_.hold_volts;
+  steady_ = volts >= (turns ? parameters_.hold_volts : parameters_.start_volts) ? volts : 0;
 
   if (from_ < kRisen * steady_) {
-    const double rise = seconds(rise_time_(from_, steady_));
+    const double rise = seconds(parameters_.rise_time(from_, steady_));
     if (rise > 0) {
       rate_ = std::log((steady_ - from_) / (kLeft * steady_)) / rise;
     } else {
@@ -44,7 +53,7 @@ MotorModel::set(Time time, double volts)
       rate_ = 0;
     }
   } else {
-    rate_ = -std::log(kLeft) / seconds(kFallTime);
+    rate_ = -std::log(kLeft) / seconds(parameters_.fall_time);
   }
 }
 
@@ -60,6 +69,12 @@ double
 MotorModel::volts() const
 {
   return volts_;
+}
+
+const MotorParameters &
+MotorModel::parameters() const
+{
+  return parameters_;
 }
 
 Time

@@ -27,6 +27,8 @@ validate(const RiseTimeTable &table)
                                 + " times, not " + std::to_string(table.milliseconds.size()));
   if (!std::isfinite(table.step_volts) || table.step_volts <= 0)
     throw std::invalid_argument("the step of a rise time table is a positive number of volts");
+  if (!std::isfinite(table.least_volts) || table.least_volts < 0)
+    throw std::invalid_argument("the least volts of a rise time table are finite and not negative");
   if (!std::ranges::all_of(table.milliseconds,
                            [](double ms) { return std::isfinite(ms) && ms >= 0; }))
     throw std::invalid_argument("the times of a rise time table are finite and not negative");
@@ -70,7 +72,8 @@ Time
 RiseTime::operator()(double start_volts, double target_volts) const
 {
   // Written so that NaN ends here, too.
-  if (!(target_volts > start_volts) || target_volts < kStartVolts)
+  const double least = table_ ? table_->least_volts : kStartVolts;
+  if (!(target_volts > start_volts) || target_volts < least)
     return Time(0);
   const double ms = table_ ? interpolate(*table_, start_volts, target_volts)
                            : rise_time_quadratic_ms(start_volts, target_volts - start_volts);

@@ -24,6 +24,7 @@ struct RiseTimeTable
   double step_volts = 0.1;          ///< spacing of both axes; both begin at 0 V
   int size = 0;                     ///< points per axis, 1…1024
   std::vector<double> milliseconds; ///< size × size, [start * size + target]
+  double least_volts = kStartVolts; ///< the motor does not turn below
 };
 
 /// How long a motor needs to rise from one voltage to another. Copies share the table.
@@ -38,7 +39,7 @@ public:
 
   /// Time from start to 90 % of target, at least 0. Zero where the motor does not accelerate
   /// (target ≤ start: "decelerating ones were within a frame") and where the target is below
-  /// kStartVolts. Never more than an hour, whatever the fit makes of volts far outside its range.
+  /// kStartVolts, or the table's least_volts. Never more than an hour, whatever the fit makes of volts far outside its range.
   Time operator()(double start_volts, double target_volts) const;
 
 private:

@@ -105,7 +105,7 @@ GST_END_TEST;
 
 GST_START_TEST(test_falls_within_a_frame)
 {
-  fail_unless(MotorModel::kFallTime == 30ms);
+  fail_unless(kFallTime == 30ms);
   for (double start = 0.6; start <= 3.0; start += 0.1)
     for (double target = 0.5; target < start; target += 0.1) {
       MotorModel motor = settled(start);
@@ -213,6 +213,28 @@ GST_START_TEST(test_same_voltage_again)
 }
 GST_END_TEST;
 
+// Motors that stick: what stands needs start volts, what turns goes on down to hold volts.
+GST_START_TEST(start_and_hold_volts_are_each_motors_own)
+{
+  const RiseTimeTable table{
+    .step_volts = 3, .size = 2, .milliseconds = { 60, 60, 60, 60 }, .least_volts = 0.3
+  };
+  MotorModel motor(MotorParameters{
+      .rise_time = RiseTime(table), .start_volts = 0.9, .hold_volts = 0.3, .fall_time = 50ms });
+  motor.set(0s, 0.8);
+  fail_unless(motor.amplitude(1s) == 0);
+  motor.set(1s, 1);
+  fail_unless_near(motor.amplitude(1060ms), 0.9, 1e-6);
+  motor.set(2s, 0.4);
+  fail_unless_near(motor.amplitude(2050ms), 0.4 + 0.1 * 0.6, 1e-3);
+  fail_unless_near(motor.amplitude(4s), 0.4, 1e-6);
+  motor.set(4s, 0.2);
+  fail_unless_near(motor.amplitude(4050ms), 0.04, 1e-3);
+  motor.set(6s, 0.4); // it stands, and does not start with as much
+  fail_unless(motor.amplitude(8s) < 1e-6);
+}
+GST_END_TEST
+
 static Suite *
 motor_model_suite(void)
 {
@@ -230,6 +252,7 @@ motor_model_suite(void)
   tcase_add_test(tests, test_retarget_during_a_rise);
   tcase_add_test(tests, test_times_that_go_back);
   tcase_add_test(tests, test_same_voltage_again);
+  tcase_add_test(tests, start_and_hold_volts_are_each_motors_own);
   return suite;
 }
 

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include "tactor/time.h"
+
+#include <string>
+#include <vector>
+
+namespace tactor {
+
+/// What a sensor heard: any number of channels of one rate.
+struct Recording
+{
+  double rate = 0; ///< samples per second
+  Time start{ 0 }; ///< running time of the first sample
+  double full_scale
+      = 0; ///< where the sensor clips; 0: unknown, then its own extremes are looked at
+  std::vector<std::vector<double>> channels{};
+
+  std::size_t size() const
+  {
+    return channels.empty() ? 0 : channels.front().size();
+  }
+  /// The channel that hears a tactor: its own where there is one for each of `tactors`, else the only or the first one.
+  int channel_of(int tactor, int tactors) const;
+};
+
+/// Reads a recording from a CSV file: a column of seconds, then one for each channel, separated by commas, semicolons or
+/// tabs; lines that do not begin with a number (headers) are skipped. Uneven times are resampled to their mean rate.
+/// Throws std::runtime_error with file, line, what was expected and what came.
+Recording read_csv_recording(const std::string &path);
+
+} // namespace tactor

@@ -1,0 +1,256 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "tactor/calibration/calibration.h"
+
+#include "tactor/command_planner.h"
+
+#include <cmath>
+#include <cstdlib>
+#include <fstream>
+#include <stdexcept>
+#include <string>
+#include <unistd.h>
+#include <vector>
+
+#include "tolerance.h"
+#include "unlimited.h"
+
+using namespace std::chrono_literals;
+using namespace tactor;
+
+namespace {
+
+/// A file of its own, gone with the object.
+class TemporaryFile
+{
+public:
+  explicit TemporaryFile(const std::string &text = "")
+  {
+    char name[] = "/tmp/calibration-XXXXXX";
+    const int fd = mkstemp(name);
+    fail_unless(fd >= 0);
+    close(fd);
+    path = name;
+    std::ofstream(path) << text;
+  }
+  ~TemporaryFile()
+  {
+    unlink(path.c_str());
+  }
+
+  std::string path;
+};
+
+TactorCalibration
+some_tactor()
+{
+  return { .latency = 12ms,
+           .start_volts = 0.6,
+           .hold_volts = 0.4,
+           .fall_time = 25ms,
+           .table = RiseTimeTable{ .step_volts = 1.5,
+                                   .size = 3,
+                                   .milliseconds = { 90, 80.125, 70, 60, 50, 40, 30, 20, 10 } },
+           .quadratic
+           = QuadraticRiseTime{ .coefficients = { 241.9, -175.7, -117.7, 38.86, 49.59, 18.07 },
+                                .confidence = { 1, 2, 3, 4, 5, 6 },
+                                .r_squared = 0.98,
+                                .residual_ms = 6.5 },
+           .vibration = { { 0.6, 0.1 }, { 1.5, 0.5 }, { 3, 0.8 } },
+           .steps_used = 40,
+           .steps_refused = 2 };
+}
+
+std::string
+refusal(const std::string &text)
+{
+  const TemporaryFile file(text);
+  try {
+    read_calibration(file.path);
+  } catch (const std::runtime_error &e) {
+    fail_unless(std::string(e.what()).find(file.path) != std::string::npos, "%s", e.what());
+    return e.what();
+  }
+  return {};
+}
+
+void
+expect_refusal(const std::string &text, const std::string &says)
+{
+  const std::string got = refusal(text);
+  fail_unless(got.find(says) != std::string::npos, "'%s' instead of '%s' for:\n%s", got.c_str(),
+              says.c_str(), text.c_str());
+}
+
+} // namespace
+
+GST_START_TEST(file_gives_back_what_was_written)
+{
+  const TemporaryFile file;
+  Calibration written{ .motor = "coin motor; 10 mm, \"C10\"",
+                       .date = "2026-11-21T22:00:00Z",
+                       .method = "contact microphone",
+                       .perception_exponent = 0.8,
+                       .tactors = { { 3, some_tactor() }, { 0, {} } } };
+  write_calibration(written, file.path);
+  const Calibration read = read_calibration(file.path);
+  ck_assert_str_eq(read.motor.c_str(), written.motor.c_str());
+  ck_assert_str_eq(read.date.c_str(), written.date.c_str());
+  ck_assert_str_eq(read.method.c_str(), written.method.c_str());
+  fail_unless(read.perception_exponent == 0.8);
+  fail_unless(read.tactors.size() == 2);
+  const TactorCalibration &tactor = read.tactors.at(3);
+  fail_unless(tactor.latency == Time(12ms) && tactor.fall_time == Time(25ms));
+  fail_unless(tactor.start_volts == 0.6 && tactor.hold_volts == 0.4);
+  fail_unless(tactor.table->milliseconds == some_tactor().table->milliseconds);
+  fail_unless(tactor.table->step_volts == 1.5 && tactor.table->size == 3);
+  fail_unless(tactor.quadratic->coefficients == some_tactor().quadratic->coefficients);
+  fail_unless(tactor.quadratic->confidence == some_tactor().quadratic->confidence);
+  fail_unless(tactor.quadratic->r_squared == 0.98 && tactor.quadratic->residual_ms == 6.5);
+  fail_unless(tactor.vibration.size() == 3 && tactor.vibration[1].amplitude == 0.5);
+  fail_if(tactor.prefers_quadratic);
+  fail_unless(tactor.steps_used == 40 && tactor.steps_refused == 2);
+  fail_if(read.tactors.at(0).latency.has_value());
+}
+GST_END_TEST
+
+GST_START_TEST(damaged_files_are_refused_with_the_place)
+{
+  const std::string head = "[Calibration]\nversion=1\n";
+  expect_refusal("", "version");
+  expect_refusal("version=1\n", "cannot read");
+  expect_refusal("[Calibration]\nversion=2\n[Tactor 0]\n", "expected 1, got 2");
+  expect_refusal(head, "expected at least one group");
+  expect_refusal(head + "[Tactor x]\n", "[Tactor x]");
+  expect_refusal(head + "[Tactor -1]\n", "expected a tactor's index");
+  expect_refusal(head + "[Tactor 0]\nlatency-ms=soon\n", "latency-ms");
+  expect_refusal(head + "[Tactor 0]\nlatency-ms=nan\n", "latency-ms");
+  expect_refusal(head + "[Tactor 0]\nlatency-ms=-1\n", "expected 0 to 1000, got -1");
+  expect_refusal(head + "[Tactor 0]\nstart-volts=0.4\nhold-volts=0.5\n", "hold-volts");
+  expect_refusal(head + "[Tactor 0]\nrise-table-step-volts=0.1\nrise-table-ms=1;2;3;\n",
+                 "rise-table-ms");
+  expect_refusal(head + "[Tactor 0]\nrise-table-ms=1;2;3;4;\n", "rise-table-step-volts");
+  expect_refusal(head + "[Tactor 0]\nrise-quadratic-ms=1;2;3;\n", "expected six numbers, got 3");
+  expect_refusal(head + "[Tactor 0]\nrise-model=cubic\n", "expected table or quadratic");
+  expect_refusal(head + "[Tactor 0]\nvibration-volts=1;2;\nvibration=1;\n", "one for each");
+  expect_refusal(head + "[Tactor 0]\nvibration-volts=1;2;\nvibration=2;1;\n", "rising");
+  expect_refusal(head + "[Tactor 0]\nvibration-volts=1;1;\nvibration=1;2;\n", "rising");
+  expect_refusal(head + "[Tactor 0]\nvibration-volts=1;2;\nvibration=0;0;\n", "vibrates");
+  fail_unless(refusal(head + "[Tactor 0]\n").empty());
+}
+GST_END_TEST
+
+GST_START_TEST(missing_file_is_named)
+{
+  bool refused = false;
+  try {
+    read_calibration("/nowhere/motors.calibration");
+  } catch (const std::runtime_error &e) {
+    refused = std::string(e.what()).find("/nowhere/motors.calibration") != std::string::npos;
+  }
+  fail_unless(refused);
+}
+GST_END_TEST
+
+GST_START_TEST(motors_have_what_was_measured_and_the_others_are_the_papers)
+{
+  const Calibration calibration{ .tactors = { { 2, some_tactor() } } };
+  const std::vector<MotorParameters> motors = calibration.motors(3.0);
+  fail_unless(motors.size() == 3);
+  fail_unless(motors[2].latency == Time(12ms) && motors[2].thresholds_measured);
+  fail_unless(motors[2].rise_time(0, 1.5) == Time(80'125'000));
+  fail_unless(motors[0].rise_time(0, 1.5) == RiseTime()(0, 1.5) && !motors[0].thresholds_measured);
+  // With both, the file says which; without a table the quadratic is used, between its grid's points, too.
+  TactorCalibration without = some_tactor();
+  without.prefers_quadratic = true;
+  const RiseTime rise_time = Calibration{ .tactors = { { 0, without } } }.motors(3.0)[0].rise_time;
+  fail_unless_near(static_cast<double>(rise_time(0.55, 1.75).count()) / 1e6,
+                   rise_time_quadratic_ms(0.55, 1.2), 0.2);
+}
+GST_END_TEST
+
+// Two motors, one twice as strong, both with bent curves: what is felt is the same on both, and linear in the level.
+GST_START_TEST(levels_are_felt_equally_and_linearly)
+{
+  TactorCalibration weak;
+  TactorCalibration strong;
+  for (int tenth = 5; tenth <= 30; tenth++) {
+    const double volts = 0.1 * tenth;
+    weak.vibration.push_back({ volts, volts * volts / 9 });
+    strong.vibration.push_back({ volts, 2 * std::sqrt(volts / 3) });
+  }
+  const Calibration calibration{ .perception_exponent = 0.7,
+                                 .tactors = { { 0, weak }, { 1, strong } } };
+  CommandPlanner planner(2, unlimited({ .rate = 0, .compensation = Compensation::none }),
+                         calibration.motors(3.0));
+  const auto felt = [&](double amplitude) {
+    return std::pow(amplitude, 0.7);
+  };
+  int told = 0;
+  for (int i = 1; i <= 20; i++) {
+    const float level = static_cast<float>(i) / 20;
+    for (const Command &command : planner.plan(i * 1s, 1s, std::vector<float>{ level, level })) {
+      const double volts = command.volts;
+      if (volts == 0 || volts < 0.51)
+        continue;
+      const double amplitude = command.tactor == 0 ? volts * volts / 9 : 2 * std::sqrt(volts / 3);
+      fail_unless_near(felt(amplitude), level, 0.02);
+      told++;
+    }
+  }
+  fail_unless(told > 20, "%d commands", told);
+}
+GST_END_TEST
+
+// Start and hold volts count, not voltage-min: what turns goes on where what stands would not start.
+GST_START_TEST(thresholds_are_each_tactors_own)
+{
+  const Calibration calibration{ .tactors = { { 0, { .start_volts = 0.9, .hold_volts = 0.3 } } } };
+  CommandPlanner planner(2, unlimited({ .rate = 0, .compensation = Compensation::none }),
+                         calibration.motors(3.0));
+  const auto volts = [&](Time time, float level, int tactor) {
+    double last = -1;
+    for (const Command &command : planner.plan(time, 1s, std::vector<float>{ level, level }))
+      if (command.tactor == tactor)
+        last = command.volts;
+    return last;
+  };
+  fail_unless(volts(0s, 0.25F, 0) == -1);          // 0.75 V: does not start
+  fail_unless_near(volts(1s, 0.5F, 0), 1.5, 1e-6); // does
+  fail_unless_near(volts(2s, 0.12F, 0), 0.36, 1e-6);
+  fail_unless(volts(3s, 0.05F, 0) == 0);
+  fail_unless_near(volts(4s, 0.25F, 1), 0.75, 1e-6); // the other is the paper's
+}
+GST_END_TEST
+
+// The chain's latency is measured per tactor and takes the place of what the driver says of itself.
+GST_START_TEST(latency_is_part_of_the_lead)
+{
+  const Calibration calibration{ .tactors = { { 0, { .latency = 21ms } } } };
+  CommandPlanner planner(2, unlimited({ .rate = 0, .transport_latency = 3ms }),
+                         calibration.motors(3.0));
+  const std::vector<Command> commands = planner.plan(1s, 1s, std::vector<float>{ 1, 1 });
+  fail_unless(commands.size() == 2);
+  fail_unless(commands[0].lead == RiseTime()(0, 3) + 21ms);
+  fail_unless(commands[1].lead == RiseTime()(0, 3) + 3ms);
+  for (const Command &command : planner.plan(2s, 1s, std::vector<float>{ 0, 0 }))
+    fail_unless(command.lead == (command.tactor == 0 ? 21ms : 3ms));
+}
+GST_END_TEST
+
+static Suite *
+calibration_suite(void)
+{
+  Suite *suite = suite_create("calibration");
+  TCase *tests = tcase_create("calibration");
+  suite_add_tcase(suite, tests);
+  tcase_add_test(tests, file_gives_back_what_was_written);
+  tcase_add_test(tests, damaged_files_are_refused_with_the_place);
+  tcase_add_test(tests, missing_file_is_named);
+  tcase_add_test(tests, motors_have_what_was_measured_and_the_others_are_the_papers);
+  tcase_add_test(tests, levels_are_felt_equally_and_linearly);
+  tcase_add_test(tests, thresholds_are_each_tactors_own);
+  tcase_add_test(tests, latency_is_part_of_the_lead);
+  return suite;
+}
+
+GST_CHECK_MAIN(calibration)

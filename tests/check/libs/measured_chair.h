@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+//
+// A measurement of simulated motors: planned, played without a clock, heard by a simulated sensor, analysed.
+#pragma once
+
+#include "tactor/calibration/measurement_plan.h"
+#include "tactor/calibration/simulated_sensor.h"
+#include "tactor/calibration/step.h"
+#include "tactor/calibration/step_response.h"
+#include "tactor/calibration/tactor_calibration.h"
+
+#include <vector>
+
+/// What tactorsink's trace would hold of a run, each command issued on time.
+inline std::vector<tactor::IssuedCommand>
+trace_of(const tactor::MeasurementRun &run)
+{
+  std::vector<tactor::IssuedCommand> trace;
+  for (const tactor::MeasurementStretch &stretch : run)
+    trace.push_back(
+        { .command = { .effect = stretch.begin, .tactor = stretch.tactor, .volts = stretch.volts },
+          .issued = stretch.begin });
+  return trace;
+}
+
+/// The responses to all steps of a plan.
+inline std::vector<tactor::StepResponse>
+measure(const tactor::MeasurementSettings &settings,
+        const std::vector<tactor::MotorParameters> &motors, tactor::SimulatedSensor sensor)
+{
+  std::vector<tactor::RecordedRun> runs;
+  for (const tactor::MeasurementRun &run : plan_measurement(settings)) {
+    const std::vector<tactor::IssuedCommand> trace = trace_of(run);
+    const tactor::Time end = length_of(run);
+    runs.push_back({ hear(trace, motors, sensor, end), steps_of(trace, end) });
+    sensor.seed++;
+  }
+  return measure_steps(runs, static_cast<int>(motors.size()), { 15, 160 });
+}

@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "tactor/calibration/recording.h"
+
+#include <cmath>
+#include <cstdlib>
+#include <fstream>
+#include <stdexcept>
+#include <string>
+#include <unistd.h>
+
+#include "tolerance.h"
+
+using namespace tactor;
+
+namespace {
+
+class TemporaryFile
+{
+public:
+  explicit TemporaryFile(const std::string &text)
+  {
+    char name[] = "/tmp/recording-XXXXXX";
+    const int fd = mkstemp(name);
+    fail_unless(fd >= 0);
+    close(fd);
+    path = name;
+    std::ofstream(path) << text;
+  }
+  ~TemporaryFile()
+  {
+    unlink(path.c_str());
+  }
+
+  std::string path;
+};
+
+void
+expect_refusal(const std::string &text, const std::string &says)
+{
+  const TemporaryFile file(text);
+  std::string got;
+  try {
+    read_csv_recording(file.path);
+  } catch (const std::runtime_error &e) {
+    got = e.what();
+  }
+  fail_unless(got.find(says) != std::string::npos, "'%s' instead of '%s'", got.c_str(),
+              says.c_str());
+}
+
+} // namespace
+
+GST_START_TEST(exports_are_read)
+{
+  for (const char *text :
+       { "time_s,left,right\n-0.5,1,2\n0,3,4\n0.5,5,6\n1,7,8\n",
+         "Vibrometer "
+         "export\r\n\"Time\"\t\"a\"\t\"b\"\r\n-0.5\t1\t2\r\n0\t3\t4\r\n0.5\t5\t6\r\n1\t7\t8\r\n",
+         "-0.5; +1; 2\n0; 3; 4\n\n0.5; 5; 6\n1; 7; 8" }) {
+    const TemporaryFile file(text);
+    const Recording recording = read_csv_recording(file.path);
+    fail_unless_near(recording.rate, 2, 1e-9);
+    fail_unless(recording.start == std::chrono::milliseconds(-500));
+    fail_unless(recording.channels.size() == 2 && recording.size() == 4);
+    for (int i = 0; i < 4; i++) {
+      fail_unless_near(recording.channels[0][static_cast<std::size_t>(i)], 1 + 2 * i, 1e-9);
+      fail_unless_near(recording.channels[1][static_cast<std::size_t>(i)], 2 + 2 * i, 1e-9);
+    }
+  }
+}
+GST_END_TEST
+
+// A telephone's accelerometer does not keep its rate: on a ramp the value is the time.
+GST_START_TEST(uneven_times_become_even)
+{
+  std::string text;
+  for (int i = 0; i <= 100; i++) {
+    const double time = 0.01 * i + (i > 0 && i < 100 ? 0.004 * std::sin(i) : 0);
+    text += std::to_string(time) + "," + std::to_string(5 * time) + "\n";
+  }
+  const TemporaryFile file(text);
+  const Recording recording = read_csv_recording(file.path);
+  fail_unless_near(recording.rate, 100, 1e-6);
+  for (std::size_t i = 0; i <= 100; i++)
+    fail_unless_near(recording.channels[0][i], 0.05 * static_cast<double>(i), 1e-4);
+}
+GST_END_TEST
+
+GST_START_TEST(damaged_files_are_refused_with_the_line)
+{
+  expect_refusal("", "found 0");
+  expect_refusal("0,1\n", "found 1");
+  expect_refusal("0\n1\n", "line 1");
+  expect_refusal("0,1\n1\n", "line 2");
+  expect_refusal("0,1\n1,2,3\n", "line 2");
+  expect_refusal("0,1\n1,x\n", "'x'");
+  expect_refusal("0,1\n1,nan\n", "'nan'");
+  expect_refusal("0,1\n0,2\n", "expected a time after");
+}
+GST_END_TEST
+
+GST_START_TEST(channels_go_to_tactors_where_there_are_enough)
+{
+  Recording recording{ .channels = { {}, {}, {} } };
+  fail_unless(recording.channel_of(2, 3) == 2);
+  fail_unless(recording.channel_of(2, 4) == 0);
+  fail_unless(recording.channel_of(0, 1) == 0);
+}
+GST_END_TEST
+
+static Suite *
+recording_suite(void)
+{
+  Suite *suite = suite_create("recording");
+  TCase *tests = tcase_create("csv");
+  suite_add_tcase(suite, tests);
+  tcase_add_test(tests, exports_are_read);
+  tcase_add_test(tests, uneven_times_become_even);
+  tcase_add_test(tests, damaged_files_are_refused_with_the_line);
+  tcase_add_test(tests, channels_go_to_tactors_where_there_are_enough);
+  return suite;
+}
+
+GST_CHECK_MAIN(recording)

@@ -1,0 +1,272 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+//
+// Recordings of a motor whose rise times are known, with what real recordings have.
+#include "measured_chair.h"
+#include "tactor/calibration/median.h"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "tolerance.h"
+
+using namespace std::chrono_literals;
+using namespace tactor;
+
+namespace {
+
+constexpr Time kLatency = 8ms;
+constexpr Band kBand{ 15, 160 };
+
+MotorParameters
+motor()
+{
+  return { .latency = kLatency };
+}
+
+/// What a step of the paper's motor takes, latency included.
+double
+truth_ms(const Step &step)
+{
+  return static_cast<double>((kLatency + RiseTime()(step.start_volts, step.target_volts)).count())
+         / 1e6;
+}
+
+/// Rest, one rise, rest, `count` times.
+std::vector<IssuedCommand>
+rises(double start_volts, double target_volts, int count)
+{
+  MeasurementRun run;
+  Time now = 700ms;
+  const auto add = [&](double volts, Time duration) {
+    run.push_back({ .begin = now, .duration = duration, .tactor = 0, .volts = volts });
+    now += duration;
+  };
+  for (int i = 0; i < count; i++) {
+    if (start_volts > 0)
+      add(start_volts, 600ms);
+    add(target_volts, 900ms);
+    add(0, 900ms);
+  }
+  return trace_of(run);
+}
+
+RecordedRun
+recorded(double start_volts, double target_volts, int count, const SimulatedSensor &sensor)
+{
+  const std::vector<IssuedCommand> trace = rises(start_volts, target_volts, count);
+  const Time end = trace.back().issued + 900ms;
+  const std::vector<MotorParameters> motors{ motor() };
+  RecordedRun run{ hear(trace, motors, sensor, end), steps_of(trace, end) };
+  std::erase_if(run.steps, [&](const Step &step) { return step.target_volts != target_volts; });
+  return run;
+}
+
+/// White noise so many dB below the steady vibration at `volts`, between 0 and 4 kHz.
+double
+noise_for(double decibels, double volts)
+{
+  return SimulatedSensor{}.gain * volts / std::sqrt(2.0) * std::pow(10, -decibels / 20);
+}
+
+/// The one step's fault after something was done to the recording.
+StepFault
+fault_after(const std::function<void(Recording &)> &damage,
+            const SimulatedSensor &sensor = { .noise = 0.001 })
+{
+  RecordedRun run = recorded(0, 1.5, 1, sensor);
+  damage(run.recording);
+  return measure_step(run.recording, 0, run.steps.front(), kBand).fault;
+}
+
+/// The sample at a time after the command, which is at 0.7 s.
+std::size_t
+at(double seconds)
+{
+  return static_cast<std::size_t>((0.7 + seconds) * 8000);
+}
+
+} // namespace
+
+GST_START_TEST(clear_recordings_give_the_rise_time)
+{
+  for (const auto &[start, target] : std::vector<std::pair<double, double>>{
+           { 0, 0.5 }, { 0, 1 }, { 0, 3 }, { 0.5, 1.5 }, { 1, 2 }, { 2, 3 } }) {
+    const RecordedRun run = recorded(start, target, 1, {});
+    const StepResponse response = measure_step(run.recording, 0, run.steps.front(), kBand);
+    fail_unless(response.fault == StepFault::none);
+    fail_unless_near(response.risen_ms, truth_ms(response.step), 2.0);
+    fail_unless_near(response.steady, 0.25 * target, 0.0025 * target);
+    fail_unless_near(response.before, 0.25 * start, 0.003);
+    fail_unless_near(response.onset_ms, 8, 3);
+    fail_unless_near(response.fallen_ms, 8 + 30, 5);
+  }
+}
+GST_END_TEST
+
+// Noise 20 dB below the vibration: the median of five is within 3 ms, wherever on the grid.
+GST_START_TEST(rise_times_are_within_3_ms_at_20_db)
+{
+  for (double start = 0; start <= 2; start += 1)
+    for (double target = 1; target <= 3; target += 1) {
+      if (start > 0.8 * target)
+        continue;
+      SimulatedSensor sensor{ .noise = noise_for(20, target), .seed = 7 };
+      const std::vector<StepResponse> responses
+          = measure_steps({ recorded(start, target, 9, sensor) }, 1, kBand);
+      std::vector<double> risen;
+      for (const StepResponse &response : responses)
+        if (response.fault == StepFault::none)
+          risen.push_back(response.risen_ms);
+      fail_unless(risen.size() >= 8, "%zu of 9 from %g to %g V", risen.size(), start, target);
+      fail_unless_near(median(risen), truth_ms(responses.front().step), 3);
+    }
+}
+GST_END_TEST
+
+GST_START_TEST(hum_drift_and_jitter_do_not_matter)
+{
+  const std::vector<SimulatedSensor> sensors{
+    { .noise = 0.002, .hum = 0.1, .hum_hz = 50.05 },
+    { .noise = 0.002, .hum = 0.1, .hum_hz = 59.95 },
+    { .noise = 0.002, .drift = 0.5 },
+    { .noise = 0.002, .jitter = 4ms },
+  };
+  for (const SimulatedSensor &sensor : sensors) {
+    const RecordedRun run = recorded(0, 1.5, 5, sensor);
+    const std::vector<StepResponse> responses = measure_steps({ run }, 1, kBand);
+    std::vector<double> risen;
+    for (const StepResponse &response : responses) {
+      fail_unless(response.fault == StepFault::none, "%s",
+                  std::string(fault_name(response.fault)).c_str());
+      fail_unless(sensor.hum == 0 || response.hum > 0.05);
+      risen.push_back(response.risen_ms);
+    }
+    const double late = static_cast<double>(sensor.jitter.count()) / 2e6;
+    fail_unless_near(median(risen), truth_ms(responses.front().step) + late, 3);
+  }
+}
+GST_END_TEST
+
+GST_START_TEST(what_is_wrong_with_a_recording_is_named)
+{
+  fail_unless(fault_after([](Recording &) {}) == StepFault::none);
+  // The sensor's limit is known, or shows by its crests.
+  fail_unless(fault_after([](Recording &) {}, { .noise = 0.001, .clip = 0.3 })
+              == StepFault::clipped);
+  fail_unless(fault_after([](Recording &recording) { recording.full_scale = 0; },
+                          { .noise = 0.0, .clip = 0.3 })
+              == StepFault::clipped);
+  fail_unless(fault_after([](Recording &recording) {
+                std::fill_n(recording.channels[0].begin() + static_cast<long>(at(0.05)), 400, 0.0);
+              })
+              == StepFault::dropout);
+  fail_unless(fault_after([](Recording &recording) { recording.channels[0].resize(at(0.5)); })
+              == StepFault::truncated);
+  fail_unless(fault_after([](Recording &recording) {
+                recording.start = 800ms; // began after the command
+              })
+              == StepFault::truncated);
+  fail_unless(fault_after([](Recording &recording) {
+                // The sensor comes off the motor.
+                for (std::size_t i = at(0.4); i < at(0.9); i++)
+                  recording.channels[0][i] *= 1 - 0.8 * static_cast<double>(i - at(0.4)) / 4000;
+              })
+              == StepFault::unsteady);
+  fail_unless(fault_after([](Recording &) {}, { .noise = 1.5 }) != StepFault::none);
+  fail_unless(fault_after([](Recording &recording) {
+                // The motor never moved; its noise is still heard.
+                for (double &sample : recording.channels[0])
+                  sample *= std::abs(sample) > 0.01 ? 1e-3 : 1;
+              })
+              == StepFault::no_motion);
+}
+GST_END_TEST
+
+// The second command got lost on its way: the motor stays at its first level.
+GST_START_TEST(a_step_that_nothing_came_of_is_missed)
+{
+  const RecordedRun asked = recorded(1, 2, 1, {});
+  RecordedRun got = recorded(1, 1.0001, 1, { .noise = 0.001 });
+  const StepResponse response = measure_step(got.recording, 0, asked.steps.front(), kBand);
+  fail_unless(response.fault == StepFault::missed, "%s",
+              std::string(fault_name(response.fault)).c_str());
+}
+GST_END_TEST
+
+// Two tactors on one microphone, at once.
+GST_START_TEST(steps_of_two_tactors_at_once_are_told_apart_by_channels_alone)
+{
+  std::vector<IssuedCommand> trace = rises(0, 1.5, 1);
+  IssuedCommand other = trace.front();
+  other.command.tactor = 1;
+  trace.insert(trace.begin() + 1, other);
+  other.command.volts = 0;
+  other.issued = trace.back().issued;
+  trace.push_back(other);
+  const Time end = trace.back().issued + 900ms;
+  const std::vector<MotorParameters> motors{ motor(), motor() };
+  for (const bool separate : { false, true }) {
+    const RecordedRun run{ hear(trace, motors, { .separate = separate, .noise = 0.001 }, end),
+                           steps_of(trace, end) };
+    const std::vector<StepResponse> responses = measure_steps({ run }, 2, kBand);
+    fail_unless(responses.size() == 2);
+    for (const StepResponse &response : responses)
+      fail_unless(response.fault == (separate ? StepFault::none : StepFault::overlapped));
+  }
+}
+GST_END_TEST
+
+// Latency and roundness are those of the clear half of the rises; too few tell nothing.
+GST_START_TEST(clear_rises_say_what_all_have_in_common)
+{
+  std::vector<StepResponse> responses;
+  for (int i = 0; i < 20; i++) {
+    StepResponse response;
+    response.step.target_volts = 1;
+    response.snr_db = i < 8 ? 12 : 40;
+    response.onset_ms = i < 8 ? 40 : 8;
+    response.roundness = i < 8 ? 3 : 1.2;
+    responses.push_back(response);
+  }
+  responses[15].fault = StepFault::clipped;
+  responses[15].onset_ms = 500;
+  const GrowthPrior prior = prior_of(responses);
+  fail_unless_near(prior.onset_s, 0.008, 1e-9);
+  fail_unless_near(prior.log_roundness, std::log(1.2), 1e-9);
+  fail_unless_at_most(prior.onset_deviation_s, 0.0011);
+  responses.resize(4);
+  fail_unless(prior_of(responses).onset_deviation_s >= 1);
+}
+GST_END_TEST
+
+GST_START_TEST(band_is_found_around_the_vibration)
+{
+  const std::vector<RecordedRun> runs{ recorded(0, 3, 3, { .noise = 0.002, .drift = 1 }) };
+  const Band band = band_of(runs, 1);
+  const double line = 25 + 17.3 * 3;
+  fail_unless_near(band.low_hz, line / 4, 1);
+  fail_unless_near(band.high_hz, line * 2, 4);
+}
+GST_END_TEST
+
+static Suite *
+step_response_suite(void)
+{
+  Suite *suite = suite_create("step_response");
+  TCase *tests = tcase_create("recordings");
+  suite_add_tcase(suite, tests);
+  tcase_add_test(tests, clear_recordings_give_the_rise_time);
+  tcase_add_test(tests, rise_times_are_within_3_ms_at_20_db);
+  tcase_add_test(tests, hum_drift_and_jitter_do_not_matter);
+  tcase_add_test(tests, what_is_wrong_with_a_recording_is_named);
+  tcase_add_test(tests, a_step_that_nothing_came_of_is_missed);
+  tcase_add_test(tests, steps_of_two_tactors_at_once_are_told_apart_by_channels_alone);
+  tcase_add_test(tests, clear_rises_say_what_all_have_in_common);
+  tcase_add_test(tests, band_is_found_around_the_vibration);
+  return suite;
+}
+
+GST_CHECK_MAIN(step_response)

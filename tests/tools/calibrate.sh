@@ -1,0 +1,128 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: LGPL-2.1-or-later
+# tactor-calibrate in a closed loop: simulated motors that all differ are driven by tactorsink, heard by a GStreamer source, measured, and
+# played again with what was measured. No clock is waited for.
+# Expects CALIBRATE (the program) and the plugins on GST_PLUGIN_PATH.
+set -euo pipefail
+: "${CALIBRATE:?the path of tactor-calibrate}"
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+cd "$work"
+
+fail() {
+  echo "$*"
+  exit 1
+}
+
+# near WHAT GOT EXPECTED TOLERANCE
+near() {
+  awk -v got="$2" -v want="$3" -v off="$4" 'BEGIN { exit !(got != "" && got - want <= off && want - got <= off) }' || fail "$1 is '$2' instead of $3 ± $4"
+}
+
+# value TACTOR KEY [FIELD]: of motors.calibration
+value() {
+  sed -n "/^\[Tactor $1\]/,/^\[/s/^$2=//p" chair/motors.calibration | cut -d';' -f"${3:-1}"
+}
+
+cat >simulated <<'INI'
+[Calibration]
+version=1
+
+[Tactor 0]
+latency-ms=4
+start-volts=0.4
+hold-volts=0.3
+rise-quadratic-ms=200;-140;-95;31;40;14;
+vibration-volts=3
+vibration=0.6
+
+[Tactor 2]
+latency-ms=22
+start-volts=0.7
+hold-volts=0.4
+fall-ms=45
+rise-quadratic-ms=300;-200;-140;42;55;20;
+vibration-volts=3
+vibration=0.3
+INI
+
+hear=(--source=simulator --simulated-motors=simulated "--tactors=0,2")
+
+# Stopped after its first run, it goes on with the second; done, it does nothing; for another measurement it takes no used folder.
+"$CALIBRATE" measure chair "${hear[@]}" --motor="two of them" --run=0 >out
+[ "$(grep -c ^run out)" -eq 1 ] || fail "--run=0 played $(cat out)"
+"$CALIBRATE" measure chair "${hear[@]}" --motor="two of them" >out
+head -n 1 out | grep -q '^run 2 of' || fail "it did not go on: $(cat out)"
+"$CALIBRATE" measure chair "${hear[@]}" --motor="two of them" >out
+[ ! -s out ] || fail "there was nothing left to do, but: $(cat out)"
+"$CALIBRATE" measure chair "${hear[@]}" --repetitions=3 2>err && fail "it took a used folder"
+grep -q "another measurement" err || fail "$(cat err)"
+for trace in chair/run-*.csv; do
+  awk -F, 'NR > 1 { last[$4] = $5 } END { for (t in last) if (last[t] != 0) exit 1 }' "$trace" || fail "$trace leaves a motor on"
+done
+
+"$CALIBRATE" analyse chair >out
+grep -q '^motor=two of them$' chair/motors.calibration || fail "the motor's name is lost"
+near "latency of tactor 0" "$(value 0 latency-ms)" 4 4
+near "latency of tactor 2" "$(value 2 latency-ms)" 22 4
+near "start voltage of tactor 0" "$(value 0 start-volts)" 0.4 0.001
+near "start voltage of tactor 2" "$(value 2 start-volts)" 0.7 0.001
+near "hold voltage of tactor 0" "$(value 0 hold-volts)" 0.3 0.001
+near "hold voltage of tactor 2" "$(value 2 hold-volts)" 0.4 0.001
+near "fall time of tactor 2" "$(value 2 fall-ms)" 45 8
+near "rise time of tactor 0" "$(value 0 rise-quadratic-ms)" 200 5
+near "rise time of tactor 2" "$(value 2 rise-quadratic-ms)" 300 6
+near "its slope" "$(value 2 rise-quadratic-ms 2)" -200 8
+near "its R2" "$(value 2 rise-quadratic-r-squared)" 1 0.005
+near "vibration of tactor 0" "$(value 0 vibration | sed 's/.*;//')" 0.06 0.03
+
+# check: with the calibration everything is in time, without it nothing is.
+p95() {
+  sed -nE 's/^all .*p95 +([0-9.]+),.*/\1/p' out
+}
+"$CALIBRATE" check "${hear[@]}" --calibration=chair/motors.calibration >out
+near "error with the calibration" "$(p95)" 0 5
+"$CALIBRATE" check "${hear[@]}" >out
+awk -v p95="$(p95)" 'BEGIN { exit !(p95 > 20) }' || fail "without the calibration: $(cat out)"
+
+"$CALIBRATE" show chair --tactor=2 >out
+for picture in envelope rise-times residuals; do
+  grep -q '</svg>' "chair/tactor-2-$picture.svg" || fail "tactor-2-$picture.svg is not whole"
+done
+
+# A recording that was made elsewhere, on a clock of its own.
+cp chair/run-002.wav elsewhere.wav
+"$CALIBRATE" analyse --recording=elsewhere.wav --commands=chair/run-002.csv --align --output=elsewhere.calibration >out
+grep -q '^start-volts=' elsewhere.calibration || fail "$(cat out)"
+grep -q '^latency-ms=' elsewhere.calibration && fail "a latency without a common clock"
+
+# A telephone beside the chair: a sound file of its own for each run.
+mkdir phone
+cp chair/session.ini chair/run-*.csv phone
+for sound in chair/run-*.wav; do
+  cp "$sound" "phone/$(basename "$sound" .wav).sound"
+done
+"$CALIBRATE" analyse phone >out
+sed -n '/^\[Tactor 2\]/,/^\[/s/^start-volts=//p' phone/motors.calibration | grep -qx 0.7 || fail "$(cat out)"
+grep -q '^latency-ms=' phone/motors.calibration && fail "a latency without a common clock"
+
+# Refusals are one line each, with status 1 or 2.
+refused() {
+  local status=0
+  "$CALIBRATE" "$@" >out 2>err || status=$?
+  [ "$status" -eq 1 ] || [ "$status" -eq 2 ] || fail "$* ends with $status"
+  [ -s err ] || fail "$* says nothing"
+}
+refused
+refused frobnicate
+refused measure
+refused measure other --tactors=x
+refused measure other --step=0
+refused measure other --source="nosuchsource" --driver=simulator
+refused analyse nowhere
+refused analyse --recording=simulated --commands=chair/run-002.csv --output=x
+refused show nowhere
+refused check --source=none
+refused check --source=simulator --calibration=nowhere
+"$CALIBRATE" --help | grep -q measure
+echo "closed loop: passed"

@@ -1,0 +1,141 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "audio_file.h"
+#include "commands.h"
+#include "options.h"
+#include "session.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <map>
+#include <stdexcept>
+
+namespace {
+
+std::string
+now()
+{
+  g_autoptr(GDateTime) time = g_date_time_new_now_utc();
+  g_autofree gchar *text = g_date_time_format(time, "%Y-%m-%dT%H:%M:%SZ");
+  return text;
+}
+
+void
+report(const tactor::Calibration &calibration, const std::vector<tactor::StepResponse> &responses)
+{
+  for (const auto &[index, tactor] : calibration.tactors) {
+    std::printf("tactor %d: %d steps used, %d refused\n", index, tactor.steps_used,
+                tactor.steps_refused);
+    if (tactor.latency)
+      std::printf("  first motion after %.1f ms\n",
+                  static_cast<double>(tactor.latency->count()) / 1e6);
+    std::printf("  starts at %.2f V, holds to %.2f V, falls in %.0f ms\n", tactor.start_volts,
+                tactor.hold_volts, static_cast<double>(tactor.fall_time.count()) / 1e6);
+    if (tactor.quadratic) {
+      const auto &c = tactor.quadratic->coefficients;
+      std::printf(
+          "  rise time = %.1f %+.1f d %+.1f s %+.2f d2 %+.2f d s %+.2f s2 ms, R2 %.4f, residual "
+          "%.1f ms; used: %s\n",
+          c[0], c[1], c[2], c[3], c[4], c[5], tactor.quadratic->r_squared,
+          tactor.quadratic->residual_ms, tactor.prefers_quadratic ? "this" : "the table");
+    }
+  }
+  std::map<std::pair<int, std::string>, int> refused;
+  for (const tactor::StepResponse &response : responses)
+    if (response.fault != tactor::StepFault::none && response.fault != tactor::StepFault::no_motion)
+      refused[{ response.step.tactor, std::string(tactor::fault_name(response.fault)) }]++;
+  for (const auto &[what, count] : refused)
+    std::printf("tactor %d: %d steps refused: %s\n", what.first, count, what.second.c_str());
+  const auto hum = std::ranges::max_element(responses, {}, &tactor::StepResponse::hum);
+  if (hum != responses.end() && hum->hum > 0)
+    std::printf("mains hum of up to %.4g RMS was taken out\n", hum->hum);
+}
+
+} // namespace
+
+int
+run_analyse(int argc, char **argv)
+{
+  TextOption band;
+  TextOption output;
+  TextOption recording;
+  TextOption commands;
+  TextOption motor;
+  gdouble offset_ms = 0;
+  gboolean find = FALSE;
+  gboolean verbose = FALSE;
+  std::vector<std::string> arguments;
+  if (!parse_options(
+          argc, argv, "[FOLDER]",
+          "Measures the recordings in FOLDER, or one that was made elsewhere, and writes a "
+          "calibration.\n"
+          "A recording is any sound GStreamer decodes, or a CSV file of seconds and values.",
+          { { "output", 'o', 0, G_OPTION_ARG_FILENAME, &output.value,
+              "The calibration (default: FOLDER/motors.calibration)", "FILE" },
+            { "band", 'b', 0, G_OPTION_ARG_STRING, &band.value,
+              "Frequencies to listen to, as in 20:160, in Hz (default: found out)", "LOW:HIGH" },
+            { "recording", 0, 0, G_OPTION_ARG_FILENAME, &recording.value,
+              "One recording instead of a folder; with --commands and --output", "FILE" },
+            { "commands", 0, 0, G_OPTION_ARG_FILENAME, &commands.value,
+              "What tactorsink's trace-location wrote meanwhile", "FILE" },
+            { "offset", 0, 0, G_OPTION_ARG_DOUBLE, &offset_ms,
+              "When, after the trace's time 0, the recording's time 0 was", "MS" },
+            { "align", 0, 0, G_OPTION_ARG_NONE, &find,
+              "Find that out by the sound; the latency of the chain is then not known", nullptr },
+            { "motor", 'm', 0, G_OPTION_ARG_STRING, &motor.value, "Which motors they are, in words",
+              "TEXT" },
+            { "verbose", 'v', 0, G_OPTION_ARG_NONE, &verbose, "Every step", nullptr } },
+          arguments))
+    return 2;
+  const bool single = recording.is_set() && commands.is_set() && output.is_set();
+  if (arguments.size() != (single ? 0 : 1)) {
+    std::fprintf(stderr,
+                 "tactor-calibrate: analyse expects one FOLDER, or --recording, --commands and "
+                 "--output\n");
+    return 2;
+  }
+
+  Session::Heard heard;
+  std::string sensor = "recording '" + recording.text() + "'";
+  std::string name = motor.text();
+  std::string path = output.text();
+  if (single) {
+    tactor::Recording sound = read_recording(recording.text());
+    sound.start += tactor::Time(static_cast<gint64>(offset_ms * 1e6));
+    const std::vector<tactor::IssuedCommand> trace = tactor::read_command_trace(commands.text());
+    int tactors = 1;
+    for (const tactor::IssuedCommand &issued : trace)
+      tactors = std::max(tactors, issued.command.tactor + 1);
+    heard = measure_recording(std::move(sound), trace, tactors, parse_band(band.text()), find);
+  } else {
+    const Session session = Session::open(arguments.front());
+    heard = session.measure(parse_band(band.text()));
+    sensor = session.sensor().empty() ? "recordings made elsewhere" : session.sensor();
+    name = motor.is_set() ? name : session.motor();
+    if (!output.is_set())
+      path = arguments.front() + "/motors.calibration";
+  }
+  tactor::Calibration calibration = tactor::calibrate(heard.responses, heard.one_clock);
+  if (verbose)
+    for (const tactor::StepResponse &response : heard.responses)
+      std::printf(
+          "tactor %d, %.2f to %.2f V: 90 %% after %.1f ms, first motion %.1f ms, level %.4g, %.0f "
+          "dB; %s\n",
+          response.step.tactor, response.step.start_volts, response.step.target_volts,
+          response.risen_ms, response.onset_ms, response.steady, response.snr_db,
+          std::string(tactor::fault_name(response.fault)).c_str());
+  if (calibration.tactors.empty())
+    throw std::runtime_error("no rise could be measured in "
+                             + std::to_string(heard.responses.size())
+                             + " steps; is the sensor on the motor? (--verbose names what is wrong "
+                               "with each)");
+  g_autofree gchar *method
+      = g_strdup_printf("%s; band %.0f to %.0f Hz; %zu steps", sensor.c_str(), heard.band.low_hz,
+                        heard.band.high_hz, heard.responses.size());
+  calibration.motor = name;
+  calibration.date = now();
+  calibration.method = method;
+  tactor::write_calibration(calibration, path);
+  report(calibration, heard.responses);
+  std::printf("written: %s\n", path.c_str());
+  return 0;
+}

@@ -1,0 +1,198 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "audio_file.h"
+
+#include <gst/app/app.h>
+#include <gst/audio/audio.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <memory>
+#include <stdexcept>
+
+namespace {
+
+/// Motors vibrate below 400 Hz.
+constexpr int kRate = 8000;
+
+struct StopPipeline
+{
+  void operator()(GstElement *pipeline) const
+  {
+    gst_element_set_state(pipeline, GST_STATE_NULL);
+    gst_object_unref(pipeline);
+  }
+};
+using Pipeline = std::unique_ptr<GstElement, StopPipeline>;
+
+Pipeline
+launch(const std::string &line)
+{
+  g_autoptr(GError) error = nullptr;
+  Pipeline pipeline(gst_parse_launch(line.c_str(), &error));
+  if (error)
+    throw std::runtime_error(error->message);
+  return pipeline;
+}
+
+void
+set(const Pipeline &pipeline, const char *name, const char *property, const std::string &value)
+{
+  g_autoptr(GstElement) element = gst_bin_get_by_name(GST_BIN(pipeline.get()), name);
+  g_object_set(element, property, value.c_str(), nullptr);
+}
+
+/// Runs to the end. Throws what the pipeline's error says of `path`.
+void
+run(const Pipeline &pipeline, const std::string &path)
+{
+  gst_element_set_state(pipeline.get(), GST_STATE_PLAYING);
+  g_autoptr(GstBus) bus = gst_element_get_bus(pipeline.get());
+  g_autoptr(GstMessage) message = gst_bus_timed_pop_filtered(
+      bus, GST_CLOCK_TIME_NONE, static_cast<GstMessageType>(GST_MESSAGE_ERROR | GST_MESSAGE_EOS));
+  if (GST_MESSAGE_TYPE(message) == GST_MESSAGE_EOS)
+    return;
+  g_autoptr(GError) error = nullptr;
+  gst_message_parse_error(message, &error, nullptr);
+  throw std::runtime_error("'" + path + "': " + error->message);
+}
+
+GstFlowReturn
+on_sample(GstAppSink *sink, gpointer collector)
+{
+  g_autoptr(GstSample) sample = gst_app_sink_pull_sample(sink);
+  if (!sample)
+    return GST_FLOW_EOS;
+  static_cast<AudioCollector *>(collector)->add(sample);
+  return GST_FLOW_OK;
+}
+
+} // namespace
+
+std::string
+recording_branch()
+{
+  // Gaps and overlaps of a source that stumbles become silence, so that what follows stays in its place.
+  return "audioconvert ! audiorate ! audioresample ! "
+         "audio/x-raw,format=F64LE,layout=interleaved,rate="
+         + std::to_string(kRate) + " ! appsink name=heard sync=false async=false max-buffers=0";
+}
+
+void
+AudioCollector::listen(GstElement *appsink)
+{
+  GstAppSinkCallbacks callbacks = {};
+  callbacks.new_sample = on_sample;
+  gst_app_sink_set_callbacks(GST_APP_SINK(appsink), &callbacks, this, nullptr);
+}
+
+void
+AudioCollector::add(GstSample *sample)
+{
+  GstAudioInfo info;
+  GstBuffer *buffer = gst_sample_get_buffer(sample);
+  GstMapInfo map;
+  if (!gst_audio_info_from_caps(&info, gst_sample_get_caps(sample))
+      || !gst_buffer_map(buffer, &map, GST_MAP_READ))
+    return;
+  const std::lock_guard<std::mutex> lock(mutex_);
+  const auto channels = static_cast<std::size_t>(GST_AUDIO_INFO_CHANNELS(&info));
+  if (recording_.channels.empty()) {
+    recording_.rate = GST_AUDIO_INFO_RATE(&info);
+    recording_.full_scale = 1;
+    recording_.channels.resize(channels);
+    const GstClockTime running = gst_segment_to_running_time(
+        gst_sample_get_segment(sample), GST_FORMAT_TIME, GST_BUFFER_PTS(buffer));
+    recording_.start
+        = tactor::Time(GST_CLOCK_TIME_IS_VALID(running) ? static_cast<gint64>(running) : 0);
+  }
+  const auto *values = reinterpret_cast<const gdouble *>(map.data);
+  for (std::size_t i = 0; i < map.size / sizeof(gdouble); i++)
+    recording_.channels[i % channels].push_back(values[i]);
+  gst_buffer_unmap(buffer, &map);
+}
+
+tactor::Time
+AudioCollector::until()
+{
+  const std::lock_guard<std::mutex> lock(mutex_);
+  if (recording_.size() == 0)
+    return tactor::Time(0);
+  return recording_.start
+         + tactor::Time(
+             std::llround(1e9 * static_cast<double>(recording_.size()) / recording_.rate));
+}
+
+tactor::Recording
+AudioCollector::take()
+{
+  const std::lock_guard<std::mutex> lock(mutex_);
+  if (recording_.size() == 0)
+    throw std::runtime_error("no sound came");
+  return std::move(recording_);
+}
+
+void
+push_recording(GstElement *appsrc, const tactor::Recording &recording)
+{
+  const auto channels = static_cast<guint>(recording.channels.size());
+  GstAudioInfo info;
+  gst_audio_info_set_format(&info, GST_AUDIO_FORMAT_F32LE, static_cast<gint>(recording.rate),
+                            static_cast<gint>(channels), nullptr);
+  g_autoptr(GstCaps) caps = gst_audio_info_to_caps(&info);
+  if (channels > 2) // no positions: they are tactors
+    gst_caps_set_simple(caps, "channel-mask", GST_TYPE_BITMASK, guint64{ 0 }, nullptr);
+  gst_app_src_set_caps(GST_APP_SRC(appsrc), caps);
+  GstBuffer *buffer
+      = gst_buffer_new_allocate(nullptr, recording.size() * channels * sizeof(gfloat), nullptr);
+  GstMapInfo map;
+  gst_buffer_map(buffer, &map, GST_MAP_WRITE);
+  auto *values = reinterpret_cast<gfloat *>(map.data);
+  for (std::size_t i = 0; i < recording.size(); i++)
+    for (const std::vector<double> &channel : recording.channels)
+      *values++ = static_cast<gfloat>(channel[i]);
+  gst_buffer_unmap(buffer, &map);
+  GST_BUFFER_PTS(buffer) = 0;
+  GST_BUFFER_DURATION(buffer)
+      = gst_util_uint64_scale(recording.size(), GST_SECOND, static_cast<guint64>(recording.rate));
+  gst_app_src_push_buffer(GST_APP_SRC(appsrc), buffer);
+  gst_app_src_end_of_stream(GST_APP_SRC(appsrc));
+}
+
+tactor::Recording
+read_recording(const std::string &path)
+{
+  if (path.ends_with(".csv") || path.ends_with(".txt"))
+    return tactor::read_csv_recording(path);
+  AudioCollector heard;
+  const Pipeline pipeline = launch("filesrc name=file ! decodebin ! " + recording_branch());
+  set(pipeline, "file", "location", path);
+  g_autoptr(GstElement) sink = gst_bin_get_by_name(GST_BIN(pipeline.get()), "heard");
+  heard.listen(sink);
+  run(pipeline, path);
+  return heard.take();
+}
+
+void
+write_recording(const tactor::Recording &recording, const std::string &path)
+{
+  tactor::Recording aligned = recording;
+  const auto shift
+      = std::lround(std::chrono::duration<double>(recording.start).count() * recording.rate);
+  for (std::vector<double> &channel : aligned.channels) {
+    if (shift > 0)
+      channel.insert(channel.begin(), static_cast<std::size_t>(shift), 0.0);
+    else
+      channel.erase(channel.begin(), channel.begin() + std::min(-shift, std::ssize(channel)));
+  }
+  const std::string part = path + ".part";
+  {
+    const Pipeline pipeline
+        = launch("appsrc name=sound format=time max-bytes=0 ! wavenc ! filesink name=file");
+    set(pipeline, "file", "location", part);
+    g_autoptr(GstElement) source = gst_bin_get_by_name(GST_BIN(pipeline.get()), "sound");
+    push_recording(source, aligned);
+    run(pipeline, path);
+  }
+  std::filesystem::rename(part, path);
+}

@@ -1,0 +1,131 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "commands.h"
+#include "options.h"
+#include "session.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <map>
+#include <random>
+#include <stdexcept>
+#include <string>
+
+using namespace std::chrono_literals;
+using tactor::Time;
+
+namespace {
+
+constexpr Time kOn = 800ms;
+
+/// Each tactor in turn at random levels, the same each time.
+std::vector<Frame>
+pattern(const std::vector<int> &tactors, int events)
+{
+  std::mt19937 random(1);
+  std::uniform_real_distribution<float> level(0.3F, 1.0F);
+  const auto columns = static_cast<std::size_t>(*std::ranges::max_element(tactors)) + 1;
+  // What a duty of 0.4 leaves of a tactor's turn.
+  const Time off = std::max(700ms + 0ns, Time(std::llround(static_cast<double>(kOn.count()) / 0.35
+                                                           / static_cast<double>(tactors.size())))
+                                             - kOn);
+  std::vector<Frame> frames{ { .duration = 1s, .levels = std::vector<float>(columns) } };
+  const auto add = [&](Time duration, int tactor, float value) {
+    Frame frame{ .begin = frames.back().begin + frames.back().duration,
+                 .duration = duration,
+                 .levels = std::vector<float>(columns) };
+    frame.levels[static_cast<std::size_t>(tactor)] = value;
+    frames.push_back(std::move(frame));
+  };
+  for (int event = 0; event < events; event++)
+    for (const int tactor : tactors) {
+      add(kOn, tactor, level(random));
+      for (Time rest{ 0 }; rest < off; rest += 1s) // a map is held for a second at most
+        add(std::min(Time(1s), off - rest), tactor, 0);
+    }
+  return frames;
+}
+
+void
+print(const char *what, std::vector<double> errors)
+{
+  std::ranges::sort(errors, {}, [](double error) { return std::abs(error); });
+  double sum = 0;
+  for (const double error : errors)
+    sum += error;
+  const auto at = [&](double share) {
+    return std::abs(errors[static_cast<std::size_t>(
+        std::ceil(share * static_cast<double>(errors.size())) - 1)]);
+  };
+  std::printf("%-10s %4zu rises: mean %+6.1f ms, |error| p50 %5.1f, p95 %5.1f, max %5.1f ms\n",
+              what, errors.size(), sum / static_cast<double>(errors.size()), at(0.5), at(0.95),
+              at(1));
+}
+
+} // namespace
+
+int
+run_check(int argc, char **argv)
+{
+  PlayOptions play_options;
+  TextOption tactors("0");
+  TextOption calibration;
+  TextOption band;
+  gint events = 10;
+  gdouble volts_max = 3;
+  std::vector<GOptionEntry> entries = play_options.entries();
+  const GOptionEntry own[] = {
+    { "calibration", 'c', 0, G_OPTION_ARG_FILENAME, &calibration.value,
+      "As tactorsink's (default: none, the paper's motors)", "FILE" },
+    { "tactors", 't', 0, G_OPTION_ARG_STRING, &tactors.value, "Which, as in 0-8 (default: 0)",
+      "LIST" },
+    { "events", 'n', 0, G_OPTION_ARG_INT, &events, "Of each tactor (default: 10)", "N" },
+    { "voltage-max", 0, 0, G_OPTION_ARG_DOUBLE, &volts_max, "As tactorsink's (default: 3)", "V" },
+    { "band", 'b', 0, G_OPTION_ARG_STRING, &band.value, "As for analyse", "LOW:HIGH" },
+  };
+  entries.insert(entries.end(), std::begin(own), std::end(own));
+  std::vector<std::string> arguments;
+  if (!parse_options(
+          argc, argv, "",
+          "Plays a pattern and tells how far from its frame each tactor's vibration was at 90 %.",
+          std::move(entries), arguments))
+    return 2;
+  if (!arguments.empty() || events < 1 || events > 1000) {
+    std::fprintf(stderr, "tactor-calibrate: check expects no arguments and 1 to 1000 events\n");
+    return 2;
+  }
+  PlayerSettings player = play_options.settings(volts_max);
+  if (player.source.empty())
+    throw std::runtime_error("expected a source to check with, got none");
+  player.calibration = calibration.text();
+  player.compensate = true;
+  const std::vector<int> list = parse_tactors(tactors.text());
+  const Played played = play(pattern(list, events), player, interruption());
+  const Session::Heard heard
+      = measure_recording(played.recording, played.trace, *std::ranges::max_element(list) + 1,
+                          parse_band(band.text()), false);
+
+  std::map<int, std::vector<double>> errors;
+  std::vector<double> all;
+  std::map<std::string, int> refused;
+  for (const tactor::StepResponse &response : heard.responses) {
+    if (!response.step.rises())
+      continue;
+    if (response.fault != tactor::StepFault::none) {
+      refused[std::string(tactor::fault_name(response.fault))]++;
+      continue;
+    }
+    const double lead
+        = static_cast<double>((response.step.effect - response.step.at).count()) / 1e6;
+    errors[response.step.tactor].push_back(response.risen_ms - lead);
+    all.push_back(response.risen_ms - lead);
+  }
+  if (all.empty())
+    throw std::runtime_error("no rise could be measured; is the sensor on the motor?");
+  for (const auto &[tactor, own_errors] : errors)
+    print(("tactor " + std::to_string(tactor)).c_str(), own_errors);
+  print("all", all);
+  for (const auto &[fault, count] : refused)
+    std::printf("%d rises could not be measured: %s\n", count, fault.c_str());
+  return 0;
+}

@@ -1,0 +1,213 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "player.h"
+
+#include "audio_file.h"
+
+#include <gst/app/app.h>
+#include <gst/base/gstbasesink.h>
+#include <gst/gst.h>
+#include <gst/tactile/tactile.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <memory>
+#include <stdexcept>
+#include <unistd.h>
+
+namespace {
+
+using tactor::Time;
+using namespace std::chrono_literals;
+
+constexpr guint kMostColumns = GST_TACTILE_MAX_SIDE;
+/// After the last frame so much more is recorded; and the source may be so late before it is given up.
+constexpr Time kTail = 300ms;
+constexpr Time kPatience = 5s;
+
+/// Brings the pipeline to NULL, and so the motors to zero, whichever way it is left.
+struct StopPipeline
+{
+  void operator()(GstElement *pipeline) const
+  {
+    gst_element_set_state(pipeline, GST_STATE_NULL);
+    gst_object_unref(pipeline);
+  }
+};
+using Pipeline = std::unique_ptr<GstElement, StopPipeline>;
+
+struct Unref
+{
+  void operator()(gpointer object) const
+  {
+    gst_object_unref(object);
+  }
+};
+using Element = std::unique_ptr<GstElement, Unref>;
+
+/// A file name of its own, the file gone with the object.
+class TraceFile
+{
+public:
+  TraceFile()
+  {
+    g_autoptr(GError) error = nullptr;
+    const gint fd = g_file_open_tmp("tactor-calibrate-XXXXXX", &path_, &error);
+    if (fd < 0)
+      throw std::runtime_error(error->message);
+    close(fd);
+  }
+  ~TraceFile()
+  {
+    std::error_code ignored;
+    std::filesystem::remove(path_, ignored);
+    g_free(path_);
+  }
+  TraceFile(const TraceFile &) = delete;
+  TraceFile &operator=(const TraceFile &) = delete;
+
+  const gchar *path() const
+  {
+    return path_;
+  }
+
+private:
+  gchar *path_ = nullptr;
+};
+
+Element
+element(const Pipeline &pipeline, const char *name)
+{
+  return Element(gst_bin_get_by_name(GST_BIN(pipeline.get()), name));
+}
+
+Pipeline
+make_pipeline(const PlayerSettings &settings)
+{
+  std::string line = "appsrc name=frames format=time max-bytes=0 ! tactorsink name=tactors";
+  if (settings.source == "simulator")
+    line += " appsrc name=microphone format=time max-bytes=0 ! " + recording_branch();
+  else if (!settings.source.empty())
+    line += " " + settings.source
+            + " ! queue max-size-time=2000000000 max-size-bytes=0 max-size-buffers=0 ! "
+            + recording_branch();
+  g_autoptr(GError) error = nullptr;
+  Pipeline pipeline(gst_parse_launch(line.c_str(), &error));
+  if (error)
+    throw std::runtime_error("the pipeline '" + line + "' cannot be made: " + error->message);
+  return pipeline;
+}
+
+void
+push_frames(GstElement *source, const std::vector<Frame> &frames)
+{
+  const auto tactors = static_cast<guint>(frames.front().levels.size());
+  const guint columns = std::min(tactors, kMostColumns);
+  const guint rows = (tactors + columns - 1) / columns;
+  if (rows > kMostColumns)
+    throw std::runtime_error("expected 4096 tactors at most, got " + std::to_string(tactors));
+  g_autoptr(GstCaps) caps = gst_tactile_map_caps_new(rows, columns, 0, 1);
+  gst_app_src_set_caps(GST_APP_SRC(source), caps);
+  for (const Frame &frame : frames) {
+    std::vector<float> levels = frame.levels;
+    levels.resize(static_cast<std::size_t>(rows) * columns);
+    GstBuffer *map = gst_tactile_map_buffer_new(levels.data(), levels.size());
+    GST_BUFFER_PTS(map) = static_cast<GstClockTime>(frame.begin.count());
+    GST_BUFFER_DURATION(map) = static_cast<GstClockTime>(frame.duration.count());
+    gst_app_src_push_buffer(GST_APP_SRC(source), map);
+  }
+  gst_app_src_end_of_stream(GST_APP_SRC(source));
+}
+
+[[noreturn]] void
+throw_message(GstMessage *message)
+{
+  g_autoptr(GError) error = nullptr;
+  g_autofree gchar *debug = nullptr;
+  gst_message_parse_error(message, &error, &debug);
+  throw std::runtime_error(error->message);
+}
+
+bool
+is_stats(GstMessage *message)
+{
+  const GstStructure *structure = gst_message_get_structure(message);
+  return structure && gst_structure_has_name(structure, "tactor-stats");
+}
+
+} // namespace
+
+Played
+play(const std::vector<Frame> &frames, const PlayerSettings &settings,
+     const std::atomic<bool> &interrupted)
+{
+  const bool simulated = settings.source == "simulator";
+  const Time end = frames.back().begin + frames.back().duration;
+  const TraceFile trace_file;
+  Played played;
+  AudioCollector heard;
+  {
+    const Pipeline pipeline = make_pipeline(settings);
+    const Element tactors = element(pipeline, "tactors");
+    // Limits of motors and skin stay as they are; what would change or delay commands is off.
+    g_object_set(tactors.get(), "driver", simulated ? "simulator" : settings.driver.c_str(),
+                 "trace-location", trace_file.path(), "rate", 0.0, "voltage-max",
+                 settings.volts_max, "ramp-in", guint64{ 0 }, "sync", !simulated, nullptr);
+    if (!settings.device.empty() && !simulated)
+      g_object_set(tactors.get(), "device", settings.device.c_str(), nullptr);
+    if (!settings.calibration.empty())
+      g_object_set(tactors.get(), "calibration", settings.calibration.c_str(), nullptr);
+    if (!settings.compensate)
+      g_object_set(tactors.get(), "voltage-min", 0.0, "max-lead", 0u, nullptr);
+    gst_util_set_object_arg(G_OBJECT(tactors.get()), "compensation",
+                            settings.compensate ? "exact" : "none");
+    if (!settings.source.empty())
+      heard.listen(element(pipeline, "heard").get());
+    push_frames(element(pipeline, "frames").get(), frames);
+
+    const std::unique_ptr<GstBus, Unref> bus(gst_element_get_bus(pipeline.get()));
+    gst_element_set_state(pipeline.get(), GST_STATE_PLAYING);
+    const gint64 begin = g_get_monotonic_time();
+    Time latency{ 0 };
+    bool over = false;
+    bool told = false;
+    while (!over) {
+      if (interrupted)
+        throw std::runtime_error("interrupted; all motors are off");
+      g_autoptr(GstMessage) message = gst_bus_timed_pop_filtered(
+          bus.get(), 50 * GST_MSECOND,
+          static_cast<GstMessageType>(GST_MESSAGE_ERROR | GST_MESSAGE_EOS | GST_MESSAGE_ELEMENT));
+      if (message && GST_MESSAGE_TYPE(message) == GST_MESSAGE_ERROR)
+        throw_message(message);
+      if (message && is_stats(message)) {
+        told = true;
+        latency = simulated ? Time(0)
+                            : Time(static_cast<gint64>(
+                                gst_base_sink_get_latency(GST_BASE_SINK(tactors.get()))));
+        if (simulated) {
+          gst_element_set_state(tactors.get(), GST_STATE_PAUSED); // the trace is whole then
+          push_recording(element(pipeline, "microphone").get(),
+                         hear(tactor::read_command_trace(trace_file.path()), settings.motors,
+                              settings.sensor, end + kTail));
+        }
+      }
+      over = message && GST_MESSAGE_TYPE(message) == GST_MESSAGE_EOS;
+      if (told && simulated)
+        over |= gst_app_sink_is_eos(GST_APP_SINK(element(pipeline, "heard").get()));
+      else if (told)
+        over |= settings.source.empty() || heard.until() >= end + latency + kTail;
+      const Time waited = std::chrono::microseconds(g_get_monotonic_time() - begin);
+      if (!over && !simulated && waited > end + latency + kTail + kPatience)
+        throw std::runtime_error("the source '" + settings.source
+                                 + "' fell silent; expected sound until "
+                                 + std::to_string((end + latency) / 1ms) + " ms, got it until "
+                                 + std::to_string(heard.until() / 1ms) + " ms");
+    }
+    if (!settings.source.empty()) {
+      played.recording = heard.take();
+      // tactorsink's running time is without the latency that it waits in addition.
+      played.recording.start -= latency;
+    }
+  }
+  played.trace = tactor::read_command_trace(trace_file.path());
+  return played;
+}

@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include "tactor/calibration/measurement_plan.h"
+#include "tactor/calibration/step_response.h"
+#include "tactor/calibration/tactor_calibration.h"
+
+#include "player.h"
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+/// A measurement in a folder: session.ini says what is measured, run-NNN.csv what tactors were told in a run, run-NNN.wav (or any
+/// other sound, or a CSV run-NNN.recording.csv) what was heard.
+class Session
+{
+public:
+  /// Begins a session, or goes on with the one in the folder. Throws std::runtime_error if that one measures something else.
+  static Session begin(const std::filesystem::path &folder,
+                       const tactor::MeasurementSettings &settings, const std::string &motor,
+                       const std::string &sensor);
+  /// The session in a folder. Throws std::runtime_error if there is none.
+  static Session open(const std::filesystem::path &folder);
+
+  int runs() const;
+  /// Whether a run was played, and recorded where that is wanted.
+  bool is_done(int run, bool recorded) const;
+  /// The frames of a run.
+  std::vector<Frame> frames(int run) const;
+  /// Keeps what was played. The recording may be empty.
+  void keep(int run, const Played &played) const;
+
+  struct Heard
+  {
+    std::vector<tactor::RecordedRun> runs{};
+    tactor::Band band{};
+    std::vector<tactor::StepResponse> responses{};
+    bool one_clock = true; ///< recordings are ours, not found by their sound
+  };
+  /// All recordings that there are, measured; `band` with a high edge of 0: found out. Throws std::runtime_error if there are none.
+  Heard measure(tactor::Band band) const;
+
+  const std::string &motor() const;
+  const std::string &sensor() const;
+  const tactor::MeasurementSettings &settings() const;
+
+private:
+  std::filesystem::path file(int run, const char *ending) const;
+  std::filesystem::path recording_of(int run) const;
+  int tactors() const;
+
+  std::filesystem::path folder_;
+  tactor::MeasurementSettings settings_;
+  std::string motor_;
+  std::string sensor_;
+  std::vector<tactor::MeasurementRun> plan_;
+};
+
+/// Measures one recording with its trace, such as one that was made elsewhere; aligned by its sound if `find` is true.
+Session::Heard measure_recording(tactor::Recording recording,
+                                 const std::vector<tactor::IssuedCommand> &trace, int tactors,
+                                 tactor::Band band, bool find);
