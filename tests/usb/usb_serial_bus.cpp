@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <cstdlib>
 #include <filesystem>
-#include <optional>
 #include <sys/fsuid.h>
 #include <unistd.h>
 
@@ -244,44 +243,47 @@ GST_START_TEST(test_two_boards)
 }
 GST_END_TEST;
 
-/// With udevd nobody has to look; without, one has to.
+/// A board that comes while another is there, and one that goes out and comes again. False if nobody was told.
+static bool
+is_told(bool udev)
+{
+  EmulatedUsb usb;
+  EmulatedBoard board(usb, {});
+  UsbSerialBus bus({ .look = udev ? 1h : 20ms });
+  Listener listener;
+  Counter changes;
+  bus.watch([&] { changes.count(); });
+  if (!udev)
+    usb.stop_udev();
+  EmulatedBoard other(usb, { .transport = Transport::ftdi, .port = "1-2" });
+  if (!changes.wait_for(1))
+    return false;
+  fail_unless_equals_int(bus.list().size(), 2);
+  // Out and in again. What comes back is open to the next one who asks.
+  auto port = bus.open(bus.list().at(0), listener.events());
+  board.unplug();
+  fail_unless(listener.wait_for_loss());
+  if (!udev && !changes.wait_for(2))
+    return false;
+  board.plug();
+  if (!changes.wait_for(udev ? 2 : 3))
+    return false;
+  port = bus.open(bus.list().at(0), listener.events());
+  const Bytes bytes{ 1 };
+  fail_unless(port->write(bytes));
+  fail_unless(board.wait_for_bytes(1));
+  port.reset();
+  // After this nobody calls.
+  bus.watch(nullptr);
+  return true;
+}
+
+/// With udevd nobody has to look; without, one has to. umockdev's preload keeps its sockets in tables without locks, so that on a busy
+/// machine libusb's own thread now and then loses its line to the emulated udevd, for good: then all begins anew.
 GST_START_TEST(test_watch)
 {
-  for (const bool udev : { true, false }) {
-    EmulatedUsb usb;
-    EmulatedBoard board(usb, {});
-    UsbSerialBus bus({ .look = udev ? 1h : 20ms });
-    Listener listener;
-    Counter changes;
-    bus.watch([&] { changes.count(); });
-    if (!udev)
-      usb.stop_udev();
-    // On a busy machine a word of the emulated udevd may be lost: then the board is plugged in once more.
-    std::optional<EmulatedBoard> other;
-    bool seen = false;
-    for (int times = 0; times < 3 && !seen; times++) {
-      other.reset();
-      other.emplace(usb, BoardDescription{ .transport = Transport::ftdi, .port = "1-2" });
-      seen = changes.wait_for(1);
-    }
-    fail_unless(seen);
-    fail_unless_equals_int(bus.list().size(), 2);
-    // Out and in again. What comes back is open to the next one who asks.
-    auto port = bus.open(bus.list().at(0), listener.events());
-    board.unplug();
-    fail_unless(listener.wait_for_loss());
-    if (!udev)
-      fail_unless(changes.wait_for(2));
-    board.plug();
-    fail_unless(changes.wait_for(udev ? 2 : 3));
-    port = bus.open(bus.list().at(0), listener.events());
-    const Bytes bytes{ 1 };
-    fail_unless(port->write(bytes));
-    fail_unless(board.wait_for_bytes(1));
-    port.reset();
-    // After this nobody calls.
-    bus.watch(nullptr);
-  }
+  for (const bool udev : { true, false })
+    fail_unless(is_told(udev) || is_told(udev) || is_told(udev));
 }
 GST_END_TEST;
 
