@@ -22,12 +22,13 @@ esac
 
 build_project "$directory" "build play test players" "${options[@]}"
 
+# Plugins of others start threads as GStreamer looks through them, before tests fork: that is not ours (die_after_fork).
 # Suppressions are for libraries alone, each with its reason. Leaks in libraries without frame pointers are only told apart with full stacks.
 supp=$root/tests/sanitizers
 export ASAN_OPTIONS="detect_leaks=1:fast_unwind_on_malloc=0${ASAN_OPTIONS:+:$ASAN_OPTIONS}"
 export LSAN_OPTIONS="suppressions=$supp/lsan.supp:print_suppressions=0"
 export UBSAN_OPTIONS="print_stacktrace=1:halt_on_error=1"
-export TSAN_OPTIONS="ignore_noninstrumented_modules=1:halt_on_error=1:suppressions=$supp/tsan.supp${TSAN_OPTIONS:+:$TSAN_OPTIONS}"
+export TSAN_OPTIONS="ignore_noninstrumented_modules=1:halt_on_error=1:die_after_fork=0:suppressions=$supp/tsan.supp${TSAN_OPTIONS:+:$TSAN_OPTIONS}"
 
 # The last lines are meson's, then one in a form that any CI reads.
 log=$(mktemp)

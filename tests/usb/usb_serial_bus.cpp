@@ -278,9 +278,8 @@ is_told(bool udev)
   return true;
 }
 
-/// With udevd nobody has to look often; without, one has to. umockdev's preload keeps its sockets in tables without locks, so that on a busy
-/// machine libusb's own thread now and then loses its line to the emulated udevd, for good: then the next look finds what came, or all
-/// begins anew.
+/// With udevd nobody has to look often; without, one has to. On a busy machine libusb's own thread, which listens to the emulated udevd, was
+/// now and then gone, and why is not known: then the next look finds what came, or all begins anew. So this does not prove that udevd is heard.
 GST_START_TEST(test_watch)
 {
   for (const bool udev : { true, false })
