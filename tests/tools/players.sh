@@ -36,17 +36,18 @@ live() {
 }
 
 # A player that was not made for touch, in the terminal that it wants: its window shows the film's grey, and maps come to the chair.
+# The player has to be the terminal's foreground (a shell or timeout between them may put it behind, where it is stopped as it sets
+# the terminal up), hence a pseudo-terminal that starts nothing else.
 any_player() {
-  export GST_DEBUG=visuotactilesink:4,tactorsink:6 GST_DEBUG_NO_COLOR=1 GST_DEBUG_FILE=$PWD/debug TERM=xterm
-  script -qec "timeout 60 '$ROOT/pipelines/any-player.sh' gst123 '$1'" /dev/null >out 2>&1 </dev/null &
-  local player=$! try level=0
-  unset GST_DEBUG GST_DEBUG_FILE
-  for ((try = 0; try < 100; try++)); do
-    sleep 0.2
+  GST_DEBUG=visuotactilesink:4,tactorsink:6 GST_DEBUG_NO_COLOR=1 GST_DEBUG_FILE=$PWD/debug TERM=xterm \
+    timeout 60 "$PYTHON" -c 'import pty, sys; pty.spawn(sys.argv[1:])' "$ROOT/pipelines/any-player.sh" gst123 --repeat "$1" >out 2>&1 </dev/null &
+  local player=$! level=0
+  while kill -0 "$player" 2>/dev/null; do
     # A pixel of the background.
     plain gst-launch-1.0 -q ximagesrc num-buffers=1 startx=5 starty=5 endx=5 endy=5 ! videoconvert ! video/x-raw,format=GRAY8 ! filesink location=pixel || true
     level=$(od -An -tu1 -N1 pixel | tr -d ' ')
     [ "${level:-0}" -le 40 ] || ! grep -q 'map at' debug || break
+    sleep 0.2
   done
   kill "$player" 2>/dev/null || true
   wait "$player" 2>/dev/null || true
@@ -73,7 +74,6 @@ make() {
 }
 make film.mkv 60
 make theatre.mkv 240
-make long.mkv 600
 
 start gst-play shows gst-play.sh "$work/film.mkv" --no-interactive
 start playbin shows playbin.sh "$work/film.mkv" playbin
@@ -85,5 +85,5 @@ start live live
 start theatre theatre "$work/theatre.mkv"
 start least_delay live --least-delay
 finish
-start any_player any_player "$work/long.mkv"
+start any_player any_player "$work/film.mkv"
 finish
