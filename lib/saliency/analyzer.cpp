@@ -208,7 +208,8 @@ Analyzer::analyze(const FrameView &frame, Time time, Time duration, bool tempora
   s.follow({ frame.width, frame.height }, time);
   s.result.cut = false;
   s.result.camera_moves = false;
-  s.pyramid.build(s.front_end.lab(frame, s.levels.finest), s.levels.finest, s.levels.coarsest);
+  s.pyramid.build(s.front_end.lab(frame, s.levels.finest), s.levels.finest, s.levels.coarsest,
+                  s.levels.finest_chroma);
   s.result.map
       = temporal ? s.spatiotemporal_map(time, duration) : s.spatial.compute(s.pyramid, s.levels);
   cv::minMaxLoc(s.result.map, nullptr, &s.result.peak);

@@ -3,25 +3,69 @@
 
 #include "saliency/front_end_kernels.h"
 #include "saliency/pyramid.h"
-#include "saliency/rows.h"
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <functional>
+#include <type_traits>
 #include <utility>
 
 namespace saliency {
 
 namespace {
 
-/// The samples of a component: of 16-bit words their significant bits, at the top.
-template <typename Sample> class SampleRows final : public ImageRows<Sample>
+/// Bytes as they lie in memory.
+class ByteRows : public ImageRows<std::uint8_t>
 {
 public:
-  SampleRows(const Component &component, std::size_t index)
-      : ImageRows<Sample>({ component.width, component.height }), index_(index),
-        buffer_(1, component.width)
+  using ImageRows::ImageRows;
+
+  /// After row(): bytes that rows to come are made of, as many as the row has samples. Whoever works on
+  /// this channel asks for them meanwhile, so that memory delivers as the processor computes.
+  virtual const std::uint8_t *ahead(int channel) const = 0;
+};
+
+class ByteSamples final : public ByteRows
+{
+public:
+  ByteSamples(const Component &component, std::size_t index)
+      : ByteRows({ component.width, component.height }), index_(index), buffer_(1, component.width)
+  {
+  }
+
+  void begin(const FrameView &frame) override
+  {
+    component_ = frame.components[index_];
+  }
+
+  const std::uint8_t *row(int y) override
+  {
+    at_ = component_.data + y * component_.row_stride;
+    if (component_.pixel_stride == 1)
+      return at_;
+    kernels::unpack(at_, component_.pixel_stride, component_.width, buffer_.row(0));
+    return buffer_.row(0);
+  }
+
+  const std::uint8_t *ahead(int) const override
+  {
+    constexpr int kAhead = 4096;
+    return at_ + kAhead;
+  }
+
+private:
+  std::size_t index_;
+  Component component_;
+  const std::uint8_t *at_ = nullptr; ///< latest row
+  RowBuffer<std::uint8_t> buffer_;
+};
+
+/// The significant bits of 16-bit words.
+class WordSamples final : public ImageRows<Fixed>
+{
+public:
+  WordSamples(const Component &component, std::size_t index)
+      : ImageRows({ component.width, component.height }), index_(index), buffer_(1, component.width)
   {
   }
 
@@ -32,15 +76,10 @@ public:
     mask_ = 0xffffU << (16 - frame.depth) & 0xffffU;
   }
 
-  const Sample *row(int y) override
+  const Fixed *row(int y) override
   {
-    const std::uint8_t *in = component_.data + y * component_.row_stride;
-    if constexpr (sizeof(Sample) == 1) {
-      if (component_.pixel_stride == 1)
-        return in;
-      kernels::unpack(in, component_.pixel_stride, component_.width, buffer_.row(0));
-    } else
-      kernels::unpack(in, component_.pixel_stride, left_, mask_, component_.width, buffer_.row(0));
+    kernels::unpack(component_.data + y * component_.row_stride, component_.pixel_stride, left_,
+                    mask_, component_.width, buffer_.row(0));
     return buffer_.row(0);
   }
 
@@ -49,14 +88,14 @@ private:
   Component component_;
   int left_ = 0;
   unsigned mask_ = 0;
-  RowBuffer<Sample> buffer_;
+  RowBuffer<Fixed> buffer_;
 };
 
 /// The samples of pixels whose three bytes lie side by side.
-class PixelRows final : public ImageRows<std::uint8_t>
+class PixelRows final : public ByteRows
 {
 public:
-  explicit PixelRows(cv::Size size) : ImageRows(size, 3), buffer_(1, size.width, 3)
+  explicit PixelRows(cv::Size size) : ByteRows(size, 3), buffer_(1, size.width, 3)
   {
   }
 
@@ -73,63 +112,31 @@ public:
 
   const std::uint8_t *row(int y) override
   {
+    next_ = first_.data + std::min(y + 1, size().height - 1) * first_.row_stride;
     kernels::unpack_triples(first_.data + y * first_.row_stride, first_.pixel_stride, size().width,
-                            places_);
+                            places_, next_);
     return buffer_.row(0);
+  }
+
+  /// The next row in as many parts as pixels have bytes, of which unpacking asks for the first.
+  const std::uint8_t *ahead(int channel) const override
+  {
+    const std::ptrdiff_t part = channel + (first_.pixel_stride > 3 ? 1 : 0);
+    return next_ + part * size().width;
   }
 
 private:
   Component first_;                        ///< in memory
   std::array<std::uint8_t *, 3> places_{}; ///< rows for the bytes of a pixel
+  const std::uint8_t *next_ = nullptr;     ///< row in memory
   RowBuffer<std::uint8_t> buffer_;
 };
 
-/// Halved along both axes; `Sum` holds 16 times a sample, `Half` what halve_rows makes of five of them.
-template <typename Sample, typename Sum, typename Half>
-class HalvedRows final : public ImageRows<Half>
+/// Bytes as Fixed.
+class WidenedRows final : public ImageRows<Fixed>
 {
 public:
-  explicit HalvedRows(std::unique_ptr<ImageRows<Sample>> source)
-      : ImageRows<Half>(level_size(source->size(), 1), source->channels()),
-        source_(std::move(source)),
-        sums_(source_->size().height, this->size().width, this->channels()),
-        buffer_(1, this->size().width, this->channels()),
-        source_pitch_(RowBuffer<Sample>::pitch(source_->size().width))
-  {
-  }
-
-  void begin(const FrameView &frame) override
-  {
-    source_->begin(frame);
-    sums_.begin();
-  }
-
-  const Half *row(int y) override
-  {
-    sums_.advance(y, [this](int source_y, Sum *sums) {
-      const Sample *samples = source_->row(source_y);
-      for (int c = 0; c < this->channels(); ++c)
-        kernels::halve_columns(samples + c * source_pitch_, source_->size().width,
-                               sums + c * sums_.pitch());
-    });
-    for (int c = 0; c < this->channels(); ++c)
-      kernels::halve_rows(sums_.channel(c), this->size().width,
-                          buffer_.row(0) + c * buffer_.pitch());
-    return buffer_.row(0);
-  }
-
-private:
-  std::unique_ptr<ImageRows<Sample>> source_;
-  FiveRows<Sum> sums_;
-  RowBuffer<Half> buffer_;
-  std::ptrdiff_t source_pitch_;
-};
-
-/// Integer samples as code values. Bytes that were halved are 16-bit, with eight bits after the point.
-template <typename Sample> class FloatRows final : public ImageRows<float>
-{
-public:
-  explicit FloatRows(std::unique_ptr<ImageRows<Sample>> source)
+  explicit WidenedRows(std::unique_ptr<ImageRows<std::uint8_t>> source)
       : ImageRows(source->size(), source->channels()), source_(std::move(source)),
         buffer_(1, size().width, channels())
   {
@@ -138,30 +145,77 @@ public:
   void begin(const FrameView &frame) override
   {
     source_->begin(frame);
-    constexpr int bits = 8 * sizeof(Sample);
-    scale_ = std::ldexp(1.0F, frame.depth - bits);
   }
 
-  const float *row(int y) override
+  const Fixed *row(int y) override
   {
-    const Sample *samples = source_->row(y);
+    const std::uint8_t *samples = source_->row(y);
     for (int c = 0; c < channels(); ++c)
-      kernels::to_float(samples + c * RowBuffer<Sample>::pitch(size().width), size().width, scale_,
-                        buffer_.row(0) + c * buffer_.pitch());
+      kernels::widen(samples + c * RowBuffer<std::uint8_t>::pitch(size().width), size().width,
+                     buffer_.row(0) + c * buffer_.pitch());
     return buffer_.row(0);
   }
 
 private:
-  std::unique_ptr<ImageRows<Sample>> source_;
-  RowBuffer<float> buffer_;
-  float scale_ = 1;
+  std::unique_ptr<ImageRows<std::uint8_t>> source_;
+  RowBuffer<Fixed> buffer_;
+};
+
+/// Halved along both axes.
+template <typename Sample> class HalvedRows final : public ImageRows<Fixed>
+{
+public:
+  using Source = std::conditional_t<std::is_same_v<Sample, Fixed>, ImageRows<Fixed>, ByteRows>;
+
+  explicit HalvedRows(std::unique_ptr<Source> source)
+      : ImageRows(level_size(source->size(), 1), source->channels()), source_(std::move(source)),
+        rows_(source_->size().height, size().width, channels()),
+        buffer_(1, size().width, channels()),
+        source_pitch_(RowBuffer<Sample>::pitch(source_->size().width))
+  {
+  }
+
+  void begin(const FrameView &frame) override
+  {
+    source_->begin(frame);
+    rows_.begin();
+  }
+
+  const Fixed *row(int y) override
+  {
+    rows_.advance(y, [this](int source_y, std::uint16_t *row) {
+      const Sample *samples = source_->row(source_y);
+      for (int c = 0; c < channels(); ++c) {
+        const Sample *channel = samples + c * source_pitch_;
+        std::uint16_t *halved = row + c * rows_.pitch();
+        if constexpr (std::is_same_v<Sample, Fixed>)
+          kernels::halve_columns(channel, source_->size().width, halved);
+        else
+          kernels::halve_columns(channel, source_->size().width, halved, source_->ahead(c));
+      }
+    });
+    for (int c = 0; c < channels(); ++c) {
+      Fixed *halved = buffer_.row(0) + c * buffer_.pitch();
+      if constexpr (std::is_same_v<Sample, Fixed>)
+        kernels::halve_rows(rows_.channel(c), size().width, halved);
+      else
+        kernels::halve_rows_of_sums(rows_.channel(c), size().width, halved);
+    }
+    return buffer_.row(0);
+  }
+
+private:
+  std::unique_ptr<Source> source_;
+  FiveRows<std::uint16_t> rows_; ///< halved from side to side; of bytes the sums
+  RowBuffer<Fixed> buffer_;
+  std::ptrdiff_t source_pitch_;
 };
 
 /// Halved from side to side alone.
-class HalvedColumns final : public ImageRows<float>
+class HalvedColumns final : public ImageRows<Fixed>
 {
 public:
-  explicit HalvedColumns(std::unique_ptr<ImageRows<float>> source)
+  explicit HalvedColumns(std::unique_ptr<ImageRows<Fixed>> source)
       : ImageRows({ level_size(source->size(), 1).width, source->size().height }),
         source_(std::move(source)), buffer_(1, size().width)
   {
@@ -172,22 +226,22 @@ public:
     source_->begin(frame);
   }
 
-  const float *row(int y) override
+  const Fixed *row(int y) override
   {
     kernels::halve_columns(source_->row(y), source_->size().width, buffer_.row(0));
     return buffer_.row(0);
   }
 
 private:
-  std::unique_ptr<ImageRows<float>> source_;
-  RowBuffer<float> buffer_;
+  std::unique_ptr<ImageRows<Fixed>> source_;
+  RowBuffer<Fixed> buffer_;
 };
 
 /// Halved from top to bottom alone.
-class HalvedHeight final : public ImageRows<float>
+class HalvedHeight final : public ImageRows<Fixed>
 {
 public:
-  explicit HalvedHeight(std::unique_ptr<ImageRows<float>> source)
+  explicit HalvedHeight(std::unique_ptr<ImageRows<Fixed>> source)
       : ImageRows({ source->size().width, level_size(source->size(), 1).height }),
         source_(std::move(source)), rows_(source_->size().height, size().width, 1),
         buffer_(1, size().width)
@@ -200,9 +254,9 @@ public:
     rows_.begin();
   }
 
-  const float *row(int y) override
+  const Fixed *row(int y) override
   {
-    rows_.advance(y, [this](int source_y, float *row) {
+    rows_.advance(y, [this](int source_y, Fixed *row) {
       std::copy_n(source_->row(source_y), size().width, row);
     });
     kernels::halve_rows(rows_.channel(0), size().width, buffer_.row(0));
@@ -210,18 +264,17 @@ public:
   }
 
 private:
-  std::unique_ptr<ImageRows<float>> source_;
-  FiveRows<float> rows_;
-  RowBuffer<float> buffer_;
+  std::unique_ptr<ImageRows<Fixed>> source_;
+  FiveRows<Fixed> rows_;
+  RowBuffer<Fixed> buffer_;
 };
 
-/// Interpolated on the pyramid's grid, the last sample repeated beyond it.
-class UpsampledColumns final : public ImageRows<float>
+/// Twice as wide, interpolated on the pyramid's grid, the last sample repeated beyond it.
+class DoubledColumns final : public ImageRows<Fixed>
 {
 public:
-  UpsampledColumns(std::unique_ptr<ImageRows<float>> source, int octaves, int width)
-      : ImageRows({ width, source->size().height }), source_(std::move(source)), octaves_(octaves),
-        buffer_(1, width)
+  DoubledColumns(std::unique_ptr<ImageRows<Fixed>> source, int width)
+      : ImageRows({ width, source->size().height }), source_(std::move(source)), buffer_(1, width)
   {
   }
 
@@ -230,24 +283,23 @@ public:
     source_->begin(frame);
   }
 
-  const float *row(int y) override
+  const Fixed *row(int y) override
   {
-    rows::enlarge(source_->row(y), static_cast<std::size_t>(source_->size().width), octaves_,
-                  static_cast<std::size_t>(size().width), buffer_.row(0));
+    kernels::double_columns(source_->row(y), size().width, buffer_.row(0));
     return buffer_.row(0);
   }
 
 private:
-  std::unique_ptr<ImageRows<float>> source_;
-  int octaves_;
-  RowBuffer<float> buffer_;
+  std::unique_ptr<ImageRows<Fixed>> source_;
+  RowBuffer<Fixed> buffer_;
 };
 
-class UpsampledHeight final : public ImageRows<float>
+/// Twice as high, likewise.
+class DoubledHeight final : public ImageRows<Fixed>
 {
 public:
-  UpsampledHeight(std::unique_ptr<ImageRows<float>> source, int octaves, int height)
-      : ImageRows({ source->size().width, height }), source_(std::move(source)), octaves_(octaves),
+  DoubledHeight(std::unique_ptr<ImageRows<Fixed>> source, int height)
+      : ImageRows({ source->size().width, height }), source_(std::move(source)),
         held_(2, size().width), buffer_(1, size().width)
   {
   }
@@ -258,44 +310,39 @@ public:
     next_ = 0;
   }
 
-  const float *row(int y) override
+  const Fixed *row(int y) override
   {
-    const RowPosition at = locate_row(y, octaves_, source_->size().height);
-    for (next_ = std::max(next_, at.before); next_ <= at.after; ++next_)
+    const int before = y / 2;
+    const int after = std::min(before + y % 2, source_->size().height - 1);
+    for (next_ = std::max(next_, before); next_ <= after; ++next_)
       std::copy_n(source_->row(next_), size().width, held_.row(next_ % 2));
-    if (at.weight == 0)
-      return held_.row(at.before % 2);
-    rows::interpolate(held_.row(at.before % 2), held_.row(at.after % 2), at.weight,
-                      static_cast<std::size_t>(size().width), buffer_.row(0));
+    if (after == before)
+      return held_.row(before % 2);
+    kernels::average(held_.row(before % 2), held_.row(after % 2), size().width, buffer_.row(0));
     return buffer_.row(0);
   }
 
 private:
-  std::unique_ptr<ImageRows<float>> source_;
-  int octaves_;
+  std::unique_ptr<ImageRows<Fixed>> source_;
   int next_ = 0; ///< row of the source that is not held yet
-  RowBuffer<float> held_;
-  RowBuffer<float> buffer_;
+  RowBuffer<Fixed> held_;
+  RowBuffer<Fixed> buffer_;
 };
 
-/// Halved so often, as code values.
-std::unique_ptr<ImageRows<float>>
-decimated(std::unique_ptr<ImageRows<std::uint16_t>> rows, int octaves)
+std::unique_ptr<ImageRows<Fixed>>
+decimated(std::unique_ptr<ImageRows<Fixed>> rows, int octaves)
 {
   for (int i = 0; i < octaves; ++i)
-    rows = std::make_unique<HalvedRows<std::uint16_t, std::uint32_t, std::uint16_t>>(
-        std::move(rows));
-  return std::make_unique<FloatRows<std::uint16_t>>(std::move(rows));
+    rows = halved_rows(std::move(rows));
+  return rows;
 }
 
-std::unique_ptr<ImageRows<float>>
-decimated(std::unique_ptr<ImageRows<std::uint8_t>> rows, int octaves)
+std::unique_ptr<ImageRows<Fixed>>
+decimated(std::unique_ptr<ByteRows> rows, int octaves)
 {
   if (octaves == 0)
-    return std::make_unique<FloatRows<std::uint8_t>>(std::move(rows));
-  return decimated(
-      std::make_unique<HalvedRows<std::uint8_t, std::uint16_t, std::uint16_t>>(std::move(rows)),
-      octaves - 1);
+    return std::make_unique<WidenedRows>(std::move(rows));
+  return decimated(std::make_unique<HalvedRows<std::uint8_t>>(std::move(rows)), octaves - 1);
 }
 
 } // namespace
@@ -312,7 +359,7 @@ subsampling(int frame, int component)
   return samples(k) == component ? k : -1;
 }
 
-std::unique_ptr<ImageRows<float>>
+std::unique_ptr<ImageRows<Fixed>>
 component_rows(const FrameView &frame, std::size_t component, int level)
 {
   // What there is to do along each axis; subsampling has done some of it already, or too much.
@@ -321,19 +368,20 @@ component_rows(const FrameView &frame, std::size_t component, int level)
   const int rows = level - subsampling(frame.height, samples.height);
   const int both = std::max(0, std::min(columns, rows));
 
-  auto image
-      = frame.depth == 8
-            ? decimated(std::make_unique<SampleRows<std::uint8_t>>(samples, component), both)
-            : decimated(std::make_unique<SampleRows<std::uint16_t>>(samples, component), both);
+  auto image = frame.depth == 8
+                   ? decimated(std::make_unique<ByteSamples>(samples, component), both)
+                   : decimated(std::make_unique<WordSamples>(samples, component), both);
   for (int i = both; i < columns; ++i)
     image = std::make_unique<HalvedColumns>(std::move(image));
   for (int i = both; i < rows; ++i)
     image = std::make_unique<HalvedHeight>(std::move(image));
-  const cv::Size size = level_size({ frame.width, frame.height }, level);
-  if (rows < 0)
-    image = std::make_unique<UpsampledHeight>(std::move(image), -rows, size.height);
-  if (columns < 0)
-    image = std::make_unique<UpsampledColumns>(std::move(image), -columns, size.width);
+  const auto size = [&frame, level](int coarser) {
+    return level_size({ frame.width, frame.height }, level + coarser);
+  };
+  for (int i = -rows; i > 0; --i)
+    image = std::make_unique<DoubledHeight>(std::move(image), size(i - 1).height);
+  for (int i = -columns; i > 0; --i)
+    image = std::make_unique<DoubledColumns>(std::move(image), size(i - 1).width);
   return image;
 }
 
@@ -354,16 +402,16 @@ has_byte_triples(const FrameView &frame)
          && a.data != c.data;
 }
 
-std::unique_ptr<ImageRows<float>>
+std::unique_ptr<ImageRows<Fixed>>
 pixel_rows(const FrameView &frame, int level)
 {
   return decimated(std::make_unique<PixelRows>(cv::Size(frame.width, frame.height)), level);
 }
 
-std::unique_ptr<ImageRows<float>>
-halved_rows(std::unique_ptr<ImageRows<float>> source)
+std::unique_ptr<ImageRows<Fixed>>
+halved_rows(std::unique_ptr<ImageRows<Fixed>> source)
 {
-  return std::make_unique<HalvedRows<float, float, float>>(std::move(source));
+  return std::make_unique<HalvedRows<Fixed>>(std::move(source));
 }
 
 } // namespace saliency

@@ -45,8 +45,8 @@ check(const FrameView &frame)
     throw std::invalid_argument("the first component has the frame's size");
 }
 
-/// L*a*b* of a frame's components at a level: three channels.
-class LabRows final : public ImageRows<float>
+/// L*a*b* of a frame's components at a level: three channels, as LabConverter makes them.
+class LabRows final : public ImageRows<Fixed>
 {
 public:
   LabRows(const FrameView &frame, int level)
@@ -66,37 +66,37 @@ public:
       component->begin(frame);
   }
 
-  const float *row(int y) override
+  const Fixed *row(int y) override
   {
-    std::array<const float *, 3> rows{};
+    std::array<const Fixed *, 3> rows{};
     std::size_t next = 0;
     for (const auto &component : components_) {
-      const float *row = component->row(y);
+      const Fixed *row = component->row(y);
       for (int c = 0; c < component->channels(); ++c)
         rows[next++] = row + c * buffer_.pitch();
     }
-    float *lab = buffer_.row(0);
+    Fixed *lab = buffer_.row(0);
     converter_.convert(rows, size().width,
                        { lab, lab + buffer_.pitch(), lab + 2 * buffer_.pitch() });
     return lab;
   }
 
 private:
-  std::vector<std::unique_ptr<ImageRows<float>>> components_;
+  std::vector<std::unique_ptr<ImageRows<Fixed>>> components_;
   LabConverter converter_;
-  RowBuffer<float> buffer_;
+  RowBuffer<Fixed> buffer_;
 };
 
 /// Rows [begin, end) of the image.
 void
-make_rows(ImageRows<float> &band, int begin, int end, LabImage &image)
+make_rows(ImageRows<Fixed> &band, int begin, int end, FixedLabImage &image)
 {
   const int width = image.size().width;
   for (int y = begin; y < end; ++y) {
-    const float *lab = band.row(y);
+    const Fixed *lab = band.row(y);
     for (auto &plane : image.planes) {
-      std::copy_n(lab, width, plane.ptr<float>(y));
-      lab += RowBuffer<float>::pitch(width);
+      std::copy_n(lab, width, plane.ptr<Fixed>(y));
+      lab += RowBuffer<Fixed>::pitch(width);
     }
   }
 }
@@ -141,12 +141,13 @@ FrontEnd::make_bands(const FrameView &frame, const Geometry &geometry)
 {
   geometry_ = {};
   bands_.clear();
-  lab_.create(level_size({ frame.width, frame.height }, geometry.level));
+  for (auto &plane : lab_.planes)
+    plane.create(level_size({ frame.width, frame.height }, geometry.level), CV_16UC1);
   const int threads = threads_ > 0 ? threads_ : threads_that_pay(frame);
   const int converted
       = exact_ ? 0 : conversion_level({ frame.width, frame.height }, geometry.level);
   for (int i = 0; i < std::min(threads, lab_.size().height); ++i) {
-    std::unique_ptr<ImageRows<float>> band = std::make_unique<LabRows>(frame, converted);
+    std::unique_ptr<ImageRows<Fixed>> band = std::make_unique<LabRows>(frame, converted);
     for (int n = converted; n < geometry.level; ++n)
       band = halved_rows(std::move(band));
     bands_.push_back(std::move(band));
@@ -154,7 +155,7 @@ FrontEnd::make_bands(const FrameView &frame, const Geometry &geometry)
   geometry_ = geometry;
 }
 
-const LabImage &
+const FixedLabImage &
 FrontEnd::lab(const FrameView &frame, int level)
 {
   check(frame);
@@ -167,14 +168,17 @@ FrontEnd::lab(const FrameView &frame, int level)
   if (geometry != geometry_)
     make_bands(frame, geometry);
 
-  for (const auto &band : bands_)
-    band->begin(frame);
-  const auto parts = static_cast<long long>(bands_.size());
-  pool_.run(static_cast<int>(parts), [this, parts](int part) {
-    const auto first = [&](long long i) {
-      return static_cast<int>(lab_.size().height * i / parts);
-    };
-    make_rows(*bands_[static_cast<std::size_t>(part)], first(part), first(part + 1), lab_);
+  shares_.reset(lab_.size().height, static_cast<int>(bands_.size()));
+  pool_.run(static_cast<int>(bands_.size()), [this, &frame](int thread) {
+    ImageRows<Fixed> &band = *bands_[static_cast<std::size_t>(thread)];
+    band.begin(frame);
+    int next = 0; // row that the band can go on with
+    for (auto rows = shares_.take(thread); rows.begin < rows.end; rows = shares_.take(thread)) {
+      if (rows.begin < next)
+        band.begin(frame);
+      make_rows(band, rows.begin, rows.end, lab_);
+      next = rows.end;
+    }
   });
   return lab_;
 }

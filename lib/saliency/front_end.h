@@ -4,6 +4,7 @@
 #include "saliency/frame_view.h"
 #include "saliency/image_rows.h"
 #include "saliency/lab_image.h"
+#include "saliency/row_shares.h"
 #include "saliency/thread_pool.h"
 
 #include <opencv2/core/types.hpp>
@@ -29,9 +30,9 @@ int conversion_level(cv::Size frame, int level);
 /// MPEG-2, H.264 and later put it horizontally; vertically it is half a pixel off.
 ///
 /// Rows are made on demand from the rows that they are made of (ImageRows): the frame is read once,
-/// and beside the result about nine rows of each level are held, up to 120 bytes for each pixel
-/// of a wide frame's width and each thread (150 when exact). Several threads make a band of rows each;
-/// the result is the same for any number of them, and on any processor.
+/// and beside the result about nine rows of each level are held, less than 80 bytes for each pixel
+/// of a wide frame's width and each thread. Several threads make bands of rows (RowShares); the result is
+/// the same for any number of them, and on any processor.
 class FrontEnd
 {
 public:
@@ -45,7 +46,7 @@ public:
   /// must be ⌈frame width / 2ᵏ⌉ for some k ≥ 0, likewise its height; the first component has the
   /// frame's size. Throws std::invalid_argument for a frame that cannot be one: no size, no data,
   /// impossible depth or strides. Allocates only when geometry, format or level change.
-  const LabImage &lab(const FrameView &frame, int level);
+  const FixedLabImage &lab(const FrameView &frame, int level);
 
 private:
   /// What the bands are made for.
@@ -65,9 +66,10 @@ private:
   bool exact_;
   int threads_ = 1;
   Geometry geometry_;
-  std::vector<std::unique_ptr<ImageRows<float>>> bands_; ///< each makes rows of its own
+  std::vector<std::unique_ptr<ImageRows<Fixed>>> bands_; ///< each makes rows of its own
   ThreadPool pool_;
-  LabImage lab_;
+  RowShares shares_;
+  FixedLabImage lab_;
 };
 
 } // namespace saliency

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "saliency/front_end_kernels.h"
 
-#include "saliency/image_rows.h"
-
 #include <algorithm>
 #include <cstddef>
 #include <cstring>
@@ -11,6 +9,7 @@
 // Everything up to HWY_ONCE is compiled for each target. No fused multiply-add, which not all have.
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "saliency/front_end_kernels.cpp"
+#include <hwy/cache_control.h>
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
@@ -85,7 +84,7 @@ Unpack8(const std::uint8_t *in, int stride, int count, std::uint8_t *out)
 }
 
 void
-Unpack16(const std::uint8_t *in, int stride, int left, unsigned mask, int count, std::uint16_t *out)
+Unpack16(const std::uint8_t *in, int stride, int left, unsigned mask, int count, Fixed *out)
 {
   int x = 0;
 #if HWY_TARGET != HWY_SCALAR
@@ -95,29 +94,31 @@ Unpack16(const std::uint8_t *in, int stride, int left, unsigned mask, int count,
   if (stride == 2) {
     for (; x + step <= count; x += step) {
       const auto words = load_bytes(d, in + static_cast<std::ptrdiff_t>(x) * 2);
-      hn::StoreU(hn::And(hn::ShiftLeftSame(words, left), bits), d, out + x);
+      hn::StoreU(hn::ShiftRight<1>(hn::And(hn::ShiftLeftSame(words, left), bits)), d, out + x);
     }
   } else if (stride == 4) {
     for (; x + step < count; x += step) {
       const auto *at = in + static_cast<std::ptrdiff_t>(x) * 4;
       const auto words = hn::ConcatEven(d, load_bytes(d, at + 2 * step), load_bytes(d, at));
-      hn::StoreU(hn::And(hn::ShiftLeftSame(words, left), bits), d, out + x);
+      hn::StoreU(hn::ShiftRight<1>(hn::And(hn::ShiftLeftSame(words, left), bits)), d, out + x);
     }
   }
 #endif
   for (; x < count; ++x) {
     const auto *word = in + static_cast<std::ptrdiff_t>(x) * stride;
     out[x]
-        = static_cast<std::uint16_t>(static_cast<unsigned>(word[0] | word[1] << 8) << left & mask);
+        = static_cast<Fixed>((static_cast<unsigned>(word[0] | word[1] << 8) << left & mask) >> 1);
   }
 }
 
 void
 UnpackTriples(const std::uint8_t *in, int stride, int count,
-              const std::array<std::uint8_t *, 3> &out)
+              const std::array<std::uint8_t *, 3> &out, const std::uint8_t *ahead)
 {
   int x = 0;
-#if HWY_TARGET != HWY_SCALAR
+#if HWY_TARGET == HWY_SCALAR
+  static_cast<void>(ahead);
+#else
   const Tag<std::uint8_t> d;
   const hn::Repartition<std::uint16_t, decltype(d)> d16;
   const int step = static_cast<int>(hn::Lanes(d));
@@ -132,6 +133,7 @@ UnpackTriples(const std::uint8_t *in, int stride, int count,
   } else if (stride == 4) {
     for (; x + step < count; x += step) {
       const auto *at = in + static_cast<std::ptrdiff_t>(x) * 4;
+      hwy::Prefetch(ahead + x);
       const auto v0 = load_bytes(d16, at);
       const auto v1 = load_bytes(d16, at + step);
       const auto v2 = load_bytes(d16, at + 2 * step);
@@ -151,24 +153,33 @@ UnpackTriples(const std::uint8_t *in, int stride, int count,
       out[c][x] = in[static_cast<std::ptrdiff_t>(x) * stride + static_cast<std::ptrdiff_t>(c)];
 }
 
-template <typename Sum, typename Sample>
-Sum
-gaussian_of(Sample v0, Sample v1, Sample v2, Sample v3, Sample v4)
+void
+Widen(const std::uint8_t *in, int count, Fixed *out)
 {
-  const Sum outer = static_cast<Sum>(v0) + static_cast<Sum>(v4);
-  const Sum inner = static_cast<Sum>(v1) + static_cast<Sum>(v3);
-  if constexpr (std::is_same_v<Sum, float>)
-    return (outer + 4 * inner + 6 * v2) * (1.0F / 16);
-  else
-    return static_cast<Sum>(outer + 4 * inner + 6 * static_cast<Sum>(v2));
+  cover<Fixed>(count, [&](auto d, int x) HWY_ATTR {
+    const auto bytes = hn::LoadU(hn::Rebind<std::uint8_t, decltype(d)>(), in + x);
+    hn::StoreU(hn::ShiftLeft<7>(hn::PromoteTo(d, bytes)), d, out + x);
+  });
 }
 
-/// `halved(d, at)`: of the samples from at[-2] on, two for each lane and two more.
-template <typename Sample, typename Sum, typename Halved>
-HWY_INLINE void
-halve_columns(const Sample *row, int width, Sum *out, const Halved &halved)
+/// One of halve_columns.
+template <typename Out, typename Sample>
+Out
+gaussian_of(Sample v0, Sample v1, Sample v2, Sample v3, Sample v4)
 {
-  const Tag<Sum> d;
+  if constexpr (std::is_same_v<Sample, float>)
+    return (v0 + v4 + 4 * (v1 + v3) + 6 * v2) * (1.0F / 16);
+  else
+    return static_cast<Out>((v0 + v4 + 4 * (v1 + v3) + 6 * v2) / (sizeof(Sample) == 1 ? 1 : 16));
+}
+
+/// `halve(d, at, out)` stores a sample for each lane of d, from those from at[-2] on, two for each and two
+/// more.
+template <typename Lane, typename Sample, typename Out, typename Halve>
+HWY_INLINE void
+halve_columns(const Sample *row, int width, Out *out, const Halve &halve)
+{
+  const Tag<Lane> d;
   const int step = static_cast<int>(hn::Lanes(d));
   const int end = (width + 1) / 2;
   if (width < 5) {
@@ -177,72 +188,83 @@ halve_columns(const Sample *row, int width, Sum *out, const Halved &halved)
     };
     for (int x = 0; x < end; ++x)
       out[x]
-          = gaussian_of<Sum>(at(2 * x - 2), at(2 * x - 1), at(2 * x), at(2 * x + 1), at(2 * x + 2));
+          = gaussian_of<Out>(at(2 * x - 2), at(2 * x - 1), at(2 * x), at(2 * x + 1), at(2 * x + 2));
     return;
   }
-  out[0] = gaussian_of<Sum>(row[2], row[1], row[0], row[1], row[2]);
+  out[0] = gaussian_of<Out>(row[2], row[1], row[0], row[1], row[2]);
   int x = 1;
   if (const int last = (width - 2) / 2 - step; last >= 1) { // where a vector fits
     for (; x < last; x += step)
-      hn::StoreU(halved(d, row + 2 * x), d, out + x);
-    hn::StoreU(halved(d, row + 2 * last), d, out + last);
+      halve(d, row + 2 * x, out + x);
+    halve(d, row + 2 * last, out + last);
     x = last + step;
   }
   const Sample *at = row + 2 * x;
   for (; x + 1 < end; ++x, at += 2)
-    out[x] = gaussian_of<Sum>(at[-2], at[-1], at[0], at[1], at[2]);
-  out[x] = width % 2 == 0 ? gaussian_of<Sum>(at[-2], at[-1], at[0], at[1], at[0])
-                          : gaussian_of<Sum>(at[-2], at[-1], at[0], at[-1], at[-2]);
+    out[x] = gaussian_of<Out>(at[-2], at[-1], at[0], at[1], at[2]);
+  out[x] = width % 2 == 0 ? gaussian_of<Out>(at[-2], at[-1], at[0], at[1], at[0])
+                          : gaussian_of<Out>(at[-2], at[-1], at[0], at[-1], at[-2]);
 }
 
-/// even × the first + odd × the second byte of each pair.
+/// even × the first + odd × the second of each pair of numbers half as wide as a lane.
 template <int even, int odd, class D>
 HWY_INLINE hn::VFromD<D>
-weigh_pairs(D d, const std::uint8_t *bytes)
+weigh_pairs(D d, const void *numbers)
 {
-  const auto pairs = load_bytes(d, bytes);
+  using Lane = hn::TFromD<D>;
+  constexpr int kHalf = 4 * sizeof(Lane); // bits
+  const auto pairs = load_bytes(d, numbers);
 #if HWY_TARGET == HWY_SSSE3 || HWY_TARGET == HWY_SSE4 || HWY_TARGET == HWY_AVX2                    \
     || HWY_TARGET == HWY_AVX3 || HWY_TARGET == HWY_AVX3_DL
   // One instruction, which Highway 1.0 does not have.
-  const auto weights = hn::Set(d, static_cast<std::uint16_t>(even | odd << 8));
+  const auto weights = hn::Set(d, static_cast<Lane>(even | odd << kHalf));
+  constexpr bool kBytes = sizeof(Lane) == 2;
 #if HWY_TARGET == HWY_SSSE3 || HWY_TARGET == HWY_SSE4
-  return hn::VFromD<D>{ _mm_maddubs_epi16(pairs.raw, weights.raw) };
+  return hn::VFromD<D>{ kBytes ? _mm_maddubs_epi16(pairs.raw, weights.raw)
+                               : _mm_madd_epi16(pairs.raw, weights.raw) };
 #elif HWY_TARGET == HWY_AVX2
-  return hn::VFromD<D>{ _mm256_maddubs_epi16(pairs.raw, weights.raw) };
+  return hn::VFromD<D>{ kBytes ? _mm256_maddubs_epi16(pairs.raw, weights.raw)
+                               : _mm256_madd_epi16(pairs.raw, weights.raw) };
 #else
-  return hn::VFromD<D>{ _mm512_maddubs_epi16(pairs.raw, weights.raw) };
+  return hn::VFromD<D>{ kBytes ? _mm512_maddubs_epi16(pairs.raw, weights.raw)
+                               : _mm512_madd_epi16(pairs.raw, weights.raw) };
 #endif
 #else
-  const auto first = hn::And(pairs, hn::Set(d, 0xff));
+  const auto first = hn::And(pairs, hn::Set(d, static_cast<Lane>((1U << kHalf) - 1)));
   return hn::Add(hn::Mul(first, hn::Set(d, even)),
-                 hn::Mul(hn::ShiftRight<8>(pairs), hn::Set(d, odd)));
+                 hn::Mul(hn::ShiftRight<kHalf>(pairs), hn::Set(d, odd)));
 #endif
 }
 
-void
-HalveColumns8(const std::uint8_t *row, int width, std::uint16_t *out)
+template <class D, typename Sample>
+HWY_INLINE hn::VFromD<D>
+halved_sums(D d, const Sample *at)
 {
-  halve_columns(row, width, out, [](auto d, const std::uint8_t *at) HWY_ATTR {
-    return hn::Add(hn::Add(weigh_pairs<1, 4>(d, at - 2), weigh_pairs<6, 4>(d, at)),
-                   weigh_pairs<1, 0>(d, at + 2));
-  });
+  return hn::Add(hn::Add(weigh_pairs<1, 4>(d, at - 2), weigh_pairs<6, 4>(d, at)),
+                 weigh_pairs<1, 0>(d, at + 2));
 }
 
-/// Pairs of samples as lanes twice as wide: an even sample is the lower half, an odd one the upper.
 void
-HalveColumns16(const std::uint16_t *row, int width, std::uint32_t *out)
+HalveColumns8(const std::uint8_t *row, int width, std::uint16_t *out, const std::uint8_t *ahead)
 {
-  halve_columns(row, width, out, [](auto d, const std::uint16_t *at) HWY_ATTR {
-    const auto mask = hn::Set(d, 0xffffU);
-    const auto before = load_bytes(d, at - 2);
-    const auto here = load_bytes(d, at);
-    const auto after = load_bytes(d, at + 2);
-    const auto center = hn::And(here, mask);
-    const auto odd = hn::Add(hn::ShiftRight<16>(before), hn::ShiftRight<16>(here));
-    const auto even = hn::Add(hn::And(before, mask), hn::And(after, mask));
-    // 1, 4, 6 = 4 + 2
-    return hn::Add(hn::Add(even, hn::Add(center, center)), hn::ShiftLeft<2>(hn::Add(odd, center)));
-  });
+  halve_columns<std::uint16_t>(row, width, out,
+                               [row, ahead](auto d, const std::uint8_t *at, std::uint16_t *halved)
+                                   HWY_ATTR {
+                                     hwy::Prefetch(ahead + (at - row));
+                                     hn::StoreU(halved_sums(d, at), d, halved);
+                                   });
+}
+
+void
+HalveColumns16(const Fixed *row, int width, Fixed *out)
+{
+  halve_columns<std::uint32_t>(
+      row, width, out, [](auto d, const Fixed *at, Fixed *halved) HWY_ATTR {
+        const hn::RebindToSigned<decltype(d)> integers;
+        const hn::Rebind<Fixed, decltype(d)> narrow;
+        const auto mean = hn::ShiftRight<4>(halved_sums(d, at));
+        hn::StoreU(hn::DemoteTo(narrow, hn::BitCast(integers, mean)), narrow, halved);
+      });
 }
 
 template <class D, class V = hn::VFromD<D>>
@@ -256,41 +278,38 @@ gaussian(D d, V v0, V v1, V v2, V v3, V v4)
 void
 HalveColumnsFloat(const float *row, int width, float *out)
 {
-  halve_columns(row, width, out, [](auto d, const float *at) HWY_ATTR {
+  halve_columns<float>(row, width, out, [](auto d, const float *at, float *halved) HWY_ATTR {
     hn::Vec<decltype(d)> v0, v1, v2, v3, v4, v5;
     hn::LoadInterleaved2(d, at - 2, v0, v1);
     hn::LoadInterleaved2(d, at, v2, v3);
     hn::LoadInterleaved2(d, at + 2, v4, v5);
-    return gaussian(d, v0, v1, v2, v3, v4);
+    hn::StoreU(gaussian(d, v0, v1, v2, v3, v4), d, halved);
   });
 }
 
-template <class D, typename T = hn::TFromD<D>>
-HWY_INLINE hn::VFromD<D>
-gaussian_sum(D d, const std::array<const T *, 5> &rows, int x)
+void
+HalveRowsOfSums(const std::array<const std::uint16_t *, 5> &rows, int count, Fixed *halved)
 {
-  const auto center = hn::LoadU(d, rows[2] + x);
-  const auto inner = hn::Add(hn::LoadU(d, rows[1] + x), hn::LoadU(d, rows[3] + x));
-  const auto outer = hn::Add(hn::LoadU(d, rows[0] + x), hn::LoadU(d, rows[4] + x));
-  return hn::Add(hn::Add(outer, hn::Add(center, center)), hn::ShiftLeft<2>(hn::Add(inner, center)));
+  cover<std::uint16_t>(count, [&](auto d, int x) HWY_ATTR {
+    const auto center = hn::LoadU(d, rows[2] + x);
+    const auto inner = hn::Add(hn::LoadU(d, rows[1] + x), hn::LoadU(d, rows[3] + x));
+    const auto outer = hn::Add(hn::LoadU(d, rows[0] + x), hn::LoadU(d, rows[4] + x));
+    const auto sum = hn::Add(hn::Add(outer, hn::Add(center, center)),
+                             hn::ShiftLeft<2>(hn::Add(inner, center)));
+    hn::StoreU(hn::AverageRound(sum, hn::Zero(d)), d, halved + x);
+  });
 }
 
 void
-HalveRows16(const std::array<const std::uint16_t *, 5> &rows, int count, std::uint16_t *halved)
+HalveRows16(const std::array<const Fixed *, 5> &rows, int count, Fixed *halved)
 {
-  cover<std::uint16_t>(
-      count, [&](auto d, int x) HWY_ATTR { hn::StoreU(gaussian_sum(d, rows, x), d, halved + x); });
-}
-
-void
-HalveRows32(const std::array<const std::uint32_t *, 5> &rows, int count, std::uint16_t *halved)
-{
-  cover<std::uint32_t>(count, [&](auto d, int x) HWY_ATTR {
-    const hn::RebindToSigned<decltype(d)> integers;
-    const hn::Rebind<std::uint16_t, decltype(d)> narrow;
-    const auto sum = hn::Add(gaussian_sum(d, rows, x), hn::Set(d, 128U));
-    hn::StoreU(hn::DemoteTo(narrow, hn::BitCast(integers, hn::ShiftRight<8>(sum))), narrow,
-               halved + x);
+  cover<Fixed>(count, [&](auto d, int x) HWY_ATTR {
+    const auto center = hn::LoadU(d, rows[2] + x);
+    const auto inner = hn::AverageRound(hn::LoadU(d, rows[1] + x), hn::LoadU(d, rows[3] + x));
+    const auto outer = hn::AverageRound(hn::LoadU(d, rows[0] + x), hn::LoadU(d, rows[4] + x));
+    // (outer + 3 center) / 4, which with as much of inner is the mean.
+    const auto rest = hn::AverageRound(center, hn::AverageRound(center, outer));
+    hn::StoreU(hn::AverageRound(inner, rest), d, halved + x);
   });
 }
 
@@ -305,28 +324,36 @@ HalveRowsFloat(const std::array<const float *, 5> &rows, int count, float *halve
   });
 }
 
-template <typename T>
 void
-integers_to_float(const T *in, int count, float scale, float *out)
+DoubleColumns(const Fixed *in, int width, Fixed *out)
 {
-  cover<float>(count, [&](auto d, int x) HWY_ATTR {
-    const hn::RebindToSigned<decltype(d)> integers;
-    const auto v = hn::LoadU(hn::Rebind<T, decltype(d)>(), in + x);
-    hn::StoreU(hn::Mul(hn::ConvertTo(d, hn::PromoteTo(integers, v)), hn::Set(d, scale)), d,
-               out + x);
+  const int between = (width - 1) / 2; // samples of which there is one more
+  cover<Fixed>(between, [&](auto d, int x) HWY_ATTR {
+    const auto sample = hn::LoadU(d, in + x);
+    hn::StoreInterleaved2(sample, hn::AverageRound(sample, hn::LoadU(d, in + x + 1)), d,
+                          out + 2 * x);
+  });
+  for (int x = 2 * between; x < width; ++x)
+    out[x] = in[between];
+}
+
+void
+Average(const Fixed *a, const Fixed *b, int count, Fixed *out)
+{
+  cover<Fixed>(count, [&](auto d, int x) HWY_ATTR {
+    hn::StoreU(hn::AverageRound(hn::LoadU(d, a + x), hn::LoadU(d, b + x)), d, out + x);
   });
 }
 
 void
-ToFloat8(const std::uint8_t *in, int count, float scale, float *out)
+ToFloat(const Fixed *in, int count, float scale, float offset, float *out)
 {
-  integers_to_float(in, count, scale, out);
-}
-
-void
-ToFloat16(const std::uint16_t *in, int count, float scale, float *out)
-{
-  integers_to_float(in, count, scale, out);
+  cover<float>(count, [&](auto d, int x) HWY_ATTR {
+    const hn::RebindToSigned<decltype(d)> integers;
+    const auto v = hn::LoadU(hn::Rebind<Fixed, decltype(d)>(), in + x);
+    const auto scaled = hn::Mul(hn::ConvertTo(d, hn::PromoteTo(integers, v)), hn::Set(d, scale));
+    hn::StoreU(hn::Add(scaled, hn::Set(d, offset)), d, out + x);
+  });
 }
 
 } // namespace saliency::kernels::HWY_NAMESPACE
@@ -338,14 +365,16 @@ namespace saliency::kernels {
 HWY_EXPORT(Unpack8);
 HWY_EXPORT(Unpack16);
 HWY_EXPORT(UnpackTriples);
+HWY_EXPORT(Widen);
 HWY_EXPORT(HalveColumns8);
 HWY_EXPORT(HalveColumns16);
 HWY_EXPORT(HalveColumnsFloat);
+HWY_EXPORT(HalveRowsOfSums);
 HWY_EXPORT(HalveRows16);
-HWY_EXPORT(HalveRows32);
 HWY_EXPORT(HalveRowsFloat);
-HWY_EXPORT(ToFloat8);
-HWY_EXPORT(ToFloat16);
+HWY_EXPORT(DoubleColumns);
+HWY_EXPORT(Average);
+HWY_EXPORT(ToFloat);
 
 void
 unpack(const std::uint8_t *in, int stride, int count, std::uint8_t *out)
@@ -354,26 +383,32 @@ unpack(const std::uint8_t *in, int stride, int count, std::uint8_t *out)
 }
 
 void
-unpack(const std::uint8_t *in, int stride, int left, unsigned mask, int count, std::uint16_t *out)
+unpack(const std::uint8_t *in, int stride, int left, unsigned mask, int count, Fixed *out)
 {
   HWY_DYNAMIC_DISPATCH(Unpack16)(in, stride, left, mask, count, out);
 }
 
 void
 unpack_triples(const std::uint8_t *in, int stride, int count,
-               const std::array<std::uint8_t *, 3> &out)
+               const std::array<std::uint8_t *, 3> &out, const std::uint8_t *ahead)
 {
-  HWY_DYNAMIC_DISPATCH(UnpackTriples)(in, stride, count, out);
+  HWY_DYNAMIC_DISPATCH(UnpackTriples)(in, stride, count, out, ahead);
 }
 
 void
-halve_columns(const std::uint8_t *row, int width, std::uint16_t *halved)
+widen(const std::uint8_t *in, int count, Fixed *out)
 {
-  HWY_DYNAMIC_DISPATCH(HalveColumns8)(row, width, halved);
+  HWY_DYNAMIC_DISPATCH(Widen)(in, count, out);
 }
 
 void
-halve_columns(const std::uint16_t *row, int width, std::uint32_t *halved)
+halve_columns(const std::uint8_t *row, int width, std::uint16_t *halved, const std::uint8_t *ahead)
+{
+  HWY_DYNAMIC_DISPATCH(HalveColumns8)(row, width, halved, ahead);
+}
+
+void
+halve_columns(const Fixed *row, int width, Fixed *halved)
 {
   HWY_DYNAMIC_DISPATCH(HalveColumns16)(row, width, halved);
 }
@@ -385,15 +420,15 @@ halve_columns(const float *row, int width, float *halved)
 }
 
 void
-halve_rows(const std::array<const std::uint16_t *, 5> &rows, int count, std::uint16_t *halved)
+halve_rows_of_sums(const std::array<const std::uint16_t *, 5> &rows, int count, Fixed *halved)
 {
-  HWY_DYNAMIC_DISPATCH(HalveRows16)(rows, count, halved);
+  HWY_DYNAMIC_DISPATCH(HalveRowsOfSums)(rows, count, halved);
 }
 
 void
-halve_rows(const std::array<const std::uint32_t *, 5> &rows, int count, std::uint16_t *halved)
+halve_rows(const std::array<const Fixed *, 5> &rows, int count, Fixed *halved)
 {
-  HWY_DYNAMIC_DISPATCH(HalveRows32)(rows, count, halved);
+  HWY_DYNAMIC_DISPATCH(HalveRows16)(rows, count, halved);
 }
 
 void
@@ -403,15 +438,21 @@ halve_rows(const std::array<const float *, 5> &rows, int count, float *halved)
 }
 
 void
-to_float(const std::uint8_t *in, int count, float scale, float *out)
+double_columns(const Fixed *in, int width, Fixed *out)
 {
-  HWY_DYNAMIC_DISPATCH(ToFloat8)(in, count, scale, out);
+  HWY_DYNAMIC_DISPATCH(DoubleColumns)(in, width, out);
 }
 
 void
-to_float(const std::uint16_t *in, int count, float scale, float *out)
+average(const Fixed *a, const Fixed *b, int count, Fixed *out)
 {
-  HWY_DYNAMIC_DISPATCH(ToFloat16)(in, count, scale, out);
+  HWY_DYNAMIC_DISPATCH(Average)(a, b, count, out);
+}
+
+void
+to_float(const Fixed *in, int count, float scale, float offset, float *out)
+{
+  HWY_DYNAMIC_DISPATCH(ToFloat)(in, count, scale, offset, out);
 }
 
 } // namespace saliency::kernels

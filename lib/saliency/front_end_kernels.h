@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include "saliency/image_rows.h"
+
 #include <array>
 #include <cstdint>
 
@@ -12,28 +14,38 @@ namespace saliency::kernels {
 /// Every `stride`-th byte.
 void unpack(const std::uint8_t *in, int stride, int count, std::uint8_t *out);
 
-/// 16-bit little-endian words `stride` bytes apart: (word << left) & mask.
-void unpack(const std::uint8_t *in, int stride, int left, unsigned mask, int count,
-            std::uint16_t *out);
+/// 16-bit little-endian words `stride` bytes apart: half of (word << left) & mask.
+void unpack(const std::uint8_t *in, int stride, int left, unsigned mask, int count, Fixed *out);
 
-/// Three bytes of every `stride`, 3 or more, to three rows.
+/// Three bytes of every `stride`, 3 or more, to three rows. `ahead`: where to find as many bytes as are
+/// written to each, which will be needed next; they are asked for meanwhile, and need not be there.
 void unpack_triples(const std::uint8_t *in, int stride, int count,
-                    const std::array<std::uint8_t *, 3> &out);
+                    const std::array<std::uint8_t *, 3> &out, const std::uint8_t *ahead);
 
-/// Every other sample of [1 4 6 4 1] along a row of `width` samples, mirrored at its ends without
-/// repeating them: 16 times their mean for integers, the mean for float.
-void halve_columns(const std::uint8_t *row, int width, std::uint16_t *halved);
-void halve_columns(const std::uint16_t *row, int width, std::uint32_t *halved);
+/// Bytes times 128.
+void widen(const std::uint8_t *in, int count, Fixed *out);
+
+/// Every other sample of [1 4 6 4 1]/16 along a row of `width` samples, mirrored at its ends without
+/// repeating them: of bytes 16 times that, of Fixed rounded down. `ahead`: as above, `width` bytes.
+void halve_columns(const std::uint8_t *row, int width, std::uint16_t *halved,
+                   const std::uint8_t *ahead);
+void halve_columns(const Fixed *row, int width, Fixed *halved);
 void halve_columns(const float *row, int width, float *halved);
 
-/// [1 4 6 4 1] over five rows: of 16-bit numbers as it is, which has to fit; of 32-bit numbers a 256th
-/// of it, rounded half up; the mean for float.
-void halve_rows(const std::array<const std::uint16_t *, 5> &rows, int count, std::uint16_t *halved);
-void halve_rows(const std::array<const std::uint32_t *, 5> &rows, int count, std::uint16_t *halved);
+/// [1 4 6 4 1]/16 over five rows: of halved bytes, rounded half up to code values times 128; of Fixed
+/// by means of two, each rounded half up.
+void halve_rows_of_sums(const std::array<const std::uint16_t *, 5> &rows, int count, Fixed *halved);
+void halve_rows(const std::array<const Fixed *, 5> &rows, int count, Fixed *halved);
 void halve_rows(const std::array<const float *, 5> &rows, int count, float *halved);
 
-/// Integers times a scale.
-void to_float(const std::uint8_t *in, int count, float scale, float *out);
-void to_float(const std::uint16_t *in, int count, float scale, float *out);
+/// `width` samples, at every other place those of `in` and between them their means, rounded half up;
+/// the last is repeated where it is followed by one more.
+void double_columns(const Fixed *in, int width, Fixed *out);
+
+/// The means of two rows, rounded half up.
+void average(const Fixed *a, const Fixed *b, int count, Fixed *out);
+
+/// scale · sample + offset
+void to_float(const Fixed *in, int count, float scale, float offset, float *out);
 
 } // namespace saliency::kernels

@@ -9,9 +9,14 @@
 #include <algorithm>
 #include <array>
 #include <cstddef>
+#include <cstdint>
 #include <new>
 
 namespace saliency {
+
+/// A number of 15 bits in fixed point, so that means and weighted sums of two are one instruction each.
+/// Code values have 15 - depth bits after the point.
+using Fixed = std::uint16_t;
 
 /// Rows of samples with room after their ends, which kernels of any vector width may use. A row has
 /// one run of samples for each channel.

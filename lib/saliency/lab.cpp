@@ -1,7 +1,11 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "saliency/lab.h"
 
+#include "saliency/lab_image.h"
+
+#include <algorithm>
 #include <bit>
+#include <cmath>
 #include <cstdint>
 #include <stdexcept>
 
@@ -29,10 +33,13 @@ struct RelativeXyzRow
   float b;
 };
 
+/// Of light, of which white is 32767².
+constexpr float kLightUnit = static_cast<float>(1.0 / (32767.0 * 32767.0));
+
 constexpr RelativeXyzRow
 relative_to_white(double r, double g, double b)
 {
-  const double white = r + g + b;
+  const double white = (r + g + b) * 32767.0 * 32767.0;
   return { static_cast<float>(r / white), static_cast<float>(g / white),
            static_cast<float>(b / white) };
 }
@@ -61,19 +68,51 @@ linear(V x, float constant, float slope)
   return linear(x, set(constant), set(slope));
 }
 
-/// sRGB signal, clipped to [0, 1] → light. The polynomial is the one of its degree whose error,
-/// weighted by the slope of CIE's f, is smallest from 0.04045 to 1, 4.5e-5, and 0 at 1.
-HWY_INLINE V
-light(V signal)
+using Signal = hn::CappedTag<std::int16_t, 32>;
+using Signals = hn::Vec<Signal>;
+
+/// Pixels that are worked on at a time, from signals to light and on to L*a*b*.
+constexpr int kPixels = 512;
+using Row = std::array<std::int16_t, kPixels + 32>;
+using FloatRow = std::array<float, kPixels + 32>;
+
+HWY_INLINE Signals
+signal(int value)
 {
-  const V s = hn::Min(hn::Max(signal, set(0)), set(1));
-  const V s2 = hn::Mul(s, s);
-  const V low = linear(s2, linear(s, 0.0009249206403405541F, 0.03254056627463364F),
-                       linear(s, 0.5209181854099569F, 0.6622923762303531F));
-  const V high = linear(s, -0.3005769280026831F, 0.08390087944739885F);
-  const V power = linear(hn::Mul(s2, s2), low, high);
-  return hn::IfThenElse(hn::Le(s, set(0.04045F)), hn::Mul(s, set(static_cast<float>(1 / 12.92))),
-                        power);
+  return hn::Set(Signal(), static_cast<std::int16_t>(value));
+}
+
+/// In units of 1/32767 a signal s is s/12.92 of light up to 0.04045 and u² beyond (sRGB's curve), where
+/// u = ((s + 0.055)/1.055)^1.2 is smooth enough for 16 bits; light of both is at least of this `root`.
+constexpr int kOne = 32767;
+constexpr int kLinearSignal = 1325; // 0.04045
+constexpr int kLeastRoot = 1580;    // between it and the smallest u, 1827
+
+/// Signal, 0…1, → u, or the signal itself up to kLinearSignal. The polynomial is the one of its degree
+/// that is 1 at 1 and whose error, weighted by the slope of lightness, is smallest: 0.01 of L*.
+HWY_INLINE Signals
+root_of_light(Signals s)
+{
+  const auto next = [s](Signals sum, int constant) HWY_ATTR {
+    return hn::SaturatedAdd(hn::MulFixedPoint15(sum, s), signal(constant));
+  };
+  Signals u = next(signal(-4979), 16420);
+  u = next(u, -22784);
+  u = next(u, 21501);
+  u = next(u, 21691);
+  u = next(u, 919);
+  return hn::IfThenElse(hn::Gt(s, signal(kLinearSignal)), u, s);
+}
+
+/// What root_of_light() made → light, in units of 1/32767².
+HWY_INLINE V
+light(const std::int16_t *root)
+{
+  const hn::Rebind<std::int16_t, Tag> narrow;
+  const hn::RebindToSigned<Tag> integers;
+  const V u = hn::ConvertTo(Tag(), hn::PromoteTo(integers, hn::LoadU(narrow, root)));
+  const V linear = set(static_cast<float>(kOne / 12.92));
+  return hn::Mul(u, hn::IfThenElse(hn::Lt(u, set(kLeastRoot)), linear, u));
 }
 
 /// t^(-1/3) to within 3.6 %: exponent and mantissa, as one integer, are nearly a logarithm; a third of
@@ -120,59 +159,153 @@ relative(const RelativeXyzRow &row, V r, V g, V b)
   return hn::Add(hn::Add(hn::Mul(set(row.r), r), hn::Mul(set(row.g), g)), hn::Mul(set(row.b), b));
 }
 
+/// Of L*, a* or b*, in units. Adding 2²³ leaves the integer in a float's lower bits.
+HWY_INLINE void
+store(V value, Fixed *out)
+{
+  const hn::Rebind<Fixed, Tag> narrow;
+  const hn::RebindToUnsigned<Tag> integers;
+  constexpr float kTop = 8388608;
+  const V moved = hn::Add(value, set(kTop + FixedLabImage::kOffset * FixedLabImage::kUnits));
+  hn::StoreU(hn::TruncateTo(narrow, hn::BitCast(integers, moved)), narrow, out);
+}
+
+constexpr float
+units(float value)
+{
+  return value * FixedLabImage::kUnits;
+}
+
 HWY_INLINE V
 lightness(V fy)
 {
-  return hn::Sub(hn::Mul(set(116), fy), set(16));
+  return hn::Sub(hn::Mul(set(units(116)), fy), set(units(16)));
 }
 
-HWY_INLINE void
-store_lab(V r, V g, V b, int x, const std::array<float *, 3> &lab)
+/// Twice a signal of 14 bits after the point, clipped to [0, 1].
+HWY_INLINE Signals
+clipped(Signals half)
 {
-  r = light(r);
-  g = light(g);
-  b = light(b);
-  const V fx = cie_f(relative(kX, r, g, b));
-  const V fy = cie_f(relative(kY, r, g, b));
-  const V fz = cie_f(relative(kZ, r, g, b));
-  hn::StoreU(lightness(fy), Tag(), lab[0] + x);
-  hn::StoreU(hn::Mul(set(500), hn::Sub(fx, fy)), Tag(), lab[1] + x);
-  hn::StoreU(hn::Mul(set(200), hn::Sub(fy, fz)), Tag(), lab[2] + x);
+  return hn::Max(hn::SaturatedAdd(half, half), hn::Zero(Signal()));
+}
+
+HWY_INLINE Signals
+samples(const Fixed *row)
+{
+  return hn::LoadU(Signal(), reinterpret_cast<const std::int16_t *>(row));
+}
+
+/// Roots of light of R', G', B' or, in the first row, grey.
+void
+find_roots(ColorModel model, const LabConverter::Coefficients &k,
+           const std::array<const Fixed *, 3> &components, int count, std::array<Row, 3> &roots)
+{
+  const int step = static_cast<int>(hn::Lanes(Signal()));
+  const auto store_root = [&roots](Signals s, std::size_t c, int x) HWY_ATTR {
+    hn::StoreU(root_of_light(s), Signal(), &roots[c][static_cast<std::size_t>(x)]);
+  };
+  for (int x = 0; x < count; x += step) {
+    const Signals first = samples(components[0] + x);
+    if (model == ColorModel::rgb) {
+      const auto rgb = [&k](Signals v) HWY_ATTR {
+        return hn::SaturatedAdd(v, hn::MulFixedPoint15(v, signal(k.luma_scale)));
+      };
+      store_root(rgb(first), 0, x);
+      store_root(rgb(samples(components[1] + x)), 1, x);
+      store_root(rgb(samples(components[2] + x)), 2, x);
+      continue;
+    }
+    const Signals y
+        = hn::MulFixedPoint15(hn::Sub(first, signal(k.luma_zero)), signal(k.luma_scale));
+    if (model == ColorModel::grey) {
+      store_root(clipped(y), 0, x);
+      continue;
+    }
+    const auto chroma = [x](const Fixed *row) HWY_ATTR {
+      const Signals v = hn::Sub(samples(row + x), signal(LabConverter::kNoChroma));
+      return hn::Add(v, v);
+    };
+    const auto add = [](Signals sum, Signals v, std::int16_t weight) HWY_ATTR {
+      return hn::SaturatedAdd(sum, hn::MulFixedPoint15(v, signal(weight)));
+    };
+    const Signals cb = chroma(components[1]);
+    const Signals cr = chroma(components[2]);
+    store_root(clipped(add(y, cr, k.r_cr)), 0, x);
+    store_root(clipped(add(add(y, cb, k.g_cb), cr, k.g_cr)), 1, x);
+    store_root(clipped(add(y, cb, k.b_cb)), 2, x);
+  }
+}
+
+/// f of X, Y, Z relative to white's, from roots. Each pass over the pixels is of few steps that wait for
+/// each other, so that a processor can work on many of them at once.
+void
+find_f(const std::array<Row, 3> &roots, int count, std::array<FloatRow, 3> &f)
+{
+  const int step = static_cast<int>(hn::Lanes(Tag()));
+  for (int x = 0; x < count; x += step) {
+    const auto i = static_cast<std::size_t>(x);
+    const V r = light(&roots[0][i]);
+    const V g = light(&roots[1][i]);
+    const V b = light(&roots[2][i]);
+    hn::StoreU(relative(kX, r, g, b), Tag(), &f[0][i]);
+    hn::StoreU(relative(kY, r, g, b), Tag(), &f[1][i]);
+    hn::StoreU(relative(kZ, r, g, b), Tag(), &f[2][i]);
+  }
+  for (FloatRow &row : f)
+    for (int x = 0; x < count; x += step) {
+      float *t = &row[static_cast<std::size_t>(x)];
+      hn::StoreU(cie_f(hn::LoadU(Tag(), t)), Tag(), t);
+    }
+}
+
+void
+store_lab(const std::array<FloatRow, 3> &f, int count, const std::array<Fixed *, 3> &lab)
+{
+  const int step = static_cast<int>(hn::Lanes(Tag()));
+  for (int x = 0; x < count; x += step) {
+    const auto i = static_cast<std::size_t>(x);
+    const V fx = hn::LoadU(Tag(), &f[0][i]);
+    const V fy = hn::LoadU(Tag(), &f[1][i]);
+    const V fz = hn::LoadU(Tag(), &f[2][i]);
+    store(lightness(fy), lab[0] + x);
+    store(hn::Mul(set(units(500)), hn::Sub(fx, fy)), lab[1] + x);
+    store(hn::Mul(set(units(200)), hn::Sub(fy, fz)), lab[2] + x);
+  }
+}
+
+void
+store_grey(const Row &roots, int count, const std::array<Fixed *, 3> &lab)
+{
+  const int step = static_cast<int>(hn::Lanes(Tag()));
+  for (int x = 0; x < count; x += step) {
+    const V y = hn::Mul(light(&roots[static_cast<std::size_t>(x)]), set(kLightUnit));
+    store(lightness(cie_f(y)), lab[0] + x);
+    store(set(0), lab[1] + x);
+    store(set(0), lab[2] + x);
+  }
 }
 
 void
 Convert(ColorModel model, const LabConverter::Coefficients &k,
-        const std::array<const float *, 3> &components, int count,
-        const std::array<float *, 3> &lab)
+        const std::array<const Fixed *, 3> &components, int count,
+        const std::array<Fixed *, 3> &lab)
 {
-  const int step = static_cast<int>(hn::Lanes(Tag()));
-  const auto load = [&](std::size_t c, int x, float zero, float scale) HWY_ATTR {
-    return hn::Mul(hn::Sub(hn::LoadU(Tag(), components[c] + x), set(zero)), set(scale));
-  };
-  switch (model) {
-  case ColorModel::grey:
-    for (int x = 0; x < count; x += step) {
-      const V y = load(0, x, k.luma_zero, k.luma_scale);
-      hn::StoreU(lightness(cie_f(light(y))), Tag(), lab[0] + x);
-      hn::StoreU(set(0), Tag(), lab[1] + x);
-      hn::StoreU(set(0), Tag(), lab[2] + x);
+  std::array<Row, 3> roots;
+  std::array<FloatRow, 3> f;
+  for (int x = 0; x < count; x += kPixels) {
+    const auto at = [x](auto *row) {
+      return row == nullptr ? row : row + x;
+    };
+    const int pixels = std::min(kPixels, count - x);
+    const std::array<Fixed *, 3> out{ at(lab[0]), at(lab[1]), at(lab[2]) };
+    find_roots(model, k, { at(components[0]), at(components[1]), at(components[2]) }, pixels,
+               roots);
+    if (model == ColorModel::grey) {
+      store_grey(roots[0], pixels, out);
+    } else {
+      find_f(roots, pixels, f);
+      store_lab(f, pixels, out);
     }
-    break;
-  case ColorModel::rgb:
-    for (int x = 0; x < count; x += step)
-      store_lab(load(0, x, 0, k.luma_scale), load(1, x, 0, k.luma_scale),
-                load(2, x, 0, k.luma_scale), x, lab);
-    break;
-  case ColorModel::yuv:
-    for (int x = 0; x < count; x += step) {
-      const V y = load(0, x, k.luma_zero, k.luma_scale);
-      const V cb = load(1, x, k.chroma_zero, k.chroma_scale);
-      const V cr = load(2, x, k.chroma_zero, k.chroma_scale);
-      store_lab(hn::Add(y, hn::Mul(set(k.r_cr), cr)),
-                hn::Add(hn::Add(y, hn::Mul(set(k.g_cb), cb)), hn::Mul(set(k.g_cr), cr)),
-                hn::Add(y, hn::Mul(set(k.b_cb), cb)), x, lab);
-    }
-    break;
   }
 }
 
@@ -201,20 +334,26 @@ checked(const SampleCoding &coding)
 LabConverter::Coefficients
 coefficients(const SampleCoding &coding)
 {
-  const double unit = 1 << (coding.depth - 8);
-  const double all = (1 << coding.depth) - 1;
-  const bool all_codes = coding.full_range || coding.model == ColorModel::rgb;
+  constexpr double kOne = 32767;
+  const auto fraction = [](double value) {
+    return static_cast<std::int16_t>(std::lround(value * 32768));
+  };
+  const double all = std::ldexp((1 << coding.depth) - 1, 15 - coding.depth);
+  if (coding.model == ColorModel::rgb)
+    return { .luma_scale = fraction(kOne / all - 1) };
+
+  constexpr double kHalf = 16384; // what a signal of 1 is before it is clipped
+  constexpr double code = 128;    // of 8 bits
   const double kr = coding.matrix.kr;
   const double kb = coding.matrix.kb;
   const double kg = 1 - kr - kb;
-  return { .luma_zero = static_cast<float>(all_codes ? 0 : 16 * unit),
-           .luma_scale = static_cast<float>(1 / (all_codes ? all : 219 * unit)),
-           .chroma_zero = static_cast<float>(128 * unit),
-           .chroma_scale = static_cast<float>(1 / (all_codes ? all : 224 * unit)),
-           .r_cr = static_cast<float>(2 * (1 - kr)),
-           .g_cb = static_cast<float>(-2 * (1 - kb) * kb / kg),
-           .g_cr = static_cast<float>(-2 * (1 - kr) * kr / kg),
-           .b_cb = static_cast<float>(2 * (1 - kb)) };
+  const double chroma = kHalf / (coding.full_range ? all : 224 * code) / 2;
+  return { .luma_zero = static_cast<std::int16_t>(coding.full_range ? 0 : 16 * code),
+           .luma_scale = fraction(kHalf / (coding.full_range ? all : 219 * code)),
+           .r_cr = fraction(chroma * 2 * (1 - kr)),
+           .g_cb = fraction(chroma * -2 * (1 - kb) * kb / kg),
+           .g_cr = fraction(chroma * -2 * (1 - kr) * kr / kg),
+           .b_cb = fraction(chroma * 2 * (1 - kb)) };
 }
 
 } // namespace
@@ -225,8 +364,8 @@ LabConverter::LabConverter(const SampleCoding &coding)
 }
 
 void
-LabConverter::convert(const std::array<const float *, 3> &components, int count,
-                      const std::array<float *, 3> &lab) const
+LabConverter::convert(const std::array<const Fixed *, 3> &components, int count,
+                      const std::array<Fixed *, 3> &lab) const
 {
   HWY_DYNAMIC_DISPATCH(Convert)(model_, coefficients_, components, count, lab);
 }

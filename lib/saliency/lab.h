@@ -2,8 +2,10 @@
 #pragma once
 
 #include "saliency/frame_view.h"
+#include "saliency/image_rows.h"
 
 #include <array>
+#include <cstdint>
 
 namespace saliency {
 
@@ -21,32 +23,34 @@ struct SampleCoding
 ///
 /// Samples become R'G'B' as in ITU-R BT.601/709/2020 (codes 16–235/240 × 2^(depth-8), or all of
 /// them) and are clipped to [0, 1]; R'G'B' becomes light by the sRGB curve (IEC 61966-2-1), light
-/// becomes XYZ by BT.709's primaries. The curves' powers are polynomials: ΔE to the exact value
-/// stays below 0.025, and white is 100, 0, 0. The result is the same on every processor.
+/// becomes XYZ by BT.709's primaries. Signals have 15 bits, the curves' powers are polynomials: ΔE to
+/// the exact value stays below 0.06, a tenth of what a code of 8 bits makes, and white is 100, 0, 0. The
+/// result is the same on every processor.
 class LabConverter
 {
 public:
   /// Throws std::invalid_argument if the coding is impossible.
   explicit LabConverter(const SampleCoding &coding = {});
 
-  /// `components`: rows of Y', Cb, Cr or R', G', B' or grey alone, in code values (fractions are
-  /// welcome: means of samples). `lab`: rows of L*, a*, b*. Reads and writes up to 16 samples beyond
-  /// `count`, as a RowBuffer allows.
-  void convert(const std::array<const float *, 3> &components, int count,
-               const std::array<float *, 3> &lab) const;
+  /// `components`: rows of Y', Cb, Cr or R', G', B' or grey alone, in code values times 2^(15 - depth).
+  /// `lab`: rows of L*, a*, b* as in a FixedLabImage. Reads and writes up to 32 samples
+  /// beyond `count`, as a RowBuffer allows.
+  void convert(const std::array<const Fixed *, 3> &components, int count,
+               const std::array<Fixed *, 3> &lab) const;
 
-  /// Code values → signal: (code - zero) · scale, 0…1 for R', G', B', Y' and -½…½ for Cb, Cr; and
-  /// Y'CbCr → R'G'B'.
+  static constexpr int kNoChroma = 128 * 128; ///< sample
+
+  /// Weights in units of 2⁻¹⁵. Y'CbCr and grey: luma less luma_zero times luma_scale is a signal in
+  /// units of 2⁻¹⁴, to which twice the chroma samples less kNoChroma are added, weighed. R'G'B': what is
+  /// added to a sample for a signal in units of 1/32767, times the sample.
   struct Coefficients
   {
-    float luma_zero;
-    float luma_scale;
-    float chroma_zero;
-    float chroma_scale;
-    float r_cr;
-    float g_cb;
-    float g_cr;
-    float b_cb;
+    std::int16_t luma_zero = 0;
+    std::int16_t luma_scale;
+    std::int16_t r_cr = 0;
+    std::int16_t g_cb = 0;
+    std::int16_t g_cr = 0;
+    std::int16_t b_cb = 0;
   };
 
 private:

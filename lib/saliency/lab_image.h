@@ -20,12 +20,25 @@ struct LabImage
   {
     return planes[0].size();
   }
-  /// The planes' contents are lost unless they have that size.
-  void create(cv::Size size)
+};
+
+/// The same as Fixed: planes of (value + kOffset) · kUnits, CV_16UC1 of one size.
+struct FixedLabImage
+{
+  static constexpr float kUnits = 128;
+  static constexpr float kOffset = 128;
+
+  std::array<cv::Mat, 3> planes;
+
+  cv::Size size() const
   {
-    for (auto &plane : planes)
-      plane.create(size, CV_32FC1);
+    return planes[0].size();
   }
 };
+
+/// A plane of a FixedLabImage in true units. Allocates only when the size changes.
+void to_float(const cv::Mat &fixed, cv::Mat &plane);
+
+LabImage to_float(const FixedLabImage &image);
 
 } // namespace saliency

@@ -10,6 +10,7 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <utility>
 
 namespace saliency {
 
@@ -48,23 +49,27 @@ coarsest_level(cv::Size size)
   return level;
 }
 
+template <typename Sample>
 void
-Reduction::operator()(const cv::Mat &source, cv::Mat &reduced)
+ReductionOf<Sample>::operator()(const cv::Mat &source, cv::Mat &reduced)
 {
-  CV_Assert(source.type() == CV_32FC1 && source.data != reduced.data);
-  reduced.create(level_size(source.size(), 1), CV_32FC1);
+  CV_Assert(source.type() == cv::DataType<Sample>::type && source.data != reduced.data);
+  reduced.create(level_size(source.size(), 1), source.type());
   if (source.size() != size_) {
     halved_.emplace(source.rows, reduced.cols, 1);
     size_ = source.size();
   }
   halved_->begin();
   for (int y = 0; y < reduced.rows; ++y) {
-    halved_->advance(y, [&source](int source_y, float *row) {
-      kernels::halve_columns(source.ptr<float>(source_y), source.cols, row);
+    halved_->advance(y, [&source](int source_y, Sample *row) {
+      kernels::halve_columns(source.ptr<Sample>(source_y), source.cols, row);
     });
-    kernels::halve_rows(halved_->channel(0), reduced.cols, reduced.ptr<float>(y));
+    kernels::halve_rows(halved_->channel(0), reduced.cols, reduced.ptr<Sample>(y));
   }
 }
+
+template class ReductionOf<float>;
+template class ReductionOf<Fixed>;
 
 void
 upsample(const cv::Mat &source, int octaves_x, int octaves_y, cv::Size size, cv::Mat &upsampled)
@@ -88,15 +93,42 @@ upsample(const cv::Mat &source, int octaves_x, int octaves_y, cv::Size size, cv:
 }
 
 void
-Pyramid::build(const LabImage &image, int base, int coarsest)
+Pyramid::resize(int base, int coarsest)
 {
   base_ = base;
   levels_.resize(static_cast<std::size_t>(coarsest - base) + 1);
   reductions_.resize(levels_.size());
+  fixed_.resize(levels_.size());
+  fixed_reductions_.resize(levels_.size());
+}
+
+void
+Pyramid::build(const LabImage &image, int base, int coarsest)
+{
+  resize(base, coarsest);
   levels_[0] = image;
+  borrowed_ = true;
   for (std::size_t i = 1; i < levels_.size(); ++i)
     for (std::size_t c = 0; c < 3; ++c)
       reductions_[i](levels_[i - 1].planes[c], levels_[i].planes[c]);
+}
+
+void
+Pyramid::build(const FixedLabImage &image, int base, int coarsest, int chroma)
+{
+  resize(base, coarsest);
+  fixed_[0] = image;
+  if (std::exchange(borrowed_, false))
+    levels_[0] = {};
+  for (std::size_t i = 0; i < levels_.size(); ++i)
+    for (std::size_t c = 0; c < 3; ++c) {
+      if (i > 0)
+        fixed_reductions_[i](fixed_[i - 1].planes[c], fixed_[i].planes[c]);
+      if (c == 0 || base + static_cast<int>(i) >= chroma)
+        to_float(fixed_[i].planes[c], levels_[i].planes[c]);
+      else
+        levels_[i].planes[c].release();
+    }
 }
 
 const LabImage &

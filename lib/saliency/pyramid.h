@@ -22,16 +22,18 @@ int coarsest_level(cv::Size size);
 
 /// One level down: the 5-tap Gaussian [1 4 6 4 1]/16 along both axes, mirrored at the borders
 /// without repeating the border sample, even samples kept (Burt & Adelson 1983, REDUCE;
-/// cv::pyrDown). CV_32FC1. Allocates only when the size changes.
-class Reduction
+/// cv::pyrDown). Of float, CV_32FC1, or of Fixed, CV_16UC1, then to within a unit. Allocates only when
+/// the size changes.
+template <typename Sample> class ReductionOf
 {
 public:
   void operator()(const cv::Mat &source, cv::Mat &reduced);
 
 private:
-  cv::Size size_;                         ///< of the source
-  std::optional<FiveRows<float>> halved_; ///< from side to side
+  cv::Size size_;                          ///< of the source
+  std::optional<FiveRows<Sample>> halved_; ///< from side to side
 };
+using Reduction = ReductionOf<float>;
 
 /// Where a row of a level lies among those of a level coarser by `octaves`, of `rows` rows: a share
 /// `weight` of the way from one to the next, the last repeated beyond it.
@@ -57,13 +59,22 @@ public:
   /// copied.
   void build(const LabImage &image, int base, int coarsest);
 
+  /// The same in fixed point, except that the levels are float; those finer than `chroma` have no a*
+  /// and b*.
+  void build(const FixedLabImage &image, int base, int coarsest, int chroma);
+
   /// A level between base and coarsest.
   const LabImage &level(int n) const;
 
 private:
+  void resize(int base, int coarsest);
+
   int base_ = 0;
   std::vector<LabImage> levels_;
+  bool borrowed_ = false; ///< the base is an image of others
+  std::vector<FixedLabImage> fixed_;
   std::vector<Reduction> reductions_; ///< to each level
+  std::vector<ReductionOf<Fixed>> fixed_reductions_;
 };
 
 } // namespace saliency

@@ -37,6 +37,7 @@ frame_levels(const Profile &profile, cv::Size frame)
   levels.saliency = limited(profile.saliency_level);
   levels.finest = last;
   levels.coarsest = levels.saliency;
+  levels.finest_chroma = last;
   for (const auto &pair : profile.levels) {
     const LevelPair own{ limited(pair.center), limited(pair.surround) };
     const LevelPair chroma{ limited(pair.center + chroma_octaves),
@@ -45,9 +46,12 @@ frame_levels(const Profile &profile, cv::Size frame)
     levels.chroma.push_back(chroma);
     levels.finest = std::min(levels.finest, own.center);
     levels.coarsest = std::max(levels.coarsest, chroma.surround);
+    levels.finest_chroma = std::min(levels.finest_chroma, chroma.center);
   }
   if (profile.cut_share < 1 || profile.camera_motion)
     levels.finest = std::min(levels.finest, levels.saliency);
+  if (profile.cut_share < 1)
+    levels.finest_chroma = std::min(levels.finest_chroma, levels.saliency);
   return levels;
 }
 

@@ -23,6 +23,7 @@ struct FrameLevels
   int saliency = 0;              ///< of the spatial saliency map
   int finest = 0;                ///< finest and coarsest level among the pairs
   int coarsest = 0;
+  int finest_chroma = 0; ///< level at which a* and b* are looked at
 };
 
 /// With a reference width, level 2 is the level whose larger side is nearest to it in octaves, as far as

@@ -184,7 +184,7 @@ public:
     const auto mapping = tactile::MappingSettings::tuned();
     for (auto &way : ways_) {
       const auto &own = way->front_end.lab(frame, oracle_.level());
-      const double delta_e = mean_delta_e(own, lab);
+      const double delta_e = mean_delta_e(saliency::to_float(own), lab);
       const auto &found = way->stages.analyze(own, time, duration);
       way->spatial.add({ way->stages.spatial(), found.picture, kSpatialMapping }, spatial,
                        kNearlyFlat, delta_e);
@@ -255,7 +255,7 @@ photograph_agreement(const std::filesystem::path &directory, int threads, bool q
       const auto &found = stages.analyze(own, {}, kFrame, false);
       tallies[kind].add({ found.map, found.picture, mapping },
                         { truth.map, truth.picture, mapping }, mapping.floor,
-                        mean_delta_e(own, lab));
+                        mean_delta_e(saliency::to_float(own), lab));
     }
   }
   std::vector<Agreement> rows;

@@ -36,7 +36,7 @@ public:
     if (weighted_) {
       const int level
           = saliency::frame_levels(saliency::Profile::tuned_spatial(), frame.size()).finest;
-      rarity_(front_end_.lab(frame.view(), level), weight_);
+      rarity_(saliency::to_float(front_end_.lab(frame.view(), level)), weight_);
       // Sample i of the weight lies on pixel 2ⁿ i, the map's fill the frame.
       const double step = 1 << level;
       const double x = frame.size().width / step / map_.cols;

@@ -68,12 +68,27 @@ const saliency::Saliency &
 Stages::analyze(const saliency::LabImage &lab, saliency::Time time, saliency::Time duration,
                 bool temporal, const Done &done)
 {
+  pyramid_.build(lab, levels_.finest, levels_.coarsest);
+  return analyze_pyramid(time, duration, temporal, done);
+}
+
+const saliency::Saliency &
+Stages::analyze(const saliency::FixedLabImage &lab, saliency::Time time, saliency::Time duration,
+                bool temporal, const Done &done)
+{
+  pyramid_.build(lab, levels_.finest, levels_.coarsest, levels_.finest_chroma);
+  return analyze_pyramid(time, duration, temporal, done);
+}
+
+const saliency::Saliency &
+Stages::analyze_pyramid(saliency::Time time, saliency::Time duration, bool temporal,
+                        const Done &done)
+{
   const auto finish = [&](Stage stage) {
     if (done)
       done(stage);
   };
   double elapsed = first_ ? 0 : in_frames(time - last_);
-  pyramid_.build(lab, levels_.finest, levels_.coarsest);
   finish(Stage::pyramid);
   saliency::Similarity pose = camera_pose(elapsed);
   finish(Stage::camera);

@@ -52,8 +52,11 @@ public:
     return levels_;
   }
 
-  /// `lab`: at level(). `done` is called after each stage.
+  /// `lab`: at level(), from anywhere or a front end's. `done` is called after each stage.
   const saliency::Saliency &analyze(const saliency::LabImage &lab, saliency::Time time,
+                                    saliency::Time duration, bool temporal = true,
+                                    const Done &done = {});
+  const saliency::Saliency &analyze(const saliency::FixedLabImage &lab, saliency::Time time,
                                     saliency::Time duration, bool temporal = true,
                                     const Done &done = {});
 
@@ -64,6 +67,8 @@ public:
   }
 
 private:
+  const saliency::Saliency &analyze_pyramid(saliency::Time time, saliency::Time duration,
+                                            bool temporal, const Done &done);
   saliency::Similarity camera_pose(double elapsed);
 
   saliency::Profile profile_;

@@ -15,31 +15,32 @@ using saliency::SampleCoding;
 
 namespace {
 
-constexpr double kBound = 0.025;  // ΔE, as documented
-constexpr std::size_t kRoom = 16; // samples beyond a row's end that may be used
+constexpr double kBound = 0.06;   // ΔE, as documented
+constexpr std::size_t kRoom = 32; // samples beyond a row's end that may be used
 
 /// Converts pixels given by their code values, in rows of which a sanitizer sees the end.
-saliency::LabImage
+saliency::FixedLabImage
 convert(const SampleCoding &coding, const std::vector<std::array<double, 3>> &codes)
 {
   const std::size_t count = codes.size();
-  std::array<std::vector<float>, 3> components;
-  std::array<std::vector<float>, 3> lab;
+  std::array<std::vector<saliency::Fixed>, 3> components;
+  std::array<std::vector<saliency::Fixed>, 3> lab;
   for (std::size_t c = 0; c < 3; ++c) {
     components[c].resize(count + kRoom);
     lab[c].resize(count + kRoom);
     for (std::size_t x = 0; x < count; ++x)
-      components[c][x] = static_cast<float>(codes[x][c]);
+      components[c][x] = static_cast<saliency::Fixed>(std::ldexp(codes[x][c], 15 - coding.depth));
   }
   const bool grey = coding.model == ColorModel::grey;
   LabConverter(coding).convert({ components[0].data(), grey ? nullptr : components[1].data(),
                                  grey ? nullptr : components[2].data() },
                                static_cast<int>(count),
                                { lab[0].data(), lab[1].data(), lab[2].data() });
-  saliency::LabImage image;
-  image.create({ static_cast<int>(count), 1 });
-  for (std::size_t c = 0; c < 3; ++c)
-    std::copy_n(lab[c].data(), count, image.planes[c].ptr<float>());
+  saliency::FixedLabImage image;
+  for (std::size_t c = 0; c < 3; ++c) {
+    image.planes[c].create(1, static_cast<int>(count), CV_16UC1);
+    std::copy_n(lab[c].data(), count, image.planes[c].ptr<saliency::Fixed>());
+  }
   return image;
 }
 
@@ -74,7 +75,7 @@ random_codes(int depth, unsigned seed)
 cv::Vec3f
 lab_of(const SampleCoding &coding, std::array<double, 3> code)
 {
-  const auto lab = convert(coding, { code }).planes;
+  const auto lab = saliency::to_float(convert(coding, { code })).planes;
   return { lab[0].at<float>(0), lab[1].at<float>(0), lab[2].at<float>(0) };
 }
 
@@ -183,10 +184,10 @@ GST_START_TEST(test_targets)
       const auto lab = convert({ .model = model }, codes);
       hwy::GetChosenTarget().Update(targets);
       for (std::size_t c = 0; c < 3; ++c)
-        fail_unless(
-            std::memcmp(lab.planes[c].data, expected.planes[c].data, codes.size() * sizeof(float))
-                == 0,
-            "%s differs", hwy::TargetName(target));
+        fail_unless(std::memcmp(lab.planes[c].data, expected.planes[c].data,
+                                codes.size() * sizeof(saliency::Fixed))
+                        == 0,
+                    "%s differs", hwy::TargetName(target));
     }
   }
 }

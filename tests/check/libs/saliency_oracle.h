@@ -116,6 +116,12 @@ difference(const saliency::LabImage &found, const LabImage &image)
   return largest;
 }
 
+inline double
+difference(const saliency::FixedLabImage &found, const LabImage &image)
+{
+  return difference(saliency::to_float(found), image);
+}
+
 // ---- colour
 // -----------------------------------------------------------------------------------------------------------
 

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "saliency/lab_image.h"
+
+#include "saliency/front_end_kernels.h"
+
+#include <opencv2/core.hpp>
+
+#include <cstddef>
+
+namespace saliency {
+
+void
+to_float(const cv::Mat &fixed, cv::Mat &plane)
+{
+  CV_Assert(fixed.type() == CV_16UC1);
+  plane.create(fixed.size(), CV_32FC1);
+  for (int y = 0; y < fixed.rows; ++y)
+    kernels::to_float(fixed.ptr<Fixed>(y), fixed.cols, 1 / FixedLabImage::kUnits,
+                      -FixedLabImage::kOffset, plane.ptr<float>(y));
+}
+
+LabImage
+to_float(const FixedLabImage &image)
+{
+  LabImage lab;
+  for (std::size_t c = 0; c < 3; ++c)
+    to_float(image.planes[c], lab.planes[c]);
+  return lab;
+}
+
+} // namespace saliency
