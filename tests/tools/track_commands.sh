@@ -55,6 +55,85 @@ carriers() {
   expect_same_commands side ts
 }
 
+# stream FILE PAD: what a pad of the demuxer gives; pictures decoded, for a parser packs them anew
+stream() {
+  local decode=identity
+  [ "$2" != video_0 ] || decode=decodebin
+  timeout 30 gst-launch-1.0 -q filesrc location="$1" ! matroskademux name=d d."$2" ! queue ! $decode ! filesink location=stream >stream.log 2>&1 || fail "$1 has no $2: $(cat stream.log)"
+  cat stream
+}
+
+# stream_names FILE: titles and languages, in the order of the streams
+stream_names() {
+  "$PYTHON" - "$1" <<'PYTHON'
+import os, sys
+import gi
+gi.require_version("Gst", "1.0")
+from gi.repository import Gst
+Gst.init(None)
+film = Gst.parse_launch("filesrc name=file ! matroskademux name=d")
+film.get_by_name("file").set_property("location", sys.argv[1])
+pads = []
+def linked(demuxer, pad):
+    sink = Gst.ElementFactory.make("fakesink")
+    sink.set_property("async", False)
+    film.add(sink)
+    sink.sync_state_with_parent()
+    pad.link(sink.get_static_pad("sink"))
+    pads.append(pad)
+film.get_by_name("d").connect("pad-added", linked)
+film.set_state(Gst.State.PLAYING)
+message = film.get_bus().timed_pop_filtered(20 * Gst.SECOND, Gst.MessageType.EOS | Gst.MessageType.ERROR)
+assert message is not None and message.type == Gst.MessageType.EOS
+for pad in pads:
+    found = {}
+    for index in range(8):
+        event = pad.get_sticky_event(Gst.EventType.TAG, index)
+        for name in ("title", "language-code") if event else ():
+            known, value = event.parse_tag().get_string(name)
+            found[name] = value if known else found.get(name)
+    print(pad.get_name(), found.get("title"), found.get("language-code"))
+film.set_state(Gst.State.NULL)
+PYTHON
+}
+
+# Of a film with two sounds and two subtitles nothing is lost, names and order stay, and --first is before its subtitles.
+whole_film() {
+  local pad sound="audio/x-raw,rate=44100,channels=1 ! vorbisenc"
+  printf '1\n00:00:00,500 --> 00:00:05,000\nWho is <i>there</i>?\n' >one.srt
+  printf '1\n00:00:01,000 --> 00:00:02,000\nA & B < C\n\n2\n00:00:04,000 --> 00:00:05,500\nYes.\n' >two.srt
+  timeout 30 gst-launch-1.0 -q matroskamux name=mux ! filesink location=rich.mkv \
+    filesrc location="$work/film.mkv" ! matroskademux ! h264parse ! queue ! mux.video_0 \
+    audiotestsrc num-buffers=240 samplesperbuffer=1102 ! $sound ! taginject tags="title=Original,language-code=en" ! queue ! mux.audio_0 \
+    audiotestsrc wave=saw num-buffers=240 samplesperbuffer=1102 ! $sound ! taginject tags="title=Dubbed,language-code=fr" ! queue ! mux.audio_1 \
+    filesrc location=one.srt ! subparse ! capssetter caps=text/x-raw,format=utf8 ! taginject tags="title=English,language-code=en" ! queue ! mux.subtitle_0 \
+    filesrc location=two.srt ! subparse ! capssetter caps=text/x-raw,format=utf8 ! taginject tags="title=Deutsch,language-code=de" ! queue ! mux.subtitle_1
+  stream_names rich.mkv >names
+  expect_line names '^audio_1 Dubbed fr$'
+  track author "$work/film.mkv" -o film.vtt -q
+  track mux rich.mkv film.vtt -o with.mkv
+  [ ! -s err ] || fail "$(cat err)"
+  for pad in video_0 audio_0 audio_1 subtitle_0 subtitle_1; do
+    stream rich.mkv "$pad" >before
+    stream with.mkv "$pad" >after
+    [ -s before ] || fail "$pad is empty"
+    cmp before after || fail "$pad is not what it was"
+  done
+  stream_names with.mkv >names_with
+  { cat names; echo "subtitle_2 Tactile zxx"; } | diff - names_with || fail "other names, or another order"
+  commands side "filesrc location=film.vtt ! subparse ! tactileconverter"
+  commands third "filesrc location=with.mkv ! matroskademux name=d d.subtitle_2 ! queue ! tactileconverter"
+  expect_same_commands side third
+  track mux rich.mkv film.vtt -o first.mkv --first
+  stream_names first.mkv >names_first
+  expect_line names_first '^subtitle_0 Tactile zxx$'
+  expect_line names_first '^subtitle_2 Deutsch de$'
+  # What a player takes that takes the first.
+  timeout 60 gst-launch-1.0 -q playbin uri="file://$PWD/first.mkv" video-sink="fakesink sync=true" audio-sink=fakesink \
+    text-sink="tactileconverter ! tactorsink driver=simulator ramp-in=0 trace-location=player.trace" >log 2>&1 || fail "$(cat log)"
+  "$PYTHON" "$here/same_commands.py" side.trace player.trace 0.016 200 || fail "the player does not play the track"
+}
+
 # A film with a track as its subtitles, in a player, by the tactorsink as text sink: in real time.
 players() {
   local source fake="fakesink sync=true"
@@ -206,6 +285,7 @@ echo '{}' >good.vtt.funscript
 start author author_plays_as_the_film
 start carriers carriers
 start players players
+start whole_film whole_film
 start forms forms
 start edits edits
 start by_hand by_hand
