@@ -262,6 +262,44 @@ interrupted() {
   [ "$(find tracks -name '*.vtt' | wc -l)" -eq 12 ] || fail "$(find tracks)"
 }
 
+# What a process left that was killed: the next one that writes the same file takes it away; what others write stays.
+killed() {
+  local dead
+  sleep 0 &
+  dead=$!
+  wait "$dead"
+  touch ".film.vtt.$(hostname).$dead.part" ".film.vtt.$(hostname).$$.part" ".film.vtt.elsewhere.$dead.part" ".other.vtt.$(hostname).$dead.part"
+  track author "$work/film.mkv" -o film.vtt -q
+  expect_only . film.vtt out err ".film.vtt.$(hostname).$$.part" ".film.vtt.elsewhere.$dead.part" ".other.vtt.$(hostname).$dead.part"
+}
+
+# An ordinary subtitle editor's work, by the library that Gaupol is made of: opened, an event pruned, all moved, saved.
+subtitle_editor() {
+  track author "$work/film.mkv" -o film.vtt -q
+  cp film.vtt edited.vtt
+  "$PYTHON" - edited.vtt >opened <<'PYTHON'
+import sys
+import aeidon
+project = aeidon.Project()
+project.open_main(sys.argv[1], "utf_8")
+print(project.main_file.format, len(project.subtitles))
+felt = next(i for i, cue in enumerate(project.subtitles) if any(int(word) for word in cue.main_text.split()))
+print("pruned", project.subtitles[felt].start_seconds, project.subtitles[felt].end_seconds)
+project.remove_subtitles([felt])
+project.shift_positions(None, aeidon.as_seconds(0.25))
+project.save_main()
+PYTHON
+  expect_line opened '^WEBVTT [0-9]+$'
+  track validate edited.vtt
+  expect_line out '^edited.vtt: valid, 3 x 3, 6\.250 s$'
+  # Moved back, the pruned cue is all that differs: every difference is within its time, and goes to zero.
+  track edit edited.vtt -o back.vtt --shift=-0.25
+  play diff film.vtt back.vtt
+  expect_status 1
+  awk '/^pruned/ { begin = $2; end = $3 } /^[0-9.]+ - [0-9.]+ / { found++; if ($1 < begin || $3 > end || $NF != 0) { print; exit 1 } }
+    END { exit found == 0 }' opened out || fail "other differences: $(cat opened out)"
+}
+
 # refuses STATUS PATTERN ARGUMENTS ...
 refuses() {
   local expected=$1 pattern=$2
@@ -293,6 +331,8 @@ start pictures pictures
 start chair chair
 start batch batch
 start interrupted interrupted
+start killed killed
+start subtitle_editor subtitle_editor
 start no_command refuses 2 "no command 'sing'" sing
 start no_film refuses 1 "there is no film" mux nowhere.mkv "$work/good.vtt" -o kept.vtt.mkv
 start no_output refuses 2 "expected -o" author "$work/film.mkv"
