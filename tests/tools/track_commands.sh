@@ -340,6 +340,7 @@ start bad_form refuses 1 "'x.txt'" author "$work/film.mkv" -o x.txt
 start bad_rows refuses 2 "--rows" author "$work/film.mkv" -o kept.vtt --rows=0
 start subtitles refuses 1 "subtitles.vtt': line 4: .*'Who'" convert "$work/subtitles.vtt" -o kept.vtt
 start overwrite refuses 2 "--in-place" edit "$work/good.vtt" -o "$work/good.vtt" --shift=1
+start same_film refuses 2 "is the film itself" mux "$work/film.mkv" "$work/good.vtt" -o "$work/./film.mkv"
 start bad_shift refuses 2 "--shift" edit "$work/good.vtt" -o kept.vtt --shift=soon
 start bad_mask refuses 2 "no cell r9c9" edit "$work/good.vtt" -o kept.vtt --mask=r9c9
 start bad_grid refuses 2 "--resample" edit "$work/good.vtt" -o kept.vtt --resample=0x65

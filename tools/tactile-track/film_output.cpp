@@ -11,8 +11,10 @@
 #include <algorithm>
 #include <atomic>
 #include <cstdio>
+#include <filesystem>
 #include <mutex>
 #include <string_view>
+#include <system_error>
 #include <vector>
 
 namespace {
@@ -36,6 +38,15 @@ write_film(
     throw std::runtime_error("'" + path + "' can hold no stream of the film");
   output.commit();
   return 0;
+}
+
+/// A film is not written over itself. Throws UsageError.
+void
+refuse_same_file(const std::string &film, const std::string &output)
+{
+  std::error_code none;
+  if (std::filesystem::equivalent(film, output, none))
+    throw UsageError("'" + output + "' is the film itself; give another name");
 }
 
 /// The parser that brings a stream into the form that a muxer wants.
@@ -164,6 +175,8 @@ preview(int argc, char **argv)
                       "the chair, or recorded.",
                       2, 2);
   gst_init(nullptr, nullptr);
+  if (output.given())
+    refuse_same_file(names[0], output.text());
   const tactile::Track track = tactile::read_track_file(names[1]);
   const Film film = discover_film(names[0]);
   const std::string look = kLookahead;
@@ -215,6 +228,7 @@ mux(int argc, char **argv)
   if (!muxer)
     throw UsageError("expected a name that ends in .mkv, .mp4 or .ts, got '" + out + "'");
   gst_init(nullptr, nullptr);
+  refuse_same_file(names[0], out);
   const tactile::Track track = tactile::read_track_file(names[1]);
   const Film film = discover_film(names[0]);
   g_autofree gchar *path = g_filename_from_uri(film.uri.c_str(), nullptr, nullptr);
