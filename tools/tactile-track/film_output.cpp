@@ -133,7 +133,8 @@ take_stream(GstElement *, GstPad *pad, gpointer data)
   gst_object_ref_sink(bin);
   gst_bin_add(GST_BIN(muxing->pipeline), bin);
   const Owned<GstPad> sink(gst_element_get_static_pad(bin, "sink"));
-  if (!(kind.starts_with("video/") || kind.starts_with("audio/"))
+  // Motion JPEG is image/jpeg.
+  if (!(kind.starts_with("video/") || kind.starts_with("image/") || kind.starts_with("audio/"))
       || GST_PAD_LINK_FAILED(gst_pad_link(pad, sink.get()))
       || !gst_element_link(bin, muxing->muxer)) {
     if (!is_known)
