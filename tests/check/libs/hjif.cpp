@@ -135,7 +135,7 @@ GST_END_TEST;
 
 GST_START_TEST(test_round_trip)
 {
-  for (unsigned seed = 0; seed < 30; seed++) {
+  for (unsigned seed = 0; seed < 12; seed++) { // each is slow under sanitizers
     const Track track = random_track(seed, 1ms, 0);
     fail_unless(read_hjif(write_hjif(track, kDate)) == track, "seed %u", seed);
   }
