@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: LGPL-2.1-or-later
-# Plays films in GStreamer's own player, shown and felt: gst-play-1.0 with visuotactilesink as its video sink. CHAIR as in playbin.sh.
+# Plays films in GStreamer's own player, shown and felt: gst-play-1.0 with visuotactilesink as its video sink. A film's own
+# tactile track is felt, if it has one. CHAIR as in playbin.sh.
 # Usage: pipelines/gst-play.sh FILM...
 set -euo pipefail
 # shellcheck source=../tools/build.sh
@@ -10,4 +11,5 @@ film_uri "${1:-}" >/dev/null
 needs=players
 build_and_use
 
+export GST_PLUGIN_FEATURE_RANK="tactilesubtitles:MAX${GST_PLUGIN_FEATURE_RANK:+,$GST_PLUGIN_FEATURE_RANK}"
 exec gst-play-1.0 --videosink="visuotactilesink ${CHAIR:-}" "$@"

@@ -49,6 +49,7 @@
 #include <algorithm>
 #include <chrono>
 #include <optional>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -314,6 +315,21 @@ gst_saliency_tactile_attach_saliency(GstSaliencyTactile *self, const SaliencySet
                          priv->saliency_width, priv->saliency_height));
 }
 
+/// Another frame has passed, with these levels; `spent` is what its analysis took, none if it was not analysed.
+static void
+gst_saliency_tactile_count(GstSaliencyTactile *self, std::span<const float> felt,
+                           std::optional<GstClockTime> spent)
+{
+  GST_OBJECT_LOCK(self);
+  Statistics &stats = self->priv->stats;
+  stats.frames++;
+  stats.analysed += spent ? 1 : 0;
+  stats.active += std::ranges::any_of(felt, [](float level) { return level > 0; }) ? 1 : 0;
+  stats.busy += spent.value_or(0);
+  stats.longest = std::max(stats.longest, spent.value_or(0));
+  GST_OBJECT_UNLOCK(self);
+}
+
 static GstFlowReturn
 gst_saliency_tactile_transform_ip(GstBaseTransform *transform, GstBuffer *buffer)
 {
@@ -332,6 +348,11 @@ gst_saliency_tactile_transform_ip(GstBaseTransform *transform, GstBuffer *buffer
   if (GST_BUFFER_FLAG_IS_SET(buffer, GST_BUFFER_FLAG_DISCONT) && transform->segment.rate > 0)
     gst_saliency_tactile_forget(self);
 
+  if (const GstTactileMeta *own = gst_buffer_get_tactile_meta(buffer); own && settings.keep_maps) {
+    gst_saliency_tactile_count(self, { own->levels, std::size_t{ own->rows } * own->columns }, {});
+    return GST_FLOW_OK;
+  }
+
   saliency::Time time;
   saliency::Time duration;
   gst_saliency_tactile_times(self, buffer, time, duration);
@@ -342,7 +363,7 @@ gst_saliency_tactile_transform_ip(GstBaseTransform *transform, GstBuffer *buffer
   const bool fits = priv->map.rows == settings.rows && priv->map.columns == settings.columns
                     && priv->analyzer && priv->analysis == wanted;
   const bool analyse = !fits || gst_saliency_tactile_is_due(self, settings.max_rate, time);
-  GstClockTime spent = 0;
+  std::optional<GstClockTime> spent;
   if (analyse) {
     try {
       const GstClockTime begin = gst_util_get_timestamp();
@@ -369,14 +390,7 @@ gst_saliency_tactile_transform_ip(GstBaseTransform *transform, GstBuffer *buffer
                               felt.levels.size());
   gst_saliency_tactile_attach_saliency(self, settings, buffer);
 
-  GST_OBJECT_LOCK(self);
-  Statistics &stats = priv->stats;
-  stats.frames++;
-  stats.analysed += analyse ? 1 : 0;
-  stats.active += std::ranges::any_of(felt.levels, [](float level) { return level > 0; }) ? 1 : 0;
-  stats.busy += spent;
-  stats.longest = std::max(stats.longest, spent);
-  GST_OBJECT_UNLOCK(self);
+  gst_saliency_tactile_count(self, felt.levels, spent);
   return GST_FLOW_OK;
 }
 

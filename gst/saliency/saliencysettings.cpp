@@ -134,6 +134,12 @@ SaliencySettings::install(GObjectClass *klass)
           "Analyse at most this many frames per second; the others repeat the last map (0 = all)",
           0, 1000, defaults.max_rate, playing));
   g_object_class_install_property(
+      klass, SALIENCY_PROP_KEEP_MAPS,
+      g_param_spec_boolean(
+          "keep-maps", "Keep maps",
+          "Leave frames that carry a map already, such as a designer's, as they are",
+          defaults.keep_maps, playing));
+  g_object_class_install_property(
       klass, SALIENCY_PROP_N_THREADS,
       g_param_spec_uint("n-threads", "Threads",
                         "Threads that read a frame, which is felt the same with any number (0 = "
@@ -197,6 +203,9 @@ SaliencySettings::set(guint id, const GValue *value)
   case SALIENCY_PROP_MAX_RATE:
     max_rate = g_value_get_double(value);
     break;
+  case SALIENCY_PROP_KEEP_MAPS:
+    keep_maps = g_value_get_boolean(value);
+    break;
   case SALIENCY_PROP_N_THREADS:
     n_threads = static_cast<int>(g_value_get_uint(value));
     break;
@@ -245,6 +254,9 @@ SaliencySettings::get(guint id, GValue *value) const
     break;
   case SALIENCY_PROP_MAX_RATE:
     g_value_set_double(value, max_rate);
+    break;
+  case SALIENCY_PROP_KEEP_MAPS:
+    g_value_set_boolean(value, keep_maps);
     break;
   case SALIENCY_PROP_N_THREADS:
     g_value_set_uint(value, static_cast<guint>(n_threads));

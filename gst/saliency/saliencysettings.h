@@ -24,6 +24,7 @@ enum SaliencyProperty : guint
   SALIENCY_PROP_CUE_REFRACTORY,
   SALIENCY_PROP_ATTACH_SALIENCY,
   SALIENCY_PROP_MAX_RATE,
+  SALIENCY_PROP_KEEP_MAPS,
   SALIENCY_PROP_N_THREADS,
   SALIENCY_PROP_STATS,
 };
@@ -61,6 +62,7 @@ struct SaliencySettings
   tactile::CueLimits cue_limits;
   bool attach_saliency = false;
   double max_rate = 0;
+  bool keep_maps = false;
   int n_threads = 0; ///< 0: as many as pay
 
   /// All of SaliencyProperty, with their texts, ranges and defaults.

@@ -11,6 +11,7 @@ plugin_init(GstPlugin *plugin)
   registered |= GST_ELEMENT_REGISTER(tactileconverter, plugin);
   registered |= GST_ELEMENT_REGISTER(tactileextractor, plugin);
   registered |= GST_ELEMENT_REGISTER(tactileoverlay, plugin);
+  registered |= GST_ELEMENT_REGISTER(tactilesubtitles, plugin);
   registered |= GST_ELEMENT_REGISTER(tactiletestsrc, plugin);
   return registered;
 }

@@ -674,6 +674,7 @@ gst_visuotactile_sink_build(GstVisuotactileSink *self)
     gst_clear_object(&branch);
     return;
   }
+  g_object_set(analysis, "keep-maps", TRUE, nullptr);
   g_object_set(queue, "max-size-bytes", 0, "max-size-buffers", 0, nullptr);
   gst_bin_add_many(GST_BIN(self), analysis, extractor, queue, GST_ELEMENT(branch), nullptr);
   gst_element_link(analysis, extractor);

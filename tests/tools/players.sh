@@ -1,10 +1,11 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: LGPL-2.1-or-later
 # The players of pipelines/ on a display: each shows a film and tells a simulated chair what is felt of it.
-# Needs Xvfb, gst-play-1.0 and gst123, which tools/setup.sh installs. Expects ROOT (of the source) and VISUOTACTILE_BUILD.
+# Needs Xvfb, gst-play-1.0 and gst123, which tools/setup.sh installs. Expects ROOT (of the source),
+# VISUOTACTILE_BUILD and TRACK (tactile-track).
 # shellcheck source=common.sh
 . "$(dirname "$0")/common.sh"
-: "${ROOT:?root of the source}" "${VISUOTACTILE_BUILD:?folder of the build}"
+: "${ROOT:?root of the source}" "${VISUOTACTILE_BUILD:?folder of the build}" "${TRACK:?the path of tactile-track}"
 
 for program in Xvfb gst-play-1.0 gst123; do
   command -v "$program" >/dev/null || fail "there is no $program: run tools/setup.sh"
@@ -22,6 +23,29 @@ chair="driver=simulator analysis::temporal=false trace-location=commands.csv"
 shows() {
   CHAIR=$chair timeout 60 "$ROOT/pipelines/$1" "${@:2}" >out 2>&1 || fail "status $?; it said: $(cat out)"
   expect_commands commands.csv
+}
+
+# A film that carries a designer's track: in gst-play-1.0 the chair is told what the track alone tells it, but for a cue. The draft is
+# halved and turned off in the middle, so that it is not what is analysed.
+own_track() {
+  "$TRACK" author "$1" -o draft.vtt -q
+  "$TRACK" edit draft.vtt -o film.vtt --scale=0.5 --mask=r1c1
+  "$TRACK" mux "$1" film.vtt -o carrier.mkv
+  timeout 60 gst-launch-1.0 -q filesrc location=film.vtt ! subparse ! tactileconverter ! tactorsink driver=simulator sync=false trace-location=direct.csv
+  chair="driver=simulator tactors::ramp-in=0 trace-location=commands.csv"
+  shows gst-play.sh "$PWD/carrier.mkv" --no-interactive
+  "$PYTHON" "$here/same_commands.py" direct.csv commands.csv 0.016 200 || fail "the player does not play the track: $(cat out)"
+}
+
+# Subtitles that are meant to be read, with tactilesubtitles in the player: the film is felt as without them.
+words() {
+  printf '1\n00:00:00,100 --> 00:00:01,900\n42\nis no map of a track\n' >film.srt
+  gst-launch-1.0 -q matroskamux name=mux ! filesink location=subtitled.mkv filesrc location="$1" ! matroskademux ! queue ! mux. \
+    filesrc location=film.srt ! subparse ! text/x-raw ! queue ! mux.subtitle_0
+  shows gst-play.sh "$PWD/subtitled.mkv" --no-interactive
+  cp commands.csv with.csv
+  shows gst-play.sh "$1" --no-interactive
+  "$PYTHON" "$here/same_commands.py" commands.csv with.csv 0.016 34 || fail "the subtitles change what is felt: $(cat out)"
 }
 
 terminal() {
@@ -74,8 +98,11 @@ make() {
 }
 make film.mkv 60
 make theatre.mkv 240
+make moving.mkv 180
 
 start gst-play shows gst-play.sh "$work/film.mkv" --no-interactive
+start own_track own_track "$work/moving.mkv"
+start words words "$work/film.mkv"
 start playbin shows playbin.sh "$work/film.mkv" playbin
 start playbin3 shows playbin.sh "$work/film.mkv" playbin3
 # shellcheck disable=SC2086 # properties

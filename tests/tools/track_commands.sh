@@ -55,6 +55,85 @@ carriers() {
   expect_same_commands side ts
 }
 
+# stream FILE PAD: what a pad of the demuxer gives; pictures decoded, for a parser packs them anew
+stream() {
+  local decode=identity
+  [ "$2" != video_0 ] || decode=decodebin
+  timeout 30 gst-launch-1.0 -q filesrc location="$1" ! matroskademux name=d d."$2" ! queue ! $decode ! filesink location=stream >stream.log 2>&1 || fail "$1 has no $2: $(cat stream.log)"
+  cat stream
+}
+
+# stream_names FILE: titles and languages, in the order of the streams
+stream_names() {
+  "$PYTHON" - "$1" <<'PYTHON'
+import os, sys
+import gi
+gi.require_version("Gst", "1.0")
+from gi.repository import Gst
+Gst.init(None)
+film = Gst.parse_launch("filesrc name=file ! matroskademux name=d")
+film.get_by_name("file").set_property("location", sys.argv[1])
+pads = []
+def linked(demuxer, pad):
+    sink = Gst.ElementFactory.make("fakesink")
+    sink.set_property("async", False)
+    film.add(sink)
+    sink.sync_state_with_parent()
+    pad.link(sink.get_static_pad("sink"))
+    pads.append(pad)
+film.get_by_name("d").connect("pad-added", linked)
+film.set_state(Gst.State.PLAYING)
+message = film.get_bus().timed_pop_filtered(20 * Gst.SECOND, Gst.MessageType.EOS | Gst.MessageType.ERROR)
+assert message is not None and message.type == Gst.MessageType.EOS
+for pad in pads:
+    found = {}
+    for index in range(8):
+        event = pad.get_sticky_event(Gst.EventType.TAG, index)
+        for name in ("title", "language-code") if event else ():
+            known, value = event.parse_tag().get_string(name)
+            found[name] = value if known else found.get(name)
+    print(pad.get_name(), found.get("title"), found.get("language-code"))
+film.set_state(Gst.State.NULL)
+PYTHON
+}
+
+# Of a film with two sounds and two subtitles nothing is lost, names and order stay, and --first is before its subtitles.
+whole_film() {
+  local pad sound="audio/x-raw,rate=44100,channels=1 ! vorbisenc"
+  printf '1\n00:00:00,500 --> 00:00:05,000\nWho is <i>there</i>?\n' >one.srt
+  printf '1\n00:00:01,000 --> 00:00:02,000\nA & B < C\n\n2\n00:00:04,000 --> 00:00:05,500\nYes.\n' >two.srt
+  timeout 30 gst-launch-1.0 -q matroskamux name=mux ! filesink location=rich.mkv \
+    filesrc location="$work/film.mkv" ! matroskademux ! h264parse ! queue ! mux.video_0 \
+    audiotestsrc num-buffers=240 samplesperbuffer=1102 ! $sound ! taginject tags="title=Original,language-code=en" ! queue ! mux.audio_0 \
+    audiotestsrc wave=saw num-buffers=240 samplesperbuffer=1102 ! $sound ! taginject tags="title=Dubbed,language-code=fr" ! queue ! mux.audio_1 \
+    filesrc location=one.srt ! subparse ! capssetter caps=text/x-raw,format=utf8 ! taginject tags="title=English,language-code=en" ! queue ! mux.subtitle_0 \
+    filesrc location=two.srt ! subparse ! capssetter caps=text/x-raw,format=utf8 ! taginject tags="title=Deutsch,language-code=de" ! queue ! mux.subtitle_1
+  stream_names rich.mkv >names
+  expect_line names '^audio_1 Dubbed fr$'
+  track author "$work/film.mkv" -o film.vtt -q
+  track mux rich.mkv film.vtt -o with.mkv
+  [ ! -s err ] || fail "$(cat err)"
+  for pad in video_0 audio_0 audio_1 subtitle_0 subtitle_1; do
+    stream rich.mkv "$pad" >before
+    stream with.mkv "$pad" >after
+    [ -s before ] || fail "$pad is empty"
+    cmp before after || fail "$pad is not what it was"
+  done
+  stream_names with.mkv >names_with
+  { cat names; echo "subtitle_2 Tactile zxx"; } | diff - names_with || fail "other names, or another order"
+  commands side "filesrc location=film.vtt ! subparse ! tactileconverter"
+  commands third "filesrc location=with.mkv ! matroskademux name=d d.subtitle_2 ! queue ! tactileconverter"
+  expect_same_commands side third
+  track mux rich.mkv film.vtt -o first.mkv --first
+  stream_names first.mkv >names_first
+  expect_line names_first '^subtitle_0 Tactile zxx$'
+  expect_line names_first '^subtitle_2 Deutsch de$'
+  # What a player takes that takes the first.
+  timeout 60 gst-launch-1.0 -q playbin uri="file://$PWD/first.mkv" video-sink="fakesink sync=true" audio-sink=fakesink \
+    text-sink="tactileconverter ! tactorsink driver=simulator ramp-in=0 trace-location=player.trace" >log 2>&1 || fail "$(cat log)"
+  "$PYTHON" "$here/same_commands.py" side.trace player.trace 0.016 200 || fail "the player does not play the track"
+}
+
 # A film with a track as its subtitles, in a player, by the tactorsink as text sink: in real time.
 players() {
   local source fake="fakesink sync=true"
@@ -183,6 +262,44 @@ interrupted() {
   [ "$(find tracks -name '*.vtt' | wc -l)" -eq 12 ] || fail "$(find tracks)"
 }
 
+# What a process left that was killed: the next one that writes the same file takes it away; what others write stays.
+killed() {
+  local dead
+  sleep 0 &
+  dead=$!
+  wait "$dead"
+  touch ".film.vtt.$(hostname).$dead.part" ".film.vtt.$(hostname).$$.part" ".film.vtt.elsewhere.$dead.part" ".other.vtt.$(hostname).$dead.part"
+  track author "$work/film.mkv" -o film.vtt -q
+  expect_only . film.vtt out err ".film.vtt.$(hostname).$$.part" ".film.vtt.elsewhere.$dead.part" ".other.vtt.$(hostname).$dead.part"
+}
+
+# An ordinary subtitle editor's work, by the library that Gaupol is made of: opened, an event pruned, all moved, saved.
+subtitle_editor() {
+  track author "$work/film.mkv" -o film.vtt -q
+  cp film.vtt edited.vtt
+  "$PYTHON" - edited.vtt >opened <<'PYTHON'
+import sys
+import aeidon
+project = aeidon.Project()
+project.open_main(sys.argv[1], "utf_8")
+print(project.main_file.format, len(project.subtitles))
+felt = next(i for i, cue in enumerate(project.subtitles) if any(int(word) for word in cue.main_text.split()))
+print("pruned", project.subtitles[felt].start_seconds, project.subtitles[felt].end_seconds)
+project.remove_subtitles([felt])
+project.shift_positions(None, aeidon.as_seconds(0.25))
+project.save_main()
+PYTHON
+  expect_line opened '^WEBVTT [0-9]+$'
+  track validate edited.vtt
+  expect_line out '^edited.vtt: valid, 3 x 3, 6\.250 s$'
+  # Moved back, the pruned cue is all that differs: every difference is within its time, and goes to zero.
+  track edit edited.vtt -o back.vtt --shift=-0.25
+  play diff film.vtt back.vtt
+  expect_status 1
+  awk '/^pruned/ { begin = $2; end = $3 } /^[0-9.]+ - [0-9.]+ / { found++; if ($1 < begin || $3 > end || $NF != 0) { print; exit 1 } }
+    END { exit found == 0 }' opened out || fail "other differences: $(cat opened out)"
+}
+
 # refuses STATUS PATTERN ARGUMENTS ...
 refuses() {
   local expected=$1 pattern=$2
@@ -206,6 +323,7 @@ echo '{}' >good.vtt.funscript
 start author author_plays_as_the_film
 start carriers carriers
 start players players
+start whole_film whole_film
 start forms forms
 start edits edits
 start by_hand by_hand
@@ -213,6 +331,8 @@ start pictures pictures
 start chair chair
 start batch batch
 start interrupted interrupted
+start killed killed
+start subtitle_editor subtitle_editor
 start no_command refuses 2 "no command 'sing'" sing
 start no_film refuses 1 "there is no film" mux nowhere.mkv "$work/good.vtt" -o kept.vtt.mkv
 start no_output refuses 2 "expected -o" author "$work/film.mkv"
@@ -220,6 +340,7 @@ start bad_form refuses 1 "'x.txt'" author "$work/film.mkv" -o x.txt
 start bad_rows refuses 2 "--rows" author "$work/film.mkv" -o kept.vtt --rows=0
 start subtitles refuses 1 "subtitles.vtt': line 4: .*'Who'" convert "$work/subtitles.vtt" -o kept.vtt
 start overwrite refuses 2 "--in-place" edit "$work/good.vtt" -o "$work/good.vtt" --shift=1
+start same_film refuses 2 "is the film itself" mux "$work/film.mkv" "$work/good.vtt" -o "$work/./film.mkv"
 start bad_shift refuses 2 "--shift" edit "$work/good.vtt" -o kept.vtt --shift=soon
 start bad_mask refuses 2 "no cell r9c9" edit "$work/good.vtt" -o kept.vtt --mask=r9c9
 start bad_grid refuses 2 "--resample" edit "$work/good.vtt" -o kept.vtt --resample=0x65

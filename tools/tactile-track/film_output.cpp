@@ -5,12 +5,17 @@
 #include "../visuotactile-play/output.h"
 #include "commands.h"
 #include "pipeline.h"
+#include "subtitles.h"
 #include "tactile/formats/track_file.h"
 
 #include <algorithm>
 #include <atomic>
 #include <cstdio>
+#include <filesystem>
 #include <mutex>
+#include <string_view>
+#include <system_error>
+#include <vector>
 
 namespace {
 
@@ -33,6 +38,15 @@ write_film(
     throw std::runtime_error("'" + path + "' can hold no stream of the film");
   output.commit();
   return 0;
+}
+
+/// A film is not written over itself. Throws UsageError.
+void
+refuse_same_file(const std::string &film, const std::string &output)
+{
+  std::error_code none;
+  if (std::filesystem::equivalent(film, output, none))
+    throw UsageError("'" + output + "' is the film itself; give another name");
 }
 
 /// The parser that brings a stream into the form that a muxer wants.
@@ -62,27 +76,48 @@ struct Muxing
   GstElement *last;   ///< of the track's branch
   const tactile::Track &track;
   CueForm form;
-  std::atomic<int> taken{ 0 }; ///< streams
+  const std::vector<Subtitles> &subtitles; ///< the film's own
+  bool first;                              ///< the track comes before them
+  std::atomic<int> taken{ 0 };             ///< streams
   std::once_flag begun{};
 };
 
-/// The first data of the film: all of its streams are linked now. The track comes after them, for a transport stream takes its clock
-/// from the first; then the muxer may begin.
+void
+link_track(Muxing &muxing)
+{
+  if (!gst_element_link_pads(muxing.last, "src", muxing.muxer,
+                             muxing.form == CueForm::klv ? "sink_%d" : "subtitle_%u"))
+    GST_ELEMENT_ERROR(muxing.muxer, STREAM, FAILED, ("The file cannot hold a track."), (nullptr));
+}
+
+void
+leave_out(const GstCaps *caps)
+{
+  std::fprintf(stderr, "tactile-track: warning: left out: %s\n",
+               gst_structure_get_name(gst_caps_get_structure(caps, 0)));
+}
+
+/// The first data of the film: pictures and sounds are linked now. Subtitles and the track come after them, for a transport stream
+/// takes its clock from the first; then the muxer may begin.
 GstPadProbeReturn
 begin_track(GstPad *, GstPadProbeInfo *, gpointer data)
 {
   auto *muxing = static_cast<Muxing *>(data);
   std::call_once(muxing->begun, [&] {
-    if (!gst_element_link_pads(muxing->last, "src", muxing->muxer,
-                               muxing->form == CueForm::klv ? "sink_%d" : "subtitle_%u"))
-      GST_ELEMENT_ERROR(muxing->muxer, STREAM, FAILED, ("The file cannot hold a track."),
-                        (nullptr));
+    if (muxing->first)
+      link_track(*muxing);
+    for (const Subtitles &subtitles : muxing->subtitles)
+      if (muxing->form != CueForm::text
+          || !add_subtitles(muxing->pipeline, muxing->muxer, subtitles))
+        leave_out(subtitles.caps.get());
+    if (!muxing->first)
+      link_track(*muxing);
     feed_track(muxing->source, muxing->track, muxing->form);
   });
   return GST_PAD_PROBE_REMOVE;
 }
 
-/// Takes a stream of the film over into the muxer as it is. Those that it cannot hold are left out, with a word about it.
+/// Takes a picture or sound of the film over into the muxer as it is; subtitles come otherwise. Those that it cannot hold are left out, with a word about it.
 void
 take_stream(GstElement *, GstPad *pad, gpointer data)
 {
@@ -90,15 +125,20 @@ take_stream(GstElement *, GstPad *pad, gpointer data)
   GstCaps *caps = gst_pad_get_current_caps(pad);
   if (!caps)
     caps = gst_pad_query_caps(pad, nullptr);
+  const std::string_view kind = gst_structure_get_name(gst_caps_get_structure(caps, 0));
+  const bool is_known = is_subtitles(gst_caps_get_structure(caps, 0));
   const std::string line = parser_of(gst_caps_get_structure(caps, 0)) + " ! " + kLookahead;
   Owned<GstElement> branch(gst_parse_bin_from_description(line.c_str(), TRUE, nullptr));
   GstElement *bin = branch.get();
   gst_object_ref_sink(bin);
   gst_bin_add(GST_BIN(muxing->pipeline), bin);
   const Owned<GstPad> sink(gst_element_get_static_pad(bin, "sink"));
-  if (GST_PAD_LINK_FAILED(gst_pad_link(pad, sink.get())) || !gst_element_link(bin, muxing->muxer)) {
-    std::fprintf(stderr, "tactile-track: warning: left out: %s\n",
-                 gst_structure_get_name(gst_caps_get_structure(caps, 0)));
+  // Motion JPEG is image/jpeg.
+  if (!(kind.starts_with("video/") || kind.starts_with("image/") || kind.starts_with("audio/"))
+      || GST_PAD_LINK_FAILED(gst_pad_link(pad, sink.get()))
+      || !gst_element_link(bin, muxing->muxer)) {
+    if (!is_known)
+      leave_out(caps);
     gst_element_set_state(bin, GST_STATE_NULL);
     gst_bin_remove(GST_BIN(muxing->pipeline), bin);
     const Owned<GstElement> nothing(gst_element_factory_make("fakesink", nullptr));
@@ -136,6 +176,8 @@ preview(int argc, char **argv)
                       "the chair, or recorded.",
                       2, 2);
   gst_init(nullptr, nullptr);
+  if (output.given())
+    refuse_same_file(names[0], output.text());
   const tactile::Track track = tactile::read_track_file(names[1]);
   const Film film = discover_film(names[0]);
   const std::string look = kLookahead;
@@ -163,8 +205,13 @@ int
 mux(int argc, char **argv)
 {
   TextOption output;
+  gboolean first = FALSE;
   const GOptionEntry entries[] = { { "output", 'o', 0, G_OPTION_ARG_FILENAME, &output.value,
                                      "The film to write: .mkv, .mp4 or .ts", "FILM" },
+                                   { "first", 0, 0, G_OPTION_ARG_NONE, &first,
+                                     "The track before the film's own subtitles, for players that "
+                                     "take the first (default: after them)",
+                                     nullptr },
                                    {} };
   const std::vector<std::string> names = parse_options(
       argc, argv, entries, "FILM TRACK -o OUT",
@@ -182,11 +229,16 @@ mux(int argc, char **argv)
   if (!muxer)
     throw UsageError("expected a name that ends in .mkv, .mp4 or .ts, got '" + out + "'");
   gst_init(nullptr, nullptr);
+  refuse_same_file(names[0], out);
   const tactile::Track track = tactile::read_track_file(names[1]);
   const Film film = discover_film(names[0]);
   g_autofree gchar *path = g_filename_from_uri(film.uri.c_str(), nullptr, nullptr);
   if (!path)
     throw std::runtime_error("'" + names[0] + "' is no file here");
+
+  std::vector<Subtitles> subtitles;
+  if (!read_subtitles(path, film.duration, subtitles))
+    return 130;
 
   // The track by its tags: no language, and a name by which players tell it from subtitles.
   const Owned<GstElement> pipeline = make_pipeline(
@@ -203,8 +255,15 @@ mux(int argc, char **argv)
                  .source = source.get(),
                  .last = last.get(),
                  .track = track,
-                 .form = is_ts ? CueForm::klv : CueForm::text };
+                 .form = is_ts ? CueForm::klv : CueForm::text,
+                 .subtitles = subtitles,
+                 .first = first != FALSE };
   const Owned<GstElement> streams = element(pipeline, "film");
+  g_signal_connect(streams.get(), "autoplug-continue",
+                   G_CALLBACK(+[](GstElement *, GstPad *, GstCaps *caps, gpointer) -> gboolean {
+                     return !is_subtitles(gst_caps_get_structure(caps, 0));
+                   }),
+                   nullptr);
   g_signal_connect(streams.get(), "pad-added", G_CALLBACK(take_stream), &muxing);
   return write_film(pipeline, out, film.duration, [&] { return muxing.taken > 0; });
 }

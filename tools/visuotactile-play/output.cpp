@@ -1,18 +1,55 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "output.h"
 
+#include <glib.h>
+
 #include <cerrno>
+#include <charconv>
+#include <csignal>
 #include <stdexcept>
+#include <string_view>
 #include <system_error>
 #include <unistd.h>
 
 namespace fs = std::filesystem;
 
-Output::Output(const fs::path &directory, const std::string &name)
-    : final_(directory / name),
-      part_(directory / ("." + name + "." + std::to_string(getpid()) + ".part"))
+namespace {
+
+constexpr std::string_view kEnding = ".part";
+
+/// What parts of an output are called that are written on this machine, as far as that is the same for all: folders may be shared.
+std::string
+part_stem(const std::string &name)
+{
+  return "." + name + "." + g_get_host_name() + ".";
+}
+
+/// Removes what processes of this machine have left that were killed.
+void
+remove_stale_parts(const fs::path &directory, const std::string &stem)
 {
   std::error_code error;
+  for (const auto &entry : fs::directory_iterator(directory.empty() ? "." : directory, error)) {
+    const std::string name = entry.path().filename().string();
+    if (!name.starts_with(stem) || !name.ends_with(kEnding))
+      continue;
+    pid_t writer = 0;
+    const char *const end = name.data() + name.size() - kEnding.size();
+    const auto [stop, failed] = std::from_chars(name.data() + stem.size(), end, writer);
+    if (failed == std::errc() && stop == end && writer > 0 && kill(writer, 0) != 0
+        && errno == ESRCH)
+      fs::remove(entry.path(), error);
+  }
+}
+
+} // namespace
+
+Output::Output(const fs::path &directory, const std::string &name)
+    : final_(directory / name),
+      part_(directory / (part_stem(name) + std::to_string(getpid()) + std::string(kEnding)))
+{
+  std::error_code error;
+  remove_stale_parts(directory, part_stem(name));
   if (fs::is_directory(final_, error))
     throw std::runtime_error("'" + final_.string()
                              + "' is a folder; move it away or give another --output");

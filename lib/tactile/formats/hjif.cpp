@@ -407,6 +407,9 @@ private:
     for (std::size_t b = 0; b < channel.size("bands"); b++) {
       const Object band = channel.element("bands", b);
       const std::string type = band.text("band_type");
+      // The reference software's encoder writes a band of transients whether there are any or not.
+      if (type == "Transient" && is_empty(band))
+        continue;
       if (type != "Curve" && type != "VectorialWave")
         band.fail("bands of type " + type + " cannot be a track; only Curve and VectorialWave");
       for (std::size_t e = 0; e < band.size("effects"); e++)
@@ -414,9 +417,24 @@ private:
     }
   }
 
+  static bool is_empty(const Object &band)
+  {
+    for (std::size_t e = 0; e < band.size("effects"); e++) {
+      const Object effect = band.element("effects", e);
+      if (is_reference(effect) || effect.size("keyframes") > 0)
+        return false;
+    }
+    return true;
+  }
+
+  static bool is_reference(const Object &effect)
+  {
+    return effect.has("effect_type") && effect.text("effect_type") != "Basis";
+  }
+
   void read_effect(const Object &effect, std::size_t channel, double gain)
   {
-    if (effect.has("effect_type") && effect.text("effect_type") != "Basis")
+    if (is_reference(effect))
       effect.fail("only effects of type Basis can be a track");
     const double position = effect.number("position", 0);
     const std::size_t id = effects_++;

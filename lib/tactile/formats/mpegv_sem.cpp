@@ -217,6 +217,8 @@ public:
       track_.emplace(grid_.grid->rows, grid_.grid->columns);
     if (!track_)
       fail(root, "there is no effect");
+    if (endless_)
+      fail(endless_, "the last vibration has no end");
     track_->set_rate(grid_.rate);
     track_->set_end(end_);
     return std::move(*track_);
@@ -243,13 +245,17 @@ private:
     const Text type(xmlGetNsProp(node, xml("type"), xml(kXsi)));
     const char *name = type ? reinterpret_cast<const char *>(type.get()) : "";
     const char *colon = std::strchr(name, ':');
-    if (!is_element(node, kSedl, "Effect")
-        || std::strcmp(colon ? colon + 1 : name, "TactileType") != 0)
-      fail(node, "only effects of TactileType can be a track, with no groups around them");
+    const std::string kind = colon ? colon + 1 : name;
+    if (!is_element(node, kSedl, "Effect") || (kind != "TactileType" && kind != "VibrationType"))
+      fail(node, "only effects of TactileType or VibrationType can be a track, with no groups "
+                 "around them");
     const Text active(xmlGetNoNsProp(node, xml("activate")));
     const bool is_active
         = !active || xmlStrEqual(active.get(), xml("true")) || xmlStrEqual(active.get(), xml("1"));
     const Time begin = to_time(node, integer(node, kSi, "pts", 0, LLONG_MAX));
+    endless_ = nullptr;
+    if (kind == "VibrationType")
+      return read_vibration(node, is_active, begin);
     const Time end = begin + to_time(node, integer(node, nullptr, "duration", 0, LLONG_MAX));
     const std::int64_t samples = integer(node, nullptr, "timeSamples", 1, 1'000'000, 1);
     const xmlNode *array = nullptr;
@@ -264,6 +270,41 @@ private:
     if (begin < end_)
       fail(node, "the effect overlaps the one before");
     read_array(array, is_active, begin, end, samples);
+  }
+
+  /// One motor for all, as other tools write it: until its duration is over or, without one, until the next effect.
+  void read_vibration(const xmlNode *node, bool is_active, Time begin)
+  {
+    const auto attribute = [node](const char *name, const char *otherwise, std::size_t count) {
+      const Text text(xmlGetNoNsProp(node, xml(name)));
+      const std::vector<double> values
+          = numbers(node, text ? reinterpret_cast<const char *>(text.get()) : otherwise, -1e9, 1e9);
+      if (values.size() != count)
+        fail(node, std::string("expected ") + name + " of numbers: " + std::to_string(count));
+      return values;
+    };
+    const std::vector<double> range = attribute("intensity-range", "0 1", 2);
+    const double value = attribute("intensity-value", is_active ? "1" : "0", 1)[0];
+    const bool has_value = xmlHasProp(node, xml("intensity-value"));
+    if (!(range[0] < range[1]) || (has_value && !(value >= range[0] && value <= range[1])))
+      fail(node, "expected intensity-value within intensity-range");
+    if (begin < end_)
+      fail(node, "the effect overlaps the one before");
+    begin_track(node, 1);
+    const double share = has_value ? (value - range[0]) / (range[1] - range[0]) : value;
+    TactileMap map(1, 1);
+    map.levels[0] = is_active ? static_cast<float>(share) : 0.0F;
+    const bool has_end = xmlHasProp(node, xml("duration"));
+    end_
+        = has_end ? begin + to_time(node, integer(node, nullptr, "duration", 0, LLONG_MAX)) : begin;
+    endless_ = !has_end && map.levels[0] > 0 ? node : nullptr;
+    try {
+      track_->append(begin, map);
+      if (has_end)
+        track_->append(end_, TactileMap(1, 1));
+    } catch (const std::invalid_argument &error) {
+      fail(node, error.what());
+    }
   }
 
   void read_array(const xmlNode *node, bool is_active, Time begin, Time end, std::int64_t samples)
@@ -320,6 +361,7 @@ private:
   GridHeader grid_;
   std::optional<Track> track_;
   Time end_{ 0 };
+  const xmlNode *endless_ = nullptr; ///< the last effect, if it is felt and does not say until when
 };
 
 } // namespace

@@ -508,6 +508,42 @@ GST_START_TEST(test_max_rate_is_not_exceeded)
 }
 GST_END_TEST;
 
+/// With keep-maps a frame's own map stays, and is not paid for; without, it is replaced.
+GST_START_TEST(test_keep_maps)
+{
+  for (const bool keep : { false, true }) {
+    GstHarness *h = gst_harness_new("saliencytactile");
+    g_object_set(h->element, "keep-maps", gboolean{ keep }, nullptr);
+    gst_harness_set_src_caps_str(h, "video/x-raw,format=GRAY8,width=16,height=16,framerate=30/1");
+    for (guint i = 0; i < 4; i++) {
+      GstBuffer *frame = gst_harness_create_buffer(h, 256);
+      gst_buffer_memset(frame, 0, 9, 256);
+      GST_BUFFER_PTS(frame) = gst_util_uint64_scale(i, GST_SECOND, 30);
+      const gfloat own[] = { 0.5F, 0.25F };
+      if (i % 2 == 1)
+        gst_buffer_add_tactile_meta(frame, 1, 2, own, 2);
+      fail_unless_equals_int(gst_harness_push(h, frame), GST_FLOW_OK);
+      GstBuffer *out = gst_harness_pull(h);
+      fail_unless_equals_int(levels_of(out).size(), keep && i % 2 == 1 ? 2 : 9);
+      fail_unless(levels_of(out)[0] == (keep && i % 2 == 1 ? 0.5F : 0.0F));
+      gst_buffer_unref(out);
+    }
+    GstStructure *stats = nullptr;
+    g_object_get(h->element, "stats", &stats, nullptr);
+    guint64 frames = 0;
+    guint64 analysed = 0;
+    guint64 active = 0;
+    gst_structure_get(stats, "frames", G_TYPE_UINT64, &frames, "analysed", G_TYPE_UINT64, &analysed,
+                      "active", G_TYPE_UINT64, &active, nullptr);
+    fail_unless_equals_uint64(frames, 4);
+    fail_unless_equals_uint64(analysed, keep ? 2 : 4);
+    fail_unless_equals_uint64(active, keep ? 2 : 0);
+    gst_structure_free(stats);
+    gst_harness_teardown(h);
+  }
+}
+GST_END_TEST;
+
 /// Fields that come one a buffer are half as high as the frame; a map of a side that no meta can hold is left out with one warning.
 GST_START_TEST(test_alternate_fields_and_long_sides)
 {
@@ -643,6 +679,7 @@ saliencytactile_suite(void)
   tcase_add_test(cases, test_reverse);
   tcase_add_test(cases, test_max_rate);
   tcase_add_test(cases, test_max_rate_is_not_exceeded);
+  tcase_add_test(cases, test_keep_maps);
   tcase_add_test(cases, test_alternate_fields_and_long_sides);
   tcase_add_test(cases, test_short_buffer);
   tcase_add_test(cases, test_caps_change_mid_stream);

@@ -84,6 +84,40 @@ GST_START_TEST(test_rows_are_samples)
 }
 GST_END_TEST;
 
+/// One motor for all, as tools such as PlaySEM write it: on until it is turned off, by another strength or with a duration.
+GST_START_TEST(test_vibrations)
+{
+  const auto vibration = [](const std::string &attributes) {
+    return "\n<Effect xsi:type=\"sev:VibrationType\" " + attributes + "/>";
+  };
+  const Track track = read_sem(document(
+      vibration("activate=\"true\" intensity-value=\"20\" intensity-range=\"10 50\" si:pts=\"500\"")
+      + vibration(
+          "activate=\"true\" intensity-value=\"50\" intensity-range=\"10 50\" si:pts=\"800\"")
+      + vibration("activate=\"false\" si:pts=\"1000\"")
+      + vibration("si:pts=\"2000\" duration=\"250\"")));
+  Track expected(1, 1);
+  TactileMap map(1, 1);
+  for (const auto &[time, level] : { std::pair{ 500ms, 0.25F }, std::pair{ 800ms, 1.0F },
+                                     std::pair{ 1000ms, 0.0F }, std::pair{ 2000ms, 1.0F } }) {
+    map.levels[0] = level;
+    expected.append(time, map);
+  }
+  expected.set_end(2250ms);
+  fail_unless(track == expected);
+
+  ASSERT_COMPLAINT(read_sem(document(vibration("si:pts=\"0\""))), "line 9", "no end");
+  ASSERT_COMPLAINT(read_sem(document(vibration("intensity-value=\"2\" si:pts=\"0\""))), "line 9",
+                   "within intensity-range");
+  ASSERT_COMPLAINT(
+      read_sem(document(vibration("intensity-range=\"1 2 3\" si:pts=\"0\" duration=\"1\""))),
+      "line 9", "intensity-range");
+  ASSERT_COMPLAINT(read_sem(document(vibration("si:pts=\"0\" duration=\"9\"")
+                                     + vibration("si:pts=\"8\" duration=\"9\""))),
+                   "line 10", "overlaps");
+}
+GST_END_TEST;
+
 GST_START_TEST(test_refused)
 {
   const std::string when = "si:pts=\"0\" duration=\"500\"";
@@ -141,6 +175,7 @@ mpegv_sem_suite(void)
   tcase_add_test(tests, test_reference_file);
   tcase_add_test(tests, test_round_trip);
   tcase_add_test(tests, test_rows_are_samples);
+  tcase_add_test(tests, test_vibrations);
   tcase_add_test(tests, test_refused);
   tcase_add_test(tests, test_format_by_name);
   return suite;

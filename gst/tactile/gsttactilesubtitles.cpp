@@ -1,0 +1,364 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+/**
+ * SECTION:element-tactilesubtitles
+ * @title: tactilesubtitles
+ * @short_description: subtitles that are a tactile track, for players that know nothing of them
+ *
+ * tactilesubtitles takes a film and its subtitles. Where those are a tactile track, in text cues as
+ * #tactileconverter has them, each frame gets the map that holds at its time as a #GstTactileMeta,
+ * a silent one where there is no cue. Subtitles that are meant to be read are drawn on the film by
+ * `textoverlay`, and frames stay without a map. The first cue tells which they are; what is no map in
+ * a track, a designer's remark, is drawn.
+ *
+ * It is for playbin's `subtitleoverlay`, which chooses it in any player by
+ * `GST_PLUGIN_FEATURE_RANK=tactilesubtitles:MAX` in the environment; with visuotactilesink as the
+ * video sink the track is felt instead of what draws the eye. #tactilecombiner waits for the track;
+ * this never holds up the film: a cue that comes later than its frames is felt from then on.
+ *
+ * ## Example launch lines
+ * |[
+ * gst-launch-1.0 filesrc location=CARRIER ! matroskademux name=d d.video_0 ! queue ! decodebin ! videoconvert ! \
+ *     tactilesubtitles name=t ! visuotactilesink driver=simulator d.subtitle_0 ! queue ! t.text_sink
+ * ]|
+ *
+ * Since: 0.1
+ */
+#include "gsttactilesubtitles.h"
+
+#include "gsttactileelements.h"
+#include "tactile/text_cue.h"
+#include "tactile/track.h"
+
+#include <gst/tactile/tactile.h>
+
+#include <algorithm>
+#include <deque>
+#include <optional>
+#include <string_view>
+#include <utility>
+
+using tactile::TactileMap;
+
+GST_DEBUG_CATEGORY_STATIC(tactile_subtitles_debug);
+#define GST_CAT_DEFAULT tactile_subtitles_debug
+
+namespace {
+
+/// Levels that wait for their frames, at most: a side-car comes all at once, and hours of 8 x 8 are fine.
+constexpr std::size_t kMaxLevels = 16'000'000;
+
+/// What a cue without a duration lasts, as in tactileconverter.
+constexpr GstClockTime kDefaultDuration = GST_SECOND;
+
+/// A map and when it holds, in running time.
+struct Cue
+{
+  GstClockTime begin = 0;
+  GstClockTime end = 0;
+  TactileMap map;
+};
+
+/// What the subtitles are.
+enum class Kind
+{
+  unknown, ///< nothing came yet
+  track,
+  words,
+};
+
+/// The segment that a pad is in.
+GstSegment
+segment_of(GstPad *pad)
+{
+  GstSegment segment;
+  gst_segment_init(&segment, GST_FORMAT_TIME);
+  g_autoptr(GstEvent) event = gst_pad_get_sticky_event(pad, GST_EVENT_SEGMENT, 0);
+  if (event)
+    gst_event_copy_segment(event, &segment);
+  return segment;
+}
+
+/// The map that the text is, if it is one.
+std::optional<TactileMap>
+read_map(GstBuffer *buffer, std::optional<tactile::Grid> grid)
+{
+  GstMapInfo info;
+  if (!gst_buffer_map(buffer, &info, GST_MAP_READ))
+    return std::nullopt;
+  std::string_view text(reinterpret_cast<const char *>(info.data), info.size);
+  text = text.substr(0, text.find('\0'));
+  std::optional<TactileMap> map;
+  for (const std::optional<tactile::Grid> &of : { grid, std::optional<tactile::Grid>() })
+    try {
+      if (!map)
+        map = tactile::read_text_cue(text, of);
+    } catch (const tactile::FormatError &error) {
+      GST_LOG("no map: %s", error.what());
+    }
+  gst_buffer_unmap(buffer, &info);
+  return map;
+}
+
+} // namespace
+
+/// All guarded by the object lock.
+struct GstTactileSubtitlesPrivate
+{
+  Kind kind = Kind::unknown;
+  tactile::Grid grid; ///< of the last cue
+  std::deque<Cue> cues;
+  std::size_t levels = 0; ///< in them
+  bool warned = false;
+};
+
+struct _GstTactileSubtitles
+{
+  GstBin parent;
+  GstTactileSubtitlesPrivate *priv;
+};
+
+#define gst_tactile_subtitles_parent_class parent_class
+G_DEFINE_TYPE_WITH_CODE(GstTactileSubtitles, gst_tactile_subtitles, GST_TYPE_BIN,
+                        GST_DEBUG_CATEGORY_INIT(tactile_subtitles_debug, "tactilesubtitles", 0,
+                                                "subtitles that are a tactile track"));
+GST_ELEMENT_REGISTER_DEFINE(tactilesubtitles, "tactilesubtitles", GST_RANK_NONE,
+                            GST_TYPE_TACTILE_SUBTITLES);
+
+// Names of pads and class are what subtitleoverlay looks for.
+#define VIDEO_CAPS "video/x-raw; video/x-raw(ANY)"
+static GstStaticPadTemplate video_template = GST_STATIC_PAD_TEMPLATE(
+    "video_sink", GST_PAD_SINK, GST_PAD_ALWAYS, GST_STATIC_CAPS(VIDEO_CAPS));
+static GstStaticPadTemplate text_template
+    = GST_STATIC_PAD_TEMPLATE("text_sink", GST_PAD_SINK, GST_PAD_ALWAYS,
+                              GST_STATIC_CAPS("text/x-raw, format = { utf8, pango-markup }"));
+static GstStaticPadTemplate src_template
+    = GST_STATIC_PAD_TEMPLATE("src", GST_PAD_SRC, GST_PAD_ALWAYS, GST_STATIC_CAPS(VIDEO_CAPS));
+
+/* ---- subtitles ---- */
+
+static void
+forget_cues(GstTactileSubtitles *self)
+{
+  GST_OBJECT_LOCK(self);
+  self->priv->cues.clear();
+  self->priv->levels = 0;
+  GST_OBJECT_UNLOCK(self);
+}
+
+/// When a buffer holds in running time; nothing outside of its segment.
+static bool
+find_running_time(GstPad *pad, GstBuffer *buffer, Cue &cue)
+{
+  if (!GST_BUFFER_PTS_IS_VALID(buffer))
+    return false;
+  const GstSegment segment = segment_of(pad);
+  const GstClockTime duration
+      = GST_BUFFER_DURATION_IS_VALID(buffer) && GST_BUFFER_DURATION(buffer) > 0
+            ? GST_BUFFER_DURATION(buffer)
+            : kDefaultDuration;
+  guint64 begin = 0;
+  guint64 end = 0;
+  if (!gst_segment_clip(&segment, GST_FORMAT_TIME, GST_BUFFER_PTS(buffer),
+                        GST_BUFFER_PTS(buffer) + duration, &begin, &end))
+    return false;
+  cue.begin = gst_segment_to_running_time(&segment, GST_FORMAT_TIME, begin);
+  cue.end = gst_segment_to_running_time(&segment, GST_FORMAT_TIME, end);
+  if (cue.begin > cue.end) // played backwards
+    std::swap(cue.begin, cue.end);
+  return true;
+}
+
+/// Keeps a map until the film is there.
+static void
+keep(GstTactileSubtitles *self, const Cue &cue)
+{
+  GstTactileSubtitlesPrivate *priv = self->priv;
+  GST_OBJECT_LOCK(self);
+  const bool full = priv->levels + cue.map.levels.size() > kMaxLevels;
+  const bool warn = full && !std::exchange(priv->warned, true);
+  if (!full) {
+    priv->cues.push_back(cue);
+    priv->levels += cue.map.levels.size();
+  }
+  GST_OBJECT_UNLOCK(self);
+  if (warn)
+    GST_ELEMENT_WARNING(
+        self, RESOURCE, NO_SPACE_LEFT,
+        ("The tactile track is too large; parts of it are not felt."),
+        ("expected at most %" G_GSIZE_FORMAT " levels before their frames come", kMaxLevels));
+}
+
+static GstPadProbeReturn
+on_subtitle(GstPad *pad, GstPadProbeInfo *info, gpointer data)
+{
+  auto *self = GST_TACTILE_SUBTITLES(data);
+  GstTactileSubtitlesPrivate *priv = self->priv;
+  GstBuffer *buffer = GST_PAD_PROBE_INFO_BUFFER(info);
+
+  GST_OBJECT_LOCK(self);
+  const Kind kind = priv->kind;
+  const tactile::Grid grid = priv->grid;
+  GST_OBJECT_UNLOCK(self);
+  if (kind == Kind::words)
+    return GST_PAD_PROBE_OK;
+
+  const bool follows = kind == Kind::track;
+  const std::optional<TactileMap> map
+      = read_map(buffer, follows ? std::optional(grid) : std::nullopt);
+  GST_OBJECT_LOCK(self);
+  if (!follows)
+    priv->kind = map ? Kind::track : Kind::words;
+  if (map)
+    priv->grid = { map->rows, map->columns };
+  GST_OBJECT_UNLOCK(self);
+  if (!follows)
+    GST_INFO_OBJECT(self, "the subtitles are %s", map ? "a tactile track" : "to be read");
+  if (!map)
+    return GST_PAD_PROBE_OK;
+  Cue cue{ .map = *map };
+  if (find_running_time(pad, buffer, cue))
+    keep(self, cue);
+  return GST_PAD_PROBE_DROP;
+}
+
+static GstPadProbeReturn
+on_subtitle_event(GstPad *, GstPadProbeInfo *info, gpointer data)
+{
+  auto *self = GST_TACTILE_SUBTITLES(data);
+  switch (GST_EVENT_TYPE(GST_PAD_PROBE_INFO_EVENT(info))) {
+  case GST_EVENT_STREAM_START: // perhaps other subtitles
+    GST_OBJECT_LOCK(self);
+    self->priv->kind = Kind::unknown;
+    GST_OBJECT_UNLOCK(self);
+    forget_cues(self);
+    break;
+  case GST_EVENT_FLUSH_STOP:
+    forget_cues(self);
+    break;
+  default:
+    break;
+  }
+  return GST_PAD_PROBE_OK;
+}
+
+/* ---- film ---- */
+
+/// The map that holds at a time, which rises; none without a track.
+static std::optional<TactileMap>
+map_at(GstTactileSubtitles *self, GstClockTime time)
+{
+  GstTactileSubtitlesPrivate *priv = self->priv;
+  std::optional<TactileMap> map;
+  GST_OBJECT_LOCK(self);
+  while (!priv->cues.empty() && priv->cues.front().end <= time) {
+    priv->levels -= priv->cues.front().map.levels.size();
+    priv->cues.pop_front();
+  }
+  if (priv->kind == Kind::track)
+    map = !priv->cues.empty() && priv->cues.front().begin <= time
+              ? priv->cues.front().map
+              : TactileMap(priv->grid.rows, priv->grid.columns);
+  GST_OBJECT_UNLOCK(self);
+  return map;
+}
+
+static GstPadProbeReturn
+on_frame(GstPad *pad, GstPadProbeInfo *info, gpointer data)
+{
+  auto *self = GST_TACTILE_SUBTITLES(data);
+  GstBuffer *frame = GST_PAD_PROBE_INFO_BUFFER(info);
+  const GstSegment segment = segment_of(pad);
+  const GstClockTime time
+      = gst_segment_to_running_time(&segment, GST_FORMAT_TIME, GST_BUFFER_PTS(frame));
+  if (!GST_CLOCK_TIME_IS_VALID(time))
+    return GST_PAD_PROBE_OK;
+  const std::optional<TactileMap> map = map_at(self, time);
+  if (!map)
+    return GST_PAD_PROBE_OK;
+  frame = gst_buffer_make_writable(frame);
+  GST_PAD_PROBE_INFO_DATA(info) = frame;
+  gst_buffer_add_tactile_meta(frame, static_cast<guint>(map->rows),
+                              static_cast<guint>(map->columns), map->levels.data(),
+                              map->levels.size());
+  return GST_PAD_PROBE_OK;
+}
+
+/* ---- element ---- */
+
+static GstStateChangeReturn
+gst_tactile_subtitles_change_state(GstElement *element, GstStateChange transition)
+{
+  auto *self = GST_TACTILE_SUBTITLES(element);
+  if (transition == GST_STATE_CHANGE_NULL_TO_READY && GST_BIN_NUMCHILDREN(self) == 0) {
+    GST_ELEMENT_ERROR(self, CORE, MISSING_PLUGIN, ("tactilesubtitles needs textoverlay."),
+                      ("expected the plugin pango of gst-plugins-base"));
+    return GST_STATE_CHANGE_FAILURE;
+  }
+  const GstStateChangeReturn result
+      = GST_ELEMENT_CLASS(parent_class)->change_state(element, transition);
+  if (transition == GST_STATE_CHANGE_PAUSED_TO_READY) {
+    GST_OBJECT_LOCK(self);
+    *self->priv = {};
+    GST_OBJECT_UNLOCK(self);
+  }
+  return result;
+}
+
+static void
+gst_tactile_subtitles_finalize(GObject *object)
+{
+  delete GST_TACTILE_SUBTITLES(object)->priv;
+  G_OBJECT_CLASS(parent_class)->finalize(object);
+}
+
+static void
+gst_tactile_subtitles_class_init(GstTactileSubtitlesClass *klass)
+{
+  auto *element_class = GST_ELEMENT_CLASS(klass);
+
+  G_OBJECT_CLASS(klass)->finalize = gst_tactile_subtitles_finalize;
+  element_class->change_state = GST_DEBUG_FUNCPTR(gst_tactile_subtitles_change_state);
+  gst_element_class_add_static_pad_template(element_class, &video_template);
+  gst_element_class_add_static_pad_template(element_class, &text_template);
+  gst_element_class_add_static_pad_template(element_class, &src_template);
+  gst_element_class_set_static_metadata(
+      element_class, "Tactile subtitles", "Mixer/Video/Overlay/Subtitle",
+      "Puts the maps of a tactile track on a film's frames, and other subtitles on its picture",
+      "The visuotactile developers");
+}
+
+static GstPad *
+add_ghost_pad(GstTactileSubtitles *self, GstElement *child, const gchar *name,
+              GstStaticPadTemplate *pad_template)
+{
+  g_autoptr(GstPadTemplate) of = gst_static_pad_template_get(pad_template);
+  GstPad *target = child ? gst_element_get_static_pad(child, name) : nullptr;
+  gst_element_add_pad(GST_ELEMENT(self), target
+                                             ? gst_ghost_pad_new_from_template(name, target, of)
+                                             : gst_ghost_pad_new_no_target_from_template(name, of));
+  return target;
+}
+
+static void
+gst_tactile_subtitles_init(GstTactileSubtitles *self)
+{
+  self->priv = new GstTactileSubtitlesPrivate;
+  GstElement *words = gst_element_factory_make("textoverlay", "words");
+  if (words) {
+    gst_util_set_object_arg(G_OBJECT(words), "wait-text", "false");
+    gst_util_set_object_arg(G_OBJECT(words), "halignment", "center");
+    gst_util_set_object_arg(G_OBJECT(words), "valignment", "bottom");
+    gst_bin_add(GST_BIN(self), words);
+  }
+  g_autoptr(GstPad) video = add_ghost_pad(self, words, "video_sink", &video_template);
+  g_autoptr(GstPad) text = add_ghost_pad(self, words, "text_sink", &text_template);
+  g_autoptr(GstPad) src = add_ghost_pad(self, words, "src", &src_template);
+  if (!words)
+    return;
+  gst_pad_add_probe(text, GST_PAD_PROBE_TYPE_BUFFER, on_subtitle, self, nullptr);
+  gst_pad_add_probe(text,
+                    static_cast<GstPadProbeType>(GST_PAD_PROBE_TYPE_EVENT_DOWNSTREAM
+                                                 | GST_PAD_PROBE_TYPE_EVENT_FLUSH),
+                    on_subtitle_event, self, nullptr);
+  gst_pad_add_probe(src, GST_PAD_PROBE_TYPE_BUFFER, on_frame, self, nullptr);
+}

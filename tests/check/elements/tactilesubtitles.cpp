@@ -1,0 +1,205 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+//
+// tactilesubtitles: what becomes of frames and of subtitles. That players choose it is tests/tools/players.sh.
+#include <string>
+#include <vector>
+
+#include <gst/check/gstcheck.h>
+#include <gst/check/gstharness.h>
+#include <gst/tactile/tactile.h>
+
+namespace {
+
+constexpr const gchar *kVideoCaps = "video/x-raw,format=I420,width=160,height=120,framerate=25/1";
+constexpr gsize kFrameSize = 160 * 120 * 3 / 2;
+constexpr GstClockTime kFrame = 40 * GST_MSECOND;
+
+/// The element with a harness for the film and one for its subtitles.
+class Subtitles
+{
+public:
+  explicit Subtitles(const gchar *format = "utf8")
+      : element_(gst_element_factory_make("tactilesubtitles", nullptr)),
+        film(gst_harness_new_with_element(element_, "video_sink", "src")),
+        text(gst_harness_new_with_element(element_, "text_sink", nullptr))
+  {
+    gst_harness_set_src_caps_str(film, kVideoCaps);
+    gst_harness_set_src_caps(
+        text, gst_caps_new_simple("text/x-raw", "format", G_TYPE_STRING, format, nullptr));
+  }
+  ~Subtitles()
+  {
+    gst_harness_teardown(text);
+    gst_harness_teardown(film);
+    gst_object_unref(element_);
+  }
+  Subtitles(const Subtitles &) = delete;
+  Subtitles &operator=(const Subtitles &) = delete;
+
+  /// A cue, in ms.
+  void push_cue(const std::string &words, GstClockTime begin, GstClockTime end)
+  {
+    GstBuffer *cue = gst_buffer_new_memdup(words.data(), words.size());
+    GST_BUFFER_PTS(cue) = begin * GST_MSECOND;
+    if (end > begin)
+      GST_BUFFER_DURATION(cue) = (end - begin) * GST_MSECOND;
+    fail_unless_equals_int(gst_harness_push(text, cue), GST_FLOW_OK);
+  }
+
+  /// A black frame at a time in ms, as it comes out.
+  GstBuffer *play_frame(GstClockTime time)
+  {
+    GstBuffer *frame = gst_buffer_new_allocate(nullptr, kFrameSize, nullptr);
+    gst_buffer_memset(frame, 0, 0, kFrameSize);
+    GST_BUFFER_PTS(frame) = time * GST_MSECOND;
+    GST_BUFFER_DURATION(frame) = kFrame;
+    fail_unless_equals_int(gst_harness_push(film, frame), GST_FLOW_OK);
+    return gst_harness_pull(film);
+  }
+
+  /// The levels of that frame in percent; none without a map.
+  std::vector<int> levels_at(GstClockTime time)
+  {
+    g_autoptr(GstBuffer) frame = play_frame(time);
+    std::vector<int> percents;
+    if (const GstTactileMeta *meta = gst_buffer_get_tactile_meta(frame)) {
+      gsize n = 0;
+      const gfloat *levels = gst_tactile_meta_get_levels(meta, &n);
+      for (gsize i = 0; i < n; i++)
+        percents.push_back(static_cast<int>(levels[i] * 100 + 0.5F));
+    }
+    return percents;
+  }
+
+  /// Whether something is drawn on that frame.
+  bool draws_at(GstClockTime time)
+  {
+    g_autoptr(GstBuffer) frame = play_frame(time);
+    std::vector<guint8> bytes(kFrameSize);
+    gst_buffer_extract(frame, 0, bytes.data(), bytes.size());
+    for (gsize i = 0; i < 160 * 120; i++)
+      if (bytes[i] > 100)
+        return true;
+    return false;
+  }
+
+private:
+  GstElement *element_;
+
+public:
+  GstHarness *film;
+  GstHarness *text;
+};
+
+using Levels = std::vector<int>;
+
+} // namespace
+
+/// Each frame gets the map in whose time it begins, a silent one where there is none; nothing is drawn.
+GST_START_TEST(test_track)
+{
+  Subtitles s;
+  fail_unless(s.levels_at(0) == Levels{}); // nothing is known yet
+  s.push_cue("10 20\n30 40\n", 40, 80);
+  s.push_cue(" 50%  0\n  0  0\n", 80, 160);
+  s.push_cue("1 2\n3 4", 240, 0); // without an end: a second
+  fail_unless(s.levels_at(40) == (Levels{ 10, 20, 30, 40 }));
+  fail_unless(s.levels_at(80) == (Levels{ 50, 0, 0, 0 }));
+  fail_if(s.draws_at(120));
+  fail_unless(s.levels_at(160) == (Levels{ 0, 0, 0, 0 }));
+  fail_unless(s.levels_at(240) == (Levels{ 1, 2, 3, 4 }));
+  fail_unless(s.levels_at(1220) == (Levels{ 1, 2, 3, 4 }));
+  fail_unless(s.levels_at(1240) == (Levels{ 0, 0, 0, 0 }));
+}
+GST_END_TEST;
+
+/// A map without a frame does not wait for one: what came meanwhile is felt at its own time.
+GST_START_TEST(test_late_cue)
+{
+  Subtitles s;
+  s.push_cue("1", 0, 40);
+  fail_unless(s.levels_at(200) == Levels{ 0 });
+  s.push_cue("2", 40, 400);
+  fail_unless(s.levels_at(240) == Levels{ 2 });
+}
+GST_END_TEST;
+
+/// Subtitles that begin with words are drawn, numbers among them, too; frames stay without a map.
+GST_START_TEST(test_words)
+{
+  Subtitles s("pango-markup");
+  s.push_cue("Who is there?", 0, 400);
+  fail_unless(s.draws_at(40));
+  fail_unless(s.levels_at(80) == Levels{});
+  fail_if(s.draws_at(440)); // which lets go of the first
+  s.push_cue("42", 800, 1200);
+  fail_unless(s.draws_at(840));
+  fail_unless(s.levels_at(880) == Levels{});
+}
+GST_END_TEST;
+
+/// A remark in a track is drawn.
+GST_START_TEST(test_remark)
+{
+  Subtitles s;
+  s.push_cue("1 2", 0, 40);
+  fail_unless(s.levels_at(0) == (Levels{ 1, 2 }));
+  s.push_cue("louder?", 40, 400);
+  fail_unless(s.draws_at(80));
+  fail_unless(s.levels_at(120) == (Levels{ 0, 0 }));
+}
+GST_END_TEST;
+
+/// Times are running times: the track's segment need not be the film's.
+GST_START_TEST(test_segments)
+{
+  Subtitles s;
+  GstSegment segment;
+  gst_segment_init(&segment, GST_FORMAT_TIME);
+  segment.start = segment.time = 10 * GST_SECOND;
+  gst_harness_push_event(s.text, gst_event_new_segment(&segment));
+  s.push_cue("9", 9000, 9900); // over before
+  s.push_cue("1", 9960, 10040);
+  s.push_cue("2", 10040, 10080);
+  fail_unless(s.levels_at(0) == Levels{ 1 });
+  fail_unless(s.levels_at(40) == Levels{ 2 });
+  fail_unless(s.levels_at(80) == Levels{ 0 });
+}
+GST_END_TEST;
+
+/// A seek forgets what waits; other subtitles are looked at anew.
+GST_START_TEST(test_flush_and_other_subtitles)
+{
+  Subtitles s;
+  s.push_cue("1", 0, 40);
+  s.push_cue("2", 40, 4000);
+  fail_unless(s.levels_at(0) == Levels{ 1 });
+  gst_harness_push_event(s.text, gst_event_new_flush_start());
+  gst_harness_push_event(s.text, gst_event_new_flush_stop(TRUE));
+  GstSegment segment;
+  gst_segment_init(&segment, GST_FORMAT_TIME);
+  gst_harness_push_event(s.text, gst_event_new_segment(&segment));
+  fail_unless(s.levels_at(40) == Levels{ 0 });
+  gst_harness_push_event(s.text, gst_event_new_stream_start("others"));
+  fail_unless(s.levels_at(80) == Levels{});
+  s.push_cue("Hello", 80, 800);
+  fail_unless(s.levels_at(120) == Levels{});
+}
+GST_END_TEST;
+
+static Suite *
+tactilesubtitles_suite()
+{
+  Suite *s = suite_create("tactilesubtitles");
+  TCase *cases = tcase_create("general");
+  suite_add_tcase(s, cases);
+  tcase_add_test(cases, test_track);
+  tcase_add_test(cases, test_late_cue);
+  tcase_add_test(cases, test_words);
+  tcase_add_test(cases, test_remark);
+  tcase_add_test(cases, test_segments);
+  tcase_add_test(cases, test_flush_and_other_subtitles);
+  return s;
+}
+
+GST_CHECK_MAIN(tactilesubtitles);
