@@ -25,7 +25,8 @@ constexpr double kSteadyChange = 0.05;
 constexpr double kLeastChange = 0.04;
 constexpr double kIrregular = 0.12;
 constexpr double kFitFromS = -0.1;
-constexpr double kSmearS = 0.02;
+constexpr double kSmearS = 0.05;
+constexpr double kSmeared = 0.02; ///< what of the loudest may be smeared into rest
 constexpr double kFallS = 0.4;
 constexpr double kSameCrest = 0.02;
 constexpr double kOtherVolts = 0.15;
@@ -131,7 +132,7 @@ measure_step(const Recording &recording, int channel, const Step &step, Band ban
   response.flat_crest = sound.flat_crest(steady_from, steady_to);
   if (sound.is_clipped(-0.1, end))
     return finish(StepFault::clipped);
-  if (response.snr_db < kMotionSnrDb)
+  if (response.snr_db < kMotionSnrDb || response.steady < kSmeared * sound.loudest())
     return finish(StepFault::no_motion);
   if (response.snr_db < kLeastSnrDb)
     return finish(StepFault::noisy);

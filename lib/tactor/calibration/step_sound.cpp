@@ -222,6 +222,12 @@ StepSound::noise() const
 }
 
 double
+StepSound::loudest() const
+{
+  return envelope_.samples.empty() ? 0 : std::ranges::max(envelope_.samples);
+}
+
+double
 StepSound::amplitude(double from_s, double to_s) const
 {
   return std::sqrt(std::max(mean_square(envelope_.part(from_s, to_s)) - noise_, 0.0));
@@ -260,10 +266,14 @@ std::vector<double>
 StepSound::drawn() const
 {
   std::vector<double> result;
-  for (std::size_t i = 0; i < raw_.samples.size(); i++)
-    result.push_back(envelope_.samples[std::min(
-        static_cast<std::size_t>(static_cast<double>(i) * envelope_.rate / raw_.rate),
-        envelope_.samples.size() - 1)]);
+  for (std::size_t i = 0; i < raw_.samples.size(); i++) {
+    const double at = static_cast<double>(i) * envelope_.rate / raw_.rate;
+    const auto last = static_cast<double>(envelope_.samples.size() - 1);
+    const auto before = static_cast<std::size_t>(std::min(at, last));
+    const std::size_t after = std::min(before + 1, envelope_.samples.size() - 1);
+    result.push_back(std::lerp(envelope_.samples[before], envelope_.samples[after],
+                               std::min(at - static_cast<double>(before), 1.0)));
+  }
   return result;
 }
 

@@ -48,6 +48,8 @@ public:
   double hum() const;
   /// Mean square of the envelope at rest.
   double noise() const;
+  /// The envelope's maximum.
+  double loudest() const;
   /// Amplitude in [from, to), root mean square, the noise's power taken off.
   double amplitude(double from_s, double to_s) const;
   /// How far two such amplitudes of a stretch so long may differ by the noise.
