@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 //
-// How exactly is a rise time measured through noise? Simulated motors with the paper's rise times, white noise between 0 and 4 kHz, a
-// line for each 3 dB between the steady vibration of a step and the noise: errors of single steps, and of the median of nine. Usage:
+// How exactly is a rise time measured through noise? Simulated motors with the paper's rise times, which rise in different ways, white
+// noise between 0 and 4 kHz; a line for each 3 dB between the steady vibration of a step and the noise: errors of single steps, of the
+// median of nine, and of the first motion of strong rises from rest. Usage:
 // rise_time_accuracy
 #include "tactor/calibration/median.h"
 #include "tests/check/libs/measured_chair.h"
@@ -10,13 +11,24 @@
 #include <cmath>
 #include <cstdio>
 #include <map>
-#include <tuple>
+#include <numeric>
+#include <string>
 #include <utility>
 #include <vector>
 
 using namespace tactor;
 
 namespace {
+
+constexpr int kRepetitions = 9;
+
+struct Errors
+{
+  std::vector<double> single{};
+  std::vector<double> of_nine{};
+  std::vector<double> onset{};
+  double in_band_db = 0; ///< summed
+};
 
 double
 truth_ms(const Step &step, const MotorParameters &motor)
@@ -28,8 +40,45 @@ truth_ms(const Step &step, const MotorParameters &motor)
 double
 at(std::vector<double> errors, double share)
 {
+  if (errors.empty())
+    return 0;
+  for (double &error : errors)
+    error = std::abs(error);
   std::ranges::sort(errors);
   return errors[static_cast<std::size_t>(share * static_cast<double>(errors.size() - 1))];
+}
+
+double
+mean(const std::vector<double> &errors)
+{
+  return std::accumulate(errors.begin(), errors.end(), 0.0)
+         / static_cast<double>(std::max<std::size_t>(errors.size(), 1));
+}
+
+void
+add(std::map<int, Errors> &bins, const Growth &growth, int decibels, const MotorParameters &motor)
+{
+  SimulatedSensor sensor{ .seed = static_cast<std::uint32_t>(1000 * decibels) };
+  sensor.noise = sensor.gain * 3 / std::sqrt(2.0) * std::pow(10, -decibels / 20.0);
+  if (growth.share)
+    sensor.growth = growth.share;
+  std::map<std::pair<double, double>, std::vector<double>> repeated;
+  for (const StepResponse &response : measure({ .repetitions = kRepetitions }, { motor }, sensor)) {
+    const Step &step = response.step;
+    if (response.fault != StepFault::none || !step.rises())
+      continue;
+    const double own = decibels + 20 * std::log10(step.target_volts / 3);
+    Errors &bin = bins[static_cast<int>(std::floor(own / 3)) * 3];
+    const double error = response.risen_ms - truth_ms(step, motor);
+    bin.single.push_back(error);
+    bin.in_band_db += response.snr_db;
+    if (step.start_volts == 0 && step.target_volts >= 1.5)
+      bin.onset.push_back(response.onset_ms - static_cast<double>(motor.latency->count()) / 1e6);
+    std::vector<double> &own_errors = repeated[{ step.start_volts, step.target_volts }];
+    own_errors.push_back(error);
+    if (own_errors.size() == kRepetitions)
+      bin.of_nine.push_back(median(own_errors));
+  }
 }
 
 } // namespace
@@ -38,35 +87,21 @@ int
 main()
 {
   const MotorParameters motor{ .latency = std::chrono::milliseconds(8) };
-  std::map<int, std::vector<double>> single;
-  std::map<int, std::vector<double>> of_nine;
-  for (int decibels = 10; decibels <= 40; decibels += 5) {
-    SimulatedSensor sensor{ .seed = static_cast<std::uint32_t>(1000 * decibels) };
-    sensor.noise = sensor.gain * 3 / std::sqrt(2.0) * std::pow(10, -decibels / 20.0);
-    std::map<std::pair<double, double>, std::vector<double>> repeated;
-    for (const StepResponse &response : measure({ .repetitions = 9 }, { motor }, sensor)) {
-      if (response.fault != StepFault::none || !response.step.rises())
-        continue;
-      const double error = response.risen_ms - truth_ms(response.step, motor);
-      repeated[{ response.step.start_volts, response.step.target_volts }].push_back(error);
-    }
-    for (const auto &[volts, errors] : repeated) {
-      const double own = decibels + 20 * std::log10(volts.second / 3);
-      const int bin = static_cast<int>(std::floor(own / 3)) * 3;
-      for (const double error : errors)
-        single[bin].push_back(std::abs(error));
-      if (errors.size() >= 9)
-        of_nine[bin].push_back(std::abs(median({ errors.begin(), errors.begin() + 9 })));
-    }
-  }
-  std::printf("signal to noise   single: n  p50  p95 ms   median of nine: n  p50  p95 ms\n");
-  for (const auto &[bin, errors] : single) {
-    std::printf("%3d to %3d dB  %12zu %5.1f %5.1f", bin, bin + 3, errors.size(), at(errors, 0.5),
-                at(errors, 0.95));
-    if (of_nine.contains(bin))
-      std::printf("  %18zu %5.1f %5.1f", of_nine[bin].size(), at(of_nine[bin], 0.5),
-                  at(of_nine[bin], 0.95));
-    std::printf("\n");
+  for (const Growth &growth : kGrowths) {
+    std::map<int, Errors> bins;
+    for (const int decibels : { 16, 20, 24, 28 })
+      add(bins, growth, decibels, motor);
+    std::printf("%s\n  signal to noise  in band   single: n  p50  p95  max ms   nine: n  p50  p95 "
+                "ms   onset: mean  p95 ms\n",
+                growth.name);
+    for (const auto &[bin, errors] : bins)
+      std::printf("  %4d to %2d dB  %6.0f dB  %8zu %5.1f %5.1f %5.1f  %10zu %5.1f %5.1f  %12.1f "
+                  "%5.1f\n",
+                  bin, bin + 3, errors.in_band_db / static_cast<double>(errors.single.size()),
+                  errors.single.size(), at(errors.single, 0.5), at(errors.single, 0.95),
+                  at(errors.single, 1), errors.of_nine.size(), at(errors.of_nine, 0.5),
+                  at(errors.of_nine, 0.95), mean(errors.onset), at(errors.onset, 0.95));
+    std::fflush(stdout);
   }
   return 0;
 }

@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 //
 // plot: a track over time, a lane for each cell, frames of its film above.
+#include "../cairo_picture.h"
 #include "../visuotactile-play/film.h"
-#include "../visuotactile-play/output.h"
 #include "commands.h"
 #include "pipeline.h"
 #include "tactile/formats/track_file.h"
 
-#include <cairo-svg.h>
 #include <cairo.h>
 #include <gst/app/gstappsink.h>
 #include <gst/video/video.h>
@@ -23,20 +22,6 @@ constexpr double kMargin = 12;
 constexpr double kLabels = 44;
 constexpr double kAxis = 24;
 constexpr int kFrames = 8;
-
-struct FreeCairo
-{
-  void operator()(cairo_surface_t *surface) const
-  {
-    cairo_surface_destroy(surface);
-  }
-  void operator()(cairo_t *context) const
-  {
-    cairo_destroy(context);
-  }
-};
-using Surface = std::unique_ptr<cairo_surface_t, FreeCairo>;
-using Context = std::unique_ptr<cairo_t, FreeCairo>;
 
 /// A decoded frame as a picture.
 Surface
@@ -214,7 +199,7 @@ plot(int argc, char **argv)
       "Draws a track: time to the right, a lane for each cell, the stronger the more intense.", 1,
       1);
   const std::string out = output.text();
-  if (!out.ends_with(".png") && !out.ends_with(".svg"))
+  if (!is_picture_name(out))
     throw UsageError("expected -o PICTURE that ends in .png or .svg");
   const tactile::Track track = tactile::read_track_file(names[0]);
 
@@ -228,25 +213,7 @@ plot(int argc, char **argv)
     frames = frames_of(film, track.end(), width, frame_height);
   }
   const Plot drawing(track, frame_height);
-  const auto [folder, name] = folder_and_name(out);
-  Output file(folder, name);
-  const bool is_svg = out.ends_with(".svg");
-  const Surface surface(
-      is_svg ? cairo_svg_surface_create(file.part_path().c_str(), kWidth, drawing.height())
-             : cairo_image_surface_create(CAIRO_FORMAT_RGB24, static_cast<int>(kWidth),
-                                          static_cast<int>(std::ceil(drawing.height()))));
-  {
-    const Context context(cairo_create(surface.get()));
-    drawing.draw(context.get(), frames);
-  }
-  cairo_status_t status = CAIRO_STATUS_SUCCESS;
-  if (!is_svg)
-    status = cairo_surface_write_to_png(surface.get(), file.part_path().c_str());
-  cairo_surface_finish(surface.get());
-  if (status == CAIRO_STATUS_SUCCESS)
-    status = cairo_surface_status(surface.get());
-  if (status != CAIRO_STATUS_SUCCESS)
-    throw std::runtime_error("cannot write '" + out + "': " + cairo_status_to_string(status));
-  file.commit();
+  write_picture(out, kWidth, drawing.height(), 1,
+                [&](cairo_t *cairo) { drawing.draw(cairo, frames); });
   return 0;
 }

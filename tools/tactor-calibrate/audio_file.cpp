@@ -63,8 +63,7 @@ on_sample(GstAppSink *sink, gpointer collector)
   g_autoptr(GstSample) sample = gst_app_sink_pull_sample(sink);
   if (!sample)
     return GST_FLOW_EOS;
-  static_cast<AudioCollector *>(collector)->add(sample);
-  return GST_FLOW_OK;
+  return static_cast<AudioCollector *>(collector)->add(sample) ? GST_FLOW_OK : GST_FLOW_EOS;
 }
 
 } // namespace
@@ -86,7 +85,7 @@ AudioCollector::listen(GstElement *appsink)
   gst_app_sink_set_callbacks(GST_APP_SINK(appsink), &callbacks, this, nullptr);
 }
 
-void
+bool
 AudioCollector::add(GstSample *sample)
 {
   GstAudioInfo info;
@@ -94,7 +93,7 @@ AudioCollector::add(GstSample *sample)
   GstMapInfo map;
   if (!gst_audio_info_from_caps(&info, gst_sample_get_caps(sample))
       || !gst_buffer_map(buffer, &map, GST_MAP_READ))
-    return;
+    return true;
   const std::lock_guard<std::mutex> lock(mutex_);
   const auto channels = static_cast<std::size_t>(GST_AUDIO_INFO_CHANNELS(&info));
   if (recording_.channels.empty()) {
@@ -106,10 +105,13 @@ AudioCollector::add(GstSample *sample)
     recording_.start
         = tactor::Time(GST_CLOCK_TIME_IS_VALID(running) ? static_cast<gint64>(running) : 0);
   }
+  too_long_
+      |= recording_.size() * channels + map.size / sizeof(gdouble) > tactor::Recording::kMostValues;
   const auto *values = reinterpret_cast<const gdouble *>(map.data);
-  for (std::size_t i = 0; i < map.size / sizeof(gdouble); i++)
+  for (std::size_t i = 0; !too_long_ && i < map.size / sizeof(gdouble); i++)
     recording_.channels[i % channels].push_back(values[i]);
   gst_buffer_unmap(buffer, &map);
+  return !too_long_;
 }
 
 tactor::Time
@@ -129,6 +131,10 @@ AudioCollector::take()
   const std::lock_guard<std::mutex> lock(mutex_);
   if (recording_.size() == 0)
     throw std::runtime_error("no sound came");
+  if (too_long_)
+    throw std::runtime_error("the recording is longer than the "
+                             + std::to_string(tactor::Recording::kMostValues)
+                             + " samples that are read");
   return std::move(recording_);
 }
 

@@ -21,11 +21,13 @@ public:
   /// What came, from the running time of its first sample. Throws std::runtime_error if nothing did.
   tactor::Recording take();
 
-  void add(GstSample *sample);
+  /// False once it is more than Recording::kMostValues.
+  bool add(GstSample *sample);
 
 private:
   std::mutex mutex_;
   tactor::Recording recording_;
+  bool too_long_ = false;
 };
 
 /// Hands a recording to an appsrc, then the end of stream.

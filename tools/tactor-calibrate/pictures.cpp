@@ -7,19 +7,28 @@
 #include <array>
 #include <cmath>
 #include <functional>
-#include <iomanip>
 #include <iterator>
-#include <locale>
+#include <numbers>
 #include <span>
-#include <sstream>
 
 namespace {
 
-constexpr double kWidth = 640;
-constexpr double kHeight = 360;
-constexpr const char *kBlue = "#1f6fb4";
-constexpr const char *kRed = "#c03020";
-constexpr const char *kGrey = "#b0b0b0";
+struct Colour
+{
+  double red;
+  double green;
+  double blue;
+};
+constexpr Colour kBlack{ 0, 0, 0 };
+constexpr Colour kBlue{ 0.12, 0.44, 0.71 };
+constexpr Colour kRed{ 0.75, 0.19, 0.13 };
+constexpr Colour kGrey{ 0.69, 0.69, 0.69 };
+constexpr Colour kGrid{ 0.93, 0.93, 0.93 };
+constexpr double kDashes[] = { 5, 3 };
+constexpr double kDots[] = { 2, 3 };
+constexpr double kStart = 0;
+constexpr double kMiddle = 0.5;
+constexpr double kEnd = 1;
 
 struct Point
 {
@@ -34,52 +43,58 @@ number(double value, const char *format)
   return g_ascii_formatd(buffer.data(), static_cast<gint>(buffer.size()), format, value);
 }
 
-/// An SVG document being written, the same in any locale.
+void
+set_colour(cairo_t *cairo, Colour colour)
+{
+  cairo_set_source_rgb(cairo, colour.red, colour.green, colour.blue);
+}
+
+/// A white page with a title, drawn upon.
 class Drawing
 {
 public:
-  explicit Drawing(const std::string &title)
+  Drawing(cairo_t *cairo, const std::string &title) : cairo_(cairo)
   {
-    document_.imbue(std::locale::classic());
-    document_ << std::fixed << std::setprecision(1)
-              << "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 " << kWidth << ' '
-              << kHeight
-              << "\" font-family=\"sans-serif\" font-size=\"12\">\n"
-                 "<rect width=\"100%\" height=\"100%\" fill=\"white\"/>\n";
-    text({ kWidth / 2, 18 }, title, "middle");
+    set_colour(cairo_, { 1, 1, 1 });
+    cairo_paint(cairo_);
+    cairo_select_font_face(cairo_, "sans-serif", CAIRO_FONT_SLANT_NORMAL, CAIRO_FONT_WEIGHT_NORMAL);
+    cairo_set_font_size(cairo_, 12);
+    cairo_set_line_join(cairo_, CAIRO_LINE_JOIN_ROUND);
+    text({ kPictureWidth / 2, 18 }, title, kMiddle);
   }
 
-  void text(Point at, const std::string &what, const char *anchor = "start")
+  /// `place` is where the point is in the text: kStart, kMiddle or kEnd.
+  void text(Point at, const std::string &what, double place = kStart)
   {
-    g_autofree gchar *escaped = g_markup_escape_text(what.c_str(), -1);
-    document_ << "<text x=\"" << at.x << "\" y=\"" << at.y << "\" text-anchor=\"" << anchor << "\">"
-              << escaped << "</text>\n";
+    cairo_text_extents_t extents;
+    cairo_text_extents(cairo_, what.c_str(), &extents);
+    set_colour(cairo_, kBlack);
+    cairo_move_to(cairo_, at.x - place * extents.x_advance, at.y);
+    cairo_show_text(cairo_, what.c_str());
   }
 
-  void line(std::span<const Point> points, const char *colour, double width = 1,
-            const char *dashes = "none")
+  void line(std::span<const Point> points, Colour colour, double width = 1,
+            std::span<const double> dashes = {})
   {
-    document_ << "<polyline fill=\"none\" stroke=\"" << colour << "\" stroke-width=\"" << width
-              << "\" stroke-dasharray=\"" << dashes << "\" points=\"";
+    set_colour(cairo_, colour);
+    cairo_set_line_width(cairo_, width);
+    cairo_set_dash(cairo_, dashes.data(), static_cast<int>(dashes.size()), 0);
+    cairo_new_path(cairo_);
     for (const Point &point : points)
-      document_ << point.x << ',' << point.y << ' ';
-    document_ << "\"/>\n";
+      cairo_line_to(cairo_, point.x, point.y);
+    cairo_stroke(cairo_);
   }
 
-  void dot(Point at, const char *colour)
+  void dot(Point at, Colour colour)
   {
-    document_ << "<circle cx=\"" << at.x << "\" cy=\"" << at.y << "\" r=\"2.5\" fill=\"" << colour
-              << "\"/>\n";
-  }
-
-  std::string finish()
-  {
-    document_ << "</svg>\n";
-    return document_.str();
+    set_colour(cairo_, colour);
+    cairo_new_path(cairo_);
+    cairo_arc(cairo_, at.x, at.y, 2.5, 0, 2 * std::numbers::pi);
+    cairo_fill(cairo_);
   }
 
 private:
-  std::ostringstream document_;
+  cairo_t *cairo_;
 };
 
 /// Two linear axes with ticks; maps values to places.
@@ -92,16 +107,16 @@ public:
   {
     for (double x = std::ceil(least.x / x_tick) * x_tick; x <= most.x + 1e-9; x += x_tick) {
       const std::array grid{ at({ x, least.y }), at({ x, most.y }) };
-      drawing.line(grid, "#eeeeee");
+      drawing.line(grid, kGrid);
       drawing.text({ grid[0].x, kBottom + 16 }, number(std::abs(x) < 1e-9 ? 0 : x, "%.4g"),
-                   "middle");
+                   kMiddle);
     }
     for (double y = std::ceil(least.y / y_tick) * y_tick; y <= most.y + 1e-9; y += y_tick) {
       const std::array grid{ at({ least.x, y }), at({ most.x, y }) };
-      drawing.line(grid, "#eeeeee");
-      drawing.text({ kLeft - 6, grid[0].y + 4 }, number(std::abs(y) < 1e-9 ? 0 : y, "%.4g"), "end");
+      drawing.line(grid, kGrid);
+      drawing.text({ kLeft - 6, grid[0].y + 4 }, number(std::abs(y) < 1e-9 ? 0 : y, "%.4g"), kEnd);
     }
-    drawing.text({ (kLeft + kRight) / 2, kHeight - 6 }, x_label, "middle");
+    drawing.text({ (kLeft + kRight) / 2, kPictureHeight - 6 }, x_label, kMiddle);
     drawing.text({ 6, 34 }, y_label);
   }
 
@@ -113,9 +128,9 @@ public:
 
 private:
   static constexpr double kLeft = 60;
-  static constexpr double kRight = kWidth - 16;
+  static constexpr double kRight = kPictureWidth - 16;
   static constexpr double kTop = 42;
-  static constexpr double kBottom = kHeight - 40;
+  static constexpr double kBottom = kPictureHeight - 40;
 
   Point least_;
   Point most_;
@@ -132,23 +147,6 @@ tick(double range)
   return power * 10;
 }
 
-std::vector<tactor::StepResponse>
-rises_of(const std::vector<tactor::StepResponse> &responses)
-{
-  std::vector<tactor::StepResponse> rises;
-  std::ranges::copy_if(responses, std::back_inserter(rises),
-                       [](const tactor::StepResponse &response) {
-                         return response.fault == tactor::StepFault::none && response.step.rises();
-                       });
-  return rises;
-}
-
-double
-latency_ms(const tactor::TactorCalibration &tactor)
-{
-  return static_cast<double>(tactor.latency.value_or(tactor::Time(0)).count()) / 1e6;
-}
-
 std::string
 volts(const tactor::Step &step)
 {
@@ -157,12 +155,14 @@ volts(const tactor::Step &step)
 
 } // namespace
 
-std::string
-envelope_picture(const tactor::StepResponse &response, const tactor::StepEnvelope &envelope)
+void
+draw_envelope(cairo_t *cairo, const tactor::StepResponse &response,
+              const tactor::StepEnvelope &envelope)
 {
-  Drawing drawing("Tactor " + std::to_string(response.step.tactor) + ", " + volts(response.step)
-                  + ": 90 % after " + number(response.risen_ms, "%.1f") + " ms, first motion after "
-                  + number(response.onset_ms, "%.1f") + " ms");
+  Drawing drawing(cairo, "Tactor " + std::to_string(response.step.tactor) + ", "
+                             + volts(response.step) + ": 90 % after "
+                             + number(response.risen_ms, "%.1f") + " ms, first motion after "
+                             + number(response.onset_ms, "%.1f") + " ms");
   const double from = -0.1;
   const double to = std::max(0.3, 2.2 * response.risen_ms / 1e3);
   const double most = 1.3 * response.steady;
@@ -183,50 +183,49 @@ envelope_picture(const tactor::StepResponse &response, const tactor::StepEnvelop
   const double risen = response.risen_ms / 1e3;
   const std::array level{ axes.at({ from, goal }), axes.at({ risen, goal }),
                           axes.at({ risen, -most }) };
-  drawing.line(level, kRed, 1, "5 3");
+  drawing.line(level, kRed, 1, kDashes);
   const std::array command{ axes.at({ 0, -most }), axes.at({ 0, most }) };
-  drawing.line(command, "black");
+  drawing.line(command, kBlack);
   const double onset = response.onset_ms / 1e3;
   const std::array motion{ axes.at({ onset, -most }), axes.at({ onset, most }) };
-  drawing.line(motion, "black", 1, "2 3");
+  drawing.line(motion, kBlack, 1, kDots);
   drawing.text({ axes.at({ from, goal }).x + 4, level[0].y - 4 }, "90 %");
-  return drawing.finish();
 }
 
-std::string
-surface_picture(const tactor::TactorCalibration &tactor,
-                const std::vector<tactor::StepResponse> &responses)
+void
+draw_surface(cairo_t *cairo, const tactor::TactorCalibration &tactor,
+             const std::vector<tactor::StepResponse> &responses)
 {
-  const std::vector<tactor::StepResponse> rises = rises_of(responses);
+  const std::vector<tactor::RiseTimeSample> rises = tactor::rise_time_samples(responses, tactor);
   double volts_max = 1;
   double most = 50;
-  for (const tactor::StepResponse &rise : rises) {
-    volts_max = std::max(volts_max, rise.step.target_volts);
-    most = std::max(most, rise.risen_ms - latency_ms(tactor));
+  for (const tactor::RiseTimeSample &rise : rises) {
+    volts_max = std::max(volts_max, rise.target_volts);
+    most = std::max(most, rise.milliseconds);
   }
   // Start voltage to the right and back, offset to the left and back, time upwards.
   const auto place = [&](double start, double offset, double ms) {
     return Point{ 320 + (start - offset) / volts_max * 250,
                   330 - (start + offset) / volts_max * 110 - ms / (1.15 * most) * 180 };
   };
-  Drawing drawing(tactor.quadratic ? "Rise time: measured, and the quadratic; R² = "
-                                         + number(tactor.quadratic->r_squared, "%.3f")
-                                   : "Rise time: measured");
+  Drawing drawing(cairo, tactor.quadratic ? "Rise time: measured, and the quadratic; R² = "
+                                                + number(tactor.quadratic->r_squared, "%.3f")
+                                          : "Rise time: measured");
   const std::array<std::array<Point, 2>, 3> edges{ { { place(0, 0, 0), place(volts_max, 0, 0) },
                                                      { place(0, 0, 0), place(0, volts_max, 0) },
                                                      { place(0, volts_max, 0),
                                                        place(0, volts_max, most) } } };
   for (const auto &edge : edges)
-    drawing.line(edge, "black");
+    drawing.line(edge, kBlack);
   for (double ms = 0; ms <= most; ms += tick(most))
     drawing.text({ place(0, volts_max, ms).x - 6, place(0, volts_max, ms).y + 4 },
-                 number(ms, "%.0f") + (ms == 0 ? " ms" : ""), "end");
+                 number(ms, "%.0f") + (ms == 0 ? " ms" : ""), kEnd);
   for (double v = 0.5; v <= volts_max; v += 0.5) {
     drawing.text({ place(v, 0, 0).x + 6, place(v, 0, 0).y + 12 }, number(v, "%.1f"));
-    drawing.text({ place(0, v, 0).x - 6, place(0, v, 0).y + 12 }, number(v, "%.1f"), "end");
+    drawing.text({ place(0, v, 0).x - 6, place(0, v, 0).y + 12 }, number(v, "%.1f"), kEnd);
   }
   drawing.text({ 480, 345 }, "start voltage, V");
-  drawing.text({ 160, 345 }, "offset, V", "end");
+  drawing.text({ 160, 345 }, "offset, V", kEnd);
   if (tactor.quadratic) {
     const auto wire = [&](const std::function<Point(double, double)> &at) {
       for (double fixed = 0; fixed < volts_max - 0.1; fixed += 0.25) {
@@ -242,28 +241,26 @@ surface_picture(const tactor::TactorCalibration &tactor,
     wire([&](double s, double d) { return place(s, d, height(s, d)); });
     wire([&](double d, double s) { return place(s, d, height(s, d)); });
   }
-  for (const tactor::StepResponse &rise : rises)
-    drawing.dot(place(rise.step.start_volts, rise.step.target_volts - rise.step.start_volts,
-                      std::max(0.0, rise.risen_ms - latency_ms(tactor))),
+  for (const tactor::RiseTimeSample &rise : rises)
+    drawing.dot(place(rise.start_volts, rise.target_volts - rise.start_volts, rise.milliseconds),
                 kRed);
-  return drawing.finish();
 }
 
-std::string
-residual_picture(const tactor::TactorCalibration &tactor,
-                 const std::vector<tactor::StepResponse> &responses)
+void
+draw_residuals(cairo_t *cairo, const tactor::TactorCalibration &tactor,
+               const std::vector<tactor::StepResponse> &responses)
 {
-  const std::vector<tactor::StepResponse> rises = rises_of(responses);
+  const std::vector<tactor::RiseTimeSample> rises = tactor::rise_time_samples(responses, tactor);
   double volts_max = 1;
-  for (const tactor::StepResponse &rise : rises)
-    volts_max = std::max(volts_max, rise.step.target_volts);
+  for (const tactor::RiseTimeSample &rise : rises)
+    volts_max = std::max(volts_max, rise.target_volts);
   std::vector<Point> of_quadratic;
   std::vector<Point> of_table;
   double most = 1;
-  for (const tactor::StepResponse &rise : rises) {
-    const double s = rise.step.start_volts;
-    const double t = rise.step.target_volts;
-    const double ms = rise.risen_ms - latency_ms(tactor);
+  for (const tactor::RiseTimeSample &rise : rises) {
+    const double s = rise.start_volts;
+    const double t = rise.target_volts;
+    const double ms = rise.milliseconds;
     if (tactor.quadratic)
       of_quadratic.push_back({ t, ms - (*tactor.quadratic)(s, t - s) });
     if (tactor.table)
@@ -273,12 +270,11 @@ residual_picture(const tactor::TactorCalibration &tactor,
   for (const auto *points : { &of_quadratic, &of_table })
     for (const Point &point : *points)
       most = std::max(most, std::abs(point.y));
-  Drawing drawing("Measured rise time less the quadratic (red) and less the table (blue)");
+  Drawing drawing(cairo, "Measured rise time less the quadratic (red) and less the table (blue)");
   const Axes axes(drawing, { 0, -1.1 * most }, { volts_max + 0.1, 1.1 * most }, 0.5, tick(2 * most),
                   "target voltage, V", "ms");
   for (const Point &point : of_quadratic)
     drawing.dot(axes.at(point), kRed);
   for (const Point &point : of_table)
     drawing.dot(axes.at({ point.x + 0.02, point.y }), kBlue);
-  return drawing.finish();
 }

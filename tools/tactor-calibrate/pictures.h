@@ -3,18 +3,24 @@
 
 #include "tactor/calibration/calibration.h"
 #include "tactor/calibration/step_response.h"
+#include "tactor/calibration/tactor_calibration.h"
 
-#include <string>
+#include <cairo.h>
+
 #include <vector>
 
-/// A rise as in the paper's Fig. 4: what was heard, its envelope, the command, the first motion and the 90 %. An SVG document.
-std::string envelope_picture(const tactor::StepResponse &response,
-                             const tactor::StepEnvelope &envelope);
+/// Pictures are so large.
+inline constexpr double kPictureWidth = 640;
+inline constexpr double kPictureHeight = 360;
+
+/// A rise as in the paper's Fig. 4: what was heard, its envelope, the command, the first motion and the 90 %.
+void draw_envelope(cairo_t *cairo, const tactor::StepResponse &response,
+                   const tactor::StepEnvelope &envelope);
 
 /// Rise times over start voltage and offset as in the paper's Fig. 5: what was measured as dots, the quadratic as a surface.
-std::string surface_picture(const tactor::TactorCalibration &tactor,
-                            const std::vector<tactor::StepResponse> &responses);
+void draw_surface(cairo_t *cairo, const tactor::TactorCalibration &tactor,
+                  const std::vector<tactor::StepResponse> &responses);
 
 /// What quadratic and table leave of each measurement, over the target voltage.
-std::string residual_picture(const tactor::TactorCalibration &tactor,
-                             const std::vector<tactor::StepResponse> &responses);
+void draw_residuals(cairo_t *cairo, const tactor::TactorCalibration &tactor,
+                    const std::vector<tactor::StepResponse> &responses);

@@ -4,9 +4,15 @@
 #include "pictures.h"
 #include "session.h"
 
+#include "../cairo_picture.h"
+
 #include <cmath>
 #include <cstdio>
+#include <functional>
 #include <stdexcept>
+
+/// Of a PNG, for each unit of a picture.
+static constexpr double kPixels = 2;
 
 int
 run_show(int argc, char **argv)
@@ -19,10 +25,11 @@ run_show(int argc, char **argv)
   std::vector<std::string> arguments;
   if (!parse_options(
           argc, argv, "FOLDER",
-          "Pictures of one tactor as SVG files: tactor-N-envelope.svg (a rise and its 90 %),\n"
-          "tactor-N-rise-times.svg (all rise times and the fit), tactor-N-residuals.svg.",
-          { { "output", 'o', 0, G_OPTION_ARG_FILENAME, &output.value, "Where to (default: FOLDER)",
-              "DIR" },
+          "Pictures of one tactor: NAME-envelope (a rise and its 90 %), NAME-rise-times (all of "
+          "them "
+          "and the fit),\nNAME-residuals.",
+          { { "output", 'o', 0, G_OPTION_ARG_FILENAME, &output.value,
+              "NAME.svg or NAME.png (default: FOLDER/tactor-N.svg)", "PICTURE" },
             { "tactor", 't', 0, G_OPTION_ARG_INT, &tactor, "Which (default: 0)", "N" },
             { "from", 0, 0, G_OPTION_ARG_DOUBLE, &start, "Start voltage of the rise (default: 0)",
               "V" },
@@ -34,6 +41,15 @@ run_show(int argc, char **argv)
     std::fprintf(stderr, "tactor-calibrate: show expects one FOLDER\n");
     return 2;
   }
+  const std::string name = output.is_set()
+                               ? output.text()
+                               : arguments.front() + "/tactor-" + std::to_string(tactor) + ".svg";
+  if (!is_picture_name(name)) {
+    std::fprintf(stderr, "tactor-calibrate: show expects a PICTURE that ends in .png or .svg\n");
+    return 2;
+  }
+  const std::string stem = name.substr(0, name.size() - 4);
+  const std::string ending = name.substr(name.size() - 4);
   const Session session = Session::open(arguments.front());
   Session::Heard heard = session.measure(parse_band(band.text()));
   std::vector<tactor::StepResponse> own;
@@ -71,18 +87,13 @@ run_show(int argc, char **argv)
       = tactor::measure_step(run->recording, run->recording.channel_of(tactor, tactors), step,
                              heard.band, tactor::prior_of(own), &envelope);
 
-  const std::string folder = output.is_set() ? output.text() : arguments.front();
-  const std::string stem = folder + "/tactor-" + std::to_string(tactor) + "-";
-  const std::pair<std::string, std::string> pictures[] = {
-    { stem + "envelope.svg", envelope_picture(response, envelope) },
-    { stem + "rise-times.svg", surface_picture(*calibration, own) },
-    { stem + "residuals.svg", residual_picture(*calibration, own) },
-  };
-  for (const auto &[path, picture] : pictures) {
-    g_autoptr(GError) error = nullptr;
-    if (!g_file_set_contents(path.c_str(), picture.c_str(), -1, &error))
-      throw std::runtime_error(error->message);
+  const auto write = [&](const char *what, const std::function<void(cairo_t *)> &draw) {
+    const std::string path = stem + "-" + what + ending;
+    write_picture(path, kPictureWidth, kPictureHeight, kPixels, draw);
     std::printf("written: %s\n", path.c_str());
-  }
+  };
+  write("envelope", [&](cairo_t *cairo) { draw_envelope(cairo, response, envelope); });
+  write("rise-times", [&](cairo_t *cairo) { draw_surface(cairo, *calibration, own); });
+  write("residuals", [&](cairo_t *cairo) { draw_residuals(cairo, *calibration, own); });
   return 0;
 }

@@ -33,19 +33,34 @@ spectrum(std::span<const double> signal)
   return result;
 }
 
-/// The analytic signal of what lies in the band.
+/// The analytic signal of what is let through.
+template <typename Gain>
 cv::Mat
-analytic(std::span<const double> signal, double rate, Band band)
+analytic(std::span<const double> signal, const Gain &gain)
 {
   cv::Mat bins = spectrum(signal);
   auto *bin = bins.ptr<cv::Vec2d>();
-  for (int i = 0; i < bins.cols; i++) {
-    const double hz = i * rate / bins.cols;
-    const bool negative = 2 * i > bins.cols;
-    bin[i] *= negative ? 0.0 : 2 * edge(hz, band.low_hz) * (1 - edge(hz, band.high_hz));
-  }
+  for (int i = 0; i < bins.cols; i++)
+    bin[i] *= 2 * i > bins.cols ? 0.0 : 2 * gain(static_cast<double>(i) / bins.cols);
   cv::dft(bins, bins, cv::DFT_INVERSE | cv::DFT_SCALE);
   return bins;
+}
+
+cv::Mat
+analytic(std::span<const double> signal, double rate, Band band)
+{
+  return analytic(signal, [&](double turns) {
+    return edge(turns * rate, band.low_hz) * (1 - edge(turns * rate, band.high_hz));
+  });
+}
+
+std::vector<double>
+magnitude(const cv::Mat &signal, std::size_t size)
+{
+  std::vector<double> result(size);
+  for (std::size_t i = 0; i < size; i++)
+    result[i] = cv::norm(signal.ptr<cv::Vec2d>()[i]);
+  return result;
 }
 
 } // namespace
@@ -67,11 +82,15 @@ envelope(std::span<const double> signal, double rate, Band band)
 {
   if (signal.empty())
     return {};
-  const cv::Mat both = analytic(signal, rate, band);
-  std::vector<double> result(signal.size());
-  for (std::size_t i = 0; i < result.size(); i++)
-    result[i] = cv::norm(both.ptr<cv::Vec2d>()[i]);
-  return result;
+  return magnitude(analytic(signal, rate, band), signal.size());
+}
+
+std::vector<double>
+envelope(std::span<const double> signal)
+{
+  if (signal.empty())
+    return {};
+  return magnitude(analytic(signal, [](double) { return 1.0; }), signal.size());
 }
 
 double

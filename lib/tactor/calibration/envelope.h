@@ -21,6 +21,9 @@ std::vector<double> band_pass(std::span<const double> signal, double rate, Band 
 /// in the band.
 std::vector<double> envelope(std::span<const double> signal, double rate, Band band);
 
+/// The same of all of it.
+std::vector<double> envelope(std::span<const double> signal);
+
 /// Frequency of the strongest line between 10 Hz and half the rate, in Hz; 0 if the signal is silent.
 double strongest_frequency(std::span<const double> signal, double rate);
 

@@ -29,10 +29,11 @@ class Misfit : public cv::MinProblemSolver::Function
 {
 public:
   Misfit(std::span<const double> envelope, double rate, double first_s, double before,
-         double steady, double noise, double independence, const GrowthPrior &prior)
+         double steady, double noise, double independence, const GrowthPrior &prior,
+         const GrowthLens &lens)
       : envelope_(envelope), rate_(rate), first_s_(first_s), before_(before), steady_(steady),
-        noise_(noise), prior_(prior),
-        weight_(independence / (0.5 * noise + kExactness * kExactness * steady * steady))
+        noise_(noise), prior_(prior), lens_(lens),
+        weight_(independence / (0.5 * noise + std::pow(kExactness * std::max(before, steady), 2)))
   {
   }
 
@@ -43,10 +44,12 @@ public:
 
   double sum(const GrowthCurve &curve) const
   {
+    std::vector<double> amplitude = curve.sample(first_s_, rate_, envelope_.size());
+    if (lens_)
+      lens_(amplitude);
     double total = 0;
     for (std::size_t i = 0; i < envelope_.size(); i++) {
-      const double amplitude = curve(first_s_ + static_cast<double>(i) / rate_);
-      const double difference = envelope_[i] - std::sqrt(amplitude * amplitude + noise_);
+      const double difference = envelope_[i] - std::sqrt(amplitude[i] * amplitude[i] + noise_);
       total += difference * difference;
     }
     return total;
@@ -68,18 +71,20 @@ private:
   double steady_;
   double noise_;
   GrowthPrior prior_;
+  const GrowthLens &lens_;
   double weight_;
 };
 
-/// When the envelope, smoothed over 10 ms, gets to a share of the way.
+/// When the envelope, smoothed over 10 ms, gets to a level, from below or above.
 double
-crossing(std::span<const double> envelope, double rate, double first_s, double level)
+crossing(std::span<const double> envelope, double rate, double first_s, double level, bool rises)
 {
   const auto width = static_cast<std::size_t>(std::max(1.0, 0.01 * rate));
   double sum = 0;
   for (std::size_t i = 0; i < envelope.size(); i++) {
     sum += envelope[i] - (i >= width ? envelope[i - width] : 0);
-    if (i + 1 >= width && sum / static_cast<double>(width) >= level)
+    const double smooth = sum / static_cast<double>(width);
+    if (i + 1 >= width && (rises ? smooth >= level : smooth <= level))
       return first_s + (static_cast<double>(i) - 0.5 * static_cast<double>(width - 1)) / rate;
   }
   return first_s + static_cast<double>(envelope.size()) / rate;
@@ -87,44 +92,56 @@ crossing(std::span<const double> envelope, double rate, double first_s, double l
 
 } // namespace
 
-double
-GrowthCurve::operator()(double time_s) const
+std::vector<double>
+GrowthCurve::sample(double first_s, double rate, std::size_t count) const
 {
-  if (time_s <= onset_s)
-    return before;
-  return steady - (steady - before) * std::exp(-std::pow((time_s - onset_s) / tau_s, roundness));
+  const double from = std::pow(before, 1 / roundness);
+  const double to = std::pow(steady, 1 / roundness);
+  std::vector<double> amplitudes(count, before);
+  const auto still = static_cast<std::size_t>(
+      std::clamp(std::ceil((onset_s - first_s) * rate), 0.0, static_cast<double>(count)));
+  double left
+      = (to - from) * std::exp(-(first_s + static_cast<double>(still) / rate - onset_s) / tau_s);
+  const double slower = std::exp(-1 / (rate * tau_s));
+  for (std::size_t i = still; i < count; i++) {
+    amplitudes[i] = std::pow(to - left, roundness);
+    left *= slower;
+  }
+  return amplitudes;
 }
 
 double
 GrowthCurve::time_of(double amplitude) const
 {
-  if (amplitude <= before)
+  if ((amplitude - before) * (steady - before) <= 0)
     return onset_s;
-  return onset_s
-         + tau_s * std::pow(std::log((steady - before) / (steady - amplitude)), 1 / roundness);
+  const double from = std::pow(before, 1 / roundness);
+  const double to = std::pow(steady, 1 / roundness);
+  return onset_s + tau_s * std::log((to - from) / (to - std::pow(amplitude, 1 / roundness)));
 }
 
 GrowthCurve
 fit_growth(std::span<const double> envelope, double rate, double first_s, double before,
-           double steady, double noise, double independence, const GrowthPrior &prior)
+           double steady, double noise, double independence, const GrowthPrior &prior,
+           const GrowthLens &lens)
 {
   const auto level = [&](double share) {
     const double amplitude = std::lerp(before, steady, share);
     return std::sqrt(amplitude * amplitude + noise);
   };
-  const double early = crossing(envelope, rate, first_s, level(0.3));
-  const double late = crossing(envelope, rate, first_s, level(0.7));
+  const double early = crossing(envelope, rate, first_s, level(0.3), steady > before);
+  const double late = crossing(envelope, rate, first_s, level(0.7), steady > before);
   // On an exponential 30 % are reached after 0.36 τ, 70 % after 1.20 τ.
   const double tau = std::max((late - early) / 0.847, 0.002);
 
-  const auto misfit
-      = cv::makePtr<Misfit>(envelope, rate, first_s, before, steady, noise, independence, prior);
+  const auto misfit = cv::makePtr<Misfit>(envelope, rate, first_s, before, steady, noise,
+                                          independence, prior, lens);
   cv::Mat best
       = (cv::Mat_<double>(1, 4) << 1, (early - 0.357 * tau) / kOnsetScale, std::log(tau), 0);
   cv::Mat step = (cv::Mat_<double>(1, 4) << 0.05, 0.2, 0.3, 0.2);
   const auto solver = cv::DownhillSolver::create(
       misfit, step,
-      cv::TermCriteria(cv::TermCriteria::MAX_ITER + cv::TermCriteria::EPS, 1000, 1e-7));
+      cv::TermCriteria(cv::TermCriteria::MAX_ITER + cv::TermCriteria::EPS, 1000, 1e-6));
   solver->minimize(best);
   GrowthCurve curve = curve_of(best.ptr<double>(), before, steady);
   curve.rms = std::sqrt(misfit->sum(curve)

@@ -13,7 +13,11 @@ namespace tactor {
 
 namespace {
 
-constexpr std::size_t kMostSamples = 200'000'000;
+/// Of time, and so of a second: enough for a day and for ultrasound, and no number on the way overflows.
+constexpr double kLongestS = 1e5;
+constexpr double kMostRate = 1e6;
+constexpr double kGreatest = 1e12; ///< of values, in any unit
+constexpr std::streamsize kLongestLine = 1 << 16;
 
 /// The numbers of a line; empty if it does not begin with one. Throws what is no number further on.
 std::vector<double>
@@ -27,7 +31,8 @@ numbers(const std::string &line)
     std::erase_if(field, [](char c) { return c == ' ' || c == '\r' || c == '"' || c == '+'; });
     double value = 0;
     const auto [end, error] = std::from_chars(field.data(), field.data() + field.size(), value);
-    if (error != std::errc() || end != field.data() + field.size() || !std::isfinite(value)) {
+    if (error != std::errc() || end != field.data() + field.size()
+        || !(std::abs(value) <= kGreatest)) {
       if (result.empty())
         return {};
       throw std::runtime_error("expected a number, got '" + field.substr(0, 40) + "'");
@@ -76,10 +81,15 @@ read_csv_recording(const std::string &path)
   Recording recording;
   std::vector<double> times;
   std::string line;
-  for (std::size_t number = 1; std::getline(file, line); number++) {
+  std::vector<char> buffer(kLongestLine);
+  for (std::size_t number = 1; file.getline(buffer.data(), kLongestLine) || file.gcount() > 0;
+       number++) {
     const auto fail = [&](const std::string &why) {
       throw std::runtime_error(path + ", line " + std::to_string(number) + ": " + why);
     };
+    if (file.fail())
+      fail("expected a line of at most " + std::to_string(kLongestLine) + " bytes");
+    line = buffer.data();
     std::vector<double> row;
     try {
       row = numbers(line);
@@ -97,8 +107,11 @@ read_csv_recording(const std::string &path)
     if (!times.empty() && !(row[0] > times.back()))
       fail("expected a time after " + std::to_string(times.back()) + ", got "
            + std::to_string(row[0]));
-    if (times.size() == kMostSamples)
-      fail("more samples than the " + std::to_string(kMostSamples) + " that are read");
+    if ((times.size() + 1) * row.size() > Recording::kMostValues)
+      fail("more numbers than the " + std::to_string(Recording::kMostValues) + " that are read");
+    if (std::abs(row[0]) > kLongestS)
+      fail("expected a time within " + std::to_string(kLongestS) + " s, got "
+           + std::to_string(row[0]));
     times.push_back(row[0]);
     for (std::size_t i = 0; i < recording.channels.size(); i++)
       recording.channels[i].push_back(row[i + 1]);
@@ -107,6 +120,9 @@ read_csv_recording(const std::string &path)
     throw std::runtime_error(path + ": expected lines of seconds and values, found "
                              + std::to_string(times.size()));
   recording.rate = static_cast<double>(times.size() - 1) / (times.back() - times.front());
+  if (!(recording.rate <= kMostRate))
+    throw std::runtime_error(path + ": expected at most " + std::to_string(kMostRate)
+                             + " samples a second, got " + std::to_string(recording.rate));
   recording.start = Time(std::llround(times.front() * 1e9));
   resample(recording, times);
   return recording;

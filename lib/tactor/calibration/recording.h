@@ -3,6 +3,7 @@
 
 #include "tactor/time.h"
 
+#include <cstddef>
 #include <string>
 #include <vector>
 
@@ -11,6 +12,9 @@ namespace tactor {
 /// What a sensor heard: any number of channels of one rate.
 struct Recording
 {
+  /// No file may hold more numbers: three hours of one channel at 8 kHz.
+  static constexpr std::size_t kMostValues = 100'000'000;
+
   double rate = 0; ///< samples per second
   Time start{ 0 }; ///< running time of the first sample
   double full_scale
@@ -26,7 +30,7 @@ struct Recording
 };
 
 /// Reads a recording from a CSV file: a column of seconds, then one for each channel, separated by commas, semicolons or
-/// tabs; lines that do not begin with a number (headers) are skipped. Uneven times are resampled to their mean rate.
+/// tabs; lines that do not begin with a number (headers) are skipped. At most 1 MHz, 28 hours, lines of 64 KiB. Uneven times are resampled to their mean rate.
 /// Throws std::runtime_error with file, line, what was expected and what came.
 Recording read_csv_recording(const std::string &path);
 

@@ -11,6 +11,24 @@ namespace tactor {
 
 namespace {
 
+constexpr double kRisen = 0.9;
+constexpr Time kSettled = std::chrono::hours(1);
+
+/// Where a rising function gets to `value`, below 1.
+double
+inverse(const std::function<double(double)> &rising, double value)
+{
+  double low = 0;
+  double high = 1;
+  while (rising(high) < value && high < 1e9)
+    high *= 2;
+  for (int i = 0; i < 60; i++) {
+    const double middle = (low + high) / 2;
+    (rising(middle) < value ? low : high) = middle;
+  }
+  return high;
+}
+
 /// A motor and what it is still to be told.
 struct Player
 {
@@ -19,6 +37,29 @@ struct Player
   std::size_t next = 0;
   double gain = 1;
   double turns = 0; ///< of its mass so far
+  double from = 0;
+  double steady = 0;
+  double stretch = 1; ///< of SimulatedSensor::growth to MotorModel's time constant
+
+  void tell(const std::function<double(double)> &growth)
+  {
+    const auto &[at, volts] = told[next++];
+    from = motor.amplitude(at);
+    motor.set(at, volts);
+    steady = motor.amplitude(at + kSettled);
+    const double left = (1 - kRisen) * steady / (steady - from);
+    if (growth && from < kRisen * steady)
+      stretch = inverse(growth, 1 - left) / -std::log(left);
+  }
+
+  double amplitude(Time now, const std::function<double(double)> &growth) const
+  {
+    const double exponential = motor.amplitude(now);
+    if (!growth || !(from < kRisen * steady))
+      return exponential;
+    const double left = std::max((steady - exponential) / (steady - from), 1e-12);
+    return std::lerp(from, steady, growth(-std::log(left) * stretch));
+  }
 };
 
 } // namespace
@@ -55,10 +96,9 @@ hear(std::span<const IssuedCommand> trace, std::span<const MotorParameters> moto
     const double at = static_cast<double>(i) / sensor.rate;
     const Time now(std::llround(at * 1e9));
     for (auto &[tactor, player] : players) {
-      for (; player.next < player.told.size() && player.told[player.next].first <= now;
-           player.next++)
-        player.motor.set(player.told[player.next].first, player.told[player.next].second);
-      const double volts = player.motor.amplitude(now);
+      while (player.next < player.told.size() && player.told[player.next].first <= now)
+        player.tell(sensor.growth);
+      const double volts = player.amplitude(now, sensor.growth);
       player.turns += (sensor.slowest_hz + sensor.hz_per_volt * volts) / sensor.rate;
       recording.channels[sensor.separate ? static_cast<std::size_t>(tactor) : 0][i]
           += player.gain * volts * std::sin(2 * std::numbers::pi * player.turns);

@@ -6,6 +6,7 @@
 #include "tactor/motor_model.h"
 
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <vector>
 
@@ -26,6 +27,9 @@ struct SimulatedSensor
   double hum_hz = 50;
   double drift = 0; ///< per second
   double clip = 0;  ///< where the sensor's range ends; 0: nowhere
+  /// The share of a rise that is done after a time, in any unit: from 0 at 0 towards 1, never falling. It is stretched so
+  /// that the 90 % are where MotorModel has them. Empty: MotorModel's exponential.
+  std::function<double(double)> growth{};
   Time jitter{ 0 }; ///< each command takes up to so much longer, evenly spread
   std::uint32_t seed = 1;
 };

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "tactor/calibration/step_response.h"
 
-#include "tactor/calibration/mains_hum.h"
 #include "tactor/calibration/median.h"
+#include "tactor/calibration/step_sound.h"
 
 #include <algorithm>
 #include <cmath>
@@ -17,13 +17,6 @@ namespace {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
-/// Of the rest before and after a step, this much is listened to.
-constexpr double kRestS = 0.5;
-/// A motor may still run out for so long after its end.
-constexpr double kRunOutS = 0.25;
-/// The band-pass is not to be trusted this near to the ends.
-constexpr double kMarginS = 0.05;
-constexpr double kDropoutS = 0.01;
 constexpr double kLeastSnrDb = 10;
 constexpr double kMotionSnrDb = 3;
 /// Of the time at the target, this much counts as steady, and may differ between its halves by so much.
@@ -31,6 +24,12 @@ constexpr double kSteadyShare = 0.4;
 constexpr double kSteadyChange = 0.05;
 constexpr double kLeastChange = 0.04;
 constexpr double kIrregular = 0.12;
+constexpr double kFitFromS = -0.1;
+constexpr double kSmearS = 0.05;
+constexpr double kSmeared = 0.02; ///< what of the loudest may be smeared into rest
+constexpr double kFallS = 0.4;
+constexpr double kSameCrest = 0.02;
+constexpr double kOtherVolts = 0.15;
 /// Motors are not more alike from step to step than this.
 constexpr double kLeastOnsetDeviationS = 0.001;
 constexpr double kLeastRoundnessDeviation = 0.03;
@@ -44,129 +43,27 @@ seconds(Time time)
   return std::chrono::duration<double>(time).count();
 }
 
-/// The part of a channel around a step; times in seconds after the command.
-struct Window
-{
-  double rate = 0;
-  double first_s = 0;
-  std::vector<double> samples{};
-  bool truncated = false;
-
-  std::size_t index(double at_s) const
-  {
-    return static_cast<std::size_t>(
-        std::clamp((at_s - first_s) * rate, 0.0, static_cast<double>(samples.size())));
-  }
-  std::span<const double> part(double from_s, double to_s) const
-  {
-    const std::size_t from = index(from_s);
-    return std::span(samples).subspan(from, std::max(index(to_s), from) - from);
-  }
-};
-
-Window
-cut(const Recording &recording, std::span<const double> channel, const Step &step)
-{
-  const double rest
-      = seconds(std::max(step.rest_begin, step.rest_end - Time(std::chrono::seconds(1))) - step.at);
-  const double from = std::max(rest, seconds(step.rest_end - step.at) - kRestS - kRunOutS);
-  const double to
-      = std::min(seconds(step.next - step.at), seconds(step.off - step.at) + kRunOutS + kRestS);
-  const double at = seconds(step.at - recording.start) * recording.rate;
-  const auto sample = [&](double s) {
-    return static_cast<long>(std::floor(at + s * recording.rate));
-  };
-  const long size = std::ssize(channel);
-  const long first = std::clamp(sample(from), 0L, size);
-  const long last = std::clamp(sample(to), first, size);
-  Window window{ .rate = recording.rate,
-                 .first_s = (static_cast<double>(first) - at) / recording.rate };
-  window.samples.assign(channel.begin() + first, channel.begin() + last);
-  window.truncated = sample(seconds(step.rest_end - step.at) - kMarginS) < 0
-                     || sample(seconds(step.end - step.at)) > size;
-  return window;
-}
-
-/// Whether samples are missing from what was heard of a motor: silence of every bit between its first and last sound.
-bool
-has_dropout(std::span<const double> samples, double rate)
-{
-  const auto longest = static_cast<std::size_t>(std::max(3.0, kDropoutS * rate));
-  std::size_t silent = 0;
-  bool heard = false;
-  for (const double sample : samples) {
-    if (sample == 0) {
-      silent++;
-      continue;
-    }
-    if (heard && silent > longest)
-      return true;
-    heard = true;
-    silent = 0;
-  }
-  return false;
-}
-
-/// Whether crests are cut off: three samples in a row at the sensor's limit.
-bool
-is_clipped(std::span<const double> samples, double full_scale)
-{
-  double limit = full_scale * 0.999;
-  if (full_scale <= 0)
-    for (const double sample : samples)
-      limit = std::max(limit, std::abs(sample) * (1 - 1e-9));
-  int crests = 0;
-  int run = 0;
-  for (const double sample : samples) {
-    run = limit > 0 && std::abs(sample) >= limit ? run + 1 : 0;
-    crests += run == 3;
-  }
-  return crests >= 3;
-}
-
-/// Takes the trend out that a drifting sensor has.
-void
-level_out(std::vector<double> &samples, double rate)
-{
-  const auto part = std::min(static_cast<std::size_t>(kMarginS * rate) + 1, samples.size());
-  if (part == 0)
-    return;
-  const auto mean = [&](auto begin) {
-    return std::accumulate(begin, begin + static_cast<std::ptrdiff_t>(part), 0.0)
-           / static_cast<double>(part);
-  };
-  const double first = mean(samples.begin());
-  const double last = mean(samples.end() - static_cast<std::ptrdiff_t>(part));
-  for (std::size_t i = 0; i < samples.size(); i++)
-    samples[i]
-        -= std::lerp(first, last, static_cast<double>(i) / static_cast<double>(samples.size()));
-}
-
-/// Fewer samples of what is in the band, for what follows costs by the sample.
-Window
-thin_out(const Window &window, Band band)
-{
-  const auto every = static_cast<std::size_t>(std::max(1.0, window.rate / (8 * band.high_hz)));
-  const std::vector<double> passed = band_pass(window.samples, window.rate, band);
-  Window thin{ .rate = window.rate / static_cast<double>(every), .first_s = window.first_s };
-  for (std::size_t i = 0; i < passed.size(); i += every)
-    thin.samples.push_back(passed[i]);
-  return thin;
-}
-
-double
-mean_square(std::span<const double> samples)
-{
-  double sum = 0;
-  for (const double sample : samples)
-    sum += sample * sample;
-  return samples.empty() ? 0 : sum / static_cast<double>(samples.size());
-}
-
 double
 decibels(double power, double reference)
 {
   return 10 * std::log10(std::max(power, 1e-30) / std::max(reference, 1e-30));
+}
+
+/// A motor's crests may be flat, but not at the same height whatever drives it: that is an amplifier's limit.
+void
+name_clipped(std::vector<StepResponse> &responses)
+{
+  std::vector<StepResponse *> clipped;
+  for (StepResponse &one : responses)
+    for (const StepResponse &other : responses)
+      if (one.flat_crest > 0 && std::abs(one.flat_crest / other.flat_crest - 1) < kSameCrest
+          && std::abs(one.step.target_volts - other.step.target_volts)
+                 > kOtherVolts * one.step.target_volts) {
+        clipped.push_back(&one);
+        break;
+      }
+  for (StepResponse *response : clipped)
+    response->fault = StepFault::clipped;
 }
 
 } // namespace
@@ -212,93 +109,65 @@ measure_step(const Recording &recording, int channel, const Step &step, Band ban
   };
   if (step.overlapped && recording.channels.size() == 1)
     return finish(StepFault::overlapped);
-  Window window = cut(recording, recording.channels.at(static_cast<std::size_t>(channel)), step);
-  if (window.truncated)
+  StepSound sound(recording, channel, step);
+  if (sound.is_truncated())
     return finish(StepFault::truncated);
   const double end = seconds(step.end - step.at);
-  if (has_dropout(window.part(0, end), window.rate))
+  if (sound.has_dropout(0, end))
     return finish(StepFault::dropout);
-  const bool clipped = is_clipped(window.part(-0.1, end), recording.full_scale);
-
+  sound.listen(band);
   if (picture)
-    *picture = {
-      .rate = window.rate, .first_s = window.first_s, .raw = window.samples, .amplitude = {}
-    };
-  level_out(window.samples, window.rate);
-  Window thin = thin_out(window, band);
-  const double rest_end = seconds(step.rest_end - step.at);
-  const double rest_begin
-      = std::max(seconds(step.rest_begin - step.at) + kRunOutS, thin.first_s + kMarginS);
-  const double second_rest = seconds(step.off - step.at) + kRunOutS;
-  std::vector<bool> rests(thin.samples.size());
-  for (std::size_t i = 0; i < rests.size(); i++) {
-    const double at = thin.first_s + static_cast<double>(i) / thin.rate;
-    rests[i] = (at >= rest_begin && at < rest_end - 0.01)
-               || (at >= second_rest
-                   && i + static_cast<std::size_t>(kMarginS * thin.rate) < rests.size());
-  }
-  response.hum = remove_mains_hum(thin.samples, rests, thin.rate, band.high_hz);
-  Window heard = thin;
-  heard.samples = envelope(thin.samples, thin.rate, band);
-  double noise = 0;
-  for (std::size_t i = 0; i < rests.size(); i++)
-    noise += rests[i] ? heard.samples[i] * heard.samples[i] : 0;
-  noise /= static_cast<double>(std::max<std::ptrdiff_t>(std::ranges::count(rests, true), 1));
-  if (picture) {
-    // The envelope at the recording's own rate, to be drawn over it.
-    const double share = thin.rate / window.rate;
-    for (std::size_t i = 0; i < window.samples.size(); i++) {
-      const auto at = std::min(static_cast<std::size_t>(static_cast<double>(i) * share),
-                               heard.samples.size() - 1);
-      picture->amplitude.push_back(heard.samples[at]);
-    }
-  }
+    *picture = { .rate = sound.raw().rate,
+                 .first_s = sound.raw().first_s,
+                 .raw = sound.raw().samples,
+                 .amplitude = sound.drawn() };
 
-  const auto amplitude = [&](double from, double to) {
-    return std::sqrt(std::max(mean_square(heard.part(from, to)) - noise, 0.0));
-  };
+  // What comes after the end is smeared into what is before.
   const double steady_from = end * (1 - kSteadyShare);
-  response.steady = amplitude(steady_from, end);
-  response.before = step.start_volts > 0 ? amplitude(-0.15, -0.005) : 0;
-  response.snr_db = decibels(response.steady * response.steady, noise);
-  if (clipped)
+  const double steady_to = end - kSmearS;
+  response.hum = sound.hum();
+  response.steady = sound.amplitude(steady_from, steady_to);
+  response.before = step.start_volts > 0 ? sound.amplitude(-0.15, -0.005) : 0;
+  response.snr_db = decibels(response.steady * response.steady, sound.noise());
+  response.flat_crest = sound.flat_crest(steady_from, steady_to);
+  if (sound.is_clipped(-0.1, end))
     return finish(StepFault::clipped);
-  if (response.snr_db < kMotionSnrDb)
+  if (response.snr_db < kMotionSnrDb || response.steady < kSmeared * sound.loudest())
     return finish(StepFault::no_motion);
   if (response.snr_db < kLeastSnrDb)
     return finish(StepFault::noisy);
-  const double middle = (steady_from + end) / 2;
   // The level of a stretch is known no better than its noise, averaged, allows.
-  const double looseness
-      = 3 * std::sqrt(noise / std::max(1.0, (band.high_hz - band.low_hz) * (end - middle)));
-  const double change = std::abs(amplitude(steady_from, middle) - amplitude(middle, end));
+  const double middle = (steady_from + steady_to) / 2;
+  const double looseness = sound.looseness(steady_to - middle);
+  const double change
+      = std::abs(sound.amplitude(steady_from, middle) - sound.amplitude(middle, steady_to));
   if (change > kSteadyChange * response.steady + looseness)
     return finish(StepFault::unsteady);
-
-  if (step.off == step.end && step.next > step.off) {
-    const double goal = 0.01 * response.steady * response.steady + noise;
-    for (double at = end; at < seconds(step.next - step.at) - 0.01; at += 0.001)
-      if (mean_square(heard.part(at - 0.004, at + 0.004)) <= goal) {
-        response.fallen_ms = 1e3 * (at - end);
-        break;
-      }
-  }
-  if (!step.rises())
-    return response;
-  if (response.steady - response.before < std::max(kLeastChange * response.steady, looseness))
+  const double strongest = std::max(response.steady, response.before);
+  if ((response.steady - response.before) * (step.rises() ? 1 : -1)
+      < std::max(kLeastChange * strongest, looseness))
     return finish(StepFault::missed);
 
-  const GrowthCurve curve = fit_growth(
-      heard.part(-0.1, end - 0.01), heard.rate,
-      thin.first_s + static_cast<double>(heard.index(-0.1)) / heard.rate, response.before,
-      response.steady, noise, (band.high_hz - band.low_hz) / heard.rate, prior);
+  const GrowthCurve curve
+      = sound.fit(kFitFromS, end - 0.01, response.before, response.steady, prior);
   response.onset_ms = 1e3 * curve.onset_s;
   response.roundness = curve.roundness;
-  response.risen_ms = 1e3 * curve.time_of(0.9 * curve.steady);
-  if (!std::isfinite(response.risen_ms)
-      || curve.rms > kIrregular * curve.steady + 2 * std::sqrt(noise))
+  (step.rises() ? response.risen_ms : response.fallen_ms)
+      = 1e3
+        * curve.time_of(step.rises() ? 0.9 * curve.steady
+                                     : std::lerp(curve.before, curve.steady, 0.9));
+  if (!std::isfinite(response.onset_ms + response.risen_ms)
+      || curve.rms > kIrregular * strongest + 2 * std::sqrt(sound.noise()))
     return finish(StepFault::irregular);
   response.steady = curve.steady;
+
+  if (step.rises() && step.next > step.off) {
+    const double to = seconds(step.next - step.at) - kSmearS;
+    const GrowthCurve fall
+        = sound.fit(end + kFitFromS, std::min(to, end + kFallS), response.steady, 0, {});
+    const bool regular = fall.rms <= kIrregular * response.steady + 2 * std::sqrt(sound.noise());
+    response.fallen_ms = regular ? 1e3 * (fall.time_of(0.1 * response.steady) - end) : kNan;
+  }
   return response;
 }
 
@@ -315,9 +184,11 @@ prior_of(const std::vector<StepResponse> &responses)
   for (const StepResponse &response : responses)
     if (response.fault == StepFault::none && response.step.rises() && response.snr_db >= clear) {
       onsets.push_back(response.onset_ms / 1e3);
-      roundness.push_back(std::log(response.roundness));
+      // A rise from a level is much the same, however round it is.
+      if (response.step.start_volts == 0)
+        roundness.push_back(std::log(response.roundness));
     }
-  if (onsets.size() < kFewestInCommon)
+  if (roundness.size() < kFewestInCommon)
     return {};
   const auto deviation = [](const std::vector<double> &values) {
     std::vector<double> left;
@@ -328,7 +199,9 @@ prior_of(const std::vector<StepResponse> &responses)
   return { .onset_s = median(onsets),
            .onset_deviation_s = std::max(deviation(onsets), kLeastOnsetDeviationS),
            .log_roundness = median(roundness),
-           .log_roundness_deviation = std::max(deviation(roundness), kLeastRoundnessDeviation) };
+           .log_roundness_deviation = std::max(
+               1.2533 * deviation(roundness) / std::sqrt(static_cast<double>(roundness.size())),
+               kLeastRoundnessDeviation) };
 }
 
 std::vector<StepResponse>
@@ -352,11 +225,12 @@ measure_steps(const std::vector<RecordedRun> &runs, int tactors, Band band)
     std::vector<StepResponse> own;
     for (const Look &first : looks)
       own.push_back(first.response);
+    name_clipped(own);
     const GrowthPrior prior = prior_of(own);
-    for (const auto &[recording, response] : looks)
-      responses.push_back(response.fault == StepFault::none && response.step.rises()
-                              ? look(*recording, response.step, prior)
-                              : response);
+    for (std::size_t i = 0; i < own.size(); i++)
+      responses.push_back(own[i].fault == StepFault::none && own[i].step.rises()
+                              ? look(*looks[i].recording, own[i].step, prior)
+                              : own[i]);
   }
   return responses;
 }
@@ -377,8 +251,8 @@ band_of(const std::vector<RecordedRun> &runs, int tactors)
       if (step.target_volts < 0.9 * strongest || lines.size() >= kLinesForBand)
         continue;
       const int channel = run.recording.channel_of(step.tactor, tactors);
-      const Window window
-          = cut(run.recording, run.recording.channels[static_cast<std::size_t>(channel)], step);
+      const StepSound sound(run.recording, channel, step);
+      const Window &window = sound.raw();
       const double end = seconds(step.end - step.at);
       const std::vector<double> passed
           = band_pass(window.part(0.6 * end, end), window.rate, { kLowestHz, 0.45 * window.rate });

@@ -51,18 +51,18 @@ struct StepResponse
   double roundness = 1; ///< GrowthCurve::roundness; rising steps only
   double onset_ms = 0;  ///< first motion towards it
   double risen_ms = 0;  ///< 90 % of the steady amplitude; rising steps only
-  double fallen_ms
-      = 0;           ///< after the target's end, 10 % of the steady amplitude; NaN where not seen
-  double snr_db = 0; ///< of the steady vibration to what is heard at rest, within the band
-  double hum = 0;    ///< RMS of the mains hum that was taken out
+  /// 10 % of a fall left: of a falling step's own, of the one to rest at a rising step's end, counted from there; NaN where not seen.
+  double fallen_ms = 0;
+  double snr_db = 0;     ///< of the steady vibration to what is heard at rest, within the band
+  double hum = 0;        ///< RMS of the mains hum that was taken out
+  double flat_crest = 0; ///< StepSound::flat_crest() of the steady part
 };
 
 /// Measures a step in one channel of a recording. `picture`, if given, gets the envelope.
 ///
-/// The recording is band-passed, mains hum that is heard at rest is taken out, and the Hilbert envelope's power is
-/// lessened by the noise's. To the envelope the curve S − (S − S₀) exp(−((t − t₀) / τ)^m) is fitted from the whole rise, so that
-/// noise at the moment of the 90 % does not matter: m = 1 is MotorModel, and as real motors are rounder at first m may
-/// differ, at a small price.
+/// The recording is band-passed, mains hum that is heard at rest is taken out, and to its Hilbert envelope a GrowthCurve is fitted
+/// from the whole rise or fall, noise added in power and smeared as the envelope is, so that neither noise at the moment of the
+/// 90 % nor the band-pass matters.
 StepResponse measure_step(const Recording &recording, int channel, const Step &step, Band band,
                           const GrowthPrior &prior = {}, StepEnvelope *picture = nullptr);
 

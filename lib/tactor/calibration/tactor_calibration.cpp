@@ -2,7 +2,6 @@
 #include "tactor/calibration/tactor_calibration.h"
 
 #include "tactor/calibration/median.h"
-#include "tactor/calibration/rise_time_fit.h"
 
 #include <algorithm>
 #include <cmath>
@@ -74,7 +73,6 @@ samples_of(const std::vector<StepResponse *> &rises, double latency_ms, double s
 {
   std::vector<RiseTimeSample> samples;
   for (const StepResponse *rise : rises)
-    // With less than its start voltage the motor stood all the same.
     samples.push_back(
         { .start_volts = rise->step.start_volts < start_volts - 1e-6 ? 0 : rise->step.start_volts,
           .target_volts = rise->step.target_volts,
@@ -202,6 +200,16 @@ calibrate_tactor(std::vector<StepResponse> &responses, bool latency_known)
     (used ? tactor.steps_used : tactor.steps_refused)++;
   }
   return tactor;
+}
+
+std::vector<RiseTimeSample>
+rise_time_samples(const std::vector<StepResponse> &responses, const TactorCalibration &tactor)
+{
+  std::vector<StepResponse> own = responses;
+  const std::vector<StepResponse *> rises = rises_of(own);
+  const double latency_ms
+      = tactor.latency ? static_cast<double>(tactor.latency->count()) / 1e6 : latency_of(rises);
+  return samples_of(rises, latency_ms, tactor.start_volts);
 }
 
 Calibration

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "tactor/calibration/calibration.h"
+#include "tactor/calibration/rise_time_fit.h"
 #include "tactor/calibration/step_response.h"
 
 #include <optional>
@@ -19,6 +20,11 @@ namespace tactor {
 /// - rise times: from the latency's end to 90 %.
 std::optional<TactorCalibration> calibrate_tactor(std::vector<StepResponse> &responses,
                                                   bool latency_known = true);
+
+/// The rise times that a tactor's calibration was made of, from the latency's end: of all rises without fault. Those from less than
+/// the start voltage are from rest, for the motor stood.
+std::vector<RiseTimeSample> rise_time_samples(const std::vector<StepResponse> &responses,
+                                              const TactorCalibration &tactor);
 
 /// The calibrations of all tactors that a recording's steps tell of, `responses` in any order.
 Calibration calibrate(std::vector<StepResponse> &responses, bool latency_known = true);

@@ -9,6 +9,7 @@
 #include "tactor/calibration/step_response.h"
 #include "tactor/calibration/tactor_calibration.h"
 
+#include <cmath>
 #include <vector>
 
 /// What tactorsink's trace would hold of a run, each command issued on time.
@@ -22,6 +23,25 @@ trace_of(const tactor::MeasurementRun &run)
           .issued = stretch.begin });
   return trace;
 }
+
+/// Ways in which vibrations rise: MotorModel's; the square of that, as the acceleration of an eccentric mass does whose
+/// speed is exponential; two equal time constants one after the other, S-shaped.
+struct Growth
+{
+  const char *name;
+  double (*share)(double);
+};
+inline constexpr Growth kGrowths[] = {
+  { "exponential", nullptr },
+  { "squared",
+    [](double t) {
+      return std::pow(1 - std::exp(-t), 2);
+    } },
+  { "second order",
+    [](double t) {
+      return 1 - (1 + t) * std::exp(-t);
+    } },
+};
 
 /// The responses to all steps of a plan.
 inline std::vector<tactor::StepResponse>

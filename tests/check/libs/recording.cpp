@@ -96,6 +96,10 @@ GST_START_TEST(damaged_files_are_refused_with_the_line)
   expect_refusal("0,1\n1,x\n", "'x'");
   expect_refusal("0,1\n1,nan\n", "'nan'");
   expect_refusal("0,1\n0,2\n", "expected a time after");
+  expect_refusal("0,1\n1e6,2\n", "expected a time within");
+  expect_refusal("0,1\n1e-300,2\n", "samples a second");
+  expect_refusal("0,1\n1,1e300\n", "'1e300'");
+  expect_refusal("0,1\n" + std::string(100'000, '1') + "\n", "line 2: expected a line of at most");
 }
 GST_END_TEST
 

@@ -6,7 +6,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <functional>
+#include <iterator>
+#include <map>
+#include <random>
 #include <string>
 #include <vector>
 
@@ -97,32 +101,98 @@ GST_START_TEST(clear_recordings_give_the_rise_time)
     const RecordedRun run = recorded(start, target, 1, {});
     const StepResponse response = measure_step(run.recording, 0, run.steps.front(), kBand);
     fail_unless(response.fault == StepFault::none);
-    fail_unless_near(response.risen_ms, truth_ms(response.step), 2.0);
+    fail_unless_near(response.risen_ms, truth_ms(response.step), 1.0);
     fail_unless_near(response.steady, 0.25 * target, 0.0025 * target);
     fail_unless_near(response.before, 0.25 * start, 0.003);
-    fail_unless_near(response.onset_ms, 8, 3);
-    fail_unless_near(response.fallen_ms, 8 + 30, 5);
+    fail_unless_near(response.onset_ms, 8, 1.5);
+    fail_unless_near(response.fallen_ms, 8 + 30, 2);
   }
 }
 GST_END_TEST
 
-// Noise 20 dB below the vibration: the median of five is within 3 ms, wherever on the grid.
-GST_START_TEST(rise_times_are_within_3_ms_at_20_db)
+// Noise 20 dB below each step's own vibration, wherever on the grid and whichever way it rises: of single steps that at least double
+// the vibration 95 of 100 are within 3.5 ms, the median of five within 3. Of lesser steps, of which less is
+// to be seen above the noise, the median of five is within 5.
+GST_START_TEST(rises_are_within_3_ms_at_20_db)
 {
-  for (double start = 0; start <= 2; start += 1)
-    for (double target = 1; target <= 3; target += 1) {
+  const Growth &growth = kGrowths[__i__];
+  std::vector<RecordedRun> runs;
+  for (double start = 0; start <= 2; start += 0.5)
+    for (double target = 1; target <= 3; target += 0.5) {
       if (start > 0.8 * target)
         continue;
-      SimulatedSensor sensor{ .noise = noise_for(20, target), .seed = 7 };
-      const std::vector<StepResponse> responses
-          = measure_steps({ recorded(start, target, 9, sensor) }, 1, kBand);
-      std::vector<double> risen;
-      for (const StepResponse &response : responses)
-        if (response.fault == StepFault::none)
-          risen.push_back(response.risen_ms);
-      fail_unless(risen.size() >= 8, "%zu of 9 from %g to %g V", risen.size(), start, target);
-      fail_unless_near(median(risen), truth_ms(responses.front().step), 3);
+      SimulatedSensor sensor{ .noise = noise_for(20, target),
+                              .seed = static_cast<std::uint32_t>(100 * start + 10 * target) };
+      if (growth.share)
+        sensor.growth = growth.share;
+      runs.push_back(recorded(start, target, 5, sensor));
     }
+  std::map<std::pair<double, double>, std::vector<double>> steps;
+  std::vector<double> doubling;
+  for (const StepResponse &response : measure_steps(runs, 1, kBand)) {
+    const Step &step = response.step;
+    const double error = response.risen_ms - truth_ms(step);
+    fail_unless(response.fault == StepFault::none);
+    steps[{ step.start_volts, step.target_volts }].push_back(error);
+    if (step.start_volts <= step.target_volts / 2)
+      doubling.push_back(std::abs(error));
+  }
+  std::ranges::sort(doubling);
+  const double p95 = doubling[doubling.size() * 95 / 100];
+  std::printf("%s: %zu rises, p50 %.1f, p95 %.1f, max %.1f ms\n", growth.name, doubling.size(),
+              doubling[doubling.size() / 2], p95, doubling.back());
+  std::fflush(stdout);
+  fail_unless_at_most(p95, 3.5);
+  for (const auto &[volts, errors] : steps) {
+    fail_unless(errors.size() == 5);
+    fail_unless_near(median(errors), 0, volts.first <= volts.second / 2 ? 3 : 5);
+  }
+}
+GST_END_TEST
+
+// Down to a level, and to rest: 10 % are left after what MotorModel says, latency included.
+GST_START_TEST(falls_are_measured_too)
+{
+  for (const double target : { 0.6, 1.0, 0.0 }) {
+    RecordedRun run = target > 0 ? recorded(1.5, target, 1, { .noise = 0.001 })
+                                 : recorded(0, 1.5, 1, { .noise = 0.001 });
+    const StepResponse response = measure_step(run.recording, 0, run.steps.front(), kBand);
+    fail_unless(response.fault == StepFault::none, "%s",
+                std::string(fault_name(response.fault)).c_str());
+    fail_unless_near(response.fallen_ms, 8 + 30, 2);
+    fail_unless(target == 0 || response.risen_ms == 0);
+  }
+  // The motor stays where it was.
+  RecordedRun stays = recorded(1.5, 1.4999, 1, { .noise = 0.001 });
+  stays.steps.front().target_volts = 0.6;
+  fail_unless(measure_step(stays.recording, 0, stays.steps.front(), kBand).fault
+              == StepFault::missed);
+}
+GST_END_TEST
+
+// An amplifier that clips below the sound card's full scale, with a little noise: seen in what different volts have in common. A motor
+// that vibrates with flat crests of its own is left alone.
+GST_START_TEST(clipping_below_full_scale_is_named)
+{
+  for (const bool amplifier : { true, false }) {
+    std::vector<RecordedRun> runs;
+    for (const double target : { 1.0, 2.0, 2.5, 3.0 }) {
+      RecordedRun run = recorded(0, target, 1, { .noise = 0.0 });
+      run.recording.full_scale = 1;
+      std::mt19937 random(1);
+      std::normal_distribution<double> noise(0, 0.0003);
+      const double limit = amplifier ? 0.45 : 0.2 * target;
+      for (double &sample : run.recording.channels[0])
+        sample = std::clamp(sample, -limit, limit) + noise(random);
+      runs.push_back(run);
+    }
+    for (const StepResponse &response : measure_steps(runs, 1, kBand))
+      fail_unless(response.fault
+                      == (amplifier && 0.25 * response.step.target_volts > 0.45 ? StepFault::clipped
+                                                                                : StepFault::none),
+                  "%g V: %s", response.step.target_volts,
+                  std::string(fault_name(response.fault)).c_str());
+  }
 }
 GST_END_TEST
 
@@ -257,9 +327,13 @@ step_response_suite(void)
 {
   Suite *suite = suite_create("step_response");
   TCase *tests = tcase_create("recordings");
+  tcase_set_timeout(tests, 180);
   suite_add_tcase(suite, tests);
   tcase_add_test(tests, clear_recordings_give_the_rise_time);
-  tcase_add_test(tests, rise_times_are_within_3_ms_at_20_db);
+  tcase_add_loop_test(tests, rises_are_within_3_ms_at_20_db, 0,
+                      static_cast<int>(std::size(kGrowths)));
+  tcase_add_test(tests, falls_are_measured_too);
+  tcase_add_test(tests, clipping_below_full_scale_is_named);
   tcase_add_test(tests, hum_drift_and_jitter_do_not_matter);
   tcase_add_test(tests, what_is_wrong_with_a_recording_is_named);
   tcase_add_test(tests, a_step_that_nothing_came_of_is_missed);

@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+//
+// Files about motors made up by a fuzzer. CALIBRATION_FILE: a calibration that is read can be used, written and read again as the same.
+// Otherwise a recording as CSV: what is read is even and finite, and whatever it holds a step in it is measured or refused. What is
+// not read is refused with a std::runtime_error. Anything else ends the process.
+#include <cstdint>
+#include <cstdlib>
+#include <stdexcept>
+#include <string>
+#include <sys/mman.h>
+#include <unistd.h>
+
+#ifdef CALIBRATION_FILE
+#include "tactor/calibration/calibration.h"
+#else
+#include "tactor/calibration/recording.h"
+#include "tactor/calibration/step_response.h"
+#endif
+
+#include <algorithm>
+#include <cmath>
+
+using namespace tactor;
+
+namespace {
+
+void
+expect(bool holds)
+{
+  if (!holds)
+    std::abort();
+}
+
+/// A file in memory, by its path.
+class MemoryFile
+{
+public:
+  MemoryFile(const std::uint8_t *data, std::size_t size) : fd_(memfd_create("fuzz", 0))
+  {
+    expect(fd_ >= 0 && write(fd_, data, size) == static_cast<ssize_t>(size));
+  }
+  ~MemoryFile()
+  {
+    close(fd_);
+  }
+  MemoryFile(const MemoryFile &) = delete;
+  MemoryFile &operator=(const MemoryFile &) = delete;
+
+  std::string path() const
+  {
+    return "/proc/self/fd/" + std::to_string(fd_);
+  }
+
+private:
+  int fd_;
+};
+
+#ifdef CALIBRATION_FILE
+void
+check(const std::string &path)
+{
+  const Calibration calibration = read_calibration(path);
+  expect(!calibration.tactors.empty());
+  expect(calibration.longest_lead() >= Time(0));
+  for (const MotorParameters &motor : calibration.motors(3.0)) {
+    expect(motor.hold_volts <= motor.start_volts);
+    expect(motor.rise_time(0, 3.0) >= Time(0));
+    expect(std::ranges::is_sorted(motor.level_volts));
+  }
+  char folder[] = "/tmp/calibration-fuzz-XXXXXX";
+  expect(mkdtemp(folder) != nullptr);
+  const std::string name = std::string(folder) + "/again";
+  write_calibration(calibration, name);
+  const Calibration again = read_calibration(name);
+  unlink(name.c_str());
+  rmdir(folder);
+  expect(again.motor == calibration.motor && again.tactors.size() == calibration.tactors.size());
+}
+#else
+void
+check(const std::string &path)
+{
+  const Recording recording = read_csv_recording(path);
+  expect(recording.size() >= 2 && recording.rate > 0);
+  for (const std::vector<double> &channel : recording.channels)
+    expect(channel.size() == recording.size()
+           && std::ranges::all_of(channel, [](double value) { return std::isfinite(value); }));
+  if (recording.size() > 2000)
+    return;
+  const Time length(std::llround(1e9 * static_cast<double>(recording.size()) / recording.rate));
+  const Time at = recording.start + length / 3;
+  const Step step{ .target_volts = 1,
+                   .rest_begin = recording.start,
+                   .rest_end = at,
+                   .at = at,
+                   .effect = at,
+                   .end = at + length / 3,
+                   .off = at + length / 3,
+                   .next = recording.start + length };
+  const StepResponse response = measure_step(recording, 0, step, { 20, 0.4 * recording.rate });
+  expect(response.fault != StepFault::none || std::isfinite(response.risen_ms));
+}
+#endif
+
+} // namespace
+
+extern "C" int
+LLVMFuzzerTestOneInput(const std::uint8_t *data, std::size_t size)
+{
+  const MemoryFile file(data, size);
+  try {
+    check(file.path());
+  } catch (const std::runtime_error &error) {
+    expect(error.what()[0] != '\0');
+  }
+  return 0;
+}
