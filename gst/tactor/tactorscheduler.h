@@ -58,7 +58,7 @@ public:
     guint64 issued = 0;
     guint64 late = 0;
     guint64 coalesced = 0;            ///< overtaken by a later command for the same tactor
-    guint64 dropped = 0;              ///< thrown away by a flush or a stop before they were due
+    guint64 dropped = 0; ///< thrown away by a flush or a stop before they were due, or when their map had expired
     guint64 starved = 0;              ///< times when no map came and the motors were silenced
     guint64 ramps = 0;                ///< soft starts
     tactor::ScheduleStatistics error; ///< |issued − due|
@@ -100,7 +100,7 @@ public:
   void set_immediate(bool immediate);
 
   /// New commands, of a map that holds until `expires`: if none follows by then, the motors are
-  /// silenced.
+  /// silenced, and what would be issued only then is dropped.
   void push(std::span<const tactor::Command> commands, tactor::Time expires);
 
   /// When the motors were silenced for want of a map, if they were since the last call: whoever plans

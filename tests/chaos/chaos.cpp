@@ -13,6 +13,7 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
@@ -82,7 +83,6 @@ Log steps;
 accuse(const std::string &fault)
 {
   steps.print(fault);
-  print_stacks();
   std::_Exit(1);
 }
 
@@ -156,7 +156,8 @@ private:
     g_object_set(stage_->tactors, "driver", "firmata", nullptr);
     bus_ = gst_element_get_bus(stage_->pipeline);
     state_ = GST_STATE_NULL;
-    is_muted_ = is_broken_ = has_ended_ = is_excused_ = is_cut_ = false;
+    has_prerolled_ = is_excused_ = false;
+    is_settled_ = is_muted_ = is_broken_ = has_ended_ = is_cut_ = false;
     if (kind_ != Stage::Kind::network)
       set_state(GST_STATE_PLAYING);
     else
@@ -165,6 +166,7 @@ private:
   void leave_stage()
   {
     hear();
+    forget_probe();
     restore_branch();
     gst_object_unref(bus_);
     stage_.reset();
@@ -192,6 +194,9 @@ private:
       case GST_MESSAGE_EOS:
         has_ended_ = true;
         break;
+      case GST_MESSAGE_ASYNC_DONE:
+        has_prerolled_ = is_settled_ = true;
+        break;
       case GST_MESSAGE_LATENCY:
         gst_bin_recalculate_latency(GST_BIN(stage_->pipeline));
         break;
@@ -211,8 +216,11 @@ private:
 
   void set_state(GstState state)
   {
-    if (state <= GST_STATE_READY)
+    if (state <= GST_STATE_READY) {
+      forget_probe();
       restore_branch();
+      has_prerolled_ = is_settled_ = false;
+    }
     state_ = state;
     const GstStateChangeReturn ret = gst_element_set_state(stage_->pipeline, state);
     if (ret == GST_STATE_CHANGE_FAILURE) {
@@ -257,7 +265,7 @@ private:
   void step()
   {
     static const std::vector<Step> all{
-      { "play", 14, &Chaos::play },
+      { "play", 24, &Chaos::play },
       { "pause", 8, &Chaos::pause },
       { "ready", 3, &Chaos::ready },
       { "null", 2, &Chaos::null },
@@ -278,7 +286,7 @@ private:
       { "flow-error", 2, &Chaos::flow_error },
       { "gap", 4, &Chaos::gap },
       { "starve", 4, &Chaos::starve },
-      { "flush", 3, &Chaos::flush },
+      { "flush", 1, &Chaos::flush },
       { "cut", 3, &Chaos::cut_branch },
       { "mend", 5, &Chaos::mend_branch },
       { "query", 4, &Chaos::query },
@@ -368,7 +376,7 @@ private:
   }
   void seek()
   {
-    if (state_ < GST_STATE_PAUSED || is_broken_)
+    if (!has_prerolled_ || is_broken_)
       return;
     static constexpr std::array<double, 7> kRates{ 1, 1, 0.25, 0.5, 2, 4, -1 };
     const double rate = pick(kRates);
@@ -383,13 +391,15 @@ private:
     steps.add(text);
     const bool sought = gst_element_seek(
         stage_->pipeline, rate, GST_FORMAT_TIME, flags, GST_SEEK_TYPE_SET, rate > 0 ? place : 0,
-        rate > 0 ? GST_SEEK_TYPE_NONE : GST_SEEK_TYPE_SET, rate > 0 ? -1 : place);
+        GST_SEEK_TYPE_SET, rate > 0 ? -1 : place);
+    is_settled_ = is_settled_ && !flush;
     if (sought && flush)
       has_ended_ = false;
   }
   void change_rate()
   {
-    if (state_ < GST_STATE_PAUSED || is_broken_)
+    // GStreamer 1.22 itself asserts (gst_segment_position_from_running_time_full) where this meets a flush.
+    if (!is_settled_ || is_broken_ || state_ != GST_STATE_PLAYING)
       return;
     static constexpr std::array<double, 5> kRates{ 0.25, 0.5, 1, 2, 4 };
     const double rate = pick(kRates);
@@ -400,7 +410,7 @@ private:
   }
   void skip_frames()
   {
-    if (state_ < GST_STATE_PAUSED || is_broken_)
+    if (!is_settled_ || is_broken_)
       return;
     gst_element_send_event(
         stage_->pipeline,
@@ -585,9 +595,14 @@ private:
     plug(witness().mega);
     g_object_set(stage_->tactors, "driver", "firmata", nullptr);
   }
+  /// GstBaseSrc (1.22) takes the end of a live stream only when it does not wait for downstream, which in a pause it may.
+  bool can_end() const
+  {
+    return !is_broken_ && (stage_->is_seekable() ? has_prerolled_.load() : state_ == GST_STATE_PLAYING);
+  }
   void send_eos()
   {
-    if (state_ >= GST_STATE_PAUSED && !is_broken_)
+    if (can_end())
       gst_element_send_event(stage_->pipeline, gst_event_new_eos());
   }
   void post_error()
@@ -598,51 +613,63 @@ private:
     hear();
   }
 
-  /// A probe on what tactorsink is sent, for one buffer.
-  void once(GstPadProbeCallback probe, gpointer data)
+  /// Does something to one buffer on its way to tactorsink, the next that comes.
+  void once(GstPadProbeReturn (*act)(GstPad *, GstPadProbeInfo *, int), int value = 0)
   {
     GstPad *pad = stage_->upstream_pad();
     if (!pad) // cut
       return;
-    gst_pad_add_probe(pad, GST_PAD_PROBE_TYPE_BUFFER, probe, data, nullptr);
-    gst_object_unref(pad);
+    forget_probe();
+    once_.act = act;
+    once_.value = value;
+    once_.is_done = false;
+    once_.id = gst_pad_add_probe(
+        pad, GST_PAD_PROBE_TYPE_BUFFER,
+        [](GstPad *pad, GstPadProbeInfo *info, gpointer data) {
+          auto &once = *static_cast<Once *>(data);
+          return once.is_done.exchange(true) ? GST_PAD_PROBE_OK
+                                             : once.act(pad, info, once.value);
+        },
+        &once_, nullptr);
+    once_.pad = pad;
+  }
+  void forget_probe()
+  {
+    if (!once_.pad)
+      return;
+    once_.is_done = true;
+    gst_pad_remove_probe(once_.pad, once_.id);
+    gst_clear_object(&once_.pad);
   }
   void flow_error()
   {
     is_excused_ = true;
-    once(
-        [](GstPad *, GstPadProbeInfo *info, gpointer) {
-          gst_buffer_unref(GST_PAD_PROBE_INFO_BUFFER(info));
-          GST_PAD_PROBE_INFO_DATA(info) = nullptr;
-          GST_PAD_PROBE_INFO_FLOW_RETURN(info) = GST_FLOW_ERROR;
-          return GST_PAD_PROBE_HANDLED;
-        },
-        nullptr);
+    once([](GstPad *, GstPadProbeInfo *info, int) {
+      gst_buffer_unref(GST_PAD_PROBE_INFO_BUFFER(info));
+      GST_PAD_PROBE_INFO_DATA(info) = nullptr;
+      GST_PAD_PROBE_INFO_FLOW_RETURN(info) = GST_FLOW_ERROR;
+      return GST_PAD_PROBE_HANDLED;
+    });
   }
   void gap()
   {
-    once(
-        [](GstPad *pad, GstPadProbeInfo *info, gpointer) {
-          GstBuffer *buffer = GST_PAD_PROBE_INFO_BUFFER(info);
-          if (GST_BUFFER_PTS_IS_VALID(buffer))
-            gst_pad_push_event(pad,
-                               gst_event_new_gap(GST_BUFFER_PTS(buffer), GST_BUFFER_DURATION(buffer)));
-          gst_pad_remove_probe(pad, GST_PAD_PROBE_INFO_ID(info));
-          return GST_PAD_PROBE_DROP;
-        },
-        nullptr);
+    once([](GstPad *pad, GstPadProbeInfo *info, int) {
+      GstBuffer *buffer = GST_PAD_PROBE_INFO_BUFFER(info);
+      if (GST_BUFFER_PTS_IS_VALID(buffer))
+        gst_pad_push_event(pad,
+                           gst_event_new_gap(GST_BUFFER_PTS(buffer), GST_BUFFER_DURATION(buffer)));
+      return GST_PAD_PROBE_DROP;
+    });
   }
   /// Nothing comes for a while.
   void starve()
   {
-    const int ms = pick(std::array<int, 3>{ 50, 300, 1500 });
     once(
-        [](GstPad *pad, GstPadProbeInfo *info, gpointer data) {
-          std::this_thread::sleep_for(milliseconds(GPOINTER_TO_INT(data)));
-          gst_pad_remove_probe(pad, GST_PAD_PROBE_INFO_ID(info));
+        [](GstPad *, GstPadProbeInfo *, int ms) {
+          std::this_thread::sleep_for(milliseconds(ms));
           return GST_PAD_PROBE_OK;
         },
-        GINT_TO_POINTER(ms));
+        pick(std::array<int, 3>{ 50, 300, 1500 }));
   }
   /// As upstream does it in a seek, at the pad alone.
   void flush()
@@ -664,6 +691,7 @@ private:
   }
   void seek_to_start()
   {
+    is_settled_ = false;
     if (gst_element_seek_simple(stage_->pipeline, GST_FORMAT_TIME,
                                 static_cast<GstSeekFlags>(GST_SEEK_FLAG_FLUSH), 0))
       has_ended_ = false;
@@ -678,7 +706,8 @@ private:
     extractor_ = gst_pad_get_peer(sink);
     gst_pad_unlink(extractor_, sink);
     gst_object_unref(sink);
-    for (GstElement *each : { stage_->branch, stage_->tactors }) {
+    // From its end: what waits in a sink ends with it.
+    for (GstElement *each : { stage_->tactors, stage_->branch }) {
       gst_bin_remove(GST_BIN(stage_->pipeline), each);
       gst_element_set_state(each, GST_STATE_NULL);
     }
@@ -785,11 +814,12 @@ private:
   }
   void eos_inside()
   {
-    gst_element_send_event(stage_->pipeline, gst_event_new_eos());
+    if (can_end())
+      gst_element_send_event(stage_->pipeline, gst_event_new_eos());
   }
   void seek_inside()
   {
-    if (stage_->is_seekable())
+    if (has_prerolled_ && stage_->is_seekable())
       gst_element_seek_simple(stage_->pipeline, GST_FORMAT_TIME, GST_SEEK_FLAG_FLUSH,
                               kFilmLength / 3);
   }
@@ -927,8 +957,18 @@ private:
   Watchdog &watchdog_;
   std::unique_ptr<Stage> stage_;
   GstBus *bus_ = nullptr;
+  struct Once
+  {
+    GstPad *pad = nullptr; ///< with the probe
+    gulong id = 0;
+    GstPadProbeReturn (*act)(GstPad *, GstPadProbeInfo *, int) = nullptr;
+    int value = 0;
+    std::atomic<bool> is_done{ false };
+  } once_;
+  std::atomic<bool> has_prerolled_{ false };  ///< since READY: what is not linked yet takes no seek
   GstPad *extractor_ = nullptr; ///< what the branch that is cut came from
   GstState state_ = GST_STATE_NULL;
+  bool is_settled_ = false; ///< and since the last flush
   bool is_muted_ = false;
   bool is_broken_ = false;  ///< an error came: only READY helps
   bool has_ended_ = false;

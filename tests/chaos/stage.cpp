@@ -12,7 +12,7 @@ const std::string kBranches
       + "name=branch ! tactorsink name=tactors";
 const std::string kCamera
     = "tactiletestsrc name=source is-live=true pattern=dynamic-motion ! capsfilter name=size "
-      "caps=video/x-raw,format=I420,width=160,height=120,framerate=30/1";
+      "caps-change-mode=delayed caps=video/x-raw,format=I420,width=160,height=120,framerate=30/1";
 
 GstElement *
 parse(const std::string &line)
@@ -40,7 +40,10 @@ Stage::Stage(Kind kind, const std::string &film) : kind(kind)
   switch (kind) {
   case Kind::file:
     pipeline = parse("filesrc location=" + film
-                     + " ! decodebin ! videoscale ! capsfilter name=size" + kBranches);
+                     + " ! decodebin name=decoder videoscale name=scale ! capsfilter name=size "
+                       "caps-change-mode=delayed"
+                     + kBranches);
+    link_decoder();
     break;
   case Kind::live:
     pipeline = parse(kCamera + kBranches);
@@ -85,6 +88,26 @@ Stage::Stage(Kind kind, const std::string &film) : kind(kind)
   branch = named(pipeline, "branch");
   if (analysis)
     g_object_set(analysis, "temporal", FALSE, nullptr);
+}
+
+/// Each time the film is begun: gst_parse_launch() does so only once.
+void
+Stage::link_decoder()
+{
+  GstElement *decoder = named(pipeline, "decoder");
+  GstElement *scale = named(pipeline, "scale");
+  g_signal_connect(decoder, "pad-added",
+                   G_CALLBACK(+[](GstElement *, GstPad *pad, GstElement *scale) {
+                     GstPad *sink = gst_element_get_static_pad(scale, "sink");
+                     GstCaps *caps = gst_pad_query_caps(pad, nullptr);
+                     if (gst_structure_has_name(gst_caps_get_structure(caps, 0), "video/x-raw"))
+                       gst_pad_link(pad, sink);
+                     gst_caps_unref(caps);
+                     gst_object_unref(sink);
+                   }),
+                   scale); // which lives as long in the same bin
+  gst_object_unref(scale);
+  gst_object_unref(decoder);
 }
 
 Stage::~Stage()

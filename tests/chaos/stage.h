@@ -38,6 +38,9 @@ public:
   GstElement *size = nullptr;     ///< a capsfilter of the picture's size; may be NULL
   GstElement *branch = nullptr;   ///< the tactile branch's queue, where it can be taken away; may be NULL
   GstElement *source = nullptr;   ///< of the other computer; may be NULL
+
+private:
+  void link_decoder();
 };
 
 /// Writes 12 s of a ball that moves about, with a tone; each frame can be sought.
