@@ -204,6 +204,7 @@ Witness::opened()
   is_open_ = true;
   volts_.clear();
   maps_.clear();
+  latest_ = kNever;
 }
 
 void
@@ -222,6 +223,8 @@ Witness::wrote(std::span<const double> volts, Time now)
     accuse("a driver that is closed was written to");
   volts_.assign(volts.begin(), volts.end());
   write_count_++;
+  // A latency that grows sets running time back: what was begun goes on.
+  latest_ = std::max(latest_, now.count());
   bool any = false;
   for (std::size_t i = 0; i < volts_.size(); i++) {
     if (volts_[i] == 0)
@@ -230,7 +233,7 @@ Witness::wrote(std::span<const double> volts, Time now)
     if (!(volts_[i] > 0 && volts_[i] <= kFullScale))
       accuse("tactor " + std::to_string(i) + " was told " + std::to_string(volts_[i]) + " V");
     const bool wanted = std::ranges::any_of(maps_, [&](const Map &map) {
-      return is_asked_for(map, i) && map.start - kLead <= now.count();
+      return is_asked_for(map, i) && map.start - kLead <= latest_;
     });
     if (!wanted)
       accuse("tactor " + std::to_string(i) + " was told " + std::to_string(volts_[i])
@@ -293,6 +296,7 @@ Witness::flushed()
   std::lock_guard lock(mutex_);
   flush_count_++;
   maps_.clear();
+  latest_ = kNever;
 }
 
 void
@@ -323,7 +327,7 @@ Witness::agrees_with_film(gint64 running, std::string &reason)
   std::lock_guard lock(mutex_);
   for (std::size_t i = 0; i < volts_.size(); i++) {
     const bool wanted = volts_[i] == 0 || std::ranges::any_of(maps_, [&](const Map &map) {
-      return is_asked_for(map, i) && map.start - kLead <= running
+      return is_asked_for(map, i) && map.start - kLead <= std::max(running, latest_)
              && (map.end > running - kHold - kLead);
     });
     if (wanted)

@@ -75,6 +75,8 @@ private:
   gsize cells_ = 9;
   bool is_open_ = false;
   std::vector<double> volts_;
+  static constexpr gint64 kNever = G_MININT64;
+  gint64 latest_ = kNever; ///< running time of a write since the last flush
   guint64 map_count_ = 0;
   guint64 write_count_ = 0;
   guint64 vibration_count_ = 0;
