@@ -297,15 +297,14 @@ TactorScheduler::turn(Lock &lock)
 
   if (issue_due(lock, timed)) {
     return;
-  } else if (refresh_ && *refresh_ <= running_) {
+  } else if ((refresh_ && *refresh_ <= running_)
+             || (timed && driver_ && soft_start_.ceiling(running_) != ceiling_)) {
     apply(lock, running_, {});
   } else if (!timed) {
     if (!refresh_)
       wake_.wait(lock);
     else if (wake_.wait_for(lock, refresh_interval_) == std::cv_status::timeout)
       refresh_ = running_;
-  } else if (driver_ && soft_start_.ceiling(running_) != ceiling_) {
-    apply(lock, running_, {});
   } else {
     Time until = Time::max();
     for (const std::optional<Time> &next :

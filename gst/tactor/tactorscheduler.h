@@ -57,8 +57,9 @@ public:
   {
     guint64 issued = 0;
     guint64 late = 0;
-    guint64 coalesced = 0;            ///< overtaken by a later command for the same tactor
-    guint64 dropped = 0; ///< thrown away by a flush or a stop before they were due, or when their map had expired
+    guint64 coalesced = 0; ///< overtaken by a later command for the same tactor
+    guint64 dropped
+        = 0; ///< thrown away by a flush or a stop before they were due, or when their map had expired
     guint64 starved = 0;              ///< times when no map came and the motors were silenced
     guint64 ramps = 0;                ///< soft starts
     tactor::ScheduleStatistics error; ///< |issued − due|

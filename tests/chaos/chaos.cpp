@@ -28,7 +28,7 @@ using std::chrono::milliseconds;
 
 namespace {
 
-constexpr int kPatience = 30; ///< s, for one step
+constexpr int kPatience = 10; ///< s, for one step
 constexpr gint64 kFilmLength = 12 * GST_SECOND;
 /// The test's grid is 3 × 3 or smaller; the second mirrors it.
 const std::vector<std::vector<int>> kMappings{ {}, { 2, 1, 0, 5, 4, 3, 8, 7, 6 } };
@@ -182,8 +182,7 @@ private:
         GError *error = nullptr;
         gchar *debug = nullptr;
         gst_message_parse_error(message, &error, &debug);
-        const std::string text
-            = std::string(error->message) + " (" + (debug ? debug : "") + ")";
+        const std::string text = std::string(error->message) + " (" + (debug ? debug : "") + ")";
         g_error_free(error);
         g_free(debug);
         if (!is_excused_)
@@ -356,8 +355,7 @@ private:
     if (dice(4) && !is_cut_ && !has_ended_)
       await([this] {
         GstState state = GST_STATE_NULL;
-        return gst_element_get_state(stage_->pipeline, &state, nullptr, 0)
-                   != GST_STATE_CHANGE_ASYNC
+        return gst_element_get_state(stage_->pipeline, &state, nullptr, 0) != GST_STATE_CHANGE_ASYNC
                || has_ended_;
       });
   }
@@ -390,9 +388,9 @@ private:
     g_autofree char *text = g_strdup_printf("  seek to %.3f s, rate %g, flags %d",
                                             static_cast<double>(place) / GST_SECOND, rate, flags);
     steps.add(text);
-    const bool sought = gst_element_seek(
-        stage_->pipeline, rate, GST_FORMAT_TIME, flags, GST_SEEK_TYPE_SET, rate > 0 ? place : 0,
-        GST_SEEK_TYPE_SET, rate > 0 ? -1 : place);
+    const bool sought
+        = gst_element_seek(stage_->pipeline, rate, GST_FORMAT_TIME, flags, GST_SEEK_TYPE_SET,
+                           rate > 0 ? place : 0, GST_SEEK_TYPE_SET, rate > 0 ? -1 : place);
     is_settled_ = is_settled_ && !flush;
     if (sought && flush)
       has_ended_ = false;
@@ -405,32 +403,30 @@ private:
       return;
     static constexpr std::array<double, 5> kRates{ 0.25, 0.5, 1, 2, 4 };
     const double rate = pick(kRates);
-    gst_element_send_event(
-        stage_->tactors,
-        gst_event_new_seek(rate, GST_FORMAT_TIME, GST_SEEK_FLAG_INSTANT_RATE_CHANGE,
-                           GST_SEEK_TYPE_NONE, 0, GST_SEEK_TYPE_NONE, 0));
+    gst_element_send_event(stage_->tactors,
+                           gst_event_new_seek(rate, GST_FORMAT_TIME,
+                                              GST_SEEK_FLAG_INSTANT_RATE_CHANGE, GST_SEEK_TYPE_NONE,
+                                              0, GST_SEEK_TYPE_NONE, 0));
   }
   void skip_frames()
   {
     if (!is_settled_ || is_broken_)
       return;
-    gst_element_send_event(
-        stage_->pipeline,
-        gst_event_new_step(GST_FORMAT_BUFFERS, static_cast<guint64>(dice(10) + 1),
-                           1.0, dice(2), FALSE));
+    gst_element_send_event(stage_->pipeline, gst_event_new_step(GST_FORMAT_BUFFERS,
+                                                                static_cast<guint64>(dice(10) + 1),
+                                                                1.0, dice(2), FALSE));
   }
   void change_caps()
   {
-    static constexpr std::array<const char *, 4> kSizes{ "width=160,height=120",
-                                                         "width=320,height=240",
-                                                         "width=64,height=64",
-                                                         "width=33,height=17" };
+    static constexpr std::array<const char *, 4> kSizes{
+      "width=160,height=120", "width=320,height=240", "width=64,height=64", "width=33,height=17"
+    };
     if (stage_->size && dice(2)) {
       const bool is_camera = kind_ != Stage::Kind::file;
-      GstCaps *caps = gst_caps_from_string(
-          (std::string("video/x-raw,") + (is_camera ? "format=I420,framerate=30/1," : "")
-           + pick(kSizes))
-              .c_str());
+      GstCaps *caps
+          = gst_caps_from_string((std::string("video/x-raw,")
+                                  + (is_camera ? "format=I420,framerate=30/1," : "") + pick(kSizes))
+                                     .c_str());
       g_object_set(stage_->size, "caps", caps, nullptr);
       gst_caps_unref(caps);
     } else if (stage_->analysis) {
@@ -476,8 +472,8 @@ private:
       g_object_set(tactors, "sync", static_cast<gboolean>(dice(4) > 0), nullptr);
       break;
     case 9:
-      g_object_set(tactors, "compensation", dice(3), "kick-start",
-                   static_cast<gboolean>(dice(2)), nullptr);
+      g_object_set(tactors, "compensation", dice(3), "kick-start", static_cast<gboolean>(dice(2)),
+                   nullptr);
       break;
     default:
       if (stage_->analysis)
@@ -504,8 +500,8 @@ private:
     default:
       clock = gst_element_get_clock(stage_->pipeline);
       if (clock) {
-        gst_element_post_message(
-            stage_->pipeline, gst_message_new_clock_lost(GST_OBJECT(stage_->pipeline), clock));
+        gst_element_post_message(stage_->pipeline,
+                                 gst_message_new_clock_lost(GST_OBJECT(stage_->pipeline), clock));
         gst_object_unref(clock);
       }
       break;
@@ -517,9 +513,9 @@ private:
       return;
     switch (dice(3)) {
     case 0:
-      gst_element_send_event(stage_->pipeline,
-                             gst_event_new_latency(static_cast<GstClockTime>(dice(600))
-                                                   * GST_MSECOND));
+      gst_element_send_event(
+          stage_->pipeline,
+          gst_event_new_latency(static_cast<GstClockTime>(dice(600)) * GST_MSECOND));
       break;
     case 1:
       gst_pipeline_set_latency(GST_PIPELINE(stage_->pipeline),
@@ -534,8 +530,7 @@ private:
   /// Which takes effect when the board is opened next.
   void change_device()
   {
-    static constexpr std::array<const char *, 4> kDrivers{ "firmata", "seat", "auto",
-                                                           "simulator" };
+    static constexpr std::array<const char *, 4> kDrivers{ "firmata", "seat", "auto", "simulator" };
     const char *driver = pick(kDrivers);
     g_object_set(stage_->tactors, "driver", driver, nullptr);
     if (std::string(driver) == "seat") {
@@ -578,9 +573,8 @@ private:
   {
     is_excused_ = true;
     const bool writes = dice(2);
-    witness().sockets.locked([=] {
-      (writes ? witness().mega.takes_nothing : witness().mega.says_nothing) = true;
-    });
+    witness().sockets.locked(
+        [=] { (writes ? witness().mega.takes_nothing : witness().mega.says_nothing) = true; });
   }
   void repair_boards()
   {
@@ -600,7 +594,8 @@ private:
   /// GstBaseSrc (1.22) takes the end of a live stream only when it does not wait for downstream, which in a pause it may.
   bool can_end() const
   {
-    return !is_broken_ && (stage_->is_seekable() ? has_prerolled_.load() : state_ == GST_STATE_PLAYING);
+    return !is_broken_
+           && (stage_->is_seekable() ? has_prerolled_.load() : state_ == GST_STATE_PLAYING);
   }
   void send_eos()
   {
@@ -629,8 +624,7 @@ private:
         pad, GST_PAD_PROBE_TYPE_BUFFER,
         [](GstPad *pad, GstPadProbeInfo *info, gpointer data) {
           auto &once = *static_cast<Once *>(data);
-          return once.is_done.exchange(true) ? GST_PAD_PROBE_OK
-                                             : once.act(pad, info, once.value);
+          return once.is_done.exchange(true) ? GST_PAD_PROBE_OK : once.act(pad, info, once.value);
         },
         &once_, nullptr);
     once_.pad = pad;
@@ -811,8 +805,7 @@ private:
       witness().mega.refusal.reset();
       witness().mega.says_nothing = false;
     });
-    if (witness().sockets.locked(
-            [] { return std::exchange(witness().mega.takes_nothing, false); })
+    if (witness().sockets.locked([] { return std::exchange(witness().mega.takes_nothing, false); })
         && witness().mega.is_plugged)
       witness().sockets.unplug(witness().mega);
     plug(witness().mega);
@@ -919,6 +912,39 @@ private:
   }
 
 public:
+  /// The elements that are not in their pipeline's state, from any thread and without a lock: whatever hangs may have it.
+  void print_states()
+  {
+    g_autoptr(GstIterator) all = gst_bin_iterate_recurse(GST_BIN(stage_->pipeline));
+    GValue item = G_VALUE_INIT;
+    while (gst_iterator_next(all, &item) == GST_ITERATOR_OK) {
+      GstElement *element = GST_ELEMENT(g_value_get_object(&item));
+      std::fprintf(stderr, "state of %s: %s, next %s, pending %s, %s\n", GST_OBJECT_NAME(element),
+                   name(GST_STATE(element)), name(GST_STATE_NEXT(element)),
+                   name(GST_STATE_PENDING(element)),
+                   gst_element_state_change_return_get_name(GST_STATE_RETURN(element)));
+      if (GST_OBJECT_CAST(element)
+          && g_object_class_find_property(G_OBJECT_GET_CLASS(element), "current-level-time")) {
+        guint64 level = 0, most = 0;
+        guint buffers = 0;
+        g_object_get(element, "current-level-time", &level, "max-size-time", &most,
+                     "current-level-buffers", &buffers, nullptr);
+        std::fprintf(stderr, "state   holds %u buffers, %.3f of %.3f s\n", buffers,
+                     (double)level / 1e9, (double)most / 1e9);
+      }
+      if (GST_IS_BASE_SINK(element)) {
+        GstSegment *g = &GST_BASE_SINK(element)->segment;
+        std::fprintf(
+            stderr,
+            "state   segment rate %g start %.3f pos %.3f base %.3f; async-latency %.3f rd %.3f\n",
+            g->rate, g->start / 1e9, g->position / 1e9, g->base / 1e9,
+            gst_base_sink_get_latency(GST_BASE_SINK(element)) / 1e9,
+            gst_base_sink_get_render_delay(GST_BASE_SINK(element)) / 1e9);
+      }
+      g_value_reset(&item);
+    }
+  }
+
   /// What check() waits for, from any thread.
   std::string waiting_for()
   {
@@ -941,12 +967,12 @@ private:
     int value = 0;
     std::atomic<bool> is_done{ false };
   } once_;
-  std::atomic<bool> has_prerolled_{ false };  ///< since READY: what is not linked yet takes no seek
-  GstPad *extractor_ = nullptr; ///< what the branch that is cut came from
+  std::atomic<bool> has_prerolled_{ false }; ///< since READY: what is not linked yet takes no seek
+  GstPad *extractor_ = nullptr;              ///< what the branch that is cut came from
   GstState state_ = GST_STATE_NULL;
   bool is_settled_ = false; ///< and since the last flush
   bool is_muted_ = false;
-  bool is_broken_ = false;  ///< an error came: only READY helps
+  bool is_broken_ = false; ///< an error came: only READY helps
   bool has_ended_ = false;
   std::atomic<bool> is_excused_{ false }; ///< something was done that may end in an error
   bool is_cut_ = false;
@@ -971,16 +997,14 @@ main(int argc, char **argv)
   gint runs = 1;
   gchar *kind = nullptr;
   gboolean verbose = FALSE;
-  const GOptionEntry entries[]
-      = { { "steps", 0, 0, G_OPTION_ARG_INT, &count, "Steps of a run (50)", "N" },
-          { "seed", 0, 0, G_OPTION_ARG_INT64, &seed, "Seed of the first run (1)", "N" },
-          { "runs", 0, 0, G_OPTION_ARG_INT, &runs, "Runs of each kind, each its own seed (1)",
-            "N" },
-          { "kind", 0, 0, G_OPTION_ARG_STRING, &kind, "file, live, network or playbin (all)",
-            "KIND" },
-          { "verbose", 'v', 0, G_OPTION_ARG_NONE, &verbose, "Print each step as it is taken",
-            nullptr },
-          {} };
+  const GOptionEntry entries[] = {
+    { "steps", 0, 0, G_OPTION_ARG_INT, &count, "Steps of a run (50)", "N" },
+    { "seed", 0, 0, G_OPTION_ARG_INT64, &seed, "Seed of the first run (1)", "N" },
+    { "runs", 0, 0, G_OPTION_ARG_INT, &runs, "Runs of each kind, each its own seed (1)", "N" },
+    { "kind", 0, 0, G_OPTION_ARG_STRING, &kind, "file, live, network or playbin (all)", "KIND" },
+    { "verbose", 'v', 0, G_OPTION_ARG_NONE, &verbose, "Print each step as it is taken", nullptr },
+    {}
+  };
   GOptionContext *context = g_option_context_new("- does at random what can be done to a film");
   g_option_context_add_main_entries(context, entries, nullptr);
   g_option_context_add_group(context, gst_init_get_option_group());
@@ -1016,6 +1040,8 @@ main(int argc, char **argv)
     Watchdog watchdog(kPatience, [&] {
       const std::string waiting = running ? running->waiting_for() : "";
       steps.print(waiting.empty() ? "a step does not end" : "stays so: " + waiting);
+      if (running)
+        running->print_states();
     });
     for (const auto &[text, each] : kKinds) {
       if (kind && text != kind)

@@ -36,8 +36,9 @@ public:
   GstElement *tactors = nullptr;
   GstElement *analysis = nullptr; ///< NULL: it is elsewhere
   GstElement *size = nullptr;     ///< a capsfilter of the picture's size; may be NULL
-  GstElement *branch = nullptr;   ///< the tactile branch's queue, where it can be taken away; may be NULL
-  GstElement *source = nullptr;   ///< of the other computer; may be NULL
+  GstElement *branch
+      = nullptr; ///< the tactile branch's queue, where it can be taken away; may be NULL
+  GstElement *source = nullptr; ///< of the other computer; may be NULL
 
 private:
   void link_decoder();

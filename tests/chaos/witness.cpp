@@ -129,12 +129,21 @@ drivers()
   static const std::vector<DriverInfo> all{
     { "auto", "",
       [] {
-        return witnessed(std::make_unique<AutoDriver>(make_board(Firmware::any),
-                                                      std::make_unique<Simulator>()));
+        return witnessed(
+            std::make_unique<AutoDriver>(make_board(Firmware::any), std::make_unique<Simulator>()));
       } },
-    { "firmata", "", [] { return witnessed(make_board(Firmware::any)); } },
-    { "seat", "", [] { return witnessed(make_board(Firmware::with_watchdog)); } },
-    { "simulator", "", [] { return witnessed(std::make_unique<Simulator>()); } },
+    { "firmata", "",
+      [] {
+        return witnessed(make_board(Firmware::any));
+      } },
+    { "seat", "",
+      [] {
+        return witnessed(make_board(Firmware::with_watchdog));
+      } },
+    { "simulator", "",
+      [] {
+        return witnessed(std::make_unique<Simulator>());
+      } },
   };
   return all;
 }
@@ -273,11 +282,10 @@ Witness::arrived(GstPad *pad, GstBuffer *buffer)
       && gst_segment_clip(segment, GST_FORMAT_TIME, from, to, &from, &to)) {
     if (segment->rate < 0)
       std::swap(from, to);
-    map.start
-        = static_cast<gint64>(gst_segment_to_running_time(segment, GST_FORMAT_TIME, from));
+    map.start = static_cast<gint64>(gst_segment_to_running_time(segment, GST_FORMAT_TIME, from));
     // The whole frame, as shown: the clipped one may be shorter than what is held.
-    map.end = map.start
-              + static_cast<gint64>(static_cast<double>(duration) / std::abs(segment->rate));
+    map.end
+        = map.start + static_cast<gint64>(static_cast<double>(duration) / std::abs(segment->rate));
   }
   gst_event_unref(sticky);
   for (const gfloat level : levels)
@@ -327,9 +335,10 @@ Witness::agrees_with_film(gint64 running, std::string &reason)
   std::lock_guard lock(mutex_);
   for (std::size_t i = 0; i < volts_.size(); i++) {
     const bool wanted = volts_[i] == 0 || std::ranges::any_of(maps_, [&](const Map &map) {
-      return is_asked_for(map, i) && map.start - kLead <= std::max(running, latest_)
-             && (map.end > running - kHold - kLead);
-    });
+                          return is_asked_for(map, i)
+                                 && map.start - kLead <= std::max(running, latest_)
+                                 && (map.end > running - kHold - kLead);
+                        });
     if (wanted)
       continue;
     reason = "tactor " + std::to_string(i) + " is at " + std::to_string(volts_[i])
@@ -362,9 +371,8 @@ Witness::boards_agree(std::string &reason)
       const int has = duty == board->model.duty.end() ? 0 : duty->second;
       if (has == static_cast<int>(std::lround(told / kFullScale * 255)))
         continue;
-      reason = board->device.name + "'s pin " + std::to_string(pin) + " has "
-               + std::to_string(has) + " of 255, the driver was told " + std::to_string(told)
-               + " V";
+      reason = board->device.name + "'s pin " + std::to_string(pin) + " has " + std::to_string(has)
+               + " of 255, the driver was told " + std::to_string(told) + " V";
       return false;
     }
   }

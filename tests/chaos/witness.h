@@ -41,12 +41,11 @@ public:
   guint64 flushes() const;
 
   Sockets sockets;
-  MemoryBoard mega{
-    { .serial = "mega", .bus_path = "1-1", .name = "Mega", .transport = "memory" }, kMega
-  };
-  MemoryBoard seat{
-    { .serial = "seat", .bus_path = "1-2", .name = "Seat", .transport = "memory" }, kMega, true
-  };
+  MemoryBoard mega{ { .serial = "mega", .bus_path = "1-1", .name = "Mega", .transport = "memory" },
+                    kMega };
+  MemoryBoard seat{ { .serial = "seat", .bus_path = "1-2", .name = "Seat", .transport = "memory" },
+                    kMega,
+                    true };
 
   // Of the driver in use, on its caller's thread.
   void opened();

@@ -120,9 +120,9 @@ GST_START_TEST(test_hours_on_the_clock)
   while (frame < frames) {
     rig.run_out([&] {
       for (guint64 i = 0; i < piece; i++, frame++)
-        ck_assert_int_eq(rig.push(frame * kFrame,
-                                  { frame / kFramesPerBlock % 2 == 0 ? 0.9f : 0.4f }),
-                         GST_FLOW_OK);
+        ck_assert_int_eq(
+            rig.push(frame * kFrame, { frame / kFramesPerBlock % 2 == 0 ? 0.9f : 0.4f }),
+            GST_FLOW_OK);
     });
     record.look(static_cast<double>(frame) / 25 / 3600);
   }
@@ -147,12 +147,11 @@ GST_START_TEST(test_hours_of_film)
 {
   constexpr int kRate = 10;
   const auto frames = static_cast<gint>(hours * 3600 * kRate);
-  GstElement *pipeline
-      = parse("tactiletestsrc name=source pattern=dynamic-motion num-buffers="
-              + std::to_string(frames)
-              + " ! video/x-raw,format=I420,width=64,height=48,framerate=10/1 ! saliencytactile "
-                "! tactileextractor name=x x.src ! queue ! fakesink sync=false name=picture "
-                "x.tactile ! queue ! tactorsink name=tactors driver=simulator sync=false");
+  GstElement *pipeline = parse(
+      "tactiletestsrc name=source pattern=dynamic-motion num-buffers=" + std::to_string(frames)
+      + " ! video/x-raw,format=I420,width=64,height=48,framerate=10/1 ! saliencytactile "
+        "! tactileextractor name=x x.src ! queue ! fakesink sync=false name=picture "
+        "x.tactile ! queue ! tactorsink name=tactors driver=simulator sync=false");
   GstElement *tactors = gst_bin_get_by_name(GST_BIN(pipeline), "tactors");
   GstBus *bus = gst_element_get_bus(pipeline);
   std::atomic<int> shown{ 0 };
@@ -222,8 +221,7 @@ GST_START_TEST(test_looping_clips)
         record.look(played);
         looked = played;
       }
-      fail_unless(
-          gst_element_seek_simple(pipeline, GST_FORMAT_TIME, GST_SEEK_FLAG_FLUSH, 0));
+      fail_unless(gst_element_seek_simple(pipeline, GST_FORMAT_TIME, GST_SEEK_FLAG_FLUSH, 0));
     }
     gst_element_set_state(pipeline, GST_STATE_NULL);
     record.expect_constant(256);
@@ -236,12 +234,11 @@ GST_END_TEST;
 int
 main(int argc, char **argv)
 {
-  const GOptionEntry entries[] = {
-    { "hours", 0, 0, G_OPTION_ARG_DOUBLE, &hours, "Hours of film in each test (0.1)", "N" },
-    { "clip", 0, 0, G_OPTION_ARG_FILENAME_ARRAY, &clips,
-      "A film to be played again and again; may be repeated", "FILE" },
-    {}
-  };
+  const GOptionEntry entries[]
+      = { { "hours", 0, 0, G_OPTION_ARG_DOUBLE, &hours, "Hours of film in each test (0.1)", "N" },
+          { "clip", 0, 0, G_OPTION_ARG_FILENAME_ARRAY, &clips,
+            "A film to be played again and again; may be repeated", "FILE" },
+          {} };
   GOptionContext *context = g_option_context_new("- hours of film in minutes");
   g_option_context_add_main_entries(context, entries, nullptr);
   GError *error = nullptr;
