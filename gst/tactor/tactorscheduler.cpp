@@ -108,11 +108,12 @@ TactorScheduler::flush()
 }
 
 void
-TactorScheduler::drain()
+TactorScheduler::drain(std::uint64_t interruptions)
 {
   std::unique_lock lock(mutex_);
-  settled_.wait(lock, [this] {
-    return interrupted_ || !live_ || failed_ || (queue_.size() == 0 && !issuing_);
+  settled_.wait(lock, [&] {
+    return interruptions_ != interruptions || !live_ || failed_
+           || (queue_.size() == 0 && !issuing_);
   });
 }
 
@@ -120,8 +121,16 @@ void
 TactorScheduler::interrupt(bool interrupted)
 {
   std::lock_guard lock(mutex_);
+  interruptions_ += interrupted;
   interrupted_ = interrupted;
   settled_.notify_all();
+}
+
+std::uint64_t
+TactorScheduler::interruptions() const
+{
+  std::lock_guard lock(mutex_);
+  return interruptions_ - (interrupted_ ? 1 : 0);
 }
 
 void

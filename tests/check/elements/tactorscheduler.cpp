@@ -360,6 +360,33 @@ GST_START_TEST(test_stale_commands_are_dropped)
 }
 GST_END_TEST;
 
+/// An interruption that is over before drain() has begun, or woken up, ends it all the same: GstBaseSink interrupts in passing where it
+/// does not have to wait for a lock.
+GST_START_TEST(test_interruptions_in_passing)
+{
+  Rig rig;
+  rig.push({ command(100, 0, 2.0) });
+  const auto interrupt = [&] {
+    rig.scheduler->interrupt(true);
+    rig.scheduler->interrupt(false);
+  };
+  const std::uint64_t before = rig.scheduler->interruptions();
+  interrupt();
+  rig.scheduler->drain(before);
+  // One that has begun when it is asked.
+  rig.scheduler->interrupt(true);
+  const std::uint64_t during = rig.scheduler->interruptions();
+  rig.scheduler->interrupt(false);
+  rig.scheduler->drain(during);
+  // While it waits.
+  const std::uint64_t now = rig.scheduler->interruptions();
+  std::thread drain([&] { rig.scheduler->drain(now); });
+  interrupt();
+  drain.join();
+  fail_unless(rig.board.is_silent());
+}
+GST_END_TEST;
+
 GST_START_TEST(test_offset_and_clock_change)
 {
   Rig rig;
@@ -459,6 +486,7 @@ tactorscheduler_suite(void)
   tcase_add_test(cases, test_silence_comes_before_the_return);
   tcase_add_test(cases, test_mute_follows_silently);
   tcase_add_test(cases, test_starved);
+  tcase_add_test(cases, test_interruptions_in_passing);
   tcase_add_test(cases, test_stale_commands_are_dropped);
   tcase_add_test(cases, test_offset_and_clock_change);
   tcase_add_test(cases, test_change_between_reading_and_sleeping);
