@@ -43,7 +43,7 @@ fi
 players=()
 begin() { # NAME LAUNCH-LINE
   # shellcheck disable=SC2086
-  timeout "$((seconds * 4 + 30))" gst-launch-1.0 -m $2 >"$work/$1.log" 2>&1 &
+  timeout "$((seconds * 20 + 120))" gst-launch-1.0 -m $2 >"$work/$1.log" 2>&1 &
   players+=($!)
   pids+=($!)
 }
@@ -62,7 +62,7 @@ printf '%-9s %8s %8s %8s %8s %14s %12s %6s\n' "" issued late dropped starved "er
 for log in $(cd "$work" && ls -v ./*.log); do
   name=$(basename "$log" .log)
   if [ -z "$(field "$name" issued)" ]; then
-    printf '%-9s did not end in %s s\n' "$name" "$((seconds * 4 + 30))"
+    printf '%-9s did not end in %s s\n' "$name" "$((seconds * 20 + 120))"
     continue
   fi
   printf '%-9s %8s %8s %8s %8s %14s %12s %6s\n' "$name" "$(field "$name" issued)" "$(field "$name" late)" "$(field "$name" dropped)" \
