@@ -379,8 +379,12 @@ private:
     // gst_segment_position_from_running_time_full.
     static constexpr std::array<double, 7> kRates{ 1, 1, 0.25, 0.5, 2, 4, -1 };
     const double rate = pick(kRates);
-    // In a pause a seek without a flush waits for the streaming thread, which waits for the play.
-    const bool flush = dice(4) > 0 || state_ != GST_STATE_PLAYING || is_cut_;
+    // A seek without a flush waits for the streaming thread, which in a pause waits for the play.
+    GstState now = GST_STATE_NULL;
+    const bool plays
+        = gst_element_get_state(stage_->pipeline, &now, nullptr, 0) == GST_STATE_CHANGE_SUCCESS
+          && now == GST_STATE_PLAYING && !has_ended_ && !is_cut_;
+    const bool flush = dice(4) > 0 || !plays;
     const auto kind = pick(std::array<GstSeekFlags, 3>{
         GST_SEEK_FLAG_ACCURATE, GST_SEEK_FLAG_KEY_UNIT, GST_SEEK_FLAG_NONE });
     const gint64 place = dice(20) == 0 ? 0 : static_cast<gint64>(fraction() * kFilmLength);
