@@ -71,7 +71,7 @@ public:
                 (last.heap - first.heap) / length, (last.resident - first.resident) / length);
     for (const auto &[at, now] : looks_) {
       ck_assert_int_eq(now.handles, first.handles);
-      ck_assert_int_eq(now.threads, first.threads);
+      fail_unless(now.threads <= first.threads); // GLib ends what its pool does not need any more
     }
     // In short runs what comes and goes outweighs what grows.
     fail_unless(last.heap - first.heap < kib_per_hour * length + 64,
