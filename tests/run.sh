@@ -2,10 +2,15 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 # Installs what is missing, builds, runs every test.
 #
-# Usage: tests/run.sh [--asan | --tsan] [meson test arguments]
-#   --asan   build and run under AddressSanitizer and UndefinedBehaviorSanitizer, in C++ alone: no Python
-#   --tsan   build and run under ThreadSanitizer, likewise
+# Usage: tests/run.sh [--asan | --tsan | --valgrind] [meson test arguments]
+#        tests/run.sh (--tidy | --cppcheck) [FILE ...]
+#   --asan      build and run under AddressSanitizer and UndefinedBehaviorSanitizer, in C++ alone: no Python
+#   --tsan      build and run under ThreadSanitizer, likewise
+#   --valgrind  run under valgrind's memcheck; without names the tests of libraries and elements
+#   --tidy      clang-tidy, with .clang-tidy, over lib, gst and tools or over some of their files
+#   --cppcheck  cppcheck, likewise
 # Examples: tests/run.sh          tests/run.sh --asan          tests/run.sh tactorsink -v
+#           tests/run.sh --valgrind text_cue     tests/run.sh --tidy gst/tactor/tactorscheduler.cpp
 set -euo pipefail
 here=$(cd "$(dirname "$0")" && pwd)
 # shellcheck source=../tools/build.sh
@@ -14,13 +19,45 @@ here=$(cd "$(dirname "$0")" && pwd)
 directory=$root/build
 patience=1
 options=(-Dsaliency=enabled -Dusb=enabled -Dintrospection=enabled -Dtools=enabled -Dtests=enabled -Dexamples=enabled)
+parts="build play test players"
+wrapper=()
+analyser=
 case ${1:-} in
-  -h | --help) sed -n '3,8s/^# \{0,1\}//p' "$0"; exit 0 ;;
+  -h | --help) sed -n '3,13s/^# \{0,1\}//p' "$0"; exit 0 ;;
+  --valgrind)
+    shift
+    parts+=" analysis"
+    patience=20
+    [ $# -gt 0 ] || set -- --suite libs --suite elements
+    wrapper=(--wrapper "valgrind --quiet --error-exitcode=99 --leak-check=full --show-leak-kinds=definite --errors-for-leak-kinds=definite --num-callers=30
+      --suppressions=/usr/share/glib-2.0/valgrind/glib.supp --suppressions=$root/tests/sanitizers/valgrind.supp")
+    export CK_TIMEOUT_MULTIPLIER=20 G_SLICE=always-malloc
+    ;;
+  --tidy | --cppcheck) analyser=${1#--}; shift; parts+=" analysis" ;;
   --asan) shift; directory=$root/build-asan; patience=5; options+=("-Db_sanitize=address,undefined" -Db_lundef=false -Dintrospection=disabled) ;;
   --tsan) shift; directory=$root/build-tsan; patience=5; options+=(-Db_sanitize=thread -Db_lundef=false -Dintrospection=disabled) ;;
 esac
 
-build_project "$directory" "build play test players" "${options[@]}"
+build_project "$directory" "$parts" "${options[@]}"
+
+# Of this project's own code, what is compiled here.
+if [ -n "$analyser" ]; then
+  cd "$root"
+  if [ $# -eq 0 ]; then
+    mapfile -t names < <(git ls-files 'lib/*.cpp' 'lib/*.c' 'gst/*.cpp' 'tools/*.cpp')
+    set -- "${names[@]}"
+  fi
+  if [ "$analyser" = tidy ]; then
+    # The count of what it found in other people's headers is no finding.
+    printf '%s\0' "$@" | xargs -0 -P "$(nproc)" -n 1 clang-tidy -p "$directory" --quiet 2> >(grep -v 'warnings\? generated\.$\|^Suppressed\|^Use -header-filter' >&2)
+  else
+    # Each file by itself: what is written for other translation units is unused in all of them. GLib's macros are not followed.
+    cppcheck --quiet --std=c++20 -j "$(nproc)" --enable=warning,performance,portability --inline-suppr --error-exitcode=1 \
+      --suppress=unknownMacro -I "$root" -I "$root/lib" --library=gtk "$@"
+  fi
+  echo "$analyser: nothing found in $# files"
+  exit 0
+fi
 
 # Plugins of others start threads as GStreamer looks through them, before tests fork: that is not ours (die_after_fork).
 # Suppressions are for libraries alone, each with its reason. Leaks in libraries without frame pointers are only told apart with full stacks.
@@ -34,7 +71,7 @@ export TSAN_OPTIONS="ignore_noninstrumented_modules=1:halt_on_error=1:die_after_
 log=$(mktemp)
 trap 'rm -f "$log"' EXIT
 status=0
-meson test -C "$directory" --no-rebuild --print-errorlogs --timeout-multiplier "$patience" "$@" 2>&1 | tee "$log" || status=$?
+meson test -C "$directory" --no-rebuild --print-errorlogs --timeout-multiplier "$patience" "${wrapper[@]}" "$@" 2>&1 | tee "$log" || status=$?
 count() { sed -n "s/^$1: *\([0-9][0-9]*\).*/\1/p" "$log" | tail -n 1; }
 passed=$(count Ok); failed=$(count Fail); timeouts=$(count Timeout); unexpected=$(count 'Unexpected Pass'); skipped=$(count Skipped)
 failed=$((${failed:-0} + ${timeouts:-0} + ${unexpected:-0}))

@@ -2,13 +2,14 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 # Installs what this project needs on Debian or Ubuntu, and only that; says nothing about what is already there.
 #
-# Usage: tools/setup.sh [build] [play] [test] [players] [quality] [fuzz] [firmware]     (no argument: the first four)
+# Usage: tools/setup.sh [build] [play] [test] [players] [quality] [fuzz] [firmware] [analysis]     (no argument: the first four)
 #   build    compiler, meson and the libraries the plugins are made of
 #   play     GStreamer's plugins that decode, encode and show a film
 #   test     what the test suite needs beyond that
 #   players  gst-play-1.0, GstPlay for the C example, Python's bindings: what pipelines/ and examples/ show
 #   quality  OpenCV's saliency models, to compare with; left out of the comparison where they are missing
 #   fuzz     clang with libFuzzer, for tests/fuzz
+#   analysis valgrind, clang-tidy and cppcheck, for tests/run.sh
 #   firmware cross compiler and emulator for the test of the seat sketch, which is skipped where they are missing
 set -euo pipefail
 
@@ -24,11 +25,12 @@ declare -A packages=(
              gir1.2-gst-plugins-base-1.0"
   [quality]="libopencv-contrib-dev"
   [fuzz]="clang libclang-rt-14-dev"
+  [analysis]="valgrind clang-tidy cppcheck libglib2.0-dev"
   [firmware]="gcc-avr avr-libc arduino-core-avr libsimavr-dev"
 )
 
 usage() {
-  sed -n '3,12s/^# \{0,1\}//p' "$0"
+  sed -n '3,13s/^# \{0,1\}//p' "$0"
 }
 
 parts=("$@")
@@ -37,8 +39,8 @@ wanted=()
 for part in "${parts[@]}"; do
   case $part in
     -h | --help) usage; exit 0 ;;
-    build | play | test | players | quality | fuzz | firmware) read -r -d '' -a names <<<"${packages[$part]}" || true; wanted+=("${names[@]}") ;;
-    *) echo "setup.sh: expected build, play, test, players, quality, fuzz or firmware, got '$part'; see setup.sh --help" >&2; exit 2 ;;
+    build | play | test | players | quality | fuzz | firmware | analysis) read -r -d '' -a names <<<"${packages[$part]}" || true; wanted+=("${names[@]}") ;;
+    *) echo "setup.sh: expected build, play, test, players, quality, fuzz, firmware or analysis, got '$part'; see setup.sh --help" >&2; exit 2 ;;
   esac
 done
 

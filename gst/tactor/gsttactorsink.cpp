@@ -406,8 +406,9 @@ gst_tactor_sink_drain(GstTactorSink *self)
     return ret;
 
   // As in the base class, the lock is given up while waiting: pause, play and flush need it.
+  const guint64 interruptions = priv->scheduler.interruptions();
   GST_BASE_SINK_PREROLL_UNLOCK(sink);
-  priv->scheduler.drain();
+  priv->scheduler.drain(interruptions);
   GST_BASE_SINK_PREROLL_LOCK(sink);
   if (sink->flushing)
     return GST_FLOW_FLUSHING;

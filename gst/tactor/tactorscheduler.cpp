@@ -108,11 +108,12 @@ TactorScheduler::flush()
 }
 
 void
-TactorScheduler::drain()
+TactorScheduler::drain(std::uint64_t interruptions)
 {
   std::unique_lock lock(mutex_);
-  settled_.wait(lock, [this] {
-    return interrupted_ || !live_ || failed_ || (queue_.size() == 0 && !issuing_);
+  settled_.wait(lock, [&] {
+    return interruptions_ != interruptions || !live_ || failed_
+           || (queue_.size() == 0 && !issuing_);
   });
 }
 
@@ -120,8 +121,16 @@ void
 TactorScheduler::interrupt(bool interrupted)
 {
   std::lock_guard lock(mutex_);
+  interruptions_ += interrupted;
   interrupted_ = interrupted;
   settled_.notify_all();
+}
+
+std::uint64_t
+TactorScheduler::interruptions() const
+{
+  std::lock_guard lock(mutex_);
+  return interruptions_ - (interrupted_ ? 1 : 0);
 }
 
 void
@@ -297,17 +306,14 @@ TactorScheduler::turn(Lock &lock)
 
   if (issue_due(lock, timed)) {
     return;
-  } else if (refresh_ && *refresh_ <= running_) {
+  } else if ((refresh_ && *refresh_ <= running_)
+             || (timed && driver_ && soft_start_.ceiling(running_) != ceiling_)) {
     apply(lock, running_, {});
   } else if (!timed) {
     if (!refresh_)
       wake_.wait(lock);
     else if (wake_.wait_for(lock, refresh_interval_) == std::cv_status::timeout)
       refresh_ = running_;
-  } else if (expires_ && *expires_ <= running_) {
-    starve(lock, running_);
-  } else if (driver_ && soft_start_.ceiling(running_) != ceiling_) {
-    apply(lock, running_, {});
   } else {
     Time until = Time::max();
     for (const std::optional<Time> &next :
@@ -325,6 +331,11 @@ TactorScheduler::issue_due(Lock &lock, bool timed)
 {
   if (!timed)
     expires_.reset();
+  // What was shown so long ago is not made up for: a film that is behind would shake the chair.
+  if (expires_ && *expires_ <= running_) {
+    starve(lock, running_);
+    return true;
+  }
   bool any = false;
   for (std::optional<Time> next = queue_.next_due();
        next && (timed ? *next <= running_ : queue_.size() > 0); next = queue_.next_due()) {
@@ -385,6 +396,7 @@ TactorScheduler::issue(Lock &lock, Time running, std::span<const Command> comman
 void
 TactorScheduler::starve(Lock &lock, Time running)
 {
+  const std::vector<Command> stale = queue_.take_due(running);
   std::vector<Command> zeros;
   const std::span<const double> levels = queue_.levels();
   for (std::size_t i = 0; i < levels.size(); i++)
@@ -392,12 +404,19 @@ TactorScheduler::starve(Lock &lock, Time running)
       zeros.push_back(
           { .effect = *expires_, .lead = Time(0), .tactor = static_cast<int>(i), .volts = 0 });
   expires_.reset();
-  if (zeros.empty())
+  if (zeros.empty() && stale.empty())
     return;
-  counters_.starved++;
+  counters_.dropped += stale.size();
+  counters_.starved += std::ranges::any_of(sent_, [](double volts) { return volts != 0; });
   starved_ = running;
   queue_.push(zeros);
   apply(lock, running, queue_.take_due(running));
+  settled_.notify_all();
+  if (stale.empty())
+    return;
+  lock.unlock();
+  host_.lead_short(stale.front().lead, running - stale.front().due());
+  lock.lock();
 }
 
 /// Makes the driver's volts what they have to be now. `commands` are those that led here, for the

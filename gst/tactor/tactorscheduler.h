@@ -57,8 +57,9 @@ public:
   {
     guint64 issued = 0;
     guint64 late = 0;
-    guint64 coalesced = 0;            ///< overtaken by a later command for the same tactor
-    guint64 dropped = 0;              ///< thrown away by a flush or a stop before they were due
+    guint64 coalesced = 0; ///< overtaken by a later command for the same tactor
+    guint64 dropped
+        = 0; ///< thrown away by a flush or a stop before they were due, or when their map had expired
     guint64 starved = 0;              ///< times when no map came and the motors were silenced
     guint64 ramps = 0;                ///< soft starts
     tactor::ScheduleStatistics error; ///< |issued − due|
@@ -82,11 +83,13 @@ public:
   void pause();
   /// Motors to zero; commands are forgotten. Returns the running time at which that was.
   tactor::Time flush();
-  /// Returns when every command was issued, however long the play is paused meanwhile, or when
-  /// interrupt() was called.
-  void drain();
-  /// While interrupted, drain() returns at once.
+  /// Returns when every command was issued, however long the play is paused meanwhile, or when it is
+  /// interrupted or was after `interruptions` of them were over.
+  void drain(std::uint64_t interruptions);
   void interrupt(bool interrupted);
+  /// How many interruptions are over. To be asked for before the lock is given up that keeps others from
+  /// interrupting: one may begin and end before drain() has seen it.
+  std::uint64_t interruptions() const;
   /// While muted, motors are at zero and the film's commands are followed silently.
   void set_muted(bool muted);
   /// How long the first vibration after start(), pause(), flush(), mute or a lost board takes to full scale, from the next one
@@ -100,7 +103,7 @@ public:
   void set_immediate(bool immediate);
 
   /// New commands, of a map that holds until `expires`: if none follows by then, the motors are
-  /// silenced.
+  /// silenced, and what would be issued only then is dropped.
   void push(std::span<const tactor::Command> commands, tactor::Time expires);
 
   /// When the motors were silenced for want of a map, if they were since the last call: whoever plans
@@ -152,6 +155,7 @@ private:
   bool muted_ = false;
   bool immediate_ = false;
   bool interrupted_ = false;
+  std::uint64_t interruptions_ = 0; ///< that have begun
   bool failed_ = false;
   bool issuing_ = false; ///< commands were taken off the queue and are on their way to the driver
   // Requests: something other than a due command has to reach the motors, or to be looked at anew.

@@ -15,8 +15,8 @@
  *
  * The picture is shown by #GstVisuotactileSink:video-sink or, where none is set, by the sink of the
  * highest rank that can be used. All of the pipeline is delayed by #GstVisuotactileSink:max-lead and 10
- * ms; the queues hold that much and 200 ms more. That is pictures in memory: upstream is asked for
- * as many more buffers.
+ * ms; the queue of pictures holds that much and 200 ms more. That is pictures in memory: upstream is
+ * asked for as many more buffers.
  *
  * Whatever happens to the tactors, the film plays: if they cannot be used, a warning says why.
  * Frames in memory that cannot be read are shown and not felt, with one warning. GstVideoOverlay and
@@ -50,7 +50,7 @@ namespace {
 /// What planning and a wake-up take: data is asked for this much before max-lead, as tactorsink does.
 constexpr GstClockTime kWakeMargin = 10 * GST_MSECOND;
 
-/// What the queues hold beyond that.
+/// What the queue of pictures holds beyond that.
 constexpr GstClockTime kLookahead = 200 * GST_MSECOND;
 
 /// Whose a property is.
@@ -386,7 +386,6 @@ gst_visuotactile_sink_change_state(GstElement *element, GstStateChange transitio
   if (transition == GST_STATE_CHANGE_READY_TO_PAUSED) {
     const GstClockTime lookahead = gst_visuotactile_sink_lead(self) + kLookahead;
     g_object_set(self->queue, "max-size-time", lookahead, nullptr);
-    gst_tactile_branch_set_lookahead(self->branch, lookahead);
   }
   if (transition != GST_STATE_CHANGE_NULL_TO_READY || gst_visuotactile_sink_open(self))
     ret = GST_ELEMENT_CLASS(parent_class)->change_state(element, transition);

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "tactilebranch.h"
 
+/* Waiting for tactorsink: more than ten seconds of any film. */
+static const guint kMostMaps = 1024;
+
 struct _GstTactileBranch
 {
   GstBin parent;
@@ -193,7 +196,11 @@ gst_tactile_branch_new(const gchar *name)
   auto *self = GST_TACTILE_BRANCH(g_object_new(GST_TYPE_TACTILE_BRANCH, "name", name, nullptr));
   self->queue = queue;
   self->tactors = GST_ELEMENT(gst_object_ref_sink(tactors));
-  g_object_set(queue, "max-size-bytes", 0, "max-size-buffers", 0, nullptr);
+  /* Never so full that the picture would have to wait: frames are stepped through in a pause, and a tactorsink
+   * that takes nothing, or later than the video sink does, must not stop the film. Maps are small. */
+  gst_util_set_object_arg(G_OBJECT(queue), "leaky", "downstream");
+  g_object_set(queue, "max-size-bytes", 0, "max-size-buffers", kMostMaps, "max-size-time",
+               G_GUINT64_CONSTANT(0), nullptr);
   gst_bin_add(GST_BIN(self), queue);
   gst_tactile_branch_restore(self);
 
@@ -210,10 +217,4 @@ GstElement *
 gst_tactile_branch_get_tactors(GstTactileBranch *self)
 {
   return self->tactors;
-}
-
-void
-gst_tactile_branch_set_lookahead(GstTactileBranch *self, GstClockTime lookahead)
-{
-  g_object_set(self->queue, "max-size-time", lookahead, nullptr);
 }

@@ -17,7 +17,4 @@ GstTactileBranch *gst_tactile_branch_new(const gchar *name);
 /// The tactorsink, whether it is in the bin at the moment or not; not owned by the caller.
 GstElement *gst_tactile_branch_get_tactors(GstTactileBranch *self);
 
-/// How much the queue holds, ns.
-void gst_tactile_branch_set_lookahead(GstTactileBranch *self, GstClockTime lookahead);
-
 G_END_DECLS

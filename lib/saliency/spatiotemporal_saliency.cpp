@@ -50,7 +50,8 @@ SpatiotemporalSaliency::SpatiotemporalSaliency(const Profile &profile)
     windows_.push_back(pair.surround);
   }
   std::ranges::sort(windows_);
-  windows_.erase(std::ranges::unique(windows_).begin(), windows_.end());
+  const auto repeated = std::ranges::unique(windows_);
+  windows_.erase(repeated.begin(), repeated.end());
   const auto place = [this](int window) {
     return static_cast<std::size_t>(std::ranges::find(windows_, window) - windows_.begin());
   };

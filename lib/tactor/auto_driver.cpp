@@ -12,7 +12,7 @@ AutoDriver::AutoDriver(std::unique_ptr<Driver> board, std::unique_ptr<Driver> si
 
 AutoDriver::~AutoDriver()
 {
-  close();
+  AutoDriver::close();
 }
 
 void

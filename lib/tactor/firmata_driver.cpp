@@ -103,7 +103,7 @@ FirmataDriver::FirmataDriver(Firmware firmware, MakeBus make_bus, Settings setti
 
 FirmataDriver::~FirmataDriver()
 {
-  close();
+  FirmataDriver::close();
 }
 
 /* ---- the scheduler's side ---- */
@@ -227,7 +227,7 @@ FirmataDriver::run()
   while (port) {
     converse(lock, *port, &FirmataDriver::is_quitting);
     const std::string why = lost_.value_or("");
-    release(lock, std::move(port));
+    release(lock, std::exchange(port, nullptr));
     if (quit_)
       break;
     status_.is_there = false;

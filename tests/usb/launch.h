@@ -44,6 +44,10 @@ public:
   Launch(const Launch &) = delete;
   Launch &operator=(const Launch &) = delete;
 
+  void send(int signal)
+  {
+    kill(pid_, signal);
+  }
   /// Sends a signal and waits until the process is gone; as waitpid() has it.
   int end(int signal)
   {

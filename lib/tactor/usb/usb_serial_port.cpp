@@ -47,7 +47,7 @@ find(const UsbContext &context, const SerialDevice &device)
 {
   for (UsbSerialDevice &found : find_serial_devices(context))
     if (found.device == device)
-      return std::move(found);
+      return std::move(found); // cppcheck-suppress returnStdMoveLocal; no local, but an element
   throw DriverError(DriverError::Kind::not_found, called(device) + " is not plugged in");
 }
 

@@ -326,6 +326,67 @@ GST_START_TEST(test_starved)
 }
 GST_END_TEST;
 
+/// A film that is seconds behind, as after a suspend, is not felt as it is made up for: no motor starts for what was shown long ago.
+GST_START_TEST(test_stale_commands_are_dropped)
+{
+  Rig rig;
+  rig.push({ command(100, 0, 2.0) }, milliseconds(1200));
+  rig.run_to(200);
+  rig.push({ command(2000, 1, 1.0), command(4000, 2, 1.0) }, milliseconds(5000));
+  // The clock leaps over the rest of the film.
+  rig.jump_to(std::chrono::hours(1));
+  while (rig.scheduler->counters().starved != 1)
+    std::this_thread::yield();
+  fail_unless(rig.scheduler->take_starved() == std::chrono::hours(1));
+  const std::size_t writes = rig.writes().size();
+  fail_unless(rig.writes().back() == (Write{ std::chrono::hours(1), { 0.0, 0.0, 0.0 } }));
+  // Maps of before the leap go on coming.
+  for (int i = 0; i < 50; i++) {
+    rig.push({ command(5000 + 200 * i, 1, 2.0, 60) }, milliseconds(6033 + 200 * i));
+    rig.scheduler->play(); // a turn
+  }
+  fail_unless(rig.board.is_silent());
+  ck_assert_uint_eq(rig.writes().size(), writes);
+  ck_assert_uint_eq(rig.scheduler->counters().dropped, 52);
+  ck_assert_uint_eq(rig.scheduler->counters().issued, 1);
+  ck_assert_uint_eq(rig.scheduler->counters().starved, 1);
+  fail_unless(rig.host.shorts().size() >= 50);
+  fail_unless(rig.host.shorts()[1].first == milliseconds(60));
+  // What has caught up is felt again.
+  const int hour = 3'600'000;
+  rig.push({ command(hour + 500, 1, 1.0) }, milliseconds(hour + 2000));
+  rig.run_to(hour + 600);
+  fail_unless(rig.board.get(&Board::volts) == (Volts{ 0.0, 1.0, 0.0 }));
+}
+GST_END_TEST;
+
+/// An interruption that is over before drain() has begun, or woken up, ends it all the same: GstBaseSink interrupts in passing where it
+/// does not have to wait for a lock.
+GST_START_TEST(test_interruptions_in_passing)
+{
+  Rig rig;
+  rig.push({ command(100, 0, 2.0) });
+  const auto interrupt = [&] {
+    rig.scheduler->interrupt(true);
+    rig.scheduler->interrupt(false);
+  };
+  const std::uint64_t before = rig.scheduler->interruptions();
+  interrupt();
+  rig.scheduler->drain(before);
+  // One that has begun when it is asked.
+  rig.scheduler->interrupt(true);
+  const std::uint64_t during = rig.scheduler->interruptions();
+  rig.scheduler->interrupt(false);
+  rig.scheduler->drain(during);
+  // While it waits.
+  const std::uint64_t now = rig.scheduler->interruptions();
+  std::thread drain([&] { rig.scheduler->drain(now); });
+  interrupt();
+  drain.join();
+  fail_unless(rig.board.is_silent());
+}
+GST_END_TEST;
+
 GST_START_TEST(test_offset_and_clock_change)
 {
   Rig rig;
@@ -425,6 +486,8 @@ tactorscheduler_suite(void)
   tcase_add_test(cases, test_silence_comes_before_the_return);
   tcase_add_test(cases, test_mute_follows_silently);
   tcase_add_test(cases, test_starved);
+  tcase_add_test(cases, test_interruptions_in_passing);
+  tcase_add_test(cases, test_stale_commands_are_dropped);
   tcase_add_test(cases, test_offset_and_clock_change);
   tcase_add_test(cases, test_change_between_reading_and_sleeping);
   tcase_add_test(cases, test_no_clock_and_immediate);

@@ -116,7 +116,7 @@ GST_START_TEST(test_runs_out_without_the_clock)
   rig.push({ command(400, 1, 0.0) });
   fail_unless(rig.writes()[2] == (Write{ milliseconds(300), { 0.0, 1.0 } }));
   fail_unless(rig.writes()[3] == (Write{ milliseconds(400), { 0.0, 0.0 } }));
-  rig.scheduler->drain();
+  rig.scheduler->drain(rig.scheduler->interruptions());
 }
 GST_END_TEST;
 

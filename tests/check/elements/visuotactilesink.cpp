@@ -777,6 +777,26 @@ GST_START_TEST(test_unreadable_memory)
 }
 GST_END_TEST;
 
+/// In a pause a user looks at one frame after the other, more than the queues hold: the motors, which stand, do not stop that.
+GST_START_TEST(test_frames_are_stepped_through)
+{
+  Player player(kFilm + kSink + "video-sink=fakesink");
+  player.set_state(GST_STATE_PAUSED);
+  GstElement *shown = shown_by(player.chair);
+  for (int i = 0; i < 40; i++) {
+    fail_unless(
+        gst_element_send_event(shown, gst_event_new_step(GST_FORMAT_BUFFERS, 1, 1.0, TRUE, FALSE)));
+    ck_assert_int_eq(gst_element_get_state(player.pipeline, nullptr, nullptr, GST_CLOCK_TIME_NONE),
+                     GST_STATE_CHANGE_SUCCESS);
+  }
+  gint64 position = 0;
+  fail_unless(gst_element_query_position(shown, GST_FORMAT_TIME, &position));
+  fail_unless(position >= static_cast<gint64>(GST_SECOND));
+  player.play();
+  player.trace();
+}
+GST_END_TEST;
+
 static Suite *
 visuotactilesink_suite(void)
 {
@@ -799,6 +819,7 @@ visuotactilesink_suite(void)
   tcase_add_test(cases, test_plays_without_tactors);
   tcase_add_test(cases, test_asks_for_more_buffers);
   tcase_add_test(cases, test_unreadable_memory);
+  tcase_add_test(cases, test_frames_are_stepped_through);
   return suite;
 }
 

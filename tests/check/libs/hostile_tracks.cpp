@@ -1,0 +1,200 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+//
+// Tracks that were made to do harm: each is read or refused with a reason, within a gigabyte of memory and the time of a test.
+#include "tactile/formats/track_file.h"
+
+#include <cstdlib>
+#include <string>
+#include <sys/resource.h>
+#include <unistd.h>
+
+// After the standard library's headers: gstcheck.h defines a macro named fail.
+#include <gst/check/gstcheck.h>
+
+using namespace tactile;
+
+namespace {
+
+constexpr TrackFormat kForms[]
+    = { TrackFormat::webvtt, TrackFormat::csv, TrackFormat::hjif, TrackFormat::sem };
+constexpr std::size_t kMiB = std::size_t{ 1 } << 20;
+
+std::string
+times(std::size_t count, const std::string &text)
+{
+  std::string all;
+  all.reserve(count * text.size());
+  for (std::size_t i = 0; i < count; i++)
+    all += text;
+  return all;
+}
+
+/// Whatever it is, it does no harm: true if it was read, and then it is a track as any other.
+bool
+is_read(const std::string &text, TrackFormat form)
+{
+  try {
+    const Track track = read_track(text, form);
+    bool is_sound = true;
+    for (const Track::Entry &entry : track.entries()) {
+      is_sound = is_sound && entry.time >= Time(0);
+      for (const float level : entry.map.levels)
+        is_sound = is_sound && level >= 0 && level <= 1; // which NaN is not
+    }
+    fail_unless(is_sound);
+    return true;
+  } catch (const FormatError &error) {
+    // A reason that fits a line, whatever the file holds.
+    const std::string reason = error.what();
+    fail_unless(!reason.empty() && reason.size() < 1000, "%u bytes of a reason",
+                static_cast<guint>(reason.size()));
+    return false;
+  }
+}
+
+/// For the test that runs, which has a process of its own.
+void
+limit_memory()
+{
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+  const rlimit gigabyte{ 1024 * kMiB, 1024 * kMiB };
+  setrlimit(RLIMIT_AS, &gigabyte);
+#endif
+}
+
+} // namespace
+
+GST_START_TEST(test_a_file_of_two_gigabytes)
+{
+  limit_memory();
+  std::string path = "/tmp/hostile-XXXXXX.vtt";
+  const int fd = mkstemps(path.data(), 4);
+  fail_unless(fd >= 0);
+  fail_unless(ftruncate(fd, static_cast<off_t>(2048 * kMiB))
+              == 0); // one line, of no blocks on the disk
+  close(fd);
+  bool is_refused = false;
+  try {
+    read_track_file(path);
+  } catch (const FormatError &) {
+    is_refused = true;
+  }
+  unlink(path.c_str());
+  fail_unless(is_refused);
+}
+GST_END_TEST;
+
+GST_START_TEST(test_long_lines)
+{
+  limit_memory();
+  for (const TrackFormat form : kForms)
+    for (const char *piece : { "A", "9", "0 ", ",", "\"", "<", "&amp;" })
+      fail_if(is_read(times(4 * kMiB / std::string(piece).size(), piece), form));
+  // Within what is a track but for that.
+  fail_if(is_read("# tactile grid=1x1 rate=5\ntime_ms,t0\n0," + std::string(4 * kMiB, '1') + "\n",
+                  TrackFormat::csv));
+  fail_if(is_read("WEBVTT\n\n00:01.000 --> 00:02.000\n" + times(2 * kMiB, "75 ") + "\n",
+                  TrackFormat::webvtt));
+}
+GST_END_TEST;
+
+GST_START_TEST(test_a_million_cues)
+{
+  limit_memory();
+  std::string csv = "# tactile grid=1x1 rate=0\ntime_ms,t0\n";
+  std::string vtt = "WEBVTT\n\nNOTE tactile grid=1x1\n";
+  for (int i = 0; i < 1'000'000; i++) {
+    const char *level = i % 2 ? "0" : "1";
+    csv += std::to_string(i * 40) + "," + level + "\n";
+    char line[80];
+    const int ms = i * 10;
+    std::snprintf(line, sizeof line, "\n%02d:%02d:%02d.%03d --> %02d:%02d:%02d.%03d\n50\n",
+                  ms / 3'600'000, ms / 60'000 % 60, ms / 1000 % 60, ms % 1000, ms / 3'600'000,
+                  ms / 60'000 % 60, ms / 1000 % 60, ms % 1000 + 5);
+    vtt += line;
+  }
+  fail_unless(is_read(csv, TrackFormat::csv));
+  fail_unless(is_read(vtt, TrackFormat::webvtt));
+}
+GST_END_TEST;
+
+GST_START_TEST(test_deep_and_growing_documents)
+{
+  limit_memory();
+  for (const char *open : { "[", "{\"a\":", "[{\"avatars\":" })
+    fail_if(is_read(times(1'000'000, open), TrackFormat::hjif));
+  fail_if(is_read("<SEM>" + times(1'000'000, "<Effect>"), TrackFormat::sem));
+  // A billion laughs: 10^9 of them from ten entities of ten each.
+  std::string laughs = "<!DOCTYPE SEM [<!ENTITY l0 \"laugh\">";
+  for (int i = 1; i < 10; i++)
+    laughs += "<!ENTITY l" + std::to_string(i) + " \""
+              + times(10, "&l" + std::to_string(i - 1) + ";") + "\">";
+  laughs += "]><SEM>&l9;</SEM>";
+  fail_if(is_read(laughs, TrackFormat::sem));
+  // And files of this computer are none of its business.
+  fail_if(is_read("<!DOCTYPE SEM [<!ENTITY f SYSTEM \"file:///etc/passwd\">]><SEM>&f;</SEM>",
+                  TrackFormat::sem));
+}
+GST_END_TEST;
+
+GST_START_TEST(test_numbers_that_are_none)
+{
+  const char *const numbers[] = { "nan", "NaN",  "inf",    "-inf", "Infinity", "1e999", "-1e999",
+                                  "-1",  "0x1p", "1e-999", "",     "١",        "1;2",   "-0" };
+  for (const char *number : numbers) {
+    const std::string text = number;
+    is_read("# tactile grid=1x1 rate=5\ntime_ms,t0\n0," + text + "\n400,0\n", TrackFormat::csv);
+    is_read("# tactile grid=1x1 rate=5\ntime_ms,t0\n" + text + ",1\n400,0\n", TrackFormat::csv);
+    is_read("# tactile grid=1x1 rate=" + text + "\ntime_ms,t0\n0,1\n400,0\n", TrackFormat::csv);
+    is_read("WEBVTT\n\nNOTE tactile grid=1x1 rate=" + text + "\n\n00:01.000 --> 00:02.000\n" + text
+                + "\n",
+            TrackFormat::webvtt);
+    is_read("WEBVTT\n\n" + text + ":01.000 --> 00:02.000\n50\n", TrackFormat::webvtt);
+    for (const char *place : { "pts", "duration", "timeSamples" }) {
+      std::string sem
+          = "<SEM xmlns=\"urn:mpeg:mpeg-v:2010:01-SEDL-NS\" "
+            "xmlns:sev=\"urn:mpeg:mpeg-v:2010:01-SEV-NS\" "
+            "xmlns:mpeg7=\"urn:mpeg:mpeg7:schema:2004\" "
+            "xmlns:si=\"urn:mpeg:mpeg21:2003:01-DIA-XSI-NS\" "
+            "xmlns:xsi=\"http://www.w3.org/2001/XMLSchema-instance\" si:timeScale=\"1000\"><!-- "
+            "tactile grid=1x1 rate=5 --><Effect xsi:type=\"sev:TactileType\" ";
+      for (const char *name : { "pts", "duration", "timeSamples" })
+        sem += std::string(std::string("pts") == name ? "si:" : "") + name + "=\""
+               + (std::string(name) == place ? text : "5") + "\" ";
+      sem += "><sev:ArrayIntensity mpeg7:dim=\"1 1\">" + text
+             + "</sev:ArrayIntensity></Effect></SEM>";
+      is_read(sem, TrackFormat::sem);
+    }
+  }
+}
+GST_END_TEST;
+
+/// Times that go back, overlap, stand still or end before they begin.
+GST_START_TEST(test_times_in_disorder)
+{
+  fail_if(is_read("# tactile grid=1x1 rate=5\ntime_ms,t0\n0,1\n400,0\n200,1\n", TrackFormat::csv));
+  const char *const cues[] = { "00:02.000 --> 00:01.000", "00:01.000 --> 00:01.000",
+                               "-00:01.000 --> 00:01.000", "00:00.000 --> 99999999:00:00.000" };
+  for (const char *cue : cues)
+    is_read(std::string("WEBVTT\n\nNOTE tactile grid=1x1\n\n") + cue + "\n50\n\n"
+                + "00:00.500 --> 00:03.000\n50\n\n00:00.400 --> 00:00.900\n90\n",
+            TrackFormat::webvtt);
+}
+GST_END_TEST;
+
+static Suite *
+hostile_tracks_suite(void)
+{
+  Suite *suite = suite_create("hostile_tracks");
+  TCase *cases = tcase_create("general");
+  suite_add_tcase(suite, cases);
+  tcase_add_test(cases, test_a_file_of_two_gigabytes);
+  tcase_add_test(cases, test_long_lines);
+  tcase_add_test(cases, test_a_million_cues);
+  tcase_add_test(cases, test_deep_and_growing_documents);
+  tcase_add_test(cases, test_numbers_that_are_none);
+  tcase_add_test(cases, test_times_in_disorder);
+  return suite;
+}
+
+GST_CHECK_MAIN(hostile_tracks)

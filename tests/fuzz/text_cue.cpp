@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+//
+// Text cues as a subtitle stream may bring them, with and without a grid: what is read is a map, and reads the same once written.
+// Anything else ends the process.
+#include "tactile/text_cue.h"
+#include "tactile/track.h"
+
+#include <cstdint>
+#include <cstdlib>
+#include <string_view>
+
+using namespace tactile;
+
+namespace {
+
+void
+check(std::string_view text, std::optional<Grid> grid)
+{
+  try {
+    const TactileMap map = read_text_cue(text, grid);
+    if (map.rows < 1 || map.columns < 1
+        || map.levels.size()
+               != static_cast<std::size_t>(map.rows) * static_cast<std::size_t>(map.columns)
+        || (grid && (map.rows != grid->rows || map.columns != grid->columns)))
+      std::abort();
+    for (const float level : map.levels)
+      if (!(level >= 0 && level <= 1))
+        std::abort();
+    const std::string once = write_text_cue(map);
+    if (write_text_cue(read_text_cue(once, Grid{ map.rows, map.columns })) != once)
+      std::abort();
+  } catch (const FormatError &) {
+  }
+}
+
+} // namespace
+
+extern "C" int
+LLVMFuzzerTestOneInput(const std::uint8_t *data, std::size_t size)
+{
+  const std::string_view text(reinterpret_cast<const char *>(data), size);
+  check(text, {});
+  check(text, Grid{ 2, 2 });
+  try {
+    read_grid(text, 1);
+  } catch (const FormatError &) {
+  }
+  return 0;
+}

@@ -1,0 +1,262 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+//
+// Hours of film in minutes: tactorsink on a GstTestClock, each command at its time, and whole films as fast as the machine allows. After
+// each hour memory, threads and file handles are counted; they are to stay what they were, and every command on time.
+//
+// Usage: soak [--hours=N] [--clip=FILE]...
+#include "tests/check/elements/tactorsink_rig.h"
+
+#include <array>
+#include <cstdio>
+#include <filesystem>
+#include <malloc.h>
+
+namespace {
+
+double hours = 0.1; ///< of film, in each test
+gchar **clips = nullptr;
+
+/// What the process has, of that which must not grow.
+struct Usage
+{
+  double heap = 0;     ///< KiB, allocated
+  double resident = 0; ///< KiB
+  long handles = 0;
+  long threads = 0;
+};
+
+long
+entries(const char *folder)
+{
+  return std::distance(std::filesystem::directory_iterator(folder), {});
+}
+
+Usage
+usage()
+{
+  Usage now;
+  now.heap = static_cast<double>(mallinfo2().uordblks) / 1024;
+  std::ifstream rollup("/proc/self/smaps_rollup");
+  for (std::string line; std::getline(rollup, line);)
+    if (line.starts_with("Rss:"))
+      now.resident = std::stod(line.substr(4));
+  now.handles = entries("/proc/self/fd");
+  now.threads = entries("/proc/self/task");
+  return now;
+}
+
+/// One line of a table at each look; at the end what is to be constant was.
+class Record
+{
+public:
+  explicit Record(const char *what)
+  {
+    std::printf("%s\nfilm h   heap KiB   RSS KiB   handles   threads\n", what);
+  }
+  void look(double at)
+  {
+    const Usage now = usage();
+    std::printf("%6.2f %10.1f %9.0f %9ld %9ld\n", at, now.heap, now.resident, now.handles,
+                now.threads);
+    std::fflush(stdout);
+    looks_.emplace_back(at, now);
+  }
+  /// The first look is the measure: caches and pools have been filled by then.
+  void expect_constant(double kib_per_hour) const
+  {
+    const auto &[begin, first] = looks_.front();
+    const auto &[end, last] = looks_.back();
+    const double length = std::max(end - begin, 1e-9);
+    std::printf("growth: heap %.2f KiB, RSS %.1f KiB an hour of film\n",
+                (last.heap - first.heap) / length, (last.resident - first.resident) / length);
+    for (const auto &[at, now] : looks_) {
+      ck_assert_int_eq(now.handles, first.handles);
+      fail_unless(now.threads <= first.threads); // GLib ends what its pool does not need any more
+    }
+    // In short runs what comes and goes outweighs what grows.
+    fail_unless(last.heap - first.heap < kib_per_hour * length + 64,
+                "the heap grew by %g KiB in %g h", last.heap - first.heap, length);
+  }
+
+private:
+  std::vector<std::pair<double, Usage>> looks_;
+};
+
+constexpr int kLooks = 24; ///< in a run
+
+GstElement *
+parse(const std::string &line)
+{
+  GError *error = nullptr;
+  GstElement *pipeline = gst_parse_launch(line.c_str(), &error);
+  fail_unless(error == nullptr, "%s", error ? error->message : "");
+  return pipeline;
+}
+
+guint64
+stat(GstElement *tactors, const char *field)
+{
+  GstStructure *stats = nullptr;
+  g_object_get(tactors, "stats", &stats, nullptr);
+  guint64 value = 0;
+  fail_unless(gst_structure_get_uint64(stats, field, &value));
+  gst_structure_free(stats);
+  return value;
+}
+
+} // namespace
+
+/// Another level each 200 ms: one command a block, issued to the nanosecond when it is due, in the last hour as in the first.
+GST_START_TEST(test_hours_on_the_clock)
+{
+  constexpr int kFramesPerBlock = 5;
+  const auto frames = static_cast<guint64>(hours * 3600 * 25);
+  const guint64 piece = std::max<guint64>(frames / kLooks / kFramesPerBlock, 1) * kFramesPerBlock;
+  Rig rig;
+  g_object_set(rig.element, "trace-location", nullptr, nullptr);
+  rig.start();
+  Record record("tactorsink on a test clock");
+  guint64 frame = 0;
+  while (frame < frames) {
+    rig.run_out([&] {
+      for (guint64 i = 0; i < piece; i++, frame++)
+        ck_assert_int_eq(
+            rig.push(frame * kFrame, { frame / kFramesPerBlock % 2 == 0 ? 0.9f : 0.4f }),
+            GST_FLOW_OK);
+    });
+    record.look(static_cast<double>(frame) / 25 / 3600);
+  }
+  rig.run_out([&] { gst_pad_send_event(rig.sink_pad, gst_event_new_eos()); });
+  record.expect_constant(1);
+  ck_assert_uint_eq(rig.stat("issued"), frame / kFramesPerBlock + 1); // and the zero at the end
+  for (const char *none : { "late", "coalesced", "dropped", "starved" })
+    ck_assert_uint_eq(rig.stat(none), 0);
+  GstStructure *stats = nullptr;
+  g_object_get(rig.element, "stats", &stats, nullptr);
+  gint64 most = -1;
+  fail_unless(gst_structure_get_int64(stats, "error-max", &most));
+  gst_structure_free(stats);
+  ck_assert_int_eq(most, 0);
+  std::printf("%" G_GUINT64_FORMAT " commands, issued - due at most %" G_GINT64_FORMAT " ns\n",
+              frame / kFramesPerBlock + 1, most);
+}
+GST_END_TEST;
+
+/// From picture to command: analysis, extractor, queue and planner, as fast as they go.
+GST_START_TEST(test_hours_of_film)
+{
+  constexpr int kRate = 10;
+  const auto frames = static_cast<gint>(hours * 3600 * kRate);
+  GstElement *pipeline = parse(
+      "tactiletestsrc name=source pattern=dynamic-motion num-buffers=" + std::to_string(frames)
+      + " ! video/x-raw,format=I420,width=64,height=48,framerate=10/1 ! saliencytactile "
+        "! tactileextractor name=x x.src ! queue ! fakesink sync=false name=picture "
+        "x.tactile ! queue ! tactorsink name=tactors driver=simulator sync=false");
+  GstElement *tactors = gst_bin_get_by_name(GST_BIN(pipeline), "tactors");
+  GstBus *bus = gst_element_get_bus(pipeline);
+  std::atomic<int> shown{ 0 };
+  GstElement *picture = gst_bin_get_by_name(GST_BIN(pipeline), "picture");
+  GstPad *pad = gst_element_get_static_pad(picture, "sink");
+  gst_pad_add_probe(
+      pad, GST_PAD_PROBE_TYPE_BUFFER,
+      [](GstPad *, GstPadProbeInfo *, gpointer count) {
+        ++*static_cast<std::atomic<int> *>(count);
+        return GST_PAD_PROBE_OK;
+      },
+      &shown, nullptr);
+  gst_object_unref(pad);
+  gst_object_unref(picture);
+  Record record("film, analysis and chair");
+  gst_element_set_state(pipeline, GST_STATE_PLAYING);
+  const int piece = std::max(frames / kLooks, 1);
+  // Half of the last piece may be over before it is looked at: the end is when threads are leaving.
+  for (int next = piece; next <= frames - piece; next += piece) {
+    while (shown < next) {
+      GstMessage *message = gst_bus_timed_pop_filtered(bus, 2 * GST_MSECOND, GST_MESSAGE_ERROR);
+      fail_unless(message == nullptr);
+    }
+    record.look(static_cast<double>(shown) / kRate / 3600);
+  }
+  GstMessage *message = gst_bus_timed_pop_filtered(
+      bus, GST_CLOCK_TIME_NONE, static_cast<GstMessageType>(GST_MESSAGE_EOS | GST_MESSAGE_ERROR));
+  ck_assert_int_eq(GST_MESSAGE_TYPE(message), GST_MESSAGE_EOS);
+  gst_message_unref(message);
+  const guint64 issued = stat(tactors, "issued");
+  fail_unless(issued > 0);
+  ck_assert_uint_eq(stat(tactors, "dropped"), 0);
+  gst_element_set_state(pipeline, GST_STATE_NULL);
+  record.expect_constant(32);
+  std::printf("%" G_GUINT64_FORMAT " commands\n", issued);
+  gst_object_unref(bus);
+  gst_object_unref(tactors);
+  gst_object_unref(pipeline);
+}
+GST_END_TEST;
+
+/// Played again and again by seeks to its begin, as a loop in an exhibition is.
+GST_START_TEST(test_looping_clips)
+{
+  for (gchar **clip = clips; clip && *clip; clip++) {
+    GstElement *pipeline
+        = parse(std::string("filesrc location=") + *clip
+                + " ! decodebin ! videorate ! videoscale ! "
+                  "video/x-raw,width=160,height=90,framerate=10/1 ! saliencytactile ! "
+                  "tactileextractor name=x x.src ! queue ! fakesink sync=false x.tactile ! queue "
+                  "! tactorsink name=tactors driver=simulator sync=false");
+    GstBus *bus = gst_element_get_bus(pipeline);
+    Record record(*clip);
+    gst_element_set_state(pipeline, GST_STATE_PLAYING);
+    double played = 0;
+    double looked = 0;
+    while (played < hours) {
+      GstMessage *message = gst_bus_timed_pop_filtered(
+          bus, GST_CLOCK_TIME_NONE,
+          static_cast<GstMessageType>(GST_MESSAGE_EOS | GST_MESSAGE_ERROR));
+      ck_assert_int_eq(GST_MESSAGE_TYPE(message), GST_MESSAGE_EOS);
+      gst_message_unref(message);
+      gint64 length = 0;
+      fail_unless(gst_element_query_duration(pipeline, GST_FORMAT_TIME, &length) && length > 0);
+      played += static_cast<double>(length) / GST_SECOND / 3600;
+      if (played - looked >= hours / kLooks) {
+        record.look(played);
+        looked = played;
+      }
+      fail_unless(gst_element_seek_simple(pipeline, GST_FORMAT_TIME, GST_SEEK_FLAG_FLUSH, 0));
+    }
+    gst_element_set_state(pipeline, GST_STATE_NULL);
+    record.expect_constant(256);
+    gst_object_unref(bus);
+    gst_object_unref(pipeline);
+  }
+}
+GST_END_TEST;
+
+int
+main(int argc, char **argv)
+{
+  const GOptionEntry entries[]
+      = { { "hours", 0, 0, G_OPTION_ARG_DOUBLE, &hours, "Hours of film in each test (0.1)", "N" },
+          { "clip", 0, 0, G_OPTION_ARG_FILENAME_ARRAY, &clips,
+            "A film to be played again and again; may be repeated", "FILE" },
+          {} };
+  GOptionContext *context = g_option_context_new("- hours of film in minutes");
+  g_option_context_add_main_entries(context, entries, nullptr);
+  GError *error = nullptr;
+  if (!g_option_context_parse(context, &argc, &argv, &error) || hours <= 0) {
+    std::fprintf(stderr, "soak: %s\n", error ? error->message : "expected --hours above 0");
+    return 2;
+  }
+  g_option_context_free(context);
+  // In this process, without a limit of time: what is measured is of one process.
+  g_setenv("CK_FORK", "no", TRUE);
+  gst_check_init(&argc, &argv);
+  Suite *suite = suite_create("soak");
+  TCase *tests = tcase_create("general");
+  suite_add_tcase(suite, tests);
+  tcase_add_test(tests, test_hours_on_the_clock);
+  tcase_add_test(tests, test_hours_of_film);
+  tcase_add_test(tests, test_looping_clips);
+  const int failed = gst_check_run_suite(suite, "soak", __FILE__);
+  g_strfreev(clips);
+  return failed;
+}

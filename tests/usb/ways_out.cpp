@@ -1,0 +1,292 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+//
+// Every way in which a play can end or be interrupted, over an emulated board with the seat firmware: how long motors go on. Printed as
+// a table; what is asserted is that they stop, and exact times where they are the firmware's own.
+//
+// Times are those at which bytes have come over the emulated wire, or at which the firmware's watchdog ends what nobody keeps alive.
+#include "emulated_board.h"
+#include "film.h"
+#include "launch.h"
+
+#include <array>
+#include <cstdio>
+#include <memory>
+
+#include <gst/check/gstcheck.h>
+
+using namespace std::chrono_literals;
+using namespace usb_test;
+
+namespace {
+
+constexpr int kFirstPin = 2; ///< of a Mega: tactor 0's
+constexpr auto kWatchdog = FirmataModel::kWatchdog;
+
+/// Nine motors that are on, one after the other for nothing ends them: limits are switched off.
+class Play
+{
+public:
+  Play()
+      : firmware_(std::make_shared<Firmware>(kMega, true)), board(usb, { .baud = 57600 }, firmware_)
+  {
+    GError *error = nullptr;
+    pipeline = gst_parse_launch(
+        "appsrc name=maps format=time is-live=true do-timestamp=true "
+        "caps=\"application/x-tactile-map,rows=(int)3,columns=(int)3,framerate=(fraction)25/1\" "
+        "! queue name=queue ! tactorsink name=tactors driver=seat max-on-time=0 max-duty=0 "
+        "max-active=0 videotestsrc is-live=true ! fakesink name=video sync=true",
+        &error);
+    fail_unless(error == nullptr, "%s", error ? error->message : "");
+    clock = GST_CLOCK(g_object_new(GST_TYPE_SYSTEM_CLOCK, nullptr));
+    gst_object_ref_sink(clock);
+    gst_pipeline_use_clock(GST_PIPELINE(pipeline), clock);
+    gst_element_set_state(pipeline, GST_STATE_PLAYING);
+    feeder_ = std::thread([this] { feed(); });
+    fail_unless(board.wait_until([this] { return firmware_->any_motor_on(); }));
+  }
+  ~Play()
+  {
+    if (hung_)
+      GST_OBJECT_UNLOCK(hung_);
+    quit_ = true;
+    feeder_.join();
+    if (pipeline) {
+      gst_element_set_state(pipeline, GST_STATE_NULL);
+      gst_object_unref(pipeline);
+    }
+    gst_object_unref(clock);
+  }
+  Play(const Play &) = delete;
+  Play &operator=(const Play &) = delete;
+
+  GstElement *element(const char *name)
+  {
+    GstElement *found = gst_bin_get_by_name(GST_BIN(pipeline), name);
+    gst_object_unref(found); // the pipeline's
+    return found;
+  }
+  void set_state(GstState state)
+  {
+    gst_element_set_state(pipeline, state);
+  }
+  /// As applications do: the first error stops the play.
+  void stop_on_error()
+  {
+    GstBus *bus = gst_element_get_bus(pipeline);
+    GstMessage *message = gst_bus_timed_pop_filtered(bus, GST_CLOCK_TIME_NONE, GST_MESSAGE_ERROR);
+    gst_message_unref(message);
+    gst_object_unref(bus);
+    set_state(GST_STATE_NULL);
+  }
+  /// tactorsink's thread stops where it reads the clock, until the play ends: what sends to the board lives on.
+  void hang()
+  {
+    hung_ = element("tactors");
+    GST_OBJECT_LOCK(hung_);
+  }
+  /// No more maps come.
+  void starve()
+  {
+    feeds_ = false;
+  }
+  const std::shared_ptr<Firmware> &firmware() const
+  {
+    return firmware_;
+  }
+
+  EmulatedUsb usb;
+
+private:
+  std::shared_ptr<Firmware> firmware_;
+
+public:
+  EmulatedBoard board;
+  GstElement *pipeline = nullptr;
+  GstClock *clock = nullptr;
+
+private:
+  /// A level at each tactor, 25 times a second.
+  void feed()
+  {
+    GstElement *maps = gst_bin_get_by_name(GST_BIN(pipeline), "maps");
+    const std::vector<float> levels(9, 0.7f);
+    while (!quit_) {
+      if (feeds_) {
+        GstBuffer *buffer = gst_buffer_new_memdup(levels.data(), levels.size() * sizeof levels[0]);
+        GST_BUFFER_DURATION(buffer) = 40 * GST_MSECOND;
+        GstFlowReturn flow;
+        g_signal_emit_by_name(maps, "push-buffer", buffer, &flow);
+        gst_buffer_unref(buffer);
+      }
+      std::this_thread::sleep_for(40ms);
+    }
+    gst_object_unref(maps);
+  }
+
+  GstElement *hung_ = nullptr;
+  std::atomic<bool> quit_{ false };
+  std::atomic<bool> feeds_{ true };
+  std::thread feeder_;
+};
+
+/// A way out of a play in this process.
+struct Way
+{
+  const char *name;
+  void (*take)(Play &);
+  bool is_watchdogs
+      = false; ///< the firmware's own watchdog ends it, exactly 250 ms after the last byte
+};
+
+const Way kWays[] = {
+  { "end of stream",
+    [](Play &play) {
+      gst_element_send_event(play.pipeline, gst_event_new_eos());
+    } },
+  { "pause",
+    [](Play &play) {
+      play.set_state(GST_STATE_PAUSED);
+    } },
+  { "flush (seek)",
+    [](Play &play) {
+      play.starve();
+      GstPad *pad = gst_element_get_static_pad(play.element("tactors"), "sink");
+      gst_pad_send_event(pad, gst_event_new_flush_start());
+      gst_object_unref(pad);
+    } },
+  { "mute",
+    [](Play &play) {
+      g_object_set(play.element("tactors"), "mute", TRUE, nullptr);
+    } },
+  { "stop",
+    [](Play &play) {
+      play.set_state(GST_STATE_NULL);
+    } },
+  { "upstream delivers nothing",
+    [](Play &play) {
+      play.starve();
+    } },
+  { "error upstream",
+    [](Play &play) {
+      GST_ELEMENT_ERROR(play.element("maps"), STREAM, FAILED, ("test"), (nullptr));
+      play.stop_on_error();
+    } },
+  { "error downstream",
+    [](Play &play) {
+      GST_ELEMENT_ERROR(play.element("video"), RESOURCE, WRITE, ("test"), (nullptr));
+      play.stop_on_error();
+    } },
+  { "dispose while playing",
+    [](Play &play) {
+      // Nobody holds the pipeline: the worst that bindings do. GStreamer asks for NULL first, and so is it done here, by the bin.
+      GstElement *pipeline = std::exchange(play.pipeline, nullptr);
+      GstElement *tactors = gst_bin_get_by_name(GST_BIN(pipeline), "tactors");
+      gst_bin_remove(GST_BIN(pipeline), tactors);
+      gst_element_set_state(tactors, GST_STATE_NULL);
+      gst_object_unref(tactors);
+      gst_element_set_state(pipeline, GST_STATE_NULL);
+      gst_object_unref(pipeline);
+    } },
+  { "unplugged",
+    [](Play &play) {
+      play.board.unplug();
+    } },
+  { "a host that hangs",
+    [](Play &play) {
+      play.hang();
+    } },
+  { "stalled endpoint", [](Play &play) { play.board.stall(true); }, true },
+  { "suspend: the clock leaps an hour",
+    [](Play &play) {
+      play.starve();
+      GstClockTime internal = 0;
+      GstClockTime external = 0;
+      GstClockTime numerator = 1;
+      GstClockTime denominator = 1;
+      gst_clock_get_calibration(play.clock, &internal, &external, &numerator, &denominator);
+      gst_clock_set_calibration(play.clock, internal, external + 3600 * GST_SECOND, numerator,
+                                denominator);
+    } },
+};
+
+double
+ms(std::chrono::nanoseconds time)
+{
+  return std::chrono::duration<double, std::milli>(time).count();
+}
+
+/// Waits until all motors stand; how long after `begin` the last one was turned off.
+std::chrono::nanoseconds
+wait_for_zero(EmulatedBoard &board, const Firmware &firmware, Clock::time_point begin)
+{
+  fail_unless(board.wait_until([&] { return !firmware.any_motor_on(); }));
+  std::chrono::nanoseconds last{ 0 };
+  board.with_firmware([&] {
+    if (!firmware.changes().empty())
+      last = firmware.changes().back().time - begin;
+  });
+  return std::max(last, std::chrono::nanoseconds(0));
+}
+
+} // namespace
+
+GST_START_TEST(test_ways_out_of_a_play)
+{
+  for (const Way &way : kWays) {
+    Play play;
+    std::fflush(stdout);
+    const Clock::time_point begin = Clock::now();
+    way.take(play);
+    const auto after = wait_for_zero(play.board, *play.firmware(), begin);
+    std::printf("| %s | %.0f ms |\n", way.name, ms(after));
+    if (way.is_watchdogs)
+      fail_unless(play.firmware()->changes().back().time
+                  == play.board.received().back().time + kWatchdog);
+  }
+}
+GST_END_TEST;
+
+/// And those of a process: the motors are at zero before it is gone, or the firmware's watchdog ends them.
+GST_START_TEST(test_ways_out_of_a_process)
+{
+  struct Signal
+  {
+    const char *name;
+    int number;
+    bool is_watchdogs;
+  };
+  const Signal signals[]
+      = { { "SIGINT", SIGINT, false }, { "SIGTERM", SIGTERM, true }, { "SIGKILL", SIGKILL, true } };
+  for (const Signal &signal : signals) {
+    EmulatedUsb usb;
+    const auto firmware = std::make_shared<Firmware>(kMega, true);
+    EmulatedBoard board(usb, { .baud = 57600 }, firmware);
+    Launch launch({}, { "driver=seat" });
+    fail_unless(board.wait_until([&] { return firmware->any_motor_on(); }));
+    const Clock::time_point begin = Clock::now();
+    launch.send(signal.number);
+    const auto after = wait_for_zero(board, *firmware, begin);
+    std::printf("| %s | %.0f ms |\n", signal.name, ms(after));
+    std::fflush(stdout);
+    if (signal.is_watchdogs) {
+      const Clock::time_point last = board.received().back().time;
+      board.with_firmware(
+          [&] { fail_unless(firmware->changes().back().time == last + kWatchdog); });
+    }
+  }
+}
+GST_END_TEST;
+
+static Suite *
+ways_out_suite(void)
+{
+  begin_emulation();
+  Suite *suite = suite_create("ways_out");
+  TCase *tests = tcase_create("general");
+  suite_add_tcase(suite, tests);
+  tcase_add_test(tests, test_ways_out_of_a_play);
+  tcase_add_test(tests, test_ways_out_of_a_process);
+  return suite;
+}
+
+GST_CHECK_MAIN(ways_out)
