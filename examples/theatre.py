@@ -10,7 +10,7 @@ import gi
 gi.require_version("Gst", "1.0")
 gi.require_version("GstNet", "1.0")
 gi.require_version("GstRtp", "1.0")
-from gi.repository import GLib, Gst, GstNet, GstRtp  # noqa: E402, F401
+from gi.repository import GLib, GObject, Gst, GstNet, GstRtp  # noqa: E402, F401
 
 SSRC = 0x74726561
 EXTENSION = 1  # its number in the packets

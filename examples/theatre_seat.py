@@ -5,7 +5,8 @@ import argparse
 import sys
 
 import theatre
-from theatre import Gst, GstNet
+import theatre_clock
+from theatre import Gst
 
 
 def parse(arguments):
@@ -22,8 +23,8 @@ def parse(arguments):
 
 def make(options):
     """The pipeline, with the network's clock; running time is that clock's time."""
-    clock = GstNet.NetClientClock.new("theatre", options.server, options.clock_port, 0)
-    while not clock.wait_for_sync(10 * Gst.SECOND):
+    follower = theatre_clock.Follower(options.server, options.clock_port)
+    while not follower.settled.wait(10):
         print(f"waiting for the clock of {options.server}", flush=True)
 
     pipeline = Gst.parse_launch(
@@ -41,7 +42,13 @@ def make(options):
             pad.link(depay)
 
     pipeline.get_by_name("rtp").connect("pad-added", on_pad)
-    pipeline.use_clock(clock)
+    # Nothing is better than something at the wrong time.
+    chair = pipeline.get_by_name("chair")
+    mute = chair.get_property("mute")
+    follower.on_change = lambda settled: chair.set_property("mute", mute or not settled)
+    follower.on_change(follower.settled.is_set())
+
+    pipeline.use_clock(follower.clock)
     pipeline.set_start_time(Gst.CLOCK_TIME_NONE)
     pipeline.set_base_time(0)
     pipeline.set_latency(options.latency * Gst.MSECOND)
