@@ -12,6 +12,7 @@ import contextlib
 import csv
 import os
 import random
+import selectors
 import shutil
 import signal
 import socket
@@ -80,7 +81,8 @@ def relay(maps_in, maps_out, clock_in, server, clock_out, seed):
         await loop.create_datagram_endpoint(Clock, local_addr=("127.0.0.1", clock_in))
         await asyncio.Event().wait()
 
-    asyncio.run(work())
+    # asyncio's own loop waits in whole milliseconds.
+    asyncio.SelectorEventLoop(selectors.SelectSelector()).run_until_complete(work())
 
 
 def seat(arguments):
