@@ -23,6 +23,16 @@ CLOCK_PORT = 5106
 LATENCY = 500  # ms from when a map leaves the server until its frame is shown
 
 
+def ptp_clock(domain, interfaces=None):
+    """The clock of the grandmaster of this PTP domain (IEEE 1588), when it is settled."""
+    if not GstNet.ptp_init(GstNet.PTP_CLOCK_ID_NONE, interfaces):
+        raise SystemExit("PTP cannot be used: GStreamer's gst-ptp-helper needs the right to open ports 319 and 320")
+    clock = GstNet.PtpClock.new("theatre", domain)
+    while not clock.wait_for_sync(10 * Gst.SECOND):
+        print(f"waiting for the clock of PTP domain {domain}", flush=True)
+    return clock
+
+
 def run(pipeline, ended=None):
     """Plays until the end of the stream, an error, SIGINT or SIGTERM. Returns the exit status."""
     loop = GLib.MainLoop()
