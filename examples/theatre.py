@@ -10,7 +10,7 @@ import gi
 gi.require_version("Gst", "1.0")
 gi.require_version("GstNet", "1.0")
 gi.require_version("GstRtp", "1.0")
-from gi.repository import GLib, Gst, GstNet, GstRtp  # noqa: E402, F401
+from gi.repository import GLib, GObject, Gst, GstNet, GstRtp  # noqa: E402, F401
 
 SSRC = 0x74726561
 EXTENSION = 1  # its number in the packets
@@ -21,6 +21,16 @@ CAPS = (
 PORT = 5104  # of the maps
 CLOCK_PORT = 5106
 LATENCY = 500  # ms from when a map leaves the server until its frame is shown
+
+
+def ptp_clock(domain, interfaces=None):
+    """The clock of the grandmaster of this PTP domain (IEEE 1588), when it is settled."""
+    if not GstNet.ptp_init(GstNet.PTP_CLOCK_ID_NONE, interfaces):
+        raise SystemExit("PTP cannot be used: GStreamer's gst-ptp-helper needs the right to open ports 319 and 320")
+    clock = GstNet.PtpClock.new("theatre", domain)
+    while not clock.wait_for_sync(10 * Gst.SECOND):
+        print(f"waiting for the clock of PTP domain {domain}", flush=True)
+    return clock
 
 
 def run(pipeline, ended=None):

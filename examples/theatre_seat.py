@@ -5,7 +5,8 @@ import argparse
 import sys
 
 import theatre
-from theatre import Gst, GstNet
+import theatre_clock
+from theatre import Gst
 
 
 def parse(arguments):
@@ -14,6 +15,7 @@ def parse(arguments):
     parser.add_argument("--group", metavar="ADDRESS", default="239.255.42.42", help="multicast group of the maps; 0.0.0.0: sent to this seat alone")
     parser.add_argument("--port", type=int, default=theatre.PORT)
     parser.add_argument("--clock-port", type=int, default=theatre.CLOCK_PORT)
+    parser.add_argument("--ptp", type=int, metavar="DOMAIN", help="follow the grandmaster of this PTP domain instead of the server's clock, as the server does")
     parser.add_argument("--latency", type=int, default=theatre.LATENCY, metavar="MS", help="the server's")
     parser.add_argument("--jitter", type=int, default=150, metavar="MS", help="how long a packet is waited for; with the motors' lead, 190 ms, less than the latency")
     parser.add_argument("--chair", default="", help="properties of tactorsink, as in 'intensity=0.5'")
@@ -22,8 +24,8 @@ def parse(arguments):
 
 def make(options):
     """The pipeline, with the network's clock; running time is that clock's time."""
-    clock = GstNet.NetClientClock.new("theatre", options.server, options.clock_port, 0)
-    while not clock.wait_for_sync(10 * Gst.SECOND):
+    follower = None if options.ptp is not None else theatre_clock.Follower(options.server, options.clock_port)
+    while follower and not follower.settled.wait(10):
         print(f"waiting for the clock of {options.server}", flush=True)
 
     pipeline = Gst.parse_launch(
@@ -41,7 +43,13 @@ def make(options):
             pad.link(depay)
 
     pipeline.get_by_name("rtp").connect("pad-added", on_pad)
-    pipeline.use_clock(clock)
+    if follower:
+        # Nothing is better than something at the wrong time.
+        chair = pipeline.get_by_name("chair")
+        mute = chair.get_property("mute")
+        follower.on_change = lambda settled: chair.set_property("mute", mute or not settled)
+        follower.on_change(follower.settled.is_set())
+    pipeline.use_clock(follower.clock if follower else theatre.ptp_clock(options.ptp))
     pipeline.set_start_time(Gst.CLOCK_TIME_NONE)
     pipeline.set_base_time(0)
     pipeline.set_latency(options.latency * Gst.MSECOND)

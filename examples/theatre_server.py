@@ -18,6 +18,7 @@ def parse(arguments):
     parser.add_argument("--rate", type=float, default=5, metavar="HZ", help="how often what is felt may change")
     parser.add_argument("--copies", type=int, default=3, help="how often each map is sent, 50 ms apart, so that one that is lost is not missed")
     parser.add_argument("--clock-port", type=int, default=theatre.CLOCK_PORT)
+    parser.add_argument("--ptp", type=int, metavar="DOMAIN", help="follow the grandmaster of this PTP domain, as the seats do, instead of providing a clock")
     parser.add_argument("--analysis", default="", help="properties of saliencytactile, as in 'rows=2 columns=4'")
     parser.add_argument("--video-sink", default="autovideosink", help="a launch line")
     parser.add_argument("--audio-sink", default="autoaudiosink", help="a launch line")
@@ -54,8 +55,12 @@ def main():
     play.set_property("video-sink", screen)
     play.set_property("audio-sink", Gst.parse_bin_from_description(options.audio_sink, True))
 
-    clock = Gst.SystemClock.obtain()
-    provider = GstNet.NetTimeProvider.new(clock, "0.0.0.0", options.clock_port)
+    if options.ptp is None:
+        clock = Gst.SystemClock.obtain()
+        provider = GstNet.NetTimeProvider.new(clock, "0.0.0.0", options.clock_port)
+    else:
+        clock = theatre.ptp_clock(options.ptp)
+        provider = None
     play.use_clock(clock)
     play.set_latency(options.latency * Gst.MSECOND)
 

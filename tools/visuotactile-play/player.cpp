@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "player.h"
 
+#include "gst/visuotactile/videosinks.h"
+
 #include <glib-unix.h>
 #include <gst/video/video.h>
 
@@ -456,9 +458,9 @@ have_display()
 {
   if (!g_getenv("DISPLAY") && !g_getenv("WAYLAND_DISPLAY"))
     return false;
-  // GStreamer 1.22's DirectFB sink takes the process along if it is only asked where there is no
-  // frame buffer.
-  if (GstPluginFeature *feature = gst_registry_lookup_feature(gst_registry_get(), "dfbvideosink")) {
+  // autovideosink would try it.
+  if (GstPluginFeature *feature
+      = gst_registry_lookup_feature(gst_registry_get(), kCrashingVideoSink)) {
     gst_plugin_feature_set_rank(feature, GST_RANK_NONE);
     gst_object_unref(feature);
   }

@@ -547,11 +547,18 @@ GST_START_TEST(test_in_a_described_bin)
 }
 GST_END_TEST;
 
-/// The best by rank that can be used: not itself, not one that would choose in turn, not one that fails.
+/// The best by rank that can be used: not itself, not one that would choose in turn, not one that fails or
+/// is known to crash.
 GST_START_TEST(test_choice_by_rank)
 {
   hide_other_sinks();
   register_test_sink(static_cast<GstRank>(GST_RANK_PRIMARY + 100));
+  GTypeQuery query;
+  g_type_query(test_video_sink_get_type(), &query);
+  const GType crashing = g_type_register_static_simple(
+      test_video_sink_get_type(), "CrashingSink", query.class_size, nullptr, query.instance_size,
+      nullptr, static_cast<GTypeFlags>(0));
+  fail_unless(gst_element_register(nullptr, "dfbvideosink", GST_RANK_PRIMARY + 200, crashing));
   set_own_rank(G_MAXINT);
   g_autoptr(GstElementFactory) automatic = gst_element_factory_find("autovideosink");
   fail_unless(automatic != nullptr);

@@ -1,0 +1,155 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
+"""A seat's clock: a GstSystemClock that follows the server's GstNetTimeProvider over a network with jitter.
+
+GstNetClientClock fits a line through the middles of the round trips, each of which is wrong by half the difference of its two
+delays, and after a long round trip it waits before it asks again. With 20 ms jitter that leaves milliseconds. But a delay is never
+negative: the server's clock was read after the question was sent and before the answer was here. So each exchange bounds the
+offset on both sides, and the quickest packet of each direction counts, not the quickest pair: the middle between the bounds of n
+exchanges is wrong by jitter / n, not by jitter / sqrt(n). Cf. D. Mills, "Internet Time Synchronization: the Network Time Protocol",
+IEEE Trans. Commun. 39(10), 1991 (clock filter); V. Paxson, "On Calibrating Measurements of Packet Transit Times", SIGMETRICS 1998
+(minima of each direction, skew). What remains unknown, as for any clock over a network, is how the least delays of the two
+directions differ: at most half of the least round trip.
+"""
+import collections
+import socket
+import struct
+import threading
+
+from theatre import GObject, Gst
+
+PACKET = struct.Struct(">QQ")  # GstNetTimePacket: when it was asked, on the seat's clock, and the server's time, in ns
+WINDOW = 60 * 10**9  # ns: how long an exchange counts
+MOST_EXCHANGES = 2000
+MOST_DRIFT = 120e-6  # of one computer's clock against another's; crystals have 50e-6
+SETTLED = 200e3  # ns: see Offset.uncertainty
+UNSETTLED = 600e3  # ns: it takes more to lose what was settled
+FINE = 50e3  # ns: from here on it is asked less often
+DENSITY = 10  # packets of each direction from which it is told how dense they lie at the bound
+ASK_OFTEN = 0.01  # s from one question to the next
+ASK_SELDOM = 0.25
+
+
+def _hull(points):
+    """The lower convex hull of (x, y) with rising x."""
+    hull = []
+    for x, y in points:
+        while len(hull) > 1 and (hull[-1][1] - hull[-2][1]) * (x - hull[-2][0]) >= (y - hull[-2][1]) * (hull[-1][0] - hull[-2][0]):
+            hull.pop()
+        hull.append((x, y))
+    return hull
+
+
+class Offset:
+    """By how much the server's clock is ahead of this computer's, and how well that is known. All times in ns."""
+
+    def __init__(self):
+        self.exchanges = collections.deque(maxlen=MOST_EXCHANGES)
+        self.settled = False
+        self.begin, self.origin = 0, 0  # all is relative to these, for doubles to hold it
+        self.reference, self.ahead, self.drift = 0, 0.0, 0.0
+        self.uncertainty = float("inf")  # what the offset is expected to be off by, the packets being as dense at the bounds as seen
+
+    def add(self, asked, server, answered):
+        """An exchange: both ends on this computer's clock, the server's time in between."""
+        if not self.exchanges:
+            self.begin, self.origin = asked, server - asked
+        # At `asked`, the offset is at most the first and at least the second.
+        self.exchanges.append((asked - self.begin, server - asked - self.origin, server - answered - self.origin))
+
+    def fit(self, now):
+        self._fit(now)
+        self.settled = self.uncertainty <= (UNSETTLED if self.settled else SETTLED)
+
+    def _fit(self, now):
+        """The line that keeps the greatest distance from all bounds."""
+        while self.exchanges and self.exchanges[0][0] + self.begin < now - WINDOW:
+            self.exchanges.popleft()
+        while len(self.exchanges) >= 2 * DENSITY:
+            late = now - self.begin
+            most = [(x - late, most) for x, most, _ in self.exchanges]
+            least = [(x - late, -least) for x, _, least in self.exchanges]
+            upper, lower = _hull(sorted(most)), _hull(sorted(least))
+
+            def bounds(drift):
+                return min(y - drift * x for x, y in upper), -min(y + drift * x for x, y in lower)
+
+            # The distance is concave in the drift.
+            low, high = -MOST_DRIFT, MOST_DRIFT
+            while high - low > 1e-9:
+                third = (high - low) / 3
+                (a, b), (c, d) = bounds(low + third), bounds(high - third)
+                low, high = (low + third, high) if a - b < c - d else (low, high - third)
+            drift = (low + high) / 2
+            above, below = bounds(drift)
+            if above >= below:
+                self.reference, self.ahead, self.drift = now, (above + below) / 2, drift
+                above = sorted(y - drift * x for x, y in most)[DENSITY - 1] - above
+                below = sorted(y + drift * x for x, y in least)[DENSITY - 1] + below
+                # The line is longer than what it was fitted to.
+                beyond = 1 + 2 * -most[-1][0] / max(most[-1][0] - most[0][0], 1)
+                self.uncertainty = (above + below) / DENSITY * beyond
+                return
+            # They contradict each other: one of the clocks was set, or its rate has changed.
+            for _ in range((len(self.exchanges) + 1) // 2):
+                self.exchanges.popleft()
+        self.uncertainty = float("inf")
+
+    @property
+    def ask_again(self):
+        """s until the next question."""
+        return ASK_SELDOM if self.uncertainty <= FINE else ASK_OFTEN
+
+    def server_time(self):
+        """(time of this computer, the server's then)"""
+        return self.reference, self.reference + self.origin + round(self.ahead)
+
+
+class Follower:
+    """Keeps `clock` with the server's from a thread of its own. `on_change(settled)` is called from there."""
+
+    def __init__(self, server, port, on_change=None):
+        self.clock = GObject.new(Gst.SystemClock, name="theatre")
+        self.on_change = on_change or (lambda settled: None)
+        self.settled = threading.Event()
+        self.offset = Offset()
+        self.server = (server, port)
+        threading.Thread(target=self._follow, daemon=True).start()
+
+    def _exchange(self, line, seconds):
+        """One question, and whatever answers come before the next."""
+        try:
+            line.send(PACKET.pack(self.clock.get_internal_time(), Gst.CLOCK_TIME_NONE))
+        except OSError:
+            pass  # no network, or no server yet
+        end = self.clock.get_internal_time() + int(seconds * 1e9)
+        while (left := end - self.clock.get_internal_time()) > 0:
+            line.settimeout(left / 1e9)
+            try:
+                answer = line.recv(64)
+            except TimeoutError:
+                return
+            except OSError:
+                continue
+            answered = self.clock.get_internal_time()
+            if len(answer) == PACKET.size:
+                asked, server = PACKET.unpack(answer)
+                if asked <= answered < asked + Gst.SECOND:
+                    self.offset.add(asked, server, answered)
+
+    def _follow(self):
+        kind, _, _, _, address = socket.getaddrinfo(*self.server, type=socket.SOCK_DGRAM)[0]
+        with socket.socket(kind, socket.SOCK_DGRAM) as line:
+            line.connect(address)
+            fitted = 0
+            while True:
+                self._exchange(line, self.offset.ask_again)
+                now = self.clock.get_internal_time()
+                if now - fitted < 100 * Gst.MSECOND:
+                    continue
+                fitted = now
+                self.offset.fit(now)
+                if self.offset.settled:
+                    self.clock.set_calibration(*self.offset.server_time(), 10**9 + round(self.offset.drift * 1e9), 10**9)
+                if self.offset.settled != self.settled.is_set():
+                    (self.settled.set if self.offset.settled else self.settled.clear)()
+                    self.on_change(self.offset.settled)

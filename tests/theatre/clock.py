@@ -1,0 +1,100 @@
+#!/usr/bin/python3
+# SPDX-License-Identifier: LGPL-2.1-or-later
+"""theatre_clock.Offset on simulated networks, where the offset is known: how far off it is once it says that it is settled.
+
+Usage: clock.py EXAMPLES
+"""
+import random
+import sys
+
+sys.path.insert(0, sys.argv[1])
+from theatre_clock import Offset  # noqa: E402
+
+SECOND = 10**9
+BEGIN = 123456 * SECOND
+AHEAD = 987654321 * 10**6  # ns: the server's clock, at BEGIN
+
+
+def follow(delay, seconds=75, drift=lambda t: 0.0, loss=0.01, lost=(0, 0), ahead=lambda t: AHEAD, seed=1):
+    """(s until settled, worst error in ms while settled, s unsettled after that) of a simulated seat."""
+    chance = random.Random(seed)
+    offset = Offset()
+    now, fitted, truth_then = BEGIN, 0, 0.0
+    settled_at, unsettled, worst_error = None, 0.0, 0.0
+    answers = []
+    drifted = 0.0
+
+    def truth(t):
+        return ahead((t - BEGIN) / SECOND) + drifted
+
+    while now < BEGIN + seconds * SECOND:
+        step = int(offset.ask_again * SECOND)
+        t = (now - BEGIN) / SECOND
+        if chance.random() >= 2 * loss and not lost[0] <= t < lost[1]:
+            there, back = delay(chance), delay(chance)
+            answers.append((now + there + back, now, now + there + truth(now + there)))
+        now += step
+        drifted += drift(t) * step
+        for answer in sorted(answer for answer in answers if answer[0] <= now):
+            offset.add(round(answer[1]), round(answer[2]), round(answer[0]))
+            answers.remove(answer)
+        if now - fitted >= SECOND // 10:
+            fitted = now
+            offset.fit(now)
+        if offset.settled:
+            settled_at = t if settled_at is None else settled_at
+            reference, server = offset.server_time()
+            error = server + (now - reference) * (1 + offset.drift) - now - truth(now)
+            worst_error = max(worst_error, abs(error) / 1e6)
+        elif settled_at is not None:
+            unsettled += step / SECOND
+    return settled_at, worst_error, unsettled
+
+
+def uniform(least, jitter):
+    return lambda chance: (least + chance.uniform(0, jitter)) * 1e6
+
+
+def exponential(least, mean):
+    return lambda chance: (least + chance.expovariate(1 / mean)) * 1e6
+
+
+failed = 0
+
+
+def expect(name, result, settled, error, unsettled=0.0):
+    global failed
+    good = result[0] is not None and result[0] <= settled and result[1] <= error and result[2] <= unsettled
+    failed += not good
+    print(f"{name}: settled after {result[0]} s, {result[1]:.3f} ms off at most, then unsettled for {result[2]:.1f} s{'' if good else f'; expected {settled} s, {error} ms, {unsettled} s: FAILED'}")
+
+
+def worst(**network):
+    runs = [follow(seed=seed, **network) for seed in (1, 2, 3)]
+    return max(run[0] if run[0] is not None else 1e9 for run in runs), max(run[1] for run in runs), max(run[2] for run in runs)
+
+
+expect("0.1 to 1.1 ms", worst(delay=uniform(0.1, 1)), 1.0, 0.3)
+expect("0.1 to 20.1 ms", worst(delay=uniform(0.1, 20)), 8.0, 1.0)
+expect("0.1 to 20.1 ms, 80 ppm", worst(delay=uniform(0.1, 20), drift=lambda t: 80e-6), 8.0, 1.0)
+expect("0.1 to 20.1 ms, a rate that changes", worst(delay=uniform(0.1, 20), drift=lambda t: 20e-6 if t < 45 else -20e-6), 8.0, 1.5)
+expect("1 ms and exponential, 5 ms", worst(delay=exponential(1, 5)), 8.0, 1.0)
+expect("half of all lost", worst(delay=uniform(0.1, 20), loss=0.25), 16.0, 1.0)
+# In between it keeps what it knows.
+expect("no network for 20 s", worst(delay=uniform(0.1, 20), lost=(30, 50)), 8.0, 1.0)
+expect("no network for 70 s", worst(delay=uniform(0.1, 20), lost=(10, 80), seconds=95), 8.0, 1.0, 75.0)
+expect("no server", (0, 0, 0) if follow(delay=uniform(0.1, 1), loss=0.5)[0] is None else (None, 0, 0), 0, 0)
+# From one exchange to the next it can be off by all of the step, which is no error of the fit.
+stepped = Offset()
+for n in range(400):
+    now = BEGIN + n * SECOND // 4
+    ahead = AHEAD if n < 300 else 5 * SECOND
+    stepped.add(now, now + 10**5 + ahead, now + 2 * 10**5)
+    stepped.fit(now + 2 * 10**5)
+    if n == 300 and stepped.settled and abs(stepped.server_time()[1] - stepped.server_time()[0] - ahead) > 1e6:
+        print("FAILED: settled across a step of the server's clock")
+        failed += 1
+if not stepped.settled or abs(stepped.server_time()[1] - stepped.server_time()[0] - 5 * SECOND) > 1e5:
+    print("FAILED: does not follow a step of the server's clock")
+    failed += 1
+sys.exit(failed > 0)
