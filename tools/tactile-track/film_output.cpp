@@ -83,11 +83,15 @@ struct Muxing
 };
 
 void
-link_track(Muxing &muxing)
+add_track(Muxing &muxing)
 {
   if (!gst_element_link_pads(muxing.last, "src", muxing.muxer,
                              muxing.form == CueForm::klv ? "sink_%d" : "subtitle_%u"))
     GST_ELEMENT_ERROR(muxing.muxer, STREAM, FAILED, ("The file cannot hold a track."), (nullptr));
+  const Owned<GstPad> pad(gst_element_get_static_pad(muxing.last, "src"));
+  Preface preface(pad.get());
+  feed_track(muxing.source, muxing.track, muxing.form);
+  preface.wait();
 }
 
 void
@@ -105,14 +109,13 @@ begin_track(GstPad *, GstPadProbeInfo *, gpointer data)
   auto *muxing = static_cast<Muxing *>(data);
   std::call_once(muxing->begun, [&] {
     if (muxing->first)
-      link_track(*muxing);
+      add_track(*muxing);
     for (const Subtitles &subtitles : muxing->subtitles)
       if (muxing->form != CueForm::text
           || !add_subtitles(muxing->pipeline, muxing->muxer, subtitles))
         leave_out(subtitles.caps.get());
     if (!muxing->first)
-      link_track(*muxing);
-    feed_track(muxing->source, muxing->track, muxing->form);
+      add_track(*muxing);
   });
   return GST_PAD_PROBE_REMOVE;
 }

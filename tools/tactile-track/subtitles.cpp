@@ -5,6 +5,7 @@
 
 #include <gst/app/gstappsrc.h>
 
+#include <chrono>
 #include <cstring>
 #include <deque>
 #include <utility>
@@ -56,6 +57,18 @@ keep_cue(GstPad *pad, GstBuffer *buffer, Subtitles &subtitles)
   subtitles.cues.emplace_back(cue);
 }
 
+gboolean
+keep_tags(GstPad *, GstEvent **event, gpointer data)
+{
+  auto &subtitles = *static_cast<Subtitles *>(data);
+  GstTagList *tags = nullptr;
+  if (GST_EVENT_TYPE(*event) == GST_EVENT_TAG)
+    gst_event_parse_tag(*event, &tags);
+  if (tags && gst_tag_list_get_scope(tags) == GST_TAG_SCOPE_STREAM)
+    subtitles.tags.reset(gst_tag_list_merge(subtitles.tags.get(), tags, GST_TAG_MERGE_REPLACE));
+  return TRUE;
+}
+
 /// What comes out of the film's pad, on its streaming thread.
 GstPadProbeReturn
 on_data(GstPad *pad, GstPadProbeInfo *info, gpointer data)
@@ -63,11 +76,9 @@ on_data(GstPad *pad, GstPadProbeInfo *info, gpointer data)
   auto &subtitles = *static_cast<Subtitles *>(data);
   if (info->type & GST_PAD_PROBE_TYPE_BUFFER) {
     keep_cue(pad, GST_PAD_PROBE_INFO_BUFFER(info), subtitles);
-  } else if (GST_EVENT_TYPE(GST_PAD_PROBE_INFO_EVENT(info)) == GST_EVENT_TAG) {
-    GstTagList *tags = nullptr;
-    gst_event_parse_tag(GST_PAD_PROBE_INFO_EVENT(info), &tags);
-    if (gst_tag_list_get_scope(tags) == GST_TAG_SCOPE_STREAM)
-      subtitles.tags.reset(gst_tag_list_merge(subtitles.tags.get(), tags, GST_TAG_MERGE_REPLACE));
+  } else if (GST_EVENT_TYPE(GST_PAD_PROBE_INFO_EVENT(info)) == GST_EVENT_EOS) {
+    // Tags may have come before the probe did: they stick to the pad.
+    gst_pad_sticky_events_foreach(pad, keep_tags, &subtitles);
   }
   return GST_PAD_PROBE_OK;
 }
@@ -138,6 +149,39 @@ read_subtitles(const std::string &path, GstClockTime duration, std::vector<Subti
   return done;
 }
 
+Preface::Preface(GstPad *pad, const GstTagList *tags)
+{
+  struct Sent
+  {
+    std::promise<void> past;
+    std::unique_ptr<GstTagList, Subtitles::MiniUnref> tags;
+  };
+  auto *sent = new Sent;
+  if (tags)
+    sent->tags.reset(gst_tag_list_copy(tags));
+  past_ = sent->past.get_future();
+  gst_pad_add_probe(
+      pad,
+      static_cast<GstPadProbeType>(GST_PAD_PROBE_TYPE_BUFFER | GST_PAD_PROBE_TYPE_EVENT_DOWNSTREAM),
+      +[](GstPad *of, GstPadProbeInfo *info, gpointer data) {
+        auto *before = static_cast<Sent *>(data);
+        if (info->type & GST_PAD_PROBE_TYPE_EVENT_DOWNSTREAM
+            && GST_EVENT_TYPE(GST_PAD_PROBE_INFO_EVENT(info)) != GST_EVENT_EOS)
+          return GST_PAD_PROBE_OK;
+        if (before->tags)
+          gst_pad_push_event(of, gst_event_new_tag(before->tags.release()));
+        before->past.set_value();
+        return GST_PAD_PROBE_REMOVE;
+      },
+      sent, +[](gpointer data) { delete static_cast<Sent *>(data); });
+}
+
+void
+Preface::wait()
+{
+  past_.wait_for(std::chrono::seconds(10));
+}
+
 bool
 add_subtitles(GstElement *pipeline, GstElement *muxer, const Subtitles &subtitles)
 {
@@ -150,17 +194,11 @@ add_subtitles(GstElement *pipeline, GstElement *muxer, const Subtitles &subtitle
     return false;
   }
   const Owned<GstPad> pad(gst_element_get_static_pad(source, "src"));
-  gst_pad_add_probe(
-      pad.get(), GST_PAD_PROBE_TYPE_BUFFER,
-      +[](GstPad *of, GstPadProbeInfo *, gpointer tags) {
-        gst_pad_push_event(of,
-                           gst_event_new_tag(gst_tag_list_copy(static_cast<GstTagList *>(tags))));
-        return GST_PAD_PROBE_REMOVE;
-      },
-      subtitles.tags.get(), nullptr);
+  Preface preface(pad.get(), subtitles.tags.get());
   for (const auto &cue : subtitles.cues)
     gst_app_src_push_buffer(GST_APP_SRC(source), gst_buffer_ref(cue.get()));
   gst_app_src_end_of_stream(GST_APP_SRC(source));
   gst_element_sync_state_with_parent(source);
+  preface.wait();
   return true;
 }

@@ -3,6 +3,7 @@
 
 #include "pipeline.h"
 
+#include <future>
 #include <string>
 #include <vector>
 
@@ -29,6 +30,21 @@ bool is_subtitles(const GstStructure *structure);
 /// stopped by SIGINT or SIGTERM.
 bool read_subtitles(const std::string &path, GstClockTime duration,
                     std::vector<Subtitles> &subtitles);
+
+/// Waits until what comes before a pad's first data, tags among it, has gone through the pad: matroskamux writes the names of its streams
+/// as soon as it has data of pictures and sounds, whether it has been told those of subtitles or not.
+class Preface
+{
+public:
+  /// Before the pad is active. `tags`: to be sent, too, or NULL.
+  explicit Preface(GstPad *pad, const GstTagList *tags = nullptr);
+
+  /// At most some seconds, for a pipeline that is stopped meanwhile.
+  void wait();
+
+private:
+  std::future<void> past_;
+};
 
 /// Links subtitles to a muxer, in a pipeline that plays. False if it cannot hold them.
 bool add_subtitles(GstElement *pipeline, GstElement *muxer, const Subtitles &subtitles);

@@ -9,7 +9,9 @@
 
 #include <array>
 #include <cerrno>
+#include <cstdint>
 #include <cstdio>
+#include <filesystem>
 #include <memory>
 #include <system_error>
 #include <utility>
@@ -41,13 +43,22 @@ read_bytes(const std::string &path)
   const std::unique_ptr<std::FILE, Close> file(std::fopen(path.c_str(), "rbe"));
   if (!file)
     throw FormatError(std::generic_category().message(errno));
-  std::string text;
-  std::array<char, 65536> piece;
-  while (const std::size_t count = std::fread(piece.data(), 1, piece.size(), file.get())) {
-    text.append(piece.data(), count);
-    if (text.size() > kMaxTrackFile)
+  const auto check_size = [](std::uintmax_t size) {
+    if (size > kMaxTrackFile)
       throw FormatError("larger than the " + std::to_string(kMaxTrackFile >> 20)
                         + " MiB that are read");
+  };
+  std::error_code no_size; // of a pipe
+  const std::uintmax_t size = std::filesystem::file_size(path, no_size);
+  std::string text;
+  if (!no_size) {
+    check_size(size);
+    text.reserve(size);
+  }
+  std::array<char, 65536> piece;
+  while (const std::size_t count = std::fread(piece.data(), 1, piece.size(), file.get())) {
+    check_size(text.size() + count);
+    text.append(piece.data(), count);
   }
   if (std::ferror(file.get()))
     throw FormatError(std::generic_category().message(errno));
