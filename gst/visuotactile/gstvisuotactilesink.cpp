@@ -32,7 +32,9 @@
  */
 #include "gstvisuotactilesink.h"
 
-#include "tactilebranch.h"
+#include "gstvisuotactilesinkprivate.h"
+#include "sinkproperties.h"
+#include "sinkwindow.h"
 #include "videosinks.h"
 
 #include <gst/video/navigation.h>
@@ -40,7 +42,6 @@
 #include <gst/video/videooverlay.h>
 
 #include <cmath>
-#include <utility>
 
 GST_DEBUG_CATEGORY_STATIC(visuotactile_sink_debug);
 #define GST_CAT_DEFAULT visuotactile_sink_debug
@@ -53,92 +54,8 @@ constexpr GstClockTime kWakeMargin = 10 * GST_MSECOND;
 /// What the queue of pictures holds beyond that.
 constexpr GstClockTime kLookahead = 200 * GST_MSECOND;
 
-/// Whose a property is.
-enum class Owner
-{
-  analysis, ///< saliencytactile's
-  tactors,  ///< tactorsink's
-  shown,    ///< the video sink's, kept for it until there is one
-  both,     ///< the video sink's and tactorsink's, likewise
-  self,
-};
-
-enum Property : guint
-{
-  PROP_VIDEO_SINK = 1,
-  PROP_SYNC,
-  PROP_ASYNC,
-  PROP_TS_OFFSET,
-  PROP_FORCE_ASPECT_RATIO,
-  PROP_ENABLE_LAST_SAMPLE,
-  PROP_LAST_SAMPLE,
-  PROP_ROWS,
-  PROP_COLUMNS,
-  PROP_THRESHOLD,
-  PROP_FLOOR,
-  PROP_ROI_WEIGHTS,
-  PROP_MAX_RATE,
-  PROP_DRIVER,
-  PROP_DEVICE,
-  PROP_RATE,
-  PROP_INTENSITY,
-  PROP_MUTE,
-  PROP_MAX_LEAD,
-  PROP_MAPPING,
-  PROP_TRACE_LOCATION,
-  PROP_STATS,
-};
-
-Owner
-owner(guint id)
-{
-  switch (id) {
-  case PROP_VIDEO_SINK:
-    return Owner::self;
-  case PROP_SYNC:
-  case PROP_ASYNC:
-  case PROP_TS_OFFSET:
-    return Owner::both;
-  case PROP_FORCE_ASPECT_RATIO:
-  case PROP_ENABLE_LAST_SAMPLE:
-  case PROP_LAST_SAMPLE:
-    return Owner::shown;
-  default:
-    return id < PROP_DRIVER ? Owner::analysis : Owner::tactors;
-  }
-}
-
-/// What the application wants of the video sink's window.
-struct Window
-{
-  gboolean has_handle;
-  guintptr handle;
-  gboolean ignores_events;
-  gboolean has_rectangle;
-  GstVideoRectangle rectangle;
-};
-
 } // namespace
 
-struct _GstVisuotactileSink
-{
-  GstBin parent;
-
-  GstPad *sinkpad;
-  GstElement *analysis; ///< NULL where an element is missing, as all of these
-  GstElement *queue;
-  GstTactileBranch *branch;
-  GstElement *placeholder; ///< where the video sink will be; NULL while there is one
-
-  /* Object lock. */
-  GstElement *wanted;     ///< video-sink as set; owned
-  GstElement *shown;      ///< the video sink that is in the bin; owned
-  GstStructure *settings; ///< the video sink's properties, as far as they were set here
-  Window window;
-};
-
-static void gst_visuotactile_sink_overlay_init(gpointer iface, gpointer);
-static void gst_visuotactile_sink_navigation_init(gpointer iface, gpointer);
 static void gst_visuotactile_sink_child_proxy_init(gpointer iface, gpointer);
 
 #define gst_visuotactile_sink_parent_class parent_class
@@ -156,13 +73,13 @@ GST_ELEMENT_REGISTER_DEFINE(visuotactilesink, "visuotactilesink", GST_RANK_NONE,
 static GstStaticPadTemplate sink_template = GST_STATIC_PAD_TEMPLATE(
     "sink", GST_PAD_SINK, GST_PAD_ALWAYS, GST_STATIC_CAPS("video/x-raw; video/x-raw(ANY)"));
 
-static GstElement *
+GstElement *
 gst_visuotactile_sink_get_tactors(GstVisuotactileSink *self)
 {
   return self->branch ? gst_tactile_branch_get_tactors(self->branch) : nullptr;
 }
 
-static GstElement *
+GstElement *
 gst_visuotactile_sink_ref_shown(GstVisuotactileSink *self)
 {
   GST_OBJECT_LOCK(self);
@@ -178,113 +95,6 @@ gst_visuotactile_sink_lead(GstVisuotactileSink *self)
   guint max_lead = 0;
   g_object_get(gst_visuotactile_sink_get_tactors(self), "max-lead", &max_lead, nullptr);
   return max_lead * GST_MSECOND + kWakeMargin;
-}
-
-/* ---- window ---- */
-
-/// What implements the interface in the video sink, or NULL; transfer full.
-static GstElement *
-gst_visuotactile_sink_ref_overlay(GstVisuotactileSink *self)
-{
-  g_autoptr(GstElement) shown = gst_visuotactile_sink_ref_shown(self);
-  return shown ? find_interface_within(shown, GST_TYPE_VIDEO_OVERLAY) : nullptr;
-}
-
-static void
-gst_visuotactile_sink_set_window_handle(GstVideoOverlay *overlay, guintptr handle)
-{
-  auto *self = GST_VISUOTACTILE_SINK(overlay);
-  GST_OBJECT_LOCK(self);
-  self->window.has_handle = TRUE;
-  self->window.handle = handle;
-  GST_OBJECT_UNLOCK(self);
-  g_autoptr(GstElement) shown = gst_visuotactile_sink_ref_overlay(self);
-  if (shown)
-    gst_video_overlay_set_window_handle(GST_VIDEO_OVERLAY(shown), handle);
-}
-
-static void
-gst_visuotactile_sink_set_render_rectangle(GstVideoOverlay *overlay, gint x, gint y, gint width,
-                                           gint height)
-{
-  auto *self = GST_VISUOTACTILE_SINK(overlay);
-  GST_OBJECT_LOCK(self);
-  self->window.has_rectangle = TRUE;
-  self->window.rectangle = { x, y, width, height };
-  GST_OBJECT_UNLOCK(self);
-  g_autoptr(GstElement) shown = gst_visuotactile_sink_ref_overlay(self);
-  if (shown)
-    gst_video_overlay_set_render_rectangle(GST_VIDEO_OVERLAY(shown), x, y, width, height);
-}
-
-static void
-gst_visuotactile_sink_handle_events(GstVideoOverlay *overlay, gboolean handle_events)
-{
-  auto *self = GST_VISUOTACTILE_SINK(overlay);
-  GST_OBJECT_LOCK(self);
-  self->window.ignores_events = !handle_events;
-  GST_OBJECT_UNLOCK(self);
-  g_autoptr(GstElement) shown = gst_visuotactile_sink_ref_overlay(self);
-  if (shown)
-    gst_video_overlay_handle_events(GST_VIDEO_OVERLAY(shown), handle_events);
-}
-
-static void
-gst_visuotactile_sink_expose(GstVideoOverlay *overlay)
-{
-  g_autoptr(GstElement) shown = gst_visuotactile_sink_ref_overlay(GST_VISUOTACTILE_SINK(overlay));
-  if (shown)
-    gst_video_overlay_expose(GST_VIDEO_OVERLAY(shown));
-}
-
-static void
-gst_visuotactile_sink_overlay_init(gpointer iface, gpointer)
-{
-  auto *overlay = static_cast<GstVideoOverlayInterface *>(iface);
-  overlay->set_window_handle = gst_visuotactile_sink_set_window_handle;
-  overlay->set_render_rectangle = gst_visuotactile_sink_set_render_rectangle;
-  overlay->handle_events = gst_visuotactile_sink_handle_events;
-  overlay->expose = gst_visuotactile_sink_expose;
-}
-
-/// What was asked for before there was a video sink.
-static void
-gst_visuotactile_sink_apply_window(GstVisuotactileSink *self, GstElement *shown)
-{
-  g_autoptr(GstElement) element = find_interface_within(shown, GST_TYPE_VIDEO_OVERLAY);
-  GST_OBJECT_LOCK(self);
-  const Window window = self->window;
-  GST_OBJECT_UNLOCK(self);
-  if (element == nullptr)
-    return;
-  GstVideoOverlay *overlay = GST_VIDEO_OVERLAY(element);
-  if (window.has_handle)
-    gst_video_overlay_set_window_handle(overlay, window.handle);
-  if (window.has_rectangle)
-    gst_video_overlay_set_render_rectangle(overlay, window.rectangle.x, window.rectangle.y,
-                                           window.rectangle.w, window.rectangle.h);
-  if (window.ignores_events)
-    gst_video_overlay_handle_events(overlay, FALSE);
-}
-
-/// To the video sink, which knows where on its window the picture is, else upstream as it is.
-static void
-gst_visuotactile_sink_send_navigation(GstNavigation *navigation, GstEvent *event)
-{
-  auto *self = GST_VISUOTACTILE_SINK(navigation);
-  g_autoptr(GstElement) shown = gst_visuotactile_sink_ref_shown(self);
-  g_autoptr(GstElement) inner = shown ? find_interface_within(shown, GST_TYPE_NAVIGATION) : nullptr;
-  if (inner)
-    gst_navigation_send_event_simple(GST_NAVIGATION(inner), event);
-  else
-    gst_pad_push_event(self->sinkpad, event);
-}
-
-static void
-gst_visuotactile_sink_navigation_init(gpointer iface, gpointer)
-{
-  auto *navigation = static_cast<GstNavigationInterface *>(iface);
-  navigation->send_event_simple = gst_visuotactile_sink_send_navigation;
 }
 
 /* ---- the video sink ---- */
@@ -435,7 +245,7 @@ gst_visuotactile_sink_query(GstPad *pad, GstObject *parent, GstQuery *query)
   return TRUE;
 }
 
-/* ---- properties ---- */
+/* ---- children ---- */
 
 /// By name children are found wherever they are, tactorsink also while it is out of its branch.
 static GObject *
@@ -457,75 +267,6 @@ gst_visuotactile_sink_child_proxy_init(gpointer iface, gpointer)
       = gst_visuotactile_sink_get_child_by_name;
 }
 
-static GstElement *
-gst_visuotactile_sink_get_owner(GstVisuotactileSink *self, guint id)
-{
-  return owner(id) == Owner::analysis ? self->analysis : gst_visuotactile_sink_get_tactors(self);
-}
-
-static void
-gst_visuotactile_sink_set_wanted(GstVisuotactileSink *self, GstElement *wanted)
-{
-  if (wanted)
-    gst_object_ref_sink(wanted);
-  GST_OBJECT_LOCK(self);
-  std::swap(self->wanted, wanted);
-  GST_OBJECT_UNLOCK(self);
-  gst_clear_object(&wanted);
-}
-
-static void
-gst_visuotactile_sink_set_shown(GstVisuotactileSink *self, const gchar *name, const GValue *value)
-{
-  GST_OBJECT_LOCK(self);
-  gst_structure_set_value(self->settings, name, value);
-  GST_OBJECT_UNLOCK(self);
-  g_autoptr(GstElement) shown = gst_visuotactile_sink_ref_shown(self);
-  if (shown)
-    set_property_within(shown, name, value);
-}
-
-static void
-gst_visuotactile_sink_set_property(GObject *object, guint id, const GValue *value,
-                                   GParamSpec *pspec)
-{
-  auto *self = GST_VISUOTACTILE_SINK(object);
-  const Owner whose = owner(id);
-
-  if (whose == Owner::self)
-    gst_visuotactile_sink_set_wanted(self, GST_ELEMENT(g_value_get_object(value)));
-  if (whose == Owner::shown || whose == Owner::both)
-    gst_visuotactile_sink_set_shown(self, pspec->name, value);
-  GstElement *child = gst_visuotactile_sink_get_owner(self, id);
-  if (whose != Owner::self && whose != Owner::shown && child)
-    g_object_set_property(G_OBJECT(child), pspec->name, value);
-}
-
-static void
-gst_visuotactile_sink_get_property(GObject *object, guint id, GValue *value, GParamSpec *pspec)
-{
-  auto *self = GST_VISUOTACTILE_SINK(object);
-  const Owner whose = owner(id);
-
-  g_param_value_set_default(pspec, value);
-  g_autoptr(GstElement) shown = gst_visuotactile_sink_ref_shown(self);
-  GstElement *child = gst_visuotactile_sink_get_owner(self, id);
-  if (whose == Owner::self) {
-    GST_OBJECT_LOCK(self);
-    g_value_set_object(value, self->wanted ? self->wanted : self->shown);
-    GST_OBJECT_UNLOCK(self);
-  } else if (whose == Owner::analysis || whose == Owner::tactors) {
-    if (child)
-      g_object_get_property(G_OBJECT(child), pspec->name, value);
-  } else if (!shown || !get_property_within(shown, pspec->name, value)) {
-    GST_OBJECT_LOCK(self);
-    const GValue *set = gst_structure_get_value(self->settings, pspec->name);
-    if (set)
-      g_value_copy(set, value);
-    GST_OBJECT_UNLOCK(self);
-  }
-}
-
 static void
 gst_visuotactile_sink_dispose(GObject *object)
 {
@@ -543,113 +284,14 @@ gst_visuotactile_sink_finalize(GObject *object)
 }
 
 static void
-install_properties(GObjectClass *klass)
-{
-  const auto readable = static_cast<GParamFlags>(G_PARAM_READABLE | G_PARAM_STATIC_STRINGS);
-  const auto ready = static_cast<GParamFlags>(G_PARAM_READWRITE | G_PARAM_STATIC_STRINGS
-                                              | GST_PARAM_MUTABLE_READY);
-  const auto playing = static_cast<GParamFlags>(G_PARAM_READWRITE | G_PARAM_STATIC_STRINGS
-                                                | GST_PARAM_MUTABLE_PLAYING);
-  const auto install = [klass](Property id, GParamSpec *pspec) {
-    g_object_class_install_property(klass, id, pspec);
-  };
-
-  install(PROP_VIDEO_SINK,
-          g_param_spec_object("video-sink", "Video sink",
-                              "What shows the film, from the next start on (unset: the video sink "
-                              "of the highest rank that can be used)",
-                              GST_TYPE_ELEMENT, ready));
-  install(PROP_SYNC,
-          g_param_spec_boolean("sync", "Sync", "Show and play on the clock", TRUE, playing));
-  install(PROP_ASYNC,
-          g_param_spec_boolean("async", "Async", "Go asynchronously to PAUSED", TRUE, playing));
-  install(PROP_TS_OFFSET, g_param_spec_int64("ts-offset", "TS offset",
-                                             "By how much later picture and tactors are, in ns",
-                                             G_MININT64, G_MAXINT64, 0, playing));
-  install(PROP_FORCE_ASPECT_RATIO,
-          g_param_spec_boolean("force-aspect-ratio", "Force aspect ratio",
-                               "Keep the picture's aspect ratio", TRUE, playing));
-  install(PROP_ENABLE_LAST_SAMPLE,
-          g_param_spec_boolean("enable-last-sample", "Enable last sample",
-                               "Keep the frame that is shown in last-sample", TRUE, playing));
-  install(PROP_LAST_SAMPLE,
-          g_param_spec_boxed("last-sample", "Last sample", "The frame that is shown",
-                             GST_TYPE_SAMPLE, readable));
-
-  // Ranges and defaults are those of the children's own; a test compares them.
-  install(PROP_ROWS,
-          g_param_spec_uint("rows", "Rows", "Rows of the tactile map", 1, 64, 3, playing));
-  install(PROP_COLUMNS,
-          g_param_spec_uint("columns", "Columns", "Columns of the tactile map", 1, 64, 3, playing));
-  install(PROP_THRESHOLD,
-          g_param_spec_double("threshold", "Threshold",
-                              "Share of the frame's maximum saliency below which nothing is felt",
-                              0, 1, 0.5, playing));
-  install(PROP_FLOOR,
-          g_param_spec_double("floor", "Floor",
-                              "Event contrast in CIE Delta E up to which a frame is silent "
-                              "whatever its maximum (-1 = the profile's own)",
-                              -1, 1000, -1, playing));
-  install(PROP_ROI_WEIGHTS,
-          g_param_spec_string("roi-weights", "Region of interest weights",
-                              "What saliency is multiplied by inside "
-                              "GstVideoRegionOfInterestMeta, by their type (unset: 1 each)",
-                              nullptr, playing));
-  install(PROP_MAX_RATE,
-          g_param_spec_double("max-rate", "Maximum rate",
-                              "Analyse at most this many frames per second (0 = all)", 0, 1000, 0,
-                              playing));
-  install(PROP_DRIVER,
-          g_param_spec_string("driver", "Driver",
-                              "What drives the tactors: auto, firmata, seat, simulator", "auto",
-                              ready));
-  install(PROP_DEVICE,
-          g_param_spec_string("device", "Device",
-                              "Which board: its serial number or bus path (unset: the first that "
-                              "answers)",
-                              nullptr, ready));
-  install(PROP_RATE,
-          g_param_spec_double("rate", "Rate",
-                              "How often the tactors may change, in Hz (0 = with every map)", 0,
-                              1000, 5, playing));
-  install(PROP_INTENSITY,
-          g_param_spec_double("intensity", "Intensity", "Master intensity, a factor on all levels",
-                              0, 1, 1, playing));
-  install(PROP_MUTE,
-          g_param_spec_boolean("mute", "Mute", "All motors at zero, at once", FALSE, playing));
-  install(PROP_MAX_LEAD,
-          g_param_spec_uint("max-lead", "Max lead",
-                            "Longest time in ms by which a motor is told before its frame is "
-                            "shown; all of the pipeline is delayed by it and 10 ms",
-                            0, 1000, 180, ready));
-  install(
-      PROP_MAPPING,
-      gst_param_spec_array(
-          "mapping", "Mapping",
-          "Tactor of each cell, row by row from the top left, -1 for none "
-          "(empty: cell i is tactor i)",
-          g_param_spec_int("tactor", "Tactor", "Index of a tactor, -1 for none", -1, 4095, 0,
-                           static_cast<GParamFlags>(G_PARAM_READWRITE | G_PARAM_STATIC_STRINGS)),
-          playing));
-  install(PROP_TRACE_LOCATION,
-          g_param_spec_string("trace-location", "Trace location",
-                              "CSV file that gets one line a command (unset: none)", nullptr,
-                              ready));
-  install(PROP_STATS, g_param_spec_boxed("stats", "Statistics", "What the tactors were told",
-                                         GST_TYPE_STRUCTURE, readable));
-}
-
-static void
 gst_visuotactile_sink_class_init(GstVisuotactileSinkClass *klass)
 {
   GObjectClass *object_class = G_OBJECT_CLASS(klass);
   GstElementClass *element_class = GST_ELEMENT_CLASS(klass);
 
-  object_class->set_property = gst_visuotactile_sink_set_property;
-  object_class->get_property = gst_visuotactile_sink_get_property;
   object_class->dispose = gst_visuotactile_sink_dispose;
   object_class->finalize = gst_visuotactile_sink_finalize;
-  install_properties(object_class);
+  gst_visuotactile_sink_install_properties(object_class);
 
   element_class->change_state = GST_DEBUG_FUNCPTR(gst_visuotactile_sink_change_state);
   gst_element_class_add_static_pad_template(element_class, &sink_template);

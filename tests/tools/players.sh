@@ -53,31 +53,77 @@ terminal() {
   expect_line out '█'
 }
 
-# Until it is told to end, once, which ends with zeros.
+# Players that run in the background write the file debug.
+export_debug() {
+  export GST_DEBUG=visuotactilesink:4,tactorsink:6 GST_DEBUG_NO_COLOR=1 GST_DEBUG_FILE=$PWD/debug
+}
+
+# Whether motors were given something to do: ten times, since what is a second late, as on a busy machine at first, is dropped.
+felt() {
+  [ -e debug ] && [ "$(grep -c 'map at .*: [1-9][0-9]* commands' debug)" -ge 10 ]
+}
+
+# Until something is felt; told to end, once, it ends with zeros.
 live() {
-  CHAIR=$chair timeout --foreground --preserve-status -s INT 6 "$ROOT/pipelines/live.sh" "$@" >out 2>&1 || fail "status $?; it said: $(cat out)"
+  local player
+  export_debug
+  CHAIR=$chair timeout --foreground --preserve-status -s INT 60 "$ROOT/pipelines/live.sh" "$@" >out 2>&1 &
+  player=$!
+  while kill -0 "$player" 2>/dev/null && ! felt; do
+    sleep 0.2
+  done
+  kill -INT "$player" 2>/dev/null || true
+  wait "$player" || fail "status $?; it said: $(cat out)"
   expect_commands commands.csv
+}
+
+# shown_and_felt PROCESS: waits until its window shows the film's grey and something is felt, or it ends; sets level, a pixel's
+shown_and_felt() {
+  level=0
+  while kill -0 "$1" 2>/dev/null; do
+    # A pixel of the background.
+    plain env -u GST_DEBUG -u GST_DEBUG_FILE gst-launch-1.0 -q ximagesrc num-buffers=1 startx=5 starty=5 endx=5 endy=5 ! videoconvert ! \
+      video/x-raw,format=GRAY8 ! filesink location=pixel || true
+    level=$(od -An -tu1 -N1 pixel | tr -d ' ')
+    [ "${level:-0}" -le 40 ] || ! felt || break
+    sleep 0.2
+  done
+}
+
+expect_shown_and_felt() {
+  grep -q 'shown by' debug || fail "the player does not use visuotactilesink: $(cat out)"
+  felt || fail "nothing is felt: $(tail -n 5 debug)"
+  [ "${level:-0}" -gt 40 ] || fail "its window shows nothing: a pixel of $level"
 }
 
 # A player that was not made for touch, in the terminal that it wants: its window shows the film's grey, and maps come to the chair.
 # The player has to be the terminal's foreground (a shell or timeout between them may put it behind, where it is stopped as it sets
 # the terminal up), hence a pseudo-terminal that starts nothing else.
 any_player() {
-  GST_DEBUG=visuotactilesink:4,tactorsink:6 GST_DEBUG_NO_COLOR=1 GST_DEBUG_FILE=$PWD/debug TERM=xterm \
-    timeout 60 "$PYTHON" -c 'import pty, sys; pty.spawn(sys.argv[1:])' "$ROOT/pipelines/any-player.sh" gst123 --repeat "$1" >out 2>&1 </dev/null &
-  local player=$! level=0
-  while kill -0 "$player" 2>/dev/null; do
-    # A pixel of the background.
-    plain gst-launch-1.0 -q ximagesrc num-buffers=1 startx=5 starty=5 endx=5 endy=5 ! videoconvert ! video/x-raw,format=GRAY8 ! filesink location=pixel || true
-    level=$(od -An -tu1 -N1 pixel | tr -d ' ')
-    [ "${level:-0}" -le 40 ] || ! grep -q 'map at' debug || break
-    sleep 0.2
-  done
+  local player
+  export_debug
+  TERM=xterm timeout 60 "$PYTHON" -c 'import pty, sys; pty.spawn(sys.argv[1:])' "$ROOT/pipelines/any-player.sh" gst123 --repeat "$1" >out 2>&1 </dev/null &
+  player=$!
+  shown_and_felt "$player"
   kill "$player" 2>/dev/null || true
   wait "$player" 2>/dev/null || true
-  grep -q 'shown by' debug || fail "the player does not use visuotactilesink: $(cat out)"
-  grep -q 'map at' debug || fail "nothing is felt: $(tail -n 5 debug)"
-  [ "${level:-0}" -gt 40 ] || fail "its window shows nothing: a pixel of $level"
+  expect_shown_and_felt
+}
+
+# Frames in a GPU's memory, Mesa's software renderer here, from the source to the window: the window has them as they are, and the analysis
+# reads its own.
+gl_memory() {
+  local player
+  export_debug
+  # shellcheck disable=SC2086 # properties
+  LIBGL_ALWAYS_SOFTWARE=1 timeout --foreground --preserve-status 60 gst-launch-1.0 -e tactiletestsrc pattern=dynamic-motion ! \
+    video/x-raw,format=I420,width=320,height=240,framerate=30/1 ! glupload ! 'video/x-raw(memory:GLMemory)' ! visuotactilesink video-sink=glimagesink $chair >out 2>&1 &
+  player=$!
+  shown_and_felt "$player"
+  kill -INT "$player" 2>/dev/null || true
+  wait "$player" || fail "status $?; it said: $(cat out)"
+  expect_shown_and_felt
+  expect_commands commands.csv
 }
 
 # Both scripts of the theatre; its seats over a bad network are tests/theatre's.
@@ -112,5 +158,8 @@ start live live
 start theatre theatre "$work/theatre.mkv"
 start least_delay live --least-delay
 finish
+# These look at the screen, one after the other.
 start any_player any_player "$work/film.mkv"
+finish
+start gl_memory gl_memory
 finish
