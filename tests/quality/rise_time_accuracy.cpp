@@ -2,8 +2,9 @@
 //
 // How exactly is a rise time measured through noise? Simulated motors with the paper's rise times, which rise in different ways, white
 // noise between 0 and 4 kHz; a line for each 3 dB between the steady vibration of a step and the noise: errors of single steps, of the
-// median of nine, and of the first motion of strong rises from rest. Usage:
-// rise_time_accuracy
+// median of nine, and of the first motion of strong rises from rest. Then of what tactorsink goes by: the calibrations that
+// tactor-calibrate makes of its default measurement. Usage:
+// rise_time_accuracy [steps|calibrations]
 #include "tactor/calibration/median.h"
 #include "tests/check/libs/measured_chair.h"
 
@@ -81,10 +82,40 @@ add(std::map<int, Errors> &bins, const Growth &growth, int decibels, const Motor
   }
 }
 
-} // namespace
+/// Errors of what a calibration says of rises to 1 V and more, one at a time; four motors, slower and faster, near and far.
+std::vector<double>
+errors_of_calibrations(const Growth &growth, double decibels, double at_volts, int repetitions)
+{
+  std::vector<double> errors;
+  for (int i = 0; i < 4; i++) {
+    RiseTimeTable table{ .size = 31, .milliseconds = {} };
+    for (int start = 0; start < 31; start++)
+      for (int target = 0; target < 31; target++)
+        table.milliseconds.push_back(
+            (0.5 + 0.25 * i) * static_cast<double>(RiseTime()(0.1 * start, 0.1 * target).count())
+            / 1e6);
+    const MotorParameters motor{ .rise_time = RiseTime(table),
+                                 .latency = std::chrono::milliseconds(3 + 7 * i) };
+    SimulatedSensor sensor{ .seed = static_cast<std::uint32_t>(1000 * i) };
+    sensor.noise = sensor.gain * at_volts / std::sqrt(2.0) * std::pow(10, -decibels / 20);
+    if (growth.share)
+      sensor.growth = growth.share;
+    std::vector<StepResponse> responses
+        = measure({ .repetitions = repetitions }, { motor }, sensor);
+    const Calibration calibration = calibrate(responses);
+    const TactorCalibration &found = calibration.tactors.at(0);
+    for (double start = 0; start <= 2; start += 0.5)
+      for (double target = 1; target <= 3; target += 0.5)
+        if (start <= 0.8 * target)
+          errors.push_back(
+              static_cast<double>((found.rise_time()(start, target) + *found.latency).count()) / 1e6
+              - truth_ms({ .start_volts = start, .target_volts = target }, motor));
+  }
+  return errors;
+}
 
-int
-main()
+void
+print_steps()
 {
   const MotorParameters motor{ .latency = std::chrono::milliseconds(8) };
   for (const Growth &growth : kGrowths) {
@@ -103,5 +134,33 @@ main()
                   at(errors.of_nine, 0.95), mean(errors.onset), at(errors.onset, 0.95));
     std::fflush(stdout);
   }
+}
+
+void
+print_calibrations()
+{
+  std::printf("calibrations; all rises to 1 V and more\n  20 dB at  repetitions  rise     n  p50  "
+              "p95  max ms\n");
+  for (const double at_volts : { 1.0, 3.0 })
+    for (const int repetitions : { 1, 3 })
+      for (const Growth &growth : kGrowths) {
+        const std::vector<double> errors
+            = errors_of_calibrations(growth, 20, at_volts, repetitions);
+        std::printf("  %6.1f V  %11d  %-12s %4zu %5.1f %5.1f %5.1f\n", at_volts, repetitions,
+                    growth.name, errors.size(), at(errors, 0.5), at(errors, 0.95), at(errors, 1));
+        std::fflush(stdout);
+      }
+}
+
+} // namespace
+
+int
+main(int argc, char **argv)
+{
+  const std::string only = argc > 1 ? argv[1] : "";
+  if (only != "calibrations")
+    print_steps();
+  if (only != "steps")
+    print_calibrations();
   return 0;
 }

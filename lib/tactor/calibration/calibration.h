@@ -75,7 +75,7 @@ struct Calibration
   Time longest_lead() const;
 };
 
-/// Reads a key file. Throws std::runtime_error with file, group, key, what was expected and what came.
+/// Reads a key file of at most 64 MiB. Throws std::runtime_error with file, group, key, what was expected and what came.
 Calibration read_calibration(const std::string &path);
 
 /// Writes a key file, whole or not at all. Throws std::runtime_error with the file and the reason.

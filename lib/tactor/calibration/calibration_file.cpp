@@ -4,11 +4,15 @@
 #include <glib.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <charconv>
 #include <cmath>
+#include <cstdio>
 #include <memory>
 #include <span>
 #include <stdexcept>
+#include <string>
+#include <system_error>
 
 namespace tactor {
 
@@ -19,6 +23,30 @@ constexpr const char *kTactorGroup = "Tactor ";
 constexpr int kMostTactors = 4096;
 constexpr double kMostVolts = 24;
 constexpr double kLongestMs = 10'000;
+/// All tactors with tables of 0.1 V are half of that.
+constexpr std::size_t kMostBytes = std::size_t{ 64 } << 20;
+
+/// The whole file. Throws std::runtime_error if it cannot be read or has no end.
+std::string
+contents(const std::string &path)
+{
+  std::string text;
+  const std::unique_ptr<std::FILE, int (*)(std::FILE *)> file(std::fopen(path.c_str(), "re"),
+                                                              std::fclose);
+  char part[16384];
+  while (file && text.size() <= kMostBytes)
+    if (const std::size_t size = std::fread(part, 1, sizeof part, file.get()); size > 0)
+      text.append(part, size);
+    else
+      break;
+  if (!file || std::ferror(file.get()))
+    throw std::runtime_error("cannot read the calibration '" + path
+                             + "': " + std::generic_category().message(errno));
+  if (text.size() > kMostBytes)
+    throw std::runtime_error("cannot read the calibration '" + path + "': expected at most "
+                             + std::to_string(kMostBytes) + " bytes");
+  return text;
+}
 
 struct FreeKeyFile
 {
@@ -249,7 +277,8 @@ read_calibration(const std::string &path)
 {
   const KeyFile file(g_key_file_new());
   g_autoptr(GError) error = nullptr;
-  if (!g_key_file_load_from_file(file.get(), path.c_str(), G_KEY_FILE_NONE, &error))
+  const std::string data = contents(path);
+  if (!g_key_file_load_from_data(file.get(), data.c_str(), data.size(), G_KEY_FILE_NONE, &error))
     throw std::runtime_error("cannot read the calibration '" + path + "': " + error->message);
 
   const Reader head(file.get(), path, kGroup);

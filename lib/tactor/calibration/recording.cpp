@@ -19,7 +19,7 @@ constexpr double kMostRate = 1e6;
 constexpr double kGreatest = 1e12; ///< of values, in any unit
 constexpr std::streamsize kLongestLine = 1 << 16;
 
-/// The numbers of a line; empty if it does not begin with one. Throws what is no number further on.
+/// The numbers of a line; empty if it does not begin with one. Throws what is no number further on, or none that is read.
 std::vector<double>
 numbers(const std::string &line)
 {
@@ -31,12 +31,11 @@ numbers(const std::string &line)
     std::erase_if(field, [](char c) { return c == ' ' || c == '\r' || c == '"' || c == '+'; });
     double value = 0;
     const auto [end, error] = std::from_chars(field.data(), field.data() + field.size(), value);
-    if (error != std::errc() || end != field.data() + field.size()
-        || !(std::abs(value) <= kGreatest)) {
-      if (result.empty())
-        return {};
+    const bool is_text = error == std::errc::invalid_argument || end != field.data() + field.size();
+    if (is_text && result.empty())
+      return {};
+    if (is_text || error != std::errc() || !(std::abs(value) <= kGreatest))
       throw std::runtime_error("expected a number, got '" + field.substr(0, 40) + "'");
-    }
     result.push_back(value);
     from = to + 1;
   }

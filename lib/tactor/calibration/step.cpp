@@ -2,6 +2,7 @@
 #include "tactor/calibration/step.h"
 
 #include <algorithm>
+#include <iterator>
 #include <map>
 
 namespace tactor {
@@ -17,20 +18,24 @@ struct Stretch
   Time end{ 0 };
 };
 
-/// What one tactor was told, from before the first command to the end.
-std::vector<Stretch>
-stretches_of(std::span<const IssuedCommand> trace, int tactor, Time end)
+/// What each tactor was told, from before the first command to the end.
+std::map<int, std::vector<Stretch>>
+stretches_of(std::span<const IssuedCommand> trace, Time end)
 {
-  std::vector<Stretch> stretches{ { .begin = trace.front().issued - std::chrono::seconds(1) } };
+  std::map<int, std::vector<Stretch>> tactors;
   for (const IssuedCommand &issued : trace) {
-    if (issued.command.tactor != tactor || issued.command.volts == stretches.back().volts)
+    std::vector<Stretch> &stretches = tactors[issued.command.tactor];
+    if (stretches.empty())
+      stretches.push_back({ .begin = trace.front().issued - std::chrono::seconds(1) });
+    if (issued.command.volts == stretches.back().volts)
       continue;
     stretches.back().end = issued.issued;
     stretches.push_back(
         { .volts = issued.command.volts, .begin = issued.issued, .effect = issued.command.effect });
   }
-  stretches.back().end = std::max(end, stretches.back().begin);
-  return stretches;
+  for (auto &[tactor, stretches] : tactors)
+    stretches.back().end = std::max(end, stretches.back().begin);
+  return tactors;
 }
 
 /// Rests are only where no other tactor can be heard either.
@@ -46,16 +51,33 @@ listen_apart(Step &step, const Stretch &other)
     step.next = std::min(step.next, std::max(other.begin, step.off));
 }
 
+/// Of another tactor's stretches only the nearest matter: the last before the step, the first during it, the first after it.
+void
+listen_apart(Step &step, const std::vector<Stretch> &others)
+{
+  const Time begin = std::min(step.rest_end, step.at);
+  const auto is_on = [](const Stretch &stretch) {
+    return stretch.volts > 0;
+  };
+  const auto during = std::ranges::partition_point(
+      others, [&](const Stretch &other) { return other.end <= begin; });
+  const auto after = std::partition_point(
+      during, others.end(), [&](const Stretch &other) { return other.begin < step.end; });
+  const auto last = std::find_if(std::make_reverse_iterator(during), others.rend(), is_on);
+  if (last != others.rend())
+    listen_apart(step, *last);
+  if (const auto first = std::find_if(during, after, is_on); first != after)
+    listen_apart(step, *first);
+  if (const auto first = std::find_if(after, others.end(), is_on); first != others.end())
+    listen_apart(step, *first);
+}
+
 } // namespace
 
 std::vector<Step>
 steps_of(std::span<const IssuedCommand> trace, Time end, Time hold)
 {
-  std::map<int, std::vector<Stretch>> tactors;
-  for (const IssuedCommand &issued : trace)
-    if (!tactors.contains(issued.command.tactor))
-      tactors[issued.command.tactor] = stretches_of(trace, issued.command.tactor, end);
-
+  const std::map<int, std::vector<Stretch>> tactors = stretches_of(trace, end);
   std::vector<Step> steps;
   for (const auto &[tactor, stretches] : tactors) {
     Stretch rest = stretches.front();
@@ -84,9 +106,8 @@ steps_of(std::span<const IssuedCommand> trace, Time end, Time hold)
   }
   for (Step &step : steps)
     for (const auto &[tactor, stretches] : tactors)
-      for (const Stretch &other : stretches)
-        if (tactor != step.tactor && other.volts > 0)
-          listen_apart(step, other);
+      if (tactor != step.tactor)
+        listen_apart(step, stretches);
   std::ranges::sort(steps, {}, &Step::at);
   return steps;
 }

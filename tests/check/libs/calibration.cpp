@@ -113,6 +113,22 @@ GST_START_TEST(file_gives_back_what_was_written)
 }
 GST_END_TEST
 
+GST_START_TEST(files_without_an_end_are_refused)
+{
+  for (const auto &[path, says] :
+       { std::pair{ "/dev/zero", "expected at most" }, std::pair{ "/", "Is a directory" },
+         std::pair{ "/nowhere", "No such file" } }) {
+    std::string got;
+    try {
+      read_calibration(path);
+    } catch (const std::runtime_error &e) {
+      got = e.what();
+    }
+    fail_unless(got.find(says) != std::string::npos, "'%s' instead of '%s'", got.c_str(), says);
+  }
+}
+GST_END_TEST
+
 GST_START_TEST(damaged_files_are_refused_with_the_place)
 {
   const std::string head = "[Calibration]\nversion=1\n";
@@ -244,6 +260,7 @@ calibration_suite(void)
   TCase *tests = tcase_create("calibration");
   suite_add_tcase(suite, tests);
   tcase_add_test(tests, file_gives_back_what_was_written);
+  tcase_add_test(tests, files_without_an_end_are_refused);
   tcase_add_test(tests, damaged_files_are_refused_with_the_place);
   tcase_add_test(tests, missing_file_is_named);
   tcase_add_test(tests, motors_have_what_was_measured_and_the_others_are_the_papers);

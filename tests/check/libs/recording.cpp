@@ -95,6 +95,9 @@ GST_START_TEST(damaged_files_are_refused_with_the_line)
   expect_refusal("0,1\n1,2,3\n", "line 2");
   expect_refusal("0,1\n1,x\n", "'x'");
   expect_refusal("0,1\n1,nan\n", "'nan'");
+  expect_refusal("nan,1\n0,1\n1,2\n", "line 1: expected a number, got 'nan'");
+  expect_refusal("time,a\n-inf,1\n1,2\n", "'-inf'");
+  expect_refusal("0,1\n1e999,2\n1,2\n", "'1e999'");
   expect_refusal("0,1\n0,2\n", "expected a time after");
   expect_refusal("0,1\n1e6,2\n", "expected a time within");
   expect_refusal("0,1\n1e-300,2\n", "samples a second");

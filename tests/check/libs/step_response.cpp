@@ -289,6 +289,66 @@ GST_START_TEST(steps_of_two_tactors_at_once_are_told_apart_by_channels_alone)
 }
 GST_END_TEST
 
+// Among commands to three tactors at random, one rests and is heard where that says to look at all of them. A million commands are no
+// more work each than few.
+GST_START_TEST(steps_are_heard_apart_from_all_other_tactors)
+{
+  std::mt19937 random(5);
+  std::uniform_int_distribution<int> tactor(0, 2);
+  std::uniform_int_distribution<int> volts(-3, 3);
+  std::uniform_int_distribution<int> pause(0, 1500);
+  std::vector<IssuedCommand> trace;
+  Time now{ 0 };
+  for (int i = 0; i < 2000; i++) {
+    now += pause(random) * 1ms;
+    trace.push_back({ .command = { .effect = now,
+                                   .tactor = tactor(random),
+                                   .volts = std::max(0.0, 1.0 * volts(random)) },
+                      .issued = now });
+  }
+  const auto level = [&](int which, Time time) {
+    double last = 0;
+    for (const IssuedCommand &issued : trace)
+      if (issued.command.tactor == which && issued.issued <= time)
+        last = issued.command.volts;
+    return last;
+  };
+  const auto others_are_silent = [&](const Step &step, Time from, Time to) {
+    std::vector<Time> moments{ from };
+    for (const IssuedCommand &issued : trace)
+      if (issued.issued > from && issued.issued < to)
+        moments.push_back(issued.issued);
+    return std::ranges::all_of(moments, [&](Time time) {
+      return level((step.tactor + 1) % 3, time) == 0 && level((step.tactor + 2) % 3, time) == 0;
+    });
+  };
+  const std::vector<Step> steps = steps_of(trace, now + 1s);
+  std::size_t overlapped = 0;
+  for (const Step &step : steps) {
+    overlapped += step.overlapped;
+    fail_unless(step.overlapped == !others_are_silent(step, step.rest_end, step.end));
+    if (step.overlapped)
+      continue;
+    fail_unless(step.rest_begin >= step.rest_end
+                || others_are_silent(step, step.rest_begin, step.rest_end));
+    fail_unless(step.next <= step.off || others_are_silent(step, step.off, step.next));
+    // No less than that.
+    fail_unless(step.rest_begin < 0s || level(step.tactor, step.rest_begin - 1ns) > 0
+                || !others_are_silent(step, step.rest_begin - 1ns, step.rest_begin));
+    fail_unless(step.next > now || level(step.tactor, step.next) > 0
+                || !others_are_silent(step, step.next, step.next + 1ns));
+  }
+  fail_unless(steps.size() > 100 && overlapped > 20 && overlapped < steps.size() - 20);
+
+  trace.clear();
+  for (int i = 0; i < 1'000'000; i++)
+    trace.push_back(
+        { .command = { .effect = i * 300ms, .tactor = i / 2 % 2, .volts = 1.0 * (i % 2) },
+          .issued = i * 300ms });
+  fail_unless(steps_of(trace, 1'000'000 * 300ms).size() == 500'000);
+}
+GST_END_TEST
+
 // Latency and roundness are those of the clear half of the rises; too few tell nothing.
 GST_START_TEST(clear_rises_say_what_all_have_in_common)
 {
@@ -340,6 +400,9 @@ step_response_suite(void)
   tcase_add_test(tests, steps_of_two_tactors_at_once_are_told_apart_by_channels_alone);
   tcase_add_test(tests, clear_rises_say_what_all_have_in_common);
   tcase_add_test(tests, band_is_found_around_the_vibration);
+  TCase *steps = tcase_create("steps");
+  suite_add_tcase(suite, steps);
+  tcase_add_test(steps, steps_are_heard_apart_from_all_other_tactors);
   return suite;
 }
 
