@@ -44,10 +44,11 @@ read_bytes(const std::string &path)
   std::string text;
   std::array<char, 65536> piece;
   while (const std::size_t count = std::fread(piece.data(), 1, piece.size(), file.get())) {
-    text.append(piece.data(), count);
-    if (text.size() > kMaxTrackFile)
+    // Before it grows: beyond the limit, it would double once more.
+    if (text.size() + count > kMaxTrackFile)
       throw FormatError("larger than the " + std::to_string(kMaxTrackFile >> 20)
                         + " MiB that are read");
+    text.append(piece.data(), count);
   }
   if (std::ferror(file.get()))
     throw FormatError(std::generic_category().message(errno));
