@@ -80,7 +80,42 @@ struct Muxing
   bool first;                              ///< the track comes before them
   std::atomic<int> taken{ 0 };             ///< streams
   std::once_flag begun{};
+  std::atomic<int> awaited{
+    1
+  }; ///< texts that are linked and have not come; one more while they are being linked
+  std::mutex mutex{};
+  std::vector<std::pair<Owned<GstPad>, gulong>> held{}; ///< the film's pads and their probes
 };
+
+/// A text has come, and with it its tags. After the last the film's own data go on: muxers need not wait for subtitles, and one that
+/// has begun writes no more languages.
+void
+text_has_come(Muxing &muxing)
+{
+  if (--muxing.awaited > 0)
+    return;
+  const std::scoped_lock lock(muxing.mutex);
+  for (const auto &[pad, probe] : muxing.held)
+    gst_pad_remove_probe(pad.get(), probe);
+  muxing.held.clear();
+}
+
+void
+await_text(GstElement *, GstPad *pad, gpointer data)
+{
+  static_cast<Muxing *>(data)->awaited++;
+  gst_pad_add_probe(
+      pad,
+      static_cast<GstPadProbeType>(GST_PAD_PROBE_TYPE_BUFFER | GST_PAD_PROBE_TYPE_EVENT_DOWNSTREAM),
+      [](GstPad *, GstPadProbeInfo *info, gpointer user) {
+        if ((info->type & GST_PAD_PROBE_TYPE_EVENT_DOWNSTREAM)
+            && GST_EVENT_TYPE(GST_PAD_PROBE_INFO_EVENT(info)) != GST_EVENT_EOS)
+          return GST_PAD_PROBE_OK;
+        text_has_come(*static_cast<Muxing *>(user));
+        return GST_PAD_PROBE_REMOVE;
+      },
+      data, nullptr);
+}
 
 void
 link_track(Muxing &muxing)
@@ -104,6 +139,7 @@ begin_track(GstPad *, GstPadProbeInfo *, gpointer data)
 {
   auto *muxing = static_cast<Muxing *>(data);
   std::call_once(muxing->begun, [&] {
+    g_signal_connect(muxing->muxer, "pad-added", G_CALLBACK(await_text), muxing);
     if (muxing->first)
       link_track(*muxing);
     for (const Subtitles &subtitles : muxing->subtitles)
@@ -113,8 +149,9 @@ begin_track(GstPad *, GstPadProbeInfo *, gpointer data)
     if (!muxing->first)
       link_track(*muxing);
     feed_track(muxing->source, muxing->track, muxing->form);
+    text_has_come(*muxing);
   });
-  return GST_PAD_PROBE_REMOVE;
+  return muxing->awaited > 0 ? GST_PAD_PROBE_OK : GST_PAD_PROBE_REMOVE;
 }
 
 /// Takes a picture or sound of the film over into the muxer as it is; subtitles come otherwise. Those that it cannot hold are left out, with a word about it.
@@ -153,7 +190,12 @@ take_stream(GstElement *, GstPad *pad, gpointer data)
     muxing->taken++;
   }
   gst_caps_unref(caps);
-  gst_pad_add_probe(pad, GST_PAD_PROBE_TYPE_BUFFER, begin_track, muxing, nullptr);
+  const std::scoped_lock lock(muxing->mutex);
+  muxing->held.emplace_back(
+      Owned<GstPad>(GST_PAD(gst_object_ref(pad))),
+      gst_pad_add_probe(
+          pad, static_cast<GstPadProbeType>(GST_PAD_PROBE_TYPE_BLOCK | GST_PAD_PROBE_TYPE_BUFFER),
+          begin_track, muxing, nullptr));
 }
 
 } // namespace
