@@ -80,9 +80,8 @@ struct Muxing
   bool first;                              ///< the track comes before them
   std::atomic<int> taken{ 0 };             ///< streams
   std::once_flag begun{};
-  std::atomic<int> awaited{
-    1
-  }; ///< texts that are linked and have not come; one more while they are being linked
+  /// Texts that are linked and have not come; one more while they are being linked.
+  std::atomic<int> awaited{ 1 };
   std::mutex mutex{};
   std::vector<std::pair<Owned<GstPad>, gulong>> held{}; ///< the film's pads and their probes
 };
