@@ -128,6 +128,12 @@ whole_film() {
   stream_names first.mkv >names_first
   expect_line names_first '^subtitle_0 Tactile zxx$'
   expect_line names_first '^subtitle_2 Deutsch de$'
+  # Subtitles that MP4 cannot hold.
+  timeout 30 gst-launch-1.0 -q matroskamux name=mux ! filesink location=styled.mkv \
+    filesrc location="$work/film.mkv" ! matroskademux ! h264parse ! queue ! mux.video_0 \
+    filesrc location=one.srt ! subparse ! capssetter replace=true join=false caps=application/x-ssa ! queue ! mux.subtitle_0
+  track mux styled.mkv film.vtt -o styled.mp4
+  expect_line err 'left out: application/x-ssa$'
   # What a player takes that takes the first.
   timeout 60 gst-launch-1.0 -q playbin uri="file://$PWD/first.mkv" video-sink="fakesink sync=true" audio-sink=fakesink \
     text-sink="tactileconverter ! tactorsink driver=simulator ramp-in=0 trace-location=player.trace" >log 2>&1 || fail "$(cat log)"

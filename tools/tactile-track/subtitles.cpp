@@ -185,6 +185,10 @@ Preface::wait()
 bool
 add_subtitles(GstElement *pipeline, GstElement *muxer, const Subtitles &subtitles)
 {
+  // An appsrc links to anything.
+  GstPadTemplate *held = gst_element_get_pad_template(muxer, "subtitle_%u");
+  if (!held || !gst_caps_can_intersect(GST_PAD_TEMPLATE_CAPS(held), subtitles.caps.get()))
+    return false;
   GstElement *source = gst_element_factory_make("appsrc", nullptr);
   g_object_set(source, "caps", subtitles.caps.get(), "format", GST_FORMAT_TIME, "max-bytes",
                guint64{ 0 }, nullptr);

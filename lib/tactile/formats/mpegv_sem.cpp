@@ -174,6 +174,19 @@ integer(const xmlNode *node, const char *ns, const char *name, std::int64_t leas
   return value;
 }
 
+bool
+boolean(const xmlNode *node, const char *name, bool otherwise)
+{
+  const Text text(xmlGetNoNsProp(node, xml(name)));
+  if (!text)
+    return otherwise;
+  const std::string_view word = reinterpret_cast<const char *>(text.get());
+  const bool value = word == "true" || word == "1";
+  if (!value && word != "false" && word != "0")
+    fail(node, std::string("expected '") + name + "' to be true or false");
+  return value;
+}
+
 std::vector<double>
 numbers(const xmlNode *node, const char *text, double least, double most)
 {
@@ -206,11 +219,12 @@ public:
   {
     if (!is_element(root, kSedl, "SEM"))
       fail(root, "expected a SEM of MPEG-V");
-    timescale_ = integer(root, kSi, "timeScale", 1, 1'000'000'000, kTimescale);
+    // What a unit is without it, the schema does not say, and other readers differ.
+    timescale_ = integer(root, kSi, "timeScale", 1, 1'000'000'000);
     for (const xmlNode *node = root->children; node; node = node->next) {
       if (node->type == XML_COMMENT_NODE && node->content)
         read_comment(node);
-      if (node->type == XML_ELEMENT_NODE)
+      if (node->type == XML_ELEMENT_NODE && !is_element(node, kSedl, "DescriptionMetadata"))
         read_effect(node);
     }
     if (!track_ && grid_.grid)
@@ -249,14 +263,14 @@ private:
     if (!is_element(node, kSedl, "Effect") || (kind != "TactileType" && kind != "VibrationType"))
       fail(node, "only effects of TactileType or VibrationType can be a track, with no groups "
                  "around them");
-    const Text active(xmlGetNoNsProp(node, xml("activate")));
-    const bool is_active
-        = !active || xmlStrEqual(active.get(), xml("true")) || xmlStrEqual(active.get(), xml("1"));
+    if (xmlHasProp(node, xml("fade")) || xmlHasNsProp(node, xml("timeScale"), xml(kSi)))
+      fail(node, "effects with a fade or a timeScale of their own are not read");
+    const bool is_active = boolean(node, "activate", true);
     const Time begin = to_time(node, integer(node, kSi, "pts", 0, LLONG_MAX));
     endless_ = nullptr;
     if (kind == "VibrationType")
       return read_vibration(node, is_active, begin);
-    const Time end = begin + to_time(node, integer(node, nullptr, "duration", 0, LLONG_MAX));
+    const Time end = begin + to_time(node, integer(node, nullptr, "duration", 1, LLONG_MAX));
     const std::int64_t samples = integer(node, nullptr, "timeSamples", 1, 1'000'000, 1);
     const xmlNode *array = nullptr;
     for (const xmlNode *child = node->children; child; child = child->next)
@@ -296,7 +310,7 @@ private:
     map.levels[0] = is_active ? static_cast<float>(share) : 0.0F;
     const bool has_end = xmlHasProp(node, xml("duration"));
     end_
-        = has_end ? begin + to_time(node, integer(node, nullptr, "duration", 0, LLONG_MAX)) : begin;
+        = has_end ? begin + to_time(node, integer(node, nullptr, "duration", 1, LLONG_MAX)) : begin;
     endless_ = !has_end && map.levels[0] > 0 ? node : nullptr;
     try {
       track_->append(begin, map);
@@ -357,7 +371,7 @@ private:
                      + std::to_string(tactors));
   }
 
-  std::int64_t timescale_ = kTimescale;
+  std::int64_t timescale_ = kTimescale; ///< units a second
   GridHeader grid_;
   std::optional<Track> track_;
   Time end_{ 0 };

@@ -13,7 +13,8 @@ namespace tactile {
 /// silent effect at the end says how long the track is; a comment has the grid. Times are cut down to milliseconds.
 std::string write_sem(const Track &track);
 
-/// Reads effects of TactileType with ArrayIntensity that do not overlap. Without our comment as many tactors as are a square number
+/// Reads effects of TactileType with ArrayIntensity, or of VibrationType as one cell, that do not overlap. Times are whole units of
+/// the document's timeScale, which it has to say; effects that fade are refused. Without our comment as many tactors as are a square number
 /// are taken as a square, others as one row. Throws FormatError with the line. Documents with a DTD are refused, nothing is
 /// loaded from elsewhere.
 Track read_sem(std::string_view text);

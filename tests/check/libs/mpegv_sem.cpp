@@ -78,6 +78,14 @@ GST_START_TEST(test_rows_are_samples)
   fail_unless_equals_float(track.at(349ms).at(0, 1), 0.5);
   fail_unless_equals_float(track.at(350ms).at(0, 0), 1);
   fail_unless(is_silent(track.at(600ms)));
+  const Track in_ticks = read_sem(
+      std::regex_replace(reference(), std::regex("timeScale=\"1000\""), "timeScale=\"2000\""));
+  fail_unless(in_ticks.end() == 700ms && is_silent(in_ticks.at(499ms))
+              && !is_silent(in_ticks.at(500ms)));
+  fail_unless(read_sem(document("<DescriptionMetadata/>"
+                                + effect("si:pts=\"0\" duration=\"1\"", "1 2", "0 0")))
+                  .end()
+              == 1ms);
   const Track inactive = read_sem(
       document(effect("activate=\"false\" si:pts=\"0\" duration=\"500\"", "1 2", "1 1")));
   fail_unless(is_silent(inactive.at(0s)) && inactive.end() == 500ms);
@@ -135,6 +143,20 @@ GST_START_TEST(test_refused)
   ASSERT_COMPLAINT(
       read_sem(document(effect("si:pts=\"9000000000000\" duration=\"1\"", "1 2", "0 0"))), "line 9",
       "100 hours");
+  // The schema has times that are whole, and durations that are positive.
+  ASSERT_COMPLAINT(read_sem(document(effect("si:pts=\"0.5\" duration=\"1\"", "1 2", "0 0"))),
+                   "line 9", "whole number 'pts'");
+  ASSERT_COMPLAINT(read_sem(document(effect("si:pts=\"0\" duration=\"0\"", "1 2", "0 0"))),
+                   "line 9", "whole number 'duration'");
+  ASSERT_COMPLAINT(read_sem(document(effect(when + " activate=\"yes\"", "1 2", "0 0"))), "line 9",
+                   "'activate'");
+  ASSERT_COMPLAINT(read_sem(document(effect(when + " fade=\"100\"", "1 2", "0 0"))), "line 9",
+                   "fade");
+  ASSERT_COMPLAINT(read_sem(document(effect(when + " si:timeScale=\"90000\"", "1 2", "0 0"))),
+                   "line 9", "timeScale");
+  ASSERT_COMPLAINT(
+      read_sem(std::regex_replace(reference(), std::regex(" si:timeScale=\"1000\""), "")), "line",
+      "timeScale");
   ASSERT_COMPLAINT(read_sem(document(effect(when, "1 2", "0 0 0"))), "line 9", "got 3");
   ASSERT_COMPLAINT(read_sem(document(effect(when, "", "0"))), "line 9", "dim");
   ASSERT_COMPLAINT(read_sem(document(effect(when, "1 2", "0 2"))), "line 9", "range");
