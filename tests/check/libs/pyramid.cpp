@@ -137,6 +137,36 @@ GST_START_TEST(test_pyramid)
 }
 GST_END_TEST;
 
+GST_START_TEST(test_fixed_point)
+{
+  // As float to within a few units of 1/128; colour only where it is asked for; an image that was lent before stays as it is.
+  constexpr int kChroma = 2;
+  oracle::LabImage level{ oracle::random_image(100, 75, 0, 100, 1),
+                          oracle::random_image(100, 75, -90, 90, 2),
+                          oracle::random_image(100, 75, -90, 90, 3) };
+  saliency::FixedLabImage fixed;
+  for (std::size_t c = 0; c < 3; ++c)
+    oracle::to_mat(level[c]).convertTo(fixed.planes[c], CV_16U, saliency::FixedLabImage::kUnits,
+                                       static_cast<double>(saliency::FixedLabImage::kUnits)
+                                           * saliency::FixedLabImage::kOffset);
+  const saliency::LabImage lent = oracle::to_planes(oracle::LabImage{
+      oracle::Image(100, 75, 7), oracle::Image(100, 75, 7), oracle::Image(100, 75, 7) });
+  saliency::Pyramid pyramid;
+  pyramid.build(lent, 0, 4);
+  pyramid.build(fixed, 0, 4, kChroma);
+  for (int n = 0; n <= 4; ++n) {
+    for (std::size_t c = 0; c < 3; ++c)
+      if (c == 0 || n >= kChroma)
+        fail_unless_at_most(oracle::difference(pyramid.level(n).planes[c], level[c]), 0.05);
+      else
+        fail_unless(pyramid.level(n).planes[c].empty());
+    level = oracle::pyr_down(level);
+  }
+  for (const auto &plane : lent.planes)
+    fail_unless_at_most(oracle::difference(plane, oracle::Image(100, 75, 7)), 0);
+}
+GST_END_TEST;
+
 static Suite *
 pyramid_suite(void)
 {
@@ -148,6 +178,7 @@ pyramid_suite(void)
   tcase_add_test(tc, test_upsample);
   tcase_add_test(tc, test_grid);
   tcase_add_test(tc, test_pyramid);
+  tcase_add_test(tc, test_fixed_point);
   return suite;
 }
 
