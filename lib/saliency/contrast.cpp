@@ -16,51 +16,41 @@ Contrast::Contrast(double chroma_weight)
 void
 Contrast::operator()(const Pyramid &pyramid, LevelPair lightness, LevelPair chroma, cv::Mat &map)
 {
+  chroma_squared(pyramid, chroma);
   const cv::Mat &center = pyramid.level(lightness.center).lightness();
-  if (const int coarser = chroma.center - lightness.center; coarser > 0) {
-    chroma_squared(pyramid, chroma, chroma_);
-    upsample(chroma_, coarser, coarser, center.size(), map);
-  } else {
-    chroma_squared(pyramid, chroma, map);
-  }
-
   const cv::Mat &surround = pyramid.level(lightness.surround).lightness();
-  const int octaves = lightness.surround - lightness.center;
-  for (int y = 0; y < map.rows; ++y) {
-    auto *row = map.ptr<float>(y);
-    rows::contrast(center.ptr<float>(y), surround_row(surround, octaves, y, map.cols, fine_[0]),
-                   row, static_cast<std::size_t>(map.cols), row);
-  }
+  map.create(center.size(), CV_32FC1);
+  for (int y = 0; y < map.rows; ++y)
+    rows::contrast(center.ptr<float>(y),
+                   enlarged(surround, lightness.surround - lightness.center, y, map.cols, fine_[0]),
+                   enlarged(chroma_, chroma.center - lightness.center, y, map.cols, fine_[1]),
+                   static_cast<std::size_t>(map.cols), map.ptr<float>(y));
 }
 
-/// w² (Δa² + Δb²) at the centre's resolution.
+/// w² (Δa² + Δb²) at the resolution of the pair's centre.
 void
-Contrast::chroma_squared(const Pyramid &pyramid, LevelPair pair, cv::Mat &map)
+Contrast::chroma_squared(const Pyramid &pyramid, LevelPair pair)
 {
   const auto &[lightness, a, b] = pyramid.level(pair.center).planes;
   const auto &surround = pyramid.level(pair.surround).planes;
   const int octaves = pair.surround - pair.center;
-  map.create(a.size(), CV_32FC1);
-  for (int y = 0; y < map.rows; ++y)
+  chroma_.create(a.size(), CV_32FC1);
+  for (int y = 0; y < a.rows; ++y)
     rows::chroma_contrast({ a.ptr<float>(y), b.ptr<float>(y) },
-                          { surround_row(surround[1], octaves, y, map.cols, fine_[0]),
-                            surround_row(surround[2], octaves, y, map.cols, fine_[1]) },
-                          chroma_weight_squared_, static_cast<std::size_t>(map.cols),
-                          map.ptr<float>(y));
+                          { enlarged(surround[1], octaves, y, a.cols, fine_[0]),
+                            enlarged(surround[2], octaves, y, a.cols, fine_[1]) },
+                          chroma_weight_squared_, static_cast<std::size_t>(a.cols),
+                          chroma_.ptr<float>(y));
 }
 
-/// What a plane of the surround has on a row of the centre, which is `width` wide.
+/// What a plane has on a row, `width` wide, of a level finer by `octaves`.
 const float *
-Contrast::surround_row(const cv::Mat &surround, int octaves, int row, int width,
-                       std::vector<float> &fine)
+Contrast::enlarged(const cv::Mat &plane, int octaves, int row, int width, std::vector<float> &fine)
 {
-  const auto length = static_cast<std::size_t>(surround.cols);
-  mixed_.resize(length);
+  if (octaves == 0)
+    return plane.ptr<float>(row);
   fine.resize(static_cast<std::size_t>(width));
-  const RowPosition at = locate_row(row, octaves, surround.rows);
-  rows::interpolate(surround.ptr<float>(at.before), surround.ptr<float>(at.after), at.weight,
-                    length, mixed_.data());
-  rows::enlarge(mixed_.data(), length, octaves, fine.size(), fine.data());
+  rows::enlarge(between_rows(plane, row, octaves), octaves, fine.size(), fine.data());
   return fine.data();
 }
 

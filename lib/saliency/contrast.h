@@ -26,14 +26,13 @@ public:
   void operator()(const Pyramid &pyramid, LevelPair lightness, LevelPair chroma, cv::Mat &map);
 
 private:
-  const float *surround_row(const cv::Mat &surround, int octaves, int row, int width,
-                            std::vector<float> &fine);
-  void chroma_squared(const Pyramid &pyramid, LevelPair pair, cv::Mat &map);
+  static const float *enlarged(const cv::Mat &plane, int octaves, int row, int width,
+                               std::vector<float> &fine);
+  void chroma_squared(const Pyramid &pyramid, LevelPair pair);
 
   float chroma_weight_squared_;
-  std::vector<float> mixed_;               ///< a row between two of the surround's
-  std::array<std::vector<float>, 2> fine_; ///< at the centre's resolution
-  cv::Mat chroma_;                         ///< w² (Δa² + Δb²), if it is coarser than lightness
+  std::array<std::vector<float>, 2> fine_; ///< rows at the centre's resolution
+  cv::Mat chroma_;                         ///< w² (Δa² + Δb²)
 };
 
 } // namespace saliency

@@ -13,32 +13,15 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
+#include "saliency/vectors-inl.h"
+
 HWY_BEFORE_NAMESPACE();
 namespace saliency::kernels::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-template <typename T> using Tag = hn::CappedTag<T, 64 / sizeof(T)>;
-
-/// Calls work(d, x) so that vectors at x cover 0…count - 1 and nothing else: the last one goes over
-/// some a second time (so not in place), fewer than a vector's are done one by one.
-template <typename T, typename Work>
-HWY_INLINE void
-cover(int count, const Work &work)
-{
-  const Tag<T> d;
-  const int step = static_cast<int>(hn::Lanes(d));
-  int x = 0;
-  for (; x + step <= count; x += step)
-    work(d, x);
-  if (x < count && count >= step) {
-    work(d, count - step);
-    return;
-  }
-  const hn::CappedTag<T, 1> one;
-  for (; x < count; ++x)
-    work(one, x);
-}
+using saliency::HWY_NAMESPACE::cover;
+template <typename T> using Tag = saliency::HWY_NAMESPACE::Vectors<T>;
 
 /// Lanes from memory that need not be aligned for them: as many samples of less width as fit.
 template <class D>

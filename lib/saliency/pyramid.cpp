@@ -2,7 +2,6 @@
 #include "saliency/pyramid.h"
 
 #include "saliency/front_end_kernels.h"
-#include "saliency/rows.h"
 
 #include <opencv2/core.hpp>
 
@@ -30,14 +29,6 @@ cv::Size
 level_size(cv::Size size, int level)
 {
   return { halved(size.width, level), halved(size.height, level) };
-}
-
-RowPosition
-locate_row(int row, int octaves, int rows)
-{
-  const int before = std::min(row >> octaves, rows - 1);
-  return { before, std::min(before + 1, rows - 1),
-           std::ldexp(static_cast<float>(row & ((1 << octaves) - 1)), -octaves) };
 }
 
 int
@@ -71,6 +62,16 @@ ReductionOf<Sample>::operator()(const cv::Mat &source, cv::Mat &reduced)
 template class ReductionOf<float>;
 template class ReductionOf<Fixed>;
 
+rows::Between
+between_rows(const cv::Mat &level, int row, int octaves)
+{
+  const int before = std::min(row >> octaves, level.rows - 1);
+  return { .before = level.ptr<float>(before),
+           .after = level.ptr<float>(std::min(before + 1, level.rows - 1)),
+           .weight = std::ldexp(static_cast<float>(row & ((1 << octaves) - 1)), -octaves),
+           .length = static_cast<std::size_t>(level.cols) };
+}
+
 void
 upsample(const cv::Mat &source, int octaves_x, int octaves_y, cv::Size size, cv::Mat &upsampled)
 {
@@ -78,18 +79,9 @@ upsample(const cv::Mat &source, int octaves_x, int octaves_y, cv::Size size, cv:
             && source.cols == halved(size.width, octaves_x)
             && source.rows == halved(size.height, octaves_y));
   upsampled.create(size, CV_32FC1);
-  const auto length = static_cast<std::size_t>(source.cols);
-  const auto width = static_cast<std::size_t>(size.width);
-  for (int i = 0; i < source.rows; ++i)
-    rows::enlarge(source.ptr<float>(i), length, octaves_x, width,
-                  upsampled.ptr<float>(i << octaves_y));
-  for (int y = 0; y < size.height; ++y) {
-    const RowPosition at = locate_row(y, octaves_y, source.rows);
-    if (y != at.before << octaves_y)
-      rows::interpolate(upsampled.ptr<float>(at.before << octaves_y),
-                        upsampled.ptr<float>(at.after << octaves_y), at.weight, width,
-                        upsampled.ptr<float>(y));
-  }
+  for (int y = 0; y < size.height; ++y)
+    rows::enlarge(between_rows(source, y, octaves_y), octaves_x,
+                  static_cast<std::size_t>(size.width), upsampled.ptr<float>(y));
 }
 
 void

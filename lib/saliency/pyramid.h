@@ -3,6 +3,7 @@
 
 #include "saliency/image_rows.h"
 #include "saliency/lab_image.h"
+#include "saliency/rows.h"
 
 #include <opencv2/core/mat.hpp>
 
@@ -35,15 +36,9 @@ private:
 };
 using Reduction = ReductionOf<float>;
 
-/// Where a row of a level lies among those of a level coarser by `octaves`, of `rows` rows: a share
-/// `weight` of the way from one to the next, the last repeated beyond it.
-struct RowPosition
-{
-  int before;
-  int after;
-  float weight;
-};
-RowPosition locate_row(int row, int octaves, int rows);
+/// What a level has on a row of one finer by `octaves`: a row between two of its own, the last repeated
+/// beyond it. Of float.
+rows::Between between_rows(const cv::Mat &level, int row, int octaves);
 
 /// Brings an image to a level finer by `octaves_x` and `octaves_y` ≥ 0: linear interpolation on the
 /// grid above, the last sample repeated beyond it. `size`: of the finer level, whose coarser level has

@@ -9,66 +9,61 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
+#include "saliency/vectors-inl.h"
+
 HWY_BEFORE_NAMESPACE();
 namespace saliency::rows::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-/// Calls work(d, i) for i = 0, 1, … n - 1 by whole vectors, then one by one: nothing beyond n is read.
-template <typename T, typename Work>
-HWY_INLINE void
-for_vectors(std::size_t n, const Work &work)
+using saliency::HWY_NAMESPACE::cover;
+using saliency::HWY_NAMESPACE::each_once;
+
+template <class D>
+HWY_INLINE hn::Vec<D>
+mix(D d, const float *before, const float *after, hn::Vec<D> weight)
 {
-  const hn::ScalableTag<T> d;
-  const std::size_t lanes = hn::Lanes(d);
-  std::size_t i = 0;
-  for (; i + lanes <= n; i += lanes)
-    work(d, i);
-  const hn::CappedTag<T, 1> one;
-  for (; i < n; ++i)
-    work(one, i);
+  const auto b = hn::LoadU(d, before);
+  return hn::Add(b, hn::Mul(weight, hn::Sub(hn::LoadU(d, after), b)));
 }
 
 void
-interpolate(const float *before, const float *after, float weight, std::size_t n, float *out)
-{
-  for_vectors<float>(n, [&](auto d, std::size_t i) HWY_ATTR {
-    const auto b = hn::LoadU(d, before + i);
-    const auto step = hn::Sub(hn::LoadU(d, after + i), b);
-    hn::StoreU(hn::Add(b, hn::Mul(hn::Set(d, weight), step)), d, out + i);
-  });
-}
-
-void
-enlarge(const float *in, std::size_t length, int octaves, std::size_t n, float *out)
+enlarge(const Between &in, int octaves, std::size_t n, float *out)
 {
   const std::size_t step = std::size_t{ 1 } << octaves;
+  const auto sample = [&in](std::size_t i) {
+    return in.before[i] + in.weight * (in.after[i] - in.before[i]);
+  };
   // Source samples all of whose finer samples lie before n, with one after them.
-  const std::size_t whole = std::min(n / step, length - 1);
-  if (octaves == 0)
-    std::copy_n(in, whole, out);
-  else if (octaves == 1)
-    for_vectors<float>(whole, [&](auto d, std::size_t i) HWY_ATTR {
-      const auto b = hn::LoadU(d, in + i);
-      const auto between = hn::Mul(hn::Set(d, 0.5F), hn::Sub(hn::LoadU(d, in + i + 1), b));
+  const std::size_t whole = std::min(n / step, in.length - 1);
+  if (octaves == 1)
+    cover<float>(whole, [&](auto d, std::size_t i) HWY_ATTR {
+      const auto weight = hn::Set(d, in.weight);
+      const auto b = mix(d, in.before + i, in.after + i, weight);
+      const auto a = mix(d, in.before + i + 1, in.after + i + 1, weight);
+      const auto between = hn::Mul(hn::Set(d, 0.5F), hn::Sub(a, b));
       hn::StoreInterleaved2(b, hn::Add(b, between), d, out + 2 * i);
+    });
+  else if (octaves == 0)
+    cover<float>(whole, [&](auto d, std::size_t i) HWY_ATTR {
+      hn::StoreU(mix(d, in.before + i, in.after + i, hn::Set(d, in.weight)), d, out + i);
     });
   else
     for (std::size_t i = 0; i < whole; ++i) {
-      const float rise = in[i + 1] - in[i];
       const hn::CappedTag<float, 4> d;
+      const auto first = hn::Set(d, sample(i));
+      const auto rise = hn::Sub(hn::Set(d, sample(i + 1)), first);
       for (std::size_t j = 0; j < step; j += hn::Lanes(d)) {
         const auto part
             = hn::Mul(hn::Iota(d, static_cast<float>(j)), hn::Set(d, 1 / static_cast<float>(step)));
-        hn::StoreU(hn::Add(hn::Set(d, in[i]), hn::Mul(part, hn::Set(d, rise))), d,
-                   out + i * step + j);
+        hn::StoreU(hn::Add(first, hn::Mul(part, rise)), d, out + i * step + j);
       }
     }
   for (std::size_t x = whole * step; x < n; ++x) {
-    const std::size_t before = std::min(x >> octaves, length - 1);
-    const std::size_t after = std::min(before + 1, length - 1);
+    const std::size_t before = std::min(x >> octaves, in.length - 1);
+    const std::size_t after = std::min(before + 1, in.length - 1);
     const float part = static_cast<float>(x & (step - 1)) / static_cast<float>(step);
-    out[x] = in[before] + part * (in[after] - in[before]);
+    out[x] = sample(before) + part * (sample(after) - sample(before));
   }
 }
 
@@ -77,7 +72,7 @@ chroma_contrast(const std::array<const float *, 2> &ab,
                 const std::array<const float *, 2> &surround, float weight_squared, std::size_t n,
                 float *out)
 {
-  for_vectors<float>(n, [&](auto d, std::size_t i) HWY_ATTR {
+  cover<float>(n, [&](auto d, std::size_t i) HWY_ATTR {
     const auto a = hn::Sub(hn::LoadU(d, ab[0] + i), hn::LoadU(d, surround[0] + i));
     const auto b = hn::Sub(hn::LoadU(d, ab[1] + i), hn::LoadU(d, surround[1] + i));
     const auto squared = hn::Add(hn::Mul(a, a), hn::Mul(b, b));
@@ -89,7 +84,7 @@ void
 contrast(const float *lightness, const float *surround, const float *chroma, std::size_t n,
          float *out)
 {
-  for_vectors<float>(n, [&](auto d, std::size_t i) HWY_ATTR {
+  cover<float>(n, [&](auto d, std::size_t i) HWY_ATTR {
     const auto l = hn::Sub(hn::LoadU(d, lightness + i), hn::LoadU(d, surround + i));
     hn::StoreU(hn::Sqrt(hn::Add(hn::Mul(l, l), hn::LoadU(d, chroma + i))), d, out + i);
   });
@@ -100,7 +95,7 @@ count_changed(const std::array<const float *, 3> &lab, const std::array<const fl
               float limit_squared, std::size_t n)
 {
   std::size_t count = 0;
-  for_vectors<float>(n, [&](auto d, std::size_t i) HWY_ATTR {
+  each_once<float>(n, [&](auto d, std::size_t i) HWY_ATTR {
     const auto l = hn::Sub(hn::LoadU(d, lab[0] + i), hn::LoadU(d, before[0] + i));
     const auto a = hn::Sub(hn::LoadU(d, lab[1] + i), hn::LoadU(d, before[1] + i));
     const auto b = hn::Sub(hn::LoadU(d, lab[2] + i), hn::LoadU(d, before[2] + i));
@@ -114,7 +109,7 @@ std::size_t
 keep_between(float low, float high, std::size_t n, float *values)
 {
   std::size_t kept = 0;
-  for_vectors<float>(n, [&](auto d, std::size_t i) HWY_ATTR {
+  each_once<float>(n, [&](auto d, std::size_t i) HWY_ATTR {
     const auto value = hn::LoadU(d, values + i);
     const auto keep = hn::And(hn::Ge(value, hn::Set(d, low)), hn::Lt(value, hn::Set(d, high)));
     kept += hn::CompressBlendedStore(value, keep, d, values + kept);
@@ -127,7 +122,7 @@ gains(const float *center, const float *surround, float least, float nothing, st
       float *ratios)
 {
   Gains found{};
-  for_vectors<float>(n, [&](auto d, std::size_t i) HWY_ATTR {
+  each_once<float>(n, [&](auto d, std::size_t i) HWY_ATTR {
     const auto value = hn::LoadU(d, center + i);
     const auto base = hn::Add(hn::LoadU(d, surround + i), hn::Set(d, nothing));
     const auto counts = hn::Gt(value, hn::Set(d, least));
@@ -140,7 +135,7 @@ gains(const float *center, const float *surround, float least, float nothing, st
 void
 integrate(const double *base, const float *map, double duration, std::size_t n, double *sum)
 {
-  for_vectors<double>(n, [&](auto d, std::size_t i) HWY_ATTR {
+  each_once<double>(n, [&](auto d, std::size_t i) HWY_ATTR {
     const hn::Rebind<float, decltype(d)> narrow;
     const auto value = hn::PromoteTo(d, hn::LoadU(narrow, map + i));
     hn::StoreU(hn::Add(hn::LoadU(d, base + i), hn::Mul(hn::Set(d, duration), value)), d, sum + i);
@@ -161,7 +156,7 @@ at(D d, const Integral &integral, std::size_t i)
 void
 difference(const Integral &from, const Integral &to, double scale, std::size_t n, float *out)
 {
-  for_vectors<double>(n, [&](auto d, std::size_t i) HWY_ATTR {
+  cover<double>(n, [&](auto d, std::size_t i) HWY_ATTR {
     const hn::Rebind<float, decltype(d)> narrow;
     const auto value = hn::Mul(hn::Sub(at(d, to, i), at(d, from, i)), hn::Set(d, scale));
     hn::StoreU(hn::DemoteTo(narrow, value), narrow, out + i);
@@ -174,7 +169,6 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace saliency::rows {
 
-HWY_EXPORT(interpolate);
 HWY_EXPORT(enlarge);
 HWY_EXPORT(chroma_contrast);
 HWY_EXPORT(contrast);
@@ -185,15 +179,9 @@ HWY_EXPORT(integrate);
 HWY_EXPORT(difference);
 
 void
-interpolate(const float *before, const float *after, float weight, std::size_t n, float *out)
+enlarge(const Between &in, int octaves, std::size_t n, float *out)
 {
-  HWY_DYNAMIC_DISPATCH(interpolate)(before, after, weight, n, out);
-}
-
-void
-enlarge(const float *in, std::size_t length, int octaves, std::size_t n, float *out)
-{
-  HWY_DYNAMIC_DISPATCH(enlarge)(in, length, octaves, n, out);
+  HWY_DYNAMIC_DISPATCH(enlarge)(in, octaves, n, out);
 }
 
 void

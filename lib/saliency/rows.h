@@ -10,19 +10,25 @@
 /// a count. Rows do not overlap unless it is said.
 namespace saliency::rows {
 
-/// out = before + weight × (after - before). `out` may be one of them.
-void interpolate(const float *before, const float *after, float weight, std::size_t n, float *out);
+/// A row a share `weight` of the way from one row of `length` samples to another.
+struct Between
+{
+  const float *before;
+  const float *after;
+  float weight;
+  std::size_t length;
+};
 
 /// A row to one finer by `octaves` < 31: sample i goes to i × 2^octaves, linear interpolation between,
-/// the last of `length` samples repeated. Writes n.
-void enlarge(const float *in, std::size_t length, int octaves, std::size_t n, float *out);
+/// the last sample repeated. Writes n.
+void enlarge(const Between &row, int octaves, std::size_t n, float *out);
 
 /// w² (Δa² + Δb²) of rows of a* and b* to their surrounds.
 void chroma_contrast(const std::array<const float *, 2> &ab,
                      const std::array<const float *, 2> &surround, float weight_squared,
                      std::size_t n, float *out);
 
-/// √(ΔL² + chroma), likewise; `out` may be `chroma`.
+/// √(ΔL² + chroma), likewise.
 void contrast(const float *lightness, const float *surround, const float *chroma, std::size_t n,
               float *out);
 
