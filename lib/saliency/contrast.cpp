@@ -6,6 +6,8 @@
 
 #include <opencv2/core.hpp>
 
+#include <algorithm>
+
 namespace saliency {
 
 Contrast::Contrast(double chroma_weight)
@@ -16,31 +18,34 @@ Contrast::Contrast(double chroma_weight)
 void
 Contrast::operator()(const Pyramid &pyramid, LevelPair lightness, LevelPair chroma, cv::Mat &map)
 {
-  chroma_squared(pyramid, chroma);
+  const cv::Mat &coloured = chroma_squared(pyramid, chroma);
   const cv::Mat &center = pyramid.level(lightness.center).lightness();
   const cv::Mat &surround = pyramid.level(lightness.surround).lightness();
   map.create(center.size(), CV_32FC1);
   for (int y = 0; y < map.rows; ++y)
     rows::contrast(center.ptr<float>(y),
                    enlarged(surround, lightness.surround - lightness.center, y, map.cols, fine_[0]),
-                   enlarged(chroma_, chroma.center - lightness.center, y, map.cols, fine_[1]),
+                   enlarged(coloured, chroma.center - lightness.center, y, map.cols, fine_[1]),
                    static_cast<std::size_t>(map.cols), map.ptr<float>(y));
 }
 
 /// w² (Δa² + Δb²) at the resolution of the pair's centre.
-void
+const cv::Mat &
 Contrast::chroma_squared(const Pyramid &pyramid, LevelPair pair)
 {
   const auto &[lightness, a, b] = pyramid.level(pair.center).planes;
   const auto &surround = pyramid.level(pair.surround).planes;
   const int octaves = pair.surround - pair.center;
-  chroma_.create(a.size(), CV_32FC1);
+  chroma_.resize(std::max(chroma_.size(), static_cast<std::size_t>(pair.center) + 1));
+  cv::Mat &map = chroma_[static_cast<std::size_t>(pair.center)];
+  map.create(a.size(), CV_32FC1);
   for (int y = 0; y < a.rows; ++y)
     rows::chroma_contrast({ a.ptr<float>(y), b.ptr<float>(y) },
                           { enlarged(surround[1], octaves, y, a.cols, fine_[0]),
                             enlarged(surround[2], octaves, y, a.cols, fine_[1]) },
                           chroma_weight_squared_, static_cast<std::size_t>(a.cols),
-                          chroma_.ptr<float>(y));
+                          map.ptr<float>(y));
+  return map;
 }
 
 /// What a plane has on a row, `width` wide, of a level finer by `octaves`.

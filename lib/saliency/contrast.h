@@ -28,11 +28,11 @@ public:
 private:
   static const float *enlarged(const cv::Mat &plane, int octaves, int row, int width,
                                std::vector<float> &fine);
-  void chroma_squared(const Pyramid &pyramid, LevelPair pair);
+  const cv::Mat &chroma_squared(const Pyramid &pyramid, LevelPair pair);
 
   float chroma_weight_squared_;
   std::array<std::vector<float>, 2> fine_; ///< rows at the centre's resolution
-  cv::Mat chroma_;                         ///< w² (Δa² + Δb²)
+  std::vector<cv::Mat> chroma_;            ///< w² (Δa² + Δb²), of each level
 };
 
 } // namespace saliency

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstring>
-#include <type_traits>
 
 // Everything up to HWY_ONCE is compiled for each target. No fused multiply-add, which not all have.
 #undef HWY_TARGET_INCLUDE
@@ -36,6 +35,13 @@ load_bytes(D d, const void *bytes)
     const hn::Repartition<std::uint8_t, D> d8;
     return hn::BitCast(d, hn::LoadU(d8, static_cast<const std::uint8_t *>(bytes)));
   }
+}
+
+/// To the second level of the cache: the first has no room for rows to come.
+HWY_INLINE void
+prefetch(const std::uint8_t *at)
+{
+  __builtin_prefetch(at, 0, 2);
 }
 
 void
@@ -96,12 +102,10 @@ Unpack16(const std::uint8_t *in, int stride, int left, unsigned mask, int count,
 
 void
 UnpackTriples(const std::uint8_t *in, int stride, int count,
-              const std::array<std::uint8_t *, 3> &out, const std::uint8_t *ahead)
+              const std::array<std::uint8_t *, 3> &out)
 {
   int x = 0;
-#if HWY_TARGET == HWY_SCALAR
-  static_cast<void>(ahead);
-#else
+#if HWY_TARGET != HWY_SCALAR
   const Tag<std::uint8_t> d;
   const hn::Repartition<std::uint16_t, decltype(d)> d16;
   const int step = static_cast<int>(hn::Lanes(d));
@@ -116,7 +120,6 @@ UnpackTriples(const std::uint8_t *in, int stride, int count,
   } else if (stride == 4) {
     for (; x + step < count; x += step) {
       const auto *at = in + static_cast<std::ptrdiff_t>(x) * 4;
-      hwy::Prefetch(ahead + x);
       const auto v0 = load_bytes(d16, at);
       const auto v1 = load_bytes(d16, at + step);
       const auto v2 = load_bytes(d16, at + 2 * step);
@@ -145,109 +148,253 @@ Widen(const std::uint8_t *in, int count, Fixed *out)
   });
 }
 
-/// One of halve_columns.
-template <typename Out, typename Sample>
-Out
-gaussian_of(Sample v0, Sample v1, Sample v2, Sample v3, Sample v4)
+/// Places of a row that the Gaussian weighs by 1, 4, 6, 4 and 1.
+using Taps = std::array<int, 5>;
+
+/// Of the samples that `at(i)` gives, 16 times.
+template <typename At>
+auto
+weigh_taps(const Taps &taps, const At &at)
 {
-  if constexpr (std::is_same_v<Sample, float>)
-    return (v0 + v4 + 4 * (v1 + v3) + 6 * v2) * (1.0F / 16);
-  else
-    return static_cast<Out>((v0 + v4 + 4 * (v1 + v3) + 6 * v2) / (sizeof(Sample) == 1 ? 1 : 16));
+  const auto &[i0, i1, i2, i3, i4] = taps;
+  return at(i0) + at(i4) + 4 * (at(i1) + at(i3)) + 6 * at(i2);
 }
 
-/// `halve(d, at, out)` stores a sample for each lane of d, from those from at[-2] on, two for each and two
-/// more.
-template <typename Lane, typename Sample, typename Out, typename Halve>
+/// Covers half of `width` places: the first and what `many(x)` leaves from place 1 on, which tells where
+/// that begins, are `one(x, taps)` each.
+template <typename Many, typename One>
 HWY_INLINE void
-halve_columns(const Sample *row, int width, Out *out, const Halve &halve)
+for_halved(int width, const Many &many, const One &one)
 {
-  const Tag<Lane> d;
-  const int step = static_cast<int>(hn::Lanes(d));
   const int end = (width + 1) / 2;
   if (width < 5) {
-    const auto at = [&](int i) {
-      return row[mirrored(i, width)];
-    };
-    for (int x = 0; x < end; ++x)
-      out[x]
-          = gaussian_of<Out>(at(2 * x - 2), at(2 * x - 1), at(2 * x), at(2 * x + 1), at(2 * x + 2));
+    for (int x = 0; x < end; ++x) {
+      Taps taps;
+      for (int i = 0; i < 5; ++i)
+        taps[static_cast<std::size_t>(i)] = mirrored(2 * x - 2 + i, width);
+      one(x, taps);
+    }
     return;
   }
-  out[0] = gaussian_of<Out>(row[2], row[1], row[0], row[1], row[2]);
-  int x = 1;
-  if (const int last = (width - 2) / 2 - step; last >= 1) { // where a vector fits
-    for (; x < last; x += step)
-      halve(d, row + 2 * x, out + x);
-    halve(d, row + 2 * last, out + last);
-    x = last + step;
-  }
-  const Sample *at = row + 2 * x;
-  for (; x + 1 < end; ++x, at += 2)
-    out[x] = gaussian_of<Out>(at[-2], at[-1], at[0], at[1], at[2]);
-  out[x] = width % 2 == 0 ? gaussian_of<Out>(at[-2], at[-1], at[0], at[1], at[0])
-                          : gaussian_of<Out>(at[-2], at[-1], at[0], at[-1], at[-2]);
+  one(0, { 2, 1, 0, 1, 2 });
+  int x = many(1);
+  for (; x + 1 < end; ++x)
+    one(x, { 2 * x - 2, 2 * x - 1, 2 * x, 2 * x + 1, 2 * x + 2 });
+  if (width % 2 == 0)
+    one(x, { 2 * x - 2, 2 * x - 1, 2 * x, 2 * x + 1, 2 * x });
+  else
+    one(x, { 2 * x - 2, 2 * x - 1, 2 * x, 2 * x - 1, 2 * x - 2 });
 }
+
+/// From place x on, places by vectors of `step`: `work(x)` reads samples 2x - 2…2x + 2 step + 1 of
+/// `readable`. The last goes over some places a second time.
+template <typename Work>
+HWY_INLINE int
+cover_halved(int x, int readable, int step, const Work &work)
+{
+  const int last = (readable - 2) / 2 - step;
+  if (last < x)
+    return x;
+  for (; x < last; x += step)
+    work(x);
+  work(last);
+  return last + step;
+}
+
+/// The same, each place once: with shorter and shorter vectors. `work(d, x)`, of `numbers` a place.
+template <int numbers, typename Work>
+HWY_INLINE int
+cover_halved_once(int x, [[maybe_unused]] int readable, [[maybe_unused]] const Work &work)
+{
+#if HWY_TARGET != HWY_SCALAR
+  const auto by = [&x, readable, &work](auto d) HWY_ATTR {
+    const int step = static_cast<int>(hn::Lanes(d)) / numbers;
+    for (; 2 * (x + step) < readable; x += step)
+      work(d, x);
+  };
+  by(Tag<std::uint16_t>());
+  by(hn::CappedTag<std::uint16_t, 16>());
+  by(hn::CappedTag<std::uint16_t, 8>());
+#endif
+  return x;
+}
+
+#if HWY_TARGET == HWY_SSSE3 || HWY_TARGET == HWY_SSE4 || HWY_TARGET == HWY_AVX2                    \
+    || HWY_TARGET == HWY_AVX3 || HWY_TARGET == HWY_AVX3_DL
+#define SALIENCY_WEIGHS_PAIRS 1 // by one instruction, which Highway 1.0 does not have
+
+template <bool bytes>
+HWY_INLINE __m128i
+weigh(__m128i pairs, __m128i weights)
+{
+  return bytes ? _mm_maddubs_epi16(pairs, weights) : _mm_madd_epi16(pairs, weights);
+}
+
+#if HWY_TARGET <= HWY_AVX2
+template <bool bytes>
+HWY_INLINE __m256i
+weigh(__m256i pairs, __m256i weights)
+{
+  return bytes ? _mm256_maddubs_epi16(pairs, weights) : _mm256_madd_epi16(pairs, weights);
+}
+#endif
+
+#if HWY_TARGET <= HWY_AVX3
+template <bool bytes>
+HWY_INLINE __m512i
+weigh(__m512i pairs, __m512i weights)
+{
+  return bytes ? _mm512_maddubs_epi16(pairs, weights) : _mm512_madd_epi16(pairs, weights);
+}
+#endif
+
+#else
+#define SALIENCY_WEIGHS_PAIRS 0
+#endif
 
 /// even × the first + odd × the second of each pair of numbers half as wide as a lane.
 template <int even, int odd, class D>
 HWY_INLINE hn::VFromD<D>
-weigh_pairs(D d, const void *numbers)
+weigh_pairs(D d, hn::VFromD<D> pairs)
 {
   using Lane = hn::TFromD<D>;
   constexpr int kHalf = 4 * sizeof(Lane); // bits
-  const auto pairs = load_bytes(d, numbers);
-#if HWY_TARGET == HWY_SSSE3 || HWY_TARGET == HWY_SSE4 || HWY_TARGET == HWY_AVX2                    \
-    || HWY_TARGET == HWY_AVX3 || HWY_TARGET == HWY_AVX3_DL
-  // One instruction, which Highway 1.0 does not have.
+#if SALIENCY_WEIGHS_PAIRS
   const auto weights = hn::Set(d, static_cast<Lane>(even | odd << kHalf));
-  constexpr bool kBytes = sizeof(Lane) == 2;
-#if HWY_TARGET == HWY_SSSE3 || HWY_TARGET == HWY_SSE4
-  return hn::VFromD<D>{ kBytes ? _mm_maddubs_epi16(pairs.raw, weights.raw)
-                               : _mm_madd_epi16(pairs.raw, weights.raw) };
-#elif HWY_TARGET == HWY_AVX2
-  return hn::VFromD<D>{ kBytes ? _mm256_maddubs_epi16(pairs.raw, weights.raw)
-                               : _mm256_madd_epi16(pairs.raw, weights.raw) };
-#else
-  return hn::VFromD<D>{ kBytes ? _mm512_maddubs_epi16(pairs.raw, weights.raw)
-                               : _mm512_madd_epi16(pairs.raw, weights.raw) };
-#endif
+  return hn::VFromD<D>{ weigh<sizeof(Lane) == 2>(pairs.raw, weights.raw) };
 #else
   const auto first = hn::And(pairs, hn::Set(d, static_cast<Lane>((1U << kHalf) - 1)));
   return hn::Add(hn::Mul(first, hn::Set(d, even)),
                  hn::Mul(hn::ShiftRight<kHalf>(pairs), hn::Set(d, odd)));
 #endif
 }
+#undef SALIENCY_WEIGHS_PAIRS
 
-template <class D, typename Sample>
+/// Five taps, `times` over, of each pair of numbers that `load(i)` gives, one for each lane, i pairs
+/// further.
+template <int times, class D, typename Load>
 HWY_INLINE hn::VFromD<D>
-halved_sums(D d, const Sample *at)
+halved_sums(D d, const Load &load)
 {
-  return hn::Add(hn::Add(weigh_pairs<1, 4>(d, at - 2), weigh_pairs<6, 4>(d, at)),
-                 weigh_pairs<1, 0>(d, at + 2));
+  return hn::Add(hn::Add(weigh_pairs<times, 4 * times>(d, load(-1)),
+                         weigh_pairs<6 * times, 4 * times>(d, load(0))),
+                 weigh_pairs<times, 0>(d, load(1)));
+}
+
+/// Two more rows of sums from side to side, a and b, the first four times: the row that they complete
+/// from top to bottom, and the sums for the next.
+template <class D>
+HWY_INLINE void
+add_rows(D d, hn::VFromD<D> four_a, hn::VFromD<D> b, const RowSums &sums, Fixed *halved,
+         std::ptrdiff_t x)
+{
+  const auto sum = hn::Add(hn::Add(hn::LoadU(d, sums.weighted + x), four_a), b);
+  const auto next = hn::Add(hn::LoadU(d, sums.last + x), four_a);
+  hn::StoreU(hn::AverageRound(sum, hn::Zero(d)), d, halved + x);
+  hn::StoreU(hn::Add(next, hn::Mul(b, hn::Set(d, 6))), d, sums.weighted + x);
+  hn::StoreU(b, d, sums.last + x);
+}
+
+HWY_INLINE void
+add_rows(int four_a, int b, const RowSums &sums, Fixed *halved, std::ptrdiff_t x)
+{
+  halved[x] = static_cast<Fixed>((sums.weighted[x] + four_a + b + 1) / 2);
+  sums.weighted[x] = static_cast<std::uint16_t>(sums.last[x] + four_a + 6 * b);
+  sums.last[x] = static_cast<std::uint16_t>(b);
 }
 
 void
-HalveColumns8(const std::uint8_t *row, int width, std::uint16_t *out, const std::uint8_t *ahead)
+HalveBytes(const TwoRows &rows, int width, const RowSums &sums, Fixed *halved, const TwoRows &ahead)
 {
-  halve_columns<std::uint16_t>(row, width, out,
-                               [row, ahead](auto d, const std::uint8_t *at, std::uint16_t *halved)
-                                   HWY_ATTR {
-                                     hwy::Prefetch(ahead + (at - row));
-                                     hn::StoreU(halved_sums(d, at), d, halved);
-                                   });
+  const auto work = [&](auto d, int x) HWY_ATTR {
+    const auto pairs = [d, x](const std::uint8_t *row) HWY_ATTR {
+      return [d, at = row + 2 * x](int i) HWY_ATTR {
+        return load_bytes(d, at + 2 * i);
+      };
+    };
+    prefetch(ahead[0] + 2 * x);
+    prefetch(ahead[1] + 2 * x);
+    add_rows(d, halved_sums<4>(d, pairs(rows[0])), halved_sums<1>(d, pairs(rows[1])), sums, halved,
+             x);
+  };
+  const auto many = [width, &work](int x) HWY_ATTR {
+    return cover_halved_once<1>(x, width, work);
+  };
+  for_halved(width, many, [&](int x, const Taps &taps) {
+    const auto of = [&taps](const std::uint8_t *row) {
+      return weigh_taps(taps, [row](int i) { return row[i]; });
+    };
+    add_rows(4 * of(rows[0]), of(rows[1]), sums, halved, x);
+  });
+}
+
+/// Vectors stop short of the last pixel, of which there may be three bytes alone.
+void
+HalvePixels(const TwoRows &rows, int width, const RowSums &sums, Fixed *halved,
+            const TwoRows &ahead)
+{
+  const auto many = [&](int x) HWY_ATTR {
+#if HWY_TARGET == HWY_SCALAR
+    static_cast<void>(ahead);
+    return x;
+#else
+    alignas(16) static constexpr std::array<std::uint8_t, 16> kPairs
+        = { 0, 4, 1, 5, 2, 6, 3, 7, 8, 12, 9, 13, 10, 14, 11, 15 };
+    return cover_halved_once<4>(x, width - 1, [&](auto d, int place) HWY_ATTR {
+      const hn::Repartition<std::uint8_t, decltype(d)> d8;
+      const auto order = hn::LoadDup128(d8, kPairs.data());
+      const auto pairs = [d, d8, order, place](const std::uint8_t *row) HWY_ATTR {
+        return [d, d8, order, at = row + 8 * place](int i) HWY_ATTR {
+          return hn::BitCast(d, hn::TableLookupBytes(hn::LoadU(d8, at + 8 * i), order));
+        };
+      };
+      prefetch(ahead[0] + 8 * place);
+      prefetch(ahead[1] + 8 * place);
+      add_rows(d, halved_sums<4>(d, pairs(rows[0])), halved_sums<1>(d, pairs(rows[1])), sums,
+               halved, 4 * place);
+    });
+#endif
+  };
+  for_halved(width, many, [&](int x, const Taps &taps) {
+    for (int c = 0; c < 3; ++c) {
+      const auto of = [&taps, c](const std::uint8_t *row) {
+        return weigh_taps(taps, [row, c](int i) { return row[4 * i + c]; });
+      };
+      add_rows(4 * of(rows[0]), of(rows[1]), sums, halved, 4 * x + c);
+    }
+  });
+}
+
+/// Of four numbers a pixel the first three to rows of their own.
+void
+PartPixels(const Fixed *in, int count, const std::array<Fixed *, 3> &out)
+{
+  cover<Fixed>(count, [&](auto d, int x) HWY_ATTR {
+    hn::Vec<decltype(d)> first, second, third, fourth;
+    hn::LoadInterleaved4(d, in + 4 * x, first, second, third, fourth);
+    hn::StoreU(first, d, out[0] + x);
+    hn::StoreU(second, d, out[1] + x);
+    hn::StoreU(third, d, out[2] + x);
+  });
 }
 
 void
 HalveColumns16(const Fixed *row, int width, Fixed *out)
 {
-  halve_columns<std::uint32_t>(
-      row, width, out, [](auto d, const Fixed *at, Fixed *halved) HWY_ATTR {
-        const hn::RebindToSigned<decltype(d)> integers;
-        const hn::Rebind<Fixed, decltype(d)> narrow;
-        const auto mean = hn::ShiftRight<4>(halved_sums(d, at));
-        hn::StoreU(hn::DemoteTo(narrow, hn::BitCast(integers, mean)), narrow, halved);
-      });
+  const Tag<std::uint32_t> d;
+  const auto work = [&](int x) HWY_ATTR {
+    const hn::RebindToSigned<decltype(d)> integers;
+    const hn::Rebind<Fixed, decltype(d)> narrow;
+    const auto mean = hn::ShiftRight<4>(halved_sums<1>(
+        d, [d, at = row + 2 * x](int i) HWY_ATTR { return load_bytes(d, at + 2 * i); }));
+    hn::StoreU(hn::DemoteTo(narrow, hn::BitCast(integers, mean)), narrow, out + x);
+  };
+  const auto many = [width, d, &work](int x) HWY_ATTR {
+    return cover_halved(x, width, static_cast<int>(hn::Lanes(d)), work);
+  };
+  for_halved(width, many, [&](int x, const Taps &taps) {
+    out[x] = static_cast<Fixed>(weigh_taps(taps, [row](int i) { return row[i]; }) / 16);
+  });
 }
 
 template <class D, class V = hn::VFromD<D>>
@@ -261,25 +408,20 @@ gaussian(D d, V v0, V v1, V v2, V v3, V v4)
 void
 HalveColumnsFloat(const float *row, int width, float *out)
 {
-  halve_columns<float>(row, width, out, [](auto d, const float *at, float *halved) HWY_ATTR {
+  const Tag<float> d;
+  const auto work = [&](int x) HWY_ATTR {
+    const float *at = row + 2 * x;
     hn::Vec<decltype(d)> v0, v1, v2, v3, v4, v5;
     hn::LoadInterleaved2(d, at - 2, v0, v1);
     hn::LoadInterleaved2(d, at, v2, v3);
     hn::LoadInterleaved2(d, at + 2, v4, v5);
-    hn::StoreU(gaussian(d, v0, v1, v2, v3, v4), d, halved);
-  });
-}
-
-void
-HalveRowsOfSums(const std::array<const std::uint16_t *, 5> &rows, int count, Fixed *halved)
-{
-  cover<std::uint16_t>(count, [&](auto d, int x) HWY_ATTR {
-    const auto center = hn::LoadU(d, rows[2] + x);
-    const auto inner = hn::Add(hn::LoadU(d, rows[1] + x), hn::LoadU(d, rows[3] + x));
-    const auto outer = hn::Add(hn::LoadU(d, rows[0] + x), hn::LoadU(d, rows[4] + x));
-    const auto sum = hn::Add(hn::Add(outer, hn::Add(center, center)),
-                             hn::ShiftLeft<2>(hn::Add(inner, center)));
-    hn::StoreU(hn::AverageRound(sum, hn::Zero(d)), d, halved + x);
+    hn::StoreU(gaussian(d, v0, v1, v2, v3, v4), d, out + x);
+  };
+  const auto many = [width, d, &work](int x) HWY_ATTR {
+    return cover_halved(x, width, static_cast<int>(hn::Lanes(d)), work);
+  };
+  for_halved(width, many, [&](int x, const Taps &taps) {
+    out[x] = weigh_taps(taps, [row](int i) { return row[i]; }) * (1.0F / 16);
   });
 }
 
@@ -349,10 +491,11 @@ HWY_EXPORT(Unpack8);
 HWY_EXPORT(Unpack16);
 HWY_EXPORT(UnpackTriples);
 HWY_EXPORT(Widen);
-HWY_EXPORT(HalveColumns8);
+HWY_EXPORT(HalveBytes);
+HWY_EXPORT(HalvePixels);
+HWY_EXPORT(PartPixels);
 HWY_EXPORT(HalveColumns16);
 HWY_EXPORT(HalveColumnsFloat);
-HWY_EXPORT(HalveRowsOfSums);
 HWY_EXPORT(HalveRows16);
 HWY_EXPORT(HalveRowsFloat);
 HWY_EXPORT(DoubleColumns);
@@ -373,9 +516,9 @@ unpack(const std::uint8_t *in, int stride, int left, unsigned mask, int count, F
 
 void
 unpack_triples(const std::uint8_t *in, int stride, int count,
-               const std::array<std::uint8_t *, 3> &out, const std::uint8_t *ahead)
+               const std::array<std::uint8_t *, 3> &out)
 {
-  HWY_DYNAMIC_DISPATCH(UnpackTriples)(in, stride, count, out, ahead);
+  HWY_DYNAMIC_DISPATCH(UnpackTriples)(in, stride, count, out);
 }
 
 void
@@ -385,9 +528,23 @@ widen(const std::uint8_t *in, int count, Fixed *out)
 }
 
 void
-halve_columns(const std::uint8_t *row, int width, std::uint16_t *halved, const std::uint8_t *ahead)
+halve_bytes(const TwoRows &rows, int width, const RowSums &sums, Fixed *halved,
+            const TwoRows &ahead)
 {
-  HWY_DYNAMIC_DISPATCH(HalveColumns8)(row, width, halved, ahead);
+  HWY_DYNAMIC_DISPATCH(HalveBytes)(rows, width, sums, halved, ahead);
+}
+
+void
+halve_pixels(const TwoRows &rows, int width, const RowSums &sums, Fixed *halved,
+             const TwoRows &ahead)
+{
+  HWY_DYNAMIC_DISPATCH(HalvePixels)(rows, width, sums, halved, ahead);
+}
+
+void
+part_pixels(const Fixed *in, int count, const std::array<Fixed *, 3> &out)
+{
+  HWY_DYNAMIC_DISPATCH(PartPixels)(in, count, out);
 }
 
 void
@@ -400,12 +557,6 @@ void
 halve_columns(const float *row, int width, float *halved)
 {
   HWY_DYNAMIC_DISPATCH(HalveColumnsFloat)(row, width, halved);
-}
-
-void
-halve_rows_of_sums(const std::array<const std::uint16_t *, 5> &rows, int count, Fixed *halved)
-{
-  HWY_DYNAMIC_DISPATCH(HalveRowsOfSums)(rows, count, halved);
 }
 
 void

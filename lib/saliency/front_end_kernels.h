@@ -17,24 +17,44 @@ void unpack(const std::uint8_t *in, int stride, int count, std::uint8_t *out);
 /// 16-bit little-endian words `stride` bytes apart: half of (word << left) & mask.
 void unpack(const std::uint8_t *in, int stride, int left, unsigned mask, int count, Fixed *out);
 
-/// Three bytes of every `stride`, 3 or more, to three rows. `ahead`: where to find as many bytes as are
-/// written to each, which will be needed next; they are asked for meanwhile, and need not be there.
+/// Three bytes of every `stride`, 3 or more, to three rows.
 void unpack_triples(const std::uint8_t *in, int stride, int count,
-                    const std::array<std::uint8_t *, 3> &out, const std::uint8_t *ahead);
+                    const std::array<std::uint8_t *, 3> &out);
 
 /// Bytes times 128.
 void widen(const std::uint8_t *in, int count, Fixed *out);
 
-/// Every other sample of [1 4 6 4 1]/16 along a row of `width` samples, mirrored at its ends without
-/// repeating them: of bytes 16 times that, of Fixed rounded down. `ahead`: as above, `width` bytes.
-void halve_columns(const std::uint8_t *row, int width, std::uint16_t *halved,
-                   const std::uint8_t *ahead);
+/// Rows 2y + 1 and 2y + 2 of an image, or where to find them.
+using TwoRows = std::array<const std::uint8_t *, 2>;
+
+/// Of rows of bytes, each halved from side to side times 16 (h): h[2y - 2] + 4 h[2y - 1] + 6 h[2y], and
+/// h[2y].
+struct RowSums
+{
+  std::uint16_t *weighted;
+  std::uint16_t *last;
+};
+
+/// Every other sample of [1 4 6 4 1]/16 along both axes, mirrored at a row's ends without repeating
+/// them: from two rows of `width` bytes and the sums of those before them, row y of half the height, rounded
+/// half up to code values times 128, and the sums for the next. `ahead`: the rows that will be needed
+/// next, which are asked for meanwhile and need not be there.
+void halve_bytes(const TwoRows &rows, int width, const RowSums &sums, Fixed *halved,
+                 const TwoRows &ahead);
+
+/// The same of pixels of four bytes: so many numbers a pixel, of which the last has no meaning; neither
+/// need the last byte of a row be there.
+void halve_pixels(const TwoRows &rows, int width, const RowSums &sums, Fixed *halved,
+                  const TwoRows &ahead);
+
+/// Of four numbers a pixel, the first three to rows of their own.
+void part_pixels(const Fixed *in, int count, const std::array<Fixed *, 3> &out);
+
+/// Every other sample of [1 4 6 4 1]/16 along a row, likewise; of Fixed rounded down.
 void halve_columns(const Fixed *row, int width, Fixed *halved);
 void halve_columns(const float *row, int width, float *halved);
 
-/// [1 4 6 4 1]/16 over five rows: of halved bytes, rounded half up to code values times 128; of Fixed
-/// by means of two, each rounded half up.
-void halve_rows_of_sums(const std::array<const std::uint16_t *, 5> &rows, int count, Fixed *halved);
+/// [1 4 6 4 1]/16 over five rows; of Fixed by means of two, each rounded half up.
 void halve_rows(const std::array<const Fixed *, 5> &rows, int count, Fixed *halved);
 void halve_rows(const std::array<const float *, 5> &rows, int count, float *halved);
 

@@ -36,6 +36,7 @@ enlarge(const Between &in, int octaves, std::size_t n, float *out)
   };
   // Source samples all of whose finer samples lie before n, with one after them.
   const std::size_t whole = std::min(n / step, in.length - 1);
+  float next = sample(0);
   if (octaves == 1)
     cover<float>(whole, [&](auto d, std::size_t i) HWY_ATTR {
       const auto weight = hn::Set(d, in.weight);
@@ -51,8 +52,10 @@ enlarge(const Between &in, int octaves, std::size_t n, float *out)
   else
     for (std::size_t i = 0; i < whole; ++i) {
       const hn::CappedTag<float, 4> d;
-      const auto first = hn::Set(d, sample(i));
-      const auto rise = hn::Sub(hn::Set(d, sample(i + 1)), first);
+      const float start = next;
+      next = sample(i + 1);
+      const auto first = hn::Set(d, start);
+      const auto rise = hn::Set(d, next - start);
       for (std::size_t j = 0; j < step; j += hn::Lanes(d)) {
         const auto part
             = hn::Mul(hn::Iota(d, static_cast<float>(j)), hn::Set(d, 1 / static_cast<float>(step)));
