@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "saliency/pyramid.h"
 
-#include "saliency/front_end_kernels.h"
+#include "saliency/decimation_kernels.h"
 
 #include <opencv2/core.hpp>
 

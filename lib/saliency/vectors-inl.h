@@ -10,6 +10,9 @@
 
 #include <hwy/highway.h>
 
+#include <cstdint>
+#include <cstring>
+
 HWY_BEFORE_NAMESPACE();
 namespace saliency::HWY_NAMESPACE {
 
@@ -48,6 +51,22 @@ cover(Index count, const Work &work)
     work(d, x);
   if (x < count)
     work(d, count - step);
+}
+
+/// Lanes from memory that need not be aligned for them: as many samples of less width as fit.
+template <class D>
+HWY_INLINE hwy::HWY_NAMESPACE::VFromD<D>
+load_bytes(D d, const void *bytes)
+{
+  hwy::HWY_NAMESPACE::TFromD<D> lane;
+  if constexpr (hwy::HWY_NAMESPACE::MaxLanes(D()) == 1) {
+    std::memcpy(&lane, bytes, sizeof lane);
+    return hwy::HWY_NAMESPACE::Set(d, lane);
+  } else {
+    const hwy::HWY_NAMESPACE::Repartition<std::uint8_t, D> d8;
+    return hwy::HWY_NAMESPACE::BitCast(
+        d, hwy::HWY_NAMESPACE::LoadU(d8, static_cast<const std::uint8_t *>(bytes)));
+  }
 }
 
 } // namespace saliency::HWY_NAMESPACE

@@ -6,23 +6,10 @@
 #include <array>
 #include <cstdint>
 
-/// What is done to rows of samples as they are read and decimated, for the widest vectors that this CPU
-/// has (Highway); the result is the same on all of them. No sample before a row's first or after its
-/// last is read or written.
+/// How rows of samples are decimated, and brought to twice their width where chroma has too few, for the
+/// widest vectors that this CPU has (Highway); the result is the same on all of them. No sample before a
+/// row's first or after its last is read or written.
 namespace saliency::kernels {
-
-/// Every `stride`-th byte.
-void unpack(const std::uint8_t *in, int stride, int count, std::uint8_t *out);
-
-/// 16-bit little-endian words `stride` bytes apart: half of (word << left) & mask.
-void unpack(const std::uint8_t *in, int stride, int left, unsigned mask, int count, Fixed *out);
-
-/// Three bytes of every `stride`, 3 or more, to three rows.
-void unpack_triples(const std::uint8_t *in, int stride, int count,
-                    const std::array<std::uint8_t *, 3> &out);
-
-/// Bytes times 128.
-void widen(const std::uint8_t *in, int count, Fixed *out);
 
 /// Rows 2y + 1 and 2y + 2 of an image, or where to find them.
 using TwoRows = std::array<const std::uint8_t *, 2>;
@@ -36,9 +23,9 @@ struct RowSums
 };
 
 /// Every other sample of [1 4 6 4 1]/16 along both axes, mirrored at a row's ends without repeating
-/// them: from two rows of `width` bytes and the sums of those before them, row y of half the height, rounded
-/// half up to code values times 128, and the sums for the next. `ahead`: the rows that will be needed
-/// next, which are asked for meanwhile and need not be there.
+/// them: from two rows of `width` bytes and the sums of those before them, row y of half the height,
+/// rounded half up to code values times 128, and the sums for the next. `ahead`: the rows that will be
+/// needed next, which are asked for meanwhile and need not be there.
 void halve_bytes(const TwoRows &rows, int width, const RowSums &sums, Fixed *halved,
                  const TwoRows &ahead);
 
@@ -46,9 +33,6 @@ void halve_bytes(const TwoRows &rows, int width, const RowSums &sums, Fixed *hal
 /// need the last byte of a row be there.
 void halve_pixels(const TwoRows &rows, int width, const RowSums &sums, Fixed *halved,
                   const TwoRows &ahead);
-
-/// Of four numbers a pixel, the first three to rows of their own.
-void part_pixels(const Fixed *in, int count, const std::array<Fixed *, 3> &out);
 
 /// Every other sample of [1 4 6 4 1]/16 along a row, likewise; of Fixed rounded down.
 void halve_columns(const Fixed *row, int width, Fixed *halved);
@@ -64,8 +48,5 @@ void double_columns(const Fixed *in, int width, Fixed *out);
 
 /// The means of two rows, rounded half up.
 void average(const Fixed *a, const Fixed *b, int count, Fixed *out);
-
-/// scale · sample + offset
-void to_float(const Fixed *in, int count, float scale, float offset, float *out);
 
 } // namespace saliency::kernels
