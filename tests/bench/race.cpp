@@ -78,6 +78,8 @@ race(std::vector<Contender> &contenders, int rounds)
       Lane &lane = lanes[i];
       if (lane.slow && round >= kSlowRounds)
         continue;
+      if (!lane.slow)
+        run(i, 1); // as after other frames of its own film, rather than after another contender
       const std::uint64_t before = allocated_bytes();
       const Stopwatch watch(contenders[i].threads);
       run(i, lane.slice);

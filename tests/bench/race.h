@@ -41,7 +41,8 @@ private:
 
 double median(std::vector<double> values);
 
-/// Lets them work in turn, a few frames each, `rounds` times (the slow fewer times).
+/// Lets them work in turn, a few frames each, of which the first is not counted, `rounds` times (the slow
+/// fewer times, and each frame counts).
 void race(std::vector<Contender> &contenders, int rounds);
 
 /// The method of reading a frame from memory.
