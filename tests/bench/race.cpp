@@ -17,24 +17,26 @@ constexpr std::size_t kSlice = 8;
 constexpr double kSlowMs = 60;
 constexpr int kSlowRounds = 3;
 
-} // namespace
-
-Stopwatch::Stopwatch(int threads) : threads_(threads), begin_(now())
-{
-}
-
 double
-Stopwatch::now() const
+now(clockid_t clock)
 {
   timespec time{};
-  clock_gettime(threads_ > 1 ? CLOCK_MONOTONIC : CLOCK_THREAD_CPUTIME_ID, &time);
+  clock_gettime(clock, &time);
   return 1e3 * static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_nsec);
 }
 
+} // namespace
+
 double
-Stopwatch::ms() const
+cpu_ms()
 {
-  return now() - begin_;
+  return now(CLOCK_THREAD_CPUTIME_ID);
+}
+
+double
+wall_ms()
+{
+  return now(CLOCK_MONOTONIC);
 }
 
 double
@@ -43,6 +45,15 @@ median(std::vector<double> values)
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
   std::nth_element(values.begin(), middle, values.end());
   return *middle;
+}
+
+double
+ratio(const std::vector<double> &first, const std::vector<double> &second)
+{
+  std::vector<double> ratios;
+  for (std::size_t i = 0; i < std::min(first.size(), second.size()); i++)
+    ratios.push_back(first[i] / second[i]);
+  return median(ratios);
 }
 
 void
@@ -55,7 +66,6 @@ race(std::vector<Contender> &contenders, int rounds)
     bool slow = false;
     double bytes = 0;
     std::size_t counted = 0;
-    std::vector<double> ms;
   };
   std::vector<Lane> lanes(contenders.size());
   const auto run = [&](std::size_t i, std::size_t frames) {
@@ -65,9 +75,9 @@ race(std::vector<Contender> &contenders, int rounds)
 
   for (std::size_t i = 0; i < lanes.size(); i++) {
     run(i, 1);
-    const Stopwatch watch(contenders[i].threads);
+    const double begin = wall_ms();
     run(i, 1);
-    const double each = std::max(1e-3, watch.ms());
+    const double each = std::max(1e-3, wall_ms() - begin);
     run(i, std::max(contenders[i].history,
                     std::min(kWarmUp, static_cast<std::size_t>(kWarmUpMs / each))));
     lanes[i].slice = std::clamp<std::size_t>(static_cast<std::size_t>(kSliceMs / each), 1, kSlice);
@@ -81,17 +91,18 @@ race(std::vector<Contender> &contenders, int rounds)
       if (!lane.slow)
         run(i, 1); // as after other frames of its own film, rather than after another contender
       const std::uint64_t before = allocated_bytes();
-      const Stopwatch watch(contenders[i].threads);
+      const double cpu = cpu_ms();
+      const double wall = wall_ms();
       run(i, lane.slice);
-      const double ms = watch.ms() / static_cast<double>(lane.slice);
+      const auto frames = static_cast<double>(lane.slice);
+      const double wall_each = (wall_ms() - wall) / frames;
+      contenders[i].wall_ms.push_back(wall_each);
+      contenders[i].ms.push_back(contenders[i].threads > 1 ? wall_each : (cpu_ms() - cpu) / frames);
       lane.bytes += static_cast<double>(allocated_bytes() - before);
       lane.counted += lane.slice;
-      lane.ms.push_back(ms);
     }
-  for (std::size_t i = 0; i < lanes.size(); i++) {
-    contenders[i].ms = median(lanes[i].ms);
+  for (std::size_t i = 0; i < lanes.size(); i++)
     contenders[i].allocated = lanes[i].bytes / static_cast<double>(lanes[i].counted);
-  }
 }
 
 } // namespace bench

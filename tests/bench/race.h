@@ -20,26 +20,22 @@ struct Contender
   std::size_t history = 0; ///< frames after which it holds all the memory that it will
   std::function<void(std::size_t)> work{}; ///< on the i-th frame
 
-  double ms = 0;        ///< a frame: median over rounds
-  double allocated = 0; ///< bytes asked for a frame, after warm-up
+  /// A frame, in each round: CPU time of this thread, which other programs disturb least, or, where it has
+  /// several threads, time on the wall.
+  std::vector<double> ms{};
+  std::vector<double> wall_ms{}; ///< time on the wall in any case
+  double allocated = 0;          ///< bytes asked for a frame, after warm-up
 };
 
-/// How long something took, in ms: CPU time of this thread, which other programs do not disturb, or,
-/// where it has several threads, time on the wall.
-class Stopwatch
-{
-public:
-  explicit Stopwatch(int threads);
-  double ms() const;
-
-private:
-  double now() const;
-
-  int threads_;
-  double begin_;
-};
+/// Now, in ms of CPU time of this thread or on the wall.
+double cpu_ms();
+double wall_ms();
 
 double median(std::vector<double> values);
+
+/// How many times as long the first took as the second, both of one race: the median over its rounds,
+/// as the machine may be quicker in some than in others.
+double ratio(const std::vector<double> &first, const std::vector<double> &second);
 
 /// Lets them work in turn, a few frames each, of which the first is not counted, `rounds` times (the slow
 /// fewer times, and each frame counts).

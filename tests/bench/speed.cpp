@@ -48,14 +48,29 @@ struct Result
   cv::Size size;
   std::vector<Contender> contenders;
 
-  double ms(std::string_view method, std::string_view input = "I420", int threads = 1) const
+  /// Null: it was left out.
+  const Contender *find(std::string_view method, std::string_view input = "I420",
+                        int threads = 1) const
   {
     for (const Contender &one : contenders)
       if (one.method.starts_with(method) && one.input == input && one.threads == threads)
-        return one.ms;
-    return std::nan("");
+        return &one;
+    return nullptr;
+  }
+
+  double ms(std::string_view method, std::string_view input = "I420", int threads = 1) const
+  {
+    const Contender *one = find(method, input, threads);
+    return one ? median(one->ms) : std::nan("");
   }
 };
+
+/// How many times as quick one is as the other.
+double
+quicker(const Contender *one, const Contender *other)
+{
+  return one && other ? ratio(other->ms, one->ms) : std::nan("");
+}
 
 std::string
 size_text(cv::Size size)
@@ -116,15 +131,59 @@ race_table(const Result &result)
     std::vector<std::string> row{ one.method,
                                   one.input,
                                   std::to_string(one.threads),
-                                  milliseconds(one.ms),
-                                  figure(1e6 * one.ms / result.size.area(), 2),
-                                  percent(result.ms(kReading, one.input) / one.ms),
+                                  milliseconds(median(one.ms)),
+                                  figure(1e6 * median(one.ms) / result.size.area(), 2),
+                                  percent(1 / quicker(result.find(kReading, one.input), &one)),
                                   counts_allocations() ? figure(one.allocated, 0) : "–" };
     for (const char *peer : { "literal paper", "OpenCV rewrite", "OpenCV rewrite, decimating first",
                               "spectral residual", "fine-grained", "BinWang" })
-      row.push_back(one.method == kReading ? "" : times(result.ms(peer) / one.ms));
+      row.push_back(one.method == kReading ? "" : times(quicker(&one, result.find(peer))));
     table.add(row);
   }
+  return table;
+}
+
+/// What there is to gain, and by how many threads: on the wall, one thread, too.
+Table
+target_table(const std::vector<Result> &results)
+{
+  std::vector<std::string> header{ "target" };
+  for (const Result &result : results)
+    header.push_back(size_text(result.size));
+  Table table("Targets", header);
+  const auto add = [&](const std::string &name, const auto &value) {
+    std::vector<std::string> row{ name };
+    for (const Result &result : results)
+      row.push_back(times(value(result)));
+    table.add(row);
+  };
+  const struct
+  {
+    const char *name;
+    const char *method;
+    const char *peer;
+  } peers[] = { { "25 × as quick as the literal paper", "tuned", "literal paper" },
+                { "7 × as quick as the OpenCV rewrite", "tuned", "OpenCV rewrite" },
+                { "2.5 × as quick as spectral residual", "tuned", "spectral residual" },
+                { "exact: 5 × as quick as the literal paper", "exact", "literal paper" } };
+  for (const auto &[name, method, peer] : peers)
+    add(name, [method = method, peer = peer](const Result &result) {
+      return quicker(result.find(method), result.find(peer));
+    });
+  for (const char *method : { kReading, "tuned" })
+    add(std::string("R'G'B'x: at most 2 × as long as I420")
+            + (method == kReading ? "; reading it" : ""),
+        [method](const Result &result) {
+          return quicker(result.find(method), result.find(method, "RGBx"));
+        });
+  for (const auto &[method, input] :
+       { std::pair{ "tuned", "I420" }, { "tuned", "RGBx" }, { "exact", "I420" } })
+    add(std::string("two threads: 1.7 × as quick as one, ") + method + " " + input,
+        [method = method, input = input](const Result &result) {
+          const Contender *one = result.find(method, input);
+          const Contender *two = result.find(method, input, 2);
+          return one && two ? ratio(one->wall_ms, two->wall_ms) : std::nan("");
+        });
   return table;
 }
 
@@ -191,7 +250,7 @@ grid_times(cv::Size size, int rounds)
   race(all, rounds);
   std::vector<GridTime> times;
   for (std::size_t i = 0; i < all.size(); i++)
-    times.push_back({ sides[i], all[i].ms });
+    times.push_back({ sides[i], median(all[i].ms) });
   return times;
 }
 
@@ -270,6 +329,7 @@ report(const Options &options)
       one.work = {};
     tables.push_back(race_table(results.back()));
   }
+  tables.insert(tables.begin(), target_table(results));
   std::fprintf(stderr, "stages\n");
   tables.push_back(stage_table(all, options.quick));
 
