@@ -279,8 +279,7 @@ class HalvedPixels final : public HalvedByteRows
 {
 public:
   explicit HalvedPixels(cv::Size source)
-      : HalvedByteRows(source, 3, 4, 1), width_(source.width), halved_(1, 4 * size().width),
-        buffer_(1, size().width, 3)
+      : HalvedByteRows(source, 3, 4, 1), width_(source.width), buffer_(1, size().width, 3)
   {
   }
 
@@ -297,20 +296,18 @@ private:
     const auto in_memory = [this](int y) {
       return first_.data + y * first_.row_stride;
     };
-    kernels::halve_pixels({ in_memory(first), in_memory(second) }, width_, sums(0), halved_.row(0),
+    kernels::halve_pixels({ in_memory(first), in_memory(second) }, width_, sums(0), places_,
                           { in_memory(first + 2), in_memory(second + 2) });
   }
 
   const Fixed *made() override
   {
-    kernels::part_pixels(halved_.row(0), size().width, places_);
     return buffer_.row(0);
   }
 
   int width_;
   Component first_;                 ///< in memory
   std::array<Fixed *, 3> places_{}; ///< rows for the bytes of a pixel
-  RowBuffer<Fixed> halved_;         ///< four numbers a pixel
   RowBuffer<Fixed> buffer_;
 };
 

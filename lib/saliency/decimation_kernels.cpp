@@ -166,20 +166,19 @@ halved_sums(D d, const Load &load)
 /// from top to bottom, and the sums for the next.
 template <class D>
 HWY_INLINE void
-add_rows(D d, hn::VFromD<D> four_a, hn::VFromD<D> b, const RowSums &sums, Fixed *halved,
-         std::ptrdiff_t x)
+add_rows(D d, hn::VFromD<D> four_a, hn::VFromD<D> b, const RowSums &sums, int x, Fixed *halved)
 {
   const auto sum = hn::Add(hn::Add(hn::LoadU(d, sums.weighted + x), four_a), b);
   const auto next = hn::Add(hn::LoadU(d, sums.last + x), four_a);
-  hn::StoreU(hn::AverageRound(sum, hn::Zero(d)), d, halved + x);
+  hn::StoreU(hn::AverageRound(sum, hn::Zero(d)), d, halved);
   hn::StoreU(hn::Add(next, hn::Mul(b, hn::Set(d, 6))), d, sums.weighted + x);
   hn::StoreU(b, d, sums.last + x);
 }
 
 HWY_INLINE void
-add_rows(int four_a, int b, const RowSums &sums, Fixed *halved, std::ptrdiff_t x)
+add_rows(int four_a, int b, const RowSums &sums, int x, Fixed *halved)
 {
-  halved[x] = static_cast<Fixed>((sums.weighted[x] + four_a + b + 1) / 2);
+  *halved = static_cast<Fixed>((sums.weighted[x] + four_a + b + 1) / 2);
   sums.weighted[x] = static_cast<std::uint16_t>(sums.last[x] + four_a + 6 * b);
   sums.last[x] = static_cast<std::uint16_t>(b);
 }
@@ -195,8 +194,8 @@ HalveBytes(const TwoRows &rows, int width, const RowSums &sums, Fixed *halved, c
     };
     prefetch(ahead[0] + 2 * x);
     prefetch(ahead[1] + 2 * x);
-    add_rows(d, halved_sums<4>(d, pairs(rows[0])), halved_sums<1>(d, pairs(rows[1])), sums, halved,
-             x);
+    add_rows(d, halved_sums<4>(d, pairs(rows[0])), halved_sums<1>(d, pairs(rows[1])), sums, x,
+             halved + x);
   };
   const auto many = [width, &work](int x) HWY_ATTR {
     return cover_halved_once<1>(x, width, work);
@@ -205,35 +204,74 @@ HalveBytes(const TwoRows &rows, int width, const RowSums &sums, Fixed *halved, c
     const auto of = [&taps](const std::uint8_t *row) {
       return weigh_taps(taps, [row](int i) { return row[i]; });
     };
-    add_rows(4 * of(rows[0]), of(rows[1]), sums, halved, x);
+    add_rows(4 * of(rows[0]), of(rows[1]), sums, x, halved + x);
   });
 }
 
-/// Vectors stop short of the last pixel, of which there may be three bytes alone.
+#if HWY_TARGET != HWY_SCALAR
+/// Of four numbers a pixel the first three to rows of their own.
 void
-HalvePixels(const TwoRows &rows, int width, const RowSums &sums, Fixed *halved,
-            const TwoRows &ahead)
+part_pixels(const Fixed *pixels, int count, const std::array<Fixed *, 3> &out, int at)
+{
+  int x = 0;
+  const auto by = [&](auto d) HWY_ATTR {
+    const int step = static_cast<int>(hn::Lanes(d));
+    for (; x + step <= count; x += step) {
+      hn::Vec<decltype(d)> first, second, third, fourth;
+      hn::LoadInterleaved4(d, pixels + 4 * x, first, second, third, fourth);
+      hn::StoreU(first, d, out[0] + at + x);
+      hn::StoreU(second, d, out[1] + at + x);
+      hn::StoreU(third, d, out[2] + at + x);
+    }
+  };
+  by(Tag<Fixed>());
+  by(hn::CappedTag<Fixed, 8>());
+  by(hn::CappedTag<Fixed, 1>());
+}
+
+/// Pixels are taken apart a few at a time, while they are in the first level of the cache. Vectors stop
+/// short of the last pixel, of which there may be three bytes alone.
+int
+halve_pixels_from(int x, const TwoRows &rows, int width, const RowSums &sums,
+                  const std::array<Fixed *, 3> &halved, const TwoRows &ahead)
+{
+  alignas(16) static constexpr std::array<std::uint8_t, 16> kPairs
+      = { 0, 4, 1, 5, 2, 6, 3, 7, 8, 12, 9, 13, 10, 14, 11, 15 };
+  constexpr int kPixels = 32;
+  alignas(64) std::array<Fixed, 4 * kPixels> pixels;
+  int begin = x; // place of the first of the pixels
+  const int end = cover_halved_once<4>(x, width - 1, [&](auto d, int place) HWY_ATTR {
+    const hn::Repartition<std::uint8_t, decltype(d)> d8;
+    const auto order = hn::LoadDup128(d8, kPairs.data());
+    const auto pairs = [d, d8, order, place](const std::uint8_t *row) HWY_ATTR {
+      return [d, d8, order, at = row + 8 * place](int i) HWY_ATTR {
+        return hn::BitCast(d, hn::TableLookupBytes(hn::LoadU(d8, at + 8 * i), order));
+      };
+    };
+    prefetch(ahead[0] + 8 * place);
+    prefetch(ahead[1] + 8 * place);
+    add_rows(d, halved_sums<4>(d, pairs(rows[0])), halved_sums<1>(d, pairs(rows[1])), sums,
+             4 * place, &pixels[static_cast<std::size_t>(4 * (place - begin))]);
+    if (place + static_cast<int>(hn::Lanes(d)) / 4 == begin + kPixels) {
+      part_pixels(pixels.data(), kPixels, halved, begin);
+      begin += kPixels;
+    }
+  });
+  part_pixels(pixels.data(), end - begin, halved, begin);
+  return end;
+}
+#endif
+
+void
+HalvePixels(const TwoRows &rows, int width, const RowSums &sums,
+            const std::array<Fixed *, 3> &halved, const TwoRows &ahead)
 {
   const auto many = [&](int x) HWY_ATTR {
 #if HWY_TARGET == HWY_SCALAR
     static_cast<void>(ahead);
     return x;
 #else
-    alignas(16) static constexpr std::array<std::uint8_t, 16> kPairs
-        = { 0, 4, 1, 5, 2, 6, 3, 7, 8, 12, 9, 13, 10, 14, 11, 15 };
-    return cover_halved_once<4>(x, width - 1, [&](auto d, int place) HWY_ATTR {
-      const hn::Repartition<std::uint8_t, decltype(d)> d8;
-      const auto order = hn::LoadDup128(d8, kPairs.data());
-      const auto pairs = [d, d8, order, place](const std::uint8_t *row) HWY_ATTR {
-        return [d, d8, order, at = row + 8 * place](int i) HWY_ATTR {
-          return hn::BitCast(d, hn::TableLookupBytes(hn::LoadU(d8, at + 8 * i), order));
-        };
-      };
-      prefetch(ahead[0] + 8 * place);
-      prefetch(ahead[1] + 8 * place);
-      add_rows(d, halved_sums<4>(d, pairs(rows[0])), halved_sums<1>(d, pairs(rows[1])), sums,
-               halved, 4 * place);
-    });
+    return halve_pixels_from(x, rows, width, sums, halved, ahead);
 #endif
   };
   for_halved(width, many, [&](int x, const Taps &taps) {
@@ -241,7 +279,8 @@ HalvePixels(const TwoRows &rows, int width, const RowSums &sums, Fixed *halved,
       const auto of = [&taps, c](const std::uint8_t *row) {
         return weigh_taps(taps, [row, c](int i) { return row[4 * i + c]; });
       };
-      add_rows(4 * of(rows[0]), of(rows[1]), sums, halved, 4 * x + c);
+      add_rows(4 * of(rows[0]), of(rows[1]), sums, 4 * x + c,
+               halved[static_cast<std::size_t>(c)] + x);
     }
   });
 }
@@ -361,8 +400,8 @@ halve_bytes(const TwoRows &rows, int width, const RowSums &sums, Fixed *halved,
 }
 
 void
-halve_pixels(const TwoRows &rows, int width, const RowSums &sums, Fixed *halved,
-             const TwoRows &ahead)
+halve_pixels(const TwoRows &rows, int width, const RowSums &sums,
+             const std::array<Fixed *, 3> &halved, const TwoRows &ahead)
 {
   HWY_DYNAMIC_DISPATCH(HalvePixels)(rows, width, sums, halved, ahead);
 }

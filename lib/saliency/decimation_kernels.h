@@ -29,10 +29,10 @@ struct RowSums
 void halve_bytes(const TwoRows &rows, int width, const RowSums &sums, Fixed *halved,
                  const TwoRows &ahead);
 
-/// The same of pixels of four bytes: so many numbers a pixel, of which the last has no meaning; neither
-/// need the last byte of a row be there.
-void halve_pixels(const TwoRows &rows, int width, const RowSums &sums, Fixed *halved,
-                  const TwoRows &ahead);
+/// The same of pixels of four bytes, the first three of which go to rows of their own; there are four sums
+/// a pixel, and the last byte of a row need not be there.
+void halve_pixels(const TwoRows &rows, int width, const RowSums &sums,
+                  const std::array<Fixed *, 3> &halved, const TwoRows &ahead);
 
 /// Every other sample of [1 4 6 4 1]/16 along a row, likewise; of Fixed rounded down.
 void halve_columns(const Fixed *row, int width, Fixed *halved);

@@ -123,19 +123,6 @@ Widen(const std::uint8_t *in, int count, Fixed *out)
   });
 }
 
-/// Of four numbers a pixel the first three to rows of their own.
-void
-PartPixels(const Fixed *in, int count, const std::array<Fixed *, 3> &out)
-{
-  cover<Fixed>(count, [&](auto d, int x) HWY_ATTR {
-    hn::Vec<decltype(d)> first, second, third, fourth;
-    hn::LoadInterleaved4(d, in + 4 * x, first, second, third, fourth);
-    hn::StoreU(first, d, out[0] + x);
-    hn::StoreU(second, d, out[1] + x);
-    hn::StoreU(third, d, out[2] + x);
-  });
-}
-
 void
 ToFloat(const Fixed *in, int count, float scale, float offset, float *out)
 {
@@ -157,7 +144,6 @@ HWY_EXPORT(Unpack8);
 HWY_EXPORT(Unpack16);
 HWY_EXPORT(UnpackTriples);
 HWY_EXPORT(Widen);
-HWY_EXPORT(PartPixels);
 HWY_EXPORT(ToFloat);
 
 void
@@ -183,12 +169,6 @@ void
 widen(const std::uint8_t *in, int count, Fixed *out)
 {
   HWY_DYNAMIC_DISPATCH(Widen)(in, count, out);
-}
-
-void
-part_pixels(const Fixed *in, int count, const std::array<Fixed *, 3> &out)
-{
-  HWY_DYNAMIC_DISPATCH(PartPixels)(in, count, out);
 }
 
 void

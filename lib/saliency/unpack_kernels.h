@@ -23,9 +23,6 @@ void unpack_triples(const std::uint8_t *in, int stride, int count,
 /// Bytes times 128.
 void widen(const std::uint8_t *in, int count, Fixed *out);
 
-/// Of four numbers a pixel, the first three to rows of their own.
-void part_pixels(const Fixed *in, int count, const std::array<Fixed *, 3> &out);
-
 /// scale · sample + offset
 void to_float(const Fixed *in, int count, float scale, float offset, float *out);
 
