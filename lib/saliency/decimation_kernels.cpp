@@ -90,7 +90,7 @@ cover_halved_once(int x, [[maybe_unused]] int readable, [[maybe_unused]] const W
 #if HWY_TARGET != HWY_SCALAR
   const auto by = [&x, readable, &work](auto d) HWY_ATTR {
     const int step = static_cast<int>(hn::Lanes(d)) / numbers;
-    for (; 2 * (x + step) < readable; x += step)
+    for (; 2 * (x + step) + 1 < readable; x += step)
       work(d, x);
   };
   by(Tag<std::uint16_t>());

@@ -71,14 +71,14 @@ GST_START_TEST(test_enlarge)
 {
   with_all([](std::size_t n) {
     std::vector<float> found;
-    for (int octaves = 0; octaves <= 7; ++octaves) {
+    for (const int octaves : { 0, 1, 2, 7 }) {
       const double step = 1 << octaves;
       // The fewest samples that reach so far; fewer, whose last is repeated; more than needed.
       const auto reach = static_cast<std::size_t>(std::ceil((n - 1) / step)) + 1;
       for (const std::size_t length : { std::size_t{ 1 }, reach, reach + 3 }) {
         const auto above = random_row(length, 3);
         const auto below = random_row(length, 4);
-        for (const float weight : { 0.0F, 0.3F, 1.0F }) {
+        for (const float weight : { 0.0F, 0.3F }) {
           const auto in = [&](std::size_t i) {
             return above[i] + static_cast<double>(weight) * (below[i] - above[i]);
           };
