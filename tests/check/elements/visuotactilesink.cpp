@@ -6,11 +6,12 @@
 
 #include <cstdlib>
 #include <string>
-#include <unistd.h>
 #include <utility>
 #include <vector>
 
 // After the standard library's headers: gstcheck.h defines a macro named fail.
+#include "../temporary_file.h"
+#include "trace.h"
 #include <gst/check/gstcheck.h>
 #include <gst/check/gstharness.h>
 #include <gst/video/gstvideosink.h>
@@ -228,16 +229,11 @@ class Player
 public:
   explicit Player(const std::string &description)
   {
-    char name[] = "/tmp/visuotactilesink-XXXXXX";
-    const int fd = mkstemp(name);
-    fail_unless(fd >= 0);
-    close(fd);
-    trace_path = name;
     GError *error = nullptr;
     pipeline = gst_parse_launch(description.c_str(), &error);
     fail_unless(error == nullptr, "%s", error ? error->message : "");
     chair = gst_bin_get_by_name(GST_BIN(pipeline), "chair");
-    g_object_set(chair, "trace-location", name, nullptr);
+    g_object_set(chair, "trace-location", trace_file.path.c_str(), nullptr);
     bus = gst_element_get_bus(pipeline);
   }
   ~Player()
@@ -246,7 +242,6 @@ public:
     gst_object_unref(bus);
     gst_object_unref(chair);
     gst_object_unref(pipeline);
-    unlink(trace_path.c_str());
   }
   Player(const Player &) = delete;
   Player &operator=(const Player &) = delete;
@@ -281,19 +276,15 @@ public:
   /// What was told, every motor at zero in the end.
   std::vector<IssuedCommand> trace()
   {
-    const std::vector<IssuedCommand> lines = tactor::read_command_trace(trace_path);
-    std::vector<double> last(4096, 0.0);
-    for (const IssuedCommand &line : lines)
-      last[static_cast<std::size_t>(line.command.tactor)] = line.command.volts;
-    for (const double volts : last)
-      fail_unless(volts == 0);
+    const std::vector<IssuedCommand> lines = tactor::read_command_trace(trace_file.path);
+    assert_silent_at_end(lines);
     return lines;
   }
 
   GstElement *pipeline;
   GstElement *chair;
   GstBus *bus;
-  std::string trace_path;
+  TemporaryFile trace_file;
   std::vector<std::pair<std::string, std::string>> warnings; ///< whose, text
 
 private:
