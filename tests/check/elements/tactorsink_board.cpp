@@ -11,6 +11,7 @@
 #include <cstdlib>
 #include <string>
 
+#include "../libs/contains.h"
 #include "../temporary_file.h"
 #include <gst/check/gstcheck.h>
 #include <gst/tactile/tactile.h>
@@ -149,13 +150,6 @@ public:
   GstPad *pad;
   guint frame = 0;
 };
-
-void
-assert_contains(const std::string &text, std::initializer_list<const char *> parts)
-{
-  for (const char *part : parts)
-    fail_unless(text.find(part) != std::string::npos, "no '%s' in: %s", part, text.c_str());
-}
 
 } // namespace
 
