@@ -2,11 +2,9 @@
 //
 // saliencytactile and single frames: what passes through it stays as it is, and every format is seen as the same film. What
 // happens over time is tested in saliencytactile_stream; what the map says in libs/analyzer and libs/tactile_mapping.
-#include "saliencytactile_rig.h"
-
 #include <cmath>
-#include <numeric>
-#include <string>
+
+#include "saliencytactile_rig.h"
 
 namespace {
 
