@@ -35,24 +35,17 @@
  */
 #include "gstsaliencytactile.h"
 
-#include "framemapping.h"
-#include "regionsofinterest.h"
-#include "saliency/analyzer.h"
-#include "saliency/top_down_saliency.h"
+#include "filmanalysis.h"
 #include "saliencysettings.h"
 #include "tactile/cue_limiter.h"
-#include "tactile/tactile_mapping.h"
-#include "tactile/viewport.h"
 
 #include <gst/tactile/tactile.h>
 
 #include <algorithm>
-#include <chrono>
 #include <optional>
 #include <span>
 #include <string>
 #include <utility>
-#include <vector>
 
 GST_DEBUG_CATEGORY_STATIC(saliency_tactile_debug);
 #define GST_CAT_DEFAULT saliency_tactile_debug
@@ -70,44 +63,6 @@ struct Statistics
   GstClockTime longest = 0;
 };
 
-/// What an analyzer is made for.
-struct Analysis
-{
-  ProfileName profile = ProfileName::tuned;
-  bool temporal = true;
-
-  bool operator==(const Analysis &) const = default;
-};
-
-saliency::Profile
-make_profile(const Analysis &analysis)
-{
-  using saliency::Profile;
-  if (analysis.profile == ProfileName::paper)
-    return Profile::paper();
-  return analysis.temporal ? Profile::tuned() : Profile::tuned_spatial();
-}
-
-tactile::MappingSettings
-make_mapping(const SaliencySettings &settings)
-{
-  using tactile::MappingSettings;
-  MappingSettings mapping = settings.profile == ProfileName::paper ? MappingSettings::paper()
-                            : settings.temporal                    ? MappingSettings::tuned()
-                                                : MappingSettings::tuned_spatial();
-  mapping.threshold = settings.threshold;
-  if (settings.floor >= 0)
-    mapping.floor = settings.floor * mapping.units_per_delta_e;
-  return mapping;
-}
-
-/// Time between two analyses; 0 without a limit.
-saliency::Time
-analysis_period(double max_rate)
-{
-  return saliency::Time(max_rate > 0 ? static_cast<gint64>(std::min(1e9 / max_rate, 1e15)) : 0);
-}
-
 } // namespace
 
 struct GstSaliencyTactilePrivate
@@ -118,19 +73,9 @@ struct GstSaliencyTactilePrivate
   // Streaming thread only.
   GstVideoInfo info;
   bool negotiated = false;
-  Analysis analysis; ///< that the analyzer is made for
-  std::optional<saliency::Analyzer> analyzer;
-  std::optional<saliency::TopDownSaliency> top_down; ///< there when the analyzer is
-  tactile::AdaptiveViewport viewport;
-  tactile::TactileMap map; ///< of the last analysis
+  FilmAnalysis analysis;
   tactile::CueLimiter limiter;
-  std::vector<gfloat> saliency; ///< packed copy of the last saliency map
-  guint saliency_width = 0;
-  guint saliency_height = 0;
-  gfloat saliency_floor = 0;
-  std::optional<saliency::Time> next_analysis; ///< on max-rate's grid; none: the next frame
-  saliency::Time last_time{ 0 };               ///< of the last frame
-  saliency::Time next_time{ 0 };               ///< for frames without one
+  saliency::Time next_time{ 0 }; ///< for frames without one
   bool warned_map = false;
   bool warned_size = false;
 };
@@ -156,18 +101,14 @@ static GstStaticPadTemplate sink_template
 static GstStaticPadTemplate src_template
     = GST_STATIC_PAD_TEMPLATE("src", GST_PAD_SRC, GST_PAD_ALWAYS, GST_STATIC_CAPS(SALIENCY_CAPS));
 
-/* ---- analysis (streaming thread) ---- */
+/* ---- frames (streaming thread) ---- */
 
 /// Forgets what went before: what comes does not follow it.
 static void
 gst_saliency_tactile_forget(GstSaliencyTactile *self)
 {
   GstSaliencyTactilePrivate *priv = self->priv;
-  if (priv->analyzer) {
-    priv->analyzer->reset();
-    priv->top_down->reset();
-  }
-  priv->viewport.reset();
+  priv->analysis.forget();
   priv->limiter.reset();
 }
 
@@ -197,72 +138,18 @@ gst_saliency_tactile_times(GstSaliencyTactile *self, GstBuffer *buffer, saliency
   priv->next_time = std::min(time, saliency::Time(static_cast<gint64>(kLatest))) + duration;
 }
 
-/// The saliency map as what detectors have found says that it counts.
-static const cv::Mat &
-gst_saliency_tactile_weigh(GstSaliencyTactile *self, const SaliencySettings &settings,
-                           GstBuffer *buffer, const FrameMapping &mapping,
-                           const saliency::Saliency &found, saliency::Time time)
-{
-  if (!settings.roi_weights)
-    return found.map;
-  const saliency::FrameView &frame = mapping.view();
-  return self->priv->top_down->compute(
-      found, { frame.width, frame.height },
-      regions_of_interest(buffer, mapping.left(), mapping.top(), *settings.roi_weights), time);
-}
-
+/// Analyses a frame. Throws what the library throws.
 static void
 gst_saliency_tactile_analyse(GstSaliencyTactile *self, const SaliencySettings &settings,
                              GstBuffer *buffer, saliency::Time time, saliency::Time duration)
 {
   GstSaliencyTactilePrivate *priv = self->priv;
-
-  priv->saliency.clear();
-  const FrameMapping mapping(priv->info, buffer);
-  if (!mapping) {
-    if (!priv->warned_map) {
-      g_autoptr(GstCaps) caps = gst_video_info_to_caps(&priv->info);
-      GST_ELEMENT_WARNING(self, RESOURCE, READ,
-                          ("A frame could not be read; it is felt as nothing."),
-                          ("expected %" GST_PTR_FORMAT " in readable memory", caps));
-    }
-    priv->warned_map = true;
-    priv->map = tactile::TactileMap(settings.rows, settings.columns);
+  if (priv->analysis.analyse(settings, priv->info, buffer, time, duration)
+      || std::exchange(priv->warned_map, true))
     return;
-  }
-
-  const saliency::Saliency &found
-      = priv->analyzer->analyze(mapping.view(), time, duration, settings.temporal);
-  if (found.cut) { // what has been found in the last shot is no longer there
-    priv->top_down->reset();
-    priv->viewport.reset();
-  }
-  const cv::Mat &saliency
-      = gst_saliency_tactile_weigh(self, settings, buffer, mapping, found, time);
-  const tactile::MappingSettings how = make_mapping(settings);
-  const tactile::SaliencyView view{ .values = saliency.ptr<float>(),
-                                    .width = saliency.cols,
-                                    .height = saliency.rows,
-                                    .stride = static_cast<std::ptrdiff_t>(saliency.step1()),
-                                    .horizontal = { found.picture.x, found.picture.width },
-                                    .vertical = { found.picture.y, found.picture.height } };
-  tactile::Viewport viewport;
-  if (settings.viewport == ViewportMode::adaptive)
-    viewport = priv->viewport.follow(view, how.floor, how.threshold, time);
-  else
-    priv->viewport.reset();
-  if (priv->map.rows != settings.rows || priv->map.columns != settings.columns)
-    priv->map = tactile::TactileMap(settings.rows, settings.columns);
-  tactile::map_saliency(view, how, priv->map, viewport);
-
-  if (settings.attach_saliency) {
-    priv->saliency_width = static_cast<guint>(view.width);
-    priv->saliency_height = static_cast<guint>(view.height);
-    priv->saliency_floor = static_cast<gfloat>(how.floor);
-    for (int y = 0; y < view.height; y++)
-      priv->saliency.insert(priv->saliency.end(), view.values + y * view.stride,
-                            view.values + y * view.stride + view.width);
-  }
+  g_autoptr(GstCaps) caps = gst_video_info_to_caps(&priv->info);
+  GST_ELEMENT_WARNING(self, RESOURCE, READ, ("A frame could not be read; it is felt as nothing."),
+                      ("expected %" GST_PTR_FORMAT " in readable memory", caps));
 }
 
 /// Lets controlled properties have their values for the frame at hand.
@@ -278,41 +165,20 @@ gst_saliency_tactile_sync_values(GstSaliencyTactile *self, GstBuffer *buffer)
     gst_object_sync_values(GST_OBJECT(self), time);
 }
 
-/// Whether this frame is analysed under max-rate: the first one at or after each point of a regular
-/// grid, which begins anew after a jump in time.
-static bool
-gst_saliency_tactile_is_due(GstSaliencyTactile *self, double max_rate, saliency::Time time)
-{
-  // Timestamps are rounded: a third of 100 ms, three times, falls short of it.
-  constexpr saliency::Time kSameTime = std::chrono::milliseconds(1);
-  GstSaliencyTactilePrivate *priv = self->priv;
-
-  const bool back = time < std::exchange(priv->last_time, time);
-  if (priv->next_analysis && !back && max_rate > 0 && time + kSameTime < *priv->next_analysis)
-    return false;
-  const saliency::Time period = analysis_period(max_rate);
-  const bool on_grid = priv->next_analysis && !back && time - *priv->next_analysis < period;
-  priv->next_analysis = (on_grid ? *priv->next_analysis : time) + period;
-  return true;
-}
-
 static void
 gst_saliency_tactile_attach_saliency(GstSaliencyTactile *self, const SaliencySettings &settings,
                                      GstBuffer *buffer)
 {
-  GstSaliencyTactilePrivate *priv = self->priv;
-  if (!settings.attach_saliency)
-    priv->saliency.clear();
-  if (priv->saliency.empty())
+  const FilmAnalysis::SaliencyCopy &map = self->priv->analysis.saliency();
+  if (!settings.attach_saliency || map.values.empty())
     return;
-  if (std::max(priv->saliency_width, priv->saliency_height) <= GST_SALIENCY_MAX_SIDE)
-    gst_buffer_add_saliency_meta(buffer, priv->saliency_width, priv->saliency_height,
-                                 priv->saliency.data(), priv->saliency.size(),
-                                 priv->saliency_floor);
-  else if (!std::exchange(priv->warned_size, true))
+  if (std::max(map.width, map.height) <= GST_SALIENCY_MAX_SIDE)
+    gst_buffer_add_saliency_meta(buffer, map.width, map.height, map.values.data(),
+                                 map.values.size(), map.floor);
+  else if (!std::exchange(self->priv->warned_size, true))
     GST_ELEMENT_WARNING(self, STREAM, FORMAT, ("The saliency map is too large to be attached."),
                         ("expected sides of at most %d, got %u x %u", GST_SALIENCY_MAX_SIDE,
-                         priv->saliency_width, priv->saliency_height));
+                         map.width, map.height));
 }
 
 /// Another frame has passed, with these levels; `spent` is what its analysis took, none if it was not analysed.
@@ -357,25 +223,13 @@ gst_saliency_tactile_transform_ip(GstBaseTransform *transform, GstBuffer *buffer
   saliency::Time duration;
   gst_saliency_tactile_times(self, buffer, time, duration);
 
-  const Analysis wanted{ settings.profile, settings.temporal };
   // Between two analyses the last map holds, unless it is for another grid or from another part of
   // the film.
-  const bool fits = priv->map.rows == settings.rows && priv->map.columns == settings.columns
-                    && priv->analyzer && priv->analysis == wanted;
-  const bool analyse = !fits || gst_saliency_tactile_is_due(self, settings.max_rate, time);
   std::optional<GstClockTime> spent;
-  if (analyse) {
+  if (priv->analysis.is_due(settings, time)) {
     try {
       const GstClockTime begin = gst_util_get_timestamp();
-      if (!priv->analyzer || priv->analysis != wanted) {
-        priv->analysis = wanted;
-        const saliency::Profile profile = make_profile(wanted);
-        priv->top_down.emplace(profile, wanted.temporal);
-        priv->analyzer.emplace(profile);
-      }
-      priv->analyzer->set_threads(settings.n_threads);
-      const saliency::Time period = analysis_period(settings.max_rate);
-      gst_saliency_tactile_analyse(self, settings, buffer, time, std::max(duration, period));
+      gst_saliency_tactile_analyse(self, settings, buffer, time, duration);
       spent = gst_util_get_timestamp() - begin;
     } catch (const std::exception &e) {
       GST_ELEMENT_ERROR(self, STREAM, FAILED, ("The film analysis failed."), ("%s", e.what()));
@@ -383,7 +237,7 @@ gst_saliency_tactile_transform_ip(GstBaseTransform *transform, GstBuffer *buffer
     }
   }
 
-  tactile::TactileMap felt = priv->map;
+  tactile::TactileMap felt = priv->analysis.map();
   priv->limiter.limit(felt, time, settings.cue_limits);
   gst_buffer_add_tactile_meta(buffer, static_cast<guint>(felt.rows),
                               static_cast<guint>(felt.columns), felt.levels.data(),
@@ -421,10 +275,8 @@ static void
 gst_saliency_tactile_reset(GstSaliencyTactile *self)
 {
   GstSaliencyTactilePrivate *priv = self->priv;
-  gst_saliency_tactile_forget(self);
-  priv->map = {};
-  priv->saliency.clear();
-  priv->next_analysis.reset();
+  priv->analysis.reset();
+  priv->limiter.reset();
   priv->next_time = saliency::Time(0);
 }
 
@@ -481,7 +333,7 @@ gst_saliency_tactile_start(GstBaseTransform *transform)
   }
   self->priv->negotiated = false;
   self->priv->warned_map = self->priv->warned_size = false;
-  self->priv->analyzer.reset();
+  self->priv->analysis.stop();
   gst_saliency_tactile_reset(self);
   GST_OBJECT_LOCK(self);
   self->priv->stats = {};
@@ -492,7 +344,7 @@ gst_saliency_tactile_start(GstBaseTransform *transform)
 static gboolean
 gst_saliency_tactile_stop(GstBaseTransform *transform)
 {
-  GST_SALIENCY_TACTILE(transform)->priv->analyzer.reset();
+  GST_SALIENCY_TACTILE(transform)->priv->analysis.stop();
   return TRUE;
 }
 

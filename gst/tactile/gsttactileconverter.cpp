@@ -37,10 +37,9 @@
  */
 #include "gsttactileconverter.h"
 
+#include "cuestream.h"
 #include "gsttactileelements.h"
 #include "tactile/cue_builder.h"
-#include "tactile/klv.h"
-#include "tactile/text_cue.h"
 #include "tactile/track.h"
 #include "wantedgrid.h"
 
@@ -61,40 +60,13 @@ GST_DEBUG_CATEGORY_STATIC(tactile_converter_debug);
 
 namespace {
 
-enum class Form
-{
-  none,
-  map,
-  text,
-  klv,
-};
-
 /// What a form is turned into where downstream takes several, the first that it takes.
-constexpr std::array<Form, 3>
-preferred(Form in)
+constexpr std::array<CueForm, 3>
+preferred(CueForm in)
 {
-  return in == Form::map ? std::array{ Form::text, Form::klv, Form::map }
-                         : std::array{ Form::map, in, in == Form::text ? Form::klv : Form::text };
-}
-
-#define TEXT_CAPS "text/x-raw, format = (string) utf8"
-#define KLV_CAPS "meta/x-klv, parsed = (boolean) true"
-
-GstCaps *
-caps_of(Form form)
-{
-  return gst_caps_from_string(form == Form::map    ? GST_TACTILE_MAP_CAPS
-                              : form == Form::text ? TEXT_CAPS
-                                                   : KLV_CAPS);
-}
-
-Form
-form_of(const GstCaps *caps)
-{
-  const GstStructure *structure = gst_caps_get_structure(caps, 0);
-  if (gst_structure_has_name(structure, GST_TACTILE_MAP_MEDIA_TYPE))
-    return Form::map;
-  return gst_structure_has_name(structure, "meta/x-klv") ? Form::klv : Form::text;
+  return in == CueForm::map
+             ? std::array{ CueForm::text, CueForm::klv, CueForm::map }
+             : std::array{ CueForm::map, in, in == CueForm::text ? CueForm::klv : CueForm::text };
 }
 
 /// The map as a text cue has it: levels in whole percents.
@@ -117,8 +89,8 @@ to_time(GstClockTime time)
 /// All: streaming thread, or while it is stopped.
 struct GstTactileConverterPrivate
 {
-  Form in = Form::none;
-  Form out = Form::none;
+  std::optional<CueForm> in;
+  std::optional<CueForm> out;
   guint rows = 0; ///< of maps that come in
   guint columns = 0;
   gint fps_n = 0;
@@ -158,10 +130,10 @@ GST_ELEMENT_REGISTER_DEFINE(tactileconverter, "tactileconverter", GST_RANK_NONE,
 static GstStaticPadTemplate sink_template = GST_STATIC_PAD_TEMPLATE(
     "sink", GST_PAD_SINK, GST_PAD_ALWAYS,
     GST_STATIC_CAPS(GST_TACTILE_MAP_CAPS
-                    "; text/x-raw, format = (string) { utf8, pango-markup }; " KLV_CAPS));
-static GstStaticPadTemplate src_template
-    = GST_STATIC_PAD_TEMPLATE("src", GST_PAD_SRC, GST_PAD_ALWAYS,
-                              GST_STATIC_CAPS(GST_TACTILE_MAP_CAPS "; " TEXT_CAPS "; " KLV_CAPS));
+                    "; text/x-raw, format = (string) { utf8, pango-markup }; " CUE_KLV_CAPS));
+static GstStaticPadTemplate src_template = GST_STATIC_PAD_TEMPLATE(
+    "src", GST_PAD_SRC, GST_PAD_ALWAYS,
+    GST_STATIC_CAPS(GST_TACTILE_MAP_CAPS "; " CUE_TEXT_CAPS "; " CUE_KLV_CAPS));
 
 /* ---- what goes out ---- */
 
@@ -170,12 +142,12 @@ static void
 send_sticky_events(GstTactileConverter *self, guint rows, guint columns)
 {
   GstTactileConverterPrivate *priv = self->priv;
-  const bool is_map = priv->out == Form::map;
+  const bool is_map = priv->out == CueForm::map;
   if (!priv->has_caps || (is_map && (rows != priv->sent_rows || columns != priv->sent_columns))) {
-    GstCaps *caps
-        = is_map ? gst_tactile_map_caps_new(rows, columns, priv->in == Form::map ? priv->fps_n : 0,
-                                            priv->in == Form::map ? priv->fps_d : 1)
-                 : caps_of(priv->out);
+    GstCaps *caps = is_map ? gst_tactile_map_caps_new(rows, columns,
+                                                      priv->in == CueForm::map ? priv->fps_n : 0,
+                                                      priv->in == CueForm::map ? priv->fps_d : 1)
+                           : cue_caps_new(*priv->out);
     GST_DEBUG_OBJECT(self, "caps %" GST_PTR_FORMAT, caps);
     gst_pad_push_event(self->srcpad, gst_event_new_caps(caps));
     gst_caps_unref(caps);
@@ -193,9 +165,9 @@ send_default_sticky_events(GstTactileConverter *self)
   GstTactileConverterPrivate *priv = self->priv;
   guint rows = priv->sent_rows;
   guint columns = priv->sent_columns;
-  if (priv->out == Form::none)
-    priv->out = Form::map; /* nothing ever came */
-  if (priv->out == Form::map && !priv->has_caps) {
+  if (!priv->out)
+    priv->out = CueForm::map; /* nothing ever came */
+  if (priv->out == CueForm::map && !priv->has_caps) {
     rows = priv->rows;
     columns = priv->columns;
     if (rows == 0)
@@ -225,20 +197,8 @@ push_cue(GstTactileConverter *self, const Cue &cue)
   send_sticky_events(self, static_cast<guint>(cue.map.rows), static_cast<guint>(cue.map.columns));
   push_gap(self, cue.begin);
 
-  GstBuffer *buffer = nullptr;
-  if (priv->out == Form::map) {
-    buffer = gst_tactile_map_buffer_new(cue.map.levels.data(), cue.map.levels.size());
-  } else if (priv->out == Form::text) {
-    const std::string text = tactile::write_text_cue(cue.map);
-    buffer = gst_buffer_new_memdup(text.data(), text.size());
-  } else {
-    const std::vector<std::uint8_t> bytes = tactile::write_klv(cue.map, cue.end - cue.begin);
-    buffer = gst_buffer_new_memdup(bytes.data(), bytes.size());
-  }
-  GST_BUFFER_PTS(buffer) = static_cast<GstClockTime>(cue.begin.count());
-  GST_BUFFER_DURATION(buffer) = static_cast<GstClockTime>((cue.end - cue.begin).count());
   priv->last_end = std::max(priv->last_end, cue.end);
-  return gst_pad_push(self->srcpad, buffer);
+  return gst_pad_push(self->srcpad, cue_buffer_new(cue, *priv->out));
 }
 
 static GstFlowReturn
@@ -263,44 +223,6 @@ drain(GstTactileConverter *self)
 
 /* ---- what comes in ---- */
 
-/* The cue that a buffer is, which begins at 0 and has no end if the buffer says none. Throws FormatError. */
-static Cue
-read_cue(GstTactileConverter *self, GstBuffer *buffer)
-{
-  GstTactileConverterPrivate *priv = self->priv;
-  Cue cue;
-  if (priv->in == Form::map) {
-    gfloat *levels = nullptr;
-    gsize count = 0;
-    if (!gst_tactile_map_buffer_get_levels(buffer, priv->rows, priv->columns, &levels, &count))
-      throw tactile::FormatError("the map has another size than its caps say");
-    cue.map = tactile::TactileMap(static_cast<int>(priv->rows), static_cast<int>(priv->columns));
-    std::copy(levels, levels + count, cue.map.levels.begin());
-    g_free(levels);
-    return cue;
-  }
-
-  GstMapInfo info;
-  if (!gst_buffer_map(buffer, &info, GST_MAP_READ))
-    throw tactile::FormatError("the buffer cannot be read");
-  const std::string bytes(reinterpret_cast<const char *>(info.data), info.size);
-  gst_buffer_unmap(buffer, &info);
-  if (priv->in == Form::klv)
-    return tactile::read_klv(
-        { reinterpret_cast<const std::uint8_t *>(bytes.data()), bytes.size() });
-  const std::string_view text(bytes.data(), std::min(bytes.find('\0'), bytes.size()));
-  if (priv->grid) {
-    try {
-      cue.map = tactile::read_text_cue(text, priv->grid);
-      return cue;
-    } catch (const tactile::FormatError &) {
-      GST_DEBUG_OBJECT(self, "not of the grid of the cue before"); /* of its own grid, then */
-    }
-  }
-  cue.map = tactile::read_text_cue(text, std::nullopt);
-  return cue;
-}
-
 static GstClockTime
 duration_of(GstTactileConverter *self, GstBuffer *buffer, const Cue &cue)
 {
@@ -318,9 +240,10 @@ static GstFlowReturn
 convert(GstTactileConverter *self, GstBuffer *buffer)
 {
   GstTactileConverterPrivate *priv = self->priv;
+  const tactile::Grid caps_grid{ static_cast<int>(priv->rows), static_cast<int>(priv->columns) };
   Cue cue;
   try {
-    cue = read_cue(self, buffer);
+    cue = cue_from_buffer(buffer, *priv->in, priv->in == CueForm::map ? caps_grid : priv->grid);
   } catch (const tactile::FormatError &error) {
     GST_WARNING_OBJECT(self, "buffer at %" GST_TIME_FORMAT " is no map: %s",
                        GST_TIME_ARGS(GST_BUFFER_PTS(buffer)), error.what());
@@ -336,9 +259,9 @@ convert(GstTactileConverter *self, GstBuffer *buffer)
   const Time duration = to_time(duration_of(self, buffer, cue));
   cue.begin = GST_BUFFER_PTS_IS_VALID(buffer) ? to_time(GST_BUFFER_PTS(buffer)) : priv->last_end;
   cue.end = cue.begin + duration;
-  if (priv->out == Form::map)
+  if (priv->out == CueForm::map)
     return push_cue(self, cue);
-  if (priv->out == Form::text) {
+  if (priv->out == CueForm::text) {
     constexpr Time kTick = std::chrono::milliseconds(1);
     round_levels(cue.map);
     cue.begin = cue.begin / kTick * kTick;
@@ -354,7 +277,7 @@ gst_tactile_converter_chain(GstPad *pad, GstObject *parent, GstBuffer *buffer)
   (void)pad;
   auto *self = GST_TACTILE_CONVERTER(parent);
   GstTactileConverterPrivate *priv = self->priv;
-  if (priv->in == Form::none) {
+  if (!priv->in) {
     gst_buffer_unref(buffer);
     return GST_FLOW_NOT_NEGOTIATED;
   }
@@ -373,32 +296,32 @@ set_caps(GstTactileConverter *self, GstCaps *caps)
 {
   GstTactileConverterPrivate *priv = self->priv;
   drain(self);
-  priv->in = form_of(caps);
+  priv->in = cue_form_of(caps);
   priv->rows = priv->columns = 0;
   priv->fps_n = 0;
   priv->fps_d = 1;
-  if (priv->in == Form::map
+  if (priv->in == CueForm::map
       && !gst_tactile_map_caps_parse(caps, &priv->rows, &priv->columns, &priv->fps_n, &priv->fps_d))
     return FALSE;
 
   GstCaps *own = gst_pad_get_pad_template_caps(self->srcpad);
   GstCaps *allowed = gst_pad_peer_query_caps(self->srcpad, own);
   gst_caps_unref(own);
-  Form out = Form::none;
-  for (const Form form : preferred(priv->in)) {
-    GstCaps *of_form = caps_of(form);
-    if (out == Form::none && gst_caps_can_intersect(allowed, of_form))
+  std::optional<CueForm> out;
+  for (const CueForm form : preferred(*priv->in)) {
+    GstCaps *of_form = cue_caps_new(form);
+    if (!out && gst_caps_can_intersect(allowed, of_form))
       out = form;
     gst_caps_unref(of_form);
   }
   gst_caps_unref(allowed);
-  if (out == Form::none) {
+  if (!out) {
     GST_ERROR_OBJECT(self, "downstream takes neither maps nor text nor KLV");
     return FALSE;
   }
-  priv->has_caps = priv->has_caps && out == priv->out && out != Form::map;
+  priv->has_caps = priv->has_caps && out == priv->out && out != CueForm::map;
   priv->out = out;
-  g_atomic_int_set(&self->waits, priv->in == Form::map && out != Form::map);
+  g_atomic_int_set(&self->waits, priv->in == CueForm::map && out != CueForm::map);
   gst_element_post_message(GST_ELEMENT(self), gst_message_new_latency(GST_OBJECT(self)));
   return TRUE;
 }

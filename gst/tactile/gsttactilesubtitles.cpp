@@ -25,6 +25,7 @@
  */
 #include "gsttactilesubtitles.h"
 
+#include "cuestream.h"
 #include "gsttactileelements.h"
 #include "tactile/text_cue.h"
 #include "tactile/track.h"
@@ -82,21 +83,12 @@ segment_of(GstPad *pad)
 std::optional<TactileMap>
 read_map(GstBuffer *buffer, std::optional<tactile::Grid> grid)
 {
-  GstMapInfo info;
-  if (!gst_buffer_map(buffer, &info, GST_MAP_READ))
+  try {
+    return cue_from_buffer(buffer, CueForm::text, grid).map;
+  } catch (const tactile::FormatError &error) {
+    GST_LOG("no map: %s", error.what());
     return std::nullopt;
-  std::string_view text(reinterpret_cast<const char *>(info.data), info.size);
-  text = text.substr(0, text.find('\0'));
-  std::optional<TactileMap> map;
-  for (const std::optional<tactile::Grid> &of : { grid, std::optional<tactile::Grid>() })
-    try {
-      if (!map)
-        map = tactile::read_text_cue(text, of);
-    } catch (const tactile::FormatError &error) {
-      GST_LOG("no map: %s", error.what());
-    }
-  gst_buffer_unmap(buffer, &info);
-  return map;
+  }
 }
 
 } // namespace

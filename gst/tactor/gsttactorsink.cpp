@@ -48,11 +48,11 @@
  */
 #include "gsttactorsink.h"
 
-#include "tactor/calibration/calibration.h"
-#include "tactor/command_planner.h"
+#include "tactormessages.h"
+#include "tactoropening.h"
+#include "tactorplanning.h"
 #include "tactorscheduler.h"
 #include "tactorsettings.h"
-#include "tactorstream.h"
 #include "tactorurihandler.h"
 
 #include <gst/tactile/tactile.h>
@@ -67,7 +67,7 @@
 
 using tactor::Time;
 
-GST_DEBUG_CATEGORY_STATIC(tactor_sink_debug);
+GST_DEBUG_CATEGORY(tactor_sink_debug);
 #define GST_CAT_DEFAULT tactor_sink_debug
 
 namespace {
@@ -86,7 +86,8 @@ constexpr Time kLeadShortInterval = std::chrono::seconds(5);
 
 struct GstTactorSinkPrivate final : TactorSchedulerHost
 {
-  explicit GstTactorSinkPrivate(GstTactorSink *sink) : element(GST_ELEMENT(sink)), scheduler(*this)
+  explicit GstTactorSinkPrivate(GstTactorSink *sink)
+      : element(GST_ELEMENT(sink)), planning(element), scheduler(*this)
   {
   }
 
@@ -95,20 +96,12 @@ struct GstTactorSinkPrivate final : TactorSchedulerHost
   void lead_short(Time lead, Time late) override;
   void device_event(const tactor::DriverEvent &event);
 
-  GstElement *element;            ///< not owned: this is its private part
-  TactorSettings settings;        ///< guarded by the object lock
-  int board_tactors = 0;          ///< of the open driver
-  tactor::PlannerSettings opened; ///< as they were when the driver was opened
-  tactor::LimitCounters limited;  ///< guarded by the object lock
+  GstElement *element;           ///< not owned: this is its private part
+  TactorSettings settings;       ///< guarded by the object lock
+  tactor::LimitCounters limited; ///< guarded by the object lock
 
-  TactorStream stream;
-  std::optional<tactor::CommandPlanner> planner; ///< from READY → PAUSED on
-  guint checked_rows = 0;                        ///< grid that was compared with the board
-  guint checked_columns = 0;
-  Time last_end{ 0 };   ///< running time of the end of the last map
-  Time flushed_at{ 0 }; ///< running time of the last flush
-  bool warned_no_meta = false;
-  bool warned_grid = false;
+  TactorPlanning planning; ///< streaming thread only, or while it is stopped
+  Time flushed_at{ 0 };    ///< running time of the last flush
 
   std::optional<Time> last_lead_short; ///< scheduler's thread only
 
@@ -150,35 +143,9 @@ void
 GstTactorSinkPrivate::device_event(const tactor::DriverEvent &event)
 {
   using Kind = tactor::DriverEvent::Kind;
-  switch (event.kind) {
-  case Kind::opened:
-    // Twice: gst-launch-1.0 shows what is meant for developers.
-    GST_ELEMENT_INFO(element, RESOURCE, SETTINGS, ("%s", event.text.c_str()),
-                     ("%s", event.text.c_str()));
-    break;
-  case Kind::warning:
-    GST_ELEMENT_WARNING(element, RESOURCE, SETTINGS, ("%s", event.text.c_str()), (nullptr));
-    break;
-  case Kind::lost:
-    scheduler.set_board_away(true);
-    GST_ELEMENT_WARNING(element, RESOURCE, NOT_FOUND,
-                        ("The tactor board is gone; the film plays on."),
-                        ("%s", event.text.c_str()));
-    gst_element_post_message(
-        element,
-        gst_message_new_element(GST_OBJECT(element),
-                                gst_structure_new("tactor-device-lost", "reason", G_TYPE_STRING,
-                                                  event.text.c_str(), nullptr)));
-    break;
-  case Kind::returned:
-    scheduler.set_board_away(false);
-    GST_ELEMENT_INFO(element, RESOURCE, SETTINGS, ("%s", event.text.c_str()),
-                     ("%s", event.text.c_str()));
-    gst_element_post_message(
-        element, gst_message_new_element(GST_OBJECT(element),
-                                         gst_structure_new_empty("tactor-device-found")));
-    break;
-  }
+  if (event.kind == Kind::lost || event.kind == Kind::returned)
+    scheduler.set_board_away(event.kind == Kind::lost);
+  tactor_post_device_event(element, event);
 }
 
 void
@@ -197,136 +164,46 @@ GstTactorSinkPrivate::lead_short(Time lead, Time late)
   if (last_lead_short && now - *last_lead_short < kLeadShortInterval)
     return;
   last_lead_short = now;
-  GST_WARNING_OBJECT(element,
-                     "a command that needs a lead of %" GST_STIME_FORMAT
-                     " was late by %" GST_STIME_FORMAT
-                     ": is there a queue with max-size-bytes=0 max-size-buffers=0 and enough "
-                     "max-size-time before each sink?",
-                     GST_STIME_ARGS(lead.count()), GST_STIME_ARGS(late.count()));
-  gst_element_post_message(
-      element, gst_message_new_element(
-                   GST_OBJECT(element),
-                   gst_structure_new("tactor-lead-short", "lead", G_TYPE_UINT64,
-                                     static_cast<guint64>(lead.count()), "late", G_TYPE_UINT64,
-                                     static_cast<guint64>(late.count()), nullptr)));
+  tactor_post_lead_short(element, lead, late);
 }
-
-/* ---- statistics ---- */
 
 static GstStructure *
 gst_tactor_sink_stats(GstTactorSink *self)
 {
   GstTactorSinkPrivate *priv = self->priv;
-  const TactorScheduler::Counters counters = priv->scheduler.counters();
-  const tactor::DriverStatus board = priv->scheduler.driver_status();
   GST_OBJECT_LOCK(self);
   const tactor::LimitCounters limited = priv->limited;
   GST_OBJECT_UNLOCK(self);
-  GstStructure *stats
-      = gst_structure_new("application/x-tactor-stats", "board", G_TYPE_STRING, board.board.c_str(),
-                          "firmware", G_TYPE_STRING, board.firmware.c_str(), "connected",
-                          G_TYPE_BOOLEAN, static_cast<gboolean>(board.is_there), "watchdog",
-                          G_TYPE_BOOLEAN, static_cast<gboolean>(board.has_watchdog), nullptr);
-  const std::pair<const gchar *, guint64> counts[] = {
-    { "issued", counters.issued },
-    { "late", counters.late },
-    { "coalesced", counters.coalesced },
-    { "dropped", counters.dropped },
-    { "starved", counters.starved },
-    { "cut-on-time", limited.on_time },
-    { "cut-duty", limited.duty },
-    { "cut-active", limited.number },
-    { "ramps", counters.ramps },
-    { "reconnects", board.reconnects },
-    { "bytes", board.bytes },
-  };
-  const std::pair<const gchar *, Time> times[] = {
-    { "error-min", counters.error.min() },
-    { "error-mean", counters.error.mean() },
-    { "error-p50", counters.error.percentile(0.5) },
-    { "error-p99", counters.error.percentile(0.99) },
-    { "error-max", counters.error.max() },
-  };
-  for (const auto &[name, count] : counts)
-    gst_structure_set(stats, name, G_TYPE_UINT64, count, nullptr);
-  for (const auto &[name, time] : times)
-    gst_structure_set(stats, name, G_TYPE_INT64, static_cast<gint64>(time.count()), nullptr);
-  GValue pins = G_VALUE_INIT;
-  g_value_init(&pins, GST_TYPE_ARRAY);
-  tactor_ints_to_value(board.pins, &pins);
-  gst_structure_take_value(stats, "pins", &pins);
-  return stats;
+  return tactor_stats_new(priv->scheduler.counters(), priv->scheduler.driver_status(), limited);
 }
 
 /* ---- planning (streaming thread) ---- */
 
-/// What is set now, but for what was agreed on with the board and with the pipeline when it was opened.
-static tactor::PlannerSettings
-gst_tactor_sink_planner_settings(GstTactorSink *self)
-{
-  GstTactorSinkPrivate *priv = self->priv;
-  GST_OBJECT_LOCK(self);
-  tactor::PlannerSettings settings = priv->settings.planner;
-  GST_OBJECT_UNLOCK(self);
-  settings.volts_max = priv->opened.volts_max;
-  settings.max_lead = priv->opened.max_lead;
-  settings.transport_latency = priv->opened.transport_latency;
-  return settings;
-}
-
-/// Says once if cells of this grid have no tactor under the mapping that is set.
-static void
-gst_tactor_sink_check_grid(GstTactorSink *self, guint rows, guint columns,
-                           const tactor::PlannerSettings &settings)
-{
-  GstTactorSinkPrivate *priv = self->priv;
-  if (priv->checked_rows == rows && priv->checked_columns == columns
-      && priv->planner->settings().mapping == settings.mapping)
-    return;
-  priv->checked_rows = rows;
-  priv->checked_columns = columns;
-  GST_INFO_OBJECT(self, "grid of %u x %u, the board has %d tactors", rows, columns,
-                  priv->board_tactors);
-  const std::string problem = tactor::CommandPlanner::validate_mapping(
-      settings.mapping, static_cast<int>(rows * columns), priv->board_tactors);
-  if (problem.empty() || std::exchange(priv->warned_grid, true))
-    return;
-  GST_ELEMENT_WARNING(self, STREAM, FORMAT, ("Some cells of the film have no tactor."),
-                      ("%s; set rows and columns of saliencytactile to the chair's grid, or "
-                       "mapping of tactorsink",
-                       problem.c_str()));
-}
-
-/// Running time at which what has this time and duration is shown, and for how long.
-static TactorStream::Span
-gst_tactor_sink_shown(GstTactorSink *self, GstClockTime pts, GstClockTime duration)
+static GstSegment
+gst_tactor_sink_segment(GstTactorSink *self)
 {
   GST_OBJECT_LOCK(self);
   const GstSegment segment = GST_BASE_SINK(self)->segment;
   GST_OBJECT_UNLOCK(self);
-  return self->priv->stream.shown(segment, pts, duration, self->priv->last_end);
+  return segment;
 }
 
-/// Hands over what was planned, of a map that is shown until `end`.
+/// Hands over what was planned.
 static void
-gst_tactor_sink_push(GstTactorSink *self, const std::vector<tactor::Command> &commands, Time end)
+gst_tactor_sink_push(GstTactorSink *self, const TactorPlanning::Plan &plan)
 {
   GstTactorSinkPrivate *priv = self->priv;
   GST_OBJECT_LOCK(self);
-  priv->limited = priv->planner->limited();
+  priv->limited = priv->planning.limited();
   GST_OBJECT_UNLOCK(self);
-  priv->last_end = end;
-  priv->scheduler.push(commands, end + kHold);
+  priv->scheduler.push(plan.commands, plan.end + kHold);
 }
 
 /// Lets controlled properties have their values for the frame at hand.
 static void
 gst_tactor_sink_sync_values(GstTactorSink *self, GstClockTime pts)
 {
-  GstBaseSink *sink = GST_BASE_SINK(self);
-  GST_OBJECT_LOCK(self);
-  const GstSegment segment = sink->segment;
-  GST_OBJECT_UNLOCK(self);
+  const GstSegment segment = gst_tactor_sink_segment(self);
   if (segment.format != GST_FORMAT_TIME)
     return;
   const GstClockTime time = gst_segment_to_stream_time(&segment, GST_FORMAT_TIME, pts);
@@ -340,36 +217,16 @@ gst_tactor_sink_play_map(GstTactorSink *self, GstBuffer *buffer)
 {
   GstTactorSinkPrivate *priv = self->priv;
 
-  const TactorStream::Span shown
-      = gst_tactor_sink_shown(self, GST_BUFFER_PTS(buffer), GST_BUFFER_DURATION(buffer));
-  TactorStream::Map map;
-  const bool has_levels = priv->stream.read(buffer, map);
-  if (!has_levels && priv->stream.is_map()) {
-    GST_ELEMENT_ERROR(self, STREAM, FORMAT, ("A tactile map of the wrong size came."),
-                      ("expected %u x %u float32 levels (%u bytes), got %" G_GSIZE_FORMAT " bytes",
-                       priv->stream.rows(), priv->stream.columns(),
-                       priv->stream.rows() * priv->stream.columns() * 4u,
-                       gst_buffer_get_size(buffer)));
-    return GST_FLOW_ERROR;
-  }
-  if (!has_levels && !std::exchange(priv->warned_no_meta, true))
-    GST_ELEMENT_WARNING(
-        self, STREAM, FORMAT, ("The video frames carry no tactile map."),
-        ("expected a GstTactileMeta on each frame; put saliencytactile before tactorsink"));
-
   if (const std::optional<Time> starved = priv->scheduler.take_starved())
-    priv->planner->silenced(*starved);
-  const tactor::PlannerSettings settings = gst_tactor_sink_planner_settings(self);
-  if (has_levels)
-    gst_tactor_sink_check_grid(self, map.rows, map.columns, settings);
-  priv->planner->set_settings(settings);
-
-  const std::vector<tactor::Command> commands
-      = has_levels ? priv->planner->plan(shown.start, shown.duration, map.levels)
-                   : priv->planner->silence(shown.start);
-  GST_LOG_OBJECT(self, "map at %" GST_STIME_FORMAT ": %" G_GSIZE_FORMAT " commands",
-                 GST_STIME_ARGS(shown.start.count()), commands.size());
-  gst_tactor_sink_push(self, commands, shown.end());
+    priv->planning.silenced(*starved);
+  GST_OBJECT_LOCK(self);
+  tactor::PlannerSettings settings = priv->settings.planner;
+  GST_OBJECT_UNLOCK(self);
+  const std::optional<TactorPlanning::Plan> plan
+      = priv->planning.plan_map(buffer, gst_tactor_sink_segment(self), std::move(settings));
+  if (!plan)
+    return GST_FLOW_ERROR;
+  gst_tactor_sink_push(self, *plan);
   return GST_FLOW_OK;
 }
 
@@ -398,8 +255,9 @@ gst_tactor_sink_drain(GstTactorSink *self)
   GstTactorSinkPrivate *priv = self->priv;
   GstBaseSink *sink = GST_BASE_SINK(self);
 
-  gst_tactor_sink_push(self, priv->planner->silence(priv->last_end), priv->last_end);
-  const GstClockTime end = static_cast<GstClockTime>(std::max<gint64>(priv->last_end.count(), 0));
+  const TactorPlanning::Plan rest = priv->planning.plan_rest();
+  gst_tactor_sink_push(self, rest);
+  const GstClockTime end = static_cast<GstClockTime>(std::max<gint64>(rest.end.count(), 0));
   const GstFlowReturn ret
       = gst_base_sink_wait(sink, end + gst_base_sink_get_render_delay(sink), nullptr);
   if (ret != GST_FLOW_OK)
@@ -429,16 +287,12 @@ gst_tactor_sink_wait_event(GstBaseSink *sink, GstEvent *event)
     GstClockTime pts;
     GstClockTime length;
     gst_event_parse_gap(event, &pts, &length);
-    const TactorStream::Span gap
-        = gst_tactor_sink_shown(self, pts, GST_CLOCK_TIME_IS_VALID(length) ? length : 0);
-    gst_tactor_sink_push(self, self->priv->planner->silence(gap.start), gap.end());
+    gst_tactor_sink_push(self,
+                         self->priv->planning.plan_gap(pts, length, gst_tactor_sink_segment(self)));
   } else if (GST_EVENT_TYPE(event) == GST_EVENT_EOS) {
     ret = gst_tactor_sink_drain(self);
-    if (ret == GST_FLOW_OK) {
-      GstStructure *stats = gst_tactor_sink_stats(self);
-      gst_structure_set_name(stats, "tactor-stats");
-      gst_element_post_message(GST_ELEMENT(self), gst_message_new_element(GST_OBJECT(self), stats));
-    }
+    if (ret == GST_FLOW_OK)
+      tactor_post_stats(GST_ELEMENT(self), gst_tactor_sink_stats(self));
   }
   return ret;
 }
@@ -470,15 +324,10 @@ gst_tactor_sink_event(GstBaseSink *sink, GstEvent *event)
 
   const gboolean handled = GST_BASE_SINK_CLASS(parent_class)->event(sink, event);
   // Afterwards, since only then the streaming thread has left render().
-  if (type == GST_EVENT_FLUSH_START) {
+  if (type == GST_EVENT_FLUSH_START)
     priv->flushed_at = priv->scheduler.flush();
-  } else if (type == GST_EVENT_FLUSH_STOP) {
-    if (resets_time)
-      priv->planner->reset(priv->flushed_at);
-    else
-      priv->planner->silenced(priv->flushed_at);
-    priv->last_end = Time(0);
-  }
+  else if (type == GST_EVENT_FLUSH_STOP)
+    priv->planning.flushed(priv->flushed_at, resets_time);
   return handled;
 }
 
@@ -486,7 +335,7 @@ static gboolean
 gst_tactor_sink_set_caps(GstBaseSink *sink, GstCaps *caps)
 {
   GstTactorSink *self = GST_TACTOR_SINK(sink);
-  if (self->priv->stream.set_caps(caps))
+  if (self->priv->planning.set_caps(caps))
     return TRUE;
   GST_ERROR_OBJECT(self, "expected rows and columns from 1 to %d, got %" GST_PTR_FORMAT,
                    GST_TACTILE_MAX_SIDE, caps);
@@ -522,119 +371,37 @@ gst_tactor_sink_propose_allocation(GstBaseSink *sink, GstQuery *query)
 
 /* ---- life ---- */
 
-static GstResourceError
-resource_error(tactor::DriverError::Kind kind)
-{
-  using Kind = tactor::DriverError::Kind;
-  switch (kind) {
-  case Kind::not_found:
-    return GST_RESOURCE_ERROR_NOT_FOUND;
-  case Kind::busy:
-    return GST_RESOURCE_ERROR_BUSY;
-  case Kind::permission:
-    return GST_RESOURCE_ERROR_NOT_AUTHORIZED;
-  case Kind::settings:
-    return GST_RESOURCE_ERROR_SETTINGS;
-  default:
-    return GST_RESOURCE_ERROR_OPEN_READ_WRITE;
-  }
-}
-
-/// The motors that were measured, and the longest latency among them. Throws tactor::DriverError.
-static std::vector<tactor::MotorParameters>
-gst_tactor_sink_read_motors(GstTactorSink *self, const TactorSettings &settings, Time &latency)
-{
-  if (settings.calibration.empty())
-    return {};
-  tactor::Calibration calibration;
-  try {
-    calibration = tactor::read_calibration(settings.calibration);
-  } catch (const std::exception &e) {
-    throw tactor::DriverError(tactor::DriverError::Kind::settings, e.what());
-  }
-  std::vector<tactor::MotorParameters> motors = calibration.motors(settings.planner.volts_max);
-  for (const tactor::MotorParameters &motor : motors)
-    latency = std::max(latency, motor.latency.value_or(Time(0)));
-  const Time longest = calibration.longest_lead();
-  if (longest > settings.planner.max_lead + latency)
-    GST_ELEMENT_WARNING(self, RESOURCE, SETTINGS,
-                        ("Some vibrations will come late: the motors are slower than max-lead."),
-                        ("the calibration asks for leads of up to %" G_GINT64_FORMAT
-                         " ms, max-lead is %" G_GINT64_FORMAT " ms",
-                         static_cast<gint64>(longest.count() / GST_MSECOND),
-                         static_cast<gint64>(settings.planner.max_lead.count() / GST_MSECOND)));
-  return motors;
-}
-
-/// Opens the board and the trace, both anew for each play. Throws tactor::DriverError.
-static void
+/// Opens board and trace, both anew for each play. What goes wrong becomes an error message and FALSE.
+static gboolean
 gst_tactor_sink_open(GstTactorSink *self)
 {
   GstTactorSinkPrivate *priv = self->priv;
+  GstBaseSink *sink = GST_BASE_SINK(self);
 
   GST_OBJECT_LOCK(self);
   const TactorSettings settings = priv->settings;
   GST_OBJECT_UNLOCK(self);
-
-  if (!settings.device.empty() && settings.device == settings.trace_location)
-    throw tactor::DriverError(tactor::DriverError::Kind::settings,
-                              "device and trace-location are the same file, '" + settings.device
-                                  + "'; expected two");
-  const tactor::DriverConfig config{ .device = settings.device,
-                                     .max_tactors = TactorSettings::kMaxTactors,
-                                     .min_tactors = settings.needed_tactors(),
-                                     .full_scale_volts = settings.planner.volts_max,
-                                     .notify = [priv](const tactor::DriverEvent &event) {
-                                       priv->device_event(event);
-                                     } };
-  Time latency{ 0 };
-  std::vector<tactor::MotorParameters> motors
-      = gst_tactor_sink_read_motors(self, settings, latency);
-  std::unique_ptr<tactor::Driver> driver = tactor::make_driver(settings.driver);
-  driver->open(config);
-  std::unique_ptr<tactor::CommandTrace> trace;
-  if (!settings.trace_location.empty())
-    trace = std::make_unique<tactor::CommandTrace>(settings.trace_location);
-
-  priv->opened = settings.planner;
-  priv->opened.transport_latency = driver->transport_latency();
-  priv->board_tactors = driver->tactors();
-  priv->planner.emplace(priv->board_tactors, priv->opened, std::move(motors));
-  GST_OBJECT_LOCK(self);
-  priv->limited = {};
-  GST_OBJECT_UNLOCK(self);
-  priv->stream = {};
-  priv->checked_rows = priv->checked_columns = 0;
-  priv->last_end = Time(0);
-  priv->warned_no_meta = priv->warned_grid = false;
-  priv->last_lead_short.reset();
-  priv->scheduler.start(std::move(driver), config.full_scale_volts, std::move(trace));
-  priv->scheduler.set_immediate(!gst_base_sink_get_sync(GST_BASE_SINK(self)));
-  priv->scheduler.set_muted(settings.mute);
-  priv->scheduler.set_ramp_in(settings.ramp_in);
-  latency = std::max(latency, priv->opened.transport_latency);
-  const Time early = priv->opened.max_lead + latency + kWakeMargin;
-  gst_base_sink_set_render_delay(GST_BASE_SINK(self), static_cast<GstClockTime>(early.count()));
-}
-
-/// Like gst_tactor_sink_open(), but what went wrong becomes an error message and FALSE.
-static gboolean
-gst_tactor_sink_try_open(GstTactorSink *self)
-{
-  int code = GST_RESOURCE_ERROR_FAILED;
-  std::string reason;
   try {
-    gst_tactor_sink_open(self);
+    TactorOpening opened
+        = open_tactors(GST_ELEMENT(self), settings,
+                       [priv](const tactor::DriverEvent &event) { priv->device_event(event); });
+    priv->planning.start(opened.planner, opened.driver->tactors(), std::move(opened.motors));
+    GST_OBJECT_LOCK(self);
+    priv->limited = {};
+    GST_OBJECT_UNLOCK(self);
+    priv->last_lead_short.reset();
+    priv->scheduler.start(std::move(opened.driver), settings.planner.volts_max,
+                          std::move(opened.trace));
+    priv->scheduler.set_immediate(!gst_base_sink_get_sync(sink));
+    priv->scheduler.set_muted(settings.mute);
+    priv->scheduler.set_ramp_in(settings.ramp_in);
+    const Time early = opened.planner.max_lead + opened.latency + kWakeMargin;
+    gst_base_sink_set_render_delay(sink, static_cast<GstClockTime>(early.count()));
     return TRUE;
-  } catch (const tactor::DriverError &e) {
-    code = resource_error(e.kind());
-    reason = e.what();
-  } catch (const std::exception &e) {
-    reason = e.what();
+  } catch (const std::exception &error) {
+    tactor_post_open_error(GST_ELEMENT(self), error);
+    return FALSE;
   }
-  gst_element_message_full(GST_ELEMENT(self), GST_MESSAGE_ERROR, GST_RESOURCE_ERROR, code,
-                           g_strdup(reason.c_str()), nullptr, __FILE__, G_STRFUNC, __LINE__);
-  return FALSE;
 }
 
 static void
@@ -654,7 +421,7 @@ gst_tactor_sink_change_state(GstElement *element, GstStateChange transition)
   GstTactorSink *self = GST_TACTOR_SINK(element);
   GstTactorSinkPrivate *priv = self->priv;
 
-  if (transition == GST_STATE_CHANGE_READY_TO_PAUSED && !gst_tactor_sink_try_open(self))
+  if (transition == GST_STATE_CHANGE_READY_TO_PAUSED && !gst_tactor_sink_open(self))
     return GST_STATE_CHANGE_FAILURE;
   if (transition == GST_STATE_CHANGE_PLAYING_TO_PAUSED)
     priv->scheduler.pause();

@@ -5,10 +5,12 @@
 #include "sinkwindow.h"
 #include "tactilebranch.h"
 
+/// Properties and the window on any thread, the state on the application's or GStreamer's async ones.
 struct _GstVisuotactileSink
 {
   GstBin parent;
 
+  /* As made at init; placeholder while the state changes. */
   GstPad *sinkpad;
   GstElement *analysis; ///< NULL where an element is missing, as all of these
   GstElement *queue;

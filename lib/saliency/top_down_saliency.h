@@ -40,6 +40,8 @@ struct Region
 ///
 /// What is not salient stays so: a weight says how much an event matters, not that there is one. A
 /// face at rest is no more felt than anything else at rest.
+///
+/// Not thread-safe: one thread at a time.
 class TopDownSaliency
 {
 public:

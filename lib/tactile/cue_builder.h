@@ -20,7 +20,7 @@ struct Cue
 };
 
 /// Makes cues of a stream of maps: a new one where the map changes and at least every kLongest, so that who joins late, seeks or
-/// loses one soon knows the state.
+/// loses one soon knows the state. Not thread-safe: one thread at a time.
 class CueBuilder
 {
 public:

@@ -30,6 +30,7 @@ struct CueLimits
 /// on after that is felt from then on.
 ///
 /// A pure function of the maps and their times: what counts is time, never the number of frames.
+/// Not thread-safe: one thread at a time.
 class CueLimiter
 {
 public:

@@ -60,7 +60,7 @@ struct MappingSettings
 /// is, not how large.
 ///
 /// Writes rows × columns levels in [0, 1] into `out`, whose grid says how many. A map without
-/// values is silent.
+/// values is silent. Any thread may call it.
 void map_saliency(const SaliencyView &map, const MappingSettings &settings, TactileMap &out,
                   const Viewport &viewport = {});
 

@@ -31,7 +31,7 @@ struct Viewport
 /// nothing was salient, and why it never becomes narrower than 4 √(p / (1 + p) / 12) = 0.47 of the
 /// picture, p = kPrior.
 ///
-/// What counts is time, not the number of maps.
+/// What counts is time, not the number of maps. Not thread-safe: one thread at a time.
 class AdaptiveViewport
 {
 public:

@@ -9,7 +9,8 @@
 namespace tactor {
 
 /// A board if one can be used, else a simulator; DriverEvent says which, and why. Where nothing is plugged in that knows at once. Throws
-/// what the board's driver throws if DriverConfig::device names a board, or if a board was found that does not fit the settings.
+/// what the board's driver throws if DriverConfig::device names a board, or if a board was found that does not fit the settings. Threads as
+/// every Driver.
 class AutoDriver : public Driver
 {
 public:

@@ -76,6 +76,8 @@ struct PlannerSettings
 ///   at which another tactor ends, that one ends when the rise begins, the weakest first.
 /// - reset() begins running time anew, but not the account: time in which nothing was played is not known, so what follows is
 ///   taken to follow at once.
+///
+/// Not thread-safe: one thread at a time (tactorsink's streaming thread).
 class CommandPlanner
 {
 public:

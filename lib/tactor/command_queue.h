@@ -9,7 +9,7 @@
 
 namespace tactor {
 
-/// Planned commands in order of their due time, and what every motor was told last. Not thread-safe.
+/// Planned commands in order of their due time, and what every motor was told last. Not thread-safe: its owner guards it.
 class CommandQueue
 {
 public:

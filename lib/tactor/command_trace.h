@@ -19,7 +19,7 @@ struct IssuedCommand
 };
 
 /// The commands of a play as a CSV file: a header line, then `issued_ns,due_ns,effect_ns,tactor,volts` a command, running
-/// times in nanoseconds, due = effect − lead, volts with three decimals.
+/// times in nanoseconds, due = effect − lead, volts with three decimals. Not thread-safe: its owner guards it.
 class CommandTrace
 {
 public:

@@ -81,7 +81,7 @@ struct DriverStatus
   std::uint64_t reconnects = 0; ///< times it came back since open()
 };
 
-/// A board that drives tactors. A driver is never called by two threads at once (the sink's scheduler), but for status(). close() and the
+/// A board that drives tactors. Not thread-safe: one thread at a time (the scheduler's, once it runs), but for status(). close() and the
 /// destructor leave every motor at zero. open() and write() may throw DriverError; a board that goes away and may come back is not an
 /// error of write(), but an event.
 class Driver

@@ -37,6 +37,8 @@ struct FirmataPatience
 ///
 /// With a watchdog (firmata::kSeatFirmware) there are keepalives while a motor is on. They prove that whoever sets the levels
 /// is alive, not just this object: after host_silence without set_levels() all levels are zero, whatever the firmware.
+///
+/// Not thread-safe: its owner guards it.
 class FirmataBoard
 {
 public:

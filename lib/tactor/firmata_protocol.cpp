@@ -16,12 +16,8 @@ constexpr unsigned kSetMode = 0xf4;
 constexpr unsigned kAnalog = 0xe0;
 // Sysex ids
 constexpr unsigned kKeepalive = 0x01;
-constexpr unsigned kAnalogMapQuery = 0x69;
-constexpr unsigned kAnalogMapReport = 0x6a;
 constexpr unsigned kCapabilityQuery = 0x6b;
 constexpr unsigned kCapabilityReport = 0x6c;
-constexpr unsigned kPinStateQuery = 0x6d;
-constexpr unsigned kPinStateReport = 0x6e;
 constexpr unsigned kExtendedAnalog = 0x6f;
 constexpr unsigned kFirmware = 0x79;
 
@@ -69,25 +65,6 @@ capability_report(Data data)
   return report;
 }
 
-std::optional<Event>
-analog_map_report(Data data)
-{
-  if (data.empty() || data.size() > kMaxPins)
-    return std::nullopt;
-  return AnalogMapReport{ .channels = { data.begin(), data.end() } };
-}
-
-std::optional<Event>
-pin_state_report(Data data)
-{
-  if (data.size() < 3 || data.size() > 5)
-    return std::nullopt;
-  PinStateReport report{ .pin = data[0], .mode = data[1], .value = 0 };
-  for (std::size_t i = 2; i < data.size(); i++)
-    report.value |= unsigned{ data[i] } << 7 * (i - 2);
-  return report;
-}
-
 } // namespace
 
 /* ---- to the board ---- */
@@ -116,18 +93,6 @@ Encoder &
 Encoder::ask_capabilities()
 {
   return add({ kStartSysex, kCapabilityQuery, kEndSysex });
-}
-
-Encoder &
-Encoder::ask_analog_map()
-{
-  return add({ kStartSysex, kAnalogMapQuery, kEndSysex });
-}
-
-Encoder &
-Encoder::ask_pin_state(int pin)
-{
-  return add({ kStartSysex, kPinStateQuery, static_cast<unsigned>(pin) & 0x7f, kEndSysex });
 }
 
 Encoder &
@@ -206,12 +171,6 @@ Decoder::end_sysex(const std::function<void(const Event &)> &event)
     break;
   case kCapabilityReport:
     report = capability_report(data);
-    break;
-  case kAnalogMapReport:
-    report = analog_map_report(data);
-    break;
-  case kPinStateReport:
-    report = pin_state_report(data);
     break;
   default:
     return;

@@ -32,8 +32,6 @@ public:
   Encoder &ask_version();      ///< `F9`
   Encoder &ask_firmware();     ///< `F0 79 F7`
   Encoder &ask_capabilities(); ///< `F0 6B F7`
-  Encoder &ask_analog_map();   ///< `F0 69 F7`
-  Encoder &ask_pin_state(int pin);
   Encoder &set_mode(int pin, std::uint8_t mode);
   /// A pin's duty: an analog message where pin (below 16) and value (14 bits) fit, else an extended one (21 bits).
   Encoder &set_value(int pin, unsigned value);
@@ -86,24 +84,8 @@ struct CapabilityReport
   bool operator==(const CapabilityReport &) const = default;
 };
 
-/// Analog channel of each pin, from pin 0 on; 127: none.
-struct AnalogMapReport
-{
-  std::vector<std::uint8_t> channels;
-  bool operator==(const AnalogMapReport &) const = default;
-};
-
-struct PinStateReport
-{
-  int pin = 0;
-  std::uint8_t mode = 0;
-  unsigned value = 0; ///< 21 bits at most
-  bool operator==(const PinStateReport &) const = default;
-};
-
-/// A message of the board that is well formed; others of Firmata's (inputs, I2C, servos, text) mean nothing here and are not told.
-using Event = std::variant<VersionReport, FirmwareReport, CapabilityReport, AnalogMapReport,
-                           PinStateReport>;
+/// A message of the board that is well formed; others of Firmata's (inputs, pin states, I2C, servos, text) mean nothing here and are not told.
+using Event = std::variant<VersionReport, FirmwareReport, CapabilityReport>;
 
 /// Takes a board's bytes apart. Whatever comes, it holds no more than kMaxSysex bytes, and it finds the next whole message behind a
 /// damaged one: a byte of 0x80 or more other than F7 begins a message anew.

@@ -32,7 +32,7 @@ struct LimitCounters
 /// When one motor was told to be on, and how long it may be. All times are those of commands (Command::due).
 ///
 /// A cue is what is felt as one: stretches with breaks below kShortestRest. Accounting is exact for kMostStretches stretches in
-/// kDutyWindow; with more the oldest are joined, and what was between them counts as on.
+/// kDutyWindow; with more the oldest are joined, and what was between them counts as on. Not thread-safe: its planner's thread.
 class MotorUse
 {
 public:

@@ -9,7 +9,7 @@
 namespace tactor {
 
 /// How exactly commands are issued: |issued − due| over any number of commands in bounded memory. Minimum, mean and
-/// maximum are exact; a percentile is the upper edge of its 10 µs bin, from 1 s on the maximum.
+/// maximum are exact; a percentile is the upper edge of its 10 µs bin, from 1 s on the maximum. Not thread-safe: its owner guards it.
 class ScheduleStatistics
 {
 public:

@@ -12,7 +12,8 @@
 namespace tactor {
 
 /// A serial line to a board, 57600 baud 8N1, whatever carries it. Open for as long as it exists: the destructor cancels what is on
-/// the way, waits until no event is being called any more and releases the board.
+/// the way, waits until no event is being called any more and releases the board. Not thread-safe: one thread at a time, and none destroys
+/// it from within an event.
 class SerialPort
 {
 public:
@@ -49,7 +50,7 @@ struct SerialDevice
   bool operator==(const SerialDevice &) const = default;
 };
 
-/// Where serial lines are found.
+/// Where serial lines are found. Not thread-safe: one thread at a time.
 class SerialBus
 {
 public:

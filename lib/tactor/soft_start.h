@@ -8,7 +8,7 @@
 namespace tactor {
 
 /// Nobody is startled by motors that come on at full power as the play begins, goes on or jumps: the first vibration after
-/// arm() is held below a ceiling that rises to full scale.
+/// arm() is held below a ceiling that rises to full scale. Not thread-safe: its owner guards it.
 class SoftStart
 {
 public:

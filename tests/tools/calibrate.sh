@@ -3,26 +3,8 @@
 # tactor-calibrate in a closed loop: simulated motors that all differ are driven by tactorsink, heard by a GStreamer source, measured, and
 # played again with what was measured. No clock is waited for.
 # Expects CALIBRATE (the program) and the plugins on GST_PLUGIN_PATH.
-set -euo pipefail
-: "${CALIBRATE:?the path of tactor-calibrate}"
-work=$(mktemp -d)
-trap 'rm -rf "$work"' EXIT
-cd "$work"
-
-fail() {
-  echo "$*"
-  exit 1
-}
-
-# near WHAT GOT EXPECTED TOLERANCE
-near() {
-  awk -v got="$2" -v want="$3" -v off="$4" 'BEGIN { exit !(got != "" && got - want <= off && want - got <= off) }' || fail "$1 is '$2' instead of $3 ± $4"
-}
-
-# value TACTOR KEY [FIELD]: of motors.calibration
-value() {
-  sed -n "/^\[Tactor $1\]/,/^\[/s/^$2=//p" chair/motors.calibration | cut -d';' -f"${3:-1}"
-}
+# shellcheck source=calibrate_common.sh
+. "$(dirname "$0")/calibrate_common.sh"
 
 cat >simulated <<'INI'
 [Calibration]
@@ -57,9 +39,7 @@ head -n 1 out | grep -q '^run 2 of' || fail "it did not go on: $(cat out)"
 [ ! -s out ] || fail "there was nothing left to do, but: $(cat out)"
 "$CALIBRATE" measure chair "${hear[@]}" --repetitions=3 2>err && fail "it took a used folder"
 grep -q "another measurement" err || fail "$(cat err)"
-for trace in chair/run-*.csv; do
-  awk -F, 'NR > 1 { last[$4] = $5 } END { for (t in last) if (last[t] != 0) exit 1 }' "$trace" || fail "$trace leaves a motor on"
-done
+expect_silence
 
 "$CALIBRATE" analyse chair >out
 grep -q '^motor=two of them$' chair/motors.calibration || fail "the motor's name is lost"

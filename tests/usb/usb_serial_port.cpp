@@ -10,14 +10,30 @@ using namespace std::chrono_literals;
 using namespace tactor;
 using namespace usb_test;
 
+namespace {
+
+/// A board that is plugged in, and its port, open.
+struct Plugged
+{
+  explicit Plugged(const BoardDescription &description = {}, UsbPatience patience = {})
+      : board(usb, description), bus(patience), port(open_only(bus, listener))
+  {
+  }
+
+  EmulatedUsb usb;
+  EmulatedBoard board;
+  UsbSerialBus bus;
+  Listener listener;
+  std::unique_ptr<SerialPort> port;
+};
+
+} // namespace
+
 GST_START_TEST(test_bytes_out)
 {
   for (const Transport transport : kTransports) {
-    EmulatedUsb usb;
-    EmulatedBoard board(usb, { .transport = transport });
-    UsbSerialBus bus;
-    Listener listener;
-    const auto port = open_only(bus, listener);
+    Plugged plugged({ .transport = transport });
+    auto &[usb, board, bus, listener, port] = plugged;
     std::mt19937 random(static_cast<unsigned>(transport));
     Bytes sent;
     for (int i = 0; i < 100; i++) {
@@ -39,11 +55,8 @@ GST_END_TEST;
 GST_START_TEST(test_bytes_in)
 {
   for (const Transport transport : kTransports) {
-    EmulatedUsb usb;
-    EmulatedBoard board(usb, { .transport = transport });
-    UsbSerialBus bus;
-    Listener listener;
-    const auto port = open_only(bus, listener);
+    Plugged plugged({ .transport = transport });
+    auto &[usb, board, bus, listener, port] = plugged;
     std::mt19937 random(static_cast<unsigned>(transport));
     Bytes sent;
     for (int i = 0; i < 300; i++) {
@@ -64,11 +77,8 @@ GST_END_TEST;
 GST_START_TEST(test_odd_packets)
 {
   for (const Transport transport : kTransports) {
-    EmulatedUsb usb;
-    EmulatedBoard board(usb, { .transport = transport });
-    UsbSerialBus bus;
-    Listener listener;
-    const auto port = open_only(bus, listener);
+    Plugged plugged({ .transport = transport });
+    auto &[usb, board, bus, listener, port] = plugged;
     std::mt19937 random(7);
     Bytes sent;
     for (int i = 0; i < 60; i++) {
@@ -134,11 +144,8 @@ GST_END_TEST;
 
 GST_START_TEST(test_one_write_at_a_time)
 {
-  EmulatedUsb usb;
-  EmulatedBoard board(usb, {});
-  UsbSerialBus bus;
-  Listener listener;
-  const auto port = open_only(bus, listener);
+  Plugged plugged;
+  auto &[usb, board, bus, listener, port] = plugged;
   board.stall(true);
   const Bytes first{ 1 }, second{ 2 }, third{ 3 };
   fail_unless(port->write(first));
@@ -179,11 +186,8 @@ GST_START_TEST(test_unplugged)
 {
   for (const Transport transport : kTransports)
     for (const bool udev : { true, false }) {
-      EmulatedUsb usb;
-      EmulatedBoard board(usb, { .transport = transport });
-      UsbSerialBus bus;
-      Listener listener;
-      auto port = open_only(bus, listener);
+      Plugged plugged({ .transport = transport });
+      auto &[usb, board, bus, listener, port] = plugged;
       if (!udev)
         usb.stop_udev();
       board.stall(true);
@@ -203,11 +207,8 @@ GST_END_TEST;
 /// What an unplugged board looks like before the hub has noticed.
 GST_START_TEST(test_transfers_that_fail)
 {
-  EmulatedUsb usb;
-  EmulatedBoard board(usb, {});
-  UsbSerialBus bus;
-  Listener listener;
-  auto port = open_only(bus, listener);
+  Plugged plugged;
+  auto &[usb, board, bus, listener, port] = plugged;
   board.break_transfers(EmulatedBoard::kAll);
   fail_unless(listener.wait_for_loss());
   const Bytes bytes{ 1 };
@@ -221,11 +222,8 @@ GST_END_TEST;
 GST_START_TEST(test_halted)
 {
   for (const Transport transport : kTransports) {
-    EmulatedUsb usb;
-    EmulatedBoard board(usb, { .transport = transport });
-    UsbSerialBus bus;
-    Listener listener;
-    auto port = open_only(bus, listener);
+    Plugged plugged({ .transport = transport });
+    auto &[usb, board, bus, listener, port] = plugged;
     board.break_transfers(1, EPIPE);
     fail_unless(listener.wait_for_loss());
     fail_unless(!port->write(Bytes{ 1 }));
@@ -239,11 +237,8 @@ GST_END_TEST;
 /// Motors make noise: now and then a transfer fails, and nothing is lost by that.
 GST_START_TEST(test_noise)
 {
-  EmulatedUsb usb;
-  EmulatedBoard board(usb, {});
-  UsbSerialBus bus;
-  Listener listener;
-  const auto port = open_only(bus, listener);
+  Plugged plugged;
+  auto &[usb, board, bus, listener, port] = plugged;
   std::mt19937 random(2);
   Bytes sent;
   for (int i = 0; i < 20; i++) {
@@ -265,11 +260,8 @@ GST_END_TEST;
 
 GST_START_TEST(test_stalled)
 {
-  EmulatedUsb usb;
-  EmulatedBoard board(usb, {});
-  UsbSerialBus bus({ .write = 30ms });
-  Listener listener;
-  auto port = open_only(bus, listener);
+  Plugged plugged({}, { .write = 30ms });
+  auto &[usb, board, bus, listener, port] = plugged;
   board.stall(true);
   const Bytes bytes{ 1 };
   fail_unless(port->write(bytes));

@@ -3,8 +3,6 @@
 
 #include "tactile/cue_builder.h"
 #include "tactile/formats/webvtt.h"
-#include "tactile/klv.h"
-#include "tactile/text_cue.h"
 
 #include <glib-unix.h>
 #include <gst/app/gstappsrc.h>
@@ -22,34 +20,10 @@ namespace {
 GstCaps *
 caps_of(const tactile::Track &track, CueForm form)
 {
-  switch (form) {
-  case CueForm::map:
-    return gst_tactile_map_caps_new(static_cast<guint>(track.rows()),
-                                    static_cast<guint>(track.columns()), 0, 1);
-  case CueForm::text:
-    return gst_caps_from_string("text/x-raw,format=utf8");
-  case CueForm::klv:
-    break;
-  }
-  return gst_caps_from_string("meta/x-klv,parsed=true");
-}
-
-GstBuffer *
-buffer_of(const tactile::Cue &cue, CueForm form)
-{
-  GstBuffer *buffer = nullptr;
-  if (form == CueForm::map) {
-    buffer = gst_tactile_map_buffer_new(cue.map.levels.data(), cue.map.levels.size());
-  } else if (form == CueForm::text) {
-    const std::string text = tactile::write_text_cue(cue.map);
-    buffer = gst_buffer_new_memdup(text.data(), text.size());
-  } else {
-    const std::vector<std::uint8_t> bytes = tactile::write_klv(cue.map, cue.end - cue.begin);
-    buffer = gst_buffer_new_memdup(bytes.data(), bytes.size());
-  }
-  GST_BUFFER_PTS(buffer) = static_cast<GstClockTime>(cue.begin.count());
-  GST_BUFFER_DURATION(buffer) = static_cast<GstClockTime>((cue.end - cue.begin).count());
-  return buffer;
+  if (form != CueForm::map)
+    return cue_caps_new(form);
+  return gst_tactile_map_caps_new(static_cast<guint>(track.rows()),
+                                  static_cast<guint>(track.columns()), 0, 1);
 }
 
 /// One run of a main loop.
@@ -195,7 +169,7 @@ feed_track(GstElement *appsrc, const tactile::Track &track, CueForm form)
                 entries[i].map);
   builder.flush();
   while (const std::optional<tactile::Cue> cue = builder.take())
-    gst_app_src_push_buffer(GST_APP_SRC(appsrc), buffer_of(*cue, form));
+    gst_app_src_push_buffer(GST_APP_SRC(appsrc), cue_buffer_new(*cue, form));
   gst_app_src_end_of_stream(GST_APP_SRC(appsrc));
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include "gst/tactile/cuestream.h"
 #include "tactile/track.h"
 
 #include <gst/gst.h>
@@ -23,14 +24,6 @@ Owned<GstElement> make_pipeline(const std::string &line);
 
 /// An element of it by its name.
 Owned<GstElement> element(const Owned<GstElement> &pipeline, const char *name);
-
-/// What a track is sent as.
-enum class CueForm
-{
-  map,
-  text,
-  klv,
-};
 
 /// Gives an appsrc the whole track as cues that follow each other without gaps, silent ones too, and the end of stream. It must not have
 /// been started.

@@ -17,12 +17,7 @@ constexpr std::uint8_t kModemControl = 0xa4;
 std::optional<SerialLine>
 ch340_line(const libusb_device_descriptor &device, const libusb_config_descriptor &config)
 {
-  if (!is_one_of(device, kCh340Devices))
-    return std::nullopt;
-  const std::vector<const libusb_interface_descriptor *> interfaces = first_settings(config);
-  if (interfaces.empty())
-    return std::nullopt;
-  std::optional<SerialLine> line = bulk_line(*interfaces.front());
+  std::optional<SerialLine> line = first_line(device, config, kCh340Devices);
   if (!line)
     return std::nullopt;
   line->transport = "ch340";

@@ -17,16 +17,11 @@ constexpr std::uint8_t kLatencyTimer = 0x09;
 std::optional<SerialLine>
 ftdi_line(const libusb_device_descriptor &device, const libusb_config_descriptor &config)
 {
-  if (!is_one_of(device, kFtdiDevices))
-    return std::nullopt;
-  const std::vector<const libusb_interface_descriptor *> interfaces = first_settings(config);
-  if (interfaces.empty())
-    return std::nullopt;
-  std::optional<SerialLine> line = bulk_line(*interfaces.front());
+  std::optional<SerialLine> line = first_line(device, config, kFtdiDevices);
   if (!line)
     return std::nullopt;
   // Chips with several lines count them from 1; those with one know it as 0.
-  const std::uint16_t index = interfaces.size() > 1 ? 1 : 0;
+  const std::uint16_t index = first_settings(config).size() > 1 ? 1 : 0;
   line->transport = "ftdi";
   line->status_bytes = 2; // modem and line status
   line->set_up = {

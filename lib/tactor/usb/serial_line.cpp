@@ -56,4 +56,14 @@ first_settings(const libusb_config_descriptor &config)
   return settings;
 }
 
+std::optional<SerialLine>
+first_line(const libusb_device_descriptor &device, const libusb_config_descriptor &config,
+           std::span<const UsbId> ids)
+{
+  if (!is_one_of(device, ids))
+    return std::nullopt;
+  const std::vector<const libusb_interface_descriptor *> interfaces = first_settings(config);
+  return interfaces.empty() ? std::nullopt : bulk_line(*interfaces.front());
+}
+
 } // namespace tactor

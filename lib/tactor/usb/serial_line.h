@@ -52,4 +52,9 @@ std::optional<SerialLine> bulk_line(const libusb_interface_descriptor &interface
 std::vector<const libusb_interface_descriptor *>
 first_settings(const libusb_config_descriptor &config);
 
+/// The bulk_line() of the first interface, if the device is one of these.
+std::optional<SerialLine> first_line(const libusb_device_descriptor &device,
+                                     const libusb_config_descriptor &config,
+                                     std::span<const UsbId> ids);
+
 } // namespace tactor

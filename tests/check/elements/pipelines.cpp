@@ -4,16 +4,16 @@
 // every motor at zero. Nothing here depends on how fast the machine is: it is waited for what has to happen.
 #include "tactor/command_trace.h"
 
-#include <array>
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
 #include <functional>
 #include <string>
-#include <unistd.h>
 #include <vector>
 
 // After the standard library's headers: gstcheck.h defines a macro named fail.
+#include "../temporary_file.h"
+#include "trace.h"
 #include <gst/base/gstbasesink.h>
 #include <gst/check/gstcheck.h>
 
@@ -51,11 +51,6 @@ class Player
 public:
   explicit Player(const std::string &description)
   {
-    char name[] = "/tmp/pipelines-XXXXXX";
-    const int fd = mkstemp(name);
-    fail_unless(fd >= 0);
-    close(fd);
-    trace_path = name;
     GError *error = nullptr;
     pipeline = gst_parse_launch(description.c_str(), &error);
     fail_unless(error == nullptr, "%s", error ? error->message : "");
@@ -63,7 +58,8 @@ public:
     video = gst_bin_get_by_name(GST_BIN(pipeline), "video");
     bus = gst_element_get_bus(pipeline);
     if (tactors)
-      g_object_set(tactors, "trace-location", name, "ramp-in", guint64{ 0 }, nullptr);
+      g_object_set(tactors, "trace-location", trace_file.path.c_str(), "ramp-in", guint64{ 0 },
+                   nullptr);
   }
   ~Player()
   {
@@ -73,7 +69,6 @@ public:
     gst_clear_object(&video);
     gst_object_unref(bus);
     gst_object_unref(pipeline);
-    unlink(trace_path.c_str());
   }
   Player(const Player &) = delete;
   Player &operator=(const Player &) = delete;
@@ -134,16 +129,13 @@ public:
   /// What has been traced: in a pause, at the end of the stream or after the play. Each motor's last command is zero.
   std::vector<IssuedCommand> trace()
   {
-    const std::vector<IssuedCommand> lines = tactor::read_command_trace(trace_path);
-    std::array<double, 4096> last{};
+    const std::vector<IssuedCommand> lines = tactor::read_command_trace(trace_file.path);
     for (const IssuedCommand &line : lines) {
-      last[static_cast<std::size_t>(line.command.tactor)] = line.command.volts;
       fail_unless(line.command.lead >= Time(0) && line.command.lead <= milliseconds(180));
       fail_unless(line.issued >= line.command.due());
       fail_unless(line.command.volts <= 3.0);
     }
-    for (std::size_t i = 0; i < last.size(); i++)
-      fail_unless(last[i] == 0, "tactor %u is left at %g V", static_cast<guint>(i), last[i]);
+    assert_silent_at_end(lines);
     return lines;
   }
   /// The trace after the play; within each piece of play effects follow each other in order.
@@ -172,7 +164,7 @@ public:
   GstElement *tactors;
   GstElement *video;
   GstBus *bus;
-  std::string trace_path;
+  TemporaryFile trace_file;
   bool eos = false;
   int errors = 0;
   int errors_expected = 0;

@@ -12,10 +12,10 @@
 #include <map>
 #include <mutex>
 #include <string>
-#include <unistd.h>
 #include <vector>
 
 // After the standard library's headers: gstcheck.h defines a macro named fail.
+#include "../temporary_file.h"
 #include <gst/base/gstbasesink.h>
 #include <gst/check/gstcheck.h>
 #include <gst/tactile/tactile.h>
@@ -28,27 +28,6 @@ namespace {
 constexpr GstClockTime kFilmLength = 8 * GST_SECOND;
 
 /// A file that is gone when this is.
-class TemporaryFile
-{
-public:
-  explicit TemporaryFile(const char *suffix)
-  {
-    std::string name = std::string("/tmp/players-XXXXXX") + suffix;
-    const int fd = mkstemps(name.data(), static_cast<int>(strlen(suffix)));
-    fail_unless(fd >= 0);
-    close(fd);
-    path = name;
-  }
-  ~TemporaryFile()
-  {
-    unlink(path.c_str());
-  }
-  TemporaryFile(const TemporaryFile &) = delete;
-  TemporaryFile &operator=(const TemporaryFile &) = delete;
-
-  std::string path;
-};
-
 /// Eight seconds of a ball that moves about, with a tone; each frame can be sought.
 void
 make_film(const std::string &path)
@@ -218,7 +197,7 @@ public:
   Watch frames;
   Watch video;
   Watch audio;
-  TemporaryFile trace_file{ ".csv" };
+  TemporaryFile trace_file;
   GstElement *pipeline;
   GstElement *tactors;
   GstBus *bus;
@@ -288,7 +267,7 @@ assert_sound_is_the_pictures(Player &player, const std::vector<double> &rates)
 void
 check_player(const char *playbin)
 {
-  const TemporaryFile film(".mkv");
+  const TemporaryFile film("", ".mkv");
   make_film(film.path);
   Player player(playbin, film.path);
 
@@ -336,7 +315,7 @@ GST_END_TEST;
 /// The analysis as a filter of the player's own, whatever shows the film.
 GST_START_TEST(test_video_filter)
 {
-  const TemporaryFile film(".mkv");
+  const TemporaryFile film("", ".mkv");
   make_film(film.path);
   g_autofree gchar *uri = gst_filename_to_uri(film.path.c_str(), nullptr);
   for (const char *playbin : { "playbin", "playbin3" }) {

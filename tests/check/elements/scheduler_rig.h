@@ -6,7 +6,6 @@
 #include "gst/tactor/tactorscheduler.h"
 
 #include <algorithm>
-#include <array>
 #include <atomic>
 #include <condition_variable>
 #include <functional>
@@ -15,11 +14,12 @@
 #include <optional>
 #include <stdexcept>
 #include <string>
-#include <unistd.h>
 #include <utility>
 #include <vector>
 
 // After the standard library's headers: gstcheck.h defines a macro named fail.
+#include "../temporary_file.h"
+#include "trace.h"
 #include <gst/check/gstcheck.h>
 #include <gst/check/gsttestclock.h>
 
@@ -237,11 +237,6 @@ public:
     clock = GST_TEST_CLOCK(gst_test_clock_new_with_start_time(GST_SECOND * 5));
     host.set(GST_CLOCK(clock), offset);
     scheduler = std::make_unique<TactorScheduler>(host);
-    char name[] = "/tmp/tactorscheduler-XXXXXX";
-    const int fd = mkstemp(name);
-    fail_unless(fd >= 0);
-    close(fd);
-    trace_path = name;
     start();
     if (play)
       scheduler->play();
@@ -253,11 +248,7 @@ public:
     fail_unless(board.is_silent());
     fail_unless(board.destroyed);
     // What a reader of the trace thinks the motors do at the end.
-    std::array<double, 4096> last{};
-    for (const tactor::IssuedCommand &issued : tactor::read_command_trace(trace_path))
-      last[static_cast<std::size_t>(issued.command.tactor)] = issued.command.volts;
-    fail_unless(silent({ last.begin(), last.end() }));
-    unlink(trace_path.c_str());
+    assert_silent_at_end(tactor::read_command_trace(trace_file.path));
     gst_object_unref(clock);
   }
 
@@ -267,7 +258,7 @@ public:
     const tactor::DriverConfig config;
     driver->open(config);
     scheduler->start(std::move(driver), config.full_scale_volts,
-                     std::make_unique<tactor::CommandTrace>(trace_path));
+                     std::make_unique<tactor::CommandTrace>(trace_file.path));
   }
   void push(const std::vector<Command> &commands, Time expires = kForever)
   {
@@ -314,6 +305,6 @@ public:
   Host host;
   GstTestClock *clock;
   Time offset = std::chrono::seconds(5);
-  std::string trace_path;
+  TemporaryFile trace_file;
   std::unique_ptr<TactorScheduler> scheduler; ///< ends first
 };

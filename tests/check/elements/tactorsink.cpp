@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
+//
+// When tactorsink tells motors what: in play, pause, seek, mute and at the end. What comes in is tested in tactorsink_input.
 #include "tactorsink_rig.h"
-
-#include <gst/check/gstharness.h>
-#include <gst/video/video.h>
 
 /// One rise from rest to full, under each compensation: 64.54 ms by Eq. 1, which is 1.6 frames of
 /// 40 ms, so two.
@@ -235,30 +234,6 @@ GST_START_TEST(test_latency_change_moves_the_wait)
 }
 GST_END_TEST;
 
-GST_START_TEST(test_caps_change)
-{
-  Rig rig;
-  g_object_set(rig.element, "compensation", 2, nullptr);
-  rig.start();
-  rig.run_out([&] {
-    rig.push(0, { 1.0f });
-    GstCaps *caps = gst_tactile_map_caps_new(2, 2, 25, 1);
-    fail_unless(gst_pad_send_event(rig.sink_pad, gst_event_new_caps(caps)));
-    gst_caps_unref(caps);
-    rig.push(40 * kMs, { 0.0f, 0.5f, 0.0f, 1.0f });
-    gst_pad_send_event(rig.sink_pad, gst_event_new_eos());
-  });
-  const std::vector<Line> lines = rig.trace();
-  std::map<int, std::vector<double>> volts;
-  for (const Line &line : lines)
-    volts[line.tactor].push_back(line.volts);
-  fail_unless(volts[0] == (std::vector<double>{ 3.0, 0.0 }));
-  fail_unless(volts[1] == (std::vector<double>{ 1.5, 0.0 }));
-  fail_unless(volts[2].empty());
-  fail_unless(volts[3] == (std::vector<double>{ 3.0, 0.0 }));
-}
-GST_END_TEST;
-
 GST_START_TEST(test_mapping_and_volts)
 {
   Rig rig("application/x-tactile-map,rows=1,columns=4,framerate=25/1");
@@ -319,30 +294,6 @@ GST_START_TEST(test_mute_acts_at_once)
   assert_line(lines[1], 90 * kMs, 90 * kMs, 90 * kMs, 0, 0.0);
   assert_line(lines[2], 110 * kMs, 110 * kMs, 110 * kMs, 0, 3.0);
   assert_silent_at_end(lines);
-}
-GST_END_TEST;
-
-/// A grid that changes under a level that does not: the motor goes on, and the new one joins in.
-GST_START_TEST(test_grid_change_keeps_steady_levels)
-{
-  Rig rig;
-  g_object_set(rig.element, "compensation", 2, nullptr);
-  rig.start();
-  rig.run_out([&] {
-    rig.push(0, { 1.0f });
-    GstCaps *caps = gst_tactile_map_caps_new(1, 2, 25, 1);
-    fail_unless(gst_pad_send_event(rig.sink_pad, gst_event_new_caps(caps)));
-    gst_caps_unref(caps);
-    for (GstClockTime pts = kFrame; pts < 400 * kMs; pts += kFrame)
-      rig.push(pts, { 1.0f, 1.0f });
-    gst_pad_send_event(rig.sink_pad, gst_event_new_eos());
-  });
-  const std::vector<Line> lines = rig.trace();
-  ck_assert_uint_eq(lines.size(), 4);
-  assert_line(lines[0], 0, 0, 0, 0, 3.0);
-  assert_line(lines[1], kFrame, kFrame, kFrame, 1, 3.0);
-  assert_line(lines[2], 400 * kMs, 400 * kMs, 400 * kMs, 0, 0.0);
-  assert_line(lines[3], 400 * kMs, 400 * kMs, 400 * kMs, 1, 0.0);
 }
 GST_END_TEST;
 
@@ -416,40 +367,6 @@ GST_START_TEST(test_sync_false_issues_every_command)
   for (const Line &line : lines)
     ck_assert_int_eq(line.issued, line.due);
   assert_silent_at_end(lines);
-}
-GST_END_TEST;
-
-/// A stream without times is played as it comes.
-GST_START_TEST(test_segment_in_bytes)
-{
-  Rig rig;
-  GstSegment segment;
-  gst_segment_init(&segment, GST_FORMAT_BYTES);
-  rig.start(&segment);
-  rig.run_out([&] {
-    ck_assert_int_eq(rig.push(0, { 1.0f }), GST_FLOW_OK);
-    gst_pad_send_event(rig.sink_pad, gst_event_new_eos());
-  });
-  assert_silent_at_end(rig.trace());
-}
-GST_END_TEST;
-
-/// A trace that cannot be written is said when the play ends.
-GST_START_TEST(test_full_disk_is_said)
-{
-  if (access("/dev/full", W_OK) != 0)
-    return;
-  Rig rig;
-  g_object_set(rig.element, "trace-location", "/dev/full", "compensation", 2, nullptr);
-  rig.start();
-  rig.run_out([&] {
-    rig.push(0, { 1.0f });
-    gst_pad_send_event(rig.sink_pad, gst_event_new_eos());
-  });
-  gst_element_set_state(rig.element, GST_STATE_READY);
-  GstMessage *warning = gst_bus_pop_filtered(rig.bus, GST_MESSAGE_WARNING);
-  fail_unless(warning != nullptr);
-  gst_message_unref(warning);
 }
 GST_END_TEST;
 
@@ -561,191 +478,6 @@ GST_START_TEST(test_null_while_playing_is_silent)
 }
 GST_END_TEST;
 
-GST_START_TEST(test_video_frames_with_and_without_meta)
-{
-  Rig rig("video/x-raw,format=GRAY8,width=4,height=4,framerate=25/1");
-  g_object_set(rig.element, "compensation", 2, nullptr);
-  rig.start();
-  rig.run_out([&] {
-    for (int i = 0; i < 3; i++) {
-      GstBuffer *frame = gst_buffer_new_allocate(nullptr, 16, nullptr);
-      GST_BUFFER_PTS(frame) = static_cast<GstClockTime>(i) * 200 * kMs;
-      GST_BUFFER_DURATION(frame) = kFrame;
-      const gfloat levels[] = { 0.0f, 1.0f };
-      if (i < 2)
-        gst_buffer_add_tactile_meta(frame, 1, 2, levels, 2);
-      ck_assert_int_eq(gst_pad_chain(rig.sink_pad, frame), GST_FLOW_OK);
-    }
-    gst_pad_send_event(rig.sink_pad, gst_event_new_eos());
-  });
-  GstMessage *warning = gst_bus_pop_filtered(rig.bus, GST_MESSAGE_WARNING);
-  fail_unless(warning != nullptr);
-  gst_message_unref(warning);
-  const std::vector<Line> lines = rig.trace();
-  ck_assert_uint_eq(lines.size(), 2);
-  assert_line(lines[0], 0, 0, 0, 1, 3.0);
-  assert_line(lines[1], 400 * kMs, 400 * kMs, 400 * kMs, 1, 0.0);
-}
-GST_END_TEST;
-
-GST_START_TEST(test_missing_pts_follow_each_other)
-{
-  Rig rig;
-  g_object_set(rig.element, "compensation", 2, "rate", 0.0, nullptr);
-  rig.start();
-  rig.run_out([&] {
-    rig.push(400 * kMs, { 1.0f });
-    rig.push(GST_CLOCK_TIME_NONE, { 0.5f }, GST_CLOCK_TIME_NONE);
-    gst_pad_send_event(rig.sink_pad, gst_event_new_eos());
-  });
-  const std::vector<Line> lines = rig.trace();
-  ck_assert_uint_eq(lines.size(), 3);
-  assert_line(lines[0], 400 * kMs, 400 * kMs, 400 * kMs, 0, 3.0);
-  assert_line(lines[1], 440 * kMs, 440 * kMs, 440 * kMs, 0, 1.5);
-  assert_line(lines[2], 480 * kMs, 480 * kMs, 480 * kMs, 0, 0.0);
-}
-GST_END_TEST;
-
-GST_START_TEST(test_wrong_size_is_an_error)
-{
-  Rig rig;
-  rig.start();
-  GstFlowReturn flow = GST_FLOW_OK;
-  rig.run_out([&] { flow = rig.push(0, { 1.0f, 1.0f }); });
-  ck_assert_int_eq(flow, GST_FLOW_ERROR);
-  GstMessage *message = gst_bus_pop_filtered(rig.bus, GST_MESSAGE_ERROR);
-  fail_unless(message != nullptr);
-  gst_message_unref(message);
-}
-GST_END_TEST;
-
-GST_START_TEST(test_absurd_caps_are_refused)
-{
-  GstHarness *h = gst_harness_new_with_padnames("tactorsink", "sink", nullptr);
-  GstPad *pad = gst_element_get_static_pad(h->element, "sink");
-  GstCaps *caps = gst_caps_from_string(
-      "application/x-tactile-map,rows=(int)65,columns=(int)3,framerate=(fraction)25/1");
-  fail_if(gst_pad_query_accept_caps(pad, caps));
-  gst_caps_unref(caps);
-  caps = gst_caps_from_string("application/x-tactile-map,rows=(int)0,columns=(int)3");
-  fail_if(gst_pad_query_accept_caps(pad, caps));
-  gst_caps_unref(caps);
-  gst_object_unref(pad);
-  gst_harness_teardown(h);
-}
-GST_END_TEST;
-
-/// tactor://SERIAL is driver=firmata device=SERIAL, whatever is in the serial number.
-GST_START_TEST(test_uri)
-{
-  const std::pair<const char *, const char *> uris[] = {
-    { "tactor://75833353035351F0C0A1", "75833353035351F0C0A1" },
-    { "tactor://1-2.3", "1-2.3" },
-    { "tactor://a%20b", "a b" },
-    { "tactor://", nullptr },
-  };
-  for (const auto &[uri, device] : uris) {
-    GstElement *sink = gst_element_make_from_uri(GST_URI_SINK, uri, nullptr, nullptr);
-    fail_unless(sink != nullptr, "%s", uri);
-    gst_object_ref_sink(sink);
-    g_autofree gchar *driver = nullptr;
-    g_autofree gchar *is_device = nullptr;
-    g_object_get(sink, "driver", &driver, "device", &is_device, nullptr);
-    ck_assert_str_eq(driver, "firmata");
-    fail_unless(g_strcmp0(is_device, device) == 0, "%s", uri);
-    g_autofree gchar *again = gst_uri_handler_get_uri(GST_URI_HANDLER(sink));
-    ck_assert_str_eq(again, uri);
-
-    // There is no board of that name in the simulator, and none is changed while it is played on.
-    g_object_set(sink, "driver", "simulator", "device", nullptr, nullptr);
-    fail_unless(gst_uri_handler_get_uri(GST_URI_HANDLER(sink)) == nullptr);
-    gst_element_set_state(sink, GST_STATE_PAUSED);
-    GError *error = nullptr;
-    fail_if(gst_uri_handler_set_uri(GST_URI_HANDLER(sink), "tactor://1-2", &error));
-    fail_unless(g_error_matches(error, GST_URI_ERROR, GST_URI_ERROR_BAD_STATE));
-    g_error_free(error);
-    gst_element_set_state(sink, GST_STATE_NULL);
-    gst_object_unref(sink);
-  }
-}
-GST_END_TEST;
-
-/// Errors say what was asked for, and the element stays in NULL.
-static void
-check_start_error(const char *property, const char *value, const char *expected)
-{
-  GstElement *sink = gst_element_factory_make("tactorsink", nullptr);
-  gst_object_ref_sink(sink);
-  GstBus *bus = gst_bus_new();
-  gst_element_set_bus(sink, bus);
-  g_object_set(sink, property, value, nullptr);
-  ck_assert_int_eq(gst_element_set_state(sink, GST_STATE_PAUSED), GST_STATE_CHANGE_FAILURE);
-  GstMessage *message = gst_bus_pop_filtered(bus, GST_MESSAGE_ERROR);
-  fail_unless(message != nullptr);
-  GError *error = nullptr;
-  gst_message_parse_error(message, &error, nullptr);
-  fail_unless(g_strrstr(error->message, expected) != nullptr, "%s", error->message);
-  g_error_free(error);
-  gst_message_unref(message);
-  gst_element_set_state(sink, GST_STATE_NULL);
-  gst_element_set_bus(sink, nullptr);
-  gst_object_unref(bus);
-  gst_object_unref(sink);
-}
-
-GST_START_TEST(test_start_errors)
-{
-  check_start_error("driver", "telepathy", "telepathy");
-  check_start_error("driver", "telepathy", "simulator");
-  check_start_error("trace-location", "/nonexistent/commands.csv", "/nonexistent/commands.csv");
-  check_start_error("device", "amplitude.csv", "driver=simulator");
-}
-GST_END_TEST;
-
-/// The default 180 ms of max-lead and a margin of 10 ms are 5.7 frames at 30 frames/s: 6, and the
-/// one being shown.
-GST_START_TEST(test_allocation_asks_for_lookahead)
-{
-  GstHarness *h = gst_harness_new_with_padnames("tactorsink", "sink", nullptr);
-  GstCaps *caps = gst_caps_from_string("video/x-raw,format=I420,width=64,height=48,framerate=30/1");
-  GstQuery *query = gst_query_new_allocation(caps, TRUE);
-  GstPad *pad = gst_element_get_static_pad(h->element, "sink");
-  fail_unless(gst_pad_query(pad, query));
-  ck_assert_uint_eq(gst_query_get_n_allocation_pools(query), 1);
-  guint min = 0;
-  gst_query_parse_nth_allocation_pool(query, 0, nullptr, nullptr, &min, nullptr);
-  ck_assert_uint_eq(min, 7);
-  fail_unless(gst_query_find_allocation_meta(query, GST_VIDEO_META_API_TYPE, nullptr));
-  gst_query_unref(query);
-  gst_caps_unref(caps);
-  gst_object_unref(pad);
-  gst_harness_teardown(h);
-}
-GST_END_TEST;
-
-/// Every other sink is delayed by what this one asks for early.
-GST_START_TEST(test_render_delay_is_the_lead)
-{
-  GstElement *sink = gst_element_factory_make("tactorsink", nullptr);
-  gst_object_ref_sink(sink);
-  g_object_set(sink, "max-lead", 80u, nullptr);
-  gst_element_set_state(sink, GST_STATE_PAUSED);
-  guint64 delay = 0;
-  g_object_get(sink, "render-delay", &delay, nullptr);
-  ck_assert_uint_eq(delay, 90 * kMs);
-  gboolean qos = TRUE;
-  gboolean last_sample = TRUE;
-  gint64 max_lateness = 0;
-  g_object_get(sink, "qos", &qos, "enable-last-sample", &last_sample, "max-lateness", &max_lateness,
-               nullptr);
-  fail_if(qos);
-  fail_if(last_sample);
-  ck_assert_int_eq(max_lateness, -1);
-  gst_element_set_state(sink, GST_STATE_NULL);
-  gst_object_unref(sink);
-}
-GST_END_TEST;
-
 static Suite *
 tactorsink_suite(void)
 {
@@ -762,28 +494,16 @@ tactorsink_suite(void)
   tcase_add_test(cases, test_eos_drains);
   tcase_add_test(cases, test_rates_and_segments);
   tcase_add_test(cases, test_latency_change_moves_the_wait);
-  tcase_add_test(cases, test_caps_change);
   tcase_add_test(cases, test_mapping_and_volts);
   tcase_add_test(cases, test_mapping_while_playing);
   tcase_add_test(cases, test_mute_acts_at_once);
-  tcase_add_test(cases, test_grid_change_keeps_steady_levels);
   tcase_add_test(cases, test_volts_and_lead_are_fixed_while_playing);
   tcase_add_test(cases, test_pause_in_the_last_frame);
   tcase_add_test(cases, test_sync_false_issues_every_command);
-  tcase_add_test(cases, test_segment_in_bytes);
-  tcase_add_test(cases, test_full_disk_is_said);
   tcase_add_test(cases, test_starved);
   tcase_add_test(cases, test_late_is_counted_and_said);
   tcase_add_test(cases, test_stale_commands_coalesce);
   tcase_add_test(cases, test_null_while_playing_is_silent);
-  tcase_add_test(cases, test_video_frames_with_and_without_meta);
-  tcase_add_test(cases, test_missing_pts_follow_each_other);
-  tcase_add_test(cases, test_wrong_size_is_an_error);
-  tcase_add_test(cases, test_absurd_caps_are_refused);
-  tcase_add_test(cases, test_uri);
-  tcase_add_test(cases, test_start_errors);
-  tcase_add_test(cases, test_allocation_asks_for_lookahead);
-  tcase_add_test(cases, test_render_delay_is_the_lead);
   return suite;
 }
 

@@ -10,8 +10,9 @@
 #include <cmath>
 #include <cstdlib>
 #include <string>
-#include <unistd.h>
 
+#include "../libs/contains.h"
+#include "../temporary_file.h"
 #include <gst/check/gstcheck.h>
 #include <gst/tactile/tactile.h>
 
@@ -150,13 +151,6 @@ public:
   guint frame = 0;
 };
 
-void
-assert_contains(const std::string &text, std::initializer_list<const char *> parts)
-{
-  for (const char *part : parts)
-    fail_unless(text.find(part) != std::string::npos, "no '%s' in: %s", part, text.c_str());
-}
-
 } // namespace
 
 /// The default without a board: simulated, and said.
@@ -238,11 +232,8 @@ GST_END_TEST;
 GST_START_TEST(test_lost_and_found)
 {
   Rig rig("firmata");
-  char trace[] = "/tmp/tactorsink_board-XXXXXX";
-  const int fd = mkstemp(trace);
-  fail_unless(fd >= 0);
-  close(fd);
-  g_object_set(rig.element, "trace-location", trace, nullptr);
+  const TemporaryFile trace;
+  g_object_set(rig.element, "trace-location", trace.path.c_str(), nullptr);
   rig.sockets_.plug(rig.mega);
   fail_unless(rig.start());
   rig.message(GST_MESSAGE_INFO);
@@ -272,11 +263,10 @@ GST_START_TEST(test_lost_and_found)
   rig.stop();
   fail_unless(rig.mega.model.is_silent());
   std::vector<long> told; // tactor 0
-  for (const tactor::IssuedCommand &line : tactor::read_command_trace(trace))
+  for (const tactor::IssuedCommand &line : tactor::read_command_trace(trace.path))
     if (line.command.tactor == 0)
       told.push_back(std::lround(line.command.volts / 3.0 * 255));
   fail_unless(told == (std::vector<long>{ 255, 0, 200, 0 }));
-  unlink(trace);
 }
 GST_END_TEST;
 

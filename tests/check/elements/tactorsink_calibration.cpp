@@ -15,10 +15,10 @@
 #include <map>
 #include <random>
 #include <string>
-#include <unistd.h>
 #include <vector>
 
 #include "../libs/tolerance.h"
+#include "../temporary_file.h"
 #include <gst/tactile/tactile.h>
 
 using namespace std::chrono_literals;
@@ -27,25 +27,6 @@ using namespace tactor;
 namespace {
 
 constexpr int kTactors = 4;
-
-class TemporaryFile
-{
-public:
-  TemporaryFile()
-  {
-    char name[] = "/tmp/tactorsink-calibration-XXXXXX";
-    const int fd = mkstemp(name);
-    fail_unless(fd >= 0);
-    close(fd);
-    path = name;
-  }
-  ~TemporaryFile()
-  {
-    unlink(path.c_str());
-  }
-
-  std::string path;
-};
 
 /// Faster and slower ones, each on a longer way from the computer.
 std::vector<MotorParameters>

@@ -13,10 +13,10 @@
 #include <sstream>
 #include <string>
 #include <thread>
-#include <unistd.h>
 #include <vector>
 
 // After the standard library's headers: gstcheck.h defines a macro named fail.
+#include "../temporary_file.h"
 #include <gst/check/gstcheck.h>
 #include <gst/check/gsttestclock.h>
 #include <gst/tactile/tactile.h>
@@ -55,18 +55,13 @@ class Rig
 public:
   explicit Rig(const char *caps = "application/x-tactile-map,rows=1,columns=1,framerate=25/1")
   {
-    char name[] = "/tmp/tactorsink-XXXXXX";
-    const int fd = mkstemp(name);
-    fail_unless(fd >= 0);
-    close(fd);
-    trace_path = name;
     element = gst_element_factory_make("tactorsink", nullptr);
     fail_unless(element != nullptr);
     gst_object_ref_sink(element);
     // Limits have tests of their own.
-    g_object_set(element, "driver", "simulator", "trace-location", name, "max-lead", 150u,
-                 "max-on-time", guint64{ 0 }, "max-duty", 0.0, "max-active", 0u, "ramp-in",
-                 guint64{ 0 }, nullptr);
+    g_object_set(element, "driver", "simulator", "trace-location", trace_file.path.c_str(),
+                 "max-lead", 150u, "max-on-time", guint64{ 0 }, "max-duty", 0.0, "max-active", 0u,
+                 "ramp-in", guint64{ 0 }, nullptr);
     bus = gst_bus_new();
     gst_element_set_bus(element, bus);
     clock = GST_TEST_CLOCK(gst_test_clock_new());
@@ -84,7 +79,6 @@ public:
     gst_object_unref(bus);
     gst_object_unref(element);
     gst_object_unref(clock);
-    unlink(trace_path.c_str());
   }
 
   void start(const GstSegment *segment = nullptr, bool play = true)
@@ -220,7 +214,7 @@ public:
   {
     finish();
     std::vector<Line> lines;
-    std::ifstream file(trace_path);
+    std::ifstream file(trace_file.path);
     std::string text;
     std::getline(file, text);
     ck_assert_str_eq(text.c_str(), "issued_ns,due_ns,effect_ns,tactor,volts");
@@ -250,7 +244,7 @@ public:
   GstBus *bus;
   GstTestClock *clock;
   GstPad *sink_pad;
-  std::string trace_path;
+  TemporaryFile trace_file;
   std::string caps_string;
   std::thread pusher;
   bool rendered = false; ///< the scheduler has something to wait for

@@ -5,12 +5,11 @@
 
 #include <cmath>
 #include <cstdlib>
-#include <fstream>
 #include <stdexcept>
 #include <string>
-#include <unistd.h>
 #include <vector>
 
+#include "../temporary_file.h"
 #include "tolerance.h"
 #include "unlimited.h"
 
@@ -18,27 +17,6 @@ using namespace std::chrono_literals;
 using namespace tactor;
 
 namespace {
-
-/// A file of its own, gone with the object.
-class TemporaryFile
-{
-public:
-  explicit TemporaryFile(const std::string &text = "")
-  {
-    char name[] = "/tmp/calibration-XXXXXX";
-    const int fd = mkstemp(name);
-    fail_unless(fd >= 0);
-    close(fd);
-    path = name;
-    std::ofstream(path) << text;
-  }
-  ~TemporaryFile()
-  {
-    unlink(path.c_str());
-  }
-
-  std::string path;
-};
 
 TactorCalibration
 some_tactor()

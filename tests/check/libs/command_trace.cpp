@@ -13,6 +13,7 @@
 #include <string>
 #include <vector>
 
+#include "../temporary_file.h"
 #include <gst/check/gstcheck.h>
 
 using namespace std::chrono_literals;
@@ -22,31 +23,17 @@ namespace {
 
 const std::string kHeader = "issued_ns,due_ns,effect_ns,tactor,volts\n";
 
-/// A file in a folder that goes away with it.
-class TemporaryFile
+/// A file in a folder of its own.
+class TraceFile
 {
 public:
-  TemporaryFile()
-  {
-    gchar *path = g_dir_make_tmp("command-trace-XXXXXX", nullptr);
-    fail_unless(path != nullptr);
-    folder_ = path;
-    g_free(path);
-  }
-  ~TemporaryFile()
-  {
-    std::filesystem::remove_all(folder_);
-  }
-  TemporaryFile(const TemporaryFile &) = delete;
-  TemporaryFile &operator=(const TemporaryFile &) = delete;
-
   const std::string &folder() const
   {
-    return folder_;
+    return folder_.path;
   }
   std::string path() const
   {
-    return folder_ + "/commands.csv";
+    return folder_.file("commands.csv");
   }
   std::string read() const
   {
@@ -59,7 +46,7 @@ public:
   }
 
 private:
-  std::string folder_;
+  TemporaryFolder folder_;
 };
 
 IssuedCommand
@@ -112,7 +99,7 @@ GST_START_TEST(test_exact_text)
   // In the locale of a German desktop where there is one, and in C++'s own idea of one anyway.
   setlocale(LC_ALL, "de_DE.UTF-8");
   const std::locale before = std::locale::global(std::locale(std::locale(), new Commas));
-  const TemporaryFile file;
+  const TraceFile file;
   {
     CommandTrace trace(file.path());
     trace.write(issued(1'234'567'891ns, 1'300'000'000ns, 65'785'000ns, 0, 1.5));
@@ -147,7 +134,7 @@ GST_START_TEST(test_round_trip)
   for (int i = 0; i < 20'000; i++)
     commands.push_back(issued(Time(time(random)), Time(time(random)), Time(lead(random)),
                               tactor(random), millivolts(random) / 1000.0));
-  const TemporaryFile file;
+  const TraceFile file;
   CommandTrace trace(file.path());
   for (const IssuedCommand &command : commands)
     trace.write(command);
@@ -159,7 +146,7 @@ GST_END_TEST;
 
 GST_START_TEST(test_no_commands)
 {
-  const TemporaryFile file;
+  const TraceFile file;
   file.write("something else");
   CommandTrace(file.path()).flush();
   fail_unless(file.read() == kHeader);
@@ -169,7 +156,7 @@ GST_END_TEST;
 
 GST_START_TEST(test_missing_file)
 {
-  const TemporaryFile file;
+  const TraceFile file;
   const std::string what = complaint(file.path());
   fail_unless(contains(what, file.path()), "%s", what.c_str());
   // A folder is no file.
@@ -226,7 +213,7 @@ GST_START_TEST(test_hostile_files)
     { kHeader + "1,-9223372036854775808,9223372036854775807,4,0.5\n", 2 },
     { kHeader + good + "1,2,3,4,0.5", 3 }, // torn off
   };
-  const TemporaryFile file;
+  const TraceFile file;
   for (const Case &c : cases) {
     file.write(c.text);
     const std::string what = complaint(file.path());
@@ -239,7 +226,7 @@ GST_END_TEST;
 
 GST_START_TEST(test_file_that_cannot_be_written)
 {
-  const TemporaryFile file;
+  const TraceFile file;
   for (const std::string &path : { file.folder() + "/no/such/commands.csv", file.folder() }) {
     try {
       CommandTrace trace(path);

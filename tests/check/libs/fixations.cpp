@@ -3,13 +3,13 @@
 
 #include <cmath>
 #include <filesystem>
-#include <fstream>
 #include <random>
 #include <stdexcept>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "../temporary_file.h"
 #include "tests/quality/fixations.h"
 #include "tolerance.h"
 
@@ -52,31 +52,6 @@ wins(double positive, double negative)
 }
 
 /// A file that is gone with this.
-class TemporaryFile
-{
-public:
-  explicit TemporaryFile(const std::string &content)
-      : path_(std::filesystem::temp_directory_path()
-              / ("fixations-" + std::to_string(std::random_device{}()) + ".csv"))
-  {
-    std::ofstream(path_) << content;
-  }
-  ~TemporaryFile()
-  {
-    std::filesystem::remove(path_);
-  }
-  TemporaryFile(const TemporaryFile &) = delete;
-  TemporaryFile &operator=(const TemporaryFile &) = delete;
-
-  const std::filesystem::path &path() const
-  {
-    return path_;
-  }
-
-private:
-  std::filesystem::path path_;
-};
-
 /// What reading says of a file; empty if it is read.
 std::string
 complaint(const std::filesystem::path &file)
@@ -198,7 +173,7 @@ GST_START_TEST(test_reading)
 {
   const TemporaryFile file("image,subject,x,y\r\n1001.jpg,0,0,600\n1003.jpg,0,12.5,7\n"
                            "1001.jpg,14,800,1e2\n");
-  const auto fixations = quality::read_fixations(file.path(), { 800, 600 });
+  const auto fixations = quality::read_fixations(file.path, { 800, 600 });
   ck_assert_int_eq(static_cast<int>(fixations.size()), 2);
   fail_unless(fixations.at("1001.jpg") == Fixations({ { 0, 600 }, { 800, 100 } }));
   fail_unless(fixations.at("1003.jpg") == Fixations({ { 12.5, 7 } }));
@@ -232,15 +207,15 @@ GST_START_TEST(test_unreadable)
   };
   for (const auto &c : cases) {
     const TemporaryFile file(c.content);
-    const auto said = complaint(file.path());
+    const auto said = complaint(file.path);
     fail_unless(said.find(c.said) != std::string::npos, "'%s': '%s'", c.content, said.c_str());
   }
   fail_unless(complaint("/nonexistent/fixations.csv").find("cannot be read") != std::string::npos);
   fail_unless(!complaint(std::filesystem::temp_directory_path()).empty());
 
-  const TemporaryFile large("");
-  std::filesystem::resize_file(large.path(), (64U << 20U) + 1);
-  fail_unless(complaint(large.path()).find("64 MiB") != std::string::npos);
+  const TemporaryFile large;
+  std::filesystem::resize_file(large.path, (64U << 20U) + 1);
+  fail_unless(complaint(large.path).find("64 MiB") != std::string::npos);
 }
 GST_END_TEST;
 

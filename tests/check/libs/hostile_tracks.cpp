@@ -3,12 +3,11 @@
 // Tracks that were made to do harm: each is read or refused with a reason, within a gigabyte of memory and the time of a test.
 #include "tactile/formats/track_file.h"
 
-#include <cstdlib>
 #include <string>
 #include <sys/resource.h>
-#include <unistd.h>
 
 // After the standard library's headers: gstcheck.h defines a macro named fail.
+#include "../temporary_file.h"
 #include <gst/check/gstcheck.h>
 
 using namespace tactile;
@@ -67,19 +66,14 @@ limit_memory()
 GST_START_TEST(test_a_file_of_two_gigabytes)
 {
   limit_memory();
-  std::string path = "/tmp/hostile-XXXXXX.vtt";
-  const int fd = mkstemps(path.data(), 4);
-  fail_unless(fd >= 0);
-  fail_unless(ftruncate(fd, static_cast<off_t>(2048 * kMiB))
-              == 0); // one line, of no blocks on the disk
-  close(fd);
+  const TemporaryFile file("", ".vtt");
+  std::filesystem::resize_file(file.path, 2048 * kMiB); // one line, of no blocks on the disk
   bool is_refused = false;
   try {
-    read_track_file(path);
+    read_track_file(file.path);
   } catch (const FormatError &) {
     is_refused = true;
   }
-  unlink(path.c_str());
   fail_unless(is_refused);
 }
 GST_END_TEST;

@@ -3,36 +3,15 @@
 
 #include <cmath>
 #include <cstdlib>
-#include <fstream>
 #include <stdexcept>
 #include <string>
-#include <unistd.h>
 
+#include "../temporary_file.h"
 #include "tolerance.h"
 
 using namespace tactor;
 
 namespace {
-
-class TemporaryFile
-{
-public:
-  explicit TemporaryFile(const std::string &text)
-  {
-    char name[] = "/tmp/recording-XXXXXX";
-    const int fd = mkstemp(name);
-    fail_unless(fd >= 0);
-    close(fd);
-    path = name;
-    std::ofstream(path) << text;
-  }
-  ~TemporaryFile()
-  {
-    unlink(path.c_str());
-  }
-
-  std::string path;
-};
 
 void
 expect_refusal(const std::string &text, const std::string &says)

@@ -11,39 +11,13 @@
 #include <utility>
 #include <vector>
 
+#include "../temporary_file.h"
 #include <gst/check/gstcheck.h>
 
 using namespace std::chrono_literals;
 using namespace tactor;
 
 namespace {
-
-/// A folder that goes away.
-class Folder
-{
-public:
-  Folder()
-  {
-    gchar *path = g_dir_make_tmp("simulator-XXXXXX", nullptr);
-    fail_unless(path != nullptr);
-    path_ = path;
-    g_free(path);
-  }
-  ~Folder()
-  {
-    std::filesystem::remove_all(path_);
-  }
-  Folder(const Folder &) = delete;
-  Folder &operator=(const Folder &) = delete;
-
-  std::string file(const char *name) const
-  {
-    return path_ + "/" + name;
-  }
-
-private:
-  std::string path_;
-};
 
 std::string
 read(const std::string &path)
@@ -215,7 +189,7 @@ GST_START_TEST(test_amplitude_file)
                                    { 4s, { 0, 3.0, 0 } },       { 500ms, { 1.5 } },
                                    { 600ms, { 1.5, 1.5, 3.0 } } };
   for (const std::size_t tactors : { std::size_t{ 3 }, std::size_t{ 12 } }) {
-    const Folder folder;
+    const TemporaryFolder folder;
     const std::string path = folder.file("amplitude.csv");
     std::vector<Write> padded = writes;
     // The first write says how many columns there are, nine at least.
@@ -236,7 +210,7 @@ GST_END_TEST;
 
 GST_START_TEST(test_amplitude_file_without_writes)
 {
-  const Folder folder;
+  const TemporaryFolder folder;
   const std::string path = folder.file("amplitude.csv");
   Simulator simulator;
   simulator.open({ .device = path, .max_tactors = 9 });
@@ -248,7 +222,7 @@ GST_END_TEST;
 
 GST_START_TEST(test_file_that_cannot_be_written)
 {
-  const Folder folder;
+  const TemporaryFolder folder;
   for (const std::string &path : { folder.file("no/such/folder.csv"), folder.file(".") }) {
     const DriverError error = refusal({ .device = path, .max_tactors = 9 });
     const std::string what = error.what();
@@ -285,7 +259,7 @@ GST_START_TEST(test_number_of_tactors)
     fail_unless(std::string(error.what()).find(std::to_string(tactors)) != std::string::npos);
   }
   // No file is touched for a refusal.
-  const Folder folder;
+  const TemporaryFolder folder;
   refusal({ .device = folder.file("untouched.csv"), .max_tactors = 0 });
   fail_if(std::filesystem::exists(folder.file("untouched.csv")));
 }

@@ -1,0 +1,156 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "filmanalysis.h"
+
+#include "regionsofinterest.h"
+
+#include <algorithm>
+#include <chrono>
+#include <utility>
+
+namespace {
+
+tactile::MappingSettings
+make_mapping(const SaliencySettings &settings)
+{
+  using tactile::MappingSettings;
+  MappingSettings mapping = settings.profile == ProfileName::paper ? MappingSettings::paper()
+                            : settings.temporal                    ? MappingSettings::tuned()
+                                                : MappingSettings::tuned_spatial();
+  mapping.threshold = settings.threshold;
+  if (settings.floor >= 0)
+    mapping.floor = settings.floor * mapping.units_per_delta_e;
+  return mapping;
+}
+
+/// Time between two analyses; 0 without a limit.
+saliency::Time
+analysis_period(double max_rate)
+{
+  return saliency::Time(max_rate > 0 ? static_cast<gint64>(std::min(1e9 / max_rate, 1e15)) : 0);
+}
+
+} // namespace
+
+void
+FilmAnalysis::forget()
+{
+  if (analyzer_) {
+    analyzer_->reset();
+    top_down_->reset();
+  }
+  viewport_.reset();
+}
+
+void
+FilmAnalysis::reset()
+{
+  forget();
+  map_ = {};
+  saliency_.values.clear();
+  next_analysis_.reset();
+}
+
+void
+FilmAnalysis::stop()
+{
+  analyzer_.reset();
+  reset();
+}
+
+bool
+FilmAnalysis::is_due(const SaliencySettings &settings, saliency::Time time)
+{
+  // Timestamps are rounded: a third of 100 ms, three times, falls short of it.
+  constexpr saliency::Time kSameTime = std::chrono::milliseconds(1);
+
+  if (map_.rows != settings.rows || map_.columns != settings.columns || !analyzer_
+      || kind_ != Kind{ settings.profile, settings.temporal })
+    return true;
+  const bool back = time < std::exchange(last_time_, time);
+  if (next_analysis_ && !back && settings.max_rate > 0 && time + kSameTime < *next_analysis_)
+    return false;
+  const saliency::Time period = analysis_period(settings.max_rate);
+  const bool on_grid = next_analysis_ && !back && time - *next_analysis_ < period;
+  next_analysis_ = (on_grid ? *next_analysis_ : time) + period;
+  return true;
+}
+
+void
+FilmAnalysis::make_analyzer(const Kind &kind)
+{
+  using saliency::Profile;
+  if (analyzer_ && kind_ == kind)
+    return;
+  kind_ = kind;
+  const Profile profile = kind.profile == ProfileName::paper ? Profile::paper()
+                          : kind.temporal                    ? Profile::tuned()
+                                                             : Profile::tuned_spatial();
+  top_down_.emplace(profile, kind.temporal);
+  analyzer_.emplace(profile);
+}
+
+/// The saliency map as what detectors have found says that it counts.
+const cv::Mat &
+FilmAnalysis::weigh(const SaliencySettings &settings, GstBuffer *buffer,
+                    const FrameMapping &mapping, const saliency::Saliency &found,
+                    saliency::Time time)
+{
+  if (!settings.roi_weights)
+    return found.map;
+  const saliency::FrameView &frame = mapping.view();
+  return top_down_->compute(
+      found, { frame.width, frame.height },
+      regions_of_interest(buffer, mapping.left(), mapping.top(), *settings.roi_weights), time);
+}
+
+void
+FilmAnalysis::copy_saliency(const tactile::SaliencyView &view, double floor)
+{
+  saliency_.width = static_cast<guint>(view.width);
+  saliency_.height = static_cast<guint>(view.height);
+  saliency_.floor = static_cast<gfloat>(floor);
+  for (int y = 0; y < view.height; y++)
+    saliency_.values.insert(saliency_.values.end(), view.values + y * view.stride,
+                            view.values + y * view.stride + view.width);
+}
+
+bool
+FilmAnalysis::analyse(const SaliencySettings &settings, const GstVideoInfo &info, GstBuffer *buffer,
+                      saliency::Time time, saliency::Time duration)
+{
+  make_analyzer({ settings.profile, settings.temporal });
+  analyzer_->set_threads(settings.n_threads);
+  saliency_.values.clear();
+  const FrameMapping mapping(info, buffer);
+  if (!mapping) {
+    map_ = tactile::TactileMap(settings.rows, settings.columns);
+    return false;
+  }
+
+  const saliency::Saliency &found = analyzer_->analyze(
+      mapping.view(), time, std::max(duration, analysis_period(settings.max_rate)),
+      settings.temporal);
+  if (found.cut) { // what has been found in the last shot is no longer there
+    top_down_->reset();
+    viewport_.reset();
+  }
+  const cv::Mat &saliency = weigh(settings, buffer, mapping, found, time);
+  const tactile::MappingSettings how = make_mapping(settings);
+  const tactile::SaliencyView view{ .values = saliency.ptr<float>(),
+                                    .width = saliency.cols,
+                                    .height = saliency.rows,
+                                    .stride = static_cast<std::ptrdiff_t>(saliency.step1()),
+                                    .horizontal = { found.picture.x, found.picture.width },
+                                    .vertical = { found.picture.y, found.picture.height } };
+  tactile::Viewport viewport;
+  if (settings.viewport == ViewportMode::adaptive)
+    viewport = viewport_.follow(view, how.floor, how.threshold, time);
+  else
+    viewport_.reset();
+  if (map_.rows != settings.rows || map_.columns != settings.columns)
+    map_ = tactile::TactileMap(settings.rows, settings.columns);
+  tactile::map_saliency(view, how, map_, viewport);
+  if (settings.attach_saliency)
+    copy_saliency(view, how.floor);
+  return true;
+}

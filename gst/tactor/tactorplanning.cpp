@@ -1,0 +1,125 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "tactorplanning.h"
+
+#include <string>
+#include <utility>
+
+using tactor::Time;
+
+GST_DEBUG_CATEGORY_EXTERN(tactor_sink_debug);
+#define GST_CAT_DEFAULT tactor_sink_debug
+
+TactorPlanning::TactorPlanning(GstElement *element) : element_(element)
+{
+}
+
+void
+TactorPlanning::start(const tactor::PlannerSettings &agreed, int tactors,
+                      std::vector<tactor::MotorParameters> motors)
+{
+  agreed_ = agreed;
+  tactors_ = tactors;
+  planner_.emplace(tactors, agreed, std::move(motors));
+  stream_ = {};
+  checked_rows_ = checked_columns_ = 0;
+  last_end_ = Time(0);
+  warned_no_meta_ = warned_grid_ = false;
+}
+
+bool
+TactorPlanning::set_caps(const GstCaps *caps)
+{
+  return stream_.set_caps(caps);
+}
+
+std::optional<TactorPlanning::Plan>
+TactorPlanning::plan_map(GstBuffer *buffer, const GstSegment &segment,
+                         tactor::PlannerSettings settings)
+{
+  const TactorStream::Span shown
+      = stream_.shown(segment, GST_BUFFER_PTS(buffer), GST_BUFFER_DURATION(buffer), last_end_);
+  TactorStream::Map map;
+  const bool has_levels = stream_.read(buffer, map);
+  if (!has_levels && stream_.is_map()) {
+    GST_ELEMENT_ERROR(element_, STREAM, FORMAT, ("A tactile map of the wrong size came."),
+                      ("expected %u x %u float32 levels (%u bytes), got %" G_GSIZE_FORMAT " bytes",
+                       stream_.rows(), stream_.columns(), stream_.rows() * stream_.columns() * 4u,
+                       gst_buffer_get_size(buffer)));
+    return std::nullopt;
+  }
+  if (!has_levels && !std::exchange(warned_no_meta_, true))
+    GST_ELEMENT_WARNING(
+        element_, STREAM, FORMAT, ("The video frames carry no tactile map."),
+        ("expected a GstTactileMeta on each frame; put saliencytactile before tactorsink"));
+
+  settings.volts_max = agreed_.volts_max;
+  settings.max_lead = agreed_.max_lead;
+  settings.transport_latency = agreed_.transport_latency;
+  if (has_levels)
+    check_grid(map.rows, map.columns, settings);
+  planner_->set_settings(settings);
+  Plan plan{ .commands = has_levels ? planner_->plan(shown.start, shown.duration, map.levels)
+                                    : planner_->silence(shown.start),
+             .end = shown.end() };
+  GST_LOG_OBJECT(element_, "map at %" GST_STIME_FORMAT ": %" G_GSIZE_FORMAT " commands",
+                 GST_STIME_ARGS(shown.start.count()), plan.commands.size());
+  last_end_ = plan.end;
+  return plan;
+}
+
+TactorPlanning::Plan
+TactorPlanning::plan_gap(GstClockTime pts, GstClockTime duration, const GstSegment &segment)
+{
+  const TactorStream::Span gap
+      = stream_.shown(segment, pts, GST_CLOCK_TIME_IS_VALID(duration) ? duration : 0, last_end_);
+  last_end_ = gap.end();
+  return { .commands = planner_->silence(gap.start), .end = gap.end() };
+}
+
+TactorPlanning::Plan
+TactorPlanning::plan_rest()
+{
+  return { .commands = planner_->silence(last_end_), .end = last_end_ };
+}
+
+void
+TactorPlanning::silenced(Time since)
+{
+  planner_->silenced(since);
+}
+
+void
+TactorPlanning::flushed(Time at, bool resets_time)
+{
+  if (resets_time)
+    planner_->reset(at);
+  else
+    planner_->silenced(at);
+  last_end_ = Time(0);
+}
+
+tactor::LimitCounters
+TactorPlanning::limited() const
+{
+  return planner_->limited();
+}
+
+/// Says once if cells of this grid have no tactor under the mapping that is set.
+void
+TactorPlanning::check_grid(guint rows, guint columns, const tactor::PlannerSettings &settings)
+{
+  if (checked_rows_ == rows && checked_columns_ == columns
+      && planner_->settings().mapping == settings.mapping)
+    return;
+  checked_rows_ = rows;
+  checked_columns_ = columns;
+  GST_INFO_OBJECT(element_, "grid of %u x %u, the board has %d tactors", rows, columns, tactors_);
+  const std::string problem = tactor::CommandPlanner::validate_mapping(
+      settings.mapping, static_cast<int>(rows * columns), tactors_);
+  if (problem.empty() || std::exchange(warned_grid_, true))
+    return;
+  GST_ELEMENT_WARNING(element_, STREAM, FORMAT, ("Some cells of the film have no tactor."),
+                      ("%s; set rows and columns of saliencytactile to the chair's grid, or "
+                       "mapping of tactorsink",
+                       problem.c_str()));
+}

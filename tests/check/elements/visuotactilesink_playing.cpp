@@ -1,0 +1,251 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+//
+// visuotactilesink playing: how much later the picture is, live, without tactors, in memory that cannot be read. What is measured of
+// time are running times: nothing depends on how fast the machine is.
+#include "visuotactilesink_rig.h"
+
+#include <gst/check/gstharness.h>
+
+/* ---- memory that cannot be read ---- */
+
+struct DeviceAllocator
+{
+  GstAllocator parent;
+};
+struct DeviceAllocatorClass
+{
+  GstAllocatorClass parent_class;
+};
+GType device_allocator_get_type(void);
+G_DEFINE_TYPE(DeviceAllocator, device_allocator, GST_TYPE_ALLOCATOR);
+
+static void
+device_allocator_class_init(DeviceAllocatorClass *klass)
+{
+  klass->parent_class.alloc = [](GstAllocator *allocator, gsize size, GstAllocationParams *) {
+    GstMemory *memory = g_new0(GstMemory, 1);
+    gst_memory_init(memory, GST_MEMORY_FLAG_NOT_MAPPABLE, allocator, nullptr, size, 0, 0, size);
+    return memory;
+  };
+  klass->parent_class.free = [](GstAllocator *, GstMemory *memory) {
+    g_free(memory);
+  };
+}
+
+static void
+device_allocator_init(DeviceAllocator *allocator)
+{
+  GST_ALLOCATOR(allocator)->mem_map = [](GstMemory *, gsize, GstMapFlags) -> gpointer {
+    return nullptr;
+  };
+  GST_ALLOCATOR(allocator)->mem_unmap = [](GstMemory *) {
+  };
+}
+
+namespace {
+
+guint
+commands_with_volts(const std::vector<IssuedCommand> &lines)
+{
+  guint count = 0;
+  for (const IssuedCommand &line : lines)
+    count += line.command.volts > 0;
+  return count;
+}
+
+} // namespace
+
+/* ---- the play ---- */
+
+GST_START_TEST(test_plays_and_delays_the_picture)
+{
+  register_test_sink(GST_RANK_NONE);
+  Player player(kFilm + kSink + "max-lead=100 video-sink=visuotactiletestsink");
+  player.set_state(GST_STATE_PLAYING);
+  GObject *tactors = gst_child_proxy_get_child_by_name(GST_CHILD_PROXY(player.chair), "tactors");
+  ck_assert_uint_eq(gst_base_sink_get_render_delay(GST_BASE_SINK(tactors)), 110 * kMs);
+  ck_assert_uint_eq(gst_base_sink_get_latency(GST_BASE_SINK(tactors)), 110 * kMs);
+  ck_assert_uint_eq(gst_base_sink_get_latency(GST_BASE_SINK(shown_by(player.chair))), 110 * kMs);
+  gst_object_unref(tactors);
+  player.wait_for_eos();
+  ck_assert_int_eq(test_video_sink(shown_by(player.chair))->frames, 60);
+  player.finish();
+  fail_unless(player.warnings.empty());
+  const std::vector<IssuedCommand> lines = player.trace();
+  fail_unless(commands_with_volts(lines) > 0);
+  for (const IssuedCommand &line : lines) {
+    fail_unless(line.command.lead <= std::chrono::milliseconds(100));
+    fail_unless(line.command.effect <= std::chrono::seconds(2));
+  }
+}
+GST_END_TEST;
+
+/// Live, the picture is later than its source by what the motors need and 10 ms, and by nothing else: so also when `max-lead` is
+/// small, and behind a network.
+static void
+check_live(const std::string &source, guint max_lead, GstClockTime at_least)
+{
+  Player player(source + kSink
+                + "video-sink=visuotactiletestsink max-lead=" + std::to_string(max_lead));
+  player.set_state(GST_STATE_PLAYING);
+  // A live pipeline is in PLAYING before anything has come.
+  while (test_video_sink(shown_by(player.chair))->frames < 2)
+    g_usleep(1000);
+  gboolean live = FALSE;
+  GstClockTime upstream = 0;
+  auto *screen = GST_BASE_SINK(shown_by(player.chair));
+  fail_unless(gst_base_sink_query_latency(screen, nullptr, &live, &upstream, nullptr));
+  fail_unless(live);
+  GstQuery *query = gst_query_new_latency();
+  g_autoptr(GstPad) pad = gst_element_get_static_pad(player.chair, "sink");
+  fail_unless(gst_pad_peer_query(pad, query));
+  GstClockTime source_latency = 0;
+  gst_query_parse_latency(query, nullptr, &source_latency, nullptr);
+  gst_query_unref(query);
+  fail_unless(source_latency >= at_least);
+  // A live pipeline also grants its elements time to work in, 20 ms; 15 with a video sink alone.
+  GObject *tactors = gst_child_proxy_get_child_by_name(GST_CHILD_PROXY(player.chair), "tactors");
+  const GstClockTime work = gst_base_sink_get_processing_deadline(GST_BASE_SINK(tactors));
+  gst_object_unref(tactors);
+  ck_assert_uint_eq(gst_base_sink_get_latency(screen),
+                    source_latency + work + (max_lead + 10) * kMs);
+}
+
+GST_START_TEST(test_live)
+{
+  register_test_sink(GST_RANK_NONE);
+  const std::string camera = "tactiletestsrc pattern=dynamic-motion is-live=true ! "
+                             "video/x-raw,format=I420,width=160,height=120,framerate=30/1 ! ";
+  check_live(camera, 180, 0);
+  check_live(camera, 20, 0);
+  check_live(camera + "rtpvrawpay ! rtpjitterbuffer latency=50 ! rtpvrawdepay ! ", 180, 50 * kMs);
+}
+GST_END_TEST;
+
+/// Neither a board that is not there nor one that fails stops the film; the next play tries again.
+GST_START_TEST(test_plays_without_tactors)
+{
+  register_test_sink(GST_RANK_NONE);
+  const std::string sink = kSink + "video-sink=visuotactiletestsink ";
+  Player player(kFilm + sink + "device=/does/not/exist/amplitude.csv");
+  player.set_state(GST_STATE_PLAYING);
+  player.wait_for_eos();
+  ck_assert_int_eq(test_video_sink(shown_by(player.chair))->frames, 60);
+  player.finish();
+  ck_assert_uint_eq(player.warnings.size(), 1);
+  fail_unless(player.warnings[0].first == "tactors");
+  fail_unless(g_str_has_prefix(player.warnings[0].second.c_str(), "The film plays without touch: "),
+              "%s", player.warnings[0].second.c_str());
+
+  g_object_set(player.chair, "device", nullptr, nullptr);
+  player.play();
+  ck_assert_uint_eq(player.warnings.size(), 1);
+  fail_unless(commands_with_volts(player.trace()) > 0);
+
+  // A board that fails in the middle: its amplitudes go to a full disk.
+  g_object_set(player.chair, "device", "/dev/full", nullptr);
+  player.set_state(GST_STATE_PLAYING);
+  player.wait_for_eos();
+  ck_assert_int_eq(test_video_sink(shown_by(player.chair))->frames, 180);
+  player.finish();
+  ck_assert_uint_eq(player.warnings.size(), 2);
+  player.trace();
+}
+GST_END_TEST;
+
+/// Frames that wait for their motors are not there for the decoder: it is told so.
+GST_START_TEST(test_asks_for_more_buffers)
+{
+  GstHarness *harness
+      = gst_harness_new_parse("visuotactilesink driver=simulator async=false video-sink=fakesink");
+  gst_harness_set_src_caps_str(harness,
+                               "video/x-raw,format=I420,width=64,height=64,framerate=50/1");
+  g_autoptr(GstCaps) caps
+      = gst_caps_from_string("video/x-raw,format=I420,width=64,height=64,framerate=50/1");
+  GstQuery *query = gst_query_new_allocation(caps, TRUE);
+  fail_unless(gst_pad_peer_query(harness->srcpad, query));
+  guint least = 0;
+  fail_unless(gst_query_get_n_allocation_pools(query) > 0);
+  gst_query_parse_nth_allocation_pool(query, 0, nullptr, nullptr, &least, nullptr);
+  ck_assert_uint_ge(least, 11); // 190 ms at 50 frames a second, 9.5, and the one at hand
+  gst_query_unref(query);
+  gst_harness_teardown(harness);
+}
+GST_END_TEST;
+
+/// Memory that only a device can read: shown and not felt, and said once.
+GST_START_TEST(test_unreadable_memory)
+{
+  register_test_sink(GST_RANK_NONE);
+  GstElement *chair = gst_element_factory_make("visuotactilesink", nullptr);
+  g_object_set(chair, "driver", "simulator", "sync", FALSE, "async", FALSE, "video-sink",
+               gst_element_factory_make("visuotactiletestsink", nullptr), nullptr);
+  GstHarness *harness = gst_harness_new_with_element(chair, "sink", nullptr);
+  g_autoptr(GstBus) bus = gst_bus_new();
+  gst_element_set_bus(chair, bus);
+  gst_harness_set_src_caps_str(
+      harness, "video/x-raw(memory:Device),format=NV12,width=64,height=64,framerate=30/1");
+  gst_harness_play(harness);
+  g_autoptr(GstAllocator) allocator
+      = GST_ALLOCATOR(gst_object_ref_sink(g_object_new(device_allocator_get_type(), nullptr)));
+  for (guint i = 0; i < 5; i++) {
+    GstBuffer *buffer = gst_buffer_new();
+    GstMemory *memory = gst_allocator_alloc(allocator, 64 * 64 * 3 / 2, nullptr);
+    gst_buffer_append_memory(buffer, memory);
+    GST_BUFFER_PTS(buffer) = i * 33 * kMs;
+    GST_BUFFER_DURATION(buffer) = 33 * kMs;
+    ck_assert_int_eq(gst_harness_push(harness, buffer), GST_FLOW_OK);
+  }
+  gst_harness_push_event(harness, gst_event_new_eos());
+  guint warnings = 0;
+  for (bool eos = false; !eos;) {
+    GstMessage *message = gst_bus_timed_pop(bus, GST_CLOCK_TIME_NONE);
+    warnings += GST_MESSAGE_TYPE(message) == GST_MESSAGE_WARNING;
+    fail_if(GST_MESSAGE_TYPE(message) == GST_MESSAGE_ERROR);
+    eos = GST_MESSAGE_TYPE(message) == GST_MESSAGE_EOS;
+    gst_message_unref(message);
+  }
+  ck_assert_uint_eq(warnings, 1);
+  ck_assert_int_eq(test_video_sink(shown_by(chair))->frames, 5);
+  gst_element_set_bus(chair, nullptr);
+  gst_harness_teardown(harness);
+  gst_object_unref(chair);
+}
+GST_END_TEST;
+
+/// In a pause a user looks at one frame after the other, more than the queues hold: the motors, which stand, do not stop that.
+GST_START_TEST(test_frames_are_stepped_through)
+{
+  Player player(kFilm + kSink + "video-sink=fakesink");
+  player.set_state(GST_STATE_PAUSED);
+  GstElement *shown = shown_by(player.chair);
+  for (int i = 0; i < 40; i++) {
+    fail_unless(
+        gst_element_send_event(shown, gst_event_new_step(GST_FORMAT_BUFFERS, 1, 1.0, TRUE, FALSE)));
+    ck_assert_int_eq(gst_element_get_state(player.pipeline, nullptr, nullptr, GST_CLOCK_TIME_NONE),
+                     GST_STATE_CHANGE_SUCCESS);
+  }
+  gint64 position = 0;
+  fail_unless(gst_element_query_position(shown, GST_FORMAT_TIME, &position));
+  fail_unless(position >= static_cast<gint64>(GST_SECOND));
+  player.play();
+  player.trace();
+}
+GST_END_TEST;
+
+static Suite *
+visuotactilesink_playing_suite(void)
+{
+  Suite *suite = suite_create("visuotactilesink_playing");
+  TCase *cases = tcase_create("general");
+  suite_add_tcase(suite, cases);
+  tcase_add_test(cases, test_plays_and_delays_the_picture);
+  tcase_add_test(cases, test_live);
+  tcase_add_test(cases, test_plays_without_tactors);
+  tcase_add_test(cases, test_asks_for_more_buffers);
+  tcase_add_test(cases, test_unreadable_memory);
+  tcase_add_test(cases, test_frames_are_stepped_through);
+  return suite;
+}
+
+GST_CHECK_MAIN(visuotactilesink_playing);

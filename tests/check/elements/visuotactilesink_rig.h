@@ -1,0 +1,257 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+//
+// visuotactilesink in a pipeline, with a video sink made here that tells what it was asked for. One test includes it: it defines
+// a GObject.
+#pragma once
+
+#include "tactor/command_trace.h"
+
+#include <string>
+#include <utility>
+#include <vector>
+
+// After the standard library's headers: gstcheck.h defines a macro named fail.
+#include "../temporary_file.h"
+#include "trace.h"
+#include <gst/check/gstcheck.h>
+#include <gst/video/gstvideosink.h>
+#include <gst/video/navigation.h>
+#include <gst/video/videooverlay.h>
+
+using tactor::IssuedCommand;
+
+/* ---- a video sink that can be looked at ---- */
+
+struct TestVideoSink
+{
+  GstVideoSink parent;
+  guintptr handle;
+  gint x;
+  gint width;
+  gint exposed;
+  gboolean handles_events;
+  gint frames;
+  std::string *navigated;
+};
+struct TestVideoSinkClass
+{
+  GstVideoSinkClass parent_class;
+};
+
+inline gboolean cannot_be_used = FALSE; ///< no test sink reaches READY
+
+static void test_video_sink_overlay_init(gpointer iface, gpointer);
+static void test_video_sink_navigation_init(gpointer iface, gpointer);
+GType test_video_sink_get_type(void);
+G_DEFINE_TYPE_WITH_CODE(TestVideoSink, test_video_sink, GST_TYPE_VIDEO_SINK,
+                        G_IMPLEMENT_INTERFACE(GST_TYPE_VIDEO_OVERLAY, test_video_sink_overlay_init)
+                            G_IMPLEMENT_INTERFACE(GST_TYPE_NAVIGATION,
+                                                  test_video_sink_navigation_init));
+
+static TestVideoSink *
+test_video_sink(gpointer object)
+{
+  fail_unless(G_TYPE_CHECK_INSTANCE_TYPE(object, test_video_sink_get_type()));
+  return reinterpret_cast<TestVideoSink *>(object);
+}
+
+static void
+test_video_sink_overlay_init(gpointer iface, gpointer)
+{
+  auto *overlay = static_cast<GstVideoOverlayInterface *>(iface);
+  overlay->set_window_handle = [](GstVideoOverlay *self, guintptr handle) {
+    test_video_sink(self)->handle = handle;
+  };
+  overlay->set_render_rectangle = [](GstVideoOverlay *self, gint x, gint, gint width, gint) {
+    test_video_sink(self)->x = x;
+    test_video_sink(self)->width = width;
+  };
+  overlay->expose = [](GstVideoOverlay *self) {
+    test_video_sink(self)->exposed++;
+  };
+  overlay->handle_events = [](GstVideoOverlay *self, gboolean handle_events) {
+    test_video_sink(self)->handles_events = handle_events;
+  };
+}
+
+static void
+test_video_sink_navigation_init(gpointer iface, gpointer)
+{
+  static_cast<GstNavigationInterface *>(iface)->send_event_simple
+      = [](GstNavigation *self, GstEvent *event) {
+          const gchar *key = nullptr;
+          gst_navigation_event_parse_key_event(event, &key);
+          *test_video_sink(self)->navigated = key;
+          gst_event_unref(event);
+        };
+}
+
+static gboolean
+test_video_sink_start(GstBaseSink *sink)
+{
+  if (cannot_be_used)
+    GST_ELEMENT_ERROR(sink, RESOURCE, OPEN_WRITE, ("The test's sink is broken."), (nullptr));
+  return !cannot_be_used;
+}
+
+static GstStateChangeReturn
+test_video_sink_change_state(GstElement *element, GstStateChange transition)
+{
+  if (transition == GST_STATE_CHANGE_NULL_TO_READY
+      && !test_video_sink_start(GST_BASE_SINK(element)))
+    return GST_STATE_CHANGE_FAILURE;
+  if (transition == GST_STATE_CHANGE_NULL_TO_READY) // as glimagesink does
+    gst_video_overlay_prepare_window_handle(GST_VIDEO_OVERLAY(element));
+  return GST_ELEMENT_CLASS(test_video_sink_parent_class)->change_state(element, transition);
+}
+
+static void
+test_video_sink_class_init(TestVideoSinkClass *klass)
+{
+  GstElementClass *element_class = GST_ELEMENT_CLASS(klass);
+  gst_element_class_add_pad_template(
+      element_class, gst_pad_template_new("sink", GST_PAD_SINK, GST_PAD_ALWAYS,
+                                          gst_caps_from_string("video/x-raw(ANY)")));
+  gst_element_class_set_static_metadata(element_class, "Test's video sink", "Sink/Video", "Test",
+                                        "Test");
+  element_class->change_state = test_video_sink_change_state;
+  // Each frame is counted once.
+  GST_BASE_SINK_CLASS(klass)->preroll = [](GstBaseSink *, GstBuffer *) {
+    return GST_FLOW_OK;
+  };
+  GST_VIDEO_SINK_CLASS(klass)->show_frame = [](GstVideoSink *sink, GstBuffer *) {
+    test_video_sink(sink)->frames++;
+    return GST_FLOW_OK;
+  };
+  GObjectClass *object_class = G_OBJECT_CLASS(klass);
+  object_class->finalize = [](GObject *object) {
+    delete test_video_sink(object)->navigated;
+    G_OBJECT_CLASS(test_video_sink_parent_class)->finalize(object);
+  };
+  // Kept as data of the object: this sink has no other use for it.
+  object_class->set_property = [](GObject *object, guint, const GValue *value, GParamSpec *) {
+    g_object_set_data(object, "ratio", GINT_TO_POINTER(g_value_get_boolean(value) ? 1 : 2));
+  };
+  object_class->get_property = [](GObject *object, guint, GValue *value, GParamSpec *) {
+    g_value_set_boolean(value, GPOINTER_TO_INT(g_object_get_data(object, "ratio")) != 2);
+  };
+  g_object_class_install_property(
+      object_class, 1, g_param_spec_boolean("force-aspect-ratio", "", "", TRUE, G_PARAM_READWRITE));
+}
+
+static void
+test_video_sink_init(TestVideoSink *sink)
+{
+  sink->handles_events = TRUE;
+  sink->navigated = new std::string;
+  // Frames are counted: none is left out because the machine was busy.
+  gst_base_sink_set_max_lateness(GST_BASE_SINK(sink), -1);
+}
+
+/* ---- pipelines ---- */
+
+constexpr GstClockTime kMs = GST_MSECOND;
+
+/// A ball that is felt from its first frame on.
+inline const std::string kFilm
+    = "tactiletestsrc name=source pattern=dynamic-motion num-buffers=60 ! "
+      "video/x-raw,format=I420,width=160,height=120,framerate=30/1 ! ";
+inline const std::string kSink = "visuotactilesink name=chair driver=simulator "
+                                 "analysis::temporal=false tactors::ramp-in=0 ";
+
+inline void
+register_test_sink(GstRank rank)
+{
+  fail_unless(
+      gst_element_register(nullptr, "visuotactiletestsink", rank, test_video_sink_get_type()));
+}
+
+/// A pipeline with an element `chair`, and what came on its bus.
+class Player
+{
+public:
+  explicit Player(const std::string &description)
+  {
+    GError *error = nullptr;
+    pipeline = gst_parse_launch(description.c_str(), &error);
+    fail_unless(error == nullptr, "%s", error ? error->message : "");
+    chair = gst_bin_get_by_name(GST_BIN(pipeline), "chair");
+    g_object_set(chair, "trace-location", trace_file.path.c_str(), nullptr);
+    bus = gst_element_get_bus(pipeline);
+  }
+  ~Player()
+  {
+    gst_element_set_state(pipeline, GST_STATE_NULL);
+    gst_object_unref(bus);
+    gst_object_unref(chair);
+    gst_object_unref(pipeline);
+  }
+  Player(const Player &) = delete;
+  Player &operator=(const Player &) = delete;
+
+  void set_state(GstState state)
+  {
+    fail_if(gst_element_set_state(pipeline, state) == GST_STATE_CHANGE_FAILURE);
+    fail_if(gst_element_get_state(pipeline, nullptr, nullptr, GST_CLOCK_TIME_NONE)
+            == GST_STATE_CHANGE_FAILURE);
+  }
+  void wait_for_eos()
+  {
+    for (bool eos = false; !eos;) {
+      GstMessage *message = gst_bus_timed_pop(bus, GST_CLOCK_TIME_NONE);
+      eos = GST_MESSAGE_TYPE(message) == GST_MESSAGE_EOS;
+      take(message);
+    }
+  }
+  void play()
+  {
+    set_state(GST_STATE_PLAYING);
+    wait_for_eos();
+    finish();
+  }
+  void finish()
+  {
+    set_state(GST_STATE_READY);
+    while (GstMessage *message = gst_bus_pop(bus))
+      take(message);
+    gst_element_set_state(pipeline, GST_STATE_NULL);
+  }
+  /// What was told, every motor at zero in the end.
+  std::vector<IssuedCommand> trace()
+  {
+    const std::vector<IssuedCommand> lines = tactor::read_command_trace(trace_file.path);
+    assert_silent_at_end(lines);
+    return lines;
+  }
+
+  GstElement *pipeline;
+  GstElement *chair;
+  GstBus *bus;
+  TemporaryFile trace_file;
+  std::vector<std::pair<std::string, std::string>> warnings; ///< whose, text
+
+private:
+  void take(GstMessage *message)
+  {
+    g_autoptr(GError) error = nullptr;
+    g_autofree gchar *debug = nullptr;
+    if (GST_MESSAGE_TYPE(message) == GST_MESSAGE_ERROR) {
+      gst_message_parse_error(message, &error, &debug);
+      fail("%s: %s (%s)", GST_MESSAGE_SRC_NAME(message), error->message, debug);
+    } else if (GST_MESSAGE_TYPE(message) == GST_MESSAGE_WARNING) {
+      gst_message_parse_warning(message, &error, &debug);
+      warnings.emplace_back(GST_MESSAGE_SRC_NAME(message), error->message);
+    }
+    gst_message_unref(message);
+  }
+};
+
+inline GstElement *
+shown_by(GstElement *chair)
+{
+  GstElement *sink = nullptr;
+  g_object_get(chair, "video-sink", &sink, nullptr);
+  fail_unless(sink != nullptr);
+  gst_object_unref(sink); // the bin has it
+  return sink;
+}

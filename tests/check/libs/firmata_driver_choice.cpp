@@ -1,0 +1,290 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+//
+// Which board the drivers of real boards and the default one take, which they refuse, and which is taken for the one that was lost.
+#include "tactor/auto_driver.h"
+#include "tactor/simulator.h"
+
+#include "firmata_driver_rig.h"
+
+GST_START_TEST(test_no_board)
+{
+  Rig rig;
+  const DriverError none = rig.refusal();
+  fail_unless(none.kind() == Kind::not_found);
+  assert_contains(none.what(), { "StandardFirmata" });
+  rig.sockets.plug(rig.mega);
+  rig.sockets.plug(rig.uno);
+  const DriverError other = rig.refusal(1, "12345");
+  fail_unless(other.kind() == Kind::not_found);
+  assert_contains(other.what(), { "'12345'", "7573", "1-2", "Arduino Uno", "95", "1-3" });
+  ck_assert_int_eq(rig.mega.opens + rig.uno.opens, 0);
+
+  for (const Kind kind : { Kind::permission, Kind::busy, Kind::failed }) {
+    rig.mega.refusal = kind;
+    const DriverError error = rig.refusal(1, "7573");
+    fail_unless(error.kind() == kind);
+    assert_contains(error.what(), { "refused" });
+  }
+  FirmataDriver broken(Firmware::any,
+                       []() -> std::unique_ptr<SerialBus> { throw std::runtime_error("no bus"); });
+  try {
+    broken.open({});
+    fail("there is no bus");
+  } catch (const DriverError &error) {
+    assert_contains(error.what(), { "no bus" });
+  }
+}
+GST_END_TEST;
+
+GST_START_TEST(test_silent_board)
+{
+  FirmataPatience patience = kEndless;
+  patience.answer = 20ms;
+  patience.ask_again = 5ms;
+  Rig rig(Firmware::any, patience);
+  rig.mega.says_nothing = true;
+  rig.sockets.plug(rig.mega);
+  const DriverError error = rig.refusal();
+  fail_unless(error.kind() == Kind::failed);
+  assert_contains(error.what(), { "Mega", "7573", "does not answer", "StandardFirmata" });
+  fail_if(rig.mega.is_open);
+}
+GST_END_TEST;
+
+/// Whoever waits for a board that never answers can be called off.
+GST_START_TEST(test_open_is_interrupted)
+{
+  Rig rig;
+  rig.mega.says_nothing = true;
+  rig.sockets.plug(rig.mega);
+  std::thread other([&] {
+    rig.sockets.wait([&] { return rig.mega.opens == 1; });
+    rig.driver.close();
+  });
+  const DriverError error = rig.refusal();
+  assert_contains(error.what(), { "closed" });
+  other.join();
+  fail_if(rig.mega.is_open);
+}
+GST_END_TEST;
+
+/// The first that can be used, unless one is named by its number or its socket.
+GST_START_TEST(test_two_boards)
+{
+  Rig rig;
+  rig.sockets.plug(rig.uno);
+  rig.sockets.plug(rig.mega);
+  rig.open();
+  fail_unless(rig.uno.is_open && !rig.mega.is_open);
+  assert_contains(rig.text(EventKind::opened), { "Arduino Uno (serial 95", "device=", "7573" });
+  for (const char *name : { "7573", "1-2" }) {
+    rig.open(1, name);
+    fail_unless(rig.mega.is_open && !rig.uno.is_open);
+  }
+  // The Uno has too few pins.
+  rig.open(9);
+  fail_unless(rig.mega.is_open && !rig.uno.is_open);
+  fail_unless(rig.uno.model.is_silent());
+  // The first is refused.
+  rig.uno.refusal = Kind::busy;
+  rig.open();
+  fail_unless(rig.mega.is_open);
+  rig.mega.refusal = Kind::permission;
+  rig.driver.close();
+  assert_contains(rig.refusal().what(), { "Uno is refused", "Mega 2560 is refused" });
+}
+GST_END_TEST;
+
+GST_START_TEST(test_too_few_pins)
+{
+  Rig rig;
+  rig.sockets.plug(rig.uno);
+  const DriverError error = rig.refusal(9);
+  fail_unless(error.kind() == Kind::settings);
+  assert_contains(error.what(), { "6 pins", "3, 5, 6, 9, 10, 11", "9 tactors", "mapping" });
+  fail_unless(rig.uno.model.is_silent());
+  fail_if(rig.uno.is_open);
+  rig.open(6);
+
+  Layout none = kUno;
+  none.pwm.clear();
+  MemoryBoard bare(device("0", "1-9"), none);
+  rig.sockets.plug(bare);
+  fail_unless(rig.refusal(1, "1-9").kind() == Kind::settings);
+  rig.driver.close();
+  rig.sockets.unplug(bare);
+
+  // What a device calls itself may be anything.
+  MemoryBoard odd(device("a\nb", "1-8", "\xff\x1b[2J"), none);
+  rig.sockets.plug(odd);
+  assert_contains(rig.refusal(1, "1-8").what(), { "??[2J (serial a?b, at 1-8) has 0 pins" });
+  rig.sockets.unplug(odd);
+
+  // No more tactors than are wanted.
+  DriverConfig config = rig.config();
+  config.max_tactors = 4;
+  rig.driver.open(config);
+  ck_assert_int_eq(rig.driver.tactors(), 4);
+  rig.write(std::vector<double>(6, 3.0));
+  rig.expect(rig.uno, std::vector<double>(4, 3.0));
+}
+GST_END_TEST;
+
+GST_START_TEST(test_which_board_returns)
+{
+  Rig rig;
+  rig.sockets.plug(rig.mega);
+  rig.open();
+  rig.write({ 2.0 });
+  rig.sockets.unplug(rig.mega);
+  rig.wait_for(EventKind::lost);
+  // Not another one, though in the same socket…
+  MemoryBoard other(device("8", "1-2"), kMega);
+  MemoryBoard same(device("7573", "3-1"), kMega);
+  rig.sockets.plug(other);
+  // …but the same in another socket.
+  rig.sockets.plug(same);
+  rig.wait_for(EventKind::returned);
+  rig.expect(same, { 2.0 });
+  ck_assert_int_eq(other.opens, 0);
+  rig.driver.close();
+  rig.sockets.unplug(same);
+  rig.sockets.unplug(other);
+
+  // Without a number the socket counts; of clones with one number it is preferred.
+  for (const char *number : { "", "0000" }) {
+    MemoryBoard clone(device(number, "1-2"), kMega);
+    MemoryBoard twin(device(number, "1-1"), kMega);
+    rig.sockets.plug(clone);
+    rig.open();
+    rig.write({ 1.0 });
+    const int times = rig.count(EventKind::lost);
+    rig.sockets.announces = false;
+    rig.sockets.unplug(clone);
+    rig.wait_for(EventKind::lost, times + 1);
+    rig.sockets.plug(twin);
+    rig.sockets.plug(clone);
+    rig.sockets.announces = true;
+    rig.sockets.announce();
+    rig.expect(clone, { 1.0 });
+    ck_assert_int_eq(twin.opens, 0);
+    rig.driver.close();
+    rig.sockets.unplug(clone);
+    rig.sockets.unplug(twin);
+  }
+
+  // A board that was changed for one with fewer pins is not taken.
+  rig.sockets.plug(rig.mega);
+  rig.open();
+  const int times = rig.count(EventKind::lost);
+  const int returned = rig.count(EventKind::returned);
+  rig.sockets.unplug(rig.mega);
+  rig.wait_for(EventKind::lost, times + 1);
+  MemoryBoard smaller(rig.mega.device, kUno);
+  rig.sockets.plug(smaller);
+  rig.sockets.wait([&] { return smaller.opens > 0 && !smaller.is_open; });
+  ck_assert_int_eq(rig.count(EventKind::returned), returned);
+}
+GST_END_TEST;
+
+/// `seat` wants the watchdog; `firmata` uses it where it is.
+GST_START_TEST(test_seat)
+{
+  FirmataPatience patience = kEndless;
+  patience.keepalive = 2ms;
+  Rig rig(Firmware::with_watchdog, patience);
+  rig.sockets.plug(rig.mega);
+  const DriverError error = rig.refusal();
+  fail_unless(error.kind() == Kind::settings);
+  assert_contains(error.what(), { "seat firmware", "StandardFirmata.ino 2.5", "driver=firmata" });
+  fail_if(rig.mega.is_open);
+  rig.sockets.plug(rig.seat);
+  rig.open();
+  fail_unless(rig.seat.is_open);
+  fail_unless(rig.driver.refresh_interval() == 2ms);
+
+  Rig any(Firmware::any, patience);
+  any.sockets.plug(any.seat);
+  any.open();
+  fail_unless(any.driver.status().has_watchdog);
+  ck_assert_int_eq(any.count(EventKind::warning), 0);
+  any.write({ 1.0 });
+  any.sockets.wait([&] { return any.seat.model.keepalives > 10; });
+  any.expect(any.seat, { 1.0 });
+}
+GST_END_TEST;
+
+/* ---- auto ---- */
+
+GST_START_TEST(test_auto)
+{
+  Rig rig;
+  auto simulator = std::make_unique<Simulator>();
+  const Simulator &simulated = *simulator;
+  AutoDriver driver(std::make_unique<FirmataDriver>(
+                        Firmware::any, [&] { return std::make_unique<MemoryBus>(rig.sockets); },
+                        FirmataDriver::Settings{ .patience = kEndless }),
+                    std::move(simulator));
+
+  // Nothing is plugged in.
+  driver.open(rig.config());
+  fail_unless(driver.status().board == "simulator");
+  assert_contains(rig.text(EventKind::opened), { "simulated", "no tactor board" });
+  ck_assert_int_eq(rig.count(EventKind::warning), 0);
+  ck_assert_int_eq(driver.tactors(), 4096);
+  driver.write(std::vector<double>{ 3.0 }, 0s);
+  fail_unless(simulated.amplitude(0, 1s) > 2.9);
+  driver.close();
+  fail_unless(driver.tactors() == 0);
+
+  // A board is.
+  rig.sockets.plug(rig.uno);
+  driver.open(rig.config());
+  ck_assert_int_eq(driver.tactors(), 6);
+  fail_unless(driver.status().firmware == "StandardFirmata.ino 2.5");
+  fail_unless(driver.refresh_interval() == kEndless.keepalive);
+  fail_unless(driver.transport_latency() == 3125us); // 18 bytes
+  driver.write(std::vector<double>{ 3.0 }, 0s);
+  rig.sockets.wait([&] { return rig.uno.model.duty[3] == 255; });
+  driver.close();
+  fail_unless(rig.uno.model.is_silent());
+
+  // One that is named, or that does not fit, is no matter of choice.
+  for (const auto &[name, tactors, kind] :
+       { std::tuple("1-7", 1, Kind::not_found), std::tuple("", 9, Kind::settings) }) {
+    try {
+      driver.open(rig.config(tactors, name));
+      fail("it was opened");
+    } catch (const DriverError &error) {
+      fail_unless(error.kind() == kind);
+      fail_unless(driver.tactors() == 0);
+    }
+  }
+
+  // One that may not be opened is said aloud.
+  rig.uno.refusal = Kind::permission;
+  rig.events.clear();
+  driver.open(rig.config());
+  fail_unless(driver.status().board == "simulator");
+  assert_contains(rig.text(EventKind::warning), { "simulated", "Uno is refused" });
+}
+GST_END_TEST;
+
+static Suite *
+firmata_driver_choice_suite(void)
+{
+  Suite *suite = suite_create("firmata_driver_choice");
+  TCase *tests = tcase_create("general");
+  suite_add_tcase(suite, tests);
+  tcase_add_test(tests, test_no_board);
+  tcase_add_test(tests, test_silent_board);
+  tcase_add_test(tests, test_open_is_interrupted);
+  tcase_add_test(tests, test_two_boards);
+  tcase_add_test(tests, test_too_few_pins);
+  tcase_add_test(tests, test_which_board_returns);
+  tcase_add_test(tests, test_seat);
+  tcase_add_test(tests, test_auto);
+  return suite;
+}
+
+GST_CHECK_MAIN(firmata_driver_choice)

@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+//
+// A driver of real boards, with boards in memory. Patience is an hour where it must not end and milliseconds where it must: nothing here
+// is measured by the wall clock.
+#pragma once
+
+#include "memory_bus.h"
+#include "tactor/firmata_driver.h"
+
+#include <cmath>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "contains.h"
+
+using namespace std::chrono_literals;
+using namespace tactor;
+using Firmware = FirmataDriver::Firmware;
+using Kind = DriverError::Kind;
+using EventKind = DriverEvent::Kind;
+
+inline constexpr FirmataPatience kEndless{
+  .answer = 1h, .ask_again = 1h, .transfer = 1h, .host_silence = 1h, .keepalive = 1h, .farewell = 1h
+};
+
+inline SerialDevice
+device(const char *serial, const char *bus_path, const char *name = "Arduino Mega 2560")
+{
+  return { .serial = serial,
+           .bus_path = bus_path,
+           .name = name,
+           .vendor = 0x2341,
+           .product = 0x0042,
+           .transport = "cdc-acm" };
+}
+
+/// Sockets, a board in one of them and a driver.
+class Rig
+{
+public:
+  explicit Rig(Firmware firmware = Firmware::any, FirmataPatience patience = kEndless,
+               Time look_again = 1h)
+      : driver(firmware, [this] { return std::make_unique<MemoryBus>(sockets); },
+               { .patience = patience, .look_again = look_again })
+  {
+  }
+
+  void open(int min_tactors = 1, const std::string &name = "")
+  {
+    driver.open(config(min_tactors, name));
+  }
+  DriverConfig config(int min_tactors = 1, const std::string &name = "")
+  {
+    return { .device = name,
+             .min_tactors = min_tactors,
+             .full_scale_volts = 3.0,
+             .notify = [this](const DriverEvent &event) {
+               std::lock_guard lock(sockets.mutex);
+               events.push_back(event);
+               sockets.changed.notify_all();
+             } };
+  }
+  DriverError refusal(int min_tactors = 1, const std::string &name = "")
+  {
+    try {
+      open(min_tactors, name);
+    } catch (const DriverError &error) {
+      fail_unless(driver.tactors() == 0);
+      fail_unless(std::string(error.what()).find('\n') == std::string::npos);
+      return error;
+    }
+    fail("it was opened");
+    return { Kind::failed, "" };
+  }
+  void write(const std::vector<double> &volts)
+  {
+    driver.write(volts, 0s);
+  }
+  /// Waits until the motors have what these volts are on 8 bits, and all others nothing.
+  void expect(MemoryBoard &board, const std::vector<double> &volts)
+  {
+    const std::vector<int> pins = driver.status().pins;
+    sockets.wait([&] {
+      for (std::size_t i = 0; i < pins.size(); i++)
+        if (board.model.duty[pins[i]]
+            != static_cast<int>(std::lround((i < volts.size() ? volts[i] : 0) / 3.0 * 255)))
+          return false;
+      return true;
+    });
+  }
+  void wait_for(EventKind kind, int count = 1)
+  {
+    sockets.wait([&] { return std::ranges::count(events, kind, &DriverEvent::kind) >= count; });
+  }
+  int count(EventKind kind)
+  {
+    return sockets.locked(
+        [&] { return static_cast<int>(std::ranges::count(events, kind, &DriverEvent::kind)); });
+  }
+  std::string text(EventKind kind)
+  {
+    return sockets.locked([&] {
+      const auto event = std::ranges::find(events, kind, &DriverEvent::kind);
+      return event == events.end() ? "" : event->text;
+    });
+  }
+
+  Sockets sockets;
+  MemoryBoard mega{ device("7573", "1-2"), kMega };
+  MemoryBoard uno{ device("95", "1-3", "Arduino Uno"), kUno };
+  MemoryBoard seat{ device("S1", "2-1", "Seat"), kMega, true };
+  std::vector<DriverEvent> events;
+  FirmataDriver driver;
+};
