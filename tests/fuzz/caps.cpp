@@ -4,8 +4,10 @@
 // Anything else ends the process. A line of caps, then the bytes of a buffer.
 #include <gst/tactile/tactile.h>
 
+#include <cmath>
 #include <cstdint>
 #include <cstdlib>
+#include <limits>
 #include <string>
 
 namespace {
@@ -36,9 +38,9 @@ check(const std::string &line, const std::string &bytes)
     gsize count = 0;
     if (gst_tactile_map_buffer_get_levels(buffer, rows, columns, &levels, &count)) {
       expect(count == static_cast<gsize>(rows) * columns);
-      // Each can be read.
+      // Each can be read, whatever it is.
       for (gsize i = 0; i < count; i++)
-        expect(levels[i] == levels[i] || levels[i] != levels[i]);
+        expect(std::isnan(levels[i]) || levels[i] <= std::numeric_limits<gfloat>::infinity());
     }
     g_free(levels);
     gst_buffer_unref(buffer);

@@ -47,7 +47,9 @@ check(std::string_view bytes)
   // Twice, for a form may round once.
   const Track again = read_track(write_track(track, kForm, "2026-01-01"), kForm);
   const Track once_more = read_track(write_track(again, kForm, "2026-01-01"), kForm);
-  expect(once_more.entries() == again.entries() && once_more.end() == again.end());
+  expect(once_more.entries() == again.entries());
+  // cppcheck-suppress mismatchingContainerExpression ; a time, no iterator
+  expect(once_more.end() == again.end());
   expect(diff(again, once_more).empty());
 }
 #endif

@@ -244,6 +244,8 @@ main(int argc, char **argv)
   GError *error = nullptr;
   if (!g_option_context_parse(context, &argc, &argv, &error) || hours <= 0) {
     std::fprintf(stderr, "soak: %s\n", error ? error->message : "expected --hours above 0");
+    g_clear_error(&error);
+    g_option_context_free(context);
     return 2;
   }
   g_option_context_free(context);

@@ -101,7 +101,10 @@ public:
       if (is_error || GST_MESSAGE_TYPE(message) == GST_MESSAGE_WARNING) {
         GError *error = nullptr;
         char *debug = nullptr;
-        (is_error ? gst_message_parse_error : gst_message_parse_warning)(message, &error, &debug);
+        if (is_error)
+          gst_message_parse_error(message, &error, &debug);
+        else
+          gst_message_parse_warning(message, &error, &debug);
         (is_error ? errors : warnings)
             .push_back(std::string(error->message) + " " + (debug ? debug : ""));
         g_error_free(error);

@@ -56,11 +56,11 @@ parser_of(const GstStructure *structure)
   gint version = 0;
   gst_structure_get_int(structure, "mpegversion", &version);
   const std::string name = gst_structure_get_name(structure);
-  const std::string parser = name == "video/x-h264"                 ? "h264parse"
-                             : name == "video/x-h265"               ? "h265parse"
-                             : name == "audio/mpeg" && version == 1 ? "mpegaudioparse"
-                             : name == "audio/mpeg"                 ? "aacparse"
-                                                                    : "";
+  std::string parser = name == "video/x-h264"                 ? "h264parse"
+                       : name == "video/x-h265"               ? "h265parse"
+                       : name == "audio/mpeg" && version == 1 ? "mpegaudioparse"
+                       : name == "audio/mpeg"                 ? "aacparse"
+                                                              : "";
   GstElementFactory *factory = parser.empty() ? nullptr : gst_element_factory_find(parser.c_str());
   if (!factory)
     return "identity";

@@ -44,7 +44,7 @@ number(double value, const char *format)
 }
 
 void
-set_colour(cairo_t *cairo, Colour colour)
+set_colour(cairo_t *cairo, const Colour &colour)
 {
   cairo_set_source_rgb(cairo, colour.red, colour.green, colour.blue);
 }
@@ -73,7 +73,7 @@ public:
     cairo_show_text(cairo_, what.c_str());
   }
 
-  void line(std::span<const Point> points, Colour colour, double width = 1,
+  void line(std::span<const Point> points, const Colour &colour, double width = 1,
             std::span<const double> dashes = {})
   {
     set_colour(cairo_, colour);
@@ -85,7 +85,7 @@ public:
     cairo_stroke(cairo_);
   }
 
-  void dot(Point at, Colour colour)
+  void dot(Point at, const Colour &colour)
   {
     set_colour(cairo_, colour);
     cairo_new_path(cairo_);

@@ -191,9 +191,11 @@ prior_of(const std::vector<StepResponse> &responses)
   if (roundness.size() < kFewestInCommon)
     return {};
   const auto deviation = [](const std::vector<double> &values) {
+    const double middle = median(values);
     std::vector<double> left;
+    left.reserve(values.size());
     for (const double value : values)
-      left.push_back(std::abs(value - median(values)));
+      left.push_back(std::abs(value - middle));
     return 1.4826 * median(left);
   };
   return { .onset_s = median(onsets),

@@ -122,7 +122,8 @@ static void
 assert_fanned_out(GstElement *chair)
 {
   GObject *tactors = gst_child_proxy_get_child_by_name(GST_CHILD_PROXY(chair), "tactors");
-  for (gpointer object : { gpointer(chair), gpointer(tactors), gpointer(shown_by(chair)) }) {
+  const gpointer objects[] = { chair, tactors, shown_by(chair) };
+  for (gpointer object : objects) {
     gint64 offset = 0;
     gboolean async = TRUE;
     gboolean sync = TRUE;

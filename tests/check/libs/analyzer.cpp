@@ -251,7 +251,7 @@ GST_START_TEST(test_same_film_at_any_rate)
       borders.push_back(static_cast<double>(i) / rate);
     return borders;
   };
-  std::vector<double> variable{ 0 };
+  std::vector<double> variable{ 0.0 };
   while (variable.back() < 4)
     for (const double length : { 0.02, 0.04, 0.1, 0.001, 0.039, 0.05 })
       variable.push_back(variable.back() + length);
