@@ -2,6 +2,7 @@
 //
 // Tracks made up by a fuzzer, in one form a program (TRACK_FORM): what is read can be written and read again as the same track, what is
 // not is refused with a FormatError. Anything else ends the process.
+#include "fuzz.h"
 #include "tactile/klv.h"
 #include "tactile/text_cue.h"
 #include "tactile/track_edit.h"
@@ -10,20 +11,11 @@
 #include "tactile/formats/track_file.h"
 #endif
 
-#include <cstdint>
-#include <cstdlib>
 #include <string_view>
 
 using namespace tactile;
 
 namespace {
-
-void
-expect(bool holds)
-{
-  if (!holds)
-    std::abort();
-}
 
 #ifdef TRACK_FORM_KLV
 void
