@@ -31,6 +31,8 @@ check(const std::string &path)
     expect(motor.hold_volts <= motor.start_volts);
     expect(motor.rise_time(0, 3.0) >= Time(0));
     expect(std::ranges::is_sorted(motor.level_volts));
+    expect(motor.level_volts.empty()
+           || (motor.level_volts.front() >= 0 && motor.level_volts.back() <= 3.0));
   }
   // In memory: on a disk it would wait for that.
   const std::string name = "/dev/shm/calibration-fuzz-" + std::to_string(getpid());

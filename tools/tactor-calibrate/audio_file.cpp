@@ -9,6 +9,7 @@
 #include <filesystem>
 #include <memory>
 #include <stdexcept>
+#include <string_view>
 
 namespace {
 
@@ -55,6 +56,20 @@ run(const Pipeline &pipeline, const std::string &path)
   g_autoptr(GError) error = nullptr;
   gst_message_parse_error(message, &error, nullptr);
   throw std::runtime_error("'" + path + "': " + error->message);
+}
+
+/// decodebin's autoplug-select: what a file names, as playlists and session descriptions do, is not opened, on the network or elsewhere.
+gint
+on_select(GstElement *, GstPad *, GstCaps *, GstElementFactory *factory, gpointer)
+{
+  constexpr gint kTry = 0; // of decodebin's GstAutoplugSelectResult, which is in no header
+  constexpr gint kSkip = 2;
+  const std::string_view kind
+      = gst_element_factory_get_metadata(factory, GST_ELEMENT_METADATA_KLASS);
+  const auto is = [kind](std::string_view word) {
+    return kind.find(word) != std::string_view::npos;
+  };
+  return is("Adaptive") || is("Network") ? kSkip : kTry;
 }
 
 GstFlowReturn
@@ -171,8 +186,11 @@ read_recording(const std::string &path)
   if (path.ends_with(".csv") || path.ends_with(".txt"))
     return tactor::read_csv_recording(path);
   AudioCollector heard;
-  const Pipeline pipeline = launch("filesrc name=file ! decodebin ! " + recording_branch());
+  const Pipeline pipeline
+      = launch("filesrc name=file ! decodebin name=decoder ! " + recording_branch());
   set(pipeline, "file", "location", path);
+  g_autoptr(GstElement) decoder = gst_bin_get_by_name(GST_BIN(pipeline.get()), "decoder");
+  g_signal_connect(decoder, "autoplug-select", G_CALLBACK(on_select), nullptr);
   g_autoptr(GstElement) sink = gst_bin_get_by_name(GST_BIN(pipeline.get()), "heard");
   heard.listen(sink);
   run(pipeline, path);

@@ -9,13 +9,16 @@
 #include "tools/tactor-calibrate/audio_file.h"
 #include "tools/tactor-calibrate/session.h"
 
+#include <cerrno>
 #include <cstdint>
 #include <filesystem>
 #include <fstream>
 #include <functional>
+#include <netinet/in.h>
 #include <stdexcept>
 #include <string>
 #include <sys/resource.h>
+#include <sys/socket.h>
 #include <unistd.h>
 
 // After the standard library's headers: gstcheck.h defines a macro named fail.
@@ -213,6 +216,38 @@ GST_START_TEST(test_recordings_as_wav)
 }
 GST_END_TEST;
 
+/// Playlists and session descriptions name what is elsewhere: nobody is asked for it.
+GST_START_TEST(test_recordings_that_are_none)
+{
+  const int listener = socket(AF_INET, SOCK_STREAM | SOCK_NONBLOCK, 0);
+  sockaddr_in address{};
+  socklen_t size = sizeof address;
+  address.sin_family = AF_INET;
+  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  fail_unless(bind(listener, reinterpret_cast<sockaddr *>(&address), size) == 0
+              && listen(listener, 4) == 0
+              && getsockname(listener, reinterpret_cast<sockaddr *>(&address), &size) == 0);
+  const std::string place = "http://127.0.0.1:" + std::to_string(ntohs(address.sin_port)) + "/";
+  const Folder folder;
+  const std::string hls = "#EXTM3U\n#EXT-X-VERSION:3\n#EXT-X-TARGETDURATION:5\n#EXTINF:5,\n" + place
+                          + "a.ts\n#EXT-X-ENDLIST\n";
+  const std::string dash
+      = "<?xml version=\"1.0\"?><MPD xmlns=\"urn:mpeg:dash:schema:mpd:2011\" "
+        "profiles=\"urn:mpeg:dash:profile:isoff-on-demand:2011\" type=\"static\" "
+        "minBufferTime=\"PT1S\" mediaPresentationDuration=\"PT5S\"><BaseURL>"
+        + place
+        + "</BaseURL><Period><AdaptationSet mimeType=\"audio/mp4\"><Representation id=\"1\" "
+          "bandwidth=\"1000\"><BaseURL>a.mp4</BaseURL></Representation></AdaptationSet>"
+          "</Period></MPD>";
+  const std::string sdp = "v=0\no=- 0 0 IN IP4 127.0.0.1\ns=x\nc=IN IP4 127.0.0.1\nt=0 0\n"
+                          "m=audio 0 RTP/AVP 0\na=control:rtsp://127.0.0.1/\n";
+  for (const std::string &text : { hls, dash, sdp })
+    fail_if(is_read([&] { read_recording(folder.file("r.wav", text)); }));
+  fail_unless(accept(listener, nullptr, nullptr) < 0 && errno == EAGAIN, "somebody was asked");
+  close(listener);
+}
+GST_END_TEST;
+
 GST_START_TEST(test_traces)
 {
   limit_memory();
@@ -290,6 +325,7 @@ hostile_files_suite(void)
   tcase_add_test(cases, test_calibrations);
   tcase_add_test(cases, test_recordings_as_csv);
   tcase_add_test(cases, test_recordings_as_wav);
+  tcase_add_test(cases, test_recordings_that_are_none);
   tcase_add_test(cases, test_traces);
   tcase_add_test(cases, test_measurements);
   tcase_add_test(cases, test_boards);
