@@ -36,6 +36,9 @@ check(std::string_view bytes)
     for (const float level : entry.map.levels)
       expect(level >= 0 && level <= 1);
   }
+  // WebVTT writes a cue a second: a hundred hours would take a thousand times as long as to read them.
+  if (track.end() > std::chrono::minutes(10))
+    return;
   // Twice, for a form may round once.
   const Track again = read_track(write_track(track, kForm, "2026-01-01"), kForm);
   const Track once_more = read_track(write_track(again, kForm, "2026-01-01"), kForm);
