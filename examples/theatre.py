@@ -5,12 +5,14 @@ Maps travel as RTP (rtpgstpay). Each packet carries the time at which its map is
 a seat needs nothing but the clock, the stream and the latency, whenever it joins. The name of the stream (CNAME) has to be known to
 use that time before the first RTCP report; hence a fixed SSRC.
 """
+import socket
+
 import gi
 
 gi.require_version("Gst", "1.0")
 gi.require_version("GstNet", "1.0")
 gi.require_version("GstRtp", "1.0")
-from gi.repository import GLib, GObject, Gst, GstNet, GstRtp  # noqa: E402, F401
+from gi.repository import Gio, GLib, GObject, Gst, GstNet, GstRtp  # noqa: E402, F401
 
 SSRC = 0x74726561
 EXTENSION = 1  # its number in the packets
@@ -21,6 +23,30 @@ CAPS = (
 PORT = 5104  # of the maps
 CLOCK_PORT = 5106
 LATENCY = 500  # ms from when a map leaves the server until its frame is shown
+
+
+def own_address(destination):
+    """This computer's address on the interface that leads to `destination`, a name or an address. Nothing is sent."""
+    kind, _, _, _, address = socket.getaddrinfo(destination, 9, type=socket.SOCK_DGRAM)[0]
+    with socket.socket(kind, socket.SOCK_DGRAM) as line:
+        try:
+            line.connect(address)
+        except OSError as error:
+            raise SystemExit(f"no network leads to {destination}: {error.strerror}") from error
+        return line.getsockname()[0]
+
+
+def bound_socket(address, port):
+    """A UDP socket that hears what is sent to this address or group alone."""
+    place = Gio.InetSocketAddress.new_from_string(address, port)
+    if not place:
+        raise SystemExit(f"expected an address, got {address}")
+    line = Gio.Socket.new(place.get_family(), Gio.SocketType.DATAGRAM, Gio.SocketProtocol.UDP)
+    try:
+        line.bind(place, place.get_address().get_is_multicast())
+    except GLib.Error as error:
+        raise SystemExit(f"{address}:{port} cannot be heard: {error.message}") from error
+    return line
 
 
 def ptp_clock(domain, interfaces=None):

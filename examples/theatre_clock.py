@@ -24,6 +24,7 @@ MOST_DRIFT = 120e-6  # of one computer's clock against another's; crystals have 
 SETTLED = 200e3  # ns: see Offset.uncertainty
 UNSETTLED = 600e3  # ns: it takes more to lose what was settled
 FINE = 50e3  # ns: from here on it is asked less often
+EARLIEST, LATEST = 10**9, 2**62  # ns, of the server's clock: what is reckoned from it fits a GstClockTime
 DENSITY = 10  # packets of each direction from which it is told how dense they lie at the bound
 ASK_OFTEN = 0.01  # s from one question to the next
 ASK_SELDOM = 0.25
@@ -50,7 +51,9 @@ class Offset:
         self.uncertainty = float("inf")  # what the offset is expected to be off by, the packets being as dense at the bounds as seen
 
     def add(self, asked, server, answered):
-        """An exchange: both ends on this computer's clock, the server's time in between."""
+        """An exchange: both ends on this computer's clock, the server's time in between. What is no time of a clock is ignored."""
+        if not EARLIEST <= server <= LATEST:
+            return
         if not self.exchanges:
             self.begin, self.origin = asked, server - asked
         # At `asked`, the offset is at most the first and at least the second.

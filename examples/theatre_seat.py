@@ -12,7 +12,8 @@ from theatre import Gst
 def parse(arguments):
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("server", help="its address, for the clock")
-    parser.add_argument("--group", metavar="ADDRESS", default="239.255.42.42", help="multicast group of the maps; 0.0.0.0: sent to this seat alone")
+    parser.add_argument("--group", metavar="ADDRESS", default="239.255.42.42", help="multicast group of the maps")
+    parser.add_argument("--unicast", action="store_true", help="maps are sent to this seat alone, at its address on the interface that leads to the server")
     parser.add_argument("--port", type=int, default=theatre.PORT)
     parser.add_argument("--clock-port", type=int, default=theatre.CLOCK_PORT)
     parser.add_argument("--ptp", type=int, metavar="DOMAIN", help="follow the grandmaster of this PTP domain instead of the server's clock, as the server does")
@@ -28,12 +29,16 @@ def make(options):
     while follower and not follower.settled.wait(10):
         print(f"waiting for the clock of {options.server}", flush=True)
 
+    address = theatre.own_address(options.server) if options.unicast else options.group
     pipeline = Gst.parse_launch(
-        f'udpsrc name=maps address={options.group} port={options.port} caps="{theatre.CAPS}" ! rtp.recv_rtp_sink_0 '
+        f'udpsrc name=maps address={address} port={options.port} caps="{theatre.CAPS}" ! rtp.recv_rtp_sink_0 '
         f"rtpbin name=rtp ntp-sync=true ntp-time-source=clock-time buffer-mode=none latency={options.jitter} "
         # The server has chosen when what is felt may change.
         f"rtpgstdepay name=depay ! tactorsink name=chair rate=0 {options.chair}"
     )
+
+    # udpsrc would bind a group's port on all addresses, and so hear what is sent to this computer alone as well.
+    pipeline.get_by_name("maps").set_property("socket", theatre.bound_socket(address, options.port))
 
     def on_pad(_rtp, pad):
         if pad.get_name().startswith("recv_rtp_src"):

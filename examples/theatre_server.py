@@ -14,6 +14,10 @@ def parse(arguments):
     parser.add_argument(
         "--to", action="append", metavar="ADDRESS:PORT", help="where maps are sent, a multicast group as well; may be repeated (default: 239.255.42.42:5104)"
     )
+    parser.add_argument(
+        "--from", dest="own", metavar="ADDRESS", help="this computer's address from which maps are sent and where the clock answers (default: for each --to, its "
+        "address on the interface that leads there)"
+    )
     parser.add_argument("--latency", type=int, default=theatre.LATENCY, metavar="MS", help="by how much the picture is later than its map; the same for all seats")
     parser.add_argument("--rate", type=float, default=5, metavar="HZ", help="how often what is felt may change")
     parser.add_argument("--copies", type=int, default=3, help="how often each map is sent, 50 ms apart, so that one that is lost is not missed")
@@ -25,16 +29,27 @@ def parse(arguments):
     return parser.parse_args(arguments)
 
 
-def sender(number, clients, latency):
+def by_own_address(clients, own):
+    """Clients by the address of this computer from which they are reached."""
+    groups = {}
+    for client in clients:
+        groups.setdefault(own or theatre.own_address(client.rpartition(":")[0]), []).append(client)
+    return groups
+
+
+def sender(number, own, clients, latency):
     """A map leaves when its frame would be shown without the latency; copies 50 ms after one another."""
     delay = max(latency - 50 * number, 0) * Gst.MSECOND
-    return f"copies. ! queue ! multiudpsink clients={clients} sync=true async=false auto-multicast=true ttl-mc=8 render-delay={delay}"
+    return (
+        f"copies. ! queue ! multiudpsink bind-address={own} clients={','.join(clients)} sync=true async=false auto-multicast=true ttl-mc=8 "
+        f"render-delay={delay}"
+    )
 
 
 def main():
     options = parse(sys.argv[1:])
     Gst.init(None)
-    clients = ",".join(options.to or [f"239.255.42.42:{theatre.PORT}"])
+    clients = by_own_address(options.to or [f"239.255.42.42:{theatre.PORT}"], options.own)
     room = f"queue max-size-bytes=0 max-size-buffers=0 max-size-time={(options.latency + 300) * Gst.MSECOND}"
     screen = Gst.parse_bin_from_description(
         f"saliencytactile name=analysis max-rate={options.rate} {options.analysis} ! tactileextractor name=split "
@@ -42,7 +57,7 @@ def main():
         f"split.tactile ! {room} ! rtpgstpay name=pay ssrc={theatre.SSRC} config-interval=1 ! rtp.send_rtp_sink_0 "
         "rtpbin name=rtp ntp-time-source=clock-time rtcp-sync-send-time=false "
         "rtp.send_rtp_src_0 ! tee name=copies "
-        + " ".join(sender(number, clients, options.latency) for number in range(options.copies)),
+        + " ".join(sender(number, own, clients[own], options.latency) for number in range(options.copies) for own in clients),
         False,
     )
     screen.add_pad(Gst.GhostPad.new("sink", screen.get_by_name("analysis").get_static_pad("sink")))
@@ -57,10 +72,10 @@ def main():
 
     if options.ptp is None:
         clock = Gst.SystemClock.obtain()
-        provider = GstNet.NetTimeProvider.new(clock, "0.0.0.0", options.clock_port)
+        providers = [GstNet.NetTimeProvider.new(clock, own, options.clock_port) for own in clients]
     else:
         clock = theatre.ptp_clock(options.ptp)
-        provider = None
+        providers = []
     play.use_clock(clock)
     play.set_latency(options.latency * Gst.MSECOND)
 
@@ -92,7 +107,7 @@ def main():
         print(f"sent {options.copies} x {sent['packets']} packets, {rate / 1000:.1f} kbit/s with IP and UDP", flush=True)
 
     status = theatre.run(play, ended)
-    del provider
+    del providers
     sys.exit(status)
 
 

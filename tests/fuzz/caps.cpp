@@ -2,22 +2,16 @@
 //
 // Caps and buffers of a tactile stream as a network peer may send them: what is taken for a map has as many levels as its caps say.
 // Anything else ends the process. A line of caps, then the bytes of a buffer.
+#include "fuzz.h"
+
 #include <gst/tactile/tactile.h>
 
 #include <cmath>
 #include <cstdint>
-#include <cstdlib>
 #include <limits>
 #include <string>
 
 namespace {
-
-void
-expect(bool holds)
-{
-  if (!holds)
-    std::abort();
-}
 
 void
 check(const std::string &line, const std::string &bytes)

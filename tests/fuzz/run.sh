@@ -1,40 +1,66 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: LGPL-2.1-or-later
-# Builds the fuzz targets with clang in a folder of their own and runs each for a while on its corpus; what it learns is not kept.
+# Builds the fuzz targets with clang in a folder of their own and runs each on its corpus; what it learns is not kept.
 #
-# Usage: tests/fuzz/run.sh [SECONDS] [TARGET ...]     (20 seconds; all targets)
+# Usage: tests/fuzz/run.sh [OPTION ...] [SECONDS] [TARGET ...]     (20 seconds; all targets)
+#   --fast      without AddressSanitizer: several times as many runs, in which less is noticed
+#   --runs=N    each target so often, however long it takes, instead of SECONDS
+#   --length=N  inputs of at most so many bytes (4096)
+#   --jobs=N    so many targets at once (1)
 # Ends with the count of runs; with 1 at the first input that breaks something, which it names.
 set -euo pipefail
 here=$(cd "$(dirname "$0")" && pwd)
 # shellcheck source=../../tools/build.sh
 . "$here/../../tools/build.sh"
-case ${1:-} in -h | --help) sed -n '3,6s/^# \{0,1\}//p' "$0"; exit 0 ;; esac
-seconds=${1:-20}
-[ $# -eq 0 ] || shift
+kind=fuzzer runs='' length=4096 jobs=1
+while [[ ${1:-} = -* ]]; do
+  case $1 in
+    -h | --help) sed -n '3,10s/^# \{0,1\}//p' "$0"; exit 0 ;;
+    --fast) kind=fast ;;
+    --runs=*) runs=${1#*=} ;;
+    --length=*) length=${1#*=} ;;
+    --jobs=*) jobs=${1#*=} ;;
+    *) echo "run.sh: expected --fast, --runs=N, --length=N or --jobs=N, got '$1'" >&2; exit 2 ;;
+  esac
+  shift
+done
+limit=-max_total_time=20
+if [[ ${1:-} =~ ^[0-9]+$ ]]; then
+  limit=-max_total_time=$1
+  shift
+fi
+[ -z "$runs" ] || limit=-runs=$runs
 directory=$root/build-fuzz
 
 export CC=clang CXX=clang++
 [ -n "${VISUOTACTILE_NO_SETUP:-}" ] || "$root/tools/setup.sh" build test fuzz
 if [ ! -f "$directory/build.ninja" ]; then
-  meson setup "$directory" "$root" -Dsaliency=disabled -Dusb=disabled -Dintrospection=disabled -Dtools=disabled -Dexamples=disabled \
+  meson setup "$directory" "$root" -Dsaliency=enabled -Dusb=enabled -Dtools=enabled -Dintrospection=disabled -Dexamples=disabled \
     -Dtests=enabled -Dbuildtype=release -Db_lundef=false >/dev/null
 fi
 if [ $# -eq 0 ]; then
   for folder in "$here"/corpus/*/; do set -- "$@" "$(basename "$folder")"; done
 fi
-mapfile -t programs < <(printf "tests/fuzz/%s_fuzzer\n" "$@")
+mapfile -t programs < <(printf "tests/fuzz/%s_$kind\n" "$@")
 ninja -C "$directory" "${programs[@]}" >"$directory/ninja.log" 2>&1 || { cat "$directory/ninja.log" >&2; exit 1; }
 
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
-total=0
-for target in "$@"; do
+
+fuzz() {
+  local target=$1
+  # GStreamer 1.22's gst_caps_from_string() loses some 200 bytes of a list that is not closed.
+  [ "$target" != caps ] || export ASAN_OPTIONS=detect_leaks=0
   mkdir "$work/$target"
-  "$directory/tests/fuzz/${target}_fuzzer" -max_len=4096 -malloc_limit_mb=256 -rss_limit_mb=1024 -timeout=10 -max_total_time="$seconds" \
-    -print_final_stats=1 -artifact_prefix="$directory/$target-" "$work/$target" "$here/corpus/$target" >"$work/log" 2>&1 \
-    || { tail -n 30 "$work/log" >&2; echo "run.sh: $target was broken" >&2; exit 1; }
-  runs=$(sed -n 's/^stat::number_of_executed_units: *//p' "$work/log")
-  echo "$target: $runs runs"
-  total=$((total + runs))
-done
-echo "$total runs in all, nothing broken"
+  "$directory/tests/fuzz/${target}_$kind" -max_len="$length" -malloc_limit_mb=256 -rss_limit_mb=1024 -timeout=10 "$limit" \
+    -print_final_stats=1 -artifact_prefix="$directory/$target-" "$work/$target" "$here/corpus/$target" >"$work/$target.log" 2>&1 \
+    || { tail -n 30 "$work/$target.log" >&2; echo "run.sh: $target was broken" >&2; return 255; }
+  sed -n "s/^stat::number_of_executed_units: */$target: /p; s/^\(stat::average_exec_per_sec\): */  \1 /p" "$work/$target.log" \
+    | paste -s | sed 's/\t  stat::average_exec_per_sec/ runs,/; s/$/ a second/' | tee -a "$work/counts"
+}
+export -f fuzz
+export directory kind length limit work here
+# 255 ends xargs.
+# shellcheck disable=SC2016 # expanded by the shell that xargs starts
+printf '%s\0' "$@" | xargs -0 -n 1 -P "$jobs" bash -c 'fuzz "$1"' bash
+awk '{ total += $2 } END { printf "%d runs in all, nothing broken\n", total }' "$work/counts"

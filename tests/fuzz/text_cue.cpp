@@ -3,10 +3,9 @@
 // Text cues as a subtitle stream may bring them, with and without a grid: what is read is a map, and reads the same once written.
 // Anything else ends the process.
 #include "tactile/text_cue.h"
+#include "fuzz.h"
 #include "tactile/track.h"
 
-#include <cstdint>
-#include <cstdlib>
 #include <string_view>
 
 using namespace tactile;
@@ -18,17 +17,14 @@ check(std::string_view text, std::optional<Grid> grid)
 {
   try {
     const TactileMap map = read_text_cue(text, grid);
-    if (map.rows < 1 || map.columns < 1
-        || map.levels.size()
-               != static_cast<std::size_t>(map.rows) * static_cast<std::size_t>(map.columns)
-        || (grid && (map.rows != grid->rows || map.columns != grid->columns)))
-      std::abort();
+    expect(map.rows >= 1 && map.columns >= 1
+           && map.levels.size()
+                  == static_cast<std::size_t>(map.rows) * static_cast<std::size_t>(map.columns));
+    expect(!grid || (map.rows == grid->rows && map.columns == grid->columns));
     for (const float level : map.levels)
-      if (!(level >= 0 && level <= 1))
-        std::abort();
+      expect(level >= 0 && level <= 1);
     const std::string once = write_text_cue(map);
-    if (write_text_cue(read_text_cue(once, Grid{ map.rows, map.columns })) != once)
-      std::abort();
+    expect(write_text_cue(read_text_cue(once, Grid{ map.rows, map.columns })) == once);
   } catch (const FormatError &) {
   }
 }

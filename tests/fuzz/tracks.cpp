@@ -2,6 +2,7 @@
 //
 // Tracks made up by a fuzzer, in one form a program (TRACK_FORM): what is read can be written and read again as the same track, what is
 // not is refused with a FormatError. Anything else ends the process.
+#include "fuzz.h"
 #include "tactile/klv.h"
 #include "tactile/text_cue.h"
 #include "tactile/track_edit.h"
@@ -10,20 +11,11 @@
 #include "tactile/formats/track_file.h"
 #endif
 
-#include <cstdint>
-#include <cstdlib>
 #include <string_view>
 
 using namespace tactile;
 
 namespace {
-
-void
-expect(bool holds)
-{
-  if (!holds)
-    std::abort();
-}
 
 #ifdef TRACK_FORM_KLV
 void
@@ -44,6 +36,9 @@ check(std::string_view bytes)
     for (const float level : entry.map.levels)
       expect(level >= 0 && level <= 1);
   }
+  // WebVTT writes a cue a second: a hundred hours would take a thousand times as long as to read them.
+  if (track.end() > std::chrono::minutes(10))
+    return;
   // Twice, for a form may round once.
   const Track again = read_track(write_track(track, kForm, "2026-01-01"), kForm);
   const Track once_more = read_track(write_track(again, kForm, "2026-01-01"), kForm);

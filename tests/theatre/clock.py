@@ -97,4 +97,15 @@ for n in range(400):
 if not stepped.settled or abs(stepped.server_time()[1] - stepped.server_time()[0] - 5 * SECOND) > 1e5:
     print("FAILED: does not follow a step of the server's clock")
     failed += 1
+# A peer that answers what is no time, before and after it is known.
+hostile = Offset()
+for n in range(400):
+    now = BEGIN + n * SECOND // 4
+    server = now + 10**5 + AHEAD if 100 <= n < 300 else (0, 2**63, 2**64 - 1)[n % 3]
+    hostile.add(now, server, now + 2 * 10**5)
+    hostile.fit(now + 2 * 10**5)
+    reference, told = hostile.server_time()
+    if not 0 <= reference < 2**63 or not 0 <= told < 2**63 or hostile.settled and abs(told - reference - AHEAD) > 1e5:
+        print(f"FAILED: follows what is no time: {told} at {reference}")
+        failed += 1
 sys.exit(failed > 0)

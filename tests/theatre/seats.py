@@ -251,7 +251,7 @@ def main(examples, report):
             return start(
                 f"seat{number}",
                 networks.command(number)
-                + [python, __file__, "--seat", "127.0.0.1", "--group", "0.0.0.0", "--port", str(maps_out[number])]
+                + [python, __file__, "--seat", "127.0.0.1", "--unicast", "--port", str(maps_out[number])]
                 + ["--clock-port", str(clocks[number]), "--latency", str(LATENCY), "--chair", chair],
             )
 

@@ -9,6 +9,7 @@
 #include <filesystem>
 #include <memory>
 #include <stdexcept>
+#include <string_view>
 
 namespace {
 
@@ -42,19 +43,41 @@ set(const Pipeline &pipeline, const char *name, const char *property, const std:
   g_object_set(element, property, value.c_str(), nullptr);
 }
 
-/// Runs to the end. Throws what the pipeline's error says of `path`.
+/// Runs to the end. Throws what the pipeline's error says of `path`, or that it does not get on for as long as `patience`.
 void
-run(const Pipeline &pipeline, const std::string &path)
+run(const Pipeline &pipeline, const std::string &path, GstClockTime patience = GST_CLOCK_TIME_NONE)
 {
   gst_element_set_state(pipeline.get(), GST_STATE_PLAYING);
   g_autoptr(GstBus) bus = gst_element_get_bus(pipeline.get());
-  g_autoptr(GstMessage) message = gst_bus_timed_pop_filtered(
-      bus, GST_CLOCK_TIME_NONE, static_cast<GstMessageType>(GST_MESSAGE_ERROR | GST_MESSAGE_EOS));
+  g_autoptr(GstMessage) message = nullptr;
+  for (gint64 before = -2; !message;) {
+    message = gst_bus_timed_pop_filtered(
+        bus, patience, static_cast<GstMessageType>(GST_MESSAGE_ERROR | GST_MESSAGE_EOS));
+    gint64 at = -1;
+    gst_element_query_position(pipeline.get(), GST_FORMAT_TIME, &at);
+    if (!message && at == before)
+      throw std::runtime_error("'" + path + "': it cannot be read further; is it damaged?");
+    before = at;
+  }
   if (GST_MESSAGE_TYPE(message) == GST_MESSAGE_EOS)
     return;
   g_autoptr(GError) error = nullptr;
   gst_message_parse_error(message, &error, nullptr);
   throw std::runtime_error("'" + path + "': " + error->message);
+}
+
+/// decodebin's autoplug-select: what a file names, as playlists and session descriptions do, is not opened, on the network or elsewhere.
+gint
+on_select(GstElement *, GstPad *, GstCaps *, GstElementFactory *factory, gpointer)
+{
+  constexpr gint kTry = 0; // of decodebin's GstAutoplugSelectResult, which is in no header
+  constexpr gint kSkip = 2;
+  const std::string_view kind
+      = gst_element_factory_get_metadata(factory, GST_ELEMENT_METADATA_KLASS);
+  const auto is = [kind](std::string_view word) {
+    return kind.find(word) != std::string_view::npos;
+  };
+  return is("Adaptive") || is("Network") ? kSkip : kTry;
 }
 
 GstFlowReturn
@@ -171,11 +194,15 @@ read_recording(const std::string &path)
   if (path.ends_with(".csv") || path.ends_with(".txt"))
     return tactor::read_csv_recording(path);
   AudioCollector heard;
-  const Pipeline pipeline = launch("filesrc name=file ! decodebin ! " + recording_branch());
+  const Pipeline pipeline
+      = launch("filesrc name=file ! decodebin name=decoder ! " + recording_branch());
   set(pipeline, "file", "location", path);
+  g_autoptr(GstElement) decoder = gst_bin_get_by_name(GST_BIN(pipeline.get()), "decoder");
+  g_signal_connect(decoder, "autoplug-select", G_CALLBACK(on_select), nullptr);
   g_autoptr(GstElement) sink = gst_bin_get_by_name(GST_BIN(pipeline.get()), "heard");
   heard.listen(sink);
-  run(pipeline, path);
+  // decodebin may lose the error of a file whose form is out of all range, and waits for ever then.
+  run(pipeline, path, 5 * GST_SECOND);
   return heard.take();
 }
 

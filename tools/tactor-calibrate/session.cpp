@@ -20,6 +20,7 @@ namespace {
 constexpr const char *kGroup = "Session";
 /// Until it is known where motors vibrate, they are looked for here.
 constexpr tactor::Band kWideBand{ 15, 400 };
+constexpr std::uintmax_t kMostBytes = 1 << 20; ///< of session.ini
 
 struct FreeKeyFile
 {
@@ -111,6 +112,11 @@ Session::open(const fs::path &folder)
 {
   const KeyFile file(g_key_file_new());
   g_autoptr(GError) error = nullptr;
+  std::error_code none;
+  if (fs::file_size(folder / "session.ini", none) > kMostBytes && !none)
+    throw std::runtime_error("'" + folder.string()
+                             + "' holds no measurement: session.ini has more than "
+                             + std::to_string(kMostBytes) + " bytes");
   if (!g_key_file_load_from_file(file.get(), (folder / "session.ini").c_str(), G_KEY_FILE_NONE,
                                  &error))
     throw std::runtime_error("'" + folder.string() + "' holds no measurement: " + error->message);

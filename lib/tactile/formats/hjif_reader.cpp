@@ -18,6 +18,9 @@ namespace {
 
 constexpr int kTimescale = 1000; ///< ticks a second, where the document does not say
 constexpr int kDeepest = 64;     ///< of arrays and objects
+/// The parser makes a node of some 100 bytes of each value, and a hash table of each object.
+constexpr std::size_t kMostContainers = 2'000'000;
+constexpr std::size_t kMostValues = 8'000'000;
 constexpr Time kRampStep = std::chrono::milliseconds(20);
 
 /// Refuses what is not JSON but is taken by JSON-GLib (comments, assignments), and what is nested so deeply that its parser, which
@@ -27,6 +30,8 @@ check_structure(std::string_view text)
 {
   bool in_string = false;
   int depth = 0;
+  std::size_t containers = 0;
+  std::size_t values = 0;
   std::size_t line = 1;
   for (std::size_t i = 0; i < text.size(); i++) {
     const char c = text[i];
@@ -42,12 +47,19 @@ check_structure(std::string_view text)
     } else if (c == '[' || c == '{') {
       if (++depth > kDeepest)
         throw FormatError::at_line(line, "nested more than " + std::to_string(kDeepest) + " deep");
+      containers++;
     } else if (c == ']' || c == '}') {
       depth--;
+    } else if (c == ',') {
+      values++;
     } else if (!g_ascii_isspace(c) && !g_ascii_isalnum(c)
-               && std::string_view(",:+-.").find(c) == std::string_view::npos) {
+               && std::string_view(":+-.").find(c) == std::string_view::npos) {
       throw FormatError::at_line(line, "this is no JSON");
     }
+    if (containers > kMostContainers || values > kMostValues)
+      throw FormatError::at_line(line, "more than " + std::to_string(kMostContainers)
+                                           + " objects or " + std::to_string(kMostValues)
+                                           + " values");
   }
 }
 

@@ -7,6 +7,7 @@
 #include <libxml/tree.h>
 #include <libxml/xmlerror.h>
 
+#include <algorithm>
 #include <array>
 #include <charconv>
 #include <climits>
@@ -27,6 +28,7 @@ constexpr const char *kSi = "urn:mpeg:mpeg21:2003:01-DIA-XSI-NS";
 constexpr const char *kXsi = "http://www.w3.org/2001/XMLSchema-instance";
 constexpr double kDefaultRate = 5;
 constexpr int kTimescale = 1000;
+constexpr std::ptrdiff_t kMostNodes = 4'000'000; ///< of a document: tags and attributes
 
 struct FreeXml
 {
@@ -329,7 +331,8 @@ private:
     const Text content(xmlNodeGetContent(node));
     const std::vector<double> levels
         = numbers(node, reinterpret_cast<const char *>(content.get()), 0, 1);
-    if (sizes.size() != 2 || sizes[0] * sizes[1] != static_cast<double>(levels.size()))
+    const bool is_whole = std::ranges::all_of(sizes, [](double d) { return d == std::floor(d); });
+    if (sizes.size() != 2 || !is_whole || sizes[0] * sizes[1] != static_cast<double>(levels.size()))
       fail(node, "expected dim=\"SAMPLES TACTORS\" and as many levels, got "
                      + std::to_string(levels.size()));
     const auto tactors = static_cast<std::size_t>(sizes[1]);
@@ -391,6 +394,9 @@ read_sem(std::string_view text)
 {
   if (text.size() > INT_MAX)
     throw FormatError("document: too large");
+  // Each of these is a node of some 200 bytes.
+  if (std::ranges::count_if(text, [](char c) { return c == '<' || c == '='; }) > kMostNodes)
+    throw FormatError("document: more than " + std::to_string(kMostNodes) + " tags and attributes");
   const std::unique_ptr<xmlParserCtxt, FreeXml> context(xmlNewParserCtxt());
   const Document document(
       xmlCtxtReadMemory(context.get(), text.data(), static_cast<int>(text.size()), nullptr, nullptr,

@@ -25,6 +25,9 @@ constexpr double kMostVolts = 24;
 constexpr double kLongestMs = 10'000;
 /// All tactors with tables of 0.1 V are half of that.
 constexpr std::size_t kMostBytes = std::size_t{ 64 } << 20;
+/// A key file makes some 200 bytes of each line, a comment or an empty one as well, and of each number in a list.
+constexpr std::ptrdiff_t kMostLines = 200'000;
+constexpr std::size_t kLongestLine = std::size_t{ 1 } << 20;
 
 /// The whole file. Throws std::runtime_error if it cannot be read or has no end.
 std::string
@@ -45,6 +48,17 @@ contents(const std::string &path)
   if (text.size() > kMostBytes)
     throw std::runtime_error("cannot read the calibration '" + path + "': expected at most "
                              + std::to_string(kMostBytes) + " bytes");
+  std::size_t longest = 0;
+  std::ptrdiff_t lines = 0;
+  for (std::size_t from = 0; from < text.size(); lines++) {
+    const std::size_t to = std::min(text.find('\n', from), text.size());
+    longest = std::max(longest, to - from);
+    from = to + 1;
+  }
+  if (lines > kMostLines || longest > kLongestLine)
+    throw std::runtime_error("cannot read the calibration '" + path + "': expected at most "
+                             + std::to_string(kMostLines) + " lines of at most "
+                             + std::to_string(kLongestLine) + " bytes");
   return text;
 }
 

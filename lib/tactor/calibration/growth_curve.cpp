@@ -25,6 +25,8 @@ curve_of(const double *x, double before, double steady)
            .roundness = std::exp(std::clamp(x[3], -1.5, 1.5)) };
 }
 
+constexpr double kFarthest = 1e300; ///< of misfits
+
 class Misfit : public cv::MinProblemSolver::Function
 {
 public:
@@ -60,7 +62,9 @@ public:
     const GrowthCurve curve = curve_of(x, before_, steady_);
     const double early = (curve.onset_s - prior_.onset_s) / prior_.onset_deviation_s;
     const double round = (x[3] - prior_.log_roundness) / prior_.log_roundness_deviation;
-    return weight_ * sum(curve) + early * early + round * round;
+    const double misfit = weight_ * sum(curve) + early * early + round * round;
+    // The solver throws at what is no number: a curve that cannot be is as far off as can be.
+    return std::isfinite(misfit) ? misfit : kFarthest;
   }
 
 private:

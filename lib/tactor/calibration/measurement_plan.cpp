@@ -19,6 +19,7 @@ constexpr Time kRunLength = std::chrono::seconds(30);
 constexpr double kMostVolts = 24;
 constexpr double kFromVolts = 1.5; ///< a motor that is to fall surely turns with it
 constexpr double kLeftToRise = 0.8;
+constexpr std::size_t kMostSteps = 1'000'000; ///< of one tactor: a month
 
 struct VoltageStep
 {
@@ -73,6 +74,12 @@ std::vector<MeasurementRun>
 plan_measurement(const MeasurementSettings &settings)
 {
   validate(settings);
+  const std::vector<VoltageStep> steps = voltage_steps(settings);
+  const std::size_t count
+      = steps.size() * settings.tactors.size() * static_cast<std::size_t>(settings.repetitions);
+  if (count > kMostSteps)
+    throw std::invalid_argument("expected at most " + std::to_string(kMostSteps)
+                                + " steps to measure, got " + std::to_string(count));
   std::vector<MeasurementRun> runs;
   MeasurementRun run;
   Time now{ 0 };
@@ -87,7 +94,7 @@ plan_measurement(const MeasurementSettings &settings)
     now = Time(0);
   };
   for (int repetition = 0; repetition < settings.repetitions; repetition++)
-    for (const VoltageStep &step : voltage_steps(settings))
+    for (const VoltageStep &step : steps)
       for (const int tactor : settings.tactors) {
         if (now == Time(0))
           add(tactor, 0, kRest);

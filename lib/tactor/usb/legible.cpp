@@ -52,6 +52,8 @@ legible(std::string_view text)
     result += length > 0 ? text.substr(0, length) : kReplacement;
     text.remove_prefix(length > 0 ? length : 1);
   }
+  // Where it was cut there may be white space.
+  result.erase(result.find_last_not_of(kSpace) + 1);
   return result;
 }
 

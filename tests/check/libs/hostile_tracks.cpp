@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 //
-// Tracks that were made to do harm: each is read or refused with a reason, within a gigabyte of memory and the time of a test.
+// Tracks that were made to do harm: each is read or refused with a reason, within one gibibyte of memory, or three for what a parser makes
+// a tree of, and the time of a test.
 #include "tactile/formats/track_file.h"
 
 #include <string>
@@ -53,11 +54,11 @@ is_read(const std::string &text, TrackFormat form)
 
 /// For the test that runs, which has a process of its own.
 void
-limit_memory()
+limit_memory([[maybe_unused]] rlim_t gibibytes = 1)
 {
 #if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
-  const rlimit gigabyte{ 1024 * kMiB, 1024 * kMiB };
-  setrlimit(RLIMIT_AS, &gigabyte);
+  const rlimit limit{ gibibytes * 1024 * kMiB, gibibytes * 1024 * kMiB };
+  setrlimit(RLIMIT_AS, &limit);
 #endif
 }
 
@@ -131,6 +132,26 @@ GST_START_TEST(test_deep_and_growing_documents)
 }
 GST_END_TEST;
 
+/// What makes a parser's tree many times larger than the file is: refused by its count, or read in bounded memory.
+GST_START_TEST(test_documents_of_many_parts)
+{
+  limit_memory(3);
+  const auto array = [](std::size_t count, const std::string &item) {
+    return "[" + times(count - 1, item + ",") + item + "]";
+  };
+  for (const std::size_t count : { std::size_t{ 1'900'000 }, std::size_t{ 20'000'000 } })
+    for (const char *item : { "{}", "[]", "{\"a\":1}" })
+      fail_if(is_read(array(count, item), TrackFormat::hjif));
+  for (const std::size_t count : { std::size_t{ 7'900'000 }, std::size_t{ 60'000'000 } })
+    fail_if(is_read(array(count, "0"), TrackFormat::hjif));
+  for (const std::size_t count : { std::size_t{ 1'900'000 }, std::size_t{ 20'000'000 } }) {
+    fail_if(is_read("<SEM>" + times(count, "<a/>") + "</SEM>", TrackFormat::sem));
+    fail_if(is_read("<SEM>" + times(count / 2, "<a b='1' />") + "</SEM>", TrackFormat::sem));
+    fail_if(is_read("<SEM " + times(count, "a='' ") + "/>", TrackFormat::sem));
+  }
+}
+GST_END_TEST;
+
 GST_START_TEST(test_numbers_that_are_none)
 {
   const char *const numbers[] = { "nan", "NaN",  "inf",    "-inf", "Infinity", "1e999", "-1e999",
@@ -186,6 +207,7 @@ hostile_tracks_suite(void)
   tcase_add_test(cases, test_long_lines);
   tcase_add_test(cases, test_a_million_cues);
   tcase_add_test(cases, test_deep_and_growing_documents);
+  tcase_add_test(cases, test_documents_of_many_parts);
   tcase_add_test(cases, test_numbers_that_are_none);
   tcase_add_test(cases, test_times_in_disorder);
   return suite;

@@ -159,6 +159,7 @@ GST_START_TEST(test_refused)
       "timeScale");
   ASSERT_COMPLAINT(read_sem(document(effect(when, "1 2", "0 0 0"))), "line 9", "got 3");
   ASSERT_COMPLAINT(read_sem(document(effect(when, "", "0"))), "line 9", "dim");
+  ASSERT_COMPLAINT(read_sem(document(effect(when, "1.5 2", "0 0 1"))), "line 9", "dim");
   ASSERT_COMPLAINT(read_sem(document(effect(when, "1 2", "0 2"))), "line 9", "range");
   ASSERT_COMPLAINT(read_sem(document(effect(when, "1 2", "0 nan"))), "line 9", "range");
   ASSERT_COMPLAINT(read_sem(document(effect(when, "1 2", "0 0") + effect(when, "1 2", "0 0"))),

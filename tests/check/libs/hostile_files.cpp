@@ -1,0 +1,334 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+//
+// What is read besides tracks, made to do harm: calibrations, recordings, traces, measurements and what a board sends. Each is read or
+// refused with a reason, within a gibibyte of memory and the time of a test.
+#include "tactor/calibration/calibration.h"
+#include "tactor/calibration/recording.h"
+#include "tactor/command_trace.h"
+#include "tactor/firmata_board.h"
+#include "tools/tactor-calibrate/audio_file.h"
+#include "tools/tactor-calibrate/session.h"
+
+#include <cerrno>
+#include <cstdint>
+#include <filesystem>
+#include <fstream>
+#include <functional>
+#include <netinet/in.h>
+#include <stdexcept>
+#include <string>
+#include <sys/resource.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+// After the standard library's headers: gstcheck.h defines a macro named fail.
+#include <gst/check/gstcheck.h>
+
+using namespace tactor;
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr std::size_t kMiB = std::size_t{ 1 } << 20;
+constexpr const char *kTraceHeader = "issued_ns,due_ns,effect_ns,tactor,volts\n";
+constexpr const char *kCalibration = "[Calibration]\nversion=1\n[Tactor 0]\n";
+
+/// A folder that is gone after the test, the working directory meanwhile.
+class Folder
+{
+public:
+  Folder()
+  {
+    char name[] = "/tmp/hostile-XXXXXX";
+    fail_unless(mkdtemp(name) != nullptr);
+    path_ = name;
+  }
+  ~Folder()
+  {
+    fs::remove_all(path_);
+  }
+  Folder(const Folder &) = delete;
+  Folder &operator=(const Folder &) = delete;
+
+  const fs::path &path() const
+  {
+    return path_;
+  }
+
+  std::string file(const char *name, const std::string &bytes) const
+  {
+    std::ofstream(path_ / name, std::ios::binary) << bytes;
+    return path_ / name;
+  }
+
+private:
+  fs::path path_;
+};
+
+std::string
+times(std::size_t count, const std::string &text)
+{
+  std::string all;
+  all.reserve(count * text.size());
+  for (std::size_t i = 0; i < count; i++)
+    all += text;
+  return all;
+}
+
+/// For the test that runs, which has a process of its own.
+void
+limit_memory([[maybe_unused]] rlim_t gibibytes = 1)
+{
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+  const rlimit limit{ gibibytes * 1024 * kMiB, gibibytes * 1024 * kMiB };
+  setrlimit(RLIMIT_AS, &limit);
+#endif
+}
+
+/// Whether it is read; if not, the reason fits a line, whatever the file holds.
+bool
+is_read(const std::function<void()> &read)
+{
+  try {
+    read();
+    return true;
+  } catch (const std::runtime_error &error) {
+    const std::string reason = error.what();
+    fail_unless(!reason.empty() && reason.size() < 1000, "%u bytes of a reason",
+                static_cast<guint>(reason.size()));
+  } catch (const std::invalid_argument &error) {
+    fail_unless(error.what()[0] != '\0');
+  }
+  return false;
+}
+
+bool
+is_calibration(const std::string &path)
+{
+  return is_read([&] { read_calibration(path); });
+}
+
+/// A header of WAV, 16 bits.
+std::string
+wav(std::uint32_t riff_size, std::uint16_t channels, std::uint32_t rate, std::uint32_t data_size)
+{
+  std::string header;
+  const auto add = [&](std::uint64_t number, int bytes) {
+    for (int i = 0; i < bytes; i++)
+      header += static_cast<char>(number >> (8 * i) & 0xff);
+  };
+  header += "RIFF";
+  add(riff_size, 4);
+  header += "WAVEfmt ";
+  add(16, 4);
+  add(1, 2);
+  add(channels, 2);
+  add(rate, 4);
+  add(std::uint64_t{ 2 } * channels * rate, 4);
+  add(std::uint64_t{ 2 } * channels, 2);
+  add(16, 2);
+  header += "data";
+  add(data_size, 4);
+  return header;
+}
+
+} // namespace
+
+GST_START_TEST(test_files_of_two_gigabytes)
+{
+  limit_memory();
+  const Folder folder;
+  const std::string path = folder.file("zeros", "");
+  fs::resize_file(path, 2048 * kMiB); // one line, of no blocks on the disk
+  fail_if(is_calibration(path));
+  fail_if(is_read([&] { read_csv_recording(path); }));
+  fail_if(is_read([&] { read_command_trace(path); }));
+  fs::rename(path, folder.path() / "session.ini");
+  fail_if(is_read([&] { Session::open(folder.path()); }));
+}
+GST_END_TEST;
+
+GST_START_TEST(test_calibrations)
+{
+  limit_memory();
+  const Folder folder;
+  const std::string begin = kCalibration;
+  fail_unless(is_calibration(folder.file("c", begin + "latency-ms=5\n")));
+  // A key file keeps every line.
+  for (const char *line : { "\n", "#\n", "a=\n", "[a]\n" })
+    fail_if(is_calibration(folder.file("c", begin + times(8 * kMiB, line))));
+  for (const char *piece : { "1;", "9", ";", "a", "\\" })
+    for (const char *key : { "rise-table-ms", "rise-quadratic-ms", "vibration", "motor" })
+      fail_if(is_calibration(folder.file("c", begin + key + "=" + times(4 * kMiB, piece) + "\n")));
+  for (const char *number : { "nan", "inf", "-1", "1e999", "1;2", "" })
+    for (const char *key : { "latency-ms", "start-volts", "hold-volts", "fall-ms", "steps-used" })
+      fail_if(is_calibration(folder.file("c", begin + key + "=" + number + "\n")), "%s=%s", key,
+              number);
+  fail_if(is_calibration(folder.file("c", "[Calibration]\nversion=1\n[Tactor 99999999999]\n")));
+  fail_if(is_calibration(folder.file("c", "[Calibration]\nversion=1\n[Tactor -1]\n")));
+}
+GST_END_TEST;
+
+GST_START_TEST(test_recordings_as_csv)
+{
+  limit_memory();
+  const Folder folder;
+  const auto reads = [&](const std::string &text) {
+    return is_read([&] { read_csv_recording(folder.file("r.csv", text)); });
+  };
+  fail_unless(reads("0,1\n0.001,2\n0.002,3"));
+  for (const char *piece : { "1,", "9", ",", "0 ", "\"" })
+    fail_if(reads(times(4 * kMiB, piece)));
+  fail_if(reads("0,1\n1," + times(kMiB, "1")));
+  fail_if(reads(times(kMiB, "\n")));
+  for (const char *number : { "nan", "inf", "-inf", "1e999", "1e300" }) {
+    fail_if(reads(std::string("0,1\n1,") + number + "\n"), "%s", number);
+    fail_if(reads(std::string("0,1\n") + number + ",1\n"), "%s", number);
+  }
+  // Times that go back, stand still, or are so close that their rate is none.
+  fail_if(reads("0,1\n2,1\n1,1\n"));
+  fail_if(reads("0,1\n0,1\n"));
+  fail_if(reads("0,1\n1e-300,1\n"));
+  fail_if(reads("1,1\n1.0000000000000002,1\n"));
+}
+GST_END_TEST;
+
+GST_START_TEST(test_recordings_as_wav)
+{
+  const Folder folder;
+  const auto reads = [&](const std::string &bytes) {
+    return is_read([&] { read_recording(folder.file("r.wav", bytes)); });
+  };
+  const std::string second = times(8000, std::string("\x10\x20", 2));
+  fail_unless(reads(wav(36 + 16000, 1, 8000, 16000) + second));
+  limit_memory(4); // a thread reserves address space that it does not use
+  // Four gigabytes are promised; read is what is there.
+  const std::string path = folder.file("r.wav", wav(0xffffffff, 1, 8000, 0xfffffff0) + second);
+  fail_unless(read_recording(path).size() == 8000);
+  fail_if(reads(wav(0xffffffff, 1, 8000, 0xfffffff0)));
+  reads(wav(36 + 16000, 0, 8000, 16000) + second);
+  reads(wav(36 + 16000, 0xffff, 8000, 16000) + second);
+  reads(wav(36 + 16000, 1, 0, 16000) + second);
+  reads(wav(36 + 16000, 64, 0xffffffff, 16000) + second);
+  fail_if(reads(""));
+  fail_if(reads(times(4 * kMiB, "RIFF")));
+}
+GST_END_TEST;
+
+/// Playlists and session descriptions name what is elsewhere: nobody is asked for it.
+GST_START_TEST(test_recordings_that_are_none)
+{
+  const int listener = socket(AF_INET, SOCK_STREAM | SOCK_NONBLOCK, 0);
+  sockaddr_in address{};
+  socklen_t size = sizeof address;
+  address.sin_family = AF_INET;
+  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  fail_unless(bind(listener, reinterpret_cast<sockaddr *>(&address), size) == 0
+              && listen(listener, 4) == 0
+              && getsockname(listener, reinterpret_cast<sockaddr *>(&address), &size) == 0);
+  const std::string place = "http://127.0.0.1:" + std::to_string(ntohs(address.sin_port)) + "/";
+  const Folder folder;
+  const std::string hls = "#EXTM3U\n#EXT-X-VERSION:3\n#EXT-X-TARGETDURATION:5\n#EXTINF:5,\n" + place
+                          + "a.ts\n#EXT-X-ENDLIST\n";
+  const std::string dash
+      = "<?xml version=\"1.0\"?><MPD xmlns=\"urn:mpeg:dash:schema:mpd:2011\" "
+        "profiles=\"urn:mpeg:dash:profile:isoff-on-demand:2011\" type=\"static\" "
+        "minBufferTime=\"PT1S\" mediaPresentationDuration=\"PT5S\"><BaseURL>"
+        + place
+        + "</BaseURL><Period><AdaptationSet mimeType=\"audio/mp4\"><Representation id=\"1\" "
+          "bandwidth=\"1000\"><BaseURL>a.mp4</BaseURL></Representation></AdaptationSet>"
+          "</Period></MPD>";
+  const std::string sdp = "v=0\no=- 0 0 IN IP4 127.0.0.1\ns=x\nc=IN IP4 127.0.0.1\nt=0 0\n"
+                          "m=audio 0 RTP/AVP 0\na=control:rtsp://127.0.0.1/\n";
+  for (const std::string &text : { hls, dash, sdp })
+    fail_if(is_read([&] { read_recording(folder.file("r.wav", text)); }));
+  fail_unless(accept(listener, nullptr, nullptr) < 0 && errno == EAGAIN, "somebody was asked");
+  close(listener);
+}
+GST_END_TEST;
+
+GST_START_TEST(test_traces)
+{
+  limit_memory();
+  const Folder folder;
+  const auto reads = [&](const std::string &text) {
+    return is_read([&] { read_command_trace(folder.file("t.csv", kTraceHeader + text)); });
+  };
+  fail_unless(reads("0,0,100,0,2.5\n"));
+  for (const char *piece : { "9", ",", "1,", "-" })
+    fail_if(reads(times(4 * kMiB, piece)));
+  fail_if(reads(times(1'000'000, "\n")));
+  for (const char *volts : { "nan", "inf", "-1", "1e999", "1e300", "" })
+    fail_if(reads(std::string("0,0,100,0,") + volts + "\n"), "%s V", volts);
+  fail_if(reads("0,-9223372036854775808,9223372036854775807,0,1\n"));
+}
+GST_END_TEST;
+
+GST_START_TEST(test_measurements)
+{
+  limit_memory();
+  const Folder folder;
+  const auto opens = [&](const std::string &text) {
+    return is_read([&] {
+      folder.file("session.ini", "[Session]\n" + text);
+      Session::open(folder.path());
+    });
+  };
+  const std::string voltages = "voltage-max=3\nstep-volts=0.5\n";
+  fail_unless(opens("tactors=0;1\nrepetitions=1\n" + voltages));
+  std::string all;
+  for (int i = 0; i < 4096; i++)
+    all += std::to_string(i) + ";";
+  fail_if(opens("tactors=" + all + "\nrepetitions=100\nvoltage-max=24\nstep-volts=0.05\n"));
+  fail_if(opens("tactors=" + times(kMiB, "0;") + "\nrepetitions=1\n" + voltages));
+  fail_if(opens(times(kMiB, "#\n")));
+  fail_if(opens("tactors=-1\nrepetitions=1\n" + voltages));
+  fail_if(opens("repetitions=1\n" + voltages));
+  fail_if(opens("tactors=0\nrepetitions=2147483647\n" + voltages));
+  for (const char *number : { "nan", "inf", "-1", "1e-300", "1e300" })
+    fail_if(
+        opens(std::string("tactors=0\nrepetitions=1\nvoltage-max=3\nstep-volts=") + number + "\n"),
+        "%s", number);
+}
+GST_END_TEST;
+
+/// Messages that never end, from a board that never stops sending.
+GST_START_TEST(test_boards)
+{
+  limit_memory();
+  FirmataBoard board(Time(0));
+  const std::vector<std::uint8_t> data(kMiB, 0x41);
+  const std::vector<std::uint8_t> begins(kMiB, 0xf0);
+  const std::vector<std::uint8_t> versions(kMiB, 0xf9);
+  // 64 MiB, which takes hours on a line of 57600 baud.
+  const std::uint8_t begin[] = { 0xf0, 0x6c };
+  board.received(begin);
+  for (int i = 0; i < 64; i++)
+    board.received(data);
+  for (int i = 0; i < 8; i++) {
+    board.received(begins);
+    board.received(versions);
+  }
+  fail_unless(board.pins().empty());
+  board.close(Time(0));
+}
+GST_END_TEST;
+
+static Suite *
+hostile_files_suite(void)
+{
+  Suite *suite = suite_create("hostile_files");
+  TCase *cases = tcase_create("general");
+  suite_add_tcase(suite, cases);
+  tcase_add_test(cases, test_files_of_two_gigabytes);
+  tcase_add_test(cases, test_calibrations);
+  tcase_add_test(cases, test_recordings_as_csv);
+  tcase_add_test(cases, test_recordings_as_wav);
+  tcase_add_test(cases, test_recordings_that_are_none);
+  tcase_add_test(cases, test_traces);
+  tcase_add_test(cases, test_measurements);
+  tcase_add_test(cases, test_boards);
+  return suite;
+}
+
+GST_CHECK_MAIN(hostile_files)

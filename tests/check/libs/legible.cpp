@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "tactor/usb/legible.h"
+
+#include <string>
+
+// After the standard library's headers: gstcheck.h defines a macro named fail.
+#include <gst/check/gstcheck.h>
+
+using tactor::legible;
+
+namespace {
+
+void
+expect(const std::string &text, const std::string &wanted)
+{
+  const std::string got = legible(text);
+  fail_unless_equals_string(got.c_str(), wanted.c_str());
+}
+
+std::string
+times(int count, const std::string &text)
+{
+  std::string all;
+  for (int i = 0; i < count; i++)
+    all += text;
+  return all;
+}
+
+} // namespace
+
+GST_START_TEST(test_names_as_they_are)
+{
+  expect("Arduino Uno", "Arduino Uno");
+  expect("Grüße, 振動", "Grüße, 振動");
+  expect(" \t Uno\n", "Uno");
+  expect("", "");
+  expect(" ", "");
+}
+GST_END_TEST;
+
+GST_START_TEST(test_what_is_not_fit_to_be_printed)
+{
+  expect("a\033[2Jb", "a\ufffd[2Jb");
+  expect("a\xc2\x9b"
+         "b",
+         "a\ufffd\ufffd"
+         "b");                                  // a control character in two bytes
+  expect("\xed\xa0\x80", "\ufffd\ufffd\ufffd"); // half of a pair of UTF-16
+  expect("\xf4\x90\x80\x80", "\ufffd\ufffd\ufffd\ufffd");
+  expect("\xe6\x8c", "\ufffd\ufffd");
+}
+GST_END_TEST;
+
+GST_START_TEST(test_long_names)
+{
+  expect(times(200, "ü"), times(126, "ü"));
+  // Cut after a space, which then is at the end.
+  expect(times(200, "a "), times(62, "a ") + "a");
+}
+GST_END_TEST;
+
+static Suite *
+legible_suite(void)
+{
+  Suite *suite = suite_create("legible");
+  TCase *cases = tcase_create("general");
+  suite_add_tcase(suite, cases);
+  tcase_add_test(cases, test_names_as_they_are);
+  tcase_add_test(cases, test_what_is_not_fit_to_be_printed);
+  tcase_add_test(cases, test_long_names);
+  return suite;
+}
+
+GST_CHECK_MAIN(legible)

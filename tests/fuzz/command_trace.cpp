@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+//
+// What a chair was told, made up by a fuzzer: commands that are read can be written and read again as the same, and have voltages and
+// times that can be reckoned with. What is not read is refused with a std::runtime_error. Anything else ends the process.
+#include "tactor/command_trace.h"
+
+#include "fuzz.h"
+
+#include <stdexcept>
+#include <vector>
+
+using namespace tactor;
+
+namespace {
+
+void
+check(const std::string &path)
+{
+  const std::vector<IssuedCommand> commands = read_command_trace(path);
+  const std::string name = "/dev/shm/trace-fuzz-" + std::to_string(getpid());
+  {
+    CommandTrace trace(name);
+    for (const IssuedCommand &issued : commands) {
+      expect(issued.command.tactor >= 0 && issued.command.tactor < 4096);
+      expect(issued.command.volts >= 0 && issued.command.volts <= 1000);
+      expect(issued.command.lead >= Time(0) && issued.command.due() <= issued.command.effect);
+      trace.write(issued);
+    }
+    trace.flush();
+    expect(!trace.failed());
+  }
+  const std::vector<IssuedCommand> again = read_command_trace(name);
+  unlink(name.c_str());
+  expect(again.size() == commands.size());
+  for (std::size_t i = 0; i < again.size(); i++)
+    expect(again[i].issued == commands[i].issued
+           && again[i].command.due() == commands[i].command.due()
+           && again[i].command.effect == commands[i].command.effect
+           && again[i].command.tactor == commands[i].command.tactor);
+}
+
+} // namespace
+
+extern "C" int
+LLVMFuzzerTestOneInput(const std::uint8_t *data, std::size_t size)
+{
+  try {
+    check(memory_file(data, size));
+  } catch (const std::runtime_error &error) {
+    expect(error.what()[0] != '\0');
+  }
+  return 0;
+}

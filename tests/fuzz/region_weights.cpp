@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+//
+// Weights of regions (saliencytactile's roi-weights) made up by a fuzzer: what is read weighs 0 to 10 whatever the region, what is
+// not is refused with a reason. Anything else ends the process.
+#include "saliency/region_weights.h"
+
+#include "fuzz.h"
+
+#include <stdexcept>
+
+extern "C" int
+LLVMFuzzerTestOneInput(const std::uint8_t *data, std::size_t size)
+{
+  const std::string_view text(reinterpret_cast<const char *>(data), size);
+  try {
+    const saliency::RegionWeights weights(text);
+    expect(weights.text() == text || weights.text().empty());
+    for (const std::string_view type : { text.substr(0, text.find('=')), text, {} }) {
+      const double weight = weights.of(type);
+      expect(weight >= 0 && weight <= saliency::RegionWeights::kMax);
+    }
+  } catch (const std::invalid_argument &error) {
+    expect(error.what()[0] != '\0');
+  }
+  return 0;
+}

@@ -1,0 +1,113 @@
+#!/usr/bin/python3
+# SPDX-License-Identifier: LGPL-2.1-or-later
+"""Which UDP ports server and seats of a theatre bind when they are told no address: those that docs/security.md lists, and none on all
+addresses. In a network namespace of its own, with one interface; where none can be made, the test is skipped.
+
+Usage: sockets.py EXAMPLES      (with the plugins on GST_PLUGIN_PATH)
+"""
+import contextlib
+import os
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+
+OWN = "10.9.8.7"  # the only address but loopback's
+GROUP = "239.255.42.42"
+MAPS, CLOCK, ALONE = 5104, 5106, 5107
+SKIPPED = 77  # meson's
+PYTHON = "/usr/bin/python3"
+
+
+def expect(condition, text):
+    if not condition:
+        raise SystemExit(f"FAILED: {text}")
+
+
+def address_of(text):
+    """address:port as the kernel writes it, in hexadecimal and the computer's byte order."""
+    address, port = text.split(":")
+    parts = bytes.fromhex(address)
+    if len(parts) != 4:
+        return f"[{address}]", int(port, 16)
+    return ".".join(map(str, parts[::-1] if sys.byteorder == "little" else parts)), int(port, 16)
+
+
+def bound(process):
+    """(address, port, whether it hears one peer alone) of every UDP socket of a process."""
+    inodes = set()
+    for handle in os.listdir(f"/proc/{process.pid}/fd"):
+        with contextlib.suppress(OSError):
+            inodes.add(os.readlink(f"/proc/{process.pid}/fd/{handle}"))
+    found = []
+    for table in ("udp", "udp6"):
+        with open(f"/proc/{process.pid}/net/{table}", encoding="ascii") as lines:
+            for line in list(lines)[1:]:
+                fields = line.split()
+                if f"socket:[{fields[9]}]" in inodes:
+                    found.append((*address_of(fields[1]), fields[3] == "01"))
+    return sorted(found)
+
+
+def main(examples):
+    for command in (
+        "ip link set lo up",
+        "ip link add theatre type veth peer name street",
+        f"ip addr add {OWN}/24 dev theatre",
+        "ip link set theatre up",
+        "ip link set street up",
+        "ip route add 224.0.0.0/4 dev theatre",
+    ):
+        subprocess.run(command.split(), check=True)
+    with contextlib.ExitStack() as stack:
+        work = stack.enter_context(tempfile.TemporaryDirectory())
+        film = os.path.join(work, "film.mkv")
+        subprocess.run(
+            f"gst-launch-1.0 -q tactiletestsrc pattern=dynamic-motion num-buffers=400 ! video/x-raw,width=160,height=120,framerate=20/1 ! jpegenc ! matroskamux ! filesink location={film}".split(),
+            check=True,
+        )
+
+        def start(program, *arguments, until):
+            log = stack.enter_context(open(os.path.join(work, f"{program}{len(arguments)}"), "w+", encoding="utf-8"))
+            process = subprocess.Popen([PYTHON, os.path.join(examples, program), *arguments], stdout=log, stderr=subprocess.STDOUT)
+            stack.callback(lambda: process.poll() is not None or process.kill())
+            while True:
+                log.seek(0)
+                said = log.read()
+                if until in said:
+                    return process
+                expect(process.poll() is None, said)
+                time.sleep(0.05)
+
+        server = start("theatre_server.py", film, "--video-sink", "fakesink sync=true", "--audio-sink", "fakesink", "--analysis", "temporal=false", until="playing")
+        commands = os.path.join(work, "commands.csv")
+        seat = start("theatre_seat.py", OWN, "--chair", f"driver=simulator trace-location={commands}", until="ready")
+        alone = start("theatre_seat.py", OWN, "--unicast", "--port", str(ALONE), "--chair", "driver=simulator", until="ready")
+        at = {name: bound(process) for name, process in (("server", server), ("seat", seat), ("seat alone", alone))}
+        server.wait()
+        for process in (seat, alone):
+            process.send_signal(signal.SIGTERM)
+            process.wait()
+        with open(commands, encoding="ascii") as lines:
+            told = len(list(lines)) - 1  # without the header
+
+    expect(told > 0, "what was sent to the group was not heard")
+    for name, sockets in at.items():
+        print(name, *(f"{address}:{port}{' (one peer)' if connected else ''}" for address, port, connected in sockets))
+    # Ports that nobody has asked for are the kernel's choice: what maps are sent from, and what asks for the time.
+    own = [port for address, port, connected in at["server"] if address == OWN and not connected]
+    expect(len(own) == len(at["server"]) and CLOCK in own, "the server binds more than its own address")
+    for name, wanted in (("seat", (GROUP, MAPS, False)), ("seat alone", (OWN, ALONE, False))):
+        expect(wanted in at[name], f"{name}: {wanted} is not bound")
+        expect(all(connected and address == OWN for address, _, connected in at[name] if (address, _, connected) != wanted), f"{name} binds more")
+
+
+if __name__ == "__main__":
+    if len(sys.argv) > 2:
+        main(os.path.abspath(sys.argv[1]))
+    elif subprocess.run(["unshare", "-rn", "true"], stderr=subprocess.DEVNULL, check=False).returncode:
+        print("no network namespace can be made here")
+        sys.exit(SKIPPED)
+    else:
+        os.execvp("unshare", ["unshare", "-rn", PYTHON, __file__, sys.argv[1], "inside"])
