@@ -79,10 +79,31 @@ private:
 
 Log steps;
 
+/// With GST_DEBUG: the last of what each thread logged, at a fault. All of it would be gigabytes.
+void
+keep_gstreamer_log()
+{
+  if (!g_getenv("GST_DEBUG"))
+    return;
+  gst_debug_remove_log_function(gst_debug_log_default);
+  gst_debug_add_ring_buffer_logger(1 << 20, 0);
+}
+
+void
+print_gstreamer_log()
+{
+  if (!g_getenv("GST_DEBUG"))
+    return;
+  g_auto(GStrv) logs = gst_debug_ring_buffer_logger_get_logs();
+  for (gchar **log = logs; log && *log; log++)
+    std::fprintf(stderr, "==== log of a thread\n%s", *log);
+}
+
 [[noreturn]] void
 accuse(const std::string &fault)
 {
   steps.print(fault);
+  print_gstreamer_log();
   std::_Exit(1);
 }
 
@@ -92,6 +113,7 @@ on_glib_log(GLogLevelFlags level, const GLogField *fields, gsize count, gpointer
   if (!(level & (G_LOG_LEVEL_ERROR | G_LOG_LEVEL_CRITICAL | G_LOG_LEVEL_WARNING)))
     return G_LOG_WRITER_HANDLED;
   g_autofree char *text = g_log_writer_format_fields(level, fields, count, FALSE);
+  print_own_stack(0);
   accuse(std::string("GLib warns: ") + text);
 }
 
@@ -405,6 +427,11 @@ private:
   {
     if (!is_settled_ || is_broken_ || has_ended_ || state_ != GST_STATE_PAUSED)
       return;
+    // GstBaseSink (1.22) gives its state up for a step and gets it back with the next frame: after the last one it waits for ever.
+    GstState now = GST_STATE_NULL;
+    if (gst_element_get_state(stage_->pipeline, &now, nullptr, 0) != GST_STATE_CHANGE_SUCCESS
+        || now != GST_STATE_PAUSED || stage_->is_at_end())
+      return;
     gst_element_send_event(stage_->pipeline,
                            gst_event_new_step(GST_FORMAT_BUFFERS, 1, 1.0, TRUE, FALSE));
   }
@@ -639,7 +666,10 @@ private:
     if (kind_ == Stage::Kind::playbin)
       return;
     is_excused_ = true;
-    once([](GstPad *, GstPadProbeInfo *info, int) {
+    once([](GstPad *pad, GstPadProbeInfo *info, int) {
+      GstElement *element = gst_pad_get_parent_element(pad);
+      GST_ELEMENT_FLOW_ERROR(element, GST_FLOW_ERROR);
+      gst_object_unref(element);
       gst_buffer_unref(GST_PAD_PROBE_INFO_BUFFER(info));
       GST_PAD_PROBE_INFO_DATA(info) = nullptr;
       GST_PAD_PROBE_INFO_FLOW_RETURN(info) = GST_FLOW_ERROR;
@@ -1003,6 +1033,7 @@ main(int argc, char **argv)
   }
 
   g_log_set_writer_func(on_glib_log, nullptr, nullptr);
+  keep_gstreamer_log();
   GST_ELEMENT_REGISTER(tactorsink, nullptr);
   witness().accuse = accuse;
   witness().set_mappings(kMappings);
@@ -1023,6 +1054,7 @@ main(int argc, char **argv)
       steps.print(waiting.empty() ? "a step does not end" : "stays so: " + waiting);
       if (running)
         running->print_states();
+      print_gstreamer_log();
     });
     for (const auto &[text, each] : kKinds) {
       if (kind && text != kind)
