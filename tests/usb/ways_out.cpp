@@ -321,7 +321,12 @@ GST_START_TEST(test_stopped_and_continued)
                 {}, { "driver=seat", "ramp-in=0", "compensation=none" });
   const int early = static_cast<int>(std::lround(0.8 * 255));
   const int later = static_cast<int>(std::lround(0.4 * 255));
-  fail_unless(board.wait_until([&] { return firmware->duty(kFirstPin) == early; }));
+  fail_unless(board.wait_until([&] {
+    for (int pin = kFirstPin; pin < kFirstPin + 9; pin++)
+      if (firmware->duty(pin) != early)
+        return false;
+    return true;
+  }));
   const Clock::time_point begin = Clock::now();
   launch.send(SIGSTOP);
   std::printf("| SIGSTOP | %.0f ms |\n", ms(wait_for_zero(board, *firmware, begin)));
