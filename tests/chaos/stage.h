@@ -46,5 +46,7 @@ private:
   void link_decoder();
 };
 
-/// Writes 12 s of a ball that moves about, with a tone; each frame can be sought.
+constexpr gint64 kFilmLength = 12 * GST_SECOND;
+
+/// Writes so much of a ball that moves about, with a tone; each frame can be sought.
 void make_film(const std::string &path);
