@@ -123,9 +123,9 @@ Chaos::set_state(GstState state)
   state_ = state;
   const GstStateChangeReturn ret = gst_element_set_state(stage_->pipeline, state);
   if (ret == GST_STATE_CHANGE_FAILURE) {
+    hear(); // which may know why
     if (!is_excused_)
       accuse(std::string("the pipeline does not become ") + name(state));
-    hear();
     is_broken_ = true;
   }
   if (state < GST_STATE_PLAYING)
