@@ -113,6 +113,15 @@ frame_duration(GstTactileExtractor *self, GstBuffer *frame)
   return gst_util_uint64_scale_int(GST_SECOND, self->fps_d, self->fps_n);
 }
 
+/* What was taken away while it had the buffer, and returns that it was shut down, is a branch less: no
+ * reason for the other one to end. */
+static GstFlowReturn
+push(GstPad *pad, GstBuffer *buffer)
+{
+  const GstFlowReturn flow = gst_pad_push(pad, buffer);
+  return flow == GST_FLOW_FLUSHING && !gst_pad_is_linked(pad) ? GST_FLOW_NOT_LINKED : flow;
+}
+
 static GstFlowReturn
 push_tactile(GstTactileExtractor *self, GstBuffer *frame)
 {
@@ -135,7 +144,7 @@ push_tactile(GstTactileExtractor *self, GstBuffer *frame)
   if (GST_BUFFER_IS_DISCONT(frame))
     GST_BUFFER_FLAG_SET(map, GST_BUFFER_FLAG_DISCONT);
   send_sticky_events(self, meta->rows, meta->columns);
-  return gst_pad_push(self->tactilepad, map);
+  return push(self->tactilepad, map);
 }
 
 static GstFlowReturn
@@ -147,7 +156,7 @@ gst_tactile_extractor_chain(GstPad *pad, GstObject *parent, GstBuffer *frame)
   /* The map first: tactors need more time than screens. */
   GstFlowReturn flow = push_tactile(self, frame);
   gst_flow_combiner_update_pad_flow(self->combiner, self->tactilepad, flow);
-  flow = gst_pad_push(self->srcpad, frame);
+  flow = push(self->srcpad, frame);
   return gst_flow_combiner_update_pad_flow(self->combiner, self->srcpad, flow);
 }
 

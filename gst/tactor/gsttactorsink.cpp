@@ -426,11 +426,17 @@ gst_tactor_sink_change_state(GstElement *element, GstStateChange transition)
   if (transition == GST_STATE_CHANGE_PLAYING_TO_PAUSED)
     priv->scheduler.pause();
 
-  const GstStateChangeReturn ret
-      = GST_ELEMENT_CLASS(parent_class)->change_state(element, transition);
+  GstStateChangeReturn ret = GST_ELEMENT_CLASS(parent_class)->change_state(element, transition);
 
+  // A pause waits for no map: nothing is shown, and with a picture that is shown later none may come before it goes on.
+  if (transition == GST_STATE_CHANGE_PLAYING_TO_PAUSED && ret == GST_STATE_CHANGE_ASYNC) {
+    gst_element_post_message(element,
+                             gst_message_new_async_done(GST_OBJECT(element), GST_CLOCK_TIME_NONE));
+    ret = GST_STATE_CHANGE_SUCCESS;
+  }
+  // The base class also begins to play on the streaming thread, after a preroll, while the application may be pausing.
   if (transition == GST_STATE_CHANGE_PAUSED_TO_PLAYING && ret != GST_STATE_CHANGE_FAILURE)
-    priv->scheduler.play();
+    priv->scheduler.play([element] { return GST_STATE_TARGET(element) == GST_STATE_PLAYING; });
   // After a failure nothing is left running either.
   if (transition == GST_STATE_CHANGE_PAUSED_TO_READY
       || (transition == GST_STATE_CHANGE_READY_TO_PAUSED && ret == GST_STATE_CHANGE_FAILURE))

@@ -80,9 +80,11 @@ TactorScheduler::stop()
 }
 
 void
-TactorScheduler::play()
+TactorScheduler::play(const std::function<bool()> &is_wanted)
 {
   std::unique_lock lock(mutex_);
+  if (is_wanted && !is_wanted())
+    return;
   playing_ = true;
   settle(lock);
 }

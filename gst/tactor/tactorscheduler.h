@@ -11,6 +11,7 @@
 
 #include <condition_variable>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -77,8 +78,9 @@ public:
   /// Motors to zero, driver closed, thread joined. Harmless when not started.
   void stop();
 
-  /// Commands are issued; what the motors were told last is issued again.
-  void play();
+  /// Commands are issued; what the motors were told last is issued again. Unless `is_wanted` says, asked under the lock, that the
+  /// play is over: so a pause() of another thread's, whose reason it knows, counts whichever of the two comes first.
+  void play(const std::function<bool()> &is_wanted = nullptr);
   /// Motors to zero; commands are kept.
   void pause();
   /// Motors to zero; commands are forgotten. Returns the running time at which that was.

@@ -76,6 +76,10 @@ Stage::Stage(Kind kind, const std::string &film) : kind(kind)
     g_object_get(pipeline, "video-sink", &chair, nullptr);
     tactors = named(chair, "tactors");
     analysis = named(chair, "analysis");
+    GstElement *video = nullptr;
+    g_object_get(chair, "video-sink", &video, nullptr);
+    g_object_set(video, "sync", TRUE, "qos", TRUE, nullptr);
+    gst_object_unref(video);
     gst_object_unref(chair);
     break;
   }
@@ -126,6 +130,26 @@ Stage::upstream_pad() const
   GstPad *peer = gst_pad_get_peer(sink);
   gst_object_unref(sink);
   return peer;
+}
+
+bool
+Stage::is_at_end() const
+{
+  gboolean ended = FALSE;
+  g_autoptr(GstIterator) all = gst_bin_iterate_recurse(GST_BIN(pipeline));
+  gst_iterator_foreach(
+      all,
+      [](const GValue *item, gpointer ended) {
+        gst_element_foreach_pad(
+            GST_ELEMENT(g_value_get_object(item)),
+            [](GstElement *, GstPad *pad, gpointer ended) -> gboolean {
+              *static_cast<gboolean *>(ended) |= GST_PAD_IS_EOS(pad);
+              return TRUE;
+            },
+            ended);
+      },
+      &ended);
+  return ended;
 }
 
 void

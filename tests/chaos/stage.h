@@ -28,6 +28,8 @@ public:
   {
     return kind == Kind::file || kind == Kind::playbin;
   }
+  /// The end of a stream is on its way to its sink or there, though perhaps not yet on the bus.
+  bool is_at_end() const;
   /// The pad that maps or frames with maps come from: what happens there happens to tactorsink's upstream. Transfer full.
   GstPad *upstream_pad() const;
 
@@ -44,5 +46,7 @@ private:
   void link_decoder();
 };
 
-/// Writes 12 s of a ball that moves about, with a tone; each frame can be sought.
+constexpr gint64 kFilmLength = 12 * GST_SECOND;
+
+/// Writes so much of a ball that moves about, with a tone; each frame can be sought.
 void make_film(const std::string &path);

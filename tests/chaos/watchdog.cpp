@@ -53,6 +53,8 @@ namespace {
 
 std::atomic<int> printed{ 0 };
 
+} // namespace
+
 void
 print_own_stack(int)
 {
@@ -63,8 +65,6 @@ print_own_stack(int)
   backtrace_symbols_fd(frames, count, STDERR_FILENO);
   printed++;
 }
-
-} // namespace
 
 void
 print_stacks()

@@ -34,5 +34,8 @@ private:
   std::thread thread_; ///< last: it uses the others
 };
 
+/// Prints the stack of the thread that calls it to stderr; a handler of signals.
+void print_own_stack(int signal);
+
 /// Prints the stack of each thread to stderr. Threads that hold malloc's lock may not be able to.
 void print_stacks();

@@ -193,9 +193,11 @@ UsbfsNode::handle_ioctl(UMockdevIoctlBase *, UMockdevIoctlClient *client, UsbfsN
 {
   std::optional<Answer> answer;
   {
-    const std::lock_guard lock(node->mutex_);
+    std::unique_lock lock(node->mutex_, std::defer_lock);
     answer = node->answer(client, umockdev_ioctl_client_get_request(client),
-                          umockdev_ioctl_client_get_arg(client));
+                          umockdev_ioctl_client_get_arg(client), lock);
+    if (!lock)
+      lock.lock();
     node->device_.changed();
   }
   if (!answer)
@@ -229,30 +231,45 @@ UsbfsNode::client_left(gpointer data, GObject *client)
   node->device_.changed();
 }
 
+/// What is in the host's memory is read before the lock is taken: a host that stands still does not answer, and the device goes on.
 std::optional<UsbfsNode::Answer>
-UsbfsNode::answer(const void *host, unsigned long request, UMockdevIoctlData *argument)
+UsbfsNode::answer(const void *host, unsigned long request, UMockdevIoctlData *argument,
+                  std::unique_lock<std::mutex> &lock)
 {
-  if (request == USBDEVFS_REAPURBNDELAY || request == USBDEVFS_REAPURB)
-    return reap(argument);
-  if (!plugged_)
-    return Answer{ -1, ENODEV };
+  const Answer no_device{ -1, ENODEV };
+  const auto enter = [&] {
+    lock.lock();
+    return plugged_;
+  };
   switch (request) {
+  case USBDEVFS_REAPURBNDELAY:
+  case USBDEVFS_REAPURB: {
+    UMockdevIoctlData *pointer
+        = umockdev_ioctl_data_resolve(argument, 0, sizeof(gpointer), nullptr);
+    lock.lock();
+    const Answer answer = pointer ? reap(pointer) : Answer{ -1, EFAULT };
+    g_clear_object(&pointer);
+    return answer;
+  }
   case USBDEVFS_GET_CAPABILITIES: {
     UMockdevIoctlData *data = umockdev_ioctl_data_resolve(argument, 0, sizeof(guint32), nullptr);
     const guint32 capabilities = USBDEVFS_CAP_BULK_CONTINUATION | USBDEVFS_CAP_NO_PACKET_SIZE_LIM
                                  | USBDEVFS_CAP_REAP_AFTER_DISCONNECT | USBDEVFS_CAP_ZERO_PACKET;
     std::memcpy(data->data, &capabilities, sizeof capabilities);
     g_object_unref(data);
-    return Answer{};
+    return enter() ? Answer{} : no_device;
   }
   case USBDEVFS_DISCONNECT_CLAIM: {
     const auto claim = resolve<struct usbdevfs_disconnect_claim>(argument);
-    return !claim                                                    ? Answer{ -1, EFAULT }
+    return !enter()                                                  ? no_device
+           : !claim                                                  ? Answer{ -1, EFAULT }
            : device_.claim(host, static_cast<int>(claim->interface)) ? Answer{}
                                                                      : Answer{ -1, EBUSY };
   }
   case USBDEVFS_RELEASEINTERFACE: {
     const auto interface = resolve<int>(argument);
+    if (!enter())
+      return no_device;
     if (!interface)
       return Answer{ -1, EFAULT };
     device_.release(*interface);
@@ -260,39 +277,41 @@ UsbfsNode::answer(const void *host, unsigned long request, UMockdevIoctlData *ar
   }
   case USBDEVFS_IOCTL: {
     const auto command = resolve<struct usbdevfs_ioctl>(argument);
+    if (!enter())
+      return no_device;
     if (!command || command->ioctl_code != static_cast<int>(USBDEVFS_CONNECT))
       return Answer{ -1, ENOTTY };
     device_.give_back(command->ifno);
     return Answer{ 1, 0 };
   }
-  case USBDEVFS_SUBMITURB:
-    return submit(host, argument);
+  case USBDEVFS_SUBMITURB: {
+    Urb urb{ .host = host };
+    urb.urb = umockdev_ioctl_data_resolve(argument, 0, sizeof(struct usbdevfs_urb), nullptr);
+    UMockdevIoctlData *buffer
+        = urb.urb ? umockdev_ioctl_data_resolve(
+              urb.urb, offsetof(struct usbdevfs_urb, buffer),
+              static_cast<std::size_t>(as_urb(urb.urb)->buffer_length), nullptr)
+                  : nullptr;
+    urb.buffer = buffer; // kept by the other one
+    g_clear_object(&buffer);
+    if (enter() && urb.urb) {
+      device_.submit(urb);
+      return Answer{};
+    }
+    const Answer refused = urb.urb ? no_device : Answer{ -1, EFAULT };
+    g_clear_object(&urb.urb);
+    return refused;
+  }
   case USBDEVFS_DISCARDURB:
-    return discard(host, argument);
+    return enter() ? discard(host, argument) : no_device;
   default:
-    return Answer{ -1, ENOTTY };
+    return enter() ? Answer{ -1, ENOTTY } : no_device;
   }
 }
 
+/// `pointer` is where the host wants to be told which it is.
 UsbfsNode::Answer
-UsbfsNode::submit(const void *host, UMockdevIoctlData *argument)
-{
-  Urb urb{ .host = host };
-  urb.urb = umockdev_ioctl_data_resolve(argument, 0, sizeof(struct usbdevfs_urb), nullptr);
-  if (!urb.urb)
-    return { -1, EFAULT };
-  UMockdevIoctlData *buffer = umockdev_ioctl_data_resolve(
-      urb.urb, offsetof(struct usbdevfs_urb, buffer),
-      static_cast<std::size_t>(as_urb(urb.urb)->buffer_length), nullptr);
-  urb.buffer = buffer; // kept by the other one
-  if (buffer)
-    g_object_unref(buffer);
-  device_.submit(urb);
-  return {};
-}
-
-UsbfsNode::Answer
-UsbfsNode::reap(UMockdevIoctlData *argument)
+UsbfsNode::reap(UMockdevIoctlData *pointer)
 {
   if (done_.empty()) {
     if (!plugged_)
@@ -300,15 +319,11 @@ UsbfsNode::reap(UMockdevIoctlData *argument)
     open_gate(false);
     return { -1, EAGAIN };
   }
-  UMockdevIoctlData *pointer = umockdev_ioctl_data_resolve(argument, 0, sizeof(gpointer), nullptr);
-  if (!pointer)
-    return { -1, EFAULT };
   const Urb urb = done_.front();
   done_.pop_front();
   as_urb(urb.urb)->status = urb.status;
   as_urb(urb.urb)->actual_length = urb.actual;
   umockdev_ioctl_data_set_ptr(pointer, 0, urb.urb);
-  g_object_unref(pointer);
   g_object_unref(urb.urb);
   return {};
 }

@@ -110,10 +110,10 @@ private:
   static void client_connected(UMockdevIoctlBase *handler, UMockdevIoctlClient *client,
                                UsbfsNode *node);
   static void client_left(gpointer link, GObject *client);
-  std::optional<Answer> answer(const void *host, unsigned long request,
-                               UMockdevIoctlData *argument);
-  Answer submit(const void *host, UMockdevIoctlData *argument);
-  Answer reap(UMockdevIoctlData *argument);
+  /// Takes the lock, which it leaves to the caller.
+  std::optional<Answer> answer(const void *host, unsigned long request, UMockdevIoctlData *argument,
+                               std::unique_lock<std::mutex> &lock);
+  Answer reap(UMockdevIoctlData *pointer);
   Answer discard(const void *host, UMockdevIoctlData *argument);
   void open_gate(bool open);
 

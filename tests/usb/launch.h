@@ -11,22 +11,29 @@
 
 namespace usb_test {
 
-/// gst-launch-1.0 in a process of its own, with the emulated USB of this one, that turns nine motors on and leaves them on.
+/// gst-launch-1.0 in a process of its own, with the emulated USB of this one.
 class Launch
 {
 public:
-  /// `options` of gst-launch-1.0 and `properties` of tactorsink, in words.
+  /// Nine motors are turned on and left on. `options` of gst-launch-1.0 and `properties` of tactorsink, in words.
   explicit Launch(const std::vector<std::string> &options = {},
                   const std::vector<std::string> &properties = { "driver=firmata" })
+      // A picture of 36 bytes of 63 is a map of 9 floats of 0.747.
+      : Launch({ "videotestsrc", "pattern=solid-color", "foreground-color=0xff373737", "!",
+                 "video/x-raw,format=GRAY8,width=36,height=1,framerate=30/1", "!", "capssetter",
+                 "replace=true", "join=false",
+                 "caps=application/x-tactile-map,rows=3,columns=3,framerate=30/1" },
+               options, properties)
+  {
+  }
+  /// Maps come from `source`: elements of gst-launch-1.0, in words.
+  Launch(const std::vector<std::string> &source, const std::vector<std::string> &options,
+         const std::vector<std::string> &properties)
   {
     std::vector<std::string> words{ "gst-launch-1.0", "-q" };
     words.insert(words.end(), options.begin(), options.end());
-    // A picture of 36 bytes of 63 is a map of 9 floats of 0.747.
-    for (const char *word : { "videotestsrc", "pattern=solid-color", "foreground-color=0xff373737",
-                              "!", "video/x-raw,format=GRAY8,width=36,height=1,framerate=30/1", "!",
-                              "capssetter", "replace=true", "join=false",
-                              "caps=application/x-tactile-map,rows=3,columns=3,framerate=30/1", "!",
-                              "tactorsink", "max-on-time=0", "max-duty=0", "max-active=0" })
+    words.insert(words.end(), source.begin(), source.end());
+    for (const char *word : { "!", "tactorsink", "max-on-time=0", "max-duty=0", "max-active=0" })
       words.emplace_back(word);
     words.insert(words.end(), properties.begin(), properties.end());
     std::vector<char *> arguments;

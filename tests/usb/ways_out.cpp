@@ -9,8 +9,11 @@
 #include "launch.h"
 
 #include <array>
+#include <cmath>
 #include <cstdio>
+#include <cstdlib>
 #include <memory>
+#include <unistd.h>
 
 #include <gst/check/gstcheck.h>
 
@@ -191,7 +194,7 @@ const Way kWays[] = {
     [](Play &play) {
       play.board.unplug();
     } },
-  { "a host that hangs",
+  { "a thread that hangs",
     [](Play &play) {
       play.hang();
     } },
@@ -277,6 +280,74 @@ GST_START_TEST(test_ways_out_of_a_process)
 }
 GST_END_TEST;
 
+namespace {
+
+/// A track in a file that is gone when the test is.
+class TrackFile
+{
+public:
+  explicit TrackFile(const std::string &cues) : path("/tmp/ways-out-XXXXXX")
+  {
+    const int fd = mkstemp(path.data());
+    fail_unless(fd >= 0);
+    const std::string text = "WEBVTT\n\nNOTE tactile grid=3x3 rate=5\n\n" + cues;
+    fail_unless(write(fd, text.data(), text.size()) == static_cast<ssize_t>(text.size()));
+    close(fd);
+  }
+  ~TrackFile()
+  {
+    unlink(path.c_str());
+  }
+  TrackFile(const TrackFile &) = delete;
+  TrackFile &operator=(const TrackFile &) = delete;
+
+  std::string path;
+};
+
+} // namespace
+
+/// A process that stands still (a stop by job control, a debugger, a machine that freezes) and goes on later: meanwhile the firmware's
+/// watchdog has ended what was on, and nothing of what the film had then is felt any more.
+GST_START_TEST(test_stopped_and_continued)
+{
+  // 0.6 s of 80 % early in the film, then nothing, and 40 % from 8 s on: which of them a motor is told shows when it was meant.
+  const TrackFile track("00:00:00.000 --> 00:00:01.000\n0 0 0\n0 0 0\n0 0 0\n\n"
+                        "00:00:01.000 --> 00:00:01.600\n80 80 80\n80 80 80\n80 80 80\n\n"
+                        "00:00:08.000 --> 00:00:20.000\n40 40 40\n40 40 40\n40 40 40\n");
+  EmulatedUsb usb;
+  const auto firmware = std::make_shared<Firmware>(kMega, true);
+  EmulatedBoard board(usb, { .baud = 57600 }, firmware);
+  Launch launch({ "filesrc", "location=" + track.path, "!", "subparse", "!", "tactileconverter" },
+                {}, { "driver=seat", "ramp-in=0", "compensation=none" });
+  const int early = static_cast<int>(std::lround(0.8 * 255));
+  const int later = static_cast<int>(std::lround(0.4 * 255));
+  fail_unless(board.wait_until([&] {
+    for (int pin = kFirstPin; pin < kFirstPin + 9; pin++)
+      if (firmware->duty(pin) != early)
+        return false;
+    return true;
+  }));
+  const Clock::time_point begin = Clock::now();
+  launch.send(SIGSTOP);
+  std::printf("| SIGSTOP | %.0f ms |\n", ms(wait_for_zero(board, *firmware, begin)));
+  std::fflush(stdout);
+  const Clock::time_point last = board.received().back().time;
+  std::size_t before = 0;
+  board.with_firmware([&] {
+    fail_unless(firmware->changes().back().time == last + kWatchdog);
+    before = firmware->changes().size();
+  });
+  // Until the early cue is over, and what may be made up for, too.
+  std::this_thread::sleep_until(begin + 3s);
+  launch.send(SIGCONT);
+  fail_unless(board.wait_until([&] { return firmware->duty(kFirstPin) == later; }));
+  board.with_firmware([&] {
+    for (std::size_t i = before; i < firmware->changes().size(); i++)
+      fail_unless(firmware->changes()[i].duty == 0 || firmware->changes()[i].duty == later);
+  });
+}
+GST_END_TEST;
+
 static Suite *
 ways_out_suite(void)
 {
@@ -286,6 +357,7 @@ ways_out_suite(void)
   suite_add_tcase(suite, tests);
   tcase_add_test(tests, test_ways_out_of_a_play);
   tcase_add_test(tests, test_ways_out_of_a_process);
+  tcase_add_test(tests, test_stopped_and_continued);
   return suite;
 }
 

@@ -447,6 +447,26 @@ GST_START_TEST(test_flow_of_either_branch)
 }
 GST_END_TEST;
 
+/// A branch that is taken away while it has a map: the film goes on.
+GST_START_TEST(test_branch_taken_away_under_way)
+{
+  for (const bool of_video : { false, true }) {
+    Extractor e;
+    GstPad *pad = (of_video ? e.video : e.tactile)->sinkpad;
+    gst_pad_set_chain_function(pad, [](GstPad *pad, GstObject *, GstBuffer *buffer) {
+      gst_buffer_unref(buffer);
+      GstPad *peer = gst_pad_get_peer(pad);
+      gst_pad_unlink(peer, pad);
+      gst_object_unref(peer);
+      return GST_FLOW_FLUSHING; // what waits in an element that is shut down returns
+    });
+    for (guint i = 0; i < 3; i++)
+      fail_unless_equals_int(push(e, make_frame(i, 3, 3)), GST_FLOW_OK);
+    fail_unless_equals_int(gst_harness_buffers_received(of_video ? e.tactile : e.video), 3);
+  }
+}
+GST_END_TEST;
+
 GST_START_TEST(test_caps_queries)
 {
   Extractor e(true, true, nullptr);
@@ -540,6 +560,7 @@ tactileextractor_suite(void)
   tcase_add_test(tests, test_unlinked_video_pad);
   tcase_add_test(tests, test_both_unlinked);
   tcase_add_test(tests, test_flow_of_either_branch);
+  tcase_add_test(tests, test_branch_taken_away_under_way);
   tcase_add_test(tests, test_caps_queries);
   tcase_add_test(tests, test_allocation_and_latency);
   tcase_add_test(tests, test_any_memory);

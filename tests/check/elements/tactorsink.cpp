@@ -91,6 +91,40 @@ GST_START_TEST(test_pause_silences_and_resume_reissues)
 }
 GST_END_TEST;
 
+/// With no map at hand a pause is complete all the same, and the play goes on with the next map.
+GST_START_TEST(test_pause_waits_for_no_map)
+{
+  Rig rig;
+  rig.start();
+  g_object_set(rig.element, "async", TRUE, nullptr);
+  rig.run_out([&] { rig.push(0, { 1.0f }); });
+  ck_assert_int_eq(gst_element_set_state(rig.element, GST_STATE_PAUSED), GST_STATE_CHANGE_SUCCESS);
+  ck_assert_int_eq(gst_element_set_state(rig.element, GST_STATE_PLAYING), GST_STATE_CHANGE_ASYNC);
+  rig.run_out([&] { rig.push(400 * kMs, { 0.5f }); });
+  ck_assert_int_eq(gst_element_get_state(rig.element, nullptr, nullptr, 0),
+                   GST_STATE_CHANGE_SUCCESS);
+  ck_assert_uint_eq(rig.stat("late"), 0);
+  assert_silent_at_end(rig.trace());
+}
+GST_END_TEST;
+
+/// A preroll that ends when the play was given up meanwhile: the base class says so on the streaming thread, after the pause.
+GST_START_TEST(test_late_preroll_is_no_play)
+{
+  Rig rig;
+  rig.start();
+  rig.run_out([&] { rig.push(0, { 1.0f }); });
+  gst_test_clock_set_time(rig.clock, 300 * kMs);
+  while (rig.stat("issued") == 0)
+    rig.wake_all_due();
+  gst_element_set_state(rig.element, GST_STATE_PAUSED);
+  GST_ELEMENT_GET_CLASS(rig.element)->change_state(rig.element, GST_STATE_CHANGE_PAUSED_TO_PLAYING);
+  const std::vector<Line> lines = rig.trace();
+  ck_assert_uint_eq(lines.size(), 2);
+  fail_unless(lines[0].volts > 0 && lines[1].volts == 0);
+}
+GST_END_TEST;
+
 GST_START_TEST(test_flush_during_wait)
 {
   Rig rig;
@@ -489,6 +523,8 @@ tactorsink_suite(void)
   tcase_add_test(cases, test_compensation_none);
   tcase_add_test(cases, test_blocks_at_5_hz);
   tcase_add_test(cases, test_pause_silences_and_resume_reissues);
+  tcase_add_test(cases, test_pause_waits_for_no_map);
+  tcase_add_test(cases, test_late_preroll_is_no_play);
   tcase_add_test(cases, test_flush_during_wait);
   tcase_add_test(cases, test_gap_is_zero_at_its_time);
   tcase_add_test(cases, test_eos_drains);
