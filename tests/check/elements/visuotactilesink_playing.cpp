@@ -4,8 +4,6 @@
 // time are running times: nothing depends on how fast the machine is.
 #include "visuotactilesink_rig.h"
 
-#include <gst/check/gstharness.h>
-
 /* ---- memory that cannot be read ---- */
 
 struct DeviceAllocator
@@ -41,19 +39,6 @@ device_allocator_init(DeviceAllocator *allocator)
   GST_ALLOCATOR(allocator)->mem_unmap = [](GstMemory *) {
   };
 }
-
-namespace {
-
-guint
-commands_with_volts(const std::vector<IssuedCommand> &lines)
-{
-  guint count = 0;
-  for (const IssuedCommand &line : lines)
-    count += line.command.volts > 0;
-  return count;
-}
-
-} // namespace
 
 /* ---- the play ---- */
 

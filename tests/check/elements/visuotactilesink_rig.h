@@ -14,6 +14,7 @@
 #include "../temporary_file.h"
 #include "trace.h"
 #include <gst/check/gstcheck.h>
+#include <gst/check/gstharness.h>
 #include <gst/video/gstvideosink.h>
 #include <gst/video/navigation.h>
 #include <gst/video/videooverlay.h>
@@ -254,4 +255,13 @@ shown_by(GstElement *chair)
   fail_unless(sink != nullptr);
   gst_object_unref(sink); // the bin has it
   return sink;
+}
+
+inline guint
+commands_with_volts(const std::vector<IssuedCommand> &lines)
+{
+  guint count = 0;
+  for (const IssuedCommand &line : lines)
+    count += line.command.volts > 0;
+  return count;
 }
