@@ -45,10 +45,25 @@ gst_tactile_branch_give_up(GstTactileBranch *self)
     gst_element_post_message(GST_ELEMENT(self), gst_message_new_eos(GST_OBJECT(self)));
 }
 
+static gboolean
+has_failed(GstTactileBranch *self)
+{
+  GST_OBJECT_LOCK(self);
+  const gboolean failed = self->failed;
+  GST_OBJECT_UNLOCK(self);
+  return failed;
+}
+
+/* Unless another play has begun meanwhile, or is about to: it has tactorsink back. */
 static void
 give_up_async(GstElement *element, gpointer)
 {
-  gst_tactile_branch_give_up(GST_TACTILE_BRANCH(element));
+  auto *self = GST_TACTILE_BRANCH(element);
+
+  GST_STATE_LOCK(self);
+  if (has_failed(self))
+    gst_tactile_branch_give_up(self);
+  GST_STATE_UNLOCK(self);
 }
 
 static void
@@ -112,15 +127,6 @@ gst_tactile_branch_change_state(GstElement *element, GstStateChange transition)
   self->opening = FALSE;
   GST_OBJECT_UNLOCK(self);
   return ret;
-}
-
-static gboolean
-has_failed(GstTactileBranch *self)
-{
-  GST_OBJECT_LOCK(self);
-  const gboolean failed = self->failed;
-  GST_OBJECT_UNLOCK(self);
-  return failed;
 }
 
 /* To the film, maps that nobody plays are as good as played. */
