@@ -41,7 +41,7 @@ GST_DEBUG_CATEGORY_STATIC(tactile_combiner_debug);
 
 #define DEFAULT_MIX Mix::replace
 #define DEFAULT_OFFSET G_GINT64_CONSTANT(0)
-#define OFFSET_MAX (100 * 3600 * GST_SECOND)
+#define OFFSET_MAX (360000 * GST_SECOND) /* 100 hours */
 
 enum
 {
