@@ -11,8 +11,8 @@
 
 #include "gsttactilecaps.h"
 
-#include <string.h>
 #include "gsttactilemeta.h"
+#include <string.h>
 
 static gfloat
 clamp_level(gfloat level)
