@@ -116,8 +116,8 @@ gst_tactile_map_buffer_new(const gfloat *levels, gsize n_levels)
   guint8 *data;
 
   g_return_val_if_fail(levels != NULL, NULL);
-  g_return_val_if_fail(n_levels >= 1 && n_levels <= GST_TACTILE_MAX_SIDE * GST_TACTILE_MAX_SIDE,
-                       NULL);
+  g_return_val_if_fail(
+      n_levels >= 1 && n_levels <= (gsize)GST_TACTILE_MAX_SIDE * GST_TACTILE_MAX_SIDE, NULL);
 
   data = g_malloc(n_levels * sizeof(gfloat));
   for (gsize i = 0; i < n_levels; i++)
