@@ -80,7 +80,8 @@ Surroundedness::find_crossings(const cv::Mat &plane)
     crossings.clear();
 
   const auto last = static_cast<float>(crossings_.size());
-  const auto middle = static_cast<float>(crossings_.size() / 2) + 0.5F;
+  const std::size_t half = crossings_.size() / 2;
+  const auto middle = static_cast<float>(half) + 0.5F;
   const auto scale = static_cast<float>(1 / threshold_step_);
   const auto code = [&](float value) {
     return static_cast<int>(std::min(std::max(value * scale + middle, 0.0F), last));

@@ -43,7 +43,7 @@ TemporalPyramid::Entry &
 TemporalPyramid::add_entry(double time, const Similarity &pose)
 {
   if (count_ == ring_.size()) {
-    std::ranges::rotate(ring_, ring_.begin() + static_cast<std::ptrdiff_t>(oldest_));
+    std::rotate(ring_.begin(), ring_.begin() + static_cast<std::ptrdiff_t>(oldest_), ring_.end());
     oldest_ = 0;
     ring_.emplace_back();
   }

@@ -22,20 +22,20 @@ template <typename T> using Tag = saliency::HWY_NAMESPACE::Vectors<T>;
 void
 Unpack8(const std::uint8_t *in, int stride, int count, std::uint8_t *out)
 {
-  int x = 0;
+  std::ptrdiff_t x = 0;
 #if HWY_TARGET != HWY_SCALAR
   // Vectors end with the bytes between two samples, so they stop short of the last sample.
   const Tag<std::uint8_t> d;
   const hn::Repartition<std::uint16_t, decltype(d)> d16;
-  const int step = static_cast<int>(hn::Lanes(d));
+  const auto step = static_cast<std::ptrdiff_t>(hn::Lanes(d));
   if (stride == 2) {
     for (; x + step < count; x += step) {
-      const auto *at = in + static_cast<std::ptrdiff_t>(x) * 2;
+      const auto *at = in + x * 2;
       hn::StoreU(hn::ConcatEven(d, hn::LoadU(d, at + step), hn::LoadU(d, at)), d, out + x);
     }
   } else if (stride == 4) {
     for (; x + step < count; x += step) {
-      const auto *at = in + static_cast<std::ptrdiff_t>(x) * 4;
+      const auto *at = in + x * 4;
       const auto low = hn::ConcatEven(d16, load_bytes(d16, at + step), load_bytes(d16, at));
       const auto high
           = hn::ConcatEven(d16, load_bytes(d16, at + 3 * step), load_bytes(d16, at + 2 * step));
@@ -44,32 +44,32 @@ Unpack8(const std::uint8_t *in, int stride, int count, std::uint8_t *out)
   }
 #endif
   for (; x < count; ++x)
-    out[x] = in[static_cast<std::ptrdiff_t>(x) * stride];
+    out[x] = in[x * stride];
 }
 
 void
 Unpack16(const std::uint8_t *in, int stride, int left, unsigned mask, int count, Fixed *out)
 {
-  int x = 0;
+  std::ptrdiff_t x = 0;
 #if HWY_TARGET != HWY_SCALAR
   const Tag<std::uint16_t> d;
-  const int step = static_cast<int>(hn::Lanes(d));
+  const auto step = static_cast<std::ptrdiff_t>(hn::Lanes(d));
   const auto bits = hn::Set(d, static_cast<std::uint16_t>(mask));
   if (stride == 2) {
     for (; x + step <= count; x += step) {
-      const auto words = load_bytes(d, in + static_cast<std::ptrdiff_t>(x) * 2);
+      const auto words = load_bytes(d, in + x * 2);
       hn::StoreU(hn::ShiftRight<1>(hn::And(hn::ShiftLeftSame(words, left), bits)), d, out + x);
     }
   } else if (stride == 4) {
     for (; x + step < count; x += step) {
-      const auto *at = in + static_cast<std::ptrdiff_t>(x) * 4;
+      const auto *at = in + x * 4;
       const auto words = hn::ConcatEven(d, load_bytes(d, at + 2 * step), load_bytes(d, at));
       hn::StoreU(hn::ShiftRight<1>(hn::And(hn::ShiftLeftSame(words, left), bits)), d, out + x);
     }
   }
 #endif
   for (; x < count; ++x) {
-    const auto *word = in + static_cast<std::ptrdiff_t>(x) * stride;
+    const auto *word = in + x * stride;
     out[x]
         = static_cast<Fixed>((static_cast<unsigned>(word[0] | word[1] << 8) << left & mask) >> 1);
   }
@@ -79,22 +79,22 @@ void
 UnpackTriples(const std::uint8_t *in, int stride, int count,
               const std::array<std::uint8_t *, 3> &out)
 {
-  int x = 0;
+  std::ptrdiff_t x = 0;
 #if HWY_TARGET != HWY_SCALAR
   const Tag<std::uint8_t> d;
   const hn::Repartition<std::uint16_t, decltype(d)> d16;
-  const int step = static_cast<int>(hn::Lanes(d));
+  const auto step = static_cast<std::ptrdiff_t>(hn::Lanes(d));
   if (stride == 3) {
     for (; x + step <= count; x += step) {
       hn::Vec<decltype(d)> first, second, third;
-      hn::LoadInterleaved3(d, in + static_cast<std::ptrdiff_t>(x) * 3, first, second, third);
+      hn::LoadInterleaved3(d, in + x * 3, first, second, third);
       hn::StoreU(first, d, out[0] + x);
       hn::StoreU(second, d, out[1] + x);
       hn::StoreU(third, d, out[2] + x);
     }
   } else if (stride == 4) {
     for (; x + step < count; x += step) {
-      const auto *at = in + static_cast<std::ptrdiff_t>(x) * 4;
+      const auto *at = in + x * 4;
       const auto v0 = load_bytes(d16, at);
       const auto v1 = load_bytes(d16, at + step);
       const auto v2 = load_bytes(d16, at + 2 * step);
@@ -111,7 +111,7 @@ UnpackTriples(const std::uint8_t *in, int stride, int count,
 #endif
   for (; x < count; ++x)
     for (std::size_t c = 0; c < 3; ++c)
-      out[c][x] = in[static_cast<std::ptrdiff_t>(x) * stride + static_cast<std::ptrdiff_t>(c)];
+      out[c][x] = in[x * stride + static_cast<std::ptrdiff_t>(c)];
 }
 
 void

@@ -293,7 +293,7 @@ private:
   {
     const auto attribute = [node](const char *name, const char *otherwise, std::size_t count) {
       const Text text(xmlGetNoNsProp(node, xml(name)));
-      const std::vector<double> values
+      std::vector<double> values
           = numbers(node, text ? reinterpret_cast<const char *>(text.get()) : otherwise, -1e9, 1e9);
       if (values.size() != count)
         fail(node, std::string("expected ") + name + " of numbers: " + std::to_string(count));

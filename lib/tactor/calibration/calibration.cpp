@@ -125,7 +125,8 @@ Calibration::longest_lead() const
     // At start voltages from which there is something left to rise.
     for (int start = 0; table && start < table->size; start++)
       for (int target = start + 1; target < table->size; target++) {
-        const auto place = static_cast<std::size_t>(start * table->size + target);
+        const auto place = static_cast<std::size_t>(start) * static_cast<std::size_t>(table->size)
+                           + static_cast<std::size_t>(target);
         if (target * table->step_volts >= tactor.start_volts && start < 0.9 * target)
           longest = std::max(longest, latency + table->milliseconds[place]);
       }

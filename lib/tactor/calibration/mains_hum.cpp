@@ -69,7 +69,7 @@ remove_mains_hum(std::vector<double> &signal, const std::vector<bool> &rests, do
   std::optional<Hum> best;
   for (const double mains : { 50.0, 60.0 }) {
     const int harmonics = static_cast<int>(highest_hz / (mains + kSearchHz));
-    if (harmonics < 1 || std::ssize(at) < 20 * harmonics)
+    if (harmonics < 1 || std::ssize(at) < std::ptrdiff_t{ 20 } * harmonics)
       continue;
     const auto consider = [&](double hz) {
       Hum hum = fit(signal, at, rate, hz, harmonics);

@@ -126,6 +126,7 @@ monotone_table(std::span<const RiseTimeSample> samples, double volts_max)
     double left; ///< by the trend
   };
   std::vector<Known> known;
+  known.reserve(repeated.size());
   for (auto &[volts, times] : repeated)
     known.push_back(
         { volts.first, volts.second, median(times) - trend(volts.first, volts.second) });

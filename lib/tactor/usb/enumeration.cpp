@@ -19,7 +19,7 @@ namespace tactor {
 namespace {
 
 constexpr std::size_t kMostPorts = 7;         // USB 3.2, 8.9: tiers of hubs
-constexpr std::size_t kLongestText = 126 * 3; // bytes in UTF-8 of the longest string descriptor
+constexpr std::size_t kLongestText = 378; // 126 × 3 bytes in UTF-8 of the longest string descriptor
 
 using Place = std::pair<std::uint8_t, std::vector<std::uint8_t>>; ///< bus and ports
 
