@@ -49,7 +49,8 @@ print_info(const std::string &path, const Track &track)
   for (int row = 0; row < track.rows(); row++) {
     std::printf("         ");
     for (int column = 0; column < track.columns(); column++) {
-      const auto cell = static_cast<std::size_t>(row * track.columns() + column);
+      const auto cell = static_cast<std::size_t>(row) * static_cast<std::size_t>(track.columns())
+                        + static_cast<std::size_t>(column);
       std::printf(" %5d %3.0f%%", events[cell], length > 0 ? 100 * felt[cell] / length : 0);
     }
     std::printf("\n");

@@ -152,7 +152,7 @@ write_track_file(const tactile::Track &track, const std::string &path)
   file << bytes;
   file.close();
   if (!file)
-    throw std::runtime_error("cannot write '" + path + "': " + std::strerror(errno));
+    throw std::runtime_error("cannot write '" + path + "': " + g_strerror(errno));
   output.commit();
 }
 

@@ -62,7 +62,7 @@ frames_of(const Film &film, tactile::Time end, int width, int height)
       continue;
     gst_element_seek_simple(pipeline.get(), GST_FORMAT_TIME,
                             static_cast<GstSeekFlags>(GST_SEEK_FLAG_FLUSH | GST_SEEK_FLAG_ACCURATE),
-                            end.count() * (2 * i + 1) / (2 * kFrames));
+                            end.count() * (2L * i + 1) / (2L * kFrames));
     if (GstSample *sample
         = gst_app_sink_try_pull_preroll(GST_APP_SINK(sink.get()), 10 * GST_SECOND)) {
       frames.back() = picture_of(sample);

@@ -72,6 +72,7 @@ std::vector<RiseTimeSample>
 samples_of(const std::vector<StepResponse *> &rises, double latency_ms, double start_volts)
 {
   std::vector<RiseTimeSample> samples;
+  samples.reserve(rises.size());
   for (const StepResponse *rise : rises)
     samples.push_back(
         { .start_volts = rise->step.start_volts < start_volts - 1e-6 ? 0 : rise->step.start_volts,
@@ -102,6 +103,7 @@ name_outliers(std::vector<StepResponse> &responses)
   if (!fit || samples.size() < 12)
     return;
   std::vector<double> left;
+  left.reserve(samples.size());
   for (const RiseTimeSample &sample : samples)
     left.push_back(
         std::abs(sample.milliseconds
