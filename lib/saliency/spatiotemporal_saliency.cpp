@@ -50,8 +50,7 @@ SpatiotemporalSaliency::SpatiotemporalSaliency(const Profile &profile)
     windows_.push_back(pair.surround);
   }
   std::ranges::sort(windows_);
-  const auto repeated = std::ranges::unique(windows_);
-  windows_.erase(repeated.begin(), repeated.end());
+  windows_.erase(std::unique(windows_.begin(), windows_.end()), windows_.end());
   const auto place = [this](int window) {
     return static_cast<std::size_t>(std::ranges::find(windows_, window) - windows_.begin());
   };
