@@ -5,20 +5,30 @@
 # shellcheck source=common.sh
 . "$(dirname "$0")/common.sh"
 
-# begin [FILM ...]: plays in the background until there is something to feel, which the built-in film begins with after a second; sets `pid`
+# begin [FILM ...]: plays in the background; back when it says that it records on simulated motors; sets `pid`
 begin() {
   mkdir -p o
   # Background jobs of a script ignore SIGINT from the start; a program that was started at a terminal does not.
   "$PYTHON" -c 'import os, signal, sys; signal.signal(signal.SIGINT, signal.SIG_DFL); os.execv(sys.argv[1], sys.argv[1:])' \
     "$PLAY" -o o "$@" >out 2>err &
   pid=$!
-  for _ in $(seq 200); do
-    grep -q '^Recording' err && break
+  until_true 'neither records nor ends' grep -qE '^the motors are simulated: ' err
+  expect_line err '^Recording, in real time'
+}
+
+# recorded: something of the film is in the recording, which the muxer writes by the second
+recorded() {
+  [ -n "$(find o -name '.visuotactile.mkv.*.part' -size +0)" ]
+}
+
+# until_true COMPLAINT COMMAND ...: waits for the command to succeed while the program runs, half a minute at most
+until_true() {
+  for _ in $(seq 600); do
+    "${@:2}" && return
+    kill -0 "$pid" 2>/dev/null || fail "ended by itself: $(cat err)"
     sleep 0.05
   done
-  expect_line err '^Recording, in real time'
-  expect_line err '^the motors are simulated: '
-  sleep 1.5
+  fail "$1: $(cat err)"
 }
 
 # await SECONDS: the program's end within that; sets `status`
@@ -34,6 +44,7 @@ await() {
 
 stopped() {
   begin "${@:2}"
+  until_true 'nothing was recorded' recorded
   kill -s "$1" "$pid"
   await 10
   expect_all o 0.1 20
@@ -64,6 +75,7 @@ killed() {
     echo "kept $name" >"o/$name"
   done
   begin
+  until_true 'nothing was recorded' recorded
   kill -KILL "$pid"
   await 3
   expect_status 137
