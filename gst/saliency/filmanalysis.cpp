@@ -64,7 +64,7 @@ FilmAnalysis::is_due(const SaliencySettings &settings, saliency::Time time)
   constexpr saliency::Time kSameTime = std::chrono::milliseconds(1);
 
   if (map_.rows != settings.rows || map_.columns != settings.columns || !analyzer_
-      || kind_ != Kind{ settings.profile, settings.temporal })
+      || kind_ != kind_of(settings))
     return true;
   const bool back = time < std::exchange(last_time_, time);
   if (next_analysis_ && !back && settings.max_rate > 0 && time + kSameTime < *next_analysis_)
@@ -75,6 +75,12 @@ FilmAnalysis::is_due(const SaliencySettings &settings, saliency::Time time)
   return true;
 }
 
+FilmAnalysis::Kind
+FilmAnalysis::kind_of(const SaliencySettings &settings)
+{
+  return { settings.profile, settings.temporal, settings.exact };
+}
+
 void
 FilmAnalysis::make_analyzer(const Kind &kind)
 {
@@ -82,9 +88,10 @@ FilmAnalysis::make_analyzer(const Kind &kind)
   if (analyzer_ && kind_ == kind)
     return;
   kind_ = kind;
-  const Profile profile = kind.profile == ProfileName::paper ? Profile::paper()
-                          : kind.temporal                    ? Profile::tuned()
-                                                             : Profile::tuned_spatial();
+  Profile profile = kind.profile == ProfileName::paper ? Profile::paper()
+                    : kind.temporal                    ? Profile::tuned()
+                                                       : Profile::tuned_spatial();
+  profile.exact = profile.exact || kind.exact;
   top_down_.emplace(profile, kind.temporal);
   analyzer_.emplace(profile);
 }
@@ -118,7 +125,7 @@ bool
 FilmAnalysis::analyse(const SaliencySettings &settings, const GstVideoInfo &info, GstBuffer *buffer,
                       saliency::Time time, saliency::Time duration)
 {
-  make_analyzer({ settings.profile, settings.temporal });
+  make_analyzer(kind_of(settings));
   analyzer_->set_threads(settings.n_threads);
   saliency_.values.clear();
   const FrameMapping mapping(info, buffer);

@@ -57,10 +57,12 @@ private:
   {
     ProfileName profile = ProfileName::tuned;
     bool temporal = true;
+    bool exact = false;
 
     bool operator==(const Kind &) const = default;
   };
 
+  static Kind kind_of(const SaliencySettings &settings);
   void make_analyzer(const Kind &kind);
   const cv::Mat &weigh(const SaliencySettings &settings, GstBuffer *buffer,
                        const FrameMapping &mapping, const saliency::Saliency &found,

@@ -146,6 +146,12 @@ SaliencySettings::install(GObjectClass *klass)
                         "by the frame's size and the processor)",
                         0, kMostThreads, static_cast<guint>(defaults.n_threads), playing));
   g_object_class_install_property(
+      klass, SALIENCY_PROP_EXACT,
+      g_param_spec_boolean("exact", "Exact",
+                           "Take every pixel's colour, at several times the cost, rather than that "
+                           "of small areas; profile=paper always does",
+                           defaults.exact, playing));
+  g_object_class_install_property(
       klass, SALIENCY_PROP_STATS,
       g_param_spec_boxed("stats", "Statistics",
                          "Frames passed, analysed and active (any level above 0); mean and longest "
@@ -209,6 +215,9 @@ SaliencySettings::set(guint id, const GValue *value)
   case SALIENCY_PROP_N_THREADS:
     n_threads = static_cast<int>(g_value_get_uint(value));
     break;
+  case SALIENCY_PROP_EXACT:
+    exact = g_value_get_boolean(value);
+    break;
   default:
     return false;
   }
@@ -260,6 +269,9 @@ SaliencySettings::get(guint id, GValue *value) const
     break;
   case SALIENCY_PROP_N_THREADS:
     g_value_set_uint(value, static_cast<guint>(n_threads));
+    break;
+  case SALIENCY_PROP_EXACT:
+    g_value_set_boolean(value, exact);
     break;
   default:
     return false;

@@ -26,6 +26,7 @@ enum SaliencyProperty : guint
   SALIENCY_PROP_MAX_RATE,
   SALIENCY_PROP_KEEP_MAPS,
   SALIENCY_PROP_N_THREADS,
+  SALIENCY_PROP_EXACT,
   SALIENCY_PROP_STATS,
 };
 
@@ -64,6 +65,7 @@ struct SaliencySettings
   double max_rate = 0;
   bool keep_maps = false;
   int n_threads = 0; ///< 0: as many as pay
+  bool exact = false;
 
   /// All of SaliencyProperty, with their texts, ranges and defaults.
   static void install(GObjectClass *klass);

@@ -45,6 +45,30 @@ GST_START_TEST(test_formats)
 }
 GST_END_TEST;
 
+/// A chequered square of red and cyan has, from afar, the code values of the grey around it, but not its colour.
+GST_START_TEST(test_exact)
+{
+  for (const bool exact : { false, true }) {
+    GstHarness *h = gst_harness_new("saliencytactile");
+    g_object_set(h->element, "temporal", FALSE, "exact", exact, nullptr);
+    gst_harness_set_src_caps_str(h, "video/x-raw,format=RGBx,width=320,height=240,framerate=30/1");
+    GstBuffer *frame = gst_harness_create_buffer(h, 4UL * kWidth * kHeight);
+    gst_buffer_memset(frame, 0, 128, gst_buffer_get_size(frame));
+    const guint32 colors[] = { 0xff0000ff, 0xffffff00 }; // x, B', G', R'
+    for (int y = 100; y < 140; ++y)
+      for (int x = 240; x < 290; ++x)
+        gst_buffer_fill(frame, 4UL * static_cast<gsize>(y * kWidth + x), &colors[(x + y) % 2], 4);
+    fail_unless_equals_int(gst_harness_push(h, frame), GST_FLOW_OK);
+    GstBuffer *out = gst_harness_pull(h);
+    const std::vector<gfloat> levels = levels_of(out);
+    ck_assert_int_eq(*std::ranges::max_element(levels) > 0, exact);
+    fail_unless(!exact || strongest(levels) == 5);
+    gst_buffer_unref(out);
+    gst_harness_teardown(h);
+  }
+}
+GST_END_TEST;
+
 /// Each cell of the grid is found, rows from the top, columns from the left, in both profiles.
 GST_START_TEST(test_cells)
 {
@@ -281,6 +305,7 @@ saliencytactile_suite(void)
   TCase *cases = tcase_create("general");
   suite_add_tcase(suite, cases);
   tcase_add_loop_test(cases, test_formats, 0, G_N_ELEMENTS(kFormats));
+  tcase_add_test(cases, test_exact);
   tcase_add_test(cases, test_cells);
   tcase_add_test(cases, test_memory_and_metas_stay);
   tcase_add_test(cases, test_allocation_passes);

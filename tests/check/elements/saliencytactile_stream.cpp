@@ -16,7 +16,7 @@ GST_START_TEST(test_properties_while_playing)
     const guint columns = 1 + (i * 5) % 64;
     g_object_set(h->element, "rows", rows, "columns", columns, "threshold", i / 16.0, "temporal",
                  i % 3 != 0, "floor", i % 5 - 1.0, "attach-saliency", i % 2 == 0, "max-rate",
-                 i % 4 * 10.0, "profile", i % 2, "n-threads", i % 5, nullptr);
+                 i % 4 * 10.0, "profile", i % 2, "n-threads", i % 5, "exact", i % 7 < 3, nullptr);
     fail_unless_equals_int(gst_harness_push(h, gst_buffer_ref(frame)), GST_FLOW_OK);
     GstBuffer *out = gst_harness_pull(h);
     const GstTactileMeta *meta = gst_buffer_get_tactile_meta(out);
