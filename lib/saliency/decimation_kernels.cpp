@@ -166,8 +166,7 @@ halved_sums(D d, const Load &load)
 /// from top to bottom, and the sums for the next.
 template <class D>
 HWY_INLINE void
-add_rows(D d, hn::VFromD<D> four_a, hn::VFromD<D> b, const RowSums &sums, std::ptrdiff_t x,
-         Fixed *halved)
+add_rows(D d, hn::VFromD<D> four_a, hn::VFromD<D> b, RowSums sums, std::ptrdiff_t x, Fixed *halved)
 {
   const auto sum = hn::Add(hn::Add(hn::LoadU(d, sums.weighted + x), four_a), b);
   const auto next = hn::Add(hn::LoadU(d, sums.last + x), four_a);
@@ -177,7 +176,7 @@ add_rows(D d, hn::VFromD<D> four_a, hn::VFromD<D> b, const RowSums &sums, std::p
 }
 
 HWY_INLINE void
-add_rows(int four_a, int b, const RowSums &sums, std::ptrdiff_t x, Fixed *halved)
+add_rows(int four_a, int b, RowSums sums, std::ptrdiff_t x, Fixed *halved)
 {
   *halved = static_cast<Fixed>((sums.weighted[x] + four_a + b + 1) / 2);
   sums.weighted[x] = static_cast<std::uint16_t>(sums.last[x] + four_a + 6 * b);
@@ -185,9 +184,9 @@ add_rows(int four_a, int b, const RowSums &sums, std::ptrdiff_t x, Fixed *halved
 }
 
 void
-HalveBytes(const TwoRows &rows, int width, const RowSums &sums, Fixed *halved, const TwoRows &ahead)
+HalveBytes(TwoRows rows, int width, RowSums sums, Fixed *halved, TwoRows ahead)
 {
-  const auto work = [&](auto d, std::ptrdiff_t x) HWY_ATTR {
+  const auto work = [=](auto d, std::ptrdiff_t x) HWY_ATTR {
     const auto pairs = [d, x](const std::uint8_t *row) HWY_ATTR {
       return [d, at = row + 2 * x](std::ptrdiff_t i) HWY_ATTR {
         return load_bytes(d, at + 2 * i);
@@ -212,11 +211,11 @@ HalveBytes(const TwoRows &rows, int width, const RowSums &sums, Fixed *halved, c
 #if HWY_TARGET != HWY_SCALAR
 /// Of four numbers a pixel the first three to rows of their own.
 void
-part_pixels(const Fixed *pixels, std::ptrdiff_t count, const std::array<Fixed *, 3> &out,
+part_pixels(const Fixed *pixels, std::ptrdiff_t count, std::array<Fixed *, 3> out,
             std::ptrdiff_t at)
 {
   std::ptrdiff_t x = 0;
-  const auto by = [&](auto d) HWY_ATTR {
+  const auto by = [=, &x](auto d) HWY_ATTR {
     const auto step = static_cast<std::ptrdiff_t>(hn::Lanes(d));
     for (; x + step <= count; x += step) {
       hn::Vec<decltype(d)> first, second, third, fourth;
@@ -234,31 +233,32 @@ part_pixels(const Fixed *pixels, std::ptrdiff_t count, const std::array<Fixed *,
 /// Pixels are taken apart a few at a time, while they are in the first level of the cache. Vectors stop
 /// short of the last pixel, of which there may be three bytes alone.
 int
-halve_pixels_from(int x, const TwoRows &rows, int width, const RowSums &sums,
-                  const std::array<Fixed *, 3> &halved, const TwoRows &ahead)
+halve_pixels_from(int x, TwoRows rows, int width, RowSums sums, std::array<Fixed *, 3> halved,
+                  TwoRows ahead)
 {
   alignas(16) static constexpr std::array<std::uint8_t, 16> kPairs
       = { 0, 4, 1, 5, 2, 6, 3, 7, 8, 12, 9, 13, 10, 14, 11, 15 };
   constexpr int kPixels = 32;
   alignas(64) std::array<Fixed, std::size_t{ 4 } * kPixels> pixels;
   std::ptrdiff_t begin = x; // place of the first of the pixels
-  const int end = cover_halved_once<4>(x, width - 1, [&](auto d, std::ptrdiff_t place) HWY_ATTR {
-    const hn::Repartition<std::uint8_t, decltype(d)> d8;
-    const auto order = hn::LoadDup128(d8, kPairs.data());
-    const auto pairs = [d, d8, order, place](const std::uint8_t *row) HWY_ATTR {
-      return [d, d8, order, at = row + 8 * place](std::ptrdiff_t i) HWY_ATTR {
-        return hn::BitCast(d, hn::TableLookupBytes(hn::LoadU(d8, at + 8 * i), order));
-      };
-    };
-    prefetch(ahead[0] + 8 * place);
-    prefetch(ahead[1] + 8 * place);
-    add_rows(d, halved_sums<4>(d, pairs(rows[0])), halved_sums<1>(d, pairs(rows[1])), sums,
-             4 * place, pixels.data() + 4 * (place - begin));
-    if (place + static_cast<std::ptrdiff_t>(hn::Lanes(d)) / 4 == begin + kPixels) {
-      part_pixels(pixels.data(), kPixels, halved, begin);
-      begin += kPixels;
-    }
-  });
+  const int end = cover_halved_once<4>(
+      x, width - 1, [=, &pixels, &begin](auto d, std::ptrdiff_t place) HWY_ATTR {
+        const hn::Repartition<std::uint8_t, decltype(d)> d8;
+        const auto order = hn::LoadDup128(d8, kPairs.data());
+        const auto pairs = [d, d8, order, place](const std::uint8_t *row) HWY_ATTR {
+          return [d, d8, order, at = row + 8 * place](std::ptrdiff_t i) HWY_ATTR {
+            return hn::BitCast(d, hn::TableLookupBytes(hn::LoadU(d8, at + 8 * i), order));
+          };
+        };
+        prefetch(ahead[0] + 8 * place);
+        prefetch(ahead[1] + 8 * place);
+        add_rows(d, halved_sums<4>(d, pairs(rows[0])), halved_sums<1>(d, pairs(rows[1])), sums,
+                 4 * place, pixels.data() + 4 * (place - begin));
+        if (place + static_cast<std::ptrdiff_t>(hn::Lanes(d)) / 4 == begin + kPixels) {
+          part_pixels(pixels.data(), kPixels, halved, begin);
+          begin += kPixels;
+        }
+      });
   part_pixels(pixels.data(), end - begin, halved, begin);
   return end;
 }
@@ -291,7 +291,7 @@ void
 HalveColumns16(const Fixed *row, int width, Fixed *out)
 {
   const Tag<std::uint32_t> d;
-  const auto work = [&](std::ptrdiff_t x) HWY_ATTR {
+  const auto work = [=](std::ptrdiff_t x) HWY_ATTR {
     const hn::RebindToSigned<decltype(d)> integers;
     const hn::Rebind<Fixed, decltype(d)> narrow;
     const auto mean = hn::ShiftRight<4>(halved_sums<1>(
@@ -318,7 +318,7 @@ void
 HalveColumnsFloat(const float *row, int width, float *out)
 {
   const Tag<float> d;
-  const auto work = [&](std::ptrdiff_t x) HWY_ATTR {
+  const auto work = [=](std::ptrdiff_t x) HWY_ATTR {
     const float *at = row + 2 * x;
     hn::Vec<decltype(d)> v0, v1, v2, v3, v4, v5;
     hn::LoadInterleaved2(d, at - 2, v0, v1);
@@ -335,9 +335,9 @@ HalveColumnsFloat(const float *row, int width, float *out)
 }
 
 void
-HalveRows16(const std::array<const Fixed *, 5> &rows, int count, Fixed *halved)
+HalveRows16(std::array<const Fixed *, 5> rows, int count, Fixed *halved)
 {
-  cover<Fixed>(count, [&](auto d, int x) HWY_ATTR {
+  cover<Fixed>(count, [=](auto d, int x) HWY_ATTR {
     const auto center = hn::LoadU(d, rows[2] + x);
     const auto inner = hn::AverageRound(hn::LoadU(d, rows[1] + x), hn::LoadU(d, rows[3] + x));
     const auto outer = hn::AverageRound(hn::LoadU(d, rows[0] + x), hn::LoadU(d, rows[4] + x));
@@ -348,9 +348,9 @@ HalveRows16(const std::array<const Fixed *, 5> &rows, int count, Fixed *halved)
 }
 
 void
-HalveRowsFloat(const std::array<const float *, 5> &rows, int count, float *halved)
+HalveRowsFloat(std::array<const float *, 5> rows, int count, float *halved)
 {
-  cover<float>(count, [&](auto d, int x) HWY_ATTR {
+  cover<float>(count, [=](auto d, int x) HWY_ATTR {
     hn::StoreU(gaussian(d, hn::LoadU(d, rows[0] + x), hn::LoadU(d, rows[1] + x),
                         hn::LoadU(d, rows[2] + x), hn::LoadU(d, rows[3] + x),
                         hn::LoadU(d, rows[4] + x)),
@@ -362,7 +362,7 @@ void
 DoubleColumns(const Fixed *in, int width, Fixed *out)
 {
   const int between = (width - 1) / 2; // samples of which there is one more
-  cover<Fixed>(between, [&](auto d, std::ptrdiff_t x) HWY_ATTR {
+  cover<Fixed>(between, [=](auto d, std::ptrdiff_t x) HWY_ATTR {
     const auto sample = hn::LoadU(d, in + x);
     hn::StoreInterleaved2(sample, hn::AverageRound(sample, hn::LoadU(d, in + x + 1)), d,
                           out + 2 * x);
@@ -374,7 +374,7 @@ DoubleColumns(const Fixed *in, int width, Fixed *out)
 void
 Average(const Fixed *a, const Fixed *b, int count, Fixed *out)
 {
-  cover<Fixed>(count, [&](auto d, int x) HWY_ATTR {
+  cover<Fixed>(count, [=](auto d, int x) HWY_ATTR {
     hn::StoreU(hn::AverageRound(hn::LoadU(d, a + x), hn::LoadU(d, b + x)), d, out + x);
   });
 }
