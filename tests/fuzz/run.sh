@@ -44,6 +44,7 @@ fi
 mapfile -t programs < <(printf "tests/fuzz/%s_$kind\n" "$@")
 ninja -C "$directory" "${programs[@]}" >"$directory/ninja.log" 2>&1 || { cat "$directory/ninja.log" >&2; exit 1; }
 
+export GST_REGISTRY_1_0=$directory/fuzz.registry GST_REGISTRY_FORK=no
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 

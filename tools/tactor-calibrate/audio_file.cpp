@@ -8,6 +8,7 @@
 #include <cmath>
 #include <filesystem>
 #include <memory>
+#include <span>
 #include <stdexcept>
 #include <string_view>
 
@@ -128,13 +129,16 @@ AudioCollector::add(GstSample *sample)
     recording_.start
         = tactor::Time(GST_CLOCK_TIME_IS_VALID(running) ? static_cast<gint64>(running) : 0);
   }
-  too_long_
-      |= recording_.size() * channels + map.size / sizeof(gdouble) > tactor::Recording::kMostValues;
-  const auto *values = reinterpret_cast<const gdouble *>(map.data);
-  for (std::size_t i = 0; !too_long_ && i < map.size / sizeof(gdouble); i++)
+  const std::span values(reinterpret_cast<const gdouble *>(map.data), map.size / sizeof(gdouble));
+  if (recording_.size() * channels + values.size() > tactor::Recording::kMostValues)
+    fault_ = "the recording is longer than the " + std::to_string(tactor::Recording::kMostValues)
+             + " samples that are read";
+  else if (!std::ranges::all_of(values, [](gdouble value) { return std::isfinite(value); }))
+    fault_ = "the sound has samples that are no finite numbers; is it damaged?";
+  for (std::size_t i = 0; fault_.empty() && i < values.size(); i++)
     recording_.channels[i % channels].push_back(values[i]);
   gst_buffer_unmap(buffer, &map);
-  return !too_long_;
+  return fault_.empty();
 }
 
 tactor::Time
@@ -152,12 +156,10 @@ tactor::Recording
 AudioCollector::take()
 {
   const std::lock_guard<std::mutex> lock(mutex_);
+  if (!fault_.empty())
+    throw std::runtime_error(fault_);
   if (recording_.size() == 0)
     throw std::runtime_error("no sound came");
-  if (too_long_)
-    throw std::runtime_error("the recording is longer than the "
-                             + std::to_string(tactor::Recording::kMostValues)
-                             + " samples that are read");
   return std::move(recording_);
 }
 
@@ -189,7 +191,7 @@ push_recording(GstElement *appsrc, const tactor::Recording &recording)
 }
 
 tactor::Recording
-read_recording(const std::string &path)
+read_recording(const std::string &path, GstClockTime patience)
 {
   if (path.ends_with(".csv") || path.ends_with(".txt"))
     return tactor::read_csv_recording(path);
@@ -202,7 +204,7 @@ read_recording(const std::string &path)
   g_autoptr(GstElement) sink = gst_bin_get_by_name(GST_BIN(pipeline.get()), "heard");
   heard.listen(sink);
   // decodebin may lose the error of a file whose form is out of all range, and waits for ever then.
-  run(pipeline, path, 5 * GST_SECOND);
+  run(pipeline, path, patience);
   return heard.take();
 }
 
