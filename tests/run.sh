@@ -83,6 +83,11 @@ export TSAN_OPTIONS="ignore_noninstrumented_modules=1:halt_on_error=1:die_after_
 # A test's own limit of time, check's, beside meson's.
 export CK_TIMEOUT_MULTIPLIER=$patience
 
+# GStreamer looks through all its plugins, others' too, before they are looked at.
+if [ ${#wrapper[@]} -gt 0 ]; then
+  GST_PLUGIN_PATH_1_0=$directory/gst GST_REGISTRY_1_0=$directory/tests/check/elements.registry gst-inspect-1.0 identity >/dev/null
+fi
+
 if [ ${#wrapper[@]} -gt 0 ] && [ $# -eq 0 ]; then
   mapfile -t names < <(meson test -C "$directory" --list --suite libs --suite elements | sed -n 's|.* / ||p' | grep -vxE 'allocations|hostile_tracks|tactile_meta_python')
   set -- "${names[@]}"
