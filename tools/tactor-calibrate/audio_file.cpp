@@ -96,7 +96,8 @@ std::string
 recording_branch()
 {
   // Gaps and overlaps of a source that stumbles become silence, so that what follows stays in its place.
-  return "audioconvert ! audiorate ! audioresample ! "
+  // Rates beyond those of recordings are a damaged file's: resampling them takes all memory.
+  return "audioconvert ! audiorate ! audio/x-raw,rate=[1000,768000] ! audioresample ! "
          "audio/x-raw,format=F64LE,layout=interleaved,rate="
          + std::to_string(kRate) + " ! appsink name=heard sync=false async=false max-buffers=0";
 }
