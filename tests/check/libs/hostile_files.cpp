@@ -12,7 +12,6 @@
 #include <cerrno>
 #include <cstdint>
 #include <filesystem>
-#include <fstream>
 #include <functional>
 #include <netinet/in.h>
 #include <stdexcept>
