@@ -11,15 +11,13 @@ namespace {
 GType
 gst_saliency_tactile_profile_get_type(void)
 {
-  static gsize type = 0;
   static const GEnumValue values[] = {
     { static_cast<gint>(ProfileName::tuned),
       "What measures best: events alone, not cuts, fades, noise or camera motion", "tuned" },
     { static_cast<gint>(ProfileName::paper), "Kim, Lee, Choi 2012, taken literally", "paper" },
     { 0, nullptr, nullptr },
   };
-  if (g_once_init_enter(&type))
-    g_once_init_leave(&type, g_enum_register_static("GstSaliencyTactileProfile", values));
+  static const GType type = g_enum_register_static("GstSaliencyTactileProfile", values);
   return type;
 }
 
@@ -27,15 +25,13 @@ gst_saliency_tactile_profile_get_type(void)
 GType
 gst_saliency_tactile_viewport_get_type(void)
 {
-  static gsize type = 0;
   static const GEnumValue values[] = {
     { static_cast<gint>(ViewportMode::fixed), "The whole picture", "fixed" },
     { static_cast<gint>(ViewportMode::adaptive),
       "The part of the picture in which things have lately happened", "adaptive" },
     { 0, nullptr, nullptr },
   };
-  if (g_once_init_enter(&type))
-    g_once_init_leave(&type, g_enum_register_static("GstSaliencyTactileViewport", values));
+  static const GType type = g_enum_register_static("GstSaliencyTactileViewport", values);
   return type;
 }
 

@@ -420,7 +420,7 @@ gst_tactile_combiner_class_init(GstTactileCombinerClass *klass)
                                                        GST_TYPE_AGGREGATOR_PAD);
   gst_element_class_set_static_metadata(element_class, "Tactile map combiner", "Filter",
                                         "Puts a track's tactile maps on a film's frames",
-                                        "The visuotactile developers");
+                                        "The visuotactile authors");
   gst_type_mark_as_plugin_api(GST_TYPE_TACTILE_COMBINER_MIX, static_cast<GstPluginAPIFlags>(0));
 
   aggregator_class->aggregate = gst_tactile_combiner_aggregate;

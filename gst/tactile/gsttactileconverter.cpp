@@ -433,8 +433,7 @@ gst_tactile_converter_class_init(GstTactileConverterClass *klass)
   gst_element_class_add_static_pad_template(element_class, &src_template);
   gst_element_class_set_static_metadata(
       element_class, "Tactile map converter", "Converter/Tactile",
-      "Turns tactile maps into text cues or KLV, and those into maps",
-      "The visuotactile developers");
+      "Turns tactile maps into text cues or KLV, and those into maps", "The visuotactile authors");
 }
 
 static void

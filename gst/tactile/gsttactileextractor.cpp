@@ -334,7 +334,7 @@ gst_tactile_extractor_class_init(GstTactileExtractorClass *klass)
   gst_element_class_set_static_metadata(
       element_class, "Tactile map extractor", "Filter",
       "Passes video through and sends its tactile maps as a stream of their own",
-      "The visuotactile developers");
+      "The visuotactile authors");
 }
 
 static void

@@ -101,11 +101,7 @@ gst_tactile_overlay_style_get_type(void)
     { STYLE_SALIENCY, "Saliency map in grey instead of the picture", "saliency" },
     { 0, nullptr, nullptr },
   };
-  static GType type = 0;
-  if (g_once_init_enter(&type)) {
-    const GType registered = g_enum_register_static("GstTactileOverlayStyle", values);
-    g_once_init_leave(&type, registered);
-  }
+  static const GType type = g_enum_register_static("GstTactileOverlayStyle", values);
   return type;
 }
 
@@ -279,7 +275,7 @@ gst_tactile_overlay_class_init(GstTactileOverlayClass *klass)
   gst_element_class_set_static_metadata(
       element_class, "Tactile map overlay", "Filter/Effect/Video",
       "Draws tactile maps or the saliency they come from into the picture",
-      "The visuotactile developers");
+      "The visuotactile authors");
   gst_type_mark_as_plugin_api(GST_TYPE_TACTILE_OVERLAY_STYLE, static_cast<GstPluginAPIFlags>(0));
 }
 

@@ -316,7 +316,7 @@ gst_tactile_subtitles_class_init(GstTactileSubtitlesClass *klass)
   gst_element_class_set_static_metadata(
       element_class, "Tactile subtitles", "Mixer/Video/Overlay/Subtitle",
       "Puts the maps of a tactile track on a film's frames, and other subtitles on its picture",
-      "The visuotactile developers");
+      "The visuotactile authors");
 }
 
 static GstPad *

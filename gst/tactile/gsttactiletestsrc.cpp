@@ -141,11 +141,7 @@ gst_tactile_test_src_pattern_get_type(void)
       "dynamic-motion" },
     { 0, nullptr, nullptr },
   };
-  static GType type = 0;
-  if (g_once_init_enter(&type)) {
-    const GType registered = g_enum_register_static("GstTactileTestSrcPattern", values);
-    g_once_init_leave(&type, registered);
-  }
+  static const GType type = g_enum_register_static("GstTactileTestSrcPattern", values);
   return type;
 }
 
@@ -495,7 +491,7 @@ gst_tactile_test_src_class_init(GstTactileTestSrcClass *klass)
   gst_element_class_set_static_metadata(
       element_class, "Tactile test source", "Source/Video",
       "Makes films of balls that appear, rest and move, with ground truth",
-      "The visuotactile developers");
+      "The visuotactile authors");
   gst_type_mark_as_plugin_api(GST_TYPE_TACTILE_TEST_SRC_PATTERN, static_cast<GstPluginAPIFlags>(0));
 }
 

@@ -11,7 +11,6 @@ namespace {
 GType
 gst_tactor_compensation_get_type(void)
 {
-  static gsize type = 0;
   static const GEnumValue values[] = {
     { static_cast<gint>(tactor::Compensation::exact),
       "Issued exactly one rise time before the frame", "exact" },
@@ -20,8 +19,7 @@ gst_tactor_compensation_get_type(void)
     { static_cast<gint>(tactor::Compensation::none), "Issued with the frame", "none" },
     { 0, nullptr, nullptr },
   };
-  if (g_once_init_enter(&type))
-    g_once_init_leave(&type, g_enum_register_static("GstTactorCompensation", values));
+  static const GType type = g_enum_register_static("GstTactorCompensation", values);
   return type;
 }
 

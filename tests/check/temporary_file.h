@@ -52,6 +52,12 @@ public:
   {
     return path + "/" + name;
   }
+  /// With these bytes in it.
+  std::string file(const char *name, const std::string &bytes) const
+  {
+    std::ofstream(file(name), std::ios::binary) << bytes;
+    return file(name);
+  }
 
   std::string path;
 };

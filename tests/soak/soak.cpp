@@ -84,26 +84,6 @@ private:
 
 constexpr int kLooks = 24; ///< in a run
 
-GstElement *
-parse(const std::string &line)
-{
-  GError *error = nullptr;
-  GstElement *pipeline = gst_parse_launch(line.c_str(), &error);
-  fail_unless(error == nullptr, "%s", error ? error->message : "");
-  return pipeline;
-}
-
-guint64
-stat(GstElement *tactors, const char *field)
-{
-  GstStructure *stats = nullptr;
-  g_object_get(tactors, "stats", &stats, nullptr);
-  guint64 value = 0;
-  fail_unless(gst_structure_get_uint64(stats, field, &value));
-  gst_structure_free(stats);
-  return value;
-}
-
 } // namespace
 
 /// Another level each 200 ms: one command a block, issued to the nanosecond when it is due, in the last hour as in the first.
@@ -126,7 +106,7 @@ GST_START_TEST(test_hours_on_the_clock)
     });
     record.look(static_cast<double>(frame) / 25 / 3600);
   }
-  rig.run_out([&] { gst_pad_send_event(rig.sink_pad, gst_event_new_eos()); });
+  rig.run_out([&] { rig.end(); });
   record.expect_constant(1);
   ck_assert_uint_eq(rig.stat("issued"), frame / kFramesPerBlock + 1); // and the zero at the end
   for (const char *none : { "late", "coalesced", "dropped", "starved" })
@@ -147,7 +127,7 @@ GST_START_TEST(test_hours_of_film)
 {
   constexpr int kRate = 10;
   const auto frames = static_cast<gint>(hours * 3600 * kRate);
-  GstElement *pipeline = parse(
+  GstElement *pipeline = make_pipeline(
       "tactiletestsrc name=source pattern=dynamic-motion num-buffers=" + std::to_string(frames)
       + " ! video/x-raw,format=I420,width=64,height=48,framerate=10/1 ! saliencytactile "
         "! tactileextractor name=x x.src ! queue ! fakesink sync=false name=picture "
@@ -177,13 +157,10 @@ GST_START_TEST(test_hours_of_film)
     }
     record.look(static_cast<double>(shown) / kRate / 3600);
   }
-  GstMessage *message = gst_bus_timed_pop_filtered(
-      bus, GST_CLOCK_TIME_NONE, static_cast<GstMessageType>(GST_MESSAGE_EOS | GST_MESSAGE_ERROR));
-  ck_assert_int_eq(GST_MESSAGE_TYPE(message), GST_MESSAGE_EOS);
-  gst_message_unref(message);
-  const guint64 issued = stat(tactors, "issued");
+  wait_for_eos(pipeline);
+  const guint64 issued = stat_of(tactors, "issued");
   fail_unless(issued > 0);
-  ck_assert_uint_eq(stat(tactors, "dropped"), 0);
+  ck_assert_uint_eq(stat_of(tactors, "dropped"), 0);
   gst_element_set_state(pipeline, GST_STATE_NULL);
   record.expect_constant(32);
   std::printf("%" G_GUINT64_FORMAT " commands\n", issued);
@@ -197,23 +174,18 @@ GST_END_TEST;
 GST_START_TEST(test_looping_clips)
 {
   for (gchar **clip = clips; clip && *clip; clip++) {
-    GstElement *pipeline
-        = parse(std::string("filesrc location=") + *clip
-                + " ! decodebin ! videorate ! videoscale ! "
-                  "video/x-raw,width=160,height=90,framerate=10/1 ! saliencytactile ! "
-                  "tactileextractor name=x x.src ! queue ! fakesink sync=false x.tactile ! queue "
-                  "! tactorsink name=tactors driver=simulator sync=false");
-    GstBus *bus = gst_element_get_bus(pipeline);
+    GstElement *pipeline = make_pipeline(
+        std::string("filesrc location=") + *clip
+        + " ! decodebin ! videorate ! videoscale ! "
+          "video/x-raw,width=160,height=90,framerate=10/1 ! saliencytactile ! "
+          "tactileextractor name=x x.src ! queue ! fakesink sync=false x.tactile ! queue "
+          "! tactorsink name=tactors driver=simulator sync=false");
     Record record(*clip);
     gst_element_set_state(pipeline, GST_STATE_PLAYING);
     double played = 0;
     double looked = 0;
     while (played < hours) {
-      GstMessage *message = gst_bus_timed_pop_filtered(
-          bus, GST_CLOCK_TIME_NONE,
-          static_cast<GstMessageType>(GST_MESSAGE_EOS | GST_MESSAGE_ERROR));
-      ck_assert_int_eq(GST_MESSAGE_TYPE(message), GST_MESSAGE_EOS);
-      gst_message_unref(message);
+      wait_for_eos(pipeline);
       gint64 length = 0;
       fail_unless(gst_element_query_duration(pipeline, GST_FORMAT_TIME, &length) && length > 0);
       played += static_cast<double>(length) / GST_SECOND / 3600;
@@ -225,7 +197,6 @@ GST_START_TEST(test_looping_clips)
     }
     gst_element_set_state(pipeline, GST_STATE_NULL);
     record.expect_constant(256);
-    gst_object_unref(bus);
     gst_object_unref(pipeline);
   }
 }

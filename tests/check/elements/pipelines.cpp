@@ -2,8 +2,6 @@
 //
 // Whole pipelines on the system clock, from film to motors. Whatever is done to them, the trace of the commands ends with
 // every motor at zero. Nothing here depends on how fast the machine is: it is waited for what has to happen.
-#include "tactor/command_trace.h"
-
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
@@ -12,10 +10,10 @@
 #include <vector>
 
 // After the standard library's headers: gstcheck.h defines a macro named fail.
+#include "../playing.h"
 #include "../temporary_file.h"
 #include "trace.h"
 #include <gst/base/gstbasesink.h>
-#include <gst/check/gstcheck.h>
 
 using std::chrono::milliseconds;
 using tactor::IssuedCommand;
@@ -51,9 +49,7 @@ class Player
 public:
   explicit Player(const std::string &description)
   {
-    GError *error = nullptr;
-    pipeline = gst_parse_launch(description.c_str(), &error);
-    fail_unless(error == nullptr, "%s", error ? error->message : "");
+    pipeline = make_pipeline(description);
     tactors = gst_bin_get_by_name(GST_BIN(pipeline), "tactors");
     video = gst_bin_get_by_name(GST_BIN(pipeline), "video");
     bus = gst_element_get_bus(pipeline);
@@ -73,21 +69,6 @@ public:
   Player(const Player &) = delete;
   Player &operator=(const Player &) = delete;
 
-  void set_state(GstState state)
-  {
-    fail_if(gst_element_set_state(pipeline, state) == GST_STATE_CHANGE_FAILURE);
-    fail_if(gst_element_get_state(pipeline, nullptr, nullptr, GST_CLOCK_TIME_NONE)
-            == GST_STATE_CHANGE_FAILURE);
-  }
-  /// From `start` to `stop`, both in the film's time.
-  void seek(double rate, GstClockTime start, GstClockTime stop,
-            GstSeekFlags flags = GST_SEEK_FLAG_FLUSH)
-  {
-    fail_unless(gst_element_seek(pipeline, rate, GST_FORMAT_TIME,
-                                 static_cast<GstSeekFlags>(flags | GST_SEEK_FLAG_ACCURATE),
-                                 GST_SEEK_TYPE_SET, static_cast<gint64>(start), GST_SEEK_TYPE_SET,
-                                 static_cast<gint64>(stop)));
-  }
   void wait(const std::function<bool()> &done)
   {
     while (!done())
@@ -101,12 +82,7 @@ public:
   }
   guint64 stat(const char *field)
   {
-    GstStructure *stats = nullptr;
-    guint64 value = 0;
-    g_object_get(tactors, "stats", &stats, nullptr);
-    fail_unless(gst_structure_get_uint64(stats, field, &value));
-    gst_structure_free(stats);
-    return value;
+    return stat_of(tactors, field);
   }
   /// Plays on until so many more commands have been given.
   void wait_for_commands(guint64 count)
@@ -115,15 +91,8 @@ public:
   }
   guint64 rendered()
   {
-    GstStructure *stats = nullptr;
-    guint64 value = 0;
-    guint64 dropped = 1;
-    g_object_get(video, "stats", &stats, nullptr);
-    fail_unless(gst_structure_get(stats, "rendered", G_TYPE_UINT64, &value, "dropped",
-                                  G_TYPE_UINT64, &dropped, nullptr));
-    gst_structure_free(stats);
-    ck_assert_uint_eq(dropped, 0);
-    return value;
+    ck_assert_uint_eq(stat_of(video, "dropped"), 0);
+    return stat_of(video, "rendered");
   }
 
   /// What has been traced: in a pause, at the end of the stream or after the play. Each motor's last command is zero.
@@ -141,7 +110,7 @@ public:
   /// The trace after the play; within each piece of play effects follow each other in order.
   std::vector<IssuedCommand> final_trace()
   {
-    set_state(GST_STATE_NULL);
+    change_state(pipeline, GST_STATE_NULL);
     drain_bus();
     const std::vector<IssuedCommand> lines = trace();
     Time effect = Time::min();
@@ -183,16 +152,9 @@ private:
     eos |= type == GST_MESSAGE_EOS;
     if (type == GST_MESSAGE_ERROR || type == GST_MESSAGE_WARNING) {
       errors += type == GST_MESSAGE_ERROR;
-      GError *error = nullptr;
-      gchar *debug = nullptr;
-      if (type == GST_MESSAGE_ERROR)
-        gst_message_parse_error(message, &error, &debug);
-      else
-        gst_message_parse_warning(message, &error, &debug);
+      const Said said(message);
       fail_unless(type == GST_MESSAGE_ERROR && errors <= errors_expected, "%s: %s (%s)",
-                  GST_MESSAGE_SRC_NAME(message), error->message, debug ? debug : "");
-      g_error_free(error);
-      g_free(debug);
+                  GST_MESSAGE_SRC_NAME(message), said.text.c_str(), said.details.c_str());
     }
     gst_message_unref(message);
   }
@@ -212,7 +174,7 @@ assert_effects_within(const std::vector<IssuedCommand> &lines, Time from, Time t
 GST_START_TEST(test_to_the_end)
 {
   Player player(kSource + "num-buffers=60" + kCaps + "! saliencytactile" + kBranches);
-  player.set_state(GST_STATE_PLAYING);
+  change_state(player.pipeline, GST_STATE_PLAYING);
   player.wait_for_eos();
   ck_assert_uint_eq(player.rendered(), 60);
   // The zeros at the end are issued, or dropped because the sink has silenced all motors already.
@@ -227,12 +189,12 @@ GST_END_TEST;
 GST_START_TEST(test_pause_and_play)
 {
   Player player(kFilm);
-  player.set_state(GST_STATE_PAUSED);
-  player.seek(1.0, GST_SECOND, 60 * GST_SECOND);
+  change_state(player.pipeline, GST_STATE_PAUSED);
+  seek_exactly(player.pipeline, 1.0, GST_SECOND, 60 * GST_SECOND);
   for (int i = 0; i < 10; i++) {
-    player.set_state(GST_STATE_PLAYING);
+    change_state(player.pipeline, GST_STATE_PLAYING);
     player.wait_for_commands(1);
-    player.set_state(GST_STATE_PAUSED);
+    change_state(player.pipeline, GST_STATE_PAUSED);
     player.trace();
   }
   player.final_trace();
@@ -244,9 +206,9 @@ static void
 check_rate(double rate)
 {
   Player player(kFilm);
-  player.set_state(GST_STATE_PAUSED);
-  player.seek(rate, GST_SECOND, 1500 * kMs);
-  player.set_state(GST_STATE_PLAYING);
+  change_state(player.pipeline, GST_STATE_PAUSED);
+  seek_exactly(player.pipeline, rate, GST_SECOND, 1500 * kMs);
+  change_state(player.pipeline, GST_STATE_PLAYING);
   player.wait_for_eos();
   ck_assert_uint_eq(player.rendered(), 15);
   const Time end(static_cast<gint64>(GST_SECOND / 2 / std::abs(rate)));
@@ -266,26 +228,28 @@ GST_END_TEST;
 GST_START_TEST(test_flushing_seeks)
 {
   Player player(kFilm);
-  player.set_state(GST_STATE_PAUSED);
-  player.seek(1.0, GST_SECOND, 60 * GST_SECOND);
-  player.set_state(GST_STATE_PLAYING);
+  change_state(player.pipeline, GST_STATE_PAUSED);
+  seek_exactly(player.pipeline, 1.0, GST_SECOND, 60 * GST_SECOND);
+  change_state(player.pipeline, GST_STATE_PLAYING);
   player.wait_for_commands(2);
   for (const double rate : { 1.0, 2.0, -1.0, 0.5, -2.0, 1.0 }) {
     player.seeks++;
-    player.seek(rate, rate > 0 ? 3 * GST_SECOND : 0, rate > 0 ? 60 * GST_SECOND : 5 * GST_SECOND);
+    seek_exactly(player.pipeline, rate, rate > 0 ? 3 * GST_SECOND : 0,
+                 rate > 0 ? 60 * GST_SECOND : 5 * GST_SECOND);
     player.wait_for_commands(2);
   }
   // One upon the other: the pipeline may not have prerolled when the next comes.
   for (int i = 0; i < 10; i++) {
     player.seeks++;
-    player.seek(1.0, static_cast<GstClockTime>(1 + i) * GST_SECOND, 60 * GST_SECOND);
+    seek_exactly(player.pipeline, 1.0, static_cast<GstClockTime>(1 + i) * GST_SECOND,
+                 60 * GST_SECOND);
   }
   player.wait_for_commands(2);
-  player.set_state(GST_STATE_PAUSED);
+  change_state(player.pipeline, GST_STATE_PAUSED);
   player.trace();
   player.seeks++;
-  player.seek(1.0, 2 * GST_SECOND, 60 * GST_SECOND);
-  player.set_state(GST_STATE_PLAYING);
+  seek_exactly(player.pipeline, 1.0, 2 * GST_SECOND, 60 * GST_SECOND);
+  change_state(player.pipeline, GST_STATE_PLAYING);
   player.wait_for_commands(2);
   player.final_trace();
 }
@@ -295,15 +259,15 @@ GST_END_TEST;
 GST_START_TEST(test_seeks_without_flush)
 {
   Player player(kFilm);
-  player.set_state(GST_STATE_PAUSED);
-  player.seek(1.0, GST_SECOND, 60 * GST_SECOND);
-  player.set_state(GST_STATE_PLAYING);
+  change_state(player.pipeline, GST_STATE_PAUSED);
+  seek_exactly(player.pipeline, 1.0, GST_SECOND, 60 * GST_SECOND);
+  change_state(player.pipeline, GST_STATE_PLAYING);
   player.wait_for_commands(2);
   for (const double rate : { 2.0, 0.5, 1.0 }) {
-    player.seek(rate, 3 * GST_SECOND, 60 * GST_SECOND, GST_SEEK_FLAG_NONE);
+    seek_exactly(player.pipeline, rate, 3 * GST_SECOND, 60 * GST_SECOND, GST_SEEK_FLAG_NONE);
     player.wait_for_commands(3);
   }
-  player.seek(-1.0, GST_SECOND, 2 * GST_SECOND, GST_SEEK_FLAG_NONE);
+  seek_exactly(player.pipeline, -1.0, GST_SECOND, 2 * GST_SECOND, GST_SEEK_FLAG_NONE);
   player.wait_for_eos();
   player.final_trace();
 }
@@ -313,11 +277,11 @@ GST_START_TEST(test_null_while_playing)
 {
   Player player(kFilm);
   for (const GstState rest : { GST_STATE_READY, GST_STATE_NULL }) {
-    player.set_state(GST_STATE_PAUSED);
-    player.seek(1.0, GST_SECOND, 60 * GST_SECOND);
-    player.set_state(GST_STATE_PLAYING);
+    change_state(player.pipeline, GST_STATE_PAUSED);
+    seek_exactly(player.pipeline, 1.0, GST_SECOND, 60 * GST_SECOND);
+    change_state(player.pipeline, GST_STATE_PLAYING);
     player.wait_for_commands(2);
-    player.set_state(rest);
+    change_state(player.pipeline, rest);
   }
   player.final_trace();
 }
@@ -353,7 +317,7 @@ assert_latencies(Player &player, bool live)
 GST_START_TEST(test_film_waits_for_motors)
 {
   Player player(kFilm);
-  player.set_state(GST_STATE_PLAYING);
+  change_state(player.pipeline, GST_STATE_PLAYING);
   assert_latencies(player, false);
 }
 GST_END_TEST;
@@ -361,12 +325,12 @@ GST_END_TEST;
 GST_START_TEST(test_live)
 {
   Player player(kSource + "is-live=true" + kCaps + "! saliencytactile" + kBranches);
-  player.set_state(GST_STATE_PLAYING);
+  change_state(player.pipeline, GST_STATE_PLAYING);
   player.wait_for_commands(1); // the first second is plain grey
   assert_latencies(player, true);
-  player.set_state(GST_STATE_PAUSED);
+  change_state(player.pipeline, GST_STATE_PAUSED);
   player.trace();
-  player.set_state(GST_STATE_PLAYING);
+  change_state(player.pipeline, GST_STATE_PLAYING);
   player.wait_for_commands(2);
   gst_element_send_event(player.pipeline, gst_event_new_eos());
   player.wait_for_eos();
@@ -378,7 +342,7 @@ GST_START_TEST(test_error_upstream)
 {
   Player player(kSource + kCaps + "! identity error-after=50 ! saliencytactile" + kBranches);
   player.errors_expected = 2; // identity's, and the source's that its data go nowhere
-  player.set_state(GST_STATE_PLAYING);
+  change_state(player.pipeline, GST_STATE_PLAYING);
   player.wait([&] { return player.errors > 0; });
   player.wait_for_commands(1); // what came before is still played
   player.final_trace();
@@ -394,7 +358,7 @@ GST_START_TEST(test_caps_change)
                   "video/x-raw,format=NV12,width=96,height=160,framerate=25/1 "
                   "! saliencytactile rows=2 columns=2 ! c. c."
                 + kBranches);
-  player.set_state(GST_STATE_PLAYING);
+  change_state(player.pipeline, GST_STATE_PLAYING);
   player.wait_for_eos();
   ck_assert_uint_eq(player.rendered(), 45);
   const std::vector<IssuedCommand> lines = player.final_trace();
@@ -419,12 +383,12 @@ GST_START_TEST(test_unlinked_pads)
   const std::string source
       = kSource + "num-buffers=40" + kCaps + "! saliencytactile ! tactileextractor name=x ";
   Player video_only(source + "x.src" + kQueue + "fakesink name=video sync=true");
-  video_only.set_state(GST_STATE_PLAYING);
+  change_state(video_only.pipeline, GST_STATE_PLAYING);
   video_only.wait_for_eos();
   ck_assert_uint_eq(video_only.rendered(), 40);
 
   Player tactors_only(source + "x.tactile" + kQueue + kTactors);
-  tactors_only.set_state(GST_STATE_PLAYING);
+  change_state(tactors_only.pipeline, GST_STATE_PLAYING);
   tactors_only.wait_for_eos();
   tactors_only.final_trace();
 }
@@ -434,7 +398,7 @@ GST_END_TEST;
 GST_START_TEST(test_without_extractor)
 {
   Player player(kSource + "num-buffers=45" + kCaps + "! saliencytactile" + kQueue + kTactors);
-  player.set_state(GST_STATE_PLAYING);
+  change_state(player.pipeline, GST_STATE_PLAYING);
   player.wait_for_eos();
   assert_effects_within(player.final_trace(), milliseconds(1000), milliseconds(1500));
 }
@@ -464,7 +428,7 @@ GST_START_TEST(test_muxed_and_payloaded)
       + "! matroskamux ! matroskademux ! queue ! saliencytactile ! tactileextractor name=x x.src"
       + kQueue + "fakesink name=video sync=true x.tactile ! rtpgstpay ! rtpgstdepay" + kQueue
       + kTactors);
-  player.set_state(GST_STATE_PLAYING);
+  change_state(player.pipeline, GST_STATE_PLAYING);
   player.wait_for_eos();
   ck_assert_uint_eq(player.rendered(), 60);
   assert_effects_within(player.final_trace(), milliseconds(950), milliseconds(2050));
@@ -482,9 +446,9 @@ GST_START_TEST(test_clip)
   }
   Player player("filesrc location=" + clip + " ! decodebin ! videoconvert ! saliencytactile"
                 + kBranches);
-  player.set_state(GST_STATE_PAUSED);
-  player.seek(1.0, 5 * GST_SECOND, 7 * GST_SECOND);
-  player.set_state(GST_STATE_PLAYING);
+  change_state(player.pipeline, GST_STATE_PAUSED);
+  seek_exactly(player.pipeline, 1.0, 5 * GST_SECOND, 7 * GST_SECOND);
+  change_state(player.pipeline, GST_STATE_PLAYING);
   player.wait_for_eos();
   fail_unless(player.rendered() > 10);
   assert_effects_within(player.final_trace(), Time(0), milliseconds(2100));

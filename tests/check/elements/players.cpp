@@ -3,21 +3,19 @@
 // A film with sound in playbin and playbin3, shown by visuotactilesink: picture, sound and commands belong together after
 // seeks, pauses and changes of speed. Compared are running times, of the frames and the sound as they reach their sinks and of
 // the commands in the trace: nothing depends on how fast the machine is.
-#include "tactor/command_trace.h"
-
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <functional>
-#include <map>
 #include <mutex>
 #include <string>
 #include <vector>
 
 // After the standard library's headers: gstcheck.h defines a macro named fail.
+#include "../playing.h"
 #include "../temporary_file.h"
+#include "trace.h"
 #include <gst/base/gstbasesink.h>
-#include <gst/check/gstcheck.h>
 #include <gst/tactile/tactile.h>
 
 using tactor::IssuedCommand;
@@ -27,7 +25,6 @@ namespace {
 
 constexpr GstClockTime kFilmLength = 8 * GST_SECOND;
 
-/// A file that is gone when this is.
 /// Eight seconds of a ball that moves about, with a tone; each frame can be sought.
 void
 make_film(const std::string &path)
@@ -38,16 +35,7 @@ make_film(const std::string &path)
         "matroskamux name=mux ! filesink location="
         + path
         + " audiotestsrc num-buffers=345 ! audio/x-raw,format=S16LE,rate=44100,channels=1 ! mux.";
-  GstElement *pipeline = gst_parse_launch(line.c_str(), nullptr);
-  fail_unless(pipeline != nullptr);
-  gst_element_set_state(pipeline, GST_STATE_PLAYING);
-  g_autoptr(GstBus) bus = gst_element_get_bus(pipeline);
-  GstMessage *message = gst_bus_timed_pop_filtered(
-      bus, GST_CLOCK_TIME_NONE, static_cast<GstMessageType>(GST_MESSAGE_EOS | GST_MESSAGE_ERROR));
-  ck_assert_int_eq(GST_MESSAGE_TYPE(message), GST_MESSAGE_EOS);
-  gst_message_unref(message);
-  gst_element_set_state(pipeline, GST_STATE_NULL);
-  gst_object_unref(pipeline);
+  play_to_the_end(make_pipeline(line));
 }
 
 /// What came past a pad.
@@ -132,46 +120,19 @@ public:
   Player(const Player &) = delete;
   Player &operator=(const Player &) = delete;
 
-  void set_state(GstState state)
-  {
-    fail_if(gst_element_set_state(pipeline, state) == GST_STATE_CHANGE_FAILURE);
-    fail_if(gst_element_get_state(pipeline, nullptr, nullptr, GST_CLOCK_TIME_NONE)
-            == GST_STATE_CHANGE_FAILURE);
-  }
-  void seek(double rate, GstClockTime start, GstClockTime stop)
-  {
-    fail_unless(gst_element_seek(
-        pipeline, rate, GST_FORMAT_TIME,
-        static_cast<GstSeekFlags>(GST_SEEK_FLAG_FLUSH | GST_SEEK_FLAG_ACCURATE), GST_SEEK_TYPE_SET,
-        static_cast<gint64>(start), GST_SEEK_TYPE_SET, static_cast<gint64>(stop)));
-  }
   void wait(const std::function<bool()> &done)
   {
     while (!done()) {
-      GstMessage *message = gst_bus_timed_pop(bus, 10 * GST_MSECOND);
-      if (!message)
-        continue;
-      fail_if(GST_MESSAGE_TYPE(message) == GST_MESSAGE_ERROR);
-      eos |= GST_MESSAGE_TYPE(message) == GST_MESSAGE_EOS;
-      gst_message_unref(message);
+      g_autoptr(GstMessage) message
+          = gst_bus_timed_pop_filtered(bus, 10 * GST_MSECOND, GST_MESSAGE_ERROR);
+      fail_unless(message == nullptr);
     }
-  }
-  void wait_for_eos()
-  {
-    eos = false;
-    wait([this] { return eos; });
   }
   void wait_for_commands(guint64 count)
   {
-    const auto issued = [this] {
-      GstStructure *stats = nullptr;
-      guint64 value = 0;
-      g_object_get(tactors, "stats", &stats, nullptr);
-      gst_structure_get_uint64(stats, "issued", &value);
-      gst_structure_free(stats);
-      return value;
-    };
-    wait([&, until = issued() + count] { return issued() >= until; });
+    wait([this, until = stat_of(tactors, "issued") + count] {
+      return stat_of(tactors, "issued") >= until;
+    });
   }
   std::vector<IssuedCommand> trace()
   {
@@ -201,7 +162,6 @@ public:
   GstElement *pipeline;
   GstElement *tactors;
   GstBus *bus;
-  bool eos = false;
 
 private:
   static void watch(GstElement *element, const char *pad_name, Watch &what)
@@ -271,31 +231,27 @@ check_player(const char *playbin)
   make_film(film.path);
   Player player(playbin, film.path);
 
-  player.set_state(GST_STATE_PLAYING);
+  change_state(player.pipeline, GST_STATE_PLAYING);
   player.wait_for_commands(5);
   player.assert_same_latency();
-  player.set_state(GST_STATE_PAUSED);
-  player.set_state(GST_STATE_PLAYING);
+  change_state(player.pipeline, GST_STATE_PAUSED);
+  change_state(player.pipeline, GST_STATE_PLAYING);
   player.wait_for_commands(5);
   player.assert_same_latency();
 
   for (const double rate : { 2.0, 0.5, 1.0 }) {
-    player.seek(rate, 3 * GST_SECOND, kFilmLength);
+    seek_exactly(player.pipeline, rate, 3 * GST_SECOND, kFilmLength);
     player.wait_for_commands(8);
     player.assert_same_latency();
   }
-  player.set_state(GST_STATE_PAUSED);
-  player.seek(1.0, 6 * GST_SECOND, 7 * GST_SECOND);
-  player.set_state(GST_STATE_PLAYING);
-  player.wait_for_eos();
+  change_state(player.pipeline, GST_STATE_PAUSED);
+  seek_exactly(player.pipeline, 1.0, 6 * GST_SECOND, 7 * GST_SECOND);
+  change_state(player.pipeline, GST_STATE_PLAYING);
+  wait_for_eos(player.pipeline);
   assert_commands_are_the_frames(player, 15);
   assert_sound_is_the_pictures(player, { 0.5, 2.0 });
-  player.set_state(GST_STATE_READY);
-  std::map<int, double> last;
-  for (const IssuedCommand &line : player.trace())
-    last[line.command.tactor] = line.command.volts;
-  for (const auto &[tactor, volts] : last)
-    fail_unless(volts == 0);
+  change_state(player.pipeline, GST_STATE_READY);
+  assert_silent_at_end(player.trace());
 }
 
 } // namespace

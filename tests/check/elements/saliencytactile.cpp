@@ -12,6 +12,7 @@ const char *const kFormats[]
     = { "I420", "YV12", "NV12", "NV21", "YUY2",      "UYVY",      "Y42B",
         "Y444", "RGB",  "BGR",  "RGBx", "BGRx",      "xRGB",      "xBGR",
         "RGBA", "BGRA", "ARGB", "ABGR", "I420_10LE", "P010_10LE", "GRAY8" };
+constexpr const char *kSmall = "video/x-raw,format=I420,width=64,height=48,framerate=30/1";
 
 } // namespace
 
@@ -19,22 +20,13 @@ const char *const kFormats[]
 GST_START_TEST(test_formats)
 {
   const char *format = kFormats[__i__];
-  GstCaps *caps;
-  std::vector<GstBuffer *> frames = film("RGB", 2, 0, &caps);
-  GstHarness *h = gst_harness_new("saliencytactile");
-  const std::vector<gfloat> reference = play(h, caps, frames);
-  gst_harness_teardown(h);
-  release(frames, caps);
+  const std::vector<gfloat> reference = Analysis().play(Film("RGB", 2, 0));
   ck_assert_uint_eq(reference.size(), 9);
   ck_assert_uint_eq(strongest(reference), 6);
   fail_unless(reference[6] > 0.2f);
 
-  frames = film(format, 2, 0, &caps);
-  h = gst_harness_new("saliencytactile");
-  g_object_set(h->element, "floor", 0.0, nullptr); // in grey the square is a faint one
-  const std::vector<gfloat> levels = play(h, caps, frames);
-  gst_harness_teardown(h);
-  release(frames, caps);
+  Analysis analysis("saliencytactile floor=0"); // in grey the square is a faint one
+  const std::vector<gfloat> levels = analysis.play(Film(format, 2, 0));
   ck_assert_uint_eq(levels.size(), 9);
   ck_assert_uint_eq(strongest(levels), 6);
   // Grey has lost the colour, chroma subsampling a little of it.
@@ -49,22 +41,19 @@ GST_END_TEST;
 GST_START_TEST(test_exact)
 {
   for (const bool exact : { false, true }) {
-    GstHarness *h = gst_harness_new("saliencytactile");
-    g_object_set(h->element, "temporal", FALSE, "exact", exact, nullptr);
-    gst_harness_set_src_caps_str(h, "video/x-raw,format=RGBx,width=320,height=240,framerate=30/1");
-    GstBuffer *frame = gst_harness_create_buffer(h, 4UL * kWidth * kHeight);
+    Analysis analysis;
+    g_object_set(analysis.element, "temporal", FALSE, "exact", exact, nullptr);
+    analysis.set_caps("video/x-raw,format=RGBx,width=320,height=240,framerate=30/1");
+    GstBuffer *frame = gst_buffer_new_allocate(nullptr, 4UL * kWidth * kHeight, nullptr);
     gst_buffer_memset(frame, 0, 128, gst_buffer_get_size(frame));
     const guint32 colors[] = { 0xff0000ff, 0xffffff00 }; // x, B', G', R'
     for (int y = 100; y < 140; ++y)
       for (int x = 240; x < 290; ++x)
         gst_buffer_fill(frame, 4UL * static_cast<gsize>(y * kWidth + x), &colors[(x + y) % 2], 4);
-    fail_unless_equals_int(gst_harness_push(h, frame), GST_FLOW_OK);
-    GstBuffer *out = gst_harness_pull(h);
+    g_autoptr(GstBuffer) out = analysis.pass(frame);
     const std::vector<gfloat> levels = levels_of(out);
     ck_assert_int_eq(*std::ranges::max_element(levels) > 0, exact);
     fail_unless(!exact || strongest(levels) == 5);
-    gst_buffer_unref(out);
-    gst_harness_teardown(h);
   }
 }
 GST_END_TEST;
@@ -75,15 +64,11 @@ GST_START_TEST(test_cells)
   for (const char *profile : { "tuned", "paper" })
     for (int row = 0; row < 3; row++)
       for (int column = 0; column < 3; column++) {
-        GstCaps *caps;
-        std::vector<GstBuffer *> frames = film("I420", row, column, &caps);
-        GstHarness *h = gst_harness_new("saliencytactile");
-        gst_util_set_object_arg(G_OBJECT(h->element), "profile", profile);
-        const std::vector<gfloat> levels = play(h, caps, frames);
+        Analysis analysis;
+        analysis.set("profile", profile);
+        const std::vector<gfloat> levels = analysis.play(Film("I420", row, column));
         fail_unless(strongest(levels) == static_cast<std::size_t>(3 * row + column),
                     "%s: row %d, column %d", profile, row, column);
-        gst_harness_teardown(h);
-        release(frames, caps);
       }
 }
 GST_END_TEST;
@@ -92,18 +77,15 @@ GST_END_TEST;
 /// others hold is not written to.
 GST_START_TEST(test_memory_and_metas_stay)
 {
-  GstHarness *h = gst_harness_new("saliencytactile");
-  gst_harness_set_src_caps_str(h, "video/x-raw,format=I420,width=64,height=48,framerate=30/1");
-  GstBuffer *in = gst_harness_create_buffer(h, 64 * 48 * 3 / 2);
-  gst_buffer_memset(in, 0, 77, gst_buffer_get_size(in));
+  Analysis analysis("saliencytactile", kSmall);
+  GstBuffer *in = flat_frame(64 * 48 * 3 / 2, 77);
   GST_BUFFER_PTS(in) = 123;
   gst_buffer_add_video_region_of_interest_meta(in, "face", 1, 2, 3, 4);
   GST_BUFFER_FLAG_SET(in, GST_BUFFER_FLAG_MARKER);
   GstMemory *memory = gst_buffer_peek_memory(in, 0);
   GstBuffer *held = gst_buffer_ref(in);
 
-  fail_unless_equals_int(gst_harness_push(h, in), GST_FLOW_OK);
-  GstBuffer *out = gst_harness_pull(h);
+  g_autoptr(GstBuffer) out = analysis.pass(in);
   fail_unless(gst_buffer_n_memory(out) == 1);
   fail_unless(gst_buffer_peek_memory(out, 0) == memory);
   fail_unless(gst_buffer_get_video_region_of_interest_meta_id(out, 0) != nullptr
@@ -117,17 +99,12 @@ GST_START_TEST(test_memory_and_metas_stay)
   fail_unless(std::all_of(map.data, map.data + map.size, [](guint8 v) { return v == 77; }));
   gst_buffer_unmap(held, &map);
   gst_buffer_unref(held);
-  gst_buffer_unref(out);
 
   // A buffer of our own alone is passed on as it is.
-  in = gst_harness_create_buffer(h, 64 * 48 * 3 / 2);
-  gst_buffer_memset(in, 0, 77, gst_buffer_get_size(in));
+  in = flat_frame(64 * 48 * 3 / 2, 77);
   GstBuffer *const same = in;
-  fail_unless_equals_int(gst_harness_push(h, in), GST_FLOW_OK);
-  out = gst_harness_pull(h);
-  fail_unless(out == same);
-  gst_buffer_unref(out);
-  gst_harness_teardown(h);
+  g_autoptr(GstBuffer) unchanged = analysis.pass(in);
+  fail_unless(unchanged == same);
 }
 GST_END_TEST;
 
@@ -135,21 +112,19 @@ GST_END_TEST;
 /// business.
 GST_START_TEST(test_allocation_passes)
 {
-  GstHarness *h = gst_harness_new("saliencytactile");
-  gst_harness_add_propose_allocation_meta(h, GST_VIDEO_META_API_TYPE, nullptr);
-  gst_harness_add_propose_allocation_meta(h, GST_VIDEO_CROP_META_API_TYPE, nullptr);
-  gst_harness_set_src_caps_str(h, "video/x-raw,format=I420,width=64,height=48,framerate=30/1");
-  GstBuffer *frame = gst_harness_create_buffer(h, 64 * 48 * 3 / 2);
-  gst_buffer_memset(frame, 0, 0, gst_buffer_get_size(frame));
-  fail_unless_equals_int(gst_harness_push(h, frame), GST_FLOW_OK);
-  GstCaps *caps = gst_caps_from_string("video/x-raw,format=I420,width=64,height=48,framerate=30/1");
+  Analysis analysis;
+  gst_harness_add_propose_allocation_meta(analysis.h, GST_VIDEO_META_API_TYPE, nullptr);
+  gst_harness_add_propose_allocation_meta(analysis.h, GST_VIDEO_CROP_META_API_TYPE, nullptr);
+  analysis.set_caps("video/x-raw,format=I420,width=64,height=48,framerate=30/1");
+  GstBuffer *frame = flat_frame(64 * 48 * 3 / 2, 0);
+  fail_unless_equals_int(gst_harness_push(analysis.h, frame), GST_FLOW_OK);
+  GstCaps *caps = gst_caps_from_string(kSmall);
   GstQuery *query = gst_query_new_allocation(caps, FALSE);
-  fail_unless(gst_pad_peer_query(h->srcpad, query));
+  fail_unless(gst_pad_peer_query(analysis.h->srcpad, query));
   fail_unless(gst_query_find_allocation_meta(query, GST_VIDEO_META_API_TYPE, nullptr));
   fail_unless(gst_query_find_allocation_meta(query, GST_VIDEO_CROP_META_API_TYPE, nullptr));
   gst_query_unref(query);
   gst_caps_unref(caps);
-  gst_harness_teardown(h);
 }
 GST_END_TEST;
 
@@ -162,30 +137,23 @@ GST_START_TEST(test_sizes_and_streams)
   for (const auto &[width, height] : sizes)
     for (const char *format : { "I420", "NV12", "YUY2", "RGB", "GRAY8", "P010_10LE" })
       for (const char *profile : { "tuned", "paper" }) {
-        GstHarness *h = gst_harness_new("saliencytactile");
-        gst_util_set_object_arg(G_OBJECT(h->element), "profile", profile);
-        g_object_set(h->element, "rows", 5u, "columns", 64u, "attach-saliency", TRUE, nullptr);
+        Analysis analysis;
+        analysis.set("profile", profile);
+        g_object_set(analysis.element, "rows", 5u, "columns", 64u, "attach-saliency", TRUE,
+                     nullptr);
         const char *rate = rates[static_cast<std::size_t>(width + height) % G_N_ELEMENTS(rates)];
         g_autofree gchar *caps = g_strdup_printf(
             "video/x-raw,format=%s,width=%d,height=%d,framerate=%s", format, width, height, rate);
-        gst_harness_set_src_caps_str(h, caps);
-        GstVideoInfo info;
-        GstCaps *parsed = gst_caps_from_string(caps);
-        gst_video_info_from_caps(&info, parsed);
-        gst_caps_unref(parsed);
+        analysis.set_caps(caps);
         for (guint i = 0; i < 4; i++) {
-          GstBuffer *frame = gst_buffer_new_allocate(nullptr, GST_VIDEO_INFO_SIZE(&info), nullptr);
-          gst_buffer_memset(frame, 0, static_cast<guint8>(i * 60), gst_buffer_get_size(frame));
+          GstBuffer *frame = flat_frame(frame_size(caps), static_cast<guint8>(i * 60));
           GST_BUFFER_PTS(frame) = i % 2 ? i * GST_SECOND : GST_CLOCK_TIME_NONE;
-          fail_unless_equals_int(gst_harness_push(h, frame), GST_FLOW_OK);
-          GstBuffer *out = gst_harness_pull(h);
+          g_autoptr(GstBuffer) out = analysis.pass(frame);
           const std::vector<gfloat> levels = levels_of(out);
           ck_assert_uint_eq(levels.size(), 320);
           fail_unless(std::ranges::all_of(levels, [](gfloat v) { return v >= 0 && v <= 1; }));
           fail_unless(gst_buffer_get_saliency_meta(out) != nullptr);
-          gst_buffer_unref(out);
         }
-        gst_harness_teardown(h);
       }
 }
 GST_END_TEST;
@@ -194,9 +162,8 @@ GST_END_TEST;
 /// middle of its crop.
 GST_START_TEST(test_crop_meta)
 {
-  GstCaps *caps;
-  std::vector<GstBuffer *> frames = film("I420", 2, 0, &caps);
-  for (GstBuffer *&frame : frames) {
+  Film film("I420", 2, 0);
+  for (GstBuffer *&frame : film.frames) {
     frame = gst_buffer_make_writable(frame);
     GstVideoCropMeta *crop = gst_buffer_add_video_crop_meta(frame);
     crop->x = 0;
@@ -204,97 +171,62 @@ GST_START_TEST(test_crop_meta)
     crop->width = 106;
     crop->height = 80;
   }
-  GstHarness *h = gst_harness_new("saliencytactile");
-  ck_assert_uint_eq(strongest(play(h, caps, frames)), 4);
-  gst_harness_teardown(h);
+  ck_assert_uint_eq(strongest(Analysis().play(film)), 4);
   // A crop outside the picture is cut to it.
-  for (GstBuffer *&frame : frames) {
+  for (GstBuffer *&frame : film.frames) {
     GstVideoCropMeta *crop = gst_buffer_get_video_crop_meta(frame);
     crop->x = 4000000000u;
     crop->width = 4000000000u;
   }
-  h = gst_harness_new("saliencytactile");
-  play(h, caps, frames);
-  gst_harness_teardown(h);
-  release(frames, caps);
+  Analysis().play(film);
 }
 GST_END_TEST;
 
 GST_START_TEST(test_interlaced)
 {
-  GstCaps *caps;
-  std::vector<GstBuffer *> frames = film("I420", 1, 2, &caps);
-  caps = gst_caps_make_writable(caps);
-  gst_caps_set_simple(caps, "interlace-mode", G_TYPE_STRING, "interleaved", nullptr);
-  GstHarness *h = gst_harness_new("saliencytactile");
-  ck_assert_uint_eq(strongest(play(h, caps, frames)), 5);
-  gst_harness_teardown(h);
-  release(frames, caps);
+  Film film("I420", 1, 2);
+  film.caps = gst_caps_make_writable(film.caps);
+  gst_caps_set_simple(film.caps, "interlace-mode", G_TYPE_STRING, "interleaved", nullptr);
+  ck_assert_uint_eq(strongest(Analysis().play(film)), 5);
 }
 GST_END_TEST;
 
 /// Fields that come one a buffer are half as high as the frame; a map of a side that no meta can hold is left out with one warning.
 GST_START_TEST(test_alternate_fields_and_long_sides)
 {
-  GstHarness *h = gst_harness_new("saliencytactile");
-  GstBus *bus = gst_bus_new();
-  gst_element_set_bus(h->element, bus);
-  gst_harness_set_src_caps_str(
-      h, "video/x-raw(format:Interlaced),format=I420,width=64,height=96,framerate=25/"
-         "1,interlace-mode=alternate");
+  Analysis analysis;
+  analysis.set_caps("video/x-raw(format:Interlaced),format=I420,width=64,height=96,framerate=25/"
+                    "1,interlace-mode=alternate");
   for (int i = 0; i < 4; i++) {
     // To the byte: whatever reads on is seen by a sanitizer.
     GstBuffer *field
         = gst_buffer_new_memdup(std::vector<guint8>(64 * 48 * 3 / 2, 80).data(), 64 * 48 * 3 / 2);
     GST_BUFFER_FLAG_SET(field, GST_VIDEO_BUFFER_FLAG_INTERLACED | GST_VIDEO_BUFFER_FLAG_ONEFIELD);
-    fail_unless_equals_int(gst_harness_push(h, field), GST_FLOW_OK);
-    GstBuffer *out = gst_harness_pull(h);
-    ck_assert_uint_eq(levels_of(out).size(), 9);
-    gst_buffer_unref(out);
+    ck_assert_uint_eq(analysis.felt(field).size(), 9);
   }
-  fail_unless(gst_bus_pop_filtered(bus, GST_MESSAGE_WARNING) == nullptr);
+  fail_if(analysis.messages.has(GST_MESSAGE_WARNING));
 
-  g_object_set(h->element, "attach-saliency", TRUE, "profile", 1, nullptr);
-  gst_harness_set_src_caps_str(h, "video/x-raw,format=GRAY8,width=4,height=20000,framerate=25/1");
+  g_object_set(analysis.element, "attach-saliency", TRUE, "profile", 1, nullptr);
+  analysis.set_caps("video/x-raw,format=GRAY8,width=4,height=20000,framerate=25/1");
   for (int i = 0; i < 2; i++) {
-    GstBuffer *frame = gst_harness_create_buffer(h, 80000);
-    gst_buffer_memset(frame, 0, 9, 80000);
-    fail_unless_equals_int(gst_harness_push(h, frame), GST_FLOW_OK);
-    GstBuffer *out = gst_harness_pull(h);
+    g_autoptr(GstBuffer) out = analysis.pass(flat_frame(80000, 9));
     fail_unless(gst_buffer_get_saliency_meta(out) == nullptr);
-    gst_buffer_unref(out);
   }
-  GstMessage *warning = gst_bus_pop_filtered(bus, GST_MESSAGE_WARNING);
-  fail_unless(warning != nullptr);
-  gst_message_unref(warning);
-  fail_unless(gst_bus_pop_filtered(bus, GST_MESSAGE_WARNING) == nullptr);
-  gst_element_set_bus(h->element, nullptr);
-  gst_object_unref(bus);
-  gst_harness_teardown(h);
+  fail_unless(analysis.messages.has(GST_MESSAGE_WARNING));
+  fail_if(analysis.messages.has(GST_MESSAGE_WARNING));
 }
 GST_END_TEST;
 
 /// A buffer that is smaller than its caps say is passed on, felt as nothing, and said once.
 GST_START_TEST(test_short_buffer)
 {
-  GstHarness *h = gst_harness_new("saliencytactile");
-  GstBus *bus = gst_bus_new();
-  gst_element_set_bus(h->element, bus);
-  gst_harness_set_src_caps_str(h, "video/x-raw,format=I420,width=64,height=48,framerate=30/1");
+  Analysis analysis("saliencytactile", kSmall);
   for (int i = 0; i < 3; i++) {
-    fail_unless_equals_int(gst_harness_push(h, gst_harness_create_buffer(h, 100)), GST_FLOW_OK);
-    GstBuffer *out = gst_harness_pull(h);
-    for (const gfloat level : levels_of(out))
+    for (const gfloat level : analysis.felt(flat_frame(100, 0)))
       fail_unless(level == 0);
-    gst_buffer_unref(out);
   }
-  GstMessage *message = gst_bus_pop_filtered(bus, GST_MESSAGE_WARNING);
-  fail_unless(message != nullptr);
-  gst_message_unref(message);
-  fail_unless(gst_bus_pop_filtered(bus, GST_MESSAGE_WARNING) == nullptr);
-  gst_element_set_bus(h->element, nullptr);
-  gst_object_unref(bus);
-  gst_harness_teardown(h);
+  fail_unless(analysis.messages.has(GST_MESSAGE_WARNING));
+  fail_if(analysis.messages.has(GST_MESSAGE_WARNING));
 }
 GST_END_TEST;
 

@@ -4,10 +4,11 @@
 #pragma once
 
 #include <algorithm>
+#include <string>
 #include <vector>
 
 // After the standard library's headers: gstcheck.h defines a macro named fail.
-#include <gst/check/gstcheck.h>
+#include "../playing.h"
 #include <gst/check/gstharness.h>
 #include <gst/tactile/tactile.h>
 #include <gst/video/video.h>
@@ -40,36 +41,42 @@ rgb_frame(const GstVideoInfo &info, int x, int y)
 
 /// The film of the tests in any format, by videoconvert: 12 still frames, then a square appears in
 /// the cell (row, column) of 3 × 3.
-inline std::vector<GstBuffer *>
-film(const char *format, int row, int column, GstCaps **caps_out, int width = kWidth,
-     int height = kHeight)
+class Film
 {
-  GstVideoInfo info;
-  gst_video_info_set_format(&info, GST_VIDEO_FORMAT_RGB, static_cast<guint>(width),
-                            static_cast<guint>(height));
-  info.fps_n = 30;
-  info.fps_d = 1;
-  GstCaps *from = gst_video_info_to_caps(&info);
-  g_autofree gchar *line
-      = g_strdup_printf("videoconvert ! capsfilter caps=video/x-raw,format=%s", format);
-  GstHarness *h = gst_harness_new_parse(line);
-  gst_harness_set_src_caps(h, from);
-  std::vector<GstBuffer *> frames;
-  for (int i = 0; i < 16; i++) {
-    GstBuffer *frame = i < 12 ? rgb_frame(info, -1, 0)
-                              : rgb_frame(info, (2 * column + 1) * width / 6 - kBall / 2,
-                                          (2 * row + 1) * height / 6 - kBall / 2);
-    GST_BUFFER_PTS(frame) = gst_util_uint64_scale(static_cast<guint64>(i), GST_SECOND, 30);
-    GST_BUFFER_DURATION(frame) = GST_SECOND / 30;
-    fail_unless_equals_int(gst_harness_push(h, frame), GST_FLOW_OK);
-    frames.push_back(gst_harness_pull(h));
+public:
+  Film(const char *format, int row, int column)
+  {
+    GstVideoInfo info;
+    gst_video_info_set_format(&info, GST_VIDEO_FORMAT_RGB, kWidth, kHeight);
+    info.fps_n = 30;
+    info.fps_d = 1;
+    g_autofree gchar *line
+        = g_strdup_printf("videoconvert ! capsfilter caps=video/x-raw,format=%s", format);
+    GstHarness *h = gst_harness_new_parse(line);
+    gst_harness_set_src_caps(h, gst_video_info_to_caps(&info));
+    for (int i = 0; i < 16; i++) {
+      GstBuffer *frame = i < 12 ? rgb_frame(info, -1, 0)
+                                : rgb_frame(info, (2 * column + 1) * kWidth / 6 - kBall / 2,
+                                            (2 * row + 1) * kHeight / 6 - kBall / 2);
+      GST_BUFFER_PTS(frame) = gst_util_uint64_scale(static_cast<guint64>(i), GST_SECOND, 30);
+      GST_BUFFER_DURATION(frame) = GST_SECOND / 30;
+      frames.push_back(gst_harness_push_and_pull(h, frame));
+    }
+    caps = gst_pad_get_current_caps(GST_PAD_PEER(h->sinkpad));
+    gst_harness_teardown(h);
   }
-  GstPad *pad = gst_element_get_static_pad(h->element, "src");
-  *caps_out = gst_pad_get_current_caps(GST_PAD_PEER(h->sinkpad));
-  gst_object_unref(pad);
-  gst_harness_teardown(h);
-  return frames;
-}
+  ~Film()
+  {
+    for (GstBuffer *frame : frames)
+      gst_buffer_unref(frame);
+    gst_caps_unref(caps);
+  }
+  Film(const Film &) = delete;
+  Film &operator=(const Film &) = delete;
+
+  std::vector<GstBuffer *> frames;
+  GstCaps *caps;
+};
 
 inline std::vector<gfloat>
 levels_of(GstBuffer *buffer)
@@ -79,29 +86,93 @@ levels_of(GstBuffer *buffer)
   return { meta->levels, meta->levels + meta->rows * meta->columns };
 }
 
-/// Plays a film through an element and returns the levels of its last frame.
-inline std::vector<gfloat>
-play(GstHarness *h, GstCaps *caps, const std::vector<GstBuffer *> &frames)
+/// A frame with every byte the same.
+inline GstBuffer *
+flat_frame(gsize size, guint8 value)
 {
-  gst_harness_set_src_caps(h, gst_caps_ref(caps));
-  std::vector<gfloat> levels;
-  for (GstBuffer *frame : frames) {
-    fail_unless_equals_int(gst_harness_push(h, gst_buffer_ref(frame)), GST_FLOW_OK);
-    GstBuffer *out = gst_harness_pull(h);
-    levels = levels_of(out);
-    gst_buffer_unref(out);
-  }
-  return levels;
+  GstBuffer *buffer = gst_buffer_new_allocate(nullptr, size, nullptr);
+  gst_buffer_memset(buffer, 0, value, size);
+  return buffer;
 }
 
-inline void
-release(std::vector<GstBuffer *> &frames, GstCaps *caps)
+/// Bytes of a frame of these caps.
+inline gsize
+frame_size(const char *caps)
 {
-  for (GstBuffer *frame : frames)
-    gst_buffer_unref(frame);
-  frames.clear();
-  gst_caps_unref(caps);
+  g_autoptr(GstCaps) parsed = gst_caps_from_string(caps);
+  GstVideoInfo info;
+  fail_unless(gst_video_info_from_caps(&info, parsed));
+  return GST_VIDEO_INFO_SIZE(&info);
 }
+
+/// A saliencytactile, alone or among others of a launch line.
+class Analysis
+{
+public:
+  explicit Analysis(const std::string &line = "saliencytactile", const char *caps = nullptr)
+      : h(gst_harness_new_parse(line.c_str())),
+        element(gst_harness_find_element(h, "saliencytactile")), messages(element)
+  {
+    if (caps)
+      set_caps(caps);
+  }
+  ~Analysis()
+  {
+    gst_object_unref(element);
+    gst_harness_teardown(h);
+  }
+  Analysis(const Analysis &) = delete;
+  Analysis &operator=(const Analysis &) = delete;
+
+  void set_caps(const char *caps)
+  {
+    gst_harness_set_src_caps_str(h, caps);
+  }
+  void set_caps(GstCaps *caps)
+  {
+    gst_harness_set_src_caps(h, gst_caps_ref(caps));
+  }
+  void set(const char *property, const char *value)
+  {
+    gst_util_set_object_arg(G_OBJECT(element), property, value);
+  }
+  /// What comes out for a frame.
+  GstBuffer *pass(GstBuffer *frame)
+  {
+    fail_unless_equals_int(gst_harness_push(h, frame), GST_FLOW_OK);
+    return gst_harness_pull(h);
+  }
+  std::vector<gfloat> felt(GstBuffer *frame)
+  {
+    g_autoptr(GstBuffer) out = pass(frame);
+    return levels_of(out);
+  }
+  /// The levels of a film's last frame.
+  std::vector<gfloat> play(const Film &film)
+  {
+    set_caps(film.caps);
+    std::vector<gfloat> levels;
+    for (GstBuffer *frame : film.frames)
+      levels = felt(gst_buffer_ref(frame));
+    return levels;
+  }
+  void push_segment()
+  {
+    GstSegment segment;
+    gst_segment_init(&segment, GST_FORMAT_TIME);
+    fail_unless(gst_harness_push_event(h, gst_event_new_segment(&segment)));
+  }
+  void flush()
+  {
+    fail_unless(gst_harness_push_event(h, gst_event_new_flush_start()));
+    fail_unless(gst_harness_push_event(h, gst_event_new_flush_stop(TRUE)));
+    push_segment();
+  }
+
+  GstHarness *h;
+  GstElement *element;
+  ElementBus messages;
+};
 
 inline std::size_t
 strongest(const std::vector<gfloat> &levels)

@@ -12,17 +12,11 @@
 #include <utility>
 #include <vector>
 
+#include "saliencytactile_rig.h"
 #include "schematic_face.h"
-
-#include <gst/check/gstcheck.h>
-#include <gst/check/gstharness.h>
-#include <gst/tactile/tactile.h>
-#include <gst/video/video.h>
 
 namespace {
 
-constexpr int kWidth = 320;
-constexpr int kHeight = 240;
 constexpr int kGrey = 110;
 constexpr const char *kCaps = "video/x-raw,format=RGB,width=320,height=240,framerate=30/1";
 
@@ -66,49 +60,10 @@ both(const Paint &a, const Paint &b)
   };
 }
 
-std::vector<gfloat>
-levels_of(GstBuffer *buffer)
-{
-  const GstTactileMeta *meta = gst_buffer_get_tactile_meta(buffer);
-  fail_unless(meta != nullptr, "no GstTactileMeta");
-  return { meta->levels, meta->levels + meta->rows * meta->columns };
-}
-
-/// Pushes a frame and gives back what comes out.
-GstBuffer *
-pass(GstHarness *h, GstBuffer *buffer)
-{
-  fail_unless_equals_int(gst_harness_push(h, buffer), GST_FLOW_OK);
-  return gst_harness_pull(h);
-}
-
-std::vector<gfloat>
-felt(GstHarness *h, GstBuffer *buffer)
-{
-  GstBuffer *out = pass(h, buffer);
-  std::vector<gfloat> levels = levels_of(out);
-  gst_buffer_unref(out);
-  return levels;
-}
-
 bool
 any(const std::vector<gfloat> &levels)
 {
   return std::ranges::any_of(levels, [](gfloat level) { return level > 0; });
-}
-
-std::size_t
-strongest(const std::vector<gfloat> &levels)
-{
-  return static_cast<std::size_t>(std::ranges::max_element(levels) - levels.begin());
-}
-
-GstHarness *
-new_harness(const char *line)
-{
-  GstHarness *h = gst_harness_new_parse(line);
-  gst_harness_set_src_caps_str(h, kCaps);
-  return h;
 }
 
 /// Two squares that appear at once, left and right, in the middle row; a region about each.
@@ -117,7 +72,7 @@ squares_with_regions(const char *weights, const char *left_type, const char *rig
                      GstBuffer **last = nullptr)
 {
   g_autofree gchar *line = g_strdup_printf("saliencytactile attach-saliency=true %s", weights);
-  GstHarness *h = new_harness(line);
+  Analysis analysis(line, kCaps);
   const Paint two = both(square(53, 120, 24), square(267, 120, 24));
   std::vector<gfloat> levels;
   for (guint i = 0; i < 16; i++) {
@@ -126,13 +81,11 @@ squares_with_regions(const char *weights, const char *left_type, const char *rig
       gst_buffer_add_video_region_of_interest_meta(buffer, left_type, 41, 108, 24, 24);
     if (right_type)
       gst_buffer_add_video_region_of_interest_meta(buffer, right_type, 255, 108, 24, 24);
-    GstBuffer *out = pass(h, buffer);
+    g_autoptr(GstBuffer) out = analysis.pass(buffer);
     levels = levels_of(out);
     if (last && i == 15)
       *last = gst_buffer_ref(out);
-    gst_buffer_unref(out);
   }
-  gst_harness_teardown(h);
   return levels;
 }
 
@@ -192,7 +145,7 @@ GST_END_TEST;
 GST_START_TEST(test_regions_of_a_cropped_frame)
 {
   for (const bool on_it : { true, false }) {
-    GstHarness *h = new_harness("saliencytactile roi-weights=\"logo=0\"");
+    Analysis analysis("saliencytactile roi-weights=\"logo=0\"", kCaps);
     std::vector<gfloat> levels;
     for (guint i = 0; i < 16; i++) {
       GstBuffer *buffer = frame(i, i < 12 ? Paint(nothing) : square(240, 180, 16));
@@ -204,10 +157,9 @@ GST_START_TEST(test_regions_of_a_cropped_frame)
       // Taken from the corner of the crop, either would be the other.
       gst_buffer_add_video_region_of_interest_meta(buffer, "logo", on_it ? 232 : 72,
                                                    on_it ? 172 : 52, 16, 16);
-      levels = felt(h, buffer);
+      levels = analysis.felt(buffer);
     }
     fail_unless(any(levels) == !on_it);
-    gst_harness_teardown(h);
   }
 }
 GST_END_TEST;
@@ -216,18 +168,17 @@ GST_END_TEST;
 GST_START_TEST(test_jump_forgets_regions)
 {
   for (const bool jumps : { false, true }) {
-    GstHarness *h = new_harness("saliencytactile roi-weights=\"logo=0\"");
+    Analysis analysis("saliencytactile roi-weights=\"logo=0\"", kCaps);
     for (guint i = 0; i < 12; i++)
-      felt(h, frame(i, Paint(nothing)));
+      analysis.felt(frame(i, Paint(nothing)));
     GstBuffer *with = frame(12, square(160, 120, 20));
     gst_buffer_add_video_region_of_interest_meta(with, "logo", 150, 110, 20, 20);
-    fail_if(any(felt(h, with)));
+    fail_if(any(analysis.felt(with)));
     GstBuffer *gone = frame(13, Paint(nothing));
     if (jumps)
       GST_BUFFER_FLAG_SET(gone, GST_BUFFER_FLAG_DISCONT);
-    fail_if(any(felt(h, gone)));
-    fail_unless(any(felt(h, frame(14, square(160, 120, 20)))) == jumps);
-    gst_harness_teardown(h);
+    fail_if(any(analysis.felt(gone)));
+    fail_unless(any(analysis.felt(frame(14, square(160, 120, 20)))) == jumps);
   }
 }
 GST_END_TEST;
@@ -241,14 +192,12 @@ GST_START_TEST(test_targets_of_a_film)
                           "width=320,height=240,framerate=30/1 ! "
                           "saliencytactile roi-weights=\"tactile-target=0\"",
                           pattern);
-    GstHarness *h = gst_harness_new_parse(line);
-    gst_harness_play(h);
+    Analysis analysis(line);
+    gst_harness_play(analysis.h);
     for (int i = 0; i < 240; i++) {
-      GstBuffer *out = gst_harness_pull(h);
+      g_autoptr(GstBuffer) out = gst_harness_pull(analysis.h);
       fail_if(any(levels_of(out)), "%s: frame %d", pattern, i);
-      gst_buffer_unref(out);
     }
-    gst_harness_teardown(h);
   }
 }
 GST_END_TEST;
@@ -274,16 +223,15 @@ GST_START_TEST(test_face_detector)
   const auto play = [&](const char *weights, const std::function<void(GstBuffer *)> &each) {
     g_autofree gchar *line
         = g_strdup_printf("facedetect display=false updates=none ! saliencytactile %s", weights);
-    GstHarness *h = new_harness(line);
+    Analysis analysis(line, kCaps);
     // They appear, and the face then moves.
     for (guint i = 0; i < 30; i++) {
       const int x = 53 + (i < 18 ? 0 : static_cast<int>(i - 18) / 2);
-      GstBuffer *out = pass(h, frame(i, i < 12 ? Paint(nothing) : Paint(two_faces(x))));
+      g_autoptr(GstBuffer) out
+          = analysis.pass(frame(i, i < 12 ? Paint(nothing) : Paint(two_faces(x))));
       if (i >= 12)
         each(out);
-      gst_buffer_unref(out);
     }
-    gst_harness_teardown(h);
   };
 
   play("", [](GstBuffer *out) {
@@ -318,10 +266,8 @@ GST_END_TEST;
 /// nothing.
 GST_START_TEST(test_weights_as_text)
 {
-  GstElement *element = gst_element_factory_make("saliencytactile", nullptr);
-  gst_object_ref_sink(element);
-  GstBus *bus = gst_bus_new();
-  gst_element_set_bus(element, bus);
+  g_autoptr(GstElement) element = gst_element_factory_make("saliencytactile", nullptr);
+  const ElementBus messages(element);
   const auto shown = [&] {
     gchar *text = nullptr;
     g_object_get(element, "roi-weights", &text, nullptr);
@@ -330,24 +276,14 @@ GST_START_TEST(test_weights_as_text)
     return copy;
   };
   const auto said = [&](GstMessageType type) {
-    GstMessage *message = gst_bus_pop_filtered(bus, type);
-    if (!message)
-      return std::string();
-    GError *error = nullptr;
-    if (type == GST_MESSAGE_WARNING)
-      gst_message_parse_warning(message, &error, nullptr);
-    else
-      gst_message_parse_error(message, &error, nullptr);
-    const std::string text = error->message;
-    fail_unless(g_error_matches(error, GST_LIBRARY_ERROR, GST_LIBRARY_ERROR_SETTINGS));
-    g_error_free(error);
-    gst_message_unref(message);
-    return text;
+    const Said said = messages.said(type);
+    fail_unless(said.domain == GST_LIBRARY_ERROR && said.code == GST_LIBRARY_ERROR_SETTINGS);
+    return said.text;
   };
   fail_unless(shown() == "(none)");
   g_object_set(element, "roi-weights", "face=3, *=0.50", nullptr);
   fail_unless(shown() == "face=3, *=0.50");
-  fail_unless(said(GST_MESSAGE_WARNING).empty());
+  fail_if(messages.has(GST_MESSAGE_WARNING));
 
   g_object_set(element, "roi-weights", "face=30", nullptr);
   fail_unless(shown() == "face=3, *=0.50");
@@ -363,9 +299,6 @@ GST_START_TEST(test_weights_as_text)
   g_object_set(element, "roi-weights", nullptr, nullptr);
   fail_unless(shown() == "(none)");
   gst_element_set_state(element, GST_STATE_NULL);
-  gst_element_set_bus(element, nullptr);
-  gst_object_unref(bus);
-  gst_object_unref(element);
 }
 GST_END_TEST;
 
@@ -379,10 +312,10 @@ GST_START_TEST(test_viewport)
   for (const char *mode : { "fixed", "adaptive" }) {
     const bool adaptive = g_str_equal(mode, "adaptive");
     g_autofree gchar *line = g_strdup_printf("saliencytactile viewport=%s temporal=false", mode);
-    GstHarness *h = new_harness(line);
+    Analysis analysis(line, kCaps);
     std::set<std::size_t> cells;
     for (guint i = 0; i < 300; i++) {
-      const std::size_t cell = strongest(felt(h, frame(i, moving(i))));
+      const std::size_t cell = strongest(analysis.felt(frame(i, moving(i))));
       if (i >= 150)
         cells.insert(cell);
     }
@@ -390,11 +323,10 @@ GST_START_TEST(test_viewport)
                 == (adaptive ? std::set<std::size_t>{ 3, 4, 5 } : std::set<std::size_t>{ 4 }));
 
     // At its rightmost.
-    ck_assert_uint_eq(strongest(felt(h, frame(300, moving(15)))), adaptive ? 5 : 4);
+    ck_assert_uint_eq(strongest(analysis.felt(frame(300, moving(15)))), adaptive ? 5 : 4);
     GstBuffer *jump = frame(301, moving(15));
     GST_BUFFER_FLAG_SET(jump, GST_BUFFER_FLAG_DISCONT);
-    ck_assert_uint_eq(strongest(felt(h, jump)), 4);
-    gst_harness_teardown(h);
+    ck_assert_uint_eq(strongest(analysis.felt(jump)), 4);
   }
 }
 GST_END_TEST;
@@ -406,32 +338,27 @@ GST_START_TEST(test_cue_duration)
   for (const char *rate : { "", "max-rate=2" }) {
     g_autofree gchar *line
         = g_strdup_printf("saliencytactile temporal=false max-cue-duration=500000000 %s", rate);
-    GstHarness *h = new_harness(line);
+    Analysis analysis(line, kCaps);
     guint number = 0;
     const auto expect_cue = [&](bool discont) {
       for (guint i = 0; i < 40; i++) {
         GstBuffer *buffer = frame(number++, square(160, 120, 20));
         if (discont && i == 0)
           GST_BUFFER_FLAG_SET(buffer, GST_BUFFER_FLAG_DISCONT);
-        fail_unless(any(felt(h, buffer)) == (i < 15), "frame %u of %u", i, number);
+        fail_unless(any(analysis.felt(buffer)) == (i < 15), "frame %u of %u", i, number);
       }
     };
     expect_cue(false);
     expect_cue(true);
-    GstSegment segment;
-    gst_segment_init(&segment, GST_FORMAT_TIME);
-    fail_unless(gst_harness_push_event(h, gst_event_new_segment(&segment)));
+    analysis.push_segment();
     expect_cue(false);
-    fail_unless(gst_harness_push_event(h, gst_event_new_flush_start()));
-    fail_unless(gst_harness_push_event(h, gst_event_new_flush_stop(TRUE)));
-    fail_unless(gst_harness_push_event(h, gst_event_new_segment(&segment)));
+    analysis.flush();
     expect_cue(false);
-    gst_harness_set_src_caps_str(
-        h, "video/x-raw,format=RGB,width=320,height=240,framerate=30/1,pixel-aspect-ratio=2/1");
+    analysis.set_caps(
+        "video/x-raw,format=RGB,width=320,height=240,framerate=30/1,pixel-aspect-ratio=2/1");
     expect_cue(false);
     number = 0; // back in time
     expect_cue(false);
-    gst_harness_teardown(h);
   }
 }
 GST_END_TEST;
@@ -439,32 +366,31 @@ GST_END_TEST;
 /// Squares that come and go, each in the middle cell: those that come too soon are not felt.
 GST_START_TEST(test_cue_refractory)
 {
-  GstHarness *h = new_harness("saliencytactile temporal=false cue-refractory=1000000000");
+  Analysis analysis("saliencytactile temporal=false cue-refractory=1000000000", kCaps);
   for (guint i = 0; i < 180; i++) {
     // Half a second there, half a second not: the second one begins half a second after the first
     // has ended, and is felt from its end on, when it is over.
     const bool there = i % 30 < 15;
-    const bool is_felt = any(felt(h, frame(i, there ? square(160, 120, 20) : Paint(nothing))));
+    const bool is_felt
+        = any(analysis.felt(frame(i, there ? square(160, 120, 20) : Paint(nothing))));
     fail_unless(is_felt == (i % 60 < 15), "frame %u", i);
   }
-  gst_harness_teardown(h);
 }
 GST_END_TEST;
 
 /// Every property may be set from another thread at any time.
 GST_START_TEST(test_set_from_another_thread)
 {
-  GstHarness *h = new_harness("saliencytactile");
-  GstElement *element = gst_harness_find_element(h, "saliencytactile");
+  Analysis analysis("saliencytactile", kCaps);
   std::thread other([&] {
     const char *const weights[] = { "face=3,logo=0", "*=0.5", "", "logo=10" };
     for (guint i = 0; i < 2000; i++) {
-      g_object_set(element, "roi-weights", weights[i % 4], "viewport", i % 2, "max-cue-duration",
-                   static_cast<guint64>(i % 3) * GST_MSECOND, "cue-refractory",
+      g_object_set(analysis.element, "roi-weights", weights[i % 4], "viewport", i % 2,
+                   "max-cue-duration", static_cast<guint64>(i % 3) * GST_MSECOND, "cue-refractory",
                    i % 5 ? static_cast<guint64>(0) : G_MAXUINT64, nullptr);
       gchar *text = nullptr;
       guint64 refractory = 0;
-      g_object_get(element, "roi-weights", &text, "cue-refractory", &refractory, nullptr);
+      g_object_get(analysis.element, "roi-weights", &text, "cue-refractory", &refractory, nullptr);
       g_free(text);
     }
   });
@@ -472,12 +398,10 @@ GST_START_TEST(test_set_from_another_thread)
     GstBuffer *buffer = frame(i, square(40 + 4 * static_cast<int>(i), 120, 20));
     gst_buffer_add_video_region_of_interest_meta(buffer, i % 2 ? "face" : "logo", 30 + 4 * i, 110,
                                                  20, 20);
-    for (const gfloat level : felt(h, buffer))
+    for (const gfloat level : analysis.felt(buffer))
       fail_unless(level >= 0 && level <= 1);
   }
   other.join();
-  gst_object_unref(element);
-  gst_harness_teardown(h);
 }
 GST_END_TEST;
 

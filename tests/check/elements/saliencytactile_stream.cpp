@@ -3,74 +3,58 @@
 // saliencytactile over time: properties that change, resets, rates, streams that begin anew, and what it tells of them.
 #include "saliencytactile_rig.h"
 
+constexpr const char *kTiny = "video/x-raw,format=GRAY8,width=16,height=16,framerate=30/1";
+
 /// A grid changed while playing holds from the next frame on; the other properties too.
 GST_START_TEST(test_properties_while_playing)
 {
-  GstCaps *caps;
-  std::vector<GstBuffer *> frames = film("I420", 0, 0, &caps);
-  GstHarness *h = gst_harness_new("saliencytactile");
-  gst_harness_set_src_caps(h, gst_caps_ref(caps));
+  const Film film("I420", 0, 0);
+  Analysis analysis;
+  analysis.set_caps(film.caps);
   guint i = 0;
-  for (GstBuffer *frame : frames) {
+  for (GstBuffer *frame : film.frames) {
     const guint rows = 1 + i % 7;
     const guint columns = 1 + (i * 5) % 64;
-    g_object_set(h->element, "rows", rows, "columns", columns, "threshold", i / 16.0, "temporal",
-                 i % 3 != 0, "floor", i % 5 - 1.0, "attach-saliency", i % 2 == 0, "max-rate",
-                 i % 4 * 10.0, "profile", i % 2, "n-threads", i % 5, "exact", i % 7 < 3, nullptr);
-    fail_unless_equals_int(gst_harness_push(h, gst_buffer_ref(frame)), GST_FLOW_OK);
-    GstBuffer *out = gst_harness_pull(h);
+    g_object_set(analysis.element, "rows", rows, "columns", columns, "threshold", i / 16.0,
+                 "temporal", i % 3 != 0, "floor", i % 5 - 1.0, "attach-saliency", i % 2 == 0,
+                 "max-rate", i % 4 * 10.0, "profile", i % 2, "n-threads", i % 5, "exact", i % 7 < 3,
+                 nullptr);
+    g_autoptr(GstBuffer) out = analysis.pass(gst_buffer_ref(frame));
     const GstTactileMeta *meta = gst_buffer_get_tactile_meta(out);
     ck_assert_uint_eq(meta->rows, rows);
     ck_assert_uint_eq(meta->columns, columns);
     ck_assert_int_eq(gst_buffer_get_saliency_meta(out) != nullptr, i % 2 == 0);
-    gst_buffer_unref(out);
     i++;
   }
-  gst_harness_teardown(h);
-  release(frames, caps);
 }
 GST_END_TEST;
 
 /// Any number of threads feels the same, also when it changes while playing: the history goes on.
 GST_START_TEST(test_threads)
 {
-  GstCaps *caps;
-  std::vector<GstBuffer *> frames = film("NV12", 1, 2, &caps);
-  GstHarness *h = gst_harness_new("saliencytactile");
-  g_object_set(h->element, "n-threads", 1, nullptr);
-  const std::vector<gfloat> expected = play(h, caps, frames);
-  gst_harness_teardown(h);
+  const Film film("NV12", 1, 2);
+  const std::vector<gfloat> expected = Analysis("saliencytactile n-threads=1").play(film);
   ck_assert_uint_eq(strongest(expected), 5);
 
-  h = gst_harness_new("saliencytactile");
+  Analysis again;
   guint threads;
-  g_object_get(h->element, "n-threads", &threads, nullptr);
+  g_object_get(again.element, "n-threads", &threads, nullptr);
   ck_assert_uint_eq(threads, 0);
-  gst_harness_set_src_caps(h, gst_caps_ref(caps));
-  for (GstBuffer *frame : frames) {
-    g_object_set(h->element, "n-threads", ++threads, nullptr);
-    fail_unless_equals_int(gst_harness_push(h, gst_buffer_ref(frame)), GST_FLOW_OK);
-    GstBuffer *out = gst_harness_pull(h);
-    if (frame == frames.back())
-      fail_unless(levels_of(out) == expected);
-    gst_buffer_unref(out);
+  again.set_caps(film.caps);
+  for (GstBuffer *frame : film.frames) {
+    g_object_set(again.element, "n-threads", ++threads, nullptr);
+    const std::vector<gfloat> levels = again.felt(gst_buffer_ref(frame));
+    if (frame == film.frames.back())
+      fail_unless(levels == expected);
   }
-  gst_harness_teardown(h);
-  release(frames, caps);
 }
 GST_END_TEST;
 
 /// The floor silences whatever is weaker, whatever the frame's maximum.
 GST_START_TEST(test_floor_silences)
 {
-  GstCaps *caps;
-  std::vector<GstBuffer *> frames = film("I420", 1, 1, &caps);
-  GstHarness *h = gst_harness_new("saliencytactile");
-  g_object_set(h->element, "floor", 500.0, nullptr);
-  for (const gfloat level : play(h, caps, frames))
+  for (const gfloat level : Analysis("saliencytactile floor=500").play(Film("I420", 1, 1)))
     fail_unless(level == 0);
-  gst_harness_teardown(h);
-  release(frames, caps);
 }
 GST_END_TEST;
 
@@ -78,12 +62,11 @@ GST_END_TEST;
 /// square that is there at once is not an event.
 GST_START_TEST(test_no_burst_after_resets)
 {
-  GstCaps *caps;
-  std::vector<GstBuffer *> frames = film("I420", 1, 1, &caps);
-  GstBuffer *const empty = frames.front();
-  GstBuffer *const square = frames.back();
-  GstHarness *h = gst_harness_new("saliencytactile");
-  gst_harness_set_src_caps(h, gst_caps_ref(caps));
+  const Film film("I420", 1, 1);
+  GstBuffer *const empty = film.frames.front();
+  GstBuffer *const square = film.frames.back();
+  Analysis analysis;
+  analysis.set_caps(film.caps);
   GstClockTime pts = 0;
   const auto felt = [&](GstBuffer *frame, bool discont) {
     GstBuffer *copy = gst_buffer_copy(frame);
@@ -91,11 +74,7 @@ GST_START_TEST(test_no_burst_after_resets)
     pts += GST_SECOND / 30;
     if (discont)
       GST_BUFFER_FLAG_SET(copy, GST_BUFFER_FLAG_DISCONT);
-    fail_unless_equals_int(gst_harness_push(h, copy), GST_FLOW_OK);
-    GstBuffer *out = gst_harness_pull(h);
-    const std::vector<gfloat> levels = levels_of(out);
-    gst_buffer_unref(out);
-    return *std::ranges::max_element(levels) > 0;
+    return std::ranges::max(analysis.felt(copy)) > 0;
   };
   fail_if(felt(square, false));
   for (int i = 0; i < 5; i++)
@@ -105,95 +84,62 @@ GST_START_TEST(test_no_burst_after_resets)
   fail_if(felt(empty, true));
   fail_if(felt(square, true));
   fail_if(felt(empty, true));
-  GstSegment segment;
-  gst_segment_init(&segment, GST_FORMAT_TIME);
-  fail_unless(gst_harness_push_event(h, gst_event_new_segment(&segment)));
+  analysis.push_segment();
   fail_if(felt(square, false));
   fail_if(felt(empty, true));
-  fail_unless(gst_harness_push_event(h, gst_event_new_flush_start()));
-  fail_unless(gst_harness_push_event(h, gst_event_new_flush_stop(TRUE)));
-  fail_unless(gst_harness_push_event(h, gst_event_new_segment(&segment)));
+  analysis.flush();
   fail_if(felt(square, false));
   pts = 0; // back in time without a word
   fail_if(felt(empty, false));
-  gst_harness_teardown(h);
-  release(frames, caps);
 }
 GST_END_TEST;
 
 /// Backwards, what appears is felt as forwards.
 GST_START_TEST(test_reverse)
 {
-  GstCaps *caps;
-  std::vector<GstBuffer *> frames = film("I420", 0, 2, &caps);
-  GstHarness *h = gst_harness_new("saliencytactile");
-  gst_harness_set_src_caps(h, gst_caps_ref(caps));
+  const Film film("I420", 0, 2);
+  Analysis analysis;
+  analysis.set_caps(film.caps);
   GstSegment segment;
   gst_segment_init(&segment, GST_FORMAT_TIME);
   segment.rate = -1;
   segment.stop = GST_SECOND;
   segment.position = GST_SECOND;
-  fail_unless(gst_harness_push_event(h, gst_event_new_segment(&segment)));
+  fail_unless(gst_harness_push_event(analysis.h, gst_event_new_segment(&segment)));
   std::vector<gfloat> levels;
-  for (std::size_t i = 0; i < frames.size(); i++) {
-    GstBuffer *frame = gst_buffer_copy(frames[i]);
-    GST_BUFFER_PTS(frame) = (frames.size() - 1 - i) * (GST_SECOND / 30);
+  for (std::size_t i = 0; i < film.frames.size(); i++) {
+    GstBuffer *frame = gst_buffer_copy(film.frames[i]);
+    GST_BUFFER_PTS(frame) = (film.frames.size() - 1 - i) * (GST_SECOND / 30);
     GST_BUFFER_FLAG_SET(frame, GST_BUFFER_FLAG_DISCONT); // as GstBaseSrc does
-    fail_unless_equals_int(gst_harness_push(h, frame), GST_FLOW_OK);
-    GstBuffer *out = gst_harness_pull(h);
-    levels = levels_of(out);
-    gst_buffer_unref(out);
+    levels = analysis.felt(frame);
   }
   ck_assert_uint_eq(strongest(levels), 2);
   fail_unless(std::ranges::max(levels) > 0);
-  gst_harness_teardown(h);
-  release(frames, caps);
 }
 GST_END_TEST;
 
 /// Frames beyond max-rate repeat the map: at 30 frames/s and 10 analyses, two of three.
 GST_START_TEST(test_max_rate)
 {
-  GstCaps *caps;
-  std::vector<GstBuffer *> frames = film("I420", 0, 0, &caps);
-  GstHarness *h = gst_harness_new("saliencytactile");
-  g_object_set(h->element, "max-rate", 10.0, nullptr);
-  play(h, caps, frames);
-  GstStructure *stats = nullptr;
-  g_object_get(h->element, "stats", &stats, nullptr);
-  guint64 passed = 0;
-  guint64 analysed = 0;
-  gst_structure_get_uint64(stats, "frames", &passed);
-  gst_structure_get_uint64(stats, "analysed", &analysed);
-  ck_assert_uint_eq(passed, 16);
-  ck_assert_uint_eq(analysed, 6); // frames 0, 3, 6, 9, 12, 15
-  gst_structure_free(stats);
-  gst_harness_teardown(h);
-  release(frames, caps);
+  Analysis analysis("saliencytactile max-rate=10");
+  analysis.play(Film("I420", 0, 0));
+  ck_assert_uint_eq(stat_of(analysis.element, "frames"), 16);
+  ck_assert_uint_eq(stat_of(analysis.element, "analysed"), 6); // frames 0, 3, 6, 9, 12, 15
 }
 GST_END_TEST;
 
 /// No rate is exceeded, whatever the film's: 25 of 30 frames a second.
 GST_START_TEST(test_max_rate_is_not_exceeded)
 {
-  GstHarness *h = gst_harness_new("saliencytactile");
-  g_object_set(h->element, "max-rate", 25.0, nullptr);
-  gst_harness_set_src_caps_str(h, "video/x-raw,format=GRAY8,width=16,height=16,framerate=30/1");
+  Analysis analysis("saliencytactile max-rate=25", kTiny);
   for (guint i = 0; i < 300; i++) {
-    GstBuffer *frame = gst_harness_create_buffer(h, 256);
-    gst_buffer_memset(frame, 0, 9, 256);
+    GstBuffer *frame = flat_frame(256, 9);
     GST_BUFFER_PTS(frame) = gst_util_uint64_scale(i, GST_SECOND, 30);
     GST_BUFFER_DURATION(frame) = GST_SECOND / 30;
-    fail_unless_equals_int(gst_harness_push(h, frame), GST_FLOW_OK);
-    gst_buffer_unref(gst_harness_pull(h));
+    analysis.felt(frame);
   }
-  GstStructure *stats = nullptr;
-  g_object_get(h->element, "stats", &stats, nullptr);
-  guint64 analysed = 0;
-  gst_structure_get_uint64(stats, "analysed", &analysed);
+  const guint64 analysed = stat_of(analysis.element, "analysed");
   fail_unless(analysed >= 249 && analysed <= 251, "%u", static_cast<guint>(analysed));
-  gst_structure_free(stats);
-  gst_harness_teardown(h);
 }
 GST_END_TEST;
 
@@ -201,85 +147,52 @@ GST_END_TEST;
 GST_START_TEST(test_keep_maps)
 {
   for (const bool keep : { false, true }) {
-    GstHarness *h = gst_harness_new("saliencytactile");
-    g_object_set(h->element, "keep-maps", gboolean{ keep }, nullptr);
-    gst_harness_set_src_caps_str(h, "video/x-raw,format=GRAY8,width=16,height=16,framerate=30/1");
+    Analysis analysis("saliencytactile", kTiny);
+    g_object_set(analysis.element, "keep-maps", gboolean{ keep }, nullptr);
     for (guint i = 0; i < 4; i++) {
-      GstBuffer *frame = gst_harness_create_buffer(h, 256);
-      gst_buffer_memset(frame, 0, 9, 256);
+      GstBuffer *frame = flat_frame(256, 9);
       GST_BUFFER_PTS(frame) = gst_util_uint64_scale(i, GST_SECOND, 30);
       const gfloat own[] = { 0.5F, 0.25F };
       if (i % 2 == 1)
         gst_buffer_add_tactile_meta(frame, 1, 2, own, 2);
-      fail_unless_equals_int(gst_harness_push(h, frame), GST_FLOW_OK);
-      GstBuffer *out = gst_harness_pull(h);
-      fail_unless_equals_int(levels_of(out).size(), keep && i % 2 == 1 ? 2 : 9);
-      fail_unless(levels_of(out)[0] == (keep && i % 2 == 1 ? 0.5F : 0.0F));
-      gst_buffer_unref(out);
+      const std::vector<gfloat> levels = analysis.felt(frame);
+      fail_unless_equals_int(levels.size(), keep && i % 2 == 1 ? 2 : 9);
+      fail_unless(levels[0] == (keep && i % 2 == 1 ? 0.5F : 0.0F));
     }
-    GstStructure *stats = nullptr;
-    g_object_get(h->element, "stats", &stats, nullptr);
-    guint64 frames = 0;
-    guint64 analysed = 0;
-    guint64 active = 0;
-    gst_structure_get(stats, "frames", G_TYPE_UINT64, &frames, "analysed", G_TYPE_UINT64, &analysed,
-                      "active", G_TYPE_UINT64, &active, nullptr);
-    fail_unless_equals_uint64(frames, 4);
-    fail_unless_equals_uint64(analysed, keep ? 2 : 4);
-    fail_unless_equals_uint64(active, keep ? 2 : 0);
-    gst_structure_free(stats);
-    gst_harness_teardown(h);
+    fail_unless_equals_uint64(stat_of(analysis.element, "frames"), 4);
+    fail_unless_equals_uint64(stat_of(analysis.element, "analysed"), keep ? 2 : 4);
+    fail_unless_equals_uint64(stat_of(analysis.element, "active"), keep ? 2 : 0);
   }
 }
 GST_END_TEST;
 
 GST_START_TEST(test_caps_change_mid_stream)
 {
-  GstHarness *h = gst_harness_new("saliencytactile");
+  Analysis analysis;
   for (const char *format : { "I420", "RGB", "GRAY8", "I420" })
     for (const int width : { 64, 33 }) {
       g_autofree gchar *caps = g_strdup_printf(
           "video/x-raw,format=%s,width=%d,height=31,framerate=25/1", format, width);
-      gst_harness_set_src_caps_str(h, caps);
-      GstVideoInfo info;
-      GstCaps *parsed = gst_caps_from_string(caps);
-      gst_video_info_from_caps(&info, parsed);
-      gst_caps_unref(parsed);
+      analysis.set_caps(caps);
       for (int i = 0; i < 3; i++) {
-        GstBuffer *frame = gst_buffer_new_allocate(nullptr, GST_VIDEO_INFO_SIZE(&info), nullptr);
-        gst_buffer_memset(frame, 0, 100, gst_buffer_get_size(frame));
-        fail_unless_equals_int(gst_harness_push(h, frame), GST_FLOW_OK);
-        GstBuffer *out = gst_harness_pull(h);
-        for (const gfloat level : levels_of(out))
+        for (const gfloat level : analysis.felt(flat_frame(frame_size(caps), 100)))
           fail_unless(level == 0);
-        gst_buffer_unref(out);
       }
     }
-  gst_harness_teardown(h);
 }
 GST_END_TEST;
 
 GST_START_TEST(test_statistics_message_at_eos)
 {
-  GstHarness *h = gst_harness_new("saliencytactile");
-  GstBus *bus = gst_bus_new();
-  gst_element_set_bus(h->element, bus);
-  gst_harness_set_src_caps_str(h, "video/x-raw,format=GRAY8,width=16,height=16,framerate=25/1");
-  for (int i = 0; i < 3; i++) {
-    GstBuffer *frame = gst_harness_create_buffer(h, 256);
-    gst_buffer_memset(frame, 0, 9, 256);
-    fail_unless_equals_int(gst_harness_push(h, frame), GST_FLOW_OK);
-  }
-  fail_unless(gst_harness_push_event(h, gst_event_new_eos()));
-  GstMessage *message = gst_bus_pop_filtered(bus, GST_MESSAGE_ELEMENT);
+  Analysis analysis("saliencytactile", kTiny);
+  for (int i = 0; i < 3; i++)
+    analysis.felt(flat_frame(256, 9));
+  fail_unless(gst_harness_push_event(analysis.h, gst_event_new_eos()));
+  g_autoptr(GstMessage) message = gst_bus_pop_filtered(analysis.messages.bus, GST_MESSAGE_ELEMENT);
   fail_unless(message && gst_message_has_name(message, "saliencytactile-stats"));
   guint64 frames = 0;
   gst_structure_get_uint64(gst_message_get_structure(message), "frames", &frames);
   ck_assert_uint_eq(frames, 3);
-  gst_message_unref(message);
-  gst_element_set_bus(h->element, nullptr);
-  gst_object_unref(bus);
-  gst_harness_teardown(h);
 }
 GST_END_TEST;
 

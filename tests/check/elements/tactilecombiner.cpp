@@ -2,7 +2,7 @@
 #include <thread>
 #include <vector>
 
-#include <gst/check/gstcheck.h>
+#include "../playing.h"
 #include <gst/check/gstharness.h>
 #include <gst/tactile/tactile.h>
 #include <gst/video/video.h>
@@ -290,19 +290,16 @@ GST_END_TEST;
 GST_START_TEST(test_wrong_size)
 {
   Combiner c;
-  GstBus *bus = gst_bus_new();
-  gst_element_set_bus(c.video->element, bus);
+  const ElementBus messages(c.video->element);
   GstBuffer *map = gst_buffer_new_allocate(nullptr, 7, nullptr);
   GST_BUFFER_PTS(map) = 0;
   c.push_raw(map);
   GstBuffer *frame = gst_buffer_new_allocate(nullptr, 64, nullptr);
   GST_BUFFER_PTS(frame) = 0;
   gst_harness_push(c.video, frame);
-  GstMessage *message = gst_bus_timed_pop_filtered(bus, 10 * GST_SECOND, GST_MESSAGE_ERROR);
+  g_autoptr(GstMessage) message
+      = gst_bus_timed_pop_filtered(messages.bus, 10 * GST_SECOND, GST_MESSAGE_ERROR);
   fail_unless(message != nullptr);
-  gst_message_unref(message);
-  gst_element_set_bus(c.video->element, nullptr);
-  gst_object_unref(bus);
 }
 GST_END_TEST;
 

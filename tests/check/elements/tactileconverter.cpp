@@ -2,7 +2,8 @@
 #include "tactile/klv.h"
 #include "tactile/text_cue.h"
 
-#include <gst/check/gstcheck.h>
+#include "../libs/contains.h"
+#include "../playing.h"
 #include <gst/check/gstharness.h>
 #include <gst/tactile/tactile.h>
 
@@ -142,22 +143,6 @@ convert_maps(const gchar *caps, const std::vector<std::pair<int, int>> &percent_
   return cues;
 }
 
-std::string
-warning(GstBus *bus)
-{
-  GstMessage *message = gst_bus_pop_filtered(bus, GST_MESSAGE_WARNING);
-  if (message == nullptr)
-    return {};
-  GError *error = nullptr;
-  gchar *debug = nullptr;
-  gst_message_parse_warning(message, &error, &debug);
-  std::string text = std::string(error->message) + " " + debug;
-  g_error_free(error);
-  g_free(debug);
-  gst_message_unref(message);
-  return text;
-}
-
 #define ASSERT_EVENTS(converter, expected)                                                         \
   do {                                                                                             \
     const std::string came = (converter).events();                                                 \
@@ -276,18 +261,15 @@ GST_END_TEST;
 GST_START_TEST(test_subtitles_to_read)
 {
   Harness converter(kTextCaps, kMapCaps);
-  GstBus *bus = gst_bus_new();
-  gst_element_set_bus(converter.h->element, bus);
+  const ElementBus messages(converter.h->element);
   fail_unless_equals_int(converter.push_text("Who's there?", GST_SECOND, GST_SECOND), GST_FLOW_OK);
-  const std::string said = warning(bus);
-  fail_unless(said.find("'Who's'") != std::string::npos, "%s", said.c_str());
+  const Said said = messages.said(GST_MESSAGE_WARNING);
+  assert_contains(said.text + " " + said.details, { "'Who's'" });
   fail_unless_equals_int(converter.push_text("", 2 * GST_SECOND, GST_SECOND), GST_FLOW_OK);
-  fail_unless(warning(bus).empty()); // once
+  fail_if(messages.has(GST_MESSAGE_WARNING)); // once
   fail_if(converter.pull(kMapCaps).has_value());
   converter.push_text("0 50\n100 25", 4 * GST_SECOND, GST_SECOND);
   ASSERT_EVENTS(converter, "stream-start caps:2x2 segment gap:0+4000");
-  gst_element_set_bus(converter.h->element, nullptr);
-  gst_object_unref(bus);
 }
 GST_END_TEST;
 

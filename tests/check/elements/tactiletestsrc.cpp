@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include <gst/check/gstcheck.h>
+#include "../playing.h"
 #include <gst/check/gstharness.h>
 #include <gst/video/video.h>
 
@@ -69,7 +69,7 @@ public:
   {
     const std::string text = "tactiletestsrc name=source " + properties + " ! " + caps
                              + " ! fakesink name=sink signal-handoffs=true sync=false";
-    pipeline = gst_parse_launch(text.c_str(), nullptr);
+    pipeline = make_pipeline(text);
     GstElement *sink = gst_bin_get_by_name(GST_BIN(pipeline), "sink");
     g_signal_connect(sink, "handoff", G_CALLBACK(take), this);
     gst_object_unref(sink);
@@ -84,22 +84,10 @@ public:
   Film(const Film &) = delete;
   Film &operator=(const Film &) = delete;
 
-  void pause()
-  {
-    fail_unless(gst_element_set_state(pipeline, GST_STATE_PAUSED) != GST_STATE_CHANGE_FAILURE);
-    fail_unless(gst_element_get_state(pipeline, nullptr, nullptr, GST_CLOCK_TIME_NONE)
-                == GST_STATE_CHANGE_SUCCESS);
-  }
-
   void play_to_the_end()
   {
     gst_element_set_state(pipeline, GST_STATE_PLAYING);
-    GstBus *bus = gst_element_get_bus(pipeline);
-    GstMessage *message = gst_bus_timed_pop_filtered(
-        bus, GST_CLOCK_TIME_NONE, static_cast<GstMessageType>(GST_MESSAGE_EOS | GST_MESSAGE_ERROR));
-    fail_unless_equals_int(GST_MESSAGE_TYPE(message), GST_MESSAGE_EOS);
-    gst_message_unref(message);
-    gst_object_unref(bus);
+    wait_for_eos(pipeline);
   }
 
   GstElement *pipeline;
@@ -301,13 +289,10 @@ GST_END_TEST;
 static void
 seek(Film &film, gdouble rate, GstClockTime start, GstClockTime stop)
 {
-  film.pause();
+  change_state(film.pipeline, GST_STATE_PAUSED);
   film.order.clear();
   film.frames.clear();
-  fail_unless(gst_element_seek(
-      film.pipeline, rate, GST_FORMAT_TIME,
-      static_cast<GstSeekFlags>(GST_SEEK_FLAG_FLUSH | GST_SEEK_FLAG_ACCURATE), GST_SEEK_TYPE_SET,
-      static_cast<gint64>(start), GST_SEEK_TYPE_SET, static_cast<gint64>(stop)));
+  seek_exactly(film.pipeline, rate, start, stop);
   film.play_to_the_end();
 }
 
@@ -358,13 +343,13 @@ GST_END_TEST;
 GST_START_TEST(test_duration)
 {
   Film film("num-buffers=75", "video/x-raw,format=GRAY8,width=8,height=8,framerate=25/1");
-  film.pause();
+  change_state(film.pipeline, GST_STATE_PAUSED);
   gint64 duration = 0;
   fail_unless(gst_element_query_duration(film.pipeline, GST_FORMAT_TIME, &duration));
   fail_unless_equals_int64(duration, 3 * GST_SECOND);
 
   Film endless("");
-  endless.pause();
+  change_state(endless.pipeline, GST_STATE_PAUSED);
   fail_if(gst_element_query_duration(endless.pipeline, GST_FORMAT_TIME, &duration)
           && duration >= 0);
 }
@@ -549,9 +534,8 @@ GST_END_TEST;
 
 GST_START_TEST(test_absurd_size)
 {
-  GstElement *pipeline = gst_parse_launch(
-      "tactiletestsrc ! video/x-raw,format=BGRx,width=2147483647,height=2147483647 ! fakesink",
-      nullptr);
+  GstElement *pipeline = make_pipeline(
+      "tactiletestsrc ! video/x-raw,format=BGRx,width=2147483647,height=2147483647 ! fakesink");
   gst_element_set_state(pipeline, GST_STATE_PLAYING);
   GstBus *bus = gst_element_get_bus(pipeline);
   GstMessage *message = gst_bus_timed_pop_filtered(bus, GST_CLOCK_TIME_NONE, GST_MESSAGE_ERROR);

@@ -10,11 +10,9 @@ check_compensation(const char *compensation, GstClockTime lead)
 {
   Rig rig;
   gst_util_set_object_arg(G_OBJECT(rig.element), "compensation", compensation);
-  rig.start();
-  rig.run_out([&] {
+  rig.play([&] {
     for (GstClockTime pts = 0; pts <= 1000 * kMs; pts += kFrame)
       ck_assert_int_eq(rig.push(pts, { pts < 1000 * kMs ? 0.0f : 1.0f }), GST_FLOW_OK);
-    fail_unless(gst_pad_send_event(rig.sink_pad, gst_event_new_eos()));
   });
   const std::vector<Line> lines = rig.trace();
   ck_assert_uint_eq(lines.size(), 2);
@@ -46,13 +44,11 @@ GST_END_TEST;
 GST_START_TEST(test_blocks_at_5_hz)
 {
   Rig rig;
-  g_object_set(rig.element, "compensation", 2, nullptr);
-  rig.start();
-  rig.run_out([&] {
+  rig.uncompensated();
+  rig.play([&] {
     for (int i = 0; i < 20; i++)
       rig.push(static_cast<GstClockTime>(i) * kFrame,
                { i % 5 == 0 ? 0.2f * static_cast<gfloat>(i / 5 + 1) : 1.0f });
-    gst_pad_send_event(rig.sink_pad, gst_event_new_eos());
   });
   const std::vector<Line> lines = rig.trace();
   ck_assert_uint_eq(lines.size(), 5);
@@ -65,7 +61,7 @@ GST_END_TEST;
 GST_START_TEST(test_pause_silences_and_resume_reissues)
 {
   Rig rig;
-  g_object_set(rig.element, "compensation", 2, nullptr);
+  rig.uncompensated();
   rig.start();
   rig.stream([&] {
     rig.push(0, { 1.0f });
@@ -144,10 +140,7 @@ GST_START_TEST(test_flush_during_wait)
   gst_element_set_base_time(rig.element, 300 * kMs);
   rig.open();
   rig.rendered = false; // nothing left to wait for
-  rig.run_out([&] {
-    rig.push(0, { 0.5f });
-    gst_pad_send_event(rig.sink_pad, gst_event_new_eos());
-  });
+  rig.run_to_end([&] { rig.push(0, { 0.5f }); });
   const std::vector<Line> lines = rig.trace();
   ck_assert_uint_eq(lines.size(), 4);
   // No lead is possible at running time 0: the data came 160 before, i.e. before the stream began.
@@ -162,14 +155,12 @@ GST_END_TEST;
 GST_START_TEST(test_gap_is_zero_at_its_time)
 {
   Rig rig;
-  g_object_set(rig.element, "compensation", 2, nullptr);
-  rig.start();
-  rig.run_out([&] {
+  rig.uncompensated();
+  rig.play([&] {
     rig.push(0, { 1.0f });
     // 120 ms is inside the block: a gap does not wait for its end.
     fail_unless(gst_pad_send_event(rig.sink_pad, gst_event_new_gap(120 * kMs, 40 * kMs)));
     rig.push(160 * kMs, { 0.5f });
-    gst_pad_send_event(rig.sink_pad, gst_event_new_eos());
   });
   const std::vector<Line> lines = rig.trace();
   ck_assert_uint_eq(lines.size(), 4);
@@ -184,16 +175,14 @@ GST_END_TEST;
 GST_START_TEST(test_eos_drains)
 {
   Rig rig;
-  rig.start();
-  rig.run_out([&] {
+  rig.play([&] {
     rig.push(0, { 0.0f });
     rig.push(200 * kMs, { 1.0f });
-    gst_pad_send_event(rig.sink_pad, gst_event_new_eos());
   });
   fail_unless(gst_clock_get_time(GST_CLOCK(rig.clock)) >= 240 * kMs + kLatency);
   bool eos = false;
   bool stats = false;
-  while (GstMessage *message = gst_bus_pop(rig.bus)) {
+  while (GstMessage *message = gst_bus_pop(rig.messages.bus)) {
     eos |= GST_MESSAGE_TYPE(message) == GST_MESSAGE_EOS;
     stats |= gst_message_has_name(message, "tactor-stats");
     gst_message_unref(message);
@@ -215,7 +204,7 @@ check_segment(gdouble rate, GstClockTime start, GstClockTime stop, GstClockTime 
               GstClockTime effect)
 {
   Rig rig;
-  g_object_set(rig.element, "compensation", 2, nullptr);
+  rig.uncompensated();
   GstSegment segment;
   gst_segment_init(&segment, GST_FORMAT_TIME);
   segment.rate = rate;
@@ -224,10 +213,7 @@ check_segment(gdouble rate, GstClockTime start, GstClockTime stop, GstClockTime 
   segment.stop = stop;
   segment.position = rate > 0 ? start : stop;
   rig.start(&segment);
-  rig.run_out([&] {
-    rig.push(pts, { 1.0f });
-    gst_pad_send_event(rig.sink_pad, gst_event_new_eos());
-  });
+  rig.run_to_end([&] { rig.push(pts, { 1.0f }); });
   const std::vector<Line> lines = rig.trace();
   ck_assert_uint_eq(lines.size(), 2);
   assert_line(lines[0], effect, effect, effect, 0, 3.0);
@@ -249,7 +235,7 @@ GST_END_TEST;
 GST_START_TEST(test_latency_change_moves_the_wait)
 {
   Rig rig;
-  g_object_set(rig.element, "compensation", 2, nullptr);
+  rig.uncompensated();
   rig.start();
   rig.stream([&] {
     rig.push(0, { 0.0f });
@@ -274,11 +260,9 @@ GST_START_TEST(test_mapping_and_volts)
   g_object_set(rig.element, "compensation", 2, "voltage-max", 2.0, "voltage-min", 0.6, "intensity",
                0.5, nullptr);
   gst_util_set_object_arg(G_OBJECT(rig.element), "mapping", "<3,-1,0,1>");
-  rig.start();
-  rig.run_out([&] {
+  rig.play([&] {
     // 1.0 V, dropped, 0.6 V (not below the minimum), 0.5 V (below it).
     rig.push(0, { 1.0f, 1.0f, 0.6f, 0.5f });
-    gst_pad_send_event(rig.sink_pad, gst_event_new_eos());
   });
   std::map<int, double> first;
   for (const Line &line : rig.trace())
@@ -293,13 +277,11 @@ GST_END_TEST;
 GST_START_TEST(test_mapping_while_playing)
 {
   Rig rig;
-  g_object_set(rig.element, "compensation", 2, nullptr);
-  rig.start();
-  rig.run_out([&] {
+  rig.uncompensated();
+  rig.play([&] {
     rig.push(0, { 1.0f });
     gst_util_set_object_arg(G_OBJECT(rig.element), "mapping", "<5>");
     rig.push(40 * kMs, { 1.0f });
-    gst_pad_send_event(rig.sink_pad, gst_event_new_eos());
   });
   const std::vector<Line> lines = rig.trace();
   ck_assert_uint_eq(lines.size(), 4);
@@ -313,7 +295,7 @@ GST_END_TEST;
 GST_START_TEST(test_mute_acts_at_once)
 {
   Rig rig;
-  g_object_set(rig.element, "compensation", 2, nullptr);
+  rig.uncompensated();
   rig.start();
   rig.stream([&] {
     rig.push(0, { 1.0f });
@@ -335,12 +317,10 @@ GST_END_TEST;
 GST_START_TEST(test_volts_and_lead_are_fixed_while_playing)
 {
   Rig rig;
-  rig.start();
-  rig.run_out([&] {
+  rig.play([&] {
     rig.push(0, { 0.0f });
     g_object_set(rig.element, "voltage-max", 24.0, "max-lead", 1000u, nullptr);
     rig.push(400 * kMs, { 1.0f });
-    gst_pad_send_event(rig.sink_pad, gst_event_new_eos());
   });
   const std::vector<Line> lines = rig.trace();
   ck_assert_uint_eq(lines.size(), 2);
@@ -352,12 +332,12 @@ GST_END_TEST;
 GST_START_TEST(test_pause_in_the_last_frame)
 {
   Rig rig;
-  g_object_set(rig.element, "compensation", 2, nullptr);
+  rig.uncompensated();
   rig.start();
   std::atomic<bool> done{ false };
   rig.stream([&] {
     rig.push(0, { 1.0f }, 2 * GST_SECOND);
-    gst_pad_send_event(rig.sink_pad, gst_event_new_eos());
+    rig.end();
     done = true;
   });
   rig.run_to(1160 * kMs);
@@ -392,7 +372,7 @@ GST_START_TEST(test_sync_false_issues_every_command)
   // Nobody moves the clock.
   for (GstClockTime i = 0; i < 1000; i++)
     ck_assert_int_eq(rig.push(i * 200 * kMs, { i % 2 ? 1.0f : 0.0f }), GST_FLOW_OK);
-  fail_unless(gst_pad_send_event(rig.sink_pad, gst_event_new_eos()));
+  rig.end();
   ck_assert_uint_eq(rig.stat("issued"), 1000); // 500 rises, 499 falls, the end
   ck_assert_uint_eq(rig.stat("coalesced"), 0);
   ck_assert_uint_eq(rig.stat("dropped"), 0);
@@ -409,7 +389,7 @@ GST_END_TEST;
 GST_START_TEST(test_starved)
 {
   Rig rig;
-  g_object_set(rig.element, "compensation", 2, nullptr);
+  rig.uncompensated();
   rig.start();
   rig.stream([&] { rig.push(0, { 1.0f }); });
   rig.step(1); // the map comes
@@ -419,10 +399,7 @@ GST_START_TEST(test_starved)
   while (rig.stat("starved") == 0)
     std::this_thread::yield();
   rig.rendered = false; // nothing left to wait for
-  rig.run_out([&] {
-    rig.push(1600 * kMs, { 1.0f });
-    gst_pad_send_event(rig.sink_pad, gst_event_new_eos());
-  });
+  rig.run_to_end([&] { rig.push(1600 * kMs, { 1.0f }); });
   ck_assert_uint_eq(rig.stat("starved"), 1);
   const std::vector<Line> lines = rig.trace();
   ck_assert_uint_eq(lines.size(), 4);
@@ -438,22 +415,20 @@ GST_START_TEST(test_late_is_counted_and_said)
   Rig rig;
   rig.start();
   gst_test_clock_set_time(rig.clock, 1100 * kMs);
-  rig.run_out([&] {
+  rig.run_to_end([&] {
     rig.push(1000 * kMs, { 1.0f }); // due at 935.46, it is 940
     rig.push(1200 * kMs, { 0.0f });
-    gst_pad_send_event(rig.sink_pad, gst_event_new_eos());
   });
   ck_assert_uint_eq(rig.stat("late"), 0); // 4.54 ms: within the tolerance of 5 ms
   Rig later;
   later.start();
   gst_test_clock_set_time(later.clock, 1150 * kMs);
-  later.run_out([&] {
+  later.run_to_end([&] {
     later.push(1000 * kMs, { 1.0f }); // it is 990: 54.54 ms late
-    gst_pad_send_event(later.sink_pad, gst_event_new_eos());
   });
   ck_assert_uint_eq(later.stat("late"), 1);
   guint said = 0;
-  while (GstMessage *message = gst_bus_pop_filtered(later.bus, GST_MESSAGE_ELEMENT)) {
+  while (GstMessage *message = gst_bus_pop_filtered(later.messages.bus, GST_MESSAGE_ELEMENT)) {
     if (gst_message_has_name(message, "tactor-lead-short")) {
       guint64 lead = 0;
       guint64 late = 0;
@@ -498,7 +473,7 @@ GST_END_TEST;
 GST_START_TEST(test_null_while_playing_is_silent)
 {
   Rig rig("application/x-tactile-map,rows=3,columns=3,framerate=25/1");
-  g_object_set(rig.element, "compensation", 2, nullptr);
+  rig.uncompensated();
   rig.start();
   rig.stream([&] {
     rig.push(0, std::vector<gfloat>(9, 1.0f));

@@ -12,8 +12,8 @@
 #include <string>
 
 #include "../libs/contains.h"
+#include "../playing.h"
 #include "../temporary_file.h"
-#include <gst/check/gstcheck.h>
 #include <gst/tactile/tactile.h>
 
 using tactor::SerialDevice;
@@ -37,6 +37,13 @@ device(const char *serial, const char *name)
   };
 }
 
+GstElement *
+make_tactorsink()
+{
+  GST_ELEMENT_REGISTER(tactorsink, nullptr);
+  return GST_ELEMENT(gst_object_ref_sink(gst_element_factory_make("tactorsink", nullptr)));
+}
+
 /// A sink that does not wait for the clock, so that a map is with the driver when push() returns.
 class Rig
 {
@@ -44,23 +51,16 @@ public:
   explicit Rig(const char *driver = nullptr)
   {
     sockets = &sockets_;
-    GST_ELEMENT_REGISTER(tactorsink, nullptr);
-    element = gst_element_factory_make("tactorsink", nullptr);
-    gst_object_ref_sink(element);
     g_object_set(element, "sync", FALSE, "async", FALSE, "rate", 0.0, "compensation", 2,
                  "max-on-time", guint64{ 0 }, "max-duty", 0.0, "max-active", 0u, nullptr);
     if (driver)
       g_object_set(element, "driver", driver, nullptr);
-    bus = gst_bus_new();
-    gst_element_set_bus(element, bus);
     pad = gst_element_get_static_pad(element, "sink");
   }
   ~Rig()
   {
     stop();
-    gst_element_set_bus(element, nullptr);
     gst_object_unref(pad);
-    gst_object_unref(bus);
     gst_object_unref(element);
   }
 
@@ -106,34 +106,14 @@ public:
   /// Text of the next message of a type, and what it is about.
   std::string message(GstMessageType type, int *code = nullptr)
   {
-    GstMessage *message = gst_bus_timed_pop_filtered(bus, GST_CLOCK_TIME_NONE, type);
-    std::string text;
-    if (type == GST_MESSAGE_ELEMENT) {
-      text = gst_structure_get_name(gst_message_get_structure(message));
-    } else {
-      GError *error = nullptr;
-      gchar *debug = nullptr;
-      if (type == GST_MESSAGE_ERROR)
-        gst_message_parse_error(message, &error, &debug);
-      else if (type == GST_MESSAGE_WARNING)
-        gst_message_parse_warning(message, &error, &debug);
-      else
-        gst_message_parse_info(message, &error, &debug);
-      text = std::string(error->message) + (debug ? debug : "");
-      if (code)
-        *code = error->code;
-      g_error_free(error);
-      g_free(debug);
-    }
-    gst_message_unref(message);
-    return text;
-  }
-  bool has_message(GstMessageType type)
-  {
-    GstMessage *message = gst_bus_pop_filtered(bus, type);
-    const bool any = message != nullptr;
-    gst_clear_message(&message);
-    return any;
+    g_autoptr(GstMessage) message
+        = gst_bus_timed_pop_filtered(messages.bus, GST_CLOCK_TIME_NONE, type);
+    if (type == GST_MESSAGE_ELEMENT)
+      return gst_structure_get_name(gst_message_get_structure(message));
+    const Said said(message);
+    if (code)
+      *code = said.code;
+    return said.text + said.details;
   }
   GstStructure *stats()
   {
@@ -145,8 +125,8 @@ public:
   Sockets sockets_;
   MemoryBoard mega{ device("7573", "Arduino Mega 2560"), kMega };
   MemoryBoard uno{ device("95", "Arduino Uno"), kUno };
-  GstElement *element;
-  GstBus *bus;
+  GstElement *element = make_tactorsink();
+  ElementBus messages{ element };
   GstPad *pad;
   guint frame = 0;
 };
@@ -159,7 +139,7 @@ GST_START_TEST(test_auto_without_board)
   Rig rig;
   fail_unless(rig.start());
   assert_contains(rig.message(GST_MESSAGE_INFO), { "simulated", "no tactor board" });
-  fail_if(rig.has_message(GST_MESSAGE_WARNING));
+  fail_if(rig.messages.has(GST_MESSAGE_WARNING));
   rig.push({ 255, 0, 128 });
   GstStructure *stats = rig.stats();
   ck_assert_str_eq(gst_structure_get_string(stats, "board"), "simulator");
@@ -254,7 +234,7 @@ GST_START_TEST(test_lost_and_found)
   assert_contains(rig.message(GST_MESSAGE_INFO), { "7573", "is back" });
   assert_contains(rig.message(GST_MESSAGE_ELEMENT), { "tactor-device-found" });
   rig.expect(rig.mega, { 2, 3, 4 }, { 200, 100, 79 });
-  fail_if(rig.has_message(GST_MESSAGE_WARNING));
+  fail_if(rig.messages.has(GST_MESSAGE_WARNING));
   stats = rig.stats();
   guint64 reconnects = 0;
   gst_structure_get_uint64(stats, "reconnects", &reconnects);

@@ -17,7 +17,9 @@
 #include <string>
 #include <vector>
 
+#include "../libs/contains.h"
 #include "../libs/tolerance.h"
+#include "../playing.h"
 #include "../temporary_file.h"
 #include <gst/tactile/tactile.h>
 
@@ -49,12 +51,10 @@ void
 play(const std::string &calibration, const std::string &trace)
 {
   GstElement *pipeline
-      = gst_parse_launch("appsrc name=maps format=time max-bytes=0 "
-                         "caps=application/x-tactile-map,rows=1,columns=4,framerate=0/1 ! "
-                         "tactorsink name=sink driver=simulator sync=false rate=0 max-on-time=0 "
-                         "max-duty=0 max-active=0",
-                         nullptr);
-  fail_unless(pipeline != nullptr);
+      = make_pipeline("appsrc name=maps format=time max-bytes=0 "
+                      "caps=application/x-tactile-map,rows=1,columns=4,framerate=0/1 ! "
+                      "tactorsink name=sink driver=simulator sync=false rate=0 max-on-time=0 "
+                      "max-duty=0 max-active=0");
   GstElement *sink = gst_bin_get_by_name(GST_BIN(pipeline), "sink");
   GstElement *maps = gst_bin_get_by_name(GST_BIN(pipeline), "maps");
   g_object_set(sink, "trace-location", trace.c_str(), nullptr);
@@ -78,17 +78,9 @@ play(const std::string &calibration, const std::string &trace)
   }
   GstFlowReturn ret;
   g_signal_emit_by_name(maps, "end-of-stream", &ret);
-  gst_element_set_state(pipeline, GST_STATE_PLAYING);
-  GstBus *bus = gst_element_get_bus(pipeline);
-  GstMessage *message = gst_bus_timed_pop_filtered(
-      bus, GST_CLOCK_TIME_NONE, static_cast<GstMessageType>(GST_MESSAGE_EOS | GST_MESSAGE_ERROR));
-  fail_unless_equals_int(GST_MESSAGE_TYPE(message), GST_MESSAGE_EOS);
-  gst_message_unref(message);
-  gst_object_unref(bus);
-  gst_element_set_state(pipeline, GST_STATE_NULL);
   gst_object_unref(maps);
   gst_object_unref(sink);
-  gst_object_unref(pipeline);
+  play_to_the_end(pipeline);
 }
 
 /// |90 % of the vibration − frame| in ms of each rise, rising.
@@ -162,23 +154,14 @@ GST_END_TEST
 static void
 expect_error(const gchar *path, const gchar *says)
 {
-  GstElement *sink = gst_element_factory_make("tactorsink", nullptr);
-  GstBus *bus = gst_bus_new();
-  gst_element_set_bus(sink, bus);
+  g_autoptr(GstElement) sink = gst_element_factory_make("tactorsink", nullptr);
+  const ElementBus messages(sink);
   g_object_set(sink, "driver", "simulator", "calibration", path, nullptr);
   fail_unless_equals_int(gst_element_set_state(sink, GST_STATE_PAUSED), GST_STATE_CHANGE_FAILURE);
-  GstMessage *message = gst_bus_pop_filtered(bus, GST_MESSAGE_ERROR);
-  fail_unless(message != nullptr);
-  GError *error = nullptr;
-  gst_message_parse_error(message, &error, nullptr);
-  fail_unless(g_error_matches(error, GST_RESOURCE_ERROR, GST_RESOURCE_ERROR_SETTINGS));
-  fail_unless(g_strrstr(error->message, says) != nullptr, "%s", error->message);
-  g_error_free(error);
-  gst_message_unref(message);
+  const Said said = messages.said(GST_MESSAGE_ERROR);
+  fail_unless(said.domain == GST_RESOURCE_ERROR && said.code == GST_RESOURCE_ERROR_SETTINGS);
+  assert_contains(said.text, { says });
   gst_element_set_state(sink, GST_STATE_NULL);
-  gst_element_set_bus(sink, nullptr);
-  gst_object_unref(bus);
-  gst_object_unref(sink);
 }
 
 GST_START_TEST(files_that_are_no_calibration_are_refused)
@@ -199,20 +182,13 @@ GST_START_TEST(too_short_a_lead_is_said)
       = RiseTimeTable{ .step_volts = 3, .size = 2, .milliseconds = { 300, 300, 300, 300 } };
   write_calibration(slow, file.path);
   for (const guint lead : { 180u, 400u }) {
-    GstElement *sink = gst_element_factory_make("tactorsink", nullptr);
-    GstBus *bus = gst_bus_new();
-    gst_element_set_bus(sink, bus);
+    g_autoptr(GstElement) sink = gst_element_factory_make("tactorsink", nullptr);
+    const ElementBus messages(sink);
     g_object_set(sink, "driver", "simulator", "calibration", file.path.c_str(), "max-lead", lead,
                  nullptr);
     fail_if(gst_element_set_state(sink, GST_STATE_PAUSED) == GST_STATE_CHANGE_FAILURE);
-    GstMessage *message = gst_bus_pop_filtered(bus, GST_MESSAGE_WARNING);
-    fail_unless((message != nullptr) == (lead == 180));
-    if (message)
-      gst_message_unref(message);
+    fail_unless(messages.has(GST_MESSAGE_WARNING) == (lead == 180));
     gst_element_set_state(sink, GST_STATE_NULL);
-    gst_element_set_bus(sink, nullptr);
-    gst_object_unref(bus);
-    gst_object_unref(sink);
   }
 }
 GST_END_TEST

@@ -3,21 +3,19 @@
 // What tactorsink takes: caps, maps and frames of all kinds, what it opens, and what it asks of upstream.
 #include "tactorsink_rig.h"
 
+#include "../libs/contains.h"
+
 #include <gst/check/gstharness.h>
 #include <gst/video/video.h>
 
 GST_START_TEST(test_caps_change)
 {
   Rig rig;
-  g_object_set(rig.element, "compensation", 2, nullptr);
-  rig.start();
-  rig.run_out([&] {
+  rig.uncompensated();
+  rig.play([&] {
     rig.push(0, { 1.0f });
-    GstCaps *caps = gst_tactile_map_caps_new(2, 2, 25, 1);
-    fail_unless(gst_pad_send_event(rig.sink_pad, gst_event_new_caps(caps)));
-    gst_caps_unref(caps);
+    rig.change_grid(2, 2);
     rig.push(40 * kMs, { 0.0f, 0.5f, 0.0f, 1.0f });
-    gst_pad_send_event(rig.sink_pad, gst_event_new_eos());
   });
   const std::vector<Line> lines = rig.trace();
   std::map<int, std::vector<double>> volts;
@@ -34,16 +32,12 @@ GST_END_TEST;
 GST_START_TEST(test_grid_change_keeps_steady_levels)
 {
   Rig rig;
-  g_object_set(rig.element, "compensation", 2, nullptr);
-  rig.start();
-  rig.run_out([&] {
+  rig.uncompensated();
+  rig.play([&] {
     rig.push(0, { 1.0f });
-    GstCaps *caps = gst_tactile_map_caps_new(1, 2, 25, 1);
-    fail_unless(gst_pad_send_event(rig.sink_pad, gst_event_new_caps(caps)));
-    gst_caps_unref(caps);
+    rig.change_grid(1, 2);
     for (GstClockTime pts = kFrame; pts < 400 * kMs; pts += kFrame)
       rig.push(pts, { 1.0f, 1.0f });
-    gst_pad_send_event(rig.sink_pad, gst_event_new_eos());
   });
   const std::vector<Line> lines = rig.trace();
   ck_assert_uint_eq(lines.size(), 4);
@@ -61,10 +55,7 @@ GST_START_TEST(test_segment_in_bytes)
   GstSegment segment;
   gst_segment_init(&segment, GST_FORMAT_BYTES);
   rig.start(&segment);
-  rig.run_out([&] {
-    ck_assert_int_eq(rig.push(0, { 1.0f }), GST_FLOW_OK);
-    gst_pad_send_event(rig.sink_pad, gst_event_new_eos());
-  });
+  rig.run_to_end([&] { ck_assert_int_eq(rig.push(0, { 1.0f }), GST_FLOW_OK); });
   assert_silent_at_end(rig.trace());
 }
 GST_END_TEST;
@@ -76,24 +67,17 @@ GST_START_TEST(test_full_disk_is_said)
     return;
   Rig rig;
   g_object_set(rig.element, "trace-location", "/dev/full", "compensation", 2, nullptr);
-  rig.start();
-  rig.run_out([&] {
-    rig.push(0, { 1.0f });
-    gst_pad_send_event(rig.sink_pad, gst_event_new_eos());
-  });
+  rig.play([&] { rig.push(0, { 1.0f }); });
   gst_element_set_state(rig.element, GST_STATE_READY);
-  GstMessage *warning = gst_bus_pop_filtered(rig.bus, GST_MESSAGE_WARNING);
-  fail_unless(warning != nullptr);
-  gst_message_unref(warning);
+  fail_unless(rig.messages.has(GST_MESSAGE_WARNING));
 }
 GST_END_TEST;
 
 GST_START_TEST(test_video_frames_with_and_without_meta)
 {
   Rig rig("video/x-raw,format=GRAY8,width=4,height=4,framerate=25/1");
-  g_object_set(rig.element, "compensation", 2, nullptr);
-  rig.start();
-  rig.run_out([&] {
+  rig.uncompensated();
+  rig.play([&] {
     for (int i = 0; i < 3; i++) {
       GstBuffer *frame = gst_buffer_new_allocate(nullptr, 16, nullptr);
       GST_BUFFER_PTS(frame) = static_cast<GstClockTime>(i) * 200 * kMs;
@@ -103,11 +87,8 @@ GST_START_TEST(test_video_frames_with_and_without_meta)
         gst_buffer_add_tactile_meta(frame, 1, 2, levels, 2);
       ck_assert_int_eq(gst_pad_chain(rig.sink_pad, frame), GST_FLOW_OK);
     }
-    gst_pad_send_event(rig.sink_pad, gst_event_new_eos());
   });
-  GstMessage *warning = gst_bus_pop_filtered(rig.bus, GST_MESSAGE_WARNING);
-  fail_unless(warning != nullptr);
-  gst_message_unref(warning);
+  fail_unless(rig.messages.has(GST_MESSAGE_WARNING));
   const std::vector<Line> lines = rig.trace();
   ck_assert_uint_eq(lines.size(), 2);
   assert_line(lines[0], 0, 0, 0, 1, 3.0);
@@ -119,11 +100,9 @@ GST_START_TEST(test_missing_pts_follow_each_other)
 {
   Rig rig;
   g_object_set(rig.element, "compensation", 2, "rate", 0.0, nullptr);
-  rig.start();
-  rig.run_out([&] {
+  rig.play([&] {
     rig.push(400 * kMs, { 1.0f });
     rig.push(GST_CLOCK_TIME_NONE, { 0.5f }, GST_CLOCK_TIME_NONE);
-    gst_pad_send_event(rig.sink_pad, gst_event_new_eos());
   });
   const std::vector<Line> lines = rig.trace();
   ck_assert_uint_eq(lines.size(), 3);
@@ -140,9 +119,7 @@ GST_START_TEST(test_wrong_size_is_an_error)
   GstFlowReturn flow = GST_FLOW_OK;
   rig.run_out([&] { flow = rig.push(0, { 1.0f, 1.0f }); });
   ck_assert_int_eq(flow, GST_FLOW_ERROR);
-  GstMessage *message = gst_bus_pop_filtered(rig.bus, GST_MESSAGE_ERROR);
-  fail_unless(message != nullptr);
-  gst_message_unref(message);
+  fail_unless(rig.messages.has(GST_MESSAGE_ERROR));
 }
 GST_END_TEST;
 
@@ -201,23 +178,12 @@ GST_END_TEST;
 static void
 check_start_error(const char *property, const char *value, const char *expected)
 {
-  GstElement *sink = gst_element_factory_make("tactorsink", nullptr);
-  gst_object_ref_sink(sink);
-  GstBus *bus = gst_bus_new();
-  gst_element_set_bus(sink, bus);
+  g_autoptr(GstElement) sink = make_tactorsink();
+  const ElementBus messages(sink);
   g_object_set(sink, property, value, nullptr);
   ck_assert_int_eq(gst_element_set_state(sink, GST_STATE_PAUSED), GST_STATE_CHANGE_FAILURE);
-  GstMessage *message = gst_bus_pop_filtered(bus, GST_MESSAGE_ERROR);
-  fail_unless(message != nullptr);
-  GError *error = nullptr;
-  gst_message_parse_error(message, &error, nullptr);
-  fail_unless(g_strrstr(error->message, expected) != nullptr, "%s", error->message);
-  g_error_free(error);
-  gst_message_unref(message);
+  assert_contains(messages.said(GST_MESSAGE_ERROR).text, { expected });
   gst_element_set_state(sink, GST_STATE_NULL);
-  gst_element_set_bus(sink, nullptr);
-  gst_object_unref(bus);
-  gst_object_unref(sink);
 }
 
 GST_START_TEST(test_start_errors)
@@ -253,8 +219,7 @@ GST_END_TEST;
 /// Every other sink is delayed by what this one asks for early.
 GST_START_TEST(test_render_delay_is_the_lead)
 {
-  GstElement *sink = gst_element_factory_make("tactorsink", nullptr);
-  gst_object_ref_sink(sink);
+  g_autoptr(GstElement) sink = make_tactorsink();
   g_object_set(sink, "max-lead", 80u, nullptr);
   gst_element_set_state(sink, GST_STATE_PAUSED);
   guint64 delay = 0;
@@ -269,7 +234,6 @@ GST_START_TEST(test_render_delay_is_the_lead)
   fail_if(last_sample);
   ck_assert_int_eq(max_lateness, -1);
   gst_element_set_state(sink, GST_STATE_NULL);
-  gst_object_unref(sink);
 }
 GST_END_TEST;
 

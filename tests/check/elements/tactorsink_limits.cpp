@@ -3,34 +3,9 @@
 // tactorsink's properties that spare motors and skin, on the clock. What the limits are is tested in libs/motor_limits.
 #include "tactorsink_rig.h"
 
-namespace {
-
-/// Maps of one level from `start` to `stop`, in the streaming thread.
-void
-push_level(Rig &rig, GstClockTime start, GstClockTime stop, gfloat level)
-{
-  for (GstClockTime pts = start; pts < stop; pts += kFrame)
-    ck_assert_int_eq(rig.push(pts, { level }), GST_FLOW_OK);
-}
-
-void
-push_eos(Rig &rig)
-{
-  fail_unless(gst_pad_send_event(rig.sink_pad, gst_event_new_eos()));
-}
-
-/// Commands that are issued with the frame make the arithmetic plain.
-void
-uncompensated(Rig &rig)
-{
-  g_object_set(rig.element, "compensation", 2, nullptr);
-}
-
-} // namespace
-
 GST_START_TEST(test_defaults_spare_motors)
 {
-  GstElement *sink = gst_element_factory_make("tactorsink", nullptr);
+  g_autoptr(GstElement) sink = make_tactorsink();
   guint64 max_on_time = 0;
   guint64 ramp_in = 0;
   gdouble max_duty = 0;
@@ -49,21 +24,18 @@ GST_START_TEST(test_defaults_spare_motors)
   g_object_get(sink, "max-on-time", &max_on_time, "kick-start", &kick_start, nullptr);
   ck_assert_uint_eq(max_on_time, 1000000000 * GST_SECOND);
   fail_unless(kick_start);
-  gst_object_unref(gst_object_ref_sink(sink));
 }
 GST_END_TEST;
 
 GST_START_TEST(test_max_on_time)
 {
   Rig rig;
-  uncompensated(rig);
+  rig.uncompensated();
   g_object_set(rig.element, "max-on-time", guint64{ 500 * kMs }, nullptr);
-  rig.start();
-  rig.run_out([&] {
-    push_level(rig, 0, 1200 * kMs, 1.0F);
-    push_level(rig, 1200 * kMs, 1400 * kMs, 0.0F);
-    push_level(rig, 1400 * kMs, 1600 * kMs, 0.5F);
-    push_eos(rig);
+  rig.play([&] {
+    rig.push_level(0, 1200 * kMs, 1.0F);
+    rig.push_level(1200 * kMs, 1400 * kMs, 0.0F);
+    rig.push_level(1400 * kMs, 1600 * kMs, 0.5F);
   });
   ck_assert_uint_eq(rig.stat("cut-on-time"), 1);
   ck_assert_uint_eq(rig.stat("cut-duty"), 0);
@@ -83,7 +55,7 @@ GST_END_TEST;
 GST_START_TEST(test_max_on_time_without_another_map)
 {
   Rig rig;
-  uncompensated(rig);
+  rig.uncompensated();
   g_object_set(rig.element, "max-on-time", guint64{ 500 * kMs }, nullptr);
   rig.start();
   rig.stream([&] { rig.push(0, { 1.0F }); });
@@ -104,11 +76,11 @@ GST_END_TEST;
 GST_START_TEST(test_max_on_time_without_the_clock)
 {
   Rig rig;
-  uncompensated(rig);
+  rig.uncompensated();
   g_object_set(rig.element, "sync", FALSE, "max-on-time", guint64{ 500 * kMs }, nullptr);
   rig.start();
-  push_level(rig, 0, 1200 * kMs, 1.0F);
-  push_eos(rig);
+  rig.push_level(0, 1200 * kMs, 1.0F);
+  rig.end();
   const std::vector<Line> lines = rig.trace();
   ck_assert_uint_eq(lines.size(), 2);
   assert_line(lines[0], 0, 0, 0, 0, 3.0);
@@ -121,14 +93,10 @@ GST_START_TEST(test_cue_runs_out_in_the_last_block)
 {
   for (const bool sync : { true, false }) {
     Rig rig;
-    uncompensated(rig);
+    rig.uncompensated();
     g_object_set(rig.element, "sync", gboolean{ sync }, "max-on-time", guint64{ 100 * kMs },
                  nullptr);
-    rig.start();
-    rig.run_out([&] {
-      push_level(rig, 0, 160 * kMs, 1.0F);
-      push_eos(rig);
-    });
+    rig.play([&] { rig.push_level(0, 160 * kMs, 1.0F); });
     ck_assert_uint_eq(rig.stat("cut-on-time"), 1);
     const std::vector<Line> lines = rig.trace();
     ck_assert_uint_eq(lines.size(), 2);
@@ -141,11 +109,11 @@ GST_END_TEST;
 GST_START_TEST(test_max_duty_outlives_a_seek)
 {
   Rig rig;
-  uncompensated(rig);
+  rig.uncompensated();
   g_object_set(rig.element, "max-duty", 0.01, nullptr);
   rig.start();
   rig.stream([&] {
-    push_level(rig, 0, 400 * kMs, 1.0F);
+    rig.push_level(0, 400 * kMs, 1.0F);
     ck_assert_int_eq(rig.push(3000 * kMs, { 1.0F }), GST_FLOW_FLUSHING);
   });
   rig.run_to(kLatency + 350 * kMs);
@@ -155,10 +123,7 @@ GST_START_TEST(test_max_duty_outlives_a_seek)
   gst_element_set_base_time(rig.element, kLatency + 350 * kMs);
   rig.open();
   rig.rendered = false; // nothing left to wait for
-  rig.run_out([&] {
-    push_level(rig, 0, 1000 * kMs, 0.5F);
-    push_eos(rig);
-  });
+  rig.run_to_end([&] { rig.push_level(0, 1000 * kMs, 0.5F); });
   ck_assert_uint_eq(rig.stat("cut-duty"), 1);
   const std::vector<Line> lines = rig.trace();
   ck_assert_uint_eq(lines.size(), 4);
@@ -172,15 +137,13 @@ GST_END_TEST;
 GST_START_TEST(test_max_active)
 {
   Rig rig("application/x-tactile-map,rows=1,columns=3,framerate=25/1");
-  uncompensated(rig);
+  rig.uncompensated();
   g_object_set(rig.element, "max-active", 2u, nullptr);
-  rig.start();
-  rig.run_out([&] {
+  rig.play([&] {
     rig.push(0, { 0.5F, 0.7F, 0.6F });
     rig.push(200 * kMs, { 1.0F, 0.7F, 0.6F });
     g_object_set(rig.element, "max-active", 0u, nullptr);
     rig.push(400 * kMs, { 1.0F, 0.7F, 0.6F });
-    push_eos(rig);
   });
   ck_assert_uint_eq(rig.stat("cut-active"), 2);
   std::string told;
@@ -195,11 +158,11 @@ GST_END_TEST;
 GST_START_TEST(test_ramp_in)
 {
   Rig rig;
-  uncompensated(rig);
+  rig.uncompensated();
   g_object_set(rig.element, "ramp-in", guint64{ 100 * kMs }, nullptr);
   rig.start();
   rig.stream([&] {
-    push_level(rig, 0, 400 * kMs, 1.0F);
+    rig.push_level(0, 400 * kMs, 1.0F);
     rig.push(2000 * kMs, { 1.0F });
   });
   rig.run_to(300 * kMs);
@@ -227,11 +190,9 @@ GST_START_TEST(test_kick_start)
 {
   Rig rig;
   g_object_set(rig.element, "kick-start", TRUE, nullptr);
-  rig.start();
-  rig.run_out([&] {
-    push_level(rig, 0, 1000 * kMs, 0.0F);
-    push_level(rig, 1000 * kMs, 1200 * kMs, 0.2F);
-    push_eos(rig);
+  rig.play([&] {
+    rig.push_level(0, 1000 * kMs, 0.0F);
+    rig.push_level(1000 * kMs, 1200 * kMs, 0.2F);
   });
   const std::vector<Line> lines = rig.trace();
   ck_assert_uint_eq(lines.size(), 3);

@@ -16,8 +16,8 @@
 #include <vector>
 
 // After the standard library's headers: gstcheck.h defines a macro named fail.
+#include "../playing.h"
 #include "../temporary_file.h"
-#include <gst/check/gstcheck.h>
 #include <gst/check/gsttestclock.h>
 #include <gst/tactile/tactile.h>
 
@@ -48,35 +48,34 @@ struct Line
   double volts;
 };
 
+inline GstElement *
+make_tactorsink()
+{
+  return GST_ELEMENT(gst_object_ref_sink(gst_element_factory_make("tactorsink", nullptr)));
+}
+
 /// A tactorsink with a test clock, its bus and its trace; what is pushed is pushed by a thread of
 /// its own.
 class Rig
 {
 public:
   explicit Rig(const char *caps = "application/x-tactile-map,rows=1,columns=1,framerate=25/1")
+      : element(make_tactorsink()), messages(element), caps_string(caps)
   {
-    element = gst_element_factory_make("tactorsink", nullptr);
-    fail_unless(element != nullptr);
-    gst_object_ref_sink(element);
     // Limits have tests of their own.
     g_object_set(element, "driver", "simulator", "trace-location", trace_file.path.c_str(),
                  "max-lead", 150u, "max-on-time", guint64{ 0 }, "max-duty", 0.0, "max-active", 0u,
                  "ramp-in", guint64{ 0 }, nullptr);
-    bus = gst_bus_new();
-    gst_element_set_bus(element, bus);
     clock = GST_TEST_CLOCK(gst_test_clock_new());
     gst_element_set_clock(element, GST_CLOCK(clock));
     gst_element_set_base_time(element, 0);
     sink_pad = gst_element_get_static_pad(element, "sink");
-    caps_string = caps;
   }
 
   ~Rig()
   {
     finish();
     gst_object_unref(sink_pad);
-    gst_element_set_bus(element, nullptr);
-    gst_object_unref(bus);
     gst_object_unref(element);
     gst_object_unref(clock);
   }
@@ -99,6 +98,12 @@ public:
     fail_unless(gst_pad_send_event(sink_pad, gst_event_new_caps(caps)));
     gst_caps_unref(caps);
     fail_unless(gst_pad_send_event(sink_pad, gst_event_new_segment(segment ? segment : &plain)));
+  }
+
+  /// Commands that are issued with the frame make the arithmetic plain.
+  void uncompensated()
+  {
+    g_object_set(element, "compensation", 2, nullptr);
   }
 
   /// Runs in the streaming thread, after what was given before.
@@ -128,6 +133,25 @@ public:
                      GstClockTime duration = kFrame)
   {
     return gst_pad_chain(sink_pad, buffer(pts, levels, duration));
+  }
+
+  /// Maps of one level from `start` to `stop`.
+  void push_level(GstClockTime start, GstClockTime stop, gfloat level)
+  {
+    for (GstClockTime pts = start; pts < stop; pts += kFrame)
+      ck_assert_int_eq(push(pts, { level }), GST_FLOW_OK);
+  }
+
+  /// Gives the streaming thread other caps.
+  void change_grid(guint rows, guint columns)
+  {
+    g_autoptr(GstCaps) caps = gst_tactile_map_caps_new(rows, columns, 25, 1);
+    fail_unless(gst_pad_send_event(sink_pad, gst_event_new_caps(caps)));
+  }
+
+  void end()
+  {
+    fail_unless(gst_pad_send_event(sink_pad, gst_event_new_eos()));
   }
 
   /// Waits until `waiters` threads sleep on the clock and moves it to the earliest of them. Returns
@@ -201,6 +225,22 @@ public:
     join();
   }
 
+  /// The same, and the end of the stream after it.
+  void run_to_end(const std::function<void()> &work)
+  {
+    run_out([&] {
+      work();
+      end();
+    });
+  }
+
+  /// A whole play of what `work` pushes.
+  void play(const std::function<void()> &work)
+  {
+    start();
+    run_to_end(work);
+  }
+
   void finish()
   {
     if (!finished) {
@@ -232,16 +272,11 @@ public:
 
   guint64 stat(const char *field)
   {
-    GstStructure *stats = nullptr;
-    g_object_get(element, "stats", &stats, nullptr);
-    guint64 value = 0;
-    fail_unless(gst_structure_get_uint64(stats, field, &value));
-    gst_structure_free(stats);
-    return value;
+    return stat_of(element, field);
   }
 
   GstElement *element;
-  GstBus *bus;
+  ElementBus messages;
   GstTestClock *clock;
   GstPad *sink_pad;
   TemporaryFile trace_file;

@@ -166,7 +166,7 @@ GST_START_TEST(test_given_sink_keeps_its_properties)
 {
   Player player(kFilm + kSink
                 + "ts-offset=3 video-sink=\"identity ! fakesink name=inner sync=false\"");
-  player.set_state(GST_STATE_READY);
+  change_state(player.pipeline, GST_STATE_READY);
   g_autoptr(GstElement) inner = gst_bin_get_by_name(GST_BIN(player.chair), "inner");
   gboolean sync = TRUE;
   gint64 offset = 0;
@@ -262,9 +262,9 @@ GST_START_TEST(test_choice_by_rank)
   gst_plugin_feature_set_rank(GST_PLUGIN_FEATURE(automatic), G_MAXINT);
 
   Player player(kFilm + kSink);
-  player.set_state(GST_STATE_READY);
+  change_state(player.pipeline, GST_STATE_READY);
   ck_assert_str_eq(G_OBJECT_TYPE_NAME(shown_by(player.chair)), "TestVideoSink");
-  player.set_state(GST_STATE_NULL);
+  change_state(player.pipeline, GST_STATE_NULL);
   GstElement *sink = nullptr;
   g_object_get(player.chair, "video-sink", &sink, nullptr);
   fail_unless(sink == nullptr); // chosen anew by the next play
@@ -277,7 +277,7 @@ GST_START_TEST(test_chosen_sink_asks_for_a_window)
   hide_other_sinks();
   register_test_sink(GST_RANK_PRIMARY);
   Player player(kFilm + kSink);
-  player.set_state(GST_STATE_READY);
+  change_state(player.pipeline, GST_STATE_READY);
   bool asked = false;
   while (GstMessage *message = gst_bus_pop_filtered(player.bus, GST_MESSAGE_ELEMENT)) {
     asked |= gst_is_video_overlay_prepare_window_handle_message(message)

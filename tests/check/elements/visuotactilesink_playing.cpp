@@ -46,7 +46,7 @@ GST_START_TEST(test_plays_and_delays_the_picture)
 {
   register_test_sink(GST_RANK_NONE);
   Player player(kFilm + kSink + "max-lead=100 video-sink=visuotactiletestsink");
-  player.set_state(GST_STATE_PLAYING);
+  change_state(player.pipeline, GST_STATE_PLAYING);
   GObject *tactors = gst_child_proxy_get_child_by_name(GST_CHILD_PROXY(player.chair), "tactors");
   ck_assert_uint_eq(gst_base_sink_get_render_delay(GST_BASE_SINK(tactors)), 110 * kMs);
   ck_assert_uint_eq(gst_base_sink_get_latency(GST_BASE_SINK(tactors)), 110 * kMs);
@@ -72,7 +72,7 @@ check_live(const std::string &source, guint max_lead, GstClockTime at_least)
 {
   Player player(source + kSink
                 + "video-sink=visuotactiletestsink max-lead=" + std::to_string(max_lead));
-  player.set_state(GST_STATE_PLAYING);
+  change_state(player.pipeline, GST_STATE_PLAYING);
   // A live pipeline is in PLAYING before anything has come.
   while (test_video_sink(shown_by(player.chair))->frames < 2)
     g_usleep(1000);
@@ -113,7 +113,7 @@ GST_START_TEST(test_plays_without_tactors)
   register_test_sink(GST_RANK_NONE);
   const std::string sink = kSink + "video-sink=visuotactiletestsink ";
   Player player(kFilm + sink + "device=/does/not/exist/amplitude.csv");
-  player.set_state(GST_STATE_PLAYING);
+  change_state(player.pipeline, GST_STATE_PLAYING);
   player.wait_for_eos();
   ck_assert_int_eq(test_video_sink(shown_by(player.chair))->frames, 60);
   player.finish();
@@ -129,7 +129,7 @@ GST_START_TEST(test_plays_without_tactors)
 
   // A board that fails in the middle: its amplitudes go to a full disk.
   g_object_set(player.chair, "device", "/dev/full", nullptr);
-  player.set_state(GST_STATE_PLAYING);
+  change_state(player.pipeline, GST_STATE_PLAYING);
   player.wait_for_eos();
   ck_assert_int_eq(test_video_sink(shown_by(player.chair))->frames, 180);
   player.finish();
@@ -202,7 +202,7 @@ GST_END_TEST;
 GST_START_TEST(test_frames_are_stepped_through)
 {
   Player player(kFilm + kSink + "video-sink=fakesink");
-  player.set_state(GST_STATE_PAUSED);
+  change_state(player.pipeline, GST_STATE_PAUSED);
   GstElement *shown = shown_by(player.chair);
   for (int i = 0; i < 40; i++) {
     fail_unless(

@@ -11,9 +11,9 @@
 #include <vector>
 
 // After the standard library's headers: gstcheck.h defines a macro named fail.
+#include "../playing.h"
 #include "../temporary_file.h"
 #include "trace.h"
-#include <gst/check/gstcheck.h>
 #include <gst/check/gstharness.h>
 #include <gst/video/gstvideosink.h>
 #include <gst/video/navigation.h>
@@ -173,9 +173,7 @@ class Player
 public:
   explicit Player(const std::string &description)
   {
-    GError *error = nullptr;
-    pipeline = gst_parse_launch(description.c_str(), &error);
-    fail_unless(error == nullptr, "%s", error ? error->message : "");
+    pipeline = make_pipeline(description);
     chair = gst_bin_get_by_name(GST_BIN(pipeline), "chair");
     g_object_set(chair, "trace-location", trace_file.path.c_str(), nullptr);
     bus = gst_element_get_bus(pipeline);
@@ -190,12 +188,6 @@ public:
   Player(const Player &) = delete;
   Player &operator=(const Player &) = delete;
 
-  void set_state(GstState state)
-  {
-    fail_if(gst_element_set_state(pipeline, state) == GST_STATE_CHANGE_FAILURE);
-    fail_if(gst_element_get_state(pipeline, nullptr, nullptr, GST_CLOCK_TIME_NONE)
-            == GST_STATE_CHANGE_FAILURE);
-  }
   void wait_for_eos()
   {
     for (bool eos = false; !eos;) {
@@ -206,13 +198,13 @@ public:
   }
   void play()
   {
-    set_state(GST_STATE_PLAYING);
+    change_state(pipeline, GST_STATE_PLAYING);
     wait_for_eos();
     finish();
   }
   void finish()
   {
-    set_state(GST_STATE_READY);
+    change_state(pipeline, GST_STATE_READY);
     while (GstMessage *message = gst_bus_pop(bus))
       take(message);
     gst_element_set_state(pipeline, GST_STATE_NULL);
@@ -234,14 +226,12 @@ public:
 private:
   void take(GstMessage *message)
   {
-    g_autoptr(GError) error = nullptr;
-    g_autofree gchar *debug = nullptr;
-    if (GST_MESSAGE_TYPE(message) == GST_MESSAGE_ERROR) {
-      gst_message_parse_error(message, &error, &debug);
-      fail("%s: %s (%s)", GST_MESSAGE_SRC_NAME(message), error->message, debug);
-    } else if (GST_MESSAGE_TYPE(message) == GST_MESSAGE_WARNING) {
-      gst_message_parse_warning(message, &error, &debug);
-      warnings.emplace_back(GST_MESSAGE_SRC_NAME(message), error->message);
+    const GstMessageType type = GST_MESSAGE_TYPE(message);
+    if (type == GST_MESSAGE_ERROR || type == GST_MESSAGE_WARNING) {
+      const Said said(message);
+      if (type == GST_MESSAGE_ERROR)
+        fail("%s: %s (%s)", GST_MESSAGE_SRC_NAME(message), said.text.c_str(), said.details.c_str());
+      warnings.emplace_back(GST_MESSAGE_SRC_NAME(message), said.text);
     }
     gst_message_unref(message);
   }

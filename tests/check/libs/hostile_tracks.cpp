@@ -4,12 +4,7 @@
 // a tree of, and the time of a test.
 #include "tactile/formats/track_file.h"
 
-#include <string>
-#include <sys/resource.h>
-
-// After the standard library's headers: gstcheck.h defines a macro named fail.
-#include "../temporary_file.h"
-#include <gst/check/gstcheck.h>
+#include "hostile.h"
 
 using namespace tactile;
 
@@ -17,17 +12,6 @@ namespace {
 
 constexpr TrackFormat kForms[]
     = { TrackFormat::webvtt, TrackFormat::csv, TrackFormat::hjif, TrackFormat::sem };
-constexpr std::size_t kMiB = std::size_t{ 1 } << 20;
-
-std::string
-times(std::size_t count, const std::string &text)
-{
-  std::string all;
-  all.reserve(count * text.size());
-  for (std::size_t i = 0; i < count; i++)
-    all += text;
-  return all;
-}
 
 /// Whatever it is, it does no harm: true if it was read, and then it is a track as any other.
 bool
@@ -44,22 +28,9 @@ is_read(const std::string &text, TrackFormat form)
     fail_unless(is_sound);
     return true;
   } catch (const FormatError &error) {
-    // A reason that fits a line, whatever the file holds.
-    const std::string reason = error.what();
-    fail_unless(!reason.empty() && reason.size() < 1000, "%u bytes of a reason",
-                static_cast<guint>(reason.size()));
+    assert_short(error);
     return false;
   }
-}
-
-/// For the test that runs, which has a process of its own.
-void
-limit_memory([[maybe_unused]] rlim_t gibibytes = 1)
-{
-#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
-  const rlimit limit{ gibibytes * 1024 * kMiB, gibibytes * 1024 * kMiB };
-  setrlimit(RLIMIT_AS, &limit);
-#endif
 }
 
 } // namespace

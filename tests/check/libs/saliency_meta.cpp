@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include <gst/check/gstcheck.h>
+#include "refused.h"
+
 #include <gst/tactile/tactile.h>
 #include <gst/video/video.h>
 
@@ -41,15 +42,6 @@ count_metas(GstBuffer *buffer)
 {
   return gst_buffer_get_n_meta(buffer, GST_SALIENCY_META_API_TYPE);
 }
-
-#define ASSERT_REFUSED(statement)                                                                  \
-  G_STMT_START                                                                                     \
-  {                                                                                                \
-    g_test_expect_message("visuotactile", G_LOG_LEVEL_CRITICAL, "*assertion*failed*");             \
-    fail_unless((statement) == nullptr);                                                           \
-    g_test_assert_expected_messages();                                                             \
-  }                                                                                                \
-  G_STMT_END
 
 } // namespace
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include <gst/check/gstcheck.h>
+#include "refused.h"
+
 #include <gst/tactile/tactile.h>
 
 #include <array>
@@ -8,15 +9,6 @@
 #include <vector>
 
 namespace {
-
-#define ASSERT_REFUSED(statement)                                                                  \
-  G_STMT_START                                                                                     \
-  {                                                                                                \
-    g_test_expect_message("visuotactile", G_LOG_LEVEL_CRITICAL, "*assertion*failed*");             \
-    fail_unless(!(statement));                                                                     \
-    g_test_assert_expected_messages();                                                             \
-  }                                                                                                \
-  G_STMT_END
 
 /// Whether caps written as text can be read; nothing is written if not.
 bool

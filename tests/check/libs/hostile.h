@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+//
+// What tests of files that were made to do harm share.
+#pragma once
+
+#include <cstddef>
+#include <exception>
+#include <string>
+#include <sys/resource.h>
+
+// After the standard library's headers: gstcheck.h defines a macro named fail.
+#include "../temporary_file.h"
+
+constexpr std::size_t kMiB = std::size_t{ 1 } << 20;
+
+inline std::string
+times(std::size_t count, const std::string &text)
+{
+  std::string all;
+  all.reserve(count * text.size());
+  for (std::size_t i = 0; i < count; i++)
+    all += text;
+  return all;
+}
+
+/// For the test that runs, which has a process of its own.
+inline void
+limit_memory([[maybe_unused]] rlim_t gibibytes = 1)
+{
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+  const rlimit limit{ gibibytes * 1024 * kMiB, gibibytes * 1024 * kMiB };
+  setrlimit(RLIMIT_AS, &limit);
+#endif
+}
+
+/// A reason that fits a line, whatever the file holds.
+inline void
+assert_short(const std::exception &error)
+{
+  const std::string reason = error.what();
+  fail_unless(!reason.empty() && reason.size() < 1000, "%u bytes of a reason",
+              static_cast<guint>(reason.size()));
+}

@@ -1,0 +1,131 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+//
+// What tests ask of pipelines, elements and their buses.
+#pragma once
+
+#include <string>
+
+// After the standard library's headers: gstcheck.h defines a macro named fail.
+#include <gst/check/gstcheck.h>
+
+inline GstElement *
+make_pipeline(const std::string &line)
+{
+  g_autoptr(GError) error = nullptr;
+  GstElement *pipeline = gst_parse_launch(line.c_str(), &error);
+  fail_unless(error == nullptr, "%s", error ? error->message : "");
+  return pipeline;
+}
+
+/// Changes the state and waits until it is reached.
+inline void
+change_state(GstElement *pipeline, GstState state)
+{
+  fail_if(gst_element_set_state(pipeline, state) == GST_STATE_CHANGE_FAILURE);
+  fail_if(gst_element_get_state(pipeline, nullptr, nullptr, GST_CLOCK_TIME_NONE)
+          == GST_STATE_CHANGE_FAILURE);
+}
+
+/// Plays on until the stream ends, which no error may do.
+inline void
+wait_for_eos(GstElement *pipeline)
+{
+  g_autoptr(GstBus) bus = gst_element_get_bus(pipeline);
+  g_autoptr(GstMessage) message = gst_bus_timed_pop_filtered(
+      bus, GST_CLOCK_TIME_NONE, static_cast<GstMessageType>(GST_MESSAGE_EOS | GST_MESSAGE_ERROR));
+  ck_assert_int_eq(GST_MESSAGE_TYPE(message), GST_MESSAGE_EOS);
+}
+
+/// Plays from beginning to end. Takes the pipeline.
+inline void
+play_to_the_end(GstElement *pipeline)
+{
+  gst_element_set_state(pipeline, GST_STATE_PLAYING);
+  wait_for_eos(pipeline);
+  gst_element_set_state(pipeline, GST_STATE_NULL);
+  gst_object_unref(pipeline);
+}
+
+/// A seek that flushes, to the frame.
+inline void
+seek_exactly(GstElement *pipeline, double rate, GstClockTime start, GstClockTime stop,
+             GstSeekFlags flags = GST_SEEK_FLAG_FLUSH)
+{
+  fail_unless(gst_element_seek(
+      pipeline, rate, GST_FORMAT_TIME, static_cast<GstSeekFlags>(flags | GST_SEEK_FLAG_ACCURATE),
+      GST_SEEK_TYPE_SET, static_cast<gint64>(start), GST_SEEK_TYPE_SET, static_cast<gint64>(stop)));
+}
+
+/// A counter of an element's `stats`.
+inline guint64
+stat_of(GstElement *element, const char *field)
+{
+  g_autoptr(GstStructure) stats = nullptr;
+  g_object_get(element, "stats", &stats, nullptr);
+  guint64 value = 0;
+  fail_unless(gst_structure_get_uint64(stats, field, &value));
+  return value;
+}
+
+/// What an error, a warning or an information says.
+struct Said
+{
+  explicit Said(GstMessage *message)
+  {
+    g_autoptr(GError) error = nullptr;
+    g_autofree gchar *debug = nullptr;
+    if (GST_MESSAGE_TYPE(message) == GST_MESSAGE_ERROR)
+      gst_message_parse_error(message, &error, &debug);
+    else if (GST_MESSAGE_TYPE(message) == GST_MESSAGE_WARNING)
+      gst_message_parse_warning(message, &error, &debug);
+    else
+      gst_message_parse_info(message, &error, &debug);
+    text = error->message;
+    details = debug ? debug : "";
+    domain = error->domain;
+    code = error->code;
+  }
+
+  std::string text;
+  std::string details;
+  GQuark domain;
+  int code;
+};
+
+/// A bus of an element's own, for as long as this is there.
+class ElementBus
+{
+public:
+  explicit ElementBus(GstElement *element)
+      : bus(gst_bus_new()), element_(GST_ELEMENT(gst_object_ref(element)))
+  {
+    gst_element_set_bus(element, bus);
+  }
+  ~ElementBus()
+  {
+    gst_element_set_bus(element_, nullptr);
+    gst_object_unref(element_);
+    gst_object_unref(bus);
+  }
+  ElementBus(const ElementBus &) = delete;
+  ElementBus &operator=(const ElementBus &) = delete;
+
+  /// Takes the next message of a type: whether there is one.
+  bool has(GstMessageType type) const
+  {
+    g_autoptr(GstMessage) message = gst_bus_pop_filtered(bus, type);
+    return message != nullptr;
+  }
+  /// Takes the next message of a type, which must be there.
+  Said said(GstMessageType type) const
+  {
+    g_autoptr(GstMessage) message = gst_bus_pop_filtered(bus, type);
+    fail_unless(message != nullptr);
+    return Said(message);
+  }
+
+  GstBus *bus;
+
+private:
+  GstElement *element_;
+};
