@@ -248,6 +248,7 @@ Chaos::send_eos()
 void
 Chaos::post_error()
 {
+  let_begin();
   is_excused_ = true;
   GST_ELEMENT_ERROR(stage_->analysis && dice(2) ? stage_->analysis : stage_->tactors, STREAM,
                     FAILED, ("Chaos."), (nullptr));

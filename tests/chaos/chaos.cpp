@@ -122,13 +122,20 @@ Chaos::hear()
 }
 
 void
+Chaos::let_begin()
+{
+  if (kind_ == Stage::Kind::playbin)
+    await([this] {
+      return gst_element_get_state(stage_->pipeline, nullptr, nullptr, 0) != GST_STATE_CHANGE_ASYNC
+             || has_ended_;
+    });
+}
+
+void
 Chaos::set_state(GstState state)
 {
-  hear();
-  // After an error before its preroll playbin (1.22) plays again only from NULL.
-  if (state == GST_STATE_READY && is_broken_ && kind_ == Stage::Kind::playbin)
-    state = GST_STATE_NULL;
   if (state <= GST_STATE_READY) {
+    let_begin();
     forget_probe();
     restore_branch();
     has_prerolled_ = is_settled_ = false;

@@ -55,6 +55,8 @@ private:
   void leave_stage();
   /// Takes what is on the bus. Errors that nobody made are faults.
   void hear();
+  /// playbin (1.22) that is stopped or fails while it begins plays no more, or aborts: it is let begin first.
+  void let_begin();
   void set_state(GstState state);
   /// Waits, in small pieces, until it holds; the watchdog ends what takes too long. False if it need not hold any more.
   template <typename Condition> bool await(Condition condition)
