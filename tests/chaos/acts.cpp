@@ -21,7 +21,7 @@ Chaos::play()
     await([this] {
       GstState state = GST_STATE_NULL;
       return gst_element_get_state(stage_->pipeline, &state, nullptr, 0) != GST_STATE_CHANGE_ASYNC
-             || has_ended_;
+             || has_ended_ || stage_->is_at_end();
     });
 }
 
