@@ -21,7 +21,7 @@ Chaos::play()
     await([this] {
       GstState state = GST_STATE_NULL;
       return gst_element_get_state(stage_->pipeline, &state, nullptr, 0) != GST_STATE_CHANGE_ASYNC
-             || has_ended_;
+             || has_ended_ || stage_->is_at_end();
     });
 }
 
@@ -248,6 +248,7 @@ Chaos::send_eos()
 void
 Chaos::post_error()
 {
+  let_begin();
   is_excused_ = true;
   GST_ELEMENT_ERROR(stage_->analysis && dice(2) ? stage_->analysis : stage_->tactors, STREAM,
                     FAILED, ("Chaos."), (nullptr));

@@ -5,7 +5,9 @@
 
 #include <gst/base/gstbasesink.h>
 
+#include <algorithm>
 #include <cstdio>
+#include <stdexcept>
 #include <vector>
 
 using std::chrono::milliseconds;
@@ -20,9 +22,16 @@ name(GstState state)
 
 } // namespace
 
-Chaos::Chaos(Stage::Kind kind, const std::string &film, std::uint64_t seed, Watchdog &watchdog)
+Chaos::Chaos(Stage::Kind kind, const std::string &film, std::uint64_t seed,
+             const std::vector<std::string> &only, Watchdog &watchdog)
     : kind_(kind), film_(film), random_(seed), watchdog_(watchdog)
 {
+  for (const Step &each : all_steps())
+    if ((only.empty() || std::ranges::count(only, each.name))
+        && (Stage::is_seekable(kind) || !each.only_seekable))
+      drawn_.push_back(&each);
+  if (drawn_.empty())
+    throw std::invalid_argument("a film of this kind takes none of these steps");
   witness().sockets.plug(witness().mega);
   make_stage();
 }
@@ -113,9 +122,20 @@ Chaos::hear()
 }
 
 void
+Chaos::let_begin()
+{
+  if (kind_ == Stage::Kind::playbin)
+    await([this] {
+      return gst_element_get_state(stage_->pipeline, nullptr, nullptr, 0) != GST_STATE_CHANGE_ASYNC
+             || has_ended_;
+    });
+}
+
+void
 Chaos::set_state(GstState state)
 {
   if (state <= GST_STATE_READY) {
+    let_begin();
     forget_probe();
     restore_branch();
     has_prerolled_ = is_settled_ = false;
@@ -123,8 +143,8 @@ Chaos::set_state(GstState state)
   state_ = state;
   const GstStateChangeReturn ret = gst_element_set_state(stage_->pipeline, state);
   if (ret == GST_STATE_CHANGE_FAILURE) {
-    hear(); // which may know why
-    if (!is_excused_)
+    hear();                                       // which may know why
+    if (!is_excused_ || state <= GST_STATE_READY) // what is broken can be given up all the same
       accuse(std::string("the pipeline does not become ") + name(state));
     is_broken_ = true;
   }
@@ -140,16 +160,9 @@ Chaos::set_state(GstState state)
 
 /* ---- steps ---- */
 
-void
-Chaos::step()
+const std::vector<Chaos::Step> &
+Chaos::all_steps()
 {
-  struct Step
-  {
-    const char *name;
-    int weight;
-    void (Chaos::*act)();
-    bool only_seekable = false;
-  };
   static const std::vector<Step> all{
     { "play", 24, &Chaos::play },
     { "pause", 8, &Chaos::pause },
@@ -178,6 +191,33 @@ Chaos::step()
     { "dispose", 1, &Chaos::dispose },
     { "network", 6, &Chaos::disturb_network },
   };
+  return all;
+}
+
+bool
+Chaos::is_step(const std::string &name)
+{
+  return std::ranges::any_of(all_steps(), [&](const Step &each) { return each.name == name; });
+}
+
+const Chaos::Step &
+Chaos::draw()
+{
+  int total = 0;
+  for (const Step *each : drawn_)
+    total += each->weight;
+  int left = dice(total);
+  for (const Step *each : drawn_) {
+    if (left < each->weight)
+      return *each;
+    left -= each->weight;
+  }
+  return *drawn_.back();
+}
+
+void
+Chaos::step()
+{
   // After an error, an end and long times in rest mostly what gets the film going again.
   if ((is_broken_ || state_ < GST_STATE_PAUSED) && dice(3) > 0) {
     recover();
@@ -191,25 +231,9 @@ Chaos::step()
       recover();
     return;
   }
-  int total = 0;
-  for (const Step &each : all)
-    total += each.weight;
-  for (;;) {
-    int left = dice(total);
-    const Step *chosen = &all.back();
-    for (const Step &each : all) {
-      if (left < each.weight) {
-        chosen = &each;
-        break;
-      }
-      left -= each.weight;
-    }
-    if (chosen->only_seekable && !stage_->is_seekable())
-      continue;
-    note(chosen->name);
-    (this->*chosen->act)();
-    break;
-  }
+  const Step &chosen = draw();
+  note(chosen.name);
+  (this->*chosen.act)();
   // The film goes on for a while, or not at all.
   const int pause = dice(3) == 0 ? 0 : dice(12) == 0 ? 1000 + dice(1000) : dice(150);
   std::this_thread::sleep_for(milliseconds(pause));

@@ -16,14 +16,18 @@
 #include <random>
 #include <string>
 #include <thread>
+#include <vector>
 
 /// One run. What is not said to be for any thread is for the one that made it.
 class Chaos
 {
 public:
-  Chaos(Stage::Kind kind, const std::string &film, std::uint64_t seed, Watchdog &watchdog);
+  /// Takes only these steps, and what gets a film going again; all if there are none. Throws std::invalid_argument.
+  Chaos(Stage::Kind kind, const std::string &film, std::uint64_t seed,
+        const std::vector<std::string> &only, Watchdog &watchdog);
   ~Chaos();
   void run(int count);
+  static bool is_step(const std::string &name);
   /// The elements that are not in their pipeline's state, from any thread and without a lock: whatever hangs may have it.
   void print_states();
   /// What check() waits for, from any thread.
@@ -51,6 +55,8 @@ private:
   void leave_stage();
   /// Takes what is on the bus. Errors that nobody made are faults.
   void hear();
+  /// playbin (1.22) that is stopped or fails while it begins plays no more, or aborts: it is let begin first.
+  void let_begin();
   void set_state(GstState state);
   /// Waits, in small pieces, until it holds; the watchdog ends what takes too long. False if it need not hold any more.
   template <typename Condition> bool await(Condition condition)
@@ -67,6 +73,15 @@ private:
 
   // ---- steps
 
+  struct Step
+  {
+    const char *name;
+    int weight;
+    void (Chaos::*act)();
+    bool only_seekable = false;
+  };
+  static const std::vector<Step> &all_steps();
+  const Step &draw();
   void step();
   void note(const std::string &what);
   void recover();
@@ -142,6 +157,7 @@ private:
 
   const Stage::Kind kind_;
   const std::string film_;
+  std::vector<const Step *> drawn_;
   std::mt19937_64 random_;
   Watchdog &watchdog_;
   std::unique_ptr<Stage> stage_;

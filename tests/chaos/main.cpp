@@ -7,7 +7,9 @@
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
+#include <stdexcept>
 #include <string>
+#include <sys/mman.h>
 #include <unistd.h>
 #include <utility>
 #include <vector>
@@ -35,6 +37,13 @@ const std::vector<std::pair<std::string, Stage::Kind>> kKinds{
   { "playbin", Stage::Kind::playbin },
 };
 
+std::vector<std::string>
+split(const char *list)
+{
+  g_auto(GStrv) words = g_strsplit(list ? list : "", ",", -1);
+  return { words, words + g_strv_length(words) };
+}
+
 } // namespace
 
 int
@@ -44,12 +53,15 @@ main(int argc, char **argv)
   gint64 seed = 1;
   gint runs = 1;
   gchar *kind = nullptr;
+  gchar *only = nullptr;
   gboolean verbose = FALSE;
   const GOptionEntry entries[] = {
     { "steps", 0, 0, G_OPTION_ARG_INT, &count, "Steps of a run (50)", "N" },
     { "seed", 0, 0, G_OPTION_ARG_INT64, &seed, "Seed of the first run (1)", "N" },
     { "runs", 0, 0, G_OPTION_ARG_INT, &runs, "Runs of each kind, each its own seed (1)", "N" },
     { "kind", 0, 0, G_OPTION_ARG_STRING, &kind, "file, live, network or playbin (all)", "KIND" },
+    { "only", 0, 0, G_OPTION_ARG_STRING, &only, "Steps to draw from, with commas between (all)",
+      "STEP,STEP" },
     { "verbose", 'v', 0, G_OPTION_ARG_NONE, &verbose, "Print each step as it is taken", nullptr },
     {}
   };
@@ -61,11 +73,14 @@ main(int argc, char **argv)
   g_option_context_free(context);
   const bool known
       = !kind || std::ranges::any_of(kKinds, [&](const auto &each) { return each.first == kind; });
-  if (!parsed || !known || count < 1 || runs < 1) {
+  const std::vector<std::string> drawn = split(only);
+  const bool drawable = std::ranges::all_of(drawn, Chaos::is_step);
+  if (!parsed || !known || !drawable || count < 1 || runs < 1) {
     std::fprintf(stderr, "chaos: %s; see chaos --help\n",
-                 error   ? error->message
-                 : known ? "expected at least one step and one run"
-                         : "expected --kind=file, live, network or playbin");
+                 error       ? error->message
+                 : !known    ? "expected --kind=file, live, network or playbin"
+                 : !drawable ? "expected --only=STEP,STEP, names as --verbose prints them"
+                             : "expected at least one step and one run");
     return 2;
   }
 
@@ -75,13 +90,13 @@ main(int argc, char **argv)
   witness().accuse = accuse;
   witness().set_mappings(kMappings);
 
-  char film[] = "/tmp/chaos-XXXXXX.mkv";
-  const int fd = mkstemps(film, 4);
+  // A file without a name: nothing of it is left, however this process ends.
+  const int fd = memfd_create("film", MFD_CLOEXEC);
   if (fd < 0) {
     std::perror("chaos");
     return 2;
   }
-  close(fd);
+  const std::string film = "/proc/self/fd/" + std::to_string(fd);
   make_film(film);
 
   Chaos *running = nullptr;
@@ -102,11 +117,14 @@ main(int argc, char **argv)
         const guint64 maps = witness().maps();
         const guint64 vibrations = witness().vibrations();
         const guint64 flushes = witness().flushes();
-        {
-          Chaos chaos(each, film, own, watchdog);
+        try {
+          Chaos chaos(each, film, own, drawn, watchdog);
           running = &chaos;
           chaos.run(count);
           running = nullptr;
+        } catch (const std::invalid_argument &e) {
+          std::fprintf(stderr, "chaos: %s, %s\n", text.c_str(), e.what());
+          return 2;
         }
         std::printf("%s, seed %" G_GUINT64_FORMAT ": %d steps, %" G_GUINT64_FORMAT
                     " maps, %" G_GUINT64_FORMAT " vibrations, %" G_GUINT64_FORMAT " flushes\n",
@@ -116,7 +134,8 @@ main(int argc, char **argv)
       }
     }
   }
-  unlink(film);
+  close(fd);
   g_free(kind);
+  g_free(only);
   return 0;
 }

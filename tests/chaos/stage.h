@@ -24,9 +24,13 @@ public:
   Stage(const Stage &) = delete;
   Stage &operator=(const Stage &) = delete;
 
-  bool is_seekable() const
+  static bool is_seekable(Kind kind)
   {
     return kind == Kind::file || kind == Kind::playbin;
+  }
+  bool is_seekable() const
+  {
+    return is_seekable(kind);
   }
   /// The end of a stream is on its way to its sink or there, though perhaps not yet on the bus.
   bool is_at_end() const;

@@ -92,15 +92,15 @@ witnessed(std::unique_ptr<tactor::Driver> driver)
   return std::make_unique<WitnessedDriver>(std::move(driver));
 }
 
-// The pad's own functions, which are the same for all tactorsinks.
-GstPadChainFunction chain = nullptr;
+// The sink's and its pad's own functions, which are the same for all tactorsinks.
+GstFlowReturn (*render)(GstBaseSink *, GstBuffer *) = nullptr;
 GstPadEventFunction event = nullptr;
 
 GstFlowReturn
-watched_chain(GstPad *pad, GstObject *parent, GstBuffer *buffer)
+watched_render(GstBaseSink *sink, GstBuffer *buffer)
 {
-  witness().arrived(pad, buffer);
-  return chain(pad, parent, buffer);
+  witness().arrived(sink, buffer);
+  return render(sink, buffer);
 }
 
 gboolean
@@ -175,11 +175,14 @@ witness()
 void
 Witness::watch(GstElement *tactors)
 {
+  GstBaseSinkClass *klass = GST_BASE_SINK_GET_CLASS(tactors);
+  if (klass->render != watched_render) {
+    render = klass->render;
+    klass->render = watched_render;
+  }
   GstPad *pad = gst_element_get_static_pad(tactors, "sink");
-  if (GST_PAD_CHAINFUNC(pad) != watched_chain) {
-    chain = GST_PAD_CHAINFUNC(pad);
+  if (GST_PAD_EVENTFUNC(pad) != watched_event) {
     event = GST_PAD_EVENTFUNC(pad);
-    gst_pad_set_chain_function(pad, watched_chain);
     gst_pad_set_event_function(pad, watched_event);
   }
   gst_object_unref(pad);
@@ -253,7 +256,7 @@ Witness::wrote(std::span<const double> volts, Time now)
 }
 
 void
-Witness::arrived(GstPad *pad, GstBuffer *buffer)
+Witness::arrived(GstBaseSink *sink, GstBuffer *buffer)
 {
   gsize cells = 0;
   {
@@ -268,26 +271,23 @@ Witness::arrived(GstPad *pad, GstBuffer *buffer)
     levels.resize(gst_buffer_extract(buffer, 0, levels.data(), cells * sizeof levels[0])
                   / sizeof levels[0]);
   }
-  GstEvent *sticky = gst_pad_get_sticky_event(pad, GST_EVENT_SEGMENT, 0);
-  if (!sticky)
-    return;
-  const GstSegment *segment = nullptr;
-  gst_event_parse_segment(sticky, &segment);
+  GST_OBJECT_LOCK(sink);
+  const GstSegment segment = sink->segment; // steps have moved it
+  GST_OBJECT_UNLOCK(sink);
   const GstClockTime duration
       = GST_BUFFER_DURATION_IS_VALID(buffer) ? GST_BUFFER_DURATION(buffer) : GST_SECOND / 10;
   guint64 from = GST_BUFFER_PTS(buffer);
   guint64 to = from + duration;
   Map map{ std::numeric_limits<gint64>::min(), std::numeric_limits<gint64>::max(), {} };
   if (GST_BUFFER_PTS_IS_VALID(buffer)
-      && gst_segment_clip(segment, GST_FORMAT_TIME, from, to, &from, &to)) {
-    if (segment->rate < 0)
+      && gst_segment_clip(&segment, GST_FORMAT_TIME, from, to, &from, &to)) {
+    if (segment.rate < 0)
       std::swap(from, to);
-    map.start = static_cast<gint64>(gst_segment_to_running_time(segment, GST_FORMAT_TIME, from));
+    map.start = static_cast<gint64>(gst_segment_to_running_time(&segment, GST_FORMAT_TIME, from));
     // The whole frame, as shown: the clipped one may be shorter than what is held.
     map.end
-        = map.start + static_cast<gint64>(static_cast<double>(duration) / std::abs(segment->rate));
+        = map.start + static_cast<gint64>(static_cast<double>(duration) / std::abs(segment.rate));
   }
-  gst_event_unref(sticky);
   for (const gfloat level : levels)
     map.on.push_back(level > 0);
   std::lock_guard lock(mutex_);

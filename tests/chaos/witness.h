@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 //
-// What the chair was asked for and what it did, seen from both ends of tactorsink: maps as they enter its pad, voltages as they reach
-// the driver. The drivers of a program with this file are the real ones, on boards in memory, each in the hands of the witness.
+// What the chair was asked for and what it did, seen from both ends of tactorsink: maps as it takes them, voltages as they reach the
+// driver. The drivers of a program with this file are the real ones, on boards in memory, each in the hands of the witness.
 #pragma once
 
 #include "tests/check/libs/memory_bus.h"
 
-#include <gst/gst.h>
+#include <gst/base/gstbasesink.h>
 
 #include <deque>
 #include <functional>
@@ -52,8 +52,8 @@ public:
   void closed();
   void wrote(std::span<const double> volts, tactor::Time now);
 
-  // Of the pad, on the streaming thread.
-  void arrived(GstPad *pad, GstBuffer *buffer);
+  // Of the sink, on the streaming thread.
+  void arrived(GstBaseSink *sink, GstBuffer *buffer);
   void flushed();
   void took_caps(const GstCaps *caps);
 

@@ -2,6 +2,10 @@
 //
 // visuotactilesink playing: how much later the picture is, live, without tactors, in memory that cannot be read. What is measured of
 // time are running times: nothing depends on how fast the machine is.
+#include <atomic>
+#include <future>
+#include <thread>
+
 #include "visuotactilesink_rig.h"
 
 /* ---- memory that cannot be read ---- */
@@ -138,6 +142,54 @@ GST_START_TEST(test_plays_without_tactors)
 }
 GST_END_TEST;
 
+/// A board fails, and before the tactors are taken out of that play the next has begun: they stay in it.
+GST_START_TEST(test_fails_late_in_the_last_play)
+{
+  register_test_sink(GST_RANK_NONE);
+  Player player(kFilm + kSink + "video-sink=visuotactiletestsink");
+  // The thread that tells of the error is held on its way, where the application is to hear of it.
+  struct
+  {
+    std::atomic<bool> is_first{ true };
+    std::promise<void> is_told;
+    std::promise<void> may_go_on;
+  } failure;
+  gst_bus_set_sync_handler(
+      player.bus,
+      [](GstBus *, GstMessage *message, gpointer data) {
+        auto *told = static_cast<decltype(failure) *>(data);
+        if (GST_MESSAGE_TYPE(message) == GST_MESSAGE_WARNING && told->is_first.exchange(false)) {
+          told->is_told.set_value();
+          told->may_go_on.get_future().wait();
+        }
+        return GST_BUS_PASS;
+      },
+      &failure, nullptr);
+  player.set_state(GST_STATE_PLAYING);
+  std::atomic<int> removals{ 0 };
+  g_signal_connect(player.pipeline, "deep-element-removed",
+                   G_CALLBACK(+[](GstBin *, GstBin *, GstElement *, std::atomic<int> *removals) {
+                     ++*removals;
+                   }),
+                   &removals);
+  std::thread board([&player] {
+    g_autoptr(GObject) tactors
+        = gst_child_proxy_get_child_by_name(GST_CHILD_PROXY(player.chair), "tactors");
+    GST_ELEMENT_ERROR(tactors, RESOURCE, WRITE, ("The test's board failed."), (nullptr));
+  });
+  failure.is_told.get_future().wait();
+  player.set_state(GST_STATE_READY);
+  player.set_state(GST_STATE_PLAYING);
+  failure.may_go_on.set_value();
+  board.join();
+  player.wait_for_eos();
+  ck_assert_int_eq(removals, 0);
+  player.finish();
+  ck_assert_uint_eq(player.warnings.size(), 1);
+  fail_unless(commands_with_volts(player.trace()) > 0);
+}
+GST_END_TEST;
+
 /// Frames that wait for their motors are not there for the decoder: it is told so.
 GST_START_TEST(test_asks_for_more_buffers)
 {
@@ -227,6 +279,7 @@ visuotactilesink_playing_suite(void)
   tcase_add_test(cases, test_plays_and_delays_the_picture);
   tcase_add_test(cases, test_live);
   tcase_add_test(cases, test_plays_without_tactors);
+  tcase_add_test(cases, test_fails_late_in_the_last_play);
   tcase_add_test(cases, test_asks_for_more_buffers);
   tcase_add_test(cases, test_unreadable_memory);
   tcase_add_test(cases, test_frames_are_stepped_through);
