@@ -165,7 +165,7 @@ GST_START_TEST(test_fails_late_in_the_last_play)
         return GST_BUS_PASS;
       },
       &failure, nullptr);
-  player.set_state(GST_STATE_PLAYING);
+  change_state(player.pipeline, GST_STATE_PLAYING);
   std::atomic<int> removals{ 0 };
   g_signal_connect(player.pipeline, "deep-element-removed",
                    G_CALLBACK(+[](GstBin *, GstBin *, GstElement *, std::atomic<int> *removals) {
@@ -178,8 +178,8 @@ GST_START_TEST(test_fails_late_in_the_last_play)
     GST_ELEMENT_ERROR(tactors, RESOURCE, WRITE, ("The test's board failed."), (nullptr));
   });
   failure.is_told.get_future().wait();
-  player.set_state(GST_STATE_READY);
-  player.set_state(GST_STATE_PLAYING);
+  change_state(player.pipeline, GST_STATE_READY);
+  change_state(player.pipeline, GST_STATE_PLAYING);
   failure.may_go_on.set_value();
   board.join();
   player.wait_for_eos();
