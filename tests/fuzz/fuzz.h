@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <cstdlib>
+#include <stdexcept>
 #include <string>
 #include <sys/mman.h>
 #include <unistd.h>
@@ -13,6 +14,18 @@ expect(bool holds)
 {
   if (!holds)
     std::abort();
+}
+
+/// What is not read is refused with a reason, as a std::runtime_error; whatever else is thrown ends the process.
+template <typename Read>
+void
+read_or_refuse(const Read &read)
+{
+  try {
+    read();
+  } catch (const std::runtime_error &error) {
+    expect(error.what()[0] != '\0');
+  }
 }
 
 /// The path of a file in memory with these bytes, for readers that open files. It is the same file at every call: making one for each

@@ -134,7 +134,11 @@ Session::open(const fs::path &folder)
   g_autofree gchar *sensor = g_key_file_get_string(file.get(), kGroup, "sensor", nullptr);
   session.motor_ = motor ? motor : "";
   session.sensor_ = sensor ? sensor : "";
-  session.plan_ = tactor::plan_measurement(session.settings_);
+  try {
+    session.plan_ = tactor::plan_measurement(session.settings_);
+  } catch (const std::invalid_argument &error) {
+    throw std::runtime_error("'" + folder.string() + "' holds no measurement: " + error.what());
+  }
   return session;
 }
 
