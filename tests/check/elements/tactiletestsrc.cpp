@@ -382,7 +382,10 @@ GST_START_TEST(test_formats_show_the_same)
       fail_unless_equals_int(native.size(), rgb.size());
       std::size_t far = 0;
       std::size_t coloured = 0;
+      const auto row = static_cast<std::size_t>(target == "RGB" ? 3 * width : width); // bytes
       for (std::size_t i = 0; i < rgb.size(); i++) {
+        if (i % GST_ROUND_UP_4(row) >= row) // between rows
+          continue;
         far += std::abs(native[i] - rgb[i]) > 4;
         coloured += std::abs(rgb[i] - rgb[0]) > 20;
       }
