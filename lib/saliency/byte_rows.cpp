@@ -14,26 +14,53 @@ namespace saliency {
 
 namespace {
 
+/// What to ask memory for while `part` of `parts` of rows from y on is worked on: a part of the group of
+/// rows after theirs. What is a row to kernels is as many of them as fill a page.
+kernels::Ahead
+ahead_of(const Component &first, int y, int part, int parts)
+{
+  constexpr std::ptrdiff_t kPage = 4096;
+  constexpr std::ptrdiff_t kStreams = kernels::Ahead::kRows;
+  constexpr std::ptrdiff_t kRows = kernels::SourceRows().size();
+  const std::ptrdiff_t stride = std::max<std::ptrdiff_t>(1, std::abs(first.row_stride));
+  const std::ptrdiff_t rows = (kPage - 1) / stride + 1;
+  const std::ptrdiff_t group = kStreams * rows;
+  const std::ptrdiff_t place = y % group / kRows * parts + part;
+  return { first.data + (y / group + 1) * group * first.row_stride
+               + place * stride * kRows / (kStreams * parts),
+           first.row_stride * rows };
+}
+
+/// Rows from y on, of an image of that height: `row(y, place among them)`.
+template <typename Row>
+kernels::SourceRows
+rows_from(int y, int height, const Row &row)
+{
+  kernels::SourceRows rows;
+  for (int i = 0; i < static_cast<int>(rows.size()); ++i)
+    rows[static_cast<std::size_t>(i)] = row(mirrored(y + i, height), i);
+  return rows;
+}
+
 /// Bytes as they lie in memory: any row may be asked for.
 class ByteRows : public ImageRows<std::uint8_t>
 {
 public:
   using ImageRows::ImageRows;
 
-  /// Two rows, until the next call.
-  virtual kernels::TwoRows rows(int first, int second) = 0;
+  /// Rows from y on, until the next call, mirrored beyond the borders.
+  virtual kernels::SourceRows rows(int y) = 0;
 
-  /// Where to find bytes that rows to come are made of, as many as the two rows have samples. Whoever
-  /// works on a channel of the rows asks for them meanwhile, so that memory delivers as the processor
-  /// computes.
-  virtual kernels::TwoRows ahead(int channel) const = 0;
+  /// What whoever works on a channel of those rows asks memory for meanwhile.
+  virtual kernels::Ahead ahead(int channel) const = 0;
 };
 
 class ByteSamples final : public ByteRows
 {
 public:
   ByteSamples(const Component &component, std::size_t index)
-      : ByteRows({ component.width, component.height }), index_(index), buffer_(2, component.width)
+      : ByteRows({ component.width, component.height }), index_(index),
+        buffer_(kernels::SourceRows().size(), component.width)
   {
   }
 
@@ -47,16 +74,15 @@ public:
     return unpacked(y, 0);
   }
 
-  kernels::TwoRows rows(int first, int second) override
+  kernels::SourceRows rows(int y) override
   {
-    at_ = { in_memory(first), in_memory(second) };
-    return { unpacked(first, 0), unpacked(second, 1) };
+    y_ = y;
+    return rows_from(y, size().height, [this](int row, int place) { return unpacked(row, place); });
   }
 
-  kernels::TwoRows ahead(int) const override
+  kernels::Ahead ahead(int) const override
   {
-    constexpr int kAhead = 8192;
-    return { at_[0] + kAhead, at_[1] + kAhead };
+    return ahead_of(component_, y_, 0, 1);
   }
 
 private:
@@ -75,7 +101,7 @@ private:
 
   std::size_t index_;
   Component component_;
-  kernels::TwoRows at_{}; ///< latest rows in memory
+  int y_ = 0; ///< the first of the latest rows
   RowBuffer<std::uint8_t> buffer_;
 };
 
@@ -106,16 +132,16 @@ in_memory_order(const FrameView &frame, T *row, std::ptrdiff_t pitch)
 class PixelRows final : public ByteRows
 {
 public:
-  explicit PixelRows(cv::Size size) : ByteRows(size, 3), buffer_(2, size.width, 3)
+  explicit PixelRows(cv::Size size)
+      : ByteRows(size, 3), buffer_(kernels::SourceRows().size(), size.width, 3)
   {
   }
 
   void begin(const FrameView &frame) override
   {
     first_ = first_byte(frame);
-    for (int i = 0; i < 2; ++i)
-      places_[static_cast<std::size_t>(i)]
-          = in_memory_order(frame, buffer_.row(i), buffer_.pitch());
+    for (std::size_t i = 0; i < places_.size(); ++i)
+      places_[i] = in_memory_order(frame, buffer_.row(static_cast<int>(i)), buffer_.pitch());
   }
 
   const std::uint8_t *row(int y) override
@@ -123,17 +149,15 @@ public:
     return unpacked(y, 0);
   }
 
-  kernels::TwoRows rows(int first, int second) override
+  kernels::SourceRows rows(int y) override
   {
-    next_ = { in_memory(first + 2), in_memory(second + 2) };
-    return { unpacked(first, 0), unpacked(second, 1) };
+    y_ = y;
+    return rows_from(y, size().height, [this](int row, int place) { return unpacked(row, place); });
   }
 
-  /// The next rows in as many parts as pixels have bytes.
-  kernels::TwoRows ahead(int channel) const override
+  kernels::Ahead ahead(int channel) const override
   {
-    const std::ptrdiff_t part = static_cast<std::ptrdiff_t>(channel) * size().width;
-    return { next_[0] + part, next_[1] + part };
+    return ahead_of(first_, y_, channel, channels());
   }
 
 private:
@@ -142,15 +166,17 @@ private:
     return first_.data + y * first_.row_stride;
   }
 
-  const std::uint8_t *unpacked(int y, std::size_t place)
+  const std::uint8_t *unpacked(int y, int place)
   {
-    kernels::unpack_triples(in_memory(y), first_.pixel_stride, size().width, places_[place]);
-    return buffer_.row(static_cast<int>(place));
+    kernels::unpack_triples(in_memory(y), first_.pixel_stride, size().width,
+                            places_[static_cast<std::size_t>(place)]);
+    return buffer_.row(place);
   }
 
-  Component first_;                                       ///< in memory
-  std::array<std::array<std::uint8_t *, 3>, 2> places_{}; ///< rows for the bytes of a pixel
-  kernels::TwoRows next_{};                               ///< rows in memory
+  Component first_; ///< in memory
+  /// Rows for the bytes of a pixel.
+  std::array<std::array<std::uint8_t *, 3>, kernels::SourceRows().size()> places_{};
+  int y_ = 0; ///< the first of the latest rows
   RowBuffer<std::uint8_t> buffer_;
 };
 
@@ -183,32 +209,31 @@ private:
   RowBuffer<Fixed> buffer_;
 };
 
-/// Of bytes, halved along both axes, two rows at a time.
+/// Of bytes, halved along both axes, kAtOnce rows at a time.
 class HalvedByteRows : public ImageRows<Fixed>
 {
 public:
   /// `numbers`: how many of a place are worked on at once, in each of `sums` rows.
   HalvedByteRows(cv::Size source, int channels, int numbers, int sums)
-      : ImageRows(level_size(source, 1), channels), height_(source.height),
+      : ImageRows(level_size(source, 1), channels), made_(kernels::kAtOnce, size().width, channels),
         offset_(kAligned - numbers), sums_(2, offset_ + numbers * size().width, sums)
   {
   }
 
   void begin(const FrameView &) override
   {
-    made_ = kNone;
+    first_made_ = kNone;
   }
 
   const Fixed *row(int y) final
   {
-    if (y != made_) {
-      if (y != made_ + 1)
-        for (int before = 2 * y - 2; before <= 2 * y; before += 2)
-          add(before - 1, before);
-      add(2 * y + 1, 2 * y + 2);
-      made_ = y;
+    if (y < first_made_ || y >= first_made_ + kernels::kAtOnce) {
+      if (y != first_made_ + kernels::kAtOnce)
+        add_rows(2 * (y - kernels::kAtOnce) + 1);
+      add_rows(2 * y + 1);
+      first_made_ = y;
     }
-    return made();
+    return made_.row(y - first_made_);
   }
 
 protected:
@@ -218,22 +243,17 @@ protected:
     return { sums_.row(0) + at, sums_.row(1) + at };
   }
 
+  RowBuffer<Fixed> made_;
+
 private:
   /// Vectors begin with place 1, so this is what is aligned.
   static constexpr int kAligned = 32;
-  static constexpr int kNone = -2;
+  static constexpr int kNone = -2 * kernels::kAtOnce;
 
-  /// Adds two rows of the source.
-  virtual void add_rows(int first, int second) = 0;
-  virtual const Fixed *made() = 0;
+  /// Adds rows of the source from y on.
+  virtual void add_rows(int y) = 0;
 
-  void add(int first, int second)
-  {
-    add_rows(mirrored(first, height_), mirrored(second, height_));
-  }
-
-  int height_; ///< of the source
-  int made_ = kNone;
+  int first_made_ = kNone;
   int offset_; ///< of place 0 in the rows of sums
   RowBuffer<std::uint16_t> sums_;
 };
@@ -243,7 +263,7 @@ class HalvedBytes final : public HalvedByteRows
 public:
   explicit HalvedBytes(std::unique_ptr<ByteRows> source)
       : HalvedByteRows(source->size(), source->channels(), 1, source->channels()),
-        source_(std::move(source)), buffer_(1, size().width, channels()),
+        source_(std::move(source)),
         source_pitch_(RowBuffer<std::uint8_t>::pitch(source_->size().width))
   {
   }
@@ -255,22 +275,22 @@ public:
   }
 
 private:
-  void add_rows(int first, int second) override
+  void add_rows(int y) override
   {
-    const auto rows = source_->rows(first, second);
-    for (int c = 0; c < channels(); ++c)
-      kernels::halve_bytes({ rows[0] + c * source_pitch_, rows[1] + c * source_pitch_ },
-                           source_->size().width, sums(c), buffer_.row(0) + c * buffer_.pitch(),
-                           source_->ahead(c));
-  }
-
-  const Fixed *made() override
-  {
-    return buffer_.row(0);
+    auto rows = source_->rows(y);
+    kernels::AtOnce<Fixed *> halved;
+    for (int i = 0; i < kernels::kAtOnce; ++i)
+      halved[static_cast<std::size_t>(i)] = made_.row(i);
+    for (int c = 0; c < channels(); ++c) {
+      kernels::halve_bytes(rows, source_->size().width, sums(c), halved, source_->ahead(c));
+      for (auto &row : rows)
+        row += source_pitch_;
+      for (auto &row : halved)
+        row += made_.pitch();
+    }
   }
 
   std::unique_ptr<ByteRows> source_;
-  RowBuffer<Fixed> buffer_;
   std::ptrdiff_t source_pitch_;
 };
 
@@ -278,8 +298,7 @@ private:
 class HalvedPixels final : public HalvedByteRows
 {
 public:
-  explicit HalvedPixels(cv::Size source)
-      : HalvedByteRows(source, 3, 4, 1), width_(source.width), buffer_(1, size().width, 3)
+  explicit HalvedPixels(cv::Size source) : HalvedByteRows(source, 3, 4, 1), source_(source)
   {
   }
 
@@ -287,28 +306,21 @@ public:
   {
     HalvedByteRows::begin(frame);
     first_ = first_byte(frame);
-    places_ = in_memory_order(frame, buffer_.row(0), buffer_.pitch());
+    for (std::size_t i = 0; i < places_.size(); ++i)
+      places_[i] = in_memory_order(frame, made_.row(static_cast<int>(i)), made_.pitch());
   }
 
 private:
-  void add_rows(int first, int second) override
+  void add_rows(int y) override
   {
-    const auto in_memory = [this](int y) {
-      return first_.data + y * first_.row_stride;
-    };
-    kernels::halve_pixels({ in_memory(first), in_memory(second) }, width_, sums(0), places_,
-                          { in_memory(first + 2), in_memory(second + 2) });
+    const auto rows = rows_from(
+        y, source_.height, [this](int row, int) { return first_.data + row * first_.row_stride; });
+    kernels::halve_pixels(rows, source_.width, sums(0), places_, ahead_of(first_, y, 0, 1));
   }
 
-  const Fixed *made() override
-  {
-    return buffer_.row(0);
-  }
-
-  int width_;
-  Component first_;                 ///< in memory
-  std::array<Fixed *, 3> places_{}; ///< rows for the bytes of a pixel
-  RowBuffer<Fixed> buffer_;
+  cv::Size source_;
+  Component first_;                                  ///< in memory
+  kernels::AtOnce<std::array<Fixed *, 3>> places_{}; ///< rows for the bytes of a pixel
 };
 
 std::unique_ptr<ImageRows<Fixed>>

@@ -22,11 +22,22 @@ using saliency::HWY_NAMESPACE::cover;
 using saliency::HWY_NAMESPACE::load_bytes;
 template <typename T> using Tag = saliency::HWY_NAMESPACE::Vectors<T>;
 
-/// To the second level of the cache: the first has no room for rows to come.
+/// Asks for as many bytes ahead as a vector of `size` in each row that is worked on, which `bytes` of the row
+/// come before: to the second level of the cache, as the first has no room for them.
+template <std::size_t size>
 HWY_INLINE void
-prefetch(const std::uint8_t *at)
+ask(const Ahead &ahead, std::ptrdiff_t bytes)
 {
-  __builtin_prefetch(at, 0, 2);
+  constexpr std::size_t kLine = 64;
+  constexpr std::size_t kRows = SourceRows().size();
+  constexpr std::size_t kLines = std::max<std::size_t>(1, kRows * size / kLine);
+  constexpr std::size_t kTurn = Ahead::kRows / kLines; // vectors for a line of each row
+  const std::size_t vector = static_cast<std::size_t>(bytes) / std::max(size, kLine / kRows);
+  const auto row = static_cast<std::ptrdiff_t>(vector % kTurn * kLines);
+  for (std::size_t i = 0; i < kLines; ++i)
+    __builtin_prefetch(ahead.first + (row + static_cast<std::ptrdiff_t>(i)) * ahead.row_stride
+                           + vector / kTurn * kLine,
+                       0, 2);
 }
 
 /// Places of a row that the Gaussian weighs by 1, 4, 6, 4 and 1.
@@ -164,15 +175,14 @@ halved_sums(D d, const Load &load)
 
 /// Two more rows of sums from side to side, a and b, the first four times: the row that they complete
 /// from top to bottom, and the sums for the next.
-template <class D>
+template <class D, class V = hn::VFromD<D>>
 HWY_INLINE void
-add_rows(D d, hn::VFromD<D> four_a, hn::VFromD<D> b, RowSums sums, std::ptrdiff_t x, Fixed *halved)
+add_rows(D d, V four_a, V b, V &weighted, V &last, Fixed *halved)
 {
-  const auto sum = hn::Add(hn::Add(hn::LoadU(d, sums.weighted + x), four_a), b);
-  const auto next = hn::Add(hn::LoadU(d, sums.last + x), four_a);
+  const auto sum = hn::Add(hn::Add(weighted, four_a), b);
   hn::StoreU(hn::AverageRound(sum, hn::Zero(d)), d, halved);
-  hn::StoreU(hn::Add(next, hn::Mul(b, hn::Set(d, 6))), d, sums.weighted + x);
-  hn::StoreU(b, d, sums.last + x);
+  weighted = hn::Add(hn::Add(last, four_a), hn::Mul(b, hn::Set(d, 6)));
+  last = b;
 }
 
 HWY_INLINE void
@@ -183,8 +193,23 @@ add_rows(int four_a, int b, RowSums sums, std::ptrdiff_t x, Fixed *halved)
   sums.last[x] = static_cast<std::uint16_t>(b);
 }
 
+/// The rows at places x on, whose pairs `pairs(row)` gives for halved_sums(): row i to `halved(i)`.
+template <class D, typename Pairs, typename Halved>
+HWY_INLINE void
+add_source_rows(D d, const SourceRows &rows, const Pairs &pairs, RowSums sums, std::ptrdiff_t x,
+                const Halved &halved)
+{
+  auto weighted = hn::LoadU(d, sums.weighted + x);
+  auto last = hn::LoadU(d, sums.last + x);
+  for (std::size_t i = 0; i < kAtOnce; ++i)
+    add_rows(d, halved_sums<4>(d, pairs(rows[2 * i])), halved_sums<1>(d, pairs(rows[2 * i + 1])),
+             weighted, last, halved(i));
+  hn::StoreU(weighted, d, sums.weighted + x);
+  hn::StoreU(last, d, sums.last + x);
+}
+
 void
-HalveBytes(TwoRows rows, int width, RowSums sums, Fixed *halved, TwoRows ahead)
+HalveBytes(SourceRows rows, int width, RowSums sums, AtOnce<Fixed *> halved, Ahead ahead)
 {
   const auto work = [=](auto d, std::ptrdiff_t x) HWY_ATTR {
     const auto pairs = [d, x](const std::uint8_t *row) HWY_ATTR {
@@ -192,10 +217,9 @@ HalveBytes(TwoRows rows, int width, RowSums sums, Fixed *halved, TwoRows ahead)
         return load_bytes(d, at + 2 * i);
       };
     };
-    prefetch(ahead[0] + 2 * x);
-    prefetch(ahead[1] + 2 * x);
-    add_rows(d, halved_sums<4>(d, pairs(rows[0])), halved_sums<1>(d, pairs(rows[1])), sums, x,
-             halved + x);
+    ask<2 * hn::MaxLanes(d)>(ahead, 2 * x);
+    add_source_rows(d, rows, pairs, sums, x,
+                    [halved, x](std::size_t i) HWY_ATTR { return halved[i] + x; });
   };
   const auto many = [width, &work](int x) HWY_ATTR {
     return cover_halved_once<1>(x, width, work);
@@ -204,45 +228,67 @@ HalveBytes(TwoRows rows, int width, RowSums sums, Fixed *halved, TwoRows ahead)
     const auto of = [&taps](const std::uint8_t *row) {
       return weigh_taps(taps, [row](int i) { return row[i]; });
     };
-    add_rows(4 * of(rows[0]), of(rows[1]), sums, x, halved + x);
+    for (std::size_t i = 0; i < kAtOnce; ++i)
+      add_rows(4 * of(rows[2 * i]), of(rows[2 * i + 1]), sums, x, halved[i] + x);
   });
 }
 
 #if HWY_TARGET != HWY_SCALAR
-/// Of four numbers a pixel the first three to rows of their own.
+/// Two pixels side by side have eight numbers, two of each kind: those of the first three kinds to rows of
+/// their own.
 void
-part_pixels(const Fixed *pixels, std::ptrdiff_t count, std::array<Fixed *, 3> out,
+part_pixels(const Fixed *pixels, std::ptrdiff_t count, const std::array<Fixed *, 3> &out,
             std::ptrdiff_t at)
 {
   std::ptrdiff_t x = 0;
   const auto by = [=, &x](auto d) HWY_ATTR {
-    const auto step = static_cast<std::ptrdiff_t>(hn::Lanes(d));
+    const hn::Repartition<Fixed, decltype(d)> d16; // of each kind, as pairs go together
+    const auto step = static_cast<std::ptrdiff_t>(hn::Lanes(d16));
     for (; x + step <= count; x += step) {
-      hn::Vec<decltype(d)> first, second, third, fourth;
-      hn::LoadInterleaved4(d, pixels + 4 * x, first, second, third, fourth);
-      hn::StoreU(first, d, out[0] + at + x);
-      hn::StoreU(second, d, out[1] + at + x);
-      hn::StoreU(third, d, out[2] + at + x);
+      const auto kinds = [=](std::ptrdiff_t i) HWY_ATTR {
+        return load_bytes(d, pixels + 4 * x + i * step);
+      };
+      const auto v0 = kinds(0);
+      const auto v1 = kinds(1);
+      const auto v2 = kinds(2);
+      const auto v3 = kinds(3);
+      const auto low_even = hn::ConcatEven(d, v1, v0);
+      const auto high_even = hn::ConcatEven(d, v3, v2);
+      const auto low_odd = hn::ConcatOdd(d, v1, v0);
+      const auto high_odd = hn::ConcatOdd(d, v3, v2);
+      const auto store = [=](auto kind, std::size_t c) HWY_ATTR {
+        hn::StoreU(hn::BitCast(d16, kind), d16, out[c] + at + x);
+      };
+      store(hn::ConcatEven(d, high_even, low_even), 0);
+      store(hn::ConcatEven(d, high_odd, low_odd), 1);
+      store(hn::ConcatOdd(d, high_even, low_even), 2);
     }
   };
-  by(Tag<Fixed>());
-  by(hn::CappedTag<Fixed, 8>());
-  by(hn::CappedTag<Fixed, 1>());
+  by(Tag<std::uint32_t>());
+  by(hn::CappedTag<std::uint32_t, 4>());
+  for (; x < count; ++x)
+    for (std::size_t c = 0; c < 3; ++c)
+      out[c][at + x] = pixels[8 * (x / 2) + 2 * static_cast<std::ptrdiff_t>(c) + x % 2];
 }
 
 /// Pixels are taken apart a few at a time, while they are in the first level of the cache. Vectors stop
 /// short of the last pixel, of which there may be three bytes alone.
 int
-halve_pixels_from(int x, TwoRows rows, int width, RowSums sums, std::array<Fixed *, 3> halved,
-                  TwoRows ahead)
+halve_pixels_from(int x, SourceRows rows, int width, RowSums sums,
+                  const AtOnce<std::array<Fixed *, 3>> &halved, Ahead ahead)
 {
   alignas(16) static constexpr std::array<std::uint8_t, 16> kPairs
-      = { 0, 4, 1, 5, 2, 6, 3, 7, 8, 12, 9, 13, 10, 14, 11, 15 };
+      = { 0, 4, 8, 12, 1, 5, 9, 13, 2, 6, 10, 14, 3, 7, 11, 15 };
   constexpr int kPixels = 32;
-  alignas(64) std::array<Fixed, std::size_t{ 4 } * kPixels> pixels;
+  alignas(64) AtOnce<std::array<Fixed, std::size_t{ 4 } * kPixels>> pixels;
   std::ptrdiff_t begin = x; // place of the first of the pixels
+  const auto part = [&](std::ptrdiff_t count) {
+    for (std::size_t i = 0; i < kAtOnce; ++i)
+      part_pixels(pixels[i].data(), count, halved[i], begin);
+    begin += count;
+  };
   const int end = cover_halved_once<4>(
-      x, width - 1, [=, &pixels, &begin](auto d, std::ptrdiff_t place) HWY_ATTR {
+      x, width - 1, [=, &part, &pixels, &begin](auto d, std::ptrdiff_t place) HWY_ATTR {
         const hn::Repartition<std::uint8_t, decltype(d)> d8;
         const auto order = hn::LoadDup128(d8, kPairs.data());
         const auto pairs = [d, d8, order, place](const std::uint8_t *row) HWY_ATTR {
@@ -250,23 +296,21 @@ halve_pixels_from(int x, TwoRows rows, int width, RowSums sums, std::array<Fixed
             return hn::BitCast(d, hn::TableLookupBytes(hn::LoadU(d8, at + 8 * i), order));
           };
         };
-        prefetch(ahead[0] + 8 * place);
-        prefetch(ahead[1] + 8 * place);
-        add_rows(d, halved_sums<4>(d, pairs(rows[0])), halved_sums<1>(d, pairs(rows[1])), sums,
-                 4 * place, pixels.data() + 4 * (place - begin));
-        if (place + static_cast<std::ptrdiff_t>(hn::Lanes(d)) / 4 == begin + kPixels) {
-          part_pixels(pixels.data(), kPixels, halved, begin);
-          begin += kPixels;
-        }
+        ask<2 * hn::MaxLanes(d)>(ahead, 8 * place);
+        add_source_rows(d, rows, pairs, sums, 4 * place, [&](std::size_t i) HWY_ATTR {
+          return pixels[i].data() + 4 * (place - begin);
+        });
+        if (place + static_cast<std::ptrdiff_t>(hn::Lanes(d)) / 4 == begin + kPixels)
+          part(kPixels);
       });
-  part_pixels(pixels.data(), end - begin, halved, begin);
+  part(end - begin);
   return end;
 }
 #endif
 
 void
-HalvePixels(const TwoRows &rows, int width, const RowSums &sums,
-            const std::array<Fixed *, 3> &halved, const TwoRows &ahead)
+HalvePixels(const SourceRows &rows, int width, const RowSums &sums,
+            const AtOnce<std::array<Fixed *, 3>> &halved, const Ahead &ahead)
 {
   const auto many = [&](int x) HWY_ATTR {
 #if HWY_TARGET == HWY_SCALAR
@@ -277,12 +321,13 @@ HalvePixels(const TwoRows &rows, int width, const RowSums &sums,
 #endif
   };
   for_halved(width, many, [&](int x, const Taps &taps) {
-    for (int c = 0; c < 3; ++c) {
+    for (std::size_t c = 0; c < 3; ++c) {
       const auto of = [&taps, c](const std::uint8_t *row) {
-        return weigh_taps(taps, [row, c](std::ptrdiff_t i) { return row[4 * i + c]; });
+        return weigh_taps(taps, [at = row + c](std::ptrdiff_t i) { return at[4 * i]; });
       };
-      add_rows(4 * of(rows[0]), of(rows[1]), sums, 4 * x + c,
-               halved[static_cast<std::size_t>(c)] + x);
+      for (std::size_t i = 0; i < kAtOnce; ++i)
+        add_rows(4 * of(rows[2 * i]), of(rows[2 * i + 1]), sums,
+                 4 * x + static_cast<std::ptrdiff_t>(c), halved[i][c] + x);
     }
   });
 }
@@ -395,15 +440,15 @@ HWY_EXPORT(DoubleColumns);
 HWY_EXPORT(Average);
 
 void
-halve_bytes(const TwoRows &rows, int width, const RowSums &sums, Fixed *halved,
-            const TwoRows &ahead)
+halve_bytes(const SourceRows &rows, int width, const RowSums &sums, const AtOnce<Fixed *> &halved,
+            const Ahead &ahead)
 {
   HWY_DYNAMIC_DISPATCH(HalveBytes)(rows, width, sums, halved, ahead);
 }
 
 void
-halve_pixels(const TwoRows &rows, int width, const RowSums &sums,
-             const std::array<Fixed *, 3> &halved, const TwoRows &ahead)
+halve_pixels(const SourceRows &rows, int width, const RowSums &sums,
+             const AtOnce<std::array<Fixed *, 3>> &halved, const Ahead &ahead)
 {
   HWY_DYNAMIC_DISPATCH(HalvePixels)(rows, width, sums, halved, ahead);
 }

@@ -4,6 +4,7 @@
 #include "saliency/image_rows.h"
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 
 /// How rows of samples are decimated, and brought to twice their width where chroma has too few, for the
@@ -11,8 +12,23 @@
 /// row's first or after its last is read or written.
 namespace saliency::kernels {
 
-/// Rows 2y + 1 and 2y + 2 of an image, or where to find them.
-using TwoRows = std::array<const std::uint8_t *, 2>;
+/// How many rows of half the height are made at once: sums are read and written once for all of them.
+constexpr int kAtOnce = 2;
+template <typename T> using AtOnce = std::array<T, kAtOnce>;
+
+/// Rows 2y + 1 and 2y + 2 of an image, and those that follow, two for each row that is made.
+using SourceRows = std::array<const std::uint8_t *, std::size_t{ 2 } * kAtOnce>;
+
+/// Bytes that will be needed soon, which who works on others asks memory for meanwhile: as many, a line of
+/// the cache from each of kRows rows in turn, as memory delivers more at a time of many rows than of one.
+/// They need not be there.
+struct Ahead
+{
+  static constexpr int kRows = 8;
+
+  const std::uint8_t *first;
+  std::ptrdiff_t row_stride;
+};
 
 /// Of rows of bytes, each halved from side to side times 16 (h): h[2y - 2] + 4 h[2y - 1] + 6 h[2y], and
 /// h[2y].
@@ -23,16 +39,15 @@ struct RowSums
 };
 
 /// Every other sample of [1 4 6 4 1]/16 along both axes, mirrored at a row's ends without repeating
-/// them: from two rows of `width` bytes and the sums of those before them, row y of half the height,
-/// rounded half up to code values times 128, and the sums for the next. `ahead`: the rows that will be
-/// needed next, which are asked for meanwhile and need not be there.
-void halve_bytes(const TwoRows &rows, int width, const RowSums &sums, Fixed *halved,
-                 const TwoRows &ahead);
+/// them: from rows of `width` bytes and the sums of those before them, rows y, y + 1, … of half the
+/// height, rounded half up to code values times 128, and the sums for the next.
+void halve_bytes(const SourceRows &rows, int width, const RowSums &sums,
+                 const AtOnce<Fixed *> &halved, const Ahead &ahead);
 
 /// The same of pixels of four bytes, the first three of which go to rows of their own; there are four sums
 /// a pixel, and the last byte of a row need not be there.
-void halve_pixels(const TwoRows &rows, int width, const RowSums &sums,
-                  const std::array<Fixed *, 3> &halved, const TwoRows &ahead);
+void halve_pixels(const SourceRows &rows, int width, const RowSums &sums,
+                  const AtOnce<std::array<Fixed *, 3>> &halved, const Ahead &ahead);
 
 /// Every other sample of [1 4 6 4 1]/16 along a row, likewise; of Fixed rounded down.
 void halve_columns(const Fixed *row, int width, Fixed *halved);
