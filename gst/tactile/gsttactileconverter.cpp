@@ -49,7 +49,6 @@
 #include <array>
 #include <cmath>
 #include <optional>
-#include <string>
 #include <utility>
 
 using tactile::Cue;

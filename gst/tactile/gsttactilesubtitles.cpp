@@ -32,10 +32,8 @@
 
 #include <gst/tactile/tactile.h>
 
-#include <algorithm>
 #include <deque>
 #include <optional>
-#include <string_view>
 #include <utility>
 
 using tactile::TactileMap;

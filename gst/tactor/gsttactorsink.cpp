@@ -61,9 +61,7 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
-#include <string>
 #include <utility>
-#include <vector>
 
 using tactor::Time;
 

@@ -3,7 +3,6 @@
 
 #include "tactorsettings.h"
 
-#include <string>
 #include <utility>
 
 using tactor::Time;

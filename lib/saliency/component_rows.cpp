@@ -7,7 +7,6 @@
 #include "saliency/unpack_kernels.h"
 
 #include <algorithm>
-#include <array>
 #include <functional>
 #include <utility>
 

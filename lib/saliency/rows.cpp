@@ -2,7 +2,6 @@
 #include "saliency/rows.h"
 
 #include <algorithm>
-#include <cmath>
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "saliency/rows.cpp"

@@ -3,7 +3,6 @@
 
 #include <array>
 #include <cstddef>
-#include <cstdint>
 
 /// What is done to rows of samples, vectorized for the processor at hand (Highway). Every target gives
 /// the same to the bit: sums are written out, nothing is fused, and whatever is added up over a row is

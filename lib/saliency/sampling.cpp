@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "saliency/sampling.h"
 
-#include <cstdint>
 #include <limits>
 
 #undef HWY_TARGET_INCLUDE

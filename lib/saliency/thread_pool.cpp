@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "saliency/thread_pool.h"
 
-#include <cstddef>
 #include <system_error>
 #include <utility>
 

@@ -4,11 +4,13 @@
 #include "literal_paper.h"
 #include "opencv_rewrite.h"
 #include "race.h"
+#include "saliency/thread_pool.h"
 #include "tests/quality/peers.h"
 
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include <atomic>
 #include <cstdint>
 #include <cstring>
 #include <memory>
@@ -18,16 +20,15 @@ namespace bench {
 namespace {
 
 /// What keeps the processor from leaving it out.
-volatile std::uint64_t sink = 0;
+std::atomic<std::uint64_t> sink = 0;
 
 std::uint64_t
-sum_of_words(const cv::Mat &bytes)
+sum_of_words(const uchar *begin, std::size_t size)
 {
-  const std::size_t size = bytes.total() * bytes.elemSize();
   std::uint64_t sum = 0;
   for (std::size_t at = 0; at + 8 <= size; at += 8) {
     std::uint64_t word;
-    std::memcpy(&word, bytes.data + at, 8);
+    std::memcpy(&word, begin + at, 8);
     sum += word;
   }
   return sum;
@@ -37,6 +38,23 @@ std::size_t
 frame_bytes(const Film &film)
 {
   return film.bytes(0).total() * film.bytes(0).elemSize();
+}
+
+Contender
+reading(std::shared_ptr<Film> film, Format format, int threads)
+{
+  auto pool = std::make_shared<saliency::ThreadPool>();
+  return { .method = kReading,
+           .input = name(format),
+           .threads = threads,
+           .frame_bytes = frame_bytes(*film),
+           .work = [=](std::size_t i) {
+             const std::size_t part = frame_bytes(*film) / static_cast<std::size_t>(threads);
+             pool->run(threads, [&](int thread) {
+               const auto *begin = film->bytes(i).data + static_cast<std::size_t>(thread) * part;
+               sink += sum_of_words(begin, part);
+             });
+           } };
 }
 
 Contender
@@ -86,12 +104,9 @@ contenders(cv::Size size)
   for (const Format format : kFormats) {
     const auto in_format
         = format == Format::i420 ? film : std::make_shared<Film>(size, Scene::disc, format);
-    all.push_back({ .method = kReading,
-                    .input = name(format),
-                    .frame_bytes = frame_bytes(*in_format),
-                    .work = [=](std::size_t i) {
-                      sink = sink + sum_of_words(in_format->bytes(i));
-                    } });
+    for (const int threads : { 1, 2 })
+      if (threads == 1 || format == Format::i420 || format == Format::rgbx)
+        all.push_back(reading(in_format, format, threads));
     for (const int threads : thread_counts())
       if (threads <= 2 || format == Format::i420)
         all.push_back(ours("tuned", tuned, mapping, in_format, format, threads));

@@ -4,8 +4,6 @@
 #include "chaos.h"
 #include "report.h"
 
-#include <algorithm>
-#include <cmath>
 #include <utility>
 
 using std::chrono::milliseconds;

@@ -3,9 +3,6 @@
 // What happens inside the stream, on the network and on two threads at once.
 #include "chaos.h"
 
-#include <algorithm>
-#include <cmath>
-
 using std::chrono::milliseconds;
 
 void

@@ -3,7 +3,6 @@
 
 #include <gst/gst.h>
 
-#include <memory>
 #include <string>
 
 /// A film on its way to a chair, of one of the kinds in which applications build it.

@@ -4,7 +4,6 @@
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
-#include <cstring>
 #include <execinfo.h>
 #include <filesystem>
 #include <fstream>

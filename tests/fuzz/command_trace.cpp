@@ -6,7 +6,6 @@
 
 #include "fuzz.h"
 
-#include <stdexcept>
 #include <vector>
 
 using namespace tactor;

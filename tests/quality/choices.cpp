@@ -4,8 +4,6 @@
 #include "saliency/profile.h"
 #include "tactile/tactile_mapping.h"
 
-#include <utility>
-
 namespace quality {
 
 namespace {

@@ -7,8 +7,6 @@
 
 #include <opencv2/core/mat.hpp>
 
-#include <vector>
-
 namespace quality {
 
 // Spatial saliency in double precision, by the definitions of tests/check/libs/saliency_oracle.h but

@@ -2,7 +2,6 @@
 #include "judge.h"
 
 #include <algorithm>
-#include <cmath>
 #include <set>
 
 namespace quality {

@@ -7,7 +7,6 @@
 #include "tests/check/elements/tactorsink_rig.h"
 
 #include <algorithm>
-#include <array>
 #include <cstdio>
 #include <filesystem>
 #include <malloc.h>

@@ -8,12 +8,10 @@
 #include <gst/base/base.h>
 #include <gst/gst.h>
 
-#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <cstdio>
 #include <exception>
-#include <string>
 #include <vector>
 
 using namespace std::chrono_literals;

@@ -6,7 +6,6 @@
 #include "tactor/command_trace.h"
 
 #include <cmath>
-#include <filesystem>
 #include <map>
 #include <random>
 #include <stdexcept>

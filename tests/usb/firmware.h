@@ -3,12 +3,10 @@
 
 #include "tests/check/libs/firmata_model.h"
 
-#include <algorithm>
 #include <chrono>
 #include <cstdint>
 #include <map>
 #include <optional>
-#include <utility>
 #include <vector>
 
 namespace usb_test {

@@ -7,7 +7,6 @@
 #include "film.h"
 
 #include <array>
-#include <cstring>
 #include <memory>
 
 #include <gst/check/gstcheck.h>

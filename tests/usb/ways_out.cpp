@@ -8,12 +8,12 @@
 #include "film.h"
 #include "launch.h"
 
-#include <array>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <memory>
 #include <unistd.h>
+#include <utility>
 
 #include <gst/check/gstcheck.h>
 

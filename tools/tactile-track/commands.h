@@ -5,7 +5,6 @@
 
 #include <glib.h>
 
-#include <memory>
 #include <stdexcept>
 #include <string>
 #include <vector>

@@ -8,7 +8,6 @@
 #include "subtitles.h"
 #include "tactile/formats/track_file.h"
 
-#include <algorithm>
 #include <atomic>
 #include <cstdio>
 #include <filesystem>

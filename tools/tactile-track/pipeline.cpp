@@ -12,7 +12,6 @@
 #include <cstdio>
 #include <stdexcept>
 #include <unistd.h>
-#include <utility>
 #include <vector>
 
 namespace {

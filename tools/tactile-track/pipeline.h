@@ -6,7 +6,6 @@
 
 #include <gst/gst.h>
 
-#include <functional>
 #include <memory>
 #include <string>
 

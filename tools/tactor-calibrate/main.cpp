@@ -5,7 +5,6 @@
 
 #include <gst/gst.h>
 
-#include <algorithm>
 #include <cstdio>
 #include <exception>
 #include <string>

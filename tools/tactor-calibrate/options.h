@@ -8,7 +8,6 @@
 
 #include <glib.h>
 
-#include <memory>
 #include <string>
 #include <vector>
 

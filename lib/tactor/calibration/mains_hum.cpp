@@ -3,10 +3,10 @@
 
 #include <opencv2/core.hpp>
 
-#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <optional>
+#include <span>
 
 namespace tactor {
 

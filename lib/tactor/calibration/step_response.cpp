@@ -8,8 +8,6 @@
 #include <cmath>
 #include <limits>
 #include <map>
-#include <numeric>
-#include <span>
 
 namespace tactor {
 

@@ -8,7 +8,6 @@
 #include "tactor/command_trace.h"
 
 #include <cmath>
-#include <cstdlib>
 #include <string>
 
 #include "../libs/contains.h"

@@ -11,8 +11,6 @@
 #include <cmath>
 #include <cstdlib>
 #include <fstream>
-#include <limits>
-#include <map>
 #include <random>
 #include <string>
 #include <vector>

@@ -3,7 +3,6 @@
 // tactorsink on a GstTestClock: every command's time is exact, nothing waits for real time.
 #pragma once
 
-#include <algorithm>
 #include <atomic>
 #include <cmath>
 #include <cstdlib>

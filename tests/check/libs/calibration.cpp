@@ -4,7 +4,6 @@
 #include "tactor/command_planner.h"
 
 #include <cmath>
-#include <cstdlib>
 #include <stdexcept>
 #include <string>
 #include <vector>

@@ -7,7 +7,6 @@
 #include <algorithm>
 #include <functional>
 #include <random>
-#include <string>
 #include <vector>
 
 using tactile::CueLimiter;

@@ -2,7 +2,6 @@
 #include "tactor/calibration/envelope.h"
 #include "tactor/calibration/mains_hum.h"
 
-#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <numbers>

@@ -7,7 +7,6 @@
 #include <stdexcept>
 #include <string>
 #include <utility>
-#include <vector>
 
 #include "../temporary_file.h"
 #include "tests/quality/fixations.h"

@@ -9,7 +9,6 @@
 #include <cstring>
 #include <memory>
 #include <stdexcept>
-#include <string>
 
 using saliency::ColorModel;
 using saliency::Component;

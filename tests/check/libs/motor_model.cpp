@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "tactor/motor_model.h"
 
-#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <random>

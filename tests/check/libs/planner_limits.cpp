@@ -7,7 +7,6 @@
 #include <cmath>
 #include <random>
 #include <string>
-#include <tuple>
 #include <utility>
 #include <vector>
 

@@ -2,7 +2,6 @@
 #include "tactor/calibration/recording.h"
 
 #include <cmath>
-#include <cstdlib>
 #include <stdexcept>
 #include <string>
 

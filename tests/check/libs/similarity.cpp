@@ -3,7 +3,6 @@
 
 #include "tolerance.h"
 
-#include <initializer_list>
 #include <numbers>
 #include <utility>
 

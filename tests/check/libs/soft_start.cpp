@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "tactor/soft_start.h"
 
-#include <cmath>
-
 #include "tolerance.h"
 
 using namespace std::chrono_literals;

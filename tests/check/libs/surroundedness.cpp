@@ -4,7 +4,6 @@
 #include "saliency_oracle.h"
 #include "tolerance.h"
 
-#include <array>
 #include <cmath>
 #include <stdexcept>
 #include <utility>

@@ -4,7 +4,6 @@
 #include <gst/tactile/tactile.h>
 
 #include <array>
-#include <cmath>
 #include <cstring>
 #include <vector>
 
