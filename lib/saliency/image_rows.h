@@ -92,7 +92,8 @@ private:
   int channels_;
 };
 
-/// Place `i`, up to two beyond an end of `length` samples, mirrored there without repeating the last.
+/// Place `i`, up to two beyond an end of `length` samples, mirrored there without repeating the last; what
+/// lies further away is some place.
 constexpr int
 mirrored(int i, int length)
 {
