@@ -6,8 +6,8 @@
 #        tests/run.sh (--tidy | --cppcheck) [FILE ...]
 #   --asan      build and run under AddressSanitizer and UndefinedBehaviorSanitizer, in C++ alone: no Python
 #   --tsan      build and run under ThreadSanitizer, likewise
-#   --valgrind  run under valgrind's memcheck; without names the tests of libraries and elements but allocations and hostile_tracks, which measure
-#               memory themselves, and Python's
+#   --valgrind  run under valgrind's memcheck, without real clips (libavcodec's pictures count as uninitialised there); without names the tests of
+#               libraries and elements but allocations and hostile_tracks, which measure memory themselves, and Python's
 #   --tidy      clang-tidy, with .clang-tidy, over lib, gst and tools or over some of their files
 #   --cppcheck  cppcheck over lib, gst, tools, tests and examples, likewise
 # Examples: tests/run.sh          tests/run.sh --asan          tests/run.sh tactorsink -v
@@ -29,7 +29,7 @@ case ${1:-} in
     shift
     parts+=" analysis"
     patience=20
-    wrapper=(--wrapper "valgrind --quiet --error-exitcode=99 --leak-check=full --show-leak-kinds=definite --errors-for-leak-kinds=definite --num-callers=30
+    wrapper=(--wrapper "env TEST_CLIPS= valgrind --quiet --error-exitcode=99 --leak-check=full --show-leak-kinds=definite --errors-for-leak-kinds=definite --num-callers=30
       --suppressions=/usr/share/glib-2.0/valgrind/glib.supp --suppressions=$root/tests/sanitizers/valgrind.supp")
     export G_SLICE=always-malloc
     ;;

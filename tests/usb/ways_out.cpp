@@ -310,9 +310,11 @@ public:
 /// watchdog has ended what was on, and nothing of what the film had then is felt any more.
 GST_START_TEST(test_stopped_and_continued)
 {
-  // 0.6 s of 80 % early in the film, then nothing, and 40 % from 8 s on: which of them a motor is told shows when it was meant.
+  // 0.6 s of 80 % early in the film, 0.6 s of 60 % while the process stands still, and 40 % from 8 s on: which of them a motor is told shows when it was
+  // meant.
   const TrackFile track("00:00:00.000 --> 00:00:01.000\n0 0 0\n0 0 0\n0 0 0\n\n"
                         "00:00:01.000 --> 00:00:01.600\n80 80 80\n80 80 80\n80 80 80\n\n"
+                        "00:00:02.500 --> 00:00:03.100\n60 60 60\n60 60 60\n60 60 60\n\n"
                         "00:00:08.000 --> 00:00:20.000\n40 40 40\n40 40 40\n40 40 40\n");
   EmulatedUsb usb;
   const auto firmware = std::make_shared<Firmware>(kMega, true);

@@ -87,7 +87,12 @@ public:
   /// Plays on until so many more commands have been given.
   void wait_for_commands(guint64 count)
   {
-    wait([this, until = stat("issued") + count] { return stat("issued") >= until; });
+    wait([this, count, until = stat("issued") + count] {
+      fail_if(eos,
+              "the film ended, of %" G_GUINT64_FORMAT " commands only %" G_GUINT64_FORMAT " came",
+              count, stat("issued") + count - until);
+      return stat("issued") >= until;
+    });
   }
   guint64 rendered()
   {
