@@ -62,7 +62,7 @@ disk_full() {
   mkdir o
   echo kept >o/visuotactile.mkv
   status=0
-  (ulimit -f 1 && exec timeout 30 "$PLAY" -q -o o "$work/film.mkv" >/dev/null 2> >(cat >err)) || status=$?
+  (ulimit -f 1 && exec timeout 30 "$PLAY" -q -o o "$work/film.mkv" 2>&1 >/dev/null) | cat >err || status=${PIPESTATUS[0]}
   expect_status 1
   expect_line err '^visuotactile-play: cannot write the recording: '
   expect_only o visuotactile.mkv
