@@ -327,7 +327,7 @@ HalvePixels(const SourceRows &rows, int width, const RowSums &sums,
       };
       for (std::size_t i = 0; i < kAtOnce; ++i)
         add_rows(4 * of(rows[2 * i]), of(rows[2 * i + 1]), sums,
-                 4 * x + static_cast<std::ptrdiff_t>(c), halved[i][c] + x);
+                 4 * std::ptrdiff_t{ x } + static_cast<std::ptrdiff_t>(c), halved[i][c] + x);
     }
   });
 }
