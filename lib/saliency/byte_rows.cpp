@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "saliency/byte_rows.h"
 
+#include "saliency/ahead.h"
 #include "saliency/decimation_kernels.h"
 #include "saliency/pyramid.h"
 #include "saliency/unpack_kernels.h"
@@ -14,23 +15,6 @@
 namespace saliency {
 
 namespace {
-
-/// What to ask memory for while `part` of `parts` of rows from y on is worked on: a part of the group of
-/// rows after theirs. What is a row to kernels is as many of them as fill a page.
-kernels::Ahead
-ahead_of(const Component &first, int y, int part, int parts)
-{
-  constexpr std::ptrdiff_t kPage = 4096;
-  constexpr std::ptrdiff_t kStreams = kernels::Ahead::kRows;
-  constexpr std::ptrdiff_t kRows = kernels::SourceRows().size();
-  const std::ptrdiff_t stride = std::max<std::ptrdiff_t>(1, std::abs(first.row_stride));
-  const std::ptrdiff_t rows = (kPage - 1) / stride + 1;
-  const std::ptrdiff_t group = kStreams * rows;
-  const std::ptrdiff_t place = y % group / kRows * parts + part;
-  return { first.data + (y / group + 1) * group * first.row_stride
-               + place * stride * kRows / (kStreams * parts),
-           first.row_stride * rows };
-}
 
 /// Rows from y on, of an image of that height: `row(y, place among them)`.
 template <typename Row>
@@ -53,7 +37,7 @@ public:
   virtual kernels::SourceRows rows(int y) = 0;
 
   /// What whoever works on a channel of those rows asks memory for meanwhile.
-  virtual kernels::Ahead ahead(int channel) const = 0;
+  virtual Ahead ahead(int channel) const = 0;
 };
 
 class ByteSamples final : public ByteRows
@@ -61,7 +45,7 @@ class ByteSamples final : public ByteRows
 public:
   ByteSamples(const Component &component, std::size_t index)
       : ByteRows({ component.width, component.height }), index_(index),
-        buffer_(kernels::SourceRows().size(), component.width)
+        buffer_(kernels::kSourceRows, component.width)
   {
   }
 
@@ -81,9 +65,9 @@ public:
     return rows_from(y, size().height, [this](int row, int place) { return unpacked(row, place); });
   }
 
-  kernels::Ahead ahead(int) const override
+  Ahead ahead(int) const override
   {
-    return ahead_of(component_, y_, 0, 1);
+    return ahead_of(component_, y_, kernels::kSourceRows);
   }
 
 private:
@@ -134,7 +118,7 @@ class PixelRows final : public ByteRows
 {
 public:
   explicit PixelRows(cv::Size size)
-      : ByteRows(size, 3), buffer_(kernels::SourceRows().size(), size.width, 3)
+      : ByteRows(size, 3), buffer_(kernels::kSourceRows, size.width, 3)
   {
   }
 
@@ -156,9 +140,9 @@ public:
     return rows_from(y, size().height, [this](int row, int place) { return unpacked(row, place); });
   }
 
-  kernels::Ahead ahead(int channel) const override
+  Ahead ahead(int channel) const override
   {
-    return ahead_of(first_, y_, channel, channels());
+    return ahead_of(first_, y_, kernels::kSourceRows, channel, channels());
   }
 
 private:
@@ -176,7 +160,7 @@ private:
 
   Component first_; ///< in memory
   /// Rows for the bytes of a pixel.
-  std::array<std::array<std::uint8_t *, 3>, kernels::SourceRows().size()> places_{};
+  std::array<std::array<std::uint8_t *, 3>, kernels::kSourceRows> places_{};
   int y_ = 0; ///< the first of the latest rows
   RowBuffer<std::uint8_t> buffer_;
 };
@@ -316,7 +300,8 @@ private:
   {
     const auto rows = rows_from(
         y, source_.height, [this](int row, int) { return first_.data + row * first_.row_stride; });
-    kernels::halve_pixels(rows, source_.width, sums(0), places_, ahead_of(first_, y, 0, 1));
+    kernels::halve_pixels(rows, source_.width, sums(0), places_,
+                          ahead_of(first_, y, kernels::kSourceRows));
   }
 
   cv::Size source_;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "saliency/component_rows.h"
 
+#include "saliency/ahead.h"
 #include "saliency/byte_rows.h"
 #include "saliency/decimation_kernels.h"
 #include "saliency/pyramid.h"
@@ -33,7 +34,7 @@ public:
   const Fixed *row(int y) override
   {
     kernels::unpack(component_.data + y * component_.row_stride, component_.pixel_stride, left_,
-                    mask_, component_.width, buffer_.row(0));
+                    mask_, component_.width, buffer_.row(0), ahead_of(component_, y, 1));
     return buffer_.row(0);
   }
 

@@ -7,10 +7,10 @@
 // Everything up to HWY_ONCE is compiled for each target. No fused multiply-add, which not all have.
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "saliency/decimation_kernels.cpp"
-#include <hwy/cache_control.h>
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
+#include "saliency/ahead-inl.h"
 #include "saliency/vectors-inl.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -18,27 +18,10 @@ namespace saliency::kernels::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
+using saliency::HWY_NAMESPACE::ask;
 using saliency::HWY_NAMESPACE::cover;
 using saliency::HWY_NAMESPACE::load_bytes;
 template <typename T> using Tag = saliency::HWY_NAMESPACE::Vectors<T>;
-
-/// Asks for as many bytes ahead as a vector of `size` in each row that is worked on, which `bytes` of the row
-/// come before: to the second level of the cache, as the first has no room for them.
-template <std::size_t size>
-HWY_INLINE void
-ask(const Ahead &ahead, std::ptrdiff_t bytes)
-{
-  constexpr std::size_t kLine = 64;
-  constexpr std::size_t kRows = SourceRows().size();
-  constexpr std::size_t kLines = std::max<std::size_t>(1, kRows * size / kLine);
-  constexpr std::size_t kTurn = Ahead::kRows / kLines; // vectors for a line of each row
-  const std::size_t vector = static_cast<std::size_t>(bytes) / std::max(size, kLine / kRows);
-  const auto row = static_cast<std::ptrdiff_t>(vector % kTurn * kLines);
-  for (std::size_t i = 0; i < kLines; ++i)
-    __builtin_prefetch(ahead.first + (row + static_cast<std::ptrdiff_t>(i)) * ahead.row_stride
-                           + vector / kTurn * kLine,
-                       0, 2);
-}
 
 /// Places of a row that the Gaussian weighs by 1, 4, 6, 4 and 1.
 using Taps = std::array<int, 5>;
@@ -217,7 +200,7 @@ HalveBytes(SourceRows rows, int width, RowSums sums, AtOnce<Fixed *> halved, Ahe
         return load_bytes(d, at + 2 * i);
       };
     };
-    ask<2 * hn::MaxLanes(d)>(ahead, 2 * x);
+    ask<kSourceRows * 2 * hn::MaxLanes(d)>(ahead, kSourceRows * 2 * x);
     add_source_rows(d, rows, pairs, sums, x,
                     [halved, x](std::size_t i) HWY_ATTR { return halved[i] + x; });
   };
@@ -296,7 +279,7 @@ halve_pixels_from(int x, SourceRows rows, int width, RowSums sums,
             return hn::BitCast(d, hn::TableLookupBytes(hn::LoadU(d8, at + 8 * i), order));
           };
         };
-        ask<2 * hn::MaxLanes(d)>(ahead, 8 * place);
+        ask<kSourceRows * 2 * hn::MaxLanes(d)>(ahead, kSourceRows * 8 * place);
         add_source_rows(d, rows, pairs, sums, 4 * place, [&](std::size_t i) HWY_ATTR {
           return pixels[i].data() + 4 * (place - begin);
         });

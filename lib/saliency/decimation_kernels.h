@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include "saliency/ahead.h"
 #include "saliency/image_rows.h"
 
 #include <array>
@@ -17,18 +18,8 @@ constexpr int kAtOnce = 2;
 template <typename T> using AtOnce = std::array<T, kAtOnce>;
 
 /// Rows 2y + 1 and 2y + 2 of an image, and those that follow, two for each row that is made.
-using SourceRows = std::array<const std::uint8_t *, std::size_t{ 2 } * kAtOnce>;
-
-/// Bytes that will be needed soon, which who works on others asks memory for meanwhile: as many, a line of
-/// the cache from each of kRows rows in turn, as memory delivers more at a time of many rows than of one.
-/// They need not be there.
-struct Ahead
-{
-  static constexpr int kRows = 8;
-
-  const std::uint8_t *first;
-  std::ptrdiff_t row_stride;
-};
+constexpr int kSourceRows = 2 * kAtOnce;
+using SourceRows = std::array<const std::uint8_t *, kSourceRows>;
 
 /// Of rows of bytes, each halved from side to side times 16 (h): h[2y - 2] + 4 h[2y - 1] + 6 h[2y], and
 /// h[2y].

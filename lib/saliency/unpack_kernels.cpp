@@ -8,6 +8,7 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
+#include "saliency/ahead-inl.h"
 #include "saliency/vectors-inl.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -15,6 +16,7 @@ namespace saliency::kernels::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
+using saliency::HWY_NAMESPACE::ask;
 using saliency::HWY_NAMESPACE::cover;
 using saliency::HWY_NAMESPACE::load_bytes;
 template <typename T> using Tag = saliency::HWY_NAMESPACE::Vectors<T>;
@@ -48,7 +50,8 @@ Unpack8(const std::uint8_t *in, int stride, int count, std::uint8_t *out)
 }
 
 void
-Unpack16(const std::uint8_t *in, int stride, int left, unsigned mask, int count, Fixed *out)
+Unpack16(const std::uint8_t *in, int stride, int left, unsigned mask, int count, Fixed *out,
+         [[maybe_unused]] const Ahead &ahead)
 {
   std::ptrdiff_t x = 0;
 #if HWY_TARGET != HWY_SCALAR
@@ -57,12 +60,14 @@ Unpack16(const std::uint8_t *in, int stride, int left, unsigned mask, int count,
   const auto bits = hn::Set(d, static_cast<std::uint16_t>(mask));
   if (stride == 2) {
     for (; x + step <= count; x += step) {
+      ask<2 * hn::MaxLanes(d)>(ahead, x * 2);
       const auto words = load_bytes(d, in + x * 2);
       hn::StoreU(hn::ShiftRight<1>(hn::And(hn::ShiftLeftSame(words, left), bits)), d, out + x);
     }
   } else if (stride == 4) {
     for (; x + step < count; x += step) {
       const auto *at = in + x * 4;
+      ask<4 * hn::MaxLanes(d)>(ahead, x * 4);
       const auto words = hn::ConcatEven(d, load_bytes(d, at + 2 * step), load_bytes(d, at));
       hn::StoreU(hn::ShiftRight<1>(hn::And(hn::ShiftLeftSame(words, left), bits)), d, out + x);
     }
@@ -153,9 +158,10 @@ unpack(const std::uint8_t *in, int stride, int count, std::uint8_t *out)
 }
 
 void
-unpack(const std::uint8_t *in, int stride, int left, unsigned mask, int count, Fixed *out)
+unpack(const std::uint8_t *in, int stride, int left, unsigned mask, int count, Fixed *out,
+       const Ahead &ahead)
 {
-  HWY_DYNAMIC_DISPATCH(Unpack16)(in, stride, left, mask, count, out);
+  HWY_DYNAMIC_DISPATCH(Unpack16)(in, stride, left, mask, count, out, ahead);
 }
 
 void

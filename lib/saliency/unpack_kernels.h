@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include "saliency/ahead.h"
 #include "saliency/image_rows.h"
 
 #include <array>
@@ -14,7 +15,8 @@ namespace saliency::kernels {
 void unpack(const std::uint8_t *in, int stride, int count, std::uint8_t *out);
 
 /// 16-bit little-endian words `stride` bytes apart: half of (word << left) & mask.
-void unpack(const std::uint8_t *in, int stride, int left, unsigned mask, int count, Fixed *out);
+void unpack(const std::uint8_t *in, int stride, int left, unsigned mask, int count, Fixed *out,
+            const Ahead &ahead);
 
 /// Three bytes of every `stride`, 3 or more, to three rows.
 void unpack_triples(const std::uint8_t *in, int stride, int count,
