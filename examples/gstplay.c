@@ -3,29 +3,34 @@
  * Plays a film with GstPlay, shown and felt. All that touch takes is the video sink.
  * Usage: gstplay URI [visuotactilesink's properties, as in rows=2 driver=simulator]
  */
+#include <glib-unix.h>
 #include <gst/gst.h>
 #include <gst/play/play.h>
 
+/* After the end, an error and gst_play_stop() alike. Only now does GstPlay refer to itself no more, so that dropping it waits until
+ * the pipeline has come down: a program that ends earlier pulls it from under the threads that take it down. */
 static void
-on_end_of_stream(GstPlay *play, GMainLoop *loop)
+on_state_changed(GstPlay *play, GstPlayState state, GMainLoop *loop)
 {
   (void)play;
-  g_main_loop_quit(loop);
+  if (state == GST_PLAY_STATE_STOPPED)
+    g_main_loop_quit(loop);
 }
 
 static void
-on_warning(GstPlay *play, GError *warning, GstStructure *details)
+on_message(GstPlay *play, GError *message, GstStructure *details)
 {
   (void)play;
   (void)details;
-  g_printerr("%s\n", warning->message);
+  g_printerr("%s\n", message->message);
 }
 
-static void
-on_error(GstPlay *play, GError *error, GstStructure *details, GMainLoop *loop)
+/* A process that is killed leaves the motors as they are, to the firmware's watchdog if there is one. */
+static gboolean
+on_signal(gpointer play)
 {
-  on_warning(play, error, details);
-  g_main_loop_quit(loop);
+  gst_play_stop(play);
+  return G_SOURCE_CONTINUE;
 }
 
 int
@@ -51,14 +56,15 @@ main(int argc, char **argv)
   GstPlay *play = gst_play_new(gst_play_video_overlay_video_renderer_new_with_sink(NULL, sink));
   GstPlaySignalAdapter *signals = gst_play_signal_adapter_new(play);
   GMainLoop *loop = g_main_loop_new(NULL, FALSE);
-  g_signal_connect(signals, "end-of-stream", G_CALLBACK(on_end_of_stream), loop);
-  g_signal_connect(signals, "warning", G_CALLBACK(on_warning), NULL);
-  g_signal_connect(signals, "error", G_CALLBACK(on_error), loop);
+  g_signal_connect(signals, "state-changed", G_CALLBACK(on_state_changed), loop);
+  g_signal_connect(signals, "warning", G_CALLBACK(on_message), NULL);
+  g_signal_connect(signals, "error", G_CALLBACK(on_message), NULL);
+  g_unix_signal_add(SIGINT, on_signal, play);
+  g_unix_signal_add(SIGTERM, on_signal, play);
   gst_play_set_uri(play, argv[1]);
   gst_play_play(play);
   g_main_loop_run(loop);
 
-  gst_play_stop(play);
   g_object_unref(signals);
   g_object_unref(play);
   g_main_loop_unref(loop);
