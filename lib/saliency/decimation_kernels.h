@@ -18,7 +18,7 @@ constexpr int kAtOnce = 2;
 template <typename T> using AtOnce = std::array<T, kAtOnce>;
 
 /// Rows 2y + 1 and 2y + 2 of an image, and those that follow, two for each row that is made.
-constexpr int kSourceRows = 2 * kAtOnce;
+constexpr std::ptrdiff_t kSourceRows = std::ptrdiff_t{ 2 } * kAtOnce;
 using SourceRows = std::array<const std::uint8_t *, kSourceRows>;
 
 /// Of rows of bytes, each halved from side to side times 16 (h): h[2y - 2] + 4 h[2y - 1] + 6 h[2y], and
