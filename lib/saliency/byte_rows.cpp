@@ -2,7 +2,7 @@
 #include "saliency/byte_rows.h"
 
 #include "saliency/ahead.h"
-#include "saliency/decimation_kernels.h"
+#include "saliency/byte_kernels.h"
 #include "saliency/pyramid.h"
 #include "saliency/unpack_kernels.h"
 
@@ -193,14 +193,16 @@ private:
   RowBuffer<Fixed> buffer_;
 };
 
-/// Of bytes, halved along both axes, kAtOnce rows at a time.
-class HalvedByteRows : public ImageRows<Fixed>
+/// Of bytes, halved from side to side, and halved or quartered from top to bottom.
+class DecimatedByteRows : public ImageRows<Fixed>
 {
 public:
-  /// `numbers`: how many of a place are worked on at once, in each of `sums` rows.
-  HalvedByteRows(cv::Size source, int channels, int numbers, int sums)
-      : ImageRows(level_size(source, 1), channels), made_(kernels::kAtOnce, size().width, channels),
-        offset_(kAligned - numbers), sums_(2, offset_ + numbers * size().width, sums)
+  /// `numbers` of a place are worked on at once, `times` in turn.
+  DecimatedByteRows(cv::Size source, int channels, int numbers, int times, bool quartered)
+      : ImageRows({ level_size(source, 1).width, level_size(source, quartered ? 2 : 1).height },
+                  channels),
+        made_(kernels::kAtOnce, size().width, channels), source_rows_(source.height),
+        quartered_(quartered), carried_(1, carried_length(numbers * size().width, quartered), times)
   {
   }
 
@@ -211,42 +213,62 @@ public:
 
   const Fixed *row(int y) final
   {
-    if (y < first_made_ || y >= first_made_ + kernels::kAtOnce) {
-      if (y != first_made_ + kernels::kAtOnce)
-        add_rows(2 * (y - kernels::kAtOnce) + 1);
-      add_rows(2 * y + 1);
+    const int at_once = quartered_ ? 1 : kernels::kAtOnce;
+    if (y < first_made_ || y >= first_made_ + at_once) {
+      // Sums hold what the rows before have left there, and these what those before have.
+      const int before = y == first_made_ + at_once ? 0 : (quartered_ ? 3 : 1);
+      for (int i = before; i >= 0; --i)
+        make(y - i * at_once);
       first_made_ = y;
     }
     return made_.row(y - first_made_);
   }
 
 protected:
-  kernels::RowSums sums(int i)
+  bool quartered() const
   {
-    const std::ptrdiff_t at = i * sums_.pitch() + offset_;
-    return { sums_.row(0) + at, sums_.row(1) + at };
+    return quartered_;
+  }
+  kernels::Carried carried(int i)
+  {
+    return { .first = carried_.row(0) + i * carried_.pitch(), .more = more_ };
   }
 
   RowBuffer<Fixed> made_;
 
 private:
-  /// Vectors begin with place 1, so this is what is aligned.
-  static constexpr int kAligned = 32;
   static constexpr int kNone = -2 * kernels::kAtOnce;
+
+  static int carried_length(int numbers, bool quartered)
+  {
+    using kernels::Carried;
+    const int blocks = numbers / Carried::kBlock + 2; // place 1 begins one
+    return blocks * Carried::kBlock * (quartered ? Carried::kQuartered : Carried::kHalved);
+  }
+
+  /// Rows from y on.
+  void make(int y)
+  {
+    const int halved = quartered_ ? 2 * y + 1 : y;
+    more_ = std::clamp(level_size({ 1, source_rows_ }, 1).height - halved, 0, kernels::kAtOnce);
+    add_rows(2 * halved + 1);
+  }
 
   /// Adds rows of the source from y on.
   virtual void add_rows(int y) = 0;
 
   int first_made_ = kNone;
-  int offset_; ///< of place 0 in the rows of sums
-  RowBuffer<std::uint16_t> sums_;
+  int source_rows_;
+  bool quartered_;
+  RowBuffer<std::uint16_t> carried_;
+  int more_ = 0; ///< rows of half the height, of those that are made now, that there are
 };
 
-class HalvedBytes final : public HalvedByteRows
+class DecimatedBytes final : public DecimatedByteRows
 {
 public:
-  explicit HalvedBytes(std::unique_ptr<ByteRows> source)
-      : HalvedByteRows(source->size(), source->channels(), 1, source->channels()),
+  DecimatedBytes(std::unique_ptr<ByteRows> source, bool quartered)
+      : DecimatedByteRows(source->size(), source->channels(), 1, source->channels(), quartered),
         source_(std::move(source)),
         source_pitch_(RowBuffer<std::uint8_t>::pitch(source_->size().width))
   {
@@ -254,7 +276,7 @@ public:
 
   void begin(const FrameView &frame) override
   {
-    HalvedByteRows::begin(frame);
+    DecimatedByteRows::begin(frame);
     source_->begin(frame);
   }
 
@@ -262,15 +284,16 @@ private:
   void add_rows(int y) override
   {
     auto rows = source_->rows(y);
-    kernels::AtOnce<Fixed *> halved;
-    for (int i = 0; i < kernels::kAtOnce; ++i)
-      halved[static_cast<std::size_t>(i)] = made_.row(i);
+    const int width = source_->size().width;
     for (int c = 0; c < channels(); ++c) {
-      kernels::halve_bytes(rows, source_->size().width, sums(c), halved, source_->ahead(c));
+      Fixed *made = made_.row(0) + c * made_.pitch();
+      if (quartered())
+        kernels::quarter_bytes(rows, width, carried(c), made, source_->ahead(c));
+      else
+        kernels::halve_bytes(rows, width, carried(c), { made, made_.row(1) + c * made_.pitch() },
+                             source_->ahead(c));
       for (auto &row : rows)
         row += source_pitch_;
-      for (auto &row : halved)
-        row += made_.pitch();
     }
   }
 
@@ -279,16 +302,17 @@ private:
 };
 
 /// Of pixels of four bytes, three of which matter.
-class HalvedPixels final : public HalvedByteRows
+class DecimatedPixels final : public DecimatedByteRows
 {
 public:
-  explicit HalvedPixels(cv::Size source) : HalvedByteRows(source, 3, 4, 1), source_(source)
+  DecimatedPixels(cv::Size source, bool quartered)
+      : DecimatedByteRows(source, 3, 4, 1, quartered), source_(source)
   {
   }
 
   void begin(const FrameView &frame) override
   {
-    HalvedByteRows::begin(frame);
+    DecimatedByteRows::begin(frame);
     first_ = first_byte(frame);
     for (std::size_t i = 0; i < places_.size(); ++i)
       places_[i] = in_memory_order(frame, made_.row(static_cast<int>(i)), made_.pitch());
@@ -299,8 +323,11 @@ private:
   {
     const auto rows = rows_from(
         y, source_.height, [this](int row, int) { return first_.data + row * first_.row_stride; });
-    kernels::halve_pixels(rows, source_.width, sums(0), places_,
-                          ahead_of(first_, y, kernels::kSourceRows));
+    const Ahead ahead = ahead_of(first_, y, kernels::kSourceRows);
+    if (quartered())
+      kernels::quarter_pixels(rows, source_.width, carried(0), places_[0], ahead);
+    else
+      kernels::halve_pixels(rows, source_.width, carried(0), places_, ahead);
   }
 
   cv::Size source_;
@@ -309,28 +336,28 @@ private:
 };
 
 std::unique_ptr<ImageRows<Fixed>>
-widened_or_halved(std::unique_ptr<ByteRows> rows, bool halved)
+decimated(std::unique_ptr<ByteRows> rows, ByteDecimation decimation)
 {
-  if (halved)
-    return std::make_unique<HalvedBytes>(std::move(rows));
-  return std::make_unique<WidenedRows>(std::move(rows));
+  if (decimation == ByteDecimation::none)
+    return std::make_unique<WidenedRows>(std::move(rows));
+  return std::make_unique<DecimatedBytes>(std::move(rows), decimation == ByteDecimation::quartered);
 }
 
 } // namespace
 
 std::unique_ptr<ImageRows<Fixed>>
-byte_samples(const Component &component, std::size_t index, bool halved)
+byte_samples(const Component &component, std::size_t index, ByteDecimation decimation)
 {
-  return widened_or_halved(std::make_unique<ByteSamples>(component, index), halved);
+  return decimated(std::make_unique<ByteSamples>(component, index), decimation);
 }
 
 std::unique_ptr<ImageRows<Fixed>>
-byte_pixels(const FrameView &frame, bool halved)
+byte_pixels(const FrameView &frame, ByteDecimation decimation)
 {
   const cv::Size size(frame.width, frame.height);
-  if (halved && frame.components[0].pixel_stride == 4)
-    return std::make_unique<HalvedPixels>(size);
-  return widened_or_halved(std::make_unique<PixelRows>(size), halved);
+  if (decimation != ByteDecimation::none && frame.components[0].pixel_stride == 4)
+    return std::make_unique<DecimatedPixels>(size, decimation == ByteDecimation::quartered);
+  return decimated(std::make_unique<PixelRows>(size), decimation);
 }
 
 } // namespace saliency

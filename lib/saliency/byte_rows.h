@@ -9,11 +9,22 @@
 
 namespace saliency {
 
-/// Samples of a component of 8 bits, the frame's `index`-th; `halved`: a level up along both axes.
+/// How far rows of bytes are decimated as they are read.
+enum class ByteDecimation
+{
+  none,
+  halved,    ///< along both axes
+  quartered, ///< from top to bottom, and halved from side to side
+};
+
+/// Images of fewer rows are not quartered.
+constexpr int kFewestToQuarter = 16;
+
+/// Samples of a component of 8 bits, the frame's `index`-th.
 std::unique_ptr<ImageRows<Fixed>> byte_samples(const Component &component, std::size_t index,
-                                               bool halved);
+                                               ByteDecimation decimation);
 
 /// All three components of a frame with has_byte_triples(), likewise.
-std::unique_ptr<ImageRows<Fixed>> byte_pixels(const FrameView &frame, bool halved);
+std::unique_ptr<ImageRows<Fixed>> byte_pixels(const FrameView &frame, ByteDecimation decimation);
 
 } // namespace saliency

@@ -84,13 +84,23 @@ private:
   std::ptrdiff_t source_pitch_;
 };
 
+std::unique_ptr<ImageRows<Fixed>>
+decimated(std::unique_ptr<ImageRows<Fixed>> rows, int octaves)
+{
+  for (int i = 0; i < octaves; ++i)
+    rows = std::make_unique<HalvedRows>(std::move(rows));
+  return rows;
+}
+
 /// Halved from side to side alone.
 class HalvedColumns final : public ImageRows<Fixed>
 {
 public:
   explicit HalvedColumns(std::unique_ptr<ImageRows<Fixed>> source)
-      : ImageRows({ level_size(source->size(), 1).width, source->size().height }),
-        source_(std::move(source)), buffer_(1, size().width)
+      : ImageRows({ level_size(source->size(), 1).width, source->size().height },
+                  source->channels()),
+        source_(std::move(source)), buffer_(1, size().width, channels()),
+        source_pitch_(RowBuffer<Fixed>::pitch(source_->size().width))
   {
   }
 
@@ -101,13 +111,17 @@ public:
 
   const Fixed *row(int y) override
   {
-    kernels::halve_columns(source_->row(y), source_->size().width, buffer_.row(0));
+    const Fixed *samples = source_->row(y);
+    for (int c = 0; c < channels(); ++c)
+      kernels::halve_columns(samples + c * source_pitch_, source_->size().width,
+                             buffer_.row(0) + c * buffer_.pitch());
     return buffer_.row(0);
   }
 
 private:
   std::unique_ptr<ImageRows<Fixed>> source_;
   RowBuffer<Fixed> buffer_;
+  std::ptrdiff_t source_pitch_;
 };
 
 /// Halved from top to bottom alone.
@@ -202,12 +216,18 @@ private:
   RowBuffer<Fixed> buffer_;
 };
 
+/// Of bytes that `make` reads and decimates as it is told, of which there are `height` rows.
+template <typename Make>
 std::unique_ptr<ImageRows<Fixed>>
-decimated(std::unique_ptr<ImageRows<Fixed>> rows, int octaves)
+decimated_bytes(const Make &make, int height, int octaves)
 {
-  for (int i = 0; i < octaves; ++i)
-    rows = halved_rows(std::move(rows));
-  return rows;
+  if (octaves == 0)
+    return make(ByteDecimation::none);
+  const bool quartered = octaves > 1 && height >= kFewestToQuarter;
+  std::unique_ptr<ImageRows<Fixed>> rows
+      = quartered ? std::make_unique<HalvedColumns>(make(ByteDecimation::quartered))
+                  : make(ByteDecimation::halved);
+  return decimated(std::move(rows), octaves - (quartered ? 2 : 1));
 }
 
 } // namespace
@@ -233,10 +253,12 @@ component_rows(const FrameView &frame, std::size_t component, int level)
   const int rows = level - subsampling(frame.height, samples.height);
   const int both = std::max(0, std::min(columns, rows));
 
-  const bool bytes = frame.depth == 8;
-  auto image = bytes ? byte_samples(samples, component, both > 0)
-                     : std::make_unique<WordSamples>(samples, component);
-  image = decimated(std::move(image), both - (bytes && both > 0 ? 1 : 0));
+  const auto bytes = [&samples, component](ByteDecimation decimation) {
+    return byte_samples(samples, component, decimation);
+  };
+  auto image = frame.depth == 8
+                   ? decimated_bytes(bytes, samples.height, both)
+                   : decimated(std::make_unique<WordSamples>(samples, component), both);
   for (int i = both; i < columns; ++i)
     image = std::make_unique<HalvedColumns>(std::move(image));
   for (int i = both; i < rows; ++i)
@@ -271,13 +293,16 @@ has_byte_triples(const FrameView &frame)
 std::unique_ptr<ImageRows<Fixed>>
 pixel_rows(const FrameView &frame, int level)
 {
-  return decimated(byte_pixels(frame, level > 0), std::max(0, level - 1));
+  const auto bytes = [&frame](ByteDecimation decimation) {
+    return byte_pixels(frame, decimation);
+  };
+  return decimated_bytes(bytes, frame.height, level);
 }
 
 std::unique_ptr<ImageRows<Fixed>>
 halved_rows(std::unique_ptr<ImageRows<Fixed>> source)
 {
-  return std::make_unique<HalvedRows>(std::move(source));
+  return decimated(std::move(source), 1);
 }
 
 } // namespace saliency

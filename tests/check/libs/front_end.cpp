@@ -201,8 +201,16 @@ GST_START_TEST(test_layouts)
 {
   const Layout &layout = kLayouts[__i__];
   unsigned seed = 1;
-  for (const auto &[width, height] :
-       { std::pair{ 1, 1 }, { 1, 7 }, { 9, 1 }, { 2, 2 }, { 5, 3 }, { 16, 9 }, { 33, 18 } })
+  for (const auto &[width, height] : { std::pair{ 1, 1 },
+                                       { 1, 7 },
+                                       { 9, 1 },
+                                       { 2, 2 },
+                                       { 5, 3 },
+                                       { 16, 9 },
+                                       { 33, 18 },
+                                       { 4, 16 },
+                                       { 35, 17 },
+                                       { 150, 19 } })
     for (const bool bottom_up : { false, true })
       for (const bool exact : { false, true }) {
         const Frame frame(layout, width, height, bottom_up, ++seed);
