@@ -83,16 +83,27 @@ store(hn::VFromD<D> value, D d, std::uint16_t *to)
   hn::StoreU(value, d, to);
 }
 
+/// 6, which the compiler does not know, as it would make two shifts and an addition of one multiplication.
+HWY_INLINE std::uint16_t
+six()
+{
+  std::uint16_t value = 6;
+#ifdef __GNUC__
+  asm("" : "+r"(value));
+#endif
+  return value;
+}
+
 /// Two more rows of sums from side to side, a and b, the first four times: the row that they complete
 /// from top to bottom, and the sums for the next.
 template <class D, class V = hn::VFromD<D>>
 HWY_INLINE V
 add_rows(D d, V four_a, V b, V &weighted, V &last)
 {
-  const V sum = hn::Add(hn::Add(weighted, four_a), b);
-  weighted = hn::Add(hn::Add(last, four_a), hn::Mul(b, hn::Set(d, 6)));
+  const V halved = hn::AverageRound(hn::Add(weighted, four_a), b);
+  weighted = hn::Add(hn::Add(last, four_a), hn::Mul(b, hn::Set(d, six())));
   last = b;
-  return hn::AverageRound(sum, hn::Zero(d));
+  return halved;
 }
 
 HWY_INLINE int
