@@ -100,6 +100,7 @@ struct Analyzer::State
   Profile profile;
   double longest; ///< window, in frames
   FrontEnd front_end;
+  Team team; ///< that works on the frame
   Pyramid pyramid;
   SpatialSaliency spatial;
   TemporalPyramid history;
@@ -171,7 +172,7 @@ Analyzer::State::spatiotemporal_map(Time time, Time duration)
     pose = camera_pose(elapsed);
     result.cut = true;
   }
-  const cv::Mat &map = spatial.compute(pyramid, levels);
+  const cv::Mat &map = spatial.compute(pyramid, levels, team);
   if (profile.time_base == TimeBase::frames)
     history.push(map, 1, 1);
   else {
@@ -184,7 +185,7 @@ Analyzer::State::spatiotemporal_map(Time time, Time duration)
   }
   previous = Previous{ time, duration };
   result.camera_moves = history.moved();
-  return spatiotemporal.compute(history);
+  return spatiotemporal.compute(history, team);
 }
 
 Analyzer::Analyzer(const Profile &profile) : state_(std::make_unique<State>(profile))
@@ -208,10 +209,11 @@ Analyzer::analyze(const FrameView &frame, Time time, Time duration, bool tempora
   s.follow({ frame.width, frame.height }, time);
   s.result.cut = false;
   s.result.camera_moves = false;
-  s.pyramid.build(s.front_end.lab(frame, s.levels.finest), s.levels.finest, s.levels.coarsest,
-                  s.levels.finest_chroma);
-  s.result.map
-      = temporal ? s.spatiotemporal_map(time, duration) : s.spatial.compute(s.pyramid, s.levels);
+  const FixedLabImage &lab = s.front_end.lab(frame, s.levels.finest);
+  s.team = s.front_end.team();
+  s.pyramid.build(lab, s.levels.finest, s.levels.coarsest, s.levels.finest_chroma, s.team);
+  s.result.map = temporal ? s.spatiotemporal_map(time, duration)
+                          : s.spatial.compute(s.pyramid, s.levels, s.team);
   cv::minMaxLoc(s.result.map, nullptr, &s.result.peak);
   const double step = std::ldexp(1.0, s.levels.saliency); // pixels from sample to sample
   s.result.picture

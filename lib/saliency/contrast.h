@@ -22,16 +22,18 @@ public:
   /// C(c, s) = ‖P_c - up(P_s)‖ ≥ 0 in a pyramid of L*a*b* images, surround ≥ centre. The differences of
   /// a* and b* are those of the pair `chroma`, no finer than `lightness`, brought to the centre's
   /// resolution. `map` becomes CV_32FC1 of the size of the lightness' centre.
-  void operator()(const Pyramid &pyramid, LevelPair lightness, LevelPair chroma, cv::Mat &map);
+  void operator()(const Pyramid &pyramid, LevelPair lightness, LevelPair chroma, cv::Mat &map,
+                  const Team &team = {});
 
 private:
   static const float *enlarged(const cv::Mat &plane, int octaves, int row, int width,
                                std::vector<float> &fine);
-  const cv::Mat &chroma_squared(const Pyramid &pyramid, LevelPair pair);
+  const cv::Mat &chroma_squared(const Pyramid &pyramid, LevelPair pair, const Team &team);
 
   float chroma_weight_squared_;
-  std::array<std::vector<float>, 2> fine_; ///< rows at the centre's resolution
-  std::vector<cv::Mat> chroma_;            ///< w² (Δa² + Δb²), of each level
+  /// Two rows at the centre's resolution, of each thread.
+  std::vector<std::array<std::vector<float>, 2>> fine_;
+  std::vector<cv::Mat> chroma_; ///< w² (Δa² + Δb²), of each level
 };
 
 } // namespace saliency

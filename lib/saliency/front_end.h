@@ -48,6 +48,12 @@ public:
   /// impossible depth or strides. Allocates only when geometry, format or level change.
   const FixedLabImage &lab(const FrameView &frame, int level);
 
+  /// The threads that made the latest image, for what is done with it.
+  Team team()
+  {
+    return { pool_, static_cast<int>(bands_.size()) };
+  }
+
 private:
   /// What the bands are made for.
   struct Geometry

@@ -10,11 +10,10 @@
 namespace saliency {
 
 void
-to_float(const cv::Mat &fixed, cv::Mat &plane)
+to_float(const cv::Mat &fixed, int begin, int end, cv::Mat &plane)
 {
-  CV_Assert(fixed.type() == CV_16UC1);
-  plane.create(fixed.size(), CV_32FC1);
-  for (int y = 0; y < fixed.rows; ++y)
+  CV_Assert(fixed.type() == CV_16UC1 && plane.type() == CV_32FC1 && plane.size() == fixed.size());
+  for (int y = begin; y < end; ++y)
     kernels::to_float(fixed.ptr<Fixed>(y), fixed.cols, 1 / FixedLabImage::kUnits,
                       -FixedLabImage::kOffset, plane.ptr<float>(y));
 }
@@ -23,8 +22,10 @@ LabImage
 to_float(const FixedLabImage &image)
 {
   LabImage lab;
-  for (std::size_t c = 0; c < 3; ++c)
-    to_float(image.planes[c], lab.planes[c]);
+  for (std::size_t c = 0; c < 3; ++c) {
+    lab.planes[c].create(image.size(), CV_32FC1);
+    to_float(image.planes[c], 0, image.size().height, lab.planes[c]);
+  }
   return lab;
 }
 

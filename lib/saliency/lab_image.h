@@ -36,8 +36,8 @@ struct FixedLabImage
   }
 };
 
-/// A plane of a FixedLabImage in true units. Allocates only when the size changes.
-void to_float(const cv::Mat &fixed, cv::Mat &plane);
+/// Rows begin…end - 1 of a plane of a FixedLabImage in true units; `plane`, CV_32FC1, has its size.
+void to_float(const cv::Mat &fixed, int begin, int end, cv::Mat &plane);
 
 LabImage to_float(const FixedLabImage &image);
 

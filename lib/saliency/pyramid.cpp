@@ -41,21 +41,41 @@ coarsest_level(cv::Size size)
 
 template <typename Sample>
 void
-ReductionOf<Sample>::operator()(const cv::Mat &source, cv::Mat &reduced)
+ReductionOf<Sample>::prepare(const cv::Mat &source, cv::Mat &reduced, const Team &team)
 {
   CV_Assert(source.type() == cv::DataType<Sample>::type && source.data != reduced.data);
   reduced.create(level_size(source.size(), 1), source.type());
-  if (source.size() != size_) {
-    halved_.emplace(source.rows, reduced.cols, 1);
+  const auto parts = static_cast<std::size_t>(team.threads());
+  if (source.size() != size_ || halved_.size() != parts) {
+    halved_.clear();
+    while (halved_.size() < parts)
+      halved_.emplace_back(source.rows, reduced.cols, 1);
     size_ = source.size();
   }
-  halved_->begin();
-  for (int y = 0; y < reduced.rows; ++y) {
-    halved_->advance(y, [&source](int source_y, Sample *row) {
+}
+
+template <typename Sample>
+void
+ReductionOf<Sample>::make_rows(int part, int begin, int end, const cv::Mat &source,
+                               cv::Mat &reduced)
+{
+  FiveRows<Sample> &halved = halved_[static_cast<std::size_t>(part)];
+  halved.begin();
+  for (int y = begin; y < end; ++y) {
+    halved.advance(y, [&source](int source_y, Sample *row) {
       kernels::halve_columns(source.ptr<Sample>(source_y), source.cols, row);
     });
-    kernels::halve_rows(halved_->channel(0), reduced.cols, reduced.ptr<Sample>(y));
+    kernels::halve_rows(halved.channel(0), reduced.cols, reduced.ptr<Sample>(y));
   }
+}
+
+template <typename Sample>
+void
+ReductionOf<Sample>::operator()(const cv::Mat &source, cv::Mat &reduced, const Team &team)
+{
+  prepare(source, reduced, team);
+  team.share(reduced.rows,
+             [&](int part, int begin, int end) { make_rows(part, begin, end, source, reduced); });
 }
 
 template class ReductionOf<float>;
@@ -105,21 +125,31 @@ Pyramid::build(const LabImage &image, int base, int coarsest)
 }
 
 void
-Pyramid::build(const FixedLabImage &image, int base, int coarsest, int chroma)
+Pyramid::build(const FixedLabImage &image, int base, int coarsest, int chroma, const Team &team)
 {
   resize(base, coarsest);
   fixed_[0] = image;
   if (std::exchange(borrowed_, false))
     levels_[0] = {};
-  for (std::size_t i = 0; i < levels_.size(); ++i)
+  for (std::size_t i = 0; i < levels_.size(); ++i) {
     for (std::size_t c = 0; c < 3; ++c) {
       if (i > 0)
-        fixed_reductions_[i](fixed_[i - 1].planes[c], fixed_[i].planes[c]);
+        fixed_reductions_[i][c].prepare(fixed_[i - 1].planes[c], fixed_[i].planes[c], team);
       if (c == 0 || base + static_cast<int>(i) >= chroma)
-        to_float(fixed_[i].planes[c], levels_[i].planes[c]);
+        levels_[i].planes[c].create(fixed_[i].size(), CV_32FC1);
       else
         levels_[i].planes[c].release();
     }
+    team.share(fixed_[i].size().height, [this, i](int part, int begin, int end) {
+      for (std::size_t c = 0; c < 3; ++c) {
+        cv::Mat &fixed = fixed_[i].planes[c];
+        if (i > 0)
+          fixed_reductions_[i][c].make_rows(part, begin, end, fixed_[i - 1].planes[c], fixed);
+        if (cv::Mat &plane = levels_[i].planes[c]; !plane.empty())
+          to_float(fixed, begin, end, plane);
+      }
+    });
+  }
 }
 
 const LabImage &

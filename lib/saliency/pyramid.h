@@ -4,10 +4,11 @@
 #include "saliency/image_rows.h"
 #include "saliency/lab_image.h"
 #include "saliency/rows.h"
+#include "saliency/thread_pool.h"
 
 #include <opencv2/core/mat.hpp>
 
-#include <optional>
+#include <array>
 #include <vector>
 
 namespace saliency {
@@ -24,15 +25,19 @@ int coarsest_level(cv::Size size);
 /// One level down: the 5-tap Gaussian [1 4 6 4 1]/16 along both axes, mirrored at the borders
 /// without repeating the border sample, even samples kept (Burt & Adelson 1983, REDUCE;
 /// cv::pyrDown). Of float, CV_32FC1, or of Fixed, CV_16UC1, then to within a unit. Allocates only when
-/// the size changes.
+/// the size or the team changes.
 template <typename Sample> class ReductionOf
 {
 public:
-  void operator()(const cv::Mat &source, cv::Mat &reduced);
+  void operator()(const cv::Mat &source, cv::Mat &reduced, const Team &team = {});
+
+  /// The same in two steps: gives `reduced` its size, and makes rows begin…end - 1 as one of the team.
+  void prepare(const cv::Mat &source, cv::Mat &reduced, const Team &team);
+  void make_rows(int part, int begin, int end, const cv::Mat &source, cv::Mat &reduced);
 
 private:
-  cv::Size size_;                          ///< of the source
-  std::optional<FiveRows<Sample>> halved_; ///< from side to side
+  cv::Size size_;                        ///< of the source
+  std::vector<FiveRows<Sample>> halved_; ///< from side to side, of each part
 };
 using Reduction = ReductionOf<float>;
 
@@ -56,7 +61,7 @@ public:
 
   /// The same in fixed point, except that the levels are float; those finer than `chroma` have no a*
   /// and b*.
-  void build(const FixedLabImage &image, int base, int coarsest, int chroma);
+  void build(const FixedLabImage &image, int base, int coarsest, int chroma, const Team &team = {});
 
   /// A level between base and coarsest.
   const LabImage &level(int n) const;
@@ -69,7 +74,7 @@ private:
   bool borrowed_ = false; ///< the base is an image of others
   std::vector<FixedLabImage> fixed_;
   std::vector<Reduction> reductions_; ///< to each level
-  std::vector<ReductionOf<Fixed>> fixed_reductions_;
+  std::vector<std::array<ReductionOf<Fixed>, 3>> fixed_reductions_;
 };
 
 } // namespace saliency

@@ -64,11 +64,12 @@ SpatialSaliency::SpatialSaliency(const Profile &profile)
 }
 
 const cv::Mat &
-SpatialSaliency::at_saliency_level(std::vector<cv::Mat> &maps, int level, const FrameLevels &levels)
+SpatialSaliency::at_saliency_level(std::vector<cv::Mat> &maps, int level, const FrameLevels &levels,
+                                   const Team &team)
 {
   auto index = static_cast<std::size_t>(level);
   for (; static_cast<int>(index) < levels.saliency; ++index)
-    reductions_[index](maps[index], maps[index + 1]);
+    reductions_[index](maps[index], maps[index + 1], team);
   if (const int octaves = static_cast<int>(index) - levels.saliency; octaves > 0) {
     upsample(maps[index], octaves, octaves, level_size(levels.frame, levels.saliency), upsampled_);
     return upsampled_;
@@ -77,7 +78,7 @@ SpatialSaliency::at_saliency_level(std::vector<cv::Mat> &maps, int level, const 
 }
 
 const cv::Mat &
-SpatialSaliency::compute(const Pyramid &pyramid, const FrameLevels &levels)
+SpatialSaliency::compute(const Pyramid &pyramid, const FrameLevels &levels, const Team &team)
 {
   const auto count = static_cast<std::size_t>(std::max(levels.coarsest, levels.saliency)) + 1;
   contrast_map_.resize(count);
@@ -90,11 +91,11 @@ SpatialSaliency::compute(const Pyramid &pyramid, const FrameLevels &levels)
     if (cue_ == SpatialCue::surroundedness)
       surroundedness_(pyramid.level(pair.center), contrast_map);
     else
-      contrast_(pyramid, pair, levels.chroma[i], contrast_map);
+      contrast_(pyramid, pair, levels.chroma[i], contrast_map, team);
     if (normalization_ == Normalization::itti)
       normalize_itti(contrast_map);
 
-    const cv::Mat &map = at_saliency_level(contrast_map_, pair.center, levels);
+    const cv::Mat &map = at_saliency_level(contrast_map_, pair.center, levels, team);
     if (first)
       map.copyTo(sum_);
     else
@@ -105,7 +106,7 @@ SpatialSaliency::compute(const Pyramid &pyramid, const FrameLevels &levels)
     sum_ *= 1.0 / static_cast<double>(levels.pairs.size());
   if (weigh_by_rarity_) {
     rarity_(pyramid.level(levels.coarsest), rarity_map_[static_cast<std::size_t>(levels.coarsest)]);
-    const cv::Mat &rarity = at_saliency_level(rarity_map_, levels.coarsest, levels);
+    const cv::Mat &rarity = at_saliency_level(rarity_map_, levels.coarsest, levels, team);
     cv::multiply(sum_, rarity, sum_);
   }
   return sum_;

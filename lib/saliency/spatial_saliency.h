@@ -42,13 +42,13 @@ public:
   /// Sum or mean of the (normalised) contrast maps at the saliency level: finer ones are reduced to
   /// it as the pyramid is, coarser ones upsampled on its grid. `pyramid` holds the L*a*b* levels
   /// finest…coarsest. CV_32FC1, ≥ 0, valid until the next call.
-  const cv::Mat &compute(const Pyramid &pyramid, const FrameLevels &levels);
+  const cv::Mat &compute(const Pyramid &pyramid, const FrameLevels &levels, const Team &team = {});
 
 private:
   /// Brings a map from its level to the saliency level; `maps[level]` is the map and what is finer
   /// than the saliency level is filled up to it.
-  const cv::Mat &at_saliency_level(std::vector<cv::Mat> &maps, int level,
-                                   const FrameLevels &levels);
+  const cv::Mat &at_saliency_level(std::vector<cv::Mat> &maps, int level, const FrameLevels &levels,
+                                   const Team &team);
 
   SpatialCue cue_;
   Normalization normalization_;

@@ -56,26 +56,32 @@ SpatiotemporalSaliency::SpatiotemporalSaliency(const Profile &profile)
   };
   for (const auto &pair : profile.windows)
     pairs_.push_back({ place(pair.center), place(pair.surround) });
+  light_.assign(pairs_.size(), 1.0F);
+  sorted_.resize(pairs_.size());
 }
 
 const cv::Mat &
-SpatiotemporalSaliency::compute(TemporalPyramid &history)
+SpatiotemporalSaliency::compute(TemporalPyramid &history, const Team &team)
 {
   const bool moved = history.moved();
-  history.means(windows_, means_);
+  history.means(windows_, means_, team);
 
   saliency_.create(means_.at(0).size(), CV_32FC1);
   std::fill_n(saliency_.ptr<float>(), saliency_.total(), 0.0F); // cv::Mat::setTo allocates
+  if (illumination_guard_)
+    team.each(static_cast<int>(pairs_.size()), [this](int pair) {
+      const auto i = static_cast<std::size_t>(pair);
+      light_[i] = illumination(means_[pairs_[i].center], means_[pairs_[i].surround], sorted_[i]);
+    });
   const float weight = mean_ ? 1.0F / static_cast<float>(pairs_.size()) : 1.0F;
-  for (const auto &pair : pairs_) {
+  for (std::size_t i = 0; i < pairs_.size(); ++i) {
+    const Pair &pair = pairs_[i];
     const cv::Mat *surrounds = &means_[pair.surround];
-    const float light
-        = illumination_guard_ ? illumination(means_[pair.center], means_[pair.surround]) : 1.0F;
     if (moved) {
       dilate(*surrounds, camera_dilation_, along_rows_, dilated_);
       surrounds = &dilated_;
     }
-    const float factor = light * (moved ? static_cast<float>(camera_margin_) : 1.0F);
+    const float factor = light_[i] * (moved ? static_cast<float>(camera_margin_) : 1.0F);
     for (int y = 0; y < saliency_.rows; ++y) {
       const auto *center = means_[pair.center].ptr<float>(y);
       const auto *surround = surrounds->ptr<float>(y);
@@ -109,7 +115,8 @@ SpatiotemporalSaliency::compute(TemporalPyramid &history)
 
 /// β: the factor by which whatever has contrast has gained it.
 float
-SpatiotemporalSaliency::illumination(const cv::Mat &center, const cv::Mat &surround)
+SpatiotemporalSaliency::illumination(const cv::Mat &center, const cv::Mat &surround,
+                                     std::vector<float> &sorted)
 {
   constexpr float kContrast = 1; // what has some, in the map's units
   constexpr float kNothing = 0.05F;
@@ -118,14 +125,14 @@ SpatiotemporalSaliency::illumination(const cv::Mat &center, const cv::Mat &surro
   const std::size_t total = center.total();
   if (total < kFewestSamples)
     return 1;
-  sorted_.resize(total);
+  sorted.resize(total);
   const auto [count, gained] = rows::gains(center.ptr<float>(), surround.ptr<float>(), kContrast,
-                                           kNothing, total, sorted_.data());
+                                           kNothing, total, sorted.data());
   if (static_cast<double>(count) <= kEnough * static_cast<double>(total)
       || 2 * gained < count) // the median is at most 1
     return 1;
-  sorted_.resize(count);
-  return std::max(1.0F, quantile(sorted_, 0.5));
+  sorted.resize(count);
+  return std::max(1.0F, quantile(sorted, 0.5));
 }
 
 void
@@ -134,12 +141,13 @@ SpatiotemporalSaliency::take_background_off(const cv::Rect &within)
   if (within.area() < kFewestSamples)
     return;
   const cv::Mat seen = saliency_(within);
-  sorted_.clear();
+  std::vector<float> &sorted = sorted_.front();
+  sorted.clear();
   for (int y = 0; y < seen.rows; ++y)
-    sorted_.insert(sorted_.end(), seen.ptr<float>(y), seen.ptr<float>(y) + seen.cols);
+    sorted.insert(sorted.end(), seen.ptr<float>(y), seen.ptr<float>(y) + seen.cols);
   const auto background = static_cast<float>(
       std::min(background_limit_,
-               background_gain_ * static_cast<double>(quantile(sorted_, background_quantile_))));
+               background_gain_ * static_cast<double>(quantile(sorted, background_quantile_))));
   for (int y = 0; y < saliency_.rows; ++y) {
     auto *row = saliency_.ptr<float>(y);
     for (int x = 0; x < saliency_.cols; ++x)

@@ -24,7 +24,7 @@ public:
   /// `history` has had at least one push. If the camera has moved, surrounds are dilated and count
   /// more, and the rim is silent unless it is the whole map (Profile::camera_dilation, camera_margin,
   /// camera_rim).
-  const cv::Mat &compute(TemporalPyramid &history);
+  const cv::Mat &compute(TemporalPyramid &history, const Team &team = {});
 
 private:
   /// A pair, by the places of its windows in `windows_`.
@@ -34,7 +34,7 @@ private:
     std::size_t surround;
   };
 
-  float illumination(const cv::Mat &center, const cv::Mat &surround);
+  float illumination(const cv::Mat &center, const cv::Mat &surround, std::vector<float> &sorted);
   void take_background_off(const cv::Rect &within);
 
   TemporalSign sign_;
@@ -49,10 +49,11 @@ private:
   Normalization normalization_;
   std::vector<int> windows_; ///< each once, ascending
   std::vector<Pair> pairs_;
+  std::vector<float> light_;   ///< of each pair
   std::vector<cv::Mat> means_; ///< of windows_
   cv::Mat along_rows_;         ///< surrounds dilated along one axis, and along both
   cv::Mat dilated_;
-  std::vector<float> sorted_;
+  std::vector<std::vector<float>> sorted_; ///< of each pair
   cv::Mat saliency_;
 };
 

@@ -115,17 +115,18 @@ TemporalPyramid::moved() const
 }
 
 void
-TemporalPyramid::means(std::span<const int> windows, std::vector<cv::Mat> &maps)
+TemporalPyramid::means(std::span<const int> windows, std::vector<cv::Mat> &maps, const Team &team)
 {
   maps.resize(windows.size());
   if (moved()) {
     moved_means(windows, maps);
     return;
   }
-  for (std::size_t i = 0; i < windows.size(); ++i) {
+  team.each(static_cast<int>(windows.size()), [&](int window) {
+    const auto i = static_cast<std::size_t>(window);
     const double start = std::max(end_.time - windows[i], entry(0).time);
     difference(moment(start), moment(end_.time), 1 / (end_.time - start), maps[i]);
-  }
+  });
 }
 
 std::size_t

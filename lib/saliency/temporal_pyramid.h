@@ -3,6 +3,7 @@
 
 #include "saliency/profile.h"
 #include "saliency/similarity.h"
+#include "saliency/thread_pool.h"
 
 #include <opencv2/core/mat.hpp>
 
@@ -71,7 +72,7 @@ public:
   /// The means over the last `windows`, each > 0, ascending, into as many `maps` (CV_32FC1). Before
   /// the first push lies nothing (HistoryStart::empty: the mean of what there is) or the first map
   /// for ever. If nothing has changed inside a window, exactly the current map.
-  void means(std::span<const int> windows, std::vector<cv::Mat> &maps);
+  void means(std::span<const int> windows, std::vector<cv::Mat> &maps, const Team &team = {});
 
   /// Integrals held.
   std::size_t size() const;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "saliency/thread_pool.h"
 
+#include <chrono>
 #include <system_error>
 #include <utility>
 
@@ -28,6 +29,17 @@ ThreadPool::start(int threads)
   }
 }
 
+/// Until then or until it has been as long as waking up may take.
+template <typename Until>
+void
+ThreadPool::stay_awake(const Until &until)
+{
+  constexpr std::chrono::microseconds kWakingUp{ 50 };
+  const auto sleep = std::chrono::steady_clock::now() + kWakingUp;
+  while (!until() && std::chrono::steady_clock::now() < sleep)
+    std::this_thread::yield();
+}
+
 void
 ThreadPool::run(int parts, Part part, const void *work)
 {
@@ -39,10 +51,19 @@ ThreadPool::run(int parts, Part part, const void *work)
   next_ = 0;
   parts_ = parts;
   undone_ = parts;
+  ++works_;
   if (parts > 1)
     work_to_do_.notify_all();
   do_parts(lock);
-  all_done_.wait(lock, [this] { return undone_ == 0; });
+  const auto done = [this] {
+    return undone_ == 0;
+  };
+  if (!done()) {
+    lock.unlock();
+    stay_awake(done);
+    lock.lock();
+    all_done_.wait(lock, done);
+  }
   if (error_)
     std::rethrow_exception(std::exchange(error_, nullptr));
 }
@@ -53,6 +74,10 @@ ThreadPool::wait_for_work()
   std::unique_lock lock(mutex_);
   while (!end_) {
     do_parts(lock);
+    const unsigned known = works_;
+    lock.unlock();
+    stay_awake([this, known] { return end_ || works_ != known; });
+    lock.lock();
     work_to_do_.wait(lock, [this] { return end_ || next_ < parts_; });
   }
 }

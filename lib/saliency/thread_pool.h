@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include <algorithm>
+#include <atomic>
 #include <condition_variable>
 #include <exception>
 #include <mutex>
@@ -11,6 +13,9 @@ namespace saliency {
 
 /// Threads that wait for parts of a piece of work. They are started when work first has that many
 /// parts and end with the pool; no allocation once they run. Not thread-safe itself: one caller.
+///
+/// Who has done all there is stays awake a while, as more work often follows at once and waking up takes
+/// longer than the smallest piece of it; whoever else wants the processor then has it.
 class ThreadPool
 {
 public:
@@ -35,6 +40,7 @@ private:
   void start(int threads);
   void wait_for_work();
   void do_parts(std::unique_lock<std::mutex> &lock);
+  template <typename Until> static void stay_awake(const Until &until);
 
   std::vector<std::thread> threads_; ///< the caller's only
   std::mutex mutex_;
@@ -44,9 +50,51 @@ private:
   const void *work_ = nullptr;
   int next_ = 0;  ///< part that nobody does yet
   int parts_ = 0; ///< of the work at hand
-  int undone_ = 0;
   std::exception_ptr error_;
-  bool end_ = false;
+  std::atomic<int> undone_ = 0;     ///< changed under the mutex, as what follows
+  std::atomic<unsigned> works_ = 0; ///< that there were
+  std::atomic<bool> end_ = false;
+};
+
+/// So many threads of a pool, or the caller alone.
+class Team
+{
+public:
+  Team() = default;
+  Team(ThreadPool &pool, int threads) : pool_(&pool), threads_(std::max(1, threads))
+  {
+  }
+
+  int threads() const
+  {
+    return threads_;
+  }
+
+  /// work(part, begin, end) for threads() parts of 0…count - 1, which are about as long; otherwise as
+  /// ThreadPool::run().
+  template <typename Work> void share(int count, const Work &work) const
+  {
+    if (threads() == 1) {
+      work(0, 0, count);
+      return;
+    }
+    pool_->run(threads_, [&work, count, parts = threads_](int part) {
+      work(part, count * part / parts, count * (part + 1) / parts);
+    });
+  }
+
+  /// work(0)…work(count - 1), likewise.
+  template <typename Work> void each(int count, const Work &work) const
+  {
+    share(count, [&work](int, int begin, int end) {
+      for (int i = begin; i < end; ++i)
+        work(i);
+    });
+  }
+
+private:
+  ThreadPool *pool_ = nullptr;
+  int threads_ = 1;
 };
 
 } // namespace saliency

@@ -13,6 +13,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <cstring>
+#include <string>
 #include <vector>
 
 #include <gst/check/gstcheck.h>
@@ -76,26 +77,49 @@ GST_START_TEST(test_same_as_analyzer)
 }
 GST_END_TEST;
 
+/// Maps of a ball, a pan and a cut.
+static std::vector<cv::Mat>
+maps(const saliency::Profile &profile, int threads)
+{
+  saliency::Analyzer analyzer(profile);
+  analyzer.set_threads(threads);
+  std::vector<cv::Mat> found;
+  for (int i = 0; i < 50; ++i)
+    found.push_back(analyzer.analyze(picture(i).view(), i * kFrame, kFrame).map.clone());
+  return found;
+}
+
+static void
+fail_unless_same_bits(const std::vector<cv::Mat> &found, const std::vector<cv::Mat> &expected,
+                      const std::string &how)
+{
+  for (std::size_t i = 0; i < expected.size(); ++i)
+    fail_unless(std::memcmp(found[i].data, expected[i].data, expected[i].total() * sizeof(float))
+                    == 0,
+                "%s: frame %zu", how.c_str(), i);
+}
+
 GST_START_TEST(test_targets)
 {
-  // Every instruction set that this processor has finds the same to the bit: a ball, a pan, a cut.
-  const auto maps = [] {
-    saliency::Analyzer analyzer(saliency::Profile::tuned());
-    std::vector<cv::Mat> found;
-    for (int i = 0; i < 50; ++i)
-      found.push_back(analyzer.analyze(picture(i).view(), i * kFrame, kFrame).map.clone());
-    return found;
-  };
-  const auto expected = maps();
+  // Every instruction set that this processor has finds the same.
+  const auto expected = maps(saliency::Profile::tuned(), 1);
   const auto targets = hwy::SupportedTargets();
   for (const std::int64_t target : hwy::SupportedAndGeneratedTargets()) {
     hwy::GetChosenTarget().Update(target);
-    const auto found = maps();
+    const auto found = maps(saliency::Profile::tuned(), 1);
     hwy::GetChosenTarget().Update(targets);
-    for (std::size_t i = 0; i < expected.size(); ++i)
-      fail_unless(std::memcmp(found[i].data, expected[i].data, expected[i].total() * sizeof(float))
-                      == 0,
-                  "%s: frame %zu", hwy::TargetName(target), i);
+    fail_unless_same_bits(found, expected, hwy::TargetName(target));
+  }
+}
+GST_END_TEST;
+
+GST_START_TEST(test_threads)
+{
+  // So does any number of threads.
+  for (const auto &profile : { saliency::Profile::tuned(), saliency::Profile::paper() }) {
+    const auto expected = maps(profile, 1);
+    for (const int threads : { 2, 3, 8 })
+      fail_unless_same_bits(maps(profile, threads), expected, std::to_string(threads) + " threads");
   }
 }
 GST_END_TEST;
@@ -108,6 +132,7 @@ stages_suite(void)
   suite_add_tcase(suite, tcase);
   tcase_add_test(tcase, test_same_as_analyzer);
   tcase_add_test(tcase, test_targets);
+  tcase_add_test(tcase, test_threads);
   return suite;
 }
 

@@ -3,7 +3,12 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
+#include <chrono>
+#include <cstdlib>
 #include <stdexcept>
+#include <thread>
+#include <utility>
 #include <vector>
 
 #include <gst/check/gstcheck.h>
@@ -56,6 +61,52 @@ GST_START_TEST(test_pools_that_do_nothing)
 }
 GST_END_TEST;
 
+GST_START_TEST(test_teams)
+{
+  // Parts follow each other and are about as long, fewer things than threads too.
+  ThreadPool pool;
+  for (const saliency::Team &team :
+       { saliency::Team(), saliency::Team(pool, 1), saliency::Team(pool, 3) })
+    for (const int count : { 0, 1, 2, 3, 10, 11 }) {
+      std::vector<std::pair<int, int>> parts(static_cast<std::size_t>(team.threads()));
+      team.share(count, [&parts](int part, int begin, int end) {
+        parts[static_cast<std::size_t>(part)] = { begin, end };
+      });
+      int next = 0;
+      for (const auto &[begin, end] : parts) {
+        ck_assert_int_eq(begin, next);
+        fail_unless(std::abs((end - begin) * team.threads() - count) < team.threads());
+        next = end;
+      }
+      ck_assert_int_eq(next, count);
+
+      std::vector<int> done(static_cast<std::size_t>(count), 0);
+      team.each(count, [&done](int i) { done[static_cast<std::size_t>(i)]++; });
+      fail_unless(std::ranges::all_of(done, [](int n) { return n == 1; }));
+    }
+}
+GST_END_TEST;
+
+GST_START_TEST(test_sleepers)
+{
+  // Threads that stayed awake for nothing and fell asleep are woken, and the caller by them.
+  ThreadPool pool;
+  for (int i = 0; i < 20; ++i) {
+    std::array<std::atomic<bool>, 2> there{};
+    pool.run(2, [&there](int part) {
+      there[static_cast<std::size_t>(part)] = true;
+      const auto begin = std::chrono::steady_clock::now();
+      while (!there[static_cast<std::size_t>(1 - part)])
+        std::this_thread::yield(); // the other part has to be another thread's
+      if (part == 1)
+        while (std::chrono::steady_clock::now() - begin < std::chrono::milliseconds(2))
+          std::this_thread::yield();
+    });
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+}
+GST_END_TEST;
+
 static Suite *
 thread_pool_suite(void)
 {
@@ -65,6 +116,8 @@ thread_pool_suite(void)
   tcase_add_test(tc, test_each_part_once);
   tcase_add_test(tc, test_exceptions);
   tcase_add_test(tc, test_pools_that_do_nothing);
+  tcase_add_test(tc, test_teams);
+  tcase_add_test(tc, test_sleepers);
   return suite;
 }
 
