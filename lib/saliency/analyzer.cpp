@@ -209,7 +209,8 @@ Analyzer::analyze(const FrameView &frame, Time time, Time duration, bool tempora
   s.follow({ frame.width, frame.height }, time);
   s.result.cut = false;
   s.result.camera_moves = false;
-  const FixedLabImage &lab = s.front_end.lab(frame, s.levels.finest);
+  const FixedLabImage &lab
+      = s.front_end.lab(frame, s.levels.finest, temporal ? FrameOf::film : FrameOf::picture);
   s.team = s.front_end.team();
   s.pyramid.build(lab, s.levels.finest, s.levels.coarsest, s.levels.finest_chroma, s.team);
   s.result.map = temporal ? s.spatiotemporal_map(time, duration)

@@ -115,12 +115,16 @@ threads_that_pay(const FrameView &frame)
 } // namespace
 
 int
-conversion_level(cv::Size frame, int level)
+conversion_level(cv::Size frame, int level, FrameOf kind)
 {
-  constexpr long long kSamples = 150'000;
-  const int earlier = std::max(0, level - 1);
-  const cv::Size size = level_size(frame, earlier);
-  return static_cast<long long>(size.width) * size.height <= kSamples ? earlier : level;
+  const long long most = kind == FrameOf::film ? 150'000 : 600'000;
+  const int finest = kind == FrameOf::film ? std::max(0, level - 1) : 0;
+  for (int earlier = finest; earlier < level; ++earlier) {
+    const cv::Size size = level_size(frame, earlier);
+    if (static_cast<long long>(size.width) * size.height <= most)
+      return earlier;
+  }
+  return level;
 }
 
 FrontEnd::FrontEnd(bool exact) : exact_(exact)
@@ -144,11 +148,9 @@ FrontEnd::make_bands(const FrameView &frame, const Geometry &geometry)
   for (auto &plane : lab_.planes)
     plane.create(level_size({ frame.width, frame.height }, geometry.level), CV_16UC1);
   const int threads = threads_ > 0 ? threads_ : threads_that_pay(frame);
-  const int converted
-      = exact_ ? 0 : conversion_level({ frame.width, frame.height }, geometry.level);
   for (int i = 0; i < std::min(threads, lab_.size().height); ++i) {
-    std::unique_ptr<ImageRows<Fixed>> band = std::make_unique<LabRows>(frame, converted);
-    for (int n = converted; n < geometry.level; ++n)
+    std::unique_ptr<ImageRows<Fixed>> band = std::make_unique<LabRows>(frame, geometry.converted);
+    for (int n = geometry.converted; n < geometry.level; ++n)
       band = halved_rows(std::move(band));
     bands_.push_back(std::move(band));
   }
@@ -156,13 +158,15 @@ FrontEnd::make_bands(const FrameView &frame, const Geometry &geometry)
 }
 
 const FixedLabImage &
-FrontEnd::lab(const FrameView &frame, int level)
+FrontEnd::lab(const FrameView &frame, int level, FrameOf kind)
 {
   check(frame);
   Geometry geometry{ .model = frame.model,
                      .bytes = frame.depth == 8,
                      .byte_triples = has_byte_triples(frame),
-                     .level = level };
+                     .level = level,
+                     .converted
+                     = exact_ ? 0 : conversion_level({ frame.width, frame.height }, level, kind) };
   for (std::size_t i = 0; i < component_count(frame); ++i)
     geometry.components[i] = { frame.components[i].width, frame.components[i].height };
   if (geometry != geometry_)

@@ -15,16 +15,25 @@
 
 namespace saliency {
 
+/// What a frame is of: a film, where the next one waits, or a picture by itself, for which there is more
+/// time.
+enum class FrameOf
+{
+  film,
+  picture,
+};
+
 /// The level at which L*a*b* of a frame's decimated components is computed for an image at `level`.
-int conversion_level(cv::Size frame, int level);
+int conversion_level(cv::Size frame, int level, FrameOf kind = FrameOf::film);
 
 /// Frame → L*a*b* image at one level of the pyramid: the only part that reads a frame's memory.
 ///
 /// `exact` computes L*a*b* of every pixel, then the pyramid, as the paper does. Otherwise the
 /// components are decimated first, each from its own resolution, and L*a*b* is computed on what is
 /// left: a sixteenth of the work for each two levels, for a small difference where the picture is not
-/// smooth, as the conversion is not linear. Where one level earlier there are no more than 150,000
-/// samples, it is computed there, which leaves about a quarter of the difference.
+/// smooth, as the conversion is not linear. Of a film, where one level earlier there are no more than
+/// 150,000 samples, it is computed there, which leaves about a quarter of the difference; of a picture, at
+/// the finest level that has no more than 600,000: up to 800×600, of every pixel.
 ///
 /// Subsampled chroma is taken to lie on the pyramid's grid, sample i at pixel 2ᵏ·i, which is where
 /// MPEG-2, H.264 and later put it horizontally; vertically it is half a pixel off.
@@ -46,7 +55,7 @@ public:
   /// must be ⌈frame width / 2ᵏ⌉ for some k ≥ 0, likewise its height; the first component has the
   /// frame's size. Throws std::invalid_argument for a frame that cannot be one: no size, no data,
   /// impossible depth or strides. Allocates only when geometry, format or level change.
-  const FixedLabImage &lab(const FrameView &frame, int level);
+  const FixedLabImage &lab(const FrameView &frame, int level, FrameOf kind = FrameOf::film);
 
   /// The threads that made the latest image, for what is done with it.
   Team team()
@@ -62,6 +71,7 @@ private:
     bool bytes = true;
     bool byte_triples = false;
     int level = -1;
+    int converted = -1; ///< level of the conversion
     std::array<cv::Size, 3> components;
 
     bool operator==(const Geometry &) const = default;

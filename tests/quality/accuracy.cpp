@@ -168,8 +168,9 @@ constexpr tactile::MappingSettings kSpatialMapping{ .threshold = 0, .gain = tact
 class FilmComparison
 {
 public:
-  FilmComparison(cv::Size size, int threads)
-      : threads_(threads), profile_(saliency::Profile::tuned()), oracle_(profile_, size)
+  FilmComparison(cv::Size size, int threads, saliency::FrameOf kind)
+      : threads_(threads), kind_(kind), profile_(saliency::Profile::tuned()),
+        oracle_(profile_, size)
   {
     for (const auto &kind : kFrontEnds)
       ways_.push_back(std::make_unique<Way>(kind, profile_, size));
@@ -183,7 +184,7 @@ public:
     exact_spatial_saliency(lab, oracle_.levels(), profile_).convertTo(spatial.map, CV_32F);
     const auto mapping = tactile::MappingSettings::tuned();
     for (auto &way : ways_) {
-      const auto &own = way->front_end.lab(frame, oracle_.level());
+      const auto &own = way->front_end.lab(frame, oracle_.level(), kind_);
       const double delta_e = mean_delta_e(saliency::to_float(own), lab);
       const auto &found = way->stages.analyze(own, time, duration);
       way->spatial.add({ way->stages.spatial(), found.picture, kSpatialMapping }, spatial,
@@ -216,6 +217,7 @@ private:
   };
 
   int threads_;
+  saliency::FrameOf kind_;
   saliency::Profile profile_;
   Stages oracle_;
   std::vector<std::unique_ptr<Way>> ways_;
@@ -236,7 +238,7 @@ photograph_agreement(const std::filesystem::path &directory, int threads, bool q
 
   const auto profile = saliency::Profile::tuned_spatial();
   const auto mapping = tactile::MappingSettings::tuned_spatial();
-  FilmComparison contrast(size, threads);
+  FilmComparison contrast(size, threads, saliency::FrameOf::picture);
   std::array<Tally, kFrontEnds.size()> tallies;
   for (std::size_t i = 0; i < files.size(); i += quick ? 10 : 1) {
     Decoder picture(files[i], "jpegdec", "I420");
@@ -251,7 +253,7 @@ photograph_agreement(const std::filesystem::path &directory, int threads, bool q
     for (std::size_t kind = 0; kind < kFrontEnds.size(); ++kind) {
       saliency::FrontEnd front_end(kFrontEnds[kind].exact);
       Stages stages(profile, size);
-      const auto &own = front_end.lab(picture.view(), stages.level());
+      const auto &own = front_end.lab(picture.view(), stages.level(), saliency::FrameOf::picture);
       const auto &found = stages.analyze(own, {}, kFrame, false);
       tallies[kind].add({ found.map, found.picture, mapping },
                         { truth.map, truth.picture, mapping }, mapping.floor,
@@ -275,7 +277,7 @@ clip_agreement(const std::filesystem::path &directory, int threads, bool quick)
     for (int i = 0; (!quick || i < 100) && clip.next(); ++i) {
       if (!comparison)
         comparison = std::make_unique<FilmComparison>(
-            cv::Size(clip.view().width, clip.view().height), threads);
+            cv::Size(clip.view().width, clip.view().height), threads, saliency::FrameOf::film);
       comparison->frame(clip.view(), clip.time(), clip.duration());
     }
     if (!comparison)
@@ -288,7 +290,7 @@ clip_agreement(const std::filesystem::path &directory, int threads, bool quick)
 std::vector<Agreement>
 leaves_agreement(cv::Size size, int pictures, int threads)
 {
-  FilmComparison comparison(size, threads);
+  FilmComparison comparison(size, threads, saliency::FrameOf::film);
   for (int i = 0; i < pictures; ++i) {
     Frame frame(size);
     frame.draw(dead_leaves(size, static_cast<std::uint64_t>(i) + 1));

@@ -183,7 +183,7 @@ private:
   {
     const int level = saliency::frame_levels(spatial_.profile(), kPicture).coarsest;
     cv::Mat map;
-    rarity(saliency::to_float(front_end_.lab(view, level)), map);
+    rarity(saliency::to_float(front_end_.lab(view, level, saliency::FrameOf::picture)), map);
     const double step = 1 << level;
     return on_grid(
         map, { 0.5 - 0.5 / step, 0.5 - 0.5 / step, kPicture.width / step, kPicture.height / step });

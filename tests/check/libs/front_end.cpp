@@ -13,6 +13,7 @@
 using saliency::ColorModel;
 using saliency::Component;
 using saliency::FixedLabImage;
+using saliency::FrameOf;
 using saliency::FrameView;
 using saliency::FrontEnd;
 
@@ -169,12 +170,19 @@ component_at(const oracle::Image &codes, int level, int width, int height)
 }
 
 oracle::LabImage
-expected_lab(const Frame &frame, int level, bool exact)
+expected_lab(const Frame &frame, int level, bool exact, FrameOf kind = FrameOf::film)
 {
-  const int earlier = std::max(0, level - 1);
-  const bool cheap
-      = subsampled(frame.view.width, earlier) * subsampled(frame.view.height, earlier) <= 150'000;
-  const int converted = exact ? 0 : cheap ? earlier : level;
+  const auto samples = [&frame](int n) {
+    return subsampled(frame.view.width, n) * subsampled(frame.view.height, n);
+  };
+  int converted = level;
+  if (exact)
+    converted = 0;
+  else if (kind == FrameOf::film)
+    converted -= level > 0 && samples(level - 1) <= 150'000 ? 1 : 0;
+  else
+    while (converted > 0 && samples(converted - 1) <= 600'000)
+      --converted;
   std::array<oracle::Image, 3> components;
   for (std::size_t i = 0; i < (frame.view.model == ColorModel::grey ? 1U : 3U); ++i)
     components[i] = component_at(frame.codes[i], converted, frame.view.width, frame.view.height);
@@ -246,14 +254,21 @@ same(const FixedLabImage &a, const FixedLabImage &b)
 
 GST_START_TEST(test_large_frame)
 {
-  // So many samples one level earlier that L*a*b* is computed at the level itself.
-  for (const int layout : { 0, 10, 13 })
-    for (const int level : { 1, 2 }) {
-      const Frame frame(kLayouts[layout], 800, 760, false, 11);
-      const double e = oracle::difference(FrontEnd(false).lab(frame.view, level),
-                                          expected_lab(frame, level, false));
-      fail_unless(e <= kBound, "%s level %d: ΔE %g", kLayouts[layout].name, level, e);
-    }
+  // So many samples one level earlier that L*a*b* is computed at the level itself; or a picture by
+  // itself, of every pixel or of few.
+  for (const int layout : { 0, 10, 13 }) {
+    const Frame frame(kLayouts[layout], 800, 760, false, 11);
+    FrontEnd front_end(false);
+    for (const int level : { 1, 2, 3 })
+      for (const FrameOf kind : { FrameOf::film, FrameOf::picture }) {
+        const double e = oracle::difference(front_end.lab(frame.view, level, kind),
+                                            expected_lab(frame, level, false, kind));
+        fail_unless(e <= kBound, "%s level %d: ΔE %g", kLayouts[layout].name, level, e);
+      }
+    const Frame small(kLayouts[layout], 160, 120, false, 11);
+    fail_unless(
+        same(front_end.lab(small.view, 3, FrameOf::picture), FrontEnd(true).lab(small.view, 3)));
+  }
 }
 GST_END_TEST;
 
