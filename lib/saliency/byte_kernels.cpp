@@ -3,6 +3,8 @@
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
+#include <type_traits>
 
 // Everything up to HWY_ONCE is compiled for each target. No fused multiply-add, which not all have.
 #undef HWY_TARGET_INCLUDE
@@ -250,115 +252,143 @@ QuarterBytes(const SourceRows &rows, int width, const Carried &carried, Fixed *q
   decimate_bytes<Quartered>(rows, width, carried, { quartered }, ahead);
 }
 
+/// Rows for the kinds of numbers that matter: two of pixels of two bytes, three of four.
+template <int bytes> using Kinds = std::array<Fixed *, bytes == 2 ? 2 : 3>;
+
 #if HWY_TARGET != HWY_SCALAR
-/// Two pixels side by side have eight numbers, two of each kind: those of the first three kinds to rows of
-/// their own.
+/// The numbers of as many places as fill 16 bytes lie together by kinds: those that matter to rows of their
+/// own.
+template <int bytes>
 void
-part_pixels(const Fixed *pixels, std::ptrdiff_t count, const std::array<Fixed *, 3> &out,
-            std::ptrdiff_t at)
+part_pixels(const Fixed *pixels, std::ptrdiff_t count, const Kinds<bytes> &out, std::ptrdiff_t at)
 {
   std::ptrdiff_t x = 0;
-  const auto by = [=, &x](auto d) HWY_ATTR {
-    const hn::Repartition<Fixed, decltype(d)> d16; // of each kind, as pairs go together
+  const auto by = [=, &x](auto d) HWY_ATTR { // a kind's numbers that lie together are a lane
+    const hn::Repartition<Fixed, decltype(d)> d16;
     const auto step = static_cast<std::ptrdiff_t>(hn::Lanes(d16));
     for (; x + step <= count; x += step) {
       const auto kinds = [=](std::ptrdiff_t i) HWY_ATTR {
-        return load_bytes(d, pixels + 4 * x + i * step);
+        return load_bytes(d, pixels + bytes * x + i * step);
       };
-      const auto v0 = kinds(0);
-      const auto v1 = kinds(1);
-      const auto v2 = kinds(2);
-      const auto v3 = kinds(3);
-      const auto low_even = hn::ConcatEven(d, v1, v0);
-      const auto high_even = hn::ConcatEven(d, v3, v2);
-      const auto low_odd = hn::ConcatOdd(d, v1, v0);
-      const auto high_odd = hn::ConcatOdd(d, v3, v2);
       const auto store = [=](auto kind, std::size_t c) HWY_ATTR {
         hn::StoreU(hn::BitCast(d16, kind), d16, out[c] + at + x);
       };
-      store(hn::ConcatEven(d, high_even, low_even), 0);
-      store(hn::ConcatEven(d, high_odd, low_odd), 1);
-      store(hn::ConcatOdd(d, high_even, low_even), 2);
+      const auto v0 = kinds(0);
+      const auto v1 = kinds(1);
+      const auto low_even = hn::ConcatEven(d, v1, v0);
+      const auto low_odd = hn::ConcatOdd(d, v1, v0);
+      if constexpr (bytes == 2) {
+        store(low_even, 0);
+        store(low_odd, 1);
+      } else {
+        const auto v2 = kinds(2);
+        const auto v3 = kinds(3);
+        const auto high_even = hn::ConcatEven(d, v3, v2);
+        const auto high_odd = hn::ConcatOdd(d, v3, v2);
+        store(hn::ConcatEven(d, high_even, low_even), 0);
+        store(hn::ConcatEven(d, high_odd, low_odd), 1);
+        store(hn::ConcatOdd(d, high_even, low_even), 2);
+      }
     }
   };
-  by(Tag<std::uint32_t>());
-  by(hn::CappedTag<std::uint32_t, 4>());
+  using Lane = std::conditional_t<bytes == 2, std::uint64_t, std::uint32_t>;
+  by(Tag<Lane>());
+  by(hn::CappedTag<Lane, 16 / sizeof(Lane)>());
+  constexpr std::ptrdiff_t kTogether = 8 / bytes;
   for (; x < count; ++x)
-    for (std::size_t c = 0; c < 3; ++c)
-      out[c][at + x] = pixels[8 * (x / 2) + 2 * static_cast<std::ptrdiff_t>(c) + x % 2];
+    for (std::size_t c = 0; c < out.size(); ++c)
+      out[c][at + x] = pixels[8 * (x / kTogether) + kTogether * static_cast<std::ptrdiff_t>(c)
+                              + x % kTogether];
 }
 
 /// Pixels are taken apart a few at a time, while they are in the first level of the cache. Vectors stop
-/// short of the last pixel, of which there may be three bytes alone.
-template <class Made>
+/// short of the last pixel of four bytes, of which there may be three alone.
+template <class Made, int bytes>
 int
 decimate_pixels_from(int x, const SourceRows &rows, int width, Carried carried,
-                     const std::array<std::array<Fixed *, 3>, Made::kRows> &out, Ahead ahead)
+                     const std::array<Kinds<bytes>, Made::kRows> &out, Ahead ahead)
 {
   alignas(16) static constexpr std::array<std::uint8_t, 16> kPairs
-      = { 0, 4, 8, 12, 1, 5, 9, 13, 2, 6, 10, 14, 3, 7, 11, 15 };
-  constexpr int kPixels = 32;
-  alignas(64) std::array<std::array<Fixed, std::size_t{ 4 } * kPixels>, Made::kRows> pixels;
+      = bytes == 2
+            ? std::array<std::uint8_t, 16>{ 0, 2, 4, 6, 8, 10, 12, 14, 1, 3, 5, 7, 9, 11, 13, 15 }
+            : std::array<std::uint8_t, 16>{ 0, 4, 8, 12, 1, 5, 9, 13, 2, 6, 10, 14, 3, 7, 11, 15 };
+  constexpr int kPlaces = 32;
+  alignas(64) std::array<std::array<Fixed, std::size_t{ bytes } * kPlaces>, Made::kRows> pixels;
   std::ptrdiff_t begin = x; // place of the first of the pixels
   const auto part = [&](std::ptrdiff_t count) {
     for (std::size_t i = 0; i < Made::kRows; ++i)
-      part_pixels(pixels[i].data(), count, out[i], begin);
+      part_pixels<bytes>(pixels[i].data(), count, out[i], begin);
     begin += count;
   };
-  const int end = cover_halved_once<4>(
-      x, width - 1, [=, &part, &pixels, &begin](auto d, std::ptrdiff_t place) HWY_ATTR {
+  const int end = cover_halved_once<bytes>(
+      x, bytes == 4 ? width - 1 : width,
+      [=, &part, &pixels, &begin](auto d, std::ptrdiff_t place) HWY_ATTR {
         const hn::Repartition<std::uint8_t, decltype(d)> d8;
         const auto order = hn::LoadDup128(d8, kPairs.data());
         const auto pairs = [d, d8, order, place](const std::uint8_t *row) HWY_ATTR {
-          return [d, d8, order, at = row + 8 * place](std::ptrdiff_t i) HWY_ATTR {
-            return hn::BitCast(d, hn::TableLookupBytes(hn::LoadU(d8, at + 8 * i), order));
+          return [d, d8, order, at = row + 2 * bytes * place](std::ptrdiff_t i) HWY_ATTR {
+            return hn::BitCast(d, hn::TableLookupBytes(hn::LoadU(d8, at + 2 * bytes * i), order));
           };
         };
-        ask<kSourceRows * 2 * hn::MaxLanes(d)>(ahead, kSourceRows * 8 * place);
-        add_source_pairs<Made>(d, rows, pairs, carried, carried_at<4>(place),
+        ask<kSourceRows * 2 * hn::MaxLanes(d)>(ahead, kSourceRows * 2 * bytes * place);
+        add_source_pairs<Made>(d, rows, pairs, carried, carried_at<bytes>(place),
                                [&](std::size_t i)
-                                   HWY_ATTR { return pixels[i].data() + 4 * (place - begin); });
-        if (place + static_cast<std::ptrdiff_t>(hn::Lanes(d)) / 4 == begin + kPixels)
-          part(kPixels);
+                                   HWY_ATTR { return pixels[i].data() + bytes * (place - begin); });
+        if (place + static_cast<std::ptrdiff_t>(hn::Lanes(d)) / bytes == begin + kPlaces)
+          part(kPlaces);
       });
   part(end - begin);
   return end;
 }
 #endif
 
-template <class Made>
+template <class Made, int bytes>
 HWY_INLINE void
 decimate_pixels(const SourceRows &rows, int width, const Carried &carried,
-                const std::array<std::array<Fixed *, 3>, Made::kRows> &out, const Ahead &ahead)
+                const std::array<Kinds<bytes>, Made::kRows> &out, const Ahead &ahead)
 {
   const auto many = [&](int x) HWY_ATTR {
 #if HWY_TARGET == HWY_SCALAR
     static_cast<void>(ahead);
     return x;
 #else
-    return decimate_pixels_from<Made>(x, rows, width, carried, out, ahead);
+    return decimate_pixels_from<Made, bytes>(x, rows, width, carried, out, ahead);
 #endif
   };
   for_halved(width, many, [&](int x, const Taps &taps) HWY_ATTR {
-    for (std::size_t c = 0; c < 3; ++c)
+    for (std::size_t c = 0; c < Kinds<bytes>().size(); ++c)
       add_source_taps<Made>(
-          rows, taps, [c](const std::uint8_t *row, std::ptrdiff_t i) { return row[4 * i + c]; },
-          carried, carried_at<4>(x) + c, [&](std::size_t i) { return out[i][c] + x; });
+          rows, taps, [c](const std::uint8_t *row, std::ptrdiff_t i) { return row[bytes * i + c]; },
+          carried, carried_at<bytes>(x) + c, [&](std::size_t i) { return out[i][c] + x; });
   });
+}
+
+void
+HalvePairs(const SourceRows &rows, int width, const Carried &carried,
+           const AtOnce<std::array<Fixed *, 2>> &halved, const Ahead &ahead)
+{
+  decimate_pixels<Halved, 2>(rows, width, carried, halved, ahead);
 }
 
 void
 HalvePixels(const SourceRows &rows, int width, const Carried &carried,
             const AtOnce<std::array<Fixed *, 3>> &halved, const Ahead &ahead)
 {
-  decimate_pixels<Halved>(rows, width, carried, halved, ahead);
+  decimate_pixels<Halved, 4>(rows, width, carried, halved, ahead);
+}
+
+void
+QuarterPairs(const SourceRows &rows, int width, const Carried &carried,
+             const std::array<Fixed *, 2> &quartered, const Ahead &ahead)
+{
+  decimate_pixels<Quartered, 2>(rows, width, carried, { quartered }, ahead);
 }
 
 void
 QuarterPixels(const SourceRows &rows, int width, const Carried &carried,
               const std::array<Fixed *, 3> &quartered, const Ahead &ahead)
 {
-  decimate_pixels<Quartered>(rows, width, carried, { quartered }, ahead);
+  decimate_pixels<Quartered, 4>(rows, width, carried, { quartered }, ahead);
 }
 
 } // namespace saliency::kernels::HWY_NAMESPACE
@@ -368,8 +398,10 @@ HWY_AFTER_NAMESPACE();
 namespace saliency::kernels {
 
 HWY_EXPORT(HalveBytes);
+HWY_EXPORT(HalvePairs);
 HWY_EXPORT(HalvePixels);
 HWY_EXPORT(QuarterBytes);
+HWY_EXPORT(QuarterPairs);
 HWY_EXPORT(QuarterPixels);
 
 void
@@ -377,6 +409,13 @@ halve_bytes(const SourceRows &rows, int width, const Carried &carried,
             const AtOnce<Fixed *> &halved, const Ahead &ahead)
 {
   HWY_DYNAMIC_DISPATCH(HalveBytes)(rows, width, carried, halved, ahead);
+}
+
+void
+halve_pixels(const SourceRows &rows, int width, const Carried &carried,
+             const AtOnce<std::array<Fixed *, 2>> &halved, const Ahead &ahead)
+{
+  HWY_DYNAMIC_DISPATCH(HalvePairs)(rows, width, carried, halved, ahead);
 }
 
 void
@@ -391,6 +430,13 @@ quarter_bytes(const SourceRows &rows, int width, const Carried &carried, Fixed *
               const Ahead &ahead)
 {
   HWY_DYNAMIC_DISPATCH(QuarterBytes)(rows, width, carried, quartered, ahead);
+}
+
+void
+quarter_pixels(const SourceRows &rows, int width, const Carried &carried,
+               const std::array<Fixed *, 2> &quartered, const Ahead &ahead)
+{
+  HWY_DYNAMIC_DISPATCH(QuarterPairs)(rows, width, carried, quartered, ahead);
 }
 
 void

@@ -41,8 +41,10 @@ struct Carried
 void halve_bytes(const SourceRows &rows, int width, const Carried &carried,
                  const AtOnce<Fixed *> &halved, const Ahead &ahead);
 
-/// The same of pixels of four bytes, the first three of which go to rows of their own; there are four numbers
-/// a pixel, and the last byte of a row need not be there.
+/// The same of pixels of two bytes, which go to rows of their own; there are two numbers a pixel. Or of
+/// four bytes, the first three of which do so; there are four, and the last byte of a row need not be there.
+void halve_pixels(const SourceRows &rows, int width, const Carried &carried,
+                  const AtOnce<std::array<Fixed *, 2>> &halved, const Ahead &ahead);
 void halve_pixels(const SourceRows &rows, int width, const Carried &carried,
                   const AtOnce<std::array<Fixed *, 3>> &halved, const Ahead &ahead);
 
@@ -52,6 +54,8 @@ void quarter_bytes(const SourceRows &rows, int width, const Carried &carried, Fi
                    const Ahead &ahead);
 
 /// The same of what halve_pixels() makes.
+void quarter_pixels(const SourceRows &rows, int width, const Carried &carried,
+                    const std::array<Fixed *, 2> &quartered, const Ahead &ahead);
 void quarter_pixels(const SourceRows &rows, int width, const Carried &carried,
                     const std::array<Fixed *, 3> &quartered, const Ahead &ahead);
 

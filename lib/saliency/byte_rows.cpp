@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <array>
 #include <functional>
+#include <span>
 #include <utility>
 
 namespace saliency {
@@ -89,26 +90,36 @@ private:
   RowBuffer<std::uint8_t> buffer_;
 };
 
-/// That of a pixel's bytes which is first in memory.
+/// The last `count` of a frame's components.
+template <std::size_t count>
+std::span<const Component, count>
+last_components(const FrameView &frame)
+{
+  return std::span(frame.components).template last<count>();
+}
+
+/// That of a pixel's bytes, of the last `count` components, which is first in memory.
+template <std::size_t count>
 Component
 first_byte(const FrameView &frame)
 {
   const auto by_address = [](const Component &a, const Component &b) {
     return std::less<>()(a.data, b.data);
   };
-  return *std::ranges::min_element(frame.components, by_address);
+  return *std::ranges::min_element(last_components<count>(frame), by_address);
 }
 
-/// Channels of a row in the order in which a pixel's bytes lie in memory.
-template <typename T>
-std::array<T *, 3>
+/// Channels of a row in the order in which those bytes lie in memory.
+template <std::size_t count, typename T>
+std::array<T *, count>
 in_memory_order(const FrameView &frame, T *row, std::ptrdiff_t pitch)
 {
-  std::array<T *, 3> channels{};
-  const auto *first = first_byte(frame).data;
-  for (std::size_t c = 0; c < 3; ++c)
-    channels[static_cast<std::size_t>(frame.components[c].data - first)]
-        = row + static_cast<std::ptrdiff_t>(c) * pitch;
+  std::array<T *, count> channels{};
+  const auto *first = first_byte<count>(frame).data;
+  for (const Component &component : last_components<count>(frame)) {
+    channels[static_cast<std::size_t>(component.data - first)] = row;
+    row += pitch;
+  }
   return channels;
 }
 
@@ -123,9 +134,9 @@ public:
 
   void begin(const FrameView &frame) override
   {
-    first_ = first_byte(frame);
+    first_ = first_byte<3>(frame);
     for (std::size_t i = 0; i < places_.size(); ++i)
-      places_[i] = in_memory_order(frame, buffer_.row(static_cast<int>(i)), buffer_.pitch());
+      places_[i] = in_memory_order<3>(frame, buffer_.row(static_cast<int>(i)), buffer_.pitch());
   }
 
   const std::uint8_t *row(int y) override
@@ -301,21 +312,21 @@ private:
   std::ptrdiff_t source_pitch_;
 };
 
-/// Of pixels of four bytes, three of which matter.
-class DecimatedPixels final : public DecimatedByteRows
+/// Of pixels of two bytes, or of four, three of which matter.
+template <std::size_t count> class DecimatedPixels final : public DecimatedByteRows
 {
 public:
   DecimatedPixels(cv::Size source, bool quartered)
-      : DecimatedByteRows(source, 3, 4, 1, quartered), source_(source)
+      : DecimatedByteRows(source, count, count == 2 ? 2 : 4, 1, quartered), source_(source)
   {
   }
 
   void begin(const FrameView &frame) override
   {
     DecimatedByteRows::begin(frame);
-    first_ = first_byte(frame);
+    first_ = first_byte<count>(frame);
     for (std::size_t i = 0; i < places_.size(); ++i)
-      places_[i] = in_memory_order(frame, made_.row(static_cast<int>(i)), made_.pitch());
+      places_[i] = in_memory_order<count>(frame, made_.row(static_cast<int>(i)), made_.pitch());
   }
 
 private:
@@ -331,8 +342,8 @@ private:
   }
 
   cv::Size source_;
-  Component first_;                                  ///< in memory
-  kernels::AtOnce<std::array<Fixed *, 3>> places_{}; ///< rows for the bytes of a pixel
+  Component first_;                                      ///< in memory
+  kernels::AtOnce<std::array<Fixed *, count>> places_{}; ///< rows for the bytes of a pixel
 };
 
 std::unique_ptr<ImageRows<Fixed>>
@@ -352,11 +363,19 @@ byte_samples(const Component &component, std::size_t index, ByteDecimation decim
 }
 
 std::unique_ptr<ImageRows<Fixed>>
+byte_pairs(const FrameView &frame, ByteDecimation decimation)
+{
+  const Component &chroma = frame.components[1];
+  return std::make_unique<DecimatedPixels<2>>(cv::Size(chroma.width, chroma.height),
+                                              decimation == ByteDecimation::quartered);
+}
+
+std::unique_ptr<ImageRows<Fixed>>
 byte_pixels(const FrameView &frame, ByteDecimation decimation)
 {
   const cv::Size size(frame.width, frame.height);
   if (decimation != ByteDecimation::none && frame.components[0].pixel_stride == 4)
-    return std::make_unique<DecimatedPixels>(size, decimation == ByteDecimation::quartered);
+    return std::make_unique<DecimatedPixels<3>>(size, decimation == ByteDecimation::quartered);
   return decimated(std::make_unique<PixelRows>(size), decimation);
 }
 

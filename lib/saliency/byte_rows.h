@@ -24,6 +24,9 @@ constexpr int kFewestToQuarter = 16;
 std::unique_ptr<ImageRows<Fixed>> byte_samples(const Component &component, std::size_t index,
                                                ByteDecimation decimation);
 
+/// The second and the third component of a frame with has_byte_pairs(), likewise; they are decimated.
+std::unique_ptr<ImageRows<Fixed>> byte_pairs(const FrameView &frame, ByteDecimation decimation);
+
 /// All three components of a frame with has_byte_triples(), likewise.
 std::unique_ptr<ImageRows<Fixed>> byte_pixels(const FrameView &frame, ByteDecimation decimation);
 

@@ -8,7 +8,9 @@
 #include "saliency/unpack_kernels.h"
 
 #include <algorithm>
+#include <cstddef>
 #include <functional>
+#include <span>
 #include <utility>
 
 namespace saliency {
@@ -273,21 +275,54 @@ component_rows(const FrameView &frame, std::size_t component, int level)
   return image;
 }
 
+namespace {
+
+/// Whether bytes of components lie side by side, in any order.
+bool
+side_by_side(std::span<const Component> components)
+{
+  const Component &first = *std::ranges::min_element(components, std::less<>(), &Component::data);
+  std::size_t places = 0; // a bit for each
+  for (const Component &component : components) {
+    const auto place = static_cast<std::size_t>(component.data - first.data);
+    if (place >= components.size() || component.pixel_stride != first.pixel_stride
+        || component.row_stride != first.row_stride || component.width != first.width
+        || component.height != first.height)
+      return false;
+    places |= std::size_t{ 1 } << place;
+  }
+  return places + 1 == std::size_t{ 1 } << components.size();
+}
+
+} // namespace
+
 bool
 has_byte_triples(const FrameView &frame)
 {
-  const Component &a = frame.components[0];
-  const Component &b = frame.components[1];
-  const Component &c = frame.components[2];
-  const auto first = std::min({ a.data, b.data, c.data }, std::less<>());
-  const auto last = std::max({ a.data, b.data, c.data }, std::less<>());
-  const auto alike = [&a](const Component &other) {
-    return other.pixel_stride == a.pixel_stride && other.row_stride == a.row_stride
-           && other.width == a.width && other.height == a.height;
+  return frame.model != ColorModel::grey && frame.depth == 8
+         && frame.components[0].pixel_stride >= 3 && side_by_side(frame.components);
+}
+
+bool
+has_byte_pairs(const FrameView &frame)
+{
+  return frame.model != ColorModel::grey && frame.depth == 8
+         && frame.components[1].pixel_stride == 2
+         && side_by_side(std::span(frame.components).last<2>());
+}
+
+std::unique_ptr<ImageRows<Fixed>>
+pair_rows(const FrameView &frame, int level)
+{
+  const Component &chroma = frame.components[1];
+  const int columns = level - subsampling(frame.width, chroma.width);
+  const int rows = level - subsampling(frame.height, chroma.height);
+  if (columns != rows || columns < 1)
+    return nullptr;
+  const auto bytes = [&frame](ByteDecimation decimation) {
+    return byte_pairs(frame, decimation);
   };
-  return frame.model != ColorModel::grey && frame.depth == 8 && a.pixel_stride >= 3 && alike(b)
-         && alike(c) && last - first == 2 && a.data != b.data && b.data != c.data
-         && a.data != c.data;
+  return decimated_bytes(bytes, chroma.height, columns);
 }
 
 std::unique_ptr<ImageRows<Fixed>>

@@ -21,6 +21,14 @@ std::unique_ptr<ImageRows<Fixed>> component_rows(const FrameView &frame, std::si
 /// Whether all samples are bytes and those of a pixel lie side by side, in any order, as in R'G'B'x.
 bool has_byte_triples(const FrameView &frame);
 
+/// Whether the second and the third component are bytes side by side, in either order, as in NV12.
+bool has_byte_pairs(const FrameView &frame);
+
+/// The second and the third component of frames such as `frame`, which has_byte_pairs(), at `level`: as
+/// component_rows(), but two channels, which are read together. Null where they are not to be halved, as
+/// often along both axes.
+std::unique_ptr<ImageRows<Fixed>> pair_rows(const FrameView &frame, int level);
+
 /// All components of frames such as `frame`, which has_byte_triples(), at `level`: as component_rows(),
 /// but three channels, which are read together.
 std::unique_ptr<ImageRows<Fixed>> pixel_rows(const FrameView &frame, int level);

@@ -52,10 +52,15 @@ public:
   LabRows(const FrameView &frame, int level)
       : ImageRows(level_size({ frame.width, frame.height }, level), 3), buffer_(1, size().width, 3)
   {
-    if (has_byte_triples(frame))
+    if (has_byte_triples(frame)) {
       components_.push_back(pixel_rows(frame, level));
+      return;
+    }
+    components_.push_back(component_rows(frame, 0, level));
+    if (auto pairs = has_byte_pairs(frame) ? pair_rows(frame, level) : nullptr)
+      components_.push_back(std::move(pairs));
     else
-      for (std::size_t i = 0; i < component_count(frame); ++i)
+      for (std::size_t i = 1; i < component_count(frame); ++i)
         components_.push_back(component_rows(frame, i, level));
   }
 
@@ -164,6 +169,7 @@ FrontEnd::lab(const FrameView &frame, int level, FrameOf kind)
   Geometry geometry{ .model = frame.model,
                      .bytes = frame.depth == 8,
                      .byte_triples = has_byte_triples(frame),
+                     .byte_pairs = has_byte_pairs(frame),
                      .level = level,
                      .converted
                      = exact_ ? 0 : conversion_level({ frame.width, frame.height }, level, kind) };

@@ -70,6 +70,7 @@ private:
     ColorModel model = ColorModel::yuv;
     bool bytes = true;
     bool byte_triples = false;
+    bool byte_pairs = false;
     int level = -1;
     int converted = -1; ///< level of the conversion
     std::array<cv::Size, 3> components;
