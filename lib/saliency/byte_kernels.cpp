@@ -181,10 +181,13 @@ HWY_INLINE void
 add_source_pairs(D d, const SourceRows &rows, const Pairs &pairs, Carried carried, std::size_t x,
                  const Out &out)
 {
-  add_source_rows<Made>(
-      d, rows, [=](const std::uint8_t *row) HWY_ATTR { return halved_sums<4>(d, pairs(row)); },
-      [=](const std::uint8_t *row) HWY_ATTR { return halved_sums<1>(d, pairs(row)); }, carried, x,
-      out);
+  const auto four = [=](const std::uint8_t *row) HWY_ATTR {
+    return halved_sums<4>(d, pairs(row));
+  };
+  const auto once = [=](const std::uint8_t *row) HWY_ATTR {
+    return halved_sums<1>(d, pairs(row));
+  };
+  add_source_rows<Made>(d, rows, four, once, carried, x, out);
 }
 
 /// A place alone, of whose rows `at(row, i)` gives byte i.
@@ -231,11 +234,12 @@ decimate_bytes(SourceRows rows, int width, Carried carried, std::array<Fixed *, 
   const auto many = [width, &work](int x) HWY_ATTR {
     return cover_halved_once<1>(x, width, work);
   };
-  for_halved(width, many, [=](int x, const Taps &taps) HWY_ATTR {
+  const auto one = [=](int x, const Taps &taps) HWY_ATTR {
     add_source_taps<Made>(
         rows, taps, [](const std::uint8_t *row, int i) { return row[i]; }, carried,
         carried_at<1>(x), at(x));
-  });
+  };
+  for_halved(width, many, one);
 }
 
 void
@@ -326,8 +330,8 @@ decimate_pixels_from(int x, const SourceRows &rows, int width, Carried carried,
         const hn::Repartition<std::uint8_t, decltype(d)> d8;
         const auto order = hn::LoadDup128(d8, kPairs.data());
         const auto pairs = [d, d8, order, place](const std::uint8_t *row) HWY_ATTR {
-          return [d, d8, order, at = row + 2 * bytes * place](std::ptrdiff_t i) HWY_ATTR {
-            return hn::BitCast(d, hn::TableLookupBytes(hn::LoadU(d8, at + 2 * bytes * i), order));
+          return [d, d8, order, at = row + 2 * place * bytes](std::ptrdiff_t i) HWY_ATTR {
+            return hn::BitCast(d, hn::TableLookupBytes(hn::LoadU(d8, at + 2 * i * bytes), order));
           };
         };
         ask<kSourceRows * 2 * hn::MaxLanes(d)>(ahead, kSourceRows * 2 * bytes * place);
@@ -355,12 +359,13 @@ decimate_pixels(const SourceRows &rows, int width, const Carried &carried,
     return decimate_pixels_from<Made, bytes>(x, rows, width, carried, out, ahead);
 #endif
   };
-  for_halved(width, many, [&](int x, const Taps &taps) HWY_ATTR {
+  const auto one = [&](int x, const Taps &taps) HWY_ATTR {
     for (std::size_t c = 0; c < Kinds<bytes>().size(); ++c)
       add_source_taps<Made>(
           rows, taps, [c](const std::uint8_t *row, std::ptrdiff_t i) { return row[bytes * i + c]; },
           carried, carried_at<bytes>(x) + c, [&](std::size_t i) { return out[i][c] + x; });
-  });
+  };
+  for_halved(width, many, one);
 }
 
 void

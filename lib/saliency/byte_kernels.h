@@ -26,7 +26,7 @@ using SourceRows = std::array<const std::uint8_t *, kSourceRows>;
 /// row's second place begins a block.
 struct Carried
 {
-  static constexpr int kBlock = 32;
+  static constexpr std::ptrdiff_t kBlock = 32;
   static constexpr int kHalved = 2; ///< kinds
   static constexpr int kQuartered = 5;
 

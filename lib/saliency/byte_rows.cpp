@@ -253,8 +253,9 @@ private:
   static int carried_length(int numbers, bool quartered)
   {
     using kernels::Carried;
-    const int blocks = numbers / Carried::kBlock + 2; // place 1 begins one
-    return blocks * Carried::kBlock * (quartered ? Carried::kQuartered : Carried::kHalved);
+    constexpr int kBlock{ Carried::kBlock };
+    const int blocks = numbers / kBlock + 2; // place 1 begins one
+    return blocks * kBlock * (quartered ? Carried::kQuartered : Carried::kHalved);
   }
 
   /// Rows from y on.
