@@ -138,7 +138,7 @@ SaliencySettings::install(GObjectClass *klass)
   g_object_class_install_property(
       klass, SALIENCY_PROP_N_THREADS,
       g_param_spec_uint("n-threads", "Threads",
-                        "Threads that read a frame, which is felt the same with any number (0 = "
+                        "Threads that work on a frame, which is felt the same with any number (0 = "
                         "by the frame's size and the processor)",
                         0, kMostThreads, static_cast<guint>(defaults.n_threads), playing));
   g_object_class_install_property(

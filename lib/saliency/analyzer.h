@@ -53,7 +53,7 @@ public:
   /// seek or cut).
   void reset();
 
-  /// How many threads read a frame at most, 0 for as many as pay (see FrontEnd); one at first. The
+  /// How many threads work on a frame at most, 0 for as many as pay (see FrontEnd); one at first. The
   /// result is the same for any number and the history goes on. Throws std::invalid_argument below 0.
   void set_threads(int threads);
 

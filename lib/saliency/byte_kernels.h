@@ -21,8 +21,8 @@ constexpr std::ptrdiff_t kSourceRows = std::ptrdiff_t{ 2 } * kAtOnce;
 using SourceRows = std::array<const std::uint8_t *, kSourceRows>;
 
 /// What rows leave for those that follow: of rows of bytes, each halved from side to side times 16 (h),
-/// h[2y - 2] + 4 h[2y - 1] + 6 h[2y], and h[2y]; where rows are quartered, also rows y - 2, y - 1 and y of
-/// half the height. kBlock numbers of each kind lie one after the other, then as many more of each; a
+/// h[2y - 2] + 4 h[2y - 1] + 6 h[2y], and h[2y], where y is the next row of half the height; where rows are
+/// quartered, also rows y - 3, y - 2 and y - 1. kBlock numbers of each kind lie one after the other, then as many more of each; a
 /// row's second place begins a block.
 struct Carried
 {
@@ -31,7 +31,8 @@ struct Carried
   static constexpr int kQuartered = 5;
 
   std::uint16_t *first;
-  /// Rows after y that there are, of kAtOnce; beyond the last they are mirrored without repeating it.
+  /// Rows from y on that there are, of kAtOnce; beyond the last they are mirrored without repeating it.
+  /// Of no meaning where rows are not quartered.
   int more = kAtOnce;
 };
 
@@ -48,8 +49,8 @@ void halve_pixels(const SourceRows &rows, int width, const Carried &carried,
 void halve_pixels(const SourceRows &rows, int width, const Carried &carried,
                   const AtOnce<std::array<Fixed *, 3>> &halved, const Ahead &ahead);
 
-/// Halves once more from top to bottom, as halve_rows() does, what halve_bytes() makes: row y of a quarter
-/// of the height.
+/// Halves once more from top to bottom, as halve_rows() does, what halve_bytes() makes: row (y - 1) / 2
+/// of a quarter of the height.
 void quarter_bytes(const SourceRows &rows, int width, const Carried &carried, Fixed *quartered,
                    const Ahead &ahead);
 

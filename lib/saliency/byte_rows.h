@@ -17,7 +17,8 @@ enum class ByteDecimation
   quartered, ///< from top to bottom, and halved from side to side
 };
 
-/// Images of fewer rows are not quartered.
+/// Images of fewer rows are not quartered, which begins so far above the first that rows have to be mirrored
+/// there more than once.
 constexpr int kFewestToQuarter = 16;
 
 /// Samples of a component of 8 bits, the frame's `index`-th.

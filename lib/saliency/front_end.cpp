@@ -168,7 +168,8 @@ FrontEnd::lab(const FrameView &frame, int level, FrameOf kind)
   check(frame);
   Geometry geometry{ .model = frame.model,
                      .bytes = frame.depth == 8,
-                     .byte_triples = has_byte_triples(frame),
+                     .triple_stride
+                     = has_byte_triples(frame) ? frame.components[0].pixel_stride : 0,
                      .byte_pairs = has_byte_pairs(frame),
                      .level = level,
                      .converted

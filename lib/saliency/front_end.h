@@ -54,7 +54,7 @@ public:
   /// The frame's L*a*b* image at `level`, valid until the next call. A component's width
   /// must be ⌈frame width / 2ᵏ⌉ for some k ≥ 0, likewise its height; the first component has the
   /// frame's size. Throws std::invalid_argument for a frame that cannot be one: no size, no data,
-  /// impossible depth or strides. Allocates only when geometry, format or level change.
+  /// impossible depth or strides. Allocates only when geometry, format, level or kind change.
   const FixedLabImage &lab(const FrameView &frame, int level, FrameOf kind = FrameOf::film);
 
   /// The threads that made the latest image, for what is done with it.
@@ -69,7 +69,7 @@ private:
   {
     ColorModel model = ColorModel::yuv;
     bool bytes = true;
-    bool byte_triples = false;
+    int triple_stride = 0; ///< of has_byte_triples(): bytes from pixel to pixel
     bool byte_pairs = false;
     int level = -1;
     int converted = -1; ///< level of the conversion

@@ -34,7 +34,8 @@ private:
     std::size_t surround;
   };
 
-  float illumination(const cv::Mat &center, const cv::Mat &surround, std::vector<float> &sorted);
+  static float illumination(const cv::Mat &center, const cv::Mat &surround,
+                            std::vector<float> &sorted);
   void take_background_off(const cv::Rect &within);
 
   TemporalSign sign_;

@@ -78,7 +78,8 @@ ThreadPool::wait_for_work()
     lock.unlock();
     stay_awake([this, known] { return end_ || works_ != known; });
     lock.lock();
-    work_to_do_.wait(lock, [this] { return end_ || next_ < parts_; });
+    if (works_ == known)
+      work_to_do_.wait(lock, [this] { return end_ || next_ < parts_; });
   }
 }
 

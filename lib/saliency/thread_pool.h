@@ -46,12 +46,12 @@ private:
   std::mutex mutex_;
   std::condition_variable work_to_do_;
   std::condition_variable all_done_;
-  Part part_ = nullptr; ///< what follows is guarded by the mutex
+  Part part_ = nullptr; ///< what follows changes under the mutex, this and work_ only between works
   const void *work_ = nullptr;
   int next_ = 0;  ///< part that nobody does yet
   int parts_ = 0; ///< of the work at hand
   std::exception_ptr error_;
-  std::atomic<int> undone_ = 0;     ///< changed under the mutex, as what follows
+  std::atomic<int> undone_ = 0;     ///< also read without it, as what follows
   std::atomic<unsigned> works_ = 0; ///< that there were
   std::atomic<bool> end_ = false;
 };
