@@ -102,6 +102,7 @@ GST_START_TEST(test_sleepers)
         while (std::chrono::steady_clock::now() - begin < std::chrono::milliseconds(2))
           std::this_thread::yield();
     });
+    // Longer than they stay awake; should they do so once, then only this round shows nothing.
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
   }
 }
