@@ -5,6 +5,11 @@
 #include <system_error>
 #include <utility>
 
+#ifdef __linux__
+#include <pthread.h>
+#include <sched.h>
+#endif
+
 namespace saliency {
 
 ThreadPool::~ThreadPool()
@@ -21,12 +26,33 @@ ThreadPool::~ThreadPool()
 void
 ThreadPool::start(int threads)
 {
+  if (static_cast<int>(threads_.size()) < threads)
+    kept_off_ = -1;
   try {
     while (static_cast<int>(threads_.size()) < threads)
       threads_.emplace_back([this] { wait_for_work(); });
   } catch (const std::system_error &) {
     // The caller does what they would have done.
   }
+}
+
+/// Where it may not, or there is no other processor, they stay as they are.
+void
+ThreadPool::keep_off_callers_processor()
+{
+#ifdef __linux__
+  const int processor = sched_getcpu();
+  if (processor < 0 || processor == kept_off_)
+    return;
+  kept_off_ = processor;
+  cpu_set_t others;
+  if (sched_getaffinity(0, sizeof others, &others) != 0)
+    return;
+  CPU_CLR(processor, &others);
+  if (CPU_COUNT(&others) > 0)
+    for (std::thread &thread : threads_)
+      pthread_setaffinity_np(thread.native_handle(), sizeof others, &others);
+#endif
 }
 
 /// Until then or until it has been as long as waking up may take.
@@ -43,8 +69,10 @@ ThreadPool::stay_awake(const Until &until)
 void
 ThreadPool::run(int parts, Part part, const void *work)
 {
-  if (parts > 1)
+  if (parts > 1) {
     start(parts - 1);
+    keep_off_callers_processor();
+  }
   std::unique_lock lock(mutex_);
   part_ = part;
   work_ = work;

@@ -16,6 +16,9 @@ namespace saliency {
 ///
 /// Who has done all there is stays awake a while, as more work often follows at once and waking up takes
 /// longer than the smallest piece of it; whoever else wants the processor then has it.
+///
+/// On Linux the threads run on the caller's processors, but not on the one that it calls from: the kernel of a
+/// virtual machine often wakes a thread there rather than on one that halted, and then nothing is done at once.
 class ThreadPool
 {
 public:
@@ -38,11 +41,13 @@ private:
 
   void run(int parts, Part part, const void *work);
   void start(int threads);
+  void keep_off_callers_processor();
   void wait_for_work();
   void do_parts(std::unique_lock<std::mutex> &lock);
   template <typename Until> static void stay_awake(const Until &until);
 
-  std::vector<std::thread> threads_; ///< the caller's only
+  std::vector<std::thread> threads_; ///< the caller's only, as what follows
+  int kept_off_ = -1;                ///< processor
   std::mutex mutex_;
   std::condition_variable work_to_do_;
   std::condition_variable all_done_;

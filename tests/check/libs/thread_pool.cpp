@@ -11,6 +11,8 @@
 #include <utility>
 #include <vector>
 
+#include <sched.h>
+
 #include <gst/check/gstcheck.h>
 
 using saliency::ThreadPool;
@@ -87,17 +89,27 @@ GST_START_TEST(test_teams)
 }
 GST_END_TEST;
 
+/// Two parts that wait for each other, so each is another thread's, then do this.
+template <typename Work>
+static void
+run_on_two_threads(ThreadPool &pool, const Work &work)
+{
+  std::array<std::atomic<bool>, 2> there{};
+  pool.run(2, [&](int part) {
+    there[static_cast<std::size_t>(part)] = true;
+    while (!there[static_cast<std::size_t>(1 - part)])
+      std::this_thread::yield();
+    work(part);
+  });
+}
+
 GST_START_TEST(test_sleepers)
 {
   // Threads that stayed awake for nothing and fell asleep are woken, and the caller by them.
   ThreadPool pool;
   for (int i = 0; i < 20; ++i) {
-    std::array<std::atomic<bool>, 2> there{};
-    pool.run(2, [&there](int part) {
-      there[static_cast<std::size_t>(part)] = true;
-      const auto begin = std::chrono::steady_clock::now();
-      while (!there[static_cast<std::size_t>(1 - part)])
-        std::this_thread::yield(); // the other part has to be another thread's
+    const auto begin = std::chrono::steady_clock::now();
+    run_on_two_threads(pool, [begin](int part) {
       if (part == 1)
         while (std::chrono::steady_clock::now() - begin < std::chrono::milliseconds(2))
           std::this_thread::yield();
@@ -107,6 +119,61 @@ GST_START_TEST(test_sleepers)
   }
 }
 GST_END_TEST;
+
+#ifdef __linux__
+static cpu_set_t
+own_processors()
+{
+  cpu_set_t own;
+  ck_assert_int_eq(sched_getaffinity(0, sizeof own, &own), 0);
+  return own;
+}
+
+/// Where the pool's thread may run when it works.
+static cpu_set_t
+processors_of_thread(ThreadPool &pool)
+{
+  const std::thread::id caller = std::this_thread::get_id();
+  cpu_set_t theirs;
+  CPU_ZERO(&theirs);
+  run_on_two_threads(pool, [&](int) {
+    if (std::this_thread::get_id() != caller)
+      theirs = own_processors();
+  });
+  return theirs;
+}
+
+GST_START_TEST(test_off_the_callers_processor)
+{
+  const cpu_set_t all = own_processors();
+  if (CPU_COUNT(&all) > 1) {
+    ThreadPool pool;
+    int seen = 0;
+    for (int i = 0; i < 1000 && seen < 20; ++i) {
+      const int before = sched_getcpu();
+      const cpu_set_t theirs = processors_of_thread(pool);
+      if (sched_getcpu() != before)
+        continue; // which one it called from is not known
+      ++seen;
+      cpu_set_t expected = all;
+      CPU_CLR(before, &expected);
+      fail_unless(CPU_EQUAL(&theirs, &expected));
+    }
+    ck_assert_int_eq(seen, 20);
+  }
+
+  // Where the caller has one processor alone, they share it.
+  cpu_set_t one;
+  CPU_ZERO(&one);
+  CPU_SET(sched_getcpu(), &one);
+  ck_assert_int_eq(sched_setaffinity(0, sizeof one, &one), 0);
+  ThreadPool pool;
+  const cpu_set_t theirs = processors_of_thread(pool);
+  fail_unless(CPU_EQUAL(&theirs, &one));
+  ck_assert_int_eq(sched_setaffinity(0, sizeof all, &all), 0);
+}
+GST_END_TEST;
+#endif
 
 static Suite *
 thread_pool_suite(void)
@@ -119,6 +186,9 @@ thread_pool_suite(void)
   tcase_add_test(tc, test_pools_that_do_nothing);
   tcase_add_test(tc, test_teams);
   tcase_add_test(tc, test_sleepers);
+#ifdef __linux__
+  tcase_add_test(tc, test_off_the_callers_processor);
+#endif
   return suite;
 }
 
