@@ -113,6 +113,10 @@ contenders(cv::Size size)
   }
   for (const int threads : thread_counts())
     all.push_back(ours("exact", exact, mapping, film, Format::i420, threads));
+  for (const int threads : { 1, 2 }) {
+    all.push_back(ours(kPlayed, tuned, mapping, film, Format::i420, threads));
+    all.back().played = true;
+  }
   all.push_back(ours("tuned, camera moving", tuned, mapping, pan, Format::i420, 1));
   all.push_back(ours("paper", saliency::Profile::paper(), tactile::MappingSettings::paper(), film,
                      Format::i420, 1));

@@ -4,7 +4,9 @@
 #include "allocations.h"
 
 #include <algorithm>
+#include <chrono>
 #include <ctime>
+#include <thread>
 
 namespace bench {
 
@@ -16,6 +18,8 @@ constexpr double kSliceMs = 8;
 constexpr std::size_t kSlice = 8;
 constexpr double kSlowMs = 60;
 constexpr int kSlowRounds = 3;
+constexpr std::chrono::microseconds kPause{ 33'333 }; // of what is played
+constexpr std::size_t kPlayedSlice = 4;
 
 double
 now(clockid_t clock)
@@ -23,6 +27,31 @@ now(clockid_t clock)
   timespec time{};
   clock_gettime(clock, &time);
   return 1e3 * static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_nsec);
+}
+
+struct Times
+{
+  double cpu = 0;
+  double wall = 0;
+};
+
+/// What the next frames take, from the one that `frame` counts.
+Times
+timed(const Contender &contender, std::size_t &frame, std::size_t frames)
+{
+  Times sum;
+  const std::size_t at_once = contender.played ? 1 : frames;
+  for (const std::size_t end = frame + frames; frame < end;) {
+    if (contender.played)
+      std::this_thread::sleep_for(kPause);
+    const double cpu = cpu_ms();
+    const double wall = wall_ms();
+    for (std::size_t n = 0; n < at_once; n++)
+      contender.work(frame++);
+    sum.wall += wall_ms() - wall;
+    sum.cpu += cpu_ms() - cpu;
+  }
+  return sum;
 }
 
 } // namespace
@@ -80,7 +109,10 @@ race(std::vector<Contender> &contenders, int rounds)
     const double each = std::max(1e-3, wall_ms() - begin);
     run(i, std::max(contenders[i].history,
                     std::min(kWarmUp, static_cast<std::size_t>(kWarmUpMs / each))));
-    lanes[i].slice = std::clamp<std::size_t>(static_cast<std::size_t>(kSliceMs / each), 1, kSlice);
+    lanes[i].slice
+        = contenders[i].played
+              ? kPlayedSlice
+              : std::clamp<std::size_t>(static_cast<std::size_t>(kSliceMs / each), 1, kSlice);
     lanes[i].slow = each > kSlowMs;
   }
   for (int round = 0; round < rounds; round++)
@@ -91,13 +123,10 @@ race(std::vector<Contender> &contenders, int rounds)
       if (!lane.slow)
         run(i, 1); // as after other frames of its own film, rather than after another contender
       const std::uint64_t before = allocated_bytes();
-      const double cpu = cpu_ms();
-      const double wall = wall_ms();
-      run(i, lane.slice);
       const auto frames = static_cast<double>(lane.slice);
-      const double wall_each = (wall_ms() - wall) / frames;
-      contenders[i].wall_ms.push_back(wall_each);
-      contenders[i].ms.push_back(contenders[i].threads > 1 ? wall_each : (cpu_ms() - cpu) / frames);
+      const Times times = timed(contenders[i], lane.frame, lane.slice);
+      contenders[i].wall_ms.push_back(times.wall / frames);
+      contenders[i].ms.push_back((contenders[i].threads > 1 ? times.wall : times.cpu) / frames);
       lane.bytes += static_cast<double>(allocated_bytes() - before);
       lane.counted += lane.slice;
     }

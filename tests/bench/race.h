@@ -18,6 +18,7 @@ struct Contender
   int threads = 1;
   std::size_t frame_bytes = 0;
   std::size_t history = 0; ///< frames after which it holds all the memory that it will
+  bool played = false; ///< 30 frames a second: threads fell asleep and caches cooled since the last
   std::function<void(std::size_t)> work{}; ///< on the i-th frame
 
   /// A frame, in each round: CPU time of this thread, which other programs disturb least, or, where it has
@@ -43,6 +44,9 @@ void race(std::vector<Contender> &contenders, int rounds);
 
 /// The method of reading a frame from memory.
 inline constexpr const char *kReading = "reading the frame";
+
+/// The tuned profile's when it plays.
+inline constexpr const char *kPlayed = "tuned, 30 frames a second";
 
 /// Everything that is compared, on frames of this size: reading a frame from memory, this project's
 /// profiles, formats and threads, the paper taken literally, OpenCV rewrites, and the peers that this

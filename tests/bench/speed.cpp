@@ -180,7 +180,8 @@ target_table(const std::vector<Result> &results)
                                        { "tuned", "I420" },
                                        { kReading, "RGBx" },
                                        { "tuned", "RGBx" },
-                                       { "exact", "I420" } })
+                                       { "exact", "I420" },
+                                       { kPlayed, "I420" } })
     add(std::string("two threads: 1.7 × as quick as one, ") + method + " " + input,
         [method = method, input = input](const Result &result) {
           const Contender *one = result.find(method, input);
