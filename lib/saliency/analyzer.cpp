@@ -86,9 +86,8 @@ frames_between(Time from, Time to)
 struct Analyzer::State
 {
   explicit State(const Profile &profile_)
-      : profile(checked(profile_)), longest(longest_window(profile)), front_end(profile.exact),
-        spatial(profile), history(longest, profile.history_start), spatiotemporal(profile),
-        shot_cut(profile)
+      : profile(checked(profile_)), longest(longest_window(profile)), spatial(profile),
+        history(longest, profile.history_start), spatiotemporal(profile), shot_cut(profile)
   {
   }
 
@@ -209,8 +208,9 @@ Analyzer::analyze(const FrameView &frame, Time time, Time duration, bool tempora
   s.follow({ frame.width, frame.height }, time);
   s.result.cut = false;
   s.result.camera_moves = false;
-  const FixedLabImage &lab
-      = s.front_end.lab(frame, s.levels.finest, temporal ? FrameOf::film : FrameOf::picture);
+  const int converted
+      = s.profile.exact ? 0 : conversion_level({ frame.width, frame.height }, s.levels.finest);
+  const FixedLabImage &lab = s.front_end.lab(frame, s.levels.finest, converted);
   s.team = s.front_end.team();
   s.pyramid.build(lab, s.levels.finest, s.levels.coarsest, s.levels.finest_chroma, s.team);
   s.result.map = temporal ? s.spatiotemporal_map(time, duration)

@@ -44,7 +44,7 @@ public:
   /// resets the history first if its time is not after its predecessor's, if its size differs or,
   /// with windows in seconds, if it comes later after its predecessor's end than the longest
   /// window. duration ≤ 0 is taken as 1/30 s. With `temporal` off the result is the spatial saliency
-  /// alone, of a picture by itself (FrameOf): nothing is compared with other frames, and the next one
+  /// alone: nothing is compared with other frames, and the next one
   /// begins a history. Throws std::invalid_argument for a frame that cannot be one (see FrameView), which
   /// leaves the history as if it had not come, or reset.
   const Saliency &analyze(const FrameView &frame, Time time, Time duration, bool temporal = true);

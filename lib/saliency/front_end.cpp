@@ -120,20 +120,17 @@ threads_that_pay(const FrameView &frame)
 } // namespace
 
 int
-conversion_level(cv::Size frame, int level, FrameOf kind)
+conversion_level(cv::Size frame, int level)
 {
-  const long long most = kind == FrameOf::film ? 150'000 : 600'000;
-  const int finest = kind == FrameOf::film ? std::max(0, level - 1) : 0;
-  for (int earlier = finest; earlier < level; ++earlier) {
-    const cv::Size size = level_size(frame, earlier);
-    if (static_cast<long long>(size.width) * size.height <= most)
-      return earlier;
-  }
-  return level;
-}
-
-FrontEnd::FrontEnd(bool exact) : exact_(exact)
-{
+  constexpr long long kOfEveryPixel = 480'000;
+  constexpr long long kOneEarlier = 150'000;
+  const auto samples = [frame](int n) {
+    const cv::Size size = level_size(frame, n);
+    return static_cast<long long>(size.width) * size.height;
+  };
+  if (level == 0 || samples(0) <= kOfEveryPixel)
+    return 0;
+  return samples(level - 1) <= kOneEarlier ? level - 1 : level;
 }
 
 void
@@ -163,17 +160,18 @@ FrontEnd::make_bands(const FrameView &frame, const Geometry &geometry)
 }
 
 const FixedLabImage &
-FrontEnd::lab(const FrameView &frame, int level, FrameOf kind)
+FrontEnd::lab(const FrameView &frame, int level, int converted)
 {
   check(frame);
+  if (converted < 0 || converted > level)
+    throw std::invalid_argument("L*a*b* is computed at level 0 or one up to the image's");
   Geometry geometry{ .model = frame.model,
                      .bytes = frame.depth == 8,
                      .triple_stride
                      = has_byte_triples(frame) ? frame.components[0].pixel_stride : 0,
                      .byte_pairs = has_byte_pairs(frame),
                      .level = level,
-                     .converted
-                     = exact_ ? 0 : conversion_level({ frame.width, frame.height }, level, kind) };
+                     .converted = converted };
   for (std::size_t i = 0; i < component_count(frame); ++i)
     geometry.components[i] = { frame.components[i].width, frame.components[i].height };
   if (geometry != geometry_)

@@ -15,25 +15,18 @@
 
 namespace saliency {
 
-/// What a frame is of: a film, where the next one waits, or a picture by itself, for which there is more
-/// time.
-enum class FrameOf
-{
-  film,
-  picture,
-};
-
-/// The level at which L*a*b* of a frame's decimated components is computed for an image at `level`.
-int conversion_level(cv::Size frame, int level, FrameOf kind = FrameOf::film);
+/// The level at which L*a*b* is computed for an image at `level`, unless that is to be exact: as early as
+/// takes no more than about a millisecond. Of frames of up to 480,000 pixels (800×600) it is 0; otherwise
+/// one level before `level` if there are no more than 150,000 samples there, which leaves about a quarter of
+/// the difference, or `level`.
+int conversion_level(cv::Size frame, int level);
 
 /// Frame → L*a*b* image at one level of the pyramid: the only part that reads a frame's memory.
 ///
-/// `exact` computes L*a*b* of every pixel, then the pyramid, as the paper does. Otherwise the
-/// components are decimated first, each from its own resolution, and L*a*b* is computed on what is
-/// left: a sixteenth of the work for each two levels, for a small difference where the picture is not
-/// smooth, as the conversion is not linear. Of a film, where one level earlier there are no more than
-/// 150,000 samples, it is computed there, which leaves about a quarter of the difference; of a picture, at
-/// the finest level that has no more than 600,000: up to 800×600, of every pixel.
+/// L*a*b* may be computed at any level up to that one. At level 0 it is that of every pixel, decimated
+/// afterwards, as in the paper. Otherwise the components are decimated first, each from its own
+/// resolution, and L*a*b* is computed on what is left: a sixteenth of the work for each two levels, for a
+/// small difference where the picture is not smooth, as the conversion is not linear.
 ///
 /// Subsampled chroma is taken to lie on the pyramid's grid, sample i at pixel 2ᵏ·i, which is where
 /// MPEG-2, H.264 and later put it horizontally; vertically it is half a pixel off.
@@ -45,17 +38,16 @@ int conversion_level(cv::Size frame, int level, FrameOf kind = FrameOf::film);
 class FrontEnd
 {
 public:
-  explicit FrontEnd(bool exact);
-
   /// How many threads at most, 0 for as many as pay: one for each million pixels, up to four and to
   /// the processor's own. One at first. Throws std::invalid_argument below 0.
   void set_threads(int threads);
 
-  /// The frame's L*a*b* image at `level`, valid until the next call. A component's width
+  /// The frame's L*a*b* image at `level`, computed at level `converted`, valid until the next call. A component's width
   /// must be ⌈frame width / 2ᵏ⌉ for some k ≥ 0, likewise its height; the first component has the
   /// frame's size. Throws std::invalid_argument for a frame that cannot be one: no size, no data,
-  /// impossible depth or strides. Allocates only when geometry, format, level or kind change.
-  const FixedLabImage &lab(const FrameView &frame, int level, FrameOf kind = FrameOf::film);
+  /// impossible depth or strides; or unless 0 ≤ converted ≤ level. Allocates only when geometry, format or
+  /// levels change.
+  const FixedLabImage &lab(const FrameView &frame, int level, int converted);
 
   /// The threads that made the latest image, for what is done with it.
   Team team()
@@ -80,7 +72,6 @@ private:
 
   void make_bands(const FrameView &frame, const Geometry &geometry);
 
-  bool exact_;
   int threads_ = 1;
   Geometry geometry_;
   std::vector<std::unique_ptr<ImageRows<Fixed>>> bands_; ///< each makes rows of its own

@@ -62,12 +62,12 @@ StageTimes
 stage_times(const saliency::Profile &profile, const tactile::MappingSettings &mapping,
             const Film &film, int warm_up, int frames)
 {
-  saliency::FrontEnd front_end(profile.exact);
-  saliency::FrontEnd converter(false);
+  saliency::FrontEnd front_end;
+  saliency::FrontEnd converter;
   quality::Stages stages(profile, film.size());
   tactile::TactileMap map(3, 3);
-  const cv::Size small
-      = saliency::level_size(film.size(), saliency::conversion_level(film.size(), stages.level()));
+  const int converted = profile.exact ? 0 : saliency::conversion_level(film.size(), stages.level());
+  const cv::Size small = saliency::level_size(film.size(), converted);
   cv::Mat samples(3 * small.height, small.width, CV_8UC1);
   cv::randu(samples, 60, 200);
 
@@ -81,9 +81,10 @@ stage_times(const saliency::Profile &profile, const tactile::MappingSettings &ma
         times[next++].push_back(cpu_ms() - begin);
       begin = cpu_ms();
     };
-    const auto &lab = front_end.lab(film.view(static_cast<std::size_t>(i)), stages.level());
+    const auto &lab
+        = front_end.lab(film.view(static_cast<std::size_t>(i)), stages.level(), converted);
     lap();
-    converter.lab(small_frame(samples), 0);
+    converter.lab(small_frame(samples), 0, 0);
     lap();
     const auto &found
         = stages.analyze(lab, i * kFrame, kFrame, true, [&](quality::Stage) { lap(); });

@@ -53,9 +53,13 @@ struct FrontEndKind
 {
   const char *name;
   bool exact;
+
+  int converted(cv::Size frame, int level) const
+  {
+    return exact ? 0 : saliency::conversion_level(frame, level);
+  }
 };
-constexpr std::array kFrontEnds{ FrontEndKind{ "decimated", false },
-                                 FrontEndKind{ "exact", true } };
+constexpr std::array kFrontEnds{ FrontEndKind{ "default", false }, FrontEndKind{ "exact", true } };
 
 saliency::LabImage
 planes(const cv::Mat &lab)
@@ -168,9 +172,8 @@ constexpr tactile::MappingSettings kSpatialMapping{ .threshold = 0, .gain = tact
 class FilmComparison
 {
 public:
-  FilmComparison(cv::Size size, int threads, saliency::FrameOf kind)
-      : threads_(threads), kind_(kind), profile_(saliency::Profile::tuned()),
-        oracle_(profile_, size)
+  FilmComparison(cv::Size size, int threads)
+      : threads_(threads), profile_(saliency::Profile::tuned()), oracle_(profile_, size)
   {
     for (const auto &kind : kFrontEnds)
       ways_.push_back(std::make_unique<Way>(kind, profile_, size));
@@ -184,7 +187,7 @@ public:
     exact_spatial_saliency(lab, oracle_.levels(), profile_).convertTo(spatial.map, CV_32F);
     const auto mapping = tactile::MappingSettings::tuned();
     for (auto &way : ways_) {
-      const auto &own = way->front_end.lab(frame, oracle_.level(), kind_);
+      const auto &own = way->front_end.lab(frame, oracle_.level(), way->converted);
       const double delta_e = mean_delta_e(saliency::to_float(own), lab);
       const auto &found = way->stages.analyze(own, time, duration);
       way->spatial.add({ way->stages.spatial(), found.picture, kSpatialMapping }, spatial,
@@ -206,10 +209,11 @@ private:
   struct Way
   {
     Way(const FrontEndKind &kind, const saliency::Profile &profile, cv::Size size)
-        : front_end(kind.exact), stages(profile, size)
+        : converted(kind.converted(size, frame_levels(profile, size).finest)), stages(profile, size)
     {
     }
 
+    int converted;
     saliency::FrontEnd front_end;
     Stages stages;
     Tally spatial;
@@ -217,7 +221,6 @@ private:
   };
 
   int threads_;
-  saliency::FrameOf kind_;
   saliency::Profile profile_;
   Stages oracle_;
   std::vector<std::unique_ptr<Way>> ways_;
@@ -238,7 +241,7 @@ photograph_agreement(const std::filesystem::path &directory, int threads, bool q
 
   const auto profile = saliency::Profile::tuned_spatial();
   const auto mapping = tactile::MappingSettings::tuned_spatial();
-  FilmComparison contrast(size, threads, saliency::FrameOf::picture);
+  FilmComparison contrast(size, threads);
   std::array<Tally, kFrontEnds.size()> tallies;
   for (std::size_t i = 0; i < files.size(); i += quick ? 10 : 1) {
     Decoder picture(files[i], "jpegdec", "I420");
@@ -251,9 +254,10 @@ photograph_agreement(const std::filesystem::path &directory, int threads, bool q
     const cv::Mat lab = decimated(exact_lab(picture.view(), threads), oracle.level());
     const auto &truth = oracle.analyze(planes(lab), {}, kFrame, false);
     for (std::size_t kind = 0; kind < kFrontEnds.size(); ++kind) {
-      saliency::FrontEnd front_end(kFrontEnds[kind].exact);
+      saliency::FrontEnd front_end;
       Stages stages(profile, size);
-      const auto &own = front_end.lab(picture.view(), stages.level(), saliency::FrameOf::picture);
+      const auto &own = front_end.lab(picture.view(), stages.level(),
+                                      kFrontEnds[kind].converted(size, stages.level()));
       const auto &found = stages.analyze(own, {}, kFrame, false);
       tallies[kind].add({ found.map, found.picture, mapping },
                         { truth.map, truth.picture, mapping }, mapping.floor,
@@ -277,7 +281,7 @@ clip_agreement(const std::filesystem::path &directory, int threads, bool quick)
     for (int i = 0; (!quick || i < 100) && clip.next(); ++i) {
       if (!comparison)
         comparison = std::make_unique<FilmComparison>(
-            cv::Size(clip.view().width, clip.view().height), threads, saliency::FrameOf::film);
+            cv::Size(clip.view().width, clip.view().height), threads);
       comparison->frame(clip.view(), clip.time(), clip.duration());
     }
     if (!comparison)
@@ -290,7 +294,7 @@ clip_agreement(const std::filesystem::path &directory, int threads, bool quick)
 std::vector<Agreement>
 leaves_agreement(cv::Size size, int pictures, int threads)
 {
-  FilmComparison comparison(size, threads, saliency::FrameOf::film);
+  FilmComparison comparison(size, threads);
   for (int i = 0; i < pictures; ++i) {
     Frame frame(size);
     frame.draw(dead_leaves(size, static_cast<std::uint64_t>(i) + 1));
@@ -341,7 +345,7 @@ accuracy_holds(int threads)
                  row.front_end.c_str(), what, value, least);
     good = false;
   };
-  // The last one is decimated to the level of the map before it becomes L*a*b*.
+  // Of 1000×1000, components are decimated to the level of the map before they become L*a*b*.
   for (const cv::Size size : { cv::Size(640, 360), cv::Size(1920, 1080), cv::Size(1000, 1000) })
     for (const auto &row : leaves_agreement(size, size.width > 640 ? 1 : 8, threads)) {
       const double decimated = size.height == 1000 ? 0.998 : 0.9995;

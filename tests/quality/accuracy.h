@@ -10,7 +10,7 @@ namespace quality {
 /// How well maps agree with those of a double-precision oracle, which computes L*a*b* of every pixel
 /// and decimates that.
 ///
-/// Of the front ends "decimated", the default, and "exact" are the library's. The others it might
+/// Of the front ends "default" and "exact" are the library's. The others it might
 /// have: components decimated in double precision (not rounded), or one level less than asked for, and
 /// L*a*b* from there on (one level earlier).
 ///

@@ -26,7 +26,7 @@ class PeerModel : public Model
 public:
   PeerModel(std::shared_ptr<PeerMaps> maps, bool weighted)
       : Model(std::string(quality::name(maps->peer())) + (weighted ? " × R" : "")),
-        maps_(std::move(maps)), weighted_(weighted), front_end_(false)
+        maps_(std::move(maps)), weighted_(weighted)
   {
   }
 
@@ -36,7 +36,8 @@ public:
     if (weighted_) {
       const int level
           = saliency::frame_levels(saliency::Profile::tuned_spatial(), frame.size()).finest;
-      rarity_(saliency::to_float(front_end_.lab(frame.view(), level)), weight_);
+      const int converted = saliency::conversion_level(frame.size(), level);
+      rarity_(saliency::to_float(front_end_.lab(frame.view(), level, converted)), weight_);
       // Sample i of the weight lies on pixel 2ⁿ i, the map's fill the frame.
       const double step = 1 << level;
       const double x = frame.size().width / step / map_.cols;

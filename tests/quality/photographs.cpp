@@ -183,7 +183,9 @@ private:
   {
     const int level = saliency::frame_levels(spatial_.profile(), kPicture).coarsest;
     cv::Mat map;
-    rarity(saliency::to_float(front_end_.lab(view, level, saliency::FrameOf::picture)), map);
+    rarity(saliency::to_float(
+               front_end_.lab(view, level, saliency::conversion_level(kPicture, level))),
+           map);
     const double step = 1 << level;
     return on_grid(
         map, { 0.5 - 0.5 / step, 0.5 - 0.5 / step, kPicture.width / step, kPicture.height / step });
@@ -192,7 +194,7 @@ private:
   saliency::Analyzer paper_{ saliency::Profile::paper() };
   saliency::Analyzer film_{ saliency::Profile::tuned() };
   saliency::Analyzer spatial_{ saliency::Profile::tuned_spatial() };
-  saliency::FrontEnd front_end_{ false };
+  saliency::FrontEnd front_end_;
   saliency::Rarity rarity_;
   saliency::Rarity border_rarity_{ kBorder };
   std::vector<PeerSaliency> peers_;

@@ -244,13 +244,13 @@ GST_START_TEST(test_front_end)
           = { memory.data() + (view == &pixels ? c : 0), kWidth * stride, stride, kWidth, kHeight };
   }
   for (const auto &view : { planes.view(), pixels, deep })
-    for (const bool exact : { false, true })
-      for (int level = 0; level <= 3; ++level) {
-        saliency::FrontEnd front_end(exact);
-        front_end.lab(view, level);
+    for (int level = 0; level <= 3; ++level)
+      for (int converted = 0; converted <= level; ++converted) {
+        saliency::FrontEnd front_end;
+        front_end.lab(view, level, converted);
         allocations = 0;
         armed = true;
-        front_end.lab(view, level);
+        front_end.lab(view, level, converted);
         armed = false;
         ck_assert_int_eq(allocations, 0);
       }

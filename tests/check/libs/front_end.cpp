@@ -8,12 +8,12 @@
 
 #include <cstring>
 #include <memory>
+#include <set>
 #include <stdexcept>
 
 using saliency::ColorModel;
 using saliency::Component;
 using saliency::FixedLabImage;
-using saliency::FrameOf;
 using saliency::FrameView;
 using saliency::FrontEnd;
 
@@ -172,19 +172,8 @@ component_at(const oracle::Image &codes, int level, int width, int height)
 }
 
 oracle::LabImage
-expected_lab(const Frame &frame, int level, bool exact, FrameOf kind = FrameOf::film)
+expected_lab(const Frame &frame, int level, int converted)
 {
-  const auto samples = [&frame](int n) {
-    return subsampled(frame.view.width, n) * subsampled(frame.view.height, n);
-  };
-  int converted = level;
-  if (exact)
-    converted = 0;
-  else if (kind == FrameOf::film)
-    converted -= level > 0 && samples(level - 1) <= 150'000 ? 1 : 0;
-  else
-    while (converted > 0 && samples(converted - 1) <= 600'000)
-      --converted;
   std::array<oracle::Image, 3> components;
   for (std::size_t i = 0; i < (frame.view.model == ColorModel::grey ? 1U : 3U); ++i)
     components[i] = component_at(frame.codes[i], converted, frame.view.width, frame.view.height);
@@ -194,11 +183,18 @@ expected_lab(const Frame &frame, int level, bool exact, FrameOf kind = FrameOf::
   return lab;
 }
 
+/// Levels to convert at: early, late, and between.
+std::set<int>
+conversions(int level)
+{
+  return { 0, std::max(0, level - 1), level };
+}
+
 bool
-refuses(const FrameView &view)
+refuses(const FrameView &view, int level = 0, int converted = 0)
 {
   try {
-    FrontEnd(false).lab(view, 0);
+    FrontEnd().lab(view, level, converted);
   } catch (const std::invalid_argument &) {
     return true;
   }
@@ -222,16 +218,15 @@ GST_START_TEST(test_layouts)
                                        { 35, 17 },
                                        { 150, 19 } })
     for (const bool bottom_up : { false, true })
-      for (const bool exact : { false, true }) {
-        const Frame frame(layout, width, height, bottom_up, ++seed);
-        FrontEnd front_end(exact);
-        for (int level = 0; (std::max(width, height) - 1) >> level > 0 || level == 0; ++level) {
-          const double e = oracle::difference(front_end.lab(frame.view, level),
-                                              expected_lab(frame, level, exact));
-          fail_unless(e <= kBound, "%s %dx%d level %d, exact %d: ΔE %g", layout.name, width, height,
-                      level, exact, e);
+      for (int level = 0; (std::max(width, height) - 1) >> level > 0 || level == 0; ++level)
+        for (const int converted : conversions(level)) {
+          const Frame frame(layout, width, height, bottom_up, ++seed);
+          FrontEnd front_end;
+          const double e = oracle::difference(front_end.lab(frame.view, level, converted),
+                                              expected_lab(frame, level, converted));
+          fail_unless(e <= kBound, "%s %dx%d level %d, converted at %d: ΔE %g", layout.name, width,
+                      height, level, converted, e);
         }
-      }
 }
 GST_END_TEST;
 
@@ -256,21 +251,35 @@ same(const FixedLabImage &a, const FixedLabImage &b)
 
 GST_START_TEST(test_large_frame)
 {
-  // So many samples one level earlier that L*a*b* is computed at the level itself; or a picture by
-  // itself, of every pixel or of few.
   for (const int layout : { 0, 10, 13 }) {
     const Frame frame(kLayouts[layout], 800, 760, false, 11);
-    FrontEnd front_end(false);
+    FrontEnd front_end;
     for (const int level : { 1, 2, 3 })
-      for (const FrameOf kind : { FrameOf::film, FrameOf::picture }) {
-        const double e = oracle::difference(front_end.lab(frame.view, level, kind),
-                                            expected_lab(frame, level, false, kind));
-        fail_unless(e <= kBound, "%s level %d: ΔE %g", kLayouts[layout].name, level, e);
+      for (const int converted : std::set<int>{ std::max(1, level - 1), level }) {
+        const double e = oracle::difference(front_end.lab(frame.view, level, converted),
+                                            expected_lab(frame, level, converted));
+        fail_unless(e <= kBound, "%s level %d, converted at %d: ΔE %g", kLayouts[layout].name,
+                    level, converted, e);
       }
-    const Frame small(kLayouts[layout], 160, 120, false, 11);
-    fail_unless(
-        same(front_end.lab(small.view, 3, FrameOf::picture), FrontEnd(true).lab(small.view, 3)));
   }
+}
+GST_END_TEST;
+
+GST_START_TEST(test_conversion_level)
+{
+  // Of every pixel where there are few; else earlier where few samples are left.
+  const auto level = saliency::conversion_level;
+  for (const cv::Size few : { cv::Size(1, 1), { 320, 240 }, { 720, 576 }, { 800, 600 } })
+    for (int n = 0; n < 5; ++n)
+      ck_assert_int_eq(level(few, n), 0);
+  ck_assert_int_eq(level({ 801, 600 }, 0), 0);
+  ck_assert_int_eq(level({ 801, 600 }, 1), 1);
+  ck_assert_int_eq(level({ 801, 600 }, 2), 1);
+  ck_assert_int_eq(level({ 1000, 1000 }, 2), 2);
+  ck_assert_int_eq(level({ 1000, 1000 }, 3), 2);
+  ck_assert_int_eq(level({ 1280, 720 }, 2), 2);
+  ck_assert_int_eq(level({ 1920, 1080 }, 3), 2);
+  ck_assert_int_eq(level({ 3840, 2160 }, 4), 3);
 }
 GST_END_TEST;
 
@@ -280,20 +289,19 @@ GST_START_TEST(test_targets)
   const Layout &layout = kLayouts[__i__];
   const auto targets = hwy::SupportedTargets();
   for (const auto &[width, height] : { std::pair{ 1, 1 }, { 70, 9 }, { 331, 42 }, { 260, 34 } })
-    for (const bool exact : { false, true }) {
-      const Frame frame(layout, width, height, false, 3);
-      for (const int level : { 0, 1, 3 }) {
-        const FixedLabImage expected = clone(FrontEnd(exact).lab(frame.view, level));
+    for (const int level : { 0, 1, 3 })
+      for (const int converted : conversions(level)) {
+        const Frame frame(layout, width, height, false, 3);
+        const FixedLabImage expected = clone(FrontEnd().lab(frame.view, level, converted));
         for (const std::int64_t target : hwy::SupportedAndGeneratedTargets()) {
           hwy::GetChosenTarget().Update(target);
-          FrontEnd front_end(exact);
-          const bool equal = same(front_end.lab(frame.view, level), expected);
+          FrontEnd front_end;
+          const bool equal = same(front_end.lab(frame.view, level, converted), expected);
           hwy::GetChosenTarget().Update(targets);
-          fail_unless(equal, "%s: %s %dx%d level %d, exact %d", hwy::TargetName(target),
-                      layout.name, width, height, level, exact);
+          fail_unless(equal, "%s: %s %dx%d level %d, converted at %d", hwy::TargetName(target),
+                      layout.name, width, height, level, converted);
         }
       }
-    }
 }
 GST_END_TEST;
 
@@ -301,20 +309,20 @@ GST_START_TEST(test_threads)
 {
   // As many threads as one likes, more than rows too: the same bits, frame after frame.
   const Layout &layout = kLayouts[__i__];
-  for (const bool exact : { false, true })
-    for (const int threads : { 0, 2, 3, 8 }) {
-      FrontEnd front_end(exact);
-      front_end.set_threads(threads);
-      for (const auto &[width, height] : { std::pair{ 1, 1 }, { 7, 2 }, { 131, 93 } })
-        for (const int level : { 0, 2, 4 })
+  for (const int threads : { 0, 2, 3, 8 }) {
+    FrontEnd front_end;
+    front_end.set_threads(threads);
+    for (const auto &[width, height] : { std::pair{ 1, 1 }, { 7, 2 }, { 131, 93 } })
+      for (const int level : { 0, 2, 4 })
+        for (const int converted : conversions(level))
           for (unsigned seed = 0; seed < 3; ++seed) {
             const Frame frame(layout, width, height, seed == 1, seed);
-            fail_unless(same(front_end.lab(frame.view, level),
-                             clone(FrontEnd(exact).lab(frame.view, level))),
-                        "%d threads: %s %dx%d level %d, exact %d", threads, layout.name, width,
-                        height, level, exact);
+            fail_unless(same(front_end.lab(frame.view, level, converted),
+                             clone(FrontEnd().lab(frame.view, level, converted))),
+                        "%d threads: %s %dx%d level %d, converted at %d", threads, layout.name,
+                        width, height, level, converted);
           }
-    }
+  }
 }
 GST_END_TEST;
 
@@ -322,7 +330,7 @@ GST_START_TEST(test_threads_below_none)
 {
   bool refused = false;
   try {
-    FrontEnd(false).set_threads(-1);
+    FrontEnd().set_threads(-1);
   } catch (const std::invalid_argument &) {
     refused = true;
   }
@@ -338,15 +346,15 @@ GST_START_TEST(test_reuse)
   for (const auto &from : kLayouts)
     for (const auto &to : kLayouts)
       layouts.insert(layouts.end(), { &from, &to });
-  for (const bool exact : { false, true }) {
-    FrontEnd front_end(exact);
+  for (const int converted : conversions(3)) {
+    FrontEnd front_end;
     unsigned seed = 77;
     for (const auto &[width, height] : { std::pair{ 40, 30 }, { 7, 5 }, { 40, 30 } })
       for (const Layout *next : layouts) {
         const Layout &layout = *next;
         const Frame frame(layout, width, height, false, ++seed);
-        const double e
-            = oracle::difference(front_end.lab(frame.view, 3), expected_lab(frame, 3, exact));
+        const double e = oracle::difference(front_end.lab(frame.view, 3, converted),
+                                            expected_lab(frame, 3, converted));
         fail_unless(e <= kBound, "%s: ΔE %g", layout.name, e);
       }
   }
@@ -363,10 +371,10 @@ GST_START_TEST(test_decimating_first_is_close)
         frame.memory[static_cast<std::size_t>(c)][static_cast<std::size_t>(y * 200 + x)]
             = static_cast<std::uint8_t>(std::lround(
                 128 + (c == 0 ? 100 : 40) * std::sin(0.11 * x + c) * std::cos(0.07 * y - c)));
-  FrontEnd exact(true);
-  FrontEnd fast(false);
-  const auto a = saliency::to_float(exact.lab(frame.view, 2)).planes;
-  const auto b = saliency::to_float(fast.lab(frame.view, 2)).planes;
+  FrontEnd exact;
+  FrontEnd fast;
+  const auto a = saliency::to_float(exact.lab(frame.view, 2, 0)).planes;
+  const auto b = saliency::to_float(fast.lab(frame.view, 2, 1)).planes;
   double sum = 0;
   for (int y = 0; y < a[0].rows; ++y)
     for (int x = 0; x < a[0].cols; ++x)
@@ -401,6 +409,8 @@ GST_START_TEST(test_frames_that_cannot_be)
     fail_unless(refuses(with([i](FrameView &v) { v.components[i].width = 100; })));
     fail_unless(refuses(with([i](FrameView &v) { v.components[i].pixel_stride = 0; })));
   }
+  fail_unless(refuses(frame.view, 1, 2));
+  fail_unless(refuses(frame.view, 1, -1));
   // A grey frame has no other components to look at.
   fail_if(refuses(with([](FrameView &v) {
     v.model = ColorModel::grey;
@@ -419,6 +429,7 @@ front_end_suite(void)
   tcase_add_loop_test(tc, test_targets, 0, static_cast<int>(std::size(kLayouts)));
   tcase_add_loop_test(tc, test_threads, 0, static_cast<int>(std::size(kLayouts)));
   tcase_add_test(tc, test_large_frame);
+  tcase_add_test(tc, test_conversion_level);
   tcase_add_test(tc, test_threads_below_none);
   tcase_add_test(tc, test_reuse);
   tcase_add_test(tc, test_decimating_first_is_close);

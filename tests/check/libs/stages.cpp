@@ -46,8 +46,10 @@ void
 compare(const saliency::Profile &profile)
 {
   saliency::Analyzer analyzer(profile);
-  saliency::FrontEnd front_end(profile.exact);
+  saliency::FrontEnd front_end;
   quality::Stages stages(profile, { kWidth, kHeight });
+  const int converted
+      = profile.exact ? 0 : saliency::conversion_level({ kWidth, kHeight }, stages.level());
   bool moved = false;
   int cuts = 0;
   for (int i = 0; i < 50; ++i) {
@@ -55,8 +57,8 @@ compare(const saliency::Profile &profile)
     const auto &expected = analyzer.analyze(frame.view(), i * kFrame, kFrame);
     std::vector<quality::Stage> done;
     const auto &found
-        = stages.analyze(front_end.lab(frame.view(), stages.level()), i * kFrame, kFrame, true,
-                         [&](quality::Stage stage) { done.push_back(stage); });
+        = stages.analyze(front_end.lab(frame.view(), stages.level(), converted), i * kFrame, kFrame,
+                         true, [&](quality::Stage stage) { done.push_back(stage); });
     fail_unless(cv::norm(found.map, expected.map, cv::NORM_INF) == 0, "frame %d", i);
     fail_unless(found.peak == expected.peak && found.picture == expected.picture);
     fail_unless(found.cut == expected.cut && found.camera_moves == expected.camera_moves);
