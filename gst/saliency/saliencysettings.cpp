@@ -145,8 +145,8 @@ SaliencySettings::install(GObjectClass *klass)
       klass, SALIENCY_PROP_EXACT,
       g_param_spec_boolean("exact", "Exact",
                            "Take every pixel's colour, at several times the cost, rather than that "
-                           "of small areas; profile=paper always does, and temporal=false for up "
-                           "to 600000 pixels",
+                           "of small areas; profile=paper always does, and the others for frames "
+                           "of up to 480000 pixels",
                            defaults.exact, playing));
   g_object_class_install_property(
       klass, SALIENCY_PROP_STATS,
