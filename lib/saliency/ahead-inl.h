@@ -17,8 +17,8 @@
 HWY_BEFORE_NAMESPACE();
 namespace saliency::HWY_NAMESPACE {
 
-/// Asks for as many bytes as are worked on at once, `bytes` after `done` others: to the second level of the
-/// cache, as the first has no room for them.
+/// Asks for as many bytes as are worked on at once, `bytes` after `done` others: to the first level of the
+/// cache, out of which they will go to the second again; told so, processors read ahead by themselves, too.
 template <std::size_t bytes>
 HWY_INLINE void
 ask(const Ahead &ahead, std::ptrdiff_t done)
@@ -32,7 +32,7 @@ ask(const Ahead &ahead, std::ptrdiff_t done)
   for (std::size_t i = 0; i < kLines; ++i)
     __builtin_prefetch(ahead.first + (row + static_cast<std::ptrdiff_t>(i)) * ahead.row_stride
                            + step / kTurn * kLine,
-                       0, 2);
+                       0, 3);
 }
 
 } // namespace saliency::HWY_NAMESPACE
