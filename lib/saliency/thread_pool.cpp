@@ -7,7 +7,6 @@
 
 #ifdef __linux__
 #include <pthread.h>
-#include <sched.h>
 #endif
 
 namespace saliency {
@@ -26,32 +25,34 @@ ThreadPool::~ThreadPool()
 void
 ThreadPool::start(int threads)
 {
-  if (static_cast<int>(threads_.size()) < threads)
-    kept_off_ = -1;
   try {
-    while (static_cast<int>(threads_.size()) < threads)
+    while (static_cast<int>(threads_.size()) < threads) {
       threads_.emplace_back([this] { wait_for_work(); });
+#ifdef __linux__
+      CPU_ZERO(&processors_); // the new one is told, too
+#endif
+    }
   } catch (const std::system_error &) {
     // The caller does what they would have done.
   }
 }
 
-/// Where it may not, or there is no other processor, they stay as they are.
+/// Where that cannot be told they stay as they are; who has one processor alone shares it with them.
 void
 ThreadPool::keep_off_callers_processor()
 {
 #ifdef __linux__
-  const int processor = sched_getcpu();
-  if (processor < 0 || processor == kept_off_)
+  cpu_set_t processors;
+  const int own = sched_getcpu();
+  if (own < 0 || sched_getaffinity(0, sizeof processors, &processors) != 0)
     return;
-  kept_off_ = processor;
-  cpu_set_t others;
-  if (sched_getaffinity(0, sizeof others, &others) != 0)
+  if (CPU_COUNT(&processors) > 1)
+    CPU_CLR(own, &processors);
+  if (CPU_EQUAL(&processors, &processors_))
     return;
-  CPU_CLR(processor, &others);
-  if (CPU_COUNT(&others) > 0)
-    for (std::thread &thread : threads_)
-      pthread_setaffinity_np(thread.native_handle(), sizeof others, &others);
+  processors_ = processors;
+  for (std::thread &thread : threads_)
+    pthread_setaffinity_np(thread.native_handle(), sizeof processors, &processors);
 #endif
 }
 

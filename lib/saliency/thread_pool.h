@@ -9,6 +9,10 @@
 #include <thread>
 #include <vector>
 
+#ifdef __linux__
+#include <sched.h>
+#endif
+
 namespace saliency {
 
 /// Threads that wait for parts of a piece of work. They are started when work first has that many
@@ -47,7 +51,9 @@ private:
   template <typename Until> static void stay_awake(const Until &until);
 
   std::vector<std::thread> threads_; ///< the caller's only, as what follows
-  int kept_off_ = -1;                ///< processor
+#ifdef __linux__
+  cpu_set_t processors_{}; ///< that the threads were told to run on; none: not all of them were
+#endif
   std::mutex mutex_;
   std::condition_variable work_to_do_;
   std::condition_variable all_done_;

@@ -89,15 +89,15 @@ GST_START_TEST(test_teams)
 }
 GST_END_TEST;
 
-/// Two parts that wait for each other, so each is another thread's, then do this.
+/// As many parts that wait for each other, so each is another thread's, then do this.
 template <typename Work>
 static void
-run_on_two_threads(ThreadPool &pool, const Work &work)
+run_on_threads(ThreadPool &pool, int threads, const Work &work)
 {
-  std::array<std::atomic<bool>, 2> there{};
-  pool.run(2, [&](int part) {
-    there[static_cast<std::size_t>(part)] = true;
-    while (!there[static_cast<std::size_t>(1 - part)])
+  std::atomic<int> there = 0;
+  pool.run(threads, [&](int part) {
+    ++there;
+    while (there < threads)
       std::this_thread::yield();
     work(part);
   });
@@ -109,7 +109,7 @@ GST_START_TEST(test_sleepers)
   ThreadPool pool;
   for (int i = 0; i < 20; ++i) {
     const auto begin = std::chrono::steady_clock::now();
-    run_on_two_threads(pool, [begin](int part) {
+    run_on_threads(pool, 2, [begin](int part) {
       if (part == 1)
         while (std::chrono::steady_clock::now() - begin < std::chrono::milliseconds(2))
           std::this_thread::yield();
@@ -129,48 +129,69 @@ own_processors()
   return own;
 }
 
-/// Where the pool's thread may run when it works.
+static void
+move_to(const cpu_set_t &processors)
+{
+  ck_assert_int_eq(sched_setaffinity(0, sizeof processors, &processors), 0);
+}
+
 static cpu_set_t
-processors_of_thread(ThreadPool &pool)
+only(int processor)
+{
+  cpu_set_t one;
+  CPU_ZERO(&one);
+  CPU_SET(processor, &one);
+  return one;
+}
+
+/// Whether all of the pool's threads may run there and nowhere else as they work.
+static bool
+are_on(ThreadPool &pool, int threads, const cpu_set_t &expected)
 {
   const std::thread::id caller = std::this_thread::get_id();
-  cpu_set_t theirs;
-  CPU_ZERO(&theirs);
-  run_on_two_threads(pool, [&](int) {
-    if (std::this_thread::get_id() != caller)
-      theirs = own_processors();
+  std::atomic<int> elsewhere = 0;
+  run_on_threads(pool, threads, [&](int) {
+    const cpu_set_t own = own_processors();
+    if (std::this_thread::get_id() != caller && !CPU_EQUAL(&own, &expected))
+      ++elsewhere;
   });
-  return theirs;
+  return elsewhere == 0;
 }
 
 GST_START_TEST(test_off_the_callers_processor)
 {
   const cpu_set_t all = own_processors();
-  if (CPU_COUNT(&all) > 1) {
-    ThreadPool pool;
-    int seen = 0;
-    for (int i = 0; i < 1000 && seen < 20; ++i) {
-      const int before = sched_getcpu();
-      const cpu_set_t theirs = processors_of_thread(pool);
-      if (sched_getcpu() != before)
-        continue; // which one it called from is not known
-      ++seen;
-      cpu_set_t expected = all;
-      CPU_CLR(before, &expected);
-      fail_unless(CPU_EQUAL(&theirs, &expected));
-    }
-    ck_assert_int_eq(seen, 20);
-  }
+  std::vector<int> processors;
+  for (int i = 0; i < CPU_SETSIZE; ++i)
+    if (CPU_ISSET(i, &all))
+      processors.push_back(i);
 
-  // Where the caller has one processor alone, they share it.
-  cpu_set_t one;
-  CPU_ZERO(&one);
-  CPU_SET(sched_getcpu(), &one);
-  ck_assert_int_eq(sched_setaffinity(0, sizeof one, &one), 0);
-  ThreadPool pool;
-  const cpu_set_t theirs = processors_of_thread(pool);
-  fail_unless(CPU_EQUAL(&theirs, &one));
-  ck_assert_int_eq(sched_setaffinity(0, sizeof all, &all), 0);
+  int steps = 0;
+  for (int tries = 0; tries < 1000 && steps < 40; ++tries) {
+    const int processor = processors[static_cast<std::size_t>(steps) % processors.size()];
+    const cpu_set_t one = only(processor);
+    cpu_set_t others = all;
+    if (processors.size() > 1)
+      CPU_CLR(processor, &others);
+    ThreadPool pool;
+    move_to(one);
+    move_to(all);
+    const bool off = are_on(pool, 2, others);
+    const bool more_off = are_on(pool, 4, others);
+    if (sched_getcpu() != processor)
+      continue; // it was moved, and where it called from is not known
+    fail_unless(off && more_off, "it is on processor %d, and not all threads are kept off",
+                processor);
+    ++steps;
+
+    // Where it has one alone they share it, until it has others again.
+    move_to(one);
+    fail_unless(are_on(pool, 4, one));
+    move_to(all);
+    const bool off_again = are_on(pool, 4, others);
+    fail_unless(off_again || sched_getcpu() != processor);
+  }
+  ck_assert_int_eq(steps, 40);
 }
 GST_END_TEST;
 #endif
