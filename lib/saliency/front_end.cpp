@@ -123,14 +123,17 @@ int
 conversion_level(cv::Size frame, int level)
 {
   constexpr long long kOfEveryPixel = 480'000;
-  constexpr long long kOneEarlier = 150'000;
+  constexpr long long kDecimated = 150'000;
   const auto samples = [frame](int n) {
     const cv::Size size = level_size(frame, n);
     return static_cast<long long>(size.width) * size.height;
   };
-  if (level == 0 || samples(0) <= kOfEveryPixel)
+  if (samples(0) <= kOfEveryPixel)
     return 0;
-  return samples(level - 1) <= kOneEarlier ? level - 1 : level;
+  int converted = 1;
+  while (converted < level && samples(converted) > kDecimated)
+    ++converted;
+  return std::min(converted, level);
 }
 
 void

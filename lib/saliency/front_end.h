@@ -15,10 +15,10 @@
 
 namespace saliency {
 
-/// The level at which L*a*b* is computed for an image at `level`, unless that is to be exact: as early as
-/// takes no more than about a millisecond. Of frames of up to 480,000 pixels (800×600) it is 0; otherwise
-/// one level before `level` if there are no more than 150,000 samples there, which leaves about a quarter of
-/// the difference, or `level`.
+/// The level at which L*a*b* is computed for an image at `level`, unless that is to be exact: the earlier, the
+/// more of what is not smooth is left as it was. Of frames of up to 480,000 pixels (800×600), which take less
+/// than a millisecond, it is 0. Larger ones are to take no longer than they must: it is the first level of
+/// no more than 150,000 samples, or `level`.
 int conversion_level(cv::Size frame, int level);
 
 /// Frame → L*a*b* image at one level of the pyramid: the only part that reads a frame's memory.

@@ -68,7 +68,7 @@ inline constexpr int kFewestSamples = 64;
 /// NaN, the quantile is in [0, 1], and the camera is followed in seconds only.
 struct Profile
 {
-  /// L*a*b* of every pixel before decimation, rather than after.
+  /// L*a*b* of every pixel before decimation, of large frames, too (conversion_level()).
   bool exact = false;
   /// 0: pyramid levels are the frame's own. Else they are renumbered so that level 2 is the level
   /// whose larger side is nearest to this in octaves, as far as none falls below 0.

@@ -4,6 +4,7 @@
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include <algorithm>
 #include <random>
 
 namespace bench {
@@ -87,7 +88,7 @@ converted(const cv::Mat &i420, cv::Size size, Format format)
   cv::Mat out;
   switch (format) {
   case Format::i420:
-    return i420;
+    return i420.clone();
   case Format::nv12:
     return semi_planar(i420, size);
   case Format::yuy2:
@@ -136,11 +137,13 @@ name(Format format)
   return "";
 }
 
-Film::Film(cv::Size size, Scene scene, Format format) : size_(size), format_(format)
+Film::Film(cv::Size size, Scene scene, Format format, std::size_t buffers)
+    : size_(size), format_(format)
 {
   CV_Assert(size.width % 2 == 0 && size.height % 2 == 0 && !size.empty());
-  for (const cv::Mat &frame : scene == Scene::pan ? draw_pan(size) : draw_disc(size))
-    frames_.push_back(converted(frame, size, format));
+  const auto scenes = scene == Scene::pan ? draw_pan(size) : draw_disc(size);
+  for (std::size_t i = 0; i < std::max(scenes.size(), buffers); i++)
+    frames_.push_back(converted(scenes[i % scenes.size()], size, format));
 }
 
 saliency::FrameView

@@ -40,7 +40,12 @@ enum class Scene
 class Film
 {
 public:
-  Film(cv::Size size, Scene scene, Format format = Format::i420);
+  /// At 4K a decoder of H.264 keeps up to five frames for reference (level 5.1: ITU-T H.264, table A-1)
+  /// while it makes another. Few processors' caches hold as many.
+  static constexpr std::size_t kBuffers = 6;
+
+  /// Frames lie in that many buffers, or as many as the scene has.
+  Film(cv::Size size, Scene scene, Format format = Format::i420, std::size_t buffers = kBuffers);
 
   saliency::FrameView view(std::size_t i) const;
   /// The frame's bytes; of I420 as OpenCV takes it, CV_8UC1 of 3/2 the height.

@@ -2,6 +2,7 @@
 #include "race.h"
 
 #include "allocations.h"
+#include "film.h"
 
 #include <algorithm>
 #include <chrono>
@@ -121,7 +122,7 @@ race(std::vector<Contender> &contenders, int rounds)
       if (lane.slow && round >= kSlowRounds)
         continue;
       if (!lane.slow)
-        run(i, 1); // as after other frames of its own film, rather than after another contender
+        run(i, Film::kBuffers); // as after its own film, rather than after another contender
       const std::uint64_t before = allocated_bytes();
       const auto frames = static_cast<double>(lane.slice);
       const Times times = timed(contenders[i], lane.frame, lane.slice);

@@ -38,8 +38,8 @@ double median(std::vector<double> values);
 /// as the machine may be quicker in some than in others.
 double ratio(const std::vector<double> &first, const std::vector<double> &second);
 
-/// Lets them work in turn, a few frames each, of which the first is not counted, `rounds` times (the slow
-/// fewer times, and each frame counts).
+/// Lets them work in turn, a few frames each, after as many as a film has buffers, which are not counted,
+/// `rounds` times (the slow fewer times, and each frame counts).
 void race(std::vector<Contender> &contenders, int rounds);
 
 /// The method of reading a frame from memory.
@@ -47,6 +47,9 @@ inline constexpr const char *kReading = "reading the frame";
 
 /// The tuned profile's when it plays.
 inline constexpr const char *kPlayed = "tuned, 30 frames a second";
+
+/// The tuned profile's on two frames over and over, which the cache may hold.
+inline constexpr const char *kTwoFrames = "tuned, two frames over and over";
 
 /// Everything that is compared, on frames of this size: reading a frame from memory, this project's
 /// profiles, formats and threads, the paper taken literally, OpenCV rewrites, and the peers that this

@@ -170,9 +170,8 @@ target_table(const std::vector<Result> &results)
     add(name, [method = method, peer = peer](const Result &result) {
       return quicker(result.find(method), result.find(peer));
     });
-  for (const char *method : { kReading, "tuned" })
-    add(std::string("R'G'B'x: at most 2 × as long as I420")
-            + (method == kReading ? "; reading it" : ""),
+  for (const char *method : { kReading, "tuned", kTwoFrames })
+    add(std::string("R'G'B'x: at most 2 × as long as I420, ") + method,
         [method](const Result &result) {
           return quicker(result.find(method), result.find(method, "RGBx"));
         });

@@ -226,6 +226,44 @@ private:
   std::vector<std::unique_ptr<Way>> ways_;
 };
 
+/// The maps of a picture by itself, by all front ends and by the oracle.
+class PictureComparison
+{
+public:
+  explicit PictureComparison(int threads) : threads_(threads)
+  {
+  }
+
+  void picture(const saliency::FrameView &frame)
+  {
+    const auto profile = saliency::Profile::tuned_spatial();
+    const auto mapping = tactile::MappingSettings::tuned_spatial();
+    const cv::Size size(frame.width, frame.height);
+    Stages oracle(profile, size);
+    const cv::Mat lab = decimated(exact_lab(frame, threads_), oracle.level());
+    const auto &truth = oracle.analyze(planes(lab), {}, kFrame, false);
+    for (std::size_t i = 0; i < kFrontEnds.size(); ++i) {
+      saliency::FrontEnd front_end;
+      Stages stages(profile, size);
+      const auto &own
+          = front_end.lab(frame, stages.level(), kFrontEnds[i].converted(size, stages.level()));
+      const auto &found = stages.analyze(own, {}, kFrame, false);
+      tallies_[i].add({ found.map, found.picture, mapping }, { truth.map, truth.picture, mapping },
+                      mapping.floor, mean_delta_e(saliency::to_float(own), lab));
+    }
+  }
+
+  void add_rows(const std::string &name, std::vector<Agreement> &rows) const
+  {
+    for (std::size_t i = 0; i < tallies_.size(); ++i)
+      rows.push_back(tallies_[i].row(name, "tuned spatial", kFrontEnds[i].name));
+  }
+
+private:
+  int threads_;
+  std::array<Tally, kFrontEnds.size()> tallies_;
+};
+
 std::vector<Agreement>
 photograph_agreement(const std::filesystem::path &directory, int threads, bool quick)
 {
@@ -239,35 +277,19 @@ photograph_agreement(const std::filesystem::path &directory, int threads, bool q
   if (files.empty())
     throw std::runtime_error((directory / "osie").string() + ": no photographs there");
 
-  const auto profile = saliency::Profile::tuned_spatial();
-  const auto mapping = tactile::MappingSettings::tuned_spatial();
   FilmComparison contrast(size, threads);
-  std::array<Tally, kFrontEnds.size()> tallies;
+  PictureComparison spatial(threads);
   for (std::size_t i = 0; i < files.size(); i += quick ? 10 : 1) {
     Decoder picture(files[i], "jpegdec", "I420");
     if (!picture.next() || picture.view().width != size.width
         || picture.view().height != size.height)
       throw std::runtime_error(files[i].string() + ": expected 800 x 600 pixels");
     contrast.frame(picture.view(), static_cast<int>(i) * kFrame, kFrame);
-
-    Stages oracle(profile, size);
-    const cv::Mat lab = decimated(exact_lab(picture.view(), threads), oracle.level());
-    const auto &truth = oracle.analyze(planes(lab), {}, kFrame, false);
-    for (std::size_t kind = 0; kind < kFrontEnds.size(); ++kind) {
-      saliency::FrontEnd front_end;
-      Stages stages(profile, size);
-      const auto &own = front_end.lab(picture.view(), stages.level(),
-                                      kFrontEnds[kind].converted(size, stages.level()));
-      const auto &found = stages.analyze(own, {}, kFrame, false);
-      tallies[kind].add({ found.map, found.picture, mapping },
-                        { truth.map, truth.picture, mapping }, mapping.floor,
-                        mean_delta_e(saliency::to_float(own), lab));
-    }
+    spatial.picture(picture.view());
   }
   std::vector<Agreement> rows;
   contrast.add_rows("photographs", false, rows);
-  for (std::size_t kind = 0; kind < kFrontEnds.size(); ++kind)
-    rows.push_back(tallies[kind].row("photographs", "tuned spatial", kFrontEnds[kind].name));
+  spatial.add_rows("photographs", rows);
   return rows;
 }
 
@@ -294,16 +316,20 @@ clip_agreement(const std::filesystem::path &directory, int threads, bool quick)
 std::vector<Agreement>
 leaves_agreement(cv::Size size, int pictures, int threads)
 {
-  FilmComparison comparison(size, threads);
+  FilmComparison contrast(size, threads);
+  PictureComparison spatial(threads);
   for (int i = 0; i < pictures; ++i) {
     Frame frame(size);
     frame.draw(dead_leaves(size, static_cast<std::uint64_t>(i) + 1));
     frame.add_noise(tactile::SensorNoise(2, static_cast<std::uint64_t>(i)), i * kFrame);
-    comparison.frame(frame.view(), i * kFrame, kFrame);
+    contrast.frame(frame.view(), i * kFrame, kFrame);
+    spatial.picture(frame.view());
   }
+  const std::string name
+      = "leaves " + std::to_string(size.width) + "×" + std::to_string(size.height);
   std::vector<Agreement> rows;
-  comparison.add_rows("leaves " + std::to_string(size.width) + "×" + std::to_string(size.height),
-                      false, rows);
+  contrast.add_rows(name, false, rows);
+  spatial.add_rows(name, rows);
   return rows;
 }
 
@@ -348,8 +374,13 @@ accuracy_holds(int threads)
   // Of 1000×1000, components are decimated to the level of the map before they become L*a*b*.
   for (const cv::Size size : { cv::Size(640, 360), cv::Size(1920, 1080), cv::Size(1000, 1000) })
     for (const auto &row : leaves_agreement(size, size.width > 640 ? 1 : 8, threads)) {
+      const bool of_every_pixel
+          = row.front_end == "exact" || saliency::conversion_level(size, 1) == 0;
       const double decimated = size.height == 1000 ? 0.998 : 0.9995;
-      floor(row, "correlation", row.least, row.front_end == "exact" ? 0.999999 : decimated);
+      const double least = row.map == "tuned spatial" ? 0.985
+                           : of_every_pixel           ? 0.999999
+                                                      : decimated;
+      floor(row, "correlation", row.least, least);
       floor(row, "share of frames with the same strongest cell", row.same_cell, 1);
     }
   return good;

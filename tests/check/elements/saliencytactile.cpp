@@ -38,7 +38,7 @@ GST_START_TEST(test_formats)
 GST_END_TEST;
 
 /// A chequered square of red and cyan has, from afar, the code values of the grey around it, but not its
-/// colour: small pictures by themselves are looked at closely anyway.
+/// colour: small frames are looked at closely anyway.
 GST_START_TEST(test_exact)
 {
   struct Case

@@ -267,7 +267,7 @@ GST_END_TEST;
 
 GST_START_TEST(test_conversion_level)
 {
-  // Of every pixel where there are few; else earlier where few samples are left.
+  // Of every pixel where there are few; else as early as few samples are left.
   const auto level = saliency::conversion_level;
   for (const cv::Size few : { cv::Size(1, 1), { 320, 240 }, { 720, 576 }, { 800, 600 } })
     for (int n = 0; n < 5; ++n)
@@ -279,7 +279,10 @@ GST_START_TEST(test_conversion_level)
   ck_assert_int_eq(level({ 1000, 1000 }, 3), 2);
   ck_assert_int_eq(level({ 1280, 720 }, 2), 2);
   ck_assert_int_eq(level({ 1920, 1080 }, 3), 2);
+  ck_assert_int_eq(level({ 1920, 1080 }, 5), 2);
   ck_assert_int_eq(level({ 3840, 2160 }, 4), 3);
+  ck_assert_int_eq(level({ 4000, 600 }, 3), 2);
+  ck_assert_int_eq(level({ 4001, 600 }, 3), 3);
 }
 GST_END_TEST;
 

@@ -14,57 +14,65 @@
 #include <cstdint>
 #include <cstring>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <gst/check/gstcheck.h>
 
 namespace {
 
-constexpr int kWidth = 500;
-constexpr int kHeight = 300;
+/// L*a*b* is computed of every pixel of the first, and of decimated planes of the second.
+const cv::Size kSizes[] = { { 500, 300 }, { 900, 540 } };
 constexpr saliency::Time kFrame{ 1'000'000'000 / 30 };
 
+using Film = std::vector<oracle::Frame>;
+
 /// A ball, then a camera that pans over the texture, then another shot.
-oracle::Frame
-picture(int i)
+Film
+film(cv::Size size)
 {
-  if (i < 20)
-    return oracle::film(kWidth, kHeight, i);
-  oracle::Frame frame = oracle::textured(kWidth + 60, kHeight);
-  oracle::Frame seen(kWidth, kHeight);
-  const int left = i < 40 ? 2 * (i - 20) : 0;
-  for (std::size_t c = 0; c < 3; ++c)
-    for (int y = 0; y < seen.plane_height(c); ++y)
-      for (int x = 0; x < seen.plane_width(c); ++x)
-        seen.at(c, x, y) = static_cast<std::uint8_t>(
-            i < 40 ? frame.at(c, x + left / (c == 0 ? 1 : 2), y)
-                   : 255 - frame.at(c, x, y) + 90 * (c == 1 ? x / 40 % 2 : 0));
-  return seen;
+  Film pictures;
+  for (int i = 0; i < 20; ++i)
+    pictures.push_back(oracle::film(size.width, size.height, i));
+  oracle::Frame wide = oracle::textured(size.width + 60, size.height);
+  for (int i = 20; i < 50; ++i) {
+    oracle::Frame &seen = pictures.emplace_back(size.width, size.height);
+    const int left = i < 40 ? 2 * (i - 20) : 0;
+    for (std::size_t c = 0; c < 3; ++c)
+      for (int y = 0; y < seen.plane_height(c); ++y)
+        for (int x = 0; x < seen.plane_width(c); ++x)
+          seen.at(c, x, y) = static_cast<std::uint8_t>(
+              i < 40 ? wide.at(c, x + left / (c == 0 ? 1 : 2), y)
+                     : 255 - wide.at(c, x, y) + 90 * (c == 1 ? x / 40 % 2 : 0));
+  }
+  return pictures;
 }
 
 void
-compare(const saliency::Profile &profile)
+compare(const saliency::Profile &profile, cv::Size size)
 {
   saliency::Analyzer analyzer(profile);
   saliency::FrontEnd front_end;
-  quality::Stages stages(profile, { kWidth, kHeight });
-  const int converted
-      = profile.exact ? 0 : saliency::conversion_level({ kWidth, kHeight }, stages.level());
+  quality::Stages stages(profile, size);
+  const int converted = profile.exact ? 0 : saliency::conversion_level(size, stages.level());
+  fail_unless((converted > 0) == (!profile.exact && size == kSizes[1]));
   bool moved = false;
   int cuts = 0;
-  for (int i = 0; i < 50; ++i) {
-    const oracle::Frame frame = picture(i);
-    const auto &expected = analyzer.analyze(frame.view(), i * kFrame, kFrame);
+  saliency::Time time{ 0 };
+  for (const oracle::Frame &frame : film(size)) {
+    const auto &expected = analyzer.analyze(frame.view(), time, kFrame);
     std::vector<quality::Stage> done;
     const auto &found
-        = stages.analyze(front_end.lab(frame.view(), stages.level(), converted), i * kFrame, kFrame,
-                         true, [&](quality::Stage stage) { done.push_back(stage); });
-    fail_unless(cv::norm(found.map, expected.map, cv::NORM_INF) == 0, "frame %d", i);
+        = stages.analyze(front_end.lab(frame.view(), stages.level(), converted), time, kFrame, true,
+                         [&](quality::Stage stage) { done.push_back(stage); });
+    fail_unless(cv::norm(found.map, expected.map, cv::NORM_INF) == 0, "frame at %g s",
+                1e-9 * static_cast<double>(time.count()));
     fail_unless(found.peak == expected.peak && found.picture == expected.picture);
     fail_unless(found.cut == expected.cut && found.camera_moves == expected.camera_moves);
     fail_unless(std::ranges::equal(done, quality::kStages));
     moved = moved || found.camera_moves;
     cuts += found.cut ? 1 : 0;
+    time += kFrame;
   }
   fail_unless(moved == profile.camera_motion);
   fail_unless((cuts > 0) == (profile.cut_share < 1));
@@ -74,20 +82,23 @@ compare(const saliency::Profile &profile)
 
 GST_START_TEST(test_same_as_analyzer)
 {
-  compare(saliency::Profile::tuned());
-  compare(saliency::Profile::paper());
+  for (const cv::Size size : kSizes)
+    compare(saliency::Profile::tuned(), size);
+  compare(saliency::Profile::paper(), kSizes[0]);
 }
 GST_END_TEST;
 
-/// Maps of a ball, a pan and a cut.
 static std::vector<cv::Mat>
-maps(const saliency::Profile &profile, int threads)
+maps(const saliency::Profile &profile, const Film &film, int threads)
 {
   saliency::Analyzer analyzer(profile);
   analyzer.set_threads(threads);
   std::vector<cv::Mat> found;
-  for (int i = 0; i < 50; ++i)
-    found.push_back(analyzer.analyze(picture(i).view(), i * kFrame, kFrame).map.clone());
+  saliency::Time time{ 0 };
+  for (const oracle::Frame &frame : film) {
+    found.push_back(analyzer.analyze(frame.view(), time, kFrame).map.clone());
+    time += kFrame;
+  }
   return found;
 }
 
@@ -104,13 +115,16 @@ fail_unless_same_bits(const std::vector<cv::Mat> &found, const std::vector<cv::M
 GST_START_TEST(test_targets)
 {
   // Every instruction set that this processor has finds the same.
-  const auto expected = maps(saliency::Profile::tuned(), 1);
   const auto targets = hwy::SupportedTargets();
-  for (const std::int64_t target : hwy::SupportedAndGeneratedTargets()) {
-    hwy::GetChosenTarget().Update(target);
-    const auto found = maps(saliency::Profile::tuned(), 1);
-    hwy::GetChosenTarget().Update(targets);
-    fail_unless_same_bits(found, expected, hwy::TargetName(target));
+  for (const cv::Size size : kSizes) {
+    const Film pictures = film(size);
+    const auto expected = maps(saliency::Profile::tuned(), pictures, 1);
+    for (const std::int64_t target : hwy::SupportedAndGeneratedTargets()) {
+      hwy::GetChosenTarget().Update(target);
+      const auto found = maps(saliency::Profile::tuned(), pictures, 1);
+      hwy::GetChosenTarget().Update(targets);
+      fail_unless_same_bits(found, expected, hwy::TargetName(target));
+    }
   }
 }
 GST_END_TEST;
@@ -118,10 +132,14 @@ GST_END_TEST;
 GST_START_TEST(test_threads)
 {
   // So does any number of threads.
-  for (const auto &profile : { saliency::Profile::tuned(), saliency::Profile::paper() }) {
-    const auto expected = maps(profile, 1);
+  for (const auto &[profile, size] : { std::pair{ saliency::Profile::tuned(), kSizes[0] },
+                                       { saliency::Profile::tuned(), kSizes[1] },
+                                       { saliency::Profile::paper(), kSizes[0] } }) {
+    const Film pictures = film(size);
+    const auto expected = maps(profile, pictures, 1);
     for (const int threads : { 2, 3, 8 })
-      fail_unless_same_bits(maps(profile, threads), expected, std::to_string(threads) + " threads");
+      fail_unless_same_bits(maps(profile, pictures, threads), expected,
+                            std::to_string(threads) + " threads");
   }
 }
 GST_END_TEST;
