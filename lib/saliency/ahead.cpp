@@ -2,21 +2,54 @@
 #include "saliency/ahead.h"
 
 #include <algorithm>
+#include <cstdint>
 #include <cstdlib>
 
 namespace saliency {
 
-Ahead
-ahead_of(const Component &first, int y, int at_once, int part, int parts)
+namespace {
+
+constexpr int kPage = 4096;
+
+/// As many pages as can be looked up at once, and some more.
+constexpr int kPages = 32;
+
+/// Reads a byte of each page of rows [begin, end), of those that there are.
+void
+touch_pages(const Component &component, int begin, int end)
 {
-  constexpr std::ptrdiff_t kPage = 4096;
-  constexpr std::ptrdiff_t kStreams = Ahead::kRows;
-  const std::ptrdiff_t stride = std::max<std::ptrdiff_t>(1, std::abs(first.row_stride));
-  const std::ptrdiff_t rows = (kPage - 1) / stride + 1;
-  const std::ptrdiff_t group = kStreams * rows;
-  const std::ptrdiff_t place = y % group / at_once * parts + part;
-  return { first.data + (y / group + 1) * group * first.row_stride
-               + place * stride * at_once / (kStreams * parts),
+  const std::ptrdiff_t last = std::ptrdiff_t{ component.width - 1 } * component.pixel_stride;
+  std::uintptr_t touched = 0;
+  for (int y = std::max(begin, 0); y < std::min(end, component.height); ++y) {
+    const std::uint8_t *row = component.data + y * component.row_stride;
+    for (std::ptrdiff_t x = 0; x <= last;) {
+      const auto address = reinterpret_cast<std::uintptr_t>(row + x);
+      if (address / kPage != touched)
+        static_cast<void>(*static_cast<const volatile std::uint8_t *>(row + x));
+      touched = address / kPage;
+      x += static_cast<std::ptrdiff_t>(kPage - address % kPage);
+    }
+  }
+}
+
+} // namespace
+
+Ahead
+look_ahead(const Component &first, int y, int at_once, int part, int parts)
+{
+  const auto stride = std::max<std::ptrdiff_t>(1, std::abs(first.row_stride));
+  const int rows = 1 + static_cast<int>((kPage - 1) / stride); // that fill a page
+  const int group = Ahead::kRows * rows;
+  const int turns = group / at_once; // that a group takes
+  const int turn = y / at_once;
+
+  const int batch = std::max(1, static_cast<int>(kPages * kPage / (stride * at_once))); // turns
+  if (at_once > 1 && part == 0 && turn % batch == 0)
+    touch_pages(first, y + batch * at_once + group, y + 2 * batch * at_once + group);
+
+  const int next = (turn / turns + 1) * group + y % at_once;
+  const int place = turn % turns * parts + part;
+  return { first.data + next * first.row_stride + place * rows * stride / (turns * parts),
            first.row_stride * rows };
 }
 

@@ -9,11 +9,11 @@
 namespace saliency {
 
 /// Bytes of a frame that will be needed soon, which who works on others asks memory for meanwhile: as many,
-/// a line of the cache from each of kRows rows in turn, as memory delivers more at a time of many rows than
-/// of one. They need not be there.
+/// a line of the cache from each of kRows rows in turn, as memory delivers more at a time of several rows
+/// than of one. They need not be there.
 struct Ahead
 {
-  static constexpr int kRows = 8;
+  static constexpr int kRows = 4;
 
   const std::uint8_t *first;
   std::ptrdiff_t row_stride;
@@ -21,6 +21,10 @@ struct Ahead
 
 /// What to ask for while `part` of `parts` of `at_once` rows from y on is worked on: a part of the group of
 /// rows after theirs. What is a row to Ahead is as many of them as fill a page.
-Ahead ahead_of(const Component &first, int y, int at_once, int part = 0, int parts = 1);
+///
+/// Asking is in vain for a page whose address the processor has yet to look up, and each look-up takes as long
+/// as several lines. So where rows are worked on at once, each of which comes to new pages, this from time to time
+/// reads a byte of each page that will be asked for later: many look-ups at the same time.
+Ahead look_ahead(const Component &first, int y, int at_once, int part = 0, int parts = 1);
 
 } // namespace saliency

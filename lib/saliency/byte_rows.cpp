@@ -67,7 +67,7 @@ public:
 
   Ahead ahead(int) const override
   {
-    return ahead_of(component_, y_, kernels::kSourceRows);
+    return look_ahead(component_, y_, kernels::kSourceRows);
   }
 
 private:
@@ -152,7 +152,7 @@ public:
 
   Ahead ahead(int channel) const override
   {
-    return ahead_of(first_, y_, kernels::kSourceRows, channel, channels());
+    return look_ahead(first_, y_, kernels::kSourceRows, channel, channels());
   }
 
 private:
@@ -335,7 +335,7 @@ private:
   {
     const auto rows = rows_from(
         y, source_.height, [this](int row, int) { return first_.data + row * first_.row_stride; });
-    const Ahead ahead = ahead_of(first_, y, kernels::kSourceRows);
+    const Ahead ahead = look_ahead(first_, y, kernels::kSourceRows);
     if (quartered())
       kernels::quarter_pixels(rows, source_.width, carried(0), places_[0], ahead);
     else

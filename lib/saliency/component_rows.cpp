@@ -36,7 +36,7 @@ public:
   const Fixed *row(int y) override
   {
     kernels::unpack(component_.data + y * component_.row_stride, component_.pixel_stride, left_,
-                    mask_, component_.width, buffer_.row(0), ahead_of(component_, y, 1));
+                    mask_, component_.width, buffer_.row(0), look_ahead(component_, y, 1));
     return buffer_.row(0);
   }
 
