@@ -132,9 +132,11 @@ contenders(cv::Size size)
     all.push_back(ours(kPlayed, tuned, mapping, film, Format::i420, threads));
     all.back().played = true;
   }
-  for (const Format format : { Format::i420, Format::rgbx })
-    all.push_back(ours(kTwoFrames, tuned, mapping,
-                       std::make_shared<Film>(size, Scene::disc, format, 2), format, 1));
+  for (const Format format : { Format::i420, Format::rgbx }) {
+    const auto two = std::make_shared<Film>(size, Scene::disc, format, 2);
+    for (const int threads : { 1, 2 })
+      all.push_back(ours(kTwoFrames, tuned, mapping, two, format, threads));
+  }
   all.push_back(ours("tuned, camera moving", tuned, mapping, pan, Format::i420, 1));
   all.push_back(ours("paper", saliency::Profile::paper(), tactile::MappingSettings::paper(), film,
                      Format::i420, 1));

@@ -180,6 +180,7 @@ target_table(const std::vector<Result> &results)
                                        { kReading, "RGBx" },
                                        { "tuned", "RGBx" },
                                        { "exact", "I420" },
+                                       { kTwoFrames, "I420" },
                                        { kPlayed, "I420" } })
     add(std::string("two threads: 1.7 × as quick as one, ") + method + " " + input,
         [method = method, input = input](const Result &result) {
