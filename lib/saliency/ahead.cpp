@@ -9,10 +9,10 @@ namespace saliency {
 
 namespace {
 
-constexpr int kPage = 4096;
+constexpr std::ptrdiff_t kPage = 4096;
 
-/// As many pages as can be looked up at once, and some more.
-constexpr int kPages = 32;
+/// At a time: with 16 a frame of 4K takes 1 to 3 % longer, with 4 it takes 3 to 13.
+constexpr std::ptrdiff_t kPages = 32;
 
 /// Reads a byte of each page of rows [begin, end), of those that there are.
 void
@@ -48,8 +48,9 @@ look_ahead(const Component &first, int y, int at_once, int part, int parts)
     touch_pages(first, y + batch * at_once + group, y + 2 * batch * at_once + group);
 
   const int next = (turn / turns + 1) * group + y % at_once;
-  const int place = turn % turns * parts + part;
-  return { first.data + next * first.row_stride + place * rows * stride / (turns * parts),
+  const std::ptrdiff_t place = turn % turns * std::ptrdiff_t{ parts } + part;
+  return { first.data + next * first.row_stride
+               + place * rows * stride / (std::ptrdiff_t{ turns } * parts),
            first.row_stride * rows };
 }
 
