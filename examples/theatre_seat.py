@@ -40,6 +40,14 @@ def make(options):
     # udpsrc would bind a group's port on all addresses, and so hear what is sent to this computer alone as well.
     pipeline.get_by_name("maps").set_property("socket", theatre.bound_socket(address, options.port))
 
+    def is_ours(_pad, info):
+        return Gst.PadProbeReturn.OK if info.get_buffer().extract_dup(8, 4) == theatre.SSRC.to_bytes(4, "big") else Gst.PadProbeReturn.DROP
+
+    # By itself a session believes in a source after two packets in sequence (RFC 3550, A.1). With copies and jitter these come by chance,
+    # after some seconds or not at all; but whom to hear is known.
+    pipeline.get_by_name("maps").get_static_pad("src").add_probe(Gst.PadProbeType.BUFFER, is_ours)
+    pipeline.get_by_name("rtp").emit("get-session", 0).set_property("probation", 0)
+
     def on_pad(_rtp, pad):
         if pad.get_name().startswith("recv_rtp_src"):
             depay = pipeline.get_by_name("depay").get_static_pad("sink")
@@ -52,8 +60,16 @@ def make(options):
         # Nothing is better than something at the wrong time.
         chair = pipeline.get_by_name("chair")
         mute = chair.get_property("mute")
-        follower.on_change = lambda settled: chair.set_property("mute", mute or not settled)
-        follower.on_change(follower.settled.is_set())
+
+        def silence(settled):
+            chair.set_property("mute", mute or not settled)
+
+        def on_change(settled):
+            print(f"the clock of {options.server} is {'known again' if settled else 'no longer known: silent'}", flush=True)
+            silence(settled)
+
+        follower.on_change = on_change
+        silence(follower.settled.is_set())
     pipeline.use_clock(follower.clock if follower else theatre.ptp_clock(options.ptp))
     pipeline.set_start_time(Gst.CLOCK_TIME_NONE)
     pipeline.set_base_time(0)
