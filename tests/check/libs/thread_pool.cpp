@@ -189,9 +189,10 @@ GST_START_TEST(test_off_the_callers_processor)
     failed += !(off && more_off && off_again);
     ++steps;
   }
-  fail_unless(failed <= 10, "in %d of %d steps not all threads are kept off the caller's processor",
-              failed, steps);
-  ck_assert_int_eq(steps, 40);
+  fail_unless(4 * failed <= steps,
+              "in %d of %d steps not all threads are kept off the caller's processor", failed,
+              steps);
+  ck_assert_int_ge(steps, 5); // all 40, but under valgrind
 }
 GST_END_TEST;
 #endif
