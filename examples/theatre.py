@@ -20,6 +20,10 @@ CAPS = (
     "application/x-rtp,media=application,clock-rate=90000,encoding-name=X-GST,payload=96,"
     f"ssrc=(uint){SSRC},ssrc-{SSRC}-cname=theatre,extmap-{EXTENSION}=urn:ietf:params:rtp-hdrext:ntp-64"
 )
+OUR_EXTENSION = bytes((0xBE, 0xDE, 0, 3, EXTENSION << 4 | 7))  # RFC 8285: three words of extensions, the first one with 8 bytes
+HEADER = 25  # bytes of a packet up to the end of that extension
+SAME_START = 90  # ticks of a time stamp: 1 ms
+LONG_SILENCE = 10 << 32  # s
 PORT = 5104  # of the maps
 CLOCK_PORT = 5106
 LATENCY = 500  # ms from when a map leaves the server until its frame is shown
@@ -34,6 +38,15 @@ def own_address(destination):
         except OSError as error:
             raise SystemExit(f"no network leads to {destination}: {error.strerror}") from error
         return line.getsockname()[0]
+
+
+def times(packet):
+    """Of a map's packet: when its showing began to count RTP time stamps, as one of them, and when the map is shown, in 2^-32 s of the
+    network's clock. None for what is of another source, and for the first packets of a showing, which have no time: caps come again."""
+    if len(packet) < HEADER or packet[0] != 0x90 or packet[8:12] != SSRC.to_bytes(4, "big") or packet[12:17] != OUR_EXTENSION:
+        return None
+    time = int.from_bytes(packet[17:HEADER], "big")
+    return (time * 90000 >> 32) - int.from_bytes(packet[4:8], "big"), time
 
 
 def bound_socket(address, port):

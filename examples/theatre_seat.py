@@ -2,11 +2,13 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """A seat of a theatre: plays what theatre_server.py sends on the motors of one chair."""
 import argparse
+import contextlib
 import sys
+import threading
 
 import theatre
 import theatre_clock
-from theatre import Gst
+from theatre import GLib, Gst
 
 
 def parse(arguments):
@@ -23,54 +25,91 @@ def parse(arguments):
     return parser.parse_args(arguments)
 
 
+class Maps:
+    """What the network brings of one showing, as a bin. `over` is called once, when what comes is of another showing.
+
+    An RTP session and its jitter buffer take a new showing, or the same one after a long silence, for disorder, and wait for packets in
+    sequence; three copies of each and jitter may keep these from them for ever. So each showing gets a session of its own.
+    """
+
+    def __init__(self, options, address, socket, clock, over):
+        self.clock, self.over = clock, over
+        self.start = self.newest = None
+        self.bin = Gst.parse_bin_from_description(
+            f'udpsrc name=maps address={address} port={options.port} close-socket=false caps="{theatre.CAPS}" ! rtp.recv_rtp_sink_0 '
+            f"rtpbin name=rtp ntp-sync=true ntp-time-source=clock-time buffer-mode=none latency={options.jitter} rtpgstdepay name=depay",
+            False,
+        )
+        # udpsrc would bind a group's port on all addresses, and so hear what is sent to this computer alone as well.
+        source, rtp, depay = (self.bin.get_by_name(name) for name in ("maps", "rtp", "depay"))
+        source.set_property("socket", socket)
+        self.bin.add_pad(Gst.GhostPad.new("src", depay.get_static_pad("src")))
+        source.get_static_pad("src").add_probe(Gst.PadProbeType.BUFFER, self._choose)
+        # The first packet counts (RFC 3550, A.1, is for those who do not know whom they hear).
+        rtp.emit("get-session", 0).set_property("probation", 0)
+        rtp.connect("pad-added", lambda _rtp, pad: pad.link(depay.get_static_pad("sink")) if pad.get_name().startswith("recv_rtp_src") else None)
+
+    def _choose(self, _pad, info):
+        """The server's packets of this showing alone."""
+        times = theatre.times(info.get_buffer().extract_dup(0, theatre.HEADER))
+        if not times or not self.over:
+            return Gst.PadProbeReturn.DROP
+        start, time = times
+        if abs(time - (self.clock.get_time() << 32) // Gst.SECOND) > theatre.LONG_SILENCE:
+            return Gst.PadProbeReturn.DROP  # or what comes at its time would be taken for old
+        if self.start is None:
+            self.start, self.newest = start, time
+        another = abs((start - self.start + 2**31) % 2**32 - 2**31) > theatre.SAME_START or time > self.newest + theatre.LONG_SILENCE
+        if another and time > self.newest:
+            over, self.over = self.over, None
+            over()
+        self.newest = max(self.newest, time)
+        return Gst.PadProbeReturn.DROP if another else Gst.PadProbeReturn.OK
+
+
 def make(options):
     """The pipeline, with the network's clock; running time is that clock's time."""
     follower = None if options.ptp is not None else theatre_clock.Follower(options.server, options.clock_port)
     while follower and not follower.settled.wait(10):
         print(f"waiting for the clock of {options.server}", flush=True)
+    clock = follower.clock if follower else theatre.ptp_clock(options.ptp)
 
     address = theatre.own_address(options.server) if options.unicast else options.group
-    pipeline = Gst.parse_launch(
-        f'udpsrc name=maps address={address} port={options.port} caps="{theatre.CAPS}" ! rtp.recv_rtp_sink_0 '
-        f"rtpbin name=rtp ntp-sync=true ntp-time-source=clock-time buffer-mode=none latency={options.jitter} "
-        # The server has chosen when what is felt may change.
-        f"rtpgstdepay name=depay ! tactorsink name=chair rate=0 {options.chair}"
-    )
+    socket = theatre.bound_socket(address, options.port)
+    # The server has chosen when what is felt may change.
+    chair = Gst.parse_launch(f"tactorsink name=chair rate=0 {options.chair}")
+    pipeline = Gst.Pipeline.new()
+    pipeline.add(chair)
+    maps = None
 
-    # udpsrc would bind a group's port on all addresses, and so hear what is sent to this computer alone as well.
-    pipeline.get_by_name("maps").set_property("socket", theatre.bound_socket(address, options.port))
+    def hear():
+        nonlocal maps
+        if maps:
+            maps.bin.set_state(Gst.State.NULL)
+            pipeline.remove(maps.bin)
+        maps = Maps(options, address, socket, clock, lambda: GLib.idle_add(hear))
+        pipeline.add(maps.bin)
+        maps.bin.link(chair)
+        maps.bin.sync_state_with_parent()
 
-    def is_ours(_pad, info):
-        return Gst.PadProbeReturn.OK if info.get_buffer().extract_dup(8, 4) == theatre.SSRC.to_bytes(4, "big") else Gst.PadProbeReturn.DROP
-
-    # By itself a session believes in a source after two packets in sequence (RFC 3550, A.1). With copies and jitter these come by chance,
-    # after some seconds or not at all; but whom to hear is known.
-    pipeline.get_by_name("maps").get_static_pad("src").add_probe(Gst.PadProbeType.BUFFER, is_ours)
-    pipeline.get_by_name("rtp").emit("get-session", 0).set_property("probation", 0)
-
-    def on_pad(_rtp, pad):
-        if pad.get_name().startswith("recv_rtp_src"):
-            depay = pipeline.get_by_name("depay").get_static_pad("sink")
-            if depay.is_linked():
-                depay.get_peer().unlink(depay)
-            pad.link(depay)
-
-    pipeline.get_by_name("rtp").connect("pad-added", on_pad)
+    hear()
     if follower:
         # Nothing is better than something at the wrong time.
-        chair = pipeline.get_by_name("chair")
         mute = chair.get_property("mute")
+        one_by_one = threading.Lock()
 
-        def silence(settled):
-            chair.set_property("mute", mute or not settled)
+        def silence():
+            with one_by_one:
+                chair.set_property("mute", mute or not follower.settled.is_set())
 
         def on_change(settled):
-            print(f"the clock of {options.server} is {'known again' if settled else 'no longer known: silent'}", flush=True)
-            silence(settled)
+            silence()
+            with contextlib.suppress(OSError):  # nobody reads it
+                print(f"the clock of {options.server} is {'known again' if settled else 'no longer known: silent'}", flush=True)
 
         follower.on_change = on_change
-        silence(follower.settled.is_set())
-    pipeline.use_clock(follower.clock if follower else theatre.ptp_clock(options.ptp))
+        silence()
+    pipeline.use_clock(clock)
     pipeline.set_start_time(Gst.CLOCK_TIME_NONE)
     pipeline.set_base_time(0)
     pipeline.set_latency(options.latency * Gst.MSECOND)
