@@ -48,8 +48,10 @@ look_ahead(const Component &first, int y, int at_once, int part, int parts)
     touch_pages(first, y + batch * at_once + group, y + 2 * batch * at_once + group);
 
   const int next = (turn / turns + 1) * group + y % at_once;
+  const int lowest
+      = first.row_stride > 0 ? next : next + rows - 1; // in memory, of those that fill a page
   const std::ptrdiff_t place = turn % turns * std::ptrdiff_t{ parts } + part;
-  return { first.data + next * first.row_stride
+  return { first.data + lowest * first.row_stride
                + place * rows * stride / (std::ptrdiff_t{ turns } * parts),
            first.row_stride * rows };
 }

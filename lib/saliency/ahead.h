@@ -24,7 +24,8 @@ struct Ahead
 ///
 /// Asking is in vain for a page whose address the processor has yet to look up, and each look-up takes as long
 /// as several lines. So where rows are worked on at once, each of which comes to new pages, this from time to time
-/// reads a byte of each page that will be asked for later: many look-ups at the same time.
+/// reads a byte of each page that will be asked for later, but those of the first rows: many look-ups at the same
+/// time. `at_once` is at most kRows.
 Ahead look_ahead(const Component &first, int y, int at_once, int part = 0, int parts = 1);
 
 } // namespace saliency

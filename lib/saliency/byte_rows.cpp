@@ -38,6 +38,7 @@ public:
 
   /// What whoever works on a channel of those rows asks memory for meanwhile.
   virtual Ahead ahead(int channel) const = 0;
+  static_assert(kernels::kSourceRows <= Ahead::kRows);
 };
 
 class ByteSamples final : public ByteRows
@@ -52,6 +53,9 @@ public:
   void begin(const FrameView &frame) override
   {
     component_ = frame.components[index_];
+    others_ = 0;
+    for (std::size_t i = 0; i < index_ && component_.pixel_stride > 1; ++i)
+      others_ += frame.components[i].pixel_stride > 1 ? frame.components[i].width : 0;
   }
 
   const std::uint8_t *row(int y) override
@@ -67,7 +71,9 @@ public:
 
   Ahead ahead(int) const override
   {
-    return look_ahead(component_, y_, kernels::kSourceRows);
+    Ahead ahead = look_ahead(component_, y_, kernels::kSourceRows);
+    ahead.first += others_;
+    return ahead;
   }
 
 private:
@@ -86,6 +92,8 @@ private:
 
   std::size_t index_;
   Component component_;
+  std::ptrdiff_t others_
+      = 0;    ///< bytes of a row that are asked for with other components of its pixels
   int y_ = 0; ///< the first of the latest rows
   RowBuffer<std::uint8_t> buffer_;
 };
