@@ -1,7 +1,8 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """Which UDP ports server and seats of a theatre bind when they are told no address: those that docs/security.md lists, and none on all
-addresses. In a network namespace of its own, with one interface; where none can be made, the test is skipped.
+addresses; and that a seat hears two films of its group. In a network namespace of its own, with one interface; where none can be made, the
+test is skipped.
 
 Usage: sockets.py EXAMPLES      (with the plugins on GST_PLUGIN_PATH)
 """
@@ -64,7 +65,7 @@ def main(examples):
         work = stack.enter_context(tempfile.TemporaryDirectory())
         film = os.path.join(work, "film.mkv")
         subprocess.run(
-            f"gst-launch-1.0 -q tactiletestsrc pattern=dynamic-motion num-buffers=400 ! video/x-raw,width=160,height=120,framerate=20/1 ! jpegenc ! matroskamux ! filesink location={film}".split(),
+            f"gst-launch-1.0 -q tactiletestsrc pattern=dynamic-motion num-buffers=200 ! video/x-raw,width=160,height=120,framerate=20/1 ! jpegenc ! matroskamux ! filesink location={film}".split(),
             check=True,
         )
 
@@ -80,19 +81,25 @@ def main(examples):
                 expect(process.poll() is None, said)
                 time.sleep(0.05)
 
-        server = start("theatre_server.py", film, "--video-sink", "fakesink sync=true", "--audio-sink", "fakesink", "--analysis", "temporal=false", until="playing")
+        def show():
+            return start("theatre_server.py", film, "--video-sink", "fakesink sync=true", "--audio-sink", "fakesink", "--analysis", "temporal=false", until="playing")
+
+        server = show()
         commands = os.path.join(work, "commands.csv")
         seat = start("theatre_seat.py", OWN, "--chair", f"driver=simulator trace-location={commands}", until="ready")
         alone = start("theatre_seat.py", OWN, "--unicast", "--port", str(ALONE), "--chair", "driver=simulator", until="ready")
         at = {name: bound(process) for name, process in (("server", server), ("seat", seat), ("seat alone", alone))}
         server.wait()
+        second = time.monotonic_ns()  # which is the server's clock
+        show().wait()
         for process in (seat, alone):
             process.send_signal(signal.SIGTERM)
             process.wait()
         with open(commands, encoding="ascii") as lines:
-            told = len(list(lines)) - 1  # without the header
+            told = [int(line.split(",")[0]) for line in list(lines)[1:]]
 
-    expect(told > 0, "what was sent to the group was not heard")
+    expect(any(issued < second for issued in told), "what was sent to the group was not heard")
+    expect(any(issued > second + 2e9 for issued in told), "the second film was not heard")  # by then the first one's last map is over
     for name, sockets in at.items():
         print(name, *(f"{address}:{port}{' (one peer)' if connected else ''}" for address, port, connected in sockets))
     # Ports that nobody has asked for are the kernel's choice: what maps are sent from, and what asks for the time.
