@@ -14,6 +14,7 @@ import collections
 import socket
 import struct
 import threading
+import time
 
 from theatre import GObject, Gst
 
@@ -115,7 +116,10 @@ class Follower:
         self.on_change = on_change or (lambda settled: None)
         self.settled = threading.Event()
         self.offset = Offset()
-        self.server = (server, port)
+        try:
+            self.family, _, _, _, self.address = socket.getaddrinfo(server, port, type=socket.SOCK_DGRAM)[0]
+        except OSError as error:
+            raise SystemExit(f"expected the server's address or name, got '{server}': {error.strerror}") from error
         threading.Thread(target=self._follow, daemon=True).start()
 
     def _exchange(self, line, seconds):
@@ -140,9 +144,9 @@ class Follower:
                     self.offset.add(asked, server, answered)
 
     def _follow(self):
-        kind, _, _, _, address = socket.getaddrinfo(*self.server, type=socket.SOCK_DGRAM)[0]
-        with socket.socket(kind, socket.SOCK_DGRAM) as line:
-            line.connect(address)
+        with socket.socket(self.family, socket.SOCK_DGRAM) as line:
+            while line.connect_ex(self.address):
+                time.sleep(1)  # no network leads there yet
             fitted = 0
             while True:
                 self._exchange(line, self.offset.ask_again)
