@@ -92,8 +92,8 @@ private:
 
   std::size_t index_;
   Component component_;
-  std::ptrdiff_t others_
-      = 0;    ///< bytes of a row that are asked for with other components of its pixels
+  /// Bytes of a row that are asked for with other components of its pixels.
+  std::ptrdiff_t others_ = 0;
   int y_ = 0; ///< the first of the latest rows
   RowBuffer<std::uint8_t> buffer_;
 };
