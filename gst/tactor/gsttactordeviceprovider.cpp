@@ -10,7 +10,8 @@
  * on.
  *
  * gst_device_create_element() gives a tactorsink for that board: its serial number if no other
- * board that is plugged in has the same, else the socket that it is plugged into.
+ * board that is plugged in has the same, else the socket that it is plugged into. When another
+ * board with its number comes or goes, the device changes (`device-changed`).
  *
  * ## Example launch line
  * |[
@@ -47,7 +48,7 @@ GST_DEBUG_CATEGORY_STATIC(tactor_device_debug);
 struct _GstTactorDevice
 {
   GstDevice parent;
-  gchar *device; ///< as tactorsink's property
+  gchar *device; ///< as tactorsink's property; under the object lock
 };
 
 G_DEFINE_TYPE(GstTactorDevice, gst_tactor_device, GST_TYPE_DEVICE);
@@ -56,10 +57,12 @@ static GstElement *
 gst_tactor_device_create_element(GstDevice *device, const gchar *name)
 {
   GstElement *element = gst_element_factory_make("tactorsink", name);
+  GST_OBJECT_LOCK(device);
+  g_autofree gchar *board = g_strdup(GST_TACTOR_DEVICE(device)->device);
+  GST_OBJECT_UNLOCK(device);
   if (element)
     // Not driver=auto, which stands for "a board or none".
-    g_object_set(element, "driver", "firmata", "device", GST_TACTOR_DEVICE(device)->device,
-                 nullptr);
+    g_object_set(element, "driver", "firmata", "device", board, nullptr);
   return element;
 }
 
@@ -94,6 +97,16 @@ name_of(const tactor::SerialDevice &board, const Boards &all)
       = !board.serial.empty()
         && std::ranges::count(all, board.serial, &tactor::SerialDevice::serial) == 1;
   return has_own_serial ? board.serial : board.bus_path;
+}
+
+void
+rename_device(GstDevice *device, const std::string &name)
+{
+  gchar *text = g_strdup(name.c_str());
+  GST_OBJECT_LOCK(device);
+  std::swap(GST_TACTOR_DEVICE(device)->device, text);
+  GST_OBJECT_UNLOCK(device);
+  g_free(text);
 }
 
 /// A floating device.
@@ -152,8 +165,8 @@ public:
     }
     thread_.join();
     bus_->watch(nullptr);
-    for (const auto &[board, device] : known_)
-      gst_object_unref(device);
+    for (const Known &known : known_)
+      gst_object_unref(known.device);
   }
 
   BoardWatcher(const BoardWatcher &) = delete;
@@ -178,32 +191,50 @@ private:
     }
   }
 
-  /// Adds and removes devices as boards came and went.
+  /// Adds and removes devices as boards came and went, and changes those that are named otherwise since.
   void update()
   {
     const Boards boards = bus_->list();
-    std::erase_if(known_, [&](const auto &known) {
-      if (std::ranges::find(boards, known.first) != boards.end())
+    std::erase_if(known_, [&](const Known &known) {
+      if (std::ranges::find(boards, known.board) != boards.end())
         return false;
-      gst_device_provider_device_remove(provider_, known.second);
-      gst_object_unref(known.second);
+      gst_device_provider_device_remove(provider_, known.device);
+      gst_object_unref(known.device);
       return true;
     });
     for (const tactor::SerialDevice &board : boards) {
-      if (std::ranges::find(known_, board, &Known::first) != known_.end())
+      const std::string &name = name_of(board, boards);
+      const auto known = std::ranges::find(known_, board, &Known::board);
+      if (known != known_.end() && known->name == name)
         continue;
       GstDevice *device = make_device(board, boards);
-      known_.emplace_back(board, GST_DEVICE(gst_object_ref_sink(device)));
-      gst_device_provider_device_add(provider_, device);
+      gst_object_ref_sink(device);
+      if (known == known_.end()) {
+        known_.push_back({ board, name, device });
+        gst_device_provider_device_add(provider_, device);
+        continue;
+      }
+      // Of a number that two boards have now, or one alone again. Who keeps the old device gets the same board with it.
+      GstDevice *old = std::exchange(known->device, device);
+      known->name = name;
+      rename_device(old, name);
+      gst_device_provider_device_changed(provider_, device, old);
+      gst_object_unref(old);
     }
   }
 
-  using Known = std::pair<tactor::SerialDevice, GstDevice *>;
+  /// A board that is a device now.
+  struct Known
+  {
+    tactor::SerialDevice board;
+    std::string name;  ///< how tactorsink's `device` names it
+    GstDevice *device; ///< a reference
+  };
 
   GstDeviceProvider *provider_; ///< not owned: the watcher is its private part
   std::unique_ptr<tactor::SerialBus> bus_;
-  std::vector<Known> known_; ///< boards that are devices now, each with a reference
-  std::mutex mutex_;         ///< guards what follows
+  std::vector<Known> known_;
+  std::mutex mutex_; ///< guards what follows
   std::condition_variable wake_;
   bool changed_ = false;
   bool quit_ = false;

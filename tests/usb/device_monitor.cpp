@@ -5,6 +5,7 @@
 
 #include <memory>
 #include <string>
+#include <utility>
 
 #include <gst/check/gstcheck.h>
 
@@ -35,10 +36,14 @@ public:
   {
     GstMessage *message
         = gst_bus_timed_pop_filtered(bus_, std::chrono::nanoseconds(kPatience).count(), type);
-    fail_unless(message != nullptr, "nothing was told");
+    // Of these types the bus filters none.
+    fail_unless(message && GST_MESSAGE_TYPE(message) == type, "no message of type %s",
+                gst_message_type_get_name(type));
     GstDevice *device = nullptr;
     if (type == GST_MESSAGE_DEVICE_ADDED)
       gst_message_parse_device_added(message, &device);
+    else if (type == GST_MESSAGE_DEVICE_CHANGED)
+      gst_message_parse_device_changed(message, &device, nullptr);
     else
       gst_message_parse_device_removed(message, &device);
     gst_message_unref(message);
@@ -97,6 +102,30 @@ GST_START_TEST(test_plugging)
 }
 GST_END_TEST;
 
+/// A board with the number of one that is there.
+GST_START_TEST(test_twin)
+{
+  EmulatedUsb usb;
+  EmulatedBoard board(usb, { .port = "1-1" });
+  Monitor monitor;
+  GstDevice *alone = monitor.next(GST_MESSAGE_DEVICE_ADDED);
+  EmulatedBoard twin(usb, { .port = "1-2" });
+  GstDevice *changed = monitor.next(GST_MESSAGE_DEVICE_CHANGED);
+  GstDevice *added = monitor.next(GST_MESSAGE_DEVICE_ADDED);
+  ck_assert_uint_eq(monitor.count(), 2);
+  for (const auto &[device, socket] : { std::pair(changed, "1-1"), std::pair(added, "1-2") }) {
+    GstElement *sink = gst_device_create_element(device, nullptr);
+    gst_object_ref_sink(sink);
+    g_autofree gchar *name = nullptr;
+    g_object_get(sink, "device", &name, nullptr);
+    ck_assert_str_eq(name, socket);
+    gst_object_unref(sink);
+  }
+  for (GstDevice *device : { alone, changed, added })
+    gst_object_unref(device);
+}
+GST_END_TEST;
+
 /// What create_element() gives plays on that very board.
 GST_START_TEST(test_element)
 {
@@ -136,6 +165,7 @@ device_monitor_suite(void)
   TCase *tests = tcase_create("general");
   suite_add_tcase(suite, tests);
   tcase_add_test(tests, test_plugging);
+  tcase_add_test(tests, test_twin);
   tcase_add_test(tests, test_element);
   return suite;
 }

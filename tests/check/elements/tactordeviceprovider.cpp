@@ -148,10 +148,14 @@ struct Rig
   GstDevice *next(GstMessageType type)
   {
     GstMessage *message = gst_bus_timed_pop_filtered(bus, kPatience, type);
-    fail_unless(message != nullptr, "no message of type %s", gst_message_type_get_name(type));
+    // Of these types the bus filters none.
+    fail_unless(message && GST_MESSAGE_TYPE(message) == type, "no message of type %s",
+                gst_message_type_get_name(type));
     GstDevice *device = nullptr;
     if (type == GST_MESSAGE_DEVICE_ADDED)
       gst_message_parse_device_added(message, &device);
+    else if (type == GST_MESSAGE_DEVICE_CHANGED)
+      gst_message_parse_device_changed(message, &device, nullptr);
     else
       gst_message_parse_device_removed(message, &device);
     gst_message_unref(message);
@@ -313,6 +317,41 @@ GST_START_TEST(test_plugging)
 }
 GST_END_TEST;
 
+/// A board whose serial number another one has, too, is named by its socket from the moment at which that comes to that at which it goes.
+GST_START_TEST(test_twin_comes_later)
+{
+  Rig rig;
+  SerialDevice twin = kMega;
+  twin.bus_path = "3-1";
+  rig.sockets.plug({ kMega });
+  fail_unless(gst_device_provider_start(rig.provider));
+  GstDevice *first = rig.next(GST_MESSAGE_DEVICE_ADDED);
+  same(sink_device(first), kMega.serial);
+
+  rig.sockets.plug({ kMega, twin });
+  GstDevice *changed = rig.next(GST_MESSAGE_DEVICE_CHANGED);
+  same(sink_device(changed), "1-2.3");
+  GstDevice *second = rig.next(GST_MESSAGE_DEVICE_ADDED);
+  same(sink_device(second), "3-1");
+  // Who kept the old one gets the same board.
+  same(sink_device(first), "1-2.3");
+  GList *devices = gst_device_provider_get_devices(rig.provider);
+  ck_assert_uint_eq(g_list_length(devices), 2);
+  fail_unless(g_list_find(devices, changed) && g_list_find(devices, second));
+  free_devices(devices);
+
+  rig.sockets.plug({ twin });
+  GstDevice *removed = rig.next(GST_MESSAGE_DEVICE_REMOVED);
+  fail_unless(removed == changed);
+  GstDevice *alone = rig.next(GST_MESSAGE_DEVICE_CHANGED);
+  same(sink_device(alone), kMega.serial);
+  same(property(alone, "device.bus_path"), "3-1");
+  gst_device_provider_stop(rig.provider);
+  for (GstDevice *device : { first, second, changed, removed, alone })
+    gst_object_unref(device);
+}
+GST_END_TEST;
+
 /// Stopped and started again; stopped for good by the last reference, too.
 GST_START_TEST(test_stop_and_start)
 {
@@ -419,6 +458,7 @@ tactordeviceprovider_suite(void)
   tcase_add_test(tests, test_probe);
   tcase_add_test(tests, test_create_element);
   tcase_add_test(tests, test_plugging);
+  tcase_add_test(tests, test_twin_comes_later);
   tcase_add_test(tests, test_stop_and_start);
   tcase_add_test(tests, test_bus_of_no_use);
   tcase_add_test(tests, test_many_changes);
