@@ -55,6 +55,34 @@ carriers() {
   expect_same_commands side ts
 }
 
+# subtitles_of FILE: whether players choose them by themselves, and their language, as FFmpeg sees it
+subtitles_of() {
+  ffprobe -v error -select_streams s -show_entries stream_disposition=default:stream_tags=language -of csv=p=0 "$1" | paste -sd' '
+}
+
+# Other players do not draw the track's numbers of their own accord; those of GStreamer find it (players, whole_film).
+left_to_choice() {
+  local name
+  printf '1\n00:00:00,500 --> 00:00:05,000\nWho is there?\n' >one.srt
+  timeout 30 gst-launch-1.0 -q matroskamux name=mux ! filesink location=read.mkv filesrc location="$work/film.mkv" ! matroskademux ! h264parse ! queue ! mux.video_0 \
+    filesrc location=one.srt ! subparse ! capssetter caps=text/x-raw,format=utf8 ! taginject tags="language-code=en" ! queue ! mux.subtitle_0
+  for name in film.mkv film.mp4; do
+    track mux read.mkv "$work/good.vtt" -o "$name"
+    [ "$(subtitles_of "$name")" = "1,eng 0,zxx" ] || fail "$name has $(subtitles_of "$name")"
+    track mux read.mkv "$work/good.vtt" -o "$name" --first
+    [ "$(subtitles_of "$name")" = "0,zxx 1,eng" ] || fail "$name, first, has $(subtitles_of "$name")"
+    ffmpeg -nostdin -v error -i "$name" -map 0 -c copy -f null - >log 2>&1 && [ ! -s log ] || fail "$name: $(cat log)"
+  done
+  mkvmerge -J film.mkv >film.json
+  "$PYTHON" - film.json <<'PYTHON' || fail "mkvmerge says $(cat film.json)"
+import json, sys
+film = json.load(open(sys.argv[1]))
+subtitles = [track["properties"] for track in film["tracks"] if track["type"] == "subtitles"]
+assert [(track["language"], track["default_track"]) for track in subtitles] == [("zxx", False), ("eng", True)]
+assert not film["warnings"] and not film["errors"]
+PYTHON
+}
+
 # stream FILE PAD: what a pad of the demuxer gives; pictures decoded, for a parser packs them anew
 stream() {
   local decode=identity
@@ -328,6 +356,7 @@ echo '{}' >good.vtt.funscript
 
 start author author_plays_as_the_film
 start carriers carriers
+start left_to_choice left_to_choice
 start players players
 start whole_film whole_film
 start forms forms

@@ -6,14 +6,19 @@
 #include "commands.h"
 #include "pipeline.h"
 #include "subtitles.h"
+#include "tactile/formats/film_file.h"
 #include "tactile/formats/track_file.h"
 
 #include <atomic>
 #include <cstdio>
+#include <fcntl.h>
 #include <filesystem>
 #include <mutex>
 #include <string_view>
+#include <sys/mman.h>
+#include <sys/stat.h>
 #include <system_error>
+#include <unistd.h>
 #include <vector>
 
 namespace {
@@ -21,11 +26,12 @@ namespace {
 constexpr const char *kLookahead
     = "queue max-size-bytes=0 max-size-buffers=0 max-size-time=2000000000";
 
-/// Plays to the end with the file as location of the element named so; keeps it if `is_film` says so then.
+/// Plays to the end with the file as location of the element named so; keeps it if `is_film` says so then of what was written.
 int
 write_film(
     const Owned<GstElement> &pipeline, const std::string &path, GstClockTime duration,
-    const std::function<bool()> &is_film = [] { return true; })
+    const std::function<bool(const std::string &)> &is_film
+    = [](const std::string &) { return true; })
 {
   const auto [folder, name] = folder_and_name(path);
   Output output(folder, name);
@@ -33,10 +39,33 @@ write_film(
     g_object_set(file.get(), "location", output.part_path().c_str(), nullptr);
   if (!run_to_end(pipeline, duration))
     return 130;
-  if (!is_film())
+  if (!is_film(output.part_path().string()))
     throw std::runtime_error("'" + path + "' can hold no stream of the film");
   output.commit();
   return 0;
+}
+
+/// No player shall take the track of the film, which was written, by itself: muxers of GStreamer 1.22 say that each track is meant to be
+/// taken. Throws std::runtime_error.
+void
+leave_track_to_choice(const std::string &path)
+{
+  const auto fail = [&] {
+    throw std::runtime_error("cannot mark the track in '" + path + "': " + g_strerror(errno));
+  };
+  const int file = open(path.c_str(), O_RDWR | O_CLOEXEC);
+  struct stat status = {};
+  if (file < 0 || fstat(file, &status) != 0)
+    fail();
+  const auto size = static_cast<std::size_t>(status.st_size);
+  void *const bytes = mmap(nullptr, size, PROT_READ | PROT_WRITE, MAP_SHARED, file, 0);
+  if (bytes == MAP_FAILED)
+    fail();
+  const std::size_t marked = tactile::leave_to_choice({ static_cast<std::uint8_t *>(bytes), size });
+  munmap(bytes, size);
+  close(file);
+  if (marked == 0)
+    std::fputs("tactile-track: warning: players may take the track by themselves\n", stderr);
 }
 
 /// A film is not written over itself. Throws UsageError.
@@ -267,5 +296,9 @@ mux(int argc, char **argv)
                    }),
                    nullptr);
   g_signal_connect(streams.get(), "pad-added", G_CALLBACK(take_stream), &muxing);
-  return write_film(pipeline, out, film.duration, [&] { return muxing.taken > 0; });
+  return write_film(pipeline, out, film.duration, [&](const std::string &written) {
+    if (muxing.taken > 0 && !is_ts)
+      leave_track_to_choice(written);
+    return muxing.taken > 0;
+  });
 }

@@ -1,0 +1,173 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "tactile/formats/film_file.h"
+
+#include <gst/check/gstcheck.h>
+
+#include <numeric>
+#include <random>
+#include <string>
+#include <string_view>
+#include <vector>
+
+using namespace std::string_literals;
+using tactile::leave_to_choice;
+
+namespace {
+
+/// Marks the tracks of a copy.
+std::size_t
+mark(std::string &file)
+{
+  return leave_to_choice({ reinterpret_cast<std::uint8_t *>(file.data()), file.size() });
+}
+
+/// An element of EBML with a size of eight bytes, as GStreamer writes them.
+std::string
+element(const std::string &id, const std::string &body)
+{
+  std::string size = "\x01"s;
+  for (int i = 6; i >= 0; i--)
+    size += static_cast<char>(body.size() >> 8 * i);
+  return id + size + body;
+}
+
+/// One with a size of one byte.
+std::string
+small(const std::string &id, const std::string &body)
+{
+  return id + static_cast<char>(0x80 + body.size()) + body;
+}
+
+const std::string kEntry = "\xae"s;
+
+/// What a TrackEntry has in it.
+std::string
+track(char type, const std::string &language)
+{
+  return small("\xd7"s, "\x02"s) + small("\x83"s, std::string(1, type))
+         + small("\x22\xb5\x9c"s, language);
+}
+
+const std::string kFelt = track(0x11, "zxx\0"s);
+
+std::string
+matroska(const std::string &entries)
+{
+  return element("\x1a\x45\xdf\xa3"s, small("\x42\x82"s, "matroska"))
+         + element("\x18\x53\x80\x67"s, small("\xec"s, "void")
+                                            + element("\x16\x54\xae\x6b"s, entries)
+                                            + element("\x1f\x43\xb6\x75"s, "cluster"));
+}
+
+std::string
+box(const std::string &name, const std::string &body)
+{
+  std::string size;
+  for (int i = 3; i >= 0; i--)
+    size += static_cast<char>((body.size() + 8) >> 8 * i);
+  return size + name + body;
+}
+
+/// A trak with flags, version 0 or 1 of mdhd, language (three letters, ISO/IEC 14496-12, 8.4.2) and handler.
+std::string
+trak(char flags, bool is_long, std::string_view language, const std::string &handler)
+{
+  const unsigned packed
+      = std::accumulate(language.begin(), language.end(), 0U, [](unsigned sum, char letter) {
+          return sum << 5 | static_cast<unsigned>(letter - 0x60);
+        });
+  const std::string times(is_long ? 28 : 16, 'T');
+  return box("trak", box("tkhd", "\0\0\0"s + flags + std::string(80, 'k'))
+                         + box("mdia", box("mdhd", std::string(1, is_long ? '\1' : '\0') + "\0\0\0"s
+                                                       + times + static_cast<char>(packed >> 8)
+                                                       + static_cast<char>(packed) + "\0\0"s)
+                                           + box("hdlr", std::string(8, '\0') + handler + "name")));
+}
+
+std::string
+mp4(const std::string &traks)
+{
+  return box("ftyp", "isom") + "\0\0\0\1mdat\0\0\0\0\0\0\0\x14wide"s
+         + box("moov", box("mvhd", "head") + traks);
+}
+
+} // namespace
+
+GST_START_TEST(test_matroska)
+{
+  const std::string others = element(kEntry, track(0x01, "und"))
+                             + element(kEntry, track(0x11, "eng"))
+                             + element(kEntry, track(0x02, "zxx"));
+  std::string file = matroska(others + element(kEntry, kFelt) + element(kEntry, kFelt));
+  // By hand: 14 bytes and 3 more, in a size of five bytes, then FlagDefault = 0. All else stays where it is.
+  const std::string marked = "\xae\x08\0\0\0\x11"s + kFelt + "\x88\x81\0"s;
+  fail_unless(kFelt.size() == 14);
+  const std::string expected = matroska(others + marked + marked);
+  fail_unless_equals_uint64(mark(file), 2);
+  fail_unless(file == expected);
+  // Again: the flag is there.
+  fail_unless_equals_uint64(mark(file), 2);
+  fail_unless(file == expected);
+}
+GST_END_TEST;
+
+GST_START_TEST(test_matroska_of_others)
+{
+  // A flag that is there, of two bytes; a size without room; a segment of unknown size.
+  std::string file
+      = matroska(element(kEntry, small("\x88"s, "\0\1"s) + kFelt) + small(kEntry, kFelt));
+  const std::string expected
+      = matroska(element(kEntry, small("\x88"s, "\0\0"s) + kFelt) + small(kEntry, kFelt));
+  fail_unless_equals_uint64(mark(file), 1);
+  fail_unless(file == expected);
+  file = matroska(element(kEntry, kFelt));
+  const std::size_t segment = file.find("\x18\x53\x80\x67") + 4;
+  file.replace(segment, 8, "\x01\xff\xff\xff\xff\xff\xff\xff");
+  fail_unless_equals_uint64(mark(file), 1);
+}
+GST_END_TEST;
+
+GST_START_TEST(test_mp4)
+{
+  const std::string others = trak(7, false, "zxx", "vide") + trak(7, false, "eng", "sbtl");
+  std::string file = mp4(others + trak(7, false, "zxx", "sbtl") + trak(15, true, "zxx", "text"));
+  fail_unless_equals_uint64(mark(file), 2);
+  fail_unless(file == mp4(others + trak(6, false, "zxx", "sbtl") + trak(14, true, "zxx", "text")));
+}
+GST_END_TEST;
+
+// Files cut anywhere, and with any bytes changed: nothing outside of them is touched (AddressSanitizer, valgrind).
+GST_START_TEST(test_damaged)
+{
+  std::mt19937 random(1);
+  for (const std::string &whole :
+       { matroska(element(kEntry, kFelt)), mp4(trak(7, false, "zxx", "sbtl")) }) {
+    for (std::size_t size = 0; size < whole.size(); size++) {
+      std::vector<std::uint8_t> part(whole.begin(),
+                                     whole.begin() + static_cast<std::ptrdiff_t>(size));
+      leave_to_choice(part);
+    }
+    for (int i = 0; i < 5000; i++) {
+      std::vector<std::uint8_t> bytes(whole.begin(), whole.end());
+      for (int n = 0; n < 3; n++)
+        bytes[random() % bytes.size()] = static_cast<std::uint8_t>(random());
+      leave_to_choice(bytes);
+    }
+  }
+}
+GST_END_TEST;
+
+static Suite *
+film_file_suite(void)
+{
+  Suite *suite = suite_create("film_file");
+  TCase *tests = tcase_create("general");
+  suite_add_tcase(suite, tests);
+  tcase_add_test(tests, test_matroska);
+  tcase_add_test(tests, test_matroska_of_others);
+  tcase_add_test(tests, test_mp4);
+  tcase_add_test(tests, test_damaged);
+  return suite;
+}
+
+GST_CHECK_MAIN(film_file)
