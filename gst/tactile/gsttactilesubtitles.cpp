@@ -32,6 +32,7 @@
 
 #include <gst/tactile/tactile.h>
 
+#include <algorithm>
 #include <deque>
 #include <optional>
 #include <utility>
@@ -52,6 +53,7 @@ constexpr GstClockTime kDefaultDuration = GST_SECOND;
 /// A map and when it holds, in running time.
 struct Cue
 {
+  GstClockTime pts = 0; ///< where it begins in the track
   GstClockTime begin = 0;
   GstClockTime end = 0;
   TactileMap map;
@@ -151,14 +153,19 @@ find_running_time(GstPad *pad, GstBuffer *buffer, Cue &cue)
   if (!gst_segment_clip(&segment, GST_FORMAT_TIME, GST_BUFFER_PTS(buffer),
                         GST_BUFFER_PTS(buffer) + duration, &begin, &end))
     return false;
+  cue.pts = GST_BUFFER_PTS(buffer);
   cue.begin = gst_segment_to_running_time(&segment, GST_FORMAT_TIME, begin);
   cue.end = gst_segment_to_running_time(&segment, GST_FORMAT_TIME, end);
-  if (cue.begin > cue.end) // played backwards
+  if (segment.rate < 0) { // a frame at its beginning, now the last, has it; one at its end has not
     std::swap(cue.begin, cue.end);
+    cue.begin++;
+    cue.end++;
+  }
   return true;
 }
 
-/// Keeps a map until the film is there.
+/// Keeps a map until the film is there, in order of time: backwards, demuxers go from key frame to key frame but give the
+/// cues after each in the film's order.
 static void
 keep(GstTactileSubtitles *self, const Cue &cue)
 {
@@ -167,7 +174,7 @@ keep(GstTactileSubtitles *self, const Cue &cue)
   const bool full = priv->levels + cue.map.levels.size() > kMaxLevels;
   const bool warn = full && !std::exchange(priv->warned, true);
   if (!full) {
-    priv->cues.push_back(cue);
+    priv->cues.insert(std::ranges::upper_bound(priv->cues, cue.begin, {}, &Cue::begin), cue);
     priv->levels += cue.map.levels.size();
   }
   GST_OBJECT_UNLOCK(self);
@@ -233,6 +240,20 @@ on_subtitle_event(GstPad *, GstPadProbeInfo *info, gpointer data)
 
 /* ---- film ---- */
 
+/// The cue that holds at a time; of two that overlap by their rounded times, the track's later one, whichever way it is played.
+static const Cue *
+cue_at(const std::deque<Cue> &cues, GstClockTime time)
+{
+  const Cue *found = nullptr;
+  for (const Cue &cue : cues) {
+    if (cue.begin > time)
+      break;
+    if (time < cue.end && (!found || cue.pts > found->pts))
+      found = &cue;
+  }
+  return found;
+}
+
 /// The map that holds at a time, which rises; none without a track.
 static std::optional<TactileMap>
 map_at(GstTactileSubtitles *self, GstClockTime time)
@@ -244,10 +265,10 @@ map_at(GstTactileSubtitles *self, GstClockTime time)
     priv->levels -= priv->cues.front().map.levels.size();
     priv->cues.pop_front();
   }
-  if (priv->kind == Kind::track)
-    map = !priv->cues.empty() && priv->cues.front().begin <= time
-              ? priv->cues.front().map
-              : TactileMap(priv->grid.rows, priv->grid.columns);
+  if (priv->kind == Kind::track) {
+    const Cue *cue = cue_at(priv->cues, time);
+    map = cue ? cue->map : TactileMap(priv->grid.rows, priv->grid.columns);
+  }
   GST_OBJECT_UNLOCK(self);
   return map;
 }

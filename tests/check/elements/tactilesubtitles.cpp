@@ -167,6 +167,74 @@ GST_START_TEST(test_segments)
 }
 GST_END_TEST;
 
+namespace {
+
+/// A track of 150 frames, in ms: cues that follow each other and cues with a break after them, of one frame and of many.
+struct TimedLevel
+{
+  GstClockTime begin;
+  GstClockTime end;
+  int percent;
+};
+constexpr TimedLevel kTrack[] = {
+  { 200, 1000, 11 },  { 1000, 1040, 12 }, { 1040, 2000, 13 }, { 2200, 2600, 14 },
+  { 2600, 3401, 15 }, { 3400, 4000, 16 }, { 4000, 5800, 17 }, // one ends late by what its times are rounded to
+};
+constexpr GstClockTime kFilmEnd = 6000;
+
+int
+percent_of_track_at(GstClockTime time)
+{
+  int percent = 0;
+  for (const TimedLevel &cue : kTrack)
+    if (cue.begin <= time && time < cue.end)
+      percent = cue.percent;
+  return percent;
+}
+
+/// Plays the film at a rate, its cues in the order of these indices, and counts the frames that have not the track's own level.
+int
+frames_unlike_track(gdouble rate, const std::vector<std::size_t> &order)
+{
+  Subtitles s;
+  GstSegment segment;
+  gst_segment_init(&segment, GST_FORMAT_TIME);
+  segment.rate = rate;
+  segment.stop = kFilmEnd * GST_MSECOND;
+  segment.position = rate < 0 ? segment.stop : 0;
+  gst_harness_push_event(s.film, gst_event_new_segment(&segment));
+  gst_harness_push_event(s.text, gst_event_new_segment(&segment));
+  for (const std::size_t i : order)
+    s.push_cue(std::to_string(kTrack[i].percent), kTrack[i].begin, kTrack[i].end);
+
+  int unlike = 0;
+  for (GstClockTime passed = 0; passed < kFilmEnd; passed += 40) {
+    const GstClockTime time = rate < 0 ? kFilmEnd - 40 - passed : passed;
+    unlike += s.levels_at(time) == Levels{ percent_of_track_at(time) } ? 0 : 1;
+  }
+  return unlike;
+}
+
+} // namespace
+
+/// Forwards and backwards, slow and fast, each frame has the level that the track has at its time.
+GST_START_TEST(test_rates)
+{
+  const gdouble rates[] = { 1, -1, -0.3, -1.5, -7 };
+  const gdouble rate = rates[__i__];
+  const std::vector<std::size_t> forwards = { 0, 1, 2, 3, 4, 5, 6 };
+  const std::vector<std::size_t> backwards = { 6, 5, 4, 3, 2, 1, 0 };
+  // Demuxers go back from key frame to key frame, and forwards from each.
+  const std::vector<std::size_t> in_groups = { 5, 6, 2, 3, 4, 0, 1 };
+  if (rate > 0) {
+    ck_assert_int_eq(frames_unlike_track(rate, forwards), 0);
+    return;
+  }
+  ck_assert_int_eq(frames_unlike_track(rate, backwards), 0);
+  ck_assert_int_eq(frames_unlike_track(rate, in_groups), 0);
+}
+GST_END_TEST;
+
 /// A seek forgets what waits; other subtitles are looked at anew.
 GST_START_TEST(test_flush_and_other_subtitles)
 {
@@ -198,6 +266,7 @@ tactilesubtitles_suite()
   tcase_add_test(cases, test_words);
   tcase_add_test(cases, test_remark);
   tcase_add_test(cases, test_segments);
+  tcase_add_loop_test(cases, test_rates, 0, 5);
   tcase_add_test(cases, test_flush_and_other_subtitles);
   return s;
 }
