@@ -1,0 +1,284 @@
+#!/usr/bin/python3
+# SPDX-License-Identifier: LGPL-2.1-or-later
+"""What run.sh runs in the virtual machine: boards behind the kernel's own drivers. Each case is a function; without names all are run.
+
+Nothing is asserted of time. What must come is waited for, for PATIENCE seconds of the machine's clock at most."""
+import os
+import signal
+import subprocess
+import sys
+import time
+
+TESTS, BUILD = os.environ["TESTS"], os.environ["BUILD"]
+PATIENCE = 60
+ENVIRONMENT = dict(os.environ, HOME="/tmp", XDG_CACHE_HOME="/tmp/cache", XDG_STATE_HOME="/tmp/state", GST_PLUGIN_PATH=BUILD + "/gst",
+                   LD_LIBRARY_PATH=BUILD + "/lib/gst/tactile", GST_REGISTRY="/tmp/registry", PATH="/usr/bin:/usr/sbin:/bin:/sbin")
+
+
+class Failed(Exception):
+    pass
+
+
+def wait_for(what, condition):
+    end = time.monotonic() + PATIENCE
+    while not condition():
+        if time.monotonic() > end:
+            raise Failed(f"there was no {what} within {PATIENCE} s")
+        time.sleep(0.01)
+
+
+class Board:
+    """A board that is plugged in; leaving the block unplugs it."""
+
+    def __init__(self, port=0, transport="cdc-acm", pins=range(2, 11), **options):
+        self.log = f"/tmp/board-{port}.log"
+        if os.path.exists(self.log):
+            os.remove(self.log)
+        self.pins, self.socket = list(pins), f"1-{port + 1}"
+        switches = [f"--{name}" if value is True else f"--{name}={value}" for name, value in options.items()]
+        self.process = subprocess.Popen([sys.executable, TESTS + "/usb_board.py", f"--port={port}", f"--transport={transport}", "--log=" + self.log,
+                                         "--pins=" + ",".join(map(str, pins)), *switches])
+        wait_for("tty", self.tty)
+
+    def tty(self):
+        """The kernel's name for the port, /dev/tty...; nothing while its driver has not got it."""
+        for place, _, _ in os.walk(f"/sys/bus/usb/devices/{self.socket}/"):
+            name = os.path.basename(place)
+            if name.startswith(("ttyACM", "ttyUSB")) and os.path.exists("/dev/" + name):
+                return "/dev/" + name
+        return None
+
+    def lines(self):
+        with open(self.log) as log:
+            return [line.split(None, 1)[1].strip() for line in log]
+
+    def levels(self):
+        levels = dict.fromkeys(self.pins, 0)
+        for line in self.lines():
+            if line.startswith("pwm "):
+                _, pin, level = line.split()
+                levels[int(pin)] = int(level)
+        return levels
+
+    def on(self):
+        return sum(level > 0 for level in self.levels().values())
+
+    def unplug(self):
+        self.process.kill()
+        self.process.wait()
+        wait_for("unplugging", lambda: not os.path.exists(f"/sys/bus/usb/devices/{self.socket}"))
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        if self.process.poll() is None:
+            self.unplug()
+
+
+class Play:
+    def __init__(self, motors, driver, *device):
+        self.motors = motors
+        self.output = "/tmp/play.log"
+        with open(self.output, "w") as output:
+            self.process = subprocess.Popen([sys.executable, TESTS + "/play.py", str(motors), driver, *device], stdin=subprocess.PIPE, stdout=output,
+                                            stderr=output, text=True, env=ENVIRONMENT)
+
+    def said(self):
+        with open(self.output) as output:
+            return output.read()
+
+    def wait_to(self, word):
+        wait_for(f"'{word}' from the player", lambda: any(line == word for line in self.said().splitlines()) or self.process.poll() is not None)
+
+    def tell(self, word):
+        self.process.stdin.write(word + "\n")
+        self.process.stdin.flush()
+
+    def end(self):
+        if self.process.poll() is None:
+            self.tell("")
+            self.process.communicate(timeout=PATIENCE)
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        self.process.kill()
+        self.process.wait()
+
+
+def expect(condition, text):
+    if not condition:
+        raise Failed(text)
+
+
+def settled(board):
+    """The kernel's driver has the board again, and nothing more is on its line: the log stands still."""
+    wait_for("tty after the play", board.tty)
+    wait_for("9600 baud from the kernel's driver", lambda: any(line.startswith("baud 96") for line in board.lines()[-4:]))
+
+
+def stopped(word, motors, leave=None, transport="cdc-acm"):
+    with Board(transport=transport) as board, Play(motors, "firmata", "1-1") as play:
+        play.wait_to("playing")
+        wait_for("motors", lambda: board.on() == motors)
+        if leave is None:
+            play.tell(word)
+            play.wait_to("done")
+        else:
+            play.process.send_signal(leave)
+            play.process.wait(timeout=PATIENCE)
+        if word != "pause":
+            settled(board)
+        else:
+            wait_for("zeros", lambda: board.on() == 0)
+        left, garbled = board.on(), [line for line in board.lines() if line.startswith("garbled")]
+        expect(left == 0, f"{left} of {motors} motors are still on; {', '.join(garbled) or 'nothing garbled'}")
+        expect(not garbled, f"bytes were still on the line when it was released: {', '.join(garbled)}")
+
+
+def stop_4():
+    """Four motors, stopped by the application."""
+    stopped("null", 4)
+
+
+def stop_9():
+    """Nine motors, stopped by the application."""
+    stopped("null", 9)
+
+
+def stop_9_ch340():
+    """Nine motors behind a CH340, stopped by the application."""
+    stopped("null", 9, transport="ch340")
+
+
+def end_9():
+    """Nine motors, the stream's end."""
+    stopped("eos", 9)
+
+
+def pause_9():
+    """Nine motors, a pause."""
+    stopped("pause", 9)
+
+
+def terminated():
+    """SIGTERM while nine motors are on: they stop, and the kernel has its tty back."""
+    stopped("", 9, signal.SIGTERM)
+
+
+def hung_up():
+    """SIGHUP, as from a terminal that is closed."""
+    stopped("", 9, signal.SIGHUP)
+
+
+def killed():
+    """SIGKILL: the tty is missing, and back after the next play."""
+    with Board() as board:
+        with Play(9, "firmata") as play:
+            play.wait_to("playing")
+            wait_for("motors", lambda: board.on() == 9)
+            play.process.kill()
+            play.process.wait(timeout=PATIENCE)
+        with Play(1, "firmata") as play:
+            play.wait_to("playing")
+            wait_for("one motor", lambda: board.on() == 1)
+            play.tell("null")
+            play.wait_to("done")
+            play.end()
+        wait_for("tty after the next play", board.tty)
+        expect(board.on() == 0, f"{board.on()} motors are still on")
+
+
+def in_use_auto():
+    """driver=auto leaves a silent adapter alone that a program reads from."""
+    with Board(transport="ftdi", silent=True) as board:
+        reader = subprocess.Popen(["cat", board.tty()], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        try:
+            wait_for("DTR from the reader's open", lambda: "dtr 1" in board.lines())
+            before = board.lines()
+            with Play(1, "auto") as play:
+                play.wait_to("playing")
+                expect("simulated" in play.said(), f"expected a simulated chair; it said: {play.said()}")
+                play.tell("null")
+                play.wait_to("done")
+            expect(reader.poll() is None, "the reader ended")
+            expect(board.tty() is not None, "the kernel's driver lost its port")
+            expect(board.lines() == before, f"the adapter was touched: {board.lines()[len(before):]}")
+        finally:
+            reader.kill()
+            reader.wait()
+
+
+def in_use_named():
+    """driver=firmata says that another program uses it, and leaves it alone."""
+    with Board(transport="ftdi", silent=True) as board:
+        reader = subprocess.Popen(["cat", board.tty()], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        try:
+            wait_for("DTR from the reader's open", lambda: "dtr 1" in board.lines())
+            before = board.lines()
+            with Play(1, "firmata", "1-1") as play:
+                play.wait_to("failed")
+                expect("in use by another program" in play.said(), f"expected 'in use by another program'; it said: {play.said()}")
+            expect(reader.poll() is None, "the reader ended")
+            expect(board.lines() == before, f"the adapter was touched: {board.lines()[len(before):]}")
+        finally:
+            reader.kill()
+            reader.wait()
+
+
+def bare_adapter():
+    """driver=auto does not ask a bare adapter that nobody named."""
+    with Board(transport="ftdi", silent=True) as board:
+        before = board.lines()
+        with Play(1, "auto") as play:
+            play.wait_to("playing")
+            expect("simulated" in play.said(), f"expected a simulated chair; it said: {play.said()}")
+            play.tell("null")
+            play.wait_to("done")
+        expect(board.lines() == before, f"the adapter was touched: {board.lines()[len(before):]}")
+
+
+def two_of_one_number():
+    """Two boards of one serial number: the socket named is the socket kept."""
+    with Board(0) as first, Board(1) as second:
+        before = second.lines()
+        with Play(4, "firmata", "1-1") as play:
+            play.wait_to("playing")
+            wait_for("motors", lambda: first.on() == 4)
+            first.unplug()
+            wait_for("the loss told", lambda: "tactor-device-lost" in play.said() or "unplugged" in play.said() or "it does not answer" in play.said())
+            with Board(0) as again:
+                wait_for("motors on the board in the same socket", lambda: again.on() == 4)
+                expect(second.lines() == before, f"the other board was touched: {second.lines()[len(before):]}")
+                play.tell("null")
+                play.wait_to("done")
+                settled(again)
+                expect(again.on() == 0, f"{again.on()} motors are still on")
+
+
+CASES = [stop_4, stop_9, stop_9_ch340, end_9, pause_9, terminated, hung_up, killed, in_use_auto, in_use_named, bare_adapter, two_of_one_number]
+
+
+def main():
+    names = {case.__name__: case for case in CASES}
+    unknown = [name for name in sys.argv[1:] if name not in names]
+    if unknown:
+        sys.exit(f"FAIL there is no case '{unknown[0]}'; there are {', '.join(names)}")
+    failed = 0
+    cases = [names[name] for name in sys.argv[1:]] or CASES
+    for case in cases:
+        try:
+            case()
+            print(f"ok   {case.__name__}: {case.__doc__}", flush=True)
+        except (Failed, subprocess.TimeoutExpired) as error:
+            failed += 1
+            print(f"FAIL {case.__name__}: {case.__doc__}\n     {error}", flush=True)
+            for name in ("/tmp/play.log", "/tmp/board-0.log"):
+                with open(name) as log:
+                    print(f"[{name}]\n{log.read()[-3000:]}", flush=True)
+    print(f"{len(cases) - failed} passed, {failed} failed", flush=True)
+
+
+main()
