@@ -2,7 +2,6 @@
 #include "cuestream.h"
 
 #include "tactile/klv.h"
-#include "tactile/track.h"
 
 #include <gst/tactile/tactile.h>
 
@@ -10,46 +9,40 @@
 #include <cstdint>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 namespace {
 
-tactile::TactileMap
-map_of(GstBuffer *buffer, const tactile::Grid &grid)
+using tactile::Cue;
+using tactile::FormatError;
+
+tl::unexpected<FormatError>
+refused(const char *reason)
 {
-  gfloat *levels = nullptr;
+  return tl::unexpected(FormatError{ .place = {}, .reason = reason });
+}
+
+tl::expected<Cue, FormatError>
+read_map(GstBuffer *buffer, const tactile::Grid &grid)
+{
+  g_autofree gfloat *levels = nullptr;
   gsize count = 0;
   if (!gst_tactile_map_buffer_get_levels(buffer, static_cast<guint>(grid.rows),
                                          static_cast<guint>(grid.columns), &levels, &count))
-    throw tactile::FormatError("the map has another size than its caps say");
-  tactile::TactileMap map(grid.rows, grid.columns);
-  std::copy(levels, levels + count, map.levels.begin());
-  g_free(levels);
-  return map;
+    return refused("the map has another size than its caps say");
+  Cue cue{ .map = tactile::TactileMap(grid.rows, grid.columns) };
+  std::copy(levels, levels + count, cue.map.levels.begin());
+  return cue;
 }
 
-std::string
-bytes_of(GstBuffer *buffer)
-{
-  GstMapInfo info;
-  if (!gst_buffer_map(buffer, &info, GST_MAP_READ))
-    throw tactile::FormatError("the buffer cannot be read");
-  std::string bytes(reinterpret_cast<const char *>(info.data), info.size);
-  gst_buffer_unmap(buffer, &info);
-  return bytes;
-}
-
-tactile::TactileMap
+tl::expected<Cue, FormatError>
 read_text(std::string_view text, const std::optional<tactile::Grid> &grid)
 {
-  if (grid) {
-    try {
-      return tactile::read_text_cue(text, grid);
-    } catch (const tactile::FormatError &) {
-      // Of a grid of its own, then.
-    }
-  }
-  return tactile::read_text_cue(text, std::nullopt);
+  tl::expected<tactile::TactileMap, FormatError> map = tactile::read_text_cue(text, grid);
+  if (!map && grid) // of a grid of its own, then
+    map = tactile::read_text_cue(text, std::nullopt);
+  return std::move(map).map([](tactile::TactileMap own) { return Cue{ .map = std::move(own) }; });
 }
 
 } // namespace
@@ -89,18 +82,18 @@ cue_buffer_new(const tactile::Cue &cue, CueForm form)
   return buffer;
 }
 
-tactile::Cue
+tl::expected<Cue, FormatError>
 cue_from_buffer(GstBuffer *buffer, CueForm form, const std::optional<tactile::Grid> &grid)
 {
-  tactile::Cue cue;
-  if (form == CueForm::map) {
-    cue.map = map_of(buffer, grid.value());
-    return cue;
-  }
-  const std::string bytes = bytes_of(buffer);
-  if (form == CueForm::klv)
-    return tactile::read_klv(
-        { reinterpret_cast<const std::uint8_t *>(bytes.data()), bytes.size() });
-  cue.map = read_text({ bytes.data(), std::min(bytes.find('\0'), bytes.size()) }, grid);
+  if (form == CueForm::map)
+    return read_map(buffer, *grid);
+  GstMapInfo info;
+  if (!gst_buffer_map(buffer, &info, GST_MAP_READ))
+    return refused("the buffer cannot be read");
+  const std::string_view text(reinterpret_cast<const char *>(info.data), info.size);
+  tl::expected<Cue, FormatError> cue = form == CueForm::klv
+                                           ? tactile::read_klv({ info.data, info.size })
+                                           : read_text(text.substr(0, text.find('\0')), grid);
+  gst_buffer_unmap(buffer, &info);
   return cue;
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "tactile/cue_builder.h"
+#include "tactile/format_error.h"
 #include "tactile/text_cue.h"
 
 #include <gst/gst.h>
@@ -29,6 +30,6 @@ CueForm cue_form_of(const GstCaps *caps);
 GstBuffer *cue_buffer_new(const tactile::Cue &cue, CueForm form);
 
 /// The cue that a buffer is, which begins at 0 and has no end if the bytes say none. A map has the grid that is given, which it needs;
-/// a text is read in it if it can be, and else in one of its own. Throws tactile::FormatError.
-tactile::Cue cue_from_buffer(GstBuffer *buffer, CueForm form,
-                             const std::optional<tactile::Grid> &grid);
+/// a text is read in it if it can be, and else in one of its own.
+tl::expected<tactile::Cue, tactile::FormatError>
+cue_from_buffer(GstBuffer *buffer, CueForm form, const std::optional<tactile::Grid> &grid);

@@ -49,6 +49,7 @@
 #include <array>
 #include <cmath>
 #include <optional>
+#include <string>
 #include <utility>
 
 using tactile::Cue;
@@ -240,20 +241,21 @@ convert(GstTactileConverter *self, GstBuffer *buffer)
 {
   GstTactileConverterPrivate *priv = self->priv;
   const tactile::Grid caps_grid{ static_cast<int>(priv->rows), static_cast<int>(priv->columns) };
-  Cue cue;
-  try {
-    cue = cue_from_buffer(buffer, *priv->in, priv->in == CueForm::map ? caps_grid : priv->grid);
-  } catch (const tactile::FormatError &error) {
+  tl::expected<Cue, tactile::FormatError> read
+      = cue_from_buffer(buffer, *priv->in, priv->in == CueForm::map ? caps_grid : priv->grid);
+  if (!read) {
+    const std::string why = read.error().text();
     GST_WARNING_OBJECT(self, "buffer at %" GST_TIME_FORMAT " is no map: %s",
-                       GST_TIME_ARGS(GST_BUFFER_PTS(buffer)), error.what());
+                       GST_TIME_ARGS(GST_BUFFER_PTS(buffer)), why.c_str());
     if (!std::exchange(priv->warned, true))
       GST_ELEMENT_WARNING(
           self, STREAM, DECODE,
           ("A cue is no tactile map and is left out; is this another kind of "
            "subtitles?"),
-          ("at %" GST_TIME_FORMAT ": %s", GST_TIME_ARGS(GST_BUFFER_PTS(buffer)), error.what()));
+          ("at %" GST_TIME_FORMAT ": %s", GST_TIME_ARGS(GST_BUFFER_PTS(buffer)), why.c_str()));
     return GST_FLOW_OK;
   }
+  Cue &cue = *read;
   priv->grid = { cue.map.rows, cue.map.columns };
   const Time duration = to_time(duration_of(self, buffer, cue));
   cue.begin = GST_BUFFER_PTS_IS_VALID(buffer) ? to_time(GST_BUFFER_PTS(buffer)) : priv->last_end;

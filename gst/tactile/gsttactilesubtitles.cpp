@@ -83,12 +83,13 @@ segment_of(GstPad *pad)
 std::optional<TactileMap>
 read_map(GstBuffer *buffer, std::optional<tactile::Grid> grid)
 {
-  try {
-    return cue_from_buffer(buffer, CueForm::text, grid).map;
-  } catch (const tactile::FormatError &error) {
-    GST_LOG("no map: %s", error.what());
+  tl::expected<tactile::Cue, tactile::FormatError> cue
+      = cue_from_buffer(buffer, CueForm::text, grid);
+  if (!cue) {
+    GST_LOG("no map: %s", cue.error().text().c_str());
     return std::nullopt;
   }
+  return std::move(cue->map);
 }
 
 } // namespace

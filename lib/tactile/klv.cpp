@@ -5,6 +5,9 @@
 
 #include <algorithm>
 #include <bit>
+#include <string>
+#include <string_view>
+#include <utility>
 
 namespace tactile {
 
@@ -20,7 +23,7 @@ append_big_endian(std::vector<std::uint8_t> &bytes, std::uint64_t value, int siz
     bytes.push_back(static_cast<std::uint8_t>(value >> (8 * i)));
 }
 
-/// Reads a packet from its beginning.
+/// Reads a packet from its beginning. What is not there is zero, and an error.
 class Reader
 {
 public:
@@ -30,8 +33,10 @@ public:
 
   std::uint64_t take(std::size_t size)
   {
-    if (bytes_.size() - at_ < size)
-      throw FormatError::at_byte(at_, "the packet ends too early");
+    if (left() < size) {
+      expect(false, at_, "the packet ends too early");
+      return 0;
+    }
     std::uint64_t value = 0;
     for (std::size_t i = 0; i < size; i++)
       value = value << 8 | bytes_[at_++];
@@ -43,11 +48,29 @@ public:
     const std::uint64_t first = take(1);
     if (first < 0x80)
       return static_cast<std::size_t>(first);
-    if (first == 0x80 || first > 0x88)
-      throw FormatError::at_byte(at_ - 1, "expected a BER length of at most 8 bytes");
+    if (first == 0x80 || first > 0x88) {
+      expect(false, at_ - 1, "expected a BER length of at most 8 bytes");
+      return 0;
+    }
     return static_cast<std::size_t>(take(static_cast<std::size_t>(first & 0x7f)));
   }
 
+  void expect(bool holds, std::size_t byte, std::string_view reason)
+  {
+    if (!holds)
+      error_.set(FormatError::at_byte(byte, std::string(reason)));
+  }
+
+  /// The cue that the packet is, or the first that was not as expected.
+  tl::expected<Cue, FormatError> finish(Cue cue = {})
+  {
+    return std::move(error_).unless_set(std::move(cue));
+  }
+
+  bool failed() const
+  {
+    return static_cast<bool>(error_);
+  }
   std::size_t at() const
   {
     return at_;
@@ -60,6 +83,7 @@ public:
 private:
   std::span<const std::uint8_t> bytes_;
   std::size_t at_ = 0;
+  FirstError error_;
 };
 
 } // namespace
@@ -85,39 +109,38 @@ write_klv(const TactileMap &map, Time duration)
   return bytes;
 }
 
-Cue
+tl::expected<Cue, FormatError>
 read_klv(std::span<const std::uint8_t> bytes)
 {
-  Reader reader(bytes);
   if (bytes.size() < kKlvKey.size() || !std::ranges::equal(bytes.first(kKlvKey.size()), kKlvKey))
-    throw FormatError::at_byte(0, "this is no tactile map: another key");
+    return tl::unexpected(FormatError::at_byte(0, "this is no tactile map: another key"));
+  Reader reader(bytes);
   reader.take(8);
   reader.take(8);
   const std::size_t length = reader.take_ber_length();
   const std::size_t begin = reader.at();
-  if (length != reader.left())
-    throw FormatError::at_byte(begin, "expected a value of " + std::to_string(length)
-                                          + " bytes, got " + std::to_string(reader.left()));
-  if (reader.take(1) != kVersion)
-    throw FormatError::at_byte(begin, "expected version 1");
+  reader.expect(length == reader.left(), begin,
+                "expected a value of " + std::to_string(length) + " bytes, got "
+                    + std::to_string(reader.left()));
+  reader.expect(reader.take(1) == kVersion, begin, "expected version 1");
   const auto rows = static_cast<int>(reader.take(1));
   const auto columns = static_cast<int>(reader.take(1));
-  if (rows < kMinGridSide || rows > kMaxGridSide || columns < kMinGridSide
-      || columns > kMaxGridSide)
-    throw FormatError::at_byte(begin + 1, "expected 1 to 64 rows and columns");
+  reader.expect(rows >= kMinGridSide && rows <= kMaxGridSide && columns >= kMinGridSide
+                    && columns <= kMaxGridSide,
+                begin + 1, "expected 1 to 64 rows and columns");
   const std::uint64_t duration = reader.take(8);
-  if (duration > static_cast<std::uint64_t>(Track::kMaxEnd.count()))
-    throw FormatError::at_byte(begin + 3, "expected a duration of at most 100 hours");
+  reader.expect(duration <= static_cast<std::uint64_t>(Track::kMaxEnd.count()), begin + 3,
+                "expected a duration of at most 100 hours");
+  if (reader.failed())
+    return reader.finish();
   Cue cue{ .end = Time(static_cast<Time::rep>(duration)), .map = TactileMap(rows, columns) };
-  if (reader.left() != 4 * cue.map.levels.size())
-    throw FormatError::at_byte(reader.at(),
-                               "expected " + std::to_string(cue.map.levels.size()) + " levels");
+  reader.expect(reader.left() == 4 * cue.map.levels.size(), reader.at(),
+                "expected " + std::to_string(cue.map.levels.size()) + " levels");
   for (float &level : cue.map.levels) {
     level = std::bit_cast<float>(static_cast<std::uint32_t>(reader.take(4)));
-    if (!(level >= 0 && level <= 1))
-      throw FormatError::at_byte(reader.at() - 4, "expected a level from 0 to 1");
+    reader.expect(level >= 0 && level <= 1, reader.at() - 4, "expected a level from 0 to 1");
   }
-  return cue;
+  return reader.finish(std::move(cue));
 }
 
 } // namespace tactile

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "tactile/cue_builder.h"
+#include "tactile/format_error.h"
 
 #include <array>
 #include <cstdint>
@@ -26,8 +27,8 @@ inline constexpr std::array<std::uint8_t, 16> kKlvKey
 /// The packet of a map that holds for `duration` ≥ 0.
 std::vector<std::uint8_t> write_klv(const TactileMap &map, Time duration);
 
-/// Reads one packet: a cue that begins at 0. Throws FormatError with the byte and the reason: another key, a length that is not
-/// that of the grid, levels outside [0, 1] or not a number, a duration beyond Track::kMaxEnd, bytes after the packet.
-Cue read_klv(std::span<const std::uint8_t> bytes);
+/// Reads one packet: a cue that begins at 0. Errors have their byte: another key, a length that is not that of the grid, levels outside
+/// [0, 1] or not a number, a duration beyond Track::kMaxEnd, bytes after the packet.
+tl::expected<Cue, FormatError> read_klv(std::span<const std::uint8_t> bytes);
 
 } // namespace tactile

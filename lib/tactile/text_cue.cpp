@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "tactile/text_cue.h"
 
-#include "tactile/track.h"
-
 #include <array>
 #include <charconv>
 #include <cmath>
+#include <utility>
 #include <vector>
 
 namespace tactile {
@@ -31,15 +30,21 @@ skip_space(std::string_view &text)
   }
 }
 
+tl::unexpected<FormatError>
+wrong(std::size_t line, std::string reason)
+{
+  return tl::unexpected(FormatError::at_line(line, std::move(reason)));
+}
+
 /// Takes a level in percent off the text.
-float
+tl::expected<float, FormatError>
 take_level(std::string_view &text, std::size_t line)
 {
   double percent = 0;
   const auto [end, error]
       = std::from_chars(text.data(), text.data() + text.size(), percent, std::chars_format::fixed);
   if (error != std::errc() || !(percent >= 0 && percent <= 100))
-    throw FormatError::at_line(
+    return wrong(
         line, "expected levels from 0 to 100 percent, got '"
                   + std::string(text.substr(0, text.find_first_of(" \t\r\n"))).substr(0, 20) + "'");
   text.remove_prefix(static_cast<std::size_t>(end - text.data()));
@@ -47,7 +52,7 @@ take_level(std::string_view &text, std::size_t line)
     text.remove_prefix(1);
   if (!text.empty() && !text.starts_with(kNoBreakSpace)
       && std::string_view(" \t\r\n").find(text.front()) == std::string_view::npos)
-    throw FormatError::at_line(line, "expected white space between levels");
+    return wrong(line, "expected white space between levels");
   return static_cast<float>(percent / 100);
 }
 
@@ -79,7 +84,7 @@ write_text_cue(const TactileMap &map)
   return text;
 }
 
-TactileMap
+tl::expected<TactileMap, FormatError>
 read_text_cue(std::string_view text, std::optional<Grid> grid, std::size_t first_line)
 {
   std::vector<float> levels;
@@ -87,45 +92,54 @@ read_text_cue(std::string_view text, std::optional<Grid> grid, std::size_t first
   std::size_t columns = 0;
   std::size_t in_row = 0;
   std::size_t rows = 0;
+  /// False if it is not as long as those before, where it has to be.
   const auto end_row = [&] {
     if (in_row == 0)
-      return;
+      return true;
     if (!grid && columns != 0 && in_row != columns)
-      throw FormatError::at_line(line, "expected " + std::to_string(columns)
-                                           + " levels as in the rows before, got "
-                                           + std::to_string(in_row));
+      return false;
     columns = in_row;
     in_row = 0;
     rows++;
+    return true;
+  };
+  const auto uneven = [&] {
+    return wrong(line, "expected " + std::to_string(columns) + " levels as in the rows before, got "
+                           + std::to_string(in_row));
   };
   for (skip_space(text); !text.empty(); skip_space(text)) {
     if (text.front() == '\n') {
       text.remove_prefix(1);
-      end_row();
+      if (!end_row())
+        return uneven();
       line++;
       continue;
     }
     if (levels.size() == kMaxNumbers)
-      throw FormatError::at_line(line, "more levels than the largest grid has, 64 x 64");
-    levels.push_back(take_level(text, line));
+      return wrong(line, "more levels than the largest grid has, 64 x 64");
+    const tl::expected<float, FormatError> level = take_level(text, line);
+    if (!level)
+      return tl::unexpected(level.error());
+    levels.push_back(*level);
     in_row++;
   }
-  end_row();
+  if (!end_row())
+    return uneven();
 
   if (levels.empty())
-    throw FormatError::at_line(first_line, "expected levels in percent, got nothing");
+    return wrong(first_line, "expected levels in percent, got nothing");
   if (!grid) {
     constexpr auto kMost = static_cast<std::size_t>(kMaxGridSide);
     if (rows > kMost || columns > kMost)
-      throw FormatError::at_line(line, "expected at most 64 rows of at most 64 levels");
+      return wrong(line, "expected at most 64 rows of at most 64 levels");
     grid = { static_cast<int>(rows), static_cast<int>(columns) };
   }
   TactileMap map(grid->rows, grid->columns);
   if (levels.size() != map.levels.size())
-    throw FormatError::at_line(first_line, "expected " + std::to_string(map.levels.size())
-                                               + " levels for a grid of " + std::to_string(map.rows)
-                                               + "x" + std::to_string(map.columns) + ", got "
-                                               + std::to_string(levels.size()));
+    return wrong(first_line, "expected " + std::to_string(map.levels.size())
+                                 + " levels for a grid of " + std::to_string(map.rows) + "x"
+                                 + std::to_string(map.columns) + ", got "
+                                 + std::to_string(levels.size()));
   map.levels = std::move(levels);
   return map;
 }
@@ -143,7 +157,7 @@ write_grid(const Grid &grid, double rate)
   return text;
 }
 
-GridHeader
+tl::expected<GridHeader, FormatError>
 read_grid(std::string_view words, std::size_t line)
 {
   GridHeader header;
@@ -157,7 +171,7 @@ read_grid(std::string_view words, std::size_t line)
       if (valid)
         word.remove_prefix(1);
       if (!valid || !take_side(word, grid.columns) || !word.empty())
-        throw FormatError::at_line(line, "expected grid=ROWSxCOLUMNS, 1 to 64 each");
+        return wrong(line, "expected grid=ROWSxCOLUMNS, 1 to 64 each");
       header.grid = grid;
     } else if (word.starts_with("rate=")) {
       word.remove_prefix(5);
@@ -165,7 +179,7 @@ read_grid(std::string_view words, std::size_t line)
           = std::from_chars(word.data(), word.data() + word.size(), header.rate);
       if (error != std::errc() || end != word.data() + word.size()
           || !(header.rate >= 0 && header.rate <= 1000))
-        throw FormatError::at_line(line, "expected rate=HZ, 0 to 1000");
+        return wrong(line, "expected rate=HZ, 0 to 1000");
     }
   }
   return header;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include "tactile/format_error.h"
 #include "tactile/tactile_map.h"
 
 #include <optional>
@@ -27,10 +28,9 @@ struct Grid
 std::string write_text_cue(const TactileMap &map);
 
 /// Reads such a picture. Any white space separates numbers, also no-break spaces; each may have a `%`. With `grid`, as many numbers
-/// as it has cells, on any number of lines; without, each line is a row. Throws FormatError with the line and the reason;
-/// lines count from `first_line`.
-TactileMap read_text_cue(std::string_view text, std::optional<Grid> grid,
-                         std::size_t first_line = 1);
+/// as it has cells, on any number of lines; without, each line is a row. An error has its line; lines count from `first_line`.
+tl::expected<TactileMap, FormatError> read_text_cue(std::string_view text, std::optional<Grid> grid,
+                                                    std::size_t first_line = 1);
 
 /// "grid=3x3 rate=5", as it stands in headers of tracks; without a rate if that is 0.
 std::string write_grid(const Grid &grid, double rate);
@@ -42,7 +42,7 @@ struct GridHeader
   double rate = 0;
 };
 
-/// Reads words such as "grid=3x3 rate=5". Throws FormatError (line `line`) if one of the two is not what it has to be.
-GridHeader read_grid(std::string_view words, std::size_t line);
+/// Reads words such as "grid=3x3 rate=5". An error, on line `line`, if one of the two is not what it has to be.
+tl::expected<GridHeader, FormatError> read_grid(std::string_view words, std::size_t line);
 
 } // namespace tactile

@@ -7,17 +7,15 @@
 
 namespace tactile {
 
-FormatError
-FormatError::at_line(std::size_t line, const std::string &reason)
+namespace {
+
+tl::unexpected<FormatError>
+refused(std::string reason)
 {
-  return FormatError("line " + std::to_string(line) + ": " + reason);
+  return tl::unexpected(FormatError{ .place = {}, .reason = std::move(reason) });
 }
 
-FormatError
-FormatError::at_byte(std::size_t byte, const std::string &reason)
-{
-  return FormatError("byte " + std::to_string(byte) + ": " + reason);
-}
+} // namespace
 
 Track::Track(int rows, int columns) : silent_(rows, columns), entries_{ { Time(0), silent_ } }
 {
@@ -59,14 +57,14 @@ Track::end() const
   return end_;
 }
 
-void
+tl::expected<void, FormatError>
 Track::append(Time time, const TactileMap &map)
 {
   if (map.rows != rows() || map.columns != columns() || map.levels.size() != silent_.levels.size())
-    throw std::invalid_argument("expected a map of " + std::to_string(rows()) + " x "
-                                + std::to_string(columns()) + " levels");
+    return refused("expected a map of " + std::to_string(rows()) + " x " + std::to_string(columns())
+                   + " levels");
   if (time < entries_.back().time || time < end_ || time > kMaxEnd)
-    throw std::invalid_argument("expected times that increase, up to 100 hours");
+    return refused("expected times that increase, up to 100 hours");
   if (time == entries_.back().time) {
     entries_.back().map = map;
     if (entries_.size() > 1 && std::prev(entries_.end(), 2)->map == map)
@@ -74,23 +72,25 @@ Track::append(Time time, const TactileMap &map)
   } else if (entries_.back().map != map) {
     if (entries_.size() >= kMaxEntries
         || (entries_.size() + 1) * silent_.levels.size() > kMaxLevels)
-      throw std::invalid_argument("expected at most " + std::to_string(kMaxEntries)
-                                  + " changes and " + std::to_string(kMaxLevels) + " levels");
+      return refused("expected at most " + std::to_string(kMaxEntries) + " changes and "
+                     + std::to_string(kMaxLevels) + " levels");
     entries_.push_back({ time, map });
   }
   end_ = time;
+  return {};
 }
 
-void
+tl::expected<void, FormatError>
 Track::set_end(Time end)
 {
   if (end < Time(0) || end > kMaxEnd)
-    throw std::invalid_argument("expected an end from 0 to 100 hours");
+    return refused("expected an end from 0 to 100 hours");
   while (entries_.size() > 1 && entries_.back().time >= end)
     entries_.pop_back();
   if (end == Time(0))
     entries_.front().map = silent_;
   end_ = end;
+  return {};
 }
 
 const TactileMap &
@@ -117,6 +117,7 @@ at_resolution(const Track &track, Time tick, int steps)
 {
   Track result(track.rows(), track.columns());
   result.set_rate(track.rate());
+  // What is appended is no more than there was, nor later.
   for (const Track::Entry &entry : track.entries()) {
     TactileMap map = entry.map;
     if (steps > 0)

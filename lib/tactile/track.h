@@ -1,27 +1,14 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include "tactile/format_error.h"
 #include "tactile/tactile_map.h"
 #include "tactile/time.h"
 
 #include <cstddef>
-#include <stdexcept>
-#include <string>
 #include <vector>
 
 namespace tactile {
-
-/// What a reader of tracks or cues throws: one line with the place and the reason.
-class FormatError : public std::runtime_error
-{
-public:
-  using std::runtime_error::runtime_error;
-
-  /// "line 12: reason"
-  static FormatError at_line(std::size_t line, const std::string &reason);
-  /// "byte 345: reason"
-  static FormatError at_byte(std::size_t byte, const std::string &reason);
-};
 
 /// A film's tactile maps: each holds until the next, the last until end(); before 0 and from end() on all is silent.
 ///
@@ -61,13 +48,13 @@ public:
   /// Where the track ends; never before the last entry.
   Time end() const;
 
-  /// What holds from `time` on; replaces what was appended for the same time. Throws std::invalid_argument if `time` is
+  /// What holds from `time` on; replaces what was appended for the same time. Refused, with the track as it was, if `time` is
   /// before the last one, negative or beyond kMaxEnd, if the map is of another grid, or if the track is full.
-  void append(Time time, const TactileMap &map);
+  tl::expected<void, FormatError> append(Time time, const TactileMap &map);
 
-  /// The track ends at `end`: what was appended from there on is dropped. Throws std::invalid_argument if `end` is negative or
-  /// beyond kMaxEnd.
-  void set_end(Time end);
+  /// The track ends at `end`: what was appended from there on is dropped. Refused likewise if `end` is negative or beyond
+  /// kMaxEnd.
+  tl::expected<void, FormatError> set_end(Time end);
 
   /// The map that holds at `time`; a silent one outside [0, end()).
   const TactileMap &at(Time time) const;

@@ -4,12 +4,15 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <utility>
 
 namespace tactile {
 
 namespace {
 
 constexpr Time kLimitStep = std::chrono::milliseconds(10);
+
+using Edited = tl::expected<Track, FormatError>;
 
 Track
 empty_like(const Track &track)
@@ -18,6 +21,34 @@ empty_like(const Track &track)
   result.set_rate(track.rate());
   return result;
 }
+
+/// A track that is made map by map and may get too large.
+class Growing
+{
+public:
+  explicit Growing(Track empty) : track_(std::move(empty))
+  {
+  }
+
+  void append(Time time, const TactileMap &map)
+  {
+    if (fits_)
+      fits_ = track_.append(time, map);
+  }
+
+  Edited finish(Time end)
+  {
+    if (fits_)
+      fits_ = track_.set_end(end);
+    if (!fits_)
+      return tl::unexpected(fits_.error());
+    return std::move(track_);
+  }
+
+private:
+  Track track_;
+  tl::expected<void, FormatError> fits_;
+};
 
 /// The track with each of its maps changed.
 Track
@@ -117,11 +148,11 @@ merge_equal(const Track &track, float tolerance)
   return result;
 }
 
-Track
+Edited
 limit_events(const Track &track, const CueLimits &limits)
 {
   CueLimiter limiter;
-  Track result = empty_like(track);
+  Growing result(empty_like(track));
   const auto &entries = track.entries();
   for (std::size_t i = 0; i < entries.size(); i++) {
     const Time end = end_of(track, i);
@@ -131,20 +162,18 @@ limit_events(const Track &track, const CueLimits &limits)
       result.append(time, map);
     }
   }
-  result.set_end(track.end());
-  return result;
+  return result.finish(track.end());
 }
 
-Track
+Edited
 shift(const Track &track, Time offset)
 {
-  Track result = empty_like(track);
+  Growing result(empty_like(track));
   const auto &entries = track.entries();
   for (std::size_t i = 0; i < entries.size(); i++)
     if (end_of(track, i) + offset > Time(0))
       result.append(std::max(entries[i].time + offset, Time(0)), entries[i].map);
-  result.set_end(std::max(track.end() + offset, Time(0)));
-  return result;
+  return result.finish(std::max(track.end() + offset, Time(0)));
 }
 
 Track
@@ -156,18 +185,18 @@ scale(const Track &track, float factor)
   });
 }
 
-Track
+Edited
 clip(const Track &track, Time begin, Time end)
 {
   Track result = track;
-  result.set_end(std::min(end, track.end()));
+  result.set_end(std::clamp(end, Time(0), track.end()));
   return shift(result, -begin);
 }
 
-Track
+Edited
 silence(const Track &track, Time begin, Time end)
 {
-  Track result = empty_like(track);
+  Growing result(empty_like(track));
   const TactileMap silent(track.rows(), track.columns());
   const auto &entries = track.entries();
   for (std::size_t i = 0; i < entries.size(); i++) {
@@ -181,8 +210,7 @@ silence(const Track &track, Time begin, Time end)
         result.append(end, entries[i].map);
     }
   }
-  result.set_end(track.end());
-  return result;
+  return result.finish(track.end());
 }
 
 Track
@@ -232,15 +260,15 @@ resample(const TactileMap &map, int rows, int columns)
   return result;
 }
 
-Track
+Edited
 resample(const Track &track, int rows, int columns)
 {
-  Track result(rows, columns);
-  result.set_rate(track.rate());
+  Track empty(rows, columns);
+  empty.set_rate(track.rate());
+  Growing result(empty);
   for (const Track::Entry &entry : track.entries())
-    result.append(entry.time, resample(entry.map, result.rows(), result.columns()));
-  result.set_end(track.end());
-  return result;
+    result.append(entry.time, resample(entry.map, empty.rows(), empty.columns()));
+  return result.finish(track.end());
 }
 
 void
@@ -256,24 +284,24 @@ mix_into(TactileMap &map, const TactileMap &over, Mix mix)
                          [](float a, float b) { return std::max(a, b); });
 }
 
-Track
+Edited
 overlay(const Track &track, const Track &over, Mix mix)
 {
-  Track result = empty_like(track);
+  Growing result(empty_like(track));
   for (const Time time : change_times(track, over)) {
     TactileMap map = track.at(time);
     mix_into(map, over.at(time), mix);
     result.append(time, map);
   }
-  result.set_end(std::max(track.end(), over.end()));
-  return result;
+  return result.finish(std::max(track.end(), over.end()));
 }
 
-std::vector<Difference>
+tl::expected<std::vector<Difference>, FormatError>
 diff(const Track &before, const Track &after, float tolerance)
 {
   if (before.rows() != after.rows() || before.columns() != after.columns())
-    throw std::invalid_argument("the grids differ; resample one of them first");
+    return tl::unexpected(
+        FormatError{ .place = {}, .reason = "the grids differ; resample one of them first" });
   std::vector<Difference> differences;
   const std::vector<Time> times = change_times(before, after);
   for (std::size_t i = 0; i + 1 < times.size(); i++) {

@@ -7,7 +7,7 @@
 #include <vector>
 
 /// What a designer does to a track. Each operation makes a new track; rates stay. An event is a stretch of time in which one cell is
-/// felt, whatever its level.
+/// felt, whatever its level. What may make a track longer, or have more changes or cells, fails where that is more than a track can be.
 namespace tactile {
 
 /// Two maps as one.
@@ -28,20 +28,19 @@ Track merge_equal(const Track &track, float tolerance);
 
 /// Ends events that last longer than `limits.max_duration` and keeps pauses of `limits.refractory` between them, as CueLimiter does
 /// in the film, to 10 ms.
-Track limit_events(const Track &track, const CueLimits &limits);
+tl::expected<Track, FormatError> limit_events(const Track &track, const CueLimits &limits);
 
-/// Everything later by `offset`, or earlier if that is negative: what would be before 0 is lost. Throws std::invalid_argument beyond
-/// Track::kMaxEnd.
-Track shift(const Track &track, Time offset);
+/// Everything later by `offset`, or earlier if that is negative: what would be before 0 is lost.
+tl::expected<Track, FormatError> shift(const Track &track, Time offset);
 
 /// Levels times `factor` ≥ 0, at most 1.
 Track scale(const Track &track, float factor);
 
 /// What is in [begin, end), which then begins at 0.
-Track clip(const Track &track, Time begin, Time end);
+tl::expected<Track, FormatError> clip(const Track &track, Time begin, Time end);
 
 /// Silence in [begin, end).
-Track silence(const Track &track, Time begin, Time end);
+tl::expected<Track, FormatError> silence(const Track &track, Time begin, Time end);
 
 /// Silences cells, numbered row by row from 0. Others are ignored.
 Track mask(const Track &track, const std::vector<int> &cells);
@@ -51,13 +50,13 @@ Track quantise(const Track &track, int steps);
 
 /// On another grid over the same picture: a cell's level is the mean over its area.
 TactileMap resample(const TactileMap &map, int rows, int columns);
-Track resample(const Track &track, int rows, int columns);
+tl::expected<Track, FormatError> resample(const Track &track, int rows, int columns);
 
 /// Cell by cell, or one map instead of the other. `over` is resampled to the grid of `map` if need be.
 void mix_into(TactileMap &map, const TactileMap &over, Mix mix);
 
 /// A second track over the first, on the first one's grid; as long as the longer one.
-Track overlay(const Track &track, const Track &over, Mix mix);
+tl::expected<Track, FormatError> overlay(const Track &track, const Track &over, Mix mix);
 
 /// A stretch of time in which two tracks differ in the same cells' levels throughout.
 struct Difference
@@ -68,8 +67,9 @@ struct Difference
   TactileMap after;
 };
 
-/// Where `after` differs from `before` by more than `tolerance` in any cell, in order. Throws std::invalid_argument if the
-/// grids differ. Tracks of different lengths differ only where one of them is felt.
-std::vector<Difference> diff(const Track &before, const Track &after, float tolerance = 0);
+/// Where `after` differs from `before` by more than `tolerance` in any cell, in order; an error if the grids differ.
+/// Tracks of different lengths differ only where one of them is felt.
+tl::expected<std::vector<Difference>, FormatError> diff(const Track &before, const Track &after,
+                                                        float tolerance = 0);
 
 } // namespace tactile

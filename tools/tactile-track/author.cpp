@@ -48,22 +48,27 @@ public:
     track_.set_rate(settings.rate);
   }
 
-  void add(Time time, Time duration, const tactile::TactileMap &map)
+  /// Refused where the track can hold no more.
+  tl::expected<void, tactile::FormatError> add(Time time, Time duration,
+                                               const tactile::TactileMap &map)
   {
     const bool is_first = !first_;
     if (is_first)
       first_ = time;
     const auto passed = std::chrono::duration<double>(time - *first_ + duration / 2).count();
     if (is_first || rate_ <= 0 || passed * rate_ >= static_cast<double>(next_block_)) {
-      track_.append(std::max(time, track_.end()), map);
+      if (auto appended = track_.append(std::max(time, track_.end()), map); !appended)
+        return appended;
       next_block_ = rate_ > 0 ? static_cast<std::int64_t>(passed * rate_) + 1 : 0;
     }
     end_ = std::max(end_, time + duration);
+    return {};
   }
 
-  Track finish()
+  tl::expected<Track, tactile::FormatError> finish()
   {
-    track_.set_end(std::max(end_, track_.end()));
+    if (const auto ended = track_.set_end(std::max(end_, track_.end())); !ended)
+      return tl::unexpected(ended.error());
     return track_;
   }
 
@@ -187,11 +192,11 @@ private:
       map.levels.assign(levels, levels + count);
       const GstClockTime duration
           = GST_BUFFER_DURATION_IS_VALID(buffer) ? GST_BUFFER_DURATION(buffer) : 0;
-      try {
-        recorder_->add(Time(static_cast<Time::rep>(time)), Time(static_cast<Time::rep>(duration)),
-                       map);
-      } catch (const std::exception &error) {
-        GST_ELEMENT_ERROR(GST_ELEMENT(maps), STREAM, FAILED, ("%s", error.what()), (nullptr));
+      if (const auto added = recorder_->add(Time(static_cast<Time::rep>(time)),
+                                            Time(static_cast<Time::rep>(duration)), map);
+          !added) {
+        GST_ELEMENT_ERROR(GST_ELEMENT(maps), STREAM, FAILED, ("%s", added.error().text().c_str()),
+                          (nullptr));
         flow = GST_FLOW_ERROR;
       }
       position_ = time + duration;
@@ -215,7 +220,7 @@ private:
       failure = "no frame can be decoded";
     if (failure.empty()) {
       try {
-        write_track_file(recorder_->finish(), output_);
+        write_track_file(or_throw(recorder_->finish()), output_);
       } catch (const std::exception &error) {
         failure = error.what();
       }
@@ -346,10 +351,10 @@ output_names(const std::vector<std::string> &films, const std::string &output,
 {
   std::error_code error;
   if (films.size() == 1 && !fs::is_directory(output, error)) {
-    tactile::track_format(output);
+    or_throw(tactile::track_format(output));
     return { output };
   }
-  tactile::track_format("x" + ending);
+  or_throw(tactile::track_format("x" + ending));
   prepare_directory(output);
   std::vector<std::string> names;
   std::set<std::string> taken;

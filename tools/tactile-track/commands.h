@@ -7,6 +7,7 @@
 
 #include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
 /// The sub-commands: main() of each. They return the exit status and throw std::exception for what went wrong (status 1) and
@@ -26,6 +27,16 @@ class UsageError : public std::runtime_error
 public:
   using std::runtime_error::runtime_error;
 };
+
+/// What was read or made, or, as an exception, why it was not.
+template <typename T>
+T
+or_throw(tl::expected<T, tactile::FormatError> result)
+{
+  if (!result)
+    throw std::runtime_error(result.error().text());
+  return *std::move(result);
+}
 
 /// Reads options and returns the other arguments, of which there have to be `least` to `most`. `arguments` and `summary` are for
 /// --help. Throws UsageError.

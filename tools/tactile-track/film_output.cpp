@@ -209,7 +209,7 @@ preview(int argc, char **argv)
   gst_init(nullptr, nullptr);
   if (output.given())
     refuse_same_file(names[0], output.text());
-  const tactile::Track track = tactile::read_track_file(names[1]);
+  const tactile::Track track = or_throw(tactile::read_track_file(names[1]));
   const Film film = discover_film(names[0]);
   const std::string look = kLookahead;
   const bool has_display = g_getenv("DISPLAY") || g_getenv("WAYLAND_DISPLAY");
@@ -261,7 +261,7 @@ mux(int argc, char **argv)
     throw UsageError("expected a name that ends in .mkv, .mp4 or .ts, got '" + out + "'");
   gst_init(nullptr, nullptr);
   refuse_same_file(names[0], out);
-  const tactile::Track track = tactile::read_track_file(names[1]);
+  const tactile::Track track = or_throw(tactile::read_track_file(names[1]));
   const Film film = discover_film(names[0]);
   g_autofree gchar *path = g_filename_from_uri(film.uri.c_str(), nullptr, nullptr);
   if (!path)

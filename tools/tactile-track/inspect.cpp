@@ -66,7 +66,7 @@ info(int argc, char **argv)
   const std::vector<std::string> tracks
       = parse_options(argc, argv, entries, "TRACK...", "Says what is in tracks.", 1, kAny);
   for (const std::string &path : tracks)
-    print_info(path, tactile::read_track_file(path));
+    print_info(path, or_throw(tactile::read_track_file(path)));
   return 0;
 }
 
@@ -81,12 +81,12 @@ validate(int argc, char **argv)
       1, kAny);
   int status = 0;
   for (const std::string &path : tracks) {
-    try {
-      const Track track = tactile::read_track_file(path);
-      std::printf("%s: valid, %d x %d, %s s\n", path.c_str(), track.rows(), track.columns(),
-                  seconds(track.end()).c_str());
-    } catch (const tactile::FormatError &error) {
-      std::printf("invalid: %s\n", error.what());
+    const tl::expected<Track, tactile::FormatError> track = tactile::read_track_file(path);
+    if (track) {
+      std::printf("%s: valid, %d x %d, %s s\n", path.c_str(), track->rows(), track->columns(),
+                  seconds(track->end()).c_str());
+    } else {
+      std::printf("invalid: %s\n", track.error().text().c_str());
       status = 1;
     }
   }
@@ -108,12 +108,10 @@ diff(int argc, char **argv)
       2, 2);
   std::vector<tactile::Difference> differences;
   try {
-    differences
-        = tactile::diff(tactile::read_track_file(tracks[0]), tactile::read_track_file(tracks[1]),
-                        static_cast<float>(tolerance / 100));
+    differences = or_throw(tactile::diff(or_throw(tactile::read_track_file(tracks[0])),
+                                         or_throw(tactile::read_track_file(tracks[1])),
+                                         static_cast<float>(tolerance / 100)));
   } catch (const std::runtime_error &error) {
-    throw UsageError(error.what());
-  } catch (const std::invalid_argument &error) {
     throw UsageError(error.what());
   }
   Time changed{ 0 };

@@ -142,7 +142,8 @@ folder_and_name(const std::string &path)
 void
 write_track_file(const tactile::Track &track, const std::string &path)
 {
-  const std::string bytes = tactile::write_track(track, tactile::track_format(path), date());
+  const std::string bytes
+      = tactile::write_track(track, or_throw(tactile::track_format(path)), date());
   const auto [folder, name] = folder_and_name(path);
   Output output(folder, name);
   std::ofstream file(output.part_path(), std::ios::binary);

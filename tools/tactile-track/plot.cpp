@@ -201,7 +201,7 @@ plot(int argc, char **argv)
   const std::string out = output.text();
   if (!is_picture_name(out))
     throw UsageError("expected -o PICTURE that ends in .png or .svg");
-  const tactile::Track track = tactile::read_track_file(names[0]);
+  const tactile::Track track = or_throw(tactile::read_track_file(names[0]));
 
   std::vector<Surface> frames;
   int frame_height = 0;

@@ -18,7 +18,7 @@ using tactile::Track;
 
 namespace {
 
-using Operation = std::function<Track(const Track &)>;
+using Operation = std::function<tl::expected<Track, tactile::FormatError>(const Track &)>;
 
 double
 parse_number(const std::string &text, const char *option, double least, double most)
@@ -133,20 +133,17 @@ parse_operation(const std::string &name, const std::string &value)
     };
   }
   if (name == "--resample") {
-    const std::optional<tactile::Grid> grid = [&] {
-      try {
-        return tactile::read_grid("grid=" + value, 1).grid;
-      } catch (const tactile::FormatError &) {
-        throw UsageError(name + ": expected ROWSxCOLUMNS, 1 to 64 each, got '" + value + "'");
-      }
-    }();
-    return [=](const Track &track) {
-      return resample(track, grid->rows, grid->columns);
+    const tl::expected<tactile::GridHeader, tactile::FormatError> header
+        = tactile::read_grid("grid=" + value, 1);
+    if (!header || !header->grid)
+      throw UsageError(name + ": expected ROWSxCOLUMNS, 1 to 64 each, got '" + value + "'");
+    return [grid = *header->grid](const Track &track) {
+      return resample(track, grid.rows, grid.columns);
     };
   }
   const tactile::Mix mix = name == "--overlay-max" ? tactile::Mix::max : tactile::Mix::replace;
   return [=](const Track &track) {
-    return overlay(track, tactile::read_track_file(value), mix);
+    return overlay(track, or_throw(tactile::read_track_file(value)), mix);
   };
 }
 
@@ -178,7 +175,7 @@ convert(int argc, char **argv)
                       1, 1);
   if (!output.given())
     throw UsageError("expected -o OUT");
-  write_track_file(tactile::read_track_file(tracks[0]), output.text());
+  write_track_file(or_throw(tactile::read_track_file(tracks[0])), output.text());
   return 0;
 }
 
@@ -242,9 +239,9 @@ edit(int argc, char **argv)
   if (!in_place && std::filesystem::equivalent(in, out, ignored))
     throw UsageError("'" + out + "' is the track itself; use --in-place to overwrite it");
 
-  Track track = tactile::read_track_file(in);
+  Track track = or_throw(tactile::read_track_file(in));
   for (const Operation &operation : operations)
-    track = operation(track);
+    track = or_throw(operation(track));
   write_track_file(track, out);
   return 0;
 }

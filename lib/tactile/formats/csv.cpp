@@ -6,6 +6,8 @@
 
 #include <array>
 #include <charconv>
+#include <utility>
+#include <vector>
 
 namespace tactile {
 
@@ -102,22 +104,46 @@ without_trailing_commas(std::string_view line)
   return line;
 }
 
-Track
+tl::unexpected<FormatError>
+wrong(std::size_t line, std::string reason)
+{
+  return tl::unexpected(FormatError::at_line(line, std::move(reason)));
+}
+
+tl::expected<Track, FormatError>
 read_header(LineReader &lines)
 {
   if (!lines.next() || !lines.line().starts_with("# tactile "))
-    throw FormatError::at_line(1, "expected '# tactile grid=ROWSxCOLUMNS'");
-  const GridHeader header
-      = read_grid(without_trailing_commas(lines.line()).substr(10), lines.number());
-  if (!header.grid)
-    throw FormatError::at_line(1, "expected '# tactile grid=ROWSxCOLUMNS'");
-  Track track(header.grid->rows, header.grid->columns);
-  track.set_rate(header.rate);
+    return wrong(1, "expected '# tactile grid=ROWSxCOLUMNS'");
+  const auto header = read_grid(without_trailing_commas(lines.line()).substr(10), lines.number());
+  if (!header)
+    return tl::unexpected(header.error());
+  if (!header->grid)
+    return wrong(1, "expected '# tactile grid=ROWSxCOLUMNS'");
+  Track track(header->grid->rows, header->grid->columns);
+  track.set_rate(header->rate);
   const std::size_t tactors = track.entries().front().map.levels.size();
   if (!lines.next() || lines.line() != column_names(tactors))
-    throw FormatError::at_line(2, "expected the columns time_ms and t0 to t"
-                                      + std::to_string(tactors - 1) + ", separated by commas");
+    return wrong(2, "expected the columns time_ms and t0 to t" + std::to_string(tactors - 1)
+                        + ", separated by commas");
   return track;
+}
+
+/// Reads what follows the time into `levels`.
+tl::expected<void, FormatError>
+read_levels(std::string_view line, std::size_t number, std::vector<float> &levels)
+{
+  for (float &level : levels) {
+    const std::string_view field = take_field(line);
+    const auto [end, error] = std::from_chars(field.data(), field.data() + field.size(), level);
+    if (error != std::errc() || end != field.data() + field.size() || !(level >= 0 && level <= 1))
+      return wrong(number, "expected " + std::to_string(levels.size())
+                               + " levels from 0 to 1, got '" + std::string(field.substr(0, 20))
+                               + "'");
+  }
+  if (!without_trailing_commas(line).empty())
+    return wrong(number, "more levels than the grid has cells");
+  return {};
 }
 
 } // namespace
@@ -135,12 +161,14 @@ write_csv(const Track &track)
   return text;
 }
 
-Track
+tl::expected<Track, FormatError>
 read_csv(std::string_view text)
 {
   LineReader lines(text);
-  Track track = read_header(lines);
-  TactileMap map(track.rows(), track.columns());
+  tl::expected<Track, FormatError> track = read_header(lines);
+  if (!track)
+    return track;
+  TactileMap map(track->rows(), track->columns());
   Time time{ -1 };
   while (lines.next()) {
     std::string_view line = lines.line();
@@ -148,32 +176,19 @@ read_csv(std::string_view text)
       continue;
     const Time previous = time;
     if (!parse_time(take_field(line), time))
-      throw FormatError::at_line(lines.number(),
-                                 "expected a time in milliseconds, up to 100 hours");
+      return wrong(lines.number(), "expected a time in milliseconds, up to 100 hours");
     if (time <= previous)
-      throw FormatError::at_line(lines.number(), "the time is not after that of the line before");
-    for (float &level : map.levels) {
-      const std::string_view field = take_field(line);
-      const auto [end, error] = std::from_chars(field.data(), field.data() + field.size(), level);
-      if (error != std::errc() || end != field.data() + field.size() || !(level >= 0 && level <= 1))
-        throw FormatError::at_line(lines.number(), "expected " + std::to_string(map.levels.size())
-                                                       + " levels from 0 to 1, got '"
-                                                       + std::string(field.substr(0, 20)) + "'");
-    }
-    if (!without_trailing_commas(line).empty())
-      throw FormatError::at_line(lines.number(), "more levels than the grid has cells");
-    try {
-      track.append(time, map);
-    } catch (const std::invalid_argument &error) {
-      throw FormatError::at_line(lines.number(), error.what());
-    }
+      return wrong(lines.number(), "the time is not after that of the line before");
+    if (const auto read = read_levels(line, lines.number(), map.levels); !read)
+      return tl::unexpected(read.error());
+    if (const auto appended = track->append(time, map); !appended)
+      return wrong(lines.number(), appended.error().reason);
   }
   if (time < Time(0))
-    throw FormatError::at_line(lines.number(), "expected a line that ends the track");
+    return wrong(lines.number(), "expected a line that ends the track");
   if (!is_silent(map))
-    throw FormatError::at_line(lines.number(),
-                               "the last line ends the track: expected levels of 0");
-  track.set_end(time);
+    return wrong(lines.number(), "the last line ends the track: expected levels of 0");
+  track->set_end(time);
   return track;
 }
 

@@ -13,7 +13,7 @@ namespace tactile {
 /// line. The last line ends the track and is silent.
 std::string write_csv(const Track &track);
 
-/// Reads that. Throws FormatError with the line. Lines that a spreadsheet has filled up with commas are fine.
-Track read_csv(std::string_view text);
+/// Reads that; errors have their line. Lines that a spreadsheet has filled up with commas are fine.
+tl::expected<Track, FormatError> read_csv(std::string_view text);
 
 } // namespace tactile

@@ -20,7 +20,7 @@ std::string write_hjif(const Track &track, const std::string &date);
 /// that meet are added up. Curves are taken as linear; where they rise or fall they become steps of 20 ms at their value in the
 /// middle. Without places the channels are one row of tactors.
 ///
-/// Throws FormatError with the line, or the path in the document, and the reason for all that is not so.
-Track read_hjif(std::string_view text);
+/// All that is not so is an error, with the line or the path in the document.
+tl::expected<Track, FormatError> read_hjif(std::string_view text);
 
 } // namespace tactile

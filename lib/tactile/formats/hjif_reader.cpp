@@ -10,6 +10,7 @@
 #include <cmath>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace tactile {
@@ -25,7 +26,7 @@ constexpr Time kRampStep = std::chrono::milliseconds(20);
 
 /// Refuses what is not JSON but is taken by JSON-GLib (comments, assignments), and what is nested so deeply that its parser, which
 /// calls itself, would run out of stack.
-void
+tl::expected<void, FormatError>
 check_structure(std::string_view text)
 {
   bool in_string = false;
@@ -33,6 +34,9 @@ check_structure(std::string_view text)
   std::size_t containers = 0;
   std::size_t values = 0;
   std::size_t line = 1;
+  const auto wrong = [&line](std::string reason) {
+    return tl::unexpected(FormatError::at_line(line, std::move(reason)));
+  };
   for (std::size_t i = 0; i < text.size(); i++) {
     const char c = text[i];
     if (c == '\n')
@@ -46,7 +50,7 @@ check_structure(std::string_view text)
       in_string = true;
     } else if (c == '[' || c == '{') {
       if (++depth > kDeepest)
-        throw FormatError::at_line(line, "nested more than " + std::to_string(kDeepest) + " deep");
+        return wrong("nested more than " + std::to_string(kDeepest) + " deep");
       containers++;
     } else if (c == ']' || c == '}') {
       depth--;
@@ -54,34 +58,36 @@ check_structure(std::string_view text)
       values++;
     } else if (!g_ascii_isspace(c) && !g_ascii_isalnum(c)
                && std::string_view(":+-.").find(c) == std::string_view::npos) {
-      throw FormatError::at_line(line, "this is no JSON");
+      return wrong("this is no JSON");
     }
     if (containers > kMostContainers || values > kMostValues)
-      throw FormatError::at_line(line, "more than " + std::to_string(kMostContainers)
-                                           + " objects or " + std::to_string(kMostValues)
-                                           + " values");
+      return wrong("more than " + std::to_string(kMostContainers) + " objects or "
+                   + std::to_string(kMostValues) + " values");
   }
+  return {};
 }
 
-/// An object of the document and where it is.
+/// An object of the document and where it is. What is not there, or is something else, is told to `error`; it is 0 or nothing then.
 class Object
 {
 public:
-  Object(JsonNode *node, std::string path) : path_(std::move(path))
+  Object(JsonNode *node, std::string path, FirstError &error)
+      : path_(std::move(path)), error_(&error)
   {
-    if (!node || !JSON_NODE_HOLDS_OBJECT(node))
+    if (node && JSON_NODE_HOLDS_OBJECT(node))
+      object_ = json_node_get_object(node);
+    else
       fail("expected an object");
-    object_ = json_node_get_object(node);
   }
 
-  [[noreturn]] void fail(const std::string &reason) const
+  void fail(const std::string &reason) const
   {
-    throw FormatError((path_.empty() ? "document" : path_) + ": " + reason);
+    error_->set({ .place = path_.empty() ? "document" : path_, .reason = reason });
   }
 
   bool has(const char *name) const
   {
-    return json_object_has_member(object_, name);
+    return object_ && json_object_has_member(object_, name);
   }
 
   double number(const char *name, double otherwise) const
@@ -91,61 +97,82 @@ public:
 
   double number(const char *name) const
   {
-    JsonNode *node = json_object_get_member(object_, name);
+    JsonNode *node = member(name);
     const GType type
         = node && JSON_NODE_HOLDS_VALUE(node) ? json_node_get_value_type(node) : G_TYPE_INVALID;
     const double value = type == G_TYPE_DOUBLE  ? json_node_get_double(node)
                          : type == G_TYPE_INT64 ? static_cast<double>(json_node_get_int(node))
                                                 : NAN;
-    if (!std::isfinite(value))
-      fail(std::string("expected a number '") + name + "'");
-    return value;
+    if (std::isfinite(value))
+      return value;
+    fail(std::string("expected a number '") + name + "'");
+    return 0;
   }
 
   int integer(const char *name, int least, int most) const
   {
     const double value = number(name);
-    if (!(value >= least && value <= most) || value != std::floor(value))
-      fail(std::string("expected a whole number '") + name + "' from " + std::to_string(least)
-           + " to " + std::to_string(most));
-    return static_cast<int>(value);
+    if (value >= least && value <= most && value == std::floor(value))
+      return static_cast<int>(value);
+    fail(std::string("expected a whole number '") + name + "' from " + std::to_string(least)
+         + " to " + std::to_string(most));
+    return least;
+  }
+
+  /// Null, and no error, if it is not there or something else.
+  const char *find_text(const char *name) const
+  {
+    JsonNode *node = member(name);
+    return node && JSON_NODE_HOLDS_VALUE(node) && json_node_get_value_type(node) == G_TYPE_STRING
+               ? json_node_get_string(node)
+               : nullptr;
   }
 
   std::string text(const char *name) const
   {
-    JsonNode *node = json_object_get_member(object_, name);
-    if (!node || !JSON_NODE_HOLDS_VALUE(node) || json_node_get_value_type(node) != G_TYPE_STRING)
+    const char *text = find_text(name);
+    if (!text)
       fail(std::string("expected a text '") + name + "'");
-    return json_node_get_string(node);
+    return text ? text : "";
   }
 
   Object object(const char *name) const
   {
-    return { json_object_get_member(object_, name), path_ + (path_.empty() ? "" : ".") + name };
+    return { member(name), path_ + (path_.empty() ? "" : ".") + name, *error_ };
   }
 
   std::size_t size(const char *name) const
   {
-    return json_array_get_length(array(name));
+    JsonArray *elements = array(name);
+    return elements ? json_array_get_length(elements) : 0;
   }
 
   Object element(const char *name, std::size_t index) const
   {
-    return { json_array_get_element(array(name), static_cast<guint>(index)),
-             path_ + (path_.empty() ? "" : ".") + name + "[" + std::to_string(index) + "]" };
+    JsonArray *elements = array(name);
+    return { elements ? json_array_get_element(elements, static_cast<guint>(index)) : nullptr,
+             path_ + (path_.empty() ? "" : ".") + name + "[" + std::to_string(index) + "]",
+             *error_ };
   }
 
 private:
-  JsonArray *array(const char *name) const
+  JsonNode *member(const char *name) const
   {
-    JsonNode *node = json_object_get_member(object_, name);
-    if (!node || !JSON_NODE_HOLDS_ARRAY(node))
-      fail(std::string("expected an array '") + name + "'");
-    return json_node_get_array(node);
+    return object_ ? json_object_get_member(object_, name) : nullptr;
   }
 
-  JsonObject *object_ = nullptr;
+  JsonArray *array(const char *name) const
+  {
+    JsonNode *node = member(name);
+    if (node && JSON_NODE_HOLDS_ARRAY(node))
+      return json_node_get_array(node);
+    fail(std::string("expected an array '") + name + "'");
+    return nullptr;
+  }
+
+  JsonObject *object_ = nullptr; ///< null: there is an error
   std::string path_;
+  FirstError *error_;
 };
 
 /// Levels of one effect as steps, and which cells they are for.
@@ -160,38 +187,47 @@ struct Change
 class Reader
 {
 public:
-  Track operator()(const Object &root)
+  tl::expected<Track, FormatError> operator()(JsonNode *document)
+  {
+    const Object root(document, "", error_);
+    Track track = read(root);
+    if (root.has("description"))
+      track.set_rate(description_rate(root));
+    return std::move(error_).unless_set(std::move(track));
+  }
+
+private:
+  Track read(const Object &root)
   {
     timescale_ = root.number("timescale", kTimescale);
     if (!(timescale_ >= 1 && timescale_ <= 48'000))
       root.fail("expected a timescale from 1 to 48000");
-    if (root.size("perceptions") != 1)
-      root.fail("expected one perception, got " + std::to_string(root.size("perceptions")));
+    if (const std::size_t count = root.size("perceptions"); count != 1) {
+      root.fail("expected one perception, got " + std::to_string(count));
+      return Track();
+    }
     const Object perception = root.element("perceptions", 0);
     if (perception.text("perception_modality") != "Vibrotactile")
       perception.fail("expected the modality Vibrotactile");
     const std::size_t channels = perception.size("channels");
     constexpr auto kMost
         = static_cast<std::size_t>(kMaxGridSide) * static_cast<std::size_t>(kMaxGridSide);
-    if (channels < 1 || channels > kMost)
+    if (channels < 1 || channels > kMost) {
       perception.fail("expected 1 to " + std::to_string(kMost) + " channels");
+      return Track();
+    }
     find_grid(perception, channels);
-    for (std::size_t i = 0; i < channels; i++)
+    for (std::size_t i = 0; i < channels && !error_; i++)
       read_channel(perception.element("channels", i), i);
-    Track track = make_track(channels);
-    if (root.has("description"))
-      track.set_rate(description_rate(root));
-    return track;
+    return error_ ? Track() : make_track(channels);
   }
 
-private:
+  /// 0 if the description has no words of ours.
   static double description_rate(const Object &root)
   {
-    try {
-      return read_grid(root.text("description"), 1).rate;
-    } catch (const FormatError &) {
-      return 0; // it was no word of ours
-    }
+    const char *words = root.find_text("description");
+    const tl::expected<GridHeader, FormatError> header = read_grid(words ? words : "", 1);
+    return header ? header->rate : 0;
   }
 
   void find_grid(const Object &perception, std::size_t channels)
@@ -214,7 +250,7 @@ private:
   void read_channel(const Object &channel, std::size_t index)
   {
     if (has_places_)
-      for (std::size_t i = 0; i < channel.size("actuator_target"); i++) {
+      for (std::size_t i = 0; i < channel.size("actuator_target") && !error_; i++) {
         const Object place = channel.element("actuator_target", i);
         const int column = place.integer("X", 0, grid_.columns - 1);
         const int row = grid_.rows - 1 - place.integer("Y", 0, grid_.rows - 1);
@@ -223,7 +259,7 @@ private:
     else
       cells_[index].push_back(index);
     const double gain = channel.number("gain", 1);
-    for (std::size_t b = 0; b < channel.size("bands"); b++) {
+    for (std::size_t b = 0; b < channel.size("bands") && !error_; b++) {
       const Object band = channel.element("bands", b);
       const std::string type = band.text("band_type");
       // The reference software's encoder writes a band of transients whether there are any or not.
@@ -231,7 +267,7 @@ private:
         continue;
       if (type != "Curve" && type != "VectorialWave")
         band.fail("bands of type " + type + " cannot be a track; only Curve and VectorialWave");
-      for (std::size_t e = 0; e < band.size("effects"); e++)
+      for (std::size_t e = 0; !error_ && e < band.size("effects"); e++)
         read_effect(band.element("effects", e), index, gain);
     }
   }
@@ -259,7 +295,7 @@ private:
     const std::size_t id = effects_++;
     std::optional<StepCurve::Point> last;
     std::size_t count = effect.size("keyframes");
-    for (std::size_t k = 0; k < count; k++) {
+    for (std::size_t k = 0; k < count && !error_; k++) {
       const Object keyframe = effect.element("keyframes", k);
       const double at = position + keyframe.number("relative_position", 0);
       if (!(at >= 0 && at * 1e9 / timescale_ <= static_cast<double>(Track::kMaxEnd.count()))
@@ -300,7 +336,7 @@ private:
     const double step
         = std::max(std::chrono::duration<double>(kRampStep).count() * timescale_, 1.0);
     const auto length = static_cast<double>(to.position - from.position);
-    for (double at = 0; at < length; at += step) {
+    for (double at = 0; at < length && !error_; at += step) {
       const double middle = (at + std::min(at + step, length)) / 2 / length;
       add(where, from.position + std::llround(at), channel, effect,
           from.value + (to.value - from.value) * middle);
@@ -312,7 +348,8 @@ private:
            double value)
   {
     if (changes_.size() >= Track::kMaxEntries)
-      where.fail("more changes than a track can have, " + std::to_string(Track::kMaxEntries));
+      return where.fail("more changes than a track can have, "
+                        + std::to_string(Track::kMaxEntries));
     const auto time
         = static_cast<Time::rep>(std::llround(static_cast<double>(position) * 1e9 / timescale_));
     changes_.push_back({ Time(time), channel, effect, value });
@@ -346,10 +383,9 @@ private:
         for (const std::size_t cell : cells_[c])
           map.levels[cell]
               = std::min(map.levels[cell] + static_cast<float>(std::min(sums[c], 1.0)), 1.0F);
-      try {
-        track.append(change.time, map);
-      } catch (const std::invalid_argument &error) {
-        throw FormatError(std::string("document: ") + error.what());
+      if (auto appended = track.append(change.time, map); !appended) {
+        error_.set(std::move(appended.error()).within("document"));
+        break;
       }
     }
     track.set_end(changes_.empty() ? Time(0) : changes_.back().time);
@@ -363,19 +399,21 @@ private:
   std::size_t effects_ = 0;
   std::optional<std::int64_t> last_step_; ///< where the curve stepped if that was its last segment
   std::vector<Change> changes_;
+  FirstError error_;
 };
 
 } // namespace
 
-Track
+tl::expected<Track, FormatError>
 read_hjif(std::string_view text)
 {
-  check_structure(text);
+  if (const auto checked = check_structure(text); !checked)
+    return tl::unexpected(checked.error());
   g_autoptr(JsonParser) parser = json_parser_new();
   g_autoptr(GError) error = nullptr;
   if (!json_parser_load_from_data(parser, text.data(), static_cast<gssize>(text.size()), &error))
-    throw FormatError(std::string("document: ") + error->message);
-  return Reader()(Object(json_parser_get_root(parser), ""));
+    return tl::unexpected(FormatError{ .place = "document", .reason = error->message });
+  return Reader()(json_parser_get_root(parser));
 }
 
 } // namespace tactile

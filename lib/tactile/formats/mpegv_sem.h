@@ -15,8 +15,8 @@ std::string write_sem(const Track &track);
 
 /// Reads effects of TactileType with ArrayIntensity, or of VibrationType as one cell, that do not overlap. Times are whole units of
 /// the document's timeScale, which it has to say; effects that fade are refused. Without our comment as many tactors as are a square number
-/// are taken as a square, others as one row. Throws FormatError with the line. Documents with a DTD are refused, nothing is
-/// loaded from elsewhere.
-Track read_sem(std::string_view text);
+/// are taken as a square, others as one row. Errors have their line. Documents with a DTD are refused, nothing is loaded
+/// from elsewhere.
+tl::expected<Track, FormatError> read_sem(std::string_view text);
 
 } // namespace tactile

@@ -36,45 +36,55 @@ struct Close
   }
 };
 
-/// The bytes of a file. Throws FormatError.
-std::string
+tl::unexpected<FormatError>
+wrong(std::string reason)
+{
+  return tl::unexpected(FormatError{ .place = {}, .reason = std::move(reason) });
+}
+
+tl::unexpected<FormatError>
+too_large()
+{
+  return wrong("larger than the " + std::to_string(kMaxTrackFile >> 20) + " MiB that are read");
+}
+
+/// The bytes of a file.
+tl::expected<std::string, FormatError>
 read_bytes(const std::string &path)
 {
   const std::unique_ptr<std::FILE, Close> file(std::fopen(path.c_str(), "rbe"));
   if (!file)
-    throw FormatError(std::generic_category().message(errno));
-  const auto check_size = [](std::uintmax_t size) {
-    if (size > kMaxTrackFile)
-      throw FormatError("larger than the " + std::to_string(kMaxTrackFile >> 20)
-                        + " MiB that are read");
-  };
+    return wrong(std::generic_category().message(errno));
   std::error_code no_size; // of a pipe
   const std::uintmax_t size = std::filesystem::file_size(path, no_size);
   std::string text;
   if (!no_size) {
-    check_size(size);
+    if (size > kMaxTrackFile)
+      return too_large();
     text.reserve(size);
   }
   std::array<char, 65536> piece;
   while (const std::size_t count = std::fread(piece.data(), 1, piece.size(), file.get())) {
-    check_size(text.size() + count);
+    if (text.size() + count > kMaxTrackFile)
+      return too_large();
     text.append(piece.data(), count);
   }
   if (std::ferror(file.get()))
-    throw FormatError(std::generic_category().message(errno));
+    return wrong(std::generic_category().message(errno));
   return text;
 }
 
 } // namespace
 
-TrackFormat
+tl::expected<TrackFormat, FormatError>
 track_format(std::string_view name)
 {
   for (const auto &[ending, format] : kEndings)
     if (name.ends_with(ending))
       return format;
-  throw FormatError("'" + std::string(name)
-                    + "': expected a name that ends in .vtt, .csv, .hjif, .sem.xml or .funscript");
+  return tl::unexpected(FormatError{
+      .place = "'" + std::string(name) + "'",
+      .reason = "expected a name that ends in .vtt, .csv, .hjif, .sem.xml or .funscript" });
 }
 
 std::string
@@ -92,10 +102,10 @@ write_track(const Track &track, TrackFormat format, const std::string &date)
   case TrackFormat::funscript:
     return write_funscript(track);
   }
-  throw FormatError("unknown format");
+  return {};
 }
 
-Track
+tl::expected<Track, FormatError>
 read_track(std::string_view text, TrackFormat format)
 {
   switch (format) {
@@ -110,18 +120,18 @@ read_track(std::string_view text, TrackFormat format)
   case TrackFormat::funscript:
     break;
   }
-  throw FormatError("a funscript has one axis: it is written, not read");
+  return wrong("a funscript has one axis: it is written, not read");
 }
 
-Track
+tl::expected<Track, FormatError>
 read_track_file(const std::string &path)
 {
-  const TrackFormat format = track_format(path);
-  try {
-    return read_track(read_bytes(path), format);
-  } catch (const FormatError &error) {
-    throw FormatError("'" + path + "': " + error.what());
-  }
+  const tl::expected<TrackFormat, FormatError> format = track_format(path);
+  if (!format)
+    return tl::unexpected(format.error());
+  return read_bytes(path)
+      .and_then([&](const std::string &bytes) { return read_track(bytes, *format); })
+      .map_error([&](FormatError error) { return std::move(error).within("'" + path + "'"); });
 }
 
 } // namespace tactile

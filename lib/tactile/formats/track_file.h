@@ -22,14 +22,14 @@ enum class TrackFormat
 /// Larger files are not read.
 inline constexpr std::size_t kMaxTrackFile = std::size_t{ 256 } << 20;
 
-/// Of a file name. Throws FormatError with the names that there are.
-TrackFormat track_format(std::string_view name);
+/// Of a file name; the error says which names there are.
+tl::expected<TrackFormat, FormatError> track_format(std::string_view name);
 
-/// The bytes of a file in that form, and back. Throws FormatError; `date` (ISO 8601) is for HJIF.
+/// The bytes of a file in that form, and back; `date` (ISO 8601) is for HJIF.
 std::string write_track(const Track &track, TrackFormat format, const std::string &date);
-Track read_track(std::string_view text, TrackFormat format);
+tl::expected<Track, FormatError> read_track(std::string_view text, TrackFormat format);
 
-/// Reads the file. Throws FormatError with its name, the place in it and the reason.
-Track read_track_file(const std::string &path);
+/// Reads the file. The place of an error begins with the file's name.
+tl::expected<Track, FormatError> read_track_file(const std::string &path);
 
 } // namespace tactile

@@ -9,6 +9,8 @@
 #include <array>
 #include <charconv>
 #include <cstdio>
+#include <optional>
+#include <utility>
 
 namespace tactile {
 
@@ -100,29 +102,41 @@ public:
   {
   }
 
-  Track operator()()
+  tl::expected<Track, FormatError> operator()()
   {
     read_signature();
-    while (lines_.next())
+    while (!error_ && lines_.next())
       if (!lines_.line().empty())
         read_block();
     if (!track_)
-      throw FormatError::at_line(lines_.number(), "there is no cue, and no note with a grid");
-    track_->set_end(last_end_);
-    return std::move(*track_);
+      fail(lines_.number(), "there is no cue, and no note with a grid");
+    else
+      track_->set_end(last_end_);
+    return std::move(error_).unless_set(track_ ? std::move(*track_) : Track());
   }
 
 private:
+  void fail(std::size_t line, std::string reason)
+  {
+    error_.set(FormatError::at_line(line, std::move(reason)));
+  }
+
   void read_signature()
   {
     const bool found = lines_.next() && lines_.line().starts_with(kSignature);
     const std::string_view rest
         = found ? lines_.line().substr(kSignature.size()) : std::string_view();
     if (!found || (!rest.empty() && rest.front() != ' ' && rest.front() != '\t'))
-      throw FormatError::at_line(1, "expected WEBVTT");
-    while (lines_.next() && !lines_.line().empty())
+      return fail(1, "expected WEBVTT");
+    skip_block("expected an empty line before the first cue");
+  }
+
+  /// To the next line that is empty. What looks like a cue before that is an error.
+  void skip_block(const char *cue_in_it)
+  {
+    while (!error_ && lines_.next() && !lines_.line().empty())
       if (lines_.line().find(kArrow) != std::string_view::npos)
-        throw FormatError::at_line(lines_.number(), "expected an empty line before the first cue");
+        fail(lines_.number(), cue_in_it);
   }
 
   /// From a line that is not empty to the next that is.
@@ -137,9 +151,7 @@ private:
       read_note(first.substr(4));
     else if (!is("STYLE") && !is("REGION"))
       return read_cue();
-    while (lines_.next() && !lines_.line().empty())
-      if (lines_.line().find(kArrow) != std::string_view::npos)
-        throw FormatError::at_line(lines_.number(), "expected an empty line before the cue");
+    skip_block("expected an empty line before the cue");
   }
 
   void read_note(std::string_view text)
@@ -147,12 +159,14 @@ private:
     text = trimmed(text);
     if (text != "tactile" && !text.starts_with("tactile "))
       return;
-    const GridHeader header = read_grid(text.substr(7), lines_.number());
-    if (track_ && header.grid && *header.grid != Grid{ track_->rows(), track_->columns() })
-      throw FormatError::at_line(lines_.number(), "another grid than before");
-    if (header.grid)
-      begin_track(*header.grid);
-    rate_ = header.rate;
+    const tl::expected<GridHeader, FormatError> header = read_grid(text.substr(7), lines_.number());
+    if (!header)
+      return error_.set(header.error());
+    if (track_ && header->grid && *header->grid != Grid{ track_->rows(), track_->columns() })
+      return fail(lines_.number(), "another grid than before");
+    if (header->grid)
+      begin_track(*header->grid);
+    rate_ = header->rate;
     if (track_)
       track_->set_rate(rate_);
   }
@@ -169,33 +183,41 @@ private:
     if (lines_.line().find(kArrow) == std::string_view::npos) { // an identifier
       const std::size_t number = lines_.number();
       if (!lines_.next() || lines_.line().find(kArrow) == std::string_view::npos)
-        throw FormatError::at_line(number, "expected a cue: START --> END");
+        return fail(number, "expected a cue: START --> END");
     }
+    const std::size_t number = lines_.number();
     Time begin{ 0 };
     Time end{ 0 };
-    read_timing(lines_.line(), begin, end);
+    if (!read_timing(lines_.line(), begin, end))
+      return;
+    const std::string text = take_text();
+    std::optional<Grid> grid;
+    if (track_)
+      grid = { track_->rows(), track_->columns() };
+    const tl::expected<TactileMap, FormatError> map = read_text_cue(text, grid, number + 1);
+    if (!map)
+      return error_.set(map.error());
+    begin_track({ map->rows, map->columns });
+    auto appended = track_->append(begin, *map);
+    if (appended)
+      appended = track_->append(end, TactileMap(map->rows, map->columns));
+    if (!appended)
+      return fail(number, appended.error().reason);
+    last_end_ = end;
+  }
 
-    const std::size_t first_line = lines_.number() + 1;
+  /// The lines up to the next that is empty.
+  std::string take_text()
+  {
     std::string text;
     while (lines_.next() && !lines_.line().empty()) {
       text += lines_.line();
       text += '\n';
     }
-    std::optional<Grid> grid;
-    if (track_)
-      grid = { track_->rows(), track_->columns() };
-    const TactileMap map = read_text_cue(text, grid, first_line);
-    begin_track({ map.rows, map.columns });
-    try {
-      track_->append(begin, map);
-      track_->append(end, TactileMap(map.rows, map.columns));
-    } catch (const std::invalid_argument &error) {
-      throw FormatError::at_line(first_line - 1, error.what());
-    }
-    last_end_ = end;
+    return text;
   }
 
-  void read_timing(std::string_view line, Time &begin, Time &end)
+  bool read_timing(std::string_view line, Time &begin, Time &end)
   {
     line = trimmed(line);
     bool valid = take_timestamp(line, begin);
@@ -206,19 +228,20 @@ private:
     valid = valid && take_timestamp(line, end)
             && (line.empty() || line.front() == ' ' || line.front() == '\t');
     if (!valid)
-      throw FormatError::at_line(lines_.number(),
-                                 "expected HH:MM:SS.mmm --> HH:MM:SS.mmm, up to 100 hours");
-    if (end <= begin)
-      throw FormatError::at_line(lines_.number(), "the cue ends before it begins");
-    if (begin < last_end_)
-      throw FormatError::at_line(lines_.number(), "the cue overlaps the one before, which ends at "
-                                                      + timestamp(last_end_));
+      fail(lines_.number(), "expected HH:MM:SS.mmm --> HH:MM:SS.mmm, up to 100 hours");
+    else if (end <= begin)
+      fail(lines_.number(), "the cue ends before it begins");
+    else if (begin < last_end_)
+      fail(lines_.number(),
+           "the cue overlaps the one before, which ends at " + timestamp(last_end_));
+    return !error_;
   }
 
   LineReader lines_;
   std::optional<Track> track_;
   double rate_ = 0;
   Time last_end_{ 0 };
+  FirstError error_;
 };
 
 } // namespace
@@ -250,7 +273,7 @@ write_webvtt(const Track &track)
   return text;
 }
 
-Track
+tl::expected<Track, FormatError>
 read_webvtt(std::string_view text)
 {
   return Reader(text)();

@@ -18,8 +18,8 @@ inline constexpr int kTextSteps = 100;
 std::string write_webvtt(const Track &track);
 
 /// Reads WebVTT that an editor may have changed: identifiers, settings, notes, styles and regions are ignored, a gap is silent.
-/// Without the note the first cue's lines give the grid. Throws FormatError with the line: what is no WebVTT, no map, of another
-/// grid, out of order or overlaps.
-Track read_webvtt(std::string_view text);
+/// Without the note the first cue's lines give the grid. Errors have their line: what is no WebVTT, no map, of another grid,
+/// out of order or overlaps.
+tl::expected<Track, FormatError> read_webvtt(std::string_view text);
 
 } // namespace tactile

@@ -71,10 +71,10 @@ public:
     GstMapInfo info;
     gst_buffer_map(buffer, &info, GST_MAP_READ);
     if (caps == kTextCaps)
-      cue.map = tactile::read_text_cue({ reinterpret_cast<char *>(info.data), info.size },
-                                       std::nullopt);
+      cue.map = *tactile::read_text_cue({ reinterpret_cast<char *>(info.data), info.size },
+                                        std::nullopt);
     else if (caps == kKlvCaps)
-      cue = tactile::read_klv({ info.data, info.size });
+      cue = *tactile::read_klv({ info.data, info.size });
     else
       cue.map = read_map(buffer);
     gst_buffer_unmap(buffer, &info);

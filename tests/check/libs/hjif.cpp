@@ -163,7 +163,7 @@ GST_START_TEST(test_ramps_of_other_tools)
 {
   // From 0 to 1 in 100 ms: five steps of 20 ms at their value in the middle, then it holds for 50 ms.
   const Track track
-      = read_hjif(document(band(effect(200, key(0, 0) + "," + key(100, 1) + "," + key(150, 1)))));
+      = *read_hjif(document(band(effect(200, key(0, 0) + "," + key(100, 1) + "," + key(150, 1)))));
   fail_unless(track.rows() == 1 && track.columns() == 1);
   fail_unless(track.end() == 350ms);
   for (int i = 0; i < 5; i++)
@@ -179,7 +179,7 @@ GST_START_TEST(test_bands_and_effects_are_added_up)
   const std::string steady = effect(0, key(0, 0.25) + "," + key(100, 0.25));
   const std::string negative = effect(50, key(0, -0.5) + "," + key(100, -0.5));
   const Track track
-      = read_hjif(document(band(steady) + "," + band(negative, "VectorialWave"), "\"gain\":0.5,"));
+      = *read_hjif(document(band(steady) + "," + band(negative, "VectorialWave"), "\"gain\":0.5,"));
   fail_unless_equals_float(track.at(0ms).at(0, 0), 0.125);
   fail_unless_equals_float(track.at(50ms).at(0, 0), 0.375);
   fail_unless_equals_float(track.at(100ms).at(0, 0), 0.25);
@@ -191,7 +191,7 @@ GST_END_TEST;
 /// 0.5 from the second on, all scaled by its curve for actuators; a band without transients.
 GST_START_TEST(test_ahap)
 {
-  const Track track = read_hjif(contents("ahap.hjif"));
+  const Track track = *read_hjif(contents("ahap.hjif"));
   fail_unless_equals_int(track.rows() * track.columns(), 1);
   const auto level = [&](Time at) {
     return static_cast<double>(track.at(at).levels[0]);

@@ -36,7 +36,7 @@ is_read(const std::function<void()> &read)
     read();
     return true;
   } catch (const std::runtime_error &error) {
-    assert_short(error);
+    assert_short(error.what());
   } catch (const std::invalid_argument &error) {
     fail_unless(error.what()[0] != '\0');
   }

@@ -71,22 +71,22 @@ GST_END_TEST;
 
 GST_START_TEST(test_rows_are_samples)
 {
-  const Track track = read_sem(document(
+  const Track track = *read_sem(document(
       effect("si:pts=\"100\" duration=\"500\" timeSamples=\"4\"", "2 2", "\n0 0.5\n1 0\n")));
   fail_unless(track.rows() == 1 && track.columns() == 2);
   fail_unless_equals_float(track.at(100ms).at(0, 1), 0.5);
   fail_unless_equals_float(track.at(349ms).at(0, 1), 0.5);
   fail_unless_equals_float(track.at(350ms).at(0, 0), 1);
   fail_unless(is_silent(track.at(600ms)));
-  const Track in_ticks = read_sem(
+  const Track in_ticks = *read_sem(
       std::regex_replace(reference(), std::regex("timeScale=\"1000\""), "timeScale=\"2000\""));
   fail_unless(in_ticks.end() == 700ms && is_silent(in_ticks.at(499ms))
               && !is_silent(in_ticks.at(500ms)));
   fail_unless(read_sem(document("<DescriptionMetadata/>"
                                 + effect("si:pts=\"0\" duration=\"1\"", "1 2", "0 0")))
-                  .end()
+                  ->end()
               == 1ms);
-  const Track inactive = read_sem(
+  const Track inactive = *read_sem(
       document(effect("activate=\"false\" si:pts=\"0\" duration=\"500\"", "1 2", "1 1")));
   fail_unless(is_silent(inactive.at(0s)) && inactive.end() == 500ms);
 }
@@ -98,7 +98,7 @@ GST_START_TEST(test_vibrations)
   const auto vibration = [](const std::string &attributes) {
     return "\n<Effect xsi:type=\"sev:VibrationType\" " + attributes + "/>";
   };
-  const Track track = read_sem(document(
+  const Track track = *read_sem(document(
       vibration("activate=\"true\" intensity-value=\"20\" intensity-range=\"10 50\" si:pts=\"500\"")
       + vibration(
           "activate=\"true\" intensity-value=\"50\" intensity-range=\"10 50\" si:pts=\"800\"")

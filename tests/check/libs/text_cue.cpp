@@ -73,9 +73,9 @@ GST_START_TEST(test_grid)
 {
   ASSERT_TEXT(write_grid({ 3, 4 }, 5), "grid=3x4 rate=5");
   ASSERT_TEXT(write_grid({ 1, 64 }, 0), "grid=1x64");
-  GridHeader header = read_grid(" by=hand grid=3x4 rate=12.5 ", 1);
+  GridHeader header = *read_grid(" by=hand grid=3x4 rate=12.5 ", 1);
   fail_unless(header.grid == Grid({ 3, 4 }) && header.rate == 12.5);
-  header = read_grid("", 1);
+  header = *read_grid("", 1);
   fail_unless(!header.grid && header.rate == 0);
   for (const char *words : { "grid=3", "grid=0x3", "grid=3x65", "grid=3x3x3", "grid=x", "rate=-1",
                              "rate=nan", "rate=5Hz", "rate=" })

@@ -1,28 +1,10 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "tactile/track.h"
 
-#include <stdexcept>
-
 #include "track_samples.h"
 
 using namespace std::chrono_literals;
 using namespace tactile;
-
-namespace {
-
-template <typename Call>
-bool
-is_refused(Call call)
-{
-  try {
-    call();
-  } catch (const std::invalid_argument &) {
-    return true;
-  }
-  return false;
-}
-
-} // namespace
 
 GST_START_TEST(test_empty)
 {
@@ -70,12 +52,12 @@ GST_START_TEST(test_refused)
   Track track(1, 1);
   const TactileMap map = make_map(1, 1, { 1 });
   track.append(2s, map);
-  fail_unless(is_refused([&] { track.append(1s, map); }));
-  fail_unless(is_refused([&] { track.append(Track::kMaxEnd + 1ns, map); }));
-  fail_unless(is_refused([&] { track.append(3s, TactileMap(1, 2)); }));
-  fail_unless(is_refused([&] { track.set_end(-1ns); }));
-  fail_unless(is_refused([&] { track.set_end(Track::kMaxEnd + 1ns); }));
-  fail_if(is_refused([&] { track.append(Track::kMaxEnd, TactileMap(1, 1)); }));
+  fail_if(track.append(1s, map));
+  fail_if(track.append(Track::kMaxEnd + 1ns, map));
+  fail_if(track.append(3s, TactileMap(1, 2)));
+  fail_if(track.set_end(-1ns));
+  fail_if(track.set_end(Track::kMaxEnd + 1ns));
+  fail_unless(track.append(Track::kMaxEnd, TactileMap(1, 1)));
 }
 GST_END_TEST;
 

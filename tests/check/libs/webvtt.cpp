@@ -69,7 +69,7 @@ GST_START_TEST(test_deleted_cue_is_silence)
   std::string text = write_webvtt(two_tactors());
   const std::size_t cue = text.find("00:00:01.000 --> 00:00:01.400");
   text.resize(cue);
-  const Track pruned = read_webvtt(text);
+  const Track pruned = *read_webvtt(text);
   fail_unless_equals_int(pruned.entries().size(), 1);
   fail_unless(pruned.end() == 1s);
 }
