@@ -14,15 +14,18 @@ namespace {
 /// Pins with more are not driven: no board has them, and a value has 21 bits.
 constexpr int kMostBits = 16;
 
-std::size_t
+static_assert(FirmataBoard::kPacket <= SerialPort::kMaxWrite);
+
+int
 message_bytes(int pin, unsigned value)
 {
-  return firmata::Encoder().set_value(pin, value).bytes().size();
+  return static_cast<int>(firmata::Encoder().set_value(pin, value).bytes().size());
 }
 
 } // namespace
 
-FirmataBoard::FirmataBoard(Time now, FirmataPatience patience) : patience_(patience), started_(now)
+FirmataBoard::FirmataBoard(Time now, FirmataPatience patience)
+    : patience_(patience), started_(now), line_free_(now)
 {
 }
 
@@ -129,6 +132,8 @@ FirmataBoard::next(Time now)
       fail("it does not take what it is sent");
     return {};
   }
+  if (now < line_free_)
+    return {};
 
   firmata::Encoder out;
   if (state_ == State::asking)
@@ -138,6 +143,7 @@ FirmataBoard::next(Time now)
   if (!out.bytes().empty()) {
     on_the_way_ = true;
     sent_ = now;
+    line_free_ = now + static_cast<int>(out.bytes().size()) * kByteTime;
     bytes_sent_ += out.bytes().size();
   }
   return out.bytes();
@@ -158,7 +164,7 @@ FirmataBoard::ask(firmata::Encoder &out, Time now)
   out.ask_capabilities();
 }
 
-/// Levels that the board has not, as many as go into one transfer.
+/// Levels that the board has not, as many as go into one packet.
 void
 FirmataBoard::update(firmata::Encoder &out, Time now)
 {
@@ -170,12 +176,18 @@ FirmataBoard::update(firmata::Encoder &out, Time now)
     for (Pin &pin : pins_)
       pin.value.reset();
 
-  constexpr std::size_t kEnd = SerialPort::kMaxWrite - 2 * firmata::Encoder::kLongest;
-  for (std::size_t i = 0; i < pins_.size() && out.bytes().size() <= kEnd; i++) {
-    Pin &pin = pins_[i];
+  constexpr std::size_t kEnd = kPacket - 2 * firmata::Encoder::kLongest;
+  const std::size_t first = turn_;
+  for (std::size_t i = 0; i < pins_.size(); i++) {
+    const std::size_t tactor = (first + i) % pins_.size();
+    if (out.bytes().size() > kEnd) {
+      turn_ = tactor; // those that change all the time do not keep others from their turn
+      break;
+    }
+    Pin &pin = pins_[tactor];
     if (!std::exchange(pin.is_pwm, true))
       out.set_mode(pin.number, firmata::kPwm);
-    const unsigned value = target(i);
+    const unsigned value = target(tactor);
     if (pin.value != value) {
       out.set_value(pin.number, value);
       pin.value = value;
@@ -205,16 +217,23 @@ FirmataBoard::deadline() const
     earlier(started_ + patience_.answer);
   if (state_ == State::closing)
     earlier(*leaves_);
-  // As long as a transfer is on the way there is nothing else to do in time.
+  // As long as a transfer is on the way there is nothing else to do in time; then the line has to have carried it.
+  const auto when_free = [&](Time time) {
+    earlier(std::max(time, line_free_));
+  };
   if (on_the_way_) {
     earlier(sent_ + patience_.transfer);
   } else if (state_ == State::asking) {
-    earlier(asked_ ? *asked_ + patience_.ask_again : started_);
+    when_free(asked_ ? *asked_ + patience_.ask_again : started_);
+  } else if (state_ == State::closing) {
+    when_free(line_free_);
   } else if (state_ == State::running) {
+    if (!is_settled())
+      when_free(line_free_);
     if (std::ranges::any_of(levels_, [](double level) { return level > 0; }))
-      earlier(levels_set_ + patience_.host_silence);
+      when_free(levels_set_ + patience_.host_silence);
     if (has_watchdog() && drives())
-      earlier(sent_ + patience_.keepalive);
+      when_free(sent_ + patience_.keepalive);
   }
   return at;
 }
@@ -280,13 +299,19 @@ FirmataBoard::resolution() const
   return step;
 }
 
+LineTime
+FirmataBoard::line() const
+{
+  std::vector<int> bytes;
+  for (const Pin &pin : pins_)
+    bytes.push_back(message_bytes(pin.number, pin.full));
+  return { bytes, kByteTime };
+}
+
 Time
 FirmataBoard::update_time() const
 {
-  std::size_t bytes = 0;
-  for (const Pin &pin : pins_)
-    bytes += message_bytes(pin.number, pin.full);
-  return Time(std::chrono::seconds(1)) * static_cast<int>(bytes * 10) / kBaud;
+  return line().all();
 }
 
 } // namespace tactor

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "tactor/firmata_protocol.h"
+#include "tactor/line_time.h"
 #include "tactor/time.h"
 
 #include <cstdint>
@@ -31,9 +32,13 @@ struct FirmataPatience
 /// 1. *Asking*: the firmware is asked for again and again (nobody waits for the banner, which may have passed), then reset, since a
 ///    board whose last host was killed still drives its motors, then asked for its pins' capabilities.
 /// 2. *Running*: each pin with pulse-width modulation is a tactor, in ascending order of pins. Levels that differ from what the board
-///    has go out in one transfer; while one is on the way the latest levels win. A board that reports its firmware unasked was reset
-///    and is told everything anew.
+///    has go out, a packet of kPacket bytes at a time, every pin in its turn; until one is carried the latest levels win. A board that
+///    reports its firmware unasked was reset and is told everything anew.
 /// 3. *Closing*: zeros, then reset.
+///
+/// A USB chip takes bytes faster than the line behind it carries them, and they would queue there, old levels before new ones. So
+/// nothing is sent before the line has carried what was sent: never more than one packet is under way, and a level has arrived
+/// update_time() and a packet after set_levels() at the latest.
 ///
 /// With a watchdog (firmata::kSeatFirmware) there are keepalives while a motor is on. They prove that whoever sets the levels
 /// is alive, not just this object: after host_silence without set_levels() all levels are zero, whatever the firmware.
@@ -51,8 +56,10 @@ public:
     failed, ///< see failure()
   };
 
-  /// Bits per second of the line, of which each byte takes ten.
-  static constexpr int kBaud = 57600;
+  /// What a byte takes on the line, ten bits at 57600 baud as an Arduino of 16 MHz makes them: 35 · 8 cycles each.
+  static constexpr Time kByteTime = std::chrono::microseconds(175);
+  /// Most bytes under way at once: a packet of full-speed USB.
+  static constexpr std::size_t kPacket = 64;
 
   FirmataBoard(Time now, FirmataPatience patience = {});
 
@@ -61,7 +68,7 @@ public:
   /// The line has taken what next() returned last.
   void written();
 
-  /// What to send now, at most SerialPort::kMaxWrite bytes; empty if there is nothing, and until written().
+  /// What to send now, at most kPacket bytes; empty if there is nothing, and until written() and the line has carried the last.
   std::vector<std::uint8_t> next(Time now);
   /// When next() is to be called even if nothing else happens.
   std::optional<Time> deadline() const;
@@ -88,6 +95,8 @@ public:
   std::vector<int> pins() const;
   /// Smallest step of a level that every pin can make; 0 without pins.
   double resolution() const;
+  /// What the line carries of each tactor.
+  LineTime line() const;
   /// How long an update of all tactors takes on the line.
   Time update_time() const;
   std::uint64_t bytes_sent() const
@@ -135,6 +144,8 @@ private:
   Time levels_set_{ 0 };
   Time sent_{ 0 };             ///< begin of the last transfer
   bool on_the_way_ = false;    ///< it is not yet taken
+  Time line_free_;             ///< when the line has carried it
+  std::size_t turn_ = 0;       ///< whose level goes out first
   std::optional<Time> leaves_; ///< end of closing
   std::uint64_t bytes_sent_ = 0;
   std::uint64_t resets_ = 0;

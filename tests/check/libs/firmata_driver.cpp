@@ -13,7 +13,7 @@ GST_START_TEST(test_open_write_close)
   rig.open(9);
   ck_assert_int_eq(rig.driver.tactors(), 15);
   fail_unless(rig.driver.resolution() == 3.0 / 255);
-  fail_unless(rig.driver.transport_latency() == 9375us); // 54 bytes
+  fail_unless(rig.driver.transport_latency() == 9450us); // 54 bytes
   const DriverStatus status = rig.driver.status();
   fail_unless(status.is_there && !status.has_watchdog);
   fail_unless(status.firmware == "StandardFirmata.ino 2.5");

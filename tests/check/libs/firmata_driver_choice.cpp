@@ -243,7 +243,7 @@ GST_START_TEST(test_auto)
   ck_assert_int_eq(driver.tactors(), 6);
   fail_unless(driver.status().firmware == "StandardFirmata.ino 2.5");
   fail_unless(driver.refresh_interval() == kEndless.keepalive);
-  fail_unless(driver.transport_latency() == 3125us); // 18 bytes
+  fail_unless(driver.transport_latency() == 3150us); // 18 bytes
   driver.write(std::vector<double>{ 3.0 }, 0s);
   rig.sockets.wait([&] { return rig.uno.model.duty[3] == 255; });
   driver.close();
