@@ -10,6 +10,7 @@ plugin_init(GstPlugin *plugin)
   registered |= GST_ELEMENT_REGISTER(tactilecombiner, plugin);
   registered |= GST_ELEMENT_REGISTER(tactileconverter, plugin);
   registered |= GST_ELEMENT_REGISTER(tactileextractor, plugin);
+  registered |= GST_ELEMENT_REGISTER(tactileklvdec, plugin);
   registered |= GST_ELEMENT_REGISTER(tactileoverlay, plugin);
   registered |= GST_ELEMENT_REGISTER(tactilesubtitles, plugin);
   registered |= GST_ELEMENT_REGISTER(tactiletestsrc, plugin);

@@ -83,6 +83,31 @@ assert not film["warnings"] and not film["errors"]
 PYTHON
 }
 
+# A transport stream's track in playbin, and what the discoverer says of it. Others' KLV is in no one's way. The draft is halved and
+# turned off in the middle, so that it is not what is analysed.
+transport_stream() {
+  local name
+  track author "$work/film.mkv" -o draft.vtt -q
+  track edit draft.vtt -o film.vtt --scale=0.5 --mask=r1c1
+  commands side "filesrc location=film.vtt ! subparse ! tactileconverter"
+  track mux "$work/film.mkv" film.vtt -o film.ts
+  gst-launch-1.0 -q mpegtsmux name=mux ! filesink location=others.ts filesrc location="$work/film.mkv" ! matroskademux ! h264parse ! queue ! mux. \
+    fakesrc format=time datarate=40 sizetype=fixed sizemax=40 num-buffers=6 filltype=pattern ! meta/x-klv,parsed=true ! queue ! mux.
+  for name in film.ts others.ts; do
+    GST_PLUGIN_FEATURE_RANK=tactileklvdec:MARGINAL gst-discoverer-1.0 "$name" >found 2>&1 || fail "$(cat found)"
+    ! grep -i missing found || fail "$name: $(cat found)"
+    expect_line found 'subtitles #'
+    GST_PLUGIN_FEATURE_RANK=tactilesubtitles:MAX,tactileklvdec:MARGINAL timeout 60 gst-launch-1.0 -q playbin uri="file://$PWD/$name" \
+      video-sink="visuotactilesink video-sink=fakesink driver=simulator tactors::ramp-in=0 trace-location=$name.trace" >log 2>&1 || fail "$(cat log)"
+    expect_commands "$name.trace"
+  done
+  "$PYTHON" "$here/same_commands.py" side.trace film.ts.trace 0.016 200 || fail "the player does not play the track"
+  # By itself it is not taken.
+  gst-discoverer-1.0 film.ts >found 2>&1
+  expect_line found 'KLV'
+  ! grep 'subtitles #' found || fail "taken: $(cat found)"
+}
+
 # stream FILE PAD: what a pad of the demuxer gives; pictures decoded, for a parser packs them anew
 stream() {
   local decode=identity
@@ -356,6 +381,7 @@ echo '{}' >good.vtt.funscript
 
 start author author_plays_as_the_film
 start carriers carriers
+start transport_stream transport_stream
 start left_to_choice left_to_choice
 start players players
 start whole_film whole_film
