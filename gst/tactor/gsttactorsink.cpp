@@ -42,7 +42,7 @@
  *   and `late` (#guint64, ns). At most one in five seconds.
  * - `tactor-device-lost`, `tactor-device-found`: the board went away, came back; with them a warning
  *   and an info message for people. The film plays on meanwhile.
- * - `tactor-stats`: the contents of #GstTactorSink:stats at the end of the stream.
+ * - `tactor-stats`: the contents of #GstTactorSink:actuation-stats at the end of the stream.
  *
  * Since: 0.1
  */

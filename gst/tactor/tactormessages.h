@@ -9,7 +9,7 @@
 
 #include <exception>
 
-// What tactorsink tells on its bus, and the contents of its property `stats`. Any thread may call these.
+// What tactorsink tells on its bus, and the contents of its property `actuation-stats`. Any thread may call these.
 
 /// Why it did not open: an error message with GStreamer's code for it.
 void tactor_post_open_error(GstElement *element, const std::exception &error);
@@ -23,7 +23,7 @@ void tactor_post_lead_short(GstElement *element, tactor::Time lead, tactor::Time
 /// `tactor-stats`, at the end of the stream. Takes the structure.
 void tactor_post_stats(GstElement *element, GstStructure *stats);
 
-/// Property `stats`. Transfer full.
+/// Property `actuation-stats`. Transfer full.
 GstStructure *tactor_stats_new(const TactorScheduler::Counters &counters,
                                const tactor::DriverStatus &board,
                                const tactor::LimitCounters &limited);

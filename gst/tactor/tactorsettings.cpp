@@ -195,7 +195,7 @@ TactorSettings::install(GObjectClass *klass)
   g_object_class_install_property(
       klass, TACTOR_PROP_STATS,
       g_param_spec_boxed(
-          "stats", "Statistics",
+          "actuation-stats", "Actuation statistics",
           "Commands issued, late, coalesced, dropped; cues that limits cut; schedule error "
           "|issued - due| in ns; the board, its pins and the bytes sent to it",
           GST_TYPE_STRUCTURE, static_cast<GParamFlags>(G_PARAM_READABLE | G_PARAM_STATIC_STRINGS)));

@@ -230,6 +230,7 @@ gst_visuotactile_sink_install_properties(GObjectClass *klass)
           g_param_spec_string("trace-location", "Trace location",
                               "CSV file that gets one line a command (unset: none)", nullptr,
                               ready));
-  install(PROP_STATS, g_param_spec_boxed("stats", "Statistics", "What the tactors were told",
-                                         GST_TYPE_STRUCTURE, readable));
+  install(PROP_STATS,
+          g_param_spec_boxed("actuation-stats", "Actuation statistics",
+                             "What the tactors were told", GST_TYPE_STRUCTURE, readable));
 }

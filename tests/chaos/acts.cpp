@@ -219,7 +219,7 @@ Chaos::query()
   gst_element_query(stage_->pipeline, latency);
   gst_query_unref(latency);
   GstStructure *stats = nullptr;
-  g_object_get(stage_->tactors, "stats", &stats, nullptr);
+  g_object_get(stage_->tactors, "actuation-stats", &stats, nullptr);
   guint64 issued = 0;
   guint64 late = 0;
   if (!gst_structure_get(stats, "issued", G_TYPE_UINT64, &issued, "late", G_TYPE_UINT64, &late,

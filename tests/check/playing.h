@@ -58,13 +58,20 @@ seek_exactly(GstElement *pipeline, double rate, GstClockTime start, GstClockTime
 
 /// A counter of an element's `stats`.
 inline guint64
-stat_of(GstElement *element, const char *field)
+stat_of(GstElement *element, const char *field, const char *property = "stats")
 {
   g_autoptr(GstStructure) stats = nullptr;
-  g_object_get(element, "stats", &stats, nullptr);
+  g_object_get(element, property, &stats, nullptr);
   guint64 value = 0;
   fail_unless(gst_structure_get_uint64(stats, field, &value));
   return value;
+}
+
+/// A counter of what the tactors of a tactorsink or a visuotactilesink were told.
+inline guint64
+actuation_stat_of(GstElement *element, const char *field)
+{
+  return stat_of(element, field, "actuation-stats");
 }
 
 /// What an error, a warning or an information says.

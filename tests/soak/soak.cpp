@@ -117,7 +117,7 @@ GST_START_TEST(test_hours_on_the_clock)
   for (const char *none : { "late", "coalesced", "dropped", "starved" })
     ck_assert_uint_eq(rig.stat(none), 0);
   GstStructure *stats = nullptr;
-  g_object_get(rig.element, "stats", &stats, nullptr);
+  g_object_get(rig.element, "actuation-stats", &stats, nullptr);
   gint64 most = -1;
   fail_unless(gst_structure_get_int64(stats, "error-max", &most));
   gst_structure_free(stats);
@@ -163,9 +163,9 @@ GST_START_TEST(test_hours_of_film)
     record.look(static_cast<double>(shown) / kRate / 3600);
   }
   wait_for_eos(pipeline);
-  const guint64 issued = stat_of(tactors, "issued");
+  const guint64 issued = actuation_stat_of(tactors, "issued");
   fail_unless(issued > 0);
-  ck_assert_uint_eq(stat_of(tactors, "dropped"), 0);
+  ck_assert_uint_eq(actuation_stat_of(tactors, "dropped"), 0);
   gst_element_set_state(pipeline, GST_STATE_NULL);
   record.expect_constant(32);
   std::printf("%" G_GUINT64_FORMAT " commands\n", issued);

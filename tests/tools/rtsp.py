@@ -97,7 +97,7 @@ def play(playbin, uri, trace):
     shown = Frames(screen.get_static_pad("sink"))
 
     def stats():
-        values = chair.get_property("stats")
+        values = chair.get_property("actuation-stats")
         return values.get_value("issued"), values.get_value("late")
 
     bus = player.get_bus()

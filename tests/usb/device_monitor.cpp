@@ -144,7 +144,7 @@ GST_START_TEST(test_element)
   gst_object_ref_sink(sink);
   ck_assert_int_eq(gst_element_set_state(sink, GST_STATE_PAUSED), GST_STATE_CHANGE_ASYNC);
   GstStructure *stats = nullptr;
-  g_object_get(sink, "stats", &stats, nullptr);
+  g_object_get(sink, "actuation-stats", &stats, nullptr);
   gboolean connected = FALSE;
   fail_unless(gst_structure_get_boolean(stats, "connected", &connected) && connected);
   ck_assert_str_eq(gst_structure_get_string(stats, "firmware"), "StandardFirmata.ino 2.5");

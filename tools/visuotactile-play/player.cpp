@@ -105,7 +105,7 @@ public:
     if (analysis_)
       g_object_get(analysis_.get(), "stats", &report_.analysis, nullptr);
     if (chair_)
-      g_object_get(chair_.get(), "stats", &report_.chair, nullptr);
+      g_object_get(chair_.get(), "actuation-stats", &report_.chair, nullptr);
     gst_element_set_state(pipeline_.get(), GST_STATE_READY);
     check_trace(bus.get());
     gst_element_set_state(pipeline_.get(), GST_STATE_NULL);
@@ -391,7 +391,7 @@ private:
   {
     const GstClockTime position = position_.load();
     GstStructure *stats = nullptr;
-    g_object_get(chair_.get(), "stats", &stats, nullptr);
+    g_object_get(chair_.get(), "actuation-stats", &stats, nullptr);
     guint64 issued = 0;
     guint64 late = 0;
     if (stats) {

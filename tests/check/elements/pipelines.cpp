@@ -82,7 +82,7 @@ public:
   }
   guint64 stat(const char *field)
   {
-    return stat_of(tactors, field);
+    return actuation_stat_of(tactors, field);
   }
   /// Plays on until so many more commands have been given.
   void wait_for_commands(guint64 count)

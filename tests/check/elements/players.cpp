@@ -131,8 +131,8 @@ public:
   }
   void wait_for_commands(guint64 count)
   {
-    wait([this, until = stat_of(tactors, "issued") + count] {
-      return stat_of(tactors, "issued") >= until;
+    wait([this, until = actuation_stat_of(tactors, "issued") + count] {
+      return actuation_stat_of(tactors, "issued") >= until;
     });
   }
   std::vector<IssuedCommand> trace()

@@ -117,7 +117,7 @@ public:
   GstStructure *stats()
   {
     GstStructure *stats = nullptr;
-    g_object_get(element, "stats", &stats, nullptr);
+    g_object_get(element, "actuation-stats", &stats, nullptr);
     return stats;
   }
 

@@ -271,7 +271,7 @@ public:
 
   guint64 stat(const char *field)
   {
-    return stat_of(element, field);
+    return actuation_stat_of(element, field);
   }
 
   GstElement *element;

@@ -60,8 +60,6 @@ GST_START_TEST(test_properties_are_the_childrens)
     for (guint i = 0; i < count; i++) {
       if (specs[i]->owner_type != G_OBJECT_TYPE(chair))
         continue;
-      if (g_str_equal(specs[i]->name, "stats") && g_str_equal(child_name, "analysis"))
-        continue; // tactorsink's
       // What is the video sink's as well is as base sinks have it.
       GParamSpec *spec = g_object_class_find_property(G_OBJECT_GET_CLASS(child), specs[i]->name);
       if (!spec || spec->owner_type != G_OBJECT_TYPE(child))
