@@ -19,16 +19,14 @@ read_motors(GstElement *element, const TactorSettings &settings, Time &latency)
 {
   if (settings.calibration.empty())
     return {};
-  tactor::Calibration calibration;
-  try {
-    calibration = tactor::read_calibration(settings.calibration);
-  } catch (const std::exception &e) {
-    throw tactor::DriverError(tactor::DriverError::Kind::settings, e.what());
-  }
-  std::vector<tactor::MotorParameters> motors = calibration.motors(settings.planner.volts_max);
+  const tl::expected<tactor::Calibration, std::string> calibration
+      = tactor::read_calibration(settings.calibration);
+  if (!calibration)
+    throw tactor::DriverError(tactor::DriverError::Kind::settings, calibration.error());
+  std::vector<tactor::MotorParameters> motors = calibration->motors(settings.planner.volts_max);
   for (const tactor::MotorParameters &motor : motors)
     latency = std::max(latency, motor.latency.value_or(Time(0)));
-  const Time longest = calibration.longest_lead();
+  const Time longest = calibration->longest_lead();
   if (longest > settings.planner.max_lead + latency)
     GST_ELEMENT_WARNING(element, RESOURCE, SETTINGS,
                         ("Some vibrations will come late: the motors are slower than max-lead."),

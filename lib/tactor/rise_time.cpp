@@ -2,8 +2,8 @@
 #include "tactor/rise_time.h"
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
-#include <stdexcept>
 #include <string>
 #include <utility>
 
@@ -13,26 +13,6 @@ namespace {
 
 constexpr int kMaxTableSize = 1024;
 constexpr double kLongestMs = 3.6e6;
-
-void
-validate(const RiseTimeTable &table)
-{
-  if (table.size < 1 || table.size > kMaxTableSize)
-    throw std::invalid_argument("a rise time table has 1 to " + std::to_string(kMaxTableSize)
-                                + " points per axis, not " + std::to_string(table.size));
-  const std::size_t expected = static_cast<std::size_t>(table.size) * table.size;
-  if (table.milliseconds.size() != expected)
-    throw std::invalid_argument("a rise time table of " + std::to_string(table.size)
-                                + " points per axis has " + std::to_string(expected)
-                                + " times, not " + std::to_string(table.milliseconds.size()));
-  if (!std::isfinite(table.step_volts) || table.step_volts <= 0)
-    throw std::invalid_argument("the step of a rise time table is a positive number of volts");
-  if (!std::isfinite(table.least_volts) || table.least_volts < 0)
-    throw std::invalid_argument("the least volts of a rise time table are finite and not negative");
-  if (!std::ranges::all_of(table.milliseconds,
-                           [](double ms) { return std::isfinite(ms) && ms >= 0; }))
-    throw std::invalid_argument("the times of a rise time table are finite and not negative");
-}
 
 double
 interpolate(const RiseTimeTable &table, double start_volts, double target_volts)
@@ -62,10 +42,30 @@ rise_time_quadratic_ms(double start_volts, double offset_volts)
   return 241.9 - 175.7 * d - 117.7 * s + 38.86 * d * d + 49.59 * d * s + 18.07 * s * s;
 }
 
-RiseTime::RiseTime(RiseTimeTable table)
+std::string
+fault_of(const RiseTimeTable &table)
 {
-  validate(table);
-  table_ = std::make_shared<const RiseTimeTable>(std::move(table));
+  if (table.size < 1 || table.size > kMaxTableSize)
+    return "a rise time table has 1 to " + std::to_string(kMaxTableSize) + " points per axis, not "
+           + std::to_string(table.size);
+  const std::size_t expected = static_cast<std::size_t>(table.size) * table.size;
+  if (table.milliseconds.size() != expected)
+    return "a rise time table of " + std::to_string(table.size) + " points per axis has "
+           + std::to_string(expected) + " times, not " + std::to_string(table.milliseconds.size());
+  if (!std::isfinite(table.step_volts) || table.step_volts <= 0)
+    return "the step of a rise time table is a positive number of volts";
+  if (!std::isfinite(table.least_volts) || table.least_volts < 0)
+    return "the least volts of a rise time table are finite and not negative";
+  if (!std::ranges::all_of(table.milliseconds,
+                           [](double ms) { return std::isfinite(ms) && ms >= 0; }))
+    return "the times of a rise time table are finite and not negative";
+  return {};
+}
+
+RiseTime::RiseTime(RiseTimeTable table)
+    : table_(std::make_shared<const RiseTimeTable>(std::move(table)))
+{
+  assert(fault_of(*table_).empty());
 }
 
 Time

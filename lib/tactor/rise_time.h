@@ -4,6 +4,7 @@
 #include "tactor/time.h"
 
 #include <memory>
+#include <string>
 #include <vector>
 
 namespace tactor {
@@ -27,14 +28,16 @@ struct RiseTimeTable
   double least_volts = kStartVolts; ///< the motor does not turn below
 };
 
+/// Why that is no table: its size or step does not fit, or a time is negative or not finite. Empty if it is one.
+std::string fault_of(const RiseTimeTable &table);
+
 /// How long a motor needs to rise from one voltage to another. Copies share the table.
 class RiseTime
 {
 public:
   /// The paper's quadratic.
   RiseTime() = default;
-  /// A calibrated table. Throws std::invalid_argument if its size or step does not fit or a time is
-  /// negative or not finite.
+  /// A calibrated table, one without fault_of().
   explicit RiseTime(RiseTimeTable table);
 
   /// Time from start to 90 % of target, at least 0. Zero where the motor does not accelerate

@@ -126,13 +126,13 @@ simulated_sensor_src_start(GstBaseSrc *src)
 {
   auto *self = reinterpret_cast<SimulatedSensorSrc *>(src);
   self->sensor->done = Time(0);
-  try {
-    self->sensor->motors = tactor::read_calibration(self->motors ? self->motors : "").motors(3);
-    return TRUE;
-  } catch (const std::exception &e) {
-    GST_ELEMENT_ERROR(self, RESOURCE, SETTINGS, ("%s", e.what()), (nullptr));
+  const auto calibration = tactor::read_calibration(self->motors ? self->motors : "");
+  if (!calibration) {
+    GST_ELEMENT_ERROR(self, RESOURCE, SETTINGS, ("%s", calibration.error().c_str()), (nullptr));
     return FALSE;
   }
+  self->sensor->motors = calibration->motors(3);
+  return TRUE;
 }
 
 static void

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include "../or_throw.h"
 #include "tactile/track.h"
 
 #include <glib.h>
@@ -27,16 +28,6 @@ class UsageError : public std::runtime_error
 public:
   using std::runtime_error::runtime_error;
 };
-
-/// What was read or made, or, as an exception, why it was not.
-template <typename T>
-T
-or_throw(tl::expected<T, tactile::FormatError> result)
-{
-  if (!result)
-    throw std::runtime_error(result.error().text());
-  return *std::move(result);
-}
 
 /// Reads options and returns the other arguments, of which there have to be `least` to `most`. `arguments` and `summary` are for
 /// --help. Throws UsageError.

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
+#include "../or_throw.h"
 #include "audio_file.h"
 #include "commands.h"
 #include "options.h"
@@ -134,7 +135,7 @@ run_analyse(int argc, char **argv)
   calibration.motor = name;
   calibration.date = now();
   calibration.method = method;
-  tactor::write_calibration(calibration, path);
+  or_throw(tactor::write_calibration(calibration, path));
   report(calibration, heard.responses);
   std::printf("written: %s\n", path.c_str());
   return 0;

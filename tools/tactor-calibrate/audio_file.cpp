@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "audio_file.h"
+#include "../or_throw.h"
 
 #include <gst/app/app.h>
 #include <gst/audio/audio.h>
@@ -195,7 +196,7 @@ tactor::Recording
 read_recording(const std::string &path, GstClockTime patience)
 {
   if (path.ends_with(".csv") || path.ends_with(".txt"))
-    return tactor::read_csv_recording(path);
+    return or_throw(tactor::read_csv_recording(path));
   AudioCollector heard;
   const Pipeline pipeline
       = launch("filesrc name=file ! decodebin name=decoder ! " + recording_branch());

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "options.h"
+#include "../or_throw.h"
 
 #include <charconv>
 #include <cmath>
@@ -53,7 +54,7 @@ PlayOptions::settings(double volts_max) const
   settings.sensor.noise = 0.001;
   if (!simulated_motors.is_set())
     return settings;
-  const tactor::Calibration simulated = tactor::read_calibration(simulated_motors.text());
+  const tactor::Calibration simulated = or_throw(tactor::read_calibration(simulated_motors.text()));
   settings.motors = simulated.motors(volts_max);
   settings.sensor.gains.assign(settings.motors.size(), 1.0);
   for (const auto &[index, tactor] : simulated.tactors)

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "session.h"
+#include "../or_throw.h"
 
 #include "audio_file.h"
 #include "tactor/calibration/alignment.h"
@@ -134,11 +135,10 @@ Session::open(const fs::path &folder)
   g_autofree gchar *sensor = g_key_file_get_string(file.get(), kGroup, "sensor", nullptr);
   session.motor_ = motor ? motor : "";
   session.sensor_ = sensor ? sensor : "";
-  try {
-    session.plan_ = tactor::plan_measurement(session.settings_);
-  } catch (const std::invalid_argument &error) {
-    throw std::runtime_error("'" + folder.string() + "' holds no measurement: " + error.what());
-  }
+  auto plan = tactor::plan_measurement(session.settings_);
+  session.plan_ = or_throw(std::move(plan).map_error([&](const std::string &reason) {
+    return "'" + folder.string() + "' holds no measurement: " + reason;
+  }));
   return session;
 }
 

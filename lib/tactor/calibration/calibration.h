@@ -11,6 +11,8 @@
 #include <string>
 #include <vector>
 
+#include <tl/expected.hpp>
+
 namespace tactor {
 
 /// Rise times as a quadratic form of start voltage s and offset d = target − start, in the order of the paper's Eq. 1:
@@ -75,10 +77,11 @@ struct Calibration
   Time longest_lead() const;
 };
 
-/// Reads a key file of at most 64 MiB. Throws std::runtime_error with file, group, key, what was expected and what came.
-Calibration read_calibration(const std::string &path);
+/// Reads a key file of at most 64 MiB. An error is a line with file, group, key, what was expected and what came.
+tl::expected<Calibration, std::string> read_calibration(const std::string &path);
 
-/// Writes a key file, whole or not at all. Throws std::runtime_error with the file and the reason.
-void write_calibration(const Calibration &calibration, const std::string &path);
+/// Writes a key file, whole or not at all. An error is a line with the file and the reason.
+tl::expected<void, std::string> write_calibration(const Calibration &calibration,
+                                                  const std::string &path);
 
 } // namespace tactor

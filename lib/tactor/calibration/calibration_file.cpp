@@ -10,7 +10,6 @@
 #include <cstdio>
 #include <memory>
 #include <span>
-#include <stdexcept>
 #include <string>
 #include <system_error>
 
@@ -29,8 +28,10 @@ constexpr std::size_t kMostBytes = std::size_t{ 64 } << 20;
 constexpr std::ptrdiff_t kMostLines = 200'000;
 constexpr std::size_t kLongestLine = std::size_t{ 1 } << 20;
 
-/// The whole file. Throws std::runtime_error if it cannot be read or has no end.
-std::string
+using Error = tl::unexpected<std::string>;
+
+/// The whole file, unless it cannot be read or has no end.
+tl::expected<std::string, std::string>
 contents(const std::string &path)
 {
   std::string text;
@@ -43,11 +44,9 @@ contents(const std::string &path)
     else
       break;
   if (!file || std::ferror(file.get()))
-    throw std::runtime_error("cannot read the calibration '" + path
-                             + "': " + std::generic_category().message(errno));
+    return Error(std::generic_category().message(errno));
   if (text.size() > kMostBytes)
-    throw std::runtime_error("cannot read the calibration '" + path + "': expected at most "
-                             + std::to_string(kMostBytes) + " bytes");
+    return Error("expected at most " + std::to_string(kMostBytes) + " bytes");
   std::size_t longest = 0;
   std::ptrdiff_t lines = 0;
   for (std::size_t from = 0; from < text.size(); lines++) {
@@ -56,9 +55,8 @@ contents(const std::string &path)
     from = to + 1;
   }
   if (lines > kMostLines || longest > kLongestLine)
-    throw std::runtime_error("cannot read the calibration '" + path + "': expected at most "
-                             + std::to_string(kMostLines) + " lines of at most "
-                             + std::to_string(kLongestLine) + " bytes");
+    return Error("expected at most " + std::to_string(kMostLines) + " lines of at most "
+                 + std::to_string(kLongestLine) + " bytes");
   return text;
 }
 
@@ -102,18 +100,20 @@ from_ms(double ms)
   return Time(std::llround(ms * 1e6));
 }
 
-/// One group of the file; every error names the place.
+/// One group of the file. What is not as it has to be is the least that it may be, or nothing; the first such thing is the file's `fault`,
+/// with its place.
 class Reader
 {
 public:
-  Reader(GKeyFile *file, std::string path, std::string group)
-      : file_(file), path_(std::move(path)), group_(std::move(group))
+  Reader(GKeyFile *file, std::string path, std::string group, std::string &fault)
+      : file_(file), path_(std::move(path)), group_(std::move(group)), fault_(fault)
   {
   }
 
-  [[noreturn]] void fail(const std::string &key, const std::string &why) const
+  void fail(const std::string &key, const std::string &why) const
   {
-    throw std::runtime_error(path_ + ", [" + group_ + "] " + key + ": " + why);
+    if (fault_.empty())
+      fault_ = path_ + ", [" + group_ + "] " + key + ": " + why;
   }
 
   bool has(const char *key) const
@@ -134,26 +134,34 @@ public:
     gsize count = 0;
     g_autofree gdouble *values
         = g_key_file_get_double_list(file_, group_.c_str(), key, &count, &error);
-    if (error)
+    if (error) {
       fail(key, std::string("expected numbers: ") + error->message);
-    for (gsize i = 0; i < count; i++)
-      if (!(values[i] >= least && values[i] <= most))
-        fail(key, "expected " + text(least) + " to " + text(most) + ", got " + text(values[i]));
-    return { values, values + count };
+      return {};
+    }
+    const std::span<const double> all(values, count);
+    const auto wrong = std::ranges::find_if_not(
+        all, [&](double value) { return value >= least && value <= most; });
+    if (wrong != all.end()) {
+      fail(key, "expected " + text(least) + " to " + text(most) + ", got " + text(*wrong));
+      return {};
+    }
+    return { all.begin(), all.end() };
   }
 
   double number(const char *key, double least, double most) const
   {
     const std::vector<double> values = numbers(key, least, most);
-    if (values.size() != 1)
-      fail(key, "expected one number, got " + std::to_string(values.size()));
-    return values.front();
+    if (values.size() == 1)
+      return values.front();
+    fail(key, "expected one number, got " + std::to_string(values.size()));
+    return least;
   }
 
 private:
   GKeyFile *file_;
   std::string path_;
   std::string group_;
+  std::string &fault_;
 };
 
 void
@@ -163,11 +171,8 @@ read_table(const Reader &in, TactorCalibration &tactor)
                        .milliseconds = in.numbers("rise-table-ms", 0, kLongestMs) };
   table.size
       = static_cast<int>(std::lround(std::sqrt(static_cast<double>(table.milliseconds.size()))));
-  try {
-    RiseTime{ table };
-  } catch (const std::invalid_argument &e) {
-    in.fail("rise-table-ms", e.what());
-  }
+  if (const std::string fault = fault_of(table); !fault.empty())
+    return in.fail("rise-table-ms", fault);
   tactor.table = std::move(table);
 }
 
@@ -178,7 +183,7 @@ read_quadratic(const Reader &in, TactorCalibration &tactor)
   const auto six = [&](const char *key, std::array<double, 6> &into) {
     const std::vector<double> values = in.numbers(key, -1e6, 1e6);
     if (values.size() != into.size())
-      in.fail(key, "expected six numbers, got " + std::to_string(values.size()));
+      return in.fail(key, "expected six numbers, got " + std::to_string(values.size()));
     std::ranges::copy(values, into.begin());
   };
   six("rise-quadratic-ms", quadratic.coefficients);
@@ -197,15 +202,16 @@ read_vibration(const Reader &in, TactorCalibration &tactor)
   const std::vector<double> volts = in.numbers("vibration-volts", 0, kMostVolts);
   const std::vector<double> amplitudes = in.numbers("vibration", 0, 1e12);
   if (volts.size() != amplitudes.size())
-    in.fail("vibration", "expected " + std::to_string(volts.size())
-                             + " amplitudes, one for each of vibration-volts, got "
-                             + std::to_string(amplitudes.size()));
+    return in.fail("vibration", "expected " + std::to_string(volts.size())
+                                    + " amplitudes, one for each of vibration-volts, got "
+                                    + std::to_string(amplitudes.size()));
   for (std::size_t i = 0; i < volts.size(); i++) {
     const VibrationPoint before = i > 0 ? tactor.vibration.back() : VibrationPoint{};
     if (!(volts[i] > before.volts) || amplitudes[i] < before.amplitude)
-      in.fail("vibration", "expected rising volts and amplitudes from above 0 V on, got "
-                               + text(amplitudes[i]) + " at " + text(volts[i]) + " V after "
-                               + text(before.amplitude) + " at " + text(before.volts) + " V");
+      return in.fail("vibration", "expected rising volts and amplitudes from above 0 V on, got "
+                                      + text(amplitudes[i]) + " at " + text(volts[i]) + " V after "
+                                      + text(before.amplitude) + " at " + text(before.volts)
+                                      + " V");
     tactor.vibration.push_back({ volts[i], amplitudes[i] });
   }
   if (!tactor.vibration.empty() && tactor.vibration.back().amplitude <= 0)
@@ -286,16 +292,22 @@ write_tactor(GKeyFile *file, int index, const TactorCalibration &tactor)
 
 } // namespace
 
-Calibration
+tl::expected<Calibration, std::string>
 read_calibration(const std::string &path)
 {
   const KeyFile file(g_key_file_new());
   g_autoptr(GError) error = nullptr;
-  const std::string data = contents(path);
-  if (!g_key_file_load_from_data(file.get(), data.c_str(), data.size(), G_KEY_FILE_NONE, &error))
-    throw std::runtime_error("cannot read the calibration '" + path + "': " + error->message);
+  const auto refused = [&path](const std::string &why) {
+    return Error("cannot read the calibration '" + path + "': " + why);
+  };
+  const tl::expected<std::string, std::string> data = contents(path);
+  if (!data)
+    return refused(data.error());
+  if (!g_key_file_load_from_data(file.get(), data->c_str(), data->size(), G_KEY_FILE_NONE, &error))
+    return refused(error->message);
 
-  const Reader head(file.get(), path, kGroup);
+  std::string fault;
+  const Reader head(file.get(), path, kGroup, fault);
   if (!head.has("version"))
     head.fail("version", "expected a calibration of version 1, found no version");
   if (const double version = head.number("version", 0, 1e6); version != Calibration::kVersion)
@@ -308,24 +320,27 @@ read_calibration(const std::string &path)
     calibration.perception_exponent = head.number("perception-exponent", 0.1, 10);
 
   g_auto(GStrv) groups = g_key_file_get_groups(file.get(), nullptr);
-  for (gchar **group = groups; *group; group++) {
+  for (gchar **group = groups; *group && fault.empty(); group++) {
     if (!g_str_has_prefix(*group, kTactorGroup))
       continue;
-    const Reader in(file.get(), path, *group);
+    const Reader in(file.get(), path, *group, fault);
     const std::string name = *group + std::string_view(kTactorGroup).size();
     int index = -1;
     const auto [end, bad] = std::from_chars(name.data(), name.data() + name.size(), index);
-    if (bad != std::errc() || end != name.data() + name.size() || index < 0
-        || index >= kMostTactors)
+    if (bad == std::errc() && end == name.data() + name.size() && index >= 0
+        && index < kMostTactors)
+      calibration.tactors[index] = read_tactor(in);
+    else
       in.fail("", "expected a tactor's index, 0 to " + std::to_string(kMostTactors - 1));
-    calibration.tactors[index] = read_tactor(in);
   }
   if (calibration.tactors.empty())
     head.fail("", "expected at least one group [Tactor N]");
+  if (!fault.empty())
+    return Error(fault);
   return calibration;
 }
 
-void
+tl::expected<void, std::string>
 write_calibration(const Calibration &calibration, const std::string &path)
 {
   const KeyFile file(g_key_file_new());
@@ -342,7 +357,8 @@ write_calibration(const Calibration &calibration, const std::string &path)
     write_tactor(file.get(), index, tactor);
   g_autoptr(GError) error = nullptr;
   if (!g_key_file_save_to_file(file.get(), path.c_str(), &error))
-    throw std::runtime_error("cannot write the calibration '" + path + "': " + error->message);
+    return Error("cannot write the calibration '" + path + "': " + error->message);
+  return {};
 }
 
 } // namespace tactor

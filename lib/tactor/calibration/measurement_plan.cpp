@@ -5,8 +5,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <stdexcept>
 #include <string>
+#include <utility>
 
 namespace tactor {
 
@@ -48,38 +48,42 @@ voltage_steps(const MeasurementSettings &settings)
   return steps;
 }
 
-void
-validate(const MeasurementSettings &settings)
+/// Why they are no settings; empty if they are.
+std::string
+fault_of(const MeasurementSettings &settings)
 {
-  const auto expect = [](bool holds, const std::string &what, double got) {
-    if (!holds)
-      throw std::invalid_argument("expected " + what + ", got " + std::to_string(got));
+  const auto got = [](double value) {
+    return ", got " + std::to_string(value);
   };
-  expect(settings.volts_max >= 0.6 && settings.volts_max <= kMostVolts, "0.6 to 24 V at most",
-         settings.volts_max);
-  expect(settings.step_volts >= 0.05 && settings.step_volts <= settings.volts_max,
-         "steps of 0.05 V up to the greatest voltage", settings.step_volts);
-  expect(settings.repetitions >= 1 && settings.repetitions <= 100, "1 to 100 repetitions",
-         settings.repetitions);
-  expect(settings.max_duty > 0 && settings.max_duty <= 0.4, "a duty of at most 0.4",
-         settings.max_duty);
-  expect(!settings.tactors.empty(), "at least one tactor", 0);
+  if (!(settings.volts_max >= 0.6 && settings.volts_max <= kMostVolts))
+    return "expected 0.6 to 24 V at most" + got(settings.volts_max);
+  if (!(settings.step_volts >= 0.05 && settings.step_volts <= settings.volts_max))
+    return "expected steps of 0.05 V up to the greatest voltage" + got(settings.step_volts);
+  if (settings.repetitions < 1 || settings.repetitions > 100)
+    return "expected 1 to 100 repetitions" + got(settings.repetitions);
+  if (!(settings.max_duty > 0 && settings.max_duty <= 0.4))
+    return "expected a duty of at most 0.4" + got(settings.max_duty);
+  if (settings.tactors.empty())
+    return "expected at least one tactor";
   for (const int tactor : settings.tactors)
-    expect(tactor >= 0 && tactor < 4096, "tactors from 0 to 4095", tactor);
+    if (tactor < 0 || tactor >= 4096)
+      return "expected tactors from 0 to 4095" + got(tactor);
+  return {};
 }
 
 } // namespace
 
-std::vector<MeasurementRun>
+tl::expected<std::vector<MeasurementRun>, std::string>
 plan_measurement(const MeasurementSettings &settings)
 {
-  validate(settings);
+  if (std::string fault = fault_of(settings); !fault.empty())
+    return tl::unexpected(std::move(fault));
   const std::vector<VoltageStep> steps = voltage_steps(settings);
   const std::size_t count
       = steps.size() * settings.tactors.size() * static_cast<std::size_t>(settings.repetitions);
   if (count > kMostSteps)
-    throw std::invalid_argument("expected at most " + std::to_string(kMostSteps)
-                                + " steps to measure, got " + std::to_string(count));
+    return tl::unexpected("expected at most " + std::to_string(kMostSteps)
+                          + " steps to measure, got " + std::to_string(count));
   std::vector<MeasurementRun> runs;
   MeasurementRun run;
   Time now{ 0 };

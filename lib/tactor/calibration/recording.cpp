@@ -6,7 +6,6 @@
 #include <charconv>
 #include <cmath>
 #include <fstream>
-#include <stdexcept>
 #include <system_error>
 
 namespace tactor {
@@ -19,8 +18,10 @@ constexpr double kMostRate = 1e6;
 constexpr double kGreatest = 1e12; ///< of values, in any unit
 constexpr std::streamsize kLongestLine = 1 << 16;
 
-/// The numbers of a line; empty if it does not begin with one. Throws what is no number further on, or none that is read.
-std::vector<double>
+using Error = tl::unexpected<std::string>;
+
+/// The numbers of a line; empty if it does not begin with one. An error: what is no number further on, or none that is read.
+tl::expected<std::vector<double>, std::string>
 numbers(const std::string &line)
 {
   std::vector<double> result;
@@ -33,13 +34,39 @@ numbers(const std::string &line)
     const auto [end, error] = std::from_chars(field.data(), field.data() + field.size(), value);
     const bool is_text = error == std::errc::invalid_argument || end != field.data() + field.size();
     if (is_text && result.empty())
-      return {};
+      return result;
     if (is_text || error != std::errc() || !(std::abs(value) <= kGreatest))
-      throw std::runtime_error("expected a number, got '" + field.substr(0, 40) + "'");
+      return Error("expected a number, got '" + field.substr(0, 40) + "'");
     result.push_back(value);
     from = to + 1;
   }
   return result;
+}
+
+/// Adds what was heard at a time, the first number of `row`. Why not, if it does not fit what was there before.
+tl::expected<void, std::string>
+add_row(const std::vector<double> &row, std::vector<double> &times, Recording &recording)
+{
+  const double time = row.front();
+  if (times.empty())
+    recording.channels.resize(row.size() - 1);
+  if (row.size() < 2 || row.size() - 1 != recording.channels.size())
+    return Error("expected seconds and "
+                 + std::to_string(std::max<std::size_t>(recording.channels.size(), 1))
+                 + " values, got " + std::to_string(row.size()) + " numbers");
+  if (!times.empty() && !(time > times.back()))
+    return Error("expected a time after " + std::to_string(times.back()) + ", got "
+                 + std::to_string(time));
+  if ((times.size() + 1) * row.size() > Recording::kMostValues)
+    return Error("more numbers than the " + std::to_string(Recording::kMostValues)
+                 + " that are read");
+  if (std::abs(time) > kLongestS)
+    return Error("expected a time within " + std::to_string(kLongestS) + " s, got "
+                 + std::to_string(time));
+  times.push_back(time);
+  for (std::size_t i = 0; i < recording.channels.size(); i++)
+    recording.channels[i].push_back(row[i + 1]);
+  return {};
 }
 
 /// The channels at times first + i / rate.
@@ -70,58 +97,35 @@ Recording::channel_of(int tactor, int tactors) const
   return own ? tactor : 0;
 }
 
-Recording
+tl::expected<Recording, std::string>
 read_csv_recording(const std::string &path)
 {
   std::ifstream file(path);
   if (!file)
-    throw std::runtime_error("cannot read '" + path
-                             + "': " + std::generic_category().message(errno));
+    return Error("cannot read '" + path + "': " + std::generic_category().message(errno));
   Recording recording;
   std::vector<double> times;
-  std::string line;
-  std::vector<char> buffer(kLongestLine);
-  for (std::size_t number = 1; file.getline(buffer.data(), kLongestLine) || file.gcount() > 0;
+  std::vector<char> line(kLongestLine);
+  for (std::size_t number = 1; file.getline(line.data(), kLongestLine) || file.gcount() > 0;
        number++) {
-    const auto fail = [&](const std::string &why) {
-      throw std::runtime_error(path + ", line " + std::to_string(number) + ": " + why);
+    const auto add = [&]() -> tl::expected<void, std::string> {
+      if (file.fail())
+        return Error("expected a line of at most " + std::to_string(kLongestLine) + " bytes");
+      const tl::expected<std::vector<double>, std::string> row = numbers(line.data());
+      if (!row)
+        return Error(row.error());
+      return row->empty() ? tl::expected<void, std::string>() : add_row(*row, times, recording);
     };
-    if (file.fail())
-      fail("expected a line of at most " + std::to_string(kLongestLine) + " bytes");
-    line = buffer.data();
-    std::vector<double> row;
-    try {
-      row = numbers(line);
-    } catch (const std::runtime_error &e) {
-      fail(e.what());
-    }
-    if (row.empty())
-      continue;
-    if (times.empty())
-      recording.channels.resize(row.size() - 1);
-    if (row.size() < 2 || row.size() - 1 != recording.channels.size())
-      fail("expected seconds and "
-           + std::to_string(std::max<std::size_t>(recording.channels.size(), 1)) + " values, got "
-           + std::to_string(row.size()) + " numbers");
-    if (!times.empty() && !(row[0] > times.back()))
-      fail("expected a time after " + std::to_string(times.back()) + ", got "
-           + std::to_string(row[0]));
-    if ((times.size() + 1) * row.size() > Recording::kMostValues)
-      fail("more numbers than the " + std::to_string(Recording::kMostValues) + " that are read");
-    if (std::abs(row[0]) > kLongestS)
-      fail("expected a time within " + std::to_string(kLongestS) + " s, got "
-           + std::to_string(row[0]));
-    times.push_back(row[0]);
-    for (std::size_t i = 0; i < recording.channels.size(); i++)
-      recording.channels[i].push_back(row[i + 1]);
+    if (const auto added = add(); !added)
+      return Error(path + ", line " + std::to_string(number) + ": " + added.error());
   }
   if (times.size() < 2)
-    throw std::runtime_error(path + ": expected lines of seconds and values, found "
-                             + std::to_string(times.size()));
+    return Error(path + ": expected lines of seconds and values, found "
+                 + std::to_string(times.size()));
   recording.rate = static_cast<double>(times.size() - 1) / (times.back() - times.front());
   if (!(recording.rate <= kMostRate))
-    throw std::runtime_error(path + ": expected at most " + std::to_string(kMostRate)
-                             + " samples a second, got " + std::to_string(recording.rate));
+    return Error(path + ": expected at most " + std::to_string(kMostRate)
+                 + " samples a second, got " + std::to_string(recording.rate));
   recording.start = Time(std::llround(times.front() * 1e9));
   resample(recording, times);
   return recording;

@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include <tl/expected.hpp>
+
 namespace tactor {
 
 /// What a sensor heard: any number of channels of one rate.
@@ -31,7 +33,7 @@ struct Recording
 
 /// Reads a recording from a CSV file: a column of seconds, then one for each channel, separated by commas, semicolons or
 /// tabs; lines that do not begin with a number (headers) are skipped. At most 1 MHz, 28 hours, lines of 64 KiB. Uneven times are resampled to their mean rate.
-/// Throws std::runtime_error with file, line, what was expected and what came.
-Recording read_csv_recording(const std::string &path);
+/// An error is a line with file, line, what was expected and what came.
+tl::expected<Recording, std::string> read_csv_recording(const std::string &path);
 
 } // namespace tactor

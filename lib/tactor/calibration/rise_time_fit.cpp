@@ -8,7 +8,6 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <stdexcept>
 #include <utility>
 
 namespace tactor {
@@ -103,11 +102,11 @@ isotonic(std::span<const double> values, std::span<const double> weights)
   return result;
 }
 
-RiseTimeTable
+std::optional<RiseTimeTable>
 monotone_table(std::span<const RiseTimeSample> samples, double volts_max)
 {
   if (samples.empty())
-    throw std::invalid_argument("a rise time table needs at least one measurement");
+    return std::nullopt;
   std::map<std::pair<double, double>, std::vector<double>> repeated;
   std::vector<double> all;
   for (const RiseTimeSample &sample : samples) {

@@ -23,9 +23,9 @@ struct RiseTimeSample
 std::optional<QuadraticRiseTime> fit_quadratic(std::span<const RiseTimeSample> samples);
 
 /// A table for use on 0…volts_max: where it was measured the median of the measurements, elsewhere the quadratic, shifted by what it
-/// leaves nearby; no stronger target is slower from the same start (pool adjacent violators). Throws std::invalid_argument
-/// without samples.
-RiseTimeTable monotone_table(std::span<const RiseTimeSample> samples, double volts_max);
+/// leaves nearby; no stronger target is slower from the same start (pool adjacent violators). None without samples.
+std::optional<RiseTimeTable> monotone_table(std::span<const RiseTimeSample> samples,
+                                            double volts_max);
 
 /// The rising sequence nearest to the values in the sense of least squares, weighted if there are as many weights (pool adjacent
 /// violators).

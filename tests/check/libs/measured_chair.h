@@ -49,7 +49,8 @@ measure(const tactor::MeasurementSettings &settings,
         const std::vector<tactor::MotorParameters> &motors, tactor::SimulatedSensor sensor)
 {
   std::vector<tactor::RecordedRun> runs;
-  for (const tactor::MeasurementRun &run : plan_measurement(settings)) {
+  const auto plan = plan_measurement(settings);
+  for (const tactor::MeasurementRun &run : *plan) {
     const std::vector<tactor::IssuedCommand> trace = trace_of(run);
     const tactor::Time end = length_of(run);
     runs.push_back({ hear(trace, motors, sensor, end), steps_of(trace, end) });

@@ -16,12 +16,8 @@ void
 expect_refusal(const std::string &text, const std::string &says)
 {
   const TemporaryFile file(text);
-  std::string got;
-  try {
-    read_csv_recording(file.path);
-  } catch (const std::runtime_error &e) {
-    got = e.what();
-  }
+  const tl::expected<Recording, std::string> read = read_csv_recording(file.path);
+  const std::string got = read ? "nothing" : read.error();
   fail_unless(got.find(says) != std::string::npos, "'%s' instead of '%s'", got.c_str(),
               says.c_str());
 }
@@ -36,7 +32,7 @@ GST_START_TEST(exports_are_read)
          "export\r\n\"Time\"\t\"a\"\t\"b\"\r\n-0.5\t1\t2\r\n0\t3\t4\r\n0.5\t5\t6\r\n1\t7\t8\r\n",
          "-0.5; +1; 2\n0; 3; 4\n\n0.5; 5; 6\n1; 7; 8" }) {
     const TemporaryFile file(text);
-    const Recording recording = read_csv_recording(file.path);
+    const Recording recording = *read_csv_recording(file.path);
     fail_unless_near(recording.rate, 2, 1e-9);
     fail_unless(recording.start == std::chrono::milliseconds(-500));
     fail_unless(recording.channels.size() == 2 && recording.size() == 4);
@@ -57,7 +53,7 @@ GST_START_TEST(uneven_times_become_even)
     text += std::to_string(time) + "," + std::to_string(5 * time) + "\n";
   }
   const TemporaryFile file(text);
-  const Recording recording = read_csv_recording(file.path);
+  const Recording recording = *read_csv_recording(file.path);
   fail_unless_near(recording.rate, 100, 1e-6);
   for (std::size_t i = 0; i <= 100; i++)
     fail_unless_near(recording.channels[0][i], 0.05 * static_cast<double>(i), 1e-4);

@@ -117,7 +117,7 @@ GST_START_TEST(table_has_what_was_measured_and_is_monotone)
     for (int target = start + 1; target <= 6; target++)
       for (const double noise : { -1.0, 0.0, 40.0 }) // the median of three
         samples.push_back({ 0.5 * start, 0.5 * target, truth(0.5 * start, 0.5 * target) + noise });
-  const RiseTimeTable table = monotone_table(samples, 3.0);
+  const RiseTimeTable table = *monotone_table(samples, 3.0);
   fail_unless(table.size == 31);
   const RiseTime rise_time(table);
   for (int start = 0; start <= 5; start++)
@@ -131,15 +131,9 @@ GST_START_TEST(table_has_what_was_measured_and_is_monotone)
 }
 GST_END_TEST
 
-GST_START_TEST(table_of_nothing_is_refused)
+GST_START_TEST(nothing_gives_no_table)
 {
-  bool refused = false;
-  try {
-    monotone_table({}, 3.0);
-  } catch (const std::invalid_argument &) {
-    refused = true;
-  }
-  fail_unless(refused);
+  fail_if(monotone_table({}, 3.0));
 }
 GST_END_TEST
 
@@ -154,7 +148,7 @@ rise_time_fit_suite(void)
   tcase_add_test(tests, too_little_to_tell_gives_no_fit);
   tcase_add_test(tests, isotonic_is_the_nearest_rising_sequence);
   tcase_add_test(tests, table_has_what_was_measured_and_is_monotone);
-  tcase_add_test(tests, table_of_nothing_is_refused);
+  tcase_add_test(tests, nothing_gives_no_table);
   return suite;
 }
 

@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <stdexcept>
+#include <utility>
+
+#include <tl/expected.hpp>
+
+/// What was read or made, or, as the exception that a program ends with, why it was not: a text, or an error that has a text().
+template <typename T, typename Error>
+T
+or_throw(tl::expected<T, Error> result)
+{
+  if (result)
+    return *std::move(result);
+  if constexpr (requires { result.error().text(); })
+    throw std::runtime_error(result.error().text());
+  else
+    throw std::runtime_error(result.error());
+}
+
+template <typename Error>
+void
+or_throw(const tl::expected<void, Error> &result)
+{
+  or_throw(tl::expected<bool, Error>(result.map([] { return true; })));
+}
