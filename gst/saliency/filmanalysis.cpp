@@ -46,7 +46,7 @@ FilmAnalysis::reset()
 {
   forget();
   map_ = {};
-  saliency_.values.clear();
+  saliency_.map.clear();
   next_analysis_.reset();
 }
 
@@ -110,15 +110,14 @@ FilmAnalysis::weigh(const SaliencySettings &settings, GstBuffer *buffer,
       regions_of_interest(buffer, mapping.left(), mapping.top(), *settings.roi_weights), time);
 }
 
+/// What is between samples is lower than the largest of them: the floor is lowered as the maximum is, so that it says of the one map what
+/// it says of the other.
 void
-FilmAnalysis::copy_saliency(const tactile::SaliencyView &view, double floor)
+FilmAnalysis::keep_saliency(const tactile::SaliencyView &view, double floor)
 {
-  saliency_.width = static_cast<guint>(view.width);
-  saliency_.height = static_cast<guint>(view.height);
-  saliency_.floor = static_cast<gfloat>(floor);
-  for (int y = 0; y < view.height; y++)
-    saliency_.values.insert(saliency_.values.end(), view.values + y * view.stride,
-                            view.values + y * view.stride + view.width);
+  saliency_.map.sample(view);
+  const double peak = view.peak();
+  saliency_.floor = static_cast<gfloat>(peak > 0 ? floor * saliency_.map.peak() / peak : floor);
 }
 
 bool
@@ -127,7 +126,7 @@ FilmAnalysis::analyse(const SaliencySettings &settings, const GstVideoInfo &info
 {
   make_analyzer(kind_of(settings));
   analyzer_->set_threads(settings.n_threads);
-  saliency_.values.clear();
+  saliency_.map.clear();
   const FrameMapping mapping(info, buffer);
   if (!mapping) {
     map_ = tactile::TactileMap(settings.rows, settings.columns);
@@ -158,6 +157,6 @@ FilmAnalysis::analyse(const SaliencySettings &settings, const GstVideoInfo &info
     map_ = tactile::TactileMap(settings.rows, settings.columns);
   tactile::map_saliency(view, how, map_, viewport);
   if (settings.attach_saliency)
-    copy_saliency(view, how.floor);
+    keep_saliency(view, how.floor);
   return true;
 }

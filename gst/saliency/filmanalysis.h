@@ -5,24 +5,22 @@
 #include "saliency/analyzer.h"
 #include "saliency/top_down_saliency.h"
 #include "saliencysettings.h"
+#include "tactile/picture_map.h"
 #include "tactile/tactile_mapping.h"
 #include "tactile/viewport.h"
 
 #include <optional>
-#include <vector>
 
 /// What saliencytactile makes of a film: frame → saliency map, weighed → tactile map, and how often. Streaming thread only, or while it
 /// is stopped.
 class FilmAnalysis
 {
 public:
-  /// A packed copy of a saliency map, row by row; empty if there is none.
-  struct SaliencyCopy
+  /// The saliency map as it lies on the picture; empty if there is none.
+  struct AttachedSaliency
   {
-    std::vector<gfloat> values;
-    guint width = 0;
-    guint height = 0;
-    gfloat floor = 0; ///< below which nothing is felt
+    tactile::PictureMap map;
+    gfloat floor = 0; ///< its maximum exceeds this where something is felt
   };
 
   /// Forgets what went before: what comes does not follow it.
@@ -46,7 +44,7 @@ public:
     return map_;
   }
   /// Of the last analysis, if SaliencySettings::attach_saliency was set.
-  const SaliencyCopy &saliency() const
+  const AttachedSaliency &saliency() const
   {
     return saliency_;
   }
@@ -67,14 +65,14 @@ private:
   const cv::Mat &weigh(const SaliencySettings &settings, GstBuffer *buffer,
                        const FrameMapping &mapping, const saliency::Saliency &found,
                        saliency::Time time);
-  void copy_saliency(const tactile::SaliencyView &view, double floor);
+  void keep_saliency(const tactile::SaliencyView &view, double floor);
 
   Kind kind_; ///< that the analyzer is made for
   std::optional<saliency::Analyzer> analyzer_;
   std::optional<saliency::TopDownSaliency> top_down_; ///< there when the analyzer is
   tactile::AdaptiveViewport viewport_;
   tactile::TactileMap map_;
-  SaliencyCopy saliency_;
+  AttachedSaliency saliency_;
   std::optional<saliency::Time> next_analysis_; ///< on max-rate's grid; none: the next frame
   saliency::Time last_time_{ 0 };               ///< of the last frame
 };

@@ -46,6 +46,7 @@
 #include <span>
 #include <string>
 #include <utility>
+#include <vector>
 
 GST_DEBUG_CATEGORY_STATIC(saliency_tactile_debug);
 #define GST_CAT_DEFAULT saliency_tactile_debug
@@ -169,16 +170,19 @@ static void
 gst_saliency_tactile_attach_saliency(GstSaliencyTactile *self, const SaliencySettings &settings,
                                      GstBuffer *buffer)
 {
-  const FilmAnalysis::SaliencyCopy &map = self->priv->analysis.saliency();
-  if (!settings.attach_saliency || map.values.empty())
+  const FilmAnalysis::AttachedSaliency &saliency = self->priv->analysis.saliency();
+  const std::vector<float> &values = saliency.map.values();
+  if (!settings.attach_saliency || values.empty())
     return;
-  if (std::max(map.width, map.height) <= GST_SALIENCY_MAX_SIDE)
-    gst_buffer_add_saliency_meta(buffer, map.width, map.height, map.values.data(),
-                                 map.values.size(), map.floor);
+  const auto width = static_cast<guint>(saliency.map.width());
+  const auto height = static_cast<guint>(saliency.map.height());
+  if (std::max(width, height) <= GST_SALIENCY_MAX_SIDE)
+    gst_buffer_add_saliency_meta(buffer, width, height, values.data(), values.size(),
+                                 saliency.floor);
   else if (!std::exchange(self->priv->warned_size, true))
-    GST_ELEMENT_WARNING(self, STREAM, FORMAT, ("The saliency map is too large to be attached."),
-                        ("expected sides of at most %d, got %u x %u", GST_SALIENCY_MAX_SIDE,
-                         map.width, map.height));
+    GST_ELEMENT_WARNING(
+        self, STREAM, FORMAT, ("The saliency map is too large to be attached."),
+        ("expected sides of at most %d, got %u x %u", GST_SALIENCY_MAX_SIDE, width, height));
 }
 
 /// Another frame has passed, with these levels; `spent` is what its analysis took, none if it was not analysed.

@@ -32,7 +32,9 @@ typedef struct _GstSaliencyMeta GstSaliencyMeta;
  *
  * How salient each part of a video frame is. The map covers the whole picture
  * whatever its resolution, so that it stays as it is when the frame is copied,
- * converted or scaled. A buffer has at most one.
+ * converted or scaled. It is laid out as an image is: the middle of value (x, y)
+ * lies at ((x + ½) / @width, (y + ½) / @height) of the picture, so that a map that
+ * is resized as images are lies on it. A buffer has at most one.
  *
  * Since: 0.1
  */

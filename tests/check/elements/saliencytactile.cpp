@@ -242,6 +242,87 @@ GST_START_TEST(test_short_buffer)
 }
 GST_END_TEST;
 
+namespace {
+
+/// A frame of noiseless grey with a round bright spot, Gaussian of σ pixels, about (x, y), or none if σ is 0.
+GstBuffer *
+spot_frame(int width, int height, double x, double y, double sigma)
+{
+  const auto size = static_cast<gsize>(width) * static_cast<gsize>(height);
+  GstBuffer *frame = flat_frame(size, 80);
+  if (sigma <= 0)
+    return frame;
+  GstMapInfo map;
+  fail_unless(gst_buffer_map(frame, &map, GST_MAP_WRITE));
+  for (int row = 0; row < height; row++)
+    for (int column = 0; column < width; column++) {
+      const double square = (column - x) * (column - x) + (row - y) * (row - y);
+      map.data[row * width + column]
+          = static_cast<guint8>(80 + std::lround(100 * std::exp(-square / (2 * sigma * sigma))));
+    }
+  gst_buffer_unmap(frame, &map);
+  return frame;
+}
+
+struct Point
+{
+  double x;
+  double y;
+};
+
+/// The centroid of a frame's saliency map, in pixels of the picture, as whoever resizes the map to it finds it.
+Point
+centroid_on_picture(GstBuffer *buffer, int width, int height)
+{
+  const GstSaliencyMeta *meta = gst_buffer_get_saliency_meta(buffer);
+  fail_unless(meta != nullptr);
+  double sum = 0;
+  Point point{ 0, 0 };
+  for (guint row = 0; row < meta->height; row++)
+    for (guint column = 0; column < meta->width; column++) {
+      const double value = meta->values[row * meta->width + column];
+      sum += value;
+      point.x += value * ((column + 0.5) * width / meta->width - 0.5);
+      point.y += value * ((row + 0.5) * height / meta->height - 0.5);
+    }
+  fail_unless(sum > 0);
+  return { point.x / sum, point.y / sum };
+}
+
+} // namespace
+
+/// The saliency map, resized to the picture, lies on it: a spot's centroid is where the spot is. One at a time is off by what the spot's
+/// place between samples makes of it, which a sample's width of places evens out.
+GST_START_TEST(test_saliency_lies_on_the_picture)
+{
+  constexpr int kWide = 640;
+  constexpr int kHigh = 360;
+  constexpr int kPeriod = 32; // no map here is coarser
+  Point error{ 0, 0 };
+  double sample = 0;
+  for (int phase = 0; phase < kPeriod; phase += 2) {
+    Analysis analysis("saliencytactile attach-saliency=true",
+                      "video/x-raw,format=GRAY8,width=640,height=360,framerate=30/1");
+    const Point spot{ 300.0 + phase, 160.0 + phase };
+    g_autoptr(GstBuffer) shown = nullptr;
+    for (guint i = 0; i < 10; i++) {
+      g_clear_pointer(&shown, gst_buffer_unref);
+      GstBuffer *frame = spot_frame(kWide, kHigh, spot.x, spot.y, i < 9 ? 0 : 12);
+      GST_BUFFER_PTS(frame) = i * GST_SECOND / 30;
+      shown = analysis.pass(frame);
+    }
+    const Point found = centroid_on_picture(shown, kWide, kHigh);
+    error.x += (found.x - spot.x) * 2 / kPeriod;
+    error.y += (found.y - spot.y) * 2 / kPeriod;
+    sample = static_cast<double>(kWide) / gst_buffer_get_saliency_meta(shown)->width;
+  }
+  fail_unless(sample <= kPeriod);
+  fail_unless(std::abs(error.x) < 0.05 * sample && std::abs(error.y) < 0.05 * sample,
+              "it lies %.3f, %.3f samples of %g pixels right and down", error.x / sample,
+              error.y / sample, sample);
+}
+GST_END_TEST;
+
 static Suite *
 saliencytactile_suite(void)
 {
@@ -258,6 +339,7 @@ saliencytactile_suite(void)
   tcase_add_test(cases, test_interlaced);
   tcase_add_test(cases, test_alternate_fields_and_long_sides);
   tcase_add_test(cases, test_short_buffer);
+  tcase_add_test(cases, test_saliency_lies_on_the_picture);
   return suite;
 }
 
