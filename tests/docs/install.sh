@@ -43,6 +43,7 @@ found() {
     exit 1
   }
 }
+# shellcheck disable=SC2016
 elements=$(sed -nE 's/^\| \[`([a-z]+)`\]\(docs\/elements.*/\1/p' "$readme" | grep -v provider) # gst-inspect-1.0 knows no device providers
 [ "$(wc -w <<<"$elements")" -ge 10 ] || { echo "$readme lists hardly any element: $elements"; exit 1; }
 for element in $elements; do
