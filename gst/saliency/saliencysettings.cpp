@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "saliencysettings.h"
 
+#include "../rangedproperty.h"
 #include "tactile/tactile_map.h"
 
 #include <exception>
@@ -68,13 +69,13 @@ SaliencySettings::install(GObjectClass *klass)
                                                     GST_TYPE_SALIENCY_TACTILE_PROFILE,
                                                     static_cast<gint>(defaults.profile), playing));
   g_object_class_install_property(klass, SALIENCY_PROP_ROWS,
-                                  g_param_spec_uint("rows", "Rows", "Rows of the tactile map",
-                                                    tactile::kMinGridSide, tactile::kMaxGridSide,
-                                                    static_cast<guint>(defaults.rows), playing));
-  g_object_class_install_property(
-      klass, SALIENCY_PROP_COLUMNS,
-      g_param_spec_uint("columns", "Columns", "Columns of the tactile map", tactile::kMinGridSide,
-                        tactile::kMaxGridSide, static_cast<guint>(defaults.columns), playing));
+                                  ranged::uint("rows", "Rows", "Rows of the tactile map",
+                                               tactile::kMinGridSide, tactile::kMaxGridSide,
+                                               static_cast<guint>(defaults.rows), playing));
+  g_object_class_install_property(klass, SALIENCY_PROP_COLUMNS,
+                                  ranged::uint("columns", "Columns", "Columns of the tactile map",
+                                               tactile::kMinGridSide, tactile::kMaxGridSide,
+                                               static_cast<guint>(defaults.columns), playing));
   g_object_class_install_property(
       klass, SALIENCY_PROP_TEMPORAL,
       g_param_spec_boolean("temporal", "Temporal",
@@ -83,15 +84,15 @@ SaliencySettings::install(GObjectClass *klass)
                            defaults.temporal, controllable));
   g_object_class_install_property(
       klass, SALIENCY_PROP_THRESHOLD,
-      g_param_spec_double("threshold", "Threshold",
-                          "Share of the frame's maximum saliency below which nothing is felt", 0, 1,
-                          defaults.threshold, controllable));
+      ranged::real("threshold", "Threshold",
+                   "Share of the frame's maximum saliency below which nothing is felt", 0, 1,
+                   defaults.threshold, controllable));
   g_object_class_install_property(
       klass, SALIENCY_PROP_FLOOR,
-      g_param_spec_double("floor", "Floor",
-                          "Event contrast in CIE Delta E up to which a frame is silent whatever "
-                          "its maximum (-1 = the profile's own)",
-                          kProfileFloor, 1000, defaults.floor, controllable));
+      ranged::real("floor", "Floor",
+                   "Event contrast in CIE Delta E up to which a frame is silent whatever "
+                   "its maximum (-1 = the profile's own)",
+                   kProfileFloor, 1000, defaults.floor, controllable));
   g_object_class_install_property(
       klass, SALIENCY_PROP_ROI_WEIGHTS,
       g_param_spec_string(
@@ -125,7 +126,7 @@ SaliencySettings::install(GObjectClass *klass)
                            defaults.attach_saliency, playing));
   g_object_class_install_property(
       klass, SALIENCY_PROP_MAX_RATE,
-      g_param_spec_double(
+      ranged::real(
           "max-rate", "Maximum rate",
           "Analyse at most this many frames per second; the others repeat the last map (0 = all)",
           0, 1000, defaults.max_rate, playing));
@@ -137,10 +138,10 @@ SaliencySettings::install(GObjectClass *klass)
           defaults.keep_maps, playing));
   g_object_class_install_property(
       klass, SALIENCY_PROP_N_THREADS,
-      g_param_spec_uint("n-threads", "Threads",
-                        "Threads that work on a frame, which is felt the same with any number (0 = "
-                        "by the frame's size and the processor)",
-                        0, kMostThreads, static_cast<guint>(defaults.n_threads), playing));
+      ranged::uint("n-threads", "Threads",
+                   "Threads that work on a frame, which is felt the same with any number (0 = "
+                   "by the frame's size and the processor)",
+                   0, kMostThreads, static_cast<guint>(defaults.n_threads), playing));
   g_object_class_install_property(
       klass, SALIENCY_PROP_EXACT,
       g_param_spec_boolean("exact", "Exact",

@@ -27,6 +27,7 @@
  */
 #include "gsttactileoverlay.h"
 
+#include "../rangedproperty.h"
 #include "gsttactileelements.h"
 #include "overlaypainter.h"
 
@@ -260,10 +261,10 @@ gst_tactile_overlay_class_init(GstTactileOverlayClass *klass)
                         GST_TYPE_TACTILE_OVERLAY_STYLE, kDefaultStyle, flags));
   g_object_class_install_property(
       object_class, PROP_OPACITY,
-      g_param_spec_double("opacity", "Opacity",
-                          "How much of the picture a full level covers in the styles grid and "
-                          "heatmap: 0 nothing, 1 all",
-                          0, 1, kDefaultOpacity, flags));
+      ranged::real("opacity", "Opacity",
+                   "How much of the picture a full level covers in the styles grid and "
+                   "heatmap: 0 nothing, 1 all",
+                   0, 1, kDefaultOpacity, flags));
 
   transform_class->start = GST_DEBUG_FUNCPTR(gst_tactile_overlay_start);
   transform_class->before_transform = GST_DEBUG_FUNCPTR(gst_tactile_overlay_before_transform);

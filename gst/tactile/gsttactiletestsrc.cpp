@@ -33,6 +33,7 @@
  */
 #include "gsttactiletestsrc.h"
 
+#include "../rangedproperty.h"
 #include "filmpainter.h"
 #include "gsttactileelements.h"
 #include "tactile/synthetic_film.h"
@@ -454,22 +455,20 @@ gst_tactile_test_src_class_init(GstTactileTestSrcClass *klass)
                         G_MAXUINT, 0, playing));
   g_object_class_install_property(
       object_class, PROP_NOISE,
-      g_param_spec_double(
-          "noise", "Noise",
-          "Standard deviation of normally distributed sensor noise on every sample, "
-          "in 8-bit codes",
-          0, 32, 0, controllable));
+      ranged::real("noise", "Noise",
+                   "Standard deviation of normally distributed sensor noise on every sample, "
+                   "in 8-bit codes",
+                   0, 32, 0, controllable));
   g_object_class_install_property(
       object_class, PROP_BALLS,
-      g_param_spec_int("balls", "Balls",
-                       "Balls at a time; 0: as in the paper, that is one or two by chance in "
-                       "static-motion, one in dynamic-motion",
-                       0, 2, kDefaults.balls, playing));
+      ranged::integer("balls", "Balls",
+                      "Balls at a time; 0: as in the paper, that is one or two by chance in "
+                      "static-motion, one in dynamic-motion",
+                      0, 2, kDefaults.balls, playing));
   g_object_class_install_property(
       object_class, PROP_BALL_SIZE,
-      g_param_spec_double("ball-size", "Ball size",
-                          "Diameter of a ball as a share of the picture's width", 0.01, 0.5,
-                          kDefaults.ball_size, playing));
+      ranged::real("ball-size", "Ball size", "Diameter of a ball as a share of the picture's width",
+                   0.01, 0.5, kDefaults.ball_size, playing));
   g_object_class_install_property(
       object_class, PROP_IS_LIVE,
       g_param_spec_boolean("is-live", "Is live",

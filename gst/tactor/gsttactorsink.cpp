@@ -379,6 +379,11 @@ gst_tactor_sink_open(GstTactorSink *self)
   GST_OBJECT_LOCK(self);
   const TactorSettings settings = priv->settings;
   GST_OBJECT_UNLOCK(self);
+  if (!settings.mapping_error.empty()) {
+    GST_ELEMENT_ERROR(self, LIBRARY, SETTINGS,
+                      ("mapping cannot be read: %s.", settings.mapping_error.c_str()), (nullptr));
+    return FALSE;
+  }
   try {
     TactorOpening opened
         = open_tactors(GST_ELEMENT(self), settings,
@@ -475,9 +480,13 @@ gst_tactor_sink_set_property(GObject *object, guint id, const GValue *value, GPa
   const bool known = priv->settings.set(id, value);
   const bool mute = priv->settings.mute;
   const Time ramp_in = priv->settings.ramp_in;
+  const std::string error = id == TACTOR_PROP_MAPPING ? priv->settings.mapping_error : "";
   GST_OBJECT_UNLOCK(object);
   if (!known)
     G_OBJECT_WARN_INVALID_PROPERTY_ID(object, id, pspec);
+  else if (!error.empty())
+    GST_ELEMENT_WARNING(object, LIBRARY, SETTINGS, ("mapping stays as it was: %s.", error.c_str()),
+                        (nullptr));
   else if (id == TACTOR_PROP_MUTE)
     priv->scheduler.set_muted(mute);
   else if (id == TACTOR_PROP_RAMP_IN)

@@ -1,8 +1,12 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "tactorsettings.h"
 
+#include "../rangedproperty.h"
+#include "tactor/mapping.h"
+
 #include <algorithm>
 #include <chrono>
+#include <utility>
 #include <vector>
 
 namespace {
@@ -21,15 +25,6 @@ gst_tactor_compensation_get_type(void)
   };
   static const GType type = g_enum_register_static("GstTactorCompensation", values);
   return type;
-}
-
-std::vector<int>
-mapping_from_value(const GValue *value)
-{
-  std::vector<int> mapping(gst_value_array_get_size(value));
-  for (guint i = 0; i < mapping.size(); i++)
-    mapping[i] = g_value_get_int(gst_value_array_get_value(value, i));
-  return mapping;
 }
 
 /// Longer times are taken as that, some thirty years: sums of them do not overflow.
@@ -75,6 +70,16 @@ TactorSettings::needed_tactors() const
 }
 
 void
+TactorSettings::set_mapping(const std::string &text)
+{
+  tl::expected<std::vector<int>, tactor::DriverError> mapping
+      = tactor::read_mapping(text, kMaxTactors);
+  mapping_error = mapping ? "" : mapping.error().what();
+  if (mapping)
+    planner.mapping = std::move(*mapping);
+}
+
+void
 TactorSettings::install(GObjectClass *klass)
 {
   const auto ready = static_cast<GParamFlags>(G_PARAM_READWRITE | G_PARAM_STATIC_STRINGS
@@ -102,9 +107,8 @@ TactorSettings::install(GObjectClass *klass)
                           nullptr, ready));
   g_object_class_install_property(
       klass, TACTOR_PROP_RATE,
-      g_param_spec_double("rate", "Rate",
-                          "How often the tactors may change, in Hz (0 = with every map)", 0, 1000,
-                          defaults.rate, playing));
+      ranged::real("rate", "Rate", "How often the tactors may change, in Hz (0 = with every map)",
+                   0, 1000, defaults.rate, playing));
   g_object_class_install_property(
       klass, TACTOR_PROP_COMPENSATION,
       g_param_spec_enum(
@@ -112,7 +116,7 @@ TactorSettings::install(GObjectClass *klass)
           GST_TYPE_TACTOR_COMPENSATION, static_cast<gint>(defaults.compensation), playing));
   g_object_class_install_property(
       klass, TACTOR_PROP_MAX_LEAD,
-      g_param_spec_uint(
+      ranged::uint(
           "max-lead", "Max lead",
           "Longest time in ms by which a command is issued before its frame; all other sinks are "
           "delayed by it",
@@ -121,19 +125,19 @@ TactorSettings::install(GObjectClass *klass)
               std::chrono::duration_cast<std::chrono::milliseconds>(defaults.max_lead).count()),
           ready));
   g_object_class_install_property(klass, TACTOR_PROP_VOLTAGE_MAX,
-                                  g_param_spec_double("voltage-max", "Maximum voltage",
-                                                      "Volts at the motor for level 1.0", 0.1, 24,
-                                                      defaults.volts_max, ready));
+                                  ranged::real("voltage-max", "Maximum voltage",
+                                               "Volts at the motor for level 1.0", 0.1, 24,
+                                               defaults.volts_max, ready));
   g_object_class_install_property(
       klass, TACTOR_PROP_VOLTAGE_MIN,
-      g_param_spec_double("voltage-min", "Minimum voltage",
-                          "Commands below this many volts are sent as 0: the motor would not start",
-                          0, 24, defaults.volts_min, playing));
+      ranged::real("voltage-min", "Minimum voltage",
+                   "Commands below this many volts are sent as 0: the motor would not start", 0, 24,
+                   defaults.volts_min, playing));
   g_object_class_install_property(
       klass, TACTOR_PROP_INTENSITY,
-      g_param_spec_double("intensity", "Intensity",
-                          "Master intensity, a factor on all levels, from the next map on", 0, 1,
-                          defaults.intensity, controllable));
+      ranged::real("intensity", "Intensity",
+                   "Master intensity, a factor on all levels, from the next map on", 0, 1,
+                   defaults.intensity, controllable));
   g_object_class_install_property(
       klass, TACTOR_PROP_MUTE,
       g_param_spec_boolean("mute", "Mute",
@@ -141,14 +145,10 @@ TactorSettings::install(GObjectClass *klass)
                            controllable));
   g_object_class_install_property(
       klass, TACTOR_PROP_MAPPING,
-      gst_param_spec_array(
-          "mapping", "Mapping",
-          "Tactor of each cell, row by row from the top left, -1 for none (empty: cell i is tactor "
-          "i)",
-          g_param_spec_int("tactor", "Tactor", "Index of a tactor, -1 for none", -1,
-                           kMaxTactors - 1, 0,
-                           static_cast<GParamFlags>(G_PARAM_READWRITE | G_PARAM_STATIC_STRINGS)),
-          playing));
+      g_param_spec_string("mapping", "Mapping",
+                          "Tactor of each cell, row by row from the top left, -1 for none, as in "
+                          "2,1,0 (empty: cell i is tactor i)",
+                          "", playing));
   g_object_class_install_property(
       klass, TACTOR_PROP_MAX_ON_TIME,
       g_param_spec_uint64("max-on-time", "Maximum on-time",
@@ -158,14 +158,14 @@ TactorSettings::install(GObjectClass *klass)
                           playing));
   g_object_class_install_property(
       klass, TACTOR_PROP_MAX_DUTY,
-      g_param_spec_double("max-duty", "Maximum duty",
-                          "Share of any 60 s for which a tactor is on (0 = unlimited)", 0, 1,
-                          defaults.limits.max_duty, playing));
+      ranged::real("max-duty", "Maximum duty",
+                   "Share of any 60 s for which a tactor is on (0 = unlimited)", 0, 1,
+                   defaults.limits.max_duty, playing));
   g_object_class_install_property(
       klass, TACTOR_PROP_MAX_ACTIVE,
-      g_param_spec_uint("max-active", "Maximum active",
-                        "How many tactors are on at once, the strongest (0 = unlimited)", 0,
-                        kMaxTactors, static_cast<guint>(defaults.limits.max_active), playing));
+      ranged::uint("max-active", "Maximum active",
+                   "How many tactors are on at once, the strongest (0 = unlimited)", 0, kMaxTactors,
+                   static_cast<guint>(defaults.limits.max_active), playing));
   g_object_class_install_property(
       klass, TACTOR_PROP_RAMP_IN,
       g_param_spec_uint64("ramp-in", "Ramp in",
@@ -234,7 +234,7 @@ TactorSettings::set(guint id, const GValue *value)
     mute = g_value_get_boolean(value);
     break;
   case TACTOR_PROP_MAPPING:
-    planner.mapping = mapping_from_value(value);
+    set_mapping(string_from_value(value));
     break;
   case TACTOR_PROP_MAX_ON_TIME:
     planner.limits.max_on_time = time_from_value(value);
@@ -298,7 +298,7 @@ TactorSettings::get(guint id, GValue *value) const
     g_value_set_boolean(value, mute);
     break;
   case TACTOR_PROP_MAPPING:
-    tactor_ints_to_value(planner.mapping, value);
+    g_value_take_string(value, g_strdup(tactor::write_mapping(planner.mapping).c_str()));
     break;
   case TACTOR_PROP_MAX_ON_TIME:
     time_to_value(planner.limits.max_on_time, value);

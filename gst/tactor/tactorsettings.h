@@ -45,6 +45,9 @@ struct TactorSettings
   bool mute = false;
   tactor::Time ramp_in = std::chrono::milliseconds(100);
 
+  std::string
+      mapping_error; ///< why the mapping last set cannot be read, in one line; empty: it can
+
   /// Tactors that the mapping names, at least 1.
   int needed_tactors() const;
 
@@ -54,6 +57,9 @@ struct TactorSettings
   /// Sets or gets a property. False if it is none of these: TACTOR_PROP_STATS is the element's own.
   bool set(guint id, const GValue *value);
   bool get(guint id, GValue *value) const;
+
+private:
+  void set_mapping(const std::string &text);
 };
 
 /// Appends numbers to a value of GST_TYPE_ARRAY.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "sinkproperties.h"
 
+#include "../rangedproperty.h"
 #include "gstvisuotactilesinkprivate.h"
 #include "videosinks.h"
 
@@ -172,28 +173,25 @@ gst_visuotactile_sink_install_properties(GObjectClass *klass)
                              GST_TYPE_SAMPLE, readable));
 
   // Ranges and defaults are those of the children's own; a test compares them.
-  install(PROP_ROWS,
-          g_param_spec_uint("rows", "Rows", "Rows of the tactile map", 1, 64, 3, playing));
+  install(PROP_ROWS, ranged::uint("rows", "Rows", "Rows of the tactile map", 1, 64, 3, playing));
   install(PROP_COLUMNS,
-          g_param_spec_uint("columns", "Columns", "Columns of the tactile map", 1, 64, 3, playing));
+          ranged::uint("columns", "Columns", "Columns of the tactile map", 1, 64, 3, playing));
   install(PROP_THRESHOLD,
-          g_param_spec_double("threshold", "Threshold",
-                              "Share of the frame's maximum saliency below which nothing is felt",
-                              0, 1, 0.5, playing));
-  install(PROP_FLOOR,
-          g_param_spec_double("floor", "Floor",
-                              "Event contrast in CIE Delta E up to which a frame is silent "
-                              "whatever its maximum (-1 = the profile's own)",
-                              -1, 1000, -1, playing));
+          ranged::real("threshold", "Threshold",
+                       "Share of the frame's maximum saliency below which nothing is felt", 0, 1,
+                       0.5, playing));
+  install(PROP_FLOOR, ranged::real("floor", "Floor",
+                                   "Event contrast in CIE Delta E up to which a frame is silent "
+                                   "whatever its maximum (-1 = the profile's own)",
+                                   -1, 1000, -1, playing));
   install(PROP_ROI_WEIGHTS,
           g_param_spec_string("roi-weights", "Region of interest weights",
                               "What saliency is multiplied by inside "
                               "GstVideoRegionOfInterestMeta, by their type (unset: 1 each)",
                               nullptr, playing));
-  install(PROP_MAX_RATE,
-          g_param_spec_double("max-rate", "Maximum rate",
-                              "Analyse at most this many frames per second (0 = all)", 0, 1000, 0,
-                              playing));
+  install(PROP_MAX_RATE, ranged::real("max-rate", "Maximum rate",
+                                      "Analyse at most this many frames per second (0 = all)", 0,
+                                      1000, 0, playing));
   install(PROP_DRIVER,
           g_param_spec_string("driver", "Driver",
                               "What drives the tactors: auto, firmata, seat, simulator", "auto",
@@ -203,29 +201,24 @@ gst_visuotactile_sink_install_properties(GObjectClass *klass)
                               "Which board: its serial number or bus path (unset: the first that "
                               "answers)",
                               nullptr, ready));
-  install(PROP_RATE,
-          g_param_spec_double("rate", "Rate",
-                              "How often the tactors may change, in Hz (0 = with every map)", 0,
-                              1000, 5, playing));
+  install(PROP_RATE, ranged::real("rate", "Rate",
+                                  "How often the tactors may change, in Hz (0 = with every map)", 0,
+                                  1000, 5, playing));
   install(PROP_INTENSITY,
-          g_param_spec_double("intensity", "Intensity", "Master intensity, a factor on all levels",
-                              0, 1, 1, playing));
+          ranged::real("intensity", "Intensity", "Master intensity, a factor on all levels", 0, 1,
+                       1, playing));
   install(PROP_MUTE,
           g_param_spec_boolean("mute", "Mute", "All motors at zero, at once", FALSE, playing));
   install(PROP_MAX_LEAD,
-          g_param_spec_uint("max-lead", "Max lead",
-                            "Longest time in ms by which a motor is told before its frame is "
-                            "shown; all of the pipeline is delayed by it and 10 ms",
-                            0, 1000, 180, ready));
-  install(
-      PROP_MAPPING,
-      gst_param_spec_array(
-          "mapping", "Mapping",
-          "Tactor of each cell, row by row from the top left, -1 for none "
-          "(empty: cell i is tactor i)",
-          g_param_spec_int("tactor", "Tactor", "Index of a tactor, -1 for none", -1, 4095, 0,
-                           static_cast<GParamFlags>(G_PARAM_READWRITE | G_PARAM_STATIC_STRINGS)),
-          playing));
+          ranged::uint("max-lead", "Max lead",
+                       "Longest time in ms by which a motor is told before its frame is "
+                       "shown; all of the pipeline is delayed by it and 10 ms",
+                       0, 1000, 180, ready));
+  install(PROP_MAPPING,
+          g_param_spec_string("mapping", "Mapping",
+                              "Tactor of each cell, row by row from the top left, -1 for none, as "
+                              "in 2,1,0 (empty: cell i is tactor i)",
+                              "", playing));
   install(PROP_TRACE_LOCATION,
           g_param_spec_string("trace-location", "Trace location",
                               "CSV file that gets one line a command (unset: none)", nullptr,

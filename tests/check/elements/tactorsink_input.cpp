@@ -192,6 +192,58 @@ GST_START_TEST(test_start_errors)
   check_start_error("driver", "telepathy", "simulator");
   check_start_error("trace-location", "/nonexistent/commands.csv", "/nonexistent/commands.csv");
   check_start_error("device", "amplitude.csv", "driver=simulator");
+  check_start_error("mapping", "2;1;0", "'2;1;0'");
+  check_start_error("mapping", "2;1;0", "as in 2,1,0");
+}
+GST_END_TEST;
+
+GST_START_TEST(test_mapping_in_words)
+{
+  g_autoptr(GstElement) sink = make_tactorsink();
+  const ElementBus messages(sink);
+  const auto mapping = [&] {
+    g_autofree gchar *text = nullptr;
+    g_object_get(sink, "mapping", &text, nullptr);
+    return std::string(text);
+  };
+  for (const char *text : { "0,-1,2", "<0,-1,2>", "< 0, -1, 2 >" }) {
+    gst_util_set_object_arg(G_OBJECT(sink), "mapping", "");
+    gst_util_set_object_arg(G_OBJECT(sink), "mapping", text); // as gst-launch-1.0 does
+    ck_assert_str_eq(mapping().c_str(), "0,-1,2");
+  }
+  g_object_set(sink, "mapping", "0,4096,2", nullptr);
+  ck_assert_str_eq(mapping().c_str(), "0,-1,2");
+  assert_contains(messages.said(GST_MESSAGE_WARNING).text,
+                  { "mapping stays", "number 2 is '4096'", "from 0 to 4095", "as in 2,1,0" });
+}
+GST_END_TEST;
+
+/// What was logged as a warning.
+static std::string warnings;
+
+GST_START_TEST(test_refused_numbers_name_their_range)
+{
+  g_autoptr(GstElement) sink = make_tactorsink();
+  const auto refused = [&](const char *property, const char *value) {
+    warnings.clear();
+    const auto fatal = g_log_set_always_fatal(G_LOG_LEVEL_ERROR);
+    const GLogFunc before = g_log_set_default_handler(
+        [](const gchar *, GLogLevelFlags, const gchar *text, gpointer) { warnings += text; },
+        nullptr);
+    _gst_check_expecting_log = TRUE; // GLib's own
+    gst_util_set_object_arg(G_OBJECT(sink), property, value);
+    _gst_check_expecting_log = FALSE;
+    g_log_set_default_handler(before, nullptr);
+    g_log_set_always_fatal(fatal);
+    return warnings;
+  };
+  assert_contains(refused("max-lead", "5000"), { "max-lead", "5000", "range", "0 to 1000" });
+  assert_contains(refused("voltage-max", "0.05"), { "voltage-max", "0.05", "0.1 to 24" });
+  ck_assert_str_eq(refused("max-lead", "1000").c_str(), "");
+  refused("max-lead", "1001");
+  guint max_lead = 0;
+  g_object_get(sink, "max-lead", &max_lead, nullptr);
+  ck_assert_uint_eq(max_lead, 1000);
 }
 GST_END_TEST;
 
@@ -253,6 +305,8 @@ tactorsink_input_suite(void)
   tcase_add_test(cases, test_absurd_caps_are_refused);
   tcase_add_test(cases, test_uri);
   tcase_add_test(cases, test_start_errors);
+  tcase_add_test(cases, test_mapping_in_words);
+  tcase_add_test(cases, test_refused_numbers_name_their_range);
   tcase_add_test(cases, test_allocation_asks_for_lookahead);
   tcase_add_test(cases, test_render_delay_is_the_lead);
   return suite;
