@@ -92,6 +92,7 @@ struct GstTactorSinkPrivate final : TactorSchedulerHost
   Timing timing() override;
   void device_failed(const tactor::DriverError &error) override;
   void lead_short(Time lead, Time late) override;
+  void scheduled(tactor::Scheduling scheduling, const std::string &text) override;
   void device_event(const tactor::DriverEvent &event);
 
   GstElement *element;           ///< not owned: this is its private part
@@ -165,6 +166,13 @@ GstTactorSinkPrivate::lead_short(Time lead, Time late)
   tactor_post_lead_short(element, lead, late);
 }
 
+void
+GstTactorSinkPrivate::scheduled(tactor::Scheduling scheduling, const std::string &text)
+{
+  GST_INFO_OBJECT(element, "the thread that issues commands: %s (%s)",
+                  tactor::to_string(scheduling).data(), text.c_str());
+}
+
 static GstStructure *
 gst_tactor_sink_stats(GstTactorSink *self)
 {
@@ -172,7 +180,8 @@ gst_tactor_sink_stats(GstTactorSink *self)
   GST_OBJECT_LOCK(self);
   const tactor::LimitCounters limited = priv->limited;
   GST_OBJECT_UNLOCK(self);
-  return tactor_stats_new(priv->scheduler.counters(), priv->scheduler.driver_status(), limited);
+  return tactor_stats_new(priv->scheduler.counters(), priv->scheduler.driver_status(), limited,
+                          priv->scheduler.scheduling());
 }
 
 /* ---- planning (streaming thread) ---- */
@@ -194,7 +203,14 @@ gst_tactor_sink_push(GstTactorSink *self, const TactorPlanning::Plan &plan)
   GST_OBJECT_LOCK(self);
   priv->limited = priv->planning.limited();
   GST_OBJECT_UNLOCK(self);
-  priv->scheduler.push(plan.commands, plan.end + kHold);
+  const TactorSchedulerHost::Timing timing = priv->timing();
+  Time now = Time::min();
+  if (timing.clock) {
+    now = Time(
+        GST_CLOCK_DIFF(timing.offset, static_cast<gint64>(gst_clock_get_time(timing.clock))));
+    gst_object_unref(timing.clock);
+  }
+  priv->scheduler.push(plan.commands, plan.end + kHold, now);
 }
 
 /// Lets controlled properties have their values for the frame at hand.
@@ -394,7 +410,7 @@ gst_tactor_sink_open(GstTactorSink *self)
     GST_OBJECT_UNLOCK(self);
     priv->last_lead_short.reset();
     priv->scheduler.start(std::move(opened.driver), settings.planner.volts_max,
-                          std::move(opened.trace));
+                          std::move(opened.trace), settings.realtime);
     priv->scheduler.set_immediate(!gst_base_sink_get_sync(sink));
     priv->scheduler.set_muted(settings.mute);
     priv->scheduler.set_ramp_in(settings.ramp_in);

@@ -100,16 +100,19 @@ tactor_post_stats(GstElement *element, GstStructure *stats)
 
 GstStructure *
 tactor_stats_new(const TactorScheduler::Counters &counters, const tactor::DriverStatus &board,
-                 const tactor::LimitCounters &limited)
+                 const tactor::LimitCounters &limited, tactor::Scheduling scheduling)
 {
   GstStructure *stats
       = gst_structure_new("application/x-tactor-stats", "board", G_TYPE_STRING, board.board.c_str(),
-                          "firmware", G_TYPE_STRING, board.firmware.c_str(), "connected",
+                          "firmware", G_TYPE_STRING, board.firmware.c_str(), "scheduling",
+                          G_TYPE_STRING, tactor::to_string(scheduling).data(), "connected",
                           G_TYPE_BOOLEAN, static_cast<gboolean>(board.is_there), "watchdog",
                           G_TYPE_BOOLEAN, static_cast<gboolean>(board.has_watchdog), nullptr);
   const std::pair<const gchar *, guint64> counts[] = {
     { "issued", counters.issued },
     { "late", counters.late },
+    { "came-late", counters.came_late },
+    { "thread-late", counters.thread_late },
     { "coalesced", counters.coalesced },
     { "dropped", counters.dropped },
     { "starved", counters.starved },
@@ -126,6 +129,8 @@ tactor_stats_new(const TactorScheduler::Counters &counters, const tactor::Driver
     { "error-p50", counters.error.percentile(0.5) },
     { "error-p99", counters.error.percentile(0.99) },
     { "error-max", counters.error.max() },
+    { "thread-p99", counters.thread_error.percentile(0.99) },
+    { "thread-max", counters.thread_error.max() },
   };
   for (const auto &[name, count] : counts)
     gst_structure_set(stats, name, G_TYPE_UINT64, count, nullptr);

@@ -26,4 +26,4 @@ void tactor_post_stats(GstElement *element, GstStructure *stats);
 /// Property `actuation-stats`. Transfer full.
 GstStructure *tactor_stats_new(const TactorScheduler::Counters &counters,
                                const tactor::DriverStatus &board,
-                               const tactor::LimitCounters &limited);
+                               const tactor::LimitCounters &limited, tactor::Scheduling scheduling);

@@ -51,6 +51,7 @@ open_tactors(GstElement *element, const TactorSettings &settings,
                                      .max_tactors = TactorSettings::kMaxTactors,
                                      .min_tactors = settings.needed_tactors(),
                                      .full_scale_volts = settings.planner.volts_max,
+                                     .realtime = settings.realtime,
                                      .notify = std::move(notify) };
   TactorOpening opening;
   opening.motors = read_motors(element, settings, opening.latency);

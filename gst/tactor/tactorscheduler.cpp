@@ -40,7 +40,7 @@ TactorScheduler::~TactorScheduler()
 
 void
 TactorScheduler::start(std::unique_ptr<tactor::Driver> driver, double full_scale_volts,
-                       std::unique_ptr<tactor::CommandTrace> trace)
+                       std::unique_ptr<tactor::CommandTrace> trace, bool realtime)
 {
   stop();
   std::lock_guard lock(mutex_);
@@ -58,7 +58,7 @@ TactorScheduler::start(std::unique_ptr<tactor::Driver> driver, double full_scale
   quit_ = playing_ = failed_ = away_ = false;
   met_ = requested_;
   running_ = Time(0);
-  thread_ = std::thread([this] { run(); });
+  thread_ = std::thread([this, realtime] { run(realtime); });
   live_ = true;
 }
 
@@ -169,11 +169,14 @@ TactorScheduler::set_immediate(bool immediate)
 }
 
 void
-TactorScheduler::push(std::span<const Command> commands, Time expires)
+TactorScheduler::push(std::span<const Command> commands, Time expires, Time now)
 {
+  std::vector<Command> known(commands.begin(), commands.end());
+  for (Command &command : known)
+    command.known = now;
   std::unique_lock lock(mutex_);
   const std::optional<Time> before = queue_.next_due();
-  queue_.push(commands);
+  queue_.push(known);
   const bool sleeps_on_nothing = !before && !expires_;
   expires_ = expires;
   // A wait that ends too early looks again and goes on waiting; only one that would end too late is
@@ -217,6 +220,12 @@ TactorScheduler::driver_status() const
   return driver_ ? driver_->status() : last_status_;
 }
 
+tactor::Scheduling
+TactorScheduler::scheduling() const
+{
+  return scheduling_;
+}
+
 bool
 TactorScheduler::trace_failed() const
 {
@@ -254,11 +263,20 @@ TactorScheduler::settle(Lock &lock)
 }
 
 void
-TactorScheduler::run()
+TactorScheduler::run(bool wants_realtime)
 {
+  tactor::RealtimeThread realtime(wants_realtime,
+                                  [this](tactor::Scheduling scheduling, const std::string &text) {
+                                    scheduling_ = scheduling;
+                                    host_.scheduled(scheduling, text);
+                                  });
   std::unique_lock lock(mutex_);
-  while (!quit_)
+  while (!quit_) {
     turn(lock);
+    lock.unlock();
+    realtime.turn();
+    lock.lock();
+  }
   playing_ = false;
   counters_.dropped += queue_.clear();
   apply(lock, running_, {});
@@ -382,6 +400,10 @@ TactorScheduler::issue(Lock &lock, Time running, std::span<const Command> comman
     counters_.error.add(late);
     if (late > kLate)
       counters_.late++;
+    counters_.came_late += command.known > command.due();
+    const Time waited = running - std::max(command.due(), command.known);
+    counters_.thread_error.add(waited);
+    counters_.thread_late += waited > kLate;
     if (late > latest) {
       latest = late;
       lead = command.lead;

@@ -4,11 +4,13 @@
 #include "tactor/command_queue.h"
 #include "tactor/command_trace.h"
 #include "tactor/driver.h"
+#include "tactor/realtime/realtime_thread.h"
 #include "tactor/schedule_statistics.h"
 #include "tactor/soft_start.h"
 
 #include <gst/gst.h>
 
+#include <atomic>
 #include <condition_variable>
 #include <cstdint>
 #include <functional>
@@ -38,6 +40,10 @@ public:
   /// A command was `late` behind its due time: upstream did not deliver it `lead` ahead of its
   /// frame.
   virtual void lead_short(tactor::Time lead, tactor::Time late) = 0;
+  /// How the thread is scheduled from now on, and why, in one line. Also on the thread that asked for it.
+  virtual void scheduled(tactor::Scheduling, const std::string &)
+  {
+  }
 };
 
 /// The thread that hands commands to the driver when they are due, and the only one that talks to
@@ -58,12 +64,16 @@ public:
   {
     guint64 issued = 0;
     guint64 late = 0;
+    guint64 came_late = 0; ///< handed over after they were due
+    guint64 thread_late
+        = 0;               ///< issued kLate after they were due and handed over: the thread's fault
     guint64 coalesced = 0; ///< overtaken by a later command for the same tactor
     guint64 dropped
         = 0; ///< thrown away by a flush or a stop before they were due, or when their map had expired
     guint64 starved = 0;              ///< times when no map came and the motors were silenced
     guint64 ramps = 0;                ///< soft starts
     tactor::ScheduleStatistics error; ///< |issued − due|
+    tactor::ScheduleStatistics thread_error; ///< issued − due, or what came late: − handed over
   };
 
   explicit TactorScheduler(TactorSchedulerHost &host);
@@ -72,9 +82,9 @@ public:
   TactorScheduler &operator=(const TactorScheduler &) = delete;
 
   /// Takes an open driver and the volts that its board makes at most; the trace may be null. Paused
-  /// until play().
+  /// until play(). With `realtime` the thread asks to be real-time, which no one waits for.
   void start(std::unique_ptr<tactor::Driver> driver, double full_scale_volts,
-             std::unique_ptr<tactor::CommandTrace> trace);
+             std::unique_ptr<tactor::CommandTrace> trace, bool realtime = false);
   /// Motors to zero, driver closed, thread joined. Harmless when not started.
   void stop();
 
@@ -105,8 +115,9 @@ public:
   void set_immediate(bool immediate);
 
   /// New commands, of a map that holds until `expires`: if none follows by then, the motors are
-  /// silenced, and what would be issued only then is dropped.
-  void push(std::span<const tactor::Command> commands, tactor::Time expires);
+  /// silenced, and what would be issued only then is dropped. `now` is the running time, where there is a clock.
+  void push(std::span<const tactor::Command> commands, tactor::Time expires,
+            tactor::Time now = tactor::Time::min());
 
   /// When the motors were silenced for want of a map, if they were since the last call: whoever plans
   /// must know.
@@ -118,6 +129,8 @@ public:
   Counters counters() const;
   /// Of the driver; after stop() as it was then.
   tactor::DriverStatus driver_status() const;
+  /// Of the thread; after stop() as it was then.
+  tactor::Scheduling scheduling() const;
   bool trace_failed() const;
   /// Whether the driver failed for good (TactorSchedulerHost::device_failed()).
   bool failed() const;
@@ -129,7 +142,7 @@ private:
   // All of these run on the scheduler's thread, but settle() and wake(); all are called with the
   // lock held and give it up while they wait, while the driver is at work and while the host is
   // told something.
-  void run();
+  void run(bool realtime);
   void turn(Lock &lock);
   void wait_until(Lock &lock, const Moment &moment, tactor::Time running);
   bool issue_due(Lock &lock, bool timed);
@@ -151,6 +164,7 @@ private:
   std::thread thread_;
   GstClockID waiting_ = nullptr; ///< what the thread sleeps on, owned by it
 
+  std::atomic<tactor::Scheduling> scheduling_{ tactor::Scheduling::normal };
   bool live_ = false; ///< the thread attends to requests
   bool quit_ = false;
   bool playing_ = false;

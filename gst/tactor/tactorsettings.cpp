@@ -193,6 +193,12 @@ TactorSettings::install(GObjectClass *klass)
                           "issued_ns,due_ns,effect_ns,tactor,volts (unset: none)",
                           nullptr, ready));
   g_object_class_install_property(
+      klass, TACTOR_PROP_REALTIME,
+      g_param_spec_boolean("realtime", "Real-time",
+                           "Threads that bring commands to the motors ask to run before others: "
+                           "directly, else by RealtimeKit or the desktop portal",
+                           unset.realtime, ready));
+  g_object_class_install_property(
       klass, TACTOR_PROP_STATS,
       g_param_spec_boxed(
           "actuation-stats", "Actuation statistics",
@@ -257,6 +263,9 @@ TactorSettings::set(guint id, const GValue *value)
   case TACTOR_PROP_TRACE_LOCATION:
     trace_location = string_from_value(value);
     break;
+  case TACTOR_PROP_REALTIME:
+    realtime = g_value_get_boolean(value);
+    break;
   default:
     return false;
   }
@@ -320,6 +329,9 @@ TactorSettings::get(guint id, GValue *value) const
     break;
   case TACTOR_PROP_TRACE_LOCATION:
     g_value_set_string(value, trace_location.empty() ? nullptr : trace_location.c_str());
+    break;
+  case TACTOR_PROP_REALTIME:
+    g_value_set_boolean(value, realtime);
     break;
   default:
     return false;

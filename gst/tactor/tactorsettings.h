@@ -29,6 +29,7 @@ enum TactorProperty : guint
   TACTOR_PROP_KICK_START,
   TACTOR_PROP_CALIBRATION,
   TACTOR_PROP_TRACE_LOCATION,
+  TACTOR_PROP_REALTIME,
   TACTOR_PROP_STATS,
 };
 
@@ -43,6 +44,7 @@ struct TactorSettings
   std::string calibration; ///< key file; empty: none
   tactor::PlannerSettings planner;
   bool mute = false;
+  bool realtime = true;
   tactor::Time ramp_in = std::chrono::milliseconds(100);
 
   std::string

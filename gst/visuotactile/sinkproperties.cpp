@@ -42,6 +42,7 @@ enum Property : guint
   PROP_MAX_LEAD,
   PROP_MAPPING,
   PROP_TRACE_LOCATION,
+  PROP_REALTIME,
   PROP_STATS,
 };
 
@@ -223,6 +224,10 @@ gst_visuotactile_sink_install_properties(GObjectClass *klass)
           g_param_spec_string("trace-location", "Trace location",
                               "CSV file that gets one line a command (unset: none)", nullptr,
                               ready));
+  install(PROP_REALTIME,
+          g_param_spec_boolean("realtime", "Real-time",
+                               "Threads that bring commands to the motors ask to run before others",
+                               TRUE, ready));
   install(PROP_STATS,
           g_param_spec_boxed("actuation-stats", "Actuation statistics",
                              "What the tactors were told", GST_TYPE_STRUCTURE, readable));

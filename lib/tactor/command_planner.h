@@ -29,6 +29,7 @@ struct Command
   int tactor = 0;
   double volts = 0;
   Time until = Time::max(); ///< the motor is off from then on if no other command for it comes
+  Time known = Time::min(); ///< when it was handed over to be issued; not the planner's
 
   Time due() const
   {

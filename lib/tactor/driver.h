@@ -64,6 +64,7 @@ struct DriverConfig
   int max_tactors = 4096;        ///< at most this many are wanted, 1…4096
   int min_tactors = 1;           ///< a board with fewer is refused
   double full_scale_volts = 3.0; ///< volts at the motor when a board's output is fully on
+  bool realtime = false;         ///< threads that carry levels to the board ask to be real-time
   /// Called from any thread, one call at a time, between the beginning of open() and the end of close(), and also from within these.
   /// It may call status(), nothing else.
   std::function<void(const DriverEvent &)> notify{};

@@ -223,6 +223,8 @@ FirmataDriver::run()
     refusal_.emplace(DriverError::Kind::failed, error.what());
   }
   changed_.notify_all();
+  if (port)
+    realtime_.emplace(config_.realtime);
 
   while (port) {
     converse(lock, *port, &FirmataDriver::is_quitting);
@@ -240,6 +242,7 @@ FirmataDriver::run()
     tell(lock, DriverEvent::Kind::returned, status_.board + " is back");
   }
 
+  realtime_.reset();
   const Unlocked unlocked(lock);
   if (bus)
     bus->watch(nullptr);
@@ -344,6 +347,8 @@ FirmataDriver::connect(Lock &lock, SerialBus &bus, const SerialDevice &device)
     changed_.notify_all();
   };
 
+  events.realtime = config_.realtime;
+
   lost_.reset();
   board_.emplace(steady_now(), settings_.patience);
   std::unique_ptr<SerialPort> port;
@@ -395,6 +400,8 @@ void
 FirmataDriver::converse(Lock &lock, SerialPort &port, bool (FirmataDriver::*is_done)() const)
 {
   while (!lost_ && !(this->*is_done)()) {
+    if (realtime_)
+      realtime_->turn();
     const std::vector<std::uint8_t> bytes = board_->next(steady_now());
     if (board_->state() == FirmataBoard::State::failed) {
       lost_ = board_->failure();

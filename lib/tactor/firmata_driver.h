@@ -3,6 +3,7 @@
 
 #include "tactor/driver.h"
 #include "tactor/firmata_board.h"
+#include "tactor/realtime/realtime_thread.h"
 #include "tactor/serial_port.h"
 
 #include <condition_variable>
@@ -73,6 +74,9 @@ private:
   const Firmware firmware_;
   const MakeBus make_bus_;
   const Settings settings_;
+
+  std::optional<RealtimeThread>
+      realtime_; ///< the driver's thread's, and made, used and ended by it
 
   mutable std::mutex mutex_; ///< guards everything below
   std::condition_variable changed_;

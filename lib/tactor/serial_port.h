@@ -28,6 +28,7 @@ public:
     std::function<void()> written;
     /// The board is gone, or does not take what it is sent; nothing follows. Why, in one line.
     std::function<void(const std::string &)> lost;
+    bool realtime = false; ///< the port's thread asks to be real-time
   };
 
   virtual ~SerialPort() = default;

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "listener.h"
 
+#include <atomic>
 #include <filesystem>
 #include <iterator>
 
+#include "tests/check/realtime.h"
 #include <gst/check/gstcheck.h>
 
 using namespace std::chrono_literals;
@@ -48,6 +50,29 @@ GST_START_TEST(test_bytes_out)
     }
     fail_unless(board.bytes() == sent);
     fail_unless_equals_int(board.most_writes_pending(), 1);
+  }
+}
+GST_END_TEST;
+
+/// The port's thread runs before others where it is asked for and may be had.
+GST_START_TEST(test_realtime)
+{
+  for (const bool wanted : { true, false }) {
+    EmulatedUsb usb;
+    EmulatedBoard board(usb, {});
+    UsbSerialBus bus;
+    Listener listener;
+    std::atomic<int> policy{ -1 };
+    SerialPort::Events events = listener.events();
+    events.realtime = wanted;
+    events.received = [&, tell = events.received](std::span<const std::uint8_t> bytes) {
+      policy = policy_of(0);
+      tell(bytes);
+    };
+    const auto port = bus.open(bus.list().at(0), std::move(events));
+    board.send(Bytes{ 1, 2, 3 });
+    fail_unless(listener.wait_for_bytes(3));
+    fail_unless_equals_int(policy, wanted && may_be_realtime() ? SCHED_RR : SCHED_OTHER);
   }
 }
 GST_END_TEST;
@@ -323,6 +348,7 @@ usb_serial_port_suite(void)
   suite_add_tcase(suite, tests);
   tcase_add_test(tests, test_bytes_out);
   tcase_add_test(tests, test_bytes_in);
+  tcase_add_test(tests, test_realtime);
   tcase_add_test(tests, test_odd_packets);
   tcase_add_test(tests, test_ten_thousand_writes);
   tcase_add_test(tests, test_one_write_at_a_time);

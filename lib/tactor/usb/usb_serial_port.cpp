@@ -2,6 +2,7 @@
 #include "tactor/usb/usb_serial_port.h"
 
 #include "tactor/driver.h"
+#include "tactor/realtime/realtime_thread.h"
 
 #include <algorithm>
 #include <cassert>
@@ -176,9 +177,11 @@ UsbSerialPort::write(std::span<const std::uint8_t> bytes)
 void
 UsbSerialPort::run()
 {
+  RealtimeThread realtime(events_.realtime);
   std::unique_lock lock(mutex_);
   while (!stop_) {
     lock.unlock();
+    realtime.turn();
     const int error = libusb_handle_events_completed(context_.get(), nullptr);
     lock.lock();
     if (error != LIBUSB_SUCCESS && error != LIBUSB_ERROR_INTERRUPTED) {

@@ -69,6 +69,28 @@ GST_START_TEST(test_refresh_without_clock)
 }
 GST_END_TEST;
 
+/// Whose fault it was: a command that came after it was due is late by its map, one that waited for the thread by the thread.
+GST_START_TEST(test_whose_fault)
+{
+  Rig rig;
+  rig.push({ command(9000, 1, 1.0) });
+  rig.run_to(100);
+  rig.scheduler->push(std::vector{ command(60, 0, 1.0) }, kForever, milliseconds(100));
+  rig.board.wait_until([&] { return rig.board.writes.size() == 1; });
+  rig.scheduler->push(std::vector{ command(200, 0, 2.0) }, kForever, milliseconds(100));
+  rig.jump_to(milliseconds(220));
+  rig.board.wait_until([&] { return rig.board.writes.size() == 2; });
+  rig.asleep();
+  const TactorScheduler::Counters counters = rig.scheduler->counters();
+  ck_assert_uint_eq(counters.late, 2);
+  ck_assert_uint_eq(counters.came_late, 1);
+  ck_assert_uint_eq(counters.thread_late, 1);
+  fail_unless(counters.error.max() == milliseconds(40));
+  fail_unless(counters.thread_error.max() == milliseconds(20));
+  fail_unless(counters.thread_error.min() == Time(0));
+}
+GST_END_TEST;
+
 GST_START_TEST(test_board_failed)
 {
   for (const bool odd : { false, true }) {
@@ -234,6 +256,7 @@ tactorscheduler_boards_suite(void)
   TCase *cases = tcase_create("general");
   suite_add_tcase(suite, cases);
   tcase_add_test(cases, test_refresh);
+  tcase_add_test(cases, test_whose_fault);
   tcase_add_test(cases, test_refresh_without_clock);
   tcase_add_test(cases, test_board_failed);
   tcase_add_test(cases, test_host_calls_back);

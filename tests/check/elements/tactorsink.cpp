@@ -427,6 +427,8 @@ GST_START_TEST(test_late_is_counted_and_said)
     later.push(1000 * kMs, { 1.0f }); // it is 990: 54.54 ms late
   });
   ck_assert_uint_eq(later.stat("late"), 1);
+  ck_assert_uint_eq(later.stat("came-late"), 1);
+  ck_assert_uint_eq(later.stat("thread-late"), 0);
   guint said = 0;
   while (GstMessage *message = gst_bus_pop_filtered(later.messages.bus, GST_MESSAGE_ELEMENT)) {
     if (gst_message_has_name(message, "tactor-lead-short")) {
@@ -442,6 +444,41 @@ GST_START_TEST(test_late_is_counted_and_said)
     gst_message_unref(message);
   }
   ck_assert_uint_eq(said, 1);
+}
+GST_END_TEST;
+
+/// The thread that issues commands runs before others, where that may be had, and says how it is scheduled. It is the one that tells
+/// of a lead that was short.
+GST_START_TEST(test_realtime)
+{
+  g_setenv("DBUS_SYSTEM_BUS_ADDRESS", "unix:path=/nonexistent/bus", TRUE);
+  g_unsetenv("DBUS_SESSION_BUS_ADDRESS");
+  for (const bool wanted : { true, false }) {
+    std::atomic<int> policy{ -1 };
+    const auto note = [](GstBus *, GstMessage *message, gpointer seen) {
+      if (gst_message_has_name(message, "tactor-lead-short"))
+        *static_cast<std::atomic<int> *>(seen) = policy_of(0);
+      return GST_BUS_PASS;
+    };
+    Rig rig;
+    if (!wanted)
+      g_object_set(rig.element, "realtime", FALSE, nullptr);
+    gst_bus_set_sync_handler(rig.messages.bus, note, &policy, nullptr);
+    rig.start();
+    gst_test_clock_set_time(rig.clock, 1150 * kMs);
+    rig.run_to_end([&] {
+      rig.push(1000 * kMs, { 1.0f }); // 54.54 ms late
+    });
+    const bool expected = wanted && may_be_realtime();
+    ck_assert_int_eq(policy, expected ? SCHED_RR : SCHED_OTHER);
+    while (GstMessage *message = gst_bus_pop_filtered(rig.messages.bus, GST_MESSAGE_ELEMENT)) {
+      if (gst_message_has_name(message, "tactor-stats"))
+        ck_assert_str_eq(gst_structure_get_string(gst_message_get_structure(message), "scheduling"),
+                         expected ? "direct" : "normal");
+      gst_message_unref(message);
+    }
+    gst_bus_set_sync_handler(rig.messages.bus, nullptr, nullptr, nullptr);
+  }
 }
 GST_END_TEST;
 
@@ -513,6 +550,7 @@ tactorsink_suite(void)
   tcase_add_test(cases, test_sync_false_issues_every_command);
   tcase_add_test(cases, test_starved);
   tcase_add_test(cases, test_late_is_counted_and_said);
+  tcase_add_test(cases, test_realtime);
   tcase_add_test(cases, test_stale_commands_coalesce);
   tcase_add_test(cases, test_null_while_playing_is_silent);
   return suite;

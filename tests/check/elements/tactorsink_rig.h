@@ -16,6 +16,7 @@
 
 // After the standard library's headers: gstcheck.h defines a macro named fail.
 #include "../playing.h"
+#include "../realtime.h"
 #include "../temporary_file.h"
 #include <gst/check/gsttestclock.h>
 #include <gst/tactile/tactile.h>

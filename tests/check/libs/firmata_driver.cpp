@@ -46,6 +46,24 @@ GST_START_TEST(test_open_write_close)
 }
 GST_END_TEST;
 
+/// The thread that carries levels to the board runs before others, too, where that may be had, and asks it of the port's.
+GST_START_TEST(test_realtime)
+{
+  for (const bool wanted : { true, false }) {
+    Rig rig;
+    rig.sockets.plug(rig.mega);
+    DriverConfig config = rig.config();
+    config.realtime = wanted;
+    rig.driver.open(config);
+    rig.write({ 3.0 });
+    rig.expect(rig.mega, { 3.0 });
+    const int expected = wanted && may_be_realtime() ? SCHED_RR : SCHED_OTHER;
+    ck_assert_int_eq(rig.sockets.locked([&] { return rig.sockets.writer_policy; }), expected);
+    fail_unless(rig.sockets.locked([&] { return rig.sockets.wants_realtime; }) == wanted);
+  }
+}
+GST_END_TEST;
+
 /// The destructor leaves them at zero, too.
 GST_START_TEST(test_destroyed)
 {
@@ -246,6 +264,7 @@ firmata_driver_suite(void)
   TCase *tests = tcase_create("general");
   suite_add_tcase(suite, tests);
   tcase_add_test(tests, test_open_write_close);
+  tcase_add_test(tests, test_realtime);
   tcase_add_test(tests, test_destroyed);
   tcase_add_test(tests, test_unplug_and_replug);
   tcase_add_test(tests, test_unplug_in_each_phase);

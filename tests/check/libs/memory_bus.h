@@ -4,6 +4,7 @@
 // real one has. No time passes: a board answers as soon as its thread runs.
 #pragma once
 
+#include "../realtime.h"
 #include "firmata_model.h"
 #include "tactor/driver.h"
 #include "tactor/serial_port.h"
@@ -91,7 +92,9 @@ public:
   std::mutex mutex; ///< guards boards and whatever a test waits for
   std::condition_variable changed;
   std::list<MemoryBoard *> boards;
-  std::mutex watching; ///< held while the watcher is called
+  int writer_policy = -1;      ///< of the thread that wrote last
+  bool wants_realtime = false; ///< likewise, of the port
+  std::mutex watching;         ///< held while the watcher is called
   std::function<void()> watcher;
 };
 
@@ -119,6 +122,8 @@ public:
     std::lock_guard lock(sockets_.mutex);
     if (is_lost_ || !out_.empty() || bytes.empty() || bytes.size() > kMaxWrite)
       return false;
+    sockets_.writer_policy = policy_of(0);
+    sockets_.wants_realtime = events_.realtime;
     out_.assign(bytes.begin(), bytes.end());
     sockets_.changed.notify_all();
     return true;

@@ -1,0 +1,283 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "tactor/realtime/realtime_question.h"
+
+#include <tl/expected.hpp>
+
+#include <gio/gio.h>
+
+#include <sched.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <string>
+
+namespace tactor {
+
+namespace {
+
+/// For each step. Nobody waits for it, and what starts a service may be slow on a busy machine.
+constexpr guint kPatience = 5; // s
+
+/// Who may be asked.
+struct Door
+{
+  Scheduling scheduling;
+  const char *title;
+  GBusType bus;
+  const char *name;
+  const char *path;
+  const char *interface;
+};
+
+constexpr Door kRealtimeKit{ Scheduling::realtime_kit,
+                             "RealtimeKit",
+                             G_BUS_TYPE_SYSTEM,
+                             "org.freedesktop.RealtimeKit1",
+                             "/org/freedesktop/RealtimeKit1",
+                             "org.freedesktop.RealtimeKit1" };
+constexpr Door kPortal{ Scheduling::portal,
+                        "the desktop portal",
+                        G_BUS_TYPE_SESSION,
+                        "org.freedesktop.portal.Desktop",
+                        "/org/freedesktop/portal/desktop",
+                        "org.freedesktop.portal.Realtime" };
+
+/// What they grant.
+struct Terms
+{
+  int priority = 0; ///< at most
+  rlim_t time = 0;  ///< RLIMIT_RTTIME at most, in µs
+};
+
+/// Why not, in one line.
+using Why = std::string;
+template <typename T> using Result = tl::expected<T, Why>;
+
+tl::unexpected<Why>
+unexpected(GError *error)
+{
+  g_dbus_error_strip_remote_error(error);
+  return tl::unexpected(Why(error->message));
+}
+
+/// A connection to a bus. Not g_bus_get_sync(), whose connection is the process's and ends the process with the bus, and not with
+/// G_DBUS_CONNECTION_FLAGS_MESSAGE_BUS_CONNECTION, which waits 25 s for a bus that says nothing and is not to be interrupted.
+class BusConnection
+{
+public:
+  static Result<BusConnection> open(GBusType bus, GCancellable *cancellable);
+
+  /// Takes the parameters.
+  Result<GVariant *> call(const char *name, const char *path, const char *interface,
+                          const char *method, GVariant *parameters) const;
+
+private:
+  BusConnection(GDBusConnection *connection, GCancellable *cancellable)
+      : connection_(connection, g_object_unref), cancellable_(cancellable)
+  {
+  }
+
+  std::unique_ptr<GDBusConnection, decltype(&g_object_unref)> connection_;
+  GCancellable *cancellable_;
+};
+
+Result<BusConnection>
+BusConnection::open(GBusType bus, GCancellable *cancellable)
+{
+  g_autoptr(GError) error = nullptr;
+  g_autofree gchar *address = g_dbus_address_get_for_bus_sync(bus, cancellable, &error);
+  if (!address)
+    return unexpected(error);
+  g_autoptr(GIOStream) stream
+      = g_dbus_address_get_stream_sync(address, nullptr, cancellable, &error);
+  if (!stream)
+    return unexpected(error);
+  // While it is agreed on who talks; what follows has time-outs of its own, and may be silent.
+  GSocket *socket = G_IS_SOCKET_CONNECTION(stream)
+                        ? g_socket_connection_get_socket(G_SOCKET_CONNECTION(stream))
+                        : nullptr;
+  if (socket)
+    g_socket_set_timeout(socket, kPatience);
+  GDBusConnection *made = g_dbus_connection_new_sync(
+      stream, nullptr, G_DBUS_CONNECTION_FLAGS_AUTHENTICATION_CLIENT, nullptr, cancellable, &error);
+  if (!made)
+    return unexpected(error);
+  if (socket)
+    g_socket_set_timeout(socket, 0);
+  BusConnection connection(made, cancellable);
+  const Result<GVariant *> hello = connection.call("org.freedesktop.DBus", "/org/freedesktop/DBus",
+                                                   "org.freedesktop.DBus", "Hello", nullptr);
+  if (!hello)
+    return tl::unexpected(hello.error());
+  g_variant_unref(*hello);
+  return connection;
+}
+
+Result<GVariant *>
+BusConnection::call(const char *name, const char *path, const char *interface, const char *method,
+                    GVariant *parameters) const
+{
+  g_autoptr(GError) error = nullptr;
+  GVariant *reply = g_dbus_connection_call_sync(
+      connection_.get(), name, path, interface, method, parameters, nullptr, G_DBUS_CALL_FLAGS_NONE,
+      static_cast<gint>(kPatience) * 1000, cancellable_, &error);
+  if (!reply)
+    return unexpected(error);
+  return reply;
+}
+
+/// RealtimeKit has no GetAll.
+Result<gint64>
+read_property(const BusConnection &connection, const Door &door, const char *name)
+{
+  const Result<GVariant *> reply
+      = connection.call(door.name, door.path, "org.freedesktop.DBus.Properties", "Get",
+                        g_variant_new("(ss)", door.interface, name));
+  if (!reply)
+    return tl::unexpected(reply.error());
+  g_autoptr(GVariant) tuple = *reply;
+  g_autoptr(GVariant) value = nullptr;
+  if (g_variant_is_of_type(tuple, G_VARIANT_TYPE("(v)")))
+    g_variant_get(tuple, "(v)", &value);
+  gint64 number = 0;
+  if (value && g_variant_is_of_type(value, G_VARIANT_TYPE_INT64))
+    number = g_variant_get_int64(value);
+  else if (value && g_variant_is_of_type(value, G_VARIANT_TYPE_INT32))
+    number = g_variant_get_int32(value);
+  if (number < 1)
+    return tl::unexpected("it does not say what it grants: " + std::string(name));
+  return number;
+}
+
+Result<Terms>
+read_terms(const BusConnection &connection, const Door &door)
+{
+  const Result<gint64> priority = read_property(connection, door, "MaxRealtimePriority");
+  if (!priority)
+    return tl::unexpected(priority.error());
+  const Result<gint64> time = read_property(connection, door, "RTTimeUSecMax");
+  if (!time)
+    return tl::unexpected(time.error());
+  return Terms{ static_cast<int>(std::min<gint64>(*priority, 99)), static_cast<rlim_t>(*time) };
+}
+
+bool
+is_realtime(pid_t thread)
+{
+  const int policy = sched_getscheduler(thread) & ~SCHED_RESET_ON_FORK;
+  return policy == SCHED_FIFO || policy == SCHED_RR;
+}
+
+bool
+has_realtime_threads()
+{
+  g_autoptr(GDir) threads = g_dir_open("/proc/self/task", 0, nullptr);
+  if (!threads)
+    return false;
+  while (const gchar *thread = g_dir_read_name(threads))
+    if (is_realtime(static_cast<pid_t>(g_ascii_strtoll(thread, nullptr, 10))))
+      return true;
+  return false;
+}
+
+/// Sees to it that real-time threads of this process have the limit that is asked for.
+Result<void>
+limit_time(rlim_t most)
+{
+  rlimit limit{};
+  getrlimit(RLIMIT_RTTIME, &limit);
+  if (limit.rlim_max <= most)
+    return {};
+  // It holds for all of them, and would kill the process for one that counts on having none.
+  if (has_realtime_threads())
+    return tl::unexpected(
+        Why("other threads of this process are real-time and have no limit on their CPU time"));
+  limit.rlim_max = most;
+  limit.rlim_cur = std::min(limit.rlim_cur, most);
+  if (setrlimit(RLIMIT_RTTIME, &limit) != 0)
+    return tl::unexpected(Why("the CPU time of real-time threads cannot be limited: ")
+                          + std::strerror(errno));
+  return {};
+}
+
+/// What was said to those who were told.
+Result<std::string>
+ask(const Door &door, GCancellable *cancellable, pid_t thread, int priority)
+{
+  const Result<BusConnection> connection = BusConnection::open(door.bus, cancellable);
+  if (!connection)
+    return tl::unexpected(connection.error());
+  const Result<Terms> terms = read_terms(*connection, door);
+  if (!terms)
+    return tl::unexpected(terms.error());
+  if (const Result<void> limited = limit_time(terms->time); !limited)
+    return tl::unexpected(limited.error());
+  const Result<GVariant *> reply = connection->call(
+      door.name, door.path, door.interface, "MakeThreadRealtimeWithPID",
+      g_variant_new("(ttu)", static_cast<guint64>(getpid()), static_cast<guint64>(thread),
+                    static_cast<guint32>(std::min(priority, terms->priority))));
+  if (!reply)
+    return tl::unexpected(reply.error());
+  g_variant_unref(*reply);
+  return "by " + std::string(door.title) + ", at most " + std::to_string(terms->time / 1000)
+         + " ms of CPU time at once";
+}
+
+} // namespace
+
+struct RealtimeQuestion::State
+{
+  pid_t thread;
+  int priority;
+  Answer answer;
+  std::unique_ptr<GCancellable, decltype(&g_object_unref)> cancellable{ g_cancellable_new(),
+                                                                        g_object_unref };
+  GThread *asking = nullptr;
+
+  void run() const;
+};
+
+RealtimeQuestion::RealtimeQuestion(pid_t thread, int priority, Answer answer)
+    : state_(new State{ thread, priority, std::move(answer) })
+{
+  const auto run = [](gpointer state) -> gpointer {
+    static_cast<const State *>(state)->run();
+    return nullptr;
+  };
+  g_autoptr(GError) error = nullptr;
+  state_->asking = g_thread_try_new("tactor-rtkit", run, state_.get(), &error);
+  if (!state_->asking)
+    state_->answer(Scheduling::normal, error->message);
+}
+
+RealtimeQuestion::~RealtimeQuestion()
+{
+  g_cancellable_cancel(state_->cancellable.get());
+  if (state_->asking)
+    g_thread_join(state_->asking);
+}
+
+void
+RealtimeQuestion::State::run() const
+{
+  std::string why;
+  for (const Door &door : { kRealtimeKit, kPortal }) {
+    // Without an address GIO would start a bus.
+    if (door.bus == G_BUS_TYPE_SESSION && !g_getenv("DBUS_SESSION_BUS_ADDRESS"))
+      continue;
+    const Result<std::string> got = ask(door, cancellable.get(), thread, priority);
+    if (g_cancellable_is_cancelled(cancellable.get()))
+      return;
+    if (got) {
+      answer(door.scheduling, *got);
+      return;
+    }
+    why += (why.empty() ? "" : "; ") + std::string(door.title) + ": " + got.error();
+  }
+  answer(Scheduling::normal, why);
+}
+
+} // namespace tactor

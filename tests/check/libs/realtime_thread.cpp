@@ -1,0 +1,374 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+//
+// Threads that ask to be real-time. What the kernel made of each is read from the kernel. The test keeps the right to
+// make threads real-time, the thread that asks gives it up.
+#include "tactor/realtime/realtime_thread.h"
+
+#include <gio/gio.h>
+#include <gio/gunixsocketaddress.h>
+#include <glib/gstdio.h>
+
+#include <linux/capability.h>
+#include <sched.h>
+#include <sys/resource.h>
+#include <sys/syscall.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <condition_variable>
+#include <functional>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <thread>
+
+// After the standard library's headers: gstcheck.h defines a macro named fail.
+#include "fake_realtime_kit.h"
+#include <gst/check/gstcheck.h>
+
+using std::chrono::milliseconds;
+using tactor::CpuBudget;
+using tactor::RealtimeThread;
+using tactor::Scheduling;
+using tactor::Time;
+
+namespace {
+
+/// From now on this thread is nobody who may raise priorities (CAP_SYS_NICE); capabilities are each thread's own.
+void
+become_ordinary()
+{
+  __user_cap_header_struct header{ _LINUX_CAPABILITY_VERSION_3, 0 };
+  __user_cap_data_struct data[2] = {};
+  fail_unless(syscall(SYS_capget, &header, data) == 0);
+  data[0].effective &= ~(1u << CAP_SYS_NICE);
+  data[0].permitted &= ~(1u << CAP_SYS_NICE);
+  data[0].inheritable &= ~(1u << CAP_SYS_NICE);
+  fail_unless(syscall(SYS_capset, &header, data) == 0);
+}
+
+/// By the limit that `ulimit -r` and limits.d set. False where it may not be set.
+bool
+allow_priority(rlim_t most)
+{
+  const rlimit limit{ most, most };
+  return setrlimit(RLIMIT_RTPRIO, &limit) == 0;
+}
+
+/// An ordinary thread that asks, and what it is told.
+class Asker
+{
+public:
+  explicit Asker(bool wanted = true, bool ordinary = true)
+  {
+    thread_ = std::thread([this, wanted, ordinary] { run(wanted, ordinary); });
+    std::unique_lock lock(mutex_);
+    changed_.wait(lock, [this] { return id_ != 0; });
+  }
+  ~Asker()
+  {
+    end();
+  }
+  /// Waits until there is an answer.
+  std::pair<Scheduling, std::string> answer()
+  {
+    std::unique_lock lock(mutex_);
+    changed_.wait(lock, [this] { return told_.has_value(); });
+    return *told_;
+  }
+  bool has_answer()
+  {
+    std::lock_guard lock(mutex_);
+    return told_.has_value();
+  }
+  int policy() const
+  {
+    return policy_of(id_);
+  }
+  int priority() const
+  {
+    sched_param parameters{};
+    sched_getparam(id_, &parameters);
+    return parameters.sched_priority;
+  }
+  pid_t id() const
+  {
+    return id_;
+  }
+  /// Lets the thread go round its loop as long as it is not told something new.
+  void spin()
+  {
+    std::unique_lock lock(mutex_);
+    told_.reset();
+    spin_ = true;
+    changed_.notify_all();
+    changed_.wait(lock, [this] { return told_.has_value(); });
+  }
+  /// The policy of the thread when it no longer wants to be real-time.
+  int end()
+  {
+    {
+      std::lock_guard lock(mutex_);
+      quit_ = true;
+      changed_.notify_all();
+    }
+    if (thread_.joinable())
+      thread_.join();
+    return last_;
+  }
+
+private:
+  void run(bool wanted, bool ordinary)
+  {
+    if (ordinary)
+      become_ordinary();
+    {
+      RealtimeThread realtime(wanted, [this](Scheduling scheduling, const std::string &text) {
+        std::lock_guard lock(mutex_);
+        told_.emplace(scheduling, text);
+        changed_.notify_all();
+      });
+      std::unique_lock lock(mutex_);
+      id_ = gettid();
+      changed_.notify_all();
+      changed_.wait(lock, [this] { return spin_ || quit_; });
+      while (!quit_ && !told_) {
+        lock.unlock();
+        realtime.turn();
+        lock.lock();
+      }
+      changed_.wait(lock, [this] { return quit_; });
+    }
+    last_ = policy_of(0);
+  }
+
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  std::optional<std::pair<Scheduling, std::string>> told_;
+  std::atomic<pid_t> id_ = 0;
+  bool spin_ = false;
+  bool quit_ = false;
+  int last_ = -1;
+  std::thread thread_;
+};
+
+/// Where only the administrator may raise priorities, and this is not one, there is nothing to be seen.
+bool
+skipped()
+{
+  const bool may = may_be_realtime();
+  if (!may)
+    g_print("this process may not make threads real-time: skipped\n");
+  return !may;
+}
+
+} // namespace
+
+/// By the limit, where the test may set it, else by the capability; over with the object.
+GST_START_TEST(test_direct)
+{
+  if (skipped())
+    return;
+  Asker asker(true, allow_priority(1));
+  fail_unless(asker.answer().first == Scheduling::direct);
+  ck_assert_int_eq(asker.policy(), SCHED_RR);
+  ck_assert_int_eq(asker.priority(), 1);
+  fail_unless(time_limit().rlim_max == RLIM_INFINITY); // the process's own affair
+  ck_assert_int_eq(asker.end(), SCHED_OTHER);
+}
+GST_END_TEST;
+
+GST_START_TEST(test_not_wanted)
+{
+  Asker asker(false, false);
+  fail_unless(asker.answer().first == Scheduling::normal);
+  ck_assert_int_eq(asker.policy(), SCHED_OTHER);
+}
+GST_END_TEST;
+
+/// The limit on CPU time that it asks for is set; it stays as it is for the next thread.
+GST_START_TEST(test_realtime_kit)
+{
+  if (skipped())
+    return;
+  allow_priority(0);
+  Bus bus(Bus::Service::grants);
+  for (int i = 0; i < 2; i++) {
+    Asker asker;
+    const auto [scheduling, text] = asker.answer();
+    fail_unless(scheduling == Scheduling::realtime_kit, "%s", text.c_str());
+    ck_assert_str_eq(text.c_str(), "by RealtimeKit, at most 200 ms of CPU time at once");
+    ck_assert_int_eq(asker.policy(), SCHED_RR);
+    ck_assert_int_eq(asker.priority(), 1);
+    ck_assert_uint_eq(time_limit().rlim_cur, kMostTime);
+    ck_assert_uint_eq(time_limit().rlim_max, kMostTime);
+    ck_assert_int_eq(asker.end(), SCHED_OTHER);
+  }
+}
+GST_END_TEST;
+
+/// A limit that is lower already is not raised.
+GST_START_TEST(test_limit_is_never_raised)
+{
+  if (skipped())
+    return;
+  allow_priority(0);
+  const rlimit low{ 50000, 100000 };
+  setrlimit(RLIMIT_RTTIME, &low);
+  Bus bus(Bus::Service::grants);
+  Asker asker;
+  fail_unless(asker.answer().first == Scheduling::realtime_kit);
+  ck_assert_uint_eq(time_limit().rlim_cur, 50000);
+  ck_assert_uint_eq(time_limit().rlim_max, 100000);
+}
+GST_END_TEST;
+
+/// The limit would hold for a real-time thread of the application's, too, and kill it with the process.
+GST_START_TEST(test_threads_of_others)
+{
+  if (skipped())
+    return;
+  allow_priority(0);
+  std::mutex mutex;
+  mutex.lock();
+  std::atomic<bool> ready = false;
+  std::thread other([&] {
+    const sched_param parameters{ .sched_priority = 5 };
+    sched_setscheduler(0, SCHED_FIFO, &parameters);
+    ready = true;
+    std::lock_guard lock(mutex);
+  });
+  while (!ready)
+    std::this_thread::yield();
+  Bus bus(Bus::Service::grants);
+  Asker asker;
+  const auto [scheduling, text] = asker.answer();
+  fail_unless(scheduling == Scheduling::normal);
+  fail_unless(text.find("other threads of this process are real-time") != std::string::npos, "%s",
+              text.c_str());
+  ck_assert_int_eq(asker.policy(), SCHED_OTHER);
+  fail_unless(time_limit().rlim_max == RLIM_INFINITY);
+  mutex.unlock();
+  other.join();
+}
+GST_END_TEST;
+
+/// Nobody there, nobody willing: it works as without, and says why.
+GST_START_TEST(test_none)
+{
+  allow_priority(0);
+  g_unsetenv("DBUS_SESSION_BUS_ADDRESS");
+  g_setenv("DBUS_SYSTEM_BUS_ADDRESS", "unix:path=/nonexistent/bus", TRUE);
+  const auto check = [](const char *why) {
+    Asker asker;
+    const auto [scheduling, text] = asker.answer();
+    fail_unless(scheduling == Scheduling::normal);
+    fail_unless(text.find("RLIMIT_RTPRIO") != std::string::npos, "%s", text.c_str());
+    fail_unless(text.find(why) != std::string::npos, "%s", text.c_str());
+    ck_assert_int_eq(asker.policy(), SCHED_OTHER);
+  };
+  check("No such file or directory");
+  {
+    const Bus bus(Bus::Service::none);
+    check("org.freedesktop.RealtimeKit1 was not provided");
+  }
+  const Bus bus(Bus::Service::refuses);
+  check("not for you");
+}
+GST_END_TEST;
+
+/// Neither a service nor a bus that says nothing is waited for: what is asked is given up with the thread. With a time-out instead
+/// there were an answer.
+GST_START_TEST(test_silence)
+{
+  allow_priority(0);
+  {
+    Bus bus(Bus::Service::silent);
+    Asker asker;
+    ck_assert_int_eq(bus.asked(), asker.id());
+    asker.end();
+    fail_if(asker.has_answer());
+  }
+  g_unsetenv("DBUS_SESSION_BUS_ADDRESS");
+  g_autofree gchar *folder = g_dir_make_tmp(nullptr, nullptr);
+  g_autofree gchar *path = g_build_filename(folder, "bus", nullptr);
+  g_autofree gchar *address = g_strdup_printf("unix:path=%s", path);
+  g_setenv("DBUS_SYSTEM_BUS_ADDRESS", address, TRUE);
+  g_autoptr(GSocketListener) listener = g_socket_listener_new();
+  g_autoptr(GSocketAddress) where = g_unix_socket_address_new(path);
+  fail_unless(g_socket_listener_add_address(listener, where, G_SOCKET_TYPE_STREAM,
+                                            G_SOCKET_PROTOCOL_DEFAULT, nullptr, nullptr, nullptr));
+  {
+    Asker asker;
+    g_autoptr(GSocketConnection) line
+        = g_socket_listener_accept(listener, nullptr, nullptr, nullptr);
+    fail_unless(line != nullptr);
+    asker.end();
+    fail_if(asker.has_answer());
+  }
+  g_unlink(path);
+  g_rmdir(folder);
+}
+GST_END_TEST;
+
+/// A quarter of the time, and 50 ms at once.
+GST_START_TEST(test_cpu_budget)
+{
+  constexpr Time kStart = std::chrono::hours(5);
+  // 24 of each 100 ms, for an hour.
+  CpuBudget busy(kStart, Time(0));
+  for (int i = 1; i <= 36000; i++)
+    fail_unless(busy.allows(kStart + i * milliseconds(100), i * milliseconds(24)));
+  // 26 of each 100 ms: 1 ms more than is earned each time, which is at most 49 ms for as long as 50 last.
+  CpuBudget greedy(kStart, Time(0));
+  int turns = 0;
+  while (greedy.allows(kStart + (turns + 1) * milliseconds(100), (turns + 1) * milliseconds(26)))
+    turns++;
+  ck_assert_int_ge(turns, 24);
+  ck_assert_int_le(turns, 50);
+  // All of the time: x ms are used when 50 + x / 4 are allowed, x = 66.7.
+  CpuBudget runaway(kStart, Time(0));
+  int used = 0;
+  while (runaway.allows(kStart + milliseconds(used), milliseconds(used)))
+    used++;
+  ck_assert_int_ge(used, 50);
+  ck_assert_int_le(used, 67);
+  // What was not used is not saved.
+  CpuBudget rested(kStart, Time(0));
+  fail_unless(rested.allows(kStart + std::chrono::hours(1), milliseconds(50)));
+  fail_if(rested.allows(kStart + std::chrono::hours(1), milliseconds(101)));
+}
+GST_END_TEST;
+
+/// A thread that runs away takes no processor from others for long.
+GST_START_TEST(test_runaway)
+{
+  if (skipped())
+    return;
+  Asker asker(true, allow_priority(1));
+  fail_unless(asker.answer().first == Scheduling::direct);
+  asker.spin();
+  fail_unless(asker.answer().first == Scheduling::given_back);
+  ck_assert_int_eq(asker.policy(), SCHED_OTHER);
+}
+GST_END_TEST;
+
+static Suite *
+realtime_thread_suite(void)
+{
+  Suite *suite = suite_create("realtime_thread");
+  TCase *tests = tcase_create("general");
+  suite_add_tcase(suite, tests);
+  tcase_add_test(tests, test_direct);
+  tcase_add_test(tests, test_not_wanted);
+  tcase_add_test(tests, test_realtime_kit);
+  tcase_add_test(tests, test_limit_is_never_raised);
+  tcase_add_test(tests, test_threads_of_others);
+  tcase_add_test(tests, test_none);
+  tcase_add_test(tests, test_silence);
+  tcase_add_test(tests, test_cpu_budget);
+  tcase_add_test(tests, test_runaway);
+  return suite;
+}
+
+GST_CHECK_MAIN(realtime_thread);
