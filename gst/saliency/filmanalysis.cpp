@@ -2,6 +2,7 @@
 #include "filmanalysis.h"
 
 #include "regionsofinterest.h"
+#include "saliency/front_end.h"
 
 #include <algorithm>
 #include <chrono>
@@ -128,7 +129,7 @@ FilmAnalysis::analyse(const SaliencySettings &settings, const GstVideoInfo &info
   analyzer_->set_threads(settings.n_threads);
   saliency_.map.clear();
   const FrameMapping mapping(info, buffer);
-  if (!mapping) {
+  if (!mapping || !saliency::fault_of(mapping.view()).empty()) {
     map_ = tactile::TactileMap(settings.rows, settings.columns);
     return false;
   }

@@ -34,7 +34,8 @@ public:
   /// anew after a jump in time. Always where the last map is for another grid or made in another way.
   bool is_due(const SaliencySettings &settings, saliency::Time time);
 
-  /// Analyses a frame. Where it could not be read that is false and the map silent. Throws what the library throws.
+  /// Analyses a frame. Where it could not be read that is false and the map silent. What throws is memory that is out: std::bad_alloc, or
+  /// OpenCV's exception of it.
   bool analyse(const SaliencySettings &settings, const GstVideoInfo &info, GstBuffer *buffer,
                saliency::Time time, saliency::Time duration);
 

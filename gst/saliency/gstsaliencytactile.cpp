@@ -139,7 +139,7 @@ gst_saliency_tactile_times(GstSaliencyTactile *self, GstBuffer *buffer, saliency
   priv->next_time = std::min(time, saliency::Time(static_cast<gint64>(kLatest))) + duration;
 }
 
-/// Analyses a frame. Throws what the library throws.
+/// Analyses a frame. Throws where memory is out (see FilmAnalysis).
 static void
 gst_saliency_tactile_analyse(GstSaliencyTactile *self, const SaliencySettings &settings,
                              GstBuffer *buffer, saliency::Time time, saliency::Time duration)
@@ -235,8 +235,10 @@ gst_saliency_tactile_transform_ip(GstBaseTransform *transform, GstBuffer *buffer
       const GstClockTime begin = gst_util_get_timestamp();
       gst_saliency_tactile_analyse(self, settings, buffer, time, duration);
       spent = gst_util_get_timestamp() - begin;
-    } catch (const std::exception &e) {
-      GST_ELEMENT_ERROR(self, STREAM, FAILED, ("The film analysis failed."), ("%s", e.what()));
+    } catch (const std::exception &e) { // memory is out; nothing else is told by an exception
+      GST_ELEMENT_ERROR(self, RESOURCE, NO_SPACE_LEFT,
+                        ("No memory to analyse such large frames: scale them down before."),
+                        ("%s", e.what()));
       return GST_FLOW_ERROR;
     }
   }

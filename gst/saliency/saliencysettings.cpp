@@ -4,7 +4,7 @@
 #include "../rangedproperty.h"
 #include "tactile/tactile_map.h"
 
-#include <exception>
+#include <utility>
 
 namespace {
 
@@ -161,6 +161,21 @@ SaliencySettings::install(GObjectClass *klass)
                               static_cast<GstPluginAPIFlags>(0));
 }
 
+void
+SaliencySettings::set_roi_weights(const gchar *text)
+{
+  roi_weights_error.clear();
+  if (!text) {
+    roi_weights = nullptr;
+    return;
+  }
+  tl::expected<saliency::RegionWeights, std::string> weights = saliency::RegionWeights::parse(text);
+  if (weights)
+    roi_weights = std::make_shared<const saliency::RegionWeights>(*std::move(weights));
+  else
+    roi_weights_error = std::move(weights.error());
+}
+
 bool
 SaliencySettings::set(guint id, const GValue *value)
 {
@@ -184,13 +199,7 @@ SaliencySettings::set(guint id, const GValue *value)
     floor = g_value_get_double(value);
     break;
   case SALIENCY_PROP_ROI_WEIGHTS:
-    roi_weights_error.clear();
-    try {
-      const gchar *text = g_value_get_string(value);
-      roi_weights = text ? std::make_shared<saliency::RegionWeights>(text) : nullptr;
-    } catch (const std::exception &e) {
-      roi_weights_error = e.what();
-    }
+    set_roi_weights(g_value_get_string(value));
     break;
   case SALIENCY_PROP_VIEWPORT:
     viewport = static_cast<ViewportMode>(g_value_get_enum(value));

@@ -74,4 +74,7 @@ struct SaliencySettings
   /// own.
   bool set(guint id, const GValue *value);
   bool get(guint id, GValue *value) const;
+
+private:
+  void set_roi_weights(const gchar *text); ///< null: none
 };

@@ -12,10 +12,10 @@
 #include <opencv2/core.hpp>
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 #include <cstdint>
 #include <optional>
-#include <stdexcept>
 
 namespace saliency {
 
@@ -23,34 +23,6 @@ namespace {
 
 constexpr double kFramesPerNanosecond = 30e-9;
 constexpr Time kDefaultDuration{ 1'000'000'000 / 30 };
-
-const Profile &
-checked(const Profile &profile)
-{
-  if (profile.levels.empty() || profile.windows.empty())
-    throw std::invalid_argument("a profile has level pairs and window pairs");
-  for (const auto &pair : profile.levels)
-    if (pair.center < 0 || pair.surround < pair.center)
-      throw std::invalid_argument("a surround is a level no finer than its centre");
-  for (const auto &pair : profile.windows)
-    if (pair.center < 1 || pair.surround < 1)
-      throw std::invalid_argument("a window is at least one frame long");
-  if (profile.saliency_level < 0)
-    throw std::invalid_argument("the saliency map's level is at least 0");
-  if (profile.chroma_octaves < 0)
-    throw std::invalid_argument("chroma is no finer than lightness");
-  if (profile.camera_dilation < 0 || profile.camera_rim < 0)
-    throw std::invalid_argument("a camera's dilation and rim are at least 0 samples");
-  for (const double value : { profile.chroma_weight, profile.camera_margin, profile.background_gain,
-                              profile.background_limit, profile.cut_share, profile.cut_contrast })
-    if (!(value >= 0))
-      throw std::invalid_argument("weights, gains, shares and limits are at least 0");
-  if (profile.camera_motion && profile.time_base == TimeBase::frames)
-    throw std::invalid_argument("a camera's motion is followed in seconds");
-  if (!(profile.background_quantile >= 0 && profile.background_quantile <= 1))
-    throw std::invalid_argument("a quantile is between 0 and 1");
-  return profile;
-}
 
 int
 longest_window(const Profile &profile)
@@ -86,7 +58,7 @@ frames_between(Time from, Time to)
 struct Analyzer::State
 {
   explicit State(const Profile &profile_)
-      : profile(checked(profile_)), longest(longest_window(profile)), spatial(profile),
+      : profile(profile_), longest(longest_window(profile)), spatial(profile),
         history(longest, profile.history_start), spatiotemporal(profile), shot_cut(profile)
   {
   }
@@ -189,6 +161,7 @@ Analyzer::State::spatiotemporal_map(Time time, Time duration)
 
 Analyzer::Analyzer(const Profile &profile) : state_(std::make_unique<State>(profile))
 {
+  assert(fault_of(profile).empty());
 }
 Analyzer::~Analyzer() = default;
 Analyzer::Analyzer(Analyzer &&) noexcept = default;
@@ -198,8 +171,7 @@ const Saliency &
 Analyzer::analyze(const FrameView &frame, Time time, Time duration, bool temporal)
 {
   auto &s = *state_;
-  if (frame.width < 1 || frame.height < 1)
-    throw std::invalid_argument("a frame is at least 1×1");
+  assert(fault_of(frame).empty());
   if (duration <= Time::zero())
     duration = kDefaultDuration;
 

@@ -34,7 +34,7 @@ struct Saliency
 class Analyzer
 {
 public:
-  /// Throws std::invalid_argument if the profile is not valid (see Profile).
+  /// Of a profile without fault_of().
   explicit Analyzer(const Profile &profile);
   ~Analyzer();
   Analyzer(Analyzer &&) noexcept;
@@ -45,8 +45,7 @@ public:
   /// with windows in seconds, if it comes later after its predecessor's end than the longest
   /// window. duration ≤ 0 is taken as 1/30 s. With `temporal` off the result is the spatial saliency
   /// alone: nothing is compared with other frames, and the next one
-  /// begins a history. Throws std::invalid_argument for a frame that cannot be one (see FrameView), which
-  /// leaves the history as if it had not come, or reset.
+  /// begins a history. The frame is one without fault_of().
   const Saliency &analyze(const FrameView &frame, Time time, Time duration, bool temporal = true);
 
   /// Forgets the history: the next frame fills it with its own spatial map (no burst after start,
@@ -54,7 +53,7 @@ public:
   void reset();
 
   /// How many threads work on a frame at most, 0 for as many as pay (see FrontEnd); one at first. The
-  /// result is the same for any number and the history goes on. Throws std::invalid_argument below 0.
+  /// result is the same for any number and the history goes on. Below 0 is 0.
   void set_threads(int threads);
 
   const Profile &profile() const;

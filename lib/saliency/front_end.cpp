@@ -6,9 +6,9 @@
 #include "saliency/pyramid.h"
 
 #include <algorithm>
+#include <cassert>
 #include <cstddef>
 #include <span>
-#include <stdexcept>
 #include <thread>
 #include <utility>
 
@@ -20,29 +20,6 @@ std::size_t
 component_count(const FrameView &frame)
 {
   return frame.model == ColorModel::grey ? 1 : 3;
-}
-
-void
-check(const FrameView &frame)
-{
-  if (frame.width < 1 || frame.height < 1)
-    throw std::invalid_argument("a frame is at least 1×1");
-  if (frame.depth < 8 || frame.depth > 16)
-    throw std::invalid_argument("a sample has 8 to 16 bits");
-  const int bits = frame.depth == 8 ? 8 : 16;
-  if (frame.shift < 0 || frame.depth + frame.shift > bits)
-    throw std::invalid_argument("a sample does not fit its word");
-  for (const auto &component : std::span(frame.components).first(component_count(frame))) {
-    if (component.data == nullptr)
-      throw std::invalid_argument("a component has no data");
-    if (component.pixel_stride < bits / 8)
-      throw std::invalid_argument("samples of a component overlap");
-    if (subsampling(frame.width, component.width) < 0
-        || subsampling(frame.height, component.height) < 0)
-      throw std::invalid_argument("a component's size is not the frame's over a power of two");
-  }
-  if (frame.components[0].width != frame.width || frame.components[0].height != frame.height)
-    throw std::invalid_argument("the first component has the frame's size");
 }
 
 /// L*a*b* of a frame's components at a level: three channels, as LabConverter makes them.
@@ -136,11 +113,38 @@ conversion_level(cv::Size frame, int level)
   return std::min(converted, level);
 }
 
+std::string_view
+fault_of(const FrameView &frame)
+{
+  if (frame.width < 1 || frame.height < 1)
+    return "a frame is at least 1×1";
+  const std::string_view fault = fault_of(SampleCoding{ .model = frame.model,
+                                                        .depth = frame.depth,
+                                                        .full_range = frame.full_range,
+                                                        .matrix = frame.matrix });
+  if (!fault.empty())
+    return fault;
+  const int bits = frame.depth == 8 ? 8 : 16;
+  if (frame.shift < 0 || frame.depth + frame.shift > bits)
+    return "a sample does not fit its word";
+  for (const auto &component : std::span(frame.components).first(component_count(frame))) {
+    if (component.data == nullptr)
+      return "a component has no data";
+    if (component.pixel_stride < bits / 8)
+      return "samples of a component overlap";
+    if (subsampling(frame.width, component.width) < 0
+        || subsampling(frame.height, component.height) < 0)
+      return "a component's size is not the frame's over a power of two";
+  }
+  if (frame.components[0].width != frame.width || frame.components[0].height != frame.height)
+    return "the first component has the frame's size";
+  return {};
+}
+
 void
 FrontEnd::set_threads(int threads)
 {
-  if (threads < 0)
-    throw std::invalid_argument("a number of threads is at least 0");
+  threads = std::max(threads, 0);
   if (std::exchange(threads_, threads) != threads)
     geometry_ = {};
 }
@@ -165,9 +169,8 @@ FrontEnd::make_bands(const FrameView &frame, const Geometry &geometry)
 const FixedLabImage &
 FrontEnd::lab(const FrameView &frame, int level, int converted)
 {
-  check(frame);
-  if (converted < 0 || converted > level)
-    throw std::invalid_argument("L*a*b* is computed at level 0 or one up to the image's");
+  assert(fault_of(frame).empty());
+  assert(converted >= 0 && converted <= level);
   Geometry geometry{ .model = frame.model,
                      .bytes = frame.depth == 8,
                      .triple_stride

@@ -11,6 +11,7 @@
 
 #include <array>
 #include <memory>
+#include <string_view>
 #include <vector>
 
 namespace saliency {
@@ -20,6 +21,9 @@ namespace saliency {
 /// than a millisecond, it is 0. Larger ones are to take no longer than they must: it is the first level of
 /// no more than 150,000 samples, or `level`.
 int conversion_level(cv::Size frame, int level);
+
+/// Why that cannot be a frame: no size, no data, impossible depth, matrix or strides. Empty if it can.
+std::string_view fault_of(const FrameView &frame);
 
 /// Frame → L*a*b* image at one level of the pyramid: the only part that reads a frame's memory.
 ///
@@ -39,13 +43,12 @@ class FrontEnd
 {
 public:
   /// How many threads at most, 0 for as many as pay: one for each million pixels, up to four and to
-  /// the processor's own. One at first. Throws std::invalid_argument below 0.
+  /// the processor's own. One at first. Below 0 is 0.
   void set_threads(int threads);
 
   /// The frame's L*a*b* image at `level`, computed at level `converted`, valid until the next call. A component's width
   /// must be ⌈frame width / 2ᵏ⌉ for some k ≥ 0, likewise its height; the first component has the
-  /// frame's size. Throws std::invalid_argument for a frame that cannot be one: no size, no data,
-  /// impossible depth or strides; or unless 0 ≤ converted ≤ level. Allocates only when geometry, format or
+  /// frame's size: it is without fault_of(). 0 ≤ converted ≤ level. Allocates only when geometry, format or
   /// levels change.
   const FixedLabImage &lab(const FrameView &frame, int level, int converted);
 

@@ -32,7 +32,7 @@ public:
                                          * static_cast<std::size_t>(pitch_)))
   {
     if (!samples_)
-      throw std::bad_alloc();
+      throw std::bad_alloc(); // as a vector would
     std::fill_n(samples_.get(), static_cast<std::ptrdiff_t>(rows) * channels * pitch_, T{});
   }
 

@@ -5,9 +5,9 @@
 
 #include <algorithm>
 #include <bit>
+#include <cassert>
 #include <cmath>
 #include <cstdint>
-#include <stdexcept>
 
 // Everything up to HWY_ONCE is compiled for each target. No fused multiply-add, which not all have.
 #undef HWY_TARGET_INCLUDE
@@ -319,18 +319,6 @@ HWY_EXPORT(Convert);
 
 namespace {
 
-const SampleCoding &
-checked(const SampleCoding &coding)
-{
-  if (coding.depth < 8 || coding.depth > 16)
-    throw std::invalid_argument("a sample has 8 to 16 bits");
-  const auto &matrix = coding.matrix;
-  if (coding.model == ColorModel::yuv
-      && !(matrix.kr > 0 && matrix.kb > 0 && matrix.kr + matrix.kb < 1))
-    throw std::invalid_argument("luma coefficients are positive and their sum is 1");
-  return coding;
-}
-
 LabConverter::Coefficients
 coefficients(const SampleCoding &coding)
 {
@@ -358,9 +346,22 @@ coefficients(const SampleCoding &coding)
 
 } // namespace
 
-LabConverter::LabConverter(const SampleCoding &coding)
-    : model_(checked(coding).model), coefficients_(coefficients(coding))
+std::string_view
+fault_of(const SampleCoding &coding)
 {
+  if (coding.depth < 8 || coding.depth > 16)
+    return "a sample has 8 to 16 bits";
+  const auto &matrix = coding.matrix;
+  if (coding.model == ColorModel::yuv
+      && !(matrix.kr > 0 && matrix.kb > 0 && matrix.kr + matrix.kb < 1))
+    return "luma coefficients are positive and their sum is 1";
+  return {};
+}
+
+LabConverter::LabConverter(const SampleCoding &coding)
+    : model_(coding.model), coefficients_(coefficients(coding))
+{
+  assert(fault_of(coding).empty());
 }
 
 void

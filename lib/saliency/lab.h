@@ -6,6 +6,7 @@
 
 #include <array>
 #include <cstdint>
+#include <string_view>
 
 namespace saliency {
 
@@ -18,6 +19,9 @@ struct SampleCoding
   YuvMatrix matrix = kBt709;
 };
 
+/// Why that is no coding; empty if it is one.
+std::string_view fault_of(const SampleCoding &coding);
+
 /// Component samples → CIE 1976 L*a*b* (paper, Section 3: "using CIE L*a*b* color space") in true
 /// units: L* in [0, 100], a* and b* in about [-108, 99]. White is D65.
 ///
@@ -29,7 +33,7 @@ struct SampleCoding
 class LabConverter
 {
 public:
-  /// Throws std::invalid_argument if the coding is impossible.
+  /// Of a coding that is possible.
   explicit LabConverter(const SampleCoding &coding = {});
 
   /// `components`: rows of Y', Cb, Cr or R', G', B' or grey alone, in code values times 2^(15 - depth).

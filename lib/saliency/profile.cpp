@@ -67,4 +67,32 @@ Profile::tuned_spatial()
   return profile;
 }
 
+std::string_view
+fault_of(const Profile &profile)
+{
+  if (profile.levels.empty() || profile.windows.empty())
+    return "a profile has level pairs and window pairs";
+  for (const auto &pair : profile.levels)
+    if (pair.center < 0 || pair.surround < pair.center)
+      return "a surround is a level no finer than its centre";
+  for (const auto &pair : profile.windows)
+    if (pair.center < 1 || pair.surround < 1)
+      return "a window is at least one frame long";
+  if (profile.saliency_level < 0)
+    return "the saliency map's level is at least 0";
+  if (profile.chroma_octaves < 0)
+    return "chroma is no finer than lightness";
+  if (profile.camera_dilation < 0 || profile.camera_rim < 0)
+    return "a camera's dilation and rim are at least 0 samples";
+  for (const double value : { profile.chroma_weight, profile.camera_margin, profile.background_gain,
+                              profile.background_limit, profile.cut_share, profile.cut_contrast })
+    if (!(value >= 0))
+      return "weights, gains, shares and limits are at least 0";
+  if (profile.camera_motion && profile.time_base == TimeBase::frames)
+    return "a camera's motion is followed in seconds";
+  if (!(profile.background_quantile >= 0 && profile.background_quantile <= 1))
+    return "a quantile is between 0 and 1";
+  return {};
+}
+
 } // namespace saliency

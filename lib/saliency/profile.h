@@ -2,6 +2,7 @@
 #pragma once
 
 #include <limits>
+#include <string_view>
 #include <vector>
 
 namespace saliency {
@@ -143,5 +144,8 @@ struct Profile
   /// times colour rarity; neither cuts nor camera. Otherwise as tuned().
   static Profile tuned_spatial();
 };
+
+/// Why nothing can be analysed so; empty if it can.
+std::string_view fault_of(const Profile &profile);
 
 } // namespace saliency

@@ -4,9 +4,9 @@
 #include <opencv2/core.hpp>
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 #include <cstddef>
-#include <stdexcept>
 
 namespace saliency {
 
@@ -65,8 +65,7 @@ smooth(const std::vector<float> &in, std::size_t stride, std::vector<float> &out
 
 Rarity::Rarity(double border) : border_(border), histogram_(kCells), table_(kCells)
 {
-  if (!(border >= 0 && border <= 0.5))
-    throw std::invalid_argument("a border takes at most half of the picture");
+  assert(border >= 0 && border <= 0.5); // a border takes at most half of the picture
 }
 
 void

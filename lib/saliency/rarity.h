@@ -23,7 +23,7 @@ class Rarity
 public:
   /// `border`: compare with the picture's outer frame alone, which takes this share of the width on
   /// either side and of the height likewise, at least one sample; in (0, 0.5]. 0: with the whole
-  /// picture. Throws std::invalid_argument otherwise.
+  /// picture.
   explicit Rarity(double border = 0);
 
   /// `lab`: finite, not empty. `weight` becomes CV_32FC1 of its size, finite, ≥ 0.

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <charconv>
-#include <stdexcept>
 
 namespace saliency {
 
@@ -19,7 +18,9 @@ trimmed(std::string_view text)
   return text.substr(begin, text.find_last_not_of(kSpace) - begin + 1);
 }
 
-double
+using Error = tl::unexpected<std::string>;
+
+tl::expected<double, std::string>
 parse_weight(std::string_view text)
 {
   double weight = 0;
@@ -27,16 +28,19 @@ parse_weight(std::string_view text)
   // Not a number is not within either.
   if (error != std::errc() || end != text.data() + text.size()
       || !(weight >= 0 && weight <= RegionWeights::kMax))
-    throw std::invalid_argument("expected a weight from 0 to 10, got '" + std::string(text) + "'");
+    return Error("expected a weight from 0 to 10, got '" + std::string(text) + "'");
   return weight;
 }
 
 } // namespace
 
-RegionWeights::RegionWeights(std::string_view text) : text_(text)
+tl::expected<RegionWeights, std::string>
+RegionWeights::parse(std::string_view text)
 {
+  RegionWeights result;
+  result.text_ = text;
   if (trimmed(text).empty())
-    return;
+    return result;
   for (bool more = true; more;) {
     const std::size_t comma = text.find(',');
     const std::string_view item = trimmed(text.substr(0, comma));
@@ -46,13 +50,17 @@ RegionWeights::RegionWeights(std::string_view text) : text_(text)
     const std::size_t equals = item.find('=');
     const std::string type(trimmed(item.substr(0, equals)));
     if (equals == std::string_view::npos || type.empty())
-      throw std::invalid_argument("expected type=weight, got '" + std::string(item) + "'");
-    if (std::ranges::find(weights_, type, &Weight::type) != weights_.end())
-      throw std::invalid_argument("expected each type once, got '" + type + "' twice");
-    if (weights_.size() == kMaxTypes)
-      throw std::invalid_argument("expected at most 64 types, got more");
-    weights_.push_back({ type, parse_weight(trimmed(item.substr(equals + 1))) });
+      return Error("expected type=weight, got '" + std::string(item) + "'");
+    if (std::ranges::find(result.weights_, type, &Weight::type) != result.weights_.end())
+      return Error("expected each type once, got '" + type + "' twice");
+    if (result.weights_.size() == kMaxTypes)
+      return Error("expected at most 64 types, got more");
+    const tl::expected<double, std::string> weight = parse_weight(trimmed(item.substr(equals + 1)));
+    if (!weight)
+      return Error(weight.error());
+    result.weights_.push_back({ type, *weight });
   }
+  return result;
 }
 
 double

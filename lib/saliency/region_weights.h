@@ -6,6 +6,8 @@
 #include <string_view>
 #include <vector>
 
+#include <tl/expected.hpp>
+
 namespace saliency {
 
 /// How much saliency counts in regions of a type: 0 is never felt, 1 changes nothing, more raises.
@@ -21,9 +23,9 @@ public:
   RegionWeights() = default;
 
   /// At most kMaxTypes pairs of a type, any characters but ',' and '=', and a decimal number in
-  /// [0, kMax], each type once; spaces about them are ignored, an empty text is none. Throws
-  /// std::invalid_argument that says what was expected and what came.
-  explicit RegionWeights(std::string_view text);
+  /// [0, kMax], each type once; spaces about them are ignored, an empty text is none. An error says
+  /// what was expected and what came.
+  static tl::expected<RegionWeights, std::string> parse(std::string_view text);
 
   double of(std::string_view type) const;
 

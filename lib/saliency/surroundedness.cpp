@@ -4,10 +4,10 @@
 #include <opencv2/core.hpp>
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 #include <cstddef>
 #include <span>
-#include <stdexcept>
 
 namespace saliency {
 
@@ -49,10 +49,8 @@ private:
 Surroundedness::Surroundedness(double threshold_step, double area_exponent)
     : threshold_step_(threshold_step), area_exponent_(area_exponent)
 {
-  if (!(threshold_step >= 0.5 && threshold_step <= 100))
-    throw std::invalid_argument("thresholds are 0.5 to 100 apart");
-  if (!(area_exponent >= 0 && area_exponent <= 1))
-    throw std::invalid_argument("the exponent of a region's area is 0 to 1");
+  assert(threshold_step >= 0.5 && threshold_step <= 100); // thresholds are 0.5 to 100 apart
+  assert(area_exponent >= 0 && area_exponent <= 1); // the exponent of a region's area is 0 to 1
   crossings_.resize(2 * static_cast<std::size_t>(std::ceil(kLargest / threshold_step)) + 1);
 }
 

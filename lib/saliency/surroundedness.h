@@ -30,7 +30,7 @@ namespace saliency {
 class Surroundedness
 {
 public:
-  /// Δt in [0.5, 100] ΔE; p in [0, 1]. Throws std::invalid_argument otherwise.
+  /// Δt in [0.5, 100] ΔE; p in [0, 1].
   Surroundedness(double threshold_step, double area_exponent);
 
   /// `lab`: finite, not empty. `map` becomes CV_32FC1 of its size, ≥ 0; what is

@@ -2,12 +2,8 @@
 #include "saliency/thread_pool.h"
 
 #include <chrono>
-#include <system_error>
+#include <thread>
 #include <utility>
-
-#ifdef __linux__
-#include <pthread.h>
-#endif
 
 namespace saliency {
 
@@ -18,22 +14,25 @@ ThreadPool::~ThreadPool()
     end_ = true;
   }
   work_to_do_.notify_all();
-  for (std::thread &thread : threads_)
-    thread.join();
+  for (const pthread_t thread : threads_)
+    pthread_join(thread, nullptr);
 }
 
 void
 ThreadPool::start(int threads)
 {
-  try {
-    while (static_cast<int>(threads_.size()) < threads) {
-      threads_.emplace_back([this] { wait_for_work(); });
+  const auto work = [](void *self) -> void * {
+    static_cast<ThreadPool *>(self)->wait_for_work();
+    return nullptr;
+  };
+  while (static_cast<int>(threads_.size()) < threads) {
+    pthread_t thread;
+    if (pthread_create(&thread, nullptr, work, this) != 0)
+      return; // the caller does what they would have done
+    threads_.push_back(thread);
 #ifdef __linux__
-      CPU_ZERO(&processors_); // the new one is told, too
+    CPU_ZERO(&processors_); // the new one is told, too
 #endif
-    }
-  } catch (const std::system_error &) {
-    // The caller does what they would have done.
   }
 }
 
@@ -51,8 +50,8 @@ ThreadPool::keep_off_callers_processor()
   if (CPU_EQUAL(&processors, &processors_))
     return;
   processors_ = processors;
-  for (std::thread &thread : threads_)
-    pthread_setaffinity_np(thread.native_handle(), sizeof processors, &processors);
+  for (const pthread_t thread : threads_)
+    pthread_setaffinity_np(thread, sizeof processors, &processors);
 #endif
 }
 

@@ -6,9 +6,9 @@
 #include <condition_variable>
 #include <exception>
 #include <mutex>
-#include <thread>
 #include <vector>
 
+#include <pthread.h>
 #ifdef __linux__
 #include <sched.h>
 #endif
@@ -32,8 +32,8 @@ public:
   ThreadPool &operator=(const ThreadPool &) = delete;
 
   /// Does work(0)…work(parts - 1), each once, on this and other threads, and returns when all are
-  /// done; rethrows one of the exceptions that parts threw. Where the system has no more threads,
-  /// those that there are do it.
+  /// done. Where the system has no more threads, those that there are do it. Parts that find no memory
+  /// throw; one of these exceptions is rethrown.
   template <typename Work> void run(int parts, const Work &work)
   {
     run(
@@ -50,7 +50,8 @@ private:
   void do_parts(std::unique_lock<std::mutex> &lock);
   template <typename Until> static void stay_awake(const Until &until);
 
-  std::vector<std::thread> threads_; ///< the caller's only, as what follows
+  /// Not std::thread, which throws where the system has no more of them.
+  std::vector<pthread_t> threads_; ///< the caller's only, as what follows
 #ifdef __linux__
   cpu_set_t processors_{}; ///< that the threads were told to run on; none: not all of them were
 #endif

@@ -6,21 +6,19 @@
 
 #include "fuzz.h"
 
-#include <stdexcept>
-
 extern "C" int
 LLVMFuzzerTestOneInput(const std::uint8_t *data, std::size_t size)
 {
   const std::string_view text(reinterpret_cast<const char *>(data), size);
-  try {
-    const saliency::RegionWeights weights(text);
-    expect(weights.text() == text || weights.text().empty());
-    for (const std::string_view type : { text.substr(0, text.find('=')), text, {} }) {
-      const double weight = weights.of(type);
-      expect(weight >= 0 && weight <= saliency::RegionWeights::kMax);
-    }
-  } catch (const std::invalid_argument &error) {
-    expect(error.what()[0] != '\0');
+  const auto weights = saliency::RegionWeights::parse(text);
+  if (!weights) {
+    expect(!weights.error().empty());
+    return 0;
+  }
+  expect(weights->text() == text);
+  for (const std::string_view type : { text.substr(0, text.find('=')), text, {} }) {
+    const double weight = weights->of(type);
+    expect(weight >= 0 && weight <= saliency::RegionWeights::kMax);
   }
   return 0;
 }

@@ -5,7 +5,6 @@
 #include "tolerance.h"
 
 #include <cmath>
-#include <stdexcept>
 #include <utility>
 
 using saliency::Rarity;
@@ -111,20 +110,6 @@ GST_START_TEST(test_noise_does_not_make_rare)
 }
 GST_END_TEST;
 
-GST_START_TEST(test_parameters)
-{
-  for (const double border : { -0.1, 0.51, static_cast<double>(NAN) }) {
-    bool refused = false;
-    try {
-      Rarity rarity(border);
-    } catch (const std::invalid_argument &) {
-      refused = true;
-    }
-    fail_unless(refused, "%g", border);
-  }
-}
-GST_END_TEST;
-
 static Suite *
 rarity_suite(void)
 {
@@ -135,7 +120,6 @@ rarity_suite(void)
   tcase_add_test(tc, test_border);
   tcase_add_test(tc, test_brute_force);
   tcase_add_test(tc, test_noise_does_not_make_rare);
-  tcase_add_test(tc, test_parameters);
   return suite;
 }
 

@@ -5,7 +5,6 @@
 #include "tolerance.h"
 
 #include <cmath>
-#include <stdexcept>
 #include <utility>
 
 using saliency::Surroundedness;
@@ -194,25 +193,6 @@ GST_START_TEST(test_brute_force)
 }
 GST_END_TEST;
 
-GST_START_TEST(test_parameters)
-{
-  for (const auto &[step, exponent] : { std::pair{ 0.49, 0.5 },
-                                        { 101.0, 0.5 },
-                                        { NAN, 0.5 },
-                                        { 5.0, -0.1 },
-                                        { 5.0, 1.1 },
-                                        { 5.0, NAN } }) {
-    bool refused = false;
-    try {
-      Surroundedness surroundedness(step, exponent);
-    } catch (const std::invalid_argument &) {
-      refused = true;
-    }
-    fail_unless(refused, "%g, %g", step, exponent);
-  }
-}
-GST_END_TEST;
-
 static Suite *
 surroundedness_suite(void)
 {
@@ -226,7 +206,6 @@ surroundedness_suite(void)
   tcase_add_test(tc, test_resolution);
   tcase_add_test(tc, test_no_figure);
   tcase_add_test(tc, test_brute_force);
-  tcase_add_test(tc, test_parameters);
   return suite;
 }
 

@@ -11,7 +11,9 @@
 #include <utility>
 #include <vector>
 
+#include <dlfcn.h>
 #include <sched.h>
+#include <sys/resource.h>
 
 #include <gst/check/gstcheck.h>
 
@@ -52,6 +54,41 @@ GST_START_TEST(test_exceptions)
   }
 }
 GST_END_TEST;
+
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+static std::atomic<int> thrown = 0;
+
+/// In libstdc++'s place, which tells how many exceptions there were.
+extern "C" void *
+__cxa_allocate_exception(std::size_t size) noexcept
+{
+  using Allocate = void *(*)(std::size_t);
+  static const auto original
+      = reinterpret_cast<Allocate>(dlsym(RTLD_NEXT, "__cxa_allocate_exception"));
+  ++thrown;
+  return original(size);
+}
+
+GST_START_TEST(test_no_more_threads)
+{
+  // No room for a stack: the caller does all parts, and nothing is thrown to find that out.
+  rlimit before;
+  fail_unless_equals_int(getrlimit(RLIMIT_AS, &before), 0);
+  const rlimit none{ 1, before.rlim_max };
+  std::array<int, 5> done{};
+  ThreadPool pool;
+  pool.run(1, [&done](int part) { done[static_cast<std::size_t>(part)]++; });
+  fail_unless_equals_int(setrlimit(RLIMIT_AS, &none), 0);
+  const int thrown_before = thrown;
+  pool.run(5, [&done](int part) { done[static_cast<std::size_t>(part)]++; });
+  fail_unless_equals_int(setrlimit(RLIMIT_AS, &before), 0);
+  fail_unless_equals_int(thrown, thrown_before);
+  fail_unless((done == std::array{ 2, 1, 1, 1, 1 }));
+  pool.run(5, [&done](int part) { done[static_cast<std::size_t>(part)]++; });
+  fail_unless((done == std::array{ 3, 2, 2, 2, 2 }));
+}
+GST_END_TEST;
+#endif
 
 GST_START_TEST(test_pools_that_do_nothing)
 {
@@ -204,6 +241,9 @@ thread_pool_suite(void)
   suite_add_tcase(suite, tc);
   tcase_add_test(tc, test_each_part_once);
   tcase_add_test(tc, test_exceptions);
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+  tcase_add_test(tc, test_no_more_threads);
+#endif
   tcase_add_test(tc, test_pools_that_do_nothing);
   tcase_add_test(tc, test_teams);
   tcase_add_test(tc, test_sleepers);
