@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <new>
 
 namespace {
 
@@ -30,17 +29,20 @@ codes_of(const GstVideoInfo &info, const tactile::Color &color)
 
 } // namespace
 
-FilmPainter::FilmPainter(const GstVideoInfo &info)
-    : info_(info),
-      background_(gst_buffer_new_allocate(nullptr, GST_VIDEO_INFO_SIZE(&info), nullptr))
+std::optional<FilmPainter>
+FilmPainter::make(const GstVideoInfo &info)
 {
+  FilmPainter painter;
+  painter.info_ = info;
+  painter.background_.reset(gst_buffer_new_allocate(nullptr, GST_VIDEO_INFO_SIZE(&info), nullptr));
+  GstBuffer *background = painter.background_.get();
   GstVideoFrame frame;
-  if (!background_)
-    throw std::bad_alloc();
-  gst_buffer_memset(background_.get(), 0, 0xff,
-                    GST_VIDEO_INFO_SIZE(&info)); // what is no component is opaque
-  if (!gst_video_frame_map(&frame, &info, background_.get(), GST_MAP_WRITE))
-    throw std::bad_alloc();
+  if (!background)
+    return std::nullopt;
+  // What is no component is opaque.
+  gst_buffer_memset(background, 0, 0xff, GST_VIDEO_INFO_SIZE(&info));
+  if (!gst_video_frame_map(&frame, &info, background, GST_MAP_WRITE))
+    return std::nullopt;
   const auto codes = codes_of(info, tactile::SyntheticFilm::kBackground);
   for (unsigned c = 0; c < GST_VIDEO_FRAME_N_COMPONENTS(&frame); c++) {
     const tactile::SamplePlane plane = component(&frame, c);
@@ -50,15 +52,16 @@ FilmPainter::FilmPainter(const GstVideoInfo &info)
             = static_cast<std::uint8_t>(codes[c]);
   }
   gst_video_frame_unmap(&frame);
+  return painter;
 }
 
-void
+bool
 FilmPainter::paint(GstVideoFrame *frame, const std::vector<tactile::Ball> &balls,
                    const tactile::SensorNoise *noise, tactile::Time time) const
 {
   GstVideoFrame background;
   if (!gst_video_frame_map(&background, &info_, background_.get(), GST_MAP_READ))
-    throw std::bad_alloc();
+    return false;
   gst_video_frame_copy(frame, &background);
   gst_video_frame_unmap(&background);
 
@@ -70,6 +73,7 @@ FilmPainter::paint(GstVideoFrame *frame, const std::vector<tactile::Ball> &balls
   if (noise != nullptr)
     for (unsigned c = 0; c < GST_VIDEO_FRAME_N_COMPONENTS(frame); c++)
       noise->add(component(frame, c), static_cast<int>(c), time);
+  return true;
 }
 
 void

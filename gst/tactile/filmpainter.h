@@ -6,21 +6,24 @@
 #include <gst/video/video.h>
 
 #include <memory>
+#include <optional>
 #include <vector>
 
 /// Paints the pictures of a synthetic film in one video format of 8-bit samples.
 class FilmPainter
 {
 public:
-  /// Throws std::bad_alloc if there is no memory for a picture.
-  explicit FilmPainter(const GstVideoInfo &info);
+  /// None if there is no memory for a picture.
+  static std::optional<FilmPainter> make(const GstVideoInfo &info);
 
   /// The background, the balls in their order and, unless it is null, sensor noise. `frame` has the
-  /// painter's format.
-  void paint(GstVideoFrame *frame, const std::vector<tactile::Ball> &balls,
+  /// painter's format. False if there is no memory for it.
+  bool paint(GstVideoFrame *frame, const std::vector<tactile::Ball> &balls,
              const tactile::SensorNoise *noise, tactile::Time time) const;
 
 private:
+  FilmPainter() = default;
+
   struct Unref
   {
     void operator()(GstBuffer *buffer) const

@@ -34,7 +34,6 @@
 #include <gst/tactile/tactile.h>
 
 #include <algorithm>
-#include <exception>
 #include <optional>
 
 GST_DEBUG_CATEGORY_STATIC(tactile_overlay_debug);
@@ -137,7 +136,7 @@ saliency_field(GstBuffer *buffer)
 
 static GstFlowReturn
 gst_tactile_overlay_transform_frame_ip(GstVideoFilter *filter, GstVideoFrame *frame)
-try {
+{
   auto *self = GST_TACTILE_OVERLAY(filter);
   Private *priv = self->priv;
 
@@ -173,10 +172,6 @@ try {
     break;
   }
   return GST_FLOW_OK;
-} catch (const std::exception &error) {
-  GST_ELEMENT_ERROR(filter, RESOURCE, NO_SPACE_LEFT,
-                    ("Can't draw the tactile map: %s", error.what()), (nullptr));
-  return GST_FLOW_ERROR;
 }
 
 static void

@@ -41,7 +41,6 @@
 #include <gst/video/video.h>
 
 #include <algorithm>
-#include <exception>
 #include <optional>
 
 GST_DEBUG_CATEGORY_STATIC(tactile_test_src_debug);
@@ -161,7 +160,7 @@ gst_tactile_test_src_fixate(GstBaseSrc *base, GstCaps *caps)
 
 static gboolean
 gst_tactile_test_src_set_caps(GstBaseSrc *base, GstCaps *caps)
-try {
+{
   Private *priv = GST_TACTILE_TEST_SRC(base)->priv;
 
   GstVideoInfo info;
@@ -174,13 +173,12 @@ try {
   priv->frame = 0;
   priv->info = info;
 
-  priv->painter.emplace(info);
-  return TRUE;
-} catch (const std::exception &) {
-  GST_ELEMENT_ERROR(base, RESOURCE, NO_SPACE_LEFT,
-                    ("No memory for such large frames: ask for smaller ones."),
-                    ("%" GST_PTR_FORMAT, caps));
-  return FALSE;
+  priv->painter = FilmPainter::make(info);
+  if (!priv->painter)
+    GST_ELEMENT_ERROR(base, RESOURCE, NO_SPACE_LEFT,
+                      ("No memory for such large frames: ask for smaller ones."),
+                      ("%" GST_PTR_FORMAT, caps));
+  return priv->painter.has_value();
 }
 
 static gboolean
@@ -308,7 +306,7 @@ update_film(GstTactileTestSrc *self)
 
 static GstFlowReturn
 gst_tactile_test_src_fill(GstPushSrc *source, GstBuffer *buffer)
-try {
+{
   auto *self = GST_TACTILE_TEST_SRC(source);
   Private *priv = self->priv;
   const bool backwards = GST_BASE_SRC(source)->segment.rate < 0;
@@ -337,9 +335,13 @@ try {
                       ("Can't write to the buffers that downstream provides."), (nullptr));
     return GST_FLOW_ERROR;
   }
-  priv->painter->paint(&frame, balls, priv->sensor_noise ? &*priv->sensor_noise : nullptr,
-                       film_time);
+  const bool painted = priv->painter->paint(
+      &frame, balls, priv->sensor_noise ? &*priv->sensor_noise : nullptr, film_time);
   gst_video_frame_unmap(&frame);
+  if (!painted) {
+    GST_ELEMENT_ERROR(self, RESOURCE, NO_SPACE_LEFT, ("No memory to make a frame."), (nullptr));
+    return GST_FLOW_ERROR;
+  }
 
   for (const tactile::Ball &ball : balls)
     add_target(buffer, priv->info, ball);
@@ -350,10 +352,6 @@ try {
   GST_BUFFER_OFFSET_END(buffer) = static_cast<guint64>(priv->frame) + 1;
   priv->frame += backwards ? -1 : 1;
   return GST_FLOW_OK;
-} catch (const std::exception &error) {
-  GST_ELEMENT_ERROR(source, RESOURCE, NO_SPACE_LEFT, ("Can't make a frame: %s", error.what()),
-                    (nullptr));
-  return GST_FLOW_ERROR;
 }
 
 static void
