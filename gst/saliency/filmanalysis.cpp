@@ -59,13 +59,14 @@ FilmAnalysis::stop()
 }
 
 bool
-FilmAnalysis::is_due(const SaliencySettings &settings, saliency::Time time)
+FilmAnalysis::is_due(const SaliencySettings &settings, tactile::Orientation orientation,
+                     saliency::Time time)
 {
   // Timestamps are rounded: a third of 100 ms, three times, falls short of it.
   constexpr saliency::Time kSameTime = std::chrono::milliseconds(1);
 
   if (map_.rows != settings.rows || map_.columns != settings.columns || !analyzer_
-      || kind_ != kind_of(settings))
+      || kind_ != kind_of(settings) || orientation_ != orientation)
     return true;
   const bool back = time < std::exchange(last_time_, time);
   if (next_analysis_ && !back && settings.max_rate > 0 && time + kSameTime < *next_analysis_)
@@ -122,12 +123,14 @@ FilmAnalysis::keep_saliency(const tactile::SaliencyView &view, double floor)
 }
 
 bool
-FilmAnalysis::analyse(const SaliencySettings &settings, const GstVideoInfo &info, GstBuffer *buffer,
-                      saliency::Time time, saliency::Time duration)
+FilmAnalysis::analyse(const SaliencySettings &settings, tactile::Orientation orientation,
+                      const GstVideoInfo &info, GstBuffer *buffer, saliency::Time time,
+                      saliency::Time duration)
 {
   make_analyzer(kind_of(settings));
   analyzer_->set_threads(settings.n_threads);
   saliency_.map.clear();
+  orientation_ = orientation;
   const FrameMapping mapping(info, buffer);
   if (!mapping || !saliency::fault_of(mapping.view()).empty()) {
     map_ = tactile::TactileMap(settings.rows, settings.columns);
@@ -154,9 +157,13 @@ FilmAnalysis::analyse(const SaliencySettings &settings, const GstVideoInfo &info
     viewport = viewport_.follow(view, how.floor, how.threshold, time);
   else
     viewport_.reset();
-  if (map_.rows != settings.rows || map_.columns != settings.columns)
-    map_ = tactile::TactileMap(settings.rows, settings.columns);
-  tactile::map_saliency(view, how, map_, viewport);
+  // The grid's cells are the screen's; saliency, regions and viewport are those of the pixels as they are stored.
+  const int rows = orientation.transposed ? settings.columns : settings.rows;
+  const int columns = orientation.transposed ? settings.rows : settings.columns;
+  if (stored_map_.rows != rows || stored_map_.columns != columns)
+    stored_map_ = tactile::TactileMap(rows, columns);
+  tactile::map_saliency(view, how, stored_map_, viewport);
+  tactile::turn(stored_map_, orientation, map_);
   if (settings.attach_saliency)
     keep_saliency(view, how.floor);
   return true;

@@ -5,13 +5,14 @@
 #include "saliency/analyzer.h"
 #include "saliency/top_down_saliency.h"
 #include "saliencysettings.h"
+#include "tactile/orientation.h"
 #include "tactile/picture_map.h"
 #include "tactile/tactile_mapping.h"
 #include "tactile/viewport.h"
 
 #include <optional>
 
-/// What saliencytactile makes of a film: frame → saliency map, weighed → tactile map, and how often. Streaming thread only, or while it
+/// What saliencytactile makes of a film: frame → saliency map, weighed → tactile map, turned as the picture is, and how often. Streaming thread only, or while it
 /// is stopped.
 class FilmAnalysis
 {
@@ -32,14 +33,16 @@ public:
 
   /// Whether a frame of this time is to be analysed under max-rate: the first one at or after each point of a regular grid, which begins
   /// anew after a jump in time. Always where the last map is for another grid or made in another way.
-  bool is_due(const SaliencySettings &settings, saliency::Time time);
+  bool is_due(const SaliencySettings &settings, tactile::Orientation orientation,
+              saliency::Time time);
 
   /// Analyses a frame. Where it could not be read that is false and the map silent. What throws is memory that is out: std::bad_alloc, or
   /// OpenCV's exception of it.
-  bool analyse(const SaliencySettings &settings, const GstVideoInfo &info, GstBuffer *buffer,
-               saliency::Time time, saliency::Time duration);
+  bool analyse(const SaliencySettings &settings, tactile::Orientation orientation,
+               const GstVideoInfo &info, GstBuffer *buffer, saliency::Time time,
+               saliency::Time duration);
 
-  /// Of the last analysis.
+  /// Of the last analysis, as seen on the screen.
   const tactile::TactileMap &map() const
   {
     return map_;
@@ -72,6 +75,8 @@ private:
   std::optional<saliency::Analyzer> analyzer_;
   std::optional<saliency::TopDownSaliency> top_down_; ///< there when the analyzer is
   tactile::AdaptiveViewport viewport_;
+  tactile::Orientation orientation_; ///< that map_ is for
+  tactile::TactileMap stored_map_;   ///< as it lies on the pixels
   tactile::TactileMap map_;
   AttachedSaliency saliency_;
   std::optional<saliency::Time> next_analysis_; ///< on max-rate's grid; none: the next frame

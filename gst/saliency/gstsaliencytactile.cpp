@@ -36,6 +36,7 @@
 #include "gstsaliencytactile.h"
 
 #include "filmanalysis.h"
+#include "gst/video/video_direction.h"
 #include "saliencysettings.h"
 #include "tactile/cue_limiter.h"
 
@@ -75,6 +76,8 @@ struct GstSaliencyTactilePrivate
   GstVideoInfo info;
   bool negotiated = false;
   FilmAnalysis analysis;
+  OrientationTags tags;
+  tactile::Orientation orientation; ///< of the last frame
   tactile::CueLimiter limiter;
   saliency::Time next_time{ 0 }; ///< for frames without one
   bool warned_map = false;
@@ -139,13 +142,29 @@ gst_saliency_tactile_times(GstSaliencyTactile *self, GstBuffer *buffer, saliency
   priv->next_time = std::min(time, saliency::Time(static_cast<gint64>(kLatest))) + duration;
 }
 
+/// Follows the way in which the picture is turned; cues that were felt in other cells are forgotten.
+static void
+gst_saliency_tactile_orient(GstSaliencyTactile *self, const SaliencySettings &settings)
+{
+  GstSaliencyTactilePrivate *priv = self->priv;
+  const tactile::Orientation orientation = orientation_of(settings.video_direction, priv->tags);
+  if (orientation == priv->orientation)
+    return;
+  GST_INFO_OBJECT(self, "the grid is %s, rows %s, columns %s",
+                  orientation.transposed ? "transposed" : "not transposed",
+                  orientation.mirrored_rows ? "mirrored" : "as stored",
+                  orientation.mirrored_columns ? "mirrored" : "as stored");
+  priv->orientation = orientation;
+  priv->limiter.reset();
+}
+
 /// Analyses a frame. Throws where memory is out (see FilmAnalysis).
 static void
 gst_saliency_tactile_analyse(GstSaliencyTactile *self, const SaliencySettings &settings,
                              GstBuffer *buffer, saliency::Time time, saliency::Time duration)
 {
   GstSaliencyTactilePrivate *priv = self->priv;
-  if (priv->analysis.analyse(settings, priv->info, buffer, time, duration)
+  if (priv->analysis.analyse(settings, priv->orientation, priv->info, buffer, time, duration)
       || std::exchange(priv->warned_map, true))
     return;
   g_autoptr(GstCaps) caps = gst_video_info_to_caps(&priv->info);
@@ -226,11 +245,12 @@ gst_saliency_tactile_transform_ip(GstBaseTransform *transform, GstBuffer *buffer
   saliency::Time time;
   saliency::Time duration;
   gst_saliency_tactile_times(self, buffer, time, duration);
+  gst_saliency_tactile_orient(self, settings);
 
   // Between two analyses the last map holds, unless it is for another grid or from another part of
   // the film.
   std::optional<GstClockTime> spent;
-  if (priv->analysis.is_due(settings, time)) {
+  if (priv->analysis.is_due(settings, priv->orientation, time)) {
     try {
       const GstClockTime begin = gst_util_get_timestamp();
       gst_saliency_tactile_analyse(self, settings, buffer, time, duration);
@@ -307,6 +327,7 @@ gst_saliency_tactile_sink_event(GstBaseTransform *transform, GstEvent *event)
 {
   GstSaliencyTactile *self = GST_SALIENCY_TACTILE(transform);
 
+  self->priv->tags.follow(event);
   switch (GST_EVENT_TYPE(event)) {
   case GST_EVENT_SEGMENT:
   case GST_EVENT_FLUSH_STOP:
@@ -350,7 +371,9 @@ gst_saliency_tactile_start(GstBaseTransform *transform)
 static gboolean
 gst_saliency_tactile_stop(GstBaseTransform *transform)
 {
-  GST_SALIENCY_TACTILE(transform)->priv->analysis.stop();
+  GstSaliencyTactilePrivate *priv = GST_SALIENCY_TACTILE(transform)->priv;
+  priv->analysis.stop();
+  priv->tags.reset();
   return TRUE;
 }
 

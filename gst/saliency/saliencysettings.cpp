@@ -2,6 +2,7 @@
 #include "saliencysettings.h"
 
 #include "../rangedproperty.h"
+#include "gst/video/video_direction.h"
 #include "tactile/tactile_map.h"
 
 #include <utility>
@@ -106,6 +107,13 @@ SaliencySettings::install(GObjectClass *klass)
                                                     GST_TYPE_SALIENCY_TACTILE_VIEWPORT,
                                                     static_cast<gint>(defaults.viewport), playing));
   g_object_class_install_property(
+      klass, SALIENCY_PROP_VIDEO_DIRECTION,
+      video_direction_spec(
+          "How the picture is turned on its way from here to the screen, which the "
+          "grid follows (auto: by the image-orientation tag; identity: it is "
+          "shown as it is here)",
+          playing));
+  g_object_class_install_property(
       klass, SALIENCY_PROP_MAX_CUE_DURATION,
       g_param_spec_uint64("max-cue-duration", "Maximum cue duration",
                           "How long in ns a cell is felt without a break before it is silent until "
@@ -204,6 +212,9 @@ SaliencySettings::set(guint id, const GValue *value)
   case SALIENCY_PROP_VIEWPORT:
     viewport = static_cast<ViewportMode>(g_value_get_enum(value));
     break;
+  case SALIENCY_PROP_VIDEO_DIRECTION:
+    video_direction = static_cast<GstVideoOrientationMethod>(g_value_get_enum(value));
+    break;
   case SALIENCY_PROP_MAX_CUE_DURATION:
     cue_limits.max_duration = time_from_value(value);
     break;
@@ -258,6 +269,9 @@ SaliencySettings::get(guint id, GValue *value) const
     break;
   case SALIENCY_PROP_VIEWPORT:
     g_value_set_enum(value, static_cast<gint>(viewport));
+    break;
+  case SALIENCY_PROP_VIDEO_DIRECTION:
+    g_value_set_enum(value, video_direction);
     break;
   case SALIENCY_PROP_MAX_CUE_DURATION:
     time_to_value(cue_limits.max_duration, value);

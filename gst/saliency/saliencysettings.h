@@ -4,7 +4,7 @@
 #include "saliency/region_weights.h"
 #include "tactile/cue_limiter.h"
 
-#include <gst/gst.h>
+#include <gst/video/video.h>
 
 #include <memory>
 #include <string>
@@ -20,6 +20,7 @@ enum SaliencyProperty : guint
   SALIENCY_PROP_FLOOR,
   SALIENCY_PROP_ROI_WEIGHTS,
   SALIENCY_PROP_VIEWPORT,
+  SALIENCY_PROP_VIDEO_DIRECTION,
   SALIENCY_PROP_MAX_CUE_DURATION,
   SALIENCY_PROP_CUE_REFRACTORY,
   SALIENCY_PROP_ATTACH_SALIENCY,
@@ -60,6 +61,7 @@ struct SaliencySettings
   /// not.
   std::string roi_weights_error;
   ViewportMode viewport = ViewportMode::fixed;
+  GstVideoOrientationMethod video_direction = GST_VIDEO_ORIENTATION_AUTO;
   tactile::CueLimits cue_limits;
   bool attach_saliency = false;
   double max_rate = 0;

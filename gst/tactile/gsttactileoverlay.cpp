@@ -14,7 +14,9 @@
  * at twice its floor, whichever is higher. It needs `saliencytactile attach-saliency=true`; without
  * it the levels are shown and a warning is posted.
  *
- * A frame without metas stays as it is.
+ * A frame without metas stays as it is. Where the picture is turned on its way to the screen, as
+ * phone films are by their image-orientation tag, the grid is drawn so that it is right there
+ * (`video-direction`).
  *
  * ## Example launch lines
  * |[
@@ -28,6 +30,7 @@
 #include "gsttactileoverlay.h"
 
 #include "../rangedproperty.h"
+#include "gst/video/video_direction.h"
 #include "gsttactileelements.h"
 #include "overlaypainter.h"
 
@@ -46,6 +49,7 @@ enum
   PROP_0,
   PROP_STYLE,
   PROP_OPACITY,
+  PROP_VIDEO_DIRECTION,
 };
 
 enum Style
@@ -60,10 +64,14 @@ constexpr double kDefaultOpacity = 0.5;
 
 struct Private
 {
-  Style style = kDefaultStyle;      ///< object lock
-  double opacity = kDefaultOpacity; ///< object lock
-  OverlayPainter painter;           ///< streaming thread
-  bool warned = false;              ///< streaming thread
+  Style style = kDefaultStyle;                                            ///< object lock
+  double opacity = kDefaultOpacity;                                       ///< object lock
+  GstVideoOrientationMethod video_direction = GST_VIDEO_ORIENTATION_AUTO; ///< object lock
+  OverlayPainter painter;                                                 ///< streaming thread
+  OrientationTags tags;                                                   ///< streaming thread
+  tactile::TactileMap shown;  ///< streaming thread: the map of the frame, as on the screen
+  tactile::TactileMap stored; ///< streaming thread: and as it lies on the pixels
+  bool warned = false;        ///< streaming thread
 };
 
 #define OVERLAY_FORMATS                                                                            \
@@ -105,17 +113,20 @@ gst_tactile_overlay_style_get_type(void)
   return type;
 }
 
+/// The levels where they will be on the screen when the picture is turned like this.
 static std::optional<LevelField>
-tactile_field(GstBuffer *buffer)
+tactile_field(GstBuffer *buffer, Private *priv, tactile::Orientation orientation)
 {
   const GstTactileMeta *meta = gst_buffer_get_tactile_meta(buffer);
   if (meta == nullptr)
     return std::nullopt;
   gsize count = 0;
   const gfloat *levels = gst_tactile_meta_get_levels(meta, &count);
-  return LevelField{
-    { levels, count }, static_cast<int>(meta->columns), static_cast<int>(meta->rows), 1.0
-  };
+  priv->shown.rows = static_cast<int>(meta->rows);
+  priv->shown.columns = static_cast<int>(meta->columns);
+  priv->shown.levels.assign(levels, levels + count);
+  tactile::turn_back(priv->shown, orientation, priv->stored);
+  return LevelField{ priv->stored.levels, priv->stored.columns, priv->stored.rows, 1.0 };
 }
 
 static std::optional<LevelField>
@@ -143,9 +154,11 @@ gst_tactile_overlay_transform_frame_ip(GstVideoFilter *filter, GstVideoFrame *fr
   GST_OBJECT_LOCK(self);
   const Style style = priv->style;
   const double opacity = priv->opacity;
+  const GstVideoOrientationMethod direction = priv->video_direction;
   GST_OBJECT_UNLOCK(self);
 
-  const std::optional<LevelField> levels = tactile_field(frame->buffer);
+  const std::optional<LevelField> levels
+      = tactile_field(frame->buffer, priv, orientation_of(direction, priv->tags));
   const std::optional<LevelField> saliency
       = style == STYLE_GRID ? std::nullopt : saliency_field(frame->buffer);
   const std::optional<LevelField> &shown = saliency ? saliency : levels;
@@ -174,6 +187,13 @@ gst_tactile_overlay_transform_frame_ip(GstVideoFilter *filter, GstVideoFrame *fr
   return GST_FLOW_OK;
 }
 
+static gboolean
+gst_tactile_overlay_sink_event(GstBaseTransform *transform, GstEvent *event)
+{
+  GST_TACTILE_OVERLAY(transform)->priv->tags.follow(event);
+  return GST_BASE_TRANSFORM_CLASS(parent_class)->sink_event(transform, event);
+}
+
 static void
 gst_tactile_overlay_before_transform(GstBaseTransform *transform, GstBuffer *buffer)
 {
@@ -186,7 +206,9 @@ gst_tactile_overlay_before_transform(GstBaseTransform *transform, GstBuffer *buf
 static gboolean
 gst_tactile_overlay_start(GstBaseTransform *transform)
 {
-  GST_TACTILE_OVERLAY(transform)->priv->warned = false;
+  Private *priv = GST_TACTILE_OVERLAY(transform)->priv;
+  priv->warned = false;
+  priv->tags.reset();
   return TRUE;
 }
 
@@ -202,6 +224,9 @@ gst_tactile_overlay_set_property(GObject *object, guint id, const GValue *value,
     break;
   case PROP_OPACITY:
     priv->opacity = g_value_get_double(value);
+    break;
+  case PROP_VIDEO_DIRECTION:
+    priv->video_direction = static_cast<GstVideoOrientationMethod>(g_value_get_enum(value));
     break;
   default:
     G_OBJECT_WARN_INVALID_PROPERTY_ID(object, id, spec);
@@ -222,6 +247,9 @@ gst_tactile_overlay_get_property(GObject *object, guint id, GValue *value, GPara
     break;
   case PROP_OPACITY:
     g_value_set_double(value, priv->opacity);
+    break;
+  case PROP_VIDEO_DIRECTION:
+    g_value_set_enum(value, priv->video_direction);
     break;
   default:
     G_OBJECT_WARN_INVALID_PROPERTY_ID(object, id, spec);
@@ -260,8 +288,15 @@ gst_tactile_overlay_class_init(GstTactileOverlayClass *klass)
                    "How much of the picture a full level covers in the styles grid and "
                    "heatmap: 0 nothing, 1 all",
                    0, 1, kDefaultOpacity, flags));
+  g_object_class_install_property(
+      object_class, PROP_VIDEO_DIRECTION,
+      video_direction_spec("How the picture is turned on its way from here to the screen, on which "
+                           "the grid is drawn to be right (auto: by the image-orientation tag; "
+                           "identity: it is shown as it is here)",
+                           static_cast<GParamFlags>(flags & ~GST_PARAM_CONTROLLABLE)));
 
   transform_class->start = GST_DEBUG_FUNCPTR(gst_tactile_overlay_start);
+  transform_class->sink_event = GST_DEBUG_FUNCPTR(gst_tactile_overlay_sink_event);
   transform_class->before_transform = GST_DEBUG_FUNCPTR(gst_tactile_overlay_before_transform);
   GST_VIDEO_FILTER_CLASS(klass)->transform_frame_ip
       = GST_DEBUG_FUNCPTR(gst_tactile_overlay_transform_frame_ip);
