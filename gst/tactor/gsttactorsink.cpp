@@ -42,12 +42,15 @@
  *   and `late` (#guint64, ns). At most one in five seconds.
  * - `tactor-device-lost`, `tactor-device-found`: the board went away, came back; with them a warning
  *   and an info message for people. The film plays on meanwhile.
+ * - a warning, while the pipeline is on its way to PAUSED: it waits for ever, because one thread feeds this and another
+ *   sink without a queue between them.
  * - `tactor-stats`: the contents of #GstTactorSink:actuation-stats at the end of the stream.
  *
  * Since: 0.1
  */
 #include "gsttactorsink.h"
 
+#include "queuewatch.h"
 #include "tactormessages.h"
 #include "tactoropening.h"
 #include "tactorplanning.h"
@@ -85,7 +88,7 @@ constexpr Time kLeadShortInterval = std::chrono::seconds(5);
 struct GstTactorSinkPrivate final : TactorSchedulerHost
 {
   explicit GstTactorSinkPrivate(GstTactorSink *sink)
-      : element(GST_ELEMENT(sink)), planning(element), scheduler(*this)
+      : element(GST_ELEMENT(sink)), planning(element), scheduler(*this), queue_watch(element)
   {
   }
 
@@ -104,7 +107,8 @@ struct GstTactorSinkPrivate final : TactorSchedulerHost
 
   std::optional<Time> last_lead_short; ///< scheduler's thread only
 
-  TactorScheduler scheduler; ///< last: its thread ends before anything that it uses
+  TactorScheduler scheduler; ///< after what its thread uses, which ends before
+  QueueWatch queue_watch;    ///< changes of state only
 };
 
 struct _GstTactorSink
@@ -444,6 +448,9 @@ gst_tactor_sink_change_state(GstElement *element, GstStateChange transition)
     return GST_STATE_CHANGE_FAILURE;
   if (transition == GST_STATE_CHANGE_PLAYING_TO_PAUSED)
     priv->scheduler.pause();
+  if (transition == GST_STATE_CHANGE_PAUSED_TO_PLAYING
+      || transition == GST_STATE_CHANGE_PAUSED_TO_READY)
+    priv->queue_watch.stop();
 
   GstStateChangeReturn ret = GST_ELEMENT_CLASS(parent_class)->change_state(element, transition);
 
@@ -456,6 +463,8 @@ gst_tactor_sink_change_state(GstElement *element, GstStateChange transition)
   // The base class also begins to play on the streaming thread, after a preroll, while the application may be pausing.
   if (transition == GST_STATE_CHANGE_PAUSED_TO_PLAYING && ret != GST_STATE_CHANGE_FAILURE)
     priv->scheduler.play([element] { return GST_STATE_TARGET(element) == GST_STATE_PLAYING; });
+  if (transition == GST_STATE_CHANGE_READY_TO_PAUSED && ret != GST_STATE_CHANGE_FAILURE)
+    priv->queue_watch.start();
   // After a failure nothing is left running either.
   if (transition == GST_STATE_CHANGE_PAUSED_TO_READY
       || (transition == GST_STATE_CHANGE_READY_TO_PAUSED && ret == GST_STATE_CHANGE_FAILURE))

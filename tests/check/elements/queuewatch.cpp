@@ -1,0 +1,169 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+//
+// Pipelines that wait for ever because a queue is missing, and pipelines that wait for something else, on a GstTestClock in place of the
+// system's.
+#include "../libs/contains.h"
+#include "../playing.h"
+
+#include <gst/check/gsttestclock.h>
+
+#include <string>
+
+namespace {
+
+#define FILM "tactiletestsrc num-buffers=50 ! video/x-raw,width=64,height=48 ! "
+#define CHAIR "tactorsink name=chair driver=simulator "
+
+/// A pipeline that is being paused, on a clock that stands still.
+class Paused
+{
+public:
+  explicit Paused(const char *line)
+  {
+    clock_ = gst_test_clock_new();
+    gst_system_clock_set_default(clock_);
+    pipeline_ = gst_parse_launch(line, nullptr);
+    fail_unless(pipeline_ != nullptr, "%s", line);
+    gst_object_ref_sink(pipeline_);
+    gst_element_set_state(pipeline_, GST_STATE_PAUSED);
+  }
+  ~Paused()
+  {
+    gst_element_set_state(pipeline_, GST_STATE_NULL);
+    gst_object_unref(pipeline_);
+    gst_system_clock_set_default(nullptr);
+    gst_object_unref(clock_);
+  }
+  Paused(const Paused &) = delete;
+  Paused &operator=(const Paused &) = delete;
+
+  /// Until this sink, or all of the pipeline, has its first frame.
+  void wait_for(const char *name = nullptr)
+  {
+    GstElement *element = name ? gst_bin_get_by_name(GST_BIN(pipeline_), name)
+                               : GST_ELEMENT(gst_object_ref(pipeline_));
+    fail_unless_equals_int(gst_element_get_state(element, nullptr, nullptr, 60 * GST_SECOND),
+                           GST_STATE_CHANGE_SUCCESS);
+    gst_object_unref(element);
+  }
+
+  /// The warnings of that many seconds.
+  std::string seconds(int count)
+  {
+    for (int i = 0; i < count; i++) {
+      gst_test_clock_advance_time(GST_TEST_CLOCK(clock_), GST_SECOND);
+      while (GstClockID waited = gst_test_clock_process_next_clock_id(GST_TEST_CLOCK(clock_)))
+        gst_clock_id_unref(waited);
+    }
+    std::string text;
+    GstBus *bus = gst_element_get_bus(pipeline_);
+    while (GstMessage *message = gst_bus_pop_filtered(bus, GST_MESSAGE_WARNING)) {
+      g_autoptr(GError) error = nullptr;
+      g_autofree gchar *debug = nullptr;
+      gst_message_parse_warning(message, &error, &debug);
+      text += std::string(error->message) + " " + debug + "\n";
+      gst_message_unref(message);
+    }
+    gst_object_unref(bus);
+    return text;
+  }
+
+private:
+  GstClock *clock_;
+  GstElement *pipeline_;
+};
+
+void
+assert_told(Paused &film, const char *where)
+{
+  ck_assert_str_eq(film.seconds(2).c_str(), "");
+  assert_contains(film.seconds(1),
+                  { "waits for ever", "queue is missing", where, "two seconds", "! queue !" });
+  ck_assert_str_eq(film.seconds(5).c_str(), ""); // once
+}
+
+} // namespace
+
+/// The chair has its map, the picture waits.
+GST_START_TEST(test_extractor)
+{
+  Paused film(FILM "tactileextractor name=split split.src ! fakesink split.tactile ! " CHAIR);
+  film.wait_for("chair");
+  assert_told(film, "'split'");
+}
+GST_END_TEST;
+
+/// The picture has its frame, the chair waits; through a bin.
+GST_START_TEST(test_tee)
+{
+  Paused film(FILM "tee name=split split. ! bin.( name=picture fakesink name=screen ) "
+                   "split. ! identity ! " CHAIR);
+  film.wait_for("screen");
+  assert_told(film, "'split'");
+}
+GST_END_TEST;
+
+/// The thread is the queue's, and its branches have none.
+GST_START_TEST(test_queue_before_the_fork)
+{
+  Paused film(FILM "queue ! tee name=split split. ! fakesink name=screen split. ! " CHAIR);
+  film.wait_for("screen");
+  assert_told(film, "'split'");
+}
+GST_END_TEST;
+
+/// One queue missing of two, where the other does not help.
+GST_START_TEST(test_one_queue)
+{
+  Paused film(FILM
+              "tactileextractor name=split split.src ! queue ! fakesink split.tactile ! " CHAIR);
+  film.wait_for("chair");
+  assert_told(film, "'split'");
+}
+GST_END_TEST;
+
+/// All have their frames: a pause of the user's, of any length.
+GST_START_TEST(test_pause)
+{
+  for (const char *line : {
+           FILM "tactileextractor name=split split.src ! queue ! fakesink split.tactile ! queue "
+                "! " CHAIR,
+           FILM "tee name=split split. ! queue ! fakesink split. ! " CHAIR,
+           FILM CHAIR,
+       }) {
+    Paused film(line);
+    film.wait_for();
+    ck_assert_str_eq(film.seconds(5).c_str(), "");
+  }
+}
+GST_END_TEST;
+
+/// Slow sources, before the fork or elsewhere.
+GST_START_TEST(test_slow_source)
+{
+  Paused film("appsrc ! tee name=split split. ! fakesink split. ! " CHAIR);
+  ck_assert_str_eq(film.seconds(5).c_str(), "");
+  Paused sound(FILM "tee name=split split. ! queue ! fakesink name=screen split. ! " CHAIR
+                    "appsrc ! fakesink");
+  sound.wait_for("screen");
+  sound.wait_for("chair");
+  ck_assert_str_eq(sound.seconds(5).c_str(), "");
+}
+GST_END_TEST;
+
+static Suite *
+queuewatch_suite(void)
+{
+  Suite *suite = suite_create("queuewatch");
+  TCase *cases = tcase_create("general");
+  suite_add_tcase(suite, cases);
+  tcase_add_test(cases, test_extractor);
+  tcase_add_test(cases, test_tee);
+  tcase_add_test(cases, test_queue_before_the_fork);
+  tcase_add_test(cases, test_one_queue);
+  tcase_add_test(cases, test_pause);
+  tcase_add_test(cases, test_slow_source);
+  return suite;
+}
+
+GST_CHECK_MAIN(queuewatch)
