@@ -118,6 +118,11 @@ gst_visuotactile_sink_choose(GstVisuotactileSink *self)
     chosen = gst_element_factory_make("fakesink", "video-sink");
     g_object_set(chosen, "sync", TRUE, nullptr);
   }
+  // The grid follows the picture as its tags turn it; sinks do so only when they are told to.
+  g_auto(GValue) direction = G_VALUE_INIT;
+  g_value_init(&direction, GST_TYPE_VIDEO_ORIENTATION_METHOD);
+  g_value_set_enum(&direction, GST_VIDEO_ORIENTATION_AUTO);
+  set_property_within(chosen, "video-direction", &direction);
   return chosen;
 }
 

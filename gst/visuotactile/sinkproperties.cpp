@@ -5,6 +5,8 @@
 #include "gstvisuotactilesinkprivate.h"
 #include "videosinks.h"
 
+#include <gst/video/video.h>
+
 #include <utility>
 
 namespace {
@@ -16,6 +18,7 @@ enum class Owner
   tactors,  ///< tactorsink's
   shown,    ///< the video sink's, kept for it until there is one
   both,     ///< the video sink's and tactorsink's, likewise
+  seen,     ///< the video sink's and saliencytactile's, likewise
   self,
 };
 
@@ -34,6 +37,7 @@ enum Property : guint
   PROP_FLOOR,
   PROP_ROI_WEIGHTS,
   PROP_MAX_RATE,
+  PROP_VIDEO_DIRECTION,
   PROP_DRIVER,
   PROP_DEVICE,
   PROP_RATE,
@@ -60,6 +64,8 @@ owner(guint id)
   case PROP_ENABLE_LAST_SAMPLE:
   case PROP_LAST_SAMPLE:
     return Owner::shown;
+  case PROP_VIDEO_DIRECTION:
+    return Owner::seen;
   default:
     return id < PROP_DRIVER ? Owner::analysis : Owner::tactors;
   }
@@ -70,7 +76,9 @@ owner(guint id)
 static GstElement *
 gst_visuotactile_sink_get_owner(GstVisuotactileSink *self, guint id)
 {
-  return owner(id) == Owner::analysis ? self->analysis : gst_visuotactile_sink_get_tactors(self);
+  const Owner whose = owner(id);
+  return whose == Owner::analysis || whose == Owner::seen ? self->analysis
+                                                          : gst_visuotactile_sink_get_tactors(self);
 }
 
 static void
@@ -104,7 +112,7 @@ gst_visuotactile_sink_set_property(GObject *object, guint id, const GValue *valu
 
   if (whose == Owner::self)
     gst_visuotactile_sink_set_wanted(self, GST_ELEMENT(g_value_get_object(value)));
-  if (whose == Owner::shown || whose == Owner::both)
+  if (whose == Owner::shown || whose == Owner::both || whose == Owner::seen)
     gst_visuotactile_sink_set_shown(self, pspec->name, value);
   GstElement *child = gst_visuotactile_sink_get_owner(self, id);
   if (whose != Owner::self && whose != Owner::shown && child)
@@ -124,7 +132,7 @@ gst_visuotactile_sink_get_property(GObject *object, guint id, GValue *value, GPa
     GST_OBJECT_LOCK(self);
     g_value_set_object(value, self->wanted ? self->wanted : self->shown);
     GST_OBJECT_UNLOCK(self);
-  } else if (whose == Owner::analysis || whose == Owner::tactors) {
+  } else if (whose == Owner::analysis || whose == Owner::tactors || whose == Owner::seen) {
     if (child)
       g_object_get_property(G_OBJECT(child), pspec->name, value);
   } else if (!shown || !get_property_within(shown, pspec->name, value)) {
@@ -193,6 +201,12 @@ gst_visuotactile_sink_install_properties(GObjectClass *klass)
   install(PROP_MAX_RATE, ranged::real("max-rate", "Maximum rate",
                                       "Analyse at most this many frames per second (0 = all)", 0,
                                       1000, 0, playing));
+  install(PROP_VIDEO_DIRECTION,
+          g_param_spec_enum("video-direction", "Video direction",
+                            "How the picture is turned when it is shown, by the video sink if it "
+                            "can, and the grid with it (auto: by the image-orientation tag)",
+                            GST_TYPE_VIDEO_ORIENTATION_METHOD, GST_VIDEO_ORIENTATION_AUTO,
+                            playing));
   install(PROP_DRIVER,
           g_param_spec_string("driver", "Driver",
                               "What drives the tactors: auto, firmata, seat, simulator", "auto",

@@ -91,14 +91,26 @@ has_property(GstElement *element, const gchar *name)
   return g_object_class_find_property(G_OBJECT_GET_CLASS(element), name) != nullptr;
 }
 
+/* What an element calls a property, or NULL if it has none such. glimagesink and waylandsink have a video-direction by the name that it had
+ * before. */
+static const gchar *
+own_name(GstElement *element, const gchar *name)
+{
+  if (has_property(element, name))
+    return name;
+  const bool former
+      = g_str_equal(name, "video-direction") && has_property(element, "rotate-method");
+  return former ? "rotate-method" : nullptr;
+}
+
 void
 set_property_within(GstElement *element, const gchar *name, const GValue *value)
 {
   visit_within(element, [=](GstElement *found) {
-    if (!has_property(found, name))
-      return false;
-    g_object_set_property(G_OBJECT(found), name, value);
-    return found == element;
+    const gchar *own = own_name(found, name);
+    if (own)
+      g_object_set_property(G_OBJECT(found), own, value);
+    return own && found == element;
   });
 }
 
@@ -106,10 +118,10 @@ bool
 get_property_within(GstElement *element, const gchar *name, GValue *value)
 {
   return visit_within(element, [=](GstElement *found) {
-    if (!has_property(found, name))
-      return false;
-    g_object_get_property(G_OBJECT(found), name, value);
-    return true;
+    const gchar *own = own_name(found, name);
+    if (own)
+      g_object_get_property(G_OBJECT(found), own, value);
+    return own != nullptr;
   });
 }
 

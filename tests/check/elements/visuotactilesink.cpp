@@ -4,6 +4,8 @@
 // is tested in visuotactilesink_playing.
 #include "visuotactilesink_rig.h"
 
+#include <gst/tactile/tactile.h>
+
 namespace {
 
 /// The rank of every video sink but those that the test puts up is as good as none.
@@ -76,7 +78,7 @@ GST_START_TEST(test_properties_are_the_childrens)
     }
     gst_object_unref(child);
   }
-  ck_assert_uint_eq(compared, 16);
+  ck_assert_uint_eq(compared, 17);
   gst_object_unref(chair);
 }
 GST_END_TEST;
@@ -154,6 +156,78 @@ GST_START_TEST(test_fan_out)
     gst_element_set_state(chair, GST_STATE_NULL);
     gst_object_unref(chair);
   }
+}
+GST_END_TEST;
+
+static void
+assert_direction(gpointer object, const gchar *property, GstVideoOrientationMethod expected)
+{
+  gint direction = -1;
+  g_object_get(object, property, &direction, nullptr);
+  ck_assert_int_eq(direction, expected);
+}
+
+/// Picture and grid are turned together; a video sink that was given is not told unless the user does.
+GST_START_TEST(test_video_direction)
+{
+  hide_other_sinks();
+  register_test_sink(GST_RANK_PRIMARY);
+  for (const bool given : { true, false }) {
+    GstElement *chair = gst_element_factory_make("visuotactilesink", nullptr);
+    if (given)
+      g_object_set(chair, "video-sink", gst_element_factory_make("visuotactiletestsink", nullptr),
+                   nullptr);
+    fail_unless(gst_element_set_state(chair, GST_STATE_READY) == GST_STATE_CHANGE_SUCCESS);
+    assert_direction(shown_by(chair), "rotate-method",
+                     given ? GST_VIDEO_ORIENTATION_IDENTITY : GST_VIDEO_ORIENTATION_AUTO);
+    assert_direction(chair, "video-direction", GST_VIDEO_ORIENTATION_AUTO);
+    g_object_set(chair, "video-direction", GST_VIDEO_ORIENTATION_90L, nullptr);
+    GObject *analysis = gst_child_proxy_get_child_by_name(GST_CHILD_PROXY(chair), "analysis");
+    assert_direction(analysis, "video-direction", GST_VIDEO_ORIENTATION_90L);
+    assert_direction(shown_by(chair), "rotate-method", GST_VIDEO_ORIENTATION_90L);
+    gst_object_unref(analysis);
+    gst_element_set_state(chair, GST_STATE_NULL);
+    gst_object_unref(chair);
+  }
+}
+GST_END_TEST;
+
+static GstPadProbeReturn
+keep_levels(GstPad *, GstPadProbeInfo *info, gpointer data)
+{
+  const GstTactileMeta *meta = gst_buffer_get_tactile_meta(GST_PAD_PROBE_INFO_BUFFER(info));
+  fail_unless(meta != nullptr && meta->rows == 3 && meta->columns == 3);
+  static_cast<std::vector<gfloat> *>(data)->insert(static_cast<std::vector<gfloat> *>(data)->end(),
+                                                   meta->levels, meta->levels + 9);
+  return GST_PAD_PROBE_OK;
+}
+
+/// A tag from upstream turns the maps of the whole film: a tag comes through the bin.
+GST_START_TEST(test_phone_film)
+{
+  const auto levels_of_film = [](const std::string &orientation) {
+    std::vector<gfloat> levels;
+    Player player(kFilm + "taginject tags=image-orientation=" + orientation + " ! " + kSink
+                  + "sync=false video-sink=fakesink");
+    change_state(player.pipeline, GST_STATE_READY);
+    g_autoptr(GstPad) pad = gst_element_get_static_pad(shown_by(player.chair), "sink");
+    gst_pad_add_probe(pad, GST_PAD_PROBE_TYPE_BUFFER, keep_levels, &levels, nullptr);
+    player.play();
+    return levels;
+  };
+  const std::vector<gfloat> stored = levels_of_film("rotate-0");
+  const std::vector<gfloat> turned = levels_of_film("rotate-90");
+  ck_assert_uint_eq(stored.size(), 60 * 9);
+  ck_assert_uint_eq(turned.size(), stored.size());
+  bool felt = false;
+  for (std::size_t i = 0; i < stored.size(); i++) {
+    const std::size_t cell = i % 9;
+    const std::size_t frame = i - cell;
+    // Clockwise: what is in the bottom row as stored is in the left column as seen.
+    fail_unless(turned[i] == stored[frame + (2 - cell % 3) * 3 + cell / 3]);
+    felt |= turned[i] != stored[i];
+  }
+  fail_unless(felt);
 }
 GST_END_TEST;
 
@@ -328,6 +402,8 @@ visuotactilesink_suite(void)
   tcase_add_test(cases, test_properties_are_the_childrens);
   tcase_add_test(cases, test_values_reach_the_children);
   tcase_add_test(cases, test_fan_out);
+  tcase_add_test(cases, test_video_direction);
+  tcase_add_test(cases, test_phone_film);
   tcase_add_test(cases, test_given_sink_keeps_its_properties);
   tcase_add_test(cases, test_overlay_and_navigation);
   tcase_add_test(cases, test_navigation_upstream);

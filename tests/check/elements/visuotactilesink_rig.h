@@ -130,14 +130,24 @@ test_video_sink_class_init(TestVideoSinkClass *klass)
     G_OBJECT_CLASS(test_video_sink_parent_class)->finalize(object);
   };
   // Kept as data of the object: this sink has no other use for it.
-  object_class->set_property = [](GObject *object, guint, const GValue *value, GParamSpec *) {
-    g_object_set_data(object, "ratio", GINT_TO_POINTER(g_value_get_boolean(value) ? 1 : 2));
+  object_class->set_property = [](GObject *object, guint id, const GValue *value, GParamSpec *) {
+    if (id == 2)
+      g_object_set_data(object, "direction", GINT_TO_POINTER(g_value_get_enum(value)));
+    else
+      g_object_set_data(object, "ratio", GINT_TO_POINTER(g_value_get_boolean(value) ? 1 : 2));
   };
-  object_class->get_property = [](GObject *object, guint, GValue *value, GParamSpec *) {
-    g_value_set_boolean(value, GPOINTER_TO_INT(g_object_get_data(object, "ratio")) != 2);
+  object_class->get_property = [](GObject *object, guint id, GValue *value, GParamSpec *) {
+    if (id == 2)
+      g_value_set_enum(value, GPOINTER_TO_INT(g_object_get_data(object, "direction")));
+    else
+      g_value_set_boolean(value, GPOINTER_TO_INT(g_object_get_data(object, "ratio")) != 2);
   };
   g_object_class_install_property(
       object_class, 1, g_param_spec_boolean("force-aspect-ratio", "", "", TRUE, G_PARAM_READWRITE));
+  g_object_class_install_property( // by the name that glimagesink and waylandsink have for it
+      object_class, 2,
+      g_param_spec_enum("rotate-method", "", "", GST_TYPE_VIDEO_ORIENTATION_METHOD,
+                        GST_VIDEO_ORIENTATION_IDENTITY, G_PARAM_READWRITE));
 }
 
 static void
