@@ -129,6 +129,15 @@ gst_tactile_branch_change_state(GstElement *element, GstStateChange transition)
   return ret;
 }
 
+/* What is asked of upstream (a seek, a latency, navigation) the picture asks for, too: once is enough. A demuxer that is
+ * sought twice flushes twice. */
+static gboolean
+gst_tactile_branch_upstream_event(GstPad *, GstObject *, GstEvent *event)
+{
+  gst_event_unref(event);
+  return TRUE;
+}
+
 /* To the film, maps that nobody plays are as good as played. */
 static GstFlowReturn
 gst_tactile_branch_chain(GstPad *pad, GstObject *parent, GstBuffer *buffer)
@@ -215,6 +224,8 @@ gst_tactile_branch_new(const gchar *name)
   GstPad *pad = gst_ghost_pad_new_from_template("sink", target, pad_template);
   gst_pad_set_chain_function(pad, GST_DEBUG_FUNCPTR(gst_tactile_branch_chain));
   gst_pad_set_event_function(pad, GST_DEBUG_FUNCPTR(gst_tactile_branch_sink_event));
+  g_autoptr(GstProxyPad) inside = gst_proxy_pad_get_internal(GST_PROXY_PAD(pad));
+  gst_pad_set_event_function(GST_PAD(inside), GST_DEBUG_FUNCPTR(gst_tactile_branch_upstream_event));
   gst_element_add_pad(GST_ELEMENT(self), pad);
   return self;
 }

@@ -23,6 +23,12 @@ using tactor::IssuedCommand;
 
 /* ---- a video sink that can be looked at ---- */
 
+struct ShownFrame
+{
+  GstClockTime running; ///< when it was due, steps included
+  guint64 number;       ///< as its source counts
+};
+
 struct TestVideoSink
 {
   GstVideoSink parent;
@@ -33,6 +39,7 @@ struct TestVideoSink
   gboolean handles_events;
   gint frames;
   std::string *navigated;
+  std::vector<ShownFrame> *shown; ///< to be read when nothing is played
 };
 struct TestVideoSinkClass
 {
@@ -120,13 +127,20 @@ test_video_sink_class_init(TestVideoSinkClass *klass)
   GST_BASE_SINK_CLASS(klass)->preroll = [](GstBaseSink *, GstBuffer *) {
     return GST_FLOW_OK;
   };
-  GST_VIDEO_SINK_CLASS(klass)->show_frame = [](GstVideoSink *sink, GstBuffer *) {
-    test_video_sink(sink)->frames++;
+  GST_VIDEO_SINK_CLASS(klass)->show_frame = [](GstVideoSink *sink, GstBuffer *buffer) {
+    const GstSegment &segment = GST_BASE_SINK(sink)->segment;
+    const GstClockTime pts = GST_BUFFER_PTS(buffer);
+    const GstClockTime running
+        = gst_segment_to_running_time(&segment, GST_FORMAT_TIME, MAX(pts, segment.start));
+    test_video_sink(sink)->shown->push_back(
+        { .running = running, .number = GST_BUFFER_OFFSET(buffer) });
+    g_atomic_int_inc(&test_video_sink(sink)->frames);
     return GST_FLOW_OK;
   };
   GObjectClass *object_class = G_OBJECT_CLASS(klass);
   object_class->finalize = [](GObject *object) {
     delete test_video_sink(object)->navigated;
+    delete test_video_sink(object)->shown;
     G_OBJECT_CLASS(test_video_sink_parent_class)->finalize(object);
   };
   // Kept as data of the object: this sink has no other use for it.
@@ -155,6 +169,7 @@ test_video_sink_init(TestVideoSink *sink)
 {
   sink->handles_events = TRUE;
   sink->navigated = new std::string;
+  sink->shown = new std::vector<ShownFrame>;
   // Frames are counted: none is left out because the machine was busy.
   gst_base_sink_set_max_lateness(GST_BASE_SINK(sink), -1);
 }

@@ -1,0 +1,171 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+//
+// What an application asks of visuotactilesink as a whole: a seek and its like go upstream once, a frame is stepped once, and the
+// motors go on with the frame that is seen.
+#include <algorithm>
+#include <map>
+
+#include "visuotactilesink_rig.h"
+
+#include <gst/check/gsttestclock.h>
+#include <gst/tactile/tactile.h>
+
+namespace {
+
+constexpr guint kFrames = 50;
+constexpr guint kCells = 9;
+constexpr GstClockTime kFrame = 40 * kMs;
+
+/// Frame i has one cell on, the (i mod 9)th.
+int
+cell_of(guint64 number)
+{
+  return static_cast<int>(number % kCells);
+}
+
+/// A frame as it comes out of Matroska: its time is rounded to the millisecond, its duration is not.
+GstPadProbeReturn
+add_map(GstPad *, GstPadProbeInfo *info, gpointer)
+{
+  GstBuffer *buffer = gst_buffer_make_writable(GST_PAD_PROBE_INFO_BUFFER(info));
+  GST_BUFFER_PTS(buffer) = (GST_BUFFER_PTS(buffer) + kMs / 2) / kMs * kMs;
+  gfloat levels[kCells] = {};
+  levels[cell_of(GST_BUFFER_OFFSET(buffer))] = 1;
+  gst_buffer_add_tactile_meta(buffer, 3, 3, levels, kCells);
+  info->data = buffer;
+  return GST_PAD_PROBE_OK;
+}
+
+/// A film of fifty frames; what is felt is each frame's cell, when it is shown.
+class Film : public Player
+{
+public:
+  /// At this actuation rate; 0: every frame is felt.
+  explicit Film(int rate = 0, int frames_per_second = 25)
+      : Player("videotestsrc num-buffers=" + std::to_string(kFrames)
+               + " ! video/x-raw,format=I420,width=32,height=32,framerate="
+               + std::to_string(frames_per_second) + "/1 ! " + kSink
+               + "rate=" + std::to_string(rate)
+               + " tactors::compensation=none tactors::max-active=0 tactors::max-duty=0 "
+                 "tactors::max-on-time=0 video-sink=visuotactiletestsink"),
+        pad(gst_element_get_static_pad(chair, "sink"))
+  {
+    g_object_get(chair, "video-sink", &screen, nullptr);
+    gst_pad_add_probe(pad, GST_PAD_PROBE_TYPE_BUFFER, add_map, nullptr, nullptr);
+    change_state(pipeline, GST_STATE_PAUSED);
+  }
+  ~Film()
+  {
+    gst_object_unref(screen);
+    gst_object_unref(pad);
+  }
+
+  void play_until_shown(gint frames)
+  {
+    change_state(pipeline, GST_STATE_PLAYING);
+    while (g_atomic_int_get(&test_video_sink(screen)->frames) < frames)
+      g_usleep(1000);
+  }
+  /// The next frame, as players ask for it.
+  void step()
+  {
+    fail_unless(gst_element_send_event(
+        pipeline, gst_event_new_step(GST_FORMAT_BUFFERS, 1, 1.0, TRUE, FALSE)));
+    ck_assert_int_eq(gst_element_get_state(pipeline, nullptr, nullptr,
+                                           static_cast<GstClockTime>(30) * GST_SECOND),
+                     GST_STATE_CHANGE_SUCCESS);
+  }
+  gint64 position()
+  {
+    gint64 position = -1;
+    fail_unless(gst_element_query_position(pipeline, GST_FORMAT_TIME, &position));
+    return position;
+  }
+  std::size_t lines_of_trace()
+  {
+    return tactor::read_command_trace(trace_file.path).size();
+  }
+  /// After so many lines of the trace, all that is felt belongs to a frame that is shown at that time, from one on. Commands that a
+  /// busy machine leaves out are not missed.
+  void assert_felt_is_seen(std::size_t after, guint64 from)
+  {
+    const std::vector<ShownFrame> shown = *test_video_sink(screen)->shown;
+    const std::vector<IssuedCommand> lines = trace();
+    guint felt = 0;
+    for (std::size_t i = after; i < lines.size(); i++) {
+      const tactor::Command &command = lines[i].command;
+      if (command.volts == 0)
+        continue;
+      felt++;
+      const bool is_seen = std::ranges::any_of(shown, [&](const ShownFrame &frame) {
+        return frame.running == static_cast<GstClockTime>(command.effect.count())
+               && frame.number >= from && cell_of(frame.number) == command.tactor;
+      });
+      fail_unless(is_seen, "tactor %d at %" GST_STIME_FORMAT, command.tactor,
+                  GST_STIME_ARGS(command.effect.count()));
+    }
+    fail_unless(felt >= 5, "%u commands", felt);
+  }
+
+  GstPad *pad;
+  GstElement *screen = nullptr;
+};
+
+} // namespace
+
+/// Both sinks take what they are to know, upstream hears of it once.
+GST_START_TEST(test_upstream_hears_once)
+{
+  register_test_sink(GST_RANK_NONE);
+  Film film;
+  std::map<GstEventType, guint> heard;
+  gst_pad_add_probe(
+      film.pad, GST_PAD_PROBE_TYPE_EVENT_UPSTREAM,
+      [](GstPad *, GstPadProbeInfo *info, gpointer data) {
+        (*static_cast<std::map<GstEventType, guint> *>(data))[GST_EVENT_TYPE(info->data)]++;
+        return GST_PAD_PROBE_OK;
+      },
+      &heard, nullptr);
+
+  seek_exactly(film.chair, 1.0, GST_SECOND, GST_CLOCK_TIME_NONE);
+  ck_assert_uint_eq(heard[GST_EVENT_SEEK], 1);
+  ck_assert_int_eq(gst_element_get_state(film.pipeline, nullptr, nullptr, GST_CLOCK_TIME_NONE),
+                   GST_STATE_CHANGE_SUCCESS);
+
+  heard.clear();
+  gst_element_send_event(film.chair, gst_event_new_latency(300 * kMs));
+  ck_assert_uint_eq(heard[GST_EVENT_LATENCY], 1);
+  g_autoptr(GObject) tactors
+      = gst_child_proxy_get_child_by_name(GST_CHILD_PROXY(film.chair), "tactors");
+  ck_assert_uint_eq(gst_base_sink_get_latency(GST_BASE_SINK(tactors)), 300 * kMs);
+  ck_assert_uint_eq(gst_base_sink_get_latency(GST_BASE_SINK(film.screen)), 300 * kMs);
+
+  gst_element_send_event(film.chair, gst_event_new_navigation(gst_structure_new_empty("key")));
+  gst_element_send_event(film.chair, gst_event_new_qos(GST_QOS_TYPE_UNDERFLOW, 1.0, 0, GST_SECOND));
+  gst_element_send_event(film.chair, gst_event_new_custom(GST_EVENT_CUSTOM_UPSTREAM,
+                                                          gst_structure_new_empty("custom")));
+  for (const GstEventType type : { GST_EVENT_NAVIGATION, GST_EVENT_QOS, GST_EVENT_CUSTOM_UPSTREAM })
+    ck_assert_msg(heard[type] == 1, "%s: %u times", gst_event_type_get_name(type), heard[type]);
+
+  // What the branch of the tactors says by its pads is nothing to the picture's decoder.
+  heard.clear();
+  g_autoptr(GstPad) end = gst_element_get_static_pad(GST_ELEMENT(tactors), "sink");
+  for (GstEvent *event : { gst_event_new_reconfigure(),
+                           gst_event_new_seek(1.0, GST_FORMAT_TIME, GST_SEEK_FLAG_FLUSH,
+                                              GST_SEEK_TYPE_SET, 0, GST_SEEK_TYPE_NONE, 0) })
+    gst_pad_push_event(end, event);
+  fail_unless(heard.empty());
+}
+GST_END_TEST;
+
+static Suite *
+visuotactilesink_steps_suite(void)
+{
+  Suite *suite = suite_create("visuotactilesink_steps");
+  TCase *cases = tcase_create("general");
+  suite_add_tcase(suite, cases);
+  tcase_add_test(cases, test_upstream_hears_once);
+  return suite;
+}
+
+GST_CHECK_MAIN(visuotactilesink_steps);
