@@ -62,6 +62,7 @@
 #include <gst/video/video.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <optional>
 #include <utility>
@@ -102,8 +103,9 @@ struct GstTactorSinkPrivate final : TactorSchedulerHost
   TactorSettings settings;       ///< guarded by the object lock
   tactor::LimitCounters limited; ///< guarded by the object lock
 
-  TactorPlanning planning; ///< streaming thread only, or while it is stopped
-  Time flushed_at{ 0 };    ///< running time of the last flush
+  TactorPlanning planning;          ///< streaming thread only, or while it is stopped
+  Time flushed_at{ 0 };             ///< running time of the last flush
+  std::atomic<bool> ended{ false }; ///< the last map has come
 
   std::optional<Time> last_lead_short; ///< scheduler's thread only
 
@@ -237,11 +239,15 @@ gst_tactor_sink_play_map(GstTactorSink *self, GstBuffer *buffer)
 
   if (const std::optional<Time> starved = priv->scheduler.take_starved())
     priv->planning.silenced(*starved);
+  const GstSegment segment = gst_tactor_sink_segment(self);
+  // The base class drops what a step has gone past, but for the frame at its end.
+  if (!priv->planning.is_shown(GST_BUFFER_PTS(buffer), GST_BUFFER_DURATION(buffer), segment))
+    return GST_FLOW_OK;
   GST_OBJECT_LOCK(self);
   tactor::PlannerSettings settings = priv->settings.planner;
   GST_OBJECT_UNLOCK(self);
   const std::optional<TactorPlanning::Plan> plan
-      = priv->planning.plan_map(buffer, gst_tactor_sink_segment(self), std::move(settings));
+      = priv->planning.plan_map(buffer, segment, std::move(settings));
   if (!plan)
     return GST_FLOW_ERROR;
   gst_tactor_sink_push(self, *plan);
@@ -305,9 +311,11 @@ gst_tactor_sink_wait_event(GstBaseSink *sink, GstEvent *event)
     GstClockTime pts;
     GstClockTime length;
     gst_event_parse_gap(event, &pts, &length);
-    gst_tactor_sink_push(self,
-                         self->priv->planning.plan_gap(pts, length, gst_tactor_sink_segment(self)));
+    const GstSegment segment = gst_tactor_sink_segment(self);
+    if (self->priv->planning.is_shown(pts, length, segment))
+      gst_tactor_sink_push(self, self->priv->planning.plan_gap(pts, length, segment));
   } else if (GST_EVENT_TYPE(event) == GST_EVENT_EOS) {
+    self->priv->ended = true;
     ret = gst_tactor_sink_drain(self);
     if (ret == GST_FLOW_OK)
       tactor_post_stats(GST_ELEMENT(self), gst_tactor_sink_stats(self));
@@ -341,12 +349,29 @@ gst_tactor_sink_event(GstBaseSink *sink, GstEvent *event)
     gst_event_parse_flush_stop(event, &resets_time);
 
   const gboolean handled = GST_BASE_SINK_CLASS(parent_class)->event(sink, event);
+  if (type == GST_EVENT_FLUSH_STOP || type == GST_EVENT_STREAM_START)
+    priv->ended = false;
   // Afterwards, since only then the streaming thread has left render().
   if (type == GST_EVENT_FLUSH_START)
     priv->flushed_at = priv->scheduler.flush();
   else if (type == GST_EVENT_FLUSH_STOP)
     priv->planning.flushed(priv->flushed_at, resets_time);
   return handled;
+}
+
+/// The base class says that a step is over on the streaming thread, before what comes next. What is on its way belongs to frames
+/// that were gone past: running time stood still for them.
+static gboolean
+gst_tactor_sink_post_message(GstElement *element, GstMessage *message)
+{
+  GstTactorSinkPrivate *priv = GST_TACTOR_SINK(element)->priv;
+  gboolean flush = FALSE;
+  if (GST_MESSAGE_TYPE(message) == GST_MESSAGE_STEP_DONE)
+    gst_message_parse_step_done(message, nullptr, nullptr, nullptr, &flush, nullptr, nullptr,
+                                nullptr);
+  if (flush)
+    priv->planning.flushed(priv->scheduler.flush(), FALSE);
+  return GST_ELEMENT_CLASS(parent_class)->post_message(element, message);
 }
 
 static gboolean
@@ -413,6 +438,7 @@ gst_tactor_sink_open(GstTactorSink *self)
     priv->limited = {};
     GST_OBJECT_UNLOCK(self);
     priv->last_lead_short.reset();
+    priv->ended = false;
     priv->scheduler.start(std::move(opened.driver), settings.planner.volts_max,
                           std::move(opened.trace), settings.realtime);
     priv->scheduler.set_immediate(!gst_base_sink_get_sync(sink));
@@ -475,10 +501,17 @@ gst_tactor_sink_change_state(GstElement *element, GstStateChange transition)
 static gboolean
 gst_tactor_sink_send_event(GstElement *element, GstEvent *event)
 {
+  GstTactorSinkPrivate *priv = GST_TACTOR_SINK(element)->priv;
   const GstEventType type = GST_EVENT_TYPE(event);
+  // The base class would wait for something to stop at, and have the whole pipeline wait.
+  if (type == GST_EVENT_STEP && priv->ended) {
+    gst_event_unref(event);
+    priv->scheduler.flush();
+    return TRUE;
+  }
   const gboolean handled = GST_ELEMENT_CLASS(parent_class)->send_event(element, event);
   if (type == GST_EVENT_LATENCY)
-    GST_TACTOR_SINK(element)->priv->scheduler.timing_changed();
+    priv->scheduler.timing_changed();
   return handled;
 }
 
@@ -559,6 +592,7 @@ gst_tactor_sink_class_init(GstTactorSinkClass *klass)
 
   element_class->change_state = gst_tactor_sink_change_state;
   element_class->send_event = gst_tactor_sink_send_event;
+  element_class->post_message = gst_tactor_sink_post_message;
   sink_class->set_caps = gst_tactor_sink_set_caps;
   sink_class->propose_allocation = gst_tactor_sink_propose_allocation;
   sink_class->event = gst_tactor_sink_event;

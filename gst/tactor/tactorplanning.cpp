@@ -67,6 +67,12 @@ TactorPlanning::plan_map(GstBuffer *buffer, const GstSegment &segment,
   return plan;
 }
 
+bool
+TactorPlanning::is_shown(GstClockTime pts, GstClockTime duration, const GstSegment &segment) const
+{
+  return stream_.is_shown(segment, pts, duration);
+}
+
 TactorPlanning::Plan
 TactorPlanning::plan_gap(GstClockTime pts, GstClockTime duration, const GstSegment &segment)
 {

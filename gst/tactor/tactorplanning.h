@@ -32,6 +32,8 @@ public:
   /// Plans a buffer with what is set now, but for what was agreed on. Nothing after an error message; throws what the library throws.
   std::optional<Plan> plan_map(GstBuffer *buffer, const GstSegment &segment,
                                tactor::PlannerSettings settings);
+  /// Whether a buffer or a gap is one that is shown.
+  bool is_shown(GstClockTime pts, GstClockTime duration, const GstSegment &segment) const;
   Plan plan_gap(GstClockTime pts, GstClockTime duration, const GstSegment &segment);
   /// Rest when the last map has been shown.
   Plan plan_rest();

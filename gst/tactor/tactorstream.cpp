@@ -8,6 +8,9 @@
 
 using tactor::Time;
 
+/// The coarsest resolution of times in a container (Matroska).
+static constexpr GstClockTime kResolution = GST_MSECOND;
+
 Time
 to_tactor_time(GstClockTime time)
 {
@@ -94,4 +97,19 @@ TactorStream::shown(const GstSegment &segment, GstClockTime pts, GstClockTime du
   return { .start = GST_CLOCK_TIME_IS_VALID(running) ? to_tactor_time(running) : last_end,
            .duration = Time(
                static_cast<gint64>(std::min(static_cast<double>(length.count()) / rate, 1e15))) };
+}
+
+bool
+TactorStream::is_shown(const GstSegment &segment, GstClockTime pts, GstClockTime duration) const
+{
+  if (segment.format != GST_FORMAT_TIME || !GST_CLOCK_TIME_IS_VALID(pts))
+    return true;
+  if (!GST_CLOCK_TIME_IS_VALID(duration))
+    duration = static_cast<GstClockTime>(frame_duration_.count());
+  const GstClockTime end = pts + duration;
+  guint64 first = 0;
+  guint64 last = 0;
+  if (!gst_segment_clip(&segment, GST_FORMAT_TIME, pts, end, &first, &last))
+    return false;
+  return (first == pts && last == end) || last - first > kResolution;
 }

@@ -51,6 +51,10 @@ public:
   Span shown(const GstSegment &segment, GstClockTime pts, GstClockTime duration,
              tactor::Time last_end) const;
 
+  /// Whether what has this time and duration is shown at all: a step of frames moves the segment beyond what has come. What is
+  /// left of a frame because times are rounded is nothing.
+  bool is_shown(const GstSegment &segment, GstClockTime pts, GstClockTime duration) const;
+
 private:
   bool is_map_ = false; ///< application/x-tactile-map
   guint rows_ = 0;

@@ -250,6 +250,33 @@ gst_visuotactile_sink_query(GstPad *pad, GstObject *parent, GstQuery *query)
   return TRUE;
 }
 
+/// The picture has been stepped: the tactors go on from there, by the same time. playsink has the sound follow likewise.
+static void
+gst_visuotactile_sink_follow_step(GstVisuotactileSink *self, GstMessage *message)
+{
+  GstFormat format = GST_FORMAT_UNDEFINED;
+  gdouble rate = 1;
+  gboolean flush = FALSE;
+  gboolean intermediate = FALSE;
+  guint64 duration = 0;
+
+  gst_message_parse_step_done(message, &format, nullptr, &rate, &flush, &intermediate, &duration,
+                              nullptr);
+  if (format != GST_FORMAT_BUFFERS || self->branch == nullptr)
+    return; // a step by time went to all sinks
+  GstEvent *step = gst_event_new_step(GST_FORMAT_TIME, duration, rate, flush, intermediate);
+  gst_event_set_seqnum(step, gst_message_get_seqnum(message));
+  gst_element_send_event(GST_ELEMENT(self->branch), step);
+}
+
+static void
+gst_visuotactile_sink_handle_message(GstBin *bin, GstMessage *message)
+{
+  if (GST_MESSAGE_TYPE(message) == GST_MESSAGE_STEP_DONE)
+    gst_visuotactile_sink_follow_step(GST_VISUOTACTILE_SINK(bin), message);
+  GST_BIN_CLASS(parent_class)->handle_message(bin, message);
+}
+
 /* ---- children ---- */
 
 /// By name children are found wherever they are, tactorsink also while it is out of its branch.
@@ -299,6 +326,7 @@ gst_visuotactile_sink_class_init(GstVisuotactileSinkClass *klass)
   gst_visuotactile_sink_install_properties(object_class);
 
   element_class->change_state = GST_DEBUG_FUNCPTR(gst_visuotactile_sink_change_state);
+  GST_BIN_CLASS(klass)->handle_message = GST_DEBUG_FUNCPTR(gst_visuotactile_sink_handle_message);
   gst_element_class_add_static_pad_template(element_class, &sink_template);
   gst_element_class_set_static_metadata(element_class, "Visuotactile sink", "Sink/Video",
                                         "Shows a film and plays on motors what draws the eye in it",

@@ -80,6 +80,12 @@ gst_tactile_branch_handle_message(GstBin *bin, GstMessage *message)
 {
   auto *self = GST_TACTILE_BRANCH(bin);
 
+  /* A step is the picture's: to a player a second one is a step of its own, after which it moves the sound. */
+  if (GST_MESSAGE_TYPE(message) == GST_MESSAGE_STEP_START
+      || GST_MESSAGE_TYPE(message) == GST_MESSAGE_STEP_DONE) {
+    gst_message_unref(message);
+    return;
+  }
   if (GST_MESSAGE_TYPE(message) != GST_MESSAGE_ERROR) {
     GST_BIN_CLASS(parent_class)->handle_message(bin, message);
     return;
@@ -127,6 +133,21 @@ gst_tactile_branch_change_state(GstElement *element, GstStateChange transition)
   self->opening = FALSE;
   GST_OBJECT_UNLOCK(self);
   return ret;
+}
+
+/* Maps are not pictures: tactorsink may be at another one, and steps by time. */
+static gboolean
+gst_tactile_branch_send_event(GstElement *element, GstEvent *event)
+{
+  if (GST_EVENT_TYPE(event) == GST_EVENT_STEP) {
+    GstFormat format = GST_FORMAT_UNDEFINED;
+    gst_event_parse_step(event, &format, nullptr, nullptr, nullptr, nullptr);
+    if (format != GST_FORMAT_TIME) {
+      gst_event_unref(event);
+      return TRUE;
+    }
+  }
+  return GST_ELEMENT_CLASS(parent_class)->send_event(element, event);
 }
 
 /* What is asked of upstream (a seek, a latency, navigation) the picture asks for, too: once is enough. A demuxer that is
@@ -186,6 +207,7 @@ gst_tactile_branch_class_init(GstTactileBranchClass *klass)
 
   G_OBJECT_CLASS(klass)->dispose = gst_tactile_branch_dispose;
   element_class->change_state = GST_DEBUG_FUNCPTR(gst_tactile_branch_change_state);
+  element_class->send_event = GST_DEBUG_FUNCPTR(gst_tactile_branch_send_event);
   GST_BIN_CLASS(klass)->handle_message = GST_DEBUG_FUNCPTR(gst_tactile_branch_handle_message);
   gst_element_class_add_static_pad_template(element_class, &sink_template);
   gst_element_class_set_static_metadata(element_class, "Tactile branch", "Sink",

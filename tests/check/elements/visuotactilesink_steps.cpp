@@ -158,6 +158,95 @@ GST_START_TEST(test_upstream_hears_once)
 }
 GST_END_TEST;
 
+/// One step is one frame, and is told as any video sink tells it.
+GST_START_TEST(test_steps_once)
+{
+  register_test_sink(GST_RANK_NONE);
+  Film film;
+  for (gint64 i = 1; i <= 20; i++) {
+    gst_bus_set_flushing(film.bus, TRUE);
+    gst_bus_set_flushing(film.bus, FALSE);
+    film.step();
+    ck_assert_int_eq(film.position(), i * static_cast<gint64>(kFrame));
+    guint64 begun = 0;
+    guint64 done = 0;
+    while (GstMessage *message = gst_bus_pop(film.bus)) {
+      begun += GST_MESSAGE_TYPE(message) == GST_MESSAGE_STEP_START;
+      done += GST_MESSAGE_TYPE(message) == GST_MESSAGE_STEP_DONE;
+      gst_message_unref(message);
+    }
+    ck_assert_uint_eq(done, 1);
+    ck_assert_uint_eq(begun, 2); // asked for, and begun
+  }
+}
+GST_END_TEST;
+
+/// Frames that were stepped over are not felt; the one that is seen when the film goes on is, and all after it, when they are shown.
+GST_START_TEST(test_motors_go_on_with_the_frame_that_is_seen)
+{
+  register_test_sink(GST_RANK_NONE);
+  for (const auto &[rate, frames_per_second] : { std::pair(0, 25), { 5, 25 }, { 5, 30 } }) {
+    Film film(rate, frames_per_second);
+    // At 30 Hz the one before ends a third of a millisecond after this one has begun.
+    for (guint i = 0; i < 21; i++)
+      film.step();
+    film.play();
+    film.assert_felt_is_seen(0, 21);
+  }
+}
+GST_END_TEST;
+
+/// Likewise in the middle of the film, when maps were on their way.
+GST_START_TEST(test_motors_go_on_after_a_pause)
+{
+  register_test_sink(GST_RANK_NONE);
+  Film film;
+  film.play_until_shown(15);
+  change_state(film.pipeline, GST_STATE_PAUSED);
+  const std::size_t before = film.lines_of_trace();
+  for (guint i = 0; i < 5; i++)
+    film.step();
+  const auto seen = static_cast<guint64>(film.position()) / kFrame;
+  fail_unless(seen >= 20);
+  film.play();
+  film.assert_felt_is_seen(before, seen);
+}
+GST_END_TEST;
+
+/// When the picture has frames left and the tactors, which are ahead, have none: frames are stepped through all the same.
+GST_START_TEST(test_steps_at_the_end)
+{
+  register_test_sink(GST_RANK_NONE);
+  Film film;
+  g_autoptr(GstClock) clock = gst_test_clock_new();
+  gst_pipeline_use_clock(GST_PIPELINE(film.pipeline), clock);
+  change_state(film.pipeline, GST_STATE_PLAYING);
+  const GstClockTime latency = gst_base_sink_get_latency(GST_BASE_SINK(film.screen));
+  gst_test_clock_set_time(GST_TEST_CLOCK(clock), latency + (kFrames - 3) * kFrame);
+  const auto pass_time_until = [&](const auto &done) {
+    while (!done())
+      if (GstClockID due = gst_test_clock_process_next_clock_id(GST_TEST_CLOCK(clock)))
+        gst_clock_id_unref(due);
+      else
+        g_usleep(1000);
+  };
+  pass_time_until([&] {
+    return g_atomic_int_get(&test_video_sink(film.screen)->frames)
+           == static_cast<gint>(kFrames) - 2;
+  });
+  change_state(film.pipeline, GST_STATE_PAUSED);
+  film.step();
+  change_state(film.pipeline, GST_STATE_PLAYING);
+  gst_test_clock_advance_time(GST_TEST_CLOCK(clock), 2 * GST_SECOND);
+  pass_time_until([&] {
+    g_autoptr(GstMessage) end = gst_bus_pop_filtered(film.bus, GST_MESSAGE_EOS);
+    return end != nullptr;
+  });
+  film.finish();
+  film.trace();
+}
+GST_END_TEST;
+
 static Suite *
 visuotactilesink_steps_suite(void)
 {
@@ -165,6 +254,10 @@ visuotactilesink_steps_suite(void)
   TCase *cases = tcase_create("general");
   suite_add_tcase(suite, cases);
   tcase_add_test(cases, test_upstream_hears_once);
+  tcase_add_test(cases, test_steps_once);
+  tcase_add_test(cases, test_motors_go_on_with_the_frame_that_is_seen);
+  tcase_add_test(cases, test_motors_go_on_after_a_pause);
+  tcase_add_test(cases, test_steps_at_the_end);
   return suite;
 }
 

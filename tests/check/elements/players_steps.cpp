@@ -1,0 +1,171 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+//
+// playbin and playbin3 with visuotactilesink do what they do with GStreamer's own sink when a film is sought and stepped through:
+// as many flushes, each step a frame, and the sound where the picture is.
+#include <array>
+#include <filesystem>
+#include <fstream>
+#include <string>
+#include <vector>
+
+// After the standard library's headers: gstcheck.h defines a macro named fail.
+#include "../playing.h"
+#include "../temporary_file.h"
+
+namespace {
+
+constexpr gint64 kFrame = 40 * GST_MSECOND;
+constexpr int kSteps = 20;
+
+struct Container
+{
+  const char *suffix;
+  const char *picture;
+  const char *mux;
+  const char *sound;
+};
+
+constexpr std::array kContainers{
+  Container{ ".mkv", "jpegenc", "matroskamux", "vorbisenc" },
+  Container{ ".mp4", "x264enc key-int-max=10 ! h264parse", "mp4mux", "avenc_aac ! aacparse" },
+  Container{ ".ogg", "theoraenc keyframe-freq=10", "oggmux", "vorbisenc" },
+  Container{ ".avi", "avenc_mpeg4 gop-size=10", "avimux", "lamemp3enc ! mpegaudioparse" },
+};
+constexpr std::array kPlayers{ "playbin", "playbin3" };
+
+/// Three seconds with a tone.
+void
+make_film(const Container &container, const std::string &path)
+{
+  play_to_the_end(make_pipeline(
+      std::string("videotestsrc num-buffers=75 pattern=ball ! "
+                  "video/x-raw,format=I420,width=160,height=120,framerate=25/1 ! ")
+      + container.picture + " ! queue ! " + container.mux + " name=mux ! filesink location=" + path
+      + " audiotestsrc num-buffers=141 ! audio/x-raw,rate=48000,channels=1 ! " + container.sound
+      + " ! queue ! mux."));
+}
+
+/// What came of three seeks and of twenty steps.
+struct Outcome
+{
+  int flushes = 0; ///< begun, of the picture
+  int sought = 0;  ///< seeks that went upstream from the picture's sink
+  std::vector<gint64> player;
+  std::vector<gint64> picture;
+  std::vector<gint64> sound;
+  std::vector<int> done; ///< messages of steps that are over
+
+  bool operator==(const Outcome &) const = default;
+};
+
+GstPadProbeReturn
+count_event(GstPad *, GstPadProbeInfo *info, gpointer data)
+{
+  auto *outcome = static_cast<Outcome *>(data);
+  const GstEventType type = GST_EVENT_TYPE(info->data);
+  outcome->flushes += type == GST_EVENT_FLUSH_START;
+  outcome->sought += type == GST_EVENT_SEEK;
+  return GST_PAD_PROBE_OK;
+}
+
+gint64
+position_of(GstElement *element)
+{
+  gint64 position = -1;
+  fail_unless(gst_element_query_position(element, GST_FORMAT_TIME, &position));
+  return position;
+}
+
+GstElement *
+make_sink()
+{
+  GstElement *sink = gst_element_factory_make("fakesink", nullptr);
+  g_object_set(sink, "sync", TRUE, nullptr);
+  return sink;
+}
+
+/// The film in a pause, shown by `sink`, which is `screen` or has it.
+Outcome
+seek_and_step(const char *playbin, const std::string &film, GstElement *sink, GstElement *screen)
+{
+  Outcome outcome;
+  GstElement *player = gst_element_factory_make(playbin, nullptr);
+  fail_unless(player != nullptr);
+  GstElement *speakers = make_sink();
+  g_autofree gchar *uri = gst_filename_to_uri(film.c_str(), nullptr);
+  g_object_set(player, "uri", uri, "video-sink", sink, "audio-sink", speakers, nullptr);
+  g_autoptr(GstPad) pad = gst_element_get_static_pad(sink, "sink");
+  gst_pad_add_probe(
+      pad,
+      static_cast<GstPadProbeType>(GST_PAD_PROBE_TYPE_EVENT_BOTH | GST_PAD_PROBE_TYPE_EVENT_FLUSH),
+      count_event, &outcome, nullptr);
+  g_autoptr(GstBus) bus = gst_element_get_bus(player);
+
+  change_state(player, GST_STATE_PAUSED);
+  for (const GstClockTime place : { 1000, 500, 0 }) {
+    seek_exactly(player, 1.0, place * GST_MSECOND, GST_CLOCK_TIME_NONE);
+    change_state(player, GST_STATE_PAUSED);
+  }
+  for (int i = 0; i < kSteps; i++) {
+    fail_unless(gst_element_send_event(
+        player, gst_event_new_step(GST_FORMAT_BUFFERS, 1, 1.0, TRUE, FALSE)));
+    change_state(player, GST_STATE_PAUSED);
+    outcome.player.push_back(position_of(player));
+    outcome.picture.push_back(position_of(screen));
+    outcome.sound.push_back(position_of(speakers));
+    int done = 0;
+    for (; g_autoptr(GstMessage) message = gst_bus_pop_filtered(bus, GST_MESSAGE_STEP_DONE); done++)
+      ;
+    outcome.done.push_back(done);
+  }
+  gst_element_set_state(player, GST_STATE_NULL);
+  gst_object_unref(player);
+  return outcome;
+}
+
+} // namespace
+
+GST_START_TEST(test_as_with_gstreamers_own_sink)
+{
+  const Container &container = kContainers[static_cast<std::size_t>(__i__) % kContainers.size()];
+  const char *playbin = kPlayers[static_cast<std::size_t>(__i__) / kContainers.size()];
+  const TemporaryFile film("", container.suffix);
+  make_film(container, film.path);
+
+  GstElement *own = make_sink();
+  const Outcome expected = seek_and_step(playbin, film.path, own, own);
+  GstElement *chair = gst_element_factory_make("visuotactilesink", nullptr);
+  GstElement *screen = make_sink();
+  gst_util_set_object_arg(G_OBJECT(chair), "driver", "simulator");
+  g_object_set(chair, "video-sink", screen, nullptr);
+  const Outcome outcome = seek_and_step(playbin, film.path, chair, screen);
+
+  const std::string what = std::string(playbin) + ", " + container.suffix;
+  ck_assert_msg(outcome.flushes == expected.flushes && outcome.sought == expected.sought,
+                "%s: %d flushes of %d seeks, GStreamer's own sink: %d of %d", what.c_str(),
+                outcome.flushes, outcome.sought, expected.flushes, expected.sought);
+  for (std::size_t i = 0; i < kSteps; i++) {
+    const gint64 place = static_cast<gint64>(i + 1) * kFrame;
+    ck_assert_msg(
+        outcome.player[i] == place && outcome.picture[i] == place && outcome.sound[i] == place,
+        "%s: after %d steps the player is at %d ms, the picture at %d, the sound at %d",
+        what.c_str(), static_cast<int>(i + 1), static_cast<int>(outcome.player[i] / GST_MSECOND),
+        static_cast<int>(outcome.picture[i] / GST_MSECOND),
+        static_cast<int>(outcome.sound[i] / GST_MSECOND));
+  }
+  fail_unless(outcome == expected);
+}
+GST_END_TEST;
+
+static Suite *
+players_steps_suite(void)
+{
+  Suite *suite = suite_create("players_steps");
+  TCase *cases = tcase_create("general");
+  suite_add_tcase(suite, cases);
+  tcase_add_loop_test(cases, test_as_with_gstreamers_own_sink, 0,
+                      static_cast<int>(kContainers.size() * kPlayers.size()));
+  return suite;
+}
+
+GST_CHECK_MAIN(players_steps);
