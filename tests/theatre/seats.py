@@ -32,7 +32,7 @@ FILM = 26  # s
 SECOND = 6  # s of it are the second film
 SOON = 1.2e9  # ns after its first map a seat plays: caps come once a second
 SAME = 2e6  # ns
-CLOCK_OFF = 1e6  # ns
+CLOCK_OFF = 1e6  # ns, or what its own exchanges leave open: on a busy computer each takes longer
 # Each map is a command of its own, and no limit depends on when a seat joined.
 CHAIR = "driver=simulator ramp-in=0 max-active=0 max-duty=0 max-on-time=0"
 
@@ -134,11 +134,21 @@ def seat(arguments):
     """theatre_seat.py, that tells the time of the first map that came, and in the end by how much its clock was off the computer's, which is
     the server's."""
     import theatre
+    import theatre_clock
     import theatre_seat
     from theatre import GLib, Gst
 
     offsets = []
+    left_open = [0]  # when the clock was set: what its exchanges say that the offset is at most, less what it is at least
     play = theatre.run
+    fit = theatre_clock.Offset.fit
+
+    def fit_and_note(offset, now):
+        fit(offset, now)
+        if offset.settled:
+            left_open.append(min(most for _, most, _ in offset.exchanges) - max(least for _, _, least in offset.exchanges))
+
+    theatre_clock.Offset.fit = fit_and_note
 
     def run(pipeline):
         truth = Gst.SystemClock.obtain()
@@ -158,7 +168,7 @@ def seat(arguments):
 
         GLib.timeout_add(20, read)
         pipeline.get_by_name("depay").get_static_pad("sink").add_probe(Gst.PadProbeType.BUFFER, first)
-        return play(pipeline, lambda: print("offsets", *offsets, flush=True))
+        return play(pipeline, lambda: print("left_open", max(left_open), "\noffsets", *offsets, flush=True))
 
     theatre.run = run
     sys.argv[1:] = arguments
@@ -367,7 +377,7 @@ def main(examples, report):
         for name, process in processes:
             with open(process.log, encoding="utf-8") as log:
                 for line in log:
-                    if not line.startswith(("playing", "sent", "down", "back", "ready", "first", "offsets")):
+                    if not line.startswith(("playing", "sent", "down", "back", "ready", "first", "left_open", "offsets")):
                         print(f"{name}: {line.rstrip()}", file=sys.stderr)
 
         def time_told(process, word):
@@ -405,9 +415,10 @@ def main(examples, report):
             offsets = [abs(int(text)) / 1e6 for text in said(seats[number], "offsets").split()[1:]]
             late = sorted(command[3] / 1e6 for command in told)
             expect(len(offsets) > 50, f"seat {number}: the clock was only read {len(offsets)} times")
-            expect(max(offsets) * 1e6 < CLOCK_OFF, f"seat {number}: its clock was off by {max(offsets):.2f} ms")
+            left_open = int(said(seats[number], "left_open").split()[1])
+            expect(max(offsets) * 1e6 < max(CLOCK_OFF, left_open), f"seat {number}: its clock was off by {max(offsets):.2f} ms, its exchanges leave {left_open / 1e6:.2f} ms open")
             lines.append(
-                f"seat {number}: clock off by {statistics.median(offsets):.2f} ms (median), {max(offsets):.2f} ms (most of {len(offsets)}); "
+                f"seat {number}: clock off by {statistics.median(offsets):.2f} ms (median), {max(offsets):.2f} ms (most of {len(offsets)}), {left_open / 1e6:.2f} ms left open; "
                 f"commands {statistics.median(late):.2f} ms late (median), {late[int(len(late) * 0.95)]:.2f} ms (19 of 20)"
             )
     print("\n".join(lines))
