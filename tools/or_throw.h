@@ -6,7 +6,7 @@
 
 #include <tl/expected.hpp>
 
-/// What was read or made, or, as the exception that a program ends with, why it was not: a text, or an error that has a text().
+/// What was read or made, or, as the exception that a program ends with, why it was not: a text, or an error that has one.
 template <typename T, typename Error>
 T
 or_throw(tl::expected<T, Error> result)
@@ -15,6 +15,8 @@ or_throw(tl::expected<T, Error> result)
     return *std::move(result);
   if constexpr (requires { result.error().text(); })
     throw std::runtime_error(result.error().text());
+  else if constexpr (requires { result.error().text.size(); })
+    throw std::runtime_error(result.error().text);
   else
     throw std::runtime_error(result.error());
 }

@@ -138,22 +138,22 @@ make_device(const tactor::SerialDevice &board, const Boards &all)
 class BoardWatcher
 {
 public:
-  /// All boards that are there now are the provider's devices afterwards. Throws tactor::DriverError.
   BoardWatcher(GstDeviceProvider *provider, std::unique_ptr<tactor::SerialBus> bus)
       : provider_(provider), bus_(std::move(bus))
   {
-    bus_->watch([this] {
-      std::lock_guard lock(mutex_);
-      changed_ = true;
-      wake_.notify_one();
-    });
-    try {
-      update();
-      thread_ = std::thread([this] { run(); });
-    } catch (...) {
-      bus_->watch(nullptr);
-      throw;
-    }
+  }
+
+  /// Once. All boards that are there now are the provider's devices afterwards.
+  [[nodiscard]] tl::expected<void, tactor::DriverError> start()
+  {
+    return bus_
+        ->watch([this] {
+          std::lock_guard lock(mutex_);
+          changed_ = true;
+          wake_.notify_one();
+        })
+        .and_then([this] { return update(); })
+        .map([this] { thread_ = std::thread([this] { run(); }); });
   }
 
   ~BoardWatcher()
@@ -163,7 +163,8 @@ public:
       quit_ = true;
       wake_.notify_one();
     }
-    thread_.join();
+    if (thread_.joinable())
+      thread_.join();
     bus_->watch(nullptr);
     for (const Known &known : known_)
       gst_object_unref(known.device);
@@ -182,19 +183,20 @@ private:
         return;
       changed_ = false;
       lock.unlock();
-      try {
-        update();
-      } catch (const std::exception &e) {
-        GST_WARNING_OBJECT(provider_, "the boards cannot be listed: %s", e.what());
-      }
+      if (const auto updated = update(); !updated)
+        GST_WARNING_OBJECT(provider_, "the boards cannot be listed: %s",
+                           updated.error().text.c_str());
       lock.lock();
     }
   }
 
   /// Adds and removes devices as boards came and went, and changes those that are named otherwise since.
-  void update()
+  tl::expected<void, tactor::DriverError> update()
   {
-    const Boards boards = bus_->list();
+    const tl::expected<Boards, tactor::DriverError> listed = bus_->list();
+    if (!listed)
+      return tl::unexpected(listed.error());
+    const Boards &boards = *listed;
     std::erase_if(known_, [&](const Known &known) {
       if (std::ranges::find(boards, known.board) != boards.end())
         return false;
@@ -221,6 +223,7 @@ private:
       gst_device_provider_device_changed(provider_, device, old);
       gst_object_unref(old);
     }
+    return {};
   }
 
   /// A board that is a device now.
@@ -247,7 +250,7 @@ private:
 
 struct GstTactorDeviceProviderPrivate
 {
-  std::function<std::unique_ptr<tactor::SerialBus>()> make_bus = tactor::make_serial_bus;
+  tactor::MakeSerialBus make_bus = tactor::make_serial_bus;
   std::unique_ptr<BoardWatcher> watcher; ///< while started
 };
 
@@ -268,14 +271,16 @@ GST_DEVICE_PROVIDER_REGISTER_DEFINE(tactordeviceprovider, "tactordeviceprovider"
 static GList *
 gst_tactor_device_provider_probe(GstDeviceProvider *provider)
 {
-  GList *devices = nullptr;
-  try {
-    const Boards boards = GST_TACTOR_DEVICE_PROVIDER(provider)->priv->make_bus()->list();
-    for (const tactor::SerialDevice &board : boards)
-      devices = g_list_append(devices, make_device(board, boards));
-  } catch (const std::exception &e) {
-    GST_WARNING_OBJECT(provider, "the boards cannot be listed: %s", e.what());
+  const tl::expected<Boards, tactor::DriverError> boards
+      = GST_TACTOR_DEVICE_PROVIDER(provider)->priv->make_bus().and_then(
+          [](const std::unique_ptr<tactor::SerialBus> &bus) { return bus->list(); });
+  if (!boards) {
+    GST_WARNING_OBJECT(provider, "the boards cannot be listed: %s", boards.error().text.c_str());
+    return nullptr;
   }
+  GList *devices = nullptr;
+  for (const tactor::SerialDevice &board : *boards)
+    devices = g_list_append(devices, make_device(board, *boards));
   return devices;
 }
 
@@ -283,13 +288,16 @@ static gboolean
 gst_tactor_device_provider_start(GstDeviceProvider *provider)
 {
   GstTactorDeviceProviderPrivate *priv = GST_TACTOR_DEVICE_PROVIDER(provider)->priv;
-  try {
-    priv->watcher = std::make_unique<BoardWatcher>(provider, priv->make_bus());
+  const tl::expected<void, tactor::DriverError> started
+      = priv->make_bus().and_then([&](std::unique_ptr<tactor::SerialBus> &&bus) {
+          priv->watcher = std::make_unique<BoardWatcher>(provider, std::move(bus));
+          return priv->watcher->start();
+        });
+  if (started)
     return TRUE;
-  } catch (const std::exception &e) {
-    GST_WARNING_OBJECT(provider, "the boards cannot be watched: %s", e.what());
-    return FALSE;
-  }
+  GST_WARNING_OBJECT(provider, "the boards cannot be watched: %s", started.error().text.c_str());
+  priv->watcher.reset();
+  return FALSE;
 }
 
 static void
@@ -326,7 +334,7 @@ gst_tactor_device_provider_init(GstTactorDeviceProvider *self)
 }
 
 GstDeviceProvider *
-gst_tactor_device_provider_new(std::function<std::unique_ptr<tactor::SerialBus>()> make_bus)
+gst_tactor_device_provider_new(tactor::MakeSerialBus make_bus)
 {
   auto *self = GST_TACTOR_DEVICE_PROVIDER(g_object_new(GST_TYPE_TACTOR_DEVICE_PROVIDER, nullptr));
   self->priv->make_bus = std::move(make_bus);

@@ -5,9 +5,6 @@
 
 #include <gst/gst.h>
 
-#include <functional>
-#include <memory>
-
 G_BEGIN_DECLS
 
 #define GST_TYPE_TACTOR_DEVICE (gst_tactor_device_get_type())
@@ -23,5 +20,4 @@ GST_DEVICE_PROVIDER_REGISTER_DECLARE(tactordeviceprovider);
 G_END_DECLS
 
 /// A provider of the boards on another bus than the build's own, for tests.
-GstDeviceProvider *
-gst_tactor_device_provider_new(std::function<std::unique_ptr<tactor::SerialBus>()> make_bus);
+GstDeviceProvider *gst_tactor_device_provider_new(tactor::MakeSerialBus make_bus);

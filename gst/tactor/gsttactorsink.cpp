@@ -156,7 +156,7 @@ GstTactorSinkPrivate::device_event(const tactor::DriverEvent &event)
 void
 GstTactorSinkPrivate::device_failed(const tactor::DriverError &error)
 {
-  GST_ELEMENT_ERROR(element, RESOURCE, WRITE, ("%s", error.what()), (nullptr));
+  GST_ELEMENT_ERROR(element, RESOURCE, WRITE, ("%s", error.text.c_str()), (nullptr));
 }
 
 void
@@ -231,7 +231,7 @@ gst_tactor_sink_sync_values(GstTactorSink *self, GstClockTime pts)
     gst_object_sync_values(GST_OBJECT(self), time);
 }
 
-/// Plans what a buffer asks for and hands it to the scheduler. Throws what the library throws.
+/// Plans what a buffer asks for and hands it to the scheduler.
 static GstFlowReturn
 gst_tactor_sink_play_map(GstTactorSink *self, GstBuffer *buffer)
 {
@@ -262,13 +262,7 @@ gst_tactor_sink_render(GstBaseSink *sink, GstBuffer *buffer)
   gst_tactor_sink_sync_values(self, GST_BUFFER_PTS(buffer));
   if (self->priv->scheduler.failed())
     return GST_FLOW_ERROR; // said when it happened
-  try {
-    return gst_tactor_sink_play_map(self, buffer);
-  } catch (const std::exception &e) {
-    GST_ELEMENT_ERROR(self, STREAM, FAILED, ("A tactile map could not be played."),
-                      ("%s", e.what()));
-    return GST_FLOW_ERROR;
-  }
+  return gst_tactor_sink_play_map(self, buffer);
 }
 
 /// Waits until the last map has been shown and the motors stand, which is later than the base class does: its wait
@@ -429,28 +423,27 @@ gst_tactor_sink_open(GstTactorSink *self)
                       ("mapping cannot be read: %s.", settings.mapping_error.c_str()), (nullptr));
     return FALSE;
   }
-  try {
-    TactorOpening opened
-        = open_tactors(GST_ELEMENT(self), settings,
-                       [priv](const tactor::DriverEvent &event) { priv->device_event(event); });
-    priv->planning.start(opened.planner, opened.driver->tactors(), std::move(opened.motors));
-    GST_OBJECT_LOCK(self);
-    priv->limited = {};
-    GST_OBJECT_UNLOCK(self);
-    priv->last_lead_short.reset();
-    priv->ended = false;
-    priv->scheduler.start(std::move(opened.driver), settings.planner.volts_max,
-                          std::move(opened.trace), settings.realtime);
-    priv->scheduler.set_immediate(!gst_base_sink_get_sync(sink));
-    priv->scheduler.set_muted(settings.mute);
-    priv->scheduler.set_ramp_in(settings.ramp_in);
-    const Time early = opened.planner.max_lead + opened.latency + kWakeMargin;
-    gst_base_sink_set_render_delay(sink, static_cast<GstClockTime>(early.count()));
-    return TRUE;
-  } catch (const std::exception &error) {
-    tactor_post_open_error(GST_ELEMENT(self), error);
+  tl::expected<TactorOpening, tactor::DriverError> opened
+      = open_tactors(GST_ELEMENT(self), settings,
+                     [priv](const tactor::DriverEvent &event) { priv->device_event(event); });
+  if (!opened) {
+    tactor_post_open_error(GST_ELEMENT(self), opened.error());
     return FALSE;
   }
+  priv->planning.start(opened->planner, opened->driver->tactors(), std::move(opened->motors));
+  GST_OBJECT_LOCK(self);
+  priv->limited = {};
+  GST_OBJECT_UNLOCK(self);
+  priv->last_lead_short.reset();
+  priv->ended = false;
+  priv->scheduler.start(std::move(opened->driver), settings.planner.volts_max,
+                        std::move(opened->trace), settings.realtime);
+  priv->scheduler.set_immediate(!gst_base_sink_get_sync(sink));
+  priv->scheduler.set_muted(settings.mute);
+  priv->scheduler.set_ramp_in(settings.ramp_in);
+  const Time early = opened->planner.max_lead + opened->latency + kWakeMargin;
+  gst_base_sink_set_render_delay(sink, static_cast<GstClockTime>(early.count()));
+  return TRUE;
 }
 
 static void

@@ -40,13 +40,11 @@ post(GstElement *element, GstStructure *structure)
 } // namespace
 
 void
-tactor_post_open_error(GstElement *element, const std::exception &error)
+tactor_post_open_error(GstElement *element, const tactor::DriverError &error)
 {
-  const auto *driver_error = dynamic_cast<const tactor::DriverError *>(&error);
   gst_element_message_full(element, GST_MESSAGE_ERROR, GST_RESOURCE_ERROR,
-                           driver_error ? resource_error(driver_error->kind())
-                                        : GST_RESOURCE_ERROR_FAILED,
-                           g_strdup(error.what()), nullptr, __FILE__, G_STRFUNC, __LINE__);
+                           resource_error(error.kind), g_strdup(error.text.c_str()), nullptr,
+                           __FILE__, G_STRFUNC, __LINE__);
 }
 
 void

@@ -7,12 +7,10 @@
 
 #include <gst/gst.h>
 
-#include <exception>
-
 // What tactorsink tells on its bus, and the contents of its property `actuation-stats`. Any thread may call these.
 
 /// Why it did not open: an error message with GStreamer's code for it.
-void tactor_post_open_error(GstElement *element, const std::exception &error);
+void tactor_post_open_error(GstElement *element, const tactor::DriverError &error);
 
 /// What became of the board: a message for people, and `tactor-device-lost` or `tactor-device-found` for programs.
 void tactor_post_device_event(GstElement *element, const tactor::DriverEvent &event);

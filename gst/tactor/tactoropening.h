@@ -7,6 +7,7 @@
 #include "tactorsettings.h"
 
 #include <gst/gst.h>
+#include <tl/expected.hpp>
 
 #include <functional>
 #include <memory>
@@ -23,6 +24,7 @@ struct TactorOpening
 };
 
 /// Opens them. `notify` is told of the board on any thread of the driver's, from before this returns. Warns on the element's bus where
-/// motors are slower than max-lead. Throws tactor::DriverError, and what the trace throws.
-TactorOpening open_tactors(GstElement *element, const TactorSettings &settings,
-                           std::function<void(const tactor::DriverEvent &)> notify);
+/// motors are slower than max-lead.
+[[nodiscard]] tl::expected<TactorOpening, tactor::DriverError>
+open_tactors(GstElement *element, const TactorSettings &settings,
+             std::function<void(const tactor::DriverEvent &)> notify);

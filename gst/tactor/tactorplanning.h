@@ -29,7 +29,7 @@ public:
   /// False if these are caps of maps with a grid that cannot be.
   bool set_caps(const GstCaps *caps);
 
-  /// Plans a buffer with what is set now, but for what was agreed on. Nothing after an error message; throws what the library throws.
+  /// Plans a buffer with what is set now, but for what was agreed on. Nothing after an error message.
   std::optional<Plan> plan_map(GstBuffer *buffer, const GstSegment &segment,
                                tactor::PlannerSettings settings);
   /// Whether a buffer or a gap is one that is shown.

@@ -477,18 +477,11 @@ TactorScheduler::apply(Lock &lock, Time running, std::span<const Command> comman
     return;
 
   lock.unlock();
-  std::optional<tactor::DriverError> error;
-  try {
-    driver_->write(volts, running);
-  } catch (const tactor::DriverError &e) {
-    error = e;
-  } catch (const std::exception &e) {
-    error.emplace(tactor::DriverError::Kind::failed, e.what());
-  }
+  const tl::expected<void, tactor::DriverError> written = driver_->write(volts, running);
   lock.lock();
 
-  if (error) {
-    fail(lock, running, *error);
+  if (!written) {
+    fail(lock, running, written.error());
     return;
   }
   trace_changes(running, commands, volts);

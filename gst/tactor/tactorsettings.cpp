@@ -74,7 +74,7 @@ TactorSettings::set_mapping(const std::string &text)
 {
   tl::expected<std::vector<int>, tactor::DriverError> mapping
       = tactor::read_mapping(text, kMaxTactors);
-  mapping_error = mapping ? "" : mapping.error().what();
+  mapping_error = mapping ? "" : mapping.error().text;
   if (mapping)
     planner.mapping = std::move(*mapping);
 }

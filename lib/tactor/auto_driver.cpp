@@ -15,28 +15,29 @@ AutoDriver::~AutoDriver()
   AutoDriver::close();
 }
 
-void
+tl::expected<void, DriverError>
 AutoDriver::open(const DriverConfig &config)
 {
   close();
   chosen_ = board_.get();
-  try {
-    board_->open(config);
-  } catch (const DriverError &error) {
-    if (!config.device.empty() && error.kind() == DriverError::Kind::not_found)
-      throw DriverError(error.kind(), error.what()
-                                          + std::string("; to have predicted amplitudes written to "
-                                                        "a file, set driver=simulator"));
-    if (!config.device.empty() || error.kind() == DriverError::Kind::settings)
-      throw;
-    chosen_ = simulator_.get();
-    simulator_->open(config);
-    // What is plugged in and cannot be used may be meant, or not.
-    const bool is_there = error.kind() != DriverError::Kind::not_found;
-    if (config.notify)
-      config.notify({ is_there ? DriverEvent::Kind::warning : DriverEvent::Kind::opened,
-                      "the motors are simulated: " + std::string(error.what()) });
-  }
+  const tl::expected<void, DriverError> board = board_->open(config);
+  if (board)
+    return {};
+  const auto &[kind, why] = board.error();
+  if (!config.device.empty() && kind == DriverError::Kind::not_found)
+    return tl::unexpected(DriverError{
+        kind, why + "; to have predicted amplitudes written to a file, set driver=simulator" });
+  if (!config.device.empty() || kind == DriverError::Kind::settings)
+    return board;
+  chosen_ = simulator_.get();
+  if (tl::expected<void, DriverError> simulated = simulator_->open(config); !simulated)
+    return simulated;
+  // What is plugged in and cannot be used may be meant, or not.
+  const bool is_there = kind != DriverError::Kind::not_found;
+  if (config.notify)
+    config.notify({ is_there ? DriverEvent::Kind::warning : DriverEvent::Kind::opened,
+                    "the motors are simulated: " + why });
+  return {};
 }
 
 int
@@ -63,10 +64,10 @@ AutoDriver::refresh_interval() const
   return chosen_.load()->refresh_interval();
 }
 
-void
+tl::expected<void, DriverError>
 AutoDriver::write(std::span<const double> volts, Time now)
 {
-  chosen_.load()->write(volts, now);
+  return chosen_.load()->write(volts, now);
 }
 
 void

@@ -8,8 +8,8 @@
 
 namespace tactor {
 
-/// A board if one can be used, else a simulator; DriverEvent says which, and why. Where nothing is plugged in that knows at once. Throws
-/// what the board's driver throws if DriverConfig::device names a board, or if a board was found that does not fit the settings. Threads as
+/// A board if one can be used, else a simulator; DriverEvent says which, and why. Where nothing is plugged in that knows at once. Fails
+/// as the board's driver does if DriverConfig::device names a board, or if a board was found that does not fit the settings. Threads as
 /// every Driver.
 class AutoDriver : public Driver
 {
@@ -17,12 +17,13 @@ public:
   AutoDriver(std::unique_ptr<Driver> board, std::unique_ptr<Driver> simulator);
   ~AutoDriver() override;
 
-  void open(const DriverConfig &config) override;
+  [[nodiscard]] tl::expected<void, DriverError> open(const DriverConfig &config) override;
   int tactors() const override;
   double resolution() const override;
   Time transport_latency() const override;
   Time refresh_interval() const override;
-  void write(std::span<const double> volts, Time now) override;
+  [[nodiscard]] tl::expected<void, DriverError> write(std::span<const double> volts,
+                                                      Time now) override;
   void close() noexcept override;
   DriverStatus status() const override;
 

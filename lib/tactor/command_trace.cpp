@@ -4,9 +4,9 @@
 #include <cerrno>
 #include <charconv>
 #include <fstream>
-#include <stdexcept>
 #include <string_view>
 #include <system_error>
+#include <utility>
 
 namespace tactor {
 
@@ -60,7 +60,16 @@ parse(std::string_view line, IssuedCommand &issued)
 
 } // namespace
 
-CommandTrace::CommandTrace(const std::string &path) : csv_(path)
+tl::expected<CommandTrace, DriverError>
+CommandTrace::create(const std::string &path)
+{
+  tl::expected<CsvWriter, DriverError> csv = CsvWriter::create(path);
+  if (!csv)
+    return tl::unexpected(csv.error());
+  return CommandTrace(std::move(*csv));
+}
+
+CommandTrace::CommandTrace(CsvWriter csv) : csv_(std::move(csv))
 {
   csv_.field(kHeader).end_line();
 }
@@ -88,46 +97,41 @@ CommandTrace::failed() const
   return csv_.failed();
 }
 
-std::vector<IssuedCommand>
+tl::expected<std::vector<IssuedCommand>, std::string>
 read_command_trace(const std::string &path)
 {
   std::ifstream file(path);
   if (!file)
-    throw std::runtime_error("cannot read '" + path
-                             + "': " + std::generic_category().message(errno));
+    return tl::unexpected("cannot read '" + path + "': " + std::generic_category().message(errno));
 
   std::vector<IssuedCommand> commands;
   std::vector<char> buffer(static_cast<std::size_t>(kMaxLine));
   for (std::size_t number = 1;; number++) {
     file.getline(buffer.data(), kMaxLine);
     const std::streamsize length = file.gcount() - (file.eof() ? 0 : 1);
-    const auto fail = [&](const std::string &why) {
-      throw std::runtime_error(std::string(path)
-                                   .append(", line ")
-                                   .append(std::to_string(number))
-                                   .append(": ")
-                                   .append(why));
+    const auto failure = [&](const std::string &why) {
+      return tl::unexpected(path + ", line " + std::to_string(number) + ": " + why);
     };
     if (file.bad())
-      fail("it cannot be read further; is it a file?");
+      return failure("it cannot be read further; is it a file?");
     if (number > 1 && file.eof() && length == 0)
       return commands;
     if (file.eof())
-      fail("it ends in the middle of a line");
+      return failure("it ends in the middle of a line");
     if (!file)
-      fail("longer than a command can be");
+      return failure("longer than a command can be");
     const std::string_view line(buffer.data(), static_cast<std::size_t>(length));
     if (number == 1) {
       if (line != kHeader)
-        fail("expected the header '" + std::string(kHeader) + "'");
+        return failure("expected the header '" + std::string(kHeader) + "'");
       continue;
     }
     IssuedCommand issued;
     if (!parse(line, issued))
-      fail("expected " + std::string(kHeader) + " with due not after effect, got '"
-           + std::string(line.data()) + "'");
+      return failure("expected " + std::string(kHeader) + " with due not after effect, got '"
+                     + std::string(line.data()) + "'");
     if (commands.size() == kMaxCommands)
-      fail("more commands than the " + std::to_string(kMaxCommands) + " that are read");
+      return failure("more commands than the " + std::to_string(kMaxCommands) + " that are read");
     commands.push_back(issued);
   }
 }

@@ -23,8 +23,8 @@ struct IssuedCommand
 class CommandTrace
 {
 public:
-  /// Creates the file. Throws DriverError (settings) with its name and the reason.
-  explicit CommandTrace(const std::string &path);
+  /// Creates the file. DriverError (settings) has its name and the reason.
+  [[nodiscard]] static tl::expected<CommandTrace, DriverError> create(const std::string &path);
 
   void write(const IssuedCommand &issued);
   void flush();
@@ -32,11 +32,14 @@ public:
   bool failed() const;
 
 private:
+  explicit CommandTrace(CsvWriter csv);
+
   CsvWriter csv_;
 };
 
-/// Reads what CommandTrace wrote. Throws std::runtime_error with file, line, what was expected and what came; a file
-/// of more than 10 million commands is refused.
-std::vector<IssuedCommand> read_command_trace(const std::string &path);
+/// Reads what CommandTrace wrote, or says with file and line what was expected and what came; a file of more than 10 million commands is
+/// refused.
+[[nodiscard]] tl::expected<std::vector<IssuedCommand>, std::string>
+read_command_trace(const std::string &path);
 
 } // namespace tactor

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "tactor/csv_writer.h"
 
-#include "tactor/driver.h"
-
 #include <array>
 #include <cerrno>
 #include <charconv>
@@ -10,11 +8,18 @@
 
 namespace tactor {
 
-CsvWriter::CsvWriter(const std::string &path) : file_(std::fopen(path.c_str(), "we"))
+CsvWriter::CsvWriter(std::FILE *file) : file_(file)
 {
-  if (!file_)
-    throw DriverError(DriverError::Kind::settings,
-                      "cannot write to '" + path + "': " + std::generic_category().message(errno));
+}
+
+tl::expected<CsvWriter, DriverError>
+CsvWriter::create(const std::string &path)
+{
+  if (std::FILE *file = std::fopen(path.c_str(), "we"))
+    return CsvWriter(file);
+  return tl::unexpected(
+      DriverError{ DriverError::Kind::settings,
+                   "cannot write to '" + path + "': " + std::generic_category().message(errno) });
 }
 
 CsvWriter &

@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include "tactor/driver_error.h"
+
+#include <tl/expected.hpp>
+
 #include <cstdint>
 #include <cstdio>
 #include <memory>
@@ -13,8 +17,8 @@ namespace tactor {
 class CsvWriter
 {
 public:
-  /// Creates the file, or empties it. Throws DriverError (settings) with its name and the reason.
-  explicit CsvWriter(const std::string &path);
+  /// Creates the file, or empties it. DriverError (settings) has its name and the reason.
+  [[nodiscard]] static tl::expected<CsvWriter, DriverError> create(const std::string &path);
 
   CsvWriter &field(std::int64_t value);
   /// With three decimals.
@@ -34,6 +38,8 @@ private:
       std::fclose(file);
     }
   };
+
+  explicit CsvWriter(std::FILE *file);
 
   std::unique_ptr<std::FILE, Close> file_;
   std::string line_;

@@ -33,7 +33,7 @@ drivers()
   return all;
 }
 
-std::unique_ptr<Driver>
+tl::expected<std::unique_ptr<Driver>, DriverError>
 make_driver(std::string_view name)
 {
   std::string known;
@@ -42,8 +42,9 @@ make_driver(std::string_view name)
       return driver.create();
     known += (known.empty() ? "" : ", ") + std::string(driver.name);
   }
-  throw DriverError(DriverError::Kind::not_found,
-                    "no driver \"" + std::string(name) + "\"; known drivers: " + known);
+  return tl::unexpected(
+      DriverError{ DriverError::Kind::not_found,
+                   "no driver \"" + std::string(name) + "\"; known drivers: " + known });
 }
 
 } // namespace tactor

@@ -1,45 +1,20 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include "tactor/driver_error.h"
 #include "tactor/time.h"
+
+#include <tl/expected.hpp>
 
 #include <cstdint>
 #include <functional>
 #include <memory>
 #include <span>
-#include <stdexcept>
 #include <string>
 #include <string_view>
 #include <vector>
 
 namespace tactor {
-
-/// What went wrong with a board, in one line that says what was expected, what came and what to do.
-class DriverError : public std::runtime_error
-{
-public:
-  enum class Kind
-  {
-    not_found,  ///< no such driver or no such board
-    busy,       ///< another program has it
-    permission, ///< the user may not open it
-    settings,   ///< the configuration does not fit the board
-    lost,       ///< the board went away
-    failed,     ///< anything else
-  };
-
-  DriverError(Kind kind, const std::string &what) : std::runtime_error(what), kind_(kind)
-  {
-  }
-
-  Kind kind() const
-  {
-    return kind_;
-  }
-
-private:
-  Kind kind_;
-};
 
 /// What a driver tells by itself.
 struct DriverEvent
@@ -83,15 +58,14 @@ struct DriverStatus
 };
 
 /// A board that drives tactors. Not thread-safe: one thread at a time (the scheduler's, once it runs), but for status(). close() and the
-/// destructor leave every motor at zero. open() and write() may throw DriverError; a board that goes away and may come back is not an
-/// error of write(), but an event.
+/// destructor leave every motor at zero. A board that goes away and may come back is not an error of write(), but an event.
 class Driver
 {
 public:
   virtual ~Driver() = default;
 
   /// Opens the board; every motor is at zero afterwards.
-  virtual void open(const DriverConfig &config) = 0;
+  [[nodiscard]] virtual tl::expected<void, DriverError> open(const DriverConfig &config) = 0;
 
   /// How many tactors the open board can drive, at most `config.max_tactors`; 0 when not open.
   virtual int tactors() const = 0;
@@ -111,9 +85,11 @@ public:
 
   /// Sets all tactors at once: `volts` has 1…tactors() values of 0…full_scale_volts; tactors beyond
   /// volts.size() are at zero. `now` is the running time.
-  virtual void write(std::span<const double> volts, Time now) = 0;
+  [[nodiscard]] virtual tl::expected<void, DriverError> write(std::span<const double> volts,
+                                                              Time now)
+      = 0;
 
-  /// Motors to zero, board released. Never throws; harmless when not open.
+  /// Motors to zero, board released. Never fails; harmless when not open.
   virtual void close() noexcept = 0;
 
   /// From any thread. After close() that of the last board.
@@ -131,7 +107,7 @@ struct DriverInfo
 /// All drivers that were built, the default one first.
 const std::vector<DriverInfo> &drivers();
 
-/// A driver by name. Throws DriverError::Kind::not_found with the known names in the text.
-std::unique_ptr<Driver> make_driver(std::string_view name);
+/// A driver by name; DriverError::Kind::not_found has the known names in its text.
+[[nodiscard]] tl::expected<std::unique_ptr<Driver>, DriverError> make_driver(std::string_view name);
 
 } // namespace tactor

@@ -64,10 +64,10 @@ describe(const std::vector<SerialDevice> &devices)
 }
 
 std::string
-list(const std::vector<int> &numbers)
+numbers(const std::vector<int> &all)
 {
   std::string text;
-  for (const int number : numbers)
+  for (const int number : all)
     text += (text.empty() ? "" : ", ") + std::to_string(number);
   return text;
 }
@@ -85,8 +85,8 @@ summary(const std::vector<DriverError> &refusals)
 {
   std::string text;
   for (const DriverError &refusal : refusals)
-    text += (text.empty() ? "" : "; ") + std::string(refusal.what());
-  return { refusals.front().kind(), text };
+    text += (text.empty() ? "" : "; ") + refusal.text;
+  return { refusals.front().kind, text };
 }
 
 } // namespace
@@ -108,7 +108,7 @@ FirmataDriver::~FirmataDriver()
 
 /* ---- the scheduler's side ---- */
 
-void
+tl::expected<void, DriverError>
 FirmataDriver::open(const DriverConfig &config)
 {
   close();
@@ -122,11 +122,11 @@ FirmataDriver::open(const DriverConfig &config)
   thread_ = std::thread([this] { run(); });
   changed_.wait(lock, [this] { return is_open_ || refusal_; });
   if (is_open_)
-    return;
+    return {};
   const DriverError refusal = *refusal_;
   lock.unlock();
   close();
-  throw refusal;
+  return tl::unexpected(refusal);
 }
 
 int
@@ -156,7 +156,7 @@ FirmataDriver::refresh_interval() const
   return settings_.patience.keepalive;
 }
 
-void
+tl::expected<void, DriverError>
 FirmataDriver::write(std::span<const double> volts, Time)
 {
   std::lock_guard lock(mutex_);
@@ -167,6 +167,7 @@ FirmataDriver::write(std::span<const double> volts, Time)
   levels_set_ = steady_now();
   if (board_ && board_->set_levels(levels_, levels_set_))
     changed_.notify_all();
+  return {};
 }
 
 void
@@ -205,23 +206,17 @@ FirmataDriver::run()
   Lock lock(mutex_);
   std::unique_ptr<SerialBus> bus;
   std::unique_ptr<SerialPort> port;
-  try {
-    {
-      const Unlocked unlocked(lock);
-      bus = make_bus_();
-      bus->watch([this] {
-        std::lock_guard changed(mutex_);
-        bus_changed_ = true;
-        changed_.notify_all();
-      });
-    }
-    port = connect_first(lock, *bus);
+  const tl::expected<void, DriverError> connected
+      = watched_bus(lock)
+            .and_then([&](std::unique_ptr<SerialBus> &&watched) {
+              bus = std::move(watched);
+              return connect_first(lock, *bus);
+            })
+            .map([&](std::unique_ptr<SerialPort> &&first) { port = std::move(first); });
+  if (connected)
     is_open_ = true;
-  } catch (const DriverError &error) {
-    refusal_ = error;
-  } catch (const std::exception &error) {
-    refusal_.emplace(DriverError::Kind::failed, error.what());
-  }
+  else
+    refusal_ = connected.error();
   changed_.notify_all();
   if (port)
     realtime_.emplace(config_.realtime);
@@ -249,39 +244,65 @@ FirmataDriver::run()
   bus.reset();
 }
 
-std::unique_ptr<SerialPort>
+tl::expected<std::unique_ptr<SerialBus>, DriverError>
+FirmataDriver::watched_bus(Lock &lock)
+{
+  const Unlocked unlocked(lock);
+  tl::expected<std::unique_ptr<SerialBus>, DriverError> bus = make_bus_();
+  if (!bus)
+    return bus;
+  const tl::expected<void, DriverError> watched = (*bus)->watch([this] {
+    std::lock_guard changed(mutex_);
+    bus_changed_ = true;
+    changed_.notify_all();
+  });
+  if (!watched)
+    return tl::unexpected(watched.error());
+  return bus;
+}
+
+/// What is plugged in now.
+tl::expected<std::vector<SerialDevice>, DriverError>
+FirmataDriver::list(Lock &lock, SerialBus &bus)
+{
+  const Unlocked unlocked(lock);
+  return bus.list();
+}
+
+tl::expected<std::unique_ptr<SerialPort>, DriverError>
 FirmataDriver::connect_first(Lock &lock, SerialBus &bus)
 {
-  std::vector<SerialDevice> devices;
-  {
-    const Unlocked unlocked(lock);
-    devices = bus.list();
-  }
+  tl::expected<std::vector<SerialDevice>, DriverError> listed = list(lock, bus);
+  if (!listed)
+    return tl::unexpected(listed.error());
+  std::vector<SerialDevice> devices = std::move(*listed);
   std::vector<SerialDevice> wanted;
   for (const SerialDevice &device : devices)
     if (config_.device.empty() || device.serial == config_.device
         || device.bus_path == config_.device)
       wanted.push_back(device);
   if (wanted.empty() && config_.device.empty())
-    throw DriverError(DriverError::Kind::not_found,
-                      "no tactor board is plugged in; expected one with StandardFirmata on USB");
+    return tl::unexpected(
+        DriverError{ DriverError::Kind::not_found,
+                     "no tactor board is plugged in; expected one with StandardFirmata on USB" });
   if (wanted.empty())
-    throw DriverError(DriverError::Kind::not_found,
-                      "no tactor board '" + config_.device
-                          + "' is plugged in; expected the serial number or the bus path of one, "
-                            "and there is "
-                          + (devices.empty() ? "none" : describe(devices)));
+    return tl::unexpected(
+        DriverError{ DriverError::Kind::not_found,
+                     "no tactor board '" + config_.device
+                         + "' is plugged in; expected the serial number or the bus path of one, "
+                           "and there is "
+                         + (devices.empty() ? "none" : describe(devices)) });
 
   std::vector<DriverError> refusals;
   for (const SerialDevice &device : wanted) {
-    try {
-      std::unique_ptr<SerialPort> port = connect(lock, bus, device);
+    tl::expected<std::unique_ptr<SerialPort>, DriverError> port = connect(lock, bus, device);
+    if (port) {
       tactors_ = std::min(config_.max_tactors, static_cast<int>(status_.pins.size()));
       resolution_ = board_->resolution() * config_.full_scale_volts;
       transport_latency_ = board_->update_time();
       std::erase(devices, device);
       tell(lock, DriverEvent::Kind::opened,
-           status_.board + ": " + status_.firmware + ", tactors on pins " + list(status_.pins)
+           status_.board + ": " + status_.firmware + ", tactors on pins " + numbers(status_.pins)
                + (devices.empty() ? ""
                                   : "; another is chosen by device=SERIAL or device=BUS-PATH: "
                                         + describe(devices)));
@@ -291,13 +312,12 @@ FirmataDriver::connect_first(Lock &lock, SerialBus &bus)
                  + " has no watchdog: motors run on if this computer hangs or the player is "
                    "killed; the seat firmware has one (docs/hardware)");
       return port;
-    } catch (const DriverError &refusal) {
-      if (quit_)
-        throw;
-      refusals.push_back(refusal);
     }
+    if (quit_)
+      return port;
+    refusals.push_back(port.error());
   }
-  throw summary(refusals);
+  return tl::unexpected(summary(refusals));
 }
 
 /// Waits until it is worth while and looks for the board that was lost. Null if it is not there yet.
@@ -308,26 +328,19 @@ FirmataDriver::connect_again(Lock &lock, SerialBus &bus)
   if (quit_)
     return nullptr;
   bus_changed_ = false;
-  try {
-    std::vector<SerialDevice> devices;
-    {
-      const Unlocked unlocked(lock);
-      devices = bus.list();
-    }
-    std::erase_if(devices,
-                  [this](const SerialDevice &device) { return !is_same_board(device, device_); });
-    if (devices.empty())
-      return nullptr;
-    // Of clones with one number, that in the same socket.
-    const auto same = std::ranges::find(devices, device_.bus_path, &SerialDevice::bus_path);
-    return connect(lock, bus, same != devices.end() ? *same : devices.front());
-  } catch (const std::exception &) {
-    return nullptr; // as when it is plugged in but says nothing yet
-  }
+  std::vector<SerialDevice> devices = list(lock, bus).value_or(std::vector<SerialDevice>());
+  std::erase_if(devices,
+                [this](const SerialDevice &device) { return !is_same_board(device, device_); });
+  if (devices.empty())
+    return nullptr;
+  // Of clones with one number, that in the same socket.
+  const auto same = std::ranges::find(devices, device_.bus_path, &SerialDevice::bus_path);
+  // A refusal is as when it is plugged in but says nothing yet.
+  return connect(lock, bus, same != devices.end() ? *same : devices.front()).value_or(nullptr);
 }
 
-/// Opens a device, asks what it is and gives it the levels. Throws DriverError.
-std::unique_ptr<SerialPort>
+/// Opens a device, asks what it is and gives it the levels.
+tl::expected<std::unique_ptr<SerialPort>, DriverError>
 FirmataDriver::connect(Lock &lock, SerialBus &bus, const SerialDevice &device)
 {
   SerialPort::Events events;
@@ -351,15 +364,16 @@ FirmataDriver::connect(Lock &lock, SerialBus &bus, const SerialDevice &device)
 
   lost_.reset();
   board_.emplace(steady_now(), settings_.patience);
-  std::unique_ptr<SerialPort> port;
-  try {
+  tl::expected<std::unique_ptr<SerialPort>, DriverError> port;
+  {
     const Unlocked unlocked(lock);
     port = bus.open(device, std::move(events));
-  } catch (...) {
-    board_.reset();
-    throw;
   }
-  converse(lock, *port, &FirmataDriver::has_answered);
+  if (!port) {
+    board_.reset();
+    return port;
+  }
+  converse(lock, **port, &FirmataDriver::has_answered);
 
   const std::vector<int> pins = board_->pins();
   const auto count = static_cast<int>(pins.size());
@@ -367,22 +381,22 @@ FirmataDriver::connect(Lock &lock, SerialBus &bus, const SerialDevice &device)
   using Kind = DriverError::Kind;
   std::optional<DriverError> refusal;
   if (quit_)
-    refusal.emplace(Kind::failed, "closed while it was being opened");
+    refusal = { Kind::failed, "closed while it was being opened" };
   else if (lost_)
-    refusal.emplace(Kind::failed, describe(device) + ": " + *lost_);
+    refusal = { Kind::failed, describe(device) + ": " + *lost_ };
   else if (count < needed)
-    refusal.emplace(Kind::settings, describe(device) + " has " + std::to_string(count)
-                                        + " pins with pulse-width modulation (" + list(pins)
-                                        + "), but " + std::to_string(needed)
-                                        + " tactors are wanted; set mapping to tactors below "
-                                        + std::to_string(count) + ", or take a board with more");
+    refusal = { Kind::settings, describe(device) + " has " + std::to_string(count)
+                                    + " pins with pulse-width modulation (" + numbers(pins)
+                                    + "), but " + std::to_string(needed)
+                                    + " tactors are wanted; set mapping to tactors below "
+                                    + std::to_string(count) + ", or take a board with more" };
   else if (firmware_ == Firmware::with_watchdog && !board_->has_watchdog())
-    refusal.emplace(Kind::settings, describe(device) + ": expected the seat firmware, got "
-                                        + board_->firmware()
-                                        + "; flash it (docs/hardware), or use driver=firmata");
+    refusal = { Kind::settings, describe(device) + ": expected the seat firmware, got "
+                                    + board_->firmware()
+                                    + "; flash it (docs/hardware), or use driver=firmata" };
   if (refusal) {
-    release(lock, std::move(port));
-    throw *refusal;
+    release(lock, std::move(*port));
+    return tl::unexpected(*refusal);
   }
 
   device_ = device;

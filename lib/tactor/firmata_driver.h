@@ -7,7 +7,6 @@
 #include "tactor/serial_port.h"
 
 #include <condition_variable>
-#include <functional>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -25,7 +24,7 @@ namespace tactor {
 /// serial number, or the same socket where there is none.
 ///
 /// One thread of its own has bus, port and reconnection; write() leaves the levels there and never waits. close() may be called
-/// by another thread while open() waits, which then throws.
+/// by another thread while open() waits, which then fails.
 class FirmataDriver : public Driver
 {
 public:
@@ -41,18 +40,19 @@ public:
     Time look_again = std::chrono::seconds(1);
   };
 
-  using MakeBus = std::function<std::unique_ptr<SerialBus>()>;
+  using MakeBus = MakeSerialBus;
 
   explicit FirmataDriver(Firmware firmware, MakeBus make_bus = make_serial_bus);
   FirmataDriver(Firmware firmware, MakeBus make_bus, Settings settings);
   ~FirmataDriver() override;
 
-  void open(const DriverConfig &config) override;
+  [[nodiscard]] tl::expected<void, DriverError> open(const DriverConfig &config) override;
   int tactors() const override;
   double resolution() const override;
   Time transport_latency() const override;
   Time refresh_interval() const override;
-  void write(std::span<const double> volts, Time now) override;
+  [[nodiscard]] tl::expected<void, DriverError> write(std::span<const double> volts,
+                                                      Time now) override;
   void close() noexcept override;
   DriverStatus status() const override;
 
@@ -61,9 +61,12 @@ private:
 
   // These run on the driver's thread. Those with a lock give it up while they wait, and while bus, port or listener are at work.
   void run();
-  std::unique_ptr<SerialPort> connect_first(Lock &lock, SerialBus &bus);
+  tl::expected<std::unique_ptr<SerialBus>, DriverError> watched_bus(Lock &lock);
+  tl::expected<std::vector<SerialDevice>, DriverError> list(Lock &lock, SerialBus &bus);
+  tl::expected<std::unique_ptr<SerialPort>, DriverError> connect_first(Lock &lock, SerialBus &bus);
   std::unique_ptr<SerialPort> connect_again(Lock &lock, SerialBus &bus);
-  std::unique_ptr<SerialPort> connect(Lock &lock, SerialBus &bus, const SerialDevice &device);
+  tl::expected<std::unique_ptr<SerialPort>, DriverError> connect(Lock &lock, SerialBus &bus,
+                                                                 const SerialDevice &device);
   void converse(Lock &lock, SerialPort &port, bool (FirmataDriver::*is_done)() const);
   void release(Lock &lock, std::unique_ptr<SerialPort> port);
   void tell(Lock &lock, DriverEvent::Kind kind, const std::string &text);
@@ -85,7 +88,7 @@ private:
   bool is_open_ = false;
   bool quit_ = false;
   bool bus_changed_ = false;
-  std::optional<DriverError> refusal_; ///< why open() throws
+  std::optional<DriverError> refusal_; ///< why open() fails
   std::optional<std::string> lost_;    ///< why the port is of no use any more
   std::optional<FirmataBoard> board_;  ///< at the other end of the port, while there is one
   SerialDevice device_;                ///< the last one that was taken

@@ -33,11 +33,11 @@ read_mapping(std::string_view text, int tactors)
     const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), tactor);
     if (error != std::errc() || end != word.data() + word.size() || tactor < -1
         || tactor >= tactors)
-      return tl::unexpected(DriverError(
+      return tl::unexpected(DriverError{
           DriverError::Kind::settings,
           "number " + std::to_string(mapping.size() + 1) + " is '" + std::string(word)
               + "'; expected a tactor for each cell, row by row, from 0 to "
-              + std::to_string(tactors - 1) + ", or -1 for none, with commas, as in 2,1,0"));
+              + std::to_string(tactors - 1) + ", or -1 for none, with commas, as in 2,1,0" });
     mapping.push_back(tactor);
     if (comma == std::string_view::npos)
       break;

@@ -3,20 +3,19 @@
 
 #ifdef HAVE_LIBUSB
 #include "tactor/usb/usb_serial_bus.h"
-#else
-#include "tactor/driver.h"
 #endif
 
 namespace tactor {
 
-std::unique_ptr<SerialBus>
+tl::expected<std::unique_ptr<SerialBus>, DriverError>
 make_serial_bus()
 {
 #ifdef HAVE_LIBUSB
   return std::make_unique<UsbSerialBus>();
 #else
-  throw DriverError(DriverError::Kind::not_found,
-                    "no tactor board can be used: this was built without USB (meson option usb, libusb-1.0)");
+  return tl::unexpected(DriverError{
+      DriverError::Kind::not_found,
+      "no tactor board can be used: this was built without USB (meson option usb, libusb-1.0)" });
 #endif
 }
 

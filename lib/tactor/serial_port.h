@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include "tactor/driver_error.h"
+
+#include <tl/expected.hpp>
+
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -57,19 +61,22 @@ class SerialBus
 public:
   virtual ~SerialBus() = default;
 
-  /// What is plugged in now, in a stable order. Throws DriverError (failed) if the bus itself cannot be used.
-  virtual std::vector<SerialDevice> list() = 0;
+  /// What is plugged in now, in a stable order. DriverError (failed) if the bus itself cannot be used.
+  [[nodiscard]] virtual tl::expected<std::vector<SerialDevice>, DriverError> list() = 0;
 
-  /// Opens one. Throws DriverError: not_found, busy, permission (the text names the udev rule and the command that installs it), failed.
-  virtual std::unique_ptr<SerialPort> open(const SerialDevice &device, SerialPort::Events events)
-      = 0;
+  /// Opens one. DriverError: not_found, busy, permission (the text names the udev rule and the command that installs it), failed.
+  [[nodiscard]] virtual tl::expected<std::unique_ptr<SerialPort>, DriverError>
+  open(const SerialDevice &device, SerialPort::Events events) = 0;
 
   /// From now on `changed` is called after something was plugged in or out, from any thread; nullptr: no more, and none is being called
-  /// after this returns. Works also where no udevd runs.
-  virtual void watch(std::function<void()> changed) = 0;
+  /// after this returns. Works also where no udevd runs. DriverError (failed) if the bus itself cannot be used; never of nullptr.
+  virtual tl::expected<void, DriverError> watch(std::function<void()> changed) = 0;
 };
 
-/// The bus that this build has. Throws DriverError: not_found if it has none, failed if it cannot be used.
-std::unique_ptr<SerialBus> make_serial_bus();
+/// The bus that this build has; DriverError (not_found) if it has none.
+[[nodiscard]] tl::expected<std::unique_ptr<SerialBus>, DriverError> make_serial_bus();
+
+/// Where a bus comes from: make_serial_bus(), or a test.
+using MakeSerialBus = std::function<tl::expected<std::unique_ptr<SerialBus>, DriverError>()>;
 
 } // namespace tactor

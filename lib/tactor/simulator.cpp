@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <string>
+#include <utility>
 
 namespace tactor {
 
@@ -14,16 +15,22 @@ constexpr std::size_t kFewestColumns = 9;
 
 } // namespace
 
-void
+tl::expected<void, DriverError>
 Simulator::open(const DriverConfig &config)
 {
   close();
   if (config.max_tactors < 1 || config.max_tactors > 4096)
-    throw DriverError(DriverError::Kind::settings,
-                      "a chair has 1 to 4096 tactors, not " + std::to_string(config.max_tactors));
-  if (!config.device.empty())
-    csv_.emplace(config.device);
+    return tl::unexpected(
+        DriverError{ DriverError::Kind::settings,
+                     "a chair has 1 to 4096 tactors, not " + std::to_string(config.max_tactors) });
+  if (!config.device.empty()) {
+    tl::expected<CsvWriter, DriverError> csv = CsvWriter::create(config.device);
+    if (!csv)
+      return tl::unexpected(csv.error());
+    csv_ = std::move(*csv);
+  }
   tactors_ = config.max_tactors;
+  return {};
 }
 
 int
@@ -44,7 +51,7 @@ Simulator::transport_latency() const
   return Time(0);
 }
 
-void
+tl::expected<void, DriverError>
 Simulator::write(std::span<const double> volts, Time now)
 {
   if (last_write_ && now < *last_write_) {
@@ -65,9 +72,10 @@ Simulator::write(std::span<const double> volts, Time now)
   if (csv_) {
     record(now);
     if (csv_->failed())
-      throw DriverError(DriverError::Kind::failed,
-                        "cannot write the predicted amplitudes: is the disk full?");
+      return tl::unexpected(DriverError{
+          DriverError::Kind::failed, "cannot write the predicted amplitudes: is the disk full?" });
   }
+  return {};
 }
 
 void

@@ -18,11 +18,12 @@ namespace tactor {
 class Simulator : public Driver
 {
 public:
-  void open(const DriverConfig &config) override;
+  [[nodiscard]] tl::expected<void, DriverError> open(const DriverConfig &config) override;
   int tactors() const override;
   double resolution() const override;
   Time transport_latency() const override;
-  void write(std::span<const double> volts, Time now) override;
+  [[nodiscard]] tl::expected<void, DriverError> write(std::span<const double> volts,
+                                                      Time now) override;
   void close() noexcept override;
   DriverStatus status() const override;
 

@@ -32,11 +32,14 @@ public:
   {
     close();
   }
-  void open(const tactor::DriverConfig &config) override
+  tl::expected<void, tactor::DriverError> open(const tactor::DriverConfig &config) override
   {
-    driver_->open(config);
-    is_open_ = true;
-    witness().opened();
+    tl::expected<void, tactor::DriverError> opened = driver_->open(config);
+    if (opened) {
+      is_open_ = true;
+      witness().opened();
+    }
+    return opened;
   }
   int tactors() const override
   {
@@ -54,10 +57,12 @@ public:
   {
     return driver_->refresh_interval();
   }
-  void write(std::span<const double> volts, Time now) override
+  tl::expected<void, tactor::DriverError> write(std::span<const double> volts, Time now) override
   {
-    driver_->write(volts, now);
-    witness().wrote(volts, now);
+    tl::expected<void, tactor::DriverError> written = driver_->write(volts, now);
+    if (written)
+      witness().wrote(volts, now);
+    return written;
   }
   void close() noexcept override
   {
@@ -148,16 +153,17 @@ drivers()
   return all;
 }
 
-std::unique_ptr<Driver>
+tl::expected<std::unique_ptr<Driver>, DriverError>
 make_driver(std::string_view name)
 {
   const auto driver = std::ranges::find(drivers(), name, &DriverInfo::name);
   if (driver == drivers().end())
-    throw DriverError(DriverError::Kind::not_found, "no driver \"" + std::string(name) + "\"");
+    return tl::unexpected(
+        DriverError{ DriverError::Kind::not_found, "no driver \"" + std::string(name) + "\"" });
   return driver->create();
 }
 
-std::unique_ptr<SerialBus>
+tl::expected<std::unique_ptr<SerialBus>, DriverError>
 make_serial_bus()
 {
   return std::make_unique<MemoryBus>(witness().sockets);

@@ -3,6 +3,7 @@
 // What a chair was told, made up by a fuzzer: commands that are read can be written and read again as the same, and have voltages and
 // times that can be reckoned with. What is not read is refused with a std::runtime_error. Anything else ends the process.
 #include "tactor/command_trace.h"
+#include "../../tools/or_throw.h"
 
 #include "fuzz.h"
 
@@ -15,10 +16,10 @@ namespace {
 void
 check(const std::string &path)
 {
-  const std::vector<IssuedCommand> commands = read_command_trace(path);
+  const std::vector<IssuedCommand> commands = or_throw(read_command_trace(path));
   const std::string name = "/dev/shm/trace-fuzz-" + std::to_string(getpid());
   {
-    CommandTrace trace(name);
+    CommandTrace trace = or_throw(CommandTrace::create(name));
     for (const IssuedCommand &issued : commands) {
       expect(issued.command.tactor >= 0 && issued.command.tactor < 4096);
       expect(issued.command.volts >= 0 && issued.command.volts <= 1000);
@@ -28,7 +29,7 @@ check(const std::string &path)
     trace.flush();
     expect(!trace.failed());
   }
-  const std::vector<IssuedCommand> again = read_command_trace(name);
+  const std::vector<IssuedCommand> again = or_throw(read_command_trace(name));
   unlink(name.c_str());
   expect(again.size() == commands.size());
   for (std::size_t i = 0; i < again.size(); i++)

@@ -4,6 +4,7 @@
 // simulated motor per tactor with the commands as they were issued, and prints how far from its
 // frame each rising command reached 90 % of its level, as a histogram. Usage: rise_timing
 // commands.csv ...
+#include "../../tools/or_throw.h"
 #include "tactor/command_trace.h"
 #include "tactor/motor_model.h"
 
@@ -44,7 +45,7 @@ arrival_ms(const tactor::MotorModel &motor, const IssuedCommand &command, Time u
 void
 judge(const char *path)
 {
-  const std::vector<IssuedCommand> trace = tactor::read_command_trace(path);
+  const std::vector<IssuedCommand> trace = or_throw(tactor::read_command_trace(path));
   std::map<int, tactor::MotorModel> motors;
   std::vector<double> arrivals;
   int overtaken = 0;

@@ -4,6 +4,7 @@
 // in its pipeline. It reads them in tactorsink's trace.
 #include "tactor/calibration/calibration.h"
 #include "tactor/calibration/simulated_sensor.h"
+#include "tools/or_throw.h"
 
 #include <gst/base/base.h>
 #include <gst/gst.h>
@@ -62,7 +63,7 @@ commands_so_far(GstElement *self)
   gst_object_unref(tactors);
   gst_object_unref(pipeline);
   std::fflush(nullptr); // the trace is a stream of this very process
-  return tactor::read_command_trace(path);
+  return or_throw(tactor::read_command_trace(path));
 }
 
 static GstFlowReturn

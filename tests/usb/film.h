@@ -4,6 +4,7 @@
 #include "emulated_board.h"
 
 #include "tactor/command_trace.h"
+#include "tools/or_throw.h"
 
 #include <cmath>
 #include <map>
@@ -118,7 +119,7 @@ public:
   /// After the film: what was handed to the driver.
   std::vector<tactor::IssuedCommand> trace() const
   {
-    return tactor::read_command_trace(trace_path_);
+    return or_throw(tactor::read_command_trace(trace_path_));
   }
 
   /// When what has running time 0 is due, on the steady clock. While it plays.

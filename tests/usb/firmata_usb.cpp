@@ -11,6 +11,7 @@
 #include <random>
 #include <string>
 
+#include "tests/check/unwrap.h"
 #include <gst/check/gstcheck.h>
 
 using namespace std::chrono_literals;
@@ -35,7 +36,7 @@ struct Rig
   bool obeys()
   {
     const std::vector<double> volts{ 3.0, 1.5, 0.75 };
-    driver.write(volts, 0s);
+    unwrap(driver.write(volts, 0s));
     return board.wait_until([&] {
       for (int i = 0; i < 3; i++)
         if (firmware->duty(2 + i) != std::lround(volts[static_cast<std::size_t>(i)] / 3.0 * 255))
@@ -81,7 +82,7 @@ GST_START_TEST(test_garbled_replies)
               = static_cast<std::uint8_t>(0x80 + random() % 0x70);
         }
       });
-      rig.driver.open({});
+      unwrap(rig.driver.open({}));
       fail_unless(rig.driver.status().pins == kPins);
       fail_unless(rig.driver.status().firmware == "StandardFirmata.ino 2.5");
       fail_unless(rig.obeys());
@@ -99,7 +100,7 @@ GST_START_TEST(test_replies_in_short_packets)
   for (const Transport transport : kTransports) {
     Rig rig(transport);
     rig.board.fill_packets(1);
-    rig.driver.open({});
+    unwrap(rig.driver.open({}));
     fail_unless(rig.driver.status().pins == kPins);
     fail_unless(rig.obeys());
   }
@@ -117,13 +118,8 @@ GST_START_TEST(test_replies_always_cut_short)
         if (!knows_firmware || (reply.size() > 1 && reply[1] == kCapabilities))
           reply.resize(reply.size() / 2);
       });
-      std::string why;
-      try {
-        rig.driver.open({});
-      } catch (const DriverError &error) {
-        why = error.what();
-        fail_unless(error.kind() == DriverError::Kind::failed);
-      }
+      const auto &[kind, why] = refusal_of(rig.driver.open({}));
+      fail_unless(kind == DriverError::Kind::failed);
       fail_unless(why.find(knows_firmware ? "does not say what its pins can do" : "is not Firmata")
                       != std::string::npos,
                   "%s", why.c_str());
@@ -138,7 +134,7 @@ GST_START_TEST(test_noise_while_playing)
 {
   for (const Transport transport : kTransports) {
     Rig rig(transport);
-    rig.driver.open({});
+    unwrap(rig.driver.open({}));
     std::mt19937 random(9);
     for (int i = 0; i < 200; i++) {
       Bytes noise(random() % 100);

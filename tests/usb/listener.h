@@ -14,6 +14,7 @@
 #include <string>
 #include <vector>
 
+#include "tests/check/unwrap.h"
 #include <gst/check/gstcheck.h>
 
 namespace usb_test {
@@ -129,9 +130,9 @@ random_bytes(std::mt19937 &random, std::size_t size)
 inline std::unique_ptr<tactor::SerialPort>
 open_only(tactor::UsbSerialBus &bus, Listener &listener)
 {
-  const std::vector<tactor::SerialDevice> devices = bus.list();
+  const std::vector<tactor::SerialDevice> devices = unwrap(bus.list());
   fail_unless_equals_int(devices.size(), 1);
-  return bus.open(devices[0], listener.events());
+  return unwrap(bus.open(devices[0], listener.events()));
 }
 
 } // namespace usb_test

@@ -102,7 +102,8 @@ run_analyse(int argc, char **argv)
   if (single) {
     tactor::Recording sound = read_recording(recording.text());
     sound.start += tactor::Time(static_cast<gint64>(offset_ms * 1e6));
-    const std::vector<tactor::IssuedCommand> trace = tactor::read_command_trace(commands.text());
+    const std::vector<tactor::IssuedCommand> trace
+        = or_throw(tactor::read_command_trace(commands.text()));
     int tactors = 1;
     for (const tactor::IssuedCommand &issued : trace)
       tactors = std::max(tactors, issued.command.tactor + 1);

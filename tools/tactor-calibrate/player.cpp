@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "player.h"
 
+#include "../or_throw.h"
 #include "audio_file.h"
 
 #include <gst/app/app.h>
@@ -186,8 +187,8 @@ play(const std::vector<Frame> &frames, const PlayerSettings &settings,
         if (simulated) {
           gst_element_set_state(tactors.get(), GST_STATE_PAUSED); // the trace is whole then
           push_recording(element(pipeline, "microphone").get(),
-                         hear(tactor::read_command_trace(trace_file.path()), settings.motors,
-                              settings.sensor, end + kTail));
+                         hear(or_throw(tactor::read_command_trace(trace_file.path())),
+                              settings.motors, settings.sensor, end + kTail));
         }
       }
       over = message && GST_MESSAGE_TYPE(message) == GST_MESSAGE_EOS;
@@ -208,6 +209,6 @@ play(const std::vector<Frame> &frames, const PlayerSettings &settings,
       played.recording.start -= latency;
     }
   }
-  played.trace = tactor::read_command_trace(trace_file.path());
+  played.trace = or_throw(tactor::read_command_trace(trace_file.path()));
   return played;
 }

@@ -2,6 +2,7 @@
 #include "session.h"
 #include "../or_throw.h"
 
+#include "../or_throw.h"
 #include "audio_file.h"
 #include "tactor/calibration/alignment.h"
 #include "tactor/calibration/median.h"
@@ -204,7 +205,7 @@ Session::keep(int run, const Played &played) const
     write_recording(played.recording, file(run, ".wav"));
   const fs::path part = file(run, ".csv.part");
   {
-    tactor::CommandTrace trace(part);
+    tactor::CommandTrace trace = or_throw(tactor::CommandTrace::create(part));
     for (const tactor::IssuedCommand &issued : played.trace)
       trace.write(issued);
     trace.flush();
@@ -223,7 +224,7 @@ Session::measure(tactor::Band band) const
       continue;
     // Our own recordings are floats; what a telephone made has another ending.
     const fs::path recording = recording_of(run);
-    add(heard, read_recording(recording), tactor::read_command_trace(file(run, ".csv")),
+    add(heard, read_recording(recording), or_throw(tactor::read_command_trace(file(run, ".csv"))),
         recording.extension() != ".wav" || sensor_.empty(), band);
   }
   if (heard.runs.empty())

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "tactor/usb/enumeration.h"
 
-#include "tactor/driver.h"
 #include "tactor/usb/cdc_acm.h"
 #include "tactor/usb/ch340.h"
 #include "tactor/usb/ftdi.h"
@@ -18,7 +17,7 @@ namespace tactor {
 
 namespace {
 
-constexpr std::size_t kMostPorts = 7;         // USB 3.2, 8.9: tiers of hubs
+constexpr std::size_t kMostPorts = 7;     // USB 3.2, 8.9: tiers of hubs
 constexpr std::size_t kLongestText = 378; // 126 × 3 bytes in UTF-8 of the longest string descriptor
 
 using Place = std::pair<std::uint8_t, std::vector<std::uint8_t>>; ///< bus and ports
@@ -53,6 +52,14 @@ attribute(const std::string &bus_path, const char *name)
   return legible({ text.data(), static_cast<std::size_t>(file.gcount()) });
 }
 
+tl::unexpected<DriverError>
+failure(const char *what, int error)
+{
+  return tl::unexpected(
+      DriverError{ DriverError::Kind::failed,
+                   what + std::string(libusb_strerror(static_cast<libusb_error>(error))) });
+}
+
 std::optional<SerialLine>
 serial_line(libusb_device *device, const libusb_device_descriptor &descriptor)
 {
@@ -69,28 +76,22 @@ serial_line(libusb_device *device, const libusb_device_descriptor &descriptor)
 
 } // namespace
 
-UsbContext::UsbContext()
+tl::expected<UsbContext, DriverError>
+UsbContext::create()
 {
-  if (const int error = libusb_init(&context_); error != LIBUSB_SUCCESS)
-    throw DriverError(DriverError::Kind::failed,
-                      std::string("USB cannot be used: ")
-                          + libusb_strerror(static_cast<libusb_error>(error)));
+  libusb_context *context = nullptr;
+  if (const int error = libusb_init(&context); error != LIBUSB_SUCCESS)
+    return failure("USB cannot be used: ", error);
+  return UsbContext(context);
 }
 
-UsbContext::~UsbContext()
-{
-  libusb_exit(context_);
-}
-
-std::vector<UsbSerialDevice>
+tl::expected<std::vector<UsbSerialDevice>, DriverError>
 find_serial_devices(const UsbContext &context)
 {
   libusb_device **all = nullptr;
   const ssize_t count = libusb_get_device_list(context.get(), &all);
   if (count < 0)
-    throw DriverError(DriverError::Kind::failed,
-                      std::string("USB devices cannot be listed: ")
-                          + libusb_strerror(static_cast<libusb_error>(count)));
+    return failure("USB devices cannot be listed: ", static_cast<int>(count));
   std::vector<std::unique_ptr<libusb_device, DeviceUnref>> devices(all, all + count);
   libusb_free_device_list(all, 0);
 

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include "tactor/driver_error.h"
 #include "tactor/serial_port.h"
 #include "tactor/usb/serial_line.h"
 
 #include <libusb.h>
+#include <tl/expected.hpp>
 
 #include <cstdint>
 #include <memory>
@@ -17,19 +19,28 @@ namespace tactor {
 class UsbContext
 {
 public:
-  /// Throws DriverError (failed).
-  UsbContext();
-  ~UsbContext();
-  UsbContext(const UsbContext &) = delete;
-  UsbContext &operator=(const UsbContext &) = delete;
+  /// DriverError (failed) if USB cannot be used.
+  [[nodiscard]] static tl::expected<UsbContext, DriverError> create();
 
   libusb_context *get() const
   {
-    return context_;
+    return context_.get();
   }
 
 private:
-  libusb_context *context_ = nullptr;
+  struct Exit
+  {
+    void operator()(libusb_context *context) const
+    {
+      libusb_exit(context);
+    }
+  };
+
+  explicit UsbContext(libusb_context *context) : context_(context)
+  {
+  }
+
+  std::unique_ptr<libusb_context, Exit> context_;
 };
 
 struct DeviceUnref
@@ -51,7 +62,8 @@ struct UsbSerialDevice
 
 /// Every serial line that is plugged in, by bus and ports. Nothing is opened and no board is disturbed: descriptors and strings are those
 /// that the kernel has read (/sys/bus/usb/devices); where there is no sysfs, serial number and name are left empty.
-/// Throws DriverError (failed). The result must not outlive the context.
-std::vector<UsbSerialDevice> find_serial_devices(const UsbContext &context);
+/// DriverError (failed) if they cannot be listed. The result must not outlive the context.
+[[nodiscard]] tl::expected<std::vector<UsbSerialDevice>, DriverError>
+find_serial_devices(const UsbContext &context);
 
 } // namespace tactor

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "tactor/usb/usb_serial_bus.h"
 
-#include "tactor/driver.h"
 #include "tactor/usb/enumeration.h"
 #include "tactor/usb/usb_serial_port.h"
 
@@ -16,8 +15,24 @@ namespace tactor {
 class UsbSerialBus::Watch
 {
 public:
-  Watch(std::function<void()> changed, std::chrono::milliseconds look)
-      : changed_(std::move(changed)), look_(look)
+  static tl::expected<std::unique_ptr<Watch>, DriverError> create(std::function<void()> changed,
+                                                                  std::chrono::milliseconds look)
+  {
+    tl::expected<UsbContext, DriverError> context = UsbContext::create();
+    if (!context)
+      return tl::unexpected(context.error());
+    auto watch = std::make_unique<Watch>(std::move(*context), std::move(changed), look);
+    tl::expected<Seen, DriverError> seen = look_now();
+    if (!seen)
+      return tl::unexpected(seen.error());
+    watch->seen_ = std::move(*seen);
+    watch->thread_ = std::thread(&Watch::run, watch.get());
+    return watch;
+  }
+
+  /// For create().
+  Watch(UsbContext context, std::function<void()> changed, std::chrono::milliseconds look)
+      : context_(std::move(context)), changed_(std::move(changed)), look_(look)
   {
     if (libusb_has_capability(LIBUSB_CAP_HAS_HOTPLUG))
       libusb_hotplug_register_callback(
@@ -27,12 +42,12 @@ public:
             return 0; // the thread is awake, which is enough
           },
           nullptr, nullptr);
-    seen_ = look_now();
-    thread_ = std::thread(&Watch::run, this);
   }
 
   ~Watch()
   {
+    if (!thread_.joinable())
+      return;
     stop_ = true;
     libusb_interrupt_event_handler(context_.get());
     thread_.join();
@@ -42,11 +57,16 @@ private:
   /// With its address: a board that comes back to the same place is another one.
   using Seen = std::vector<std::pair<SerialDevice, std::uint8_t>>;
 
-  static Seen look_now()
+  static tl::expected<Seen, DriverError> look_now()
   {
-    const UsbContext context;
+    const tl::expected<UsbContext, DriverError> context = UsbContext::create();
+    if (!context)
+      return tl::unexpected(context.error());
+    tl::expected<std::vector<UsbSerialDevice>, DriverError> devices = find_serial_devices(*context);
+    if (!devices)
+      return tl::unexpected(devices.error());
     Seen seen;
-    for (UsbSerialDevice &found : find_serial_devices(context))
+    for (UsbSerialDevice &found : *devices)
       seen.emplace_back(std::move(found.device), found.address);
     return seen;
   }
@@ -59,13 +79,10 @@ private:
         std::this_thread::sleep_for(look_);
       if (stop_)
         return;
-      try {
-        if (Seen now = look_now(); now != seen_) {
-          seen_ = std::move(now);
-          changed_();
-        }
-      } catch (const DriverError &) {
-        // Not now; there is another look.
+      // Where it fails there is another look.
+      if (tl::expected<Seen, DriverError> now = look_now(); now && *now != seen_) {
+        seen_ = std::move(*now);
+        changed_();
       }
     }
   }
@@ -84,28 +101,39 @@ UsbSerialBus::UsbSerialBus(UsbPatience patience) : patience_(patience)
 
 UsbSerialBus::~UsbSerialBus() = default;
 
-std::vector<SerialDevice>
+tl::expected<std::vector<SerialDevice>, DriverError>
 UsbSerialBus::list()
 {
-  const UsbContext context;
+  const tl::expected<UsbContext, DriverError> context = UsbContext::create();
+  if (!context)
+    return tl::unexpected(context.error());
+  tl::expected<std::vector<UsbSerialDevice>, DriverError> found = find_serial_devices(*context);
+  if (!found)
+    return tl::unexpected(found.error());
   std::vector<SerialDevice> devices;
-  for (UsbSerialDevice &found : find_serial_devices(context))
-    devices.push_back(std::move(found.device));
+  for (UsbSerialDevice &each : *found)
+    devices.push_back(std::move(each.device));
   return devices;
 }
 
-std::unique_ptr<SerialPort>
+tl::expected<std::unique_ptr<SerialPort>, DriverError>
 UsbSerialBus::open(const SerialDevice &device, SerialPort::Events events)
 {
-  return std::make_unique<UsbSerialPort>(device, std::move(events), patience_);
+  return UsbSerialPort::open(device, std::move(events), patience_);
 }
 
-void
+tl::expected<void, DriverError>
 UsbSerialBus::watch(std::function<void()> changed)
 {
   watch_.reset();
-  if (changed)
-    watch_ = std::make_unique<Watch>(std::move(changed), patience_.look);
+  if (!changed)
+    return {};
+  tl::expected<std::unique_ptr<Watch>, DriverError> watch
+      = Watch::create(std::move(changed), patience_.look);
+  if (!watch)
+    return tl::unexpected(watch.error());
+  watch_ = std::move(*watch);
+  return {};
 }
 
 } // namespace tactor

@@ -35,9 +35,10 @@ public:
   explicit UsbSerialBus(UsbPatience patience = {});
   ~UsbSerialBus() override;
 
-  std::vector<SerialDevice> list() override;
-  std::unique_ptr<SerialPort> open(const SerialDevice &device, SerialPort::Events events) override;
-  void watch(std::function<void()> changed) override;
+  [[nodiscard]] tl::expected<std::vector<SerialDevice>, DriverError> list() override;
+  [[nodiscard]] tl::expected<std::unique_ptr<SerialPort>, DriverError>
+  open(const SerialDevice &device, SerialPort::Events events) override;
+  tl::expected<void, DriverError> watch(std::function<void()> changed) override;
 
 private:
   class Watch;

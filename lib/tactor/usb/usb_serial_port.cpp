@@ -1,12 +1,10 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "tactor/usb/usb_serial_port.h"
 
-#include "tactor/driver.h"
 #include "tactor/realtime/realtime_thread.h"
 
 #include <algorithm>
 #include <cassert>
-#include <new>
 #include <utility>
 
 namespace tactor {
@@ -21,35 +19,41 @@ called(const SerialDevice &device)
   return (device.name.empty() ? "the board" : device.name) + " at USB " + device.bus_path;
 }
 
-[[noreturn]] void
-throw_error(int error, const SerialDevice &device, const char *what)
+tl::unexpected<DriverError>
+failure(int error, const SerialDevice &device, const char *what)
 {
   using Kind = DriverError::Kind;
   switch (error) {
   case LIBUSB_ERROR_ACCESS:
-    throw DriverError(
+    return tl::unexpected(DriverError{
         Kind::permission,
         called(device)
             + " may not be opened by you; install the udev rule: sudo install -m 644 "
               "data/udev/70-visuotactile.rules /etc/udev/rules.d/ && sudo udevadm control "
-              "--reload && sudo udevadm trigger --subsystem-match=usb");
+              "--reload && sudo udevadm trigger --subsystem-match=usb" });
   case LIBUSB_ERROR_BUSY:
-    throw DriverError(Kind::busy, called(device) + " is used by another program; close that first");
+    return tl::unexpected(DriverError{
+        Kind::busy, called(device) + " is used by another program; close that first" });
   case LIBUSB_ERROR_NO_DEVICE:
-    throw DriverError(Kind::not_found, called(device) + " was unplugged");
+    return tl::unexpected(DriverError{ Kind::not_found, called(device) + " was unplugged" });
   default:
-    throw DriverError(Kind::failed, called(device) + " " + what + ": "
-                                        + libusb_strerror(static_cast<libusb_error>(error)));
+    return tl::unexpected(
+        DriverError{ Kind::failed, called(device) + " " + what + ": "
+                                       + libusb_strerror(static_cast<libusb_error>(error)) });
   }
 }
 
-UsbSerialDevice
+tl::expected<UsbSerialDevice, DriverError>
 find(const UsbContext &context, const SerialDevice &device)
 {
-  for (UsbSerialDevice &found : find_serial_devices(context))
+  tl::expected<std::vector<UsbSerialDevice>, DriverError> all = find_serial_devices(context);
+  if (!all)
+    return tl::unexpected(all.error());
+  for (UsbSerialDevice &found : *all)
     if (found.device == device)
       return std::move(found); // cppcheck-suppress returnStdMoveLocal; no local, but an element
-  throw DriverError(DriverError::Kind::not_found, called(device) + " is not plugged in");
+  return tl::unexpected(
+      DriverError{ DriverError::Kind::not_found, called(device) + " is not plugged in" });
 }
 
 /// A transfer's callback that calls a method of its port.
@@ -65,42 +69,43 @@ forward(libusb_transfer *transfer)
 
 } // namespace
 
-ClaimedDevice::ClaimedDevice(const UsbContext &context, const SerialDevice &device,
-                             std::chrono::milliseconds request_patience)
+tl::expected<ClaimedDevice, DriverError>
+ClaimedDevice::open(const UsbContext &context, const SerialDevice &device,
+                    std::chrono::milliseconds request_patience)
 {
-  UsbSerialDevice found = find(context, device);
-  line_ = std::move(found.line);
+  tl::expected<UsbSerialDevice, DriverError> found = find(context, device);
+  if (!found)
+    return tl::unexpected(found.error());
+  ClaimedDevice claimed;
+  claimed.line_ = std::move(found->line);
   libusb_device_handle *handle = nullptr;
-  if (const int error = libusb_open(found.handle.get(), &handle); error != LIBUSB_SUCCESS)
-    throw_error(error, device, "cannot be opened");
-  handle_.reset(handle);
+  if (const int error = libusb_open(found->handle.get(), &handle); error != LIBUSB_SUCCESS)
+    return failure(error, device, "cannot be opened");
+  claimed.handle_.reset(handle);
   libusb_set_auto_detach_kernel_driver(handle, 1);
-  try {
-    for (const int interface : line_.interfaces) {
-      if (const int error = libusb_claim_interface(handle, interface); error != LIBUSB_SUCCESS)
-        throw_error(error, device, "cannot be claimed");
-      claimed_.push_back(interface);
-    }
-    set_up(device, request_patience);
-  } catch (...) {
-    release();
-    throw;
-  }
+  return claimed.claim(device)
+      .and_then([&] { return claimed.set_up(device, request_patience); })
+      .map([&] { return std::move(claimed); });
 }
 
 ClaimedDevice::~ClaimedDevice()
-{
-  release();
-}
-
-void
-ClaimedDevice::release()
 {
   for (; !claimed_.empty(); claimed_.pop_back())
     libusb_release_interface(handle_.get(), claimed_.back());
 }
 
-void
+tl::expected<void, DriverError>
+ClaimedDevice::claim(const SerialDevice &device)
+{
+  for (const int interface : line_.interfaces) {
+    if (const int error = libusb_claim_interface(handle_.get(), interface); error != LIBUSB_SUCCESS)
+      return failure(error, device, "cannot be claimed");
+    claimed_.push_back(interface);
+  }
+  return {};
+}
+
+tl::expected<void, DriverError>
 ClaimedDevice::set_up(const SerialDevice &device, std::chrono::milliseconds patience)
 {
   for (const ControlRequest &request : line_.set_up) {
@@ -109,12 +114,37 @@ ClaimedDevice::set_up(const SerialDevice &device, std::chrono::milliseconds pati
         handle_.get(), request.type, request.request, request.value, request.index, data.data(),
         static_cast<std::uint16_t>(data.size()), static_cast<unsigned>(patience.count()));
     if (done < 0)
-      throw_error(done, device, "cannot be set up");
+      return failure(done, device, "cannot be set up");
   }
+  return {};
 }
 
-UsbSerialPort::UsbSerialPort(const SerialDevice &device, Events events, const UsbPatience &patience)
-    : events_(std::move(events)), device_(context_, device, patience.request)
+tl::expected<std::unique_ptr<UsbSerialPort>, DriverError>
+UsbSerialPort::open(const SerialDevice &device, Events events, const UsbPatience &patience)
+{
+  tl::expected<UsbContext, DriverError> context = UsbContext::create();
+  if (!context)
+    return tl::unexpected(context.error());
+  tl::expected<ClaimedDevice, DriverError> claimed
+      = ClaimedDevice::open(*context, device, patience.request);
+  if (!claimed)
+    return tl::unexpected(claimed.error());
+  std::unique_ptr<UsbSerialPort> port(
+      new UsbSerialPort(std::move(*context), std::move(*claimed), std::move(events)));
+  if (!port->allocate(patience))
+    return failure(LIBUSB_ERROR_NO_MEM, device, "cannot be used");
+  port->begin();
+  return port;
+}
+
+UsbSerialPort::UsbSerialPort(UsbContext context, ClaimedDevice device, Events events)
+    : events_(std::move(events)), context_(std::move(context)), device_(std::move(device))
+{
+}
+
+/// Whether there is memory for all transfers.
+bool
+UsbSerialPort::allocate(const UsbPatience &patience)
 {
   const SerialLine &line = device_.line();
   for (std::size_t i = 0; i < kReads; i++)
@@ -122,6 +152,13 @@ UsbSerialPort::UsbSerialPort(const SerialDevice &device, Events events, const Us
   write_ = allocate(line.out_endpoint, write_buffer_, forward<&UsbSerialPort::write_done>,
                     static_cast<unsigned>(patience.write.count()));
   received_.reserve(kReadSize);
+  return write_
+         && std::ranges::all_of(reads_, [](const Transfer &read) { return read != nullptr; });
+}
+
+void
+UsbSerialPort::begin()
+{
   thread_ = std::thread(&UsbSerialPort::run, this);
   const std::lock_guard lock(mutex_);
   for (Transfer &read : reads_)
@@ -131,6 +168,8 @@ UsbSerialPort::UsbSerialPort(const SerialDevice &device, Events events, const Us
 
 UsbSerialPort::~UsbSerialPort()
 {
+  if (!thread_.joinable())
+    return;
   {
     const std::lock_guard lock(mutex_);
     closing_ = true;
@@ -153,10 +192,9 @@ UsbSerialPort::allocate(std::uint8_t endpoint, std::span<std::uint8_t> buffer,
                         libusb_transfer_cb_fn done, unsigned patience_ms)
 {
   Transfer transfer(libusb_alloc_transfer(0));
-  if (!transfer)
-    throw std::bad_alloc();
-  libusb_fill_bulk_transfer(transfer.get(), device_.get(), endpoint, buffer.data(),
-                            static_cast<int>(buffer.size()), done, this, patience_ms);
+  if (transfer)
+    libusb_fill_bulk_transfer(transfer.get(), device_.get(), endpoint, buffer.data(),
+                              static_cast<int>(buffer.size()), done, this, patience_ms);
   return transfer;
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include "tactor/driver_error.h"
 #include "tactor/serial_port.h"
 #include "tactor/usb/enumeration.h"
 #include "tactor/usb/usb_serial_bus.h"
@@ -21,12 +22,13 @@ namespace tactor {
 class ClaimedDevice
 {
 public:
-  /// Opens, claims and sets up. Throws DriverError.
-  ClaimedDevice(const UsbContext &context, const SerialDevice &device,
-                std::chrono::milliseconds request_patience);
+  /// Opens, claims and sets up.
+  [[nodiscard]] static tl::expected<ClaimedDevice, DriverError>
+  open(const UsbContext &context, const SerialDevice &device,
+       std::chrono::milliseconds request_patience);
   ~ClaimedDevice();
-  ClaimedDevice(const ClaimedDevice &) = delete;
-  ClaimedDevice &operator=(const ClaimedDevice &) = delete;
+  ClaimedDevice(ClaimedDevice &&) = default;
+  ClaimedDevice &operator=(ClaimedDevice &&) = delete;
 
   libusb_device_handle *get() const
   {
@@ -39,8 +41,10 @@ public:
   }
 
 private:
-  void set_up(const SerialDevice &device, std::chrono::milliseconds patience);
-  void release();
+  ClaimedDevice() = default;
+  tl::expected<void, DriverError> claim(const SerialDevice &device);
+  tl::expected<void, DriverError> set_up(const SerialDevice &device,
+                                         std::chrono::milliseconds patience);
 
   struct Close
   {
@@ -59,8 +63,9 @@ private:
 class UsbSerialPort : public SerialPort
 {
 public:
-  /// Throws DriverError as SerialBus::open().
-  UsbSerialPort(const SerialDevice &device, Events events, const UsbPatience &patience);
+  /// DriverError as SerialBus::open().
+  [[nodiscard]] static tl::expected<std::unique_ptr<UsbSerialPort>, DriverError>
+  open(const SerialDevice &device, Events events, const UsbPatience &patience);
   ~UsbSerialPort() override;
 
   bool write(std::span<const std::uint8_t> bytes) override;
@@ -82,6 +87,9 @@ private:
   };
   using Transfer = std::unique_ptr<libusb_transfer, FreeTransfer>;
 
+  UsbSerialPort(UsbContext context, ClaimedDevice device, Events events);
+  bool allocate(const UsbPatience &patience);
+  void begin();
   Transfer allocate(std::uint8_t endpoint, std::span<std::uint8_t> buffer,
                     libusb_transfer_cb_fn done, unsigned patience_ms);
   void run();

@@ -103,7 +103,7 @@ public:
   /// What has been traced: in a pause, at the end of the stream or after the play. Each motor's last command is zero.
   std::vector<IssuedCommand> trace()
   {
-    const std::vector<IssuedCommand> lines = tactor::read_command_trace(trace_file.path);
+    const std::vector<IssuedCommand> lines = unwrap(tactor::read_command_trace(trace_file.path));
     for (const IssuedCommand &line : lines) {
       fail_unless(line.command.lead >= Time(0) && line.command.lead <= milliseconds(180));
       fail_unless(line.issued >= line.command.due());

@@ -137,7 +137,7 @@ public:
   }
   std::vector<IssuedCommand> trace()
   {
-    return tactor::read_command_trace(trace_file.path);
+    return unwrap(tactor::read_command_trace(trace_file.path));
   }
   /// Sinks of one pipeline that wait as long as each other.
   void assert_same_latency()

@@ -12,7 +12,6 @@
 #include <memory>
 #include <mutex>
 #include <optional>
-#include <stdexcept>
 #include <string>
 #include <utility>
 #include <vector>
@@ -111,7 +110,6 @@ struct Board
   std::vector<Write> writes;
   Time refresh_interval{ 0 }; ///< set before start()
   std::optional<Kind> error;  ///< of the next write
-  bool odd_error = false;     ///< the next write throws something else
   bool hold = false;          ///< a write does not end…
   int passes = 0;             ///< …but so many do
   bool held = false;          ///< one is there
@@ -155,11 +153,12 @@ public:
     close();
     board_.set(&Board::destroyed, true);
   }
-  void open(const tactor::DriverConfig &) override
+  tl::expected<void, DriverError> open(const tactor::DriverConfig &) override
   {
     std::lock_guard lock(board_.mutex);
     board_.open = true;
     board_.volts.clear();
+    return {};
   }
   int tactors() const override
   {
@@ -186,7 +185,7 @@ public:
     status.bytes = board_.writes.size();
     return status;
   }
-  void write(std::span<const double> volts, Time now) override
+  tl::expected<void, DriverError> write(std::span<const double> volts, Time now) override
   {
     std::unique_lock lock(board_.mutex);
     if (!board_.open)
@@ -198,15 +197,14 @@ public:
     board_.changed.wait(lock, [this] { return !board_.hold || board_.passes > 0; });
     board_.passes -= board_.passes > 0;
     board_.held = false;
-    if (std::exchange(board_.odd_error, false))
-      throw std::runtime_error("a bug");
     if (const std::optional<Kind> error = std::exchange(board_.error, std::nullopt)) {
       board_.volts.clear(); // no power, no vibration
-      throw DriverError(*error, "unplugged");
+      return tl::unexpected(DriverError{ *error, "unplugged" });
     }
     board_.volts.assign(volts.begin(), volts.end());
     board_.writes.push_back({ now, board_.volts });
     board_.changed.notify_all();
+    return {};
   }
   void close() noexcept override
   {
@@ -248,7 +246,7 @@ public:
     fail_unless(board.is_silent());
     fail_unless(board.destroyed);
     // What a reader of the trace thinks the motors do at the end.
-    assert_silent_at_end(tactor::read_command_trace(trace_file.path));
+    assert_silent_at_end(unwrap(tactor::read_command_trace(trace_file.path)));
     gst_object_unref(clock);
   }
 
@@ -256,9 +254,10 @@ public:
   {
     auto driver = std::make_unique<FakeDriver>(board);
     const tactor::DriverConfig config;
-    driver->open(config);
+    unwrap(driver->open(config));
     scheduler->start(std::move(driver), config.full_scale_volts,
-                     std::make_unique<tactor::CommandTrace>(trace_file.path));
+                     std::make_unique<tactor::CommandTrace>(
+                         unwrap(tactor::CommandTrace::create(trace_file.path))));
   }
   void push(const std::vector<Command> &commands, Time expires = kForever)
   {

@@ -87,22 +87,23 @@ public:
     sockets_.buses--;
   }
 
-  std::vector<SerialDevice> list() override
+  tl::expected<std::vector<SerialDevice>, DriverError> list() override
   {
     const Use use(*this);
     if (sockets_.broken)
-      throw DriverError(DriverError::Kind::failed, "the bus is broken");
+      return tl::unexpected(DriverError{ DriverError::Kind::failed, "the bus is broken" });
     return sockets_.plugged();
   }
-  std::unique_ptr<tactor::SerialPort> open(const SerialDevice &,
-                                           tactor::SerialPort::Events) override
+  tl::expected<std::unique_ptr<tactor::SerialPort>, DriverError>
+  open(const SerialDevice &, tactor::SerialPort::Events) override
   {
-    throw DriverError(DriverError::Kind::failed, "nobody opens boards here");
+    return tl::unexpected(DriverError{ DriverError::Kind::failed, "nobody opens boards here" });
   }
-  void watch(std::function<void()> changed) override
+  tl::expected<void, DriverError> watch(std::function<void()> changed) override
   {
     const Use use(*this);
     sockets_.watch(std::move(changed));
+    return {};
   }
 
 private:

@@ -87,7 +87,8 @@ GST_START_TEST(test_issued_exactly_when_due)
     ck_assert_int_eq(counters.error.max().count(), 0);
     rig.scheduler->stop();
     Volts last(4, 0.0);
-    for (const tactor::IssuedCommand &issued : tactor::read_command_trace(rig.trace_file.path)) {
+    for (const tactor::IssuedCommand &issued :
+         unwrap(tactor::read_command_trace(rig.trace_file.path))) {
       if (issued.issued > milliseconds(2500))
         continue; // the stop
       fail_unless(issued.issued == issued.command.due());

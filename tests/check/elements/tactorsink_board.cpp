@@ -13,6 +13,7 @@
 #include "../libs/contains.h"
 #include "../playing.h"
 #include "../temporary_file.h"
+#include "../unwrap.h"
 #include <gst/tactile/tactile.h>
 
 using tactor::SerialDevice;
@@ -20,7 +21,7 @@ using Duties = std::vector<int>; ///< 0…255: what a pin of 8 bits gets
 
 static Sockets *sockets; ///< of the test that runs
 
-std::unique_ptr<tactor::SerialBus>
+tl::expected<std::unique_ptr<tactor::SerialBus>, tactor::DriverError>
 tactor::make_serial_bus()
 {
   return std::make_unique<MemoryBus>(*sockets);
@@ -242,7 +243,7 @@ GST_START_TEST(test_lost_and_found)
   rig.stop();
   fail_unless(rig.mega.model.is_silent());
   std::vector<long> told; // tactor 0
-  for (const tactor::IssuedCommand &line : tactor::read_command_trace(trace.path))
+  for (const tactor::IssuedCommand &line : unwrap(tactor::read_command_trace(trace.path)))
     if (line.command.tactor == 0)
       told.push_back(std::lround(line.command.volts / 3.0 * 255));
   fail_unless(told == (std::vector<long>{ 255, 0, 200, 0 }));

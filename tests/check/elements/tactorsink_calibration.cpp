@@ -19,6 +19,7 @@
 #include "../libs/tolerance.h"
 #include "../playing.h"
 #include "../temporary_file.h"
+#include "../unwrap.h"
 #include <gst/tactile/tactile.h>
 
 using namespace std::chrono_literals;
@@ -85,7 +86,7 @@ play(const std::string &calibration, const std::string &trace)
 std::vector<double>
 errors(const std::string &path)
 {
-  const std::vector<IssuedCommand> trace = read_command_trace(path);
+  const std::vector<IssuedCommand> trace = unwrap(read_command_trace(path));
   const std::vector<MotorParameters> motors = chair();
   std::vector<double> result;
   for (int tactor = 0; tactor < kTactors; tactor++) {

@@ -7,6 +7,7 @@
 #include <vector>
 
 // After the standard library's headers: gstcheck.h defines a macro named fail.
+#include "../unwrap.h"
 #include <gst/check/gstcheck.h>
 
 /// Whatever happened, each motor's last command is zero.

@@ -237,7 +237,7 @@ public:
   /// What was told, every motor at zero in the end.
   std::vector<IssuedCommand> trace()
   {
-    const std::vector<IssuedCommand> lines = tactor::read_command_trace(trace_file.path);
+    const std::vector<IssuedCommand> lines = unwrap(tactor::read_command_trace(trace_file.path));
     assert_silent_at_end(lines);
     return lines;
   }

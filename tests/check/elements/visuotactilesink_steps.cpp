@@ -83,7 +83,7 @@ public:
   }
   std::size_t lines_of_trace()
   {
-    return tactor::read_command_trace(trace_file.path).size();
+    return unwrap(tactor::read_command_trace(trace_file.path)).size();
   }
   /// After so many lines of the trace, all that is felt belongs to a frame that is shown at that time, from one on. Commands that a
   /// busy machine leaves out are not missed.

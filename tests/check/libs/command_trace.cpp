@@ -1,19 +1,17 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "tactor/command_trace.h"
 
-#include "tactor/driver.h"
-
 #include <clocale>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <locale>
 #include <random>
-#include <stdexcept>
 #include <string>
 #include <vector>
 
 #include "../temporary_file.h"
+#include "../unwrap.h"
 #include <gst/check/gstcheck.h>
 
 using namespace std::chrono_literals;
@@ -60,13 +58,7 @@ issued(Time at, Time effect, Time lead, int tactor, double volts)
 std::string
 complaint(const std::string &path)
 {
-  try {
-    read_command_trace(path);
-  } catch (const std::runtime_error &error) {
-    return error.what();
-  }
-  fail("'%s' was read", path.c_str());
-  return {};
+  return refusal_of(read_command_trace(path));
 }
 
 bool
@@ -101,7 +93,7 @@ GST_START_TEST(test_exact_text)
   const std::locale before = std::locale::global(std::locale(std::locale(), new Commas));
   const TraceFile file;
   {
-    CommandTrace trace(file.path());
+    CommandTrace trace = unwrap(CommandTrace::create(file.path()));
     trace.write(issued(1'234'567'891ns, 1'300'000'000ns, 65'785'000ns, 0, 1.5));
     trace.write(issued(0s, 0s, 0s, 15, 0));
     trace.write(issued(-5ns, 10ns, 30ns, 4095, 2.9996));
@@ -109,7 +101,7 @@ GST_START_TEST(test_exact_text)
     trace.flush();
     fail_if(trace.failed());
   }
-  const std::vector<IssuedCommand> read = read_command_trace(file.path());
+  const std::vector<IssuedCommand> read = unwrap(read_command_trace(file.path()));
   std::locale::global(before);
   setlocale(LC_ALL, "C");
   const std::string expected = kHeader
@@ -135,12 +127,12 @@ GST_START_TEST(test_round_trip)
     commands.push_back(issued(Time(time(random)), Time(time(random)), Time(lead(random)),
                               tactor(random), millivolts(random) / 1000.0));
   const TraceFile file;
-  CommandTrace trace(file.path());
+  CommandTrace trace = unwrap(CommandTrace::create(file.path()));
   for (const IssuedCommand &command : commands)
     trace.write(command);
   trace.flush();
   fail_if(trace.failed());
-  fail_unless(read_command_trace(file.path()) == commands);
+  fail_unless(unwrap(read_command_trace(file.path())) == commands);
 }
 GST_END_TEST;
 
@@ -148,9 +140,9 @@ GST_START_TEST(test_no_commands)
 {
   const TraceFile file;
   file.write("something else");
-  CommandTrace(file.path()).flush();
+  unwrap(CommandTrace::create(file.path())).flush();
   fail_unless(file.read() == kHeader);
-  fail_unless(read_command_trace(file.path()).empty());
+  fail_unless(unwrap(read_command_trace(file.path())).empty());
 }
 GST_END_TEST;
 
@@ -228,13 +220,9 @@ GST_START_TEST(test_file_that_cannot_be_written)
 {
   const TraceFile file;
   for (const std::string &path : { file.folder() + "/no/such/commands.csv", file.folder() }) {
-    try {
-      CommandTrace trace(path);
-      fail("'%s' was opened", path.c_str());
-    } catch (const DriverError &error) {
-      fail_unless(error.kind() == DriverError::Kind::settings);
-      fail_unless(contains(error.what(), path), "%s", error.what());
-    }
+    const DriverError error = refusal_of(CommandTrace::create(path));
+    fail_unless(error.kind == DriverError::Kind::settings);
+    fail_unless(contains(error.text, path), "%s", error.text.c_str());
   }
 }
 GST_END_TEST;
@@ -243,7 +231,7 @@ GST_START_TEST(test_full_disk)
 {
   if (!std::filesystem::exists("/dev/full"))
     return;
-  CommandTrace trace("/dev/full");
+  CommandTrace trace = unwrap(CommandTrace::create("/dev/full"));
   trace.write(issued(1ns, 2ns, 1ns, 0, 1));
   trace.flush();
   fail_unless(trace.failed());
@@ -252,7 +240,7 @@ GST_START_TEST(test_full_disk)
     trace.write(issued(1ns, 2ns, 1ns, 0, 1));
   fail_unless(trace.failed());
   // Without flush(), too, once the buffer is full
-  CommandTrace unflushed("/dev/full");
+  CommandTrace unflushed = unwrap(CommandTrace::create("/dev/full"));
   for (int i = 0; i < 10'000; i++)
     unflushed.write(issued(1ns, 2ns, 1ns, 0, 1));
   fail_unless(unflushed.failed());

@@ -54,7 +54,7 @@ GST_START_TEST(test_realtime)
     rig.sockets.plug(rig.mega);
     DriverConfig config = rig.config();
     config.realtime = wanted;
-    rig.driver.open(config);
+    unwrap(rig.driver.open(config));
     rig.write({ 3.0 });
     rig.expect(rig.mega, { 3.0 });
     const int expected = wanted && may_be_realtime() ? SCHED_RR : SCHED_OTHER;
@@ -72,8 +72,8 @@ GST_START_TEST(test_destroyed)
   sockets.plug(board);
   {
     FirmataDriver driver(Firmware::any, [&] { return std::make_unique<MemoryBus>(sockets); });
-    driver.open({});
-    driver.write(std::vector<double>{ 3.0 }, 0s);
+    unwrap(driver.open({}));
+    unwrap(driver.write(std::vector<double>{ 3.0 }, 0s));
     sockets.wait([&] { return board.model.duty[3] == 255; });
   }
   fail_unless(board.model.is_silent());
@@ -126,18 +126,13 @@ GST_START_TEST(test_unplug_in_each_phase)
     Rig rig;
     rig.sockets.plug(rig.mega);
     rig.mega.bytes_to_live = bytes;
-    bool is_open = true;
-    try {
-      rig.open();
-    } catch (const DriverError &error) {
-      is_open = false;
+    if (const auto opened = rig.driver.open(rig.config()); !opened) {
       refused++;
-      fail_unless(error.kind() == Kind::failed);
-      assert_contains(error.what(), { "plugged out" });
+      fail_unless(opened.error().kind == Kind::failed);
+      assert_contains(opened.error().text, { "plugged out" });
       fail_if(rig.mega.is_open);
-    }
-    if (!is_open)
       continue;
+    }
     // In the middle of a film. What it still gets is more than it has left.
     for (int i = 0; rig.count(EventKind::lost) == 0; i++)
       rig.write({ i % 2 * 1.0, 2.0 });
@@ -171,12 +166,7 @@ GST_START_TEST(test_stalled_board)
   Rig rig(Firmware::any, patience, 2ms);
   rig.sockets.plug(rig.mega);
   // Under a load of others it may be lost before it stalls: then it returns all the same.
-  for (bool is_open = false; !is_open;) {
-    try {
-      rig.open();
-      is_open = true;
-    } catch (const DriverError &) {
-    }
+  while (!rig.driver.open(rig.config())) {
   }
   rig.sockets.locked([&] { rig.mega.takes_nothing = true; });
   const int lost = rig.count(EventKind::lost);

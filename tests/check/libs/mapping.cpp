@@ -23,7 +23,7 @@ GST_START_TEST(test_refused)
   const auto refused = [](const char *text, const char *word) {
     const auto mapping = read_mapping(text, 12);
     fail_if(mapping.has_value(), "%s", text);
-    assert_contains(mapping.error().what(), { word, "from 0 to 11", "-1", "commas", "2,1,0" });
+    assert_contains(mapping.error().text, { word, "from 0 to 11", "-1", "commas", "2,1,0" });
   };
   refused("2;1;0", "number 1 is '2;1;0'");
   refused("2 1 0", "number 1 is '2 1 0'");

@@ -189,7 +189,7 @@ public:
   {
     watch(nullptr);
   }
-  std::vector<tactor::SerialDevice> list() override
+  tl::expected<std::vector<tactor::SerialDevice>, tactor::DriverError> list() override
   {
     std::lock_guard lock(sockets_.mutex);
     std::vector<tactor::SerialDevice> devices;
@@ -197,8 +197,8 @@ public:
       devices.push_back(board->device);
     return devices;
   }
-  std::unique_ptr<tactor::SerialPort> open(const tactor::SerialDevice &device,
-                                           tactor::SerialPort::Events events) override
+  tl::expected<std::unique_ptr<tactor::SerialPort>, tactor::DriverError>
+  open(const tactor::SerialDevice &device, tactor::SerialPort::Events events) override
   {
     using tactor::DriverError;
     MemoryBoard *board = nullptr;
@@ -208,25 +208,32 @@ public:
         if (each->device == device)
           board = each;
       if (!board)
-        throw DriverError(DriverError::Kind::not_found, device.name + " was plugged out");
+        return refused(DriverError::Kind::not_found, device.name + " was plugged out");
       board->opens++;
       sockets_.changed.notify_all();
       if (board->refusal)
-        throw DriverError(*board->refusal, device.name + " is refused");
+        return refused(*board->refusal, device.name + " is refused");
       if (board->is_open)
-        throw DriverError(DriverError::Kind::busy, device.name + " is in use");
+        return refused(DriverError::Kind::busy, device.name + " is in use");
       board->is_open = true;
       if (board->resets_on_open)
         board->model.restart({});
     }
     return std::make_unique<MemoryPort>(sockets_, *board, std::move(events));
   }
-  void watch(std::function<void()> changed) override
+  tl::expected<void, tactor::DriverError> watch(std::function<void()> changed) override
   {
     std::lock_guard lock(sockets_.watching);
     sockets_.watcher = std::move(changed);
+    return {};
   }
 
 private:
+  static tl::unexpected<tactor::DriverError> refused(tactor::DriverError::Kind kind,
+                                                     std::string why)
+  {
+    return tl::unexpected(tactor::DriverError{ kind, std::move(why) });
+  }
+
   Sockets &sockets_;
 };

@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <string>
+
+namespace tactor {
+
+/// What went wrong with a board or a file of its own, in one line that says what was expected, what came and what to do.
+struct DriverError
+{
+  enum class Kind
+  {
+    not_found,  ///< no such driver or no such board
+    busy,       ///< another program has it
+    permission, ///< the user may not open it
+    settings,   ///< the configuration does not fit the board
+    lost,       ///< the board went away
+    failed,     ///< anything else
+  };
+
+  Kind kind = Kind::failed;
+  std::string text; ///< one line
+};
+
+} // namespace tactor
