@@ -37,6 +37,10 @@ hear=(--source=simulator --simulated-motors=simulated "--tactors=0,2")
 head -n 1 out | grep -q '^run 2 of' || fail "it did not go on: $(cat out)"
 "$CALIBRATE" measure chair "${hear[@]}" --motor="two of them" >out
 [ ! -s out ] || fail "there was nothing left to do, but: $(cat out)"
+"$CALIBRATE" measure chair "${hear[@]}" --motor="two of them" --force >out
+[ "$(grep -c ^run out)" -eq "$(find chair -name 'run-*.csv' | wc -l)" ] || fail "--force did not play all of it anew: $(cat out)"
+"$CALIBRATE" measure chair "${hear[@]}" --motor="two of them" --run=0 --quiet >out
+[ ! -s out ] || fail "--quiet, but: $(cat out)"
 "$CALIBRATE" measure chair "${hear[@]}" --repetitions=3 2>err && fail "it took a used folder"
 grep -q "another measurement" err || fail "$(cat err)"
 expect_silence

@@ -376,8 +376,7 @@ author(int argc, char **argv)
   TextOption profile;
   Settings settings;
   gint jobs = 0;
-  gboolean force = FALSE;
-  gboolean quiet = FALSE;
+  Manner manner;
   const GOptionEntry entries[] = {
     { "output", 'o', 0, G_OPTION_ARG_FILENAME, &output.value,
       "The track, or for several films the folder of their tracks", "TRACK" },
@@ -393,17 +392,19 @@ author(int argc, char **argv)
       "How saliency is computed: tuned (default) or paper", "NAME" },
     { "jobs", 'j', 0, G_OPTION_ARG_INT, &jobs,
       "Films at a time (default: as many as there are processors)", "N" },
-    { "force", 'f', 0, G_OPTION_ARG_NONE, &force,
-      "Make tracks anew that are there, and later than their films", nullptr },
-    { "quiet", 'q', 0, G_OPTION_ARG_NONE, &quiet, "Say only what goes wrong", nullptr },
     {},
   };
   const std::vector<std::string> films = parse_options(
-      argc, argv, entries, "FILM... -o TRACK",
-      "Makes tracks of films: what visuotactile-play would play, at the same times.\nTracks appear "
-      "when they are complete. Those that are there are left as they are, so that a batch that was "
-      "stopped goes on.\nThe status is 0 if there is a track for every film, 130 after Ctrl-C.",
-      1, std::numeric_limits<std::size_t>::max());
+      argc, argv, entries, manner,
+      { .arguments = "FILM... -o TRACK",
+        .summary
+        = "Makes tracks of films: what visuotactile-play would play, at the same times.\nTracks "
+          "appear when they are complete. Those that are there are left as they are, so that a "
+          "batch that was stopped goes on.\nThe status is 0 if there is a track for every film, "
+          "130 after Ctrl-C.",
+        .least = 1,
+        .most = std::numeric_limits<std::size_t>::max(),
+        .force_means = "Make tracks anew that are there, and later than their films" });
   if (!output.given())
     throw UsageError("expected -o TRACK");
   if (settings.rows < 1 || settings.rows > 64 || settings.columns < 1 || settings.columns > 64)
@@ -421,12 +422,12 @@ author(int argc, char **argv)
   std::vector<std::unique_ptr<Job>> work;
   for (std::size_t i = 0; i < films.size(); i++) {
     auto job = std::make_unique<Job>(films[i], names[i], settings);
-    if (force || !job->is_done())
+    if (manner.force || !job->is_done())
       work.push_back(std::move(job));
-    else if (!quiet)
+    else if (!manner.quiet)
       std::printf("%s: there already\n", names[i].c_str());
   }
   return Batch(std::move(work), jobs > 0 ? static_cast<std::size_t>(jobs) : g_get_num_processors(),
-               quiet)
+               manner.quiet != FALSE)
       .run();
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include "../manner.h"
 #include "../or_throw.h"
 #include "tactile/track.h"
 
@@ -29,11 +30,20 @@ public:
   using std::runtime_error::runtime_error;
 };
 
-/// Reads options and returns the other arguments, of which there have to be `least` to `most`. `arguments` and `summary` are for
-/// --help. Throws UsageError.
+/// What a command is called with.
+struct Usage
+{
+  const char *arguments; ///< this and the summary: for --help
+  const char *summary;
+  std::size_t least; ///< arguments, and most
+  std::size_t most;
+  const char *force_means = Manner::kWritesAnyway;
+  const char *quiet_means = Manner::kSaysOnlyFaults;
+};
+
+/// Reads options, those of `manner` as well, and returns the other arguments. Throws UsageError.
 std::vector<std::string> parse_options(int argc, char **argv, const GOptionEntry *entries,
-                                       const char *arguments, const char *summary,
-                                       std::size_t least, std::size_t most);
+                                       Manner &manner, const Usage &usage);
 
 /// A text option, or what stands for it if it was not given.
 struct TextOption

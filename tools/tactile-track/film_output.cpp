@@ -29,7 +29,7 @@ constexpr const char *kLookahead
 /// Plays to the end with the file as location of the element named so; keeps it if `is_film` says so then of what was written.
 int
 write_film(
-    const Owned<GstElement> &pipeline, const std::string &path, GstClockTime duration,
+    const Owned<GstElement> &pipeline, const std::string &path, GstClockTime duration, bool quiet,
     const std::function<bool(const std::string &)> &is_film
     = [](const std::string &) { return true; })
 {
@@ -37,7 +37,7 @@ write_film(
   Output output(folder, name);
   if (const Owned<GstElement> file = element(pipeline, "file"))
     g_object_set(file.get(), "location", output.part_path().c_str(), nullptr);
-  if (!run_to_end(pipeline, duration))
+  if (!run_to_end(pipeline, duration, quiet))
     return 130;
   if (!is_film(output.part_path().string()))
     throw std::runtime_error("'" + path + "' can hold no stream of the film");
@@ -194,6 +194,7 @@ preview(int argc, char **argv)
 {
   TextOption output;
   TextOption chair;
+  Manner manner;
   const GOptionEntry entries[] = {
     { "output", 'o', 0, G_OPTION_ARG_FILENAME, &output.value,
       "Record the film with the track over it (.mkv) instead of playing it", "FILM" },
@@ -202,10 +203,12 @@ preview(int argc, char **argv)
     {},
   };
   const std::vector<std::string> names
-      = parse_options(argc, argv, entries, "FILM TRACK",
-                      "Shows what a track does with a film: on the screen, where there is one, and "
-                      "the chair, or recorded.",
-                      2, 2);
+      = parse_options(argc, argv, entries, manner,
+                      { .arguments = "FILM TRACK",
+                        .summary = "Shows what a track does with a film: on the screen, where "
+                                   "there is one, and the chair, or recorded.",
+                        .least = 2,
+                        .most = 2 });
   gst_init(nullptr, nullptr);
   if (output.given())
     refuse_same_file(names[0], output.text());
@@ -228,8 +231,8 @@ preview(int argc, char **argv)
   const Owned<GstElement> pipeline = make_pipeline(line);
   feed_track(element(pipeline, "track").get(), track, CueForm::map);
   if (output.given())
-    return write_film(pipeline, output.text(), film.duration);
-  return run_to_end(pipeline, film.duration) ? 0 : 130;
+    return write_film(pipeline, output.text(), film.duration, manner.quiet);
+  return run_to_end(pipeline, film.duration, manner.quiet) ? 0 : 130;
 }
 
 int
@@ -237,6 +240,7 @@ mux(int argc, char **argv)
 {
   TextOption output;
   gboolean first = FALSE;
+  Manner manner;
   const GOptionEntry entries[] = { { "output", 'o', 0, G_OPTION_ARG_FILENAME, &output.value,
                                      "The film to write: .mkv, .mp4 or .ts", "FILM" },
                                    { "first", 0, 0, G_OPTION_ARG_NONE, &first,
@@ -245,10 +249,12 @@ mux(int argc, char **argv)
                                      nullptr },
                                    {} };
   const std::vector<std::string> names = parse_options(
-      argc, argv, entries, "FILM TRACK -o OUT",
-      "Puts a track into a film's file beside its other streams, which stay as they are:\nin .mkv "
-      "and .mp4 as text cues (subtitles 'Tactile'), in .ts as KLV.",
-      2, 2);
+      argc, argv, entries, manner,
+      { .arguments = "FILM TRACK -o OUT",
+        .summary = "Puts a track into a film's file beside its other streams, which stay as they "
+                   "are:\nin .mkv and .mp4 as text cues (subtitles 'Tactile'), in .ts as KLV.",
+        .least = 2,
+        .most = 2 });
   if (!output.given())
     throw UsageError("expected -o OUT");
   const std::string out = output.text();
@@ -268,7 +274,7 @@ mux(int argc, char **argv)
     throw std::runtime_error("'" + names[0] + "' is no file here");
 
   std::vector<Subtitles> subtitles;
-  if (!read_subtitles(path, film.duration, subtitles))
+  if (!read_subtitles(path, film.duration, manner.quiet, subtitles))
     return 130;
 
   // The track by its tags: no language, and a name by which players tell it from subtitles.
@@ -296,7 +302,7 @@ mux(int argc, char **argv)
                    }),
                    nullptr);
   g_signal_connect(streams.get(), "pad-added", G_CALLBACK(take_stream), &muxing);
-  return write_film(pipeline, out, film.duration, [&](const std::string &written) {
+  return write_film(pipeline, out, film.duration, manner.quiet, [&](const std::string &written) {
     if (muxing.taken > 0 && !is_ts)
       leave_track_to_choice(written);
     return muxing.taken > 0;

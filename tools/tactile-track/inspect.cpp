@@ -16,6 +16,7 @@ using tactile::Track;
 namespace {
 
 constexpr std::size_t kAny = std::numeric_limits<std::size_t>::max();
+constexpr const char *kWritesNothing = "No effect: nothing is written";
 
 void
 print_info(const std::string &path, const Track &track)
@@ -62,26 +63,43 @@ print_info(const std::string &path, const Track &track)
 int
 info(int argc, char **argv)
 {
+  Manner manner;
   const GOptionEntry entries[] = { {} };
   const std::vector<std::string> tracks
-      = parse_options(argc, argv, entries, "TRACK...", "Says what is in tracks.", 1, kAny);
-  for (const std::string &path : tracks)
-    print_info(path, or_throw(tactile::read_track_file(path)));
+      = parse_options(argc, argv, entries, manner,
+                      { .arguments = "TRACK...",
+                        .summary = "Says what is in tracks.",
+                        .least = 1,
+                        .most = kAny,
+                        .force_means = kWritesNothing,
+                        .quiet_means = "Say only which cannot be read" });
+  for (const std::string &path : tracks) {
+    const Track track = or_throw(tactile::read_track_file(path));
+    if (!manner.quiet)
+      print_info(path, track);
+  }
   return 0;
 }
 
 int
 validate(int argc, char **argv)
 {
+  Manner manner;
   const GOptionEntry entries[] = { {} };
   const std::vector<std::string> tracks = parse_options(
-      argc, argv, entries, "TRACK...",
-      "Reads tracks and says of each whether it is one, else the first place where it is not and "
-      "why.\nThe status is 0 if all are.",
-      1, kAny);
+      argc, argv, entries, manner,
+      { .arguments = "TRACK...",
+        .summary = "Reads tracks and says of each whether it is one, else the first place where it "
+                   "is not and why.\nThe status is 0 if all are.",
+        .least = 1,
+        .most = kAny,
+        .force_means = kWritesNothing,
+        .quiet_means = "Say only which are none" });
   int status = 0;
   for (const std::string &path : tracks) {
     const tl::expected<Track, tactile::FormatError> track = tactile::read_track_file(path);
+    if (track && manner.quiet)
+      continue;
     if (track) {
       std::printf("%s: valid, %d x %d, %s s\n", path.c_str(), track->rows(), track->columns(),
                   seconds(track->end()).c_str());
@@ -96,16 +114,21 @@ validate(int argc, char **argv)
 int
 diff(int argc, char **argv)
 {
+  Manner manner;
   gdouble tolerance = 0;
   const GOptionEntry entries[] = { { "tolerance", 't', 0, G_OPTION_ARG_DOUBLE, &tolerance,
                                      "Percent by which levels may differ (default: 0)", "PERCENT" },
                                    {} };
   const std::vector<std::string> tracks = parse_options(
-      argc, argv, entries, "BEFORE AFTER",
-      "Prints where two tracks differ: a line for each stretch of time, and the cells that changed "
-      "in percent.\nThe status is 0 if they are the same, 1 if they differ, 2 if they cannot be "
-      "compared.",
-      2, 2);
+      argc, argv, entries, manner,
+      { .arguments = "BEFORE AFTER",
+        .summary = "Prints where two tracks differ: a line for each stretch of time, and the cells "
+                   "that changed in percent.\nThe status is 0 if they are the same, 1 if they "
+                   "differ, 2 if they cannot be compared.",
+        .least = 2,
+        .most = 2,
+        .force_means = kWritesNothing,
+        .quiet_means = "Let the status alone say whether they differ" });
   std::vector<tactile::Difference> differences;
   try {
     differences = or_throw(tactile::diff(or_throw(tactile::read_track_file(tracks[0])),
@@ -114,6 +137,8 @@ diff(int argc, char **argv)
   } catch (const std::runtime_error &error) {
     throw UsageError(error.what());
   }
+  if (manner.quiet)
+    return differences.empty() ? 0 : 1;
   Time changed{ 0 };
   for (const tactile::Difference &difference : differences) {
     std::printf("%s - %s", seconds(difference.begin).c_str(), seconds(difference.end).c_str());

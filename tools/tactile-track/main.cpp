@@ -42,10 +42,10 @@ print_help(std::FILE *file)
   std::fputs("Usage: tactile-track COMMAND [OPTION...] ...\n\nCommands:\n", file);
   for (const Command &command : kCommands)
     std::fprintf(file, "  %-9s %s\n", command.name, command.what);
-  std::fputs(
-      "\n'tactile-track COMMAND --help' tells of each. Tracks are .vtt, .csv, .hjif, .sem.xml "
-      "and (to write) .funscript.\n",
-      file);
+  std::fputs("\nAll take --force (-f) and --quiet (-q). 'tactile-track COMMAND --help' tells of "
+             "each. Tracks are .vtt, .csv, .hjif, .sem.xml "
+             "and (to write) .funscript.\n",
+             file);
 }
 
 /// Every error is one line, whatever the names in it.
@@ -72,15 +72,17 @@ date()
 } // namespace
 
 std::vector<std::string>
-parse_options(int argc, char **argv, const GOptionEntry *entries, const char *arguments,
-              const char *summary, std::size_t least, std::size_t most)
+parse_options(int argc, char **argv, const GOptionEntry *entries, Manner &manner,
+              const Usage &usage)
 {
   gchar **rest = nullptr;
   const GOptionEntry remaining[]
       = { { G_OPTION_REMAINING, 0, 0, G_OPTION_ARG_FILENAME_ARRAY, &rest, nullptr, nullptr }, {} };
-  g_autoptr(GOptionContext) context = g_option_context_new(arguments);
-  g_option_context_set_summary(context, summary);
+  const auto common = manner.entries(usage.force_means, usage.quiet_means);
+  g_autoptr(GOptionContext) context = g_option_context_new(usage.arguments);
+  g_option_context_set_summary(context, usage.summary);
   g_option_context_add_main_entries(context, entries, nullptr);
+  g_option_context_add_main_entries(context, common.data(), nullptr);
   g_option_context_add_main_entries(context, remaining, nullptr);
   g_autoptr(GError) error = nullptr;
   const std::string command = std::string("tactile-track ") + argv[0];
@@ -92,8 +94,8 @@ parse_options(int argc, char **argv, const GOptionEntry *entries, const char *ar
   g_strfreev(rest);
   if (!parsed)
     throw UsageError(error->message);
-  if (names.size() < least || names.size() > most)
-    throw UsageError(std::string("expected ") + arguments);
+  if (names.size() < usage.least || names.size() > usage.most)
+    throw UsageError(std::string("expected ") + usage.arguments);
   return names;
 }
 

@@ -29,7 +29,7 @@ caps_of(const tactile::Track &track, CueForm form)
 class Run
 {
 public:
-  Run(GstElement *pipeline, GstClockTime duration)
+  Run(GstElement *pipeline, GstClockTime duration, bool quiet)
       : pipeline_(pipeline), duration_(duration), loop_(g_main_loop_new(nullptr, FALSE))
   {
     const Owned<GstBus> bus(gst_element_get_bus(pipeline));
@@ -48,7 +48,7 @@ public:
             return G_SOURCE_CONTINUE;
           },
           this));
-    if (isatty(STDERR_FILENO))
+    if (!quiet && isatty(STDERR_FILENO))
       sources_.push_back(g_timeout_add_seconds(
           1, +[](gpointer self) { return static_cast<Run *>(self)->on_progress(); }, this));
   }
@@ -173,7 +173,7 @@ feed_track(GstElement *appsrc, const tactile::Track &track, CueForm form)
 }
 
 bool
-run_to_end(const Owned<GstElement> &pipeline, GstClockTime duration)
+run_to_end(const Owned<GstElement> &pipeline, GstClockTime duration, bool quiet)
 {
-  return Run(pipeline.get(), duration)();
+  return Run(pipeline.get(), duration, quiet)();
 }

@@ -30,4 +30,4 @@ void feed_track(GstElement *appsrc, const tactile::Track &track, CueForm form);
 
 /// Plays to the end of the stream. Progress in percent of `duration` (if known) goes to the terminal on standard error. Throws
 /// std::runtime_error with what an element said; false if it was stopped by SIGINT or SIGTERM.
-bool run_to_end(const Owned<GstElement> &pipeline, GstClockTime duration);
+bool run_to_end(const Owned<GstElement> &pipeline, GstClockTime duration, bool quiet);

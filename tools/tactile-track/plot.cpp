@@ -188,6 +188,7 @@ plot(int argc, char **argv)
 {
   TextOption output;
   TextOption film_name;
+  Manner manner;
   const GOptionEntry entries[] = {
     { "output", 'o', 0, G_OPTION_ARG_FILENAME, &output.value, "The picture: .png or .svg", "FILE" },
     { "film", 0, 0, G_OPTION_ARG_FILENAME, &film_name.value, "Draw frames of this film above",
@@ -195,9 +196,12 @@ plot(int argc, char **argv)
     {},
   };
   const std::vector<std::string> names = parse_options(
-      argc, argv, entries, "TRACK -o PICTURE",
-      "Draws a track: time to the right, a lane for each cell, the stronger the more intense.", 1,
-      1);
+      argc, argv, entries, manner,
+      { .arguments = "TRACK -o PICTURE",
+        .summary = "Draws a track: time to the right, a lane for each cell, the stronger the more "
+                   "intense.",
+        .least = 1,
+        .most = 1 });
   const std::string out = output.text();
   if (!is_picture_name(out))
     throw UsageError("expected -o PICTURE that ends in .png or .svg");

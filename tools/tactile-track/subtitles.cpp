@@ -129,7 +129,8 @@ is_subtitles(const GstStructure *structure)
 }
 
 bool
-read_subtitles(const std::string &path, GstClockTime duration, std::vector<Subtitles> &subtitles)
+read_subtitles(const std::string &path, GstClockTime duration, bool quiet,
+               std::vector<Subtitles> &subtitles)
 {
   const Owned<GstElement> pipeline
       = make_pipeline("filesrc location=" + launch_value(path) + " ! parsebin name=film");
@@ -143,7 +144,7 @@ read_subtitles(const std::string &path, GstClockTime duration, std::vector<Subti
                    nullptr);
   g_signal_connect(film.get(), "pad-added", G_CALLBACK(on_stream), &reading);
   g_signal_connect(film.get(), "no-more-pads", G_CALLBACK(on_all_streams), &reading);
-  const bool done = run_to_end(pipeline, duration);
+  const bool done = run_to_end(pipeline, duration, quiet);
   for (Subtitles &one : reading.found)
     subtitles.push_back(std::move(one));
   return done;

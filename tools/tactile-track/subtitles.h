@@ -28,7 +28,7 @@ bool is_subtitles(const GstStructure *structure);
 /// A film's subtitles, in its order. Muxers wait for the next cue of each of their streams, so that a film whose subtitles are read along
 /// with it would have to wait in memory. A film without any is not read to its end. Throws std::runtime_error; false if it was
 /// stopped by SIGINT or SIGTERM.
-bool read_subtitles(const std::string &path, GstClockTime duration,
+bool read_subtitles(const std::string &path, GstClockTime duration, bool quiet,
                     std::vector<Subtitles> &subtitles);
 
 /// Waits until what comes before a pad's first data, tags among it, has gone through the pad: matroskamux writes the names of its streams

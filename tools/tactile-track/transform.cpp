@@ -165,14 +165,17 @@ int
 convert(int argc, char **argv)
 {
   TextOption output;
+  Manner manner;
   const GOptionEntry entries[] = { { "output", 'o', 0, G_OPTION_ARG_FILENAME, &output.value,
                                      "The file to write; its name says the form", "TRACK" },
                                    {} };
   const std::vector<std::string> tracks
-      = parse_options(argc, argv, entries, "IN -o OUT",
-                      "Writes a track in another form: .vtt (WebVTT), .csv, .hjif (MPEG haptics), "
-                      ".sem.xml (MPEG-V), .funscript.",
-                      1, 1);
+      = parse_options(argc, argv, entries, manner,
+                      { .arguments = "IN -o OUT",
+                        .summary = "Writes a track in another form: .vtt (WebVTT), .csv, .hjif "
+                                   "(MPEG haptics), .sem.xml (MPEG-V), .funscript.",
+                        .least = 1,
+                        .most = 1 });
   if (!output.given())
     throw UsageError("expected -o OUT");
   write_track_file(or_throw(tactile::read_track_file(tracks[0])), output.text());
@@ -184,6 +187,7 @@ edit(int argc, char **argv)
 {
   TextOption output;
   gboolean in_place = FALSE;
+  Manner manner;
   std::vector<Operation> operations;
   const auto callback = reinterpret_cast<gpointer>(on_operation);
   const GOptionEntry entries[] = {
@@ -225,6 +229,8 @@ edit(int argc, char **argv)
   g_option_group_add_entries(group, operation_entries);
   g_option_context_set_main_group(context, group);
   g_option_context_add_main_entries(context, entries, nullptr);
+  const auto common = manner.entries(Manner::kWritesAnyway, Manner::kSaysOnlyFaults);
+  g_option_context_add_main_entries(context, common.data(), nullptr);
   g_set_prgname("tactile-track edit");
   g_autoptr(GError) error = nullptr;
   if (!g_option_context_parse(context, &argc, &argv, &error))

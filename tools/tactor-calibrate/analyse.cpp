@@ -64,6 +64,7 @@ run_analyse(int argc, char **argv)
   gdouble offset_ms = 0;
   gboolean find = FALSE;
   gboolean verbose = FALSE;
+  Manner manner;
   std::vector<std::string> arguments;
   if (!parse_options(
           argc, argv, "[FOLDER]",
@@ -85,7 +86,7 @@ run_analyse(int argc, char **argv)
             { "motor", 'm', 0, G_OPTION_ARG_STRING, &motor.value, "Which motors they are, in words",
               "TEXT" },
             { "verbose", 'v', 0, G_OPTION_ARG_NONE, &verbose, "Every step", nullptr } },
-          arguments))
+          manner.entries(Manner::kWritesAnyway, Manner::kSaysOnlyFaults), arguments))
     return 2;
   const bool single = recording.is_set() && commands.is_set() && output.is_set();
   if (arguments.size() != (single ? 0 : 1)) {
@@ -137,6 +138,8 @@ run_analyse(int argc, char **argv)
   calibration.date = now();
   calibration.method = method;
   or_throw(tactor::write_calibration(calibration, path));
+  if (manner.quiet)
+    return 0;
   report(calibration, heard.responses);
   std::printf("written: %s\n", path.c_str());
   return 0;

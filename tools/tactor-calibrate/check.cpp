@@ -73,6 +73,7 @@ run_check(int argc, char **argv)
   TextOption band;
   gint events = 10;
   gdouble volts_max = 3;
+  Manner manner;
   std::vector<GOptionEntry> entries = play_options.entries();
   const GOptionEntry own[] = {
     { "calibration", 'c', 0, G_OPTION_ARG_FILENAME, &calibration.value,
@@ -88,7 +89,10 @@ run_check(int argc, char **argv)
   if (!parse_options(
           argc, argv, "",
           "Plays a pattern and tells how far from its frame each tactor's vibration was at 90 %.",
-          std::move(entries), arguments))
+          std::move(entries),
+          manner.entries("No effect: nothing is written",
+                         "Only the line of all tactors, and what goes wrong"),
+          arguments))
     return 2;
   if (!arguments.empty() || events < 1 || events > 1000) {
     std::fprintf(stderr, "tactor-calibrate: check expects no arguments and 1 to 1000 events\n");
@@ -123,7 +127,8 @@ run_check(int argc, char **argv)
   if (all.empty())
     throw std::runtime_error("no rise could be measured; is the sensor on the motor?");
   for (const auto &[tactor, own_errors] : errors)
-    print(("tactor " + std::to_string(tactor)).c_str(), own_errors);
+    if (!manner.quiet)
+      print(("tactor " + std::to_string(tactor)).c_str(), own_errors);
   print("all", all);
   for (const auto &[fault, count] : refused)
     std::printf("%d rises could not be measured: %s\n", count, fault.c_str());

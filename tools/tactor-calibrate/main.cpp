@@ -27,7 +27,8 @@ constexpr const char *kUsage = "Usage: tactor-calibrate COMMAND [OPTION…]\n\n"
                                "  show FOLDER      pictures: envelopes, rise times, residuals\n"
                                "  check            plays a pattern with a calibration and tells "
                                "how far from its frame each 90 % fell\n\n"
-                               "tactor-calibrate COMMAND --help lists a command's options.\n";
+                               "All take --force (-f) and --quiet (-q); tactor-calibrate "
+                               "COMMAND --help lists a command's options.\n";
 
 } // namespace
 

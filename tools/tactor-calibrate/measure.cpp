@@ -15,6 +15,7 @@ run_measure(int argc, char **argv)
   TextOption motor("");
   tactor::MeasurementSettings settings;
   gint only = -1;
+  Manner manner;
   std::vector<GOptionEntry> entries = play_options.entries();
   const GOptionEntry own[] = {
     { "tactors", 't', 0, G_OPTION_ARG_STRING, &tactors.value,
@@ -40,7 +41,8 @@ run_measure(int argc, char **argv)
           "Drives tactors through known steps and records them, one clock for both. What limits "
           "tactorsink keeps holds.\nFOLDER gets a recording and a list of commands for each run "
           "of half a minute. Ctrl-C stops all motors; the same\ncommand goes on with the next run.",
-          std::move(entries), arguments))
+          std::move(entries),
+          manner.entries("Measure anew what is done already", Manner::kSaysOnlyFaults), arguments))
     return 2;
   if (arguments.size() != 1) {
     std::fprintf(stderr, "tactor-calibrate: measure expects one FOLDER\n");
@@ -50,16 +52,20 @@ run_measure(int argc, char **argv)
   const PlayerSettings player = play_options.settings(settings.volts_max);
   const Session session = Session::begin(arguments.front(), settings, motor.text(), player.source);
 
+  const auto is_wanted = [&](int run) {
+    return only < 0 ? manner.force || !session.is_done(run, !player.source.empty()) : run == only;
+  };
   Time left{ 0 };
   for (int run = 0; run < session.runs(); run++)
-    if (only < 0 ? !session.is_done(run, !player.source.empty()) : run == only)
+    if (is_wanted(run))
       left += session.frames(run).back().begin + session.frames(run).back().duration;
   for (int run = 0; run < session.runs(); run++) {
-    if (only < 0 ? session.is_done(run, !player.source.empty()) : run != only)
+    if (!is_wanted(run))
       continue;
     const std::vector<Frame> frames = session.frames(run);
-    std::printf("run %d of %d, %.0f s left\n", run + 1, session.runs(),
-                std::chrono::duration<double>(left).count());
+    if (!manner.quiet)
+      std::printf("run %d of %d, %.0f s left\n", run + 1, session.runs(),
+                  std::chrono::duration<double>(left).count());
     std::fflush(stdout);
     session.keep(run, play(frames, player, interruption()));
     left -= frames.back().begin + frames.back().duration;

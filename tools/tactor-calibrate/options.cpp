@@ -67,7 +67,8 @@ PlayOptions::settings(double volts_max) const
 
 bool
 parse_options(int argc, char **argv, const char *arguments_name, const char *summary,
-              std::vector<GOptionEntry> entries, std::vector<std::string> &arguments)
+              std::vector<GOptionEntry> entries, const std::array<GOptionEntry, 3> &manner,
+              std::vector<std::string> &arguments)
 {
   g_auto(GStrv) rest = nullptr;
   entries.push_back(
@@ -76,6 +77,7 @@ parse_options(int argc, char **argv, const char *arguments_name, const char *sum
   g_autoptr(GOptionContext) context = g_option_context_new(nullptr);
   g_option_context_set_summary(context, summary);
   g_option_context_add_main_entries(context, entries.data(), nullptr);
+  g_option_context_add_main_entries(context, manner.data(), nullptr);
   g_autoptr(GError) error = nullptr;
   if (!g_option_context_parse(context, &argc, &argv, &error)) {
     std::fprintf(stderr, "tactor-calibrate: %s\n", error->message);

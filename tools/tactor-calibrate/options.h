@@ -4,10 +4,12 @@
 #include "tactor/calibration/calibration.h"
 #include "tactor/calibration/envelope.h"
 
+#include "../manner.h"
 #include "player.h"
 
 #include <glib.h>
 
+#include <array>
 #include <string>
 #include <vector>
 
@@ -51,7 +53,8 @@ struct PlayOptions
 
 /// Reads a command's arguments; what is left goes to `arguments`. False, and the reason on standard error, if they are wrong.
 bool parse_options(int argc, char **argv, const char *arguments_name, const char *summary,
-                   std::vector<GOptionEntry> entries, std::vector<std::string> &arguments);
+                   std::vector<GOptionEntry> entries, const std::array<GOptionEntry, 3> &manner,
+                   std::vector<std::string> &arguments);
 
 /// `0,2,5` or `0-8`. Throws std::runtime_error with what was expected and what came.
 std::vector<int> parse_tactors(const std::string &text);

@@ -22,6 +22,7 @@ run_show(int argc, char **argv)
   gint tactor = 0;
   gdouble start = 0;
   gdouble target = -1;
+  Manner manner;
   std::vector<std::string> arguments;
   if (!parse_options(
           argc, argv, "FOLDER",
@@ -35,7 +36,7 @@ run_show(int argc, char **argv)
               "V" },
             { "to", 0, 0, G_OPTION_ARG_DOUBLE, &target, "Its target (default: the highest)", "V" },
             { "band", 'b', 0, G_OPTION_ARG_STRING, &band.value, "As for analyse", "LOW:HIGH" } },
-          arguments))
+          manner.entries(Manner::kWritesAnyway, Manner::kSaysOnlyFaults), arguments))
     return 2;
   if (arguments.size() != 1) {
     std::fprintf(stderr, "tactor-calibrate: show expects one FOLDER\n");
@@ -90,7 +91,8 @@ run_show(int argc, char **argv)
   const auto write = [&](const char *what, const std::function<void(cairo_t *)> &draw) {
     const std::string path = stem + "-" + what + ending;
     write_picture(path, kPictureWidth, kPictureHeight, kPixels, draw);
-    std::printf("written: %s\n", path.c_str());
+    if (!manner.quiet)
+      std::printf("written: %s\n", path.c_str());
   };
   write("envelope", [&](cairo_t *cairo) { draw_envelope(cairo, response, envelope); });
   write("rise-times", [&](cairo_t *cairo) { draw_surface(cairo, *calibration, own); });

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 //
 // visuotactile-play: plays a film on screen (or records it) and on the chair, and reports how it went.
+#include "../manner.h"
 #include "film.h"
 #include "output.h"
 #include "player.h"
@@ -47,7 +48,7 @@ struct Options
   gdouble rate = 5;
   gboolean no_window = FALSE;
   gboolean print_pipeline = FALSE;
-  gboolean quiet = FALSE;
+  Manner manner;
   gboolean version = FALSE;
   gchar **films = nullptr;
 
@@ -81,7 +82,6 @@ parse_options(int argc, char **argv, Options &options, int &status)
       "Of the motors' rise time: exact (default), frame-block or none", "NAME" },
     { "print-pipeline", 0, 0, G_OPTION_ARG_NONE, &options.print_pipeline,
       "Print the gst-launch-1.0 line and exit", nullptr },
-    { "quiet", 'q', 0, G_OPTION_ARG_NONE, &options.quiet, "No progress, only the report", nullptr },
     { "version", 0, 0, G_OPTION_ARG_NONE, &options.version, "Print the version and exit", nullptr },
     { G_OPTION_REMAINING, 0, 0, G_OPTION_ARG_FILENAME_ARRAY, &options.films, nullptr, "[FILM]" },
     {},
@@ -95,7 +95,9 @@ parse_options(int argc, char **argv, Options &options, int &status)
                                "recorded as visuotactile.mkv. The commands to the\n"
                                "chair are written to commands.csv, a few frames with their maps to "
                                "strip.png. Ctrl-C ends the film in order.");
+  const auto common = options.manner.entries(Manner::kWritesAnyway, "No progress, only the report");
   g_option_context_add_main_entries(context, entries, nullptr);
+  g_option_context_add_main_entries(context, common.data(), nullptr);
   g_option_context_add_group(context, gst_init_get_option_group());
   g_autoptr(GError) error = nullptr;
   status = 2;
@@ -206,7 +208,7 @@ run(const Options &options)
 
   PlaySettings settings;
   settings.window = !options.no_window && have_display();
-  settings.quiet = options.quiet;
+  settings.quiet = options.manner.quiet;
   settings.progress_in_place = isatty(STDERR_FILENO);
   settings.analysis_options
       = std::string("profile=") + (options.profile ? options.profile : "tuned")
