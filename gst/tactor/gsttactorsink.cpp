@@ -40,6 +40,7 @@
  * ## Messages
  * - `tactor-lead-short`: a command could not be issued as early as its motor needs; fields `lead`
  *   and `late` (#guint64, ns). At most one in five seconds.
+ * - `tactor-device-refused`: the board is back, but cannot be used: reason
  * - `tactor-device-lost`, `tactor-device-found`: the board went away, came back; with them a warning
  *   and an info message for people. The film plays on meanwhile.
  * - a warning, while the pipeline is on its way to PAUSED: it waits for ever, because one thread feeds this and another

@@ -67,6 +67,11 @@ tactor_post_device_event(GstElement *element, const tactor::DriverEvent &event)
     post(element, gst_structure_new("tactor-device-lost", "reason", G_TYPE_STRING,
                                     event.text.c_str(), nullptr));
     break;
+  case Kind::refused:
+    GST_ELEMENT_WARNING(element, RESOURCE, SETTINGS, ("%s", event.text.c_str()), (nullptr));
+    post(element, gst_structure_new("tactor-device-refused", "reason", G_TYPE_STRING,
+                                    event.text.c_str(), nullptr));
+    break;
   case Kind::returned:
     GST_ELEMENT_INFO(element, RESOURCE, SETTINGS, ("%s", event.text.c_str()),
                      ("%s", event.text.c_str()));

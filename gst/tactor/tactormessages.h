@@ -12,7 +12,7 @@
 /// Why it did not open: an error message with GStreamer's code for it.
 void tactor_post_open_error(GstElement *element, const tactor::DriverError &error);
 
-/// What became of the board: a message for people, and `tactor-device-lost` or `tactor-device-found` for programs.
+/// What became of the board: a message for people, and `tactor-device-lost`, `tactor-device-found` or `tactor-device-refused` for programs.
 void tactor_post_device_event(GstElement *element, const tactor::DriverEvent &event);
 
 /// `tactor-lead-short`: a command that needs this lead was late.

@@ -20,7 +20,9 @@ AutoDriver::open(const DriverConfig &config)
 {
   close();
   chosen_ = board_.get();
-  const tl::expected<void, DriverError> board = board_->open(config);
+  DriverConfig careful = config;
+  careful.asks_strangers = false; // nobody has said that there is a board
+  const tl::expected<void, DriverError> board = board_->open(careful);
   if (board)
     return {};
   const auto &[kind, why] = board.error();

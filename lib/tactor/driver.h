@@ -24,6 +24,7 @@ struct DriverEvent
     opened,   ///< which board it is, and how to choose another
     warning,  ///< what the user should know of it
     lost,     ///< it went away; the driver looks for it by itself
+    refused,  ///< it is back, but cannot be used; told once for each reason
     returned, ///< it is back, and does what was written last
   };
 
@@ -36,8 +37,10 @@ struct DriverConfig
 {
   std::string
       device; ///< which board: serial number or bus path; the simulator takes a file name (see there)
-  int max_tactors = 4096;        ///< at most this many are wanted, 1…4096
-  int min_tactors = 1;           ///< a board with fewer is refused
+  int max_tactors = 4096; ///< at most this many are wanted, 1…4096
+  int min_tactors = 1;    ///< a board with fewer is refused
+  /// Where no device is named: adapters behind which no board has answered yet are asked, too. They may be 3D printers, which a question may reset.
+  bool asks_strangers = true;
   double full_scale_volts = 3.0; ///< volts at the motor when a board's output is fully on
   bool realtime = false;         ///< threads that carry levels to the board ask to be real-time
   /// Called from any thread, one call at a time, between the beginning of open() and the end of close(), and also from within these.

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "tactor/firmata_driver.h"
 
+#include "tactor/board_refusals.h"
+
 #include <algorithm>
 #include <utility>
 
@@ -9,6 +11,8 @@ namespace tactor {
 namespace {
 
 using Lock = std::unique_lock<std::mutex>;
+
+constexpr std::size_t kMostExplained = 8; ///< reasons why one board is not used
 
 /// Gives a lock up for as long as it lives.
 class Unlocked
@@ -35,60 +39,6 @@ steady_now()
   return std::chrono::steady_clock::now().time_since_epoch();
 }
 
-/// What a device says of itself may be anything, and comes into messages.
-std::string
-printable(std::string text)
-{
-  text.resize(std::min<std::size_t>(text.size(), 80));
-  std::ranges::replace_if(
-      text, [](char c) { return c < ' ' || c > '~'; }, '?');
-  return text;
-}
-
-/// "Arduino Mega 2560 (serial 7573, at 1-2)"
-std::string
-describe(const SerialDevice &device)
-{
-  return printable(device.name) + " ("
-         + (device.serial.empty() ? "" : "serial " + printable(device.serial) + ", ") + "at "
-         + device.bus_path + ")";
-}
-
-std::string
-describe(const std::vector<SerialDevice> &devices)
-{
-  std::string text;
-  for (const SerialDevice &device : devices)
-    text += (text.empty() ? "" : ", ") + describe(device);
-  return text;
-}
-
-std::string
-numbers(const std::vector<int> &all)
-{
-  std::string text;
-  for (const int number : all)
-    text += (text.empty() ? "" : ", ") + std::to_string(number);
-  return text;
-}
-
-bool
-is_same_board(const SerialDevice &a, const SerialDevice &b)
-{
-  return a.vendor == b.vendor && a.product == b.product && a.serial == b.serial
-         && (!a.serial.empty() || a.bus_path == b.bus_path);
-}
-
-/// Why none of several boards was taken.
-DriverError
-summary(const std::vector<DriverError> &refusals)
-{
-  std::string text;
-  for (const DriverError &refusal : refusals)
-    text += (text.empty() ? "" : "; ") + refusal.text;
-  return { refusals.front().kind, text };
-}
-
 } // namespace
 
 FirmataDriver::FirmataDriver(Firmware firmware, MakeBus make_bus)
@@ -97,7 +47,8 @@ FirmataDriver::FirmataDriver(Firmware firmware, MakeBus make_bus)
 }
 
 FirmataDriver::FirmataDriver(Firmware firmware, MakeBus make_bus, Settings settings)
-    : firmware_(firmware), make_bus_(std::move(make_bus)), settings_(settings)
+    : firmware_(firmware), make_bus_(std::move(make_bus)), settings_(std::move(settings)),
+      known_boards_(settings_.known_boards)
 {
 }
 
@@ -228,7 +179,13 @@ FirmataDriver::run()
     if (quit_)
       break;
     status_.is_there = false;
-    tell(lock, DriverEvent::Kind::lost, describe(device_) + ": " + why);
+    // What is in other sockets at this moment is other boards.
+    identity_->look_at(list(lock, *bus).value_or(std::vector<SerialDevice>()));
+    tell(lock, DriverEvent::Kind::lost,
+         describe(device_) + ": " + why
+             + (identity_->is_of_its_socket()
+                    ? "; it is looked for at " + device_.bus_path + " alone"
+                    : ""));
     while (!quit_ && !port)
       port = connect_again(lock, *bus);
     if (!port)
@@ -238,10 +195,12 @@ FirmataDriver::run()
   }
 
   realtime_.reset();
-  const Unlocked unlocked(lock);
-  if (bus)
-    bus->watch(nullptr);
-  bus.reset();
+  {
+    const Unlocked unlocked(lock);
+    if (bus)
+      bus->watch(nullptr);
+    bus.reset();
+  }
 }
 
 tl::expected<std::unique_ptr<SerialBus>, DriverError>
@@ -276,15 +235,17 @@ FirmataDriver::connect_first(Lock &lock, SerialBus &bus)
   if (!listed)
     return tl::unexpected(listed.error());
   std::vector<SerialDevice> devices = std::move(*listed);
-  std::vector<SerialDevice> wanted;
-  for (const SerialDevice &device : devices)
-    if (config_.device.empty() || device.serial == config_.device
-        || device.bus_path == config_.device)
-      wanted.push_back(device);
+  const auto [wanted, passed_over]
+      = choose_boards(devices, config_.device, config_.asks_strangers, known_boards_);
+  const std::string not_asked
+      = passed_over.empty() ? ""
+                            : "; not asked, for it may be anything: " + describe(passed_over)
+                                  + "; if that is a tactor board, name it once by device=SERIAL "
+                                    "or device=BUS-PATH";
   if (wanted.empty() && config_.device.empty())
-    return tl::unexpected(
-        DriverError{ DriverError::Kind::not_found,
-                     "no tactor board is plugged in; expected one with StandardFirmata on USB" });
+    return tl::unexpected(DriverError{
+        DriverError::Kind::not_found,
+        "no tactor board is plugged in; expected one with StandardFirmata on USB" + not_asked });
   if (wanted.empty())
     return tl::unexpected(
         DriverError{ DriverError::Kind::not_found,
@@ -300,9 +261,12 @@ FirmataDriver::connect_first(Lock &lock, SerialBus &bus)
       tactors_ = std::min(config_.max_tactors, static_cast<int>(status_.pins.size()));
       resolution_ = board_->resolution() * config_.full_scale_volts;
       transport_latency_ = board_->update_time();
+      identity_.emplace(device, config_.device, devices);
+      refused_.reset();
+      explained_.clear();
       std::erase(devices, device);
       tell(lock, DriverEvent::Kind::opened,
-           status_.board + ": " + status_.firmware + ", tactors on pins " + numbers(status_.pins)
+           status_.board + ": " + status_.firmware + ", tactors on pins " + describe(status_.pins)
                + (devices.empty() ? ""
                                   : "; another is chosen by device=SERIAL or device=BUS-PATH: "
                                         + describe(devices)));
@@ -317,32 +281,73 @@ FirmataDriver::connect_first(Lock &lock, SerialBus &bus)
       return port;
     refusals.push_back(port.error());
   }
-  return tl::unexpected(summary(refusals));
+  DriverError refusal = summary(refusals);
+  refusal.text += not_asked;
+  return tl::unexpected(refusal);
 }
 
 /// Waits until it is worth while and looks for the board that was lost. Null if it is not there yet.
 std::unique_ptr<SerialPort>
 FirmataDriver::connect_again(Lock &lock, SerialBus &bus)
 {
-  changed_.wait_for(lock, settings_.look_again, [this] { return quit_ || bus_changed_; });
+  const auto is_due = [this] {
+    return quit_ || bus_changed_;
+  };
+  // A board that does not fit is asked again when something has changed: each question may reset it.
+  if (refused_ && refused_->kind == DriverError::Kind::settings)
+    changed_.wait(lock, is_due);
+  else
+    changed_.wait_for(lock, settings_.look_again, is_due);
   if (quit_)
     return nullptr;
   bus_changed_ = false;
-  std::vector<SerialDevice> devices = list(lock, bus).value_or(std::vector<SerialDevice>());
-  std::erase_if(devices,
-                [this](const SerialDevice &device) { return !is_same_board(device, device_); });
-  if (devices.empty())
+  const std::optional<SerialDevice> found
+      = identity_->find(list(lock, bus).value_or(std::vector<SerialDevice>()));
+  if (!found) {
+    refused_.reset();
+    explained_.clear();
     return nullptr;
-  // Of clones with one number, that in the same socket.
-  const auto same = std::ranges::find(devices, device_.bus_path, &SerialDevice::bus_path);
-  // A refusal is as when it is plugged in but says nothing yet.
-  return connect(lock, bus, same != devices.end() ? *same : devices.front()).value_or(nullptr);
+  }
+  tl::expected<std::unique_ptr<SerialPort>, DriverError> port = connect(lock, bus, *found);
+  if (!port) {
+    explain(lock, port.error());
+    return nullptr;
+  }
+  identity_->is_now(*found);
+  refused_.reset();
+  explained_.clear();
+  return std::move(*port);
+}
+
+/// Tells, once, why a board that is back is not used.
+void
+FirmataDriver::explain(Lock &lock, const DriverError &refusal)
+{
+  using Kind = DriverError::Kind;
+  // What else may pass: udev is still at work, the board is being plugged out, or boots.
+  const bool stays = refusal.kind == Kind::settings || refusal.kind == Kind::busy
+                     || (refused_ && refused_->text == refusal.text);
+  refused_ = refusal;
+  if (quit_ || !stays || explained_.size() == kMostExplained
+      || !explained_.insert(refusal.text).second)
+    return;
+  tell(lock, DriverEvent::Kind::refused,
+       "the tactor board is back, but cannot be used: " + refusal.text);
 }
 
 /// Opens a device, asks what it is and gives it the levels.
 tl::expected<std::unique_ptr<SerialPort>, DriverError>
 FirmataDriver::connect(Lock &lock, SerialBus &bus, const SerialDevice &device)
 {
+  LineUse use;
+  {
+    const Unlocked unlocked(lock);
+    use = bus.use(device);
+  }
+  const bool is_wanted = config_.asks_strangers || !config_.device.empty();
+  if (std::optional<DriverError> refusal = refusal_of_use(device, use, is_wanted))
+    return tl::unexpected(*refusal);
+
   SerialPort::Events events;
   events.received = [this](std::span<const std::uint8_t> bytes) {
     std::lock_guard event(mutex_);
@@ -375,25 +380,20 @@ FirmataDriver::connect(Lock &lock, SerialBus &bus, const SerialDevice &device)
   }
   converse(lock, **port, &FirmataDriver::has_answered);
 
-  const std::vector<int> pins = board_->pins();
-  const auto count = static_cast<int>(pins.size());
-  const int needed = std::max(config_.min_tactors, tactors_);
-  using Kind = DriverError::Kind;
   std::optional<DriverError> refusal;
   if (quit_)
-    refusal = { Kind::failed, "closed while it was being opened" };
+    refusal = { DriverError::Kind::failed, "closed while it was being opened" };
   else if (lost_)
-    refusal = { Kind::failed, describe(device) + ": " + *lost_ };
-  else if (count < needed)
-    refusal = { Kind::settings, describe(device) + " has " + std::to_string(count)
-                                    + " pins with pulse-width modulation (" + numbers(pins)
-                                    + "), but " + std::to_string(needed)
-                                    + " tactors are wanted; set mapping to tactors below "
-                                    + std::to_string(count) + ", or take a board with more" };
-  else if (firmware_ == Firmware::with_watchdog && !board_->has_watchdog())
-    refusal = { Kind::settings, describe(device) + ": expected the seat firmware, got "
-                                    + board_->firmware()
-                                    + "; flash it (docs/hardware), or use driver=firmata" };
+    refusal = { DriverError::Kind::failed, describe(device) + ": " + *lost_ };
+  else
+    refusal = refusal_of_board(device, *board_, std::max(config_.min_tactors, tactors_),
+                               firmware_ == Firmware::with_watchdog);
+  const bool is_board = board_->state() == FirmataBoard::State::running;
+  const bool is_none = board_->state() == FirmataBoard::State::failed;
+  if (device.is_adapter && (is_board || is_none)) {
+    const Unlocked unlocked(lock);
+    is_board ? known_boards_.add(device) : known_boards_.remove(device);
+  }
   if (refusal) {
     release(lock, std::move(*port));
     return tl::unexpected(*refusal);
@@ -403,7 +403,7 @@ FirmataDriver::connect(Lock &lock, SerialBus &bus, const SerialDevice &device)
   status_.board = describe(device);
   status_.firmware = board_->firmware();
   status_.has_watchdog = board_->has_watchdog();
-  status_.pins = pins;
+  status_.pins = board_->pins();
   status_.is_there = true;
   board_->set_levels(levels_, levels_set_);
   return port;

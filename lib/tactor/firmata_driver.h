@@ -1,15 +1,19 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include "tactor/board_choice.h"
 #include "tactor/driver.h"
 #include "tactor/firmata_board.h"
+#include "tactor/known_boards.h"
 #include "tactor/realtime/realtime_thread.h"
 #include "tactor/serial_port.h"
 
 #include <condition_variable>
+#include <filesystem>
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <set>
 #include <string>
 #include <thread>
 #include <vector>
@@ -19,9 +23,9 @@ namespace tactor {
 /// Any board with a Firmata sketch on a serial bus. Its tactors are the pins with pulse-width modulation, in ascending order: on a Mega
 /// 2–13 and 44–46, on an Uno 3, 5, 6, 9, 10 and 11.
 ///
-/// Without DriverConfig::device the first board that answers is taken, one device after the other, each for FirmataPatience::answer
-/// at most. A board that goes away is looked for whenever something is plugged in or out, and once in `look_again`: the same
-/// serial number, or the same socket where there is none.
+/// Without DriverConfig::device the first board that answers is taken, one device after the other as choose_boards() has them, each for
+/// FirmataPatience::answer at most, and none that another program has open. A board that goes away is looked for whenever something is plugged in or
+/// out, and once in `look_again`, as BoardIdentity has it; why one that is back cannot be used is told once.
 ///
 /// One thread of its own has bus, port and reconnection; write() leaves the levels there and never waits. close() may be called
 /// by another thread while open() waits, which then fails.
@@ -38,6 +42,7 @@ public:
   {
     FirmataPatience patience{};
     Time look_again = std::chrono::seconds(1);
+    std::filesystem::path known_boards = KnownBoards::default_file(); ///< see KnownBoards
   };
 
   using MakeBus = MakeSerialBus;
@@ -69,6 +74,7 @@ private:
                                                                  const SerialDevice &device);
   void converse(Lock &lock, SerialPort &port, bool (FirmataDriver::*is_done)() const);
   void release(Lock &lock, std::unique_ptr<SerialPort> port);
+  void explain(Lock &lock, const DriverError &refusal);
   void tell(Lock &lock, DriverEvent::Kind kind, const std::string &text);
   bool has_answered() const;
   bool is_quitting() const;
@@ -81,6 +87,7 @@ private:
   std::optional<RealtimeThread>
       realtime_; ///< the driver's thread's, and made, used and ended by it
 
+  KnownBoards known_boards_; ///< the driver's thread's
   mutable std::mutex mutex_; ///< guards everything below
   std::condition_variable changed_;
   std::thread thread_;
@@ -88,11 +95,14 @@ private:
   bool is_open_ = false;
   bool quit_ = false;
   bool bus_changed_ = false;
-  std::optional<DriverError> refusal_; ///< why open() fails
-  std::optional<std::string> lost_;    ///< why the port is of no use any more
-  std::optional<FirmataBoard> board_;  ///< at the other end of the port, while there is one
-  SerialDevice device_;                ///< the last one that was taken
-  std::vector<double> levels_;         ///< 0…1, as written last
+  std::optional<DriverError> refusal_;    ///< why open() fails
+  std::optional<std::string> lost_;       ///< why the port is of no use any more
+  std::optional<FirmataBoard> board_;     ///< at the other end of the port, while there is one
+  SerialDevice device_;                   ///< the last one that was taken
+  std::optional<BoardIdentity> identity_; ///< of that
+  std::optional<DriverError> refused_;    ///< since it is back
+  std::set<std::string> explained_;       ///< what was told of that
+  std::vector<double> levels_;            ///< 0…1, as written last
   Time levels_set_{ 0 };
   std::uint64_t bytes_before_ = 0; ///< sent to boards before board_
   DriverStatus status_;

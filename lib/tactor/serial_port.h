@@ -2,6 +2,7 @@
 #pragma once
 
 #include "tactor/driver_error.h"
+#include "tactor/line_use.h"
 
 #include <tl/expected.hpp>
 
@@ -50,7 +51,8 @@ struct SerialDevice
   std::string name;     ///< to be read by people: manufacturer and product
   std::uint16_t vendor = 0;
   std::uint16_t product = 0;
-  std::string transport; ///< "cdc-acm", "ftdi", "ch340"
+  std::string transport;   ///< "cdc-acm", "ftdi", "ch340"
+  bool is_adapter = false; ///< a bare USB serial chip, behind which may be anything
 
   bool operator==(const SerialDevice &) const = default;
 };
@@ -67,6 +69,18 @@ public:
   /// Opens one. DriverError: not_found, busy, permission (the text names the udev rule and the command that installs it), failed.
   [[nodiscard]] virtual tl::expected<std::unique_ptr<SerialPort>, DriverError>
   open(const SerialDevice &device, SerialPort::Events events) = 0;
+
+  /// Whether a program has the operating system's own line to the device open, which open() would take away from it. Nothing is opened for that.
+  virtual LineUse use(const SerialDevice & /*device*/)
+  {
+    return {};
+  }
+
+  /// Whether whoever had it open last was killed: the operating system has no line to it.
+  virtual bool is_left(const SerialDevice & /*device*/)
+  {
+    return false;
+  }
 
   /// From now on `changed` is called after something was plugged in or out, from any thread; nullptr: no more, and none is being called
   /// after this returns. Works also where no udevd runs. DriverError (failed) if the bus itself cannot be used; never of nullptr.

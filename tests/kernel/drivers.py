@@ -77,12 +77,12 @@ class Board:
 
 
 class Play:
-    def __init__(self, motors, driver, *device):
+    def __init__(self, motors, driver, *device, user=None):
         self.motors = motors
         self.output = "/tmp/play.log"
         with open(self.output, "w") as output:
             self.process = subprocess.Popen([sys.executable, TESTS + "/play.py", str(motors), driver, *device], stdin=subprocess.PIPE, stdout=output,
-                                            stderr=output, text=True, env=ENVIRONMENT)
+                                            stderr=output, text=True, env=ENVIRONMENT, user=user)
 
     def said(self):
         with open(self.output) as output:
@@ -191,6 +191,22 @@ def killed():
         expect(board.on() == 0, f"{board.on()} motors are still on")
 
 
+def killed_released():
+    """SIGKILL, then visuotactile-play --release-boards: motors off, the tty is back."""
+    with Board() as board:
+        with Play(9, "firmata") as play:
+            play.wait_to("playing")
+            wait_for("motors", lambda: board.on() == 9)
+            play.process.kill()
+            play.process.wait(timeout=PATIENCE)
+        expect(board.tty() is None, "expected no tty after SIGKILL")
+        said = subprocess.run([BUILD + "/tools/visuotactile-play", "--release-boards"], env=ENVIRONMENT, text=True, capture_output=True,
+                              timeout=PATIENCE).stdout
+        expect("motors stopped" in said, f"it said: {said}")
+        wait_for("tty after that", board.tty)
+        expect(board.on() == 0, f"{board.on()} motors are still on")
+
+
 def in_use_auto():
     """driver=auto leaves a silent adapter alone that a program reads from."""
     with Board(transport="ftdi", silent=True) as board:
@@ -228,6 +244,26 @@ def in_use_named():
             reader.wait()
 
 
+def in_use_unseen():
+    """A player of another user than the reader's, whose files it may not see, is told by the kernel's count."""
+    with Board(transport="ftdi", silent=True) as board:
+        for place, _, nodes in os.walk("/dev/bus/usb"):
+            for node in nodes:
+                os.chmod(f"{place}/{node}", 0o666)
+        reader = subprocess.Popen(["cat", board.tty()], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        try:
+            wait_for("DTR from the reader's open", lambda: "dtr 1" in board.lines())
+            before = board.lines()
+            with Play(1, "firmata", "1-1", user=65534) as play:
+                play.wait_to("failed")
+                expect("a program of another user has ttyUSB0 open" in play.said(), f"expected another user's program; it said: {play.said()}")
+            expect(reader.poll() is None, "the reader ended")
+            expect(board.lines() == before, f"the adapter was touched: {board.lines()[len(before):]}")
+        finally:
+            reader.kill()
+            reader.wait()
+
+
 def bare_adapter():
     """driver=auto does not ask a bare adapter that nobody named."""
     with Board(transport="ftdi", silent=True) as board:
@@ -258,7 +294,7 @@ def two_of_one_number():
                 expect(again.on() == 0, f"{again.on()} motors are still on")
 
 
-CASES = [stop_4, stop_9, stop_9_ch340, end_9, pause_9, terminated, hung_up, killed, in_use_auto, in_use_named, bare_adapter, two_of_one_number]
+CASES = [stop_4, stop_9, stop_9_ch340, end_9, pause_9, terminated, hung_up, killed, killed_released, in_use_auto, in_use_named, in_use_unseen, bare_adapter, two_of_one_number]
 
 
 def main():

@@ -44,10 +44,10 @@ GST_START_TEST(test_list)
   EmulatedBoard clone(usb, { .transport = Transport::ftdi, .port = "1-1", .manufacturer = "" });
   UsbSerialBus bus;
   const std::vector<SerialDevice> expected{
-    { "75833353035351F0C0A1", "1-1", "Mega 2560", 0x0403, 0x6001, "ftdi" },
+    { "75833353035351F0C0A1", "1-1", "Mega 2560", 0x0403, 0x6001, "ftdi", true },
     { "75833353035351F0C0A1", "1-2", "Arduino (www.arduino.cc) Mega 2560", 0x2341, 0x0042,
       "cdc-acm" },
-    { "", "1-10", "Arduino (www.arduino.cc) Mega 2560", 0x1a86, 0x7523, "ch340" },
+    { "", "1-10", "Arduino (www.arduino.cc) Mega 2560", 0x1a86, 0x7523, "ch340", true },
   };
   fail_unless(unwrap(bus.list()) == expected);
   // Nothing was opened for that.

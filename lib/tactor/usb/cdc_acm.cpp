@@ -5,6 +5,7 @@ namespace tactor {
 
 namespace {
 
+constexpr std::uint16_t kWch = 0x1a86; // CH9102, CH343: bare chips
 constexpr std::uint8_t kAbstractControlModel = 0x02;
 constexpr std::uint8_t kToInterface = 0x21; // host to device, class, interface
 constexpr std::uint8_t kSetLineCoding = 0x20;
@@ -27,6 +28,7 @@ cdc_acm_line(const libusb_device_descriptor &device, const libusb_config_descrip
     if (std::optional<SerialLine> line = bulk_line(*interface)) {
       const std::uint16_t index = control->bInterfaceNumber;
       line->transport = "cdc-acm";
+      line->is_adapter = device.idVendor == kWch;
       // The data interface is released first: the kernel's driver takes both when it gets the control interface back.
       line->interfaces = { control->bInterfaceNumber, interface->bInterfaceNumber };
       line->set_up = {

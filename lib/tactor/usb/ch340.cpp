@@ -21,6 +21,7 @@ ch340_line(const libusb_device_descriptor &device, const libusb_config_descripto
   if (!line)
     return std::nullopt;
   line->transport = "ch340";
+  line->is_adapter = true;
   line->set_up = {
     { kFromDevice, kReadVersion, 0, 0, { 0, 0 } },
     { kToDevice, kSerialInit, 0, 0 },

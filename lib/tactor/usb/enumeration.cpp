@@ -114,7 +114,8 @@ find_serial_devices(const UsbContext &context)
       .name = manufacturer + (manufacturer.empty() || product.empty() ? "" : " ") + product,
       .vendor = descriptor.idVendor,
       .product = descriptor.idProduct,
-      .transport = std::string(line->transport)
+      .transport = std::string(line->transport),
+      .is_adapter = line->is_adapter
     };
     const std::uint8_t address = libusb_get_device_address(device.get());
     found.push_back({ std::move(device), std::move(described), *std::move(line), address });

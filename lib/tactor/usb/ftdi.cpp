@@ -23,6 +23,7 @@ ftdi_line(const libusb_device_descriptor &device, const libusb_config_descriptor
   // Chips with several lines count them from 1; those with one know it as 0.
   const std::uint16_t index = first_settings(config).size() > 1 ? 1 : 0;
   line->transport = "ftdi";
+  line->is_adapter = true;
   line->status_bytes = 2; // modem and line status
   line->set_up = {
     { kToDevice, kReset, 0, index },

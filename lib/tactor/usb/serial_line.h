@@ -36,6 +36,7 @@ struct ControlRequest
 struct SerialLine
 {
   std::string_view transport;    ///< "cdc-acm", "ftdi", "ch340"
+  bool is_adapter = false;       ///< see SerialDevice
   std::vector<int> interfaces;   ///< to be claimed, in this order, and released in the opposite one
   std::uint8_t in_endpoint = 0;  ///< bulk
   std::uint8_t out_endpoint = 0; ///< bulk

@@ -2,14 +2,35 @@
 #include "tactor/usb/usb_serial_bus.h"
 
 #include "tactor/usb/enumeration.h"
+#include "tactor/usb/tty_use.h"
 #include "tactor/usb/usb_serial_port.h"
 
+#include <algorithm>
 #include <atomic>
+#include <optional>
 #include <sys/time.h>
 #include <thread>
 #include <utility>
 
 namespace tactor {
+
+namespace {
+
+/// That to which the kernel's line belongs; nothing if the device is gone.
+std::optional<int>
+first_interface(const SerialDevice &device)
+{
+  const tl::expected<UsbContext, DriverError> context = UsbContext::create();
+  if (!context)
+    return std::nullopt;
+  const tl::expected<std::vector<UsbSerialDevice>, DriverError> all = find_serial_devices(*context);
+  if (!all)
+    return std::nullopt;
+  const auto found = std::ranges::find(*all, device, &UsbSerialDevice::device);
+  return found == all->end() ? std::nullopt : std::optional(found->line.interfaces.front());
+}
+
+} // namespace
 
 /// Looks again after every event from udevd, and now and then where none runs.
 class UsbSerialBus::Watch
@@ -95,7 +116,8 @@ private:
   std::thread thread_;
 };
 
-UsbSerialBus::UsbSerialBus(UsbPatience patience) : patience_(patience)
+UsbSerialBus::UsbSerialBus(UsbPatience patience, SystemRoots roots)
+    : patience_(patience), roots_(std::move(roots))
 {
 }
 
@@ -134,6 +156,20 @@ UsbSerialBus::watch(std::function<void()> changed)
     return tl::unexpected(watch.error());
   watch_ = std::move(*watch);
   return {};
+}
+
+LineUse
+UsbSerialBus::use(const SerialDevice &device)
+{
+  const std::optional<int> interface = first_interface(device);
+  return interface ? tty_use(device.bus_path, *interface, roots_) : LineUse{};
+}
+
+bool
+UsbSerialBus::is_left(const SerialDevice &device)
+{
+  const std::optional<int> interface = first_interface(device);
+  return interface && has_no_driver(device.bus_path, *interface, roots_);
 }
 
 } // namespace tactor

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "tactor/serial_port.h"
+#include "tactor/usb/system_roots.h"
 
 #include <chrono>
 #include <functional>
@@ -32,18 +33,21 @@ struct UsbPatience
 class UsbSerialBus : public SerialBus
 {
 public:
-  explicit UsbSerialBus(UsbPatience patience = {});
+  explicit UsbSerialBus(UsbPatience patience = {}, SystemRoots roots = {});
   ~UsbSerialBus() override;
 
   [[nodiscard]] tl::expected<std::vector<SerialDevice>, DriverError> list() override;
   [[nodiscard]] tl::expected<std::unique_ptr<SerialPort>, DriverError>
   open(const SerialDevice &device, SerialPort::Events events) override;
   tl::expected<void, DriverError> watch(std::function<void()> changed) override;
+  LineUse use(const SerialDevice &device) override;
+  bool is_left(const SerialDevice &device) override;
 
 private:
   class Watch;
 
   UsbPatience patience_;
+  SystemRoots roots_;
   std::unique_ptr<Watch> watch_;
 };
 

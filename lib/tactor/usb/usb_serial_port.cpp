@@ -2,6 +2,7 @@
 #include "tactor/usb/usb_serial_port.h"
 
 #include "tactor/realtime/realtime_thread.h"
+#include "tactor/usb/permission.h"
 
 #include <algorithm>
 #include <cassert>
@@ -25,15 +26,12 @@ failure(int error, const SerialDevice &device, const char *what)
   using Kind = DriverError::Kind;
   switch (error) {
   case LIBUSB_ERROR_ACCESS:
-    return tl::unexpected(DriverError{
-        Kind::permission,
-        called(device)
-            + " may not be opened by you; install the udev rule: sudo install -m 644 "
-              "data/udev/70-visuotactile.rules /etc/udev/rules.d/ && sudo udevadm control "
-              "--reload && sudo udevadm trigger --subsystem-match=usb" });
+    return tl::unexpected(
+        DriverError{ Kind::permission, called(device) + " may not be opened by you; "
+                                           + permission_advice(device.bus_path) });
   case LIBUSB_ERROR_BUSY:
     return tl::unexpected(DriverError{
-        Kind::busy, called(device) + " is used by another program; close that first" });
+        Kind::busy, called(device) + " is in use by another program; close that first" });
   case LIBUSB_ERROR_NO_DEVICE:
     return tl::unexpected(DriverError{ Kind::not_found, called(device) + " was unplugged" });
   default:

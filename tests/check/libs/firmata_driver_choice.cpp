@@ -183,6 +183,179 @@ GST_START_TEST(test_which_board_returns)
 }
 GST_END_TEST;
 
+namespace {
+
+/// A clone of a Nano: nothing but its chip is known of it.
+const SerialDevice kNano{ .serial = "A50285BI",
+                          .bus_path = "1-1",
+                          .name = "FT232R USB UART",
+                          .vendor = 0x0403,
+                          .product = 0x6001,
+                          .transport = "ftdi",
+                          .is_adapter = true };
+
+} // namespace
+
+/// An adapter may be a printer: it is asked where somebody says that there is a board, or has said so and was right.
+GST_START_TEST(test_adapters)
+{
+  FirmataPatience patience = kEndless;
+  patience.answer = 20ms;
+  patience.ask_again = 5ms;
+  MemoryBoard nano(kNano, kUno);
+  Rig rig(Firmware::any, patience);
+  rig.sockets.plug(nano);
+  DriverConfig careful = rig.config();
+  careful.asks_strangers = false;
+  const auto expect_not_asked = [&] {
+    const int opens = nano.opens;
+    const DriverError error = refusal_of(rig.driver.open(careful));
+    fail_unless(error.kind == Kind::not_found);
+    assert_contains(error.text.c_str(), { "not asked", "FT232R", "A50285BI", "at 1-1", "device=" });
+    ck_assert_int_eq(nano.opens, opens);
+  };
+  expect_not_asked();
+
+  // Named once, in one play, it is known in the others; other boards come first.
+  careful.device = "A50285BI";
+  unwrap(rig.driver.open(careful));
+  careful.device = "";
+  unwrap(rig.driver.open(careful));
+  fail_unless(nano.is_open);
+  rig.sockets.plug(rig.mega);
+  unwrap(rig.driver.open(careful));
+  fail_unless(rig.mega.is_open && !nano.is_open);
+  rig.driver.close();
+  rig.sockets.unplug(rig.mega);
+
+  // One that does not answer is none any more.
+  nano.says_nothing = true;
+  assert_contains(refusal_of(rig.driver.open(careful)).text, { "does not answer" });
+  expect_not_asked();
+  nano.says_nothing = false;
+
+  // Who wants a board has it asked.
+  unwrap(rig.driver.open(rig.config()));
+  fail_unless(nano.is_open);
+}
+GST_END_TEST;
+
+/// What another program has open is left to it, and said to be so.
+GST_START_TEST(test_in_use)
+{
+  Rig rig;
+  rig.sockets.plug(rig.mega);
+  DriverConfig careful = rig.config();
+  careful.asks_strangers = false;
+  rig.mega.use = { LineUse::Kind::certain, "cat (process 7) has ttyACM0 open" };
+  for (const DriverConfig &config : { rig.config(), rig.config(1, "1-2"), careful }) {
+    const DriverError error = refusal_of(rig.driver.open(config));
+    fail_unless(error.kind == Kind::busy);
+    assert_contains(error.text.c_str(),
+                    { "Mega 2560", "in use by another program", "cat (process 7)" });
+  }
+  // Where that is not known it is no reason for those who say that there is a board.
+  rig.mega.use.kind = LineUse::Kind::perhaps;
+  fail_unless(refusal_of(rig.driver.open(careful)).kind == Kind::busy);
+  ck_assert_int_eq(rig.mega.opens, 0);
+  careful.device = "1-2";
+  unwrap(rig.driver.open(careful));
+  unwrap(rig.driver.open(rig.config()));
+}
+GST_END_TEST;
+
+/// The film does not jump to another chair: of two boards with one number that in the same socket is waited for, however it was named.
+GST_START_TEST(test_twin_is_not_taken)
+{
+  for (const char *name : { "1-2", "", "7573" }) {
+    MemoryBoard twin(device("7573", "1-3"), kMega);
+    Rig rig;
+    rig.sockets.plug(rig.mega);
+    // One was there before, the other comes while the film plays.
+    const bool comes_later = *name != '1';
+    if (!comes_later)
+      rig.sockets.plug(twin);
+    rig.open(1, name);
+    rig.write({ 1.0 });
+    if (comes_later)
+      rig.sockets.plug(twin);
+    rig.sockets.unplug(rig.mega);
+    rig.wait_for(EventKind::lost);
+    rig.sockets.announce();
+    rig.sockets.plug(rig.mega);
+    rig.wait_for(EventKind::returned);
+    ck_assert_int_eq(twin.opens, 0);
+    assert_contains(rig.text(EventKind::lost), { "looked for at 1-2 alone" });
+    rig.expect(rig.mega, { 1.0 });
+  }
+}
+GST_END_TEST;
+
+/// A socket that was named is a socket: whatever board is in it.
+GST_START_TEST(test_socket_is_named)
+{
+  MemoryBoard other(device("8", "1-2", "Another Mega"), kMega);
+  MemoryBoard elsewhere(device("7573", "1-3"), kMega);
+  Rig rig;
+  rig.sockets.plug(rig.mega);
+  rig.open(1, "1-2");
+  rig.write({ 1.0 });
+  rig.sockets.unplug(rig.mega);
+  rig.wait_for(EventKind::lost);
+  rig.sockets.plug(elsewhere);
+  rig.sockets.plug(other);
+  rig.wait_for(EventKind::returned);
+  ck_assert_int_eq(elsewhere.opens, 0);
+  rig.expect(other, { 1.0 });
+}
+GST_END_TEST;
+
+/// A board that is back and cannot be used is explained, once for each reason, while it is tried again and again.
+GST_START_TEST(test_refused_when_it_is_back)
+{
+  Layout small = kMega;
+  small.pwm = { 2, 3, 4 };
+  MemoryBoard smaller(device("7573", "1-2"), small);
+  Rig rig(Firmware::any, kEndless, 1ms);
+  const auto refused = [&] {
+    return rig.count(EventKind::refused);
+  };
+  rig.sockets.plug(rig.mega);
+  rig.open();
+  rig.sockets.unplug(rig.mega);
+  rig.wait_for(EventKind::lost);
+  rig.mega.refusal = Kind::permission;
+  rig.sockets.plug(rig.mega);
+  const auto wait_for_tries = [&] {
+    const int opens = rig.sockets.locked([&] { return rig.mega.opens; });
+    rig.sockets.wait([&] { return rig.mega.opens > opens + 10; });
+  };
+  wait_for_tries();
+  ck_assert_int_eq(refused(), 1);
+  assert_contains(rig.text(EventKind::refused), { "cannot be used", "Mega 2560 is refused" });
+  rig.sockets.locked([&] { rig.mega.use = { LineUse::Kind::certain, "cat has it" }; });
+  rig.wait_for(EventKind::refused, 2);
+  rig.sockets.locked([&] { rig.mega.use = {}; });
+  wait_for_tries();
+  ck_assert_int_eq(refused(), 2);
+  rig.sockets.locked([&] { rig.mega.refusal.reset(); });
+  rig.wait_for(EventKind::returned);
+
+  // Each time it comes back. Of what is not going to change it is not asked again and again: a board that is opened begins anew.
+  rig.sockets.unplug(rig.mega);
+  rig.wait_for(EventKind::lost, 2);
+  rig.sockets.plug(smaller);
+  rig.wait_for(EventKind::refused, 3);
+  rig.sockets.plug(rig.uno);
+  rig.sockets.wait([&] { return smaller.opens == 2; });
+  rig.sockets.unplug(smaller);
+  rig.sockets.plug(rig.mega);
+  rig.wait_for(EventKind::returned, 2);
+  ck_assert_int_eq(smaller.opens, 2);
+  ck_assert_int_eq(refused(), 3);
+}
+GST_END_TEST;
+
 /// `seat` wants the watchdog; `firmata` uses it where it is.
 GST_START_TEST(test_seat)
 {
@@ -273,6 +446,11 @@ firmata_driver_choice_suite(void)
   tcase_add_test(tests, test_two_boards);
   tcase_add_test(tests, test_too_few_pins);
   tcase_add_test(tests, test_which_board_returns);
+  tcase_add_test(tests, test_adapters);
+  tcase_add_test(tests, test_in_use);
+  tcase_add_test(tests, test_twin_is_not_taken);
+  tcase_add_test(tests, test_socket_is_named);
+  tcase_add_test(tests, test_refused_when_it_is_back);
   tcase_add_test(tests, test_seat);
   tcase_add_test(tests, test_auto);
   return suite;

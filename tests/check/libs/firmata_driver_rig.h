@@ -12,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include "../temporary_file.h"
 #include "../unwrap.h"
 #include "contains.h"
 
@@ -42,8 +43,9 @@ class Rig
 public:
   explicit Rig(Firmware firmware = Firmware::any, FirmataPatience patience = kEndless,
                Time look_again = 1h)
-      : driver(firmware, [this] { return std::make_unique<MemoryBus>(sockets); },
-               { .patience = patience, .look_again = look_again })
+      : driver(
+          firmware, [this] { return std::make_unique<MemoryBus>(sockets); },
+          { .patience = patience, .look_again = look_again, .known_boards = folder.file("boards") })
   {
   }
 
@@ -102,6 +104,7 @@ public:
     });
   }
 
+  const TemporaryFolder folder;
   Sockets sockets;
   MemoryBoard mega{ device("7573", "1-2"), kMega };
   MemoryBoard uno{ device("95", "1-3", "Arduino Uno"), kUno };

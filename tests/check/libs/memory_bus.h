@@ -27,6 +27,8 @@ struct MemoryBoard
   FirmataModel model;
   bool resets_on_open = true;                         ///< DTR is wired to reset
   std::optional<tactor::DriverError::Kind> refusal{}; ///< of open()
+  tactor::LineUse use{};                              ///< of the system's line to it
+  bool is_left = false;                               ///< by a process that was killed
   bool says_nothing = false;
   bool takes_nothing = false; ///< a write never ends
   long bytes_to_live = -1;    ///< it is plugged out when it has got so many more; −1: never
@@ -204,9 +206,7 @@ public:
     MemoryBoard *board = nullptr;
     {
       std::lock_guard lock(sockets_.mutex);
-      for (MemoryBoard *each : sockets_.boards)
-        if (each->device == device)
-          board = each;
+      board = find(device);
       if (!board)
         return refused(DriverError::Kind::not_found, device.name + " was plugged out");
       board->opens++;
@@ -221,6 +221,18 @@ public:
     }
     return std::make_unique<MemoryPort>(sockets_, *board, std::move(events));
   }
+  tactor::LineUse use(const tactor::SerialDevice &device) override
+  {
+    std::lock_guard lock(sockets_.mutex);
+    const MemoryBoard *board = find(device);
+    return board ? board->use : tactor::LineUse{};
+  }
+  bool is_left(const tactor::SerialDevice &device) override
+  {
+    std::lock_guard lock(sockets_.mutex);
+    const MemoryBoard *board = find(device);
+    return board && board->is_left;
+  }
   tl::expected<void, tactor::DriverError> watch(std::function<void()> changed) override
   {
     std::lock_guard lock(sockets_.watching);
@@ -229,6 +241,14 @@ public:
   }
 
 private:
+  /// With the lock held.
+  MemoryBoard *find(const tactor::SerialDevice &device)
+  {
+    for (MemoryBoard *each : sockets_.boards)
+      if (each->device == device)
+        return each;
+    return nullptr;
+  }
   static tl::unexpected<tactor::DriverError> refused(tactor::DriverError::Kind kind,
                                                      std::string why)
   {

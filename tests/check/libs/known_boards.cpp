@@ -1,0 +1,134 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "tactor/known_boards.h"
+
+#include "../temporary_file.h"
+
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <string>
+#include <sys/stat.h>
+
+// After the standard library's headers: gstcheck.h defines a macro named fail.
+#include <gst/check/gstcheck.h>
+
+using namespace tactor;
+
+namespace {
+
+SerialDevice
+adapter(const char *serial, const char *bus_path)
+{
+  return { .serial = serial, .bus_path = bus_path, .vendor = 0x0403, .product = 0x6001 };
+}
+
+std::string
+contents(const std::filesystem::path &path)
+{
+  std::ifstream file(path);
+  return { std::istreambuf_iterator<char>(file), {} };
+}
+
+} // namespace
+
+/// By number in any socket; by socket where there is none.
+GST_START_TEST(test_remembers)
+{
+  const TemporaryFolder folder;
+  const std::filesystem::path file = folder.file("state/visuotactile/boards");
+  KnownBoards boards(file);
+  fail_if(boards.has(adapter("A5", "1-1")));
+  boards.add(adapter("A5", "1-1"));
+  boards.add(adapter("", "1-2"));
+  boards.add(adapter("A5", "1-1"));
+  fail_unless(contents(file) == "0403:6001 at 1-2\n0403:6001 serial A5\n");
+
+  const KnownBoards again(file);
+  fail_unless(again.has(adapter("A5", "3-1")));
+  fail_unless(again.has(adapter("", "1-2")));
+  fail_if(again.has(adapter("", "1-1")));
+  fail_if(again.has(adapter("A", "1-1")));
+  SerialDevice other = adapter("A5", "1-1");
+  other.product = 0x6015;
+  fail_if(again.has(other));
+
+  boards.remove(adapter("A5", "1-1"));
+  fail_if(again.has(adapter("A5", "1-1")));
+  fail_unless(again.has(adapter("", "1-2")));
+}
+GST_END_TEST;
+
+GST_START_TEST(test_as_many_as_fit)
+{
+  const TemporaryFolder folder;
+  KnownBoards boards(folder.file("boards"));
+  for (int i = 0; i <= static_cast<int>(KnownBoards::kMost); i++)
+    boards.add(adapter(std::to_string(i).c_str(), "1-1"));
+  fail_if(boards.has(adapter("0", "1-1"))); // the oldest
+  fail_unless(boards.has(adapter("1", "1-1")));
+  fail_unless(boards.has(adapter(std::to_string(KnownBoards::kMost).c_str(), "1-1")));
+  // What would not be one line is none.
+  boards.add(adapter("a\nb", "1-1"));
+  boards.add(adapter(std::string(5000, 'x').c_str(), "1-1"));
+  fail_if(boards.has(adapter("a\nb", "1-1")));
+  fail_if(boards.has(adapter(std::string(5000, 'x').c_str(), "1-1")));
+}
+GST_END_TEST;
+
+/// Files that are none, huge, or of something else: nothing is known, and nothing waits.
+GST_START_TEST(test_files_that_are_none)
+{
+  const TemporaryFolder folder;
+  const std::filesystem::path file = folder.file("boards");
+  KnownBoards boards(file);
+  std::ofstream(file) << std::string(100, '\0') << "\n\n0403:6001 serial A5\nnonsense\n";
+  fail_unless(boards.has(adapter("A5", "1-1")));
+  std::ofstream(file) << std::string(1 << 20, 'x') << "\n0403:6001 serial A5\n";
+  fail_if(boards.has(adapter("A5", "1-1")));
+  std::filesystem::remove(file);
+  fail_unless(mkfifo(file.c_str(), 0600) == 0);
+  fail_if(boards.has(adapter("A5", "1-1")));
+  std::filesystem::remove(file);
+  std::filesystem::create_directory(file);
+  std::ofstream(file / "in the way");
+  boards.add(adapter("A5", "1-1"));
+  fail_if(boards.has(adapter("A5", "1-1")));
+
+  KnownBoards nowhere("/proc/no/such/folder/boards");
+  nowhere.add(adapter("A5", "1-1"));
+  fail_if(nowhere.has(adapter("A5", "1-1")));
+  KnownBoards none("");
+  none.add(adapter("A5", "1-1"));
+  fail_if(none.has(adapter("A5", "1-1")));
+}
+GST_END_TEST;
+
+/// As the XDG base directory specification has it.
+GST_START_TEST(test_default_file)
+{
+  setenv("HOME", "/home/a", 1);
+  unsetenv("XDG_STATE_HOME");
+  fail_unless(KnownBoards::default_file() == "/home/a/.local/state/visuotactile/boards");
+  setenv("XDG_STATE_HOME", "/var/b", 1);
+  fail_unless(KnownBoards::default_file() == "/var/b/visuotactile/boards");
+  setenv("XDG_STATE_HOME", "relative", 1);
+  fail_unless(KnownBoards::default_file() == "/home/a/.local/state/visuotactile/boards");
+  unsetenv("HOME");
+  fail_unless(KnownBoards::default_file().empty());
+}
+GST_END_TEST;
+
+static Suite *
+known_boards_suite(void)
+{
+  Suite *suite = suite_create("known_boards");
+  TCase *tests = tcase_create("general");
+  suite_add_tcase(suite, tests);
+  tcase_add_test(tests, test_remembers);
+  tcase_add_test(tests, test_as_many_as_fit);
+  tcase_add_test(tests, test_files_that_are_none);
+  tcase_add_test(tests, test_default_file);
+  return suite;
+}
+
+GST_CHECK_MAIN(known_boards)

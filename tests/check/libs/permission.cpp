@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "tactor/usb/permission.h"
+
+#include "contains.h"
+#include "system_tree.h"
+
+// After the standard library's headers: gstcheck.h defines a macro named fail.
+#include <gst/check/gstcheck.h>
+
+using namespace tactor;
+
+/// No rule; a rule that came after the board; a rule that gives nothing to who does not sit there.
+GST_START_TEST(test_advice)
+{
+  const SystemTree machine;
+  machine.write(machine.roots.sys / "bus/usb/devices/1-2/dev", "189:5\n");
+  machine.write(machine.roots.udev_data / "c189:5", "I:123\nE:ID_VENDOR=Arduino\nG:seat\n");
+  assert_contains(permission_advice("1-2", machine.roots),
+                  { "install the udev rule: ",
+                    "sudo install -m 644 data/udev/70-visuotactile.rules "
+                    "/etc/udev/rules.d/",
+                    "udevadm control --reload", "udevadm trigger" });
+
+  machine.write(machine.roots.rules[1] / "70-visuotactile.rules", "");
+  std::string advice = permission_advice("1-2", machine.roots);
+  assert_contains(advice, { "installed, but was not applied", "udevadm trigger", "plug it out" });
+  fail_unless(advice.find("sudo install") == std::string::npos);
+
+  for (const char *mark : { "Q:uaccess", "G:uaccess" }) {
+    machine.write(machine.roots.udev_data / "c189:5",
+                  std::string("I:123\nG:seat\n") + mark + "\nV:1\n");
+    advice = permission_advice("1-2", machine.roots);
+    assert_contains(advice, { "whoever sits at the computer", "ssh", "log in at the computer",
+                              "VISUOTACTILE_BOARD", "GROUP=\"plugdev\"",
+                              "/etc/udev/rules.d/71-visuotactile-group.rules",
+                              "usermod -aG plugdev", "udevadm control --reload" });
+    fail_unless(advice.find("sudo install") == std::string::npos);
+    fail_unless(advice.find('\n') == std::string::npos);
+  }
+  // udev knows nothing of the device in another socket.
+  assert_contains(permission_advice("1-3", machine.roots), { "was not applied" });
+}
+GST_END_TEST;
+
+static Suite *
+permission_suite(void)
+{
+  Suite *suite = suite_create("permission");
+  TCase *tests = tcase_create("general");
+  suite_add_tcase(suite, tests);
+  tcase_add_test(tests, test_advice);
+  return suite;
+}
+
+GST_CHECK_MAIN(permission)
