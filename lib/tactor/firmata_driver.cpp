@@ -63,7 +63,10 @@ tl::expected<void, DriverError>
 FirmataDriver::open(const DriverConfig &config)
 {
   close();
+  auto guard = std::make_unique<TerminationGuard>([this](auto until) { leave(until); });
   Lock lock(mutex_);
+  guard_ = std::move(guard);
+  runs_ = true;
   config_ = config;
   quit_ = bus_changed_ = false;
   refusal_.reset();
@@ -124,10 +127,12 @@ FirmataDriver::write(std::span<const double> volts, Time)
 void
 FirmataDriver::close() noexcept
 {
+  std::unique_ptr<TerminationGuard> guard; // goes without the lock, which what it calls takes
   std::thread thread;
   {
     std::lock_guard lock(mutex_);
     quit_ = true;
+    guard = std::move(guard_);
     thread = std::move(thread_);
     changed_.notify_all();
   }
@@ -201,6 +206,8 @@ FirmataDriver::run()
       bus->watch(nullptr);
     bus.reset();
   }
+  runs_ = false;
+  changed_.notify_all();
 }
 
 tl::expected<std::unique_ptr<SerialBus>, DriverError>
@@ -458,6 +465,16 @@ FirmataDriver::tell(Lock &lock, DriverEvent::Kind kind, const std::string &text)
     return;
   const Unlocked unlocked(lock);
   config_.notify({ kind, text });
+}
+
+/// On a thread of TerminationGuard's: motors to zero, board released, as far as there is time.
+void
+FirmataDriver::leave(std::chrono::steady_clock::time_point until)
+{
+  Lock lock(mutex_);
+  quit_ = true;
+  changed_.notify_all();
+  changed_.wait_until(lock, until, [this] { return !runs_; });
 }
 
 bool

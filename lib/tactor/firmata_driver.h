@@ -7,6 +7,7 @@
 #include "tactor/known_boards.h"
 #include "tactor/realtime/realtime_thread.h"
 #include "tactor/serial_port.h"
+#include "tactor/termination.h"
 
 #include <condition_variable>
 #include <filesystem>
@@ -26,6 +27,8 @@ namespace tactor {
 /// Without DriverConfig::device the first board that answers is taken, one device after the other as choose_boards() has them, each for
 /// FirmataPatience::answer at most, and none that another program has open. A board that goes away is looked for whenever something is plugged in or
 /// out, and once in `look_again`, as BoardIdentity has it; why one that is back cannot be used is told once.
+///
+/// A signal or exit() that ends the process while a board is open stops the motors first: see TerminationGuard.
 ///
 /// One thread of its own has bus, port and reconnection; write() leaves the levels there and never waits. close() may be called
 /// by another thread while open() waits, which then fails.
@@ -80,6 +83,8 @@ private:
   bool is_quitting() const;
   bool has_left() const;
 
+  void leave(std::chrono::steady_clock::time_point until);
+
   const Firmware firmware_;
   const MakeBus make_bus_;
   const Settings settings_;
@@ -94,6 +99,8 @@ private:
   DriverConfig config_;
   bool is_open_ = false;
   bool quit_ = false;
+  bool runs_ = false;                       ///< the thread has the bus, or a board
+  std::unique_ptr<TerminationGuard> guard_; ///< from the beginning of open() to the end of close()
   bool bus_changed_ = false;
   std::optional<DriverError> refusal_;    ///< why open() fails
   std::optional<std::string> lost_;       ///< why the port is of no use any more

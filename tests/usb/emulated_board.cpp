@@ -6,6 +6,7 @@
 #include <cerrno>
 #include <cstdio>
 #include <cstdlib>
+#include <filesystem>
 #include <stdexcept>
 #include <utility>
 
@@ -139,6 +140,23 @@ EmulatedBoard::plug()
   GError *error = nullptr;
   if (!umockdev_testbed_add_from_string(usb_.testbed(), device.c_str(), &error))
     throw std::runtime_error(error->message);
+  bind(0, true);
+}
+
+/// As in sysfs: an interface has a driver, or it has none.
+void
+EmulatedBoard::bind(int interface, bool has_driver)
+{
+  namespace fs = std::filesystem;
+  const std::string name = format("%s:1.%d", description_.port.c_str(), interface);
+  const fs::path folder = usb_.path("/sys" + syspath_ + "/" + name);
+  fs::create_directories(folder);
+  fs::remove(folder / "driver");
+  if (has_driver)
+    fs::create_directory_symlink("/sys/bus/usb/drivers/serial", folder / "driver");
+  const fs::path link = usb_.path("/sys/bus/usb/devices/" + name);
+  fs::remove(link);
+  fs::create_directory_symlink(folder, link);
 }
 
 void
@@ -367,6 +385,7 @@ EmulatedBoard::claim(const void *host, int interface)
   if (busy_)
     return false;
   hosts_.insert(host);
+  bind(interface, false);
   conversation_.push_back(format("claim %d", interface));
   return true;
 }
@@ -381,6 +400,7 @@ void
 EmulatedBoard::give_back(int interface)
 {
   conversation_.push_back(format("return %d", interface));
+  bind(interface, true);
 }
 
 void

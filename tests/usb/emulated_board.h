@@ -110,6 +110,7 @@ private:
   std::optional<Urb> cancel(const void *host, gulong address) override;
   void host_left(const void *host) override;
   void changed() override;
+  void bind(int interface, bool has_driver);
   void control(const Urb &urb);
   void feed_reads();
   void queue_for_host(std::span<const std::uint8_t> bytes);

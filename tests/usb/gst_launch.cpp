@@ -67,6 +67,23 @@ GST_START_TEST(test_interrupted)
 }
 GST_END_TEST;
 
+/// SIGTERM, for which gst-launch-1.0 has no handler: the same, the kernel's driver has the board back, and the process dies of the signal.
+GST_START_TEST(test_terminated)
+{
+  for (const Transport transport : kTransports) {
+    Chair chair(false, transport);
+    Launch launch;
+    fail_unless(chair.wait_for_motors());
+    const int status = launch.end(SIGTERM);
+    fail_unless(WIFSIGNALED(status) && WTERMSIG(status) == SIGTERM);
+    fail_if(chair.firmware->any_motor_on());
+    fail_unless(chair.board.bytes().back() == 0xff);
+    fail_unless(chair.wait_for_hosts_end());
+    fail_unless(chair.board.conversation().back() == "return 0");
+  }
+}
+GST_END_TEST;
+
 /// Nobody can send anything for a process that was killed. With the stock sketch the motors stay on; the next play begins with a reset.
 GST_START_TEST(test_killed)
 {
@@ -95,6 +112,41 @@ GST_START_TEST(test_killed)
 }
 GST_END_TEST;
 
+/// What can be done after that without a play: motors off, and the kernel's driver has the board back. Of one that nobody left nothing is wanted.
+GST_START_TEST(test_killed_and_released)
+{
+  const std::string program = g_getenv("VISUOTACTILE_PLAY") ? g_getenv("VISUOTACTILE_PLAY") : "";
+  if (program.empty())
+    return; // the program was not built
+  const auto release = [&] {
+    g_autofree gchar *said = nullptr;
+    const std::string command = program + " --release-boards";
+    int status = -1;
+    fail_unless(g_spawn_command_line_sync(command.c_str(), &said, nullptr, &status, nullptr));
+    fail_unless(status == 0);
+    return std::string(said);
+  };
+  for (const Transport transport : kTransports) {
+    Chair chair(false, transport);
+    Launch launch;
+    fail_unless(chair.wait_for_motors());
+    fail_unless(WIFSIGNALED(launch.end(SIGKILL)));
+    fail_unless(chair.wait_for_hosts_end());
+    fail_unless(chair.board.conversation().back() != "return 0");
+    const std::string said = release();
+    fail_unless(said.find("Mega 2560 (serial 75833353035351F0C0A1, at 1-1): motors stopped")
+                    != std::string::npos,
+                "%s", said.c_str());
+    fail_if(chair.firmware->any_motor_on());
+    fail_unless(chair.board.conversation().back() == "return 0");
+
+    const std::size_t before = chair.board.conversation().size();
+    fail_unless(release() == "No board was left by a player that was killed.\n");
+    fail_unless(chair.board.conversation().size() == before);
+  }
+}
+GST_END_TEST;
+
 /// The sketch with the watchdog turns them off, 250 ms after the last byte.
 GST_START_TEST(test_killed_with_watchdog)
 {
@@ -120,7 +172,9 @@ gst_launch_suite(void)
   TCase *tests = tcase_create("general");
   suite_add_tcase(suite, tests);
   tcase_add_test(tests, test_interrupted);
+  tcase_add_test(tests, test_terminated);
   tcase_add_test(tests, test_killed);
+  tcase_add_test(tests, test_killed_and_released);
   tcase_add_test(tests, test_killed_with_watchdog);
   return suite;
 }

@@ -258,8 +258,9 @@ GST_START_TEST(test_ways_out_of_a_process)
     int number;
     bool is_watchdogs;
   };
-  const Signal signals[]
-      = { { "SIGINT", SIGINT, false }, { "SIGTERM", SIGTERM, true }, { "SIGKILL", SIGKILL, true } };
+  const Signal signals[] = { { "SIGINT", SIGINT, false },
+                             { "SIGTERM", SIGTERM, false },
+                             { "SIGKILL", SIGKILL, true } };
   for (const Signal &signal : signals) {
     EmulatedUsb usb;
     const auto firmware = std::make_shared<Firmware>(kMega, true);

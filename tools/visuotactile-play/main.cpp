@@ -7,6 +7,9 @@
 #include "player.h"
 #include "strip.h"
 
+#include "tactor/board_choice.h"
+#include "tactor/release_boards.h"
+
 #include <gst/gst.h>
 
 #include <algorithm>
@@ -49,6 +52,7 @@ struct Options
   gboolean no_window = FALSE;
   gboolean print_pipeline = FALSE;
   Manner manner;
+  gboolean release_boards = FALSE;
   gboolean version = FALSE;
   gchar **films = nullptr;
 
@@ -82,6 +86,10 @@ parse_options(int argc, char **argv, Options &options, int &status)
       "Of the motors' rise time: exact (default), frame-block or none", "NAME" },
     { "print-pipeline", 0, 0, G_OPTION_ARG_NONE, &options.print_pipeline,
       "Print the gst-launch-1.0 line and exit", nullptr },
+    { "release-boards", 0, 0, G_OPTION_ARG_NONE, &options.release_boards,
+      "Stop the motors of boards that a killed player left, give the boards back to the system, "
+      "and exit",
+      nullptr },
     { "version", 0, 0, G_OPTION_ARG_NONE, &options.version, "Print the version and exit", nullptr },
     { G_OPTION_REMAINING, 0, 0, G_OPTION_ARG_FILENAME_ARRAY, &options.films, nullptr, "[FILM]" },
     {},
@@ -129,6 +137,26 @@ parse_options(int argc, char **argv, Options &options, int &status)
     return false;
   }
   return true;
+}
+
+/// A line for each board that was left. The exit status.
+int
+release_boards()
+{
+  const auto released = tactor::release_boards();
+  if (!released)
+    throw std::runtime_error(released.error().text);
+  if (released->empty())
+    std::puts("No board was left by a player that was killed.");
+  bool all_stopped = true;
+  for (const auto &[device, refusal] : *released) {
+    if (refusal)
+      complain(tactor::describe(device) + ": its motors could not be stopped: " + refusal->text);
+    else
+      std::printf("%s: motors stopped, given back\n", tactor::describe(device).c_str());
+    all_stopped = all_stopped && !refusal;
+  }
+  return all_stopped ? 0 : 1;
 }
 
 double
@@ -272,7 +300,7 @@ main(int argc, char **argv)
   if (!parse_options(argc, argv, options, status))
     return status;
   try {
-    return run(options);
+    return options.release_boards ? release_boards() : run(options);
   } catch (const std::exception &e) {
     complain(e.what());
     return 1;

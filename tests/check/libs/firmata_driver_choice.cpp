@@ -2,6 +2,7 @@
 //
 // Which board the drivers of real boards and the default one take, which they refuse, and which is taken for the one that was lost.
 #include "tactor/auto_driver.h"
+#include "tactor/release_boards.h"
 #include "tactor/simulator.h"
 
 #include "firmata_driver_rig.h"
@@ -264,6 +265,28 @@ GST_START_TEST(test_in_use)
 }
 GST_END_TEST;
 
+/// Boards that a killed player left, and no others: motors to zero, and closed.
+GST_START_TEST(test_release_boards)
+{
+  Rig rig;
+  for (MemoryBoard *board : { &rig.mega, &rig.uno }) {
+    board->resets_on_open = false; // as a Leonardo
+    rig.sockets.plug(*board);
+    for (const std::uint8_t byte : { 0xf4, 3, 3, 0xe3, 0x7f, 1 }) // pin 3 to PWM, 255
+      board->model.receive(byte, {});
+    ck_assert_int_eq(board->model.duty[3], 255);
+  }
+  rig.mega.is_left = true;
+  const std::vector<ReleasedBoard> released
+      = unwrap(release_boards([&] { return std::make_unique<MemoryBus>(rig.sockets); }, kEndless));
+  ck_assert_uint_eq(released.size(), 1);
+  fail_unless(released[0].device == rig.mega.device && !released[0].refusal);
+  fail_unless(rig.mega.model.is_silent() && !rig.mega.is_open);
+  ck_assert_int_eq(rig.uno.model.duty[3], 255);
+  ck_assert_int_eq(rig.uno.opens, 0);
+}
+GST_END_TEST;
+
 /// The film does not jump to another chair: of two boards with one number that in the same socket is waited for, however it was named.
 GST_START_TEST(test_twin_is_not_taken)
 {
@@ -448,6 +471,7 @@ firmata_driver_choice_suite(void)
   tcase_add_test(tests, test_which_board_returns);
   tcase_add_test(tests, test_adapters);
   tcase_add_test(tests, test_in_use);
+  tcase_add_test(tests, test_release_boards);
   tcase_add_test(tests, test_twin_is_not_taken);
   tcase_add_test(tests, test_socket_is_named);
   tcase_add_test(tests, test_refused_when_it_is_back);

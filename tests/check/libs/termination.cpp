@@ -1,0 +1,319 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+//
+// Each case is a process of its own that is sent a signal while it has something to leave.
+#include "tactor/termination.h"
+
+#include <csignal>
+#include <cstdlib>
+#include <fcntl.h>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <sys/wait.h>
+#include <thread>
+#include <unistd.h>
+
+// After the standard library's headers: gstcheck.h defines a macro named fail.
+#include <gst/check/gstcheck.h>
+
+using namespace std::chrono_literals;
+using tactor::TerminationGuard;
+
+namespace {
+
+/// A process, what it says and how it ends.
+class Process
+{
+public:
+  explicit Process(const std::function<void(Process &)> &act)
+  {
+    fail_unless(pipe(ends_) == 0);
+    pid_ = fork();
+    if (pid_ == 0) {
+      for (const int number : { SIGTERM, SIGINT, SIGHUP })
+        std::signal(number, SIG_DFL);
+      act(*this);
+      std::_Exit(0);
+    }
+    close(ends_[1]);
+  }
+  ~Process()
+  {
+    close(ends_[0]);
+    if (status_)
+      return;
+    kill(pid_, SIGKILL);
+    waitpid(pid_, nullptr, 0);
+  }
+  Process(const Process &) = delete;
+  Process &operator=(const Process &) = delete;
+
+  // Within the process
+  void say(char c)
+  {
+    fail_unless(write(ends_[1], &c, 1) == 1);
+  }
+  /// Says 'l' when it leaves: when it is asked for the second time.
+  std::unique_ptr<TerminationGuard> guard()
+  {
+    return std::make_unique<TerminationGuard>([this, calls = 0](auto) mutable {
+      if (++calls == 2)
+        say('l');
+    });
+  }
+  void wait_for_a_signal()
+  {
+    say('b');
+    for (;;)
+      pause();
+  }
+
+  // Outside
+  char hear()
+  {
+    char c = 0;
+    return read(ends_[0], &c, 1) == 1 ? c : 0; // 0: it is gone
+  }
+  void send(int signal)
+  {
+    fail_unless(kill(pid_, signal) == 0);
+  }
+  /// All that it says until its end.
+  std::string end()
+  {
+    std::string said;
+    while (const char c = hear())
+      said += c;
+    int status = 0;
+    waitpid(pid_, &status, 0);
+    status_ = status;
+    return said;
+  }
+  /// It died of this.
+  bool died_of(int signal) const
+  {
+    return WIFSIGNALED(*status_) && WTERMSIG(*status_) == signal;
+  }
+
+private:
+  int ends_[2]{ -1, -1 };
+  pid_t pid_ = -1;
+  std::optional<int> status_;
+};
+
+} // namespace
+
+/// What is left leaves, and then the process dies of the signal.
+GST_START_TEST(test_leaves)
+{
+  for (const int signal : { SIGTERM, SIGINT, SIGHUP }) {
+    Process process([](Process &self) {
+      const auto guard = self.guard();
+      self.wait_for_a_signal();
+    });
+    fail_unless(process.hear() == 'b');
+    process.send(signal);
+    ck_assert_str_eq(process.end().c_str(), "l");
+    fail_unless(process.died_of(signal));
+  }
+}
+GST_END_TEST;
+
+/// All leave at the same time: each begins before the first is waited for.
+GST_START_TEST(test_all_leave)
+{
+  Process process([](Process &self) {
+    const auto say = [&self](char begin, char done) {
+      return [&self, begin, done, calls = 0](auto) mutable {
+        self.say(++calls == 1 ? begin : done);
+      };
+    };
+    const TerminationGuard first(say('1', 'a'));
+    const TerminationGuard second(say('2', 'b'));
+    self.wait_for_a_signal();
+  });
+  fail_unless(process.hear() == 'b');
+  process.send(SIGTERM);
+  ck_assert_str_eq(process.end().c_str(), "12ab");
+}
+GST_END_TEST;
+
+GST_START_TEST(test_end_of_the_program)
+{
+  Process process([](Process &self) {
+    const auto guard = self.guard();
+    std::exit(3);
+  });
+  ck_assert_str_eq(process.end().c_str(), "l");
+}
+GST_END_TEST;
+
+/// What the application ignores or handles, before or after, is its own; the environment can refuse all.
+GST_START_TEST(test_application_comes_first)
+{
+  Process ignores([](Process &self) {
+    std::signal(SIGTERM, SIG_IGN);
+    const auto guard = self.guard();
+    self.wait_for_a_signal();
+  });
+  fail_unless(ignores.hear() == 'b');
+  ignores.send(SIGTERM);
+  ignores.send(SIGKILL);
+  ck_assert_str_eq(ignores.end().c_str(), "");
+  fail_unless(ignores.died_of(SIGKILL));
+
+  for (const bool before : { true, false }) {
+    Process handles([before](Process &self) {
+      static Process *process = nullptr;
+      process = &self;
+      const auto handle = [] {
+        std::signal(SIGTERM, [](int) {
+          process->say('h');
+          std::_Exit(0);
+        });
+      };
+      if (before)
+        handle();
+      const auto guard = self.guard();
+      if (!before)
+        handle();
+      self.wait_for_a_signal();
+    });
+    fail_unless(handles.hear() == 'b');
+    handles.send(SIGTERM);
+    ck_assert_str_eq(handles.end().c_str(), "h");
+  }
+
+  Process refuses([](Process &self) {
+    setenv("VISUOTACTILE_NO_SIGNALS", "1", 1);
+    const auto guard = self.guard();
+    self.wait_for_a_signal();
+  });
+  fail_unless(refuses.hear() == 'b');
+  refuses.send(SIGTERM);
+  ck_assert_str_eq(refuses.end().c_str(), "");
+  fail_unless(refuses.died_of(SIGTERM));
+}
+GST_END_TEST;
+
+/// When the last one is gone, everything is as before; and so it is again after a new one.
+GST_START_TEST(test_nothing_remains)
+{
+  Process process([](Process &self) {
+    for (int i = 0; i < 3; i++) {
+      auto first = self.guard();
+      auto second = self.guard();
+      first.reset();
+      struct sigaction action
+      {
+      };
+      sigaction(SIGTERM, nullptr, &action);
+      self.say(action.sa_handler == SIG_DFL ? 'd' : 'c');
+      second.reset();
+      sigaction(SIGTERM, nullptr, &action);
+      self.say(action.sa_handler == SIG_DFL ? 'd' : 'c');
+    }
+    self.wait_for_a_signal();
+  });
+  for (const char c : std::string("cdcdcdb"))
+    fail_unless(process.hear() == c);
+  process.send(SIGTERM);
+  ck_assert_str_eq(process.end().c_str(), "");
+  fail_unless(process.died_of(SIGTERM));
+}
+GST_END_TEST;
+
+/// A child that was forked has the handler, and nothing to leave: its parent plays on.
+GST_START_TEST(test_children)
+{
+  Process process([](Process &self) {
+    const auto guard = self.guard();
+    const pid_t child = fork();
+    if (child == 0)
+      for (;;)
+        pause();
+    kill(child, SIGTERM);
+    int status = 0;
+    waitpid(child, &status, 0);
+    self.say(WIFSIGNALED(status) && WTERMSIG(status) == SIGTERM ? 'd' : 'x');
+    self.wait_for_a_signal();
+  });
+  fail_unless(process.hear() == 'd');
+  fail_unless(process.hear() == 'b');
+  process.send(SIGTERM);
+  ck_assert_str_eq(process.end().c_str(), "l");
+}
+GST_END_TEST;
+
+/// One that has something of its own to leave leaves that, and its parent plays on.
+GST_START_TEST(test_children_with_boards)
+{
+  Process process([](Process &self) {
+    const auto guard = self.guard();
+    int ready[2];
+    fail_unless(pipe(ready) == 0);
+    const pid_t child = fork();
+    if (child == 0) {
+      const auto own = self.guard();
+      fail_unless(write(ready[1], "r", 1) == 1);
+      for (;;)
+        pause();
+    }
+    char c = 0;
+    fail_unless(read(ready[0], &c, 1) == 1);
+    kill(child, SIGTERM);
+    int status = 0;
+    waitpid(child, &status, 0); // it has said 'l' by now
+    self.say(WIFSIGNALED(status) && WTERMSIG(status) == SIGTERM ? 'd' : 'x');
+    self.wait_for_a_signal();
+  });
+  for (const char c : std::string("ldb"))
+    fail_unless(process.hear() == c);
+  process.send(SIGTERM);
+  ck_assert_str_eq(process.end().c_str(), "l");
+}
+GST_END_TEST;
+
+/// Nobody is waited for longer than kPatience, and a second signal ends the process at once.
+GST_START_TEST(test_patience)
+{
+  for (const bool twice : { false, true }) {
+    Process process([twice](Process &self) {
+      const TerminationGuard guard([&, calls = 0](auto until) mutable {
+        if (++calls == 1)
+          return;
+        self.say('w');
+        std::this_thread::sleep_until(twice ? until + 1h : until);
+      });
+      self.wait_for_a_signal();
+    });
+    fail_unless(process.hear() == 'b');
+    process.send(SIGTERM);
+    fail_unless(process.hear() == 'w');
+    if (twice)
+      process.send(SIGTERM);
+    ck_assert_str_eq(process.end().c_str(), "");
+    fail_unless(process.died_of(SIGTERM));
+  }
+}
+GST_END_TEST;
+
+static Suite *
+termination_suite(void)
+{
+  Suite *suite = suite_create("termination");
+  TCase *tests = tcase_create("general");
+  suite_add_tcase(suite, tests);
+  tcase_add_test(tests, test_leaves);
+  tcase_add_test(tests, test_all_leave);
+  tcase_add_test(tests, test_end_of_the_program);
+  tcase_add_test(tests, test_application_comes_first);
+  tcase_add_test(tests, test_nothing_remains);
+  tcase_add_test(tests, test_children);
+  tcase_add_test(tests, test_children_with_boards);
+  tcase_add_test(tests, test_patience);
+  return suite;
+}
+
+GST_CHECK_MAIN(termination)
