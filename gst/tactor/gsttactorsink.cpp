@@ -355,17 +355,30 @@ gst_tactor_sink_event(GstBaseSink *sink, GstEvent *event)
 }
 
 /// The base class says that a step is over on the streaming thread, before what comes next. What is on its way belongs to frames
-/// that were gone past: running time stood still for them.
+/// that were gone past: running time stood still for them, since the play was paused if it was. The clock did not.
+static void
+gst_tactor_sink_stepped(GstTactorSink *self)
+{
+  GstTactorSinkPrivate *priv = self->priv;
+  GstBaseSink *sink = GST_BASE_SINK(self);
+  Time stopped = priv->scheduler.flush();
+  const GstClockTime start = gst_element_get_start_time(GST_ELEMENT(self));
+  if (GST_CLOCK_TIME_IS_VALID(start))
+    stopped = Time(static_cast<GstClockTimeDiff>(start)
+                   - static_cast<GstClockTimeDiff>(gst_base_sink_get_latency(sink))
+                   - gst_base_sink_get_ts_offset(sink));
+  priv->planning.flushed(stopped, false);
+}
+
 static gboolean
 gst_tactor_sink_post_message(GstElement *element, GstMessage *message)
 {
-  GstTactorSinkPrivate *priv = GST_TACTOR_SINK(element)->priv;
   gboolean flush = FALSE;
   if (GST_MESSAGE_TYPE(message) == GST_MESSAGE_STEP_DONE)
     gst_message_parse_step_done(message, nullptr, nullptr, nullptr, &flush, nullptr, nullptr,
                                 nullptr);
   if (flush)
-    priv->planning.flushed(priv->scheduler.flush(), FALSE);
+    gst_tactor_sink_stepped(GST_TACTOR_SINK(element));
   return GST_ELEMENT_CLASS(parent_class)->post_message(element, message);
 }
 
