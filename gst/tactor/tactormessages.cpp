@@ -3,6 +3,7 @@
 
 #include "tactorsettings.h"
 
+#include <algorithm>
 #include <utility>
 
 using tactor::Time;
@@ -78,6 +79,36 @@ tactor_post_device_event(GstElement *element, const tactor::DriverEvent &event)
     post(element, gst_structure_new_empty("tactor-device-found"));
     break;
   }
+}
+
+void
+tactor_post_line_load(GstElement *element, const TactorLineLoad &load, bool is_too_large)
+{
+  constexpr double kMillisecond = GST_MSECOND;
+  const auto update = static_cast<double>(load.update.count());
+  const auto at_once = static_cast<double>(load.at_once.count());
+  g_autofree gchar *numbers
+      = g_strdup_printf("an update of %" G_GSIZE_FORMAT
+                        " tactors is %d bytes, %.1f ms on the line, %.1f times a second at most",
+                        load.tactors, load.bytes, update / kMillisecond, GST_SECOND / update);
+  if (!is_too_large) {
+    GST_ELEMENT_INFO(element, RESOURCE, SETTINGS, ("The chair is large for its line."),
+                     ("%s; those that max-active lets change at once take %.1f ms, which does",
+                      numbers, at_once / kMillisecond));
+    return;
+  }
+  GST_ELEMENT_WARNING(
+      element, RESOURCE, SETTINGS,
+      ("The chair is too large for its line: soft starts and quick changes have fewer steps."),
+      ("%s; those that max-active lets change at once take %.1f ms. Set max-active to "
+       "%" G_GSIZE_FORMAT
+       ", name fewer tactors in mapping, or take two boards, each with a tactorsink",
+       numbers, at_once / kMillisecond, std::max<std::size_t>(load.most_active, 1)));
+  post(element, gst_structure_new(
+                    "tactor-line-slow", "tactors", G_TYPE_UINT, static_cast<guint>(load.tactors),
+                    "bytes", G_TYPE_UINT, static_cast<guint>(load.bytes), "update", G_TYPE_UINT64,
+                    static_cast<guint64>(load.update.count()), "at-once", G_TYPE_UINT64,
+                    static_cast<guint64>(load.at_once.count()), nullptr));
 }
 
 void

@@ -2,8 +2,12 @@
 #include "tactoropening.h"
 
 #include "tactor/calibration/calibration.h"
+#include "tactor/soft_start.h"
+#include "tactormessages.h"
 
 #include <algorithm>
+#include <numeric>
+#include <set>
 #include <utility>
 
 using tactor::Time;
@@ -36,6 +40,40 @@ read_motors(GstElement *element, const TactorSettings &settings, Time &latency)
                          static_cast<gint64>(longest.count() / GST_MSECOND),
                          static_cast<gint64>(settings.planner.max_lead.count() / GST_MSECOND)));
   return motors;
+}
+
+/// The tactors that a film may move on a board of so many.
+std::vector<std::size_t>
+used_tactors(const std::vector<int> &mapping, int tactors)
+{
+  std::vector<std::size_t> used(static_cast<std::size_t>(tactors));
+  std::iota(used.begin(), used.end(), std::size_t{ 0 });
+  const std::set<int> named(mapping.begin(), mapping.end());
+  if (!mapping.empty())
+    std::erase_if(used, [&](std::size_t i) { return !named.contains(static_cast<int>(i)); });
+  return used;
+}
+
+/// Says what the line makes of a chair of which it carries less than a soft start's steps or the blocks ask for.
+void
+check_line(GstElement *element, const tactor::PlannerSettings &settings,
+           const tactor::Driver &driver)
+{
+  const std::vector<std::size_t> used = used_tactors(settings.mapping, driver.tactors());
+  Time step = tactor::SoftStart::kStep;
+  if (settings.rate > 0)
+    step = std::min(step, Time(static_cast<gint64>(GST_SECOND / settings.rate)));
+  const tactor::LineTime &line = settings.line;
+  if (line.of(used) <= step)
+    return;
+  TactorLineLoad load{ .tactors = used.size(),
+                       .bytes = line.bytes(used),
+                       .update = line.of(used),
+                       .at_once = line.of(used, settings.limits.most_changes()) };
+  // As many as begin may end.
+  while (line.of(used, 2 * (load.most_active + 1)) <= step)
+    load.most_active++;
+  tactor_post_line_load(element, load, load.at_once > step);
 }
 
 } // namespace
@@ -77,6 +115,10 @@ open_tactors(GstElement *element, const TactorSettings &settings,
 
   opening.planner = settings.planner;
   opening.planner.transport_latency = opening.driver->transport_latency();
-  opening.latency = std::max(opening.latency, opening.planner.transport_latency);
+  opening.planner.line = opening.driver->line();
+  check_line(element, opening.planner, *opening.driver);
+  // A motor's latency was measured with it alone on the line.
+  opening.latency
+      = std::max(opening.latency + opening.planner.line.all(), opening.planner.transport_latency);
   return opening;
 }

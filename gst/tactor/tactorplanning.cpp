@@ -55,6 +55,7 @@ TactorPlanning::plan_map(GstBuffer *buffer, const GstSegment &segment,
   settings.volts_max = agreed_.volts_max;
   settings.max_lead = agreed_.max_lead;
   settings.transport_latency = agreed_.transport_latency;
+  settings.line = agreed_.line;
   if (has_levels)
     check_grid(map.rows, map.columns, settings);
   planner_->set_settings(settings);

@@ -46,6 +46,7 @@ TactorScheduler::start(std::unique_ptr<tactor::Driver> driver, double full_scale
   std::lock_guard lock(mutex_);
   driver_ = std::move(driver);
   refresh_interval_ = driver_->refresh_interval();
+  line_ = driver_->line();
   full_scale_volts_ = full_scale_volts;
   trace_ = std::move(trace);
   queue_ = tactor::CommandQueue(driver_->tactors());
@@ -443,6 +444,17 @@ TactorScheduler::starve(Lock &lock, Time running)
   lock.lock();
 }
 
+/// The tactors that are not at zero.
+static std::vector<std::size_t>
+vibrating(std::span<const double> levels)
+{
+  std::vector<std::size_t> tactors;
+  for (std::size_t i = 0; i < levels.size(); i++)
+    if (levels[i] != 0)
+      tactors.push_back(i);
+  return tactors;
+}
+
 /// Makes the driver's volts what they have to be now. `commands` are those that led here, for the
 /// trace; any other change (pause, resume, mute, flush, a lost board) is traced as due and in effect when it
 /// happened.
@@ -467,7 +479,7 @@ TactorScheduler::apply(Lock &lock, Time running, std::span<const Command> comman
   if (silent)
     soft_start_.arm();
   else if (timed_ && last != levels.rend())
-    counters_.ramps += soft_start_.vibrate(running);
+    counters_.ramps += soft_start_.vibrate(running, line_.of(vibrating(levels)));
   ceiling_ = soft_start_.ceiling(running);
   const double ceiling = full_scale_volts_ * (timed_ ? ceiling_ : 1.0);
   if (!silent)

@@ -191,6 +191,7 @@ private:
   std::unique_ptr<tactor::Driver> driver_;
   tactor::DriverStatus last_status_; ///< when there is no driver any more
   tactor::Time refresh_interval_{ 0 };
+  tactor::LineTime line_; ///< to the board
   double full_scale_volts_ = 0;
   std::unique_ptr<tactor::CommandTrace> trace_;
   tactor::CommandQueue queue_;

@@ -60,6 +60,12 @@ AutoDriver::transport_latency() const
   return chosen_.load()->transport_latency();
 }
 
+LineTime
+AutoDriver::line() const
+{
+  return chosen_.load()->line();
+}
+
 Time
 AutoDriver::refresh_interval() const
 {

@@ -21,6 +21,7 @@ public:
   int tactors() const override;
   double resolution() const override;
   Time transport_latency() const override;
+  LineTime line() const override;
   Time refresh_interval() const override;
   [[nodiscard]] tl::expected<void, DriverError> write(std::span<const double> volts,
                                                       Time now) override;

@@ -47,6 +47,8 @@ CommandPlanner::CommandPlanner(int tactors, PlannerSettings settings, RiseTime r
     : settings_(std::move(settings)), tactors_(static_cast<std::size_t>(std::max(tactors, 0)),
                                                Tactor{ .motor = MotorModel(std::move(rise_time)) })
 {
+  for (std::size_t i = 0; i < tactors_.size(); i++)
+    tactors_[i].index = i;
 }
 
 CommandPlanner::CommandPlanner(int tactors, PlannerSettings settings,
@@ -61,7 +63,7 @@ void
 CommandPlanner::set_settings(PlannerSettings settings)
 {
   if (settings.rate != settings_.rate || settings.mapping != settings_.mapping)
-    grid_start_.reset();
+    forget_blocks();
   settings_ = std::move(settings);
 }
 
@@ -96,12 +98,13 @@ CommandPlanner::plan(Time time, Time duration, std::span<const float> levels)
   const Time frame = duration > Time(0) ? duration : kDefaultFrame;
   if (levels.size() != cells_) {
     cells_ = levels.size();
-    grid_start_.reset();
+    forget_blocks();
   }
   if (!begins_block(time, frame))
     return {};
   Plan plan = begin_plan(time, frame);
   std::vector<double> volts = target_volts(levels);
+  plan.line = line_time(volts);
   limit_time(plan, volts);
   limit_number(volts);
   // Tactors that begin may have others end; what is left of these ends with the frame before.
@@ -117,6 +120,9 @@ CommandPlanner::plan(Time time, Time duration, std::span<const float> levels)
     else if (volts[i] != tactor.volts || tactor.end.time != tactor.until)
       give(plan, i, plan.effect, due_time(tactor, plan, volts[i], Time(0)), volts[i]);
   }
+  carried_ = { time, time };
+  for (const Command &command : plan.commands)
+    carried_->end += settings_.line.of(static_cast<std::size_t>(command.tactor));
   std::ranges::stable_sort(plan.commands, {}, &Command::tactor);
   return std::move(plan.commands);
 }
@@ -124,8 +130,9 @@ CommandPlanner::plan(Time time, Time duration, std::span<const float> levels)
 std::vector<Command>
 CommandPlanner::silence(Time time)
 {
-  grid_start_.reset();
+  forget_blocks();
   Plan plan = begin_plan(time, kDefaultFrame);
+  plan.line = line_time(std::vector<double>(tactors_.size(), 0.0));
   for (std::size_t i = 0; i < tactors_.size(); i++) {
     if (tactors_[i].use.is_on())
       turn_off(plan, i, latest(tactors_[i], plan));
@@ -139,7 +146,7 @@ CommandPlanner::silence(Time time)
 void
 CommandPlanner::silenced(Time time)
 {
-  grid_start_.reset();
+  forget_blocks();
   for (Tactor &tactor : tactors_) {
     if (tactor.use.is_on() && tactor.end.time < time) {
       spend(tactor, tactor.end.time, tactor.end.limit);
@@ -147,6 +154,7 @@ CommandPlanner::silenced(Time time)
     }
     tactor.use.forget_from(time);
     tactor = { .motor = MotorModel(tactor.motor.parameters()),
+               .index = tactor.index,
                .due = time,
                .use = std::move(tactor.use) };
   }
@@ -169,9 +177,18 @@ CommandPlanner::limited() const
   return limited_;
 }
 
+void
+CommandPlanner::forget_blocks()
+{
+  grid_start_.reset();
+  carried_.reset();
+}
+
 bool
 CommandPlanner::begins_block(Time time, Time duration)
 {
+  if (carried_ && time >= carried_->begin && time < carried_->end)
+    return false;
   if (settings_.rate <= 0)
     return true;
   if (!grid_start_ || time < *grid_start_) {
@@ -243,7 +260,7 @@ CommandPlanner::begin_plan(Time effect, Time frame)
   if (restarts_after_) {
     Time slowest = settings_.transport_latency;
     for (const Tactor &tactor : tactors_)
-      slowest = std::max(slowest, transport(tactor));
+      slowest = std::max(slowest, transport(tactor, settings_.line.all()));
     const Time first = effect - settings_.max_lead - slowest;
     if (*restarts_after_ > first)
       for (Tactor &tactor : tactors_)
@@ -394,7 +411,7 @@ CommandPlanner::turn_off(Plan &plan, std::size_t index, Time due, bool limited)
   tactor.end = {};
   tactor.use.end(due, limited);
   // A cue that ran out did so at its own time, not with the frame.
-  give(plan, index, limited ? due + transport(tactor) : plan.effect, due, 0);
+  give(plan, index, limited ? due + transport(tactor, plan.line) : plan.effect, due, 0);
 }
 
 /// A command, entered into what is known of the tactor.
@@ -405,7 +422,8 @@ CommandPlanner::give(Plan &plan, std::size_t index, Time effect, Time due, doubl
   tactor.due = due;
   tactor.volts = volts;
   tactor.until = tactor.end.time;
-  tactor.motor.set(due + transport(tactor), volts);
+  tactor.arrival = due + transport(tactor, plan.line);
+  tactor.motor.set(tactor.arrival, volts);
   effect = std::max(effect, due);
   plan.commands.push_back({ .effect = effect,
                             .lead = effect - due,
@@ -414,19 +432,37 @@ CommandPlanner::give(Plan &plan, std::size_t index, Time effect, Time due, doubl
                             .until = tactor.until });
 }
 
+/// How long the line is taken by what changes if the tactors get these volts, but for those that MotorLimits::max_active leaves as they
+/// are: as many may begin as may end.
 Time
-CommandPlanner::transport(const Tactor &tactor) const
+CommandPlanner::line_time(std::span<const double> volts) const
+{
+  std::vector<std::size_t> changed;
+  for (const Tactor &tactor : tactors_)
+    if (volts[tactor.index] != tactor.volts)
+      changed.push_back(tactor.index);
+  return settings_.line.of(changed, settings_.limits.most_changes());
+}
+
+/// How long a command is on its way to its motor among those that take the line for so long.
+Time
+CommandPlanner::transport(const Tactor &tactor, Time line) const
 {
   if (settings_.compensation != Compensation::exact)
     return Time(0);
-  return tactor.motor.parameters().latency.value_or(settings_.transport_latency);
+  const Time own = settings_.line.of(tactor.index);
+  line = std::max(line, own);
+  // A motor's latency was measured with it alone on the line.
+  if (const std::optional<Time> latency = tactor.motor.parameters().latency)
+    return *latency + line - own;
+  return std::max(settings_.transport_latency - settings_.line.all(), Time(0)) + line;
 }
 
 /// When a command for the frame is due at the latest.
 Time
 CommandPlanner::latest(const Tactor &tactor, const Plan &plan) const
 {
-  return plan.effect - transport(tactor);
+  return plan.effect - transport(tactor, plan.line);
 }
 
 /// How long a rise to `volts` begins with full voltage; 0: not at all.
@@ -447,7 +483,9 @@ Time
 CommandPlanner::due_time(const Tactor &tactor, const Plan &plan, double volts, Time kick) const
 {
   const Time effect = plan.effect;
-  const Time previous = tactor.due == Time::min() ? Time::min() : tactor.due + transport(tactor);
+  const Time on_the_way = transport(tactor, plan.line);
+  const Time previous
+      = tactor.due == Time::min() ? Time::min() : std::max(tactor.due + on_the_way, tactor.arrival);
   // When the command reaches the motor: not before its predecessor did, nor earlier than it may.
   const Time earliest = std::min(std::max(previous, effect - settings_.max_lead), effect);
   Time at = effect;
@@ -461,7 +499,7 @@ CommandPlanner::due_time(const Tactor &tactor, const Plan &plan, double volts, T
               : tactor.motor.parameters().rise_time(tactor.motor.amplitude(earliest), volts);
     at = std::max(effect - whole_frames(rise, plan.frame, settings_.max_lead), earliest);
   }
-  return std::max(at - transport(tactor), tactor.due);
+  return std::max(at - on_the_way, tactor.due);
 }
 
 /// The latest time in [earliest, effect] from which the motor rises to 90 % of `volts` by `effect`; `earliest` if there is none.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include "tactor/line_time.h"
 #include "tactor/motor_limits.h"
 #include "tactor/motor_model.h"
 #include "tactor/rise_time.h"
@@ -46,6 +47,9 @@ struct PlannerSettings
   Time max_lead = std::chrono::milliseconds(180);
   /// From Driver::transport_latency(), added within max_lead to every lead of a motor whose own latency is not known.
   Time transport_latency{ 0 };
+  /// From Driver::line(): of transport_latency, what all levels take. A lead has what those take that change in its block, and there is
+  /// no block until the line has carried the one before.
+  LineTime line{};
   double volts_max = 3.0;         ///< level 1.0
   double volts_min = kStartVolts; ///< commands below are sent as 0
   double intensity = 1.0;         ///< master, [0, 1]
@@ -63,7 +67,8 @@ struct PlannerSettings
 /// Maps are taken in blocks of 1 / rate: a block begins with the first map of which more than half lies beyond the
 /// block's start on a regular grid, and its level is that map's (paper, Section 2: the tactile buffers are read at a lower
 /// rate). The grid begins with the first map, and anew after silence(), reset(), a change of rate, mapping or grid or a hole in
-/// which a whole block was lost.
+/// which a whole block was lost. No block begins while the line has the one before to carry: a chair that is large for its line
+/// gets fewer blocks, not late ones.
 ///
 /// Under Compensation::exact a rising command is due at the latest time from which its motor gets to 90 % by the frame, from the
 /// amplitude that the motor model predicts for that time: a retarget in the middle of a rise does not start from the last
@@ -124,8 +129,10 @@ private:
   {
     MotorModel motor;
     double volts = 0;
+    std::size_t index = 0;
     Time due = Time::min();
-    Time until = Time::max(); ///< Command::until of the last command
+    Time arrival = Time::min(); ///< of the last command at the motor
+    Time until = Time::max();   ///< Command::until of the last command
     MotorUse use{};
     MotorUse::End end{};               ///< of the present stretch
     std::optional<Time> spent_since{}; ///< its cue ran out, and the film still wants it
@@ -137,9 +144,18 @@ private:
   {
     Time effect;
     Time frame;
+    Time line{ 0 }; ///< how long it is taken by the levels that change
     std::vector<Command> commands{};
   };
 
+  /// What the line has to carry of a block.
+  struct Carried
+  {
+    Time begin;
+    Time end;
+  };
+
+  void forget_blocks();
   bool begins_block(Time time, Time duration);
   Plan begin_plan(Time effect, Time frame);
   std::vector<double> target_volts(std::span<const float> levels) const;
@@ -154,7 +170,8 @@ private:
   void give(Plan &plan, std::size_t index, Time effect, Time due, double volts);
 
   double wanted_volts(const Tactor &tactor, double level) const;
-  Time transport(const Tactor &tactor) const;
+  Time line_time(std::span<const double> volts) const;
+  Time transport(const Tactor &tactor, Time line) const;
   Time latest(const Tactor &tactor, const Plan &plan) const;
   Time kick_time(const Tactor &tactor, Time effect, double volts) const;
   Time due_time(const Tactor &tactor, const Plan &plan, double volts, Time kick) const;
@@ -166,8 +183,9 @@ private:
   std::optional<Time> restarts_after_; ///< running time begins anew, after this one
   Time account_begin_ = Time::min();   ///< where the time before the last reset() ends
   std::optional<Time> grid_start_;
-  std::size_t cells_ = 0; ///< of the last map
-  double next_block_ = 0; ///< number of the next block on the grid
+  std::optional<Carried> carried_; ///< of the last block; none: it is long ago
+  std::size_t cells_ = 0;          ///< of the last map
+  double next_block_ = 0;          ///< number of the next block on the grid
 };
 
 } // namespace tactor

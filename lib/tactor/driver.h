@@ -2,6 +2,7 @@
 #pragma once
 
 #include "tactor/driver_error.h"
+#include "tactor/line_time.h"
 #include "tactor/time.h"
 
 #include <tl/expected.hpp>
@@ -76,8 +77,14 @@ public:
   /// Smallest difference in volts that the board can make; 0 if it is continuous.
   virtual double resolution() const = 0;
 
-  /// Time from write() to the motor's terminals; part of every command's lead.
+  /// Time from write() to the motor's terminals when all tactors change; part of every command's lead.
   virtual Time transport_latency() const = 0;
+
+  /// What there is of transport_latency() for tactors that change, one after the other, and what a chair may be too large for.
+  virtual LineTime line() const
+  {
+    return {};
+  }
 
   /// While a motor is on, write() is to be called at least this often even if nothing changes: a board may silence motors whose host
   /// hangs. 0: never.

@@ -101,7 +101,14 @@ Time
 FirmataDriver::transport_latency() const
 {
   std::lock_guard lock(mutex_);
-  return transport_latency_;
+  return line_.all();
+}
+
+LineTime
+FirmataDriver::line() const
+{
+  std::lock_guard lock(mutex_);
+  return line_;
 }
 
 Time
@@ -142,7 +149,7 @@ FirmataDriver::close() noexcept
   is_open_ = status_.is_there = false;
   tactors_ = 0;
   resolution_ = 0;
-  transport_latency_ = Time(0);
+  line_ = {};
 }
 
 DriverStatus
@@ -267,7 +274,7 @@ FirmataDriver::connect_first(Lock &lock, SerialBus &bus)
     if (port) {
       tactors_ = std::min(config_.max_tactors, static_cast<int>(status_.pins.size()));
       resolution_ = board_->resolution() * config_.full_scale_volts;
-      transport_latency_ = board_->update_time();
+      line_ = board_->line();
       identity_.emplace(device, config_.device, devices);
       refused_.reset();
       explained_.clear();

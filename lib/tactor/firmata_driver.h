@@ -58,6 +58,7 @@ public:
   int tactors() const override;
   double resolution() const override;
   Time transport_latency() const override;
+  LineTime line() const override;
   Time refresh_interval() const override;
   [[nodiscard]] tl::expected<void, DriverError> write(std::span<const double> volts,
                                                       Time now) override;
@@ -116,7 +117,7 @@ private:
   // As they were when it was opened
   int tactors_ = 0;
   double resolution_ = 0;
-  Time transport_latency_{ 0 };
+  LineTime line_;
 };
 
 } // namespace tactor

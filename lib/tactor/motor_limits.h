@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include "tactor/line_time.h"
 #include "tactor/time.h"
 
 #include <cstddef>
@@ -18,6 +19,11 @@ struct MotorLimits
   double max_duty = 0.4; ///< one tactor, share of any MotorUse::kDutyWindow; from 1 on: off
   int max_active = 4;    ///< tactors at once
 
+  /// How many tactors may change at once: as many begin as end.
+  std::size_t most_changes() const
+  {
+    return max_active > 0 ? 2 * static_cast<std::size_t>(max_active) : LineTime::kAny;
+  }
   bool operator==(const MotorLimits &) const = default;
 };
 

@@ -20,11 +20,16 @@ SoftStart::arm()
 }
 
 bool
-SoftStart::vibrate(Time now)
+SoftStart::vibrate(Time now, Time update)
 {
   const bool begins = std::exchange(armed_, false) && length_ > Time(0);
   if (begins || (begin_ && now < *begin_))
-    begin_ = now;
+    begin_ = step_begin_ = now;
+  else if (!begin_ || now < step_begin_ + step_)
+    return false;
+  else
+    step_begin_ = step_end(now) - step_;
+  step_ = std::max(Time(kStep), update);
   return begins;
 }
 
@@ -33,9 +38,8 @@ SoftStart::ceiling(Time now) const
 {
   if (!begin_ || length_ <= Time(0))
     return 1;
-  const double steps = static_cast<double>(std::max(now - *begin_, Time(0)) / kStep + 1);
-  return std::min(
-      steps * static_cast<double>(Time(kStep).count()) / static_cast<double>(length_.count()), 1.0);
+  const auto risen = static_cast<double>((step_end(now) - *begin_).count());
+  return std::min(risen / static_cast<double>(length_.count()), 1.0);
 }
 
 std::optional<Time>
@@ -43,7 +47,13 @@ SoftStart::next_step(Time now) const
 {
   if (ceiling(now) >= 1)
     return std::nullopt;
-  return *begin_ + (std::max(now - *begin_, Time(0)) / kStep + 1) * kStep;
+  return step_end(now);
+}
+
+Time
+SoftStart::step_end(Time now) const
+{
+  return step_begin_ + (std::max(now - step_begin_, Time(0)) / step_ + 1) * step_;
 }
 
 } // namespace tactor

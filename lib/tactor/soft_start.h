@@ -12,7 +12,7 @@ namespace tactor {
 class SoftStart
 {
 public:
-  /// How often the ceiling rises: nine motors take 5 ms on the wire.
+  /// How often the ceiling rises where the line carries that: nine motors take 5 ms on it, 64 take 60 ms.
   static constexpr Time kStep = std::chrono::milliseconds(20);
 
   /// How long the ceiling takes from nothing to full scale; 0: there is none.
@@ -21,19 +21,25 @@ public:
   /// The motors are at zero; the next vibration is a soft start.
   void arm();
 
-  /// The motors vibrate at `now`. True if a soft start begins. One that is under way begins again if time goes back.
-  bool vibrate(Time now);
+  /// The motors vibrate at `now`, and the line takes `update` to carry that: a step that begins now lasts max(kStep, update), and so do
+  /// those after it until this says otherwise. True if a soft start begins. One that is under way begins again if time goes back.
+  bool vibrate(Time now, Time update = Time(0));
 
-  /// What a motor may get at `now`, a share of full scale: (n + 1) · kStep / length in the n-th step, 1 at most.
+  /// What a motor may get at `now`, a share of full scale: the end of the present step, counted from the first one's begin, / length, 1
+  /// at most.
   double ceiling(Time now) const;
 
   /// When the ceiling rises next; none: it is at full scale, or nothing has vibrated yet.
   std::optional<Time> next_step(Time now) const;
 
 private:
+  Time step_end(Time now) const;
+
   Time length_{ 0 };
   bool armed_ = true;
   std::optional<Time> begin_;
+  Time step_begin_{ 0 }; ///< of the last step that vibrate() has seen
+  Time step_ = kStep;    ///< how long it lasts
 };
 
 } // namespace tactor

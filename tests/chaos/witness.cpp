@@ -53,6 +53,10 @@ public:
   {
     return driver_->transport_latency();
   }
+  tactor::LineTime line() const override
+  {
+    return driver_->line();
+  }
   Time refresh_interval() const override
   {
     return driver_->refresh_interval();

@@ -109,6 +109,7 @@ struct Board
   Volts volts; ///< what the motors have now
   std::vector<Write> writes;
   Time refresh_interval{ 0 }; ///< set before start()
+  tactor::LineTime line{};    ///< likewise
   std::optional<Kind> error;  ///< of the next write
   bool hold = false;          ///< a write does not end…
   int passes = 0;             ///< …but so many do
@@ -172,6 +173,10 @@ public:
   Time transport_latency() const override
   {
     return Time(0);
+  }
+  tactor::LineTime line() const override
+  {
+    return board_.get(&Board::line);
   }
   Time refresh_interval() const override
   {

@@ -183,6 +183,33 @@ GST_START_TEST(test_soft_again)
 }
 GST_END_TEST;
 
+/// On a line that takes 15 ms for a level two take 30, and so do the steps from the next one on. The flush's zero is the first write of
+/// the second ramp.
+GST_START_TEST(test_soft_start_on_a_slow_line)
+{
+  Rig rig(false);
+  rig.scheduler->stop();
+  rig.board.set(&Board::line, tactor::LineTime({ 1, 1, 1, 1 }, milliseconds(15)));
+  rig.start();
+  rig.scheduler->set_ramp_in(milliseconds(100));
+  rig.scheduler->play();
+  rig.push({ command(100, 0, 3.0), command(100, 1, 3.0) });
+  rig.run_to(300);
+  std::vector<std::pair<int, double>> expected{
+    { 100, 0.9 }, { 130, 1.8 }, { 160, 2.7 }, { 190, 3.0 }
+  };
+  assert_writes(rig, expected);
+
+  rig.scheduler->flush();
+  rig.push({ command(400, 0, 3.0), command(410, 1, 3.0) });
+  rig.run_to(600);
+  expected.insert(
+      expected.end(),
+      { { 300, 0.0 }, { 400, 0.6 }, { 410, 0.6 }, { 420, 1.5 }, { 450, 2.4 }, { 480, 3.0 } });
+  assert_writes(rig, expected);
+}
+GST_END_TEST;
+
 /// A board that was lost is at zero until it is back, and starts softly, too; a pause in the middle of a soft start ends it.
 GST_START_TEST(test_soft_after_faults)
 {
@@ -223,6 +250,7 @@ tactorscheduler_limits_suite(void)
   tcase_add_test(cases, test_runs_out_without_the_clock);
   tcase_add_test(cases, test_soft_start);
   tcase_add_test(cases, test_soft_again);
+  tcase_add_test(cases, test_soft_start_on_a_slow_line);
   tcase_add_test(cases, test_soft_after_faults);
   return suite;
 }

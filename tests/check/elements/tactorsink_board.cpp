@@ -180,7 +180,7 @@ GST_START_TEST(test_auto_with_board)
   gst_structure_free(stats);
   guint64 delay = 0;
   g_object_get(rig.element, "render-delay", &delay, nullptr);
-  ck_assert_uint_eq(delay, 190 * GST_MSECOND + 9375 * GST_USECOND);
+  ck_assert_uint_eq(delay, 190 * GST_MSECOND + 9450 * GST_USECOND);
 
   gst_element_set_state(rig.element, GST_STATE_PAUSED);
   rig.expect(rig.mega, pins, { 0, 0, 0 });
@@ -291,6 +291,64 @@ GST_START_TEST(test_errors)
 }
 GST_END_TEST;
 
+/// 64 tactors: 14 pins whose level takes 3 bytes, 50 of 6. Where max-active lets few change at once that is said, otherwise it is a
+/// warning with the numbers and what to do, and a message for programs; on a chair of nine nothing is said.
+GST_START_TEST(test_large_chair)
+{
+  Layout layout = kUno;
+  layout.pins = 66;
+  layout.pwm.clear();
+  for (int pin = 2; pin < layout.pins; pin++)
+    layout.pwm.insert(pin);
+  const auto start = [&](guint max_active, const char *mapping = nullptr) {
+    auto rig = std::make_unique<Rig>("seat");
+    g_object_set(rig->element, "max-active", max_active, "rate", 5.0, nullptr);
+    if (mapping)
+      gst_util_set_object_arg(G_OBJECT(rig->element), "mapping", mapping);
+    return rig;
+  };
+  MemoryBoard large{ device("64", "Large"), layout, true };
+  {
+    auto rig = start(4);
+    rig->sockets_.plug(large);
+    fail_unless(rig->start());
+    rig->message(GST_MESSAGE_INFO); // which board it is
+    assert_contains(rig->message(GST_MESSAGE_INFO),
+                    { "64 tactors", "342 bytes", "59.9 ms", "8.4 ms" });
+    fail_if(rig->messages.has(GST_MESSAGE_WARNING));
+    rig->sockets_.unplug(large);
+  }
+  {
+    auto rig = start(0);
+    rig->sockets_.plug(large);
+    fail_unless(rig->start());
+    assert_contains(rig->message(GST_MESSAGE_WARNING),
+                    { "too large for its line", "64 tactors", "342 bytes", "59.9 ms", "16.7 times",
+                      "max-active to 9" });
+    g_autoptr(GstMessage) message
+        = gst_bus_timed_pop_filtered(rig->messages.bus, GST_CLOCK_TIME_NONE, GST_MESSAGE_ELEMENT);
+    const GstStructure *said = gst_message_get_structure(message);
+    guint tactors = 0;
+    guint bytes = 0;
+    guint64 update = 0;
+    fail_unless(gst_structure_has_name(said, "tactor-line-slow"));
+    fail_unless(gst_structure_get(said, "tactors", G_TYPE_UINT, &tactors, "bytes", G_TYPE_UINT,
+                                  &bytes, "update", G_TYPE_UINT64, &update, nullptr));
+    fail_unless(tactors == 64 && bytes == 342 && update == 342 * 175 * GST_USECOND);
+    rig->sockets_.unplug(large);
+  }
+  {
+    auto rig = start(0, "<0,1,2,3,4,5,6,7,8>");
+    rig->sockets_.plug(large);
+    fail_unless(rig->start());
+    rig->message(GST_MESSAGE_INFO);
+    rig->push({ 0, 0, 0 });
+    fail_if(rig->messages.has(GST_MESSAGE_INFO) || rig->messages.has(GST_MESSAGE_WARNING));
+    rig->sockets_.unplug(large);
+  }
+}
+GST_END_TEST;
+
 static Suite *
 tactorsink_board_suite(void)
 {
@@ -302,6 +360,7 @@ tactorsink_board_suite(void)
   tcase_add_test(cases, test_end_of_stream);
   tcase_add_test(cases, test_lost_and_found);
   tcase_add_test(cases, test_errors);
+  tcase_add_test(cases, test_large_chair);
   return suite;
 }
 

@@ -2,9 +2,13 @@
 //
 // Chairs that are large for their line, in virtual time: behind USB there is a chip that takes bytes at once and lets them out as the
 // line goes. What it holds is a queue that nobody can overtake, so it shall hold next to nothing.
+#include "tactor/command_planner.h"
+#include "tactor/command_queue.h"
 #include "tactor/firmata_board.h"
+#include "tactor/soft_start.h"
 
 #include "firmata_model.h"
+#include "unlimited.h"
 
 #include <cmath>
 #include <deque>
@@ -188,6 +192,144 @@ GST_START_TEST(test_everyone_has_a_turn)
 }
 GST_END_TEST;
 
+/// A ramp has as many steps as the line carries, and each is on the board when the next begins: of 100 ms there are five steps of 20 ms for
+/// nine tactors, and two of 59.85 ms for 64.
+GST_START_TEST(test_ramp)
+{
+  for (const int tactors : { 9, 36, 64 })
+    for (const Time length : { 100ms, 1000ms }) {
+      const Layout layout = chair(tactors);
+      const Time update = level_bytes(layout) * kByte;
+      Chip chip(layout);
+      std::vector<std::size_t> all(layout.pwm.size());
+      std::iota(all.begin(), all.end(), std::size_t{ 0 });
+      fail_unless(chip.board.line().of(all) == update);
+
+      SoftStart start;
+      start.set_length(length);
+      const Time begin = chip.now;
+      int steps = 0;
+      std::vector<double> levels;
+      for (std::optional<Time> next = begin; next; next = start.next_step(chip.now)) {
+        chip.run_to(*next);
+        fail_unless(chip.has(levels), "step %d is not on the board when the next begins", steps);
+        start.vibrate(chip.now, update);
+        levels.assign(layout.pwm.size(), start.ceiling(chip.now));
+        chip.set(levels);
+        steps++;
+      }
+      const Time step = std::max(update, Time(20ms));
+      ck_assert_int_eq(steps, static_cast<int>((length + step - 1ns) / step));
+      fail_unless(levels.front() == 1 && chip.now - begin == (steps - 1) * step);
+      chip.run_to(chip.now + update);
+      fail_unless(chip.has(levels));
+      ck_assert_uint_le(chip.most_under_way, static_cast<std::size_t>(level_bytes(layout)) + 3);
+    }
+}
+GST_END_TEST;
+
+/// A film of which every map changes so many tactors: a block is every map that the line carries, and when its frame is shown its levels are
+/// on the board, the last of them just then.
+GST_START_TEST(test_blocks)
+{
+  struct
+  {
+    int changing; ///< of 64, from the last on: 6 bytes each
+    double rate;  ///< Hz
+    Time frame;
+    int frames; ///< from block to block
+  } const cases[] = {
+    { 64, 0, 40ms, 2 },  { 64, 0, 10ms, 6 }, { 64, 0, 60ms, 1 }, { 64, 5, 40ms, 5 },
+    { 64, 25, 40ms, 2 }, { 8, 0, 10ms, 1 },  { 9, 0, 10ms, 1 },  { 10, 0, 10ms, 2 },
+  };
+  for (const auto &film : cases) {
+    Chip chip(chair(64));
+    PlannerSettings settings = unlimited({ .rate = film.rate,
+                                           .transport_latency = chip.board.update_time(),
+                                           .line = chip.board.line() });
+    CommandPlanner planner(64, settings);
+    CommandQueue queue(64);
+    const Time origin = chip.now;
+    const auto run_to = [&](Time until) {
+      while (chip.now < origin + until) {
+        const Time refresh = chip.now - origin + 100ms;
+        const Time next = std::min({ until, refresh, queue.next_due().value_or(until) });
+        chip.run_to(origin + next);
+        queue.take_due(next);
+        std::vector<double> levels;
+        for (const double volts : queue.levels())
+          levels.push_back(volts / 3.0);
+        chip.set(levels);
+      }
+    };
+
+    std::vector<float> levels(64, 1.0f);
+    int last = 0;
+    for (int frame = 0; frame < 60; frame++) {
+      // Downwards only: a rise is due earlier, by as much as its motor takes.
+      for (std::size_t i = levels.size() - static_cast<std::size_t>(film.changing); i < 64; i++)
+        levels[i] = static_cast<float>(1.0 - frame / 100.0);
+      const Time shown = (frame == 0 ? 1s : 3s) + frame * film.frame; // when they have risen
+      const std::vector<Command> commands = planner.plan(shown, film.frame, levels);
+      if (frame == 0) {
+        queue.push(commands);
+        run_to(shown);
+        continue;
+      }
+      if (commands.empty())
+        continue;
+      ck_assert_int_eq(frame - last, last == 0 ? 1 : film.frames);
+      last = frame;
+      ck_assert_uint_eq(commands.size(), static_cast<std::size_t>(film.changing));
+      const Time line = (film.changing == 64 ? level_bytes(chair(64)) : 6 * film.changing) * kByte;
+      fail_unless(std::ranges::all_of(
+          commands, [&](const Command &command) { return command.lead == line; }));
+      queue.push(commands);
+      run_to(shown);
+      fail_unless(chip.has({ levels.begin(), levels.end() }),
+                  "%d tactors change at %.0f Hz, %d ms a frame: frame %d is not on the board",
+                  film.changing, film.rate, static_cast<int>(film.frame / 1ms), frame);
+    }
+    ck_assert_int_gt(last, 60 - 1 - film.frames);
+    ck_assert_uint_le(chip.most_under_way, static_cast<std::size_t>(FirmataBoard::kPacket));
+  }
+}
+GST_END_TEST;
+
+/// A lead has what the levels take that change, not what all would; a calibrated motor's latency was measured with it alone on the line.
+GST_START_TEST(test_lead_has_what_changes)
+{
+  const LineTime line(std::vector<int>(64, 6), kByte);
+  const auto leads = [](const LineTime &on, Time rest, std::optional<Time> latency, auto changing,
+                        int most) {
+    PlannerSettings settings
+        = unlimited({ .rate = 0, .transport_latency = on.all() + rest, .line = on });
+    settings.limits.max_active = most;
+    CommandPlanner planner(64, settings, std::vector<MotorParameters>(64, { .latency = latency }));
+    planner.plan(1s, 40ms, std::vector<float>(64, 1.0f));
+    std::vector<float> levels(64, 1.0f);
+    std::fill_n(levels.begin(), changing, 0.5f);
+    std::vector<Time> leads;
+    for (const Command &command : planner.plan(3s, 40ms, levels))
+      leads.push_back(command.lead);
+    return leads;
+  };
+  for (const int changing : { 1, 5, 64 }) {
+    const auto count = static_cast<std::size_t>(changing);
+    const Time update = changing * 6 * kByte;
+    fail_unless(leads(line, 2ms, {}, changing, 0) == std::vector<Time>(count, update + 2ms));
+    fail_unless(leads(line, 2ms, 20ms, changing, 0)
+                == std::vector<Time>(count, update - 6 * kByte + 20ms));
+  }
+  // Four end and four begin, of which the leads have their rise, too.
+  const std::vector<Time> bare = leads({}, 0ms, {}, 60, 4);
+  const std::vector<Time> carried = leads(line, 2ms, {}, 60, 4);
+  ck_assert_uint_eq(carried.size(), 8);
+  for (std::size_t i = 0; i < carried.size(); i++)
+    fail_unless(carried[i] - bare[i] == 8 * 6 * kByte + 2ms);
+}
+GST_END_TEST;
+
 static Suite *
 slow_line_suite(void)
 {
@@ -196,6 +338,9 @@ slow_line_suite(void)
   suite_add_tcase(suite, tests);
   tcase_add_test(tests, test_nothing_queues);
   tcase_add_test(tests, test_everyone_has_a_turn);
+  tcase_add_test(tests, test_ramp);
+  tcase_add_test(tests, test_blocks);
+  tcase_add_test(tests, test_lead_has_what_changes);
   return suite;
 }
 
