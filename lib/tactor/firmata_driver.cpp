@@ -69,6 +69,7 @@ FirmataDriver::open(const DriverConfig &config)
   runs_ = true;
   config_ = config;
   quit_ = bus_changed_ = false;
+  opening_ = std::stop_source();
   refusal_.reset();
   levels_.clear();
   bytes_before_ = 0;
@@ -136,13 +137,16 @@ FirmataDriver::close() noexcept
 {
   std::unique_ptr<TerminationGuard> guard; // goes without the lock, which what it calls takes
   std::thread thread;
+  std::stop_source opening;
   {
     std::lock_guard lock(mutex_);
     quit_ = true;
     guard = std::move(guard_);
+    opening = opening_;
     thread = std::move(thread_);
     changed_.notify_all();
   }
+  opening.request_stop();
   if (thread.joinable())
     thread.join();
   std::lock_guard lock(mutex_);
@@ -385,8 +389,9 @@ FirmataDriver::connect(Lock &lock, SerialBus &bus, const SerialDevice &device)
   board_.emplace(steady_now(), settings_.patience);
   tl::expected<std::unique_ptr<SerialPort>, DriverError> port;
   {
+    const std::stop_token stop = opening_.get_token();
     const Unlocked unlocked(lock);
-    port = bus.open(device, std::move(events));
+    port = bus.open(device, std::move(events), stop);
   }
   if (!port) {
     board_.reset();
@@ -480,7 +485,12 @@ FirmataDriver::leave(std::chrono::steady_clock::time_point until)
 {
   Lock lock(mutex_);
   quit_ = true;
+  std::stop_source opening = opening_;
   changed_.notify_all();
+  {
+    const Unlocked unlocked(lock);
+    opening.request_stop();
+  }
   changed_.wait_until(lock, until, [this] { return !runs_; });
 }
 

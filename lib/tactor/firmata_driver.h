@@ -15,6 +15,7 @@
 #include <mutex>
 #include <optional>
 #include <set>
+#include <stop_token>
 #include <string>
 #include <thread>
 #include <vector>
@@ -102,6 +103,7 @@ private:
   bool quit_ = false;
   bool runs_ = false;                       ///< the thread has the bus, or a board
   std::unique_ptr<TerminationGuard> guard_; ///< from the beginning of open() to the end of close()
+  std::stop_source opening_; ///< ends what a port's opening waits for; requested with quit_
   bool bus_changed_ = false;
   std::optional<DriverError> refusal_;    ///< why open() fails
   std::optional<std::string> lost_;       ///< why the port is of no use any more

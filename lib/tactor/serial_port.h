@@ -11,6 +11,7 @@
 #include <functional>
 #include <memory>
 #include <span>
+#include <stop_token>
 #include <string>
 #include <vector>
 
@@ -66,9 +67,10 @@ public:
   /// What is plugged in now, in a stable order. DriverError (failed) if the bus itself cannot be used.
   [[nodiscard]] virtual tl::expected<std::vector<SerialDevice>, DriverError> list() = 0;
 
-  /// Opens one. DriverError: not_found, busy, permission (the text names the udev rule and the command that installs it), failed.
+  /// Opens one. DriverError: not_found, busy, permission (the text names the udev rule and the command that installs it), failed. A board
+  /// that does not answer may need seconds; `stop`, requested by any thread, ends that at once with an error (failed).
   [[nodiscard]] virtual tl::expected<std::unique_ptr<SerialPort>, DriverError>
-  open(const SerialDevice &device, SerialPort::Events events) = 0;
+  open(const SerialDevice &device, SerialPort::Events events, std::stop_token stop = {}) = 0;
 
   /// Whether a program has the operating system's own line to the device open, which open() would take away from it. Nothing is opened for that.
   virtual LineUse use(const SerialDevice & /*device*/)

@@ -223,6 +223,12 @@ EmulatedBoard::transfers_pending() const
                           + nodes_.back().to_be_reaped());
 }
 
+bool
+EmulatedBoard::wait_for_ignored_request() const
+{
+  return wait_until([this] { return !requests_.empty(); });
+}
+
 std::size_t
 EmulatedBoard::hosts() const
 {

@@ -96,6 +96,7 @@ public:
   /// So many bulk transfers end in an error, writes that begin after this with half of their bytes taken; kAll: every one.
   void break_transfers(int count, int error = EPROTO);
   void ignore_requests(bool on); ///< control requests are never answered
+  bool wait_for_ignored_request() const;
   void refuse_requests(bool on); ///< control requests stall
   void use_by_another(bool on);  ///< claims end in EBUSY
   void forbid();                 ///< nobody may open the device any more; root still may

@@ -3,7 +3,9 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <stop_token>
 #include <sys/fsuid.h>
+#include <thread>
 #include <unistd.h>
 
 #include <gst/check/gstcheck.h>
@@ -168,6 +170,33 @@ GST_START_TEST(test_boards_that_cannot_be_opened)
 }
 GST_END_TEST;
 
+/// A board that answers no request: who waits for the answer is interrupted. It would come in an hour.
+GST_START_TEST(test_set_up_is_interrupted)
+{
+  for (const Transport transport : kTransports) {
+    EmulatedUsb usb;
+    EmulatedBoard board(usb, { .transport = transport });
+    board.ignore_requests(true);
+    UsbSerialBus bus({ .request = 1h });
+    const SerialDevice device = unwrap(bus.list()).at(0);
+    std::stop_source stop;
+    std::thread other([&] {
+      fail_unless(board.wait_for_ignored_request());
+      stop.request_stop();
+    });
+    const DriverError error = refusal_of(bus.open(device, {}, stop.get_token()));
+    other.join();
+    fail_unless(error.kind == DriverError::Kind::failed, "%s", error.text.c_str());
+    fail_unless_equals_int(board.transfers_pending(), 0);
+    board.ignore_requests(false);
+    // Before it begins, too.
+    fail_unless(refusal_of(bus.open(device, {}, stop.get_token())).kind
+                == DriverError::Kind::failed);
+    unwrap(bus.open(device, {}));
+  }
+}
+GST_END_TEST;
+
 GST_START_TEST(test_permission_denied)
 {
   EmulatedUsb usb;
@@ -296,6 +325,7 @@ usb_serial_bus_suite(void)
   tcase_add_test(tests, test_descriptors_that_lie);
   tcase_add_test(tests, test_chip_with_two_lines);
   tcase_add_test(tests, test_boards_that_cannot_be_opened);
+  tcase_add_test(tests, test_set_up_is_interrupted);
   tcase_add_test(tests, test_permission_denied);
   tcase_add_test(tests, test_two_boards);
   tcase_add_test(tests, test_watch);

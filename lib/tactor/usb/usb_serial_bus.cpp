@@ -139,9 +139,9 @@ UsbSerialBus::list()
 }
 
 tl::expected<std::unique_ptr<SerialPort>, DriverError>
-UsbSerialBus::open(const SerialDevice &device, SerialPort::Events events)
+UsbSerialBus::open(const SerialDevice &device, SerialPort::Events events, std::stop_token stop)
 {
-  return UsbSerialPort::open(device, std::move(events), patience_);
+  return UsbSerialPort::open(device, std::move(events), patience_, stop);
 }
 
 tl::expected<void, DriverError>

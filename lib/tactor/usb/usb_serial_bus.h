@@ -38,7 +38,7 @@ public:
 
   [[nodiscard]] tl::expected<std::vector<SerialDevice>, DriverError> list() override;
   [[nodiscard]] tl::expected<std::unique_ptr<SerialPort>, DriverError>
-  open(const SerialDevice &device, SerialPort::Events events) override;
+  open(const SerialDevice &device, SerialPort::Events events, std::stop_token stop = {}) override;
   tl::expected<void, DriverError> watch(std::function<void()> changed) override;
   LineUse use(const SerialDevice &device) override;
   bool is_left(const SerialDevice &device) override;

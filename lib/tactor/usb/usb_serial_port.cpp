@@ -2,6 +2,7 @@
 #include "tactor/usb/usb_serial_port.h"
 
 #include "tactor/realtime/realtime_thread.h"
+#include "tactor/usb/control_transfer.h"
 #include "tactor/usb/permission.h"
 
 #include <algorithm>
@@ -69,7 +70,7 @@ forward(libusb_transfer *transfer)
 
 tl::expected<ClaimedDevice, DriverError>
 ClaimedDevice::open(const UsbContext &context, const SerialDevice &device,
-                    std::chrono::milliseconds request_patience)
+                    std::chrono::milliseconds request_patience, const std::stop_token &stop)
 {
   tl::expected<UsbSerialDevice, DriverError> found = find(context, device);
   if (!found)
@@ -82,7 +83,7 @@ ClaimedDevice::open(const UsbContext &context, const SerialDevice &device,
   claimed.handle_.reset(handle);
   libusb_set_auto_detach_kernel_driver(handle, 1);
   return claimed.claim(device)
-      .and_then([&] { return claimed.set_up(device, request_patience); })
+      .and_then([&] { return claimed.set_up(context, device, request_patience, stop); })
       .map([&] { return std::move(claimed); });
 }
 
@@ -104,27 +105,25 @@ ClaimedDevice::claim(const SerialDevice &device)
 }
 
 tl::expected<void, DriverError>
-ClaimedDevice::set_up(const SerialDevice &device, std::chrono::milliseconds patience)
+ClaimedDevice::set_up(const UsbContext &context, const SerialDevice &device,
+                      std::chrono::milliseconds patience, const std::stop_token &stop)
 {
-  for (const ControlRequest &request : line_.set_up) {
-    std::vector<std::uint8_t> data = request.data;
-    const int done = libusb_control_transfer(
-        handle_.get(), request.type, request.request, request.value, request.index, data.data(),
-        static_cast<std::uint16_t>(data.size()), static_cast<unsigned>(patience.count()));
-    if (done < 0)
-      return failure(done, device, "cannot be set up");
-  }
+  for (const ControlRequest &request : line_.set_up)
+    if (const int error = control_transfer(context, handle_.get(), request, patience, stop);
+        error != LIBUSB_SUCCESS)
+      return failure(error, device, "cannot be set up");
   return {};
 }
 
 tl::expected<std::unique_ptr<UsbSerialPort>, DriverError>
-UsbSerialPort::open(const SerialDevice &device, Events events, const UsbPatience &patience)
+UsbSerialPort::open(const SerialDevice &device, Events events, const UsbPatience &patience,
+                    const std::stop_token &stop)
 {
   tl::expected<UsbContext, DriverError> context = UsbContext::create();
   if (!context)
     return tl::unexpected(context.error());
   tl::expected<ClaimedDevice, DriverError> claimed
-      = ClaimedDevice::open(*context, device, patience.request);
+      = ClaimedDevice::open(*context, device, patience.request, stop);
   if (!claimed)
     return tl::unexpected(claimed.error());
   std::unique_ptr<UsbSerialPort> port(

@@ -12,6 +12,7 @@
 #include <mutex>
 #include <optional>
 #include <span>
+#include <stop_token>
 #include <string>
 #include <thread>
 #include <vector>
@@ -25,7 +26,7 @@ public:
   /// Opens, claims and sets up.
   [[nodiscard]] static tl::expected<ClaimedDevice, DriverError>
   open(const UsbContext &context, const SerialDevice &device,
-       std::chrono::milliseconds request_patience);
+       std::chrono::milliseconds request_patience, const std::stop_token &stop);
   ~ClaimedDevice();
   ClaimedDevice(ClaimedDevice &&) = default;
   ClaimedDevice &operator=(ClaimedDevice &&) = delete;
@@ -43,8 +44,9 @@ public:
 private:
   ClaimedDevice() = default;
   tl::expected<void, DriverError> claim(const SerialDevice &device);
-  tl::expected<void, DriverError> set_up(const SerialDevice &device,
-                                         std::chrono::milliseconds patience);
+  tl::expected<void, DriverError> set_up(const UsbContext &context, const SerialDevice &device,
+                                         std::chrono::milliseconds patience,
+                                         const std::stop_token &stop);
 
   struct Close
   {
@@ -65,7 +67,8 @@ class UsbSerialPort : public SerialPort
 public:
   /// DriverError as SerialBus::open().
   [[nodiscard]] static tl::expected<std::unique_ptr<UsbSerialPort>, DriverError>
-  open(const SerialDevice &device, Events events, const UsbPatience &patience);
+  open(const SerialDevice &device, Events events, const UsbPatience &patience,
+       const std::stop_token &stop);
   ~UsbSerialPort() override;
 
   bool write(std::span<const std::uint8_t> bytes) override;

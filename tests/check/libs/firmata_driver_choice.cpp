@@ -65,6 +65,23 @@ GST_START_TEST(test_open_is_interrupted)
 }
 GST_END_TEST;
 
+/// A port whose set-up is never answered is given up as soon as the driver is closed.
+GST_START_TEST(test_closed_while_the_port_is_set_up)
+{
+  Rig rig;
+  rig.mega.hangs_on_open = true;
+  rig.sockets.plug(rig.mega);
+  std::thread other([&] {
+    rig.sockets.wait([&] { return rig.mega.opens == 1; });
+    rig.driver.close();
+  });
+  assert_contains(rig.refusal().text, { "interrupted" });
+  other.join();
+  rig.sockets.locked([&] { rig.mega.hangs_on_open = false; });
+  rig.open();
+}
+GST_END_TEST;
+
 /// The first that can be used, unless one is named by its number or its socket.
 GST_START_TEST(test_two_boards)
 {
@@ -466,6 +483,7 @@ firmata_driver_choice_suite(void)
   tcase_add_test(tests, test_no_board);
   tcase_add_test(tests, test_silent_board);
   tcase_add_test(tests, test_open_is_interrupted);
+  tcase_add_test(tests, test_closed_while_the_port_is_set_up);
   tcase_add_test(tests, test_two_boards);
   tcase_add_test(tests, test_too_few_pins);
   tcase_add_test(tests, test_which_board_returns);

@@ -12,6 +12,7 @@
 #include <condition_variable>
 #include <list>
 #include <mutex>
+#include <stop_token>
 #include <thread>
 #include <utility>
 
@@ -29,6 +30,7 @@ struct MemoryBoard
   std::optional<tactor::DriverError::Kind> refusal{}; ///< of open()
   tactor::LineUse use{};                              ///< of the system's line to it
   bool is_left = false;                               ///< by a process that was killed
+  bool hangs_on_open = false;                         ///< until it is interrupted
   bool says_nothing = false;
   bool takes_nothing = false; ///< a write never ends
   long bytes_to_live = -1;    ///< it is plugged out when it has got so many more; −1: never
@@ -200,17 +202,29 @@ public:
     return devices;
   }
   tl::expected<std::unique_ptr<tactor::SerialPort>, tactor::DriverError>
-  open(const tactor::SerialDevice &device, tactor::SerialPort::Events events) override
+  open(const tactor::SerialDevice &device, tactor::SerialPort::Events events,
+       std::stop_token stop) override
   {
     using tactor::DriverError;
     MemoryBoard *board = nullptr;
     {
-      std::lock_guard lock(sockets_.mutex);
+      std::unique_lock lock(sockets_.mutex);
       board = find(device);
       if (!board)
         return refused(DriverError::Kind::not_found, device.name + " was plugged out");
       board->opens++;
       sockets_.changed.notify_all();
+      if (board->hangs_on_open) {
+        lock.unlock();
+        const std::stop_callback wake(stop, [this] {
+          const std::lock_guard woken(sockets_.mutex);
+          sockets_.changed.notify_all();
+        });
+        lock.lock();
+        sockets_.changed.wait(lock, [&] { return stop.stop_requested(); });
+        lock.unlock(); // the callback may be waiting for it
+        return refused(DriverError::Kind::failed, device.name + " was interrupted");
+      }
       if (board->refusal)
         return refused(*board->refusal, device.name + " is refused");
       if (board->is_open)
