@@ -69,7 +69,7 @@ GST_START_TEST(test_realtime)
       policy = policy_of(0);
       tell(bytes);
     };
-    const auto port = bus.open(bus.list().at(0), std::move(events));
+    const auto port = bus.open(unwrap(bus.list()).at(0), std::move(events));
     board.send(Bytes{ 1, 2, 3 });
     fail_unless(listener.wait_for_bytes(3));
     fail_unless_equals_int(policy, wanted && may_be_realtime() ? SCHED_RR : SCHED_OTHER);
