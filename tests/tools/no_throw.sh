@@ -1,0 +1,23 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: LGPL-2.1-or-later
+# Nothing in lib/ or gst/ throws: expected errors are values (docs/architecture.md, "Errors"). What is compiled says so better than what is
+# written, as headers may throw, too. What the standard library throws itself, such as std::vector where memory is out, is not seen.
+#
+# Usage: no_throw.sh BUILD
+set -euo pipefail
+cd "$1"
+
+# RowBuffer (lib/saliency/image_rows.h) throws std::bad_alloc, as a vector would.
+allowed='^lib/saliency/.*/(byte_rows|component_rows|front_end|pyramid)\.cpp\.o$'
+
+mapfile -d '' objects < <(find lib gst -name '*.o' -print0)
+[ ${#objects[@]} -gt 50 ] || { echo "only ${#objects[@]} objects in $1" >&2; exit 1; }
+# -A: the file's name on each line.
+throwing=$(nm -A --undefined-only "${objects[@]}" | sed -n 's/:.* U __cxa_throw$//p' | sort)
+unexpected=$(grep -Ev "$allowed" <<<"$throwing" || true)
+if [ -n "$unexpected" ]; then
+  printf 'These throw; what they tell has to be a value (tl::expected), or an assertion:\n%s\n' "$unexpected" >&2
+  exit 1
+fi
+echo "${#objects[@]} objects, none that throws but where memory is out:"
+echo "$throwing"
