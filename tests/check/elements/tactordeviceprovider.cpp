@@ -95,7 +95,7 @@ public:
     return sockets_.plugged();
   }
   tl::expected<std::unique_ptr<tactor::SerialPort>, DriverError>
-  open(const SerialDevice &, tactor::SerialPort::Events) override
+  open(const SerialDevice &, tactor::SerialPort::Events, std::stop_token) override
   {
     return tl::unexpected(DriverError{ DriverError::Kind::failed, "nobody opens boards here" });
   }
