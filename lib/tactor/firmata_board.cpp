@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "tactor/firmata_board.h"
 
-#include "tactor/serial_port.h"
-
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -60,6 +58,9 @@ FirmataBoard::take(const firmata::Event &event)
     // One that answers somebody else's question came before the reset.
     if (state_ == State::asking && is_reset_)
       take_capabilities(*capabilities);
+  } else if (std::holds_alternative<firmata::VersionReport>(event)) {
+    if (state_ == State::closing && says_goodbye_)
+      state_ = State::closed; // what was sent before the question was read before it
   }
 }
 
@@ -78,8 +79,6 @@ void
 FirmataBoard::written()
 {
   on_the_way_ = false;
-  if (says_goodbye_)
-    state_ = State::closed;
 }
 
 bool
@@ -96,11 +95,11 @@ void
 FirmataBoard::close(Time now)
 {
   levels_.clear();
-  if (state_ == State::running) {
+  // One that speaks Firmata may still do what its last host said; to any other nothing was told that moves a motor.
+  if (state_ == State::running || (state_ == State::asking && firmware_)) {
     state_ = State::closing;
     leaves_ = now + patience_.farewell;
   } else if (state_ == State::asking) {
-    // It was not told anything that moves a motor.
     state_ = State::closed;
   }
 }
@@ -117,6 +116,8 @@ FirmataBoard::fail(std::string why)
 std::vector<std::uint8_t>
 FirmataBoard::next(Time now)
 {
+  if (says_goodbye_ && !on_the_way_ && !std::exchange(listens_, true))
+    leaves_ = std::max(now, line_free_) + patience_.last_word;
   if (state_ == State::closing && now >= *leaves_)
     state_ = State::closed;
   if (state_ == State::closed || state_ == State::failed)
@@ -132,7 +133,7 @@ FirmataBoard::next(Time now)
       fail("it does not take what it is sent");
     return {};
   }
-  if (now < line_free_)
+  if (now < line_free_ || says_goodbye_)
     return {};
 
   firmata::Encoder out;
@@ -194,7 +195,7 @@ FirmataBoard::update(firmata::Encoder &out, Time now)
     }
   }
   if (state_ == State::closing && is_settled()) {
-    out.reset();
+    out.reset().ask_version();
     says_goodbye_ = true;
   } else if (has_watchdog()
              && (!is_armed_
@@ -226,7 +227,8 @@ FirmataBoard::deadline() const
   } else if (state_ == State::asking) {
     when_free(asked_ ? *asked_ + patience_.ask_again : started_);
   } else if (state_ == State::closing) {
-    when_free(line_free_);
+    if (!says_goodbye_)
+      when_free(line_free_);
   } else if (state_ == State::running) {
     if (!is_settled())
       when_free(line_free_);

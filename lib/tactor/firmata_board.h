@@ -3,6 +3,7 @@
 
 #include "tactor/firmata_protocol.h"
 #include "tactor/line_time.h"
+#include "tactor/serial_port.h"
 #include "tactor/time.h"
 
 #include <cstdint>
@@ -24,6 +25,8 @@ struct FirmataPatience
   Time keepalive = std::chrono::milliseconds(
       100); ///< between transfers to a board with watchdog, while a motor is on
   Time farewell = std::chrono::milliseconds(250); ///< for the zeros of close() to be taken
+  Time last_word = std::chrono::milliseconds(
+      50); ///< when the line has carried them, for the board to say that it has read them
 };
 
 /// The conversation with one board that speaks Firmata, over a line that is somebody else's: what to send comes from next(), what
@@ -34,7 +37,8 @@ struct FirmataPatience
 /// 2. *Running*: each pin with pulse-width modulation is a tactor, in ascending order of pins. Levels that differ from what the board
 ///    has go out, a packet of kPacket bytes at a time, every pin in its turn; until one is carried the latest levels win. A board that
 ///    reports its firmware unasked was reset and is told everything anew.
-/// 3. *Closing*: zeros, then reset.
+/// 3. *Closing*: zeros, then reset, then a question whose answer proves that the board has read them. Whoever releases it before may cut
+///    them off: the kernel's driver, which takes over, sets another baud rate, and the USB chip switches its serial line off and on.
 ///
 /// A USB chip takes bytes faster than the line behind it carries them, and they would queue there, old levels before new ones. So
 /// nothing is sent before the line has carried what was sent: never more than one packet is under way, and a level has arrived
@@ -52,12 +56,12 @@ public:
     asking,
     running,
     closing,
-    closed, ///< the motors are at zero as far as the board took it; nothing is sent any more
+    closed, ///< the motors are at zero, or the board did not say so in time; nothing is sent any more
     failed, ///< see failure()
   };
 
-  /// What a byte takes on the line, ten bits at 57600 baud as an Arduino of 16 MHz makes them: 35 · 8 cycles each.
-  static constexpr Time kByteTime = std::chrono::microseconds(175);
+  /// What a byte takes on the line.
+  static constexpr Time kByteTime = SerialPort::kByteTime;
   /// Most bytes under way at once: a packet of full-speed USB.
   static constexpr std::size_t kPacket = 64;
 
@@ -137,7 +141,8 @@ private:
   bool is_armed_ = false; ///< its watchdog, by the first keepalive
   std::vector<Pin> pins_;
   std::vector<double> levels_; ///< as wanted; shorter than pins_: the rest is 0
-  bool says_goodbye_ = false;  ///< the last transfer of close() is on the way
+  bool says_goodbye_ = false;  ///< the last transfer of close() is on the way, or was
+  bool listens_ = false;       ///< the line has taken it
 
   Time started_;
   std::optional<Time> asked_;

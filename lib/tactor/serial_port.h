@@ -6,6 +6,7 @@
 
 #include <tl/expected.hpp>
 
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -18,13 +19,15 @@
 namespace tactor {
 
 /// A serial line to a board, 57600 baud 8N1, whatever carries it. Open for as long as it exists: the destructor cancels what is on
-/// the way, waits until no event is being called any more and releases the board. Not thread-safe: one thread at a time, and none destroys
+/// the way, waits until no event is being called any more and the line has carried what was taken, and releases the board. Not thread-safe: one thread at a time, and none destroys
 /// it from within an event.
 class SerialPort
 {
 public:
   /// Most bytes in one write.
   static constexpr std::size_t kMaxWrite = 512;
+  /// What a byte takes on the line: ten bits, as an Arduino of 16 MHz makes 57600 baud, 35 · 8 cycles each.
+  static constexpr std::chrono::nanoseconds kByteTime = std::chrono::microseconds(175);
 
   /// What comes from the line. Called on the port's own thread, one at a time, never from within a call to the port.
   struct Events

@@ -15,6 +15,8 @@ namespace usb_test {
 namespace {
 
 constexpr int kBitsPerByte = 10; // 8N1
+/// From when the kernel's driver has a board back to when its line is switched off, as measured of cdc_acm.
+constexpr auto kKernelOpens = std::chrono::microseconds(1340);
 constexpr std::array<std::uint8_t, 2> kStatus{ 0x01,
                                                0x60 }; // FT232R: nothing to tell; sender empty
 constexpr std::size_t kLongestRead = 512;              // of the host's transfers
@@ -174,6 +176,7 @@ EmulatedBoard::unplug()
       nodes_.back().done(pending->front(), -ESHUTDOWN, 0);
   nodes_.back().unplug();
   for_host_.clear();
+  in_chip_.clear(); // no power
   changed_.notify_all();
 }
 
@@ -240,6 +243,13 @@ EmulatedBoard::most_writes_pending() const
 {
   const std::lock_guard lock(mutex_);
   return most_writes_pending_;
+}
+
+std::size_t
+EmulatedBoard::cut_off() const
+{
+  const std::lock_guard lock(mutex_);
+  return cut_off_;
 }
 
 void
@@ -402,11 +412,15 @@ EmulatedBoard::release(int interface)
   conversation_.push_back(format("release %d", interface));
 }
 
+/// The kernel's driver takes it, sets 9600 baud 1.34 ms later (cdc_acm; ch341 1.8), and the chip switches its serial line off and on: what it
+/// has not let out by then arrives garbled, here not at all.
 void
 EmulatedBoard::give_back(int interface)
 {
   conversation_.push_back(format("return %d", interface));
   bind(interface, true);
+  const Clock::time_point off = Clock::now() + kKernelOpens;
+  cut_off_ += std::erase_if(in_chip_, [off](const Received &one) { return one.time > off; });
 }
 
 void
@@ -499,17 +513,51 @@ EmulatedBoard::run_wire()
 {
   std::unique_lock lock(mutex_);
   while (!stop_) {
-    const std::optional<Clock::time_point> next = firmware_ ? firmware_->next() : std::nullopt;
-    if (!stalled_ && !writes_.empty()) {
+    let_out();
+    std::optional<Clock::time_point> next = firmware_ ? firmware_->next() : std::nullopt;
+    if (!in_chip_.empty())
+      next = std::min(next.value_or(in_chip_.front().time), in_chip_.front().time);
+    if (take_into_chip()) {
+      changed_.notify_all();
+    } else if (description_.chip == 0 && !stalled_ && !writes_.empty()) {
       carry(lock);
     } else if (!next) {
       changed_.wait(lock);
     } else if (Clock::now() < *next) {
       changed_.wait_until(lock, *next);
-    } else {
+    } else if (in_chip_.empty() || *next < in_chip_.front().time) {
       firmware_->pass(*next);
       changed_.notify_all();
     }
+  }
+}
+
+/// The next transfer, if there is one and room for it.
+bool
+EmulatedBoard::take_into_chip()
+{
+  if (stalled_ || writes_.empty()
+      || in_chip_.size() + writes_.front().bytes().size() > description_.chip)
+    return false;
+  const auto byte_time = std::chrono::duration_cast<Clock::duration>(
+      std::chrono::duration<double>(kBitsPerByte / description_.baud));
+  wire_free_ = std::max(Clock::now(), wire_free_);
+  for (const std::uint8_t byte : writes_.front().bytes())
+    in_chip_.push_back({ wire_free_ += byte_time, byte });
+  const Urb whole = writes_.front();
+  writes_.pop_front();
+  nodes_.back().done(whole, 0, whole.bytes().size());
+  return true;
+}
+
+/// What has left the chip by now.
+void
+EmulatedBoard::let_out()
+{
+  for (; !in_chip_.empty() && in_chip_.front().time <= Clock::now(); in_chip_.pop_front()) {
+    to_firmware(in_chip_.front().byte, in_chip_.front().time);
+    feed_reads();
+    changed_.notify_all();
   }
 }
 

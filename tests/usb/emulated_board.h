@@ -43,6 +43,9 @@ struct BoardDescription
   std::optional<std::uint16_t> vendor{};
   Bytes descriptors{}; ///< instead of the transport's
   double baud = 0;     ///< of the emulated wire from host to board; 0: no time passes on it
+  /// Bytes that the USB chip takes at once and lets out as the wire goes (an ATmega16U2 as on a Mega: 128); 0: a transfer is done when its
+  /// last byte has left. What a chip still holds when the kernel's driver has the board back is lost: see give_back().
+  std::size_t chip = 0;
 };
 
 /// A USB board: descriptors, control requests, bulk endpoints and a wire of some speed to the firmware behind it. All public methods may be
@@ -79,6 +82,8 @@ public:
   /// That have claimed the board and not closed it. With the lock held: in wait_until() and with_firmware().
   std::size_t hosts() const;
   int most_writes_pending() const;
+  /// Bytes that the chip had taken and that never came to the firmware.
+  std::size_t cut_off() const;
   /// Runs while the firmware stands still.
   void with_firmware(const std::function<void()> &look) const;
 
@@ -121,6 +126,8 @@ private:
 
   void run_wire();
   void carry(std::unique_lock<std::mutex> &lock);
+  bool take_into_chip();
+  void let_out();
 
   EmulatedUsb &usb_;
   const BoardDescription description_;
@@ -141,6 +148,8 @@ private:
   std::list<Urb> requests_; ///< that are not being answered
   std::deque<Bytes> for_host_;
   Clock::time_point wire_free_{};
+  std::deque<Received> in_chip_; ///< with the time at which each will have left
+  std::size_t cut_off_ = 0;
   std::vector<Received> received_;
   std::vector<std::string> conversation_;
   int most_writes_pending_ = 0;

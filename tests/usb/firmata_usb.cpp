@@ -148,6 +148,37 @@ GST_START_TEST(test_noise_while_playing)
 }
 GST_END_TEST;
 
+/// Four motors and nine, whose zeros take 2.3 and 4.9 ms on the line: the kernel's driver gets the board back when they have come.
+GST_START_TEST(test_motors_stand_when_released)
+{
+  for (const Transport transport : kTransports)
+    for (const std::size_t motors : { std::size_t{ 4 }, std::size_t{ 9 } })
+      for (const bool seat : { false, true })
+        for (const bool is_heard : { true, false }) {
+          EmulatedUsb usb;
+          const auto firmware = std::make_shared<Firmware>(kMega, seat);
+          EmulatedBoard board(usb, { .transport = transport, .baud = 57600, .chip = 128 },
+                              firmware);
+          FirmataDriver driver(FirmataDriver::Firmware::any,
+                               [] { return std::make_unique<tactor::UsbSerialBus>(); });
+          unwrap(driver.open({}));
+          // The driver silences motors whose levels nobody repeats.
+          fail_unless(board.wait_until([&] {
+            unwrap(driver.write(std::vector<double>(motors, 3.0), 0s));
+            for (std::size_t i = 0; i < motors; i++)
+              if (firmware->duty(2 + static_cast<int>(i)) != 255)
+                return false;
+            return true;
+          }));
+          if (!is_heard)
+            board.garble([](Bytes &reply) { reply.clear(); });
+          driver.close();
+          board.with_firmware([&] { fail_if(firmware->any_motor_on()); });
+          ck_assert_uint_eq(board.cut_off(), 0);
+        }
+}
+GST_END_TEST;
+
 static Suite *
 firmata_usb_suite(void)
 {
@@ -159,6 +190,7 @@ firmata_usb_suite(void)
   tcase_add_test(tests, test_replies_in_short_packets);
   tcase_add_test(tests, test_replies_always_cut_short);
   tcase_add_test(tests, test_noise_while_playing);
+  tcase_add_test(tests, test_motors_stand_when_released);
   return suite;
 }
 

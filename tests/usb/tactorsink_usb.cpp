@@ -95,7 +95,8 @@ GST_START_TEST(test_stopped_while_motors_are_on)
   fail_unless(mega.wait_for_motors(true));
   film.stop();
   fail_if(mega.firmware->any_motor_on());
-  fail_unless(mega.board.bytes().back() == 0xff);
+  const Bytes told = mega.board.bytes();
+  fail_unless(told[told.size() - 2] == 0xff && told.back() == 0xf9);
   fail_unless_equals_int(mega.board.transfers_pending(), 0);
 }
 GST_END_TEST;

@@ -339,6 +339,27 @@ GST_START_TEST(test_nothing_is_left_behind)
 }
 GST_END_TEST;
 
+/// The kernel's driver, which gets a board back, cuts off what its chip still holds: nothing that was taken, whatever ended the play.
+GST_START_TEST(test_nothing_is_cut_off)
+{
+  for (const Transport transport : kTransports)
+    for (const bool is_lost : { false, true }) {
+      Plugged plugged({ .transport = transport, .baud = 57600, .chip = 128 });
+      auto &[usb, board, bus, listener, port] = plugged;
+      const Bytes bytes(64, 0x55); // 11 ms on the line
+      fail_unless(port->write(bytes));
+      fail_unless(listener.wait_for_written(1));
+      if (is_lost) {
+        board.break_transfers(EmulatedBoard::kAll);
+        fail_unless(listener.wait_for_loss());
+      }
+      port.reset();
+      ck_assert_uint_eq(board.cut_off(), 0);
+      fail_unless(board.bytes() == bytes);
+    }
+}
+GST_END_TEST;
+
 static Suite *
 usb_serial_port_suite(void)
 {
@@ -359,6 +380,7 @@ usb_serial_port_suite(void)
   tcase_add_test(tests, test_noise);
   tcase_add_test(tests, test_stalled);
   tcase_add_test(tests, test_nothing_is_left_behind);
+  tcase_add_test(tests, test_nothing_is_cut_off);
   return suite;
 }
 

@@ -30,7 +30,8 @@ class Play
 {
 public:
   Play()
-      : firmware_(std::make_shared<Firmware>(kMega, true)), board(usb, { .baud = 57600 }, firmware_)
+      : firmware_(std::make_shared<Firmware>(kMega, true)),
+        board(usb, { .baud = 57600, .chip = 128 }, firmware_)
   {
     GError *error = nullptr;
     pipeline = gst_parse_launch(
@@ -264,7 +265,7 @@ GST_START_TEST(test_ways_out_of_a_process)
   for (const Signal &signal : signals) {
     EmulatedUsb usb;
     const auto firmware = std::make_shared<Firmware>(kMega, true);
-    EmulatedBoard board(usb, { .baud = 57600 }, firmware);
+    EmulatedBoard board(usb, { .baud = 57600, .chip = 128 }, firmware);
     Launch launch({}, { "driver=seat" });
     fail_unless(board.wait_until([&] { return firmware->any_motor_on(); }));
     const Clock::time_point begin = Clock::now();

@@ -15,6 +15,9 @@ namespace {
 
 constexpr auto kErrorPause = std::chrono::milliseconds(10);
 
+/// What a USB chip needs besides, between its endpoint and its serial line.
+constexpr auto kChipTime = std::chrono::milliseconds(2);
+
 std::string
 called(const SerialDevice &device)
 {
@@ -182,6 +185,9 @@ UsbSerialPort::~UsbSerialPort()
   }
   libusb_interrupt_event_handler(context_.get());
   thread_.join();
+  // The kernel's driver, which gets the board back, sets another baud rate and cuts off what the USB chip still holds. This is bounded by
+  // what the largest one can hold: kMaxWrite bytes, 90 ms.
+  std::this_thread::sleep_until(carried_ + kChipTime);
 }
 
 UsbSerialPort::Transfer
@@ -257,6 +263,7 @@ UsbSerialPort::write_done(libusb_transfer &transfer)
 {
   {
     const std::lock_guard lock(mutex_);
+    note_taken(transfer.actual_length);
     if (!goes_on(transfer))
       return;
     transfer.buffer += transfer.actual_length;
@@ -314,6 +321,17 @@ UsbSerialPort::goes_on(const libusb_transfer &transfer)
     break;
   }
   return !lost_ && !closing_;
+}
+
+/// Of a transfer that is done, however it ended: they are on the line, or in the chip before it.
+void
+UsbSerialPort::note_taken(int bytes)
+{
+  if (bytes == 0)
+    return;
+  const auto now = std::chrono::steady_clock::now();
+  carried_ = std::min(std::max(carried_, now) + bytes * kByteTime,
+                      now + static_cast<int>(kMaxWrite) * kByteTime);
 }
 
 void

@@ -7,6 +7,7 @@
 #include "tactor/usb/usb_serial_bus.h"
 
 #include <array>
+#include <chrono>
 #include <condition_variable>
 #include <memory>
 #include <mutex>
@@ -103,6 +104,7 @@ private:
   bool submit(libusb_transfer &transfer);
   bool goes_on(const libusb_transfer &transfer);
   void lose(const std::string &why);
+  void note_taken(int bytes);
 
   const Events events_;
   const UsbContext context_;
@@ -124,6 +126,8 @@ private:
   bool stop_ = false;               ///< the event thread shall end
   bool lost_ = false; ///< no more transfers; the only event that may still come is `lost`
   std::optional<std::string> loss_; ///< the event thread is to call `lost`
+
+  std::chrono::steady_clock::time_point carried_{}; ///< the line has carried all that was taken
 
   std::thread thread_;
 };

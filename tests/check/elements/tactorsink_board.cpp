@@ -192,7 +192,8 @@ GST_START_TEST(test_auto_with_board)
   rig.expect(rig.mega, pins, { 206, 109, 128 });
   rig.stop();
   fail_unless(rig.mega.model.is_silent());
-  ck_assert_int_eq(rig.mega.model.received.back(), 0xff);
+  ck_assert_int_eq(rig.mega.model.received.back(), 0xf9);
+  ck_assert_int_eq(*(rig.mega.model.received.end() - 2), 0xff);
   fail_if(rig.mega.is_open);
 }
 GST_END_TEST;

@@ -72,6 +72,8 @@ public:
   {
     while (!stop()) {
       const std::vector<std::uint8_t> bytes = board.next(now);
+      if (stop())
+        break;
       if (!bytes.empty()) {
         if (under_way_.empty())
           carried_ = now + kByte;
@@ -84,9 +86,11 @@ public:
         board.written();
         continue;
       }
-      while (!model.replies.empty()) { // in no time: that way is another wire
-        board.received(std::span(&model.replies.front(), 1));
+      if (!model.replies.empty()) { // in no time: that way is another wire
+        if (is_heard)
+          board.received(std::span(&model.replies.front(), 1));
         model.replies.pop_front();
+        continue;
       }
       Time next = under_way_.empty() ? Time::max() : carried_;
       for (const std::optional<Time> &at : { model.next(), board.deadline() })
@@ -119,9 +123,16 @@ public:
     return true;
   }
 
+  /// Nothing is on the line or in the chip.
+  bool is_carried() const
+  {
+    return under_way_.empty();
+  }
+
   FirmataModel model;
   FirmataBoard board;
   Time now{ 0 };
+  bool is_heard = true;           ///< false: what the board says is lost
   std::size_t most_under_way = 0; ///< bytes
 
 private:
@@ -330,12 +341,40 @@ GST_START_TEST(test_lead_has_what_changes)
 }
 GST_END_TEST;
 
+/// Who releases the board when it is closed cuts off whatever its chip still holds: by then the motors have to stand, also where the answer
+/// that says so is lost.
+GST_START_TEST(test_closed_means_that_motors_stand)
+{
+  for (const int tactors : { 4, 9, 15, 64 })
+    for (const bool seat : { false, true })
+      for (const bool answers : { true, false }) {
+        Chip chip(chair(tactors), 128, seat);
+        chip.set(std::vector<double>(static_cast<std::size_t>(tactors), 1.0));
+        chip.run_to(chip.now + 200ms);
+        fail_if(chip.model.is_silent());
+        chip.is_heard = answers;
+        chip.board.close(chip.now);
+        const Time begin = chip.now;
+        chip.run_to(begin + 10s, [&] { return chip.board.state() == FirmataBoard::State::closed; });
+        fail_unless(chip.model.is_silent(), "%d motors, answer %d", tactors, answers);
+        fail_unless(chip.is_carried());
+        ck_assert_int_eq(chip.model.resets, 2);
+        // Zeros, reset and question, the latter two bytes; one byte's time for each packet that is waited for.
+        const Time line = (level_bytes(chair(tactors)) + 2 + 10) * kByte;
+        fail_unless(chip.now - begin <= line + (answers ? 0ms : 50ms),
+                    "%d motors, seat %d, answer %d: %d us", tactors, seat, answers,
+                    static_cast<int>((chip.now - begin) / 1us));
+      }
+}
+GST_END_TEST;
+
 static Suite *
 slow_line_suite(void)
 {
   Suite *suite = suite_create("slow_line");
   TCase *tests = tcase_create("general");
   suite_add_tcase(suite, tests);
+  tcase_add_test(tests, test_closed_means_that_motors_stand);
   tcase_add_test(tests, test_nothing_queues);
   tcase_add_test(tests, test_everyone_has_a_turn);
   tcase_add_test(tests, test_ramp);
