@@ -29,15 +29,15 @@ constexpr auto kWatchdog = FirmataModel::kWatchdog;
 class Play
 {
 public:
-  Play()
-      : firmware_(std::make_shared<Firmware>(kMega, true)),
+  explicit Play(bool seat)
+      : firmware_(std::make_shared<Firmware>(kMega, seat)),
         board(usb, { .baud = 57600, .chip = 128 }, firmware_)
   {
     GError *error = nullptr;
     pipeline = gst_parse_launch(
         "appsrc name=maps format=time is-live=true do-timestamp=true "
         "caps=\"application/x-tactile-map,rows=(int)3,columns=(int)3,framerate=(fraction)25/1\" "
-        "! queue name=queue ! tactorsink name=tactors driver=seat max-on-time=0 max-duty=0 "
+        "! queue name=queue ! tactorsink name=tactors driver=firmata max-on-time=0 max-duty=0 "
         "max-active=0 videotestsrc is-live=true ! fakesink name=video sync=true",
         &error);
     fail_unless(error == nullptr, "%s", error ? error->message : "");
@@ -72,6 +72,12 @@ public:
   void set_state(GstState state)
   {
     gst_element_set_state(pipeline, state);
+  }
+  /// Unless it was disposed of, or hangs until its end.
+  void set_state_if_there(GstState state)
+  {
+    if (pipeline && !hung_)
+      set_state(state);
   }
   /// As applications do: the first error stops the play.
   void stop_on_error()
@@ -139,7 +145,7 @@ struct Way
   const char *name;
   void (*take)(Play &);
   bool is_watchdogs
-      = false; ///< the firmware's own watchdog ends it, exactly 250 ms after the last byte
+      = false; ///< the firmware's own watchdog ends it, exactly 250 ms after the last byte; StandardFirmata goes on
 };
 
 const Way kWays[] = {
@@ -191,10 +197,7 @@ const Way kWays[] = {
       gst_element_set_state(pipeline, GST_STATE_NULL);
       gst_object_unref(pipeline);
     } },
-  { "unplugged",
-    [](Play &play) {
-      play.board.unplug();
-    } },
+  { "unplugged", [](Play &play) { play.board.unplug(); }, true },
   { "a thread that hangs",
     [](Play &play) {
       play.hang();
@@ -237,7 +240,7 @@ wait_for_zero(EmulatedBoard &board, const Firmware &firmware, Clock::time_point 
 GST_START_TEST(test_ways_out_of_a_play)
 {
   for (const Way &way : kWays) {
-    Play play;
+    Play play(true);
     std::fflush(stdout);
     const Clock::time_point begin = Clock::now();
     way.take(play);
@@ -246,6 +249,22 @@ GST_START_TEST(test_ways_out_of_a_play)
     if (way.is_watchdogs)
       fail_unless(play.firmware()->changes().back().time
                   == play.board.received().back().time + kWatchdog);
+  }
+}
+GST_END_TEST;
+
+/// With StandardFirmata nothing but the driver stops them, and what the kernel cuts off when it gets the board back is never made up for.
+GST_START_TEST(test_ways_out_without_a_watchdog)
+{
+  for (const Way &way : kWays) {
+    if (way.is_watchdogs)
+      continue;
+    Play play(false);
+    way.take(play);
+    wait_for_zero(play.board, *play.firmware(), Clock::now());
+    play.set_state_if_there(GST_STATE_NULL);
+    play.board.with_firmware([&] { fail_if(play.firmware()->any_motor_on(), "%s", way.name); });
+    fail_unless_equals_int(play.board.cut_off(), 0);
   }
 }
 GST_END_TEST;
@@ -360,6 +379,7 @@ ways_out_suite(void)
   TCase *tests = tcase_create("general");
   suite_add_tcase(suite, tests);
   tcase_add_test(tests, test_ways_out_of_a_play);
+  tcase_add_test(tests, test_ways_out_without_a_watchdog);
   tcase_add_test(tests, test_ways_out_of_a_process);
   tcase_add_test(tests, test_stopped_and_continued);
   return suite;
