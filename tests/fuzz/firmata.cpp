@@ -7,6 +7,7 @@
 #include "tactor/serial_port.h"
 
 #include <algorithm>
+#include <optional>
 #include <vector>
 
 using namespace tactor;
@@ -66,9 +67,17 @@ check_board(std::span<const std::uint8_t> bytes)
   expect(pins.size() <= firmata::kMaxPins && std::ranges::is_sorted(pins));
   expect(board.state() != FirmataBoard::State::running || !board.firmware().empty());
   board.close(now);
-  // Zeros for 128 pins and a reset are three transfers.
-  for (int i = 0; i < 4; i++)
+  // The line carries zeros for 128 pins and a reset, and nothing answers: it ends by its own deadlines.
+  const FirmataPatience patience;
+  const Time latest = now + patience.farewell + patience.last_word
+                      + FirmataBoard::kPacket * FirmataBoard::kByteTime;
+  turn(board, now);
+  while (board.state() == FirmataBoard::State::closing) {
+    const std::optional<Time> deadline = board.deadline();
+    expect(deadline && *deadline > now && *deadline <= latest);
+    now = *deadline;
     turn(board, now);
+  }
   expect(board.state() == FirmataBoard::State::closed
          || board.state() == FirmataBoard::State::failed);
 }
