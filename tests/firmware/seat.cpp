@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 //
-// The seat sketch on an emulated ATmega2560 (simavr): what it answers, what its timers are set to, and how its motors are turned off.
-// Times are cycles of the emulated chip, so the machine's own speed plays no part. Usage: firmware-seat SKETCH.elf
+// The seat sketch on an emulated ATmega2560 and ATmega328P (simavr): what it answers, what its timers are set to, and how its motors are
+// turned off. Times are cycles of the emulated chip, so the machine's own speed plays no part. Usage: firmware-seat MEGA.elf UNO.elf
 extern "C" {
 #include <simavr/avr_ioport.h>
 #include <simavr/avr_uart.h>
@@ -13,6 +13,7 @@ extern "C" {
 #include <cstdint>
 #include <functional>
 #include <initializer_list>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -24,8 +25,6 @@ namespace {
 
 using Bytes = std::vector<std::uint8_t>;
 
-std::string sketch;
-
 constexpr std::uint64_t kHertz = 16'000'000;
 constexpr std::uint64_t kMillisecond = kHertz / 1000;
 constexpr std::uint64_t kBit = 35 * 8;     ///< 57600 baud, as near as the chip's divider comes
@@ -33,13 +32,13 @@ constexpr std::uint64_t kByte = 11 * kBit; ///< simavr counts one bit more than 
 constexpr std::uint64_t kSoon
     = 3 * kMillisecond; ///< a byte reaches the program 0.75 ms after it was sent
 
-/// Where a pin of the Arduino Mega is in the ATmega2560's data memory (data sheet, "Register Summary"; Arduino's pin map).
+/// Where a pin is in the chip's data memory (data sheets of the ATmega2560 and ATmega328P, "Register Summary"; Arduino's pin maps).
 struct Pin
 {
   int number;
   std::uint16_t port;    ///< PORTx; DDRx is one below
   int bit;               ///< of the port
-  std::uint16_t control; ///< TCCRnA
+  std::uint16_t control; ///< TCCRnA; TCCRnB is one above
   int connected;         ///< bit COMnx1 in it: the timer drives the pin
   std::uint16_t compare; ///< OCRnx, its low byte
 };
@@ -55,18 +54,31 @@ constexpr Pin kPins[] = {
   { 45, 0x10B, 4, 0x120, 5, 0x12A }, { 46, 0x10B, 3, 0x120, 7, 0x128 },
 };
 constexpr Pin kLight = { 13, 0x25, 7, 0x44, 7, 0x47 };
+constexpr Pin kUnoPins[] = {
+  { 3, 0x2B, 3, 0xB0, 5, 0xB4 }, { 5, 0x2B, 5, 0x44, 5, 0x48 },  { 6, 0x2B, 6, 0x44, 7, 0x47 },
+  { 9, 0x25, 1, 0x80, 7, 0x88 }, { 10, 0x25, 2, 0x80, 5, 0x8A }, { 11, 0x25, 3, 0xB0, 7, 0xB3 },
+};
+
+struct Model
+{
+  const char *chip;
+  std::span<const Pin> pins;
+  std::string sketch{};
+};
+Model mega{ "atmega2560", kPins };
+Model uno{ "atmega328p", kUnoPins };
 
 constexpr std::uint8_t kKeepalive[] = { 0xF0, 0x01, 0xF7 };
 
-/// An Arduino Mega with the sketch, and a wire to it.
+/// An Arduino with the sketch, and a wire to it.
 class Board
 {
 public:
-  Board()
+  explicit Board(const Model &model = mega) : pins_(model.pins)
   {
     elf_firmware_t firmware{};
-    ck_assert_int_eq(elf_read_firmware(sketch.c_str(), &firmware), 0);
-    avr_ = avr_make_mcu_by_name("atmega2560");
+    ck_assert_int_eq(elf_read_firmware(model.sketch.c_str(), &firmware), 0);
+    avr_ = avr_make_mcu_by_name(model.chip);
     fail_unless(avr_ != nullptr);
     avr_init(avr_);
     avr_->frequency = kHertz;
@@ -178,7 +190,25 @@ public:
 
   bool all_off() const
   {
-    return std::ranges::all_of(kPins, [this](const Pin &pin) { return level(pin) == 0; });
+    return std::ranges::all_of(pins_, [this](const Pin &pin) { return level(pin) == 0; });
+  }
+
+  std::span<const Pin> pins() const
+  {
+    return pins_;
+  }
+
+  /// Of a pin's pulses, Hz; from mode and prescaler as the data sheets have them.
+  double frequency(const Pin &pin) const
+  {
+    const int prescalers[] = { 0, 1, 8, 64, 256, 1024, 0, 0 };
+    const int timer_2_prescalers[] = { 0, 1, 8, 32, 64, 128, 256, 1024 };
+    constexpr int kTimer2 = 0xB0;
+    const int select = memory(static_cast<std::uint16_t>(pin.control + 1)) & 7;
+    const int prescaler = (pin.control == kTimer2 ? timer_2_prescalers : prescalers)[select];
+    const int mode = memory(pin.control) & 3; // of 8 bits: 1 is phase-correct, 3 is fast
+    ck_assert(prescaler > 0 && (mode == 1 || mode == 3));
+    return static_cast<double>(kHertz) / prescaler / (mode == 1 ? 510 : 256);
   }
 
   /// The program's next instruction, not an interrupt's, jumps to itself. Returns what is needed to have it back.
@@ -199,16 +229,17 @@ private:
     return avr_->data[address];
   }
 
+  std::span<const Pin> pins_;
   avr_t *avr_ = nullptr;
   avr_irq_t *input_ = nullptr;
   Bytes answer_;
 };
 
-/// "visuotactile-seat" 1.0, each character as two 7-bit bytes.
+/// "visuotactile-seat" 1.1, each character as two 7-bit bytes.
 Bytes
 firmware_reply()
 {
-  Bytes bytes{ 0xF0, 0x79, 1, 0 };
+  Bytes bytes{ 0xF0, 0x79, 1, 1 };
   for (const char c : std::string("visuotactile-seat"))
     bytes.insert(bytes.end(), { static_cast<std::uint8_t>(c), 0 });
   bytes.push_back(0xF7);
@@ -220,9 +251,9 @@ void
 start(Board &board, std::uint8_t level = 0)
 {
   board.take_answer();
-  for (const Pin &pin : kPins)
+  for (const Pin &pin : board.pins())
     board.send({ 0xF4, static_cast<std::uint8_t>(pin.number), 3 });
-  for (const Pin &pin : kPins)
+  for (const Pin &pin : board.pins())
     board.send({ 0xF0, 0x6F, static_cast<std::uint8_t>(pin.number),
                  static_cast<std::uint8_t>(level & 0x7F), static_cast<std::uint8_t>(level >> 7),
                  0xF7 });
@@ -320,27 +351,59 @@ GST_START_TEST(test_levels)
 }
 GST_END_TEST;
 
+/// Pulses come at 31.4 kHz, whatever happens, but for timer 0, of which the Mega has pin 4 and the Uno 5 and 6: its 976 Hz are the core's
+/// clock. Levels are as they were.
+GST_START_TEST(test_frequency)
+{
+  for (const Model &model : { mega, uno }) {
+    Board board(model);
+    const auto check = [&](int level) {
+      for (const Pin &pin : board.pins()) {
+        const double expected = pin.control == 0x44 ? 16e6 / 64 / 256 : 16e6 / 510;
+        ck_assert_msg(board.frequency(pin) == expected, "%s, pin %d: %.0f Hz", model.chip,
+                      pin.number, board.frequency(pin));
+        ck_assert_int_eq(board.level(pin), level);
+      }
+    };
+    board.take_answer();
+    check(0);
+    for (const int level : { 1, 100, 254, 255, 0, 42 }) {
+      start(board, static_cast<std::uint8_t>(level));
+      check(level);
+    }
+    board.send({ 0xFF });
+    board.run_for(kSoon);
+    check(0);
+    start(board, 200);
+    check(200);
+  }
+}
+GST_END_TEST;
+
 /// Motors run on for 250 ms after the last byte, not longer; what comes afterwards is obeyed again.
 GST_START_TEST(test_silence)
 {
-  Board board;
-  start(board, 200);
-  board.send(std::begin(kKeepalive), std::end(kKeepalive));
-  const std::uint64_t heard = board.now();
-  board.run_until(heard + 248 * kMillisecond);
-  for (const Pin &pin : kPins)
-    ck_assert_int_eq(board.level(pin), 200);
-  board.run_until(heard + 253 * kMillisecond);
-  fail_unless(board.all_off());
-  board.run_for(300 * kMillisecond);
-  fail_unless(board.all_off());
+  for (const Model &model : { mega, uno }) {
+    Board board(model);
+    start(board, 200);
+    board.send(std::begin(kKeepalive), std::end(kKeepalive));
+    const std::uint64_t heard = board.now();
+    board.run_until(heard + 248 * kMillisecond);
+    for (const Pin &pin : board.pins())
+      ck_assert_int_eq(board.level(pin), 200);
+    board.run_until(heard + 253 * kMillisecond);
+    fail_unless(board.all_off());
+    board.run_for(300 * kMillisecond);
+    fail_unless(board.all_off());
 
-  board.send({ 0xE3, 0x40, 1 });
-  board.run_for(kSoon);
-  ck_assert_int_eq(board.level(kPins[1]), 192);
-  ck_assert_int_eq(board.level(kPins[0]), 0);
-  board.run_for(253 * kMillisecond);
-  fail_unless(board.all_off());
+    const Pin &three = *std::ranges::find(board.pins(), 3, &Pin::number);
+    board.send({ 0xE3, 0x40, 1 });
+    board.run_for(kSoon);
+    for (const Pin &pin : board.pins())
+      ck_assert_int_eq(board.level(pin), &pin == &three ? 192 : 0);
+    board.run_for(253 * kMillisecond);
+    fail_unless(board.all_off());
+  }
 }
 GST_END_TEST;
 
@@ -385,6 +448,17 @@ GST_START_TEST(test_hung_program)
 }
 GST_END_TEST;
 
+/// It fits into an Uno: 32 KiB less the boot loader, 2 KiB of memory of which a quarter is left for the stack. The library itself takes
+/// more than its stand-in, hence half of the program memory.
+GST_START_TEST(test_size)
+{
+  elf_firmware_t firmware{};
+  ck_assert_int_eq(elf_read_firmware(uno.sketch.c_str(), &firmware), 0);
+  ck_assert_int_lt(static_cast<int>(firmware.flashsize), (32 * 1024 - 512) / 2);
+  ck_assert_int_lt(static_cast<int>(firmware.datasize + firmware.bsssize), 2048 * 3 / 4);
+}
+GST_END_TEST;
+
 static Suite *
 seat_suite()
 {
@@ -394,18 +468,21 @@ seat_suite()
   tcase_add_test(tcase, test_boot);
   tcase_add_test(tcase, test_answers);
   tcase_add_test(tcase, test_levels);
+  tcase_add_test(tcase, test_frequency);
   tcase_add_test(tcase, test_silence);
   tcase_add_test(tcase, test_keepalive);
   tcase_add_test(tcase, test_hung_program);
+  tcase_add_test(tcase, test_size);
   return suite;
 }
 
 int
 main(int argc, char **argv)
 {
-  if (argc < 2)
+  if (argc < 3)
     return 2;
-  sketch = argv[1];
+  mega.sketch = argv[1];
+  uno.sketch = argv[2];
   gst_check_init(&argc, &argv);
   return gst_check_run_suite(seat_suite(), "seat", __FILE__);
 }

@@ -60,6 +60,41 @@ watchdog_feed()
 }
 #endif
 
+// At the core's 490 Hz the current through a coin motor ends within each pulse, and what the motor makes of a level is not
+// volts = supply * value / 255 (docs/hardware). Without prescalers the timers are 64 times as fast, 31.4 kHz, and it is. Not timer 0, which
+// is the core's clock: pin 4 of a Mega and pins 5 and 6 of an Uno stay at 976 Hz.
+#if defined(__AVR__) && defined(TCCR1B) && defined(CS10)
+// CSn2...0 are the lowest bits in every timer, and 1 is no prescaler.
+static void
+speed_up(volatile uint8_t &control)
+{
+  control = (control & ~0x07) | 0x01;
+}
+
+static void
+speed_up_pwm()
+{
+  speed_up(TCCR1B);
+#ifdef TCCR2B
+  speed_up(TCCR2B);
+#endif
+#ifdef TCCR3B
+  speed_up(TCCR3B);
+#endif
+#ifdef TCCR4B
+  speed_up(TCCR4B);
+#endif
+#ifdef TCCR5B
+  speed_up(TCCR5B);
+#endif
+}
+#else
+static void
+speed_up_pwm()
+{
+}
+#endif
+
 // Not the pin of the board's light, which the boot loader blinks.
 static bool
 can_drive_motor(byte pin)
@@ -184,8 +219,9 @@ void
 setup()
 {
   on_reset(); // the motors first
+  speed_up_pwm();
 
-  Firmata.setFirmwareNameAndVersion("visuotactile-seat", 1, 0);
+  Firmata.setFirmwareNameAndVersion("visuotactile-seat", 1, 1);
   Firmata.attach(SET_PIN_MODE, on_pin_mode);
   Firmata.attach(ANALOG_MESSAGE, on_analog);
   Firmata.attach(START_SYSEX, on_sysex);

@@ -1,0 +1,98 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: LGPL-2.1-or-later
+"""What a coin motor makes of a level at a firmware's PWM frequency.
+
+A motor is a resistance, an inductance and a voltage of its own that grows with its speed. A transistor is in its negative lead, a diode and
+a capacitor are across it. While the transistor is on, the terminals have the supply. Then the motor's current takes the capacitor's charge,
+down to the diode's drop below zero at most, and ends; from then on the terminals show the motor's own voltage.
+
+Printed are the steady volts that would turn the motor as fast: the table of docs/hardware/README.md. With --check the simulation is
+compared with what can be said in closed form, and the page with the simulation.
+"""
+import math
+import sys
+
+SUPPLY = 3.0  # V
+RESISTANCE = 25.0  # ohm: 120 mA starting
+FRICTION = 0.015  # A, whatever the speed
+DRAG = 0.065  # A per volt of the motor's own: 80 mA at 3 V
+DIODE = 0.3  # V, 1N5819 at 100 mA
+CAPACITOR = 47e-9  # F
+LEVELS = (0.5, 0.75, 1.5, 2.25, 2.7)  # V, by volts = supply * value / 255
+STOCK = 16e6 / 64 / 510  # Hz; phase-correct, prescaler 64
+TIMER_0 = 16e6 / 64 / 256  # fast, prescaler 64
+SEAT = 16e6 / 510  # phase-correct, no prescaler
+
+
+def mean_current(duty, hertz, coil, own, capacitor=CAPACITOR):
+    """Step by step until it repeats; coil is L/R in seconds, own the motor's own volts."""
+    steps = max(1200, round(1 / hertz / 2e-7))
+    dt = 1 / hertz / steps
+    current = volts = 0.0
+    for _ in range(max(3, math.ceil(8 * coil * hertz) + 8 if hertz > 1e4 else 3)):
+        total = 0.0
+        for step in range(steps):
+            if step < duty * steps:
+                volts = SUPPLY
+            elif capacitor > 0:
+                volts = max(volts - current / capacitor * dt, -DIODE)
+            else:
+                volts = -DIODE if current > 0 else own
+            before = current
+            current += (volts - RESISTANCE * current - own) / (coil * RESISTANCE) * dt
+            if capacitor == 0 and step >= duty * steps and before >= 0 > current:
+                current = 0.0  # the diode ends it
+            total += current
+    return total / steps
+
+
+def mean_current_without_capacitor(duty, hertz, coil, own):
+    """The same in closed form."""
+    on, off = duty / hertz, (1 - duty) / hertz
+    to_on, to_off = (SUPPLY - own) / RESISTANCE, -(own + DIODE) / RESISTANCE
+    a, b = math.exp(-on / coil), math.exp(-off / coil)
+    top = (to_on * (1 - a) + a * to_off * (1 - b)) / (1 - a * b)
+    bottom = to_off + (top - to_off) * b
+    if bottom < 0:  # discontinuous
+        bottom, top = 0.0, to_on * (1 - a)
+        off = coil * math.log(1 - top / to_off)
+    charge = to_on * on + (bottom - to_on) * coil * (1 - a)
+    charge += to_off * off + (top - to_off) * coil * (1 - math.exp(-off / coil))
+    return charge * hertz
+
+
+def steady_volts(level, hertz, coil):
+    """Steady volts at which the motor turns as fast as with these pulses; 0 if it does not turn."""
+    slow, fast = 0.0, SUPPLY
+    for _ in range(10):
+        own = (slow + fast) / 2
+        if mean_current(level / SUPPLY, hertz, coil, own) > FRICTION + DRAG * own:
+            slow = own
+        else:
+            fast = own
+    return slow + RESISTANCE * (FRICTION + DRAG * slow) if slow > 0 else 0.0
+
+
+def check():
+    for hertz in (STOCK, SEAT):
+        for duty in (1 / 6, 0.5, 0.9):
+            for own in (0.1, 1.0):
+                exact = mean_current_without_capacitor(duty, hertz, 10e-6, own)
+                assert abs(mean_current(duty, hertz, 10e-6, own, 0) - exact) < 5e-4, (hertz, duty, own)
+    # Where pulses are far apart the current has no memory: duty * (supply - own) / resistance, less than 3 % off.
+    assert abs(mean_current_without_capacitor(0.5, 10, 10e-6, 1.0) - 0.04) < 1e-3
+    for level in LEVELS:
+        for coil in (10e-6, 40e-6):
+            assert abs(steady_volts(level, SEAT, coil) - level) < 0.08, (level, coil)
+    assert steady_volts(1.5, STOCK, 10e-6) - 1.5 > 0.2
+    assert steady_volts(0.75, STOCK, 10e-6) - 0.75 > 0.1
+
+
+if sys.argv[1:] == ["--check"]:
+    check()
+else:
+    print("volts by formula, then those that a motor with a coil of 10 and one of 40 us makes of it")
+    print("      " + "".join(f"{hertz / 1000:14.2f} kHz" for hertz in (STOCK, TIMER_0, SEAT)))
+    for level in LEVELS:
+        print(f"{level:4.2f} V" + "".join(
+            f"{steady_volts(level, hertz, 10e-6):10.2f}, {steady_volts(level, hertz, 40e-6):4.2f} V" for hertz in (STOCK, TIMER_0, SEAT)))
