@@ -3,6 +3,7 @@
 """What run.sh runs in the virtual machine: boards behind the kernel's own drivers. Each case is a function; without names all are run.
 
 Nothing is asserted of time. What must come is waited for, for PATIENCE seconds of the machine's clock at most."""
+import contextlib
 import os
 import signal
 import subprocess
@@ -207,73 +208,69 @@ def killed_released():
         expect(board.on() == 0, f"{board.on()} motors are still on")
 
 
-def in_use_auto():
-    """driver=auto leaves a silent adapter alone that a program reads from."""
+@contextlib.contextmanager
+def untouched(board):
+    """Nothing in this block sends the board anything."""
+    before = board.lines()
+    yield
+    expect(board.lines() == before, f"the adapter was touched: {board.lines()[len(before):]}")
+
+
+@contextlib.contextmanager
+def adapter_in_use():
+    """A silent adapter that `cat` reads from, and goes on reading from."""
     with Board(transport="ftdi", silent=True) as board:
         reader = subprocess.Popen(["cat", board.tty()], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
         try:
             wait_for("DTR from the reader's open", lambda: "dtr 1" in board.lines())
-            before = board.lines()
-            with Play(1, "auto") as play:
-                play.wait_to("playing")
-                expect("simulated" in play.said(), f"expected a simulated chair; it said: {play.said()}")
-                play.tell("null")
-                play.wait_to("done")
+            with untouched(board):
+                yield
             expect(reader.poll() is None, "the reader ended")
             expect(board.tty() is not None, "the kernel's driver lost its port")
-            expect(board.lines() == before, f"the adapter was touched: {board.lines()[len(before):]}")
         finally:
             reader.kill()
             reader.wait()
+
+
+def play_simulated():
+    with Play(1, "auto") as play:
+        play.wait_to("playing")
+        expect("simulated" in play.said(), f"expected a simulated chair; it said: {play.said()}")
+        play.tell("null")
+        play.wait_to("done")
+
+
+def fail_to_play(why, **options):
+    with Play(1, "firmata", "1-1", **options) as play:
+        play.wait_to("failed")
+        expect(why in play.said(), f"expected '{why}'; it said: {play.said()}")
+
+
+def in_use_auto():
+    """driver=auto leaves a silent adapter alone that a program reads from."""
+    with adapter_in_use():
+        play_simulated()
 
 
 def in_use_named():
     """driver=firmata says that another program uses it, and leaves it alone."""
-    with Board(transport="ftdi", silent=True) as board:
-        reader = subprocess.Popen(["cat", board.tty()], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-        try:
-            wait_for("DTR from the reader's open", lambda: "dtr 1" in board.lines())
-            before = board.lines()
-            with Play(1, "firmata", "1-1") as play:
-                play.wait_to("failed")
-                expect("in use by another program" in play.said(), f"expected 'in use by another program'; it said: {play.said()}")
-            expect(reader.poll() is None, "the reader ended")
-            expect(board.lines() == before, f"the adapter was touched: {board.lines()[len(before):]}")
-        finally:
-            reader.kill()
-            reader.wait()
+    with adapter_in_use():
+        fail_to_play("in use by another program")
 
 
 def in_use_unseen():
     """A player of another user than the reader's, whose files it may not see, is told by the kernel's count."""
-    with Board(transport="ftdi", silent=True) as board:
+    with adapter_in_use():
         for place, _, nodes in os.walk("/dev/bus/usb"):
             for node in nodes:
                 os.chmod(f"{place}/{node}", 0o666)
-        reader = subprocess.Popen(["cat", board.tty()], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-        try:
-            wait_for("DTR from the reader's open", lambda: "dtr 1" in board.lines())
-            before = board.lines()
-            with Play(1, "firmata", "1-1", user=65534) as play:
-                play.wait_to("failed")
-                expect("a program of another user has ttyUSB0 open" in play.said(), f"expected another user's program; it said: {play.said()}")
-            expect(reader.poll() is None, "the reader ended")
-            expect(board.lines() == before, f"the adapter was touched: {board.lines()[len(before):]}")
-        finally:
-            reader.kill()
-            reader.wait()
+        fail_to_play("a program of another user has ttyUSB0 open", user=65534)
 
 
 def bare_adapter():
     """driver=auto does not ask a bare adapter that nobody named."""
-    with Board(transport="ftdi", silent=True) as board:
-        before = board.lines()
-        with Play(1, "auto") as play:
-            play.wait_to("playing")
-            expect("simulated" in play.said(), f"expected a simulated chair; it said: {play.said()}")
-            play.tell("null")
-            play.wait_to("done")
-        expect(board.lines() == before, f"the adapter was touched: {board.lines()[len(before):]}")
+    with Board(transport="ftdi", silent=True) as board, untouched(board):
+        play_simulated()
 
 
 def two_of_one_number():
@@ -294,7 +291,8 @@ def two_of_one_number():
                 expect(again.on() == 0, f"{again.on()} motors are still on")
 
 
-CASES = [stop_4, stop_9, stop_9_ch340, end_9, pause_9, terminated, hung_up, killed, killed_released, in_use_auto, in_use_named, in_use_unseen, bare_adapter, two_of_one_number]
+CASES = [stop_4, stop_9, stop_9_ch340, end_9, pause_9, terminated, hung_up, killed, killed_released, in_use_auto, in_use_named, in_use_unseen,
+         bare_adapter, two_of_one_number]
 
 
 def main():
