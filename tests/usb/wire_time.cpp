@@ -103,6 +103,7 @@ time_to_zero_at_end()
   Film film(kBlocks);
   film.play();
   film.wait_for(GST_MESSAGE_EOS);
+  chair.wait_for_motors(false); // the message may come while the line still carries the zeros
   const Clock::time_point end
       = film.start() + std::chrono::duration_cast<Clock::duration>(Milliseconds(kBlocks * 200));
   return Milliseconds(chair.firmware->changes().back().time - end).count();
