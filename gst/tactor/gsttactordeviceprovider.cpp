@@ -29,6 +29,7 @@
 #include "gsttactordeviceprovider.h"
 
 #include "tactor/driver.h"
+#include "tactor/thread.h"
 
 #include <gst/tactile/tactile.h>
 
@@ -36,7 +37,6 @@
 #include <condition_variable>
 #include <mutex>
 #include <string>
-#include <thread>
 #include <utility>
 #include <vector>
 
@@ -153,7 +153,8 @@ public:
           wake_.notify_one();
         })
         .and_then([this] { return update(); })
-        .map([this] { thread_ = std::thread([this] { run(); }); });
+        .and_then([this] { return tactor::Thread::start([this] { run(); }); })
+        .map([this](tactor::Thread &&thread) { thread_ = std::move(thread); });
   }
 
   ~BoardWatcher()
@@ -163,8 +164,7 @@ public:
       quit_ = true;
       wake_.notify_one();
     }
-    if (thread_.joinable())
-      thread_.join();
+    thread_.join();
     bus_->watch(nullptr);
     for (const Known &known : known_)
       gst_object_unref(known.device);
@@ -241,7 +241,7 @@ private:
   std::condition_variable wake_;
   bool changed_ = false;
   bool quit_ = false;
-  std::thread thread_;
+  tactor::Thread thread_;
 };
 
 } // namespace

@@ -35,6 +35,9 @@
  *     x.tactile ! queue max-size-bytes=0 max-size-buffers=0 max-size-time=400000000 ! tactorsink
  * ]|
  *
+ * A board takes up to five seconds to answer. It is opened in the background from READY to PAUSED on,
+ * and the first frame waits for it; what is wrong with it is an error message.
+ *
  * As a #GstURIHandler it plays on `tactor://SERIAL`, the board with that serial number or bus path.
  *
  * ## Messages
@@ -95,6 +98,7 @@ struct GstTactorSinkPrivate final : TactorSchedulerHost
   }
 
   Timing timing() override;
+  void open_failed(const tactor::DriverError &error) override;
   void device_failed(const tactor::DriverError &error) override;
   void lead_short(Time lead, Time late) override;
   void scheduled(tactor::Scheduling scheduling, const std::string &text) override;
@@ -104,6 +108,9 @@ struct GstTactorSinkPrivate final : TactorSchedulerHost
   TactorSettings settings;       ///< guarded by the object lock
   tactor::LimitCounters limited; ///< guarded by the object lock
 
+  TactorOpening
+      opening; ///< the scheduler's thread's until the board is open, then the streaming one's
+  bool is_open = false;             ///< what was opened is planned for; as planning
   TactorPlanning planning;          ///< streaming thread only, or while it is stopped
   Time flushed_at{ 0 };             ///< running time of the last flush
   std::atomic<bool> ended{ false }; ///< the last map has come
@@ -152,6 +159,12 @@ GstTactorSinkPrivate::device_event(const tactor::DriverEvent &event)
   if (event.kind == Kind::lost || event.kind == Kind::returned)
     scheduler.set_board_away(event.kind == Kind::lost);
   tactor_post_device_event(element, event);
+}
+
+void
+GstTactorSinkPrivate::open_failed(const tactor::DriverError &error)
+{
+  tactor_post_open_error(element, error);
 }
 
 void
@@ -255,11 +268,40 @@ gst_tactor_sink_play_map(GstTactorSink *self, GstBuffer *buffer)
   return GST_FLOW_OK;
 }
 
+/// Waits until the board is open, which is begun on the way to PAUSED, and plans for it from then
+/// on. Called with the preroll lock held, which is given up meanwhile, as the base class does: pause,
+/// flush and stop need it.
+static GstFlowReturn
+gst_tactor_sink_wait_until_open(GstTactorSink *self)
+{
+  GstTactorSinkPrivate *priv = self->priv;
+  GstBaseSink *sink = GST_BASE_SINK(self);
+
+  if (priv->is_open)
+    return GST_FLOW_OK;
+  for (bool is_open = false; !is_open;) {
+    const guint64 interruptions = priv->scheduler.interruptions();
+    GST_BASE_SINK_PREROLL_UNLOCK(sink);
+    is_open = priv->scheduler.wait_until_open(interruptions);
+    GST_BASE_SINK_PREROLL_LOCK(sink);
+    if (sink->flushing)
+      return GST_FLOW_FLUSHING;
+    if (priv->scheduler.failed())
+      return GST_FLOW_ERROR; // said when it happened
+  }
+  TactorOpening &opening = priv->opening;
+  priv->planning.start(opening.planner, opening.tactors, std::move(opening.motors));
+  priv->is_open = true;
+  return GST_FLOW_OK;
+}
+
 static GstFlowReturn
 gst_tactor_sink_render(GstBaseSink *sink, GstBuffer *buffer)
 {
   GstTactorSink *self = GST_TACTOR_SINK(sink);
 
+  if (const GstFlowReturn ret = gst_tactor_sink_wait_until_open(self); ret != GST_FLOW_OK)
+    return ret;
   gst_tactor_sink_sync_values(self, GST_BUFFER_PTS(buffer));
   if (self->priv->scheduler.failed())
     return GST_FLOW_ERROR; // said when it happened
@@ -338,6 +380,13 @@ gst_tactor_sink_event(GstBaseSink *sink, GstEvent *event)
   GstTactorSink *self = GST_TACTOR_SINK(sink);
   GstTactorSinkPrivate *priv = self->priv;
   const GstEventType type = GST_EVENT_TYPE(event);
+
+  // For these the base class has taken the preroll lock.
+  if ((gst_event_type_get_flags(type) & GST_EVENT_TYPE_SERIALIZED) && type != GST_EVENT_FLUSH_STOP
+      && gst_tactor_sink_wait_until_open(self) != GST_FLOW_OK) {
+    gst_event_unref(event);
+    return FALSE;
+  }
 
   gboolean resets_time = FALSE;
   if (type == GST_EVENT_FLUSH_STOP)
@@ -422,41 +471,60 @@ gst_tactor_sink_propose_allocation(GstBaseSink *sink, GstQuery *query)
 
 /* ---- life ---- */
 
-/// Opens board and trace, both anew for each play. What goes wrong becomes an error message and FALSE.
+/// What is asked of upstream before a frame's time, given the longest latency on the way to a motor.
+static void
+gst_tactor_sink_set_lead(GstTactorSink *self, const TactorOpening &opening)
+{
+  const Time early = opening.planner.max_lead + opening.latency + kWakeMargin;
+  gst_base_sink_set_render_delay(GST_BASE_SINK(self), static_cast<GstClockTime>(early.count()));
+}
+
+/// Begins to open board and trace, both anew for each play. What is wrong with the settings becomes an
+/// error message and FALSE; what is wrong with the board becomes an error message later.
 static gboolean
 gst_tactor_sink_open(GstTactorSink *self)
 {
   GstTactorSinkPrivate *priv = self->priv;
-  GstBaseSink *sink = GST_BASE_SINK(self);
 
   GST_OBJECT_LOCK(self);
   const TactorSettings settings = priv->settings;
+  priv->limited = {};
   GST_OBJECT_UNLOCK(self);
   if (!settings.mapping_error.empty()) {
     GST_ELEMENT_ERROR(self, LIBRARY, SETTINGS,
                       ("mapping cannot be read: %s.", settings.mapping_error.c_str()), (nullptr));
     return FALSE;
   }
-  tl::expected<TactorOpening, tactor::DriverError> opened
-      = open_tactors(GST_ELEMENT(self), settings,
-                     [priv](const tactor::DriverEvent &event) { priv->device_event(event); });
-  if (!opened) {
-    tactor_post_open_error(GST_ELEMENT(self), opened.error());
+  tl::expected<TactorOpening, tactor::DriverError> prepared
+      = prepare_tactors(GST_ELEMENT(self), settings);
+  if (!prepared) {
+    tactor_post_open_error(GST_ELEMENT(self), prepared.error());
     return FALSE;
   }
-  priv->planning.start(opened->planner, opened->driver->tactors(), std::move(opened->motors));
-  GST_OBJECT_LOCK(self);
-  priv->limited = {};
-  GST_OBJECT_UNLOCK(self);
+  priv->opening = std::move(*prepared);
+  priv->is_open = false;
   priv->last_lead_short.reset();
   priv->ended = false;
-  priv->scheduler.start(std::move(opened->driver), settings.planner.volts_max,
-                        std::move(opened->trace), settings.realtime);
-  priv->scheduler.set_immediate(!gst_base_sink_get_sync(sink));
+  gst_tactor_sink_set_lead(self, priv->opening);
+  priv->scheduler.set_immediate(!gst_base_sink_get_sync(GST_BASE_SINK(self)));
   priv->scheduler.set_muted(settings.mute);
   priv->scheduler.set_ramp_in(settings.ramp_in);
-  const Time early = opened->planner.max_lead + opened->latency + kWakeMargin;
-  gst_base_sink_set_render_delay(sink, static_cast<GstClockTime>(early.count()));
+  const auto open = [self, priv](std::stop_token stop) {
+    return open_tactors(
+               GST_ELEMENT(self), priv->opening,
+               [priv](const tactor::DriverEvent &event) { priv->device_event(event); },
+               std::move(stop))
+        .map([self, priv](TactorOutput &&output) {
+          gst_tactor_sink_set_lead(self, priv->opening);
+          return std::move(output);
+        });
+  };
+  if (const tl::expected<void, tactor::DriverError> started
+      = priv->scheduler.start(open, settings.planner.volts_max, settings.realtime);
+      !started) {
+    tactor_post_open_error(GST_ELEMENT(self), started.error());
+    return FALSE;
+  }
   return TRUE;
 }
 

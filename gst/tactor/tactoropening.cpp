@@ -79,20 +79,15 @@ check_line(GstElement *element, const tactor::PlannerSettings &settings,
 } // namespace
 
 tl::expected<TactorOpening, tactor::DriverError>
-open_tactors(GstElement *element, const TactorSettings &settings,
-             std::function<void(const tactor::DriverEvent &)> notify)
+prepare_tactors(GstElement *element, const TactorSettings &settings)
 {
   if (!settings.device.empty() && settings.device == settings.trace_location)
     return tl::unexpected(tactor::DriverError{ tactor::DriverError::Kind::settings,
                                                "device and trace-location are the same file, '"
                                                    + settings.device + "'; expected two" });
-  const tactor::DriverConfig config{ .device = settings.device,
-                                     .max_tactors = TactorSettings::kMaxTactors,
-                                     .min_tactors = settings.needed_tactors(),
-                                     .full_scale_volts = settings.planner.volts_max,
-                                     .realtime = settings.realtime,
-                                     .notify = std::move(notify) };
   TactorOpening opening;
+  opening.settings = settings;
+  opening.planner = settings.planner;
   tl::expected<std::vector<tactor::MotorParameters>, tactor::DriverError> motors
       = read_motors(element, settings, opening.latency);
   if (!motors)
@@ -103,22 +98,39 @@ open_tactors(GstElement *element, const TactorSettings &settings,
   if (!driver)
     return tl::unexpected(driver.error());
   opening.driver = std::move(*driver);
-  if (const tl::expected<void, tactor::DriverError> opened = opening.driver->open(config); !opened)
+  return opening;
+}
+
+tl::expected<TactorOutput, tactor::DriverError>
+open_tactors(GstElement *element, TactorOpening &opening,
+             std::function<void(const tactor::DriverEvent &)> notify, std::stop_token stop)
+{
+  const TactorSettings &settings = opening.settings;
+  const tactor::DriverConfig config{ .device = settings.device,
+                                     .max_tactors = TactorSettings::kMaxTactors,
+                                     .min_tactors = settings.needed_tactors(),
+                                     .full_scale_volts = settings.planner.volts_max,
+                                     .realtime = settings.realtime,
+                                     .stop = std::move(stop),
+                                     .notify = std::move(notify) };
+  TactorOutput output;
+  output.driver = std::move(opening.driver);
+  if (const tl::expected<void, tactor::DriverError> opened = output.driver->open(config); !opened)
     return tl::unexpected(opened.error());
   if (!settings.trace_location.empty()) {
     tl::expected<tactor::CommandTrace, tactor::DriverError> trace
         = tactor::CommandTrace::create(settings.trace_location);
     if (!trace)
       return tl::unexpected(trace.error());
-    opening.trace = std::make_unique<tactor::CommandTrace>(std::move(*trace));
+    output.trace = std::make_unique<tactor::CommandTrace>(std::move(*trace));
   }
 
-  opening.planner = settings.planner;
-  opening.planner.transport_latency = opening.driver->transport_latency();
-  opening.planner.line = opening.driver->line();
-  check_line(element, opening.planner, *opening.driver);
+  opening.tactors = output.driver->tactors();
+  opening.planner.transport_latency = output.driver->transport_latency();
+  opening.planner.line = output.driver->line();
+  check_line(element, opening.planner, *output.driver);
   // A motor's latency was measured with it alone on the line.
   opening.latency
       = std::max(opening.latency + opening.planner.line.all(), opening.planner.transport_latency);
-  return opening;
+  return output;
 }

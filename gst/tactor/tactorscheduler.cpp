@@ -38,19 +38,15 @@ TactorScheduler::~TactorScheduler()
   stop();
 }
 
-void
-TactorScheduler::start(std::unique_ptr<tactor::Driver> driver, double full_scale_volts,
-                       std::unique_ptr<tactor::CommandTrace> trace, bool realtime)
+tl::expected<void, tactor::DriverError>
+TactorScheduler::start(Open open, double full_scale_volts, bool realtime)
 {
   stop();
   std::lock_guard lock(mutex_);
-  driver_ = std::move(driver);
-  refresh_interval_ = driver_->refresh_interval();
-  line_ = driver_->line();
   full_scale_volts_ = full_scale_volts;
-  trace_ = std::move(trace);
-  queue_ = tactor::CommandQueue(driver_->tactors());
+  queue_ = tactor::CommandQueue(0);
   sent_.clear();
+  last_status_ = {};
   counters_ = {};
   expires_.reset();
   refresh_.reset();
@@ -59,25 +55,40 @@ TactorScheduler::start(std::unique_ptr<tactor::Driver> driver, double full_scale
   quit_ = playing_ = failed_ = away_ = false;
   met_ = requested_;
   running_ = Time(0);
-  thread_ = std::thread([this, realtime] { run(realtime); });
-  live_ = true;
+  opening_ = std::stop_source();
+  return tactor::Thread::start([this, open = std::move(open), stop = opening_.get_token(),
+                                realtime] { run(open, stop, realtime); })
+      .map([this](tactor::Thread &&thread) { thread_ = std::move(thread); });
+}
+
+bool
+TactorScheduler::wait_until_open(std::uint64_t interruptions)
+{
+  std::unique_lock lock(mutex_);
+  settled_.wait(lock, [&] {
+    return interruptions_ != interruptions || live_ || failed_ || quit_ || !thread_;
+  });
+  return live_;
 }
 
 void
 TactorScheduler::stop()
 {
-  std::thread thread;
+  tactor::Thread thread;
+  std::stop_source opening;
   {
     std::unique_lock lock(mutex_);
     playing_ = false;
     settle(lock);
     quit_ = true;
     wake();
+    settled_.notify_all();
     settled_.wait(lock, [this] { return !live_; });
+    opening = opening_;
     thread = std::move(thread_);
   }
-  if (thread.joinable())
-    thread.join();
+  opening.request_stop();
+  thread.join();
 }
 
 void
@@ -259,13 +270,42 @@ TactorScheduler::settle(Lock &lock)
   const std::uint64_t request = ++requested_;
   wake();
   // The host, when the thread tells it something, must not wait for the thread.
-  if (thread_.get_id() != std::this_thread::get_id())
+  if (!thread_.is_current())
     settled_.wait(lock, [&] { return met_ >= request || !live_; });
 }
 
-void
-TactorScheduler::run(bool wants_realtime)
+/// False if there is nothing to play on. Called with the lock held, which it gives up.
+bool
+TactorScheduler::open_output(Lock &lock, const Open &open, const std::stop_token &stop)
 {
+  lock.unlock();
+  tl::expected<TactorOutput, tactor::DriverError> opened = open(stop);
+  lock.lock();
+  if (opened) {
+    driver_ = std::move(opened->driver);
+    trace_ = std::move(opened->trace);
+    refresh_interval_ = driver_->refresh_interval();
+    line_ = driver_->line();
+    queue_ = tactor::CommandQueue(driver_->tactors());
+    live_ = true;
+  } else if (!quit_) {
+    lock.unlock();
+    host_.open_failed(opened.error());
+    lock.lock();
+    failed_ = true; // whoever fails for it does so after the reason was told
+  }
+  settled_.notify_all();
+  return opened.has_value();
+}
+
+void
+TactorScheduler::run(const Open &open, const std::stop_token &stop, bool wants_realtime)
+{
+  {
+    std::unique_lock lock(mutex_);
+    if (!open_output(lock, open, stop))
+      return;
+  }
   tactor::RealtimeThread realtime(wants_realtime,
                                   [this](tactor::Scheduling scheduling, const std::string &text) {
                                     scheduling_ = scheduling;

@@ -7,8 +7,10 @@
 #include "tactor/realtime/realtime_thread.h"
 #include "tactor/schedule_statistics.h"
 #include "tactor/soft_start.h"
+#include "tactor/thread.h"
 
 #include <gst/gst.h>
+#include <tl/expected.hpp>
 
 #include <atomic>
 #include <condition_variable>
@@ -18,7 +20,7 @@
 #include <mutex>
 #include <optional>
 #include <span>
-#include <thread>
+#include <stop_token>
 #include <vector>
 
 /// What the scheduler needs to know of the element it works for, and tells it. Called on the
@@ -36,6 +38,9 @@ public:
 
   virtual ~TactorSchedulerHost() = default;
   virtual Timing timing() = 0;
+  /// The board could not be opened, and not because stop() came first.
+  virtual void open_failed(const tactor::DriverError &error) = 0;
+  /// The board failed while it played.
   virtual void device_failed(const tactor::DriverError &error) = 0;
   /// A command was `late` behind its due time: upstream did not deliver it `lead` ahead of its
   /// frame.
@@ -46,8 +51,15 @@ public:
   }
 };
 
-/// The thread that hands commands to the driver when they are due, and the only one that talks to
-/// it while it runs.
+/// What a scheduler plays on.
+struct TactorOutput
+{
+  std::unique_ptr<tactor::Driver> driver;      ///< open
+  std::unique_ptr<tactor::CommandTrace> trace; ///< may be null
+};
+
+/// The thread that opens a board and hands commands to its driver when they are due, and the only
+/// one that talks to the driver.
 ///
 /// It stores no clock time: clock, base time, latency and ts-offset are read at each turn, so that
 /// a pause, a new clock or a new latency needs no case of its own. Every public method but start()
@@ -81,11 +93,18 @@ public:
   TactorScheduler(const TactorScheduler &) = delete;
   TactorScheduler &operator=(const TactorScheduler &) = delete;
 
-  /// Takes an open driver and the volts that its board makes at most; the trace may be null. Paused
-  /// until play(). With `realtime` the thread asks to be real-time, which no one waits for.
-  void start(std::unique_ptr<tactor::Driver> driver, double full_scale_volts,
-             std::unique_ptr<tactor::CommandTrace> trace, bool realtime = false);
-  /// Motors to zero, driver closed, thread joined. Harmless when not started.
+  /// Opens a board on the scheduler's thread, which may take seconds: a stop request ends it early.
+  using Open = std::function<tl::expected<TactorOutput, tactor::DriverError>(std::stop_token stop)>;
+
+  /// Begins to open. `full_scale_volts` is what the board makes at most. Paused until play(). With
+  /// `realtime` the thread asks to be real-time, which no one waits for. Fails if there is no thread.
+  [[nodiscard]] tl::expected<void, tactor::DriverError> start(Open open, double full_scale_volts,
+                                                              bool realtime = false);
+  /// Returns when the board is open, could not be opened or failed, or when there is an interruption
+  /// that is not among the first `interruptions`. True if it is open.
+  bool wait_until_open(std::uint64_t interruptions);
+  /// Motors to zero, driver closed, thread joined. An open() that waits is stopped. Harmless when not
+  /// started.
   void stop();
 
   /// Commands are issued; what the motors were told last is issued again. Unless `is_wanted` says, asked under the lock, that the
@@ -132,17 +151,18 @@ public:
   /// Of the thread; after stop() as it was then.
   tactor::Scheduling scheduling() const;
   bool trace_failed() const;
-  /// Whether the driver failed for good (TactorSchedulerHost::device_failed()).
+  /// Whether the driver failed for good (open_failed(), device_failed() of the host).
   bool failed() const;
 
 private:
   struct Moment;
   using Lock = std::unique_lock<std::mutex>;
 
-  // All of these run on the scheduler's thread, but settle() and wake(); all are called with the
+  // All of these run on the scheduler's thread, but settle() and wake(); all but run() are called with the
   // lock held and give it up while they wait, while the driver is at work and while the host is
   // told something.
-  void run(bool realtime);
+  void run(const Open &open, const std::stop_token &stop, bool realtime);
+  bool open_output(Lock &lock, const Open &open, const std::stop_token &stop);
   void turn(Lock &lock);
   void wait_until(Lock &lock, const Moment &moment, tactor::Time running);
   bool issue_due(Lock &lock, bool timed);
@@ -160,12 +180,13 @@ private:
   TactorSchedulerHost &host_;
   mutable std::mutex mutex_;
   std::condition_variable wake_;
-  std::condition_variable settled_; ///< met_ or live_ changed
-  std::thread thread_;
+  std::condition_variable settled_; ///< met_, live_ or failed_ changed
+  tactor::Thread thread_;
+  std::stop_source opening_;
   GstClockID waiting_ = nullptr; ///< what the thread sleeps on, owned by it
 
   std::atomic<tactor::Scheduling> scheduling_{ tactor::Scheduling::normal };
-  bool live_ = false; ///< the thread attends to requests
+  bool live_ = false; ///< the board is open and the thread attends to requests
   bool quit_ = false;
   bool playing_ = false;
   bool muted_ = false;

@@ -130,8 +130,12 @@ gst_tactile_branch_change_state(GstElement *element, GstStateChange transition)
     ret = GST_ELEMENT_CLASS(parent_class)->change_state(element, transition);
   }
   GST_OBJECT_LOCK(self);
+  const gboolean failed = self->failed;
   self->opening = FALSE;
   GST_OBJECT_UNLOCK(self);
+  /* The board, which is opened in the background, was quick to fail. */
+  if (opening && failed && ret != GST_STATE_CHANGE_FAILURE && is_in(self))
+    gst_element_call_async(element, give_up_async, nullptr, nullptr);
   return ret;
 }
 

@@ -29,7 +29,7 @@ AutoDriver::open(const DriverConfig &config)
   if (!config.device.empty() && kind == DriverError::Kind::not_found)
     return tl::unexpected(DriverError{
         kind, why + "; to have predicted amplitudes written to a file, set driver=simulator" });
-  if (!config.device.empty() || kind == DriverError::Kind::settings)
+  if (!config.device.empty() || kind == DriverError::Kind::settings || config.stop.stop_requested())
     return board;
   chosen_ = simulator_.get();
   if (tl::expected<void, DriverError> simulated = simulator_->open(config); !simulated)

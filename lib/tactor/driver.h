@@ -11,6 +11,7 @@
 #include <functional>
 #include <memory>
 #include <span>
+#include <stop_token>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -44,6 +45,7 @@ struct DriverConfig
   bool asks_strangers = true;
   double full_scale_volts = 3.0; ///< volts at the motor when a board's output is fully on
   bool realtime = false;         ///< threads that carry levels to the board ask to be real-time
+  std::stop_token stop{};        ///< any thread ends an open() that waits; it fails then
   /// Called from any thread, one call at a time, between the beginning of open() and the end of close(), and also from within these.
   /// It may call status(), nothing else.
   std::function<void(const DriverEvent &)> notify{};

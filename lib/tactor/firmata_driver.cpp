@@ -63,25 +63,34 @@ tl::expected<void, DriverError>
 FirmataDriver::open(const DriverConfig &config)
 {
   close();
-  auto guard = std::make_unique<TerminationGuard>([this](auto until) { leave(until); });
-  Lock lock(mutex_);
-  guard_ = std::move(guard);
-  runs_ = true;
-  config_ = config;
-  quit_ = bus_changed_ = false;
-  opening_ = std::stop_source();
-  refusal_.reset();
-  levels_.clear();
-  bytes_before_ = 0;
-  status_ = {};
-  thread_ = std::thread([this] { run(); });
-  changed_.wait(lock, [this] { return is_open_ || refusal_; });
-  if (is_open_)
+  {
+    const std::lock_guard lock(mutex_);
+    config_ = config;
+    quit_ = bus_changed_ = false;
+    opening_ = std::stop_source();
+    refusal_.reset();
+    levels_.clear();
+    bytes_before_ = 0;
+    status_ = {};
+    runs_ = true;
+  }
+  guard_ = std::make_unique<TerminationGuard>([this](auto until) { leave(until); });
+  const std::stop_callback stopped(config.stop, [this] { quit(); });
+  std::optional<DriverError> refusal;
+  if (tl::expected<Thread, DriverError> thread = Thread::start([this] { run(); })) {
+    thread_ = std::move(*thread);
+    Lock lock(mutex_);
+    changed_.wait(lock, [this] { return is_open_ || refusal_; });
+    refusal = refusal_;
+  } else {
+    const std::lock_guard lock(mutex_);
+    runs_ = false;
+    refusal = thread.error();
+  }
+  if (!refusal)
     return {};
-  const DriverError refusal = *refusal_;
-  lock.unlock();
   close();
-  return tl::unexpected(refusal);
+  return tl::unexpected(*refusal);
 }
 
 int
@@ -135,21 +144,10 @@ FirmataDriver::write(std::span<const double> volts, Time)
 void
 FirmataDriver::close() noexcept
 {
-  std::unique_ptr<TerminationGuard> guard; // goes without the lock, which what it calls takes
-  std::thread thread;
-  std::stop_source opening;
-  {
-    std::lock_guard lock(mutex_);
-    quit_ = true;
-    guard = std::move(guard_);
-    opening = opening_;
-    thread = std::move(thread_);
-    changed_.notify_all();
-  }
-  opening.request_stop();
-  if (thread.joinable())
-    thread.join();
-  std::lock_guard lock(mutex_);
+  quit();
+  thread_.join();
+  guard_.reset(); // without the lock, which leave() takes
+  const std::lock_guard lock(mutex_);
   is_open_ = status_.is_there = false;
   tactors_ = 0;
   resolution_ = 0;
@@ -401,7 +399,7 @@ FirmataDriver::connect(Lock &lock, SerialBus &bus, const SerialDevice &device)
 
   std::optional<DriverError> refusal;
   if (quit_)
-    refusal = { DriverError::Kind::failed, "closed while it was being opened" };
+    refusal = { DriverError::Kind::failed, "the opening of the board was stopped" };
   else if (lost_)
     refusal = { DriverError::Kind::failed, describe(device) + ": " + *lost_ };
   else
@@ -479,18 +477,26 @@ FirmataDriver::tell(Lock &lock, DriverEvent::Kind kind, const std::string &text)
   config_.notify({ kind, text });
 }
 
+/// From any thread: the driver's one stops the motors, releases the board and ends.
+void
+FirmataDriver::quit()
+{
+  std::stop_source opening;
+  {
+    const std::lock_guard lock(mutex_);
+    quit_ = true;
+    opening = opening_;
+    changed_.notify_all();
+  }
+  opening.request_stop();
+}
+
 /// On a thread of TerminationGuard's: motors to zero, board released, as far as there is time.
 void
 FirmataDriver::leave(std::chrono::steady_clock::time_point until)
 {
+  quit();
   Lock lock(mutex_);
-  quit_ = true;
-  std::stop_source opening = opening_;
-  changed_.notify_all();
-  {
-    const Unlocked unlocked(lock);
-    opening.request_stop();
-  }
   changed_.wait_until(lock, until, [this] { return !runs_; });
 }
 

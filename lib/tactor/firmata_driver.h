@@ -8,6 +8,7 @@
 #include "tactor/realtime/realtime_thread.h"
 #include "tactor/serial_port.h"
 #include "tactor/termination.h"
+#include "tactor/thread.h"
 
 #include <condition_variable>
 #include <filesystem>
@@ -17,7 +18,6 @@
 #include <set>
 #include <stop_token>
 #include <string>
-#include <thread>
 #include <vector>
 
 namespace tactor {
@@ -31,8 +31,7 @@ namespace tactor {
 ///
 /// A signal or exit() that ends the process while a board is open stops the motors first: see TerminationGuard.
 ///
-/// One thread of its own has bus, port and reconnection; write() leaves the levels there and never waits. close() may be called
-/// by another thread while open() waits, which then fails.
+/// One thread of its own has bus, port and reconnection; write() leaves the levels there and never waits.
 class FirmataDriver : public Driver
 {
 public:
@@ -85,6 +84,7 @@ private:
   bool is_quitting() const;
   bool has_left() const;
 
+  void quit();
   void leave(std::chrono::steady_clock::time_point until);
 
   const Firmware firmware_;
@@ -94,15 +94,17 @@ private:
   std::optional<RealtimeThread>
       realtime_; ///< the driver's thread's, and made, used and ended by it
 
+  // Of who opens and closes
+  Thread thread_;
+  std::unique_ptr<TerminationGuard> guard_; ///< from the beginning of open() to the end of close()
+
   KnownBoards known_boards_; ///< the driver's thread's
   mutable std::mutex mutex_; ///< guards everything below
   std::condition_variable changed_;
-  std::thread thread_;
   DriverConfig config_;
   bool is_open_ = false;
   bool quit_ = false;
-  bool runs_ = false;                       ///< the thread has the bus, or a board
-  std::unique_ptr<TerminationGuard> guard_; ///< from the beginning of open() to the end of close()
+  bool runs_ = false;        ///< the thread has the bus, or a board
   std::stop_source opening_; ///< ends what a port's opening waits for; requested with quit_
   bool bus_changed_ = false;
   std::optional<DriverError> refusal_;    ///< why open() fails

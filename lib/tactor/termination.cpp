@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "tactor/termination.h"
 
+#include "tactor/thread.h"
+
 #include <array>
 #include <atomic>
 #include <cerrno>
@@ -9,7 +11,6 @@
 #include <fcntl.h>
 #include <memory>
 #include <mutex>
-#include <thread>
 #include <unistd.h>
 #include <utility>
 #include <vector>
@@ -50,8 +51,11 @@ public:
     sigset_t before;
     sigfillset(&all);
     pthread_sigmask(SIG_SETMASK, &all, &before);
-    thread_ = std::thread([this] { run(); });
+    tl::expected<Thread, DriverError> thread = Thread::start([this] { run(); });
     pthread_sigmask(SIG_SETMASK, &before, nullptr);
+    if (!thread)
+      return; // signals do what they would without a guard
+    thread_ = std::move(*thread);
     pipe_in = ends_[1];
     for (const int number : kSignals) {
       struct sigaction action
@@ -70,8 +74,20 @@ public:
 
   ~Catcher()
   {
-    if (!thread_.joinable())
-      return;
+    if (thread_)
+      release();
+    for (const int end : ends_)
+      if (end >= 0)
+        close(end);
+  }
+
+  Catcher(const Catcher &) = delete;
+  Catcher &operator=(const Catcher &) = delete;
+
+private:
+  /// Signals have their default action back, and the thread has ended.
+  void release()
+  {
     for (const int number : kSignals) {
       struct sigaction action
       {
@@ -87,14 +103,8 @@ public:
     while (write(ends_[1], &stop, 1) < 0 && errno == EINTR) {
     }
     thread_.join();
-    close(ends_[0]);
-    close(ends_[1]);
   }
 
-  Catcher(const Catcher &) = delete;
-  Catcher &operator=(const Catcher &) = delete;
-
-private:
   void run()
   {
     unsigned char number = 0;
@@ -113,7 +123,7 @@ private:
 
   const std::function<void()> caught_;
   std::array<int, 2> ends_{ -1, -1 };
-  std::thread thread_;
+  Thread thread_;
 };
 
 /// All guards, and what catches for them.

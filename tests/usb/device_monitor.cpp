@@ -143,6 +143,9 @@ GST_START_TEST(test_element)
   fail_unless(sink != nullptr);
   gst_object_ref_sink(sink);
   ck_assert_int_eq(gst_element_set_state(sink, GST_STATE_PAUSED), GST_STATE_CHANGE_ASYNC);
+  GstPad *pad = gst_element_get_static_pad(sink, "sink");
+  fail_unless(gst_pad_send_event(pad, gst_event_new_stream_start("film"))); // the board is open
+  gst_object_unref(pad);
   GstStructure *stats = nullptr;
   g_object_get(sink, "actuation-stats", &stats, nullptr);
   gboolean connected = FALSE;

@@ -90,6 +90,16 @@ public:
     gst_element_set_state(pipeline_, GST_STATE_NULL);
   }
 
+  /// Whether there was neither an error nor a warning until now.
+  bool is_quiet()
+  {
+    const auto types = static_cast<GstMessageType>(GST_MESSAGE_ERROR | GST_MESSAGE_WARNING);
+    GstMessage *message = gst_bus_pop_filtered(bus_, types);
+    if (message)
+      gst_message_unref(message);
+    return message == nullptr && errors.empty() && warnings.empty();
+  }
+
   /// Plays on until that message, or an element's one of that name, has come; false if an error did.
   bool wait_for(GstMessageType type, const char *name = nullptr)
   {

@@ -176,6 +176,20 @@ GST_START_TEST(test_boards_that_cannot_be_used)
 }
 GST_END_TEST;
 
+/// Who starts a play does not wait for the board, and may stop it before the board has answered.
+GST_START_TEST(test_stopped_while_the_board_is_silent)
+{
+  EmulatedUsb usb;
+  EmulatedBoard silent(usb, {});
+  Film film(1);
+  film.play();
+  fail_unless(silent.wait_for_bytes(1)); // it was asked
+  fail_unless(film.is_quiet());          // and play() did not wait for an answer
+  film.stop();
+  fail_unless_equals_int(silent.transfers_pending(), 0);
+}
+GST_END_TEST;
+
 static Suite *
 tactorsink_usb_suite(void)
 {
@@ -189,6 +203,7 @@ tactorsink_usb_suite(void)
   tcase_add_test(tests, test_unplugged_for_good);
   tcase_add_test(tests, test_stalled);
   tcase_add_test(tests, test_boards_that_cannot_be_used);
+  tcase_add_test(tests, test_stopped_while_the_board_is_silent);
   return suite;
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "tactor/usb/usb_serial_bus.h"
 
+#include "tactor/thread.h"
 #include "tactor/usb/enumeration.h"
 #include "tactor/usb/tty_use.h"
 #include "tactor/usb/usb_serial_port.h"
@@ -47,7 +48,11 @@ public:
     if (!seen)
       return tl::unexpected(seen.error());
     watch->seen_ = std::move(*seen);
-    watch->thread_ = std::thread(&Watch::run, watch.get());
+    tl::expected<Thread, DriverError> thread
+        = Thread::start([looking = watch.get()] { looking->run(); });
+    if (!thread)
+      return tl::unexpected(thread.error());
+    watch->thread_ = std::move(*thread);
     return watch;
   }
 
@@ -67,7 +72,7 @@ public:
 
   ~Watch()
   {
-    if (!thread_.joinable())
+    if (!thread_)
       return;
     stop_ = true;
     libusb_interrupt_event_handler(context_.get());
@@ -113,7 +118,7 @@ private:
   const std::chrono::milliseconds look_;
   Seen seen_;
   std::atomic<bool> stop_{ false };
-  std::thread thread_;
+  Thread thread_;
 };
 
 UsbSerialBus::UsbSerialBus(UsbPatience patience, SystemRoots roots)

@@ -133,7 +133,8 @@ UsbSerialPort::open(const SerialDevice &device, Events events, const UsbPatience
       new UsbSerialPort(std::move(*context), std::move(*claimed), std::move(events)));
   if (!port->allocate(patience))
     return failure(LIBUSB_ERROR_NO_MEM, device, "cannot be used");
-  port->begin();
+  if (const tl::expected<void, DriverError> begun = port->begin(); !begun)
+    return tl::unexpected(begun.error());
   return port;
 }
 
@@ -156,19 +157,23 @@ UsbSerialPort::allocate(const UsbPatience &patience)
          && std::ranges::all_of(reads_, [](const Transfer &read) { return read != nullptr; });
 }
 
-void
+tl::expected<void, DriverError>
 UsbSerialPort::begin()
 {
-  thread_ = std::thread(&UsbSerialPort::run, this);
+  tl::expected<Thread, DriverError> thread = Thread::start([this] { run(); });
+  if (!thread)
+    return tl::unexpected(thread.error());
+  thread_ = std::move(*thread);
   const std::lock_guard lock(mutex_);
   for (Transfer &read : reads_)
     if (!submit(*read))
       break;
+  return {};
 }
 
 UsbSerialPort::~UsbSerialPort()
 {
-  if (!thread_.joinable())
+  if (!thread_)
     return;
   {
     const std::lock_guard lock(mutex_);

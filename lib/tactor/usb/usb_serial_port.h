@@ -3,6 +3,7 @@
 
 #include "tactor/driver_error.h"
 #include "tactor/serial_port.h"
+#include "tactor/thread.h"
 #include "tactor/usb/enumeration.h"
 #include "tactor/usb/usb_serial_bus.h"
 
@@ -15,7 +16,6 @@
 #include <span>
 #include <stop_token>
 #include <string>
-#include <thread>
 #include <vector>
 
 namespace tactor {
@@ -93,7 +93,7 @@ private:
 
   UsbSerialPort(UsbContext context, ClaimedDevice device, Events events);
   bool allocate(const UsbPatience &patience);
-  void begin();
+  tl::expected<void, DriverError> begin();
   Transfer allocate(std::uint8_t endpoint, std::span<std::uint8_t> buffer,
                     libusb_transfer_cb_fn done, unsigned patience_ms);
   void run();
@@ -129,7 +129,7 @@ private:
 
   std::chrono::steady_clock::time_point carried_{}; ///< the line has carried all that was taken
 
-  std::thread thread_;
+  Thread thread_;
 };
 
 } // namespace tactor

@@ -63,6 +63,11 @@ public:
       after();
     return timing;
   }
+  void open_failed(const DriverError &error) override
+  {
+    std::lock_guard lock(mutex_);
+    refusals_.push_back(error.text);
+  }
   void device_failed(const DriverError &) override
   {
     failed++;
@@ -82,6 +87,11 @@ public:
     offset_ = offset.count();
     after_timing_ = std::move(after_timing);
   }
+  std::vector<std::string> refusals()
+  {
+    std::lock_guard lock(mutex_);
+    return refusals_;
+  }
   std::vector<std::pair<Time, Time>> shorts()
   {
     std::lock_guard lock(mutex_);
@@ -97,6 +107,7 @@ private:
   GstClockTimeDiff offset_ = 0;
   std::function<void()> after_timing_;
   std::vector<std::pair<Time, Time>> shorts_;
+  std::vector<std::string> refusals_;
 };
 
 /// The board, which outlives its driver: what it was told, what its motors do, and when it shall misbehave.
@@ -257,12 +268,18 @@ public:
 
   void start()
   {
-    auto driver = std::make_unique<FakeDriver>(board);
     const tactor::DriverConfig config;
-    unwrap(driver->open(config));
-    scheduler->start(std::move(driver), config.full_scale_volts,
-                     std::make_unique<tactor::CommandTrace>(
-                         unwrap(tactor::CommandTrace::create(trace_file.path))));
+    unwrap(scheduler->start(
+        [this, config](std::stop_token) -> tl::expected<TactorOutput, tactor::DriverError> {
+          TactorOutput output;
+          output.driver = std::make_unique<FakeDriver>(board);
+          unwrap(output.driver->open(config));
+          output.trace = std::make_unique<tactor::CommandTrace>(
+              unwrap(tactor::CommandTrace::create(trace_file.path)));
+          return output;
+        },
+        config.full_scale_volts));
+    fail_unless(scheduler->wait_until_open(scheduler->interruptions()));
   }
   void push(const std::vector<Command> &commands, Time expires = kForever)
   {

@@ -388,6 +388,68 @@ GST_START_TEST(test_interruptions_in_passing)
 }
 GST_END_TEST;
 
+/// While a board is silent nobody but who waits for it waits, and a stop ends that.
+GST_START_TEST(test_stopped_while_opening)
+{
+  Host host;
+  TactorScheduler scheduler(host);
+  std::atomic<bool> stopped = false;
+  const auto wait_for_stop = [&](const std::stop_token &stop) {
+    std::mutex mutex;
+    std::condition_variable_any never;
+    std::unique_lock lock(mutex);
+    never.wait(lock, stop, [] { return false; });
+    stopped = true;
+    return tl::unexpected(tactor::DriverError{ tactor::DriverError::Kind::failed, "stopped" });
+  };
+  for (int time = 0; time < 2; time++) {
+    stopped = false;
+    unwrap(scheduler.start(wait_for_stop, 3.0));
+    scheduler.play();
+    scheduler.pause();
+    scheduler.flush();
+    scheduler.set_muted(true);
+    scheduler.timing_changed();
+    const std::uint64_t before = scheduler.interruptions();
+    bool is_open = true;
+    std::thread streaming([&] { is_open = scheduler.wait_until_open(before); });
+    scheduler.interrupt(true);
+    scheduler.interrupt(false);
+    streaming.join();
+    fail_if(is_open);
+    // Without an interruption the stop itself is one.
+    const std::uint64_t now = scheduler.interruptions();
+    std::thread another([&] { is_open = scheduler.wait_until_open(now); });
+    scheduler.stop();
+    another.join();
+    fail_unless(stopped);
+    fail_if(is_open || scheduler.failed());
+  }
+  fail_unless(host.refusals().empty());
+}
+GST_END_TEST;
+
+/// What cannot be opened is told once, before whoever waits for it hears that it failed.
+GST_START_TEST(test_cannot_be_opened)
+{
+  Host host;
+  TactorScheduler scheduler(host);
+  unwrap(scheduler.start(
+      [](const std::stop_token &) {
+        return tl::unexpected(tactor::DriverError{ tactor::DriverError::Kind::busy, "taken" });
+      },
+      3.0));
+  fail_if(scheduler.wait_until_open(scheduler.interruptions()));
+  fail_unless(scheduler.failed());
+  fail_unless(host.refusals() == std::vector<std::string>{ "taken" });
+  scheduler.play();
+  scheduler.push(std::vector{ command(0, 0, 1.0) }, kForever);
+  scheduler.drain(scheduler.interruptions());
+  scheduler.stop();
+  fail_unless_equals_int(host.failed, 0);
+}
+GST_END_TEST;
+
 GST_START_TEST(test_offset_and_clock_change)
 {
   Rig rig;
@@ -489,6 +551,8 @@ tactorscheduler_suite(void)
   tcase_add_test(cases, test_starved);
   tcase_add_test(cases, test_interruptions_in_passing);
   tcase_add_test(cases, test_stale_commands_are_dropped);
+  tcase_add_test(cases, test_stopped_while_opening);
+  tcase_add_test(cases, test_cannot_be_opened);
   tcase_add_test(cases, test_offset_and_clock_change);
   tcase_add_test(cases, test_change_between_reading_and_sleeping);
   tcase_add_test(cases, test_no_clock_and_immediate);

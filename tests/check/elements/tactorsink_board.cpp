@@ -11,6 +11,7 @@
 #include <string>
 
 #include "../libs/contains.h"
+#include "../no_threads.h"
 #include "../playing.h"
 #include "../temporary_file.h"
 #include "../unwrap.h"
@@ -64,15 +65,20 @@ public:
     gst_object_unref(element);
   }
 
+  /// False if the board cannot be opened.
   bool start()
   {
-    if (gst_element_set_state(element, GST_STATE_PLAYING) == GST_STATE_CHANGE_FAILURE)
+    return gst_element_set_state(element, GST_STATE_PLAYING) != GST_STATE_CHANGE_FAILURE && begin();
+  }
+  /// What comes before the first map; false if there is no board for it, or a flush came.
+  bool begin()
+  {
+    if (!gst_pad_send_event(pad, gst_event_new_stream_start("film")))
       return false;
     GstSegment segment;
     gst_segment_init(&segment, GST_FORMAT_TIME);
     GstCaps *caps = gst_caps_from_string(
         "application/x-tactile-map,rows=(int)1,columns=(int)3,framerate=(fraction)25/1");
-    fail_unless(gst_pad_send_event(pad, gst_event_new_stream_start("film")));
     fail_unless(gst_pad_send_event(pad, gst_event_new_caps(caps)));
     fail_unless(gst_pad_send_event(pad, gst_event_new_segment(&segment)));
     gst_caps_unref(caps);
@@ -256,12 +262,17 @@ GST_START_TEST(test_errors)
 {
   const auto refused = [](Rig &rig) {
     fail_if(rig.start());
+    rig.stop();
     int code = 0;
     const std::string text = rig.message(GST_MESSAGE_ERROR, &code);
     return std::pair(text, code);
   };
   Rig none("firmata");
   fail_unless(refused(none).second == GST_RESOURCE_ERROR_NOT_FOUND);
+  {
+    const NoThreads threads;
+    assert_contains(refused(none).first, { "no thread" });
+  }
 
   Rig stock("seat");
   stock.sockets_.plug(stock.mega);
@@ -289,6 +300,30 @@ GST_START_TEST(test_errors)
     rig.sockets_.plug(rig.mega);
     ck_assert_int_eq(refused(rig).second, expected);
   }
+}
+GST_END_TEST;
+
+/// A pause, a play and a seek while the board is still silent: the stream waits on, or is sent away, and plays when the board answers.
+GST_START_TEST(test_slow_board)
+{
+  Rig rig("firmata");
+  rig.mega.says_nothing = true;
+  rig.sockets_.plug(rig.mega);
+  gst_element_set_state(rig.element, GST_STATE_PLAYING);
+  bool began = true;
+  std::thread streaming([&] { began = rig.begin(); });
+  rig.sockets_.wait([&] { return rig.mega.opens == 1; });
+  gst_element_set_state(rig.element, GST_STATE_PAUSED);
+  gst_element_set_state(rig.element, GST_STATE_PLAYING);
+  fail_unless(gst_pad_send_event(rig.pad, gst_event_new_flush_start()));
+  streaming.join();
+  fail_if(began);
+  fail_unless(gst_pad_send_event(rig.pad, gst_event_new_flush_stop(TRUE)));
+  rig.sockets_.locked([&] { rig.mega.says_nothing = false; });
+  fail_unless(rig.begin()); // the board is asked again twice a second
+  rig.push({ 255, 200, 128 });
+  rig.expect(rig.mega, { 2, 3, 4 }, { 255, 200, 128 });
+  fail_if(rig.messages.has(GST_MESSAGE_ERROR));
 }
 GST_END_TEST;
 
@@ -361,6 +396,7 @@ tactorsink_board_suite(void)
   tcase_add_test(cases, test_end_of_stream);
   tcase_add_test(cases, test_lost_and_found);
   tcase_add_test(cases, test_errors);
+  tcase_add_test(cases, test_slow_board);
   tcase_add_test(cases, test_large_chair);
   return suite;
 }

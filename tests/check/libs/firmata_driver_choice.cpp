@@ -56,27 +56,32 @@ GST_START_TEST(test_open_is_interrupted)
   rig.sockets.plug(rig.mega);
   std::thread other([&] {
     rig.sockets.wait([&] { return rig.mega.opens == 1; });
-    rig.driver.close();
+    rig.stop.request_stop();
   });
   const DriverError error = rig.refusal();
-  assert_contains(error.text, { "closed" });
+  assert_contains(error.text, { "stopped" });
   other.join();
+  fail_if(rig.mega.is_open);
+
+  // It may also be too late to begin.
+  rig.refusal();
   fail_if(rig.mega.is_open);
 }
 GST_END_TEST;
 
-/// A port whose set-up is never answered is given up as soon as the driver is closed.
-GST_START_TEST(test_closed_while_the_port_is_set_up)
+/// A port whose set-up is never answered is given up as well.
+GST_START_TEST(test_stopped_while_the_port_is_set_up)
 {
   Rig rig;
   rig.mega.hangs_on_open = true;
   rig.sockets.plug(rig.mega);
   std::thread other([&] {
     rig.sockets.wait([&] { return rig.mega.opens == 1; });
-    rig.driver.close();
+    rig.stop.request_stop();
   });
   assert_contains(rig.refusal().text, { "interrupted" });
   other.join();
+  rig.stop = std::stop_source();
   rig.sockets.locked([&] { rig.mega.hangs_on_open = false; });
   rig.open();
 }
@@ -483,7 +488,7 @@ firmata_driver_choice_suite(void)
   tcase_add_test(tests, test_no_board);
   tcase_add_test(tests, test_silent_board);
   tcase_add_test(tests, test_open_is_interrupted);
-  tcase_add_test(tests, test_closed_while_the_port_is_set_up);
+  tcase_add_test(tests, test_stopped_while_the_port_is_set_up);
   tcase_add_test(tests, test_two_boards);
   tcase_add_test(tests, test_too_few_pins);
   tcase_add_test(tests, test_which_board_returns);

@@ -58,6 +58,7 @@ public:
     return { .device = name,
              .min_tactors = min_tactors,
              .full_scale_volts = 3.0,
+             .stop = stop.get_token(),
              .notify = [this](const DriverEvent &event) {
                std::lock_guard lock(sockets.mutex);
                events.push_back(event);
@@ -105,6 +106,7 @@ public:
   }
 
   const TemporaryFolder folder;
+  std::stop_source stop; ///< of the next open()
   Sockets sockets;
   MemoryBoard mega{ device("7573", "1-2"), kMega };
   MemoryBoard uno{ device("95", "1-3", "Arduino Uno"), kUno };

@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "tactor/thread.h"
+
+#include <utility>
+
+#include "../no_threads.h"
+#include "../unwrap.h"
+#include "contains.h"
+
+using tactor::Thread;
+
+GST_START_TEST(test_joined)
+{
+  bool done = false;
+  Thread moved;
+  fail_if(moved);
+  moved.join();
+  {
+    Thread thread = unwrap(Thread::start([&] { done = true; }));
+    moved = std::move(thread);
+    fail_unless(!thread && !moved.is_current());
+  }
+  fail_unless(moved);
+  moved.join();
+  fail_unless(done && !moved);
+
+  done = false;
+  moved = unwrap(Thread::start([&] { done = true; }));
+  moved = Thread(); // joins, too
+  fail_unless(done);
+}
+GST_END_TEST;
+
+/// Nothing is thrown where there are no more threads.
+GST_START_TEST(test_no_more_threads)
+{
+  {
+    const NoThreads none;
+    const tactor::DriverError error = refusal_of(Thread::start([] {}));
+    assert_contains(error.text, { "no thread", "ulimit -u" });
+  }
+  unwrap(Thread::start([] {})).join();
+}
+GST_END_TEST;
+
+static Suite *
+thread_suite(void)
+{
+  Suite *suite = suite_create("thread");
+  TCase *tests = tcase_create("general");
+  suite_add_tcase(suite, tests);
+  tcase_add_test(tests, test_joined);
+  tcase_add_test(tests, test_no_more_threads);
+  return suite;
+}
+
+GST_CHECK_MAIN(thread)
