@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: LGPL-2.1-or-later
 # Runs a player that knows nothing of touch so that its films are felt: visuotactilesink gets the highest rank of all video sinks,
-# tactilesubtitles that of all that show subtitles, so that a film's own tactile track is felt (in a transport stream, by tactileklvdec). That is for players that
-# leave the choice of the video sink to playbin or autovideosink.
+# tactilesubtitles that of all that show subtitles, so that a film's own tactile track is felt. That is for players that leave
+# the choice of the video sink to playbin or autovideosink.
 # Usage: pipelines/any-player.sh PLAYER [ARGUMENT...]      for example: pipelines/any-player.sh gst123 FILM
 set -euo pipefail
 # shellcheck source=../tools/build.sh
@@ -10,5 +10,5 @@ set -euo pipefail
 [ $# -gt 0 ] || { echo "any-player.sh: expected a player; usage: $0 PLAYER [ARGUMENT...]" >&2; exit 2; }
 build_and_use
 
-export GST_PLUGIN_FEATURE_RANK="visuotactilesink:MAX,tactilesubtitles:MAX,tactileklvdec:MARGINAL${GST_PLUGIN_FEATURE_RANK:+,$GST_PLUGIN_FEATURE_RANK}"
+export GST_PLUGIN_FEATURE_RANK="visuotactilesink:MAX,tactilesubtitles:MAX${GST_PLUGIN_FEATURE_RANK:+,$GST_PLUGIN_FEATURE_RANK}"
 exec "$@"

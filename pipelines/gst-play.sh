@@ -11,5 +11,5 @@ film_uri "${1:-}" >/dev/null
 needs=players
 build_and_use
 
-export GST_PLUGIN_FEATURE_RANK="tactilesubtitles:MAX,tactileklvdec:MARGINAL${GST_PLUGIN_FEATURE_RANK:+,$GST_PLUGIN_FEATURE_RANK}"
+export GST_PLUGIN_FEATURE_RANK="tactilesubtitles:MAX${GST_PLUGIN_FEATURE_RANK:+,$GST_PLUGIN_FEATURE_RANK}"
 exec gst-play-1.0 --videosink="visuotactilesink ${CHAIR:-}" "$@"

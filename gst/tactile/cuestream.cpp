@@ -17,6 +17,9 @@ namespace {
 using tactile::Cue;
 using tactile::FormatError;
 
+/// The field of a GAP event.
+constexpr const char *kPacket = "tactile-packet";
+
 tl::unexpected<FormatError>
 refused(const char *reason)
 {
@@ -80,6 +83,22 @@ cue_buffer_new(const tactile::Cue &cue, CueForm form)
   GST_BUFFER_PTS(buffer) = static_cast<GstClockTime>(cue.begin.count());
   GST_BUFFER_DURATION(buffer) = static_cast<GstClockTime>((cue.end - cue.begin).count());
   return buffer;
+}
+
+GstEvent *
+cue_gap_new(GstBuffer *packet)
+{
+  GstEvent *gap = gst_event_new_gap(GST_BUFFER_PTS(packet), GST_CLOCK_TIME_NONE);
+  gst_structure_set(gst_event_writable_structure(gap), kPacket, GST_TYPE_BUFFER, packet, nullptr);
+  return gap;
+}
+
+GstBuffer *
+cue_gap_get_packet(GstEvent *gap)
+{
+  GstBuffer *packet = nullptr;
+  gst_structure_get(gst_event_get_structure(gap), kPacket, GST_TYPE_BUFFER, &packet, nullptr);
+  return packet;
 }
 
 tl::expected<Cue, FormatError>

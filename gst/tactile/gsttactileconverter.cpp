@@ -237,12 +237,12 @@ duration_of(GstTactileConverter *self, GstBuffer *buffer, const Cue &cue)
 }
 
 static GstFlowReturn
-convert(GstTactileConverter *self, GstBuffer *buffer)
+convert(GstTactileConverter *self, GstBuffer *buffer, CueForm form)
 {
   GstTactileConverterPrivate *priv = self->priv;
   const tactile::Grid caps_grid{ static_cast<int>(priv->rows), static_cast<int>(priv->columns) };
   tl::expected<Cue, tactile::FormatError> read
-      = cue_from_buffer(buffer, *priv->in, priv->in == CueForm::map ? caps_grid : priv->grid);
+      = cue_from_buffer(buffer, form, form == CueForm::map ? caps_grid : priv->grid);
   if (!read) {
     const std::string why = read.error().text();
     GST_WARNING_OBJECT(self, "buffer at %" GST_TIME_FORMAT " is no map: %s",
@@ -286,7 +286,7 @@ gst_tactile_converter_chain(GstPad *pad, GstObject *parent, GstBuffer *buffer)
     send_default_sticky_events(self);
     return gst_pad_push(self->srcpad, buffer);
   }
-  const GstFlowReturn flow = convert(self, buffer);
+  const GstFlowReturn flow = convert(self, buffer, *priv->in);
   gst_buffer_unref(buffer);
   return flow;
 }
@@ -366,10 +366,14 @@ gst_tactile_converter_sink_event(GstPad *pad, GstObject *parent, GstEvent *event
     GstClockTime begin = 0;
     GstClockTime duration = 0;
     gst_event_parse_gap(event, &begin, &duration);
-    drain(self);
-    if (GST_CLOCK_TIME_IS_VALID(duration))
-      begin += duration;
-    push_gap(self, to_time(begin));
+    if (g_autoptr(GstBuffer) packet = priv->in ? cue_gap_get_packet(event) : nullptr) {
+      convert(self, packet, CueForm::klv);
+    } else {
+      drain(self);
+      if (GST_CLOCK_TIME_IS_VALID(duration))
+        begin += duration;
+      push_gap(self, to_time(begin));
+    }
     gst_event_unref(event);
     return TRUE;
   }

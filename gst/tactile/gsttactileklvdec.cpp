@@ -4,19 +4,18 @@
  * @title: tactileklvdec
  * @short_description: the tactile track of a transport stream as subtitles, for players
  *
- * tactileklvdec is #tactileconverter from KLV to text cues in the form of a decoder, which is what
- * players look for in an MPEG transport stream with a tactile track: without one, GStreamer tells
- * them that a plugin is missing. What comes out is what #tactilesubtitles takes. KLV of others has
- * no cues: a GAP.
+ * tactileklvdec is what players look for in an MPEG transport stream with a tactile track: without a
+ * decoder, GStreamer tells them that a plugin is missing. What comes out are subtitles without any
+ * text: each packet becomes a GAP event, which carries it. #tactilesubtitles and #tactileconverter
+ * take such a packet for a cue. A player that knows nothing of touch has nothing to draw and nothing
+ * to wait for.
  *
- * A stream's caps do not say whose KLV it is, and text is drawn where nothing else is made of it. So
- * decodebin takes this element only where its rank is raised, together with that of
- * #tactilesubtitles: `GST_PLUGIN_FEATURE_RANK=tactilesubtitles:MAX,tactileklvdec:MARGINAL`.
+ * A stream's caps do not say whose KLV it is. That of others becomes a GAP without a packet.
  *
  * ## Example launch line
  * |[
  * gst-launch-1.0 tactiletestsrc num-buffers=150 ! saliencytactile ! tactileextractor name=x \
- *     x.tactile ! tactileconverter ! meta/x-klv ! tactileklvdec ! webvttenc ! filesink location=track.vtt
+ *     x.tactile ! tactileconverter ! meta/x-klv ! tactileklvdec ! tactileconverter ! tactorsink driver=simulator
  * ]|
  *
  * Since: 0.1
@@ -26,19 +25,56 @@
 #include "cuestream.h"
 #include "gsttactileelements.h"
 
+#include <optional>
+
+GST_DEBUG_CATEGORY_STATIC(tactile_klv_dec_debug);
+#define GST_CAT_DEFAULT tactile_klv_dec_debug
+
 struct _GstTactileKlvDec
 {
-  GstBin parent;
+  GstElement parent;
+  GstPad *srcpad;
 };
 
-G_DEFINE_TYPE(GstTactileKlvDec, gst_tactile_klv_dec, GST_TYPE_BIN);
-GST_ELEMENT_REGISTER_DEFINE(tactileklvdec, "tactileklvdec", GST_RANK_NONE,
+G_DEFINE_TYPE_WITH_CODE(GstTactileKlvDec, gst_tactile_klv_dec, GST_TYPE_ELEMENT,
+                        GST_DEBUG_CATEGORY_INIT(tactile_klv_dec_debug, "tactileklvdec", 0,
+                                                "the tactile track of a transport stream"));
+GST_ELEMENT_REGISTER_DEFINE(tactileklvdec, "tactileklvdec", GST_RANK_MARGINAL,
                             GST_TYPE_TACTILE_KLV_DEC);
 
 static GstStaticPadTemplate sink_template
     = GST_STATIC_PAD_TEMPLATE("sink", GST_PAD_SINK, GST_PAD_ALWAYS, GST_STATIC_CAPS(CUE_KLV_CAPS));
 static GstStaticPadTemplate src_template
     = GST_STATIC_PAD_TEMPLATE("src", GST_PAD_SRC, GST_PAD_ALWAYS, GST_STATIC_CAPS(CUE_TEXT_CAPS));
+
+static GstFlowReturn
+gst_tactile_klv_dec_chain(GstPad *pad, GstObject *parent, GstBuffer *packet)
+{
+  (void)pad;
+  auto *self = GST_TACTILE_KLV_DEC(parent);
+  g_autoptr(GstBuffer) owned = packet;
+  const GstClockTime pts = GST_BUFFER_PTS(packet);
+  if (!GST_CLOCK_TIME_IS_VALID(pts))
+    return GST_FLOW_OK;
+  const auto cue = cue_from_buffer(packet, CueForm::klv, std::nullopt);
+  if (!cue)
+    GST_DEBUG_OBJECT(self, "packet at %" GST_TIME_FORMAT " is no map: %s", GST_TIME_ARGS(pts),
+                     cue.error().text().c_str());
+  gst_pad_push_event(self->srcpad,
+                     cue ? cue_gap_new(packet) : gst_event_new_gap(pts, GST_CLOCK_TIME_NONE));
+  return GST_FLOW_OK;
+}
+
+static gboolean
+gst_tactile_klv_dec_sink_event(GstPad *pad, GstObject *parent, GstEvent *event)
+{
+  auto *self = GST_TACTILE_KLV_DEC(parent);
+  if (GST_EVENT_TYPE(event) != GST_EVENT_CAPS)
+    return gst_pad_event_default(pad, parent, event);
+  gst_event_unref(event);
+  g_autoptr(GstCaps) caps = cue_caps_new(CueForm::text);
+  return gst_pad_push_event(self->srcpad, gst_event_new_caps(caps));
+}
 
 static void
 gst_tactile_klv_dec_class_init(GstTactileKlvDecClass *klass)
@@ -48,27 +84,19 @@ gst_tactile_klv_dec_class_init(GstTactileKlvDecClass *klass)
   gst_element_class_add_static_pad_template(element_class, &src_template);
   gst_element_class_set_static_metadata(
       element_class, "Tactile KLV decoder", "Codec/Decoder/Subtitle",
-      "Turns the tactile track of a transport stream into text cues", "The visuotactile authors");
-}
-
-static void
-add_ghost(GstTactileKlvDec *self, GstElement *child, const gchar *name, GstStaticPadTemplate *of)
-{
-  g_autoptr(GstPad) target = gst_element_get_static_pad(child, name);
-  g_autoptr(GstPadTemplate) pad_template = gst_static_pad_template_get(of);
-  gst_element_add_pad(GST_ELEMENT(self),
-                      gst_ghost_pad_new_from_template(name, target, pad_template));
+      "Turns the tactile track of a transport stream into subtitles that show nothing",
+      "The visuotactile authors");
 }
 
 static void
 gst_tactile_klv_dec_init(GstTactileKlvDec *self)
 {
-  GstElement *converter = gst_element_factory_make("tactileconverter", "converter");
-  GstElement *text = gst_element_factory_make("capsfilter", "text");
-  g_autoptr(GstCaps) caps = cue_caps_new(CueForm::text);
-  g_object_set(text, "caps", caps, nullptr);
-  gst_bin_add_many(GST_BIN(self), converter, text, nullptr);
-  gst_element_link(converter, text);
-  add_ghost(self, converter, "sink", &sink_template);
-  add_ghost(self, text, "src", &src_template);
+  GstPad *sinkpad = gst_pad_new_from_static_template(&sink_template, "sink");
+  gst_pad_set_chain_function(sinkpad, GST_DEBUG_FUNCPTR(gst_tactile_klv_dec_chain));
+  gst_pad_set_event_function(sinkpad, GST_DEBUG_FUNCPTR(gst_tactile_klv_dec_sink_event));
+  gst_element_add_pad(GST_ELEMENT(self), sinkpad);
+
+  self->srcpad = gst_pad_new_from_static_template(&src_template, "src");
+  gst_pad_use_fixed_caps(self->srcpad);
+  gst_element_add_pad(GST_ELEMENT(self), self->srcpad);
 }

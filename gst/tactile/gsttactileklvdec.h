@@ -6,6 +6,6 @@
 G_BEGIN_DECLS
 
 #define GST_TYPE_TACTILE_KLV_DEC (gst_tactile_klv_dec_get_type())
-G_DECLARE_FINAL_TYPE(GstTactileKlvDec, gst_tactile_klv_dec, GST, TACTILE_KLV_DEC, GstBin)
+G_DECLARE_FINAL_TYPE(GstTactileKlvDec, gst_tactile_klv_dec, GST, TACTILE_KLV_DEC, GstElement)
 
 G_END_DECLS

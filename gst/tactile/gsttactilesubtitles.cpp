@@ -10,6 +10,8 @@
  * `textoverlay`, and frames stay without a map. The first cue tells which they are; what is no map in
  * a track, a designer's remark, is drawn.
  *
+ * The track of a transport stream comes in GAP events, from #tactileklvdec.
+ *
  * It is for playbin's `subtitleoverlay`, which chooses it in any player by
  * `GST_PLUGIN_FEATURE_RANK=tactilesubtitles:MAX` in the environment; with visuotactilesink as the
  * video sink the track is felt instead of what draws the eye. #tactilecombiner waits for the track;
@@ -79,17 +81,16 @@ segment_of(GstPad *pad)
   return segment;
 }
 
-/// The map that the text is, if it is one.
-std::optional<TactileMap>
-read_map(GstBuffer *buffer, std::optional<tactile::Grid> grid)
+/// The cue that the buffer is, if it is one.
+std::optional<tactile::Cue>
+read_cue(GstBuffer *buffer, CueForm form, std::optional<tactile::Grid> grid)
 {
-  tl::expected<tactile::Cue, tactile::FormatError> cue
-      = cue_from_buffer(buffer, CueForm::text, grid);
+  tl::expected<tactile::Cue, tactile::FormatError> cue = cue_from_buffer(buffer, form, grid);
   if (!cue) {
     GST_LOG("no map: %s", cue.error().text().c_str());
     return std::nullopt;
   }
-  return std::move(cue->map);
+  return std::move(*cue);
 }
 
 } // namespace
@@ -138,17 +139,22 @@ forget_cues(GstTactileSubtitles *self)
   GST_OBJECT_UNLOCK(self);
 }
 
+/// How long a buffer holds: as it says, or else its cue.
+static GstClockTime
+duration_of(GstBuffer *buffer, const tactile::Cue &cue)
+{
+  if (GST_BUFFER_DURATION_IS_VALID(buffer) && GST_BUFFER_DURATION(buffer) > 0)
+    return GST_BUFFER_DURATION(buffer);
+  return cue.end > tactile::Time(0) ? static_cast<GstClockTime>(cue.end.count()) : kDefaultDuration;
+}
+
 /// When a buffer holds in running time; nothing outside of its segment.
 static bool
-find_running_time(GstPad *pad, GstBuffer *buffer, Cue &cue)
+find_running_time(GstPad *pad, GstBuffer *buffer, GstClockTime duration, Cue &cue)
 {
   if (!GST_BUFFER_PTS_IS_VALID(buffer))
     return false;
   const GstSegment segment = segment_of(pad);
-  const GstClockTime duration
-      = GST_BUFFER_DURATION_IS_VALID(buffer) && GST_BUFFER_DURATION(buffer) > 0
-            ? GST_BUFFER_DURATION(buffer)
-            : kDefaultDuration;
   guint64 begin = 0;
   guint64 end = 0;
   if (!gst_segment_clip(&segment, GST_FORMAT_TIME, GST_BUFFER_PTS(buffer),
@@ -186,44 +192,51 @@ keep(GstTactileSubtitles *self, const Cue &cue)
         ("expected at most %" G_GSIZE_FORMAT " levels before their frames come", kMaxLevels));
 }
 
-static GstPadProbeReturn
-on_subtitle(GstPad *pad, GstPadProbeInfo *info, gpointer data)
+/// Takes what is a map of the track; returns false for what is not.
+static bool
+take(GstTactileSubtitles *self, GstPad *pad, GstBuffer *buffer, CueForm form)
 {
-  auto *self = GST_TACTILE_SUBTITLES(data);
   GstTactileSubtitlesPrivate *priv = self->priv;
-  GstBuffer *buffer = GST_PAD_PROBE_INFO_BUFFER(info);
-
   GST_OBJECT_LOCK(self);
   const Kind kind = priv->kind;
   const tactile::Grid grid = priv->grid;
   GST_OBJECT_UNLOCK(self);
   if (kind == Kind::words)
-    return GST_PAD_PROBE_OK;
+    return false;
 
   const bool follows = kind == Kind::track;
-  const std::optional<TactileMap> map
-      = read_map(buffer, follows ? std::optional(grid) : std::nullopt);
+  const std::optional<tactile::Cue> read
+      = read_cue(buffer, form, follows ? std::optional(grid) : std::nullopt);
   GST_OBJECT_LOCK(self);
   if (!follows)
-    priv->kind = map ? Kind::track : Kind::words;
-  if (map)
-    priv->grid = { map->rows, map->columns };
+    priv->kind = read ? Kind::track : Kind::words;
+  if (read)
+    priv->grid = { read->map.rows, read->map.columns };
   GST_OBJECT_UNLOCK(self);
   if (!follows)
-    GST_INFO_OBJECT(self, "the subtitles are %s", map ? "a tactile track" : "to be read");
-  if (!map)
-    return GST_PAD_PROBE_OK;
-  Cue cue{ .map = *map };
-  if (find_running_time(pad, buffer, cue))
+    GST_INFO_OBJECT(self, "the subtitles are %s", read ? "a tactile track" : "to be read");
+  if (!read)
+    return false;
+  Cue cue{ .map = read->map };
+  if (find_running_time(pad, buffer, duration_of(buffer, *read), cue))
     keep(self, cue);
-  return GST_PAD_PROBE_DROP;
+  return true;
 }
 
 static GstPadProbeReturn
-on_subtitle_event(GstPad *, GstPadProbeInfo *info, gpointer data)
+on_subtitle(GstPad *pad, GstPadProbeInfo *info, gpointer data)
+{
+  return take(GST_TACTILE_SUBTITLES(data), pad, GST_PAD_PROBE_INFO_BUFFER(info), CueForm::text)
+             ? GST_PAD_PROBE_DROP
+             : GST_PAD_PROBE_OK;
+}
+
+static GstPadProbeReturn
+on_subtitle_event(GstPad *pad, GstPadProbeInfo *info, gpointer data)
 {
   auto *self = GST_TACTILE_SUBTITLES(data);
-  switch (GST_EVENT_TYPE(GST_PAD_PROBE_INFO_EVENT(info))) {
+  GstEvent *event = GST_PAD_PROBE_INFO_EVENT(info);
+  switch (GST_EVENT_TYPE(event)) {
   case GST_EVENT_STREAM_START: // perhaps other subtitles
     GST_OBJECT_LOCK(self);
     self->priv->kind = Kind::unknown;
@@ -232,6 +245,10 @@ on_subtitle_event(GstPad *, GstPadProbeInfo *info, gpointer data)
     break;
   case GST_EVENT_FLUSH_STOP:
     forget_cues(self);
+    break;
+  case GST_EVENT_GAP: // tactileklvdec's have a cue
+    if (g_autoptr(GstBuffer) packet = cue_gap_get_packet(event))
+      take(self, pad, packet, CueForm::klv);
     break;
   default:
     break;

@@ -83,29 +83,47 @@ assert not film["warnings"] and not film["errors"]
 PYTHON
 }
 
-# A transport stream's track in playbin, and what the discoverer says of it. Others' KLV is in no one's way. The draft is halved and
-# turned off in the middle, so that it is not what is analysed.
+# What a player shows that knows nothing of touch: all frames, as they are drawn.
+shown() {
+  timeout 60 gst-launch-1.0 -q playbin uri="file://$PWD/$1" video-sink="filesink sync=true location=$1.frames" >"$1.shown" 2>&1 || echo "status $?" >>"$1.shown"
+}
+
+# A transport stream with a track, one whose track begins late and goes on after the film, and one with others' KLV: no player misses a
+# plugin or shows anything of them, each comes to its end, and with tactilesubtitles the track is felt. The draft is halved and turned off in the middle, so that it is not what is analysed.
 transport_stream() {
-  local name
+  local name film="filesrc location=$work/film.mkv ! matroskademux ! h264parse ! queue ! mux."
   track author "$work/film.mkv" -o draft.vtt -q
   track edit draft.vtt -o film.vtt --scale=0.5 --mask=r1c1
   commands side "filesrc location=film.vtt ! subparse ! tactileconverter"
   track mux "$work/film.mkv" film.vtt -o film.ts
-  gst-launch-1.0 -q mpegtsmux name=mux ! filesink location=others.ts filesrc location="$work/film.mkv" ! matroskademux ! h264parse ! queue ! mux. \
+  track edit film.vtt -o late.vtt --shift=3
+  track mux "$work/film.mkv" late.vtt -o late.ts
+  # shellcheck disable=SC2086
+  gst-launch-1.0 -q mpegtsmux name=mux ! filesink location=plain.ts $film
+  # shellcheck disable=SC2086
+  gst-launch-1.0 -q mpegtsmux name=mux ! filesink location=others.ts $film \
     fakesrc format=time datarate=40 sizetype=fixed sizemax=40 num-buffers=6 filltype=pattern ! meta/x-klv,parsed=true ! queue ! mux.
-  for name in film.ts others.ts; do
-    GST_PLUGIN_FEATURE_RANK=tactileklvdec:MARGINAL gst-discoverer-1.0 "$name" >found 2>&1 || fail "$(cat found)"
+  for name in plain.ts film.ts late.ts others.ts; do
+    shown "$name" &
+  done
+  wait
+  for name in film.ts late.ts others.ts; do
+    gst-discoverer-1.0 "$name" >found 2>&1 || fail "$(cat found)"
     ! grep -i missing found || fail "$name: $(cat found)"
     expect_line found 'subtitles #'
-    GST_PLUGIN_FEATURE_RANK=tactilesubtitles:MAX,tactileklvdec:MARGINAL timeout 60 gst-launch-1.0 -q playbin uri="file://$PWD/$name" \
+    [ ! -s "$name.shown" ] || fail "$name: $(cat "$name.shown")"
+    cmp plain.ts.frames "$name.frames" || fail "$name is not shown as the film is"
+  done
+  for name in film.ts others.ts; do
+    GST_PLUGIN_FEATURE_RANK=tactilesubtitles:MAX timeout 60 gst-launch-1.0 -q playbin uri="file://$PWD/$name" \
       video-sink="visuotactilesink video-sink=fakesink driver=simulator tactors::ramp-in=0 trace-location=$name.trace" >log 2>&1 || fail "$(cat log)"
     expect_commands "$name.trace"
   done
   "$PYTHON" "$here/same_commands.py" side.trace film.ts.trace 0.016 200 || fail "the player does not play the track"
-  # By itself it is not taken.
-  gst-discoverer-1.0 film.ts >found 2>&1
-  expect_line found 'KLV'
-  ! grep 'subtitles #' found || fail "taken: $(cat found)"
+  # As the text of a player.
+  timeout 60 gst-launch-1.0 -q playbin uri="file://$PWD/film.ts" video-sink="fakesink sync=true" \
+    text-sink="capsfilter caps=text/x-raw ! tactileconverter ! tactorsink driver=simulator ramp-in=0 trace-location=text.trace" >log 2>&1 || fail "$(cat log)"
+  "$PYTHON" "$here/same_commands.py" side.trace text.trace 0.016 200 || fail "the text sink does not play the track"
 }
 
 # stream FILE PAD: what a pad of the demuxer gives; pictures decoded, for a parser packs them anew

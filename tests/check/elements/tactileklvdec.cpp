@@ -4,7 +4,6 @@
 #include <gst/check/gstcheck.h>
 #include <gst/check/gstharness.h>
 
-#include <string>
 #include <vector>
 
 using namespace std::chrono_literals;
@@ -28,57 +27,111 @@ map_of(float level)
   return tactile::write_klv(map, 400ms);
 }
 
-/// Whether a decoder takes this element among others.
-bool
-is_found(GstRank rank)
+/// The GAP events that come out, and the packets in them.
+struct Gaps
 {
-  GstCaps *caps = gst_caps_from_string("meta/x-klv, parsed=true");
-  GList *all = gst_element_factory_list_get_elements(GST_ELEMENT_FACTORY_TYPE_DECODABLE, rank);
-  GList *found = gst_element_factory_list_filter(all, caps, GST_PAD_SINK, TRUE);
-  bool is = false;
-  for (GList *item = found; item; item = item->next)
-    is |= g_str_equal(GST_OBJECT_NAME(item->data), "tactileklvdec");
-  gst_plugin_feature_list_free(found);
-  gst_plugin_feature_list_free(all);
-  gst_caps_unref(caps);
-  return is;
+  std::vector<GstClockTime> times;
+  std::vector<gsize> packets; ///< bytes; 0 where there is none
+};
+
+Gaps
+pull_gaps(GstHarness *h)
+{
+  Gaps gaps;
+  while (GstEvent *event = gst_harness_try_pull_event(h)) {
+    if (GST_EVENT_TYPE(event) == GST_EVENT_GAP) {
+      GstClockTime begin = 0;
+      gst_event_parse_gap(event, &begin, nullptr);
+      gaps.times.push_back(begin);
+      g_autoptr(GstBuffer) packet = nullptr;
+      gst_structure_get(gst_event_get_structure(event), "tactile-packet", GST_TYPE_BUFFER, &packet,
+                        nullptr);
+      gaps.packets.push_back(packet ? gst_buffer_get_size(packet) : 0);
+    }
+    gst_event_unref(event);
+  }
+  return gaps;
 }
 
 } // namespace
 
-GST_START_TEST(test_text_comes_out)
+// A player has nothing to draw, and nothing to wait for; the packets are there for those who know them.
+GST_START_TEST(test_gaps_come_out)
 {
   GstHarness *h = gst_harness_new("tactileklvdec");
+  GstBus *bus = gst_bus_new();
+  gst_element_set_bus(h->element, bus);
   gst_harness_set_src_caps_str(h, "meta/x-klv, parsed=true");
-  fail_unless_equals_int(gst_harness_push(h, packet(map_of(0.75F), GST_SECOND)), GST_FLOW_OK);
-  // Another's: nothing is made of it.
-  fail_unless_equals_int(
-      gst_harness_push(h, packet(std::vector<std::uint8_t>(40, 0xff), 2 * GST_SECOND)),
-      GST_FLOW_OK);
-  fail_unless_equals_int(gst_harness_push(h, packet(map_of(0.5F), 3 * GST_SECOND)), GST_FLOW_OK);
-  gst_harness_push_event(h, gst_event_new_eos());
-  fail_unless_equals_uint64(gst_harness_buffers_received(h), 2);
-  GstBuffer *cue = gst_harness_pull(h);
-  fail_unless_equals_uint64(GST_BUFFER_PTS(cue), GST_SECOND);
-  fail_unless_equals_uint64(GST_BUFFER_DURATION(cue), 400 * GST_MSECOND);
-  GstMapInfo info;
-  gst_buffer_map(cue, &info, GST_MAP_READ);
-  fail_unless_equals_string(std::string(reinterpret_cast<char *>(info.data), info.size).c_str(),
-                            " 75   0");
-  gst_buffer_unmap(cue, &info);
-  gst_buffer_unref(cue);
+  const std::vector<std::uint8_t> others(40, 0xff);
+  fail_unless_equals_int(gst_harness_push(h, packet(map_of(0.5F), GST_SECOND)), GST_FLOW_OK);
+  fail_unless_equals_int(gst_harness_push(h, packet(others, 2 * GST_SECOND)), GST_FLOW_OK);
+  fail_unless_equals_int(gst_harness_push(h, packet(map_of(0.5F), GST_CLOCK_TIME_NONE)),
+                         GST_FLOW_OK); // nobody knows when
+  fail_unless_equals_int(gst_harness_push(h, packet(map_of(1), 3 * GST_SECOND)), GST_FLOW_OK);
+
+  const Gaps gaps = pull_gaps(h);
+  fail_unless(gaps.times
+              == (std::vector<GstClockTime>{ GST_SECOND, 2 * GST_SECOND, 3 * GST_SECOND }));
+  const gsize size = map_of(0).size();
+  fail_unless(gaps.packets == (std::vector<gsize>{ size, 0, size }));
+  fail_unless_equals_uint64(gst_harness_buffers_received(h), 0);
+  fail_if(gst_bus_have_pending(bus), "nobody asked whose KLV it is");
   GstCaps *caps = gst_pad_get_current_caps(h->sinkpad);
   fail_unless(gst_structure_has_name(gst_caps_get_structure(caps, 0), "text/x-raw"));
   gst_caps_unref(caps);
+  gst_element_set_bus(h->element, nullptr);
+  gst_object_unref(bus);
   gst_harness_teardown(h);
 }
 GST_END_TEST;
 
-// KLV of others is not taken from whoever wants it, nor are numbers drawn by players that feel nothing.
-GST_START_TEST(test_only_where_it_is_wanted)
+// tactileconverter makes of these subtitles what it makes of a track.
+GST_START_TEST(test_track_is_read)
 {
-  fail_unless(is_found(GST_RANK_NONE));
-  fail_if(is_found(GST_RANK_MARGINAL));
+  GstHarness *h = gst_harness_new_parse("tactileklvdec ! tactileconverter");
+  gst_harness_set_sink_caps_str(h, "application/x-tactile-map, rows=1, columns=2");
+  gst_harness_set_src_caps_str(h, "meta/x-klv, parsed=true");
+  fail_unless_equals_int(gst_harness_push(h, packet(map_of(0.123F), GST_SECOND)), GST_FLOW_OK);
+  GstBuffer *map = gst_harness_pull(h);
+  fail_unless_equals_uint64(GST_BUFFER_PTS(map), GST_SECOND);
+  fail_unless_equals_uint64(GST_BUFFER_DURATION(map), 400 * GST_MSECOND);
+  const gfloat levels[] = { 0.123F, 0 };
+  gst_check_buffer_data(map, levels, sizeof levels);
+  gst_buffer_unref(map);
+  gst_harness_teardown(h);
+}
+GST_END_TEST;
+
+GST_START_TEST(test_words_are_made_of_it)
+{
+  GstHarness *h = gst_harness_new_parse("tactileklvdec ! tactileconverter");
+  gst_harness_set_sink_caps_str(h, "text/x-raw, format=utf8");
+  gst_harness_set_src_caps_str(h, "meta/x-klv, parsed=true");
+  fail_unless_equals_int(gst_harness_push(h, packet(map_of(0.75F), GST_SECOND)), GST_FLOW_OK);
+  gst_harness_push_event(h, gst_event_new_eos());
+  GstBuffer *cue = gst_harness_pull(h);
+  fail_unless_equals_uint64(GST_BUFFER_PTS(cue), GST_SECOND);
+  fail_unless_equals_uint64(GST_BUFFER_DURATION(cue), 400 * GST_MSECOND);
+  gst_check_buffer_data(cue, " 75   0", 7);
+  gst_buffer_unref(cue);
+  gst_harness_teardown(h);
+}
+GST_END_TEST;
+
+// Players and the discoverer need no rank of the user's.
+GST_START_TEST(test_is_found)
+{
+  GstCaps *caps = gst_caps_from_string("meta/x-klv, parsed=true");
+  GList *all = gst_element_factory_list_get_elements(GST_ELEMENT_FACTORY_TYPE_DECODABLE,
+                                                     GST_RANK_MARGINAL);
+  GList *found = gst_element_factory_list_filter(all, caps, GST_PAD_SINK, TRUE);
+  bool is = false;
+  for (GList *item = found; item; item = item->next)
+    is |= g_str_equal(GST_OBJECT_NAME(item->data), "tactileklvdec");
+  fail_unless(is);
+  gst_plugin_feature_list_free(found);
+  gst_plugin_feature_list_free(all);
+  gst_caps_unref(caps);
 }
 GST_END_TEST;
 
@@ -88,8 +141,10 @@ tactileklvdec_suite(void)
   Suite *suite = suite_create("tactileklvdec");
   TCase *tests = tcase_create("general");
   suite_add_tcase(suite, tests);
-  tcase_add_test(tests, test_text_comes_out);
-  tcase_add_test(tests, test_only_where_it_is_wanted);
+  tcase_add_test(tests, test_gaps_come_out);
+  tcase_add_test(tests, test_track_is_read);
+  tcase_add_test(tests, test_words_are_made_of_it);
+  tcase_add_test(tests, test_is_found);
   return suite;
 }
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 //
 // tactilesubtitles: what becomes of frames and of subtitles. That players choose it is tests/tools/players.sh.
+#include "tactile/klv.h"
+
 #include <string>
 #include <vector>
 
@@ -150,6 +152,27 @@ GST_START_TEST(test_remark)
 }
 GST_END_TEST;
 
+/// Gaps with packets, which are tactileklvdec's, are cues that last as long as the packets say.
+GST_START_TEST(test_packets)
+{
+  Subtitles s;
+  tactile::TactileMap map(1, 2);
+  map.levels = { 0.25F, 0.75F };
+  const std::vector<std::uint8_t> bytes = tactile::write_klv(map, std::chrono::milliseconds(2000));
+  g_autoptr(GstBuffer) packet = gst_buffer_new_memdup(bytes.data(), bytes.size());
+  GST_BUFFER_PTS(packet) = 40 * GST_MSECOND;
+  GstEvent *gap = gst_event_new_gap(40 * GST_MSECOND, GST_CLOCK_TIME_NONE);
+  gst_structure_set(gst_event_writable_structure(gap), "tactile-packet", GST_TYPE_BUFFER, packet,
+                    nullptr);
+  fail_unless(gst_harness_push_event(s.text, gst_event_new_gap(0, GST_CLOCK_TIME_NONE)));
+  fail_unless(s.levels_at(0) == Levels{}); // that gap said nothing
+  fail_unless(gst_harness_push_event(s.text, gap));
+  fail_unless(s.levels_at(40) == (Levels{ 25, 75 }));
+  fail_unless(s.levels_at(2000) == (Levels{ 25, 75 }));
+  fail_unless(s.levels_at(2040) == (Levels{ 0, 0 }));
+}
+GST_END_TEST;
+
 /// Times are running times: the track's segment need not be the film's.
 GST_START_TEST(test_segments)
 {
@@ -265,6 +288,7 @@ tactilesubtitles_suite()
   tcase_add_test(cases, test_late_cue);
   tcase_add_test(cases, test_words);
   tcase_add_test(cases, test_remark);
+  tcase_add_test(cases, test_packets);
   tcase_add_test(cases, test_segments);
   tcase_add_loop_test(cases, test_rates, 0, 5);
   tcase_add_test(cases, test_flush_and_other_subtitles);
