@@ -1,100 +1,21 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "emulated_board.h"
 
+#include "hex.h"
+
 #include <algorithm>
-#include <array>
 #include <cerrno>
-#include <cstdio>
 #include <cstdlib>
-#include <filesystem>
 #include <stdexcept>
 #include <utility>
 
 namespace usb_test {
 
-namespace {
-
-constexpr int kBitsPerByte = 10; // 8N1
-/// From when the kernel's driver has a board back to when its line is switched off, as measured of cdc_acm.
-constexpr auto kKernelOpens = std::chrono::microseconds(1340);
-constexpr std::array<std::uint8_t, 2> kStatus{ 0x01,
-                                               0x60 }; // FT232R: nothing to tell; sender empty
-constexpr std::size_t kLongestRead = 512;              // of the host's transfers
-
-std::string
-hex(std::span<const std::uint8_t> bytes)
-{
-  std::string text;
-  for (const std::uint8_t byte : bytes) {
-    char digits[3];
-    std::snprintf(digits, sizeof digits, "%02x", byte);
-    text += digits;
-  }
-  return text;
-}
-
-std::string
-hex(const std::string &text)
-{
-  return hex(std::span(reinterpret_cast<const std::uint8_t *>(text.data()), text.size()));
-}
-
-Bytes
-from_hex(std::string_view text)
-{
-  Bytes bytes;
-  std::string digits;
-  for (const char c : text) {
-    if (c != ' ')
-      digits += c;
-    if (digits.size() == 2)
-      bytes.push_back(std::stoi(std::exchange(digits, {}), nullptr, 16));
-  }
-  return bytes;
-}
-
-std::string
-format(const char *pattern, auto... values)
-{
-  char text[256];
-  std::snprintf(text, sizeof text, pattern, values...);
-  return text;
-}
-
-} // namespace
-
-Bytes
-EmulatedBoard::descriptors(Transport transport, std::optional<std::uint16_t> own_vendor)
-{
-  struct Model
-  {
-    unsigned vendor, product, device_class, interfaces;
-    std::string body; ///< what follows the configuration's header
-  };
-  const Model models[] = {
-    // Mega 2560 R3: the abstract control model with its functional descriptors, then data.
-    { 0x2341, 0x0042, 0x02, 2,
-      "090400000102020100 0524001001 04240206 0524060001 070582030800ff"
-      "09040100020a000000 07050402400001 07058302400001" },
-    { 0x0403, 0x6001, 0x00, 1, "0904000002ffffff02 07058102400000 07050202400000" },
-    { 0x1a86, 0x7523, 0xff, 1, "0904000003ff010200 07058202200000 07050202200000 07058103080001" },
-  };
-  const Model &model = models[static_cast<int>(transport)];
-  const unsigned vendor = own_vendor.value_or(model.vendor);
-  const auto length = static_cast<unsigned>(9 + from_hex(model.body).size());
-  return from_hex(
-      format("12010002%02x000008 %02x%02x %02x%02x 0001 010203 01", model.device_class,
-             vendor & 0xff, vendor >> 8, model.product & 0xff, model.product >> 8)
-      + format("0902 %02x%02x %02x 01 00 80 32", length & 0xff, length >> 8, model.interfaces)
-      + model.body);
-}
-
 EmulatedBoard::EmulatedBoard(EmulatedUsb &usb, BoardDescription description,
                              std::shared_ptr<Firmware> firmware)
     : usb_(usb), description_(std::move(description)), firmware_(std::move(firmware)),
-      packet_(description_.transport == Transport::ch340 ? 32 : 64),
-      status_bytes_(description_.transport == Transport::ftdi ? 2 : 0),
-      payload_(packet_ - status_bytes_), wire_(&EmulatedBoard::run_wire, this)
+      for_host_(description_.transport), chip_(description_.chip, description_.baud),
+      wire_(&EmulatedBoard::run_wire, this)
 {
   plug();
 }
@@ -117,48 +38,18 @@ EmulatedBoard::plug()
   const std::lock_guard lock(mutex_);
   const int bus = std::atoi(description_.port.c_str());
   const int address = usb_.next_address();
-  const std::string node = format("/dev/bus/usb/%03d/%03d", bus, address);
   syspath_ = format("/devices/usb%d/%s", bus, description_.port.c_str());
   // Before the device is announced.
   UsbfsNode::Device &self = *this;
-  nodes_.emplace_back(usb_, node, mutex_, self);
+  nodes_.emplace_back(usb_, usb_node(bus, address), mutex_, self);
 
   plugged_ = true;
   dtr_ = false;
-  const Bytes descriptors
-      = description_.descriptors.empty()
-            ? EmulatedBoard::descriptors(description_.transport, description_.vendor)
-            : description_.descriptors;
-  const std::string device
-      = "P: " + syspath_ + "\n"
-        + format("E: DEVNAME=%s\nE: SUBSYSTEM=usb\nE: DEVTYPE=usb_device\nE: BUSNUM=%03d\nE: "
-                 "DEVNUM=%03d\n",
-                 node.c_str(), bus, address)
-        + format("A: busnum=%d\\n\nA: devnum=%d\\n\nA: speed=12\\n\nA: bConfigurationValue=1\\n\n",
-                 bus, address)
-        + "H: serial=" + hex(description_.serial + "\n")
-        + "\nH: product=" + hex(description_.product + "\n") + "\nH: manufacturer="
-        + hex(description_.manufacturer + "\n") + "\nH: descriptors=" + hex(descriptors) + "\n";
+  const std::string device = umockdev_entry(description_, syspath_, bus, address);
   GError *error = nullptr;
   if (!umockdev_testbed_add_from_string(usb_.testbed(), device.c_str(), &error))
     throw std::runtime_error(error->message);
-  bind(0, true);
-}
-
-/// As in sysfs: an interface has a driver, or it has none.
-void
-EmulatedBoard::bind(int interface, bool has_driver)
-{
-  namespace fs = std::filesystem;
-  const std::string name = format("%s:1.%d", description_.port.c_str(), interface);
-  const fs::path folder = usb_.path("/sys" + syspath_ + "/" + name);
-  fs::create_directories(folder);
-  fs::remove(folder / "driver");
-  if (has_driver)
-    fs::create_directory_symlink("/sys/bus/usb/drivers/serial", folder / "driver");
-  const fs::path link = usb_.path("/sys/bus/usb/devices/" + name);
-  fs::remove(link);
-  fs::create_directory_symlink(folder, link);
+  usb_.bind(syspath_, 0, true);
 }
 
 void
@@ -176,13 +67,13 @@ EmulatedBoard::unplug()
       nodes_.back().done(pending->front(), -ESHUTDOWN, 0);
   nodes_.back().unplug();
   for_host_.clear();
-  in_chip_.clear(); // no power
+  chip_.lose_power();
   changed_.notify_all();
 }
 
 // ---- what came
 
-std::vector<EmulatedBoard::Received>
+std::vector<Received>
 EmulatedBoard::received() const
 {
   const std::lock_guard lock(mutex_);
@@ -232,12 +123,6 @@ EmulatedBoard::wait_for_ignored_request() const
   return wait_until([this] { return !requests_.empty(); });
 }
 
-std::size_t
-EmulatedBoard::hosts() const
-{
-  return hosts_.size();
-}
-
 int
 EmulatedBoard::most_writes_pending() const
 {
@@ -249,7 +134,7 @@ std::size_t
 EmulatedBoard::cut_off() const
 {
   const std::lock_guard lock(mutex_);
-  return cut_off_;
+  return chip_.cut_off();
 }
 
 void
@@ -285,8 +170,11 @@ void
 EmulatedBoard::break_one(const Urb &urb, std::size_t taken)
 {
   failures_ -= failures_ < kAll ? 1 : 0;
-  for (const std::uint8_t byte : urb.bytes().first(taken))
-    to_firmware(byte, Clock::now());
+  if (description_.chip > 0)
+    chip_.take(urb.bytes().first(taken), Clock::now());
+  else
+    for (const std::uint8_t byte : urb.bytes().first(taken))
+      to_firmware(byte, Clock::now());
   nodes_.back().done(urb, -failure_, taken);
 }
 
@@ -324,7 +212,7 @@ void
 EmulatedBoard::send(std::span<const std::uint8_t> bytes)
 {
   const std::lock_guard lock(mutex_);
-  queue_for_host(bytes);
+  for_host_.add(bytes);
   feed_reads();
 }
 
@@ -332,7 +220,7 @@ void
 EmulatedBoard::send_packet(const Bytes &packet)
 {
   const std::lock_guard lock(mutex_);
-  for_host_.push_back(packet);
+  for_host_.add_packet(packet);
   feed_reads();
 }
 
@@ -340,7 +228,7 @@ void
 EmulatedBoard::fill_packets(std::size_t payload)
 {
   const std::lock_guard lock(mutex_);
-  payload_ = payload;
+  for_host_.fill(payload);
 }
 
 void
@@ -356,35 +244,14 @@ EmulatedBoard::say(Bytes reply)
   if (garble_)
     garble_(reply);
   if (!reply.empty())
-    queue_for_host(reply);
-}
-
-/// Cuts into what one transfer of the host can take: whole packets, the last one of any length.
-void
-EmulatedBoard::queue_for_host(std::span<const std::uint8_t> bytes)
-{
-  do {
-    Bytes transfer;
-    for (bool full = true; full && transfer.size() + packet_ <= kLongestRead;) {
-      const std::size_t payload = std::min(bytes.size(), payload_);
-      if (payload == 0 && !transfer.empty())
-        break;
-      if (status_bytes_ > 0)
-        transfer.insert(transfer.end(), kStatus.begin(), kStatus.end());
-      transfer.insert(transfer.end(), bytes.begin(), bytes.begin() + payload);
-      bytes = bytes.subspan(payload);
-      full = payload == packet_ - status_bytes_;
-    }
-    for_host_.push_back(std::move(transfer));
-  } while (!bytes.empty());
+    for_host_.add(reply);
 }
 
 void
 EmulatedBoard::feed_reads()
 {
   while (!reads_.empty() && !for_host_.empty()) {
-    const Bytes bytes = std::move(for_host_.front());
-    for_host_.pop_front();
+    const Bytes bytes = for_host_.take();
     const Urb urb = reads_.front();
     reads_.pop_front();
     const std::size_t size = std::min(bytes.size(), urb.bytes().size());
@@ -401,26 +268,18 @@ EmulatedBoard::claim(const void *host, int interface)
   if (busy_)
     return false;
   hosts_.insert(host);
-  bind(interface, false);
+  usb_.bind(syspath_, interface, false);
   conversation_.push_back(format("claim %d", interface));
   return true;
 }
 
-void
-EmulatedBoard::release(int interface)
-{
-  conversation_.push_back(format("release %d", interface));
-}
-
-/// The kernel's driver takes it, sets 9600 baud 1.34 ms later (cdc_acm; ch341 1.8), and the chip switches its serial line off and on: what it
-/// has not let out by then arrives garbled, here not at all.
+/// The kernel's driver takes it and soon sets 9600 baud, for which the chip switches its serial line off and on.
 void
 EmulatedBoard::give_back(int interface)
 {
   conversation_.push_back(format("return %d", interface));
-  bind(interface, true);
-  const Clock::time_point off = Clock::now() + kKernelOpens;
-  cut_off_ += std::erase_if(in_chip_, [off](const Received &one) { return one.time > off; });
+  usb_.bind(syspath_, interface, true);
+  chip_.switch_line(Clock::now() + kernel_opens(description_));
 }
 
 void
@@ -463,12 +322,6 @@ EmulatedBoard::host_left(const void *host)
       g_object_unref(urb.urb);
       return true;
     });
-}
-
-void
-EmulatedBoard::changed()
-{
-  changed_.notify_all();
 }
 
 void
@@ -515,8 +368,9 @@ EmulatedBoard::run_wire()
   while (!stop_) {
     let_out();
     std::optional<Clock::time_point> next = firmware_ ? firmware_->next() : std::nullopt;
-    if (!in_chip_.empty())
-      next = std::min(next.value_or(in_chip_.front().time), in_chip_.front().time);
+    const std::optional<Clock::time_point> leaves = chip_.next();
+    if (leaves)
+      next = std::min(next.value_or(*leaves), *leaves);
     if (take_into_chip()) {
       changed_.notify_all();
     } else if (description_.chip == 0 && !stalled_ && !writes_.empty()) {
@@ -525,7 +379,7 @@ EmulatedBoard::run_wire()
       changed_.wait(lock);
     } else if (Clock::now() < *next) {
       changed_.wait_until(lock, *next);
-    } else if (in_chip_.empty() || *next < in_chip_.front().time) {
+    } else if (!leaves || *next < *leaves) {
       firmware_->pass(*next);
       changed_.notify_all();
     }
@@ -536,14 +390,9 @@ EmulatedBoard::run_wire()
 bool
 EmulatedBoard::take_into_chip()
 {
-  if (stalled_ || writes_.empty()
-      || in_chip_.size() + writes_.front().bytes().size() > description_.chip)
+  if (stalled_ || writes_.empty() || !chip_.has_room_for(writes_.front().bytes().size()))
     return false;
-  const auto byte_time = std::chrono::duration_cast<Clock::duration>(
-      std::chrono::duration<double>(kBitsPerByte / description_.baud));
-  wire_free_ = std::max(Clock::now(), wire_free_);
-  for (const std::uint8_t byte : writes_.front().bytes())
-    in_chip_.push_back({ wire_free_ += byte_time, byte });
+  chip_.take(writes_.front().bytes(), Clock::now());
   const Urb whole = writes_.front();
   writes_.pop_front();
   nodes_.back().done(whole, 0, whole.bytes().size());
@@ -554,8 +403,8 @@ EmulatedBoard::take_into_chip()
 void
 EmulatedBoard::let_out()
 {
-  for (; !in_chip_.empty() && in_chip_.front().time <= Clock::now(); in_chip_.pop_front()) {
-    to_firmware(in_chip_.front().byte, in_chip_.front().time);
+  while (const std::optional<Received> one = chip_.let_out(Clock::now())) {
+    to_firmware(one->byte, one->time);
     feed_reads();
     changed_.notify_all();
   }
@@ -567,8 +416,7 @@ EmulatedBoard::carry(std::unique_lock<std::mutex> &lock)
 {
   const UMockdevIoctlData *const urb = writes_.front().urb;
   const Bytes bytes(writes_.front().bytes().begin(), writes_.front().bytes().end());
-  const auto byte_time = std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(
-      description_.baud > 0 ? kBitsPerByte / description_.baud : 0.0));
+  const Clock::duration byte_time = chip_.byte_time();
   const Clock::time_point begin = std::max(Clock::now(), wire_free_);
   const Clock::time_point end = begin + byte_time * bytes.size();
   const auto gone = [&] {

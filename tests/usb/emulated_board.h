@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include "board_description.h"
 #include "emulated_usb.h"
 #include "firmware.h"
+#include "packets.h"
+#include "serial_chip.h"
 
 #include <cerrno>
 #include <condition_variable>
-#include <deque>
 #include <functional>
 #include <limits>
 #include <list>
@@ -24,30 +26,6 @@ namespace usb_test {
 /// How long something that must come may take, in a test that would otherwise hang. Nothing is ever waited for that shall not come.
 constexpr auto kPatience = std::chrono::seconds(20);
 
-enum class Transport
-{
-  cdc_acm,
-  ftdi,
-  ch340,
-};
-
-constexpr Transport kTransports[] = { Transport::cdc_acm, Transport::ftdi, Transport::ch340 };
-
-struct BoardDescription
-{
-  Transport transport = Transport::cdc_acm;
-  std::string port = "1-1"; ///< where it is plugged in
-  std::string serial = "75833353035351F0C0A1";
-  std::string manufacturer = "Arduino (www.arduino.cc)";
-  std::string product = "Mega 2560";
-  std::optional<std::uint16_t> vendor{};
-  Bytes descriptors{}; ///< instead of the transport's
-  double baud = 0;     ///< of the emulated wire from host to board; 0: no time passes on it
-  /// Bytes that the USB chip takes at once and lets out as the wire goes (an ATmega16U2 as on a Mega: 128); 0: a transfer is done when its
-  /// last byte has left. What a chip still holds when the kernel's driver has the board back is lost: see give_back().
-  std::size_t chip = 0;
-};
-
 /// A USB board: descriptors, control requests, bulk endpoints and a wire of some speed to the firmware behind it. All public methods may be
 /// called by any thread.
 class EmulatedBoard : private UsbfsNode::Device
@@ -62,14 +40,7 @@ public:
   void plug();
   void unplug();
 
-  static Bytes descriptors(Transport transport, std::optional<std::uint16_t> vendor = {});
-
   // ---- what came
-  struct Received
-  {
-    Clock::time_point time; ///< its stop bit's end on the wire
-    std::uint8_t byte = 0;
-  };
   std::vector<Received> received() const;
   Bytes bytes() const;
   /// False if there were not as many within kPatience.
@@ -80,8 +51,16 @@ public:
   std::vector<std::string> conversation() const;
   int transfers_pending() const;
   /// That have claimed the board and not closed it. With the lock held: in wait_until() and with_firmware().
-  std::size_t hosts() const;
+  std::size_t hosts() const
+  {
+    return hosts_.size();
+  }
   int most_writes_pending() const;
+  /// Bytes that the chip has taken and not let out. With the lock held, as hosts().
+  std::size_t in_chip() const
+  {
+    return chip_.held();
+  }
   /// Bytes that the chip had taken and that never came to the firmware.
   std::size_t cut_off() const;
   /// Runs while the firmware stands still.
@@ -110,16 +89,20 @@ public:
 private:
   // With the lock held.
   bool claim(const void *host, int interface) override;
-  void release(int interface) override;
+  void release(int interface) override
+  {
+    conversation_.push_back("release " + std::to_string(interface));
+  }
   void give_back(int interface) override;
   void submit(const Urb &urb) override;
   std::optional<Urb> cancel(const void *host, gulong address) override;
   void host_left(const void *host) override;
-  void changed() override;
-  void bind(int interface, bool has_driver);
+  void changed() override
+  {
+    changed_.notify_all();
+  }
   void control(const Urb &urb);
   void feed_reads();
-  void queue_for_host(std::span<const std::uint8_t> bytes);
   void say(Bytes reply);
   void to_firmware(std::uint8_t byte, Clock::time_point time);
   void break_one(const Urb &urb, std::size_t taken = 0);
@@ -132,8 +115,6 @@ private:
   EmulatedUsb &usb_;
   const BoardDescription description_;
   const std::shared_ptr<Firmware> firmware_;
-  const std::size_t packet_;       ///< bytes, of the bulk endpoints
-  const std::size_t status_bytes_; ///< that begin each packet to the host
 
   mutable std::mutex mutex_;
   mutable std::condition_variable changed_;
@@ -146,15 +127,13 @@ private:
   std::list<Urb> reads_;
   std::list<Urb> writes_;
   std::list<Urb> requests_; ///< that are not being answered
-  std::deque<Bytes> for_host_;
-  Clock::time_point wire_free_{};
-  std::deque<Received> in_chip_; ///< with the time at which each will have left
-  std::size_t cut_off_ = 0;
+  Packets for_host_;
+  SerialChip chip_;
+  Clock::time_point wire_free_{}; ///< without a chip that holds bytes
   std::vector<Received> received_;
   std::vector<std::string> conversation_;
   int most_writes_pending_ = 0;
 
-  std::size_t payload_; ///< of a packet to the host
   std::function<void(Bytes &)> garble_;
   bool stalled_ = false;
   int failures_ = 0;

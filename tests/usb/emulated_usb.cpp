@@ -94,6 +94,22 @@ EmulatedUsb::next_address()
 }
 
 void
+EmulatedUsb::bind(const std::string &syspath, int interface, bool has_driver)
+{
+  namespace fs = std::filesystem;
+  const std::string name
+      = fs::path(syspath).filename().string() + ":1." + std::to_string(interface);
+  const fs::path folder = path("/sys" + syspath + "/" + name);
+  fs::create_directories(folder);
+  fs::remove(folder / "driver");
+  if (has_driver)
+    fs::create_directory_symlink("/sys/bus/usb/drivers/serial", folder / "driver");
+  const fs::path link = path("/sys/bus/usb/devices/" + name);
+  fs::remove(link);
+  fs::create_directory_symlink(folder, link);
+}
+
+void
 EmulatedUsb::stop_udev()
 {
   for (const auto &entry : std::filesystem::directory_iterator(path("/")))

@@ -32,6 +32,9 @@ public:
   path(const std::string &path) const; ///< where a path of the emulated machine really is
   int next_address();
 
+  /// As in sysfs: an interface of a device has a driver of the kernel's, or it has none.
+  void bind(const std::string &syspath, int interface, bool has_driver);
+
   /// udevd falls silent: nobody who listens now hears of what is plugged in or out.
   void stop_udev();
 

@@ -82,7 +82,7 @@ GST_START_TEST(test_descriptors_that_lie)
   EmulatedUsb usb;
   for (int i = 0; i < 90; i++) {
     const Transport transport = kTransports[i % 3];
-    Bytes descriptors = EmulatedBoard::descriptors(transport);
+    Bytes descriptors = usb_descriptors(transport);
     if (i < 60) {
       for (int flip = 0; flip < 1 + i / 10; flip++)
         descriptors[18 + random() % (descriptors.size() - 18)]
@@ -95,9 +95,9 @@ GST_START_TEST(test_descriptors_that_lie)
       fail_unless_equals_string(device.bus_path.c_str(), "1-1");
   }
   // Of these, no byte could be carried: no endpoints; packets of 0 bytes.
-  Bytes no_endpoints = EmulatedBoard::descriptors(Transport::ftdi);
+  Bytes no_endpoints = usb_descriptors(Transport::ftdi);
   no_endpoints[18 + 9 + 4] = 0;
-  Bytes no_packets = EmulatedBoard::descriptors(Transport::ch340);
+  Bytes no_packets = usb_descriptors(Transport::ch340);
   no_packets[18 + 9 + 9 + 4] = 0;
   for (const Bytes &descriptors : { no_endpoints, no_packets }) {
     EmulatedBoard board(
@@ -111,7 +111,7 @@ GST_END_TEST;
 /// FT2232: two lines, of which the first one is called 1.
 GST_START_TEST(test_chip_with_two_lines)
 {
-  Bytes descriptors = EmulatedBoard::descriptors(Transport::ftdi);
+  Bytes descriptors = usb_descriptors(Transport::ftdi);
   descriptors[10] = 0x10;
   descriptors[11] = 0x60;
   const Bytes second{ 9, 4,  1, 0, 2, 255, 255,  255, 2,  7, 5, 0x83,
