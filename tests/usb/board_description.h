@@ -32,6 +32,7 @@ struct BoardDescription
   /// Bytes that the USB chip takes at once and lets out as the wire goes (an ATmega16U2 as on a Mega: 128); 0: a transfer is done when its
   /// last byte has left. What a chip still holds when the kernel's driver has set its baud rate is lost.
   std::size_t chip = 0;
+  std::chrono::microseconds chip_time{ 0 }; ///< that it needs to begin with one
   /// From when the kernel's driver has the board back to when it sets its baud rate; none: as measured of the transport's driver.
   std::optional<std::chrono::microseconds> kernel_opens{};
 };

@@ -14,7 +14,8 @@ namespace usb_test {
 EmulatedBoard::EmulatedBoard(EmulatedUsb &usb, BoardDescription description,
                              std::shared_ptr<Firmware> firmware)
     : usb_(usb), description_(std::move(description)), firmware_(std::move(firmware)),
-      for_host_(description_.transport), chip_(description_.chip, description_.baud),
+      for_host_(description_.transport),
+      chip_(description_.chip, description_.baud, description_.chip_time),
       wire_(&EmulatedBoard::run_wire, this)
 {
   plug();

@@ -6,10 +6,12 @@
 #include "tactor/firmata_driver.h"
 #include "tactor/usb/usb_serial_bus.h"
 
+#include <algorithm>
 #include <cmath>
 #include <memory>
 #include <random>
 #include <string>
+#include <thread>
 
 #include "tests/check/unwrap.h"
 #include <gst/check/gstcheck.h>
@@ -179,6 +181,133 @@ GST_START_TEST(test_motors_stand_when_released)
 }
 GST_END_TEST;
 
+namespace {
+
+constexpr std::uint8_t kReset = 0xff;
+
+/// A board whose motors are on, as a host that was killed left them, behind a slow chip and before a kernel that takes no time: the emulated
+/// one takes longer to get a board back than the few bytes of a question need.
+struct LeftOn
+{
+  explicit LeftOn(Transport transport, const Layout &layout = kMega)
+      : firmware(std::make_shared<Firmware>(layout)), board(usb,
+                                                            { .transport = transport,
+                                                              .baud = 57600,
+                                                              .chip = 128,
+                                                              .chip_time = 1900us,
+                                                              .kernel_opens = 0us },
+                                                            firmware)
+  {
+    FirmataDriver before(FirmataDriver::Firmware::any, make_bus);
+    unwrap(before.open({})); // which resets the board
+    before.close();
+    board.with_firmware([&] {
+      for (const int pin : layout.pwm) {
+        for (const int byte : { 0xf4, pin, 3, 0xf0, 0x6f, pin, 0x7f, 1, 0xf7 })
+          firmware->receive(static_cast<std::uint8_t>(byte), Clock::now());
+        fail_unless_equals_int(firmware->duty(pin), 255);
+      }
+    });
+    told_before = board.bytes().size();
+  }
+
+  static std::unique_ptr<tactor::SerialBus> make_bus()
+  {
+    return std::make_unique<tactor::UsbSerialBus>();
+  }
+
+  /// The kernel's driver has it, and what the chip was given came to the firmware.
+  bool was_released_whole() const
+  {
+    return board.conversation().back() == "return 0" && board.cut_off() == 0
+           && board.wait_until([this] { return board.in_chip() == 0; });
+  }
+  bool was_reset() const
+  {
+    const Bytes told = board.bytes();
+    return std::find(told.begin() + static_cast<std::ptrdiff_t>(told_before), told.end(), kReset)
+           != told.end();
+  }
+  bool motors_stand() const
+  {
+    bool stand = false;
+    board.with_firmware([&] { stand = !firmware->any_motor_on(); });
+    return stand;
+  }
+
+  EmulatedUsb usb;
+  std::shared_ptr<Firmware> firmware;
+  EmulatedBoard board;
+  std::size_t told_before = 0;
+};
+
+bool
+is_version(const Bytes &reply)
+{
+  return !reply.empty() && reply[0] == 0xf9;
+}
+
+} // namespace
+
+/// Too few pins, or no watchdog: the board is not taken, and released as one that played.
+GST_START_TEST(test_refused_boards_stand_when_released)
+{
+  for (const Transport transport : kTransports)
+    for (const bool has_too_few : { true, false })
+      for (const bool is_heard : { true, false }) {
+        LeftOn left(transport, has_too_few ? kUno : kMega);
+        if (!is_heard)
+          left.board.garble([](Bytes &reply) {
+            if (is_version(reply)) // which its last word is
+              reply.clear();
+          });
+        FirmataDriver driver(has_too_few ? FirmataDriver::Firmware::any
+                                         : FirmataDriver::Firmware::with_watchdog,
+                             LeftOn::make_bus);
+        const auto refusal = refusal_of(driver.open({ .min_tactors = has_too_few ? 9 : 1 }));
+        fail_unless(refusal.kind == DriverError::Kind::settings, "%s", refusal.text.c_str());
+        fail_unless(left.was_released_whole());
+        const Bytes told = left.board.bytes();
+        fail_unless(told[told.size() - 2] == kReset && is_version({ told.back() }));
+        fail_unless(left.motors_stand());
+      }
+}
+GST_END_TEST;
+
+/// An opening is interrupted, or the line breaks, as soon as the board's chip was given bytes: the question for its firmware, of which nothing
+/// is known, or the reset. Again and again: the emulated kernel is not always quick enough to cut them off.
+GST_START_TEST(test_interrupted_opening_cuts_nothing_off)
+{
+  for (const Transport transport : kTransports)
+    for (const bool is_known : { false, true })
+      for (const bool breaks : { false, true }) {
+        LeftOn left(transport);
+        bool has_answered = false;
+        left.board.garble([&](Bytes &reply) {
+          has_answered = is_known && !is_version(reply);
+          if (!is_known)
+            reply.clear();
+        });
+        for (int i = 0; i < 8; i++) {
+          has_answered = false;
+          FirmataDriver driver(FirmataDriver::Firmware::any, LeftOn::make_bus);
+          std::thread opening([&] { refusal_of(driver.open({})); });
+          fail_unless(left.board.wait_until(
+              [&] { return left.board.in_chip() > 0 && has_answered == is_known; }));
+          if (breaks)
+            left.board.break_transfers(EmulatedBoard::kAll);
+          else
+            driver.close();
+          opening.join();
+          left.board.break_transfers(0);
+          fail_unless(left.was_released_whole());
+          fail_unless(left.was_reset() == is_known);
+          fail_unless(left.motors_stand() == is_known);
+        }
+      }
+}
+GST_END_TEST;
+
 static Suite *
 firmata_usb_suite(void)
 {
@@ -191,6 +320,8 @@ firmata_usb_suite(void)
   tcase_add_test(tests, test_replies_always_cut_short);
   tcase_add_test(tests, test_noise_while_playing);
   tcase_add_test(tests, test_motors_stand_when_released);
+  tcase_add_test(tests, test_refused_boards_stand_when_released);
+  tcase_add_test(tests, test_interrupted_opening_cuts_nothing_off);
   return suite;
 }
 

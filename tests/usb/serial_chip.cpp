@@ -11,16 +11,17 @@ constexpr int kBitsPerByte = 10; // 8N1
 
 } // namespace
 
-SerialChip::SerialChip(std::size_t room, double baud)
+SerialChip::SerialChip(std::size_t room, double baud, std::chrono::microseconds latency)
     : room_(room), byte_time_(std::chrono::duration_cast<Clock::duration>(
-                       std::chrono::duration<double>(baud > 0 ? kBitsPerByte / baud : 0.0)))
+                       std::chrono::duration<double>(baud > 0 ? kBitsPerByte / baud : 0.0))),
+      latency_(latency)
 {
 }
 
 void
 SerialChip::take(std::span<const std::uint8_t> bytes, Clock::time_point now)
 {
-  line_free_ = std::max(now, line_free_);
+  line_free_ = std::max(now + latency_, line_free_);
   for (const std::uint8_t byte : bytes)
     held_.push_back({ line_free_ += byte_time_, byte });
 }

@@ -22,8 +22,8 @@ struct Received
 class SerialChip
 {
 public:
-  /// A line of 0 baud takes no time.
-  SerialChip(std::size_t room, double baud);
+  /// `latency` from when a byte is taken to when the line begins with it. A line of 0 baud takes no time.
+  SerialChip(std::size_t room, double baud, std::chrono::microseconds latency);
 
   bool has_room_for(std::size_t bytes) const
   {
@@ -61,6 +61,7 @@ public:
 private:
   const std::size_t room_;
   const Clock::duration byte_time_;
+  const Clock::duration latency_;
   std::deque<Received> held_;
   Clock::time_point line_free_{};
   std::size_t cut_off_ = 0;
