@@ -25,7 +25,7 @@ struct Chair
 {
   explicit Chair(bool seat = false, Transport transport = Transport::cdc_acm)
       : firmware(std::make_shared<Firmware>(kMega, seat)),
-        board(usb, { .transport = transport, .baud = 57600 }, firmware)
+        board(usb, { .transport = transport, .baud = 57600, .chip = 128 }, firmware)
   {
   }
 
@@ -86,6 +86,31 @@ GST_START_TEST(test_terminated)
     fail_unless(chair.was_told_to_stand());
     fail_unless(chair.wait_for_hosts_end());
     fail_unless(chair.board.conversation().back() == "return 0");
+  }
+}
+GST_END_TEST;
+
+/// SIGTERM while a board is asked what it is, and does not say: it is told to stand, and the kernel's driver has it back.
+GST_START_TEST(test_terminated_while_opening)
+{
+  for (const Transport transport : kTransports) {
+    Chair chair(false, transport);
+    bool is_asked = false;
+    chair.board.garble([&](Bytes &reply) {
+      constexpr std::uint8_t kCapabilities = 0x6c;
+      if (reply.size() > 1 && reply[1] == kCapabilities) {
+        is_asked = true;
+        reply.clear();
+      }
+    });
+    Launch launch;
+    fail_unless(chair.board.wait_until([&] { return is_asked; }));
+    const int status = launch.end(SIGTERM);
+    fail_unless(WIFSIGNALED(status) && WTERMSIG(status) == SIGTERM);
+    fail_unless(chair.wait_for_hosts_end());
+    fail_unless(chair.board.conversation().back() == "return 0");
+    fail_unless_equals_int(chair.board.cut_off(), 0);
+    fail_unless(chair.was_told_to_stand());
   }
 }
 GST_END_TEST;
@@ -179,6 +204,7 @@ gst_launch_suite(void)
   suite_add_tcase(suite, tests);
   tcase_add_test(tests, test_interrupted);
   tcase_add_test(tests, test_terminated);
+  tcase_add_test(tests, test_terminated_while_opening);
   tcase_add_test(tests, test_killed);
   tcase_add_test(tests, test_killed_and_released);
   tcase_add_test(tests, test_killed_with_watchdog);

@@ -18,7 +18,7 @@ namespace {
 struct Mega
 {
   explicit Mega(Transport transport = Transport::cdc_acm)
-      : board(usb, { .transport = transport, .baud = 57600 }, firmware)
+      : board(usb, { .transport = transport, .baud = 57600, .chip = 128 }, firmware)
   {
   }
 
@@ -190,6 +190,24 @@ GST_START_TEST(test_stopped_while_the_board_is_silent)
 }
 GST_END_TEST;
 
+/// What is refused after the board was opened: it is released as one that played.
+GST_START_TEST(test_refused_with_an_open_board)
+{
+  for (const Transport transport : kTransports) {
+    Mega mega(transport);
+    Film film(1, "trace-location=/nowhere/trace.csv");
+    film.play();
+    fail_if(film.wait_for(GST_MESSAGE_EOS));
+    fail_unless(film.errors.at(0).find("/nowhere/trace.csv") != std::string::npos);
+    film.stop();
+    const Bytes told = mega.board.bytes();
+    fail_unless(told.size() > 2 && told[told.size() - 2] == 0xff && told.back() == 0xf9);
+    fail_unless(mega.board.conversation().back() == "return 0");
+    fail_unless_equals_int(mega.board.cut_off(), 0);
+  }
+}
+GST_END_TEST;
+
 static Suite *
 tactorsink_usb_suite(void)
 {
@@ -204,6 +222,7 @@ tactorsink_usb_suite(void)
   tcase_add_test(tests, test_stalled);
   tcase_add_test(tests, test_boards_that_cannot_be_used);
   tcase_add_test(tests, test_stopped_while_the_board_is_silent);
+  tcase_add_test(tests, test_refused_with_an_open_board);
   return suite;
 }
 
