@@ -8,6 +8,8 @@ down to the diode's drop below zero at most, and ends; from then on the terminal
 
 Printed are the steady volts that would turn the motor as fast: the table of docs/hardware/README.md. With --check the simulation is
 compared with what can be said in closed form, and the page with the simulation.
+
+Usage: motor_pwm.py [--check PAGE]
 """
 import math
 import sys
@@ -73,7 +75,13 @@ def steady_volts(level, hertz, coil):
     return slow + RESISTANCE * (FRICTION + DRAG * slow) if slow > 0 else 0.0
 
 
-def check():
+def row(level):
+    """Of the page's table."""
+    volts = ("{:.2f}, {:.2f} V".format(*(steady_volts(level, hertz, coil) for coil in (10e-6, 40e-6))) for hertz in (STOCK, TIMER_0, SEAT))
+    return f"| {level:.2f} V | " + " | ".join(volts) + " |"
+
+
+def check(page):
     for hertz in (STOCK, SEAT):
         for duty in (1 / 6, 0.5, 0.9):
             for own in (0.1, 1.0):
@@ -86,13 +94,15 @@ def check():
             assert abs(steady_volts(level, SEAT, coil) - level) < 0.08, (level, coil)
     assert steady_volts(1.5, STOCK, 10e-6) - 1.5 > 0.2
     assert steady_volts(0.75, STOCK, 10e-6) - 0.75 > 0.1
-
-
-if sys.argv[1:] == ["--check"]:
-    check()
-else:
-    print("volts by formula, then those that a motor with a coil of 10 and one of 40 us makes of it")
-    print("      " + "".join(f"{hertz / 1000:14.2f} kHz" for hertz in (STOCK, TIMER_0, SEAT)))
+    with open(page, encoding="utf-8") as file:
+        lines = file.read().splitlines()
     for level in LEVELS:
-        print(f"{level:4.2f} V" + "".join(
-            f"{steady_volts(level, hertz, 10e-6):10.2f}, {steady_volts(level, hertz, 40e-6):4.2f} V" for hertz in (STOCK, TIMER_0, SEAT)))
+        assert row(level) in lines, f"{page} does not have {row(level)}"
+
+
+if sys.argv[1:2] == ["--check"]:
+    check(sys.argv[2])
+else:
+    print("| by the formula | " + " | ".join(f"{hertz / 1000:.2f} kHz" for hertz in (STOCK, TIMER_0, SEAT)) + " |")
+    for level in LEVELS:
+        print(row(level))
