@@ -70,9 +70,9 @@ constexpr std::uint64_t kSubtitles = 0x11;
 /// FlagDefault with one byte of value, 0.
 constexpr std::uint8_t kNotDefault[] = { 0x88, 0x81, 0x00 };
 
-/// The first element. One of unknown size goes to the end.
+/// The first element; one of unknown size, which a Segment may have and nothing in Tracks, only where `may_be_open`: it goes to the end.
 std::optional<Part>
-read(Bytes bytes)
+read_element(Bytes bytes, bool may_be_open)
 {
   if (bytes.empty())
     return std::nullopt;
@@ -86,11 +86,35 @@ read(Bytes bytes)
   const std::uint64_t most = (std::uint64_t{ 1 } << 7 * size_width) - 1; // says: unknown
   const std::uint64_t size = big_endian(bytes.subspan(id_width, size_width)) & most;
   const Bytes rest = bytes.subspan(header);
-  if (size != most && size > rest.size())
+  if (size == most ? !may_be_open : size > rest.size())
     return std::nullopt;
   return Part{ .id = big_endian(bytes.first(id_width)),
                .header = bytes.first(header),
                .body = size == most ? rest : rest.first(static_cast<std::size_t>(size)) };
+}
+
+std::optional<Part>
+read(Bytes bytes)
+{
+  return read_element(bytes, false);
+}
+
+std::optional<Part>
+read_open(Bytes bytes)
+{
+  return read_element(bytes, true);
+}
+
+/// Whether it is elements to its end: behind anything else nobody would find the flag.
+bool
+is_whole(const Part &track)
+{
+  std::size_t size = 0;
+  for_each_part(track.body, read, [&](const Part &part) {
+    size += part.header.size() + part.body.size();
+    return true;
+  });
+  return size == track.body.size();
 }
 
 bool
@@ -128,7 +152,7 @@ leave_to_choice(const Part &track)
 {
   const std::optional<Part> flag = find_part(track.body, read, kFlagDefault);
   if (!flag)
-    return append_flag(track);
+    return is_whole(track) && append_flag(track);
   std::ranges::fill(flag->body, 0);
   return !flag->body.empty(); // an empty one means the default, which is 1
 }
@@ -136,7 +160,7 @@ leave_to_choice(const Part &track)
 std::size_t
 leave_to_choice(Bytes file)
 {
-  const std::optional<Part> segment = find_part(file, read, kSegment);
+  const std::optional<Part> segment = find_part(file, read_open, kSegment);
   const std::optional<Part> tracks
       = segment ? find_part(segment->body, read, kTracks) : std::nullopt;
   std::size_t count = 0;

@@ -14,7 +14,7 @@ namespace tactile {
 /// - MP4 (ISO/IEC 14496-12): track_enabled is taken from the flags of tkhd.
 ///
 /// So no byte outside of these tracks changes or moves. `file` is the whole file. Returns how many tracks are marked so now: none
-/// in files of another kind, in such that break off before their tracks, and where a TrackEntry has no room.
+/// in files of another kind, in such that break off before their tracks, and where a TrackEntry has no room or is not whole.
 std::size_t leave_to_choice(std::span<std::uint8_t> file);
 
 } // namespace tactile

@@ -127,6 +127,21 @@ GST_START_TEST(test_matroska_of_others)
 }
 GST_END_TEST;
 
+// What is no TrackEntry that a reader could go through to its end is left as it is: there would be no finding the flag.
+GST_START_TEST(test_matroska_of_nobody)
+{
+  const std::string open = "\x01\xff\xff\xff\xff\xff\xff\xff"s; // of unknown size
+  for (const std::string &entry :
+       { element(kEntry, kFelt + "\0"s), element(kEntry, kFelt + "\xd7\x85"s),
+         element(kEntry, kFelt + "\xd7"s + open), kEntry + open + kFelt }) {
+    const std::string given = matroska(entry);
+    std::string file = given;
+    fail_unless_equals_uint64(mark(file), 0);
+    fail_unless(file == given);
+  }
+}
+GST_END_TEST;
+
 GST_START_TEST(test_mp4)
 {
   const std::string others = trak(7, false, "zxx", "vide") + trak(7, false, "eng", "sbtl");
@@ -165,6 +180,7 @@ film_file_suite(void)
   suite_add_tcase(suite, tests);
   tcase_add_test(tests, test_matroska);
   tcase_add_test(tests, test_matroska_of_others);
+  tcase_add_test(tests, test_matroska_of_nobody);
   tcase_add_test(tests, test_mp4);
   tcase_add_test(tests, test_damaged);
   return suite;
