@@ -34,6 +34,8 @@ shift 2
 if ! command -v tactile-track >/dev/null; then
   # shellcheck source=../tools/build.sh
   . "$(dirname "$0")/../tools/build.sh"
+  # shellcheck disable=SC2034 # for build_and_use
+  targets=tools/tactile-track
   build_and_use
   PATH=$root/build/tools:$PATH
 fi

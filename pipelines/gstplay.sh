@@ -8,6 +8,7 @@ set -euo pipefail
 film=$(film_uri "${1:-}")
 # shellcheck disable=SC2034 # for build_and_use
 needs=players
+targets=examples/gstplay
 build_and_use
 
 exec "$built/examples/gstplay" "$film" "${@:2}"

@@ -8,6 +8,7 @@ set -euo pipefail
 film=$(film_uri "${1:-}")
 # shellcheck disable=SC2034 # for build_and_use
 needs=players
+targets=lib/gst/tactile/GstTactile-1.0.typelib
 build_and_use
 
 export GI_TYPELIB_PATH="$built/lib/gst/tactile${GI_TYPELIB_PATH:+:$GI_TYPELIB_PATH}"

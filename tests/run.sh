@@ -31,17 +31,17 @@ case ${1:-} in
     directory=$root/build-valgrind
     patience=20
     # valgrind 3.19 does not know all of AVX2 (a vmovq from register to register): the same source for SSE4 is looked at.
-    options+=("-Dcpp_args=-DHWY_DISABLED_TARGETS=(HWY_AVX2|HWY_AVX3|HWY_AVX3_DL)")
+    options+=(-Ddebug=true "-Dcpp_args=-DHWY_DISABLED_TARGETS=(HWY_AVX2|HWY_AVX3|HWY_AVX3_DL)")
     wrapper=(--wrapper "env TEST_CLIPS= valgrind --quiet --error-exitcode=99 --leak-check=full --show-leak-kinds=definite --errors-for-leak-kinds=definite --num-callers=30
       --suppressions=/usr/share/glib-2.0/valgrind/glib.supp --suppressions=$root/tests/sanitizers/valgrind.supp")
     export G_SLICE=always-malloc
     ;;
   --tidy | --cppcheck) analyser=${1#--}; shift; parts+=" analysis" ;;
-  --asan) shift; directory=$root/build-asan; patience=5; options+=("-Db_sanitize=address,undefined" -Db_lundef=false -Dintrospection=disabled) ;;
-  --tsan) shift; directory=$root/build-tsan; patience=5; options+=(-Db_sanitize=thread -Db_lundef=false -Dintrospection=disabled) ;;
+  --asan) shift; directory=$root/build-asan; patience=5; options+=(-Ddebug=true "-Db_sanitize=address,undefined" -Db_lundef=false -Dintrospection=disabled) ;;
+  --tsan) shift; directory=$root/build-tsan; patience=5; options+=(-Ddebug=true -Db_sanitize=thread -Db_lundef=false -Dintrospection=disabled) ;;
 esac
 
-build_project "$directory" "$parts" "${options[@]}"
+build_project "$directory" "$parts" "" "${options[@]}"
 
 # Of this project's own code, what is compiled here.
 if [ -n "$analyser" ]; then

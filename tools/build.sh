@@ -1,14 +1,15 @@
 # shellcheck shell=bash
 # SPDX-License-Identifier: LGPL-2.1-or-later
 # Sourced by pipelines/play.sh and tests/run.sh: sets up and builds this checkout.
-#   build_project DIRECTORY PARTS [meson options]   PARTS: what tools/setup.sh shall install, in one word
-# Quiet unless something goes wrong; VISUOTACTILE_NO_SETUP=1 skips the installation.
+#   build_project DIRECTORY PARTS TARGETS [meson options]   PARTS: what tools/setup.sh shall install; TARGETS: what ninja shall build, all if
+#   empty; each in one word
+# Shows progress on a terminal, else nothing unless something goes wrong; VISUOTACTILE_NO_SETUP=1 skips the installation.
 
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 
 build_project() {
-  local directory=$1 parts=$2 log
-  shift 2
+  local directory=$1 parts=$2 targets=$3 log
+  shift 3
   if [ -z "${VISUOTACTILE_NO_SETUP:-}" ]; then
     # shellcheck disable=SC2086 # PARTS is a list of words
     "$root/tools/setup.sh" $parts || return 1
@@ -22,19 +23,26 @@ build_project() {
   elif [ $# -gt 0 ]; then
     meson configure "$directory" "$@" >"$log" 2>&1 || { cat "$log" >&2; rm -f "$log"; return 1; }
   fi
-  if ! ninja -C "$directory" -n 2>/dev/null | grep -q 'no work to do'; then
+  # shellcheck disable=SC2086 # TARGETS is a list of words
+  if ninja -C "$directory" -n $targets 2>/dev/null | grep -q 'no work to do'; then
+    rm -f "$log"
+  elif [ -t 1 ]; then
+    rm -f "$log"
+    NINJA_STATUS="Building %f of %t: " ninja -C "$directory" $targets
+  else
     echo "Building ..."
+    ninja -C "$directory" $targets >"$log" 2>&1 || { cat "$log" >&2; rm -f "$log"; return 1; }
+    rm -f "$log"
   fi
-  ninja -C "$directory" >"$log" 2>&1 || { cat "$log" >&2; rm -f "$log"; return 1; }
-  rm -f "$log"
 }
 
-# Builds what playing needs and makes GStreamer find it, for the scripts in pipelines/; `needs` may name more that tools/setup.sh shall install.
+# Builds what playing needs and makes GStreamer find it, for the scripts in pipelines/. `needs` may name more that tools/setup.sh shall install,
+# `targets` more that ninja shall build.
 # Sets `built`, the folder; VISUOTACTILE_BUILD names one in which all is built already.
 build_and_use() {
   built=${VISUOTACTILE_BUILD:-$root/build}
   # What is printed on standard output belongs to the pipeline.
-  [ -n "${VISUOTACTILE_BUILD:-}" ] || build_project "$built" "build play ${needs:-}" >&2
+  [ -n "${VISUOTACTILE_BUILD:-}" ] || build_project "$built" "build play ${needs:-}" "play ${targets:-}" >&2
   export GST_PLUGIN_PATH="$built/gst${GST_PLUGIN_PATH:+:$GST_PLUGIN_PATH}"
   export GST_REGISTRY="${GST_REGISTRY_1_0:-$built/registry.bin}"
 }
