@@ -3,8 +3,8 @@
 """A player of an RTSP stream with visuotactilesink: its latency is that of the network and of the motors, frames are felt, commands are
 on time.
 
-A server of GStreamer's own sends a live film in H.264 over RTP on loopback. The play ends when some commands in a row were on time, which
-never comes where the latency is not honoured, and fails after a minute. What is compared are running times; how late the commands
+A server of GStreamer's own sends a live film in H.264 over RTP on loopback. The play ends when some commands were on time, however many a busy
+computer has made late in between; where the latency is not honoured none ever is. What is compared are running times; how late the commands
 were is printed.
 
 Usage: rtsp.py [PLAYBIN]...      (playbin and playbin3 if none is named; with the plugins on GST_PLUGIN_PATH)
@@ -31,8 +31,8 @@ FILM = (
 )
 JITTER = 200  # ms
 LEAD = 190  # ms, tactorsink's: max-lead, and 10 for its work
-IN_A_ROW = 20  # commands on time
-PATIENCE = 60  # s
+ON_TIME = 20  # commands
+PATIENCE = 60  # s; a bound, not a measure
 SAME = 1000  # ns
 # Each map is a command of its own, as it is.
 CHAIR = (
@@ -85,7 +85,7 @@ class Frames:
 
 
 def play(playbin, uri, trace):
-    """Plays until enough commands in a row were on time. What was analysed, what was shown, and the latencies of pipeline and sinks."""
+    """Plays until enough commands were on time. What was analysed, what was shown, and the latencies of pipeline and sinks."""
     player = Gst.ElementFactory.make(playbin)
     chair = Gst.parse_launch(CHAIR.format(trace))
     player.set_property("uri", uri)
@@ -103,7 +103,6 @@ def play(playbin, uri, trace):
     bus = player.get_bus()
     deadline = time.monotonic() + PATIENCE
     player.set_state(Gst.State.PLAYING)
-    began, late_before = stats()
     while True:
         expect(time.monotonic() < deadline, f"{playbin}: of {stats()[0]} commands {stats()[1]} were late, of {len(analysed.felt)} frames {len(shown.felt)} shown")
         message = bus.timed_pop(20 * Gst.MSECOND)
@@ -114,9 +113,7 @@ def play(playbin, uri, trace):
         if message and message.type == Gst.MessageType.LATENCY:
             player.recalculate_latency()
         issued, late = stats()
-        if late > late_before:
-            began, late_before = issued, late
-        if issued >= began + IN_A_ROW and shown.felt:
+        if issued - late >= ON_TIME and shown.felt:
             break
 
     query = Gst.Query.new_latency()
