@@ -29,17 +29,20 @@ struct BoardDescription
   std::optional<std::uint16_t> vendor{};
   Bytes descriptors{}; ///< instead of the transport's
   double baud = 0;     ///< of the emulated wire from host to board; 0: no time passes on it
-  /// Bytes that the USB chip takes at once and lets out as the wire goes (an ATmega16U2 as on a Mega: 128); 0: a transfer is done when its
-  /// last byte has left. What a chip still holds when the kernel's driver has set its baud rate is lost.
+  /// Bytes that the USB chip takes at once and lets out as the wire goes (an ATmega16U2 as on a
+  /// Mega: 128); 0: a transfer is done when its last byte has left. What a chip still holds when
+  /// the kernel's driver has set its baud rate is lost.
   std::size_t chip = 0;
   std::chrono::microseconds chip_time{ 0 }; ///< that it needs to begin with one
-  /// From when the kernel's driver has the board back to when it sets its baud rate; none: as measured of the transport's driver.
+  /// From when the kernel's driver has the board back to when it sets its baud rate; none: as
+  /// measured of the transport's driver.
   std::optional<std::chrono::microseconds> kernel_opens{};
 };
 
 Bytes usb_descriptors(Transport transport, std::optional<std::uint16_t> vendor = {});
 
-/// As umockdev_testbed_add_from_string() has it: a device of its own below `syspath`, with the node `/dev/bus/usb/BUS/ADDRESS`.
+/// As umockdev_testbed_add_from_string() has it: a device of its own below `syspath`, with the node
+/// `/dev/bus/usb/BUS/ADDRESS`.
 std::string umockdev_entry(const BoardDescription &description, const std::string &syspath, int bus,
                            int address);
 std::string usb_node(int bus, int address);

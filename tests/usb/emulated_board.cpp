@@ -274,7 +274,7 @@ EmulatedBoard::claim(const void *host, int interface)
   return true;
 }
 
-/// The kernel's driver takes it and soon sets 9600 baud, for which the chip switches its serial line off and on.
+/// The kernel's driver soon sets 9600 baud, for which the chip switches its line off and on.
 void
 EmulatedBoard::give_back(int interface)
 {

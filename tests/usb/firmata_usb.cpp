@@ -185,8 +185,9 @@ namespace {
 
 constexpr std::uint8_t kReset = 0xff;
 
-/// A board whose motors are on, as a host that was killed left them, behind a slow chip and before a kernel that takes no time: the emulated
-/// one takes longer to get a board back than the few bytes of a question need.
+/// A board whose motors are on, as a host that was killed left them, behind a slow chip and before
+/// a kernel that takes no time: the emulated one takes longer to get a board back than the few
+/// bytes of a question need.
 struct LeftOn
 {
   explicit LeftOn(Transport transport, const Layout &layout = kMega)
@@ -274,8 +275,9 @@ GST_START_TEST(test_refused_boards_stand_when_released)
 }
 GST_END_TEST;
 
-/// An opening is interrupted, or the line breaks, as soon as the board's chip was given bytes: the question for its firmware, of which nothing
-/// is known, or the reset. Again and again: the emulated kernel is not always quick enough to cut them off.
+/// An opening is interrupted, or the line breaks, as soon as the board's chip was given bytes: the
+/// question for its firmware, of which nothing is known, or the reset. Again and again: the
+/// emulated kernel is not always quick enough to cut them off.
 GST_START_TEST(test_interrupted_opening_cuts_nothing_off)
 {
   for (const Transport transport : kTransports)

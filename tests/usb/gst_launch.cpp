@@ -90,7 +90,8 @@ GST_START_TEST(test_terminated)
 }
 GST_END_TEST;
 
-/// SIGTERM while a board is asked what it is, and does not say: it is told to stand, and the kernel's driver has it back.
+/// SIGTERM while a board is asked what it is, and does not say: it is told to stand, and the
+/// kernel's driver has it back.
 GST_START_TEST(test_terminated_while_opening)
 {
   for (const Transport transport : kTransports) {

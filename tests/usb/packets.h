@@ -11,7 +11,8 @@
 
 namespace usb_test {
 
-/// What a board has for its host, cut into what one transfer can take: whole packets, the last one of any length.
+/// What a board has for its host, cut into what one transfer can take: whole packets, the last one
+/// of any length.
 class Packets
 {
 public:

@@ -17,12 +17,13 @@ struct Received
   std::uint8_t byte = 0;
 };
 
-/// What stands between a board's USB endpoint and its serial line: it takes bytes at once, as far as it has room, and lets them out as the
-/// line carries them. Not thread-safe.
+/// What stands between a board's USB endpoint and its serial line: it takes bytes at once, as far
+/// as it has room, and lets them out as the line carries them. Not thread-safe.
 class SerialChip
 {
 public:
-  /// `latency` from when a byte is taken to when the line begins with it. A line of 0 baud takes no time.
+  /// `latency` from when a byte is taken to when the line begins with it. A line of 0 baud takes no
+  /// time.
   SerialChip(std::size_t room, double baud, std::chrono::microseconds latency);
 
   bool has_room_for(std::size_t bytes) const
