@@ -291,7 +291,7 @@ GST_START_TEST(test_interrupted_opening_cuts_nothing_off)
             reply.clear();
         });
         for (int i = 0; i < 8; i++) {
-          has_answered = false;
+          left.board.with_firmware([&] { has_answered = false; });
           FirmataDriver driver(FirmataDriver::Firmware::any, LeftOn::make_bus);
           std::thread opening([&] { refusal_of(driver.open({})); });
           fail_unless(left.board.wait_until(
