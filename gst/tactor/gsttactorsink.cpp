@@ -36,7 +36,7 @@
  * ]|
  *
  * A board takes up to five seconds to answer. It is opened in the background from READY to PAUSED on,
- * and the first frame waits for it; what is wrong with it is an error message.
+ * and the stream waits for it; what is wrong with it is an error message.
  *
  * As a #GstURIHandler it plays on `tactor://SERIAL`, the board with that serial number or bus path.
  *
@@ -98,6 +98,7 @@ struct GstTactorSinkPrivate final : TactorSchedulerHost
   }
 
   Timing timing() override;
+  std::optional<Time> running_time();
   void open_failed(const tactor::DriverError &error) override;
   void device_failed(const tactor::DriverError &error) override;
   void lead_short(Time lead, Time late) override;
@@ -110,8 +111,10 @@ struct GstTactorSinkPrivate final : TactorSchedulerHost
 
   TactorOpening
       opening; ///< the scheduler's thread's until the board is open, then the streaming one's
-  bool is_open = false;             ///< what was opened is planned for; as planning
-  TactorPlanning planning;          ///< streaming thread only, or while it is stopped
+  bool is_open = false;    ///< what was opened is planned for; as planning
+  TactorPlanning planning; ///< streaming thread only, or while it is stopped
+  std::optional<Time>
+      begins; ///< of a live play: frames before this were shown while the board was opened
   Time flushed_at{ 0 };             ///< running time of the last flush
   std::atomic<bool> ended{ false }; ///< the last map has come
 
@@ -149,6 +152,18 @@ GstTactorSinkPrivate::timing()
                   + static_cast<GstClockTimeDiff>(gst_base_sink_get_latency(sink))
                   + gst_base_sink_get_ts_offset(sink);
   return timing;
+}
+
+/// None without a clock.
+std::optional<Time>
+GstTactorSinkPrivate::running_time()
+{
+  const Timing now = timing();
+  if (!now.clock)
+    return std::nullopt;
+  const Time time(GST_CLOCK_DIFF(now.offset, static_cast<gint64>(gst_clock_get_time(now.clock))));
+  gst_object_unref(now.clock);
+  return time;
 }
 
 /// On any thread of the driver's.
@@ -223,14 +238,7 @@ gst_tactor_sink_push(GstTactorSink *self, const TactorPlanning::Plan &plan)
   GST_OBJECT_LOCK(self);
   priv->limited = priv->planning.limited();
   GST_OBJECT_UNLOCK(self);
-  const TactorSchedulerHost::Timing timing = priv->timing();
-  Time now = Time::min();
-  if (timing.clock) {
-    now = Time(
-        GST_CLOCK_DIFF(timing.offset, static_cast<gint64>(gst_clock_get_time(timing.clock))));
-    gst_object_unref(timing.clock);
-  }
-  priv->scheduler.push(plan.commands, plan.end + kHold, now);
+  priv->scheduler.push(plan.commands, plan.end + kHold, priv->running_time().value_or(Time::min()));
 }
 
 /// Lets controlled properties have their values for the frame at hand.
@@ -254,6 +262,13 @@ gst_tactor_sink_play_map(GstTactorSink *self, GstBuffer *buffer)
   if (const std::optional<Time> starved = priv->scheduler.take_starved())
     priv->planning.silenced(*starved);
   const GstSegment segment = gst_tactor_sink_segment(self);
+  if (priv->begins) {
+    const GstClockTime time
+        = gst_segment_to_running_time(&segment, GST_FORMAT_TIME, GST_BUFFER_PTS(buffer));
+    if (GST_CLOCK_TIME_IS_VALID(time) && Time(static_cast<gint64>(time)) < *priv->begins)
+      return GST_FLOW_OK;
+    priv->begins.reset();
+  }
   // The base class drops what a step has gone past, but for the frame at its end.
   if (!priv->planning.is_shown(GST_BUFFER_PTS(buffer), GST_BUFFER_DURATION(buffer), segment))
     return GST_FLOW_OK;
@@ -279,17 +294,25 @@ gst_tactor_sink_wait_until_open(GstTactorSink *self)
 
   if (priv->is_open)
     return GST_FLOW_OK;
-  for (bool is_open = false; !is_open;) {
+  using Outcome = TactorScheduler::Outcome;
+  for (Outcome outcome = Outcome::interrupted; outcome != Outcome::open;) {
     const guint64 interruptions = priv->scheduler.interruptions();
     GST_BASE_SINK_PREROLL_UNLOCK(sink);
-    is_open = priv->scheduler.wait_until_open(interruptions);
+    outcome = priv->scheduler.wait_until_open(interruptions);
     GST_BASE_SINK_PREROLL_LOCK(sink);
-    if (sink->flushing)
+    if (sink->flushing || outcome == Outcome::stopped)
       return GST_FLOW_FLUSHING;
-    if (priv->scheduler.failed())
-      return GST_FLOW_ERROR; // said when it happened
+    if (outcome == Outcome::failed) { // the reason was told
+      gst_element_abort_state(GST_ELEMENT(self));
+      return GST_FLOW_ERROR;
+    }
   }
   TactorOpening &opening = priv->opening;
+  priv->begins.reset();
+  if (GST_STATE_TARGET(self)
+      == GST_STATE_PLAYING) // a play that is not live is not told to play before it has its first frame
+    if (const std::optional<Time> now = priv->running_time())
+      priv->begins = *now + Time(static_cast<gint64>(gst_base_sink_get_render_delay(sink)));
   priv->planning.start(opening.planner, opening.tactors, std::move(opening.motors));
   priv->is_open = true;
   return GST_FLOW_OK;
@@ -398,7 +421,7 @@ gst_tactor_sink_event(GstBaseSink *sink, GstEvent *event)
   // Afterwards, since only then the streaming thread has left render().
   if (type == GST_EVENT_FLUSH_START)
     priv->flushed_at = priv->scheduler.flush();
-  else if (type == GST_EVENT_FLUSH_STOP)
+  else if (type == GST_EVENT_FLUSH_STOP && priv->is_open) // else nothing was planned
     priv->planning.flushed(priv->flushed_at, resets_time);
   return handled;
 }
@@ -410,6 +433,8 @@ gst_tactor_sink_stepped(GstTactorSink *self)
 {
   GstTactorSinkPrivate *priv = self->priv;
   GstBaseSink *sink = GST_BASE_SINK(self);
+  if (!priv->is_open)
+    return;
   Time stopped = priv->scheduler.flush();
   const GstClockTime start = gst_element_get_start_time(GST_ELEMENT(self));
   if (GST_CLOCK_TIME_IS_VALID(start))
@@ -471,12 +496,13 @@ gst_tactor_sink_propose_allocation(GstBaseSink *sink, GstQuery *query)
 
 /* ---- life ---- */
 
-/// What is asked of upstream before a frame's time, given the longest latency on the way to a motor.
-static void
-gst_tactor_sink_set_lead(GstTactorSink *self, const TactorOpening &opening)
+/// How much earlier than a frame's time its data is asked for, given the longest latency on the way to
+/// a motor.
+static GstClockTime
+lead_of(const TactorOpening &opening)
 {
   const Time early = opening.planner.max_lead + opening.latency + kWakeMargin;
-  gst_base_sink_set_render_delay(GST_BASE_SINK(self), static_cast<GstClockTime>(early.count()));
+  return static_cast<GstClockTime>(early.count());
 }
 
 /// Begins to open board and trace, both anew for each play. What is wrong with the settings becomes an
@@ -505,7 +531,10 @@ gst_tactor_sink_open(GstTactorSink *self)
   priv->is_open = false;
   priv->last_lead_short.reset();
   priv->ended = false;
-  gst_tactor_sink_set_lead(self, priv->opening);
+  // What the board adds is not known yet; what it added in the last play may well hold.
+  GstBaseSink *sink = GST_BASE_SINK(self);
+  gst_base_sink_set_render_delay(
+      sink, std::max(gst_base_sink_get_render_delay(sink), lead_of(priv->opening)));
   priv->scheduler.set_immediate(!gst_base_sink_get_sync(GST_BASE_SINK(self)));
   priv->scheduler.set_muted(settings.mute);
   priv->scheduler.set_ramp_in(settings.ramp_in);
@@ -515,13 +544,14 @@ gst_tactor_sink_open(GstTactorSink *self)
                [priv](const tactor::DriverEvent &event) { priv->device_event(event); },
                std::move(stop))
         .map([self, priv](TactorOutput &&output) {
-          gst_tactor_sink_set_lead(self, priv->opening);
+          gst_base_sink_set_render_delay(GST_BASE_SINK(self), lead_of(priv->opening));
           return std::move(output);
         });
   };
   if (const tl::expected<void, tactor::DriverError> started
       = priv->scheduler.start(open, settings.planner.volts_max, settings.realtime);
       !started) {
+    priv->opening.turn.reset();
     tactor_post_open_error(GST_ELEMENT(self), started.error());
     return FALSE;
   }
@@ -565,7 +595,7 @@ gst_tactor_sink_change_state(GstElement *element, GstStateChange transition)
   if (transition == GST_STATE_CHANGE_PAUSED_TO_PLAYING && ret != GST_STATE_CHANGE_FAILURE)
     priv->scheduler.play([element] { return GST_STATE_TARGET(element) == GST_STATE_PLAYING; });
   if (transition == GST_STATE_CHANGE_READY_TO_PAUSED && ret != GST_STATE_CHANGE_FAILURE)
-    priv->queue_watch.start();
+    priv->queue_watch.start([priv] { return priv->scheduler.is_open(); });
   // After a failure nothing is left running either.
   if (transition == GST_STATE_CHANGE_PAUSED_TO_READY
       || (transition == GST_STATE_CHANGE_READY_TO_PAUSED && ret == GST_STATE_CHANGE_FAILURE))

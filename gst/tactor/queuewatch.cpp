@@ -4,6 +4,7 @@
 #include <functional>
 #include <memory>
 #include <string>
+#include <utility>
 
 namespace {
 
@@ -130,6 +131,7 @@ stuck_at(GstElement *sink)
 struct Looking
 {
   Ref<GstElement> sink;
+  std::function<bool()> is_ready;
   int stuck = 0; ///< looks in a row
 };
 
@@ -139,7 +141,7 @@ look(GstClock *, GstClockTime time, GstClockID, gpointer data)
   auto *looking = static_cast<Looking *>(data);
   if (!GST_CLOCK_TIME_IS_VALID(time) || looking->stuck == kLooks)
     return TRUE;
-  const std::string where = stuck_at(looking->sink.get());
+  const std::string where = looking->is_ready() ? stuck_at(looking->sink.get()) : "";
   looking->stuck = where.empty() ? 0 : looking->stuck + 1;
   if (looking->stuck == kLooks)
     GST_ELEMENT_WARNING(
@@ -154,13 +156,14 @@ look(GstClock *, GstClockTime time, GstClockID, gpointer data)
 } // namespace
 
 void
-QueueWatch::start()
+QueueWatch::start(std::function<bool()> is_ready)
 {
   stop();
   const Ref<GstClock> clock(gst_system_clock_obtain());
   looks_ = gst_clock_new_periodic_id(clock.get(), gst_clock_get_time(clock.get()) + kBetweenLooks,
                                      kBetweenLooks);
-  auto *looking = new Looking{ Ref<GstElement>(GST_ELEMENT(gst_object_ref(sink_))) };
+  auto *looking
+      = new Looking{ Ref<GstElement>(GST_ELEMENT(gst_object_ref(sink_))), std::move(is_ready) };
   gst_clock_id_wait_async(looks_, look, looking,
                           [](gpointer data) { delete static_cast<Looking *>(data); });
 }

@@ -98,6 +98,7 @@ prepare_tactors(GstElement *element, const TactorSettings &settings)
   if (!driver)
     return tl::unexpected(driver.error());
   opening.driver = std::move(*driver);
+  opening.turn = std::make_unique<tactor::OpeningTurn>();
   return opening;
 }
 
@@ -115,9 +116,11 @@ open_tactors(GstElement *element, TactorOpening &opening,
                                      .notify = std::move(notify) };
   TactorOutput output;
   output.driver = std::move(opening.driver);
+  const std::unique_ptr<tactor::OpeningTurn> turn = std::move(opening.turn);
+  turn->wait(config.stop);
   if (const tl::expected<void, tactor::DriverError> opened = output.driver->open(config); !opened)
     return tl::unexpected(opened.error());
-  if (!settings.trace_location.empty()) {
+  if (!settings.trace_location.empty() && !config.stop.stop_requested()) {
     tl::expected<tactor::CommandTrace, tactor::DriverError> trace
         = tactor::CommandTrace::create(settings.trace_location);
     if (!trace)

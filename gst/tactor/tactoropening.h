@@ -3,6 +3,7 @@
 
 #include "tactor/command_planner.h"
 #include "tactor/driver.h"
+#include "tactor/opening_turn.h"
 #include "tactorscheduler.h"
 #include "tactorsettings.h"
 
@@ -23,6 +24,7 @@ struct TactorOpening
   std::vector<tactor::MotorParameters> motors; ///< as measured; empty: no calibration
   tactor::Time latency{ 0 };                   ///< the longest on the way to a motor
   int tactors = 0;                             ///< of the open board
+  std::unique_ptr<tactor::OpeningTurn> turn;   ///< null: it was taken
 };
 
 /// The part that waits for nothing: settings are checked and the calibration is read. Warns on the

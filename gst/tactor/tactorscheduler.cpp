@@ -61,13 +61,24 @@ TactorScheduler::start(Open open, double full_scale_volts, bool realtime)
       .map([this](tactor::Thread &&thread) { thread_ = std::move(thread); });
 }
 
-bool
+TactorScheduler::Outcome
 TactorScheduler::wait_until_open(std::uint64_t interruptions)
 {
   std::unique_lock lock(mutex_);
   settled_.wait(lock, [&] {
     return interruptions_ != interruptions || live_ || failed_ || quit_ || !thread_;
   });
+  if (failed_)
+    return Outcome::failed;
+  if (live_)
+    return Outcome::open;
+  return quit_ || !thread_ ? Outcome::stopped : Outcome::interrupted;
+}
+
+bool
+TactorScheduler::is_open() const
+{
+  const std::lock_guard lock(mutex_);
   return live_;
 }
 
@@ -281,14 +292,18 @@ TactorScheduler::open_output(Lock &lock, const Open &open, const std::stop_token
   lock.unlock();
   tl::expected<TactorOutput, tactor::DriverError> opened = open(stop);
   lock.lock();
-  if (opened) {
+  if (quit_) { // whoever stopped it waits for no board any more
+    lock.unlock();
+    opened = tl::unexpected(tactor::DriverError{});
+    lock.lock();
+  } else if (opened) {
     driver_ = std::move(opened->driver);
     trace_ = std::move(opened->trace);
     refresh_interval_ = driver_->refresh_interval();
     line_ = driver_->line();
     queue_ = tactor::CommandQueue(driver_->tactors());
     live_ = true;
-  } else if (!quit_) {
+  } else {
     lock.unlock();
     host_.open_failed(opened.error());
     lock.lock();

@@ -100,9 +100,17 @@ public:
   /// `realtime` the thread asks to be real-time, which no one waits for. Fails if there is no thread.
   [[nodiscard]] tl::expected<void, tactor::DriverError> start(Open open, double full_scale_volts,
                                                               bool realtime = false);
-  /// Returns when the board is open, could not be opened or failed, or when there is an interruption
-  /// that is not among the first `interruptions`. True if it is open.
-  bool wait_until_open(std::uint64_t interruptions);
+  enum class Outcome
+  {
+    open,        ///< the board can be played on
+    failed,      ///< the board could not be opened, or failed
+    stopped,     ///< stop() came, or start() did not
+    interrupted, ///< there is an interruption that is not among the first ones
+  };
+  /// Waits for the board. Not to be called by the host. For `interruptions` see interruptions().
+  Outcome wait_until_open(std::uint64_t interruptions);
+  /// Whether the board is open. Nothing is waited for.
+  bool is_open() const;
   /// Motors to zero, driver closed, thread joined. An open() that waits is stopped. Harmless when not
   /// started.
   void stop();

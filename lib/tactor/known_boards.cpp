@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <fstream>
+#include <mutex>
 #include <system_error>
 #include <unistd.h>
 #include <utility>
@@ -16,6 +17,8 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr std::size_t kLongestLine = 512; // a serial number has 126 characters at most
+
+std::mutex changing; ///< the file, by this process
 
 /// The line that stands for a device; empty if nothing tells it from others.
 std::string
@@ -55,6 +58,7 @@ KnownBoards::has(const SerialDevice &device) const
 void
 KnownBoards::add(const SerialDevice &device)
 {
+  const std::lock_guard lock(changing);
   const std::string line = line_of(device);
   std::vector<std::string> lines = read();
   if (line.empty() || (!lines.empty() && lines.back() == line))
@@ -69,6 +73,7 @@ KnownBoards::add(const SerialDevice &device)
 void
 KnownBoards::remove(const SerialDevice &device)
 {
+  const std::lock_guard lock(changing);
   std::vector<std::string> lines = read();
   if (std::erase(lines, line_of(device)) > 0)
     write(lines);

@@ -3,12 +3,14 @@
 
 #include "tactor/thread.h"
 
+#include <algorithm>
 #include <array>
 #include <atomic>
 #include <cerrno>
 #include <csignal>
 #include <cstdlib>
 #include <fcntl.h>
+#include <initializer_list>
 #include <memory>
 #include <mutex>
 #include <unistd.h>
@@ -38,6 +40,20 @@ tactor_on_signal(int number)
   errno = error;
 }
 
+/// Sets a signal's action where it was one of `expected`. Others are the application's, which may be
+/// setting its own on another thread at this moment: looking first would overwrite that.
+void
+exchange(int number, const struct sigaction &action, std::initializer_list<sighandler_t> expected)
+{
+  struct sigaction before
+  {
+  };
+  if (sigaction(number, &action, &before) == 0
+      && ((before.sa_flags & SA_SIGINFO) != 0
+          || std::ranges::count(expected, before.sa_handler) == 0))
+    sigaction(number, &before, nullptr);
+}
+
 /// Catches signals from its beginning to its end.
 class Catcher
 {
@@ -58,17 +74,12 @@ public:
     thread_ = std::move(*thread);
     pipe_in = ends_[1];
     for (const int number : kSignals) {
-      struct sigaction action
+      struct sigaction ours
       {
       };
-      if (sigaction(number, nullptr, &action) != 0 || (action.sa_flags & SA_SIGINFO) != 0
-          || (action.sa_handler != SIG_DFL
-              && action.sa_handler != tactor_on_signal)) // left by the parent of a fork
-        continue;
-      action = {};
-      action.sa_handler = tactor_on_signal;
-      action.sa_flags = SA_RESTART | SA_RESETHAND;
-      sigaction(number, &action, nullptr);
+      ours.sa_handler = tactor_on_signal;
+      ours.sa_flags = SA_RESTART | SA_RESETHAND;
+      exchange(number, ours, { SIG_DFL, tactor_on_signal }); // of a parent before a fork
     }
   }
 
@@ -89,14 +100,11 @@ private:
   void release()
   {
     for (const int number : kSignals) {
-      struct sigaction action
+      struct sigaction none
       {
       };
-      if (sigaction(number, nullptr, &action) != 0 || (action.sa_flags & SA_SIGINFO) != 0
-          || action.sa_handler != tactor_on_signal)
-        continue; // the application's
-      action.sa_handler = SIG_DFL;
-      sigaction(number, &action, nullptr);
+      none.sa_handler = SIG_DFL;
+      exchange(number, none, { tactor_on_signal });
     }
     pipe_in = -1;
     const unsigned char stop = 0;

@@ -10,30 +10,40 @@ namespace tactor {
 tl::expected<Thread, DriverError>
 Thread::start(std::function<void()> run)
 {
-  auto running = std::make_unique<Running>();
-  running->run = std::move(run);
+  Thread thread;
+  thread.running_ = std::make_shared<Running>();
+  thread.running_->run = std::move(run);
+  auto own = std::make_unique<std::shared_ptr<Running>>(thread.running_);
   const int error = pthread_create(
-      &running->id, nullptr,
+      &thread.running_->id, nullptr,
       [](void *data) -> void * {
-        static_cast<Running *>(data)->run();
+        const std::unique_ptr<std::shared_ptr<Running>> running(
+            static_cast<std::shared_ptr<Running> *>(data));
+        (*running)->run();
         return nullptr;
       },
-      running.get());
-  if (error != 0)
-    return tl::unexpected(
-        DriverError{ DriverError::Kind::failed,
-                     std::string("no thread can be started for the board: ") + strerror(error)
-                         + "; is a limit on threads too low (ulimit -u, TasksMax=)?" });
-  Thread thread;
-  thread.running_.reset(running.release());
-  return thread;
+      own.get());
+  if (error == 0) {
+    static_cast<void>(own.release());
+    return thread;
+  }
+  thread.running_.reset();
+  return tl::unexpected(
+      DriverError{ DriverError::Kind::failed,
+                   std::string("no thread can be started for the board: ") + strerror(error)
+                       + "; is a limit on threads too low (ulimit -u, TasksMax=)?" });
 }
 
 void
-Thread::Join::operator()(Running *running) const
+Thread::join()
 {
-  pthread_join(running->id, nullptr);
-  delete running;
+  const std::shared_ptr<Running> running = std::move(running_);
+  if (!running)
+    return;
+  if (pthread_equal(running->id, pthread_self()) != 0)
+    pthread_detach(running->id);
+  else
+    pthread_join(running->id, nullptr);
 }
 
 } // namespace tactor

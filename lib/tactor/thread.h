@@ -8,6 +8,7 @@
 
 #include <functional>
 #include <memory>
+#include <utility>
 
 namespace tactor {
 
@@ -18,15 +19,24 @@ class Thread
 public:
   /// No thread.
   Thread() = default;
+  ~Thread()
+  {
+    join();
+  }
+  Thread(Thread &&) = default;
+  Thread &operator=(Thread &&other)
+  {
+    join();
+    running_ = std::move(other.running_);
+    return *this;
+  }
 
   /// Runs `run` on a new thread. Fails where the limits of the user or of the system allow no more.
   [[nodiscard]] static tl::expected<Thread, DriverError> start(std::function<void()> run);
 
   /// Waits until `run` has returned. Does nothing where there is no thread.
-  void join()
-  {
-    running_.reset();
-  }
+  /// On the thread itself, which cannot wait for its own end, it only lets go of it.
+  void join();
 
   /// Whether there is a thread that was not joined.
   explicit operator bool() const
@@ -46,12 +56,8 @@ private:
     std::function<void()> run;
     pthread_t id{};
   };
-  struct Join
-  {
-    void operator()(Running *running) const;
-  };
 
-  std::unique_ptr<Running, Join> running_;
+  std::shared_ptr<Running> running_; ///< also the thread's own
 };
 
 } // namespace tactor

@@ -128,6 +128,26 @@ throw_message(GstMessage *message)
   throw std::runtime_error(error->message);
 }
 
+[[noreturn]] void
+throw_interrupted()
+{
+  throw std::runtime_error("interrupted; all motors are off");
+}
+
+/// Takes the pipeline to PAUSED. A microphone is live: without this, time would begin before the board is open.
+void
+wait_for_board(GstElement *pipeline, GstElement *tactors, GstBus *bus,
+               const std::atomic<bool> &interrupted)
+{
+  gst_element_set_state(pipeline, GST_STATE_PAUSED);
+  while (gst_element_get_state(tactors, nullptr, nullptr, 50 * GST_MSECOND)
+         == GST_STATE_CHANGE_ASYNC)
+    if (interrupted)
+      throw_interrupted();
+  if (g_autoptr(GstMessage) message = gst_bus_pop_filtered(bus, GST_MESSAGE_ERROR))
+    throw_message(message);
+}
+
 bool
 is_stats(GstMessage *message)
 {
@@ -166,6 +186,7 @@ play(const std::vector<Frame> &frames, const PlayerSettings &settings,
     push_frames(element(pipeline, "frames").get(), frames);
 
     const std::unique_ptr<GstBus, Unref> bus(gst_element_get_bus(pipeline.get()));
+    wait_for_board(pipeline.get(), tactors.get(), bus.get(), interrupted);
     gst_element_set_state(pipeline.get(), GST_STATE_PLAYING);
     const gint64 begin = g_get_monotonic_time();
     Time latency{ 0 };
@@ -173,7 +194,7 @@ play(const std::vector<Frame> &frames, const PlayerSettings &settings,
     bool told = false;
     while (!over) {
       if (interrupted)
-        throw std::runtime_error("interrupted; all motors are off");
+        throw_interrupted();
       g_autoptr(GstMessage) message = gst_bus_timed_pop_filtered(
           bus.get(), 50 * GST_MSECOND,
           static_cast<GstMessageType>(GST_MESSAGE_ERROR | GST_MESSAGE_EOS | GST_MESSAGE_ELEMENT));

@@ -279,7 +279,8 @@ public:
           return output;
         },
         config.full_scale_volts));
-    fail_unless(scheduler->wait_until_open(scheduler->interruptions()));
+    fail_unless(scheduler->wait_until_open(scheduler->interruptions())
+                == TactorScheduler::Outcome::open);
   }
   void push(const std::vector<Command> &commands, Time expires = kForever)
   {

@@ -391,6 +391,7 @@ GST_END_TEST;
 /// While a board is silent nobody but who waits for it waits, and a stop ends that.
 GST_START_TEST(test_stopped_while_opening)
 {
+  using Outcome = TactorScheduler::Outcome;
   Host host;
   TactorScheduler scheduler(host);
   std::atomic<bool> stopped = false;
@@ -411,19 +412,20 @@ GST_START_TEST(test_stopped_while_opening)
     scheduler.set_muted(true);
     scheduler.timing_changed();
     const std::uint64_t before = scheduler.interruptions();
-    bool is_open = true;
-    std::thread streaming([&] { is_open = scheduler.wait_until_open(before); });
+    Outcome outcome = Outcome::open;
+    std::thread streaming([&] { outcome = scheduler.wait_until_open(before); });
     scheduler.interrupt(true);
     scheduler.interrupt(false);
     streaming.join();
-    fail_if(is_open);
+    fail_unless(outcome == Outcome::interrupted);
     // Without an interruption the stop itself is one.
     const std::uint64_t now = scheduler.interruptions();
-    std::thread another([&] { is_open = scheduler.wait_until_open(now); });
+    std::thread another([&] { outcome = scheduler.wait_until_open(now); });
     scheduler.stop();
     another.join();
     fail_unless(stopped);
-    fail_if(is_open || scheduler.failed());
+    fail_unless(outcome == Outcome::stopped);
+    fail_if(scheduler.failed());
   }
   fail_unless(host.refusals().empty());
 }
@@ -432,6 +434,7 @@ GST_END_TEST;
 /// What cannot be opened is told once, before whoever waits for it hears that it failed.
 GST_START_TEST(test_cannot_be_opened)
 {
+  using Outcome = TactorScheduler::Outcome;
   Host host;
   TactorScheduler scheduler(host);
   unwrap(scheduler.start(
@@ -439,7 +442,7 @@ GST_START_TEST(test_cannot_be_opened)
         return tl::unexpected(tactor::DriverError{ tactor::DriverError::Kind::busy, "taken" });
       },
       3.0));
-  fail_if(scheduler.wait_until_open(scheduler.interruptions()));
+  fail_unless(scheduler.wait_until_open(scheduler.interruptions()) == Outcome::failed);
   fail_unless(scheduler.failed());
   fail_unless(host.refusals() == std::vector<std::string>{ "taken" });
   scheduler.play();

@@ -15,6 +15,7 @@
 #include "../playing.h"
 #include "../temporary_file.h"
 #include "../unwrap.h"
+#include <gst/check/gsttestclock.h>
 #include <gst/tactile/tactile.h>
 
 using tactor::SerialDevice;
@@ -327,6 +328,45 @@ GST_START_TEST(test_slow_board)
 }
 GST_END_TEST;
 
+/// In a live play time goes on while the board is opened: what was shown meanwhile is left out, and nobody is told that it came late.
+GST_START_TEST(test_slow_board_in_a_live_play)
+{
+  Rig rig("firmata");
+  rig.mega.says_nothing = true;
+  rig.sockets_.plug(rig.mega);
+  g_object_set(rig.element, "sync", TRUE, "ramp-in", guint64{ 0 }, nullptr);
+  GstClock *clock = gst_test_clock_new_with_start_time(100 * GST_SECOND);
+  gst_element_set_clock(rig.element, clock);
+  gst_element_set_base_time(rig.element, 90 * GST_SECOND);
+  gst_element_set_state(rig.element, GST_STATE_PLAYING);
+  rig.sockets_.wait([&] { return rig.mega.opens == 1; });
+  rig.sockets_.locked([&] { rig.mega.says_nothing = false; });
+  fail_unless(rig.begin());
+  const auto push = [&](int shown_ms, const Duties &duties) {
+    rig.frame = static_cast<guint>(shown_ms / 40);
+    std::thread streaming([&] { rig.push(duties); });
+    gst_test_clock_wait_for_next_pending_id(GST_TEST_CLOCK(clock), nullptr);
+    gst_clock_id_unref(gst_test_clock_process_next_clock_id(GST_TEST_CLOCK(clock)));
+    streaming.join();
+  };
+  // The board is open at 10 s.
+  for (const int shown_ms : { 9000, 10000, 10040 })
+    push(shown_ms, { 255, 255, 255 });
+  GstStructure *stats = rig.stats();
+  guint64 late = 1;
+  fail_unless(gst_structure_get_uint64(stats, "late", &late));
+  ck_assert_uint_eq(late, 0);
+  gst_structure_free(stats);
+  fail_if(rig.messages.has(GST_MESSAGE_ELEMENT));
+  // From then on it plays.
+  gst_test_clock_set_time(GST_TEST_CLOCK(clock), 102 * GST_SECOND);
+  push(12000, { 255, 200, 128 });
+  rig.expect(rig.mega, { 2, 3, 4 }, { 255, 200, 128 });
+  rig.stop();
+  gst_object_unref(clock);
+}
+GST_END_TEST;
+
 /// 64 tactors: 14 pins whose level takes 3 bytes, 50 of 6. Where max-active lets few change at once that is said, otherwise it is a
 /// warning with the numbers and what to do, and a message for programs; on a chair of nine nothing is said.
 GST_START_TEST(test_large_chair)
@@ -397,6 +437,7 @@ tactorsink_board_suite(void)
   tcase_add_test(cases, test_lost_and_found);
   tcase_add_test(cases, test_errors);
   tcase_add_test(cases, test_slow_board);
+  tcase_add_test(cases, test_slow_board_in_a_live_play);
   tcase_add_test(cases, test_large_chair);
   return suite;
 }

@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "tactor/opening_turn.h"
+
+#include <optional>
+#include <thread>
+
+#include <gst/check/gstcheck.h>
+
+using tactor::OpeningTurn;
+
+GST_START_TEST(test_in_order)
+{
+  const std::stop_token never;
+  std::optional<OpeningTurn> first(std::in_place);
+  std::optional<OpeningTurn> second(std::in_place);
+  std::optional<OpeningTurn> third(std::in_place);
+  fail_unless(first->wait(never));
+  fail_unless(first->wait(never)); // as often as it likes
+
+  // Who is stopped has not had its turn.
+  std::stop_source stop;
+  bool had_turn = true;
+  std::thread stopped([&] { had_turn = third->wait(stop.get_token()); });
+  stop.request_stop();
+  stopped.join();
+  fail_if(had_turn);
+
+  // One that leaves the line is not waited for; the turn goes on when its owner is done.
+  second.reset();
+  std::thread waiting([&] { had_turn = third->wait(never); });
+  first.reset();
+  waiting.join();
+  fail_unless(had_turn);
+  const OpeningTurn fourth;
+  stop.request_stop();
+  fail_if(fourth.wait(stop.get_token()));
+}
+GST_END_TEST;
+
+static Suite *
+opening_turn_suite(void)
+{
+  Suite *suite = suite_create("opening_turn");
+  TCase *tests = tcase_create("general");
+  suite_add_tcase(suite, tests);
+  tcase_add_test(tests, test_in_order);
+  return suite;
+}
+
+GST_CHECK_MAIN(opening_turn)
