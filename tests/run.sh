@@ -6,7 +6,7 @@
 #        tests/run.sh (--tidy | --cppcheck) [FILE ...]
 #   --asan      build and run under AddressSanitizer and UndefinedBehaviorSanitizer, in C++ alone: no Python
 #   --tsan      build and run under ThreadSanitizer, likewise
-#   --valgrind  run under valgrind's memcheck, without real clips (libavcodec's pictures count as uninitialised there); without names the tests of
+#   --valgrind  run under valgrind's memcheck, without real clips (libavcodec's pictures count as uninitialized there); without names the tests of
 #               libraries and elements but allocations and hostile_tracks, which measure memory themselves, and Python's
 #   --tidy      clang-tidy, with .clang-tidy, over lib, gst and tools or over some of their files
 #   --cppcheck  cppcheck over lib, gst, tools, tests and examples, likewise
@@ -22,7 +22,7 @@ patience=1
 options=(-Dsaliency=enabled -Dusb=enabled -Dintrospection=enabled -Dtools=enabled -Dtests=enabled -Dexamples=enabled)
 parts="build play test players"
 wrapper=()
-analyser=
+analyzer=
 case ${1:-} in
   -h | --help) sed -n '3,14s/^# \{0,1\}//p' "$0"; exit 0 ;;
   --valgrind)
@@ -36,7 +36,7 @@ case ${1:-} in
       --suppressions=/usr/share/glib-2.0/valgrind/glib.supp --suppressions=$root/tests/sanitizers/valgrind.supp")
     export G_SLICE=always-malloc
     ;;
-  --tidy | --cppcheck) analyser=${1#--}; shift; parts+=" analysis" ;;
+  --tidy | --cppcheck) analyzer=${1#--}; shift; parts+=" analysis" ;;
   --asan) shift; directory=$root/build-asan; patience=5; options+=(-Ddebug=true "-Db_sanitize=address,undefined" -Db_lundef=false -Dintrospection=disabled) ;;
   --tsan) shift; directory=$root/build-tsan; patience=5; options+=(-Ddebug=true -Db_sanitize=thread -Db_lundef=false -Dintrospection=disabled) ;;
 esac
@@ -44,15 +44,15 @@ esac
 build_project "$directory" "$parts" "" "${options[@]}"
 
 # Of this project's own code, what is compiled here.
-if [ -n "$analyser" ]; then
+if [ -n "$analyzer" ]; then
   cd "$root"
   if [ $# -eq 0 ]; then
     names=('lib/*.cpp' 'lib/*.c' 'gst/*.cpp' 'tools/*.cpp')
-    [ "$analyser" = tidy ] || names+=('tests/*.cpp' 'examples/*.c')
+    [ "$analyzer" = tidy ] || names+=('tests/*.cpp' 'examples/*.c')
     mapfile -t names < <(git ls-files "${names[@]}")
     set -- "${names[@]}"
   fi
-  if [ "$analyser" = tidy ]; then
+  if [ "$analyzer" = tidy ]; then
     # The count of what it found in other people's headers is no finding.
     printf '%s\0' "$@" | xargs -0 -P "$(nproc)" -n 1 clang-tidy -p "$directory" --quiet 2> >(grep -v 'warnings\? generated\.$\|^Suppressed\|^Use -header-filter' >&2)
   else
@@ -71,7 +71,7 @@ if [ -n "$analyser" ]; then
     cppcheck --quiet --std=c++20 -j "$(nproc)" --enable=warning,performance,portability --inline-suppr --error-exitcode=1 \
       --suppress=unknownMacro --suppress=ctuOneDefinitionRuleViolation:tests/* -I . -I lib --library=gtk "$@"
   fi
-  echo "$analyser: nothing found in $# files"
+  echo "$analyzer: nothing found in $# files"
   exit 0
 fi
 

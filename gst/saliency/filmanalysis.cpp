@@ -123,7 +123,7 @@ FilmAnalysis::keep_saliency(const tactile::SaliencyView &view, double floor)
 }
 
 bool
-FilmAnalysis::analyse(const SaliencySettings &settings, tactile::Orientation orientation,
+FilmAnalysis::analyze(const SaliencySettings &settings, tactile::Orientation orientation,
                       const GstVideoInfo &info, GstBuffer *buffer, saliency::Time time,
                       saliency::Time duration)
 {

@@ -29,7 +29,7 @@ saliency::ColorModel
 color_model(const GstVideoFormatInfo *format)
 {
   if (GST_VIDEO_FORMAT_INFO_IS_GRAY(format))
-    return saliency::ColorModel::grey;
+    return saliency::ColorModel::gray;
   return GST_VIDEO_FORMAT_INFO_IS_RGB(format) ? saliency::ColorModel::rgb
                                               : saliency::ColorModel::yuv;
 }
@@ -68,7 +68,7 @@ FrameMapping::FrameMapping(const GstVideoInfo &info, GstBuffer *buffer)
   view_.full_range = frame_.info.colorimetry.range == GST_VIDEO_COLOR_RANGE_0_255;
   view_.matrix = yuv_matrix(frame_.info.colorimetry);
 
-  const guint components = std::min<guint>(view_.model == saliency::ColorModel::grey ? 1 : 3,
+  const guint components = std::min<guint>(view_.model == saliency::ColorModel::gray ? 1 : 3,
                                            GST_VIDEO_FORMAT_INFO_N_COMPONENTS(format));
   for (guint i = 0; i < components; i++) {
     saliency::Component &component = view_.components[i];

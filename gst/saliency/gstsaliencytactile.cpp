@@ -4,12 +4,12 @@
  * @title: saliencytactile
  * @short_description: finds what draws the eye and adds it to each frame as a tactile map
  *
- * saliencytactile analyses the frames that pass through it and adds a #GstTactileMeta to each: a
+ * saliencytactile analyzes the frames that pass through it and adds a #GstTactileMeta to each: a
  * small grid of levels, 3 × 3 by default, that says where and how strongly the film shall be felt.
  * Pixels and memory are left as they are.
  *
  * The analysis is "Saliency-Driven Tactile Effect Authoring for Real-Time Visuotactile Feedback"
- * (Kim, Lee, Choi 2012): spatial centre-surround contrast in CIE L*a*b*, temporal centre-surround
+ * (Kim, Lee, Choi 2012): spatial center-surround contrast in CIE L*a*b*, temporal center-surround
  * contrast of the resulting maps, a threshold, pooling to the grid. `profile=paper` takes the paper
  * literally; the default, `profile=tuned`, feels what appears or moves, and neither what went away
  * nor sensor noise, cuts, fades or the camera's own motion.
@@ -59,7 +59,7 @@ namespace {
 struct Statistics
 {
   guint64 frames = 0;   ///< passed through
-  guint64 analysed = 0; ///< of these
+  guint64 analyzed = 0; ///< of these
   guint64 active = 0;   ///< frames with any level above zero
   GstClockTime busy = 0;
   GstClockTime longest = 0;
@@ -158,13 +158,13 @@ gst_saliency_tactile_orient(GstSaliencyTactile *self, const SaliencySettings &se
   priv->limiter.reset();
 }
 
-/// Analyses a frame. Throws where memory is out (see FilmAnalysis).
+/// Analyzes a frame. Throws where memory is out (see FilmAnalysis).
 static void
-gst_saliency_tactile_analyse(GstSaliencyTactile *self, const SaliencySettings &settings,
+gst_saliency_tactile_analyze(GstSaliencyTactile *self, const SaliencySettings &settings,
                              GstBuffer *buffer, saliency::Time time, saliency::Time duration)
 {
   GstSaliencyTactilePrivate *priv = self->priv;
-  if (priv->analysis.analyse(settings, priv->orientation, priv->info, buffer, time, duration)
+  if (priv->analysis.analyze(settings, priv->orientation, priv->info, buffer, time, duration)
       || std::exchange(priv->warned_map, true))
     return;
   g_autoptr(GstCaps) caps = gst_video_info_to_caps(&priv->info);
@@ -204,7 +204,7 @@ gst_saliency_tactile_attach_saliency(GstSaliencyTactile *self, const SaliencySet
         ("expected sides of at most %d, got %u x %u", GST_SALIENCY_MAX_SIDE, width, height));
 }
 
-/// Another frame has passed, with these levels; `spent` is what its analysis took, none if it was not analysed.
+/// Another frame has passed, with these levels; `spent` is what its analysis took, none if it was not analyzed.
 static void
 gst_saliency_tactile_count(GstSaliencyTactile *self, std::span<const float> felt,
                            std::optional<GstClockTime> spent)
@@ -212,7 +212,7 @@ gst_saliency_tactile_count(GstSaliencyTactile *self, std::span<const float> felt
   GST_OBJECT_LOCK(self);
   Statistics &stats = self->priv->stats;
   stats.frames++;
-  stats.analysed += spent ? 1 : 0;
+  stats.analyzed += spent ? 1 : 0;
   stats.active += std::ranges::any_of(felt, [](float level) { return level > 0; }) ? 1 : 0;
   stats.busy += spent.value_or(0);
   stats.longest = std::max(stats.longest, spent.value_or(0));
@@ -253,11 +253,11 @@ gst_saliency_tactile_transform_ip(GstBaseTransform *transform, GstBuffer *buffer
   if (priv->analysis.is_due(settings, priv->orientation, time)) {
     try {
       const GstClockTime begin = gst_util_get_timestamp();
-      gst_saliency_tactile_analyse(self, settings, buffer, time, duration);
+      gst_saliency_tactile_analyze(self, settings, buffer, time, duration);
       spent = gst_util_get_timestamp() - begin;
     } catch (const std::exception &e) { // memory is out; nothing else is told by an exception
       GST_ELEMENT_ERROR(self, RESOURCE, NO_SPACE_LEFT,
-                        ("No memory to analyse such large frames: scale them down before."),
+                        ("No memory to analyze such large frames: scale them down before."),
                         ("%s", e.what()));
       return GST_FLOW_ERROR;
     }
@@ -289,9 +289,9 @@ gst_saliency_tactile_stats(GstSaliencyTactile *self)
   const Statistics stats = self->priv->stats;
   GST_OBJECT_UNLOCK(self);
   return gst_structure_new("application/x-saliency-stats", "frames", G_TYPE_UINT64, stats.frames,
-                           "analysed", G_TYPE_UINT64, stats.analysed, "active", G_TYPE_UINT64,
+                           "analysed", G_TYPE_UINT64, stats.analyzed, "active", G_TYPE_UINT64,
                            stats.active, "analysis-mean", G_TYPE_UINT64,
-                           stats.analysed ? stats.busy / stats.analysed : 0, "analysis-max",
+                           stats.analyzed ? stats.busy / stats.analyzed : 0, "analysis-max",
                            G_TYPE_UINT64, stats.longest, nullptr);
 }
 
@@ -441,7 +441,7 @@ gst_saliency_tactile_class_init(GstSaliencyTactileClass *klass)
   transform_class->stop = gst_saliency_tactile_stop;
   transform_class->prepare_output_buffer = gst_saliency_tactile_prepare_output_buffer;
   transform_class->transform_ip = gst_saliency_tactile_transform_ip;
-  // Passthrough leaves caps, ALLOCATION and pools to the neighbours; transform_ip still sees every
+  // Passthrough leaves caps, ALLOCATION and pools to the neighbors; transform_ip still sees every
   // frame.
   transform_class->transform_ip_on_passthrough = TRUE;
 }

@@ -136,7 +136,7 @@ SaliencySettings::install(GObjectClass *klass)
       klass, SALIENCY_PROP_MAX_RATE,
       ranged::real(
           "max-rate", "Maximum rate",
-          "Analyse at most this many frames per second; the others repeat the last map (0 = all)",
+          "Analyze at most this many frames per second; the others repeat the last map (0 = all)",
           0, 1000, defaults.max_rate, playing));
   g_object_class_install_property(
       klass, SALIENCY_PROP_KEEP_MAPS,
@@ -153,7 +153,7 @@ SaliencySettings::install(GObjectClass *klass)
   g_object_class_install_property(
       klass, SALIENCY_PROP_EXACT,
       g_param_spec_boolean("exact", "Exact",
-                           "Take every pixel's colour, at several times the cost, rather than that "
+                           "Take every pixel's color, at several times the cost, rather than that "
                            "of small areas; profile=paper always does, and the others for frames "
                            "of up to 480000 pixels",
                            defaults.exact, playing));

@@ -8,9 +8,9 @@
  *
  * - `style=grid`: the grid of tactors. A cell is tinted from yellow to red as its level rises, and
  * a gauge on its left is as high as the level.
- * - `style=heatmap`: a colour map from blue to red of the frame's #GstSaliencyMeta, or of its
+ * - `style=heatmap`: a color map from blue to red of the frame's #GstSaliencyMeta, or of its
  * levels if it has none.
- * - `style=saliency`: the saliency map in grey instead of the picture, white at the map's peak or
+ * - `style=saliency`: the saliency map in gray instead of the picture, white at the map's peak or
  * at twice its floor, whichever is higher. It needs `saliencytactile attach-saliency=true`; without
  * it the levels are shown and a warning is posted.
  *
@@ -105,8 +105,8 @@ gst_tactile_overlay_style_get_type(void)
 {
   static const GEnumValue values[] = {
     { STYLE_GRID, "Grid of tactors with their levels", "grid" },
-    { STYLE_HEATMAP, "Colour map of the saliency, or of the levels", "heatmap" },
-    { STYLE_SALIENCY, "Saliency map in grey instead of the picture", "saliency" },
+    { STYLE_HEATMAP, "Color map of the saliency, or of the levels", "heatmap" },
+    { STYLE_SALIENCY, "Saliency map in gray instead of the picture", "saliency" },
     { 0, nullptr, nullptr },
   };
   static const GType type = g_enum_register_static("GstTactileOverlayStyle", values);
@@ -138,7 +138,7 @@ saliency_field(GstBuffer *buffer)
   gsize count = 0;
   const gfloat *values = gst_saliency_meta_get_values(meta, &count);
   const double peak = *std::max_element(values, values + count);
-  const double white = std::max(peak, 2.0 * meta->floor); // a map at its floor is at most mid-grey
+  const double white = std::max(peak, 2.0 * meta->floor); // a map at its floor is at most mid-gray
   return LevelField{ { values, count },
                      static_cast<int>(meta->width),
                      static_cast<int>(meta->height),
@@ -181,7 +181,7 @@ gst_tactile_overlay_transform_frame_ip(GstVideoFilter *filter, GstVideoFrame *fr
                            "Showing the tactile levels."),
                           ("a frame has a GstTactileMeta, but no GstSaliencyMeta"));
     }
-    priv->painter.paint_grey(frame, *shown);
+    priv->painter.paint_gray(frame, *shown);
     break;
   }
   return GST_FLOW_OK;

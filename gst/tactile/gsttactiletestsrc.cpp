@@ -8,7 +8,7 @@
  * Real-Time Visuotactile Feedback" (Kim, Lee, Choi 2012, Section 5): `pattern=static-motion`, where
  * one or two balls appear, rest for more than a second and are elsewhere at once, and
  * `pattern=dynamic-motion`, where a ball moves around at various speeds with sudden stalls. Both
- * begin with one second of plain grey background and repeat after ten minutes.
+ * begin with one second of plain gray background and repeat after ten minutes.
  *
  * A picture depends on nothing but the properties, its time stamp and its format: the film is the
  * same at any frame rate and after any seek. Seeking and reverse playback are supported. Unless

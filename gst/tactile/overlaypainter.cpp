@@ -41,7 +41,7 @@ cell_of(int pixel, int cells, int size)
   return static_cast<int>(((static_cast<std::int64_t>(pixel) + 1) * cells - 1) / size);
 }
 
-/// A pixel's centre in the field's cells, whose centres are whole numbers; outside of the first and
+/// A pixel's center in the field's cells, whose centers are whole numbers; outside of the first and
 /// last of them it is theirs.
 double
 field_position(int pixel, int size, int cells)
@@ -142,7 +142,7 @@ OverlayPainter::paint_heatmap(GstVideoFrame *frame, const LevelField &field, dou
 }
 
 void
-OverlayPainter::paint_grey(GstVideoFrame *frame, const LevelField &field)
+OverlayPainter::paint_gray(GstVideoFrame *frame, const LevelField &field)
 {
   palette_.assign(kShades, {});
   for (std::size_t i = 0; i < kShades; i++) {

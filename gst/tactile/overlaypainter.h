@@ -32,12 +32,12 @@ public:
   /// Each cell tinted by its level, a gauge on its left as high as its level, and thin borders.
   void paint_grid(GstVideoFrame *frame, const LevelField &field, double opacity);
 
-  /// A colour map from blue to red, interpolated between the field's values; where it is silent the
+  /// A color map from blue to red, interpolated between the field's values; where it is silent the
   /// picture stays.
   void paint_heatmap(GstVideoFrame *frame, const LevelField &field, double opacity);
 
-  /// The field in grey instead of the picture, interpolated between its values.
-  void paint_grey(GstVideoFrame *frame, const LevelField &field);
+  /// The field in gray instead of the picture, interpolated between its values.
+  void paint_gray(GstVideoFrame *frame, const LevelField &field);
 
 private:
   struct Entry

@@ -199,7 +199,7 @@ gst_visuotactile_sink_install_properties(GObjectClass *klass)
                               "GstVideoRegionOfInterestMeta, by their type (unset: 1 each)",
                               nullptr, playing));
   install(PROP_MAX_RATE, ranged::real("max-rate", "Maximum rate",
-                                      "Analyse at most this many frames per second (0 = all)", 0,
+                                      "Analyze at most this many frames per second (0 = all)", 0,
                                       1000, 0, playing));
   install(PROP_VIDEO_DIRECTION,
           g_param_spec_enum("video-direction", "Video direction",

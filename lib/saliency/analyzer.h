@@ -40,7 +40,7 @@ public:
   Analyzer(Analyzer &&) noexcept;
   Analyzer &operator=(Analyzer &&) noexcept;
 
-  /// Analyses the frame shown during [time, time + duration). Frames come in order of time. A frame
+  /// Analyzes the frame shown during [time, time + duration). Frames come in order of time. A frame
   /// resets the history first if its time is not after its predecessor's, if its size differs or,
   /// with windows in seconds, if it comes later after its predecessor's end than the longest
   /// window. duration ≤ 0 is taken as 1/30 s. With `temporal` off the result is the spatial saliency

@@ -299,14 +299,14 @@ side_by_side(std::span<const Component> components)
 bool
 has_byte_triples(const FrameView &frame)
 {
-  return frame.model != ColorModel::grey && frame.depth == 8
+  return frame.model != ColorModel::gray && frame.depth == 8
          && frame.components[0].pixel_stride >= 3 && side_by_side(frame.components);
 }
 
 bool
 has_byte_pairs(const FrameView &frame)
 {
-  return frame.model != ColorModel::grey && frame.depth == 8
+  return frame.model != ColorModel::gray && frame.depth == 8
          && frame.components[1].pixel_stride == 2
          && side_by_side(std::span(frame.components).last<2>());
 }

@@ -20,7 +20,7 @@ Contrast::operator()(const Pyramid &pyramid, LevelPair lightness, LevelPair chro
                      const Team &team)
 {
   fine_.resize(static_cast<std::size_t>(team.threads()));
-  const cv::Mat &coloured = chroma_squared(pyramid, chroma, team);
+  const cv::Mat &colored = chroma_squared(pyramid, chroma, team);
   const cv::Mat &center = pyramid.level(lightness.center).lightness();
   const cv::Mat &surround = pyramid.level(lightness.surround).lightness();
   map.create(center.size(), CV_32FC1);
@@ -30,12 +30,12 @@ Contrast::operator()(const Pyramid &pyramid, LevelPair lightness, LevelPair chro
       rows::contrast(
           center.ptr<float>(y),
           enlarged(surround, lightness.surround - lightness.center, y, map.cols, fine[0]),
-          enlarged(coloured, chroma.center - lightness.center, y, map.cols, fine[1]),
+          enlarged(colored, chroma.center - lightness.center, y, map.cols, fine[1]),
           static_cast<std::size_t>(map.cols), map.ptr<float>(y));
   });
 }
 
-/// w² (Δa² + Δb²) at the resolution of the pair's centre.
+/// w² (Δa² + Δb²) at the resolution of the pair's center.
 const cv::Mat &
 Contrast::chroma_squared(const Pyramid &pyramid, LevelPair pair, const Team &team)
 {

@@ -19,9 +19,9 @@ public:
   /// `chroma_weight` w: the difference is √(ΔL² + w² (Δa² + Δb²)); 1 is CIE 1976 ΔE.
   explicit Contrast(double chroma_weight);
 
-  /// C(c, s) = ‖P_c - up(P_s)‖ ≥ 0 in a pyramid of L*a*b* images, surround ≥ centre. The differences of
-  /// a* and b* are those of the pair `chroma`, no finer than `lightness`, brought to the centre's
-  /// resolution. `map` becomes CV_32FC1 of the size of the lightness' centre.
+  /// C(c, s) = ‖P_c - up(P_s)‖ ≥ 0 in a pyramid of L*a*b* images, surround ≥ center. The differences of
+  /// a* and b* are those of the pair `chroma`, no finer than `lightness`, brought to the center's
+  /// resolution. `map` becomes CV_32FC1 of the size of the lightness' center.
   void operator()(const Pyramid &pyramid, LevelPair lightness, LevelPair chroma, cv::Mat &map,
                   const Team &team = {});
 
@@ -31,7 +31,7 @@ private:
   const cv::Mat &chroma_squared(const Pyramid &pyramid, LevelPair pair, const Team &team);
 
   float chroma_weight_squared_;
-  /// Two rows at the centre's resolution, of each thread.
+  /// Two rows at the center's resolution, of each thread.
   std::vector<std::array<std::vector<float>, 2>> fine_;
   std::vector<cv::Mat> chroma_; ///< w² (Δa² + Δb²), of each level
 };

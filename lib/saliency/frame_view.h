@@ -10,7 +10,7 @@ namespace saliency {
 /// What a frame's components mean.
 enum class ColorModel
 {
-  grey, ///< one component, R'G'B' grey
+  gray, ///< one component, R'G'B' gray
   yuv,  ///< Y', Cb, Cr
   rgb,  ///< R', G', B'
 };
@@ -46,10 +46,10 @@ struct FrameView
   ColorModel model = ColorModel::yuv;
   int depth = 8; ///< significant bits of a sample: 8…16
   int shift = 0; ///< position of the lowest significant bit in the word; 0 for bytes
-  /// Samples use all codes ("pc") rather than 16–235/240 ("tv"); grey and yuv only.
+  /// Samples use all codes ("pc") rather than 16–235/240 ("tv"); gray and yuv only.
   bool full_range = false;
   YuvMatrix matrix = kBt709;
-  std::array<Component, 3> components{}; ///< Y, Cb, Cr or R, G, B or grey alone
+  std::array<Component, 3> components{}; ///< Y, Cb, Cr or R, G, B or gray alone
 };
 
 } // namespace saliency

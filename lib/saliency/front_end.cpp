@@ -19,7 +19,7 @@ namespace {
 std::size_t
 component_count(const FrameView &frame)
 {
-  return frame.model == ColorModel::grey ? 1 : 3;
+  return frame.model == ColorModel::gray ? 1 : 3;
 }
 
 /// L*a*b* of a frame's components at a level: three channels, as LabConverter makes them.

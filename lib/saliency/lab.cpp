@@ -24,7 +24,7 @@ using Tag = hn::CappedTag<float, 16>;
 using V = hn::Vec<Tag>;
 
 // Light → XYZ for BT.709's primaries and D65 (IEC 61966-2-1), each row divided by its sum, which is
-// white's own value: white then has X/Xn = Y/Yn = Z/Zn = 1 and greys have a* = b* = 0 to float's
+// white's own value: white then has X/Xn = Y/Yn = Z/Zn = 1 and grays have a* = b* = 0 to float's
 // precision.
 struct RelativeXyzRow
 {
@@ -195,7 +195,7 @@ samples(const Fixed *row)
   return hn::LoadU(Signal(), reinterpret_cast<const std::int16_t *>(row));
 }
 
-/// Roots of light of R', G', B' or, in the first row, grey.
+/// Roots of light of R', G', B' or, in the first row, gray.
 void
 find_roots(ColorModel model, const LabConverter::Coefficients &k,
            const std::array<const Fixed *, 3> &components, int count, std::array<Row, 3> &roots)
@@ -217,7 +217,7 @@ find_roots(ColorModel model, const LabConverter::Coefficients &k,
     }
     const Signals y
         = hn::MulFixedPoint15(hn::Sub(first, signal(k.luma_zero)), signal(k.luma_scale));
-    if (model == ColorModel::grey) {
+    if (model == ColorModel::gray) {
       store_root(clipped(y), 0, x);
       continue;
     }
@@ -274,7 +274,7 @@ store_lab(const std::array<FloatRow, 3> &f, int count, const std::array<Fixed *,
 }
 
 void
-store_grey(const Row &roots, int count, const std::array<Fixed *, 3> &lab)
+store_gray(const Row &roots, int count, const std::array<Fixed *, 3> &lab)
 {
   const int step = static_cast<int>(hn::Lanes(Tag()));
   for (int x = 0; x < count; x += step) {
@@ -300,8 +300,8 @@ Convert(ColorModel model, const LabConverter::Coefficients &k,
     const std::array<Fixed *, 3> out{ at(lab[0]), at(lab[1]), at(lab[2]) };
     find_roots(model, k, { at(components[0]), at(components[1]), at(components[2]) }, pixels,
                roots);
-    if (model == ColorModel::grey) {
-      store_grey(roots[0], pixels, out);
+    if (model == ColorModel::gray) {
+      store_gray(roots[0], pixels, out);
     } else {
       find_f(roots, pixels, f);
       store_lab(f, pixels, out);

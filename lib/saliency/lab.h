@@ -10,12 +10,12 @@
 
 namespace saliency {
 
-/// How code values stand for colour.
+/// How code values stand for color.
 struct SampleCoding
 {
   ColorModel model = ColorModel::yuv;
   int depth = 8;           ///< bits of a sample: 8…16
-  bool full_range = false; ///< grey and yuv; R'G'B' always uses all codes
+  bool full_range = false; ///< gray and yuv; R'G'B' always uses all codes
   YuvMatrix matrix = kBt709;
 };
 
@@ -36,7 +36,7 @@ public:
   /// Of a coding that is possible.
   explicit LabConverter(const SampleCoding &coding = {});
 
-  /// `components`: rows of Y', Cb, Cr or R', G', B' or grey alone, in code values times 2^(15 - depth).
+  /// `components`: rows of Y', Cb, Cr or R', G', B' or gray alone, in code values times 2^(15 - depth).
   /// `lab`: rows of L*, a*, b* as in a FixedLabImage. Reads and writes up to 32 samples
   /// beyond `count`, as a RowBuffer allows.
   void convert(const std::array<const Fixed *, 3> &components, int count,
@@ -44,7 +44,7 @@ public:
 
   static constexpr int kNoChroma = 128 * 128; ///< sample
 
-  /// Weights in units of 2⁻¹⁵. Y'CbCr and grey: luma less luma_zero times luma_scale is a signal in
+  /// Weights in units of 2⁻¹⁵. Y'CbCr and gray: luma less luma_zero times luma_scale is a signal in
   /// units of 2⁻¹⁴, to which twice the chroma samples less kNoChroma are added, weighed. R'G'B': what is
   /// added to a sample for a signal in units of 1/32767, times the sample.
   struct Coefficients

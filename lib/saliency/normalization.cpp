@@ -9,7 +9,7 @@ namespace saliency {
 
 namespace {
 
-/// Whether row[x] is more than `rise` above its 8 neighbours.
+/// Whether row[x] is more than `rise` above its 8 neighbors.
 bool
 is_local_maximum(const float *above, const float *row, const float *below, int x, float rise)
 {
@@ -59,7 +59,7 @@ normalize_itti(cv::Mat &map)
     return;
   }
   // Subtract and divide rather than scale and offset: the maximum becomes exactly 1, by which it is
-  // recognised.
+  // recognized.
   for (int y = 0; y < map.rows; ++y) {
     auto *row = map.ptr<float>(y);
     for (int x = 0; x < map.cols; ++x)

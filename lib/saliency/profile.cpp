@@ -74,7 +74,7 @@ fault_of(const Profile &profile)
     return "a profile has level pairs and window pairs";
   for (const auto &pair : profile.levels)
     if (pair.center < 0 || pair.surround < pair.center)
-      return "a surround is a level no finer than its centre";
+      return "a surround is a level no finer than its center";
   for (const auto &pair : profile.windows)
     if (pair.center < 1 || pair.surround < 1)
       return "a window is at least one frame long";

@@ -7,7 +7,7 @@
 
 namespace saliency {
 
-/// A centre-surround pair of pyramid levels, surround = centre + δ (paper, Section 3: s = c + δ).
+/// A center-surround pair of pyramid levels, surround = center + δ (paper, Section 3: s = c + δ).
 struct LevelPair
 {
   int center;
@@ -16,7 +16,7 @@ struct LevelPair
   bool operator==(const LevelPair &) const = default;
 };
 
-/// A centre-surround pair of temporal windows, in frames at 30 fps (level n of the temporal pyramid
+/// A center-surround pair of temporal windows, in frames at 30 fps (level n of the temporal pyramid
 /// is 2ⁿ frames).
 struct WindowPair
 {
@@ -28,7 +28,7 @@ struct WindowPair
 enum class SpatialCue
 {
   contrast,       ///< ΔE to its surround, a coarser level of the pyramid
-  surroundedness, ///< being enclosed by another colour (see Surroundedness)
+  surroundedness, ///< being enclosed by another color (see Surroundedness)
 };
 
 /// The operator N(·) of Itti & Koch, or none.
@@ -41,8 +41,8 @@ enum class Normalization
 /// Which temporal differences count.
 enum class TemporalSign
 {
-  absolute, ///< |centre − surround|: also what went away (a ghost for up to 64 frames)
-  onset,    ///< max(0, centre − surround): only what came
+  absolute, ///< |center − surround|: also what went away (a ghost for up to 64 frames)
+  onset,    ///< max(0, center − surround): only what came
 };
 
 /// What a temporal window counts.
@@ -76,12 +76,12 @@ struct Profile
   int reference_width = 0;
   /// w in ΔE = √(ΔL² + w² (Δa² + Δb²)).
   double chroma_weight = 1;
-  /// By so many levels the chroma's pairs are coarser than the lightness': the eye sees colour less
+  /// By so many levels the chroma's pairs are coarser than the lightness': the eye sees color less
   /// sharply, and films hold it at half the resolution, hence with more noise.
   int chroma_octaves = 0;
   SpatialCue spatial_cue = SpatialCue::contrast;
   /// Of the spatial contrast maps; each is limited to the levels that the frame has.
-  /// Surroundedness is taken at the centre's level alone.
+  /// Surroundedness is taken at the center's level alone.
   std::vector<LevelPair> levels;
   /// ΔE between the thresholds of surroundedness, 0.5 to 100.
   double threshold_step = 3;
@@ -93,7 +93,7 @@ struct Profile
   bool contrast_mean = false;
   /// Level of the spatial saliency map; contrast maps are brought to it grid-correctly.
   int saliency_level = 2;
-  /// The spatial saliency map is multiplied by colour rarity, taken at the coarsest of the pairs'
+  /// The spatial saliency map is multiplied by color rarity, taken at the coarsest of the pairs'
   /// levels.
   bool rarity = false;
   /// Of the temporal contrast maps.
@@ -141,11 +141,11 @@ struct Profile
   static Profile tuned();
 
   /// What measures best on single pictures, that is without `temporal`: surroundedness at level 3
-  /// times colour rarity; neither cuts nor camera. Otherwise as tuned().
+  /// times color rarity; neither cuts nor camera. Otherwise as tuned().
   static Profile tuned_spatial();
 };
 
-/// Why nothing can be analysed so; empty if it can.
+/// Why nothing can be analyzed so; empty if it can.
 std::string_view fault_of(const Profile &profile);
 
 } // namespace saliency

@@ -17,7 +17,7 @@ constexpr std::size_t kCells = kBins * kBins * kBins;
 constexpr float kLightnessRange = 100;
 constexpr float kHalfChroma = 24;     ///< |a*| that takes half of the way to infinity
 constexpr float kLargestChroma = 112; ///< |a*| at the outermost bin's edge
-constexpr float kUnseen = 1e-4F;      ///< share that any colour is taken to have
+constexpr float kUnseen = 1e-4F;      ///< share that any color is taken to have
 constexpr float kScale = 5;
 
 /// The bin of a position in [0, 1]; beyond it, the outermost one.
@@ -109,7 +109,7 @@ Rarity::operator()(const LabImage &lab, cv::Mat &weight)
   smooth(table_, kBins, histogram_);
   smooth(histogram_, kBins * kBins, table_);
 
-  // Of every bin, seen or not: the vectorised logarithm costs less than one call for each bin seen.
+  // Of every bin, seen or not: the vectorized logarithm costs less than one call for each bin seen.
   cv::Mat rarity(1, static_cast<int>(kCells), CV_32FC1, table_.data());
   rarity.convertTo(rarity, CV_32F, 1 / static_cast<double>(counted), kUnseen);
   cv::log(rarity, rarity);

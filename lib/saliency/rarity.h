@@ -10,14 +10,14 @@
 
 namespace saliency {
 
-/// Colour rarity, the self-information of a colour in its picture: R = max(0, -ln(h + 10⁻⁴) / 5) in
-/// [0, 1.85], where h in [0, 1] is the share of the picture that has about that colour. The
-/// commonest colour of a plain picture has R = 0.
+/// Color rarity, the self-information of a color in its picture: R = max(0, -ln(h + 10⁻⁴) / 5) in
+/// [0, 1.85], where h in [0, 1] is the share of the picture that has about that color. The
+/// commonest color of a plain picture has R = 0.
 ///
-/// Colours are counted in 16 × 16 × 16 bins: L* in [0, 100] evenly, a* and b* by a/(|a| + 24), which
-/// gives greys narrow bins (2.8 at 0) and yet has room for all colours, |a| ≤ 112. h sums the
+/// Colors are counted in 16 × 16 × 16 bins: L* in [0, 100] evenly, a* and b* by a/(|a| + 24), which
+/// gives grays narrow bins (2.8 at 0) and yet has room for all colors, |a| ≤ 112. h sums the
 /// counts about a pixel's bin with the weights [½ 1 ½] along each axis, so noise that carries a
-/// colour over a bin's edge does not make it rare.
+/// color over a bin's edge does not make it rare.
 class Rarity
 {
 public:

@@ -40,7 +40,7 @@ std::size_t count_changed(const std::array<const float *, 3> &lab,
 /// many these are.
 std::size_t keep_between(float low, float high, std::size_t n, float *values);
 
-/// center / (surround + nothing) of those of n samples whose centre is above `least`, one after the
+/// center / (surround + nothing) of those of n samples whose center is above `least`, one after the
 /// other into `ratios`, n of which there is room for. How many these are, and how many of them are above 1.
 struct Gains
 {

@@ -32,14 +32,14 @@ struct FrameLevels
 FrameLevels frame_levels(const Profile &profile, cv::Size frame);
 
 /// Spatial saliency S (paper, Section 3: "contrast maps are linearly combined to yield [a] single …
-/// saliency map"), or surroundedness in the place of contrast; times colour rarity where the
+/// saliency map"), or surroundedness in the place of contrast; times color rarity where the
 /// profile asks for it.
 class SpatialSaliency
 {
 public:
   explicit SpatialSaliency(const Profile &profile);
 
-  /// Sum or mean of the (normalised) contrast maps at the saliency level: finer ones are reduced to
+  /// Sum or mean of the (normalized) contrast maps at the saliency level: finer ones are reduced to
   /// it as the pyramid is, coarser ones upsampled on its grid. `pyramid` holds the L*a*b* levels
   /// finest…coarsest. CV_32FC1, ≥ 0, valid until the next call.
   const cv::Mat &compute(const Pyramid &pyramid, const FrameLevels &levels, const Team &team = {});
@@ -58,7 +58,7 @@ private:
   bool weigh_by_rarity_;
   Rarity rarity_;
   std::vector<cv::Mat>
-      contrast_map_; ///< of one pair, by level: at its centre's, and reduced from there on
+      contrast_map_; ///< of one pair, by level: at its center's, and reduced from there on
   std::vector<cv::Mat> rarity_map_;   ///< likewise
   std::vector<Reduction> reductions_; ///< of these, from each level
   cv::Mat upsampled_;

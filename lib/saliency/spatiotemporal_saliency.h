@@ -12,7 +12,7 @@
 
 namespace saliency {
 
-/// Spatiotemporal saliency ST (paper, Section 3): temporal centre-surround differences, combined
+/// Spatiotemporal saliency ST (paper, Section 3): temporal center-surround differences, combined
 /// like the spatial ones.
 class SpatiotemporalSaliency
 {
@@ -20,7 +20,7 @@ public:
   explicit SpatiotemporalSaliency(const Profile &profile);
 
   /// Sum or mean over the profile's windows of |T_c - T_s| or max(0, T_c - T_s), less what the map
-  /// has in common, optionally normalised by N(·). CV_32FC1, ≥ 0, valid until the next call.
+  /// has in common, optionally normalized by N(·). CV_32FC1, ≥ 0, valid until the next call.
   /// `history` has had at least one push. If the camera has moved, surrounds are dilated and count
   /// more, and the rim is silent unless it is the whole map (Profile::camera_dilation, camera_margin,
   /// camera_rim).

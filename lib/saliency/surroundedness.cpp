@@ -13,7 +13,7 @@ namespace saliency {
 
 namespace {
 
-/// No colour's L*, a* or b* is further from 0.
+/// No color's L*, a* or b* is further from 0.
 constexpr double kLargest = 128;
 
 /// A₀, as a share of the picture.

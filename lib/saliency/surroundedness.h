@@ -25,7 +25,7 @@ namespace saliency {
 ///
 /// What the picture's border cuts off counts as ground. Unlike in the paper, each region counts by
 /// its own area rather than by the L2 norm of all that a threshold finds, thresholds do not depend
-/// on the picture (a colour that appears elsewhere changes nothing here), and there is neither
+/// on the picture (a color that appears elsewhere changes nothing here), and there is neither
 /// whitening nor morphology.
 class Surroundedness
 {
@@ -35,7 +35,7 @@ public:
 
   /// `lab`: finite, not empty. `map` becomes CV_32FC1 of its size, ≥ 0; what is
   /// not surrounded is exactly 0. The time it takes grows with the sum of all horizontal steps of
-  /// colour, in units of Δt.
+  /// color, in units of Δt.
   void operator()(const LabImage &lab, cv::Mat &map);
 
 private:

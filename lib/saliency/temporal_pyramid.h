@@ -42,7 +42,7 @@ class TemporalPyramid
 public:
   /// A map counts as displayed for no longer than this when its windows are taken (its share in
   /// later windows is not limited). It only matters below ten frames a second: with windows that
-  /// end late in a long display the current map would fill centre and surround alike, and slides
+  /// end late in a long display the current map would fill center and surround alike, and slides
   /// would never be salient.
   static constexpr double kLongestDisplay = 3;
 

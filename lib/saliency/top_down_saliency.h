@@ -24,10 +24,10 @@ struct Region
 
 /// Saliency as knowledge of the scene changes it, which the paper's has none of (Section 6):
 /// multiplied by the weights of the regions in which something was found, as top-down gain is
-/// commonly modelled (Navalpakkam & Itti 2005).
+/// commonly modeled (Navalpakkam & Itti 2005).
 ///
 /// What is salient about an object is not in its outline alone, so a region reaches further, by the
-/// two samples of the coarsest centre level that contrast and pooling spread it, and it stays for
+/// two samples of the coarsest center level that contrast and pooling spread it, and it stays for
 /// as long as a temporal window holds what has passed there: so many frames where windows are meant in
 /// frames, no longer than its own frame where the map is of single pictures. A weight of 0 thus takes away all that
 /// the object does, also where it moves, and a detector that loses an object for some frames makes
@@ -48,7 +48,7 @@ public:
   /// More regions in a frame, or remembered, are left out, the oldest first.
   static constexpr std::size_t kMaxRegions = 1024;
 
-  /// `temporal`: as the maps were analysed (see Analyzer::analyze).
+  /// `temporal`: as the maps were analyzed (see Analyzer::analyze).
   explicit TopDownSaliency(const Profile &profile, bool temporal = true);
 
   /// The map of `found`, an analysis of a frame of this size shown from `time` on, with the weights

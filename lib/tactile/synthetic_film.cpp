@@ -13,7 +13,7 @@ using Seconds = std::chrono::duration<double>;
 
 constexpr double kTurn = 2 * std::numbers::pi;
 
-/// Saturated colours at a similar distance from the grey background.
+/// Saturated colors at a similar distance from the gray background.
 constexpr std::array<Color, 6> kColors{ {
     { 214, 40, 40 },
     { 235, 140, 20 },

@@ -44,8 +44,8 @@ struct FilmSettings
 struct Ball
 {
   int index = 0; ///< 0 or 1
-  double x = 0;  ///< centre
-  double y = 0;  ///< centre
+  double x = 0;  ///< center
+  double y = 0;  ///< center
   double radius = 0;
   Color color{};
   Time onset{ 0 };     ///< when it last appeared or started to move
@@ -59,7 +59,7 @@ struct Ball
 /// background, so that its first ball is an event like all others, and repeats after kPeriod.
 ///
 /// Static motion: rests of 1.2–3 s, one in four of 3.2–5 s. Balls that appear together have one
-/// colour and are in different thirds of the width; none appears in that ninth of the picture where
+/// color and are in different thirds of the width; none appears in that ninth of the picture where
 /// one has just been. Dynamic motion: moves of 1.5–4 s and stalls of 0.5–2 s, one stall in three
 /// of 2.7–4 s. A moving ball never rests.
 class SyntheticFilm
@@ -79,7 +79,7 @@ public:
 private:
   /// What one ball does from `begin` until the next stretch: rests at (u, v), or moves around the
   /// middle. Positions are in [0, 1], relative to the part of the picture that a whole ball's
-  /// centre can be in.
+  /// center can be in.
   struct Stretch
   {
     Time begin{ 0 };

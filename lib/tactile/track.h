@@ -13,7 +13,7 @@ namespace tactile {
 /// A film's tactile maps: each holds until the next, the last until end(); before 0 and from end() on all is silent.
 ///
 /// There is one Track for one course of levels over time: it begins with a map at 0, a silent one if nothing else was
-/// appended, its times increase, neighbours differ, and all are before end(). A value: several threads may read one that none
+/// appended, its times increase, neighbors differ, and all are before end(). A value: several threads may read one that none
 /// changes.
 class Track
 {

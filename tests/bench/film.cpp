@@ -64,10 +64,10 @@ packed_422(const cv::Mat &i420, cv::Size size, bool luma_first)
   cv::Mat out(size.height, 2 * size.width, CV_8UC1);
   for (int y = 0; y < size.height; y++)
     for (int x = 0; x < size.width; x++) {
-      const std::uint8_t colour = chroma(i420, size, 1 + x % 2, x / 2, y / 2);
+      const std::uint8_t color = chroma(i420, size, 1 + x % 2, x / 2, y / 2);
       const std::uint8_t luma = i420.at<std::uint8_t>(y, x);
-      out.at<std::uint8_t>(y, 2 * x) = luma_first ? luma : colour;
-      out.at<std::uint8_t>(y, 2 * x + 1) = luma_first ? colour : luma;
+      out.at<std::uint8_t>(y, 2 * x) = luma_first ? luma : color;
+      out.at<std::uint8_t>(y, 2 * x + 1) = luma_first ? color : luma;
     }
   return out;
 }

@@ -19,10 +19,10 @@ cv::Mat
 normalized(cv::Mat map)
 {
   cv::normalize(map, map, 0, 1, cv::NORM_MINMAX);
-  static const cv::Mat kNeighbours = (cv::Mat_<std::uint8_t>(3, 3) << 1, 1, 1, 1, 0, 1, 1, 1, 1);
-  cv::Mat neighbours;
-  cv::dilate(map, neighbours, kNeighbours);
-  const cv::Mat maxima = map > neighbours;
+  static const cv::Mat kNeighbors = (cv::Mat_<std::uint8_t>(3, 3) << 1, 1, 1, 1, 0, 1, 1, 1, 1);
+  cv::Mat neighbors;
+  cv::dilate(map, neighbors, kNeighbors);
+  const cv::Mat maxima = map > neighbors;
   const int count = cv::countNonZero(maxima);
   const double sum = cv::mean(map, maxima)[0] * count;
   const double others = count > 1 ? (sum - 1) / (count - 1) : 0;

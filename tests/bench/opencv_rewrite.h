@@ -9,7 +9,7 @@
 namespace bench {
 
 /// The choices of the tuned profile with OpenCV's functions alone, as fast as these make it: 8-bit
-/// colour, temporal windows from cumulative sums, area means. It knows neither cameras nor cuts nor
+/// color, temporal windows from cumulative sums, area means. It knows neither cameras nor cuts nor
 /// light.
 class OpencvRewrite
 {

@@ -30,9 +30,9 @@ struct ClipRow
 
 /// What `profile=paper` and `profile=tuned` make of the films in `directory`: avi, m4v, mkv, mov, mp4,
 /// mpg, ogv, ts, webm. Rows come by name, paper before tuned. Films are decoded by whatever decodebin
-/// finds, converted to I420, and analysed as saliencytactile does.
+/// finds, converted to I420, and analyzed as saliencytactile does.
 ///
-/// GStreamer is initialised. Throws std::runtime_error if there is no such film, or if one cannot be
+/// GStreamer is initialized. Throws std::runtime_error if there is no such film, or if one cannot be
 /// played to its end.
 std::vector<ClipRow> score_clips(const std::filesystem::path &directory);
 

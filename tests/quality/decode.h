@@ -14,7 +14,7 @@
 
 namespace quality {
 
-/// The frames of a film or of a picture, decoded, one after the other. GStreamer is initialised.
+/// The frames of a film or of a picture, decoded, one after the other. GStreamer is initialized.
 /// What goes wrong throws std::runtime_error with the file's name.
 class Decoder
 {

@@ -90,7 +90,7 @@ octaves_between(int fine, int coarse)
 std::array<cv::Mat, 3>
 components_of(const saliency::FrameView &frame)
 {
-  if (frame.depth != 8 || frame.model == saliency::ColorModel::grey)
+  if (frame.depth != 8 || frame.model == saliency::ColorModel::gray)
     throw std::invalid_argument("expected three components of 8 bits");
   std::array<cv::Mat, 3> components;
   for (std::size_t i = 0; i < 3; ++i) {

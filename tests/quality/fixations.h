@@ -39,7 +39,7 @@ double auc_judd(const cv::Mat &map, std::span<const cv::Point2d> fixations);
 
 /// Shuffled AUC (Tatler, Baddeley & Gilchrist 2005; Zhang, Tong, Marks, Shan & Cottrell 2008): the
 /// probability that a fixation's value is above that at a place where people looked on another
-/// picture, so a centre prior gains nothing; ties count one half. Instead of random draws all
+/// picture, so a center prior gains nothing; ties count one half. Instead of random draws all
 /// `others` (at least one) are compared.
 double shuffled_auc(const cv::Mat &map, std::span<const cv::Point2d> fixations,
                     std::span<const cv::Point2d> others);

@@ -61,7 +61,7 @@ public:
   void finish();
 
 private:
-  /// An onset under judgement.
+  /// An onset under judgment.
   struct Onset
   {
     Time time;

@@ -105,7 +105,7 @@ private:
 };
 
 /// A peer's map with what is decided by this project's means: half of the maximum as the threshold,
-/// values kept, pooled by exact area. With `weighted`, it is multiplied by colour rarity before.
+/// values kept, pooled by exact area. With `weighted`, it is multiplied by color rarity before.
 /// It never decides that nothing happens, unless its map is 0.
 std::unique_ptr<Model> peer_model(std::shared_ptr<PeerMaps> maps, bool weighted);
 

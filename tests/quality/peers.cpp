@@ -84,7 +84,7 @@ struct PeerSaliency::State
   Peer peer;
   cv::Size size; ///< of the frame before
   cv::Mat reduced;
-  cv::Mat grey;
+  cv::Mat gray;
   cv::Mat previous;
   cv::Mat map;
 #ifdef HAVE_CONTRIB_SALIENCY
@@ -100,13 +100,13 @@ void
 PeerSaliency::State::difference()
 {
   if (previous.empty()) {
-    map = cv::Mat::zeros(grey.size(), CV_32FC1);
+    map = cv::Mat::zeros(gray.size(), CV_32FC1);
   } else {
-    cv::absdiff(grey, previous, map);
+    cv::absdiff(gray, previous, map);
     map.convertTo(map, CV_32F);
-    cv::GaussianBlur(map, map, {}, std::max(0.5, kBlurShare * grey.cols));
+    cv::GaussianBlur(map, map, {}, std::max(0.5, kBlurShare * gray.cols));
   }
-  grey.copyTo(previous);
+  gray.copyTo(previous);
 }
 
 void
@@ -169,11 +169,11 @@ PeerSaliency::compute(const cv::Mat &frame)
                cv::INTER_AREA);
     picture = s.reduced;
   }
-  cv::cvtColor(picture, s.grey, cv::COLOR_BGR2GRAY);
+  cv::cvtColor(picture, s.gray, cv::COLOR_BGR2GRAY);
   if (s.peer == Peer::frame_difference)
     s.difference();
   else
-    s.ask_model(s.grey);
+    s.ask_model(s.gray);
   return s.map;
 }
 

@@ -14,7 +14,7 @@ enum class Peer
   spectral_residual, ///< Hou & Zhang 2007, OpenCV's
   fine_grained,      ///< Montabone & Soto 2010, OpenCV's
   bin_wang, ///< Wang & Dudek 2014, OpenCV's MotionSaliencyBinWangApr2014, a mask of what moves
-  frame_difference, ///< of grey to the frame before, blurred
+  frame_difference, ///< of gray to the frame before, blurred
 };
 
 inline constexpr std::array kPeers{ Peer::spectral_residual, Peer::fine_grained, Peer::bin_wang,

@@ -102,7 +102,7 @@ on_grid(const cv::Mat &map, const cv::Rect2d &picture)
 {
   const double x = picture.width / kGrid.width;
   const double y = picture.height / kGrid.height;
-  // From sample centre to sample centre: i + ½ on the grid is picture.x + x (i + ½) in the map.
+  // From sample center to sample center: i + ½ on the grid is picture.x + x (i + ½) in the map.
   const cv::Matx23d transform(x, 0, picture.x + 0.5 * x - 0.5, 0, y, picture.y + 0.5 * y - 0.5);
   cv::Mat grid;
   cv::warpAffine(map, grid, transform, kGrid, cv::INTER_LINEAR | cv::WARP_INVERSE_MAP,

@@ -34,11 +34,11 @@ struct PhotographRow
 /// Kankanhalli & Zhao 2014). Numbers that are 1 modulo 4 are for training, 3 for validation. A
 /// picture goes through jpegdec into the analyzer as I420, as it does in a pipeline; peers see it
 /// as B'G'R'. Every map is brought to 200 × 150, where a sample is 4 pixels, and blurred by 6
-/// samples, 1 degree of visual angle; no centre prior. Shuffled AUC compares with all fixations on
+/// samples, 1 degree of visual angle; no center prior. Shuffled AUC compares with all fixations on
 /// the other pictures of the split.
 ///
 /// `threads` ≥ 1 share the pictures; the result does not depend on their number. GStreamer is
-/// initialised. Throws std::runtime_error if a file is missing or not as it has to be.
+/// initialized. Throws std::runtime_error if a file is missing or not as it has to be.
 std::vector<PhotographRow> score_photographs(const std::filesystem::path &directory,
                                              int threads = 2);
 

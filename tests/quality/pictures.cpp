@@ -15,14 +15,14 @@ namespace {
 /// A slope of lightness across a disc, in codes from rim to rim.
 constexpr double kSlope = 24;
 
-/// An R'G'B' colour: lightness all over the scale short of overexposure, chroma small (σ 22 codes).
+/// An R'G'B' color: lightness all over the scale short of overexposure, chroma small (σ 22 codes).
 cv::Scalar
 leaf_color(Random &random)
 {
-  const double grey = random.uniform(20, 190);
+  const double gray = random.uniform(20, 190);
   const double warm = 22 * random.normal();
   const double green = 22 * random.normal() / 2;
-  return { grey - warm, grey + green, grey + warm };
+  return { gray - warm, gray + green, gray + warm };
 }
 
 void

@@ -3,7 +3,7 @@
 # Validates .sem.xml files with the schemas of ISO/IEC 23005-3, which may not be copied here: a folder with MPEG-V-SEDL.xsd, MPEG-V-SEV.xsd
 # and what they import, as in resources/ of local-repo/lprm/mpeg-metadata/1.0.0/mpeg-metadata-1.0.0.jar in the public repository
 # estevaosaleme/PlaySEM_SERenderer. What xmllint cannot do with them as they are is mended in copies: the schema of the XML namespace, which is
-# on a server, and a name that is misspelt in mpeg7-udp-2004.xsd.
+# on a server, and a name that is misspelled in mpeg7-udp-2004.xsd.
 # Usage: tests/tools/mpegv_schema.sh SCHEMAS FILE.sem.xml...
 set -euo pipefail
 [ $# -ge 2 ] && [ -f "$1/MPEG-V-SEV.xsd" ] || { sed -n '3,7s/^# \{0,1\}//p' "$0" >&2; exit 2; }

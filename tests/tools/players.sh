@@ -26,7 +26,7 @@ shows() {
 }
 
 # A film that carries a designer's track: in gst-play-1.0 the chair is told what the track alone tells it, but for a cue. The draft is
-# halved and turned off in the middle, so that it is not what is analysed.
+# halved and turned off in the middle, so that it is not what is analyzed.
 own_track() {
   "$TRACK" author "$1" -o draft.vtt -q
   "$TRACK" edit draft.vtt -o film.vtt --scale=0.5 --mask=r1c1
@@ -78,7 +78,7 @@ live() {
   expect_commands commands.csv
 }
 
-# shown_and_felt PROCESS: waits until its window shows the film's grey and something is felt, or it ends; sets level, a pixel's
+# shown_and_felt PROCESS: waits until its window shows the film's gray and something is felt, or it ends; sets level, a pixel's
 shown_and_felt() {
   level=0
   while kill -0 "$1" 2>/dev/null; do
@@ -97,7 +97,7 @@ expect_shown_and_felt() {
   [ "${level:-0}" -gt 40 ] || fail "its window shows nothing: a pixel of $level"
 }
 
-# A player that was not made for touch, in the terminal that it wants: its window shows the film's grey, and maps come to the chair.
+# A player that was not made for touch, in the terminal that it wants: its window shows the film's gray, and maps come to the chair.
 # The player has to be the terminal's foreground (a shell or timeout between them may put it behind, where it is stopped as it sets
 # the terminal up), hence a pseudo-terminal that starts nothing else.
 any_player() {

@@ -4,7 +4,7 @@
 on time.
 
 A server of GStreamer's own sends a live film in H.264 over RTP on loopback. The play ends when some commands were on time, however many a busy
-computer has made late in between; where the latency is not honoured none ever is. What is compared are running times; how late the commands
+computer has made late in between; where the latency is not honored none ever is. What is compared are running times; how late the commands
 were is printed.
 
 Usage: rtsp.py [PLAYBIN]...      (playbin and playbin3 if none is named; with the plugins on GST_PLUGIN_PATH)
@@ -85,7 +85,7 @@ class Frames:
 
 
 def play(playbin, uri, trace):
-    """Plays until enough commands were on time. What was analysed, what was shown, and the latencies of pipeline and sinks."""
+    """Plays until enough commands were on time. What was analyzed, what was shown, and the latencies of pipeline and sinks."""
     player = Gst.ElementFactory.make(playbin)
     chair = Gst.parse_launch(CHAIR.format(trace))
     player.set_property("uri", uri)
@@ -93,7 +93,7 @@ def play(playbin, uri, trace):
     player.connect("source-setup", lambda _, source: source.set_property("latency", JITTER))
     screen = chair.get_property("video-sink")
     screen.set_property("sync", True)
-    analysed = Frames(chair.get_by_name("analysis").get_static_pad("src"))
+    analyzed = Frames(chair.get_by_name("analysis").get_static_pad("src"))
     shown = Frames(screen.get_static_pad("sink"))
 
     def stats():
@@ -104,7 +104,7 @@ def play(playbin, uri, trace):
     deadline = time.monotonic() + PATIENCE
     player.set_state(Gst.State.PLAYING)
     while True:
-        expect(time.monotonic() < deadline, f"{playbin}: of {stats()[0]} commands {stats()[1]} were late, of {len(analysed.felt)} frames {len(shown.felt)} shown")
+        expect(time.monotonic() < deadline, f"{playbin}: of {stats()[0]} commands {stats()[1]} were late, of {len(analyzed.felt)} frames {len(shown.felt)} shown")
         message = bus.timed_pop(20 * Gst.MSECOND)
         if message and message.type in (Gst.MessageType.ERROR, Gst.MessageType.EOS):
             raise SystemExit(f"FAILED: {playbin}: {message.parse_error() if message.type == Gst.MessageType.ERROR else 'the film ends'}")
@@ -121,7 +121,7 @@ def play(playbin, uri, trace):
     sinks = [element for element in iterate(chair) if isinstance(element, GstBase.BaseSink)]
     latencies = {sink.get_latency() for sink in sinks}
     player.set_state(Gst.State.NULL)
-    return analysed.felt, shown.felt, query.parse_latency(), latencies, len(sinks)
+    return analyzed.felt, shown.felt, query.parse_latency(), latencies, len(sinks)
 
 
 def iterate(chair):
@@ -135,12 +135,12 @@ def iterate(chair):
 
 def check(playbin, uri, work):
     trace = os.path.join(work, f"{playbin}.csv")
-    analysed, shown, (live, least, _), latencies, sinks = play(playbin, uri, trace)
+    analyzed, shown, (live, least, _), latencies, sinks = play(playbin, uri, trace)
 
     expect(live, f"{playbin}: the stream is not live")
     expect(least >= (JITTER + LEAD) * Gst.MSECOND, f"{playbin}: a latency of {least / 1e6:.0f} ms, with {JITTER} of the network and {LEAD} of the motors")
     expect(sinks == 2 and latencies == {least}, f"{playbin}: the sinks wait {latencies}, the pipeline {least} ns")
-    expect({running for running, _ in shown} <= {running for running, _ in analysed}, f"{playbin}: frames are shown that were not analysed")
+    expect({running for running, _ in shown} <= {running for running, _ in analyzed}, f"{playbin}: frames are shown that were not analyzed")
 
     checked = 0
     late = []
@@ -153,7 +153,7 @@ def check(playbin, uri, work):
             late.append(issued - due)
             if volts > 0:
                 expect(
-                    any(abs(running - effect) <= SAME and cells[tactor] for running, cells in analysed if cells),
+                    any(abs(running - effect) <= SAME and cells[tactor] for running, cells in analyzed if cells),
                     f"{playbin}: tactor {tactor} is told {volts} V at {effect} ns, where no frame says so",
                 )
                 checked += 1
@@ -161,7 +161,7 @@ def check(playbin, uri, work):
     expect(not any(last.values()), f"{playbin}: motors are left on: {last}")
     late.sort()
     print(
-        f"{playbin}: latency {least / 1e6:.0f} ms; {len(analysed)} frames analysed, {len(shown)} shown; {len(late)} commands, "
+        f"{playbin}: latency {least / 1e6:.0f} ms; {len(analyzed)} frames analyzed, {len(shown)} shown; {len(late)} commands, "
         f"{late[len(late) // 2] / 1e6:.2f} ms late (median), {late[-1] / 1e6:.2f} ms (most)"
     )
 

@@ -89,7 +89,7 @@ shown() {
 }
 
 # A transport stream with a track, one whose track begins late and goes on after the film, and one with others' KLV: no player misses a
-# plugin or shows anything of them, each comes to its end, and with tactilesubtitles the track is felt. The draft is halved and turned off in the middle, so that it is not what is analysed.
+# plugin or shows anything of them, each comes to its end, and with tactilesubtitles the track is felt. The draft is halved and turned off in the middle, so that it is not what is analyzed.
 transport_stream() {
   local name film="filesrc location=$work/film.mkv ! matroskademux ! h264parse ! queue ! mux."
   track author "$work/film.mkv" -o draft.vtt -q

@@ -13,17 +13,17 @@
 
 namespace {
 
-struct Colour
+struct Color
 {
   double red;
   double green;
   double blue;
 };
-constexpr Colour kBlack{ 0, 0, 0 };
-constexpr Colour kBlue{ 0.12, 0.44, 0.71 };
-constexpr Colour kRed{ 0.75, 0.19, 0.13 };
-constexpr Colour kGrey{ 0.69, 0.69, 0.69 };
-constexpr Colour kGrid{ 0.93, 0.93, 0.93 };
+constexpr Color kBlack{ 0, 0, 0 };
+constexpr Color kBlue{ 0.12, 0.44, 0.71 };
+constexpr Color kRed{ 0.75, 0.19, 0.13 };
+constexpr Color kGray{ 0.69, 0.69, 0.69 };
+constexpr Color kGrid{ 0.93, 0.93, 0.93 };
 constexpr double kDashes[] = { 5, 3 };
 constexpr double kDots[] = { 2, 3 };
 constexpr double kStart = 0;
@@ -44,9 +44,9 @@ number(double value, const char *format)
 }
 
 void
-set_colour(cairo_t *cairo, const Colour &colour)
+set_color(cairo_t *cairo, const Color &color)
 {
-  cairo_set_source_rgb(cairo, colour.red, colour.green, colour.blue);
+  cairo_set_source_rgb(cairo, color.red, color.green, color.blue);
 }
 
 /// A white page with a title, drawn upon.
@@ -55,7 +55,7 @@ class Drawing
 public:
   Drawing(cairo_t *cairo, const std::string &title) : cairo_(cairo)
   {
-    set_colour(cairo_, { 1, 1, 1 });
+    set_color(cairo_, { 1, 1, 1 });
     cairo_paint(cairo_);
     cairo_select_font_face(cairo_, "sans-serif", CAIRO_FONT_SLANT_NORMAL, CAIRO_FONT_WEIGHT_NORMAL);
     cairo_set_font_size(cairo_, 12);
@@ -68,15 +68,15 @@ public:
   {
     cairo_text_extents_t extents;
     cairo_text_extents(cairo_, what.c_str(), &extents);
-    set_colour(cairo_, kBlack);
+    set_color(cairo_, kBlack);
     cairo_move_to(cairo_, at.x - place * extents.x_advance, at.y);
     cairo_show_text(cairo_, what.c_str());
   }
 
-  void line(std::span<const Point> points, const Colour &colour, double width = 1,
+  void line(std::span<const Point> points, const Color &color, double width = 1,
             std::span<const double> dashes = {})
   {
-    set_colour(cairo_, colour);
+    set_color(cairo_, color);
     cairo_set_line_width(cairo_, width);
     cairo_set_dash(cairo_, dashes.data(), static_cast<int>(dashes.size()), 0);
     cairo_new_path(cairo_);
@@ -85,9 +85,9 @@ public:
     cairo_stroke(cairo_);
   }
 
-  void dot(Point at, const Colour &colour)
+  void dot(Point at, const Color &color)
   {
-    set_colour(cairo_, colour);
+    set_color(cairo_, color);
     cairo_new_path(cairo_);
     cairo_arc(cairo_, at.x, at.y, 2.5, 0, 2 * std::numbers::pi);
     cairo_fill(cairo_);
@@ -177,7 +177,7 @@ draw_envelope(cairo_t *cairo, const tactor::StepResponse &response,
     raw.push_back(axes.at({ at, std::clamp(envelope.raw[i], -most, most) }));
     amplitude.push_back(axes.at({ at, std::min(envelope.amplitude[i], most) }));
   }
-  drawing.line(raw, kGrey, 0.7);
+  drawing.line(raw, kGray, 0.7);
   drawing.line(amplitude, kBlue, 2);
   const double goal = 0.9 * response.steady;
   const double risen = response.risen_ms / 1e3;

@@ -16,10 +16,10 @@ constexpr int kMargin = 6;
 constexpr GstClockTime kDefaultStep = 10 * GST_SECOND;
 constexpr GstClockTime kEarlyStep = GST_SECOND / 2;
 
-using Colour = std::array<guint8, 3>;
-constexpr Colour kPaper{ 255, 255, 255 };
-constexpr Colour kIdle{ 38, 40, 48 };
-constexpr Colour kFull{ 255, 140, 20 };
+using Color = std::array<guint8, 3>;
+constexpr Color kPaper{ 255, 255, 255 };
+constexpr Color kIdle{ 38, 40, 48 };
+constexpr Color kFull{ 255, 140, 20 };
 
 /// An RGB picture in memory, rows padded as GStreamer wants them.
 struct Picture
@@ -41,22 +41,22 @@ struct Picture
            + static_cast<std::ptrdiff_t>(x) * 3;
   }
 
-  void fill(int x, int y, int w, int h, const Colour &colour)
+  void fill(int x, int y, int w, int h, const Color &color)
   {
     for (int row = std::max(y, 0); row < std::min(y + h, height); row++)
       for (int column = std::max(x, 0); column < std::min(x + w, width); column++)
-        std::ranges::copy(colour, at(column, row));
+        std::ranges::copy(color, at(column, row));
   }
 };
 
-Colour
-level_colour(float level)
+Color
+level_color(float level)
 {
-  Colour colour;
-  for (std::size_t i = 0; i < colour.size(); i++)
-    colour[i] = static_cast<guint8>(static_cast<float>(kIdle[i])
-                                    + level * static_cast<float>(kFull[i] - kIdle[i]));
-  return colour;
+  Color color;
+  for (std::size_t i = 0; i < color.size(); i++)
+    color[i] = static_cast<guint8>(static_cast<float>(kIdle[i])
+                                   + level * static_cast<float>(kFull[i] - kIdle[i]));
+  return color;
 }
 
 void
@@ -71,8 +71,8 @@ draw_map(Picture &picture, const GstTactileMeta *meta, int x, int y, int side)
       const int gap = side / std::max(rows, columns) > 4 ? 1 : 0;
       picture.fill(left, top, x + (c + 1) * side / columns - left - gap,
                    y + (r + 1) * side / rows - top - gap,
-                   level_colour(gst_tactile_meta_get_level(meta, static_cast<guint>(r),
-                                                           static_cast<guint>(c))));
+                   level_color(gst_tactile_meta_get_level(meta, static_cast<guint>(r),
+                                                          static_cast<guint>(c))));
     }
 }
 

@@ -6,7 +6,7 @@
  * @short_description: the saliency map of a video frame
  *
  * `saliencytactile attach-saliency=true` puts a #GstSaliencyMeta on every frame
- * that it analyses, so that `tactileoverlay` or an application can show what the
+ * that it analyzes, so that `tactileoverlay` or an application can show what the
  * tactile map was made from.
  */
 

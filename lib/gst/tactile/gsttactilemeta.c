@@ -5,7 +5,7 @@
  * @title: GstTactileMeta
  * @short_description: levels of a grid of tactors on a video frame
  *
- * `saliencytactile` puts a #GstTactileMeta on every frame that it analyses;
+ * `saliencytactile` puts a #GstTactileMeta on every frame that it analyzes;
  * `tactorsink`, `tactileextractor` and `tactileoverlay` read it. An application
  * can add one of its own with gst_buffer_add_tactile_meta().
  */
@@ -102,7 +102,7 @@ gst_tactile_meta_get_info(void)
  *
  * Puts a tactile map on a video frame. A frame has one tactile map: if @buffer
  * has a #GstTactileMeta already, its grid and levels are replaced, so that a
- * frame that is analysed again isn't felt twice.
+ * frame that is analyzed again isn't felt twice.
  *
  * Returns: (transfer none) (nullable): the #GstTactileMeta on @buffer, or %NULL
  *     if a parameter is out of range

@@ -17,7 +17,7 @@ namespace {
 constexpr int kTerms = 6;
 constexpr double kTableStepVolts = 0.1;
 /// How far a measurement's difference from the quadratic is felt in the table.
-constexpr double kNeighbourVolts = 0.25;
+constexpr double kNeighborVolts = 0.25;
 /// What was measured counts for so many times what was guessed from it.
 constexpr double kMeasuredWeight = 100;
 constexpr double kSameVolts = 1e-6;
@@ -138,7 +138,7 @@ monotone_table(std::span<const RiseTimeSample> samples, double volts_max)
       const double distance = std::hypot(point.start - start, point.target - target);
       if (distance < kSameVolts)
         return point.left;
-      const double near = kNeighbourVolts / distance;
+      const double near = kNeighborVolts / distance;
       const double weight = std::pow(near, 4);
       sum += weight * point.left;
       weights += weight;

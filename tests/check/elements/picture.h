@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-// Frames of every format as colours in double precision: packed and unpacked by GStreamer,
+// Frames of every format as colors in double precision: packed and unpacked by GStreamer,
 // converted by the textbook.
 
 #include <gst/check/gstcheck.h>
@@ -35,7 +35,7 @@ info_of(const std::string &format, int width, int height)
 }
 
 /// Codes of A, then Y, Cb, Cr or R, G, B in the format that GStreamer unpacks a format to: exact,
-/// not rounded. Y'CbCr is BT.601; video range but for grey: GStreamer's defaults for such small
+/// not rounded. Y'CbCr is BT.601; video range but for gray: GStreamer's defaults for such small
 /// pictures.
 inline std::array<double, 4>
 to_codes(const GstVideoInfo &info, const Color &color)
@@ -104,7 +104,7 @@ private:
   std::vector<guint16> words_;
 };
 
-/// A frame of one colour, packed by GStreamer.
+/// A frame of one color, packed by GStreamer.
 inline GstBuffer *
 make_frame(const std::string &format, int width, int height, const Color &color)
 {
@@ -125,7 +125,7 @@ make_frame(const std::string &format, int width, int height, const Color &color)
   return buffer;
 }
 
-/// A frame's colours, unpacked by GStreamer.
+/// A frame's colors, unpacked by GStreamer.
 struct Picture
 {
   std::string format;

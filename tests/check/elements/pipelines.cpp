@@ -185,7 +185,7 @@ GST_START_TEST(test_to_the_end)
   // The zeros at the end are issued, or dropped because the sink has silenced all motors already.
   const guint64 commands = player.stat("issued") + player.stat("dropped");
   const std::vector<IssuedCommand> lines = player.final_trace();
-  // Nothing for the first second of plain grey, and the last frame ends at two.
+  // Nothing for the first second of plain gray, and the last frame ends at two.
   assert_effects_within(lines, milliseconds(1000), milliseconds(2000));
   fail_unless(lines.size() <= commands); // not each is a change
 }
@@ -331,7 +331,7 @@ GST_START_TEST(test_live)
 {
   Player player(kSource + "is-live=true" + kCaps + "! saliencytactile" + kBranches);
   change_state(player.pipeline, GST_STATE_PLAYING);
-  player.wait_for_commands(1); // the first second is plain grey
+  player.wait_for_commands(1); // the first second is plain gray
   assert_latencies(player, true);
   change_state(player.pipeline, GST_STATE_PAUSED);
   player.trace();
@@ -368,7 +368,7 @@ GST_START_TEST(test_caps_change)
   ck_assert_uint_eq(player.rendered(), 45);
   const std::vector<IssuedCommand> lines = player.final_trace();
   assert_effects_within(lines, milliseconds(1000), milliseconds(1500 + 1800));
-  // 1.5 s, of which one is grey, and 1.8 s, of which one is grey.
+  // 1.5 s, of which one is gray, and 1.8 s, of which one is gray.
   bool old_grid = false;
   bool new_grid = false;
   for (const IssuedCommand &line : lines) {

@@ -25,11 +25,11 @@ GST_START_TEST(test_formats)
   ck_assert_uint_eq(strongest(reference), 6);
   fail_unless(reference[6] > 0.2f);
 
-  Analysis analysis("saliencytactile floor=0"); // in grey the square is a faint one
+  Analysis analysis("saliencytactile floor=0"); // in gray the square is a faint one
   const std::vector<gfloat> levels = analysis.play(Film(format, 2, 0));
   ck_assert_uint_eq(levels.size(), 9);
   ck_assert_uint_eq(strongest(levels), 6);
-  // Grey has lost the colour, chroma subsampling a little of it.
+  // Gray has lost the color, chroma subsampling a little of it.
   const float tolerance = g_str_equal(format, "GRAY8") ? 1.0f : 0.06f;
   for (std::size_t i = 0; i < 9; i++)
     fail_unless(std::abs(levels[i] - reference[i]) <= tolerance, "%s: cell %u is %g, in RGB %g",
@@ -37,8 +37,8 @@ GST_START_TEST(test_formats)
 }
 GST_END_TEST;
 
-/// A chequered square of red and cyan has, from afar, the code values of the grey around it, but not its
-/// colour: small frames are looked at closely anyway.
+/// A checkered square of red and cyan has, from afar, the code values of the gray around it, but not its
+/// color: small frames are looked at closely anyway.
 GST_START_TEST(test_exact)
 {
   struct Case
@@ -244,7 +244,7 @@ GST_END_TEST;
 
 namespace {
 
-/// A frame of noiseless grey with a round bright spot, Gaussian of σ pixels, about (x, y), or none if σ is 0.
+/// A frame of noiseless gray with a round bright spot, Gaussian of σ pixels, about (x, y), or none if σ is 0.
 GstBuffer *
 spot_frame(int width, int height, double x, double y, double sigma)
 {

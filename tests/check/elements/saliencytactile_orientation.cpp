@@ -47,7 +47,7 @@ caps_of(const Scene &scene)
          + ",height=" + std::to_string(scene.height);
 }
 
-/// Grey, with a lighter square from the 12th frame on.
+/// Gray, with a lighter square from the 12th frame on.
 GstBuffer *
 scene_frame(const Scene &scene, guint i)
 {
@@ -170,7 +170,7 @@ GST_START_TEST(test_tags)
 }
 GST_END_TEST;
 
-/// A tag that comes while the film plays holds from the next frame on, also where that is not analysed.
+/// A tag that comes while the film plays holds from the next frame on, also where that is not analyzed.
 GST_START_TEST(test_tag_under_way)
 {
   Analysis analysis("saliencytactile max-rate=1", caps_of(kScenes[0]).c_str());

@@ -17,20 +17,20 @@
 
 namespace {
 
-constexpr int kGrey = 110;
+constexpr int kGray = 110;
 constexpr const char *kCaps = "video/x-raw,format=RGB,width=320,height=240,framerate=30/1";
 
-/// Grey of the picture at a pixel, or -1 for its background.
+/// Gray of the picture at a pixel, or -1 for its background.
 using Paint = std::function<int(int x, int y)>;
 
 GstBuffer *
 frame(guint number, const Paint &paint)
 {
-  std::vector<guint8> pixels(kWidth * kHeight * 3, kGrey);
+  std::vector<guint8> pixels(kWidth * kHeight * 3, kGray);
   for (int y = 0; y < kHeight; y++)
     for (int x = 0; x < kWidth; x++)
-      if (const int grey = paint(x, y); grey >= 0)
-        std::fill_n(pixels.begin() + 3 * (y * kWidth + x), 3, static_cast<guint8>(grey));
+      if (const int gray = paint(x, y); gray >= 0)
+        std::fill_n(pixels.begin() + 3 * (y * kWidth + x), 3, static_cast<guint8>(gray));
   GstBuffer *buffer = gst_buffer_new_memdup(pixels.data(), pixels.size());
   GST_BUFFER_PTS(buffer) = gst_util_uint64_scale(number, GST_SECOND, 30);
   GST_BUFFER_DURATION(buffer) = GST_SECOND / 30;

@@ -138,8 +138,8 @@ GST_START_TEST(test_max_rate_is_not_exceeded)
     GST_BUFFER_DURATION(frame) = GST_SECOND / 30;
     analysis.felt(frame);
   }
-  const guint64 analysed = stat_of(analysis.element, "analysed");
-  fail_unless(analysed >= 249 && analysed <= 251, "%u", static_cast<guint>(analysed));
+  const guint64 analyzed = stat_of(analysis.element, "analysed");
+  fail_unless(analyzed >= 249 && analyzed <= 251, "%u", static_cast<guint>(analyzed));
 }
 GST_END_TEST;
 

@@ -3,7 +3,7 @@
 
 #include <array>
 
-/// A face that a face detector takes for one: grey ellipses, in units of half the head's width
+/// A face that a face detector takes for one: gray ellipses, in units of half the head's width
 /// about the head's middle.
 struct FacePart
 {
@@ -11,7 +11,7 @@ struct FacePart
   double y;
   double radius_x;
   double radius_y;
-  int grey;
+  int gray;
 };
 
 inline constexpr std::array<FacePart, 11> kSchematicFace{ {
@@ -28,16 +28,16 @@ inline constexpr std::array<FacePart, 11> kSchematicFace{ {
     { 0, 1.02, 0.2, 0.05, 170 },      // chin
 } };
 
-/// Grey of the face at a place in its units, or -1 beside it.
+/// Gray of the face at a place in its units, or -1 beside it.
 inline int
 schematic_face_at(double x, double y)
 {
-  int grey = -1;
+  int gray = -1;
   for (const FacePart &part : kSchematicFace) {
     const double dx = (x - part.x) / part.radius_x;
     const double dy = (y - part.y) / part.radius_y;
     if (dx * dx + dy * dy <= 1)
-      grey = part.grey;
+      gray = part.gray;
   }
-  return grey;
+  return gray;
 }

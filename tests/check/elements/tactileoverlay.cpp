@@ -174,7 +174,7 @@ GST_START_TEST(test_grid_covers_the_picture)
 }
 GST_END_TEST;
 
-GST_START_TEST(test_heatmap_colours)
+GST_START_TEST(test_heatmap_colors)
 {
   // A field of one value: blue, cyan, green, yellow, red.
   const std::array<std::pair<gfloat, Color>, 5> ramp{ {
@@ -195,7 +195,7 @@ GST_START_TEST(test_heatmap_colours)
 }
 GST_END_TEST;
 
-/// Bilinear between values at the centres of their cells, in double precision.
+/// Bilinear between values at the centers of their cells, in double precision.
 static double
 interpolate(const std::vector<gfloat> &values, int columns, int rows, double x, double y)
 {
@@ -220,10 +220,10 @@ GST_START_TEST(test_saliency_is_interpolated)
       const Picture out = overlay(frame, "RGB", width, height, "style=saliency opacity=0.1");
       for (int y = 0; y < height; y++)
         for (int x = 0; x < width; x++) {
-          const double grey
+          const double gray
               = 255 * interpolate(values, columns, rows, (x + 0.5) / width, (y + 0.5) / height)
                 / 12;
-          assert_color(out, x, y, { grey, grey, grey }, 0.51);
+          assert_color(out, x, y, { gray, gray, gray }, 0.51);
         }
     }
 }
@@ -239,8 +239,8 @@ GST_START_TEST(test_tall_pictures)
   add_saliency(frame, 1, 2, values);
   const Picture out = overlay(frame, "RGB", kWidth, kHeight, "style=saliency");
   for (int y = 0; y < kHeight; y++) {
-    const double grey = 255 * interpolate(values, 1, 2, 0.5, (y + 0.5) / kHeight);
-    assert_color(out, 2, y, { grey, grey, grey }, 0.51 + 2 * 255 * 2.0 / kHeight);
+    const double gray = 255 * interpolate(values, 1, 2, 0.5, (y + 0.5) / kHeight);
+    assert_color(out, 2, y, { gray, gray, gray }, 0.51 + 2 * 255 * 2.0 / kHeight);
   }
 }
 GST_END_TEST;
@@ -251,16 +251,16 @@ GST_START_TEST(test_saliency_scale)
   {
     gfloat value;
     gfloat floor;
-    double grey;
+    double gray;
   } cases[] = {
     { 5, 0, 255 }, { 5, 1, 255 }, { 5, 2.5F, 255 }, { 5, 5, 127.5 }, { 5, 20, 255 * 5 / 40.0 },
     { 0, 1, 0 },   { 0, 0, 0 }
   };
-  for (const auto &[value, floor, grey] : cases)
+  for (const auto &[value, floor, gray] : cases)
     for (const std::string format : kFormats) {
       GstBuffer *frame = make_frame(format, 8, 8, kPicture);
       add_saliency(frame, 1, 1, { value }, floor);
-      assert_color(overlay(frame, format, 8, 8, "style=saliency"), 4, 4, { grey, grey, grey },
+      assert_color(overlay(frame, format, 8, 8, "style=saliency"), 4, 4, { gray, gray, gray },
                    tolerance_of(format));
     }
 
@@ -483,7 +483,7 @@ GST_START_TEST(test_properties)
 
   // From frame to frame.
   gst_harness_set_src_caps_str(h, caps_of("GRAY8", 8, 8).c_str());
-  const auto centre = [&] {
+  const auto center = [&] {
     GstBuffer *in = gst_buffer_new_allocate(nullptr, 64, nullptr);
     gst_buffer_memset(in, 0, 100, -1);
     add_levels(in, 1, 1, { 1 });
@@ -494,13 +494,13 @@ GST_START_TEST(test_properties)
   };
   const double red = 0.299 * 255;
   g_object_set(element, "opacity", 1.0, nullptr);
-  fail_unless(std::abs(centre() - red) <= 1);
+  fail_unless(std::abs(center() - red) <= 1);
   g_object_set(element, "opacity", 0.25, nullptr);
-  fail_unless(std::abs(centre() - (100 + 0.25 * (red - 100))) <= 1);
+  fail_unless(std::abs(center() - (100 + 0.25 * (red - 100))) <= 1);
   gst_util_set_object_arg(G_OBJECT(element), "style", "saliency");
   g_object_get(element, "style", &style, nullptr);
   fail_unless_equals_int(style, 2);
-  fail_unless_equals_int(centre(), 255);
+  fail_unless_equals_int(center(), 255);
   gst_object_unref(element);
   gst_harness_teardown(h);
 }
@@ -515,7 +515,7 @@ tactileoverlay_suite(void)
   tcase_add_test(tests, test_grid_in_every_format);
   tcase_add_test(tests, test_borders);
   tcase_add_test(tests, test_grid_covers_the_picture);
-  tcase_add_test(tests, test_heatmap_colours);
+  tcase_add_test(tests, test_heatmap_colors);
   tcase_add_test(tests, test_saliency_is_interpolated);
   tcase_add_test(tests, test_tall_pictures);
   tcase_add_test(tests, test_saliency_scale);

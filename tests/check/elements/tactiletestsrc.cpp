@@ -381,26 +381,26 @@ GST_START_TEST(test_formats_show_the_same)
       const std::vector<guint8> rgb = frame_of("RGB");
       fail_unless_equals_int(native.size(), rgb.size());
       std::size_t far = 0;
-      std::size_t coloured = 0;
+      std::size_t colored = 0;
       const auto row = static_cast<std::size_t>(target == "RGB" ? 3 * width : width); // bytes
       for (std::size_t i = 0; i < rgb.size(); i++) {
         if (i % GST_ROUND_UP_4(row) >= row) // between rows
           continue;
         far += std::abs(native[i] - rgb[i]) > 4;
-        coloured += std::abs(rgb[i] - rgb[0]) > 20;
+        colored += std::abs(rgb[i] - rgb[0]) > 20;
       }
-      fail_unless(coloured > rgb.size() / 50);
+      fail_unless(colored > rgb.size() / 50);
       const double edge
           = 12.0 / (0.3 * width); // pixels of a ring around the ball, as a share of the ball
-      fail_unless(static_cast<double>(far) < edge * static_cast<double>(coloured),
-                  "%s %d: %zu of %zu", format.c_str(), width, far, coloured);
+      fail_unless(static_cast<double>(far) < edge * static_cast<double>(colored),
+                  "%s %d: %zu of %zu", format.c_str(), width, far, colored);
     }
 }
 GST_END_TEST;
 
-GST_START_TEST(test_colours)
+GST_START_TEST(test_colors)
 {
-  // R'G'B' 119 in the codes of each matrix and range, by hand: grey has no chroma, and Y' = 16 +
+  // R'G'B' 119 in the codes of each matrix and range, by hand: gray has no chroma, and Y' = 16 +
   // 219 · 119/255 = 118.2.
   for (const auto &[caps, luma] :
        { std::pair{ "video/x-raw,format=I420,width=8,height=8,colorimetry=bt601", 118 },
@@ -565,7 +565,7 @@ tactiletestsrc_suite(void)
   tcase_add_test(tests, test_backwards);
   tcase_add_test(tests, test_duration);
   tcase_add_test(tests, test_formats_show_the_same);
-  tcase_add_test(tests, test_colours);
+  tcase_add_test(tests, test_colors);
   tcase_add_test(tests, test_noise);
   tcase_add_test(tests, test_any_size);
   tcase_add_test(tests, test_renegotiation);

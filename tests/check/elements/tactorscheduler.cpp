@@ -62,21 +62,21 @@ GST_START_TEST(test_issued_exactly_when_due)
   for (unsigned seed = 1; seed <= 20; seed++) {
     Rig rig;
     std::mt19937 random(seed);
-    const auto upto = [&](int n) {
+    const auto below = [&](int n) {
       return static_cast<int>(random() % static_cast<unsigned>(n));
     };
     std::vector<Command> all;
     for (int batch = 0; batch < 10; batch++) {
       std::vector<Command> commands;
-      for (int i = upto(8); i > 0; i--) {
-        const int lead = upto(180);
-        Command one = command(batch * 200 + lead + 1 + upto(199), upto(4), 0.5 * upto(7), lead);
-        one.effect += Time(upto(1000));
+      for (int i = below(8); i > 0; i--) {
+        const int lead = below(180);
+        Command one = command(batch * 200 + lead + 1 + below(199), below(4), 0.5 * below(7), lead);
+        one.effect += Time(below(1000));
         commands.push_back(one);
       }
       rig.push(commands);
       all.insert(all.end(), commands.begin(), commands.end());
-      rig.run_to(batch * 200 + upto(200));
+      rig.run_to(batch * 200 + below(200));
     }
     rig.run_to(3000);
     const std::vector<Write> expected = expected_writes(all);

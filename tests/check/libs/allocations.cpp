@@ -146,7 +146,7 @@ struct Counted
 
 /// Of `measured` frames after `warm_up`.
 Counted
-analyse(const saliency::Profile &profile, const tactile::MappingSettings &mapping, bool temporal,
+analyze(const saliency::Profile &profile, const tactile::MappingSettings &mapping, bool temporal,
         const std::vector<Frame> &frames)
 {
   constexpr int kWarmUp = 200;
@@ -195,13 +195,13 @@ GST_START_TEST(test_tuned)
 {
   const auto mapping = tactile::MappingSettings::tuned();
   const auto profile = saliency::Profile::tuned();
-  ck_assert_int_eq(analyse(profile, mapping, true, still(kFilm)).allocations, 0);
+  ck_assert_int_eq(analyze(profile, mapping, true, still(kFilm)).allocations, 0);
 
-  const Counted moving = analyse(profile, mapping, true, pan());
+  const Counted moving = analyze(profile, mapping, true, pan());
   ck_assert_int_ge(moving.moved, 100);
   ck_assert_int_eq(moving.allocations, 0);
 
-  const Counted cut = analyse(profile, mapping, true, cuts());
+  const Counted cut = analyze(profile, mapping, true, cuts());
   ck_assert_int_ge(cut.cuts, 50);
   ck_assert_int_eq(cut.allocations, 0);
 }
@@ -210,7 +210,7 @@ GST_END_TEST;
 GST_START_TEST(test_tuned_spatial)
 {
   const Counted counted
-      = analyse(saliency::Profile::tuned_spatial(), tactile::MappingSettings::tuned_spatial(),
+      = analyze(saliency::Profile::tuned_spatial(), tactile::MappingSettings::tuned_spatial(),
                 false, still(kPicture));
   ck_assert_int_eq(counted.allocations, 0);
 }
@@ -219,7 +219,7 @@ GST_END_TEST;
 GST_START_TEST(test_paper)
 {
   const Counted counted
-      = analyse(saliency::Profile::paper(), tactile::MappingSettings::paper(), true, still(kFilm));
+      = analyze(saliency::Profile::paper(), tactile::MappingSettings::paper(), true, still(kFilm));
   ck_assert_int_eq(counted.allocations, 0);
 }
 GST_END_TEST;

@@ -184,7 +184,7 @@ GST_END_TEST;
 
 GST_START_TEST(test_exact_and_decimated_agree)
 {
-  // On pictures made of coloured things with a little noise, too large for L*a*b* of every pixel.
+  // On pictures made of colored things with a little noise, too large for L*a*b* of every pixel.
   std::mt19937 generator(3);
   const auto random = [&](int low, int high) {
     return std::uniform_int_distribution<int>(low, high)(generator);
@@ -285,7 +285,7 @@ GST_START_TEST(test_no_burst)
 {
   // After start, reset, a step back in time, the same time again, another size, a hole: the first
   // frame is not salient, the next one with something new is.
-  const Frame grey = textured(64, 48);
+  const Frame gray = textured(64, 48);
   const Frame ball = film(64, 48, 10);
   const Frame other(80, 60);
   const Time frame = kSecond / 30;
@@ -294,18 +294,18 @@ GST_START_TEST(test_no_burst)
     Analyzer analyzer(profile);
     const auto starts_anew = [&](const Frame &first, Time time) {
       fail_unless(peak(analyzer, first, time) == 0);
-      fail_unless(peak(analyzer, &first == &ball ? grey : ball, time + frame) > 0);
+      fail_unless(peak(analyzer, &first == &ball ? gray : ball, time + frame) > 0);
     };
-    starts_anew(grey, Time(0));
+    starts_anew(gray, Time(0));
     analyzer.reset();
-    starts_anew(grey, 2 * frame);
-    starts_anew(grey, Time(0));                          // back
-    starts_anew(grey, frame);                            // the same time
+    starts_anew(gray, 2 * frame);
+    starts_anew(gray, Time(0));                          // back
+    starts_anew(gray, frame);                            // the same time
     fail_unless(peak(analyzer, other, 10 * frame) == 0); // another size
-    starts_anew(grey, 11 * frame);                       // and back
-    starts_anew(grey, -100 * kSecond);                   // before zero
+    starts_anew(gray, 11 * frame);                       // and back
+    starts_anew(gray, -100 * kSecond);                   // before zero
     const Time hole = -100 * kSecond + 2 * frame + 64 * frame;
-    fail_unless((peak(analyzer, grey, hole + frame) == 0)
+    fail_unless((peak(analyzer, gray, hole + frame) == 0)
                 == seconds); // longer than the longest window
     fail_unless(peak(analyzer, ball, hole + 2 * frame + 63 * frame) > 0); // not as long
   }
@@ -316,8 +316,8 @@ GST_START_TEST(test_extreme_times)
 {
   const Time first(std::numeric_limits<Time::rep>::min());
   const Time last(std::numeric_limits<Time::rep>::max());
-  const Frame grey(64, 48);
-  Frame ball = grey;
+  const Frame gray(64, 48);
+  Frame ball = gray;
   ball.disc(32, 24, 8, { 210, 90, 200 });
   Analyzer analyzer(Profile::tuned());
   for (const Time duration : { Time(0), Time(-1), first, last, kSecond }) {
@@ -332,7 +332,7 @@ GST_START_TEST(test_extreme_times)
   // Slides: each is displayed for an hour, and each is new.
   analyzer.reset();
   for (int i = 0; i < 6; ++i) {
-    const double p = peak(analyzer, i % 2 == 0 ? grey : ball, i * 3600 * kSecond, 3600 * kSecond);
+    const double p = peak(analyzer, i % 2 == 0 ? gray : ball, i * 3600 * kSecond, 3600 * kSecond);
     fail_unless(i % 2 == 1 ? p > 0.6 : p < 0.6);
   }
   // An unknown duration is that of a frame at 30 fps.
@@ -384,8 +384,8 @@ GST_END_TEST;
 
 GST_START_TEST(test_picture)
 {
-  // Where a dot is in the map is where it is in the picture: sample coordinates (centre of sample i
-  // at i + ½) map linearly from the picture's edges. The dot is found by the map's centre of mass.
+  // Where a dot is in the map is where it is in the picture: sample coordinates (center of sample i
+  // at i + ½) map linearly from the picture's edges. The dot is found by the map's center of mass.
   Profile profile = Profile::tuned();
   Analyzer analyzer(profile);
   for (const auto &[x, y] : { std::pair{ 200, 150 }, { 331, 222 }, { 448, 128 }, { 101, 307 } }) {
@@ -475,15 +475,15 @@ GST_START_TEST(test_cut)
 {
   // Another shot gives silence, and what comes in it is felt; so does a frame of another size, which is
   // no cut.
-  const Frame grey = textured(160, 120);
-  Frame other = grey;
+  const Frame gray = textured(160, 120);
+  Frame other = gray;
   for (auto &v : other.planes[0])
     v = static_cast<std::uint8_t>(255 - v / 2);
   Frame ball = other;
   ball.disc(80, 60, 12, { 60, 90, 200 });
   Analyzer analyzer(Profile::tuned());
   for (int i = 0; i < 12; ++i) {
-    const auto &result = analyzer.analyze((i < 5    ? grey
+    const auto &result = analyzer.analyze((i < 5    ? gray
                                            : i < 10 ? other
                                                     : ball)
                                               .view(),
@@ -499,13 +499,13 @@ GST_START_TEST(test_cut)
   // With a share of 1 nothing is a cut, nor is it after a reset.
   Profile profile = Profile::tuned();
   analyzer.reset();
-  fail_if(analyzer.analyze(grey.view(), Time(0), Time(0)).cut);
+  fail_if(analyzer.analyze(gray.view(), Time(0), Time(0)).cut);
   analyzer.reset();
   fail_if(analyzer.analyze(other.view(), kSecond, Time(0)).cut);
   profile.cut_share = 1;
   profile.background_gain = 0;
   Analyzer uncut(profile);
-  uncut.analyze(grey.view(), Time(0), Time(0));
+  uncut.analyze(gray.view(), Time(0), Time(0));
   const auto &next = uncut.analyze(ball.view(), kSecond / 30, Time(0));
   fail_if(next.cut);
   fail_unless(next.peak > 0.6);

@@ -79,7 +79,7 @@ GST_END_TEST;
 GST_START_TEST(test_closed_form)
 {
   // A dot of (3, 4, 12) on black. Along each axis 6/16 of it lie on the same sample one level up and
-  // 1/16 on its neighbours; two levels up (6·6 + 2·4·1)/256 = 44/256.
+  // 1/16 on its neighbors; two levels up (6·6 + 2·4·1)/256 = 44/256.
   auto lab = uniform_lab(33, 33, { 0, 0, 0 });
   lab[0](16, 16) = 3;
   lab[1](16, 16) = 4;
@@ -100,8 +100,8 @@ GST_END_TEST;
 
 GST_START_TEST(test_ramp_has_no_contrast)
 {
-  // Centre and surround of a linear ramp agree wherever both lie where they say they lie;
-  // half-pixel centres would leave a contrast of (2² - 1)/2 samples' worth of slope. Borders are
+  // Center and surround of a linear ramp agree wherever both lie where they say they lie;
+  // half-pixel centers would leave a contrast of (2² - 1)/2 samples' worth of slope. Borders are
   // mirrored and no ramp: two levels up they reach 2 + 2·2 pixels, to the sample at 8.
   auto lab = uniform_lab(65, 65, { 0, 0, 0 });
   for (int y = 0; y < 65; ++y)

@@ -52,7 +52,7 @@ constexpr Layout kLayouts[] = {
   { "AYUV", ColorModel::yuv, 8, 0, 0, 0, { { { 0, 1, 4 }, { 0, 2, 4 }, { 0, 3, 4 } } } },
   { "RGB", ColorModel::rgb, 8, 0, 0, 0, { { { 0, 0, 3 }, { 0, 1, 3 }, { 0, 2, 3 } } } },
   { "BGRx", ColorModel::rgb, 8, 0, 0, 0, { { { 0, 2, 4 }, { 0, 1, 4 }, { 0, 0, 4 } } } },
-  { "GRAY8", ColorModel::grey, 8, 0, 0, 0, { { { 0, 0, 1 }, {}, {} } } },
+  { "GRAY8", ColorModel::gray, 8, 0, 0, 0, { { { 0, 0, 1 }, {}, {} } } },
   { "I420_10LE", ColorModel::yuv, 10, 0, 1, 1, { { { 0, 0, 2 }, { 1, 0, 2 }, { 2, 0, 2 } } } },
   { "P010_10LE", ColorModel::yuv, 10, 6, 1, 1, { { { 0, 0, 2 }, { 1, 0, 4 }, { 1, 2, 4 } } } },
   { "RGB48", ColorModel::rgb, 16, 0, 0, 0, { { { 0, 0, 6 }, { 0, 2, 6 }, { 0, 4, 6 } } } },
@@ -77,7 +77,7 @@ struct Frame
   Frame(const Layout &layout, int width, int height, bool bottom_up, unsigned seed)
   {
     std::mt19937 generator(seed);
-    const std::size_t count = layout.model == ColorModel::grey ? 1 : 3;
+    const std::size_t count = layout.model == ColorModel::gray ? 1 : 3;
     const int bytes = layout.depth > 8 ? 2 : 1;
 
     std::array<std::ptrdiff_t, 3> row_bytes{};
@@ -136,7 +136,7 @@ to_lab(const FrameView &view, const std::array<oracle::Image, 3> &codes)
   for (int y = 0; y < h; ++y)
     for (int x = 0; x < w; ++x) {
       std::array<double, 3> code{};
-      for (std::size_t i = 0; i < (view.model == ColorModel::grey ? 1U : 3U); ++i)
+      for (std::size_t i = 0; i < (view.model == ColorModel::gray ? 1U : 3U); ++i)
         code[i] = codes[i](x, y);
       const auto pixel
           = oracle::samples_to_lab(code, view.model, view.depth, view.full_range, view.matrix);
@@ -174,7 +174,7 @@ oracle::LabImage
 expected_lab(const Frame &frame, int level, int converted)
 {
   std::array<oracle::Image, 3> components;
-  for (std::size_t i = 0; i < (frame.view.model == ColorModel::grey ? 1U : 3U); ++i)
+  for (std::size_t i = 0; i < (frame.view.model == ColorModel::gray ? 1U : 3U); ++i)
     components[i] = component_at(frame.codes[i], converted, frame.view.width, frame.view.height);
   auto lab = to_lab(frame.view, components);
   for (int n = converted; n < level; ++n)
@@ -410,9 +410,9 @@ GST_START_TEST(test_frames_that_cannot_be)
     fail_unless(refuses(with([i](FrameView &v) { v.components[i].width = 100; })));
     fail_unless(refuses(with([i](FrameView &v) { v.components[i].pixel_stride = 0; })));
   }
-  // A grey frame has no other components to look at.
+  // A gray frame has no other components to look at.
   fail_if(refuses(with([](FrameView &v) {
-    v.model = ColorModel::grey;
+    v.model = ColorModel::gray;
     v.components[1] = v.components[2] = {};
   })));
 }

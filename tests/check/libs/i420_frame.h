@@ -21,9 +21,9 @@ struct Frame
   int height;
   std::array<std::vector<std::uint8_t>, 3> planes;
 
-  Frame(int w, int h, std::uint8_t grey = 128) : width(w), height(h)
+  Frame(int w, int h, std::uint8_t gray = 128) : width(w), height(h)
   {
-    planes[0].assign(static_cast<std::size_t>(w) * static_cast<std::size_t>(h), grey);
+    planes[0].assign(static_cast<std::size_t>(w) * static_cast<std::size_t>(h), gray);
     planes[1].assign(static_cast<std::size_t>((w + 1) / 2) * static_cast<std::size_t>((h + 1) / 2),
                      128);
     planes[2] = planes[1];

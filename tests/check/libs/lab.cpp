@@ -30,9 +30,9 @@ convert(const SampleCoding &coding, const std::vector<std::array<double, 3>> &co
     for (std::size_t x = 0; x < count; ++x)
       components[c][x] = static_cast<saliency::Fixed>(std::ldexp(codes[x][c], 15 - coding.depth));
   }
-  const bool grey = coding.model == ColorModel::grey;
-  LabConverter(coding).convert({ components[0].data(), grey ? nullptr : components[1].data(),
-                                 grey ? nullptr : components[2].data() },
+  const bool gray = coding.model == ColorModel::gray;
+  LabConverter(coding).convert({ components[0].data(), gray ? nullptr : components[1].data(),
+                                 gray ? nullptr : components[2].data() },
                                static_cast<int>(count),
                                { lab[0].data(), lab[1].data(), lab[2].data() });
   saliency::FixedLabImage image;
@@ -112,10 +112,10 @@ GST_START_TEST(test_published_anchors)
 }
 GST_END_TEST;
 
-GST_START_TEST(test_greys)
+GST_START_TEST(test_grays)
 {
   for (const bool full_range : { false, true })
-    for (const ColorModel model : { ColorModel::grey, ColorModel::yuv, ColorModel::rgb }) {
+    for (const ColorModel model : { ColorModel::gray, ColorModel::yuv, ColorModel::rgb }) {
       std::vector<std::array<double, 3>> codes;
       for (int code = 0; code < 256; ++code)
         codes.push_back(model == ColorModel::yuv
@@ -124,10 +124,10 @@ GST_START_TEST(test_greys)
       const SampleCoding coding{ .model = model, .full_range = full_range };
       fail_unless_at_most(error(coding, codes), kBound);
       for (int code = 0; code < 256; ++code) {
-        const double grey = code;
-        const auto lab = lab_of(coding, { grey, model == ColorModel::yuv ? 128 : grey,
-                                          model == ColorModel::yuv ? 128 : grey });
-        fail_unless(std::abs(lab[1]) < 0.001F && std::abs(lab[2]) < 0.001F, "grey %d is coloured",
+        const double gray = code;
+        const auto lab = lab_of(coding, { gray, model == ColorModel::yuv ? 128 : gray,
+                                          model == ColorModel::yuv ? 128 : gray });
+        fail_unless(std::abs(lab[1]) < 0.001F && std::abs(lab[2]) < 0.001F, "gray %d is colored",
                     code);
       }
     }
@@ -152,7 +152,7 @@ GST_END_TEST;
 
 GST_START_TEST(test_gamut)
 {
-  // All colours on a grid of 5 codes, and every step of the two curves on grey and primaries.
+  // All colors on a grid of 5 codes, and every step of the two curves on gray and primaries.
   std::vector<std::array<double, 3>> codes;
   for (int r = 0; r <= 255; r += 5)
     for (int g = 0; g <= 255; g += 5)
@@ -171,7 +171,7 @@ GST_START_TEST(test_targets)
   // Every instruction set that this processor has gives the same bits.
   const auto codes = random_codes(8, 9);
   const auto targets = hwy::SupportedTargets();
-  for (const auto model : { ColorModel::grey, ColorModel::yuv, ColorModel::rgb }) {
+  for (const auto model : { ColorModel::gray, ColorModel::yuv, ColorModel::rgb }) {
     const auto expected = convert({ .model = model }, codes);
     for (const std::int64_t target : hwy::SupportedAndGeneratedTargets()) {
       hwy::GetChosenTarget().Update(target);
@@ -189,7 +189,7 @@ GST_END_TEST;
 
 GST_START_TEST(test_dark_rgb)
 {
-  // Where the curves bend most: all colours of the eight darkest codes and around CIE's and sRGB's
+  // Where the curves bend most: all colors of the eight darkest codes and around CIE's and sRGB's
   // linear parts.
   std::vector<std::array<double, 3>> codes;
   for (int r = 0; r < 32; ++r)
@@ -245,7 +245,7 @@ lab_suite(void)
   TCase *tc = tcase_create("general");
   suite_add_tcase(suite, tc);
   tcase_add_test(tc, test_published_anchors);
-  tcase_add_test(tc, test_greys);
+  tcase_add_test(tc, test_grays);
   tcase_add_test(tc, test_rgb);
   tcase_add_test(tc, test_rgb_ignores_range);
   tcase_add_test(tc, test_gamut);

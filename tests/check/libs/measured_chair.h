@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 //
-// A measurement of simulated motors: planned, played without a clock, heard by a simulated sensor, analysed.
+// A measurement of simulated motors: planned, played without a clock, heard by a simulated sensor, analyzed.
 #pragma once
 
 #include "tactor/calibration/measurement_plan.h"

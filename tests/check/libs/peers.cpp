@@ -29,7 +29,7 @@ frame(int width, int height, int ball_x)
 
 GST_START_TEST(test_frame_difference)
 {
-  // A step of 50 in one pixel of grey becomes a Gaussian of 3 % of the width with volume 50; first
+  // A step of 50 in one pixel of gray becomes a Gaussian of 3 % of the width with volume 50; first
   // and unchanged frames have no difference.
   PeerSaliency difference(Peer::frame_difference);
   cv::Mat picture(75, 100, CV_8UC3, cv::Scalar(100, 100, 100));

@@ -37,7 +37,7 @@ rarity_of_share(double share)
 
 GST_START_TEST(test_shares)
 {
-  // 20×20 pixels: a plain colour is not rare at all; a spot of 4 far from it has a share of 1 %.
+  // 20×20 pixels: a plain color is not rare at all; a spot of 4 far from it has a share of 1 %.
   auto lab = colors(20, 20, 50, -20, 30);
   fail_unless_at_most(cv::norm(weight_of(lab), cv::NORM_INF), 0);
   for (int i = 0; i < 4; ++i)
@@ -79,7 +79,7 @@ GST_END_TEST;
 
 GST_START_TEST(test_brute_force)
 {
-  // One object for pictures of changing size; colours from all of the space and beyond it.
+  // One object for pictures of changing size; colors from all of the space and beyond it.
   unsigned seed = 1;
   for (const double border : { 0.0, 0.1, 0.5 }) {
     Rarity rarity(border);
@@ -100,7 +100,7 @@ GST_END_TEST;
 
 GST_START_TEST(test_noise_does_not_make_rare)
 {
-  // A plain ground whose colour lies on the edges of bins of L* and of a* falls into four of them
+  // A plain ground whose color lies on the edges of bins of L* and of a* falls into four of them
   // under noise. Each has a quarter and counts half of two and a quarter of one: R(9/16).
   const oracle::LabImage lab{ oracle::random_image(60, 40, 49.9, 50.1, 1),
                               oracle::random_image(60, 40, -0.1, 0.1, 2),

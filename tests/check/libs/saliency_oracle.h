@@ -121,7 +121,7 @@ difference(const saliency::FixedLabImage &found, const LabImage &image)
   return difference(saliency::to_float(found), image);
 }
 
-// ---- colour
+// ---- color
 // -----------------------------------------------------------------------------------------------------------
 
 /// R'G'B' in [0, 1] → L*a*b*, D65 (IEC 61966-2-1, CIE 15).
@@ -154,7 +154,7 @@ samples_to_lab(std::array<double, 3> code, saliency::ColorModel model, int depth
   if (model == saliency::ColorModel::rgb)
     return rgb_to_lab({ code[0] / all, code[1] / all, code[2] / all });
   const double y = full_range ? code[0] / all : (code[0] / step - 16) / 219;
-  if (model == saliency::ColorModel::grey)
+  if (model == saliency::ColorModel::gray)
     return rgb_to_lab({ y, y, y });
   const double cb = full_range ? (code[1] - 128 * step) / all : (code[1] / step - 128) / 224;
   const double cr = full_range ? (code[2] - 128 * step) / all : (code[2] / step - 128) / 224;
@@ -296,7 +296,7 @@ surroundedness(const LabImage &lab, double step, double exponent)
   return map;
 }
 
-/// The share of the picture (or of its outer frame) with about a pixel's colour, bin by bin.
+/// The share of the picture (or of its outer frame) with about a pixel's color, bin by bin.
 inline Image
 rarity(const LabImage &lab, double border)
 {

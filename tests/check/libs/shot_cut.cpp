@@ -28,7 +28,7 @@ even(cv::Size size, cv::Vec3f color)
   return image;
 }
 
-/// The colour on every pixel, or on the first `count` of a black picture of 10×8.
+/// The color on every pixel, or on the first `count` of a black picture of 10×8.
 LabImage
 picture(cv::Vec3f color, int count = 80)
 {

@@ -112,7 +112,7 @@ GST_END_TEST;
 
 GST_START_TEST(test_brute_force)
 {
-  // Centres finer than the map, at it and coarser than it; sums and means; with N and without.
+  // Centers finer than the map, at it and coarser than it; sums and means; with N and without.
   Profile profile;
   profile.windows = { { 1, 8 } };
   for (const auto &[width, height] :
@@ -197,11 +197,11 @@ GST_END_TEST;
 
 GST_START_TEST(test_flat_picture)
 {
-  const oracle::LabImage grey{ oracle::Image(40, 30, 53.6), oracle::Image(40, 30, 1e-5),
+  const oracle::LabImage gray{ oracle::Image(40, 30, 53.6), oracle::Image(40, 30, 1e-5),
                                oracle::Image(40, 30, -2e-5) };
   for (const auto &profile : { Profile::paper(), Profile::tuned(), Profile::tuned_spatial() }) {
     const auto levels = frame_levels(profile, { 40, 30 });
-    auto level = grey;
+    auto level = gray;
     for (int n = 0; n < levels.finest; ++n)
       level = oracle::pyr_down(level);
     saliency::Pyramid pyramid;

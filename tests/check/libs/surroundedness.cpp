@@ -109,7 +109,7 @@ GST_END_TEST;
 GST_START_TEST(test_nested)
 {
   // A ring is enclosed by the ground, its hole by the ring. Above 5 thresholds, ring and hole are
-  // not one region: the hole has the ground's colour.
+  // not one region: the hole has the ground's color.
   auto lab = plain(35);
   box(lab[0], 10, 8, 12, 10, 60);
   box(lab[0], 14, 11, 4, 4, 35);
@@ -162,7 +162,7 @@ GST_END_TEST;
 GST_START_TEST(test_brute_force)
 {
   // One object, pictures of changing size: nothing is left of the one before. Smooth structure and
-  // noise, all of the colours there are and more.
+  // noise, all of the colors there are and more.
   Surroundedness surroundedness(7, 0.75);
   unsigned seed = 1;
   for (const auto &[width, height] : { std::pair{ 1, 1 },
@@ -181,7 +181,7 @@ GST_START_TEST(test_brute_force)
         for (int y = 0; y < height; ++y)
           for (int x = 0; x < width; ++x)
             channel(x, y) += amplitude * std::sin(0.3 * x + seed) * std::cos(0.4 * y);
-        // Beyond ±128, which no colour is, all values are alike.
+        // Beyond ±128, which no color is, all values are alike.
         for (double &v : channel.values)
           v = static_cast<double>(static_cast<float>(std::clamp(v, -128.0, 128.0)));
       }

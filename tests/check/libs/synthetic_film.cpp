@@ -217,7 +217,7 @@ GST_START_TEST(test_any_size)
   const Ball large = film.balls_at(2s, 1000, 800).at(0);
   fail_unless(std::abs(large.x - 10 * small.x) < 1e-9 && std::abs(large.y - 10 * small.y) < 1e-9);
 
-  // A ball that doesn't fit is centred.
+  // A ball that doesn't fit is centered.
   const Ball flat = film.balls_at(2s, 1600, 10).at(0);
   fail_unless_equals_float(flat.y, 5);
   fail_unless_equals_float(flat.radius, 50);
@@ -225,7 +225,7 @@ GST_START_TEST(test_any_size)
 }
 GST_END_TEST;
 
-GST_START_TEST(test_drawn_area_and_centre)
+GST_START_TEST(test_drawn_area_and_center)
 {
   for (const double radius : { 0.1, 0.4, 1.0, 3.7, 20.25 })
     for (const double x : { 30.0, 30.5, 31.3 }) {
@@ -316,14 +316,14 @@ GST_START_TEST(test_noise_distribution)
     double sum = 0;
     double squares = 0;
     double fourths = 0;
-    double neighbours = 0;
+    double neighbors = 0;
     for (std::size_t i = 0; i < picture.samples.size(); i++) {
       const double v = picture.samples[i] - 128.0;
       sum += v;
       squares += v * v;
       fourths += v * v * v * v;
       if (i > 0)
-        neighbours += v * (picture.samples[i - 1] - 128.0);
+        neighbors += v * (picture.samples[i - 1] - 128.0);
     }
     const double variance = squares / n;
     const double expected = sigma * sigma + 1.0 / 12; // rounding to codes (Sheppard)
@@ -334,8 +334,8 @@ GST_START_TEST(test_noise_distribution)
     if (sigma >= 2)
       fail_unless(std::abs(fourths / n / (variance * variance) - 3) < 0.1, "kurtosis %g",
                   fourths / n / variance / variance);
-    fail_unless(std::abs(neighbours / n / variance) < 5 / std::sqrt(n), "correlation %g",
-                neighbours / n / variance);
+    fail_unless(std::abs(neighbors / n / variance) < 5 / std::sqrt(n), "correlation %g",
+                neighbors / n / variance);
   }
 }
 GST_END_TEST;
@@ -404,7 +404,7 @@ synthetic_film_suite(void)
   tcase_add_test(tests, test_function_of_seed_and_time);
   tcase_add_test(tests, test_settings);
   tcase_add_test(tests, test_any_size);
-  tcase_add_test(tests, test_drawn_area_and_centre);
+  tcase_add_test(tests, test_drawn_area_and_center);
   tcase_add_test(tests, test_drawn_inside_and_outside);
   tcase_add_test(tests, test_drawn_in_subsampled_components);
   tcase_add_test(tests, test_noise_distribution);

@@ -141,7 +141,7 @@ GST_START_TEST(test_reach_and_hold)
   const TopDownSaliency tuned(Profile::tuned());
   fail_unless_near(tuned.reach(), 2, 0);
   fail_unless(tuned.hold() == Time(8'000'000'000 / 30));
-  // Level 4 is the coarsest centre, the map is level 2; what is gone is felt for 64 frames.
+  // Level 4 is the coarsest center, the map is level 2; what is gone is felt for 64 frames.
   const TopDownSaliency paper(Profile::paper());
   fail_unless_near(paper.reach(), 8, 0);
   fail_unless(paper.hold() == Time(64'000'000'000 / 30));

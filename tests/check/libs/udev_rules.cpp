@@ -136,7 +136,7 @@ has(const std::array<UsbId, count> &ids, std::uint16_t vendor, std::uint16_t pro
   return tactor::is_one_of({ .idVendor = vendor, .idProduct = product }, ids);
 }
 
-/// Every vendor and product that the rules or the library name, and their neighbours.
+/// Every vendor and product that the rules or the library name, and their neighbors.
 std::set<std::uint16_t>
 numbers(const std::vector<Rule> &rules)
 {
