@@ -1,0 +1,51 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: LGPL-2.1-or-later
+"""Are the pages for contributors true? The files they name are there, and the example on each compiles: its first table names files, its
+code that begins with a license is those that the table calls new, in this order.
+
+Usage: contributing.py SOURCE_FOLDER COMPILER..."""
+import pathlib
+import re
+import subprocess
+import sys
+import tempfile
+
+root = pathlib.Path(sys.argv[1])
+compiler = sys.argv[2:]
+modules = ["gstreamer-check-1.0", "gstreamer-base-1.0", "gstreamer-video-1.0"]
+flags = subprocess.run(["pkg-config", "--cflags", *modules], check=True, capture_output=True, text=True).stdout.split()
+includes = ["lib", "gst/tactile", "tests/check/libs", "tests/check/elements"]
+wrong = []
+
+for page in sorted((root / "docs/contributing").glob("*.md")):
+    text = page.read_text()
+    new = []
+    for row in re.findall(r"^\|[^|\n]*\|(.*)\|$", text, re.M):
+        parts = row.split("(new)")
+        for index, part in enumerate(parts):
+            for name in re.findall(r"`([\w.-]+(?:/[\w.-]+)+|\w+\.md)`", part):
+                # What a cell calls new ends there; before it in the cell nothing is old.
+                if index < len(parts) - 1:
+                    new.append(name)
+                elif not (root / name).exists():
+                    wrong.append(f"{page.name}: there is no {name}")
+    sources = [name for name in new if name.endswith((".h", ".cpp"))]
+    code = [block for block in re.findall(r"^```cpp\n(.*?)^```", text, re.M | re.S) if block.startswith("// SPDX")]
+    if len(sources) != len(code) or not code:
+        wrong.append(f"{page.name}: {len(code)} files are written out, {len(sources)} are called new")
+        continue
+    with tempfile.TemporaryDirectory() as folder:
+        files = [pathlib.Path(folder, name) for name in sources]
+        for file, block in zip(files, code):
+            file.parent.mkdir(parents=True, exist_ok=True)
+            file.write_text(block)
+        places = [f"-I{base}/{include}" for base in (folder, root) for include in includes]
+        for file in files:
+            if file.suffix == ".cpp":
+                done = subprocess.run([*compiler, "-std=c++20", "-fsyntax-only", "-Wall", "-Wextra", "-Werror", "-Wno-missing-field-initializers", '-DPACKAGE="page"',
+                                       *places, *flags, file], capture_output=True, text=True)
+                if done.returncode != 0:
+                    wrong.append(f"{page.name}: {done.stderr}")
+
+print("\n".join(wrong) or "the pages for contributors: passed")
+sys.exit(bool(wrong))
