@@ -212,10 +212,10 @@ GST_START_TEST(test_mapping_in_words)
   for (const char *text : { "0,-1,2", "<0,-1,2>", "< 0, -1, 2 >" }) {
     gst_util_set_object_arg(G_OBJECT(sink), "mapping", "");
     gst_util_set_object_arg(G_OBJECT(sink), "mapping", text); // as gst-launch-1.0 does
-    ck_assert_str_eq(mapping().c_str(), "0,-1,2");
+    assert_text(mapping(), "0,-1,2");
   }
   g_object_set(sink, "mapping", "0,4096,2", nullptr);
-  ck_assert_str_eq(mapping().c_str(), "0,-1,2");
+  assert_text(mapping(), "0,-1,2");
   assert_contains(messages.said(GST_MESSAGE_WARNING).text,
                   { "mapping stays", "number 2 is '4096'", "from 0 to 4095", "as in 2,1,0" });
 }
@@ -242,7 +242,7 @@ GST_START_TEST(test_refused_numbers_name_their_range)
   };
   assert_contains(refused("max-lead", "5000"), { "max-lead", "5000", "range", "0 to 1000" });
   assert_contains(refused("voltage-max", "0.05"), { "voltage-max", "0.05", "0.1 to 24" });
-  ck_assert_str_eq(refused("max-lead", "1000").c_str(), "");
+  assert_text(refused("max-lead", "1000"), "");
   refused("max-lead", "1001");
   guint max_lead = 0;
   g_object_get(sink, "max-lead", &max_lead, nullptr);

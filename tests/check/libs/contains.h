@@ -7,6 +7,13 @@
 // After the standard library's headers: gstcheck.h defines a macro named fail.
 #include <gst/check/gstcheck.h>
 
+/// As ck_assert_str_eq(), which looks at its arguments after a temporary string is gone.
+inline void
+assert_text(const std::string &text, const std::string &expected)
+{
+  fail_unless(text == expected, "expected '%s', got '%s'", expected.c_str(), text.c_str());
+}
+
 inline void
 assert_contains(const std::string &text, std::initializer_list<const char *> parts)
 {

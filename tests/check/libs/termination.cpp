@@ -15,6 +15,7 @@
 #include <unistd.h>
 
 // After the standard library's headers: gstcheck.h defines a macro named fail.
+#include "contains.h"
 #include <gst/check/gstcheck.h>
 
 using namespace std::chrono_literals;
@@ -114,7 +115,7 @@ GST_START_TEST(test_leaves)
     });
     fail_unless(process.hear() == 'b');
     process.send(signal);
-    ck_assert_str_eq(process.end().c_str(), "l");
+    assert_text(process.end(), "l");
     fail_unless(process.died_of(signal));
   }
 }
@@ -135,7 +136,7 @@ GST_START_TEST(test_all_leave)
   });
   fail_unless(process.hear() == 'b');
   process.send(SIGTERM);
-  ck_assert_str_eq(process.end().c_str(), "12ab");
+  assert_text(process.end(), "12ab");
 }
 GST_END_TEST;
 
@@ -145,7 +146,7 @@ GST_START_TEST(test_end_of_the_program)
     const auto guard = self.guard();
     std::exit(3);
   });
-  ck_assert_str_eq(process.end().c_str(), "l");
+  assert_text(process.end(), "l");
 }
 GST_END_TEST;
 
@@ -160,7 +161,7 @@ GST_START_TEST(test_application_comes_first)
   fail_unless(ignores.hear() == 'b');
   ignores.send(SIGTERM);
   ignores.send(SIGKILL);
-  ck_assert_str_eq(ignores.end().c_str(), "");
+  assert_text(ignores.end(), "");
   fail_unless(ignores.died_of(SIGKILL));
 
   for (const bool before : { true, false }) {
@@ -182,7 +183,7 @@ GST_START_TEST(test_application_comes_first)
     });
     fail_unless(handles.hear() == 'b');
     handles.send(SIGTERM);
-    ck_assert_str_eq(handles.end().c_str(), "h");
+    assert_text(handles.end(), "h");
   }
 
   Process refuses([](Process &self) {
@@ -192,7 +193,7 @@ GST_START_TEST(test_application_comes_first)
   });
   fail_unless(refuses.hear() == 'b');
   refuses.send(SIGTERM);
-  ck_assert_str_eq(refuses.end().c_str(), "");
+  assert_text(refuses.end(), "");
   fail_unless(refuses.died_of(SIGTERM));
 }
 GST_END_TEST;
@@ -219,7 +220,7 @@ GST_START_TEST(test_nothing_remains)
   for (const char c : std::string("cdcdcdb"))
     fail_unless(process.hear() == c);
   process.send(SIGTERM);
-  ck_assert_str_eq(process.end().c_str(), "");
+  assert_text(process.end(), "");
   fail_unless(process.died_of(SIGTERM));
 }
 GST_END_TEST;
@@ -242,7 +243,7 @@ GST_START_TEST(test_children)
   fail_unless(process.hear() == 'd');
   fail_unless(process.hear() == 'b');
   process.send(SIGTERM);
-  ck_assert_str_eq(process.end().c_str(), "l");
+  assert_text(process.end(), "l");
 }
 GST_END_TEST;
 
@@ -271,7 +272,7 @@ GST_START_TEST(test_children_with_boards)
   for (const char c : std::string("ldb"))
     fail_unless(process.hear() == c);
   process.send(SIGTERM);
-  ck_assert_str_eq(process.end().c_str(), "l");
+  assert_text(process.end(), "l");
 }
 GST_END_TEST;
 
@@ -293,7 +294,7 @@ GST_START_TEST(test_patience)
     fail_unless(process.hear() == 'w');
     if (twice)
       process.send(SIGTERM);
-    ck_assert_str_eq(process.end().c_str(), "");
+    assert_text(process.end(), "");
     fail_unless(process.died_of(SIGTERM));
   }
 }
