@@ -19,8 +19,8 @@ here=$(cd "$(dirname "$0")" && pwd)
 
 directory=$root/build
 patience=1
-options=(-Dsaliency=enabled -Dusb=enabled -Dintrospection=enabled -Dtools=enabled -Dtests=enabled -Dexamples=enabled)
-parts="build play test players"
+options=(-Dsaliency=enabled -Dusb=enabled -Dintrospection=enabled -Dtools=enabled -Dtests=enabled -Dexamples=enabled -Ddocs=enabled)
+parts="build play test players docs"
 wrapper=()
 analyzer=
 case ${1:-} in
@@ -37,8 +37,8 @@ case ${1:-} in
     export G_SLICE=always-malloc
     ;;
   --tidy | --cppcheck) analyzer=${1#--}; shift; parts+=" analysis" ;;
-  --asan) shift; directory=$root/build-asan; patience=5; options+=(-Ddebug=true "-Db_sanitize=address,undefined" -Db_lundef=false -Dintrospection=disabled) ;;
-  --tsan) shift; directory=$root/build-tsan; patience=5; options+=(-Ddebug=true -Db_sanitize=thread -Db_lundef=false -Dintrospection=disabled) ;;
+  --asan) shift; directory=$root/build-asan; patience=5; options+=(-Ddebug=true "-Db_sanitize=address,undefined" -Db_lundef=false -Dintrospection=disabled -Ddocs=disabled) ;;
+  --tsan) shift; directory=$root/build-tsan; patience=5; options+=(-Ddebug=true -Db_sanitize=thread -Db_lundef=false -Dintrospection=disabled -Ddocs=disabled) ;;
 esac
 
 build_project "$directory" "$parts" "" "${options[@]}"

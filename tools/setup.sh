@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 # Installs what this project needs on Debian or Ubuntu, and only that; says nothing about what is already there.
 #
-# Usage: tools/setup.sh [build] [play] [test] [players] [quality] [fuzz] [firmware] [kernel] [analysis]     (no argument: the first four)
+# Usage: tools/setup.sh [build] [play] [test] [players] [quality] [fuzz] [firmware] [kernel] [analysis] [docs]     (no argument: the first four)
 #   build    compiler, meson and the libraries the plugins are made of
 #   play     GStreamer's plugins that decode, encode and show a film
 #   test     what the test suite needs beyond that
@@ -11,6 +11,7 @@
 #   fuzz     clang with libFuzzer, for tests/fuzz
 #   analysis valgrind, clang-tidy and cppcheck, for tests/run.sh
 #   firmware cross compiler and emulator for the test of the seat sketch, which is skipped where they are missing
+#   docs     gi-docgen, for the API reference
 #   kernel   a virtual machine for tests/kernel, boards behind a real Linux kernel
 set -euo pipefail
 
@@ -30,11 +31,12 @@ declare -A packages=(
   [fuzz]="clang libclang-rt-14-dev"
   [analysis]="valgrind clang-tidy cppcheck libglib2.0-dev"
   [firmware]="gcc-avr avr-libc arduino-core-avr libsimavr-dev"
+  [docs]="gi-docgen"
   [kernel]="qemu-system-x86 busybox-static kmod udev"
 )
 
 usage() {
-  sed -n '3,14s/^# \{0,1\}//p' "$0"
+  sed -n '3,15s/^# \{0,1\}//p' "$0"
 }
 
 parts=("$@")
@@ -43,8 +45,8 @@ wanted=()
 for part in "${parts[@]}"; do
   case $part in
     -h | --help) usage; exit 0 ;;
-    build | play | test | players | quality | fuzz | firmware | kernel | analysis) read -r -d '' -a names <<<"${packages[$part]}" || true; wanted+=("${names[@]}") ;;
-    *) echo "setup.sh: expected build, play, test, players, quality, fuzz, firmware, kernel or analysis, got '$part'; see setup.sh --help" >&2; exit 2 ;;
+    build | play | test | players | quality | fuzz | firmware | kernel | analysis | docs) read -r -d '' -a names <<<"${packages[$part]}" || true; wanted+=("${names[@]}") ;;
+    *) echo "setup.sh: expected build, play, test, players, quality, fuzz, firmware, kernel, analysis or docs, got '$part'; see setup.sh --help" >&2; exit 2 ;;
   esac
 done
 

@@ -54,6 +54,9 @@ gst_saliency_meta_transform(GstBuffer *dest, GstMeta *meta, GstBuffer *buffer, G
 /**
  * gst_saliency_meta_api_get_type: (skip)
  *
+ * The #GType of the metadata API, for gst_buffer_get_meta() and
+ * gst_buffer_iterate_meta_filtered().
+ *
  * Returns: the type of the #GstSaliencyMeta API, whose only tag is `video`
  *
  * Since: 0.1
@@ -73,6 +76,8 @@ gst_saliency_meta_api_get_type(void)
 
 /**
  * gst_saliency_meta_get_info: (skip)
+ *
+ * What GStreamer knows of the implementation, for gst_buffer_add_meta().
  *
  * Returns: the #GstMetaInfo of #GstSaliencyMeta
  *
@@ -150,6 +155,8 @@ gst_buffer_add_saliency_meta(GstBuffer *buffer, guint width, guint height, const
  * gst_buffer_get_saliency_meta:
  * @buffer: a #GstBuffer
  *
+ * Finds the saliency map of a video frame.
+ *
  * Returns: (transfer none) (nullable): the #GstSaliencyMeta on @buffer, or %NULL
  *     if it has none
  *
@@ -169,6 +176,9 @@ gst_buffer_get_saliency_meta(GstBuffer *buffer)
  * @x: column of the map, 0 is the left one
  * @y: row of the map, 0 is the top one
  *
+ * Reads one value of the map. It is for a look at a few places: see
+ * gst_saliency_meta_get_values() for the whole map.
+ *
  * Returns: the map's value there, at least 0, in the units of the analysis
  *
  * Since: 0.1
@@ -186,6 +196,9 @@ gst_saliency_meta_get_value(const GstSaliencyMeta *meta, guint x, guint y)
  * gst_saliency_meta_get_values:
  * @meta: a #GstSaliencyMeta
  * @n_values: (out): number of values: width × height
+ *
+ * Reads the whole map without a copy. It is valid as long as the meta is on its
+ * buffer and is not replaced.
  *
  * Returns: (array length=n_values) (transfer none): the whole map, row-major from
  *     the top left

@@ -34,6 +34,8 @@ is_grid(gint rows, gint columns)
  * @fps_n: numerator of the maps' rate, 0 if it is unknown or variable
  * @fps_d: denominator of the maps' rate, at least 1
  *
+ * Makes the caps of a stream of tactile maps with this grid and rate.
+ *
  * Returns: (transfer full) (nullable): fixed caps of a stream of tactile maps,
  *     or %NULL if a parameter is out of range
  *
@@ -105,6 +107,9 @@ gst_tactile_map_caps_parse(const GstCaps *caps, guint *rows, guint *columns, gin
  *     tactor first; values outside are clamped, NaN becomes 0
  * @n_levels: number of @levels, at least 1
  *
+ * Makes a buffer of a tactile stream. Set its time stamp and duration: those of
+ * the frame that the map is for.
+ *
  * Returns: (transfer full) (nullable): a buffer of a tactile stream without time
  *     stamps, or %NULL if there are no levels
  *
@@ -134,6 +139,8 @@ gst_tactile_map_buffer_new(const gfloat *levels, gsize n_levels)
  *     row-major, the top left tactor first; values outside are clamped, NaN
  *     becomes 0. Free with g_free()
  * @n_levels: (out): number of @levels: @rows × @columns
+ *
+ * Reads a buffer of a tactile stream into an array of its own.
  *
  * Returns: %TRUE if @buffer can be read and holds exactly @rows × @columns
  *     levels; else @levels is %NULL and @n_levels is 0

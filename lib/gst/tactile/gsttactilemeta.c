@@ -52,6 +52,9 @@ gst_tactile_meta_transform(GstBuffer *dest, GstMeta *meta, GstBuffer *buffer, GQ
 /**
  * gst_tactile_meta_api_get_type: (skip)
  *
+ * The #GType of the metadata API, for gst_buffer_get_meta() and
+ * gst_buffer_iterate_meta_filtered().
+ *
  * Returns: the type of the #GstTactileMeta API, whose only tag is `video`
  *
  * Since: 0.1
@@ -71,6 +74,8 @@ gst_tactile_meta_api_get_type(void)
 
 /**
  * gst_tactile_meta_get_info: (skip)
+ *
+ * What GStreamer knows of the implementation, for gst_buffer_add_meta().
  *
  * Returns: the #GstMetaInfo of #GstTactileMeta
  *
@@ -145,6 +150,8 @@ gst_buffer_add_tactile_meta(GstBuffer *buffer, guint rows, guint columns, const 
  * gst_buffer_get_tactile_meta:
  * @buffer: a #GstBuffer
  *
+ * Finds the tactile map of a video frame.
+ *
  * Returns: (transfer none) (nullable): the #GstTactileMeta on @buffer, or %NULL
  *     if it has none
  *
@@ -164,6 +171,8 @@ gst_buffer_get_tactile_meta(GstBuffer *buffer)
  * @row: row of the tactor, 0 is the top one
  * @column: column of the tactor, 0 is the left one
  *
+ * Reads the level of one tactor.
+ *
  * Returns: the tactor's level in [0, 1]
  *
  * Since: 0.1
@@ -181,6 +190,9 @@ gst_tactile_meta_get_level(const GstTactileMeta *meta, guint row, guint column)
  * gst_tactile_meta_get_levels:
  * @meta: a #GstTactileMeta
  * @n_levels: (out): number of levels: rows × columns
+ *
+ * Reads the whole map without a copy. It is valid as long as the meta is on its
+ * buffer and is not replaced.
  *
  * Returns: (array length=n_levels) (transfer none): all levels in [0, 1],
  *     row-major, the top left tactor as seen on the screen first
