@@ -262,7 +262,7 @@ gst_tactor_sink_play_map(GstTactorSink *self, GstBuffer *buffer)
   if (const std::optional<Time> starved = priv->scheduler.take_starved())
     priv->planning.silenced(*starved);
   const GstSegment segment = gst_tactor_sink_segment(self);
-  if (priv->begins) {
+  if (priv->begins && segment.format == GST_FORMAT_TIME) {
     const GstClockTime time
         = gst_segment_to_running_time(&segment, GST_FORMAT_TIME, GST_BUFFER_PTS(buffer));
     if (GST_CLOCK_TIME_IS_VALID(time) && Time(static_cast<gint64>(time)) < *priv->begins)
@@ -281,6 +281,18 @@ gst_tactor_sink_play_map(GstTactorSink *self, GstBuffer *buffer)
     return GST_FLOW_ERROR;
   gst_tactor_sink_push(self, *plan);
   return GST_FLOW_OK;
+}
+
+/// Whether time goes on upstream whatever this element does.
+static bool
+is_live(GstBaseSink *sink)
+{
+  GstQuery *query = gst_query_new_latency();
+  gboolean live = FALSE;
+  if (gst_pad_peer_query(GST_BASE_SINK_PAD(sink), query))
+    gst_query_parse_latency(query, &live, nullptr, nullptr);
+  gst_query_unref(query);
+  return live;
 }
 
 /// Waits until the board is open, which is begun on the way to PAUSED, and plans for it from then
@@ -309,8 +321,7 @@ gst_tactor_sink_wait_until_open(GstTactorSink *self)
   }
   TactorOpening &opening = priv->opening;
   priv->begins.reset();
-  if (GST_STATE_TARGET(self)
-      == GST_STATE_PLAYING) // a play that is not live is not told to play before it has its first frame
+  if (is_live(sink))
     if (const std::optional<Time> now = priv->running_time())
       priv->begins = *now + Time(static_cast<gint64>(gst_base_sink_get_render_delay(sink)));
   priv->planning.start(opening.planner, opening.tactors, std::move(opening.motors));
@@ -521,6 +532,7 @@ gst_tactor_sink_open(GstTactorSink *self)
                       ("mapping cannot be read: %s.", settings.mapping_error.c_str()), (nullptr));
     return FALSE;
   }
+  priv->scheduler.stop(); // of a play whose opening failed
   tl::expected<TactorOpening, tactor::DriverError> prepared
       = prepare_tactors(GST_ELEMENT(self), settings);
   if (!prepared) {
@@ -596,8 +608,8 @@ gst_tactor_sink_change_state(GstElement *element, GstStateChange transition)
     priv->scheduler.play([element] { return GST_STATE_TARGET(element) == GST_STATE_PLAYING; });
   if (transition == GST_STATE_CHANGE_READY_TO_PAUSED && ret != GST_STATE_CHANGE_FAILURE)
     priv->queue_watch.start([priv] { return priv->scheduler.is_open(); });
-  // After a failure nothing is left running either.
-  if (transition == GST_STATE_CHANGE_PAUSED_TO_READY
+  // After a failure nothing is left running either, also if it was told when the change of state had returned.
+  if (transition == GST_STATE_CHANGE_PAUSED_TO_READY || transition == GST_STATE_CHANGE_READY_TO_NULL
       || (transition == GST_STATE_CHANGE_READY_TO_PAUSED && ret == GST_STATE_CHANGE_FAILURE))
     gst_tactor_sink_close(self);
   return ret;

@@ -3,6 +3,7 @@
 
 #include <functional>
 #include <memory>
+#include <mutex>
 #include <string>
 #include <utility>
 
@@ -128,8 +129,10 @@ stuck_at(GstElement *sink)
   return {};
 }
 
+/// Of the clock's thread, once it was handed over.
 struct Looking
 {
+  std::mutex mutex; ///< GStreamer's clock has one too, which ThreadSanitizer does not see
   Ref<GstElement> sink;
   std::function<bool()> is_ready;
   int stuck = 0; ///< looks in a row
@@ -139,6 +142,7 @@ gboolean
 look(GstClock *, GstClockTime time, GstClockID, gpointer data)
 {
   auto *looking = static_cast<Looking *>(data);
+  const std::lock_guard lock(looking->mutex);
   if (!GST_CLOCK_TIME_IS_VALID(time) || looking->stuck == kLooks)
     return TRUE;
   const std::string where = looking->is_ready() ? stuck_at(looking->sink.get()) : "";
@@ -162,10 +166,16 @@ QueueWatch::start(std::function<bool()> is_ready)
   const Ref<GstClock> clock(gst_system_clock_obtain());
   looks_ = gst_clock_new_periodic_id(clock.get(), gst_clock_get_time(clock.get()) + kBetweenLooks,
                                      kBetweenLooks);
-  auto *looking
-      = new Looking{ Ref<GstElement>(GST_ELEMENT(gst_object_ref(sink_))), std::move(is_ready) };
-  gst_clock_id_wait_async(looks_, look, looking,
-                          [](gpointer data) { delete static_cast<Looking *>(data); });
+  auto looking = std::make_unique<Looking>();
+  {
+    const std::lock_guard lock(looking->mutex);
+    looking->sink.reset(GST_ELEMENT(gst_object_ref(sink_)));
+    looking->is_ready = std::move(is_ready);
+  }
+  gst_clock_id_wait_async(looks_, look, looking.release(), [](gpointer data) {
+    const std::unique_ptr<Looking> done(static_cast<Looking *>(data));
+    const std::lock_guard lock(done->mutex);
+  });
 }
 
 void

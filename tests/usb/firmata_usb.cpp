@@ -293,13 +293,14 @@ GST_START_TEST(test_interrupted_opening_cuts_nothing_off)
         for (int i = 0; i < 8; i++) {
           left.board.with_firmware([&] { has_answered = false; });
           FirmataDriver driver(FirmataDriver::Firmware::any, LeftOn::make_bus);
-          std::thread opening([&] { refusal_of(driver.open({})); });
+          std::stop_source stop;
+          std::thread opening([&] { refusal_of(driver.open({ .stop = stop.get_token() })); });
           fail_unless(left.board.wait_until(
               [&] { return left.board.in_chip() > 0 && has_answered == is_known; }));
           if (breaks)
             left.board.break_transfers(EmulatedBoard::kAll);
           else
-            driver.close();
+            stop.request_stop();
           opening.join();
           left.board.break_transfers(0);
           fail_unless(left.was_released_whole());

@@ -335,6 +335,14 @@ GST_START_TEST(test_slow_board_in_a_live_play)
   rig.mega.says_nothing = true;
   rig.sockets_.plug(rig.mega);
   g_object_set(rig.element, "sync", TRUE, "ramp-in", guint64{ 0 }, nullptr);
+  GstPad *source = gst_pad_new("src", GST_PAD_SRC);
+  gst_pad_set_query_function(source, [](GstPad *, GstObject *, GstQuery *query) -> gboolean {
+    if (GST_QUERY_TYPE(query) != GST_QUERY_LATENCY)
+      return FALSE;
+    gst_query_set_latency(query, TRUE, 0, GST_CLOCK_TIME_NONE);
+    return TRUE;
+  });
+  fail_unless(gst_pad_link(source, rig.pad) == GST_PAD_LINK_OK);
   GstClock *clock = gst_test_clock_new_with_start_time(100 * GST_SECOND);
   gst_element_set_clock(rig.element, clock);
   gst_element_set_base_time(rig.element, 90 * GST_SECOND);
@@ -363,6 +371,8 @@ GST_START_TEST(test_slow_board_in_a_live_play)
   push(12000, { 255, 200, 128 });
   rig.expect(rig.mega, { 2, 3, 4 }, { 255, 200, 128 });
   rig.stop();
+  gst_pad_unlink(source, rig.pad);
+  gst_object_unref(source);
   gst_object_unref(clock);
 }
 GST_END_TEST;
