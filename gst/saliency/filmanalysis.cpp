@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "filmanalysis.h"
 
+#include "frame/front_end.h"
 #include "regionsofinterest.h"
-#include "saliency/front_end.h"
 
 #include <algorithm>
 #include <chrono>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "cuestream.h"
 
-#include "tactile/klv.h"
+#include "tracks/klv.h"
 
 #include <gst/tactile/tactile.h>
 

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include "tactile/cue_builder.h"
-#include "tactile/format_error.h"
-#include "tactile/text_cue.h"
+#include "tracks/cue_builder.h"
+#include "tracks/format_error.h"
+#include "tracks/text_cue.h"
 
 #include <gst/gst.h>
 
@@ -13,8 +13,8 @@
 enum class CueForm
 {
   map,  ///< application/x-tactile-map
-  text, ///< tactile/text_cue.h
-  klv,  ///< tactile/klv.h
+  text, ///< tracks/text_cue.h
+  klv,  ///< tracks/klv.h
 };
 
 #define CUE_TEXT_CAPS "text/x-raw, format = (string) utf8"

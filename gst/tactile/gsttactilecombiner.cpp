@@ -26,7 +26,7 @@
 #include "gsttactilecombiner.h"
 
 #include "gsttactileelements.h"
-#include "tactile/track_edit.h"
+#include "tracks/track_edit.h"
 
 #include <gst/tactile/tactile.h>
 

@@ -39,8 +39,8 @@
 
 #include "cuestream.h"
 #include "gsttactileelements.h"
-#include "tactile/cue_builder.h"
-#include "tactile/track.h"
+#include "tracks/cue_builder.h"
+#include "tracks/track.h"
 #include "wantedgrid.h"
 
 #include <gst/tactile/tactile.h>

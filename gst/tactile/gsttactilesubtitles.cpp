@@ -29,8 +29,8 @@
 
 #include "cuestream.h"
 #include "gsttactileelements.h"
-#include "tactile/text_cue.h"
-#include "tactile/track.h"
+#include "tracks/text_cue.h"
+#include "tracks/track.h"
 
 #include <gst/tactile/tactile.h>
 

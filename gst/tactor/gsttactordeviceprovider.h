@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include "tactor/serial_port.h"
+#include "tactor/serial/serial_port.h"
 
 #include <gst/gst.h>
 

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "tactoropening.h"
 
-#include "tactor/calibration/calibration.h"
+#include "calibration/calibration.h"
+#include "tactor/drivers/registry.h"
 #include "tactor/soft_start.h"
 #include "tactormessages.h"
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "saliency/analyzer.h"
 
+#include "frame/front_end.h"
 #include "saliency/camera_motion.h"
-#include "saliency/front_end.h"
 #include "saliency/pyramid.h"
 #include "saliency/shot_cut.h"
 #include "saliency/spatial_saliency.h"

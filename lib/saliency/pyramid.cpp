@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "saliency/pyramid.h"
 
-#include "saliency/decimation_kernels.h"
+#include "frame/decimation_kernels.h"
 
 #include <opencv2/core.hpp>
 
@@ -11,33 +11,6 @@
 #include <utility>
 
 namespace saliency {
-
-namespace {
-
-int
-halved(int length, int octaves)
-{
-  return octaves < 31
-             ? static_cast<int>((static_cast<long long>(length) + (1LL << octaves) - 1) >> octaves)
-             : 1;
-}
-
-} // namespace
-
-cv::Size
-level_size(cv::Size size, int level)
-{
-  return { halved(size.width, level), halved(size.height, level) };
-}
-
-int
-coarsest_level(cv::Size size)
-{
-  int level = 0;
-  while (level_size(size, level) != cv::Size(1, 1))
-    ++level;
-  return level;
-}
 
 template <typename Sample>
 void
@@ -95,8 +68,8 @@ void
 upsample(const cv::Mat &source, int octaves_x, int octaves_y, cv::Size size, cv::Mat &upsampled)
 {
   CV_Assert(source.type() == CV_32FC1 && source.data != upsampled.data
-            && source.cols == halved(size.width, octaves_x)
-            && source.rows == halved(size.height, octaves_y));
+            && source.cols == level_size(size, octaves_x).width
+            && source.rows == level_size(size, octaves_y).height);
   upsampled.create(size, CV_32FC1);
   for (int y = 0; y < size.height; ++y)
     rows::enlarge(between_rows(source, y, octaves_y), octaves_x,

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include "saliency/image_rows.h"
-#include "saliency/lab_image.h"
+#include "frame/image_rows.h"
+#include "frame/lab_image.h"
+#include "frame/levels.h"
+#include "frame/thread_pool.h"
 #include "saliency/rows.h"
-#include "saliency/thread_pool.h"
 
 #include <opencv2/core/mat.hpp>
 
@@ -12,15 +13,6 @@
 #include <vector>
 
 namespace saliency {
-
-/// The pyramid's geometry: level n has ⌈width / 2ⁿ⌉ × ⌈height / 2ⁿ⌉ samples, and sample i of level
-/// n lies at pixel 2ⁿ·i of level 0, because every reduction keeps the even samples. Whatever brings
-/// a level to another one's resolution has to respect that: a resize that assumes half-pixel
-/// centers is off by up to (2ⁿ - 1)/2 pixels.
-cv::Size level_size(cv::Size size, int level);
-
-/// The level that is 1×1 (paper, Section 3: "until reaching the coarsest image of 1×1").
-int coarsest_level(cv::Size size);
 
 /// One level down: the 5-tap Gaussian [1 4 6 4 1]/16 along both axes, mirrored at the borders
 /// without repeating the border sample, even samples kept (Burt & Adelson 1983, REDUCE;

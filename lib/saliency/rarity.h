@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include "saliency/lab_image.h"
+#include "frame/lab_image.h"
 
 #include <opencv2/core/mat.hpp>
 

@@ -8,7 +8,7 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
-#include "saliency/vectors-inl.h"
+#include "frame/vectors-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace saliency::rows::HWY_NAMESPACE {

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include "frame/thread_pool.h"
 #include "saliency/profile.h"
 #include "saliency/similarity.h"
-#include "saliency/thread_pool.h"
 
 #include <opencv2/core/mat.hpp>
 

@@ -9,11 +9,9 @@
 
 #include <cstdint>
 #include <functional>
-#include <memory>
 #include <span>
 #include <stop_token>
 #include <string>
-#include <string_view>
 #include <vector>
 
 namespace tactor {
@@ -107,19 +105,5 @@ public:
   /// From any thread. After close() that of the last board.
   virtual DriverStatus status() const = 0;
 };
-
-/// One line of the list of drivers.
-struct DriverInfo
-{
-  std::string_view name;        ///< as in `tactorsink driver=NAME`
-  std::string_view description; ///< one line
-  std::function<std::unique_ptr<Driver>()> create;
-};
-
-/// All drivers that were built, the default one first.
-const std::vector<DriverInfo> &drivers();
-
-/// A driver by name; DriverError::Kind::not_found has the known names in its text.
-[[nodiscard]] tl::expected<std::unique_ptr<Driver>, DriverError> make_driver(std::string_view name);
 
 } // namespace tactor

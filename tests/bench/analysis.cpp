@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "analysis.h"
 
+#include "frame/front_end.h"
 #include "race.h"
-#include "saliency/front_end.h"
 #include "saliency/pyramid.h"
 #include "tests/quality/stages.h"
 

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "analysis.h"
 #include "film.h"
+#include "frame/thread_pool.h"
 #include "literal_paper.h"
 #include "opencv_rewrite.h"
 #include "race.h"
-#include "saliency/thread_pool.h"
 #include "tests/quality/peers.h"
 
 #include <opencv2/core.hpp>

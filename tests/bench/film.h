@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include "saliency/frame_view.h"
+#include "frame/frame_view.h"
 
 #include <opencv2/core/mat.hpp>
 

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "witness.h"
 
-#include "tactor/auto_driver.h"
-#include "tactor/firmata_driver.h"
+#include "tactor/drivers/auto_driver.h"
+#include "tactor/drivers/firmata_driver.h"
+#include "tactor/drivers/registry.h"
 #include "tactor/simulator.h"
 
 #include <gst/tactile/tactile.h>

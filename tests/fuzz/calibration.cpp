@@ -6,10 +6,10 @@
 #include "fuzz.h"
 
 #ifdef CALIBRATION_FILE
-#include "tactor/calibration/calibration.h"
+#include "calibration/calibration.h"
 #else
-#include "tactor/calibration/recording.h"
-#include "tactor/calibration/step_response.h"
+#include "calibration/recording.h"
+#include "calibration/step_response.h"
 #endif
 
 #include <algorithm>

@@ -2,7 +2,7 @@
 //
 // Films made up by a fuzzer, whose tactile tracks are left to choice: where none is marked, no byte changes; what is marked is found
 // marked, for a second time changes nothing. Anything else ends the process.
-#include "tactile/formats/film_file.h"
+#include "tracks/formats/film_file.h"
 #include "fuzz.h"
 
 #include <vector>

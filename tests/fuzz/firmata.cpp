@@ -3,8 +3,8 @@
 // What a board sends, made up by a fuzzer: the decoder's events do not depend on how the bytes are cut, and the conversation keeps to its
 // limits and comes to an end. Anything else ends the process.
 #include "fuzz.h"
-#include "tactor/firmata_board.h"
-#include "tactor/serial_port.h"
+#include "tactor/drivers/firmata_board.h"
+#include "tactor/serial/serial_port.h"
 
 #include <algorithm>
 #include <optional>

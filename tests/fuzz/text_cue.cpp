@@ -2,9 +2,9 @@
 //
 // Text cues as a subtitle stream may bring them, with and without a grid: what is read is a map, and reads the same once written.
 // Anything else ends the process.
-#include "tactile/text_cue.h"
+#include "tracks/text_cue.h"
 #include "fuzz.h"
-#include "tactile/track.h"
+#include "tracks/track.h"
 
 #include <string_view>
 

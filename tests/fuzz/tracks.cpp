@@ -3,12 +3,12 @@
 // Tracks made up by a fuzzer, in one form a program (TRACK_FORM): what is read can be written and read again as the same track, what is
 // not is refused with a reason. Anything else ends the process.
 #include "fuzz.h"
-#include "tactile/klv.h"
-#include "tactile/text_cue.h"
-#include "tactile/track_edit.h"
+#include "tracks/klv.h"
+#include "tracks/text_cue.h"
+#include "tracks/track_edit.h"
 
 #ifndef TRACK_FORM_KLV
-#include "tactile/formats/track_file.h"
+#include "tracks/formats/track_file.h"
 #endif
 
 #include <string_view>

@@ -5,10 +5,10 @@
 // Two bytes each of vendor and product, then per interface: class, subclass, endpoints (0xff: libusb gave up on them), and per endpoint four bytes. The
 // rest is the name.
 #include "fuzz.h"
-#include "tactor/usb/cdc_acm.h"
-#include "tactor/usb/ch340.h"
-#include "tactor/usb/ftdi.h"
-#include "tactor/usb/legible.h"
+#include "tactor/serial/cdc_acm.h"
+#include "tactor/serial/ch340.h"
+#include "tactor/serial/ftdi.h"
+#include "tactor/serial/legible.h"
 
 #include <glib.h>
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include "frame/frame_view.h"
 #include "gst/saliency/framemapping.h"
-#include "saliency/frame_view.h"
 
 #include <gst/gst.h>
 

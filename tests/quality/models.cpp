@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "models.h"
 
-#include "saliency/front_end.h"
+#include "frame/front_end.h"
 #include "saliency/rarity.h"
 #include "saliency/spatial_saliency.h"
 

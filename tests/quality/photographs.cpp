@@ -3,9 +3,9 @@
 
 #include "decode.h"
 #include "fixations.h"
+#include "frame/front_end.h"
 #include "peers.h"
 #include "saliency/analyzer.h"
-#include "saliency/front_end.h"
 #include "saliency/rarity.h"
 #include "saliency/spatial_saliency.h"
 

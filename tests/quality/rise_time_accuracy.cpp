@@ -5,7 +5,7 @@
 // median of nine, and of the first motion of strong rises from rest. Then of what tactorsink goes by: the calibrations that
 // tactor-calibrate makes of its default measurement. Usage:
 // rise_time_accuracy [steps|calibrations]
-#include "tactor/calibration/median.h"
+#include "calibration/median.h"
 #include "tests/check/libs/measured_chair.h"
 
 #include <algorithm>

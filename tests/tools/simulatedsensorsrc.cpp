@@ -2,8 +2,8 @@
 //
 // simulatedsensorsrc: a live source that hears, while they are played, what simulated motors make of the commands of the tactorsink
 // in its pipeline. It reads them in tactorsink's trace.
-#include "tactor/calibration/calibration.h"
-#include "tactor/calibration/simulated_sensor.h"
+#include "calibration/calibration.h"
+#include "calibration/simulated_sensor.h"
 #include "tools/or_throw.h"
 
 #include <gst/base/base.h>

@@ -3,8 +3,8 @@
 // The driver of Firmata boards over each transport, when what comes back is not what was said.
 #include "emulated_board.h"
 
-#include "tactor/firmata_driver.h"
-#include "tactor/usb/usb_serial_bus.h"
+#include "tactor/drivers/firmata_driver.h"
+#include "tactor/serial/usb_serial_bus.h"
 
 #include <algorithm>
 #include <cmath>

@@ -3,7 +3,7 @@
 
 #include "emulated_board.h"
 
-#include "tactor/usb/usb_serial_bus.h"
+#include "tactor/serial/usb_serial_bus.h"
 
 #include <condition_variable>
 #include <functional>

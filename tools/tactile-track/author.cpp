@@ -5,7 +5,7 @@
 #include "../visuotactile-play/output.h"
 #include "commands.h"
 #include "pipeline.h"
-#include "tactile/formats/track_file.h"
+#include "tracks/formats/track_file.h"
 
 #include <glib-unix.h>
 #include <gst/app/gstappsink.h>

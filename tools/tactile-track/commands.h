@@ -3,7 +3,7 @@
 
 #include "../manner.h"
 #include "../or_throw.h"
-#include "tactile/track.h"
+#include "tracks/track.h"
 
 #include <glib.h>
 

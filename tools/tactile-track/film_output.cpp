@@ -6,8 +6,8 @@
 #include "commands.h"
 #include "pipeline.h"
 #include "subtitles.h"
-#include "tactile/formats/film_file.h"
-#include "tactile/formats/track_file.h"
+#include "tracks/formats/film_file.h"
+#include "tracks/formats/track_file.h"
 
 #include <atomic>
 #include <cstdio>

@@ -3,8 +3,8 @@
 // info, validate, diff: what is in tracks.
 #include "commands.h"
 
-#include "tactile/formats/track_file.h"
-#include "tactile/track_edit.h"
+#include "tracks/formats/track_file.h"
+#include "tracks/track_edit.h"
 
 #include <algorithm>
 #include <cstdio>

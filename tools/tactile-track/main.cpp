@@ -4,7 +4,7 @@
 #include "commands.h"
 
 #include "../visuotactile-play/output.h"
-#include "tactile/formats/track_file.h"
+#include "tracks/formats/track_file.h"
 
 #include <algorithm>
 #include <array>

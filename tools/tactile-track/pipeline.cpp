@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "pipeline.h"
 
-#include "tactile/cue_builder.h"
-#include "tactile/formats/webvtt.h"
+#include "tracks/cue_builder.h"
+#include "tracks/formats/webvtt.h"
 
 #include <glib-unix.h>
 #include <gst/app/gstappsrc.h>

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "gst/tactile/cuestream.h"
-#include "tactile/track.h"
+#include "tracks/track.h"
 
 #include <gst/gst.h>
 

@@ -5,7 +5,7 @@
 #include "../visuotactile-play/film.h"
 #include "commands.h"
 #include "pipeline.h"
-#include "tactile/formats/track_file.h"
+#include "tracks/formats/track_file.h"
 
 #include <cairo.h>
 #include <gst/app/gstappsink.h>

@@ -3,9 +3,9 @@
 // convert, edit: a track in, a track out.
 #include "commands.h"
 
-#include "tactile/formats/track_file.h"
-#include "tactile/text_cue.h"
-#include "tactile/track_edit.h"
+#include "tracks/formats/track_file.h"
+#include "tracks/text_cue.h"
+#include "tracks/track_edit.h"
 
 #include <charconv>
 #include <cstdio>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include "tactor/calibration/recording.h"
+#include "calibration/recording.h"
 
 #include <gst/gst.h>
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include "tactor/calibration/calibration.h"
-#include "tactor/calibration/envelope.h"
+#include "calibration/calibration.h"
+#include "calibration/envelope.h"
 
 #include "../manner.h"
 #include "player.h"

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include "tactor/calibration/recording.h"
-#include "tactor/calibration/simulated_sensor.h"
+#include "calibration/recording.h"
+#include "calibration/simulated_sensor.h"
 #include "tactor/command_trace.h"
 #include "tactor/motor_model.h"
 

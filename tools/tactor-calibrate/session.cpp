@@ -4,8 +4,8 @@
 
 #include "../or_throw.h"
 #include "audio_file.h"
-#include "tactor/calibration/alignment.h"
-#include "tactor/calibration/median.h"
+#include "calibration/alignment.h"
+#include "calibration/median.h"
 
 #include <glib.h>
 

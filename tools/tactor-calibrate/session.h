@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include "tactor/calibration/measurement_plan.h"
-#include "tactor/calibration/step_response.h"
-#include "tactor/calibration/tactor_calibration.h"
+#include "calibration/measurement_plan.h"
+#include "calibration/step_response.h"
+#include "calibration/tactor_calibration.h"
 
 #include "player.h"
 

@@ -7,8 +7,8 @@
 #include "player.h"
 #include "strip.h"
 
-#include "tactor/board_choice.h"
-#include "tactor/release_boards.h"
+#include "tactor/drivers/board_choice.h"
+#include "tactor/drivers/release_boards.h"
 
 #include <gst/gst.h>
 

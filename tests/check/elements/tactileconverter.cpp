@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "tactile/klv.h"
-#include "tactile/text_cue.h"
+#include "tracks/klv.h"
+#include "tracks/text_cue.h"
 
 #include "../libs/contains.h"
 #include "../playing.h"

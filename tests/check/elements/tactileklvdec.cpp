@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "tactile/klv.h"
+#include "tracks/klv.h"
 
 #include <gst/check/gstcheck.h>
 #include <gst/check/gstharness.h>

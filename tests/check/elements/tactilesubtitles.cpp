@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 //
 // tactilesubtitles: what becomes of frames and of subtitles. That players choose it is tests/tools/players.sh.
-#include "tactile/klv.h"
+#include "tracks/klv.h"
 
 #include <string>
 #include <vector>

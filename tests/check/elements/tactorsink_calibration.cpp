@@ -2,8 +2,8 @@
 //
 // A chair whose motors all differ, played through tactorsink with and without its calibration.
 #include "../libs/measured_chair.h"
-#include "tactor/calibration/calibration.h"
-#include "tactor/calibration/rise_time_fit.h"
+#include "calibration/calibration.h"
+#include "calibration/rise_time_fit.h"
 #include "tactor/command_trace.h"
 #include "tactor/motor_model.h"
 

@@ -6,8 +6,8 @@
 #include <cstdlib>
 #include <dlfcn.h>
 
+#include "frame/front_end.h"
 #include "saliency/analyzer.h"
-#include "saliency/front_end.h"
 #include "tactile/tactile_mapping.h"
 
 #include "i420_frame.h"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "tactor/calibration/calibration.h"
+#include "calibration/calibration.h"
 
 #include "tactor/command_planner.h"
 

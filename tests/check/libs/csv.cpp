@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "tactile/formats/csv.h"
+#include "tracks/formats/csv.h"
 
 #include "track_samples.h"
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "tactor/calibration/envelope.h"
-#include "tactor/calibration/mains_hum.h"
+#include "calibration/envelope.h"
+#include "calibration/mains_hum.h"
 
 #include <cmath>
 #include <functional>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "tactile/formats/film_file.h"
+#include "tracks/formats/film_file.h"
 
 #include <gst/check/gstcheck.h>
 

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 //
 // Conversations with boards over a line of 57600 baud, in virtual time: every byte has its moment.
-#include "tactor/firmata_board.h"
+#include "tactor/drivers/firmata_board.h"
 
 #include "firmata_model.h"
 #include "tactor/command_planner.h"
 #include "tactor/command_queue.h"
-#include "tactor/serial_port.h"
+#include "tactor/serial/serial_port.h"
 
 #include <cmath>
 #include <random>

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 //
 // Which board the drivers of real boards and the default one take, which they refuse, and which is taken for the one that was lost.
-#include "tactor/auto_driver.h"
-#include "tactor/release_boards.h"
+#include "tactor/drivers/auto_driver.h"
+#include "tactor/drivers/release_boards.h"
 #include "tactor/simulator.h"
 
 #include "firmata_driver_rig.h"

@@ -5,7 +5,7 @@
 #pragma once
 
 #include "memory_bus.h"
-#include "tactor/firmata_driver.h"
+#include "tactor/drivers/firmata_driver.h"
 
 #include <cmath>
 #include <memory>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "tactor/firmata_protocol.h"
+#include "tactor/drivers/firmata_protocol.h"
 
 #include "firmata_model.h"
 

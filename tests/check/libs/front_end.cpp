@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "saliency/front_end.h"
+#include "frame/front_end.h"
 
 #include "saliency_oracle.h"
 #include "tolerance.h"

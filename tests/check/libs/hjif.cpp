@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "tactile/formats/hjif.h"
+#include "tracks/formats/hjif.h"
 
-#include "tactile/formats/funscript.h"
+#include "tracks/formats/funscript.h"
 
 #include <json-glib/json-glib.h>
 

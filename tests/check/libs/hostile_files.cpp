@@ -2,10 +2,10 @@
 //
 // What is read besides tracks, made to do harm: calibrations, recordings, traces, measurements and what a board sends. Each is read or
 // refused with a reason, within a gibibyte of memory and the time of a test.
-#include "tactor/calibration/calibration.h"
-#include "tactor/calibration/recording.h"
+#include "calibration/calibration.h"
+#include "calibration/recording.h"
 #include "tactor/command_trace.h"
-#include "tactor/firmata_board.h"
+#include "tactor/drivers/firmata_board.h"
 #include "tools/tactor-calibrate/audio_file.h"
 #include "tools/tactor-calibrate/session.h"
 

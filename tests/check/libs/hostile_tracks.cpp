@@ -2,7 +2,7 @@
 //
 // Tracks that were made to do harm: each is read or refused with a reason, within one gibibyte of memory, or three for what a parser makes
 // a tree of, and the time of a test.
-#include "tactile/formats/track_file.h"
+#include "tracks/formats/track_file.h"
 
 #include "hostile.h"
 

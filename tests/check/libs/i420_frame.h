@@ -3,7 +3,7 @@
 
 // Frames in memory for tests of the whole analysis.
 
-#include "saliency/frame_view.h"
+#include "frame/frame_view.h"
 
 #include <algorithm>
 #include <array>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "tactor/known_boards.h"
+#include "tactor/drivers/known_boards.h"
 
 #include "../temporary_file.h"
 

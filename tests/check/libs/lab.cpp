@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "saliency/lab.h"
+#include "frame/lab.h"
 
 #include "saliency_oracle.h"
 #include "tolerance.h"

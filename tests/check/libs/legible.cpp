@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "tactor/usb/legible.h"
+#include "tactor/serial/legible.h"
 
 #include <string>
 

@@ -3,11 +3,11 @@
 // A measurement of simulated motors: planned, played without a clock, heard by a simulated sensor, analyzed.
 #pragma once
 
-#include "tactor/calibration/measurement_plan.h"
-#include "tactor/calibration/simulated_sensor.h"
-#include "tactor/calibration/step.h"
-#include "tactor/calibration/step_response.h"
-#include "tactor/calibration/tactor_calibration.h"
+#include "calibration/measurement_plan.h"
+#include "calibration/simulated_sensor.h"
+#include "calibration/step.h"
+#include "calibration/step_response.h"
+#include "calibration/tactor_calibration.h"
 
 #include <cmath>
 #include <vector>

@@ -7,7 +7,7 @@
 #include "../realtime.h"
 #include "firmata_model.h"
 #include "tactor/driver.h"
-#include "tactor/serial_port.h"
+#include "tactor/serial/serial_port.h"
 
 #include <condition_variable>
 #include <list>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "tactile/formats/mpegv_sem.h"
+#include "tracks/formats/mpegv_sem.h"
 
-#include "tactile/formats/track_file.h"
+#include "tracks/formats/track_file.h"
 
 #include <fstream>
 #include <iterator>

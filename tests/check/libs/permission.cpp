@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "tactor/usb/permission.h"
+#include "tactor/serial/permission.h"
 
 #include "contains.h"
 #include "system_tree.h"

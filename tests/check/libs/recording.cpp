@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "tactor/calibration/recording.h"
+#include "calibration/recording.h"
 
 #include <cmath>
 #include <stdexcept>

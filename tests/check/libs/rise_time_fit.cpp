@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "tactor/calibration/rise_time_fit.h"
+#include "calibration/rise_time_fit.h"
 
 #include <algorithm>
 #include <array>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "saliency/row_shares.h"
-#include "saliency/thread_pool.h"
+#include "frame/row_shares.h"
+#include "frame/thread_pool.h"
 
 #include <algorithm>
 #include <cstddef>

@@ -5,8 +5,8 @@
 // speed: what the library's stages are tested against. Nothing of the library is used here but the
 // names of its types.
 
-#include "saliency/frame_view.h"
-#include "saliency/lab_image.h"
+#include "frame/frame_view.h"
+#include "frame/lab_image.h"
 #include "saliency/profile.h"
 
 #include <opencv2/core.hpp>

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "tactor/simulator.h"
 
+#include "tactor/drivers/registry.h"
+
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>

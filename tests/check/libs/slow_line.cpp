@@ -4,7 +4,7 @@
 // line goes. What it holds is a queue that nobody can overtake, so it shall hold next to nothing.
 #include "tactor/command_planner.h"
 #include "tactor/command_queue.h"
-#include "tactor/firmata_board.h"
+#include "tactor/drivers/firmata_board.h"
 #include "tactor/soft_start.h"
 
 #include "firmata_model.h"

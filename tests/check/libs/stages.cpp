@@ -3,9 +3,9 @@
 // What the benchmark times and the accuracy table compares is what the analyzer does.
 #include "tests/quality/stages.h"
 
+#include "frame/front_end.h"
 #include "i420_frame.h"
 #include "saliency/analyzer.h"
-#include "saliency/front_end.h"
 
 #include <hwy/targets.h>
 #include <opencv2/core.hpp>

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 //
 // Recordings of a motor whose rise times are known, with what real recordings have.
+#include "calibration/median.h"
 #include "measured_chair.h"
-#include "tactor/calibration/median.h"
 
 #include <algorithm>
 #include <cmath>

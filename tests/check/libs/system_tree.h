@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include "tactor/usb/system_roots.h"
+#include "tactor/serial/system_roots.h"
 
 #include "../temporary_file.h"
 

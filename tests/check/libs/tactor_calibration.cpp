@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 //
 // Whole measurements of simulated chairs.
+#include "calibration/alignment.h"
+#include "calibration/rise_time_fit.h"
 #include "measured_chair.h"
-#include "tactor/calibration/alignment.h"
-#include "tactor/calibration/rise_time_fit.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "tactile/text_cue.h"
+#include "tracks/text_cue.h"
 
-#include "tactile/cue_builder.h"
+#include "tracks/cue_builder.h"
 
 #include "track_samples.h"
 

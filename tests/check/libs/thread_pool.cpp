@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "saliency/thread_pool.h"
+#include "frame/thread_pool.h"
 
 #include <algorithm>
 #include <array>

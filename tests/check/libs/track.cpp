@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "tactile/track.h"
+#include "tracks/track.h"
 
 #include "track_samples.h"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "tactile/track_edit.h"
+#include "tracks/track_edit.h"
 
 #include <functional>
 

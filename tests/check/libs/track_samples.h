@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include "tactile/track.h"
+#include "tracks/track.h"
 
 #include <random>
 #include <string>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 //
 // Trees as Linux 6.1 has them: a terminal of cdc_acm belongs to the device's interface, one of usb-serial to a port of it.
-#include "tactor/usb/tty_use.h"
+#include "tactor/serial/tty_use.h"
 
 #include "system_tree.h"
 

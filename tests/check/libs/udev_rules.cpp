@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 //
 // data/udev/70-visuotactile.rules, read by the rules of udev(7): it gives away the boards that the library uses, and no other device.
-#include "tactor/usb/cdc_acm.h"
-#include "tactor/usb/ch340.h"
-#include "tactor/usb/ftdi.h"
+#include "tactor/serial/cdc_acm.h"
+#include "tactor/serial/ch340.h"
+#include "tactor/serial/ftdi.h"
 
 #include <filesystem>
 #include <fnmatch.h>

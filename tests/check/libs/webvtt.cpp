@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "tactile/formats/webvtt.h"
+#include "tracks/formats/webvtt.h"
 
 #include "track_samples.h"
 

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// How kernels ask memory for what they will need, for sources that Highway compiles once for each target.
+#if defined(SALIENCY_AHEAD_INL_H) == defined(HWY_TARGET_TOGGLE)
+#ifdef SALIENCY_AHEAD_INL_H
+#undef SALIENCY_AHEAD_INL_H
+#else
+#define SALIENCY_AHEAD_INL_H
+#endif
+
+#include "frame/ahead.h"
+
+#include <hwy/highway.h>
+
+#include <algorithm>
+#include <cstddef>
+
+HWY_BEFORE_NAMESPACE();
+namespace saliency::HWY_NAMESPACE {
+
+/// Asks for as many bytes as are worked on at once, `bytes` after `done` others: to the first level of the
+/// cache, out of which they will go to the second again; told so, processors read ahead by themselves, too.
+template <std::size_t bytes>
+HWY_INLINE void
+ask(const Ahead &ahead, std::ptrdiff_t done)
+{
+  constexpr std::size_t kLine = 64;
+  constexpr std::size_t kLines = std::max<std::size_t>(1, bytes / kLine);
+  constexpr std::size_t kTurn = Ahead::kRows / kLines; // steps for a line of each row
+  static_assert(kTurn * kLines == Ahead::kRows);
+  const std::size_t step = static_cast<std::size_t>(done) / std::max(bytes, kLine);
+  const auto row = static_cast<std::ptrdiff_t>(step % kTurn * kLines);
+  for (std::size_t i = 0; i < kLines; ++i)
+    __builtin_prefetch(ahead.first + (row + static_cast<std::ptrdiff_t>(i)) * ahead.row_stride
+                           + step / kTurn * kLine,
+                       0, 3);
+}
+
+} // namespace saliency::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#endif

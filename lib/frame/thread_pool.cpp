@@ -1,0 +1,135 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "frame/thread_pool.h"
+
+#include <chrono>
+#include <thread>
+#include <utility>
+
+namespace saliency {
+
+ThreadPool::~ThreadPool()
+{
+  {
+    const std::lock_guard lock(mutex_);
+    end_ = true;
+  }
+  work_to_do_.notify_all();
+  for (const pthread_t thread : threads_)
+    pthread_join(thread, nullptr);
+}
+
+void
+ThreadPool::start(int threads)
+{
+  const auto work = [](void *self) -> void * {
+    static_cast<ThreadPool *>(self)->wait_for_work();
+    return nullptr;
+  };
+  while (static_cast<int>(threads_.size()) < threads) {
+    pthread_t thread;
+    if (pthread_create(&thread, nullptr, work, this) != 0)
+      return; // the caller does what they would have done
+    threads_.push_back(thread);
+#ifdef __linux__
+    CPU_ZERO(&processors_); // the new one is told, too
+#endif
+  }
+}
+
+/// Where that cannot be told they stay as they are; who has one processor alone shares it with them.
+void
+ThreadPool::keep_off_callers_processor()
+{
+#ifdef __linux__
+  cpu_set_t processors;
+  const int own = sched_getcpu();
+  if (own < 0 || sched_getaffinity(0, sizeof processors, &processors) != 0)
+    return;
+  if (CPU_COUNT(&processors) > 1)
+    CPU_CLR(own, &processors);
+  if (CPU_EQUAL(&processors, &processors_))
+    return;
+  processors_ = processors;
+  for (const pthread_t thread : threads_)
+    pthread_setaffinity_np(thread, sizeof processors, &processors);
+#endif
+}
+
+/// Until then or until it has been as long as waking up may take.
+template <typename Until>
+void
+ThreadPool::stay_awake(const Until &until)
+{
+  constexpr std::chrono::microseconds kWakingUp{ 50 };
+  const auto sleep = std::chrono::steady_clock::now() + kWakingUp;
+  while (!until() && std::chrono::steady_clock::now() < sleep)
+    std::this_thread::yield();
+}
+
+void
+ThreadPool::run(int parts, Part part, const void *work)
+{
+  if (parts > 1) {
+    start(parts - 1);
+    keep_off_callers_processor();
+  }
+  std::unique_lock lock(mutex_);
+  part_ = part;
+  work_ = work;
+  next_ = 0;
+  parts_ = parts;
+  undone_ = parts;
+  ++works_;
+  if (parts > 1)
+    work_to_do_.notify_all();
+  do_parts(lock);
+  const auto done = [this] {
+    return undone_ == 0;
+  };
+  if (!done()) {
+    lock.unlock();
+    stay_awake(done);
+    lock.lock();
+    all_done_.wait(lock, done);
+  }
+  if (error_)
+    std::rethrow_exception(std::exchange(error_, nullptr));
+}
+
+void
+ThreadPool::wait_for_work()
+{
+  std::unique_lock lock(mutex_);
+  while (!end_) {
+    do_parts(lock);
+    const unsigned known = works_;
+    lock.unlock();
+    stay_awake([this, known] { return end_ || works_ != known; });
+    lock.lock();
+    if (works_ == known)
+      work_to_do_.wait(lock, [this] { return end_ || next_ < parts_; });
+  }
+}
+
+/// Takes parts that nobody does yet until there are none.
+void
+ThreadPool::do_parts(std::unique_lock<std::mutex> &lock)
+{
+  while (next_ < parts_) {
+    const int mine = next_++;
+    lock.unlock();
+    std::exception_ptr error;
+    try {
+      part_(work_, mine);
+    } catch (...) {
+      error = std::current_exception();
+    }
+    lock.lock();
+    if (error)
+      error_ = error;
+    if (--undone_ == 0)
+      all_done_.notify_one();
+  }
+}
+
+} // namespace saliency

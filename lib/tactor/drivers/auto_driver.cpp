@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "tactor/drivers/auto_driver.h"
+
+#include <utility>
+
+namespace tactor {
+
+AutoDriver::AutoDriver(std::unique_ptr<Driver> board, std::unique_ptr<Driver> simulator)
+    : board_(std::move(board)), simulator_(std::move(simulator)), chosen_(board_.get())
+{
+}
+
+AutoDriver::~AutoDriver()
+{
+  AutoDriver::close();
+}
+
+tl::expected<void, DriverError>
+AutoDriver::open(const DriverConfig &config)
+{
+  close();
+  chosen_ = board_.get();
+  DriverConfig careful = config;
+  careful.asks_strangers = false; // nobody has said that there is a board
+  const tl::expected<void, DriverError> board = board_->open(careful);
+  if (board)
+    return {};
+  const auto &[kind, why] = board.error();
+  if (!config.device.empty() && kind == DriverError::Kind::not_found)
+    return tl::unexpected(DriverError{
+        kind, why + "; to have predicted amplitudes written to a file, set driver=simulator" });
+  if (!config.device.empty() || kind == DriverError::Kind::settings || config.stop.stop_requested())
+    return board;
+  chosen_ = simulator_.get();
+  if (tl::expected<void, DriverError> simulated = simulator_->open(config); !simulated)
+    return simulated;
+  // What is plugged in and cannot be used may be meant, or not.
+  const bool is_there = kind != DriverError::Kind::not_found;
+  if (config.notify)
+    config.notify({ is_there ? DriverEvent::Kind::warning : DriverEvent::Kind::opened,
+                    "the motors are simulated: " + why });
+  return {};
+}
+
+int
+AutoDriver::tactors() const
+{
+  return chosen_.load()->tactors();
+}
+
+double
+AutoDriver::resolution() const
+{
+  return chosen_.load()->resolution();
+}
+
+Time
+AutoDriver::transport_latency() const
+{
+  return chosen_.load()->transport_latency();
+}
+
+LineTime
+AutoDriver::line() const
+{
+  return chosen_.load()->line();
+}
+
+Time
+AutoDriver::refresh_interval() const
+{
+  return chosen_.load()->refresh_interval();
+}
+
+tl::expected<void, DriverError>
+AutoDriver::write(std::span<const double> volts, Time now)
+{
+  return chosen_.load()->write(volts, now);
+}
+
+void
+AutoDriver::close() noexcept
+{
+  board_->close();
+  simulator_->close();
+}
+
+DriverStatus
+AutoDriver::status() const
+{
+  return chosen_.load()->status();
+}
+
+} // namespace tactor

@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "tactor/drivers/board_choice.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace tactor {
+
+namespace {
+
+/// What a device says of itself may be anything, and comes into messages.
+std::string
+printable(std::string text)
+{
+  text.resize(std::min<std::size_t>(text.size(), 80));
+  std::ranges::replace_if(
+      text, [](char c) { return c < ' ' || c > '~'; }, '?');
+  return text;
+}
+
+} // namespace
+
+std::string
+describe(const SerialDevice &device)
+{
+  return printable(device.name) + " ("
+         + (device.serial.empty() ? "" : "serial " + printable(device.serial) + ", ") + "at "
+         + device.bus_path + ")";
+}
+
+std::string
+describe(const std::vector<SerialDevice> &devices)
+{
+  std::string text;
+  for (const SerialDevice &device : devices)
+    text += (text.empty() ? "" : ", ") + describe(device);
+  return text;
+}
+
+BoardChoice
+choose_boards(const std::vector<SerialDevice> &all, const std::string &name, bool asks_strangers,
+              const KnownBoards &known)
+{
+  BoardChoice choice;
+  std::vector<SerialDevice> known_adapters;
+  std::vector<SerialDevice> strangers;
+  for (const SerialDevice &device : all) {
+    if (!name.empty()) {
+      if (device.serial == name || device.bus_path == name)
+        choice.wanted.push_back(device);
+    } else if (!device.is_adapter) {
+      choice.wanted.push_back(device);
+    } else {
+      (known.has(device) ? known_adapters : strangers).push_back(device);
+    }
+  }
+  choice.wanted.insert(choice.wanted.end(), known_adapters.begin(), known_adapters.end());
+  std::vector<SerialDevice> &others = asks_strangers ? choice.wanted : choice.passed_over;
+  others.insert(others.end(), strangers.begin(), strangers.end());
+  return choice;
+}
+
+BoardIdentity::BoardIdentity(SerialDevice board, const std::string &name,
+                             const std::vector<SerialDevice> &all)
+    : board_(std::move(board)), any_in_socket_(name == board_.bus_path && name != board_.serial),
+      is_of_its_socket_(any_in_socket_ || board_.serial.empty())
+{
+  look_at(all);
+}
+
+void
+BoardIdentity::look_at(const std::vector<SerialDevice> &all)
+{
+  is_of_its_socket_ = is_of_its_socket_ || std::ranges::any_of(all, [this](const auto &other) {
+                        return is_same(other) && other.bus_path != board_.bus_path;
+                      });
+}
+
+void
+BoardIdentity::is_now(SerialDevice board)
+{
+  board_ = std::move(board);
+}
+
+std::optional<SerialDevice>
+BoardIdentity::find(const std::vector<SerialDevice> &all) const
+{
+  std::optional<SerialDevice> found;
+  for (const SerialDevice &device : all) {
+    if (!any_in_socket_ && !is_same(device))
+      continue;
+    if (device.bus_path == board_.bus_path)
+      return device;
+    if (!is_of_its_socket_ && !found)
+      found = device;
+  }
+  return found;
+}
+
+bool
+BoardIdentity::is_same(const SerialDevice &other) const
+{
+  return other.vendor == board_.vendor && other.product == board_.product
+         && other.serial == board_.serial;
+}
+
+} // namespace tactor

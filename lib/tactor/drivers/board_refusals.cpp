@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "tactor/drivers/board_refusals.h"
+
+#include "tactor/drivers/board_choice.h"
+
+namespace tactor {
+
+using Kind = DriverError::Kind;
+
+std::string
+describe(const std::vector<int> &numbers)
+{
+  std::string text;
+  for (const int number : numbers)
+    text += (text.empty() ? "" : ", ") + std::to_string(number);
+  return text;
+}
+
+std::optional<DriverError>
+refusal_of_use(const SerialDevice &device, const LineUse &use, bool is_wanted)
+{
+  if (use.kind == LineUse::Kind::free || (use.kind == LineUse::Kind::perhaps && is_wanted))
+    return std::nullopt;
+  return DriverError{ Kind::busy, describe(device) + " is in use by another program: " + use.by
+                                      + "; close that first" };
+}
+
+std::optional<DriverError>
+refusal_of_board(const SerialDevice &device, const FirmataBoard &board, int needed,
+                 bool needs_watchdog)
+{
+  const std::vector<int> pins = board.pins();
+  const auto count = static_cast<int>(pins.size());
+  if (count < needed)
+    return DriverError{ Kind::settings, describe(device) + " has " + std::to_string(count)
+                                            + " pins with pulse-width modulation (" + describe(pins)
+                                            + "), but " + std::to_string(needed)
+                                            + " tactors are wanted; set mapping to tactors below "
+                                            + std::to_string(count)
+                                            + ", or take a board with more" };
+  if (needs_watchdog && !board.has_watchdog())
+    return DriverError{ Kind::settings, describe(device) + ": expected the seat firmware, got "
+                                            + board.firmware()
+                                            + "; flash it (docs/hardware), or use driver=firmata" };
+  return std::nullopt;
+}
+
+DriverError
+summary(const std::vector<DriverError> &refusals)
+{
+  std::string text;
+  for (const DriverError &refusal : refusals)
+    text += (text.empty() ? "" : "; ") + refusal.text;
+  return { refusals.front().kind, text };
+}
+
+} // namespace tactor

@@ -1,0 +1,521 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "tactor/drivers/firmata_driver.h"
+
+#include "tactor/drivers/board_refusals.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace tactor {
+
+namespace {
+
+using Lock = std::unique_lock<std::mutex>;
+
+constexpr std::size_t kMostExplained = 8; ///< reasons why one board is not used
+
+/// Gives a lock up for as long as it lives.
+class Unlocked
+{
+public:
+  explicit Unlocked(Lock &lock) : lock_(lock)
+  {
+    lock_.unlock();
+  }
+  ~Unlocked()
+  {
+    lock_.lock();
+  }
+  Unlocked(const Unlocked &) = delete;
+  Unlocked &operator=(const Unlocked &) = delete;
+
+private:
+  Lock &lock_;
+};
+
+Time
+steady_now()
+{
+  return std::chrono::steady_clock::now().time_since_epoch();
+}
+
+} // namespace
+
+FirmataDriver::FirmataDriver(Firmware firmware, MakeBus make_bus)
+    : FirmataDriver(firmware, std::move(make_bus), Settings{})
+{
+}
+
+FirmataDriver::FirmataDriver(Firmware firmware, MakeBus make_bus, Settings settings)
+    : firmware_(firmware), make_bus_(std::move(make_bus)), settings_(std::move(settings)),
+      known_boards_(settings_.known_boards)
+{
+}
+
+FirmataDriver::~FirmataDriver()
+{
+  FirmataDriver::close();
+}
+
+/* ---- the scheduler's side ---- */
+
+tl::expected<void, DriverError>
+FirmataDriver::open(const DriverConfig &config)
+{
+  close();
+  {
+    const std::lock_guard lock(mutex_);
+    config_ = config;
+    quit_ = bus_changed_ = false;
+    opening_ = std::stop_source();
+    refusal_.reset();
+    levels_.clear();
+    bytes_before_ = 0;
+    status_ = {};
+    runs_ = true;
+  }
+  guard_ = std::make_unique<TerminationGuard>([this](auto until) { leave(until); });
+  const std::stop_callback stopped(config.stop, [this] { quit(); });
+  std::optional<DriverError> refusal;
+  if (tl::expected<Thread, DriverError> thread = Thread::start([this] { run(); })) {
+    thread_ = std::move(*thread);
+    Lock lock(mutex_);
+    changed_.wait(lock, [this] { return is_open_ || refusal_; });
+    refusal = refusal_;
+  } else {
+    const std::lock_guard lock(mutex_);
+    runs_ = false;
+    refusal = thread.error();
+  }
+  if (!refusal)
+    return {};
+  close();
+  return tl::unexpected(*refusal);
+}
+
+int
+FirmataDriver::tactors() const
+{
+  std::lock_guard lock(mutex_);
+  return tactors_;
+}
+
+double
+FirmataDriver::resolution() const
+{
+  std::lock_guard lock(mutex_);
+  return resolution_;
+}
+
+Time
+FirmataDriver::transport_latency() const
+{
+  std::lock_guard lock(mutex_);
+  return line_.all();
+}
+
+LineTime
+FirmataDriver::line() const
+{
+  std::lock_guard lock(mutex_);
+  return line_;
+}
+
+Time
+FirmataDriver::refresh_interval() const
+{
+  return settings_.patience.keepalive;
+}
+
+tl::expected<void, DriverError>
+FirmataDriver::write(std::span<const double> volts, Time)
+{
+  std::lock_guard lock(mutex_);
+  levels_.assign(volts.begin(), volts.end());
+  levels_.resize(std::min(levels_.size(), static_cast<std::size_t>(tactors_)));
+  for (double &level : levels_)
+    level /= config_.full_scale_volts;
+  levels_set_ = steady_now();
+  if (board_ && board_->set_levels(levels_, levels_set_))
+    changed_.notify_all();
+  return {};
+}
+
+void
+FirmataDriver::close() noexcept
+{
+  quit();
+  thread_.join();
+  guard_.reset(); // without the lock, which leave() takes
+  const std::lock_guard lock(mutex_);
+  is_open_ = status_.is_there = false;
+  tactors_ = 0;
+  resolution_ = 0;
+  line_ = {};
+}
+
+DriverStatus
+FirmataDriver::status() const
+{
+  std::lock_guard lock(mutex_);
+  DriverStatus status = status_;
+  status.bytes = bytes_before_ + (board_ ? board_->bytes_sent() : 0);
+  return status;
+}
+
+/* ---- the driver's thread ---- */
+
+void
+FirmataDriver::run()
+{
+  Lock lock(mutex_);
+  std::unique_ptr<SerialBus> bus;
+  std::unique_ptr<SerialPort> port;
+  const tl::expected<void, DriverError> connected
+      = watched_bus(lock)
+            .and_then([&](std::unique_ptr<SerialBus> &&watched) {
+              bus = std::move(watched);
+              return connect_first(lock, *bus);
+            })
+            .map([&](std::unique_ptr<SerialPort> &&first) { port = std::move(first); });
+  if (connected)
+    is_open_ = true;
+  else
+    refusal_ = connected.error();
+  changed_.notify_all();
+  if (port)
+    realtime_.emplace(config_.realtime);
+
+  while (port) {
+    converse(lock, *port, &FirmataDriver::is_quitting);
+    const std::string why = lost_.value_or("");
+    release(lock, std::exchange(port, nullptr));
+    if (quit_)
+      break;
+    status_.is_there = false;
+    // What is in other sockets at this moment is other boards.
+    identity_->look_at(list(lock, *bus).value_or(std::vector<SerialDevice>()));
+    tell(lock, DriverEvent::Kind::lost,
+         describe(device_) + ": " + why
+             + (identity_->is_of_its_socket()
+                    ? "; it is looked for at " + device_.bus_path + " alone"
+                    : ""));
+    while (!quit_ && !port)
+      port = connect_again(lock, *bus);
+    if (!port)
+      break;
+    status_.reconnects++;
+    tell(lock, DriverEvent::Kind::returned, status_.board + " is back");
+  }
+
+  realtime_.reset();
+  {
+    const Unlocked unlocked(lock);
+    if (bus)
+      bus->watch(nullptr);
+    bus.reset();
+  }
+  runs_ = false;
+  changed_.notify_all();
+}
+
+tl::expected<std::unique_ptr<SerialBus>, DriverError>
+FirmataDriver::watched_bus(Lock &lock)
+{
+  const Unlocked unlocked(lock);
+  tl::expected<std::unique_ptr<SerialBus>, DriverError> bus = make_bus_();
+  if (!bus)
+    return bus;
+  const tl::expected<void, DriverError> watched = (*bus)->watch([this] {
+    std::lock_guard changed(mutex_);
+    bus_changed_ = true;
+    changed_.notify_all();
+  });
+  if (!watched)
+    return tl::unexpected(watched.error());
+  return bus;
+}
+
+/// What is plugged in now.
+tl::expected<std::vector<SerialDevice>, DriverError>
+FirmataDriver::list(Lock &lock, SerialBus &bus)
+{
+  const Unlocked unlocked(lock);
+  return bus.list();
+}
+
+tl::expected<std::unique_ptr<SerialPort>, DriverError>
+FirmataDriver::connect_first(Lock &lock, SerialBus &bus)
+{
+  tl::expected<std::vector<SerialDevice>, DriverError> listed = list(lock, bus);
+  if (!listed)
+    return tl::unexpected(listed.error());
+  std::vector<SerialDevice> devices = std::move(*listed);
+  const auto [wanted, passed_over]
+      = choose_boards(devices, config_.device, config_.asks_strangers, known_boards_);
+  const std::string not_asked
+      = passed_over.empty() ? ""
+                            : "; not asked, for it may be anything: " + describe(passed_over)
+                                  + "; if that is a tactor board, name it once by device=SERIAL "
+                                    "or device=BUS-PATH";
+  if (wanted.empty() && config_.device.empty())
+    return tl::unexpected(DriverError{
+        DriverError::Kind::not_found,
+        "no tactor board is plugged in; expected one with StandardFirmata on USB" + not_asked });
+  if (wanted.empty())
+    return tl::unexpected(
+        DriverError{ DriverError::Kind::not_found,
+                     "no tactor board '" + config_.device
+                         + "' is plugged in; expected the serial number or the bus path of one, "
+                           "and there is "
+                         + (devices.empty() ? "none" : describe(devices)) });
+
+  std::vector<DriverError> refusals;
+  for (const SerialDevice &device : wanted) {
+    tl::expected<std::unique_ptr<SerialPort>, DriverError> port = connect(lock, bus, device);
+    if (port) {
+      tactors_ = std::min(config_.max_tactors, static_cast<int>(status_.pins.size()));
+      resolution_ = board_->resolution() * config_.full_scale_volts;
+      line_ = board_->line();
+      identity_.emplace(device, config_.device, devices);
+      refused_.reset();
+      explained_.clear();
+      std::erase(devices, device);
+      tell(lock, DriverEvent::Kind::opened,
+           status_.board + ": " + status_.firmware + ", tactors on pins " + describe(status_.pins)
+               + (devices.empty() ? ""
+                                  : "; another is chosen by device=SERIAL or device=BUS-PATH: "
+                                        + describe(devices)));
+      if (!status_.has_watchdog)
+        tell(lock, DriverEvent::Kind::warning,
+             status_.board + ": " + status_.firmware
+                 + " has no watchdog: motors run on if this computer hangs or the player is "
+                   "killed; the seat firmware has one (docs/hardware)");
+      return port;
+    }
+    if (quit_)
+      return port;
+    refusals.push_back(port.error());
+  }
+  DriverError refusal = summary(refusals);
+  refusal.text += not_asked;
+  return tl::unexpected(refusal);
+}
+
+/// Waits until it is worth while and looks for the board that was lost. Null if it is not there yet.
+std::unique_ptr<SerialPort>
+FirmataDriver::connect_again(Lock &lock, SerialBus &bus)
+{
+  const auto is_due = [this] {
+    return quit_ || bus_changed_;
+  };
+  // A board that does not fit is asked again when something has changed: each question may reset it.
+  if (refused_ && refused_->kind == DriverError::Kind::settings)
+    changed_.wait(lock, is_due);
+  else
+    changed_.wait_for(lock, settings_.look_again, is_due);
+  if (quit_)
+    return nullptr;
+  bus_changed_ = false;
+  const std::optional<SerialDevice> found
+      = identity_->find(list(lock, bus).value_or(std::vector<SerialDevice>()));
+  if (!found) {
+    refused_.reset();
+    explained_.clear();
+    return nullptr;
+  }
+  tl::expected<std::unique_ptr<SerialPort>, DriverError> port = connect(lock, bus, *found);
+  if (!port) {
+    explain(lock, port.error());
+    return nullptr;
+  }
+  identity_->is_now(*found);
+  refused_.reset();
+  explained_.clear();
+  return std::move(*port);
+}
+
+/// Tells, once, why a board that is back is not used.
+void
+FirmataDriver::explain(Lock &lock, const DriverError &refusal)
+{
+  using Kind = DriverError::Kind;
+  // What else may pass: udev is still at work, the board is being plugged out, or boots.
+  const bool stays = refusal.kind == Kind::settings || refusal.kind == Kind::busy
+                     || (refused_ && refused_->text == refusal.text);
+  refused_ = refusal;
+  if (quit_ || !stays || explained_.size() == kMostExplained
+      || !explained_.insert(refusal.text).second)
+    return;
+  tell(lock, DriverEvent::Kind::refused,
+       "the tactor board is back, but cannot be used: " + refusal.text);
+}
+
+/// Opens a device, asks what it is and gives it the levels.
+tl::expected<std::unique_ptr<SerialPort>, DriverError>
+FirmataDriver::connect(Lock &lock, SerialBus &bus, const SerialDevice &device)
+{
+  LineUse use;
+  {
+    const Unlocked unlocked(lock);
+    use = bus.use(device);
+  }
+  const bool is_wanted = config_.asks_strangers || !config_.device.empty();
+  if (std::optional<DriverError> refusal = refusal_of_use(device, use, is_wanted))
+    return tl::unexpected(*refusal);
+
+  SerialPort::Events events;
+  events.received = [this](std::span<const std::uint8_t> bytes) {
+    std::lock_guard event(mutex_);
+    board_->received(bytes);
+    changed_.notify_all();
+  };
+  events.written = [this] {
+    std::lock_guard event(mutex_);
+    board_->written();
+    changed_.notify_all();
+  };
+  events.lost = [this](const std::string &why) {
+    std::lock_guard event(mutex_);
+    lost_ = why;
+    changed_.notify_all();
+  };
+
+  events.realtime = config_.realtime;
+
+  lost_.reset();
+  board_.emplace(steady_now(), settings_.patience);
+  tl::expected<std::unique_ptr<SerialPort>, DriverError> port;
+  {
+    const std::stop_token stop = opening_.get_token();
+    const Unlocked unlocked(lock);
+    port = bus.open(device, std::move(events), stop);
+  }
+  if (!port) {
+    board_.reset();
+    return port;
+  }
+  converse(lock, **port, &FirmataDriver::has_answered);
+
+  std::optional<DriverError> refusal;
+  if (quit_)
+    refusal = { DriverError::Kind::failed, "the opening of the board was stopped" };
+  else if (lost_)
+    refusal = { DriverError::Kind::failed, describe(device) + ": " + *lost_ };
+  else
+    refusal = refusal_of_board(device, *board_, std::max(config_.min_tactors, tactors_),
+                               firmware_ == Firmware::with_watchdog);
+  const bool is_board = board_->state() == FirmataBoard::State::running;
+  const bool is_none = board_->state() == FirmataBoard::State::failed;
+  if (device.is_adapter && (is_board || is_none)) {
+    const Unlocked unlocked(lock);
+    is_board ? known_boards_.add(device) : known_boards_.remove(device);
+  }
+  if (refusal) {
+    release(lock, std::move(*port));
+    return tl::unexpected(*refusal);
+  }
+
+  device_ = device;
+  status_.board = describe(device);
+  status_.firmware = board_->firmware();
+  status_.has_watchdog = board_->has_watchdog();
+  status_.pins = board_->pins();
+  status_.is_there = true;
+  board_->set_levels(levels_, levels_set_);
+  return port;
+}
+
+/// Sends what is to be sent until the board is lost, or more.
+void
+FirmataDriver::converse(Lock &lock, SerialPort &port, bool (FirmataDriver::*is_done)() const)
+{
+  while (!lost_ && !(this->*is_done)()) {
+    if (realtime_)
+      realtime_->turn();
+    const std::vector<std::uint8_t> bytes = board_->next(steady_now());
+    if (board_->state() == FirmataBoard::State::failed) {
+      lost_ = board_->failure();
+    } else if (!bytes.empty()) {
+      bool is_taken;
+      {
+        const Unlocked unlocked(lock);
+        is_taken = port.write(bytes);
+      }
+      if (!is_taken && !lost_)
+        lost_ = "it does not take what it is sent";
+    } else if ((this->*is_done)()) {
+      return;
+    } else if (const std::optional<Time> deadline = board_->deadline()) {
+      changed_.wait_until(lock, std::chrono::steady_clock::time_point(*deadline));
+    } else {
+      changed_.wait(lock);
+    }
+  }
+}
+
+/// Motors to zero, as far as the board still takes it, and the port closed.
+void
+FirmataDriver::release(Lock &lock, std::unique_ptr<SerialPort> port)
+{
+  board_->close(steady_now());
+  converse(lock, *port, &FirmataDriver::has_left);
+  {
+    const Unlocked unlocked(lock);
+    port.reset();
+  }
+  bytes_before_ += board_->bytes_sent();
+  board_.reset();
+}
+
+void
+FirmataDriver::tell(Lock &lock, DriverEvent::Kind kind, const std::string &text)
+{
+  if (!config_.notify)
+    return;
+  const Unlocked unlocked(lock);
+  config_.notify({ kind, text });
+}
+
+/// From any thread: the driver's one stops the motors, releases the board and ends.
+void
+FirmataDriver::quit()
+{
+  std::stop_source opening;
+  {
+    const std::lock_guard lock(mutex_);
+    quit_ = true;
+    opening = opening_;
+    changed_.notify_all();
+  }
+  opening.request_stop();
+}
+
+/// On a thread of TerminationGuard's: motors to zero, board released, as far as there is time.
+void
+FirmataDriver::leave(std::chrono::steady_clock::time_point until)
+{
+  quit();
+  Lock lock(mutex_);
+  changed_.wait_until(lock, until, [this] { return !runs_; });
+}
+
+bool
+FirmataDriver::has_answered() const
+{
+  return quit_ || board_->state() == FirmataBoard::State::running;
+}
+
+bool
+FirmataDriver::is_quitting() const
+{
+  return quit_;
+}
+
+bool
+FirmataDriver::has_left() const
+{
+  return board_->state() == FirmataBoard::State::closed;
+}
+
+} // namespace tactor

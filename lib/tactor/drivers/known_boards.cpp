@@ -1,0 +1,118 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "tactor/drivers/known_boards.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <cstdlib>
+#include <fstream>
+#include <mutex>
+#include <system_error>
+#include <unistd.h>
+#include <utility>
+
+namespace tactor {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr std::size_t kLongestLine = 512; // a serial number has 126 characters at most
+
+std::mutex changing; ///< the file, by this process
+
+/// The line that stands for a device; empty if nothing tells it from others.
+std::string
+line_of(const SerialDevice &device)
+{
+  char ids[16];
+  std::snprintf(ids, sizeof ids, "%04x:%04x", device.vendor, device.product);
+  std::string line
+      = ids + (device.serial.empty() ? " at " + device.bus_path : " serial " + device.serial);
+  return line.size() > kLongestLine || line.find('\n') != std::string::npos ? "" : line;
+}
+
+} // namespace
+
+KnownBoards::KnownBoards(fs::path file) : file_(std::move(file))
+{
+}
+
+fs::path
+KnownBoards::default_file()
+{
+  const char *state = std::getenv("XDG_STATE_HOME");
+  const char *home = std::getenv("HOME");
+  fs::path folder = state ? state : "";
+  if (!folder.is_absolute()) // as the specification has it: ignored
+    folder = home ? fs::path(home) / ".local/state" : fs::path();
+  return folder.is_absolute() ? folder / "visuotactile/boards" : fs::path();
+}
+
+bool
+KnownBoards::has(const SerialDevice &device) const
+{
+  const std::string line = line_of(device);
+  return !line.empty() && std::ranges::count(read(), line) > 0;
+}
+
+void
+KnownBoards::add(const SerialDevice &device)
+{
+  const std::lock_guard lock(changing);
+  const std::string line = line_of(device);
+  std::vector<std::string> lines = read();
+  if (line.empty() || (!lines.empty() && lines.back() == line))
+    return;
+  std::erase(lines, line);
+  lines.push_back(line); // the last one is the one that was used last
+  if (lines.size() > kMost)
+    lines.erase(lines.begin(), lines.end() - kMost);
+  write(lines);
+}
+
+void
+KnownBoards::remove(const SerialDevice &device)
+{
+  const std::lock_guard lock(changing);
+  std::vector<std::string> lines = read();
+  if (std::erase(lines, line_of(device)) > 0)
+    write(lines);
+}
+
+std::vector<std::string>
+KnownBoards::read() const
+{
+  std::vector<std::string> lines;
+  std::error_code error;
+  if (file_.empty() || !fs::is_regular_file(file_, error) // a pipe would be waited for
+      || fs::file_size(file_, error) > kMost * kLongestLine)
+    return lines;
+  std::ifstream file(file_);
+  for (std::string line; lines.size() < kMost && std::getline(file, line);)
+    if (!line.empty())
+      lines.push_back(line);
+  return lines;
+}
+
+/// As a whole or not at all.
+void
+KnownBoards::write(const std::vector<std::string> &lines) const
+{
+  if (file_.empty())
+    return;
+  std::error_code error;
+  fs::create_directories(file_.parent_path(), error);
+  const fs::path part = file_.native() + "." + std::to_string(getpid()) + ".part";
+  {
+    std::ofstream file(part);
+    for (const std::string &line : lines)
+      file << line << '\n';
+    if (!file.flush()) {
+      fs::remove(part, error);
+      return;
+    }
+  }
+  fs::rename(part, file_, error);
+}
+
+} // namespace tactor

@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include "tactor/driver.h"
+
+#include <functional>
+#include <memory>
+#include <string_view>
+#include <vector>
+
+namespace tactor {
+
+/// One line of the list of drivers.
+struct DriverInfo
+{
+  std::string_view name;        ///< as in `tactorsink driver=NAME`
+  std::string_view description; ///< one line
+  std::function<std::unique_ptr<Driver>()> create;
+};
+
+/// All drivers that were built, the default one first.
+const std::vector<DriverInfo> &drivers();
+
+/// A driver by name; DriverError::Kind::not_found has the known names in its text.
+[[nodiscard]] tl::expected<std::unique_ptr<Driver>, DriverError> make_driver(std::string_view name);
+
+} // namespace tactor

@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include "tactor/serial/serial_line.h"
+
+#include <array>
+
+namespace tactor {
+
+/// Makers of boards.
+inline constexpr std::array kCdcAcmDevices{
+  UsbId{ 0x2341, 0 }, // Arduino
+  UsbId{ 0x2a03, 0 }, // Arduino (arduino.org)
+  UsbId{ 0x16c0, 0 }, // Teensy
+  UsbId{ 0x2e8a, 0 }, // Raspberry Pi
+  UsbId{ 0x239a, 0 }, // Adafruit
+  UsbId{ 0x1b4f, 0 }, // SparkFun
+  UsbId{ 0x2886, 0 }, // Seeed
+  UsbId{ 0x303a, 0 }, // Espressif
+  UsbId{ 0x1209, 0 }, // pid.codes, open hardware
+  UsbId{ 0x1a86, 0 }, // WCH, USB chips of many boards
+};
+
+/// The USB communications class' serial line (CDC 1.2, PSTN 1.2, abstract control model): Uno, Mega, Leonardo, Teensy, RP2040. Only from
+/// vendors of boards: modems speak it too, and must not be asked for their capabilities.
+std::optional<SerialLine> cdc_acm_line(const libusb_device_descriptor &device,
+                                       const libusb_config_descriptor &config);
+
+} // namespace tactor

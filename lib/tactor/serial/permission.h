@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include "tactor/serial/system_roots.h"
+
+#include <string>
+
+namespace tactor {
+
+/// Why the user may not open the device at this bus path ("1-2.3"), and the commands that change it, in one line: the udev rule is not installed; it has not
+/// been applied to the device; or it has, and gives it to whoever sits at the computer, whom the user is not (ssh).
+std::string permission_advice(const std::string &bus_path, const SystemRoots &roots = {});
+
+} // namespace tactor

@@ -1,0 +1,135 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include "tactor/driver_error.h"
+#include "tactor/serial/enumeration.h"
+#include "tactor/serial/serial_port.h"
+#include "tactor/serial/usb_serial_bus.h"
+#include "tactor/thread.h"
+
+#include <array>
+#include <chrono>
+#include <condition_variable>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <span>
+#include <stop_token>
+#include <string>
+#include <vector>
+
+namespace tactor {
+
+/// An opened device with its interfaces claimed; the kernel's driver has it back afterwards.
+class ClaimedDevice
+{
+public:
+  /// Opens, claims and sets up.
+  [[nodiscard]] static tl::expected<ClaimedDevice, DriverError>
+  open(const UsbContext &context, const SerialDevice &device,
+       std::chrono::milliseconds request_patience, const std::stop_token &stop);
+  ~ClaimedDevice();
+  ClaimedDevice(ClaimedDevice &&) = default;
+  ClaimedDevice &operator=(ClaimedDevice &&) = delete;
+
+  libusb_device_handle *get() const
+  {
+    return handle_.get();
+  }
+
+  const SerialLine &line() const
+  {
+    return line_;
+  }
+
+private:
+  ClaimedDevice() = default;
+  tl::expected<void, DriverError> claim(const SerialDevice &device);
+  tl::expected<void, DriverError> set_up(const UsbContext &context, const SerialDevice &device,
+                                         std::chrono::milliseconds patience,
+                                         const std::stop_token &stop);
+
+  struct Close
+  {
+    void operator()(libusb_device_handle *handle) const
+    {
+      libusb_close(handle);
+    }
+  };
+
+  SerialLine line_;
+  std::unique_ptr<libusb_device_handle, Close> handle_;
+  std::vector<int> claimed_;
+};
+
+/// A serial line over bulk transfers: see UsbSerialBus for the threads.
+class UsbSerialPort : public SerialPort
+{
+public:
+  /// DriverError as SerialBus::open().
+  [[nodiscard]] static tl::expected<std::unique_ptr<UsbSerialPort>, DriverError>
+  open(const SerialDevice &device, Events events, const UsbPatience &patience,
+       const std::stop_token &stop);
+  ~UsbSerialPort() override;
+
+  bool write(std::span<const std::uint8_t> bytes) override;
+
+private:
+  /// Enough that the host controller always has one while others are being looked at.
+  static constexpr std::size_t kReads = 4;
+  /// A multiple of every packet size: a board can never send more than fits.
+  static constexpr std::size_t kReadSize = 512;
+  /// This many transfers in a row that end in an error, and the board is gone: an unplugged one fails each, electrical noise a few.
+  static constexpr int kErrorsInARow = 2 * kReads;
+
+  struct FreeTransfer
+  {
+    void operator()(libusb_transfer *transfer) const
+    {
+      libusb_free_transfer(transfer);
+    }
+  };
+  using Transfer = std::unique_ptr<libusb_transfer, FreeTransfer>;
+
+  UsbSerialPort(UsbContext context, ClaimedDevice device, Events events);
+  bool allocate(const UsbPatience &patience);
+  tl::expected<void, DriverError> begin();
+  Transfer allocate(std::uint8_t endpoint, std::span<std::uint8_t> buffer,
+                    libusb_transfer_cb_fn done, unsigned patience_ms);
+  void run();
+  void read_done(libusb_transfer &transfer);
+  void write_done(libusb_transfer &transfer);
+
+  // mutex_ is held for these.
+  bool submit(libusb_transfer &transfer);
+  bool goes_on(const libusb_transfer &transfer);
+  void lose(const std::string &why);
+  void note_taken(int bytes);
+
+  const Events events_;
+  const UsbContext context_;
+  const ClaimedDevice device_;
+
+  std::array<std::array<std::uint8_t, kReadSize>, kReads> read_buffers_{};
+  std::array<std::uint8_t, kMaxWrite> write_buffer_{};
+  std::array<Transfer, kReads> reads_;
+  Transfer write_;
+  std::vector<std::uint8_t> received_; ///< without status bytes; event thread only
+
+  std::mutex mutex_;                ///< guards what follows
+  std::condition_variable settled_; ///< in_flight_ became 0
+  std::size_t in_flight_ = 0;       ///< transfers submitted and not done
+  int read_errors_ = 0;             ///< in a row
+  int write_errors_ = 0;            ///< in a row
+  bool writing_ = false;            ///< a write is on the way
+  bool closing_ = false;            ///< no more events, no more transfers
+  bool stop_ = false;               ///< the event thread shall end
+  bool lost_ = false; ///< no more transfers; the only event that may still come is `lost`
+  std::optional<std::string> loss_; ///< the event thread is to call `lost`
+
+  std::chrono::steady_clock::time_point carried_{}; ///< the line has carried all that was taken
+
+  Thread thread_;
+};
+
+} // namespace tactor

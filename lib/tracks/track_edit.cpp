@@ -1,0 +1,323 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "tracks/track_edit.h"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <utility>
+
+namespace tactile {
+
+namespace {
+
+constexpr Time kLimitStep = std::chrono::milliseconds(10);
+
+using Edited = tl::expected<Track, FormatError>;
+
+Track
+empty_like(const Track &track)
+{
+  Track result(track.rows(), track.columns());
+  result.set_rate(track.rate());
+  return result;
+}
+
+/// A track that is made map by map and may get too large.
+class Growing
+{
+public:
+  explicit Growing(Track empty) : track_(std::move(empty))
+  {
+  }
+
+  void append(Time time, const TactileMap &map)
+  {
+    if (fits_)
+      fits_ = track_.append(time, map);
+  }
+
+  Edited finish(Time end)
+  {
+    if (fits_)
+      fits_ = track_.set_end(end);
+    if (!fits_)
+      return tl::unexpected(fits_.error());
+    return std::move(track_);
+  }
+
+private:
+  Track track_;
+  tl::expected<void, FormatError> fits_;
+};
+
+/// The track with each of its maps changed.
+Track
+with_maps(const Track &track, const std::function<void(TactileMap &)> &change)
+{
+  Track result = empty_like(track);
+  for (const Track::Entry &entry : track.entries()) {
+    TactileMap map = entry.map;
+    change(map);
+    result.append(entry.time, map);
+  }
+  result.set_end(track.end());
+  return result;
+}
+
+Time
+end_of(const Track &track, std::size_t entry)
+{
+  return entry + 1 < track.entries().size() ? track.entries()[entry + 1].time : track.end();
+}
+
+/// The track without the events for which `is_pruned` says so, given their length and strongest level.
+Track
+without_events(const Track &track, const std::function<bool(Time, float)> &is_pruned)
+{
+  const auto &entries = track.entries();
+  std::vector<TactileMap> maps;
+  maps.reserve(entries.size());
+  for (const Track::Entry &entry : entries)
+    maps.push_back(entry.map);
+  const std::size_t cells = entries.front().map.levels.size();
+  for (std::size_t cell = 0; cell < cells; cell++)
+    for (std::size_t first = 0; first < entries.size();) {
+      if (!(entries[first].map.levels[cell] > 0)) {
+        first++;
+        continue;
+      }
+      std::size_t last = first; // one after the event
+      float strongest = 0;
+      for (; last < entries.size() && entries[last].map.levels[cell] > 0; last++)
+        strongest = std::max(strongest, entries[last].map.levels[cell]);
+      if (is_pruned(end_of(track, last - 1) - entries[first].time, strongest))
+        for (std::size_t i = first; i < last; i++)
+          maps[i].levels[cell] = 0;
+      first = last;
+    }
+  Track result = empty_like(track);
+  for (std::size_t i = 0; i < entries.size(); i++)
+    result.append(entries[i].time, maps[i]);
+  result.set_end(track.end());
+  return result;
+}
+
+/// When either track changes, up to the later end.
+std::vector<Time>
+change_times(const Track &a, const Track &b)
+{
+  std::vector<Time> times;
+  for (const Track *track : { &a, &b }) {
+    for (const Track::Entry &entry : track->entries())
+      times.push_back(entry.time);
+    times.push_back(track->end());
+  }
+  std::ranges::sort(times);
+  times.erase(std::unique(times.begin(), times.end()), times.end());
+  return times;
+}
+
+} // namespace
+
+Track
+prune_short(const Track &track, Time shortest)
+{
+  return without_events(track, [&](Time length, float) { return length < shortest; });
+}
+
+Track
+prune_weak(const Track &track, float weakest)
+{
+  return without_events(track, [&](Time, float strongest) { return strongest < weakest; });
+}
+
+Track
+merge_equal(const Track &track, float tolerance)
+{
+  Track result = empty_like(track);
+  for (const Track::Entry &entry : track.entries()) {
+    const TactileMap &last = result.entries().back().map;
+    const bool same = std::ranges::equal(entry.map.levels, last.levels, [&](float a, float b) {
+      // What is felt and what is not are never the same.
+      return std::abs(a - b) <= tolerance && (a > 0) == (b > 0);
+    });
+    if (!same || entry.time == Time(0))
+      result.append(entry.time, entry.map);
+  }
+  result.set_end(track.end());
+  return result;
+}
+
+Edited
+limit_events(const Track &track, const CueLimits &limits)
+{
+  CueLimiter limiter;
+  Growing result(empty_like(track));
+  const auto &entries = track.entries();
+  for (std::size_t i = 0; i < entries.size(); i++) {
+    const Time end = end_of(track, i);
+    for (Time time = entries[i].time; time < end; time += kLimitStep) {
+      TactileMap map = entries[i].map;
+      limiter.limit(map, time, limits);
+      result.append(time, map);
+    }
+  }
+  return result.finish(track.end());
+}
+
+Edited
+shift(const Track &track, Time offset)
+{
+  Growing result(empty_like(track));
+  const auto &entries = track.entries();
+  for (std::size_t i = 0; i < entries.size(); i++)
+    if (end_of(track, i) + offset > Time(0))
+      result.append(std::max(entries[i].time + offset, Time(0)), entries[i].map);
+  return result.finish(std::max(track.end() + offset, Time(0)));
+}
+
+Track
+scale(const Track &track, float factor)
+{
+  return with_maps(track, [&](TactileMap &map) {
+    for (float &level : map.levels)
+      level = std::min(level * factor, 1.0F);
+  });
+}
+
+Edited
+clip(const Track &track, Time begin, Time end)
+{
+  Track result = track;
+  result.set_end(std::clamp(end, Time(0), track.end()));
+  return shift(result, -begin);
+}
+
+Edited
+silence(const Track &track, Time begin, Time end)
+{
+  Growing result(empty_like(track));
+  const TactileMap silent(track.rows(), track.columns());
+  const auto &entries = track.entries();
+  for (std::size_t i = 0; i < entries.size(); i++) {
+    const Time from = entries[i].time;
+    const Time to = end_of(track, i);
+    if (from < begin || from >= end)
+      result.append(from, entries[i].map);
+    if (std::max(from, begin) < std::min(to, end)) {
+      result.append(std::max(from, begin), silent);
+      if (end < to)
+        result.append(end, entries[i].map);
+    }
+  }
+  return result.finish(track.end());
+}
+
+Track
+mask(const Track &track, const std::vector<int> &cells)
+{
+  return with_maps(track, [&](TactileMap &map) {
+    for (const int cell : cells)
+      if (cell >= 0 && static_cast<std::size_t>(cell) < map.levels.size())
+        map.levels[static_cast<std::size_t>(cell)] = 0;
+  });
+}
+
+Track
+quantise(const Track &track, int steps)
+{
+  return at_resolution(track, Time(1), steps);
+}
+
+TactileMap
+resample(const TactileMap &map, int rows, int columns)
+{
+  if (map.rows == rows && map.columns == columns)
+    return map;
+  TactileMap result(rows, columns);
+  // How much of source cell `s` of `from` lies in cell `c` of `to`, as a share of the latter.
+  const auto share = [](int s, int from, int c, int to) {
+    const double begin = std::max(static_cast<double>(s) / from, static_cast<double>(c) / to);
+    const double end = std::min(static_cast<double>(s + 1) / from, static_cast<double>(c + 1) / to);
+    return std::max(end - begin, 0.0) * to;
+  };
+  for (int row = 0; row < result.rows; row++)
+    for (int column = 0; column < result.columns; column++) {
+      double sum = 0;
+      for (int r = row * map.rows / result.rows; r < map.rows; r++) {
+        const double of_rows = share(r, map.rows, row, result.rows);
+        if (of_rows == 0)
+          break;
+        for (int c = column * map.columns / result.columns; c < map.columns; c++) {
+          const double of_columns = share(c, map.columns, column, result.columns);
+          if (of_columns == 0)
+            break;
+          sum += static_cast<double>(map.at(r, c)) * of_rows * of_columns;
+        }
+      }
+      result.at(row, column) = static_cast<float>(std::min(sum, 1.0));
+    }
+  return result;
+}
+
+Edited
+resample(const Track &track, int rows, int columns)
+{
+  Track empty(rows, columns);
+  empty.set_rate(track.rate());
+  Growing result(empty);
+  for (const Track::Entry &entry : track.entries())
+    result.append(entry.time, resample(entry.map, empty.rows(), empty.columns()));
+  return result.finish(track.end());
+}
+
+void
+mix_into(TactileMap &map, const TactileMap &over, Mix mix)
+{
+  const TactileMap top = resample(over, map.rows, map.columns);
+  if (mix == Mix::replace) {
+    if (!is_silent(top))
+      map = top;
+    return;
+  }
+  std::ranges::transform(map.levels, top.levels, map.levels.begin(),
+                         [](float a, float b) { return std::max(a, b); });
+}
+
+Edited
+overlay(const Track &track, const Track &over, Mix mix)
+{
+  Growing result(empty_like(track));
+  for (const Time time : change_times(track, over)) {
+    TactileMap map = track.at(time);
+    mix_into(map, over.at(time), mix);
+    result.append(time, map);
+  }
+  return result.finish(std::max(track.end(), over.end()));
+}
+
+tl::expected<std::vector<Difference>, FormatError>
+diff(const Track &before, const Track &after, float tolerance)
+{
+  if (before.rows() != after.rows() || before.columns() != after.columns())
+    return tl::unexpected(
+        FormatError{ .place = {}, .reason = "the grids differ; resample one of them first" });
+  std::vector<Difference> differences;
+  const std::vector<Time> times = change_times(before, after);
+  for (std::size_t i = 0; i + 1 < times.size(); i++) {
+    const TactileMap &a = before.at(times[i]);
+    const TactileMap &b = after.at(times[i]);
+    const bool same = std::ranges::equal(
+        a.levels, b.levels, [&](float x, float y) { return std::abs(x - y) <= tolerance; });
+    if (same)
+      continue;
+    Difference *last = differences.empty() ? nullptr : &differences.back();
+    if (last && last->end == times[i] && last->before == a && last->after == b)
+      last->end = times[i + 1];
+    else
+      differences.push_back({ times[i], times[i + 1], a, b });
+  }
+  return differences;
+}
+
+} // namespace tactile
