@@ -111,12 +111,11 @@ struct GstTactorSinkPrivate final : TactorSchedulerHost
 
   TactorOpening
       opening; ///< the scheduler's thread's until the board is open, then the streaming one's
-  bool is_open = false;    ///< what was opened is planned for; as planning
-  TactorPlanning planning; ///< streaming thread only, or while it is stopped
-  std::optional<Time>
-      begins; ///< of a live play: frames before this were shown while the board was opened
-  Time flushed_at{ 0 };             ///< running time of the last flush
-  std::atomic<bool> ended{ false }; ///< the last map has come
+  bool is_open = false;               ///< what was opened is planned for; as planning
+  TactorPlanning planning;            ///< streaming thread only, or while it is stopped
+  std::optional<GstClockTime> opened; ///< clock time, in a live play until a frame was shown since
+  Time flushed_at{ 0 };               ///< running time of the last flush
+  std::atomic<bool> ended{ false };   ///< the last map has come
 
   std::optional<Time> last_lead_short; ///< scheduler's thread only
 
@@ -253,6 +252,28 @@ gst_tactor_sink_sync_values(GstTactorSink *self, GstClockTime pts)
     gst_object_sync_values(GST_OBJECT(self), time);
 }
 
+/// Whether a frame of a live play was to be felt while the board was being opened, and is past. A board
+/// that was open before the play began has missed nothing.
+static bool
+gst_tactor_sink_is_past(GstTactorSink *self, GstBuffer *buffer, const GstSegment &segment)
+{
+  GstTactorSinkPrivate *priv = self->priv;
+  if (!priv->opened || segment.format != GST_FORMAT_TIME)
+    return false;
+  TactorSchedulerHost::Timing timing = priv->timing();
+  g_clear_object(&timing.clock);
+  const GstClockTimeDiff opened = GST_CLOCK_DIFF(timing.offset, static_cast<gint64>(*priv->opened));
+  const GstClockTime shown
+      = gst_segment_to_running_time(&segment, GST_FORMAT_TIME, GST_BUFFER_PTS(buffer));
+  const auto lead
+      = static_cast<GstClockTimeDiff>(gst_base_sink_get_render_delay(GST_BASE_SINK(self)));
+  if (opened > 0 && GST_CLOCK_TIME_IS_VALID(shown)
+      && static_cast<GstClockTimeDiff>(shown) < opened + lead)
+    return true;
+  priv->opened.reset();
+  return false;
+}
+
 /// Plans what a buffer asks for and hands it to the scheduler.
 static GstFlowReturn
 gst_tactor_sink_play_map(GstTactorSink *self, GstBuffer *buffer)
@@ -262,13 +283,8 @@ gst_tactor_sink_play_map(GstTactorSink *self, GstBuffer *buffer)
   if (const std::optional<Time> starved = priv->scheduler.take_starved())
     priv->planning.silenced(*starved);
   const GstSegment segment = gst_tactor_sink_segment(self);
-  if (priv->begins && segment.format == GST_FORMAT_TIME) {
-    const GstClockTime time
-        = gst_segment_to_running_time(&segment, GST_FORMAT_TIME, GST_BUFFER_PTS(buffer));
-    if (GST_CLOCK_TIME_IS_VALID(time) && Time(static_cast<gint64>(time)) < *priv->begins)
-      return GST_FLOW_OK;
-    priv->begins.reset();
-  }
+  if (gst_tactor_sink_is_past(self, buffer, segment))
+    return GST_FLOW_OK;
   // The base class drops what a step has gone past, but for the frame at its end.
   if (!priv->planning.is_shown(GST_BUFFER_PTS(buffer), GST_BUFFER_DURATION(buffer), segment))
     return GST_FLOW_OK;
@@ -320,10 +336,11 @@ gst_tactor_sink_wait_until_open(GstTactorSink *self)
     }
   }
   TactorOpening &opening = priv->opening;
-  priv->begins.reset();
-  if (is_live(sink))
-    if (const std::optional<Time> now = priv->running_time())
-      priv->begins = *now + Time(static_cast<gint64>(gst_base_sink_get_render_delay(sink)));
+  priv->opened.reset();
+  if (GstClock *clock = is_live(sink) ? gst_element_get_clock(GST_ELEMENT(self)) : nullptr) {
+    priv->opened = gst_clock_get_time(clock);
+    gst_object_unref(clock);
+  }
   priv->planning.start(opening.planner, opening.tactors, std::move(opening.motors));
   priv->is_open = true;
   return GST_FLOW_OK;

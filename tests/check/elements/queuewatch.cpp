@@ -47,6 +47,23 @@ public:
     gst_object_unref(element);
   }
 
+  /// Until the chair's stream has begun, and the thread that pushed that is back before the fork.
+  void wait_for_stream()
+  {
+    GstElement *chair = gst_bin_get_by_name(GST_BIN(pipeline_), "chair");
+    GstElement *fork = gst_bin_get_by_name(GST_BIN(pipeline_), "split");
+    GstPad *begins = gst_element_get_static_pad(chair, "sink");
+    GstPad *pad = gst_element_get_static_pad(fork, "sink");
+    GstEvent *event = nullptr;
+    while (!(event = gst_pad_get_sticky_event(begins, GST_EVENT_STREAM_START, 0)))
+      g_thread_yield();
+    gst_event_unref(event);
+    GST_PAD_STREAM_LOCK(pad);
+    GST_PAD_STREAM_UNLOCK(pad);
+    for (gpointer object : { gpointer(chair), gpointer(fork), gpointer(begins), gpointer(pad) })
+      gst_object_unref(object);
+  }
+
   /// The warnings of that many seconds.
   std::string seconds(int count)
   {
@@ -142,6 +159,7 @@ GST_END_TEST;
 GST_START_TEST(test_slow_source)
 {
   Paused film("appsrc ! tee name=split split. ! fakesink split. ! " CHAIR);
+  film.wait_for_stream();
   assert_text(film.seconds(5), "");
   Paused sound(FILM "tee name=split split. ! queue ! fakesink name=screen split. ! " CHAIR
                     "appsrc ! fakesink");
