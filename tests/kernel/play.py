@@ -46,7 +46,9 @@ def until_told():
 
 pipeline.get_bus().set_sync_handler(tell)
 threading.Thread(target=feed, daemon=True).start()
-if pipeline.set_state(Gst.State.PLAYING) == Gst.StateChangeReturn.FAILURE:
+# The board is opened in the background; the sink has its first frame when it is open.
+if (pipeline.set_state(Gst.State.PLAYING) == Gst.StateChangeReturn.FAILURE
+        or pipeline.get_by_name("tactors").get_state(Gst.CLOCK_TIME_NONE)[0] == Gst.StateChangeReturn.FAILURE):
     print("failed", flush=True)
     sys.exit(1)
 print("playing", flush=True)
