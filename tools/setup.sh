@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 # Installs what this project needs on Debian or Ubuntu, and only that; says nothing about what is already there.
 #
-# Usage: tools/setup.sh [build] [play] [test] [players] [quality] [fuzz] [firmware] [kernel] [analysis] [docs]     (no argument: the first four)
+# Usage: tools/setup.sh [build] [play] [test] [players] [quality] [fuzz] [firmware] [kernel] [analysis] [docs] [packages]     (no argument: the first four)
 #   build    compiler, meson and the libraries the plugins are made of
 #   play     GStreamer's plugins that decode, encode and show a film
 #   test     what the test suite needs beyond that
@@ -12,6 +12,7 @@
 #   analysis valgrind, clang-tidy and cppcheck, for tests/run.sh
 #   firmware cross compiler and emulator for the test of the seat sketch, which is skipped where they are missing
 #   docs     gi-docgen, for the API reference
+#   packages debhelper and lintian, for tools/packages.sh
 #   kernel   a virtual machine for tests/kernel, boards behind a real Linux kernel
 set -euo pipefail
 
@@ -32,11 +33,12 @@ declare -A packages=(
   [analysis]="valgrind clang-tidy cppcheck libglib2.0-dev"
   [firmware]="gcc-avr avr-libc arduino-core-avr libsimavr-dev"
   [docs]="gi-docgen"
+  [packages]="dpkg-dev debhelper fakeroot gi-docgen lintian git"
   [kernel]="qemu-system-x86 busybox-static kmod udev"
 )
 
 usage() {
-  sed -n '3,15s/^# \{0,1\}//p' "$0"
+  sed -n '3,16s/^# \{0,1\}//p' "$0"
 }
 
 parts=("$@")
@@ -45,8 +47,8 @@ wanted=()
 for part in "${parts[@]}"; do
   case $part in
     -h | --help) usage; exit 0 ;;
-    build | play | test | players | quality | fuzz | firmware | kernel | analysis | docs) read -r -d '' -a names <<<"${packages[$part]}" || true; wanted+=("${names[@]}") ;;
-    *) echo "setup.sh: expected build, play, test, players, quality, fuzz, firmware, kernel, analysis or docs, got '$part'; see setup.sh --help" >&2; exit 2 ;;
+    build | play | test | players | quality | fuzz | firmware | kernel | analysis | docs | packages) read -r -d '' -a names <<<"${packages[$part]}" || true; wanted+=("${names[@]}") ;;
+    *) echo "setup.sh: expected build, play, test, players, quality, fuzz, firmware, kernel, analysis, docs or packages, got '$part'; see setup.sh --help" >&2; exit 2 ;;
   esac
 done
 

@@ -1,0 +1,40 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: LGPL-2.1-or-later
+# Builds Debian packages of this checkout and looks at them with lintian.
+#
+# Usage: tools/packages.sh [DIRECTORY]     (default: packages)
+#
+# What it needs is installed first, as root or with sudo; VISUOTACTILE_NO_SETUP=1 skips that. Tracked files are packaged as they are, uncommitted
+# changes with them. DIRECTORY then has the packages, their sources, and the log of the build; packages of debug symbols with DEB_BUILD_OPTIONS=''.
+set -euo pipefail
+root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
+case ${1:-} in
+  -h | --help) sed -n '3,8s/^# \{0,1\}//p' "$0"; exit 0 ;;
+esac
+[ -n "${VISUOTACTILE_NO_SETUP:-}" ] || "$root/tools/setup.sh" build packages
+mkdir -p "${1:-packages}"
+packages=$(cd "${1:-packages}" && pwd)
+
+version=$(sed -n "s/^  version: '\(.*\)',/\1/p" "$root/meson.build")
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+source=$work/visuotactile-$version
+mkdir "$source"
+tracked=$(git -C "$root" stash create)
+git -C "$root" archive "${tracked:-HEAD}" | tar -x -C "$source"
+tar -c -J -C "$work" --exclude=visuotactile-"$version"/debian --sort=name --owner=0 --group=0 --numeric-owner \
+  -f "$work/visuotactile_$version.orig.tar.xz" "visuotactile-$version"
+
+export DEB_BUILD_OPTIONS=${DEB_BUILD_OPTIONS-noautodbgsym}
+echo "Building ..."
+log=$packages/build.log
+if ! (cd "$source" && dpkg-buildpackage --no-sign) >"$log" 2>&1; then
+  tail -n 40 "$log" >&2
+  echo "packages.sh: the packages could not be built; all of it is in $log" >&2
+  exit 1
+fi
+rm -f "$packages"/*visuotactile*_"$version"* "$packages"/*gsttactile*_"$version"*
+find "$work" -maxdepth 1 -type f -exec mv -t "$packages" {} +
+# As root it refuses by default to look at what somebody else may have made.
+lintian --allow-root --fail-on error,warning "$packages"/visuotactile_"$version"*.changes
+ls -l "$packages"/*.deb
