@@ -20,8 +20,10 @@ work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 source=$work/visuotactile-$version
 mkdir "$source"
-tracked=$(git -C "$root" stash create)
-git -C "$root" archive "${tracked:-HEAD}" | tar -x -C "$source"
+# Also where root looks at a user's checkout.
+git=(git -c safe.directory="$root" -C "$root")
+tracked=$("${git[@]}" stash create)
+"${git[@]}" archive "${tracked:-HEAD}" | tar -x -C "$source"
 tar -c -J -C "$work" --exclude=visuotactile-"$version"/debian --sort=name --owner=0 --group=0 --numeric-owner \
   -f "$work/visuotactile_$version.orig.tar.xz" "visuotactile-$version"
 
