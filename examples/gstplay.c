@@ -7,8 +7,9 @@
 #include <gst/gst.h>
 #include <gst/play/play.h>
 
-/* After the end, an error and gst_play_stop() alike. Only now does GstPlay refer to itself no more, so that dropping it waits until
- * the pipeline has come down: a program that ends earlier pulls it from under the threads that take it down. */
+/* After the end, an error and gst_play_stop() alike. Only now does GstPlay refer to itself no
+ * more, so that dropping it waits until the pipeline has come down: a program that ends earlier
+ * pulls it from under the threads that take it down. */
 static void
 on_state_changed(GstPlay *play, GstPlayState state, GMainLoop *loop)
 {
@@ -25,7 +26,8 @@ on_message(GstPlay *play, GError *message, GstStructure *details)
   g_printerr("%s\n", message->message);
 }
 
-/* A process that is killed leaves the motors as they are, to the firmware's watchdog if there is one. */
+/* A process that is killed leaves the motors as they are, to the firmware's watchdog if there is
+ * one. */
 static gboolean
 on_signal(gpointer play)
 {

@@ -7,8 +7,8 @@
 #include <sstream>
 #include <string>
 
-/// Properties that are numbers, like GLib's own (g_param_spec_uint() and so on), but that name their range when a value outside of it is
-/// set, which GLib refuses with a warning that does not.
+/// Properties that are numbers, like GLib's own (g_param_spec_uint() and so on), but that name
+/// their range when a value outside of it is set, which GLib refuses with a warning that does not.
 namespace ranged {
 
 template <typename Spec> struct Numbers;
@@ -68,8 +68,8 @@ validate(GParamSpec *pspec, GValue *value)
   return TRUE;
 }
 
-/// One type for the process, whichever plugin comes first: plugins stay loaded. Called where a class is made, which GLib does on one thread
-/// at a time.
+/// One type for the process, whichever plugin comes first: plugins stay loaded. Called where a
+/// class is made, which GLib does on one thread at a time.
 template <typename Spec>
 GType
 type()

@@ -5,7 +5,8 @@
 
 #include <array>
 
-/// The options that every command of every program takes: `-f` and `-q`, of which each says what they mean to it.
+/// The options that every command of every program takes: `-f` and `-q`, of which each says what
+/// they mean to it.
 struct Manner
 {
   static constexpr const char *kWritesAnyway

@@ -6,7 +6,8 @@
 
 #include <tl/expected.hpp>
 
-/// What was read or made, or, as the exception that a program ends with, why it was not: a text, or an error that has one.
+/// What was read or made, or, as the exception that a program ends with, why it was not: a text, or
+/// an error that has one.
 template <typename T, typename Error>
 T
 or_throw(tl::expected<T, Error> result)

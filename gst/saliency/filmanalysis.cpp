@@ -112,8 +112,8 @@ FilmAnalysis::weigh(const SaliencySettings &settings, GstBuffer *buffer,
       regions_of_interest(buffer, mapping.left(), mapping.top(), *settings.roi_weights), time);
 }
 
-/// What is between samples is lower than the largest of them: the floor is lowered as the maximum is, so that it says of the one map what
-/// it says of the other.
+/// What is between samples is lower than the largest of them: the floor is lowered as the maximum
+/// is, so that it says of the one map what it says of the other.
 void
 FilmAnalysis::keep_saliency(const tactile::SaliencyView &view, double floor)
 {
@@ -157,7 +157,8 @@ FilmAnalysis::analyze(const SaliencySettings &settings, tactile::Orientation ori
     viewport = viewport_.follow(view, how.floor, how.threshold, time);
   else
     viewport_.reset();
-  // The grid's cells are the screen's; saliency, regions and viewport are those of the pixels as they are stored.
+  // The grid's cells are the screen's; saliency, regions and viewport are those of the pixels as
+  // they are stored.
   const int rows = orientation.transposed ? settings.columns : settings.rows;
   const int columns = orientation.transposed ? settings.rows : settings.columns;
   if (stored_map_.rows != rows || stored_map_.columns != columns)

@@ -12,8 +12,8 @@
 
 #include <optional>
 
-/// What saliencytactile makes of a film: frame → saliency map, weighed → tactile map, turned as the picture is, and how often. Streaming thread only, or while it
-/// is stopped.
+/// What saliencytactile makes of a film: frame → saliency map, weighed → tactile map, turned as the
+/// picture is, and how often. Streaming thread only, or while it is stopped.
 class FilmAnalysis
 {
 public:
@@ -31,13 +31,14 @@ public:
   /// reset(), and memory is given back until the next frame.
   void stop();
 
-  /// Whether a frame of this time is to be analyzed under max-rate: the first one at or after each point of a regular grid, which begins
-  /// anew after a jump in time. Always where the last map is for another grid or made in another way.
+  /// Whether a frame of this time is to be analyzed under max-rate: the first one at or after each
+  /// point of a regular grid, which begins anew after a jump in time. Always where the last map is
+  /// for another grid or made in another way.
   bool is_due(const SaliencySettings &settings, tactile::Orientation orientation,
               saliency::Time time);
 
-  /// Analyzes a frame. Where it could not be read that is false and the map silent. What throws is memory that is out: std::bad_alloc, or
-  /// OpenCV's exception of it.
+  /// Analyzes a frame. Where it could not be read that is false and the map silent. What throws is
+  /// memory that is out: std::bad_alloc, or OpenCV's exception of it.
   bool analyze(const SaliencySettings &settings, tactile::Orientation orientation,
                const GstVideoInfo &info, GstBuffer *buffer, saliency::Time time,
                saliency::Time duration);

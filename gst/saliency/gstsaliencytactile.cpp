@@ -21,10 +21,13 @@
  *
  * ## Example launch lines
  * |[
- * gst-launch-1.0 tactiletestsrc num-buffers=150 ! saliencytactile ! tactileoverlay ! videoconvert ! autovideosink
- * gst-launch-1.0 tactiletestsrc num-buffers=150 ! saliencytactile rows=4 columns=6 attach-saliency=true ! \
+ * gst-launch-1.0 tactiletestsrc num-buffers=150 ! saliencytactile ! tactileoverlay ! \
+ *     videoconvert ! autovideosink
+ * gst-launch-1.0 tactiletestsrc num-buffers=150 ! \
+ *     saliencytactile rows=4 columns=6 attach-saliency=true ! \
  *     tactileoverlay style=heatmap ! videoconvert ! autovideosink
- * gst-launch-1.0 tactiletestsrc num-buffers=150 ! saliencytactile roi-weights="tactile-target=0.5" \
+ * gst-launch-1.0 tactiletestsrc num-buffers=150 ! \
+ *     saliencytactile roi-weights="tactile-target=0.5" \
  *     viewport=adaptive max-cue-duration=1000000000 ! tactileoverlay ! videoconvert ! autovideosink
  * ]|
  *
@@ -142,7 +145,8 @@ gst_saliency_tactile_times(GstSaliencyTactile *self, GstBuffer *buffer, saliency
   priv->next_time = std::min(time, saliency::Time(static_cast<gint64>(kLatest))) + duration;
 }
 
-/// Follows the way in which the picture is turned; cues that were felt in other cells are forgotten.
+/// Follows the way in which the picture is turned; cues that were felt in other cells are
+/// forgotten.
 static void
 gst_saliency_tactile_orient(GstSaliencyTactile *self, const SaliencySettings &settings)
 {
@@ -204,7 +208,8 @@ gst_saliency_tactile_attach_saliency(GstSaliencyTactile *self, const SaliencySet
         ("expected sides of at most %d, got %u x %u", GST_SALIENCY_MAX_SIDE, width, height));
 }
 
-/// Another frame has passed, with these levels; `spent` is what its analysis took, none if it was not analyzed.
+/// Another frame has passed, with these levels; `spent` is what its analysis took, none if it was
+/// not analyzed.
 static void
 gst_saliency_tactile_count(GstSaliencyTactile *self, std::span<const float> felt,
                            std::optional<GstClockTime> spent)

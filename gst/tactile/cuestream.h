@@ -29,13 +29,15 @@ CueForm cue_form_of(const GstCaps *caps);
 /// A buffer with the cue's map and its times. Transfer full.
 GstBuffer *cue_buffer_new(const tactile::Cue &cue, CueForm form);
 
-/// A GAP event at the packet's time that carries the KLV packet: in subtitles, a cue that nobody can draw. Transfer full.
+/// A GAP event at the packet's time that carries the KLV packet: in subtitles, a cue that nobody
+/// can draw. Transfer full.
 GstEvent *cue_gap_new(GstBuffer *packet);
 
 /// The KLV packet that a GAP event carries, or nullptr. Transfer full.
 GstBuffer *cue_gap_get_packet(GstEvent *gap);
 
-/// The cue that a buffer is, which begins at 0 and has no end if the bytes say none. A map has the grid that is given, which it needs;
-/// a text is read in it if it can be, and else in one of its own.
+/// The cue that a buffer is, which begins at 0 and has no end if the bytes say none. A map has the
+/// grid that is given, which it needs; a text is read in it if it can be, and else in one of its
+/// own.
 tl::expected<tactile::Cue, tactile::FormatError>
 cue_from_buffer(GstBuffer *buffer, CueForm form, const std::optional<tactile::Grid> &grid);

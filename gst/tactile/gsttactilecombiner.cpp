@@ -17,7 +17,8 @@
  * ## Example launch lines
  * |[
  * gst-launch-1.0 tactiletestsrc num-buffers=150 ! saliencytactile ! tactileextractor name=x \
- *     x.src ! queue max-size-bytes=0 max-size-buffers=0 max-size-time=2000000000 ! tactilecombiner name=c ! tactileoverlay ! videoconvert ! autovideosink \
+ *     x.src ! queue max-size-bytes=0 max-size-buffers=0 max-size-time=2000000000 ! \
+ *     tactilecombiner name=c ! tactileoverlay ! videoconvert ! autovideosink \
  *     x.tactile ! tactileconverter ! text/x-raw ! tactileconverter ! queue ! c.tactile
  * ]|
  *

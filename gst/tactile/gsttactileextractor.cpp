@@ -15,7 +15,8 @@
  *
  * ## Example launch line
  * |[
- * gst-launch-1.0 tactiletestsrc num-buffers=90 ! saliencytactile ! tactileextractor name=extractor \
+ * gst-launch-1.0 tactiletestsrc num-buffers=90 ! saliencytactile ! \
+ *     tactileextractor name=extractor \
  *     extractor.src ! queue ! videoconvert ! autovideosink \
  *     extractor.tactile ! queue ! fakesink sync=true dump=true
  * ]|
@@ -113,8 +114,8 @@ frame_duration(GstTactileExtractor *self, GstBuffer *frame)
   return gst_util_uint64_scale_int(GST_SECOND, self->fps_d, self->fps_n);
 }
 
-/* What was taken away while it had the buffer, and returns that it was shut down, is a branch less: no
- * reason for the other one to end. */
+/* What was taken away while it had the buffer, and returns that it was shut down, is a branch
+ * less: no reason for the other one to end. */
 static GstFlowReturn
 push(GstPad *pad, GstBuffer *buffer)
 {

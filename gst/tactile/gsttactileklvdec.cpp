@@ -4,18 +4,19 @@
  * @title: tactileklvdec
  * @short_description: the tactile track of a transport stream as subtitles, for players
  *
- * tactileklvdec is what players look for in an MPEG transport stream with a tactile track: without a
- * decoder, GStreamer tells them that a plugin is missing. What comes out are subtitles without any
- * text: each packet becomes a GAP event, which carries it. #tactilesubtitles and #tactileconverter
- * take such a packet for a cue. A player that knows nothing of touch has nothing to draw and nothing
- * to wait for.
+ * tactileklvdec is what players look for in an MPEG transport stream with a tactile track: without
+ * a decoder, GStreamer tells them that a plugin is missing. What comes out are subtitles without
+ * any text: each packet becomes a GAP event, which carries it. #tactilesubtitles and
+ * #tactileconverter take such a packet for a cue. A player that knows nothing of touch has nothing
+ * to draw and nothing to wait for.
  *
  * A stream's caps do not say whose KLV it is. That of others becomes a GAP without a packet.
  *
  * ## Example launch line
  * |[
  * gst-launch-1.0 tactiletestsrc num-buffers=150 ! saliencytactile ! tactileextractor name=x \
- *     x.tactile ! tactileconverter ! meta/x-klv ! tactileklvdec ! tactileconverter ! tactorsink driver=simulator
+ *     x.tactile ! tactileconverter ! meta/x-klv ! tactileklvdec ! tactileconverter ! \
+ *     tactorsink driver=simulator
  * ]|
  *
  * Since: 0.1

@@ -20,7 +20,8 @@
  *
  * ## Example launch lines
  * |[
- * gst-launch-1.0 tactiletestsrc num-buffers=150 ! saliencytactile ! tactileoverlay ! videoconvert ! autovideosink
+ * gst-launch-1.0 tactiletestsrc num-buffers=150 ! saliencytactile ! tactileoverlay ! \
+ *     videoconvert ! autovideosink
  * gst-launch-1.0 tactiletestsrc num-buffers=150 ! saliencytactile attach-saliency=true ! \
  *     tactileoverlay style=heatmap opacity=0.7 ! videoconvert ! autovideosink
  * ]|

@@ -7,8 +7,8 @@
  * tactilesubtitles takes a film and its subtitles. Where those are a tactile track, in text cues as
  * #tactileconverter has them, each frame gets the map that holds at its time as a #GstTactileMeta,
  * a silent one where there is no cue. Subtitles that are meant to be read are drawn on the film by
- * `textoverlay`, and frames stay without a map. The first cue tells which they are; what is no map in
- * a track, a designer's remark, is drawn.
+ * `textoverlay`, and frames stay without a map. The first cue tells which they are; what is no map
+ * in a track, a designer's remark, is drawn.
  *
  * The track of a transport stream comes in GAP events, from #tactileklvdec.
  *
@@ -19,8 +19,10 @@
  *
  * ## Example launch lines
  * |[
- * gst-launch-1.0 filesrc location=CARRIER ! matroskademux name=d d.video_0 ! queue ! decodebin ! videoconvert ! \
- *     tactilesubtitles name=t ! visuotactilesink driver=simulator d.subtitle_0 ! queue ! t.text_sink
+ * gst-launch-1.0 filesrc location=CARRIER ! matroskademux name=d d.video_0 ! queue ! \
+ *     decodebin ! videoconvert ! \
+ *     tactilesubtitles name=t ! visuotactilesink driver=simulator d.subtitle_0 ! queue ! \
+ *     t.text_sink
  * ]|
  *
  * Since: 0.1
@@ -46,7 +48,8 @@ GST_DEBUG_CATEGORY_STATIC(tactile_subtitles_debug);
 
 namespace {
 
-/// Levels that wait for their frames, at most: a side-car comes all at once, and hours of 8 x 8 are fine.
+/// Levels that wait for their frames, at most: a side-car comes all at once, and hours of 8 x 8 are
+/// fine.
 constexpr std::size_t kMaxLevels = 16'000'000;
 
 /// What a cue without a duration lasts, as in tactileconverter.
@@ -171,8 +174,8 @@ find_running_time(GstPad *pad, GstBuffer *buffer, GstClockTime duration, Cue &cu
   return true;
 }
 
-/// Keeps a map until the film is there, in order of time: backwards, demuxers go from key frame to key frame but give the
-/// cues after each in the film's order.
+/// Keeps a map until the film is there, in order of time: backwards, demuxers go from key frame to
+/// key frame but give the cues after each in the film's order.
 static void
 keep(GstTactileSubtitles *self, const Cue &cue)
 {
@@ -258,7 +261,8 @@ on_subtitle_event(GstPad *pad, GstPadProbeInfo *info, gpointer data)
 
 /* ---- film ---- */
 
-/// The cue that holds at a time; of two that overlap by their rounded times, the track's later one, whichever way it is played.
+/// The cue that holds at a time; of two that overlap by their rounded times, the track's later one,
+/// whichever way it is played.
 static const Cue *
 cue_at(const std::deque<Cue> &cues, GstClockTime time)
 {

@@ -26,7 +26,8 @@
  * |[
  * gst-launch-1.0 tactiletestsrc num-buffers=300 ! videoconvert ! autovideosink
  * gst-launch-1.0 tactiletestsrc pattern=dynamic-motion seed=7 noise=2 num-buffers=300 ! \
- *     video/x-raw,width=640,height=360 ! saliencytactile ! tactileoverlay ! videoconvert ! autovideosink
+ *     video/x-raw,width=640,height=360 ! saliencytactile ! tactileoverlay ! videoconvert ! \
+ *     autovideosink
  * ]|
  *
  * Since: 0.1

@@ -5,9 +5,9 @@
  * @short_description: lists the tactor boards that are plugged in
  *
  * tactordeviceprovider lists every USB serial line behind which a tactor board may be, as devices
- * of the class `Sink/Tactile/Hardware`, and tells when one is plugged in or out. Nothing is opened for that, so
- * no playing board is disturbed; whether the board has a Firmata sketch shows when it is played
- * on.
+ * of the class `Sink/Tactile/Hardware`, and tells when one is plugged in or out. Nothing is opened
+ * for that, so no playing board is disturbed; whether the board has a Firmata sketch shows when it
+ * is played on.
  *
  * gst_device_create_element() gives a tactorsink for that board: its serial number if no other
  * board that is plugged in has the same, else the socket that it is plugged into. When another
@@ -133,8 +133,8 @@ make_device(const tactor::SerialDevice &board, const Boards &all)
   return GST_DEVICE(device);
 }
 
-/// Follows a bus for a started provider. The bus is used by whoever makes the watcher, then by its thread, then by whoever
-/// deletes it: never by two at once.
+/// Follows a bus for a started provider. The bus is used by whoever makes the watcher, then by its
+/// thread, then by whoever deletes it: never by two at once.
 class BoardWatcher
 {
 public:
@@ -190,7 +190,8 @@ private:
     }
   }
 
-  /// Adds and removes devices as boards came and went, and changes those that are named otherwise since.
+  /// Adds and removes devices as boards came and went, and changes those that are named otherwise
+  /// since.
   tl::expected<void, tactor::DriverError> update()
   {
     const tl::expected<Boards, tactor::DriverError> listed = bus_->list();
@@ -216,7 +217,8 @@ private:
         gst_device_provider_device_add(provider_, device);
         continue;
       }
-      // Of a number that two boards have now, or one alone again. Who keeps the old device gets the same board with it.
+      // Of a number that two boards have now, or one alone again. Who keeps the old device gets the
+      // same board with it.
       GstDevice *old = std::exchange(known->device, device);
       known->name = name;
       rename_device(old, name);

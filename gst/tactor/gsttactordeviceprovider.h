@@ -10,7 +10,8 @@ G_BEGIN_DECLS
 #define GST_TYPE_TACTOR_DEVICE (gst_tactor_device_get_type())
 G_DECLARE_FINAL_TYPE(GstTactorDevice, gst_tactor_device, GST, TACTOR_DEVICE, GstDevice)
 
-/// start() and stop() on the application's thread (GstDeviceProvider holds its start lock); in between one thread of its own has the bus.
+/// start() and stop() on the application's thread (GstDeviceProvider holds its start lock); in
+/// between one thread of its own has the bus.
 #define GST_TYPE_TACTOR_DEVICE_PROVIDER (gst_tactor_device_provider_get_type())
 G_DECLARE_FINAL_TYPE(GstTactorDeviceProvider, gst_tactor_device_provider, GST,
                      TACTOR_DEVICE_PROVIDER, GstDeviceProvider)

@@ -22,21 +22,23 @@
  * #GstTactorSink:max-active end cues, #GstTactorSink:ramp-in softens the first vibration after
  * start, seek and pause. 0 switches each of them off.
  *
- * With #GstTactorSink:calibration each tactor has its own motor, as `tactor-calibrate` measured it: its
- * rise times and its latency make the lead, its start and hold volts decide what is sent as 0 in
- * place of #GstTactorSink:voltage-min, and levels become volts so that what is felt is linear in the
- * level and equally strong on all tactors.
+ * With #GstTactorSink:calibration each tactor has its own motor, as `tactor-calibrate` measured it:
+ * its rise times and its latency make the lead, its start and hold volts decide what is sent as 0
+ * in place of #GstTactorSink:voltage-min, and levels become volts so that what is felt is linear in
+ * the level and equally strong on all tactors.
  *
  * ## Example launch lines
  * |[
- * gst-launch-1.0 tactiletestsrc num-buffers=150 ! saliencytactile ! tactorsink trace-location=commands.csv
+ * gst-launch-1.0 tactiletestsrc num-buffers=150 ! saliencytactile ! \
+ *     tactorsink trace-location=commands.csv
  * gst-launch-1.0 tactiletestsrc num-buffers=150 ! saliencytactile ! tactileextractor name=x \
- *     x.src ! queue max-size-bytes=0 max-size-buffers=0 max-size-time=400000000 ! videoconvert ! autovideosink \
+ *     x.src ! queue max-size-bytes=0 max-size-buffers=0 max-size-time=400000000 ! \
+ *     videoconvert ! autovideosink \
  *     x.tactile ! queue max-size-bytes=0 max-size-buffers=0 max-size-time=400000000 ! tactorsink
  * ]|
  *
- * A board takes up to five seconds to answer. It is opened in the background from READY to PAUSED on,
- * and the stream waits for it; what is wrong with it is an error message.
+ * A board takes up to five seconds to answer. It is opened in the background from READY to PAUSED
+ * on, and the stream waits for it; what is wrong with it is an error message.
  *
  * As a #GstURIHandler it plays on `tactor://SERIAL`, the board with that serial number or bus path.
  *
@@ -44,10 +46,10 @@
  * - `tactor-lead-short`: a command could not be issued as early as its motor needs; fields `lead`
  *   and `late` (#guint64, ns). At most one in five seconds.
  * - `tactor-device-refused`: the board is back, but cannot be used: reason
- * - `tactor-device-lost`, `tactor-device-found`: the board went away, came back; with them a warning
- *   and an info message for people. The film plays on meanwhile.
- * - a warning, while the pipeline is on its way to PAUSED: it waits for ever, because one thread feeds this and another
- *   sink without a queue between them.
+ * - `tactor-device-lost`, `tactor-device-found`: the board went away, came back; with them a
+ *   warning and an info message for people. The film plays on meanwhile.
+ * - a warning, while the pipeline is on its way to PAUSED: it waits for ever, because one thread
+ *   feeds this and another sink without a queue between them.
  * - `tactor-stats`: the contents of #GstTactorSink:actuation-stats at the end of the stream.
  *
  * Since: 0.1
@@ -252,8 +254,8 @@ gst_tactor_sink_sync_values(GstTactorSink *self, GstClockTime pts)
     gst_object_sync_values(GST_OBJECT(self), time);
 }
 
-/// Whether a frame of a live play was to be felt while the board was being opened, and is past. A board
-/// that was open before the play began has missed nothing.
+/// Whether a frame of a live play was to be felt while the board was being opened, and is past. A
+/// board that was open before the play began has missed nothing.
 static bool
 gst_tactor_sink_is_past(GstTactorSink *self, GstBuffer *buffer, const GstSegment &segment)
 {
@@ -312,8 +314,8 @@ is_live(GstBaseSink *sink)
 }
 
 /// Waits until the board is open, which is begun on the way to PAUSED, and plans for it from then
-/// on. Called with the preroll lock held, which is given up meanwhile, as the base class does: pause,
-/// flush and stop need it.
+/// on. Called with the preroll lock held, which is given up meanwhile, as the base class does:
+/// pause, flush and stop need it.
 static GstFlowReturn
 gst_tactor_sink_wait_until_open(GstTactorSink *self)
 {
@@ -359,8 +361,8 @@ gst_tactor_sink_render(GstBaseSink *sink, GstBuffer *buffer)
   return gst_tactor_sink_play_map(self, buffer);
 }
 
-/// Waits until the last map has been shown and the motors stand, which is later than the base class does: its wait
-/// ends render-delay early, and goes on while the play is paused.
+/// Waits until the last map has been shown and the motors stand, which is later than the base class
+/// does: its wait ends render-delay early, and goes on while the play is paused.
 static GstFlowReturn
 gst_tactor_sink_drain(GstTactorSink *self)
 {
@@ -454,8 +456,9 @@ gst_tactor_sink_event(GstBaseSink *sink, GstEvent *event)
   return handled;
 }
 
-/// The base class says that a step is over on the streaming thread, before what comes next. What is on its way belongs to frames
-/// that were gone past: running time stood still for them, since the play was paused if it was. The clock did not.
+/// The base class says that a step is over on the streaming thread, before what comes next. What is
+/// on its way belongs to frames that were gone past: running time stood still for them, since the
+/// play was paused if it was. The clock did not.
 static void
 gst_tactor_sink_stepped(GstTactorSink *self)
 {
@@ -524,8 +527,8 @@ gst_tactor_sink_propose_allocation(GstBaseSink *sink, GstQuery *query)
 
 /* ---- life ---- */
 
-/// How much earlier than a frame's time its data is asked for, given the longest latency on the way to
-/// a motor.
+/// How much earlier than a frame's time its data is asked for, given the longest latency on the way
+/// to a motor.
 static GstClockTime
 lead_of(const TactorOpening &opening)
 {
@@ -533,8 +536,8 @@ lead_of(const TactorOpening &opening)
   return static_cast<GstClockTime>(early.count());
 }
 
-/// Begins to open board and trace, both anew for each play. What is wrong with the settings becomes an
-/// error message and FALSE; what is wrong with the board becomes an error message later.
+/// Begins to open board and trace, both anew for each play. What is wrong with the settings becomes
+/// an error message and FALSE; what is wrong with the board becomes an error message later.
 static gboolean
 gst_tactor_sink_open(GstTactorSink *self)
 {
@@ -614,18 +617,21 @@ gst_tactor_sink_change_state(GstElement *element, GstStateChange transition)
 
   GstStateChangeReturn ret = GST_ELEMENT_CLASS(parent_class)->change_state(element, transition);
 
-  // A pause waits for no map: nothing is shown, and with a picture that is shown later none may come before it goes on.
+  // A pause waits for no map: nothing is shown, and with a picture that is shown later none may
+  // come before it goes on.
   if (transition == GST_STATE_CHANGE_PLAYING_TO_PAUSED && ret == GST_STATE_CHANGE_ASYNC) {
     gst_element_post_message(element,
                              gst_message_new_async_done(GST_OBJECT(element), GST_CLOCK_TIME_NONE));
     ret = GST_STATE_CHANGE_SUCCESS;
   }
-  // The base class also begins to play on the streaming thread, after a preroll, while the application may be pausing.
+  // The base class also begins to play on the streaming thread, after a preroll, while the
+  // application may be pausing.
   if (transition == GST_STATE_CHANGE_PAUSED_TO_PLAYING && ret != GST_STATE_CHANGE_FAILURE)
     priv->scheduler.play([element] { return GST_STATE_TARGET(element) == GST_STATE_PLAYING; });
   if (transition == GST_STATE_CHANGE_READY_TO_PAUSED && ret != GST_STATE_CHANGE_FAILURE)
     priv->queue_watch.start([priv] { return priv->scheduler.is_open(); });
-  // After a failure nothing is left running either, also if it was told when the change of state had returned.
+  // After a failure nothing is left running either, also if it was told when the change of state
+  // had returned.
   if (transition == GST_STATE_CHANGE_PAUSED_TO_READY || transition == GST_STATE_CHANGE_READY_TO_NULL
       || (transition == GST_STATE_CHANGE_READY_TO_PAUSED && ret == GST_STATE_CHANGE_FAILURE))
     gst_tactor_sink_close(self);

@@ -5,10 +5,12 @@
 
 #include <functional>
 
-/// Tells whoever plays a sink that the pipeline waits for ever because a queue is missing: one thread feeds this sink and another
-/// one, by a tee, a demuxer or tactileextractor, and is held by the one that has its first frame while the other still waits
-/// for its own. It looks once a second, on GStreamer's system clock, while the sink is paused; what was so at three looks in a
-/// row is a warning on the bus, once a start. A pause of the user's is none of it: all sinks have their frames then.
+/// Tells whoever plays a sink that the pipeline waits for ever because a queue is missing: one
+/// thread feeds this sink and another one, by a tee, a demuxer or tactileextractor, and is held by
+/// the one that has its first frame while the other still waits for its own. It looks once a
+/// second, on GStreamer's system clock, while the sink is paused; what was so at three looks in a
+/// row is a warning on the bus, once a start. A pause of the user's is none of it: all sinks have
+/// their frames then.
 class QueueWatch
 {
 public:

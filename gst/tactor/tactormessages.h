@@ -7,12 +7,14 @@
 
 #include <gst/gst.h>
 
-// What tactorsink tells on its bus, and the contents of its property `actuation-stats`. Any thread may call these.
+// What tactorsink tells on its bus, and the contents of its property `actuation-stats`. Any thread
+// may call these.
 
 /// Why it did not open: an error message with GStreamer's code for it.
 void tactor_post_open_error(GstElement *element, const tactor::DriverError &error);
 
-/// What became of the board: a message for people, and `tactor-device-lost`, `tactor-device-found` or `tactor-device-refused` for programs.
+/// What became of the board: a message for people, and `tactor-device-lost`, `tactor-device-found`
+/// or `tactor-device-refused` for programs.
 void tactor_post_device_event(GstElement *element, const tactor::DriverEvent &event);
 
 /// What an update of a chair takes on its line.
@@ -25,8 +27,8 @@ struct TactorLineLoad
   std::size_t most_active = 0; ///< with this max-active the line would carry all
 };
 
-/// That an update of all tactors takes long, which is of no account as long as `max-active` lets fewer change at once; where it does not
-/// (`is_too_large`), a warning and `tactor-line-slow`.
+/// That an update of all tactors takes long, which is of no account as long as `max-active` lets
+/// fewer change at once; where it does not (`is_too_large`), a warning and `tactor-line-slow`.
 void tactor_post_line_load(GstElement *element, const TactorLineLoad &load, bool is_too_large);
 
 /// `tactor-lead-short`: a command that needs this lead was late.

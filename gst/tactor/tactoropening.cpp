@@ -55,7 +55,8 @@ used_tactors(const std::vector<int> &mapping, int tactors)
   return used;
 }
 
-/// Says what the line makes of a chair of which it carries less than a soft start's steps or the blocks ask for.
+/// Says what the line makes of a chair of which it carries less than a soft start's steps or the
+/// blocks ask for.
 void
 check_line(GstElement *element, const tactor::PlannerSettings &settings,
            const tactor::Driver &driver)

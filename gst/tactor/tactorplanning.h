@@ -9,7 +9,8 @@
 #include <optional>
 #include <vector>
 
-/// What tactorsink makes of what comes in: maps, gaps and ends become commands. In the streaming thread only, or while there is none.
+/// What tactorsink makes of what comes in: maps, gaps and ends become commands. In the streaming
+/// thread only, or while there is none.
 class TactorPlanning
 {
 public:
@@ -22,14 +23,16 @@ public:
   /// Says what is wrong with the stream on this element's bus. The element is not owned.
   explicit TactorPlanning(GstElement *element);
 
-  /// Begins a play with what was agreed on with a board of so many tactors, and with its motors if they were measured.
+  /// Begins a play with what was agreed on with a board of so many tactors, and with its motors if
+  /// they were measured.
   void start(const tactor::PlannerSettings &agreed, int tactors,
              std::vector<tactor::MotorParameters> motors);
 
   /// False if these are caps of maps with a grid that cannot be.
   bool set_caps(const GstCaps *caps);
 
-  /// Plans a buffer with what is set now, but for what was agreed on. Nothing after an error message.
+  /// Plans a buffer with what is set now, but for what was agreed on. Nothing after an error
+  /// message.
   std::optional<Plan> plan_map(GstBuffer *buffer, const GstSegment &segment,
                                tactor::PlannerSettings settings);
   /// Whether a buffer or a gap is one that is shown.
@@ -38,7 +41,8 @@ public:
   /// Rest when the last map has been shown.
   Plan plan_rest();
 
-  /// All motors have been at zero since this running time. Maps that come next belong to the same film.
+  /// All motors have been at zero since this running time. Maps that come next belong to the same
+  /// film.
   void silenced(tactor::Time since);
   /// A flush at this running time is over, and running time begins anew or goes on.
   void flushed(tactor::Time at, bool resets_time);

@@ -511,8 +511,8 @@ vibrating(std::span<const double> levels)
 }
 
 /// Makes the driver's volts what they have to be now. `commands` are those that led here, for the
-/// trace; any other change (pause, resume, mute, flush, a lost board) is traced as due and in effect when it
-/// happened.
+/// trace; any other change (pause, resume, mute, flush, a lost board) is traced as due and in
+/// effect when it happened.
 void
 TactorScheduler::apply(Lock &lock, Time running, std::span<const Command> commands)
 {

@@ -45,7 +45,8 @@ public:
   /// A command was `late` behind its due time: upstream did not deliver it `lead` ahead of its
   /// frame.
   virtual void lead_short(tactor::Time lead, tactor::Time late) = 0;
-  /// How the thread is scheduled from now on, and why, in one line. Also on the thread that asked for it.
+  /// How the thread is scheduled from now on, and why, in one line. Also on the thread that asked
+  /// for it.
   virtual void scheduled(tactor::Scheduling, const std::string &)
   {
   }
@@ -80,8 +81,8 @@ public:
     guint64 thread_late
         = 0;               ///< issued kLate after they were due and handed over: the thread's fault
     guint64 coalesced = 0; ///< overtaken by a later command for the same tactor
-    guint64 dropped
-        = 0; ///< thrown away by a flush or a stop before they were due, or when their map had expired
+    /// Thrown away by a flush or a stop before they were due, or when their map had expired.
+    guint64 dropped = 0;
     guint64 starved = 0;              ///< times when no map came and the motors were silenced
     guint64 ramps = 0;                ///< soft starts
     tactor::ScheduleStatistics error; ///< |issued − due|
@@ -97,7 +98,8 @@ public:
   using Open = std::function<tl::expected<TactorOutput, tactor::DriverError>(std::stop_token stop)>;
 
   /// Begins to open. `full_scale_volts` is what the board makes at most. Paused until play(). With
-  /// `realtime` the thread asks to be real-time, which no one waits for. Fails if there is no thread.
+  /// `realtime` the thread asks to be real-time, which no one waits for. Fails if there is no
+  /// thread.
   [[nodiscard]] tl::expected<void, tactor::DriverError> start(Open open, double full_scale_volts,
                                                               bool realtime = false);
   enum class Outcome
@@ -111,43 +113,46 @@ public:
   Outcome wait_until_open(std::uint64_t interruptions);
   /// Whether the board is open. Nothing is waited for.
   bool is_open() const;
-  /// Motors to zero, driver closed, thread joined. An open() that waits is stopped. Harmless when not
-  /// started.
+  /// Motors to zero, driver closed, thread joined. An open() that waits is stopped. Harmless when
+  /// not started.
   void stop();
 
-  /// Commands are issued; what the motors were told last is issued again. Unless `is_wanted` says, asked under the lock, that the
-  /// play is over: so a pause() of another thread's, whose reason it knows, counts whichever of the two comes first.
+  /// Commands are issued; what the motors were told last is issued again. Unless `is_wanted` says,
+  /// asked under the lock, that the play is over: so a pause() of another thread's, whose reason it
+  /// knows, counts whichever of the two comes first.
   void play(const std::function<bool()> &is_wanted = nullptr);
   /// Motors to zero; commands are kept.
   void pause();
   /// Motors to zero; commands are forgotten. Returns the running time at which that was.
   tactor::Time flush();
-  /// Returns when every command was issued, however long the play is paused meanwhile, or when it is
-  /// interrupted or was after `interruptions` of them were over.
+  /// Returns when every command was issued, however long the play is paused meanwhile, or when it
+  /// is interrupted or was after `interruptions` of them were over.
   void drain(std::uint64_t interruptions);
   void interrupt(bool interrupted);
-  /// How many interruptions are over. To be asked for before the lock is given up that keeps others from
-  /// interrupting: one may begin and end before drain() has seen it.
+  /// How many interruptions are over. To be asked for before the lock is given up that keeps others
+  /// from interrupting: one may begin and end before drain() has seen it.
   std::uint64_t interruptions() const;
   /// While muted, motors are at zero and the film's commands are followed silently.
   void set_muted(bool muted);
-  /// How long the first vibration after start(), pause(), flush(), mute or a lost board takes to full scale, from the next one
-  /// on; not where commands don't wait for the clock.
+  /// How long the first vibration after start(), pause(), flush(), mute or a lost board takes to
+  /// full scale, from the next one on; not where commands don't wait for the clock.
   void set_ramp_in(tactor::Time length);
-  /// While the board is away its driver is told that all motors are at zero: so they are when it returns, and then start softly.
-  /// Returns at once, since it is called on the driver's thread.
+  /// While the board is away its driver is told that all motors are at zero: so they are when it
+  /// returns, and then start softly. Returns at once, since it is called on the driver's thread.
   void set_board_away(bool away);
-  /// While immediate, commands do not wait for the clock (sync=false): push() returns when they were
-  /// issued, each as if its time had come, and the trace has its due time as when it was issued.
+  /// While immediate, commands do not wait for the clock (sync=false): push() returns when they
+  /// were issued, each as if its time had come, and the trace has its due time as when it was
+  /// issued.
   void set_immediate(bool immediate);
 
   /// New commands, of a map that holds until `expires`: if none follows by then, the motors are
-  /// silenced, and what would be issued only then is dropped. `now` is the running time, where there is a clock.
+  /// silenced, and what would be issued only then is dropped. `now` is the running time, where
+  /// there is a clock.
   void push(std::span<const tactor::Command> commands, tactor::Time expires,
             tactor::Time now = tactor::Time::min());
 
-  /// When the motors were silenced for want of a map, if they were since the last call: whoever plans
-  /// must know.
+  /// When the motors were silenced for want of a map, if they were since the last call: whoever
+  /// plans must know.
   std::optional<tactor::Time> take_starved();
 
   /// Clock, base time, latency or ts-offset changed.
@@ -166,9 +171,9 @@ private:
   struct Moment;
   using Lock = std::unique_lock<std::mutex>;
 
-  // All of these run on the scheduler's thread, but settle() and wake(); all but run() are called with the
-  // lock held and give it up while they wait, while the driver is at work and while the host is
-  // told something.
+  // All of these run on the scheduler's thread, but settle() and wake(); all but run() are called
+  // with the lock held and give it up while they wait, while the driver is at work and while the
+  // host is told something.
   void run(const Open &open, const std::stop_token &stop, bool realtime);
   bool open_output(Lock &lock, const Open &open, const std::stop_token &stop);
   void turn(Lock &lock);

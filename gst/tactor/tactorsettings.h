@@ -33,7 +33,8 @@ enum TactorProperty : guint
   TACTOR_PROP_STATS,
 };
 
-/// What the user of tactorsink sets, and how that looks as properties of a GObject. Not thread-safe: the element guards it.
+/// What the user of tactorsink sets, and how that looks as properties of a GObject. Not
+/// thread-safe: the element guards it.
 struct TactorSettings
 {
   static constexpr int kMaxTactors = GST_TACTILE_MAX_SIDE * GST_TACTILE_MAX_SIDE;

@@ -8,11 +8,12 @@
 #include <span>
 #include <vector>
 
-/// A GStreamer time as ours. Those beyond thirty years are taken as that: sums of them do not overflow.
+/// A GStreamer time as ours. Those beyond thirty years are taken as that: sums of them do not
+/// overflow.
 tactor::Time to_tactor_time(GstClockTime time);
 
-/// What comes into tactorsink: maps, on video frames or as a stream of their own, and when they are shown. Streaming thread
-/// only.
+/// What comes into tactorsink: maps, on video frames or as a stream of their own, and when they are
+/// shown. Streaming thread only.
 class TactorStream
 {
 public:
@@ -46,13 +47,13 @@ public:
   /// The buffer's map. False if it has none, or one of the wrong size.
   bool read(GstBuffer *buffer, Map &map);
 
-  /// Running time at which what has this time and duration is shown, and for how long, at the segment's rate. What has no time
-  /// begins at `last_end`.
+  /// Running time at which what has this time and duration is shown, and for how long, at the
+  /// segment's rate. What has no time begins at `last_end`.
   Span shown(const GstSegment &segment, GstClockTime pts, GstClockTime duration,
              tactor::Time last_end) const;
 
-  /// Whether what has this time and duration is shown at all: a step of frames moves the segment beyond what has come. What is
-  /// left of a frame because times are rounded is nothing.
+  /// Whether what has this time and duration is shown at all: a step of frames moves the segment
+  /// beyond what has come. What is left of a frame because times are rounded is nothing.
   bool is_shown(const GstSegment &segment, GstClockTime pts, GstClockTime duration) const;
 
 private:

@@ -5,26 +5,28 @@
  * @short_description: a video sink that lets a chair be felt, for any player
  *
  * visuotactilesink shows a film as any video sink does, and plays what draws the eye in it on the
- * motors of a chair. Whatever takes a video sink takes it: the `video-sink` of playbin and playbin3,
- * `gst-play-1.0 --videosink`, GstPlay. With `GST_PLUGIN_FEATURE_RANK=visuotactilesink:MAX` in the
- * environment autovideosink chooses it, and so do players that know nothing of it.
+ * motors of a chair. Whatever takes a video sink takes it: the `video-sink` of playbin and
+ * playbin3, `gst-play-1.0 --videosink`, GstPlay. With
+ * `GST_PLUGIN_FEATURE_RANK=visuotactilesink:MAX` in the environment autovideosink chooses it, and
+ * so do players that know nothing of it.
  *
  * Inside are `saliencytactile` (child `analysis`), `tactileextractor`, a queue for pictures and one
  * for maps, the video sink and `tactorsink` (child `tactors`). Their properties that are not among
  * these are set as children's: `visuotactilesink analysis::profile=paper tactors::max-duty=0`.
  *
  * The picture is shown by #GstVisuotactileSink:video-sink or, where none is set, by the sink of the
- * highest rank that can be used. All of the pipeline is delayed by #GstVisuotactileSink:max-lead and 10
- * ms; the queue of pictures holds that much and 200 ms more. That is pictures in memory: upstream is
- * asked for as many more buffers.
+ * highest rank that can be used. All of the pipeline is delayed by #GstVisuotactileSink:max-lead
+ * and 10 ms; the queue of pictures holds that much and 200 ms more. That is pictures in memory:
+ * upstream is asked for as many more buffers.
  *
  * Whatever happens to the tactors, the film plays: if they cannot be used, a warning says why.
- * Frames in memory that cannot be read are shown and not felt, with one warning. GstVideoOverlay and
- * GstNavigation are those of the video sink.
+ * Frames in memory that cannot be read are shown and not felt, with one warning. GstVideoOverlay
+ * and GstNavigation are those of the video sink.
  *
  * ## Example launch lines
  * |[
- * gst-launch-1.0 tactiletestsrc num-buffers=150 ! videoconvert ! visuotactilesink driver=simulator trace-location=commands.csv
+ * gst-launch-1.0 tactiletestsrc num-buffers=150 ! videoconvert ! \
+ *     visuotactilesink driver=simulator trace-location=commands.csv
  * gst-launch-1.0 playbin uri=file://FILM video-sink="visuotactilesink rows=2 columns=4"
  * ]|
  *
@@ -48,7 +50,8 @@ GST_DEBUG_CATEGORY_STATIC(visuotactile_sink_debug);
 
 namespace {
 
-/// What planning and a wake-up take: data is asked for this much before max-lead, as tactorsink does.
+/// What planning and a wake-up take: data is asked for this much before max-lead, as tactorsink
+/// does.
 constexpr GstClockTime kWakeMargin = 10 * GST_MSECOND;
 
 /// What the queue of pictures holds beyond that.
@@ -69,7 +72,8 @@ G_DEFINE_TYPE_WITH_CODE(
 GST_ELEMENT_REGISTER_DEFINE(visuotactilesink, "visuotactilesink", GST_RANK_NONE,
                             GST_TYPE_VISUOTACTILE_SINK);
 
-// Ordinary memory by itself, too: playbin counts the features that it has in common with a decoder, and knows no ANY.
+// Ordinary memory by itself, too: playbin counts the features that it has in common with a decoder,
+// and knows no ANY.
 static GstStaticPadTemplate sink_template = GST_STATIC_PAD_TEMPLATE(
     "sink", GST_PAD_SINK, GST_PAD_ALWAYS, GST_STATIC_CAPS("video/x-raw; video/x-raw(ANY)"));
 
@@ -126,8 +130,8 @@ gst_visuotactile_sink_choose(GstVisuotactileSink *self)
   return chosen;
 }
 
-/// Takes the place of the video sink while there is none: a bin around this one would take a pad without
-/// a peer for one of its own (gst_parse_bin_from_description()).
+/// Takes the place of the video sink while there is none: a bin around this one would take a pad
+/// without a peer for one of its own (gst_parse_bin_from_description()).
 static void
 gst_visuotactile_sink_add_placeholder(GstVisuotactileSink *self)
 {
@@ -250,7 +254,8 @@ gst_visuotactile_sink_query(GstPad *pad, GstObject *parent, GstQuery *query)
   return TRUE;
 }
 
-/// The picture has been stepped: the tactors go on from there, by the same time. playsink has the sound follow likewise.
+/// The picture has been stepped: the tactors go on from there, by the same time. playsink has the
+/// sound follow likewise.
 static void
 gst_visuotactile_sink_follow_step(GstVisuotactileSink *self, GstMessage *message)
 {

@@ -5,7 +5,8 @@
 #include "sinkwindow.h"
 #include "tactilebranch.h"
 
-/// Properties and the window on any thread, the state on the application's or GStreamer's async ones.
+/// Properties and the window on any thread, the state on the application's or GStreamer's async
+/// ones.
 struct _GstVisuotactileSink
 {
   GstBin parent;
@@ -24,7 +25,8 @@ struct _GstVisuotactileSink
   SinkWindow window;
 };
 
-/// tactorsink, whether it is in the bin at the moment or not, or NULL where there is none; not owned by the caller.
+/// tactorsink, whether it is in the bin at the moment or not, or NULL where there is none; not
+/// owned by the caller.
 GstElement *gst_visuotactile_sink_get_tactors(GstVisuotactileSink *self);
 
 /// The video sink that is in the bin, or NULL; transfer full.

@@ -15,7 +15,8 @@ struct SinkWindow
   GstVideoRectangle rectangle;
 };
 
-/// visuotactilesink's GstVideoOverlay and GstNavigation: those of the video sink, wherever in it they are.
+/// visuotactilesink's GstVideoOverlay and GstNavigation: those of the video sink, wherever in it
+/// they are.
 void gst_visuotactile_sink_overlay_init(gpointer iface, gpointer data);
 void gst_visuotactile_sink_navigation_init(gpointer iface, gpointer data);
 

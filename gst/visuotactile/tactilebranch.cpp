@@ -80,7 +80,8 @@ gst_tactile_branch_handle_message(GstBin *bin, GstMessage *message)
 {
   auto *self = GST_TACTILE_BRANCH(bin);
 
-  /* A step is the picture's: to a player a second one is a step of its own, after which it moves the sound. */
+  /* A step is the picture's: to a player a second one is a step of its own, after which it moves
+   * the sound. */
   if (GST_MESSAGE_TYPE(message) == GST_MESSAGE_STEP_START
       || GST_MESSAGE_TYPE(message) == GST_MESSAGE_STEP_DONE) {
     gst_message_unref(message);
@@ -154,8 +155,8 @@ gst_tactile_branch_send_event(GstElement *element, GstEvent *event)
   return GST_ELEMENT_CLASS(parent_class)->send_event(element, event);
 }
 
-/* What is asked of upstream (a seek, a latency, navigation) the picture asks for, too: once is enough. A demuxer that is
- * sought twice flushes twice. */
+/* What is asked of upstream (a seek, a latency, navigation) the picture asks for, too: once is
+ * enough. A demuxer that is sought twice flushes twice. */
 static gboolean
 gst_tactile_branch_upstream_event(GstPad *, GstObject *, GstEvent *event)
 {
@@ -237,8 +238,9 @@ gst_tactile_branch_new(const gchar *name)
   auto *self = GST_TACTILE_BRANCH(g_object_new(GST_TYPE_TACTILE_BRANCH, "name", name, nullptr));
   self->queue = queue;
   self->tactors = GST_ELEMENT(gst_object_ref_sink(tactors));
-  /* Never so full that the picture would have to wait: frames are stepped through in a pause, and a tactorsink
-   * that takes nothing, or later than the video sink does, must not stop the film. Maps are small. */
+  /* Never so full that the picture would have to wait: frames are stepped through in a pause,
+   * and a tactorsink that takes nothing, or later than the video sink does, must not stop the
+   * film. Maps are small. */
   gst_util_set_object_arg(G_OBJECT(queue), "leaky", "downstream");
   g_object_set(queue, "max-size-bytes", 0, "max-size-buffers", kMostMaps, "max-size-time",
                G_GUINT64_CONSTANT(0), nullptr);

@@ -3,16 +3,17 @@
 
 #include <gst/gst.h>
 
-/// GStreamer 1.22's DirectFB sink: it takes the process along if it is only asked where there is no frame
-/// buffer. Whoever tries video sinks in turn has to leave it out.
+/// GStreamer 1.22's DirectFB sink: it takes the process along if it is only asked where there is no
+/// frame buffer. Whoever tries video sinks in turn has to leave it out.
 inline constexpr const gchar *kCrashingVideoSink = "dfbvideosink";
 
 /// The video sink of the highest rank that reaches READY, left in NULL; never one of those that
-/// would choose in turn (visuotactilesink, autovideosink), nor kCrashingVideoSink. Floating. NULL if there is
-/// none; `errors` then tells why, one line each.
+/// would choose in turn (visuotactilesink, autovideosink), nor kCrashingVideoSink. Floating. NULL
+/// if there is none; `errors` then tells why, one line each.
 GstElement *choose_video_sink(const gchar *name, GString *errors);
 
-/// Sets a property of the element or, where that has none of this name, of all elements in it that have.
+/// Sets a property of the element or, where that has none of this name, of all elements in it that
+/// have.
 void set_property_within(GstElement *element, const gchar *name, const GValue *value);
 
 /// Gets it from the element, or the first in it that has such a property. False if there is none.

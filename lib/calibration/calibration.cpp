@@ -13,7 +13,8 @@ constexpr int kLevels = 65; ///< points of a level curve
 constexpr double kTableStepVolts = 0.1;
 constexpr double kQuadraticVolts = 3.0; ///< beyond, a quadratic leads astray
 
-/// Amplitude at a voltage: linear between the points, from the origin before them, constant after them.
+/// Amplitude at a voltage: linear between the points, from the origin before them, constant after
+/// them.
 double
 amplitude_at(const std::vector<VibrationPoint> &points, double volts)
 {

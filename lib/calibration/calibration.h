@@ -15,8 +15,8 @@
 
 namespace tactor {
 
-/// Rise times as a quadratic form of start voltage s and offset d = target − start, in the order of the paper's Eq. 1:
-/// milliseconds for 1, d, s, d², d·s, s².
+/// Rise times as a quadratic form of start voltage s and offset d = target − start, in the order of
+/// the paper's Eq. 1: milliseconds for 1, d, s, d², d·s, s².
 struct QuadraticRiseTime
 {
   std::array<double, 6> coefficients{};
@@ -37,12 +37,12 @@ struct VibrationPoint
   double amplitude = 0;
 };
 
-/// What was measured of one tactor. Its rise times are the table's or the quadratic's, whichever is there or, of both,
-/// preferred; without either they are the paper's.
+/// What was measured of one tactor. Its rise times are the table's or the quadratic's, whichever is
+/// there or, of both, preferred; without either they are the paper's.
 struct TactorCalibration
 {
-  std::optional<Time>
-      latency{}; ///< from the driver's being told to the first motion; unknown where no common clock was
+  /// From the driver's being told to the first motion; unknown where no common clock was.
+  std::optional<Time> latency{};
   double start_volts = kStartVolts;
   double hold_volts = kStartVolts;
   Time fall_time = kFallTime;
@@ -56,7 +56,8 @@ struct TactorCalibration
   RiseTime rise_time() const;
 };
 
-/// What was measured of a chair's motors, and how. As a file it is a key file (docs/calibration.md).
+/// What was measured of a chair's motors, and how. As a file it is a key file
+/// (docs/calibration.md).
 struct Calibration
 {
   static constexpr int kVersion = 1;
@@ -64,20 +65,23 @@ struct Calibration
   std::string motor{};  ///< which motors they are, in words
   std::string date{};   ///< ISO 8601
   std::string method{}; ///< sensor, band, steps, in words
-  /// Felt intensity grows as vibration amplitude to this power: 0.95 at 60 Hz, 0.6 at 250 Hz (Stevens 1959, on the finger).
+  /// Felt intensity grows as vibration amplitude to this power: 0.95 at 60 Hz, 0.6 at 250 Hz
+  /// (Stevens 1959, on the finger).
   double perception_exponent = 0.95;
   std::map<int, TactorCalibration> tactors{}; ///< by index
 
-  /// Motors for the tactors 0…n − 1 as a planner wants them, n being one more than the last tactor measured; those between that were
-  /// not measured are the paper's. Levels become volts so that what is felt is linear in the level, and equally strong on
-  /// all tactors: level 1 is what the weakest of them makes of volts_max.
+  /// Motors for the tactors 0…n − 1 as a planner wants them, n being one more than the last tactor
+  /// measured; those between that were not measured are the paper's. Levels become volts so that
+  /// what is felt is linear in the level, and equally strong on all tactors: level 1 is what the
+  /// weakest of them makes of volts_max.
   std::vector<MotorParameters> motors(double volts_max) const;
 
   /// The longest that any motor takes from the driver's being told to 90 %.
   Time longest_lead() const;
 };
 
-/// Reads a key file of at most 64 MiB. An error is a line with file, group, key, what was expected and what came.
+/// Reads a key file of at most 64 MiB. An error is a line with file, group, key, what was expected
+/// and what came.
 tl::expected<Calibration, std::string> read_calibration(const std::string &path);
 
 /// Writes a key file, whole or not at all. An error is a line with the file and the reason.

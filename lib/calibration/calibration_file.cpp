@@ -24,7 +24,8 @@ constexpr double kMostVolts = 24;
 constexpr double kLongestMs = 10'000;
 /// All tactors with tables of 0.1 V are half of that.
 constexpr std::size_t kMostBytes = std::size_t{ 64 } << 20;
-/// A key file makes some 200 bytes of each line, a comment or an empty one as well, and of each number in a list.
+/// A key file makes some 200 bytes of each line, a comment or an empty one as well, and of each
+/// number in a list.
 constexpr std::ptrdiff_t kMostLines = 200'000;
 constexpr std::size_t kLongestLine = std::size_t{ 1 } << 20;
 
@@ -100,8 +101,8 @@ from_ms(double ms)
   return Time(std::llround(ms * 1e6));
 }
 
-/// One group of the file. What is not as it has to be is the least that it may be, or nothing; the first such thing is the file's `fault`,
-/// with its place.
+/// One group of the file. What is not as it has to be is the least that it may be, or nothing; the
+/// first such thing is the file's `fault`, with its place.
 class Reader
 {
 public:

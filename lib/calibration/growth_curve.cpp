@@ -14,7 +14,8 @@ namespace {
 constexpr double kExactness = 0.005;
 constexpr double kOnsetScale = 0.05;
 
-/// The curve's parameters as the solver moves them, all of the order of 1: steady / its guess, onset, log tau, log roundness.
+/// The curve's parameters as the solver moves them, all of the order of 1: steady / its guess,
+/// onset, log tau, log roundness.
 GrowthCurve
 curve_of(const double *x, double before, double steady)
 {

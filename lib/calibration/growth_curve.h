@@ -8,9 +8,11 @@
 
 namespace tactor {
 
-/// What an eccentric mass does: its speed approaches a steady one exponentially, and the amplitude is a power of the speed:
-/// (s − (s − b) exp(−(t − onset) / tau))^roundness from the onset on, s and b being the roundness-th roots of `steady` and
-/// `before`. 1: the amplitude itself is exponential (MotorModel); 2: acceleration, which grows with the square of the speed. It rises, or falls.
+/// What an eccentric mass does: its speed approaches a steady one exponentially, and the amplitude
+/// is a power of the speed: (s − (s − b) exp(−(t − onset) / tau))^roundness from the onset on, s
+/// and b being the roundness-th roots of `steady` and `before`. 1: the amplitude itself is
+/// exponential (MotorModel); 2: acceleration, which grows with the square of the speed. It rises,
+/// or falls.
 struct GrowthCurve
 {
   double before = 0;
@@ -38,9 +40,10 @@ struct GrowthPrior
 /// Turns amplitudes into what the way to the envelope makes of them.
 using GrowthLens = std::function<void(std::vector<double> &)>;
 
-/// Fits a curve to an envelope sampled from `first_s` on, of which the level before is known, the steady one nearly; `noise` is the mean
-/// square of the envelope at rest, and `independence` how many of its samples per sample are independent. The curve is
-/// compared as `lens`, if any, shows it.
+/// Fits a curve to an envelope sampled from `first_s` on, of which the level before is known, the
+/// steady one nearly; `noise` is the mean square of the envelope at rest, and `independence` how
+/// many of its samples per sample are independent. The curve is compared as `lens`, if any, shows
+/// it.
 GrowthCurve fit_growth(std::span<const double> envelope, double rate, double first_s, double before,
                        double steady, double noise, double independence,
                        const GrowthPrior &prior = {}, const GrowthLens &lens = {});

@@ -31,12 +31,14 @@ struct MeasurementStretch
   bool operator==(const MeasurementStretch &) const = default;
 };
 
-/// A part of a measurement that is played, recorded and kept in one piece; it begins and ends at rest.
+/// A part of a measurement that is played, recorded and kept in one piece; it begins and ends at
+/// rest.
 using MeasurementRun = std::vector<MeasurementStretch>;
 
-/// A measurement in a known order: for each tactor in turn a step from rest to 0.2…1.0 V (start voltage), from 1.5 V down to
-/// as much (hold voltage), then all steps of the grid of which a tenth of the way and more is left to 90 %. Runs last about half a minute.
-/// No tactor is on for more than 1.5 s in a row. At most a million steps. An error says what was expected and what came.
+/// A measurement in a known order: for each tactor in turn a step from rest to 0.2…1.0 V (start
+/// voltage), from 1.5 V down to as much (hold voltage), then all steps of the grid of which a tenth
+/// of the way and more is left to 90 %. Runs last about half a minute. No tactor is on for more
+/// than 1.5 s in a row. At most a million steps. An error says what was expected and what came.
 tl::expected<std::vector<MeasurementRun>, std::string>
 plan_measurement(const MeasurementSettings &settings);
 

@@ -12,7 +12,8 @@ namespace tactor {
 
 namespace {
 
-/// Of time, and so of a second: enough for a day and for ultrasound, and no number on the way overflows.
+/// Of time, and so of a second: enough for a day and for ultrasound, and no number on the way
+/// overflows.
 constexpr double kLongestS = 1e5;
 constexpr double kMostRate = 1e6;
 constexpr double kGreatest = 1e12; ///< of values, in any unit
@@ -20,7 +21,8 @@ constexpr std::streamsize kLongestLine = 1 << 16;
 
 using Error = tl::unexpected<std::string>;
 
-/// The numbers of a line; empty if it does not begin with one. An error: what is no number further on, or none that is read.
+/// The numbers of a line; empty if it does not begin with one. An error: what is no number further
+/// on, or none that is read.
 tl::expected<std::vector<double>, std::string>
 numbers(const std::string &line)
 {
@@ -43,7 +45,8 @@ numbers(const std::string &line)
   return result;
 }
 
-/// Adds what was heard at a time, the first number of `row`. Why not, if it does not fit what was there before.
+/// Adds what was heard at a time, the first number of `row`. Why not, if it does not fit what was
+/// there before.
 tl::expected<void, std::string>
 add_row(const std::vector<double> &row, std::vector<double> &times, Recording &recording)
 {

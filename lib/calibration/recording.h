@@ -27,13 +27,15 @@ struct Recording
   {
     return channels.empty() ? 0 : channels.front().size();
   }
-  /// The channel that hears a tactor: its own where there is one for each of `tactors`, else the only or the first one.
+  /// The channel that hears a tactor: its own where there is one for each of `tactors`, else the
+  /// only or the first one.
   int channel_of(int tactor, int tactors) const;
 };
 
-/// Reads a recording from a CSV file: a column of seconds, then one for each channel, separated by commas, semicolons or
-/// tabs; lines that do not begin with a number (headers) are skipped. At most 1 MHz, 28 hours, lines of 64 KiB. Uneven times are resampled to their mean rate.
-/// An error is a line with file, line, what was expected and what came.
+/// Reads a recording from a CSV file: a column of seconds, then one for each channel, separated by
+/// commas, semicolons or tabs; lines that do not begin with a number (headers) are skipped. At most
+/// 1 MHz, 28 hours, lines of 64 KiB. Uneven times are resampled to their mean rate. An error is a
+/// line with file, line, what was expected and what came.
 tl::expected<Recording, std::string> read_csv_recording(const std::string &path);
 
 } // namespace tactor

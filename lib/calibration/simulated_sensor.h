@@ -12,7 +12,8 @@
 
 namespace tactor {
 
-/// A sensor at simulated motors, and what disturbs it. Amplitudes in the recording's unit, full scale being 1.
+/// A sensor at simulated motors, and what disturbs it. Amplitudes in the recording's unit, full
+/// scale being 1.
 struct SimulatedSensor
 {
   double rate = 8000;          ///< samples per second
@@ -27,15 +28,16 @@ struct SimulatedSensor
   double hum_hz = 50;
   double drift = 0; ///< per second
   double clip = 0;  ///< where the sensor's range ends; 0: nowhere
-  /// The share of a rise that is done after a time, in any unit: from 0 at 0 towards 1, never falling. It is stretched so
-  /// that the 90 % are where MotorModel has them. Empty: MotorModel's exponential.
+  /// The share of a rise that is done after a time, in any unit: from 0 at 0 towards 1, never
+  /// falling. It is stretched so that the 90 % are where MotorModel has them. Empty: MotorModel's
+  /// exponential.
   std::function<double(double)> growth{};
   Time jitter{ 0 }; ///< each command takes up to so much longer, evenly spread
   std::uint32_t seed = 1;
 };
 
-/// What the sensor hears while motors are told `trace`, from running time 0 to `end`. Tactor i has motors[i], with its latency;
-/// those beyond have the paper's.
+/// What the sensor hears while motors are told `trace`, from running time 0 to `end`. Tactor i has
+/// motors[i], with its latency; those beyond have the paper's.
 Recording hear(std::span<const IssuedCommand> trace, std::span<const MotorParameters> motors,
                const SimulatedSensor &sensor, Time end);
 

@@ -51,7 +51,8 @@ listen_apart(Step &step, const Stretch &other)
     step.next = std::min(step.next, std::max(other.begin, step.off));
 }
 
-/// Of another tactor's stretches only the nearest matter: the last before the step, the first during it, the first after it.
+/// Of another tactor's stretches only the nearest matter: the last before the step, the first
+/// during it, the first after it.
 void
 listen_apart(Step &step, const std::vector<Stretch> &others)
 {

@@ -30,8 +30,9 @@ struct Step
   }
 };
 
-/// The steps in a trace of commands, in order of time: each from a voltage that was held to one that is held, both (rest
-/// excepted) for at least `hold`, up or down but not to zero. `end` is when the recording ends.
+/// The steps in a trace of commands, in order of time: each from a voltage that was held to one
+/// that is held, both (rest excepted) for at least `hold`, up or down but not to zero. `end` is
+/// when the recording ends.
 std::vector<Step> steps_of(std::span<const IssuedCommand> trace, Time end,
                            Time hold = std::chrono::milliseconds(250));
 

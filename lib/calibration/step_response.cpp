@@ -17,7 +17,8 @@ constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
 constexpr double kLeastSnrDb = 10;
 constexpr double kMotionSnrDb = 3;
-/// Of the time at the target, this much counts as steady, and may differ between its halves by so much.
+/// Of the time at the target, this much counts as steady, and may differ between its halves by so
+/// much.
 constexpr double kSteadyShare = 0.4;
 constexpr double kSteadyChange = 0.05;
 constexpr double kLeastChange = 0.04;
@@ -47,7 +48,8 @@ decibels(double power, double reference)
   return 10 * std::log10(std::max(power, 1e-30) / std::max(reference, 1e-30));
 }
 
-/// A motor's crests may be flat, but not at the same height whatever drives it: that is an amplifier's limit.
+/// A motor's crests may be flat, but not at the same height whatever drives it: that is an
+/// amplifier's limit.
 void
 name_clipped(std::vector<StepResponse> &responses)
 {

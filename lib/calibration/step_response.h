@@ -40,8 +40,8 @@ struct StepEnvelope
   std::vector<double> amplitude{};
 };
 
-/// What a recording tells of one step. Amplitudes are in the recording's unit, noise taken off; times count from when the
-/// driver was told, latency of the chain included.
+/// What a recording tells of one step. Amplitudes are in the recording's unit, noise taken off;
+/// times count from when the driver was told, latency of the chain included.
 struct StepResponse
 {
   Step step{};
@@ -51,7 +51,8 @@ struct StepResponse
   double roundness = 1; ///< GrowthCurve::roundness; rising steps only
   double onset_ms = 0;  ///< first motion towards it
   double risen_ms = 0;  ///< 90 % of the steady amplitude; rising steps only
-  /// 10 % of a fall left: of a falling step's own, of the one to rest at a rising step's end, counted from there; NaN where not seen.
+  /// 10 % of a fall left: of a falling step's own, of the one to rest at a rising step's end,
+  /// counted from there; NaN where not seen.
   double fallen_ms = 0;
   double snr_db = 0;     ///< of the steady vibration to what is heard at rest, within the band
   double hum = 0;        ///< RMS of the mains hum that was taken out
@@ -60,14 +61,14 @@ struct StepResponse
 
 /// Measures a step in one channel of a recording. `picture`, if given, gets the envelope.
 ///
-/// The recording is band-passed, mains hum that is heard at rest is taken out, and to its Hilbert envelope a GrowthCurve is fitted
-/// from the whole rise or fall, noise added in power and smeared as the envelope is, so that neither noise at the moment of the
-/// 90 % nor the band-pass matters.
+/// The recording is band-passed, mains hum that is heard at rest is taken out, and to its Hilbert
+/// envelope a GrowthCurve is fitted from the whole rise or fall, noise added in power and smeared
+/// as the envelope is, so that neither noise at the moment of the 90 % nor the band-pass matters.
 StepResponse measure_step(const Recording &recording, int channel, const Step &step, Band band,
                           const GrowthPrior &prior = {}, StepEnvelope *picture = nullptr);
 
-/// What the steps of one motor have in common: latency and roundness of the rises that are clear. For a second look at all of
-/// them, which is then less at the mercy of noise.
+/// What the steps of one motor have in common: latency and roundness of the rises that are clear.
+/// For a second look at all of them, which is then less at the mercy of noise.
 GrowthPrior prior_of(const std::vector<StepResponse> &responses);
 
 /// A recording and what was played meanwhile.
@@ -77,12 +78,13 @@ struct RecordedRun
   std::vector<Step> steps{};
 };
 
-/// The responses to all steps, tactor by tactor, each motor's looked at twice. `tactors` is how many the chair has
-/// (Recording::channel_of()).
+/// The responses to all steps, tactor by tactor, each motor's looked at twice. `tactors` is how
+/// many the chair has (Recording::channel_of()).
 std::vector<StepResponse> measure_steps(const std::vector<RecordedRun> &runs, int tactors,
                                         Band band);
 
-/// A band for all steps: from a quarter of the frequency at which the strongest driven motors vibrate to twice that.
+/// A band for all steps: from a quarter of the frequency at which the strongest driven motors
+/// vibrate to twice that.
 Band band_of(const std::vector<RecordedRun> &runs, int tactors);
 
 } // namespace tactor

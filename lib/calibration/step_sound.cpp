@@ -21,9 +21,11 @@ constexpr double kMarginS = 0.05;
 /// What is so far away does not smear into the envelope.
 constexpr double kReachS = 0.2;
 constexpr double kDropoutS = 0.01;
-/// Samples a second for each Hz of the band's upper edge: twice what a sampled sine needs, room for the band-pass's edge.
+/// Samples a second for each Hz of the band's upper edge: twice what a sampled sine needs, room for
+/// the band-pass's edge.
 constexpr double kOversampling = 4;
-/// Samples count as near the extreme within this share of it, or as far as noise carries them, up to the other share…
+/// Samples count as near the extreme within this share of it, or as far as noise carries them, up
+/// to the other share…
 constexpr double kLeastCrest = 0.002;
 constexpr double kMostCrest = 0.02;
 constexpr double kNoiseDeviations = 7;

@@ -33,16 +33,19 @@ public:
   const Window &raw() const;
   /// It does not hold the whole step.
   bool is_truncated() const;
-  /// Samples are missing: 10 ms of zeros of every bit between the first and the last sound of [from, to).
+  /// Samples are missing: 10 ms of zeros of every bit between the first and the last sound of
+  /// [from, to).
   bool has_dropout(double from_s, double to_s) const;
-  /// Crests are cut off at the end of the sensor's range: three times three samples in a row. Where that is unknown, at the greatest
-  /// sample.
+  /// Crests are cut off at the end of the sensor's range: three times three samples in a row. Where
+  /// that is unknown, at the greatest sample.
   bool is_clipped(double from_s, double to_s) const;
-  /// Where the crests of a steady part are flat, more samples being near the extreme than a sine has there; 0 if they are not. An
-  /// amplifier before the sensor's own limit makes such; a motor may, too.
+  /// Where the crests of a steady part are flat, more samples being near the extreme than a sine
+  /// has there; 0 if they are not. An amplifier before the sensor's own limit makes such; a motor
+  /// may, too.
   double flat_crest(double from_s, double to_s) const;
 
-  /// Looks at a band: takes trend and mains hum out, then the Hilbert envelope. What follows needs it.
+  /// Looks at a band: takes trend and mains hum out, then the Hilbert envelope. What follows needs
+  /// it.
   void listen(Band band);
   /// RMS of the hum that was taken out.
   double hum() const;
@@ -54,8 +57,8 @@ public:
   double amplitude(double from_s, double to_s) const;
   /// How far two such amplitudes of a stretch so long may differ by the noise.
   double looseness(double seconds) const;
-  /// How the amplitude gets from one level to another in [from, to), up or down. The curve is compared as band-pass and
-  /// Hilbert transform, which smear it, would show it.
+  /// How the amplitude gets from one level to another in [from, to), up or down. The curve is
+  /// compared as band-pass and Hilbert transform, which smear it, would show it.
   GrowthCurve fit(double from_s, double to_s, double before, double after,
                   const GrowthPrior &prior) const;
   /// The envelope at the recording's own rate, to be drawn over it.

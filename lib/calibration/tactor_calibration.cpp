@@ -13,7 +13,8 @@ namespace tactor {
 
 namespace {
 
-/// Steps this far from the others are outliers: in milliseconds, and in median deviations (× 1.48: standard deviations).
+/// Steps this far from the others are outliers: in milliseconds, and in median deviations (× 1.48:
+/// standard deviations).
 constexpr double kOutlierMs = 15;
 constexpr double kOutlierDeviations = 5 * 1.4826;
 constexpr double kClearSnrDb = 15;
@@ -27,7 +28,8 @@ tells_of_motion(const StepResponse &response)
          || response.fault == StepFault::clipped;
 }
 
-/// The least voltage at which, and at all above, most steps of a kind moved the motor. None if none did.
+/// The least voltage at which, and at all above, most steps of a kind moved the motor. None if none
+/// did.
 std::optional<double>
 threshold(const std::vector<StepResponse> &responses, bool (*is_of_kind)(const Step &))
 {
@@ -81,7 +83,8 @@ samples_of(const std::vector<StepResponse *> &rises, double latency_ms, double s
   return samples;
 }
 
-/// Names what is far from what the other steps say: from the other repetitions, or where there are few, from the fit.
+/// Names what is far from what the other steps say: from the other repetitions, or where there are
+/// few, from the fit.
 void
 name_outliers(std::vector<StepResponse> &responses)
 {
@@ -166,7 +169,8 @@ calibrate_tactor(std::vector<StepResponse> &responses, bool latency_known)
   const std::vector<StepResponse *> rises = rises_of(responses);
   if (rises.empty())
     return std::nullopt;
-  // Even where the clocks differ the first motion is where a rise begins; only the lead is then not known.
+  // Even where the clocks differ the first motion is where a rise begins; only the lead is then not
+  // known.
   const double latency_ms = std::max(0.0, latency_of(rises));
   if (latency_known)
     tactor.latency = Time(std::llround(latency_ms * 1e6));

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// How kernels ask memory for what they will need, for sources that Highway compiles once for each target.
+// How kernels ask memory for what they will need, for sources that Highway compiles once for each
+// target.
 #if defined(SALIENCY_AHEAD_INL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef SALIENCY_AHEAD_INL_H
 #undef SALIENCY_AHEAD_INL_H
@@ -17,8 +18,9 @@
 HWY_BEFORE_NAMESPACE();
 namespace saliency::HWY_NAMESPACE {
 
-/// Asks for as many bytes as are worked on at once, `bytes` after `done` others: to the first level of the
-/// cache, out of which they will go to the second again; told so, processors read ahead by themselves, too.
+/// Asks for as many bytes as are worked on at once, `bytes` after `done` others: to the first level
+/// of the cache, out of which they will go to the second again; told so, processors read ahead by
+/// themselves, too.
 template <std::size_t bytes>
 HWY_INLINE void
 ask(const Ahead &ahead, std::ptrdiff_t done)

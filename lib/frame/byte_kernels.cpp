@@ -31,8 +31,8 @@ using saliency::HWY_NAMESPACE::Taps;
 using saliency::HWY_NAMESPACE::weigh_taps;
 template <typename T> using Tag = saliency::HWY_NAMESPACE::Vectors<T>;
 
-/// From place x on, places that lie in `readable` samples, once each, by shorter and shorter vectors:
-/// `work(d, x)`, of `numbers` a place.
+/// From place x on, places that lie in `readable` samples, once each, by shorter and shorter
+/// vectors: `work(d, x)`, of `numbers` a place.
 template <int numbers, typename Work>
 HWY_INLINE int
 cover_halved_once(int x, [[maybe_unused]] int readable, [[maybe_unused]] const Work &work)
@@ -85,7 +85,8 @@ store(hn::VFromD<D> value, D d, std::uint16_t *to)
   hn::StoreU(value, d, to);
 }
 
-/// 6, which the compiler does not know, as it would make two shifts and an addition of one multiplication.
+/// 6, which the compiler does not know, as it would make two shifts and an addition of one
+/// multiplication.
 HWY_INLINE std::uint16_t
 six()
 {
@@ -96,8 +97,8 @@ six()
   return value;
 }
 
-/// Two more rows of sums from side to side, a and b, the first four times: the row that they complete
-/// from top to bottom, and the sums for the next.
+/// Two more rows of sums from side to side, a and b, the first four times: the row that they
+/// complete from top to bottom, and the sums for the next.
 template <class D, class V = hn::VFromD<D>>
 HWY_INLINE V
 add_rows(D d, V four_a, V b, V &weighted, V &last)
@@ -117,8 +118,8 @@ add_rows(One, int four_a, int b, int &weighted, int &last)
   return average(sum, 0);
 }
 
-/// What becomes of two rows that are made, of which `carried` begins with sums: both are stored where
-/// `out(i)` tells.
+/// What becomes of two rows that are made, of which `carried` begins with sums: both are stored
+/// where `out(i)` tells.
 struct Halved
 {
   static constexpr std::size_t kRows = kAtOnce;
@@ -157,7 +158,8 @@ struct Quartered
   }
 };
 
-/// The rows at the carried number `x`, each of which `four(row)` and `once(row)` give from side to side.
+/// The rows at the carried number `x`, each of which `four(row)` and `once(row)` give from side to
+/// side.
 template <class Made, class D, typename Four, typename Once, typename Out>
 HWY_INLINE void
 add_source_rows(D d, const SourceRows &rows, const Four &four, const Once &once, Carried carried,
@@ -260,8 +262,8 @@ QuarterBytes(const SourceRows &rows, int width, const Carried &carried, Fixed *q
 template <int bytes> using Kinds = std::array<Fixed *, bytes == 2 ? 2 : 3>;
 
 #if HWY_TARGET != HWY_SCALAR
-/// The numbers of as many places as fill 16 bytes lie together by kinds: those that matter to rows of their
-/// own.
+/// The numbers of as many places as fill 16 bytes lie together by kinds: those that matter to rows
+/// of their own.
 template <int bytes>
 void
 part_pixels(const Fixed *pixels, std::ptrdiff_t count, const Kinds<bytes> &out, std::ptrdiff_t at)
@@ -305,8 +307,8 @@ part_pixels(const Fixed *pixels, std::ptrdiff_t count, const Kinds<bytes> &out, 
                               + x % kTogether];
 }
 
-/// Pixels are taken apart a few at a time, while they are in the first level of the cache. Vectors stop
-/// short of the last pixel of four bytes, of which there may be three alone.
+/// Pixels are taken apart a few at a time, while they are in the first level of the cache. Vectors
+/// stop short of the last pixel of four bytes, of which there may be three alone.
 template <class Made, int bytes>
 int
 decimate_pixels_from(int x, const SourceRows &rows, int width, Carried carried,

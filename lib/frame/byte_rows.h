@@ -17,15 +17,16 @@ enum class ByteDecimation
   quartered, ///< from top to bottom, and halved from side to side
 };
 
-/// Images of fewer rows are not quartered, which begins so far above the first that rows have to be mirrored
-/// there more than once.
+/// Images of fewer rows are not quartered, which begins so far above the first that rows have to be
+/// mirrored there more than once.
 constexpr int kFewestToQuarter = 16;
 
 /// Samples of a component of 8 bits, the frame's `index`-th.
 std::unique_ptr<ImageRows<Fixed>> byte_samples(const Component &component, std::size_t index,
                                                ByteDecimation decimation);
 
-/// The second and the third component of a frame with has_byte_pairs(), likewise; they are decimated.
+/// The second and the third component of a frame with has_byte_pairs(), likewise; they are
+/// decimated.
 std::unique_ptr<ImageRows<Fixed>> byte_pairs(const FrameView &frame, ByteDecimation decimation);
 
 /// All three components of a frame with has_byte_triples(), likewise.

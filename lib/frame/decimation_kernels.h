@@ -5,9 +5,9 @@
 
 #include <array>
 
-/// How rows of samples are decimated, and brought to twice their width where chroma has too few, for the
-/// widest vectors that this CPU has (Highway); the result is the same on all of them. No sample before a
-/// row's first or after its last is read or written.
+/// How rows of samples are decimated, and brought to twice their width where chroma has too few,
+/// for the widest vectors that this CPU has (Highway); the result is the same on all of them. No
+/// sample before a row's first or after its last is read or written.
 namespace saliency::kernels {
 
 /// Every other sample of [1 4 6 4 1]/16 along a row, mirrored at its ends without repeating them;
@@ -19,8 +19,8 @@ void halve_columns(const float *row, int width, float *halved);
 void halve_rows(const std::array<const Fixed *, 5> &rows, int count, Fixed *halved);
 void halve_rows(const std::array<const float *, 5> &rows, int count, float *halved);
 
-/// `width` samples, at every other place those of `in` and between them their means, rounded half up;
-/// the last is repeated where it is followed by one more.
+/// `width` samples, at every other place those of `in` and between them their means, rounded half
+/// up; the last is repeated where it is followed by one more.
 void double_columns(const Fixed *in, int width, Fixed *out);
 
 /// The means of two rows, rounded half up.

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// What is common to the kernels that halve rows, for sources that Highway compiles once for each target.
+// What is common to the kernels that halve rows, for sources that Highway compiles once for each
+// target.
 #if defined(SALIENCY_FIVE_TAPS_INL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef SALIENCY_FIVE_TAPS_INL_H
 #undef SALIENCY_FIVE_TAPS_INL_H
@@ -31,8 +32,8 @@ weigh_taps(const Taps &taps, const At &at)
   return at(i0) + at(i4) + 4 * (at(i1) + at(i3)) + 6 * at(i2);
 }
 
-/// Covers half of `width` places: the first and what `many(x)` leaves from place 1 on, which tells where
-/// that begins, are `one(x, taps)` each.
+/// Covers half of `width` places: the first and what `many(x)` leaves from place 1 on, which tells
+/// where that begins, are `one(x, taps)` each.
 template <typename Many, typename One>
 HWY_INLINE void
 for_halved(int width, const Many &many, const One &one)
@@ -108,8 +109,8 @@ weigh_pairs(D d, hn::VFromD<D> pairs)
 }
 #undef SALIENCY_WEIGHS_PAIRS
 
-/// Five taps, `times` over, of each pair of numbers that `load(i)` gives, one for each lane, i pairs
-/// further.
+/// Five taps, `times` over, of each pair of numbers that `load(i)` gives, one for each lane, i
+/// pairs further.
 template <int times, class D, typename Load>
 HWY_INLINE hn::VFromD<D>
 halved_sums(D d, const Load &load)

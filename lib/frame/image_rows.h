@@ -14,8 +14,8 @@
 
 namespace saliency {
 
-/// A number of 15 bits in fixed point, so that means and weighted sums of two are one instruction each.
-/// Code values have 15 - depth bits after the point.
+/// A number of 15 bits in fixed point, so that means and weighted sums of two are one instruction
+/// each. Code values have 15 - depth bits after the point.
 using Fixed = std::uint16_t;
 
 /// Rows of samples with room after their ends, which kernels of any vector width may use. A row has
@@ -74,8 +74,8 @@ public:
   /// geometry that these rows were made for.
   virtual void begin(const FrameView &frame) = 0;
 
-  /// Row y, until the next call; of several channels, as in a RowBuffer of this width. After begin(),
-  /// y does not fall from call to call; the first may be any.
+  /// Row y, until the next call; of several channels, as in a RowBuffer of this width. After
+  /// begin(), y does not fall from call to call; the first may be any.
   virtual const T *row(int y) = 0;
 
   cv::Size size() const
@@ -92,8 +92,8 @@ private:
   int channels_;
 };
 
-/// Place `i`, up to two beyond an end of `length` samples, mirrored there without repeating the last; what
-/// lies further away is some place.
+/// Place `i`, up to two beyond an end of `length` samples, mirrored there without repeating the
+/// last; what lies further away is some place.
 constexpr int
 mirrored(int i, int length)
 {
@@ -101,8 +101,8 @@ mirrored(int i, int length)
   return std::max(0, i < length ? i : 2 * (length - 1) - i);
 }
 
-/// The five rows about row y of an image of half the height, mirrored at the borders without repeating
-/// the border row: kept in a ring that is filled as y rises.
+/// The five rows about row y of an image of half the height, mirrored at the borders without
+/// repeating the border row: kept in a ring that is filled as y rises.
 template <typename T> class FiveRows
 {
 public:

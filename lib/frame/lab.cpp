@@ -82,14 +82,16 @@ signal(int value)
   return hn::Set(Signal(), static_cast<std::int16_t>(value));
 }
 
-/// In units of 1/32767 a signal s is s/12.92 of light up to 0.04045 and u² beyond (sRGB's curve), where
-/// u = ((s + 0.055)/1.055)^1.2 is smooth enough for 16 bits; light of both is at least of this `root`.
+/// In units of 1/32767 a signal s is s/12.92 of light up to 0.04045 and u² beyond (sRGB's curve),
+/// where u = ((s + 0.055)/1.055)^1.2 is smooth enough for 16 bits; light of both is at least of
+/// this `root`.
 constexpr int kOne = 32767;
 constexpr int kLinearSignal = 1325; // 0.04045
 constexpr int kLeastRoot = 1580;    // between it and the smallest u, 1827
 
-/// Signal, 0…1, → u, or the signal itself up to kLinearSignal. The polynomial is the one of its degree
-/// that is 1 at 1 and whose error, weighted by the slope of lightness, is smallest: 0.01 of L*.
+/// Signal, 0…1, → u, or the signal itself up to kLinearSignal. The polynomial is the one of its
+/// degree that is 1 at 1 and whose error, weighted by the slope of lightness, is smallest: 0.01 of
+/// L*.
 HWY_INLINE Signals
 root_of_light(Signals s)
 {
@@ -115,8 +117,8 @@ light(const std::int16_t *root)
   return hn::Mul(u, hn::IfThenElse(hn::Lt(u, set(kLeastRoot)), linear, u));
 }
 
-/// t^(-1/3) to within 3.6 %: exponent and mantissa, as one integer, are nearly a logarithm; a third of
-/// each half of it is taken from a constant.
+/// t^(-1/3) to within 3.6 %: exponent and mantissa, as one integer, are nearly a logarithm; a third
+/// of each half of it is taken from a constant.
 HWY_INLINE V
 estimated_inverse_cube_root(V t)
 {
@@ -135,8 +137,8 @@ estimated_inverse_cube_root(V t)
 }
 
 /// CIE 15: f(t) = t^(1/3), continued by its tangent below (6/29)³; 0 ≤ t ≤ 1. From r ≈ t^(-1/3),
-/// t^(1/3) = t r² (1 - c)^(-2/3) with c = 1 - t r³, |c| < 0.108; there the polynomial is off by 8e-6
-/// of the value, and right at t = 1: white is 100.
+/// t^(1/3) = t r² (1 - c)^(-2/3) with c = 1 - t r³, |c| < 0.108; there the polynomial is off by
+/// 8e-6 of the value, and right at t = 1: white is 100.
 HWY_INLINE V
 cie_f(V t)
 {
@@ -236,8 +238,8 @@ find_roots(ColorModel model, const LabConverter::Coefficients &k,
   }
 }
 
-/// f of X, Y, Z relative to white's, from roots. Each pass over the pixels is of few steps that wait for
-/// each other, so that a processor can work on many of them at once.
+/// f of X, Y, Z relative to white's, from roots. Each pass over the pixels is of few steps that
+/// wait for each other, so that a processor can work on many of them at once.
 void
 find_f(const std::array<Row, 3> &roots, int count, std::array<FloatRow, 3> &f)
 {

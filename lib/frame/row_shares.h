@@ -6,8 +6,9 @@
 
 namespace saliency {
 
-/// The rows of an image, shared out among threads: each has a band of its own; who is done before the
-/// others, as they woke up later or are slower, takes the lower half of what the one with most has left.
+/// The rows of an image, shared out among threads: each has a band of its own; who is done before
+/// the others, as they woke up later or are slower, takes the lower half of what the one with most
+/// has left.
 class RowShares
 {
 public:

@@ -36,7 +36,8 @@ ThreadPool::start(int threads)
   }
 }
 
-/// Where that cannot be told they stay as they are; who has one processor alone shares it with them.
+/// Where that cannot be told they stay as they are; who has one processor alone shares it with
+/// them.
 void
 ThreadPool::keep_off_callers_processor()
 {

@@ -18,11 +18,12 @@ namespace saliency {
 /// Threads that wait for parts of a piece of work. They are started when work first has that many
 /// parts and end with the pool; no allocation once they run. Not thread-safe itself: one caller.
 ///
-/// Who has done all there is stays awake a while, as more work often follows at once and waking up takes
-/// longer than the smallest piece of it; whoever else wants the processor then has it.
+/// Who has done all there is stays awake a while, as more work often follows at once and waking up
+/// takes longer than the smallest piece of it; whoever else wants the processor then has it.
 ///
-/// On Linux the threads run on the caller's processors, but not on the one that it calls from: the kernel of a
-/// virtual machine often wakes a thread there rather than on one that halted, and then nothing is done at once.
+/// On Linux the threads run on the caller's processors, but not on the one that it calls from: the
+/// kernel of a virtual machine often wakes a thread there rather than on one that halted, and then
+/// nothing is done at once.
 class ThreadPool
 {
 public:
@@ -32,8 +33,8 @@ public:
   ThreadPool &operator=(const ThreadPool &) = delete;
 
   /// Does work(0)…work(parts - 1), each once, on this and other threads, and returns when all are
-  /// done. Where the system has no more threads, those that there are do it. Parts that find no memory
-  /// throw; one of these exceptions is rethrown.
+  /// done. Where the system has no more threads, those that there are do it. Parts that find no
+  /// memory throw; one of these exceptions is rethrown.
   template <typename Work> void run(int parts, const Work &work)
   {
     run(
@@ -82,8 +83,8 @@ public:
     return threads_;
   }
 
-  /// work(part, begin, end) for threads() parts of 0…count - 1, which are about as long; otherwise as
-  /// ThreadPool::run().
+  /// work(part, begin, end) for threads() parts of 0…count - 1, which are about as long; otherwise
+  /// as ThreadPool::run().
   template <typename Work> void share(int count, const Work &work) const
   {
     if (threads() == 1) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// How rows are gone through by whole vectors, for sources that Highway compiles once for each target: so
-// this is included once for each, too.
+// How rows are gone through by whole vectors, for sources that Highway compiles once for each
+// target: so this is included once for each, too.
 #if defined(SALIENCY_VECTORS_INL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef SALIENCY_VECTORS_INL_H
 #undef SALIENCY_VECTORS_INL_H
@@ -20,7 +20,8 @@ namespace saliency::HWY_NAMESPACE {
 template <typename T> using Vectors = hwy::HWY_NAMESPACE::CappedTag<T, 64 / sizeof(T)>;
 template <typename T> using OneLane = hwy::HWY_NAMESPACE::CappedTag<T, 1>;
 
-/// Calls work(d, x) so that vectors at x cover 0…count - 1, once each: what is left of them one by one.
+/// Calls work(d, x) so that vectors at x cover 0…count - 1, once each: what is left of them one by
+/// one.
 template <typename T, typename Index, typename Work>
 HWY_INLINE void
 each_once(Index count, const Work &work)
@@ -34,8 +35,9 @@ each_once(Index count, const Work &work)
     work(OneLane<T>(), x);
 }
 
-/// The same, quicker, where it does no harm to do some a second time (so not in place): the last vector
-/// goes over some that the one before it has done. Fewer than a vector's are done one by one.
+/// The same, quicker, where it does no harm to do some a second time (so not in place): the last
+/// vector goes over some that the one before it has done. Fewer than a vector's are done one by
+/// one.
 template <typename T, typename Index, typename Work>
 HWY_INLINE void
 cover(Index count, const Work &work)

@@ -43,17 +43,17 @@ public:
   /// Analyzes the frame shown during [time, time + duration). Frames come in order of time. A frame
   /// resets the history first if its time is not after its predecessor's, if its size differs or,
   /// with windows in seconds, if it comes later after its predecessor's end than the longest
-  /// window. duration ≤ 0 is taken as 1/30 s. With `temporal` off the result is the spatial saliency
-  /// alone: nothing is compared with other frames, and the next one
-  /// begins a history. The frame is one without fault_of().
+  /// window. duration ≤ 0 is taken as 1/30 s. With `temporal` off the result is the spatial
+  /// saliency alone: nothing is compared with other frames, and the next one begins a history. The
+  /// frame is one without fault_of().
   const Saliency &analyze(const FrameView &frame, Time time, Time duration, bool temporal = true);
 
   /// Forgets the history: the next frame fills it with its own spatial map (no burst after start,
   /// seek or cut).
   void reset();
 
-  /// How many threads work on a frame at most, 0 for as many as pay (see FrontEnd); one at first. The
-  /// result is the same for any number and the history goes on. Below 0 is 0.
+  /// How many threads work on a frame at most, 0 for as many as pay (see FrontEnd); one at first.
+  /// The result is the same for any number and the history goes on. Below 0 is 0.
   void set_threads(int threads);
 
   const Profile &profile() const;

@@ -18,7 +18,8 @@ constexpr double kFarthestKey = 2;
 
 /// Smallest motion that counts, in samples at the corner of the picture where it is largest.
 constexpr double kSmallestMotion = 0.2;
-/// Largest motion since the key frame, as a share of the picture: beyond, there is too little to go by.
+/// Largest motion since the key frame, as a share of the picture: beyond, there is too little to go
+/// by.
 constexpr double kLargestMotion = 0.35;
 
 /// Points: one in each cell of so many samples' side, finest level first, if its gradient (L* per
@@ -26,11 +27,11 @@ constexpr double kLargestMotion = 0.35;
 constexpr std::array<int, 3> kCell{ 4, 2, 1 };
 constexpr float kTexture = 1.0F;
 
-// The parts of the picture that are asked whether they have moved: so many along each side; they have
-// an opinion if this share of their cells, and so many of them, have points and would have moved by so
-// many samples. Enough are this many, and this share of them has to agree: that the motion leaves this
-// share of the difference. So a picture of a few dozen samples has no camera: a thing in it is soon
-// most of it.
+// The parts of the picture that are asked whether they have moved: so many along each side; they
+// have an opinion if this share of their cells, and so many of them, have points and would have
+// moved by so many samples. Enough are this many, and this share of them has to agree: that the
+// motion leaves this share of the difference. So a picture of a few dozen samples has no camera: a
+// thing in it is soon most of it.
 constexpr int kParts = 4;
 constexpr double kTexturedShare = 0.15;
 constexpr int kFewestPoints = 3;

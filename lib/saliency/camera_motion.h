@@ -15,21 +15,22 @@ namespace saliency {
 /// What the camera does as it pans, tilts, zooms, rolls or shakes, as one similarity from frame to
 /// frame.
 ///
-/// Frames are registered with a key frame up to 8/30 s back, on lightness, coarse to fine: Gauss-Newton
-/// steps that compare the frame with the key frame's most textured points, weighted so that what goes
-/// its own way does not count, allowing for another exposure (inverse compositional alignment: Baker &
-/// Matthews, "Lucas-Kanade 20 Years On", 2004). The camera counts as moving only if that explains the
-/// difference in most of those parts of the picture that would show it, and if there are enough of
-/// these: what moves in front of a still background is not the camera, nor what moves in front of an
-/// even one if it is narrower than about a fifth of the picture (two things: a tenth each). Pictures
-/// of less than about 30 × 20 samples have no camera.
+/// Frames are registered with a key frame up to 8/30 s back, on lightness, coarse to fine:
+/// Gauss-Newton steps that compare the frame with the key frame's most textured points, weighted so
+/// that what goes its own way does not count, allowing for another exposure (inverse compositional
+/// alignment: Baker & Matthews, "Lucas-Kanade 20 Years On", 2004). The camera counts as moving only
+/// if that explains the difference in most of those parts of the picture that would show it, and if
+/// there are enough of these: what moves in front of a still background is not the camera, nor what
+/// moves in front of an even one if it is narrower than about a fifth of the picture (two things: a
+/// tenth each). Pictures of less than about 30 × 20 samples have no camera.
 class CameraMotion
 {
 public:
-  /// The next frame, `elapsed` frames at 30 fps after the last one: its L*, CV_32FC1 and continuous, at a
-  /// pyramid level about 100 samples wide. Returns the camera's pose, that is where this frame's samples lie
-  /// in the first frame; exactly the last pose again while the camera rests, from the first key frame
-  /// at rest on. The first frame after a reset, and one of another size, is a first frame.
+  /// The next frame, `elapsed` frames at 30 fps after the last one: its L*, CV_32FC1 and
+  /// continuous, at a pyramid level about 100 samples wide. Returns the camera's pose, that is
+  /// where this frame's samples lie in the first frame; exactly the last pose again while the
+  /// camera rests, from the first key frame at rest on. The first frame after a reset, and one of
+  /// another size, is a first frame.
   const Similarity &follow(const cv::Mat &lightness, double elapsed);
 
   /// Whether the last frame shows what went before, from elsewhere.
@@ -40,8 +41,8 @@ public:
 
   void reset();
 
-  /// Makes the last frame the one in which poses are: from far away, or zoomed far, they could not be
-  /// told exactly.
+  /// Makes the last frame the one in which poses are: from far away, or zoomed far, they could not
+  /// be told exactly.
   void rebase();
 
 private:

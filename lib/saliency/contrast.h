@@ -19,9 +19,9 @@ public:
   /// `chroma_weight` w: the difference is √(ΔL² + w² (Δa² + Δb²)); 1 is CIE 1976 ΔE.
   explicit Contrast(double chroma_weight);
 
-  /// C(c, s) = ‖P_c - up(P_s)‖ ≥ 0 in a pyramid of L*a*b* images, surround ≥ center. The differences of
-  /// a* and b* are those of the pair `chroma`, no finer than `lightness`, brought to the center's
-  /// resolution. `map` becomes CV_32FC1 of the size of the lightness' center.
+  /// C(c, s) = ‖P_c - up(P_s)‖ ≥ 0 in a pyramid of L*a*b* images, surround ≥ center. The
+  /// differences of a* and b* are those of the pair `chroma`, no finer than `lightness`, brought to
+  /// the center's resolution. `map` becomes CV_32FC1 of the size of the lightness' center.
   void operator()(const Pyramid &pyramid, LevelPair lightness, LevelPair chroma, cv::Mat &map,
                   const Team &team = {});
 

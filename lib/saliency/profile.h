@@ -59,9 +59,9 @@ enum class HistoryStart
   filled, ///< the first map, as if it had always been there: no burst after start, seek or cut
 };
 
-/// Of so few samples one thing may be most: in smaller maps nothing is said of what the whole picture
-/// does: that a shot begins (Profile::cut_share), that the light changes (illumination_guard), that
-/// something happens everywhere (background_gain).
+/// Of so few samples one thing may be most: in smaller maps nothing is said of what the whole
+/// picture does: that a shot begins (Profile::cut_share), that the light changes
+/// (illumination_guard), that something happens everywhere (background_gain).
 inline constexpr int kFewestSamples = 64;
 
 /// Every choice between the frame and its saliency map (docs/algorithm.md). Valid if there are
@@ -106,26 +106,26 @@ struct Profile
   /// Illumination guard: if most of what has contrast gains it by one factor β, then the light has
   /// changed and not what is to be seen. Surrounds count β times.
   bool illumination_guard = false;
-  /// Camera motion (windows in seconds only): it is followed, and the history moved with it. As long
-  /// as the history holds a motion, the following three count as well.
+  /// Camera motion (windows in seconds only): it is followed, and the history moved with it. As
+  /// long as the history holds a motion, the following three count as well.
   bool camera_motion = false;
-  /// Surrounds are dilated by so many samples: motion is not followed exactly, nor is it a similarity
-  /// everywhere.
+  /// Surrounds are dilated by so many samples: motion is not followed exactly, nor is it a
+  /// similarity everywhere.
   int camera_dilation = 0;
   /// Surrounds count so many times: contrast depends a little on where samples fall.
   double camera_margin = 1;
-  /// So wide a rim of the map is silent, in samples: there the picture comes in. A map of at most twice
-  /// that has none.
+  /// So wide a rim of the map is silent, in samples: there the picture comes in. A map of at most
+  /// twice that has none.
   int camera_rim = 0;
   /// What happens all over the map is no event: so many times the map's quantile below is taken off
   /// the spatiotemporal map. 0: nothing is.
   double background_gain = 0;
   double background_quantile = 0.75; ///< in [0, 1]
-  /// No more than this is taken off, in the map's units: what is very salient is an event even if it is
-  /// large.
+  /// No more than this is taken off, in the map's units: what is very salient is an event even if
+  /// it is large.
   double background_limit = std::numeric_limits<double>::infinity();
-  /// A new shot begins, with no history, where more than this share of the picture's pixels change by
-  /// more than `cut_contrast` from one frame to the next. 1: never.
+  /// A new shot begins, with no history, where more than this share of the picture's pixels change
+  /// by more than `cut_contrast` from one frame to the next. 1: never.
   double cut_share = 1;
   double cut_contrast = 6; ///< ΔE
   /// Of the spatiotemporal saliency map.
@@ -135,9 +135,10 @@ struct Profile
   /// temporal differences of levels c ∈ {0,1,2}, s = c + {3,4}, per-pixel L*a*b*.
   static Profile paper();
 
-  /// What measures best on films (docs/algorithm.md has the figure behind each choice): one pair c = 2,
-  /// δ = 1, chroma × 2, no N(·), pooled to level 4, onsets only, windows 1/8, 2/16, 4/32, 8/64; shots,
-  /// changes of light, what happens everywhere and the camera's motion are told from events.
+  /// What measures best on films (docs/algorithm.md has the figure behind each choice): one pair c
+  /// = 2, δ = 1, chroma × 2, no N(·), pooled to level 4, onsets only, windows 1/8, 2/16, 4/32,
+  /// 8/64; shots, changes of light, what happens everywhere and the camera's motion are told from
+  /// events.
   static Profile tuned();
 
   /// What measures best on single pictures, that is without `temporal`: surroundedness at level 3

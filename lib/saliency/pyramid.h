@@ -16,14 +16,15 @@ namespace saliency {
 
 /// One level down: the 5-tap Gaussian [1 4 6 4 1]/16 along both axes, mirrored at the borders
 /// without repeating the border sample, even samples kept (Burt & Adelson 1983, REDUCE;
-/// cv::pyrDown). Of float, CV_32FC1, or of Fixed, CV_16UC1, then to within a unit. Allocates only when
-/// the size or the team changes.
+/// cv::pyrDown). Of float, CV_32FC1, or of Fixed, CV_16UC1, then to within a unit. Allocates only
+/// when the size or the team changes.
 template <typename Sample> class ReductionOf
 {
 public:
   void operator()(const cv::Mat &source, cv::Mat &reduced, const Team &team = {});
 
-  /// The same in two steps: gives `reduced` its size, and makes rows begin…end - 1 as one of the team.
+  /// The same in two steps: gives `reduced` its size, and makes rows begin…end - 1 as one of the
+  /// team.
   void prepare(const cv::Mat &source, cv::Mat &reduced, const Team &team);
   void make_rows(int part, int begin, int end, const cv::Mat &source, cv::Mat &reduced);
 
@@ -33,17 +34,18 @@ private:
 };
 using Reduction = ReductionOf<float>;
 
-/// What a level has on a row of one finer by `octaves`: a row between two of its own, the last repeated
-/// beyond it. Of float.
+/// What a level has on a row of one finer by `octaves`: a row between two of its own, the last
+/// repeated beyond it. Of float.
 rows::Between between_rows(const cv::Mat &level, int row, int octaves);
 
 /// Brings an image to a level finer by `octaves_x` and `octaves_y` ≥ 0: linear interpolation on the
-/// grid above, the last sample repeated beyond it. `size`: of the finer level, whose coarser level has
-/// the source's size. CV_32FC1; `source` and `upsampled` are not the same.
+/// grid above, the last sample repeated beyond it. `size`: of the finer level, whose coarser level
+/// has the source's size. CV_32FC1; `source` and `upsampled` are not the same.
 void upsample(const cv::Mat &source, int octaves_x, int octaves_y, cv::Size size,
               cv::Mat &upsampled);
 
-/// The Gaussian pyramid of an L*a*b* image, from the level at which the image lies to a coarser one.
+/// The Gaussian pyramid of an L*a*b* image, from the level at which the image lies to a coarser
+/// one.
 class Pyramid
 {
 public:
@@ -51,8 +53,8 @@ public:
   /// copied.
   void build(const LabImage &image, int base, int coarsest);
 
-  /// The same in fixed point, except that the levels are float; those finer than `chroma` have no a*
-  /// and b*.
+  /// The same in fixed point, except that the levels are float; those finer than `chroma` have no
+  /// a* and b*.
   void build(const FixedLabImage &image, int base, int coarsest, int chroma, const Team &team = {});
 
   /// A level between base and coarsest.

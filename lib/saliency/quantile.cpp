@@ -16,8 +16,8 @@ namespace {
 /// Numbers ≥ 0 are in the order of their bits: exponent and the first two of the mantissa.
 constexpr std::size_t kBuckets = 1024;
 
-/// That of 0 and of all that is below the normal numbers, which a processor may be told to take for 0
-/// (by any library that was built for fast mathematics).
+/// That of 0 and of all that is below the normal numbers, which a processor may be told to take for
+/// 0 (by any library that was built for fast mathematics).
 constexpr std::size_t kZero = 3;
 
 std::size_t
@@ -38,7 +38,8 @@ least_of(std::size_t bucket)
 float
 quantile(std::vector<float> &values, double q)
 {
-  // Most are told apart by counting: noise would make a comparison sort guess wrong half of the time.
+  // Most are told apart by counting: noise would make a comparison sort guess wrong half of the
+  // time.
   auto place = static_cast<std::size_t>(q * static_cast<double>(values.size() - 1));
   std::array<std::uint32_t, kBuckets> counts{};
   for (const float value : values)

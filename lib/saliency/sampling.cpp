@@ -23,8 +23,8 @@ namespace saliency::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-/// Linear interpolation; `inside` says where x and y lie between samples, elsewhere the result means
-/// nothing.
+/// Linear interpolation; `inside` says where x and y lie between samples, elsewhere the result
+/// means nothing.
 template <class D, class V = hn::Vec<D>>
 HWY_INLINE V
 interpolated(D d, const cv::Mat &image, V x, V y, hn::Mask<D> inside)

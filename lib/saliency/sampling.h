@@ -9,8 +9,8 @@
 #include <cstddef>
 #include <vector>
 
-/// Images read between their samples, vectorized for the processor at hand; the same to the bit on all
-/// of them (see rows.h). Images are CV_32FC1 and continuous.
+/// Images read between their samples, vectorized for the processor at hand; the same to the bit on
+/// all of them (see rows.h). Images are CV_32FC1 and continuous.
 namespace saliency {
 
 /// Textured points of an image: what a small motion, about the middle of the picture, does to its
@@ -50,12 +50,13 @@ struct Equations
   std::array<double, TexturedPoints::kParameters> right;
 };
 
-/// Of the points whose residual is a number; a residual r weighs 1/(1 + r²/scale²)² (Geman & McClure).
+/// Of the points whose residual is a number; a residual r weighs 1/(1 + r²/scale²)² (Geman &
+/// McClure).
 Equations equations(const TexturedPoints &points, const std::vector<float> &residuals,
                     double scale);
 
-/// sum += image at `position` - length × now, at each sample for which that is at least `border` inside
-/// the image. All are of one size.
+/// sum += image at `position` - length × now, at each sample for which that is at least `border`
+/// inside the image. All are of one size.
 void add_sampled(const cv::Mat &image, const Similarity &position, float border, const cv::Mat &now,
                  float length, cv::Mat &sum);
 

@@ -13,8 +13,8 @@ class ShotCut
 public:
   explicit ShotCut(const Profile &profile);
 
-  /// Whether the frame begins a new shot: more than `Profile::cut_share` of its pixels differ from the
-  /// last frame's by more than `Profile::cut_contrast` (ΔE). `lab` is copied. The first frame
+  /// Whether the frame begins a new shot: more than `Profile::cut_share` of its pixels differ from
+  /// the last frame's by more than `Profile::cut_contrast` (ΔE). `lab` is copied. The first frame
   /// after a reset, one of another size and one of fewer than kFewestSamples begin none.
   bool operator()(const LabImage &lab);
 

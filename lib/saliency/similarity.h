@@ -3,7 +3,8 @@
 
 namespace saliency {
 
-/// A similarity of the plane: (x, y) ↦ (a x − b y + tx, b x + a y + ty). It shifts, turns and scales.
+/// A similarity of the plane: (x, y) ↦ (a x − b y + tx, b x + a y + ty). It shifts, turns and
+/// scales.
 struct Similarity
 {
   double a = 1;

@@ -26,9 +26,9 @@ struct FrameLevels
   int finest_chroma = 0; ///< level at which a* and b* are looked at
 };
 
-/// With a reference width, level 2 is the level whose larger side is nearest to it in octaves, as far as
-/// no level of the profile falls below 0. A pair whose two levels are limited to the same one has
-/// no contrast.
+/// With a reference width, level 2 is the level whose larger side is nearest to it in octaves, as
+/// far as no level of the profile falls below 0. A pair whose two levels are limited to the same
+/// one has no contrast.
 FrameLevels frame_levels(const Profile &profile, cv::Size frame);
 
 /// Spatial saliency S (paper, Section 3: "contrast maps are linearly combined to yield [a] single …

@@ -22,8 +22,8 @@ public:
   /// Sum or mean over the profile's windows of |T_c - T_s| or max(0, T_c - T_s), less what the map
   /// has in common, optionally normalized by N(·). CV_32FC1, ≥ 0, valid until the next call.
   /// `history` has had at least one push. If the camera has moved, surrounds are dilated and count
-  /// more, and the rim is silent unless it is the whole map (Profile::camera_dilation, camera_margin,
-  /// camera_rim).
+  /// more, and the rim is silent unless it is the whole map (Profile::camera_dilation,
+  /// camera_margin, camera_rim).
   const cv::Mat &compute(TemporalPyramid &history, const Team &team = {});
 
 private:

@@ -163,8 +163,8 @@ TemporalPyramid::difference(const Moment &from, const Moment &to, double scale, 
   rows::difference(integral(from), integral(to), scale, map.total(), map.ptr<float>());
 }
 
-/// From the present back, stretch by stretch. A stretch begins where a display does, as soon as it is
-/// as long as a share of its age, or where a window does.
+/// From the present back, stretch by stretch. A stretch begins where a display does, as soon as it
+/// is as long as a share of its age, or where a window does.
 void
 TemporalPyramid::moved_means(std::span<const int> windows, std::vector<cv::Mat> &maps)
 {

@@ -30,13 +30,13 @@ namespace saliency {
 ///
 /// With a camera that moves, a window has to show where things were in the picture as it is now:
 /// each map is moved from its own pose to the current one before it counts. Where a map did not see
-/// what is to be seen now, it is taken to have been like the current one. Maps further back are moved
-/// several at a time, as far as they make a quarter of their age.
+/// what is to be seen now, it is taken to have been like the current one. Maps further back are
+/// moved several at a time, as far as they make a quarter of their age.
 ///
-/// Memory: pushes less than 1/8 apart share one entry, so at most 8 × longest + 3 integrals of 8 bytes
-/// a sample are held (66 at one push a frame and a longest window of 64), and maps of 20 bytes a
-/// sample beside them. What is no longer needed is used again: nothing is allocated once as many are
-/// held as it takes.
+/// Memory: pushes less than 1/8 apart share one entry, so at most 8 × longest + 3 integrals of 8
+/// bytes a sample are held (66 at one push a frame and a longest window of 64), and maps of 20
+/// bytes a sample beside them. What is no longer needed is used again: nothing is allocated once as
+/// many are held as it takes.
 class TemporalPyramid
 {
 public:

@@ -28,10 +28,10 @@ struct Region
 ///
 /// What is salient about an object is not in its outline alone, so a region reaches further, by the
 /// two samples of the coarsest center level that contrast and pooling spread it, and it stays for
-/// as long as a temporal window holds what has passed there: so many frames where windows are meant in
-/// frames, no longer than its own frame where the map is of single pictures. A weight of 0 thus takes away all that
-/// the object does, also where it moves, and a detector that loses an object for some frames makes
-/// no event of it.
+/// as long as a temporal window holds what has passed there: so many frames where windows are meant
+/// in frames, no longer than its own frame where the map is of single pictures. A weight of 0 thus
+/// takes away all that the object does, also where it moves, and a detector that loses an object
+/// for some frames makes no event of it.
 ///
 /// A sample that a region covers by a share s of what it has of the picture is multiplied by
 /// 1 + s (weight − 1). Where regions overlap, those of one type count once, by the largest share: a

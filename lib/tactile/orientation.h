@@ -5,8 +5,9 @@
 
 namespace tactile {
 
-/// How a picture is turned between its pixels as they are stored and the screen: sample (row, column) of what is shown is sample
-/// (column, row) of what is stored if it is transposed, (row, column) if not, counted from the other end along each axis that is mirrored.
+/// How a picture is turned between its pixels as they are stored and the screen: sample (row,
+/// column) of what is shown is sample (column, row) of what is stored if it is transposed, (row,
+/// column) if not, counted from the other end along each axis that is mirrored.
 struct Orientation
 {
   bool transposed = false;

@@ -8,13 +8,15 @@
 
 namespace tactile {
 
-/// A saliency map that covers its picture exactly, as whoever resizes an image expects: the middle of sample (x, y) lies at
-/// ((x + ½) / width, (y + ½) / height) of the picture. A pyramid's samples sit on every 2ⁿth pixel, about half a sample before.
+/// A saliency map that covers its picture exactly, as whoever resizes an image expects: the middle
+/// of sample (x, y) lies at ((x + ½) / width, (y + ½) / height) of the picture. A pyramid's samples
+/// sit on every 2ⁿth pixel, about half a sample before.
 class PictureMap
 {
 public:
-  /// Samples a map, by as many samples as it has, along each axis by Keys' cubic (1981, a = −½), under which what is symmetric
-  /// stays where it is. Values are ≥ 0; beyond the map its border is repeated. Allocates only for a larger map.
+  /// Samples a map, by as many samples as it has, along each axis by Keys' cubic (1981, a = −½),
+  /// under which what is symmetric stays where it is. Values are ≥ 0; beyond the map its border is
+  /// repeated. Allocates only for a larger map.
   void sample(const SaliencyView &map);
 
   /// As after sample() of an empty map.

@@ -18,8 +18,8 @@ constexpr double kPerceptualOnset = 4;
 constexpr double kPerceptualScale = 25;
 constexpr double kWeakestLevel = 0.2;
 
-/// What each cell of an axis sees: for cell c, weights of the samples from first on, summing to 1 where
-/// the viewport is the whole picture.
+/// What each cell of an axis sees: for cell c, weights of the samples from first on, summing to 1
+/// where the viewport is the whole picture.
 struct Windows
 {
   struct Cell
@@ -50,8 +50,8 @@ struct Windows
   }
 };
 
-/// What map_saliency() needs on the way, kept from frame to frame by each thread: it allocates only for
-/// a larger map or grid.
+/// What map_saliency() needs on the way, kept from frame to frame by each thread: it allocates only
+/// for a larger map or grid.
 struct Workspace
 {
   Windows columns;
@@ -99,8 +99,8 @@ struct Axis
   }
 };
 
-/// Cell `cell` of `cells`, each sample counting by the share of it that lies in the cell, or outside
-/// the viewport next to it.
+/// Cell `cell` of `cells`, each sample counting by the share of it that lies in the cell, or
+/// outside the viewport next to it.
 void
 add_area_window(const Axis &axis, int cells, int cell, Windows &windows)
 {

@@ -40,9 +40,9 @@ struct MappingSettings
   /// (docs/algorithm.md).
   static MappingSettings tuned();
 
-  /// The same for Profile::tuned_spatial()'s maps, whose values are ΔE for figures of one percent of
-  /// the picture, more for smaller ones: a unit is taken as half a ΔE, and the weakest that is felt
-  /// is the weakest that a motor can render, 4 ΔE.
+  /// The same for Profile::tuned_spatial()'s maps, whose values are ΔE for figures of one percent
+  /// of the picture, more for smaller ones: a unit is taken as half a ΔE, and the weakest that is
+  /// felt is the weakest that a motor can render, 4 ΔE.
   static MappingSettings tuned_spatial();
 };
 

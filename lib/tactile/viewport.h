@@ -9,8 +9,8 @@
 namespace tactile {
 
 /// The part of the picture that the grid's cells share among them, in shares of the picture's width
-/// and height: 0 ≤ left, 0 < width, left + width ≤ 1, and the same from top to bottom. What lies outside
-/// counts as if it lay on the border (see map_saliency).
+/// and height: 0 ≤ left, 0 < width, left + width ≤ 1, and the same from top to bottom. What lies
+/// outside counts as if it lay on the border (see map_saliency).
 struct Viewport
 {
   double left = 0;

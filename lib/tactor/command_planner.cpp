@@ -32,11 +32,13 @@ seconds(Time time)
   return std::chrono::duration<double>(time).count();
 }
 
-/// The paper's data block: the rise time in whole frames, rounded up, but no more than fit into max_lead.
+/// The paper's data block: the rise time in whole frames, rounded up, but no more than fit into
+/// max_lead.
 Time
 whole_frames(Time rise, Time frame, Time max_lead)
 {
-  // A rise of a whole number of frames takes that many, whichever way the frame's duration was rounded.
+  // A rise of a whole number of frames takes that many, whichever way the frame's duration was
+  // rounded.
   const double whole = std::ceil(seconds(rise) / seconds(frame) - kSameFrames);
   return std::min(static_cast<Time::rep>(whole), max_lead / frame) * frame;
 }
@@ -163,7 +165,8 @@ CommandPlanner::silenced(Time time)
 void
 CommandPlanner::reset(Time time)
 {
-  // Twice with nothing in between: the time of the second is that of a film of which nothing was played.
+  // Twice with nothing in between: the time of the second is that of a film of which nothing was
+  // played.
   if (!restarts_after_)
     restarts_after_ = std::max(time, account_begin_);
   silenced(*restarts_after_);
@@ -196,7 +199,8 @@ CommandPlanner::begins_block(Time time, Time duration)
     next_block_ = 1;
     return true;
   }
-  // In the middle of its frame, so that neither rounded timestamps nor a frame rate that does not divide shift the grid.
+  // In the middle of its frame, so that neither rounded timestamps nor a frame rate that does not
+  // divide shift the grid.
   const double blocks = seconds(time - *grid_start_ + duration / 2) * settings_.rate;
   if (blocks < next_block_)
     return false;
@@ -226,7 +230,8 @@ CommandPlanner::target_volts(std::span<const float> levels) const
     const auto index = static_cast<std::size_t>(tactor);
     volts[index] = std::max(volts[index], wanted_volts(tactors_[index], level));
   }
-  // Half a microvolt: 1/6 as a float, of 3 V, shall not fall short of 0.5 V, below which motors stand still.
+  // Half a microvolt: 1/6 as a float, of 3 V, shall not fall short of 0.5 V, below which motors
+  // stand still.
   for (std::size_t i = 0; i < volts.size(); i++) {
     const MotorParameters &motor = tactors_[i].motor.parameters();
     const bool held = tactors_[i].use.is_on() || settings_.kick_start;
@@ -253,7 +258,8 @@ CommandPlanner::wanted_volts(const Tactor &tactor, double level) const
   return std::min(volts, settings_.volts_max);
 }
 
-/// Begins the plan of a frame: time is reckoned on from before a reset(), cues that have run out by then are over.
+/// Begins the plan of a frame: time is reckoned on from before a reset(), cues that have run out by
+/// then are over.
 CommandPlanner::Plan
 CommandPlanner::begin_plan(Time effect, Time frame)
 {
@@ -279,7 +285,8 @@ CommandPlanner::begin_plan(Time effect, Time frame)
   return plan;
 }
 
-/// Takes the volts from tactors whose cue is over or that have to rest, and says when the others have to end.
+/// Takes the volts from tactors whose cue is over or that have to rest, and says when the others
+/// have to end.
 void
 CommandPlanner::limit_time(const Plan &plan, std::vector<double> &volts)
 {
@@ -347,8 +354,8 @@ CommandPlanner::limit_number(std::vector<double> &volts)
   }
 }
 
-/// The earliest time from `due` on at which the tactor may join those that are on. Tactors that end with this frame end as early
-/// as it takes, the weakest first.
+/// The earliest time from `due` on at which the tactor may join those that are on. Tactors that end
+/// with this frame end as early as it takes, the weakest first.
 Time
 CommandPlanner::make_room(Plan &plan, std::size_t index, Time due, std::span<const double> volts)
 {
@@ -432,8 +439,8 @@ CommandPlanner::give(Plan &plan, std::size_t index, Time effect, Time due, doubl
                             .until = tactor.until });
 }
 
-/// How long the line is taken by what changes if the tactors get these volts, but for those that MotorLimits::max_active leaves as they
-/// are: as many may begin as may end.
+/// How long the line is taken by what changes if the tactors get these volts, but for those that
+/// MotorLimits::max_active leaves as they are: as many may begin as may end.
 Time
 CommandPlanner::line_time(std::span<const double> volts) const
 {
@@ -478,7 +485,8 @@ CommandPlanner::kick_time(const Tactor &tactor, Time effect, double volts) const
   return tactor.motor.amplitude(effect - time) < kStillVolts ? time : Time(0);
 }
 
-/// When a command for the frame is due that brings a tactor to `volts`; `kick` as of kick_time(). Never before its predecessor.
+/// When a command for the frame is due that brings a tactor to `volts`; `kick` as of kick_time().
+/// Never before its predecessor.
 Time
 CommandPlanner::due_time(const Tactor &tactor, const Plan &plan, double volts, Time kick) const
 {
@@ -502,7 +510,8 @@ CommandPlanner::due_time(const Tactor &tactor, const Plan &plan, double volts, T
   return std::max(at - on_the_way, tactor.due);
 }
 
-/// The latest time in [earliest, effect] from which the motor rises to 90 % of `volts` by `effect`; `earliest` if there is none.
+/// The latest time in [earliest, effect] from which the motor rises to 90 % of `volts` by `effect`;
+/// `earliest` if there is none.
 Time
 CommandPlanner::exact_time(const Tactor &tactor, Time earliest, Time effect, double volts) const
 {
@@ -514,7 +523,8 @@ CommandPlanner::exact_time(const Tactor &tactor, Time earliest, Time effect, dou
   if (std::abs(tactor.motor.amplitude(effect) - now) < kSameVolts)
     return std::max(effect - rise_time(now, volts), earliest);
 
-  // The motor is still on its way: the rise time depends on when the command comes, and not monotonically (Eq. 1 is not).
+  // The motor is still on its way: the rise time depends on when the command comes, and not
+  // monotonically (Eq. 1 is not).
   if (arrives(effect))
     return effect;
   Time late = effect;

@@ -9,7 +9,8 @@
 
 namespace tactor {
 
-/// Planned commands in order of their due time, and what every motor was told last. Not thread-safe: its owner guards it.
+/// Planned commands in order of their due time, and what every motor was told last. Not
+/// thread-safe: its owner guards it.
 class CommandQueue
 {
 public:
@@ -17,18 +18,21 @@ public:
 
   void push(std::span<const Command> commands);
 
-  /// When something is to be done next, if ever: a command is due or one that was taken runs out (Command::until).
+  /// When something is to be done next, if ever: a command is due or one that was taken runs out
+  /// (Command::until).
   std::optional<Time> next_due() const;
 
-  /// Takes all commands due at or before `now`, in order of due time. Commands for the same tactor coalesce: only the
-  /// latest is returned, `coalesced()` counts the others. For one that has run out by then a zero is returned, due when it did;
-  /// if that zero is pushed later, it is ignored. levels() is up to date afterwards.
+  /// Takes all commands due at or before `now`, in order of due time. Commands for the same tactor
+  /// coalesce: only the latest is returned, `coalesced()` counts the others. For one that has run
+  /// out by then a zero is returned, due when it did; if that zero is pushed later, it is ignored.
+  /// levels() is up to date afterwards.
   std::vector<Command> take_due(Time now);
 
   /// Volts of all tactors after the commands taken so far: what a resume after pause reissues.
   std::span<const double> levels() const;
 
-  /// Drops everything and sets all levels to zero (flush, stop). Returns how many commands were dropped.
+  /// Drops everything and sets all levels to zero (flush, stop). Returns how many commands were
+  /// dropped.
   std::size_t clear();
 
   std::size_t size() const;      ///< commands that are not due yet

@@ -18,7 +18,8 @@ constexpr int kLastTactor = 4095;
 constexpr double kMostVolts = 1000; // no motor here has a fiftieth of it
 constexpr std::streamsize kMaxLine = 200;
 
-/// Takes the next field off a line. False if it is not a number, or not followed by a comma (or, if last, by the end).
+/// Takes the next field off a line. False if it is not a number, or not followed by a comma (or, if
+/// last, by the end).
 template <typename Number>
 bool
 take(std::string_view &line, Number &number, bool last = false)

@@ -18,8 +18,9 @@ struct IssuedCommand
   bool operator==(const IssuedCommand &) const = default;
 };
 
-/// The commands of a play as a CSV file: a header line, then `issued_ns,due_ns,effect_ns,tactor,volts` a command, running
-/// times in nanoseconds, due = effect − lead, volts with three decimals. Not thread-safe: its owner guards it.
+/// The commands of a play as a CSV file: a header line, then
+/// `issued_ns,due_ns,effect_ns,tactor,volts` a command, running times in nanoseconds, due = effect
+/// − lead, volts with three decimals. Not thread-safe: its owner guards it.
 class CommandTrace
 {
 public:
@@ -37,8 +38,8 @@ private:
   CsvWriter csv_;
 };
 
-/// Reads what CommandTrace wrote, or says with file and line what was expected and what came; a file of more than 10 million commands is
-/// refused.
+/// Reads what CommandTrace wrote, or says with file and line what was expected and what came; a
+/// file of more than 10 million commands is refused.
 [[nodiscard]] tl::expected<std::vector<IssuedCommand>, std::string>
 read_command_trace(const std::string &path);
 

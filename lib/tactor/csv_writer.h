@@ -13,7 +13,8 @@
 
 namespace tactor {
 
-/// A CSV file being written, in the same form whatever the locale. Buffered: nothing is on disk for sure before flush().
+/// A CSV file being written, in the same form whatever the locale. Buffered: nothing is on disk for
+/// sure before flush().
 class CsvWriter
 {
 public:

@@ -35,17 +35,18 @@ struct DriverEvent
 /// What a driver is opened with.
 struct DriverConfig
 {
-  std::string
-      device; ///< which board: serial number or bus path; the simulator takes a file name (see there)
+  /// Which board: serial number or bus path; the simulator takes a file name (see there).
+  std::string device;
   int max_tactors = 4096; ///< at most this many are wanted, 1…4096
   int min_tactors = 1;    ///< a board with fewer is refused
-  /// Where no device is named: adapters behind which no board has answered yet are asked, too. They may be 3D printers, which a question may reset.
+  /// Where no device is named: adapters behind which no board has answered yet are asked, too. They
+  /// may be 3D printers, which a question may reset.
   bool asks_strangers = true;
   double full_scale_volts = 3.0; ///< volts at the motor when a board's output is fully on
   bool realtime = false;         ///< threads that carry levels to the board ask to be real-time
   std::stop_token stop{};        ///< any thread ends an open() that waits; it fails then
-  /// Called from any thread, one call at a time, between the beginning of open() and the end of close(), and also from within these.
-  /// It may call status(), nothing else.
+  /// Called from any thread, one call at a time, between the beginning of open() and the end of
+  /// close(), and also from within these. It may call status(), nothing else.
   std::function<void(const DriverEvent &)> notify{};
 };
 
@@ -61,8 +62,9 @@ struct DriverStatus
   std::uint64_t reconnects = 0; ///< times it came back since open()
 };
 
-/// A board that drives tactors. Not thread-safe: one thread at a time (the scheduler's, once it runs), but for status(). close() and the
-/// destructor leave every motor at zero. A board that goes away and may come back is not an error of write(), but an event.
+/// A board that drives tactors. Not thread-safe: one thread at a time (the scheduler's, once it
+/// runs), but for status(). close() and the destructor leave every motor at zero. A board that goes
+/// away and may come back is not an error of write(), but an event.
 class Driver
 {
 public:
@@ -77,17 +79,19 @@ public:
   /// Smallest difference in volts that the board can make; 0 if it is continuous.
   virtual double resolution() const = 0;
 
-  /// Time from write() to the motor's terminals when all tactors change; part of every command's lead.
+  /// Time from write() to the motor's terminals when all tactors change; part of every command's
+  /// lead.
   virtual Time transport_latency() const = 0;
 
-  /// What there is of transport_latency() for tactors that change, one after the other, and what a chair may be too large for.
+  /// What there is of transport_latency() for tactors that change, one after the other, and what a
+  /// chair may be too large for.
   virtual LineTime line() const
   {
     return {};
   }
 
-  /// While a motor is on, write() is to be called at least this often even if nothing changes: a board may silence motors whose host
-  /// hangs. 0: never.
+  /// While a motor is on, write() is to be called at least this often even if nothing changes: a
+  /// board may silence motors whose host hangs. 0: never.
   virtual Time refresh_interval() const
   {
     return Time(0);

@@ -10,7 +10,8 @@
 
 namespace tactor {
 
-/// What a serial line to a board carries: levels of tactors, one after the other, each of so many bytes. A value.
+/// What a serial line to a board carries: levels of tactors, one after the other, each of so many
+/// bytes. A value.
 class LineTime
 {
 public:

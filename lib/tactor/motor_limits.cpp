@@ -36,7 +36,8 @@ MotorUse::duty_end(Time begin, Time allowed) const
   for (const Stretch &stretch : past_)
     left -= std::max(stretch.end - std::max(stretch.begin, begin - kDutyWindow), Time(0));
 
-  // The window moves on with the stretch's end. While an old stretch leaves at its back as much as enters at its front, nothing is used up.
+  // The window moves on with the stretch's end. While an old stretch leaves at its back as much as
+  // enters at its front, nothing is used up.
   Time end = begin;
   for (const Stretch &stretch : past_) {
     if (stretch.end + kDutyWindow <= end)

@@ -11,8 +11,8 @@
 
 namespace tactor {
 
-/// What motors, and the skin on them, are spared: coin motors heat up, skin adapts, and users of the paper's chair
-/// asked for shorter cues (Section 6). 0 switches a limit off.
+/// What motors, and the skin on them, are spared: coin motors heat up, skin adapts, and users of
+/// the paper's chair asked for shorter cues (Section 6). 0 switches a limit off.
 struct MotorLimits
 {
   Time max_on_time = std::chrono::seconds(2); ///< one tactor without a break
@@ -35,10 +35,12 @@ struct LimitCounters
   std::uint64_t number = 0;  ///< cues that stronger ones ended, or did not let begin
 };
 
-/// When one motor was told to be on, and how long it may be. All times are those of commands (Command::due).
+/// When one motor was told to be on, and how long it may be. All times are those of commands
+/// (Command::due).
 ///
-/// A cue is what is felt as one: stretches with breaks below kShortestRest. Accounting is exact for kMostStretches stretches in
-/// kDutyWindow; with more the oldest are joined, and what was between them counts as on. Not thread-safe: its planner's thread.
+/// A cue is what is felt as one: stretches with breaks below kShortestRest. Accounting is exact for
+/// kMostStretches stretches in kDutyWindow; with more the oldest are joined, and what was between
+/// them counts as on. Not thread-safe: its planner's thread.
 class MotorUse
 {
 public:
@@ -59,7 +61,8 @@ public:
     Limit limit = Limit::none; ///< the one that asks for it
   };
 
-  /// When a stretch that begins (or, of a motor that is on, began) at `begin` has to end, ≥ `begin`.
+  /// When a stretch that begins (or, of a motor that is on, began) at `begin` has to end, ≥
+  /// `begin`.
   End latest_end(Time begin, const MotorLimits &limits) const;
 
   bool is_on() const;
@@ -76,7 +79,8 @@ public:
   /// A stretch begins, not before ready_at().
   void begin(Time time);
 
-  /// The stretch ends; `limited` if a limit made it end, after which there is a rest of kShortestRest.
+  /// The stretch ends; `limited` if a limit made it end, after which there is a rest of
+  /// kShortestRest.
   void end(Time time, bool limited);
 
   /// Nothing that was told for `time` or later came to pass: the motor was off from then on.

@@ -62,9 +62,10 @@ private:
   double rate_ = 0;   ///< 1/s of the exponential since then; 0: the amplitude stays at from_
 };
 
-/// How long `drive_volts` need to bring a motor at rest to 90 % of `volts`: MotorModel::amplitude() the other way about. As
-/// the amplitude is drive · (1 − 10^(−t / T)), T being the rise time to 90 % of drive, it is T · lg(drive / (drive − 0.9 volts)).
-/// 0 if the drive is not stronger than what it leads to, or drives nothing.
+/// How long `drive_volts` need to bring a motor at rest to 90 % of `volts`: MotorModel::amplitude()
+/// the other way about. As the amplitude is drive · (1 − 10^(−t / T)), T being the rise time to 90
+/// % of drive, it is T · lg(drive / (drive − 0.9 volts)). 0 if the drive is not stronger than what
+/// it leads to, or drives nothing.
 Time overdrive_time(const RiseTime &rise_time, double drive_volts, double volts);
 
 } // namespace tactor

@@ -5,8 +5,9 @@
 
 namespace tactor {
 
-/// A place in this process's line of those who open a board. Who names no board takes the first that is
-/// free: one at a time, in the order in which they came, so that each play finds the same boards.
+/// A place in this process's line of those who open a board. Who names no board takes the first
+/// that is free: one at a time, in the order in which they came, so that each play finds the same
+/// boards.
 class OpeningTurn
 {
 public:

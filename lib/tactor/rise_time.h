@@ -28,7 +28,8 @@ struct RiseTimeTable
   double least_volts = kStartVolts; ///< the motor does not turn below
 };
 
-/// Why that is no table: its size or step does not fit, or a time is negative or not finite. Empty if it is one.
+/// Why that is no table: its size or step does not fit, or a time is negative or not finite. Empty
+/// if it is one.
 std::string fault_of(const RiseTimeTable &table);
 
 /// How long a motor needs to rise from one voltage to another. Copies share the table.
@@ -42,7 +43,8 @@ public:
 
   /// Time from start to 90 % of target, at least 0. Zero where the motor does not accelerate
   /// (target ≤ start: "decelerating ones were within a frame") and where the target is below
-  /// kStartVolts, or the table's least_volts. Never more than an hour, whatever the fit makes of volts far outside its range.
+  /// kStartVolts, or the table's least_volts. Never more than an hour, whatever the fit makes of
+  /// volts far outside its range.
   Time operator()(double start_volts, double target_volts) const;
 
 private:

@@ -8,8 +8,9 @@
 
 namespace tactor {
 
-/// How exactly commands are issued: |issued − due| over any number of commands in bounded memory. Minimum, mean and
-/// maximum are exact; a percentile is the upper edge of its 10 µs bin, from 1 s on the maximum. Not thread-safe: its owner guards it.
+/// How exactly commands are issued: |issued − due| over any number of commands in bounded memory.
+/// Minimum, mean and maximum are exact; a percentile is the upper edge of its 10 µs bin, from 1 s
+/// on the maximum. Not thread-safe: its owner guards it.
 class ScheduleStatistics
 {
 public:
@@ -22,7 +23,8 @@ public:
   Time mean() const;
   Time max() const;
 
-  /// The smallest value that at least `share` (0 to 1) of all values do not exceed, up to a bin; 0 if there are none.
+  /// The smallest value that at least `share` (0 to 1) of all values do not exceed, up to a bin; 0
+  /// if there are none.
   Time percentile(double share) const;
 
 private:

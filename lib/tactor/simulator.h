@@ -10,11 +10,11 @@
 
 namespace tactor {
 
-/// A chair without hardware, and the same whatever is known of a real one: a MotorModel of the paper's per tactor, any number of them,
-/// no latency, no steps.
-/// With DriverConfig::device set, the amplitude of every motor is written there as CSV (`time_ns,tactor_0,…`, volts): a line at
-/// each write, and one every 5 ms in between, for at most one second after a write. The columns are those of the first write, 9 at least.
-/// Threads as every Driver.
+/// A chair without hardware, and the same whatever is known of a real one: a MotorModel of the
+/// paper's per tactor, any number of them, no latency, no steps. With DriverConfig::device set, the
+/// amplitude of every motor is written there as CSV (`time_ns,tactor_0,…`, volts): a line at each
+/// write, and one every 5 ms in between, for at most one second after a write. The columns are
+/// those of the first write, 9 at least. Threads as every Driver.
 class Simulator : public Driver
 {
 public:

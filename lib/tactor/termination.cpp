@@ -40,8 +40,8 @@ tactor_on_signal(int number)
   errno = error;
 }
 
-/// Sets a signal's action where it was one of `expected`. Others are the application's, which may be
-/// setting its own on another thread at this moment: looking first would overwrite that.
+/// Sets a signal's action where it was one of `expected`. Others are the application's, which may
+/// be setting its own on another thread at this moment: looking first would overwrite that.
 void
 exchange(int number, const struct sigaction &action, std::initializer_list<sighandler_t> expected)
 {

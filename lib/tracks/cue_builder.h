@@ -19,8 +19,9 @@ struct Cue
   bool operator==(const Cue &) const = default;
 };
 
-/// Makes cues of a stream of maps: a new one where the map changes and at least every kLongest, so that who joins late, seeks or
-/// loses one soon knows the state. Not thread-safe: one thread at a time.
+/// Makes cues of a stream of maps: a new one where the map changes and at least every kLongest, so
+/// that who joins late, seeks or loses one soon knows the state. Not thread-safe: one thread at a
+/// time.
 class CueBuilder
 {
 public:
@@ -29,8 +30,8 @@ public:
   /// A break that is no longer comes from rounded times: the map before it lasts until the next.
   static constexpr Time kSeam = std::chrono::milliseconds(2);
 
-  /// The map that holds in [begin, end). Where that is before the end of what was added, as it is with rounded times, the later one
-  /// counts.
+  /// The map that holds in [begin, end). Where that is before the end of what was added, as it is
+  /// with rounded times, the later one counts.
   void add(Time begin, Time end, const TactileMap &map);
 
   /// Nothing is known from now on (a gap, the end): what is left becomes cues.

@@ -13,8 +13,9 @@ namespace tactile {
 /// Why something is no track or cue, or cannot become one.
 struct FormatError
 {
-  std::string
-      place; ///< "line 12", "byte 345", "channels[3]", with a file's name before it if it is one; empty: all of it
+  /// "line 12", "byte 345", "channels[3]", with a file's name before it if it is one; empty: all of
+  /// it.
+  std::string place;
   std::string reason; ///< fits a line
 
   static FormatError at_line(std::size_t line, std::string reason)
@@ -40,8 +41,9 @@ struct FormatError
   }
 };
 
-/// What is wrong with something that is read part by part: the first thing counts. A part that is not what it has to be says so here and
-/// is a zero, or nothing, from then on; who reads the whole asks in each loop and at the end.
+/// What is wrong with something that is read part by part: the first thing counts. A part that is
+/// not what it has to be says so here and is a zero, or nothing, from then on; who reads the whole
+/// asks in each loop and at the end.
 class FirstError
 {
 public:

@@ -11,11 +11,12 @@
 
 namespace tactile {
 
-/// A map as a KLV packet (SMPTE ST 336: key, BER length, value), for MPEG transport streams, which keep no durations:
+/// A map as a KLV packet (SMPTE ST 336: key, BER length, value), for MPEG transport streams, which
+/// keep no durations:
 ///
 /// | bytes | what, big-endian |
 /// |---|---|
-/// | 16 | key: a defined-length pack, node "TACTILE" of the experimental branch (no registered one) |
+/// | 16 | key: a defined-length pack, node "TACTILE" of the experimental branch (unregistered) |
 /// | 1, 3 or more | length of what follows, BER |
 /// | 1 | version, 1 |
 /// | 1, 1 | rows, columns, 1 to 64 |
@@ -27,8 +28,9 @@ inline constexpr std::array<std::uint8_t, 16> kKlvKey
 /// The packet of a map that holds for `duration` ≥ 0.
 std::vector<std::uint8_t> write_klv(const TactileMap &map, Time duration);
 
-/// Reads one packet: a cue that begins at 0. Errors have their byte: another key, a length that is not that of the grid, levels outside
-/// [0, 1] or not a number, a duration beyond Track::kMaxEnd, bytes after the packet.
+/// Reads one packet: a cue that begins at 0. Errors have their byte: another key, a length that is
+/// not that of the grid, levels outside [0, 1] or not a number, a duration beyond Track::kMaxEnd,
+/// bytes after the packet.
 tl::expected<Cue, FormatError> read_klv(std::span<const std::uint8_t> bytes);
 
 } // namespace tactile

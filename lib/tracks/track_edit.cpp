@@ -70,7 +70,8 @@ end_of(const Track &track, std::size_t entry)
   return entry + 1 < track.entries().size() ? track.entries()[entry + 1].time : track.end();
 }
 
-/// The track without the events for which `is_pruned` says so, given their length and strongest level.
+/// The track without the events for which `is_pruned` says so, given their length and strongest
+/// level.
 Track
 without_events(const Track &track, const std::function<bool(Time, float)> &is_pruned)
 {

@@ -6,8 +6,9 @@
 
 #include <vector>
 
-/// What a designer does to a track. Each operation makes a new track; rates stay. An event is a stretch of time in which one cell is
-/// felt, whatever its level. What may make a track longer, or have more changes or cells, fails where that is more than a track can be.
+/// What a designer does to a track. Each operation makes a new track; rates stay. An event is a
+/// stretch of time in which one cell is felt, whatever its level. What may make a track longer, or
+/// have more changes or cells, fails where that is more than a track can be.
 namespace tactile {
 
 /// Two maps as one.
@@ -26,8 +27,8 @@ Track prune_weak(const Track &track, float weakest);
 /// Maps that differ by at most `tolerance` in every cell from the one before become that one.
 Track merge_equal(const Track &track, float tolerance);
 
-/// Ends events that last longer than `limits.max_duration` and keeps pauses of `limits.refractory` between them, as CueLimiter does
-/// in the film, to 10 ms.
+/// Ends events that last longer than `limits.max_duration` and keeps pauses of `limits.refractory`
+/// between them, as CueLimiter does in the film, to 10 ms.
 tl::expected<Track, FormatError> limit_events(const Track &track, const CueLimits &limits);
 
 /// Everything later by `offset`, or earlier if that is negative: what would be before 0 is lost.
@@ -52,7 +53,8 @@ Track quantise(const Track &track, int steps);
 TactileMap resample(const TactileMap &map, int rows, int columns);
 tl::expected<Track, FormatError> resample(const Track &track, int rows, int columns);
 
-/// Cell by cell, or one map instead of the other. `over` is resampled to the grid of `map` if need be.
+/// Cell by cell, or one map instead of the other. `over` is resampled to the grid of `map` if need
+/// be.
 void mix_into(TactileMap &map, const TactileMap &over, Mix mix);
 
 /// A second track over the first, on the first one's grid; as long as the longer one.
@@ -67,8 +69,8 @@ struct Difference
   TactileMap after;
 };
 
-/// Where `after` differs from `before` by more than `tolerance` in any cell, in order; an error if the grids differ.
-/// Tracks of different lengths differ only where one of them is felt.
+/// Where `after` differs from `before` by more than `tolerance` in any cell, in order; an error if
+/// the grids differ. Tracks of different lengths differ only where one of them is felt.
 tl::expected<std::vector<Difference>, FormatError> diff(const Track &before, const Track &after,
                                                         float tolerance = 0);
 

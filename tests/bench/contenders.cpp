@@ -30,7 +30,8 @@ word_at(const uchar *bytes)
   return word;
 }
 
-/// Four sums at a time, so that frames which the cache does not hold are waited for rather than additions.
+/// Four sums at a time, so that frames which the cache does not hold are waited for rather than
+/// additions.
 std::uint64_t
 sum_of_words(const uchar *begin, std::size_t size)
 {

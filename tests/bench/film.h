@@ -40,8 +40,8 @@ enum class Scene
 class Film
 {
 public:
-  /// At 4K a decoder of H.264 keeps up to five frames for reference (level 5.1: ITU-T H.264, table A-1)
-  /// while it makes another. Few processors' caches hold as many.
+  /// At 4K a decoder of H.264 keeps up to five frames for reference (level 5.1: ITU-T H.264, table
+  /// A-1) while it makes another. Few processors' caches hold as many.
   static constexpr std::size_t kBuffers = 6;
 
   /// Frames lie in that many buffers, or as many as the scene has.

@@ -96,8 +96,8 @@ LiteralPaper::frame(const cv::Mat &i420)
   double peak = 0;
   cv::minMaxLoc(saliency, nullptr, &peak);
   cv::threshold(saliency, saliency, peak / 2, 1, cv::THRESH_BINARY);
-  // A Gaussian of a third of a cell, on 8 × 8 samples a cell: with all of them it would cost as much as
-  // everything before.
+  // A Gaussian of a third of a cell, on 8 × 8 samples a cell: with all of them it would cost as
+  // much as everything before.
   cv::resize(saliency, saliency, { 24, 24 }, 0, 0, cv::INTER_AREA);
   cv::GaussianBlur(saliency, saliency, {}, 8.0 / 3);
   cv::resize(saliency, tactile_, { 3, 3 }, 0, 0, cv::INTER_LINEAR);

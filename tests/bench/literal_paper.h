@@ -8,9 +8,9 @@
 
 namespace bench {
 
-/// The paper's Section 3 written down with OpenCV's functions, in float, as one would who reads it: what
-/// this project's analysis is compared with. Where the paper leaves a choice the usual or the cheaper
-/// one is taken.
+/// The paper's Section 3 written down with OpenCV's functions, in float, as one would who reads it:
+/// what this project's analysis is compared with. Where the paper leaves a choice the usual or the
+/// cheaper one is taken.
 class LiteralPaper
 {
 public:

@@ -14,8 +14,8 @@ namespace bench {
 class OpencvRewrite
 {
 public:
-  /// `decimate_first`: the planes by pyrDown, then L*a*b* of what is left, as this project does; else
-  /// L*a*b* of every pixel, then pyrDown.
+  /// `decimate_first`: the planes by pyrDown, then L*a*b* of what is left, as this project does;
+  /// else L*a*b* of every pixel, then pyrDown.
   OpencvRewrite(cv::Size frame, bool decimate_first);
 
   /// `i420`: CV_8UC1, 3/2 the height. Returns a 3 × 3 map, CV_32FC1.

@@ -21,8 +21,8 @@ struct Contender
   bool played = false; ///< 30 frames a second: threads fell asleep and caches cooled since the last
   std::function<void(std::size_t)> work{}; ///< on the i-th frame
 
-  /// A frame, in each round: CPU time of this thread, which other programs disturb least, or, where it has
-  /// several threads, time on the wall.
+  /// A frame, in each round: CPU time of this thread, which other programs disturb least, or, where
+  /// it has several threads, time on the wall.
   std::vector<double> ms{};
   std::vector<double> wall_ms{}; ///< time on the wall in any case
   double allocated = 0;          ///< bytes asked for a frame, after warm-up
@@ -34,12 +34,12 @@ double wall_ms();
 
 double median(std::vector<double> values);
 
-/// How many times as long the first took as the second, both of one race: the median over its rounds,
-/// as the machine may be quicker in some than in others.
+/// How many times as long the first took as the second, both of one race: the median over its
+/// rounds, as the machine may be quicker in some than in others.
 double ratio(const std::vector<double> &first, const std::vector<double> &second);
 
-/// Lets them work in turn, a few frames each, after as many as a film has buffers, which are not counted,
-/// `rounds` times (the slow fewer times, and each frame counts).
+/// Lets them work in turn, a few frames each, after as many as a film has buffers, which are not
+/// counted, `rounds` times (the slow fewer times, and each frame counts).
 void race(std::vector<Contender> &contenders, int rounds);
 
 /// The method of reading a frame from memory.
@@ -52,8 +52,8 @@ inline constexpr const char *kPlayed = "tuned, 30 frames a second";
 inline constexpr const char *kTwoFrames = "tuned, two frames over and over";
 
 /// Everything that is compared, on frames of this size: reading a frame from memory, this project's
-/// profiles, formats and threads, the paper taken literally, OpenCV rewrites, and the peers that this
-/// build has. The film lives as long as they do.
+/// profiles, formats and threads, the paper taken literally, OpenCV rewrites, and the peers that
+/// this build has. The film lives as long as they do.
 std::vector<Contender> contenders(cv::Size size);
 
 /// Numbers of threads to compare.

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 //
-// What the analysis of a frame costs, beside what others take: tables of docs/speed.md, and its plot.
-// Everything is measured in one run, in turns. One thread is measured in CPU time, more on the wall.
+// What the analysis of a frame costs, beside what others take: tables of docs/speed.md, and its
+// plot. Everything is measured in one run, in turns. One thread is measured in CPU time, more on
+// the wall.
 #include "allocations.h"
 #include "analysis.h"
 #include "film.h"

@@ -10,8 +10,8 @@ namespace bench {
 
 namespace {
 
-// Of one plot, in SVG's units: the axes, and room for labels left of and below them and for names of
-// series on the right.
+// Of one plot, in SVG's units: the axes, and room for labels left of and below them and for names
+// of series on the right.
 constexpr double kWidth = 400;
 constexpr double kHeight = 340;
 constexpr double kLeft = 58;

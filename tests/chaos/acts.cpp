@@ -47,8 +47,8 @@ Chaos::seek()
 {
   if (!has_prerolled_ || is_broken_)
     return;
-  // By seeks: where a change of rate without one (GST_SEEK_FLAG_INSTANT_RATE_CHANGE) meets a flush, GStreamer 1.22 itself asserts in
-  // gst_segment_position_from_running_time_full.
+  // By seeks: where a change of rate without one (GST_SEEK_FLAG_INSTANT_RATE_CHANGE) meets a flush,
+  // GStreamer 1.22 itself asserts in gst_segment_position_from_running_time_full.
   static constexpr std::array<double, 7> kRates{ 1, 1, 0.25, 0.5, 2, 4, -1 };
   const double rate = pick(kRates);
   // A seek without a flush waits for the streaming thread, which in a pause waits for the play.
@@ -78,7 +78,8 @@ Chaos::skip_frames()
 {
   if (!is_settled_ || is_broken_ || has_ended_ || state_ != GST_STATE_PAUSED)
     return;
-  // GstBaseSink (1.22) gives its state up for a step and gets it back with the next frame: after the last one it waits for ever.
+  // GstBaseSink (1.22) gives its state up for a step and gets it back with the next frame: after
+  // the last one it waits for ever.
   GstState now = GST_STATE_NULL;
   if (gst_element_get_state(stage_->pipeline, &now, nullptr, 0) != GST_STATE_CHANGE_SUCCESS
       || now != GST_STATE_PAUSED || stage_->is_at_end())

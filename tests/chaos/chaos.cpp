@@ -287,7 +287,8 @@ Chaos::check()
   if (has_ended_ && kind_ != Stage::Kind::playbin && !is_broken_)
     witness().expect_silence("after the end");
   std::string reason;
-  // Threads need their time; what does not come about is ended by the watchdog, which has the reason.
+  // Threads need their time; what does not come about is ended by the watchdog, which has the
+  // reason.
   const auto hold = [&](auto condition) {
     while (!condition()) {
       {

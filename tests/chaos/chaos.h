@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 //
-// Everything that an application, a user, a network and a cable can do to a film with a chair, in an order drawn by lot. After each step:
-// nothing waits for ever, GLib warned of nothing, the motors are where the film is or at zero, and none was told what was asked for
-// before a flush. The first thing that is wrong ends the run with the seed, the steps and the stacks.
+// Everything that an application, a user, a network and a cable can do to a film with a chair, in
+// an order drawn by lot. After each step: nothing waits for ever, GLib warned of nothing, the
+// motors are where the film is or at zero, and none was told what was asked for before a flush. The
+// first thing that is wrong ends the run with the seed, the steps and the stacks.
 #pragma once
 
 #include "stage.h"
@@ -22,13 +23,15 @@
 class Chaos
 {
 public:
-  /// Takes only these steps, and what gets a film going again; all if there are none. Throws std::invalid_argument.
+  /// Takes only these steps, and what gets a film going again; all if there are none. Throws
+  /// std::invalid_argument.
   Chaos(Stage::Kind kind, const std::string &film, std::uint64_t seed,
         const std::vector<std::string> &only, Watchdog &watchdog);
   ~Chaos();
   void run(int count);
   static bool is_step(const std::string &name);
-  /// The elements that are not in their pipeline's state, from any thread and without a lock: whatever hangs may have it.
+  /// The elements that are not in their pipeline's state, from any thread and without a lock:
+  /// whatever hangs may have it.
   void print_states();
   /// What check() waits for, from any thread.
   std::string waiting_for();
@@ -55,10 +58,12 @@ private:
   void leave_stage();
   /// Takes what is on the bus. Errors that nobody made are faults.
   void hear();
-  /// playbin (1.22) that is stopped or fails while it begins plays no more, or aborts: it is let begin first.
+  /// playbin (1.22) that is stopped or fails while it begins plays no more, or aborts: it is let
+  /// begin first.
   void let_begin();
   void set_state(GstState state);
-  /// Waits, in small pieces, until it holds; the watchdog ends what takes too long. False if it need not hold any more.
+  /// Waits, in small pieces, until it holds; the watchdog ends what takes too long. False if it
+  /// need not hold any more.
   template <typename Condition> bool await(Condition condition)
   {
     for (;;) {
@@ -100,7 +105,8 @@ private:
   void change_clock();
   void change_latency();
   void query();
-  /// GstBaseSrc (1.22) takes the end of a live stream only when it does not wait for downstream, which in a pause it may.
+  /// GstBaseSrc (1.22) takes the end of a live stream only when it does not wait for downstream,
+  /// which in a pause it may.
   bool can_end() const;
   void send_eos();
   void post_error();

@@ -97,13 +97,14 @@ Chaos::cut_branch()
 void
 Chaos::mend_branch()
 {
-  // In a pause a sink that is added waits for a map, which does not come where what is shown holds the film up; after the end it hears of
-  // nothing.
+  // In a pause a sink that is added waits for a map, which does not come where what is shown holds
+  // the film up; after the end it hears of nothing.
   if (!is_cut_ || is_broken_ || state_ != GST_STATE_PLAYING || !boards_are_well()
       || stage_->is_at_end())
     return;
   join_branch(true);
-  // A pipeline (1.22) that is paused while what was added to it prerolls takes itself for paused already: its elements play on.
+  // A pipeline (1.22) that is paused while what was added to it prerolls takes itself for paused
+  // already: its elements play on.
   await([this] {
     return gst_element_get_state(stage_->pipeline, nullptr, nullptr, 0) != GST_STATE_CHANGE_ASYNC
            || has_ended_ || stage_->is_at_end();

@@ -30,6 +30,7 @@ Log &steps();
 /// Ends the process with what is wrong and the steps that led there.
 [[noreturn]] void accuse(const std::string &fault);
 
-/// With GST_DEBUG: the last of what each thread logged is kept, and printed at a fault. All of it would be gigabytes.
+/// With GST_DEBUG: the last of what each thread logged is kept, and printed at a fault. All of it
+/// would be gigabytes.
 void keep_gstreamer_log();
 void print_gstreamer_log();

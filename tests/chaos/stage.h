@@ -33,7 +33,8 @@ public:
   }
   /// The end of a stream is on its way to its sink or there, though perhaps not yet on the bus.
   bool is_at_end() const;
-  /// The pad that maps or frames with maps come from: what happens there happens to tactorsink's upstream. Transfer full.
+  /// The pad that maps or frames with maps come from: what happens there happens to tactorsink's
+  /// upstream. Transfer full.
   GstPad *upstream_pad() const;
 
   const Kind kind;

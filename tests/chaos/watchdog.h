@@ -7,12 +7,14 @@
 #include <mutex>
 #include <thread>
 
-/// Ends the process, with the stacks of all its threads, where something takes too long. Time is counted in turns of its own thread: a
-/// process that was stopped for minutes, or a machine that was, is not late.
+/// Ends the process, with the stacks of all its threads, where something takes too long. Time is
+/// counted in turns of its own thread: a process that was stopped for minutes, or a machine that
+/// was, is not late.
 class Watchdog
 {
 public:
-  /// `report` says what was going on; it is called once, on the watchdog's thread, before the stacks are printed.
+  /// `report` says what was going on; it is called once, on the watchdog's thread, before the
+  /// stacks are printed.
   Watchdog(int seconds, std::function<void()> report);
   ~Watchdog();
   Watchdog(const Watchdog &) = delete;

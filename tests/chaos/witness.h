@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 //
-// What the chair was asked for and what it did, seen from both ends of tactorsink: maps as it takes them, voltages as they reach the
-// driver. The drivers of a program with this file are the real ones, on boards in memory, each in the hands of the witness.
+// What the chair was asked for and what it did, seen from both ends of tactorsink: maps as it takes
+// them, voltages as they reach the driver. The drivers of a program with this file are the real
+// ones, on boards in memory, each in the hands of the witness.
 #pragma once
 
 #include "tests/check/libs/memory_bus.h"
@@ -23,13 +24,15 @@ public:
   /// Watches a tactorsink from its READY state on, at most one at a time.
   void watch(GstElement *tactors);
 
-  /// Tactors that cells may be mapped to, in any of the mappings of the run; empty: only cell i to tactor i.
+  /// Tactors that cells may be mapped to, in any of the mappings of the run; empty: only cell i to
+  /// tactor i.
   void set_mappings(std::vector<std::vector<int>> mappings);
 
   /// Every motor is at zero, as far as the driver was told, now.
   void expect_silence(const std::string &when);
 
-  /// Whether what the motors were told is what the maps in force at this running time ask for, or zero; `reason` says why not.
+  /// Whether what the motors were told is what the maps in force at this running time ask for, or
+  /// zero; `reason` says why not.
   bool agrees_with_film(gint64 running, std::string &reason);
 
   /// Whether the boards' motors are what the driver was told, or stand; `reason` says why not.

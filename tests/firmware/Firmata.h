@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 //
-// What the seat sketch uses of the Arduino library Firmata, for the Uno and the Mega, after the protocol's text (firmata/protocol,
-// version 2.5). Debian has no package of the library, so the sketch is tested on this; boards run it on the library itself.
+// What the seat sketch uses of the Arduino library Firmata, for the Uno and the Mega, after the
+// protocol's text (firmata/protocol, version 2.5). Debian has no package of the library, so the
+// sketch is tested on this; boards run it on the library itself.
 #pragma once
 
 #include <Arduino.h>

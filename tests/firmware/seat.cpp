@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 //
-// The seat sketch on an emulated ATmega2560 and ATmega328P (simavr): what it answers, what its timers are set to, and how its motors are
-// turned off. Times are cycles of the emulated chip, so the machine's own speed plays no part. Usage: firmware-seat MEGA.elf UNO.elf
+// The seat sketch on an emulated ATmega2560 and ATmega328P (simavr): what it answers, what its
+// timers are set to, and how its motors are turned off. Times are cycles of the emulated chip, so
+// the machine's own speed plays no part. Usage: firmware-seat MEGA.elf UNO.elf
 extern "C" {
 #include <simavr/avr_ioport.h>
 #include <simavr/avr_uart.h>
@@ -32,7 +33,8 @@ constexpr std::uint64_t kByte = 11 * kBit; ///< simavr counts one bit more than 
 constexpr std::uint64_t kSoon
     = 3 * kMillisecond; ///< a byte reaches the program 0.75 ms after it was sent
 
-/// Where a pin is in the chip's data memory (data sheets of the ATmega2560 and ATmega328P, "Register Summary"; Arduino's pin maps).
+/// Where a pin is in the chip's data memory (data sheets of the ATmega2560 and ATmega328P,
+/// "Register Summary"; Arduino's pin maps).
 struct Pin
 {
   int number;
@@ -211,7 +213,8 @@ public:
     return static_cast<double>(kHertz) / prescaler / (mode == 1 ? 510 : 256);
   }
 
-  /// The program's next instruction, not an interrupt's, jumps to itself. Returns what is needed to have it back.
+  /// The program's next instruction, not an interrupt's, jumps to itself. Returns what is needed to
+  /// have it back.
   std::pair<std::uint8_t *, std::uint16_t> hang()
   {
     while (!avr_->sreg[S_I])
@@ -262,7 +265,8 @@ start(Board &board, std::uint8_t level = 0)
 
 } // namespace
 
-/// No motor moves between power-on and the greeting, and by the greeting's first byte all are held at zero.
+/// No motor moves between power-on and the greeting, and by the greeting's first byte all are held
+/// at zero.
 GST_START_TEST(test_boot)
 {
   Board board;
@@ -351,8 +355,8 @@ GST_START_TEST(test_levels)
 }
 GST_END_TEST;
 
-/// Pulses come at 31.4 kHz, whatever happens, but for timer 0, of which the Mega has pin 4 and the Uno 5 and 6: its 976 Hz are the core's
-/// clock. Levels are as they were.
+/// Pulses come at 31.4 kHz, whatever happens, but for timer 0, of which the Mega has pin 4 and the
+/// Uno 5 and 6: its 976 Hz are the core's clock. Levels are as they were.
 GST_START_TEST(test_frequency)
 {
   for (const Model &model : { mega, uno }) {
@@ -424,7 +428,8 @@ GST_START_TEST(test_keepalive)
 }
 GST_END_TEST;
 
-/// The program hangs while the host goes on: the chip's own watchdog resets it within 0.6 s, and it greets again.
+/// The program hangs while the host goes on: the chip's own watchdog resets it within 0.6 s, and it
+/// greets again.
 GST_START_TEST(test_hung_program)
 {
   Board board;
@@ -440,16 +445,16 @@ GST_START_TEST(test_hung_program)
   const Bytes greeting = board.take_answer();
   fail_unless(greeting.size() > 3
               && Bytes(greeting.begin(), greeting.begin() + 3) == (Bytes{ 0xF9, 2, 5 }));
-  // Once, not again and again. (A real chip's watchdog runs on through the reset it made, simavr's does not: that the
-  // sketch stops it is not seen here.)
+  // Once, not again and again. (A real chip's watchdog runs on through the reset it made, simavr's
+  // does not: that the sketch stops it is not seen here.)
   board.run_for(700 * kMillisecond);
   fail_if(board.has_answered());
   fail_unless(board.ask({ 0xF9 }) == (Bytes{ 0xF9, 2, 5 }));
 }
 GST_END_TEST;
 
-/// It fits into an Uno: 32 KiB less the boot loader, 2 KiB of memory of which a quarter is left for the stack. The library itself takes
-/// more than its stand-in, hence half of the program memory.
+/// It fits into an Uno: 32 KiB less the boot loader, 2 KiB of memory of which a quarter is left for
+/// the stack. The library itself takes more than its stand-in, hence half of the program memory.
 GST_START_TEST(test_size)
 {
   elf_firmware_t firmware{};

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 //
-// Files about motors made up by a fuzzer. CALIBRATION_FILE: a calibration that is read can be used, written and read again as the same.
-// Otherwise a recording as CSV: what is read is even and finite, and whatever it holds a step in it is measured or refused. What is
-// not read is refused with a reason. Anything else ends the process.
+// Files about motors made up by a fuzzer. CALIBRATION_FILE: a calibration that is read can be used,
+// written and read again as the same. Otherwise a recording as CSV: what is read is even and
+// finite, and whatever it holds a step in it is measured or refused. What is not read is refused
+// with a reason. Anything else ends the process.
 #include "fuzz.h"
 
 #ifdef CALIBRATION_FILE

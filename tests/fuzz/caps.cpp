@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 //
-// Caps and buffers of a tactile stream as a network peer may send them: what is taken for a map has as many levels as its caps say.
-// Anything else ends the process. A line of caps, then the bytes of a buffer.
+// Caps and buffers of a tactile stream as a network peer may send them: what is taken for a map has
+// as many levels as its caps say. Anything else ends the process. A line of caps, then the bytes of
+// a buffer.
 #include "fuzz.h"
 
 #include <gst/tactile/tactile.h>

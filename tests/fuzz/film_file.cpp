@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 //
-// Films made up by a fuzzer, whose tactile tracks are left to choice: where none is marked, no byte changes; what is marked is found
-// marked, for a second time changes nothing. Anything else ends the process.
+// Films made up by a fuzzer, whose tactile tracks are left to choice: where none is marked, no byte
+// changes; what is marked is found marked, for a second time changes nothing. Anything else ends
+// the process.
 #include "tracks/formats/film_file.h"
 #include "fuzz.h"
 

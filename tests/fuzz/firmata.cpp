@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 //
-// What a board sends, made up by a fuzzer: the decoder's events do not depend on how the bytes are cut, and the conversation keeps to its
-// limits and comes to an end. Anything else ends the process.
+// What a board sends, made up by a fuzzer: the decoder's events do not depend on how the bytes are
+// cut, and the conversation keeps to its limits and comes to an end. Anything else ends the
+// process.
 #include "fuzz.h"
 #include "tactor/drivers/firmata_board.h"
 #include "tactor/serial/serial_port.h"
@@ -67,7 +68,8 @@ check_board(std::span<const std::uint8_t> bytes)
   expect(pins.size() <= firmata::kMaxPins && std::ranges::is_sorted(pins));
   expect(board.state() != FirmataBoard::State::running || !board.firmware().empty());
   board.close(now);
-  // The line carries zeros for 128 pins and a reset, and nothing answers: it ends by its own deadlines.
+  // The line carries zeros for 128 pins and a reset, and nothing answers: it ends by its own
+  // deadlines.
   const FirmataPatience patience;
   const Time latest = now + patience.farewell + patience.last_word
                       + FirmataBoard::kPacket * FirmataBoard::kByteTime;

@@ -16,7 +16,8 @@ expect(bool holds)
     std::abort();
 }
 
-/// What is not read is refused with a reason, as a std::runtime_error; whatever else is thrown ends the process.
+/// What is not read is refused with a reason, as a std::runtime_error; whatever else is thrown ends
+/// the process.
 template <typename Read>
 void
 read_or_refuse(const Read &read)
@@ -28,8 +29,8 @@ read_or_refuse(const Read &read)
   }
 }
 
-/// The path of a file in memory with these bytes, for readers that open files. It is the same file at every call: making one for each
-/// run takes longer than to read it.
+/// The path of a file in memory with these bytes, for readers that open files. It is the same file
+/// at every call: making one for each run takes longer than to read it.
 inline const std::string &
 memory_file(const std::uint8_t *data, std::size_t size)
 {

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 //
-// What is measured, made up by a fuzzer. SESSION: a session.ini, whose plan can be played. Otherwise a sound file, as GStreamer decodes
-// it: what is read is even and finite. What is not read is refused with a reason. Anything else ends the process.
+// What is measured, made up by a fuzzer. SESSION: a session.ini, whose plan can be played.
+// Otherwise a sound file, as GStreamer decodes it: what is read is even and finite. What is not
+// read is refused with a reason. Anything else ends the process.
 #include "fuzz.h"
 
 #ifdef SESSION

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 //
-// Tracks made up by a fuzzer, in one form a program (TRACK_FORM): what is read can be written and read again as the same track, what is
-// not is refused with a reason. Anything else ends the process.
+// Tracks made up by a fuzzer, in one form a program (TRACK_FORM): what is read can be written and
+// read again as the same track, what is not is refused with a reason. Anything else ends the
+// process.
 #include "fuzz.h"
 #include "tracks/klv.h"
 #include "tracks/text_cue.h"
@@ -41,7 +42,8 @@ check(std::string_view bytes)
     for (const float level : entry.map.levels)
       expect(level >= 0 && level <= 1);
   }
-  // WebVTT writes a cue a second: a hundred hours would take a thousand times as long as to read them.
+  // WebVTT writes a cue a second: a hundred hours would take a thousand times as long as to read
+  // them.
   if (track.end() > std::chrono::minutes(10))
     return;
   // Twice, for a form may round once.

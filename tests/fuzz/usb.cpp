@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 //
-// What a USB device says of itself, made up by a fuzzer, in the form in which libusb hands it on, which checks no more than lengths: a line is
-// only made of bulk endpoints of a legal size, and what is printed of a name is printable. Anything else ends the process.
-// Two bytes each of vendor and product, then per interface: class, subclass, endpoints (0xff: libusb gave up on them), and per endpoint four bytes. The
-// rest is the name.
+// What a USB device says of itself, made up by a fuzzer, in the form in which libusb hands it on,
+// which checks no more than lengths: a line is only made of bulk endpoints of a legal size, and
+// what is printed of a name is printable. Anything else ends the process. Two bytes each of vendor
+// and product, then per interface: class, subclass, endpoints (0xff: libusb gave up on them), and
+// per endpoint four bytes. The rest is the name.
 #include "fuzz.h"
 #include "tactor/serial/cdc_acm.h"
 #include "tactor/serial/ch340.h"

@@ -168,7 +168,8 @@ private:
 /// Of spatial maps, which are not felt as they are: the cells' means.
 constexpr tactile::MappingSettings kSpatialMapping{ .threshold = 0, .gain = tactile::Gain::none };
 
-/// The spatial and the spatiotemporal maps of a contrast profile, by all front ends and by the oracle.
+/// The spatial and the spatiotemporal maps of a contrast profile, by all front ends and by the
+/// oracle.
 class FilmComparison
 {
 public:

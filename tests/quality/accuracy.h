@@ -7,14 +7,14 @@
 
 namespace quality {
 
-/// How well maps agree with those of a double-precision oracle, which computes L*a*b* of every pixel
-/// and decimates that.
+/// How well maps agree with those of a double-precision oracle, which computes L*a*b* of every
+/// pixel and decimates that.
 ///
 /// Of the front ends "default" converts where conversion_level() says, "exact" every pixel.
 ///
-/// Spatial maps of tuned and maps of tuned_spatial on dead leaves with sensor noise σ 2; with `data`, not
-/// empty, also on the photographs in its folder osie, and spatial and spatiotemporal maps of tuned on the
-/// films in its folder clips. A spatial map is computed in double precision
+/// Spatial maps of tuned and maps of tuned_spatial on dead leaves with sensor noise σ 2; with
+/// `data`, not empty, also on the photographs in its folder osie, and spatial and spatiotemporal
+/// maps of tuned on the films in its folder clips. A spatial map is computed in double precision
 /// throughout; what follows is the library's (Stages), run over the oracle's L*a*b*.
 ///
 /// `quick`: fewer leaves, every tenth photograph, the first 100 frames of films. Throws

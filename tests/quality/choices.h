@@ -16,8 +16,8 @@ struct Choice
   ModelMaker model;
 };
 
-/// The tuned profile itself first, then the parameters of the film's analysis, each at the paper's value,
-/// or off where the paper has nothing like it, and at values to either side.
+/// The tuned profile itself first, then the parameters of the film's analysis, each at the paper's
+/// value, or off where the paper has nothing like it, and at values to either side.
 std::vector<Choice> choices();
 
 } // namespace quality

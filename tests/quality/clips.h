@@ -28,12 +28,12 @@ struct ClipRow
   ClipScores scores;
 };
 
-/// What `profile=paper` and `profile=tuned` make of the films in `directory`: avi, m4v, mkv, mov, mp4,
-/// mpg, ogv, ts, webm. Rows come by name, paper before tuned. Films are decoded by whatever decodebin
-/// finds, converted to I420, and analyzed as saliencytactile does.
+/// What `profile=paper` and `profile=tuned` make of the films in `directory`: avi, m4v, mkv, mov,
+/// mp4, mpg, ogv, ts, webm. Rows come by name, paper before tuned. Films are decoded by whatever
+/// decodebin finds, converted to I420, and analyzed as saliencytactile does.
 ///
-/// GStreamer is initialized. Throws std::runtime_error if there is no such film, or if one cannot be
-/// played to its end.
+/// GStreamer is initialized. Throws std::runtime_error if there is no such film, or if one cannot
+/// be played to its end.
 std::vector<ClipRow> score_clips(const std::filesystem::path &directory);
 
 } // namespace quality

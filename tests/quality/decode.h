@@ -19,8 +19,8 @@ namespace quality {
 class Decoder
 {
 public:
-  /// `decoder`: the element that decodes the file (decodebin, jpegdec); `format`: of the frames, I420
-  /// or BGR say.
+  /// `decoder`: the element that decodes the file (decodebin, jpegdec); `format`: of the frames,
+  /// I420 or BGR say.
   Decoder(const std::filesystem::path &file, const char *decoder, const char *format);
   ~Decoder();
   Decoder(const Decoder &) = delete;

@@ -9,8 +9,8 @@
 
 namespace quality {
 
-// Spatial saliency in double precision, by the definitions of tests/check/libs/saliency_oracle.h but
-// fast enough for films. Frames are of 8 bits, with as much chroma as lightness, or half of it.
+// Spatial saliency in double precision, by the definitions of tests/check/libs/saliency_oracle.h
+// but fast enough for films. Frames are of 8 bits, with as much chroma as lightness, or half of it.
 
 /// L*a*b* of every pixel, CV_64FC3; chroma is interpolated linearly, sample i on pixel 2ᵏ·i.
 /// `threads` ≥ 1 share the rows.

@@ -35,8 +35,9 @@ struct FilmScores
   Scores scores;
 };
 
-/// Shows every case's films, seeds 1, 2, …, to its models. `threads` ≥ 1 share the cases; the result
-/// does not depend on their number. `progress` is called after each case, one call at a time.
+/// Shows every case's films, seeds 1, 2, …, to its models. `threads` ≥ 1 share the cases; the
+/// result does not depend on their number. `progress` is called after each case, one call at a
+/// time.
 std::vector<std::vector<FilmScores>>
 score_films(const std::vector<FilmCase> &cases, int threads,
             const std::function<void(std::size_t done)> &progress = {});

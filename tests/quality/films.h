@@ -50,8 +50,8 @@ public:
   /// Draws the picture at `time` ≥ 0 and returns the balls in it. Times never go back.
   virtual std::vector<tactile::Ball> draw(Time time, Frame &frame) = 0;
 
-  /// Whether somebody who looks on could tell that a ball appears at `time`: it is not dark then, nor
-  /// does the shot change.
+  /// Whether somebody who looks on could tell that a ball appears at `time`: it is not dark then,
+  /// nor does the shot change.
   virtual bool visible(Time) const
   {
     return true;
@@ -77,14 +77,15 @@ enum class Disturbance
 const char *name(Disturbance disturbance);
 
 /// A picture so disturbed, scaled to fill twice the frame's width and height, of which the frame
-/// shows the middle half; with or without a ball that appears, rests, and is elsewhere at once. With
-/// cuts the pictures follow each other.
+/// shows the middle half; with or without a ball that appears, rests, and is elsewhere at once.
+/// With cuts the pictures follow each other.
 std::unique_ptr<Film> disturbed_film(Disturbance disturbance, std::vector<cv::Mat> pictures,
                                      cv::Size size, bool ball, std::uint64_t seed,
                                      double ball_size = 1.0 / 16);
 
-/// A still picture into which another comes from the left, from second 1 to second 2, until it covers
-/// `share` of the frame; without balls. Felt throughout that second: half of the film's first two.
+/// A still picture into which another comes from the left, from second 1 to second 2, until it
+/// covers `share` of the frame; without balls. Felt throughout that second: half of the film's
+/// first two.
 std::unique_ptr<Film> entering_film(cv::Mat picture, cv::Mat object, double share);
 
 } // namespace quality

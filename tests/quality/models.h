@@ -93,8 +93,8 @@ public:
     return peer_;
   }
 
-  /// Of the frame shown from `time` on, computed once however often it is asked for. Time that goes back
-  /// begins another film.
+  /// Of the frame shown from `time` on, computed once however often it is asked for. Time that goes
+  /// back begins another film.
   const cv::Mat &of(const Frame &frame, Time time);
 
 private:

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 //
-// How exactly is a rise time measured through noise? Simulated motors with the paper's rise times, which rise in different ways, white
-// noise between 0 and 4 kHz; a line for each 3 dB between the steady vibration of a step and the noise: errors of single steps, of the
-// median of nine, and of the first motion of strong rises from rest. Then of what tactorsink goes by: the calibrations that
-// tactor-calibrate makes of its default measurement. Usage:
-// rise_time_accuracy [steps|calibrations]
+// How exactly is a rise time measured through noise? Simulated motors with the paper's rise times,
+// which rise in different ways, white noise between 0 and 4 kHz; a line for each 3 dB between the
+// steady vibration of a step and the noise: errors of single steps, of the median of nine, and of
+// the first motion of strong rises from rest. Then of what tactorsink goes by: the calibrations
+// that tactor-calibrate makes of its default measurement. Usage: rise_time_accuracy
+// [steps|calibrations]
 #include "calibration/median.h"
 #include "tests/check/libs/measured_chair.h"
 
@@ -82,7 +83,8 @@ add(std::map<int, Errors> &bins, const Growth &growth, int decibels, const Motor
   }
 }
 
-/// Errors of what a calibration says of rises to 1 V and more, one at a time; four motors, slower and faster, near and far.
+/// Errors of what a calibration says of rises to 1 V and more, one at a time; four motors, slower
+/// and faster, near and far.
 std::vector<double>
 errors_of_calibrations(const Growth &growth, double decibels, double at_volts, int repetitions)
 {

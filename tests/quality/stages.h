@@ -32,9 +32,9 @@ inline constexpr std::array kStages{ Stage::pyramid, Stage::camera,  Stage::shot
 
 const char *name(Stage stage);
 
-/// The stages of saliency::Analyzer one by one, for L*a*b* images from elsewhere and for timing. The
-/// same map to the bit (tests/check/libs/stages.cpp), for frames that follow one another without a
-/// hole and cameras that stay in sight of where they began.
+/// The stages of saliency::Analyzer one by one, for L*a*b* images from elsewhere and for timing.
+/// The same map to the bit (tests/check/libs/stages.cpp), for frames that follow one another
+/// without a hole and cameras that stay in sight of where they began.
 class Stages
 {
 public:

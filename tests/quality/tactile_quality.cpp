@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 //
-// How well do the maps follow what happens? Tables of docs/quality.md: films whose events are known,
-// films in which nothing happens however much changes, photographs with people's fixations; the
-// literal paper, the tuned profile and its peers.
+// How well do the maps follow what happens? Tables of docs/quality.md: films whose events are
+// known, films in which nothing happens however much changes, photographs with people's fixations;
+// the literal paper, the tuned profile and its peers.
 #include "accuracy.h"
 #include "choices.h"
 #include "clips.h"
@@ -380,8 +380,8 @@ constexpr std::array kTables{
   NamedTable{ "clips", clip_table, true }
 };
 
-/// The tables that were asked for, or all that can be made. Throws std::runtime_error for a name that
-/// is none, and for a table that lacks its data.
+/// The tables that were asked for, or all that can be made. Throws std::runtime_error for a name
+/// that is none, and for a table that lacks its data.
 std::vector<Table>
 make_tables(const Options &options)
 {

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 //
-// Hours of film in minutes: tactorsink on a GstTestClock, each command at its time, and whole films as fast as the machine allows. After
-// each hour memory, threads and file handles are counted; they are to stay what they were, and every command on time.
+// Hours of film in minutes: tactorsink on a GstTestClock, each command at its time, and whole films
+// as fast as the machine allows. After each hour memory, threads and file handles are counted; they
+// are to stay what they were, and every command on time.
 //
 // Usage: soak [--hours=N] [--clip=FILE]...
 #include "tests/check/elements/tactorsink_rig.h"
@@ -69,7 +70,8 @@ public:
     const double length = std::max(end - begin, 1e-9);
     std::printf("growth: heap %.2f KiB, RSS %.1f KiB an hour of film\n",
                 (last.heap - first.heap) / length, (last.resident - first.resident) / length);
-    // GLib's pool has some threads now and none then: the later half has no more than the earlier one had at most.
+    // GLib's pool has some threads now and none then: the later half has no more than the earlier
+    // one had at most.
     long most = 0;
     for (std::size_t i = 0; i < looks_.size(); i++) {
       const Usage &now = looks_[i].second;
@@ -91,7 +93,8 @@ constexpr int kLooks = 24; ///< in a run
 
 } // namespace
 
-/// Another level each 200 ms: one command a block, issued to the nanosecond when it is due, in the last hour as in the first.
+/// Another level each 200 ms: one command a block, issued to the nanosecond when it is due, in the
+/// last hour as in the first.
 GST_START_TEST(test_hours_on_the_clock)
 {
   constexpr int kFramesPerBlock = 5;

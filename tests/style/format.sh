@@ -1,9 +1,17 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: LGPL-2.1-or-later
-# C and C++ are formatted as .clang-format says. Version 14, Debian 12's: others break lines elsewhere.
+# C and C++ are formatted as .clang-format says, comments within 100 columns. Version 14, Debian 12's: others break lines elsewhere.
 #
 # Usage: format.sh SOURCE_FOLDER         To mend: clang-format-14 -i FILE
 set -euo pipefail
 cd "$1"
 # Also where root looks at a user's checkout.
 git -c safe.directory="$PWD" ls-files -z '*.c' '*.cpp' '*.h' | xargs -0r clang-format-14 --dry-run -Werror
+# It leaves comments as they are, and knows no limit for them.
+long=$(git -c safe.directory="$PWD" ls-files -z '*.c' '*.cpp' '*.h' | xargs -0r /usr/bin/python3 -c '
+import sys
+for name in sys.argv[1:]:
+    for number, line in enumerate(open(name, encoding="utf-8"), 1):
+        if len(line.rstrip("\n")) > 100:
+            print(f"{name}:{number}: a line of {len(line) - 1} columns; expected 100 at most")')
+[ -z "$long" ] || { printf '%s\n' "$long"; exit 1; }

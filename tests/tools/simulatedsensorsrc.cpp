@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 //
-// simulatedsensorsrc: a live source that hears, while they are played, what simulated motors make of the commands of the tactorsink
-// in its pipeline. It reads them in tactorsink's trace.
+// simulatedsensorsrc: a live source that hears, while they are played, what simulated motors make
+// of the commands of the tactorsink in its pipeline. It reads them in tactorsink's trace.
 #include "calibration/calibration.h"
 #include "calibration/simulated_sensor.h"
 #include "tools/or_throw.h"
@@ -21,7 +21,8 @@ using tactor::Time;
 namespace {
 
 constexpr Time kChunk = 500ms;
-/// So long after a chunk's end all commands that change it are in the trace, however busy the computer is.
+/// So long after a chunk's end all commands that change it are in the trace, however busy the
+/// computer is.
 constexpr Time kMargin = 500ms;
 constexpr int kRate = 8000;
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 //
-// The whole way of a player: GstDeviceMonitor, tactordeviceprovider of the plugin, USB, a board with StandardFirmata, and back.
+// The whole way of a player: GstDeviceMonitor, tactordeviceprovider of the plugin, USB, a board
+// with StandardFirmata, and back.
 #include "emulated_board.h"
 
 #include <memory>

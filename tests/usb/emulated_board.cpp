@@ -411,7 +411,8 @@ EmulatedBoard::let_out()
   }
 }
 
-/// One transfer: its bytes one after another at the wire's rate. A transfer is done when its last byte has left.
+/// One transfer: its bytes one after another at the wire's rate. A transfer is done when its last
+/// byte has left.
 void
 EmulatedBoard::carry(std::unique_lock<std::mutex> &lock)
 {

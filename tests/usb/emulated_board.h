@@ -23,11 +23,12 @@
 
 namespace usb_test {
 
-/// How long something that must come may take, in a test that would otherwise hang. Nothing is ever waited for that shall not come.
+/// How long something that must come may take, in a test that would otherwise hang. Nothing is ever
+/// waited for that shall not come.
 constexpr auto kPatience = std::chrono::seconds(20);
 
-/// A USB board: descriptors, control requests, bulk endpoints and a wire of some speed to the firmware behind it. All public methods may be
-/// called by any thread.
+/// A USB board: descriptors, control requests, bulk endpoints and a wire of some speed to the
+/// firmware behind it. All public methods may be called by any thread.
 class EmulatedBoard : private UsbfsNode::Device
 {
 public:
@@ -47,10 +48,12 @@ public:
   bool wait_for_bytes(std::size_t count) const;
   bool wait_until(const std::function<bool()> &condition)
       const; ///< asked after every event; the board's lock is held
-  /// Claims ("claim 0", "release 0", "return 0": to the kernel's driver) and control requests ("40 03 c034 0000", data after that), in order.
+  /// Claims ("claim 0", "release 0", "return 0": to the kernel's driver) and control requests ("40
+  /// 03 c034 0000", data after that), in order.
   std::vector<std::string> conversation() const;
   int transfers_pending() const;
-  /// That have claimed the board and not closed it. With the lock held: in wait_until() and with_firmware().
+  /// That have claimed the board and not closed it. With the lock held: in wait_until() and
+  /// with_firmware().
   std::size_t hosts() const
   {
     return hosts_.size();
@@ -77,7 +80,8 @@ public:
 
   // ---- what goes wrong
   void stall(bool on); ///< what is sent is not taken
-  /// So many bulk transfers end in an error, writes that begin after this with half of their bytes taken; kAll: every one.
+  /// So many bulk transfers end in an error, writes that begin after this with half of their bytes
+  /// taken; kAll: every one.
   void break_transfers(int count, int error = EPROTO);
   void ignore_requests(bool on); ///< control requests are never answered
   bool wait_for_ignored_request() const;

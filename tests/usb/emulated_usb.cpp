@@ -152,7 +152,8 @@ UsbfsNode::UsbfsNode(EmulatedUsb &usb, std::string path, std::mutex &mutex, Devi
   g_signal_connect(handler_, "client-connected", G_CALLBACK(client_connected), this);
   umockdev_testbed_attach_ioctl(usb_.testbed(), path_.c_str(), handler_, nullptr);
 
-  // Not by umockdev: it would be a plain file, always ready, in the moment in which the device is announced.
+  // Not by umockdev: it would be a plain file, always ready, in the moment in which the device is
+  // announced.
   const std::filesystem::path node = usb_.path(path_);
   std::filesystem::create_directories(node.parent_path());
   std::filesystem::create_symlink(ptsname(master_), node);
@@ -247,7 +248,8 @@ UsbfsNode::client_left(gpointer data, GObject *client)
   node->device_.changed();
 }
 
-/// What is in the host's memory is read before the lock is taken: a host that stands still does not answer, and the device goes on.
+/// What is in the host's memory is read before the lock is taken: a host that stands still does not
+/// answer, and the device goes on.
 std::optional<UsbfsNode::Answer>
 UsbfsNode::answer(const void *host, unsigned long request, UMockdevIoctlData *argument,
                   std::unique_lock<std::mutex> &lock)

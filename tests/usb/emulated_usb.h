@@ -13,12 +13,14 @@
 
 namespace usb_test {
 
-/// What a test program begins with: hang-ups are nobody's (the pty behind a device node becomes the controlling terminal of a test that
-/// leads its session, and hangs up when a board is unplugged), and warnings are errors, but for those of umockdev itself, which tears its
-/// clients down in one thread while another still serves them.
+/// What a test program begins with: hang-ups are nobody's (the pty behind a device node becomes the
+/// controlling terminal of a test that leads its session, and hangs up when a board is unplugged),
+/// and warnings are errors, but for those of umockdev itself, which tears its clients down in one
+/// thread while another still serves them.
 void begin_emulation();
 
-/// The USB ports of an emulated machine. The process must run under umockdev-wrapper; processes that it starts have the same ports.
+/// The USB ports of an emulated machine. The process must run under umockdev-wrapper; processes
+/// that it starts have the same ports.
 class EmulatedUsb
 {
 public:
@@ -57,8 +59,9 @@ struct Urb
   std::span<std::uint8_t> bytes() const;
 };
 
-/// A device node as usbfs has it (linux/usbdevice_fs.h), from plugging in to plugging out: a symbolic link to a pty. umockdev hands its ioctls
-/// over, the pty's flow control says when there is something to reap, its hang-up is the unplugging.
+/// A device node as usbfs has it (linux/usbdevice_fs.h), from plugging in to plugging out: a
+/// symbolic link to a pty. umockdev hands its ioctls over, the pty's flow control says when there
+/// is something to reap, its hang-up is the unplugging.
 class UsbfsNode
 {
 public:
@@ -101,7 +104,8 @@ private:
     int error = 0;
   };
 
-  /// Between the node and those that have it open, which umockdev lets go in a thread of its own, maybe after the node.
+  /// Between the node and those that have it open, which umockdev lets go in a thread of its own,
+  /// maybe after the node.
   struct Link
   {
     std::mutex mutex;

@@ -18,7 +18,8 @@
 
 namespace usb_test {
 
-/// A stream of tactile maps, played in real time by `tactorsink driver=firmata`: 3 × 3, another random one each 200 ms.
+/// A stream of tactile maps, played in real time by `tactorsink driver=firmata`: 3 × 3, another
+/// random one each 200 ms.
 class Film
 {
 public:
@@ -100,7 +101,8 @@ public:
     return message == nullptr && errors.empty() && warnings.empty();
   }
 
-  /// Plays on until that message, or an element's one of that name, has come; false if an error did.
+  /// Plays on until that message, or an element's one of that name, has come; false if an error
+  /// did.
   bool wait_for(GstMessageType type, const char *name = nullptr)
   {
     for (;;) {

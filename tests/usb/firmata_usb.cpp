@@ -57,7 +57,8 @@ const std::vector<int> kPins{ 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 44, 45, 46
 
 } // namespace
 
-/// The first replies are lost, cut short, or have a byte that belongs to no such message: it is asked again, and the board is known in the end.
+/// The first replies are lost, cut short, or have a byte that belongs to no such message: it is
+/// asked again, and the board is known in the end.
 GST_START_TEST(test_garbled_replies)
 {
   for (const Transport transport : kTransports)
@@ -150,7 +151,8 @@ GST_START_TEST(test_noise_while_playing)
 }
 GST_END_TEST;
 
-/// Four motors and nine, whose zeros take 2.3 and 4.9 ms on the line: the kernel's driver gets the board back when they have come.
+/// Four motors and nine, whose zeros take 2.3 and 4.9 ms on the line: the kernel's driver gets the
+/// board back when they have come.
 GST_START_TEST(test_motors_stand_when_released)
 {
   for (const Transport transport : kTransports)

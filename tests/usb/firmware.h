@@ -14,7 +14,8 @@ namespace usb_test {
 using Clock = std::chrono::steady_clock;
 using Bytes = std::vector<std::uint8_t>;
 
-/// What runs on an emulated board: StandardFirmata, or with `seat` the sketch with the watchdog. It remembers what its pins did, and when.
+/// What runs on an emulated board: StandardFirmata, or with `seat` the sketch with the watchdog. It
+/// remembers what its pins did, and when.
 class Firmware
 {
 public:

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 //
-// What a chair is left with when gst-launch-1.0, a program that knows nothing of chairs, is ended from outside.
+// What a chair is left with when gst-launch-1.0, a program that knows nothing of chairs, is ended
+// from outside.
 #include "launch.h"
 
 #include "emulated_board.h"
@@ -73,7 +74,8 @@ GST_START_TEST(test_interrupted)
 }
 GST_END_TEST;
 
-/// SIGTERM, for which gst-launch-1.0 has no handler: the same, the kernel's driver has the board back, and the process dies of the signal.
+/// SIGTERM, for which gst-launch-1.0 has no handler: the same, the kernel's driver has the board
+/// back, and the process dies of the signal.
 GST_START_TEST(test_terminated)
 {
   for (const Transport transport : kTransports) {
@@ -116,7 +118,8 @@ GST_START_TEST(test_terminated_while_opening)
 }
 GST_END_TEST;
 
-/// Nobody can send anything for a process that was killed. With the stock sketch the motors stay on; the next play begins with a reset.
+/// Nobody can send anything for a process that was killed. With the stock sketch the motors stay
+/// on; the next play begins with a reset.
 GST_START_TEST(test_killed)
 {
   Chair chair;
@@ -144,7 +147,8 @@ GST_START_TEST(test_killed)
 }
 GST_END_TEST;
 
-/// What can be done after that without a play: motors off, and the kernel's driver has the board back. Of one that nobody left nothing is wanted.
+/// What can be done after that without a play: motors off, and the kernel's driver has the board
+/// back. Of one that nobody left nothing is wanted.
 GST_START_TEST(test_killed_and_released)
 {
   const std::string program = g_getenv("VISUOTACTILE_PLAY") ? g_getenv("VISUOTACTILE_PLAY") : "";

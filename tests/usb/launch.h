@@ -15,7 +15,8 @@ namespace usb_test {
 class Launch
 {
 public:
-  /// Nine motors are turned on and left on. `options` of gst-launch-1.0 and `properties` of tactorsink, in words.
+  /// Nine motors are turned on and left on. `options` of gst-launch-1.0 and `properties` of
+  /// tactorsink, in words.
   explicit Launch(const std::vector<std::string> &options = {},
                   const std::vector<std::string> &properties = { "driver=firmata" })
       // A picture of 36 bytes of 63 is a map of 9 floats of 0.747.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 //
-// From tactile maps to the pins of an emulated Mega: tactorsink, driver, USB and firmware in real time.
+// From tactile maps to the pins of an emulated Mega: tactorsink, driver, USB and firmware in real
+// time.
 #include "film.h"
 
 #include <algorithm>
@@ -42,7 +43,8 @@ struct Mega
   EmulatedBoard board;
 };
 
-/// Whether each pin got what was planned for it, or, where the machine was so busy that a command was overtaken, some of that and the last.
+/// Whether each pin got what was planned for it, or, where the machine was so busy that a command
+/// was overtaken, some of that and the last.
 bool
 is_part_of(const std::map<int, std::vector<int>> &got,
            const std::map<int, std::vector<int>> &planned)

@@ -74,7 +74,8 @@ GST_START_TEST(test_strings_that_are_none)
 }
 GST_END_TEST;
 
-/// Descriptors that are cut short, garbled or lie: the device may be left out, or what it says is within bounds.
+/// Descriptors that are cut short, garbled or lie: the device may be left out, or what it says is
+/// within bounds.
 GST_START_TEST(test_descriptors_that_lie)
 {
   std::mt19937 random(1);
@@ -170,7 +171,8 @@ GST_START_TEST(test_boards_that_cannot_be_opened)
 }
 GST_END_TEST;
 
-/// A board that answers no request: who waits for the answer is interrupted. It would come in an hour.
+/// A board that answers no request: who waits for the answer is interrupted. It would come in an
+/// hour.
 GST_START_TEST(test_set_up_is_interrupted)
 {
   for (const Transport transport : kTransports) {
@@ -204,7 +206,8 @@ GST_START_TEST(test_permission_denied)
   UsbSerialBus bus;
   const SerialDevice device = unwrap(bus.list()).at(0);
   board.forbid();
-  // Root may do what nobody else may: become somebody else, in this thread, for files. The test bed and umockdev's sockets stay open to all.
+  // Root may do what nobody else may: become somebody else, in this thread, for files. The test bed
+  // and umockdev's sockets stay open to all.
   for (const auto &entry : std::filesystem::recursive_directory_iterator(usb.path("/")))
     if (!entry.is_symlink())
       std::filesystem::permissions(entry.path(), std::filesystem::perms(0777));
@@ -252,7 +255,8 @@ GST_START_TEST(test_two_boards)
 }
 GST_END_TEST;
 
-/// A board that comes while another is there, and one that goes out and comes again. False if nobody was told.
+/// A board that comes while another is there, and one that goes out and comes again. False if
+/// nobody was told.
 static bool
 is_told(bool udev)
 {
@@ -287,8 +291,9 @@ is_told(bool udev)
   return true;
 }
 
-/// With udevd nobody has to look often; without, one has to. On a busy machine libusb's own thread, which listens to the emulated udevd, was
-/// now and then gone, and why is not known: then the next look finds what came, or all begins anew. So this does not prove that udevd is heard.
+/// With udevd nobody has to look often; without, one has to. On a busy machine libusb's own thread,
+/// which listens to the emulated udevd, was now and then gone, and why is not known: then the next
+/// look finds what came, or all begins anew. So this does not prove that udevd is heard.
 GST_START_TEST(test_watch)
 {
   for (const bool udev : { true, false })

@@ -85,7 +85,8 @@ GST_START_TEST(test_bytes_in)
     std::mt19937 random(static_cast<unsigned>(transport));
     Bytes sent;
     for (int i = 0; i < 300; i++) {
-      // Around the packets' ends, too. An empty one is FTDI's every millisecond: status and nothing else.
+      // Around the packets' ends, too. An empty one is FTDI's every millisecond: status and nothing
+      // else.
       constexpr std::size_t edges[] = { 0, 1, 31, 32, 33, 61, 62, 63, 64, 65, 124, 496, 512, 683 };
       const std::size_t size = i < 14 ? edges[i] : random() % 700;
       const Bytes bytes = random_bytes(random, size);
@@ -98,7 +99,8 @@ GST_START_TEST(test_bytes_in)
 }
 GST_END_TEST;
 
-/// Packets with less than a transport's own bytes in them, and one with more than there is room for: what else comes is whole.
+/// Packets with less than a transport's own bytes in them, and one with more than there is room
+/// for: what else comes is whole.
 GST_START_TEST(test_odd_packets)
 {
   for (const Transport transport : kTransports) {
@@ -154,7 +156,8 @@ GST_START_TEST(test_ten_thousand_writes)
                              const std::lock_guard lock(opened);
                              if (sent.size() < 2 * kWrites) {
                                write();
-                               // One at a time: this thread tells of its end after it returns from here.
+                               // One at a time: this thread tells of its end after it returns from
+                               // here.
                                fail_unless(!port->write(Bytes{ 0 }));
                              }
                              count.count();
@@ -245,7 +248,8 @@ GST_START_TEST(test_transfers_that_fail)
 }
 GST_END_TEST;
 
-/// An endpoint that is halted takes nothing until somebody clears it, which is for whoever opens the board anew.
+/// An endpoint that is halted takes nothing until somebody clears it, which is for whoever opens
+/// the board anew.
 GST_START_TEST(test_halted)
 {
   for (const Transport transport : kTransports) {
@@ -339,7 +343,8 @@ GST_START_TEST(test_nothing_is_left_behind)
 }
 GST_END_TEST;
 
-/// The kernel's driver, which gets a board back, cuts off what its chip still holds: nothing that was taken, whatever ended the play.
+/// The kernel's driver, which gets a board back, cuts off what its chip still holds: nothing that
+/// was taken, whatever ended the play.
 GST_START_TEST(test_nothing_is_cut_off)
 {
   for (const Transport transport : kTransports)

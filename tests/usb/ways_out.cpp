@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 //
-// Every way in which a play can end or be interrupted, over an emulated board with the seat firmware: how long motors go on. Printed as
-// a table; what is asserted is that they stop, and exact times where they are the firmware's own.
+// Every way in which a play can end or be interrupted, over an emulated board with the seat
+// firmware: how long motors go on. Printed as a table; what is asserted is that they stop, and
+// exact times where they are the firmware's own.
 //
-// Times are those at which bytes have come over the emulated wire, or at which the firmware's watchdog ends what nobody keeps alive.
+// Times are those at which bytes have come over the emulated wire, or at which the firmware's
+// watchdog ends what nobody keeps alive.
 #include "emulated_board.h"
 #include "film.h"
 #include "launch.h"
@@ -88,7 +90,8 @@ public:
     gst_object_unref(bus);
     set_state(GST_STATE_NULL);
   }
-  /// tactorsink's thread stops where it reads the clock, until the play ends: what sends to the board lives on.
+  /// tactorsink's thread stops where it reads the clock, until the play ends: what sends to the
+  /// board lives on.
   void hang()
   {
     hung_ = element("tactors");
@@ -144,8 +147,9 @@ struct Way
 {
   const char *name;
   void (*take)(Play &);
-  bool is_watchdogs
-      = false; ///< the firmware's own watchdog ends it, exactly 250 ms after the last byte; StandardFirmata goes on
+  /// The firmware's own watchdog ends it, exactly 250 ms after the last byte; StandardFirmata goes
+  /// on.
+  bool is_watchdogs = false;
 };
 
 const Way kWays[] = {
@@ -188,7 +192,8 @@ const Way kWays[] = {
     } },
   { "dispose while playing",
     [](Play &play) {
-      // Nobody holds the pipeline: the worst that bindings do. GStreamer asks for NULL first, and so is it done here, by the bin.
+      // Nobody holds the pipeline: the worst that bindings do. GStreamer asks for NULL first, and
+      // so is it done here, by the bin.
       GstElement *pipeline = std::exchange(play.pipeline, nullptr);
       GstElement *tactors = gst_bin_get_by_name(GST_BIN(pipeline), "tactors");
       gst_bin_remove(GST_BIN(pipeline), tactors);
@@ -253,7 +258,8 @@ GST_START_TEST(test_ways_out_of_a_play)
 }
 GST_END_TEST;
 
-/// With StandardFirmata nothing but the driver stops them, and what the kernel cuts off when it gets the board back is never made up for.
+/// With StandardFirmata nothing but the driver stops them, and what the kernel cuts off when it
+/// gets the board back is never made up for.
 GST_START_TEST(test_ways_out_without_a_watchdog)
 {
   for (const Way &way : kWays) {
@@ -269,7 +275,8 @@ GST_START_TEST(test_ways_out_without_a_watchdog)
 }
 GST_END_TEST;
 
-/// And those of a process: the motors are at zero before it is gone, or the firmware's watchdog ends them.
+/// And those of a process: the motors are at zero before it is gone, or the firmware's watchdog
+/// ends them.
 GST_START_TEST(test_ways_out_of_a_process)
 {
   struct Signal
@@ -327,12 +334,13 @@ public:
 
 } // namespace
 
-/// A process that stands still (a stop by job control, a debugger, a machine that freezes) and goes on later: meanwhile the firmware's
-/// watchdog has ended what was on, and nothing of what the film had then is felt any more.
+/// A process that stands still (a stop by job control, a debugger, a machine that freezes) and goes
+/// on later: meanwhile the firmware's watchdog has ended what was on, and nothing of what the film
+/// had then is felt any more.
 GST_START_TEST(test_stopped_and_continued)
 {
-  // 0.6 s of 80 % early in the film, 0.6 s of 60 % while the process stands still, and 40 % from 8 s on: which of them a motor is told shows when it was
-  // meant.
+  // 0.6 s of 80 % early in the film, 0.6 s of 60 % while the process stands still, and 40 % from 8
+  // s on: which of them a motor is told shows when it was meant.
   const TrackFile track("00:00:00.000 --> 00:00:01.000\n0 0 0\n0 0 0\n0 0 0\n\n"
                         "00:00:01.000 --> 00:00:01.600\n80 80 80\n80 80 80\n80 80 80\n\n"
                         "00:00:02.500 --> 00:00:03.100\n60 60 60\n60 60 60\n60 60 60\n\n"

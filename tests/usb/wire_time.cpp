@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 //
-// What time real boards take, on emulated Megas at 57600 baud: how long after its due time is a command's last byte on the wire, and how long
-// after each end of the play do the motors stand?
+// What time real boards take, on emulated Megas at 57600 baud: how long after its due time is a
+// command's last byte on the wire, and how long after each end of the play do the motors stand?
 //
 // Usage: umockdev-wrapper wire_time [seconds of film, default 10] [ends of each kind, default 10]
 #include "film.h"

@@ -37,8 +37,9 @@ struct Settings
   bool quiet = false;
 };
 
-/// Makes a track of a stream of maps. As tactorsink does, it takes them in blocks of 1 / rate: a block begins with the first map of which
-/// more than half lies beyond the block's start, and has that map's levels.
+/// Makes a track of a stream of maps. As tactorsink does, it takes them in blocks of 1 / rate: a
+/// block begins with the first map of which more than half lies beyond the block's start, and has
+/// that map's levels.
 class Recorder
 {
 public:
@@ -114,7 +115,8 @@ public:
     return !no_track && (no_film || track_time >= film_time);
   }
 
-  /// Begins. `finished` is called from the main loop at the end, with why it failed, if it did. Throws std::runtime_error.
+  /// Begins. `finished` is called from the main loop at the end, with why it failed, if it did.
+  /// Throws std::runtime_error.
   void start(std::function<void(Job &, const std::string &)> finished)
   {
     const Film film = discover_film(film_);
@@ -344,7 +346,8 @@ private:
   bool stopped_ = false;
 };
 
-/// The track's name for each film: `output` itself, or in that folder the film's name with another ending.
+/// The track's name for each film: `output` itself, or in that folder the film's name with another
+/// ending.
 std::vector<std::string>
 output_names(const std::vector<std::string> &films, const std::string &output,
              const std::string &ending)

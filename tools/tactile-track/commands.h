@@ -12,7 +12,8 @@
 #include <utility>
 #include <vector>
 
-/// The sub-commands: main() of each. They return the exit status and throw std::exception for what went wrong (status 1) and
+/// The sub-commands: main() of each. They return the exit status and throw std::exception for what
+/// went wrong (status 1) and
 /// UsageError for a wrong command line (status 2).
 int author(int argc, char **argv);
 int info(int argc, char **argv);

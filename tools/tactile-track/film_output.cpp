@@ -26,7 +26,8 @@ namespace {
 constexpr const char *kLookahead
     = "queue max-size-bytes=0 max-size-buffers=0 max-size-time=2000000000";
 
-/// Plays to the end with the file as location of the element named so; keeps it if `is_film` says so then of what was written.
+/// Plays to the end with the file as location of the element named so; keeps it if `is_film` says
+/// so then of what was written.
 int
 write_film(
     const Owned<GstElement> &pipeline, const std::string &path, GstClockTime duration, bool quiet,
@@ -45,8 +46,8 @@ write_film(
   return 0;
 }
 
-/// No player shall take the track of the film, which was written, by itself: muxers of GStreamer 1.22 say that each track is meant to be
-/// taken. Throws std::runtime_error.
+/// No player shall take the track of the film, which was written, by itself: muxers of GStreamer
+/// 1.22 say that each track is meant to be taken. Throws std::runtime_error.
 void
 leave_track_to_choice(const std::string &path)
 {
@@ -129,8 +130,8 @@ leave_out(const GstCaps *caps)
                gst_structure_get_name(gst_caps_get_structure(caps, 0)));
 }
 
-/// The first data of the film: pictures and sounds are linked now. Subtitles and the track come after them, for a transport stream
-/// takes its clock from the first; then the muxer may begin.
+/// The first data of the film: pictures and sounds are linked now. Subtitles and the track come
+/// after them, for a transport stream takes its clock from the first; then the muxer may begin.
 GstPadProbeReturn
 begin_track(GstPad *, GstPadProbeInfo *, gpointer data)
 {
@@ -148,7 +149,8 @@ begin_track(GstPad *, GstPadProbeInfo *, gpointer data)
   return GST_PAD_PROBE_REMOVE;
 }
 
-/// Takes a picture or sound of the film over into the muxer as it is; subtitles come otherwise. Those that it cannot hold are left out, with a word about it.
+/// Takes a picture or sound of the film over into the muxer as it is; subtitles come otherwise.
+/// Those that it cannot hold are left out, with a word about it.
 void
 take_stream(GstElement *, GstPad *pad, gpointer data)
 {

@@ -18,7 +18,8 @@ struct Reading
   std::deque<Subtitles> found{}; ///< which stay where they are
 };
 
-/// Matroska and MP4 have words, and no name for marked-up ones; words that a demuxer has escaped become what stood in the file.
+/// Matroska and MP4 have words, and no name for marked-up ones; words that a demuxer has escaped
+/// become what stood in the file.
 GstBuffer *
 plain_words(GstBuffer *buffer)
 {

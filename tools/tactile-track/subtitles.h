@@ -25,14 +25,15 @@ struct Subtitles
 /// Whether a stream is of these: words or SSA.
 bool is_subtitles(const GstStructure *structure);
 
-/// A film's subtitles, in its order. Muxers wait for the next cue of each of their streams, so that a film whose subtitles are read along
-/// with it would have to wait in memory. A film without any is not read to its end. Throws std::runtime_error; false if it was
-/// stopped by SIGINT or SIGTERM.
+/// A film's subtitles, in its order. Muxers wait for the next cue of each of their streams, so that
+/// a film whose subtitles are read along with it would have to wait in memory. A film without any
+/// is not read to its end. Throws std::runtime_error; false if it was stopped by SIGINT or SIGTERM.
 bool read_subtitles(const std::string &path, GstClockTime duration, bool quiet,
                     std::vector<Subtitles> &subtitles);
 
-/// Waits until what comes before a pad's first data, tags among it, has gone through the pad: matroskamux writes the names of its streams
-/// as soon as it has data of pictures and sounds, whether it has been told those of subtitles or not.
+/// Waits until what comes before a pad's first data, tags among it, has gone through the pad:
+/// matroskamux writes the names of its streams as soon as it has data of pictures and sounds,
+/// whether it has been told those of subtitles or not.
 class Preface
 {
 public:

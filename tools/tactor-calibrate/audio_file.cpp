@@ -45,7 +45,8 @@ set(const Pipeline &pipeline, const char *name, const char *property, const std:
   g_object_set(element, property, value.c_str(), nullptr);
 }
 
-/// Runs to the end. Throws what the pipeline's error says of `path`, or that it does not get on for as long as `patience`.
+/// Runs to the end. Throws what the pipeline's error says of `path`, or that it does not get on for
+/// as long as `patience`.
 void
 run(const Pipeline &pipeline, const std::string &path, GstClockTime patience = GST_CLOCK_TIME_NONE)
 {
@@ -68,7 +69,8 @@ run(const Pipeline &pipeline, const std::string &path, GstClockTime patience = G
   throw std::runtime_error("'" + path + "': " + error->message);
 }
 
-/// decodebin's autoplug-select: what a file names, as playlists and session descriptions do, is not opened, on the network or elsewhere.
+/// decodebin's autoplug-select: what a file names, as playlists and session descriptions do, is not
+/// opened, on the network or elsewhere.
 gint
 on_select(GstElement *, GstPad *, GstCaps *, GstElementFactory *factory, gpointer)
 {
@@ -96,8 +98,8 @@ on_sample(GstAppSink *sink, gpointer collector)
 std::string
 recording_branch()
 {
-  // Gaps and overlaps of a source that stumbles become silence, so that what follows stays in its place.
-  // Rates beyond those of recordings are a damaged file's: resampling them takes all memory.
+  // Gaps and overlaps of a source that stumbles become silence, so that what follows stays in its
+  // place. Rates beyond those of recordings are a damaged file's: resampling them takes all memory.
   return "audioconvert ! audiorate ! audio/x-raw,rate=[1000,768000] ! audioresample ! "
          "audio/x-raw,format=F64LE,layout=interleaved,rate="
          + std::to_string(kRate) + " ! appsink name=heard sync=false async=false max-buffers=0";

@@ -51,7 +51,8 @@ struct PlayOptions
   PlayerSettings settings(double volts_max) const;
 };
 
-/// Reads a command's arguments; what is left goes to `arguments`. False, and the reason on standard error, if they are wrong.
+/// Reads a command's arguments; what is left goes to `arguments`. False, and the reason on standard
+/// error, if they are wrong.
 bool parse_options(int argc, char **argv, const char *arguments_name, const char *summary,
                    std::vector<GOptionEntry> entries, const std::array<GOptionEntry, 3> &manner,
                    std::vector<std::string> &arguments);

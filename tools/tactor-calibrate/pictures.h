@@ -13,11 +13,13 @@
 inline constexpr double kPictureWidth = 640;
 inline constexpr double kPictureHeight = 360;
 
-/// A rise as in the paper's Fig. 4: what was heard, its envelope, the command, the first motion and the 90 %.
+/// A rise as in the paper's Fig. 4: what was heard, its envelope, the command, the first motion and
+/// the 90 %.
 void draw_envelope(cairo_t *cairo, const tactor::StepResponse &response,
                    const tactor::StepEnvelope &envelope);
 
-/// Rise times over start voltage and offset as in the paper's Fig. 5: what was measured as dots, the quadratic as a surface.
+/// Rise times over start voltage and offset as in the paper's Fig. 5: what was measured as dots,
+/// the quadratic as a surface.
 void draw_surface(cairo_t *cairo, const tactor::TactorCalibration &tactor,
                   const std::vector<tactor::StepResponse> &responses);
 

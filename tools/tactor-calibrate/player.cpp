@@ -21,7 +21,8 @@ using tactor::Time;
 using namespace std::chrono_literals;
 
 constexpr guint kMostColumns = GST_TACTILE_MAX_SIDE;
-/// After the last frame so much more is recorded; and the source may be so late before it is given up.
+/// After the last frame so much more is recorded; and the source may be so late before it is given
+/// up.
 constexpr Time kTail = 300ms;
 constexpr Time kPatience = 5s;
 
@@ -134,7 +135,8 @@ throw_interrupted()
   throw std::runtime_error("interrupted; all motors are off");
 }
 
-/// Takes the pipeline to PAUSED. A microphone is live: without this, time would begin before the board is open.
+/// Takes the pipeline to PAUSED. A microphone is live: without this, time would begin before the
+/// board is open.
 void
 wait_for_board(GstElement *pipeline, GstElement *tactors, GstBus *bus,
                const std::atomic<bool> &interrupted)

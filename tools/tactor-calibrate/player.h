@@ -27,7 +27,8 @@ struct PlayerSettings
   bool compensate
       = false; ///< commands come early by the motors' rise times, else with their frames
   std::string calibration{}; ///< key file for tactorsink; empty: none
-  /// A launch line of a GStreamer audio source; "simulator": motors are simulated, and heard; empty: nothing is recorded.
+  /// A launch line of a GStreamer audio source; "simulator": motors are simulated, and heard;
+  /// empty: nothing is recorded.
   std::string source{};
   std::vector<tactor::MotorParameters> motors{}; ///< that are simulated
   tactor::SimulatedSensor sensor{};              ///< that hears them
@@ -40,8 +41,9 @@ struct Played
   tactor::Recording recording{};
 };
 
-/// Plays frames by tactorsink and records at the same time, in one pipeline with one clock. Simulated motors wait for no clock: what
-/// they are told is heard at once. When this returns or throws, and whenever `interrupted` becomes true, which ends the play, all motors
-/// are at zero. Throws std::runtime_error with what went wrong.
+/// Plays frames by tactorsink and records at the same time, in one pipeline with one clock.
+/// Simulated motors wait for no clock: what they are told is heard at once. When this returns or
+/// throws, and whenever `interrupted` becomes true, which ends the play, all motors are at zero.
+/// Throws std::runtime_error with what went wrong.
 Played play(const std::vector<Frame> &frames, const PlayerSettings &settings,
             const std::atomic<bool> &interrupted);

@@ -74,7 +74,8 @@ respond(Session::Heard &heard, int tactors, tactor::Band band)
   measure();
   if (heard.one_clock)
     return;
-  // What was found by its sound is off by what the envelope lags behind the voltage: by the first motion.
+  // What was found by its sound is off by what the envelope lags behind the voltage: by the first
+  // motion.
   for (tactor::RecordedRun &run : heard.runs) {
     std::vector<double> onsets;
     for (const tactor::StepResponse &response : tactor::measure_steps({ run }, tactors, heard.band))

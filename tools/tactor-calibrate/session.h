@@ -11,12 +11,13 @@
 #include <string>
 #include <vector>
 
-/// A measurement in a folder: session.ini says what is measured, run-NNN.csv what tactors were told in a run, run-NNN.wav (or any
-/// other sound, or a CSV run-NNN.recording.csv) what was heard.
+/// A measurement in a folder: session.ini says what is measured, run-NNN.csv what tactors were told
+/// in a run, run-NNN.wav (or any other sound, or a CSV run-NNN.recording.csv) what was heard.
 class Session
 {
 public:
-  /// Begins a session, or goes on with the one in the folder. Throws std::runtime_error if that one measures something else.
+  /// Begins a session, or goes on with the one in the folder. Throws std::runtime_error if that one
+  /// measures something else.
   static Session begin(const std::filesystem::path &folder,
                        const tactor::MeasurementSettings &settings, const std::string &motor,
                        const std::string &sensor);
@@ -38,7 +39,8 @@ public:
     std::vector<tactor::StepResponse> responses{};
     bool one_clock = true; ///< recordings are ours, not found by their sound
   };
-  /// All recordings that there are, measured; `band` with a high edge of 0: found out. Throws std::runtime_error if there are none.
+  /// All recordings that there are, measured; `band` with a high edge of 0: found out. Throws
+  /// std::runtime_error if there are none.
   Heard measure(tactor::Band band) const;
 
   const std::string &motor() const;
@@ -57,7 +59,8 @@ private:
   std::vector<tactor::MeasurementRun> plan_;
 };
 
-/// Measures one recording with its trace, such as one that was made elsewhere; aligned by its sound if `find` is true.
+/// Measures one recording with its trace, such as one that was made elsewhere; aligned by its sound
+/// if `find` is true.
 Session::Heard measure_recording(tactor::Recording recording,
                                  const std::vector<tactor::IssuedCommand> &trace, int tactors,
                                  tactor::Band band, bool find);

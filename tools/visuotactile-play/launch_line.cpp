@@ -37,7 +37,8 @@ video_encoder()
                            "(gstreamer1.0-plugins-good) is installed");
 }
 
-/// Encoders want even sizes, and a file one size throughout: what comes before them on a launch line.
+/// Encoders want even sizes, and a file one size throughout: what comes before them on a launch
+/// line.
 std::string
 recorded_size(const Film &film)
 {
@@ -56,7 +57,8 @@ pipeline_line(const Film &film, const PlaySettings &settings, bool with_files)
   const auto file = [with_files](const char *property, const std::string &name) {
     return with_files ? std::string(" ") + property + "=" + launch_value(name) : "";
   };
-  // Converters do nothing where there is nothing to convert: saliencytactile takes the usual formats as they are.
+  // Converters do nothing where there is nothing to convert: saliencytactile takes the usual
+  // formats as they are.
   std::string line = film_source(film) + " film. ! " + look
                      + " ! videoconvert ! saliencytactile name=analysis "
                      + settings.analysis_options + " ! tactileextractor name=split split.tactile ! "
@@ -88,7 +90,8 @@ shell_command(const Film &film, const PlaySettings &settings)
 {
   const std::string line = pipeline_line(film, settings, true);
   std::string command = "gst-launch-1.0 -e";
-  // A word ends at a space that is not in double quotes; what is more than letters and the like gets a shell's quotes, too.
+  // A word ends at a space that is not in double quotes; what is more than letters and the like
+  // gets a shell's quotes, too.
   bool in_quotes = false;
   std::string word;
   const auto add_word = [&] {

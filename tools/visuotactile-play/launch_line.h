@@ -18,7 +18,8 @@ struct PlaySettings
   bool quiet = false; ///< no progress
 };
 
-/// The pipeline as a line for gst_parse_launch(), without the files that it writes: their names need not be UTF-8.
+/// The pipeline as a line for gst_parse_launch(), without the files that it writes: their names
+/// need not be UTF-8.
 std::string launch_line(const Film &film, const PlaySettings &settings);
 
 /// The pipeline as a command for a shell.

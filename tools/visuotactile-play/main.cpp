@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 //
-// visuotactile-play: plays a film on screen (or records it) and on the chair, and reports how it went.
+// visuotactile-play: plays a film on screen (or records it) and on the chair, and reports how it
+// went.
 #include "../manner.h"
 #include "film.h"
 #include "output.h"

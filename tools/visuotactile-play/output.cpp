@@ -17,7 +17,8 @@ namespace {
 
 constexpr std::string_view kEnding = ".part";
 
-/// What parts of an output are called that are written on this machine, as far as that is the same for all: folders may be shared.
+/// What parts of an output are called that are written on this machine, as far as that is the same
+/// for all: folders may be shared.
 std::string
 part_stem(const std::string &name)
 {

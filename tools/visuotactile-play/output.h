@@ -4,8 +4,8 @@
 #include <filesystem>
 #include <string>
 
-/// A file that appears under its name only when it is complete: until commit() it is written beside it, and what was
-/// there before stays. Without commit() the part is removed.
+/// A file that appears under its name only when it is complete: until commit() it is written beside
+/// it, and what was there before stays. Without commit() the part is removed.
 class Output
 {
 public:
@@ -26,8 +26,8 @@ public:
     return part_;
   }
 
-  /// Gives the file its name if anything was written. Returns whether anything was; throws std::runtime_error in one
-  /// line if it can't have that name.
+  /// Gives the file its name if anything was written. Returns whether anything was; throws
+  /// std::runtime_error in one line if it can't have that name.
   bool commit();
 
 private:

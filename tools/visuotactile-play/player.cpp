@@ -128,7 +128,8 @@ private:
     gst_pad_add_probe(pad.get(), type, callback, this, nullptr);
   }
 
-  /// Ends the stream here once that was asked for: what is behind is played and written to its end, on time.
+  /// Ends the stream here once that was asked for: what is behind is played and written to its end,
+  /// on time.
   static GstPadProbeReturn gate(GstPad *pad, GstPadProbeInfo *info, gpointer data)
   {
     Run *self = static_cast<Run *>(data);
@@ -141,7 +142,8 @@ private:
     return GST_PAD_PROBE_HANDLED;
   }
 
-  /// A film is played once, forward, from its beginning, and parts that are put together follow each other.
+  /// A film is played once, forward, from its beginning, and parts that are put together follow
+  /// each other.
   static GstClockTime running_time(GstPad *pad, GstBuffer *buffer)
   {
     GstEvent *event = gst_pad_get_sticky_event(pad, GST_EVENT_SEGMENT, 0);
@@ -210,7 +212,8 @@ private:
     return GST_PAD_PROBE_OK;
   }
 
-  /// All that the film has is linked now. Sound that can't be decoded is not: the recording must not wait for it.
+  /// All that the film has is linked now. Sound that can't be decoded is not: the recording must
+  /// not wait for it.
   static void no_more_pads(GstElement *, gpointer data)
   {
     Run *self = static_cast<Run *>(data);
@@ -239,7 +242,8 @@ private:
           this);
   }
 
-  /// Ends the recording where it is, without waiting for the film or the clock; the main loop ends when it is complete.
+  /// Ends the recording where it is, without waiting for the film or the clock; the main loop ends
+  /// when it is complete.
   void end_at_once()
   {
     if (settings_.window || recorded_.load()) {

@@ -11,8 +11,9 @@
 class Strip
 {
 public:
-  /// Frames are taken at the middle of `count` equal parts of the film; of one without a known length, every ten seconds.
-  /// Of one that ends before the first of these, the latest frame that was looked at.
+  /// Frames are taken at the middle of `count` equal parts of the film; of one without a known
+  /// length, every ten seconds. Of one that ends before the first of these, the latest frame that
+  /// was looked at.
   Strip(GstClockTime film_duration, int count);
   ~Strip();
   Strip(const Strip &) = delete;

@@ -22,15 +22,17 @@ struct BoardChoice
   std::vector<SerialDevice> passed_over; ///< adapters that may be anything
 };
 
-/// `name`: a serial number or a bus path; where it is empty, makers' boards come first, then adapters behind which a board has answered before,
-/// then, only if `asks_strangers`, other adapters; of each kind in the bus's order.
+/// `name`: a serial number or a bus path; where it is empty, makers' boards come first, then
+/// adapters behind which a board has answered before, then, only if `asks_strangers`, other
+/// adapters; of each kind in the bus's order.
 BoardChoice choose_boards(const std::vector<SerialDevice> &all, const std::string &name,
                           bool asks_strangers, const KnownBoards &known);
 
 /// What an open board is known by if it goes away.
 ///
-/// A socket that was named means that socket, and whatever board is in it. Otherwise it is the same board: the same serial number, in the same socket
-/// or another; but without a number, or where others have the same, only what is in the same socket can be told to be it.
+/// A socket that was named means that socket, and whatever board is in it. Otherwise it is the same
+/// board: the same serial number, in the same socket or another; but without a number, or where
+/// others have the same, only what is in the same socket can be told to be it.
 class BoardIdentity
 {
 public:

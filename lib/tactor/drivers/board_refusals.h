@@ -13,7 +13,8 @@ namespace tactor {
 /// "3, 5, 6"
 std::string describe(const std::vector<int> &numbers);
 
-/// Why a device is to be left to another program; `is_wanted` by somebody who says that it is a board, or that there is one.
+/// Why a device is to be left to another program; `is_wanted` by somebody who says that it is a
+/// board, or that there is one.
 std::optional<DriverError> refusal_of_use(const SerialDevice &device, const LineUse &use,
                                           bool is_wanted);
 

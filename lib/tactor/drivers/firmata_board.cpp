@@ -95,7 +95,8 @@ void
 FirmataBoard::close(Time now)
 {
   levels_.clear();
-  // One that speaks Firmata may still do what its last host said; to any other nothing was told that moves a motor.
+  // One that speaks Firmata may still do what its last host said; to any other nothing was told
+  // that moves a motor.
   if (state_ == State::running || (state_ == State::asking && firmware_)) {
     state_ = State::closing;
     leaves_ = now + patience_.farewell;
@@ -171,7 +172,8 @@ FirmataBoard::update(firmata::Encoder &out, Time now)
 {
   if (state_ == State::running && now - levels_set_ >= patience_.host_silence)
     levels_.clear();
-  // A host that was stopped for a while (SIGSTOP, suspend to RAM) finds a board whose watchdog has acted.
+  // A host that was stopped for a while (SIGSTOP, suspend to RAM) finds a board whose watchdog has
+  // acted.
   if (has_watchdog() && drives()
       && now - sent_ >= (patience_.keepalive + patience_.host_silence) / 2)
     for (Pin &pin : pins_)
@@ -218,7 +220,8 @@ FirmataBoard::deadline() const
     earlier(started_ + patience_.answer);
   if (state_ == State::closing)
     earlier(*leaves_);
-  // As long as a transfer is on the way there is nothing else to do in time; then the line has to have carried it.
+  // As long as a transfer is on the way there is nothing else to do in time; then the line has to
+  // have carried it.
   const auto when_free = [&](Time time) {
     earlier(std::max(time, line_free_));
   };

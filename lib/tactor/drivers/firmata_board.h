@@ -29,23 +29,29 @@ struct FirmataPatience
       50); ///< when the line has carried them, for the board to say that it has read them
 };
 
-/// The conversation with one board that speaks Firmata, over a line that is somebody else's: what to send comes from next(), what
-/// happened is told by received(), written() and the time. Neither waits, nor looks at a clock, nor knows threads.
+/// The conversation with one board that speaks Firmata, over a line that is somebody else's: what
+/// to send comes from next(), what happened is told by received(), written() and the time. Neither
+/// waits, nor looks at a clock, nor knows threads.
 ///
-/// 1. *Asking*: the firmware is asked for again and again (nobody waits for the banner, which may have passed), then reset, since a
-///    board whose last host was killed still drives its motors, then asked for its pins' capabilities.
-/// 2. *Running*: each pin with pulse-width modulation is a tactor, in ascending order of pins. Levels that differ from what the board
-///    has go out, a packet of kPacket bytes at a time, every pin in its turn; until one is carried the latest levels win. A board that
-///    reports its firmware unasked was reset and is told everything anew.
-/// 3. *Closing*: zeros, then reset, then a question whose answer proves that the board has read them. Whoever releases it before may cut
-///    them off: the kernel's driver, which takes over, sets another baud rate, and the USB chip switches its serial line off and on.
+/// 1. *Asking*: the firmware is asked for again and again (nobody waits for the banner, which may
+///    have passed), then reset, since a board whose last host was killed still drives its motors,
+///    then asked for its pins' capabilities.
+/// 2. *Running*: each pin with pulse-width modulation is a tactor, in ascending order of pins.
+///    Levels that differ from what the board has go out, a packet of kPacket bytes at a time, every
+///    pin in its turn; until one is carried the latest levels win. A board that reports its
+///    firmware unasked was reset and is told everything anew.
+/// 3. *Closing*: zeros, then reset, then a question whose answer proves that the board has read
+///    them. Whoever releases it before may cut them off: the kernel's driver, which takes over,
+///    sets another baud rate, and the USB chip switches its serial line off and on.
 ///
-/// A USB chip takes bytes faster than the line behind it carries them, and they would queue there, old levels before new ones. So
-/// nothing is sent before the line has carried what was sent: never more than one packet is under way, and a level has arrived
-/// update_time() and a packet after set_levels() at the latest.
+/// A USB chip takes bytes faster than the line behind it carries them, and they would queue there,
+/// old levels before new ones. So nothing is sent before the line has carried what was sent: never
+/// more than one packet is under way, and a level has arrived update_time() and a packet after
+/// set_levels() at the latest.
 ///
-/// With a watchdog (firmata::kSeatFirmware) there are keepalives while a motor is on. They prove that whoever sets the levels
-/// is alive, not just this object: after host_silence without set_levels() all levels are zero, whatever the firmware.
+/// With a watchdog (firmata::kSeatFirmware) there are keepalives while a motor is on. They prove
+/// that whoever sets the levels is alive, not just this object: after host_silence without
+/// set_levels() all levels are zero, whatever the firmware.
 ///
 /// Not thread-safe: its owner guards it.
 class FirmataBoard
@@ -56,7 +62,8 @@ public:
     asking,
     running,
     closing,
-    closed, ///< the motors are at zero, or the board did not say so in time; nothing is sent any more
+    /// The motors are at zero, or the board did not say so in time; nothing is sent any more.
+    closed,
     failed, ///< see failure()
   };
 
@@ -72,13 +79,15 @@ public:
   /// The line has taken what next() returned last.
   void written();
 
-  /// What to send now, at most kPacket bytes; empty if there is nothing, and until written() and the line has carried the last.
+  /// What to send now, at most kPacket bytes; empty if there is nothing, and until written() and
+  /// the line has carried the last.
   std::vector<std::uint8_t> next(Time now);
   /// When next() is to be called even if nothing else happens.
   std::optional<Time> deadline() const;
 
-  /// What each tactor shall do, 0…1 of full scale (others are clamped, NaN is 0); tactors beyond are at zero. To be repeated within
-  /// host_silence while one is not zero. True if there is something to send.
+  /// What each tactor shall do, 0…1 of full scale (others are clamped, NaN is 0); tactors beyond
+  /// are at zero. To be repeated within host_silence while one is not zero. True if there is
+  /// something to send.
   bool set_levels(std::span<const double> levels, Time now);
 
   void close(Time now);

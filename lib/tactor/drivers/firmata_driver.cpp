@@ -302,14 +302,16 @@ FirmataDriver::connect_first(Lock &lock, SerialBus &bus)
   return tl::unexpected(refusal);
 }
 
-/// Waits until it is worth while and looks for the board that was lost. Null if it is not there yet.
+/// Waits until it is worth while and looks for the board that was lost. Null if it is not there
+/// yet.
 std::unique_ptr<SerialPort>
 FirmataDriver::connect_again(Lock &lock, SerialBus &bus)
 {
   const auto is_due = [this] {
     return quit_ || bus_changed_;
   };
-  // A board that does not fit is asked again when something has changed: each question may reset it.
+  // A board that does not fit is asked again when something has changed: each question may reset
+  // it.
   if (refused_ && refused_->kind == DriverError::Kind::settings)
     changed_.wait(lock, is_due);
   else

@@ -22,16 +22,20 @@
 
 namespace tactor {
 
-/// Any board with a Firmata sketch on a serial bus. Its tactors are the pins with pulse-width modulation, in ascending order: on a Mega
-/// 2–13 and 44–46, on an Uno 3, 5, 6, 9, 10 and 11.
+/// Any board with a Firmata sketch on a serial bus. Its tactors are the pins with pulse-width
+/// modulation, in ascending order: on a Mega 2–13 and 44–46, on an Uno 3, 5, 6, 9, 10 and 11.
 ///
-/// Without DriverConfig::device the first board that answers is taken, one device after the other as choose_boards() has them, each for
-/// FirmataPatience::answer at most, and none that another program has open. A board that goes away is looked for whenever something is plugged in or
-/// out, and once in `look_again`, as BoardIdentity has it; why one that is back cannot be used is told once.
+/// Without DriverConfig::device the first board that answers is taken, one device after the other
+/// as choose_boards() has them, each for FirmataPatience::answer at most, and none that another
+/// program has open. A board that goes away is looked for whenever something is plugged in or out,
+/// and once in `look_again`, as BoardIdentity has it; why one that is back cannot be used is told
+/// once.
 ///
-/// A signal or exit() that ends the process while a board is open stops the motors first: see TerminationGuard.
+/// A signal or exit() that ends the process while a board is open stops the motors first: see
+/// TerminationGuard.
 ///
-/// One thread of its own has bus, port and reconnection; write() leaves the levels there and never waits.
+/// One thread of its own has bus, port and reconnection; write() leaves the levels there and never
+/// waits.
 class FirmataDriver : public Driver
 {
 public:
@@ -68,7 +72,8 @@ public:
 private:
   using Lock = std::unique_lock<std::mutex>;
 
-  // These run on the driver's thread. Those with a lock give it up while they wait, and while bus, port or listener are at work.
+  // These run on the driver's thread. Those with a lock give it up while they wait, and while bus,
+  // port or listener are at work.
   void run();
   tl::expected<std::unique_ptr<SerialBus>, DriverError> watched_bus(Lock &lock);
   tl::expected<std::vector<SerialDevice>, DriverError> list(Lock &lock, SerialBus &bus);

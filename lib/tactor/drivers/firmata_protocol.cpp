@@ -53,7 +53,8 @@ capability_report(Data data)
       modes.clear();
       i++;
     } else {
-      // The last byte is an end: there is one more. A list of odd length has the end for a resolution.
+      // The last byte is an end: there is one more. A list of odd length has the end for a
+      // resolution.
       if (data[i + 1] == kEndOfPin)
         return std::nullopt;
       modes.push_back({ .mode = data[i], .resolution = data[i + 1] });
@@ -140,7 +141,8 @@ Decoder::feed(std::span<const std::uint8_t> bytes, const std::function<void(cons
       damaged_ += inside_ != Inside::nothing || byte == kEndSysex;
       data_.clear();
       status_ = byte;
-      // Digital (9x) and analog (Ex) inputs are followed by two bytes as the version is; nothing else is ever sent by a board.
+      // Digital (9x) and analog (Ex) inputs are followed by two bytes as the version is; nothing
+      // else is ever sent by a board.
       const unsigned kind = byte & 0xf0u;
       inside_ = byte == kStartSysex                                ? Inside::sysex
                 : byte == kVersion || kind == 0x90 || kind == 0xe0 ? Inside::short_message

@@ -11,15 +11,16 @@
 #include <variant>
 #include <vector>
 
-/// The Firmata protocol, version 2.5 (github.com/firmata/protocol): bytes, and nothing of when they are sent.
+/// The Firmata protocol, version 2.5 (github.com/firmata/protocol): bytes, and nothing of when they
+/// are sent.
 namespace tactor::firmata {
 
 /// Pins have numbers of 7 bits.
 inline constexpr int kMaxPins = 128;
 /// Mode of a pin whose output is pulse-width modulated: a motor's.
 inline constexpr std::uint8_t kPwm = 3;
-/// Firmware whose name begins with this has the watchdog: 250 ms without a byte from the host turn every
-/// motor off.
+/// Firmware whose name begins with this has the watchdog: 250 ms without a byte from the host turn
+/// every motor off.
 inline constexpr std::string_view kSeatFirmware = "visuotactile-seat";
 
 /// Messages to a board, one behind the other. Pins are 0…127, other values are cut to their field.
@@ -33,11 +34,13 @@ public:
   Encoder &ask_firmware();     ///< `F0 79 F7`
   Encoder &ask_capabilities(); ///< `F0 6B F7`
   Encoder &set_mode(int pin, std::uint8_t mode);
-  /// A pin's duty: an analog message where pin (below 16) and value (14 bits) fit, else an extended one (21 bits).
+  /// A pin's duty: an analog message where pin (below 16) and value (14 bits) fit, else an extended
+  /// one (21 bits).
   Encoder &set_value(int pin, unsigned value);
   /// All pins to output, low; whatever of a message was on the way is forgotten.
   Encoder &reset();
-  /// `F0 01 F7`, of the ids that Firmata leaves to its users: the host is alive. Known to kSeatFirmware alone, harmless to others.
+  /// `F0 01 F7`, of the ids that Firmata leaves to its users: the host is alive. Known to
+  /// kSeatFirmware alone, harmless to others.
   Encoder &keepalive();
 
   const std::vector<std::uint8_t> &bytes() const
@@ -84,21 +87,26 @@ struct CapabilityReport
   bool operator==(const CapabilityReport &) const = default;
 };
 
-/// A message of the board that is well formed; others of Firmata's (inputs, pin states, I2C, servos, text) mean nothing here and are not told.
+/// A message of the board that is well formed; others of Firmata's (inputs, pin states, I2C,
+/// servos, text) mean nothing here and are not told.
 using Event = std::variant<VersionReport, FirmwareReport, CapabilityReport>;
 
-/// Takes a board's bytes apart. Whatever comes, it holds no more than kMaxSysex bytes, and it finds the next whole message behind a
-/// damaged one: a byte of 0x80 or more other than F7 begins a message anew.
+/// Takes a board's bytes apart. Whatever comes, it holds no more than kMaxSysex bytes, and it finds
+/// the next whole message behind a damaged one: a byte of 0x80 or more other than F7 begins a
+/// message anew.
 class Decoder
 {
 public:
-  /// Longer system-exclusive messages are dropped: a capability report of 128 pins with 15 modes each fits.
+  /// Longer system-exclusive messages are dropped: a capability report of 128 pins with 15 modes
+  /// each fits.
   static constexpr std::size_t kMaxSysex = 4096;
 
-  /// The next bytes of the line, cut anywhere. `event` is called once for each message that ends in them.
+  /// The next bytes of the line, cut anywhere. `event` is called once for each message that ends in
+  /// them.
   void feed(std::span<const std::uint8_t> bytes, const std::function<void(const Event &)> &event);
 
-  /// Messages that were cut short, too long or contradict themselves, and bytes outside any, since construction.
+  /// Messages that were cut short, too long or contradict themselves, and bytes outside any, since
+  /// construction.
   std::uint64_t damaged() const
   {
     return damaged_;

@@ -16,9 +16,10 @@ struct ReleasedBoard
   std::optional<DriverError> refusal{}; ///< why its motors could not be stopped
 };
 
-/// After SIGKILL or a crash nobody has given a board back: the kernel has no driver for it, and so no /dev/ttyACM0, and without a watchdog its motors are still
-/// on. Each such board is opened, stopped and given back, which takes up to `patience.answer` where one does not answer. DriverError where the
-/// bus cannot be used.
+/// After SIGKILL or a crash nobody has given a board back: the kernel has no driver for it, and so
+/// no /dev/ttyACM0, and without a watchdog its motors are still on. Each such board is opened,
+/// stopped and given back, which takes up to `patience.answer` where one does not answer.
+/// DriverError where the bus cannot be used.
 [[nodiscard]] tl::expected<std::vector<ReleasedBoard>, DriverError>
 release_boards(const MakeSerialBus &make_bus = make_serial_bus, FirmataPatience patience = {});
 

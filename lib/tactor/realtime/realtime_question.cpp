@@ -63,8 +63,9 @@ unexpected(GError *error)
   return tl::unexpected(Why(error->message));
 }
 
-/// A connection to a bus. Not g_bus_get_sync(), whose connection is the process's and ends the process with the bus, and not with
-/// G_DBUS_CONNECTION_FLAGS_MESSAGE_BUS_CONNECTION, which waits 25 s for a bus that says nothing and is not to be interrupted.
+/// A connection to a bus. Not g_bus_get_sync(), whose connection is the process's and ends the
+/// process with the bus, and not with G_DBUS_CONNECTION_FLAGS_MESSAGE_BUS_CONNECTION, which waits
+/// 25 s for a bus that says nothing and is not to be interrupted.
 class BusConnection
 {
 public:

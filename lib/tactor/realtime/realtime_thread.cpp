@@ -24,7 +24,8 @@ read_clock(clockid_t clock)
   return std::chrono::seconds(time.tv_sec) + std::chrono::nanoseconds(time.tv_nsec);
 }
 
-/// Of the calling thread. Always with SCHED_RESET_ON_FORK: a thread that has it may not go back to SCHED_OTHER without.
+/// Of the calling thread. Always with SCHED_RESET_ON_FORK: a thread that has it may not go back to
+/// SCHED_OTHER without.
 bool
 schedule(int policy, int priority)
 {

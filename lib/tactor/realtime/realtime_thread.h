@@ -27,7 +27,8 @@ enum class Scheduling
 /// "normal", "direct", "rtkit", "portal", "given-back".
 std::string_view to_string(Scheduling scheduling);
 
-/// How much CPU time a real-time thread may use: `kShare` of all time, and `kBurst` at once. Not thread-safe.
+/// How much CPU time a real-time thread may use: `kShare` of all time, and `kBurst` at once. Not
+/// thread-safe.
 class CpuBudget
 {
 public:
@@ -47,20 +48,22 @@ private:
   Time left_ = kBurst;
 };
 
-/// While it lives, the thread that made it runs before all that is not real-time, if that may be had; if not, it works as without. All
-/// but the callback is that thread's. SCHED_RR, not inherited by threads and processes that it begins.
+/// While it lives, the thread that made it runs before all that is not real-time, if that may be
+/// had; if not, it works as without. All but the callback is that thread's. SCHED_RR, not inherited
+/// by threads and processes that it begins.
 ///
-/// RealtimeKit and the portal are asked on a thread of their own, which nobody waits for: the thread is real-time some milliseconds
-/// later, and an answer that has not come when this is destroyed is given up.
+/// RealtimeKit and the portal are asked on a thread of their own, which nobody waits for: the
+/// thread is real-time some milliseconds later, and an answer that has not come when this is
+/// destroyed is given up.
 class RealtimeThread
 {
 public:
-  /// The lowest there is. What comes out of a loudspeaker late is heard after five milliseconds; what a motor does late is not felt
-  /// for ten times as long.
+  /// The lowest there is. What comes out of a loudspeaker late is heard after five milliseconds;
+  /// what a motor does late is not felt for ten times as long.
   static constexpr int kPriority = 1;
 
-  /// What came of it, and how or why, in one line. Called on this thread, by the constructor or turn(), or on the one that asks;
-  /// once for each answer, and not after the destructor.
+  /// What came of it, and how or why, in one line. Called on this thread, by the constructor or
+  /// turn(), or on the one that asks; once for each answer, and not after the destructor.
   using Tell = std::function<void(Scheduling, const std::string &)>;
 
   explicit RealtimeThread(bool wanted, Tell tell = nullptr);
@@ -68,7 +71,8 @@ public:
   RealtimeThread(const RealtimeThread &) = delete;
   RealtimeThread &operator=(const RealtimeThread &) = delete;
 
-  /// To be called at each turn of the thread's loop: a thread that uses more than its CpuBudget gives the priority back for good.
+  /// To be called at each turn of the thread's loop: a thread that uses more than its CpuBudget
+  /// gives the priority back for good.
   void turn();
 
 private:

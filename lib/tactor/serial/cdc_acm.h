@@ -21,8 +21,9 @@ inline constexpr std::array kCdcAcmDevices{
   UsbId{ 0x1a86, 0 }, // WCH, USB chips of many boards
 };
 
-/// The USB communications class' serial line (CDC 1.2, PSTN 1.2, abstract control model): Uno, Mega, Leonardo, Teensy, RP2040. Only from
-/// vendors of boards: modems speak it too, and must not be asked for their capabilities.
+/// The USB communications class' serial line (CDC 1.2, PSTN 1.2, abstract control model): Uno,
+/// Mega, Leonardo, Teensy, RP2040. Only from vendors of boards: modems speak it too, and must not
+/// be asked for their capabilities.
 std::optional<SerialLine> cdc_acm_line(const libusb_device_descriptor &device,
                                        const libusb_config_descriptor &config);
 

@@ -14,8 +14,8 @@
 
 namespace tactor {
 
-/// A libusb context. It knows the devices that were there when it was made, and later ones only where udevd tells: whoever wants to know
-/// what is plugged in now makes a new one.
+/// A libusb context. It knows the devices that were there when it was made, and later ones only
+/// where udevd tells: whoever wants to know what is plugged in now makes a new one.
 class UsbContext
 {
 public:
@@ -60,9 +60,10 @@ struct UsbSerialDevice
   std::uint8_t address = 0; ///< on its bus; another one each time it is plugged in
 };
 
-/// Every serial line that is plugged in, by bus and ports. Nothing is opened and no board is disturbed: descriptors and strings are those
-/// that the kernel has read (/sys/bus/usb/devices); where there is no sysfs, serial number and name are left empty.
-/// DriverError (failed) if they cannot be listed. The result must not outlive the context.
+/// Every serial line that is plugged in, by bus and ports. Nothing is opened and no board is
+/// disturbed: descriptors and strings are those that the kernel has read (/sys/bus/usb/devices);
+/// where there is no sysfs, serial number and name are left empty. DriverError (failed) if they
+/// cannot be listed. The result must not outlive the context.
 [[nodiscard]] tl::expected<std::vector<UsbSerialDevice>, DriverError>
 find_serial_devices(const UsbContext &context);
 

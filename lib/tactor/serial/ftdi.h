@@ -15,8 +15,8 @@ inline constexpr std::array kFtdiDevices{
   UsbId{ 0x0403, 0x6015 }, // FT-X
 };
 
-/// FTDI's USB serial chips (FT232R, FT2232, FT4232, FT232H, FT-X; the first line of those with several): Arduino Nano and Duemilanove,
-/// serial cables.
+/// FTDI's USB serial chips (FT232R, FT2232, FT4232, FT232H, FT-X; the first line of those with
+/// several): Arduino Nano and Duemilanove, serial cables.
 std::optional<SerialLine> ftdi_line(const libusb_device_descriptor &device,
                                     const libusb_config_descriptor &config);
 

@@ -12,7 +12,8 @@ constexpr std::size_t kMostCharacters = 126;
 constexpr std::string_view kReplacement = "\xef\xbf\xbd";
 constexpr std::string_view kSpace(" \t\r\n\v\f\0", 7);
 
-/// Bytes of the character that `text` begins with, 0 if it is none (RFC 3629) or a control character.
+/// Bytes of the character that `text` begins with, 0 if it is none (RFC 3629) or a control
+/// character.
 std::size_t
 character(std::string_view text)
 {

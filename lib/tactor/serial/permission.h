@@ -7,8 +7,9 @@
 
 namespace tactor {
 
-/// Why the user may not open the device at this bus path ("1-2.3"), and the commands that change it, in one line: the udev rule is not installed; it has not
-/// been applied to the device; or it has, and gives it to whoever sits at the computer, whom the user is not (ssh).
+/// Why the user may not open the device at this bus path ("1-2.3"), and the commands that change
+/// it, in one line: the udev rule is not installed; it has not been applied to the device; or it
+/// has, and gives it to whoever sits at the computer, whom the user is not (ssh).
 std::string permission_advice(const std::string &bus_path, const SystemRoots &roots = {});
 
 } // namespace tactor

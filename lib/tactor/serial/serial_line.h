@@ -45,8 +45,8 @@ struct SerialLine
   std::vector<ControlRequest> set_up; ///< to 57600 baud 8N1, DTR and RTS on
 };
 
-/// A line with the first bulk endpoint in each direction of an interface; nothing if one is missing or its packets are of no legal
-/// size (USB 2.0, 5.8.3).
+/// A line with the first bulk endpoint in each direction of an interface; nothing if one is missing
+/// or its packets are of no legal size (USB 2.0, 5.8.3).
 std::optional<SerialLine> bulk_line(const libusb_interface_descriptor &interface);
 
 /// The first setting of every interface of a configuration, in the device's order.

@@ -9,7 +9,8 @@
 
 namespace tactor {
 
-/// The beginning of a file, at most 4096 bytes, without the white space at its end; empty if it cannot be read.
+/// The beginning of a file, at most 4096 bytes, without the white space at its end; empty if it
+/// cannot be read.
 inline std::string
 small_file(const std::filesystem::path &path)
 {

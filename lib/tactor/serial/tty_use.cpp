@@ -63,7 +63,8 @@ device_number(const std::string &text)
   return major_number && minor_number ? makedev(*major_number, *minor_number) : 0;
 }
 
-/// All serial lines of devices. That of cdc_acm belongs to an interface ("1-2:1.0"), that of usb-serial to a port of one ("1-2:1.0/ttyUSB0").
+/// All serial lines of devices. That of cdc_acm belongs to an interface ("1-2:1.0"), that of
+/// usb-serial to a port of one ("1-2:1.0/ttyUSB0").
 std::vector<Tty>
 list_ttys(const std::string &bus_path, int interface, const SystemRoots &roots)
 {

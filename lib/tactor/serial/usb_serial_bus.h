@@ -18,18 +18,20 @@ struct UsbPatience
   std::chrono::milliseconds request{ 1000 };
   /// Until a write has been taken. The longest one needs 89 ms on the line.
   std::chrono::milliseconds write{ 1000 };
-  /// Between two looks at what is plugged in, while watched; where udevd runs, a change is seen at once.
+  /// Between two looks at what is plugged in, while watched; where udevd runs, a change is seen at
+  /// once.
   std::chrono::milliseconds look{ 1000 };
 };
 
 /// Boards on USB, over CDC-ACM, FTDI and CH340.
 ///
-/// A port has a libusb context and an event thread of its own, which calls its events: a slow receiver delays no other board. write() fills a
-/// transfer that was allocated at open and submits it, which waits neither for the board nor for the event thread. A port must not be
-/// destroyed from within one of its events.
+/// A port has a libusb context and an event thread of its own, which calls its events: a slow
+/// receiver delays no other board. write() fills a transfer that was allocated at open and submits
+/// it, which waits neither for the board nor for the event thread. A port must not be destroyed
+/// from within one of its events.
 ///
-/// Methods of one bus must not be called by two threads at once, watch() not from within `changed`; ports are independent of the bus and may outlive
-/// it. `changed` is called on a thread of the bus.
+/// Methods of one bus must not be called by two threads at once, watch() not from within `changed`;
+/// ports are independent of the bus and may outlive it. `changed` is called on a thread of the bus.
 class UsbSerialBus : public SerialBus
 {
 public:

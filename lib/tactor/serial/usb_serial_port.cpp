@@ -190,8 +190,8 @@ UsbSerialPort::~UsbSerialPort()
   }
   libusb_interrupt_event_handler(context_.get());
   thread_.join();
-  // The kernel's driver, which gets the board back, sets another baud rate and cuts off what the USB chip still holds. This is bounded by
-  // what the largest one can hold: kMaxWrite bytes, 90 ms.
+  // The kernel's driver, which gets the board back, sets another baud rate and cuts off what the
+  // USB chip still holds. This is bounded by what the largest one can hold: kMaxWrite bytes, 90 ms.
   std::this_thread::sleep_until(carried_ + kChipTime);
 }
 

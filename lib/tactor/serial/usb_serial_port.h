@@ -79,7 +79,8 @@ private:
   static constexpr std::size_t kReads = 4;
   /// A multiple of every packet size: a board can never send more than fits.
   static constexpr std::size_t kReadSize = 512;
-  /// This many transfers in a row that end in an error, and the board is gone: an unplugged one fails each, electrical noise a few.
+  /// This many transfers in a row that end in an error, and the board is gone: an unplugged one
+  /// fails each, electrical noise a few.
   static constexpr int kErrorsInARow = 2 * kReads;
 
   struct FreeTransfer

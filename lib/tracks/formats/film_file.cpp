@@ -29,7 +29,8 @@ struct Part
   Bytes body;
 };
 
-/// Calls `visit` with the parts that follow each other in `bytes`, up to what is none or until it returns false.
+/// Calls `visit` with the parts that follow each other in `bytes`, up to what is none or until it
+/// returns false.
 template <typename Read, typename Visit>
 void
 for_each_part(Bytes bytes, Read read, Visit visit)
@@ -70,7 +71,8 @@ constexpr std::uint64_t kSubtitles = 0x11;
 /// FlagDefault with one byte of value, 0.
 constexpr std::uint8_t kNotDefault[] = { 0x88, 0x81, 0x00 };
 
-/// The first element; one of unknown size, which a Segment may have and nothing in Tracks, only where `may_be_open`: it goes to the end.
+/// The first element; one of unknown size, which a Segment may have and nothing in Tracks, only
+/// where `may_be_open`: it goes to the end.
 std::optional<Part>
 read_element(Bytes bytes, bool may_be_open)
 {

@@ -24,8 +24,8 @@ constexpr std::size_t kMostContainers = 2'000'000;
 constexpr std::size_t kMostValues = 8'000'000;
 constexpr Time kRampStep = std::chrono::milliseconds(20);
 
-/// Refuses what is not JSON but is taken by JSON-GLib (comments, assignments), and what is nested so deeply that its parser, which
-/// calls itself, would run out of stack.
+/// Refuses what is not JSON but is taken by JSON-GLib (comments, assignments), and what is nested
+/// so deeply that its parser, which calls itself, would run out of stack.
 tl::expected<void, FormatError>
 check_structure(std::string_view text)
 {
@@ -67,7 +67,8 @@ check_structure(std::string_view text)
   return {};
 }
 
-/// An object of the document and where it is. What is not there, or is something else, is told to `error`; it is 0 or nothing then.
+/// An object of the document and where it is. What is not there, or is something else, is told to
+/// `error`; it is 0 or nothing then.
 class Object
 {
 public:
@@ -321,7 +322,8 @@ private:
     last_step_.reset();
   }
 
-  /// The curve from one keyframe to the next: a step if it takes no more than a tick, else it holds or is a ramp.
+  /// The curve from one keyframe to the next: a step if it takes no more than a tick, else it holds
+  /// or is a ramp.
   void add_segment(const Object &where, std::size_t channel, std::size_t effect,
                    const StepCurve::Point &from, const StepCurve::Point &to)
   {

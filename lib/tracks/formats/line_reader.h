@@ -6,7 +6,8 @@
 
 namespace tactile {
 
-/// The lines of a text that ends them as Unix, Windows or old Macs do; a byte order mark is skipped.
+/// The lines of a text that ends them as Unix, Windows or old Macs do; a byte order mark is
+/// skipped.
 class LineReader
 {
 public:

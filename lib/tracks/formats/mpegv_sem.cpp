@@ -159,7 +159,8 @@ is_element(const xmlNode *node, const char *ns, const char *name)
          && xmlStrEqual(node->ns->href, xml(ns));
 }
 
-/// What stands in a document. What does not is told to `error`, and is the least that it may be, or nothing.
+/// What stands in a document. What does not is told to `error`, and is the least that it may be, or
+/// nothing.
 class Contents
 {
 public:
@@ -168,7 +169,8 @@ public:
     error.set(FormatError::at_line(line_of(node), std::move(reason)));
   }
 
-  /// An attribute as a number that is whole; without the attribute, `otherwise`, without that an error.
+  /// An attribute as a number that is whole; without the attribute, `otherwise`, without that an
+  /// error.
   std::int64_t integer(const xmlNode *node, const char *ns, const char *name, std::int64_t least,
                        std::int64_t most, std::optional<std::int64_t> otherwise = std::nullopt)
   {
@@ -330,7 +332,8 @@ private:
     return values;
   }
 
-  /// One motor for all, as other tools write it: until its duration is over or, without one, until the next effect.
+  /// One motor for all, as other tools write it: until its duration is over or, without one, until
+  /// the next effect.
   void read_vibration(const xmlNode *node, bool is_active, Time begin)
   {
     const std::vector<double> range = attribute(node, "intensity-range", "0 1", 2);

@@ -6,8 +6,9 @@
 
 namespace tactile {
 
-/// Steps as a curve of points that are joined by straight lines, one millisecond from one level to the next: the form that formats
-/// of interpolated curves (HJIF, funscript) have for levels that hold.
+/// Steps as a curve of points that are joined by straight lines, one millisecond from one level to
+/// the next: the form that formats of interpolated curves (HJIF, funscript) have for levels that
+/// hold.
 class StepCurve
 {
 public:

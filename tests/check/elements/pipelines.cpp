@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 //
-// Whole pipelines on the system clock, from film to motors. Whatever is done to them, the trace of the commands ends with
-// every motor at zero. Nothing here depends on how fast the machine is: it is waited for what has to happen.
+// Whole pipelines on the system clock, from film to motors. Whatever is done to them, the trace of
+// the commands ends with every motor at zero. Nothing here depends on how fast the machine is: it
+// is waited for what has to happen.
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
@@ -100,7 +101,8 @@ public:
     return stat_of(video, "rendered");
   }
 
-  /// What has been traced: in a pause, at the end of the stream or after the play. Each motor's last command is zero.
+  /// What has been traced: in a pause, at the end of the stream or after the play. Each motor's
+  /// last command is zero.
   std::vector<IssuedCommand> trace()
   {
     const std::vector<IssuedCommand> lines = unwrap(tactor::read_command_trace(trace_file.path));
@@ -122,7 +124,8 @@ public:
     Time issued = Time::min();
     bool vibrated = false;
     for (const IssuedCommand &line : lines) {
-      // A pause or a seek. One that finds all motors at rest leaves only a running time that begins anew, if that.
+      // A pause or a seek. One that finds all motors at rest leaves only a running time that begins
+      // anew, if that.
       const bool begins = is_unplanned(line) || line.issued < issued
                           || (seeks > 0 && line.issued > line.command.effect);
       fail_unless(begins || line.command.effect >= effect);
@@ -206,7 +209,8 @@ GST_START_TEST(test_pause_and_play)
 }
 GST_END_TEST;
 
-/// Half a second of the film at several rates: running time is film time through rate, the frames are as many.
+/// Half a second of the film at several rates: running time is film time through rate, the frames
+/// are as many.
 static void
 check_rate(double rate)
 {
@@ -354,7 +358,8 @@ GST_START_TEST(test_error_upstream)
 }
 GST_END_TEST;
 
-/// Other frames and another grid in the middle of the stream: the old grid's motors stand, the new one's go on.
+/// Other frames and another grid in the middle of the stream: the old grid's motors stand, the new
+/// one's go on.
 GST_START_TEST(test_caps_change)
 {
   Player player("tactiletestsrc num-buffers=45" + kCaps

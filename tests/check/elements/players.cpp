@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 //
-// A film with sound in playbin and playbin3, shown by visuotactilesink: picture, sound and commands belong together after
-// seeks, pauses and changes of speed. Compared are running times, of the frames and the sound as they reach their sinks and of
-// the commands in the trace: nothing depends on how fast the machine is.
+// A film with sound in playbin and playbin3, shown by visuotactilesink: picture, sound and commands
+// belong together after seeks, pauses and changes of speed. Compared are running times, of the
+// frames and the sound as they reach their sinks and of the commands in the trace: nothing depends
+// on how fast the machine is.
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
@@ -178,7 +179,8 @@ is_unplanned(const IssuedCommand &line)
   return line.command.lead == Time(0) && line.command.effect == line.issued;
 }
 
-/// Each command of the play takes effect when a frame is shown that says so, to the microsecond. To be called when nothing is played.
+/// Each command of the play takes effect when a frame is shown that says so, to the microsecond. To
+/// be called when nothing is played.
 void
 assert_commands_are_the_frames(Player &player, guint at_least)
 {
@@ -189,7 +191,8 @@ assert_commands_are_the_frames(Player &player, guint at_least)
       continue;
     const gint64 effect = line.command.effect.count();
     const auto cell = static_cast<std::size_t>(line.command.tactor);
-    // Running times begin anew with each flushing seek, so that more than one frame may have this one.
+    // Running times begin anew with each flushing seek, so that more than one frame may have this
+    // one.
     const bool shown = std::ranges::any_of(player.frames.arrivals, [&](const Arrival &frame) {
       return std::abs(frame.running - effect) <= kSame && cell < frame.felt.size()
              && frame.felt[cell];
@@ -200,8 +203,9 @@ assert_commands_are_the_frames(Player &player, guint at_least)
   fail_unless(checked >= at_least, "%u commands", checked);
 }
 
-/// Picture and sound of the same place in the film have the same running time, to the millisecond (the resolution of Matroska's
-/// time stamps), in each piece of play: the same distance between the place in the film and rate × running time.
+/// Picture and sound of the same place in the film have the same running time, to the millisecond
+/// (the resolution of Matroska's time stamps), in each piece of play: the same distance between the
+/// place in the film and rate × running time.
 void
 assert_sound_is_the_pictures(Player &player, const std::vector<double> &rates)
 {

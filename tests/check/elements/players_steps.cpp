@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 //
-// playbin and playbin3 with visuotactilesink do what they do with GStreamer's own sink when a film is sought and stepped through:
-// as many flushes, each step a frame, and the sound where the picture is.
+// playbin and playbin3 with visuotactilesink do what they do with GStreamer's own sink when a film
+// is sought and stepped through: as many flushes, each step a frame, and the sound where the
+// picture is.
 #include <array>
 #include <filesystem>
 #include <fstream>

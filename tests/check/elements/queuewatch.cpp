@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 //
-// Pipelines that wait for ever because a queue is missing, and pipelines that wait for something else, on a GstTestClock in place of the
-// system's.
+// Pipelines that wait for ever because a queue is missing, and pipelines that wait for something
+// else, on a GstTestClock in place of the system's.
 #include "../libs/contains.h"
 #include "../playing.h"
 

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 //
-// saliencytactile and single frames: what passes through it stays as it is, and every format is seen as the same film. What
-// happens over time is tested in saliencytactile_stream; what the map says in libs/analyzer and libs/tactile_mapping.
+// saliencytactile and single frames: what passes through it stays as it is, and every format is
+// seen as the same film. What happens over time is tested in saliencytactile_stream; what the map
+// says in libs/analyzer and libs/tactile_mapping.
 #include <cmath>
 
 #include "saliencytactile_rig.h"
@@ -37,8 +38,8 @@ GST_START_TEST(test_formats)
 }
 GST_END_TEST;
 
-/// A checkered square of red and cyan has, from afar, the code values of the gray around it, but not its
-/// color: small frames are looked at closely anyway.
+/// A checkered square of red and cyan has, from afar, the code values of the gray around it, but
+/// not its color: small frames are looked at closely anyway.
 GST_START_TEST(test_exact)
 {
   struct Case
@@ -203,7 +204,8 @@ GST_START_TEST(test_interlaced)
 }
 GST_END_TEST;
 
-/// Fields that come one a buffer are half as high as the frame; a map of a side that no meta can hold is left out with one warning.
+/// Fields that come one a buffer are half as high as the frame; a map of a side that no meta can
+/// hold is left out with one warning.
 GST_START_TEST(test_alternate_fields_and_long_sides)
 {
   Analysis analysis;
@@ -244,7 +246,8 @@ GST_END_TEST;
 
 namespace {
 
-/// A frame of noiseless gray with a round bright spot, Gaussian of σ pixels, about (x, y), or none if σ is 0.
+/// A frame of noiseless gray with a round bright spot, Gaussian of σ pixels, about (x, y), or none
+/// if σ is 0.
 GstBuffer *
 spot_frame(int width, int height, double x, double y, double sigma)
 {
@@ -270,7 +273,8 @@ struct Point
   double y;
 };
 
-/// The centroid of a frame's saliency map, in pixels of the picture, as whoever resizes the map to it finds it.
+/// The centroid of a frame's saliency map, in pixels of the picture, as whoever resizes the map to
+/// it finds it.
 Point
 centroid_on_picture(GstBuffer *buffer, int width, int height)
 {
@@ -291,8 +295,9 @@ centroid_on_picture(GstBuffer *buffer, int width, int height)
 
 } // namespace
 
-/// The saliency map, resized to the picture, lies on it: a spot's centroid is where the spot is. One at a time is off by what the spot's
-/// place between samples makes of it, which a sample's width of places evens out.
+/// The saliency map, resized to the picture, lies on it: a spot's centroid is where the spot is.
+/// One at a time is off by what the spot's place between samples makes of it, which a sample's
+/// width of places evens out.
 GST_START_TEST(test_saliency_lies_on_the_picture)
 {
   constexpr int kWide = 640;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 //
-// Pictures that are turned when they are shown: the grid is the viewer's. The peer is GStreamer's own videoflip, which turns the pixels.
+// Pictures that are turned when they are shown: the grid is the viewer's. The peer is GStreamer's
+// own videoflip, which turns the pixels.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -37,7 +38,8 @@ struct Scene
   int x;
   int y;
 };
-// Places that no orientation confuses with another, in sizes that are whole multiples of the saliency map's samples and in others.
+// Places that no orientation confuses with another, in sizes that are whole multiples of the
+// saliency map's samples and in others.
 constexpr Scene kScenes[] = { { 320, 240, 40, 20 }, { 256, 256, 208, 30 }, { 250, 334, 20, 240 } };
 
 std::string
@@ -123,9 +125,11 @@ public:
 
 } // namespace
 
-/// What is felt of a picture with a tag, or by the property, is what is felt of the picture truly turned. A pyramid has its samples on every
-/// 2ⁿth pixel from the left and the top, so that those of a turned picture lie up to a sample, 4 to 8 of 240 pixels, elsewhere, and a square
-/// of 24 pixels near a border of cells moves as much of its level: 9 % at most here. A wrong orientation differs by a whole level.
+/// What is felt of a picture with a tag, or by the property, is what is felt of the picture truly
+/// turned. A pyramid has its samples on every 2ⁿth pixel from the left and the top, so that those
+/// of a turned picture lie up to a sample, 4 to 8 of 240 pixels, elsewhere, and a square of 24
+/// pixels near a border of cells moves as much of its level: 9 % at most here. A wrong orientation
+/// differs by a whole level.
 GST_START_TEST(test_as_if_turned)
 {
   const Way &way = kWays[static_cast<std::size_t>(__i__)];
@@ -147,7 +151,8 @@ GST_START_TEST(test_as_if_turned)
 }
 GST_END_TEST;
 
-/// The stream's own tag counts more than the whole file's; both hold over flushes, until other tags come or another stream.
+/// The stream's own tag counts more than the whole file's; both hold over flushes, until other tags
+/// come or another stream.
 GST_START_TEST(test_tags)
 {
   Player player;
@@ -170,7 +175,8 @@ GST_START_TEST(test_tags)
 }
 GST_END_TEST;
 
-/// A tag that comes while the film plays holds from the next frame on, also where that is not analyzed.
+/// A tag that comes while the film plays holds from the next frame on, also where that is not
+/// analyzed.
 GST_START_TEST(test_tag_under_way)
 {
   Analysis analysis("saliencytactile max-rate=1", caps_of(kScenes[0]).c_str());

@@ -17,7 +17,8 @@ constexpr int kWidth = 320;
 constexpr int kHeight = 240;
 constexpr int kBall = 24; // side of the square "ball": fits into a cell of the cropped picture, too
 
-/// A gray RGB frame with a reddish square, weak enough not to saturate the levels, at (x, y), or none if x < 0.
+/// A gray RGB frame with a reddish square, weak enough not to saturate the levels, at (x, y), or
+/// none if x < 0.
 inline GstBuffer *
 rgb_frame(const GstVideoInfo &info, int x, int y)
 {

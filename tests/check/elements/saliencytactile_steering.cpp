@@ -203,8 +203,8 @@ GST_START_TEST(test_targets_of_a_film)
 GST_END_TEST;
 
 /// A real detector: OpenCV's, of gst-plugins-bad, with the cascade of Debian's opencv-data. The
-/// picture has a face and, as large and as contrasting, the same lying on its side, which is none to
-/// it.
+/// picture has a face and, as large and as contrasting, the same lying on its side, which is none
+/// to it.
 GST_START_TEST(test_face_detector)
 {
   GstElementFactory *detector = gst_element_factory_find("facedetect");

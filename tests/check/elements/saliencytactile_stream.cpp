@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 //
-// saliencytactile over time: properties that change, resets, rates, streams that begin anew, and what it tells of them.
+// saliencytactile over time: properties that change, resets, rates, streams that begin anew, and
+// what it tells of them.
 #include "saliencytactile_rig.h"
 
 constexpr const char *kTiny = "video/x-raw,format=GRAY8,width=16,height=16,framerate=30/1";

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 //
-// tactorsink's scheduler with a host and a board that are made up, on a GstTestClock: every time is exact.
+// tactorsink's scheduler with a host and a board that are made up, on a GstTestClock: every time is
+// exact.
 #pragma once
 
 #include "gst/tactor/tactorscheduler.h"
@@ -45,8 +46,8 @@ struct Write
   bool operator==(const Write &) const = default;
 };
 
-/// The host's side of the tests, and the element's clock. A test that wants to act while the scheduler has read the
-/// timing but not used it yet sets `after_timing`.
+/// The host's side of the tests, and the element's clock. A test that wants to act while the
+/// scheduler has read the timing but not used it yet sets `after_timing`.
 class Host final : public TactorSchedulerHost
 {
 public:
@@ -110,7 +111,8 @@ private:
   std::vector<std::string> refusals_;
 };
 
-/// The board, which outlives its driver: what it was told, what its motors do, and when it shall misbehave.
+/// The board, which outlives its driver: what it was told, what its motors do, and when it shall
+/// misbehave.
 struct Board
 {
   std::mutex mutex;
@@ -307,7 +309,8 @@ public:
     if (until <= time)
       gst_clock_id_unref(gst_test_clock_process_next_clock_id(clock));
   }
-  /// Lets time pass, at no point faster than the scheduler; it has to have something to sleep on afterwards.
+  /// Lets time pass, at no point faster than the scheduler; it has to have something to sleep on
+  /// afterwards.
   void run_to(Time time)
   {
     for (Time next = asleep(); next <= time; next = asleep())

@@ -100,7 +100,8 @@ public:
   }
 
 private:
-  /// The track's streaming thread: the element holds one buffer of it until the film is there. Ends at what is no buffer or event.
+  /// The track's streaming thread: the element holds one buffer of it until the film is there. Ends
+  /// at what is no buffer or event.
   void feed()
   {
     for (gpointer next = nullptr; (next = g_async_queue_pop(to_push_)) != this;)

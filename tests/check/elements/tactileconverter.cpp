@@ -84,7 +84,8 @@ public:
     return cue;
   }
 
-  /// Names of the events since the last call, gaps with their time and duration in ms, caps of maps with their grid.
+  /// Names of the events since the last call, gaps with their time and duration in ms, caps of maps
+  /// with their grid.
   std::string events()
   {
     std::string names;

@@ -55,7 +55,8 @@ pull_gaps(GstHarness *h)
 
 } // namespace
 
-// A player has nothing to draw, and nothing to wait for; the packets are there for those who know them.
+// A player has nothing to draw, and nothing to wait for; the packets are there for those who know
+// them.
 GST_START_TEST(test_gaps_come_out)
 {
   GstHarness *h = gst_harness_new("tactileklvdec");

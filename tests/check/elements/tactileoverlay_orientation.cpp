@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 //
-// tactileoverlay on pictures that are turned after it: seen on the screen, the map is as it would be drawn there.
+// tactileoverlay on pictures that are turned after it: seen on the screen, the map is as it would
+// be drawn there.
 #include <algorithm>
 #include <array>
 #include <cstdlib>
@@ -58,7 +59,8 @@ picture_after(const std::string &line, const gchar *tag)
   return pixels;
 }
 
-/// How much two pictures differ at most; a map that is interpolated from the other end is rounded otherwise.
+/// How much two pictures differ at most; a map that is interpolated from the other end is rounded
+/// otherwise.
 int
 difference(const std::vector<int> &one, const std::vector<int> &other)
 {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 //
-// tactilesubtitles: what becomes of frames and of subtitles. That players choose it is tests/tools/players.sh.
+// tactilesubtitles: what becomes of frames and of subtitles. That players choose it is
+// tests/tools/players.sh.
 #include "tracks/klv.h"
 
 #include <string>
@@ -97,7 +98,8 @@ using Levels = std::vector<int>;
 
 } // namespace
 
-/// Each frame gets the map in whose time it begins, a silent one where there is none; nothing is drawn.
+/// Each frame gets the map in whose time it begins, a silent one where there is none; nothing is
+/// drawn.
 GST_START_TEST(test_track)
 {
   Subtitles s;
@@ -192,7 +194,8 @@ GST_END_TEST;
 
 namespace {
 
-/// A track of 150 frames, in ms: cues that follow each other and cues with a break after them, of one frame and of many.
+/// A track of 150 frames, in ms: cues that follow each other and cues with a break after them, of
+/// one frame and of many.
 struct TimedLevel
 {
   GstClockTime begin;
@@ -200,8 +203,14 @@ struct TimedLevel
   int percent;
 };
 constexpr TimedLevel kTrack[] = {
-  { 200, 1000, 11 },  { 1000, 1040, 12 }, { 1040, 2000, 13 }, { 2200, 2600, 14 },
-  { 2600, 3401, 15 }, { 3400, 4000, 16 }, { 4000, 5800, 17 }, // one ends late by what its times are rounded to
+  { 200, 1000, 11 },
+  { 1000, 1040, 12 },
+  { 1040, 2000, 13 },
+  { 2200, 2600, 14 },
+  // One ends late by what its times are rounded to
+  { 2600, 3401, 15 },
+  { 3400, 4000, 16 },
+  { 4000, 5800, 17 },
 };
 constexpr GstClockTime kFilmEnd = 6000;
 
@@ -215,7 +224,8 @@ percent_of_track_at(GstClockTime time)
   return percent;
 }
 
-/// Plays the film at a rate, its cues in the order of these indices, and counts the frames that have not the track's own level.
+/// Plays the film at a rate, its cues in the order of these indices, and counts the frames that
+/// have not the track's own level.
 int
 frames_unlike_track(gdouble rate, const std::vector<std::size_t> &order)
 {

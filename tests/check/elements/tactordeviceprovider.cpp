@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 //
-// tactordeviceprovider on a bus in memory. It and tactorsink are part of this program, since it must not meet itself in a plugin.
+// tactordeviceprovider on a bus in memory. It and tactorsink are part of this program, since it
+// must not meet itself in a plugin.
 #include "gst/tactor/gsttactordeviceprovider.h"
 #include "gst/tactor/gsttactorsink.h"
 #include "tactor/driver.h"
@@ -250,7 +251,8 @@ GST_START_TEST(test_probe)
 }
 GST_END_TEST;
 
-/// A tactorsink is made for the serial number, or for the socket where that would be no or another board's.
+/// A tactorsink is made for the serial number, or for the socket where that would be no or another
+/// board's.
 GST_START_TEST(test_create_element)
 {
   Rig rig;
@@ -318,7 +320,8 @@ GST_START_TEST(test_plugging)
 }
 GST_END_TEST;
 
-/// A board whose serial number another one has, too, is named by its socket from the moment at which that comes to that at which it goes.
+/// A board whose serial number another one has, too, is named by its socket from the moment at
+/// which that comes to that at which it goes.
 GST_START_TEST(test_twin_comes_later)
 {
   Rig rig;
@@ -415,7 +418,8 @@ GST_START_TEST(test_many_changes)
     free_devices(gst_device_provider_get_devices(rig.provider));
   plugger.join();
 
-  // Each device is removed once at most, and what is left is what is plugged in. The provider may still be at it.
+  // Each device is removed once at most, and what is left is what is plugged in. The provider may
+  // still be at it.
   std::vector<GstDevice *> there;
   const auto is_settled = [&] {
     return there.size() == 1 && property(there[0], "device.bus_path") == "9-9"

@@ -9,8 +9,9 @@
 
 namespace {
 
-/// What the motors are told in the tests where each command is a write of its own, worked out anew: sorted by due time,
-/// later ones of the same tactor and time win, and nothing is written that changes nothing.
+/// What the motors are told in the tests where each command is a write of its own, worked out anew:
+/// sorted by due time, later ones of the same tactor and time win, and nothing is written that
+/// changes nothing.
 std::vector<Write>
 expected_writes(std::vector<Command> commands)
 {
@@ -39,7 +40,8 @@ padded(std::vector<Write> writes)
   return writes;
 }
 
-/// Runs work() while the board is inside a write of nonzero volts that ends only afterwards, and waits for both.
+/// Runs work() while the board is inside a write of nonzero volts that ends only afterwards, and
+/// waits for both.
 void
 during_a_write(Rig &rig, const std::function<void()> &work)
 {
@@ -220,7 +222,8 @@ GST_START_TEST(test_stop)
 }
 GST_END_TEST;
 
-/// Silence asked for inside a write comes after what is being written, and is there when the call returns.
+/// Silence asked for inside a write comes after what is being written, and is there when the call
+/// returns.
 GST_START_TEST(test_silence_during_a_write)
 {
   const std::vector<std::function<void(TactorScheduler &)>> ways{
@@ -243,8 +246,8 @@ GST_START_TEST(test_silence_during_a_write)
 }
 GST_END_TEST;
 
-/// Who asks for silence while the board is told of what others asked for before, is let go after the
-/// zeros and not already after that.
+/// Who asks for silence while the board is told of what others asked for before, is let go after
+/// the zeros and not already after that.
 GST_START_TEST(test_silence_comes_before_the_return)
 {
   for (int round = 0; round < 10; round++) {
@@ -327,7 +330,8 @@ GST_START_TEST(test_starved)
 }
 GST_END_TEST;
 
-/// A film that is seconds behind, as after a suspend, is not felt as it is made up for: no motor starts for what was shown long ago.
+/// A film that is seconds behind, as after a suspend, is not felt as it is made up for: no motor
+/// starts for what was shown long ago.
 GST_START_TEST(test_stale_commands_are_dropped)
 {
   Rig rig;
@@ -361,8 +365,8 @@ GST_START_TEST(test_stale_commands_are_dropped)
 }
 GST_END_TEST;
 
-/// An interruption that is over before drain() has begun, or woken up, ends it all the same: GstBaseSink interrupts in passing where it
-/// does not have to wait for a lock.
+/// An interruption that is over before drain() has begun, or woken up, ends it all the same:
+/// GstBaseSink interrupts in passing where it does not have to wait for a lock.
 GST_START_TEST(test_interruptions_in_passing)
 {
   Rig rig;
@@ -481,7 +485,8 @@ GST_START_TEST(test_offset_and_clock_change)
 }
 GST_END_TEST;
 
-/// A change that comes just after the scheduler has read the timing, and before it sleeps, is not missed.
+/// A change that comes just after the scheduler has read the timing, and before it sleeps, is not
+/// missed.
 GST_START_TEST(test_change_between_reading_and_sleeping)
 {
   Rig rig;

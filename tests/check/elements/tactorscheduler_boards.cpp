@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 //
-// tactorsink's scheduler: boards that want to be refreshed, boards that fail, and many threads at once.
+// tactorsink's scheduler: boards that want to be refreshed, boards that fail, and many threads at
+// once.
 #include "scheduler_rig.h"
 
 #include <random>
 #include <thread>
 
-/// A board that wants to know that its host is alive is told again what it was told, while a motor is on.
+/// A board that wants to know that its host is alive is told again what it was told, while a motor
+/// is on.
 GST_START_TEST(test_refresh)
 {
   Rig rig(false);
@@ -29,7 +31,8 @@ GST_START_TEST(test_refresh)
                                       { milliseconds(1500), { 0.0, 0.0 } } }));
   ck_assert_uint_eq(rig.scheduler->driver_status().bytes, 7);
 
-  // Neither in a pause nor when muted; and a seek, after which running time begins anew, does not put it off.
+  // Neither in a pause nor when muted; and a seek, after which running time begins anew, does not
+  // put it off.
   rig.push({ command(3500, 0, 2.0) });
   rig.run_to(3650);
   rig.scheduler->pause();
@@ -69,7 +72,8 @@ GST_START_TEST(test_refresh_without_clock)
 }
 GST_END_TEST;
 
-/// Whose fault it was: a command that came after it was due is late by its map, one that waited for the thread by the thread.
+/// Whose fault it was: a command that came after it was due is late by its map, one that waited for
+/// the thread by the thread.
 GST_START_TEST(test_whose_fault)
 {
   Rig rig;
@@ -158,7 +162,8 @@ GST_START_TEST(test_start_and_stop_against_others)
 }
 GST_END_TEST;
 
-/// Everything at once, with a board that wants to be refreshed. One thread alone pauses and plays, and finds the motors at zero between.
+/// Everything at once, with a board that wants to be refreshed. One thread alone pauses and plays,
+/// and finds the motors at zero between.
 GST_START_TEST(test_many_threads)
 {
   for (unsigned seed = 1; seed <= 25; seed++) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 //
-// What the scheduler does of itself for motors and skin: commands run out, the first vibration is soft.
+// What the scheduler does of itself for motors and skin: commands run out, the first vibration is
+// soft.
 #include "scheduler_rig.h"
 
 #include <thread>
@@ -143,7 +144,8 @@ GST_START_TEST(test_soft_start)
 }
 GST_END_TEST;
 
-/// So it is after a pause, a flush and mute; a weak level is there as soon as it may, and a level that changes meanwhile is held below.
+/// So it is after a pause, a flush and mute; a weak level is there as soon as it may, and a level
+/// that changes meanwhile is held below.
 GST_START_TEST(test_soft_again)
 {
   Rig rig;
@@ -183,8 +185,8 @@ GST_START_TEST(test_soft_again)
 }
 GST_END_TEST;
 
-/// On a line that takes 15 ms for a level two take 30, and so do the steps from the next one on. The flush's zero is the first write of
-/// the second ramp.
+/// On a line that takes 15 ms for a level two take 30, and so do the steps from the next one on.
+/// The flush's zero is the first write of the second ramp.
 GST_START_TEST(test_soft_start_on_a_slow_line)
 {
   Rig rig(false);
@@ -210,7 +212,8 @@ GST_START_TEST(test_soft_start_on_a_slow_line)
 }
 GST_END_TEST;
 
-/// A board that was lost is at zero until it is back, and starts softly, too; a pause in the middle of a soft start ends it.
+/// A board that was lost is at zero until it is back, and starts softly, too; a pause in the middle
+/// of a soft start ends it.
 GST_START_TEST(test_soft_after_faults)
 {
   Rig rig;

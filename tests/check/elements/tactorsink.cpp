@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 //
-// When tactorsink tells motors what: in play, pause, seek, mute and at the end. What comes in is tested in tactorsink_input.
+// When tactorsink tells motors what: in play, pause, seek, mute and at the end. What comes in is
+// tested in tactorsink_input.
 #include "tactorsink_rig.h"
 
 /// One rise from rest to full, under each compensation: 64.54 ms by Eq. 1, which is 1.6 frames of
@@ -104,7 +105,8 @@ GST_START_TEST(test_pause_waits_for_no_map)
 }
 GST_END_TEST;
 
-/// A preroll that ends when the play was given up meanwhile: the base class says so on the streaming thread, after the pause.
+/// A preroll that ends when the play was given up meanwhile: the base class says so on the
+/// streaming thread, after the pause.
 GST_START_TEST(test_late_preroll_is_no_play)
 {
   Rig rig;
@@ -447,8 +449,8 @@ GST_START_TEST(test_late_is_counted_and_said)
 }
 GST_END_TEST;
 
-/// The thread that issues commands runs before others, where that may be had, and says how it is scheduled. It is the one that tells
-/// of a lead that was short.
+/// The thread that issues commands runs before others, where that may be had, and says how it is
+/// scheduled. It is the one that tells of a lead that was short.
 GST_START_TEST(test_realtime)
 {
   g_setenv("DBUS_SYSTEM_BUS_ADDRESS", "unix:path=/nonexistent/bus", TRUE);

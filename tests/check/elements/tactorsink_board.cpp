@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 //
-// tactorsink with real drivers and boards in memory: the element is built into this program, which brings its own serial bus.
+// tactorsink with real drivers and boards in memory: the element is built into this program, which
+// brings its own serial bus.
 #include "gst/tactor/gsttactorsink.h"
 
 #include "../libs/memory_bus.h"
@@ -216,7 +217,8 @@ GST_START_TEST(test_end_of_stream)
 }
 GST_END_TEST;
 
-/// One warning for people, a message for programs; the film goes on; the board is told zeros, and when it returns what holds then.
+/// One warning for people, a message for programs; the film goes on; the board is told zeros, and
+/// when it returns what holds then.
 GST_START_TEST(test_lost_and_found)
 {
   Rig rig("firmata");
@@ -304,7 +306,8 @@ GST_START_TEST(test_errors)
 }
 GST_END_TEST;
 
-/// A pause, a play and a seek while the board is still silent: the stream waits on, or is sent away, and plays when the board answers.
+/// A pause, a play and a seek while the board is still silent: the stream waits on, or is sent
+/// away, and plays when the board answers.
 GST_START_TEST(test_slow_board)
 {
   Rig rig("firmata");
@@ -328,7 +331,8 @@ GST_START_TEST(test_slow_board)
 }
 GST_END_TEST;
 
-/// In a live play time goes on while the board is opened: what was shown meanwhile is left out, and nobody is told that it came late.
+/// In a live play time goes on while the board is opened: what was shown meanwhile is left out, and
+/// nobody is told that it came late.
 GST_START_TEST(test_slow_board_in_a_live_play)
 {
   Rig rig("firmata");
@@ -377,8 +381,9 @@ GST_START_TEST(test_slow_board_in_a_live_play)
 }
 GST_END_TEST;
 
-/// 64 tactors: 14 pins whose level takes 3 bytes, 50 of 6. Where max-active lets few change at once that is said, otherwise it is a
-/// warning with the numbers and what to do, and a message for programs; on a chair of nine nothing is said.
+/// 64 tactors: 14 pins whose level takes 3 bytes, 50 of 6. Where max-active lets few change at once
+/// that is said, otherwise it is a warning with the numbers and what to do, and a message for
+/// programs; on a chair of nine nothing is said.
 GST_START_TEST(test_large_chair)
 {
   Layout layout = kUno;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 //
-// What tactorsink takes: caps, maps and frames of all kinds, what it opens, and what it asks of upstream.
+// What tactorsink takes: caps, maps and frames of all kinds, what it opens, and what it asks of
+// upstream.
 #include "tactorsink_rig.h"
 
 #include "../libs/contains.h"

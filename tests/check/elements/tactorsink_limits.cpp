@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 //
-// tactorsink's properties that spare motors and skin, on the clock. What the limits are is tested in libs/motor_limits.
+// tactorsink's properties that spare motors and skin, on the clock. What the limits are is tested
+// in libs/motor_limits.
 #include "tactorsink_rig.h"
 
 GST_START_TEST(test_defaults_spare_motors)
@@ -185,7 +186,8 @@ GST_START_TEST(test_ramp_in)
 }
 GST_END_TEST;
 
-/// 0.6 V from rest: full voltage for 64.54 ms · lg(3 / (3 - 0.9 · 0.6)) = 5.6 ms, but 10 ms at least.
+/// 0.6 V from rest: full voltage for 64.54 ms · lg(3 / (3 - 0.9 · 0.6)) = 5.6 ms, but 10 ms at
+/// least.
 GST_START_TEST(test_kick_start)
 {
   Rig rig;

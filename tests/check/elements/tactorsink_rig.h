@@ -172,8 +172,9 @@ public:
   }
 
   /// Whether everybody who is going to sleep does so now: the streaming thread, and once a map has
-  /// come the scheduler too, which then always has a command or the end of a hold to wait for; or one
-  /// alone whose time has come already. The wait is cut in pieces only to look whether the work is done.
+  /// come the scheduler too, which then always has a command or the end of a hold to wait for; or
+  /// one alone whose time has come already. The wait is cut in pieces only to look whether the work
+  /// is done.
   bool all_asleep()
   {
     GList *pending = nullptr;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 //
-// visuotactilesink as a player's video sink: its properties, the sink that it shows the film with, windows and keys. What it plays
-// is tested in visuotactilesink_playing.
+// visuotactilesink as a player's video sink: its properties, the sink that it shows the film with,
+// windows and keys. What it plays is tested in visuotactilesink_playing.
 #include "visuotactilesink_rig.h"
 
 #include <gst/tactile/tactile.h>
@@ -167,7 +167,8 @@ assert_direction(gpointer object, const gchar *property, GstVideoOrientationMeth
   ck_assert_int_eq(direction, expected);
 }
 
-/// Picture and grid are turned together; a video sink that was given is not told unless the user does.
+/// Picture and grid are turned together; a video sink that was given is not told unless the user
+/// does.
 GST_START_TEST(test_video_direction)
 {
   hide_other_sinks();
@@ -314,8 +315,8 @@ GST_START_TEST(test_in_a_described_bin)
 }
 GST_END_TEST;
 
-/// The best by rank that can be used: not itself, not one that would choose in turn, not one that fails or
-/// is known to crash.
+/// The best by rank that can be used: not itself, not one that would choose in turn, not one that
+/// fails or is known to crash.
 GST_START_TEST(test_choice_by_rank)
 {
   hide_other_sinks();

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 //
-// visuotactilesink playing: how much later the picture is, live, without tactors, in memory that cannot be read. What is measured of
-// time are running times: nothing depends on how fast the machine is.
+// visuotactilesink playing: how much later the picture is, live, without tactors, in memory that
+// cannot be read. What is measured of time are running times: nothing depends on how fast the
+// machine is.
 #include <atomic>
 #include <future>
 #include <thread>
@@ -69,8 +70,8 @@ GST_START_TEST(test_plays_and_delays_the_picture)
 }
 GST_END_TEST;
 
-/// Live, the picture is later than its source by what the motors need and 10 ms, and by nothing else: so also when `max-lead` is
-/// small, and behind a network.
+/// Live, the picture is later than its source by what the motors need and 10 ms, and by nothing
+/// else: so also when `max-lead` is small, and behind a network.
 static void
 check_live(const std::string &source, guint max_lead, GstClockTime at_least)
 {
@@ -142,7 +143,8 @@ GST_START_TEST(test_plays_without_tactors)
 }
 GST_END_TEST;
 
-/// A board fails, and before the tactors are taken out of that play the next has begun: they stay in it.
+/// A board fails, and before the tactors are taken out of that play the next has begun: they stay
+/// in it.
 GST_START_TEST(test_fails_late_in_the_last_play)
 {
   register_test_sink(GST_RANK_NONE);
@@ -250,7 +252,8 @@ GST_START_TEST(test_unreadable_memory)
 }
 GST_END_TEST;
 
-/// In a pause a user looks at one frame after the other, more than the queues hold: the motors, which stand, do not stop that.
+/// In a pause a user looks at one frame after the other, more than the queues hold: the motors,
+/// which stand, do not stop that.
 GST_START_TEST(test_frames_are_stepped_through)
 {
   Player player(kFilm + kSink + "video-sink=fakesink");

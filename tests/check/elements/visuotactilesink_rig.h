@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 //
-// visuotactilesink in a pipeline, with a video sink made here that tells what it was asked for. One test includes it: it defines
-// a GObject.
+// visuotactilesink in a pipeline, with a video sink made here that tells what it was asked for. One
+// test includes it: it defines a GObject.
 #pragma once
 
 #include "tactor/command_trace.h"

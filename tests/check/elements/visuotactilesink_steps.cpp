@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 //
-// What an application asks of visuotactilesink as a whole: a seek and its like go upstream once, a frame is stepped once, and the
-// motors go on with the frame that is seen.
+// What an application asks of visuotactilesink as a whole: a seek and its like go upstream once, a
+// frame is stepped once, and the motors go on with the frame that is seen.
 #include <algorithm>
 #include <map>
 
@@ -23,7 +23,8 @@ cell_of(guint64 number)
   return static_cast<int>(number % kCells);
 }
 
-/// A frame as it comes out of Matroska: its time is rounded to the millisecond, its duration is not.
+/// A frame as it comes out of Matroska: its time is rounded to the millisecond, its duration is
+/// not.
 GstPadProbeReturn
 add_map(GstPad *, GstPadProbeInfo *info, gpointer)
 {
@@ -92,8 +93,8 @@ public:
   {
     return unwrap(tactor::read_command_trace(trace_file.path)).size();
   }
-  /// After so many lines of the trace, all that is felt belongs to a frame that is shown at that time, from one on. Commands that a
-  /// busy machine leaves out are not missed.
+  /// After so many lines of the trace, all that is felt belongs to a frame that is shown at that
+  /// time, from one on. Commands that a busy machine leaves out are not missed.
   void assert_felt_is_seen(std::size_t after, guint64 from)
   {
     const std::vector<ShownFrame> shown = *test_video_sink(screen)->shown;
@@ -188,7 +189,8 @@ GST_START_TEST(test_steps_once)
 }
 GST_END_TEST;
 
-/// Frames that were stepped over are not felt; the one that is seen when the film goes on is, and all after it, when they are shown.
+/// Frames that were stepped over are not felt; the one that is seen when the film goes on is, and
+/// all after it, when they are shown.
 GST_START_TEST(test_motors_go_on_with_the_frame_that_is_seen)
 {
   register_test_sink(GST_RANK_NONE);
@@ -203,7 +205,8 @@ GST_START_TEST(test_motors_go_on_with_the_frame_that_is_seen)
 }
 GST_END_TEST;
 
-/// Likewise in the middle of the film, when maps were on their way, and after a while, in which the clock goes on.
+/// Likewise in the middle of the film, when maps were on their way, and after a while, in which the
+/// clock goes on.
 GST_START_TEST(test_motors_go_on_after_a_pause)
 {
   register_test_sink(GST_RANK_NONE);
@@ -221,7 +224,8 @@ GST_START_TEST(test_motors_go_on_after_a_pause)
 }
 GST_END_TEST;
 
-/// When the picture has frames left and the tactors, which are ahead, have none: frames are stepped through all the same.
+/// When the picture has frames left and the tactors, which are ahead, have none: frames are stepped
+/// through all the same.
 GST_START_TEST(test_steps_at_the_end)
 {
   register_test_sink(GST_RANK_NONE);

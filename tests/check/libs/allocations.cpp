@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 //
 // Nothing is allocated for a frame once the analysis is warm: malloc and its kin are counted, by
-// standing before the C library's. Sanitizers stand there themselves, so meson leaves this out there.
+// standing before the C library's. Sanitizers stand there themselves, so meson leaves this out
+// there.
 #include <cstddef>
 #include <cstdlib>
 #include <dlfcn.h>

@@ -473,8 +473,8 @@ GST_END_TEST;
 
 GST_START_TEST(test_cut)
 {
-  // Another shot gives silence, and what comes in it is felt; so does a frame of another size, which is
-  // no cut.
+  // Another shot gives silence, and what comes in it is felt; so does a frame of another size,
+  // which is no cut.
   const Frame gray = textured(160, 120);
   Frame other = gray;
   for (auto &v : other.planes[0])
@@ -514,8 +514,8 @@ GST_END_TEST;
 
 GST_START_TEST(test_pan)
 {
-  // A camera pans over a surface and rests: silence, but for a ball that appears and stays where it is
-  // in the picture. Without following, the surface is felt.
+  // A camera pans over a surface and rests: silence, but for a ball that appears and stays where it
+  // is in the picture. Without following, the surface is felt.
   Profile unfollowed = Profile::tuned();
   unfollowed.camera_motion = false;
   unfollowed.background_gain = 0;
@@ -555,7 +555,8 @@ GST_START_TEST(test_pan)
 }
 GST_END_TEST;
 
-/// A camera that pans fast, at few frames a second, changes as much as a cut, but goes on with the shot.
+/// A camera that pans fast, at few frames a second, changes as much as a cut, but goes on with the
+/// shot.
 GST_START_TEST(test_fast_pan_is_no_cut)
 {
   Profile unfollowed = Profile::tuned();

@@ -141,7 +141,8 @@ GST_START_TEST(motors_have_what_was_measured_and_the_others_are_the_papers)
   fail_unless(motors[2].latency == Time(12ms) && motors[2].thresholds_measured);
   fail_unless(motors[2].rise_time(0, 1.5) == Time(80'125'000));
   fail_unless(motors[0].rise_time(0, 1.5) == RiseTime()(0, 1.5) && !motors[0].thresholds_measured);
-  // With both, the file says which; without a table the quadratic is used, between its grid's points, too.
+  // With both, the file says which; without a table the quadratic is used, between its grid's
+  // points, too.
   TactorCalibration without = some_tactor();
   without.prefers_quadratic = true;
   const RiseTime rise_time = Calibration{ .tactors = { { 0, without } } }.motors(3.0)[0].rise_time;
@@ -150,7 +151,8 @@ GST_START_TEST(motors_have_what_was_measured_and_the_others_are_the_papers)
 }
 GST_END_TEST
 
-// Two motors, one twice as strong, both with bent curves: what is felt is the same on both, and linear in the level.
+// Two motors, one twice as strong, both with bent curves: what is felt is the same on both, and
+// linear in the level.
 GST_START_TEST(levels_are_felt_equally_and_linearly)
 {
   TactorCalibration weak;
@@ -183,7 +185,8 @@ GST_START_TEST(levels_are_felt_equally_and_linearly)
 }
 GST_END_TEST
 
-// Start and hold volts count, not voltage-min: what turns goes on where what stands would not start.
+// Start and hold volts count, not voltage-min: what turns goes on where what stands would not
+// start.
 GST_START_TEST(thresholds_are_each_tactors_own)
 {
   const Calibration calibration{ .tactors = { { 0, { .start_volts = 0.9, .hold_volts = 0.3 } } } };

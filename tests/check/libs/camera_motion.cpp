@@ -83,8 +83,8 @@ apart(const Similarity &p, const Similarity &q, cv::Size size = kSize)
 
 GST_START_TEST(test_follows)
 {
-  // Each frame's step, for so many frames; the sum of steps is known to 1 % of the way that a corner
-  // has gone, and half a sample.
+  // Each frame's step, for so many frames; the sum of steps is known to 1 % of the way that a
+  // corner has gone, and half a sample.
   const struct
   {
     const char *name;
@@ -133,8 +133,8 @@ GST_END_TEST;
 
 GST_START_TEST(test_rests)
 {
-  // Exactly the same pose at rest, whatever the noise; also after a motion, once the key frame is one
-  // at rest, at most 8 frames later.
+  // Exactly the same pose at rest, whatever the noise; also after a motion, once the key frame is
+  // one at rest, at most 8 frames later.
   for (const double noise : { 0.0, 0.5, 2.0, 4.0 }) {
     CameraMotion camera;
     Similarity pose;
@@ -158,8 +158,8 @@ GST_END_TEST;
 
 GST_START_TEST(test_exposure)
 {
-  // Gain and offset of lightness change from frame to frame, also at once: at rest that is no motion,
-  // and a pan is followed all the same.
+  // Gain and offset of lightness change from frame to frame, also at once: at rest that is no
+  // motion, and a pan is followed all the same.
   for (const double speed : { 0.0, 0.6 })
     for (const bool at_once : { false, true }) {
       CameraMotion camera;
@@ -181,8 +181,8 @@ GST_END_TEST;
 
 GST_START_TEST(test_balls)
 {
-  // One ball of up to a fifth of the picture's width, and two of up to a ninth that come towards each
-  // other, on an even background, with noise and without.
+  // One ball of up to a fifth of the picture's width, and two of up to a ninth that come towards
+  // each other, on an even background, with noise and without.
   for (const auto &[balls, radius] :
        { std::pair{ 1, 4.0 }, { 1, 9.0 }, { 1, 12.0 }, { 2, 4.0 }, { 2, 6.0 } })
     for (const double noise : { 0.0, 2.0 }) {
@@ -289,8 +289,8 @@ GST_END_TEST;
 
 GST_START_TEST(test_key_frames_age)
 {
-  // What counts as motion is the way within 8 frames at 30 fps, 0.2 samples: 0.02 a frame is none at
-  // all, however long it goes on, and 0.04 is followed; at four times the rate likewise.
+  // What counts as motion is the way within 8 frames at 30 fps, 0.2 samples: 0.02 a frame is none
+  // at all, however long it goes on, and 0.04 is followed; at four times the rate likewise.
   for (const double speed : { 0.02, 0.04 })
     for (const double elapsed : { 1.0, 0.25 }) {
       CameraMotion camera;

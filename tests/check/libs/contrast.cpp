@@ -47,8 +47,8 @@ pyramid_of(const oracle::LabImage &finest, int coarsest)
 
 GST_START_TEST(test_brute_force)
 {
-  // Lightness and chroma of the same pair, and chroma of a coarser one, wider or narrower, as far as
-  // levels that are limited to the same one: then without contrast.
+  // Lightness and chroma of the same pair, and chroma of a coarser one, wider or narrower, as far
+  // as levels that are limited to the same one: then without contrast.
   const struct
   {
     LevelPair lightness;
@@ -78,8 +78,8 @@ GST_END_TEST;
 
 GST_START_TEST(test_closed_form)
 {
-  // A dot of (3, 4, 12) on black. Along each axis 6/16 of it lie on the same sample one level up and
-  // 1/16 on its neighbors; two levels up (6·6 + 2·4·1)/256 = 44/256.
+  // A dot of (3, 4, 12) on black. Along each axis 6/16 of it lie on the same sample one level up
+  // and 1/16 on its neighbors; two levels up (6·6 + 2·4·1)/256 = 44/256.
   auto lab = uniform_lab(33, 33, { 0, 0, 0 });
   lab[0](16, 16) = 3;
   lab[1](16, 16) = 4;

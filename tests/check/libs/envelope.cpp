@@ -76,7 +76,8 @@ GST_START_TEST(strongest_line_is_found)
 }
 GST_END_TEST
 
-// Hum that is a little off its frequency, and a motor that vibrates at nearly the same one: only the hum goes.
+// Hum that is a little off its frequency, and a motor that vibrates at nearly the same one: only
+// the hum goes.
 GST_START_TEST(hum_is_taken_out_and_the_motor_is_not)
 {
   for (const double mains : { 50.07, 59.9 }) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 //
-// RealtimeKit as a service of the test's own on a bus of its own, which makes threads real-time as the real one does.
+// RealtimeKit as a service of the test's own on a bus of its own, which makes threads real-time as
+// the real one does.
 #pragma once
 
 #include "../realtime.h"

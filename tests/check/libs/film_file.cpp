@@ -68,7 +68,8 @@ box(const std::string &name, const std::string &body)
   return size + name + body;
 }
 
-/// A trak with flags, version 0 or 1 of mdhd, language (three letters, ISO/IEC 14496-12, 8.4.2) and handler.
+/// A trak with flags, version 0 or 1 of mdhd, language (three letters, ISO/IEC 14496-12, 8.4.2) and
+/// handler.
 std::string
 trak(char flags, bool is_long, std::string_view language, const std::string &handler)
 {
@@ -99,7 +100,8 @@ GST_START_TEST(test_matroska)
                              + element(kEntry, track(0x11, "eng"))
                              + element(kEntry, track(0x02, "zxx"));
   std::string file = matroska(others + element(kEntry, kFelt) + element(kEntry, kFelt));
-  // By hand: 14 bytes and 3 more, in a size of five bytes, then FlagDefault = 0. All else stays where it is.
+  // By hand: 14 bytes and 3 more, in a size of five bytes, then FlagDefault = 0. All else stays
+  // where it is.
   const std::string marked = "\xae\x08\0\0\0\x11"s + kFelt + "\x88\x81\0"s;
   fail_unless(kFelt.size() == 14);
   const std::string expected = matroska(others + marked + marked);
@@ -127,7 +129,8 @@ GST_START_TEST(test_matroska_of_others)
 }
 GST_END_TEST;
 
-// What is no TrackEntry that a reader could go through to its end is left as it is: there would be no finding the flag.
+// What is no TrackEntry that a reader could go through to its end is left as it is: there would be
+// no finding the flag.
 GST_START_TEST(test_matroska_of_nobody)
 {
   const std::string open = "\x01\xff\xff\xff\xff\xff\xff\xff"s; // of unknown size
@@ -151,7 +154,8 @@ GST_START_TEST(test_mp4)
 }
 GST_END_TEST;
 
-// Files cut anywhere, and with any bytes changed: nothing outside of them is touched (AddressSanitizer, valgrind).
+// Files cut anywhere, and with any bytes changed: nothing outside of them is touched
+// (AddressSanitizer, valgrind).
 GST_START_TEST(test_damaged)
 {
   std::mt19937 random(1);

@@ -126,8 +126,8 @@ duty(double level, int bits = 8)
 
 } // namespace
 
-/// A Mega that DTR has reset says nothing for 2.1 s, one that runs has said its banner long ago. Both are running soon after they can
-/// speak: 683 bytes take 119 ms.
+/// A Mega that DTR has reset says nothing for 2.1 s, one that runs has said its banner long ago.
+/// Both are running soon after they can speak: 683 bytes take 119 ms.
 GST_START_TEST(test_asking)
 {
   for (const Time boot : { 0ms, 300ms, 2100ms, 4000ms })
@@ -152,8 +152,8 @@ GST_START_TEST(test_asking)
 }
 GST_END_TEST;
 
-/// Its last host was killed: its motors run, and it does not reset when it is opened (a board with USB of its own). They stop before
-/// it is asked for more.
+/// Its last host was killed: its motors run, and it does not reset when it is opened (a board with
+/// USB of its own). They stop before it is asked for more.
 GST_START_TEST(test_motors_left_on)
 {
   Line line(kUno);
@@ -239,8 +239,9 @@ GST_START_TEST(test_levels_are_clipped)
 }
 GST_END_TEST;
 
-/// A film's commands as the planner makes them: each pin goes through the planned duties in their order, some passed over, none
-/// made up; the last byte is on the board within two updates, the one that is on the way and its own.
+/// A film's commands as the planner makes them: each pin goes through the planned duties in their
+/// order, some passed over, none made up; the last byte is on the board within two updates, the one
+/// that is on the way and its own.
 GST_START_TEST(test_planned_commands_arrive)
 {
   for (const unsigned seed : { 1u, 2u, 3u }) {
@@ -276,7 +277,8 @@ GST_START_TEST(test_planned_commands_arrive)
       }
     }
     line.run_for(50ms);
-    // The duties that each pin was told, read from the bytes, which are all analog messages from the first level on.
+    // The duties that each pin was told, read from the bytes, which are all analog messages from
+    // the first level on.
     std::vector<std::size_t> at(9, 0);
     const auto &bytes = line.model.received;
     const auto first = static_cast<std::size_t>(std::ranges::find(bytes, 0xf4) - bytes.begin()
@@ -447,7 +449,8 @@ GST_START_TEST(test_board_resets_itself)
 }
 GST_END_TEST;
 
-/// Whoever sets the levels hangs: after 250 ms nothing vibrates, whatever the firmware; and it goes on when he does.
+/// Whoever sets the levels hangs: after 250 ms nothing vibrates, whatever the firmware; and it goes
+/// on when he does.
 GST_START_TEST(test_host_falls_silent)
 {
   for (const bool seat : { false, true }) {
@@ -475,7 +478,8 @@ GST_START_TEST(test_host_falls_silent)
 }
 GST_END_TEST;
 
-/// The whole process is killed or stopped: the watchdog acts, and nothing does without one. When it goes on it tells all again.
+/// The whole process is killed or stopped: the watchdog acts, and nothing does without one. When it
+/// goes on it tells all again.
 GST_START_TEST(test_process_is_stopped)
 {
   for (const bool seat : { false, true }) {
@@ -499,7 +503,8 @@ GST_START_TEST(test_process_is_stopped)
 }
 GST_END_TEST;
 
-/// Keepalives every 100 ms while a motor is on, none between; the watchdog never acts in a film, not even with pauses.
+/// Keepalives every 100 ms while a motor is on, none between; the watchdog never acts in a film,
+/// not even with pauses.
 GST_START_TEST(test_keepalive)
 {
   Line line(kUno, true);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 //
-// A driver of real boards that has its board: levels, unplugging, stalls, threads. How it finds one is tested in firmata_driver_choice.
+// A driver of real boards that has its board: levels, unplugging, stalls, threads. How it finds one
+// is tested in firmata_driver_choice.
 #include <atomic>
 #include <random>
 
@@ -48,7 +49,8 @@ GST_START_TEST(test_open_write_close)
 }
 GST_END_TEST;
 
-/// The thread that carries levels to the board runs before others, too, where that may be had, and asks it of the port's.
+/// The thread that carries levels to the board runs before others, too, where that may be had, and
+/// asks it of the port's.
 GST_START_TEST(test_realtime)
 {
   for (const bool wanted : { true, false }) {
@@ -83,8 +85,8 @@ GST_START_TEST(test_destroyed)
 }
 GST_END_TEST;
 
-/// One warning, the film goes on, and a board that comes back, whatever it has done meanwhile, does what holds then. With hot-plug
-/// events and, where there are none, by looking again.
+/// One warning, the film goes on, and a board that comes back, whatever it has done meanwhile, does
+/// what holds then. With hot-plug events and, where there are none, by looking again.
 GST_START_TEST(test_unplug_and_replug)
 {
   for (const bool announces : { true, false }) {
@@ -119,7 +121,8 @@ GST_START_TEST(test_unplug_and_replug)
 }
 GST_END_TEST;
 
-/// Plugged out after any number of bytes, at first and when it has returned: nobody hangs, and it is found again.
+/// Plugged out after any number of bytes, at first and when it has returned: nobody hangs, and it
+/// is found again.
 GST_START_TEST(test_unplug_in_each_phase)
 {
   int refused = 0;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 //
-// Which board the drivers of real boards and the default one take, which they refuse, and which is taken for the one that was lost.
+// Which board the drivers of real boards and the default one take, which they refuse, and which is
+// taken for the one that was lost.
 #include "tactor/drivers/auto_driver.h"
 #include "tactor/drivers/release_boards.h"
 #include "tactor/simulator.h"
@@ -219,7 +220,8 @@ const SerialDevice kNano{ .serial = "A50285BI",
 
 } // namespace
 
-/// An adapter may be a printer: it is asked where somebody says that there is a board, or has said so and was right.
+/// An adapter may be a printer: it is asked where somebody says that there is a board, or has said
+/// so and was right.
 GST_START_TEST(test_adapters)
 {
   FirmataPatience patience = kEndless;
@@ -309,7 +311,8 @@ GST_START_TEST(test_release_boards)
 }
 GST_END_TEST;
 
-/// The film does not jump to another chair: of two boards with one number that in the same socket is waited for, however it was named.
+/// The film does not jump to another chair: of two boards with one number that in the same socket
+/// is waited for, however it was named.
 GST_START_TEST(test_twin_is_not_taken)
 {
   for (const char *name : { "1-2", "", "7573" }) {
@@ -355,7 +358,8 @@ GST_START_TEST(test_socket_is_named)
 }
 GST_END_TEST;
 
-/// A board that is back and cannot be used is explained, once for each reason, while it is tried again and again.
+/// A board that is back and cannot be used is explained, once for each reason, while it is tried
+/// again and again.
 GST_START_TEST(test_refused_when_it_is_back)
 {
   Layout small = kMega;
@@ -386,7 +390,8 @@ GST_START_TEST(test_refused_when_it_is_back)
   rig.sockets.locked([&] { rig.mega.refusal.reset(); });
   rig.wait_for(EventKind::returned);
 
-  // Each time it comes back. Of what is not going to change it is not asked again and again: a board that is opened begins anew.
+  // Each time it comes back. Of what is not going to change it is not asked again and again: a
+  // board that is opened begins anew.
   rig.sockets.unplug(rig.mega);
   rig.wait_for(EventKind::lost, 2);
   rig.sockets.plug(smaller);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 //
-// A driver of real boards, with boards in memory. Patience is an hour where it must not end and milliseconds where it must: nothing here
-// is measured by the wall clock.
+// A driver of real boards, with boards in memory. Patience is an hour where it must not end and
+// milliseconds where it must: nothing here is measured by the wall clock.
 #pragma once
 
 #include "memory_bus.h"

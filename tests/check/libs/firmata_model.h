@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 //
-// Boards for the tests: what StandardFirmata 2.5 does with bytes, written from its sketch (StandardFirmata.ino, Firmata.cpp,
-// Boards.h) and knowing nothing of lib/tactor. With `seat` it is our sketch: the same and the watchdog.
+// Boards for the tests: what StandardFirmata 2.5 does with bytes, written from its sketch
+// (StandardFirmata.ino, Firmata.cpp, Boards.h) and knowing nothing of lib/tactor. With `seat` it is
+// our sketch: the same and the watchdog.
 #pragma once
 
 #include <algorithm>
@@ -108,7 +109,8 @@ public:
       resets++;
       return;
     }
-    // As Firmata.cpp does: in a sysex everything up to F7 is data; else a status byte begins a message.
+    // As Firmata.cpp does: in a sysex everything up to F7 is data; else a status byte begins a
+    // message.
     if (parsed_.empty() || parsed_[0] != 0xf0) {
       if (byte >= 0x80)
         parsed_.clear();
@@ -155,7 +157,8 @@ public:
 private:
   void write(int pin, int value)
   {
-    // analogWrite() knows no pin that is not in PWM mode here, and its register has as many bits as it has.
+    // analogWrite() knows no pin that is not in PWM mode here, and its register has as many bits as
+    // it has.
     if (pin < layout_.pins && mode.contains(pin) && mode[pin] == 3 && layout_.pwm.contains(pin))
       duty[pin] = value & ((1 << layout_.pwm_bits) - 1);
   }

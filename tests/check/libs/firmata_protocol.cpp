@@ -68,7 +68,8 @@ const Event kFirmwareEvent = FirmwareReport{ 2, 5, "aB" };
 
 } // namespace
 
-/// The table of verified bytes (issue "Real chairs", hardware notes: StandardFirmata on an emulated ATmega2560).
+/// The table of verified bytes (issue "Real chairs", hardware notes: StandardFirmata on an emulated
+/// ATmega2560).
 GST_START_TEST(test_bytes_to_the_board)
 {
   assert_bytes(Encoder().ask_version(), { 0xf9 });
@@ -121,7 +122,8 @@ GST_START_TEST(test_bytes_from_the_board)
 }
 GST_END_TEST;
 
-/// A Mega says 683 bytes (measured on the emulated chip), and its PWM pins are those of its data sheet.
+/// A Mega says 683 bytes (measured on the emulated chip), and its PWM pins are those of its data
+/// sheet.
 GST_START_TEST(test_capabilities_of_boards)
 {
   const Bytes mega = reply(kMega, { 0xf0, 0x6b, 0xf7 });
@@ -215,7 +217,8 @@ GST_START_TEST(test_name_of_the_firmware)
 }
 GST_END_TEST;
 
-/// Noise, of all bytes and of those that a board uses: nothing that it holds grows, and the cuts do not matter.
+/// Noise, of all bytes and of those that a board uses: nothing that it holds grows, and the cuts do
+/// not matter.
 GST_START_TEST(test_noise)
 {
   std::mt19937 random(7);

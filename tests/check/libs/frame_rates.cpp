@@ -249,8 +249,8 @@ const std::array kCases{
 } // namespace
 
 /// An event is felt from its first frame on, which any rate shows up to one frame late, and windows
-/// end with a frame. So tracks may be shifted by a frame of each, and no more: a level outside of what
-/// the reference has within that time is no shift.
+/// end with a frame. So tracks may be shifted by a frame of each, and no more: a level outside of
+/// what the reference has within that time is no shift.
 GST_START_TEST(test_rates)
 {
   struct Rate
@@ -263,8 +263,9 @@ GST_START_TEST(test_rates)
   };
   constexpr double kFaintest = 0.2; // level of a cue that is just felt
   // About one cell in nine is felt at a level near 1, for about a second; its beginning and its end
-  // are off by up to a frame each. That is 8 % of the second and 1 % of the cells' levels at 24 frames
-  // a second, twice as much at the variable rate, whose frames last 61 ms (mean, with holes).
+  // are off by up to a frame each. That is 8 % of the second and 1 % of the cells' levels at 24
+  // frames a second, twice as much at the variable rate, whose frames last 61 ms (mean, with
+  // holes).
   const std::array rates{ Rate{ "24/s", constant_rate(24), 0.01, kFaintest, 0.92 },
                           Rate{ "25/s", constant_rate(25), 0.01, kFaintest, 0.92 },
                           Rate{ "30/s", constant_rate(30), 0.01, kFaintest, 0.92 },

@@ -147,7 +147,8 @@ to_lab(const FrameView &view, const std::array<oracle::Image, 3> &codes)
 }
 
 /// A component on the grid of a level: what subsampling has not done yet is done by pyr_down, what
-/// it has done too much of is interpolated. How often an axis was halved shows in its length alone: one sample of one was not.
+/// it has done too much of is interpolated. How often an axis was halved shows in its length alone:
+/// one sample of one was not.
 oracle::Image
 component_at(const oracle::Image &codes, int level, int width, int height)
 {
@@ -341,8 +342,8 @@ GST_END_TEST;
 
 GST_START_TEST(test_reuse)
 {
-  // One front end, changing formats and sizes, from each format to each: nothing of an earlier frame
-  // stays.
+  // One front end, changing formats and sizes, from each format to each: nothing of an earlier
+  // frame stays.
   std::vector<const Layout *> layouts;
   for (const auto &from : kLayouts)
     for (const auto &to : kLayouts)

@@ -161,7 +161,8 @@ GST_END_TEST;
 
 GST_START_TEST(test_ramps_of_other_tools)
 {
-  // From 0 to 1 in 100 ms: five steps of 20 ms at their value in the middle, then it holds for 50 ms.
+  // From 0 to 1 in 100 ms: five steps of 20 ms at their value in the middle, then it holds for 50
+  // ms.
   const Track track
       = *read_hjif(document(band(effect(200, key(0, 0) + "," + key(100, 1) + "," + key(150, 1)))));
   fail_unless(track.rows() == 1 && track.columns() == 1);
@@ -187,8 +188,9 @@ GST_START_TEST(test_bands_and_effects_are_added_up)
 }
 GST_END_TEST;
 
-/// What the reference software's encoder makes of an AHAP file: a ramp from 0.2 over 1 to 0 of 0.8, in one second, and half a second of
-/// 0.5 from the second on, all scaled by its curve for actuators; a band without transients.
+/// What the reference software's encoder makes of an AHAP file: a ramp from 0.2 over 1 to 0 of 0.8,
+/// in one second, and half a second of 0.5 from the second on, all scaled by its curve for
+/// actuators; a band without transients.
 GST_START_TEST(test_ahap)
 {
   const Track track = *read_hjif(contents("ahap.hjif"));

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 //
-// What is read besides tracks, made to do harm: calibrations, recordings, traces, measurements and what a board sends. Each is read or
-// refused with a reason, within a gibibyte of memory and the time of a test.
+// What is read besides tracks, made to do harm: calibrations, recordings, traces, measurements and
+// what a board sends. Each is read or refused with a reason, within a gibibyte of memory and the
+// time of a test.
 #include "calibration/calibration.h"
 #include "calibration/recording.h"
 #include "tactor/command_trace.h"

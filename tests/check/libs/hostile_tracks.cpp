@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 //
-// Tracks that were made to do harm: each is read or refused with a reason, within one gibibyte of memory, or three for what a parser makes
-// a tree of, and the time of a test.
+// Tracks that were made to do harm: each is read or refused with a reason, within one gibibyte of
+// memory, or three for what a parser makes a tree of, and the time of a test.
 #include "tracks/formats/track_file.h"
 
 #include "hostile.h"
@@ -96,7 +96,8 @@ GST_START_TEST(test_deep_and_growing_documents)
 }
 GST_END_TEST;
 
-/// What makes a parser's tree many times larger than the file is: refused by its count, or read in bounded memory.
+/// What makes a parser's tree many times larger than the file is: refused by its count, or read in
+/// bounded memory.
 GST_START_TEST(test_documents_of_many_parts)
 {
   limit_memory(3);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 //
-// A measurement of simulated motors: planned, played without a clock, heard by a simulated sensor, analyzed.
+// A measurement of simulated motors: planned, played without a clock, heard by a simulated sensor,
+// analyzed.
 #pragma once
 
 #include "calibration/measurement_plan.h"
@@ -24,8 +25,9 @@ trace_of(const tactor::MeasurementRun &run)
   return trace;
 }
 
-/// Ways in which vibrations rise: MotorModel's; the square of that, as the acceleration of an eccentric mass does whose
-/// speed is exponential; two equal time constants one after the other, S-shaped.
+/// Ways in which vibrations rise: MotorModel's; the square of that, as the acceleration of an
+/// eccentric mass does whose speed is exponential; two equal time constants one after the other,
+/// S-shaped.
 struct Growth
 {
   const char *name;

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 //
-// A serial bus in memory with boards that can be plugged in and out, and that misbehave when asked to. Each open port has a thread, as a
-// real one has. No time passes: a board answers as soon as its thread runs.
+// A serial bus in memory with boards that can be plugged in and out, and that misbehave when asked
+// to. Each open port has a thread, as a real one has. No time passes: a board answers as soon as
+// its thread runs.
 #pragma once
 
 #include "../realtime.h"

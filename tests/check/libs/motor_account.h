@@ -26,7 +26,8 @@ seconds(Time time)
   return std::chrono::duration<double>(time).count();
 }
 
-/// What a chair does that is told commands: who was on when, on an axis of time that goes on over restarts of running time.
+/// What a chair does that is told commands: who was on when, on an axis of time that goes on over
+/// restarts of running time.
 class Chair
 {
 public:
@@ -107,7 +108,8 @@ private:
   Time origin_{ 0 };
 };
 
-/// The longest time on without a break of 100 ms in between. Shorter ones are not counted: across a seek nobody knows how long they were.
+/// The longest time on without a break of 100 ms in between. Shorter ones are not counted: across a
+/// seek nobody knows how long they were.
 inline Time
 longest_cue(const std::vector<Stretch> &stretches)
 {

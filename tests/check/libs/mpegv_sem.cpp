@@ -21,7 +21,8 @@ reference()
   return { std::istreambuf_iterator<char>(file), {} };
 }
 
-/// What is in a document whatever its layout and the order of its attributes: names, attributes and values, sorted.
+/// What is in a document whatever its layout and the order of its attributes: names, attributes and
+/// values, sorted.
 std::vector<std::string>
 words(const std::string &text)
 {
@@ -92,7 +93,8 @@ GST_START_TEST(test_rows_are_samples)
 }
 GST_END_TEST;
 
-/// One motor for all, as tools such as PlaySEM write it: on until it is turned off, by another strength or with a duration.
+/// One motor for all, as tools such as PlaySEM write it: on until it is turned off, by another
+/// strength or with a duration.
 GST_START_TEST(test_vibrations)
 {
   const auto vibration = [](const std::string &attributes) {

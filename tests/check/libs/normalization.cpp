@@ -78,7 +78,8 @@ GST_END_TEST;
 
 GST_START_TEST(test_other_peaks_suppress)
 {
-  // Others of 1/2 and 1/4 of the span: m̄ = 3/8, factor (5/8)². The ground is the zero of the scale.
+  // Others of 1/2 and 1/4 of the span: m̄ = 3/8, factor (5/8)². The ground is the zero of the
+  // scale.
   const cv::Mat map = normalized(with_peaks({ { 2, 2, 9 }, { 6, 2, 5 }, { 9, 7, 3 } }, 1));
   const double factor = 25.0 / 64;
   fail_unless_near(map.at<float>(2, 2), factor, 1e-6);

@@ -14,7 +14,8 @@ using tactile::SaliencyView;
 
 namespace {
 
-/// Where the samples of level n of the pyramid of a picture of `size` pixels lie: sample i on pixel 2ⁿ i.
+/// Where the samples of level n of the pyramid of a picture of `size` pixels lie: sample i on pixel
+/// 2ⁿ i.
 SaliencyView::Extent
 extent_of_level(int level, int size)
 {
@@ -60,7 +61,8 @@ struct Map
   std::vector<float> values;
 };
 
-/// The pixel in which the middle of sample `index` of `count` lies on a picture of `size` pixels, whatever resizes it.
+/// The pixel in which the middle of sample `index` of `count` lies on a picture of `size` pixels,
+/// whatever resizes it.
 double
 pixel(int index, int count, int size)
 {
@@ -69,7 +71,8 @@ pixel(int index, int count, int size)
 
 } // namespace
 
-/// What is as wide as a sample or wider lies, after any resizing to the picture's size, where it was, whatever the sizes.
+/// What is as wide as a sample or wider lies, after any resizing to the picture's size, where it
+/// was, whatever the sizes.
 GST_START_TEST(test_spot_stays)
 {
   const int sizes[][2] = { { 640, 360 }, { 633, 471 }, { 1001, 77 } };
@@ -124,7 +127,8 @@ GST_START_TEST(test_quadratic_is_exact)
 }
 GST_END_TEST;
 
-/// A map that is its own picture stays as it is; what isn't finite counts as 0; an empty one is empty.
+/// A map that is its own picture stays as it is; what isn't finite counts as 0; an empty one is
+/// empty.
 GST_START_TEST(test_plain_map)
 {
   const std::vector<float> values{ 1, 0, 2.5F, std::numeric_limits<float>::infinity(), 7, 3 };

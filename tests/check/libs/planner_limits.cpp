@@ -19,7 +19,8 @@ namespace {
 
 constexpr FrameRate kThirty{ 30, 1 };
 
-/// A film that is hard on motors: tactors stay on, go off and change their level, each when it likes.
+/// A film that is hard on motors: tactors stay on, go off and change their level, each when it
+/// likes.
 class HardFilm
 {
 public:
@@ -222,7 +223,8 @@ GST_START_TEST(test_endless_level)
 }
 GST_END_TEST;
 
-/// No cue begins that would last less than 200 ms: here after one that leaves so much of the minute's 24 s.
+/// No cue begins that would last less than 200 ms: here after one that leaves so much of the
+/// minute's 24 s.
 GST_START_TEST(test_shortest_cue)
 {
   for (const auto &[left, begins] : { std::pair(100ms, false), std::pair(199ms, false),
@@ -253,7 +255,8 @@ GST_START_TEST(test_new_event_after_a_cue_that_ran_out)
 }
 GST_END_TEST;
 
-/// The four strongest of each block are on, and nothing else is held back; of equals those that were on.
+/// The four strongest of each block are on, and nothing else is held back; of equals those that
+/// were on.
 GST_START_TEST(test_the_strongest_win)
 {
   const PlannerSettings settings{ .limits = { .max_on_time = 0s, .max_duty = 0, .max_active = 4 } };
@@ -293,7 +296,8 @@ GST_START_TEST(test_the_strongest_win)
 }
 GST_END_TEST;
 
-/// A stronger event is felt in time: the weakest of those that end with its frame makes room when it begins.
+/// A stronger event is felt in time: the weakest of those that end with its frame makes room when
+/// it begins.
 GST_START_TEST(test_room_is_made_in_time)
 {
   CommandPlanner planner(4, { .limits = { .max_active = 2 } });
@@ -363,7 +367,8 @@ GST_START_TEST(test_change_of_limits)
 }
 GST_END_TEST;
 
-/// A kick brings a motor at rest to 90 % by the frame, and no further; without one Eq. 1 asks for up to 164 ms.
+/// A kick brings a motor at rest to 90 % by the frame, and no further; without one Eq. 1 asks for
+/// up to 164 ms.
 GST_START_TEST(test_kick_start)
 {
   for (const float level : { 0.17F, 0.2F, 0.4F, 0.6F, 0.8F, 0.99F }) {
@@ -373,7 +378,8 @@ GST_START_TEST(test_kick_start)
     fail_unless(commands.size() == 2);
     fail_unless(commands[0].volts == 3.0 && commands[1].due() == 1s);
     fail_unless_near(commands[1].volts, volts, 1e-6);
-    // The amplitude at full drive, by small steps of da/dt = k (3 V − a) with 90 % after Eq. 1's time.
+    // The amplitude at full drive, by small steps of da/dt = k (3 V − a) with 90 % after Eq. 1's
+    // time.
     const double full = (241.9 - 175.7 * 3 + 38.86 * 9) / 1000;
     const double k = std::log(10.0) / full;
     double amplitude = 0;

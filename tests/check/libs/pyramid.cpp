@@ -139,7 +139,8 @@ GST_END_TEST;
 
 GST_START_TEST(test_fixed_point)
 {
-  // As float to within a few units of 1/128; color only where it is asked for; an image that was lent before stays as it is.
+  // As float to within a few units of 1/128; color only where it is asked for; an image that was
+  // lent before stays as it is.
   constexpr int kChroma = 2;
   oracle::LabImage level{ oracle::random_image(100, 75, 0, 100, 1),
                           oracle::random_image(100, 75, -90, 90, 2),

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 //
-// Threads that ask to be real-time. What the kernel made of each is read from the kernel. The test keeps the right to
-// make threads real-time, the thread that asks gives it up.
+// Threads that ask to be real-time. What the kernel made of each is read from the kernel. The test
+// keeps the right to make threads real-time, the thread that asks gives it up.
 #include "tactor/realtime/realtime_thread.h"
 
 #include <gio/gio.h>
@@ -34,7 +34,8 @@ using tactor::Time;
 
 namespace {
 
-/// From now on this thread is nobody who may raise priorities (CAP_SYS_NICE); capabilities are each thread's own.
+/// From now on this thread is nobody who may raise priorities (CAP_SYS_NICE); capabilities are each
+/// thread's own.
 void
 become_ordinary()
 {
@@ -152,7 +153,8 @@ private:
   std::thread thread_;
 };
 
-/// Where only the administrator may raise priorities, and this is not one, there is nothing to be seen.
+/// Where only the administrator may raise priorities, and this is not one, there is nothing to be
+/// seen.
 bool
 skipped()
 {
@@ -223,7 +225,8 @@ GST_START_TEST(test_limit_is_never_raised)
 }
 GST_END_TEST;
 
-/// The limit would hold for a real-time thread of the application's, too, and kill it with the process.
+/// The limit would hold for a real-time thread of the application's, too, and kill it with the
+/// process.
 GST_START_TEST(test_threads_of_others)
 {
   if (skipped())
@@ -277,8 +280,8 @@ GST_START_TEST(test_none)
 }
 GST_END_TEST;
 
-/// Neither a service nor a bus that says nothing is waited for: what is asked is given up with the thread. With a time-out instead
-/// there were an answer.
+/// Neither a service nor a bus that says nothing is waited for: what is asked is given up with the
+/// thread. With a time-out instead there were an answer.
 GST_START_TEST(test_silence)
 {
   allow_priority(0);
@@ -319,7 +322,8 @@ GST_START_TEST(test_cpu_budget)
   CpuBudget busy(kStart, Time(0));
   for (int i = 1; i <= 36000; i++)
     fail_unless(busy.allows(kStart + i * milliseconds(100), i * milliseconds(24)));
-  // 26 of each 100 ms: 1 ms more than is earned each time, which is at most 49 ms for as long as 50 last.
+  // 26 of each 100 ms: 1 ms more than is earned each time, which is at most 49 ms for as long as 50
+  // last.
   CpuBudget greedy(kStart, Time(0));
   int turns = 0;
   while (greedy.allows(kStart + (turns + 1) * milliseconds(100), (turns + 1) * milliseconds(26)))

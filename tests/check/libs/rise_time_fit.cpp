@@ -47,7 +47,8 @@ GST_START_TEST(papers_equation_is_recovered_to_its_printed_digits)
 }
 GST_END_TEST
 
-// Noise as the paper's R² of 0.98 has it: of many such measurements the truth is within the intervals in 95 of 100.
+// Noise as the paper's R² of 0.98 has it: of many such measurements the truth is within the
+// intervals in 95 of 100.
 GST_START_TEST(confidence_says_how_far_off_noise_leads)
 {
   constexpr int kTimes = 400;

@@ -234,7 +234,8 @@ GST_START_TEST(test_quantile)
 {
   check_quantiles();
 #ifdef __SSE2__
-  // Where numbers below the normal ones are taken for 0, as a library that GStreamer loads may have it.
+  // Where numbers below the normal ones are taken for 0, as a library that GStreamer loads may have
+  // it.
   const unsigned before = _mm_getcsr();
   _mm_setcsr(before | 0x8040); // flush to zero, denormals are zero
   check_quantiles();

@@ -122,7 +122,7 @@ difference(const saliency::FixedLabImage &found, const LabImage &image)
 }
 
 // ---- color
-// -----------------------------------------------------------------------------------------------------------
+// ------------------------------------------------------------------------------------------------
 
 /// R'G'B' in [0, 1] → L*a*b*, D65 (IEC 61966-2-1, CIE 15).
 inline Lab
@@ -166,7 +166,7 @@ samples_to_lab(std::array<double, 3> code, saliency::ColorModel model, int depth
 }
 
 // ---- pyramid
-// ----------------------------------------------------------------------------------------------------------
+// ------------------------------------------------------------------------------------------------
 
 inline int
 mirror(int i, int length)
@@ -228,7 +228,7 @@ up(const Image &image, int octaves_x, int octaves_y, int width, int height)
 }
 
 // ---- saliency
-// ---------------------------------------------------------------------------------------------------------
+// ------------------------------------------------------------------------------------------------
 
 /// Lightness and chroma each from a pair of levels (level 0 first) of their own.
 inline Image
@@ -429,7 +429,8 @@ illumination(const Image &center, const Image &surround)
              : 1;
 }
 
-/// Less so many times the quantile of what lies within the rim, but no more than the limit, if that is at least 64 samples.
+/// Less so many times the quantile of what lies within the rim, but no more than the limit, if that
+/// is at least 64 samples.
 inline Image
 without_background(Image map, double gain, double q, int rim = 0, double limit = 1e9)
 {

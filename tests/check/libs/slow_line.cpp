@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 //
-// Chairs that are large for their line, in virtual time: behind USB there is a chip that takes bytes at once and lets them out as the
-// line goes. What it holds is a queue that nobody can overtake, so it shall hold next to nothing.
+// Chairs that are large for their line, in virtual time: behind USB there is a chip that takes
+// bytes at once and lets them out as the line goes. What it holds is a queue that nobody can
+// overtake, so it shall hold next to nothing.
 #include "tactor/command_planner.h"
 #include "tactor/command_queue.h"
 #include "tactor/drivers/firmata_board.h"
@@ -144,8 +145,9 @@ private:
 
 } // namespace
 
-/// All get a new level again and again, sooner than the line carries them. However much the chip takes, no more than one update and a
-/// keepalive is under way, and the last levels are there one update after they were set, behind the packet that was on the line.
+/// All get a new level again and again, sooner than the line carries them. However much the chip
+/// takes, no more than one update and a keepalive is under way, and the last levels are there one
+/// update after they were set, behind the packet that was on the line.
 GST_START_TEST(test_nothing_queues)
 {
   for (const int tactors : { 64, 9 })
@@ -181,7 +183,8 @@ GST_START_TEST(test_nothing_queues)
 }
 GST_END_TEST;
 
-/// All but one change all the time, more than the line carries. That one's turn comes in the first round.
+/// All but one change all the time, more than the line carries. That one's turn comes in the first
+/// round.
 GST_START_TEST(test_everyone_has_a_turn)
 {
   for (const std::size_t quiet : { 0u, 31u, 63u }) {
@@ -203,8 +206,8 @@ GST_START_TEST(test_everyone_has_a_turn)
 }
 GST_END_TEST;
 
-/// A ramp has as many steps as the line carries, and each is on the board when the next begins: of 100 ms there are five steps of 20 ms for
-/// nine tactors, and two of 59.85 ms for 64.
+/// A ramp has as many steps as the line carries, and each is on the board when the next begins: of
+/// 100 ms there are five steps of 20 ms for nine tactors, and two of 59.85 ms for 64.
 GST_START_TEST(test_ramp)
 {
   for (const int tactors : { 9, 36, 64 })
@@ -239,8 +242,8 @@ GST_START_TEST(test_ramp)
 }
 GST_END_TEST;
 
-/// A film of which every map changes so many tactors: a block is every map that the line carries, and when its frame is shown its levels are
-/// on the board, the last of them just then.
+/// A film of which every map changes so many tactors: a block is every map that the line carries,
+/// and when its frame is shown its levels are on the board, the last of them just then.
 GST_START_TEST(test_blocks)
 {
   struct
@@ -307,7 +310,8 @@ GST_START_TEST(test_blocks)
 }
 GST_END_TEST;
 
-/// A lead has what the levels take that change, not what all would; a calibrated motor's latency was measured with it alone on the line.
+/// A lead has what the levels take that change, not what all would; a calibrated motor's latency
+/// was measured with it alone on the line.
 GST_START_TEST(test_lead_has_what_changes)
 {
   const LineTime line(std::vector<int>(64, 6), kByte);
@@ -341,8 +345,8 @@ GST_START_TEST(test_lead_has_what_changes)
 }
 GST_END_TEST;
 
-/// Who releases the board when it is closed cuts off whatever its chip still holds: by then the motors have to stand, also where the answer
-/// that says so is lost.
+/// Who releases the board when it is closed cuts off whatever its chip still holds: by then the
+/// motors have to stand, also where the answer that says so is lost.
 GST_START_TEST(test_closed_means_that_motors_stand)
 {
   for (const int tactors : { 4, 9, 15, 64 })
@@ -359,7 +363,8 @@ GST_START_TEST(test_closed_means_that_motors_stand)
         fail_unless(chip.model.is_silent(), "%d motors, answer %d", tactors, answers);
         fail_unless(chip.is_carried());
         ck_assert_int_eq(chip.model.resets, 2);
-        // Zeros, reset and question, the latter two bytes; one byte's time for each packet that is waited for.
+        // Zeros, reset and question, the latter two bytes; one byte's time for each packet that is
+        // waited for.
         const Time line = (level_bytes(chair(tactors)) + 2 + 10) * kByte;
         fail_unless(chip.now - begin <= line + (answers ? 0ms : 50ms),
                     "%d motors, seat %d, answer %d: %d us", tactors, seat, answers,

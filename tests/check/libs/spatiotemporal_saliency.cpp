@@ -267,8 +267,8 @@ GST_END_TEST;
 
 GST_START_TEST(test_enough_to_judge_light)
 {
-  // A map that is empty but for so many of 100 samples: a thing on up to 30 is a thing, and one that
-  // comes onto more of it is light only if it was there before.
+  // A map that is empty but for so many of 100 samples: a thing on up to 30 is a thing, and one
+  // that comes onto more of it is light only if it was there before.
   for (const int count : { 30, 31 }) {
     Profile profile;
     profile.windows = { { 1, 8 } };
@@ -291,9 +291,9 @@ GST_END_TEST;
 
 GST_START_TEST(test_background)
 {
-  // A map that was empty becomes 0, 1, … 100 in some order: with the median twice off, what is above
-  // 100 · 7/8 remains of the largest, that is nothing; with half of it, 75 · 7/8. No more than the
-  // limit is taken off.
+  // A map that was empty becomes 0, 1, … 100 in some order: with the median twice off, what is
+  // above 100 · 7/8 remains of the largest, that is nothing; with half of it, 75 · 7/8. No more
+  // than the limit is taken off.
   Profile profile;
   profile.windows = { { 1, 8 } };
   profile.temporal_sign = TemporalSign::onset;

@@ -110,9 +110,10 @@ GST_START_TEST(clear_recordings_give_the_rise_time)
 }
 GST_END_TEST
 
-// Noise 20 dB below each step's own vibration, wherever on the grid and whichever way it rises: of single steps that at least double
-// the vibration 95 of 100 are within 3.5 ms, the median of five within 3. Of lesser steps, of which less is
-// to be seen above the noise, the median of five is within 5.
+// Noise 20 dB below each step's own vibration, wherever on the grid and whichever way it rises: of
+// single steps that at least double the vibration 95 of 100 are within 3.5 ms, the median of five
+// within 3. Of lesser steps, of which less is to be seen above the noise, the median of five is
+// within 5.
 GST_START_TEST(rises_are_within_3_ms_at_20_db)
 {
   const Growth &growth = kGrowths[__i__];
@@ -170,8 +171,8 @@ GST_START_TEST(falls_are_measured_too)
 }
 GST_END_TEST
 
-// An amplifier that clips below the sound card's full scale, with a little noise: seen in what different volts have in common. A motor
-// that vibrates with flat crests of its own is left alone.
+// An amplifier that clips below the sound card's full scale, with a little noise: seen in what
+// different volts have in common. A motor that vibrates with flat crests of its own is left alone.
 GST_START_TEST(clipping_below_full_scale_is_named)
 {
   for (const bool amplifier : { true, false }) {
@@ -289,8 +290,8 @@ GST_START_TEST(steps_of_two_tactors_at_once_are_told_apart_by_channels_alone)
 }
 GST_END_TEST
 
-// Among commands to three tactors at random, one rests and is heard where that says to look at all of them. A million commands are no
-// more work each than few.
+// Among commands to three tactors at random, one rests and is heard where that says to look at all
+// of them. A million commands are no more work each than few.
 GST_START_TEST(steps_are_heard_apart_from_all_other_tactors)
 {
   std::mt19937 random(5);

@@ -104,7 +104,8 @@ GST_START_TEST(recordings_without_a_common_clock_are_aligned_by_their_sound)
 }
 GST_END_TEST
 
-// No tactor is on for longer, or for a greater share of time, than tactorsink's limits allow, in any minute.
+// No tactor is on for longer, or for a greater share of time, than tactorsink's limits allow, in
+// any minute.
 GST_START_TEST(plans_are_gentle)
 {
   for (const std::vector<int> &tactors : { std::vector<int>{ 0 }, { 0, 1 }, { 3, 1, 8 } })

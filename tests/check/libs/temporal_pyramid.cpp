@@ -198,8 +198,8 @@ GST_END_TEST;
 
 GST_START_TEST(test_poses)
 {
-  // A camera that shakes, pans, zooms and rolls, now and then rests, at 30, 24, about 25, 60
-  // and a variable number of frames a second. (At exactly 25 rounding decides whether the 9th map back
+  // A camera that shakes, pans, zooms and rolls, now and then rests, at 30, 24, about 25, 60 and a
+  // variable number of frames a second. (At exactly 25 rounding decides whether the 9th map back
   // makes a quarter of its age.)
   const std::vector<std::vector<double>> rates{ { 1 },
                                                 { 30 / 24.0 },
@@ -239,9 +239,9 @@ GST_END_TEST;
 
 GST_START_TEST(test_followed_world)
 {
-  // A world that stands still, and a camera that moves over it by whole samples: all windows are the
-  // current map, for what was not seen is taken to have been like it. Without poses they are not.
-  // (Longer windows move several maps as one.)
+  // A world that stands still, and a camera that moves over it by whole samples: all windows are
+  // the current map, for what was not seen is taken to have been like it. Without poses they are
+  // not. (Longer windows move several maps as one.)
   const Image world = oracle::random_image(200, 60, 0, 100, 5);
   constexpr std::array windows{ 1, 2, 4 };
   for (const bool followed : { true, false }) {

@@ -150,7 +150,8 @@ GST_START_TEST(test_end_of_the_program)
 }
 GST_END_TEST;
 
-/// What the application ignores or handles, before or after, is its own; the environment can refuse all.
+/// What the application ignores or handles, before or after, is its own; the environment can refuse
+/// all.
 GST_START_TEST(test_application_comes_first)
 {
   Process ignores([](Process &self) {

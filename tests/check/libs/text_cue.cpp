@@ -101,7 +101,8 @@ GST_START_TEST(test_cues_of_frames)
   const TactileMap a = make_map(1, 1, { 0.5F });
   const TactileMap b = make_map(1, 1, { 1 });
   CueBuilder builder;
-  // 25 frames a second whose times are cut down to milliseconds; a change after 3 s, a gap of a frame at 4 s.
+  // 25 frames a second whose times are cut down to milliseconds; a change after 3 s, a gap of a
+  // frame at 4 s.
   for (int i = 0; i < 125; i++)
     if (i != 100)
       builder.add(40ms * i, 40ms * i + 39ms, i < 75 ? a : b);

@@ -151,8 +151,8 @@ GST_START_TEST(test_reach_and_hold)
 }
 GST_END_TEST;
 
-/// Where windows count frames, regions stay for frames, whatever the rate; without windows for their
-/// own.
+/// Where windows count frames, regions stay for frames, whatever the rate; without windows for
+/// their own.
 GST_START_TEST(test_regions_stay_for_frames)
 {
   const cv::Size frame(320, 64);

@@ -10,8 +10,8 @@ using namespace tactile;
 
 namespace {
 
-/// Two cells: the first is felt at 0.2 from 1 s to 1.1 s and at 0.8 from 2 s to 4 s, the second at 0.5 from 3 s to 5 s; the track lasts
-/// 6 s.
+/// Two cells: the first is felt at 0.2 from 1 s to 1.1 s and at 0.8 from 2 s to 4 s, the second at
+/// 0.5 from 3 s to 5 s; the track lasts 6 s.
 Track
 sample()
 {
@@ -26,7 +26,8 @@ sample()
   return track;
 }
 
-/// Whether both tracks are the same course of levels, looked at every 5 ms: whatever the operation made of entries.
+/// Whether both tracks are the same course of levels, looked at every 5 ms: whatever the operation
+/// made of entries.
 void
 assert_course(const Track &track, Time end, const std::function<TactileMap(Time)> &expected)
 {
@@ -144,7 +145,8 @@ GST_END_TEST;
 
 GST_START_TEST(test_resample)
 {
-  // To a common multiple of both grids and back to the mean, cell by cell: another way to the same area.
+  // To a common multiple of both grids and back to the mean, cell by cell: another way to the same
+  // area.
   const TactileMap map = random_track(3, 1ms, 0).entries()[1].map;
   for (const auto &[rows, columns] :
        { std::pair{ 1, 1 }, { 2, 3 }, { 5, 4 }, { 8, 8 }, { 64, 1 } }) {

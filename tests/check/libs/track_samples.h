@@ -30,8 +30,8 @@ two_tactors(tactile::Time end = std::chrono::milliseconds(1400))
   return track;
 }
 
-/// A track of random grid, times (multiples of `tick`) and levels (multiples of 1 / steps; 0: any). A third of the maps are silent;
-/// it begins at 0, or not, and ends silent, or not.
+/// A track of random grid, times (multiples of `tick`) and levels (multiples of 1 / steps; 0: any).
+/// A third of the maps are silent; it begins at 0, or not, and ends silent, or not.
 inline tactile::Track
 random_track(unsigned seed, tactile::Time tick, int steps)
 {

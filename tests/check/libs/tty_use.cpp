@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 //
-// Trees as Linux 6.1 has them: a terminal of cdc_acm belongs to the device's interface, one of usb-serial to a port of it.
+// Trees as Linux 6.1 has them: a terminal of cdc_acm belongs to the device's interface, one of
+// usb-serial to a port of it.
 #include "tactor/serial/tty_use.h"
 
 #include "system_tree.h"
@@ -118,7 +119,8 @@ GST_START_TEST(test_free)
 }
 GST_END_TEST;
 
-/// By whom, told by the number of what is open, whatever the node is called. Only this device's line counts.
+/// By whom, told by the number of what is open, whatever the node is called. Only this device's
+/// line counts.
 GST_START_TEST(test_open)
 {
   for (const bool acm : { true, false }) {
@@ -208,7 +210,8 @@ GST_START_TEST(test_processes_of_this_machine)
 }
 GST_END_TEST;
 
-/// As the kernel has it: an interface has a link to its driver, or none; of a device that is gone nothing is known.
+/// As the kernel has it: an interface has a link to its driver, or none; of a device that is gone
+/// nothing is known.
 GST_START_TEST(test_without_driver)
 {
   const Machine machine;

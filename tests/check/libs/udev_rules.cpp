@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 //
-// data/udev/70-visuotactile.rules, read by the rules of udev(7): it gives away the boards that the library uses, and no other device.
+// data/udev/70-visuotactile.rules, read by the rules of udev(7): it gives away the boards that the
+// library uses, and no other device.
 #include "tactor/serial/cdc_acm.h"
 #include "tactor/serial/ch340.h"
 #include "tactor/serial/ftdi.h"
@@ -212,7 +213,8 @@ GST_START_TEST(test_events)
 }
 GST_END_TEST;
 
-/// 73-seat-late.rules acts on the tag, so this has to be read before it; ID_USB_INTERFACES comes from 50-udev-default.rules.
+/// 73-seat-late.rules acts on the tag, so this has to be read before it; ID_USB_INTERFACES comes
+/// from 50-udev-default.rules.
 GST_START_TEST(test_order)
 {
   const std::string name = rules_file().filename();
