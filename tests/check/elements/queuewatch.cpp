@@ -2,12 +2,15 @@
 //
 // Pipelines that wait for ever because a queue is missing, and pipelines that wait for something
 // else, on a GstTestClock in place of the system's.
+#include <condition_variable>
+#include <mutex>
+#include <string>
+
+// After the standard library's headers: gstcheck.h defines a macro named fail.
 #include "../libs/contains.h"
 #include "../playing.h"
 
 #include <gst/check/gsttestclock.h>
-
-#include <string>
 
 namespace {
 
@@ -25,6 +28,15 @@ public:
     pipeline_ = gst_parse_launch(line, nullptr);
     fail_unless(pipeline_ != nullptr, "%s", line);
     gst_object_ref_sink(pipeline_);
+    if (GstElement *source = gst_bin_get_by_name(GST_BIN(pipeline_), "source")) {
+      g_signal_connect(source, "need-data", G_CALLBACK(+[](GstElement *, guint, Paused *self) {
+                         const std::lock_guard lock(self->mutex_);
+                         self->source_waits_ = true;
+                         self->changed_.notify_all();
+                       }),
+                       this);
+      gst_object_unref(source);
+    }
     gst_element_set_state(pipeline_, GST_STATE_PAUSED);
   }
   ~Paused()
@@ -47,21 +59,11 @@ public:
     gst_object_unref(element);
   }
 
-  /// Until the chair's stream has begun, and the thread that pushed that is back before the fork.
-  void wait_for_stream()
+  /// Until the source, which is empty, waits for data: its thread is not on the way to any sink.
+  void wait_for_source()
   {
-    GstElement *chair = gst_bin_get_by_name(GST_BIN(pipeline_), "chair");
-    GstElement *fork = gst_bin_get_by_name(GST_BIN(pipeline_), "split");
-    GstPad *begins = gst_element_get_static_pad(chair, "sink");
-    GstPad *pad = gst_element_get_static_pad(fork, "sink");
-    GstEvent *event = nullptr;
-    while (!(event = gst_pad_get_sticky_event(begins, GST_EVENT_STREAM_START, 0)))
-      g_thread_yield();
-    gst_event_unref(event);
-    GST_PAD_STREAM_LOCK(pad);
-    GST_PAD_STREAM_UNLOCK(pad);
-    for (gpointer object : { gpointer(chair), gpointer(fork), gpointer(begins), gpointer(pad) })
-      gst_object_unref(object);
+    std::unique_lock lock(mutex_);
+    changed_.wait(lock, [this] { return source_waits_; });
   }
 
   /// The warnings of that many seconds.
@@ -88,6 +90,9 @@ public:
 private:
   GstClock *clock_;
   GstElement *pipeline_;
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  bool source_waits_ = false;
 };
 
 void
@@ -158,8 +163,8 @@ GST_END_TEST;
 /// Slow sources, before the fork or elsewhere.
 GST_START_TEST(test_slow_source)
 {
-  Paused film("appsrc ! tee name=split split. ! fakesink split. ! " CHAIR);
-  film.wait_for_stream();
+  Paused film("appsrc name=source ! tee name=split split. ! fakesink split. ! " CHAIR);
+  film.wait_for_source();
   assert_text(film.seconds(5), "");
   Paused sound(FILM "tee name=split split. ! queue ! fakesink name=screen split. ! " CHAIR
                     "appsrc ! fakesink");
