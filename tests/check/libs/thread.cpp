@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "tactor/thread.h"
 
+#include <future>
+#include <memory>
+#include <string>
 #include <utility>
 
 #include "../no_threads.h"
@@ -31,6 +34,24 @@ GST_START_TEST(test_joined)
 }
 GST_END_TEST;
 
+/// A thread may end what it belongs to. It cannot wait for itself, and what it runs lives on until
+/// it is done.
+GST_START_TEST(test_ends_itself)
+{
+  std::promise<void> owned;
+  std::promise<std::string> done;
+  auto owner = std::make_unique<Thread>();
+  const std::string text(100, 'x'); // not where a short one is kept
+  *owner = unwrap(Thread::start([&owner, &owned, &done, text] {
+    owned.get_future().wait();
+    owner.reset();
+    done.set_value(text);
+  }));
+  owned.set_value();
+  ck_assert_uint_eq(done.get_future().get().size(), text.size());
+}
+GST_END_TEST;
+
 /// Nothing is thrown where there are no more threads.
 GST_START_TEST(test_no_more_threads)
 {
@@ -50,6 +71,7 @@ thread_suite(void)
   TCase *tests = tcase_create("general");
   suite_add_tcase(suite, tests);
   tcase_add_test(tests, test_joined);
+  tcase_add_test(tests, test_ends_itself);
   tcase_add_test(tests, test_no_more_threads);
   return suite;
 }
