@@ -57,7 +57,7 @@ struct TactorCalibration
 };
 
 /// What was measured of a chair's motors, and how. As a file it is a key file
-/// (docs/calibration.md).
+/// (docs/guide/calibration.md).
 struct Calibration
 {
   static constexpr int kVersion = 1;

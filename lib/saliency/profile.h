@@ -64,7 +64,7 @@ enum class HistoryStart
 /// (illumination_guard), that something happens everywhere (background_gain).
 inline constexpr int kFewestSamples = 64;
 
-/// Every choice between the frame and its saliency map (docs/algorithm.md). Valid if there are
+/// Every choice between the frame and its saliency map (docs/design/algorithm.md). Valid if there are
 /// level pairs with 0 ≤ center ≤ surround and window pairs of at least 1, no number is negative or
 /// NaN, the quantile is in [0, 1], and the camera is followed in seconds only.
 struct Profile
@@ -135,7 +135,7 @@ struct Profile
   /// temporal differences of levels c ∈ {0,1,2}, s = c + {3,4}, per-pixel L*a*b*.
   static Profile paper();
 
-  /// What measures best on films (docs/algorithm.md has the figure behind each choice): one pair c
+  /// What measures best on films (docs/design/algorithm.md has the figure behind each choice): one pair c
   /// = 2, δ = 1, chroma × 2, no N(·), pooled to level 4, onsets only, windows 1/8, 2/16, 4/32,
   /// 8/64; shots, changes of light, what happens everywhere and the camera's motion are told from
   /// events.

@@ -12,7 +12,7 @@ namespace tactile {
 
 namespace {
 
-// The perceptual gain (docs/algorithm.md): the contrast in ΔE from which an event is felt to grow,
+// The perceptual gain (docs/design/algorithm.md): the contrast in ΔE from which an event is felt to grow,
 // how fast that saturates, and the level of the weakest, which just clears a motor's 0.5 V of 3 V.
 constexpr double kPerceptualOnset = 4;
 constexpr double kPerceptualScale = 25;

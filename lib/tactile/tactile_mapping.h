@@ -37,7 +37,7 @@ struct MappingSettings
   static MappingSettings paper();
 
   /// Floor and units of Profile::tuned()'s maps, values kept, exact area, perceptual gain
-  /// (docs/algorithm.md).
+  /// (docs/design/algorithm.md).
   static MappingSettings tuned();
 
   /// The same for Profile::tuned_spatial()'s maps, whose values are ΔE for figures of one percent

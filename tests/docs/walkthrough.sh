@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: LGPL-2.1-or-later
-# Runs the commands of docs/tracks.md from top to bottom, as they stand: every line of a block in sh that is about film.mp4 or the film
+# Runs the commands of docs/guide/tracks.md from top to bottom, as they stand: every line of a block in sh that is about film.mp4 or the film
 # of the walk-through, in one folder. Players are told to drive no board. Then the example of a track, and what is said of one that is wrong.
 # Usage: walkthrough.sh PAGE      (with the plugins on GST_PLUGIN_PATH and tactile-track on PATH)
 set -euo pipefail

@@ -28,7 +28,7 @@ struct Mean
   }
 };
 
-/// How well maps follow films (docs/quality.md). An event is an onset, that is a ball that appears
+/// How well maps follow films (docs/measured/quality.md). An event is an onset, that is a ball that appears
 /// or starts to move, or its movement; a ball that is there in the first frame is none. A cell is a
 /// ball's if the square around the ball touches it.
 struct Scores

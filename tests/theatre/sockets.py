@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: LGPL-2.1-or-later
-"""Which UDP ports server and seats of a theatre bind when they are told no address: those that docs/security.md lists, and none on all
+"""Which UDP ports server and seats of a theatre bind when they are told no address: those that docs/guide/security.md lists, and none on all
 addresses; and that a seat hears two films of its group. In a network namespace of its own, with one interface; where none can be made, the
 test is skipped.
 

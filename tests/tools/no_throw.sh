@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: LGPL-2.1-or-later
-# Nothing in lib/ or gst/ throws: expected errors are values (docs/architecture.md, "Errors"). What is compiled says so better than what is
+# Nothing in lib/ or gst/ throws: expected errors are values (docs/design/architecture.md, "Errors"). What is compiled says so better than what is
 # written, as headers may throw, too. What the standard library throws itself, such as std::vector where memory is out, is not seen.
 #
 # Usage: no_throw.sh BUILD
