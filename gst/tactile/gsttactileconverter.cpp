@@ -37,7 +37,7 @@
  */
 #include "gsttactileconverter.h"
 
-#include "cuestream.h"
+#include "gst/cues/cue_stream.h"
 #include "gsttactileelements.h"
 #include "tracks/cue_builder.h"
 #include "tracks/track.h"

@@ -23,7 +23,7 @@
  */
 #include "gsttactileklvdec.h"
 
-#include "cuestream.h"
+#include "gst/cues/cue_stream.h"
 #include "gsttactileelements.h"
 
 #include <optional>

@@ -29,7 +29,7 @@
  */
 #include "gsttactilesubtitles.h"
 
-#include "cuestream.h"
+#include "gst/cues/cue_stream.h"
 #include "gsttactileelements.h"
 #include "tracks/text_cue.h"
 #include "tracks/track.h"

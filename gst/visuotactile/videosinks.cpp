@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "videosinks.h"
 
+#include "gst/video/video_sinks.h"
+
 #include <functional>
 
 static bool

@@ -3,10 +3,6 @@
 
 #include <gst/gst.h>
 
-/// GStreamer 1.22's DirectFB sink: it takes the process along if it is only asked where there is no
-/// frame buffer. Whoever tries video sinks in turn has to leave it out.
-inline constexpr const gchar *kCrashingVideoSink = "dfbvideosink";
-
 /// The video sink of the highest rank that reaches READY, left in NULL; never one of those that
 /// would choose in turn (visuotactilesink, autovideosink), nor kCrashingVideoSink. Floating. NULL
 /// if there is none; `errors` then tells why, one line each.

@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: LGPL-2.1-or-later
-"""Each folder of lib/ that has a meson.build is a house. Its door is what the comments of that file name after "Door": the headers that others may
-include. Tests may look inside. And arrows point down: no two houses include each other, directly or around a corner.
+"""Each folder of lib/ or tools/ that has a meson.build is a house. Its door is what the comments of that file name after "Door": the headers that
+others may include. Tests may look inside. And arrows point down: no two houses include each other, directly or around a corner, and nothing
+outside gst/ includes the elements' headers.
 Usage: doors.py ROOT"""
 
 import pathlib
@@ -10,7 +11,8 @@ import sys
 
 root = pathlib.Path(sys.argv[1])
 lib = root / "lib"
-houses = sorted((b.parent for b in lib.rglob("meson.build") if b.parent != lib), key=lambda h: -len(h.parts))
+above = (lib, root / "tools")
+houses = sorted((b.parent for top in above for b in top.rglob("meson.build") if b.parent != top), key=lambda h: -len(h.parts))
 doors = {}
 for house in houses:
     comments = " ".join(re.findall(r"^# ?(.*)$", (house / "meson.build").read_text(), re.M))
@@ -27,14 +29,16 @@ looked_at = 0
 for source in sorted(p for folder in ("lib", "gst", "tools", "examples") for p in (root / folder).rglob("*") if p.suffix in (".c", ".cpp", ".h")):
     mine = house_of(source)
     for included in re.findall(r'^#\s*include ["<]([\w/.-]+)[">]', source.read_text(), re.M):
-        header = lib / included
-        theirs = house_of(header) if header.is_file() else None
+        if source.relative_to(root).parts[0] != "gst" and (root / included).is_relative_to(root / "gst") and (root / included).is_file():
+            wrong.append(f"{source.relative_to(root)} includes {included}, which is an element's")
+        header = next((top / included for top in above if (top / included).is_file()), None)
+        theirs = house_of(header) if header else None
         if theirs is None or theirs == mine:
             continue
         looked_at += 1
         if mine is not None:
             arrows[mine].add(theirs)
-        if str(header.relative_to(theirs)) not in doors[theirs] and theirs.relative_to(lib).parts[0] != "gst":
+        if str(header.relative_to(theirs)) not in doors[theirs] and theirs != lib / "gst" / "tactile":
             wrong.append(f"{source.relative_to(root)} includes {included}, which is inside: expected one of {theirs.relative_to(root)}/meson.build's door")
 
 for house in houses:

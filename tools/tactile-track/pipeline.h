@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include "gst/tactile/cuestream.h"
+#include "gst/cues/cue_stream.h"
 #include "tracks/track.h"
 
 #include <gst/gst.h>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "player.h"
 
-#include "gst/visuotactile/videosinks.h"
+#include "gst/video/video_sinks.h"
 
 #include <glib-unix.h>
 #include <gst/video/video.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "cuestream.h"
+#include "cue_stream.h"
 
 #include "tracks/klv.h"
 
