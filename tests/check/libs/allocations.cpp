@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 //
-// Nothing is allocated for a frame once the analysis is warm: malloc and its kin are counted, by
-// standing before the C library's. Sanitizers stand there themselves, so meson leaves this out
-// there.
+// Once the analysis is warm, no frame allocates memory. The test interposes malloc and its kin and
+// counts calls. Sanitizers interpose them too, so meson builds this test only without them.
 #include <cstddef>
 #include <cstdlib>
 #include <dlfcn.h>
@@ -97,7 +96,7 @@ using oracle::Frame;
 const cv::Size kFilm(160, 120);
 const cv::Size kPicture(96, 72); ///< for Profile::tuned_spatial()
 
-/// A textured picture seen from a place further right each frame, and back.
+/// A camera that pans right over a texture, and back.
 std::vector<Frame>
 pan()
 {
@@ -111,7 +110,7 @@ pan()
         for (int x = 0; x < frame.plane_width(c); ++x)
           frame.at(c, x, y) = world.planes[c][static_cast<std::size_t>(
               y * world.plane_width(c) + x + (c == 0 ? left : left / 2))];
-    // Larger things than noise, for the camera to be followed by.
+    // Features larger than noise, from which the camera's motion is estimated.
     for (int k = 0; k < 9; ++k)
       frame.disc(25 * k - left, 15 + 47 * k % 90, 11, { 60 + 20 * k, 128, 128 });
     frames.push_back(frame);
@@ -145,7 +144,7 @@ struct Counted
   int moved;
 };
 
-/// Of `measured` frames after `warm_up`.
+/// Allocations during `measured` frames that follow `warm_up` frames.
 Counted
 analyze(const saliency::Profile &profile, const tactile::MappingSettings &mapping, bool temporal,
         const std::vector<Frame> &frames)
@@ -180,7 +179,7 @@ analyze(const saliency::Profile &profile, const tactile::MappingSettings &mappin
 
 GST_START_TEST(test_counter)
 {
-  // An allocation by each way in is seen.
+  // Each allocation function is counted.
   armed = true;
   allocations = 0;
   std::vector<int> by_new(10);
@@ -227,7 +226,7 @@ GST_END_TEST;
 
 GST_START_TEST(test_front_end)
 {
-  // Planes, deep planes and packed pixels, decimated and not.
+  // 8-bit planes, deeper planes and packed pixels, with and without decimation.
   constexpr int kWidth = 800;
   constexpr int kHeight = 760;
   const Frame planes = oracle::film(kWidth, kHeight, 0);

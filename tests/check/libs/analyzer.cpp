@@ -50,8 +50,8 @@ pyramid_of(const Frame &frame)
   return levels;
 }
 
-/// Mean over the last `window` of maps of equal length `duration`; before the first one the first
-/// one again, or nothing.
+/// Mean over the last `window` of maps that last `duration` each. What lies before the first map
+/// counts as that map if `filled`, else it is left out.
 Image
 window_mean(const std::vector<Image> &maps, double window, double duration, bool filled)
 {
@@ -85,7 +85,8 @@ peak(Analyzer &analyzer, const Frame &frame, Time time, Time duration = kSecond 
   return analyzer.analyze(frame.view(), time, duration).peak;
 }
 
-/// A patterned surface, 220 × 124 of it from `left` on, and a ball in the middle of the picture.
+/// A patterned surface, of which 220 × 124 pixels from `left` on are seen, and a ball in the middle
+/// of the picture.
 Frame
 surface(double left, bool ball)
 {
@@ -110,7 +111,7 @@ surface(double left, bool ball)
 
 GST_START_TEST(test_paper_profile)
 {
-  // 64×48 has levels 0…6: surrounds 7 and 8 are limited to 6.
+  // 64×48 has levels 0 to 6, so surrounds 7 and 8 are limited to 6.
   const std::vector<saliency::LevelPair> levels{ { 2, 5 }, { 2, 6 }, { 3, 6 },
                                                  { 3, 6 }, { 4, 6 }, { 4, 6 } };
   Analyzer analyzer(Profile::paper());
@@ -129,7 +130,7 @@ GST_START_TEST(test_paper_profile)
     }
     st = oracle::itti(st);
 
-    // In frames: whatever the times are.
+    // The paper's windows count frames: timestamps do not matter.
     const Time time = i * i * kSecond;
     const auto &spatial = still.analyze(frame.view(), time, kSecond, false);
     fail_unless_at_most(oracle::difference(spatial.map, maps.back()), 5e-3);
@@ -144,8 +145,8 @@ GST_END_TEST;
 
 GST_START_TEST(test_tuned_profile)
 {
-  // 64 wide: the pair's levels are 0 and 1, the map's 2, and nothing is left to decimate before
-  // L*a*b*.
+  // At a width of 64 the pair's levels are 0 and 1 and the map's level is 2. Nothing is decimated
+  // before the conversion to L*a*b*.
   for (const double rate : { 30.0, 25.0, 60.0 }) {
     Analyzer analyzer(Profile::tuned());
     Analyzer still(Profile::tuned());
@@ -184,7 +185,7 @@ GST_END_TEST;
 
 GST_START_TEST(test_exact_and_decimated_agree)
 {
-  // On pictures made of colored things with a little noise, too large for L*a*b* of every pixel.
+  // Colored shapes with a little noise, too large for converting every pixel to L*a*b*.
   std::mt19937 generator(3);
   const auto random = [&](int low, int high) {
     return std::uniform_int_distribution<int>(low, high)(generator);
@@ -210,9 +211,8 @@ GST_END_TEST;
 
 GST_START_TEST(test_same_film_at_any_rate)
 {
-  // A ball appears at 1 s and moves at 2 s and 2.5 s. At the same times the map is the same,
-  // whatever the rate; at 29.97 and with frames of changing length their ends only lie near those
-  // times.
+  // A ball appears at 1 s and moves at 2 s and 2.5 s. At equal times the maps are equal at any
+  // rate. At 29.97 fps and at a variable rate, frames end only near those times.
   const auto at = [](double second) {
     Frame frame = textured(48, 36);
     if (second >= 1)
@@ -261,7 +261,7 @@ GST_END_TEST;
 
 GST_START_TEST(test_no_ghost)
 {
-  // A ball that has stood for three seconds vanishes.
+  // A ball that has been still for three seconds vanishes.
   for (const bool onset : { true, false }) {
     Profile profile = Profile::tuned();
     profile.temporal_sign
@@ -283,8 +283,8 @@ GST_END_TEST;
 
 GST_START_TEST(test_no_burst)
 {
-  // After start, reset, a step back in time, the same time again, another size, a hole: the first
-  // frame is not salient, the next one with something new is.
+  // After a start, a reset, a step back in time, a repeated time, a change of size or a gap, the
+  // first frame is not salient. The next one that shows something new is.
   const Frame gray = textured(64, 48);
   const Frame ball = film(64, 48, 10);
   const Frame other(80, 60);
@@ -299,7 +299,7 @@ GST_START_TEST(test_no_burst)
     starts_anew(gray, Time(0));
     analyzer.reset();
     starts_anew(gray, 2 * frame);
-    starts_anew(gray, Time(0));                          // back
+    starts_anew(gray, Time(0));                          // a step back
     starts_anew(gray, frame);                            // the same time
     fail_unless(peak(analyzer, other, 10 * frame) == 0); // another size
     starts_anew(gray, 11 * frame);                       // and back
@@ -307,7 +307,7 @@ GST_START_TEST(test_no_burst)
     const Time hole = -100 * kSecond + 2 * frame + 64 * frame;
     fail_unless((peak(analyzer, gray, hole + frame) == 0)
                 == seconds); // longer than the longest window
-    fail_unless(peak(analyzer, ball, hole + 2 * frame + 63 * frame) > 0); // not as long
+    fail_unless(peak(analyzer, ball, hole + 2 * frame + 63 * frame) > 0); // shorter
   }
 }
 GST_END_TEST;
@@ -329,13 +329,13 @@ GST_START_TEST(test_extreme_times)
     }
   }
 
-  // Slides: each is displayed for an hour, and each is new.
+  // Slides: each is displayed for an hour, and each differs from the last.
   analyzer.reset();
   for (int i = 0; i < 6; ++i) {
     const double p = peak(analyzer, i % 2 == 0 ? gray : ball, i * 3600 * kSecond, 3600 * kSecond);
     fail_unless(i % 2 == 1 ? p > 0.6 : p < 0.6);
   }
-  // An unknown duration is that of a frame at 30 fps.
+  // An unknown duration counts as 1/30 s.
   Analyzer known(Profile::tuned());
   analyzer.reset();
   for (int i = 0; i < 6; ++i) {
@@ -374,7 +374,8 @@ GST_START_TEST(test_sizes)
           fail_unless_near(result.peak, highest, 0);
         }
   }
-  // The map lies at the profile's level: 321 → level 1 is the one next to 220, so the map is at 3.
+  // The map is at the profile's level. For a width of 321, level 1 is nearest to 220 pixels, so the
+  // map is at level 3.
   Analyzer analyzer(Profile::tuned());
   const cv::Mat map = analyzer.analyze(Frame(321, 241).view(), Time(0), Time(0)).map;
   ck_assert_int_eq(map.cols, 41);
@@ -384,8 +385,9 @@ GST_END_TEST;
 
 GST_START_TEST(test_picture)
 {
-  // Where a dot is in the map is where it is in the picture: sample coordinates (center of sample i
-  // at i + ½) map linearly from the picture's edges. The dot is found by the map's center of mass.
+  // A dot is at the same place in the map and in the picture. Sample coordinates (the center of
+  // sample i is at i + ½) map linearly from the picture's edges. The map's center of mass locates
+  // the dot.
   Profile profile = Profile::tuned();
   Analyzer analyzer(profile);
   for (const auto &[x, y] : { std::pair{ 200, 150 }, { 331, 222 }, { 448, 128 }, { 101, 307 } }) {
@@ -403,8 +405,8 @@ GST_START_TEST(test_picture)
         at_y += v * (j + 0.5);
       }
     const auto &picture = result.picture;
-    // The middle of pixel x is at x + ½ of the picture's 640; to a twentieth of the map's 16 pixels
-    // a sample.
+    // The center of pixel x is at x + ½ of the picture's 640. Tolerance: a twentieth of a sample,
+    // which is 16 pixels wide.
     fail_unless_near((at_x / mass - picture.x) / picture.width * 640, x + 0.5, 0.8);
     fail_unless_near((at_y / mass - picture.y) / picture.height * 480, y + 0.5, 0.8);
   }
@@ -436,7 +438,7 @@ GST_START_TEST(test_invalid)
   fail_unless(with([](Profile &p) { p.camera_margin = -1; }));
   fail_unless(with([](Profile &p) { p.cut_share = NAN; }));
   fail_unless(with([](Profile &p) { p.time_base = saliency::TimeBase::frames; }));
-  // Levels in any order are none of these.
+  // Levels in any order are valid.
   for (const int level : { 0, 1, 2, 6 }) {
     Profile profile = Profile::tuned();
     profile.saliency_level = level;
@@ -449,7 +451,7 @@ GST_END_TEST;
 
 GST_START_TEST(test_spatial_has_no_history)
 {
-  // What was before a frame without `temporal` does not count after it.
+  // Frames before one without `temporal` do not affect the frames after it.
   Analyzer resumed(Profile::tuned());
   Analyzer started(Profile::tuned());
   for (int i = 0; i < 16; ++i) {
@@ -473,8 +475,8 @@ GST_END_TEST;
 
 GST_START_TEST(test_cut)
 {
-  // Another shot gives silence, and what comes in it is felt; so does a frame of another size,
-  // which is no cut.
+  // The first frame of a new shot is silent, and what then appears in it is salient. A frame of
+  // another size is silent, too, but not a cut.
   const Frame gray = textured(160, 120);
   Frame other = gray;
   for (auto &v : other.planes[0])
@@ -496,7 +498,7 @@ GST_START_TEST(test_cut)
   fail_if(result.cut);
   fail_unless_near(result.peak, 0, 0);
 
-  // With a share of 1 nothing is a cut, nor is it after a reset.
+  // With a share of 1 nothing is a cut. A frame after a reset is none either.
   Profile profile = Profile::tuned();
   analyzer.reset();
   fail_if(analyzer.analyze(gray.view(), Time(0), Time(0)).cut);
@@ -514,8 +516,8 @@ GST_END_TEST;
 
 GST_START_TEST(test_pan)
 {
-  // A camera pans over a surface and rests: silence, but for a ball that appears and stays where it
-  // is in the picture. Without following, the surface is felt.
+  // A camera pans over a surface and rests. Only a ball that appears and stays at its place in the
+  // picture is salient. Without motion compensation, the surface is salient, too.
   Profile unfollowed = Profile::tuned();
   unfollowed.camera_motion = false;
   unfollowed.background_gain = 0;
@@ -555,8 +557,7 @@ GST_START_TEST(test_pan)
 }
 GST_END_TEST;
 
-/// A camera that pans fast, at few frames a second, changes as much as a cut, but goes on with the
-/// shot.
+/// A fast pan at a low frame rate changes as much as a cut, but the shot goes on.
 GST_START_TEST(test_fast_pan_is_no_cut)
 {
   Profile unfollowed = Profile::tuned();

@@ -141,8 +141,8 @@ GST_START_TEST(motors_have_what_was_measured_and_the_others_are_the_papers)
   fail_unless(motors[2].latency == Time(12ms) && motors[2].thresholds_measured);
   fail_unless(motors[2].rise_time(0, 1.5) == Time(80'125'000));
   fail_unless(motors[0].rise_time(0, 1.5) == RiseTime()(0, 1.5) && !motors[0].thresholds_measured);
-  // With both, the file says which; without a table the quadratic is used, between its grid's
-  // points, too.
+  // With a table and a quadratic fit, the file says which one to use. Without a table the quadratic
+  // is used, also between the points of its grid.
   TactorCalibration without = some_tactor();
   without.prefers_quadratic = true;
   const RiseTime rise_time = Calibration{ .tactors = { { 0, without } } }.motors(3.0)[0].rise_time;
@@ -151,8 +151,8 @@ GST_START_TEST(motors_have_what_was_measured_and_the_others_are_the_papers)
 }
 GST_END_TEST
 
-// Two motors, one twice as strong, both with bent curves: what is felt is the same on both, and
-// linear in the level.
+// Two motors, one twice as strong, both with curved responses: perceived strength is equal on both,
+// and linear in the level.
 GST_START_TEST(levels_are_felt_equally_and_linearly)
 {
   TactorCalibration weak;
@@ -185,8 +185,8 @@ GST_START_TEST(levels_are_felt_equally_and_linearly)
 }
 GST_END_TEST
 
-// Start and hold volts count, not voltage-min: what turns goes on where what stands would not
-// start.
+// The measured start and hold voltages apply, not voltage-min: a level that does not start a motor
+// at rest keeps a turning one on.
 GST_START_TEST(thresholds_are_each_tactors_own)
 {
   const Calibration calibration{ .tactors = { { 0, { .start_volts = 0.9, .hold_volts = 0.3 } } } };
@@ -199,15 +199,16 @@ GST_START_TEST(thresholds_are_each_tactors_own)
         last = command.volts;
     return last;
   };
-  fail_unless(volts(0s, 0.25F, 0) == -1);          // 0.75 V: does not start
-  fail_unless_near(volts(1s, 0.5F, 0), 1.5, 1e-6); // does
+  fail_unless(volts(0s, 0.25F, 0) == -1);          // 0.75 V does not start it
+  fail_unless_near(volts(1s, 0.5F, 0), 1.5, 1e-6); // 1.5 V does
   fail_unless_near(volts(2s, 0.12F, 0), 0.36, 1e-6);
   fail_unless(volts(3s, 0.05F, 0) == 0);
-  fail_unless_near(volts(4s, 0.25F, 1), 0.75, 1e-6); // the other is the paper's
+  fail_unless_near(volts(4s, 0.25F, 1), 0.75, 1e-6); // the other motor is the paper's
 }
 GST_END_TEST
 
-// The chain's latency is measured per tactor and takes the place of what the driver says of itself.
+// The latency of the whole chain is measured per tactor. It replaces the latency that the driver
+// reports.
 GST_START_TEST(latency_is_part_of_the_lead)
 {
   const Calibration calibration{ .tactors = { { 0, { .latency = 21ms } } } };

@@ -13,7 +13,7 @@ namespace {
 
 const cv::Size kSize(110, 62);
 
-/// An endless surface in closed form, L* 20 to 80: waves of 5 to 40 samples in all directions.
+/// An endless surface in closed form, L* from 20 to 80: waves of 5 to 40 samples in all directions.
 double
 surface(double x, double y)
 {
@@ -36,7 +36,7 @@ frame(cv::Size size, const std::function<double(int, int)> &lightness)
   return image;
 }
 
-/// The surface from a pose: where the frame's samples lie on it.
+/// The surface as seen from a pose.
 cv::Mat
 seen_from(const Similarity &pose, cv::Size size = kSize)
 {
@@ -53,7 +53,7 @@ add_noise(cv::Mat &image, double deviation, unsigned seed)
       image.at<float>(y, x) += noise(generator);
 }
 
-/// Turned and scaled about the middle of the picture, then shifted.
+/// Rotation and scale about the center of the picture, then a shift.
 Similarity
 about_middle(double scale, double angle, double dx, double dy)
 {
@@ -64,7 +64,7 @@ about_middle(double scale, double angle, double dx, double dy)
   return { a, b, cx - a * cx + b * cy + dx, cy - b * cx - a * cy + dy };
 }
 
-/// How far apart two poses put a corner of the picture.
+/// The largest distance, in samples, between a corner's places in two poses.
 double
 apart(const Similarity &p, const Similarity &q, cv::Size size = kSize)
 {
@@ -83,8 +83,8 @@ apart(const Similarity &p, const Similarity &q, cv::Size size = kSize)
 
 GST_START_TEST(test_follows)
 {
-  // Each frame's step, for so many frames; the sum of steps is known to 1 % of the way that a
-  // corner has gone, and half a sample.
+  // A constant step per frame. The accumulated pose may be off by half a sample and 1 % of the
+  // distance that a corner has moved.
   const struct
   {
     const char *name;
@@ -120,7 +120,7 @@ GST_END_TEST;
 
 GST_START_TEST(test_shakes)
 {
-  // A hand-held camera: to and fro, and nothing adds up.
+  // A hand-held camera: shakes do not accumulate.
   CameraMotion camera;
   for (int i = 0; i < 150; ++i) {
     const Similarity pose
@@ -133,8 +133,8 @@ GST_END_TEST;
 
 GST_START_TEST(test_rests)
 {
-  // Exactly the same pose at rest, whatever the noise; also after a motion, once the key frame is
-  // one at rest, at most 8 frames later.
+  // At rest the pose does not change by a bit, whatever the noise. After a motion this holds from
+  // the next key frame on, at most 8 frames later.
   for (const double noise : { 0.0, 0.5, 2.0, 4.0 }) {
     CameraMotion camera;
     Similarity pose;
@@ -158,8 +158,8 @@ GST_END_TEST;
 
 GST_START_TEST(test_exposure)
 {
-  // Gain and offset of lightness change from frame to frame, also at once: at rest that is no
-  // motion, and a pan is followed all the same.
+  // Gain and offset of lightness drift or jump. At rest that is not taken for motion, and a pan is
+  // still followed.
   for (const double speed : { 0.0, 0.6 })
     for (const bool at_once : { false, true }) {
       CameraMotion camera;
@@ -181,8 +181,8 @@ GST_END_TEST;
 
 GST_START_TEST(test_balls)
 {
-  // One ball of up to a fifth of the picture's width, and two of up to a ninth that come towards
-  // each other, on an even background, with noise and without.
+  // Balls on an even background are not taken for camera motion: one with a radius of up to 12
+  // samples, or two smaller ones that approach each other.
   for (const auto &[balls, radius] :
        { std::pair{ 1, 4.0 }, { 1, 9.0 }, { 1, 12.0 }, { 2, 4.0 }, { 2, 6.0 } })
     for (const double noise : { 0.0, 2.0 }) {
@@ -203,8 +203,8 @@ GST_END_TEST;
 
 GST_START_TEST(test_large_object)
 {
-  // A textured thing that fills so much of the picture's width and its whole height crosses a still
-  // surface.
+  // A textured object crosses a still surface. It covers a share of the picture's width and all of
+  // its height.
   for (const auto &[share, speed] :
        { std::pair{ 0.2, 0.4 }, { 0.3, 0.4 }, { 0.3, 4.0 }, { 0.5, 1.5 } }) {
     CameraMotion camera;
@@ -223,7 +223,7 @@ GST_END_TEST;
 
 GST_START_TEST(test_nothing_to_go_by)
 {
-  // Black, an even picture that brightens, a mere edge.
+  // Pictures without texture: black, an even picture that brightens, a single edge.
   const std::function<double(int, int)> films[]
       = { [](int, int) { return 0; }, [](int, int i) { return 50 + i; },
           [](int x, int i) {
@@ -242,7 +242,7 @@ GST_END_TEST;
 
 GST_START_TEST(test_noise_alone)
 {
-  // Noise on an even picture has texture, and is another one each time.
+  // Noise on an even picture has texture, but no frame repeats it.
   for (const double noise : { 0.5, 1.0, 2.0, 4.0, 10.0 }) {
     CameraMotion camera;
     for (int i = 0; i < 100; ++i) {
@@ -256,7 +256,7 @@ GST_END_TEST;
 
 GST_START_TEST(test_small_pictures)
 {
-  // Too little to go by, and nothing outside them is read.
+  // Too small to estimate motion from. A sanitizer sees reads beyond them.
   CameraMotion camera;
   for (int height = 1; height <= 9; ++height)
     for (int width = 1; width <= 9; ++width)
@@ -289,8 +289,8 @@ GST_END_TEST;
 
 GST_START_TEST(test_key_frames_age)
 {
-  // What counts as motion is the way within 8 frames at 30 fps, 0.2 samples: 0.02 a frame is none
-  // at all, however long it goes on, and 0.04 is followed; at four times the rate likewise.
+  // Motion is recognized from 0.2 samples within 8 frames at 30 fps. 0.02 samples a frame never
+  // count, 0.04 are followed. At four times the frame rate the same speeds decide.
   for (const double speed : { 0.02, 0.04 })
     for (const double elapsed : { 1.0, 0.25 }) {
       CameraMotion camera;
@@ -302,8 +302,8 @@ GST_START_TEST(test_key_frames_age)
         fail_unless_at_most(e, speed > 0.03 ? 0.3 : 0);
       }
     }
-  // Each of these frames is a key frame, for it comes 8 frames after the last: pictures that differ
-  // by 3 samples each are compared with their predecessors.
+  // 8 frames pass between two of these, so each is a key frame. Frames that are 3 samples apart are
+  // compared with their predecessors.
   CameraMotion camera;
   for (int i = 0; i < 20; ++i)
     fail_unless_at_most(
@@ -311,7 +311,7 @@ GST_START_TEST(test_key_frames_age)
 }
 GST_END_TEST;
 
-/// In another frame of reference the way is the same, whatever the key frame's age.
+/// A change of the frame of reference does not change the motion, whatever the key frame's age.
 GST_START_TEST(test_rebase)
 {
   for (const int when : { 3, 8, 13, 20 }) {

@@ -23,15 +23,14 @@ constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
 constexpr FrameRate kThirty{ 30, 1 };
 
-/// A level that returns every seventh frame only: no block below has seven frames, so each has a
-/// command.
+/// A level that repeats every seventh frame. No block here has seven frames, so each has a command.
 float
 level_of(std::int64_t frame)
 {
   return 0.3F + 0.1F * static_cast<float>(frame % 7);
 }
 
-/// What a new planner commands for its first map.
+/// The commands of a new planner for its first map.
 std::vector<Command>
 first_plan(const PlannerSettings &settings, int tactors, const std::vector<float> &levels)
 {
@@ -39,7 +38,7 @@ first_plan(const PlannerSettings &settings, int tactors, const std::vector<float
   return planner.plan(0s, 33ms, levels);
 }
 
-/// The volts that the only tactor gets for a level.
+/// The voltage that a single tactor gets for a level.
 double
 volts_for(const PlannerSettings &settings, float level)
 {
@@ -48,7 +47,7 @@ volts_for(const PlannerSettings &settings, float level)
   return commands.empty() ? 0.0 : commands[0].volts;
 }
 
-/// Tactors and volts of commands, in text.
+/// Commands as text: "tactor:hundredths of a volt ".
 std::string
 text(const std::vector<Command> &commands)
 {
@@ -72,8 +71,8 @@ GST_START_TEST(test_blocks_do_not_drift)
     for (std::int64_t frame = 0; frame < frames; frame++) {
       const auto commands = planner.plan(rate.frame(frame), rate.duration(frame),
                                          std::vector<float>{ level_of(frame) });
-      // In whole numbers: has the middle of the frame, (2k + 1) / (2 fps), got to the block's
-      // start, n / 5 Hz? The first block begins with the first frame.
+      // In whole numbers: does the middle of the frame, (2k + 1) / (2 fps), lie at or after the
+      // block's start, n / 5 Hz? The first block begins with the first frame.
       const bool begins
           = blocks == 0 || 5 * (2 * frame + 1) * rate.denominator >= 2 * blocks * rate.numerator;
       fail_unless(commands.size() == (begins ? 1 : 0), "frame %d at %d/%d fps",
@@ -93,7 +92,8 @@ GST_END_TEST;
 
 GST_START_TEST(test_rounded_stamps)
 {
-  // A film of 30 frames a second whose stamps are sums of rounded durations: every sixth frame.
+  // At 30 fps, with timestamps that are sums of rounded durations, every sixth frame begins a
+  // block.
   for (const Time duration : { 33'333'333ns, 33'333'334ns }) {
     CommandPlanner planner(1, unlimited());
     for (std::int64_t frame = 0; frame < 18000; frame++) {
@@ -137,8 +137,8 @@ GST_START_TEST(test_holes)
   CommandPlanner planner(1, unlimited());
   std::vector<int> begun;
   for (int frame = 0; frame < 60; frame++) {
-    // A hole shorter than a block leaves the grid; one in which a whole block was lost begins it
-    // anew.
+    // A gap shorter than a block keeps the grid of blocks. One that covers a whole block starts a
+    // new grid.
     if ((frame > 3 && frame < 9) || (frame > 20 && frame < 34))
       continue;
     if (!planner
@@ -160,7 +160,7 @@ GST_START_TEST(test_level_of_the_blocks_first_map)
         = planner.plan(kThirty.frame(frame), kThirty.duration(frame), std::vector<float>{ level });
     fail_unless(text(commands) == (frame == 0 ? "0:150 " : ""));
   }
-  // A block in which nothing changes has no commands.
+  // A block without changes has no commands.
   fail_unless(planner.plan(kThirty.frame(6), 33ms, std::vector<float>{ 0.5F }).empty());
   fail_unless(text(planner.plan(kThirty.frame(12), 33ms, std::vector<float>{ 1.0F })) == "0:300 ");
 }
@@ -177,7 +177,7 @@ GST_START_TEST(test_silence)
   for (const Command &command : commands)
     fail_unless(command.effect == 1050ms && command.lead == 0s);
   fail_unless(planner.silence(1100ms).empty());
-  // The next map begins a block, and a grid.
+  // The next map begins a block and a new grid.
   const std::vector<float> levels{ 0.0F, 1.0F, 0.0F };
   const std::vector<float> none{ 0.0F, 0.0F, 0.0F };
   fail_unless(text(planner.plan(1100ms, 33ms, levels)) == "1:300 ");
@@ -188,7 +188,8 @@ GST_END_TEST;
 
 GST_START_TEST(test_silence_before_what_is_planned)
 {
-  // A gap that begins before the last map's time must not be overtaken by that map's command.
+  // A gap may begin before the last map's time. Its command must not be due before that map's
+  // command.
   CommandPlanner planner(1, unlimited());
   const Command on = planner.plan(1s, 33ms, std::vector<float>{ 1.0F })[0];
   const Command off = planner.silence(0s)[0];
@@ -204,7 +205,7 @@ GST_START_TEST(test_reset)
   const auto first = planner.plan(10s, 33ms, levels);
   fail_unless(first.size() == 2);
   fail_unless(planner.plan(10s + 33ms, 33ms, std::vector<float>{ 0.0F, 0.0F }).empty());
-  // Motors are at rest again, and time may begin anew.
+  // All motors are at rest, and time may start again from zero.
   planner.reset(10s + 66ms);
   fail_unless(planner.silence(0s).empty());
   planner.reset(0s);
@@ -220,7 +221,7 @@ GST_START_TEST(test_silenced)
   CommandPlanner planner(2, unlimited());
   const std::vector<float> levels{ 1.0F, 0.4F };
   fail_unless(text(planner.plan(1s, 33ms, levels)) == "0:300 1:120 ");
-  // Motors are at rest again, time goes on; nothing is due before.
+  // All motors are at rest and time goes on. No command is due before the silence.
   planner.silenced(2s);
   fail_unless(planner.silence(2s).empty());
   const auto again = planner.plan(2s, 33ms, levels);
@@ -238,7 +239,7 @@ GST_START_TEST(test_change_of_rate)
   settings.intensity = 0.5;
   planner.set_settings(unlimited(settings));
   fail_unless(planner.settings().intensity == 0.5);
-  // Another setting leaves the grid, another rate does not.
+  // A change of the rate starts a new grid, other settings keep it.
   fail_unless(planner.plan(100ms, 33ms, std::vector<float>{ 1.0F }).empty());
   settings.rate = 10;
   planner.set_settings(unlimited(settings));
@@ -258,7 +259,7 @@ GST_START_TEST(test_mapping)
   const std::vector<float> levels{ 0.2F, 0.4F, 0.6F, 0.8F };
   fail_unless(planned({}, 4, levels) == "0:60 1:120 2:180 3:240 ");
   fail_unless(planned({}, 6, levels) == "0:60 1:120 2:180 3:240 ");
-  fail_unless(planned({}, 2, levels) == "0:60 1:120 "); // cells beyond the board
+  fail_unless(planned({}, 2, levels) == "0:60 1:120 "); // more cells than tactors
   fail_unless(planned({}, 0, levels).empty());
   fail_unless(planned({}, -1, levels).empty());
   fail_unless(planned({ 3, 2, 1, 0 }, 4, levels) == "0:240 1:180 2:120 3:60 ");
@@ -266,7 +267,7 @@ GST_START_TEST(test_mapping)
   fail_unless(planned({ 1, 1, 0, 0 }, 2, levels) == "0:240 1:120 "); // the stronger one
   fail_unless(planned({ 0, 0, 1, 1 }, 2, { 0.9F, 0.4F, 0.0F, 0.5F }) == "0:270 1:150 ");
   fail_unless(planned({ 7, 0, 2, -5 }, 2, levels) == "0:120 ");
-  fail_unless(planned({ 1, 0 }, 4, levels) == "0:120 1:60 "); // no more cells than the mapping
+  fail_unless(planned({ 1, 0 }, 4, levels) == "0:120 1:60 "); // cells without an entry are ignored
   fail_unless(planned({ 0, 1, 2, 3, 4, 5 }, 6, levels) == "0:60 1:120 2:180 3:240 ");
   fail_unless(planned({}, 3, {}).empty());
 }
@@ -300,7 +301,7 @@ GST_START_TEST(test_volts)
   fail_unless_near(volts_for({ .volts_max = 5.0 }, 0.5F), 2.5, 0);
   fail_unless_near(volts_for({ .intensity = 0.5 }, 0.8F), 1.2, 1e-6);
   fail_unless_near(volts_for({ .intensity = 0 }, 1.0F), 0, 0);
-  // Below the least voltage a tactor is off.
+  // Below the minimum voltage a tactor is off.
   fail_unless(volts_for({}, 0.16F) == 0);
   fail_unless_near(volts_for({}, 0.17F), 0.51, 1e-6);
   fail_unless(volts_for({ .volts_min = 0.6 }, 0.19F) == 0);
@@ -313,7 +314,7 @@ GST_END_TEST;
 
 GST_START_TEST(test_least_voltage_as_a_float)
 {
-  // A level of just under 1/6 as floats have it is meant to be 0.5 V, at which the motor does turn.
+  // A level one float below 1/6 stands for 0.5 V, at which the motor turns.
   const float sixth = std::nextafter(1.0F / 6.0F, 0.0F);
   fail_unless(3.0 * static_cast<double>(sixth) < 0.5);
   const auto commands = first_plan({}, 1, { sixth });
@@ -330,7 +331,7 @@ GST_START_TEST(test_levels_out_of_range)
   fail_unless(volts_for({}, -0.5F) == 0);
   fail_unless(volts_for({}, -kInfinity) == 0);
   fail_unless(volts_for({}, kNan) == 0);
-  // NaN turns a motor off that is on.
+  // NaN turns off a motor that is on.
   CommandPlanner planner(1, unlimited());
   planner.plan(0s, 33ms, std::vector<float>{ 1.0F });
   fail_unless(text(planner.plan(1s, 33ms, std::vector<float>{ kNan })) == "0:0 ");
@@ -360,7 +361,7 @@ GST_START_TEST(test_order_lead_and_range)
       if (dice < 2)
         planner.set_settings(unlimited(settings()));
       if (dice > 95) {
-        frame += dice; // a hole
+        frame += dice; // a gap
         continue;
       }
       std::vector<float> levels(kTactors);

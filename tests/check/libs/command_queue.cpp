@@ -31,8 +31,8 @@ levels(const CommandQueue &queue)
   return { queue.levels().begin(), queue.levels().end() };
 }
 
-/// The queue again, as plainly as can be: a bag that is searched for the earliest command each
-/// time.
+/// Reference implementation of the queue: an unsorted list that is searched for the earliest
+/// command.
 struct Bag
 {
   std::vector<Command> commands; ///< in order of arrival
@@ -83,7 +83,7 @@ GST_END_TEST;
 GST_START_TEST(test_order_of_due_times)
 {
   CommandQueue queue(4);
-  // The first by its effect is the last by its due time.
+  // The command with the earliest effect has the latest due time.
   push(queue, { command(30ms, 0, 1), command(20ms, 1, 2, 100ms), command(25ms, 2, 3, 50ms) });
   push(queue, { command(10ms, 3, 0.5, 500ms) });
   fail_unless(queue.size() == 4);
@@ -109,7 +109,7 @@ GST_START_TEST(test_latest_wins)
               == (std::vector<Command>{ command(20ms, 1, 1), command(30ms, 0, 2) }));
   fail_unless(queue.coalesced() == 1);
   fail_unless(levels(queue) == (std::vector<double>{ 2, 1 }));
-  // At the same time the one that came last is the latest.
+  // Of two commands for the same time, the later one wins.
   push(queue, { command(50ms, 0, 0.7), command(50ms, 0, 0) });
   fail_unless(queue.take_due(50ms) == (std::vector<Command>{ command(50ms, 0, 0) }));
   fail_unless(queue.coalesced() == 3);
@@ -131,19 +131,19 @@ GST_START_TEST(test_runs_out)
   fail_unless(queue.take_due(30ms - 1ns).empty());
   fail_unless(queue.take_due(30ms) == (std::vector<Command>{ command(30ms, 0, 0) }));
   fail_unless(levels(queue) == (std::vector<double>{ 0, 2, 0 }));
-  // Whoever says so afterwards says nothing new; another time is another command.
+  // The same command afterwards is redundant. One at another time is not.
   push(queue, { command(30ms, 0, 0) });
   fail_unless(queue.size() == 0);
   push(queue, { command(31ms, 0, 0) });
   fail_unless(queue.take_due(31ms) == (std::vector<Command>{ command(31ms, 0, 0) }));
-  // A command before the end has an end of its own, or none.
+  // A command before the end brings an end of its own, or none.
   push(queue, { until(command(35ms, 1, 1.5), 60ms) });
   fail_unless(queue.take_due(35ms).size() == 1);
   fail_unless(queue.next_due() == Time(60ms));
   push(queue, { command(50ms, 1, 1) });
   fail_unless(queue.take_due(1s) == (std::vector<Command>{ command(50ms, 1, 1) }));
   fail_unless(!queue.next_due());
-  // Taken too late, it is over; what came after that is not.
+  // Taken late: the first command has expired, the others have not.
   push(queue, { until(command(2s, 0, 1), 2100ms), until(command(2s, 1, 1), 2300ms),
                 command(2050ms, 2, 1) });
   fail_unless(queue.take_due(2200ms).size() == 3);

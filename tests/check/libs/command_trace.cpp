@@ -54,7 +54,7 @@ issued(Time at, Time effect, Time lead, int tactor, double volts)
            .issued = at };
 }
 
-/// What read_command_trace() says of a file; fails if it reads it.
+/// The error of read_command_trace() for a file that it must refuse.
 std::string
 complaint(const std::string &path)
 {
@@ -67,7 +67,7 @@ contains(const std::string &text, const std::string &part)
   return text.find(part) != std::string::npos;
 }
 
-/// Numbers as nobody must write them into a CSV file: 1.234.567,5.
+/// Number formatting that must never get into a CSV file: 1.234.567,5.
 class Commas : public std::numpunct<char>
 {
   char do_decimal_point() const override
@@ -88,7 +88,7 @@ class Commas : public std::numpunct<char>
 
 GST_START_TEST(test_exact_text)
 {
-  // In the locale of a German desktop where there is one, and in C++'s own idea of one anyway.
+  // In a German locale, where installed, and in a C++ locale with commas.
   setlocale(LC_ALL, "de_DE.UTF-8");
   const std::locale before = std::locale::global(std::locale(std::locale(), new Commas));
   const TraceFile file;
@@ -151,7 +151,7 @@ GST_START_TEST(test_missing_file)
   const TraceFile file;
   const std::string what = complaint(file.path());
   fail_unless(contains(what, file.path()), "%s", what.c_str());
-  // A folder is no file.
+  // A folder is refused.
   fail_unless(contains(complaint(file.folder()), file.folder()));
 }
 GST_END_TEST;
@@ -171,7 +171,7 @@ GST_START_TEST(test_hostile_files)
     { "issued_ns,due_ns,effect_ns,tactor\n" + good, 1 },
     { "issued_ns,due_ns,effect_ns,tactor,volts,more\n" + good, 1 },
     { "issued_ns,due_ns,effect_ns,tactor,volts\r\n" + good, 1 },
-    { "issued_ns,due_ns,effect_ns,tactor,volts", 1 }, // torn off
+    { "issued_ns,due_ns,effect_ns,tactor,volts", 1 }, // truncated
     { std::string(1000, 'x'), 1 },
     { std::string(10'000'000, '1') + "\n", 1 },
     { std::string("\0\0\0", 3), 1 },
@@ -203,7 +203,7 @@ GST_START_TEST(test_hostile_files)
     { kHeader + "10000000000000000000,2,3,4,0.5\n", 2 }, // 10¹⁹
     { kHeader + "1,2,10000000000000000000,4,0.5\n", 2 },
     { kHeader + "1,-9223372036854775808,9223372036854775807,4,0.5\n", 2 },
-    { kHeader + good + "1,2,3,4,0.5", 3 }, // torn off
+    { kHeader + good + "1,2,3,4,0.5", 3 }, // truncated
   };
   const TraceFile file;
   for (const Case &c : cases) {
@@ -235,11 +235,11 @@ GST_START_TEST(test_full_disk)
   trace.write(issued(1ns, 2ns, 1ns, 0, 1));
   trace.flush();
   fail_unless(trace.failed());
-  // It stays so, and goes on taking commands.
+  // The error persists, and commands are still accepted.
   for (int i = 0; i < 10'000; i++)
     trace.write(issued(1ns, 2ns, 1ns, 0, 1));
   fail_unless(trace.failed());
-  // Without flush(), too, once the buffer is full
+  // Without flush() the error shows once the buffer is full.
   CommandTrace unflushed = unwrap(CommandTrace::create("/dev/full"));
   for (int i = 0; i < 10'000; i++)
     unflushed.write(issued(1ns, 2ns, 1ns, 0, 1));

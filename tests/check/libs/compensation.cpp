@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "tactor/command_planner.h"
 
-// How the planner moves commands before their frames; what else it does is in command_planner.cpp.
+// When the planner issues commands relative to their frames. Its other tests are in
+// command_planner.cpp.
 
 #include <algorithm>
 #include <cmath>
@@ -31,7 +32,7 @@ seconds(Time time)
   return std::chrono::duration<double>(time).count();
 }
 
-/// What a new planner commands for its first map.
+/// The commands of a new planner for its first map.
 std::vector<Command>
 first_plan(const PlannerSettings &settings, int tactors, const std::vector<float> &levels)
 {
@@ -39,7 +40,7 @@ first_plan(const PlannerSettings &settings, int tactors, const std::vector<float
   return planner.plan(0s, 33ms, levels);
 }
 
-/// A second opinion of Eq. 1, in seconds.
+/// Eq. 1 computed independently, in seconds.
 double
 oracle_rise(double start, double target)
 {
@@ -51,7 +52,8 @@ oracle_rise(double start, double target)
          / 1000;
 }
 
-/// A second opinion of the motor: in powers of what is left of the step, in seconds.
+/// The motor model computed independently, in seconds: powers of the share of the step that
+/// remains.
 struct OracleMotor
 {
   double since = 0;
@@ -80,9 +82,9 @@ struct OracleMotor
 
 GST_START_TEST(test_papers_worked_example)
 {
-  // "when 60 ms is found as the rising time …, the first three frames of the data block are written
-  // with the previous input voltage and the remaining two frames are filled with the target voltage
-  // at the next data block": 30 frames a second, five to a block.
+  // The paper's example: "when 60 ms is found as the rising time …, the first three frames of the
+  // data block are written with the previous input voltage and the remaining two frames are filled
+  // with the target voltage at the next data block". 30 frames a second, five in a block.
   const PlannerSettings settings{ .rate = 6, .compensation = Compensation::frame_block };
   CommandPlanner planner(1, unlimited(settings), constant(60));
   std::vector<Command> commands;
@@ -128,13 +130,13 @@ GST_START_TEST(test_frame_block_rounds_up_to_frames)
     fail_unless(commands[0].lead == c.frames * c.frame, "%g ms in frames of %g ms: lead %g ms",
                 c.rise, c.frame.count() / 1e6, commands[0].lead.count() / 1e6);
   }
-  // Three frames of 33 333 333 ns, or …34, are 100 ms.
+  // Three frames of 33 333 333 ns or 33 333 334 ns last 100 ms.
   for (const Time frame : { 33'333'333ns, 33'333'334ns }) {
     CommandPlanner planner(1, unlimited({ .compensation = Compensation::frame_block }),
                            constant(100));
     fail_unless(planner.plan(1s, frame, std::vector<float>{ 1.0F })[0].lead == 3 * frame);
   }
-  // A frame of unknown duration is one of 1/30 s.
+  // An unknown frame duration counts as 1/30 s.
   CommandPlanner planner(1, unlimited({ .compensation = Compensation::frame_block }), constant(60));
   fail_unless_near(planner.plan(0s, 0s, std::vector<float>{ 1.0F })[0].lead.count(), 2e9 / 30, 1);
 }
@@ -142,7 +144,7 @@ GST_END_TEST;
 
 GST_START_TEST(test_exact_lead_at_rest)
 {
-  // Eq. 1 with Vs = 0, by hand
+  // Eq. 1 with Vs = 0, computed by hand
   struct Case
   {
     float level;
@@ -172,7 +174,7 @@ GST_START_TEST(test_other_compensations_at_rest)
   settings.transport_latency = 4ms;
   fail_unless(first_plan(settings, 1, { 1.0F })[0].lead == 0s);
 
-  // exact: the transport latency comes on top, of falling commands, too.
+  // exact: the transport latency is added, for falling commands, too.
   settings.compensation = Compensation::exact;
   CommandPlanner planner(1, unlimited(settings), constant(60));
   fail_unless(planner.plan(0s, 33ms, std::vector<float>{ 1.0F })[0].lead == 64ms);

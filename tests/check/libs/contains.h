@@ -4,10 +4,10 @@
 #include <initializer_list>
 #include <string>
 
-// After the standard library's headers: gstcheck.h defines a macro named fail.
+// gstcheck.h defines a macro `fail`, so it follows the standard library's headers.
 #include <gst/check/gstcheck.h>
 
-/// As ck_assert_str_eq(), which looks at its arguments after a temporary string is gone.
+/// Like ck_assert_str_eq(), which would read a temporary string after its end.
 inline void
 assert_text(const std::string &text, const std::string &expected)
 {

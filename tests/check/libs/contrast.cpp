@@ -47,8 +47,8 @@ pyramid_of(const oracle::LabImage &finest, int coarsest)
 
 GST_START_TEST(test_brute_force)
 {
-  // Lightness and chroma of the same pair, and chroma of a coarser one, wider or narrower, as far
-  // as levels that are limited to the same one: then without contrast.
+  // Lightness and chroma of the same pair of levels, or chroma of another one. Where both levels of
+  // a pair are limited to the same level, its contrast is zero.
   const struct
   {
     LevelPair lightness;
@@ -59,7 +59,7 @@ GST_START_TEST(test_brute_force)
                 { { 4, 5 }, { 5, 5 } }, { { 1, 1 }, { 1, 2 } } };
   unsigned seed = 0;
   for (const double weight : { 1.0, 2.0, 0.5, 0.0 }) {
-    Contrast contrast(weight); // one for all sizes: buffers are reused
+    Contrast contrast(weight); // reused: buffers change size
     for (const cv::Size size :
          { cv::Size(1, 1), cv::Size(1, 9), cv::Size(20, 1), cv::Size(31, 17) }) {
       const auto lab = random_lab(size, seed += 3);
@@ -78,8 +78,8 @@ GST_END_TEST;
 
 GST_START_TEST(test_closed_form)
 {
-  // A dot of (3, 4, 12) on black. Along each axis 6/16 of it lie on the same sample one level up
-  // and 1/16 on its neighbors; two levels up (6·6 + 2·4·1)/256 = 44/256.
+  // A dot of (3, 4, 12) on black. One level up, its sample keeps 6/16 of it along each axis and
+  // each neighbor gets 1/16. Two levels up: (6·6 + 2·4·1)/256 = 44/256.
   auto lab = uniform_lab(33, 33, { 0, 0, 0 });
   lab[0](16, 16) = 3;
   lab[1](16, 16) = 4;
@@ -100,9 +100,9 @@ GST_END_TEST;
 
 GST_START_TEST(test_ramp_has_no_contrast)
 {
-  // Center and surround of a linear ramp agree wherever both lie where they say they lie;
-  // half-pixel centers would leave a contrast of (2² - 1)/2 samples' worth of slope. Borders are
-  // mirrored and no ramp: two levels up they reach 2 + 2·2 pixels, to the sample at 8.
+  // On a linear ramp center and surround agree if samples lie where the pyramid places them.
+  // Half-pixel centers would leave a contrast of (2² - 1)/2 samples' slope. Mirrored borders bend
+  // the ramp: two levels up they reach 2 + 2·2 pixels, to the sample at 8.
   auto lab = uniform_lab(65, 65, { 0, 0, 0 });
   for (int y = 0; y < 65; ++y)
     for (int x = 0; x < 65; ++x) {

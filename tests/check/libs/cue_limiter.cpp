@@ -20,7 +20,7 @@ namespace {
 constexpr FrameRate kRates[]
     = { { 24, 1 }, { 25, 1 }, { 30000, 1001 }, { 30, 1 }, { 50, 1 }, { 60, 1 }, { 1000, 1 } };
 
-/// What one cell plays, as a function of time, and what is left of it.
+/// The level of one cell as a function of time.
 using Level = std::function<float(Time)>;
 
 float
@@ -34,7 +34,8 @@ limited(CueLimiter &limiter, float level, Time time, const CueLimits &limits)
   return felt;
 }
 
-/// Plays `input` until `end` at a rate and asks of each frame whether it is felt as `felt` says.
+/// Plays `input` until `end` at `rate`, and checks for each frame whether it passes as `felt`
+/// expects.
 void
 expect(const Level &input, Time end, const CueLimits &limits, const FrameRate &rate,
        const std::function<bool(Time)> &felt)
@@ -58,7 +59,6 @@ within(Time time, Time begin, Time end)
 
 } // namespace
 
-/// Without limits every map stays as it is.
 GST_START_TEST(test_off)
 {
   std::mt19937 generator(1);
@@ -77,7 +77,7 @@ GST_START_TEST(test_off)
 }
 GST_END_TEST;
 
-/// What goes on and on is felt for the time that is allowed, at any rate.
+/// A level that never ends passes for the allowed time, at any rate.
 GST_START_TEST(test_duration)
 {
   for (const FrameRate &rate : kRates)
@@ -85,7 +85,7 @@ GST_START_TEST(test_duration)
       expect([](Time time) { return time >= 400ms ? 0.6F : 0.0F; }, 5s, { .max_duration = allowed },
              rate,
              [&](Time time) {
-               // The cue begins with the first frame that shows it.
+               // A cue begins with the first frame that shows it.
                int first = 0;
                while (rate.frame(first) < 400ms)
                  ++first;
@@ -94,7 +94,7 @@ GST_START_TEST(test_duration)
 }
 GST_END_TEST;
 
-/// At rest for 100 ms it may begin anew; what is shorter belongs to the cue.
+/// After 100 ms of rest a new cue may begin. A shorter break belongs to the cue.
 GST_START_TEST(test_rest)
 {
   const auto with_break = [](Time length) {
@@ -107,13 +107,13 @@ GST_START_TEST(test_rest)
   expect(with_break(99ms), 4s, limits, rate, [](Time time) { return time < 1s; });
   expect(with_break(100ms), 4s, limits, rate,
          [](Time time) { return time < 1s || within(time, 2100ms, 3100ms); });
-  // One frame of 24 a second is not a rest, three are.
+  // At 24 fps one frame is too short for a rest, three are long enough.
   expect(with_break(41ms), 4s, limits, { 24, 1 }, [](Time time) { return time < 1s; });
 }
 GST_END_TEST;
 
-/// A level that flickers is one cue: neither does it last for ever nor does its flicker make it
-/// wait.
+/// A flickering level is one cue: it ends after the allowed time, and its breaks start no
+/// refractory time.
 GST_START_TEST(test_flicker)
 {
   for (const FrameRate &rate : { FrameRate{ 24, 1 }, { 30, 1 }, { 60, 1 } }) {
@@ -128,8 +128,8 @@ GST_START_TEST(test_flicker)
 }
 GST_END_TEST;
 
-/// In a spent cue half as much again as its lowest level is an event of its own, and has all its
-/// time; below the level that moves a motor nothing is.
+/// After a cue has run out, a level 1.5 times the lowest since then begins a new cue of full
+/// length. Levels too low to move a motor count as the lowest that does.
 GST_START_TEST(test_stronger)
 {
   const CueLimits limits{ .max_duration = 500ms };
@@ -153,23 +153,24 @@ GST_START_TEST(test_stronger)
     expect(steps(0.9F, 0.4F, 0.61F), 3s, limits, rate, then(2s));
     expect(steps(0.05F, 0.29F, 0.29F), 3s, limits, rate, once);
     expect(steps(0.05F, 0.31F, 0.31F), 3s, limits, rate, then(1s));
-    // What rises while the cue still has its time is part of it.
+    // A rise before the cue has run out belongs to it.
     expect([](Time time) { return time < 400ms ? 0.2F : 1.0F; }, 3s, limits, rate, once);
   }
 }
 GST_END_TEST;
 
-/// After a cue nothing begins for the refractory time; what goes on after it is felt then.
+/// No cue begins within the refractory time after another. A level that lasts longer passes from
+/// then on.
 GST_START_TEST(test_refractory)
 {
-  // 200 ms of each 500 ms.
+  // 200 ms of every 500 ms.
   const Level pulses = [](Time time) {
     return time % 500ms < 200ms ? 0.5F : 0.0F;
   };
   for (const FrameRate &rate : { FrameRate{ 20, 1 }, { 50, 1 }, { 1000, 1 } }) {
     expect(pulses, 5s, { .refractory = 1s }, rate, [](Time time) { return time % 1500ms < 200ms; });
     expect(pulses, 5s, { .refractory = 400ms }, rate, [](Time time) {
-      // 0 to 0.2 s, 0.6 to 0.7 s, 1.1 to 1.2 s ...
+      // Passes from 0 to 0.2 s, 0.6 to 0.7 s, 1.1 to 1.2 s and so on.
       return time < 200ms || time % 500ms >= 100ms;
     });
     expect(pulses, 5s, { .refractory = 300ms }, rate, [](Time) { return true; });
@@ -177,32 +178,33 @@ GST_START_TEST(test_refractory)
 }
 GST_END_TEST;
 
-/// A cue that was cut ends when its time is over, and the refractory time begins then.
+/// A cue that runs out ends then, and its refractory time begins.
 GST_START_TEST(test_both)
 {
   const CueLimits limits{ .max_duration = 500ms, .refractory = 1s };
   for (const FrameRate &rate : { FrameRate{ 24, 1 }, { 50, 1 }, { 1000, 1 } }) {
-    // Stronger at 1 s, but the cue has ended at 0.5 s.
+    // A rise at 1 s, but the cue ended at 0.5 s.
     expect([](Time time) { return time < 1s ? 0.4F : 0.8F; }, 4s, limits, rate,
            [](Time time) { return time < 500ms || within(time, 1500ms, 2s); });
-    // At rest from 0.75 s to 1.25 s.
+    // Rest from 0.75 s to 1.25 s.
     expect([](Time time) { return within(time, 750ms, 1250ms) ? 0.0F : 0.4F; }, 4s, limits, rate,
            [](Time time) { return time < 500ms || within(time, 1500ms, 2s); });
   }
-  // Between two frames, at 0.55 s: 1.59 s is the earliest, of which 1.6 s is the first frame.
+  // The cue ends between two frames, at 0.55 s. The next may begin at 1.59 s, so it begins with the
+  // frame at 1.6 s.
   expect([](Time time) { return time < 1s ? 0.4F : 0.8F; }, 4s,
          { .max_duration = 550ms, .refractory = 1040ms }, { 10, 1 },
          [](Time time) { return time < 550ms || within(time, 1600ms, 2150ms); });
 }
 GST_END_TEST;
 
-/// Any film, sampled at any rate, is felt as at 1000 frames a second but for the frame in which
-/// something begins or ends.
+/// At any frame rate a film gives the same result as at 1000 fps, except in frames in which a cue
+/// begins or ends.
 GST_START_TEST(test_rates_agree)
 {
   std::mt19937 generator(7);
   for (int film = 0; film < 20; ++film) {
-    // Levels that hold for 0.3 to 1 s; every third is a rest.
+    // Levels that hold for 0.3 to 1 s. Every third one is zero.
     std::vector<std::pair<Time, float>> steps;
     for (Time time{ 0 }; time < 30s; time += std::chrono::milliseconds(300 + generator() % 700))
       steps.emplace_back(time, generator() % 3 == 0 ? 0.0F : (1 + generator() % 9) / 10.0F);
@@ -224,7 +226,7 @@ GST_START_TEST(test_rates_agree)
                      != reference[static_cast<std::size_t>(time / 1ms)];
       frames++;
     }
-    // At most two events a second, each with a beginning and an end.
+    // At most two cues a second, each with a beginning and an end.
     fail_unless(differences <= frames / 20, "film %d: %d of %d frames differ", film, differences,
                 frames);
   }
@@ -249,7 +251,7 @@ GST_START_TEST(test_cells_are_their_own)
 }
 GST_END_TEST;
 
-/// Time that goes back, another grid and reset() begin anew; the same time does not.
+/// A step back in time, another grid and reset() start anew. A repeated time does not.
 GST_START_TEST(test_resets)
 {
   const CueLimits limits{ .max_duration = 500ms, .refractory = 10s };
@@ -278,14 +280,14 @@ GST_START_TEST(test_resets)
   grid.limit(high, 2s, limits);
   fail_unless(high.levels[0] > 0 && high.levels[1] > 0);
 
-  // No limit any more: what was spent is felt at once.
+  // Without limits a cue that had run out passes at once.
   CueLimiter freed;
   spent(freed);
   fail_unless(limited(freed, 0.5F, 22s, {}) > 0);
 }
 GST_END_TEST;
 
-/// Times as far apart as can be told.
+/// Times near the ends of their range.
 GST_START_TEST(test_extreme_times)
 {
   constexpr Time kFar{ 1'000'000'000'000'000'000 };

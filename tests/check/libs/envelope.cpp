@@ -33,7 +33,7 @@ sampled(const std::function<double(double)> &function, double seconds = 2)
 
 } // namespace
 
-// A slowly swelling tone: its envelope is what it was multiplied by.
+// The envelope of a tone with slowly changing amplitude is that amplitude.
 GST_START_TEST(envelope_of_a_modulated_tone_is_the_modulation)
 {
   const auto swell = [](double at) {
@@ -76,8 +76,7 @@ GST_START_TEST(strongest_line_is_found)
 }
 GST_END_TEST
 
-// Hum that is a little off its frequency, and a motor that vibrates at nearly the same one: only
-// the hum goes.
+// Hum is a little off the mains frequency, and the motor vibrates near it. Only the hum is removed.
 GST_START_TEST(hum_is_taken_out_and_the_motor_is_not)
 {
   for (const double mains : { 50.07, 59.9 }) {

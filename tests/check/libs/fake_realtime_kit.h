@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 //
-// RealtimeKit as a service of the test's own on a bus of its own, which makes threads real-time as
-// the real one does.
+// A fake RealtimeKit on a private bus. It makes threads real-time as the real one does.
 #pragma once
 
 #include "../realtime.h"
@@ -25,7 +24,7 @@ time_limit()
   return limit;
 }
 
-/// A bus on which is, or is not, a service that is called as RealtimeKit, on a thread of its own.
+/// A private bus, with a fake RealtimeKit on a thread of its own or without one.
 class Bus
 {
 public:
@@ -58,7 +57,7 @@ public:
     g_test_dbus_stop(bus_);
     g_object_unref(bus_);
   }
-  /// Waits until it was asked; who shall be real-time.
+  /// Waits for a request and returns the thread that it names.
   pid_t asked()
   {
     std::unique_lock lock(mutex_);
@@ -81,7 +80,7 @@ private:
     g_variant_get(parameters, "(ttu)", &process, &thread, &priority);
     const auto id = static_cast<pid_t>(thread);
     const sched_param granted{ .sched_priority = static_cast<int>(priority) };
-    // As the real one: verify_process_rttime() of rtkit-daemon.c.
+    // As in verify_process_rttime() of rtkit-daemon.c.
     if (service_ == Service::refuses || process != static_cast<guint64>(getpid()) || priority > 20
         || time_limit().rlim_max > kMostTime)
       g_dbus_method_invocation_return_dbus_error(
@@ -103,7 +102,7 @@ private:
                                               : g_variant_new_int32(20);
   }
 
-  /// The real one knows `Get` alone.
+  /// The real one implements only `Get`.
   static GDBusMessage *refuse_get_all(GDBusConnection *, GDBusMessage *message, gboolean incoming,
                                       gpointer)
   {

@@ -14,14 +14,14 @@ using tactile::leave_to_choice;
 
 namespace {
 
-/// Marks the tracks of a copy.
+/// Marks the tracks in place.
 std::size_t
 mark(std::string &file)
 {
   return leave_to_choice({ reinterpret_cast<std::uint8_t *>(file.data()), file.size() });
 }
 
-/// An element of EBML with a size of eight bytes, as GStreamer writes them.
+/// An EBML element whose size takes eight bytes, as GStreamer writes it.
 std::string
 element(const std::string &id, const std::string &body)
 {
@@ -31,7 +31,7 @@ element(const std::string &id, const std::string &body)
   return id + size + body;
 }
 
-/// One with a size of one byte.
+/// The same with a size of one byte.
 std::string
 small(const std::string &id, const std::string &body)
 {
@@ -40,7 +40,7 @@ small(const std::string &id, const std::string &body)
 
 const std::string kEntry = "\xae"s;
 
-/// What a TrackEntry has in it.
+/// The content of a TrackEntry.
 std::string
 track(char type, const std::string &language)
 {
@@ -100,14 +100,14 @@ GST_START_TEST(test_matroska)
                              + element(kEntry, track(0x11, "eng"))
                              + element(kEntry, track(0x02, "zxx"));
   std::string file = matroska(others + element(kEntry, kFelt) + element(kEntry, kFelt));
-  // By hand: 14 bytes and 3 more, in a size of five bytes, then FlagDefault = 0. All else stays
-  // where it is.
+  // By hand: 14 bytes and 3 more, in a size of five bytes, then FlagDefault = 0. Everything else
+  // stays in place.
   const std::string marked = "\xae\x08\0\0\0\x11"s + kFelt + "\x88\x81\0"s;
   fail_unless(kFelt.size() == 14);
   const std::string expected = matroska(others + marked + marked);
   fail_unless_equals_uint64(mark(file), 2);
   fail_unless(file == expected);
-  // Again: the flag is there.
+  // The second time, the flag is found.
   fail_unless_equals_uint64(mark(file), 2);
   fail_unless(file == expected);
 }
@@ -115,7 +115,7 @@ GST_END_TEST;
 
 GST_START_TEST(test_matroska_of_others)
 {
-  // A flag that is there, of two bytes; a size without room; a segment of unknown size.
+  // An existing flag of two bytes, a size without room to grow, a segment of unknown size.
   std::string file
       = matroska(element(kEntry, small("\x88"s, "\0\1"s) + kFelt) + small(kEntry, kFelt));
   const std::string expected
@@ -129,8 +129,8 @@ GST_START_TEST(test_matroska_of_others)
 }
 GST_END_TEST;
 
-// What is no TrackEntry that a reader could go through to its end is left as it is: there would be
-// no finding the flag.
+// Damaged entries are left unchanged: a reader cannot parse them to their end, so it would not find
+// the flag.
 GST_START_TEST(test_matroska_of_nobody)
 {
   const std::string open = "\x01\xff\xff\xff\xff\xff\xff\xff"s; // of unknown size
@@ -154,8 +154,8 @@ GST_START_TEST(test_mp4)
 }
 GST_END_TEST;
 
-// Files cut anywhere, and with any bytes changed: nothing outside of them is touched
-// (AddressSanitizer, valgrind).
+// Truncated files and files with random bytes changed. AddressSanitizer and valgrind see accesses
+// beyond them.
 GST_START_TEST(test_damaged)
 {
   std::mt19937 random(1);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 //
-// Conversations with boards over a line of 57600 baud, in virtual time: every byte has its moment.
+// Conversations with boards over a line of 57600 baud, in virtual time.
 #include "tactor/drivers/firmata_board.h"
 
 #include "firmata_model.h"
@@ -19,7 +19,8 @@ using State = FirmataBoard::State;
 
 namespace {
 
-constexpr Time kByte = Time(1s) * 10 * 35 * 8 / 16'000'000; // as an Arduino makes 57600 baud
+// an Arduino's 57600 baud: 16 MHz / 8 / 35
+constexpr Time kByte = Time(1s) * 10 * 35 * 8 / 16'000'000;
 
 /// A board at the end of a line.
 class Line
@@ -31,7 +32,7 @@ public:
     model.restart(now);
   }
 
-  /// Lets time pass; `stop` ends it early.
+  /// Advances the time up to `until`, or until `stop` returns true.
   void run_to(
       Time until, const std::function<bool()> &stop = [] { return false; })
   {
@@ -126,8 +127,8 @@ duty(double level, int bits = 8)
 
 } // namespace
 
-/// A Mega that DTR has reset says nothing for 2.1 s, one that runs has said its banner long ago.
-/// Both are running soon after they can speak: 683 bytes take 119 ms.
+/// A Mega that DTR resets is silent for 2.1 s. One that keeps running sent its banner long ago.
+/// Both are ready soon after they can answer: 683 bytes take 119 ms.
 GST_START_TEST(test_asking)
 {
   for (const Time boot : { 0ms, 300ms, 2100ms, 4000ms })
@@ -152,8 +153,8 @@ GST_START_TEST(test_asking)
 }
 GST_END_TEST;
 
-/// Its last host was killed: its motors run, and it does not reset when it is opened (a board with
-/// USB of its own). They stop before it is asked for more.
+/// The last host was killed, so motors run. The board has USB of its own and does not reset when it
+/// is opened. Motors stop before the host asks for anything.
 GST_START_TEST(test_motors_left_on)
 {
   Line line(kUno);
@@ -171,13 +172,13 @@ GST_START_TEST(test_time_of_an_update)
 {
   Line mega(kMega);
   mega.connect();
-  // 12 pins below 16 of 3 bytes, 3 of 6
+  // 12 pins below 16 take 3 bytes each, the other 3 take 6
   fail_unless(mega.board.update_time() == 54 * kByte);
   Line uno(kUno);
   uno.connect();
   fail_unless(uno.board.update_time() == 18 * kByte);
 
-  // And so it is on the line: 9 tactors are 27 bytes.
+  // On the line, 9 tactors take 27 bytes.
   mega.set(std::vector<double>(9, 1.0));
   const Time begin = mega.now;
   mega.run_to(begin + 1s, [&] { return mega.model.duty[10] == 255; });
@@ -186,7 +187,8 @@ GST_START_TEST(test_time_of_an_update)
 }
 GST_END_TEST;
 
-/// Changed tactors only, in one transfer; a write while one is on the way moves the goal alone.
+/// Latest wins: one transfer carries only the tactors that changed. A write during a transfer only
+/// replaces the target.
 GST_START_TEST(test_latest_wins)
 {
   Line line(kUno);
@@ -214,7 +216,7 @@ GST_START_TEST(test_latest_wins)
 }
 GST_END_TEST;
 
-/// 300 on a pin of 8 bits would wrap to 44; what is not a level is none.
+/// 300 on a pin of 8 bits would wrap to 44. NaN counts as zero.
 GST_START_TEST(test_levels_are_clipped)
 {
   Layout fine = kUno;
@@ -239,9 +241,9 @@ GST_START_TEST(test_levels_are_clipped)
 }
 GST_END_TEST;
 
-/// A film's commands as the planner makes them: each pin goes through the planned duties in their
-/// order, some passed over, none made up; the last byte is on the board within two updates, the one
-/// that is on the way and its own.
+/// Commands of a film, from the planner. Each pin goes through the planned duties in their order:
+/// it may skip some, but gets no others. The last one arrives within two updates: the one in flight
+/// and its own.
 GST_START_TEST(test_planned_commands_arrive)
 {
   for (const unsigned seed : { 1u, 2u, 3u }) {
@@ -277,8 +279,7 @@ GST_START_TEST(test_planned_commands_arrive)
       }
     }
     line.run_for(50ms);
-    // The duties that each pin was told, read from the bytes, which are all analog messages from
-    // the first level on.
+    // The duties of each pin, from the bytes. After the set-up all of them are analog messages.
     std::vector<std::size_t> at(9, 0);
     const auto &bytes = line.model.received;
     const auto first = static_cast<std::size_t>(std::ranges::find(bytes, 0xf4) - bytes.begin()
@@ -299,7 +300,7 @@ GST_START_TEST(test_planned_commands_arrive)
 }
 GST_END_TEST;
 
-/// A chair that is more than one transfer.
+/// A chair whose levels take more than one transfer.
 GST_START_TEST(test_many_pins)
 {
   Layout many{ .name = "many",
@@ -326,7 +327,7 @@ GST_START_TEST(test_many_pins)
 }
 GST_END_TEST;
 
-/// Zeros, then reset; also with a transfer on the way, and before it was asked anything else.
+/// Zeros, then a reset, also during a transfer and while the board boots.
 GST_START_TEST(test_close)
 {
   for (const int bytes_before : { 0, 1, 2, 3, 5, 18, 100 }) {
@@ -355,7 +356,7 @@ GST_START_TEST(test_close)
 }
 GST_END_TEST;
 
-/// A line that takes nothing any more holds nobody up.
+/// A line that stalls blocks nobody.
 GST_START_TEST(test_stalled_line)
 {
   Line line(kUno);
@@ -379,7 +380,7 @@ GST_START_TEST(test_stalled_line)
 }
 GST_END_TEST;
 
-/// Patience ends after 5 s, and the reason is that of the last thing that was missing.
+/// The board fails after 5 s. The reason names the last answer that was missing.
 GST_START_TEST(test_board_that_does_not_answer)
 {
   const auto failure = [](Line &line) {
@@ -399,7 +400,7 @@ GST_START_TEST(test_board_that_does_not_answer)
   };
   fail_unless(failure(noise).find("57600 baud") != std::string::npos);
 
-  // Its capabilities are always cut short: it is asked until the end.
+  // The capabilities are cut short each time, so the host asks until the end.
   Line short_replies(kMega);
   short_replies.flip = [&](std::size_t) {
     const bool in_capabilities
@@ -410,7 +411,7 @@ GST_START_TEST(test_board_that_does_not_answer)
 }
 GST_END_TEST;
 
-/// Damage at any byte of what it says costs one more question at most, and no pin is made up.
+/// Damage at any byte of a reply costs at most one more question, and no pin is invented.
 GST_START_TEST(test_garbled_reply)
 {
   std::mt19937 random(3);
@@ -431,7 +432,7 @@ GST_START_TEST(test_garbled_reply)
 }
 GST_END_TEST;
 
-/// Someone presses its button, or its supply breaks down: it is told everything again.
+/// A board that resets itself, by its button or a voltage drop, gets all levels again.
 GST_START_TEST(test_board_resets_itself)
 {
   Line line(kMega, false, 2100ms);
@@ -449,8 +450,8 @@ GST_START_TEST(test_board_resets_itself)
 }
 GST_END_TEST;
 
-/// Whoever sets the levels hangs: after 250 ms nothing vibrates, whatever the firmware; and it goes
-/// on when he does.
+/// The thread that sets levels hangs: after 250 ms all motors are off with any firmware. When it
+/// resumes, so do they.
 GST_START_TEST(test_host_falls_silent)
 {
   for (const bool seat : { false, true }) {
@@ -478,8 +479,8 @@ GST_START_TEST(test_host_falls_silent)
 }
 GST_END_TEST;
 
-/// The whole process is killed or stopped: the watchdog acts, and nothing does without one. When it
-/// goes on it tells all again.
+/// The whole process is killed or stopped: only the watchdog stops the motors. A process that
+/// resumes sends all levels again.
 GST_START_TEST(test_process_is_stopped)
 {
   for (const bool seat : { false, true }) {
@@ -503,8 +504,8 @@ GST_START_TEST(test_process_is_stopped)
 }
 GST_END_TEST;
 
-/// Keepalives every 100 ms while a motor is on, none between; the watchdog never acts in a film,
-/// not even with pauses.
+/// Keepalives every 100 ms while a motor is on, none otherwise. The watchdog never trips during a
+/// film, nor in its pauses.
 GST_START_TEST(test_keepalive)
 {
   Line line(kUno, true);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 //
-// A driver of real boards that has its board: levels, unplugging, stalls, threads. How it finds one
-// is tested in firmata_driver_choice.
+// The driver of real boards once it has its board: levels, unplugging, stalls, threads.
+// firmata_driver_choice tests how it finds one.
 #include <atomic>
 #include <random>
 
@@ -42,15 +42,14 @@ GST_START_TEST(test_open_write_close)
   ck_assert_uint_ge(rig.driver.status().bytes, rig.mega.model.received.size());
   rig.driver.close();
 
-  // And again.
   rig.open();
   rig.write({ 2.0 });
   rig.expect(rig.mega, { 2.0 });
 }
 GST_END_TEST;
 
-/// The thread that carries levels to the board runs before others, too, where that may be had, and
-/// asks it of the port's.
+/// The thread that carries levels to the board is real-time where that is permitted, and requests
+/// the same of the port's thread.
 GST_START_TEST(test_realtime)
 {
   for (const bool wanted : { true, false }) {
@@ -68,7 +67,7 @@ GST_START_TEST(test_realtime)
 }
 GST_END_TEST;
 
-/// The destructor leaves them at zero, too.
+/// The destructor leaves motors at zero, too.
 GST_START_TEST(test_destroyed)
 {
   Sockets sockets;
@@ -85,8 +84,8 @@ GST_START_TEST(test_destroyed)
 }
 GST_END_TEST;
 
-/// One warning, the film goes on, and a board that comes back, whatever it has done meanwhile, does
-/// what holds then. With hot-plug events and, where there are none, by looking again.
+/// Unplugging gives one warning, and the film goes on. A board that returns resumes the current
+/// levels. It is found by hot-plug events, or by polling where there are none.
 GST_START_TEST(test_unplug_and_replug)
 {
   for (const bool announces : { true, false }) {
@@ -115,14 +114,14 @@ GST_START_TEST(test_unplug_and_replug)
     ck_assert_int_eq(rig.driver.tactors(), 15);
     rig.sockets.unplug(rig.mega);
     rig.wait_for(EventKind::lost, 4);
-    rig.driver.close(); // while it is away
+    rig.driver.close(); // while it is unplugged
     fail_unless(rig.mega.model.is_silent());
   }
 }
 GST_END_TEST;
 
-/// Plugged out after any number of bytes, at first and when it has returned: nobody hangs, and it
-/// is found again.
+/// Unplugged after any number of bytes, on first opening and on its return. Nothing hangs, and the
+/// board is found again.
 GST_START_TEST(test_unplug_in_each_phase)
 {
   int refused = 0;
@@ -138,10 +137,10 @@ GST_START_TEST(test_unplug_in_each_phase)
       fail_if(rig.mega.is_open);
       continue;
     }
-    // In the middle of a film. What it still gets is more than it has left.
+    // During a film: more bytes are written than the board takes.
     for (int i = 0; rig.count(EventKind::lost) == 0; i++)
       rig.write({ i % 2 * 1.0, 2.0 });
-    // And in the middle of its return.
+    // During its return.
     rig.sockets.locked([&] { rig.mega.bytes_to_live = bytes; });
     rig.sockets.plug(rig.mega);
     for (int i = 0; rig.sockets.locked([&] { return rig.mega.is_plugged; }); i++)
@@ -157,12 +156,12 @@ GST_START_TEST(test_unplug_in_each_phase)
   }
   ck_assert_int_ge(
       refused,
-      4); // the banner may come before the first question: one question of 4 bytes at least
+      4); // after 1 to 4 bytes at least: a question has 4, and the banner may come first
   ck_assert_int_ge(lost, 15);
 }
 GST_END_TEST;
 
-/// It takes nothing any more, but does not leave: it is opened anew, which resets it.
+/// A board that stays plugged in but takes no more bytes is reopened, which resets it.
 GST_START_TEST(test_stalled_board)
 {
   FirmataPatience patience = kEndless;
@@ -170,7 +169,7 @@ GST_START_TEST(test_stalled_board)
   patience.farewell = 250ms;
   Rig rig(Firmware::any, patience, 2ms);
   rig.sockets.plug(rig.mega);
-  // Under a load of others it may be lost before it stalls: then it returns all the same.
+  // On a busy machine it may time out before it stalls. It returns in that case, too.
   while (!rig.driver.open(rig.config())) {
   }
   rig.sockets.locked([&] { rig.mega.takes_nothing = true; });
@@ -180,7 +179,7 @@ GST_START_TEST(test_stalled_board)
   rig.sockets.locked([&] { rig.mega.takes_nothing = false; });
   rig.wait_for(EventKind::returned, lost + 1);
   rig.expect(rig.mega, { 2.0 });
-  // Closed while it takes nothing: not for long.
+  // Closing a stalled board does not take long.
   rig.sockets.locked([&] { rig.mega.takes_nothing = true; });
   rig.write({ 1.0 });
   rig.driver.close();
@@ -188,7 +187,7 @@ GST_START_TEST(test_stalled_board)
 }
 GST_END_TEST;
 
-/// A scheduler that hangs does not leave motors on.
+/// Motors stop when the scheduler hangs.
 GST_START_TEST(test_scheduler_hangs)
 {
   FirmataPatience patience = kEndless;
@@ -196,7 +195,7 @@ GST_START_TEST(test_scheduler_hangs)
   Rig rig(Firmware::any, patience);
   rig.sockets.plug(rig.mega);
   rig.open();
-  // On a busy computer the driver may come to it too late.
+  // On a busy machine the driver's thread may run too late.
   while (rig.sockets.locked([&] { return rig.mega.model.is_silent(); })) {
     rig.write({ 1.0, 2.0 });
     std::this_thread::yield();
@@ -205,7 +204,7 @@ GST_START_TEST(test_scheduler_hangs)
 }
 GST_END_TEST;
 
-/// Boards come and go while a film plays and others ask how it is.
+/// Boards come and go during a film while other threads query the driver's status.
 GST_START_TEST(test_many_threads)
 {
   for (unsigned seed = 1; seed <= 10; seed++) {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 //
-// Which board the drivers of real boards and the default one take, which they refuse, and which is
-// taken for the one that was lost.
+// Which board the drivers for real boards and the default driver choose, which they refuse, and
+// which one they take for the one that was lost.
 #include "tactor/drivers/auto_driver.h"
 #include "tactor/drivers/release_boards.h"
 #include "tactor/simulator.h"
@@ -49,7 +49,7 @@ GST_START_TEST(test_silent_board)
 }
 GST_END_TEST;
 
-/// Whoever waits for a board that never answers can be called off.
+/// Opening a board that never answers can be interrupted.
 GST_START_TEST(test_open_is_interrupted)
 {
   Rig rig;
@@ -64,13 +64,13 @@ GST_START_TEST(test_open_is_interrupted)
   other.join();
   fail_if(rig.mega.is_open);
 
-  // It may also be too late to begin.
+  // The stop may precede the call.
   rig.refusal();
   fail_if(rig.mega.is_open);
 }
 GST_END_TEST;
 
-/// A port whose set-up is never answered is given up as well.
+/// Opening a port whose set-up never completes can be interrupted, too.
 GST_START_TEST(test_stopped_while_the_port_is_set_up)
 {
   Rig rig;
@@ -88,7 +88,7 @@ GST_START_TEST(test_stopped_while_the_port_is_set_up)
 }
 GST_END_TEST;
 
-/// The first that can be used, unless one is named by its number or its socket.
+/// The first usable board is taken, unless a serial number or a socket names one.
 GST_START_TEST(test_two_boards)
 {
   Rig rig;
@@ -134,13 +134,13 @@ GST_START_TEST(test_too_few_pins)
   rig.driver.close();
   rig.sockets.unplug(bare);
 
-  // What a device calls itself may be anything.
+  // A device's name may contain any bytes.
   MemoryBoard odd(device("a\nb", "1-8", "\xff\x1b[2J"), none);
   rig.sockets.plug(odd);
   assert_contains(rig.refusal(1, "1-8").text, { "??[2J (serial a?b, at 1-8) has 0 pins" });
   rig.sockets.unplug(odd);
 
-  // No more tactors than are wanted.
+  // No more tactors than requested.
   DriverConfig config = rig.config();
   config.max_tactors = 4;
   unwrap(rig.driver.open(config));
@@ -158,11 +158,11 @@ GST_START_TEST(test_which_board_returns)
   rig.write({ 2.0 });
   rig.sockets.unplug(rig.mega);
   rig.wait_for(EventKind::lost);
-  // Not another one, though in the same socket…
+  // Another board in the same socket is not taken…
   MemoryBoard other(device("8", "1-2"), kMega);
   MemoryBoard same(device("7573", "3-1"), kMega);
   rig.sockets.plug(other);
-  // …but the same in another socket.
+  // …but the same one in another socket is.
   rig.sockets.plug(same);
   rig.wait_for(EventKind::returned);
   rig.expect(same, { 2.0 });
@@ -171,7 +171,8 @@ GST_START_TEST(test_which_board_returns)
   rig.sockets.unplug(same);
   rig.sockets.unplug(other);
 
-  // Without a number the socket counts; of clones with one number it is preferred.
+  // Without a serial number the socket decides. Of clones with equal numbers the one in the same
+  // socket is preferred.
   for (const char *number : { "", "0000" }) {
     MemoryBoard clone(device(number, "1-2"), kMega);
     MemoryBoard twin(device(number, "1-1"), kMega);
@@ -193,7 +194,7 @@ GST_START_TEST(test_which_board_returns)
     rig.sockets.unplug(twin);
   }
 
-  // A board that was changed for one with fewer pins is not taken.
+  // A board that returns with fewer pins is not taken.
   rig.sockets.plug(rig.mega);
   rig.open();
   const int times = rig.count(EventKind::lost);
@@ -209,7 +210,7 @@ GST_END_TEST;
 
 namespace {
 
-/// A clone of a Nano: nothing but its chip is known of it.
+/// A Nano's clone, known only by its USB serial chip.
 const SerialDevice kNano{ .serial = "A50285BI",
                           .bus_path = "1-1",
                           .name = "FT232R USB UART",
@@ -220,8 +221,8 @@ const SerialDevice kNano{ .serial = "A50285BI",
 
 } // namespace
 
-/// An adapter may be a printer: it is asked where somebody says that there is a board, or has said
-/// so and was right.
+/// An adapter may be a printer. It is asked only if the user names it or wants a board, or if it
+/// has answered before.
 GST_START_TEST(test_adapters)
 {
   FirmataPatience patience = kEndless;
@@ -241,7 +242,7 @@ GST_START_TEST(test_adapters)
   };
   expect_not_asked();
 
-  // Named once, in one play, it is known in the others; other boards come first.
+  // Named once, it is known to later drivers. Other boards come first.
   careful.device = "A50285BI";
   unwrap(rig.driver.open(careful));
   careful.device = "";
@@ -253,19 +254,19 @@ GST_START_TEST(test_adapters)
   rig.driver.close();
   rig.sockets.unplug(rig.mega);
 
-  // One that does not answer is none any more.
+  // One that does not answer is forgotten.
   nano.says_nothing = true;
   assert_contains(refusal_of(rig.driver.open(careful)).text, { "does not answer" });
   expect_not_asked();
   nano.says_nothing = false;
 
-  // Who wants a board has it asked.
+  // A caller that requires a board has adapters asked.
   unwrap(rig.driver.open(rig.config()));
   fail_unless(nano.is_open);
 }
 GST_END_TEST;
 
-/// What another program has open is left to it, and said to be so.
+/// A board that another program has open is refused as busy.
 GST_START_TEST(test_in_use)
 {
   Rig rig;
@@ -279,7 +280,7 @@ GST_START_TEST(test_in_use)
     assert_contains(error.text.c_str(),
                     { "Mega 2560", "in use by another program", "cat (process 7)" });
   }
-  // Where that is not known it is no reason for those who say that there is a board.
+  // Where the use is uncertain, callers that name or require a board try it nevertheless.
   rig.mega.use.kind = LineUse::Kind::perhaps;
   fail_unless(refusal_of(rig.driver.open(careful)).kind == Kind::busy);
   ck_assert_int_eq(rig.mega.opens, 0);
@@ -289,12 +290,12 @@ GST_START_TEST(test_in_use)
 }
 GST_END_TEST;
 
-/// Boards that a killed player left, and no others: motors to zero, and closed.
+/// Releases only boards that a killed player left open: sets their motors to zero and closes them.
 GST_START_TEST(test_release_boards)
 {
   Rig rig;
   for (MemoryBoard *board : { &rig.mega, &rig.uno }) {
-    board->resets_on_open = false; // as a Leonardo
+    board->resets_on_open = false; // like a Leonardo
     rig.sockets.plug(*board);
     for (const std::uint8_t byte : { 0xf4, 3, 3, 0xe3, 0x7f, 1 }) // pin 3 to PWM, 255
       board->model.receive(byte, {});
@@ -311,15 +312,15 @@ GST_START_TEST(test_release_boards)
 }
 GST_END_TEST;
 
-/// The film does not jump to another chair: of two boards with one number that in the same socket
-/// is waited for, however it was named.
+/// The film does not move to another chair. Of two boards with equal serial numbers, the driver
+/// waits for the one in the same socket, however it is named.
 GST_START_TEST(test_twin_is_not_taken)
 {
   for (const char *name : { "1-2", "", "7573" }) {
     MemoryBoard twin(device("7573", "1-3"), kMega);
     Rig rig;
     rig.sockets.plug(rig.mega);
-    // One was there before, the other comes while the film plays.
+    // The twin is plugged in before the film, or while it plays.
     const bool comes_later = *name != '1';
     if (!comes_later)
       rig.sockets.plug(twin);
@@ -339,7 +340,7 @@ GST_START_TEST(test_twin_is_not_taken)
 }
 GST_END_TEST;
 
-/// A socket that was named is a socket: whatever board is in it.
+/// A named socket stands for whatever board is in it.
 GST_START_TEST(test_socket_is_named)
 {
   MemoryBoard other(device("8", "1-2", "Another Mega"), kMega);
@@ -358,8 +359,8 @@ GST_START_TEST(test_socket_is_named)
 }
 GST_END_TEST;
 
-/// A board that is back and cannot be used is explained, once for each reason, while it is tried
-/// again and again.
+/// A board that returns but cannot be used is reported once for each reason, while the driver keeps
+/// trying.
 GST_START_TEST(test_refused_when_it_is_back)
 {
   Layout small = kMega;
@@ -390,8 +391,8 @@ GST_START_TEST(test_refused_when_it_is_back)
   rig.sockets.locked([&] { rig.mega.refusal.reset(); });
   rig.wait_for(EventKind::returned);
 
-  // Each time it comes back. Of what is not going to change it is not asked again and again: a
-  // board that is opened begins anew.
+  // Reported again on each return. A refusal that cannot change is not retried until another board
+  // opens.
   rig.sockets.unplug(rig.mega);
   rig.wait_for(EventKind::lost, 2);
   rig.sockets.plug(smaller);
@@ -406,7 +407,7 @@ GST_START_TEST(test_refused_when_it_is_back)
 }
 GST_END_TEST;
 
-/// `seat` wants the watchdog; `firmata` uses it where it is.
+/// The driver `seat` requires the watchdog, `firmata` uses it if there is one.
 GST_START_TEST(test_seat)
 {
   FirmataPatience patience = kEndless;
@@ -445,7 +446,7 @@ GST_START_TEST(test_auto)
                         FirmataDriver::Settings{ .patience = kEndless }),
                     std::move(simulator));
 
-  // Nothing is plugged in.
+  // No board is plugged in.
   unwrap(driver.open(rig.config()));
   fail_unless(driver.status().board == "simulator");
   assert_contains(rig.text(EventKind::opened), { "simulated", "no tactor board" });
@@ -456,7 +457,7 @@ GST_START_TEST(test_auto)
   driver.close();
   fail_unless(driver.tactors() == 0);
 
-  // A board is.
+  // A board is plugged in.
   rig.sockets.plug(rig.uno);
   unwrap(driver.open(rig.config()));
   ck_assert_int_eq(driver.tactors(), 6);
@@ -468,14 +469,14 @@ GST_START_TEST(test_auto)
   driver.close();
   fail_unless(rig.uno.model.is_silent());
 
-  // One that is named, or that does not fit, is no matter of choice.
+  // A named board that is missing and a board that does not fit are errors.
   for (const auto &[name, tactors, kind] :
        { std::tuple("1-7", 1, Kind::not_found), std::tuple("", 9, Kind::settings) }) {
     fail_unless(refusal_of(driver.open(rig.config(tactors, name))).kind == kind);
     fail_unless(driver.tactors() == 0);
   }
 
-  // One that may not be opened is said aloud.
+  // A board that may not be opened causes a warning.
   rig.uno.refusal = Kind::permission;
   rig.events.clear();
   unwrap(driver.open(rig.config()));

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 //
-// A driver of real boards, with boards in memory. Patience is an hour where it must not end and
-// milliseconds where it must: nothing here is measured by the wall clock.
+// A driver of real boards with boards in memory. Time-outs are an hour where they must not expire
+// and milliseconds where they must: nothing here depends on wall time.
 #pragma once
 
 #include "memory_bus.h"
@@ -76,7 +76,7 @@ public:
   {
     unwrap(driver.write(volts, 0s));
   }
-  /// Waits until the motors have what these volts are on 8 bits, and all others nothing.
+  /// Waits until the board has these voltages as 8-bit duties, and zero on all other pins.
   void expect(MemoryBoard &board, const std::vector<double> &volts)
   {
     const std::vector<int> pins = driver.status().pins;

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 //
-// Boards for the tests: what StandardFirmata 2.5 does with bytes, written from its sketch
-// (StandardFirmata.ino, Firmata.cpp, Boards.h) and knowing nothing of lib/tactor. With `seat` it is
-// our sketch: the same and the watchdog.
+// Board models for tests: what StandardFirmata 2.5 does with bytes. Written from its sketch
+// (StandardFirmata.ino, Firmata.cpp, Boards.h), without any code of lib/tactor. With `seat` it is
+// our sketch: the same with a watchdog.
 #pragma once
 
 #include <algorithm>
@@ -51,7 +51,8 @@ public:
   {
   }
 
-  /// Power comes or DTR falls: nothing is driven, and it speaks after the boot loader is done.
+  /// Power-up or DTR falling: no pin is driven, and the board sends its banner after the boot
+  /// loader.
   void restart(Time now)
   {
     duty.clear();
@@ -68,7 +69,7 @@ public:
     is_running = false;
     replies.clear();
   }
-  /// The next time at which it does something by itself.
+  /// When it next acts by itself.
   std::optional<Time> next() const
   {
     if (boots_)
@@ -109,7 +110,7 @@ public:
       resets++;
       return;
     }
-    // As Firmata.cpp does: in a sysex everything up to F7 is data; else a status byte begins a
+    // As in Firmata.cpp: in a sysex all bytes up to F7 are data, elsewhere a status byte begins a
     // message.
     if (parsed_.empty() || parsed_[0] != 0xf0) {
       if (byte >= 0x80)
@@ -157,8 +158,7 @@ public:
 private:
   void write(int pin, int value)
   {
-    // analogWrite() knows no pin that is not in PWM mode here, and its register has as many bits as
-    // it has.
+    // analogWrite() ignores pins that are not in PWM mode. The register keeps only its own bits.
     if (pin < layout_.pins && mode.contains(pin) && mode[pin] == 3 && layout_.pwm.contains(pin))
       duty[pin] = value & ((1 << layout_.pwm_bits) - 1);
   }

@@ -20,7 +20,7 @@ assert_bytes(const Encoder &encoder, const Bytes &expected)
   fail_unless(encoder.bytes() == expected);
 }
 
-/// Events of some bytes that come in pieces of the given length.
+/// The events of bytes that arrive in pieces of the given length.
 std::vector<Event>
 decode(const Bytes &bytes, std::size_t piece = 1 << 20, std::uint64_t *damaged = nullptr)
 {
@@ -40,7 +40,7 @@ only(const Event &event)
   return { event };
 }
 
-/// What a board says when it is asked.
+/// A board's reply.
 Bytes
 reply(const Layout &layout, const Bytes &question)
 {
@@ -68,8 +68,7 @@ const Event kFirmwareEvent = FirmwareReport{ 2, 5, "aB" };
 
 } // namespace
 
-/// The table of verified bytes (issue "Real chairs", hardware notes: StandardFirmata on an emulated
-/// ATmega2560).
+/// Bytes verified with StandardFirmata on an emulated ATmega2560.
 GST_START_TEST(test_bytes_to_the_board)
 {
   assert_bytes(Encoder().ask_version(), { 0xf9 });
@@ -84,7 +83,7 @@ GST_START_TEST(test_bytes_to_the_board)
   assert_bytes(Encoder().reset(), { 0xff });
   assert_bytes(Encoder().keepalive(), { 0xf0, 0x01, 0xf7 });
   assert_bytes(Encoder().set_value(2, 0).set_value(3, 1).reset(), { 0xe2, 0, 0, 0xe3, 1, 0, 0xff });
-  // 9 tactors are 27 bytes.
+  // 9 tactors take 27 bytes.
   Encoder nine;
   for (int pin = 2; pin < 11; pin++)
     nine.set_value(pin, 255);
@@ -92,7 +91,8 @@ GST_START_TEST(test_bytes_to_the_board)
 }
 GST_END_TEST;
 
-/// Whatever is set, no byte within a message is taken for the beginning of another.
+/// No byte within a message can be taken for the beginning of another, whatever the pin and the
+/// value.
 GST_START_TEST(test_every_pin_and_value)
 {
   for (int pin = -3; pin < 140; pin++)
@@ -113,7 +113,7 @@ GST_START_TEST(test_bytes_from_the_board)
   fail_unless(decode(kFirmwareBytes) == std::vector{ kFirmwareEvent });
   fail_unless(decode({ 0xf0, 0x6c, 0x7f, 0, 1, 1, 1, 3, 8, 0x7f, 0x7f, 0xf7 })
               == only(CapabilityReport{ { {}, { { 0, 1 }, { 1, 1 }, { 3, 8 } }, {} } }));
-  // Inputs, text and other people's sysex mean nothing here, and are no damage.
+  // Inputs, text and sysex messages of others are ignored and do not count as damage.
   std::uint64_t damaged = 1;
   fail_unless(
       decode({ 0x91, 1, 0, 0xe0, 5, 6, 0xf0, 0x71, 'h', 0, 0xf7, 0xf0, 0x0f, 0xf7 }, 100, &damaged)
@@ -122,7 +122,7 @@ GST_START_TEST(test_bytes_from_the_board)
 }
 GST_END_TEST;
 
-/// A Mega says 683 bytes (measured on the emulated chip), and its PWM pins are those of its data
+/// A Mega's reply has 683 bytes (measured on an emulated chip). Its PWM pins are those of its data
 /// sheet.
 GST_START_TEST(test_capabilities_of_boards)
 {
@@ -154,7 +154,7 @@ GST_START_TEST(test_split_anywhere)
   std::uint64_t damaged = 0;
   const std::vector<Event> whole = decode(bytes, bytes.size(), &damaged);
   ck_assert_uint_eq(whole.size(), 3);
-  ck_assert_uint_eq(damaged, 4); // 5, F7, the odd list, the version that was cut short
+  ck_assert_uint_eq(damaged, 4); // 5, F7, the odd list, the truncated version
   for (std::size_t cut = 0; cut <= bytes.size(); cut++) {
     Decoder decoder;
     std::vector<Event> events;
@@ -171,7 +171,7 @@ GST_START_TEST(test_split_anywhere)
 }
 GST_END_TEST;
 
-/// Behind every damage the next whole message is found.
+/// After any damage the next whole message is found.
 GST_START_TEST(test_damage)
 {
   const Bytes damages[] = {
@@ -203,7 +203,7 @@ GST_START_TEST(test_damage)
 }
 GST_END_TEST;
 
-/// A name may be anything, and comes into messages on a terminal.
+/// A firmware's name may contain any bytes, and appears in messages on a terminal.
 GST_START_TEST(test_name_of_the_firmware)
 {
   const Bytes odd{ 0xf0, 0x79, 2, 5, 'a', 0, 27, 0, 'b', 1, 'c', 0, 0x7f, 0, 0xf7 };
@@ -217,8 +217,8 @@ GST_START_TEST(test_name_of_the_firmware)
 }
 GST_END_TEST;
 
-/// Noise, of all bytes and of those that a board uses: nothing that it holds grows, and the cuts do
-/// not matter.
+/// Random bytes, of all values and of those that a board uses: sizes stay bounded, and the events
+/// do not depend on how the bytes are split.
 GST_START_TEST(test_noise)
 {
   std::mt19937 random(7);
@@ -233,7 +233,7 @@ GST_START_TEST(test_noise)
     for (const Event &event : whole)
       if (const auto *report = std::get_if<CapabilityReport>(&event))
         fail_unless(report->pins.size() <= kMaxPins);
-    // And then a board that is sane.
+    // A sane board afterwards is understood.
     const std::vector<Event> after = decode(join({ bytes, { 0xf7 }, kFirmwareBytes }));
     fail_unless(!after.empty() && after.back() == kFirmwareEvent);
   }

@@ -50,8 +50,7 @@ wins(double positive, double negative)
   return positive > negative ? 1 : positive == negative ? 0.5 : 0;
 }
 
-/// A file that is gone with this.
-/// What reading says of a file; empty if it is read.
+/// The error of read_fixations(), empty if the file is read.
 std::string
 complaint(const std::filesystem::path &file)
 {
@@ -67,7 +66,7 @@ complaint(const std::filesystem::path &file)
 
 GST_START_TEST(test_closed_forms)
 {
-  // Ones on a quarter of the map: mean ¼, deviation √3/4.
+  // Ones on a quarter of the map: mean 1/4, deviation √3/4.
   cv::Mat map = cv::Mat::zeros(20, 40, CV_32FC1);
   map(cv::Rect(0, 0, 10, 20)).setTo(1);
   const Fixations inside{ { 0, 0 }, { 9.9, 19.9 }, { 5, 5 } };
@@ -77,12 +76,12 @@ GST_START_TEST(test_closed_forms)
   fail_unless_near(quality::shuffled_auc(map, inside, outside), 1, 0);
   fail_unless_near(quality::shuffled_auc(map, outside, inside), 0, 0);
   fail_unless_near(quality::shuffled_auc(map, inside, inside), 0.5, 0);
-  // 3 of the 800 samples are fixated, all among the 200 ones: the other 197 ones tie.
+  // 3 of the 800 samples are fixated, all of them among the 200 ones. The other 197 ones tie.
   fail_unless_near(quality::auc_judd(map, inside), (600 + 0.5 * 197) / 797, 1e-12);
   fail_unless_near(quality::correlation(map, map), 1, 1e-6);
   fail_unless_near(quality::correlation(map, 3 - 2 * map), -1, 1e-6);
 
-  // A position outside counts for the nearest sample.
+  // A position outside the map counts as its nearest sample.
   const Fixations off{ { -3, 5 }, { -1e9, 1e9 } };
   fail_unless_near(quality::nss(map, off), std::sqrt(3.0), 1e-6);
 }
@@ -157,7 +156,7 @@ GST_END_TEST;
 
 GST_START_TEST(test_density)
 {
-  // Two fixations in one sample: a Gaussian of volume 2 about it.
+  // Two fixations in one sample: a Gaussian of volume 2 about its center.
   const Fixations fixations{ { 30.2, 20.9 }, { 30.9, 20.1 } };
   const cv::Mat density = quality::fixation_density({ 61, 41 }, fixations, 3);
   fail_unless_near(cv::sum(density)[0], 2, 1e-4);
@@ -181,7 +180,7 @@ GST_END_TEST;
 
 GST_START_TEST(test_unreadable)
 {
-  // What is wrong is said with its line.
+  // Errors name the line.
   const struct
   {
     const char *content;

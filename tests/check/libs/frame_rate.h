@@ -5,7 +5,7 @@
 
 #include <cstdint>
 
-/// Frames per second as a fraction, and the timestamps that such a film has in GStreamer.
+/// Frames per second as a fraction, with GStreamer's timestamps for such a film.
 struct FrameRate
 {
   std::int64_t numerator;

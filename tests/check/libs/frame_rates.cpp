@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 //
-// One film, sampled at different rates, is felt as one.
+// A film gives the same cues at any frame rate.
 #include <algorithm>
 #include <array>
 #include <chrono>
@@ -45,7 +45,7 @@ constant_rate(std::int64_t fps)
   return schedule;
 }
 
-/// 10–100 ms each, one in ten dropped: then nothing follows its predecessor's end for a while.
+/// Frames of 10–100 ms, one in ten dropped, which leaves a gap.
 Schedule
 variable_rate(std::uint64_t seed)
 {
@@ -60,7 +60,7 @@ variable_rate(std::uint64_t seed)
   return schedule;
 }
 
-/// 30 frames a second, none where it should be.
+/// 30 frames a second, each displaced by up to half a frame.
 Schedule
 jittered_rate(std::uint64_t seed)
 {
@@ -73,7 +73,7 @@ jittered_rate(std::uint64_t seed)
   return schedule;
 }
 
-/// What is felt, from frame to frame.
+/// The tactile levels, frame by frame.
 class Track
 {
 public:
@@ -121,7 +121,7 @@ public:
     return longest;
   }
 
-  /// When the chair is felt after it has been silent for so long.
+  /// When levels rise after a silence of at least this length.
   std::vector<Time> onsets(Time silence) const
   {
     std::vector<Time> onsets;
@@ -146,7 +146,7 @@ private:
   std::vector<Levels> levels_;
 };
 
-/// Levels that nobody feels apart: two equal balls take turns to be the strongest.
+/// Levels too close to be felt apart: two equal balls take turns at being the strongest.
 constexpr float kAlike = 0.1F;
 
 bool
@@ -155,7 +155,7 @@ silent(const Track::Levels &levels)
   return std::ranges::none_of(levels, [](float level) { return level > 0; });
 }
 
-/// Whether the cell that is strongest in one is so in the other, or as good as.
+/// Whether the strongest cell of one is the strongest of the other, or nearly so.
 bool
 same_strongest(const Track::Levels &one, const Track::Levels &other)
 {
@@ -165,7 +165,7 @@ same_strongest(const Track::Levels &one, const Track::Levels &other)
   return other[cell] >= std::ranges::max(other) - kAlike;
 }
 
-/// After it an onset is one, rather than a level that flickers.
+/// A rise after a silence of this length is an onset, a shorter one is flicker.
 constexpr Time kSilence = std::chrono::milliseconds(400);
 
 struct Difference
@@ -248,9 +248,9 @@ const std::array kCases{
 
 } // namespace
 
-/// An event is felt from its first frame on, which any rate shows up to one frame late, and windows
-/// end with a frame. So tracks may be shifted by a frame of each, and no more: a level outside of
-/// what the reference has within that time is no shift.
+/// At any rate an event's first frame comes up to one frame late, and windows end with a frame. So
+/// two tracks may be shifted by one frame of each. `outside` counts levels that no such shift
+/// explains.
 GST_START_TEST(test_rates)
 {
   struct Rate
@@ -261,18 +261,17 @@ GST_START_TEST(test_rates)
     double largest;
     double same;
   };
-  constexpr double kFaintest = 0.2; // level of a cue that is just felt
-  // About one cell in nine is felt at a level near 1, for about a second; its beginning and its end
-  // are off by up to a frame each. That is 8 % of the second and 1 % of the cells' levels at 24
-  // frames a second, twice as much at the variable rate, whose frames last 61 ms (mean, with
-  // holes).
+  constexpr double kFaintest = 0.2; // level of the weakest cue
+  // About one cell in nine has a level near 1, for about a second. Its beginning and end are off by
+  // up to a frame each. At 24 fps that is 8 % of the second and 1 % of the mean level. It is twice
+  // as much at the variable rate, whose frames last 61 ms on average, gaps included.
   const std::array rates{ Rate{ "24/s", constant_rate(24), 0.01, kFaintest, 0.92 },
                           Rate{ "25/s", constant_rate(25), 0.01, kFaintest, 0.92 },
                           Rate{ "30/s", constant_rate(30), 0.01, kFaintest, 0.92 },
                           Rate{ "50/s", constant_rate(50), 0.01, kFaintest, 0.92 },
                           Rate{ "jittered", jittered_rate(1), 0.01, kFaintest, 0.92 },
                           Rate{ "variable", variable_rate(1), 0.02, 2 * kFaintest, 0.84 } };
-  constexpr double kOutside = 0.005; // the noise decides when the last of an event is over
+  constexpr double kOutside = 0.005; // noise decides when an event ends
 
   const Case &film = kCases[static_cast<std::size_t>(__i__)];
   const Track reference(*film.film(), film.noise, constant_rate(60));

@@ -18,7 +18,7 @@ using saliency::FrontEnd;
 
 namespace {
 
-/// How a pixel format lies in memory.
+/// The memory layout of a pixel format.
 struct Layout
 {
   const char *name;
@@ -36,7 +36,7 @@ struct Layout
   std::array<Place, 3> places;
 };
 
-/// ΔE: 0.06 of the conversion, and what seven bits after the point leave.
+/// ΔE: 0.06 for the conversion, the rest for 7 fractional bits.
 constexpr double kBound = 0.07;
 
 constexpr Layout kLayouts[] = {
@@ -66,8 +66,8 @@ subsampled(int length, int k)
   return (length + (1 << k) - 1) / (1 << k);
 }
 
-/// A random frame whose planes are allocated to the byte, so that a sanitizer sees every read
-/// beyond them.
+/// A random frame whose planes have no spare bytes, so that a sanitizer sees every read beyond
+/// them.
 struct Frame
 {
   FrameView view;
@@ -146,9 +146,9 @@ to_lab(const FrameView &view, const std::array<oracle::Image, 3> &codes)
   return lab;
 }
 
-/// A component on the grid of a level: what subsampling has not done yet is done by pyr_down, what
-/// it has done too much of is interpolated. How often an axis was halved shows in its length alone:
-/// one sample of one was not.
+/// A component on the grid of a level. pyr_down does what subsampling left to do, interpolation
+/// undoes what it did too much. The length of an axis tells how often it was halved: an axis of one
+/// sample was not.
 oracle::Image
 component_at(const oracle::Image &codes, int level, int width, int height)
 {
@@ -183,7 +183,7 @@ expected_lab(const Frame &frame, int level, int converted)
   return lab;
 }
 
-/// Levels to convert at: early, late, and between.
+/// Conversion levels: first, last but one, last.
 std::set<int>
 conversions(int level)
 {
@@ -231,7 +231,7 @@ clone(const FixedLabImage &image)
   return { { image.planes[0].clone(), image.planes[1].clone(), image.planes[2].clone() } };
 }
 
-/// Whether all bits of two images are the same.
+/// Whether two images are bit-identical.
 static bool
 same(const FixedLabImage &a, const FixedLabImage &b)
 {
@@ -262,7 +262,8 @@ GST_END_TEST;
 
 GST_START_TEST(test_conversion_level)
 {
-  // Of every pixel where there are few; else as early as few samples are left.
+  // Every pixel of a small frame is converted. A larger one is decimated first, to the finest level
+  // that is small enough.
   const auto level = saliency::conversion_level;
   for (const cv::Size few : { cv::Size(1, 1), { 320, 240 }, { 720, 576 }, { 800, 600 } })
     for (int n = 0; n < 5; ++n)
@@ -283,7 +284,7 @@ GST_END_TEST;
 
 GST_START_TEST(test_targets)
 {
-  // Every instruction set that this processor has gives the same bits.
+  // Results are bit-identical with all instruction sets of this CPU.
   const Layout &layout = kLayouts[__i__];
   const auto targets = hwy::SupportedTargets();
   for (const auto &[width, height] : { std::pair{ 1, 1 }, { 70, 9 }, { 331, 42 }, { 260, 34 } })
@@ -305,7 +306,7 @@ GST_END_TEST;
 
 GST_START_TEST(test_threads)
 {
-  // As many threads as one likes, more than rows too: the same bits, frame after frame.
+  // Bit-identical for any number of threads, also with more threads than rows, frame after frame.
   const Layout &layout = kLayouts[__i__];
   for (const int threads : { 0, 2, 3, 8 }) {
     FrontEnd front_end;
@@ -326,7 +327,7 @@ GST_END_TEST;
 
 GST_START_TEST(test_rows_of_pages)
 {
-  // Where memory is read ahead, nothing beyond the frame is: a sanitizer sees it.
+  // Prefetching must not read beyond the frame: a sanitizer sees it.
   const Layout &layout = kLayouts[__i__];
   constexpr int kWidth = 4200;
   for (const bool bottom_up : { false, true })
@@ -342,8 +343,8 @@ GST_END_TEST;
 
 GST_START_TEST(test_reuse)
 {
-  // One front end, changing formats and sizes, from each format to each: nothing of an earlier
-  // frame stays.
+  // One front end that changes from each format and size to each other one: nothing of an earlier
+  // frame remains.
   std::vector<const Layout *> layouts;
   for (const auto &from : kLayouts)
     for (const auto &to : kLayouts)
@@ -365,7 +366,7 @@ GST_END_TEST;
 
 GST_START_TEST(test_decimating_first_is_close)
 {
-  // On a picture that is not noise: a sum of waves, saturated in places.
+  // A picture without noise: a sum of waves, saturated in places.
   Frame frame(kLayouts[8], 200, 160, false, 5);
   for (int c = 0; c < 3; ++c)
     for (int y = 0; y < 160; ++y)
@@ -401,7 +402,7 @@ GST_START_TEST(test_frames_that_cannot_be)
   fail_unless(refuses(with([](FrameView &v) { v.height = -6; })));
   fail_unless(refuses(with([](FrameView &v) { v.width = 9; })));
   fail_unless(refuses(with([](FrameView &v) { v.depth = 7; })));
-  fail_unless(refuses(with([](FrameView &v) { v.depth = 10; }))); // bytes of ten bits
+  fail_unless(refuses(with([](FrameView &v) { v.depth = 10; }))); // 8-bit samples of 10 bits
   fail_unless(refuses(with([](FrameView &v) { v.shift = 1; })));
   fail_unless(refuses(with([](FrameView &v) { v.matrix = { 0, 0 }; })));
   for (std::size_t i = 0; i < 3; ++i) {
@@ -411,7 +412,7 @@ GST_START_TEST(test_frames_that_cannot_be)
     fail_unless(refuses(with([i](FrameView &v) { v.components[i].width = 100; })));
     fail_unless(refuses(with([i](FrameView &v) { v.components[i].pixel_stride = 0; })));
   }
-  // A gray frame has no other components to look at.
+  // The other components of a gray frame are not checked.
   fail_if(refuses(with([](FrameView &v) {
     v.model = ColorModel::gray;
     v.components[1] = v.components[2] = {};

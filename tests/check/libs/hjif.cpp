@@ -33,7 +33,8 @@ reference()
   return contents("seat9.hjif");
 }
 
-/// Every value's path in a document with its type and, but for keyframes and texts, its value.
+/// The path of each value in a document with its type and, except for keyframes and texts, its
+/// value.
 void
 collect(JsonNode *node, const std::string &path, std::set<std::string> &shape)
 {
@@ -74,7 +75,7 @@ shape(const std::string &text)
   return paths;
 }
 
-/// A document with one channel whose bands are given.
+/// A document of one channel with these bands.
 std::string
 document(const std::string &bands, const std::string &channel = "")
 {
@@ -109,7 +110,7 @@ GST_START_TEST(test_reference_file)
 {
   const Track expected = two_tactors(1401ms); // its silent channels last a tick longer
   fail_unless(read_hjif(reference()) == expected);
-  // The same members of the same types with the same values, but for texts and keyframes.
+  // The same members with the same types and values, except texts and keyframes.
   const std::set<std::string> ours = shape(write_hjif(two_tactors(), kDate));
   const std::set<std::string> theirs = shape(reference());
   for (const std::string &path : ours)
@@ -121,7 +122,7 @@ GST_END_TEST;
 
 GST_START_TEST(test_keyframes)
 {
-  // Those of the reference file's channels that are felt.
+  // The channels of the reference file that are not silent.
   const std::string text = write_hjif(two_tactors(), kDate);
   const std::regex number("\"(relative_position|amplitude_modulation)\" : ([0-9.]+)");
   std::string numbers;
@@ -135,7 +136,7 @@ GST_END_TEST;
 
 GST_START_TEST(test_round_trip)
 {
-  for (unsigned seed = 0; seed < 12; seed++) { // each is slow under sanitizers
+  for (unsigned seed = 0; seed < 12; seed++) { // few: slow under sanitizers
     const Track track = random_track(seed, 1ms, 0);
     fail_unless(read_hjif(write_hjif(track, kDate)) == track, "seed %u", seed);
   }
@@ -161,8 +162,8 @@ GST_END_TEST;
 
 GST_START_TEST(test_ramps_of_other_tools)
 {
-  // From 0 to 1 in 100 ms: five steps of 20 ms at their value in the middle, then it holds for 50
-  // ms.
+  // From 0 to 1 in 100 ms: five steps of 20 ms, each with its mean level. The last level holds for
+  // 50 ms.
   const Track track
       = *read_hjif(document(band(effect(200, key(0, 0) + "," + key(100, 1) + "," + key(150, 1)))));
   fail_unless(track.rows() == 1 && track.columns() == 1);
@@ -188,9 +189,9 @@ GST_START_TEST(test_bands_and_effects_are_added_up)
 }
 GST_END_TEST;
 
-/// What the reference software's encoder makes of an AHAP file: a ramp from 0.2 over 1 to 0 of 0.8,
-/// in one second, and half a second of 0.5 from the second on, all scaled by its curve for
-/// actuators; a band without transients.
+/// An AHAP file as the reference software's encoder converts it. One second of a ramp from 0.2
+/// through 1 to 0, at 0.8, then from 1 s on half a second at 0.5, all scaled by the file's curve
+/// for actuators. A band without transients.
 GST_START_TEST(test_ahap)
 {
   const Track track = *read_hjif(contents("ahap.hjif"));
@@ -199,7 +200,7 @@ GST_START_TEST(test_ahap)
     return static_cast<double>(track.at(at).levels[0]);
   };
   const double peak = 0.49104;
-  // In steps of 20 ms, which differ from the ramp by half a step at most.
+  // Steps of 20 ms differ from the ramp by at most half a step.
   for (int ms = 0; ms < 500; ms += 7)
     fail_unless(std::abs(level(std::chrono::milliseconds(ms)) - peak * (0.2 + 0.8 * ms / 500))
                     < 0.8 * peak * 21 / 500,
@@ -260,7 +261,7 @@ GST_START_TEST(test_funscript)
               "{\"at\":1401,\"pos\":0},\n"
               "{\"at\":2000,\"pos\":0}\n"
               "]}\n");
-  shape(write_funscript(random_track(1, 1ms, 0))); // it is JSON
+  shape(write_funscript(random_track(1, 1ms, 0))); // valid JSON
 }
 GST_END_TEST;
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 //
-// What tests of files that were made to do harm share.
+// Helpers for tests of malicious files.
 #pragma once
 
 #include <cstddef>
@@ -8,7 +8,7 @@
 #include <string>
 #include <sys/resource.h>
 
-// After the standard library's headers: gstcheck.h defines a macro named fail.
+// gstcheck.h defines a macro `fail`, so it follows the standard library's headers.
 #include "../temporary_file.h"
 
 constexpr std::size_t kMiB = std::size_t{ 1 } << 20;
@@ -23,7 +23,7 @@ times(std::size_t count, const std::string &text)
   return all;
 }
 
-/// For the test that runs, which has a process of its own.
+/// Limits this process, which runs a single test.
 inline void
 limit_memory([[maybe_unused]] rlim_t gibibytes = 1)
 {
@@ -33,7 +33,7 @@ limit_memory([[maybe_unused]] rlim_t gibibytes = 1)
 #endif
 }
 
-/// A reason that fits a line, whatever the file holds.
+/// An error message is short, whatever the file contains.
 inline void
 assert_short(const std::string &reason)
 {

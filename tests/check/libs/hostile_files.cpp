@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 //
-// What is read besides tracks, made to do harm: calibrations, recordings, traces, measurements and
-// what a board sends. Each is read or refused with a reason, within a gibibyte of memory and the
-// time of a test.
+// Malicious input other than tracks: calibrations, recordings, traces, measurements and a board's
+// bytes. Each is read or refused with a reason, within one gibibyte of memory and the time limit of
+// a test.
 #include "calibration/calibration.h"
 #include "calibration/recording.h"
 #include "tactor/command_trace.h"
@@ -29,7 +29,7 @@ namespace {
 constexpr const char *kTraceHeader = "issued_ns,due_ns,effect_ns,tactor,volts\n";
 constexpr const char *kCalibration = "[Calibration]\nversion=1\n[Tactor 0]\n";
 
-/// Whether it is read; if not, the reason fits a line, whatever the file holds.
+/// Whether the file is read. If not, the error message is short.
 bool
 is_read(const std::function<void()> &read)
 {
@@ -59,7 +59,7 @@ is_calibration(const std::string &path)
   return is_read(read_calibration(path));
 }
 
-/// A header of WAV, 16 bits.
+/// A header of a 16-bit WAV file.
 std::string
 wav(std::uint32_t riff_size, std::uint16_t channels, std::uint32_t rate, std::uint32_t data_size)
 {
@@ -90,7 +90,7 @@ GST_START_TEST(test_files_of_two_gigabytes)
   limit_memory();
   const TemporaryFolder folder;
   const std::string path = folder.file("zeros", "");
-  std::filesystem::resize_file(path, 2048 * kMiB); // one line, of no blocks on the disk
+  std::filesystem::resize_file(path, 2048 * kMiB); // one line, a sparse file
   fail_if(is_calibration(path));
   fail_if(is_read(read_csv_recording(path)));
   fail_if(is_read(read_command_trace(path)));
@@ -105,7 +105,7 @@ GST_START_TEST(test_calibrations)
   const TemporaryFolder folder;
   const std::string begin = kCalibration;
   fail_unless(is_calibration(folder.file("c", begin + "latency-ms=5\n")));
-  // A key file keeps every line.
+  // GKeyFile keeps every line.
   for (const char *line : { "\n", "#\n", "a=\n", "[a]\n" })
     fail_if(is_calibration(folder.file("c", begin + times(8 * kMiB, line))));
   for (const char *piece : { "1;", "9", ";", "a", "\\" })
@@ -136,7 +136,7 @@ GST_START_TEST(test_recordings_as_csv)
     fail_if(reads(std::string("0,1\n1,") + number + "\n"), "%s", number);
     fail_if(reads(std::string("0,1\n") + number + ",1\n"), "%s", number);
   }
-  // Times that go back, stand still, or are so close that their rate is none.
+  // Times that go back, repeat, or lie so close together that the rate overflows.
   fail_if(reads("0,1\n2,1\n1,1\n"));
   fail_if(reads("0,1\n0,1\n"));
   fail_if(reads("0,1\n1e-300,1\n"));
@@ -152,8 +152,8 @@ GST_START_TEST(test_recordings_as_wav)
   };
   const std::string second = times(8000, std::string("\x10\x20", 2));
   fail_unless(reads(wav(36 + 16000, 1, 8000, 16000) + second));
-  limit_memory(4); // a thread reserves address space that it does not use
-  // Four gigabytes are promised; read is what is there.
+  limit_memory(4); // threads reserve more address space than they use
+  // The header promises four gigabytes. Only what the file has is read.
   const std::string path = folder.file("r.wav", wav(0xffffffff, 1, 8000, 0xfffffff0) + second);
   fail_unless(read_recording(path).size() == 8000);
   fail_if(reads(wav(0xffffffff, 1, 8000, 0xfffffff0)));
@@ -166,7 +166,7 @@ GST_START_TEST(test_recordings_as_wav)
 }
 GST_END_TEST;
 
-/// Playlists and session descriptions name what is elsewhere: nobody is asked for it.
+/// Playlists and session descriptions refer to other places. Nothing is fetched from there.
 GST_START_TEST(test_recordings_that_are_none)
 {
   const int listener = socket(AF_INET, SOCK_STREAM | SOCK_NONBLOCK, 0);
@@ -243,7 +243,7 @@ GST_START_TEST(test_measurements)
 }
 GST_END_TEST;
 
-/// Messages that never end, from a board that never stops sending.
+/// Endless messages from a board that never stops sending.
 GST_START_TEST(test_boards)
 {
   limit_memory();
@@ -251,7 +251,7 @@ GST_START_TEST(test_boards)
   const std::vector<std::uint8_t> data(kMiB, 0x41);
   const std::vector<std::uint8_t> begins(kMiB, 0xf0);
   const std::vector<std::uint8_t> versions(kMiB, 0xf9);
-  // 64 MiB, which takes hours on a line of 57600 baud.
+  // 64 MiB, hours of data at 57600 baud.
   const std::uint8_t begin[] = { 0xf0, 0x6c };
   board.received(begin);
   for (int i = 0; i < 64; i++)

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 //
-// Tracks that were made to do harm: each is read or refused with a reason, within one gibibyte of
-// memory, or three for what a parser makes a tree of, and the time of a test.
+// Malicious tracks: each is read or refused with a reason, within the time limit of a test and one
+// gibibyte of memory, or three where a parser builds a tree.
 #include "tracks/formats/track_file.h"
 
 #include "hostile.h"
@@ -13,7 +13,7 @@ namespace {
 constexpr TrackFormat kForms[]
     = { TrackFormat::webvtt, TrackFormat::csv, TrackFormat::hjif, TrackFormat::sem };
 
-/// Whatever it is, it does no harm: true if it was read, and then it is a track as any other.
+/// Whether the text is read. If so, the track must be valid.
 bool
 is_read(const std::string &text, TrackFormat form)
 {
@@ -26,7 +26,7 @@ is_read(const std::string &text, TrackFormat form)
   for (const Track::Entry &entry : track->entries()) {
     is_sound = is_sound && entry.time >= Time(0);
     for (const float level : entry.map.levels)
-      is_sound = is_sound && level >= 0 && level <= 1; // which NaN is not
+      is_sound = is_sound && level >= 0 && level <= 1; // false for NaN
   }
   fail_unless(is_sound);
   return true;
@@ -38,7 +38,7 @@ GST_START_TEST(test_a_file_of_two_gigabytes)
 {
   limit_memory();
   const TemporaryFile file("", ".vtt");
-  std::filesystem::resize_file(file.path, 2048 * kMiB); // one line, of no blocks on the disk
+  std::filesystem::resize_file(file.path, 2048 * kMiB); // one line, a sparse file
   fail_if(read_track_file(file.path));
 }
 GST_END_TEST;
@@ -49,7 +49,7 @@ GST_START_TEST(test_long_lines)
   for (const TrackFormat form : kForms)
     for (const char *piece : { "A", "9", "0 ", ",", "\"", "<", "&amp;" })
       fail_if(is_read(times(4 * kMiB / std::string(piece).size(), piece), form));
-  // Within what is a track but for that.
+  // A track that is valid except for its long line.
   fail_if(is_read("# tactile grid=1x1 rate=5\ntime_ms,t0\n0," + std::string(4 * kMiB, '1') + "\n",
                   TrackFormat::csv));
   fail_if(is_read("WEBVTT\n\n00:01.000 --> 00:02.000\n" + times(2 * kMiB, "75 ") + "\n",
@@ -83,21 +83,21 @@ GST_START_TEST(test_deep_and_growing_documents)
   for (const char *open : { "[", "{\"a\":", "[{\"avatars\":" })
     fail_if(is_read(times(1'000'000, open), TrackFormat::hjif));
   fail_if(is_read("<SEM>" + times(1'000'000, "<Effect>"), TrackFormat::sem));
-  // A billion laughs: 10^9 of them from ten entities of ten each.
+  // Billion laughs: ten entities of ten references each make 10^9.
   std::string laughs = "<!DOCTYPE SEM [<!ENTITY l0 \"laugh\">";
   for (int i = 1; i < 10; i++)
     laughs += "<!ENTITY l" + std::to_string(i) + " \""
               + times(10, "&l" + std::to_string(i - 1) + ";") + "\">";
   laughs += "]><SEM>&l9;</SEM>";
   fail_if(is_read(laughs, TrackFormat::sem));
-  // And files of this computer are none of its business.
+  // Local files must not be read.
   fail_if(is_read("<!DOCTYPE SEM [<!ENTITY f SYSTEM \"file:///etc/passwd\">]><SEM>&f;</SEM>",
                   TrackFormat::sem));
 }
 GST_END_TEST;
 
-/// What makes a parser's tree many times larger than the file is: refused by its count, or read in
-/// bounded memory.
+/// Documents whose tree is many times larger than the file are refused by the number of their
+/// parts, or read in bounded memory.
 GST_START_TEST(test_documents_of_many_parts)
 {
   limit_memory(3);
@@ -149,7 +149,7 @@ GST_START_TEST(test_numbers_that_are_none)
 }
 GST_END_TEST;
 
-/// Times that go back, overlap, stand still or end before they begin.
+/// Times that go back, overlap, repeat, or end before they begin.
 GST_START_TEST(test_times_in_disorder)
 {
   fail_if(is_read("# tactile grid=1x1 rate=5\ntime_ms,t0\n0,1\n400,0\n200,1\n", TrackFormat::csv));

@@ -67,8 +67,8 @@ struct Frame
   }
 };
 
-/// A textured background that does not move: no two samples of a map are equal, so nothing hangs on
-/// ties.
+/// A still, textured background. No two samples of its map are equal, so no test depends on how
+/// ties are broken.
 inline Frame
 textured(int width, int height)
 {
@@ -84,7 +84,7 @@ textured(int width, int height)
   return frame;
 }
 
-/// A ball crosses the picture, stands and vanishes.
+/// A ball crosses the picture, stops and vanishes.
 inline Frame
 film(int width, int height, int i)
 {

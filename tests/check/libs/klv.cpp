@@ -8,7 +8,7 @@ using namespace tactile;
 
 GST_START_TEST(test_bytes)
 {
-  // Worked out by hand from the table in klv.h.
+  // By hand from the table in klv.h.
   const std::vector<std::uint8_t> expected
       = { 0x06, 0x0e, 0x2b, 0x34, 0x02, 0x05, 0x01, 0x01, 0x0f, 'T', 'A', 'C',
           'T',  'I',  'L',  'E',  19,   1,    1,    2,    0,    0,   0,   0,
@@ -26,7 +26,7 @@ GST_START_TEST(test_round_trip)
       fail_unless(cue.map == entry.map && cue.begin == 0s && cue.end == entry.time);
     }
   }
-  const TactileMap large(64, 64); // a length of two bytes
+  const TactileMap large(64, 64); // its length takes two bytes
   fail_unless(read_klv(write_klv(large, 1s))->map == large);
 }
 GST_END_TEST;
@@ -55,7 +55,7 @@ GST_START_TEST(test_refused)
   ASSERT_COMPLAINT(read_klv(with(19, 65)), "byte 18", "rows");
   ASSERT_COMPLAINT(read_klv(with(19, 3)), "byte 28", "3 levels");
   ASSERT_COMPLAINT(read_klv(with(20, 0xff)), "byte 20", "100 hours");
-  ASSERT_COMPLAINT(read_klv(with(28, 0x7f)), "byte 28", "0 to 1"); // large
+  ASSERT_COMPLAINT(read_klv(with(28, 0x7f)), "byte 28", "0 to 1"); // too large
   ASSERT_COMPLAINT(read_klv(with(28, 0xbf)), "byte 28", "0 to 1"); // negative
   std::vector<std::uint8_t> nan = with(28, 0x7f);
   nan[29] = 0xc0;

@@ -9,7 +9,7 @@
 #include <string>
 #include <sys/stat.h>
 
-// After the standard library's headers: gstcheck.h defines a macro named fail.
+// gstcheck.h defines a macro `fail`, so it follows the standard library's headers.
 #include <gst/check/gstcheck.h>
 
 using namespace tactor;
@@ -31,7 +31,7 @@ contents(const std::filesystem::path &path)
 
 } // namespace
 
-/// By number in any socket; by socket where there is none.
+/// Known by serial number in any socket, or by socket if there is no number.
 GST_START_TEST(test_remembers)
 {
   const TemporaryFolder folder;
@@ -67,7 +67,7 @@ GST_START_TEST(test_as_many_as_fit)
   fail_if(boards.has(adapter("0", "1-1"))); // the oldest
   fail_unless(boards.has(adapter("1", "1-1")));
   fail_unless(boards.has(adapter(std::to_string(KnownBoards::kMost).c_str(), "1-1")));
-  // What would not be one line is none.
+  // An entry that would not be one line is not kept.
   boards.add(adapter("a\nb", "1-1"));
   boards.add(adapter(std::string(5000, 'x').c_str(), "1-1"));
   fail_if(boards.has(adapter("a\nb", "1-1")));
@@ -75,7 +75,7 @@ GST_START_TEST(test_as_many_as_fit)
 }
 GST_END_TEST;
 
-/// Files that are none, huge, or of something else: nothing is known, and nothing waits.
+/// Missing, huge and unrelated files: no board is known, and nothing blocks.
 GST_START_TEST(test_files_that_are_none)
 {
   const TemporaryFolder folder;
@@ -103,7 +103,7 @@ GST_START_TEST(test_files_that_are_none)
 }
 GST_END_TEST;
 
-/// As the XDG base directory specification has it.
+/// The path that the XDG base directory specification gives.
 GST_START_TEST(test_default_file)
 {
   setenv("HOME", "/home/a", 1);

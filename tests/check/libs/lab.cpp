@@ -14,10 +14,11 @@ using saliency::SampleCoding;
 
 namespace {
 
-constexpr double kBound = 0.06;   // ΔE, as documented
-constexpr std::size_t kRoom = 32; // samples beyond a row's end that may be used
+constexpr double kBound = 0.06;   // ΔE, the documented bound
+constexpr std::size_t kRoom = 32; // samples beyond a row that may be accessed
 
-/// Converts pixels given by their code values, in rows of which a sanitizer sees the end.
+/// Converts pixels given by their code values. Rows have their exact size, so a sanitizer sees
+/// overruns.
 saliency::FixedLabImage
 convert(const SampleCoding &coding, const std::vector<std::array<double, 3>> &codes)
 {
@@ -43,7 +44,7 @@ convert(const SampleCoding &coding, const std::vector<std::array<double, 3>> &co
   return image;
 }
 
-/// The largest ΔE to the oracle.
+/// The largest ΔE from the oracle.
 double
 error(const SampleCoding &coding, const std::vector<std::array<double, 3>> &codes)
 {
@@ -95,7 +96,7 @@ refuses(const SampleCoding &coding)
 
 GST_START_TEST(test_published_anchors)
 {
-  // Bruce Lindbloom's calculator, sRGB with D65 and no adaptation: two published decimals.
+  // Bruce Lindbloom's calculator, sRGB with D65 and no adaptation, to two decimals.
   const SampleCoding rgb{ .model = ColorModel::rgb };
   expect_near(lab_of(rgb, { 255, 255, 255 }), { 100, 0, 0 }, 0.001);
   expect_near(lab_of(rgb, { 0, 0, 0 }), { 0, 0, 0 }, 0.001);
@@ -103,12 +104,11 @@ GST_START_TEST(test_published_anchors)
   expect_near(lab_of(rgb, { 0, 255, 0 }), { 87.73, -86.18, 83.18 }, 0.015);
   expect_near(lab_of(rgb, { 0, 0, 255 }), { 32.30, 79.19, -107.86 }, 0.015);
 
-  // The same white and red as video codes: white is 235/128/128, BT.601's red is 81/90/240 (ITU-R
-  // BT.801).
+  // The same white and red as video codes: 235/128/128 and BT.601's 81/90/240 (ITU-R BT.801).
   const SampleCoding video{ .matrix = saliency::kBt601 };
   expect_near(lab_of(video, { 235, 128, 128 }), { 100, 0, 0 }, 0.001);
   expect_near(lab_of(video, { 16, 128, 128 }), { 0, 0, 0 }, 0.001);
-  expect_near(lab_of(video, { 81, 90, 240 }), { 53.24, 80.09, 67.20 }, 1); // codes are rounded
+  expect_near(lab_of(video, { 81, 90, 240 }), { 53.24, 80.09, 67.20 }, 1); // codes are integers
 }
 GST_END_TEST;
 
@@ -152,7 +152,7 @@ GST_END_TEST;
 
 GST_START_TEST(test_gamut)
 {
-  // All colors on a grid of 5 codes, and every step of the two curves on gray and primaries.
+  // All colors on a grid of 5 codes, and every code of grays and primaries, for the two curves.
   std::vector<std::array<double, 3>> codes;
   for (int r = 0; r <= 255; r += 5)
     for (int g = 0; g <= 255; g += 5)
@@ -168,7 +168,7 @@ GST_END_TEST;
 
 GST_START_TEST(test_targets)
 {
-  // Every instruction set that this processor has gives the same bits.
+  // Results are bit-identical with all instruction sets of this CPU.
   const auto codes = random_codes(8, 9);
   const auto targets = hwy::SupportedTargets();
   for (const auto model : { ColorModel::gray, ColorModel::yuv, ColorModel::rgb }) {
@@ -189,8 +189,8 @@ GST_END_TEST;
 
 GST_START_TEST(test_dark_rgb)
 {
-  // Where the curves bend most: all colors of the eight darkest codes and around CIE's and sRGB's
-  // linear parts.
+  // Where the curves bend most: all colors of the 32 darkest codes, which include the linear parts
+  // of CIE's and sRGB's curves.
   std::vector<std::array<double, 3>> codes;
   for (int r = 0; r < 32; ++r)
     for (int g = 0; g < 32; ++g)
@@ -202,8 +202,8 @@ GST_END_TEST;
 
 GST_START_TEST(test_yuv)
 {
-  // Random codes: most of them outside of R'G'B's cube and of the nominal range, so clipping is
-  // part of it.
+  // Random codes. Most lie outside the R'G'B' cube and the nominal range, so clipping is tested,
+  // too.
   unsigned seed = 3;
   for (const auto matrix : { saliency::kBt601, saliency::kBt709, saliency::kBt2020 })
     for (const bool full_range : { false, true })
@@ -234,7 +234,7 @@ GST_START_TEST(test_impossible_codings)
   fail_unless(refuses({ .matrix = { 0.5, 0.5 } }));
   fail_unless(refuses({ .matrix = { 0, 0.1 } }));
   fail_unless(refuses({ .matrix = { NAN, 0.1 } }));
-  fail_if(refuses({ .model = ColorModel::rgb, .matrix = { 0, 0 } })); // not used there
+  fail_if(refuses({ .model = ColorModel::rgb, .matrix = { 0, 0 } })); // not used by RGB
 }
 GST_END_TEST;
 

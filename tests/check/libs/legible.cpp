@@ -3,7 +3,7 @@
 
 #include <string>
 
-// After the standard library's headers: gstcheck.h defines a macro named fail.
+// gstcheck.h defines a macro `fail`, so it follows the standard library's headers.
 #include <gst/check/gstcheck.h>
 
 using tactor::legible;
@@ -44,8 +44,8 @@ GST_START_TEST(test_what_is_not_fit_to_be_printed)
   expect("a\xc2\x9b"
          "b",
          "a\ufffd\ufffd"
-         "b");                                  // a control character in two bytes
-  expect("\xed\xa0\x80", "\ufffd\ufffd\ufffd"); // half of a pair of UTF-16
+         "b");                                  // a control character of two bytes
+  expect("\xed\xa0\x80", "\ufffd\ufffd\ufffd"); // a single UTF-16 surrogate
   expect("\xf4\x90\x80\x80", "\ufffd\ufffd\ufffd\ufffd");
   expect("\xe6\x8c", "\ufffd\ufffd");
 }
@@ -54,7 +54,7 @@ GST_END_TEST;
 GST_START_TEST(test_long_names)
 {
   expect(times(200, "ü"), times(126, "ü"));
-  // Cut after a space, which then is at the end.
+  // A space that would come last after the cut is removed.
   expect(times(200, "a "), times(62, "a ") + "a");
 }
 GST_END_TEST;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 //
-// A measurement of simulated motors: planned, played without a clock, heard by a simulated sensor,
-// analyzed.
+// A measurement of simulated motors: planned, played without a clock, recorded by a simulated
+// sensor, analyzed.
 #pragma once
 
 #include "calibration/measurement_plan.h"
@@ -13,7 +13,7 @@
 #include <cmath>
 #include <vector>
 
-/// What tactorsink's trace would hold of a run, each command issued on time.
+/// The trace that tactorsink would write of a run if it issued each command on time.
 inline std::vector<tactor::IssuedCommand>
 trace_of(const tactor::MeasurementRun &run)
 {
@@ -25,9 +25,9 @@ trace_of(const tactor::MeasurementRun &run)
   return trace;
 }
 
-/// Ways in which vibrations rise: MotorModel's; the square of that, as the acceleration of an
-/// eccentric mass does whose speed is exponential; two equal time constants one after the other,
-/// S-shaped.
+/// How vibrations rise. Exponential is MotorModel's. Squared is the acceleration of an eccentric
+/// mass whose speed rises exponentially. Second order has two equal time constants in series, which
+/// gives an S shape.
 struct Growth
 {
   const char *name;

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 //
-// A serial bus in memory with boards that can be plugged in and out, and that misbehave when asked
-// to. Each open port has a thread, as a real one has. No time passes: a board answers as soon as
-// its thread runs.
+// A serial bus in memory. Its boards can be plugged in and out, and can misbehave. Each open port
+// has a thread, as a real one has. No time passes: a board answers as soon as its thread runs.
 #pragma once
 
 #include "../realtime.h"
@@ -17,7 +16,7 @@
 #include <thread>
 #include <utility>
 
-/// A board, in a socket or in the hand.
+/// A board, plugged in or not.
 struct MemoryBoard
 {
   MemoryBoard(tactor::SerialDevice device, const Layout &layout, bool seat = false)
@@ -36,13 +35,13 @@ struct MemoryBoard
   bool takes_nothing = false; ///< a write never ends
   long bytes_to_live = -1;    ///< it is plugged out when it has got so many more; −1: never
 
-  // Of the bus
+  // State that the bus keeps
   bool is_plugged = false;
   bool is_open = false;
   int opens = 0;
 };
 
-/// What all buses of a test share: the sockets. Boards outlive it.
+/// The sockets, which all buses of a test share. Boards outlive them.
 class Sockets
 {
 public:
@@ -68,7 +67,7 @@ public:
     }
     announce();
   }
-  /// Waits for something about boards or events.
+  /// Waits for a condition on boards or events.
   template <typename Predicate> void wait(Predicate predicate)
   {
     std::unique_lock lock(mutex);
@@ -79,7 +78,7 @@ public:
     std::lock_guard lock(mutex);
     return function();
   }
-  /// With the lock held.
+  /// The caller holds the lock.
   void pull(MemoryBoard &board)
   {
     board.is_plugged = false;
@@ -223,7 +222,7 @@ public:
         });
         lock.lock();
         sockets_.changed.wait(lock, [&] { return stop.stop_requested(); });
-        lock.unlock(); // the callback may be waiting for it
+        lock.unlock(); // ~stop_callback may wait for the callback
         return refused(DriverError::Kind::failed, device.name + " was interrupted");
       }
       if (board->refusal)
@@ -256,7 +255,7 @@ public:
   }
 
 private:
-  /// With the lock held.
+  /// The caller holds the lock.
   MemoryBoard *find(const tactor::SerialDevice &device)
   {
     for (MemoryBoard *each : sockets_.boards)

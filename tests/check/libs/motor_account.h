@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 //
-// What motors did by the commands they were told: an account that knows nothing of limits.
+// What motors do under commands: a model that knows nothing of limits.
 #pragma once
 
 #include "tactor/command_planner.h"
@@ -26,8 +26,8 @@ seconds(Time time)
   return std::chrono::duration<double>(time).count();
 }
 
-/// What a chair does that is told commands: who was on when, on an axis of time that goes on over
-/// restarts of running time.
+/// A chair that obeys commands and records when each motor was on. Its time axis continues when
+/// running time restarts.
 class Chair
 {
 public:
@@ -41,7 +41,7 @@ public:
       pending_[command.tactor].push_back(command);
   }
 
-  /// All that is due by running time `time` has happened.
+  /// Carries out all that is due before running time `time`.
   void run_to(Time time)
   {
     for (auto &[tactor, commands] : pending_) {
@@ -55,7 +55,7 @@ public:
     }
   }
 
-  /// At running time `time` the motors are silenced and what is not due yet is dropped.
+  /// Motors stop at running time `time`, and commands that are not due yet are dropped.
   void silence(Time time)
   {
     run_to(time);
@@ -65,7 +65,7 @@ public:
     }
   }
 
-  /// Running time 0 is now so much later than before.
+  /// Running time restarts at 0, this much later on the chair's time axis.
   void restart(Time by)
   {
     origin_ += by;
@@ -108,8 +108,8 @@ private:
   Time origin_{ 0 };
 };
 
-/// The longest time on without a break of 100 ms in between. Shorter ones are not counted: across a
-/// seek nobody knows how long they were.
+/// The longest time on without a break of 100 ms. Shorter breaks are not counted as time on, since
+/// a seek makes their length unknown.
 inline Time
 longest_cue(const std::vector<Stretch> &stretches)
 {
@@ -124,7 +124,7 @@ longest_cue(const std::vector<Stretch> &stretches)
   return longest;
 }
 
-/// The most that was on within any minute: one that ends with a stretch.
+/// The longest total time on within any minute, which is one that ends with a stretch.
 inline Time
 fullest_minute(const std::vector<Stretch> &stretches)
 {
@@ -138,11 +138,11 @@ fullest_minute(const std::vector<Stretch> &stretches)
   return fullest;
 }
 
-/// The most that were on at one time.
+/// The largest number on at the same time.
 inline int
 most_at_once(const std::vector<std::vector<Stretch>> &stretches)
 {
-  std::vector<std::pair<Time, int>> changes; // at the same time ends come first
+  std::vector<std::pair<Time, int>> changes; // at equal times, ends sort first
   for (const auto &tactor : stretches)
     for (const Stretch &stretch : tactor) {
       changes.emplace_back(stretch.begin, 1);

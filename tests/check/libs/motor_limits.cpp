@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "tactor/motor_limits.h"
 
-// What one motor may do. The planner that keeps to it is tested in planner_limits.
+// What one motor may do. planner_limits tests the planner that obeys these limits.
 
 #include <algorithm>
 #include <cmath>
@@ -21,14 +21,14 @@ GST_START_TEST(test_longest_on_time)
   use.begin(5s);
   fail_unless(use.is_on() && use.on_since() == 5s && use.off_since() == Time::max());
   use.end(6s, false);
-  // A break of less than 100 ms is none.
+  // A break shorter than 100 ms does not end the cue.
   fail_unless(use.latest_end(6099ms, limits).time == 7s);
   fail_unless(use.latest_end(6100ms, limits).time == 8100ms);
   use.begin(6050ms);
   use.end(6500ms, false);
   fail_unless(use.latest_end(6550ms, limits).time == 7s);
   fail_unless(use.latest_end(6550ms, limits).limit == MotorUse::Limit::on_time);
-  // A stretch that may not be ends where it begins.
+  // A stretch that is not permitted ends where it begins.
   use.begin(6550ms);
   use.end(7s, true);
   fail_unless(use.ready_at() == 7100ms);
@@ -45,7 +45,7 @@ GST_START_TEST(test_forget_and_age)
   MotorUse use;
   use.begin(0s);
   use.end(1900ms, false);
-  use.begin(2050ms); // another cue, of which nothing came to pass
+  use.begin(2050ms); // another cue, none of which was played
   use.forget_from(1950ms);
   fail_unless(!use.is_on() && use.off_since() == 1900ms);
   use.age(10s);
@@ -61,7 +61,7 @@ GST_START_TEST(test_forget_and_age)
 }
 GST_END_TEST;
 
-/// The end that MotorUse asks for, against a count of every millisecond of the past.
+/// MotorUse's end against a count of all past milliseconds.
 GST_START_TEST(test_duty_against_counting)
 {
   std::mt19937 random(7);
@@ -70,7 +70,7 @@ GST_START_TEST(test_duty_against_counting)
     const MotorLimits limits{ .max_on_time = 0s, .max_duty = duty };
     const long allowed = static_cast<long>(std::floor(duty * 60'000));
     MotorUse use;
-    std::vector<char> on(400'000, 0); // each millisecond
+    std::vector<char> on(400'000, 0); // one entry a millisecond
     long now = 0;
     const auto in_minute_before = [&](long end) {
       return std::count(on.begin() + std::max(end - 60'000, 0L), on.begin() + end, 1);
@@ -78,7 +78,7 @@ GST_START_TEST(test_duty_against_counting)
     while (now < 250'000) {
       now += std::uniform_int_distribution(0, 4000)(random);
       const Time asked = use.latest_end(Time(now * 1ms), limits).time;
-      // As long as the minute that ends then allows it.
+      // On for as long as the minute that ends then allows.
       long end = now;
       long count = in_minute_before(end);
       while (end < now + 60'000) {
@@ -89,7 +89,7 @@ GST_START_TEST(test_duty_against_counting)
         end++;
       }
       std::fill(on.begin() + now, on.begin() + end + 1, 0);
-      // The allowance is no whole number of milliseconds.
+      // The allowance is not a whole number of milliseconds.
       fail_unless(asked >= end * 1ms && asked < (end + 1) * 1ms, "at %ld ms: asked for %g, not %ld",
                   now, seconds(asked) * 1000, end);
       const long last = std::uniform_int_distribution(now, std::min(end, now + 9000))(random);
@@ -102,7 +102,7 @@ GST_START_TEST(test_duty_against_counting)
 }
 GST_END_TEST;
 
-/// More stretches than are remembered: what is forgotten is counted as on.
+/// More stretches than MotorUse stores: what it forgets counts as on.
 GST_START_TEST(test_many_stretches_err_on_the_safe_side)
 {
   const MotorLimits limits{ .max_on_time = 0s, .max_duty = 0.4 };
@@ -119,7 +119,7 @@ GST_START_TEST(test_many_stretches_err_on_the_safe_side)
     on += end - now;
   }
   fail_unless(fullest_minute(all) <= 24s);
-  fail_unless(on >= 12s); // half of 24 s a minute: breaks are counted as on
+  fail_unless(on >= 12s); // half of 24 s a minute, since breaks count as on
 }
 GST_END_TEST;
 

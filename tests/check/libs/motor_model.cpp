@@ -20,7 +20,7 @@ constant(double milliseconds)
   return RiseTime(RiseTimeTable{ .step_volts = 1, .size = 1, .milliseconds = { milliseconds } });
 }
 
-/// A motor that has been at `volts` for long at time 0.
+/// A motor that has settled at `volts` by time 0.
 MotorModel
 settled(double volts, const RiseTime &rise_time = {})
 {
@@ -29,7 +29,8 @@ settled(double volts, const RiseTime &rise_time = {})
   return motor;
 }
 
-/// The first time in [begin, end] at which the amplitude is at least `volts`; it has to rise.
+/// The first time in [begin, end] at which the amplitude is at least `volts`, if it rises
+/// throughout.
 Time
 reaches(const MotorModel &motor, double volts, Time begin, Time end)
 {
@@ -77,7 +78,7 @@ GST_END_TEST;
 
 GST_START_TEST(test_rises_exponentially)
 {
-  // From rest 10 % is missing after one rise time, 1 % after two, 0.1 % after three.
+  // From rest 10 % of the step remain after one rise time, 1 % after two, 0.1 % after three.
   MotorModel motor(constant(60));
   motor.set(1s, 2.0);
   fail_unless(motor.amplitude(1s) == 0);
@@ -113,7 +114,7 @@ GST_START_TEST(test_falls_within_a_frame)
       fail_unless_near(motor.amplitude(30ms), target + 0.1 * (from - target), 1e-9);
       fail_unless_near(motor.amplitude(60ms), target + 0.01 * (from - target), 1e-9);
     }
-  // Below 0.5 V it comes to rest.
+  // Below 0.5 V it stops.
   for (const double target : { 0.0, 0.3, 0.4999, -1.0, std::numeric_limits<double>::quiet_NaN() }) {
     MotorModel motor = settled(2.0);
     motor.set(0s, target);
@@ -125,7 +126,7 @@ GST_END_TEST;
 
 GST_START_TEST(test_rise_that_is_nearly_done)
 {
-  // Of a step from 90 % or more 10 % are left after 30 ms, too.
+  // After a step from 90 % or more, 10 % of it remain after 30 ms, too.
   for (const double start : { 1.81, 1.9, 1.99 }) {
     MotorModel motor = settled(start);
     motor.set(0s, 2.0);
@@ -157,8 +158,8 @@ GST_START_TEST(test_retarget_is_continuous)
     const double before = motor.amplitude(time);
     motor.set(time, volts(random));
     fail_unless(motor.amplitude(time) == before);
-    // No motor is faster than a fall of 3 V in 30 ms or the fastest rise; Eq. 1 allows none below
-    // 30 ms on this range but close to 90 %.
+    // The steepest course is a fall of 3 V in 30 ms or the fastest rise. In this range Eq. 1 gives
+    // at least 30 ms, except close to 90 %.
     fail_unless_near(motor.amplitude(time + 1us), before, 1e-3);
     fail_unless(before >= 0 && before <= 3.0);
   }
@@ -167,8 +168,8 @@ GST_END_TEST;
 
 GST_START_TEST(test_retarget_during_a_rise)
 {
-  // From rest to 2 V with 60 ms; when 1 V is reached, on to 3 V, again with 60 ms:
-  // 3 − 2 · (0.3 / 2)^(t / 60 ms).
+  // From rest to 2 V in 60 ms. At 1 V the target becomes 3 V, again in 60 ms: 3 − 2 · (0.3 / 2)^(t
+  // / 60 ms).
   MotorModel motor(constant(60));
   motor.set(0s, 2.0);
   const Time half(std::llround(60e6 * std::log10(2.0)));
@@ -182,7 +183,7 @@ GST_END_TEST;
 
 GST_START_TEST(test_times_that_go_back)
 {
-  // An earlier time counts as the last one.
+  // A time before the last command counts as that command's time.
   MotorModel back;
   back.set(100ms, 3.0);
   back.set(200ms, 1.0);
@@ -194,7 +195,7 @@ GST_START_TEST(test_times_that_go_back)
   for (Time time = 0s; time < 1s; time += 7ms)
     fail_unless(back.amplitude(time) == same.amplitude(time));
   fail_unless(back.volts() == 2.5);
-  // Before the last command the amplitude is that of the last command.
+  // Before the last command's time the amplitude is the one at that time.
   fail_unless(back.amplitude(Time::min()) == back.amplitude(200ms));
   fail_unless(back.amplitude(0s) == back.amplitude(200ms));
 }
@@ -212,7 +213,8 @@ GST_START_TEST(test_same_voltage_again)
 }
 GST_END_TEST;
 
-// Motors that stick: what stands needs start volts, what turns goes on down to hold volts.
+// Stiction: a motor at rest needs its start voltage, a turning one goes on down to its hold
+// voltage.
 GST_START_TEST(start_and_hold_volts_are_each_motors_own)
 {
   const RiseTimeTable table{
@@ -229,7 +231,7 @@ GST_START_TEST(start_and_hold_volts_are_each_motors_own)
   fail_unless_near(motor.amplitude(4s), 0.4, 1e-6);
   motor.set(4s, 0.2);
   fail_unless_near(motor.amplitude(4050ms), 0.04, 1e-3);
-  motor.set(6s, 0.4); // it stands, and does not start with as much
+  motor.set(6s, 0.4); // at rest, and below the start voltage
   fail_unless(motor.amplitude(8s) < 1e-6);
 }
 GST_END_TEST

@@ -21,7 +21,7 @@ reference()
   return { std::istreambuf_iterator<char>(file), {} };
 }
 
-/// What is in a document whatever its layout and the order of its attributes: names, attributes and
+/// What a document contains, whatever its layout and the order of attributes: names, attributes and
 /// values, sorted.
 std::vector<std::string>
 words(const std::string &text)
@@ -93,8 +93,8 @@ GST_START_TEST(test_rows_are_samples)
 }
 GST_END_TEST;
 
-/// One motor for all, as tools such as PlaySEM write it: on until it is turned off, by another
-/// strength or with a duration.
+/// One motor for all, as tools such as PlaySEM write it: on until it is turned off, changes its
+/// strength or reaches its duration.
 GST_START_TEST(test_vibrations)
 {
   const auto vibration = [](const std::string &attributes) {
@@ -145,7 +145,7 @@ GST_START_TEST(test_refused)
   ASSERT_COMPLAINT(
       read_sem(document(effect("si:pts=\"9000000000000\" duration=\"1\"", "1 2", "0 0"))), "line 9",
       "100 hours");
-  // The schema has times that are whole, and durations that are positive.
+  // The schema requires whole times and positive durations.
   ASSERT_COMPLAINT(read_sem(document(effect("si:pts=\"0.5\" duration=\"1\"", "1 2", "0 0"))),
                    "line 9", "whole number 'pts'");
   ASSERT_COMPLAINT(read_sem(document(effect("si:pts=\"0\" duration=\"0\"", "1 2", "0 0"))),

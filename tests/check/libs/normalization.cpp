@@ -49,7 +49,7 @@ GST_END_TEST;
 
 GST_START_TEST(test_smooth_maps)
 {
-  // Few maxima, as contrast maps have them.
+  // Smooth maps have few maxima, as contrast maps do.
   for (unsigned seed = 0; seed < 50; ++seed) {
     Image image = oracle::random_image(9, 7, 0, 40, seed);
     image = oracle::up(image, 2, 2, 35, 27);
@@ -78,8 +78,8 @@ GST_END_TEST;
 
 GST_START_TEST(test_other_peaks_suppress)
 {
-  // Others of 1/2 and 1/4 of the span: m̄ = 3/8, factor (5/8)². The ground is the zero of the
-  // scale.
+  // Other maxima of 1/2 and 1/4 of the span: m̄ = 3/8, so the factor is (5/8)². The background is
+  // the zero of the scale.
   const cv::Mat map = normalized(with_peaks({ { 2, 2, 9 }, { 6, 2, 5 }, { 9, 7, 3 } }, 1));
   const double factor = 25.0 / 64;
   fail_unless_near(map.at<float>(2, 2), factor, 1e-6);
@@ -91,7 +91,7 @@ GST_END_TEST;
 
 GST_START_TEST(test_three_equal_peaks_vanish)
 {
-  // The global maximum is left out once, not each time.
+  // Only one of the equal global maxima is excluded from m̄.
   const cv::Mat map = normalized(with_peaks({ { 2, 2, 8 }, { 9, 7, 8 }, { 5, 5, 8 } }));
   fail_unless_near(cv::norm(map, cv::NORM_INF), 0, 0);
 }
@@ -99,7 +99,7 @@ GST_END_TEST;
 
 GST_START_TEST(test_maximum_on_border_or_plateau)
 {
-  // Then it is no local maximum itself: nothing is left out of m̄ = 1/2.
+  // The global maximum is not a local one here, so nothing is excluded from m̄ = 1/2.
   for (const auto &image : { with_peaks({ { 0, 4, 8 }, { 6, 4, 4 } }),
                              with_peaks({ { 2, 2, 8 }, { 3, 2, 8 }, { 7, 5, 4 } }) }) {
     double highest = 0;
@@ -111,7 +111,7 @@ GST_END_TEST;
 
 GST_START_TEST(test_rounding_is_no_maximum)
 {
-  // Two equal peaks vanish also on a ground that is plain but for rounding.
+  // Two equal peaks vanish, also on a background that is flat except for rounding errors.
   Image image = with_peaks({ { 2, 2, 37.5 }, { 9, 7, 37.5 } });
   for (int i = 0; i < 5; ++i)
     image(2 + 2 * i, 5) = 3e-5;
@@ -123,7 +123,7 @@ GST_START_TEST(test_flat)
 {
   for (const double value : { 0.0, 1.0, -3.0, 250.0 })
     fail_unless_near(cv::norm(normalized(Image(7, 5, value)), cv::NORM_INF), 0, 0);
-  // Rounding of L*a*b* is not a peak.
+  // A rounding error of L*a*b* is not a peak.
   fail_unless_near(cv::norm(normalized(with_peaks({ { 3, 3, 3e-5 } })), cv::NORM_INF), 0, 0);
   fail_unless_near(cv::norm(normalized(with_peaks({ { 3, 3, 3e-3 } })), cv::NORM_INF), 1, 0);
 }

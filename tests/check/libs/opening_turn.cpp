@@ -15,9 +15,9 @@ GST_START_TEST(test_in_order)
   std::optional<OpeningTurn> second(std::in_place);
   std::optional<OpeningTurn> third(std::in_place);
   fail_unless(first->wait(never));
-  fail_unless(first->wait(never)); // as often as it likes
+  fail_unless(first->wait(never)); // may be repeated
 
-  // Who is stopped has not had its turn.
+  // A stopped wait reports that its turn did not come.
   std::stop_source stop;
   bool had_turn = true;
   std::thread stopped([&] { had_turn = third->wait(stop.get_token()); });
@@ -25,7 +25,7 @@ GST_START_TEST(test_in_order)
   stopped.join();
   fail_if(had_turn);
 
-  // One that leaves the line is not waited for; the turn goes on when its owner is done.
+  // One that leaves the queue is skipped. The turn passes on when its owner is destroyed.
   second.reset();
   std::thread waiting([&] { had_turn = third->wait(never); });
   first.reset();

@@ -32,9 +32,6 @@ constexpr Orientation kClockwise{ .transposed = true,
 
 } // namespace
 
-/// By hand:  1 2 3   turned clockwise is  4 1
-///           4 5 6                        5 2
-///                                        6 3
 GST_START_TEST(test_by_hand)
 {
   const TactileMap stored = map_of(2, 3, { 1, 2, 3, 4, 5, 6 });
@@ -56,7 +53,6 @@ GST_START_TEST(test_by_hand)
 }
 GST_END_TEST;
 
-/// Turned back is as it was, in all eight orientations.
 GST_START_TEST(test_turn_back)
 {
   const TactileMap stored = map_of(2, 3, { 1, 2, 3, 4, 5, 6 });

@@ -29,8 +29,8 @@ frame(int width, int height, int ball_x)
 
 GST_START_TEST(test_frame_difference)
 {
-  // A step of 50 in one pixel of gray becomes a Gaussian of 3 % of the width with volume 50; first
-  // and unchanged frames have no difference.
+  // A step of 50 in one gray pixel becomes a Gaussian of volume 50 with a σ of 3 % of the width.
+  // The first frame and unchanged frames have no difference.
   PeerSaliency difference(Peer::frame_difference);
   cv::Mat picture(75, 100, CV_8UC3, cv::Scalar(100, 100, 100));
   ck_assert_int_eq(cv::countNonZero(difference.compute(picture)), 0);
@@ -43,7 +43,7 @@ GST_START_TEST(test_frame_difference)
   fail_unless_near(map.at<float>(40, 53), peak * std::exp(-0.5), 0.01 * peak);
   ck_assert_int_eq(cv::countNonZero(difference.compute(picture)), 0);
 
-  // After a reset or a change of size there is no frame before.
+  // After a reset or a change of size there is no previous frame.
   picture.setTo(cv::Scalar(0, 0, 0));
   difference.reset();
   ck_assert_int_eq(cv::countNonZero(difference.compute(picture)), 0);
@@ -53,7 +53,8 @@ GST_END_TEST;
 
 GST_START_TEST(test_maps)
 {
-  // Every peer that there is, on films of changing size: a map of the frame's aspect, finite, ≥ 0.
+  // Every available peer, on films of changing size: maps have the frame's aspect ratio and finite
+  // values ≥ 0.
   for (const Peer peer : quality::kPeers) {
     if (!quality::is_available(peer))
       continue;
@@ -78,7 +79,7 @@ GST_START_TEST(test_bin_wang_finds_what_moves)
 {
   if (!quality::is_available(Peer::bin_wang))
     return;
-  // Nothing on the first frame; then a ball, and nothing but the ball.
+  // Nothing on the first frame, then only the ball.
   PeerSaliency bin_wang(Peer::bin_wang);
   cv::Mat picture(120, 160, CV_8UC3, cv::Scalar(90, 90, 90));
   ck_assert_int_eq(cv::countNonZero(bin_wang.compute(picture)), 0);

@@ -9,7 +9,8 @@
 
 using namespace tactor;
 
-/// No rule; a rule that came after the board; a rule that gives nothing to who does not sit there.
+/// No rule is installed, the rule is newer than the board, or the rule gives access only to users
+/// at the machine.
 GST_START_TEST(test_advice)
 {
   const SystemTree machine;
@@ -37,7 +38,7 @@ GST_START_TEST(test_advice)
     fail_unless(advice.find("sudo install") == std::string::npos);
     fail_unless(advice.find('\n') == std::string::npos);
   }
-  // udev knows nothing of the device in another socket.
+  // udev does not know the device in the other socket.
   assert_contains(permission_advice("1-3", machine.roots), { "was not applied" });
 }
 GST_END_TEST;

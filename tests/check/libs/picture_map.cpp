@@ -14,8 +14,7 @@ using tactile::SaliencyView;
 
 namespace {
 
-/// Where the samples of level n of the pyramid of a picture of `size` pixels lie: sample i on pixel
-/// 2ⁿ i.
+/// Where samples of pyramid level n of a picture of `size` pixels lie: sample i on pixel 2ⁿ i.
 SaliencyView::Extent
 extent_of_level(int level, int size)
 {
@@ -32,7 +31,7 @@ struct Map
   {
   }
 
-  /// The value of each sample, from the pixel that it sits on.
+  /// Sets each sample by the pixel on which it lies.
   template <typename Function> void fill(const Function &value_at)
   {
     for (int y = 0; y < height; y++)
@@ -61,8 +60,7 @@ struct Map
   std::vector<float> values;
 };
 
-/// The pixel in which the middle of sample `index` of `count` lies on a picture of `size` pixels,
-/// whatever resizes it.
+/// The pixel at the center of sample `index` of `count` after resizing to `size` pixels.
 double
 pixel(int index, int count, int size)
 {
@@ -71,8 +69,8 @@ pixel(int index, int count, int size)
 
 } // namespace
 
-/// What is as wide as a sample or wider lies, after any resizing to the picture's size, where it
-/// was, whatever the sizes.
+/// A spot at least as wide as a sample keeps its place when the map is resized to the picture, for
+/// all sizes.
 GST_START_TEST(test_spot_stays)
 {
   const int sizes[][2] = { { 640, 360 }, { 633, 471 }, { 1001, 77 } };
@@ -108,7 +106,7 @@ GST_START_TEST(test_spot_stays)
 }
 GST_END_TEST;
 
-/// Cubics reproduce what is quadratic, away from the border.
+/// Cubic interpolation reproduces quadratics exactly, away from the border.
 GST_START_TEST(test_quadratic_is_exact)
 {
   const auto value = [](double x, double y) {
@@ -127,8 +125,8 @@ GST_START_TEST(test_quadratic_is_exact)
 }
 GST_END_TEST;
 
-/// A map that is its own picture stays as it is; what isn't finite counts as 0; an empty one is
-/// empty.
+/// A map of the picture's size stays unchanged. Values that are not finite count as 0. An empty map
+/// stays empty.
 GST_START_TEST(test_plain_map)
 {
   const std::vector<float> values{ 1, 0, 2.5F, std::numeric_limits<float>::infinity(), 7, 3 };
@@ -151,7 +149,7 @@ GST_START_TEST(test_plain_map)
 }
 GST_END_TEST;
 
-/// Nothing is negative where a cubic would be.
+/// Values stay ≥ 0 where cubic interpolation would undershoot.
 GST_START_TEST(test_values_are_at_least_0)
 {
   Map map(4, 160, 160);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "tactor/command_planner.h"
 
-// The planner's limits, judged by what the motors are told: an independent account of the commands.
+// The planner's limits, checked by an independent model of the motors.
 
 #include <algorithm>
 #include <cmath>
@@ -19,8 +19,7 @@ namespace {
 
 constexpr FrameRate kThirty{ 30, 1 };
 
-/// A film that is hard on motors: tactors stay on, go off and change their level, each when it
-/// likes.
+/// A film that is hard on motors: each tactor changes its level or goes off at random times.
 class HardFilm
 {
 public:
@@ -51,7 +50,7 @@ private:
   std::vector<double> left_;
 };
 
-/// Plays a film of one level for a tactor and returns when it was on.
+/// Plays a film of one level on one tactor and returns when it was on.
 std::vector<Stretch>
 play_level(CommandPlanner &planner, Time length, auto &&level)
 {
@@ -66,7 +65,7 @@ play_level(CommandPlanner &planner, Time length, auto &&level)
 
 } // namespace
 
-/// Random films and settings: no limit is exceeded by a nanosecond, whatever happens.
+/// Random films and settings: no limit is ever exceeded, not even by a nanosecond.
 GST_START_TEST(test_no_limit_is_ever_exceeded)
 {
   std::mt19937 random(11);
@@ -100,21 +99,20 @@ GST_START_TEST(test_no_limit_is_ever_exceeded)
       const int event = dice(1500);
       if (event == 0) { // a gap
         chair.take(planner.silence(time));
-      } else if (event == 1) { // no map comes
+      } else if (event == 1) { // no map arrives
         const Time silenced = time + 1ms * dice(900);
         chair.silence(silenced);
         planner.silenced(silenced);
         frame += 40 + dice(40);
-      } else if (
-          event <= 4) { // a seek, of which the planner learns when the clock is behind the last map
+      } else if (event <= 4) { // a seek, which the planner learns of later
         const Time flushed = time - 1ms * dice(190);
         chair.silence(flushed);
         planner.reset(flushed);
         if (dice(2))
-          planner.reset(dice(1000) * 1ms); // again, before anything was played
+          planner.reset(dice(1000) * 1ms); // another one before anything was played
         chair.restart(flushed + early + 1ms * dice(2) * dice(3000));
         frame = dice(3) ? -1 : dice(100);
-      } else if (event > 1480) { // a hole
+      } else if (event > 1480) { // a gap in the film
         frame += dice(60);
       } else {
         chair.take(planner.plan(time, end - time, levels));
@@ -143,7 +141,7 @@ GST_START_TEST(test_no_limit_is_ever_exceeded)
 }
 GST_END_TEST;
 
-/// Limits that nothing reaches change nothing but what commands say of their end.
+/// Limits that are never reached change nothing but the commands' `until`.
 GST_START_TEST(test_limits_out_of_reach_change_nothing)
 {
   for (const bool kick_start : { false, true })
@@ -161,7 +159,7 @@ GST_START_TEST(test_limits_out_of_reach_change_nothing)
         std::size_t compared = 0;
         for (int frame = 0; frame < 6000; frame++) {
           std::vector<float> levels = film.next(1 / 30.0);
-          levels[4] = 0; // never all nine
+          levels[4] = 0; // at most eight of nine
           auto with = limited.plan(kThirty.frame(frame), kThirty.duration(frame), levels);
           const auto without = free.plan(kThirty.frame(frame), kThirty.duration(frame), levels);
           for (Command &command : with)
@@ -176,7 +174,7 @@ GST_START_TEST(test_limits_out_of_reach_change_nothing)
 }
 GST_END_TEST;
 
-/// What films do is not touched: cues of up to 1.9 s, a third of the time, and of four tactors.
+/// Ordinary films stay untouched: cues of under 2 s, a third of the time, three tactors at once.
 GST_START_TEST(test_film_within_limits_is_untouched)
 {
   CommandPlanner limited(9, {});
@@ -184,7 +182,7 @@ GST_START_TEST(test_film_within_limits_is_untouched)
   for (int frame = 0; frame < 30 * 300; frame++) {
     std::vector<float> levels(9, 0.0F);
     const int second = frame / 30;
-    const int turn = second / 2 % 3; // 2 s each; the last 200 ms are dark
+    const int turn = second / 2 % 3; // 2 s each, silent after 1.6 s
     if (frame % 60 < 48)
       for (std::size_t i = 0; i < 3; i++)
         levels[i * 3 + static_cast<std::size_t>(turn)] = 0.9F;
@@ -197,7 +195,7 @@ GST_START_TEST(test_film_within_limits_is_untouched)
 }
 GST_END_TEST;
 
-/// A level that never ends: on for 2 s, off for 3 s and to the next block.
+/// A level that never ends is on for 2 s, then off for 3 s and until the next block.
 GST_START_TEST(test_endless_level)
 {
   CommandPlanner planner(1);
@@ -205,7 +203,7 @@ GST_START_TEST(test_endless_level)
   const Time lead = RiseTime()(0, 3.0);
   fail_unless(stretches.size() == 20);
   for (std::size_t i = 0; i < stretches.size(); i++) {
-    // 3 s of rest from 2 s - lead on, up to the next block of 200 ms, and once more.
+    // 3 s of rest begin at 2 s - lead and end with the next block of 200 ms.
     const Time begin = i * 5s - lead;
     fail_unless(stretches[i].begin == begin, "cue %d begins at %g s", static_cast<int>(i),
                 seconds(stretches[i].begin));
@@ -213,7 +211,7 @@ GST_START_TEST(test_endless_level)
   }
   fail_unless(planner.limited().on_time == 20 && planner.limited().duty == 0);
 
-  // Duty alone: 24 s, then nothing until these leave the minute.
+  // The duty limit alone: 24 s on, then off until these leave the minute.
   CommandPlanner duty(1, { .limits = { .max_on_time = 0s } });
   const auto on = play_level(duty, 100s, [](Time) { return 1.0F; });
   fail_unless(on.size() == 2);
@@ -223,8 +221,7 @@ GST_START_TEST(test_endless_level)
 }
 GST_END_TEST;
 
-/// No cue begins that would last less than 200 ms: here after one that leaves so much of the
-/// minute's 24 s.
+/// No cue of less than 200 ms begins. Here an earlier cue leaves `left` of the minute's 24 s.
 GST_START_TEST(test_shortest_cue)
 {
   for (const auto &[left, begins] : { std::pair(100ms, false), std::pair(199ms, false),
@@ -242,7 +239,7 @@ GST_START_TEST(test_shortest_cue)
 }
 GST_END_TEST;
 
-/// After a cue that ran out, an event that begins anew is felt at once; what goes on is not.
+/// After a cue has run out, a new one begins with the next rise from zero, not with the same level.
 GST_START_TEST(test_new_event_after_a_cue_that_ran_out)
 {
   CommandPlanner planner(1);
@@ -255,8 +252,8 @@ GST_START_TEST(test_new_event_after_a_cue_that_ran_out)
 }
 GST_END_TEST;
 
-/// The four strongest of each block are on, and nothing else is held back; of equals those that
-/// were on.
+/// The four strongest tactors of each block are on. Among equals those that are on stay on. Nothing
+/// else is limited.
 GST_START_TEST(test_the_strongest_win)
 {
   const PlannerSettings settings{ .limits = { .max_on_time = 0s, .max_duty = 0, .max_active = 4 } };
@@ -292,12 +289,11 @@ GST_START_TEST(test_the_strongest_win)
   fail_unless(on_after(0s, { 0, 0, 1, 1, 1, 1 }) == "..####");
   fail_unless(on_after(200ms, { 1, 1, 1, 1, 1, 1 }) == "..####");
   fail_unless(on_after(400ms, { 1, 1, 1, 1, 1, 0.5F }) == "#.###.");
-  fail_unless(equals.limited().number == 3); // two that had to wait, and the one that had to go
+  fail_unless(equals.limited().number == 3); // two had to wait, one had to stop
 }
 GST_END_TEST;
 
-/// A stronger event is felt in time: the weakest of those that end with its frame makes room when
-/// it begins.
+/// A stronger cue begins in time: the weakest tactor whose level ends with its frame stops for it.
 GST_START_TEST(test_room_is_made_in_time)
 {
   CommandPlanner planner(4, { .limits = { .max_active = 2 } });
@@ -311,7 +307,7 @@ GST_START_TEST(test_room_is_made_in_time)
 }
 GST_END_TEST;
 
-/// Who seeks about does not get more than who watches: what was on before still counts.
+/// Seeking does not raise the allowance: time on before a seek still counts.
 GST_START_TEST(test_seeking_about_does_not_help)
 {
   CommandPlanner planner(1, { .limits = { .max_on_time = 0s } });
@@ -325,11 +321,11 @@ GST_START_TEST(test_seeking_about_does_not_help)
     chair.restart(1900ms + planner.settings().max_lead);
   }
   fail_unless(fullest_minute(chair.stretches[0]) <= 24s);
-  fail_unless(fullest_minute(chair.stretches[0]) >= 23s); // and not much less
+  fail_unless(fullest_minute(chair.stretches[0]) >= 23s); // but nearly that
 }
 GST_END_TEST;
 
-/// A seek that follows another so soon that nothing was due yet takes nothing from the account.
+/// A seek before anything was due does not count as time on.
 GST_START_TEST(test_seek_before_anything_was_due)
 {
   CommandPlanner planner(1, { .limits = { .max_on_time = 0s } });
@@ -346,7 +342,7 @@ GST_START_TEST(test_seek_before_anything_was_due)
 }
 GST_END_TEST;
 
-/// Limits changed while a tactor is on hold at once: with the next block.
+/// A change of limits applies to tactors that are on, from the next block.
 GST_START_TEST(test_change_of_limits)
 {
   PlannerSettings settings;
@@ -367,8 +363,8 @@ GST_START_TEST(test_change_of_limits)
 }
 GST_END_TEST;
 
-/// A kick brings a motor at rest to 90 % by the frame, and no further; without one Eq. 1 asks for
-/// up to 164 ms.
+/// A kick (full voltage) brings a motor from rest to 90 % by the frame and no further. Without it
+/// Eq. 1 takes up to 164 ms.
 GST_START_TEST(test_kick_start)
 {
   for (const float level : { 0.17F, 0.2F, 0.4F, 0.6F, 0.8F, 0.99F }) {
@@ -378,8 +374,8 @@ GST_START_TEST(test_kick_start)
     fail_unless(commands.size() == 2);
     fail_unless(commands[0].volts == 3.0 && commands[1].due() == 1s);
     fail_unless_near(commands[1].volts, volts, 1e-6);
-    // The amplitude at full drive, by small steps of da/dt = k (3 V − a) with 90 % after Eq. 1's
-    // time.
+    // The amplitude at full voltage, integrated in small steps: da/dt = k (3 V − a), 90 % after Eq.
+    // 1's time.
     const double full = (241.9 - 175.7 * 3 + 38.86 * 9) / 1000;
     const double k = std::log(10.0) / full;
     double amplitude = 0;
@@ -388,7 +384,7 @@ GST_START_TEST(test_kick_start)
       amplitude += 1e-6 * k * (3.0 - amplitude);
     fail_unless_near(seconds(commands[0].lead), std::max(time, 0.010), 1e-5);
   }
-  // Full level needs none, nor does a motor that turns; after a rest it does.
+  // No kick for full level or a turning motor. After a rest there is one again.
   CommandPlanner planner(1, unlimited({ .rate = 0, .kick_start = true }));
   fail_unless(planner.plan(0s, 33ms, std::vector<float>{ 1.0F }).size() == 1);
   fail_unless(planner.plan(1s, 33ms, std::vector<float>{ 0.5F }).size() == 1);

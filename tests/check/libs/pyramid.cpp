@@ -20,7 +20,8 @@ GST_START_TEST(test_geometry)
   ck_assert_int_eq(saliency::coarsest_level({ 1, 1 }), 0);
   ck_assert_int_eq(saliency::coarsest_level({ 2, 1 }), 1);
   ck_assert_int_eq(saliency::coarsest_level({ 1, 3 }), 2);
-  ck_assert_int_eq(saliency::coarsest_level({ 256, 256 }), 8); // paper: 2^N × 2^N has levels 0…N
+  // the paper's 2^N × 2^N has levels 0…N
+  ck_assert_int_eq(saliency::coarsest_level({ 256, 256 }), 8);
   ck_assert_int_eq(saliency::coarsest_level({ 1920, 1080 }), 11);
   for (const auto &[width, height] : { std::pair{ 1, 1 }, { 5, 2 }, { 1920, 1080 }, { 641, 1 } })
     for (int level = 0; level < 13; ++level) {
@@ -33,7 +34,7 @@ GST_END_TEST;
 
 GST_START_TEST(test_reduce)
 {
-  // Rows shorter and longer than vectors; one object for all sizes.
+  // Rows shorter and longer than vectors, with one object for all sizes.
   saliency::Reduction reduce;
   unsigned seed = 0;
   for (const int width : kLengths)
@@ -66,8 +67,8 @@ GST_END_TEST;
 
 GST_START_TEST(test_grid)
 {
-  // A ramp whose value is the position: each level's samples tell where they lie, and they must
-  // come back to there.
+  // A ramp whose value is the position. Each level's samples tell where they lie, and upsampling
+  // must put them back there.
   constexpr int kWidth = 257;
   constexpr int kHeight = 129;
   Image ramp(kWidth, kHeight);
@@ -83,7 +84,7 @@ GST_START_TEST(test_grid)
     cv::Mat up;
     const cv::Mat &level = pyramid.level(n).lightness();
     saliency::upsample(level, n, n, { kWidth, kHeight }, up);
-    // The mirrored border bends the ramp by up to 2 samples of each level, 4·2ⁿ pixels in all.
+    // The mirrored border bends the ramp by up to 2 samples of each level, in all 4·2ⁿ pixels.
     const int margin = 4 * step;
     for (int y = margin; y < kHeight - margin; ++y)
       for (int x = margin; x < kWidth - margin; ++x) {
@@ -93,7 +94,7 @@ GST_START_TEST(test_grid)
       }
   }
 
-  // Without the borders' bend it is exact everywhere.
+  // Without the bend at the borders upsampling is exact everywhere.
   for (int n = 1; n <= 6; ++n) {
     Image positions(kWidth / (1 << n) + 1, kHeight / (1 << n) + 1);
     for (int y = 0; y < positions.height; ++y)
@@ -111,7 +112,7 @@ GST_END_TEST;
 GST_START_TEST(test_pyramid)
 {
   saliency::Pyramid pyramid;
-  // The second is smaller, starts at another level and must not see the first.
+  // The second pyramid is smaller and starts at another level. Nothing of the first may remain.
   for (const auto &[width, height, base] :
        { std::tuple{ 100, 75, 0 }, { 13, 1, 3 }, { 100, 75, 1 } }) {
     oracle::LabImage level{ oracle::random_image(width, height, 0, 100, 1),
@@ -139,8 +140,8 @@ GST_END_TEST;
 
 GST_START_TEST(test_fixed_point)
 {
-  // As float to within a few units of 1/128; color only where it is asked for; an image that was
-  // lent before stays as it is.
+  // Agrees with float to a few units of 1/128. Chroma is only computed where requested. An image
+  // lent to an earlier build is not modified.
   constexpr int kChroma = 2;
   oracle::LabImage level{ oracle::random_image(100, 75, 0, 100, 1),
                           oracle::random_image(100, 75, -90, 90, 2),

@@ -37,7 +37,7 @@ rarity_of_share(double share)
 
 GST_START_TEST(test_shares)
 {
-  // 20×20 pixels: a plain color is not rare at all; a spot of 4 far from it has a share of 1 %.
+  // 20×20 pixels. A plain color is not rare at all. A distant color on 4 pixels has a share of 1 %.
   auto lab = colors(20, 20, 50, -20, 30);
   fail_unless_at_most(cv::norm(weight_of(lab), cv::NORM_INF), 0);
   for (int i = 0; i < 4; ++i)
@@ -45,7 +45,7 @@ GST_START_TEST(test_shares)
   const cv::Mat weight = weight_of(lab);
   fail_unless_near(weight.at<float>(5, 8), rarity_of_share(0.01), 1e-5);
   fail_unless_near(weight.at<float>(0, 0), rarity_of_share(0.99), 1e-5);
-  // One bin of L* away, 6.25, half of the others count as well; two bins away none.
+  // Pixels of a color one bin of L* away (6.25) count half, two bins away not at all.
   lab = colors(20, 20, 53);
   for (int x = 0; x < 20; ++x)
     for (int y = 0; y < 10; ++y)
@@ -60,8 +60,8 @@ GST_END_TEST;
 
 GST_START_TEST(test_border)
 {
-  // The frame of 10 % of 20×30 is 2 columns and 3 rows wide. What is common inside and not in it is
-  // as rare as can be, and the other way round.
+  // The outer 10 % of 20×30 are 2 columns and 3 rows on each side. A color that is only inside is
+  // as rare as possible, and so is one that is only outside.
   auto lab = colors(20, 30, 30);
   for (int y = 3; y < 27; ++y)
     for (int x = 2; x < 18; ++x)
@@ -71,7 +71,7 @@ GST_START_TEST(test_border)
   fail_unless_near(weight.at<float>(3, 2), rarity_of_share(0), 1e-5);
   fail_unless_near(weight.at<float>(2, 2), 0, 1e-5);
   fail_unless_near(weight.at<float>(26, 1), 0, 1e-5);
-  // One sample of it more, and it is in the frame: of 20 · 30 - 16 · 24 = 216 samples.
+  // With one sample among the border's 20 · 30 - 16 · 24 = 216 its share is 1/216.
   lab[0](1, 15) = 80;
   fail_unless_near(weight_of(lab, 0.1).at<float>(15, 10), rarity_of_share(1.0 / 216), 1e-5);
 }
@@ -79,7 +79,7 @@ GST_END_TEST;
 
 GST_START_TEST(test_brute_force)
 {
-  // One object for pictures of changing size; colors from all of the space and beyond it.
+  // One object for pictures of changing size. Colors from the whole space and beyond.
   unsigned seed = 1;
   for (const double border : { 0.0, 0.1, 0.5 }) {
     Rarity rarity(border);
@@ -100,8 +100,8 @@ GST_END_TEST;
 
 GST_START_TEST(test_noise_does_not_make_rare)
 {
-  // A plain ground whose color lies on the edges of bins of L* and of a* falls into four of them
-  // under noise. Each has a quarter and counts half of two and a quarter of one: R(9/16).
+  // A plain background whose color lies on edges of L* and a* bins: noise spreads it over four bins
+  // of a quarter each. Two others count half, one a quarter: R(9/16).
   const oracle::LabImage lab{ oracle::random_image(60, 40, 49.9, 50.1, 1),
                               oracle::random_image(60, 40, -0.1, 0.1, 2),
                               oracle::Image(60, 40, 10) };

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 //
-// Threads that ask to be real-time. What the kernel made of each is read from the kernel. The test
-// keeps the right to make threads real-time, the thread that asks gives it up.
+// Threads that request real-time scheduling, checked against the kernel. The requesting thread
+// drops its privilege, the test keeps it.
 #include "tactor/realtime/realtime_thread.h"
 
 #include <gio/gio.h>
@@ -22,7 +22,7 @@
 #include <string>
 #include <thread>
 
-// After the standard library's headers: gstcheck.h defines a macro named fail.
+// gstcheck.h defines a macro `fail`, so it follows the standard library's headers.
 #include "fake_realtime_kit.h"
 #include <gst/check/gstcheck.h>
 
@@ -34,8 +34,7 @@ using tactor::Time;
 
 namespace {
 
-/// From now on this thread is nobody who may raise priorities (CAP_SYS_NICE); capabilities are each
-/// thread's own.
+/// Drops this thread's right to raise priorities (CAP_SYS_NICE). Capabilities are per thread.
 void
 become_ordinary()
 {
@@ -48,7 +47,7 @@ become_ordinary()
   fail_unless(syscall(SYS_capset, &header, data) == 0);
 }
 
-/// By the limit that `ulimit -r` and limits.d set. False where it may not be set.
+/// Sets the limit that `ulimit -r` and limits.d set. False if it may not be set.
 bool
 allow_priority(rlim_t most)
 {
@@ -56,7 +55,7 @@ allow_priority(rlim_t most)
   return setrlimit(RLIMIT_RTPRIO, &limit) == 0;
 }
 
-/// An ordinary thread that asks, and what it is told.
+/// A thread that requests real-time scheduling and stores the answer.
 class Asker
 {
 public:
@@ -70,7 +69,7 @@ public:
   {
     end();
   }
-  /// Waits until there is an answer.
+  /// Waits for the answer.
   std::pair<Scheduling, std::string> answer()
   {
     std::unique_lock lock(mutex_);
@@ -96,7 +95,7 @@ public:
   {
     return id_;
   }
-  /// Lets the thread go round its loop as long as it is not told something new.
+  /// Makes the thread spin until its scheduling changes.
   void spin()
   {
     std::unique_lock lock(mutex_);
@@ -105,7 +104,7 @@ public:
     changed_.notify_all();
     changed_.wait(lock, [this] { return told_.has_value(); });
   }
-  /// The policy of the thread when it no longer wants to be real-time.
+  /// The thread's policy after it has given up real-time scheduling.
   int end()
   {
     {
@@ -153,8 +152,7 @@ private:
   std::thread thread_;
 };
 
-/// Where only the administrator may raise priorities, and this is not one, there is nothing to be
-/// seen.
+/// Whether this process lacks the right to make threads real-time, which the test needs.
 bool
 skipped()
 {
@@ -166,7 +164,8 @@ skipped()
 
 } // namespace
 
-/// By the limit, where the test may set it, else by the capability; over with the object.
+/// Permitted by the resource limit, where the test may set it, else by the capability. The object's
+/// end reverts it.
 GST_START_TEST(test_direct)
 {
   if (skipped())
@@ -175,7 +174,7 @@ GST_START_TEST(test_direct)
   fail_unless(asker.answer().first == Scheduling::direct);
   ck_assert_int_eq(asker.policy(), SCHED_RR);
   ck_assert_int_eq(asker.priority(), 1);
-  fail_unless(time_limit().rlim_max == RLIM_INFINITY); // the process's own affair
+  fail_unless(time_limit().rlim_max == RLIM_INFINITY); // left to the process
   ck_assert_int_eq(asker.end(), SCHED_OTHER);
 }
 GST_END_TEST;
@@ -188,7 +187,7 @@ GST_START_TEST(test_not_wanted)
 }
 GST_END_TEST;
 
-/// The limit on CPU time that it asks for is set; it stays as it is for the next thread.
+/// Sets the limit on CPU time that RealtimeKit requires. It is kept for the next thread.
 GST_START_TEST(test_realtime_kit)
 {
   if (skipped())
@@ -209,7 +208,7 @@ GST_START_TEST(test_realtime_kit)
 }
 GST_END_TEST;
 
-/// A limit that is lower already is not raised.
+/// A lower limit is not raised.
 GST_START_TEST(test_limit_is_never_raised)
 {
   if (skipped())
@@ -225,8 +224,8 @@ GST_START_TEST(test_limit_is_never_raised)
 }
 GST_END_TEST;
 
-/// The limit would hold for a real-time thread of the application's, too, and kill it with the
-/// process.
+/// The limit would apply to the application's real-time threads, too, and kill the process. So it
+/// is not set if there are any.
 GST_START_TEST(test_threads_of_others)
 {
   if (skipped())
@@ -256,7 +255,7 @@ GST_START_TEST(test_threads_of_others)
 }
 GST_END_TEST;
 
-/// Nobody there, nobody willing: it works as without, and says why.
+/// No service, or one that refuses: the thread runs at normal priority and reports why.
 GST_START_TEST(test_none)
 {
   allow_priority(0);
@@ -280,8 +279,8 @@ GST_START_TEST(test_none)
 }
 GST_END_TEST;
 
-/// Neither a service nor a bus that says nothing is waited for: what is asked is given up with the
-/// thread. With a time-out instead there were an answer.
+/// A service or a bus that never answers blocks nothing: the request is canceled with the thread. An answer
+/// would mean a time-out.
 GST_START_TEST(test_silence)
 {
   allow_priority(0);
@@ -314,37 +313,37 @@ GST_START_TEST(test_silence)
 }
 GST_END_TEST;
 
-/// A quarter of the time, and 50 ms at once.
+/// A quarter of the time, with bursts of 50 ms.
 GST_START_TEST(test_cpu_budget)
 {
   constexpr Time kStart = std::chrono::hours(5);
-  // 24 of each 100 ms, for an hour.
+  // 24 of every 100 ms, for an hour.
   CpuBudget busy(kStart, Time(0));
   for (int i = 1; i <= 36000; i++)
     fail_unless(busy.allows(kStart + i * milliseconds(100), i * milliseconds(24)));
-  // 26 of each 100 ms: 1 ms more than is earned each time, which is at most 49 ms for as long as 50
-  // last.
+  // 26 of every 100 ms exceed the quarter by 1 ms each, so a burst allowance of 50 ms lasts at most
+  // 50 rounds.
   CpuBudget greedy(kStart, Time(0));
   int turns = 0;
   while (greedy.allows(kStart + (turns + 1) * milliseconds(100), (turns + 1) * milliseconds(26)))
     turns++;
   ck_assert_int_ge(turns, 24);
   ck_assert_int_le(turns, 50);
-  // All of the time: x ms are used when 50 + x / 4 are allowed, x = 66.7.
+  // All of the time: x ms are used while 50 + x / 4 are allowed, so x = 66.7.
   CpuBudget runaway(kStart, Time(0));
   int used = 0;
   while (runaway.allows(kStart + milliseconds(used), milliseconds(used)))
     used++;
   ck_assert_int_ge(used, 50);
   ck_assert_int_le(used, 67);
-  // What was not used is not saved.
+  // Unused time is not saved up.
   CpuBudget rested(kStart, Time(0));
   fail_unless(rested.allows(kStart + std::chrono::hours(1), milliseconds(50)));
   fail_if(rested.allows(kStart + std::chrono::hours(1), milliseconds(101)));
 }
 GST_END_TEST;
 
-/// A thread that runs away takes no processor from others for long.
+/// A runaway thread loses its priority before it starves others.
 GST_START_TEST(test_runaway)
 {
   if (skipped())

@@ -44,7 +44,7 @@ GST_START_TEST(exports_are_read)
 }
 GST_END_TEST
 
-// A telephone's accelerometer does not keep its rate: on a ramp the value is the time.
+// The rate of a phone's accelerometer varies. On a ramp the value is the time.
 GST_START_TEST(uneven_times_become_even)
 {
   std::string text;

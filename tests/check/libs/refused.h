@@ -3,7 +3,7 @@
 
 #include <gst/check/gstcheck.h>
 
-/// The statement's arguments must be refused: a critical message, and nothing is returned.
+/// The statement must log a critical message and return nothing.
 #define ASSERT_REFUSED(statement)                                                                  \
   G_STMT_START                                                                                     \
   {                                                                                                \

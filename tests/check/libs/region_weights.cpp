@@ -37,7 +37,7 @@ GST_START_TEST(test_weights)
   fail_unless(spaced.of("anything") == 0.5 && spaced.of("") == 0.5);
   fail_unless(spaced.text() == " face = 0.25 ,\ttactile-target=1e1, *=.5 ");
 
-  // A type is any text.
+  // A type may be any text.
   const RegionWeights odd = *RegionWeights::parse("a b=2,visage é=4,*=0,10=1");
   fail_unless(odd.of("a b") == 2 && odd.of("visage é") == 4 && odd.of("10") == 1);
   fail_unless(odd.of("a  b") == 0);
@@ -48,7 +48,7 @@ GST_START_TEST(test_weights)
 }
 GST_END_TEST;
 
-/// What is refused is refused with what was expected and what came.
+/// Errors name what was expected and what was found.
 GST_START_TEST(test_refusals)
 {
   for (const char *text : { "face", "face=3,logo", ",", "face=3,", ",face=3", "face=3,,logo=0",

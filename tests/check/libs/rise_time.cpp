@@ -23,7 +23,7 @@ milliseconds(Time time)
   return std::chrono::duration<double, std::milli>(time).count();
 }
 
-/// A table of random times.
+/// A table of random rise times.
 RiseTimeTable
 random_table(int size, double step, unsigned seed)
 {
@@ -35,8 +35,8 @@ random_table(int size, double step, unsigned seed)
   return table;
 }
 
-/// Bilinear interpolation as a sum over the whole grid: every point counts by the product of its
-/// two hat functions.
+/// Bilinear interpolation as a sum over the whole grid: each point is weighted by the product of
+/// its two hat functions.
 double
 sum_of_hats(const RiseTimeTable &table, double start, double target)
 {
@@ -64,7 +64,7 @@ GST_START_TEST(test_equation_1)
     double offset;
     double ms;
   };
-  // 241.9 − 175.7 Vd − 117.7 Vs + 38.86 Vd² + 49.59 Vd Vs + 18.07 Vs², by hand
+  // By hand: 241.9 − 175.7 Vd − 117.7 Vs + 38.86 Vd² + 49.59 Vd Vs + 18.07 Vs²
   const Case cases[] = {
     { 0.0, 0.5, 163.765 },    // 241.9 − 87.85 + 9.715
     { 0.0, 1.0, 105.06 },     // 241.9 − 175.7 + 38.86
@@ -79,10 +79,10 @@ GST_START_TEST(test_equation_1)
   const RiseTime rise;
   for (const Case &c : cases) {
     fail_unless_near(rise_time_quadratic_ms(c.start, c.offset), c.ms, 1e-9);
-    // To the nanosecond, of which the sum of start and offset may cost one.
+    // To the nanosecond: rounding in start + offset may cost one more.
     fail_unless_near(milliseconds(rise(c.start, c.start + c.offset)), c.ms, 2e-6);
   }
-  // Not monotone: from rest the minimum is at 175.7 / (2 · 38.86) = 2.2607 V.
+  // Not monotonic: from rest the minimum is at 175.7 / (2 · 38.86) = 2.2607 V.
   fail_unless(rise(0, 2.26) < rise(0, 2.2));
   fail_unless(rise(0, 2.26) < rise(0, 2.35));
 }
@@ -92,16 +92,16 @@ GST_START_TEST(test_nothing_to_compensate)
 {
   const RiseTime table(RiseTimeTable{ .step_volts = 1, .size = 1, .milliseconds = { 60 } });
   for (const RiseTime &rise : { RiseTime(), table }) {
-    // Decelerating or unchanged
+    // Slower or unchanged
     fail_unless(rise(3, 1) == 0ns);
     fail_unless(rise(1, 1) == 0ns);
     fail_unless(rise(3, 0) == 0ns);
     fail_unless(rise(kInfinity, 3) == 0ns);
-    // Below 0.5 V, where the motor doesn't turn
+    // Below 0.5 V, where the motor does not turn
     fail_unless(rise(0, 0.4999) == 0ns);
     fail_unless(rise(0, 0.5) > 0ns);
     fail_unless(rise(-1, 0) == 0ns);
-    // Not a number
+    // NaN
     fail_unless(rise(kNan, 3) == 0ns);
     fail_unless(rise(0, kNan) == 0ns);
     fail_unless(rise(kNan, kNan) == 0ns);
@@ -131,7 +131,7 @@ GST_START_TEST(test_table)
       const RiseTimeTable table = random_table(size, step, static_cast<unsigned>(size));
       const RiseTime rise(table);
       for (int i = 0; i < 2000; i++) {
-        // Also a fifth beyond the grid on all sides
+        // Up to a fifth beyond the grid on all sides
         const double reach = 1.4 * std::max(1.0, (size - 1) * step);
         double start = (inside(random) - 1.0 / 7) * reach;
         double target = (inside(random) - 1.0 / 7) * reach;
@@ -146,7 +146,7 @@ GST_END_TEST;
 
 GST_START_TEST(test_table_points_and_edges)
 {
-  // Start in rows, target in columns, every volt
+  // Rows are start voltages, columns are targets, in steps of 1 V
   const RiseTimeTable table{ .step_volts = 1,
                              .size = 3,
                              .milliseconds = { 10, 20, 30, 40, 50, 60, 70, 80, 90 } };
@@ -156,7 +156,7 @@ GST_START_TEST(test_table_points_and_edges)
   fail_unless(rise(1, 2) == 60ms);
   fail_unless(rise(0.5, 1) == 35ms);   // between 20 and 50
   fail_unless(rise(0, 1.5) == 25ms);   // between 20 and 30
-  fail_unless(rise(0.5, 1.5) == 40ms); // amid 20, 30, 50 and 60
+  fail_unless(rise(0.5, 1.5) == 40ms); // between 20, 30, 50 and 60
   fail_unless(rise(0, 5) == 30ms);
   fail_unless(rise(-3, 1) == 20ms);
   fail_unless(rise(4, 5) == 90ms);
@@ -177,9 +177,9 @@ GST_START_TEST(test_wrong_tables)
 
   const std::function<void(RiseTimeTable &)> faults[] = {
     [](RiseTimeTable &table) { table.size = 0, table.milliseconds.clear(); },
-    [](RiseTimeTable &table) { table.size = -2; }, // whose square would fit
+    [](RiseTimeTable &table) { table.size = -2; }, // its square would fit
     [](RiseTimeTable &table) { table.size = 1025, table.milliseconds.assign(1025 * 1025, 50.0); },
-    [](RiseTimeTable &table) { table.size = 65536; }, // whose square overflows
+    [](RiseTimeTable &table) { table.size = 65536; }, // its square overflows
     [](RiseTimeTable &table) { table.milliseconds.pop_back(); },
     [](RiseTimeTable &table) { table.milliseconds.push_back(4); },
     [](RiseTimeTable &table) { table.milliseconds.clear(); },

@@ -14,7 +14,7 @@ using namespace tactor;
 
 namespace {
 
-/// Eq. 1 as printed: 1, d, s, d², d·s, s².
+/// Eq. 1 as printed, for 1, d, s, d², d·s, s².
 constexpr std::array<double, 6> kPrinted = { 241.9, -175.7, -117.7, 38.86, 49.59, 18.07 };
 
 /// The paper's grid: start voltages and offsets from 0 to 3.0 V in steps of 0.1 V, within 3.0 V.
@@ -47,8 +47,8 @@ GST_START_TEST(papers_equation_is_recovered_to_its_printed_digits)
 }
 GST_END_TEST
 
-// Noise as the paper's R² of 0.98 has it: of many such measurements the truth is within the
-// intervals in 95 of 100.
+// With noise that matches the paper's R² of 0.98, 95 of 100 confidence intervals contain the true
+// value.
 GST_START_TEST(confidence_says_how_far_off_noise_leads)
 {
   constexpr int kTimes = 400;
@@ -71,7 +71,7 @@ GST_START_TEST(too_little_to_tell_gives_no_fit)
   std::vector<RiseTimeSample> samples = papers_grid();
   samples.resize(6);
   fail_if(fit_quadratic(samples).has_value());
-  // Many, but all from rest.
+  // Many samples, but all from rest.
   samples = papers_grid();
   std::erase_if(samples, [](const RiseTimeSample &sample) { return sample.start_volts > 0; });
   fail_if(fit_quadratic(samples).has_value());
@@ -79,7 +79,8 @@ GST_START_TEST(too_little_to_tell_gives_no_fit)
 }
 GST_END_TEST
 
-// Against the textbook's minimax formula: max over i ≤ k of min over j ≥ k of mean(i…j).
+// Against the minimax formula for isotonic regression: max over i ≤ k of min over j ≥ k of
+// mean(i…j).
 GST_START_TEST(isotonic_is_the_nearest_rising_sequence)
 {
   std::mt19937 random(5);
@@ -116,7 +117,7 @@ GST_START_TEST(table_has_what_was_measured_and_is_monotone)
   std::vector<RiseTimeSample> samples;
   for (int start = 0; start <= 5; start++)
     for (int target = start + 1; target <= 6; target++)
-      for (const double noise : { -1.0, 0.0, 40.0 }) // the median of three
+      for (const double noise : { -1.0, 0.0, 40.0 }) // their median is the truth
         samples.push_back({ 0.5 * start, 0.5 * target, truth(0.5 * start, 0.5 * target) + noise });
   const RiseTimeTable table = *monotone_table(samples, 3.0);
   fail_unless(table.size == 31);

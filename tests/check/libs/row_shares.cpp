@@ -13,7 +13,7 @@ using saliency::RowShares;
 
 namespace {
 
-/// Takes rows for a thread; whether there were any.
+/// Takes rows for a thread and counts them. Returns whether there were any.
 bool
 take(RowShares &shares, int thread, std::vector<int> &taken)
 {
@@ -33,7 +33,7 @@ each_once(const std::vector<int> &taken)
 
 GST_START_TEST(test_each_row_once)
 {
-  // Threads of any speed: who comes next is drawn.
+  // Threads of any speed: a random one is next.
   std::mt19937 generator(1);
   RowShares shares;
   for (const int rows : { 1, 7, 8, 135, 1000 })
@@ -57,7 +57,7 @@ GST_END_TEST;
 
 GST_START_TEST(test_late_thread)
 {
-  // The other one sleeps: one does its own half and nearly all of the other's.
+  // While one thread sleeps, the other takes its own half and nearly all of the rest.
   RowShares shares;
   std::vector<int> taken(1000, 0);
   shares.reset(1000, 2);
