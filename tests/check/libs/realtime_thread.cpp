@@ -279,8 +279,8 @@ GST_START_TEST(test_none)
 }
 GST_END_TEST;
 
-/// A service or a bus that never answers blocks nothing: the request is canceled with the thread. An answer
-/// would mean a time-out.
+/// A service or a bus that never answers blocks nothing: the request is canceled with the thread.
+/// An answer would mean a time-out.
 GST_START_TEST(test_silence)
 {
   allow_priority(0);

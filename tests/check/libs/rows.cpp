@@ -24,10 +24,10 @@ namespace rows = saliency::rows;
 
 namespace {
 
-/// Shorter than every vector, and with every remainder of the longest.
+/// Lengths from less than any vector to every remainder of the longest one.
 constexpr std::size_t kLongest = 70;
 
-/// Rows of their exact length, so that a sanitizer sees their ends.
+/// Rows have their exact length, so a sanitizer sees overruns.
 std::vector<float>
 random_row(std::size_t n, unsigned seed, float low = -100, float high = 100)
 {
@@ -46,8 +46,8 @@ random_doubles(std::size_t n, unsigned seed)
   return { row.begin(), row.end() };
 }
 
-/// With each instruction set that this processor has, for rows of each length. `check` returns what
-/// was found, which is the same to the bit with all of them.
+/// Runs `check` with each instruction set of this CPU for rows of each length. Its results must be
+/// bit-identical for all sets.
 void
 with_all(const std::function<std::vector<float>(std::size_t)> &check)
 {
@@ -73,7 +73,7 @@ GST_START_TEST(test_enlarge)
     std::vector<float> found;
     for (const int octaves : { 0, 1, 2, 7 }) {
       const double step = 1 << octaves;
-      // The fewest samples that reach so far; fewer, whose last is repeated; more than needed.
+      // Just as many samples as needed, fewer (the last one repeats), and more.
       const auto reach = static_cast<std::size_t>(std::ceil((n - 1) / step)) + 1;
       for (const std::size_t length : { std::size_t{ 1 }, reach, reach + 3 }) {
         const auto above = random_row(length, 3);
@@ -167,7 +167,7 @@ GST_START_TEST(test_keep_between)
   with_all([](std::size_t n) {
     for (const float low : { 0.0F, 10.0F, 90.0F }) {
       auto values = random_row(n, static_cast<unsigned>(n), 0, 50);
-      values[n / 2] = low; // the lower end belongs to it
+      values[n / 2] = low; // the lower bound is included
       std::vector<float> expected;
       std::ranges::copy_if(values, std::back_inserter(expected),
                            [low](float v) { return v >= low && v < low + 20; });
@@ -208,7 +208,7 @@ GST_START_TEST(test_integrals)
 }
 GST_END_TEST;
 
-/// Against sorting, of any spread: many equal ones, zeros, all powers of two.
+/// Against sorting: many equal values, zeros, and values across all powers of two.
 static void
 check_quantiles()
 {
@@ -234,8 +234,7 @@ GST_START_TEST(test_quantile)
 {
   check_quantiles();
 #ifdef __SSE2__
-  // Where numbers below the normal ones are taken for 0, as a library that GStreamer loads may have
-  // it.
+  // With subnormal numbers flushed to zero, as a library that GStreamer loads may set it.
   const unsigned before = _mm_getcsr();
   _mm_setcsr(before | 0x8040); // flush to zero, denormals are zero
   check_quantiles();

@@ -131,7 +131,7 @@ GST_START_TEST(test_copies_and_transforms)
                                      g_quark_from_static_string("rotated-by-someone"), nullptr));
   fail_unless_equals_int(count_metas(other), 0);
 
-  gst_buffer_get_saliency_meta(buffer)->values[1] = 0; // copies have values of their own
+  gst_buffer_get_saliency_meta(buffer)->values[1] = 0; // copies have their own values
   gst_buffer_unref(buffer);
   assert_values(whole);
   assert_values(region);

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-// The saliency stages once more, by their definitions, in double precision and without regard to
-// speed: what the library's stages are tested against. Nothing of the library is used here but the
-// names of its types.
+// The stages of saliency by their definitions, in double precision and without regard to speed: the
+// reference for tests. It uses no code of the library but the names of its types.
 
 #include "frame/frame_view.h"
 #include "frame/lab_image.h"
@@ -94,7 +93,7 @@ difference(const cv::Mat &mat, const Image &image)
   return largest;
 }
 
-/// Largest ΔE, likewise.
+/// Largest ΔE, or infinity.
 inline double
 difference(const saliency::LabImage &found, const LabImage &image)
 {
@@ -144,7 +143,7 @@ rgb_to_lab(std::array<double, 3> rgb)
   return { 116 * fy - 16, 500 * (fx - fy), 200 * (fy - fz) };
 }
 
-/// Code values of one pixel → L*a*b* (ITU-R BT.601/709/2020, quantization as in BT.2100 table 9).
+/// Code values of a pixel → L*a*b* (ITU-R BT.601/709/2020, quantization as in BT.2100 table 9).
 inline Lab
 samples_to_lab(std::array<double, 3> code, saliency::ColorModel model, int depth, bool full_range,
                saliency::YuvMatrix matrix)
@@ -178,7 +177,7 @@ mirror(int i, int length)
   return i;
 }
 
-/// The 25 (or 5) taps at the even samples.
+/// The 25 (or 5) taps at the even samples. Borders are mirrored.
 inline Image
 pyr_down(const Image &image, bool along_x = true, bool along_y = true)
 {
@@ -204,7 +203,7 @@ pyr_down(const LabImage &image)
   return { pyr_down(image[0]), pyr_down(image[1]), pyr_down(image[2]) };
 }
 
-/// The value at a position between samples, borders repeated.
+/// Bilinear interpolation. Borders are repeated.
 inline double
 bilinear(const Image &image, double x, double y)
 {
@@ -230,7 +229,7 @@ up(const Image &image, int octaves_x, int octaves_y, int width, int height)
 // ---- saliency
 // ------------------------------------------------------------------------------------------------
 
-/// Lightness and chroma each from a pair of levels (level 0 first) of their own.
+/// Lightness and chroma each have a pair of levels (level 0 first).
 inline Image
 contrast(const std::vector<LabImage> &pyramid, saliency::LevelPair lightness,
          saliency::LevelPair chroma, double chroma_weight)
@@ -256,7 +255,7 @@ contrast(const std::vector<LabImage> &pyramid, saliency::LevelPair lightness,
   return map;
 }
 
-/// Every region of every cut is filled from one of its pixels.
+/// For each threshold, flood fills each region from one of its pixels.
 inline Image
 surroundedness(const LabImage &lab, double step, double exponent)
 {
@@ -296,7 +295,8 @@ surroundedness(const LabImage &lab, double step, double exponent)
   return map;
 }
 
-/// The share of the picture (or of its outer frame) with about a pixel's color, bin by bin.
+/// For each pixel, the share of the picture (or of its border) with about the same color, bin by
+/// bin.
 inline Image
 rarity(const LabImage &lab, double border)
 {
@@ -349,7 +349,7 @@ rarity(const LabImage &lab, double border)
   return map;
 }
 
-/// N(·) with M = 1; what differs by no more than 1e-4 does not differ.
+/// N(·) with M = 1. Differences up to 1e-4 do not count.
 inline Image
 itti(const Image &map)
 {
@@ -382,7 +382,7 @@ itti(const Image &map)
   return result;
 }
 
-/// Contrast maps of a Lab pyramid (level 0 first), brought to a level and summed.
+/// Contrast maps of a Lab pyramid (level 0 first), resampled to a level and summed.
 inline Image
 spatial_saliency(const std::vector<LabImage> &pyramid,
                  const std::vector<saliency::LevelPair> &lightness,
@@ -406,7 +406,7 @@ spatial_saliency(const std::vector<LabImage> &pyramid,
   return sum;
 }
 
-/// The value below which the share `q` of the others lies.
+/// The value at quantile `q`.
 inline double
 quantile(std::vector<double> values, double q)
 {
@@ -414,7 +414,7 @@ quantile(std::vector<double> values, double q)
   return values[static_cast<std::size_t>(q * static_cast<double>(values.size() - 1))];
 }
 
-/// β: the factor by which most of what has contrast has gained it.
+/// β: the factor by which the contrast of most samples has risen.
 inline double
 illumination(const Image &center, const Image &surround)
 {
@@ -429,8 +429,8 @@ illumination(const Image &center, const Image &surround)
              : 1;
 }
 
-/// Less so many times the quantile of what lies within the rim, but no more than the limit, if that
-/// is at least 64 samples.
+/// Subtracts `gain` times the quantile of the samples within the rim, but at most `limit`. Applies
+/// to at least 64 samples.
 inline Image
 without_background(Image map, double gain, double q, int rim = 0, double limit = 1e9)
 {

@@ -13,7 +13,7 @@ using namespace tactor;
 
 namespace {
 
-/// All errors' absolute values, sorted when asked.
+/// The absolute values of all errors, sorted on request.
 struct Sorted
 {
   std::vector<std::int64_t> values;
@@ -23,7 +23,7 @@ struct Sorted
     values.push_back(std::abs(error.count()));
   }
 
-  /// The smallest value that `permille` of all do not exceed.
+  /// The smallest value that `permille` of all values do not exceed.
   std::int64_t percentile(std::int64_t permille)
   {
     std::ranges::sort(values);
@@ -33,7 +33,7 @@ struct Sorted
   }
 };
 
-/// Mean, extremes and percentiles, which may lie a bin above what they are.
+/// Compares mean, extremes and percentiles. Percentiles may be one bin too high.
 void
 compare(const ScheduleStatistics &statistics, Sorted &sorted)
 {
@@ -80,7 +80,7 @@ GST_START_TEST(test_by_hand)
   fail_unless(statistics.min() == 0us);
   fail_unless(statistics.mean() == 40us);
   fail_unless(statistics.max() == 100us);
-  // The upper edges of the bins of 0, 20, 40 and 100 µs; nothing is above the maximum.
+  // The upper edges of the bins of 0, 20, 40 and 100 µs, limited to the maximum.
   fail_unless(statistics.percentile(0) == 10us);
   fail_unless(statistics.percentile(0.25) == 10us);
   fail_unless(statistics.percentile(0.5) == 30us);

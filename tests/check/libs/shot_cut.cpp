@@ -28,7 +28,7 @@ even(cv::Size size, cv::Vec3f color)
   return image;
 }
 
-/// The color on every pixel, or on the first `count` of a black picture of 10×8.
+/// A picture of 10×8 pixels with the color on the first `count`, black elsewhere.
 LabImage
 picture(cv::Vec3f color, int count = 80)
 {
@@ -42,7 +42,7 @@ picture(cv::Vec3f color, int count = 80)
 
 GST_START_TEST(test_share)
 {
-  // More than half of 80 pixels: 41 do, 40 do not; there and back.
+  // More than half of 80 pixels: 41 make a cut, 40 do not. The same on the way back.
   ShotCut cut(profile(0.5, 6));
   fail_if(cut(picture({})));
   for (const int count : { 39, 40, 41, 80 }) {
@@ -54,7 +54,7 @@ GST_END_TEST;
 
 GST_START_TEST(test_contrast)
 {
-  // (2, 3, 6) is ΔE 7 from black, whatever the signs.
+  // (2, 3, 6) is 7 ΔE from black, whatever the signs.
   for (const auto &color : { cv::Vec3f(2, 3, 6), cv::Vec3f(2, -6, 3), cv::Vec3f(6, 2, -3) })
     for (const double contrast : { 6.999, 7.001 }) {
       ShotCut cut(profile(0.5, contrast));
@@ -66,8 +66,8 @@ GST_END_TEST;
 
 GST_START_TEST(test_slow_change)
 {
-  // A fade over 20 frames is none, although the picture is another one at its end: each frame is
-  // compared with its predecessor.
+  // A fade over 20 frames is no cut, although its last picture differs from its first: each frame
+  // is compared with its predecessor.
   ShotCut cut(profile(0.5, 6));
   for (int i = 0; i <= 20; ++i)
     fail_if(cut(picture({ 5.0F * static_cast<float>(i), 0, 0 })));
@@ -88,7 +88,7 @@ GST_START_TEST(test_nothing_before)
   fail_if(cut(other));
   fail_if(cut(white));
   fail_unless(cut(picture({}, 80)));
-  // A share of 1 is never exceeded.
+  // A share of 1 cannot be exceeded.
   ShotCut never(profile(1, 6));
   fail_if(never(white));
   fail_if(never(picture({})));
@@ -97,7 +97,7 @@ GST_END_TEST;
 
 GST_START_TEST(test_copies)
 {
-  // The frame's memory is the caller's again.
+  // The caller may reuse the frame's memory.
   ShotCut cut(profile(0.5, 6));
   LabImage frame = picture({});
   fail_if(cut(frame));
@@ -108,7 +108,7 @@ GST_END_TEST;
 
 GST_START_TEST(test_few_samples)
 {
-  // Of 63 samples nothing is said, of 64 it is.
+  // 63 samples are too few to decide, 64 are enough.
   for (const cv::Size size : { cv::Size(9, 7), cv::Size(8, 8), cv::Size(1, 1) }) {
     ShotCut cut(profile(0.5, 6));
     fail_if(cut(even(size, {})));

@@ -10,7 +10,7 @@ using saliency::Similarity;
 
 namespace {
 
-/// Scaled, turned about the origin, then shifted.
+/// Scale, rotation about the origin, then a shift.
 Similarity
 similarity(double scale, double angle, double tx, double ty)
 {
@@ -27,7 +27,7 @@ const Similarity kSome[] = { {},
 
 GST_START_TEST(test_points)
 {
-  // Twice as large, a quarter turn from x to y, then 10 to the right and 20 down.
+  // Scale 2, a quarter turn from x to y, then 10 to the right and 20 down.
   const Similarity s = similarity(2, std::numbers::pi / 2, 10, 20);
   fail_unless_near(s.x(3, 4), -2 * 4 + 10, 1e-12);
   fail_unless_near(s.y(3, 4), 2 * 3 + 20, 1e-12);
@@ -64,7 +64,7 @@ GST_END_TEST;
 
 GST_START_TEST(test_units)
 {
-  // A point's coordinates in units four times as long are a quarter.
+  // In units four times as long a point's coordinates are a quarter.
   for (const auto &s : kSome)
     for (const double unit : { 4.0, 0.25, 1.0 }) {
       const Similarity coarse = s.in_units_of(unit);

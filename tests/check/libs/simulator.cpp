@@ -35,8 +35,8 @@ struct Write
   std::vector<double> volts;
 };
 
-/// What the CSV file of these writes has to be: a line every 5 ms after the last one while it is
-/// before the next and less than a second has passed.
+/// The CSV file that these writes must give: a line every 5 ms after a write, up to the next one
+/// but for less than a second.
 std::string
 expected_csv(const std::vector<Write> &writes, std::size_t columns)
 {
@@ -68,7 +68,7 @@ expected_csv(const std::vector<Write> &writes, std::size_t columns)
   return text;
 }
 
-/// What the driver says when it is opened; fails if it does not mind.
+/// The error of opening the driver with settings that it must refuse.
 DriverError
 refusal(const DriverConfig &config)
 {
@@ -132,14 +132,14 @@ GST_START_TEST(test_fewer_and_more_volts)
   unwrap(simulator.write(std::vector<double>{ 3.0, 2.0 }, 0s));
   fail_unless(simulator.amplitude(1, 1s) > 1.9);
   fail_unless(simulator.amplitude(2, 1s) == 0);
-  // What is beyond the volts written goes to zero.
+  // Tactors without a voltage go to zero.
   unwrap(simulator.write(std::vector<double>{ 3.0 }, 1s));
   fail_unless(simulator.amplitude(0, 2s) > 2.9);
   fail_unless(simulator.amplitude(1, 2s) < 1e-9);
   unwrap(simulator.write(std::vector<double>{ 0, 0, 0, 2.0 }, 2s));
   fail_unless(simulator.amplitude(0, 3s) < 1e-9);
   fail_unless(simulator.amplitude(3, 3s) > 1.9);
-  // What is beyond the board is not there.
+  // Voltages beyond the board's tactors are ignored.
   unwrap(simulator.write(std::vector<double>{ 1, 1, 1, 1, 3, 3 }, 3s));
   fail_unless(simulator.amplitude(4, 4s) == 0);
 }
@@ -151,7 +151,7 @@ GST_START_TEST(test_time_that_goes_back)
   unwrap(simulator.open({}));
   unwrap(simulator.write(std::vector<double>{ 3.0 }, 10s));
   fail_unless(simulator.amplitude(0, 11s) > 2.9);
-  // The film was begun anew: its motors start from rest.
+  // Time went back, so motors start from rest.
   unwrap(simulator.write(std::vector<double>{ 2.0 }, 1s));
   MotorModel motor;
   motor.set(1s, 2.0);
@@ -169,7 +169,7 @@ GST_START_TEST(test_close_leaves_zero)
   for (int tactor = 0; tactor < 9; tactor++)
     for (const Time time : { 0s, 1s })
       fail_unless(simulator.amplitude(tactor, time) == 0);
-  // So does opening it again.
+  // Reopening leaves zeros, too.
   unwrap(simulator.open({ .device = "", .max_tactors = 9 }));
   unwrap(simulator.write(std::vector<double>(9, 3.0), 0s));
   unwrap(simulator.open({ .device = "", .max_tactors = 9 }));
@@ -189,7 +189,7 @@ GST_START_TEST(test_amplitude_file)
     const TemporaryFolder folder;
     const std::string path = folder.file("amplitude.csv");
     std::vector<Write> padded = writes;
-    // The first write says how many columns there are, nine at least.
+    // The first write sets the number of columns, which is at least nine.
     padded[0].volts.resize(tactors, 0.0);
     Simulator simulator;
     unwrap(simulator.open({ .device = path, .max_tactors = 64 }));
@@ -236,7 +236,7 @@ GST_START_TEST(test_full_disk)
     return;
   Simulator simulator;
   unwrap(simulator.open({ .device = "/dev/full", .max_tactors = 9 }));
-  // Enough to fill any buffer
+  // More than any buffer holds
   tl::expected<void, DriverError> written;
   for (int i = 0; i < 100'000 && written; i++)
     written = simulator.write(std::vector<double>(9, 1.0), i * 1ms);
@@ -251,7 +251,7 @@ GST_START_TEST(test_number_of_tactors)
     fail_unless(error.kind == DriverError::Kind::settings);
     fail_unless(std::string(error.text).find(std::to_string(tactors)) != std::string::npos);
   }
-  // No file is touched for a refusal.
+  // A refused call touches no file.
   const TemporaryFolder folder;
   refusal({ .device = folder.file("untouched.csv"), .max_tactors = 0 });
   fail_if(std::filesystem::exists(folder.file("untouched.csv")));

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 //
-// Chairs that are large for their line, in virtual time: behind USB there is a chip that takes
-// bytes at once and lets them out as the line goes. What it holds is a queue that nobody can
-// overtake, so it shall hold next to nothing.
+// Chairs with many tactors for their line, in virtual time. The USB serial chip accepts bytes at
+// once and sends them at the line's rate. No command can overtake what it holds, so its queue must
+// stay nearly empty.
 #include "tactor/command_planner.h"
 #include "tactor/command_queue.h"
 #include "tactor/drivers/firmata_board.h"
@@ -24,9 +24,10 @@ using namespace tactor;
 
 namespace {
 
-constexpr Time kByte = Time(1s) * 10 * 35 * 8 / 16'000'000; // as an Arduino makes 57600 baud
+// an Arduino's 57600 baud: 16 MHz / 8 / 35
+constexpr Time kByte = Time(1s) * 10 * 35 * 8 / 16'000'000;
 
-/// Pins from 2 on. With 64 there are 14 whose level takes 3 bytes and 50 of 6: 342 bytes, 59.85 ms.
+/// Pins from 2 on. With 64 tactors, 14 levels take 3 bytes and 50 take 6: 342 bytes or 59.85 ms.
 Layout
 chair(int tactors)
 {
@@ -54,7 +55,7 @@ duty(double level)
   return static_cast<int>(std::lround(level * 255));
 }
 
-/// A board behind a chip that takes what it is given as soon as the rest fits into its memory.
+/// A board behind a chip that completes a write once the remaining bytes fit into its memory.
 class Chip
 {
 public:
@@ -87,7 +88,7 @@ public:
         board.written();
         continue;
       }
-      if (!model.replies.empty()) { // in no time: that way is another wire
+      if (!model.replies.empty()) { // takes no time: the other direction is another wire
         if (is_heard)
           board.received(std::span(&model.replies.front(), 1));
         model.replies.pop_front();
@@ -124,7 +125,7 @@ public:
     return true;
   }
 
-  /// Nothing is on the line or in the chip.
+  /// No bytes are on the line or in the chip.
   bool is_carried() const
   {
     return under_way_.empty();
@@ -145,9 +146,9 @@ private:
 
 } // namespace
 
-/// All get a new level again and again, sooner than the line carries them. However much the chip
-/// takes, no more than one update and a keepalive is under way, and the last levels are there one
-/// update after they were set, behind the packet that was on the line.
+/// All levels change faster than the line carries them. However much the chip accepts, at most one
+/// update and a keepalive are in flight. The last levels arrive one update after they are set,
+/// behind the packet in flight.
 GST_START_TEST(test_nothing_queues)
 {
   for (const int tactors : { 64, 9 })
@@ -183,8 +184,8 @@ GST_START_TEST(test_nothing_queues)
 }
 GST_END_TEST;
 
-/// All but one change all the time, more than the line carries. That one's turn comes in the first
-/// round.
+/// All levels but one keep changing, more than the line carries. The remaining one is sent within
+/// the first round.
 GST_START_TEST(test_everyone_has_a_turn)
 {
   for (const std::size_t quiet : { 0u, 31u, 63u }) {
@@ -206,8 +207,8 @@ GST_START_TEST(test_everyone_has_a_turn)
 }
 GST_END_TEST;
 
-/// A ramp has as many steps as the line carries, and each is on the board when the next begins: of
-/// 100 ms there are five steps of 20 ms for nine tactors, and two of 59.85 ms for 64.
+/// A ramp has as many steps as the line carries, and each arrives before the next begins. In 100 ms
+/// these are five steps of 20 ms for nine tactors, and two of 59.85 ms for 64.
 GST_START_TEST(test_ramp)
 {
   for (const int tactors : { 9, 36, 64 })
@@ -242,8 +243,8 @@ GST_START_TEST(test_ramp)
 }
 GST_END_TEST;
 
-/// A film of which every map changes so many tactors: a block is every map that the line carries,
-/// and when its frame is shown its levels are on the board, the last of them just then.
+/// A film that changes a number of tactors with every map. A block lasts as many maps as the line
+/// needs. Its levels have arrived when its frame is shown, the last of them just then.
 GST_START_TEST(test_blocks)
 {
   struct
@@ -280,10 +281,10 @@ GST_START_TEST(test_blocks)
     std::vector<float> levels(64, 1.0f);
     int last = 0;
     for (int frame = 0; frame < 60; frame++) {
-      // Downwards only: a rise is due earlier, by as much as its motor takes.
+      // Only falls: a rise would be due earlier by its rise time.
       for (std::size_t i = levels.size() - static_cast<std::size_t>(film.changing); i < 64; i++)
         levels[i] = static_cast<float>(1.0 - frame / 100.0);
-      const Time shown = (frame == 0 ? 1s : 3s) + frame * film.frame; // when they have risen
+      const Time shown = (frame == 0 ? 1s : 3s) + frame * film.frame; // after their rise
       const std::vector<Command> commands = planner.plan(shown, film.frame, levels);
       if (frame == 0) {
         queue.push(commands);
@@ -310,8 +311,8 @@ GST_START_TEST(test_blocks)
 }
 GST_END_TEST;
 
-/// A lead has what the levels take that change, not what all would; a calibrated motor's latency
-/// was measured with it alone on the line.
+/// A lead covers the levels that change, not all of them. A calibrated motor's latency contains the
+/// line time of its own level.
 GST_START_TEST(test_lead_has_what_changes)
 {
   const LineTime line(std::vector<int>(64, 6), kByte);
@@ -336,7 +337,7 @@ GST_START_TEST(test_lead_has_what_changes)
     fail_unless(leads(line, 2ms, 20ms, changing, 0)
                 == std::vector<Time>(count, update - 6 * kByte + 20ms));
   }
-  // Four end and four begin, of which the leads have their rise, too.
+  // Four stop and four start. The leads of those that start contain their rise time, too.
   const std::vector<Time> bare = leads({}, 0ms, {}, 60, 4);
   const std::vector<Time> carried = leads(line, 2ms, {}, 60, 4);
   ck_assert_uint_eq(carried.size(), 8);
@@ -345,8 +346,8 @@ GST_START_TEST(test_lead_has_what_changes)
 }
 GST_END_TEST;
 
-/// Who releases the board when it is closed cuts off whatever its chip still holds: by then the
-/// motors have to stand, also where the answer that says so is lost.
+/// The driver releases the board when it is closed, which discards what its chip still holds. By
+/// then all motors must be off, also if the board's answer is lost.
 GST_START_TEST(test_closed_means_that_motors_stand)
 {
   for (const int tactors : { 4, 9, 15, 64 })
@@ -363,8 +364,8 @@ GST_START_TEST(test_closed_means_that_motors_stand)
         fail_unless(chip.model.is_silent(), "%d motors, answer %d", tactors, answers);
         fail_unless(chip.is_carried());
         ck_assert_int_eq(chip.model.resets, 2);
-        // Zeros, reset and question, the latter two bytes; one byte's time for each packet that is
-        // waited for.
+        // Zeros, then reset and question of two bytes, plus one byte's time for each packet to wait
+        // for.
         const Time line = (level_bytes(chair(tactors)) + 2 + 10) * kByte;
         fail_unless(chip.now - begin <= line + (answers ? 0ms : 50ms),
                     "%d motors, seat %d, answer %d: %d us", tactors, seat, answers,

@@ -10,31 +10,31 @@ GST_START_TEST(test_steps)
 {
   SoftStart start;
   start.set_length(100ms);
-  fail_unless(start.ceiling(0s) == 1 && !start.next_step(0s)); // nothing vibrates
+  fail_unless(start.ceiling(0s) == 1 && !start.next_step(0s)); // all motors are off
   fail_unless(start.vibrate(5s));
-  // A fifth more each 20 ms, the first at once.
+  // A fifth more every 20 ms, the first at once.
   for (int ms = 0; ms < 200; ms++) {
     const Time now = 5s + ms * 1ms;
     fail_unless_near(start.ceiling(now), std::min(ms / 20 + 1, 5) / 5.0, 1e-12);
     const auto next = start.next_step(now);
     fail_unless(next.has_value() == (ms < 80));
     fail_unless(!next || *next == 5s + (ms / 20 + 1) * 20ms);
-    fail_unless(!start.vibrate(now)); // once
+    fail_unless(!start.vibrate(now)); // already vibrating
   }
-  // Another clock: no motor is held down until the old one's time comes again.
+  // A clock that jumps back must not hold motors at a low level until the old time returns.
   fail_unless(!start.vibrate(3s));
   fail_unless_near(start.ceiling(2s), 0.2, 1e-12);
   fail_unless_near(start.ceiling(3s + 20ms), 0.4, 1e-12);
   start.arm();
   fail_unless(start.ceiling(6s) == 1);
-  fail_unless(start.vibrate(1s)); // time may begin anew
+  fail_unless(start.vibrate(1s)); // time may start again from an earlier value
   fail_unless_near(start.ceiling(1s), 0.2, 1e-12);
 }
 GST_END_TEST;
 
 GST_START_TEST(test_lengths)
 {
-  // Never more than the straight line to full scale, at the end of the step.
+  // Each step ends on the straight line to full scale, never above it.
   for (const Time length :
        { Time(1ns), Time(19ms), Time(20ms), Time(21ms), Time(250ms), Time(10s) }) {
     SoftStart start;

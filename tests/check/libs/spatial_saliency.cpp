@@ -62,8 +62,8 @@ compare(const Profile &profile, int width, int height)
 
 GST_START_TEST(test_reference_width)
 {
-  // Level 2 of the tuned profile is the level nearest to 220 pixels in octaves; the pair and the
-  // map follow it.
+  // Level 2 of the tuned profile is the level whose width is nearest to 220 pixels in octaves. The
+  // pair and the map follow it.
   const struct
   {
     int width;
@@ -75,13 +75,12 @@ GST_START_TEST(test_reference_width)
     const auto levels = frame_levels(Profile::tuned(), { c.width, c.width });
     fail_unless(same(levels.pairs, { { c.level_2, c.level_2 + 1 } }), "%d wide: level 2 is %d",
                 c.width, levels.pairs[0].center);
-    fail_unless(same(levels.chroma, { { c.level_2 + 1, c.level_2 + 2 } })); // coarser
+    fail_unless(same(levels.chroma, { { c.level_2 + 1, c.level_2 + 2 } })); // one level coarser
     ck_assert_int_eq(levels.saliency, c.level_2 + 2);
     ck_assert_int_eq(levels.finest, c.level_2);
     ck_assert_int_eq(levels.coarsest, c.level_2 + 2);
   }
-  // A small frame begins with its own level 0, and the pair keeps its δ as long as there are
-  // levels.
+  // A small frame starts at its own level 0. The pair keeps its δ while there are levels.
   auto levels = frame_levels(Profile::tuned(), { 16, 9 });
   fail_unless(same(levels.pairs, { { 0, 1 } }));
   ck_assert_int_eq(levels.saliency, 2);
@@ -104,7 +103,7 @@ GST_START_TEST(test_levels_without_reference)
     ck_assert_int_eq(levels.finest, 2);
     ck_assert_int_eq(levels.coarsest, 8);
   }
-  // 64×48 has levels 0…6.
+  // 64×48 has levels 0…6, which limit the surrounds.
   const auto small = frame_levels(Profile::paper(), { 64, 48 });
   fail_unless(same(small.pairs, { { 2, 5 }, { 2, 6 }, { 3, 6 }, { 3, 6 }, { 4, 6 }, { 4, 6 } }));
 }
@@ -112,7 +111,7 @@ GST_END_TEST;
 
 GST_START_TEST(test_brute_force)
 {
-  // Centers finer than the map, at it and coarser than it; sums and means; with N and without.
+  // Centers finer than the map, equal to it and coarser. Sums and means, with N and without.
   Profile profile;
   profile.windows = { { 1, 8 } };
   for (const auto &[width, height] :
@@ -142,7 +141,7 @@ GST_END_TEST;
 
 GST_START_TEST(test_tuned_spatial)
 {
-  // 100 pixels are level 3, on which everything lies; at 220 level 3 is the frame's level 1.
+  // At a width of 100 pixels everything is at the frame's level 0. At 220 it is at level 1.
   for (const auto &[width, height] : { std::pair{ 1, 1 }, { 5, 1 }, { 100, 75 }, { 220, 40 } }) {
     auto lab = picture(width, height, 5);
     for (int n = 0; n < (width == 220 ? 1 : 0); ++n)
@@ -167,7 +166,8 @@ GST_END_TEST;
 
 GST_START_TEST(test_cue_and_rarity_at_other_levels)
 {
-  // Two levels of surroundedness, one coarser than the map and one finer; rarity of the coarser.
+  // Surroundedness at two levels, one coarser and one finer than the map. Rarity at the coarser
+  // one.
   Profile profile;
   profile.spatial_cue = saliency::SpatialCue::surroundedness;
   profile.levels = { { 0, 1 }, { 2, 2 } };

@@ -15,14 +15,14 @@ using saliency::TemporalSign;
 
 namespace {
 
-/// ST of a film of maps, one frame each, by its definition.
+/// ST of a sequence of maps by its definition, one frame each.
 Image
 expected(const Profile &profile, const std::vector<Image> &maps)
 {
   const auto mean = [&](int window) {
     Image sum(maps[0].width, maps[0].height);
     for (int k = 0; k < window; ++k) {
-      // Before the first map: for ever that map.
+      // The first map counts as having been there forever.
       const auto i = static_cast<std::size_t>(std::max(0, static_cast<int>(maps.size()) - 1 - k));
       for (std::size_t p = 0; p < sum.values.size(); ++p)
         sum.values[p] += maps[i].values[p] / window;
@@ -53,7 +53,7 @@ to_image(const cv::Mat &map)
   return image;
 }
 
-/// The largest of the samples up to so many away.
+/// The maximum of the samples up to `reach` away.
 Image
 dilated(const Image &map, int reach)
 {
@@ -66,7 +66,7 @@ dilated(const Image &map, int reach)
   return result;
 }
 
-/// ST by its definition from the means that the history gives.
+/// ST by its definition, from the means that the history gives.
 Image
 expected(const Profile &profile, TemporalPyramid &history)
 {
@@ -107,13 +107,13 @@ expected(const Profile &profile, TemporalPyramid &history)
   return saliency;
 }
 
-/// ST of one pixel over a film of one pixel.
+/// ST of a film of a single pixel.
 std::vector<double>
 course(TemporalSign sign, const std::vector<double> &values)
 {
   Profile profile = Profile::tuned();
   profile.temporal_sign = sign;
-  profile.illumination_guard = false; // one pixel is the whole map
+  profile.illumination_guard = false; // a single pixel is the whole map
   profile.background_gain = 0;
   TemporalPyramid history(64, HistoryStart::filled);
   SpatiotemporalSaliency saliency(profile);
@@ -152,7 +152,7 @@ GST_END_TEST;
 
 GST_START_TEST(test_step)
 {
-  // A pixel that steps from 0 to 80: after k frames T_w is 80 min(1, k/w), in closed form.
+  // A pixel that steps from 0 to 80. In closed form, after k frames T_w is 80 min(1, k/w).
   std::vector<double> film(10, 0.0);
   film.insert(film.end(), 80, 80.0);
   const auto st = course(TemporalSign::onset, film);
@@ -165,13 +165,13 @@ GST_START_TEST(test_step)
   }
   fail_unless_near(st[9], 0, 0);
   fail_unless_near(st[10], 80 * (7.0 / 8 + 7.0 / 16 + 7.0 / 32 + 7.0 / 64) / 4, 1e-4); // at once
-  fail_unless_near(st[89], 0, 0);                                                      // and over
+  fail_unless_near(st[89], 0, 0);                                                      // settled
 }
 GST_END_TEST;
 
 GST_START_TEST(test_ghost)
 {
-  // What has been there for long and goes away: nothing to an onset, a ghost of 64 frames to the
+  // A ball that has long been there vanishes: no response with onset, a ghost of 64 frames with the
   // absolute difference.
   std::vector<double> film(100, 80.0);
   film.insert(film.end(), 100, 0.0);
@@ -189,7 +189,7 @@ GST_END_TEST;
 
 GST_START_TEST(test_camera_and_background)
 {
-  // Maps of all sizes, also without anything within the rim; a camera that rests and moves.
+  // Maps of all sizes, also with no samples within the rim. A camera that rests, then moves.
   unsigned seed = 0;
   for (const auto sign : { TemporalSign::absolute, TemporalSign::onset })
     for (const int dilation : { 0, 1, 2 })
@@ -224,9 +224,9 @@ GST_END_TEST;
 
 GST_START_TEST(test_light)
 {
-  // All contrast is three times what it was, as in a picture that is lit: nothing, to what 0.05 in
-  // the ratio leaves. Where it is six times, the difference to three times remains. If only a part
-  // has gained, it is what has changed; if all but it, likewise.
+  // All contrast triples, as when a light is turned on: no response, except for the 0.05 in the
+  // ratio. Where it rises sixfold, the excess over triple remains. If only a part rises, that part
+  // responds in full.
   Profile profile;
   profile.windows = { { 1, 8 } };
   profile.temporal_sign = TemporalSign::onset;
@@ -234,7 +234,7 @@ GST_START_TEST(test_light)
   Image dark(10, 10);
   for (std::size_t i = 0; i < 100; ++i)
     dark.values[i] = 5 + static_cast<double>(i % 7);
-  // Gains of the first ten samples and of all others; T_c / T_s = 8 g / (g + 7).
+  // Gains of the first ten samples and of all others: T_c / T_s = 8 g / (g + 7).
   const auto st = [&](double first, double others, bool guard = true) {
     profile.illumination_guard = guard;
     TemporalPyramid history(8, HistoryStart::filled);
@@ -246,7 +246,7 @@ GST_START_TEST(test_light)
     history.push(oracle::to_mat(lit), 1, 1);
     return to_image(saliency.compute(history));
   };
-  // T_s ≥ 5 · 10/8, T_c ≤ 11 · 3: off by up to 0.05 / T_s of T_c.
+  // T_s ≥ 5 · 10/8 and T_c ≤ 11 · 3, so the error is at most 0.05 / T_s of T_c.
   fail_unless_at_most(st(3, 3).maximum(), 0.3);
   fail_unless(st(3, 3, false).maximum() > 15);
 
@@ -258,7 +258,7 @@ GST_START_TEST(test_light)
   const Image only_one = st(6, 1);
   for (std::size_t i = 0; i < 100; ++i)
     fail_unless_near(only_one.values[i], i < 10 ? dark.values[i] * (6 - 13.0 / 8) : 0, 1e-4);
-  // Light that goes is none, and what comes with it is felt as in the light that was.
+  // Darkening is not compensated: what appears meanwhile responds as in constant light.
   const Image darker = st(2, 0.5);
   for (std::size_t i = 0; i < 100; ++i)
     fail_unless_near(darker.values[i], i < 10 ? dark.values[i] * (2 - 9.0 / 8) : 0, 1e-4);
@@ -267,8 +267,8 @@ GST_END_TEST;
 
 GST_START_TEST(test_enough_to_judge_light)
 {
-  // A map that is empty but for so many of 100 samples: a thing on up to 30 is a thing, and one
-  // that comes onto more of it is light only if it was there before.
+  // A map with contrast on `count` of 100 samples. Up to 30 samples count as an object and respond.
+  // More count as light if they had contrast before.
   for (const int count : { 30, 31 }) {
     Profile profile;
     profile.windows = { { 1, 8 } };
@@ -291,9 +291,9 @@ GST_END_TEST;
 
 GST_START_TEST(test_background)
 {
-  // A map that was empty becomes 0, 1, … 100 in some order: with the median twice off, what is
-  // above 100 · 7/8 remains of the largest, that is nothing; with half of it, 75 · 7/8. No more
-  // than the limit is taken off.
+  // An empty map takes the values 0, 1, … 100 in some order. Subtracting twice the median, 100 ·
+  // 7/8, leaves nothing. Subtracting half of it leaves at most 75 · 7/8. At most the limit is
+  // subtracted.
   Profile profile;
   profile.windows = { { 1, 8 } };
   profile.temporal_sign = TemporalSign::onset;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 //
-// What the benchmark times and the accuracy table compares is what the analyzer does.
+// The stages that the benchmark times and the accuracy table compares give the analyzer's results.
 #include "tests/quality/stages.h"
 
 #include "frame/front_end.h"
@@ -21,7 +21,7 @@
 
 namespace {
 
-/// L*a*b* is computed of every pixel of the first, and of decimated planes of the second.
+/// The first is converted to L*a*b* at every pixel, the second is decimated first.
 const cv::Size kSizes[] = { { 500, 300 }, { 900, 540 } };
 constexpr saliency::Time kFrame{ 1'000'000'000 / 30 };
 
@@ -114,7 +114,7 @@ fail_unless_same_bits(const std::vector<cv::Mat> &found, const std::vector<cv::M
 
 GST_START_TEST(test_targets)
 {
-  // Every instruction set that this processor has finds the same.
+  // Results are equal with all instruction sets of this CPU.
   const auto targets = hwy::SupportedTargets();
   for (const cv::Size size : kSizes) {
     const Film pictures = film(size);
@@ -131,7 +131,7 @@ GST_END_TEST;
 
 GST_START_TEST(test_threads)
 {
-  // So does any number of threads.
+  // Results are equal with any number of threads.
   for (const auto &[profile, size] : { std::pair{ saliency::Profile::tuned(), kSizes[0] },
                                        { saliency::Profile::tuned(), kSizes[1] },
                                        { saliency::Profile::paper(), kSizes[0] } }) {

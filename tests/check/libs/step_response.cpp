@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 //
-// Recordings of a motor whose rise times are known, with what real recordings have.
+// Simulated recordings of a motor with known rise times, with the flaws of real recordings.
 #include "calibration/median.h"
 #include "measured_chair.h"
 
@@ -30,7 +30,7 @@ motor()
   return { .latency = kLatency };
 }
 
-/// What a step of the paper's motor takes, latency included.
+/// The true time of a step of the paper's motor, latency included.
 double
 truth_ms(const Step &step)
 {
@@ -38,7 +38,7 @@ truth_ms(const Step &step)
          / 1e6;
 }
 
-/// Rest, one rise, rest, `count` times.
+/// `count` times: rest, a rise, rest.
 std::vector<IssuedCommand>
 rises(double start_volts, double target_volts, int count)
 {
@@ -68,14 +68,15 @@ recorded(double start_volts, double target_volts, int count, const SimulatedSens
   return run;
 }
 
-/// White noise so many dB below the steady vibration at `volts`, between 0 and 4 kHz.
+/// The amplitude of white noise this many dB below the steady vibration at `volts`, between 0 and 4
+/// kHz.
 double
 noise_for(double decibels, double volts)
 {
   return SimulatedSensor{}.gain * volts / std::sqrt(2.0) * std::pow(10, -decibels / 20);
 }
 
-/// The one step's fault after something was done to the recording.
+/// The fault of a single step after `damage` to its recording.
 StepFault
 fault_after(const std::function<void(Recording &)> &damage,
             const SimulatedSensor &sensor = { .noise = 0.001 })
@@ -85,7 +86,7 @@ fault_after(const std::function<void(Recording &)> &damage,
   return measure_step(run.recording, 0, run.steps.front(), kBand).fault;
 }
 
-/// The sample at a time after the command, which is at 0.7 s.
+/// The sample this many seconds after the command, which is at 0.7 s.
 std::size_t
 at(double seconds)
 {
@@ -110,10 +111,10 @@ GST_START_TEST(clear_recordings_give_the_rise_time)
 }
 GST_END_TEST
 
-// Noise 20 dB below each step's own vibration, wherever on the grid and whichever way it rises: of
-// single steps that at least double the vibration 95 of 100 are within 3.5 ms, the median of five
-// within 3. Of lesser steps, of which less is to be seen above the noise, the median of five is
-// within 5.
+// Noise 20 dB below the vibration of each step, over the whole grid and for each growth curve. For
+// steps that at least double the vibration, 95 % of the errors are below 3.5 ms, and medians of
+// five below 3 ms. For smaller steps, which stand out less from the noise, medians of five are
+// below 5 ms.
 GST_START_TEST(rises_are_within_3_ms_at_20_db)
 {
   const Growth &growth = kGrowths[__i__];
@@ -151,7 +152,7 @@ GST_START_TEST(rises_are_within_3_ms_at_20_db)
 }
 GST_END_TEST
 
-// Down to a level, and to rest: 10 % are left after what MotorModel says, latency included.
+// Falls to a level or to rest: 10 % remain after MotorModel's time, latency included.
 GST_START_TEST(falls_are_measured_too)
 {
   for (const double target : { 0.6, 1.0, 0.0 }) {
@@ -163,7 +164,7 @@ GST_START_TEST(falls_are_measured_too)
     fail_unless_near(response.fallen_ms, 8 + 30, 2);
     fail_unless(target == 0 || response.risen_ms == 0);
   }
-  // The motor stays where it was.
+  // The motor keeps its level.
   RecordedRun stays = recorded(1.5, 1.4999, 1, { .noise = 0.001 });
   stays.steps.front().target_volts = 0.6;
   fail_unless(measure_step(stays.recording, 0, stays.steps.front(), kBand).fault
@@ -171,8 +172,8 @@ GST_START_TEST(falls_are_measured_too)
 }
 GST_END_TEST
 
-// An amplifier that clips below the sound card's full scale, with a little noise: seen in what
-// different volts have in common. A motor that vibrates with flat crests of its own is left alone.
+// An amplifier that clips below the sound card's full scale, with a little noise. Equal crests at
+// different voltages reveal it. A motor whose own crests are flat is not reported.
 GST_START_TEST(clipping_below_full_scale_is_named)
 {
   for (const bool amplifier : { true, false }) {
@@ -224,7 +225,7 @@ GST_END_TEST
 GST_START_TEST(what_is_wrong_with_a_recording_is_named)
 {
   fail_unless(fault_after([](Recording &) {}) == StepFault::none);
-  // The sensor's limit is known, or shows by its crests.
+  // The sensor's limit is known, or its crests reveal it.
   fail_unless(fault_after([](Recording &) {}, { .noise = 0.001, .clip = 0.3 })
               == StepFault::clipped);
   fail_unless(fault_after([](Recording &recording) { recording.full_scale = 0; },
@@ -248,7 +249,7 @@ GST_START_TEST(what_is_wrong_with_a_recording_is_named)
               == StepFault::unsteady);
   fail_unless(fault_after([](Recording &) {}, { .noise = 1.5 }) != StepFault::none);
   fail_unless(fault_after([](Recording &recording) {
-                // The motor never moved; its noise is still heard.
+                // The motor does not move, and only its noise is recorded.
                 for (double &sample : recording.channels[0])
                   sample *= std::abs(sample) > 0.01 ? 1e-3 : 1;
               })
@@ -256,7 +257,7 @@ GST_START_TEST(what_is_wrong_with_a_recording_is_named)
 }
 GST_END_TEST
 
-// The second command got lost on its way: the motor stays at its first level.
+// The second command got lost: the motor stays at its first level.
 GST_START_TEST(a_step_that_nothing_came_of_is_missed)
 {
   const RecordedRun asked = recorded(1, 2, 1, {});
@@ -267,7 +268,7 @@ GST_START_TEST(a_step_that_nothing_came_of_is_missed)
 }
 GST_END_TEST
 
-// Two tactors on one microphone, at once.
+// Two tactors on one microphone at the same time.
 GST_START_TEST(steps_of_two_tactors_at_once_are_told_apart_by_channels_alone)
 {
   std::vector<IssuedCommand> trace = rises(0, 1.5, 1);
@@ -290,8 +291,8 @@ GST_START_TEST(steps_of_two_tactors_at_once_are_told_apart_by_channels_alone)
 }
 GST_END_TEST
 
-// Among commands to three tactors at random, one rests and is heard where that says to look at all
-// of them. A million commands are no more work each than few.
+// Random commands to three tactors. A step's rests and its recording are used only while all other
+// tactors are off. A million commands take no longer each than a few.
 GST_START_TEST(steps_are_heard_apart_from_all_other_tactors)
 {
   std::mt19937 random(5);
@@ -333,7 +334,7 @@ GST_START_TEST(steps_are_heard_apart_from_all_other_tactors)
     fail_unless(step.rest_begin >= step.rest_end
                 || others_are_silent(step, step.rest_begin, step.rest_end));
     fail_unless(step.next <= step.off || others_are_silent(step, step.off, step.next));
-    // No less than that.
+    // The intervals are as long as possible.
     fail_unless(step.rest_begin < 0s || level(step.tactor, step.rest_begin - 1ns) > 0
                 || !others_are_silent(step, step.rest_begin - 1ns, step.rest_begin));
     fail_unless(step.next > now || level(step.tactor, step.next) > 0
@@ -350,7 +351,8 @@ GST_START_TEST(steps_are_heard_apart_from_all_other_tactors)
 }
 GST_END_TEST
 
-// Latency and roundness are those of the clear half of the rises; too few tell nothing.
+// The prior's latency and roundness come from the clearer half of the rises. Too few rises give no
+// prior.
 GST_START_TEST(clear_rises_say_what_all_have_in_common)
 {
   std::vector<StepResponse> responses;

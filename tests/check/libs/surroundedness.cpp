@@ -49,8 +49,8 @@ percent(int pixels)
 
 GST_START_TEST(test_box)
 {
-  // 8×6 pixels 30 above their ground are on the other side of six thresholds 5 apart, 37.5…62.5, of
-  // which the last one has no other beyond it.
+  // A box of 8×6 pixels, 30 above its surroundings, exceeds six thresholds 5 apart, 37.5…62.5. The
+  // last one does not count, as no further one follows.
   for (const std::size_t channel : { 0U, 1U, 2U }) {
     for (const int sign : { -1, 1 }) {
       auto lab = plain(35, 35, 35);
@@ -79,7 +79,7 @@ GST_END_TEST;
 
 GST_START_TEST(test_border)
 {
-  // A box at the border is ground, however little of it touches it; one sample further in it is
+  // A box that touches the border with a single sample is background. One sample further in it is
   // not.
   for (const auto &[x, y, surrounded] : { std::tuple{ 0, 12, false },
                                           { 1, 12, true },
@@ -93,7 +93,7 @@ GST_START_TEST(test_border)
     box(lab[0], x, y, 8, 6, 65);
     fail_unless((cv::countNonZero(map_of(lab)) > 0) == surrounded, "%d, %d", x, y);
   }
-  // A line one sample wide ties the box to the border; a diagonal one does not.
+  // A line one sample wide connects the box to the border, a diagonal one does not.
   auto tied = plain(35);
   box(tied[0], 10, 12, 8, 6, 65);
   box(tied[0], 18, 14, kWidth - 18, 1, 65);
@@ -108,15 +108,15 @@ GST_END_TEST;
 
 GST_START_TEST(test_nested)
 {
-  // A ring is enclosed by the ground, its hole by the ring. Above 5 thresholds, ring and hole are
-  // not one region: the hole has the ground's color.
+  // The background encloses a ring, and the ring its hole. All 5 thresholds separate the two: the
+  // hole has the background's color.
   auto lab = plain(35);
   box(lab[0], 10, 8, 12, 10, 60);
   box(lab[0], 14, 11, 4, 4, 35);
   const cv::Mat map = map_of(lab);
   fail_unless_near(map.at<float>(9, 11), 20 / std::sqrt(percent(120 - 16)), 1e-3);
   fail_unless_near(map.at<float>(12, 15), 20 / std::sqrt(percent(16)), 1e-3);
-  // A peak on a plateau: 3 thresholds enclose both, 2 more the peak alone, of which 1 counts.
+  // A peak on a plateau: 3 thresholds enclose both, 2 more only the peak. Of those, 1 counts.
   box(lab[0], 10, 8, 12, 10, 50);
   box(lab[0], 14, 11, 4, 4, 60);
   const cv::Mat peak = map_of(lab);
@@ -128,7 +128,7 @@ GST_END_TEST;
 
 GST_START_TEST(test_resolution)
 {
-  // Areas are shares of the picture: twice the samples, the same map.
+  // Areas are shares of the picture: a map of twice the resolution has the same values.
   auto lab = plain(35);
   box(lab[0], 10, 12, 8, 6, 65);
   oracle::LabImage fine{ oracle::Image(2 * kWidth, 2 * kHeight, 35),
@@ -141,7 +141,7 @@ GST_END_TEST;
 
 GST_START_TEST(test_no_figure)
 {
-  // Flat, a ramp, stripes, and noise that reaches across one threshold alone.
+  // A flat picture, a ramp, stripes, and noise that crosses only one threshold.
   ck_assert_int_eq(cv::countNonZero(map_of(plain(53.6, 1e-5, -2e-5))), 0);
   auto ramp = plain(0);
   auto stripes = plain(0);
@@ -161,8 +161,8 @@ GST_END_TEST;
 
 GST_START_TEST(test_brute_force)
 {
-  // One object, pictures of changing size: nothing is left of the one before. Smooth structure and
-  // noise, all of the colors there are and more.
+  // One object for pictures of changing size: nothing of an earlier one may remain. Smooth
+  // structure and noise, with values within and beyond the range of colors.
   Surroundedness surroundedness(7, 0.75);
   unsigned seed = 1;
   for (const auto &[width, height] : { std::pair{ 1, 1 },
@@ -181,7 +181,7 @@ GST_START_TEST(test_brute_force)
         for (int y = 0; y < height; ++y)
           for (int x = 0; x < width; ++x)
             channel(x, y) += amplitude * std::sin(0.3 * x + seed) * std::cos(0.4 * y);
-        // Beyond ±128, which no color is, all values are alike.
+        // Values beyond ±128, which no color has, are clipped.
         for (double &v : channel.values)
           v = static_cast<double>(static_cast<float>(std::clamp(v, -128.0, 128.0)));
       }

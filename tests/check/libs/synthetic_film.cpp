@@ -49,8 +49,7 @@ struct Picture
   }
 };
 
-/// Where the film's balls change: a list of (time, balls from then on), found by walking through
-/// it.
+/// When the film's balls change, found by stepping through it: times, and the balls from then on.
 struct Event
 {
   Time time;
@@ -97,7 +96,7 @@ GST_START_TEST(test_static_motion)
     int long_rests = 0;
     for (std::size_t i = 1; i + 1 < events.size(); i++) {
       const Time rest = events[i + 1].time - events[i].time;
-      fail_unless(rest > 1s && rest <= 5s + kStep); // more than a second (paper, Section 5)
+      fail_unless(rest > 1s && rest <= 5s + kStep); // more than a second (paper, section 5)
       long_rests += rest > 3s;
       const std::vector<Ball> &balls = events[i].balls;
       fail_unless(balls.size() == 1 || balls.size() == 2);
@@ -111,7 +110,7 @@ GST_START_TEST(test_static_motion)
         fail_unless_equals_float(ball.radius, kWidth / 32.0);
         fail_if(ball.moving);
         fail_unless(ball.onset > events[i].time - kStep && ball.onset <= events[i].time);
-        for (const Ball &before : events[i - 1].balls) // elsewhere
+        for (const Ball &before : events[i - 1].balls) // at other places
           fail_unless(third(ball.x, kWidth) != third(before.x, kWidth)
                       || third(ball.y, kHeight) != third(before.y, kHeight));
       }
@@ -132,7 +131,7 @@ GST_START_TEST(test_dynamic_motion)
 
     double slowest = 1e9;
     double fastest = 0;
-    Time since = SyntheticFilm::kEmptyStart; // of the current move or stall
+    Time since = SyntheticFilm::kEmptyStart; // of the current movement or stop
     int long_stalls = 0;
     for (Time t = SyntheticFilm::kEmptyStart + kStep; t < 200s; t += kStep) {
       const std::vector<Ball> balls = film.balls_at(t, kWidth, kHeight);
@@ -157,7 +156,8 @@ GST_START_TEST(test_dynamic_motion)
         since = t;
       last = ball;
     }
-    // In picture widths a second: never at rest while it moves, various speeds, no jump.
+    // In picture widths a second: it never rests while it moves, its speed varies, and it does not
+    // jump.
     fail_unless(slowest > 0.02, "%g", slowest);
     fail_unless(fastest > 5 * slowest && fastest < 2, "%g to %g", slowest, fastest);
     fail_unless(long_stalls >= 3, "%d", long_stalls);
@@ -211,13 +211,13 @@ GST_END_TEST;
 
 GST_START_TEST(test_any_size)
 {
-  // Another size shows the same film: positions scale with the room that a ball has.
+  // Another size shows the same film: positions scale with the space that a ball can move in.
   const SyntheticFilm film({ .seed = 2, .balls = 1 });
   const Ball small = film.balls_at(2s, 100, 80).at(0);
   const Ball large = film.balls_at(2s, 1000, 800).at(0);
   fail_unless(std::abs(large.x - 10 * small.x) < 1e-9 && std::abs(large.y - 10 * small.y) < 1e-9);
 
-  // A ball that doesn't fit is centered.
+  // A ball that does not fit is centered.
   const Ball flat = film.balls_at(2s, 1600, 10).at(0);
   fail_unless_equals_float(flat.y, 5);
   fail_unless_equals_float(flat.radius, 50);
@@ -257,7 +257,7 @@ GST_START_TEST(test_drawn_area_and_center)
         fail_unless(area <= 4 * std::numbers::pi * radius * radius, "%g for radius %g", area,
                     radius);
       }
-      for (int row = 0; row < picture.height; row++) // what is between the rows stays
+      for (int row = 0; row < picture.height; row++) // bytes between the rows are not modified
         for (int column = picture.width; column < picture.stride; column++)
           fail_unless(picture.at(column, row) == 50);
     }
@@ -267,7 +267,7 @@ GST_END_TEST;
 GST_START_TEST(test_drawn_inside_and_outside)
 {
   Picture picture(64, 60, 50);
-  const Ball ball{ .x = 5.2, .y = 30, .radius = 12.5 }; // over the left edge
+  const Ball ball{ .x = 5.2, .y = 30, .radius = 12.5 }; // beyond the left edge
   draw_ball(picture.plane(), ball, 10);
   for (int row = 0; row < picture.height; row++)
     for (int column = 0; column < picture.width; column++) {
@@ -278,7 +278,7 @@ GST_START_TEST(test_drawn_inside_and_outside)
         fail_unless(picture.at(column, row) == 50);
     }
 
-  Picture untouched(8, 8, 50); // far away, on all sides
+  Picture untouched(8, 8, 50); // far outside, on all sides
   for (const auto &[x, y] :
        { std::pair{ -40.0, 4.0 }, { 50.0, 4.0 }, { 4.0, -40.0 }, { 4.0, 50.0 } })
     draw_ball(untouched.plane(), { .x = x, .y = y, .radius = 12.5 }, 10);
@@ -288,7 +288,7 @@ GST_END_TEST;
 
 GST_START_TEST(test_drawn_in_subsampled_components)
 {
-  // A sample of 2 × 2 pixels is about the mean of these pixels.
+  // A sample of 2 × 2 pixels is about their mean.
   Picture fine(128, 128, 0);
   Picture coarse(64, 64, 0);
   const Ball ball{ .x = 61.3, .y = 70.9, .radius = 33.3 };
@@ -326,7 +326,7 @@ GST_START_TEST(test_noise_distribution)
         neighbors += v * (picture.samples[i - 1] - 128.0);
     }
     const double variance = squares / n;
-    const double expected = sigma * sigma + 1.0 / 12; // rounding to codes (Sheppard)
+    const double expected = sigma * sigma + 1.0 / 12; // for rounding to codes (Sheppard)
     fail_unless(std::abs(sum / n) < 5 * sigma / std::sqrt(n), "mean %g", sum / n);
     if (sigma >= 1)
       fail_unless(std::abs(variance / expected - 1) < 0.02, "variance %g for %g", variance,
@@ -375,14 +375,14 @@ GST_START_TEST(test_noise_is_bounded)
     for (int y = 0; y < 64; y++)
       for (int x = 0; x < 64; x++)
         changed += picture.at(x, y) != value;
-    // Half of it is cut off; had it wrapped around, nearly all samples would differ.
+    // Half of the noise is clipped. If it wrapped around, nearly all samples would differ.
     fail_unless(changed > 64 * 64 * 4 / 10 && changed < 64 * 64 * 6 / 10, "%d", changed);
     for (int y = 0; y < 64; y++)
       for (int x = 64; x < picture.stride; x++)
         fail_unless(picture.at(x, y) == value);
   }
 
-  // Samples between those of the component stay.
+  // Bytes between the component's samples are not modified.
   Picture packed(63, 10, 128, 0);
   SamplePlane plane = packed.plane();
   plane.pixel_stride = 3;

@@ -9,7 +9,7 @@
 #include <fstream>
 #include <string>
 
-/// What a kernel and udev would tell, in a folder that is gone when the test is.
+/// A fake of what the kernel and udev report, in a temporary folder.
 class SystemTree
 {
 public:
@@ -22,7 +22,7 @@ public:
   {
   }
 
-  /// A file of the tree.
+  /// Writes a file of the tree.
   void write(const std::filesystem::path &file, const std::string &text) const
   {
     std::filesystem::create_directories(file.parent_path());

@@ -9,7 +9,7 @@
 
 namespace {
 
-/// Whether caps written as text can be read; nothing is written if not.
+/// Whether the caps can be read. If not, no output may be written.
 bool
 parses(const gchar *text, guint *rows, guint *columns, gint *n, gint *d)
 {
@@ -94,7 +94,7 @@ GST_END_TEST;
 
 GST_START_TEST(test_buffer_bytes)
 {
-  // IEEE 754 single precision, lowest byte first.
+  // IEEE 754 single precision, little endian.
   const std::array<gfloat, 4> levels{ 0.25F, 1.0F, -3.0F, std::nanf("") };
   const std::array<guint8, 16> bytes{ 0, 0, 0x80, 0x3e, 0, 0, 0x80, 0x3f, 0, 0, 0, 0, 0, 0, 0, 0 };
   GstBuffer *buffer = gst_tactile_map_buffer_new(levels.data(), levels.size());
@@ -111,7 +111,7 @@ GST_END_TEST;
 
 GST_START_TEST(test_buffer_levels)
 {
-  // 0.5, 2.0, NaN, -1.0 from two memories, the cut inside of a level
+  // 0.5, 2.0, NaN, -1.0 from two memories. A level straddles them.
   const std::array<guint8, 16> bytes{ 0, 0, 0,    0x3f, 0, 0, 0,    0x40,
                                       0, 0, 0xc0, 0x7f, 0, 0, 0x80, 0xbf };
   const std::array<gfloat, 4> expected{ 0.5F, 1.0F, 0.0F, 0.0F };

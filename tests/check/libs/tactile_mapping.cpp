@@ -46,14 +46,14 @@ struct Map
   }
 };
 
-/// No floor, no threshold to speak of, values as they are, exact area: pooling alone.
+/// Pooling alone by exact area: no floor, no threshold, no gain.
 constexpr MappingSettings kPooling{ .floor = 0, .threshold = 0, .gain = Gain::none };
 
 TactileMap
 levels(const Map &map, const MappingSettings &settings, int rows, int columns)
 {
   TactileMap out(rows, columns);
-  std::fill(out.levels.begin(), out.levels.end(), 0.77F); // what was there goes
+  std::fill(out.levels.begin(), out.levels.end(), 0.77F); // must be overwritten
   map_saliency(map.view(), settings, out);
   return out;
 }
@@ -75,9 +75,8 @@ random_map(int width, int height, unsigned seed)
   return map;
 }
 
-/// Mean over a cell's area of the picture, which covers [begin, begin + length) of the map's
-/// samples (sample i is [i, i + 1), its border repeated): the integral of a staircase, summed
-/// exactly.
+/// Mean of the map over a cell's area, as an exact sum. The picture covers [begin, begin + length)
+/// of the map's samples. Sample i covers [i, i + 1), and the border is repeated.
 struct Extent
 {
   double begin;
@@ -127,7 +126,7 @@ GST_END_TEST;
 
 GST_START_TEST(test_picture_in_the_map)
 {
-  // A pyramid's picture begins inside the first sample and may end inside the last one, or beyond
+  // In a pyramid, the picture begins inside the first sample and ends inside the last one or beyond
   // it.
   unsigned seed = 500;
   for (const auto &[width, height] : { std::pair{ 1, 1 }, { 5, 4 }, { 31, 18 } })
@@ -168,8 +167,8 @@ GST_END_TEST;
 
 GST_START_TEST(test_square_on_a_border)
 {
-  // 6 columns lie in the left cell and 2 in the right, 3 rows above and 5 below: shares of 64
-  // pixels.
+  // 6 columns are in the left cell and 2 in the right one, 3 rows above and 5 below, as shares of
+  // 100 pixels a cell.
   const Map map = Map(20, 20).square(4, 7, 12, 15, 1);
   const TactileMap out = levels(map, kPooling, 2, 2);
   fail_unless_near(out.at(0, 0), 18 / 100.0, 1e-7);
@@ -177,7 +176,7 @@ GST_START_TEST(test_square_on_a_border)
   fail_unless_near(out.at(1, 0), 30 / 100.0, 1e-7);
   fail_unless_near(out.at(1, 1), 10 / 100.0, 1e-7);
 
-  // A pixel on a border counts for both by its halves: 3 pixels, 2 cells.
+  // With 3 pixels and 2 cells, the middle pixel counts half in each.
   const TactileMap halves = levels(Map(3, 1).square(1, 0, 2, 1, 1), kPooling, 1, 2);
   fail_unless_near(halves.at(0, 0), 1 / 3.0, 1e-7);
   fail_unless_near(halves.at(0, 1), 1 / 3.0, 1e-7);
@@ -186,7 +185,7 @@ GST_END_TEST;
 
 GST_START_TEST(test_map_smaller_than_grid)
 {
-  // One pixel fills any grid, two its halves.
+  // One pixel fills any grid, two fill a half each.
   for (const int side : { 1, 3, 64 })
     for (const float level : levels(Map(1, 1, 0.5F), kPooling, side, side).levels)
       fail_unless_near(level, 0.5, 1e-7);
@@ -199,7 +198,7 @@ GST_END_TEST;
 
 GST_START_TEST(test_stride)
 {
-  // A memory whose rows go upwards.
+  // A negative stride.
   const Map memory = random_map(9, 6, 3);
   Map map(9, 6);
   for (int y = 0; y < 6; ++y)
@@ -213,7 +212,7 @@ GST_END_TEST;
 
 GST_START_TEST(test_threshold)
 {
-  // 1, ½, just more than ½, just less: at 50 % what is not above goes.
+  // 1, ½, just above ½ and just below. At 50 % only values above ½ remain.
   Map map(4, 1);
   map.values = { 8, 4, std::nextafter(4.0F, 8.0F), std::nextafter(4.0F, 0.0F) };
   MappingSettings settings = kPooling;
@@ -226,7 +225,7 @@ GST_START_TEST(test_threshold)
   fail_unless((kept(0.5) == std::vector<float>{ 1, 0, 1, 0 }));
   fail_unless((kept(0.25) == std::vector<float>{ 1, 1, 1, 1 }));
   fail_unless((kept(0.9) == std::vector<float>{ 1, 0, 0, 0 }));
-  fail_unless((kept(1) == std::vector<float>{ 1, 0, 0, 0 })); // the maximum itself always stays
+  fail_unless((kept(1) == std::vector<float>{ 1, 0, 0, 0 })); // the maximum always remains
   settings.binary = false;
   map.values = { 0.5F, 0.25F, 0.375F, 0 };
   fail_unless((kept(0.5) == std::vector<float>{ 0.5F, 0, 0.375F, 0 }));
@@ -242,7 +241,7 @@ GST_START_TEST(test_floor)
   fail_if(silent(levels(Map(4, 4, std::nextafter(0.75F, 1.0F)), settings, 3, 3)));
   settings.floor = 0;
   fail_unless(silent(levels(Map(4, 4, 0), settings, 3, 3)));
-  // The floor looks at the maximum, not at what pooling leaves of it.
+  // The floor applies to the map's maximum, before pooling.
   settings.floor = 0.75;
   fail_if(silent(levels(Map(100, 100).square(0, 0, 1, 1, 1), settings, 1, 1)));
 }
@@ -250,7 +249,8 @@ GST_END_TEST;
 
 GST_START_TEST(test_perceptual_gain)
 {
-  // The strongest cell by the event's ΔE, whatever its size; values of the formula by hand.
+  // The event's ΔE gives the strongest cell's level, whatever the event's size. Values of the
+  // formula by hand.
   MappingSettings settings{ .threshold = 0.5,
                             .gain = Gain::perceptual,
                             .units_per_delta_e = 0.065 };
@@ -270,7 +270,8 @@ GST_START_TEST(test_perceptual_gain)
         fail_unless_near(out.levels[static_cast<std::size_t>(i)], i == 4 ? c.level : 0, 2e-6);
     }
 
-  // The others keep their ratio: half the area, and the same area at 0.75 of the value.
+  // Other cells keep their ratio: one with half the area, one with the same area at 0.75 of the
+  // value.
   Map map(30, 10);
   map.square(0, 0, 4, 4, 1.885F).square(11, 1, 15, 3, 1.885F).square(22, 2, 26, 6, 0.75F * 1.885F);
   const TactileMap out = levels(map, settings, 1, 3);
@@ -292,8 +293,8 @@ GST_END_TEST;
 
 GST_START_TEST(test_prefilter)
 {
-  // By its definition: every pixel replaced by the Gaussian mean about it (over what the map has),
-  // then interpolated between the pixels next to the cells' middles.
+  // By definition: each pixel becomes the Gaussian mean about it (over the map's own samples),
+  // which is interpolated at the centers of the cells.
   MappingSettings settings = kPooling;
   unsigned seed = 40;
   for (const double sigma : { 0.2, 1.0 / 3, 1.0 })
@@ -328,7 +329,8 @@ GST_START_TEST(test_prefilter)
                 if (weight > 0)
                   expected += weight * filtered(i, j, height, width);
               }
-            fail_unless_near(out.at(r, c), expected, 1e-3); // cut at 4 σ: 6e-5 of the weight
+            // the Gaussian ends at 4 σ, which omits 6e-5 of the weight
+            fail_unless_near(out.at(r, c), expected, 1e-3);
           }
       }
 }
@@ -340,7 +342,7 @@ GST_START_TEST(test_profiles)
   fail_unless(paper.binary && paper.gain == Gain::none);
   fail_unless_near(paper.threshold, 0.5, 0);
   fail_unless_near(paper.floor, 0, 0);
-  // A half-plane of any height: levels do not depend on it, and fall off across the border.
+  // A half-plane of any value: levels do not depend on it, and fall off across its border.
   for (const float value : { 0.001F, 300.0F }) {
     const TactileMap out = levels(Map(90, 90).square(0, 0, 45, 90, value), paper, 3, 3);
     for (int r = 0; r < 3; ++r) {
@@ -360,7 +362,7 @@ GST_END_TEST;
 
 GST_START_TEST(test_spatial_profile)
 {
-  // Two units of the map are a ΔE; from the weakest level, 0.2 at 4 ΔE, as everywhere.
+  // Two units of the map are 1 ΔE. The weakest level is 0.2 at 4 ΔE, as in the other profiles.
   for (const double s : { 7.9, 8.1, 16.0, 58.0, 200.0 }) {
     const Map spatial = Map(9, 9).square(3, 3, 6, 6, static_cast<float>(s));
     const TactileMap out = levels(spatial, MappingSettings::tuned_spatial(), 3, 3);

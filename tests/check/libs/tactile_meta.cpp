@@ -91,7 +91,7 @@ GST_START_TEST(test_limits)
   ASSERT_REFUSED(gst_buffer_add_tactile_meta(buffer, 3, 3, nullptr, 9));
   fail_unless_equals_int(count_metas(buffer), 0);
 
-  gst_buffer_ref(buffer); // not writable any more
+  gst_buffer_ref(buffer); // no longer writable
   ASSERT_REFUSED(add(buffer));
   gst_buffer_unref(buffer);
   gst_buffer_unref(buffer);
@@ -120,7 +120,7 @@ GST_START_TEST(test_one_per_buffer)
   fail_unless_equals_int(count_metas(buffer), 1);
   assert_levels(buffer);
 
-  // A meta's own levels may be given back to it.
+  // A meta's own levels may be passed back to it.
   GstTactileMeta *meta = gst_buffer_get_tactile_meta(buffer);
   gst_buffer_add_tactile_meta(buffer, 2, 3, meta->levels, 6);
   assert_levels(buffer);
@@ -137,7 +137,7 @@ GST_START_TEST(test_copies)
   GstBuffer *region = gst_buffer_copy_region(buffer, GST_BUFFER_COPY_ALL, 10, 20);
   GstBuffer *bare = gst_buffer_copy_region(buffer, GST_BUFFER_COPY_TIMESTAMPS, 0, -1);
 
-  gst_buffer_get_tactile_meta(buffer)->levels[1] = 1; // copies have levels of their own
+  gst_buffer_get_tactile_meta(buffer)->levels[1] = 1; // copies have their own levels
   gst_buffer_unref(buffer);
   assert_levels(whole);
   assert_levels(deep);
@@ -189,7 +189,7 @@ GST_START_TEST(test_pooled_buffers)
   const GstBuffer *same = acquired;
   gst_buffer_unref(acquired);
 
-  // What was felt in the last frame isn't felt in the next one.
+  // Levels of the last frame must not appear in the next one.
   GstBuffer *again = nullptr;
   fail_unless_equals_int(gst_buffer_pool_acquire_buffer(pool, &again, nullptr), GST_FLOW_OK);
   fail_unless(again == same);

@@ -25,7 +25,8 @@ to_ms(Time time)
 
 } // namespace
 
-// The paper's motor, heard with noise: Eq. 1, latency, start, hold and fall come back.
+// The paper's motor, recorded with noise: the calibration recovers Eq. 1, latency, start and hold
+// voltage and fall time.
 GST_START_TEST(papers_motor_is_recovered)
 {
   const MotorParameters motor{ .hold_volts = 0.3, .latency = 8ms };
@@ -42,7 +43,7 @@ GST_START_TEST(papers_motor_is_recovered)
     for (double target = start + 1; target <= 3; target += 0.5)
       fail_unless_near((*tactor.quadratic)(start, target - start) + to_ms(*tactor.latency),
                        rise_time_quadratic_ms(start, target - start) + 8, 4);
-  // Eq. 1 is not monotone, so the table cannot have it.
+  // Eq. 1 is not monotonic, so the table cannot represent it.
   fail_unless(tactor.prefers_quadratic);
   fail_unless(tactor.vibration.size() >= 10);
   for (const VibrationPoint &point : tactor.vibration)
@@ -50,7 +51,8 @@ GST_START_TEST(papers_motor_is_recovered)
 }
 GST_END_TEST
 
-// One command got lost, one motor was touched: both are named, and change nothing.
+// A command got lost, and a motor was touched: both steps are named and have no effect on the
+// result.
 GST_START_TEST(contradicted_steps_are_named_and_left_out)
 {
   const std::vector<MotorParameters> motors{ { .latency = 5ms } };
@@ -85,7 +87,7 @@ GST_START_TEST(contradicted_steps_are_named_and_left_out)
 }
 GST_END_TEST
 
-// A telephone that was started by hand some time before.
+// A phone's recording, started by hand some time before.
 GST_START_TEST(recordings_without_a_common_clock_are_aligned_by_their_sound)
 {
   const std::vector<MotorParameters> motors{ { .latency = 5ms } };
@@ -96,7 +98,7 @@ GST_START_TEST(recordings_without_a_common_clock_are_aligned_by_their_sound)
   recording.start = 17s; // whatever its clock says
   const Time start = align(recording, trace, { 15, 160 });
   fail_unless_near(to_ms(start), -4321, 100);
-  // Cut instead: it was started too late.
+  // A recording that was started too late.
   recording = hear(trace, motors, { .noise = 0.01 }, length_of(run));
   recording.channels[0].erase(recording.channels[0].begin(),
                               recording.channels[0].begin() + 8 * 3000);
@@ -104,8 +106,8 @@ GST_START_TEST(recordings_without_a_common_clock_are_aligned_by_their_sound)
 }
 GST_END_TEST
 
-// No tactor is on for longer, or for a greater share of time, than tactorsink's limits allow, in
-// any minute.
+// Within any minute no tactor is on for longer, or for a larger share of time, than tactorsink's
+// limits allow.
 GST_START_TEST(plans_are_gentle)
 {
   for (const std::vector<int> &tactors : { std::vector<int>{ 0 }, { 0, 1 }, { 3, 1, 8 } })

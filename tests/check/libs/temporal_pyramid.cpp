@@ -16,7 +16,7 @@ namespace {
 
 constexpr double kForever = 1e6;
 
-/// The films of a test, frame by frame, and the mean over a window by its definition.
+/// A film, and the mean over a window by its definition.
 struct Film
 {
   struct Display
@@ -65,7 +65,7 @@ mean_of(TemporalPyramid &pyramid, int window)
   return maps.at(0);
 }
 
-/// Pushes the same to both and compares all windows after each push.
+/// Pushes the same maps to both and compares all windows after each push.
 void
 compare(HistoryStart start, int count, const std::vector<double> &durations)
 {
@@ -90,7 +90,7 @@ compare(HistoryStart start, int count, const std::vector<double> &durations)
   }
 }
 
-/// A film by a camera that moves, and the means over windows as TemporalPyramid defines them.
+/// A film of a moving camera, and the means over windows as TemporalPyramid defines them.
 struct MovedFilm
 {
   struct Display
@@ -111,7 +111,7 @@ struct MovedFilm
     end = begin + duration;
   }
 
-  /// The display in which the time lies; a moment between two belongs to the earlier.
+  /// The display at a time. A moment between two belongs to the earlier one.
   std::size_t before(double time) const
   {
     std::size_t i = displays.size() - 1;
@@ -120,7 +120,7 @@ struct MovedFilm
     return i;
   }
 
-  /// What was on show from one time to another, on average.
+  /// The mean of what was displayed in an interval.
   Image stretch(double from, double to) const
   {
     Image sum(displays[0].map.width, displays[0].map.height);
@@ -133,7 +133,7 @@ struct MovedFilm
     return sum;
   }
 
-  /// Windows ascend: where one begins, a stretch does.
+  /// `windows` is in ascending order. Where a window begins, so does a stretch.
   std::vector<Image> means(std::span<const int> windows) const
   {
     const Display &now = displays.back();
@@ -148,7 +148,7 @@ struct MovedFilm
         const Image map = stretch(from, to);
         for (int y = 0; y < sum.height; ++y)
           for (int x = 0; x < sum.width; ++x) {
-            // Where the point (x, y) of the current map lay in the map of then.
+            // Where the point (x, y) of the current map was in that stretch's map.
             const double px = now.pose.x(x, y) - then.tx;
             const double py = now.pose.y(x, y) - then.ty;
             const double norm = then.a * then.a + then.b * then.b;
@@ -198,9 +198,9 @@ GST_END_TEST;
 
 GST_START_TEST(test_poses)
 {
-  // A camera that shakes, pans, zooms and rolls, now and then rests, at 30, 24, about 25, 60 and a
-  // variable number of frames a second. (At exactly 25 rounding decides whether the 9th map back
-  // makes a quarter of its age.)
+  // A camera that shakes, pans, zooms, rolls and sometimes rests, at 30, 24, about 25, 60 and a
+  // variable number of frames a second. (At exactly 25 fps rounding would decide whether the 9th
+  // map back is a quarter of its age long.)
   const std::vector<std::vector<double>> rates{ { 1 },
                                                 { 30 / 24.0 },
                                                 { 1.2031, 1.1973, 1.2019, 1.1987, 1.2007 },
@@ -239,9 +239,9 @@ GST_END_TEST;
 
 GST_START_TEST(test_followed_world)
 {
-  // A world that stands still, and a camera that moves over it by whole samples: all windows are
-  // the current map, for what was not seen is taken to have been like it. Without poses they are
-  // not. (Longer windows move several maps as one.)
+  // A still scene, and a camera that moves over it by whole samples. With poses all windows equal
+  // the current map, as samples that were not seen count as it does. Without poses they differ.
+  // (Longer windows move several maps as one.)
   const Image world = oracle::random_image(200, 60, 0, 100, 5);
   constexpr std::array windows{ 1, 2, 4 };
   for (const bool followed : { true, false }) {
@@ -274,9 +274,9 @@ GST_START_TEST(test_moved)
   TemporalPyramid pyramid(64, HistoryStart::filled);
   const Image map = oracle::random_image(6, 5, 0, 300, 7);
   for (int i = 0; i < 200; ++i) {
-    // Rests, moves from frame 10 to 13, rests where it then is. Frame i's windows end at i + 1; the
-    // longest begins where frame 12's display ends from frame 76 on, and entries may be kept one
-    // frame longer.
+    // At rest, moving from frame 10 to 13, then at rest again. Frame i's windows end at i + 1. From
+    // frame 76 on, the longest one begins after frame 12's display. Entries may be kept one frame
+    // longer.
     const Similarity pose{ 1, 0, 0.4 * std::clamp(i - 9, 0, 4), 0 };
     pyramid.push(oracle::to_mat(map), 1, 1, pose);
     if (i < 10 || i > 77)
@@ -284,7 +284,7 @@ GST_START_TEST(test_moved)
     else if (i < 76)
       fail_unless(pyramid.moved(), "frame %d", i);
     if (!pyramid.moved())
-      for (const int window : { 1, 2, 8, 64 }) // exactly
+      for (const int window : { 1, 2, 8, 64 }) // bit-identical
         fail_unless_near(oracle::difference(mean_of(pyramid, window), map), 0, 0);
   }
   pyramid.push(oracle::to_mat(map), 1, 1, { 1, 0, 5, 0 });
@@ -293,7 +293,7 @@ GST_START_TEST(test_moved)
   fail_if(pyramid.moved());
   pyramid.push(oracle::to_mat(map), 1, 1, { 1, 0, 9, 0 });
   fail_if(pyramid.moved());
-  // Also if the map shares its entry with the one before.
+  // Also if the map shares its entry with its predecessor.
   pyramid.push(oracle::to_mat(map), 0.01, 1, { 1, 0, 9, 0 });
   const std::size_t entries = pyramid.size();
   pyramid.push(oracle::to_mat(map), 0.01, 1, { 1, 0, 12, 0 });
@@ -304,8 +304,8 @@ GST_END_TEST;
 
 GST_START_TEST(test_poses_of_tiny_maps)
 {
-  // Nothing of them is far enough from their border to have been seen: all is as it is now, but for
-  // the moments that had the same pose.
+  // No sample is far enough from the border to count as seen. So means equal the current map,
+  // except for moments with the same pose.
   constexpr std::array windows{ 1, 8, 64 };
   for (int height = 1; height <= 5; ++height)
     for (int width = 1; width <= 5; ++width) {
@@ -327,7 +327,8 @@ GST_END_TEST;
 
 GST_START_TEST(test_paper)
 {
-  // Level n averages the 2ⁿ latest maps, the current one included; map i is i everywhere.
+  // Level n averages the 2ⁿ latest maps, including the current one. Map i has the value i
+  // everywhere.
   TemporalPyramid pyramid(64, HistoryStart::empty);
   for (int i = 0; i < 100; ++i) {
     pyramid.push(oracle::to_mat(Image(2, 2, i)), 1, 1);
@@ -341,8 +342,8 @@ GST_END_TEST;
 
 GST_START_TEST(test_same_film_at_any_rate)
 {
-  // A film whose picture changes each second, compared each half second: frame borders at all these
-  // rates.
+  // A film whose picture changes every second, compared every half second: frames begin at these
+  // times at all these rates.
   const auto at_second = [](int second) {
     return oracle::random_image(4, 3, 0, 50, static_cast<unsigned>(second));
   };
@@ -398,7 +399,7 @@ GST_END_TEST;
 
 GST_START_TEST(test_long_run)
 {
-  // A million frames, nine hours at 30 fps: still the mean of the last ones, to float's precision.
+  // After a million frames, nine hours at 30 fps, means are exact to float's precision.
   constexpr int kFrames = 1'000'000;
   for (const double duration : { 1.0, 30 / 29.97 }) {
     TemporalPyramid pyramid(64, HistoryStart::filled);
@@ -444,8 +445,8 @@ GST_END_TEST;
 
 GST_START_TEST(test_shared_entries)
 {
-  // At 3000 frames a second several share an entry. Inside one a window may begin up to 1/8 early
-  // or late, no more: a step is placed to within that.
+  // At 3000 frames a second, several share an entry. A window that begins inside one may be off by
+  // up to 1/8.
   TemporalPyramid pyramid(64, HistoryStart::filled);
   for (int i = 0; i < 20000; ++i)
     pyramid.push(oracle::to_mat(Image(1, 1, i < 19000 ? 0 : 80)), 0.01, 0.01);
@@ -458,7 +459,7 @@ GST_END_TEST;
 
 GST_START_TEST(test_long_displays)
 {
-  // A slide, then another: however long they stand, the new one is seen against the old.
+  // A slide, then another one. However long they last, the new one is compared with the old one.
   for (const double duration : { 30.0, 1e4, 1e18, 1e300 }) {
     TemporalPyramid pyramid(64, HistoryStart::filled);
     for (const double value : { 10.0, 10.0, 40.0 })
@@ -466,7 +467,7 @@ GST_START_TEST(test_long_displays)
     const double shown = TemporalPyramid::kLongestDisplay;
     fail_unless_near(mean_of(pyramid, 1).at<float>(0), 40, 1e-4);
     fail_unless_near(mean_of(pyramid, 8).at<float>(0), (40 * shown + 10 * (8 - shown)) / 8, 1e-4);
-    // When it has been displaced itself it fills what its own display covers.
+    // Once displaced, it fills all of its own display.
     pyramid.push(oracle::to_mat(Image(2, 2, 0)), duration, 1);
     fail_unless_near(mean_of(pyramid, 8).at<float>(0), 40.0 * 7 / 8, 1e-4);
     ck_assert_uint_le(pyramid.size(), 70);
@@ -476,7 +477,7 @@ GST_END_TEST;
 
 GST_START_TEST(test_rebase)
 {
-  // Wherever poses are seen from, the same maps move by the same.
+  // A change of the poses' frame of reference does not change the means.
   constexpr std::array windows{ 1, 4, 16 };
   const Similarity view{ 0.02, -0.01, 300, -80 };
   TemporalPyramid plain(64, HistoryStart::filled);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 //
-// Each case is a process of its own that is sent a signal while it has something to leave.
+// Each case is a process that receives a signal while it has something to release.
 #include "tactor/termination.h"
 
 #include <csignal>
@@ -14,7 +14,7 @@
 #include <thread>
 #include <unistd.h>
 
-// After the standard library's headers: gstcheck.h defines a macro named fail.
+// gstcheck.h defines a macro `fail`, so it follows the standard library's headers.
 #include "contains.h"
 #include <gst/check/gstcheck.h>
 
@@ -23,7 +23,7 @@ using tactor::TerminationGuard;
 
 namespace {
 
-/// A process, what it says and how it ends.
+/// A child process, what it writes and how it ends.
 class Process
 {
 public:
@@ -50,12 +50,12 @@ public:
   Process(const Process &) = delete;
   Process &operator=(const Process &) = delete;
 
-  // Within the process
+  // In the child
   void say(char c)
   {
     fail_unless(write(ends_[1], &c, 1) == 1);
   }
-  /// Says 'l' when it leaves: when it is asked for the second time.
+  /// Writes 'l' when it leaves, which is on the second call.
   std::unique_ptr<TerminationGuard> guard()
   {
     return std::make_unique<TerminationGuard>([this, calls = 0](auto) mutable {
@@ -70,17 +70,17 @@ public:
       pause();
   }
 
-  // Outside
+  // In the parent
   char hear()
   {
     char c = 0;
-    return read(ends_[0], &c, 1) == 1 ? c : 0; // 0: it is gone
+    return read(ends_[0], &c, 1) == 1 ? c : 0; // 0: the process has ended
   }
   void send(int signal)
   {
     fail_unless(kill(pid_, signal) == 0);
   }
-  /// All that it says until its end.
+  /// Everything it writes until its end.
   std::string end()
   {
     std::string said;
@@ -91,7 +91,7 @@ public:
     status_ = status;
     return said;
   }
-  /// It died of this.
+  /// Whether this signal killed it.
   bool died_of(int signal) const
   {
     return WIFSIGNALED(*status_) && WTERMSIG(*status_) == signal;
@@ -105,7 +105,7 @@ private:
 
 } // namespace
 
-/// What is left leaves, and then the process dies of the signal.
+/// Guards leave, then the process dies of the signal.
 GST_START_TEST(test_leaves)
 {
   for (const int signal : { SIGTERM, SIGINT, SIGHUP }) {
@@ -121,7 +121,7 @@ GST_START_TEST(test_leaves)
 }
 GST_END_TEST;
 
-/// All leave at the same time: each begins before the first is waited for.
+/// All guards leave at the same time: each begins before the first one is waited for.
 GST_START_TEST(test_all_leave)
 {
   Process process([](Process &self) {
@@ -150,8 +150,8 @@ GST_START_TEST(test_end_of_the_program)
 }
 GST_END_TEST;
 
-/// What the application ignores or handles, before or after, is its own; the environment can refuse
-/// all.
+/// A handler of the application, or its wish to ignore a signal, takes precedence, whether set
+/// before or after. The environment can disable all handling.
 GST_START_TEST(test_application_comes_first)
 {
   Process ignores([](Process &self) {
@@ -199,7 +199,7 @@ GST_START_TEST(test_application_comes_first)
 }
 GST_END_TEST;
 
-/// When the last one is gone, everything is as before; and so it is again after a new one.
+/// Without guards the signal handlers are as before. The same holds after new ones.
 GST_START_TEST(test_nothing_remains)
 {
   Process process([](Process &self) {
@@ -226,7 +226,7 @@ GST_START_TEST(test_nothing_remains)
 }
 GST_END_TEST;
 
-/// A child that was forked has the handler, and nothing to leave: its parent plays on.
+/// A forked child has the handler but nothing to leave, and its parent plays on.
 GST_START_TEST(test_children)
 {
   Process process([](Process &self) {
@@ -248,7 +248,7 @@ GST_START_TEST(test_children)
 }
 GST_END_TEST;
 
-/// One that has something of its own to leave leaves that, and its parent plays on.
+/// A child with a guard of its own leaves only that, and its parent plays on.
 GST_START_TEST(test_children_with_boards)
 {
   Process process([](Process &self) {
@@ -266,7 +266,7 @@ GST_START_TEST(test_children_with_boards)
     fail_unless(read(ready[0], &c, 1) == 1);
     kill(child, SIGTERM);
     int status = 0;
-    waitpid(child, &status, 0); // it has said 'l' by now
+    waitpid(child, &status, 0); // it has written 'l' by now
     self.say(WIFSIGNALED(status) && WTERMSIG(status) == SIGTERM ? 'd' : 'x');
     self.wait_for_a_signal();
   });
@@ -277,7 +277,7 @@ GST_START_TEST(test_children_with_boards)
 }
 GST_END_TEST;
 
-/// Nobody is waited for longer than kPatience, and a second signal ends the process at once.
+/// A guard may take kPatience at most. A second signal ends the process at once.
 GST_START_TEST(test_patience)
 {
   for (const bool twice : { false, true }) {

@@ -38,7 +38,7 @@ GST_START_TEST(test_white_space_and_percent_signs)
   for (const char *text : { "0 100\n25 50", "\n\n 0\t100 \r\n25  50\r\n\n", "0% 100%\n25% 50%",
                             "\u00a00\u00a0100\n\u00a025\u00a050\u00a0", "0 100.0\n25.00 50" })
     fail_unless(read_text_cue(text, std::nullopt) == map, "%s", text);
-  // With a known grid lines may be broken anywhere, as some containers do.
+  // Without a header, but with a known grid, lines may be broken anywhere, as some containers do.
   fail_unless(read_text_cue("0 100 25 50", Grid{ 2, 2 }) == map);
   fail_unless(read_text_cue("0\n100\n25\n50", Grid{ 2, 2 }) == map);
 }
@@ -101,7 +101,7 @@ GST_START_TEST(test_cues_of_frames)
   const TactileMap a = make_map(1, 1, { 0.5F });
   const TactileMap b = make_map(1, 1, { 1 });
   CueBuilder builder;
-  // 25 frames a second whose times are cut down to milliseconds; a change after 3 s, a gap of a
+  // 25 frames a second, with times rounded down to milliseconds. A change at 3 s, a gap of one
   // frame at 4 s.
   for (int i = 0; i < 125; i++)
     if (i != 100)

@@ -29,19 +29,19 @@ GST_START_TEST(test_joined)
 
   done = false;
   moved = unwrap(Thread::start([&] { done = true; }));
-  moved = Thread(); // joins, too
+  moved = Thread(); // this joins, too
   fail_unless(done);
 }
 GST_END_TEST;
 
-/// A thread may end what it belongs to. It cannot wait for itself, and what it runs lives on until
+/// A thread may destroy its own object. It cannot join itself, so what it runs must live on until
 /// it is done.
 GST_START_TEST(test_ends_itself)
 {
   std::promise<void> owned;
   std::promise<std::string> done;
   auto owner = std::make_unique<Thread>();
-  const std::string text(100, 'x'); // not where a short one is kept
+  const std::string text(100, 'x'); // too long for the small string optimization
   *owner = unwrap(Thread::start([&owner, &owned, &done, text] {
     owned.get_future().wait();
     owner.reset();
@@ -52,7 +52,7 @@ GST_START_TEST(test_ends_itself)
 }
 GST_END_TEST;
 
-/// Nothing is thrown where there are no more threads.
+/// Without resources for another thread, nothing is thrown.
 GST_START_TEST(test_no_more_threads)
 {
   {

@@ -33,7 +33,8 @@ GST_END_TEST;
 
 GST_START_TEST(test_exceptions)
 {
-  // Whichever part throws, the caller hears of it, the others are done, and the pool goes on.
+  // Whichever part throws, the caller gets the exception, the other parts are done, and the pool
+  // stays usable.
   ThreadPool pool;
   for (int thrower = 0; thrower < 5; ++thrower) {
     std::array<int, 5> done{};
@@ -58,7 +59,7 @@ GST_END_TEST;
 #if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
 static std::atomic<int> thrown = 0;
 
-/// In libstdc++'s place, which tells how many exceptions there were.
+/// Replaces libstdc++'s function to count exceptions.
 extern "C" void *
 __cxa_allocate_exception(std::size_t size) noexcept
 {
@@ -71,7 +72,7 @@ __cxa_allocate_exception(std::size_t size) noexcept
 
 GST_START_TEST(test_no_more_threads)
 {
-  // No room for a stack: the caller does all parts, and nothing is thrown to find that out.
+  // Without memory for a stack the caller does all parts, and nothing is thrown.
   rlimit before;
   fail_unless_equals_int(getrlimit(RLIMIT_AS, &before), 0);
   const rlimit none{ 1, before.rlim_max };
@@ -102,7 +103,7 @@ GST_END_TEST;
 
 GST_START_TEST(test_teams)
 {
-  // Parts follow each other and are about as long, fewer things than threads too.
+  // Parts are contiguous and about equally long, also with fewer items than threads.
   ThreadPool pool;
   for (const saliency::Team &team :
        { saliency::Team(), saliency::Team(pool, 1), saliency::Team(pool, 3) })
@@ -126,7 +127,7 @@ GST_START_TEST(test_teams)
 }
 GST_END_TEST;
 
-/// As many parts that wait for each other, so each is another thread's, then do this.
+/// Parts wait for each other, so each has a thread of its own. Then each does `work`.
 template <typename Work>
 static void
 run_on_threads(ThreadPool &pool, int threads, const Work &work)
@@ -142,7 +143,8 @@ run_on_threads(ThreadPool &pool, int threads, const Work &work)
 
 GST_START_TEST(test_sleepers)
 {
-  // Threads that stayed awake for nothing and fell asleep are woken, and the caller by them.
+  // Workers spin before they sleep. Sleeping ones are woken, and a sleeping caller is woken by
+  // them.
   ThreadPool pool;
   for (int i = 0; i < 20; ++i) {
     const auto begin = std::chrono::steady_clock::now();
@@ -151,7 +153,7 @@ GST_START_TEST(test_sleepers)
         while (std::chrono::steady_clock::now() - begin < std::chrono::milliseconds(2))
           std::this_thread::yield();
     });
-    // Longer than they stay awake; should they do so once, then only this round shows nothing.
+    // Longer than they spin. If one wakes late, only this round tests nothing.
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
   }
 }
@@ -160,7 +162,7 @@ GST_END_TEST;
 #ifdef __linux__
 static std::atomic<int> callers_processor;
 
-/// In glibc's place, which tells where the caller really is: it may be moved at any time.
+/// Replaces glibc's function: the scheduler may move the caller at any time.
 extern "C" int
 sched_getcpu() noexcept
 {
@@ -181,7 +183,7 @@ move_to(const cpu_set_t &processors)
   ck_assert_int_eq(sched_setaffinity(0, sizeof processors, &processors), 0);
 }
 
-/// Whether all of the pool's threads may run there and nowhere else as they work.
+/// Whether all of the pool's threads may run on exactly these CPUs while they work.
 static bool
 are_on(ThreadPool &pool, int threads, const cpu_set_t &expected)
 {
@@ -216,7 +218,7 @@ GST_START_TEST(test_off_the_callers_processor)
     fail_unless(are_on(pool, 2, others(processor)));
     fail_unless(are_on(pool, 4, others(processor)), "the new ones are on processor %d", processor);
 
-    // Where it has one alone they share it, until it has others again.
+    // With a single CPU they share it with the caller, until there are others again.
     cpu_set_t one;
     CPU_ZERO(&one);
     CPU_SET(processor, &one);
@@ -225,7 +227,7 @@ GST_START_TEST(test_off_the_callers_processor)
     move_to(all);
     fail_unless(are_on(pool, 4, others(processor)));
 
-    // Where that cannot be told they stay as they are.
+    // Where the caller's CPU is unknown they stay where they are.
     callers_processor = -1;
     fail_unless(are_on(pool, 4, others(processor)));
   }

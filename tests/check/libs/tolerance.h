@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-// Comparisons of real numbers, which GStreamer's copy of check does not have. NaN fails both.
+// Comparisons of real numbers, which GStreamer's copy of check lacks. NaN fails both.
 
 #include <gst/check/gstcheck.h>
 

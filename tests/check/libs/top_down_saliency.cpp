@@ -19,7 +19,7 @@ using namespace std::chrono_literals;
 
 namespace {
 
-constexpr int kStep = 16; // pixels from sample to sample at level 4
+constexpr int kStep = 16; // pixels between samples of level 4
 
 /// A random saliency map of a frame of this size.
 Saliency
@@ -34,20 +34,20 @@ random_saliency(cv::Size frame, unsigned seed)
   return found;
 }
 
-/// The sample that has this place of the picture, in samples: the nearest for what is beyond.
+/// The sample at a place of the picture, in samples. Places outside count as the nearest sample.
 int
 sample_at(double place, int samples)
 {
   return std::clamp(static_cast<int>(std::floor(place)), 0, samples - 1);
 }
 
-/// By definition, in squares of a 32nd of a sample: all edges lie between them.
+/// By definition, on a grid of 1/32 sample: all edges lie on its lines.
 cv::Mat1d
 factors(const Saliency &found, const std::vector<Region> &regions, double reach)
 {
   constexpr int kFine = 32;
   const cv::Size size = found.map.size();
-  std::map<unsigned, cv::Mat1d> largest; // share by type
+  std::map<unsigned, cv::Mat1d> largest; // share of a sample, by type
   std::map<unsigned, double> weight;
   for (const Region &region : regions) {
     cv::Mat1d inside(size, 0.0);
@@ -88,7 +88,7 @@ fail_unless_weighed(const cv::Mat &map, const Saliency &found, const cv::Mat1d &
 
 } // namespace
 
-/// Regions anywhere, of any size, also beyond the frame, overlapping, of several types.
+/// Regions at any place and of any size, also beyond the frame, overlapping, of several types.
 GST_START_TEST(test_definition)
 {
   std::mt19937 generator(23);
@@ -117,42 +117,43 @@ GST_START_TEST(test_definition)
 }
 GST_END_TEST;
 
-/// Where nothing is found the map is passed on as it is.
+/// Without regions the map is passed on unchanged.
 GST_START_TEST(test_nothing_to_weigh)
 {
   const Saliency found = random_saliency({ 160, 120 }, 1);
   TopDownSaliency top_down(Profile::tuned());
   fail_unless(top_down.compute(found, { 160, 120 }, {}, 0s).data == found.map.data);
-  // Outside the frame, or empty: not there, however near.
+  // Regions outside the frame and empty ones have no effect, however near.
   const std::vector<Region> outside{ { { 160, 0, 10, 10 }, 1, 0 },
                                      { { -10, 0, 10, 10 }, 1, 0 },
                                      { { 50, 50, 0, 10 }, 1, 0 },
                                      { { 4294967295.0, 4294967295.0, 4294967295.0, 1 }, 1, 0 } };
   fail_unless(top_down.compute(found, { 160, 120 }, outside, 1s).data == found.map.data);
-  // As large as can be told: the whole frame.
+  // As large as the type allows: the whole frame.
   const std::vector<Region> all{ { { 0, 0, 4294967295.0, 4294967295.0 }, 1, 0 } };
   fail_unless(cv::countNonZero(top_down.compute(found, { 160, 120 }, all, 2s)) == 0);
 }
 GST_END_TEST;
 
-/// How far and how long a region reaches follows from what the profile spreads.
+/// How far and how long a region has effect follows from the profile.
 GST_START_TEST(test_reach_and_hold)
 {
   const TopDownSaliency tuned(Profile::tuned());
   fail_unless_near(tuned.reach(), 2, 0);
   fail_unless(tuned.hold() == Time(8'000'000'000 / 30));
-  // Level 4 is the coarsest center, the map is level 2; what is gone is felt for 64 frames.
+  // Level 4 is the coarsest center and the map is at level 2. What vanishes has effect for 64
+  // frames.
   const TopDownSaliency paper(Profile::paper());
   fail_unless_near(paper.reach(), 8, 0);
   fail_unless(paper.hold() == Time(64'000'000'000 / 30));
-  // A map of single pictures holds nothing of the last one.
+  // Without temporal contrast nothing of the last frame remains.
   for (const Profile &profile : { Profile::tuned_spatial(), Profile::paper() })
     fail_unless(TopDownSaliency(profile, false).hold() == Time(0));
 }
 GST_END_TEST;
 
-/// Where windows count frames, regions stay for frames, whatever the rate; without windows for
-/// their own.
+/// Where windows count frames, regions stay for as many frames at any rate. Without temporal
+/// contrast they do not stay.
 GST_START_TEST(test_regions_stay_for_frames)
 {
   const cv::Size frame(320, 64);
@@ -170,7 +171,8 @@ GST_START_TEST(test_regions_stay_for_frames)
 }
 GST_END_TEST;
 
-/// A region stays for the time of a temporal window, at any rate, where it was too.
+/// A region keeps its effect for the longest temporal window, at any rate, also at its former
+/// places.
 GST_START_TEST(test_regions_stay)
 {
   const cv::Size frame(320, 64);
@@ -184,7 +186,7 @@ GST_START_TEST(test_regions_stay)
     for (int i = 0; i < 30; ++i) {
       const Time time = i * period;
       std::vector<Region> now;
-      if (i < 10) // then it is lost
+      if (i < 10) // then it is gone
         now.push_back(at(10.0 * i));
       for (const Region &region : now)
         past.emplace_back(time, region);
@@ -199,7 +201,7 @@ GST_START_TEST(test_regions_stay)
 }
 GST_END_TEST;
 
-/// The weight of a type is that of the frame at hand, also for where it was.
+/// A type's latest weight applies, also at former places.
 GST_START_TEST(test_newest_weight)
 {
   const cv::Size frame(320, 64);
@@ -238,7 +240,7 @@ GST_START_TEST(test_resets)
 }
 GST_END_TEST;
 
-/// However many are found, the last ones count.
+/// However many regions there are, the last ones count.
 GST_START_TEST(test_many_regions)
 {
   const cv::Size frame(160, 120);

@@ -32,11 +32,11 @@ GST_START_TEST(test_one_form_for_one_course)
   const TactileMap b = make_map(1, 2, { 0, 1 });
   Track track(1, 2);
   track.append(0s, a);
-  track.append(1s, a); // nothing new
+  track.append(1s, a); // unchanged
   track.append(2s, b);
-  track.append(2s, a); // instead of b: nothing new again
+  track.append(2s, a); // replaces b: unchanged again
   track.append(3s, b);
-  track.set_end(3s); // b does not last
+  track.set_end(3s); // b is cut off
   Track same(1, 2);
   same.append(0s, a);
   same.set_end(3s);

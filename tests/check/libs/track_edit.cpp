@@ -10,8 +10,8 @@ using namespace tactile;
 
 namespace {
 
-/// Two cells: the first is felt at 0.2 from 1 s to 1.1 s and at 0.8 from 2 s to 4 s, the second at
-/// 0.5 from 3 s to 5 s; the track lasts 6 s.
+/// Two cells and 6 s. The first has level 0.2 from 1 s to 1.1 s and 0.8 from 2 s to 4 s, the second
+/// 0.5 from 3 s to 5 s.
 Track
 sample()
 {
@@ -26,8 +26,7 @@ sample()
   return track;
 }
 
-/// Whether both tracks are the same course of levels, looked at every 5 ms: whatever the operation
-/// made of entries.
+/// Compares levels every 5 ms, whatever the track's entries are.
 void
 assert_course(const Track &track, Time end, const std::function<TactileMap(Time)> &expected)
 {
@@ -74,7 +73,7 @@ GST_START_TEST(test_merge)
   track.append(1s, make_map(1, 1, { 0.54F }));
   track.append(2s, make_map(1, 1, { 0.58F })); // too far from the first
   track.append(3s, make_map(1, 1, { 0.02F }));
-  track.append(4s, make_map(1, 1, { 0 })); // silence stays
+  track.append(4s, make_map(1, 1, { 0 })); // silence remains
   track.set_end(5s);
   Track expected(1, 1);
   expected.append(0s, make_map(1, 1, { 0.5F }));
@@ -89,7 +88,7 @@ GST_END_TEST;
 
 GST_START_TEST(test_limit)
 {
-  // At most one second, then half a second of rest; the second cell's event begins in time.
+  // At most one second, then half a second of rest. The second cell's event is not delayed.
   assert_course(*limit_events(sample(), { .max_duration = 1s, .refractory = 500ms }), 6s,
                 [](Time time) {
                   TactileMap map = sample().at(time);
@@ -145,8 +144,8 @@ GST_END_TEST;
 
 GST_START_TEST(test_resample)
 {
-  // To a common multiple of both grids and back to the mean, cell by cell: another way to the same
-  // area.
+  // To a common multiple of both grids and back to the mean, cell by cell: a second way to compute
+  // the area.
   const TactileMap map = random_track(3, 1ms, 0).entries()[1].map;
   for (const auto &[rows, columns] :
        { std::pair{ 1, 1 }, { 2, 3 }, { 5, 4 }, { 8, 8 }, { 64, 1 } }) {
@@ -186,7 +185,7 @@ GST_START_TEST(test_overlay_and_diff)
     return time >= 2500ms && time < 7s ? over.at(time) : sample().at(time);
   });
 
-  // What diff() says, done to the first track, makes the second.
+  // Applying what diff() returns to the first track gives the second.
   const std::vector<Difference> differences = *diff(sample(), strongest);
   fail_if(differences.empty());
   for (Time time{ 0 }; time < 8s; time += 5ms) {

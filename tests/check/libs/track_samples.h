@@ -8,8 +8,6 @@
 
 #include <gst/check/gstcheck.h>
 
-/// Tracks for tests of their formats.
-
 inline tactile::TactileMap
 make_map(int rows, int columns, std::initializer_list<float> levels)
 {
@@ -18,7 +16,7 @@ make_map(int rows, int columns, std::initializer_list<float> levels)
   return map;
 }
 
-/// Two tactors of a 3 × 3 grid at 75 % from 1.0 s to 1.4 s: the film of the reference files.
+/// Two tactors of a 3 × 3 grid at 75 % from 1.0 s to 1.4 s: the content of the reference files.
 inline tactile::Track
 two_tactors(tactile::Time end = std::chrono::milliseconds(1400))
 {
@@ -30,8 +28,8 @@ two_tactors(tactile::Time end = std::chrono::milliseconds(1400))
   return track;
 }
 
-/// A track of random grid, times (multiples of `tick`) and levels (multiples of 1 / steps; 0: any).
-/// A third of the maps are silent; it begins at 0, or not, and ends silent, or not.
+/// A track of random grid, times (multiples of `tick`) and levels (multiples of 1 / steps, any if
+/// 0). A third of the maps are silent. Beginning at 0 and ending in silence are random, too.
 inline tactile::Track
 random_track(unsigned seed, tactile::Time tick, int steps)
 {
@@ -65,7 +63,7 @@ data_file(const std::string &name)
   return (folder != nullptr ? std::string(folder) : "tests/check/data") + "/" + name;
 }
 
-/// What is wrong with what was read; fails if nothing is.
+/// The error of reading, which must fail.
 template <typename Read>
 std::string
 complaint(const tl::expected<Read, tactile::FormatError> &read)
@@ -74,14 +72,14 @@ complaint(const tl::expected<Read, tactile::FormatError> &read)
   return read.error().text();
 }
 
-/// As fail_unless_equals_string(), which must not be given what goes away with the statement.
+/// Like fail_unless_equals_string(), which would read a temporary after its end.
 #define ASSERT_TEXT(actual, expected)                                                              \
   do {                                                                                             \
     const std::string actual_text = actual;                                                        \
     fail_unless_equals_string(actual_text.c_str(), expected);                                      \
   } while (0)
 
-/// Whether the complaint begins with `place` and contains `reason`.
+/// Checks that reading fails, at `place` and for this reason.
 #define ASSERT_COMPLAINT(read, place, reason)                                                      \
   do {                                                                                             \
     const std::string said = complaint(read);                                                      \

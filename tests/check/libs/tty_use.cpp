@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 //
-// Trees as Linux 6.1 has them: a terminal of cdc_acm belongs to the device's interface, one of
-// usb-serial to a port of it.
+// Device trees as Linux 6.1 has them. A terminal of cdc_acm belongs to the device's interface, one
+// of usb-serial to a port of it.
 #include "tactor/serial/tty_use.h"
 
 #include "system_tree.h"
@@ -11,7 +11,7 @@
 #include <sys/sysmacros.h>
 #include <unistd.h>
 
-// After the standard library's headers: gstcheck.h defines a macro named fail.
+// gstcheck.h defines a macro `fail`, so it follows the standard library's headers.
 #include <gst/check/gstcheck.h>
 
 using namespace tactor;
@@ -19,7 +19,7 @@ using Kind = LineUse::Kind;
 
 namespace {
 
-/// A terminal that nobody else has: its node stands for one of a serial line.
+/// A terminal of its own, which stands for a serial line's.
 class Pty
 {
 public:
@@ -47,27 +47,27 @@ private:
   int master_;
 };
 
-/// A machine with serial lines on USB.
+/// A machine with USB serial lines.
 struct Machine : SystemTree
 {
   Machine()
   {
     refs("cdc_acm", 0);
     refs("ftdi_sio", 0);
-    refs("usbserial", 1); // its user is ftdi_sio
+    refs("usbserial", 1); // in use by ftdi_sio
   }
   void refs(const std::string &module, int count) const
   {
     write(roots.sys / "module" / module / "refcnt", std::to_string(count) + "\n");
   }
-  /// ttyACM0 and the like.
+  /// Adds a line like ttyACM0.
   void plug_acm(const std::string &bus_path, const std::string &name, const Pty &pty) const
   {
     const auto interface = roots.sys / "devices/usb1" / bus_path / (bus_path + ":1.0");
     add(interface, interface / "tty" / name, name, pty.number);
     driver(interface, "usb/drivers/cdc_acm", "cdc_acm");
   }
-  /// ttyUSB0 and the like.
+  /// Adds a line like ttyUSB0.
   void plug_ftdi(const std::string &bus_path, const std::string &name, const Pty &pty) const
   {
     const auto interface = roots.sys / "devices/usb1" / bus_path / (bus_path + ":1.0");
@@ -75,7 +75,7 @@ struct Machine : SystemTree
     driver(interface / name, "usb-serial/drivers/ftdi_sio", "ftdi_sio");
     driver(interface, "usb/drivers/ftdi_sio", "usbserial");
   }
-  /// A process that has this file open.
+  /// Adds a process that has this file open.
   void run(const std::string &pid, const std::string &name, const std::string &file) const
   {
     write(roots.proc / pid / "comm", name + "\n");
@@ -112,15 +112,15 @@ GST_START_TEST(test_free)
   machine.plug_acm("1-1", "ttyACM0", pty);
   machine.run("77", "bash", "/dev/null");
   fail_unless(tty_use("1-1", 0, machine.roots) == LineUse{});
-  // A console has no device; and there may be no sysfs at all.
+  // A console has no device. sysfs may be missing.
   machine.write(machine.roots.sys / "class/tty/tty1/dev", "4:1\n");
   fail_unless(tty_use("1-1", 0, machine.roots) == LineUse{});
   fail_unless(tty_use("1-1", 0, { .sys = "/nowhere", .proc = "/nowhere" }) == LineUse{});
 }
 GST_END_TEST;
 
-/// By whom, told by the number of what is open, whatever the node is called. Only this device's
-/// line counts.
+/// The error names the process. Files are compared by device number, whatever the node is called.
+/// Only the line of this device counts.
 GST_START_TEST(test_open)
 {
   for (const bool acm : { true, false }) {
@@ -138,13 +138,13 @@ GST_START_TEST(test_open)
     fail_unless(use.kind == Kind::certain);
     fail_unless(use.by == "cat (process 4242) has " + name + " open", "%s", use.by.c_str());
     fail_unless(tty_use("1-10", 0, machine.roots) == LineUse{});
-    // A chip's second line is another one.
+    // The chip's second line is a different one.
     fail_unless(tty_use("1-1", 1, machine.roots) == LineUse{});
   }
 }
 GST_END_TEST;
 
-/// A process of another user: its files cannot be seen, but its module's references can.
+/// A process of another user: its open files are hidden, but its module's reference count is not.
 GST_START_TEST(test_open_by_another_user)
 {
   for (const bool acm : { true, false }) {
@@ -158,10 +158,10 @@ GST_START_TEST(test_open_by_another_user)
     plug("1-1", "ttyX0", pty);
     machine.refs(module, 1);
     fail_unless(tty_use("1-1", 0, machine.roots).kind == Kind::certain);
-    // One of two, and who knows which.
+    // One of two lines is open, and it is unknown which.
     plug("1-2", "ttyX1", other);
     fail_unless(tty_use("1-1", 0, machine.roots).kind == Kind::perhaps);
-    // The other is, by one who can be seen.
+    // The other line is: its process can be seen.
     machine.run("4242", "minicom", other.node);
     fail_unless(tty_use("1-1", 0, machine.roots) == LineUse{});
     machine.refs(module, 2);
@@ -170,7 +170,7 @@ GST_START_TEST(test_open_by_another_user)
 }
 GST_END_TEST;
 
-/// Lock files of the UUCP kind count while their process lives.
+/// UUCP-style lock files count while their process lives.
 GST_START_TEST(test_locks)
 {
   const Machine machine;
@@ -191,7 +191,7 @@ GST_START_TEST(test_locks)
 }
 GST_END_TEST;
 
-/// This very machine's processes: this one has a terminal open, and stops having it.
+/// Processes of the real machine: this one opens a terminal and closes it.
 GST_START_TEST(test_processes_of_this_machine)
 {
   Machine machine;
@@ -210,8 +210,8 @@ GST_START_TEST(test_processes_of_this_machine)
 }
 GST_END_TEST;
 
-/// As the kernel has it: an interface has a link to its driver, or none; of a device that is gone
-/// nothing is known.
+/// As the kernel does it: an interface has a link to its driver or none. Nothing is known of a
+/// device that is gone.
 GST_START_TEST(test_without_driver)
 {
   const Machine machine;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 //
-// data/udev/70-visuotactile.rules, read by the rules of udev(7): it gives away the boards that the
-// library uses, and no other device.
+// data/udev/70-visuotactile.rules, read by the rules of udev(7), grants access to the boards that
+// the library uses, and to no other device.
 #include "tactor/serial/cdc_acm.h"
 #include "tactor/serial/ch340.h"
 #include "tactor/serial/ftdi.h"
@@ -16,7 +16,7 @@
 #include <string>
 #include <vector>
 
-// After the standard library's headers: gstcheck.h defines a macro named fail.
+// gstcheck.h defines a macro `fail`, so it follows the standard library's headers.
 #include <gst/check/gstcheck.h>
 
 using tactor::UsbId;
@@ -31,7 +31,7 @@ rules_file()
   return file;
 }
 
-/// One `KEY{attribute}operator"value"`.
+/// A match or an assignment: `KEY{attribute}operator"value"`.
 struct Term
 {
   std::string key; ///< with its attribute, as "ATTR{idVendor}"
@@ -41,7 +41,7 @@ struct Term
 
 using Rule = std::vector<Term>;
 
-/// Every rule of the file; fails where a line is not of udev's grammar.
+/// All rules of the file. Fails on a line that udev's grammar does not allow.
 std::vector<Rule>
 read_rules()
 {
@@ -67,7 +67,7 @@ read_rules()
 
 using Device = std::map<std::string, std::string>; ///< what keys match against
 
-/// "a|b" with wildcards.
+/// Whether the value matches "a|b" with wildcards.
 bool
 matches(const std::string &pattern, const std::string &value)
 {
@@ -78,7 +78,7 @@ matches(const std::string &pattern, const std::string &value)
   return false;
 }
 
-/// What the rules assign to a device, as "TAG+=uaccess".
+/// What the rules assign to a device, in the form "TAG+=uaccess".
 std::set<std::string>
 assignments(const std::vector<Rule> &rules, const Device &device)
 {
@@ -137,7 +137,7 @@ has(const std::array<UsbId, count> &ids, std::uint16_t vendor, std::uint16_t pro
   return tactor::is_one_of({ .idVendor = vendor, .idProduct = product }, ids);
 }
 
-/// Every vendor and product that the rules or the library name, and their neighbors.
+/// All vendor and product numbers that the rules or the library name, and their neighbors.
 std::set<std::uint16_t>
 numbers(const std::vector<Rule> &rules)
 {
@@ -167,7 +167,7 @@ numbers(const std::vector<Rule> &rules)
 
 } // namespace
 
-/// The boards that the library uses are given away, and nothing else.
+/// Access is granted to the boards that the library uses, and to nothing else.
 GST_START_TEST(test_boards)
 {
   const std::vector<Rule> rules = read_rules();
@@ -195,7 +195,7 @@ GST_START_TEST(test_boards)
 }
 GST_END_TEST;
 
-/// Only the device itself, not its interfaces or terminals, and not when it goes.
+/// Only to the device itself, not to its interfaces or terminals, and not when it is removed.
 GST_START_TEST(test_events)
 {
   const std::vector<Rule> rules = read_rules();
@@ -213,8 +213,8 @@ GST_START_TEST(test_events)
 }
 GST_END_TEST;
 
-/// 73-seat-late.rules acts on the tag, so this has to be read before it; ID_USB_INTERFACES comes
-/// from 50-udev-default.rules.
+/// 73-seat-late.rules acts on the tag, so this file must precede it. It uses ID_USB_INTERFACES,
+/// which 50-udev-default.rules sets.
 GST_START_TEST(test_order)
 {
   const std::string name = rules_file().filename();

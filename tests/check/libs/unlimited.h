@@ -3,7 +3,7 @@
 
 #include "tactor/command_planner.h"
 
-/// What MotorLimits would take from a plan is not what these tests are about.
+/// For tests that MotorLimits must not affect.
 inline constexpr tactor::MotorLimits kNoLimits{ .max_on_time = tactor::Time(0),
                                                 .max_duty = 0,
                                                 .max_active = 0 };

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 //
-// The viewport itself, and maps through a viewport.
+// The viewport, and maps through a viewport.
 #include "tactile/viewport.h"
 
 #include "frame_rate.h"
@@ -41,7 +41,7 @@ struct Map
   {
   }
 
-  /// A square of so many samples about a place in shares of the map.
+  /// A square of `side` samples about a place given as shares of the map.
   Map &spot(double x, double y, int side, float value)
   {
     const int left = static_cast<int>(std::lround(x * width - side / 2.0));
@@ -75,8 +75,8 @@ fail_unless_same(const Viewport &a, const Viewport &b, double tolerance)
   fail_unless_near(a.height, b.height, tolerance);
 }
 
-/// What lies in cell i of n of a viewport, of a picture that covers [begin, begin + length) of the
-/// samples of an axis: the outermost cells have what is outside.
+/// The part of an axis that cell `cell` of `cells` covers in a viewport. The picture covers [begin,
+/// begin + length) of the samples. The outermost cells include what is outside the viewport.
 struct Span
 {
   double begin;
@@ -99,8 +99,8 @@ overlap(const Span &span, int sample)
 
 } // namespace
 
-/// By area: each sample counts in the cell it lies in or that is nearest, as much as it would in a
-/// cell of the viewport.
+/// By area: each sample counts in the cell that contains it or is nearest, with the weight of its
+/// area in that cell.
 GST_START_TEST(test_mapping_by_area)
 {
   std::mt19937 generator(3);
@@ -143,7 +143,7 @@ GST_START_TEST(test_mapping_by_area)
 }
 GST_END_TEST;
 
-/// By a Gaussian: a spot outside the viewport is felt as one on its border, in the nearest cell.
+/// By a Gaussian: a spot outside the viewport counts as one on its border.
 GST_START_TEST(test_mapping_by_gaussian)
 {
   MappingSettings settings = kPooling;
@@ -158,18 +158,18 @@ GST_START_TEST(test_mapping_by_gaussian)
       ck_assert_uint_eq(
           static_cast<std::size_t>(std::ranges::max_element(out.levels) - out.levels.begin()),
           cell);
-      // Half a cell from the middle of the nearest one is 1.5 σ, and the middle of a cell is 0 σ.
+      // A spot half a cell from the nearest cell's center is at 1.5 σ, one at the center at 0 σ.
       const auto felt = [&](double z) {
         return z == 0.5 ? 1.0 : std::exp(-0.5 * 1.5 * 1.5);
       };
-      // A cell is 15 samples, σ is 5: the Gaussian about a cell's middle sums to 2 π σ².
+      // A cell has 15 samples, so σ is 5 samples: the Gaussian's sum is 2 π σ².
       fail_unless_near(out.levels[cell], felt(x) * felt(y) / (2 * std::numbers::pi * 5 * 5),
                        0.0006);
     }
 }
 GST_END_TEST;
 
-/// The whole picture is what there is without a viewport, to the last bit.
+/// A viewport of the whole picture gives bit-identical maps to none.
 GST_START_TEST(test_whole_picture)
 {
   std::mt19937 generator(5);
@@ -189,8 +189,8 @@ GST_START_TEST(test_whole_picture)
 }
 GST_END_TEST;
 
-/// A small thing that moves about the middle third of a wide shot: fixed, it is felt in the middle
-/// alone; adaptive, it is felt left, in the middle and right.
+/// A small object moves within the middle third of a wide shot. With the whole picture only the
+/// middle column plays. With the adaptive viewport the left, middle and right ones do.
 GST_START_TEST(test_small_events_in_the_middle)
 {
   AdaptiveViewport adaptive;
@@ -211,7 +211,7 @@ GST_START_TEST(test_small_events_in_the_middle)
 }
 GST_END_TEST;
 
-/// Events all over the picture are felt where they are: in each cell's middle in turn, in any
+/// Events all over the picture keep their cells. They come at each cell's center in turn, in any
 /// order.
 GST_START_TEST(test_events_everywhere)
 {
@@ -236,14 +236,14 @@ GST_START_TEST(test_events_everywhere)
 }
 GST_END_TEST;
 
-/// What a spot that stays leads to, by the definition: weight w = 1 − exp(−t / 8 s) of the past,
-/// 0.2 of the whole picture, mean ± 2 σ.
+/// The viewport for a still spot by its definition: weight w = 1 − exp(−t / 8 s) for the past, 0.2
+/// for the whole picture, mean ± 2 σ.
 GST_START_TEST(test_closed_form)
 {
   for (const FrameRate &rate : { FrameRate{ 24, 1 }, { 30000, 1001 }, { 60, 1 } })
     for (const double place : { 0.3, 0.5 }) {
       AdaptiveViewport adaptive;
-      // One sample whose middle is there.
+      // One sample whose center is at `place`.
       Map map(10, 10);
       map.values[static_cast<std::size_t>(50 + std::lround(place * 10 - 0.5))] = 1;
       SaliencyView view = map.view();
@@ -258,7 +258,7 @@ GST_START_TEST(test_closed_form)
       const double mean = (weight * place + 0.2 * 0.5) / (weight + 0.2);
       const double square = (weight * place * place + 0.2 / 3) / (weight + 0.2);
       const double length = 4 * std::sqrt(square - mean * mean);
-      fail_unless_near(viewport.width, length, 1e-3); // the borders follow at a limited speed
+      fail_unless_near(viewport.width, length, 1e-3); // borders move at a limited speed
       fail_unless_near(viewport.left, std::max(0.0, mean - length / 2), 1e-3);
       if (place == 0.5)
         fail_unless(viewport.width > 0.47 && viewport.width < 0.48);
@@ -266,8 +266,8 @@ GST_START_TEST(test_closed_form)
 }
 GST_END_TEST;
 
-/// Whatever comes: within the picture, not narrower than 0.47, no border faster than a quarter of
-/// the picture a second.
+/// For any film the viewport stays within the picture and is at least 0.47 wide. No border moves
+/// faster than a quarter of the picture a second.
 GST_START_TEST(test_bounds)
 {
   std::mt19937 generator(17);
@@ -296,7 +296,7 @@ GST_START_TEST(test_bounds)
 }
 GST_END_TEST;
 
-/// The same film at any rate, also at a variable one: the same viewport.
+/// The viewport is the same at any frame rate, also at a variable one.
 GST_START_TEST(test_rates_agree)
 {
   const auto film = [](Time time) {
@@ -321,8 +321,8 @@ GST_START_TEST(test_rates_agree)
 }
 GST_END_TEST;
 
-/// Three seconds of silence, and it goes back to the whole picture, no faster than it may; what is
-/// not above the floor is silence.
+/// After three seconds of silence the viewport returns to the whole picture at its limited speed.
+/// Values up to the floor count as silence.
 GST_START_TEST(test_silence)
 {
   const Map spot = Map(60, 60).spot(0.5, 0.5, 2, 1);
@@ -336,12 +336,12 @@ GST_START_TEST(test_silence)
   fail_unless(narrow.width < 0.5 && narrow.height < 0.5);
   for (; time < 23s; time += 50ms)
     viewport = adaptive.follow(noise.view(), kFloor, kThreshold, time);
-  fail_unless(viewport.width < 0.6); // it forgets a little
+  fail_unless(viewport.width < 0.6); // it relaxes a little
   fail_unless(viewport.width >= narrow.width);
   for (; time <= 25s; time += 50ms)
     viewport = adaptive.follow(noise.view(), kFloor, kThreshold, time);
   fail_unless(viewport == Viewport());
-  // Nothing of it is left: one frame does not bring it back.
+  // Its past is forgotten: one frame does not bring it back.
   viewport = adaptive.follow(spot.view(), kFloor, kThreshold, time);
   fail_unless(viewport.width > 0.98);
 }
@@ -367,7 +367,7 @@ GST_START_TEST(test_resets)
 }
 GST_END_TEST;
 
-/// Maps without values, with values that are none, and times as far apart as can be told.
+/// Empty maps, maps without finite values, and times near the ends of their range.
 GST_START_TEST(test_bad_input)
 {
   AdaptiveViewport adaptive;

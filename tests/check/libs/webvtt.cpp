@@ -49,13 +49,13 @@ GST_START_TEST(test_what_editors_do)
 {
   const Track expected = two_tactors();
   const char *files[] = {
-    // a byte order mark, Windows' line ends, no note, an identifier, settings, short times
+    // byte order mark, CRLF, no note, an identifier, settings, short times
     "\xef\xbb\xbfWEBVTT - a title\r\n\r\n7\r\n00:01.000 --> 00:01.400 align:start line:0\r\n0 0 "
     "0\r\n0 75 75\r\n0 0 0\r\n",
-    // notes, styles and regions around; header lines
+    // notes, styles and regions, header lines
     "WEBVTT\nKind: metadata\n\nSTYLE\n::cue { color: red }\n\nREGION\nid:x\n\nNOTE by hand\n\nNOTE "
     "tactile grid=3x3\n\n00:00:01.000 --> 00:00:01.400\n0 0 0 0 75 75 0 0 0\n\nNOTE\nthe end\n",
-    // old Macs' line ends, cues that abut
+    // CR line ends, adjacent cues
     "WEBVTT\r\r00:01.000 --> 00:01.200\r0 0 0\r0 75 75\r0 0 0\r\r00:01.200 --> 00:01.400\r0 0 0\r0 "
     "75 75\r0 0 0",
   };
