@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// How kernels ask memory for what they will need, for sources that Highway compiles once for each
-// target.
+// Prefetch instructions for kernels, in sources that Highway compiles once per target.
 #if defined(SALIENCY_AHEAD_INL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef SALIENCY_AHEAD_INL_H
 #undef SALIENCY_AHEAD_INL_H
@@ -18,16 +17,16 @@
 HWY_BEFORE_NAMESPACE();
 namespace saliency::HWY_NAMESPACE {
 
-/// Asks for as many bytes as are worked on at once, `bytes` after `done` others: to the first level
-/// of the cache, out of which they will go to the second again; told so, processors read ahead by
-/// themselves, too.
+/// Prefetches the share of `ahead` that belongs to one step of a kernel: `bytes` are read per step
+/// and `done` have been read so far. Loads go to the L1 cache; they are evicted to L2 before use,
+/// but they also start the CPU's own hardware prefetcher.
 template <std::size_t bytes>
 HWY_INLINE void
 ask(const Ahead &ahead, std::ptrdiff_t done)
 {
   constexpr std::size_t kLine = 64;
   constexpr std::size_t kLines = std::max<std::size_t>(1, bytes / kLine);
-  constexpr std::size_t kTurn = Ahead::kRows / kLines; // steps for a line of each row
+  constexpr std::size_t kTurn = Ahead::kRows / kLines; // steps for a cache line of each row
   static_assert(kTurn * kLines == Ahead::kRows);
   const std::size_t step = static_cast<std::size_t>(done) / std::max(bytes, kLine);
   const auto row = static_cast<std::ptrdiff_t>(step % kTurn * kLines);

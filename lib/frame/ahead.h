@@ -8,9 +8,9 @@
 
 namespace saliency {
 
-/// Bytes of a frame that will be needed soon, which who works on others asks memory for meanwhile:
-/// as many, a line of the cache from each of kRows rows in turn, as memory delivers more at a time
-/// of several rows than of one. They need not be there.
+/// Bytes of a frame to prefetch while other rows are processed. One cache line of each of kRows
+/// rows is fetched in turn: memory is faster when several rows are read at once. The addresses may
+/// lie outside the frame, since a prefetch never faults.
 struct Ahead
 {
   static constexpr int kRows = 4;
@@ -19,13 +19,14 @@ struct Ahead
   std::ptrdiff_t row_stride;
 };
 
-/// What to ask for while `part` of `parts` of `at_once` rows from y on is worked on: a part of the
-/// group of rows after theirs. What is a row to Ahead is as many of them as fill a page.
+/// What to prefetch while `part` of `parts` of the `at_once` rows from `y` on is processed: a share
+/// of the next group of rows. Where several rows fit in a page, that many count as one row of
+/// Ahead.
 ///
-/// Asking is in vain for a page whose address the processor has yet to look up, and each look-up
-/// takes as long as several lines. So where rows are worked on at once, each of which comes to new
-/// pages, this from time to time reads a byte of each page that will be asked for later, but those
-/// of the first rows: many look-ups at the same time. `at_once` is at most kRows.
+/// A prefetch that misses the TLB is dropped, and a page walk takes as long as several cache
+/// misses. When several rows are processed at once, each on pages of its own, this function
+/// therefore reads one byte of each page of later rows now and then, so that many page walks
+/// overlap. The first rows of a frame are left out. `at_once` is at most kRows.
 Ahead look_ahead(const Component &first, int y, int at_once, int part = 0, int parts = 1);
 
 } // namespace saliency

@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <type_traits>
 
-// Everything up to HWY_ONCE is compiled for each target. No fused multiply-add, which not all have.
+// Everything up to HWY_ONCE is compiled once per target, without FMA: results are bit-identical.
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "frame/byte_kernels.cpp"
 #include <hwy/foreach_target.h>
@@ -31,8 +31,8 @@ using saliency::HWY_NAMESPACE::Taps;
 using saliency::HWY_NAMESPACE::weigh_taps;
 template <typename T> using Tag = saliency::HWY_NAMESPACE::Vectors<T>;
 
-/// From place x on, places that lie in `readable` samples, once each, by shorter and shorter
-/// vectors: `work(d, x)`, of `numbers` a place.
+/// Covers output indices from x on, whose input lies in `readable` samples, once each, with ever
+/// shorter vectors. Calls `work(d, x)`; each index has `numbers` lanes. Returns where it stopped.
 template <int numbers, typename Work>
 HWY_INLINE int
 cover_halved_once(int x, [[maybe_unused]] int readable, [[maybe_unused]] const Work &work)
@@ -54,7 +54,7 @@ cover_halved_once(int x, [[maybe_unused]] int readable, [[maybe_unused]] const W
   return x;
 }
 
-/// In place of a vector's tag: numbers one by one, which for a row's ends is quicker.
+/// Stands for a vector's tag: one number at a time, faster at the ends of a row.
 struct One
 {
 };
@@ -85,8 +85,8 @@ store(hn::VFromD<D> value, D d, std::uint16_t *to)
   hn::StoreU(value, d, to);
 }
 
-/// 6, which the compiler does not know, as it would make two shifts and an addition of one
-/// multiplication.
+/// 6, hidden from the compiler, which would replace one multiplication by two shifts and an
+/// addition.
 HWY_INLINE std::uint16_t
 six()
 {
@@ -97,8 +97,8 @@ six()
   return value;
 }
 
-/// Two more rows of sums from side to side, a and b, the first four times: the row that they
-/// complete from top to bottom, and the sums for the next.
+/// Adds two rows of horizontal sums, a (times 4) and b. Returns the row that they complete
+/// vertically and updates the sums for the next.
 template <class D, class V = hn::VFromD<D>>
 HWY_INLINE V
 add_rows(D d, V four_a, V b, V &weighted, V &last)
@@ -118,8 +118,7 @@ add_rows(One, int four_a, int b, int &weighted, int &last)
   return average(sum, 0);
 }
 
-/// What becomes of two rows that are made, of which `carried` begins with sums: both are stored
-/// where `out(i)` tells.
+/// Halving: stores both rows at `out(0)` and `out(1)`. Its carried state has the sums alone.
 struct Halved
 {
   static constexpr std::size_t kRows = kAtOnce;
@@ -133,7 +132,7 @@ struct Halved
   }
 };
 
-/// Or one is made of them and of those before.
+/// Quartering: stores one row, made from these two and the three rows kept before.
 struct Quartered
 {
   static constexpr std::size_t kRows = 1;
@@ -158,8 +157,8 @@ struct Quartered
   }
 };
 
-/// The rows at the carried number `x`, each of which `four(row)` and `once(row)` give from side to
-/// side.
+/// Adds four source rows at carried number `x`. `four(row)` and `once(row)` return a row's
+/// horizontal sum, times four and times one.
 template <class Made, class D, typename Four, typename Once, typename Out>
 HWY_INLINE void
 add_source_rows(D d, const SourceRows &rows, const Four &four, const Once &once, Carried carried,
@@ -177,7 +176,7 @@ add_source_rows(D d, const SourceRows &rows, const Four &four, const Once &once,
   Made::store_rows(d, v0, v1, sums, carried.more, out);
 }
 
-/// For halved_sums(), which `pairs(row)` tells where to load from.
+/// The same by vectors, which `pairs(row)` loads for halved_sums().
 template <class Made, class D, typename Pairs, typename Out>
 HWY_INLINE void
 add_source_pairs(D d, const SourceRows &rows, const Pairs &pairs, Carried carried, std::size_t x,
@@ -192,7 +191,7 @@ add_source_pairs(D d, const SourceRows &rows, const Pairs &pairs, Carried carrie
   add_source_rows<Made>(d, rows, four, once, carried, x, out);
 }
 
-/// A place alone, of whose rows `at(row, i)` gives byte i.
+/// The same for a single output; `at(row, i)` returns byte i of a row.
 template <class Made, typename At, typename Out>
 HWY_INLINE void
 add_source_taps(const SourceRows &rows, const Taps &taps, const At &at, Carried carried,
@@ -206,7 +205,7 @@ add_source_taps(const SourceRows &rows, const Taps &taps, const At &at, Carried 
       out);
 }
 
-/// The carried number with which a place begins.
+/// Index of the first carried number of an output.
 template <std::size_t numbers>
 constexpr std::size_t
 carried_at(std::ptrdiff_t place)
@@ -258,18 +257,18 @@ QuarterBytes(const SourceRows &rows, int width, const Carried &carried, Fixed *q
   decimate_bytes<Quartered>(rows, width, carried, { quartered }, ahead);
 }
 
-/// Rows for the kinds of numbers that matter: two of pixels of two bytes, three of four.
+/// One row for each component used: two for pixels of two bytes, three for four.
 template <int bytes> using Kinds = std::array<Fixed *, bytes == 2 ? 2 : 3>;
 
 #if HWY_TARGET != HWY_SCALAR
-/// The numbers of as many places as fill 16 bytes lie together by kinds: those that matter to rows
-/// of their own.
+/// Splits `count` pixels into a row per component. Each 16 bytes of `pixels` hold a few pixels,
+/// sorted by component.
 template <int bytes>
 void
 part_pixels(const Fixed *pixels, std::ptrdiff_t count, const Kinds<bytes> &out, std::ptrdiff_t at)
 {
   std::ptrdiff_t x = 0;
-  const auto by = [=, &x](auto d) HWY_ATTR { // a kind's numbers that lie together are a lane
+  const auto by = [=, &x](auto d) HWY_ATTR { // a lane holds the adjacent numbers of one component
     const hn::Repartition<Fixed, decltype(d)> d16;
     const auto step = static_cast<std::ptrdiff_t>(hn::Lanes(d16));
     for (; x + step <= count; x += step) {
@@ -307,8 +306,8 @@ part_pixels(const Fixed *pixels, std::ptrdiff_t count, const Kinds<bytes> &out, 
                               + x % kTogether];
 }
 
-/// Pixels are taken apart a few at a time, while they are in the first level of the cache. Vectors
-/// stop short of the last pixel of four bytes, of which there may be three alone.
+/// Pixels are split a few at a time while they are in the L1 cache. Vectors stop before the last
+/// four-byte pixel, of which only three bytes may exist.
 template <class Made, int bytes>
 int
 decimate_pixels_from(int x, const SourceRows &rows, int width, Carried carried,
@@ -320,7 +319,7 @@ decimate_pixels_from(int x, const SourceRows &rows, int width, Carried carried,
             : std::array<std::uint8_t, 16>{ 0, 4, 8, 12, 1, 5, 9, 13, 2, 6, 10, 14, 3, 7, 11, 15 };
   constexpr int kPlaces = 32;
   alignas(64) std::array<std::array<Fixed, std::size_t{ bytes } * kPlaces>, Made::kRows> pixels;
-  std::ptrdiff_t begin = x; // place of the first of the pixels
+  std::ptrdiff_t begin = x; // first output of `pixels`
   const auto part = [&](std::ptrdiff_t count) {
     for (std::size_t i = 0; i < Made::kRows; ++i)
       part_pixels<bytes>(pixels[i].data(), count, out[i], begin);

@@ -8,24 +8,24 @@
 #include <cstddef>
 #include <cstdint>
 
-/// How rows of bytes are decimated as they are read, for the widest vectors that this CPU has
-/// (Highway); the result is the same on all of them. No byte before a row's first or after its last
-/// is read.
+/// Decimation of 8-bit rows as they are read, with the widest vectors of this CPU (Highway).
+/// Results are identical on every CPU. No byte before the start or after the end of a row is read.
 namespace saliency::kernels {
 
-/// How many rows of half the height are made at once: sums are read and written once for all of
-/// them.
+/// Rows of half the height made per call, so that the carried sums are loaded and stored only once.
 constexpr int kAtOnce = 2;
 template <typename T> using AtOnce = std::array<T, kAtOnce>;
 
-/// Rows 2y + 1 and 2y + 2 of an image, and those that follow, two for each row that is made.
+/// Source rows 2y + 1, 2y + 2 and those that follow, two for each row that is made.
 constexpr std::ptrdiff_t kSourceRows = std::ptrdiff_t{ 2 } * kAtOnce;
 using SourceRows = std::array<const std::uint8_t *, kSourceRows>;
 
-/// What rows leave for those that follow: of rows of bytes, each halved from side to side times 16
-/// (h), h[2y - 2] + 4 h[2y - 1] + 6 h[2y], and h[2y], where y is the next row of half the height;
-/// where rows are quartered, also rows y - 3, y - 2 and y - 1. kBlock numbers of each kind lie one
-/// after the other, then as many more of each; a row's second place begins a block.
+/// State carried from one call to the next. With h the source rows halved horizontally, times 16,
+/// and y the next row of half the height, it holds h[2y - 2] + 4 h[2y - 1] + 6 h[2y], and h[2y].
+/// When quartering, it also holds rows y - 3, y - 2 and y - 1.
+///
+/// Layout: kBlock numbers of the first kind, then kBlock of the next kind and so on, repeated along
+/// the row. Sample 1 of a row starts a block.
 struct Carried
 {
   static constexpr std::ptrdiff_t kBlock = 32;
@@ -33,31 +33,31 @@ struct Carried
   static constexpr int kQuartered = 5;
 
   std::uint16_t *first;
-  /// Rows from y on that there are, of kAtOnce; beyond the last they are mirrored without repeating
-  /// it. Of no meaning where rows are not quartered.
+  /// How many of the kAtOnce rows from y on exist; rows beyond the last are mirrored
+  /// (BORDER_REFLECT_101). Ignored unless quartering.
   int more = kAtOnce;
 };
 
-/// Every other sample of [1 4 6 4 1]/16 along both axes, mirrored at a row's ends without repeating
-/// them: from rows of `width` bytes and what those before them left, rows y, y + 1, … of half the
-/// height, rounded half up to code values times 128, and what the next need.
+/// Makes rows y, y + 1, … of half the width and height: every other sample of the kernel
+/// [1 4 6 4 1]/16 along both axes, ends mirrored (BORDER_REFLECT_101). `rows` are `width` bytes
+/// each. Output is in code values times 128, rounded half up. Updates `carried`.
 void halve_bytes(const SourceRows &rows, int width, const Carried &carried,
                  const AtOnce<Fixed *> &halved, const Ahead &ahead);
 
-/// The same of pixels of two bytes, which go to rows of their own; there are two numbers a pixel.
-/// Or of four bytes, the first three of which do so; there are four, and the last byte of a row
-/// need not be there.
+/// The same for pixels of two bytes, or of four bytes of which the first three count; each
+/// component goes to a row of its own. `carried` holds two or four numbers per pixel. The last byte
+/// of a row of four-byte pixels is never read.
 void halve_pixels(const SourceRows &rows, int width, const Carried &carried,
                   const AtOnce<std::array<Fixed *, 2>> &halved, const Ahead &ahead);
 void halve_pixels(const SourceRows &rows, int width, const Carried &carried,
                   const AtOnce<std::array<Fixed *, 3>> &halved, const Ahead &ahead);
 
-/// Halves once more from top to bottom, as halve_rows() does, what halve_bytes() makes: row (y - 1)
-/// / 2 of a quarter of the height.
+/// As halve_bytes(), and halves its rows once more vertically as halve_rows() does: makes row
+/// (y - 1) / 2 of a quarter of the height.
 void quarter_bytes(const SourceRows &rows, int width, const Carried &carried, Fixed *quartered,
                    const Ahead &ahead);
 
-/// The same of what halve_pixels() makes.
+/// The same for the pixels of halve_pixels().
 void quarter_pixels(const SourceRows &rows, int width, const Carried &carried,
                     const std::array<Fixed *, 2> &quartered, const Ahead &ahead);
 void quarter_pixels(const SourceRows &rows, int width, const Carried &carried,

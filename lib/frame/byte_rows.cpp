@@ -16,7 +16,8 @@ namespace saliency {
 
 namespace {
 
-/// Rows from y on, of an image of that height: `row(y, place among them)`.
+/// Source rows from y on of an image of that height, mirrored at its end. `row(y, i)` returns the
+/// i-th.
 template <typename Row>
 kernels::SourceRows
 rows_from(int y, int height, const Row &row)
@@ -27,16 +28,16 @@ rows_from(int y, int height, const Row &row)
   return rows;
 }
 
-/// Bytes as they lie in memory: any row may be asked for.
+/// Bytes as they lie in memory, with random access to rows.
 class ByteRows : public ImageRows<std::uint8_t>
 {
 public:
   using ImageRows::ImageRows;
 
-  /// Rows from y on, until the next call, mirrored beyond the borders.
+  /// Rows from y on, mirrored beyond the borders; valid until the next call.
   virtual kernels::SourceRows rows(int y) = 0;
 
-  /// What whoever works on a channel of those rows asks memory for meanwhile.
+  /// What to prefetch while a channel of those rows is processed.
   virtual Ahead ahead(int channel) const = 0;
   static_assert(kernels::kSourceRows <= Ahead::kRows);
 };
@@ -92,13 +93,12 @@ private:
 
   std::size_t index_;
   Component component_;
-  /// Bytes of a row that are asked for with other components of its pixels.
+  /// Bytes of a row that other components of the same pixels prefetch.
   std::ptrdiff_t others_ = 0;
-  int y_ = 0; ///< the first of the latest rows
+  int y_ = 0; ///< first of the latest rows
   RowBuffer<std::uint8_t> buffer_;
 };
 
-/// The last `count` of a frame's components.
 template <std::size_t count>
 std::span<const Component, count>
 last_components(const FrameView &frame)
@@ -106,7 +106,7 @@ last_components(const FrameView &frame)
   return std::span(frame.components).template last<count>();
 }
 
-/// That of a pixel's bytes, of the last `count` components, which is first in memory.
+/// Of the last `count` components, the one whose byte comes first in a pixel.
 template <std::size_t count>
 Component
 first_byte(const FrameView &frame)
@@ -117,7 +117,7 @@ first_byte(const FrameView &frame)
   return *std::ranges::min_element(last_components<count>(frame), by_address);
 }
 
-/// Channels of a row in the order in which those bytes lie in memory.
+/// Where to write the channels of a row, in the order of a pixel's bytes in memory.
 template <std::size_t count, typename T>
 std::array<T *, count>
 in_memory_order(const FrameView &frame, T *row, std::ptrdiff_t pitch)
@@ -131,7 +131,7 @@ in_memory_order(const FrameView &frame, T *row, std::ptrdiff_t pitch)
   return channels;
 }
 
-/// The samples of pixels whose three bytes lie side by side.
+/// Samples of pixels whose three bytes are adjacent.
 class PixelRows final : public ByteRows
 {
 public:
@@ -176,10 +176,10 @@ private:
     return buffer_.row(place);
   }
 
-  Component first_; ///< in memory
-  /// Rows for the bytes of a pixel.
+  Component first_; ///< first component in memory
+  /// For each source row, one row per byte of a pixel.
   std::array<std::array<std::uint8_t *, 3>, kernels::kSourceRows> places_{};
-  int y_ = 0; ///< the first of the latest rows
+  int y_ = 0; ///< first of the latest rows
   RowBuffer<std::uint8_t> buffer_;
 };
 
@@ -212,11 +212,11 @@ private:
   RowBuffer<Fixed> buffer_;
 };
 
-/// Of bytes, halved from side to side, and halved or quartered from top to bottom.
+/// 8-bit rows halved horizontally, and halved or quartered vertically.
 class DecimatedByteRows : public ImageRows<Fixed>
 {
 public:
-  /// `numbers` of a place are worked on at once, `times` in turn.
+  /// `numbers` per output are processed together, in `times` passes.
   DecimatedByteRows(cv::Size source, int channels, int numbers, int times, bool quartered)
       : ImageRows({ level_size(source, 1).width, level_size(source, quartered ? 2 : 1).height },
                   channels),
@@ -234,7 +234,7 @@ public:
   {
     const int at_once = quartered_ ? 1 : kernels::kAtOnce;
     if (y < first_made_ || y >= first_made_ + at_once) {
-      // Sums hold what the rows before have left there, and these what those before have.
+      // Restarting: the carried state depends on the rows before, so make those first.
       const int before = y == first_made_ + at_once ? 0 : (quartered_ ? 3 : 1);
       for (int i = before; i >= 0; --i)
         make(y - i * at_once);
@@ -262,11 +262,11 @@ private:
   {
     using kernels::Carried;
     constexpr int kBlock{ Carried::kBlock };
-    const int blocks = numbers / kBlock + 2; // place 1 begins one
+    const int blocks = numbers / kBlock + 2; // index 1 starts a block
     return blocks * kBlock * (quartered ? Carried::kQuartered : Carried::kHalved);
   }
 
-  /// Rows from y on.
+  /// Makes rows from y on.
   void make(int y)
   {
     const int halved = quartered_ ? 2 * y + 1 : y;
@@ -274,14 +274,14 @@ private:
     add_rows(2 * halved + 1);
   }
 
-  /// Adds rows of the source from y on.
+  /// Adds the source rows from y on.
   virtual void add_rows(int y) = 0;
 
   int first_made_ = kNone;
   int source_rows_;
   bool quartered_;
   RowBuffer<std::uint16_t> carried_;
-  int more_ = 0; ///< rows of half the height, of those that are made now, that there are
+  int more_ = 0; ///< how many of the half-height rows being made exist
 };
 
 class DecimatedBytes final : public DecimatedByteRows
@@ -321,7 +321,7 @@ private:
   std::ptrdiff_t source_pitch_;
 };
 
-/// Of pixels of two bytes, or of four, three of which matter.
+/// Pixels of two bytes, or of four of which three are used.
 template <std::size_t count> class DecimatedPixels final : public DecimatedByteRows
 {
 public:
@@ -351,8 +351,8 @@ private:
   }
 
   cv::Size source_;
-  Component first_;                                      ///< in memory
-  kernels::AtOnce<std::array<Fixed *, count>> places_{}; ///< rows for the bytes of a pixel
+  Component first_;                                      ///< first component in memory
+  kernels::AtOnce<std::array<Fixed *, count>> places_{}; ///< per row: one row per byte of a pixel
 };
 
 std::unique_ptr<ImageRows<Fixed>>

@@ -9,27 +9,27 @@
 
 namespace saliency {
 
-/// How far rows of bytes are decimated as they are read.
+/// How far 8-bit rows are decimated as they are read.
 enum class ByteDecimation
 {
   none,
   halved,    ///< along both axes
-  quartered, ///< from top to bottom, and halved from side to side
+  quartered, ///< vertically, and halved horizontally
 };
 
-/// Images of fewer rows are not quartered, which begins so far above the first that rows have to be
-/// mirrored there more than once.
+/// Fewest rows of an image that can be quartered: in a smaller one, the first rows would have to be
+/// mirrored more than once.
 constexpr int kFewestToQuarter = 16;
 
-/// Samples of a component of 8 bits, the frame's `index`-th.
+/// Samples of the frame's 8-bit component number `index`, in code values times 128.
 std::unique_ptr<ImageRows<Fixed>> byte_samples(const Component &component, std::size_t index,
                                                ByteDecimation decimation);
 
-/// The second and the third component of a frame with has_byte_pairs(), likewise; they are
-/// decimated.
+/// The second and third component of a frame with has_byte_pairs(), in the same units. `decimation`
+/// must not be `none`.
 std::unique_ptr<ImageRows<Fixed>> byte_pairs(const FrameView &frame, ByteDecimation decimation);
 
-/// All three components of a frame with has_byte_triples(), likewise.
+/// All three components of a frame with has_byte_triples(), in the same units.
 std::unique_ptr<ImageRows<Fixed>> byte_pixels(const FrameView &frame, ByteDecimation decimation);
 
 } // namespace saliency

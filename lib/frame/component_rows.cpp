@@ -81,7 +81,7 @@ public:
 
 private:
   std::unique_ptr<ImageRows<Fixed>> source_;
-  FiveRows<Fixed> rows_; ///< halved from side to side
+  FiveRows<Fixed> rows_; ///< halved horizontally
   RowBuffer<Fixed> buffer_;
   std::ptrdiff_t source_pitch_;
 };
@@ -94,7 +94,7 @@ decimated(std::unique_ptr<ImageRows<Fixed>> rows, int octaves)
   return rows;
 }
 
-/// Halved from side to side alone.
+/// Halved horizontally only.
 class HalvedColumns final : public ImageRows<Fixed>
 {
 public:
@@ -126,7 +126,7 @@ private:
   std::ptrdiff_t source_pitch_;
 };
 
-/// Halved from top to bottom alone.
+/// Halved vertically only.
 class HalvedHeight final : public ImageRows<Fixed>
 {
 public:
@@ -158,7 +158,7 @@ private:
   RowBuffer<Fixed> buffer_;
 };
 
-/// Twice as wide, interpolated on the pyramid's grid, the last sample repeated beyond it.
+/// Twice as wide, interpolated on the pyramid's grid; the last sample is repeated.
 class DoubledColumns final : public ImageRows<Fixed>
 {
 public:
@@ -183,7 +183,7 @@ private:
   RowBuffer<Fixed> buffer_;
 };
 
-/// Twice as high, likewise.
+/// Twice as high, in the same way.
 class DoubledHeight final : public ImageRows<Fixed>
 {
 public:
@@ -213,12 +213,12 @@ public:
 
 private:
   std::unique_ptr<ImageRows<Fixed>> source_;
-  int next_ = 0; ///< row of the source that is not held yet
+  int next_ = 0; ///< first source row not held yet
   RowBuffer<Fixed> held_;
   RowBuffer<Fixed> buffer_;
 };
 
-/// Of bytes that `make` reads and decimates as it is told, of which there are `height` rows.
+/// Halves 8-bit rows by `octaves`: `make` reads and decimates rows of an image of that `height`.
 template <typename Make>
 std::unique_ptr<ImageRows<Fixed>>
 decimated_bytes(const Make &make, int height, int octaves)
@@ -249,7 +249,7 @@ subsampling(int frame, int component)
 std::unique_ptr<ImageRows<Fixed>>
 component_rows(const FrameView &frame, std::size_t component, int level)
 {
-  // What there is to do along each axis; subsampling has done some of it already, or too much.
+  // Halvings still needed along each axis; negative where subsampling already went too far.
   const Component &samples = frame.components[component];
   const int columns = level - subsampling(frame.width, samples.width);
   const int rows = level - subsampling(frame.height, samples.height);
@@ -277,12 +277,12 @@ component_rows(const FrameView &frame, std::size_t component, int level)
 
 namespace {
 
-/// Whether bytes of components lie side by side, in any order.
+/// Whether the bytes of these components are adjacent, in any order.
 bool
 side_by_side(std::span<const Component> components)
 {
   const Component &first = *std::ranges::min_element(components, std::less<>(), &Component::data);
-  std::size_t places = 0; // a bit for each
+  std::size_t places = 0; // one bit each
   for (const Component &component : components) {
     const auto place = static_cast<std::size_t>(component.data - first.data);
     if (place >= components.size() || component.pixel_stride != first.pixel_stride

@@ -4,7 +4,7 @@
 #include <array>
 #include <cstddef>
 
-// Everything up to HWY_ONCE is compiled for each target. No fused multiply-add, which not all have.
+// Everything up to HWY_ONCE is compiled once per target, without FMA: results are bit-identical.
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "frame/decimation_kernels.cpp"
 #include <hwy/foreach_target.h>
@@ -27,8 +27,8 @@ using saliency::HWY_NAMESPACE::Taps;
 using saliency::HWY_NAMESPACE::weigh_taps;
 template <typename T> using Tag = saliency::HWY_NAMESPACE::Vectors<T>;
 
-/// From place x on, places by vectors of `step`: `work(x)` reads samples 2x - 2…2x + 2 step + 1 of
-/// `readable`. The last goes over some places a second time.
+/// Covers output indices from x on by vectors of `step`: `work(x)` reads samples 2x - 2…2x + 2 step
+/// + 1 of `readable`. The last vector may overlap the one before it. Returns where it stopped.
 template <typename Work>
 HWY_INLINE int
 cover_halved(int x, int readable, int step, const Work &work)
@@ -114,7 +114,7 @@ HalveRowsFloat(std::array<const float *, 5> rows, int count, float *halved)
 void
 DoubleColumns(const Fixed *in, int width, Fixed *out)
 {
-  const int between = (width - 1) / 2; // samples of which there is one more
+  const int between = (width - 1) / 2; // interpolated samples, one fewer than given ones
   cover<Fixed>(between, [=](auto d, std::ptrdiff_t x) HWY_ATTR {
     const auto sample = hn::LoadU(d, in + x);
     hn::StoreInterleaved2(sample, hn::AverageRound(sample, hn::LoadU(d, in + x + 1)), d,

@@ -5,25 +5,25 @@
 
 #include <array>
 
-/// How rows of samples are decimated, and brought to twice their width where chroma has too few,
-/// for the widest vectors that this CPU has (Highway); the result is the same on all of them. No
-/// sample before a row's first or after its last is read or written.
+/// Decimation of rows, and interpolation of subsampled chroma, with the widest vectors of this CPU
+/// (Highway). Results are identical on every CPU. No sample outside a row is read or written.
 namespace saliency::kernels {
 
-/// Every other sample of [1 4 6 4 1]/16 along a row, mirrored at its ends without repeating them;
-/// of Fixed rounded down.
+/// Every other sample of [1 4 6 4 1]/16 along a row of `width` samples, ends mirrored
+/// (BORDER_REFLECT_101). Fixed is rounded down.
 void halve_columns(const Fixed *row, int width, Fixed *halved);
 void halve_columns(const float *row, int width, float *halved);
 
-/// [1 4 6 4 1]/16 over five rows; of Fixed by means of two, each rounded half up.
+/// [1 4 6 4 1]/16 over five rows of `count` samples. Fixed is averaged pairwise, each mean rounded
+/// half up.
 void halve_rows(const std::array<const Fixed *, 5> &rows, int count, Fixed *halved);
 void halve_rows(const std::array<const float *, 5> &rows, int count, float *halved);
 
-/// `width` samples, at every other place those of `in` and between them their means, rounded half
-/// up; the last is repeated where it is followed by one more.
+/// Interpolates a row to `width` samples: even ones are those of `in`, odd ones the means of their
+/// neighbors, rounded half up. If `width` is even, the last sample is repeated.
 void double_columns(const Fixed *in, int width, Fixed *out);
 
-/// The means of two rows, rounded half up.
+/// The mean of two rows, rounded half up.
 void average(const Fixed *a, const Fixed *b, int count, Fixed *out);
 
 } // namespace saliency::kernels

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// What is common to the kernels that halve rows, for sources that Highway compiles once for each
-// target.
+// What the kernels that halve rows share, in sources that Highway compiles once per target.
 #if defined(SALIENCY_FIVE_TAPS_INL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef SALIENCY_FIVE_TAPS_INL_H
 #undef SALIENCY_FIVE_TAPS_INL_H
@@ -20,10 +19,10 @@ namespace saliency::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-/// Places of a row that the Gaussian weighs by 1, 4, 6, 4 and 1.
+/// Indices of the five samples under the kernel [1 4 6 4 1].
 using Taps = std::array<int, 5>;
 
-/// Of the samples that `at(i)` gives, 16 times.
+/// The weighted sum of the samples `at(i)`: 16 times their mean.
 template <typename At>
 auto
 weigh_taps(const Taps &taps, const At &at)
@@ -32,8 +31,8 @@ weigh_taps(const Taps &taps, const At &at)
   return at(i0) + at(i4) + 4 * (at(i1) + at(i3)) + 6 * at(i2);
 }
 
-/// Covers half of `width` places: the first and what `many(x)` leaves from place 1 on, which tells
-/// where that begins, are `one(x, taps)` each.
+/// Covers all (width + 1) / 2 outputs of a row. `many(1)` makes outputs from 1 on by vectors and
+/// returns where it stopped; output 0 and the rest are made by `one(x, taps)`.
 template <typename Many, typename One>
 HWY_INLINE void
 for_halved(int width, const Many &many, const One &one)
@@ -60,7 +59,7 @@ for_halved(int width, const Many &many, const One &one)
 
 #if HWY_TARGET == HWY_SSSE3 || HWY_TARGET == HWY_SSE4 || HWY_TARGET == HWY_AVX2                    \
     || HWY_TARGET == HWY_AVX3 || HWY_TARGET == HWY_AVX3_DL
-#define SALIENCY_WEIGHS_PAIRS 1 // by one instruction, which Highway 1.0 does not have
+#define SALIENCY_WEIGHS_PAIRS 1 // in one instruction, which Highway 1.0 lacks
 
 template <bool bytes>
 HWY_INLINE __m128i
@@ -91,7 +90,7 @@ weigh(__m512i pairs, __m512i weights)
 #define SALIENCY_WEIGHS_PAIRS 0
 #endif
 
-/// even × the first + odd × the second of each pair of numbers half as wide as a lane.
+/// even × first + odd × second of each pair of half-width numbers in a lane.
 template <int even, int odd, class D>
 HWY_INLINE hn::VFromD<D>
 weigh_pairs(D d, hn::VFromD<D> pairs)
@@ -109,8 +108,8 @@ weigh_pairs(D d, hn::VFromD<D> pairs)
 }
 #undef SALIENCY_WEIGHS_PAIRS
 
-/// Five taps, `times` over, of each pair of numbers that `load(i)` gives, one for each lane, i
-/// pairs further.
+/// `times` the five-tap sum of each lane. `load(i)` returns the samples in pairs, one pair per
+/// lane, starting i pairs further on.
 template <int times, class D, typename Load>
 HWY_INLINE hn::VFromD<D>
 halved_sums(D d, const Load &load)
@@ -133,12 +132,12 @@ average(V a, V b)
   return hn::AverageRound(a, b);
 }
 
-/// [1 4 6 4 1]/16 by means of two.
+/// [1 4 6 4 1]/16 from pairwise means.
 template <class V>
 HWY_INLINE V
 mean_of_five(V v0, V v1, V v2, V v3, V v4)
 {
-  // (outer + 3 center) / 4, which with as much of inner is the mean.
+  // (outer + 3 center) / 4, whose mean with the inner taps is the result.
   const V rest = average(v2, average(v2, average(v0, v4)));
   return average(average(v1, v3), rest);
 }

@@ -10,7 +10,7 @@ namespace saliency {
 /// What a frame's components mean.
 enum class ColorModel
 {
-  gray, ///< one component, R'G'B' gray
+  gray, ///< one component, gray R'G'B'
   yuv,  ///< Y', Cb, Cr
   rgb,  ///< R', G', B'
 };
@@ -25,19 +25,19 @@ inline constexpr YuvMatrix kBt601{ 0.299, 0.114 };    ///< ITU-R BT.601
 inline constexpr YuvMatrix kBt709{ 0.2126, 0.0722 };  ///< ITU-R BT.709
 inline constexpr YuvMatrix kBt2020{ 0.2627, 0.0593 }; ///< ITU-R BT.2020, non-constant luminance
 
-/// One component of a frame where it lies in memory: sample (x, y) is at
-/// `data + y * row_stride + x * pixel_stride`; strides are in bytes, row_stride may be negative.
+/// One component of a frame in memory: sample (x, y) is at
+/// `data + y * row_stride + x * pixel_stride`. Strides are in bytes; row_stride may be negative.
 struct Component
 {
   const std::uint8_t *data = nullptr;
   std::ptrdiff_t row_stride = 0;
   int pixel_stride = 1;
   int width = 0;  ///< samples: ⌈frame width / 2ᵏ⌉ for some k ≥ 0
-  int height = 0; ///< samples, likewise
+  int height = 0; ///< samples: ⌈frame height / 2ᵏ⌉ for some k ≥ 0
 };
 
-/// A frame as it lies in memory; planar, semi-planar and packed layouts alike. Nothing is owned or
-/// copied. 8-bit samples are bytes; deeper samples are 16-bit little-endian words whose value is
+/// A frame in memory, not owned; planar, semi-planar and packed layouts alike. 8-bit samples are
+/// bytes. Deeper samples are 16-bit little-endian words whose value is
 /// `(word >> shift) & ((1 << depth) - 1)`: I420_10LE has shift 0, P010_10LE shift 6.
 struct FrameView
 {
@@ -46,7 +46,7 @@ struct FrameView
   ColorModel model = ColorModel::yuv;
   int depth = 8; ///< significant bits of a sample: 8…16
   int shift = 0; ///< position of the lowest significant bit in the word; 0 for bytes
-  /// Samples use all codes ("pc") rather than 16–235/240 ("tv"); gray and yuv only.
+  /// Full range ("pc"), rather than codes 16–235/240 ("tv"); for gray and yuv only.
   bool full_range = false;
   YuvMatrix matrix = kBt709;
   std::array<Component, 3> components{}; ///< Y, Cb, Cr or R, G, B or gray alone

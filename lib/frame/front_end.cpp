@@ -22,7 +22,7 @@ component_count(const FrameView &frame)
   return frame.model == ColorModel::gray ? 1 : 3;
 }
 
-/// L*a*b* of a frame's components at a level: three channels, as LabConverter makes them.
+/// L*a*b* rows of a frame at one level: three channels, as LabConverter makes them.
 class LabRows final : public ImageRows<Fixed>
 {
 public:
@@ -83,7 +83,7 @@ make_rows(ImageRows<Fixed> &band, int begin, int end, FixedLabImage &image)
   }
 }
 
-/// Below a million pixels for each, waking threads takes longer than they save.
+/// Measured: below a million pixels per thread, waking threads takes longer than they save.
 int
 threads_that_pay(const FrameView &frame)
 {
@@ -187,7 +187,7 @@ FrontEnd::lab(const FrameView &frame, int level, int converted)
   pool_.run(static_cast<int>(bands_.size()), [this, &frame](int thread) {
     ImageRows<Fixed> &band = *bands_[static_cast<std::size_t>(thread)];
     band.begin(frame);
-    int next = 0; // row that the band can go on with
+    int next = 0; // the row at which the band can continue
     for (auto rows = shares_.take(thread); rows.begin < rows.end; rows = shares_.take(thread)) {
       if (rows.begin < next)
         band.begin(frame);

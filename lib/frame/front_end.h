@@ -16,56 +16,56 @@
 
 namespace saliency {
 
-/// The level at which L*a*b* is computed for an image at `level`, unless that is to be exact: the
-/// earlier, the more of what is not smooth is left as it was. Of frames of up to 480,000 pixels
-/// (800×600), which take less than a millisecond, it is 0. Larger ones are to take no longer than
-/// they must: it is the first level of no more than 150,000 samples, or `level`.
+/// The level at which L*a*b* is computed for an image at `level`, unless the exact map is asked
+/// for. Converting at an early level is more accurate, converting at a late one is faster. Frames
+/// of up to 480,000 pixels (800×600) take less than a millisecond and are converted at level 0.
+/// Larger ones are converted at the first level of at most 150,000 samples, or at `level` if that
+/// comes first.
 int conversion_level(cv::Size frame, int level);
 
-/// Why that cannot be a frame: no size, no data, impossible depth, matrix or strides. Empty if it
-/// can.
+/// Why `frame` is invalid: size, data, depth, matrix or strides. Empty if it is valid.
 std::string_view fault_of(const FrameView &frame);
 
-/// Frame → L*a*b* image at one level of the pyramid: the only part that reads a frame's memory.
+/// Frame → L*a*b* image at one pyramid level: the only part that reads a frame's memory.
 ///
-/// L*a*b* may be computed at any level up to that one. At level 0 it is that of every pixel,
-/// decimated afterwards, as in the paper. Otherwise the components are decimated first, each from
-/// its own resolution, and L*a*b* is computed on what is left: a sixteenth of the work for each two
-/// levels, for a small difference where the picture is not smooth, as the conversion is not linear.
+/// L*a*b* may be computed at any level up to that one. At level 0 every pixel is converted and then
+/// decimated, as in the paper. At a later level, the components are decimated first, each from its
+/// own resolution, and L*a*b* is computed from the result. That is a sixteenth of the work for
+/// every two levels. Results differ slightly where the picture is not smooth, because the
+/// conversion is not linear.
 ///
-/// Subsampled chroma is taken to lie on the pyramid's grid, sample i at pixel 2ᵏ·i, which is where
-/// MPEG-2, H.264 and later put it horizontally; vertically it is half a pixel off.
+/// Subsampled chroma is assumed to lie on the pyramid's grid, sample i at pixel 2ᵏ·i. Horizontally
+/// this is the siting of MPEG-2, H.264 and later; vertically it is half a pixel off.
 ///
-/// Rows are made on demand from the rows that they are made of (ImageRows): the frame is read once,
-/// and beside the result about nine rows of each level are held, less than 80 bytes for each pixel
-/// of a wide frame's width and each thread. Several threads make bands of rows (RowShares); the
-/// result is the same for any number of them, and on any processor.
+/// Rows are made on demand from the rows they depend on (ImageRows), so the frame is read once.
+/// Besides the result, about nine rows of each level are held: less than 80 bytes per pixel of
+/// frame width and thread. Threads share the rows in bands (RowShares). The result is the same for
+/// any number of threads and on every CPU.
 class FrontEnd
 {
 public:
-  /// How many threads at most, 0 for as many as pay: one for each million pixels, up to four and to
-  /// the processor's own. One at first. Below 0 is 0.
+  /// Sets the maximum number of threads; initially 1. With 0 or less, it is one per million pixels,
+  /// at most four and at most the number of CPUs.
   void set_threads(int threads);
 
-  /// The frame's L*a*b* image at `level`, computed at level `converted`, valid until the next call.
-  /// A component's width must be ⌈frame width / 2ᵏ⌉ for some k ≥ 0, likewise its height; the first
-  /// component has the frame's size: it is without fault_of(). 0 ≤ converted ≤ level. Allocates
-  /// only when geometry, format or levels change.
+  /// Returns the frame's L*a*b* image at `level`, computed at level `converted`; it is valid until
+  /// the next call. Requires an empty fault_of(frame) and 0 ≤ converted ≤ level. Allocates only
+  /// when geometry, format or levels change.
   const FixedLabImage &lab(const FrameView &frame, int level, int converted);
 
-  /// The threads that made the latest image, for what is done with it.
+  /// The threads that made the latest image, for further work on it.
   Team team()
   {
     return { pool_, static_cast<int>(bands_.size()) };
   }
 
 private:
-  /// What the bands are made for.
+  /// What the bands depend on.
   struct Geometry
   {
     ColorModel model = ColorModel::yuv;
     bool bytes = true;
-    int triple_stride = 0; ///< of has_byte_triples(): bytes from pixel to pixel
+    int triple_stride = 0; ///< of has_byte_triples(): bytes per pixel
     bool byte_pairs = false;
     int level = -1;
     int converted = -1; ///< level of the conversion
@@ -78,7 +78,7 @@ private:
 
   int threads_ = 1;
   Geometry geometry_;
-  std::vector<std::unique_ptr<ImageRows<Fixed>>> bands_; ///< each makes rows of its own
+  std::vector<std::unique_ptr<ImageRows<Fixed>>> bands_; ///< one chain of rows per band
   ThreadPool pool_;
   RowShares shares_;
   FixedLabImage lab_;

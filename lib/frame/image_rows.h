@@ -14,16 +14,16 @@
 
 namespace saliency {
 
-/// A number of 15 bits in fixed point, so that means and weighted sums of two are one instruction
-/// each. Code values have 15 - depth bits after the point.
+/// A 15-bit fixed-point number, so that means and weighted sums of two take one instruction each.
+/// Code values have 15 - depth fractional bits.
 using Fixed = std::uint16_t;
 
-/// Rows of samples with room after their ends, which kernels of any vector width may use. A row has
-/// one run of samples for each channel.
+/// Rows of samples with padding after their ends, so that kernels of any vector width may read and
+/// write there. A row has one run of samples per channel.
 template <typename T> class RowBuffer
 {
 public:
-  static constexpr int kRoom = 64; ///< samples after a channel's last
+  static constexpr int kRoom = 64; ///< samples of padding after each channel
 
   RowBuffer(int rows, int width, int channels = 1)
       : pitch_(pitch(width)), channels_(channels),
@@ -32,17 +32,17 @@ public:
                                          * static_cast<std::size_t>(pitch_)))
   {
     if (!samples_)
-      throw std::bad_alloc(); // as a vector would
+      throw std::bad_alloc(); // as std::vector would
     std::fill_n(samples_.get(), static_cast<std::ptrdiff_t>(rows) * channels * pitch_, T{});
   }
 
-  /// Sample 0 of the row's first channel.
+  /// Sample 0 of the first channel of row y.
   T *row(int y)
   {
     return samples_.get() + y * channels_ * pitch_;
   }
 
-  /// From a channel's sample to the next channel's.
+  /// Samples from one channel to the next.
   std::ptrdiff_t pitch() const
   {
     return pitch_;
@@ -58,8 +58,8 @@ private:
   hwy::AlignedFreeUniquePtr<T[]> samples_;
 };
 
-/// An image that is made row by row, from top to bottom, by asking for rows of the image that it is
-/// made of. So each row of a frame is read once, and only what the next row needs is kept.
+/// An image whose rows are made on demand, from top to bottom, out of the rows of its source image.
+/// Each row of a frame is read once, and only the rows that the next one needs are kept.
 template <typename T> class ImageRows
 {
 public:
@@ -70,12 +70,12 @@ public:
   ImageRows(const ImageRows &) = delete;
   ImageRows &operator=(const ImageRows &) = delete;
 
-  /// What follows is of this frame, which stays where it is until the last row is made; it has the
-  /// geometry that these rows were made for.
+  /// Starts a new frame, of the geometry that these rows were made for. `frame` must stay valid
+  /// until the last row is made.
   virtual void begin(const FrameView &frame) = 0;
 
-  /// Row y, until the next call; of several channels, as in a RowBuffer of this width. After
-  /// begin(), y does not fall from call to call; the first may be any.
+  /// Row y, valid until the next call; several channels lie as in a RowBuffer of this width. After
+  /// begin(), the first y may be any and y must not decrease.
   virtual const T *row(int y) = 0;
 
   cv::Size size() const
@@ -92,8 +92,8 @@ private:
   int channels_;
 };
 
-/// Place `i`, up to two beyond an end of `length` samples, mirrored there without repeating the
-/// last; what lies further away is some place.
+/// Index `i` mirrored at the ends of `length` samples without repeating the end sample
+/// (BORDER_REFLECT_101). Valid for up to two samples beyond an end; the result is clamped at 0.
 constexpr int
 mirrored(int i, int length)
 {
@@ -101,12 +101,12 @@ mirrored(int i, int length)
   return std::max(0, i < length ? i : 2 * (length - 1) - i);
 }
 
-/// The five rows about row y of an image of half the height, mirrored at the borders without
-/// repeating the border row: kept in a ring that is filled as y rises.
+/// The five source rows around row y of an image of half the height, mirrored at the borders
+/// (BORDER_REFLECT_101). Kept in a ring buffer that is filled as y rises.
 template <typename T> class FiveRows
 {
 public:
-  /// `rows` of the image that they are taken from.
+  /// `rows`: height of the source image.
   FiveRows(int rows, int width, int channels) : rows_(rows), ring_(kRing, width, channels)
   {
   }
@@ -116,7 +116,7 @@ public:
     next_ = 0;
   }
 
-  /// `fill(y, row)` is asked for each row once.
+  /// Moves to row y. Calls `fill(y, row)` once for each source row.
   template <typename Fill> void advance(int y, const Fill &fill)
   {
     next_ = std::max(next_, 2 * y - 2);
@@ -141,7 +141,7 @@ public:
   }
 
 private:
-  static constexpr int kRing = 8; ///< a power of two that holds five
+  static constexpr int kRing = 8; ///< a power of two, at least five
 
   int rows_;
   int next_ = 0;

@@ -9,7 +9,7 @@
 #include <cmath>
 #include <cstdint>
 
-// Everything up to HWY_ONCE is compiled for each target. No fused multiply-add, which not all have.
+// Everything up to HWY_ONCE is compiled once per target, without FMA: results are bit-identical.
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "frame/lab.cpp"
 #include <hwy/foreach_target.h>
@@ -23,9 +23,9 @@ namespace hn = hwy::HWY_NAMESPACE;
 using Tag = hn::CappedTag<float, 16>;
 using V = hn::Vec<Tag>;
 
-// Light → XYZ for BT.709's primaries and D65 (IEC 61966-2-1), each row divided by its sum, which is
-// white's own value: white then has X/Xn = Y/Yn = Z/Zn = 1 and grays have a* = b* = 0 to float's
-// precision.
+// Linear R, G, B → XYZ for BT.709's primaries and D65 (IEC 61966-2-1). Each row is divided by its
+// sum, which is white's value: white has X/Xn = Y/Yn = Z/Zn = 1, and grays have a* = b* = 0 to
+// float precision.
 struct RelativeXyzRow
 {
   float r;
@@ -33,7 +33,7 @@ struct RelativeXyzRow
   float b;
 };
 
-/// Of light, of which white is 32767².
+/// Unit of linear light: white is 32767².
 constexpr float kLightUnit = static_cast<float>(1.0 / (32767.0 * 32767.0));
 
 constexpr RelativeXyzRow
@@ -54,8 +54,7 @@ set(float value)
   return hn::Set(Tag(), value);
 }
 
-/// constant + x · slope: what Estrin's scheme makes polynomials of, whose parts need not wait for
-/// each other as Horner's do.
+/// constant + x · slope, the step of Estrin's scheme. Unlike Horner's, its steps are independent.
 HWY_INLINE V
 linear(V x, V constant, V slope)
 {
@@ -71,7 +70,7 @@ linear(V x, float constant, float slope)
 using Signal = hn::CappedTag<std::int16_t, 32>;
 using Signals = hn::Vec<Signal>;
 
-/// Pixels that are worked on at a time, from signals to light and on to L*a*b*.
+/// Pixels per block, from signals to linear light to L*a*b*.
 constexpr int kPixels = 512;
 using Row = std::array<std::int16_t, kPixels + 32>;
 using FloatRow = std::array<float, kPixels + 32>;
@@ -82,16 +81,15 @@ signal(int value)
   return hn::Set(Signal(), static_cast<std::int16_t>(value));
 }
 
-/// In units of 1/32767 a signal s is s/12.92 of light up to 0.04045 and u² beyond (sRGB's curve),
-/// where u = ((s + 0.055)/1.055)^1.2 is smooth enough for 16 bits; light of both is at least of
-/// this `root`.
+/// The sRGB curve in units of 1/32767: a signal s is s/12.92 of linear light up to 0.04045 and u²
+/// beyond. u = ((s + 0.055)/1.055)^1.2 is smooth enough for 16 bits. Results of at least kLeastRoot
+/// are u, others s.
 constexpr int kOne = 32767;
 constexpr int kLinearSignal = 1325; // 0.04045
-constexpr int kLeastRoot = 1580;    // between it and the smallest u, 1827
+constexpr int kLeastRoot = 1580;    // between kLinearSignal and the smallest u, 1827
 
-/// Signal, 0…1, → u, or the signal itself up to kLinearSignal. The polynomial is the one of its
-/// degree that is 1 at 1 and whose error, weighted by the slope of lightness, is smallest: 0.01 of
-/// L*.
+/// Signal in [0, 1] → u, or the signal itself up to kLinearSignal. The polynomial is 1 at 1 and has
+/// the least error of its degree, weighted by the slope of lightness: 0.01 of L*.
 HWY_INLINE Signals
 root_of_light(Signals s)
 {
@@ -106,7 +104,7 @@ root_of_light(Signals s)
   return hn::IfThenElse(hn::Gt(s, signal(kLinearSignal)), u, s);
 }
 
-/// What root_of_light() made → light, in units of 1/32767².
+/// The result of root_of_light() → linear light in units of 1/32767².
 HWY_INLINE V
 light(const std::int16_t *root)
 {
@@ -117,8 +115,8 @@ light(const std::int16_t *root)
   return hn::Mul(u, hn::IfThenElse(hn::Lt(u, set(kLeastRoot)), linear, u));
 }
 
-/// t^(-1/3) to within 3.6 %: exponent and mantissa, as one integer, are nearly a logarithm; a third
-/// of each half of it is taken from a constant.
+/// t^(-1/3) to within 3.6 %. Exponent and mantissa, read as one integer, approximate a logarithm; a
+/// third of it is subtracted from a constant, for each 16-bit half.
 HWY_INLINE V
 estimated_inverse_cube_root(V t)
 {
@@ -137,8 +135,8 @@ estimated_inverse_cube_root(V t)
 }
 
 /// CIE 15: f(t) = t^(1/3), continued by its tangent below (6/29)³; 0 ≤ t ≤ 1. From r ≈ t^(-1/3),
-/// t^(1/3) = t r² (1 - c)^(-2/3) with c = 1 - t r³, |c| < 0.108; there the polynomial is off by
-/// 8e-6 of the value, and right at t = 1: white is 100.
+/// t^(1/3) = t r² (1 - c)^(-2/3) with c = 1 - t r³, |c| < 0.108. The polynomial in c has a relative
+/// error of 8e-6 and is exact at t = 1, so white is 100.
 HWY_INLINE V
 cie_f(V t)
 {
@@ -161,7 +159,8 @@ relative(const RelativeXyzRow &row, V r, V g, V b)
   return hn::Add(hn::Add(hn::Mul(set(row.r), r), hn::Mul(set(row.g), g)), hn::Mul(set(row.b), b));
 }
 
-/// Of L*, a* or b*, in units. Adding 2²³ leaves the integer in a float's lower bits.
+/// Stores L*, a* or b* in units of FixedLabImage. Adding 2²³ leaves the integer in a float's lower
+/// bits.
 HWY_INLINE void
 store(V value, Fixed *out)
 {
@@ -184,7 +183,7 @@ lightness(V fy)
   return hn::Sub(hn::Mul(set(units(116)), fy), set(units(16)));
 }
 
-/// Twice a signal of 14 bits after the point, clipped to [0, 1].
+/// Doubles a signal of 14 fractional bits and clips it to [0, 1].
 HWY_INLINE Signals
 clipped(Signals half)
 {
@@ -197,7 +196,7 @@ samples(const Fixed *row)
   return hn::LoadU(Signal(), reinterpret_cast<const std::int16_t *>(row));
 }
 
-/// Roots of light of R', G', B' or, in the first row, gray.
+/// root_of_light() of R', G', B' or, in the first row, of gray.
 void
 find_roots(ColorModel model, const LabConverter::Coefficients &k,
            const std::array<const Fixed *, 3> &components, int count, std::array<Row, 3> &roots)
@@ -238,8 +237,8 @@ find_roots(ColorModel model, const LabConverter::Coefficients &k,
   }
 }
 
-/// f of X, Y, Z relative to white's, from roots. Each pass over the pixels is of few steps that
-/// wait for each other, so that a processor can work on many of them at once.
+/// f of X, Y, Z relative to white, from roots. Each pass has few dependent steps, so that the CPU
+/// can overlap many pixels.
 void
 find_f(const std::array<Row, 3> &roots, int count, std::array<FloatRow, 3> &f)
 {
@@ -332,8 +331,8 @@ coefficients(const SampleCoding &coding)
   if (coding.model == ColorModel::rgb)
     return { .luma_scale = fraction(kOne / all - 1) };
 
-  constexpr double kHalf = 16384; // what a signal of 1 is before it is clipped
-  constexpr double code = 128;    // of 8 bits
+  constexpr double kHalf = 16384; // a signal of 1 before clipping
+  constexpr double code = 128;    // one 8-bit code
   const double kr = coding.matrix.kr;
   const double kb = coding.matrix.kb;
   const double kg = 1 - kr - kb;

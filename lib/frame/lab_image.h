@@ -7,7 +7,7 @@
 
 namespace saliency {
 
-/// An image in CIE 1976 L*a*b*: planes of L*, a* and b*, CV_32FC1 of one size.
+/// An image in CIE 1976 L*a*b*: planes of L*, a* and b*, CV_32FC1, all of one size.
 struct LabImage
 {
   std::array<cv::Mat, 3> planes;
@@ -22,7 +22,7 @@ struct LabImage
   }
 };
 
-/// The same as Fixed: planes of (value + kOffset) · kUnits, CV_16UC1 of one size.
+/// The same in fixed point: planes of (value + kOffset) · kUnits, CV_16UC1, all of one size.
 struct FixedLabImage
 {
   static constexpr float kUnits = 128;
@@ -36,7 +36,8 @@ struct FixedLabImage
   }
 };
 
-/// Rows begin…end - 1 of a plane of a FixedLabImage in true units; `plane`, CV_32FC1, has its size.
+/// Converts rows [begin, end) of a FixedLabImage plane to float L*a*b* units. `plane`: CV_32FC1 of
+/// the same size.
 void to_float(const cv::Mat &fixed, int begin, int end, cv::Mat &plane);
 
 LabImage to_float(const FixedLabImage &image);

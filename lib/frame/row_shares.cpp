@@ -10,7 +10,7 @@ namespace {
 
 constexpr int kAtATime = 4;
 
-/// A band begins with rows above it that are read for it alone: fewer do not pay.
+/// A band starts by reading rows above it for itself alone, so fewer rows are not worth stealing.
 constexpr int kFewestToTake = 8;
 
 } // namespace

@@ -6,27 +6,26 @@
 
 namespace saliency {
 
-/// The rows of an image, shared out among threads: each has a band of its own; who is done before
-/// the others, as they woke up later or are slower, takes the lower half of what the one with most
-/// has left.
+/// Work stealing over the rows of an image. Each thread starts with a band of its own; one that
+/// runs out takes the bottom half of the largest remaining band.
 class RowShares
 {
 public:
   struct Rows
   {
     int begin;
-    int end; ///< not among them; begin: there are none left
+    int end; ///< exclusive; equal to begin if no rows are left
   };
 
-  /// Not while rows are taken.
+  /// Shares rows [0, rows) out among `threads`. Must not run concurrently with take().
   void reset(int rows, int threads);
 
-  /// A thread's next rows, from top to bottom but where it takes another's.
+  /// The next rows of thread number `thread`, from top to bottom except where it steals.
   Rows take(int thread);
 
 private:
   std::mutex mutex_;
-  std::vector<Rows> left_; ///< of each thread
+  std::vector<Rows> left_; ///< per thread
 };
 
 } // namespace saliency

@@ -31,13 +31,13 @@ ThreadPool::start(int threads)
       return; // the caller does what they would have done
     threads_.push_back(thread);
 #ifdef __linux__
-    CPU_ZERO(&processors_); // the new one is told, too
+    CPU_ZERO(&processors_); // the new thread needs its affinity, too
 #endif
   }
 }
 
-/// Where that cannot be told they stay as they are; who has one processor alone shares it with
-/// them.
+/// Does nothing where the affinity is unknown. A caller with a single CPU shares it with the
+/// threads.
 void
 ThreadPool::keep_off_callers_processor()
 {
@@ -56,7 +56,7 @@ ThreadPool::keep_off_callers_processor()
 #endif
 }
 
-/// Until then or until it has been as long as waking up may take.
+/// Spins until `until()` or for about as long as a wake-up may take.
 template <typename Until>
 void
 ThreadPool::stay_awake(const Until &until)
@@ -112,7 +112,7 @@ ThreadPool::wait_for_work()
   }
 }
 
-/// Takes parts that nobody does yet until there are none.
+/// Takes parts until none are left.
 void
 ThreadPool::do_parts(std::unique_lock<std::mutex> &lock)
 {

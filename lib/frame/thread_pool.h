@@ -15,15 +15,16 @@
 
 namespace saliency {
 
-/// Threads that wait for parts of a piece of work. They are started when work first has that many
-/// parts and end with the pool; no allocation once they run. Not thread-safe itself: one caller.
+/// A pool of threads that run the parts of one piece of work. Threads start when work first has
+/// that many parts and end with the pool; later calls allocate nothing. Not thread-safe: one
+/// caller.
 ///
-/// Who has done all there is stays awake a while, as more work often follows at once and waking up
-/// takes longer than the smallest piece of it; whoever else wants the processor then has it.
+/// An idle thread spins for a while, yielding, before it sleeps: more work often follows at once,
+/// and waking up takes longer than the smallest part.
 ///
-/// On Linux the threads run on the caller's processors, but not on the one that it calls from: the
-/// kernel of a virtual machine often wakes a thread there rather than on one that halted, and then
-/// nothing is done at once.
+/// On Linux the threads run on the caller's CPUs except the one it is running on. The kernel of a
+/// virtual machine often wakes a thread on the caller's CPU rather than on a halted one, and then
+/// nothing runs in parallel.
 class ThreadPool
 {
 public:
@@ -32,9 +33,9 @@ public:
   ThreadPool(const ThreadPool &) = delete;
   ThreadPool &operator=(const ThreadPool &) = delete;
 
-  /// Does work(0)…work(parts - 1), each once, on this and other threads, and returns when all are
-  /// done. Where the system has no more threads, those that there are do it. Parts that find no
-  /// memory throw; one of these exceptions is rethrown.
+  /// Runs work(0)…work(parts - 1), once each, on this and other threads; returns when all are done.
+  /// If the system has no more threads, the existing ones do all parts. A part that runs out of
+  /// memory throws; one of these exceptions is rethrown.
   template <typename Work> void run(int parts, const Work &work)
   {
     run(
@@ -51,25 +52,25 @@ private:
   void do_parts(std::unique_lock<std::mutex> &lock);
   template <typename Until> static void stay_awake(const Until &until);
 
-  /// Not std::thread, which throws where the system has no more of them.
-  std::vector<pthread_t> threads_; ///< the caller's only, as what follows
+  /// Not std::thread, which throws when the system has no more threads.
+  std::vector<pthread_t> threads_; ///< used by the caller only, like processors_
 #ifdef __linux__
-  cpu_set_t processors_{}; ///< that the threads were told to run on; none: not all of them were
+  cpu_set_t processors_{}; ///< affinity set on all threads; empty if some lack it
 #endif
   std::mutex mutex_;
   std::condition_variable work_to_do_;
   std::condition_variable all_done_;
-  Part part_ = nullptr; ///< what follows changes under the mutex, this and work_ only between works
+  Part part_ = nullptr; ///< from here on under mutex_; this and work_ change only between runs
   const void *work_ = nullptr;
-  int next_ = 0;  ///< part that nobody does yet
-  int parts_ = 0; ///< of the work at hand
+  int next_ = 0;  ///< first part not taken yet
+  int parts_ = 0; ///< of the current work
   std::exception_ptr error_;
-  std::atomic<int> undone_ = 0;     ///< also read without it, as what follows
-  std::atomic<unsigned> works_ = 0; ///< that there were
+  std::atomic<int> undone_ = 0;     ///< this and the rest are also read without the mutex
+  std::atomic<unsigned> works_ = 0; ///< number of runs so far
   std::atomic<bool> end_ = false;
 };
 
-/// So many threads of a pool, or the caller alone.
+/// A number of threads of a pool, or the caller alone.
 class Team
 {
 public:
@@ -83,8 +84,8 @@ public:
     return threads_;
   }
 
-  /// work(part, begin, end) for threads() parts of 0…count - 1, which are about as long; otherwise
-  /// as ThreadPool::run().
+  /// Splits 0…count - 1 into threads() ranges of about equal length and runs work(part, begin, end)
+  /// for each; otherwise as ThreadPool::run().
   template <typename Work> void share(int count, const Work &work) const
   {
     if (threads() == 1) {
@@ -96,7 +97,7 @@ public:
     });
   }
 
-  /// work(0)…work(count - 1), likewise.
+  /// Runs work(0)…work(count - 1), split in the same way.
   template <typename Work> void each(int count, const Work &work) const
   {
     share(count, [&work](int, int begin, int end) {

@@ -26,7 +26,7 @@ Unpack8(const std::uint8_t *in, int stride, int count, std::uint8_t *out)
 {
   std::ptrdiff_t x = 0;
 #if HWY_TARGET != HWY_SCALAR
-  // Vectors end with the bytes between two samples, so they stop short of the last sample.
+  // A vector also covers the bytes between samples, so vectors stop before the last sample.
   const Tag<std::uint8_t> d;
   const hn::Repartition<std::uint16_t, decltype(d)> d16;
   const auto step = static_cast<std::ptrdiff_t>(hn::Lanes(d));

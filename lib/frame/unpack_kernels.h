@@ -7,18 +7,18 @@
 #include <array>
 #include <cstdint>
 
-/// How samples get from the way they lie in memory to rows of their own, and from Fixed to float;
-/// otherwise as in decimation_kernels.h.
+/// Kernels that move samples from a frame's memory layout to rows of their own, and from Fixed to
+/// float; otherwise as in decimation_kernels.h.
 namespace saliency::kernels {
 
-/// Every `stride`-th byte.
+/// Every `stride`-th byte, `count` of them.
 void unpack(const std::uint8_t *in, int stride, int count, std::uint8_t *out);
 
-/// 16-bit little-endian words `stride` bytes apart: half of (word << left) & mask.
+/// 16-bit little-endian words `stride` bytes apart: ((word << left) & mask) / 2.
 void unpack(const std::uint8_t *in, int stride, int left, unsigned mask, int count, Fixed *out,
             const Ahead &ahead);
 
-/// Three bytes of every `stride`, 3 or more, to three rows.
+/// Three bytes of every `stride` bytes to three rows; stride ≥ 3.
 void unpack_triples(const std::uint8_t *in, int stride, int count,
                     const std::array<std::uint8_t *, 3> &out);
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-// How rows are gone through by whole vectors, for sources that Highway compiles once for each
-// target: so this is included once for each, too.
+// Iteration over rows by whole vectors, in sources that Highway compiles once per target. Included
+// once per target, too.
 #if defined(SALIENCY_VECTORS_INL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef SALIENCY_VECTORS_INL_H
 #undef SALIENCY_VECTORS_INL_H
@@ -20,8 +20,8 @@ namespace saliency::HWY_NAMESPACE {
 template <typename T> using Vectors = hwy::HWY_NAMESPACE::CappedTag<T, 64 / sizeof(T)>;
 template <typename T> using OneLane = hwy::HWY_NAMESPACE::CappedTag<T, 1>;
 
-/// Calls work(d, x) so that vectors at x cover 0…count - 1, once each: what is left of them one by
-/// one.
+/// Calls work(d, x) so that vectors at x cover 0…count - 1 exactly once; the remainder is done one
+/// by one.
 template <typename T, typename Index, typename Work>
 HWY_INLINE void
 each_once(Index count, const Work &work)
@@ -35,9 +35,8 @@ each_once(Index count, const Work &work)
     work(OneLane<T>(), x);
 }
 
-/// The same, quicker, where it does no harm to do some a second time (so not in place): the last
-/// vector goes over some that the one before it has done. Fewer than a vector's are done one by
-/// one.
+/// The same, faster, where work may be repeated (so not in place): the last vector overlaps the one
+/// before it. Less than one vector is done one by one.
 template <typename T, typename Index, typename Work>
 HWY_INLINE void
 cover(Index count, const Work &work)
@@ -55,7 +54,7 @@ cover(Index count, const Work &work)
     work(d, count - step);
 }
 
-/// Lanes from memory that need not be aligned for them: as many samples of less width as fit.
+/// Loads a vector from unaligned memory, which may hold narrower samples.
 template <class D>
 HWY_INLINE hwy::HWY_NAMESPACE::VFromD<D>
 load_bytes(D d, const void *bytes)
