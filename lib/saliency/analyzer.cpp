@@ -33,7 +33,7 @@ longest_window(const Profile &profile)
   return longest;
 }
 
-/// Whether a pose is so far from its frame of reference that it might soon not be told exactly.
+/// Whether a pose is so far from its frame of reference that precision may soon be lost.
 bool
 is_far(const Similarity &pose)
 {
@@ -43,8 +43,8 @@ is_far(const Similarity &pose)
   return std::hypot(pose.tx, pose.ty) > kFarthest || scale > kMostScale || scale < 1 / kMostScale;
 }
 
-/// to - from, which is > 0, in frames at 30 fps; exact times may be further apart than Time can
-/// tell.
+/// to - from > 0, in frames at 30 fps. In double, since the difference may exceed the range of
+/// Time.
 double
 frames_between(Time from, Time to)
 {
@@ -69,9 +69,9 @@ struct Analyzer::State
   const cv::Mat &spatiotemporal_map(Time time, Time duration);
 
   Profile profile;
-  double longest; ///< window, in frames
+  double longest; ///< longest window, in frames
   FrontEnd front_end;
-  Team team; ///< that works on the frame
+  Team team; ///< threads of the current frame
   Pyramid pyramid;
   SpatialSaliency spatial;
   TemporalPyramid history;
@@ -84,12 +84,12 @@ struct Analyzer::State
     Time time;
     Time duration;
   };
-  std::optional<Previous> previous; ///< frame since the last reset
+  std::optional<Previous> previous; ///< last frame since the reset
   FrameLevels levels;
   Saliency result;
 };
 
-/// Prepares for a frame of this size at this time: what went before may not be its history.
+/// Prepares for a frame of this size and time: drops the history unless the frame continues it.
 void
 Analyzer::State::follow(cv::Size size, Time time)
 {
@@ -99,8 +99,7 @@ Analyzer::State::follow(cv::Size size, Time time)
   }
   if (previous && time <= previous->time)
     previous.reset();
-  // After a hole nobody knows what was to be seen, unlike after a frame that was displayed for
-  // long.
+  // After a gap it is unknown what was visible, unlike after a frame that was displayed for long.
   if (previous && profile.time_base == TimeBase::seconds
       && frames_between(previous->time, time)
              > longest + frames_between(Time{}, previous->duration))
@@ -111,7 +110,6 @@ Analyzer::State::follow(cv::Size size, Time time)
   }
 }
 
-/// What follows has no history.
 void
 Analyzer::State::forget()
 {
@@ -130,13 +128,13 @@ Analyzer::State::camera_pose(double elapsed)
       .in_units_of(std::ldexp(1.0, levels.saliency - level));
 }
 
-/// Of the frame whose pyramid was built; it becomes part of the history.
+/// The map of the frame in `pyramid`, which is added to the history.
 const cv::Mat &
 Analyzer::State::spatiotemporal_map(Time time, Time duration)
 {
   double elapsed = previous ? frames_between(previous->time, time) : 0;
   Similarity pose = camera_pose(elapsed);
-  // A fast pan at few frames a second changes as much, but can be followed.
+  // A fast pan at a low frame rate changes as many pixels, but the camera can be followed.
   if (profile.cut_share < 1 && shot_cut(pyramid.level(levels.saliency)) && !camera.moved()) {
     forget();
     elapsed = 0;
@@ -188,7 +186,7 @@ Analyzer::analyze(const FrameView &frame, Time time, Time duration, bool tempora
   s.result.map = temporal ? s.spatiotemporal_map(time, duration)
                           : s.spatial.compute(s.pyramid, s.levels, s.team);
   cv::minMaxLoc(s.result.map, nullptr, &s.result.peak);
-  const double step = std::ldexp(1.0, s.levels.saliency); // pixels from sample to sample
+  const double step = std::ldexp(1.0, s.levels.saliency); // pixels per sample
   s.result.picture
       = { 0.5 - 0.5 / step, 0.5 - 0.5 / step, frame.width / step, frame.height / step };
   return s.result;

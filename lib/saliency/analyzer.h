@@ -14,46 +14,48 @@ namespace saliency {
 
 using Time = std::chrono::nanoseconds;
 
-/// Saliency of one frame. `map` stays valid until the next call on the same analyzer and must not
-/// be written to.
+/// Saliency of one frame. `map` is valid until the next call on the same analyzer and must not be
+/// modified.
 struct Saliency
 {
-  /// CV_32FC1 at `Profile::saliency_level`'s resolution, finite and ≥ 0, in the profile's units
-  /// (ΔE, or what N(·) makes of it).
+  /// CV_32FC1 of the size of pyramid level `Profile::saliency_level`, finite and ≥ 0. In ΔE, or in
+  /// the units of N(·) if the profile normalizes.
   cv::Mat map;
   double peak = 0; ///< maximum of `map`
-  /// Where the picture lies in the map, in samples of which sample i covers [i, i + 1): sample i of
-  /// level n sits on pixel 2ⁿ·i, so the picture's edge is not the map's.
+  /// The picture's rectangle in the map, where sample i covers [i, i + 1). Sample i of level n is
+  /// centered on pixel 2ⁿ·i, so the picture's edges are not the map's.
   cv::Rect2d picture;
-  bool cut = false;          ///< a new shot begins with this frame
-  bool camera_moves = false; ///< or has done so within the longest window
+  bool cut = false;          ///< this frame starts a new shot
+  bool camera_moves = false; ///< within the longest temporal window
 };
 
-/// Frame → L*a*b* pyramid → contrast → spatial → (temporal → spatiotemporal) saliency: paper,
-/// Section 3. Not thread-safe: one stream, one analyzer, one thread at a time.
+/// Frame → L*a*b* pyramid → contrast → spatial → (temporal → spatiotemporal) saliency (paper,
+/// Section 3). Not thread-safe: use one analyzer per stream, from one thread at a time.
 class Analyzer
 {
 public:
-  /// Of a profile without fault_of().
+  /// Requires an empty fault_of(profile).
   explicit Analyzer(const Profile &profile);
   ~Analyzer();
   Analyzer(Analyzer &&) noexcept;
   Analyzer &operator=(Analyzer &&) noexcept;
 
-  /// Analyzes the frame shown during [time, time + duration). Frames come in order of time. A frame
-  /// resets the history first if its time is not after its predecessor's, if its size differs or,
-  /// with windows in seconds, if it comes later after its predecessor's end than the longest
-  /// window. duration ≤ 0 is taken as 1/30 s. With `temporal` off the result is the spatial
-  /// saliency alone: nothing is compared with other frames, and the next one begins a history. The
-  /// frame is one without fault_of().
+  /// Analyzes the frame shown during [time, time + duration). Requires an empty fault_of(frame). A
+  /// duration ≤ 0 is taken as 1/30 s.
+  ///
+  /// The history is reset first if `time` is not after the last frame's, or if the size differs.
+  /// With windows in seconds it is also reset after a gap longer than the longest window.
+  ///
+  /// If `temporal` is false, the result is the spatial saliency alone, and the next frame starts a
+  /// new history.
   const Saliency &analyze(const FrameView &frame, Time time, Time duration, bool temporal = true);
 
-  /// Forgets the history: the next frame fills it with its own spatial map (no burst after start,
-  /// seek or cut).
+  /// Drops the history. The next frame fills it with its own spatial map, so there is no burst
+  /// after start, seek or cut.
   void reset();
 
-  /// How many threads work on a frame at most, 0 for as many as pay (see FrontEnd); one at first.
-  /// The result is the same for any number and the history goes on. Below 0 is 0.
+  /// Sets the maximum number of threads per frame; initially 1. With 0 or less, FrontEnd chooses.
+  /// The result is the same for any number, and the history is kept.
   void set_threads(int threads);
 
   const Profile &profile() const;

@@ -12,46 +12,48 @@ namespace saliency {
 
 namespace {
 
-// Of a key frame: in frames at 30 fps, and how far the picture may have moved since, in samples.
+// A new key frame is due at this age, in frames at 30 fps, or after this much motion, in samples.
 constexpr double kOldestKey = 8;
 constexpr double kFarthestKey = 2;
 
-/// Smallest motion that counts, in samples at the corner of the picture where it is largest.
+/// Smallest motion that counts, in samples at the corner of the picture that moves most.
 constexpr double kSmallestMotion = 0.2;
-/// Largest motion since the key frame, as a share of the picture: beyond, there is too little to go
-/// by.
+/// Largest motion since the key frame, as a share of the picture's larger side; beyond it, too
+/// little overlaps.
 constexpr double kLargestMotion = 0.35;
 
-/// Points: one in each cell of so many samples' side, finest level first, if its gradient (L* per
-/// sample) reaches this.
+/// Points: the strongest gradient of each cell of this side in samples, finest level first, if it
+/// reaches kTexture (L* per sample).
 constexpr std::array<int, 3> kCell{ 4, 2, 1 };
 constexpr float kTexture = 1.0F;
 
-// The parts of the picture that are asked whether they have moved: so many along each side; they
-// have an opinion if this share of their cells, and so many of them, have points and would have
-// moved by so many samples. Enough are this many, and this share of them has to agree: that the
-// motion leaves this share of the difference. So a picture of a few dozen samples has no camera: a
-// thing in it is soon most of it.
+// The vote on whether the picture moved, by kParts × kParts parts. A part votes if it has at least
+// kFewestPoints points, in at least kTexturedShare of its cells, and these would move by
+// kSmallestPartMotion samples on average. It agrees if the motion leaves less than kExplained of
+// the difference. The camera moves if at least kEnoughParts parts vote and kAgreeing of them agree.
+// In a picture of a few dozen samples a single object could fill most parts, so none is reported
+// there.
 constexpr int kParts = 4;
 constexpr double kTexturedShare = 0.15;
 constexpr int kFewestPoints = 3;
 constexpr double kSmallestPartMotion = 0.15;
 constexpr int kEnoughParts = 5;
-constexpr int kEnoughSides = 3; ///< of the picture: a large object that moves does not reach these
+constexpr int kEnoughSides
+    = 3; ///< of the picture, with agreeing parts; a large moving object reaches fewer
 constexpr double kAgreeing = 0.8;
 constexpr double kExplained = 0.7;
 
 constexpr int kMostSteps = 6;
 constexpr double kConverged = 0.02; ///< samples
 
-/// Gains are of lightness about the middle of its scale.
+/// Lightness relative to mid-gray, on which the gain acts.
 float
 exposed(float lightness)
 {
   return (lightness - 50) / 50;
 }
 
-/// The largest distance by which the motion carries a corner of the picture.
+/// The largest displacement of a corner of the picture.
 double
 farthest(const Similarity &motion, cv::Size size)
 {
@@ -123,7 +125,9 @@ CameraMotion::set_key()
     auto &points = points_[level];
     points.clear();
     const int cell = kCell[level];
-    const float unit = 2.0F / static_cast<float>(image.cols); // conditions the equations
+    const float unit
+        = 2.0F
+          / static_cast<float>(image.cols); // normalizes coordinates to [-1, 1], for conditioning
     for (int top = 1; top < image.rows - 1; top += cell)
       for (int left = 1; left < image.cols - 1; left += cell) {
         float best = kTexture * kTexture;
@@ -153,7 +157,7 @@ CameraMotion::set_key()
   }
 }
 
-/// What the change leaves unexplained at each of a level's points, NaN where it leaves the picture.
+/// Residuals at the points of a level after `change`; NaN where a point leaves the picture.
 void
 CameraMotion::find_residuals(std::size_t level, const Change &change,
                              std::vector<float> &residuals) const
@@ -166,12 +170,12 @@ CameraMotion::find_residuals(std::size_t level, const Change &change,
     residuals[i] -= points.lightness[i] + gain * points.change[4][i] + offset;
 }
 
-/// Improves what is known of the change, on one level; at rest, its exposure alone.
+/// Refines `change` on one level; with `at_rest`, its exposure alone.
 CameraMotion::Change
 CameraMotion::fit(std::size_t level, Change change, bool at_rest)
 {
   const cv::Mat &image = now_[level];
-  double scale = 20; // L*: beyond it a point counts less and less
+  double scale = 20; // L*: larger residuals lose weight
   for (int step = 0; step < kMostSteps; ++step) {
     find_residuals(level, change, residuals_);
     sizes_.clear();
@@ -184,7 +188,7 @@ CameraMotion::fit(std::size_t level, Change change, bool at_rest)
     const Equations sums = equations(points_[level], residuals_, scale);
     cv::Matx<double, 6, 6> normal = cv::Matx<double, 6, 6>::eye();
     cv::Vec<double, 6> right = cv::Vec<double, 6>::all(0);
-    const int first = at_rest ? 4 : 0; // the exposure's parameters come last
+    const int first = at_rest ? 4 : 0; // exposure comes last
     for (int m = first; m < 6; ++m) {
       const auto &row = sums.normal[static_cast<std::size_t>(m)];
       for (int n = m; n < 6; ++n) {
@@ -193,12 +197,13 @@ CameraMotion::fit(std::size_t level, Change change, bool at_rest)
       }
       right[m] = sums.right[static_cast<std::size_t>(m)];
     }
-    // What little is presumed about exposure is that there is none, not that this step finds none.
+    // The prior (the identity in `normal`) pulls the total exposure to 0, not just this step's
+    // change.
     right[4] -= change.exposure[0];
     right[5] -= change.exposure[1];
     const cv::Vec<double, 6> by = normal.solve(right, cv::DECOMP_CHOLESKY);
 
-    // About the middle of the picture, and in its half width, to samples from the origin.
+    // From normalized coordinates around the picture's center to samples from the origin.
     const double middle_x = image.cols / 2.0;
     const double middle_y = image.rows / 2.0;
     const double scaled = by[0] * 2 / image.cols;
@@ -216,7 +221,7 @@ CameraMotion::fit(std::size_t level, Change change, bool at_rest)
   return change;
 }
 
-/// Whether most parts of the picture that would show the motion do.
+/// Whether most voting parts agree with the motion (see kParts).
 bool
 CameraMotion::explained()
 {
@@ -224,9 +229,9 @@ CameraMotion::explained()
   {
     int points = 0;
     double motion = 0;
-    double with = 0;     ///< difference that the motion leaves
-    double without = 0;  ///< that there is
-    double opposite = 0; ///< that the opposite motion leaves
+    double with = 0;     ///< total difference after the motion
+    double without = 0;  ///< without any motion
+    double opposite = 0; ///< after the opposite motion
   };
   const TexturedPoints &points = points_[0];
   const Similarity &motion = change_.motion;
@@ -258,14 +263,14 @@ CameraMotion::explained()
   const double cells = static_cast<double>(size_.area()) / (kCell[0] * kCell[0] * kParts * kParts);
   int asked = 0;
   int agreeing = 0;
-  std::array<bool, 4> sides{}; // of the picture, where a part agrees
+  std::array<bool, 4> sides{}; // with agreeing parts
   for (std::size_t i = 0; i < parts.size(); ++i) {
     const Part &part = parts[i];
     if (part.points < kFewestPoints || part.points < kTexturedShare * cells
         || part.motion < kSmallestPartMotion * part.points)
       continue;
     ++asked;
-    // Between samples noise is averaged, whichever way one goes.
+    // Interpolation averages noise in either direction, so compare with the opposite motion, too.
     if (part.with >= kExplained * std::min(part.without, part.opposite))
       continue;
     ++agreeing;

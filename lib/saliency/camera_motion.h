@@ -12,28 +12,30 @@
 
 namespace saliency {
 
-/// What the camera does as it pans, tilts, zooms, rolls or shakes, as one similarity from frame to
-/// frame.
+/// Global camera motion (pan, tilt, zoom, roll, shake) as one similarity per frame.
 ///
-/// Frames are registered with a key frame up to 8/30 s back, on lightness, coarse to fine:
-/// Gauss-Newton steps that compare the frame with the key frame's most textured points, weighted so
-/// that what goes its own way does not count, allowing for another exposure (inverse compositional
-/// alignment: Baker & Matthews, "Lucas-Kanade 20 Years On", 2004). The camera counts as moving only
-/// if that explains the difference in most of those parts of the picture that would show it, and if
-/// there are enough of these: what moves in front of a still background is not the camera, nor what
-/// moves in front of an even one if it is narrower than about a fifth of the picture (two things: a
-/// tenth each). Pictures of less than about 30 × 20 samples have no camera.
+/// Frames are registered with a key frame up to 8/30 s back, on lightness and from coarse to fine.
+/// Each Gauss-Newton step compares the most textured points of the key frame (inverse compositional
+/// alignment: Baker & Matthews, "Lucas-Kanade 20 Years On", 2004). Robust weights suppress objects
+/// that move independently; gain and offset absorb a change of exposure.
+///
+/// The camera counts as moving only if the motion explains the difference in most parts of the
+/// picture that would show it, and if there are enough such parts. An object that moves over a
+/// still background therefore does not count. Over a plain background it does not count if it is
+/// narrower than about a fifth of the picture (two objects: a tenth each). Pictures smaller than
+/// about 30 × 20 samples never have camera motion.
 class CameraMotion
 {
 public:
-  /// The next frame, `elapsed` frames at 30 fps after the last one: its L*, CV_32FC1 and
-  /// continuous, at a pyramid level about 100 samples wide. Returns the camera's pose, that is
-  /// where this frame's samples lie in the first frame; exactly the last pose again while the
-  /// camera rests, from the first key frame at rest on. The first frame after a reset, and one of
-  /// another size, is a first frame.
+  /// Adds the next frame, `elapsed` frames at 30 fps after the last one. `lightness`: its L*,
+  /// CV_32FC1 and continuous, at a pyramid level about 100 samples wide.
+  ///
+  /// Returns the camera's pose: the map from this frame's samples to those of the first frame.
+  /// While the camera rests, the pose stays bit-identical, starting with the first key frame at
+  /// rest. The first frame after reset() and one of another size start anew, with the identity.
   const Similarity &follow(const cv::Mat &lightness, double elapsed);
 
-  /// Whether the last frame shows what went before, from elsewhere.
+  /// Whether the camera moved between the key frame and the last frame.
   bool moved() const
   {
     return moved_;
@@ -41,8 +43,7 @@ public:
 
   void reset();
 
-  /// Makes the last frame the one in which poses are: from far away, or zoomed far, they could not
-  /// be told exactly.
+  /// Makes the last frame the reference of all poses: far from the reference they lose precision.
   void rebase();
 
 private:
@@ -51,10 +52,10 @@ private:
   using Images = std::array<cv::Mat, kLevels>; ///< lightness, CV_32FC1, finest first
 
   void set_key();
-  /// What leads from the key frame to this one.
+  /// The change from the key frame to this frame.
   struct Change
   {
-    Similarity motion;                ///< in samples of the level at hand
+    Similarity motion;                ///< in samples of the current level
     std::array<double, 2> exposure{}; ///< gain and offset
   };
 
@@ -65,16 +66,16 @@ private:
   Images now_;
   std::array<Reduction, kLevels> reductions_;  ///< to each level
   std::array<TexturedPoints, kLevels> points_; ///< of the key frame
-  cv::Size size_;                              ///< of the key frame; empty: none
+  cv::Size size_;                              ///< of the key frame; empty if there is none
   double age_ = 0;                             ///< of the key frame, in frames
   Similarity key_pose_;                        ///< of the key frame
   Change change_;
   Similarity pose_;
   bool moved_ = false;           ///< since the key frame
-  std::vector<float> residuals_; ///< of the points of a level
-  std::vector<float> without_;   ///< if the camera rests
-  std::vector<float> opposite_;  ///< if it makes the opposite motion
-  std::vector<float> sizes_;     ///< of residuals
+  std::vector<float> residuals_; ///< at the points of a level
+  std::vector<float> without_;   ///< residuals for a camera at rest
+  std::vector<float> opposite_;  ///< residuals for the opposite motion
+  std::vector<float> sizes_;     ///< absolute residuals
 };
 
 } // namespace saliency

@@ -35,7 +35,7 @@ Contrast::operator()(const Pyramid &pyramid, LevelPair lightness, LevelPair chro
   });
 }
 
-/// w² (Δa² + Δb²) at the resolution of the pair's center.
+/// w² (Δa² + Δb²) at the resolution of pair.center.
 const cv::Mat &
 Contrast::chroma_squared(const Pyramid &pyramid, LevelPair pair, const Team &team)
 {
@@ -58,7 +58,7 @@ Contrast::chroma_squared(const Pyramid &pyramid, LevelPair pair, const Team &tea
   return map;
 }
 
-/// What a plane has on a row, `width` wide, of a level finer by `octaves`.
+/// Row `row` of a plane interpolated to a level finer by `octaves`, `width` samples wide.
 const float *
 Contrast::enlarged(const cv::Mat &plane, int octaves, int row, int width, std::vector<float> &fine)
 {

@@ -16,12 +16,12 @@ namespace saliency {
 class Contrast
 {
 public:
-  /// `chroma_weight` w: the difference is √(ΔL² + w² (Δa² + Δb²)); 1 is CIE 1976 ΔE.
+  /// `chroma_weight` w ≥ 0: the difference is √(ΔL² + w² (Δa² + Δb²)); w = 1 is CIE 1976 ΔE.
   explicit Contrast(double chroma_weight);
 
-  /// C(c, s) = ‖P_c - up(P_s)‖ ≥ 0 in a pyramid of L*a*b* images, surround ≥ center. The
-  /// differences of a* and b* are those of the pair `chroma`, no finer than `lightness`, brought to
-  /// the center's resolution. `map` becomes CV_32FC1 of the size of the lightness' center.
+  /// C(c, s) = ‖P_c - up(P_s)‖ ≥ 0 in a pyramid of L*a*b* images, surround ≥ center. Differences of
+  /// a* and b* are taken from the pair `chroma`, no finer than `lightness`, and brought to the
+  /// center's resolution. `map` becomes CV_32FC1 of the size of level lightness.center.
   void operator()(const Pyramid &pyramid, LevelPair lightness, LevelPair chroma, cv::Mat &map,
                   const Team &team = {});
 
@@ -31,9 +31,9 @@ private:
   const cv::Mat &chroma_squared(const Pyramid &pyramid, LevelPair pair, const Team &team);
 
   float chroma_weight_squared_;
-  /// Two rows at the center's resolution, of each thread.
+  /// Per thread: two rows at the center's resolution.
   std::vector<std::array<std::vector<float>, 2>> fine_;
-  std::vector<cv::Mat> chroma_; ///< w² (Δa² + Δb²), of each level
+  std::vector<cv::Mat> chroma_; ///< w² (Δa² + Δb²), by level
 };
 
 } // namespace saliency

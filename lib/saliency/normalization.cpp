@@ -58,8 +58,8 @@ normalize_itti(cv::Mat &map)
       std::fill_n(map.ptr<float>(y), map.cols, 0.0F);
     return;
   }
-  // Subtract and divide rather than scale and offset: the maximum becomes exactly 1, by which it is
-  // recognized.
+  // Subtract and divide rather than scale and offset: the maximum becomes exactly 1, which
+  // mean_of_other_maxima() relies on.
   for (int y = 0; y < map.rows; ++y) {
     auto *row = map.ptr<float>(y);
     for (int x = 0; x < map.cols; ++x)

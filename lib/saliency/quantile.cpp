@@ -13,11 +13,12 @@ namespace saliency {
 
 namespace {
 
-/// Numbers ≥ 0 are in the order of their bits: exponent and the first two of the mantissa.
+/// Bit patterns of floats ≥ 0 sort like their values. A bucket is the exponent and two mantissa
+/// bits.
 constexpr std::size_t kBuckets = 1024;
 
-/// That of 0 and of all that is below the normal numbers, which a processor may be told to take for
-/// 0 (by any library that was built for fast mathematics).
+/// The bucket of 0 and of denormals, which the CPU may flush to 0 (any library built with
+/// -ffast-math can set that mode).
 constexpr std::size_t kZero = 3;
 
 std::size_t
@@ -26,7 +27,7 @@ bucket(float value)
   return std::max<std::size_t>(kZero, std::bit_cast<std::uint32_t>(value) >> 21U & (kBuckets - 1));
 }
 
-/// The smallest number in a bucket.
+/// The smallest value in a bucket.
 float
 least_of(std::size_t bucket)
 {
@@ -38,8 +39,7 @@ least_of(std::size_t bucket)
 float
 quantile(std::vector<float> &values, double q)
 {
-  // Most are told apart by counting: noise would make a comparison sort guess wrong half of the
-  // time.
+  // Count by bucket first: on noise, a comparison sort would mispredict half of its branches.
   auto place = static_cast<std::size_t>(q * static_cast<double>(values.size() - 1));
   std::array<std::uint32_t, kBuckets> counts{};
   for (const float value : values)

@@ -5,8 +5,8 @@
 
 namespace saliency {
 
-/// The value at place q (n - 1), rounded down, 0 ≤ q ≤ 1, of n ≥ 1 finite values ≥ 0 in ascending
-/// order. The values are used up.
+/// The q-quantile, 0 ≤ q ≤ 1, of n ≥ 1 finite values ≥ 0: the value at index ⌊q (n - 1)⌋ in
+/// ascending order. Modifies `values`.
 float quantile(std::vector<float> &values, double q);
 
 } // namespace saliency

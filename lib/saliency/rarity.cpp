@@ -15,12 +15,12 @@ namespace {
 constexpr std::size_t kBins = 16; ///< along each axis
 constexpr std::size_t kCells = kBins * kBins * kBins;
 constexpr float kLightnessRange = 100;
-constexpr float kHalfChroma = 24;     ///< |a*| that takes half of the way to infinity
+constexpr float kHalfChroma = 24;     ///< |a*| that maps to half of the range
 constexpr float kLargestChroma = 112; ///< |a*| at the outermost bin's edge
-constexpr float kUnseen = 1e-4F;      ///< share that any color is taken to have
+constexpr float kUnseen = 1e-4F;      ///< smallest share of any color
 constexpr float kScale = 5;
 
-/// The bin of a position in [0, 1]; beyond it, the outermost one.
+/// The bin of a position in [0, 1], clamped to the outermost bins.
 int
 bin(float position)
 {
@@ -44,7 +44,7 @@ cell(float lightness, float a, float b)
       + bin(chroma_position(b)));
 }
 
-/// [½ 1 ½] along the axis of this stride, nothing beyond the outermost bins.
+/// [½ 1 ½] along the axis of this stride; zero beyond the outermost bins.
 void
 smooth(const std::vector<float> &in, std::size_t stride, std::vector<float> &out)
 {
@@ -65,7 +65,7 @@ smooth(const std::vector<float> &in, std::size_t stride, std::vector<float> &out
 
 Rarity::Rarity(double border) : border_(border), histogram_(kCells), table_(kCells)
 {
-  assert(border >= 0 && border <= 0.5); // a border takes at most half of the picture
+  assert(border >= 0 && border <= 0.5);
 }
 
 void
@@ -109,7 +109,7 @@ Rarity::operator()(const LabImage &lab, cv::Mat &weight)
   smooth(table_, kBins, histogram_);
   smooth(histogram_, kBins * kBins, table_);
 
-  // Of every bin, seen or not: the vectorized logarithm costs less than one call for each bin seen.
+  // For all bins: one vectorized logarithm costs less than a call for each bin in use.
   cv::Mat rarity(1, static_cast<int>(kCells), CV_32FC1, table_.data());
   rarity.convertTo(rarity, CV_32F, 1 / static_cast<double>(counted), kUnseen);
   cv::log(rarity, rarity);

@@ -25,7 +25,7 @@ parse_weight(std::string_view text)
 {
   double weight = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), weight);
-  // Not a number is not within either.
+  // Also rejects NaN.
   if (error != std::errc() || end != text.data() + text.size()
       || !(weight >= 0 && weight <= RegionWeights::kMax))
     return Error("expected a weight from 0 to 10, got '" + std::string(text) + "'");

@@ -10,8 +10,8 @@
 
 namespace saliency {
 
-/// How much saliency counts in regions of a type: 0 is never felt, 1 changes nothing, more raises.
-/// Written as `face=3,logo=0,*=0.5`, where `*` is any other type.
+/// Weights of region types: saliency in regions of a type is multiplied by its weight; 0
+/// suppresses, 1 changes nothing. Written as `face=3,logo=0,*=0.5`, where `*` is any other type.
 class RegionWeights
 {
 public:
@@ -19,17 +19,17 @@ public:
   static constexpr std::size_t kMaxTypes = 64;
   static constexpr std::string_view kAnyOther = "*";
 
-  /// All types count 1.
+  /// All types weigh 1.
   RegionWeights() = default;
 
-  /// At most kMaxTypes pairs of a type, any characters but ',' and '=', and a decimal number in
-  /// [0, kMax], each type once; spaces about them are ignored, an empty text is none. An error says
-  /// what was expected and what came.
+  /// Parses at most kMaxTypes pairs of a type, any characters but ',' and '=', and a decimal number
+  /// in [0, kMax], each type once. Spaces around them are ignored; an empty text is no pairs. An
+  /// error states what was expected and what was found.
   static tl::expected<RegionWeights, std::string> parse(std::string_view text);
 
   double of(std::string_view type) const;
 
-  /// As it was given.
+  /// The text that was parsed.
   const std::string &text() const
   {
     return text_;

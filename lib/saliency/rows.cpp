@@ -33,7 +33,7 @@ enlarge(const Between &in, int octaves, std::size_t n, float *out)
   const auto sample = [&in](std::size_t i) {
     return in.before[i] + in.weight * (in.after[i] - in.before[i]);
   };
-  // Source samples all of whose finer samples lie before n, with one after them.
+  // Source samples whose upsampled samples all lie before n and that have a successor.
   const std::size_t whole = std::min(n / step, in.length - 1);
   float next = sample(0);
   if (octaves == 1)

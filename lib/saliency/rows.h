@@ -4,12 +4,12 @@
 #include <array>
 #include <cstddef>
 
-/// What is done to rows of samples, vectorized for the processor at hand (Highway). Every target
-/// gives the same to the bit: sums are written out, nothing is fused, and whatever is added up over
-/// a row is a count. Rows do not overlap unless it is said.
+/// Row operations, vectorized for this CPU (Highway). Results are bit-identical on every CPU: the
+/// order of additions is fixed, there is no FMA, and only counts are summed along a row. Rows must
+/// not overlap unless stated.
 namespace saliency::rows {
 
-/// A row a share `weight` of the way from one row of `length` samples to another.
+/// A row interpolated between two rows of `length` samples: before + weight × (after - before).
 struct Between
 {
   const float *before;
@@ -18,31 +18,29 @@ struct Between
   std::size_t length;
 };
 
-/// A row to one finer by `octaves` < 31: sample i goes to i × 2^octaves, linear interpolation
-/// between, the last sample repeated. Writes n.
+/// Upsamples a row by `octaves` < 31: sample i goes to i × 2^octaves, with linear interpolation
+/// between and the last sample repeated. Writes `n` samples.
 void enlarge(const Between &row, int octaves, std::size_t n, float *out);
 
-/// w² (Δa² + Δb²) of rows of a* and b* to their surrounds.
+/// w² (Δa² + Δb²) of `n` samples of a* and b* and their surrounds.
 void chroma_contrast(const std::array<const float *, 2> &ab,
                      const std::array<const float *, 2> &surround, float weight_squared,
                      std::size_t n, float *out);
 
-/// √(ΔL² + chroma), likewise.
+/// √(ΔL² + chroma) of `n` samples.
 void contrast(const float *lightness, const float *surround, const float *chroma, std::size_t n,
               float *out);
 
-/// Of n L*a*b* pixels, those whose squared ΔE is above a limit.
+/// How many of n L*a*b* pixels have a squared ΔE above the limit.
 std::size_t count_changed(const std::array<const float *, 3> &lab,
                           const std::array<const float *, 3> &before, float limit_squared,
                           std::size_t n);
 
-/// Moves those of n values that are at least `low` and below `high` to the front, in their order;
-/// how many these are.
+/// Moves those of n values in [low, high) to the front, in order; returns their number.
 std::size_t keep_between(float low, float high, std::size_t n, float *values);
 
-/// center / (surround + nothing) of those of n samples whose center is above `least`, one after the
-/// other into `ratios`, n of which there is room for. How many these are, and how many of them are
-/// above 1.
+/// Writes center / (surround + nothing) of those samples whose center is above `least` to `ratios`,
+/// which has room for n. Returns how many there are and how many of them are above 1.
 struct Gains
 {
   std::size_t count;
@@ -51,7 +49,7 @@ struct Gains
 Gains gains(const float *center, const float *surround, float least, float nothing, std::size_t n,
             float *ratios);
 
-/// An integral over time at a moment between two: before + part × (after - before).
+/// An integral over time, interpolated: before + part × (after - before).
 struct Integral
 {
   const double *before;

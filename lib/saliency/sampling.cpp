@@ -11,10 +11,10 @@
 #ifndef SALIENCY_SAMPLING_ONCE
 #define SALIENCY_SAMPLING_ONCE
 namespace saliency {
-/// Points come in blocks of so many, and sums over them are of so many partial sums: whatever the
-/// length of a vector, as long as it divides this, they are added up in one order.
+/// Points come in blocks of this size, and each sum in as many partial sums. The order of additions
+/// is then the same for every vector length that divides it.
 constexpr std::size_t kBlock = 16;
-constexpr std::size_t kSums = 27; ///< upper triangle and right side
+constexpr std::size_t kSums = 27; ///< upper triangle and right-hand side
 } // namespace saliency
 #endif
 
@@ -23,8 +23,7 @@ namespace saliency::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-/// Linear interpolation; `inside` says where x and y lie between samples, elsewhere the result
-/// means nothing.
+/// Bilinear interpolation; undefined where `inside` is false.
 template <class D, class V = hn::Vec<D>>
 HWY_INLINE V
 interpolated(D d, const cv::Mat &image, V x, V y, hn::Mask<D> inside)
@@ -32,7 +31,7 @@ interpolated(D d, const cv::Mat &image, V x, V y, hn::Mask<D> inside)
   const hn::RebindToSigned<D> di;
   x = hn::IfThenElseZero(inside, x);
   y = hn::IfThenElseZero(inside, y);
-  const auto left = hn::ConvertTo(di, x); // towards 0
+  const auto left = hn::ConvertTo(di, x); // truncates
   const auto top = hn::ConvertTo(di, y);
   const V right_share = hn::Sub(x, hn::ConvertTo(d, left));
   const V bottom_share = hn::Sub(y, hn::ConvertTo(d, top));
@@ -81,7 +80,7 @@ sample(const cv::Mat &image, const Similarity &position, const float *x, const f
   }
 }
 
-/// sums[k × kBlock + i] becomes the sum over the points i, i + kBlock, …
+/// sums[k × kBlock + i] += term k of the points i, i + kBlock, …
 void
 equations(const float *const *change, const float *residuals, std::size_t n, float scale,
           float *sums)

@@ -6,16 +6,16 @@
 
 namespace saliency {
 
-/// Tells where one shot ends and the next begins: from one frame to the next most of the picture
-/// changes visibly. What moves in a shot, and a fade, do not change that much at once.
+/// Shot boundary detector: most of the picture changes visibly from one frame to the next. Motion
+/// within a shot and fades change less at a time.
 class ShotCut
 {
 public:
   explicit ShotCut(const Profile &profile);
 
-  /// Whether the frame begins a new shot: more than `Profile::cut_share` of its pixels differ from
-  /// the last frame's by more than `Profile::cut_contrast` (ΔE). `lab` is copied. The first frame
-  /// after a reset, one of another size and one of fewer than kFewestSamples begin none.
+  /// Whether the frame starts a new shot: more than `Profile::cut_share` of its pixels differ from
+  /// the last frame by more than `Profile::cut_contrast` (ΔE). False for the first frame after
+  /// reset(), after a change of size, and with fewer than kFewestSamples. `lab` is copied.
   bool operator()(const LabImage &lab);
 
   void reset();

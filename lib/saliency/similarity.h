@@ -3,8 +3,7 @@
 
 namespace saliency {
 
-/// A similarity of the plane: (x, y) ↦ (a x − b y + tx, b x + a y + ty). It shifts, turns and
-/// scales.
+/// A similarity transform of the plane: (x, y) ↦ (a x − b y + tx, b x + a y + ty).
 struct Similarity
 {
   double a = 1;
@@ -21,14 +20,14 @@ struct Similarity
     return b * px + a * py + ty;
   }
 
-  /// First `inner`, then this.
+  /// Composition: applies `inner` first.
   Similarity operator*(const Similarity &inner) const
   {
     return { a * inner.a - b * inner.b, a * inner.b + b * inner.a, x(inner.tx, inner.ty),
              y(inner.tx, inner.ty) };
   }
 
-  /// Defined if this is not all zero.
+  /// Requires a or b to be nonzero.
   Similarity inverse() const
   {
     const double norm = a * a + b * b;
@@ -36,7 +35,7 @@ struct Similarity
     return { turned.a, turned.b, -turned.x(tx, ty), -turned.y(tx, ty) };
   }
 
-  /// The same in a unit of length `unit` times as long, between grids whose origins coincide.
+  /// The same transform in a length unit `unit` times as long, between grids of the same origin.
   Similarity in_units_of(double unit) const
   {
     return { a, b, tx / unit, ty / unit };

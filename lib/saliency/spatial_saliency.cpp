@@ -24,7 +24,7 @@ frame_levels(const Profile &profile, cv::Size frame)
     shift = std::max(static_cast<int>(std::lround(octaves)) - 2, -finest);
   }
 
-  // Surroundedness has one pair for all channels.
+  // Surroundedness uses one pair for all channels.
   const int chroma_octaves
       = profile.spatial_cue == SpatialCue::contrast ? profile.chroma_octaves : 0;
   const int last = coarsest_level(frame);

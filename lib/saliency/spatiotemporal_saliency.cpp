@@ -15,8 +15,8 @@ namespace saliency {
 
 namespace {
 
-/// Each sample becomes the largest of those up to `radius` away along both axes. `along_rows` holds
-/// what is so along one.
+/// Dilation with a square of side 2 · radius + 1. `along_rows` is scratch space: dilated along rows
+/// only.
 void
 dilate(const cv::Mat &map, int radius, cv::Mat &along_rows, cv::Mat &dilated)
 {
@@ -113,14 +113,14 @@ SpatiotemporalSaliency::compute(TemporalPyramid &history, const Team &team)
   return saliency_;
 }
 
-/// β: the factor by which whatever has contrast has gained it.
+/// β: the median gain of all samples with contrast, at least 1 (Profile::illumination_guard).
 float
 SpatiotemporalSaliency::illumination(const cv::Mat &center, const cv::Mat &surround,
                                      std::vector<float> &sorted)
 {
-  constexpr float kContrast = 1; // what has some, in the map's units
+  constexpr float kContrast = 1; // smallest contrast that counts, in map units
   constexpr float kNothing = 0.05F;
-  constexpr double kEnough = 0.3; // of the map
+  constexpr double kEnough = 0.3; // share of the map that must have contrast
 
   const std::size_t total = center.total();
   if (total < kFewestSamples)
@@ -129,7 +129,7 @@ SpatiotemporalSaliency::illumination(const cv::Mat &center, const cv::Mat &surro
   const auto [count, gained] = rows::gains(center.ptr<float>(), surround.ptr<float>(), kContrast,
                                            kNothing, total, sorted.data());
   if (static_cast<double>(count) <= kEnough * static_cast<double>(total)
-      || 2 * gained < count) // the median is at most 1
+      || 2 * gained < count) // then the median is at most 1
     return 1;
   sorted.resize(count);
   return std::max(1.0F, quantile(sorted, 0.5));

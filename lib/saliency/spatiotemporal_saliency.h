@@ -19,15 +19,14 @@ class SpatiotemporalSaliency
 public:
   explicit SpatiotemporalSaliency(const Profile &profile);
 
-  /// Sum or mean over the profile's windows of |T_c - T_s| or max(0, T_c - T_s), less what the map
-  /// has in common, optionally normalized by N(·). CV_32FC1, ≥ 0, valid until the next call.
-  /// `history` has had at least one push. If the camera has moved, surrounds are dilated and count
-  /// more, and the rim is silent unless it is the whole map (Profile::camera_dilation,
-  /// camera_margin, camera_rim).
+  /// Sum or mean over the profile's windows of |T_c - T_s| or max(0, T_c - T_s), minus the
+  /// background, optionally normalized by N(·). CV_32FC1, ≥ 0, valid until the next call. Requires
+  /// at least one push to `history`. If the camera moved, surrounds are dilated and scaled and the
+  /// rim is zero (Profile::camera_dilation, camera_margin, camera_rim).
   const cv::Mat &compute(TemporalPyramid &history, const Team &team = {});
 
 private:
-  /// A pair, by the places of its windows in `windows_`.
+  /// A window pair as indices into `windows_`.
   struct Pair
   {
     std::size_t center;
@@ -48,13 +47,13 @@ private:
   double background_quantile_;
   double background_limit_;
   Normalization normalization_;
-  std::vector<int> windows_; ///< each once, ascending
+  std::vector<int> windows_; ///< sorted, unique
   std::vector<Pair> pairs_;
-  std::vector<float> light_;   ///< of each pair
-  std::vector<cv::Mat> means_; ///< of windows_
-  cv::Mat along_rows_;         ///< surrounds dilated along one axis, and along both
+  std::vector<float> light_;   ///< β per pair
+  std::vector<cv::Mat> means_; ///< per window
+  cv::Mat along_rows_;         ///< surrounds dilated along one axis
   cv::Mat dilated_;
-  std::vector<std::vector<float>> sorted_; ///< of each pair
+  std::vector<std::vector<float>> sorted_; ///< scratch space per pair
   cv::Mat saliency_;
 };
 

@@ -13,18 +13,18 @@ namespace saliency {
 
 namespace {
 
-/// No color's L*, a* or b* is further from 0.
+/// Upper limit of |L*|, |a*| and |b*|.
 constexpr double kLargest = 128;
 
 /// A₀, as a share of the picture.
 constexpr double kReferenceArea = 0.01;
 
-/// 1 in fixed-point: what is added at a run's start is taken away exactly at its end.
+/// 1 in fixed point: a weight added at the start of a run cancels exactly at its end.
 constexpr double kOne = 1 << 20;
 
 } // namespace
 
-/// Goes along the crossings of a threshold.
+/// Iterates over the crossings of a threshold.
 class Surroundedness::CrossingCursor
 {
 public:
@@ -32,7 +32,7 @@ public:
   {
   }
 
-  /// Whether there is one on row y in columns [begin, end). Rows and columns only grow from call to
+  /// Whether row y has a crossing in columns [begin, end). Arguments must not decrease from call to
   /// call.
   bool find(int y, int begin, int end)
   {
@@ -49,8 +49,8 @@ private:
 Surroundedness::Surroundedness(double threshold_step, double area_exponent)
     : threshold_step_(threshold_step), area_exponent_(area_exponent)
 {
-  assert(threshold_step >= 0.5 && threshold_step <= 100); // thresholds are 0.5 to 100 apart
-  assert(area_exponent >= 0 && area_exponent <= 1); // the exponent of a region's area is 0 to 1
+  assert(threshold_step >= 0.5 && threshold_step <= 100);
+  assert(area_exponent >= 0 && area_exponent <= 1);
   crossings_.resize(2 * static_cast<std::size_t>(std::ceil(kLargest / threshold_step)) + 1);
 }
 
@@ -70,7 +70,7 @@ Surroundedness::prepare(cv::Size size)
   change_.assign(static_cast<std::size_t>(size.area()), 0);
 }
 
-/// Sorts the plane's crossings by threshold. Threshold k lies between codes k and k + 1.
+/// Sorts the crossings of a plane by threshold. Threshold k lies between codes k and k + 1.
 void
 Surroundedness::find_crossings(const cv::Mat &plane)
 {
@@ -131,7 +131,7 @@ Surroundedness::unite(int a, int b)
   parent.beyond = parent.beyond || child.beyond;
 }
 
-/// Parts the picture into the regions above and below a threshold.
+/// Finds the connected regions above and below a threshold.
 void
 Surroundedness::join_runs(int threshold)
 {
@@ -165,13 +165,13 @@ Surroundedness::join_runs(int threshold)
       const int after = run_end(run, y);
       r.area = after - r.x;
       r.border = outermost_row || run == first || run == end - 1;
-      // Inside the picture, a run that lies beyond the next threshold crosses it on the way.
+      // Inside the picture, a run beyond the next threshold has to cross it.
       r.beyond = (above ? higher : lower).find(y, r.x, after);
     }
     if (y == 0)
       continue;
 
-    // Both rows' runs alternate between the two sides.
+    // Runs of both rows alternate between the two sides.
     int up = row_runs_[static_cast<std::size_t>(y) - 1];
     int down = first;
     bool same_side = (row_codes_[static_cast<std::size_t>(y) - 1] > threshold)
@@ -199,7 +199,7 @@ Surroundedness::add_surrounded()
   for (int y = 0; y < size_.height; ++y, change += size_.width) {
     const int end = row_runs_[static_cast<std::size_t>(y) + 1];
     for (int run = row_runs_[static_cast<std::size_t>(y)]; run < end; ++run) {
-      // A parent comes before its children, so it already hangs on its root.
+      // Parents come before children, so the parent already points to its root.
       runs[run].parent = runs[runs[run].parent].parent;
       const auto &region = runs[runs[run].parent];
       if (region.border || !region.beyond)
@@ -219,7 +219,7 @@ Surroundedness::operator()(const LabImage &lab, cv::Mat &map)
   for (const cv::Mat &plane : lab.planes) {
     find_crossings(plane);
     for (std::size_t threshold = 0; threshold < crossings_.size(); ++threshold) {
-      // A row that does not cross the threshold lies in a region that touches the border.
+      // Without crossings, every row lies in a region that touches the border.
       if (crossings_[threshold].empty())
         continue;
       join_runs(static_cast<int>(threshold));

@@ -13,41 +13,40 @@ namespace saliency {
 /// Surroundedness, the figure-ground cue of Boolean map saliency (Zhang & Sclaroff 2013): a figure
 /// is enclosed by its ground.
 ///
-/// L*, a* and b* are each cut at every threshold t = (k + ½) Δt; a cut parts the picture into
-/// 4-connected regions above and below t. A region is surrounded if it does not touch the picture's
-/// border, and counts if any of it lies beyond the next threshold too: a step across one alone may
-/// be noise. Then
-///   S(x) = Σ_channels Σ_t Δt (A₀ / A)^p, A the area of the surrounded region of t in which x lies,
-/// if any, and A₀ one percent of the picture. For a region of that size, and for any with p = 0,
-/// S(x) is how much of each channel every way from x to the border has to cross (Zhang & Sclaroff
-/// 2016: Boolean map distance), less the last Δt. With p > 0 a small region stands out more than a
-/// large one; at p = ½ the sum of S over a region grows as its diameter does.
+/// L*, a* and b* are each cut at every threshold t = (k + ½) Δt into 4-connected regions above and
+/// below t. A region is surrounded if it does not touch the picture's border. It counts if any of
+/// it lies beyond the next threshold, too, since a step across a single one may be noise. Then
+///   S(x) = Σ_channels Σ_t Δt (A₀ / A)^p,
+/// where A is the area of the surrounded region of t that contains x, if any, and A₀ is one percent
+/// of the picture. For a region of area A₀, and for any region if p = 0, S(x) is the Boolean map
+/// distance (Zhang & Sclaroff 2016) less the last Δt: the smallest change of each channel along any
+/// path from x to the border. With p > 0 a small region stands out more than a large one. At p = ½
+/// the sum of S over a region grows as its diameter does.
 ///
-/// What the picture's border cuts off counts as ground. Unlike in the paper, each region counts by
-/// its own area rather than by the L2 norm of all that a threshold finds, thresholds do not depend
-/// on the picture (a color that appears elsewhere changes nothing here), and there is neither
-/// whitening nor morphology.
+/// A figure that the border cuts off counts as ground. There are three differences from the 2013
+/// paper. Each region counts by its own area, rather than by the L2 norm of all regions of a
+/// threshold. Thresholds do not depend on the picture, so a color elsewhere changes nothing here.
+/// There is neither whitening nor morphology.
 class Surroundedness
 {
 public:
   /// Δt in [0.5, 100] ΔE; p in [0, 1].
   Surroundedness(double threshold_step, double area_exponent);
 
-  /// `lab`: finite, not empty. `map` becomes CV_32FC1 of its size, ≥ 0; what is
-  /// not surrounded is exactly 0. The time it takes grows with the sum of all horizontal steps of
-  /// color, in units of Δt.
+  /// `lab`: finite, not empty. `map` becomes CV_32FC1 of its size, ≥ 0, exactly 0 where nothing is
+  /// surrounded. Run time grows with the sum of all horizontal color steps in units of Δt.
   void operator()(const LabImage &lab, cv::Mat &map);
 
 private:
-  /// A row lies on different sides of a threshold in columns x - 1 and x.
+  /// Columns x - 1 and x of row y lie on different sides of a threshold.
   struct Crossing
   {
     int x;
     int y;
   };
 
-  /// Pixels of a row from x to the next run, all on one side of a threshold. Runs are joined to
-  /// regions in a union-find forest; what is said of the region holds at its root.
+  /// Pixels of a row from x to the next run, all on one side of a threshold. Runs are joined into
+  /// regions by a union-find forest; the root holds the region's properties.
   struct Run
   {
     int x;
@@ -72,10 +71,10 @@ private:
   cv::Size size_;
   std::vector<std::int64_t> weight_;             ///< Δt (A₀/A)^p by area in pixels, fixed-point
   std::vector<std::vector<Crossing>> crossings_; ///< by threshold, row by row
-  std::vector<int> row_codes_;       ///< thresholds that each row's first pixel is above
-  std::vector<Run> runs_;            ///< of one cut, row by row
-  std::vector<int> row_runs_;        ///< first run of each row, and the end
-  std::vector<std::int64_t> change_; ///< of S from pixel to pixel of a row, fixed-point
+  std::vector<int> row_codes_;       ///< per row: number of thresholds below its first pixel
+  std::vector<Run> runs_;            ///< of one threshold, row by row
+  std::vector<int> row_runs_;        ///< index of each row's first run, and the end
+  std::vector<std::int64_t> change_; ///< of S between adjacent pixels of a row, fixed-point
 };
 
 } // namespace saliency

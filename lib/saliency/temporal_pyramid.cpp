@@ -14,7 +14,7 @@ namespace {
 
 constexpr double kShortestEntry = 1.0 / 8;
 
-/// Maps of an age are moved together for this share of it.
+/// Maps are warped together if they span at most this share of their age.
 constexpr double kShareOfAge = 1.0 / 4;
 
 /// cv::Mat::setTo allocates.
@@ -38,7 +38,7 @@ TemporalPyramid::reset()
   count_ = 0;
 }
 
-/// A new latest entry, its integral not yet made.
+/// Appends an entry whose integral is not yet computed.
 TemporalPyramid::Entry &
 TemporalPyramid::add_entry(double time, const Similarity &pose)
 {
@@ -54,7 +54,7 @@ TemporalPyramid::add_entry(double time, const Similarity &pose)
   return added;
 }
 
-/// Goes on from an integral for as long as the current map is on show; `to` may be the same.
+/// Extends an integral by `duration` of the current map; `to` may be `from`.
 void
 TemporalPyramid::integrate(const Entry &from, double duration, Entry &to)
 {
@@ -151,7 +151,7 @@ TemporalPyramid::moment(double time) const
   return { &from, &to, (time - from.time) / (to.time - from.time) };
 }
 
-/// What was on show from one moment to another, times `scale`.
+/// The integral between two moments, times `scale`.
 void
 TemporalPyramid::difference(const Moment &from, const Moment &to, double scale, cv::Mat &map) const
 {
@@ -163,8 +163,8 @@ TemporalPyramid::difference(const Moment &from, const Moment &to, double scale, 
   rows::difference(integral(from), integral(to), scale, map.total(), map.ptr<float>());
 }
 
-/// From the present back, stretch by stretch. A stretch begins where a display does, as soon as it
-/// is as long as a share of its age, or where a window does.
+/// Goes backward from the present in stretches. A stretch begins where a display does, once it
+/// spans kShareOfAge of its age, or where a window begins.
 void
 TemporalPyramid::moved_means(std::span<const int> windows, std::vector<cv::Mat> &maps)
 {
@@ -183,7 +183,7 @@ TemporalPyramid::moved_means(std::span<const int> windows, std::vector<cv::Mat> 
   }
 }
 
-/// Adds what was on show from one time to another, less the current map, moved to where it is now.
+/// Adds the integral from one time to another, less the current map, warped to the current pose.
 void
 TemporalPyramid::add_moved(double from, double to)
 {

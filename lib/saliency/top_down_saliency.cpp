@@ -9,7 +9,7 @@ namespace saliency {
 
 namespace {
 
-/// At 30 a second.
+/// One frame at 30 fps.
 constexpr Time kFrame = Time(std::chrono::seconds(1)) / 30;
 
 double
@@ -21,7 +21,7 @@ reach_of(const Profile &profile)
   return std::ldexp(2.0, coarsest - profile.saliency_level);
 }
 
-/// The longest window in which what was there still counts as more than what is.
+/// The longest window in which past content still raises the map.
 Time
 hold_of(const Profile &profile)
 {
@@ -32,7 +32,7 @@ hold_of(const Profile &profile)
   return frames * Time(std::chrono::seconds(1)) / 30;
 }
 
-/// An axis of the map, with the picture's extent in its samples.
+/// An axis of the map, and the extent of the picture along it in samples.
 struct Axis
 {
   int samples;
@@ -40,15 +40,15 @@ struct Axis
   double picture_end;
 };
 
-/// The samples that a region covers: their shares of it, from `first` on.
+/// The samples covered by a region along an axis: their shares, starting at sample `first`.
 struct Cover
 {
   int first = 0;
   std::vector<float> shares;
 };
 
-/// Which share of what each sample has of the picture lies in [begin, end), in samples. The
-/// outermost samples have all that the picture has beyond them.
+/// The share of each sample's part of the picture that lies in [begin, end), in samples. The
+/// outermost samples also stand for the picture beyond them.
 Cover
 cover(const Axis &axis, double begin, double end)
 {
@@ -88,7 +88,7 @@ TopDownSaliency::compute(const Saliency &found, cv::Size frame, std::span<const 
   while (!regions_.empty() && regions_.back().age > hold_)
     regions_.pop_back();
   for (const Region &region : regions)
-    // One that is not in the picture at all does not reach into it.
+    // A region entirely outside the picture does not reach into it.
     if (!(region.area & cv::Rect2d(0, 0, frame.width, frame.height)).empty())
       regions_.push_front({ region, Time{} });
   if (regions_.size() > kMaxRegions)
@@ -106,11 +106,11 @@ TopDownSaliency::compute(const Saliency &found, cv::Size frame, std::span<const 
   const cv::Rect2d &picture = found.picture;
   const Axis horizontal{ map_.cols, picture.x, picture.x + picture.width };
   const Axis vertical{ map_.rows, picture.y, picture.y + picture.height };
-  const double step_x = picture.width / frame.width; // samples from pixel to pixel
+  const double step_x = picture.width / frame.width; // samples per pixel
   const double step_y = picture.height / frame.height;
   for (auto region = by_type.begin(); region != by_type.end();) {
     const unsigned type = region->type;
-    const auto change = static_cast<float>(region->weight - 1); // the newest region's
+    const auto change = static_cast<float>(region->weight - 1); // the newest region counts
     covered_.setTo(0);
     for (; region != by_type.end() && region->type == type; ++region) {
       const double x = picture.x + region->area.x * step_x;
