@@ -7,7 +7,7 @@ namespace tactile {
 
 namespace {
 
-/// Calls `pair(row, column of what is shown, row, column of what is stored)` for each cell.
+/// Calls `pair(shown row, shown column, stored row, stored column)` for each cell.
 template <typename Pair>
 void
 for_each_cell(int shown_rows, int shown_columns, Orientation orientation, const Pair &pair)
@@ -23,7 +23,7 @@ for_each_cell(int shown_rows, int shown_columns, Orientation orientation, const 
     }
 }
 
-/// Makes `map` one of this grid, whatever its levels.
+/// Gives `map` this grid; its levels are undefined.
 void
 set_grid(TactileMap &map, int rows, int columns)
 {

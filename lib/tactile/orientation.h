@@ -5,9 +5,9 @@
 
 namespace tactile {
 
-/// How a picture is turned between its pixels as they are stored and the screen: sample (row,
-/// column) of what is shown is sample (column, row) of what is stored if it is transposed, (row,
-/// column) if not, counted from the other end along each axis that is mirrored.
+/// Rotation and flip between stored pixels and the screen. Sample (row, column) on the screen is
+/// stored sample (column, row) if transposed, else (row, column), counted from the opposite end
+/// along each mirrored axis.
 struct Orientation
 {
   bool transposed = false;
@@ -17,10 +17,10 @@ struct Orientation
   bool operator==(const Orientation &) const = default;
 };
 
-/// A map of the stored picture as it is on the screen. Allocates only for a larger grid.
+/// Turns a map of the stored picture to the screen's orientation. Allocates only for a larger grid.
 void turn(const TactileMap &stored, Orientation orientation, TactileMap &shown);
 
-/// The opposite: a map of the screen as it lies on the stored picture.
+/// The inverse: from the screen's orientation to the stored picture's.
 void turn_back(const TactileMap &shown, Orientation orientation, TactileMap &stored);
 
 } // namespace tactile

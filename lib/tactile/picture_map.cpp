@@ -9,14 +9,14 @@ namespace tactile {
 
 namespace {
 
-/// The samples of an axis between which a place lies, and what each counts there.
+/// The four samples around a position on an axis, and their weights.
 struct Taps
 {
   std::array<int, 4> sample;
   std::array<double, 4> weight;
 };
 
-/// Of sample `index` of the picture's `samples`, on an axis of as many.
+/// Taps for sample `index` of an axis that is resampled to the same number of samples.
 Taps
 taps_at(int index, int samples, const SaliencyView::Extent &picture)
 {

@@ -8,21 +8,21 @@
 
 namespace tactile {
 
-/// A saliency map that covers its picture exactly, as whoever resizes an image expects: the middle
-/// of sample (x, y) lies at ((x + ½) / width, (y + ½) / height) of the picture. A pyramid's samples
-/// sit on every 2ⁿth pixel, about half a sample before.
+/// A saliency map resampled to cover its picture exactly, as for image resizing: the center of
+/// sample (x, y) lies at ((x + ½) / width, (y + ½) / height) of the picture. Samples of a pyramid
+/// level lie on every 2ⁿ-th pixel instead, about half a sample earlier.
 class PictureMap
 {
 public:
-  /// Samples a map, by as many samples as it has, along each axis by Keys' cubic (1981, a = −½),
-  /// under which what is symmetric stays where it is. Values are ≥ 0; beyond the map its border is
-  /// repeated. Allocates only for a larger map.
+  /// Resamples a map to the same number of samples, by Keys' cubic along each axis (1981, a = −½),
+  /// which preserves symmetry. Values are ≥ 0; the border is repeated beyond the map. Allocates
+  /// only for a larger map.
   void sample(const SaliencyView &map);
 
-  /// As after sample() of an empty map.
+  /// Like sample() of an empty map.
   void clear();
 
-  /// Row by row; empty for an empty map.
+  /// Row-major; empty for an empty map.
   const std::vector<float> &values() const
   {
     return values_;
@@ -35,12 +35,12 @@ public:
   {
     return height_;
   }
-  /// The largest value; 0 for an empty map.
+  /// Maximum; 0 for an empty map.
   double peak() const;
 
 private:
   std::vector<float> values_;
-  std::vector<double> rows_; ///< sampled along the rows: width × the map's height
+  std::vector<double> rows_; ///< resampled along rows: width × the source's height
   int width_ = 0;
   int height_ = 0;
 };

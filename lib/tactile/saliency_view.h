@@ -6,18 +6,18 @@
 
 namespace tactile {
 
-/// A saliency map to read: `values[y * stride + x]`, 0 ≤ x < width, 0 ≤ y < height. Values are ≥ 0;
-/// those that are not finite count as 0.
+/// A read-only saliency map: `values[y * stride + x]`, 0 ≤ x < width, 0 ≤ y < height. Values are ≥
+/// 0; values that are not finite count as 0.
 struct SaliencyView
 {
   const float *values = nullptr;
   int width = 0;
   int height = 0;
-  std::ptrdiff_t stride = 0; ///< floats from row to row
+  std::ptrdiff_t stride = 0; ///< floats per row
 
-  /// Where the picture lies along an axis of the map, in samples of which sample i covers
-  /// [i, i + 1). A pyramid's samples sit on every 2ⁿth pixel, so its picture begins about half a
-  /// sample after the map. Beyond the map its border is repeated.
+  /// Extent of the picture along an axis, in samples, where sample i covers [i, i + 1). Samples of
+  /// a pyramid level lie on every 2ⁿ-th pixel, so the picture begins about half a sample after the
+  /// map. The border is repeated beyond the map.
   struct Extent
   {
     double begin = 0;
@@ -37,7 +37,7 @@ struct SaliencyView
     return std::isfinite(value) ? static_cast<double>(value) : 0.0;
   }
 
-  /// The largest value; 0 for an empty map.
+  /// Maximum; 0 for an empty map.
   double peak() const
   {
     double peak = 0;

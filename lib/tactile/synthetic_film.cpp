@@ -24,9 +24,9 @@ constexpr std::array<Color, 6> kColors{ {
 } };
 
 constexpr int kThirds = 3;
-constexpr double kThirdMargin = 0.15; ///< of a third: resting places keep off its borders
+constexpr double kThirdMargin = 0.15; ///< share of a third kept clear at its borders
 
-/// The finalizer of SplitMix64 (Steele, Lea, Flood 2014). The standard library's distributions are
+/// The finalizer of SplitMix64 (Steele, Lea, Flood 2014). Distributions of the standard library are
 /// implementation-defined, but a film has to be the same everywhere.
 constexpr std::uint64_t
 mix(std::uint64_t x)
@@ -64,7 +64,7 @@ public:
     return uniform(third + kThirdMargin, third + 1 - kThirdMargin) / kThirds;
   }
 
-  /// A time between two, in seconds.
+  /// A uniformly distributed time in [low, high) seconds.
   Time time(double low, double high)
   {
     return std::chrono::round<Time>(Seconds(uniform(low, high)));
@@ -122,8 +122,8 @@ SyntheticFilm::make_static_tracks()
     }
     last = ninth;
 
-    // Longer than a second (paper); some long enough for a memory of two seconds to come to rest as
-    // well.
+    // Longer than a second (paper); some long enough for a temporal window of two seconds to
+    // settle.
     begin += random.below(4) == 0 ? random.time(3.2, 5.0) : random.time(1.2, 3.0);
   }
 }
@@ -155,8 +155,8 @@ SyntheticFilm::make_dynamic_track(int index) const
   return track;
 }
 
-/// The stretch as it is at `time`. The angle grows at a speed that swells by half around its mean,
-/// and the distance from the middle, never zero, follows more slowly: a moving ball never rests.
+/// The state of a stretch at `time`. The angular speed varies by half around its mean, and the
+/// distance from the center, never zero, more slowly: a moving ball never rests.
 SyntheticFilm::Stretch
 SyntheticFilm::advance(const Stretch &from, Time time)
 {
@@ -213,7 +213,7 @@ SyntheticFilm::balls_at(Time time, int width, int height) const
 void
 draw_ball(const SamplePlane &plane, const Ball &ball, std::uint8_t value)
 {
-  // An edge as wide as a sample; a ball smaller than a sample must not look larger than it is.
+  // The edge is one sample wide; a ball smaller than a sample is drawn fainter instead of larger.
   const double sample_size = std::sqrt(static_cast<double>(plane.block_width) * plane.block_height);
   const double most
       = std::min(1.0, std::numbers::pi * ball.radius * ball.radius / (sample_size * sample_size));
@@ -245,7 +245,8 @@ SensorNoise::SensorNoise(double sigma, std::uint64_t seed) : seed_(mix(seed ^ 0x
   sigma = std::clamp(sigma, 0.0, 32.0);
   if (!(sigma > 0))
     return;
-  // Up the normal distribution: code k has the quantiles between Φ((k − ½) / σ) and Φ((k + ½) / σ).
+  // Walks up the normal distribution: code k has the quantiles between Φ((k − ½) / σ) and Φ((k + ½)
+  // / σ).
   int code = -static_cast<int>(std::ceil(4 * sigma)) - 1;
   for (std::size_t i = 0; i < kQuantiles; i++) {
     const double quantile = (static_cast<double>(i) + 0.5) / kQuantiles;
@@ -258,7 +259,7 @@ SensorNoise::SensorNoise(double sigma, std::uint64_t seed) : seed_(mix(seed ^ 0x
 void
 SensorNoise::add(const SamplePlane &plane, int component, Time time) const
 {
-  constexpr int kPerHash = 5; // numbers of quantiles, 12 bits each
+  constexpr int kPerHash = 5; // quantile indices of 12 bits each
   const std::uint64_t frame = mix(mix(seed_ + static_cast<std::uint64_t>(time.count()))
                                   + static_cast<std::uint64_t>(component));
 

@@ -5,16 +5,16 @@
 #include <cstddef>
 #include <vector>
 
-/// The one value that the film's side and the chair's side share.
+/// The value that passes from the film's side to the chair's side.
 namespace tactile {
 
-/// Smallest and largest number of rows or columns of a grid of tactors.
+/// Smallest and largest number of rows or columns.
 inline constexpr int kMinGridSide = 1;
 inline constexpr int kMaxGridSide = 64;
 
-/// What a grid of tactors shall do at one moment: `rows × columns` levels in [0, 1], row-major, the
-/// top left tactor as seen on the screen first (paper, Section 3: "a tactile map such as a 3×3
-/// array").
+/// Levels of a grid of tactors at one moment: `rows × columns` values in [0, 1], row-major,
+/// starting with the top left tactor as seen on the screen (paper, Section 3: "a tactile map such
+/// as a 3×3 array").
 struct TactileMap
 {
   int rows = 0;

@@ -12,20 +12,20 @@ namespace tactile {
 
 namespace {
 
-// The perceptual gain (docs/design/algorithm.md): the contrast in ΔE from which an event is felt to grow,
-// how fast that saturates, and the level of the weakest, which just clears a motor's 0.5 V of 3 V.
+// The perceptual gain (docs/design/algorithm.md): the contrast in ΔE above which levels grow, the
+// scale of the saturation, and the weakest level, which just clears a motor's 0.5 V of 3 V.
 constexpr double kPerceptualOnset = 4;
 constexpr double kPerceptualScale = 25;
 constexpr double kWeakestLevel = 0.2;
 
-/// What each cell of an axis sees: for cell c, weights of the samples from first on, summing to 1
-/// where the viewport is the whole picture.
+/// Each cell's weights along an axis. A cell's weights sum to 1 if the viewport is the whole
+/// picture.
 struct Windows
 {
   struct Cell
   {
     int first;
-    std::size_t begin; ///< its weights in `weights`
+    std::size_t begin; ///< index of its weights in `weights`
     std::size_t count;
   };
   std::vector<Cell> cells;
@@ -36,7 +36,7 @@ struct Windows
     return std::span(weights).subspan(cell.begin, cell.count);
   }
 
-  /// Begins the next cell, which sees the samples first…last.
+  /// Starts the next cell, with samples first…last.
   void begin(int first, int last)
   {
     const auto count = static_cast<std::size_t>(last - first) + 1;
@@ -50,19 +50,18 @@ struct Windows
   }
 };
 
-/// What map_saliency() needs on the way, kept from frame to frame by each thread: it allocates only
-/// for a larger map or grid.
+/// Buffers of map_saliency(), one set per thread: allocates only for a larger map or grid.
 struct Workspace
 {
   Windows columns;
   Windows rows;
   std::vector<double> kept;   ///< a row of the map
-  std::vector<double> pooled; ///< along columns: rows of cells × samples
+  std::vector<double> pooled; ///< pooled vertically: rows of cells × samples
   std::vector<double> cells;
 };
 
-/// An axis of the map: its samples, the extent on it that the cells share, and how much of the
-/// picture lies before and after that.
+/// An axis of the map in samples: the extent that the cells cover, and the length of the picture
+/// before and after it.
 struct Axis
 {
   int samples;
@@ -81,13 +80,13 @@ struct Axis
     length = view_length * whole;
   }
 
-  /// The nearest sample, for what lies beyond the map.
+  /// Nearest sample of the map.
   int inside(double sample) const
   {
     return static_cast<int>(std::clamp(sample, 0.0, static_cast<double>(samples - 1)));
   }
 
-  /// Where a sample's middle lies, in samples: on the viewport's border if it is outside.
+  /// Center of a sample, in samples, clamped to the viewport.
   double place(int sample) const
   {
     double at = sample;
@@ -99,8 +98,8 @@ struct Axis
   }
 };
 
-/// Cell `cell` of `cells`, each sample counting by the share of it that lies in the cell, or
-/// outside the viewport next to it.
+/// Weights of cell `cell` of `cells`: the share of each sample within the cell. Cells at the edge
+/// of the viewport include what lies outside.
 void
 add_area_window(const Axis &axis, int cells, int cell, Windows &windows)
 {
@@ -121,10 +120,9 @@ gaussian(double z)
   return std::exp(-0.5 * z * z);
 }
 
-/// The image filtered by a Gaussian of `sigma` cells and linearly interpolated at the middle of the
-/// cell: the sum of the Gaussians about the two nearest samples. Each is cut at 4 σ and at the
-/// map's borders and sums to 1 before it is weighted and what is outside the viewport is put onto
-/// its border.
+/// Weights of the map filtered by a Gaussian of `sigma` cells and interpolated at the cell's
+/// center: the sum of the Gaussians around the two nearest samples. Each Gaussian is cut at 4 σ and
+/// at the map's borders and normalized to sum 1. Samples outside the viewport count at its border.
 void
 add_gaussian_window(const Axis &axis, int cells, int cell, double sigma, Windows &windows)
 {
@@ -167,7 +165,7 @@ find_windows(const Axis &axis, int cells, double sigma, Windows &windows)
       add_area_window(axis, cells, cell, windows);
 }
 
-/// Level of the strongest cell for an event of so many ΔE.
+/// Level of the strongest cell for an event of this contrast in ΔE.
 double
 perceptual_level(double contrast)
 {
@@ -220,7 +218,7 @@ map_saliency(const SaliencyView &map, const MappingSettings &settings, TactileMa
   if (peak <= std::max(0.0, settings.floor))
     return;
 
-  // The cells' windows are separable: down the rows of the map, then along them.
+  // The weights are separable: pool vertically first, then horizontally.
   thread_local Workspace work;
   find_windows({ map.width, map.horizontal, viewport.left, viewport.width }, out.columns,
                settings.prefilter_sigma, work.columns);
@@ -238,7 +236,8 @@ map_saliency(const SaliencyView &map, const MappingSettings &settings, TactileMa
     }
     double *row = work.pooled.data();
     for (const Windows::Cell &cell : work.rows.cells) {
-      const auto i = static_cast<std::size_t>(y - cell.first); // huge before the first
+      const auto i
+          = static_cast<std::size_t>(y - cell.first); // wraps to a huge value before the first
       if (i < cell.count) {
         const double weight = work.rows.of(cell)[i];
         for (std::size_t x = 0; x < width; ++x)
@@ -261,7 +260,7 @@ map_saliency(const SaliencyView &map, const MappingSettings &settings, TactileMa
   if (settings.gain == Gain::perceptual) {
     const double strongest = *std::ranges::max_element(cells);
     if (strongest <= 0)
-      return; // so far between the cells' middles that the prefilter does not reach them
+      return; // the prefilter does not reach any cell's center
     scale = perceptual_level(peak / settings.units_per_delta_e) / strongest;
   }
   for (std::size_t i = 0; i < cells.size(); ++i)

@@ -5,7 +5,7 @@
 
 namespace tactile {
 
-/// Times and spans of time; points in time are those of the film.
+/// Durations, and points in time of the film.
 using Time = std::chrono::nanoseconds;
 
 } // namespace tactile

@@ -14,7 +14,7 @@ seconds(Time time)
   return std::chrono::duration<double>(time).count();
 }
 
-/// Where the middle of a sample lies in the picture, 0 to 1.
+/// Center of a sample in the picture, in [0, 1].
 double
 position(int sample, int samples, const SaliencyView::Extent &picture)
 {
@@ -23,7 +23,7 @@ position(int sample, int samples, const SaliencyView::Extent &picture)
   return std::clamp((sample + 0.5 - begin) / length, 0.0, 1.0);
 }
 
-/// Moves a border by at most `reach` towards where it shall be.
+/// Moves a border toward `to` by at most `reach`.
 double
 approach(double from, double to, double reach)
 {
@@ -36,8 +36,8 @@ struct Span
   double end;
 };
 
-/// Mean ± 2 σ, within the picture, of what these moments and the whole picture make together, whose
-/// mean is 1/2 and whose mean square is 1/3.
+/// Mean ± 2 σ, clipped to the picture, of these moments and the prior, whose mean is 1/2 and whose
+/// mean square is 1/3.
 Span
 span_of(double first, double second, double weight, double prior)
 {
@@ -52,7 +52,7 @@ span_of(double first, double second, double weight, double prior)
 
 } // namespace
 
-/// Adds a map with this share of weight, the rest decayed.
+/// Decays the past and adds a map with the weight `share`.
 void
 AdaptiveViewport::remember(const SaliencyView &map, double cut, double decay, double share)
 {
@@ -98,7 +98,7 @@ AdaptiveViewport::follow(const SaliencyView &map, double floor, double threshold
   const double decay = std::exp(-seconds(passed) / seconds(kMemory));
   const double share
       = salient ? 1 - std::exp(-seconds(std::min(passed, kLongestShare)) / seconds(kMemory)) : 0.0;
-  // The maximum itself always counts, as in map_saliency.
+  // The maximum itself always counts, as in map_saliency().
   remember(map, std::min(threshold * peak, std::nextafter(peak, 0.0)), decay, share);
   if (time - last_salient_ >= kSilence) {
     weight_ = 0;

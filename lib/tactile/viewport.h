@@ -8,9 +8,9 @@
 
 namespace tactile {
 
-/// The part of the picture that the grid's cells share among them, in shares of the picture's width
-/// and height: 0 ≤ left, 0 < width, left + width ≤ 1, and the same from top to bottom. What lies
-/// outside counts as if it lay on the border (see map_saliency).
+/// The part of the picture that the grid covers, in shares of the picture's width and height: 0 ≤
+/// left, 0 < width, left + width ≤ 1, and the same for top and height. Samples outside count at its
+/// border (see map_saliency()).
 struct Viewport
 {
   double left = 0;
@@ -21,41 +21,39 @@ struct Viewport
   bool operator==(const Viewport &) const = default;
 };
 
-/// A viewport that widens and narrows with what there is to be felt: film makers put what matters
-/// in the middle, where a fixed mapping is felt "in the same location for a long period" (paper,
-/// Section 6).
+/// A viewport that adapts to where saliency is. Film makers put what matters in the middle, where a
+/// fixed mapping is felt "in the same location for a long period" (paper, Section 6).
 ///
-/// Along each axis it is the mean ± 2 σ of the saliency of the last seconds, in which a moment
-/// counts the same however much was salient then. The whole picture is taken for a part of these
-/// seconds: it is what the viewport begins with, what it goes back to after kSilence in which
-/// nothing was salient, and why it never becomes narrower than 4 √(p / (1 + p) / 12) = 0.47 of the
-/// picture, p = kPrior.
+/// Along each axis it is the mean ± 2 σ of the saliency of the last seconds; each moment counts the
+/// same, however much was salient. A uniform prior over the whole picture is mixed in. The viewport
+/// starts with the whole picture and returns to it after kSilence without saliency. The prior keeps
+/// it from becoming narrower than 4 √(p / (1 + p) / 12) = 0.47 of the picture, p = kPrior.
 ///
-/// What counts is time, not the number of maps. Not thread-safe: one thread at a time.
+/// Depends on times, not on the number of maps. Not thread-safe.
 class AdaptiveViewport
 {
 public:
-  /// How long the past is remembered: its weight falls to 1/e in this time.
+  /// Time constant of the exponential decay of past maps.
   static constexpr Time kMemory = std::chrono::seconds(8);
-  /// What a picture that is salient everywhere weighs, where all that is remembered weighs at most
-  /// 1: one event does not yet say where a film takes place.
+  /// Weight of the uniform prior, relative to a maximum of 1 for all past maps: a single event does
+  /// not yet tell where a film takes place.
   static constexpr double kPrior = 0.2;
   static constexpr Time kSilence = std::chrono::seconds(3);
-  /// A map speaks for at most so much of the time before it.
+  /// Longest time before a map that the map is weighted by.
   static constexpr Time kLongestShare = std::chrono::milliseconds(500);
-  /// What a border moves at most in a second, as a share of the picture: unnoticed by itself.
+  /// Largest speed of a border, as a share of the picture per second: too slow to be noticed.
   static constexpr double kSpeed = 0.25;
 
-  /// The viewport for a map shown from `time` on, which the maps until then have led to. What
-  /// counts of a map is what is felt of it: nothing if its maximum does not exceed `floor`, else
-  /// the values above `threshold` × its maximum. Time that goes back resets.
+  /// Updates the viewport for a map shown from `time` on. Only what will be felt counts: nothing if
+  /// the maximum does not exceed `floor`, else the values above `threshold` × the maximum. A time
+  /// that goes back resets.
   const Viewport &follow(const SaliencyView &map, double floor, double threshold, Time time);
 
-  /// The whole picture at once, nothing remembered: a shot cut, or a jump in the film.
+  /// Returns to the whole picture at once and drops the past, for a shot cut or a seek.
   void reset();
 
 private:
-  /// Where the saliency was along an axis, 0 to 1, weighted by how lately.
+  /// Weighted moments of the positions along an axis, in [0, 1].
   struct Moments
   {
     double first = 0;  ///< Σ w x
