@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 //
-// What all elements have in common: a property of a base class is what it is in any other element.
+// Inherited properties: no element hides a property of its base class.
 #include <initializer_list>
 
 #include <gst/check/gstcheck.h>
@@ -10,7 +10,7 @@ namespace {
 
 constexpr const gchar *kPlugins[] = { "saliency", "tactile", "tactor", "visuotactile" };
 
-/// Fails for a property that the type brings by a name that its parent has, too.
+/// Fails if the type installs a property under a name that its parent has, too.
 void
 check_properties(GType type)
 {
@@ -50,7 +50,7 @@ GST_START_TEST(test_nothing_inherited_is_hidden)
 }
 GST_END_TEST;
 
-/// An application asks tactorsink what it asks any sink.
+/// tactorsink's `stats` are those of any base sink.
 GST_START_TEST(test_tactorsink_has_a_sinks_stats)
 {
   g_autoptr(GstElement) sink

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-// Frames of every format as colors in double precision: packed and unpacked by GStreamer,
-// converted by the textbook.
+// Frames of every format as colors in double precision. GStreamer packs and unpacks them, the
+// formulas of BT.601 convert them.
 
 #include <gst/check/gstcheck.h>
 #include <gst/video/video.h>
@@ -34,9 +34,9 @@ info_of(const std::string &format, int width, int height)
   return info;
 }
 
-/// Codes of A, then Y, Cb, Cr or R, G, B in the format that GStreamer unpacks a format to: exact,
-/// not rounded. Y'CbCr is BT.601; video range but for gray: GStreamer's defaults for such small
-/// pictures.
+/// Code values of A, then Y, Cb, Cr or R, G, B in the format to which GStreamer unpacks `info`, not
+/// rounded. Y'CbCr is BT.601 in video range, gray in full range: GStreamer's defaults for such
+/// small pictures.
 inline std::array<double, 4>
 to_codes(const GstVideoInfo &info, const Color &color)
 {
@@ -70,7 +70,7 @@ from_codes(const GstVideoInfo &info, const std::array<double, 4> &codes)
   return { red, (luma - 0.299 * red - 0.114 * blue) / 0.587, blue };
 }
 
-/// One line as GStreamer packs and unpacks it, in 8 or 16 bits.
+/// One line as GStreamer packs and unpacks it, with 8 or 16 bits.
 class Line
 {
 public:

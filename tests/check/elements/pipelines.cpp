@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 //
-// Whole pipelines on the system clock, from film to motors. Whatever is done to them, the trace of
-// the commands ends with every motor at zero. Nothing here depends on how fast the machine is: it
-// is waited for what has to happen.
+// Whole pipelines on the system clock, from film to motors. Whatever is done to them, the trace
+// ends with every motor at zero. No test depends on the machine's speed: each waits for events.
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
@@ -10,7 +9,7 @@
 #include <string>
 #include <vector>
 
-// After the standard library's headers: gstcheck.h defines a macro named fail.
+// gstcheck.h defines a macro `fail`, so it follows the standard library's headers.
 #include "../playing.h"
 #include "../temporary_file.h"
 #include "trace.h"
@@ -33,18 +32,18 @@ const std::string kQueue
 const std::string kTactors = "tactorsink name=tactors ";
 const std::string kBranches = " ! tactileextractor name=x x.src" + kQueue
                               + "fakesink name=video sync=true x.tactile" + kQueue + kTactors;
-/// A ball that moves about from its first second on, and is felt wherever one begins to look.
+/// A ball that moves from the first second on, so there are cues wherever a test seeks to.
 const std::string kFilm
     = kSource + "pattern=dynamic-motion" + kCaps + "! saliencytactile temporal=false" + kBranches;
 
-/// The commands of a tactor that something other than a map made: pause, resume, flush, mute.
+/// Commands that no map caused: those of pause, resume, flush and mute.
 bool
 is_unplanned(const IssuedCommand &line)
 {
   return line.command.lead == Time(0) && line.command.effect == line.issued;
 }
 
-/// A pipeline with an element `tactors`, and what came on its bus.
+/// A pipeline with an element `tactors`, and the messages on its bus.
 class Player
 {
 public:
@@ -85,7 +84,7 @@ public:
   {
     return actuation_stat_of(tactors, field);
   }
-  /// Plays on until so many more commands have been given.
+  /// Plays until this many more commands are issued.
   void wait_for_commands(guint64 count)
   {
     wait([this, count, until = stat("issued") + count] {
@@ -101,8 +100,8 @@ public:
     return stat_of(video, "rendered");
   }
 
-  /// What has been traced: in a pause, at the end of the stream or after the play. Each motor's
-  /// last command is zero.
+  /// The trace so far, for use when nothing plays: paused, after the stream or after the run. Each
+  /// motor's last command must be zero.
   std::vector<IssuedCommand> trace()
   {
     const std::vector<IssuedCommand> lines = unwrap(tactor::read_command_trace(trace_file.path));
@@ -114,7 +113,7 @@ public:
     assert_silent_at_end(lines);
     return lines;
   }
-  /// The trace after the play; within each piece of play effects follow each other in order.
+  /// The trace after the run. Between seeks and pauses, effects must be in order.
   std::vector<IssuedCommand> final_trace()
   {
     change_state(pipeline, GST_STATE_NULL);
@@ -124,8 +123,8 @@ public:
     Time issued = Time::min();
     bool vibrated = false;
     for (const IssuedCommand &line : lines) {
-      // A pause or a seek. One that finds all motors at rest leaves only a running time that begins
-      // anew, if that.
+      // A pause or a seek. If all motors are at rest, only a restart of running time tells of it,
+      // if anything.
       const bool begins = is_unplanned(line) || line.issued < issued
                           || (seeks > 0 && line.issued > line.command.effect);
       fail_unless(begins || line.command.effect >= effect);
@@ -153,7 +152,7 @@ private:
     while (GstMessage *message = gst_bus_pop(bus))
       take(message);
   }
-  /// Nothing is warned of, and no error comes that is not wanted.
+  /// Fails on warnings and on more errors than expected.
   void take(GstMessage *message)
   {
     const GstMessageType type = GST_MESSAGE_TYPE(message);
@@ -185,12 +184,12 @@ GST_START_TEST(test_to_the_end)
   change_state(player.pipeline, GST_STATE_PLAYING);
   player.wait_for_eos();
   ck_assert_uint_eq(player.rendered(), 60);
-  // The zeros at the end are issued, or dropped because the sink has silenced all motors already.
+  // The zeros at the end are issued, or dropped if the sink has silenced all motors already.
   const guint64 commands = player.stat("issued") + player.stat("dropped");
   const std::vector<IssuedCommand> lines = player.final_trace();
-  // Nothing for the first second of plain gray, and the last frame ends at two.
+  // The first second is plain gray, and the last frame ends at 2 s.
   assert_effects_within(lines, milliseconds(1000), milliseconds(2000));
-  fail_unless(lines.size() <= commands); // not each is a change
+  fail_unless(lines.size() <= commands); // some change nothing
 }
 GST_END_TEST;
 
@@ -209,8 +208,8 @@ GST_START_TEST(test_pause_and_play)
 }
 GST_END_TEST;
 
-/// Half a second of the film at several rates: running time is film time through rate, the frames
-/// are as many.
+/// Half a second of the film at a rate. Running time is film time divided by the rate, and the
+/// number of frames stays the same.
 static void
 check_rate(double rate)
 {
@@ -223,7 +222,8 @@ check_rate(double rate)
   const Time end(static_cast<gint64>(GST_SECOND / 2 / std::abs(rate)));
   const std::vector<IssuedCommand> lines = player.final_trace();
   assert_effects_within(lines, Time(0), end + Time(10));
-  fail_unless(lines.back().command.effect >= end - Time(10)); // vibrates to the last frame's end
+  // motors are on until the last frame ends
+  fail_unless(lines.back().command.effect >= end - Time(10));
 }
 
 GST_START_TEST(test_rates)
@@ -247,7 +247,7 @@ GST_START_TEST(test_flushing_seeks)
                  rate > 0 ? 60 * GST_SECOND : 5 * GST_SECOND);
     player.wait_for_commands(2);
   }
-  // One upon the other: the pipeline may not have prerolled when the next comes.
+  // In quick succession: the pipeline may not have prerolled when the next one comes.
   for (int i = 0; i < 10; i++) {
     player.seeks++;
     seek_exactly(player.pipeline, 1.0, static_cast<GstClockTime>(1 + i) * GST_SECOND,
@@ -264,7 +264,7 @@ GST_START_TEST(test_flushing_seeks)
 }
 GST_END_TEST;
 
-/// Running time goes on, and so do the effects.
+/// Running time continues, and so do the effects.
 GST_START_TEST(test_seeks_without_flush)
 {
   Player player(kFilm);
@@ -296,7 +296,7 @@ GST_START_TEST(test_null_while_playing)
 }
 GST_END_TEST;
 
-/// All sinks have the pipeline's latency, and this one alone wants its data render-delay before it.
+/// All sinks have the pipeline's latency. Only this one has a render-delay.
 static void
 assert_latencies(Player &player, bool live)
 {
@@ -350,16 +350,16 @@ GST_END_TEST;
 GST_START_TEST(test_error_upstream)
 {
   Player player(kSource + kCaps + "! identity error-after=50 ! saliencytactile" + kBranches);
-  player.errors_expected = 2; // identity's, and the source's that its data go nowhere
+  player.errors_expected = 2; // from identity, and from the source as its data flow nowhere
   change_state(player.pipeline, GST_STATE_PLAYING);
   player.wait([&] { return player.errors > 0; });
-  player.wait_for_commands(1); // what came before is still played
+  player.wait_for_commands(1); // earlier maps are still played
   player.final_trace();
 }
 GST_END_TEST;
 
-/// Other frames and another grid in the middle of the stream: the old grid's motors stand, the new
-/// one's go on.
+/// The frames' size and the grid change within a stream: motors of the old grid stop, those of the
+/// new one play.
 GST_START_TEST(test_caps_change)
 {
   Player player("tactiletestsrc num-buffers=45" + kCaps
@@ -373,7 +373,7 @@ GST_START_TEST(test_caps_change)
   ck_assert_uint_eq(player.rendered(), 45);
   const std::vector<IssuedCommand> lines = player.final_trace();
   assert_effects_within(lines, milliseconds(1000), milliseconds(1500 + 1800));
-  // 1.5 s, of which one is gray, and 1.8 s, of which one is gray.
+  // 1.5 s and 1.8 s, of which one second each is gray.
   bool old_grid = false;
   bool new_grid = false;
   for (const IssuedCommand &line : lines) {
@@ -404,7 +404,7 @@ GST_START_TEST(test_unlinked_pads)
 }
 GST_END_TEST;
 
-/// The tactors at the end of the video branch itself, as frames with metas.
+/// Tactors at the end of the video branch, which take frames with metas.
 GST_START_TEST(test_without_extractor)
 {
   Player player(kSource + "num-buffers=45" + kCaps + "! saliencytactile" + kQueue + kTactors);
@@ -428,7 +428,7 @@ have_elements(const std::vector<const char *> &names)
   return true;
 }
 
-/// The film through a container, and its maps through a network's packets.
+/// The film passes through a container, and its maps through network packets.
 GST_START_TEST(test_muxed_and_payloaded)
 {
   if (!have_elements({ "matroskamux", "matroskademux", "rtpgstpay", "rtpgstdepay" }))
@@ -445,7 +445,7 @@ GST_START_TEST(test_muxed_and_payloaded)
 }
 GST_END_TEST;
 
-/// Two seconds of a film from a street, where one is at hand.
+/// Two seconds of a street film, if available.
 GST_START_TEST(test_clip)
 {
   const char *folder = std::getenv("TEST_CLIPS");

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 //
-// A film with sound in playbin and playbin3, shown by visuotactilesink: picture, sound and commands
-// belong together after seeks, pauses and changes of speed. Compared are running times, of the
-// frames and the sound as they reach their sinks and of the commands in the trace: nothing depends
-// on how fast the machine is.
+// A film with sound in playbin and playbin3, shown by visuotactilesink. After seeks, pauses and
+// changes of rate, picture, sound and commands must match. Compared are running times: of frames
+// and sound at their sinks, and of commands in the trace. No test depends on the machine's speed.
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
@@ -13,7 +12,7 @@
 #include <string>
 #include <vector>
 
-// After the standard library's headers: gstcheck.h defines a macro named fail.
+// gstcheck.h defines a macro `fail`, so it follows the standard library's headers.
 #include "../playing.h"
 #include "../temporary_file.h"
 #include "trace.h"
@@ -27,7 +26,7 @@ namespace {
 
 constexpr GstClockTime kFilmLength = 8 * GST_SECOND;
 
-/// Eight seconds of a ball that moves about, with a tone; each frame can be sought.
+/// Eight seconds of a moving ball, with a tone. Every frame is a key frame.
 void
 make_film(const std::string &path)
 {
@@ -40,7 +39,7 @@ make_film(const std::string &path)
   play_to_the_end(make_pipeline(line));
 }
 
-/// What came past a pad.
+/// A buffer that passed a pad.
 struct Arrival
 {
   gint64 running = 0; ///< running time at which it is shown or heard
@@ -62,7 +61,7 @@ struct Watch
     const GstSegment *segment = nullptr;
     gst_event_parse_segment(event, &segment);
     guint64 pts = GST_BUFFER_PTS(buffer);
-    if (segment->rate < 0) // backwards a frame is shown from its end on
+    if (segment->rate < 0) // backwards, a frame is shown from its end on
       pts += GST_BUFFER_DURATION(buffer);
     Arrival arrival;
     arrival.running = static_cast<gint64>(
@@ -83,7 +82,7 @@ struct Watch
   }
 };
 
-/// A player of the film with commands in a trace.
+/// A player of the film that writes a trace.
 class Player
 {
 public:
@@ -100,13 +99,13 @@ public:
     watch(speakers, "sink", audio);
     g_object_set(chair, "driver", "simulator", "trace-location", trace_file.path.c_str(), "rate",
                  0.0, "video-sink", screen, nullptr);
-    // Every map is a command as it is.
+    // Each map gives commands, without limits.
     gst_child_proxy_set(GST_CHILD_PROXY(chair), "analysis::temporal", FALSE, "tactors::ramp-in",
                         guint64{ 0 }, "tactors::max-active", 0, "tactors::max-duty", 0.0,
                         "tactors::max-on-time", guint64{ 0 }, nullptr);
     g_autofree gchar *uri = gst_filename_to_uri(film.c_str(), nullptr);
     g_object_set(pipeline, "uri", uri, "video-sink", chair, "audio-sink", speakers, nullptr);
-    // Frames on their way to the screen, since a seek may fall between a command and its frame.
+    // Watched before the screen, since a seek may fall between a command and its frame.
     g_autoptr(GstElement) analysis = gst_bin_get_by_name(GST_BIN(chair), "analysis");
     watch(analysis, "src", frames);
     tactors = GST_ELEMENT(gst_child_proxy_get_child_by_name(GST_CHILD_PROXY(chair), "tactors"));
@@ -140,7 +139,7 @@ public:
   {
     return unwrap(tactor::read_command_trace(trace_file.path));
   }
-  /// Sinks of one pipeline that wait as long as each other.
+  /// Both sinks and the tactors have the same latency.
   void assert_same_latency()
   {
     GstIterator *sinks = gst_bin_iterate_all_by_element_factory_name(GST_BIN(pipeline), "fakesink");
@@ -179,8 +178,8 @@ is_unplanned(const IssuedCommand &line)
   return line.command.lead == Time(0) && line.command.effect == line.issued;
 }
 
-/// Each command of the play takes effect when a frame is shown that says so, to the microsecond. To
-/// be called when nothing is played.
+/// Each command takes effect when a frame is shown that has this cell on, to the microsecond. Call
+/// it when nothing plays.
 void
 assert_commands_are_the_frames(Player &player, guint at_least)
 {
@@ -191,8 +190,7 @@ assert_commands_are_the_frames(Player &player, guint at_least)
       continue;
     const gint64 effect = line.command.effect.count();
     const auto cell = static_cast<std::size_t>(line.command.tactor);
-    // Running times begin anew with each flushing seek, so that more than one frame may have this
-    // one.
+    // A flushing seek restarts running time, so several frames may have the same one.
     const bool shown = std::ranges::any_of(player.frames.arrivals, [&](const Arrival &frame) {
       return std::abs(frame.running - effect) <= kSame && cell < frame.felt.size()
              && frame.felt[cell];
@@ -203,9 +201,9 @@ assert_commands_are_the_frames(Player &player, guint at_least)
   fail_unless(checked >= at_least, "%u commands", checked);
 }
 
-/// Picture and sound of the same place in the film have the same running time, to the millisecond
-/// (the resolution of Matroska's time stamps), in each piece of play: the same distance between the
-/// place in the film and rate × running time.
+/// Picture and sound of the same place in the film have the same running time at each rate, to a
+/// millisecond, which is the resolution of Matroska's timestamps. Compared is stream time minus
+/// rate × running time.
 void
 assert_sound_is_the_pictures(Player &player, const std::vector<double> &rates)
 {
@@ -273,7 +271,7 @@ GST_START_TEST(test_playbin3)
 }
 GST_END_TEST;
 
-/// The analysis as a filter of the player's own, whatever shows the film.
+/// The analysis as the player's video-filter, with any video sink.
 GST_START_TEST(test_video_filter)
 {
   const TemporaryFile film("", ".mkv");

@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 //
-// playbin and playbin3 with visuotactilesink do what they do with GStreamer's own sink when a film
-// is sought and stepped through: as many flushes, each step a frame, and the sound where the
-// picture is.
+// When a film is sought and stepped through, playbin and playbin3 behave with visuotactilesink as
+// with GStreamer's own sink: they flush as often, each step is a frame, and the sound stays with
+// the picture.
 #include <array>
 #include <filesystem>
 #include <fstream>
 #include <string>
 #include <vector>
 
-// After the standard library's headers: gstcheck.h defines a macro named fail.
+// gstcheck.h defines a macro `fail`, so it follows the standard library's headers.
 #include "../playing.h"
 #include "../temporary_file.h"
 
@@ -46,7 +46,7 @@ make_film(const Container &container, const std::string &path)
       + " ! queue ! mux."));
 }
 
-/// What came of three seeks and of twenty steps.
+/// The results of three seeks and twenty steps.
 struct Outcome
 {
   int flushes = 0; ///< begun, of the picture
@@ -85,7 +85,7 @@ make_sink()
   return sink;
 }
 
-/// The film in a pause, shown by `sink`, which is `screen` or has it.
+/// Seeks and steps a paused film. `sink` is `screen` or contains it.
 Outcome
 seek_and_step(const char *playbin, const std::string &film, GstElement *sink, GstElement *screen)
 {

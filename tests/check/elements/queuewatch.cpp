@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 //
-// Pipelines that wait for ever because a queue is missing, and pipelines that wait for something
-// else, on a GstTestClock in place of the system's.
+// Pipelines that block because a queue is missing, and pipelines that wait for something else, on a
+// GstTestClock instead of the system's.
 #include <condition_variable>
 #include <mutex>
 #include <string>
 
-// After the standard library's headers: gstcheck.h defines a macro named fail.
+// gstcheck.h defines a macro `fail`, so it follows the standard library's headers.
 #include "../libs/contains.h"
 #include "../playing.h"
 
@@ -17,7 +17,7 @@ namespace {
 #define FILM "tactiletestsrc num-buffers=50 ! video/x-raw,width=64,height=48 ! "
 #define CHAIR "tactorsink name=chair driver=simulator "
 
-/// A pipeline that is being paused, on a clock that stands still.
+/// A pipeline on its way to PAUSED, on a test clock.
 class Paused
 {
 public:
@@ -49,7 +49,7 @@ public:
   Paused(const Paused &) = delete;
   Paused &operator=(const Paused &) = delete;
 
-  /// Until this sink, or all of the pipeline, has its first frame.
+  /// Waits until this sink, or the whole pipeline, has prerolled.
   void wait_for(const char *name = nullptr)
   {
     GstElement *element = name ? gst_bin_get_by_name(GST_BIN(pipeline_), name)
@@ -59,14 +59,14 @@ public:
     gst_object_unref(element);
   }
 
-  /// Until the source, which is empty, waits for data: its thread is not on the way to any sink.
+  /// Waits until the empty source asks for data, so that its thread is not on the way to any sink.
   void wait_for_source()
   {
     std::unique_lock lock(mutex_);
     changed_.wait(lock, [this] { return source_waits_; });
   }
 
-  /// The warnings of that many seconds.
+  /// Lets this many seconds pass and returns the warnings.
   std::string seconds(int count)
   {
     for (int i = 0; i < count; i++) {
@@ -101,7 +101,7 @@ assert_told(Paused &film, const char *where)
   assert_text(film.seconds(2), "");
   assert_contains(film.seconds(1),
                   { "waits for ever", "queue is missing", where, "two seconds", "! queue !" });
-  assert_text(film.seconds(5), ""); // once
+  assert_text(film.seconds(5), ""); // only once
 }
 
 } // namespace
@@ -115,7 +115,7 @@ GST_START_TEST(test_extractor)
 }
 GST_END_TEST;
 
-/// The picture has its frame, the chair waits; through a bin.
+/// The picture has its frame, the chair waits. One branch is in a bin.
 GST_START_TEST(test_tee)
 {
   Paused film(FILM "tee name=split split. ! bin.( name=picture fakesink name=screen ) "
@@ -125,7 +125,7 @@ GST_START_TEST(test_tee)
 }
 GST_END_TEST;
 
-/// The thread is the queue's, and its branches have none.
+/// The queue is before the fork, so the branches share its thread.
 GST_START_TEST(test_queue_before_the_fork)
 {
   Paused film(FILM "queue ! tee name=split split. ! fakesink name=screen split. ! " CHAIR);
@@ -134,7 +134,7 @@ GST_START_TEST(test_queue_before_the_fork)
 }
 GST_END_TEST;
 
-/// One queue missing of two, where the other does not help.
+/// One of two queues is missing, and the other one does not help.
 GST_START_TEST(test_one_queue)
 {
   Paused film(FILM
@@ -144,7 +144,7 @@ GST_START_TEST(test_one_queue)
 }
 GST_END_TEST;
 
-/// All have their frames: a pause of the user's, of any length.
+/// All sinks have prerolled: the user pauses, for any time.
 GST_START_TEST(test_pause)
 {
   for (const char *line : {

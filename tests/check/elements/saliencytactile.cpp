@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 //
-// saliencytactile and single frames: what passes through it stays as it is, and every format is
-// seen as the same film. What happens over time is tested in saliencytactile_stream; what the map
-// says in libs/analyzer and libs/tactile_mapping.
+// saliencytactile and single frames: frames pass unchanged, and all formats of a film give the same
+// maps. saliencytactile_stream tests what happens over time, libs/analyzer and libs/tactile_mapping
+// test the maps' values.
 #include <cmath>
 
 #include "saliencytactile_rig.h"
@@ -17,7 +17,7 @@ constexpr const char *kSmall = "video/x-raw,format=I420,width=64,height=48,frame
 
 } // namespace
 
-/// Every format is the same film: the square's cell is strongest, and the levels are those of RGB.
+/// All formats show the same film: the square's cell is the strongest, and levels are those of RGB.
 GST_START_TEST(test_formats)
 {
   const char *format = kFormats[__i__];
@@ -26,11 +26,11 @@ GST_START_TEST(test_formats)
   ck_assert_uint_eq(strongest(reference), 6);
   fail_unless(reference[6] > 0.2f);
 
-  Analysis analysis("saliencytactile floor=0"); // in gray the square is a faint one
+  Analysis analysis("saliencytactile floor=0"); // in gray the square is faint
   const std::vector<gfloat> levels = analysis.play(Film(format, 2, 0));
   ck_assert_uint_eq(levels.size(), 9);
   ck_assert_uint_eq(strongest(levels), 6);
-  // Gray has lost the color, chroma subsampling a little of it.
+  // Gray loses the color, and chroma subsampling a little of it.
   const float tolerance = g_str_equal(format, "GRAY8") ? 1.0f : 0.06f;
   for (std::size_t i = 0; i < 9; i++)
     fail_unless(std::abs(levels[i] - reference[i]) <= tolerance, "%s: cell %u is %g, in RGB %g",
@@ -38,8 +38,8 @@ GST_START_TEST(test_formats)
 }
 GST_END_TEST;
 
-/// A checkered square of red and cyan has, from afar, the code values of the gray around it, but
-/// not its color: small frames are looked at closely anyway.
+/// A checkerboard of red and cyan averages to the code values of the surrounding gray, but not to
+/// its color. Small frames are converted pixel by pixel anyway.
 GST_START_TEST(test_exact)
 {
   struct Case
@@ -71,7 +71,7 @@ GST_START_TEST(test_exact)
 }
 GST_END_TEST;
 
-/// Each cell of the grid is found, rows from the top, columns from the left, in both profiles.
+/// Each cell is found in both profiles. Rows count from the top, columns from the left.
 GST_START_TEST(test_cells)
 {
   for (const char *profile : { "tuned", "paper" })
@@ -86,8 +86,8 @@ GST_START_TEST(test_cells)
 }
 GST_END_TEST;
 
-/// The same GstMemory goes out as came in, metas and flags of upstream stay, and a buffer that
-/// others hold is not written to.
+/// The same GstMemory comes out. Metas and flags of upstream stay, and a buffer that others hold is
+/// not written to.
 GST_START_TEST(test_memory_and_metas_stay)
 {
   Analysis analysis("saliencytactile", kSmall);
@@ -113,7 +113,7 @@ GST_START_TEST(test_memory_and_metas_stay)
   gst_buffer_unmap(held, &map);
   gst_buffer_unref(held);
 
-  // A buffer of our own alone is passed on as it is.
+  // A buffer without other owners is passed on itself.
   in = flat_frame(64 * 48 * 3 / 2, 77);
   GstBuffer *const same = in;
   g_autoptr(GstBuffer) unchanged = analysis.pass(in);
@@ -121,8 +121,7 @@ GST_START_TEST(test_memory_and_metas_stay)
 }
 GST_END_TEST;
 
-/// Downstream's answer to ALLOCATION reaches upstream unchanged: its pools and metas are upstream's
-/// business.
+/// Downstream's answer to an ALLOCATION query reaches upstream unchanged.
 GST_START_TEST(test_allocation_passes)
 {
   Analysis analysis;
@@ -141,7 +140,7 @@ GST_START_TEST(test_allocation_passes)
 }
 GST_END_TEST;
 
-/// Any size from 1 × 1 up, odd ones too, any grid, any rate, with and without times.
+/// Any size from 1 × 1 on, any grid and any rate, with and without timestamps.
 GST_START_TEST(test_sizes_and_streams)
 {
   const int sizes[][2]
@@ -171,7 +170,7 @@ GST_START_TEST(test_sizes_and_streams)
 }
 GST_END_TEST;
 
-/// Only what the crop meta shows is felt: a square in the picture's bottom left corner is in the
+/// Only the picture inside the crop meta counts: a square in the bottom left corner is in the
 /// middle of its crop.
 GST_START_TEST(test_crop_meta)
 {
@@ -185,7 +184,7 @@ GST_START_TEST(test_crop_meta)
     crop->height = 80;
   }
   ck_assert_uint_eq(strongest(Analysis().play(film)), 4);
-  // A crop outside the picture is cut to it.
+  // A crop that exceeds the picture is clipped to it.
   for (GstBuffer *&frame : film.frames) {
     GstVideoCropMeta *crop = gst_buffer_get_video_crop_meta(frame);
     crop->x = 4000000000u;
@@ -204,15 +203,15 @@ GST_START_TEST(test_interlaced)
 }
 GST_END_TEST;
 
-/// Fields that come one a buffer are half as high as the frame; a map of a side that no meta can
-/// hold is left out with one warning.
+/// Fields in separate buffers are half as high as the frame. A saliency map too long for its meta
+/// is omitted, with one warning.
 GST_START_TEST(test_alternate_fields_and_long_sides)
 {
   Analysis analysis;
   analysis.set_caps("video/x-raw(format:Interlaced),format=I420,width=64,height=96,framerate=25/"
                     "1,interlace-mode=alternate");
   for (int i = 0; i < 4; i++) {
-    // To the byte: whatever reads on is seen by a sanitizer.
+    // Of the exact size, so a sanitizer sees reads beyond it.
     GstBuffer *field
         = gst_buffer_new_memdup(std::vector<guint8>(64 * 48 * 3 / 2, 80).data(), 64 * 48 * 3 / 2);
     GST_BUFFER_FLAG_SET(field, GST_VIDEO_BUFFER_FLAG_INTERLACED | GST_VIDEO_BUFFER_FLAG_ONEFIELD);
@@ -231,7 +230,7 @@ GST_START_TEST(test_alternate_fields_and_long_sides)
 }
 GST_END_TEST;
 
-/// A buffer that is smaller than its caps say is passed on, felt as nothing, and said once.
+/// A buffer smaller than its caps require is passed on with a silent map and one warning.
 GST_START_TEST(test_short_buffer)
 {
   Analysis analysis("saliencytactile", kSmall);
@@ -246,8 +245,7 @@ GST_END_TEST;
 
 namespace {
 
-/// A frame of noiseless gray with a round bright spot, Gaussian of σ pixels, about (x, y), or none
-/// if σ is 0.
+/// A gray frame without noise. A bright Gaussian spot of σ pixels is at (x, y), none if σ is 0.
 GstBuffer *
 spot_frame(int width, int height, double x, double y, double sigma)
 {
@@ -273,8 +271,8 @@ struct Point
   double y;
 };
 
-/// The centroid of a frame's saliency map, in pixels of the picture, as whoever resizes the map to
-/// it finds it.
+/// The centroid of a frame's saliency map in pixels of the picture, if the map is resized to the
+/// picture.
 Point
 centroid_on_picture(GstBuffer *buffer, int width, int height)
 {
@@ -295,14 +293,14 @@ centroid_on_picture(GstBuffer *buffer, int width, int height)
 
 } // namespace
 
-/// The saliency map, resized to the picture, lies on it: a spot's centroid is where the spot is.
-/// One at a time is off by what the spot's place between samples makes of it, which a sample's
-/// width of places evens out.
+/// The saliency map, resized to the picture, is aligned with it: a spot's centroid is at the spot.
+/// A single one is off by an amount that depends on its place between samples. The mean over one
+/// sample's width is not.
 GST_START_TEST(test_saliency_lies_on_the_picture)
 {
   constexpr int kWide = 640;
   constexpr int kHigh = 360;
-  constexpr int kPeriod = 32; // no map here is coarser
+  constexpr int kPeriod = 32; // no map here has coarser samples
   Point error{ 0, 0 };
   double sample = 0;
   for (int phase = 0; phase < kPeriod; phase += 2) {

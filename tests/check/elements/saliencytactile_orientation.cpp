@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 //
-// Pictures that are turned when they are shown: the grid is the viewer's. The peer is GStreamer's
-// own videoflip, which turns the pixels.
+// Pictures that are rotated or flipped for display: the grid is the viewer's. Compared with
+// GStreamer's videoflip, which moves the pixels.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -30,7 +30,7 @@ constexpr std::array<Way, 8> kWays = { { { "identity", "rotate-0" },
 
 constexpr const char *kGrids[] = { "rows=3 columns=3", "rows=2 columns=5", "rows=4 columns=1" };
 
-/// A picture size and where a square appears in it.
+/// The size of a picture and the place where a square appears.
 struct Scene
 {
   int width;
@@ -38,8 +38,8 @@ struct Scene
   int x;
   int y;
 };
-// Places that no orientation confuses with another, in sizes that are whole multiples of the
-// saliency map's samples and in others.
+// No orientation maps these places onto each other. Some sizes are multiples of the saliency map's
+// samples, others are not.
 constexpr Scene kScenes[] = { { 320, 240, 40, 20 }, { 256, 256, 208, 30 }, { 250, 334, 20, 240 } };
 
 std::string
@@ -79,7 +79,7 @@ push_tag(Analysis &analysis, const char *orientation, GstTagScope scope = GST_TA
   fail_unless(gst_harness_push_event(analysis.h, gst_event_new_tag(tags)));
 }
 
-/// The map of a scene's last frame.
+/// The levels of a scene's last frame.
 std::vector<gfloat>
 play(const std::string &line, const Scene &scene, const char *tag = nullptr)
 {
@@ -92,7 +92,7 @@ play(const std::string &line, const Scene &scene, const char *tag = nullptr)
   return levels;
 }
 
-/// The largest difference of two maps of one size.
+/// The largest difference between two maps of the same size.
 gfloat
 difference(const std::vector<gfloat> &one, const std::vector<gfloat> &other)
 {
@@ -103,14 +103,14 @@ difference(const std::vector<gfloat> &one, const std::vector<gfloat> &other)
   return most;
 }
 
-/// Where one frame's square is felt most, of 3 × 3, after these events.
+/// The strongest cell of a 3 × 3 grid after events.
 class Player
 {
 public:
   Player() : analysis("saliencytactile", caps_of(kScenes[0]).c_str())
   {
   }
-  /// The square is in the top left as stored.
+  /// The square is stored in the top left.
   std::size_t strongest_of_next()
   {
     analysis.flush();
@@ -125,11 +125,10 @@ public:
 
 } // namespace
 
-/// What is felt of a picture with a tag, or by the property, is what is felt of the picture truly
-/// turned. A pyramid has its samples on every 2ⁿth pixel from the left and the top, so that those
-/// of a turned picture lie up to a sample, 4 to 8 of 240 pixels, elsewhere, and a square of 24
-/// pixels near a border of cells moves as much of its level: 9 % at most here. A wrong orientation
-/// differs by a whole level.
+/// A picture with a tag or the property has the map of the same picture after videoflip. Pyramids
+/// sample every 2ⁿth pixel from the left and top. So a flipped picture's samples are up to one
+/// sample off, which is 4 to 8 of 240 pixels. For a square of 24 pixels near a cell's border this
+/// changes its level by up to 9 %. A wrong orientation changes it entirely.
 GST_START_TEST(test_as_if_turned)
 {
   const Way &way = kWays[static_cast<std::size_t>(__i__)];
@@ -151,8 +150,8 @@ GST_START_TEST(test_as_if_turned)
 }
 GST_END_TEST;
 
-/// The stream's own tag counts more than the whole file's; both hold over flushes, until other tags
-/// come or another stream.
+/// A stream's tag overrides the file's global tag. Both survive flushes, until other tags or
+/// another stream come.
 GST_START_TEST(test_tags)
 {
   Player player;
@@ -175,8 +174,7 @@ GST_START_TEST(test_tags)
 }
 GST_END_TEST;
 
-/// A tag that comes while the film plays holds from the next frame on, also where that is not
-/// analyzed.
+/// A tag within the stream applies from the next frame on, also if that frame is not analyzed.
 GST_START_TEST(test_tag_under_way)
 {
   Analysis analysis("saliencytactile max-rate=1", caps_of(kScenes[0]).c_str());
@@ -194,7 +192,7 @@ GST_START_TEST(test_tag_under_way)
 }
 GST_END_TEST;
 
-/// A designer's map is as the viewer sees it already.
+/// A designer's map is in the viewer's orientation already.
 GST_START_TEST(test_kept_maps)
 {
   Analysis analysis("saliencytactile keep-maps=true", caps_of(kScenes[0]).c_str());

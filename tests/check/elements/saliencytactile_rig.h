@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 //
-// A film in any format for tests of saliencytactile, and what its maps say.
+// A film in any format for tests of saliencytactile, and its maps.
 #pragma once
 
 #include <algorithm>
 #include <string>
 #include <vector>
 
-// After the standard library's headers: gstcheck.h defines a macro named fail.
+// gstcheck.h defines a macro `fail`, so it follows the standard library's headers.
 #include "../playing.h"
 #include <gst/check/gstharness.h>
 #include <gst/tactile/tactile.h>
@@ -15,10 +15,10 @@
 
 constexpr int kWidth = 320;
 constexpr int kHeight = 240;
-constexpr int kBall = 24; // side of the square "ball": fits into a cell of the cropped picture, too
+constexpr int kBall = 24; // side of the square, which fits into a cell of the cropped picture, too
 
-/// A gray RGB frame with a reddish square, weak enough not to saturate the levels, at (x, y), or
-/// none if x < 0.
+/// A gray RGB frame with a reddish square at (x, y), or none if x < 0. The square is too weak to
+/// saturate the levels.
 inline GstBuffer *
 rgb_frame(const GstVideoInfo &info, int x, int y)
 {
@@ -40,8 +40,8 @@ rgb_frame(const GstVideoInfo &info, int x, int y)
   return buffer;
 }
 
-/// The film of the tests in any format, by videoconvert: 12 still frames, then a square appears in
-/// the cell (row, column) of 3 × 3.
+/// The tests' film in any format, by videoconvert: 12 still frames, then a square appears in the
+/// cell (row, column) of 3 × 3.
 class Film
 {
 public:
@@ -87,7 +87,7 @@ levels_of(GstBuffer *buffer)
   return { meta->levels, meta->levels + meta->rows * meta->columns };
 }
 
-/// A frame with every byte the same.
+/// A frame whose bytes all have this value.
 inline GstBuffer *
 flat_frame(gsize size, guint8 value)
 {
@@ -96,7 +96,7 @@ flat_frame(gsize size, guint8 value)
   return buffer;
 }
 
-/// Bytes of a frame of these caps.
+/// The size in bytes of a frame with these caps.
 inline gsize
 frame_size(const char *caps)
 {
@@ -106,7 +106,7 @@ frame_size(const char *caps)
   return GST_VIDEO_INFO_SIZE(&info);
 }
 
-/// A saliencytactile, alone or among others of a launch line.
+/// A saliencytactile, alone or within a launch line.
 class Analysis
 {
 public:
@@ -137,7 +137,7 @@ public:
   {
     gst_util_set_object_arg(G_OBJECT(element), property, value);
   }
-  /// What comes out for a frame.
+  /// The output for a frame.
   GstBuffer *pass(GstBuffer *frame)
   {
     fail_unless_equals_int(gst_harness_push(h, frame), GST_FLOW_OK);

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 //
-// What steers saliencytactile: roi-weights with regions from upstream, among them those of a real
-// face detector, viewport, max-cue-duration and cue-refractory. What they compute is tested in
-// libs/region_weights, top_down_saliency, viewport and cue_limiter.
+// Settings that steer saliencytactile: roi-weights with upstream's regions, among them a real face
+// detector's, viewport, max-cue-duration and cue-refractory. libs/region_weights,
+// top_down_saliency, viewport and cue_limiter test what they compute.
 #include <algorithm>
 #include <cmath>
 #include <functional>
@@ -20,7 +20,7 @@ namespace {
 constexpr int kGray = 110;
 constexpr const char *kCaps = "video/x-raw,format=RGB,width=320,height=240,framerate=30/1";
 
-/// Gray of the picture at a pixel, or -1 for its background.
+/// The gray value of a pixel, or -1 for the background.
 using Paint = std::function<int(int x, int y)>;
 
 GstBuffer *
@@ -43,7 +43,7 @@ nothing(int, int)
   return -1;
 }
 
-/// A white square of so many pixels about (x, y).
+/// A white square of `side` pixels about (x, y).
 Paint
 square(int x, int y, int side)
 {
@@ -66,7 +66,7 @@ any(const std::vector<gfloat> &levels)
   return std::ranges::any_of(levels, [](gfloat level) { return level > 0; });
 }
 
-/// Two squares that appear at once, left and right, in the middle row; a region about each.
+/// Two squares that appear at the same time, left and right in the middle row, each with a region.
 std::vector<gfloat>
 squares_with_regions(const char *weights, const char *left_type, const char *right_type,
                      GstBuffer **last = nullptr)
@@ -91,8 +91,8 @@ squares_with_regions(const char *weights, const char *left_type, const char *rig
 
 } // namespace
 
-/// A region of weight 0 is never felt, one that is raised hides the others below the threshold, and
-/// types that nobody names change nothing.
+/// A region of weight 0 never plays. One with a raised weight puts others below the threshold.
+/// Types without a weight change nothing.
 GST_START_TEST(test_weights)
 {
   const std::vector<gfloat> plain = squares_with_regions("", "face", "logo");
@@ -115,7 +115,7 @@ GST_START_TEST(test_weights)
 }
 GST_END_TEST;
 
-/// The saliency map that is attached is the one that is felt.
+/// Weights apply to the attached saliency map, too.
 GST_START_TEST(test_attached_map)
 {
   const auto peaks = [](const char *weights) {
@@ -141,7 +141,7 @@ GST_START_TEST(test_attached_map)
 }
 GST_END_TEST;
 
-/// Regions are in the pixels of the frame, also of one that is cropped.
+/// Regions are in pixels of the whole frame, also if it is cropped.
 GST_START_TEST(test_regions_of_a_cropped_frame)
 {
   for (const bool on_it : { true, false }) {
@@ -154,7 +154,7 @@ GST_START_TEST(test_regions_of_a_cropped_frame)
       crop->y = 120;
       crop->width = 160;
       crop->height = 120;
-      // Taken from the corner of the crop, either would be the other.
+      // If counted from the crop's corner, each would be the other.
       gst_buffer_add_video_region_of_interest_meta(buffer, "logo", on_it ? 232 : 72,
                                                    on_it ? 172 : 52, 16, 16);
       levels = analysis.felt(buffer);
@@ -164,7 +164,7 @@ GST_START_TEST(test_regions_of_a_cropped_frame)
 }
 GST_END_TEST;
 
-/// What was found lately still counts, but not after a jump in the film.
+/// A recent region still has effect, but not after a discontinuity.
 GST_START_TEST(test_jump_forgets_regions)
 {
   for (const bool jumps : { false, true }) {
@@ -183,7 +183,7 @@ GST_START_TEST(test_jump_forgets_regions)
 }
 GST_END_TEST;
 
-/// The synthetic film's own targets: nothing of it is felt where they are not to be.
+/// The synthetic film's own targets as regions of weight 0: its maps stay silent.
 GST_START_TEST(test_targets_of_a_film)
 {
   for (const char *pattern : { "static-motion", "dynamic-motion" }) {
@@ -202,9 +202,9 @@ GST_START_TEST(test_targets_of_a_film)
 }
 GST_END_TEST;
 
-/// A real detector: OpenCV's, of gst-plugins-bad, with the cascade of Debian's opencv-data. The
-/// picture has a face and, as large and as contrasting, the same lying on its side, which is none
-/// to it.
+/// A real detector: OpenCV's from gst-plugins-bad, with the cascade of Debian's opencv-data. The
+/// picture has a face and, at the same size and contrast, a face on its side, which the detector
+/// does not find.
 GST_START_TEST(test_face_detector)
 {
   GstElementFactory *detector = gst_element_factory_find("facedetect");
@@ -224,7 +224,7 @@ GST_START_TEST(test_face_detector)
     g_autofree gchar *line
         = g_strdup_printf("facedetect display=false updates=none ! saliencytactile %s", weights);
     Analysis analysis(line, kCaps);
-    // They appear, and the face then moves.
+    // Both appear, then the upright face moves.
     for (guint i = 0; i < 30; i++) {
       const int x = 53 + (i < 18 ? 0 : static_cast<int>(i - 18) / 2);
       g_autoptr(GstBuffer) out
@@ -262,8 +262,8 @@ GST_START_TEST(test_face_detector)
 }
 GST_END_TEST;
 
-/// Shown back as set; what cannot be read is said, on the bus and by not starting, and changes
-/// nothing.
+/// The property returns the text as set. Text that cannot be parsed causes a warning, changes
+/// nothing and prevents the start.
 GST_START_TEST(test_weights_as_text)
 {
   g_autoptr(GstElement) element = gst_element_factory_make("saliencytactile", nullptr);
@@ -302,8 +302,8 @@ GST_START_TEST(test_weights_as_text)
 }
 GST_END_TEST;
 
-/// A small square that moves about the middle of the picture: fixed, the middle is felt alone;
-/// adaptive, left and right too, until the film jumps.
+/// A small square moves about the picture's middle. With the fixed viewport only the middle cell
+/// plays. With the adaptive one left and right do, too, until a discontinuity.
 GST_START_TEST(test_viewport)
 {
   const auto moving = [](guint i) {
@@ -322,7 +322,7 @@ GST_START_TEST(test_viewport)
     fail_unless(cells
                 == (adaptive ? std::set<std::size_t>{ 3, 4, 5 } : std::set<std::size_t>{ 4 }));
 
-    // At its rightmost.
+    // Rightmost position.
     ck_assert_uint_eq(strongest(analysis.felt(frame(300, moving(15)))), adaptive ? 5 : 4);
     GstBuffer *jump = frame(301, moving(15));
     GST_BUFFER_FLAG_SET(jump, GST_BUFFER_FLAG_DISCONT);
@@ -331,8 +331,8 @@ GST_START_TEST(test_viewport)
 }
 GST_END_TEST;
 
-/// A square that stays is felt for as long as a cue may last, and again after a jump in the film,
-/// whichever; so it is where maps are repeated between analyses.
+/// A square that stays plays for max-cue-duration, and again after any kind of discontinuity. The
+/// same holds if maps are repeated between analyses.
 GST_START_TEST(test_cue_duration)
 {
   for (const char *rate : { "", "max-rate=2" }) {
@@ -363,13 +363,13 @@ GST_START_TEST(test_cue_duration)
 }
 GST_END_TEST;
 
-/// Squares that come and go, each in the middle cell: those that come too soon are not felt.
+/// Squares that appear repeatedly in the middle cell: those within the refractory time do not play.
 GST_START_TEST(test_cue_refractory)
 {
   Analysis analysis("saliencytactile temporal=false cue-refractory=1000000000", kCaps);
   for (guint i = 0; i < 180; i++) {
-    // Half a second there, half a second not: the second one begins half a second after the first
-    // has ended, and is felt from its end on, when it is over.
+    // On for half a second, off for half a second. Every second square begins half a second after
+    // the last cue's end, and the refractory time ends only with that square.
     const bool there = i % 30 < 15;
     const bool is_felt
         = any(analysis.felt(frame(i, there ? square(160, 120, 20) : Paint(nothing))));
@@ -378,7 +378,7 @@ GST_START_TEST(test_cue_refractory)
 }
 GST_END_TEST;
 
-/// Every property may be set from another thread at any time.
+/// Other threads may set any property at any time.
 GST_START_TEST(test_set_from_another_thread)
 {
   Analysis analysis("saliencytactile", kCaps);

@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 //
-// saliencytactile over time: properties that change, resets, rates, streams that begin anew, and
-// what it tells of them.
+// saliencytactile over time: changes of properties, resets, rates, new streams, and its statistics.
 #include "saliencytactile_rig.h"
 
 constexpr const char *kTiny = "video/x-raw,format=GRAY8,width=16,height=16,framerate=30/1";
 
-/// A grid changed while playing holds from the next frame on; the other properties too.
+/// Properties apply from the next frame on, including the grid.
 GST_START_TEST(test_properties_while_playing)
 {
   const Film film("I420", 0, 0);
@@ -30,7 +29,8 @@ GST_START_TEST(test_properties_while_playing)
 }
 GST_END_TEST;
 
-/// Any number of threads feels the same, also when it changes while playing: the history goes on.
+/// Any number of threads gives the same maps, also if it changes within a stream: the history is
+/// kept.
 GST_START_TEST(test_threads)
 {
   const Film film("NV12", 1, 2);
@@ -51,7 +51,7 @@ GST_START_TEST(test_threads)
 }
 GST_END_TEST;
 
-/// The floor silences whatever is weaker, whatever the frame's maximum.
+/// A map whose maximum is below the floor is silent.
 GST_START_TEST(test_floor_silences)
 {
   for (const gfloat level : Analysis("saliencytactile floor=500").play(Film("I420", 1, 1)))
@@ -59,8 +59,8 @@ GST_START_TEST(test_floor_silences)
 }
 GST_END_TEST;
 
-/// Nothing bursts at the start, after a flush, a new segment, new caps or a discontinuity: the
-/// square that is there at once is not an event.
+/// No cue at the start, nor after a flush, a new segment, new caps or a discontinuity: a square
+/// that is there at once is no event.
 GST_START_TEST(test_no_burst_after_resets)
 {
   const Film film("I420", 1, 1);
@@ -90,12 +90,12 @@ GST_START_TEST(test_no_burst_after_resets)
   fail_if(felt(empty, true));
   analysis.flush();
   fail_if(felt(square, false));
-  pts = 0; // back in time without a word
+  pts = 0; // back in time without an event
   fail_if(felt(empty, false));
 }
 GST_END_TEST;
 
-/// Backwards, what appears is felt as forwards.
+/// Played backwards, a square that appears is an event as well.
 GST_START_TEST(test_reverse)
 {
   const Film film("I420", 0, 2);
@@ -111,7 +111,7 @@ GST_START_TEST(test_reverse)
   for (std::size_t i = 0; i < film.frames.size(); i++) {
     GstBuffer *frame = gst_buffer_copy(film.frames[i]);
     GST_BUFFER_PTS(frame) = (film.frames.size() - 1 - i) * (GST_SECOND / 30);
-    GST_BUFFER_FLAG_SET(frame, GST_BUFFER_FLAG_DISCONT); // as GstBaseSrc does
+    GST_BUFFER_FLAG_SET(frame, GST_BUFFER_FLAG_DISCONT); // like GstBaseSrc
     levels = analysis.felt(frame);
   }
   ck_assert_uint_eq(strongest(levels), 2);
@@ -119,7 +119,7 @@ GST_START_TEST(test_reverse)
 }
 GST_END_TEST;
 
-/// Frames beyond max-rate repeat the map: at 30 frames/s and 10 analyses, two of three.
+/// Frames beyond max-rate repeat the last map: with 10 analyses a second at 30 fps, two of three.
 GST_START_TEST(test_max_rate)
 {
   Analysis analysis("saliencytactile max-rate=10");
@@ -129,7 +129,7 @@ GST_START_TEST(test_max_rate)
 }
 GST_END_TEST;
 
-/// No rate is exceeded, whatever the film's: 25 of 30 frames a second.
+/// max-rate is never exceeded: 25 of 30 frames a second.
 GST_START_TEST(test_max_rate_is_not_exceeded)
 {
   Analysis analysis("saliencytactile max-rate=25", kTiny);
@@ -144,7 +144,8 @@ GST_START_TEST(test_max_rate_is_not_exceeded)
 }
 GST_END_TEST;
 
-/// With keep-maps a frame's own map stays, and is not paid for; without, it is replaced.
+/// With keep-maps a frame's own map is kept and the frame is not analyzed. Otherwise the map is
+/// replaced.
 GST_START_TEST(test_keep_maps)
 {
   for (const bool keep : { false, true }) {

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 //
-// tactorsink's scheduler with a host and a board that are made up, on a GstTestClock: every time is
-// exact.
+// tactorsink's scheduler with a fake host and a fake board on a GstTestClock: all times are exact.
 #pragma once
 
 #include "gst/tactor/tactorscheduler.h"
@@ -17,7 +16,7 @@
 #include <utility>
 #include <vector>
 
-// After the standard library's headers: gstcheck.h defines a macro named fail.
+// gstcheck.h defines a macro `fail`, so it follows the standard library's headers.
 #include "../temporary_file.h"
 #include "trace.h"
 #include <gst/check/gstcheck.h>
@@ -38,7 +37,7 @@ silent(const Volts &volts)
   return std::ranges::all_of(volts, [](double v) { return v == 0; });
 }
 
-/// One thing that was done to a board.
+/// A write to the board.
 struct Write
 {
   Time now;
@@ -46,8 +45,8 @@ struct Write
   bool operator==(const Write &) const = default;
 };
 
-/// The host's side of the tests, and the element's clock. A test that wants to act while the
-/// scheduler has read the timing but not used it yet sets `after_timing`.
+/// A fake host with the element's clock. `after_timing` runs once the scheduler has read the timing
+/// and before it uses it.
 class Host final : public TactorSchedulerHost
 {
 public:
@@ -111,8 +110,7 @@ private:
   std::vector<std::string> refusals_;
 };
 
-/// The board, which outlives its driver: what it was told, what its motors do, and when it shall
-/// misbehave.
+/// The board, which outlives its driver: the writes it got, its motors, and faults to simulate.
 struct Board
 {
   std::mutex mutex;
@@ -244,7 +242,7 @@ command(int effect_ms, int tactor, double volts, int lead_ms = 0)
            .volts = volts };
 }
 
-/// A scheduler that plays, its clock at 5 s being running time 0.
+/// A scheduler in play. Its clock starts at 5 s, which is running time 0.
 class Rig
 {
 public:
@@ -263,7 +261,7 @@ public:
     fail_unless(board.misuse.empty(), "%s", board.misuse.c_str());
     fail_unless(board.is_silent());
     fail_unless(board.destroyed);
-    // What a reader of the trace thinks the motors do at the end.
+    // The trace must leave all motors at zero, too.
     assert_silent_at_end(unwrap(tactor::read_command_trace(trace_file.path)));
     gst_object_unref(clock);
   }
@@ -292,7 +290,7 @@ public:
   {
     return Time(static_cast<gint64>(gst_clock_get_time(GST_CLOCK(clock)))) - offset;
   }
-  /// Running time that the scheduler sleeps until; returns when it does.
+  /// Waits until the scheduler sleeps and returns the running time that it waits for.
   Time asleep(GstTestClock *on = nullptr)
   {
     GstClockID id = nullptr;
@@ -301,7 +299,7 @@ public:
     gst_clock_id_unref(id);
     return time - offset;
   }
-  /// Moves the clock in one jump, and lets a sleep that this ends end.
+  /// Moves the clock in one step and ends the sleep that is over by then.
   void jump_to(Time time)
   {
     const Time until = asleep();
@@ -309,8 +307,8 @@ public:
     if (until <= time)
       gst_clock_id_unref(gst_test_clock_process_next_clock_id(clock));
   }
-  /// Lets time pass, at no point faster than the scheduler; it has to have something to sleep on
-  /// afterwards.
+  /// Lets time pass, waiting for the scheduler at each of its wake-ups. It must have something to
+  /// wait for afterwards.
   void run_to(Time time)
   {
     for (Time next = asleep(); next <= time; next = asleep())

@@ -3,8 +3,8 @@
 
 #include <array>
 
-/// A face that a face detector takes for one: gray ellipses, in units of half the head's width
-/// about the head's middle.
+/// A schematic face that a face detector recognizes: gray ellipses in units of half the head's
+/// width, relative to its center.
 struct FacePart
 {
   double x;
@@ -18,7 +18,7 @@ inline constexpr std::array<FacePart, 11> kSchematicFace{ {
     { 0, 0, 1, 1.3, 190 },            // head
     { -0.4, -0.38, 0.3, 0.08, 90 },   // brows
     { 0.4, -0.38, 0.3, 0.08, 90 },    //
-    { -0.4, -0.15, 0.26, 0.13, 110 }, // sockets of the eyes
+    { -0.4, -0.15, 0.26, 0.13, 110 }, // eye sockets
     { 0.4, -0.15, 0.26, 0.13, 110 },  //
     { -0.4, -0.15, 0.1, 0.1, 40 },    // pupils
     { 0.4, -0.15, 0.1, 0.1, 40 },     //
@@ -28,7 +28,7 @@ inline constexpr std::array<FacePart, 11> kSchematicFace{ {
     { 0, 1.02, 0.2, 0.05, 170 },      // chin
 } };
 
-/// Gray of the face at a place in its units, or -1 beside it.
+/// The face's gray at a point in these units, or -1 outside.
 inline int
 schematic_face_at(double x, double y)
 {

@@ -48,7 +48,7 @@ public:
     gst_util_set_object_arg(G_OBJECT(element_), name, value);
   }
 
-  /// A map of the track, in ms.
+  /// Pushes a map of the track, times in ms.
   void push_map(gfloat level, GstClockTime begin, GstClockTime end)
   {
     const gfloat levels[] = { level, 0 };
@@ -70,7 +70,7 @@ public:
     g_async_queue_push(to_push_, map);
   }
 
-  /// Frame `number`, with a map of its own if `own` is not negative.
+  /// Pushes frame `number`, with a map of its own if `own` is not negative.
   void push_frame(guint number, gfloat own = -1, guint rows = 1, guint columns = 2)
   {
     GstBuffer *frame = gst_buffer_new_allocate(nullptr, 64, nullptr);
@@ -83,7 +83,7 @@ public:
     fail_unless_equals_int(gst_harness_push(video, frame), GST_FLOW_OK);
   }
 
-  /// The next frame's first and second level; −1 if it has no map.
+  /// The levels of the next frame, none if it has no map.
   std::vector<gfloat> pull()
   {
     GstBuffer *frame = gst_harness_pull(video);
@@ -100,8 +100,8 @@ public:
   }
 
 private:
-  /// The track's streaming thread: the element holds one buffer of it until the film is there. Ends
-  /// at what is no buffer or event.
+  /// The track's streaming thread, as the element blocks on a buffer until the film gets there.
+  /// Ends at an item that is neither buffer nor event.
   void feed()
   {
     for (gpointer next = nullptr; (next = g_async_queue_pop(to_push_)) != this;)
@@ -133,7 +133,7 @@ GST_START_TEST(test_map_at_the_frames_beginning)
 {
   Combiner c;
   c.push_map(0.5F, 0, 40);
-  c.push_map(1, 79, 121); // begins within frame 1, ends within frame 3
+  c.push_map(1, 79, 121); // begins during frame 1, ends during frame 3
   c.push_map(0.25F, 160, 161);
   c.end_track();
   for (guint i = 0; i < 6; i++)
@@ -220,8 +220,8 @@ GST_START_TEST(test_frame_waits_for_the_track)
   Combiner c;
   c.push_map(0.5F, 0, 40);
   c.push_frame(0);
-  ASSERT_LEVELS(c, { 0.5F, 0 }); // known
-  c.push_frame(1);               // not yet
+  ASSERT_LEVELS(c, { 0.5F, 0 }); // track known this far
+  c.push_frame(1);               // but no further
   c.push_map(1, 40, 80);
   ASSERT_LEVELS(c, { 1, 0 });
 }
@@ -253,7 +253,7 @@ GST_START_TEST(test_mix_of_grids)
   c.set("mix", "max");
   c.push_map(1, 0, 40);
   c.end_track();
-  c.push_frame(0, 0.25F, 2, 4); // each of the track's cells is two by two of the film's
+  c.push_frame(0, 0.25F, 2, 4); // each cell of the track is two by two of the film's
   ASSERT_LEVELS(c, { 1, 1, 0.25F, 0.25F, 1, 1, 0.25F, 0.25F });
 }
 GST_END_TEST;
