@@ -58,9 +58,8 @@
 
 #include "queuewatch.h"
 #include "tactormessages.h"
-#include "tactoropening.h"
 #include "tactorplanning.h"
-#include "tactorscheduler.h"
+#include "tactorsession.h"
 #include "tactorsettings.h"
 #include "tactorurihandler.h"
 
@@ -78,51 +77,26 @@ using tactor::Time;
 GST_DEBUG_CATEGORY(tactor_sink_debug);
 #define GST_CAT_DEFAULT tactor_sink_debug
 
-namespace {
-
-/// Data is asked for this much before the earliest command can be due: the time that planning and a
-/// wake-up take.
-constexpr Time kWakeMargin = std::chrono::milliseconds(10);
-
 /// A map is held at most this long after the end of its frame if no other follows.
-constexpr Time kHold = std::chrono::seconds(1);
+static constexpr Time kHold = std::chrono::seconds(1);
 
-/// At most one message about short leads in this time.
-constexpr Time kLeadShortInterval = std::chrono::seconds(5);
-
-} // namespace
-
-struct GstTactorSinkPrivate final : TactorSchedulerHost
+struct GstTactorSinkPrivate
 {
   explicit GstTactorSinkPrivate(GstTactorSink *sink)
-      : element(GST_ELEMENT(sink)), planning(element), scheduler(*this), queue_watch(element)
+      : planning(GST_ELEMENT(sink)), session(GST_BASE_SINK(sink)), queue_watch(GST_ELEMENT(sink))
   {
   }
 
-  Timing timing() override;
-  std::optional<Time> running_time();
-  void open_failed(const tactor::DriverError &error) override;
-  void device_failed(const tactor::DriverError &error) override;
-  void lead_short(Time lead, Time late) override;
-  void scheduled(tactor::Scheduling scheduling, const std::string &text) override;
-  void device_event(const tactor::DriverEvent &event);
-
-  GstElement *element;           ///< not owned: this is its private part
   TactorSettings settings;       ///< guarded by the object lock
   tactor::LimitCounters limited; ///< guarded by the object lock
 
-  TactorOpening
-      opening; ///< the scheduler's thread's until the board is open, then the streaming one's
-  bool is_open = false;               ///< what was opened is planned for; as planning
-  TactorPlanning planning;            ///< streaming thread only, or while it is stopped
-  std::optional<GstClockTime> opened; ///< clock time, in a live play until a frame was shown since
-  Time flushed_at{ 0 };               ///< running time of the last flush
-  std::atomic<bool> ended{ false };   ///< the last map has come
+  TactorPlanning planning;          ///< streaming thread only, or while it is stopped
+  bool plans = false;               ///< planning was started for the open board; as planning
+  Time flushed_at{ 0 };             ///< running time of the last flush
+  std::atomic<bool> ended{ false }; ///< the last map has come
 
-  std::optional<Time> last_lead_short; ///< scheduler's thread only
-
-  TactorScheduler scheduler; ///< after what its thread uses, which ends before
-  QueueWatch queue_watch;    ///< changes of state only
+  TactorSession session;
+  QueueWatch queue_watch; ///< changes of state only
 };
 
 struct _GstTactorSink
@@ -141,83 +115,21 @@ static GstStaticPadTemplate sink_template
     = GST_STATIC_PAD_TEMPLATE("sink", GST_PAD_SINK, GST_PAD_ALWAYS,
                               GST_STATIC_CAPS("video/x-raw(ANY); " GST_TACTILE_MAP_CAPS));
 
-/* ---- host of the scheduler ---- */
-
-TactorSchedulerHost::Timing
-GstTactorSinkPrivate::timing()
+static TactorScheduler &
+scheduler_of(gpointer sink)
 {
-  GstBaseSink *sink = GST_BASE_SINK(element);
-  Timing timing;
-  timing.clock = gst_element_get_clock(element);
-  timing.offset = static_cast<GstClockTimeDiff>(gst_element_get_base_time(element))
-                  + static_cast<GstClockTimeDiff>(gst_base_sink_get_latency(sink))
-                  + gst_base_sink_get_ts_offset(sink);
-  return timing;
-}
-
-/// None without a clock.
-std::optional<Time>
-GstTactorSinkPrivate::running_time()
-{
-  const Timing now = timing();
-  if (!now.clock)
-    return std::nullopt;
-  const Time time(GST_CLOCK_DIFF(now.offset, static_cast<gint64>(gst_clock_get_time(now.clock))));
-  gst_object_unref(now.clock);
-  return time;
-}
-
-/// On any thread of the driver's.
-void
-GstTactorSinkPrivate::device_event(const tactor::DriverEvent &event)
-{
-  using Kind = tactor::DriverEvent::Kind;
-  if (event.kind == Kind::lost || event.kind == Kind::returned)
-    scheduler.set_board_away(event.kind == Kind::lost);
-  tactor_post_device_event(element, event);
-}
-
-void
-GstTactorSinkPrivate::open_failed(const tactor::DriverError &error)
-{
-  tactor_post_open_error(element, error);
-}
-
-void
-GstTactorSinkPrivate::device_failed(const tactor::DriverError &error)
-{
-  GST_ELEMENT_ERROR(element, RESOURCE, WRITE, ("%s", error.text.c_str()), (nullptr));
-}
-
-void
-GstTactorSinkPrivate::lead_short(Time lead, Time late)
-{
-  GST_DEBUG_OBJECT(element,
-                   "command with a lead of %" GST_STIME_FORMAT " is late by %" GST_STIME_FORMAT,
-                   GST_STIME_ARGS(lead.count()), GST_STIME_ARGS(late.count()));
-  const Time now(static_cast<gint64>(gst_util_get_timestamp()));
-  if (last_lead_short && now - *last_lead_short < kLeadShortInterval)
-    return;
-  last_lead_short = now;
-  tactor_post_lead_short(element, lead, late);
-}
-
-void
-GstTactorSinkPrivate::scheduled(tactor::Scheduling scheduling, const std::string &text)
-{
-  GST_INFO_OBJECT(element, "the thread that issues commands: %s (%s)",
-                  tactor::to_string(scheduling).data(), text.c_str());
+  return GST_TACTOR_SINK(sink)->priv->session.scheduler();
 }
 
 static GstStructure *
 gst_tactor_sink_stats(GstTactorSink *self)
 {
-  GstTactorSinkPrivate *priv = self->priv;
+  const TactorScheduler &scheduler = scheduler_of(self);
   GST_OBJECT_LOCK(self);
-  const tactor::LimitCounters limited = priv->limited;
+  const tactor::LimitCounters limited = self->priv->limited;
   GST_OBJECT_UNLOCK(self);
-  return tactor_stats_new(priv->scheduler.counters(), priv->scheduler.driver_status(), limited,
-                          priv->scheduler.scheduling());
+  return tactor_stats_new(scheduler.counters(), scheduler.driver_status(), limited,
+                          scheduler.scheduling());
 }
 
 /* ---- planning (streaming thread) ---- */
@@ -239,7 +151,8 @@ gst_tactor_sink_push(GstTactorSink *self, const TactorPlanning::Plan &plan)
   GST_OBJECT_LOCK(self);
   priv->limited = priv->planning.limited();
   GST_OBJECT_UNLOCK(self);
-  priv->scheduler.push(plan.commands, plan.end + kHold, priv->running_time().value_or(Time::min()));
+  scheduler_of(self).push(plan.commands, plan.end + kHold,
+                          priv->session.read_timing().now().value_or(Time::min()));
 }
 
 /// Lets controlled properties have their values for the frame at hand.
@@ -254,38 +167,16 @@ gst_tactor_sink_sync_values(GstTactorSink *self, GstClockTime pts)
     gst_object_sync_values(GST_OBJECT(self), time);
 }
 
-/// Whether a frame of a live play was to be felt while the board was being opened, and is past. A
-/// board that was open before the play began has missed nothing.
-static bool
-gst_tactor_sink_is_past(GstTactorSink *self, GstBuffer *buffer, const GstSegment &segment)
-{
-  GstTactorSinkPrivate *priv = self->priv;
-  if (!priv->opened || segment.format != GST_FORMAT_TIME)
-    return false;
-  TactorSchedulerHost::Timing timing = priv->timing();
-  g_clear_object(&timing.clock);
-  const GstClockTimeDiff opened = GST_CLOCK_DIFF(timing.offset, static_cast<gint64>(*priv->opened));
-  const GstClockTime shown
-      = gst_segment_to_running_time(&segment, GST_FORMAT_TIME, GST_BUFFER_PTS(buffer));
-  const auto lead
-      = static_cast<GstClockTimeDiff>(gst_base_sink_get_render_delay(GST_BASE_SINK(self)));
-  if (opened > 0 && GST_CLOCK_TIME_IS_VALID(shown)
-      && static_cast<GstClockTimeDiff>(shown) < opened + lead)
-    return true;
-  priv->opened.reset();
-  return false;
-}
-
 /// Plans what a buffer asks for and hands it to the scheduler.
 static GstFlowReturn
 gst_tactor_sink_play_map(GstTactorSink *self, GstBuffer *buffer)
 {
   GstTactorSinkPrivate *priv = self->priv;
 
-  if (const std::optional<Time> starved = priv->scheduler.take_starved())
+  if (const std::optional<Time> starved = scheduler_of(self).take_starved())
     priv->planning.silenced(*starved);
   const GstSegment segment = gst_tactor_sink_segment(self);
-  if (gst_tactor_sink_is_past(self, buffer, segment))
+  if (priv->session.is_missed(segment, GST_BUFFER_PTS(buffer)))
     return GST_FLOW_OK;
   // The base class drops what a step has gone past, but for the frame at its end.
   if (!priv->planning.is_shown(GST_BUFFER_PTS(buffer), GST_BUFFER_DURATION(buffer), segment))
@@ -301,50 +192,20 @@ gst_tactor_sink_play_map(GstTactorSink *self, GstBuffer *buffer)
   return GST_FLOW_OK;
 }
 
-/// Whether time goes on upstream whatever this element does.
-static bool
-is_live(GstBaseSink *sink)
-{
-  GstQuery *query = gst_query_new_latency();
-  gboolean live = FALSE;
-  if (gst_pad_peer_query(GST_BASE_SINK_PAD(sink), query))
-    gst_query_parse_latency(query, &live, nullptr, nullptr);
-  gst_query_unref(query);
-  return live;
-}
-
-/// Waits until the board is open, which is begun on the way to PAUSED, and plans for it from then
-/// on. Called with the preroll lock held, which is given up meanwhile, as the base class does:
-/// pause, flush and stop need it.
+/// Waits until the board is open, and plans for it from then on.
 static GstFlowReturn
 gst_tactor_sink_wait_until_open(GstTactorSink *self)
 {
   GstTactorSinkPrivate *priv = self->priv;
-  GstBaseSink *sink = GST_BASE_SINK(self);
 
-  if (priv->is_open)
+  if (priv->plans)
     return GST_FLOW_OK;
-  using Outcome = TactorScheduler::Outcome;
-  for (Outcome outcome = Outcome::interrupted; outcome != Outcome::open;) {
-    const guint64 interruptions = priv->scheduler.interruptions();
-    GST_BASE_SINK_PREROLL_UNLOCK(sink);
-    outcome = priv->scheduler.wait_until_open(interruptions);
-    GST_BASE_SINK_PREROLL_LOCK(sink);
-    if (sink->flushing || outcome == Outcome::stopped)
-      return GST_FLOW_FLUSHING;
-    if (outcome == Outcome::failed) { // the reason was told
-      gst_element_abort_state(GST_ELEMENT(self));
-      return GST_FLOW_ERROR;
-    }
-  }
-  TactorOpening &opening = priv->opening;
-  priv->opened.reset();
-  if (GstClock *clock = is_live(sink) ? gst_element_get_clock(GST_ELEMENT(self)) : nullptr) {
-    priv->opened = gst_clock_get_time(clock);
-    gst_object_unref(clock);
-  }
+  const GstFlowReturn ret = priv->session.wait_until_open();
+  if (ret != GST_FLOW_OK)
+    return ret;
+  TactorOpening &opening = priv->session.opening();
   priv->planning.start(opening.planner, opening.tactors, std::move(opening.motors));
-  priv->is_open = true;
+  priv->plans = true;
   return GST_FLOW_OK;
 }
 
@@ -356,7 +217,7 @@ gst_tactor_sink_render(GstBaseSink *sink, GstBuffer *buffer)
   if (const GstFlowReturn ret = gst_tactor_sink_wait_until_open(self); ret != GST_FLOW_OK)
     return ret;
   gst_tactor_sink_sync_values(self, GST_BUFFER_PTS(buffer));
-  if (self->priv->scheduler.failed())
+  if (scheduler_of(self).failed())
     return GST_FLOW_ERROR; // said when it happened
   return gst_tactor_sink_play_map(self, buffer);
 }
@@ -378,13 +239,13 @@ gst_tactor_sink_drain(GstTactorSink *self)
     return ret;
 
   // As in the base class, the lock is given up while waiting: pause, play and flush need it.
-  const guint64 interruptions = priv->scheduler.interruptions();
+  const guint64 interruptions = scheduler_of(self).interruptions();
   GST_BASE_SINK_PREROLL_UNLOCK(sink);
-  priv->scheduler.drain(interruptions);
+  scheduler_of(self).drain(interruptions);
   GST_BASE_SINK_PREROLL_LOCK(sink);
   if (sink->flushing)
     return GST_FLOW_FLUSHING;
-  priv->scheduler.flush();
+  scheduler_of(self).flush();
   return GST_FLOW_OK;
 }
 
@@ -416,14 +277,14 @@ gst_tactor_sink_wait_event(GstBaseSink *sink, GstEvent *event)
 static gboolean
 gst_tactor_sink_unlock(GstBaseSink *sink)
 {
-  GST_TACTOR_SINK(sink)->priv->scheduler.interrupt(true);
+  scheduler_of(sink).interrupt(true);
   return TRUE;
 }
 
 static gboolean
 gst_tactor_sink_unlock_stop(GstBaseSink *sink)
 {
-  GST_TACTOR_SINK(sink)->priv->scheduler.interrupt(false);
+  scheduler_of(sink).interrupt(false);
   return TRUE;
 }
 
@@ -450,8 +311,8 @@ gst_tactor_sink_event(GstBaseSink *sink, GstEvent *event)
     priv->ended = false;
   // Afterwards, since only then the streaming thread has left render().
   if (type == GST_EVENT_FLUSH_START)
-    priv->flushed_at = priv->scheduler.flush();
-  else if (type == GST_EVENT_FLUSH_STOP && priv->is_open) // else nothing was planned
+    priv->flushed_at = scheduler_of(self).flush();
+  else if (type == GST_EVENT_FLUSH_STOP && priv->plans) // else nothing was planned
     priv->planning.flushed(priv->flushed_at, resets_time);
   return handled;
 }
@@ -464,9 +325,9 @@ gst_tactor_sink_stepped(GstTactorSink *self)
 {
   GstTactorSinkPrivate *priv = self->priv;
   GstBaseSink *sink = GST_BASE_SINK(self);
-  if (!priv->is_open)
+  if (!priv->plans)
     return;
-  Time stopped = priv->scheduler.flush();
+  Time stopped = scheduler_of(self).flush();
   const GstClockTime start = gst_element_get_start_time(GST_ELEMENT(self));
   if (GST_CLOCK_TIME_IS_VALID(start))
     stopped = Time(static_cast<GstClockTimeDiff>(start)
@@ -527,18 +388,7 @@ gst_tactor_sink_propose_allocation(GstBaseSink *sink, GstQuery *query)
 
 /* ---- life ---- */
 
-/// How much earlier than a frame's time its data is asked for, given the longest latency on the way
-/// to a motor.
-static GstClockTime
-lead_of(const TactorOpening &opening)
-{
-  const Time early = opening.planner.max_lead + opening.latency + kWakeMargin;
-  return static_cast<GstClockTime>(early.count());
-}
-
-/// Begins to open board and trace, both anew for each play. What is wrong with the settings becomes
-/// an error message and FALSE; what is wrong with the board becomes an error message later.
-static gboolean
+static bool
 gst_tactor_sink_open(GstTactorSink *self)
 {
   GstTactorSinkPrivate *priv = self->priv;
@@ -547,58 +397,9 @@ gst_tactor_sink_open(GstTactorSink *self)
   const TactorSettings settings = priv->settings;
   priv->limited = {};
   GST_OBJECT_UNLOCK(self);
-  if (!settings.mapping_error.empty()) {
-    GST_ELEMENT_ERROR(self, LIBRARY, SETTINGS,
-                      ("mapping cannot be read: %s.", settings.mapping_error.c_str()), (nullptr));
-    return FALSE;
-  }
-  priv->scheduler.stop(); // of a play whose opening failed
-  tl::expected<TactorOpening, tactor::DriverError> prepared
-      = prepare_tactors(GST_ELEMENT(self), settings);
-  if (!prepared) {
-    tactor_post_open_error(GST_ELEMENT(self), prepared.error());
-    return FALSE;
-  }
-  priv->opening = std::move(*prepared);
-  priv->is_open = false;
-  priv->last_lead_short.reset();
+  priv->plans = false;
   priv->ended = false;
-  // What the board adds is not known yet; what it added in the last play may well hold.
-  GstBaseSink *sink = GST_BASE_SINK(self);
-  gst_base_sink_set_render_delay(
-      sink, std::max(gst_base_sink_get_render_delay(sink), lead_of(priv->opening)));
-  priv->scheduler.set_immediate(!gst_base_sink_get_sync(GST_BASE_SINK(self)));
-  priv->scheduler.set_muted(settings.mute);
-  priv->scheduler.set_ramp_in(settings.ramp_in);
-  const auto open = [self, priv](std::stop_token stop) {
-    return open_tactors(
-               GST_ELEMENT(self), priv->opening,
-               [priv](const tactor::DriverEvent &event) { priv->device_event(event); },
-               std::move(stop))
-        .map([self, priv](TactorOutput &&output) {
-          gst_base_sink_set_render_delay(GST_BASE_SINK(self), lead_of(priv->opening));
-          return std::move(output);
-        });
-  };
-  if (const tl::expected<void, tactor::DriverError> started
-      = priv->scheduler.start(open, settings.planner.volts_max, settings.realtime);
-      !started) {
-    priv->opening.turn.reset();
-    tactor_post_open_error(GST_ELEMENT(self), started.error());
-    return FALSE;
-  }
-  return TRUE;
-}
-
-static void
-gst_tactor_sink_close(GstTactorSink *self)
-{
-  GstTactorSinkPrivate *priv = self->priv;
-  priv->scheduler.flush(); // the trace, too
-  if (priv->scheduler.trace_failed())
-    GST_ELEMENT_WARNING(self, RESOURCE, WRITE, ("The command trace is incomplete."),
-                        ("writing to it failed: is the disk full?"));
-  priv->scheduler.stop();
+  return priv->session.open(settings);
 }
 
 static GstStateChangeReturn
@@ -610,7 +411,7 @@ gst_tactor_sink_change_state(GstElement *element, GstStateChange transition)
   if (transition == GST_STATE_CHANGE_READY_TO_PAUSED && !gst_tactor_sink_open(self))
     return GST_STATE_CHANGE_FAILURE;
   if (transition == GST_STATE_CHANGE_PLAYING_TO_PAUSED)
-    priv->scheduler.pause();
+    scheduler_of(self).pause();
   if (transition == GST_STATE_CHANGE_PAUSED_TO_PLAYING
       || transition == GST_STATE_CHANGE_PAUSED_TO_READY)
     priv->queue_watch.stop();
@@ -627,14 +428,14 @@ gst_tactor_sink_change_state(GstElement *element, GstStateChange transition)
   // The base class also begins to play on the streaming thread, after a preroll, while the
   // application may be pausing.
   if (transition == GST_STATE_CHANGE_PAUSED_TO_PLAYING && ret != GST_STATE_CHANGE_FAILURE)
-    priv->scheduler.play([element] { return GST_STATE_TARGET(element) == GST_STATE_PLAYING; });
+    scheduler_of(self).play([element] { return GST_STATE_TARGET(element) == GST_STATE_PLAYING; });
   if (transition == GST_STATE_CHANGE_READY_TO_PAUSED && ret != GST_STATE_CHANGE_FAILURE)
-    priv->queue_watch.start([priv] { return priv->scheduler.is_open(); });
+    priv->queue_watch.start([self] { return scheduler_of(self).is_open(); });
   // After a failure nothing is left running either, also if it was told when the change of state
   // had returned.
   if (transition == GST_STATE_CHANGE_PAUSED_TO_READY || transition == GST_STATE_CHANGE_READY_TO_NULL
       || (transition == GST_STATE_CHANGE_READY_TO_PAUSED && ret == GST_STATE_CHANGE_FAILURE))
-    gst_tactor_sink_close(self);
+    priv->session.close();
   return ret;
 }
 
@@ -646,26 +447,25 @@ gst_tactor_sink_send_event(GstElement *element, GstEvent *event)
   // The base class would wait for something to stop at, and have the whole pipeline wait.
   if (type == GST_EVENT_STEP && priv->ended) {
     gst_event_unref(event);
-    priv->scheduler.flush();
+    scheduler_of(element).flush();
     return TRUE;
   }
   const gboolean handled = GST_ELEMENT_CLASS(parent_class)->send_event(element, event);
   if (type == GST_EVENT_LATENCY)
-    priv->scheduler.timing_changed();
+    scheduler_of(element).timing_changed();
   return handled;
 }
 
 static void
 gst_tactor_sink_timing_notify(GObject *object, GParamSpec *, gpointer)
 {
-  GST_TACTOR_SINK(object)->priv->scheduler.timing_changed();
+  scheduler_of(object).timing_changed();
 }
 
 static void
 gst_tactor_sink_sync_notify(GObject *object, GParamSpec *, gpointer)
 {
-  GST_TACTOR_SINK(object)->priv->scheduler.set_immediate(
-      !gst_base_sink_get_sync(GST_BASE_SINK(object)));
+  scheduler_of(object).set_immediate(!gst_base_sink_get_sync(GST_BASE_SINK(object)));
 }
 
 /* ---- properties ---- */
@@ -686,9 +486,9 @@ gst_tactor_sink_set_property(GObject *object, guint id, const GValue *value, GPa
     GST_ELEMENT_WARNING(object, LIBRARY, SETTINGS, ("mapping stays as it was: %s.", error.c_str()),
                         (nullptr));
   else if (id == TACTOR_PROP_MUTE)
-    priv->scheduler.set_muted(mute);
+    scheduler_of(object).set_muted(mute);
   else if (id == TACTOR_PROP_RAMP_IN)
-    priv->scheduler.set_ramp_in(ramp_in);
+    scheduler_of(object).set_ramp_in(ramp_in);
 }
 
 static void

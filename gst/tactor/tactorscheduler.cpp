@@ -7,29 +7,7 @@
 using tactor::Command;
 using tactor::Time;
 
-/// One reading of the clock.
-struct TactorScheduler::Moment
-{
-  GstClock *clock = nullptr; ///< owned; NULL: there is none
-  GstClockTimeDiff offset = 0;
-  Time running{ 0 };
-
-  explicit Moment(TactorSchedulerHost::Timing timing, Time fallback)
-      : clock(timing.clock), offset(timing.offset), running(fallback)
-  {
-    if (clock)
-      running = Time(GST_CLOCK_DIFF(static_cast<GstClockTime>(offset), gst_clock_get_time(clock)));
-  }
-  ~Moment()
-  {
-    if (clock)
-      gst_object_unref(clock);
-  }
-  Moment(const Moment &) = delete;
-  Moment &operator=(const Moment &) = delete;
-};
-
-TactorScheduler::TactorScheduler(TactorSchedulerHost &host) : host_(host), queue_(0)
+TactorScheduler::TactorScheduler(Host host) : host_(std::move(host)), queue_(0)
 {
 }
 
@@ -324,7 +302,8 @@ TactorScheduler::run(const Open &open, const std::stop_token &stop, bool wants_r
   tactor::RealtimeThread realtime(wants_realtime,
                                   [this](tactor::Scheduling scheduling, const std::string &text) {
                                     scheduling_ = scheduling;
-                                    host_.scheduled(scheduling, text);
+                                    if (host_.scheduled)
+                                      host_.scheduled(scheduling, text);
                                   });
   std::unique_lock lock(mutex_);
   while (!quit_) {
@@ -356,11 +335,12 @@ TactorScheduler::turn(Lock &lock)
 
   // The host takes the element's locks, under which others may be waiting for ours.
   lock.unlock();
-  const Moment moment(host_.timing(), running_);
+  const TactorTiming timing = host_.timing();
+  const std::optional<Time> now = timing.now();
   lock.lock();
-  const bool timed = timed_ = !immediate_ && moment.clock;
+  const bool timed = timed_ = !immediate_ && now;
   if (timed)
-    running_ = moment.running;
+    running_ = *now;
   // After a seek running time begins anew.
   if (refresh_)
     refresh_ = std::min(*refresh_, running_ + refresh_interval_);
@@ -396,7 +376,7 @@ TactorScheduler::turn(Lock &lock)
          { queue_.next_due(), expires_, refresh_, soft_start_.next_step(running_) })
       until = std::min(until, next.value_or(Time::max()));
     if (until != Time::max())
-      wait_until(lock, moment, until);
+      wait_until(lock, timing, until);
   }
 }
 
@@ -428,13 +408,13 @@ TactorScheduler::issue_due(Lock &lock, bool timed)
 }
 
 void
-TactorScheduler::wait_until(Lock &lock, const Moment &moment, Time running)
+TactorScheduler::wait_until(Lock &lock, const TactorTiming &timing, Time running)
 {
-  const GstClockTimeDiff target = running.count() + moment.offset;
+  const GstClockTimeDiff target = timing.clock_time(running);
   if (target <= 0)
     return;
   const GstClockID id
-      = gst_clock_new_single_shot_id(moment.clock, static_cast<GstClockTime>(target));
+      = gst_clock_new_single_shot_id(timing.clock(), static_cast<GstClockTime>(target));
   waiting_ = id;
   lock.unlock();
   gst_clock_id_wait(id, nullptr);

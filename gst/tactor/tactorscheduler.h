@@ -8,6 +8,7 @@
 #include "tactor/schedule_statistics.h"
 #include "tactor/soft_start.h"
 #include "tactor/thread.h"
+#include "tactortiming.h"
 
 #include <gst/gst.h>
 #include <tl/expected.hpp>
@@ -22,35 +23,6 @@
 #include <span>
 #include <stop_token>
 #include <vector>
-
-/// What the scheduler needs to know of the element it works for, and tells it. Called on the
-/// scheduler's thread without any of its locks held.
-class TactorSchedulerHost
-{
-public:
-  /// How running time and clock time hang together at this moment.
-  struct Timing
-  {
-    GstClock *clock
-        = nullptr; ///< transfer full; NULL: there is no clock, everything is due at once
-    GstClockTimeDiff offset = 0; ///< clock time − running time: base time + latency + ts-offset
-  };
-
-  virtual ~TactorSchedulerHost() = default;
-  virtual Timing timing() = 0;
-  /// The board could not be opened, and not because stop() came first.
-  virtual void open_failed(const tactor::DriverError &error) = 0;
-  /// The board failed while it played.
-  virtual void device_failed(const tactor::DriverError &error) = 0;
-  /// A command was `late` behind its due time: upstream did not deliver it `lead` ahead of its
-  /// frame.
-  virtual void lead_short(tactor::Time lead, tactor::Time late) = 0;
-  /// How the thread is scheduled from now on, and why, in one line. Also on the thread that asked
-  /// for it.
-  virtual void scheduled(tactor::Scheduling, const std::string &)
-  {
-  }
-};
 
 /// What a scheduler plays on.
 struct TactorOutput
@@ -89,7 +61,24 @@ public:
     tactor::ScheduleStatistics thread_error; ///< issued − due, or what came late: − handed over
   };
 
-  explicit TactorScheduler(TactorSchedulerHost &host);
+  /// What the scheduler needs to know of its element and what it reports to it. Called on the
+  /// scheduler's thread without its locks. All but `scheduled` are required.
+  struct Host
+  {
+    std::function<TactorTiming()> timing;
+    /// The board could not be opened, and not because stop() came first.
+    std::function<void(const tactor::DriverError &)> open_failed;
+    /// The board failed while it played.
+    std::function<void(const tactor::DriverError &)> device_failed;
+    /// A command was issued `late` after its due time: upstream did not deliver it `lead` ahead of
+    /// its frame.
+    std::function<void(tactor::Time lead, tactor::Time late)> lead_short;
+    /// How the thread is scheduled from now on, and why, in one line. Also called on the thread
+    /// that requested it.
+    std::function<void(tactor::Scheduling, const std::string &)> scheduled{};
+  };
+
+  explicit TactorScheduler(Host host);
   ~TactorScheduler();
   TactorScheduler(const TactorScheduler &) = delete;
   TactorScheduler &operator=(const TactorScheduler &) = delete;
@@ -168,7 +157,6 @@ public:
   bool failed() const;
 
 private:
-  struct Moment;
   using Lock = std::unique_lock<std::mutex>;
 
   // All of these run on the scheduler's thread, but settle() and wake(); all but run() are called
@@ -177,7 +165,7 @@ private:
   void run(const Open &open, const std::stop_token &stop, bool realtime);
   bool open_output(Lock &lock, const Open &open, const std::stop_token &stop);
   void turn(Lock &lock);
-  void wait_until(Lock &lock, const Moment &moment, tactor::Time running);
+  void wait_until(Lock &lock, const TactorTiming &timing, tactor::Time running);
   bool issue_due(Lock &lock, bool timed);
   void issue(Lock &lock, tactor::Time running, std::span<const tactor::Command> commands,
              bool timed);
@@ -190,7 +178,7 @@ private:
   void settle(Lock &lock);
   void wake();
 
-  TactorSchedulerHost &host_;
+  const Host host_;
   mutable std::mutex mutex_;
   std::condition_variable wake_;
   std::condition_variable settled_; ///< met_, live_ or failed_ changed

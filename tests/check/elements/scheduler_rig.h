@@ -47,37 +47,28 @@ struct Write
 
 /// A fake host with the element's clock. `after_timing` runs once the scheduler has read the timing
 /// and before it uses it.
-class Host final : public TactorSchedulerHost
+class Host
 {
 public:
-  Timing timing() override
+  TactorScheduler::Host calls()
   {
-    Timing timing;
-    std::function<void()> after;
-    {
-      std::lock_guard lock(mutex_);
-      timing = { clock_ ? GST_CLOCK(gst_object_ref(clock_)) : nullptr, offset_ };
-      after = std::exchange(after_timing_, nullptr);
-    }
-    if (after)
-      after();
-    return timing;
-  }
-  void open_failed(const DriverError &error) override
-  {
-    std::lock_guard lock(mutex_);
-    refusals_.push_back(error.text);
-  }
-  void device_failed(const DriverError &) override
-  {
-    failed++;
-    if (on_failed)
-      on_failed();
-  }
-  void lead_short(Time lead, Time late) override
-  {
-    std::lock_guard lock(mutex_);
-    shorts_.emplace_back(lead, late);
+    return { .timing = [this] { return timing(); },
+             .open_failed =
+                 [this](const DriverError &error) {
+                   std::lock_guard lock(mutex_);
+                   refusals_.push_back(error.text);
+                 },
+             .device_failed =
+                 [this](const DriverError &) {
+                   failed++;
+                   if (on_failed)
+                     on_failed();
+                 },
+             .lead_short =
+                 [this](Time lead, Time late) {
+                   std::lock_guard lock(mutex_);
+                   shorts_.emplace_back(lead, late);
+                 } };
   }
 
   void set(GstClock *clock, Time offset, std::function<void()> after_timing = nullptr)
@@ -102,6 +93,17 @@ public:
   std::function<void()> on_failed;
 
 private:
+  TactorTiming timing()
+  {
+    std::unique_lock lock(mutex_);
+    TactorTiming timing(clock_ ? GST_CLOCK(gst_object_ref(clock_)) : nullptr, offset_);
+    const std::function<void()> after = std::exchange(after_timing_, nullptr);
+    lock.unlock();
+    if (after)
+      after();
+    return timing;
+  }
+
   std::mutex mutex_;
   GstClock *clock_ = nullptr; ///< the rig's
   GstClockTimeDiff offset_ = 0;
@@ -250,7 +252,7 @@ public:
   {
     clock = GST_TEST_CLOCK(gst_test_clock_new_with_start_time(GST_SECOND * 5));
     host.set(GST_CLOCK(clock), offset);
-    scheduler = std::make_unique<TactorScheduler>(host);
+    scheduler = std::make_unique<TactorScheduler>(host.calls());
     start();
     if (play)
       scheduler->play();

@@ -397,7 +397,7 @@ GST_START_TEST(test_stopped_while_opening)
 {
   using Outcome = TactorScheduler::Outcome;
   Host host;
-  TactorScheduler scheduler(host);
+  TactorScheduler scheduler(host.calls());
   std::atomic<bool> stopped = false;
   const auto wait_for_stop = [&](const std::stop_token &stop) {
     std::mutex mutex;
@@ -440,7 +440,7 @@ GST_START_TEST(test_cannot_be_opened)
 {
   using Outcome = TactorScheduler::Outcome;
   Host host;
-  TactorScheduler scheduler(host);
+  TactorScheduler scheduler(host.calls());
   unwrap(scheduler.start(
       [](const std::stop_token &) {
         return tl::unexpected(tactor::DriverError{ tactor::DriverError::Kind::busy, "taken" });

@@ -1,0 +1,196 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "tactorsession.h"
+
+#include "tactormessages.h"
+
+#include <algorithm>
+#include <utility>
+
+using tactor::Time;
+
+GST_DEBUG_CATEGORY_EXTERN(tactor_sink_debug);
+#define GST_CAT_DEFAULT tactor_sink_debug
+
+namespace {
+
+/// Data is requested this much before the earliest command can be due, for planning and a wake-up.
+constexpr Time kWakeMargin = std::chrono::milliseconds(10);
+
+/// At most one message about short leads in this time.
+constexpr Time kLeadShortInterval = std::chrono::seconds(5);
+
+/// The render-delay for the longest latency on the way to a motor.
+GstClockTime
+lead_of(const TactorOpening &opening)
+{
+  const Time early = opening.planner.max_lead + opening.latency + kWakeMargin;
+  return static_cast<GstClockTime>(early.count());
+}
+
+/// Whether time goes on upstream whatever this element does.
+bool
+is_live(GstBaseSink *sink)
+{
+  GstQuery *query = gst_query_new_latency();
+  gboolean live = FALSE;
+  if (gst_pad_peer_query(GST_BASE_SINK_PAD(sink), query))
+    gst_query_parse_latency(query, &live, nullptr, nullptr);
+  gst_query_unref(query);
+  return live;
+}
+
+} // namespace
+
+TactorSession::TactorSession(GstBaseSink *sink)
+    : sink_(sink), element_(GST_ELEMENT(sink)),
+      scheduler_({
+          .timing = [this] { return read_timing(); },
+          .open_failed
+          = [this](const tactor::DriverError &error) { tactor_post_open_error(element_, error); },
+          .device_failed =
+              [this](const tactor::DriverError &error) {
+                GST_ELEMENT_ERROR(element_, RESOURCE, WRITE, ("%s", error.text.c_str()), (nullptr));
+              },
+          .lead_short = [this](Time lead, Time late) { tell_short_lead(lead, late); },
+          .scheduled =
+              [this](tactor::Scheduling scheduling, const std::string &text) {
+                GST_INFO_OBJECT(element_, "the thread that issues commands: %s (%s)",
+                                tactor::to_string(scheduling).data(), text.c_str());
+              },
+      })
+{
+}
+
+bool
+TactorSession::open(const TactorSettings &settings)
+{
+  if (!settings.mapping_error.empty()) {
+    GST_ELEMENT_ERROR(element_, LIBRARY, SETTINGS,
+                      ("mapping cannot be read: %s.", settings.mapping_error.c_str()), (nullptr));
+    return false;
+  }
+  scheduler_.stop(); // of a play whose opening failed
+  tl::expected<TactorOpening, tactor::DriverError> prepared = prepare_tactors(element_, settings);
+  if (!prepared) {
+    tactor_post_open_error(element_, prepared.error());
+    return false;
+  }
+  opening_ = std::move(*prepared);
+  last_lead_short_.reset();
+  // The board's latency is not known yet; that of the last play may well hold.
+  gst_base_sink_set_render_delay(
+      sink_, std::max(gst_base_sink_get_render_delay(sink_), lead_of(opening_)));
+  scheduler_.set_immediate(!gst_base_sink_get_sync(sink_));
+  scheduler_.set_muted(settings.mute);
+  scheduler_.set_ramp_in(settings.ramp_in);
+  const auto open_board = [this](std::stop_token stop) {
+    return open_tactors(
+               element_, opening_,
+               [this](const tactor::DriverEvent &event) { device_event(event); }, std::move(stop))
+        .map([this](TactorOutput &&output) {
+          gst_base_sink_set_render_delay(sink_, lead_of(opening_));
+          return std::move(output);
+        });
+  };
+  if (const tl::expected<void, tactor::DriverError> started
+      = scheduler_.start(open_board, settings.planner.volts_max, settings.realtime);
+      !started) {
+    opening_.turn.reset();
+    tactor_post_open_error(element_, started.error());
+    return false;
+  }
+  return true;
+}
+
+void
+TactorSession::close()
+{
+  scheduler_.flush(); // the trace, too
+  if (scheduler_.trace_failed())
+    GST_ELEMENT_WARNING(element_, RESOURCE, WRITE, ("The command trace is incomplete."),
+                        ("writing to it failed: is the disk full?"));
+  scheduler_.stop();
+}
+
+GstFlowReturn
+TactorSession::wait_until_open()
+{
+  using Outcome = TactorScheduler::Outcome;
+  for (Outcome outcome = Outcome::interrupted; outcome != Outcome::open;) {
+    const guint64 interruptions = scheduler_.interruptions();
+    GST_BASE_SINK_PREROLL_UNLOCK(sink_);
+    outcome = scheduler_.wait_until_open(interruptions);
+    GST_BASE_SINK_PREROLL_LOCK(sink_);
+    if (sink_->flushing || outcome == Outcome::stopped)
+      return GST_FLOW_FLUSHING;
+    if (outcome == Outcome::failed) { // the error message was posted before
+      gst_element_abort_state(element_);
+      return GST_FLOW_ERROR;
+    }
+  }
+  opened_.reset();
+  if (GstClock *clock = is_live(sink_) ? gst_element_get_clock(element_) : nullptr) {
+    opened_ = gst_clock_get_time(clock);
+    gst_object_unref(clock);
+  }
+  return GST_FLOW_OK;
+}
+
+TactorOpening &
+TactorSession::opening()
+{
+  return opening_;
+}
+
+bool
+TactorSession::is_missed(const GstSegment &segment, GstClockTime pts)
+{
+  if (!opened_ || segment.format != GST_FORMAT_TIME)
+    return false;
+  const Time opened = read_timing().running_time(*opened_);
+  const GstClockTime shown = gst_segment_to_running_time(&segment, GST_FORMAT_TIME, pts);
+  const auto lead = static_cast<GstClockTimeDiff>(gst_base_sink_get_render_delay(sink_));
+  if (opened > Time(0) && GST_CLOCK_TIME_IS_VALID(shown)
+      && static_cast<GstClockTimeDiff>(shown) < opened.count() + lead)
+    return true;
+  opened_.reset();
+  return false;
+}
+
+TactorTiming
+TactorSession::read_timing() const
+{
+  return { gst_element_get_clock(element_),
+           static_cast<GstClockTimeDiff>(gst_element_get_base_time(element_))
+               + static_cast<GstClockTimeDiff>(gst_base_sink_get_latency(sink_))
+               + gst_base_sink_get_ts_offset(sink_) };
+}
+
+TactorScheduler &
+TactorSession::scheduler()
+{
+  return scheduler_;
+}
+
+/// On any thread of the driver's.
+void
+TactorSession::device_event(const tactor::DriverEvent &event)
+{
+  using Kind = tactor::DriverEvent::Kind;
+  if (event.kind == Kind::lost || event.kind == Kind::returned)
+    scheduler_.set_board_away(event.kind == Kind::lost);
+  tactor_post_device_event(element_, event);
+}
+
+void
+TactorSession::tell_short_lead(Time lead, Time late)
+{
+  GST_DEBUG_OBJECT(element_,
+                   "command with a lead of %" GST_STIME_FORMAT " is late by %" GST_STIME_FORMAT,
+                   GST_STIME_ARGS(lead.count()), GST_STIME_ARGS(late.count()));
+  const Time now(static_cast<gint64>(gst_util_get_timestamp()));
+  if (last_lead_short_ && now - *last_lead_short_ < kLeadShortInterval)
+    return;
+  last_lead_short_ = now;
+  tactor_post_lead_short(element_, lead, late);
+}

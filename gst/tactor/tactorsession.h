@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include "tactoropening.h"
+#include "tactorscheduler.h"
+#include "tactorsettings.h"
+#include "tactortiming.h"
+
+#include <gst/base/gstbasesink.h>
+
+#include <optional>
+
+/// What tactorsink plays on from READY to READY: board, trace and the scheduler, opened anew for
+/// each play. What becomes of them is posted on the sink's bus.
+class TactorSession
+{
+public:
+  /// The sink is not owned: the session is a part of it.
+  explicit TactorSession(GstBaseSink *sink);
+
+  /// Begins to open board and trace and sets the sink's render-delay. False after an error message
+  /// if the settings are wrong. What is wrong with the board is an error message later.
+  bool open(const TactorSettings &settings);
+  /// All motors are at zero and the board is released. Harmless when not open.
+  void close();
+
+  /// Waits until the board is open. On the streaming thread with the preroll lock held. It is
+  /// released meanwhile, as in the base class: pause, flush and stop need it.
+  GstFlowReturn wait_until_open();
+  /// Streaming thread only, when the board is open.
+  TactorOpening &opening();
+  /// Whether a frame of a live play was due while the board was being opened. Always false from the
+  /// first frame on that was not, and where the board was open before the play began. Streaming
+  /// thread only.
+  bool is_missed(const GstSegment &segment, GstClockTime pts);
+
+  TactorTiming read_timing() const;
+
+  TactorScheduler &scheduler();
+
+private:
+  void device_event(const tactor::DriverEvent &event);
+  void tell_short_lead(tactor::Time lead, tactor::Time late);
+
+  GstBaseSink *sink_;
+  GstElement *element_; ///< the sink
+  /// The scheduler's thread's until the board is open, then the streaming thread's.
+  TactorOpening opening_;
+  /// Clock time at which the board was open, in a live play until a frame is shown.
+  std::optional<GstClockTime> opened_;
+  std::optional<tactor::Time> last_lead_short_; ///< scheduler's thread only
+  TactorScheduler scheduler_; ///< last: its thread, which uses the others, ends first
+};
