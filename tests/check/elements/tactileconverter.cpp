@@ -61,7 +61,7 @@ public:
                 pts, duration);
   }
 
-  /// The next buffer as a cue, read as `caps` says; none if there is none.
+  /// The next buffer as a cue, parsed as `caps`, or none.
   std::optional<Cue> pull(const gchar *caps)
   {
     GstBuffer *buffer = gst_harness_try_pull(h);
@@ -84,8 +84,8 @@ public:
     return cue;
   }
 
-  /// Names of the events since the last call, gaps with their time and duration in ms, caps of maps
-  /// with their grid.
+  /// Names of the events since the last call. Gaps are followed by their time and duration in ms,
+  /// caps of maps by their grid.
   std::string events()
   {
     std::string names;
@@ -127,7 +127,7 @@ public:
   GstHarness *h;
 };
 
-/// What comes of a stream of maps at 25 frames a second, the same for a number of frames each.
+/// Converts maps at 25 frames a second. Each is repeated for the given number of frames.
 std::vector<Cue>
 convert_maps(const gchar *caps, const std::vector<std::pair<int, int>> &percent_and_frames)
 {
@@ -187,13 +187,13 @@ GST_START_TEST(test_round_trip)
   for (const gchar *between : { kTextCaps, kKlvCaps }) {
     Harness there(kMapCaps, between);
     Harness back(between, kMapCaps);
-    const GstClockTime frame = GST_SECOND / 30; // a third of a nanosecond short
+    const GstClockTime frame = GST_SECOND / 30; // a third of a nanosecond too short
     for (guint i = 0; i < 90; i++)
       there.push_map(make_map(static_cast<int>(i / 7 % 101)), i * GST_SECOND / 30, frame);
     gst_harness_push_event(there.h, gst_event_new_eos());
     while (GstBuffer *buffer = gst_harness_try_pull(there.h))
       fail_unless_equals_int(gst_harness_push(back.h, buffer), GST_FLOW_OK);
-    // Every frame's map is the one in whose time the frame begins, without a gap.
+    // Each frame's map is that of the cue during which it begins, and there are no gaps.
     std::optional<Cue> cue = back.pull(kMapCaps);
     for (guint i = 0; i < 90; i++) {
       const Time time(static_cast<Time::rep>(i * GST_SECOND / 30));
@@ -212,7 +212,7 @@ GST_START_TEST(test_gaps_of_a_track)
   Harness converter(kTextCaps, kMapCaps);
   converter.push_text("0 50\n100 25", GST_SECOND, 400 * GST_MSECOND);
   ASSERT_EVENTS(converter, "stream-start caps:2x2 segment gap:0+1000");
-  converter.push_text("0 75\n100 25", 1400 * GST_MSECOND, 100 * GST_MSECOND); // abuts
+  converter.push_text("0 75\n100 25", 1400 * GST_MSECOND, 100 * GST_MSECOND); // adjacent
   ASSERT_EVENTS(converter, "");
   gst_harness_push_event(converter.h, gst_event_new_gap(1450 * GST_MSECOND, 150 * GST_MSECOND));
   ASSERT_EVENTS(converter, "gap:1500+100");
@@ -239,7 +239,7 @@ GST_END_TEST;
 
 GST_START_TEST(test_carriers_of_text)
 {
-  // What containers and editors make of a cue.
+  // A cue as containers and editors change it.
   for (const gchar *caps : { "text/x-raw,format=utf8", "text/x-raw,format=pango-markup" })
     for (const std::string &text :
          { std::string("  0  50\n100  25"), std::string("0% 50%\r\n100% 25%\r\n"),
@@ -249,7 +249,7 @@ GST_START_TEST(test_carriers_of_text)
       const std::optional<Cue> cue = converter.pull(kMapCaps);
       fail_unless(cue && cue->map == make_map(50));
     }
-  // A line break that was lost is no loss once the grid is known.
+  // Once the grid is known, a lost line break does no harm.
   Harness converter(kTextCaps, kMapCaps);
   converter.push_text("0 50\n100 25", 0, GST_SECOND);
   converter.push_text("0 75 100 25", GST_SECOND, GST_SECOND);
@@ -267,7 +267,7 @@ GST_START_TEST(test_subtitles_to_read)
   const Said said = messages.said(GST_MESSAGE_WARNING);
   assert_contains(said.text + " " + said.details, { "'Who's'" });
   fail_unless_equals_int(converter.push_text("", 2 * GST_SECOND, GST_SECOND), GST_FLOW_OK);
-  fail_if(messages.has(GST_MESSAGE_WARNING)); // once
+  fail_if(messages.has(GST_MESSAGE_WARNING)); // only once
   fail_if(converter.pull(kMapCaps).has_value());
   converter.push_text("0 50\n100 25", 4 * GST_SECOND, GST_SECOND);
   ASSERT_EVENTS(converter, "stream-start caps:2x2 segment gap:0+4000");
@@ -289,13 +289,13 @@ GST_END_TEST;
 GST_START_TEST(test_durations)
 {
   using namespace std::chrono_literals;
-  // Transport streams lose a buffer's, not the packet's.
+  // Transport streams lose the buffer's duration, but the packet has its own.
   Harness klv(kKlvCaps, kMapCaps);
   const std::vector<std::uint8_t> bytes = tactile::write_klv(make_map(50), 300ms);
   klv.push(gst_buffer_new_memdup(bytes.data(), bytes.size()), GST_SECOND, GST_CLOCK_TIME_NONE);
   const Cue expected{ 1s, 1300ms, make_map(50) };
   fail_unless(klv.pull(kMapCaps) == expected);
-  // Nor has every stream of maps one.
+  // Streams of maps may lack durations, too.
   Harness maps(kMapCaps, kTextCaps);
   maps.push_map(make_map(50), 0, GST_CLOCK_TIME_NONE);
   gst_harness_push_event(maps.h, gst_event_new_eos());
@@ -353,7 +353,7 @@ GST_START_TEST(test_seek)
   converter.push_map(make_map(75), 10 * GST_SECOND, 40 * GST_MSECOND);
   gst_harness_push_event(converter.h, gst_event_new_eos());
   const std::optional<Cue> cue = converter.pull(kTextCaps);
-  fail_unless(cue && cue->begin == std::chrono::seconds(10)); // what was before is gone
+  fail_unless(cue && cue->begin == std::chrono::seconds(10)); // nothing from before the seek
   fail_if(converter.pull(kTextCaps).has_value());
 }
 GST_END_TEST;

@@ -13,7 +13,7 @@ namespace {
 constexpr const gchar *kVideoCaps = "video/x-raw,format=GRAY8,width=8,height=8,framerate=25/1";
 constexpr GstClockTime kFrame = 40 * GST_MSECOND;
 
-/// The element with a harness on each of its source pads; either may be left out.
+/// The element with a harness on each of its source pads. Either may be left out.
 class Extractor
 {
 public:
@@ -76,7 +76,7 @@ assert_map(GstBuffer *map, guint number, guint rows, guint columns)
   gst_buffer_unref(map);
 }
 
-/// Names of the events that came out since the last call, in order; caps with their grid and rate.
+/// Names of the events since the last call, in order. Caps are followed by grid and rate.
 std::string
 events(GstHarness *h)
 {
@@ -128,7 +128,7 @@ GST_START_TEST(test_frame_and_map)
   ASSERT_EVENTS(e.video, "stream-start caps segment");
   GstBuffer *out = gst_harness_pull(e.video);
   fail_unless(out == same && gst_buffer_peek_memory(out, 0) == memory);
-  ASSERT_BUFFER_REFCOUNT(out, "frame", 1); // the map holds no part of it
+  ASSERT_BUFFER_REFCOUNT(out, "frame", 1); // the map does not hold a reference
   fail_unless(gst_buffer_get_tactile_meta(out) != nullptr);
   gst_buffer_unref(out);
   GstBuffer *map = gst_harness_pull(e.tactile);
@@ -151,7 +151,7 @@ GST_START_TEST(test_stream_ids)
   gst_event_unref(video);
   gst_event_unref(tactile);
 
-  // Streams that belong together stay together.
+  // Both streams get upstream's group id.
   const guint group = gst_util_group_id_next();
   GstEvent *start = gst_event_new_stream_start("film");
   gst_event_set_group_id(start, group);
@@ -174,7 +174,7 @@ GST_START_TEST(test_caps_changes)
   push(e, make_frame(0, 2, 3));
   push(e, make_frame(1, 2, 3));
   ASSERT_EVENTS(e.tactile, "stream-start caps:2x3@25/1 segment");
-  push(e, make_frame(2, 3, 2)); // as many levels
+  push(e, make_frame(2, 3, 2)); // the same number of levels
   ASSERT_EVENTS(e.tactile, "caps:3x2@25/1");
   gst_harness_set_src_caps_str(e.video,
                                "video/x-raw,format=GRAY8,width=8,height=8,framerate=30000/1001");
@@ -182,7 +182,7 @@ GST_START_TEST(test_caps_changes)
   ASSERT_EVENTS(e.tactile, "segment caps:3x2@30000/1001");
   gst_harness_set_src_caps_str(e.video,
                                "video/x-raw,format=GRAY8,width=4,height=16,framerate=30000/1001");
-  push(e, make_frame(4, 3, 2)); // another size feels the same
+  push(e, make_frame(4, 3, 2)); // a change of size does not change the maps' caps
   ASSERT_EVENTS(e.tactile, "segment");
   gst_harness_set_src_caps_str(e.video, "video/x-raw,format=GRAY8,width=4,height=16");
   push(e, make_frame(5, 64, 64));
@@ -200,7 +200,7 @@ GST_END_TEST;
 GST_START_TEST(test_gaps)
 {
   Extractor e;
-  push(e, make_frame(0)); // no grid is known yet: the paper's
+  push(e, make_frame(0)); // no grid is known yet, so it is the paper's
   ASSERT_EVENTS(e.tactile, "stream-start caps:3x3@25/1 segment gap");
   push(e, make_frame(1, 4, 6));
   ASSERT_EVENTS(e.tactile, "caps:4x6@25/1");
@@ -236,8 +236,8 @@ GST_END_TEST;
 GST_START_TEST(test_end_of_stream)
 {
   Extractor e;
-  fail_unless(gst_harness_push_event(
-      e.video, gst_event_new_eos())); // a sink that waits for data has to see it
+  fail_unless(
+      gst_harness_push_event(e.video, gst_event_new_eos())); // a sink that waits for data needs it
   ASSERT_EVENTS(e.tactile, "stream-start caps:3x3@25/1 segment eos");
   ASSERT_EVENTS(e.video, "stream-start caps segment eos");
 }
@@ -279,7 +279,7 @@ GST_END_TEST;
 
 GST_START_TEST(test_flush_before_the_first_map)
 {
-  Extractor e; // a segment that was never sent is replaced by the one after the flush
+  Extractor e; // a segment not yet sent is replaced by the one after the flush
   fail_unless(gst_harness_push_event(e.video, gst_event_new_flush_start()));
   fail_unless(gst_harness_push_event(e.video, gst_event_new_flush_stop(TRUE)));
   GstSegment segment;
@@ -314,7 +314,7 @@ GST_START_TEST(test_other_events)
   push(e, make_frame(0, 3, 3));
   events(e.tactile);
   events(e.video);
-  // What is about pictures isn't about maps.
+  // Events about the picture do not reach the maps.
   gst_harness_push_event(
       e.video, gst_event_new_tag(gst_tag_list_new(GST_TAG_VIDEO_CODEC, "MPEG-1", nullptr)));
   gst_harness_push_event(e.video, gst_event_new_segment_done(GST_FORMAT_TIME, 0));
@@ -400,7 +400,7 @@ GST_START_TEST(test_unlinked_tactile_pad)
 {
   Extractor e(true, false);
   for (guint i = 0; i < 3; i++)
-    fail_unless_equals_int(push(e, make_frame(i, i, i)), GST_FLOW_OK); // the first without a map
+    fail_unless_equals_int(push(e, make_frame(i, i, i)), GST_FLOW_OK); // the first one has no map
   fail_unless(gst_harness_push_event(e.video, gst_event_new_eos()));
   fail_unless_equals_int(gst_harness_buffers_received(e.video), 3);
 }
@@ -447,7 +447,7 @@ GST_START_TEST(test_flow_of_either_branch)
 }
 GST_END_TEST;
 
-/// A branch that is taken away while it has a map: the film goes on.
+/// A branch is removed while it has a map: the film goes on.
 GST_START_TEST(test_branch_taken_away_under_way)
 {
   for (const bool of_video : { false, true }) {
@@ -458,7 +458,7 @@ GST_START_TEST(test_branch_taken_away_under_way)
       GstPad *peer = gst_pad_get_peer(pad);
       gst_pad_unlink(peer, pad);
       gst_object_unref(peer);
-      return GST_FLOW_FLUSHING; // what waits in an element that is shut down returns
+      return GST_FLOW_FLUSHING; // the result of a call blocked in an element that is shut down
     });
     for (guint i = 0; i < 3; i++)
       fail_unless_equals_int(push(e, make_frame(i, 3, 3)), GST_FLOW_OK);
@@ -480,7 +480,7 @@ GST_START_TEST(test_caps_queries)
   gst_caps_unref(other);
   gst_caps_unref(expected);
 
-  // From below, video's caps are those from above.
+  // Queried from downstream, the video pad's caps are upstream's.
   gst_harness_set_src_caps_str(e.video, "video/x-raw,format=I420,width=8,height=8,framerate=25/1");
   caps = gst_pad_peer_query_caps(e.video->sinkpad, nullptr);
   expected = gst_caps_from_string("video/x-raw,format=I420,width=8,height=8,framerate=25/1");

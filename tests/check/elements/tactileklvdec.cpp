@@ -10,7 +10,7 @@ using namespace std::chrono_literals;
 
 namespace {
 
-/// A packet of a transport stream: no duration.
+/// A packet of a transport stream, without a duration.
 GstBuffer *
 packet(const std::vector<std::uint8_t> &bytes, GstClockTime pts)
 {
@@ -27,7 +27,7 @@ map_of(float level)
   return tactile::write_klv(map, 400ms);
 }
 
-/// The GAP events that come out, and the packets in them.
+/// The GAP events and the packets in them.
 struct Gaps
 {
   std::vector<GstClockTime> times;
@@ -55,8 +55,8 @@ pull_gaps(GstHarness *h)
 
 } // namespace
 
-// A player has nothing to draw, and nothing to wait for; the packets are there for those who know
-// them.
+// Players get gap events, so they have nothing to draw and do not wait. Elements that know them
+// find the packets there.
 GST_START_TEST(test_gaps_come_out)
 {
   GstHarness *h = gst_harness_new("tactileklvdec");
@@ -67,7 +67,7 @@ GST_START_TEST(test_gaps_come_out)
   fail_unless_equals_int(gst_harness_push(h, packet(map_of(0.5F), GST_SECOND)), GST_FLOW_OK);
   fail_unless_equals_int(gst_harness_push(h, packet(others, 2 * GST_SECOND)), GST_FLOW_OK);
   fail_unless_equals_int(gst_harness_push(h, packet(map_of(0.5F), GST_CLOCK_TIME_NONE)),
-                         GST_FLOW_OK); // nobody knows when
+                         GST_FLOW_OK); // without a time there is no gap
   fail_unless_equals_int(gst_harness_push(h, packet(map_of(1), 3 * GST_SECOND)), GST_FLOW_OK);
 
   const Gaps gaps = pull_gaps(h);
@@ -86,7 +86,7 @@ GST_START_TEST(test_gaps_come_out)
 }
 GST_END_TEST;
 
-// tactileconverter makes of these subtitles what it makes of a track.
+// tactileconverter reads these subtitles like a track.
 GST_START_TEST(test_track_is_read)
 {
   GstHarness *h = gst_harness_new_parse("tactileklvdec ! tactileconverter");
@@ -119,7 +119,7 @@ GST_START_TEST(test_words_are_made_of_it)
 }
 GST_END_TEST;
 
-// Players and the discoverer need no rank of the user's.
+// Its default rank is enough for players and the discoverer to find it.
 GST_START_TEST(test_is_found)
 {
   GstCaps *caps = gst_caps_from_string("meta/x-klv, parsed=true");

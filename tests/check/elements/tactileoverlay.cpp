@@ -37,8 +37,7 @@ caps_of(const std::string &format, int width, int height)
          + ",height=" + std::to_string(height);
 }
 
-/// Rounding to codes: of the picture before, of what is blended in and of the result, and of the
-/// weight.
+/// Rounding of the input, of what is blended in, of the result and of the weight.
 double
 tolerance_of(const std::string &format)
 {
@@ -81,7 +80,7 @@ add_saliency(GstBuffer *buffer, guint width, guint height, const std::vector<gfl
       != nullptr);
 }
 
-/// What the overlay makes of a frame.
+/// The overlay's output for a frame.
 Picture
 overlay(GstBuffer *frame, const std::string &format, int width, int height,
         const std::string &properties)
@@ -119,13 +118,13 @@ GST_START_TEST(test_grid_in_every_format)
         expect(kCell / 2, kCell / 2, warm(level), opacity * level);
         expect(kCell - 4, 4, warm(level), opacity * level);
         expect(8, kCell - 4, warm(level), opacity * level);
-        // The gauge: a twelfth of the cell's width, as high as the level within the borders.
+        // The gauge: a twelfth of the cell's width, as high as the level between the borders.
         const double top = kCell - 1 - level * (kCell - 2);
         if (level > 0.1)
           expect(2, static_cast<int>(std::ceil(top)) + 2, warm(level), opacity);
         if (level < 0.9)
           expect(2, static_cast<int>(std::floor(top)) - 4, warm(level), opacity * level);
-        // Borders are one pixel wide in a picture as small as this.
+        // In small pictures borders are one pixel wide.
         expect(0, kCell / 2, kWhite, opacity);
         expect(kCell / 2, 0, kWhite, opacity);
       }
@@ -135,7 +134,7 @@ GST_END_TEST;
 
 GST_START_TEST(test_borders)
 {
-  // All four sides of a cell, as wide as the picture's shorter side has 360ths.
+  // All four sides of a cell have borders, as wide as 1/360 of the picture's shorter side.
   for (const auto &[width, height, line] : { std::tuple{ 90, 60, 1 }, { 1080, 1080, 3 } }) {
     GstBuffer *frame = make_frame("RGB", width, height, kPicture);
     add_levels(frame, 2, 3, std::vector<gfloat>(6, 0.0F));
@@ -154,8 +153,8 @@ GST_END_TEST;
 
 GST_START_TEST(test_grid_covers_the_picture)
 {
-  // 7 columns in 50 pixels, too narrow for borders: cell c has pixels [⌊50 c / 7⌋, ⌊50 (c + 1) /
-  // 7⌋), rows likewise.
+  // 7 columns in 50 pixels are too narrow for borders. Cell c has the pixels [⌊50 c / 7⌋, ⌊50 (c +
+  // 1) / 7⌋), and likewise for rows.
   constexpr int kWidth = 50;
   constexpr int kHeight = 23;
   std::vector<gfloat> levels(7 * 5);
@@ -176,7 +175,7 @@ GST_END_TEST;
 
 GST_START_TEST(test_heatmap_colors)
 {
-  // A field of one value: blue, cyan, green, yellow, red.
+  // A field of a single value: blue, cyan, green, yellow, red.
   const std::array<std::pair<gfloat, Color>, 5> ramp{ {
       { 0.2F, { 0, 204, 255 } },
       { 0.4F, { 0, 255, 102 } },
@@ -216,7 +215,7 @@ GST_START_TEST(test_saliency_is_interpolated)
     for (const auto &[columns, rows] : { std::pair{ 4, 3 }, { 3, 4 }, { 12, 1 }, { 1, 12 } }) {
       GstBuffer *frame = make_frame("RGB", width, height, kPicture);
       add_saliency(frame, static_cast<guint>(columns), static_cast<guint>(rows), values);
-      add_levels(frame, 1, 1, { 0.5F }); // saliency goes first
+      add_levels(frame, 1, 1, { 0.5F }); // saliency takes precedence
       const Picture out = overlay(frame, "RGB", width, height, "style=saliency opacity=0.1");
       for (int y = 0; y < height; y++)
         for (int x = 0; x < width; x++) {
@@ -231,7 +230,7 @@ GST_END_TEST;
 
 GST_START_TEST(test_tall_pictures)
 {
-  // Groups of rows share an interpolation: no further off than these rows' steps.
+  // Groups of rows share an interpolation. The error is at most the steps of these rows.
   constexpr int kWidth = 4;
   constexpr int kHeight = 1080;
   const std::vector<gfloat> values{ 0, 1 };
@@ -296,7 +295,7 @@ GST_START_TEST(test_nothing_to_draw)
       fail_unless(out == same && gst_buffer_peek_memory(out, 0) == memory);
       fail_unless(std::ranges::all_of(bytes_of(out), [](int v) { return v == 0x5a; }));
 
-      // Nor where it is to be felt but not to be seen.
+      // The same for a map with an opacity of 0.
       if (style != "saliency") {
         GstElement *element = gst_harness_find_element(h, "tactileoverlay");
         g_object_set(element, "opacity", 0.0, nullptr);
@@ -339,8 +338,8 @@ GST_START_TEST(test_alpha_and_padding_stay)
 }
 GST_END_TEST;
 
-/// Draws into a frame whose planes have `padding` more bytes in each row, filled with 0xa5; returns
-/// the samples without the padding, which must not have changed.
+/// Draws into a frame whose rows have `padding` extra bytes of 0xa5, which must not change. Returns
+/// the samples without the padding.
 static std::vector<guint8>
 draw_with_padding(const std::string &format, int width, int height, const std::string &properties,
                   guint padding)
@@ -423,7 +422,7 @@ GST_END_TEST;
 
 GST_START_TEST(test_frames_of_others)
 {
-  // A frame that someone else holds is copied, not drawn over.
+  // A frame that someone else holds is copied and not modified.
   GstHarness *h = gst_harness_new_parse("tactileoverlay");
   gst_harness_set_src_caps_str(h, caps_of("GRAY8", 32, 32).c_str());
   GstBuffer *in = gst_buffer_new_allocate(nullptr, 32 * 32, nullptr);
@@ -448,11 +447,11 @@ GST_START_TEST(test_warning_without_saliency)
   for (int i = 0; i < 3; i++) {
     GstBuffer *in = gst_buffer_new_allocate(nullptr, 12 * 3, nullptr);
     gst_buffer_memset(in, 0, 9, -1);
-    if (i > 0) // a frame without anything is no reason
+    if (i > 0) // a frame without metas causes no warning
       add_levels(in, 1, 2, { 0, 1 });
     GstBuffer *out = gst_harness_push_and_pull(h, in);
     const std::vector<guint8> bytes = bytes_of(out);
-    fail_unless_equals_int(bytes[0], i == 0 ? 9 : 0); // the levels
+    fail_unless_equals_int(bytes[0], i == 0 ? 9 : 0); // it draws the levels
     fail_unless_equals_int(bytes[8], i == 0 ? 9 : 255);
     gst_buffer_unref(out);
     if (i == 0)
@@ -460,7 +459,7 @@ GST_START_TEST(test_warning_without_saliency)
   }
   assert_contains(messages.said(GST_MESSAGE_WARNING).text,
                   { "set attach-saliency=true on saliencytactile" });
-  fail_if(messages.has(GST_MESSAGE_WARNING)); // once
+  fail_if(messages.has(GST_MESSAGE_WARNING)); // only once
   gst_object_unref(element);
   gst_harness_teardown(h);
 }
@@ -481,7 +480,7 @@ GST_START_TEST(test_properties)
                 && (spec->flags & GST_PARAM_MUTABLE_PLAYING) != 0);
   }
 
-  // From frame to frame.
+  // Changes apply from frame to frame.
   gst_harness_set_src_caps_str(h, caps_of("GRAY8", 8, 8).c_str());
   const auto center = [&] {
     GstBuffer *in = gst_buffer_new_allocate(nullptr, 64, nullptr);

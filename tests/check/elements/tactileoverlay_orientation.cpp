@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 //
-// tactileoverlay on pictures that are turned after it: seen on the screen, the map is as it would
-// be drawn there.
+// tactileoverlay on pictures that are rotated or flipped after it: on the screen the map looks as
+// if drawn there.
 #include <algorithm>
 #include <array>
 #include <cstdlib>
@@ -21,7 +21,7 @@ constexpr std::array<const gchar *, 8> kTags
     = { "rotate-0",      "rotate-90",      "rotate-180",      "rotate-270",
         "flip-rotate-0", "flip-rotate-90", "flip-rotate-180", "flip-rotate-270" };
 
-/// The rows of a picture with 2 × 3 levels after these elements, without the padding of its rows.
+/// The picture with 2 × 3 levels after these elements, without the padding of its rows.
 std::vector<int>
 picture_after(const std::string &line, const gchar *tag)
 {
@@ -59,8 +59,7 @@ picture_after(const std::string &line, const gchar *tag)
   return pixels;
 }
 
-/// How much two pictures differ at most; a map that is interpolated from the other end is rounded
-/// otherwise.
+/// The largest difference of two pictures. Interpolation from the other end rounds differently.
 int
 difference(const std::vector<int> &one, const std::vector<int> &other)
 {
@@ -74,7 +73,7 @@ difference(const std::vector<int> &one, const std::vector<int> &other)
 
 } // namespace
 
-/// Drawn on the picture as it is stored and then turned is the same as drawn on the turned picture.
+/// Drawing on the stored picture, then rotating it, equals drawing on the rotated picture.
 GST_START_TEST(test_drawn_and_turned)
 {
   const gchar *tag = kTags[static_cast<std::size_t>(__i__)];

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 //
-// tactilesubtitles: what becomes of frames and of subtitles. That players choose it is
-// tests/tools/players.sh.
+// tactilesubtitles with frames and subtitles. tests/tools/players.sh tests that players choose it.
 #include "tracks/klv.h"
 
 #include <string>
@@ -39,7 +38,7 @@ public:
   Subtitles(const Subtitles &) = delete;
   Subtitles &operator=(const Subtitles &) = delete;
 
-  /// A cue, in ms.
+  /// Pushes a cue, times in ms.
   void push_cue(const std::string &words, GstClockTime begin, GstClockTime end)
   {
     GstBuffer *cue = gst_buffer_new_memdup(words.data(), words.size());
@@ -49,7 +48,7 @@ public:
     fail_unless_equals_int(gst_harness_push(text, cue), GST_FLOW_OK);
   }
 
-  /// A black frame at a time in ms, as it comes out.
+  /// Pushes a black frame at a time in ms and returns the output.
   GstBuffer *play_frame(GstClockTime time)
   {
     GstBuffer *frame = gst_buffer_new_allocate(nullptr, kFrameSize, nullptr);
@@ -60,7 +59,7 @@ public:
     return gst_harness_pull(film);
   }
 
-  /// The levels of that frame in percent; none without a map.
+  /// The levels of that frame in percent, none without a map.
   std::vector<int> levels_at(GstClockTime time)
   {
     g_autoptr(GstBuffer) frame = play_frame(time);
@@ -74,7 +73,7 @@ public:
     return percents;
   }
 
-  /// Whether something is drawn on that frame.
+  /// Whether anything is drawn on that frame.
   bool draws_at(GstClockTime time)
   {
     g_autoptr(GstBuffer) frame = play_frame(time);
@@ -98,15 +97,14 @@ using Levels = std::vector<int>;
 
 } // namespace
 
-/// Each frame gets the map in whose time it begins, a silent one where there is none; nothing is
-/// drawn.
+/// Each frame gets the map of the cue during which it begins, else a silent one. Nothing is drawn.
 GST_START_TEST(test_track)
 {
   Subtitles s;
   fail_unless(s.levels_at(0) == Levels{}); // nothing is known yet
   s.push_cue("10 20\n30 40\n", 40, 80);
   s.push_cue(" 50%  0\n  0  0\n", 80, 160);
-  s.push_cue("1 2\n3 4", 240, 0); // without an end: a second
+  s.push_cue("1 2\n3 4", 240, 0); // one second without an end
   fail_unless(s.levels_at(40) == (Levels{ 10, 20, 30, 40 }));
   fail_unless(s.levels_at(80) == (Levels{ 50, 0, 0, 0 }));
   fail_if(s.draws_at(120));
@@ -117,7 +115,7 @@ GST_START_TEST(test_track)
 }
 GST_END_TEST;
 
-/// A map without a frame does not wait for one: what came meanwhile is felt at its own time.
+/// A cue without a frame does not block. Later cues still apply at their own times.
 GST_START_TEST(test_late_cue)
 {
   Subtitles s;
@@ -128,21 +126,21 @@ GST_START_TEST(test_late_cue)
 }
 GST_END_TEST;
 
-/// Subtitles that begin with words are drawn, numbers among them, too; frames stay without a map.
+/// Subtitles that begin with words are drawn, including numbers. Frames get no map.
 GST_START_TEST(test_words)
 {
   Subtitles s("pango-markup");
   s.push_cue("Who is there?", 0, 400);
   fail_unless(s.draws_at(40));
   fail_unless(s.levels_at(80) == Levels{});
-  fail_if(s.draws_at(440)); // which lets go of the first
+  fail_if(s.draws_at(440)); // makes it release the first cue
   s.push_cue("42", 800, 1200);
   fail_unless(s.draws_at(840));
   fail_unless(s.levels_at(880) == Levels{});
 }
 GST_END_TEST;
 
-/// A remark in a track is drawn.
+/// Words within a track are drawn.
 GST_START_TEST(test_remark)
 {
   Subtitles s;
@@ -154,7 +152,7 @@ GST_START_TEST(test_remark)
 }
 GST_END_TEST;
 
-/// Gaps with packets, which are tactileklvdec's, are cues that last as long as the packets say.
+/// Gaps with packets, as from tactileklvdec, are cues with the packets' durations.
 GST_START_TEST(test_packets)
 {
   Subtitles s;
@@ -167,7 +165,7 @@ GST_START_TEST(test_packets)
   gst_structure_set(gst_event_writable_structure(gap), "tactile-packet", GST_TYPE_BUFFER, packet,
                     nullptr);
   fail_unless(gst_harness_push_event(s.text, gst_event_new_gap(0, GST_CLOCK_TIME_NONE)));
-  fail_unless(s.levels_at(0) == Levels{}); // that gap said nothing
+  fail_unless(s.levels_at(0) == Levels{}); // a gap without a packet
   fail_unless(gst_harness_push_event(s.text, gap));
   fail_unless(s.levels_at(40) == (Levels{ 25, 75 }));
   fail_unless(s.levels_at(2000) == (Levels{ 25, 75 }));
@@ -175,7 +173,7 @@ GST_START_TEST(test_packets)
 }
 GST_END_TEST;
 
-/// Times are running times: the track's segment need not be the film's.
+/// Times are running times: the track's segment may differ from the film's.
 GST_START_TEST(test_segments)
 {
   Subtitles s;
@@ -183,7 +181,7 @@ GST_START_TEST(test_segments)
   gst_segment_init(&segment, GST_FORMAT_TIME);
   segment.start = segment.time = 10 * GST_SECOND;
   gst_harness_push_event(s.text, gst_event_new_segment(&segment));
-  s.push_cue("9", 9000, 9900); // over before
+  s.push_cue("9", 9000, 9900); // before the segment
   s.push_cue("1", 9960, 10040);
   s.push_cue("2", 10040, 10080);
   fail_unless(s.levels_at(0) == Levels{ 1 });
@@ -194,8 +192,8 @@ GST_END_TEST;
 
 namespace {
 
-/// A track of 150 frames, in ms: cues that follow each other and cues with a break after them, of
-/// one frame and of many.
+/// A track of 150 frames, in ms. Some cues are adjacent, others are followed by a break of one or
+/// more frames.
 struct TimedLevel
 {
   GstClockTime begin;
@@ -207,7 +205,7 @@ constexpr TimedLevel kTrack[] = {
   { 1000, 1040, 12 },
   { 1040, 2000, 13 },
   { 2200, 2600, 14 },
-  // One ends late by what its times are rounded to
+  // Ends late, as from rounded times
   { 2600, 3401, 15 },
   { 3400, 4000, 16 },
   { 4000, 5800, 17 },
@@ -224,8 +222,8 @@ percent_of_track_at(GstClockTime time)
   return percent;
 }
 
-/// Plays the film at a rate, its cues in the order of these indices, and counts the frames that
-/// have not the track's own level.
+/// Plays the film at a rate with its cues in this order, and counts the frames whose level is not
+/// the track's.
 int
 frames_unlike_track(gdouble rate, const std::vector<std::size_t> &order)
 {
@@ -250,14 +248,14 @@ frames_unlike_track(gdouble rate, const std::vector<std::size_t> &order)
 
 } // namespace
 
-/// Forwards and backwards, slow and fast, each frame has the level that the track has at its time.
+/// At any rate, forwards and backwards, each frame has the track's level at its time.
 GST_START_TEST(test_rates)
 {
   const gdouble rates[] = { 1, -1, -0.3, -1.5, -7 };
   const gdouble rate = rates[__i__];
   const std::vector<std::size_t> forwards = { 0, 1, 2, 3, 4, 5, 6 };
   const std::vector<std::size_t> backwards = { 6, 5, 4, 3, 2, 1, 0 };
-  // Demuxers go back from key frame to key frame, and forwards from each.
+  // Demuxers go back from key frame to key frame, and play forwards from each.
   const std::vector<std::size_t> in_groups = { 5, 6, 2, 3, 4, 0, 1 };
   if (rate > 0) {
     ck_assert_int_eq(frames_unlike_track(rate, forwards), 0);
@@ -268,7 +266,7 @@ GST_START_TEST(test_rates)
 }
 GST_END_TEST;
 
-/// A seek forgets what waits; other subtitles are looked at anew.
+/// A flush discards cues. A new stream starts without assumptions.
 GST_START_TEST(test_flush_and_other_subtitles)
 {
   Subtitles s;

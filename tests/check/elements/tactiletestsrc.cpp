@@ -12,7 +12,7 @@
 
 namespace {
 
-/// What a frame says about one ball.
+/// A region of interest on a ball.
 struct Target
 {
   gint ball;
@@ -60,7 +60,7 @@ bytes_of(GstBuffer *buffer)
   return bytes;
 }
 
-/// A pipeline "tactiletestsrc PROPERTIES ! CAPS" and its frames by time stamp.
+/// A pipeline "tactiletestsrc PROPERTIES ! CAPS" and its frames by timestamp.
 class Film
 {
 public:
@@ -140,7 +140,7 @@ GST_START_TEST(test_defaults)
   GstVideoInfo info;
   fail_unless(gst_video_info_from_caps(&info, caps));
   fail_unless_equals_int(GST_VIDEO_INFO_FORMAT(&info), GST_VIDEO_FORMAT_I420);
-  fail_unless_equals_int(GST_VIDEO_INFO_WIDTH(&info), 1000); // the paper's films
+  fail_unless_equals_int(GST_VIDEO_INFO_WIDTH(&info), 1000); // as in the paper's films
   fail_unless_equals_int(GST_VIDEO_INFO_HEIGHT(&info), 1000);
   fail_unless_equals_int(GST_VIDEO_INFO_FPS_N(&info), 30);
   fail_unless_equals_int(GST_VIDEO_INFO_FPS_D(&info), 1);
@@ -245,7 +245,7 @@ GST_START_TEST(test_onsets)
             fail_if(same);
         }
         if (last->targets.empty()
-            || now.onset != last->targets[0].onset) { // it happened between the two
+            || now.onset != last->targets[0].onset) { // it happened between the two frames
           fail_unless(now.onset <= time && now.onset + kFrame > time);
           events++;
         }
@@ -273,12 +273,12 @@ GST_START_TEST(test_motion_at_any_frame_rate)
   }
   fail_unless_equals_int(common, 40);
 
-  // A variable frame rate is taken as 30.
+  // A variable frame rate counts as 30.
   const auto variable
       = play("num-buffers=5", "video/x-raw,format=GRAY8,width=16,height=16,framerate=0/1");
   fail_unless_equals_uint64(variable.rbegin()->first, 4 * GST_SECOND / 30);
 
-  // Times are exact however long it takes.
+  // Times do not accumulate errors.
   Film ntsc("num-buffers=1001", "video/x-raw,format=GRAY8,width=1,height=1,framerate=30000/1001");
   ntsc.play_to_the_end();
   for (std::size_t i = 0; i < ntsc.order.size(); i++)
@@ -307,12 +307,12 @@ GST_START_TEST(test_seek_equals_direct_play)
   for (const auto &[time, frame] : film.frames)
     fail_unless(direct.at(time) == frame);
 
-  // Between two frames: the one that is shown then.
+  // Between two frames: the one that is shown at that time.
   Film between(properties);
   seek(between, 1.0, 3 * GST_SECOND + 10 * GST_MSECOND, 4 * GST_SECOND);
   fail_unless_equals_uint64(between.order.front(), 3 * GST_SECOND);
 
-  // Twice as fast.
+  // At twice the rate.
   Film fast(properties);
   seek(fast, 2.0, 2 * GST_SECOND, 3 * GST_SECOND);
   fail_unless_equals_int(fast.order.size(), 30);
@@ -332,7 +332,7 @@ GST_START_TEST(test_backwards)
   for (const auto &[time, frame] : film.frames)
     fail_unless(direct.at(time) == frame);
 
-  // To the very beginning, and no further.
+  // Back to the beginning, and no further.
   Film whole(properties);
   seek(whole, -1.0, 0, GST_SECOND / 2);
   fail_unless_equals_int(whole.order.size(), 15);
@@ -357,8 +357,7 @@ GST_END_TEST;
 
 GST_START_TEST(test_formats_show_the_same)
 {
-  // Every format against RGB, by GStreamer's own converter; edges differ by chroma
-  // subsampling.
+  // Every format against RGB, by GStreamer's own converter. Chroma subsampling changes edges.
   for (const auto &[width, height] : { std::pair{ 64, 48 }, { 65, 47 }, { 1300, 720 } })
     for (const std::string format : { "I420", "NV12", "GRAY8", "BGRx", "RGB" }) {
       const std::string size = ",width=" + std::to_string(width)
@@ -370,7 +369,7 @@ GST_START_TEST(test_formats_show_the_same)
               + native + size + " ! videoconvert";
         GstHarness *h
             = make_harness(launch.c_str(), ("video/x-raw,format=" + target + size).c_str());
-        gst_buffer_unref(gst_harness_pull(h)); // the empty start
+        gst_buffer_unref(gst_harness_pull(h)); // the empty first frame
         GstBuffer *buffer = gst_harness_pull(h);
         std::vector<guint8> bytes = bytes_of(buffer);
         gst_buffer_unref(buffer);
@@ -384,14 +383,13 @@ GST_START_TEST(test_formats_show_the_same)
       std::size_t colored = 0;
       const auto row = static_cast<std::size_t>(target == "RGB" ? 3 * width : width); // bytes
       for (std::size_t i = 0; i < rgb.size(); i++) {
-        if (i % GST_ROUND_UP_4(row) >= row) // between rows
+        if (i % GST_ROUND_UP_4(row) >= row) // padding
           continue;
         far += std::abs(native[i] - rgb[i]) > 4;
         colored += std::abs(rgb[i] - rgb[0]) > 20;
       }
       fail_unless(colored > rgb.size() / 50);
-      const double edge
-          = 12.0 / (0.3 * width); // pixels of a ring around the ball, as a share of the ball
+      const double edge = 12.0 / (0.3 * width); // a ring around the ball, as a share of its pixels
       fail_unless(static_cast<double>(far) < edge * static_cast<double>(colored),
                   "%s %d: %zu of %zu", format.c_str(), width, far, colored);
     }
@@ -400,8 +398,8 @@ GST_END_TEST;
 
 GST_START_TEST(test_colors)
 {
-  // R'G'B' 119 in the codes of each matrix and range, by hand: gray has no chroma, and Y' = 16 +
-  // 219 · 119/255 = 118.2.
+  // R'G'B' 119 for each matrix and range, by hand: gray has no chroma, and Y' = 16 + 219 · 119/255
+  // = 118.2.
   for (const auto &[caps, luma] :
        { std::pair{ "video/x-raw,format=I420,width=8,height=8,colorimetry=bt601", 118 },
          { "video/x-raw,format=I420,width=8,height=8,colorimetry=bt709", 118 },
@@ -435,7 +433,7 @@ GST_START_TEST(test_noise)
     fail_unless(std::abs(std::sqrt(squares / static_cast<double>(frame.bytes.size())) - 4) < 0.1);
   }
   const double covariance = product / static_cast<double>(earlier.size());
-  fail_unless(std::abs(covariance) < 0.2, "%g", covariance); // frames are independent
+  fail_unless(std::abs(covariance) < 0.2, "%g", covariance); // independent from frame to frame
 }
 GST_END_TEST;
 
@@ -459,7 +457,7 @@ GST_END_TEST;
 
 GST_START_TEST(test_renegotiation)
 {
-  // Another frame rate in the middle: the film goes on where it is.
+  // A change of the frame rate does not move the film's time.
   Film film(
       "num-buffers=20",
       "capsfilter name=filter caps=video/x-raw,format=GRAY8,width=16,height=16,framerate=10/1");
@@ -525,7 +523,7 @@ GST_START_TEST(test_live_by_the_clock)
   gst_harness_use_testclock(h);
   gst_harness_play(h);
   for (guint i = 0; i < 3; i++) {
-    fail_unless(gst_harness_crank_single_clock_wait(h)); // a frame is made when its time has come
+    fail_unless(gst_harness_crank_single_clock_wait(h)); // a frame is made when its time comes
     GstBuffer *buffer = gst_harness_pull(h);
     fail_unless_equals_uint64(GST_BUFFER_PTS(buffer), i * 100 * GST_MSECOND);
     gst_buffer_unref(buffer);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 //
-// tactordeviceprovider on a bus in memory. It and tactorsink are part of this program, since it
-// must not meet itself in a plugin.
+// tactordeviceprovider on a bus in memory. The provider and tactorsink are linked into this
+// program, as they must not be loaded a second time from a plugin.
 #include "gst/tactor/gsttactordeviceprovider.h"
 #include "gst/tactor/gsttactorsink.h"
 #include "tactor/driver.h"
@@ -13,7 +13,7 @@
 #include <utility>
 #include <vector>
 
-// After the standard library's headers: gstcheck.h defines a macro named fail.
+// gstcheck.h defines a macro `fail`, so it follows the standard library's headers.
 #include <gst/check/gstcheck.h>
 
 using tactor::DriverError;
@@ -36,7 +36,7 @@ const SerialDevice kClone{ .serial = "",
                            .product = 0x7523,
                            .transport = "ch340" };
 
-/// What is plugged in, whoever looks at it.
+/// The boards that are plugged in, shared by all buses.
 class Sockets
 {
 public:
@@ -126,7 +126,7 @@ private:
   std::atomic<int> users_{ 0 };
 };
 
-/// A provider on sockets of its own.
+/// A provider with its own sockets.
 struct Rig
 {
   Rig()
@@ -146,11 +146,11 @@ struct Rig
   Rig(const Rig &) = delete;
   Rig &operator=(const Rig &) = delete;
 
-  /// The device that the next message of this kind is about.
+  /// The device of the next message of this type.
   GstDevice *next(GstMessageType type)
   {
     GstMessage *message = gst_bus_timed_pop_filtered(bus, kPatience, type);
-    // Of these types the bus filters none.
+    // The bus cannot filter these types one by one.
     fail_unless(message && GST_MESSAGE_TYPE(message) == type, "no message of type %s",
                 gst_message_type_get_name(type));
     GstDevice *device = nullptr;
@@ -188,7 +188,7 @@ display_name(GstDevice *device)
   return name;
 }
 
-/// A property of a device, empty if it has none of that name.
+/// A device's property, empty if there is none of this name.
 std::string
 property(GstDevice *device, const char *name)
 {
@@ -199,7 +199,7 @@ property(GstDevice *device, const char *name)
   return value;
 }
 
-/// Property `device` of the tactorsink that the device makes.
+/// The property `device` of the tactorsink that the device creates.
 std::string
 sink_device(GstDevice *device)
 {
@@ -251,8 +251,8 @@ GST_START_TEST(test_probe)
 }
 GST_END_TEST;
 
-/// A tactorsink is made for the serial number, or for the socket where that would be no or another
-/// board's.
+/// The device's tactorsink names the serial number, or the socket if there is none or two boards
+/// share it.
 GST_START_TEST(test_create_element)
 {
   Rig rig;
@@ -276,7 +276,7 @@ GST_START_TEST(test_create_element)
 }
 GST_END_TEST;
 
-/// What is there at the start is there at once; what comes and goes is told.
+/// Boards present at the start are listed at once. Later changes give messages.
 GST_START_TEST(test_plugging)
 {
   Rig rig;
@@ -320,8 +320,7 @@ GST_START_TEST(test_plugging)
 }
 GST_END_TEST;
 
-/// A board whose serial number another one has, too, is named by its socket from the moment at
-/// which that comes to that at which it goes.
+/// While two boards have the same serial number, both are named by their sockets.
 GST_START_TEST(test_twin_comes_later)
 {
   Rig rig;
@@ -337,7 +336,7 @@ GST_START_TEST(test_twin_comes_later)
   same(sink_device(changed), "1-2.3");
   GstDevice *second = rig.next(GST_MESSAGE_DEVICE_ADDED);
   same(sink_device(second), "3-1");
-  // Who kept the old one gets the same board.
+  // The device object from before still means the same board.
   same(sink_device(first), "1-2.3");
   GList *devices = gst_device_provider_get_devices(rig.provider);
   ck_assert_uint_eq(g_list_length(devices), 2);
@@ -356,7 +355,7 @@ GST_START_TEST(test_twin_comes_later)
 }
 GST_END_TEST;
 
-/// Stopped and started again; stopped for good by the last reference, too.
+/// Can be stopped and started again. The last reference stops it, too.
 GST_START_TEST(test_stop_and_start)
 {
   Rig rig;
@@ -384,7 +383,7 @@ GST_START_TEST(test_bus_of_no_use)
   fail_if(gst_device_provider_start(rig.provider));
   fail_if(rig.sockets.is_watched());
 
-  // A fault that passes hides nothing.
+  // A temporary fault hides no boards.
   rig.sockets.broken = false;
   fail_unless(gst_device_provider_start(rig.provider));
   gst_object_unref(rig.next(GST_MESSAGE_DEVICE_ADDED));
@@ -399,7 +398,7 @@ GST_START_TEST(test_bus_of_no_use)
 }
 GST_END_TEST;
 
-/// Boards come and go on one thread while another one lists them and the first stops the provider.
+/// A thread plugs boards in and out while another one lists them and then stops the provider.
 GST_START_TEST(test_many_changes)
 {
   Rig rig;
@@ -418,8 +417,8 @@ GST_START_TEST(test_many_changes)
     free_devices(gst_device_provider_get_devices(rig.provider));
   plugger.join();
 
-  // Each device is removed once at most, and what is left is what is plugged in. The provider may
-  // still be at it.
+  // No device is removed twice, and the remaining one is plugged in. The provider may still be
+  // catching up.
   std::vector<GstDevice *> there;
   const auto is_settled = [&] {
     return there.size() == 1 && property(there[0], "device.bus_path") == "9-9"
@@ -438,7 +437,7 @@ GST_START_TEST(test_many_changes)
       gst_message_parse_device_removed(message, &device);
       ck_assert_uint_eq(std::erase(there, device), 1);
       gst_object_unref(device); // the message's reference
-      gst_object_unref(device); // that of there
+      gst_object_unref(device); // the one in `there`
     }
     gst_message_unref(message);
   }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 //
-// tactorsink's scheduler: exact times, the ways to silence, and clocks that change.
+// tactorsink's scheduler: exact times, silence, and changes of the clock.
 #include "scheduler_rig.h"
 
 #include <map>
@@ -9,9 +9,8 @@
 
 namespace {
 
-/// What the motors are told in the tests where each command is a write of its own, worked out anew:
-/// sorted by due time, later ones of the same tactor and time win, and nothing is written that
-/// changes nothing.
+/// The expected writes if each command is a write of its own: sorted by due time. Of commands for
+/// the same tactor and time the last wins. Writes without a change are left out.
 std::vector<Write>
 expected_writes(std::vector<Command> commands)
 {
@@ -31,7 +30,7 @@ expected_writes(std::vector<Command> commands)
   return writes;
 }
 
-/// A board need not be told of tactors that never did anything: silence is appended.
+/// Writes may omit trailing tactors that were never on. This adds their zeros.
 std::vector<Write>
 padded(std::vector<Write> writes)
 {
@@ -40,8 +39,7 @@ padded(std::vector<Write> writes)
   return writes;
 }
 
-/// Runs work() while the board is inside a write of nonzero volts that ends only afterwards, and
-/// waits for both.
+/// Runs work() during a write of nonzero volts, which ends only afterwards, and waits for both.
 void
 during_a_write(Rig &rig, const std::function<void()> &work)
 {
@@ -51,14 +49,14 @@ during_a_write(Rig &rig, const std::function<void()> &work)
   rig.jump_to(milliseconds(100));
   rig.board.wait_until_held();
   std::thread other(work);
-  std::this_thread::yield(); // either order has to be right
+  std::this_thread::yield(); // either order is valid
   rig.board.set(&Board::hold, false);
   other.join();
 }
 
 } // namespace
 
-/// Commands pushed in any order are written at their due time to the nanosecond, and traced so.
+/// Commands pushed in any order are written and traced at their due time, to the nanosecond.
 GST_START_TEST(test_issued_exactly_when_due)
 {
   for (unsigned seed = 1; seed <= 20; seed++) {
@@ -92,7 +90,7 @@ GST_START_TEST(test_issued_exactly_when_due)
     for (const tactor::IssuedCommand &issued :
          unwrap(tactor::read_command_trace(rig.trace_file.path))) {
       if (issued.issued > milliseconds(2500))
-        continue; // the stop
+        continue; // of the stop
       fail_unless(issued.issued == issued.command.due());
       fail_unless(std::ranges::find(all, issued.command) != all.end());
     }
@@ -127,14 +125,14 @@ GST_START_TEST(test_stale_commands_coalesce)
   const TactorScheduler::Counters counters = rig.scheduler->counters();
   ck_assert_uint_eq(counters.issued, 2);
   ck_assert_uint_eq(counters.coalesced, 1);
-  ck_assert_uint_eq(counters.late, 1); // 75 ms; 5 ms are within the tolerance
+  ck_assert_uint_eq(counters.late, 1); // by 75 ms; the other is 5 ms late, which is tolerated
   fail_unless(counters.error.min() == milliseconds(5) && counters.error.max() == milliseconds(75));
   fail_unless(rig.host.shorts()
               == (std::vector<std::pair<Time, Time>>{ { milliseconds(20), milliseconds(75) } }));
 }
 GST_END_TEST;
 
-/// As in a pipeline that pauses: clock time goes on, running time does not.
+/// Like a pipeline that pauses: clock time continues, running time does not.
 GST_START_TEST(test_pause_and_resume)
 {
   Rig rig;
@@ -148,7 +146,7 @@ GST_START_TEST(test_pause_and_resume)
   rig.host.set(GST_CLOCK(rig.clock), rig.offset);
   gst_test_clock_advance_time(rig.clock, GST_SECOND);
   rig.scheduler->timing_changed();
-  rig.scheduler->pause(); // once more: nothing else happens
+  rig.scheduler->pause(); // again, without effect
   ck_assert_uint_eq(rig.writes().size(), 3);
 
   rig.scheduler->play();
@@ -187,7 +185,7 @@ GST_START_TEST(test_flush_forgets)
   rig.scheduler->play();
   fail_unless(rig.board.is_silent());
   rig.push({ command(600, 1, 1.0) });
-  fail_unless(rig.asleep() == milliseconds(600)); // what was to expire is forgotten too
+  fail_unless(rig.asleep() == milliseconds(600)); // expiry times are forgotten, too
   rig.run_to(650);
   ck_assert_uint_eq(rig.writes().size(), 3);
   fail_unless(rig.writes().back() == (Write{ milliseconds(600), { 0.0, 1.0 } }));
@@ -204,7 +202,7 @@ GST_START_TEST(test_stop)
   fail_if(rig.board.get(&Board::open));
   fail_unless(rig.board.get(&Board::destroyed));
   ck_assert_uint_eq(rig.scheduler->counters().dropped, 1);
-  // After the end, and before a new beginning, nothing is there to wait for.
+  // Stopped, it waits for nothing.
   rig.scheduler->stop();
   rig.scheduler->play();
   rig.scheduler->flush();
@@ -218,12 +216,11 @@ GST_START_TEST(test_stop)
   rig.push({ command(200, 0, 1.0) });
   rig.run_to(250);
   fail_unless(rig.writes().back() == (Write{ milliseconds(200), { 1.0 } }));
-  // Rig's end destroys the scheduler while it plays, and looks whether the motors stand.
+  // ~Rig destroys the scheduler while it plays and checks that motors are off.
 }
 GST_END_TEST;
 
-/// Silence asked for inside a write comes after what is being written, and is there when the call
-/// returns.
+/// Silence requested during a write follows that write, and is complete when the call returns.
 GST_START_TEST(test_silence_during_a_write)
 {
   const std::vector<std::function<void(TactorScheduler &)>> ways{
@@ -246,8 +243,8 @@ GST_START_TEST(test_silence_during_a_write)
 }
 GST_END_TEST;
 
-/// Who asks for silence while the board is told of what others asked for before, is let go after
-/// the zeros and not already after that.
+/// A request for silence during an earlier request's write returns after the zeros, not after that
+/// write.
 GST_START_TEST(test_silence_comes_before_the_return)
 {
   for (int round = 0; round < 10; round++) {
@@ -264,9 +261,9 @@ GST_START_TEST(test_silence_comes_before_the_return)
       paused = true;
     });
     for (int i = 0; i < 1000; i++)
-      std::this_thread::yield(); // so that it waits: what follows has to be right in any case
+      std::this_thread::yield(); // gives it time to wait; any order is valid
     rig.board.set(&Board::passes, 1);
-    rig.board.wait_until_held(); // in the write of zeros
+    rig.board.wait_until_held(); // the write of zeros
     for (int i = 0; i < 1000; i++)
       std::this_thread::yield();
     fail_if(paused);
@@ -303,7 +300,7 @@ GST_START_TEST(test_starved)
   Rig rig;
   rig.push({ command(100, 0, 2.0), command(100, 2, 1.0), command(110, 2, 0.0) }, milliseconds(500));
   rig.run_to(200);
-  rig.push({}, milliseconds(700)); // a map that changes nothing
+  rig.push({}, milliseconds(700)); // a map without changes
   rig.jump_to(milliseconds(500));
   fail_unless(rig.asleep() == milliseconds(700));
   fail_if(rig.scheduler->take_starved());
@@ -315,13 +312,13 @@ GST_START_TEST(test_starved)
   rig.run_to(1100);
   fail_unless(rig.writes()[2] == (Write{ milliseconds(700), { 0.0, 0.0, 0.0 } }));
   fail_unless(rig.writes()[3] == (Write{ milliseconds(900), { 0.0, 1.0, 0.0 } }));
-  // Motors that stand anyway do not starve.
+  // Motors at rest do not count as starved.
   rig.jump_to(milliseconds(1500));
   rig.push({ command(1600, 1, 1.0) }, milliseconds(1800));
   rig.run_to(1700);
   fail_if(rig.scheduler->take_starved());
   ck_assert_uint_eq(rig.scheduler->counters().starved, 1);
-  // A flush begins anew: whoever plans has begun anew, too.
+  // A flush resets it, as the planner starts anew, too.
   rig.jump_to(milliseconds(1800));
   while (rig.scheduler->counters().starved != 2)
     std::this_thread::yield();
@@ -330,25 +327,25 @@ GST_START_TEST(test_starved)
 }
 GST_END_TEST;
 
-/// A film that is seconds behind, as after a suspend, is not felt as it is made up for: no motor
-/// starts for what was shown long ago.
+/// A film that is seconds late, as after a suspend, stays silent while it catches up: no motor
+/// starts for frames shown long ago.
 GST_START_TEST(test_stale_commands_are_dropped)
 {
   Rig rig;
   rig.push({ command(100, 0, 2.0) }, milliseconds(1200));
   rig.run_to(200);
   rig.push({ command(2000, 1, 1.0), command(4000, 2, 1.0) }, milliseconds(5000));
-  // The clock leaps over the rest of the film.
+  // The clock jumps past the end of the film.
   rig.jump_to(std::chrono::hours(1));
   while (rig.scheduler->counters().starved != 1)
     std::this_thread::yield();
   fail_unless(rig.scheduler->take_starved() == std::chrono::hours(1));
   const std::size_t writes = rig.writes().size();
   fail_unless(rig.writes().back() == (Write{ std::chrono::hours(1), { 0.0, 0.0, 0.0 } }));
-  // Maps of before the leap go on coming.
+  // Maps from before the jump keep coming.
   for (int i = 0; i < 50; i++) {
     rig.push({ command(5000 + 200 * i, 1, 2.0, 60) }, milliseconds(6033 + 200 * i));
-    rig.scheduler->play(); // a turn
+    rig.scheduler->play(); // returns after one turn of the loop
   }
   fail_unless(rig.board.is_silent());
   ck_assert_uint_eq(rig.writes().size(), writes);
@@ -357,7 +354,7 @@ GST_START_TEST(test_stale_commands_are_dropped)
   ck_assert_uint_eq(rig.scheduler->counters().starved, 1);
   fail_unless(rig.host.shorts().size() >= 50);
   fail_unless(rig.host.shorts()[1].first == milliseconds(60));
-  // What has caught up is felt again.
+  // Once it has caught up, motors play again.
   const int hour = 3'600'000;
   rig.push({ command(hour + 500, 1, 1.0) }, milliseconds(hour + 2000));
   rig.run_to(hour + 600);
@@ -365,8 +362,8 @@ GST_START_TEST(test_stale_commands_are_dropped)
 }
 GST_END_TEST;
 
-/// An interruption that is over before drain() has begun, or woken up, ends it all the same:
-/// GstBaseSink interrupts in passing where it does not have to wait for a lock.
+/// An interruption may end before drain() begins or wakes up. It ends drain() nevertheless.
+/// GstBaseSink's are that short when it need not wait for a lock.
 GST_START_TEST(test_interruptions_in_passing)
 {
   Rig rig;
@@ -378,12 +375,12 @@ GST_START_TEST(test_interruptions_in_passing)
   const std::uint64_t before = rig.scheduler->interruptions();
   interrupt();
   rig.scheduler->drain(before);
-  // One that has begun when it is asked.
+  // Has begun when the count is read.
   rig.scheduler->interrupt(true);
   const std::uint64_t during = rig.scheduler->interruptions();
   rig.scheduler->interrupt(false);
   rig.scheduler->drain(during);
-  // While it waits.
+  // During the wait.
   const std::uint64_t now = rig.scheduler->interruptions();
   std::thread drain([&] { rig.scheduler->drain(now); });
   interrupt();
@@ -392,7 +389,7 @@ GST_START_TEST(test_interruptions_in_passing)
 }
 GST_END_TEST;
 
-/// While a board is silent nobody but who waits for it waits, and a stop ends that.
+/// While a board does not answer, only wait_until_open() blocks, and a stop ends it.
 GST_START_TEST(test_stopped_while_opening)
 {
   using Outcome = TactorScheduler::Outcome;
@@ -422,7 +419,7 @@ GST_START_TEST(test_stopped_while_opening)
     scheduler.interrupt(false);
     streaming.join();
     fail_unless(outcome == Outcome::interrupted);
-    // Without an interruption the stop itself is one.
+    // Without an interruption, the stop ends the wait.
     const std::uint64_t now = scheduler.interruptions();
     std::thread another([&] { outcome = scheduler.wait_until_open(now); });
     scheduler.stop();
@@ -435,7 +432,7 @@ GST_START_TEST(test_stopped_while_opening)
 }
 GST_END_TEST;
 
-/// What cannot be opened is told once, before whoever waits for it hears that it failed.
+/// A failure to open is reported once, before the waiting call returns.
 GST_START_TEST(test_cannot_be_opened)
 {
   using Outcome = TactorScheduler::Outcome;
@@ -465,10 +462,10 @@ GST_START_TEST(test_offset_and_clock_change)
   rig.offset += milliseconds(50);
   rig.host.set(GST_CLOCK(rig.clock), rig.offset);
   rig.scheduler->timing_changed();
-  rig.run_to(350); // running time 50 was come back to: nothing was due
+  rig.run_to(350); // running time went back to 50, where nothing was due
   fail_unless(rig.writes() == (std::vector<Write>{ { milliseconds(300), { 1.0 } } }));
 
-  // Another clock, at a time of its own, shows running time 360.
+  // Another clock with another time shows running time 360.
   GstTestClock *other = GST_TEST_CLOCK(gst_test_clock_new_with_start_time(77 * GST_SECOND));
   std::swap(rig.clock, other);
   rig.offset = std::chrono::seconds(77) - milliseconds(360);
@@ -485,8 +482,7 @@ GST_START_TEST(test_offset_and_clock_change)
 }
 GST_END_TEST;
 
-/// A change that comes just after the scheduler has read the timing, and before it sleeps, is not
-/// missed.
+/// A change between the scheduler's reading of the timing and its sleep is not missed.
 GST_START_TEST(test_change_between_reading_and_sleeping)
 {
   Rig rig;
@@ -494,7 +490,7 @@ GST_START_TEST(test_change_between_reading_and_sleeping)
   rig.asleep();
   std::atomic<bool> changed{ false };
   rig.host.set(GST_CLOCK(rig.clock), rig.offset, [&] {
-    // On the scheduler's thread, which holds no lock here: as if another thread came in between.
+    // On the scheduler's thread, which holds no lock here: as if another thread intervened.
     rig.host.set(GST_CLOCK(rig.clock), Time(0));
     rig.scheduler->timing_changed();
     changed = true;
@@ -525,7 +521,7 @@ GST_START_TEST(test_no_clock_and_immediate)
     rig.push({});
     while (rig.scheduler->counters().issued + rig.scheduler->counters().coalesced < 3)
       std::this_thread::yield();
-    rig.scheduler->set_muted(false); // returns after what is being written
+    rig.scheduler->set_muted(false); // returns after the write in progress
     fail_unless(rig.writes().back().volts == (Volts{ 1.0, 3.0 }));
     ck_assert_uint_eq(rig.scheduler->counters().error.count(), 0);
     rig.scheduler->pause();

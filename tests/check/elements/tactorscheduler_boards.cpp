@@ -1,14 +1,12 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 //
-// tactorsink's scheduler: boards that want to be refreshed, boards that fail, and many threads at
-// once.
+// tactorsink's scheduler with boards that need a refresh, boards that fail, and many threads.
 #include "scheduler_rig.h"
 
 #include <random>
 #include <thread>
 
-/// A board that wants to know that its host is alive is told again what it was told, while a motor
-/// is on.
+/// A board that checks that its host is alive gets the same levels again while a motor is on.
 GST_START_TEST(test_refresh)
 {
   Rig rig(false);
@@ -31,8 +29,7 @@ GST_START_TEST(test_refresh)
                                       { milliseconds(1500), { 0.0, 0.0 } } }));
   ck_assert_uint_eq(rig.scheduler->driver_status().bytes, 7);
 
-  // Neither in a pause nor when muted; and a seek, after which running time begins anew, does not
-  // put it off.
+  // Not while paused or muted. A seek, after which running time restarts, does not delay it.
   rig.push({ command(3500, 0, 2.0) });
   rig.run_to(3650);
   rig.scheduler->pause();
@@ -41,7 +38,7 @@ GST_START_TEST(test_refresh)
   fail_unless(rig.board.is_silent());
   rig.offset += milliseconds(4650);
   rig.host.set(GST_CLOCK(rig.clock), rig.offset);
-  rig.scheduler->play(); // at 0: what held before
+  rig.scheduler->play(); // at running time 0, with the last levels
   rig.run_to(150);
   fail_unless(rig.writes().size() == before + 2);
   fail_unless(rig.writes().back() == (Write{ milliseconds(100), { 2.0, 0.0 } }));
@@ -56,7 +53,7 @@ GST_START_TEST(test_refresh)
 }
 GST_END_TEST;
 
-/// Also where nothing waits for a clock: then time is that of the computer.
+/// The same without a clock, by the computer's time.
 GST_START_TEST(test_refresh_without_clock)
 {
   Rig rig(false);
@@ -72,8 +69,8 @@ GST_START_TEST(test_refresh_without_clock)
 }
 GST_END_TEST;
 
-/// Whose fault it was: a command that came after it was due is late by its map, one that waited for
-/// the thread by the thread.
+/// A command that arrived after it was due counts as late by its map. One that waited for the
+/// thread counts as late by the thread.
 GST_START_TEST(test_whose_fault)
 {
   Rig rig;
@@ -114,7 +111,7 @@ GST_START_TEST(test_board_failed)
 }
 GST_END_TEST;
 
-/// What the host is told it may answer, on the scheduler's thread, with anything but stop().
+/// The host may call back on the scheduler's thread, except for stop().
 GST_START_TEST(test_host_calls_back)
 {
   Rig rig;
@@ -126,14 +123,14 @@ GST_START_TEST(test_host_calls_back)
   rig.board.set(&Board::error, std::optional(Kind::failed));
   rig.push({ command(100, 0, 1.0) });
   rig.run_to(100);
-  rig.scheduler->pause(); // returns after the host did
+  rig.scheduler->pause(); // returns after the host's callback
   ck_assert_int_eq(rig.host.failed, 1);
   fail_unless(rig.scheduler->failed());
   fail_unless(rig.writes().empty());
 }
 GST_END_TEST;
 
-/// Beginning and ending while others push, ask and mute.
+/// Start and stop while others push, query and mute.
 GST_START_TEST(test_start_and_stop_against_others)
 {
   Rig rig;
@@ -162,8 +159,8 @@ GST_START_TEST(test_start_and_stop_against_others)
 }
 GST_END_TEST;
 
-/// Everything at once, with a board that wants to be refreshed. One thread alone pauses and plays,
-/// and finds the motors at zero between.
+/// All at once, with a board that needs a refresh. Only one thread pauses and plays, and checks
+/// that motors are off in between.
 GST_START_TEST(test_many_threads)
 {
   for (unsigned seed = 1; seed <= 25; seed++) {
