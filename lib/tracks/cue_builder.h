@@ -9,7 +9,7 @@
 
 namespace tactile {
 
-/// A map with an explicit end, as subtitles have.
+/// A map with an explicit end, like a subtitle.
 struct Cue
 {
   Time begin{ 0 };
@@ -19,32 +19,31 @@ struct Cue
   bool operator==(const Cue &) const = default;
 };
 
-/// Makes cues of a stream of maps: a new one where the map changes and at least every kLongest, so
-/// that who joins late, seeks or loses one soon knows the state. Not thread-safe: one thread at a
-/// time.
+/// Makes cues from a stream of maps: a new one when the map changes and at least every kLongest, so
+/// that a receiver knows the state soon after joining, seeking or losing a cue. Not thread-safe.
 class CueBuilder
 {
 public:
   static constexpr Time kLongest = std::chrono::seconds(1);
 
-  /// A break that is no longer comes from rounded times: the map before it lasts until the next.
+  /// Shorter gaps are rounding errors of timestamps: the map before one is extended to the next.
   static constexpr Time kSeam = std::chrono::milliseconds(2);
 
-  /// The map that holds in [begin, end). Where that is before the end of what was added, as it is
-  /// with rounded times, the later one counts.
+  /// Adds the map of [begin, end). If begin is before the end of the last map, because of rounded
+  /// timestamps, the later map wins.
   void add(Time begin, Time end, const TactileMap &map);
 
-  /// Nothing is known from now on (a gap, the end): what is left becomes cues.
+  /// Ends the current map, for a gap or the end of stream: what is left becomes cues.
   void flush();
 
-  /// The next cue that is complete, in order of time.
+  /// The next complete cue in order of time, if any.
   std::optional<Cue> take();
 
-  /// Forgets all, as after a seek.
+  /// Drops everything, for a seek.
   void reset();
 
 private:
-  std::optional<Cue> open_; ///< the present map; its end may move on
+  std::optional<Cue> open_; ///< the current map; its end may still change
   std::deque<Cue> complete_;
 };
 

@@ -10,13 +10,13 @@
 
 namespace tactile {
 
-/// Why something is no track or cue, or cannot become one.
+/// Why something is no valid track or cue, or cannot be converted to one.
 struct FormatError
 {
-  /// "line 12", "byte 345", "channels[3]", with a file's name before it if it is one; empty: all of
-  /// it.
+  /// "line 12", "byte 345" or "channels[3]", with the name of a file in front of it; empty for the
+  /// whole.
   std::string place;
-  std::string reason; ///< fits a line
+  std::string reason; ///< one line at most
 
   static FormatError at_line(std::size_t line, std::string reason)
   {
@@ -27,23 +27,22 @@ struct FormatError
     return { "byte " + std::to_string(byte), std::move(reason) };
   }
 
-  /// The same in something larger: "'film.csv': line 12".
+  /// The same error within something larger: "'film.csv': line 12".
   FormatError within(const std::string &whole) &&
   {
     place = place.empty() ? whole : whole + ": " + place;
     return std::move(*this);
   }
 
-  /// One line with both.
+  /// Place and reason in one line.
   std::string text() const
   {
     return place.empty() ? reason : place + ": " + reason;
   }
 };
 
-/// What is wrong with something that is read part by part: the first thing counts. A part that is
-/// not what it has to be says so here and is a zero, or nothing, from then on; who reads the whole
-/// asks in each loop and at the end.
+/// The first error of a parser. A part that is invalid reports it here and yields zero or nothing
+/// from then on. The caller checks it in each loop and at the end.
 class FirstError
 {
 public:
@@ -53,13 +52,13 @@ public:
       error_ = std::move(error);
   }
 
-  /// Whether there is one.
+  /// Whether an error was set.
   explicit operator bool() const
   {
     return error_.has_value();
   }
 
-  /// The whole, or why it is none.
+  /// `whole`, or the first error.
   template <typename Whole> tl::expected<Whole, FormatError> unless_set(Whole &&whole) &&
   {
     if (error_)

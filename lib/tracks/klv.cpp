@@ -23,7 +23,7 @@ append_big_endian(std::vector<std::uint8_t> &bytes, std::uint64_t value, int siz
     bytes.push_back(static_cast<std::uint8_t>(value >> (8 * i)));
 }
 
-/// Reads a packet from its beginning. What is not there is zero, and an error.
+/// Reads a packet from its start. Missing bytes read as zero and set an error.
 class Reader
 {
 public:
@@ -61,7 +61,7 @@ public:
       error_.set(FormatError::at_byte(byte, std::string(reason)));
   }
 
-  /// The cue that the packet is, or the first that was not as expected.
+  /// The cue, or the first error.
   tl::expected<Cue, FormatError> finish(Cue cue = {})
   {
     return std::move(error_).unless_set(std::move(cue));

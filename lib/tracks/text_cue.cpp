@@ -16,7 +16,7 @@ constexpr std::size_t kMaxNumbers
 
 constexpr std::string_view kNoBreakSpace = "\u00a0";
 
-/// Takes white space other than an end of line off the text.
+/// Skips white space up to the end of the line.
 void
 skip_space(std::string_view &text)
 {
@@ -36,7 +36,7 @@ wrong(std::size_t line, std::string reason)
   return tl::unexpected(FormatError::at_line(line, std::move(reason)));
 }
 
-/// Takes a level in percent off the text.
+/// Consumes a level in percent.
 tl::expected<float, FormatError>
 take_level(std::string_view &text, std::size_t line)
 {
@@ -56,7 +56,7 @@ take_level(std::string_view &text, std::size_t line)
   return static_cast<float>(percent / 100);
 }
 
-/// A number of rows or columns from the text's beginning.
+/// Consumes a number of rows or columns.
 bool
 take_side(std::string_view &text, int &side)
 {
@@ -92,7 +92,7 @@ read_text_cue(std::string_view text, std::optional<Grid> grid, std::size_t first
   std::size_t columns = 0;
   std::size_t in_row = 0;
   std::size_t rows = 0;
-  /// False if it is not as long as those before, where it has to be.
+  /// False if the row must be, and is not, as long as those before.
   const auto end_row = [&] {
     if (in_row == 0)
       return true;

@@ -10,7 +10,6 @@
 
 namespace tactile {
 
-/// Rows and columns of a map.
 struct Grid
 {
   int rows = 0;
@@ -19,32 +18,31 @@ struct Grid
   bool operator==(const Grid &) const = default;
 };
 
-/// A map as a picture, the designer's form: a line for each row as seen on the screen, levels in
-/// whole percents, right-aligned. Nothing in it means anything to a subtitle format (no < > & ").
+/// Writes a map as a picture for designers: a line per row as seen on the screen, levels in whole
+/// percent, right-aligned. It contains no markup of subtitle formats (no < > & ").
 ///
 ///      0   0   0
 ///      0  75  75
 ///      0   0   0
 std::string write_text_cue(const TactileMap &map);
 
-/// Reads such a picture. Any white space separates numbers, also no-break spaces; each may have a
-/// `%`. With `grid`, as many numbers as it has cells, on any number of lines; without, each line is
-/// a row. An error has its line; lines count from `first_line`.
+/// Reads such a picture. Numbers are separated by any white space, including no-break spaces, and
+/// may end with `%`. With `grid`, there must be one number per cell, on any number of lines.
+/// Without it, each line is a row. Errors give the line, counted from `first_line`.
 tl::expected<TactileMap, FormatError> read_text_cue(std::string_view text, std::optional<Grid> grid,
                                                     std::size_t first_line = 1);
 
-/// "grid=3x3 rate=5", as it stands in headers of tracks; without a rate if that is 0.
+/// Writes "grid=3x3 rate=5", for the headers of tracks; no rate if it is 0.
 std::string write_grid(const Grid &grid, double rate);
 
-/// What a header says; other words are ignored.
+/// The known words of a header; others are ignored.
 struct GridHeader
 {
   std::optional<Grid> grid;
   double rate = 0;
 };
 
-/// Reads words such as "grid=3x3 rate=5". An error, on line `line`, if one of the two is not what
-/// it has to be.
+/// Reads words such as "grid=3x3 rate=5". If a known word is invalid, the error gives `line`.
 tl::expected<GridHeader, FormatError> read_grid(std::string_view words, std::size_t line);
 
 } // namespace tactile

@@ -117,7 +117,7 @@ at_resolution(const Track &track, Time tick, int steps)
 {
   Track result(track.rows(), track.columns());
   result.set_rate(track.rate());
-  // What is appended is no more than there was, nor later.
+  // Cannot fail: there are no more entries than before, and none is later.
   for (const Track::Entry &entry : track.entries()) {
     TactileMap map = entry.map;
     if (steps > 0)

@@ -10,12 +10,12 @@
 
 namespace tactile {
 
-/// A film's tactile maps: each holds until the next, the last until end(); before 0 and from end()
-/// on all is silent.
+/// A film's tactile maps over time. Each is valid until the next, the last one until end(); before
+/// 0 and from end() on all levels are 0.
 ///
-/// There is one Track for one course of levels over time: it begins with a map at 0, a silent one
-/// if nothing else was appended, its times increase, neighbors differ, and all are before end(). A
-/// value: several threads may read one that none changes.
+/// The representation is unique: a track begins with a map at 0, a silent one by default; times
+/// increase, adjacent maps differ, and all times are before end(). A value type: threads may share
+/// one that none of them changes.
 class Track
 {
 public:
@@ -27,9 +27,9 @@ public:
     bool operator==(const Entry &) const = default;
   };
 
-  /// Tracks are not longer than any film.
+  /// Limit on the duration: longer than any film.
   static constexpr Time kMaxEnd = std::chrono::hours(100);
-  /// Nor larger than a reader can take: 512 MiB of levels.
+  /// Limits on the size: a reader needs at most 512 MiB for the levels.
   static constexpr std::size_t kMaxEntries = 4'000'000;
   static constexpr std::size_t kMaxLevels = std::size_t{ 1 } << 27;
 
@@ -39,27 +39,27 @@ public:
   int rows() const;
   int columns() const;
 
-  /// Blocks per second that the track was authored with (tactorsink's rate); 0: unknown, or every
+  /// Maps per second for which the track was authored (tactorsink's rate); 0: unknown, or every
   /// frame.
   double rate() const;
   void set_rate(double rate);
 
-  /// At least one: the map at 0.
+  /// In order of time; never empty, the first is at 0.
   const std::vector<Entry> &entries() const;
 
-  /// Where the track ends; never before the last entry.
+  /// End of the track; never before the last entry.
   Time end() const;
 
-  /// What holds from `time` on; replaces what was appended for the same time. Refused, with the
-  /// track as it was, if `time` is before the last one, negative or beyond kMaxEnd, if the map is
-  /// of another grid, or if the track is full.
+  /// Sets the map from `time` on, and replaces one appended for the same time. Fails and leaves the
+  /// track unchanged if `time` is before the last entry, negative or beyond kMaxEnd, if the map has
+  /// another grid, or if the track is full.
   tl::expected<void, FormatError> append(Time time, const TactileMap &map);
 
-  /// The track ends at `end`: what was appended from there on is dropped. Refused likewise if `end`
-  /// is negative or beyond kMaxEnd.
+  /// Sets the end of the track and drops what was appended from there on. Fails if `end` is
+  /// negative or beyond kMaxEnd.
   tl::expected<void, FormatError> set_end(Time end);
 
-  /// The map that holds at `time`; a silent one outside [0, end()).
+  /// The map at `time`; a silent one outside [0, end()).
   const TactileMap &at(Time time) const;
 
   bool operator==(const Track &) const = default;
@@ -73,12 +73,12 @@ private:
   Time end_{ 0 };
 };
 
-/// Whether no tactor is felt.
+/// Whether all levels are 0.
 bool is_silent(const TactileMap &map);
 
-/// What a format can hold of a track: times cut down to multiples of `tick` (a cue never begins
-/// after its frame), levels rounded to multiples of 1 / `steps` (0: as they are). Maps shorter than
-/// a tick are lost.
+/// The track as a format can store it. Times are rounded down to multiples of `tick`, so that no
+/// cue begins after its frame. Levels are rounded to multiples of 1 / `steps` (0: unchanged). Maps
+/// shorter than a tick are lost.
 Track at_resolution(const Track &track, Time tick, int steps);
 
 } // namespace tactile

@@ -22,7 +22,7 @@ empty_like(const Track &track)
   return result;
 }
 
-/// A track that is made map by map and may get too large.
+/// A track that is built map by map and may become too large.
 class Growing
 {
 public:
@@ -50,7 +50,7 @@ private:
   tl::expected<void, FormatError> fits_;
 };
 
-/// The track with each of its maps changed.
+/// The track with `change` applied to each map.
 Track
 with_maps(const Track &track, const std::function<void(TactileMap &)> &change)
 {
@@ -70,8 +70,7 @@ end_of(const Track &track, std::size_t entry)
   return entry + 1 < track.entries().size() ? track.entries()[entry + 1].time : track.end();
 }
 
-/// The track without the events for which `is_pruned` says so, given their length and strongest
-/// level.
+/// The track without events for which `is_pruned(duration, highest level)` is true.
 Track
 without_events(const Track &track, const std::function<bool(Time, float)> &is_pruned)
 {
@@ -87,7 +86,7 @@ without_events(const Track &track, const std::function<bool(Time, float)> &is_pr
         first++;
         continue;
       }
-      std::size_t last = first; // one after the event
+      std::size_t last = first; // one past the event
       float strongest = 0;
       for (; last < entries.size() && entries[last].map.levels[cell] > 0; last++)
         strongest = std::max(strongest, entries[last].map.levels[cell]);
@@ -103,7 +102,7 @@ without_events(const Track &track, const std::function<bool(Time, float)> &is_pr
   return result;
 }
 
-/// When either track changes, up to the later end.
+/// All times at which either track changes, up to the later end.
 std::vector<Time>
 change_times(const Track &a, const Track &b)
 {
@@ -139,7 +138,7 @@ merge_equal(const Track &track, float tolerance)
   for (const Track::Entry &entry : track.entries()) {
     const TactileMap &last = result.entries().back().map;
     const bool same = std::ranges::equal(entry.map.levels, last.levels, [&](float a, float b) {
-      // What is felt and what is not are never the same.
+      // Zero and nonzero levels never count as equal.
       return std::abs(a - b) <= tolerance && (a > 0) == (b > 0);
     });
     if (!same || entry.time == Time(0))
@@ -236,7 +235,7 @@ resample(const TactileMap &map, int rows, int columns)
   if (map.rows == rows && map.columns == columns)
     return map;
   TactileMap result(rows, columns);
-  // How much of source cell `s` of `from` lies in cell `c` of `to`, as a share of the latter.
+  // The share of cell `c` of `to` that source cell `s` of `from` covers.
   const auto share = [](int s, int from, int c, int to) {
     const double begin = std::max(static_cast<double>(s) / from, static_cast<double>(c) / to);
     const double end = std::min(static_cast<double>(s + 1) / from, static_cast<double>(c + 1) / to);

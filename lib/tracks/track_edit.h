@@ -6,61 +6,60 @@
 
 #include <vector>
 
-/// What a designer does to a track. Each operation makes a new track; rates stay. An event is a
-/// stretch of time in which one cell is felt, whatever its level. What may make a track longer, or
-/// have more changes or cells, fails where that is more than a track can be.
+/// Editing operations on tracks. Each returns a new track; the rate is kept. An event is a stretch
+/// of time in which a cell's level is above 0. Operations that could exceed the limits of Track
+/// return an error then.
 namespace tactile {
 
-/// Two maps as one.
+/// How two maps are combined.
 enum class Mix
 {
-  replace, ///< the second wherever it is felt at all, else the first
-  max,     ///< cell by cell the stronger
+  replace, ///< the second wherever any of its cells is above 0, else the first
+  max,     ///< the larger level of each cell
 };
 
-/// Silences events that last less than `shortest`.
+/// Silences events shorter than `shortest`.
 Track prune_short(const Track &track, Time shortest);
 
-/// Silences events whose strongest level is below `weakest`.
+/// Silences events whose highest level is below `weakest`.
 Track prune_weak(const Track &track, float weakest);
 
-/// Maps that differ by at most `tolerance` in every cell from the one before become that one.
+/// Replaces each map that differs from the one before by at most `tolerance` in every cell.
 Track merge_equal(const Track &track, float tolerance);
 
-/// Ends events that last longer than `limits.max_duration` and keeps pauses of `limits.refractory`
-/// between them, as CueLimiter does in the film, to 10 ms.
+/// Ends events after `limits.max_duration` and keeps breaks of `limits.refractory` between them, as
+/// CueLimiter does during playback, to within 10 ms.
 tl::expected<Track, FormatError> limit_events(const Track &track, const CueLimits &limits);
 
-/// Everything later by `offset`, or earlier if that is negative: what would be before 0 is lost.
+/// Moves the track by `offset`, which may be negative; what would be before 0 is lost.
 tl::expected<Track, FormatError> shift(const Track &track, Time offset);
 
-/// Levels times `factor` ≥ 0, at most 1.
+/// Multiplies levels by `factor` ≥ 0; limited to 1.
 Track scale(const Track &track, float factor);
 
-/// What is in [begin, end), which then begins at 0.
+/// The part in [begin, end), moved to 0.
 tl::expected<Track, FormatError> clip(const Track &track, Time begin, Time end);
 
-/// Silence in [begin, end).
+/// Silences [begin, end).
 tl::expected<Track, FormatError> silence(const Track &track, Time begin, Time end);
 
-/// Silences cells, numbered row by row from 0. Others are ignored.
+/// Silences these cells, row-major from 0; other indices are ignored.
 Track mask(const Track &track, const std::vector<int> &cells);
 
-/// Levels become multiples of 1 / steps, steps ≥ 1.
+/// Rounds levels to multiples of 1 / steps, steps ≥ 1.
 Track quantise(const Track &track, int steps);
 
-/// On another grid over the same picture: a cell's level is the mean over its area.
+/// Resamples to another grid over the same picture: a cell's level is the mean over its area.
 TactileMap resample(const TactileMap &map, int rows, int columns);
 tl::expected<Track, FormatError> resample(const Track &track, int rows, int columns);
 
-/// Cell by cell, or one map instead of the other. `over` is resampled to the grid of `map` if need
-/// be.
+/// Combines `over` into `map`; `over` is resampled to the grid of `map` if needed.
 void mix_into(TactileMap &map, const TactileMap &over, Mix mix);
 
-/// A second track over the first, on the first one's grid; as long as the longer one.
+/// Combines two tracks on the grid of the first; as long as the longer one.
 tl::expected<Track, FormatError> overlay(const Track &track, const Track &over, Mix mix);
 
-/// A stretch of time in which two tracks differ in the same cells' levels throughout.
+/// A stretch of time in which the same cells differ between two tracks.
 struct Difference
 {
   Time begin{ 0 };
@@ -69,8 +68,8 @@ struct Difference
   TactileMap after;
 };
 
-/// Where `after` differs from `before` by more than `tolerance` in any cell, in order; an error if
-/// the grids differ. Tracks of different lengths differ only where one of them is felt.
+/// Lists where `after` differs from `before` by more than `tolerance` in any cell, in order of
+/// time. Fails if the grids differ. Beyond the end of a track all its levels are 0.
 tl::expected<std::vector<Difference>, FormatError> diff(const Track &before, const Track &after,
                                                         float tolerance = 0);
 

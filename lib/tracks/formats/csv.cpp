@@ -58,7 +58,7 @@ take_field(std::string_view &line)
   return field;
 }
 
-/// Milliseconds with up to six decimals, exactly.
+/// Parses milliseconds with up to six decimals, exactly.
 bool
 parse_time(std::string_view field, Time &time)
 {
@@ -95,7 +95,7 @@ column_names(std::size_t tactors)
   return names;
 }
 
-/// Without the commas with which a spreadsheet fills up short lines.
+/// Removes trailing commas, with which spreadsheets fill up short lines.
 std::string_view
 without_trailing_commas(std::string_view line)
 {
@@ -129,7 +129,7 @@ read_header(LineReader &lines)
   return track;
 }
 
-/// Reads what follows the time into `levels`.
+/// Parses the fields after the time into `levels`.
 tl::expected<void, FormatError>
 read_levels(std::string_view line, std::size_t number, std::vector<float> &levels)
 {

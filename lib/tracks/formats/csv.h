@@ -8,13 +8,12 @@
 
 namespace tactile {
 
-/// The track for spreadsheets and plots, without loss: "# tactile grid=3x3 rate=5", then
-/// "time_ms,t0,t1,…", then a line for each change with the time in milliseconds (up to six
-/// decimals) and the levels in [0, 1], row by row, which hold until the next line. The last line
-/// ends the track and is silent.
+/// Writes a track for spreadsheets and plots, lossless. The first lines are "# tactile grid=3x3
+/// rate=5" and "time_ms,t0,t1,…". Then each change is a line: the time in milliseconds (up to six
+/// decimals) and the levels in [0, 1], row-major. The last line is silent and ends the track.
 std::string write_csv(const Track &track);
 
-/// Reads that; errors have their line. Lines that a spreadsheet has filled up with commas are fine.
+/// Reads that format; errors give the line. Trailing commas, which spreadsheets add, are ignored.
 tl::expected<Track, FormatError> read_csv(std::string_view text);
 
 } // namespace tactile

@@ -21,7 +21,7 @@ big_endian(std::span<const std::uint8_t> bytes)
   return value;
 }
 
-/// A part of a file with a name and a length: an element of EBML or a box of MP4.
+/// An EBML element or an MP4 box.
 struct Part
 {
   std::uint64_t id = 0;
@@ -29,8 +29,8 @@ struct Part
   Bytes body;
 };
 
-/// Calls `visit` with the parts that follow each other in `bytes`, up to what is none or until it
-/// returns false.
+/// Calls `visit` for adjacent parts in `bytes`, up to the first invalid one or until it returns
+/// false.
 template <typename Read, typename Visit>
 void
 for_each_part(Bytes bytes, Read read, Visit visit)
@@ -68,11 +68,11 @@ constexpr std::uint64_t kLanguage = 0x22b59c;
 constexpr std::uint64_t kFlagDefault = 0x88;
 constexpr std::uint64_t kSubtitles = 0x11;
 
-/// FlagDefault with one byte of value, 0.
+/// FlagDefault = 0, with a value of one byte.
 constexpr std::uint8_t kNotDefault[] = { 0x88, 0x81, 0x00 };
 
-/// The first element; one of unknown size, which a Segment may have and nothing in Tracks, only
-/// where `may_be_open`: it goes to the end.
+/// Reads the first element. An element of unknown size, which is legal for a Segment but not in
+/// Tracks, extends to the end; it is accepted only if `may_be_open`.
 std::optional<Part>
 read_element(Bytes bytes, bool may_be_open)
 {
@@ -85,7 +85,7 @@ read_element(Bytes bytes, bool may_be_open)
   const std::size_t header = id_width + size_width;
   if (size_width > 8 || bytes.size() < header)
     return std::nullopt;
-  const std::uint64_t most = (std::uint64_t{ 1 } << 7 * size_width) - 1; // says: unknown
+  const std::uint64_t most = (std::uint64_t{ 1 } << 7 * size_width) - 1; // all ones: unknown size
   const std::uint64_t size = big_endian(bytes.subspan(id_width, size_width)) & most;
   const Bytes rest = bytes.subspan(header);
   if (size == most ? !may_be_open : size > rest.size())
@@ -107,7 +107,7 @@ read_open(Bytes bytes)
   return read_element(bytes, true);
 }
 
-/// Whether it is elements to its end: behind anything else nobody would find the flag.
+/// Whether the track consists of elements up to its end: after garbage the flag would not be found.
 bool
 is_whole(const Part &track)
 {
@@ -124,13 +124,13 @@ is_tactile(const Part &track)
 {
   const std::optional<Part> type = find_part(track.body, read, kTrackType);
   const std::optional<Part> language = find_part(track.body, read, kLanguage);
-  constexpr std::string_view kNone = "zxx"; // ended by zeros or by its size
+  constexpr std::string_view kNone = "zxx"; // terminated by zeros or by its size
   return type && big_endian(type->body) == kSubtitles && language
          && language->body.size() >= kNone.size()
          && std::ranges::equal(language->body.first(kNone.size()), kNone);
 }
 
-/// The entry with a size of three bytes less and the flag at its end.
+/// Shortens the size field by three bytes and appends the flag.
 bool
 append_flag(const Part &track)
 {
@@ -156,7 +156,7 @@ leave_to_choice(const Part &track)
   if (!flag)
     return is_whole(track) && append_flag(track);
   std::ranges::fill(flag->body, 0);
-  return !flag->body.empty(); // an empty one means the default, which is 1
+  return !flag->body.empty(); // an empty value means the default, 1
 }
 
 std::size_t
@@ -189,7 +189,7 @@ name(const char (&text)[5])
   return value;
 }
 
-/// The first box.
+/// Reads the first box.
 std::optional<Part>
 read(Bytes bytes)
 {
@@ -218,7 +218,7 @@ is_tactile(const Part &media)
   const std::optional<Part> handler = find_part(media.body, read, name("hdlr"));
   if (!header || header->body.empty() || !handler || handler->body.size() < 12)
     return false;
-  const std::size_t language = header->body[0] == 1 ? 32 : 20; // by version
+  const std::size_t language = header->body[0] == 1 ? 32 : 20; // depends on the version
   const std::uint64_t kind = big_endian(handler->body.subspan(8, 4));
   return header->body.size() >= language + 2
          && big_endian(header->body.subspan(language, 2)) == kNone
@@ -232,7 +232,7 @@ leave_to_choice(const Part &track)
   const std::optional<Part> media = find_part(track.body, read, name("mdia"));
   if (!header || header->body.size() < 4 || !media || !is_tactile(*media))
     return false;
-  header->body[3] &= 0xfe; // of 24 flags, after a byte of version
+  header->body[3] &= 0xfe; // lowest of the 24 flag bits that follow the version
   return true;
 }
 

@@ -7,16 +7,16 @@
 
 namespace tactile {
 
-/// Marks a film's tactile tracks, which are subtitles in no language (ISO 639-2: zxx), as ones that
-/// no player chooses by itself, for it would draw their numbers:
+/// Marks a film's tactile tracks as disabled by default, so that no player selects them and draws
+/// their numbers. They are subtitle tracks of language zxx (ISO 639-2: no linguistic content).
 ///
-/// - Matroska (RFC 9559): FlagDefault = 0. Where a TrackEntry has none, its size is written in
-///   three bytes less, which the flag takes.
-/// - MP4 (ISO/IEC 14496-12): track_enabled is taken from the flags of tkhd.
+/// - Matroska (RFC 9559): sets FlagDefault = 0. If a TrackEntry has no FlagDefault, its size field
+///   is shortened by three bytes to make room for it.
+/// - MP4 (ISO/IEC 14496-12): clears track_enabled in the flags of tkhd.
 ///
-/// So no byte outside of these tracks changes or moves. `file` is the whole file. Returns how many
-/// tracks are marked so now: none in files of another kind, in such that break off before their
-/// tracks, and where a TrackEntry has no room or is not whole.
+/// No byte outside of these tracks changes or moves. `file` is the whole file. Returns the number
+/// of tracks marked: 0 for other kinds of files and for files truncated before their tracks. A
+/// TrackEntry that has no room or is malformed is skipped.
 std::size_t leave_to_choice(std::span<std::uint8_t> file);
 
 } // namespace tactile

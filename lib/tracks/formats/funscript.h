@@ -7,9 +7,9 @@
 
 namespace tactile {
 
-/// The track for players of one-axis devices: the strongest cell's level in whole percents over
-/// time, as the steps that a device which interpolates makes of two actions a millisecond apart.
-/// What cell it was is lost, so there is no reader.
+/// Writes a track for players of one-axis devices: the level of the strongest cell in whole percent
+/// over time. Each step is two actions one millisecond apart, since devices interpolate. The cell
+/// is lost, so there is no reader.
 std::string write_funscript(const Track &track);
 
 } // namespace tactile

@@ -8,22 +8,21 @@
 
 namespace tactile {
 
-/// The track as HJIF (MPEG haptics, ISO/IEC 23090-31, version 2023, profile Main): one vibrotactile
-/// perception, a channel for each cell with the actuator's place (X = column, Y = rows − 1 − row),
-/// the body part Back and an ERM motor as reference device; in it one linear curve from 0 to the
-/// track's end, which steps from level to level in a millisecond. Times are cut down to
-/// milliseconds, levels are as they are. `date` is in the form of ISO 8601.
+/// Writes a track as HJIF (MPEG haptics, ISO/IEC 23090-31:2023, profile Main). It has one
+/// vibrotactile perception, the body part Back, an ERM motor as reference device, and a channel per
+/// cell with the actuator's position (X = column, Y = rows − 1 − row). Each channel is one linear
+/// curve from 0 to the track's end that steps from level to level within a millisecond. Times are
+/// rounded down to milliseconds; levels are exact. `date`: ISO 8601.
 std::string write_hjif(const Track &track, const std::string &date);
 
-/// Reads vibrotactile curves: what write_hjif() writes, exactly from 3 ms of length on, and what
-/// other tools write within limits. There is one perception; effects are of type Basis, with
-/// keyframes, in bands of type Curve or VectorialWave, whose frequency is not felt by an ERM motor
-/// and so is left out; of a curve's values the magnitude counts, times the channel's gain. Bands
-/// and effects that meet are added up. Curves are taken as linear; where they rise or fall they
-/// become steps of 20 ms at their value in the middle. Without places the channels are one row of
-/// tactors.
+/// Reads vibrotactile curves: everything that write_hjif() writes, exactly for tracks of at least
+/// 3 ms, and other tools' files with these limits. There is one perception. Effects have the type
+/// Basis and keyframes, in bands of type Curve or VectorialWave; the frequency of a wave is
+/// ignored, since ERM motors cannot render it. The magnitude of a curve's values counts, times the
+/// channel's gain. Overlapping bands and effects are added. Curves are linear; slopes become steps
+/// of 20 ms at their mean value. Channels without positions become one row of tactors.
 ///
-/// All that is not so is an error, with the line or the path in the document.
+/// Anything else is an error, with the line or the path in the document.
 tl::expected<Track, FormatError> read_hjif(std::string_view text);
 
 } // namespace tactile

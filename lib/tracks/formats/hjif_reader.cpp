@@ -17,15 +17,15 @@ namespace tactile {
 
 namespace {
 
-constexpr int kTimescale = 1000; ///< ticks a second, where the document does not say
-constexpr int kDeepest = 64;     ///< of arrays and objects
-/// The parser makes a node of some 100 bytes of each value, and a hash table of each object.
+constexpr int kTimescale = 1000; ///< ticks per second, if the document has none
+constexpr int kDeepest = 64;     ///< nesting of arrays and objects
+/// Limits on memory: the parser allocates about 100 bytes per value and a hash table per object.
 constexpr std::size_t kMostContainers = 2'000'000;
 constexpr std::size_t kMostValues = 8'000'000;
 constexpr Time kRampStep = std::chrono::milliseconds(20);
 
-/// Refuses what is not JSON but is taken by JSON-GLib (comments, assignments), and what is nested
-/// so deeply that its parser, which calls itself, would run out of stack.
+/// Rejects non-JSON that JSON-GLib accepts (comments, assignments), and nesting so deep that its
+/// recursive parser would overflow the stack.
 tl::expected<void, FormatError>
 check_structure(std::string_view text)
 {
@@ -67,8 +67,8 @@ check_structure(std::string_view text)
   return {};
 }
 
-/// An object of the document and where it is. What is not there, or is something else, is told to
-/// `error`; it is 0 or nothing then.
+/// An object of the document with its path. A member that is missing or of another type sets
+/// `error` and reads as 0 or nothing.
 class Object
 {
 public:
@@ -120,7 +120,7 @@ public:
     return least;
   }
 
-  /// Null, and no error, if it is not there or something else.
+  /// Null, without an error, if the member is missing or not a string.
   const char *find_text(const char *name) const
   {
     JsonNode *node = member(name);
@@ -171,12 +171,12 @@ private:
     return nullptr;
   }
 
-  JsonObject *object_ = nullptr; ///< null: there is an error
+  JsonObject *object_ = nullptr; ///< null after an error
   std::string path_;
   FirstError *error_;
 };
 
-/// Levels of one effect as steps, and which cells they are for.
+/// A step of one effect's level on a channel.
 struct Change
 {
   Time time;
@@ -223,7 +223,7 @@ private:
     return error_ ? Track() : make_track(channels);
   }
 
-  /// 0 if the description has no words of ours.
+  /// 0 if the description has no "rate=".
   static double description_rate(const Object &root)
   {
     const char *words = root.find_text("description");
@@ -263,7 +263,7 @@ private:
     for (std::size_t b = 0; b < channel.size("bands") && !error_; b++) {
       const Object band = channel.element("bands", b);
       const std::string type = band.text("band_type");
-      // The reference software's encoder writes a band of transients whether there are any or not.
+      // The reference encoder always writes a band of transients, even an empty one.
       if (type == "Transient" && is_empty(band))
         continue;
       if (type != "Curve" && type != "VectorialWave")
@@ -302,7 +302,7 @@ private:
       if (!(at >= 0 && at * 1e9 / timescale_ <= static_cast<double>(Track::kMaxEnd.count()))
           || at != std::floor(at))
         keyframe.fail("expected a whole position within 100 hours");
-      // A keyframe of a wave may be about its frequency alone.
+      // A keyframe of a wave may set its frequency only.
       if (!keyframe.has("amplitude_modulation"))
         continue;
       const StepCurve::Point point{
@@ -322,8 +322,8 @@ private:
     last_step_.reset();
   }
 
-  /// The curve from one keyframe to the next: a step if it takes no more than a tick, else it holds
-  /// or is a ramp.
+  /// Adds the curve between two keyframes: a step if it takes at most one tick, else constant or a
+  /// ramp.
   void add_segment(const Object &where, std::size_t channel, std::size_t effect,
                    const StepCurve::Point &from, const StepCurve::Point &to)
   {
@@ -397,9 +397,9 @@ private:
   double timescale_ = kTimescale;
   Grid grid_;
   bool has_places_ = false;
-  std::vector<std::vector<std::size_t>> cells_; ///< of each channel
+  std::vector<std::vector<std::size_t>> cells_; ///< per channel
   std::size_t effects_ = 0;
-  std::optional<std::int64_t> last_step_; ///< where the curve stepped if that was its last segment
+  std::optional<std::int64_t> last_step_; ///< position of the last segment, if it was a step
   std::vector<Change> changes_;
   FirstError error_;
 };

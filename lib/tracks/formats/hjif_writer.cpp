@@ -14,7 +14,7 @@ namespace tactile {
 namespace {
 
 constexpr int kMostChannelsOfLevel1 = 128;
-constexpr int kTimescale = 1000; ///< ticks a second
+constexpr int kTimescale = 1000; ///< ticks per second
 
 struct Unref
 {
@@ -76,7 +76,7 @@ public:
   }
 
 private:
-  /// A coin motor, as the simulated chair has.
+  /// A coin motor, like the simulated chair's.
   void add_device()
   {
     begin_array("reference_devices");
@@ -114,13 +114,14 @@ private:
     begin_object();
     add("band_type", "Curve");
     add("curve_type", "Linear");
-    // The reference software takes whole numbers alone.
+    // The reference software accepts integers only.
     add("lower_frequency_limit", 0);
     add("upper_frequency_limit", 1000);
     begin_array("effects");
     begin_object();
     add("effect_type", "Basis");
-    // One effect from 0 on: its synthesizer renders effects at later positions as silence.
+    // A single effect at 0: the reference synthesizer renders effects at later positions as
+    // silence.
     add("position", 0);
     add_keyframes(track, row, column);
     end_object();

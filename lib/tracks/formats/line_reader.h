@@ -6,8 +6,8 @@
 
 namespace tactile {
 
-/// The lines of a text that ends them as Unix, Windows or old Macs do; a byte order mark is
-/// skipped.
+/// Iterates over the lines of a text with Unix, Windows or classic Mac line ends; skips a byte
+/// order mark.
 class LineReader
 {
 public:
@@ -17,7 +17,7 @@ public:
       rest_.remove_prefix(3);
   }
 
-  /// Goes on to the next line. False at the end; the line is empty then.
+  /// Advances to the next line. False at the end; the line is empty then.
   bool next()
   {
     line_ = {};
@@ -34,13 +34,13 @@ public:
     return true;
   }
 
-  /// Without what ends it.
+  /// The line without its line end.
   std::string_view line() const
   {
     return line_;
   }
 
-  /// From 1 on.
+  /// Line number, from 1.
   std::size_t number() const
   {
     return number_;

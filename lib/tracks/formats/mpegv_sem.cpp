@@ -29,7 +29,7 @@ constexpr const char *kSi = "urn:mpeg:mpeg21:2003:01-DIA-XSI-NS";
 constexpr const char *kXsi = "http://www.w3.org/2001/XMLSchema-instance";
 constexpr double kDefaultRate = 5;
 constexpr int kTimescale = 1000;
-constexpr std::ptrdiff_t kMostNodes = 4'000'000; ///< of a document: tags and attributes
+constexpr std::ptrdiff_t kMostNodes = 4'000'000; ///< tags and attributes of a document
 
 struct FreeXml
 {
@@ -159,7 +159,7 @@ is_element(const xmlNode *node, const char *ns, const char *name)
          && xmlStrEqual(node->ns->href, xml(ns));
 }
 
-/// What stands in a document. What does not is told to `error`, and is the least that it may be, or
+/// Typed access to a document. What is missing or invalid sets `error` and reads as the minimum or
 /// nothing.
 class Contents
 {
@@ -169,8 +169,7 @@ public:
     error.set(FormatError::at_line(line_of(node), std::move(reason)));
   }
 
-  /// An attribute as a number that is whole; without the attribute, `otherwise`, without that an
-  /// error.
+  /// An integer attribute; if it is missing, `otherwise`, or an error if there is no default.
   std::int64_t integer(const xmlNode *node, const char *ns, const char *name, std::int64_t least,
                        std::int64_t most, std::optional<std::int64_t> otherwise = std::nullopt)
   {
@@ -237,7 +236,7 @@ public:
   {
     if (!is_element(root, kSedl, "SEM"))
       in_.fail(root, "expected a SEM of MPEG-V");
-    // What a unit is without it, the schema does not say, and other readers differ.
+    // The schema defines no default unit, and other readers differ.
     timescale_ = in_.integer(root, kSi, "timeScale", 1, 1'000'000'000);
     for (const xmlNode *node = root->children; node && !in_.error; node = node->next) {
       if (node->type == XML_COMMENT_NODE && node->content)
@@ -278,7 +277,7 @@ private:
     return Time(0);
   }
 
-  /// How long an effect takes.
+  /// Duration of an effect.
   Time duration_of(const xmlNode *node)
   {
     return to_time(node, in_.integer(node, nullptr, "duration", 1, LLONG_MAX));
@@ -319,7 +318,7 @@ private:
       read_array(array, is_active, begin, end, samples);
   }
 
-  /// `count` numbers of an attribute.
+  /// An attribute of `count` numbers.
   std::vector<double> attribute(const xmlNode *node, const char *name, const char *otherwise,
                                 std::size_t count)
   {
@@ -332,8 +331,8 @@ private:
     return values;
   }
 
-  /// One motor for all, as other tools write it: until its duration is over or, without one, until
-  /// the next effect.
+  /// Reads one motor for the whole body, as other tools write it. It runs for its duration or, if
+  /// it has none, until the next effect.
   void read_vibration(const xmlNode *node, bool is_active, Time begin)
   {
     const std::vector<double> range = attribute(node, "intensity-range", "0 1", 2);
@@ -392,7 +391,7 @@ private:
       in_.fail(node, appended.error().reason);
   }
 
-  /// Afterwards there is a track of so many tactors, or an error.
+  /// Starts a track with this many tactors, or sets an error.
   void begin_track(const xmlNode *node, std::size_t tactors)
   {
     if (!track_) {
@@ -414,11 +413,11 @@ private:
   }
 
   Contents in_;
-  std::int64_t timescale_ = kTimescale; ///< units a second
+  std::int64_t timescale_ = kTimescale; ///< units per second
   GridHeader grid_;
   std::optional<Track> track_;
   Time end_{ 0 };
-  const xmlNode *endless_ = nullptr; ///< the last effect, if it is felt and does not say until when
+  const xmlNode *endless_ = nullptr; ///< the last effect, if it is active and has no duration
 };
 
 } // namespace
@@ -437,7 +436,7 @@ read_sem(std::string_view text)
   };
   if (text.size() > INT_MAX)
     return refused("too large");
-  // Each of these is a node of some 200 bytes.
+  // Each of these becomes a node of about 200 bytes.
   if (std::ranges::count_if(text, [](char c) { return c == '<' || c == '='; }) > kMostNodes)
     return refused("more than " + std::to_string(kMostNodes) + " tags and attributes");
   const std::unique_ptr<xmlParserCtxt, FreeXml> context(xmlNewParserCtxt());

@@ -8,17 +8,17 @@
 
 namespace tactile {
 
-/// The track as MPEG-V sensory effect metadata (ISO/IEC 23005-3): a vibration of TactileType on the
-/// back for each map that is felt, as an ArrayIntensity of as many equal rows as there are samples
-/// in its time, at the track's rate (5 Hz if it has none). A silent effect at the end says how long
-/// the track is; a comment has the grid. Times are cut down to milliseconds.
+/// Writes a track as MPEG-V sensory effect metadata (ISO/IEC 23005-3). Each map that is not silent
+/// becomes a vibration of TactileType on the back: an ArrayIntensity with one row per sample of its
+/// duration at the track's rate (5 Hz if it has none), all rows equal. A silent effect at the end
+/// gives the track's length; a comment gives the grid. Times are rounded down to milliseconds.
 std::string write_sem(const Track &track);
 
 /// Reads effects of TactileType with ArrayIntensity, or of VibrationType as one cell, that do not
-/// overlap. Times are whole units of the document's timeScale, which it has to say; effects that
-/// fade are refused. Without our comment as many tactors as are a square number are taken as a
-/// square, others as one row. Errors have their line. Documents with a DTD are refused, nothing is
-/// loaded from elsewhere.
+/// overlap. Times are integers in units of the document's timeScale, which is required. Effects
+/// that fade are rejected. Without our comment, tactors form a square if their number is a square
+/// number, else one row. Errors give the line. Documents with a DTD are rejected; nothing external
+/// is loaded.
 tl::expected<Track, FormatError> read_sem(std::string_view text);
 
 } // namespace tactile

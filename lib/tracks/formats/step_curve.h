@@ -6,9 +6,8 @@
 
 namespace tactile {
 
-/// Steps as a curve of points that are joined by straight lines, one millisecond from one level to
-/// the next: the form that formats of interpolated curves (HJIF, funscript) have for levels that
-/// hold.
+/// Steps as points joined by straight lines, each step one millisecond long: the form of constant
+/// levels in formats of interpolated curves (HJIF, funscript).
 class StepCurve
 {
 public:
@@ -18,7 +17,7 @@ public:
     double value;
   };
 
-  /// `value` holds from `position` on; positions do not decrease, the first is 0.
+  /// Sets `value` from `position` on. Positions must not decrease; the first is 0.
   void step(std::int64_t position, double value)
   {
     if (points_.empty()) {
@@ -28,12 +27,12 @@ public:
     if (value == points_.back().value)
       return;
     hold(position);
-    if (points_.back().position > position) // the second of two steps in one millisecond or in two
+    if (points_.back().position > position) // two steps within two milliseconds
       position = points_.back().position;
     points_.push_back({ position + 1, value });
   }
 
-  /// The curve ends at `position`, at 0, with three points at least.
+  /// Ends the curve at `position` with value 0; it then has at least three points.
   void finish(std::int64_t position)
   {
     step(position, 0);

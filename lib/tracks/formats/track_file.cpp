@@ -48,14 +48,13 @@ too_large()
   return wrong("larger than the " + std::to_string(kMaxTrackFile >> 20) + " MiB that are read");
 }
 
-/// The bytes of a file.
 tl::expected<std::string, FormatError>
 read_bytes(const std::string &path)
 {
   const std::unique_ptr<std::FILE, Close> file(std::fopen(path.c_str(), "rbe"));
   if (!file)
     return wrong(std::generic_category().message(errno));
-  std::error_code no_size; // of a pipe
+  std::error_code no_size; // the size of a pipe is unknown
   const std::uintmax_t size = std::filesystem::file_size(path, no_size);
   std::string text;
   if (!no_size) {

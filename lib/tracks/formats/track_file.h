@@ -9,27 +9,27 @@
 
 namespace tactile {
 
-/// The forms in which a track lies in a file; which, its name says.
+/// File formats of a track, chosen by the name's extension.
 enum class TrackFormat
 {
   webvtt,    ///< .vtt
   csv,       ///< .csv
   hjif,      ///< .hjif
   sem,       ///< .sem.xml
-  funscript, ///< .funscript, written alone
+  funscript, ///< .funscript, write-only
 };
 
-/// Larger files are not read.
+/// Size limit in bytes; larger files are not read.
 inline constexpr std::size_t kMaxTrackFile = std::size_t{ 256 } << 20;
 
-/// Of a file name; the error says which names there are.
+/// Format for a file name; the error lists the known extensions.
 tl::expected<TrackFormat, FormatError> track_format(std::string_view name);
 
-/// The bytes of a file in that form, and back; `date` (ISO 8601) is for HJIF.
+/// Converts a track to the content of a file, and back. `date` (ISO 8601) is used for HJIF.
 std::string write_track(const Track &track, TrackFormat format, const std::string &date);
 tl::expected<Track, FormatError> read_track(std::string_view text, TrackFormat format);
 
-/// Reads the file. The place of an error begins with the file's name.
+/// Reads a file. Errors start with its name.
 tl::expected<Track, FormatError> read_track_file(const std::string &path);
 
 } // namespace tactile

@@ -36,7 +36,7 @@ append_cue(std::string &text, Time begin, Time end, const TactileMap &map)
   text += "\n" + timestamp(begin) + " --> " + timestamp(end) + "\n" + write_text_cue(map) + "\n";
 }
 
-/// Takes exactly `digits` digits (0: any number up to 9) off the text.
+/// Consumes exactly `digits` digits (0: any number up to 9).
 bool
 take_number(std::string_view &text, std::size_t digits, int &number)
 {
@@ -59,7 +59,7 @@ take_char(std::string_view &text, char expected)
   return true;
 }
 
-/// [HH:]MM:SS.mmm. False if it is none.
+/// Consumes [HH:]MM:SS.mmm; false if there is none.
 bool
 take_timestamp(std::string_view &text, Time &time)
 {
@@ -94,7 +94,7 @@ trimmed(std::string_view text)
   return text;
 }
 
-/// One file being read.
+/// Reads one file.
 class Reader
 {
 public:
@@ -131,7 +131,7 @@ private:
     skip_block("expected an empty line before the first cue");
   }
 
-  /// To the next line that is empty. What looks like a cue before that is an error.
+  /// Skips to the next empty line. Anything like a cue before that is an error.
   void skip_block(const char *cue_in_it)
   {
     while (!error_ && lines_.next() && !lines_.line().empty())
@@ -139,7 +139,7 @@ private:
         fail(lines_.number(), cue_in_it);
   }
 
-  /// From a line that is not empty to the next that is.
+  /// Reads a block: from a nonempty line to the next empty one.
   void read_block()
   {
     const std::string_view first = lines_.line();
@@ -206,7 +206,7 @@ private:
     last_end_ = end;
   }
 
-  /// The lines up to the next that is empty.
+  /// The lines up to the next empty one.
   std::string take_text()
   {
     std::string text;
