@@ -13,7 +13,7 @@ namespace tactor {
 
 namespace {
 
-constexpr double kRate = 200; ///< per second, of what is compared
+constexpr double kRate = 200; ///< samples per second for the correlation
 
 void
 take_mean_off(std::vector<double> &values)
@@ -24,7 +24,7 @@ take_mean_off(std::vector<double> &values)
     value -= mean;
 }
 
-/// The sum of all tactors' volts from `start` on.
+/// The sum of all tactors' commanded volts from `start` on.
 std::vector<double>
 told(std::span<const IssuedCommand> trace, Time start, double seconds)
 {
@@ -76,7 +76,8 @@ align(const Recording &recording, std::span<const IssuedCommand> trace, Band ban
   cv::dft(likeness, likeness, cv::DFT_INVERSE | cv::DFT_SCALE);
   cv::Point best;
   cv::minMaxLoc(likeness, nullptr, nullptr, nullptr, &best);
-  // Beyond the middle the recording begins after the first command.
+  // The correlation is circular: larger shifts mean that the recording begins after the first
+  // command.
   const int later = best.x < static_cast<int>(heard.size()) ? best.x : best.x - size;
   return first - Time(std::llround(later / kRate * 1e9));
 }

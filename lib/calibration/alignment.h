@@ -10,10 +10,10 @@
 
 namespace tactor {
 
-/// Where in the trace's running time a recording without a common clock begins, within a few tens
-/// of milliseconds: where what is heard is most like what the motors were told (cross-correlation
-/// of envelope and voltage). One channel is enough. What is left is common to all steps and becomes
-/// part of their onset.
+/// Running time at which a recording without a common clock begins, to within a few tens of
+/// milliseconds: the maximum of the cross-correlation of its envelope and the commanded voltage.
+/// Uses the first channel. The remaining error is common to all steps and becomes part of their
+/// onset.
 Time align(const Recording &recording, std::span<const IssuedCommand> trace, Band band);
 
 } // namespace tactor

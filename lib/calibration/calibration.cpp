@@ -11,10 +11,10 @@ namespace {
 
 constexpr int kLevels = 65; ///< points of a level curve
 constexpr double kTableStepVolts = 0.1;
-constexpr double kQuadraticVolts = 3.0; ///< beyond, a quadratic leads astray
+constexpr double kQuadraticVolts = 3.0; ///< beyond, the quadratic form extrapolates badly
 
-/// Amplitude at a voltage: linear between the points, from the origin before them, constant after
-/// them.
+/// Amplitude at a voltage: linear between points, from the origin to the first, constant after the
+/// last.
 double
 amplitude_at(const std::vector<VibrationPoint> &points, double volts)
 {
@@ -28,7 +28,7 @@ amplitude_at(const std::vector<VibrationPoint> &points, double volts)
   return before.amplitude;
 }
 
-/// The least voltage with that amplitude; that of the last point if none has it.
+/// The lowest voltage with this amplitude, or that of the last point if none reaches it.
 double
 volts_at(const std::vector<VibrationPoint> &points, double amplitude)
 {
@@ -44,7 +44,7 @@ volts_at(const std::vector<VibrationPoint> &points, double amplitude)
   return before.volts;
 }
 
-/// None: the paper's.
+/// None if there are only the paper's rise times.
 std::optional<RiseTimeTable>
 table_of(const TactorCalibration &tactor)
 {
@@ -123,7 +123,7 @@ Calibration::longest_lead() const
   for (const auto &[index, tactor] : tactors) {
     const double latency = static_cast<double>(tactor.latency.value_or(Time(0)).count()) / 1e6;
     const std::optional<RiseTimeTable> table = table_of(tactor);
-    // At start voltages from which there is something left to rise.
+    // Only start voltages below 90 % of the target: from others, nothing is left to rise.
     for (int start = 0; table && start < table->size; start++)
       for (int target = start + 1; target < table->size; target++) {
         const auto place = static_cast<std::size_t>(start) * static_cast<std::size_t>(table->size)

@@ -22,16 +22,16 @@ constexpr const char *kTactorGroup = "Tactor ";
 constexpr int kMostTactors = 4096;
 constexpr double kMostVolts = 24;
 constexpr double kLongestMs = 10'000;
-/// All tactors with tables of 0.1 V are half of that.
+/// Twice the size of a file with tables of 0.1 V steps for all tactors.
 constexpr std::size_t kMostBytes = std::size_t{ 64 } << 20;
-/// A key file makes some 200 bytes of each line, a comment or an empty one as well, and of each
-/// number in a list.
+/// GKeyFile allocates about 200 bytes per line, including comments and empty lines, and per number
+/// in a list.
 constexpr std::ptrdiff_t kMostLines = 200'000;
 constexpr std::size_t kLongestLine = std::size_t{ 1 } << 20;
 
 using Error = tl::unexpected<std::string>;
 
-/// The whole file, unless it cannot be read or has no end.
+/// The content of the file; an error if it cannot be read or is larger than kMostBytes.
 tl::expected<std::string, std::string>
 contents(const std::string &path)
 {
@@ -70,7 +70,7 @@ struct FreeKeyFile
 };
 using KeyFile = std::unique_ptr<GKeyFile, FreeKeyFile>;
 
-/// Six significant digits, as short as they go, whatever the locale.
+/// Up to six significant digits, without trailing zeros, in the C locale.
 std::string
 text(double value)
 {
@@ -101,8 +101,8 @@ from_ms(double ms)
   return Time(std::llround(ms * 1e6));
 }
 
-/// One group of the file. What is not as it has to be is the least that it may be, or nothing; the
-/// first such thing is the file's `fault`, with its place.
+/// One group of the file. A value that is missing or invalid reads as the minimum, or nothing; the
+/// first such error is stored in the file's `fault`, with its location.
 class Reader
 {
 public:
@@ -347,7 +347,8 @@ write_calibration(const Calibration &calibration, const std::string &path)
   const KeyFile file(g_key_file_new());
   g_key_file_set_comment(
       file.get(), nullptr, nullptr,
-      " Vibration motors as measured; docs/guide/calibration.md tells what the keys mean.", nullptr);
+      " Vibration motors as measured; docs/guide/calibration.md tells what the keys mean.",
+      nullptr);
   g_key_file_set_integer(file.get(), kGroup, "version", Calibration::kVersion);
   g_key_file_set_string(file.get(), kGroup, "motor", calibration.motor.c_str());
   g_key_file_set_string(file.get(), kGroup, "date", calibration.date.c_str());

@@ -11,10 +11,10 @@ namespace tactor {
 
 namespace {
 
-constexpr double kEdge = 0.2; ///< width of the band's edges, of their frequency
+constexpr double kEdge = 0.2; ///< width of an edge relative to its frequency
 constexpr double kLowestHz = 10;
 
-/// 0 below, 1 above, half a cosine in between.
+/// 0 below, 1 above, a raised cosine in between.
 double
 edge(double hz, double at)
 {
@@ -33,7 +33,7 @@ spectrum(std::span<const double> signal)
   return result;
 }
 
-/// The analytic signal of what is let through.
+/// The analytic signal of the filtered signal; `gain(hz)` is the filter.
 template <typename Gain>
 cv::Mat
 analytic(std::span<const double> signal, const Gain &gain)

@@ -6,27 +6,25 @@
 
 namespace tactor {
 
-/// Frequencies that are let through, with raised-cosine edges a fifth as wide as the edge's
-/// frequency.
+/// Pass band, with raised-cosine edges; the width of an edge is a fifth of its frequency.
 struct Band
 {
   double low_hz = 20;
   double high_hz = 300;
 };
 
-/// The part of a signal that lies in a band, of zero phase. The signal is taken to be zero beyond
-/// its ends. `rate` in samples per second, > 0.
+/// Zero-phase band-pass filter. The signal is taken as zero beyond its ends. `rate` in samples per
+/// second, > 0.
 std::vector<double> band_pass(std::span<const double> signal, double rate, Band band);
 
-/// Amplitude of a signal over time: the magnitude of its analytic signal (Hilbert transform), of
-/// what lies in the band.
+/// Envelope of the band-passed signal: the magnitude of its analytic signal (Hilbert transform).
 std::vector<double> envelope(std::span<const double> signal, double rate, Band band);
 
-/// The same of all of it.
+/// The same without a band-pass filter.
 std::vector<double> envelope(std::span<const double> signal);
 
-/// Frequency of the strongest line between 10 Hz and half the rate, in Hz; 0 if the signal is
-/// silent.
+/// Frequency of the strongest spectral line between 10 Hz and half the rate, in Hz; 0 for a silent
+/// signal.
 double strongest_frequency(std::span<const double> signal, double rate);
 
 } // namespace tactor

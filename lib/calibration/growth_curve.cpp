@@ -10,12 +10,12 @@ namespace tactor {
 
 namespace {
 
-/// The envelope is taken to be no more exact than this share of the level.
+/// Relative accuracy of the envelope, as a share of the level.
 constexpr double kExactness = 0.005;
 constexpr double kOnsetScale = 0.05;
 
-/// The curve's parameters as the solver moves them, all of the order of 1: steady / its guess,
-/// onset, log tau, log roundness.
+/// The curve for the solver's parameters, all of the order of 1: steady / its guess, onset, log
+/// tau, log roundness.
 GrowthCurve
 curve_of(const double *x, double before, double steady)
 {
@@ -26,7 +26,7 @@ curve_of(const double *x, double before, double steady)
            .roundness = std::exp(std::clamp(x[3], -1.5, 1.5)) };
 }
 
-constexpr double kFarthest = 1e300; ///< of misfits
+constexpr double kFarthest = 1e300; ///< upper limit of the misfit
 
 class Misfit : public cv::MinProblemSolver::Function
 {
@@ -64,7 +64,7 @@ public:
     const double early = (curve.onset_s - prior_.onset_s) / prior_.onset_deviation_s;
     const double round = (x[3] - prior_.log_roundness) / prior_.log_roundness_deviation;
     const double misfit = weight_ * sum(curve) + early * early + round * round;
-    // The solver throws at what is no number: a curve that cannot be is as far off as can be.
+    // The solver throws on NaN, so an impossible curve gets the largest misfit.
     return std::isfinite(misfit) ? misfit : kFarthest;
   }
 
@@ -80,7 +80,7 @@ private:
   double weight_;
 };
 
-/// When the envelope, smoothed over 10 ms, gets to a level, from below or above.
+/// When the envelope, smoothed over 10 ms, crosses a level.
 double
 crossing(std::span<const double> envelope, double rate, double first_s, double level, bool rises)
 {
@@ -136,7 +136,7 @@ fit_growth(std::span<const double> envelope, double rate, double first_s, double
   };
   const double early = crossing(envelope, rate, first_s, level(0.3), steady > before);
   const double late = crossing(envelope, rate, first_s, level(0.7), steady > before);
-  // On an exponential 30 % are reached after 0.36 τ, 70 % after 1.20 τ.
+  // An exponential reaches 30 % after 0.36 τ and 70 % after 1.20 τ.
   const double tau = std::max((late - early) / 0.847, 0.002);
 
   const auto misfit = cv::makePtr<Misfit>(envelope, rate, first_s, before, steady, noise,

@@ -8,11 +8,11 @@
 
 namespace tactor {
 
-/// What an eccentric mass does: its speed approaches a steady one exponentially, and the amplitude
-/// is a power of the speed: (s − (s − b) exp(−(t − onset) / tau))^roundness from the onset on, s
-/// and b being the roundness-th roots of `steady` and `before`. 1: the amplitude itself is
-/// exponential (MotorModel); 2: acceleration, which grows with the square of the speed. It rises,
-/// or falls.
+/// The vibration of an eccentric mass: its speed approaches a steady value exponentially, and the
+/// amplitude is a power of the speed. From the onset on it is (s − (s − b) exp(−(t − onset) /
+/// tau))^roundness, where s and b are the roundness-th roots of `steady` and `before`. With
+/// roundness 1 the amplitude itself is exponential (MotorModel). With 2 it is an acceleration,
+/// which is proportional to the square of the speed. The curve may rise or fall.
 struct GrowthCurve
 {
   double before = 0;
@@ -20,30 +20,29 @@ struct GrowthCurve
   double onset_s = 0;
   double tau_s = 0;
   double roundness = 1;
-  double rms = 0; ///< of what the fit leaves
+  double rms = 0; ///< of the residuals
 
-  /// Amplitudes at `first_s`, `first_s` + 1 / `rate`, …
+  /// Amplitudes at `first_s`, `first_s` + 1 / `rate`, …; seconds and samples per second.
   std::vector<double> sample(double first_s, double rate, std::size_t count) const;
-  /// When it gets to `amplitude`, between before and steady.
+  /// Time in seconds at which the curve reaches `amplitude`, between before and steady.
   double time_of(double amplitude) const;
 };
 
-/// What is known of a motor's rises before one is looked at: means and standard deviations.
+/// Gaussian prior of a motor's rises: means and standard deviations.
 struct GrowthPrior
 {
   double onset_s = 0;
-  double onset_deviation_s = 1;         ///< next to nothing is known of the onset
-  double log_roundness = 0.35;          ///< an exponential…
-  double log_roundness_deviation = 0.5; ///< …more or less
+  double onset_deviation_s = 1;         ///< nearly uninformative
+  double log_roundness = 0.35;          ///< about exponential…
+  double log_roundness_deviation = 0.5; ///< …but uncertain
 };
 
-/// Turns amplitudes into what the way to the envelope makes of them.
+/// Applies the measurement chain to amplitudes: what the envelope of such a vibration looks like.
 using GrowthLens = std::function<void(std::vector<double> &)>;
 
-/// Fits a curve to an envelope sampled from `first_s` on, of which the level before is known, the
-/// steady one nearly; `noise` is the mean square of the envelope at rest, and `independence` how
-/// many of its samples per sample are independent. The curve is compared as `lens`, if any, shows
-/// it.
+/// Fits a curve to an envelope sampled from `first_s` on. `before` is known, `steady` is a first
+/// guess. `noise`: mean square of the envelope at rest. `independence`: the share of samples that
+/// are statistically independent. `lens`, if any, is applied to the curve before comparison.
 GrowthCurve fit_growth(std::span<const double> envelope, double rate, double first_s, double before,
                        double steady, double noise, double independence,
                        const GrowthPrior &prior = {}, const GrowthLens &lens = {});

@@ -15,17 +15,17 @@ namespace {
 constexpr double kSearchHz = 0.3;
 constexpr double kSearchStepHz = 0.03;
 constexpr double kExactHz = 0.002;
-/// Of what is heard at rest, this much has to be hum: noise has a line here and there, too.
+/// Smallest share of the power at rest that counts as hum: noise has spectral lines, too.
 constexpr double kLeastShare = 0.3;
 
 struct Hum
 {
   double hz = 0;
   cv::Mat amplitudes{}; ///< cosine and sine of each harmonic
-  double power = 0;     ///< of it, summed over the samples at rest
+  double power = 0;     ///< summed over the samples at rest
 };
 
-/// Cosine and sine of each harmonic at a sample.
+/// Cosine and sine of each harmonic at a time.
 void
 waves(double hz, double seconds, int harmonics, double *row)
 {
@@ -79,7 +79,7 @@ remove_mains_hum(std::vector<double> &signal, const std::vector<bool> &rests, do
     for (double hz = mains - kSearchHz; hz <= mains + kSearchHz; hz += kSearchStepHz)
       consider(hz);
     if (std::abs(best->hz - mains) > kSearchHz)
-      continue; // the other mains
+      continue; // belongs to the other mains frequency
     for (double step = kSearchStepHz / 2; step > kExactHz; step /= 2) {
       const double middle = best->hz;
       consider(middle - step);

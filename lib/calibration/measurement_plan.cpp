@@ -14,12 +14,12 @@ namespace {
 
 constexpr Time kHold = std::chrono::milliseconds(600);   ///< at the start voltage
 constexpr Time kTarget = std::chrono::milliseconds(900); ///< at the target
-constexpr Time kRest = std::chrono::milliseconds(700);   ///< at least, so that noise can be heard
+constexpr Time kRest = std::chrono::milliseconds(700);   ///< at least, to measure the noise
 constexpr Time kRunLength = std::chrono::seconds(30);
 constexpr double kMostVolts = 24;
-constexpr double kFromVolts = 1.5; ///< a motor that is to fall surely turns with it
+constexpr double kFromVolts = 1.5; ///< voltage at which any motor turns
 constexpr double kLeftToRise = 0.8;
-constexpr std::size_t kMostSteps = 1'000'000; ///< of one tactor: a month
+constexpr std::size_t kMostSteps = 1'000'000; ///< for one tactor: a month
 
 struct VoltageStep
 {
@@ -40,7 +40,7 @@ voltage_steps(const MeasurementSettings &settings)
     for (int j = i + 1; j <= points; j++) {
       const VoltageStep step{ i * settings.step_volts, j * settings.step_volts };
       const bool starts = step.start == 0 || step.start >= kStartVolts - 1e-9;
-      // Those from rest up to 1 V are there already.
+      // Steps from rest up to 1 V are already included.
       const bool is_new = step.start > 0 || step.target > 1.0 + 1e-9;
       if (starts && is_new && step.start <= kLeftToRise * step.target)
         steps.push_back(step);
@@ -48,7 +48,7 @@ voltage_steps(const MeasurementSettings &settings)
   return steps;
 }
 
-/// Why they are no settings; empty if they are.
+/// Why the settings are invalid; empty if they are valid.
 std::string
 fault_of(const MeasurementSettings &settings)
 {
@@ -106,7 +106,7 @@ plan_measurement(const MeasurementSettings &settings)
         if (step.start > 0)
           add(tactor, step.start, kHold);
         add(tactor, step.target, kTarget);
-        // While one tactor rests the others have their turn.
+        // The other tactors take their turns while one rests.
         const double cycle = static_cast<double>(on.count()) / settings.max_duty
                              / static_cast<double>(settings.tactors.size());
         add(tactor, 0, std::max(kRest, Time(std::llround(cycle)) - on));

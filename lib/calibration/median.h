@@ -6,7 +6,7 @@
 
 namespace tactor {
 
-/// The middle value, or the mean of the two in the middle; 0 of none.
+/// The median; the mean of the middle two for an even number of values, 0 for none.
 inline double
 median(std::vector<double> values)
 {

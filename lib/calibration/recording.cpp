@@ -12,17 +12,17 @@ namespace tactor {
 
 namespace {
 
-/// Of time, and so of a second: enough for a day and for ultrasound, and no number on the way
-/// overflows.
+/// Limits on times in seconds and on rates: enough for a day and for ultrasound, and small enough
+/// that nothing overflows.
 constexpr double kLongestS = 1e5;
 constexpr double kMostRate = 1e6;
-constexpr double kGreatest = 1e12; ///< of values, in any unit
+constexpr double kGreatest = 1e12; ///< limit on values, in any unit
 constexpr std::streamsize kLongestLine = 1 << 16;
 
 using Error = tl::unexpected<std::string>;
 
-/// The numbers of a line; empty if it does not begin with one. An error: what is no number further
-/// on, or none that is read.
+/// The numbers of a line; empty if the first field is not a number. Fails if a later field is not a
+/// number or is out of range.
 tl::expected<std::vector<double>, std::string>
 numbers(const std::string &line)
 {
@@ -45,8 +45,8 @@ numbers(const std::string &line)
   return result;
 }
 
-/// Adds what was heard at a time, the first number of `row`. Why not, if it does not fit what was
-/// there before.
+/// Adds the samples of a row, whose first number is the time. Fails if the row does not fit those
+/// before it.
 tl::expected<void, std::string>
 add_row(const std::vector<double> &row, std::vector<double> &times, Recording &recording)
 {
@@ -72,7 +72,7 @@ add_row(const std::vector<double> &row, std::vector<double> &times, Recording &r
   return {};
 }
 
-/// The channels at times first + i / rate.
+/// Resamples the channels to the times first + i / rate.
 void
 resample(Recording &recording, const std::vector<double> &times)
 {

@@ -11,31 +11,29 @@
 
 namespace tactor {
 
-/// What a sensor heard: any number of channels of one rate.
+/// A sensor recording: any number of channels at one rate.
 struct Recording
 {
-  /// No file may hold more numbers: three hours of one channel at 8 kHz.
+  /// Limit on the size of a file: three hours of one channel at 8 kHz.
   static constexpr std::size_t kMostValues = 100'000'000;
 
-  double rate = 0; ///< samples per second
-  Time start{ 0 }; ///< running time of the first sample
-  double full_scale
-      = 0; ///< where the sensor clips; 0: unknown, then its own extremes are looked at
+  double rate = 0;       ///< samples per second
+  Time start{ 0 };       ///< running time of the first sample
+  double full_scale = 0; ///< where the sensor clips; 0: unknown, the largest sample is taken
   std::vector<std::vector<double>> channels{};
 
   std::size_t size() const
   {
     return channels.empty() ? 0 : channels.front().size();
   }
-  /// The channel that hears a tactor: its own where there is one for each of `tactors`, else the
-  /// only or the first one.
+  /// The channel for a tactor: its own if there is one for each of `tactors`, else the first.
   int channel_of(int tactor, int tactors) const;
 };
 
-/// Reads a recording from a CSV file: a column of seconds, then one for each channel, separated by
-/// commas, semicolons or tabs; lines that do not begin with a number (headers) are skipped. At most
-/// 1 MHz, 28 hours, lines of 64 KiB. Uneven times are resampled to their mean rate. An error is a
-/// line with file, line, what was expected and what came.
+/// Reads a recording from a CSV file: a column of seconds, then one per channel, separated by
+/// commas, semicolons or tabs. Lines that do not start with a number (headers) are skipped. Limits:
+/// 1 MHz, 28 hours, lines of 64 KiB. Unevenly spaced samples are resampled to their mean rate. An
+/// error is one line with file, line, what was expected and what was found.
 tl::expected<Recording, std::string> read_csv_recording(const std::string &path);
 
 } // namespace tactor

@@ -16,9 +16,9 @@ namespace {
 
 constexpr int kTerms = 6;
 constexpr double kTableStepVolts = 0.1;
-/// How far a measurement's difference from the quadratic is felt in the table.
+/// Distance at which the weight of a measurement's residual falls off.
 constexpr double kNeighborVolts = 0.25;
-/// What was measured counts for so many times what was guessed from it.
+/// Weight of a measured entry relative to an interpolated one.
 constexpr double kMeasuredWeight = 100;
 constexpr double kSameVolts = 1e-6;
 constexpr double kWorstCondition = 1e-7;
@@ -122,7 +122,7 @@ monotone_table(std::span<const RiseTimeSample> samples, double volts_max)
   {
     double start;
     double target;
-    double left; ///< by the trend
+    double left; ///< residual of the trend
   };
   std::vector<Known> known;
   known.reserve(repeated.size());
@@ -130,7 +130,7 @@ monotone_table(std::span<const RiseTimeSample> samples, double volts_max)
     known.push_back(
         { volts.first, volts.second, median(times) - trend(volts.first, volts.second) });
 
-  /// What the measurements around a place say, the nearest most.
+  /// Interpolated residual: inverse distance weighting of the measurements.
   const auto left = [&](double start, double target) {
     double sum = 0;
     double weights = 0;
@@ -145,14 +145,14 @@ monotone_table(std::span<const RiseTimeSample> samples, double volts_max)
     }
     return sum / weights;
   };
-  /// Far beyond what was measured a quadratic leads astray.
+  /// The quadratic extrapolates badly, so limit it to the measured range.
   const double earliest = *std::ranges::min_element(all);
   const double latest = *std::ranges::max_element(all);
   RiseTimeTable table{ .step_volts = kTableStepVolts,
                        .size = static_cast<int>(std::ceil(volts_max / kTableStepVolts - 1e-9)) + 1,
                        .milliseconds = {} };
   for (int row = 0; row < table.size; row++) {
-    std::vector<double> sooner; // negative times rise with the target
+    std::vector<double> sooner; // negative times, which rise with the target
     std::vector<double> weights;
     for (int column = 0; column < table.size; column++) {
       const double start = row * table.step_volts;
@@ -163,7 +163,7 @@ monotone_table(std::span<const RiseTimeSample> samples, double volts_max)
       });
       weights.push_back(measured ? kMeasuredWeight : 1);
     }
-    // Targets not above the start are never asked for, and must not pull at those that are.
+    // Targets not above the start are never looked up and must not affect the others.
     const auto from = std::min(static_cast<std::size_t>(row + 1), sooner.size() - 1);
     const std::vector<double> risen
         = isotonic(std::span(sooner).subspan(from), std::span(weights).subspan(from));

@@ -10,7 +10,7 @@
 
 namespace tactor {
 
-/// A rise time that was measured.
+/// A measured rise time.
 struct RiseTimeSample
 {
   double start_volts = 0;
@@ -18,18 +18,19 @@ struct RiseTimeSample
   double milliseconds = 0;
 };
 
-/// Least squares to the paper's quadratic form, with R² and 95 % intervals (Student's t). None if
-/// the samples do not determine it: fewer than seven, or too few different voltages.
+/// Least-squares fit of the paper's quadratic form (Eq. 1), with R² and 95 % confidence intervals
+/// (Student's t). None if the samples do not determine it: fewer than seven, or too few different
+/// voltages.
 std::optional<QuadraticRiseTime> fit_quadratic(std::span<const RiseTimeSample> samples);
 
-/// A table for use on 0…volts_max: where it was measured the median of the measurements, elsewhere
-/// the quadratic, shifted by what it leaves nearby; no stronger target is slower from the same
-/// start (pool adjacent violators). None without samples.
+/// A rise-time table for 0…volts_max: the median of the measurements where there are any, elsewhere
+/// the quadratic form corrected by nearby residuals. From the same start voltage, a higher target
+/// is never slower (pool adjacent violators). None without samples.
 std::optional<RiseTimeTable> monotone_table(std::span<const RiseTimeSample> samples,
                                             double volts_max);
 
-/// The rising sequence nearest to the values in the sense of least squares, weighted if there are
-/// as many weights (pool adjacent violators).
+/// Isotonic regression: the non-decreasing sequence nearest to the values by least squares (pool
+/// adjacent violators). Weighted if there are as many weights as values.
 std::vector<double> isotonic(std::span<const double> values, std::span<const double> weights = {});
 
 } // namespace tactor

@@ -14,7 +14,7 @@ namespace {
 constexpr double kRisen = 0.9;
 constexpr Time kSettled = std::chrono::hours(1);
 
-/// Where a rising function gets to `value`, below 1.
+/// The argument at which a rising function reaches `value` < 1.
 double
 inverse(const std::function<double(double)> &rising, double value)
 {
@@ -29,17 +29,18 @@ inverse(const std::function<double(double)> &rising, double value)
   return high;
 }
 
-/// A motor and what it is still to be told.
+/// A motor and its pending commands.
 struct Player
 {
   MotorModel motor;
-  std::vector<std::pair<Time, double>> told{}; ///< when it reaches the motor, and the volts
+  std::vector<std::pair<Time, double>> told{}; ///< arrival time at the motor, and volts
   std::size_t next = 0;
   double gain = 1;
-  double turns = 0; ///< of its mass so far
+  double turns = 0; ///< revolutions of its mass so far
   double from = 0;
   double steady = 0;
-  double stretch = 1; ///< of SimulatedSensor::growth to MotorModel's time constant
+  double stretch
+      = 1; ///< time scale of SimulatedSensor::growth relative to MotorModel's time constant
 
   void tell(const std::function<double(double)> &growth)
   {

@@ -9,7 +9,7 @@ namespace tactor {
 
 namespace {
 
-/// A stretch of time at one voltage.
+/// A time at one voltage.
 struct Stretch
 {
   double volts = 0;
@@ -18,7 +18,7 @@ struct Stretch
   Time end{ 0 };
 };
 
-/// What each tactor was told, from before the first command to the end.
+/// The voltages of each tactor, from before the first command to the end.
 std::map<int, std::vector<Stretch>>
 stretches_of(std::span<const IssuedCommand> trace, Time end)
 {
@@ -38,7 +38,7 @@ stretches_of(std::span<const IssuedCommand> trace, Time end)
   return tactors;
 }
 
-/// Rests are only where no other tactor can be heard either.
+/// Shortens the rests of a step to times without vibration of another tactor.
 void
 listen_apart(Step &step, const Stretch &other)
 {
@@ -51,8 +51,8 @@ listen_apart(Step &step, const Stretch &other)
     step.next = std::min(step.next, std::max(other.begin, step.off));
 }
 
-/// Of another tactor's stretches only the nearest matter: the last before the step, the first
-/// during it, the first after it.
+/// The same for all stretches of another tactor. Only the nearest matter: the last before the step,
+/// the first during it, the first after it.
 void
 listen_apart(Step &step, const std::vector<Stretch> &others)
 {

@@ -17,19 +17,19 @@ constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
 constexpr double kLeastSnrDb = 10;
 constexpr double kMotionSnrDb = 3;
-/// Of the time at the target, this much counts as steady, and may differ between its halves by so
-/// much.
+/// The steady part is this last share of the time at the target; its halves may differ by
+/// kSteadyChange.
 constexpr double kSteadyShare = 0.4;
 constexpr double kSteadyChange = 0.05;
 constexpr double kLeastChange = 0.04;
 constexpr double kIrregular = 0.12;
 constexpr double kFitFromS = -0.1;
 constexpr double kSmearS = 0.05;
-constexpr double kSmeared = 0.02; ///< what of the loudest may be smeared into rest
+constexpr double kSmeared = 0.02; ///< largest share of the maximum that may leak into rest
 constexpr double kFallS = 0.4;
 constexpr double kSameCrest = 0.02;
 constexpr double kOtherVolts = 0.15;
-/// Motors are not more alike from step to step than this.
+/// Lower limits on the prior's deviations: a motor varies this much from step to step.
 constexpr double kLeastOnsetDeviationS = 0.001;
 constexpr double kLeastRoundnessDeviation = 0.03;
 constexpr std::size_t kFewestInCommon = 5;
@@ -48,8 +48,8 @@ decibels(double power, double reference)
   return 10 * std::log10(std::max(power, 1e-30) / std::max(reference, 1e-30));
 }
 
-/// A motor's crests may be flat, but not at the same height whatever drives it: that is an
-/// amplifier's limit.
+/// Marks clipped steps. A motor may have flat crests, but crests of the same height at different
+/// voltages are the limit of an amplifier.
 void
 name_clipped(std::vector<StepResponse> &responses)
 {
@@ -122,7 +122,7 @@ measure_step(const Recording &recording, int channel, const Step &step, Band ban
                  .raw = sound.raw().samples,
                  .amplitude = sound.drawn() };
 
-  // What comes after the end is smeared into what is before.
+  // The envelope after the end leaks into the time before it.
   const double steady_from = end * (1 - kSteadyShare);
   const double steady_to = end - kSmearS;
   response.hum = sound.hum();
@@ -136,7 +136,7 @@ measure_step(const Recording &recording, int channel, const Step &step, Band ban
     return finish(StepFault::no_motion);
   if (response.snr_db < kLeastSnrDb)
     return finish(StepFault::noisy);
-  // The level of a stretch is known no better than its noise, averaged, allows.
+  // The noise limits how well the level of a stretch is known.
   const double middle = (steady_from + steady_to) / 2;
   const double looseness = sound.looseness(steady_to - middle);
   const double change
@@ -184,7 +184,7 @@ prior_of(const std::vector<StepResponse> &responses)
   for (const StepResponse &response : responses)
     if (response.fault == StepFault::none && response.step.rises() && response.snr_db >= clear) {
       onsets.push_back(response.onset_ms / 1e3);
-      // A rise from a level is much the same, however round it is.
+      // Rises from a level above 0 hardly depend on the roundness.
       if (response.step.start_volts == 0)
         roundness.push_back(std::log(response.roundness));
     }

@@ -12,24 +12,24 @@ namespace tactor {
 
 namespace {
 
-/// Of the rest before and after a step, this much is listened to.
+/// Longest rest before and after a step to analyze.
 constexpr double kRestS = 0.5;
-/// A motor may still run out for so long after its end.
+/// How long a motor may take to run down after the end of a step.
 constexpr double kRunOutS = 0.25;
-/// The band-pass is not to be trusted this near to the ends.
+/// The band-pass is unreliable this close to the ends.
 constexpr double kMarginS = 0.05;
-/// What is so far away does not smear into the envelope.
+/// Samples farther away do not affect the envelope.
 constexpr double kReachS = 0.2;
 constexpr double kDropoutS = 0.01;
-/// Samples a second for each Hz of the band's upper edge: twice what a sampled sine needs, room for
-/// the band-pass's edge.
+/// Sampling rate relative to the band's upper edge: twice the Nyquist rate, for the band-pass's
+/// edge.
 constexpr double kOversampling = 4;
-/// Samples count as near the extreme within this share of it, or as far as noise carries them, up
-/// to the other share…
+/// Samples are near the extreme if they are within kLeastCrest of it, relatively, or within the
+/// noise, but at most kMostCrest…
 constexpr double kLeastCrest = 0.002;
 constexpr double kMostCrest = 0.02;
 constexpr double kNoiseDeviations = 7;
-/// …and are a flat crest where they are so many times more than a sine's.
+/// …and form a flat crest if there are this many times more than in a sine.
 constexpr double kFlat = 2.2;
 
 double
@@ -45,7 +45,7 @@ mean_square(std::span<const double> samples)
   return samples.empty() ? 0 : sum / static_cast<double>(samples.size());
 }
 
-/// Takes the trend out that a drifting sensor has.
+/// Removes the trend of a drifting sensor.
 void
 level_out(std::vector<double> &samples, double rate)
 {

@@ -11,7 +11,7 @@
 
 namespace tactor {
 
-/// Samples of one rate; times in seconds after a step's command.
+/// Samples at one rate; times are in seconds after a step's command.
 struct Window
 {
   double rate = 0;
@@ -23,45 +23,43 @@ struct Window
   std::span<const double> part(double from_s, double to_s) const;
 };
 
-/// The part of a channel around a step, from the rest before to the rest after.
+/// The part of a channel around a step, from the rest before it to the rest after it.
 class StepSound
 {
 public:
   StepSound(const Recording &recording, int channel, const Step &step);
 
-  /// As it was recorded.
+  /// The recorded samples.
   const Window &raw() const;
-  /// It does not hold the whole step.
+  /// Whether the step is not entirely recorded.
   bool is_truncated() const;
-  /// Samples are missing: 10 ms of zeros of every bit between the first and the last sound of
-  /// [from, to).
+  /// Whether samples are missing: 10 ms of exact zeros between nonzero samples of [from, to).
   bool has_dropout(double from_s, double to_s) const;
-  /// Crests are cut off at the end of the sensor's range: three times three samples in a row. Where
-  /// that is unknown, at the greatest sample.
+  /// Whether crests are cut off at the limit of the sensor's range, or at the largest sample if it
+  /// is unknown: at least three times three samples in a row.
   bool is_clipped(double from_s, double to_s) const;
-  /// Where the crests of a steady part are flat, more samples being near the extreme than a sine
-  /// has there; 0 if they are not. An amplifier before the sensor's own limit makes such; a motor
-  /// may, too.
+  /// The height of flat crests in a steady part, or 0 if there are none: more samples near the
+  /// extreme than a sine has. An amplifier before the sensor causes them; a motor may, too.
   double flat_crest(double from_s, double to_s) const;
 
-  /// Looks at a band: takes trend and mains hum out, then the Hilbert envelope. What follows needs
-  /// it.
+  /// Selects a band: removes trend and mains hum, then computes the Hilbert envelope. Required by
+  /// all that follow.
   void listen(Band band);
-  /// RMS of the hum that was taken out.
+  /// RMS of the hum that was removed.
   double hum() const;
   /// Mean square of the envelope at rest.
   double noise() const;
-  /// The envelope's maximum.
+  /// Maximum of the envelope.
   double loudest() const;
-  /// Amplitude in [from, to), root mean square, the noise's power taken off.
+  /// RMS amplitude in [from, to), with the noise power subtracted.
   double amplitude(double from_s, double to_s) const;
-  /// How far two such amplitudes of a stretch so long may differ by the noise.
+  /// How far two such amplitudes may differ due to noise (3 σ), for a stretch of this duration.
   double looseness(double seconds) const;
-  /// How the amplitude gets from one level to another in [from, to), up or down. The curve is
-  /// compared as band-pass and Hilbert transform, which smear it, would show it.
+  /// Fits the transition between two levels in [from, to), up or down. The curve is passed through
+  /// the band-pass and the Hilbert transform, which smear it, before comparison.
   GrowthCurve fit(double from_s, double to_s, double before, double after,
                   const GrowthPrior &prior) const;
-  /// The envelope at the recording's own rate, to be drawn over it.
+  /// The envelope resampled to the recording's rate, for plots.
   std::vector<double> drawn() const;
 
 private:
@@ -70,7 +68,7 @@ private:
   bool truncated_;
   Window raw_{};
   Band band_{};
-  Window passed_{}; ///< in the band, without hum, at a lower rate
+  Window passed_{}; ///< band-passed, without hum, at a lower rate
   Window envelope_{};
   double hum_ = 0;
   double noise_ = 0;

@@ -13,13 +13,13 @@ namespace tactor {
 
 namespace {
 
-/// Steps this far from the others are outliers: in milliseconds, and in median deviations (× 1.48:
-/// standard deviations).
+/// Limits for outliers: in milliseconds, and in median absolute deviations (× 1.48: standard
+/// deviations).
 constexpr double kOutlierMs = 15;
 constexpr double kOutlierDeviations = 5 * 1.4826;
 constexpr double kClearSnrDb = 15;
 
-/// Whether the motor moved at all can be said of the step.
+/// Whether the step shows if the motor moved.
 bool
 tells_of_motion(const StepResponse &response)
 {
@@ -28,8 +28,8 @@ tells_of_motion(const StepResponse &response)
          || response.fault == StepFault::clipped;
 }
 
-/// The least voltage at which, and at all above, most steps of a kind moved the motor. None if none
-/// did.
+/// The lowest voltage at which, and above which, most steps of a kind moved the motor. None if
+/// there is none.
 std::optional<double>
 threshold(const std::vector<StepResponse> &responses, bool (*is_of_kind)(const Step &))
 {
@@ -37,7 +37,7 @@ threshold(const std::vector<StepResponse> &responses, bool (*is_of_kind)(const S
   for (const StepResponse &response : responses)
     if (is_of_kind(response.step) && tells_of_motion(response))
       votes[response.step.target_volts] += response.fault == StepFault::no_motion ? -1 : 1;
-  // A single step that was missed among stronger and weaker ones that moved is not the threshold.
+  // A single voltage without motion between voltages with motion is not the threshold.
   std::optional<double> least;
   int still = 0;
   for (const auto &[volts, vote] : votes) {
@@ -83,8 +83,7 @@ samples_of(const std::vector<StepResponse *> &rises, double latency_ms, double s
   return samples;
 }
 
-/// Names what is far from what the other steps say: from the other repetitions, or where there are
-/// few, from the fit.
+/// Marks steps far from their repetitions or, where there are few, from the fit.
 void
 name_outliers(std::vector<StepResponse> &responses)
 {
@@ -169,8 +168,8 @@ calibrate_tactor(std::vector<StepResponse> &responses, bool latency_known)
   const std::vector<StepResponse *> rises = rises_of(responses);
   if (rises.empty())
     return std::nullopt;
-  // Even where the clocks differ the first motion is where a rise begins; only the lead is then not
-  // known.
+  // A rise begins at the first motion even without a common clock; only the latency is unknown
+  // then.
   const double latency_ms = std::max(0.0, latency_of(rises));
   if (latency_known)
     tactor.latency = Time(std::llround(latency_ms * 1e6));
@@ -181,7 +180,7 @@ calibrate_tactor(std::vector<StepResponse> &responses, bool latency_known)
     volts_max = std::max(volts_max, sample.target_volts);
   tactor.quadratic = fit_quadratic(samples);
   tactor.table = monotone_table(samples, volts_max);
-  // A table is monotone, which a motor whose rise times are not is not served by.
+  // The table is monotone, so it fits badly if the measured rise times are not.
   double table_squares = 0;
   double quadratic_squares = 0;
   for (const RiseTimeSample &sample : samples) {
@@ -201,7 +200,7 @@ calibrate_tactor(std::vector<StepResponse> &responses, bool latency_known)
   if (!falls.empty())
     tactor.fall_time = Time(std::llround(std::max(1.0, median(falls)) * 1e6));
   for (const StepResponse &response : responses) {
-    // That a motor stands below its start voltage is what the step was for.
+    // No motion below the start voltage is a valid measurement.
     const bool used = response.fault == StepFault::none || response.fault == StepFault::no_motion;
     (used ? tactor.steps_used : tactor.steps_refused)++;
   }

@@ -10,24 +10,24 @@
 
 namespace tactor {
 
-/// What the steps of one tactor tell of it. Steps that other steps contradict get their fault here:
-/// missed ones, where a motor stood though weaker commands moved it, and outliers among repetitions
-/// or far off the fit. None if no rise could be measured. `latency_known`: recording and commands
-/// have one clock.
+/// Calibration of one tactor from its steps. Steps contradicted by others get their fault here:
+/// `missed` if the motor stood still though weaker commands moved it, and `outlier` if far from
+/// repetitions or from the fit. None if no rise could be measured. `latency_known`: recording and
+/// commands share a clock.
 ///
-/// - start voltage: the least from which, and from all above, the motor left its rest; hold voltage
-///   likewise of steps down;
-/// - latency: the median first motion of rises from rest to at least half of the strongest command;
-/// - rise times: from the latency's end to 90 %.
+/// - start voltage: the lowest at which, and above which, the motor left its rest; the hold voltage
+///   likewise from steps down;
+/// - latency: the median onset of rises from rest to at least half of the highest voltage;
+/// - rise times: from the end of the latency to 90 %.
 std::optional<TactorCalibration> calibrate_tactor(std::vector<StepResponse> &responses,
                                                   bool latency_known = true);
 
-/// The rise times that a tactor's calibration was made of, from the latency's end: of all rises
-/// without fault. Those from less than the start voltage are from rest, for the motor stood.
+/// The rise times behind a tactor's calibration, from the end of the latency: all rises without
+/// fault. Rises from below the start voltage count as from rest, where the motor stood still.
 std::vector<RiseTimeSample> rise_time_samples(const std::vector<StepResponse> &responses,
                                               const TactorCalibration &tactor);
 
-/// The calibrations of all tactors that a recording's steps tell of, `responses` in any order.
+/// Calibrations of all tactors with steps in `responses`, in any order.
 Calibration calibrate(std::vector<StepResponse> &responses, bool latency_known = true);
 
 } // namespace tactor
