@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: LGPL-2.1-or-later
-"""Are the pages for contributors true? The files they name are there, and the example on each compiles: its first table names files, its
-code that begins with a license is those that the table calls new, in this order.
+"""Checks the pages for contributors: the files they name exist, and the example on each page compiles. A page's first table names the
+example's files. Its code blocks that begin with a license are the files that the table calls new, in this order.
 
 Usage: contributing.py SOURCE_FOLDER COMPILER..."""
 import pathlib
@@ -24,7 +24,7 @@ for page in sorted((root / "docs/contributing").glob("*.md")):
         parts = row.split("(new)")
         for index, part in enumerate(parts):
             for name in re.findall(r"`([\w.-]+(?:/[\w.-]+)+|\w+\.md)`", part):
-                # What a cell calls new ends there; before it in the cell nothing is old.
+                # A cell's new names end there. Everything before them is new, too.
                 if index < len(parts) - 1:
                     new.append(name)
                 elif not (root / name).exists():

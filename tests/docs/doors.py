@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: LGPL-2.1-or-later
-"""Each folder of lib/ or tools/ that has a meson.build is a house. Its door is what the comments of that file name after "Door": the headers that
-others may include. Tests may look inside. And arrows point down: no two houses include each other, directly or around a corner, and nothing
-outside gst/ includes the elements' headers.
+"""Each folder of lib/ or tools/ that has a meson.build is a house. Its door is the list of headers after "Door" in that file's
+comments, which others may include. Tests may include all headers. Includes have no cycles: no two houses include each other, directly or
+through others, and nothing outside gst/ includes the elements' headers.
 Usage: doors.py ROOT"""
 
 import pathlib

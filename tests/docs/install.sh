@@ -1,9 +1,9 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: LGPL-2.1-or-later
-# What README says of installing is true: its lines, with a folder of this test's as the prefix and without the building, let GStreamer, programs,
-# Python and pkg-config find everything, in an environment that knows of nothing else; and with its prefix for all users the plugins are
-# where GStreamer looks.
-# Usage: install.sh README BUILD PYTHON      (a build folder in which all is built that is installed)
+# README's instructions for installing are true. Its lines run with a temporary prefix, but without
+# the build. Then GStreamer, programs, Python and pkg-config must find everything in an otherwise
+# empty environment. With its prefix for all users, plugins must be where GStreamer looks.
+# Usage: install.sh README BUILD PYTHON      (a build folder in which everything to install is built)
 set -euo pipefail
 readme=$1
 build=$2
@@ -11,14 +11,14 @@ python=$3
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 
-# The blocks of shell lines under "Installing".
+# The shell blocks under "Installing".
 # shellcheck disable=SC2016 # back ticks of Markdown
 section=$(sed -n '/^## Installing$/,/^## More$/p' "$readme")
 # shellcheck disable=SC2016
 blocks=$(sed -n '/^```sh$/,/^```$/p' <<<"$section")
 [ -n "$blocks" ] || { echo "$readme says nothing of installing"; exit 1; }
 
-# ---- all users: plugins below that prefix are in the folder of GStreamer's own --------------------------------------------
+# ---- all users: plugins must be in GStreamer's own folder ------------------------------------
 option() {
   meson introspect "$build" --buildoptions | "$python" -c 'import json, sys; print(next(o["value"] for o in json.load(sys.stdin) if o["name"] == sys.argv[1]))' "$1"
 }
@@ -26,8 +26,8 @@ prefix=$(sed -nE 's/^meson setup build --prefix=(\/[a-z/]+) .*/\1/p' <<<"$blocks
 [ -n "$prefix" ] || { echo "$readme names no prefix for all users"; exit 1; }
 [ "$prefix/$(option libdir)/gstreamer-1.0" = "$(pkg-config --variable=pluginsdir gstreamer-1.0)" ] || { echo "GStreamer does not look below $prefix"; exit 1; }
 
-# ---- anywhere else ---------------------------------------------------------------------------------------------------------
-# Staged, and then the one file changed that holds the prefix: as if it had been configured with it.
+# ---- other prefixes -------------------------------------------------------------------------
+# Staged, then the one file that contains the prefix is changed as if it had been configured.
 DESTDIR=$work/stage meson install -C "$build" --no-rebuild --quiet
 mv "$work/stage$(option prefix)" "$work/there"
 sed -i "s#^prefix=.*#prefix=$work/there#" "$work"/there/lib/*/pkgconfig/*.pc
@@ -35,7 +35,7 @@ sed -i "s#^prefix=.*#prefix=$work/there#" "$work"/there/lib/*/pkgconfig/*.pc
 sed -n '/^prefix=/,/^```$/{/^```$/d;p}' <<<"$blocks" | sed "s#^prefix=.*#prefix=$work/there#; /meson install/d" >"$work/environment"
 grep -q '^export' "$work/environment" || { echo "$readme says nothing of other prefixes"; exit 1; }
 
-# found COMMAND: ends with status 0 in a shell that has read README's lines, and nothing else
+# found COMMAND: it must succeed in a shell that has read only README's lines
 found() {
   env -i PATH="$PATH" HOME="$work" GST_REGISTRY="$work/registry" bash -euc ". '$work/environment'; $1" >"$work/log" 2>&1 || {
     printf 'with what README says, this fails: %s\n' "$1"

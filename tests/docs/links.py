@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: LGPL-2.1-or-later
-"""Every link between pages leads to a file, and to a heading of it. Pages are the root's *.md and those below docs/.
+"""Checks that every link between pages leads to an existing file and heading. Pages are the *.md files in the root and below docs/.
 Usage: links.py ROOT"""
 
 import pathlib
@@ -12,7 +12,7 @@ LINK = re.compile(r"\[[^\]]*\]\(\s*([^)\s]+)\)")
 
 
 def anchors(page):
-    """Of its headings, as forges make them."""
+    """The anchors of its headings, as forges generate them."""
     text = re.sub(r"^ *```.*?^ *```$", "", page.read_text(), flags=re.M | re.S)
     titles = [re.sub(r"\[([^\]]*)\]\([^)]*\)", r"\1", title) for title in re.findall(r"^#+ (.*)$", text, re.M)]
     return {re.sub(r"[^\w\- ]", "", title.lower()).strip().replace(" ", "-") for title in titles}

@@ -1,12 +1,13 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: LGPL-2.1-or-later
-# Does an element's page name exactly the properties that the element adds to those of its base class?
+# Checks that an element's page names exactly the properties that the element adds to its base
+# class.
 # Usage: properties.sh DOCS_FOLDER ELEMENT...      (with the plugins on GST_PLUGIN_PATH)
 set -euo pipefail
 docs=$1
 shift
 
-# What every element of these base classes has.
+# Properties of these base classes.
 inherited=" name parent qos async blocksize enable-last-sample last-sample max-bitrate max-lateness processing-deadline render-delay stats sync throttle-time ts-offset do-timestamp num-buffers typefind async-handling message-forward emit-signals latency min-upstream-latency start-time start-time-selection "
 status=0
 for element in "$@"; do

@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: LGPL-2.1-or-later
-# Builds and runs the programs on a page, each block in C, C++ and Python with a film as its argument. Each has to end with status 0.
-# Its shell lines are run by launch_lines.sh and tests/tools/players.sh.
+# Builds and runs the programs on a page: each block in C, C++ and Python, with a film as its
+# argument. Each must end with status 0.
+# launch_lines.sh and tests/tools/players.sh run its shell lines.
 # Usage: recipes.sh PAGE SOURCE BUILD      (with the plugins on GST_PLUGIN_PATH; folders of the source and of the build)
 set -euo pipefail
 page=$1
@@ -11,12 +12,12 @@ trap 'rm -rf "$work"' EXIT
 
 gst-launch-1.0 -q tactiletestsrc num-buffers=45 ! video/x-raw,width=160,height=120 ! jpegenc ! matroskamux ! filesink location="$work/film.mkv"
 export LD_LIBRARY_PATH="$library${LD_LIBRARY_PATH:+:$LD_LIBRARY_PATH}"
-# Without a display, the sink that DirectFB brings ends the program that tries it.
+# Without a display, DirectFB's sink exits the program that tries it.
 export GST_PLUGIN_FEATURE_RANK=dfbvideosink:NONE
 unset DISPLAY WAYLAND_DISPLAY
 
 count=0
-# Block number N of a language.
+# block LANGUAGE N: the Nth block of a language
 block() {
   awk -v fence="\`\`\`$1" -v n="$2" '$0 == "```" { inside = 0 } inside && seen == n { print } $0 == fence { inside = 1; seen++ }' "$page"
 }

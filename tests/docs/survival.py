@@ -1,8 +1,8 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: LGPL-2.1-or-later
-"""Which elements keep the tactile map on a frame? Runs frames with maps through them and prints a table.
+"""Which elements keep a frame's tactile map? Runs frames with maps through them and prints a table.
 
-Usage: survival.py [PAGE]      (with the plugins on GST_PLUGIN_PATH; PAGE: fails unless the table in it is this one)
+Usage: survival.py [PAGE]      (with the plugins on GST_PLUGIN_PATH; fails unless PAGE contains this table)
 """
 import sys
 
@@ -15,7 +15,7 @@ from gi.repository import Gst, GstTactile  # noqa: E402
 FRAMES = 12
 SOURCE = f"tactiletestsrc num-buffers={FRAMES} ! video/x-raw,format=I420,width=64,height=48,framerate=30/1 ! saliencytactile rows=2 columns=3 ! "
 
-# What it is called, the launch line.
+# Name and launch line.
 CHAINS = [
     ("queues and other plumbing", "queue ! identity ! tee ! multiqueue ! valve ! clocksync ! input-selector ! funnel ! concat"),
     ("`videoconvert` to RGB", "videoconvert ! video/x-raw,format=RGB"),
@@ -50,7 +50,7 @@ CHAINS = [
 
 
 def count(description):
-    """Frames that came out, and those of them with the map that went in."""
+    """The number of frames that came out, and how many of them have the map that went in."""
     line = SOURCE + (f"{description} ! fakesink name=end" if description else "visuotactilesink name=end driver=simulator sync=false rows=2 columns=3 video-sink=fakesink")
     pipeline = Gst.parse_launch(line)
     seen = [0, 0]

@@ -1,13 +1,14 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: LGPL-2.1-or-later
-# C and C++ are formatted as .clang-format says, comments within 100 columns. Version 14, Debian 12's: others break lines elsewhere.
+# C and C++ are formatted as in .clang-format, with comments within 100 columns. Version 14, as in
+# Debian 12: other versions break lines differently.
 #
-# Usage: format.sh SOURCE_FOLDER         To mend: clang-format-14 -i FILE
+# Usage: format.sh SOURCE_FOLDER         To fix: clang-format-14 -i FILE
 set -euo pipefail
 cd "$1"
-# Also where root looks at a user's checkout.
+# For root in a user's checkout, too.
 git -c safe.directory="$PWD" ls-files -z '*.c' '*.cpp' '*.h' | xargs -0r clang-format-14 --dry-run -Werror
-# It leaves comments as they are, and knows no limit for them.
+# It does not reformat or limit comments.
 long=$(git -c safe.directory="$PWD" ls-files -z '*.c' '*.cpp' '*.h' | xargs -0r /usr/bin/python3 -c '
 import sys
 for name in sys.argv[1:]:

@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: LGPL-2.1-or-later
-# tactor-calibrate in a closed loop: simulated motors that all differ are driven by tactorsink, heard by a GStreamer source, measured, and
-# played again with what was measured. No clock is waited for.
+# tactor-calibrate in a closed loop, without waiting for a clock. tactorsink drives simulated motors
+# that all differ, a GStreamer source records them, and the program measures them. Then they are
+# played again with the result.
 # Expects CALIBRATE (the program) and the plugins on GST_PLUGIN_PATH.
 # shellcheck source=calibrate_common.sh
 . "$(dirname "$0")/calibrate_common.sh"
@@ -30,7 +31,8 @@ INI
 
 hear=(--source=simulator --simulated-motors=simulated "--tactors=0,2")
 
-# Stopped after its first run, it goes on with the second; done, it does nothing; for another measurement it takes no used folder.
+# Stopped after its first run, it resumes with the second. A complete measurement is not repeated. A
+# used folder is not taken for another measurement.
 "$CALIBRATE" measure chair "${hear[@]}" --motor="two of them" --run=0 >out
 [ "$(grep -c ^run out)" -eq 1 ] || fail "--run=0 played $(cat out)"
 "$CALIBRATE" measure chair "${hear[@]}" --motor="two of them" >out
@@ -60,7 +62,7 @@ near "its slope" "$(value 2 rise-quadratic-ms 2)" -200 8
 near "its R2" "$(value 2 rise-quadratic-r-squared)" 1 0.005
 near "vibration of tactor 0" "$(value 0 vibration | sed 's/.*;//')" 0.06 0.03
 
-# check: with the calibration everything is in time, without it nothing is.
+# check: with the calibration all rises are on time, without it none is.
 p95() {
   sed -nE 's/^all .*p95 +([0-9.]+),.*/\1/p' out
 }
@@ -80,13 +82,13 @@ for picture in envelope rise-times residuals; do
   head -c 8 "two-$picture.png" | cmp -s - <(printf '\211PNG\r\n\032\n') || fail "two-$picture.png is no PNG"
 done
 
-# A recording that was made elsewhere, on a clock of its own.
+# A recording from elsewhere, with a clock of its own.
 cp chair/run-002.wav elsewhere.wav
 "$CALIBRATE" analyse --recording=elsewhere.wav --commands=chair/run-002.csv --align --output=elsewhere.calibration >out
 grep -q '^start-volts=' elsewhere.calibration || fail "$(cat out)"
 grep -q '^latency-ms=' elsewhere.calibration && fail "a latency without a common clock"
 
-# A telephone beside the chair: a sound file of its own for each run.
+# A phone beside the chair: one sound file for each run.
 mkdir phone
 cp chair/session.ini chair/run-*.csv phone
 for sound in chair/run-*.wav; do
@@ -96,7 +98,7 @@ done
 sed -n '/^\[Tactor 2\]/,/^\[/s/^start-volts=//p' phone/motors.calibration | grep -qx 0.7 || fail "$(cat out)"
 grep -q '^latency-ms=' phone/motors.calibration && fail "a latency without a common clock"
 
-# Refusals are one line each, with status 1 or 2.
+# An error is one line, with status 1 or 2.
 refused() {
   local status=0
   "$CALIBRATE" "$@" >out 2>err || status=$?
@@ -113,7 +115,7 @@ refused analyse nowhere
 refused analyse --recording=simulated --commands=chair/run-002.csv --output=x
 refused show nowhere
 refused show chair --output=picture.jpg
-# Sound files whose headers lie: 4 GiB of one channel, no channels.
+# Sound files with false headers: 4 GiB of one channel, no channels.
 head -c 40 elsewhere.wav >lying.wav
 printf '\377\377\377\377' >>lying.wav
 refused analyse --recording=lying.wav --commands=chair/run-002.csv --output=x

@@ -1,6 +1,6 @@
 # shellcheck shell=bash
 # SPDX-License-Identifier: LGPL-2.1-or-later
-# Sourced by the tests of tactor-calibrate: a folder to work in, and what is compared.
+# Sourced by the tests of tactor-calibrate: a working folder and comparisons.
 # Expects CALIBRATE (the program) and the plugins on GST_PLUGIN_PATH.
 set -euo pipefail
 : "${CALIBRATE:?the path of tactor-calibrate}"

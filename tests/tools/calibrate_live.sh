@@ -1,8 +1,10 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: LGPL-2.1-or-later
-# tactor-calibrate on the clock: a simulated motor is driven by tactorsink and heard at the same time by a live source, whose latency the
-# whole pipeline has; what it is comes back. A bit more than a minute, hardly any of it work.
-# Expects CALIBRATE (the program) and the plugins, simulatedsensorsrc among them, on GST_PLUGIN_PATH.
+# tactor-calibrate on the clock. tactorsink drives a simulated motor while a live source records it,
+# whose latency the whole pipeline has. The measurement must return the motor's values. Takes a bit
+# more than a minute, nearly all of it waiting.
+# Expects CALIBRATE (the program) and the plugins, simulatedsensorsrc among them, on
+# GST_PLUGIN_PATH.
 # shellcheck source=calibrate_common.sh
 . "$(dirname "$0")/calibrate_common.sh"
 

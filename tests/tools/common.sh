@@ -1,6 +1,7 @@
 # shellcheck shell=bash
 # SPDX-License-Identifier: LGPL-2.1-or-later
-# Sourced by the tests of visuotactile-play: films to play, cases that run side by side, and what has to be true afterwards.
+# Sourced by the tests of visuotactile-play: films, cases that run in parallel, and checks of the
+# results.
 # Expects PLAY (the program), PYTHON and the plugins on GST_PLUGIN_PATH.
 set -euo pipefail
 : "${PLAY:?the path of visuotactile-play}" "${PYTHON:?the path of a Python with gi}"
@@ -10,7 +11,7 @@ unset DISPLAY WAYLAND_DISPLAY
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 cd "$work"
-# GStreamer looks through all its plugins the first time: not while something is timed.
+# The first start scans all plugins, which must not be part of a timed case.
 "$PLAY" --version >/dev/null
 
 # ---- films of one second ---------------------------------------------------------------------------------------------
@@ -24,12 +25,13 @@ picture() {
   echo "videotestsrc pattern=ball num-buffers=${4:-30} ! video/x-raw,format=${3:-I420},width=$1,height=$2,framerate=30/1"
 }
 
-# plain COMMAND ...: without this project's plugins, which a program without the runtime of a sanitizer could not load
+# plain COMMAND ...: without this project's plugins, which programs without a sanitizer's runtime
+# cannot load
 plain() {
   env -u GST_PLUGIN_PATH -u GST_PLUGIN_PATH_1_0 GST_REGISTRY_1_0="${GST_REGISTRY_1_0:-$work/registry}.plain" "$@"
 }
 
-# film NAME LAUNCH_LINE: NAME is written by the line, which needs no sink
+# film NAME LAUNCH_LINE: writes NAME by a line without a sink
 film() {
   # shellcheck disable=SC2086 # a launch line is many words
   plain timeout 30 gst-launch-1.0 -q $2 ! filesink location="$1" >"$1.log" 2>&1 || { cat "$1.log"; return 1; }
@@ -50,7 +52,7 @@ fail() {
   exit 1
 }
 
-# start NAME COMMAND ...: a case in a folder of its own, beside the others, four at a time
+# start NAME COMMAND ...: a case in its own folder, four in parallel
 start() {
   local name=$1
   shift
@@ -63,7 +65,7 @@ start() {
   cases=$((cases + 1))
 }
 
-# Ends the test: fails if any case did.
+# Ends the test, and fails if any case did.
 finish() {
   local name failed=0
   for name in "${!running[@]}"; do
@@ -76,13 +78,13 @@ finish() {
   [ "$failed" -eq 0 ] && [ "$cases" -gt 0 ]
 }
 
-# play ARGUMENTS ...: sets `status`, leaves the files out and err
+# play ARGUMENTS ...: sets `status`, writes the files out and err
 play() {
   status=0
   timeout 30 "$PLAY" "$@" >out 2>err || status=$?
 }
 
-# ---- what has to be true ---------------------------------------------------------------------------------------------
+# ---- checks ------------------------------------------------------------------------------------
 expect_status() {
   [ "$status" -eq "$1" ] || fail "status $status instead of $1; it said: $(cat err)"
 }
@@ -91,14 +93,15 @@ expect_line() {
   grep -qE -- "$2" "$1" || fail "no line like '$2' in: $(cat "$1")"
 }
 
-# expect_report: the lines of the report, in order
+# expect_report: the report's lines, in order
 expect_report() {
   local labels
   labels=$(grep -oE '^(Film broken|Film|Picture|Played|Frames|Analysis|Commands|Schedule error|Recording|Written) ' out | sed 's/ $//' | paste -sd, -)
   [ "${labels/Film broken,/}" = "Film,Picture,Played,Frames,Analysis,Commands,Schedule error,Written" ] || fail "the report has $labels"
 }
 
-# expect_commands FILE [NONE]: the trace is whole, and every tactor ends at zero volts; without a second argument there are commands
+# expect_commands FILE [NONE]: the trace is complete and every tactor ends at zero volts; without a
+# second argument there are commands
 expect_commands() {
   [ "$(head -n 1 "$1")" = issued_ns,due_ns,effect_ns,tactor,volts ] || fail "$1 begins with $(head -n 1 "$1")"
   awk -F, 'NR > 1 { if (NF != 5 || $3 < $2 || $5 < 0 || $5 > 3) { print "bad line " NR ": " $0; exit 1 } last[$4] = $5 }
@@ -109,12 +112,13 @@ expect_commands() {
 # expect_strip FILE: a PNG that decodes
 expect_strip() {
   [ "$(head -c 8 "$1" | od -An -tx1 | tr -d ' ')" = 89504e470d0a1a0a ] || fail "$1 is no PNG"
-  # A copy, for names that a launch line can't hold.
+  # A copy, for names that a launch line cannot contain.
   cp -- "$1" strip_to_check.png
   plain gst-launch-1.0 -q filesrc location=strip_to_check.png ! pngdec ! fakesink >decoded 2>&1 || fail "$1 does not decode: $(cat decoded)"
 }
 
-# expect_recording FILE LEAST MOST [WIDTH HEIGHT STREAMS]: seconds within bounds, and the rest if given
+# expect_recording FILE LEAST MOST [WIDTH HEIGHT STREAMS]: the duration in seconds is within bounds,
+# and the rest matches if given
 expect_recording() {
   local seconds rest
   read -r seconds rest < <(plain "$PYTHON" "$here/film_info.py" "$1") || fail "$1 is not whole"
@@ -122,7 +126,7 @@ expect_recording() {
   [ $# -lt 4 ] || [ "$rest" = "$4" ] || fail "$1 is $rest instead of $4"
 }
 
-# expect_only FOLDER NAME ...: these files and no other, hidden ones included
+# expect_only FOLDER NAME ...: exactly these files, including hidden ones
 expect_only() {
   local folder=$1 has
   shift

@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: LGPL-2.1-or-later
-# The scripts in pipelines/ find a film under any name: what film_uri makes of it, gst-launch-1.0 opens.
+# The scripts in pipelines/ find a film with any name: gst-launch-1.0 opens the URI that film_uri
+# makes.
 # Usage: film_uri.sh TOOLS/BUILD.SH
 set -euo pipefail
 # shellcheck source=../../tools/build.sh
@@ -19,7 +20,7 @@ fail() {
 for name in film.mkv "a b.mkv" "%41#?;&=+,.mkv" "a\"b'c\\d.mkv" "!\$HOME\`x\`(*)[y]{z}.mkv" -e $'\xc3\xa9 \xff.mkv' $'two\nlines.mkv'; do
   gst-launch-1.0 -q videotestsrc num-buffers=1 ! pngenc ! filesink location=film >log 2>&1
   mv film "./$name"
-  # Without the path, then with all of it.
+  # A relative path, then an absolute one.
   for path in "$name" "$work/$name"; do
     uri=$(film_uri "$path")
     timeout 30 gst-launch-1.0 -q uridecodebin uri="$uri" ! fakesink >log 2>&1 || fail "$uri is not '$path': $(head -n 1 log)"
@@ -29,7 +30,7 @@ done
 
 [ "$(film_uri "https://host/a film?b=c")" = "https://host/a film?b=c" ] || fail "a URI was changed"
 
-# refuses STATUS PATH: one line, and that status
+# refuses STATUS PATH: one line, with that status
 refuses() {
   local status=0
   (film_uri "$2") >out 2>err || status=$?

@@ -1,12 +1,13 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: LGPL-2.1-or-later
-# Validates .sem.xml files with the schemas of ISO/IEC 23005-3, which may not be copied here: a folder with MPEG-V-SEDL.xsd, MPEG-V-SEV.xsd
-# and what they import, as in resources/ of local-repo/lprm/mpeg-metadata/1.0.0/mpeg-metadata-1.0.0.jar in the public repository
-# estevaosaleme/PlaySEM_SERenderer. What xmllint cannot do with them as they are is mended in copies: the schema of the XML namespace, which is
-# on a server, and a name that is misspelled in mpeg7-udp-2004.xsd.
+# Validates .sem.xml files with the schemas of ISO/IEC 23005-3, which may not be copied here. They
+# are in the public repository estevaosaleme/PlaySEM_SERenderer, in resources/ of
+# local-repo/lprm/mpeg-metadata/1.0.0/mpeg-metadata-1.0.0.jar. The folder needs MPEG-V-SEDL.xsd,
+# MPEG-V-SEV.xsd and what they import. Two things are fixed in copies, for xmllint: the schema of
+# the XML namespace, which is on a server, and a misspelled name in mpeg7-udp-2004.xsd.
 # Usage: tests/tools/mpegv_schema.sh SCHEMAS FILE.sem.xml...
 set -euo pipefail
-[ $# -ge 2 ] && [ -f "$1/MPEG-V-SEV.xsd" ] || { sed -n '3,7s/^# \{0,1\}//p' "$0" >&2; exit 2; }
+[ $# -ge 2 ] && [ -f "$1/MPEG-V-SEV.xsd" ] || { sed -n '3,8s/^# \{0,1\}//p' "$0" >&2; exit 2; }
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 cp "$1"/*.xsd "$work"

@@ -1,13 +1,14 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: LGPL-2.1-or-later
-# Nothing in lib/ or gst/ throws: expected errors are values (docs/design/architecture.md, "Errors"). What is compiled says so better than what is
-# written, as headers may throw, too. What the standard library throws itself, such as std::vector where memory is out, is not seen.
+# Nothing in lib/ or gst/ throws: expected errors are values (docs/design/architecture.md,
+# "Errors"). Object files are checked rather than sources, since headers may throw, too. Exceptions
+# of the standard library itself, such as std::vector's when memory is exhausted, are not found.
 #
 # Usage: no_throw.sh BUILD
 set -euo pipefail
 cd "$1"
 
-# RowBuffer (lib/frame/image_rows.h) throws std::bad_alloc, as a vector would.
+# RowBuffer (lib/frame/image_rows.h) throws std::bad_alloc, like a vector.
 allowed='^lib/(frame/.*/(byte_rows|component_rows|front_end)|saliency/.*/pyramid)\.cpp\.o$'
 
 mapfile -d '' objects < <(find lib gst -name '*.o' -print0)

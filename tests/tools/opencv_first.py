@@ -1,14 +1,14 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: LGPL-2.1-or-later
-"""What is wrong is answered, in a process in which nothing can be thrown.
+"""Invalid input causes errors or warnings, in a process in which nothing may throw.
 
-OpenCV's and SciPy's Python modules are imported first. On Debian libstdc++ then takes libunwind's _Unwind_* for libgcc's, once GStreamer
-has brought it, and whatever C++ throws anywhere ends in std::terminate. So this process lives as long as no property, caps, file or
-board needs an exception to be refused. A frame that is larger than what memory is left ends any process: GStreamer's allocator does so.
+OpenCV's and SciPy's Python modules are imported first. On Debian, libstdc++ then uses libunwind's _Unwind_* instead of libgcc's, once
+GStreamer has loaded libunwind, and any C++ exception ends in std::terminate. So the process survives only if properties, caps, files and
+boards are refused without exceptions. A frame larger than the free memory ends any process, by GStreamer's allocator.
 
 Usage: opencv_first.py PLUGINS [texts] [properties] [frames] [streams] [boards]   (all of them)
 """
-import cv2  # first: see above; a test that cannot import them fails
+import cv2  # first, see above; the test fails if they are missing
 import scipy.linalg
 
 import os
@@ -38,7 +38,7 @@ def check(holds, what):
 
 
 class Play:
-    """What a pipeline says until it ends, or until it has come as far as it gets without data."""
+    """A pipeline's messages until it ends, or until it reaches `state`."""
 
     def __init__(self, line, feed=(), state=Gst.State.PLAYING):
         print('  ' + line[:150].encode('ascii', 'backslashreplace').decode(), flush=True)
@@ -48,7 +48,7 @@ class Play:
         except GLib.Error as error:
             self.errors.append(error.message)
             return
-        self.pipeline.set_property('auto-flush-bus', False)  # what is said as it stops is heard, too
+        self.pipeline.set_property('auto-flush-bus', False)  # messages of the stop count, too
         bus = self.pipeline.get_bus()
         changed = self.pipeline.set_state(state)
         for source, samples in feed:
@@ -93,14 +93,14 @@ def own_factories(folder):
 
 
 def own_properties(element):
-    """Those of the element's class, and what it inherits that it may mean something else by."""
+    """Writable properties of the element, inherited ones included."""
     for spec in element.list_properties():
         if spec.flags & GObject.ParamFlags.WRITABLE and not spec.flags & GObject.ParamFlags.CONSTRUCT_ONLY and spec.name not in ('name', 'parent'):
             yield spec
 
 
 def start_and_stop(element):
-    """As far as it gets alone: what a property means may show only there."""
+    """Starts an element alone: some properties take effect only there."""
     element.set_state(Gst.State.PAUSED)
     element.set_state(Gst.State.NULL)
 
@@ -119,7 +119,7 @@ def try_properties(name):
             for text in TEXTS:
                 element.set_property(property_name, text)
                 element.get_property(property_name)
-                if name != 'visuotactilesink':  # which hands them on to tactorsink, and takes long to find a window
+                if name != 'visuotactilesink':  # it passes them to tactorsink, and is slow to find a window
                     start_and_stop(element)
             element.set_property(property_name, None)
             start_and_stop(element)
@@ -140,7 +140,7 @@ def try_properties(name):
 
 
 def try_wrong_texts():
-    """The properties whose answer is documented."""
+    """Properties whose warnings and errors are documented."""
     weights = Gst.parse_launch('pipeline ( tactiletestsrc ! saliencytactile name=s ! fakesink )')
     element = weights.get_by_name('s')
     element.set_property('roi-weights', 'face=2')
@@ -271,7 +271,7 @@ def main():
     parts = {'texts': try_wrong_texts, 'properties': try_all_properties, 'frames': try_frames, 'streams': try_streams,
              'boards': try_files_and_boards}
     with tempfile.TemporaryDirectory() as folder:
-        os.chdir(folder)  # some texts are names of files that are written
+        os.chdir(folder)  # some texts name files to write
         for name in sys.argv[2:] or parts:
             parts[name]()
         os.chdir('/')

@@ -1,10 +1,11 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: LGPL-2.1-or-later
-# visuotactile-play --help, --version and --print-pipeline; the pipeline that is printed runs, in a shell, as it stands.
+# visuotactile-play --help, --version and --print-pipeline. The printed pipeline runs unchanged in a
+# shell.
 # shellcheck source=common.sh
 . "$(dirname "$0")/common.sh"
 
-# answers OPTION PATTERN: on standard output, with status 0, and no file
+# answers OPTION PATTERN: on standard output, with status 0 and no files
 answers() {
   play "$1"
   expect_status 0
@@ -13,7 +14,7 @@ answers() {
   expect_only . out err
 }
 
-# prints_pipeline FOLDER FILM STREAMS: what it would write, the printed line writes
+# prints_pipeline FOLDER FILM STREAMS: the printed line writes the same recording as the program
 prints_pipeline() {
   mkdir -- "$1"
   play --print-pipeline --rows 2 -o "$1" "$2"

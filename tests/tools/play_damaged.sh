@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: LGPL-2.1-or-later
-# visuotactile-play plays a truncated film to where it ends, and a damaged one as far as it goes, and says so.
+# visuotactile-play plays a truncated film up to its end and a damaged one as far as possible, and
+# reports it.
 # shellcheck source=common.sh
 . "$(dirname "$0")/common.sh"
 
@@ -10,7 +11,8 @@ damage() {
   seq 1 1000 | tr -d '\n' | head -c 2000 | dd of="$1" bs=1 seek=$(($(stat -c %s "$2") / 2)) conv=notrunc status=none
 }
 
-# ends_early FILM LEAST MOST: some of the film is played, recorded in order, and the report names it broken
+# ends_early FILM LEAST MOST: part of the film plays, the recording is complete, and the report
+# names the damage
 ends_early() {
   play -o o "$work/$1"
   expect_all o "$2" "$3"
@@ -19,7 +21,7 @@ ends_early() {
   expect_line out '^Played +0\.[0-9] s of 1\.0 s$'
 }
 
-# survives FILM: played to the end or to the damage, recorded in order
+# survives FILM: plays to the end or to the damage, with a complete recording
 survives() {
   play -o o "$work/$1"
   expect_all o 0.2 1.1
@@ -48,7 +50,7 @@ for whole in sound.mkv sound.mp4 vp8.mkv sound.ogv sound.avi; do
   damage "damaged_$whole" "$whole"
   start "damaged_${whole/./_}" survives "damaged_$whole"
 done
-# These do not state their length, or only at their end: what is there is played.
+# These state their length only at the end or not at all: what is there plays.
 for whole in sound.ogv sound.avi; do
   cut_film "cut_$whole" "$whole" 80
   start "cut_${whole/./_}" plays_what_is_there "cut_$whole"

@@ -1,10 +1,10 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: LGPL-2.1-or-later
-# visuotactile-play records films of all kinds, and under all names.
+# visuotactile-play records films of all kinds and names.
 # shellcheck source=common.sh
 . "$(dirname "$0")/common.sh"
 
-# records FILM RECORDING: plays all of it; there is something to feel
+# records FILM RECORDING: plays all of it, and there are cues
 records() {
   play -o o "$work/$1"
   expect_all o 0.95 1.1 "$2"
@@ -20,7 +20,7 @@ one_frame() {
 }
 
 variable_rate() {
-  # A parser, where there is one, leaves the last frame, 1/12 s, without a duration.
+  # A parser, if there is one, leaves the last frame of 1/12 s without a duration.
   play -o o "$work/variable.mkv"
   expect_all o 0.9 1.1 "160 120 video"
   expect_line out '^Played +(0\.9|1\.0) s of 1\.0 s$'
@@ -33,7 +33,7 @@ undecodable_sound() {
   expect_line out 'sound that cannot be decoded$'
 }
 
-# The picture ends long before the sound: that is a film, not a broken one.
+# The picture ends long before the sound, which is not an error.
 longer_sound() {
   play -o o "$work/longer_sound.mkv"
   expect_all o 0.95 1.1 "160 120 video audio"
@@ -41,14 +41,14 @@ longer_sound() {
   ! grep -q '^Film broken' out || fail "$(cat out)"
 }
 
-# All bytes that a shell, a URI or a launch line treats in a way of its own, and one that is not UTF-8.
+# All bytes that are special to a shell, a URI or a launch line, and one that is not UTF-8.
 names() {
   local name
   name=$(printf "a  %%41 #1 ?x=y; \"b\" 'c' \\\\d !e \$HOME \`f\` (g) [h]* & <i> | j: \xff.mkv")
   cp "$work/one.mkv" "$name"
   play -o "to $name" "$name"
   expect_all "to $name" 0.03 0.04
-  # A name that could be a URI, and options' dashes.
+  # A name that looks like a URI, and options that begin with dashes.
   cp "$work/one.mkv" "Part: one.mkv"
   play "--output=to one" "Part: one.mkv"
   expect_all "to one" 0.03 0.04
@@ -57,7 +57,7 @@ names() {
   expect_all to-rows 0.03 0.04
 }
 
-# A file URI, the options, and a working directory that is the output.
+# A file URI, all options, and the working directory as the output folder.
 options() {
   play --quiet --no-window --profile paper --rows 64 --columns 1 --rate 0 --compensation frame-block "file://$work/one.mkv"
   expect_status 0
@@ -65,7 +65,7 @@ options() {
   expect_only . visuotactile.mkv commands.csv strip.png out err
 }
 
-# What is read by nobody must not stop the motors' way to zero, nor the files.
+# Closed outputs must not keep motors from zero, nor files from being written.
 closed_output() {
   status=0
   "$PLAY" -o o "$work/silent.mkv" 2>&1 | true
@@ -74,7 +74,7 @@ closed_output() {
   expect_recording o/visuotactile.mkv 0.95 1.1
 }
 
-# An output folder is made, its files are replaced, and what else is there stays.
+# The output folder is created, its files are replaced, and other files stay.
 replaces() {
   mkdir -p a/b
   echo old | tee a/b/visuotactile.mkv a/b/commands.csv a/b/strip.png >a/b/else
@@ -94,7 +94,7 @@ film deep.mkv "$(picture 160 120 Y444_10LE) ! $h264 ! matroskamux"
 film one.mkv "$(picture 160 120 I420 1) ! $h264 ! matroskamux"
 film variable.mkv "$(picture 160 120 I420 15) ! c. $(picture 160 120 I420 6 | sed s,30/1,12/1,) ! c.
   concat name=c ! capssetter replace=true caps=video/x-raw,format=I420,width=160,height=120,framerate=0/1 ! $h264 ! matroskamux"
-# A codec that nobody knows.
+# An unknown codec.
 sed 's/A_VORBIS/A_XORBIS/' sound.mkv >undecodable_sound.mkv
 
 start silent records silent.mkv "160 120 video"

@@ -1,12 +1,14 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: LGPL-2.1-or-later
-# What visuotactile-play can't do, it says in one line with a status that is not 0, and touches no file.
+# For what it cannot do, visuotactile-play prints one line, returns a nonzero status and touches no
+# file.
 # shellcheck source=common.sh
 . "$(dirname "$0")/common.sh"
 
 names=(visuotactile.mkv commands.csv strip.png)
 
-# refuses STATUS PATTERN ARGUMENTS ...: with that status and one line like PATTERN, and what was there stays
+# refuses STATUS PATTERN ARGUMENTS ...: that status, one line that matches PATTERN, and existing
+# files stay
 refuses() {
   local expected=$1 pattern=$2 name
   shift 2
@@ -56,7 +58,7 @@ unreadable() {
   refuses 1 "cannot write to the folder 'locked'" -o locked "$work/film.mkv"
 }
 
-# As on a full disk: a file may not grow beyond a kilobyte.
+# Like a full disk: no file may grow beyond a kilobyte.
 disk_full() {
   trap '' XFSZ
   mkdir o

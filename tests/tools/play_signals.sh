@@ -1,14 +1,16 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: LGPL-2.1-or-later
-# visuotactile-play ends in order on SIGINT, SIGTERM and SIGHUP: complete files, tactors at zero. The second SIGINT ends it at once; not even
-# SIGKILL leaves a broken file under a name that is not hidden.
+# On SIGINT, SIGTERM and SIGHUP visuotactile-play completes its files and sets tactors to zero. A
+# second SIGINT ends it at once. Even SIGKILL leaves no incomplete file under a name that is not
+# hidden.
 # shellcheck source=common.sh
 . "$(dirname "$0")/common.sh"
 
-# begin [FILM ...]: plays in the background; back when it says that it records on simulated motors; sets `pid`
+# begin [FILM ...]: plays in the background; returns once it reports a recording with simulated
+# motors; sets `pid`
 begin() {
   mkdir -p o
-  # Background jobs of a script ignore SIGINT from the start; a program that was started at a terminal does not.
+  # Background jobs of a script ignore SIGINT, unlike a program started at a terminal.
   "$PYTHON" -c 'import os, signal, sys; signal.signal(signal.SIGINT, signal.SIG_DFL); os.execv(sys.argv[1], sys.argv[1:])' \
     "$PLAY" -o o "$@" >out 2>err &
   pid=$!
@@ -16,12 +18,13 @@ begin() {
   expect_line err '^Recording, in real time'
 }
 
-# recorded: something of the film is in the recording, which the muxer writes by the second
+# recorded: part of the film is in the recording, which the muxer writes about every second
 recorded() {
   [ -n "$(find o -name '.visuotactile.mkv.*.part' -size +0)" ]
 }
 
-# until_true COMPLAINT COMMAND ...: waits for the command to succeed while the program runs, half a minute at most
+# until_true COMPLAINT COMMAND ...: waits until the command succeeds while the program runs, at most
+# half a minute
 until_true() {
   for _ in $(seq 600); do
     "${@:2}" && return
@@ -31,7 +34,8 @@ until_true() {
   fail "$1: $(cat err)"
 }
 
-# await SECONDS: the program's end, within that, which only a program that hangs does not do; sets `status`
+# await SECONDS: waits for the program's end, which only a program that hangs fails to reach; sets
+# `status`
 await() {
   for _ in $(seq $(($1 * 20))); do
     kill -0 "$pid" 2>/dev/null || break
@@ -52,7 +56,7 @@ stopped() {
   expect_line out '^Played .*\(stopped\)$'
 }
 
-# Nothing comes for seconds: the recording is completed all the same.
+# No frame arrives for seconds: the recording is completed nevertheless.
 stopped_between_frames() {
   begin "$work/sparse.mkv"
   kill -INT "$pid"

@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: LGPL-2.1-or-later
-# With a display, visuotactile-play shows the film and records nothing. Needs Xvfb, which tools/setup.sh installs.
+# With a display, visuotactile-play shows the film and records nothing. Needs Xvfb, which
+# tools/setup.sh installs.
 # shellcheck source=common.sh
 . "$(dirname "$0")/common.sh"
 
@@ -40,7 +41,7 @@ not_shown() {
   expect_line err '^Recording'
 }
 
-# A display that is not there is none.
+# DISPLAY names a display that does not exist.
 no_such_display() {
   DISPLAY=:$((display + 1000)) play -o o "$work/silent.mkv"
   expect_all o 0.95 1.1 "160 120 video"

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: LGPL-2.1-or-later
-# The players of pipelines/ on a display: each shows a film and tells a simulated chair what is felt of it.
+# The players of pipelines/ on a display: each shows a film and drives a simulated chair.
 # Needs Xvfb, gst-play-1.0 and gst123, which tools/setup.sh installs. Expects ROOT (of the source),
 # VISUOTACTILE_BUILD and TRACK (tactile-track).
 # shellcheck source=common.sh
@@ -19,14 +19,15 @@ read -r -t 20 display <number || fail "Xvfb does not start: $(cat xvfb.log)"
 export DISPLAY=:$display
 chair="driver=simulator analysis::temporal=false trace-location=commands.csv"
 
-# shows SCRIPT ARGUMENT ...: ends with status 0, and the chair was told something
+# shows SCRIPT ARGUMENT ...: ends with status 0, and the chair gets commands
 shows() {
   CHAIR=$chair timeout 60 "$ROOT/pipelines/$1" "${@:2}" >out 2>&1 || fail "status $?; it said: $(cat out)"
   expect_commands commands.csv
 }
 
-# A film that carries a designer's track: in gst-play-1.0 the chair is told what the track alone tells it, but for a cue. The draft is
-# halved and turned off in the middle, so that it is not what is analyzed.
+# A film that carries a designer's track: in gst-play-1.0 the chair gets the track's commands,
+# except for a cue. The draft is halved and has a silent part in the middle, so it differs from the
+# analysis.
 own_track() {
   "$TRACK" author "$1" -o draft.vtt -q
   "$TRACK" edit draft.vtt -o film.vtt --scale=0.5 --mask=r1c1
@@ -37,8 +38,9 @@ own_track() {
   "$PYTHON" "$here/same_commands.py" direct.csv commands.csv 0.016 200 || fail "the player does not play the track: $(cat out)"
 }
 
-# Subtitles that are meant to be read, with tactilesubtitles in the player: the film is felt as without them.
-# A busy machine skips frames; subtitles that were taken for maps would last for almost all of the film.
+# Subtitles to read, with tactilesubtitles in the player: the chair's commands are those without
+# subtitles. A busy machine skips frames, but subtitles mistaken for maps would change nearly the
+# whole film.
 words() {
   printf '1\n00:00:00,100 --> 00:00:01,900\n42\nis no map of a track\n' >film.srt
   gst-launch-1.0 -q matroskamux name=mux ! filesink location=subtitled.mkv filesrc location="$1" ! matroskademux ! queue ! mux. \
@@ -54,17 +56,18 @@ terminal() {
   expect_line out '█'
 }
 
-# Players that run in the background write the file debug.
+# Players in the background write the file debug.
 export_debug() {
   export GST_DEBUG=visuotactilesink:4,tactorsink:6 GST_DEBUG_NO_COLOR=1 GST_DEBUG_FILE=$PWD/debug
 }
 
-# Whether motors were given something to do: ten times, since what is a second late, as on a busy machine at first, is dropped.
+# Whether motors got commands, ten times: commands a second late, as at first on a busy machine, are
+# dropped.
 felt() {
   [ -e debug ] && [ "$(grep -c 'map at .*: [1-9][0-9]* commands' debug)" -ge 10 ]
 }
 
-# Until something is felt; told to end, once, it ends with zeros.
+# Waits for commands, ends the player once, and expects zeros.
 live() {
   local player
   export_debug
@@ -78,7 +81,8 @@ live() {
   expect_commands commands.csv
 }
 
-# shown_and_felt PROCESS: waits until its window shows the film's gray and something is felt, or it ends; sets level, a pixel's
+# shown_and_felt PROCESS: waits until its window shows the film's gray and there are commands, or
+# until it ends; sets level, a pixel's
 shown_and_felt() {
   level=0
   while kill -0 "$1" 2>/dev/null; do
@@ -97,9 +101,10 @@ expect_shown_and_felt() {
   [ "${level:-0}" -gt 40 ] || fail "its window shows nothing: a pixel of $level"
 }
 
-# A player that was not made for touch, in the terminal that it wants: its window shows the film's gray, and maps come to the chair.
-# The player has to be the terminal's foreground (a shell or timeout between them may put it behind, where it is stopped as it sets
-# the terminal up), hence a pseudo-terminal that starts nothing else.
+# A player without any knowledge of touch, in the terminal that it needs: its window shows the
+# film's gray, and the chair gets maps. The player must be in the terminal's foreground. A shell or
+# timeout in between may put it in the background, where setting up the terminal stops it. Hence a
+# pseudo-terminal that starts nothing else.
 any_player() {
   local player
   export_debug
@@ -111,8 +116,8 @@ any_player() {
   expect_shown_and_felt
 }
 
-# Frames in a GPU's memory, Mesa's software renderer here, from the source to the window: the window has them as they are, and the analysis
-# reads its own.
+# Frames in GPU memory (Mesa's software renderer) from source to window. The window gets them
+# unchanged, and the analysis reads its own copy.
 gl_memory() {
   local player
   export_debug
@@ -127,7 +132,7 @@ gl_memory() {
   expect_commands commands.csv
 }
 
-# Both scripts of the theatre; its seats over a bad network are tests/theatre's.
+# Both scripts of the theatre. tests/theatre tests seats over a bad network.
 theatre() {
   local maps clock seat
   read -r maps clock < <("$PYTHON" -c 'import socket; s = [socket.socket(socket.AF_INET, socket.SOCK_DGRAM) for _ in "12"]; [x.bind(("127.0.0.1", 0)) for x in s]; print(*(x.getsockname()[1] for x in s))')
@@ -159,7 +164,7 @@ start live live
 start theatre theatre "$work/theatre.mkv"
 start least_delay live --least-delay
 finish
-# These look at the screen, one after the other.
+# These check the screen, one after the other.
 start any_player any_player "$work/film.mkv"
 finish
 start gl_memory gl_memory

@@ -1,11 +1,9 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: LGPL-2.1-or-later
-"""A player of an RTSP stream with visuotactilesink: its latency is that of the network and of the motors, frames are felt, commands are
-on time.
+"""Plays an RTSP stream with visuotactilesink: the latency covers network and motors, frames cause commands, and commands are on time.
 
-A server of GStreamer's own sends a live film in H.264 over RTP on loopback. The play ends when some commands were on time, however many a busy
-computer has made late in between; where the latency is not honored none ever is. What is compared are running times; how late the commands
-were is printed.
+GStreamer's RTSP server sends a live film in H.264 over RTP on loopback. The test ends once some commands were on time, whatever number a busy
+machine delayed before. If the latency is not honored, none ever is. The test compares running times and prints how late commands were.
 
 Usage: rtsp.py [PLAYBIN]...      (playbin and playbin3 if none is named; with the plugins on GST_PLUGIN_PATH)
 """
@@ -30,11 +28,11 @@ FILM = (
     "! x264enc tune=zerolatency speed-preset=ultrafast key-int-max=15 ! rtph264pay name=pay0 )"
 )
 JITTER = 200  # ms
-LEAD = 190  # ms, tactorsink's: max-lead, and 10 for its work
+LEAD = 190  # ms: tactorsink's max-lead and 10 ms of margin
 ON_TIME = 20  # commands
 PATIENCE = 60  # s; a bound, not a measure
 SAME = 1000  # ns
-# Each map is a command of its own, as it is.
+# Each map gives commands, without limits.
 CHAIR = (
     "visuotactilesink driver=simulator rate=0 analysis::temporal=false tactors::ramp-in=0 tactors::max-active=0 tactors::max-duty=0 "
     "tactors::max-on-time=0 trace-location={} video-sink=fakesink"
@@ -48,7 +46,7 @@ def expect(condition, text):
 
 @contextlib.contextmanager
 def served(film):
-    """The URI of a film that is sent to whoever asks."""
+    """The URI of a film that a server sends on request."""
     context = GLib.MainContext()
     loop = GLib.MainLoop.new(context, False)
     server = GstRtspServer.RTSPServer()
@@ -69,7 +67,7 @@ def served(film):
 
 
 class Frames:
-    """Running times of the frames that come past a pad, and the cells that are felt of them."""
+    """The running times of the frames that pass a pad, and which of their cells have a level."""
 
     def __init__(self, pad):
         self.felt = []
@@ -85,7 +83,7 @@ class Frames:
 
 
 def play(playbin, uri, trace):
-    """Plays until enough commands were on time. What was analyzed, what was shown, and the latencies of pipeline and sinks."""
+    """Plays until enough commands were on time. Returns analyzed and shown frames, and the latencies of pipeline and sinks."""
     player = Gst.ElementFactory.make(playbin)
     chair = Gst.parse_launch(CHAIR.format(trace))
     player.set_property("uri", uri)
@@ -117,7 +115,7 @@ def play(playbin, uri, trace):
             break
 
     query = Gst.Query.new_latency()
-    expect(player.query(query), f"{playbin}: the latency is not answered")
+    expect(player.query(query), f"{playbin}: the latency query failed")
     sinks = [element for element in iterate(chair) if isinstance(element, GstBase.BaseSink)]
     latencies = {sink.get_latency() for sink in sinks}
     player.set_state(Gst.State.NULL)
@@ -138,7 +136,7 @@ def check(playbin, uri, work):
     analyzed, shown, (live, least, _), latencies, sinks = play(playbin, uri, trace)
 
     expect(live, f"{playbin}: the stream is not live")
-    expect(least >= (JITTER + LEAD) * Gst.MSECOND, f"{playbin}: a latency of {least / 1e6:.0f} ms, with {JITTER} of the network and {LEAD} of the motors")
+    expect(least >= (JITTER + LEAD) * Gst.MSECOND, f"{playbin}: a latency of {least / 1e6:.0f} ms, less than {JITTER} for the network and {LEAD} for the motors")
     expect(sinks == 2 and latencies == {least}, f"{playbin}: the sinks wait {latencies}, the pipeline {least} ns")
     expect({running for running, _ in shown} <= {running for running, _ in analyzed}, f"{playbin}: frames are shown that were not analyzed")
 
@@ -154,10 +152,10 @@ def check(playbin, uri, work):
             if volts > 0:
                 expect(
                     any(abs(running - effect) <= SAME and cells[tactor] for running, cells in analyzed if cells),
-                    f"{playbin}: tactor {tactor} is told {volts} V at {effect} ns, where no frame says so",
+                    f"{playbin}: tactor {tactor} gets {volts} V at {effect} ns, but no frame then has this cell on",
                 )
                 checked += 1
-    expect(checked > 0, f"{playbin}: nothing is felt")
+    expect(checked > 0, f"{playbin}: no command turned a motor on")
     expect(not any(last.values()), f"{playbin}: motors are left on: {last}")
     late.sort()
     print(

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
-"""Do two command traces ask the same of each tactor, but for small differences?
+"""Checks that two command traces drive each tactor alike, except for small differences.
 
 Usage: same_commands.py A B VOLTS MS      fails if some tactor differs by more than VOLTS for longer than MS
 """

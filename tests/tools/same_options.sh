@@ -1,7 +1,9 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: LGPL-2.1-or-later
-# Every command of every program takes -f (--force) and -q (--quiet), tells what they mean to it, and with -q says nothing where all is well.
-# Expects the programs VISUOTACTILE_PLAY, TACTILE_TRACK and TACTOR_CALIBRATE, and the plugins on GST_PLUGIN_PATH.
+# Every command of every program accepts -f (--force) and -q (--quiet) and documents them. With -q
+# it prints nothing if all is well.
+# Expects the programs VISUOTACTILE_PLAY, TACTILE_TRACK and TACTOR_CALIBRATE, and the plugins on
+# GST_PLUGIN_PATH.
 set -euo pipefail
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
@@ -13,7 +15,7 @@ wrong() {
   failed=$((failed + 1))
 }
 
-# ---- named, and told of ----------------------------------------------------------------------------------------------------
+# ---- named and documented --------------------------------------------------------------------
 # takes_both COMMAND...
 takes_both() {
   local option
@@ -22,7 +24,7 @@ takes_both() {
     grep -qE -- "^  $option +[A-Z]" help || wrong "${*##*/} does not tell of $option"
   done
 }
-# Commands as the program's own help lists them: two spaces, a word and what it does.
+# Commands from the program's help: two spaces, a word and its description.
 commands_of() {
   "$1" --help | sed -nE 's/^  ([a-z]+) .*/\1/p'
 }
@@ -36,10 +38,10 @@ for program in "$TACTILE_TRACK" "$TACTOR_CALIBRATE"; do
 done
 [ "$count" -ge 14 ] || wrong "only $count commands were found"
 
-# ---- quiet, and done ---------------------------------------------------------------------------------------------------------
+# ---- quiet ----------------------------------------------------------------------------------
 printf 'WEBVTT\n\n00:00.000 --> 00:01.000\n10 20\n30 40\n' >one.vtt
 printf 'WEBVTT\n\n00:00.000 --> 00:01.000\n10 20\n30 50\n' >two.vtt
-# silent STATUS ARGUMENT...: of tactile-track, with that status and without a word
+# silent STATUS ARGUMENT...: tactile-track prints nothing and returns that status
 silent() {
   local expected=$1 status=0
   shift

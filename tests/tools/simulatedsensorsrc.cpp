@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 //
-// simulatedsensorsrc: a live source that hears, while they are played, what simulated motors make
-// of the commands of the tactorsink in its pipeline. It reads them in tactorsink's trace.
+// simulatedsensorsrc: a live source that records simulated motors while they play. It reads the
+// commands from the trace of the tactorsink in its pipeline.
 #include "calibration/calibration.h"
 #include "calibration/simulated_sensor.h"
 #include "tools/or_throw.h"
@@ -21,8 +21,8 @@ using tactor::Time;
 namespace {
 
 constexpr Time kChunk = 500ms;
-/// So long after a chunk's end all commands that change it are in the trace, however busy the
-/// computer is.
+/// All commands that affect a chunk are in the trace this long after its end, also on a busy
+/// machine.
 constexpr Time kMargin = 500ms;
 constexpr int kRate = 8000;
 
@@ -63,7 +63,7 @@ commands_so_far(GstElement *self)
   g_object_get(tactors, "trace-location", &path, nullptr);
   gst_object_unref(tactors);
   gst_object_unref(pipeline);
-  std::fflush(nullptr); // the trace is a stream of this very process
+  std::fflush(nullptr); // flushes the trace, a stream of this process
   return or_throw(tactor::read_command_trace(path));
 }
 
@@ -93,7 +93,7 @@ simulated_sensor_src_create(GstPushSrc *push, GstBuffer **buffer)
   }
 }
 
-/// A chunk is handed on when all of the next one is known, which is then made.
+/// A chunk is pushed once the commands of the next one are known.
 static void
 simulated_sensor_src_get_times(GstBaseSrc *, GstBuffer *buffer, GstClockTime *start,
                                GstClockTime *end)

@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: LGPL-2.1-or-later
-# A catalogue of films by GNU parallel: films in sub-folders, names that a shell could take apart, one that is broken; stopped and gone on.
+# A catalog of films with GNU parallel: films in subfolders, names that are special to a shell, a
+# damaged film, and an interrupted run that resumes.
 # shellcheck source=common.sh
 . "$(dirname "$0")/common.sh"
 PATH=$(dirname "$PLAY"):$PATH
@@ -35,7 +36,7 @@ expect_line out '^0 without a track$'
 expect_line tracks/one.mkv.vtt 'grid=2x3'
 expect_line "tracks/b/two three.mkv.vtt" 'grid=3x3'
 
-# A task of Slurm's array is one of the films, in the list's order.
+# A task of a Slurm array is one of the films, in the list's order.
 rm -r tracks
 for i in 0 1 2; do
   SLURM_ARRAY_TASK_ID=$i "$catalogue" --task films tracks -- -q

@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: LGPL-2.1-or-later
-# What tactile-track does with films and tracks: drafts, forms, edits, pictures, films that carry a track, and their commands.
+# tactile-track with films and tracks: drafts, formats, edits, pictures, films that carry a track,
+# and their commands.
 # shellcheck source=common.sh
 . "$(dirname "$0")/common.sh"
 export SOURCE_DATE_EPOCH=0
@@ -10,7 +11,8 @@ track() {
   expect_status 0
 }
 
-# commands NAME LAUNCH_LINE: NAME.csv gets what a simulated chair is told, effect, tactor and volts
+# commands NAME LAUNCH_LINE: writes the simulated chair's commands to NAME.csv: effect, tactor and
+# volts
 commands() {
   # shellcheck disable=SC2086
   timeout 60 gst-launch-1.0 -q $2 ! tactorsink driver=simulator sync=false trace-location="$1.trace" >"$1.log" 2>&1 || fail "$1: $(cat "$1.log")"
@@ -18,7 +20,8 @@ commands() {
   cut -d, -f3- "$1.trace" | sort -t, -n >"$1.csv"
 }
 
-# Line by line the same tactors at the same times, volts within the half percent to which text cues are rounded.
+# The same tactors at the same times, line by line. Volts may differ by half a percent, to which
+# text cues are rounded.
 expect_same_commands() {
   paste -d, "$1.csv" "$2.csv" | awk -F, '
     function off(a, b) { return a > b ? a - b : b - a }
@@ -28,7 +31,8 @@ expect_same_commands() {
 
 author_plays_as_the_film() {
   track author "$work/film.mkv" -o film.vtt -q
-  # But for changes within the half percent, of which a text cue knows nothing, and parts of a millisecond.
+  # Except for changes below half a percent, which text cues round off, and fractions of a
+  # millisecond.
   commands film "uridecodebin uri=file://$work/film.mkv ! videoconvert ! saliencytactile"
   commands track "filesrc location=film.vtt ! subparse ! tactileconverter"
   "$PYTHON" "$here/same_commands.py" film.trace track.trace 0.016 1 || fail "the track does not play as the film does"
@@ -48,19 +52,21 @@ carriers() {
   done
   commands mkv "filesrc location=film.mkv ! matroskademux name=d d.subtitle_0 ! queue ! tactileconverter"
   commands mp4 "filesrc location=film.mp4 ! qtdemux name=d d.subtitle_0 ! queue ! tactileconverter"
-  # The picture, too, for the stream's clock is its.
+  # With the picture, which provides the stream's clock.
   commands ts "filesrc location=film.ts ! tsdemux name=d d.video_0_0041 ! queue max-size-bytes=0 max-size-time=0 max-size-buffers=0 ! fakesink d.private_0_0042 ! queue max-size-bytes=0 max-size-time=0 max-size-buffers=0 ! tactileconverter"
   expect_same_commands side mkv
   expect_same_commands side mp4
   expect_same_commands side ts
 }
 
-# subtitles_of FILE: whether players choose them by themselves, and their language, as FFmpeg sees it
+# subtitles_of FILE: whether players choose them by themselves, and their language, according to
+# FFmpeg
 subtitles_of() {
   ffprobe -v error -select_streams s -show_entries stream_disposition=default:stream_tags=language -of csv=p=0 "$1" | paste -sd' '
 }
 
-# Other players do not draw the track's numbers of their own accord; those of GStreamer find it (players, whole_film).
+# Other players do not draw the track's numbers by default. GStreamer's players find the track
+# (players, whole_film).
 left_to_choice() {
   local name
   printf '1\n00:00:00,500 --> 00:00:05,000\nWho is there?\n' >one.srt
@@ -83,13 +89,15 @@ assert not film["warnings"] and not film["errors"]
 PYTHON
 }
 
-# What a player shows that knows nothing of touch: all frames, as they are drawn.
+# What a player without any knowledge of touch shows: all frames, as drawn.
 shown() {
   timeout 60 gst-launch-1.0 -q playbin uri="file://$PWD/$1" video-sink="filesink sync=true location=$1.frames" >"$1.shown" 2>&1 || echo "status $?" >>"$1.shown"
 }
 
-# A transport stream with a track, one whose track begins late and goes on after the film, and one with others' KLV: no player misses a
-# plugin or shows anything of them, each comes to its end, and with tactilesubtitles the track is felt. The draft is halved and turned off in the middle, so that it is not what is analyzed.
+# Transport streams: one with a track, one whose track begins late and outlasts the film, and one
+# with other KLV. No player misses a plugin or shows anything of them, each reaches the end, and
+# with tactilesubtitles the track plays. The draft is halved and has a silent part in the middle, so
+# it differs from the analysis.
 transport_stream() {
   local name film="filesrc location=$work/film.mkv ! matroskademux ! h264parse ! queue ! mux."
   track author "$work/film.mkv" -o draft.vtt -q
@@ -120,13 +128,13 @@ transport_stream() {
     expect_commands "$name.trace"
   done
   "$PYTHON" "$here/same_commands.py" side.trace film.ts.trace 0.016 200 || fail "the player does not play the track"
-  # As the text of a player.
+  # As a player's text stream.
   timeout 60 gst-launch-1.0 -q playbin uri="file://$PWD/film.ts" video-sink="fakesink sync=true" \
     text-sink="capsfilter caps=text/x-raw ! tactileconverter ! tactorsink driver=simulator ramp-in=0 trace-location=text.trace" >log 2>&1 || fail "$(cat log)"
   "$PYTHON" "$here/same_commands.py" side.trace text.trace 0.016 200 || fail "the text sink does not play the track"
 }
 
-# stream FILE PAD: what a pad of the demuxer gives; pictures decoded, for a parser packs them anew
+# stream FILE PAD: the data of a demuxer's pad; pictures are decoded, since parsers repack them
 stream() {
   local decode=identity
   [ "$2" != video_0 ] || decode=decodebin
@@ -168,7 +176,8 @@ film.set_state(Gst.State.NULL)
 PYTHON
 }
 
-# Of a film with two sounds and two subtitles nothing is lost, names and order stay, and --first is before its subtitles.
+# A film with two sounds and two subtitles loses nothing. Names and order stay, and --first puts the
+# track before its subtitles.
 whole_film() {
   local pad sound="audio/x-raw,rate=44100,channels=1 ! vorbisenc"
   printf '1\n00:00:00,500 --> 00:00:05,000\nWho is <i>there</i>?\n' >one.srt
@@ -199,19 +208,19 @@ whole_film() {
   stream_names first.mkv >names_first
   expect_line names_first '^subtitle_0 Tactile zxx$'
   expect_line names_first '^subtitle_2 Deutsch de$'
-  # Subtitles that MP4 cannot hold.
+  # Subtitles that MP4 cannot store.
   timeout 30 gst-launch-1.0 -q matroskamux name=mux ! filesink location=styled.mkv \
     filesrc location="$work/film.mkv" ! matroskademux ! h264parse ! queue ! mux.video_0 \
     filesrc location=one.srt ! subparse ! capssetter replace=true join=false caps=application/x-ssa ! queue ! mux.subtitle_0
   track mux styled.mkv film.vtt -o styled.mp4
   expect_line err 'left out: application/x-ssa$'
-  # What a player takes that takes the first.
+  # A player that chooses the first subtitles.
   timeout 60 gst-launch-1.0 -q playbin uri="file://$PWD/first.mkv" video-sink="fakesink sync=true" audio-sink=fakesink \
     text-sink="tactileconverter ! tactorsink driver=simulator ramp-in=0 trace-location=player.trace" >log 2>&1 || fail "$(cat log)"
   "$PYTHON" "$here/same_commands.py" side.trace player.trace 0.016 200 || fail "the player does not play the track"
 }
 
-# A film with a track as its subtitles, in a player, by the tactorsink as text sink: in real time.
+# A film with a track as its subtitles in a player, with tactorsink as the text sink, in real time.
 players() {
   local source fake="fakesink sync=true"
   track author "$work/film.mkv" -o film.vtt -q
@@ -232,7 +241,8 @@ forms() {
   for form in vtt hjif sem.xml; do
     track convert film.csv -o "there.$form"
     track convert "there.$form" -o back.csv
-    # To half a percent; a form that cuts times down to milliseconds differs for a part of one.
+    # To half a percent. A format with times rounded down to milliseconds may differ by a part of
+    # one.
     play diff film.csv back.csv --tolerance 0.51
     awk '/^[0-9.]+ - / { if ($3 - $1 > 0.0011) { print; exit 1 } }' out || fail "$form"
     track convert "there.$form" -o "again.$form"
@@ -253,7 +263,7 @@ edits() {
   track edit b.csv -o c.csv --scale=0.5
   track edit c.csv -o stepwise.vtt --mask=r0c0 --mask=r2c2
   cmp edited.vtt stepwise.vtt
-  # In the order in which they are given: what is scaled first is pruned.
+  # In the given order: levels are scaled, then pruned.
   track edit film.vtt -o order.vtt --scale=0.1 --prune-weaker=50
   track info order.vtt
   expect_line out '^Felt +0\.000 s'
@@ -270,7 +280,7 @@ edits() {
   expect_line out '^Grid +1 x 1'
 }
 
-# An editor's work on the text itself: a cue deleted, one moved.
+# Edits of the text itself: a cue deleted, a cue moved.
 by_hand() {
   track author "$work/film.mkv" -o film.vtt -q
   awk 'BEGIN { RS = ""; ORS = "\n\n" } NR != 5' film.vtt >edited.vtt
@@ -295,7 +305,8 @@ chair() {
   track author "$work/film.mkv" -o film.vtt -q
   commands side "filesrc location=film.vtt ! subparse ! tactileconverter"
   track preview "$work/film.mkv" film.vtt --chair "driver=simulator ramp-in=0 trace-location=chair.trace"
-  "$PYTHON" "$here/same_commands.py" side.trace chair.trace 0.016 34 || fail "the chair does not do what the track says" # a frame
+  # a frame
+  "$PYTHON" "$here/same_commands.py" side.trace chair.trace 0.016 34 || fail "the chair does not do what the track says"
 }
 
 batch() {
@@ -315,7 +326,8 @@ batch() {
   expect_line out 'tracks/two.vtt: .* times real time'
 }
 
-# Stopped once the first of a dozen tracks is there: what is there is complete, and the same command goes on.
+# Interrupted after the first of a dozen tracks: existing files are complete, and the same command
+# resumes.
 interrupted() {
   local i pid status=0
   mkdir films
@@ -339,7 +351,8 @@ interrupted() {
   [ "$(find tracks -name '*.vtt' | wc -l)" -eq 12 ] || fail "$(find tracks)"
 }
 
-# What a process left that was killed: the next one that writes the same file takes it away; what others write stays.
+# Files that a killed process left: the next one that writes the same file removes them. Those of
+# others stay.
 killed() {
   local dead
   sleep 0 &
@@ -350,7 +363,8 @@ killed() {
   expect_only . film.vtt out err ".film.vtt.$(hostname).$$.part" ".film.vtt.elsewhere.$dead.part" ".other.vtt.$(hostname).$dead.part"
 }
 
-# An ordinary subtitle editor's work, by the library that Gaupol is made of: opened, an event pruned, all moved, saved.
+# An ordinary subtitle editor, by the library on which Gaupol is based: open, delete an event, shift
+# all, save.
 subtitle_editor() {
   track author "$work/film.mkv" -o film.vtt -q
   cp film.vtt edited.vtt
@@ -369,7 +383,7 @@ PYTHON
   expect_line opened '^WEBVTT [0-9]+$'
   track validate edited.vtt
   expect_line out '^edited.vtt: valid, 3 x 3, 6\.250 s$'
-  # Moved back, the pruned cue is all that differs: every difference is within its time, and goes to zero.
+  # Shifted back, only the deleted cue differs: all differences are within its time and are to zero.
   track edit edited.vtt -o back.vtt --shift=-0.25
   play diff film.vtt back.vtt
   expect_status 1

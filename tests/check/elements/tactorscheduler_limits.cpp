@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 //
-// What the scheduler does of itself for motors and skin: commands run out, the first vibration is
-// soft.
+// The scheduler's own protection of motors and skin: commands run out, the first vibration starts
+// softly.
 #include "scheduler_rig.h"
 
 #include <thread>
@@ -15,7 +15,7 @@ until(Command one, int ms)
   return one;
 }
 
-/// Volts of tactor 0 at each write.
+/// Times in ms and volts of tactor 0, for each write.
 std::vector<std::pair<int, double>>
 writes_of_first(Rig &rig)
 {
@@ -25,7 +25,7 @@ writes_of_first(Rig &rig)
   return all;
 }
 
-/// The five steps of a soft start to 3 V of a level.
+/// The steps of a soft start: up to five of 0.6 V, until `volts` is reached.
 std::vector<std::pair<int, double>>
 soft(int ms, double volts)
 {
@@ -50,7 +50,7 @@ assert_writes(Rig &rig, const std::vector<std::pair<int, double>> &expected)
 
 } // namespace
 
-/// No map and nobody else says that the motor shall stop.
+/// A command's own end stops the motor, without a map or a command.
 GST_START_TEST(test_command_runs_out)
 {
   Rig rig;
@@ -71,7 +71,7 @@ GST_START_TEST(test_command_runs_out)
 }
 GST_END_TEST;
 
-/// What has not run out when no map comes is silenced.
+/// When no map arrives, motors stop before their commands run out.
 GST_START_TEST(test_starves_before_it_runs_out)
 {
   Rig rig;
@@ -85,7 +85,7 @@ GST_START_TEST(test_starves_before_it_runs_out)
 }
 GST_END_TEST;
 
-/// A pause is none of the motor's time: what had not run out comes back and runs out then.
+/// A pause does not count: the rest of the command's time follows the resume.
 GST_START_TEST(test_pause_and_run_out)
 {
   Rig rig;
@@ -104,7 +104,7 @@ GST_START_TEST(test_pause_and_run_out)
 }
 GST_END_TEST;
 
-/// Without the clock a command runs out when the film gets there, not at once.
+/// Without the clock a command runs out when the film's time gets there, not at once.
 GST_START_TEST(test_runs_out_without_the_clock)
 {
   Rig rig(false);
@@ -121,7 +121,7 @@ GST_START_TEST(test_runs_out_without_the_clock)
 }
 GST_END_TEST;
 
-/// The first vibration after the start is soft, the second is not; nor is one without the clock.
+/// The first vibration after the start is soft, the second is not. Without the clock none is.
 GST_START_TEST(test_soft_start)
 {
   Rig rig;
@@ -144,8 +144,8 @@ GST_START_TEST(test_soft_start)
 }
 GST_END_TEST;
 
-/// So it is after a pause, a flush and mute; a weak level is there as soon as it may, and a level
-/// that changes meanwhile is held below.
+/// A pause, a flush and mute arm another soft start. A low level is reached earlier, and a level
+/// that changes meanwhile is limited, too.
 GST_START_TEST(test_soft_again)
 {
   Rig rig;
@@ -154,7 +154,7 @@ GST_START_TEST(test_soft_again)
   rig.run_to(200);
   auto expected
       = std::vector<std::pair<int, double>>{ { 0, 0.6 }, { 20, 1.0 }, { 40, 1.8 }, { 60, 2.0 } };
-  // At 30 ms the ceiling is still at 1.2 V.
+  // At 30 ms the limit is still 1.2 V.
   expected.insert(expected.begin() + 2, { 30, 1.2 });
   assert_writes(rig, expected);
 
@@ -185,8 +185,8 @@ GST_START_TEST(test_soft_again)
 }
 GST_END_TEST;
 
-/// On a line that takes 15 ms for a level two take 30, and so do the steps from the next one on.
-/// The flush's zero is the first write of the second ramp.
+/// On a line that takes 15 ms per level, two levels take 30 ms, and so do the steps from the next
+/// one on. The flush's zero is the first write of the second ramp.
 GST_START_TEST(test_soft_start_on_a_slow_line)
 {
   Rig rig(false);
@@ -212,8 +212,8 @@ GST_START_TEST(test_soft_start_on_a_slow_line)
 }
 GST_END_TEST;
 
-/// A board that was lost is at zero until it is back, and starts softly, too; a pause in the middle
-/// of a soft start ends it.
+/// A lost board is at zero until it returns, and starts softly, too. A pause during a soft start
+/// ends it.
 GST_START_TEST(test_soft_after_faults)
 {
   Rig rig;

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 //
-// When tactorsink tells motors what: in play, pause, seek, mute and at the end. What comes in is
-// tested in tactorsink_input.
+// When tactorsink sends which commands: in play, pause, seek, mute and at the end. tactorsink_input
+// tests its input.
 #include "tactorsink_rig.h"
 
-/// One rise from rest to full, under each compensation: 64.54 ms by Eq. 1, which is 1.6 frames of
-/// 40 ms, so two.
+/// A rise from rest to full scale: 64.54 ms by Eq. 1. That is 1.6 frames of 40 ms, so two with
+/// frame-block.
 static void
 check_compensation(const char *compensation, GstClockTime lead)
 {
@@ -40,8 +40,7 @@ GST_START_TEST(test_compensation_none)
 }
 GST_END_TEST;
 
-/// 5 Hz blocks: within 200 ms nothing changes, whatever the maps say; the block's level is the map
-/// at its start.
+/// Blocks at 5 Hz: nothing changes within 200 ms. A block's level is that of the map at its start.
 GST_START_TEST(test_blocks_at_5_hz)
 {
   Rig rig;
@@ -70,12 +69,12 @@ GST_START_TEST(test_pause_silences_and_resume_reissues)
     rig.push(400 * kMs, { 0.5f });
     rig.push(2000 * kMs, { 0.5f });
   });
-  // Maps come at clock times 0, 200 and 400; the level of the first is due at 160 (latency).
+  // Maps arrive at clock times 0, 200 and 400. The first level is due at 160, the latency.
   rig.run_to(300 * kMs);
   gst_element_set_state(rig.element, GST_STATE_PAUSED);
   gst_test_clock_set_time(rig.clock, 1300 * kMs);
   gst_element_set_base_time(rig.element,
-                            1000 * kMs); // as a pipeline does: running time did not pass
+                            1000 * kMs); // as a pipeline does: running time stood still
   gst_element_set_state(rig.element, GST_STATE_PLAYING);
   rig.run_to(1600 * kMs);
   const std::vector<Line> lines = rig.trace();
@@ -88,7 +87,7 @@ GST_START_TEST(test_pause_silences_and_resume_reissues)
 }
 GST_END_TEST;
 
-/// With no map at hand a pause is complete all the same, and the play goes on with the next map.
+/// Without another map the pause still completes. The next map resumes play.
 GST_START_TEST(test_pause_waits_for_no_map)
 {
   Rig rig;
@@ -105,8 +104,8 @@ GST_START_TEST(test_pause_waits_for_no_map)
 }
 GST_END_TEST;
 
-/// A preroll that ends when the play was given up meanwhile: the base class says so on the
-/// streaming thread, after the pause.
+/// A preroll may end after play was given up. The base class then signals it from the streaming
+/// thread, after the pause.
 GST_START_TEST(test_late_preroll_is_no_play)
 {
   Rig rig;
@@ -135,17 +134,17 @@ GST_START_TEST(test_flush_during_wait)
   rig.run_to(300 * kMs);
   fail_unless(gst_pad_send_event(rig.sink_pad, gst_event_new_flush_start()));
   rig.join();
-  // The fall at 200 had been planned but was not due (360 on the clock): it is dropped, the motor
-  // stands at once.
+  // The fall at 200 was planned but not due before clock time 360, so it is dropped. The motor
+  // stops at once.
   ck_assert_uint_eq(rig.stat("dropped"), 1);
   fail_unless(gst_pad_send_event(rig.sink_pad, gst_event_new_flush_stop(TRUE)));
   gst_element_set_base_time(rig.element, 300 * kMs);
   rig.open();
-  rig.rendered = false; // nothing left to wait for
+  rig.rendered = false; // nothing more to wait for
   rig.run_to_end([&] { rig.push(0, { 0.5f }); });
   const std::vector<Line> lines = rig.trace();
   ck_assert_uint_eq(lines.size(), 4);
-  // No lead is possible at running time 0: the data came 160 before, i.e. before the stream began.
+  // No lead is possible at running time 0: the data would have been due 160 ms before the stream.
   fail_unless(lines[0].volts == 3.0);
   assert_line(lines[1], 140 * kMs, 140 * kMs, 140 * kMs, 0, 0.0);
   fail_unless(lines[2].volts == 1.5);
@@ -160,7 +159,7 @@ GST_START_TEST(test_gap_is_zero_at_its_time)
   rig.uncompensated();
   rig.play([&] {
     rig.push(0, { 1.0f });
-    // 120 ms is inside the block: a gap does not wait for its end.
+    // 120 ms is within the block: a gap does not wait for the block's end.
     fail_unless(gst_pad_send_event(rig.sink_pad, gst_event_new_gap(120 * kMs, 40 * kMs)));
     rig.push(160 * kMs, { 0.5f });
   });
@@ -172,8 +171,8 @@ GST_START_TEST(test_gap_is_zero_at_its_time)
 }
 GST_END_TEST;
 
-/// The EOS message comes when the last frame has been shown and the motors stand: not render-delay
-/// early.
+/// The EOS message follows the last frame's end and the motors' stop. It is not early by
+/// render-delay.
 GST_START_TEST(test_eos_drains)
 {
   Rig rig;
@@ -200,7 +199,7 @@ GST_START_TEST(test_eos_drains)
 }
 GST_END_TEST;
 
-/// Rates and segment starts: effects are running times.
+/// Effects are running times, at any rate and segment start.
 static void
 check_segment(gdouble rate, GstClockTime start, GstClockTime stop, GstClockTime pts,
               GstClockTime effect)
@@ -228,12 +227,12 @@ GST_START_TEST(test_rates_and_segments)
   check_segment(1.0, 10 * GST_SECOND, GST_CLOCK_TIME_NONE, 10400 * kMs, 400 * kMs);
   check_segment(2.0, 0, GST_CLOCK_TIME_NONE, 1000 * kMs, 500 * kMs);
   check_segment(0.5, 0, GST_CLOCK_TIME_NONE, 200 * kMs, 400 * kMs);
-  // Backwards a frame is shown when its end is reached: at 2 s - (1.2 s + 40 ms).
+  // Backwards, a frame is shown once its end is reached: at 2 s - (1.2 s + 40 ms).
   check_segment(-1.0, 0, 2 * GST_SECOND, 1200 * kMs, 760 * kMs);
 }
 GST_END_TEST;
 
-/// A new latency moves what is already waiting.
+/// A new latency applies to commands that are already waiting.
 GST_START_TEST(test_latency_change_moves_the_wait)
 {
   Rig rig;
@@ -250,7 +249,7 @@ GST_START_TEST(test_latency_change_moves_the_wait)
   rig.run_to(1000 * kMs);
   const std::vector<Line> lines = rig.trace();
   fail_unless(lines.size() >= 1);
-  // Issued at clock 860, which the new latency calls 200 again: on time.
+  // Issued at clock time 860, which is 200 with the new latency: on time.
   assert_line(lines[0], 200 * kMs, 200 * kMs, 200 * kMs, 0, 3.0);
   assert_silent_at_end(lines);
 }
@@ -263,7 +262,7 @@ GST_START_TEST(test_mapping_and_volts)
                0.5, nullptr);
   gst_util_set_object_arg(G_OBJECT(rig.element), "mapping", "<3,-1,0,1>");
   rig.play([&] {
-    // 1.0 V, dropped, 0.6 V (not below the minimum), 0.5 V (below it).
+    // 1.0 V, ignored, 0.6 V (the minimum), 0.5 V (below it).
     rig.push(0, { 1.0f, 1.0f, 0.6f, 0.5f });
   });
   std::map<int, double> first;
@@ -275,7 +274,7 @@ GST_START_TEST(test_mapping_and_volts)
 }
 GST_END_TEST;
 
-/// A mapping set while playing moves the vibration to the other tactor with the next map.
+/// A mapping set while playing applies from the next map on.
 GST_START_TEST(test_mapping_while_playing)
 {
   Rig rig;
@@ -315,7 +314,7 @@ GST_START_TEST(test_mute_acts_at_once)
 }
 GST_END_TEST;
 
-/// The volts and the lead that the board and the pipeline were told of hold until the next play.
+/// Volts and lead that the board and the pipeline already use do not change until the next play.
 GST_START_TEST(test_volts_and_lead_are_fixed_while_playing)
 {
   Rig rig;
@@ -330,7 +329,8 @@ GST_START_TEST(test_volts_and_lead_are_fixed_while_playing)
 }
 GST_END_TEST;
 
-/// Paused in the last frame: the end waits for the resume, and the motor is heard until then.
+/// Paused within the last frame: EOS waits for the resume, and the motor plays until the frame's
+/// end.
 GST_START_TEST(test_pause_in_the_last_frame)
 {
   Rig rig;
@@ -365,13 +365,13 @@ GST_START_TEST(test_pause_in_the_last_frame)
 }
 GST_END_TEST;
 
-/// Without the clock no command is lost or overtaken, and each is traced as if its time had come.
+/// Without the clock no command is lost or coalesced, and each is traced as issued when due.
 GST_START_TEST(test_sync_false_issues_every_command)
 {
   Rig rig;
   g_object_set(rig.element, "sync", FALSE, "rate", 0.0, nullptr);
   rig.start();
-  // Nobody moves the clock.
+  // The clock stands still.
   for (GstClockTime i = 0; i < 1000; i++)
     ck_assert_int_eq(rig.push(i * 200 * kMs, { i % 2 ? 1.0f : 0.0f }), GST_FLOW_OK);
   rig.end();
@@ -386,21 +386,21 @@ GST_START_TEST(test_sync_false_issues_every_command)
 }
 GST_END_TEST;
 
-/// An upstream that stops delivering: the last map is held for its frame and a second, then the
-/// motors stand; the next map moves them again.
+/// Upstream stops delivering: motors hold the last map for its frame and a second, then stop. The
+/// next map resumes play.
 GST_START_TEST(test_starved)
 {
   Rig rig;
   rig.uncompensated();
   rig.start();
   rig.stream([&] { rig.push(0, { 1.0f }); });
-  rig.step(1); // the map comes
+  rig.step(1); // the map arrives
   rig.join();
   rig.step(1); // its command is due
   ck_assert_uint_eq(rig.step(1), kLatency + kFrame + GST_SECOND);
   while (rig.stat("starved") == 0)
     std::this_thread::yield();
-  rig.rendered = false; // nothing left to wait for
+  rig.rendered = false; // nothing more to wait for
   rig.run_to_end([&] { rig.push(1600 * kMs, { 1.0f }); });
   ck_assert_uint_eq(rig.stat("starved"), 1);
   const std::vector<Line> lines = rig.trace();
@@ -410,23 +410,23 @@ GST_START_TEST(test_starved)
 }
 GST_END_TEST;
 
-/// Data that comes too late for its lead goes out at once, is counted, and an element message says
-/// so once.
+/// Data too late for its lead takes effect at once and is counted. An element message reports it
+/// once.
 GST_START_TEST(test_late_is_counted_and_said)
 {
   Rig rig;
   rig.start();
   gst_test_clock_set_time(rig.clock, 1100 * kMs);
   rig.run_to_end([&] {
-    rig.push(1000 * kMs, { 1.0f }); // due at 935.46, it is 940
+    rig.push(1000 * kMs, { 1.0f }); // due at 935.46 ms, issued at 940 ms
     rig.push(1200 * kMs, { 0.0f });
   });
-  ck_assert_uint_eq(rig.stat("late"), 0); // 4.54 ms: within the tolerance of 5 ms
+  ck_assert_uint_eq(rig.stat("late"), 0); // 4.54 ms, within the tolerance of 5 ms
   Rig later;
   later.start();
   gst_test_clock_set_time(later.clock, 1150 * kMs);
   later.run_to_end([&] {
-    later.push(1000 * kMs, { 1.0f }); // it is 990: 54.54 ms late
+    later.push(1000 * kMs, { 1.0f }); // issued at 990 ms: 54.54 ms late
   });
   ck_assert_uint_eq(later.stat("late"), 1);
   ck_assert_uint_eq(later.stat("came-late"), 1);
@@ -449,8 +449,8 @@ GST_START_TEST(test_late_is_counted_and_said)
 }
 GST_END_TEST;
 
-/// The thread that issues commands runs before others, where that may be had, and says how it is
-/// scheduled. It is the one that tells of a lead that was short.
+/// The thread that issues commands is real-time where permitted, and reports its scheduling. The
+/// message about a short lead comes from that thread.
 GST_START_TEST(test_realtime)
 {
   g_setenv("DBUS_SYSTEM_BUS_ADDRESS", "unix:path=/nonexistent/bus", TRUE);
@@ -484,8 +484,8 @@ GST_START_TEST(test_realtime)
 }
 GST_END_TEST;
 
-/// Three levels of one tactor wait; a latency that shrinks makes all of them due at once: only the
-/// last is sent.
+/// Three levels of one tactor wait. A lower latency makes all of them due, and only the last one is
+/// sent.
 GST_START_TEST(test_stale_commands_coalesce)
 {
   Rig rig;
@@ -508,7 +508,7 @@ GST_START_TEST(test_stale_commands_coalesce)
 }
 GST_END_TEST;
 
-/// Straight to NULL, as an application that gives up: the last word to every motor is zero.
+/// Straight to NULL while playing: each motor's last command is zero.
 GST_START_TEST(test_null_while_playing_is_silent)
 {
   Rig rig("application/x-tactile-map,rows=3,columns=3,framerate=25/1");

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 //
-// tactorsink with real drivers and boards in memory: the element is built into this program, which
-// brings its own serial bus.
+// tactorsink with real drivers and boards in memory. The element is linked into this program, which
+// provides the serial bus.
 #include "gst/tactor/gsttactorsink.h"
 
 #include "../libs/memory_bus.h"
@@ -47,7 +47,7 @@ make_tactorsink()
   return GST_ELEMENT(gst_object_ref_sink(gst_element_factory_make("tactorsink", nullptr)));
 }
 
-/// A sink that does not wait for the clock, so that a map is with the driver when push() returns.
+/// A sink that does not wait for the clock: when push() returns, the driver has the map.
 class Rig
 {
 public:
@@ -72,7 +72,7 @@ public:
   {
     return gst_element_set_state(element, GST_STATE_PLAYING) != GST_STATE_CHANGE_FAILURE && begin();
   }
-  /// What comes before the first map; false if there is no board for it, or a flush came.
+  /// Sends the events before the first map. False if there is no board or the sink is flushing.
   bool begin()
   {
     if (!gst_pad_send_event(pad, gst_event_new_stream_start("film")))
@@ -90,7 +90,7 @@ public:
   {
     gst_element_set_state(element, GST_STATE_NULL);
   }
-  /// A map whose levels are these duties.
+  /// Pushes a map whose levels are these duties.
   void push(const Duties &duties)
   {
     std::vector<gfloat> levels;
@@ -101,7 +101,7 @@ public:
     GST_BUFFER_DURATION(map) = 40 * GST_MSECOND;
     ck_assert_int_eq(gst_pad_chain(pad, map), GST_FLOW_OK);
   }
-  /// Waits until pins of a board have these duties.
+  /// Waits until these pins of a board have these duties.
   void expect(MemoryBoard &board, const std::vector<int> &pins, const Duties &duties)
   {
     sockets_.wait([&] {
@@ -111,7 +111,7 @@ public:
       return true;
     });
   }
-  /// Text of the next message of a type, and what it is about.
+  /// The text of the next message of this type, or its name for an element message.
   std::string message(GstMessageType type, int *code = nullptr)
   {
     g_autoptr(GstMessage) message
@@ -141,7 +141,7 @@ public:
 
 } // namespace
 
-/// The default without a board: simulated, and said.
+/// The default driver without a board: simulated, with a message.
 GST_START_TEST(test_auto_without_board)
 {
   Rig rig;
@@ -155,7 +155,8 @@ GST_START_TEST(test_auto_without_board)
 }
 GST_END_TEST;
 
-/// The default with a board: a film on its motors, what the board is, and zeros on every way out.
+/// The default driver with a board: a film plays on its motors, the board is reported, and motors
+/// go to zero however it ends.
 GST_START_TEST(test_auto_with_board)
 {
   Rig rig;
@@ -217,8 +218,8 @@ GST_START_TEST(test_end_of_stream)
 }
 GST_END_TEST;
 
-/// One warning for people, a message for programs; the film goes on; the board is told zeros, and
-/// when it returns what holds then.
+/// A lost board causes one warning for users and a message for programs, and the film goes on. The
+/// trace has zeros for it, and a board that returns resumes the current levels.
 GST_START_TEST(test_lost_and_found)
 {
   Rig rig("firmata");
@@ -260,7 +261,7 @@ GST_START_TEST(test_lost_and_found)
 }
 GST_END_TEST;
 
-/// What cannot be opened is an error that says why, with GStreamer's code for it.
+/// A board that cannot be opened is an error with the reason and GStreamer's code for it.
 GST_START_TEST(test_errors)
 {
   const auto refused = [](Rig &rig) {
@@ -306,8 +307,8 @@ GST_START_TEST(test_errors)
 }
 GST_END_TEST;
 
-/// A pause, a play and a seek while the board is still silent: the stream waits on, or is sent
-/// away, and plays when the board answers.
+/// Pause, play and seek while the board does not answer: the stream keeps waiting or is flushed,
+/// and plays once the board answers.
 GST_START_TEST(test_slow_board)
 {
   Rig rig("firmata");
@@ -324,15 +325,15 @@ GST_START_TEST(test_slow_board)
   fail_if(began);
   fail_unless(gst_pad_send_event(rig.pad, gst_event_new_flush_stop(TRUE)));
   rig.sockets_.locked([&] { rig.mega.says_nothing = false; });
-  fail_unless(rig.begin()); // the board is asked again twice a second
+  fail_unless(rig.begin()); // the board is asked twice a second
   rig.push({ 255, 200, 128 });
   rig.expect(rig.mega, { 2, 3, 4 }, { 255, 200, 128 });
   fail_if(rig.messages.has(GST_MESSAGE_ERROR));
 }
 GST_END_TEST;
 
-/// In a live play time goes on while the board is opened: what was shown meanwhile is left out, and
-/// nobody is told that it came late.
+/// In a live stream time passes while the board is opened. Maps of that time are dropped and not
+/// reported as late.
 GST_START_TEST(test_slow_board_in_a_live_play)
 {
   Rig rig("firmata");
@@ -381,9 +382,9 @@ GST_START_TEST(test_slow_board_in_a_live_play)
 }
 GST_END_TEST;
 
-/// 64 tactors: 14 pins whose level takes 3 bytes, 50 of 6. Where max-active lets few change at once
-/// that is said, otherwise it is a warning with the numbers and what to do, and a message for
-/// programs; on a chair of nine nothing is said.
+/// 64 tactors: 14 pins whose levels take 3 bytes, and 50 that take 6. If max-active lets few of
+/// them change at once, there is an information. Otherwise there is a warning with figures and
+/// advice, and a message for programs. With nine tactors there is neither.
 GST_START_TEST(test_large_chair)
 {
   Layout layout = kUno;
@@ -403,7 +404,7 @@ GST_START_TEST(test_large_chair)
     auto rig = start(4);
     rig->sockets_.plug(large);
     fail_unless(rig->start());
-    rig->message(GST_MESSAGE_INFO); // which board it is
+    rig->message(GST_MESSAGE_INFO); // about the board
     assert_contains(rig->message(GST_MESSAGE_INFO),
                     { "64 tactors", "342 bytes", "59.9 ms", "8.4 ms" });
     fail_if(rig->messages.has(GST_MESSAGE_WARNING));
@@ -460,7 +461,7 @@ tactorsink_board_suite(void)
 int
 main(int argc, char **argv)
 {
-  g_unsetenv("GST_PLUGIN_PATH_1_0"); // where the same element is
+  g_unsetenv("GST_PLUGIN_PATH_1_0"); // whose plugin has the same element
   gst_check_init(&argc, &argv);
   return gst_check_run_suite(tactorsink_board_suite(), "tactorsink_board", __FILE__);
 }

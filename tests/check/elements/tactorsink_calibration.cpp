@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 //
-// A chair whose motors all differ, played through tactorsink with and without its calibration.
+// A chair whose motors all differ, played by tactorsink with and without calibration.
 #include "../libs/measured_chair.h"
 #include "calibration/calibration.h"
 #include "calibration/rise_time_fit.h"
@@ -29,7 +29,7 @@ namespace {
 
 constexpr int kTactors = 4;
 
-/// Faster and slower ones, each on a longer way from the computer.
+/// Motors of different rise times and latencies.
 std::vector<MotorParameters>
 chair()
 {
@@ -45,7 +45,7 @@ chair()
   return motors;
 }
 
-/// Plays a second of rest, then a random map each half second.
+/// Plays one second of rest, then a random map every half second.
 void
 play(const std::string &calibration, const std::string &trace)
 {
@@ -82,7 +82,7 @@ play(const std::string &calibration, const std::string &trace)
   play_to_the_end(pipeline);
 }
 
-/// |90 % of the vibration − frame| in ms of each rise, rising.
+/// For each rise, the time in ms between the frame and 90 % of the vibration, sorted.
 std::vector<double>
 errors(const std::string &path)
 {
@@ -172,7 +172,7 @@ GST_START_TEST(files_that_are_no_calibration_are_refused)
 }
 GST_END_TEST
 
-// Motors that are slower than max-lead cannot be in time: the user is told.
+// Motors slower than max-lead cannot be on time, which causes a warning.
 GST_START_TEST(too_short_a_lead_is_said)
 {
   const TemporaryFile file;

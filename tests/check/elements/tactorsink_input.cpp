@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 //
-// What tactorsink takes: caps, maps and frames of all kinds, what it opens, and what it asks of
+// tactorsink's input: caps, maps and frames of all kinds, the drivers it opens, and its requests to
 // upstream.
 #include "tactorsink_rig.h"
 
@@ -29,7 +29,7 @@ GST_START_TEST(test_caps_change)
 }
 GST_END_TEST;
 
-/// A grid that changes under a level that does not: the motor goes on, and the new one joins in.
+/// The grid changes while a level does not: the motor stays on, and the new cell's motor joins it.
 GST_START_TEST(test_grid_change_keeps_steady_levels)
 {
   Rig rig;
@@ -49,7 +49,7 @@ GST_START_TEST(test_grid_change_keeps_steady_levels)
 }
 GST_END_TEST;
 
-/// A stream without times is played as it comes.
+/// A stream without times plays as it arrives.
 GST_START_TEST(test_segment_in_bytes)
 {
   Rig rig;
@@ -61,7 +61,7 @@ GST_START_TEST(test_segment_in_bytes)
 }
 GST_END_TEST;
 
-/// A trace that cannot be written is said when the play ends.
+/// A trace that cannot be written causes a warning at the end.
 GST_START_TEST(test_full_disk_is_said)
 {
   if (access("/dev/full", W_OK) != 0)
@@ -140,7 +140,7 @@ GST_START_TEST(test_absurd_caps_are_refused)
 }
 GST_END_TEST;
 
-/// tactor://SERIAL is driver=firmata device=SERIAL, whatever is in the serial number.
+/// tactor://SERIAL sets driver=firmata and device=SERIAL, with any serial number.
 GST_START_TEST(test_uri)
 {
   const std::pair<const char *, const char *> uris[] = {
@@ -161,7 +161,7 @@ GST_START_TEST(test_uri)
     g_autofree gchar *again = gst_uri_handler_get_uri(GST_URI_HANDLER(sink));
     ck_assert_str_eq(again, uri);
 
-    // There is no board of that name in the simulator, and none is changed while it is played on.
+    // The simulator has no URI, and the URI cannot change while playing.
     g_object_set(sink, "driver", "simulator", "device", nullptr, nullptr);
     fail_unless(gst_uri_handler_get_uri(GST_URI_HANDLER(sink)) == nullptr);
     gst_element_set_state(sink, GST_STATE_PAUSED);
@@ -175,7 +175,7 @@ GST_START_TEST(test_uri)
 }
 GST_END_TEST;
 
-/// Errors say what was asked for, and nothing is played.
+/// Errors name the requested value, and nothing plays.
 static void
 check_start_error(const char *property, const char *value, const char *expected)
 {
@@ -183,7 +183,7 @@ check_start_error(const char *property, const char *value, const char *expected)
   const ElementBus messages(sink);
   g_object_set(sink, property, value, nullptr);
   gst_element_set_state(sink, GST_STATE_PAUSED);
-  // Returns when the board could not be opened, or at once where that was not begun.
+  // Returns once opening the board has failed, or at once if it was not attempted.
   g_autoptr(GstPad) pad = gst_element_get_static_pad(sink, "sink");
   fail_if(gst_pad_send_event(pad, gst_event_new_stream_start("film")));
   assert_contains(messages.said(GST_MESSAGE_ERROR).text, { expected });
@@ -222,7 +222,7 @@ GST_START_TEST(test_mapping_in_words)
 }
 GST_END_TEST;
 
-/// What was logged as a warning.
+/// Warnings that were logged.
 static std::string warnings;
 
 GST_START_TEST(test_refused_numbers_name_their_range)
@@ -234,7 +234,7 @@ GST_START_TEST(test_refused_numbers_name_their_range)
     const GLogFunc before = g_log_set_default_handler(
         [](const gchar *, GLogLevelFlags, const gchar *text, gpointer) { warnings += text; },
         nullptr);
-    _gst_check_expecting_log = TRUE; // GLib's own
+    _gst_check_expecting_log = TRUE; // GLib logs it
     gst_util_set_object_arg(G_OBJECT(sink), property, value);
     _gst_check_expecting_log = FALSE;
     g_log_set_default_handler(before, nullptr);
@@ -251,8 +251,8 @@ GST_START_TEST(test_refused_numbers_name_their_range)
 }
 GST_END_TEST;
 
-/// The default 180 ms of max-lead and a margin of 10 ms are 5.7 frames at 30 frames/s: 6, and the
-/// one being shown.
+/// max-lead's default of 180 ms and a margin of 10 ms are 5.7 frames at 30 fps: 6, and the frame
+/// that is shown.
 GST_START_TEST(test_allocation_asks_for_lookahead)
 {
   GstHarness *h = gst_harness_new_with_padnames("tactorsink", "sink", nullptr);
@@ -272,7 +272,7 @@ GST_START_TEST(test_allocation_asks_for_lookahead)
 }
 GST_END_TEST;
 
-/// Every other sink is delayed by what this one asks for early.
+/// All other sinks are delayed by this sink's render-delay.
 GST_START_TEST(test_render_delay_is_the_lead)
 {
   g_autoptr(GstElement) sink = make_tactorsink();

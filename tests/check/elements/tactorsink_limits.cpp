@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 //
-// tactorsink's properties that spare motors and skin, on the clock. What the limits are is tested
-// in libs/motor_limits.
+// tactorsink's properties that protect motors and skin, on the clock. libs/motor_limits tests the
+// limits themselves.
 #include "tactorsink_rig.h"
 
 GST_START_TEST(test_defaults_spare_motors)
@@ -19,7 +19,7 @@ GST_START_TEST(test_defaults_spare_motors)
   fail_unless(max_duty == 0.4);
   ck_assert_uint_eq(max_active, 4);
   fail_if(kick_start);
-  // However long: no sum of times overflows.
+  // Sums with the longest times do not overflow.
   g_object_set(sink, "max-on-time", G_MAXUINT64, "ramp-in", G_MAXUINT64, "kick-start", TRUE,
                nullptr);
   g_object_get(sink, "max-on-time", &max_on_time, "kick-start", &kick_start, nullptr);
@@ -52,7 +52,7 @@ GST_START_TEST(test_max_on_time)
 }
 GST_END_TEST;
 
-/// Nothing comes any more, not even the end: the motor stops all the same, on time.
+/// No more data, not even EOS: the motor stops on time nevertheless.
 GST_START_TEST(test_max_on_time_without_another_map)
 {
   Rig rig;
@@ -60,7 +60,7 @@ GST_START_TEST(test_max_on_time_without_another_map)
   g_object_set(rig.element, "max-on-time", guint64{ 500 * kMs }, nullptr);
   rig.start();
   rig.stream([&] { rig.push(0, { 1.0F }); });
-  rig.step(1); // the map comes
+  rig.step(1); // the map arrives
   rig.join();
   rig.step(1); // its command is due
   ck_assert_uint_eq(rig.step(1), kLatency + 500 * kMs);
@@ -73,7 +73,7 @@ GST_START_TEST(test_max_on_time_without_another_map)
 }
 GST_END_TEST;
 
-/// Without the clock it is the film's time that counts.
+/// Without the clock the film's time counts.
 GST_START_TEST(test_max_on_time_without_the_clock)
 {
   Rig rig;
@@ -89,7 +89,7 @@ GST_START_TEST(test_max_on_time_without_the_clock)
 }
 GST_END_TEST;
 
-/// The end of the stream comes before another block has seen that the cue has run out.
+/// EOS comes before another block could notice that the cue has run out.
 GST_START_TEST(test_cue_runs_out_in_the_last_block)
 {
   for (const bool sync : { true, false }) {
@@ -106,7 +106,7 @@ GST_START_TEST(test_cue_runs_out_in_the_last_block)
 }
 GST_END_TEST;
 
-/// 600 ms in any minute: what was felt before a seek counts after it.
+/// 600 ms in any minute: time on before a seek counts after it.
 GST_START_TEST(test_max_duty_outlives_a_seek)
 {
   Rig rig;
@@ -123,7 +123,7 @@ GST_START_TEST(test_max_duty_outlives_a_seek)
   fail_unless(gst_pad_send_event(rig.sink_pad, gst_event_new_flush_stop(TRUE)));
   gst_element_set_base_time(rig.element, kLatency + 350 * kMs);
   rig.open();
-  rig.rendered = false; // nothing left to wait for
+  rig.rendered = false; // nothing more to wait for
   rig.run_to_end([&] { rig.push_level(0, 1000 * kMs, 0.5F); });
   ck_assert_uint_eq(rig.stat("cut-duty"), 1);
   const std::vector<Line> lines = rig.trace();
@@ -155,7 +155,7 @@ GST_START_TEST(test_max_active)
 }
 GST_END_TEST;
 
-/// After start and after pause the first vibration rises in five steps.
+/// After the start and after a pause, the first vibration rises in five steps.
 GST_START_TEST(test_ramp_in)
 {
   Rig rig;
@@ -186,8 +186,8 @@ GST_START_TEST(test_ramp_in)
 }
 GST_END_TEST;
 
-/// 0.6 V from rest: full voltage for 64.54 ms · lg(3 / (3 - 0.9 · 0.6)) = 5.6 ms, but 10 ms at
-/// least.
+/// 0.6 V from rest: full voltage for 64.54 ms · lg(3 / (3 - 0.9 · 0.6)) = 5.6 ms, but for at least
+/// 10 ms.
 GST_START_TEST(test_kick_start)
 {
   Rig rig;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 //
-// tactorsink on a GstTestClock: every command's time is exact, nothing waits for real time.
+// tactorsink on a GstTestClock: all command times are exact, and nothing waits for real time.
 #pragma once
 
 #include <atomic>
@@ -14,7 +14,7 @@
 #include <thread>
 #include <vector>
 
-// After the standard library's headers: gstcheck.h defines a macro named fail.
+// gstcheck.h defines a macro `fail`, so it follows the standard library's headers.
 #include "../playing.h"
 #include "../realtime.h"
 #include "../temporary_file.h"
@@ -22,11 +22,11 @@
 #include <gst/tactile/tactile.h>
 
 constexpr GstClockTime kMs = GST_MSECOND;
-constexpr GstClockTime kFrame = 40 * kMs; // 25 frames/s: exact in ns
+constexpr GstClockTime kFrame = 40 * kMs; // 25 fps, exact in ns
 constexpr GstClockTime kLatency
-    = 160 * kMs; // max-lead and the wake margin, as a pipeline would configure it
+    = 160 * kMs; // max-lead and the wake-up margin, as a pipeline would set it
 
-/// Eq. 1 at start 0, written down anew.
+/// Eq. 1 with Vs = 0, computed independently.
 inline double
 rise_ms(double volts)
 {
@@ -54,15 +54,15 @@ make_tactorsink()
   return GST_ELEMENT(gst_object_ref_sink(gst_element_factory_make("tactorsink", nullptr)));
 }
 
-/// A tactorsink with a test clock, its bus and its trace; what is pushed is pushed by a thread of
-/// its own.
+/// A tactorsink with a test clock, a bus and a trace. A streaming thread of its own pushes the
+/// data.
 class Rig
 {
 public:
   explicit Rig(const char *caps = "application/x-tactile-map,rows=1,columns=1,framerate=25/1")
       : element(make_tactorsink()), messages(element), caps_string(caps)
   {
-    // Limits have tests of their own.
+    // Limits have their own tests.
     g_object_set(element, "driver", "simulator", "trace-location", trace_file.path.c_str(),
                  "max-lead", 150u, "max-on-time", guint64{ 0 }, "max-duty", 0.0, "max-active", 0u,
                  "ramp-in", guint64{ 0 }, nullptr);
@@ -100,13 +100,13 @@ public:
     fail_unless(gst_pad_send_event(sink_pad, gst_event_new_segment(segment ? segment : &plain)));
   }
 
-  /// Commands that are issued with the frame make the arithmetic plain.
+  /// Without compensation, commands are issued at their frames' times.
   void uncompensated()
   {
     g_object_set(element, "compensation", 2, nullptr);
   }
 
-  /// Runs in the streaming thread, after what was given before.
+  /// Runs `work` in the streaming thread, after earlier work.
   void stream(std::function<void()> work)
   {
     if (pusher.joinable())
@@ -135,14 +135,14 @@ public:
     return gst_pad_chain(sink_pad, buffer(pts, levels, duration));
   }
 
-  /// Maps of one level from `start` to `stop`.
+  /// Pushes maps of one level from `start` to `stop`.
   void push_level(GstClockTime start, GstClockTime stop, gfloat level)
   {
     for (GstClockTime pts = start; pts < stop; pts += kFrame)
       ck_assert_int_eq(push(pts, { level }), GST_FLOW_OK);
   }
 
-  /// Gives the streaming thread other caps.
+  /// Sends caps of another grid from the streaming thread.
   void change_grid(guint rows, guint columns)
   {
     g_autoptr(GstCaps) caps = gst_tactile_map_caps_new(rows, columns, 25, 1);
@@ -154,8 +154,8 @@ public:
     fail_unless(gst_pad_send_event(sink_pad, gst_event_new_eos()));
   }
 
-  /// Waits until `waiters` threads sleep on the clock and moves it to the earliest of them. Returns
-  /// the new time.
+  /// Waits until `waiters` threads wait on the clock, and moves it to the earliest of their times.
+  /// Returns the new time.
   GstClockTime step(guint waiters)
   {
     GList *pending = nullptr;
@@ -171,10 +171,9 @@ public:
     return next;
   }
 
-  /// Whether everybody who is going to sleep does so now: the streaming thread, and once a map has
-  /// come the scheduler too, which then always has a command or the end of a hold to wait for; or
-  /// one alone whose time has come already. The wait is cut in pieces only to look whether the work
-  /// is done.
+  /// Whether all threads now wait on the clock: the streaming thread and, after the first map, the
+  /// scheduler, which then always has something to wait for. A single wait that is over is ended.
+  /// Returns after a short time-out, so that the caller can check whether the work is done.
   bool all_asleep()
   {
     GList *pending = nullptr;
@@ -190,7 +189,7 @@ public:
     return false;
   }
 
-  /// Ends every wait whose time has come.
+  /// Ends every wait that is over.
   void wake_all_due()
   {
     while (GstClockID id = gst_test_clock_process_next_clock_id(clock))
@@ -198,8 +197,8 @@ public:
     std::this_thread::yield();
   }
 
-  /// Lets the clock run to `time`, at which the streaming thread must still be waiting to render
-  /// something later.
+  /// Runs the clock to `time`. The streaming thread must still be waiting to render something
+  /// later.
   void run_to(GstClockTime time)
   {
     for (;;) {
@@ -212,7 +211,7 @@ public:
     gst_test_clock_set_time(clock, time);
   }
 
-  /// Does the work in the streaming thread and lets the clock run until it is done.
+  /// Does the work in the streaming thread and runs the clock until it is done.
   void run_out(const std::function<void()> &work)
   {
     std::atomic<bool> done{ false };
@@ -226,7 +225,7 @@ public:
     join();
   }
 
-  /// The same, and the end of the stream after it.
+  /// The same, followed by EOS.
   void run_to_end(const std::function<void()> &work)
   {
     run_out([&] {
@@ -235,7 +234,7 @@ public:
     });
   }
 
-  /// A whole play of what `work` pushes.
+  /// Starts, pushes with `work`, and ends the stream.
   void play(const std::function<void()> &work)
   {
     start();
@@ -298,7 +297,7 @@ assert_line(const Line &line, GstClockTime issued, GstClockTime due, GstClockTim
   fail_unless(std::abs(line.volts - (volts)) <= 5e-4);
 }
 
-/// Whatever happened, each motor's last command is zero.
+/// Each motor's last command must be zero.
 inline void
 assert_silent_at_end(const std::vector<Line> &lines)
 {

@@ -6,11 +6,11 @@
 #include <map>
 #include <vector>
 
-// After the standard library's headers: gstcheck.h defines a macro named fail.
+// gstcheck.h defines a macro `fail`, so it follows the standard library's headers.
 #include "../unwrap.h"
 #include <gst/check/gstcheck.h>
 
-/// Whatever happened, each motor's last command is zero.
+/// Each motor's last command must be zero.
 inline void
 assert_silent_at_end(const std::vector<tactor::IssuedCommand> &lines)
 {

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 //
-// visuotactilesink as a player's video sink: its properties, the sink that it shows the film with,
-// windows and keys. What it plays is tested in visuotactilesink_playing.
+// visuotactilesink as a player's video sink: its properties, its choice of a video sink, windows
+// and keys. visuotactilesink_playing tests how it plays.
 #include "visuotactilesink_rig.h"
 
 #include <gst/tactile/tactile.h>
 
 namespace {
 
-/// The rank of every video sink but those that the test puts up is as good as none.
+/// Lowers the rank of all video sinks except the test's own.
 void
 hide_other_sinks()
 {
@@ -49,7 +49,7 @@ same_range(GParamSpec *one, GParamSpec *other)
   return true;
 }
 
-/// Type, range, default and when it may be changed are those of the child that the property is for.
+/// Type, range, default and flags of a property equal those of the child's property.
 GST_START_TEST(test_properties_are_the_childrens)
 {
   GstElement *chair = gst_element_factory_make("visuotactilesink", nullptr);
@@ -62,7 +62,7 @@ GST_START_TEST(test_properties_are_the_childrens)
     for (guint i = 0; i < count; i++) {
       if (specs[i]->owner_type != G_OBJECT_TYPE(chair))
         continue;
-      // What is the video sink's as well is as base sinks have it.
+      // Properties that the child inherits from the base sink are not compared.
       GParamSpec *spec = g_object_class_find_property(G_OBJECT_GET_CLASS(child), specs[i]->name);
       if (!spec || spec->owner_type != G_OBJECT_TYPE(child))
         continue;
@@ -167,8 +167,8 @@ assert_direction(gpointer object, const gchar *property, GstVideoOrientationMeth
   ck_assert_int_eq(direction, expected);
 }
 
-/// Picture and grid are turned together; a video sink that was given is not told unless the user
-/// does.
+/// Picture and grid are rotated together. A given video sink is only set if the user sets the
+/// property.
 GST_START_TEST(test_video_direction)
 {
   hide_other_sinks();
@@ -203,7 +203,7 @@ keep_levels(GstPad *, GstPadProbeInfo *info, gpointer data)
   return GST_PAD_PROBE_OK;
 }
 
-/// A tag from upstream turns the maps of the whole film: a tag comes through the bin.
+/// A tag from upstream rotates the maps of the whole film.
 GST_START_TEST(test_phone_film)
 {
   const auto levels_of_film = [](const std::string &orientation) {
@@ -224,7 +224,7 @@ GST_START_TEST(test_phone_film)
   for (std::size_t i = 0; i < stored.size(); i++) {
     const std::size_t cell = i % 9;
     const std::size_t frame = i - cell;
-    // Clockwise: what is in the bottom row as stored is in the left column as seen.
+    // Clockwise: the stored bottom row is the left column on the screen.
     fail_unless(turned[i] == stored[frame + (2 - cell % 3) * 3 + cell / 3]);
     felt |= turned[i] != stored[i];
   }
@@ -232,7 +232,7 @@ GST_START_TEST(test_phone_film)
 }
 GST_END_TEST;
 
-/// What is not set here is the video sink's own business, also where it is a bin.
+/// Properties that are not set here keep the given sink's values, also if it is a bin.
 GST_START_TEST(test_given_sink_keeps_its_properties)
 {
   Player player(kFilm + kSink
@@ -283,7 +283,7 @@ GST_START_TEST(test_overlay_and_navigation)
 }
 GST_END_TEST;
 
-/// A sink without the interface leaves navigation to whoever is upstream, as a DVD's menu.
+/// If the sink lacks the interface, navigation events go upstream, for instance to a DVD's menu.
 GST_START_TEST(test_navigation_upstream)
 {
   GstHarness *harness = gst_harness_new_parse(
@@ -303,7 +303,7 @@ GST_START_TEST(test_navigation_upstream)
 }
 GST_END_TEST;
 
-/// Nothing inside looks like a pad of the bin around it.
+/// No pad inside becomes a ghost pad of the surrounding bin.
 GST_START_TEST(test_in_a_described_bin)
 {
   g_autoptr(GError) error = nullptr;
@@ -315,8 +315,8 @@ GST_START_TEST(test_in_a_described_bin)
 }
 GST_END_TEST;
 
-/// The best by rank that can be used: not itself, not one that would choose in turn, not one that
-/// fails or is known to crash.
+/// The highest-ranked usable sink is chosen: not itself, not one that would choose in turn, and not
+/// one that fails or is known to crash.
 GST_START_TEST(test_choice_by_rank)
 {
   hide_other_sinks();
@@ -338,11 +338,11 @@ GST_START_TEST(test_choice_by_rank)
   change_state(player.pipeline, GST_STATE_NULL);
   GstElement *sink = nullptr;
   g_object_get(player.chair, "video-sink", &sink, nullptr);
-  fail_unless(sink == nullptr); // chosen anew by the next play
+  fail_unless(sink == nullptr); // chosen again for the next play
 }
 GST_END_TEST;
 
-/// A chosen sink that asks for a window as early as it can is heard.
+/// A chosen sink may ask for a window at its first state change: the message arrives.
 GST_START_TEST(test_chosen_sink_asks_for_a_window)
 {
   hide_other_sinks();
@@ -359,7 +359,7 @@ GST_START_TEST(test_chosen_sink_asks_for_a_window)
 }
 GST_END_TEST;
 
-/// An application that knows nothing of it: what autovideosink finds is visuotactilesink.
+/// For applications that do not know it: autovideosink chooses visuotactilesink.
 GST_START_TEST(test_autovideosink_chooses_it)
 {
   hide_other_sinks();

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 //
-// visuotactilesink playing: how much later the picture is, live, without tactors, in memory that
-// cannot be read. What is measured of time are running times: nothing depends on how fast the
-// machine is.
+// visuotactilesink playing: the picture's delay, live streams, a film without tactors, unreadable
+// memory. Times are running times, so no test depends on the machine's speed.
 #include <atomic>
 #include <future>
 #include <thread>
@@ -70,15 +69,15 @@ GST_START_TEST(test_plays_and_delays_the_picture)
 }
 GST_END_TEST;
 
-/// Live, the picture is later than its source by what the motors need and 10 ms, and by nothing
-/// else: so also when `max-lead` is small, and behind a network.
+/// In a live stream the picture is later than its source by max-lead and 10 ms, and by nothing
+/// else. This holds for a small max-lead and behind a network, too.
 static void
 check_live(const std::string &source, guint max_lead, GstClockTime at_least)
 {
   Player player(source + kSink
                 + "video-sink=visuotactiletestsink max-lead=" + std::to_string(max_lead));
   change_state(player.pipeline, GST_STATE_PLAYING);
-  // A live pipeline is in PLAYING before anything has come.
+  // A live pipeline reaches PLAYING before any frame arrives.
   while (test_video_sink(shown_by(player.chair))->frames < 2)
     g_usleep(1000);
   gboolean live = FALSE;
@@ -93,7 +92,8 @@ check_live(const std::string &source, guint max_lead, GstClockTime at_least)
   gst_query_parse_latency(query, nullptr, &source_latency, nullptr);
   gst_query_unref(query);
   fail_unless(source_latency >= at_least);
-  // A live pipeline also grants its elements time to work in, 20 ms; 15 with a video sink alone.
+  // A live pipeline adds its elements' processing deadline: 20 ms, or 15 ms with a video sink
+  // alone.
   GObject *tactors = gst_child_proxy_get_child_by_name(GST_CHILD_PROXY(player.chair), "tactors");
   const GstClockTime work = gst_base_sink_get_processing_deadline(GST_BASE_SINK(tactors));
   gst_object_unref(tactors);
@@ -112,7 +112,7 @@ GST_START_TEST(test_live)
 }
 GST_END_TEST;
 
-/// Neither a board that is not there nor one that fails stops the film; the next play tries again.
+/// A board that is missing or fails does not stop the film. The next play tries again.
 GST_START_TEST(test_plays_without_tactors)
 {
   register_test_sink(GST_RANK_NONE);
@@ -132,7 +132,7 @@ GST_START_TEST(test_plays_without_tactors)
   ck_assert_uint_eq(player.warnings.size(), 1);
   fail_unless(commands_with_volts(player.trace()) > 0);
 
-  // A board that fails in the middle: its amplitudes go to a full disk.
+  // A board that fails during play: the simulator's file is on a full disk.
   g_object_set(player.chair, "device", "/dev/full", nullptr);
   change_state(player.pipeline, GST_STATE_PLAYING);
   player.wait_for_eos();
@@ -143,13 +143,13 @@ GST_START_TEST(test_plays_without_tactors)
 }
 GST_END_TEST;
 
-/// A board fails, and before the tactors are taken out of that play the next has begun: they stay
-/// in it.
+/// A board fails, and the next play begins before the tactors are removed from the last one. They
+/// stay in the pipeline.
 GST_START_TEST(test_fails_late_in_the_last_play)
 {
   register_test_sink(GST_RANK_NONE);
   Player player(kFilm + kSink + "video-sink=visuotactiletestsink");
-  // The thread that tells of the error is held on its way, where the application is to hear of it.
+  // Holds the thread that reports the error before the application gets the message.
   struct
   {
     std::atomic<bool> is_first{ true };
@@ -192,7 +192,7 @@ GST_START_TEST(test_fails_late_in_the_last_play)
 }
 GST_END_TEST;
 
-/// Frames that wait for their motors are not there for the decoder: it is told so.
+/// Frames that wait for motors are not available to the decoder, so more buffers are requested.
 GST_START_TEST(test_asks_for_more_buffers)
 {
   GstHarness *harness
@@ -206,13 +206,14 @@ GST_START_TEST(test_asks_for_more_buffers)
   guint least = 0;
   fail_unless(gst_query_get_n_allocation_pools(query) > 0);
   gst_query_parse_nth_allocation_pool(query, 0, nullptr, nullptr, &least, nullptr);
-  ck_assert_uint_ge(least, 11); // 190 ms at 50 frames a second, 9.5, and the one at hand
+  ck_assert_uint_ge(least, 11); // 190 ms are 9.5 frames at 50 fps, and one is shown
   gst_query_unref(query);
   gst_harness_teardown(harness);
 }
 GST_END_TEST;
 
-/// Memory that only a device can read: shown and not felt, and said once.
+/// Memory that only a device can read: the picture is shown, maps are silent, and there is one
+/// warning.
 GST_START_TEST(test_unreadable_memory)
 {
   register_test_sink(GST_RANK_NONE);
@@ -252,8 +253,8 @@ GST_START_TEST(test_unreadable_memory)
 }
 GST_END_TEST;
 
-/// In a pause a user looks at one frame after the other, more than the queues hold: the motors,
-/// which stand, do not stop that.
+/// Stepping through a paused film, over more frames than the queues hold, is not blocked by the
+/// tactors.
 GST_START_TEST(test_frames_are_stepped_through)
 {
   Player player(kFilm + kSink + "video-sink=fakesink");

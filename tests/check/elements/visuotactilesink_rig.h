@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 //
-// visuotactilesink in a pipeline, with a video sink made here that tells what it was asked for. One
-// test includes it: it defines a GObject.
+// visuotactilesink in a pipeline, with a video sink that records what it was asked for. It defines
+// a GObject type, so one source of a program may include it.
 #pragma once
 
 #include "tactor/command_trace.h"
@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-// After the standard library's headers: gstcheck.h defines a macro named fail.
+// gstcheck.h defines a macro `fail`, so it follows the standard library's headers.
 #include "../playing.h"
 #include "../temporary_file.h"
 #include "trace.h"
@@ -108,7 +108,7 @@ test_video_sink_change_state(GstElement *element, GstStateChange transition)
   if (transition == GST_STATE_CHANGE_NULL_TO_READY
       && !test_video_sink_start(GST_BASE_SINK(element)))
     return GST_STATE_CHANGE_FAILURE;
-  if (transition == GST_STATE_CHANGE_NULL_TO_READY) // as glimagesink does
+  if (transition == GST_STATE_CHANGE_NULL_TO_READY) // like glimagesink
     gst_video_overlay_prepare_window_handle(GST_VIDEO_OVERLAY(element));
   return GST_ELEMENT_CLASS(test_video_sink_parent_class)->change_state(element, transition);
 }
@@ -123,7 +123,7 @@ test_video_sink_class_init(TestVideoSinkClass *klass)
   gst_element_class_set_static_metadata(element_class, "Test's video sink", "Sink/Video", "Test",
                                         "Test");
   element_class->change_state = test_video_sink_change_state;
-  // Each frame is counted once.
+  // Count each frame once.
   GST_BASE_SINK_CLASS(klass)->preroll = [](GstBaseSink *, GstBuffer *) {
     return GST_FLOW_OK;
   };
@@ -143,7 +143,7 @@ test_video_sink_class_init(TestVideoSinkClass *klass)
     delete test_video_sink(object)->shown;
     G_OBJECT_CLASS(test_video_sink_parent_class)->finalize(object);
   };
-  // Kept as data of the object: this sink has no other use for it.
+  // Stored as the object's data: this sink does not use them otherwise.
   object_class->set_property = [](GObject *object, guint id, const GValue *value, GParamSpec *) {
     if (id == 2)
       g_object_set_data(object, "direction", GINT_TO_POINTER(g_value_get_enum(value)));
@@ -158,7 +158,7 @@ test_video_sink_class_init(TestVideoSinkClass *klass)
   };
   g_object_class_install_property(
       object_class, 1, g_param_spec_boolean("force-aspect-ratio", "", "", TRUE, G_PARAM_READWRITE));
-  g_object_class_install_property( // by the name that glimagesink and waylandsink have for it
+  g_object_class_install_property( // the name in glimagesink and waylandsink
       object_class, 2,
       g_param_spec_enum("rotate-method", "", "", GST_TYPE_VIDEO_ORIENTATION_METHOD,
                         GST_VIDEO_ORIENTATION_IDENTITY, G_PARAM_READWRITE));
@@ -170,7 +170,7 @@ test_video_sink_init(TestVideoSink *sink)
   sink->handles_events = TRUE;
   sink->navigated = new std::string;
   sink->shown = new std::vector<ShownFrame>;
-  // Frames are counted: none is left out because the machine was busy.
+  // Frames are counted, so none may be dropped on a busy machine.
   gst_base_sink_set_max_lateness(GST_BASE_SINK(sink), -1);
 }
 
@@ -178,7 +178,7 @@ test_video_sink_init(TestVideoSink *sink)
 
 constexpr GstClockTime kMs = GST_MSECOND;
 
-/// A ball that is felt from its first frame on.
+/// A ball with cues from its first frame on.
 inline const std::string kFilm
     = "tactiletestsrc name=source pattern=dynamic-motion num-buffers=60 ! "
       "video/x-raw,format=I420,width=160,height=120,framerate=30/1 ! ";
@@ -192,7 +192,7 @@ register_test_sink(GstRank rank)
       gst_element_register(nullptr, "visuotactiletestsink", rank, test_video_sink_get_type()));
 }
 
-/// A pipeline with an element `chair`, and what came on its bus.
+/// A pipeline with an element `chair`, and the messages on its bus.
 class Player
 {
 public:
@@ -234,7 +234,7 @@ public:
       take(message);
     gst_element_set_state(pipeline, GST_STATE_NULL);
   }
-  /// What was told, every motor at zero in the end.
+  /// The trace, in which each motor's last command must be zero.
   std::vector<IssuedCommand> trace()
   {
     const std::vector<IssuedCommand> lines = unwrap(tactor::read_command_trace(trace_file.path));
@@ -268,7 +268,7 @@ shown_by(GstElement *chair)
   GstElement *sink = nullptr;
   g_object_get(chair, "video-sink", &sink, nullptr);
   fail_unless(sink != nullptr);
-  gst_object_unref(sink); // the bin has it
+  gst_object_unref(sink); // the bin holds a reference
   return sink;
 }
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 //
-// What an application asks of visuotactilesink as a whole: a seek and its like go upstream once, a
-// frame is stepped once, and the motors go on with the frame that is seen.
+// visuotactilesink as a whole in an application: seeks and other events go upstream once, a step
+// advances one frame, and motors resume with the visible frame.
 #include <algorithm>
 #include <map>
 
@@ -16,15 +16,14 @@ constexpr guint kFrames = 50;
 constexpr guint kCells = 9;
 constexpr GstClockTime kFrame = 40 * kMs;
 
-/// Frame i has one cell on, the (i mod 9)th.
+/// Frame i has one cell on, number i mod 9.
 int
 cell_of(guint64 number)
 {
   return static_cast<int>(number % kCells);
 }
 
-/// A frame as it comes out of Matroska: its time is rounded to the millisecond, its duration is
-/// not.
+/// Rounds a frame's time to the millisecond, but not its duration, like Matroska.
 GstPadProbeReturn
 add_map(GstPad *, GstPadProbeInfo *info, gpointer)
 {
@@ -37,11 +36,11 @@ add_map(GstPad *, GstPadProbeInfo *info, gpointer)
   return GST_PAD_PROBE_OK;
 }
 
-/// A film of fifty frames; what is felt is each frame's cell, when it is shown.
+/// A film of fifty frames. Each frame's cell plays when the frame is shown.
 class Film : public Player
 {
 public:
-  /// At this actuation rate; 0: every frame is felt.
+  /// `rate` is the actuation rate, 0 for every frame.
   explicit Film(int rate = 0, int frames_per_second = 25)
       : Player("videotestsrc num-buffers=" + std::to_string(kFrames)
                + " ! video/x-raw,format=I420,width=32,height=32,framerate="
@@ -74,7 +73,7 @@ public:
     gst_clock_id_wait(id, nullptr);
     gst_clock_id_unref(id);
   }
-  /// The next frame, as players ask for it.
+  /// Steps one frame, the way players do.
   void step()
   {
     fail_unless(gst_element_send_event(
@@ -93,8 +92,8 @@ public:
   {
     return unwrap(tactor::read_command_trace(trace_file.path)).size();
   }
-  /// After so many lines of the trace, all that is felt belongs to a frame that is shown at that
-  /// time, from one on. Commands that a busy machine leaves out are not missed.
+  /// From line `after` of the trace on, every command belongs to a frame that is shown at its time,
+  /// from frame `from` on. A busy machine may skip commands.
   void assert_felt_is_seen(std::size_t after, guint64 from)
   {
     const std::vector<ShownFrame> shown = *test_video_sink(screen)->shown;
@@ -121,7 +120,7 @@ public:
 
 } // namespace
 
-/// Both sinks take what they are to know, upstream hears of it once.
+/// Both sinks get the event, and upstream gets it once.
 GST_START_TEST(test_upstream_hears_once)
 {
   register_test_sink(GST_RANK_NONE);
@@ -155,7 +154,7 @@ GST_START_TEST(test_upstream_hears_once)
   for (const GstEventType type : { GST_EVENT_NAVIGATION, GST_EVENT_QOS, GST_EVENT_CUSTOM_UPSTREAM })
     ck_assert_msg(heard[type] == 1, "%s: %u times", gst_event_type_get_name(type), heard[type]);
 
-  // What the branch of the tactors says by its pads is nothing to the picture's decoder.
+  // Events from the tactors' branch do not reach the picture's decoder.
   heard.clear();
   g_autoptr(GstPad) end = gst_element_get_static_pad(GST_ELEMENT(tactors), "sink");
   for (GstEvent *event : { gst_event_new_reconfigure(),
@@ -166,7 +165,7 @@ GST_START_TEST(test_upstream_hears_once)
 }
 GST_END_TEST;
 
-/// One step is one frame, and is told as any video sink tells it.
+/// A step advances one frame, and its messages are those of any video sink.
 GST_START_TEST(test_steps_once)
 {
   register_test_sink(GST_RANK_NONE);
@@ -184,19 +183,19 @@ GST_START_TEST(test_steps_once)
       gst_message_unref(message);
     }
     ck_assert_uint_eq(done, 1);
-    ck_assert_uint_eq(begun, 2); // asked for, and begun
+    ck_assert_uint_eq(begun, 2); // requested and begun
   }
 }
 GST_END_TEST;
 
-/// Frames that were stepped over are not felt; the one that is seen when the film goes on is, and
-/// all after it, when they are shown.
+/// Frames that were stepped over do not play. The visible frame and all later ones do, when they
+/// are shown.
 GST_START_TEST(test_motors_go_on_with_the_frame_that_is_seen)
 {
   register_test_sink(GST_RANK_NONE);
   for (const auto &[rate, frames_per_second] : { std::pair(0, 25), { 5, 25 }, { 5, 30 } }) {
     Film film(rate, frames_per_second);
-    // At 30 Hz the one before ends a third of a millisecond after this one has begun.
+    // At 30 Hz the last frame ends a third of a millisecond after this one begins.
     for (guint i = 0; i < 21; i++)
       film.step();
     film.play();
@@ -205,8 +204,8 @@ GST_START_TEST(test_motors_go_on_with_the_frame_that_is_seen)
 }
 GST_END_TEST;
 
-/// Likewise in the middle of the film, when maps were on their way, and after a while, in which the
-/// clock goes on.
+/// The same in the middle of a film with maps in flight, and after a pause during which the clock
+/// goes on.
 GST_START_TEST(test_motors_go_on_after_a_pause)
 {
   register_test_sink(GST_RANK_NONE);
@@ -224,8 +223,8 @@ GST_START_TEST(test_motors_go_on_after_a_pause)
 }
 GST_END_TEST;
 
-/// When the picture has frames left and the tactors, which are ahead, have none: frames are stepped
-/// through all the same.
+/// Near the end the picture has frames left, but the tactors, which are ahead, do not. Stepping
+/// still works.
 GST_START_TEST(test_steps_at_the_end)
 {
   register_test_sink(GST_RANK_NONE);
