@@ -17,7 +17,7 @@ namespace {
 using tactile::Cue;
 using tactile::FormatError;
 
-/// The field of a GAP event.
+/// Field of a GAP event that holds the packet.
 constexpr const char *kPacket = "tactile-packet";
 
 tl::unexpected<FormatError>
@@ -43,7 +43,7 @@ tl::expected<Cue, FormatError>
 read_text(std::string_view text, const std::optional<tactile::Grid> &grid)
 {
   tl::expected<tactile::TactileMap, FormatError> map = tactile::read_text_cue(text, grid);
-  if (!map && grid) // of a grid of its own, then
+  if (!map && grid) // retry with the text's own grid
     map = tactile::read_text_cue(text, std::nullopt);
   return std::move(map).map([](tactile::TactileMap own) { return Cue{ .map = std::move(own) }; });
 }

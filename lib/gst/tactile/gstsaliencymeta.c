@@ -5,8 +5,8 @@
  * @title: GstSaliencyMeta
  * @short_description: the saliency map of a video frame
  *
- * `saliencytactile attach-saliency=true` puts a #GstSaliencyMeta on every frame
- * that it analyzes, so that `tactileoverlay` or an application can show what the
+ * `saliencytactile attach-saliency=true` adds a #GstSaliencyMeta to every frame
+ * that it analyzes. `tactileoverlay` or an application can then show what the
  * tactile map was made from.
  */
 
@@ -41,8 +41,8 @@ gst_saliency_meta_transform(GstBuffer *dest, GstMeta *meta, GstBuffer *buffer, G
 {
   const GstSaliencyMeta *self = (const GstSaliencyMeta *)meta;
 
-  /* The map covers the whole picture at a resolution of its own, and a part of a buffer's bytes
-   * is no part of its picture. */
+  /* The map covers the whole picture at a resolution of its own. A copy of a region copies a range
+   * of bytes, not a part of the picture, so it keeps the whole map. */
   if (!GST_META_TRANSFORM_IS_COPY(type) && !GST_VIDEO_META_TRANSFORM_IS_SCALE(type))
     return FALSE;
 
@@ -54,7 +54,7 @@ gst_saliency_meta_transform(GstBuffer *dest, GstMeta *meta, GstBuffer *buffer, G
 /**
  * gst_saliency_meta_api_get_type: (skip)
  *
- * The #GType of the metadata API, for gst_buffer_get_meta() and
+ * Gets the #GType of the metadata API, for gst_buffer_get_meta() and
  * gst_buffer_iterate_meta_filtered().
  *
  * Returns: the type of the #GstSaliencyMeta API, whose only tag is `video`
@@ -77,7 +77,7 @@ gst_saliency_meta_api_get_type(void)
 /**
  * gst_saliency_meta_get_info: (skip)
  *
- * What GStreamer knows of the implementation, for gst_buffer_add_meta().
+ * Gets the #GstMetaInfo of the implementation, for gst_buffer_add_meta().
  *
  * Returns: the #GstMetaInfo of #GstSaliencyMeta
  *
@@ -103,14 +103,14 @@ gst_saliency_meta_get_info(void)
  * @width: columns of the map, 1 to %GST_SALIENCY_MAX_SIDE
  * @height: rows of the map, 1 to %GST_SALIENCY_MAX_SIDE
  * @values: (array length=n_values): values of at least 0, row-major from the
- *     top left, in the units of the analysis; they are copied, negative values
- *     and such as aren't finite become 0
+ *     top left, in the units of the analysis. They are copied; values that are
+ *     negative or not finite become 0
  * @n_values: number of @values: @width × @height
- * @floor: in the same units, at least 0: a map whose maximum isn't above it is
- *     silent
+ * @floor: in the same units, finite and at least 0: a map whose maximum does not
+ *     exceed it is silent
  *
- * Puts a saliency map on a video frame. A frame has one saliency map: if @buffer
- * has a #GstSaliencyMeta already, its contents are replaced.
+ * Attaches a saliency map to a video frame. A frame has one saliency map: if
+ * @buffer already has a #GstSaliencyMeta, its contents are replaced.
  *
  * Returns: (transfer none) (nullable): the #GstSaliencyMeta on @buffer, or %NULL
  *     if a parameter is out of range
@@ -138,7 +138,7 @@ gst_buffer_add_saliency_meta(GstBuffer *buffer, guint width, guint height, const
   if (self == NULL)
     return NULL;
 
-  /* @values may be the replaced meta's own. */
+  /* @values may belong to the meta that is replaced. */
   copy = g_new(gfloat, n_values);
   for (gsize i = 0; i < n_values; i++)
     copy[i] = isfinite(values[i]) && values[i] > 0 ? values[i] : 0.0f;
@@ -155,7 +155,7 @@ gst_buffer_add_saliency_meta(GstBuffer *buffer, guint width, guint height, const
  * gst_buffer_get_saliency_meta:
  * @buffer: a #GstBuffer
  *
- * Finds the saliency map of a video frame.
+ * Gets the saliency map of a video frame.
  *
  * Returns: (transfer none) (nullable): the #GstSaliencyMeta on @buffer, or %NULL
  *     if it has none
@@ -173,13 +173,13 @@ gst_buffer_get_saliency_meta(GstBuffer *buffer)
 /**
  * gst_saliency_meta_get_value:
  * @meta: a #GstSaliencyMeta
- * @x: column of the map, 0 is the left one
- * @y: row of the map, 0 is the top one
+ * @x: column of the map, counted from the left; less than its width
+ * @y: row of the map, counted from the top; less than its height
  *
- * Reads one value of the map. It is for a look at a few places: see
- * gst_saliency_meta_get_values() for the whole map.
+ * Gets one value of the map. Use gst_saliency_meta_get_values() for the whole
+ * map.
  *
- * Returns: the map's value there, at least 0, in the units of the analysis
+ * Returns: the value at (@x, @y), at least 0, in the units of the analysis
  *
  * Since: 0.1
  */
@@ -197,11 +197,11 @@ gst_saliency_meta_get_value(const GstSaliencyMeta *meta, guint x, guint y)
  * @meta: a #GstSaliencyMeta
  * @n_values: (out): number of values: width × height
  *
- * Reads the whole map without a copy. It is valid as long as the meta is on its
- * buffer and is not replaced.
+ * Gets all values of the map without copying them. The array is valid until the
+ * meta is removed from its buffer or replaced.
  *
- * Returns: (array length=n_values) (transfer none): the whole map, row-major from
- *     the top left
+ * Returns: (array length=n_values) (transfer none): all values, at least 0,
+ *     row-major from the top left
  *
  * Since: 0.1
  */

@@ -13,7 +13,7 @@ G_BEGIN_DECLS
 /**
  * GST_SALIENCY_MAX_SIDE:
  *
- * Largest width and largest height of a saliency map.
+ * Largest width and largest height of a saliency map, in values.
  *
  * Since: 0.1
  */
@@ -28,13 +28,13 @@ typedef struct _GstSaliencyMeta GstSaliencyMeta;
  * @height: rows of the map, 1 to %GST_SALIENCY_MAX_SIDE
  * @values: (skip): @width × @height values, at least 0, row-major from the top
  *     left, in the units of the analysis
- * @floor: in the same units: a map whose maximum isn't above it is silent
+ * @floor: in the same units: a map whose maximum does not exceed it is silent
  *
- * How salient each part of a video frame is. The map covers the whole picture
- * whatever its resolution, so that it stays as it is when the frame is copied,
- * converted or scaled. It is laid out as an image is: the middle of value (x, y)
- * lies at ((x + ½) / @width, (y + ½) / @height) of the picture, so that a map that
- * is resized as images are lies on it. A buffer has at most one.
+ * The saliency map of a video frame. It covers the whole picture at a resolution
+ * of its own, so it stays unchanged when the frame is copied, converted or
+ * scaled. The center of value (x, y) lies at ((x + ½) / @width,
+ * (y + ½) / @height) of the picture, so the map can be resized to the picture
+ * like any image. A buffer has at most one saliency map.
  *
  * Since: 0.1
  */

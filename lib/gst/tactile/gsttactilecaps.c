@@ -5,8 +5,8 @@
  * @title: Tactile maps as a stream
  * @short_description: caps and buffers of application/x-tactile-map
  *
- * A tactile stream is what is left of a film when only its tactile maps are
- * kept: see %GST_TACTILE_MAP_MEDIA_TYPE for the form of its buffers.
+ * A tactile stream carries the tactile maps of a film without its pictures. See
+ * %GST_TACTILE_MAP_MEDIA_TYPE for the format of its buffers.
  */
 
 #include "gsttactilecaps.h"
@@ -31,13 +31,13 @@ is_grid(gint rows, gint columns)
  * gst_tactile_map_caps_new:
  * @rows: rows of the grid of tactors, 1 to %GST_TACTILE_MAX_SIDE
  * @columns: columns of the grid of tactors, 1 to %GST_TACTILE_MAX_SIDE
- * @fps_n: numerator of the maps' rate, 0 if it is unknown or variable
- * @fps_d: denominator of the maps' rate, at least 1
+ * @fps_n: numerator of the maps per second, 0 if unknown or variable
+ * @fps_d: denominator of the maps per second, at least 1
  *
- * Makes the caps of a stream of tactile maps with this grid and rate.
+ * Creates the caps of a stream of tactile maps with this grid and rate.
  *
- * Returns: (transfer full) (nullable): fixed caps of a stream of tactile maps,
- *     or %NULL if a parameter is out of range
+ * Returns: (transfer full) (nullable): new fixed caps of a stream of tactile
+ *     maps, or %NULL if a parameter is out of range
  *
  * Since: 0.1
  */
@@ -58,14 +58,15 @@ gst_tactile_map_caps_new(guint rows, guint columns, gint fps_n, gint fps_d)
  * @caps: any #GstCaps
  * @rows: (out) (optional): rows of the grid of tactors
  * @columns: (out) (optional): columns of the grid of tactors
- * @fps_n: (out) (optional): numerator of the maps' rate, 0 if @caps has none
- * @fps_d: (out) (optional): denominator of the maps' rate, 1 if @caps has none
+ * @fps_n: (out) (optional): numerator of the maps per second, 0 if @caps have
+ *     none
+ * @fps_d: (out) (optional): denominator of the maps per second, 1 if @caps have
+ *     none
  *
- * Reads the first structure of @caps. Nothing is written unless all of it can be
- * read.
+ * Parses the first structure of @caps. Unless all of it is valid, no output is
+ * written.
  *
- * Returns: %TRUE if @caps are those of a stream of tactile maps with a grid in
- *     range
+ * Returns: %TRUE if @caps describe a stream of tactile maps with a valid grid
  *
  * Since: 0.1
  */
@@ -104,14 +105,15 @@ gst_tactile_map_caps_parse(const GstCaps *caps, guint *rows, guint *columns, gin
 /**
  * gst_tactile_map_buffer_new:
  * @levels: (array length=n_levels): levels in [0, 1], row-major, the top left
- *     tactor first; values outside are clamped, NaN becomes 0
- * @n_levels: number of @levels, at least 1
+ *     tactor first. They are copied; values outside the range are clamped, NaN
+ *     becomes 0
+ * @n_levels: number of @levels, 1 to %GST_TACTILE_MAX_SIDE squared
  *
- * Makes a buffer of a tactile stream. Set its time stamp and duration: those of
- * the frame that the map is for.
+ * Creates a buffer of a tactile stream. It has no timestamp or duration; set
+ * those of the frame that the map belongs to.
  *
- * Returns: (transfer full) (nullable): a buffer of a tactile stream without time
- *     stamps, or %NULL if there are no levels
+ * Returns: (transfer full) (nullable): a new buffer of a tactile stream, or %NULL
+ *     if a parameter is out of range
  *
  * Since: 0.1
  */
@@ -133,17 +135,18 @@ gst_tactile_map_buffer_new(const gfloat *levels, gsize n_levels)
 /**
  * gst_tactile_map_buffer_get_levels:
  * @buffer: a buffer of a tactile stream
- * @rows: rows of the grid, from the stream's caps
- * @columns: columns of the grid, from the stream's caps
+ * @rows: rows of the grid, from the stream's caps, 1 to %GST_TACTILE_MAX_SIDE
+ * @columns: columns of the grid, from the stream's caps, 1 to
+ *     %GST_TACTILE_MAX_SIDE
  * @levels: (out) (array length=n_levels) (transfer full): all levels in [0, 1],
- *     row-major, the top left tactor first; values outside are clamped, NaN
- *     becomes 0. Free with g_free()
+ *     row-major, the top left tactor first. Values outside the range are clamped,
+ *     NaN becomes 0. Free with g_free()
  * @n_levels: (out): number of @levels: @rows × @columns
  *
- * Reads a buffer of a tactile stream into an array of its own.
+ * Copies the levels of a buffer of a tactile stream.
  *
- * Returns: %TRUE if @buffer can be read and holds exactly @rows × @columns
- *     levels; else @levels is %NULL and @n_levels is 0
+ * Returns: %TRUE if @buffer is readable and holds exactly @rows × @columns
+ *     levels; otherwise @levels is %NULL and @n_levels is 0
  *
  * Since: 0.1
  */
@@ -167,7 +170,7 @@ gst_tactile_map_buffer_get_levels(GstBuffer *buffer, guint rows, guint columns, 
   if (map.size == n * sizeof(gfloat)) {
     *levels = g_new(gfloat, n);
     *n_levels = n;
-    /* Copied first: a payload need not lie where a float may, and GST_READ_FLOAT_LE assumes it. */
+    /* Copy first: the payload may be unaligned, and GST_READ_FLOAT_LE requires alignment. */
     memcpy(*levels, map.data, map.size);
     for (gsize i = 0; i < n; i++)
       (*levels)[i] = clamp_level(GFLOAT_FROM_LE((*levels)[i]));

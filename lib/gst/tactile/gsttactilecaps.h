@@ -12,7 +12,7 @@ G_BEGIN_DECLS
  *
  * Media type of a stream of tactile maps. A buffer is rows × columns levels in
  * [0, 1] as little-endian 32-bit floats, row-major, the top left tactor as seen
- * on the screen first; its time stamp and duration are the frame's.
+ * on the screen first. Its timestamp and duration are those of the frame.
  *
  * Since: 0.1
  */
@@ -21,8 +21,8 @@ G_BEGIN_DECLS
 /**
  * GST_TACTILE_MAP_CAPS:
  *
- * Caps of a stream of tactile maps for a pad template. A framerate of 0/1 is an
- * unknown or a variable one.
+ * Caps of a stream of tactile maps, for a pad template. A framerate of 0/1 means
+ * unknown or variable.
  *
  * Since: 0.1
  */

@@ -5,9 +5,9 @@
  * @title: GstTactileMeta
  * @short_description: levels of a grid of tactors on a video frame
  *
- * `saliencytactile` puts a #GstTactileMeta on every frame that it analyzes;
+ * `saliencytactile` adds a #GstTactileMeta to every frame that it analyzes;
  * `tactorsink`, `tactileextractor` and `tactileoverlay` read it. An application
- * can add one of its own with gst_buffer_add_tactile_meta().
+ * can add its own with gst_buffer_add_tactile_meta().
  */
 
 #include "gsttactilemeta.h"
@@ -39,8 +39,8 @@ gst_tactile_meta_transform(GstBuffer *dest, GstMeta *meta, GstBuffer *buffer, GQ
 {
   const GstTactileMeta *self = (const GstTactileMeta *)meta;
 
-  /* Levels are relative to the picture: a scaled picture feels the same. A part of a buffer's
-   * bytes is no part of its picture, so that a copy of a region keeps all of the grid. */
+  /* Levels are relative to the picture, so a scaled picture keeps them. A copy of a region copies a
+   * range of bytes, not a part of the picture, so it keeps the whole grid. */
   if (!GST_META_TRANSFORM_IS_COPY(type) && !GST_VIDEO_META_TRANSFORM_IS_SCALE(type))
     return FALSE;
 
@@ -52,7 +52,7 @@ gst_tactile_meta_transform(GstBuffer *dest, GstMeta *meta, GstBuffer *buffer, GQ
 /**
  * gst_tactile_meta_api_get_type: (skip)
  *
- * The #GType of the metadata API, for gst_buffer_get_meta() and
+ * Gets the #GType of the metadata API, for gst_buffer_get_meta() and
  * gst_buffer_iterate_meta_filtered().
  *
  * Returns: the type of the #GstTactileMeta API, whose only tag is `video`
@@ -75,7 +75,7 @@ gst_tactile_meta_api_get_type(void)
 /**
  * gst_tactile_meta_get_info: (skip)
  *
- * What GStreamer knows of the implementation, for gst_buffer_add_meta().
+ * Gets the #GstMetaInfo of the implementation, for gst_buffer_add_meta().
  *
  * Returns: the #GstMetaInfo of #GstTactileMeta
  *
@@ -101,13 +101,13 @@ gst_tactile_meta_get_info(void)
  * @rows: rows of the grid, 1 to %GST_TACTILE_MAX_SIDE
  * @columns: columns of the grid, 1 to %GST_TACTILE_MAX_SIDE
  * @levels: (array length=n_levels): levels in [0, 1], row-major, the top left
- *     tactor as seen on the screen first; they are copied, values outside are
- *     clamped, NaN becomes 0
+ *     tactor as seen on the screen first. They are copied; values outside the
+ *     range are clamped, NaN becomes 0
  * @n_levels: number of @levels: @rows × @columns
  *
- * Puts a tactile map on a video frame. A frame has one tactile map: if @buffer
- * has a #GstTactileMeta already, its grid and levels are replaced, so that a
- * frame that is analyzed again isn't felt twice.
+ * Attaches a tactile map to a video frame. A frame has one tactile map: if
+ * @buffer already has a #GstTactileMeta, its grid and levels are replaced, so
+ * that a frame that is analyzed twice is not felt twice.
  *
  * Returns: (transfer none) (nullable): the #GstTactileMeta on @buffer, or %NULL
  *     if a parameter is out of range
@@ -134,7 +134,7 @@ gst_buffer_add_tactile_meta(GstBuffer *buffer, guint rows, guint columns, const 
   if (self == NULL)
     return NULL;
 
-  /* @levels may be the replaced meta's own. */
+  /* @levels may belong to the meta that is replaced. */
   copy = g_new(gfloat, n_levels);
   for (gsize i = 0; i < n_levels; i++)
     copy[i] = levels[i] > 0 ? MIN(levels[i], 1.0f) : 0.0f; /* NaN > 0 is false */
@@ -150,7 +150,7 @@ gst_buffer_add_tactile_meta(GstBuffer *buffer, guint rows, guint columns, const 
  * gst_buffer_get_tactile_meta:
  * @buffer: a #GstBuffer
  *
- * Finds the tactile map of a video frame.
+ * Gets the tactile map of a video frame.
  *
  * Returns: (transfer none) (nullable): the #GstTactileMeta on @buffer, or %NULL
  *     if it has none
@@ -168,10 +168,11 @@ gst_buffer_get_tactile_meta(GstBuffer *buffer)
 /**
  * gst_tactile_meta_get_level:
  * @meta: a #GstTactileMeta
- * @row: row of the tactor, 0 is the top one
- * @column: column of the tactor, 0 is the left one
+ * @row: row of the tactor, counted from the top; less than the grid's rows
+ * @column: column of the tactor, counted from the left; less than the grid's
+ *     columns
  *
- * Reads the level of one tactor.
+ * Gets the level of one tactor.
  *
  * Returns: the tactor's level in [0, 1]
  *
@@ -191,8 +192,8 @@ gst_tactile_meta_get_level(const GstTactileMeta *meta, guint row, guint column)
  * @meta: a #GstTactileMeta
  * @n_levels: (out): number of levels: rows × columns
  *
- * Reads the whole map without a copy. It is valid as long as the meta is on its
- * buffer and is not replaced.
+ * Gets all levels of the map without copying them. The array is valid until the
+ * meta is removed from its buffer or replaced.
  *
  * Returns: (array length=n_levels) (transfer none): all levels in [0, 1],
  *     row-major, the top left tactor as seen on the screen first

@@ -29,9 +29,9 @@ typedef struct _GstTactileMeta GstTactileMeta;
  * @levels: (skip): @rows × @columns levels in [0, 1], row-major, the top left
  *     tactor as seen on the screen first
  *
- * What a grid of tactors shall do while this video frame is shown. The levels
- * are relative to the picture, so that the meta stays as it is when the frame
- * is copied, converted or scaled. A buffer has at most one.
+ * The levels of a grid of tactors while this video frame is shown. The grid is
+ * relative to the picture, so the meta stays unchanged when the frame is copied,
+ * converted or scaled. A buffer has at most one tactile map.
  *
  * Since: 0.1
  */

@@ -7,24 +7,24 @@
 
 #include <string>
 
-/// How a stream's tags say that its picture is to be turned when it is shown
-/// (GST_TAG_IMAGE_ORIENTATION), as videoflip and video sinks take them: the stream's own tag counts
-/// more than that of the whole file, both hold over flushes and seeks, until other tags come or
-/// another stream. One thread at a time: the streaming thread, or while there is none.
+/// The display orientation that a stream's tags ask for (GST_TAG_IMAGE_ORIENTATION), as videoflip
+/// and video sinks interpret them. The stream's own tag takes precedence over the global one. Both
+/// survive flushes and seeks, and are replaced by later tags or by a new stream. Not thread-safe:
+/// call from the streaming thread, or while there is none.
 class OrientationTags
 {
 public:
-  /// Takes note of TAG and STREAM_START; other events mean nothing.
+  /// Handles TAG and STREAM_START; ignores other events.
   void follow(GstEvent *event);
 
-  /// No stream any more.
+  /// Forgets the stream and its tags.
   void reset();
 
   /// Never GST_VIDEO_ORIENTATION_AUTO.
   GstVideoOrientationMethod method() const;
 
 private:
-  /// As it is (identity) where tags say nothing.
+  /// No tag; method() is then the identity.
   static constexpr GstVideoOrientationMethod kUnsaid = GST_VIDEO_ORIENTATION_AUTO;
 
   GstVideoOrientationMethod global_ = kUnsaid;
@@ -32,9 +32,9 @@ private:
   std::string stream_id_;
 };
 
-/// How the picture is turned that a user wants shown like this: GST_VIDEO_ORIENTATION_AUTO by the
-/// tags, `custom` not at all.
+/// The orientation for a `video-direction` property: GST_VIDEO_ORIENTATION_AUTO follows the tags,
+/// GST_VIDEO_ORIENTATION_CUSTOM is the identity.
 tactile::Orientation orientation_of(GstVideoOrientationMethod wanted, const OrientationTags &tags);
 
-/// A property `video-direction` as other elements have it, by default GST_VIDEO_ORIENTATION_AUTO.
+/// The standard property `video-direction`; the default is GST_VIDEO_ORIENTATION_AUTO.
 GParamSpec *video_direction_spec(const gchar *blurb, GParamFlags flags);

@@ -3,6 +3,6 @@
 
 #include <glib.h>
 
-/// GStreamer 1.22's DirectFB sink: without a frame buffer its change to READY crashes the process.
-/// Whoever tries video sinks in turn has to leave it out.
+/// The DirectFB sink of GStreamer 1.22 crashes on the change to READY if there is no frame buffer.
+/// Code that tries video sinks in turn must skip it.
 inline constexpr const gchar *kCrashingVideoSink = "dfbvideosink";
