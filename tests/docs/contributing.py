@@ -24,7 +24,7 @@ for page in sorted((root / "docs/contributing").glob("*.md")):
         parts = row.split("(new)")
         for index, part in enumerate(parts):
             for name in re.findall(r"`([\w.-]+(?:/[\w.-]+)+|\w+\.md)`", part):
-                # A cell's new names end there. Everything before them is new, too.
+                # "(new)" applies to all names before it in the cell.
                 if index < len(parts) - 1:
                     new.append(name)
                 elif not (root / name).exists():
