@@ -29,8 +29,7 @@ constexpr int kRate = 8000;
 struct Sensor
 {
   std::vector<tactor::MotorParameters> motors{};
-  std::atomic<GstClockTime> latency
-      = 0; ///< the pipeline's: tactorsink is told everything so much later
+  std::atomic<GstClockTime> latency = 0; ///< the pipeline's, which delays tactorsink
   Time done{ 0 };
 };
 

@@ -22,8 +22,7 @@ using tactor::Time;
 namespace {
 
 constexpr GstClockTime kMs = GST_MSECOND;
-constexpr guint64 kRenderDelay
-    = 190 * kMs; ///< max-lead of 180 ms and the 10 ms that planning and waking up take
+constexpr guint64 kRenderDelay = 190 * kMs; ///< max-lead of 180 ms and a margin of 10 ms
 
 const std::string kSource = "tactiletestsrc name=source ";
 const std::string kCaps = " ! video/x-raw,format=I420,width=160,height=120,framerate=30/1 ";
@@ -144,7 +143,7 @@ public:
   bool eos = false;
   int errors = 0;
   int errors_expected = 0;
-  int seeks = 0; ///< flushing ones while it played
+  int seeks = 0; ///< flushing seeks while it played
 
 private:
   void drain_bus()

@@ -49,12 +49,12 @@ make_film(const Container &container, const std::string &path)
 /// The results of three seeks and twenty steps.
 struct Outcome
 {
-  int flushes = 0; ///< begun, of the picture
-  int sought = 0;  ///< seeks that went upstream from the picture's sink
+  int flushes = 0; ///< flush-starts at the video sink
+  int sought = 0;  ///< seek events from the video sink
   std::vector<gint64> player;
   std::vector<gint64> picture;
   std::vector<gint64> sound;
-  std::vector<int> done; ///< messages of steps that are over
+  std::vector<int> done; ///< step-done messages after each step
 
   bool operator==(const Outcome &) const = default;
 };

@@ -16,8 +16,8 @@ namespace {
 
 struct Way
 {
-  const char *direction; ///< as video-direction has it
-  const char *tag;       ///< as image-orientation has it
+  const char *direction; ///< value of video-direction
+  const char *tag;       ///< value of image-orientation
 };
 constexpr std::array<Way, 8> kWays = { { { "identity", "rotate-0" },
                                          { "90r", "rotate-90" },

@@ -119,14 +119,14 @@ struct Board
   std::condition_variable changed;
   int tactors = 4;
   bool open = false;
-  Volts volts; ///< what the motors have now
+  Volts volts; ///< at the motors now
   std::vector<Write> writes;
   Time refresh_interval{ 0 }; ///< set before start()
   tactor::LineTime line{};    ///< likewise
   std::optional<Kind> error;  ///< of the next write
-  bool hold = false;          ///< a write does not end…
-  int passes = 0;             ///< …but so many do
-  bool held = false;          ///< one is there
+  bool hold = false;          ///< writes block…
+  int passes = 0;             ///< …except this many
+  bool held = false;          ///< a write is blocked
   bool destroyed = false;
   std::string misuse;
 
@@ -331,5 +331,5 @@ public:
   GstTestClock *clock;
   Time offset = std::chrono::seconds(5);
   TemporaryFile trace_file;
-  std::unique_ptr<TactorScheduler> scheduler; ///< ends first
+  std::unique_ptr<TactorScheduler> scheduler; ///< destroyed first
 };

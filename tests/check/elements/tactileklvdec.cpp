@@ -31,7 +31,7 @@ map_of(float level)
 struct Gaps
 {
   std::vector<GstClockTime> times;
-  std::vector<gsize> packets; ///< bytes; 0 where there is none
+  std::vector<gsize> packets; ///< bytes, 0 without a packet
 };
 
 Gaps

@@ -68,7 +68,7 @@ public:
 
   std::atomic<bool> broken{ false };
   std::atomic<int> buses{ 0 };
-  std::atomic<bool> used_by_two{ false }; ///< methods of one bus were called by two threads at once
+  std::atomic<bool> used_by_two{ false }; ///< two threads called a bus at the same time
 
 private:
   mutable std::mutex mutex_;

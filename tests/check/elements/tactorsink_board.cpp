@@ -20,9 +20,9 @@
 #include <gst/tactile/tactile.h>
 
 using tactor::SerialDevice;
-using Duties = std::vector<int>; ///< 0…255: what a pin of 8 bits gets
+using Duties = std::vector<int>; ///< 0…255, of 8-bit pins
 
-static Sockets *sockets; ///< of the test that runs
+static Sockets *sockets; ///< of the running test
 
 tl::expected<std::unique_ptr<tactor::SerialBus>, tactor::DriverError>
 tactor::make_serial_bus()

@@ -21,12 +21,12 @@
 
 using tactor::IssuedCommand;
 
-/* ---- a video sink that can be looked at ---- */
+/* ---- a video sink for inspection ---- */
 
 struct ShownFrame
 {
   GstClockTime running; ///< when it was due, steps included
-  guint64 number;       ///< as its source counts
+  guint64 number;       ///< its offset, counted by the source
 };
 
 struct TestVideoSink
@@ -39,14 +39,14 @@ struct TestVideoSink
   gboolean handles_events;
   gint frames;
   std::string *navigated;
-  std::vector<ShownFrame> *shown; ///< to be read when nothing is played
+  std::vector<ShownFrame> *shown; ///< to be read when nothing plays
 };
 struct TestVideoSinkClass
 {
   GstVideoSinkClass parent_class;
 };
 
-inline gboolean cannot_be_used = FALSE; ///< no test sink reaches READY
+inline gboolean cannot_be_used = FALSE; ///< makes test sinks fail to reach READY
 
 static void test_video_sink_overlay_init(gpointer iface, gpointer);
 static void test_video_sink_navigation_init(gpointer iface, gpointer);
@@ -246,7 +246,7 @@ public:
   GstElement *chair;
   GstBus *bus;
   TemporaryFile trace_file;
-  std::vector<std::pair<std::string, std::string>> warnings; ///< whose, text
+  std::vector<std::pair<std::string, std::string>> warnings; ///< source and text
 
 private:
   void take(GstMessage *message)

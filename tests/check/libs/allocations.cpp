@@ -20,7 +20,7 @@
 
 namespace {
 
-thread_local bool armed = false; ///< of this thread's allocations
+thread_local bool armed = false; ///< counts this thread's allocations
 thread_local int allocations = 0;
 
 template <typename Function>

@@ -33,7 +33,7 @@ public:
     none,
     grants,
     refuses,
-    silent, ///< says what it would grant, then nothing
+    silent, ///< answers property queries, but not requests
   };
 
   explicit Bus(Service service) : service_(service), bus_(g_test_dbus_new(G_TEST_DBUS_NONE))

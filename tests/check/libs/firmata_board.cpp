@@ -107,11 +107,11 @@ public:
   Time now{ 0 };
   std::deque<std::uint8_t> on_the_way;
   std::vector<Transfer> transfers;
-  bool host_runs = true;  ///< false: its process is stopped
+  bool host_runs = true;  ///< false: the process is stopped
   bool line_takes = true; ///< false: an endpoint is stalled
   std::function<std::uint8_t(std::size_t)> flip = [](std::size_t) {
     return std::uint8_t{ 0 };
-  }; ///< damage of the nth byte that the board says
+  }; ///< bits to flip in the board's nth byte
   std::size_t replied = 0;
 
 private:

@@ -147,7 +147,7 @@ public:
 
   bool is_running = false;
   std::string firmware = "StandardFirmata.ino";
-  std::map<int, int> duty; ///< compare register of each pin that was written to
+  std::map<int, int> duty; ///< compare register of each pin written
   std::map<int, int> mode;
   std::vector<std::uint8_t> received;
   std::deque<std::uint8_t> replies;

@@ -170,11 +170,11 @@ constexpr Time kSilence = std::chrono::milliseconds(400);
 
 struct Difference
 {
-  double mean = 0;           ///< |difference of levels|: cells and times
-  double largest = 0;        ///< of 99 % of the cells and times
-  double same_strongest = 0; ///< share of the times at which either is felt
+  double mean = 0;           ///< |difference of levels|, mean of all cells and times
+  double largest = 0;        ///< |difference of levels|, 99th percentile
+  double same_strongest = 0; ///< share of the times with a level
   double outside = 0;        ///< share of cells and times that no shift in time explains
-  double onset = 0;          ///< of onsets, s; infinite if one has no counterpart
+  double onset = 0;          ///< largest shift of an onset in s, infinite if one is missing
 };
 
 Difference

@@ -25,7 +25,7 @@ struct Layout
   ColorModel model;
   int depth;
   int shift;
-  int sub_x; ///< k of chroma
+  int sub_x; ///< log2 of the chroma subsampling
   int sub_y;
   struct Place
   {

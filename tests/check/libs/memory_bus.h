@@ -28,12 +28,12 @@ struct MemoryBoard
   FirmataModel model;
   bool resets_on_open = true;                         ///< DTR is wired to reset
   std::optional<tactor::DriverError::Kind> refusal{}; ///< of open()
-  tactor::LineUse use{};                              ///< of the system's line to it
-  bool is_left = false;                               ///< by a process that was killed
-  bool hangs_on_open = false;                         ///< until it is interrupted
+  tactor::LineUse use{};                              ///< of its tty
+  bool is_left = false;                               ///< a killed process left it open
+  bool hangs_on_open = false;                         ///< until interrupted
   bool says_nothing = false;
-  bool takes_nothing = false; ///< a write never ends
-  long bytes_to_live = -1;    ///< it is plugged out when it has got so many more; −1: never
+  bool takes_nothing = false; ///< writes never complete
+  long bytes_to_live = -1;    ///< unplugged after this many more bytes, −1: never
 
   // State that the bus keeps
   bool is_plugged = false;
@@ -45,7 +45,7 @@ struct MemoryBoard
 class Sockets
 {
 public:
-  bool announces = true; ///< whether watchers are told; set before a bus is made
+  bool announces = true; ///< hot-plug events; set before a bus is made
 
   void plug(MemoryBoard &board)
   {
@@ -93,11 +93,11 @@ public:
       watcher();
   }
 
-  std::mutex mutex; ///< guards boards and whatever a test waits for
+  std::mutex mutex; ///< guards boards and what tests wait for
   std::condition_variable changed;
   std::list<MemoryBoard *> boards;
   int writer_policy = -1;      ///< of the thread that wrote last
-  bool wants_realtime = false; ///< likewise, of the port
+  bool wants_realtime = false; ///< of the port's thread
   std::mutex watching;         ///< held while the watcher is called
   std::function<void()> watcher;
 };
@@ -180,7 +180,7 @@ private:
   std::vector<std::uint8_t> out_;
   bool is_lost_ = false;
   bool quit_ = false;
-  std::thread thread_; ///< last: it uses the others
+  std::thread thread_; ///< last, as it uses the others
 };
 
 class MemoryBus final : public tactor::SerialBus

@@ -12,7 +12,7 @@ using namespace tactor;
 
 namespace {
 
-constexpr Time kForever = 1000s; ///< after which nothing moves any more
+constexpr Time kForever = 1000s; ///< long enough for any motor to settle
 
 RiseTime
 constant(double milliseconds)

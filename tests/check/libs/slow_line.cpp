@@ -134,13 +134,13 @@ public:
   FirmataModel model;
   FirmataBoard board;
   Time now{ 0 };
-  bool is_heard = true;           ///< false: what the board says is lost
+  bool is_heard = true;           ///< false: the board's replies are lost
   std::size_t most_under_way = 0; ///< bytes
 
 private:
   std::size_t memory_;
   std::deque<std::uint8_t> under_way_;
-  Time carried_{ 0 }; ///< when the first of them is
+  Time carried_{ 0 }; ///< when the first of them is on the board
   bool is_taken_ = true;
 };
 
@@ -249,10 +249,10 @@ GST_START_TEST(test_blocks)
 {
   struct
   {
-    int changing; ///< of 64, from the last on: 6 bytes each
+    int changing; ///< the last ones of 64 tactors, 6 bytes each
     double rate;  ///< Hz
     Time frame;
-    int frames; ///< from block to block
+    int frames; ///< in a block
   } const cases[] = {
     { 64, 0, 40ms, 2 },  { 64, 0, 10ms, 6 }, { 64, 0, 60ms, 1 }, { 64, 5, 40ms, 5 },
     { 64, 25, 40ms, 2 }, { 8, 0, 10ms, 1 },  { 9, 0, 10ms, 1 },  { 10, 0, 10ms, 2 },

@@ -65,7 +65,7 @@ read_rules()
   return rules;
 }
 
-using Device = std::map<std::string, std::string>; ///< what keys match against
+using Device = std::map<std::string, std::string>; ///< values by key
 
 /// Whether the value matches "a|b" with wildcards.
 bool
@@ -83,7 +83,7 @@ std::set<std::string>
 assignments(const std::vector<Rule> &rules, const Device &device)
 {
   std::set<std::string> assigned;
-  std::string target; ///< label that is being gone to
+  std::string target; ///< label of the current GOTO
   for (const Rule &rule : rules) {
     bool holds = true;
     for (const auto &[key, operation, value] : rule) {
