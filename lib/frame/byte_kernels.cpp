@@ -12,8 +12,8 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
-#include "frame/ahead-inl.h"
 #include "frame/five_taps-inl.h"
+#include "frame/prefetch-inl.h"
 #include "frame/vectors-inl.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -21,12 +21,12 @@ namespace saliency::kernels::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-using saliency::HWY_NAMESPACE::ask;
 using saliency::HWY_NAMESPACE::average;
 using saliency::HWY_NAMESPACE::for_halved;
 using saliency::HWY_NAMESPACE::halved_sums;
 using saliency::HWY_NAMESPACE::load_bytes;
 using saliency::HWY_NAMESPACE::mean_of_five;
+using saliency::HWY_NAMESPACE::prefetch;
 using saliency::HWY_NAMESPACE::Taps;
 using saliency::HWY_NAMESPACE::weigh_taps;
 template <typename T> using Tag = saliency::HWY_NAMESPACE::Vectors<T>;
@@ -216,7 +216,7 @@ carried_at(std::ptrdiff_t place)
 template <class Made>
 HWY_INLINE void
 decimate_bytes(SourceRows rows, int width, Carried carried, std::array<Fixed *, Made::kRows> out,
-               Ahead ahead)
+               Prefetch ahead)
 {
   const auto at = [out](std::ptrdiff_t x) {
     return [out, x](std::size_t i) {
@@ -229,7 +229,7 @@ decimate_bytes(SourceRows rows, int width, Carried carried, std::array<Fixed *, 
         return load_bytes(d, at + 2 * i);
       };
     };
-    ask<kSourceRows * 2 * hn::MaxLanes(d)>(ahead, kSourceRows * 2 * x);
+    prefetch<kSourceRows * 2 * hn::MaxLanes(d)>(ahead, kSourceRows * 2 * x);
     add_source_pairs<Made>(d, rows, pairs, carried, carried_at<1>(x), at(x));
   };
   const auto many = [width, &work](int x) HWY_ATTR {
@@ -245,14 +245,14 @@ decimate_bytes(SourceRows rows, int width, Carried carried, std::array<Fixed *, 
 
 void
 HalveBytes(const SourceRows &rows, int width, const Carried &carried, const AtOnce<Fixed *> &halved,
-           const Ahead &ahead)
+           const Prefetch &ahead)
 {
   decimate_bytes<Halved>(rows, width, carried, halved, ahead);
 }
 
 void
 QuarterBytes(const SourceRows &rows, int width, const Carried &carried, Fixed *quartered,
-             const Ahead &ahead)
+             const Prefetch &ahead)
 {
   decimate_bytes<Quartered>(rows, width, carried, { quartered }, ahead);
 }
@@ -311,7 +311,7 @@ part_pixels(const Fixed *pixels, std::ptrdiff_t count, const Kinds<bytes> &out, 
 template <class Made, int bytes>
 int
 decimate_pixels_from(int x, const SourceRows &rows, int width, Carried carried,
-                     const std::array<Kinds<bytes>, Made::kRows> &out, Ahead ahead)
+                     const std::array<Kinds<bytes>, Made::kRows> &out, Prefetch ahead)
 {
   alignas(16) static constexpr std::array<std::uint8_t, 16> kPairs
       = bytes == 2
@@ -335,7 +335,7 @@ decimate_pixels_from(int x, const SourceRows &rows, int width, Carried carried,
             return hn::BitCast(d, hn::TableLookupBytes(hn::LoadU(d8, at + 2 * i * bytes), order));
           };
         };
-        ask<kSourceRows * 2 * hn::MaxLanes(d)>(ahead, kSourceRows * 2 * bytes * place);
+        prefetch<kSourceRows * 2 * hn::MaxLanes(d)>(ahead, kSourceRows * 2 * bytes * place);
         add_source_pairs<Made>(d, rows, pairs, carried, carried_at<bytes>(place),
                                [&](std::size_t i)
                                    HWY_ATTR { return pixels[i].data() + bytes * (place - begin); });
@@ -350,7 +350,7 @@ decimate_pixels_from(int x, const SourceRows &rows, int width, Carried carried,
 template <class Made, int bytes>
 HWY_INLINE void
 decimate_pixels(const SourceRows &rows, int width, const Carried &carried,
-                const std::array<Kinds<bytes>, Made::kRows> &out, const Ahead &ahead)
+                const std::array<Kinds<bytes>, Made::kRows> &out, const Prefetch &ahead)
 {
   const auto many = [&](int x) HWY_ATTR {
 #if HWY_TARGET == HWY_SCALAR
@@ -371,28 +371,28 @@ decimate_pixels(const SourceRows &rows, int width, const Carried &carried,
 
 void
 HalvePairs(const SourceRows &rows, int width, const Carried &carried,
-           const AtOnce<std::array<Fixed *, 2>> &halved, const Ahead &ahead)
+           const AtOnce<std::array<Fixed *, 2>> &halved, const Prefetch &ahead)
 {
   decimate_pixels<Halved, 2>(rows, width, carried, halved, ahead);
 }
 
 void
 HalvePixels(const SourceRows &rows, int width, const Carried &carried,
-            const AtOnce<std::array<Fixed *, 3>> &halved, const Ahead &ahead)
+            const AtOnce<std::array<Fixed *, 3>> &halved, const Prefetch &ahead)
 {
   decimate_pixels<Halved, 4>(rows, width, carried, halved, ahead);
 }
 
 void
 QuarterPairs(const SourceRows &rows, int width, const Carried &carried,
-             const std::array<Fixed *, 2> &quartered, const Ahead &ahead)
+             const std::array<Fixed *, 2> &quartered, const Prefetch &ahead)
 {
   decimate_pixels<Quartered, 2>(rows, width, carried, { quartered }, ahead);
 }
 
 void
 QuarterPixels(const SourceRows &rows, int width, const Carried &carried,
-              const std::array<Fixed *, 3> &quartered, const Ahead &ahead)
+              const std::array<Fixed *, 3> &quartered, const Prefetch &ahead)
 {
   decimate_pixels<Quartered, 4>(rows, width, carried, { quartered }, ahead);
 }
@@ -412,42 +412,42 @@ HWY_EXPORT(QuarterPixels);
 
 void
 halve_bytes(const SourceRows &rows, int width, const Carried &carried,
-            const AtOnce<Fixed *> &halved, const Ahead &ahead)
+            const AtOnce<Fixed *> &halved, const Prefetch &ahead)
 {
   HWY_DYNAMIC_DISPATCH(HalveBytes)(rows, width, carried, halved, ahead);
 }
 
 void
 halve_pixels(const SourceRows &rows, int width, const Carried &carried,
-             const AtOnce<std::array<Fixed *, 2>> &halved, const Ahead &ahead)
+             const AtOnce<std::array<Fixed *, 2>> &halved, const Prefetch &ahead)
 {
   HWY_DYNAMIC_DISPATCH(HalvePairs)(rows, width, carried, halved, ahead);
 }
 
 void
 halve_pixels(const SourceRows &rows, int width, const Carried &carried,
-             const AtOnce<std::array<Fixed *, 3>> &halved, const Ahead &ahead)
+             const AtOnce<std::array<Fixed *, 3>> &halved, const Prefetch &ahead)
 {
   HWY_DYNAMIC_DISPATCH(HalvePixels)(rows, width, carried, halved, ahead);
 }
 
 void
 quarter_bytes(const SourceRows &rows, int width, const Carried &carried, Fixed *quartered,
-              const Ahead &ahead)
+              const Prefetch &ahead)
 {
   HWY_DYNAMIC_DISPATCH(QuarterBytes)(rows, width, carried, quartered, ahead);
 }
 
 void
 quarter_pixels(const SourceRows &rows, int width, const Carried &carried,
-               const std::array<Fixed *, 2> &quartered, const Ahead &ahead)
+               const std::array<Fixed *, 2> &quartered, const Prefetch &ahead)
 {
   HWY_DYNAMIC_DISPATCH(QuarterPairs)(rows, width, carried, quartered, ahead);
 }
 
 void
 quarter_pixels(const SourceRows &rows, int width, const Carried &carried,
-               const std::array<Fixed *, 3> &quartered, const Ahead &ahead)
+               const std::array<Fixed *, 3> &quartered, const Prefetch &ahead)
 {
   HWY_DYNAMIC_DISPATCH(QuarterPixels)(rows, width, carried, quartered, ahead);
 }

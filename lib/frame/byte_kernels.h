@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include "frame/ahead.h"
 #include "frame/image_rows.h"
+#include "frame/prefetch.h"
 
 #include <array>
 #include <cstddef>
@@ -42,25 +42,25 @@ struct Carried
 /// [1 4 6 4 1]/16 along both axes, ends mirrored (BORDER_REFLECT_101). `rows` are `width` bytes
 /// each. Output is in code values times 128, rounded half up. Updates `carried`.
 void halve_bytes(const SourceRows &rows, int width, const Carried &carried,
-                 const AtOnce<Fixed *> &halved, const Ahead &ahead);
+                 const AtOnce<Fixed *> &halved, const Prefetch &ahead);
 
 /// The same for pixels of two bytes, or of four bytes of which the first three count; each
 /// component goes to a row of its own. `carried` holds two or four numbers per pixel. The last byte
 /// of a row of four-byte pixels is never read.
 void halve_pixels(const SourceRows &rows, int width, const Carried &carried,
-                  const AtOnce<std::array<Fixed *, 2>> &halved, const Ahead &ahead);
+                  const AtOnce<std::array<Fixed *, 2>> &halved, const Prefetch &ahead);
 void halve_pixels(const SourceRows &rows, int width, const Carried &carried,
-                  const AtOnce<std::array<Fixed *, 3>> &halved, const Ahead &ahead);
+                  const AtOnce<std::array<Fixed *, 3>> &halved, const Prefetch &ahead);
 
 /// As halve_bytes(), and halves its rows once more vertically as halve_rows() does: makes row
 /// (y - 1) / 2 of a quarter of the height.
 void quarter_bytes(const SourceRows &rows, int width, const Carried &carried, Fixed *quartered,
-                   const Ahead &ahead);
+                   const Prefetch &ahead);
 
 /// The same for the pixels of halve_pixels().
 void quarter_pixels(const SourceRows &rows, int width, const Carried &carried,
-                    const std::array<Fixed *, 2> &quartered, const Ahead &ahead);
+                    const std::array<Fixed *, 2> &quartered, const Prefetch &ahead);
 void quarter_pixels(const SourceRows &rows, int width, const Carried &carried,
-                    const std::array<Fixed *, 3> &quartered, const Ahead &ahead);
+                    const std::array<Fixed *, 3> &quartered, const Prefetch &ahead);
 
 } // namespace saliency::kernels

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "frame/byte_rows.h"
 
-#include "frame/ahead.h"
 #include "frame/byte_kernels.h"
 #include "frame/levels.h"
+#include "frame/prefetch.h"
 #include "frame/unpack_kernels.h"
 
 #include <algorithm>
@@ -38,8 +38,8 @@ public:
   virtual kernels::SourceRows rows(int y) = 0;
 
   /// What to prefetch while a channel of those rows is processed.
-  virtual Ahead ahead(int channel) const = 0;
-  static_assert(kernels::kSourceRows <= Ahead::kRows);
+  virtual Prefetch ahead(int channel) const = 0;
+  static_assert(kernels::kSourceRows <= Prefetch::kRows);
 };
 
 class ByteSamples final : public ByteRows
@@ -70,9 +70,9 @@ public:
     return rows_from(y, size().height, [this](int row, int place) { return unpacked(row, place); });
   }
 
-  Ahead ahead(int) const override
+  Prefetch ahead(int) const override
   {
-    Ahead ahead = look_ahead(component_, y_, kernels::kSourceRows);
+    Prefetch ahead = plan_prefetch(component_, y_, kernels::kSourceRows);
     ahead.first += others_;
     return ahead;
   }
@@ -158,9 +158,9 @@ public:
     return rows_from(y, size().height, [this](int row, int place) { return unpacked(row, place); });
   }
 
-  Ahead ahead(int channel) const override
+  Prefetch ahead(int channel) const override
   {
-    return look_ahead(first_, y_, kernels::kSourceRows, channel, channels());
+    return plan_prefetch(first_, y_, kernels::kSourceRows, channel, channels());
   }
 
 private:
@@ -343,7 +343,7 @@ private:
   {
     const auto rows = rows_from(
         y, source_.height, [this](int row, int) { return first_.data + row * first_.row_stride; });
-    const Ahead ahead = look_ahead(first_, y, kernels::kSourceRows);
+    const Prefetch ahead = plan_prefetch(first_, y, kernels::kSourceRows);
     if (quartered())
       kernels::quarter_pixels(rows, source_.width, carried(0), places_[0], ahead);
     else

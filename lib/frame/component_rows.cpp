@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "frame/component_rows.h"
 
-#include "frame/ahead.h"
 #include "frame/byte_rows.h"
 #include "frame/decimation_kernels.h"
 #include "frame/levels.h"
+#include "frame/prefetch.h"
 #include "frame/unpack_kernels.h"
 
 #include <algorithm>
@@ -36,7 +36,7 @@ public:
   const Fixed *row(int y) override
   {
     kernels::unpack(component_.data + y * component_.row_stride, component_.pixel_stride, left_,
-                    mask_, component_.width, buffer_.row(0), look_ahead(component_, y, 1));
+                    mask_, component_.width, buffer_.row(0), plan_prefetch(component_, y, 1));
     return buffer_.row(0);
   }
 

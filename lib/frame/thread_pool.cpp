@@ -59,7 +59,7 @@ ThreadPool::keep_off_callers_processor()
 /// Spins until `until()` or for about as long as a wake-up may take.
 template <typename Until>
 void
-ThreadPool::stay_awake(const Until &until)
+ThreadPool::spin(const Until &until)
 {
   constexpr std::chrono::microseconds kWakingUp{ 50 };
   const auto sleep = std::chrono::steady_clock::now() + kWakingUp;
@@ -89,7 +89,7 @@ ThreadPool::run(int parts, Part part, const void *work)
   };
   if (!done()) {
     lock.unlock();
-    stay_awake(done);
+    spin(done);
     lock.lock();
     all_done_.wait(lock, done);
   }
@@ -105,7 +105,7 @@ ThreadPool::wait_for_work()
     do_parts(lock);
     const unsigned known = works_;
     lock.unlock();
-    stay_awake([this, known] { return end_ || works_ != known; });
+    spin([this, known] { return end_ || works_ != known; });
     lock.lock();
     if (works_ == known)
       work_to_do_.wait(lock, [this] { return end_ || next_ < parts_; });

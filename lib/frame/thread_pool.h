@@ -50,7 +50,7 @@ private:
   void keep_off_callers_processor();
   void wait_for_work();
   void do_parts(std::unique_lock<std::mutex> &lock);
-  template <typename Until> static void stay_awake(const Until &until);
+  template <typename Until> static void spin(const Until &until);
 
   /// Not std::thread, which throws when the system has no more threads.
   std::vector<pthread_t> threads_; ///< used by the caller only, like processors_

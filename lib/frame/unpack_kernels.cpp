@@ -8,7 +8,7 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
-#include "frame/ahead-inl.h"
+#include "frame/prefetch-inl.h"
 #include "frame/vectors-inl.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -16,9 +16,9 @@ namespace saliency::kernels::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-using saliency::HWY_NAMESPACE::ask;
 using saliency::HWY_NAMESPACE::cover;
 using saliency::HWY_NAMESPACE::load_bytes;
+using saliency::HWY_NAMESPACE::prefetch;
 template <typename T> using Tag = saliency::HWY_NAMESPACE::Vectors<T>;
 
 void
@@ -51,7 +51,7 @@ Unpack8(const std::uint8_t *in, int stride, int count, std::uint8_t *out)
 
 void
 Unpack16(const std::uint8_t *in, int stride, int left, unsigned mask, int count, Fixed *out,
-         [[maybe_unused]] const Ahead &ahead)
+         [[maybe_unused]] const Prefetch &ahead)
 {
   std::ptrdiff_t x = 0;
 #if HWY_TARGET != HWY_SCALAR
@@ -60,14 +60,14 @@ Unpack16(const std::uint8_t *in, int stride, int left, unsigned mask, int count,
   const auto bits = hn::Set(d, static_cast<std::uint16_t>(mask));
   if (stride == 2) {
     for (; x + step <= count; x += step) {
-      ask<2 * hn::MaxLanes(d)>(ahead, x * 2);
+      prefetch<2 * hn::MaxLanes(d)>(ahead, x * 2);
       const auto words = load_bytes(d, in + x * 2);
       hn::StoreU(hn::ShiftRight<1>(hn::And(hn::ShiftLeftSame(words, left), bits)), d, out + x);
     }
   } else if (stride == 4) {
     for (; x + step < count; x += step) {
       const auto *at = in + x * 4;
-      ask<4 * hn::MaxLanes(d)>(ahead, x * 4);
+      prefetch<4 * hn::MaxLanes(d)>(ahead, x * 4);
       const auto words = hn::ConcatEven(d, load_bytes(d, at + 2 * step), load_bytes(d, at));
       hn::StoreU(hn::ShiftRight<1>(hn::And(hn::ShiftLeftSame(words, left), bits)), d, out + x);
     }
@@ -159,7 +159,7 @@ unpack(const std::uint8_t *in, int stride, int count, std::uint8_t *out)
 
 void
 unpack(const std::uint8_t *in, int stride, int left, unsigned mask, int count, Fixed *out,
-       const Ahead &ahead)
+       const Prefetch &ahead)
 {
   HWY_DYNAMIC_DISPATCH(Unpack16)(in, stride, left, mask, count, out, ahead);
 }

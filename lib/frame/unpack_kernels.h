@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include "frame/ahead.h"
 #include "frame/image_rows.h"
+#include "frame/prefetch.h"
 
 #include <array>
 #include <cstdint>
@@ -16,7 +16,7 @@ void unpack(const std::uint8_t *in, int stride, int count, std::uint8_t *out);
 
 /// 16-bit little-endian words `stride` bytes apart: ((word << left) & mask) / 2.
 void unpack(const std::uint8_t *in, int stride, int left, unsigned mask, int count, Fixed *out,
-            const Ahead &ahead);
+            const Prefetch &ahead);
 
 /// Three bytes of every `stride` bytes to three rows; stride ≥ 3.
 void unpack_triples(const std::uint8_t *in, int stride, int count,

@@ -107,7 +107,7 @@ SpatiotemporalSaliency::compute(TemporalPyramid &history, const Team &team)
     }
   }
   if (background_gain_ > 0)
-    take_background_off(within);
+    subtract_background(within);
   if (normalization_ == Normalization::itti)
     normalize_itti(saliency_);
   return saliency_;
@@ -136,7 +136,7 @@ SpatiotemporalSaliency::illumination(const cv::Mat &center, const cv::Mat &surro
 }
 
 void
-SpatiotemporalSaliency::take_background_off(const cv::Rect &within)
+SpatiotemporalSaliency::subtract_background(const cv::Rect &within)
 {
   if (within.area() < kFewestSamples)
     return;

@@ -35,7 +35,7 @@ private:
 
   static float illumination(const cv::Mat &center, const cv::Mat &surround,
                             std::vector<float> &sorted);
-  void take_background_off(const cv::Rect &within);
+  void subtract_background(const cv::Rect &within);
 
   TemporalSign sign_;
   bool mean_;

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Prefetch instructions for kernels, in sources that Highway compiles once per target.
-#if defined(SALIENCY_AHEAD_INL_H) == defined(HWY_TARGET_TOGGLE)
-#ifdef SALIENCY_AHEAD_INL_H
-#undef SALIENCY_AHEAD_INL_H
+#if defined(SALIENCY_PREFETCH_INL_H) == defined(HWY_TARGET_TOGGLE)
+#ifdef SALIENCY_PREFETCH_INL_H
+#undef SALIENCY_PREFETCH_INL_H
 #else
-#define SALIENCY_AHEAD_INL_H
+#define SALIENCY_PREFETCH_INL_H
 #endif
 
-#include "frame/ahead.h"
+#include "frame/prefetch.h"
 
 #include <hwy/highway.h>
 
@@ -22,12 +22,12 @@ namespace saliency::HWY_NAMESPACE {
 /// but they also start the CPU's own hardware prefetcher.
 template <std::size_t bytes>
 HWY_INLINE void
-ask(const Ahead &ahead, std::ptrdiff_t done)
+prefetch(const Prefetch &ahead, std::ptrdiff_t done)
 {
   constexpr std::size_t kLine = 64;
   constexpr std::size_t kLines = std::max<std::size_t>(1, bytes / kLine);
-  constexpr std::size_t kTurn = Ahead::kRows / kLines; // steps for a cache line of each row
-  static_assert(kTurn * kLines == Ahead::kRows);
+  constexpr std::size_t kTurn = Prefetch::kRows / kLines; // steps for a cache line of each row
+  static_assert(kTurn * kLines == Prefetch::kRows);
   const std::size_t step = static_cast<std::size_t>(done) / std::max(bytes, kLine);
   const auto row = static_cast<std::ptrdiff_t>(step % kTurn * kLines);
   for (std::size_t i = 0; i < kLines; ++i)

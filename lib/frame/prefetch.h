@@ -11,7 +11,7 @@ namespace saliency {
 /// Bytes of a frame to prefetch while other rows are processed. One cache line of each of kRows
 /// rows is fetched in turn: memory is faster when several rows are read at once. The addresses may
 /// lie outside the frame, since a prefetch never faults.
-struct Ahead
+struct Prefetch
 {
   static constexpr int kRows = 4;
 
@@ -20,13 +20,12 @@ struct Ahead
 };
 
 /// What to prefetch while `part` of `parts` of the `at_once` rows from `y` on is processed: a share
-/// of the next group of rows. Where several rows fit in a page, that many count as one row of
-/// Ahead.
+/// of the next group of rows. Where several rows fit in a page, that many count as one row.
 ///
 /// A prefetch that misses the TLB is dropped, and a page walk takes as long as several cache
 /// misses. When several rows are processed at once, each on pages of its own, this function
 /// therefore reads one byte of each page of later rows now and then, so that many page walks
 /// overlap. The first rows of a frame are left out. `at_once` is at most kRows.
-Ahead look_ahead(const Component &first, int y, int at_once, int part = 0, int parts = 1);
+Prefetch plan_prefetch(const Component &first, int y, int at_once, int part = 0, int parts = 1);
 
 } // namespace saliency

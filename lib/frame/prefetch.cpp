@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "frame/ahead.h"
+#include "frame/prefetch.h"
 
 #include <algorithm>
 #include <cstdint>
@@ -35,12 +35,12 @@ touch_pages(const Component &component, int begin, int end)
 
 } // namespace
 
-Ahead
-look_ahead(const Component &first, int y, int at_once, int part, int parts)
+Prefetch
+plan_prefetch(const Component &first, int y, int at_once, int part, int parts)
 {
   const auto stride = std::max<std::ptrdiff_t>(1, std::abs(first.row_stride));
   const int rows = 1 + static_cast<int>((kPage - 1) / stride); // rows per page
-  const int group = Ahead::kRows * rows;
+  const int group = Prefetch::kRows * rows;
   const int turns = group / at_once; // turns per group
   const int turn = y / at_once;
 
