@@ -16,7 +16,7 @@ namespace {
 constexpr double kRate = 200; ///< samples per second for the correlation
 
 void
-take_mean_off(std::vector<double> &values)
+subtract_mean(std::vector<double> &values)
 {
   const double mean = std::accumulate(values.begin(), values.end(), 0.0)
                       / static_cast<double>(std::max<std::size_t>(values.size(), 1));
@@ -26,7 +26,7 @@ take_mean_off(std::vector<double> &values)
 
 /// The sum of all tactors' commanded volts from `start` on.
 std::vector<double>
-told(std::span<const IssuedCommand> trace, Time start, double seconds)
+commanded_volts(std::span<const IssuedCommand> trace, Time start, double seconds)
 {
   std::vector<double> values;
   std::map<int, double> volts;
@@ -59,10 +59,10 @@ align(const Recording &recording, std::span<const IssuedCommand> trace, Band ban
     heard.push_back(std::accumulate(begin, begin + count, 0.0) / static_cast<double>(count));
   }
   const Time first = trace.front().issued;
-  std::vector<double> expected
-      = told(trace, first, std::chrono::duration<double>(trace.back().issued - first).count() + 1);
-  take_mean_off(heard);
-  take_mean_off(expected);
+  std::vector<double> expected = commanded_volts(
+      trace, first, std::chrono::duration<double>(trace.back().issued - first).count() + 1);
+  subtract_mean(heard);
+  subtract_mean(expected);
 
   const int size = cv::getOptimalDFTSize(static_cast<int>(heard.size() + expected.size()));
   const auto spectrum = [size](const std::vector<double> &values) {

@@ -40,7 +40,7 @@ stretches_of(std::span<const IssuedCommand> trace, Time end)
 
 /// Shortens the rests of a step to times without vibration of another tactor.
 void
-listen_apart(Step &step, const Stretch &other)
+keep_apart(Step &step, const Stretch &other)
 {
   const Time begin = std::min(step.rest_end, step.at);
   if (other.begin < step.end && other.end > begin)
@@ -54,7 +54,7 @@ listen_apart(Step &step, const Stretch &other)
 /// The same for all stretches of another tactor. Only the nearest matter: the last before the step,
 /// the first during it, the first after it.
 void
-listen_apart(Step &step, const std::vector<Stretch> &others)
+keep_apart(Step &step, const std::vector<Stretch> &others)
 {
   const Time begin = std::min(step.rest_end, step.at);
   const auto is_on = [](const Stretch &stretch) {
@@ -66,11 +66,11 @@ listen_apart(Step &step, const std::vector<Stretch> &others)
       during, others.end(), [&](const Stretch &other) { return other.begin < step.end; });
   const auto last = std::find_if(std::make_reverse_iterator(during), others.rend(), is_on);
   if (last != others.rend())
-    listen_apart(step, *last);
+    keep_apart(step, *last);
   if (const auto first = std::find_if(during, after, is_on); first != after)
-    listen_apart(step, *first);
+    keep_apart(step, *first);
   if (const auto first = std::find_if(after, others.end(), is_on); first != others.end())
-    listen_apart(step, *first);
+    keep_apart(step, *first);
 }
 
 } // namespace
@@ -108,7 +108,7 @@ steps_of(std::span<const IssuedCommand> trace, Time end, Time hold)
   for (Step &step : steps)
     for (const auto &[tactor, stretches] : tactors)
       if (tactor != step.tactor)
-        listen_apart(step, stretches);
+        keep_apart(step, stretches);
   std::ranges::sort(steps, {}, &Step::at);
   return steps;
 }

@@ -51,7 +51,7 @@ decibels(double power, double reference)
 /// Marks clipped steps. A motor may have flat crests, but crests of the same height at different
 /// voltages are the limit of an amplifier.
 void
-name_clipped(std::vector<StepResponse> &responses)
+mark_clipped(std::vector<StepResponse> &responses)
 {
   std::vector<StepResponse *> clipped;
   for (StepResponse &one : responses)
@@ -120,7 +120,7 @@ measure_step(const Recording &recording, int channel, const Step &step, Band ban
     *picture = { .rate = sound.raw().rate,
                  .first_s = sound.raw().first_s,
                  .raw = sound.raw().samples,
-                 .amplitude = sound.drawn() };
+                 .amplitude = sound.plotted() };
 
   // The envelope after the end leaks into the time before it.
   const double steady_from = end * (1 - kSteadyShare);
@@ -138,14 +138,14 @@ measure_step(const Recording &recording, int channel, const Step &step, Band ban
     return finish(StepFault::noisy);
   // The noise limits how well the level of a stretch is known.
   const double middle = (steady_from + steady_to) / 2;
-  const double looseness = sound.looseness(steady_to - middle);
+  const double uncertainty = sound.uncertainty(steady_to - middle);
   const double change
       = std::abs(sound.amplitude(steady_from, middle) - sound.amplitude(middle, steady_to));
-  if (change > kSteadyChange * response.steady + looseness)
+  if (change > kSteadyChange * response.steady + uncertainty)
     return finish(StepFault::unsteady);
   const double strongest = std::max(response.steady, response.before);
   if ((response.steady - response.before) * (step.rises() ? 1 : -1)
-      < std::max(kLeastChange * strongest, looseness))
+      < std::max(kLeastChange * strongest, uncertainty))
     return finish(StepFault::missed);
 
   const GrowthCurve curve
@@ -227,7 +227,7 @@ measure_steps(const std::vector<RecordedRun> &runs, int tactors, Band band)
     std::vector<StepResponse> own;
     for (const Look &first : looks)
       own.push_back(first.response);
-    name_clipped(own);
+    mark_clipped(own);
     const GrowthPrior prior = prior_of(own);
     for (std::size_t i = 0; i < own.size(); i++)
       responses.push_back(own[i].fault == StepFault::none && own[i].step.rises()

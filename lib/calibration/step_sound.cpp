@@ -236,7 +236,7 @@ StepSound::amplitude(double from_s, double to_s) const
 }
 
 double
-StepSound::looseness(double seconds) const
+StepSound::uncertainty(double seconds) const
 {
   return 3 * std::sqrt(noise_ / std::max(1.0, (band_.high_hz - band_.low_hz) * seconds));
 }
@@ -265,7 +265,7 @@ StepSound::fit(double from_s, double to_s, double before, double after,
 }
 
 std::vector<double>
-StepSound::drawn() const
+StepSound::plotted() const
 {
   std::vector<double> result;
   for (std::size_t i = 0; i < raw_.samples.size(); i++) {

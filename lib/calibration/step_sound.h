@@ -54,13 +54,13 @@ public:
   /// RMS amplitude in [from, to), with the noise power subtracted.
   double amplitude(double from_s, double to_s) const;
   /// How far two such amplitudes may differ due to noise (3 σ), for a stretch of this duration.
-  double looseness(double seconds) const;
+  double uncertainty(double seconds) const;
   /// Fits the transition between two levels in [from, to), up or down. The curve is passed through
   /// the band-pass and the Hilbert transform, which smear it, before comparison.
   GrowthCurve fit(double from_s, double to_s, double before, double after,
                   const GrowthPrior &prior) const;
   /// The envelope resampled to the recording's rate, for plots.
-  std::vector<double> drawn() const;
+  std::vector<double> plotted() const;
 
 private:
   Step step_;

@@ -51,7 +51,7 @@ threshold(const std::vector<StepResponse> &responses, bool (*is_of_kind)(const S
 }
 
 void
-name_missed(std::vector<StepResponse> &responses, double start_volts, double hold_volts)
+mark_missed(std::vector<StepResponse> &responses, double start_volts, double hold_volts)
 {
   for (StepResponse &response : responses) {
     const double least = response.step.start_volts > 0 ? hold_volts : start_volts;
@@ -85,7 +85,7 @@ samples_of(const std::vector<StepResponse *> &rises, double latency_ms, double s
 
 /// Marks steps far from their repetitions or, where there are few, from the fit.
 void
-name_outliers(std::vector<StepResponse> &responses)
+mark_outliers(std::vector<StepResponse> &responses)
 {
   std::map<std::pair<double, double>, std::vector<StepResponse *>> repeated;
   for (StepResponse *rise : rises_of(responses))
@@ -162,8 +162,8 @@ calibrate_tactor(std::vector<StepResponse> &responses, bool latency_known)
   TactorCalibration tactor;
   tactor.start_volts = start.value_or(kStartVolts);
   tactor.hold_volts = std::min(hold.value_or(tactor.start_volts), tactor.start_volts);
-  name_missed(responses, tactor.start_volts, tactor.hold_volts);
-  name_outliers(responses);
+  mark_missed(responses, tactor.start_volts, tactor.hold_volts);
+  mark_outliers(responses);
 
   const std::vector<StepResponse *> rises = rises_of(responses);
   if (rises.empty())
