@@ -23,10 +23,10 @@ empty_like(const Track &track)
 }
 
 /// A track that is built map by map and may become too large.
-class Growing
+class LimitedTrack
 {
 public:
-  explicit Growing(Track empty) : track_(std::move(empty))
+  explicit LimitedTrack(Track empty) : track_(std::move(empty))
   {
   }
 
@@ -152,7 +152,7 @@ Edited
 limit_events(const Track &track, const CueLimits &limits)
 {
   CueLimiter limiter;
-  Growing result(empty_like(track));
+  LimitedTrack result(empty_like(track));
   const auto &entries = track.entries();
   for (std::size_t i = 0; i < entries.size(); i++) {
     const Time end = end_of(track, i);
@@ -168,7 +168,7 @@ limit_events(const Track &track, const CueLimits &limits)
 Edited
 shift(const Track &track, Time offset)
 {
-  Growing result(empty_like(track));
+  LimitedTrack result(empty_like(track));
   const auto &entries = track.entries();
   for (std::size_t i = 0; i < entries.size(); i++)
     if (end_of(track, i) + offset > Time(0))
@@ -196,7 +196,7 @@ clip(const Track &track, Time begin, Time end)
 Edited
 silence(const Track &track, Time begin, Time end)
 {
-  Growing result(empty_like(track));
+  LimitedTrack result(empty_like(track));
   const TactileMap silent(track.rows(), track.columns());
   const auto &entries = track.entries();
   for (std::size_t i = 0; i < entries.size(); i++) {
@@ -265,7 +265,7 @@ resample(const Track &track, int rows, int columns)
 {
   Track empty(rows, columns);
   empty.set_rate(track.rate());
-  Growing result(empty);
+  LimitedTrack result(empty);
   for (const Track::Entry &entry : track.entries())
     result.append(entry.time, resample(entry.map, empty.rows(), empty.columns()));
   return result.finish(track.end());
@@ -287,7 +287,7 @@ mix_into(TactileMap &map, const TactileMap &over, Mix mix)
 Edited
 overlay(const Track &track, const Track &over, Mix mix)
 {
-  Growing result(empty_like(track));
+  LimitedTrack result(empty_like(track));
   for (const Time time : change_times(track, over)) {
     TactileMap map = track.at(time);
     mix_into(map, over.at(time), mix);

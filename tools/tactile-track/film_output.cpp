@@ -62,7 +62,8 @@ leave_track_to_choice(const std::string &path)
   void *const bytes = mmap(nullptr, size, PROT_READ | PROT_WRITE, MAP_SHARED, file, 0);
   if (bytes == MAP_FAILED)
     fail();
-  const std::size_t marked = tactile::leave_to_choice({ static_cast<std::uint8_t *>(bytes), size });
+  const std::size_t marked
+      = tactile::disable_by_default({ static_cast<std::uint8_t *>(bytes), size });
   munmap(bytes, size);
   close(file);
   if (marked == 0)

@@ -150,7 +150,7 @@ append_flag(const Part &track)
 }
 
 bool
-leave_to_choice(const Part &track)
+disable_by_default(const Part &track)
 {
   const std::optional<Part> flag = find_part(track.body, read, kFlagDefault);
   if (!flag)
@@ -160,7 +160,7 @@ leave_to_choice(const Part &track)
 }
 
 std::size_t
-leave_to_choice(Bytes file)
+disable_by_default(Bytes file)
 {
   const std::optional<Part> segment = find_part(file, read_open, kSegment);
   const std::optional<Part> tracks
@@ -168,7 +168,7 @@ leave_to_choice(Bytes file)
   std::size_t count = 0;
   if (tracks)
     for_each_part(tracks->body, read, [&](const Part &track) {
-      count += track.id == kTrackEntry && is_tactile(track) && leave_to_choice(track);
+      count += track.id == kTrackEntry && is_tactile(track) && disable_by_default(track);
       return true;
     });
   return count;
@@ -226,7 +226,7 @@ is_tactile(const Part &media)
 }
 
 bool
-leave_to_choice(const Part &track)
+disable_by_default(const Part &track)
 {
   const std::optional<Part> header = find_part(track.body, read, name("tkhd"));
   const std::optional<Part> media = find_part(track.body, read, name("mdia"));
@@ -237,13 +237,13 @@ leave_to_choice(const Part &track)
 }
 
 std::size_t
-leave_to_choice(Bytes file)
+disable_by_default(Bytes file)
 {
   const std::optional<Part> movie = find_part(file, read, name("moov"));
   std::size_t count = 0;
   if (movie)
     for_each_part(movie->body, read, [&](const Part &track) {
-      count += track.id == name("trak") && leave_to_choice(track);
+      count += track.id == name("trak") && disable_by_default(track);
       return true;
     });
   return count;
@@ -254,11 +254,11 @@ leave_to_choice(Bytes file)
 } // namespace
 
 std::size_t
-leave_to_choice(std::span<std::uint8_t> file)
+disable_by_default(std::span<std::uint8_t> file)
 {
   const std::optional<Part> first = ebml::read(file);
-  return first && first->id == ebml::kHeader ? ebml::leave_to_choice(file)
-                                             : boxes::leave_to_choice(file);
+  return first && first->id == ebml::kHeader ? ebml::disable_by_default(file)
+                                             : boxes::disable_by_default(file);
 }
 
 } // namespace tactile

@@ -17,6 +17,6 @@ namespace tactile {
 /// No byte outside of these tracks changes or moves. `file` is the whole file. Returns the number
 /// of tracks marked: 0 for other kinds of files and for files truncated before their tracks. A
 /// TrackEntry that has no room or is malformed is skipped.
-std::size_t leave_to_choice(std::span<std::uint8_t> file);
+std::size_t disable_by_default(std::span<std::uint8_t> file);
 
 } // namespace tactile

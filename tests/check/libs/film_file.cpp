@@ -10,7 +10,7 @@
 #include <vector>
 
 using namespace std::string_literals;
-using tactile::leave_to_choice;
+using tactile::disable_by_default;
 
 namespace {
 
@@ -18,7 +18,7 @@ namespace {
 std::size_t
 mark(std::string &file)
 {
-  return leave_to_choice({ reinterpret_cast<std::uint8_t *>(file.data()), file.size() });
+  return disable_by_default({ reinterpret_cast<std::uint8_t *>(file.data()), file.size() });
 }
 
 /// An EBML element whose size takes eight bytes, as GStreamer writes it.
@@ -164,13 +164,13 @@ GST_START_TEST(test_damaged)
     for (std::size_t size = 0; size < whole.size(); size++) {
       std::vector<std::uint8_t> part(whole.begin(),
                                      whole.begin() + static_cast<std::ptrdiff_t>(size));
-      leave_to_choice(part);
+      disable_by_default(part);
     }
     for (int i = 0; i < 5000; i++) {
       std::vector<std::uint8_t> bytes(whole.begin(), whole.end());
       for (int n = 0; n < 3; n++)
         bytes[random() % bytes.size()] = static_cast<std::uint8_t>(random());
-      leave_to_choice(bytes);
+      disable_by_default(bytes);
     }
   }
 }
