@@ -3,8 +3,8 @@
 
 #include "calibration/envelope.h"
 #include "calibration/recording.h"
+#include "nanoseconds.h"
 #include "tactor/command_trace.h"
-#include "tactor/time.h"
 
 #include <span>
 

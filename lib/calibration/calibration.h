@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include "nanoseconds.h"
 #include "tactor/motor_model.h"
 #include "tactor/rise_time.h"
-#include "tactor/time.h"
 
 #include <array>
 #include <map>

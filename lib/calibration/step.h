@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include "nanoseconds.h"
 #include "tactor/command_trace.h"
-#include "tactor/time.h"
 
 #include <span>
 #include <vector>

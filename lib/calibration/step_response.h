@@ -5,7 +5,7 @@
 #include "calibration/growth_curve.h"
 #include "calibration/recording.h"
 #include "calibration/step.h"
-#include "tactor/time.h"
+#include "nanoseconds.h"
 
 #include <string_view>
 #include <vector>

@@ -2,17 +2,15 @@
 #pragma once
 
 #include "frame/frame_view.h"
+#include "nanoseconds.h"
 #include "saliency/profile.h"
 
 #include <opencv2/core/mat.hpp>
 #include <opencv2/core/types.hpp>
 
-#include <chrono>
 #include <memory>
 
 namespace saliency {
-
-using Time = std::chrono::nanoseconds;
 
 /// Saliency of one frame. `map` is valid until the next call on the same analyzer and must not be
 /// modified.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include "nanoseconds.h"
 #include "saliency/analyzer.h"
 #include "saliency/profile.h"
 

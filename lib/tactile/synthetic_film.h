@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include "tactile/time.h"
+#include "nanoseconds.h"
 
 #include <array>
 #include <cstddef>

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include "nanoseconds.h"
 #include "tactor/line_time.h"
 #include "tactor/motor_limits.h"
 #include "tactor/motor_model.h"
 #include "tactor/rise_time.h"
-#include "tactor/time.h"
 
 #include <optional>
 #include <span>

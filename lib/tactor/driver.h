@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include "nanoseconds.h"
 #include "tactor/driver_error.h"
 #include "tactor/line_time.h"
-#include "tactor/time.h"
 
 #include <tl/expected.hpp>
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include "nanoseconds.h"
 #include "tactor/rise_time.h"
-#include "tactor/time.h"
 
 #include <optional>
 #include <vector>

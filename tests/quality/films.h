@@ -6,14 +6,13 @@
 
 #include <opencv2/core/mat.hpp>
 
-#include <chrono>
 #include <cstdint>
 #include <memory>
 #include <vector>
 
 namespace quality {
 
-using Time = std::chrono::nanoseconds;
+using tactile::Time;
 
 /// A frame as decoders deliver it: I420, BT.601, 8 bits, limited range. Width and height are even.
 class Frame

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include "nanoseconds.h"
 #include "tactor/drivers/firmata_protocol.h"
 #include "tactor/line_time.h"
 #include "tactor/serial/serial_port.h"
-#include "tactor/time.h"
 
 #include <cstdint>
 #include <optional>

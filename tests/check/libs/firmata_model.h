@@ -5,8 +5,9 @@
 // our sketch: the same with a watchdog.
 #pragma once
 
+#include "nanoseconds.h"
+
 #include <algorithm>
-#include <chrono>
 #include <cstdint>
 #include <deque>
 #include <map>
@@ -43,7 +44,7 @@ inline const Layout kUno{ .name = "Arduino Uno",
 class FirmataModel
 {
 public:
-  using Time = std::chrono::nanoseconds;
+  using Time = visuotactile::Time;
   static constexpr Time kWatchdog = std::chrono::milliseconds(250);
 
   explicit FirmataModel(const Layout &layout, bool seat = false, Time boot = Time(0))
