@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: LGPL-2.1-or-later
-# Runs a player that knows nothing of touch so that its films are felt: visuotactilesink gets the highest rank of all video sinks,
-# tactilesubtitles that of all that show subtitles, so that a film's own tactile track is felt. That is for players that leave
-# the choice of the video sink to playbin or autovideosink.
+# Runs any player with tactile output. visuotactilesink gets the highest rank of all video sinks, and tactilesubtitles that of all
+# subtitle renderers, so that a film's own tactile track is played. This works with players that leave the choice of the video sink
+# to playbin or autovideosink.
 # Usage: pipelines/any-player.sh PLAYER [ARGUMENT...]      for example: pipelines/any-player.sh gst123 FILM
 set -euo pipefail
 # shellcheck source=../tools/build.sh

@@ -1,11 +1,11 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: LGPL-2.1-or-later
-# Makes the tracks of all films in a folder, a film a job, and prints a table of them. What is there already stays, so that the same
-# command goes on where it was stopped.
+# Makes the tracks of all films in a folder, one job per film, and prints a table of them. Existing tracks are kept, so the same
+# command resumes an interrupted run.
 #
 # Usage: pipelines/author-catalogue.sh [--jobs N] FILMS TRACKS [-- OPTION...]    by GNU parallel on this machine
 #        pipelines/author-catalogue.sh --slurm FILMS TRACKS [-- OPTION...]       as a job array of Slurm; TRACKS on a shared disk
-#        pipelines/author-catalogue.sh --table FILMS TRACKS                      the table alone
+#        pipelines/author-catalogue.sh --table FILMS TRACKS                      the table only
 #   OPTION  of tactile-track author, such as --rows=4
 # The status is 0 if every film has its track.
 set -euo pipefail
@@ -40,12 +40,12 @@ if ! command -v tactile-track >/dev/null; then
   PATH=$root/build/tools:$PATH
 fi
 
-# Paths of films below the folder, each ended by a zero byte, always in the same order.
+# Paths of all films below the folder, NUL-terminated, in a fixed order.
 list() {
   (cd -- "$films" && find . -type f -regextype posix-extended -iregex '.*\.(mkv|mp4|m4v|mov|webm|avi|ts|mpg|ogv)' -printf '%P\0' | sort -z)
 }
 
-# track FILM: where its track goes: in the same folder below, with the whole name, for two films may differ by the ending alone
+# track FILM: path of its track: the same relative folder and the full name, since names may differ in the extension only
 track() {
   printf '%s.vtt\n' "$tracks/$1"
 }
@@ -79,14 +79,14 @@ case $mode in
   parallel)
     export -f one track
     export films tracks
-    # A film that fails does not stop the others; Ctrl-C lets none begin.
+    # A film that fails does not stop the others; Ctrl-C starts no further ones.
     list | parallel --null --jobs "$jobs" --line-buffer one {} "$@" || true
     table
     ;;
   slurm)
     count=$(list | tr -dc '\0' | wc -c)
     [ "$count" -gt 0 ] || { echo "author-catalogue.sh: no films in '$films'" >&2; exit 1; }
-    # With --wait, sbatch ends when the last film is done, and fails if one did.
+    # With --wait, sbatch returns after the last film, and fails if any film failed.
     sbatch --wait --quiet --job-name=author-catalogue --array="0-$((count - 1))" --cpus-per-task=1 --output="$tracks/slurm-%A-%a.log" \
       --wrap "$(printf '%q ' "$(realpath -- "$0")" --task "$films" "$tracks" -- "$@")" || true
     table

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: LGPL-2.1-or-later
-# Writes the commands that a chair would get for a film to commands.csv, as fast as the machine allows, without a picture.
+# Writes the motor commands for a film to commands.csv, without a picture and faster than real time if possible.
 # Usage: pipelines/commands.sh FILM
 set -euo pipefail
 # shellcheck source=../tools/build.sh
@@ -8,7 +8,7 @@ set -euo pipefail
 film=$(film_uri "${1:-}")
 build_and_use
 
-# Under its name only when it is complete: a film that can't be played leaves what is there.
+# Renamed when complete: a film that cannot be played leaves an existing file unchanged.
 part=.commands.csv.$$.part
 trap 'rm -f "$part"' EXIT
 gst-launch-1.0 -e \

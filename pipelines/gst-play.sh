@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: LGPL-2.1-or-later
-# Plays films in GStreamer's own player, shown and felt: gst-play-1.0 with visuotactilesink as its video sink. A film's own
-# tactile track is felt, if it has one. CHAIR as in playbin.sh.
+# Plays films with tactile output in GStreamer's own player: gst-play-1.0 with visuotactilesink as its video sink. A film's own
+# tactile track is played, if it has one. CHAIR as in playbin.sh.
 # Usage: pipelines/gst-play.sh FILM...
 set -euo pipefail
 # shellcheck source=../tools/build.sh

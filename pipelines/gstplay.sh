@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: LGPL-2.1-or-later
-# Plays a film with the C example of GstPlay (examples/gstplay.c), shown and felt.
+# Plays a film with tactile output in the C example of GstPlay (examples/gstplay.c).
 # Usage: pipelines/gstplay.sh FILM [property=value ...]      (visuotactilesink's properties)
 set -euo pipefail
 # shellcheck source=../tools/build.sh

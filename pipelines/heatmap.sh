@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: LGPL-2.1-or-later
-# Shows what draws the eye in a film as colors over the picture.
+# Plays a film with its saliency map as a color overlay.
 # Usage: pipelines/heatmap.sh FILM
 set -euo pipefail
 # shellcheck source=../tools/build.sh

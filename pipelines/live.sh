@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: LGPL-2.1-or-later
-# Shows and lets feel what comes live: a camera, an RTSP or other stream, or a test picture. The picture is delayed by what the
-# motors need, 190 ms; with --least-delay by no more than 30 ms, and then rises from rest are felt up to 160 ms late.
+# Plays a live source with tactile output: a camera, an RTSP or other stream, or a test picture. The picture is delayed by the
+# motors' lead time, 190 ms. With --least-delay it is at most 30 ms, and rises from rest are then up to 160 ms late.
 # Usage: pipelines/live.sh [--least-delay] [URI | /dev/videoN]      (nothing: a test picture)
 set -euo pipefail
 # shellcheck source=../tools/build.sh

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: LGPL-2.1-or-later
-# Shows a film with the tactile grid over it, while the chair follows: a simulated one where no board is plugged in.
+# Plays a film with the tactile grid as an overlay, and on the chair: a simulated one if no board is plugged in.
 # Usage: pipelines/overlay.sh FILM
 set -euo pipefail
 # shellcheck source=../tools/build.sh

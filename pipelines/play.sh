@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: LGPL-2.1-or-later
-# Installs what is missing, builds, plays a film on screen and on the chair: a simulated one where no board is plugged in.
+# Installs dependencies, builds, and plays a film on screen and on the chair: a simulated one if no board is plugged in.
 # Usage: pipelines/play.sh [options] [FILM]       pipelines/play.sh --help lists the options.
 set -euo pipefail
 here=$(cd "$(dirname "$0")" && pwd)

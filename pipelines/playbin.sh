@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: LGPL-2.1-or-later
-# Plays a film in playbin3 or playbin, shown and felt. CHAIR may hold properties of visuotactilesink, as in CHAIR="rows=2 intensity=0.5".
+# Plays a film with tactile output in playbin3 or playbin. CHAIR may hold properties of visuotactilesink, as in CHAIR="rows=2 intensity=0.5".
 # Usage: pipelines/playbin.sh FILM [playbin3|playbin]
 set -euo pipefail
 # shellcheck source=../tools/build.sh

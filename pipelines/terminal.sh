@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: LGPL-2.1-or-later
-# Draws in the terminal what is felt of a film (examples/terminal.py).
+# Draws the tactile map of a film in the terminal (examples/terminal.py).
 # Usage: pipelines/terminal.sh FILM
 set -euo pipefail
 # shellcheck source=../tools/build.sh

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: LGPL-2.1-or-later
-# A seat of a theatre: plays what theatre-server.sh sends on the motors of one chair (examples/theatre_seat.py).
+# A seat of a theatre: plays the stream of theatre-server.sh on the motors of one chair (examples/theatre_seat.py).
 # Usage: pipelines/theatre-seat.sh SERVER [options]      (--help lists them)
 set -euo pipefail
 # shellcheck source=../tools/build.sh

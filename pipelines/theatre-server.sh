@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: LGPL-2.1-or-later
-# Shows a film and sends what is felt of it to the seats of a theatre (examples/theatre_server.py).
+# Plays a film and streams its tactile maps to the seats of a theatre (examples/theatre_server.py).
 # Usage: pipelines/theatre-server.sh FILM [options]      (--help lists them)
 set -euo pipefail
 # shellcheck source=../tools/build.sh

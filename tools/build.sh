@@ -1,9 +1,11 @@
 # shellcheck shell=bash
 # SPDX-License-Identifier: LGPL-2.1-or-later
-# Sourced by pipelines/play.sh and tests/run.sh: sets up and builds this checkout.
-#   build_project DIRECTORY PARTS TARGETS [meson options]   PARTS: what tools/setup.sh shall install; TARGETS: what ninja shall build, all if
-#   empty; each in one word
-# Shows progress on a terminal, else nothing unless something goes wrong; VISUOTACTILE_NO_SETUP=1 skips the installation.
+# Functions that set up and build this checkout; sourced by pipelines/*.sh and tests/run.sh.
+#
+#   build_project DIRECTORY PARTS TARGETS [MESON_OPTION...]
+#     PARTS: arguments of tools/setup.sh; TARGETS: ninja targets, all if empty; one word each
+#
+# Prints progress on a terminal, otherwise only errors. VISUOTACTILE_NO_SETUP=1 skips tools/setup.sh.
 
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 
@@ -17,7 +19,7 @@ build_project() {
   log=$(mktemp)
   if [ ! -f "$directory/build.ninja" ]; then
     echo "Configuring ..."
-    # A directory left behind by a configuration that failed is begun anew.
+    # Remove what a failed configuration left behind.
     rm -rf "$directory"
     meson setup "$directory" "$root" "$@" >"$log" 2>&1 || { cat "$log" >&2; rm -rf "$directory" "$log"; return 1; }
   elif [ $# -gt 0 ]; then
@@ -36,12 +38,12 @@ build_project() {
   fi
 }
 
-# Builds what playing needs and makes GStreamer find it, for the scripts in pipelines/. `needs` may name more that tools/setup.sh shall install,
-# `targets` more that ninja shall build.
-# Sets `built`, the folder; VISUOTACTILE_BUILD names one in which all is built already.
+# Builds what playing needs and sets GStreamer's paths, for the scripts in pipelines/. Sets `built`,
+# the build folder. Optional inputs: `needs`, further arguments of tools/setup.sh; `targets`, further
+# ninja targets; VISUOTACTILE_BUILD, a finished build folder to use instead.
 build_and_use() {
   built=${VISUOTACTILE_BUILD:-$root/build}
-  # What is printed on standard output belongs to the pipeline.
+  # Standard output is the pipeline's.
   [ -n "${VISUOTACTILE_BUILD:-}" ] || build_project "$built" "build play ${needs:-}" "play ${targets:-}" >&2
   export GST_PLUGIN_PATH="$built/gst${GST_PLUGIN_PATH:+:$GST_PLUGIN_PATH}"
   export GST_REGISTRY="${GST_REGISTRY_1_0:-$built/registry.bin}"
@@ -55,7 +57,7 @@ film_uri() {
     *://*) printf '%s\n' "$1"; return ;;
   esac
   [ -f "$1" ] || { echo "$(basename "$0"): there is no film '$1'" >&2; return 1; }
-  # Byte by byte: a name may hold any, also such that mean something in a URI or on a launch line.
+  # By bytes: file names may contain any byte, including special characters of URIs and launch lines.
   IFS= read -r -d '' path < <(realpath -z -- "$1")
   for ((i = 0; i < ${#path}; i++)); do
     case ${path:i:1} in

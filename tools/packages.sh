@@ -1,11 +1,11 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: LGPL-2.1-or-later
-# Builds Debian packages of this checkout and looks at them with lintian.
+# Builds Debian packages of this checkout and checks them with lintian.
 #
 # Usage: tools/packages.sh [DIRECTORY]     (default: packages)
 #
-# What it needs is installed first, as root or with sudo; VISUOTACTILE_NO_SETUP=1 skips that. Tracked files are packaged as they are, uncommitted
-# changes with them. DIRECTORY then has the packages, their sources, and the log of the build; packages of debug symbols with DEB_BUILD_OPTIONS=''.
+# Installs its dependencies first, as root or with sudo; VISUOTACTILE_NO_SETUP=1 skips that. Packages tracked files, including uncommitted
+# changes. DIRECTORY receives packages, sources and the build log; set DEB_BUILD_OPTIONS='' for packages of debug symbols.
 set -euo pipefail
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 case ${1:-} in
@@ -20,7 +20,7 @@ work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 source=$work/visuotactile-$version
 mkdir "$source"
-# Also where root looks at a user's checkout.
+# Root may run this in a user's checkout.
 git=(git -c safe.directory="$root" -C "$root")
 tracked=$("${git[@]}" stash create)
 "${git[@]}" archive "${tracked:-HEAD}" | tar -x -C "$source"
@@ -37,6 +37,6 @@ if ! (cd "$source" && dpkg-buildpackage --no-sign) >"$log" 2>&1; then
 fi
 rm -f "$packages"/*visuotactile*_"$version"* "$packages"/*gsttactile*_"$version"*
 find "$work" -maxdepth 1 -type f -exec mv -t "$packages" {} +
-# As root it refuses by default to look at what somebody else may have made.
+# By default, lintian refuses to run as root.
 lintian --allow-root --fail-on error,warning "$packages"/visuotactile_"$version"*.changes
 ls -l "$packages"/*.deb

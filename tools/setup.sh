@@ -1,19 +1,19 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: LGPL-2.1-or-later
-# Installs what this project needs on Debian or Ubuntu, and only that; says nothing about what is already there.
+# Installs this project's dependencies on Debian or Ubuntu; prints nothing if all are installed.
 #
 # Usage: tools/setup.sh [build] [play] [test] [players] [quality] [fuzz] [firmware] [kernel] [analysis] [docs] [packages]     (no argument: the first four)
-#   build    compiler, meson and the libraries the plugins are made of
+#   build    compiler, meson and the libraries that the plugins use
 #   play     GStreamer's plugins that decode, encode and show a film
-#   test     what the test suite needs beyond that
-#   players  gst-play-1.0, GstPlay for the C example, Python's bindings: what pipelines/ and examples/ show
-#   quality  OpenCV's saliency models, to compare with; left out of the comparison where they are missing
+#   test     further dependencies of the test suite
+#   players  gst-play-1.0, GstPlay and Python bindings, for pipelines/ and examples/
+#   quality  OpenCV's saliency models, for the comparison, which omits them if they are missing
 #   fuzz     clang with libFuzzer, for tests/fuzz
 #   analysis valgrind, clang-tidy and cppcheck, for tests/run.sh
-#   firmware cross compiler and emulator for the test of the seat sketch, which is skipped where they are missing
+#   firmware cross compiler and emulator for the test of the seat sketch, which is skipped without them
 #   docs     gi-docgen, for the API reference
 #   packages debhelper and lintian, for tools/packages.sh
-#   kernel   a virtual machine for tests/kernel, boards behind a real Linux kernel
+#   kernel   a virtual machine for tests/kernel: boards on a real Linux kernel
 set -euo pipefail
 
 declare -A packages=(
