@@ -10,9 +10,9 @@
 
 namespace tactor {
 
-/// Running time at which a recording without a common clock begins, to within a few tens of
-/// milliseconds: the maximum of the cross-correlation of its envelope and the commanded voltage.
-/// Uses the first channel. The remaining error is common to all steps and becomes part of their
+/// Finds the running time at which a recording without a common clock begins, to within a few tens
+/// of milliseconds. It is the maximum of the cross-correlation of the first channel's envelope and
+/// the commanded voltage. The remaining error is common to all steps and becomes part of their
 /// onset.
 Time align(const Recording &recording, std::span<const IssuedCommand> trace, Band band);
 

@@ -34,11 +34,13 @@ struct MeasurementStretch
 /// A part of a measurement that is played and recorded in one piece; it begins and ends at rest.
 using MeasurementRun = std::vector<MeasurementStretch>;
 
-/// Plans a measurement. For each step, all tactors take turns. The steps are: from rest to 0.2…1.0
-/// V (start voltage), from 1.5 V down to the same voltages (hold voltage), then all steps of the
-/// grid that leave at least a tenth of the way to 90 %. A run lasts about half a minute. No tactor
-/// is on for more than 1.5 s in a row. At most a million steps. An error states what was expected
-/// and what was found.
+/// Plans a measurement; all tactors take turns at each step. The steps are:
+/// - from rest to 0.2…1.0 V (start voltage);
+/// - from 1.5 V down to the same voltages (hold voltage);
+/// - all steps of the grid that leave at least a tenth of the way to 90 %.
+///
+/// A run lasts about half a minute. No tactor is on for more than 1.5 s in a row. At most a million
+/// steps. An error states what was expected and what was found.
 tl::expected<std::vector<MeasurementRun>, std::string>
 plan_measurement(const MeasurementSettings &settings);
 

@@ -35,8 +35,8 @@ public:
   bool is_truncated() const;
   /// Whether samples are missing: 10 ms of exact zeros between nonzero samples of [from, to).
   bool has_dropout(double from_s, double to_s) const;
-  /// Whether crests are cut off at the limit of the sensor's range, or at the largest sample if it
-  /// is unknown: at least three times three samples in a row.
+  /// Whether crests are clipped: at least three times three samples in a row at the limit of the
+  /// sensor's range or, if that is unknown, at the largest sample.
   bool is_clipped(double from_s, double to_s) const;
   /// The height of flat crests in a steady part, or 0 if there are none: more samples near the
   /// extreme than a sine has. An amplifier before the sensor causes them; a motor may, too.

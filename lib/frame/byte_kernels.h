@@ -20,9 +20,9 @@ template <typename T> using AtOnce = std::array<T, kAtOnce>;
 constexpr std::ptrdiff_t kSourceRows = std::ptrdiff_t{ 2 } * kAtOnce;
 using SourceRows = std::array<const std::uint8_t *, kSourceRows>;
 
-/// State carried from one call to the next. With h the source rows halved horizontally, times 16,
-/// and y the next row of half the height, it holds h[2y - 2] + 4 h[2y - 1] + 6 h[2y], and h[2y].
-/// When quartering, it also holds rows y - 3, y - 2 and y - 1.
+/// State carried from one call to the next. Let h be the source rows halved horizontally, times 16,
+/// and y the next row of half the height. The state is h[2y - 2] + 4 h[2y - 1] + 6 h[2y], and
+/// h[2y]. When quartering, it also has rows y - 3, y - 2 and y - 1.
 ///
 /// Layout: kBlock numbers of the first kind, then kBlock of the next kind and so on, repeated along
 /// the row. Sample 1 of a row starts a block.

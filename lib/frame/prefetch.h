@@ -23,9 +23,9 @@ struct Prefetch
 /// of the next group of rows. Where several rows fit in a page, that many count as one row.
 ///
 /// A prefetch that misses the TLB is dropped, and a page walk takes as long as several cache
-/// misses. When several rows are processed at once, each on pages of its own, this function
-/// therefore reads one byte of each page of later rows now and then, so that many page walks
-/// overlap. The first rows of a frame are left out. `at_once` is at most kRows.
+/// misses. Rows that are processed at once need a page each. For these, the function now and then
+/// reads one byte of each page of later rows, so that many page walks overlap. The first rows of a
+/// frame are left out. `at_once` is at most kRows.
 Prefetch plan_prefetch(const Component &first, int y, int at_once, int part = 0, int parts = 1);
 
 } // namespace saliency

@@ -20,10 +20,10 @@ namespace saliency {
 /// that move independently; gain and offset absorb a change of exposure.
 ///
 /// The camera counts as moving only if the motion explains the difference in most parts of the
-/// picture that would show it, and if there are enough such parts. An object that moves over a
-/// still background therefore does not count. Over a plain background it does not count if it is
-/// narrower than about a fifth of the picture (two objects: a tenth each). Pictures smaller than
-/// about 30 × 20 samples never have camera motion.
+/// picture that would show it. There must be enough such parts. An object that moves over a still
+/// background therefore does not count. Over a plain background it does not count if it is narrower
+/// than about a fifth of the picture (two objects: a tenth each). Pictures smaller than about 30 ×
+/// 20 samples never have camera motion.
 class CameraMotion
 {
 public:

@@ -64,9 +64,9 @@ enum class HistoryStart
 /// a single object may fill most of the picture.
 inline constexpr int kFewestSamples = 64;
 
-/// All parameters of the path from frame to saliency map (docs/design/algorithm.md). Valid if there
-/// are level pairs with 0 ≤ center ≤ surround and window pairs of at least 1, no number is negative
-/// or NaN, quantiles are in [0, 1], and camera_motion is set only with TimeBase::seconds.
+/// All parameters of the path from frame to saliency map (docs/design/algorithm.md). A valid
+/// profile has level pairs with 0 ≤ center ≤ surround and window pairs of at least 1. Its numbers
+/// are ≥ 0 and not NaN, its quantiles in [0, 1]. camera_motion requires TimeBase::seconds.
 struct Profile
 {
   /// Convert every pixel to L*a*b* before decimation, even in large frames (conversion_level()).

@@ -18,10 +18,12 @@ namespace saliency {
 /// it lies beyond the next threshold, too, since a step across a single one may be noise. Then
 ///   S(x) = Σ_channels Σ_t Δt (A₀ / A)^p,
 /// where A is the area of the surrounded region of t that contains x, if any, and A₀ is one percent
-/// of the picture. For a region of area A₀, and for any region if p = 0, S(x) is the Boolean map
-/// distance (Zhang & Sclaroff 2016) less the last Δt: the smallest change of each channel along any
-/// path from x to the border. With p > 0 a small region stands out more than a large one. At p = ½
-/// the sum of S over a region grows as its diameter does.
+/// of the picture.
+///
+/// If A = A₀ or p = 0, S(x) is the Boolean map distance (Zhang & Sclaroff 2016) less the last Δt:
+/// the smallest change of each channel along any path from x to the border. With p > 0 a small
+/// region stands out more than a large one. At p = ½ the sum of S over a region grows as its
+/// diameter does.
 ///
 /// A figure that the border cuts off counts as ground. There are three differences from the 2013
 /// paper. Each region counts by its own area, rather than by the L2 norm of all regions of a

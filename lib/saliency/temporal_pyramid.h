@@ -32,9 +32,10 @@ namespace saliency {
 /// is assumed to equal the current map. Older maps are warped several at a time, as long as
 /// together they span at most a quarter of their age.
 ///
-/// Memory: pushes less than 1/8 apart share an entry, so at most 8 × longest + 3 integrals of 8
-/// bytes per sample are held (66 at one push per frame and a longest window of 64), and maps of 20
-/// bytes per sample. Buffers are reused: nothing is allocated once the history is full.
+/// Memory: pushes less than 1/8 apart share an entry. So at most 8 × longest + 3 integrals of 8
+/// bytes per sample are held; with one push per frame and a longest window of 64 frames it is 66.
+/// Other maps take 20 bytes per sample. Buffers are reused: nothing is allocated once the history
+/// is full.
 class TemporalPyramid
 {
 public:

@@ -57,12 +57,12 @@ public:
   /// Drops the regions of earlier frames.
   void reset();
 
-  /// How far a region is extended in every direction, in samples of the map. hold(): for how long;
-  /// with windows in frames, each frame counts 1/30 s.
+  /// How far a region is extended in every direction, in samples of the map.
   double reach() const
   {
     return reach_;
   }
+  /// How long a region is held. With windows in frames, each frame counts 1/30 s.
   Time hold() const
   {
     return hold_;

@@ -19,8 +19,8 @@ struct Cue
   bool operator==(const Cue &) const = default;
 };
 
-/// Makes cues from a stream of maps: a new one when the map changes and at least every kLongest, so
-/// that a receiver knows the state soon after joining, seeking or losing a cue. Not thread-safe.
+/// Makes cues from a stream of maps: a new one when the map changes and at least every kLongest. A
+/// receiver thus knows the state soon after joining, seeking or losing a cue. Not thread-safe.
 class CueBuilder
 {
 public:

@@ -33,8 +33,8 @@ typedef struct _GstSaliencyMeta GstSaliencyMeta;
  * The saliency map of a video frame. It covers the whole picture at a resolution
  * of its own, so it stays unchanged when the frame is copied, converted or
  * scaled. The center of value (x, y) lies at ((x + ½) / @width,
- * (y + ½) / @height) of the picture, so the map can be resized to the picture
- * like any image. A buffer has at most one saliency map.
+ * (y + ½) / @height) of the picture. The map can therefore be resized to the
+ * picture like any image. A buffer has at most one saliency map.
  *
  * Since: 0.1
  */

@@ -9,9 +9,9 @@
 namespace tactile {
 
 /// Writes a track as MPEG-V sensory effect metadata (ISO/IEC 23005-3). Each map that is not silent
-/// becomes a vibration of TactileType on the back: an ArrayIntensity with one row per sample of its
-/// duration at the track's rate (5 Hz if it has none), all rows equal. A silent effect at the end
-/// gives the track's length; a comment gives the grid. Times are rounded down to milliseconds.
+/// becomes a vibration of TactileType on the back. Its ArrayIntensity has one row per sample at the
+/// track's rate (5 Hz if it has none), all rows equal. A silent effect at the end gives the track's
+/// length; a comment gives the grid. Times are rounded down to milliseconds.
 std::string write_sem(const Track &track);
 
 /// Reads effects of TactileType with ArrayIntensity, or of VibrationType as one cell, that do not
