@@ -53,6 +53,7 @@ struct TactorCalibration
   int steps_used = 0;
   int steps_refused = 0;
 
+  /// Rise times for a planner; the paper's if none were measured.
   RiseTime rise_time() const;
 };
 

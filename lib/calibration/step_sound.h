@@ -18,6 +18,7 @@ struct Window
   double first_s = 0;
   std::vector<double> samples{};
 
+  /// Index of the sample at `at_s`, clamped to [0, samples.size()].
   std::size_t index(double at_s) const;
   double time(std::size_t index) const;
   std::span<const double> part(double from_s, double to_s) const;

@@ -40,6 +40,7 @@ struct FixedLabImage
 /// the same size.
 void to_float(const cv::Mat &fixed, int begin, int end, cv::Mat &plane);
 
+/// Converts a whole image; allocates it.
 LabImage to_float(const FixedLabImage &image);
 
 } // namespace saliency

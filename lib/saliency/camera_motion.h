@@ -41,6 +41,7 @@ public:
     return moved_;
   }
 
+  /// Drops the key frame and the pose: the next frame is a first one.
   void reset();
 
   /// Makes the last frame the reference of all poses: far from the reference they lose precision.

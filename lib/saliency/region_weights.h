@@ -27,6 +27,7 @@ public:
   /// error states what was expected and what was found.
   static tl::expected<RegionWeights, std::string> parse(std::string_view text);
 
+  /// The weight of a type: its own, else that of `*`, else 1.
   double of(std::string_view type) const;
 
   /// The text that was parsed.

@@ -18,6 +18,7 @@ public:
   /// reset(), after a change of size, and with fewer than kFewestSamples. `lab` is copied.
   bool operator()(const LabImage &lab);
 
+  /// Drops the last frame: the next one starts no shot.
   void reset();
 
 private:

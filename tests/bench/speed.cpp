@@ -385,7 +385,8 @@ main(int argc, char **argv)
     { nullptr, 0, 0, G_OPTION_ARG_NONE, nullptr, nullptr, nullptr },
   };
   g_autoptr(GOptionContext) context = g_option_context_new("- what the analysis costs");
-  g_option_context_set_summary(context, "Prints tables of times; docs/measured/speed.md explains them.");
+  g_option_context_set_summary(context,
+                               "Prints tables of times; docs/measured/speed.md explains them.");
   g_option_context_add_main_entries(context, entries, nullptr);
   g_autoptr(GError) error = nullptr;
   if (!g_option_context_parse(context, &argc, &argv, &error) || argc > 1) {

@@ -452,7 +452,8 @@ main(int argc, char **argv)
     { nullptr, 0, 0, G_OPTION_ARG_NONE, nullptr, nullptr, nullptr },
   };
   g_autoptr(GOptionContext) context = g_option_context_new("- how well maps follow films");
-  g_option_context_set_summary(context, "Prints tables of scores; docs/measured/quality.md explains them.");
+  g_option_context_set_summary(context,
+                               "Prints tables of scores; docs/measured/quality.md explains them.");
   g_option_context_add_main_entries(context, entries, nullptr);
   g_option_context_add_group(context, gst_init_get_option_group());
   g_autoptr(GError) error = nullptr;
