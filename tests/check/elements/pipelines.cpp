@@ -35,13 +35,6 @@ const std::string kBranches = " ! tactileextractor name=x x.src" + kQueue
 const std::string kFilm
     = kSource + "pattern=dynamic-motion" + kCaps + "! saliencytactile temporal=false" + kBranches;
 
-/// Commands that no map caused: those of pause, resume, flush and mute.
-bool
-is_unplanned(const IssuedCommand &line)
-{
-  return line.command.lead == Time(0) && line.command.effect == line.issued;
-}
-
 /// A pipeline with an element `tactors`, and the messages on its bus.
 class Player
 {
@@ -87,9 +80,8 @@ public:
   void wait_for_commands(guint64 count)
   {
     wait([this, count, until = stat("issued") + count] {
-      fail_if(eos,
-              "the film ended, of %" G_GUINT64_FORMAT " commands only %" G_GUINT64_FORMAT " came",
-              count, stat("issued") + count - until);
+      fail_if(eos, "the film ended after %" G_GUINT64_FORMAT " of %" G_GUINT64_FORMAT " commands",
+              stat("issued") + count - until, count);
       return stat("issued") >= until;
     });
   }

@@ -172,12 +172,6 @@ private:
   }
 };
 
-bool
-is_unplanned(const IssuedCommand &line)
-{
-  return line.command.lead == Time(0) && line.command.effect == line.issued;
-}
-
 /// Each command takes effect when a frame is shown that has this cell on, to the microsecond. Call
 /// it when nothing plays.
 void
@@ -221,8 +215,8 @@ assert_sound_is_the_pictures(Player &player, const std::vector<double> &rates)
     const std::vector<double> seen = offsets(player.video.arrivals);
     const std::vector<double> heard = offsets(player.audio.arrivals);
     fail_if(seen.empty() || heard.empty());
-    fail_unless(std::abs(seen.front() - heard.front()) < kSame, "rate %g: %g and %g", rate,
-                seen.front(), heard.front());
+    fail_unless(std::abs(seen.front() - heard.front()) < kSame,
+                "rate %g: picture at %g ns, sound at %g ns", rate, seen.front(), heard.front());
     fail_unless(std::abs(seen.back() - heard.back()) < kSame);
   }
 }

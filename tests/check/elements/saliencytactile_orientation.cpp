@@ -142,7 +142,7 @@ GST_START_TEST(test_as_if_turned)
       const std::vector<gfloat> tagged = play(analysis, scene, way.tag);
       const std::vector<gfloat> set
           = play(analysis + " video-direction=" + way.direction, scene, "rotate-180");
-      fail_unless(set == tagged, "%s: the property is unlike the tag", way.direction);
+      fail_unless(set == tagged, "%s: the property's map differs from the tag's", way.direction);
       ck_assert_uint_eq(strongest(tagged), strongest(turned));
       fail_unless(difference(tagged, turned) < 0.15f * peak, "%s, %s, %d x %d: %g", way.direction,
                   grid, scene.width, scene.height, difference(tagged, turned));
@@ -175,7 +175,7 @@ GST_START_TEST(test_tags)
 GST_END_TEST;
 
 /// A tag within the stream applies from the next frame on, also if that frame is not analyzed.
-GST_START_TEST(test_tag_under_way)
+GST_START_TEST(test_tag_within_the_stream)
 {
   Analysis analysis("saliencytactile max-rate=1", caps_of(kScenes[0]).c_str());
   for (guint i = 0; i < 30; i++)
@@ -212,7 +212,7 @@ saliencytactile_orientation_suite(void)
   suite_add_tcase(suite, cases);
   tcase_add_loop_test(cases, test_as_if_turned, 0, static_cast<int>(kWays.size()));
   tcase_add_test(cases, test_tags);
-  tcase_add_test(cases, test_tag_under_way);
+  tcase_add_test(cases, test_tag_within_the_stream);
   tcase_add_test(cases, test_kept_maps);
   return suite;
 }

@@ -237,7 +237,7 @@ GST_START_TEST(test_gap_of_maps_ends_a_cue)
 }
 GST_END_TEST;
 
-GST_START_TEST(test_carriers_of_text)
+GST_START_TEST(test_text_variants)
 {
   // A cue as containers and editors change it.
   for (const gchar *caps : { "text/x-raw,format=utf8", "text/x-raw,format=pango-markup" })
@@ -259,7 +259,7 @@ GST_START_TEST(test_carriers_of_text)
 }
 GST_END_TEST;
 
-GST_START_TEST(test_subtitles_to_read)
+GST_START_TEST(test_ordinary_subtitles)
 {
   Harness converter(kTextCaps, kMapCaps);
   const ElementBus messages(converter.h->element);
@@ -304,7 +304,7 @@ GST_START_TEST(test_durations)
 }
 GST_END_TEST;
 
-GST_START_TEST(test_what_downstream_takes)
+GST_START_TEST(test_negotiation)
 {
   const auto out = [](const gchar *in, const gchar *takes) {
     Harness converter(in, takes);
@@ -388,11 +388,11 @@ tactileconverter_suite(void)
   tcase_add_test(tests, test_round_trip);
   tcase_add_test(tests, test_gaps_of_a_track);
   tcase_add_test(tests, test_gap_of_maps_ends_a_cue);
-  tcase_add_test(tests, test_carriers_of_text);
-  tcase_add_test(tests, test_subtitles_to_read);
+  tcase_add_test(tests, test_text_variants);
+  tcase_add_test(tests, test_ordinary_subtitles);
   tcase_add_test(tests, test_hostile_klv);
   tcase_add_test(tests, test_durations);
-  tcase_add_test(tests, test_what_downstream_takes);
+  tcase_add_test(tests, test_negotiation);
   tcase_add_test(tests, test_maps_pass);
   tcase_add_test(tests, test_seek);
   tcase_add_test(tests, test_latency);

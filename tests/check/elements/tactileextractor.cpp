@@ -521,7 +521,7 @@ GST_START_TEST(test_any_memory)
 }
 GST_END_TEST;
 
-GST_START_TEST(test_second_run)
+GST_START_TEST(test_restart)
 {
   Extractor e;
   push(e, make_frame(0, 2, 2));
@@ -564,7 +564,7 @@ tactileextractor_suite(void)
   tcase_add_test(tests, test_caps_queries);
   tcase_add_test(tests, test_allocation_and_latency);
   tcase_add_test(tests, test_any_memory);
-  tcase_add_test(tests, test_second_run);
+  tcase_add_test(tests, test_restart);
   return suite;
 }
 

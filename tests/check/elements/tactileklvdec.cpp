@@ -76,7 +76,7 @@ GST_START_TEST(test_gaps_come_out)
   const gsize size = map_of(0).size();
   fail_unless(gaps.packets == (std::vector<gsize>{ size, 0, size }));
   fail_unless_equals_uint64(gst_harness_buffers_received(h), 0);
-  fail_if(gst_bus_have_pending(bus), "nobody asked whose KLV it is");
+  fail_if(gst_bus_have_pending(bus), "unexpected message about other KLV");
   GstCaps *caps = gst_pad_get_current_caps(h->sinkpad);
   fail_unless(gst_structure_has_name(gst_caps_get_structure(caps, 0), "text/x-raw"));
   gst_caps_unref(caps);
@@ -103,7 +103,7 @@ GST_START_TEST(test_track_is_read)
 }
 GST_END_TEST;
 
-GST_START_TEST(test_words_are_made_of_it)
+GST_START_TEST(test_conversion_to_text)
 {
   GstHarness *h = gst_harness_new_parse("tactileklvdec ! tactileconverter");
   gst_harness_set_sink_caps_str(h, "text/x-raw, format=utf8");
@@ -120,7 +120,7 @@ GST_START_TEST(test_words_are_made_of_it)
 GST_END_TEST;
 
 // Its default rank is enough for players and the discoverer to find it.
-GST_START_TEST(test_is_found)
+GST_START_TEST(test_is_found_by_caps)
 {
   GstCaps *caps = gst_caps_from_string("meta/x-klv, parsed=true");
   GList *all = gst_element_factory_list_get_elements(GST_ELEMENT_FACTORY_TYPE_DECODABLE,
@@ -144,8 +144,8 @@ tactileklvdec_suite(void)
   suite_add_tcase(suite, tests);
   tcase_add_test(tests, test_gaps_come_out);
   tcase_add_test(tests, test_track_is_read);
-  tcase_add_test(tests, test_words_are_made_of_it);
-  tcase_add_test(tests, test_is_found);
+  tcase_add_test(tests, test_conversion_to_text);
+  tcase_add_test(tests, test_is_found_by_caps);
   return suite;
 }
 

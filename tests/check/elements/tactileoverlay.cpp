@@ -420,7 +420,7 @@ GST_START_TEST(test_largest_grid)
 }
 GST_END_TEST;
 
-GST_START_TEST(test_frames_of_others)
+GST_START_TEST(test_shared_frames)
 {
   // A frame that someone else holds is copied and not modified.
   GstHarness *h = gst_harness_new_parse("tactileoverlay");
@@ -522,7 +522,7 @@ tactileoverlay_suite(void)
   tcase_add_test(tests, test_alpha_and_padding_stay);
   tcase_add_test(tests, test_any_stride_and_size);
   tcase_add_test(tests, test_largest_grid);
-  tcase_add_test(tests, test_frames_of_others);
+  tcase_add_test(tests, test_shared_frames);
   tcase_add_test(tests, test_warning_without_saliency);
   tcase_add_test(tests, test_properties);
   return suite;

@@ -374,7 +374,7 @@ GST_START_TEST(test_stop_and_start)
 }
 GST_END_TEST;
 
-GST_START_TEST(test_bus_of_no_use)
+GST_START_TEST(test_broken_bus)
 {
   Rig rig;
   rig.sockets.plug({ kMega });
@@ -464,7 +464,7 @@ tactordeviceprovider_suite(void)
   tcase_add_test(tests, test_plugging);
   tcase_add_test(tests, test_twin_comes_later);
   tcase_add_test(tests, test_stop_and_start);
-  tcase_add_test(tests, test_bus_of_no_use);
+  tcase_add_test(tests, test_broken_bus);
   tcase_add_test(tests, test_many_changes);
   return suite;
 }

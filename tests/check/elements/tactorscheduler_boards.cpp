@@ -71,7 +71,7 @@ GST_END_TEST;
 
 /// A command that arrived after it was due counts as late by its map. One that waited for the
 /// thread counts as late by the thread.
-GST_START_TEST(test_whose_fault)
+GST_START_TEST(test_cause_of_lateness)
 {
   Rig rig;
   rig.push({ command(9000, 1, 1.0) });
@@ -131,7 +131,7 @@ GST_START_TEST(test_host_calls_back)
 GST_END_TEST;
 
 /// Start and stop while others push, query and mute.
-GST_START_TEST(test_start_and_stop_against_others)
+GST_START_TEST(test_start_and_stop_while_others_call)
 {
   Rig rig;
   std::atomic<bool> done{ false };
@@ -253,11 +253,11 @@ tactorscheduler_boards_suite(void)
   TCase *cases = tcase_create("general");
   suite_add_tcase(suite, cases);
   tcase_add_test(cases, test_refresh);
-  tcase_add_test(cases, test_whose_fault);
+  tcase_add_test(cases, test_cause_of_lateness);
   tcase_add_test(cases, test_refresh_without_clock);
   tcase_add_test(cases, test_board_failed);
   tcase_add_test(cases, test_host_calls_back);
-  tcase_add_test(cases, test_start_and_stop_against_others);
+  tcase_add_test(cases, test_start_and_stop_while_others_call);
   tcase_add_test(cases, test_many_threads);
   return suite;
 }

@@ -412,7 +412,7 @@ GST_END_TEST;
 
 /// Data too late for its lead takes effect at once and is counted. An element message reports it
 /// once.
-GST_START_TEST(test_late_is_counted_and_said)
+GST_START_TEST(test_late_is_counted_and_reported)
 {
   Rig rig;
   rig.start();
@@ -551,7 +551,7 @@ tactorsink_suite(void)
   tcase_add_test(cases, test_pause_in_the_last_frame);
   tcase_add_test(cases, test_sync_false_issues_every_command);
   tcase_add_test(cases, test_starved);
-  tcase_add_test(cases, test_late_is_counted_and_said);
+  tcase_add_test(cases, test_late_is_counted_and_reported);
   tcase_add_test(cases, test_realtime);
   tcase_add_test(cases, test_stale_commands_coalesce);
   tcase_add_test(cases, test_null_while_playing_is_silent);

@@ -163,7 +163,7 @@ expect_error(const gchar *path, const gchar *says)
   gst_element_set_state(sink, GST_STATE_NULL);
 }
 
-GST_START_TEST(files_that_are_no_calibration_are_refused)
+GST_START_TEST(invalid_calibrations_are_refused)
 {
   expect_error("/nowhere/motors.calibration", "/nowhere/motors.calibration");
   const TemporaryFile file;
@@ -173,7 +173,7 @@ GST_START_TEST(files_that_are_no_calibration_are_refused)
 GST_END_TEST
 
 // Motors slower than max-lead cannot be on time, which causes a warning.
-GST_START_TEST(too_short_a_lead_is_said)
+GST_START_TEST(too_short_a_lead_causes_a_warning)
 {
   const TemporaryFile file;
   Calibration slow{ .tactors = { { 0, {} } } };
@@ -199,8 +199,8 @@ tactorsink_calibration_suite(void)
   TCase *tests = tcase_create("calibration");
   suite_add_tcase(suite, tests);
   tcase_add_test(tests, error_falls_with_the_calibration);
-  tcase_add_test(tests, files_that_are_no_calibration_are_refused);
-  tcase_add_test(tests, too_short_a_lead_is_said);
+  tcase_add_test(tests, invalid_calibrations_are_refused);
+  tcase_add_test(tests, too_short_a_lead_causes_a_warning);
   return suite;
 }
 

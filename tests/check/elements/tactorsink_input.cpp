@@ -62,7 +62,7 @@ GST_START_TEST(test_segment_in_bytes)
 GST_END_TEST;
 
 /// A trace that cannot be written causes a warning at the end.
-GST_START_TEST(test_full_disk_is_said)
+GST_START_TEST(test_full_disk_causes_a_warning)
 {
   if (access("/dev/full", W_OK) != 0)
     return;
@@ -302,7 +302,7 @@ tactorsink_input_suite(void)
   tcase_add_test(cases, test_caps_change);
   tcase_add_test(cases, test_grid_change_keeps_steady_levels);
   tcase_add_test(cases, test_segment_in_bytes);
-  tcase_add_test(cases, test_full_disk_is_said);
+  tcase_add_test(cases, test_full_disk_causes_a_warning);
   tcase_add_test(cases, test_video_frames_with_and_without_meta);
   tcase_add_test(cases, test_missing_pts_follow_each_other);
   tcase_add_test(cases, test_wrong_size_is_an_error);

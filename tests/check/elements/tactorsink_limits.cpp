@@ -4,7 +4,7 @@
 // limits themselves.
 #include "tactorsink_rig.h"
 
-GST_START_TEST(test_defaults_spare_motors)
+GST_START_TEST(test_defaults_protect_motors)
 {
   g_autoptr(GstElement) sink = make_tactorsink();
   guint64 max_on_time = 0;
@@ -210,7 +210,7 @@ tactorsink_limits_suite(void)
   Suite *suite = suite_create("tactorsink_limits");
   TCase *cases = tcase_create("general");
   suite_add_tcase(suite, cases);
-  tcase_add_test(cases, test_defaults_spare_motors);
+  tcase_add_test(cases, test_defaults_protect_motors);
   tcase_add_test(cases, test_max_on_time);
   tcase_add_test(cases, test_max_on_time_without_another_map);
   tcase_add_test(cases, test_max_on_time_without_the_clock);

@@ -10,6 +10,13 @@
 #include "../unwrap.h"
 #include <gst/check/gstcheck.h>
 
+/// Commands that no map caused: those of pause, resume, flush and mute.
+inline bool
+is_unplanned(const tactor::IssuedCommand &line)
+{
+  return line.command.lead == tactor::Time(0) && line.command.effect == line.issued;
+}
+
 /// Each motor's last command must be zero.
 inline void
 assert_silent_at_end(const std::vector<tactor::IssuedCommand> &lines)

@@ -121,7 +121,7 @@ public:
 } // namespace
 
 /// Both sinks get the event, and upstream gets it once.
-GST_START_TEST(test_upstream_hears_once)
+GST_START_TEST(test_events_reach_upstream_once)
 {
   register_test_sink(GST_RANK_NONE);
   Film film;
@@ -190,7 +190,7 @@ GST_END_TEST;
 
 /// Frames that were stepped over do not play. The visible frame and all later ones do, when they
 /// are shown.
-GST_START_TEST(test_motors_go_on_with_the_frame_that_is_seen)
+GST_START_TEST(test_motors_resume_with_the_visible_frame)
 {
   register_test_sink(GST_RANK_NONE);
   for (const auto &[rate, frames_per_second] : { std::pair(0, 25), { 5, 25 }, { 5, 30 } }) {
@@ -264,9 +264,9 @@ visuotactilesink_steps_suite(void)
   Suite *suite = suite_create("visuotactilesink_steps");
   TCase *cases = tcase_create("general");
   suite_add_tcase(suite, cases);
-  tcase_add_test(cases, test_upstream_hears_once);
+  tcase_add_test(cases, test_events_reach_upstream_once);
   tcase_add_test(cases, test_steps_once);
-  tcase_add_test(cases, test_motors_go_on_with_the_frame_that_is_seen);
+  tcase_add_test(cases, test_motors_resume_with_the_visible_frame);
   tcase_add_test(cases, test_motors_go_on_after_a_pause);
   tcase_add_test(cases, test_steps_at_the_end);
   return suite;

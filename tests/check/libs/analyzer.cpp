@@ -178,7 +178,7 @@ GST_START_TEST(test_tuned_profile)
       fail_unless_near(result.peak, st.maximum(), 0.02);
       highest = std::max(highest, result.peak);
     }
-    fail_unless(highest > 2, "the ball is not seen: %g", highest);
+    fail_unless(highest > 2, "the ball is not salient: peak %g", highest);
   }
 }
 GST_END_TEST;
@@ -204,7 +204,7 @@ GST_START_TEST(test_exact_and_decimated_agree)
     const double c = correlation(fast.analyze(frame.view(), Time(0), Time(0), false).map,
                                  exact.analyze(frame.view(), Time(0), Time(0), false).map);
     fail_unless(c >= 0.999, "%dx%d: %.6f", width, height, c);
-    fail_unless(c < 1, "they are the same: %dx%d", width, height);
+    fail_unless(c < 1, "identical maps for %dx%d: nothing was decimated", width, height);
   }
 }
 GST_END_TEST;
@@ -255,7 +255,7 @@ GST_START_TEST(test_same_film_at_any_rate)
       highest = std::max(highest, cv::norm(maps[i], cv::NORM_INF));
     }
   }
-  fail_unless(highest > 0.6, "nothing to compare: %g", highest);
+  fail_unless(highest > 0.6, "no event to compare: peak %g", highest);
 }
 GST_END_TEST;
 
@@ -542,7 +542,7 @@ GST_START_TEST(test_pan)
     if (ball) {
       cv::Point at;
       cv::minMaxLoc(result.map, nullptr, nullptr, nullptr, &at);
-      fail_unless(result.peak > 1, "the ball is not seen: %g", result.peak);
+      fail_unless(result.peak > 1, "the ball is not salient: peak %g", result.peak);
       fail_unless_at_most(std::hypot(at.x - 110 / 4.0, at.y - 62 / 4.0), 4);
     }
     if (i >= 40)
@@ -551,7 +551,8 @@ GST_START_TEST(test_pan)
     highest_with = std::max(highest_with, with.analyze(f.view(), time, Time(0)).peak);
     highest_without = std::max(highest_without, without.analyze(f.view(), time, Time(0)).peak);
   }
-  fail_unless(highest_without > 0.5, "nothing to be silent about: %g", highest_without);
+  fail_unless(highest_without > 0.5, "the pan is not salient without compensation: peak %g",
+              highest_without);
   fail_unless_at_most(highest_with, highest_without / 5);
   fail_unless_at_most(highest, highest_with);
 }

@@ -58,7 +58,7 @@ expect_refusal(const std::string &text, const std::string &says)
 
 } // namespace
 
-GST_START_TEST(file_gives_back_what_was_written)
+GST_START_TEST(file_round_trip)
 {
   const TemporaryFile file;
   Calibration written{ .motor = "coin motor; 10 mm, \"C10\"",
@@ -88,7 +88,7 @@ GST_START_TEST(file_gives_back_what_was_written)
 }
 GST_END_TEST
 
-GST_START_TEST(files_without_an_end_are_refused)
+GST_START_TEST(endless_files_are_refused)
 {
   for (const auto &[path, says] :
        { std::pair{ "/dev/zero", "expected at most" }, std::pair{ "/", "Is a directory" },
@@ -133,7 +133,7 @@ GST_START_TEST(missing_file_is_named)
 }
 GST_END_TEST
 
-GST_START_TEST(motors_have_what_was_measured_and_the_others_are_the_papers)
+GST_START_TEST(unmeasured_motors_are_the_papers)
 {
   const Calibration calibration{ .tactors = { { 2, some_tactor() } } };
   const std::vector<MotorParameters> motors = calibration.motors(3.0);
@@ -229,11 +229,11 @@ calibration_suite(void)
   Suite *suite = suite_create("calibration");
   TCase *tests = tcase_create("calibration");
   suite_add_tcase(suite, tests);
-  tcase_add_test(tests, file_gives_back_what_was_written);
-  tcase_add_test(tests, files_without_an_end_are_refused);
+  tcase_add_test(tests, file_round_trip);
+  tcase_add_test(tests, endless_files_are_refused);
   tcase_add_test(tests, damaged_files_are_refused_with_the_place);
   tcase_add_test(tests, missing_file_is_named);
-  tcase_add_test(tests, motors_have_what_was_measured_and_the_others_are_the_papers);
+  tcase_add_test(tests, unmeasured_motors_are_the_papers);
   tcase_add_test(tests, levels_are_felt_equally_and_linearly);
   tcase_add_test(tests, thresholds_are_each_tactors_own);
   tcase_add_test(tests, latency_is_part_of_the_lead);

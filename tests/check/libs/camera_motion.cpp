@@ -221,7 +221,7 @@ GST_START_TEST(test_large_object)
 }
 GST_END_TEST;
 
-GST_START_TEST(test_nothing_to_go_by)
+GST_START_TEST(test_pictures_without_texture)
 {
   // Pictures without texture: black, an even picture that brightens, a single edge.
   const std::function<double(int, int)> films[]
@@ -270,7 +270,7 @@ GST_START_TEST(test_small_pictures)
 }
 GST_END_TEST;
 
-GST_START_TEST(test_begins_anew)
+GST_START_TEST(test_reset)
 {
   CameraMotion camera;
   const auto moved = [&](cv::Size size) {
@@ -346,10 +346,10 @@ camera_motion_suite(void)
   tcase_add_test(tc, test_exposure);
   tcase_add_test(tc, test_balls);
   tcase_add_test(tc, test_large_object);
-  tcase_add_test(tc, test_nothing_to_go_by);
+  tcase_add_test(tc, test_pictures_without_texture);
   tcase_add_test(tc, test_noise_alone);
   tcase_add_test(tc, test_small_pictures);
-  tcase_add_test(tc, test_begins_anew);
+  tcase_add_test(tc, test_reset);
   tcase_add_test(tc, test_key_frames_age);
   tcase_add_test(tc, test_rebase);
   return suite;

@@ -21,21 +21,11 @@ namespace {
 constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
-constexpr FrameRate kThirty{ 30, 1 };
-
 /// A level that repeats every seventh frame. No block here has seven frames, so each has a command.
 float
 level_of(std::int64_t frame)
 {
   return 0.3F + 0.1F * static_cast<float>(frame % 7);
-}
-
-/// The commands of a new planner for its first map.
-std::vector<Command>
-first_plan(const PlannerSettings &settings, int tactors, const std::vector<float> &levels)
-{
-  CommandPlanner planner(tactors, unlimited(settings));
-  return planner.plan(0s, 33ms, levels);
 }
 
 /// The voltage that a single tactor gets for a level.

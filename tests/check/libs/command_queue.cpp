@@ -33,7 +33,7 @@ levels(const CommandQueue &queue)
 
 /// Reference implementation of the queue: an unsorted list that is searched for the earliest
 /// command.
-struct Bag
+struct ReferenceQueue
 {
   std::vector<Command> commands; ///< in order of arrival
   std::vector<double> volts;
@@ -117,7 +117,7 @@ GST_START_TEST(test_latest_wins)
 }
 GST_END_TEST;
 
-GST_START_TEST(test_runs_out)
+GST_START_TEST(test_expiry)
 {
   CommandQueue queue(3);
   const auto until = [](Command one, Time end) {
@@ -168,7 +168,7 @@ GST_START_TEST(test_clear)
 }
 GST_END_TEST;
 
-GST_START_TEST(test_tactors_that_are_not_there)
+GST_START_TEST(test_missing_tactors)
 {
   CommandQueue queue(2);
   push(queue, { command(0ms, -1, 1), command(0ms, 2, 1), command(0ms, 1, 1), command(0ms, 4096, 1),
@@ -181,7 +181,7 @@ GST_START_TEST(test_tactors_that_are_not_there)
 }
 GST_END_TEST;
 
-GST_START_TEST(test_against_a_bag)
+GST_START_TEST(test_against_reference)
 {
   constexpr int kTactors = 5;
   std::mt19937 random(1);
@@ -189,8 +189,8 @@ GST_START_TEST(test_against_a_bag)
     return std::uniform_int_distribution<int>(0, sides - 1)(random);
   };
   CommandQueue queue(kTactors);
-  Bag bag;
-  bag.volts.assign(kTactors, 0.0);
+  ReferenceQueue reference;
+  reference.volts.assign(kTactors, 0.0);
   Time now = 0s;
   for (int turn = 0; turn < 5000; turn++) {
     std::vector<Command> commands;
@@ -198,24 +198,24 @@ GST_START_TEST(test_against_a_bag)
       commands.push_back(command(now + dice(30) * 1ns - 5ns, dice(kTactors + 2) - 1,
                                  dice(30) / 10.0, dice(10) * 10ms));
     queue.push(commands);
-    std::ranges::copy_if(commands, std::back_inserter(bag.commands), [](const Command &one) {
+    std::ranges::copy_if(commands, std::back_inserter(reference.commands), [](const Command &one) {
       return one.tactor >= 0 && one.tactor < kTactors;
     });
     now += dice(10) * 1ns;
     if (dice(100) == 0) {
-      fail_unless(queue.clear() == bag.commands.size());
-      bag.commands.clear();
-      bag.volts.assign(kTactors, 0.0);
+      fail_unless(queue.clear() == reference.commands.size());
+      reference.commands.clear();
+      reference.volts.assign(kTactors, 0.0);
     }
-    const auto next = bag.earliest();
+    const auto next = reference.earliest();
     fail_unless(queue.next_due()
-                == (next ? std::optional<Time>(bag.commands[*next].due()) : std::nullopt));
-    fail_unless(queue.take_due(now) == bag.take(now), "turn %d", turn);
-    fail_unless(queue.size() == bag.commands.size());
-    fail_unless(queue.coalesced() == bag.coalesced);
-    fail_unless(levels(queue) == bag.volts);
+                == (next ? std::optional<Time>(reference.commands[*next].due()) : std::nullopt));
+    fail_unless(queue.take_due(now) == reference.take(now), "turn %d", turn);
+    fail_unless(queue.size() == reference.commands.size());
+    fail_unless(queue.coalesced() == reference.coalesced);
+    fail_unless(levels(queue) == reference.volts);
   }
-  fail_unless(bag.coalesced > 100);
+  fail_unless(reference.coalesced > 100);
 }
 GST_END_TEST;
 
@@ -228,10 +228,10 @@ command_queue_suite(void)
   tcase_add_test(tests, test_empty);
   tcase_add_test(tests, test_order_of_due_times);
   tcase_add_test(tests, test_latest_wins);
-  tcase_add_test(tests, test_runs_out);
+  tcase_add_test(tests, test_expiry);
   tcase_add_test(tests, test_clear);
-  tcase_add_test(tests, test_tactors_that_are_not_there);
-  tcase_add_test(tests, test_against_a_bag);
+  tcase_add_test(tests, test_missing_tactors);
+  tcase_add_test(tests, test_against_reference);
   return suite;
 }
 

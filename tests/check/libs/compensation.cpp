@@ -18,8 +18,6 @@ using namespace tactor;
 
 namespace {
 
-constexpr FrameRate kThirty{ 30, 1 };
-
 RiseTime
 constant(double milliseconds)
 {
@@ -30,14 +28,6 @@ double
 seconds(Time time)
 {
   return std::chrono::duration<double>(time).count();
-}
-
-/// The commands of a new planner for its first map.
-std::vector<Command>
-first_plan(const PlannerSettings &settings, int tactors, const std::vector<float> &levels)
-{
-  CommandPlanner planner(tactors, unlimited(settings));
-  return planner.plan(0s, 33ms, levels);
 }
 
 /// Eq. 1 computed independently, in seconds.

@@ -33,7 +33,7 @@ GST_START_TEST(test_exact_round_trip)
 }
 GST_END_TEST;
 
-GST_START_TEST(test_what_spreadsheets_do)
+GST_START_TEST(test_text_from_spreadsheets)
 {
   fail_unless(read_csv("\xef\xbb\xbf# tactile grid=1x2,,\r\ntime_ms,t0,t1\r\n0,0.50, 0\r\n100.0, "
                        "0,0\r\n,,\r\n")
@@ -81,7 +81,7 @@ csv_suite(void)
   suite_add_tcase(suite, tests);
   tcase_add_test(tests, test_text);
   tcase_add_test(tests, test_exact_round_trip);
-  tcase_add_test(tests, test_what_spreadsheets_do);
+  tcase_add_test(tests, test_text_from_spreadsheets);
   tcase_add_test(tests, test_refused);
   return suite;
 }

@@ -130,7 +130,7 @@ GST_END_TEST;
 
 /// After a cue has run out, a level 1.5 times the lowest since then begins a new cue of full
 /// length. Levels too low to move a motor count as the lowest that does.
-GST_START_TEST(test_stronger)
+GST_START_TEST(test_stronger_event)
 {
   const CueLimits limits{ .max_duration = 500ms };
   const auto steps = [](float first, float second, float third) {
@@ -233,7 +233,7 @@ GST_START_TEST(test_rates_agree)
 }
 GST_END_TEST;
 
-GST_START_TEST(test_cells_are_their_own)
+GST_START_TEST(test_cells_are_independent)
 {
   const CueLimits limits{ .max_duration = 500ms, .refractory = 1s };
   CueLimiter limiter;
@@ -308,11 +308,11 @@ cue_limiter_suite(void)
   tcase_add_test(tc, test_duration);
   tcase_add_test(tc, test_rest);
   tcase_add_test(tc, test_flicker);
-  tcase_add_test(tc, test_stronger);
+  tcase_add_test(tc, test_stronger_event);
   tcase_add_test(tc, test_refractory);
   tcase_add_test(tc, test_both);
   tcase_add_test(tc, test_rates_agree);
-  tcase_add_test(tc, test_cells_are_their_own);
+  tcase_add_test(tc, test_cells_are_independent);
   tcase_add_test(tc, test_resets);
   tcase_add_test(tc, test_extreme_times);
   return suite;

@@ -56,7 +56,7 @@ GST_START_TEST(band_pass_keeps_the_band_in_phase_and_nothing_else)
 }
 GST_END_TEST
 
-GST_START_TEST(nothing_has_no_envelope)
+GST_START_TEST(empty_signal_has_no_envelope)
 {
   fail_unless(envelope({}, kRate, {}).empty());
   fail_unless(band_pass({}, kRate, {}).empty());
@@ -117,7 +117,7 @@ envelope_suite(void)
   suite_add_tcase(suite, tests);
   tcase_add_test(tests, envelope_of_a_modulated_tone_is_the_modulation);
   tcase_add_test(tests, band_pass_keeps_the_band_in_phase_and_nothing_else);
-  tcase_add_test(tests, nothing_has_no_envelope);
+  tcase_add_test(tests, empty_signal_has_no_envelope);
   tcase_add_test(tests, strongest_line_is_found);
   tcase_add_test(tests, hum_is_taken_out_and_the_motor_is_not);
   tcase_add_test(tests, noise_is_no_hum);

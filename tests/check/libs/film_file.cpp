@@ -113,7 +113,7 @@ GST_START_TEST(test_matroska)
 }
 GST_END_TEST;
 
-GST_START_TEST(test_matroska_of_others)
+GST_START_TEST(test_matroska_variants)
 {
   // An existing flag of two bytes, a size without room to grow, a segment of unknown size.
   std::string file
@@ -183,7 +183,7 @@ film_file_suite(void)
   TCase *tests = tcase_create("general");
   suite_add_tcase(suite, tests);
   tcase_add_test(tests, test_matroska);
-  tcase_add_test(tests, test_matroska_of_others);
+  tcase_add_test(tests, test_matroska_variants);
   tcase_add_test(tests, test_matroska_of_nobody);
   tcase_add_test(tests, test_mp4);
   tcase_add_test(tests, test_damaged);

@@ -129,7 +129,7 @@ duty(double level, int bits = 8)
 
 /// A Mega that DTR resets is silent for 2.1 s. One that keeps running sent its banner long ago.
 /// Both are ready soon after they can answer: 683 bytes take 119 ms.
-GST_START_TEST(test_asking)
+GST_START_TEST(test_handshake)
 {
   for (const Time boot : { 0ms, 300ms, 2100ms, 4000ms })
     for (const bool banner : { true, false }) {
@@ -543,7 +543,7 @@ firmata_board_suite(void)
   Suite *suite = suite_create("firmata_board");
   TCase *tests = tcase_create("general");
   suite_add_tcase(suite, tests);
-  tcase_add_test(tests, test_asking);
+  tcase_add_test(tests, test_handshake);
   tcase_add_test(tests, test_motors_left_on);
   tcase_add_test(tests, test_time_of_an_update);
   tcase_add_test(tests, test_latest_wins);

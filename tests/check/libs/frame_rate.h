@@ -20,3 +20,5 @@ struct FrameRate
     return frame(number + 1) - frame(number);
   }
 };
+
+inline constexpr FrameRate kThirty{ 30, 1 };

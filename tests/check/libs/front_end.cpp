@@ -388,7 +388,7 @@ GST_START_TEST(test_decimating_first_is_close)
 }
 GST_END_TEST;
 
-GST_START_TEST(test_frames_that_cannot_be)
+GST_START_TEST(test_invalid_frames)
 {
   const Frame frame(kLayouts[0], 8, 6, false, 1);
   const auto with = [&](auto change) {
@@ -434,7 +434,7 @@ front_end_suite(void)
   tcase_add_test(tc, test_conversion_level);
   tcase_add_test(tc, test_reuse);
   tcase_add_test(tc, test_decimating_first_is_close);
-  tcase_add_test(tc, test_frames_that_cannot_be);
+  tcase_add_test(tc, test_invalid_frames);
   return suite;
 }
 

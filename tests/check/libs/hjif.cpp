@@ -116,7 +116,7 @@ GST_START_TEST(test_reference_file)
   for (const std::string &path : ours)
     fail_unless(theirs.contains(path), "%s is not in the reference file", path.c_str());
   for (const std::string &path : theirs)
-    fail_unless(ours.contains(path), "%s is not in ours", path.c_str());
+    fail_unless(ours.contains(path), "%s is not in our file", path.c_str());
 }
 GST_END_TEST;
 

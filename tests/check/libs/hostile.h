@@ -37,6 +37,6 @@ limit_memory([[maybe_unused]] rlim_t gibibytes = 1)
 inline void
 assert_short(const std::string &reason)
 {
-  fail_unless(!reason.empty() && reason.size() < 1000, "%u bytes of a reason",
+  fail_unless(!reason.empty() && reason.size() < 1000, "an error message of %u bytes",
               static_cast<guint>(reason.size()));
 }

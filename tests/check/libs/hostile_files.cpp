@@ -167,7 +167,7 @@ GST_START_TEST(test_recordings_as_wav)
 GST_END_TEST;
 
 /// Playlists and session descriptions refer to other places. Nothing is fetched from there.
-GST_START_TEST(test_recordings_that_are_none)
+GST_START_TEST(test_invalid_recordings)
 {
   const int listener = socket(AF_INET, SOCK_STREAM | SOCK_NONBLOCK, 0);
   sockaddr_in address{};
@@ -275,7 +275,7 @@ hostile_files_suite(void)
   tcase_add_test(cases, test_calibrations);
   tcase_add_test(cases, test_recordings_as_csv);
   tcase_add_test(cases, test_recordings_as_wav);
-  tcase_add_test(cases, test_recordings_that_are_none);
+  tcase_add_test(cases, test_invalid_recordings);
   tcase_add_test(cases, test_traces);
   tcase_add_test(cases, test_measurements);
   tcase_add_test(cases, test_boards);

@@ -58,7 +58,7 @@ GST_START_TEST(test_remembers)
 }
 GST_END_TEST;
 
-GST_START_TEST(test_as_many_as_fit)
+GST_START_TEST(test_limited_number)
 {
   const TemporaryFolder folder;
   KnownBoards boards(folder.file("boards"));
@@ -76,7 +76,7 @@ GST_START_TEST(test_as_many_as_fit)
 GST_END_TEST;
 
 /// Missing, huge and unrelated files: no board is known, and nothing blocks.
-GST_START_TEST(test_files_that_are_none)
+GST_START_TEST(test_invalid_files)
 {
   const TemporaryFolder folder;
   const std::filesystem::path file = folder.file("boards");
@@ -125,8 +125,8 @@ known_boards_suite(void)
   TCase *tests = tcase_create("general");
   suite_add_tcase(suite, tests);
   tcase_add_test(tests, test_remembers);
-  tcase_add_test(tests, test_as_many_as_fit);
-  tcase_add_test(tests, test_files_that_are_none);
+  tcase_add_test(tests, test_limited_number);
+  tcase_add_test(tests, test_invalid_files);
   tcase_add_test(tests, test_default_file);
   return suite;
 }

@@ -226,7 +226,7 @@ GST_START_TEST(test_fractional_codes)
 }
 GST_END_TEST;
 
-GST_START_TEST(test_impossible_codings)
+GST_START_TEST(test_invalid_codings)
 {
   fail_if(refuses({}));
   fail_unless(refuses({ .depth = 7 }));
@@ -253,7 +253,7 @@ lab_suite(void)
   tcase_add_test(tc, test_dark_rgb);
   tcase_add_test(tc, test_yuv);
   tcase_add_test(tc, test_fractional_codes);
-  tcase_add_test(tc, test_impossible_codings);
+  tcase_add_test(tc, test_invalid_codings);
   return suite;
 }
 

@@ -28,7 +28,7 @@ times(int count, const std::string &text)
 
 } // namespace
 
-GST_START_TEST(test_names_as_they_are)
+GST_START_TEST(test_plain_names)
 {
   expect("Arduino Uno", "Arduino Uno");
   expect("Grüße, 振動", "Grüße, 振動");
@@ -38,7 +38,7 @@ GST_START_TEST(test_names_as_they_are)
 }
 GST_END_TEST;
 
-GST_START_TEST(test_what_is_not_fit_to_be_printed)
+GST_START_TEST(test_unprintable_characters)
 {
   expect("a\033[2Jb", "a\ufffd[2Jb");
   expect("a\xc2\x9b"
@@ -65,8 +65,8 @@ legible_suite(void)
   Suite *suite = suite_create("legible");
   TCase *cases = tcase_create("general");
   suite_add_tcase(suite, cases);
-  tcase_add_test(cases, test_names_as_they_are);
-  tcase_add_test(cases, test_what_is_not_fit_to_be_printed);
+  tcase_add_test(cases, test_plain_names);
+  tcase_add_test(cases, test_unprintable_characters);
   tcase_add_test(cases, test_long_names);
   return suite;
 }

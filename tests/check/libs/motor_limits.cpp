@@ -90,8 +90,8 @@ GST_START_TEST(test_duty_against_counting)
       }
       std::fill(on.begin() + now, on.begin() + end + 1, 0);
       // The allowance is not a whole number of milliseconds.
-      fail_unless(asked >= end * 1ms && asked < (end + 1) * 1ms, "at %ld ms: asked for %g, not %ld",
-                  now, seconds(asked) * 1000, end);
+      fail_unless(asked >= end * 1ms && asked < (end + 1) * 1ms,
+                  "at %ld ms: latest end %g ms, expected %ld ms", now, seconds(asked) * 1000, end);
       const long last = std::uniform_int_distribution(now, std::min(end, now + 9000))(random);
       std::fill(on.begin() + now, on.begin() + last, 1);
       use.begin(now * 1ms);

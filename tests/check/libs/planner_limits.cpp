@@ -17,8 +17,6 @@
 
 namespace {
 
-constexpr FrameRate kThirty{ 30, 1 };
-
 /// A film that is hard on motors: each tactor changes its level or goes off at random times.
 class HardFilm
 {
@@ -123,16 +121,18 @@ GST_START_TEST(test_no_limit_is_ever_exceeded)
     chair.silence(rate.frame(frame) + 10s);
     for (const auto &stretches : chair.stretches) {
       if (limits.max_on_time > 0s)
-        fail_unless(longest_cue(stretches) <= limits.max_on_time, "play %d: on for %g s, not %g",
-                    play, seconds(longest_cue(stretches)), seconds(limits.max_on_time));
+        fail_unless(longest_cue(stretches) <= limits.max_on_time,
+                    "play %d: on for %g s, limit %g s", play, seconds(longest_cue(stretches)),
+                    seconds(limits.max_on_time));
       if (limits.max_duty > 0)
         fail_unless(seconds(fullest_minute(stretches)) <= limits.max_duty * 60,
-                    "play %d: %g s on in a minute, not %g", play,
+                    "play %d: on for %g s in a minute, limit %g s", play,
                     seconds(fullest_minute(stretches)), limits.max_duty * 60);
     }
     if (limits.max_active > 0)
-      fail_unless(most_at_once(chair.stretches) <= limits.max_active, "play %d: %d at once, not %d",
-                  play, most_at_once(chair.stretches), limits.max_active);
+      fail_unless(most_at_once(chair.stretches) <= limits.max_active,
+                  "play %d: %d on at once, limit %d", play, most_at_once(chair.stretches),
+                  limits.max_active);
     acted.on_time += planner.limited().on_time;
     acted.duty += planner.limited().duty;
     acted.number += planner.limited().number;
@@ -294,7 +294,7 @@ GST_START_TEST(test_the_strongest_win)
 GST_END_TEST;
 
 /// A stronger cue begins in time: the weakest tactor whose level ends with its frame stops for it.
-GST_START_TEST(test_room_is_made_in_time)
+GST_START_TEST(test_weakest_stops_for_a_stronger_cue)
 {
   CommandPlanner planner(4, { .limits = { .max_active = 2 } });
   planner.plan(0s, 33ms, std::vector<float>{ 0.5F, 0.7F, 0, 0 });
@@ -308,7 +308,7 @@ GST_START_TEST(test_room_is_made_in_time)
 GST_END_TEST;
 
 /// Seeking does not raise the allowance: time on before a seek still counts.
-GST_START_TEST(test_seeking_about_does_not_help)
+GST_START_TEST(test_seeks_do_not_raise_the_allowance)
 {
   CommandPlanner planner(1, { .limits = { .max_on_time = 0s } });
   Chair chair(1);
@@ -409,8 +409,8 @@ planner_limits_suite(void)
   tcase_add_test(tests, test_shortest_cue);
   tcase_add_test(tests, test_new_event_after_a_cue_that_ran_out);
   tcase_add_test(tests, test_the_strongest_win);
-  tcase_add_test(tests, test_room_is_made_in_time);
-  tcase_add_test(tests, test_seeking_about_does_not_help);
+  tcase_add_test(tests, test_weakest_stops_for_a_stronger_cue);
+  tcase_add_test(tests, test_seeks_do_not_raise_the_allowance);
   tcase_add_test(tests, test_seek_before_anything_was_due);
   tcase_add_test(tests, test_change_of_limits);
   tcase_add_test(tests, test_kick_start);

@@ -226,7 +226,7 @@ GST_END_TEST;
 
 /// The limit would apply to the application's real-time threads, too, and kill the process. So it
 /// is not set if there are any.
-GST_START_TEST(test_threads_of_others)
+GST_START_TEST(test_other_realtime_threads)
 {
   if (skipped())
     return;
@@ -256,7 +256,7 @@ GST_START_TEST(test_threads_of_others)
 GST_END_TEST;
 
 /// No service, or one that refuses: the thread runs at normal priority and reports why.
-GST_START_TEST(test_none)
+GST_START_TEST(test_no_service)
 {
   allow_priority(0);
   g_unsetenv("DBUS_SESSION_BUS_ADDRESS");
@@ -281,7 +281,7 @@ GST_END_TEST;
 
 /// A service or a bus that never answers blocks nothing: the request is canceled with the thread.
 /// An answer would mean a time-out.
-GST_START_TEST(test_silence)
+GST_START_TEST(test_service_that_never_answers)
 {
   allow_priority(0);
   {
@@ -366,9 +366,9 @@ realtime_thread_suite(void)
   tcase_add_test(tests, test_not_wanted);
   tcase_add_test(tests, test_realtime_kit);
   tcase_add_test(tests, test_limit_is_never_raised);
-  tcase_add_test(tests, test_threads_of_others);
-  tcase_add_test(tests, test_none);
-  tcase_add_test(tests, test_silence);
+  tcase_add_test(tests, test_other_realtime_threads);
+  tcase_add_test(tests, test_no_service);
+  tcase_add_test(tests, test_service_that_never_answers);
   tcase_add_test(tests, test_cpu_budget);
   tcase_add_test(tests, test_runaway);
   return suite;

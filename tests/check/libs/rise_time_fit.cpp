@@ -49,7 +49,7 @@ GST_END_TEST
 
 // With noise that matches the paper's R² of 0.98, 95 of 100 confidence intervals contain the true
 // value.
-GST_START_TEST(confidence_says_how_far_off_noise_leads)
+GST_START_TEST(confidence_intervals_contain_the_truth)
 {
   constexpr int kTimes = 400;
   std::array<int, 6> within{};
@@ -66,7 +66,7 @@ GST_START_TEST(confidence_says_how_far_off_noise_leads)
 }
 GST_END_TEST
 
-GST_START_TEST(too_little_to_tell_gives_no_fit)
+GST_START_TEST(too_few_samples_give_no_fit)
 {
   std::vector<RiseTimeSample> samples = papers_grid();
   samples.resize(6);
@@ -109,7 +109,7 @@ GST_START_TEST(isotonic_is_the_nearest_rising_sequence)
 }
 GST_END_TEST
 
-GST_START_TEST(table_has_what_was_measured_and_is_monotone)
+GST_START_TEST(table_contains_the_samples_and_is_monotonic)
 {
   const auto truth = [](double start, double target) {
     return 20 + 150 * std::exp(-(target + 0.3 * start) / 0.8);
@@ -133,7 +133,7 @@ GST_START_TEST(table_has_what_was_measured_and_is_monotone)
 }
 GST_END_TEST
 
-GST_START_TEST(nothing_gives_no_table)
+GST_START_TEST(no_samples_give_no_table)
 {
   fail_if(monotone_table({}, 3.0));
 }
@@ -146,11 +146,11 @@ rise_time_fit_suite(void)
   TCase *tests = tcase_create("fit");
   suite_add_tcase(suite, tests);
   tcase_add_test(tests, papers_equation_is_recovered_to_its_printed_digits);
-  tcase_add_test(tests, confidence_says_how_far_off_noise_leads);
-  tcase_add_test(tests, too_little_to_tell_gives_no_fit);
+  tcase_add_test(tests, confidence_intervals_contain_the_truth);
+  tcase_add_test(tests, too_few_samples_give_no_fit);
   tcase_add_test(tests, isotonic_is_the_nearest_rising_sequence);
-  tcase_add_test(tests, table_has_what_was_measured_and_is_monotone);
-  tcase_add_test(tests, nothing_gives_no_table);
+  tcase_add_test(tests, table_contains_the_samples_and_is_monotonic);
+  tcase_add_test(tests, no_samples_give_no_table);
   return suite;
 }
 

@@ -75,7 +75,7 @@ GST_START_TEST(test_slow_change)
 }
 GST_END_TEST;
 
-GST_START_TEST(test_nothing_before)
+GST_START_TEST(test_first_frame)
 {
   ShotCut cut(profile(0, 6));
   const LabImage white = picture({ 100, 0, 0 });
@@ -126,7 +126,7 @@ shot_cut_suite(void)
   tcase_add_test(tc, test_share);
   tcase_add_test(tc, test_contrast);
   tcase_add_test(tc, test_slow_change);
-  tcase_add_test(tc, test_nothing_before);
+  tcase_add_test(tc, test_first_frame);
   tcase_add_test(tc, test_copies);
   tcase_add_test(tc, test_few_samples);
   return suite;

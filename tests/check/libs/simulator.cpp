@@ -80,7 +80,7 @@ refusal(const DriverConfig &config)
 
 } // namespace
 
-GST_START_TEST(test_what_it_is)
+GST_START_TEST(test_capabilities)
 {
   Simulator simulator;
   fail_unless(simulator.tactors() == 0);
@@ -286,7 +286,7 @@ simulator_suite(void)
   Suite *suite = suite_create("simulator");
   TCase *tests = tcase_create("general");
   suite_add_tcase(suite, tests);
-  tcase_add_test(tests, test_what_it_is);
+  tcase_add_test(tests, test_capabilities);
   tcase_add_test(tests, test_amplitudes_are_the_motors);
   tcase_add_test(tests, test_fewer_and_more_volts);
   tcase_add_test(tests, test_time_that_goes_back);

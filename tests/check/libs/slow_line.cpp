@@ -172,13 +172,13 @@ GST_START_TEST(test_nothing_queues)
           chip.set(levels);
           chip.run_to(set + 10s, [&] { return chip.has(levels); });
           const Time packet = std::min(update + 3, 64) * kByte;
-          fail_unless(most <= static_cast<std::size_t>(update) + 3
-                          && chip.now - set <= update * kByte + packet,
-                      "%d tactors, %zu bytes in the chip, new levels each %d ms: %zu bytes are "
-                      "under way, and "
-                      "the last levels come after %.1f ms",
-                      tactors, memory, static_cast<int>(every / 1ms), most,
-                      std::chrono::duration<double, std::milli>(chip.now - set).count());
+          fail_unless(
+              most <= static_cast<std::size_t>(update) + 3
+                  && chip.now - set <= update * kByte + packet,
+              "%d tactors, %zu bytes in the chip, new levels each %d ms: %zu bytes in flight, "
+              "last levels after %.1f ms",
+              tactors, memory, static_cast<int>(every / 1ms), most,
+              std::chrono::duration<double, std::milli>(chip.now - set).count());
           ck_assert_int_eq(chip.model.trips, 0);
         }
 }
@@ -186,7 +186,7 @@ GST_END_TEST;
 
 /// All levels but one keep changing, more than the line carries. The remaining one is sent within
 /// the first round.
-GST_START_TEST(test_everyone_has_a_turn)
+GST_START_TEST(test_fairness)
 {
   for (const std::size_t quiet : { 0u, 31u, 63u }) {
     const Layout layout = chair(64);
@@ -227,7 +227,7 @@ GST_START_TEST(test_ramp)
       std::vector<double> levels;
       for (std::optional<Time> next = begin; next; next = start.next_step(chip.now)) {
         chip.run_to(*next);
-        fail_unless(chip.has(levels), "step %d is not on the board when the next begins", steps);
+        fail_unless(chip.has(levels), "step %d has not arrived when the next begins", steps);
         start.vibrate(chip.now, update);
         levels.assign(layout.pwm.size(), start.ceiling(chip.now));
         chip.set(levels);
@@ -302,7 +302,7 @@ GST_START_TEST(test_blocks)
       queue.push(commands);
       run_to(shown);
       fail_unless(chip.has({ levels.begin(), levels.end() }),
-                  "%d tactors change at %.0f Hz, %d ms a frame: frame %d is not on the board",
+                  "%d tactors change at %.0f Hz, %d ms a frame: frame %d has not arrived",
                   film.changing, film.rate, static_cast<int>(film.frame / 1ms), frame);
     }
     ck_assert_int_gt(last, 60 - 1 - film.frames);
@@ -361,14 +361,14 @@ GST_START_TEST(test_closed_means_that_motors_stand)
         chip.board.close(chip.now);
         const Time begin = chip.now;
         chip.run_to(begin + 10s, [&] { return chip.board.state() == FirmataBoard::State::closed; });
-        fail_unless(chip.model.is_silent(), "%d motors, answer %d", tactors, answers);
+        fail_unless(chip.model.is_silent(), "%d motors are on, answers %d", tactors, answers);
         fail_unless(chip.is_carried());
         ck_assert_int_eq(chip.model.resets, 2);
         // Zeros, then reset and question of two bytes, plus one byte's time for each packet to wait
         // for.
         const Time line = (level_bytes(chair(tactors)) + 2 + 10) * kByte;
         fail_unless(chip.now - begin <= line + (answers ? 0ms : 50ms),
-                    "%d motors, seat %d, answer %d: %d us", tactors, seat, answers,
+                    "%d motors, seat %d, answers %d: closed after %d us", tactors, seat, answers,
                     static_cast<int>((chip.now - begin) / 1us));
       }
 }
@@ -382,7 +382,7 @@ slow_line_suite(void)
   suite_add_tcase(suite, tests);
   tcase_add_test(tests, test_closed_means_that_motors_stand);
   tcase_add_test(tests, test_nothing_queues);
-  tcase_add_test(tests, test_everyone_has_a_turn);
+  tcase_add_test(tests, test_fairness);
   tcase_add_test(tests, test_ramp);
   tcase_add_test(tests, test_blocks);
   tcase_add_test(tests, test_lead_has_what_changes);

@@ -222,7 +222,7 @@ GST_START_TEST(test_camera_and_background)
 }
 GST_END_TEST;
 
-GST_START_TEST(test_light)
+GST_START_TEST(test_illumination)
 {
   // All contrast triples, as when a light is turned on: no response, except for the 0.05 in the
   // ratio. Where it rises sixfold, the excess over triple remains. If only a part rises, that part
@@ -265,7 +265,7 @@ GST_START_TEST(test_light)
 }
 GST_END_TEST;
 
-GST_START_TEST(test_enough_to_judge_light)
+GST_START_TEST(test_smallest_lit_area)
 {
   // A map with contrast on `count` of 100 samples. Up to 30 samples count as an object and respond.
   // More count as light if they had contrast before.
@@ -331,8 +331,8 @@ spatiotemporal_saliency_suite(void)
   tcase_add_test(tc, test_step);
   tcase_add_test(tc, test_ghost);
   tcase_add_test(tc, test_camera_and_background);
-  tcase_add_test(tc, test_light);
-  tcase_add_test(tc, test_enough_to_judge_light);
+  tcase_add_test(tc, test_illumination);
+  tcase_add_test(tc, test_smallest_lit_area);
   tcase_add_test(tc, test_background);
   return suite;
 }

@@ -222,7 +222,7 @@ GST_START_TEST(hum_drift_and_jitter_do_not_matter)
 }
 GST_END_TEST
 
-GST_START_TEST(what_is_wrong_with_a_recording_is_named)
+GST_START_TEST(faults_of_a_recording_are_named)
 {
   fail_unless(fault_after([](Recording &) {}) == StepFault::none);
   // The sensor's limit is known, or its crests reveal it.
@@ -258,7 +258,7 @@ GST_START_TEST(what_is_wrong_with_a_recording_is_named)
 GST_END_TEST
 
 // The second command got lost: the motor stays at its first level.
-GST_START_TEST(a_step_that_nothing_came_of_is_missed)
+GST_START_TEST(a_lost_step_is_missed)
 {
   const RecordedRun asked = recorded(1, 2, 1, {});
   RecordedRun got = recorded(1, 1.0001, 1, { .noise = 0.001 });
@@ -269,7 +269,7 @@ GST_START_TEST(a_step_that_nothing_came_of_is_missed)
 GST_END_TEST
 
 // Two tactors on one microphone at the same time.
-GST_START_TEST(steps_of_two_tactors_at_once_are_told_apart_by_channels_alone)
+GST_START_TEST(simultaneous_steps_need_separate_channels)
 {
   std::vector<IssuedCommand> trace = rises(0, 1.5, 1);
   IssuedCommand other = trace.front();
@@ -293,7 +293,7 @@ GST_END_TEST
 
 // Random commands to three tactors. A step's rests and its recording are used only while all other
 // tactors are off. A million commands take no longer each than a few.
-GST_START_TEST(steps_are_heard_apart_from_all_other_tactors)
+GST_START_TEST(steps_exclude_other_tactors)
 {
   std::mt19937 random(5);
   std::uniform_int_distribution<int> tactor(0, 2);
@@ -353,7 +353,7 @@ GST_END_TEST
 
 // The prior's latency and roundness come from the clearer half of the rises. Too few rises give no
 // prior.
-GST_START_TEST(clear_rises_say_what_all_have_in_common)
+GST_START_TEST(prior_comes_from_clear_rises)
 {
   std::vector<StepResponse> responses;
   for (int i = 0; i < 20; i++) {
@@ -398,14 +398,14 @@ step_response_suite(void)
   tcase_add_test(tests, falls_are_measured_too);
   tcase_add_test(tests, clipping_below_full_scale_is_named);
   tcase_add_test(tests, hum_drift_and_jitter_do_not_matter);
-  tcase_add_test(tests, what_is_wrong_with_a_recording_is_named);
-  tcase_add_test(tests, a_step_that_nothing_came_of_is_missed);
-  tcase_add_test(tests, steps_of_two_tactors_at_once_are_told_apart_by_channels_alone);
-  tcase_add_test(tests, clear_rises_say_what_all_have_in_common);
+  tcase_add_test(tests, faults_of_a_recording_are_named);
+  tcase_add_test(tests, a_lost_step_is_missed);
+  tcase_add_test(tests, simultaneous_steps_need_separate_channels);
+  tcase_add_test(tests, prior_comes_from_clear_rises);
   tcase_add_test(tests, band_is_found_around_the_vibration);
   TCase *steps = tcase_create("steps");
   suite_add_tcase(suite, steps);
-  tcase_add_test(steps, steps_are_heard_apart_from_all_other_tactors);
+  tcase_add_test(steps, steps_exclude_other_tactors);
   return suite;
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "tactile/tactile_mapping.h"
 
+#include "saliency_map.h"
 #include "tolerance.h"
 
 #include <algorithm>
@@ -14,37 +15,6 @@ using tactile::SaliencyView;
 using tactile::TactileMap;
 
 namespace {
-
-struct Map
-{
-  int width;
-  int height;
-  std::vector<float> values;
-
-  Map(int w, int h, float value = 0)
-      : width(w), height(h),
-        values(static_cast<std::size_t>(w) * static_cast<std::size_t>(h), value)
-  {
-  }
-
-  float &at(int x, int y)
-  {
-    return values[static_cast<std::size_t>(y * width + x)];
-  }
-
-  Map &square(int x0, int y0, int x1, int y1, float value)
-  {
-    for (int y = y0; y < y1; ++y)
-      for (int x = x0; x < x1; ++x)
-        at(x, y) = value;
-    return *this;
-  }
-
-  SaliencyView view() const
-  {
-    return { values.data(), width, height, width };
-  }
-};
 
 /// Pooling alone by exact area: no floor, no threshold, no gain.
 constexpr MappingSettings kPooling{ .floor = 0, .threshold = 0, .gain = Gain::none };

@@ -79,7 +79,7 @@ GST_START_TEST(contradicted_steps_are_named_and_left_out)
         && response.fault == StepFault::outlier)
       named++;
   }
-  fail_unless(named == 2, "%d of 2 are named", named);
+  fail_unless(named == 2, "%d of 2 steps are named", named);
   fail_unless(with.tactors.at(0).steps_refused == without.tactors.at(0).steps_refused + 2);
   fail_unless_near(with.tactors.at(0).quadratic->coefficients[0],
                    without.tactors.at(0).quadratic->coefficients[0], 2);
@@ -108,7 +108,7 @@ GST_END_TEST
 
 // Within any minute no tactor is on for longer, or for a larger share of time, than tactorsink's
 // limits allow.
-GST_START_TEST(plans_are_gentle)
+GST_START_TEST(plans_keep_limits)
 {
   for (const std::vector<int> &tactors : { std::vector<int>{ 0 }, { 0, 1 }, { 3, 1, 8 } })
     for (const double step : { 0.25, 0.5 }) {
@@ -134,7 +134,7 @@ GST_START_TEST(plans_are_gentle)
 }
 GST_END_TEST
 
-GST_START_TEST(senseless_plans_are_refused)
+GST_START_TEST(invalid_plans_are_refused)
 {
   const std::vector<MeasurementSettings> senseless{
     { .tactors = {} },   { .tactors = { -1 } }, { .volts_max = 0 },   { .volts_max = 100 },
@@ -154,8 +154,8 @@ tactor_calibration_suite(void)
   tcase_add_test(tests, papers_motor_is_recovered);
   tcase_add_test(tests, contradicted_steps_are_named_and_left_out);
   tcase_add_test(tests, recordings_without_a_common_clock_are_aligned_by_their_sound);
-  tcase_add_test(tests, plans_are_gentle);
-  tcase_add_test(tests, senseless_plans_are_refused);
+  tcase_add_test(tests, plans_keep_limits);
+  tcase_add_test(tests, invalid_plans_are_refused);
   return suite;
 }
 

@@ -237,7 +237,7 @@ GST_START_TEST(test_poses)
 }
 GST_END_TEST;
 
-GST_START_TEST(test_followed_world)
+GST_START_TEST(test_still_scene)
 {
   // A still scene, and a camera that moves over it by whole samples. With poses all windows equal
   // the current map, as samples that were not seen count as it does. Without poses they differ.
@@ -384,7 +384,7 @@ GST_START_TEST(test_start)
 }
 GST_END_TEST;
 
-GST_START_TEST(test_what_does_not_change_is_exact)
+GST_START_TEST(test_constant_maps_are_exact)
 {
   const Image map = oracle::random_image(6, 5, 0, 300, 7);
   for (const double duration : { 1.0, 30 / 24.0, 30 / 59.94, 30 / 1000.0 }) {
@@ -510,13 +510,13 @@ temporal_pyramid_suite(void)
   tcase_add_test(tc, test_variable_rate);
   tcase_add_test(tc, test_poses);
   tcase_add_test(tc, test_rebase);
-  tcase_add_test(tc, test_followed_world);
+  tcase_add_test(tc, test_still_scene);
   tcase_add_test(tc, test_moved);
   tcase_add_test(tc, test_poses_of_tiny_maps);
   tcase_add_test(tc, test_paper);
   tcase_add_test(tc, test_same_film_at_any_rate);
   tcase_add_test(tc, test_start);
-  tcase_add_test(tc, test_what_does_not_change_is_exact);
+  tcase_add_test(tc, test_constant_maps_are_exact);
   tcase_add_test(tc, test_long_run);
   tcase_add_test(tc, test_memory_is_bounded);
   tcase_add_test(tc, test_shared_entries);

@@ -106,7 +106,7 @@ private:
 } // namespace
 
 /// Guards leave, then the process dies of the signal.
-GST_START_TEST(test_leaves)
+GST_START_TEST(test_signals)
 {
   for (const int signal : { SIGTERM, SIGINT, SIGHUP }) {
     Process process([](Process &self) {
@@ -122,7 +122,7 @@ GST_START_TEST(test_leaves)
 GST_END_TEST;
 
 /// All guards leave at the same time: each begins before the first one is waited for.
-GST_START_TEST(test_all_leave)
+GST_START_TEST(test_all_guards_leave)
 {
   Process process([](Process &self) {
     const auto say = [&self](char begin, char done) {
@@ -140,7 +140,7 @@ GST_START_TEST(test_all_leave)
 }
 GST_END_TEST;
 
-GST_START_TEST(test_end_of_the_program)
+GST_START_TEST(test_exit)
 {
   Process process([](Process &self) {
     const auto guard = self.guard();
@@ -152,7 +152,7 @@ GST_END_TEST;
 
 /// A handler of the application, or its wish to ignore a signal, takes precedence, whether set
 /// before or after. The environment can disable all handling.
-GST_START_TEST(test_application_comes_first)
+GST_START_TEST(test_application_takes_precedence)
 {
   Process ignores([](Process &self) {
     std::signal(SIGTERM, SIG_IGN);
@@ -200,7 +200,7 @@ GST_START_TEST(test_application_comes_first)
 GST_END_TEST;
 
 /// Without guards the signal handlers are as before. The same holds after new ones.
-GST_START_TEST(test_nothing_remains)
+GST_START_TEST(test_handlers_are_restored)
 {
   Process process([](Process &self) {
     for (int i = 0; i < 3; i++) {
@@ -278,7 +278,7 @@ GST_START_TEST(test_children_with_boards)
 GST_END_TEST;
 
 /// A guard may take kPatience at most. A second signal ends the process at once.
-GST_START_TEST(test_patience)
+GST_START_TEST(test_time_limit)
 {
   for (const bool twice : { false, true }) {
     Process process([twice](Process &self) {
@@ -307,14 +307,14 @@ termination_suite(void)
   Suite *suite = suite_create("termination");
   TCase *tests = tcase_create("general");
   suite_add_tcase(suite, tests);
-  tcase_add_test(tests, test_leaves);
-  tcase_add_test(tests, test_all_leave);
-  tcase_add_test(tests, test_end_of_the_program);
-  tcase_add_test(tests, test_application_comes_first);
-  tcase_add_test(tests, test_nothing_remains);
+  tcase_add_test(tests, test_signals);
+  tcase_add_test(tests, test_all_guards_leave);
+  tcase_add_test(tests, test_exit);
+  tcase_add_test(tests, test_application_takes_precedence);
+  tcase_add_test(tests, test_handlers_are_restored);
   tcase_add_test(tests, test_children);
   tcase_add_test(tests, test_children_with_boards);
-  tcase_add_test(tests, test_patience);
+  tcase_add_test(tests, test_time_limit);
   return suite;
 }
 

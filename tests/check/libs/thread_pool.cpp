@@ -91,7 +91,7 @@ GST_START_TEST(test_no_more_threads)
 GST_END_TEST;
 #endif
 
-GST_START_TEST(test_pools_that_do_nothing)
+GST_START_TEST(test_idle_pools)
 {
   for (int i = 0; i < 50; ++i) {
     ThreadPool unused;
@@ -141,7 +141,7 @@ run_on_threads(ThreadPool &pool, int threads, const Work &work)
   });
 }
 
-GST_START_TEST(test_sleepers)
+GST_START_TEST(test_sleeping_threads_are_woken)
 {
   // Workers spin before they sleep. Sleeping ones are woken, and a sleeping caller is woken by
   // them.
@@ -211,12 +211,13 @@ GST_START_TEST(test_off_the_callers_processor)
     if (!CPU_ISSET(processor, &all))
       continue;
     callers_processor = processor;
-    fail_unless(are_on(moved, 3, others(processor)), "stayed when the caller moved to %d",
-                processor);
+    fail_unless(are_on(moved, 3, others(processor)),
+                "a worker stayed on CPU %d after the caller moved there", processor);
 
     ThreadPool pool;
     fail_unless(are_on(pool, 2, others(processor)));
-    fail_unless(are_on(pool, 4, others(processor)), "the new ones are on processor %d", processor);
+    fail_unless(are_on(pool, 4, others(processor)), "a new worker is on the caller's CPU %d",
+                processor);
 
     // With a single CPU they share it with the caller, until there are others again.
     cpu_set_t one;
@@ -246,9 +247,9 @@ thread_pool_suite(void)
 #if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
   tcase_add_test(tc, test_no_more_threads);
 #endif
-  tcase_add_test(tc, test_pools_that_do_nothing);
+  tcase_add_test(tc, test_idle_pools);
   tcase_add_test(tc, test_teams);
-  tcase_add_test(tc, test_sleepers);
+  tcase_add_test(tc, test_sleeping_threads_are_woken);
 #ifdef __linux__
   tcase_add_test(tc, test_off_the_callers_processor);
 #endif

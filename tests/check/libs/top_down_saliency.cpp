@@ -118,7 +118,7 @@ GST_START_TEST(test_definition)
 GST_END_TEST;
 
 /// Without regions the map is passed on unchanged.
-GST_START_TEST(test_nothing_to_weigh)
+GST_START_TEST(test_no_regions)
 {
   const Saliency found = random_saliency({ 160, 120 }, 1);
   TopDownSaliency top_down(Profile::tuned());
@@ -260,7 +260,7 @@ top_down_saliency_suite(void)
   TCase *tc = tcase_create("general");
   suite_add_tcase(suite, tc);
   tcase_add_test(tc, test_definition);
-  tcase_add_test(tc, test_nothing_to_weigh);
+  tcase_add_test(tc, test_no_regions);
   tcase_add_test(tc, test_reach_and_hold);
   tcase_add_test(tc, test_regions_stay_for_frames);
   tcase_add_test(tc, test_regions_stay);

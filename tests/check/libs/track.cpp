@@ -26,7 +26,7 @@ GST_START_TEST(test_maps_hold_until_the_next)
 }
 GST_END_TEST;
 
-GST_START_TEST(test_one_form_for_one_course)
+GST_START_TEST(test_canonical_form)
 {
   const TactileMap a = make_map(1, 2, { 0.5F, 0 });
   const TactileMap b = make_map(1, 2, { 0, 1 });
@@ -85,7 +85,7 @@ track_suite(void)
   suite_add_tcase(suite, tests);
   tcase_add_test(tests, test_empty);
   tcase_add_test(tests, test_maps_hold_until_the_next);
-  tcase_add_test(tests, test_one_form_for_one_course);
+  tcase_add_test(tests, test_canonical_form);
   tcase_add_test(tests, test_refused);
   tcase_add_test(tests, test_resolution);
   return suite;

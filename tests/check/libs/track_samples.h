@@ -68,7 +68,7 @@ template <typename Read>
 std::string
 complaint(const tl::expected<Read, tactile::FormatError> &read)
 {
-  fail_if(read.has_value(), "it was read");
+  fail_if(read.has_value(), "expected an error, got a track");
   return read.error().text();
 }
 
@@ -84,5 +84,5 @@ complaint(const tl::expected<Read, tactile::FormatError> &read)
   do {                                                                                             \
     const std::string said = complaint(read);                                                      \
     fail_unless(said.starts_with(place) && said.find(reason) != std::string::npos,                 \
-                "it said '%s' instead of '%s... %s'", said.c_str(), place, reason);                \
+                "error '%s', expected '%s... %s'", said.c_str(), place, reason);                   \
   } while (0)

@@ -3,6 +3,8 @@
 
 #include "tactor/command_planner.h"
 
+#include <vector>
+
 /// For tests that MotorLimits must not affect.
 inline constexpr tactor::MotorLimits kNoLimits{ .max_on_time = tactor::Time(0),
                                                 .max_duty = 0,
@@ -13,4 +15,12 @@ unlimited(tactor::PlannerSettings settings = {})
 {
   settings.limits = kNoLimits;
   return settings;
+}
+
+/// The commands of a new planner for its first map.
+inline std::vector<tactor::Command>
+first_plan(const tactor::PlannerSettings &settings, int tactors, const std::vector<float> &levels)
+{
+  tactor::CommandPlanner planner(tactors, unlimited(settings));
+  return planner.plan(tactor::Time(0), std::chrono::milliseconds(33), levels);
 }

@@ -4,6 +4,7 @@
 #include "tactile/viewport.h"
 
 #include "frame_rate.h"
+#include "saliency_map.h"
 #include "tactile/tactile_mapping.h"
 #include "tolerance.h"
 
@@ -29,34 +30,6 @@ namespace {
 constexpr double kFloor = 0.5;
 constexpr double kThreshold = 0.5;
 constexpr MappingSettings kPooling{ .floor = kFloor, .threshold = kThreshold, .gain = Gain::none };
-
-struct Map
-{
-  int width;
-  int height;
-  std::vector<float> values;
-
-  Map(int w, int h)
-      : width(w), height(h), values(static_cast<std::size_t>(w) * static_cast<std::size_t>(h), 0.0F)
-  {
-  }
-
-  /// A square of `side` samples about a place given as shares of the map.
-  Map &spot(double x, double y, int side, float value)
-  {
-    const int left = static_cast<int>(std::lround(x * width - side / 2.0));
-    const int top = static_cast<int>(std::lround(y * height - side / 2.0));
-    for (int row = std::max(0, top); row < std::min(height, top + side); ++row)
-      for (int column = std::max(0, left); column < std::min(width, left + side); ++column)
-        values[static_cast<std::size_t>(row * width + column)] = value;
-    return *this;
-  }
-
-  SaliencyView view() const
-  {
-    return { values.data(), width, height, width };
-  }
-};
 
 std::size_t
 strongest(const Map &map, const Viewport &viewport)

@@ -45,7 +45,7 @@ GST_START_TEST(test_round_trip)
 }
 GST_END_TEST;
 
-GST_START_TEST(test_what_editors_do)
+GST_START_TEST(test_text_from_editors)
 {
   const Track expected = two_tactors();
   const char *files[] = {
@@ -109,7 +109,7 @@ webvtt_suite(void)
   suite_add_tcase(suite, tests);
   tcase_add_test(tests, test_text);
   tcase_add_test(tests, test_round_trip);
-  tcase_add_test(tests, test_what_editors_do);
+  tcase_add_test(tests, test_text_from_editors);
   tcase_add_test(tests, test_deleted_cue_is_silence);
   tcase_add_test(tests, test_refused);
   return suite;
