@@ -294,7 +294,7 @@ gst_saliency_tactile_stats(GstSaliencyTactile *self)
   const Statistics stats = self->priv->stats;
   GST_OBJECT_UNLOCK(self);
   return gst_structure_new("application/x-saliency-stats", "frames", G_TYPE_UINT64, stats.frames,
-                           "analysed", G_TYPE_UINT64, stats.analyzed, "active", G_TYPE_UINT64,
+                           "analyzed", G_TYPE_UINT64, stats.analyzed, "active", G_TYPE_UINT64,
                            stats.active, "analysis-mean", G_TYPE_UINT64,
                            stats.analyzed ? stats.busy / stats.analyzed : 0, "analysis-max",
                            G_TYPE_UINT64, stats.longest, nullptr);

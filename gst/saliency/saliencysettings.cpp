@@ -160,7 +160,7 @@ SaliencySettings::install(GObjectClass *klass)
   g_object_class_install_property(
       klass, SALIENCY_PROP_STATS,
       g_param_spec_boxed("stats", "Statistics",
-                         "Frames passed, analysed and active (any level above 0); mean and longest "
+                         "Frames passed, analyzed and active (any level above 0); mean and longest "
                          "analysis time in ns",
                          GST_TYPE_STRUCTURE,
                          static_cast<GParamFlags>(G_PARAM_READABLE | G_PARAM_STATIC_STRINGS)));

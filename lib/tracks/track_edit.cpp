@@ -224,7 +224,7 @@ mask(const Track &track, const std::vector<int> &cells)
 }
 
 Track
-quantise(const Track &track, int steps)
+quantize(const Track &track, int steps)
 {
   return at_resolution(track, Time(1), steps);
 }

@@ -47,7 +47,7 @@ tl::expected<Track, FormatError> silence(const Track &track, Time begin, Time en
 Track mask(const Track &track, const std::vector<int> &cells);
 
 /// Rounds levels to multiples of 1 / steps, steps ≥ 1.
-Track quantise(const Track &track, int steps);
+Track quantize(const Track &track, int steps);
 
 /// Resamples to another grid over the same picture: a cell's level is the mean over its area.
 TactileMap resample(const TactileMap &map, int rows, int columns);

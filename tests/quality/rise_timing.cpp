@@ -4,7 +4,7 @@
 // simulated motor per tactor with the commands as they were issued, and prints how far from its
 // frame each rising command reached 90 % of its level, as a histogram. Usage: rise_timing
 // commands.csv ...
-#include "../../tools/or_throw.h"
+#include "../../tools/film/or_throw.h"
 #include "tactor/command_trace.h"
 #include "tactor/motor_model.h"
 

@@ -47,7 +47,7 @@ head -n 1 out | grep -q '^run 2 of' || fail "it did not go on: $(cat out)"
 grep -q "another measurement" err || fail "$(cat err)"
 expect_silence
 
-"$CALIBRATE" analyse chair >out
+"$CALIBRATE" analyze chair >out
 grep -q '^motor=two of them$' chair/motors.calibration || fail "the motor's name is lost"
 near "latency of tactor 0" "$(value 0 latency-ms)" 4 2
 near "latency of tactor 2" "$(value 2 latency-ms)" 22 2
@@ -84,7 +84,7 @@ done
 
 # A recording from elsewhere, with a clock of its own.
 cp chair/run-002.wav elsewhere.wav
-"$CALIBRATE" analyse --recording=elsewhere.wav --commands=chair/run-002.csv --align --output=elsewhere.calibration >out
+"$CALIBRATE" analyze --recording=elsewhere.wav --commands=chair/run-002.csv --align --output=elsewhere.calibration >out
 grep -q '^start-volts=' elsewhere.calibration || fail "$(cat out)"
 grep -q '^latency-ms=' elsewhere.calibration && fail "a latency without a common clock"
 
@@ -94,7 +94,7 @@ cp chair/session.ini chair/run-*.csv phone
 for sound in chair/run-*.wav; do
   cp "$sound" "phone/$(basename "$sound" .wav).sound"
 done
-"$CALIBRATE" analyse phone >out
+"$CALIBRATE" analyze phone >out
 sed -n '/^\[Tactor 2\]/,/^\[/s/^start-volts=//p' phone/motors.calibration | grep -qx 0.7 || fail "$(cat out)"
 grep -q '^latency-ms=' phone/motors.calibration && fail "a latency without a common clock"
 
@@ -111,16 +111,16 @@ refused measure
 refused measure other --tactors=x
 refused measure other --step=0
 refused measure other --source="nosuchsource" --driver=simulator
-refused analyse nowhere
-refused analyse --recording=simulated --commands=chair/run-002.csv --output=x
+refused analyze nowhere
+refused analyze --recording=simulated --commands=chair/run-002.csv --output=x
 refused show nowhere
 refused show chair --output=picture.jpg
 # Sound files with false headers: 4 GiB of one channel, no channels.
 head -c 40 elsewhere.wav >lying.wav
 printf '\377\377\377\377' >>lying.wav
-refused analyse --recording=lying.wav --commands=chair/run-002.csv --output=x
+refused analyze --recording=lying.wav --commands=chair/run-002.csv --output=x
 { head -c 22 elsewhere.wav; printf '\0\0'; tail -c +25 elsewhere.wav; } >lying.wav
-refused analyse --recording=lying.wav --commands=chair/run-002.csv --output=x
+refused analyze --recording=lying.wav --commands=chair/run-002.csv --output=x
 refused check --source=none
 refused check --source=simulator --calibration=nowhere
 "$CALIBRATE" --help | grep -q measure

@@ -22,7 +22,7 @@ INI
 
 "$CALIBRATE" measure chair --driver=simulator --source="simulatedsensorsrc motors=simulated" --step=1
 expect_silence
-"$CALIBRATE" analyse chair --verbose
+"$CALIBRATE" analyze chair --verbose
 near "latency" "$(value 0 latency-ms)" 17 2
 near "start voltage" "$(value 0 start-volts)" 0.6 0.001
 near "hold voltage" "$(value 0 hold-volts)" 0.4 0.001

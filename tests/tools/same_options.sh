@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: LGPL-2.1-or-later
 # Every command of every program accepts -f (--force) and -q (--quiet) and documents them. With -q
-# it prints nothing if all is well.
+# it prints nothing if all is well. A wrong command has those suggested that are near.
 # Expects the programs VISUOTACTILE_PLAY, TACTILE_TRACK and TACTOR_CALIBRATE, and the plugins on
 # GST_PLUGIN_PATH.
 set -euo pipefail
@@ -21,12 +21,12 @@ takes_both() {
   local option
   "$@" --help >help 2>&1 || wrong "${*##*/} --help: $(cat help)"
   for option in '-f, --force' '-q, --quiet'; do
-    grep -qE -- "^  $option +[A-Z]" help || wrong "${*##*/} does not tell of $option"
+    grep -qE -- "^  $option +[A-Z]" help || wrong "${*##*/} does not document $option"
   done
 }
-# Commands from the program's help: two spaces, a word and its description.
+# Commands from the program's help.
 commands_of() {
-  "$1" --help | sed -nE 's/^  ([a-z]+) .*/\1/p'
+  "$1" --help | sed -n '/^Commands:/,/^$/s/^  \([a-z]*\) .*/\1/p'
 }
 takes_both "$VISUOTACTILE_PLAY"
 count=1
@@ -59,7 +59,18 @@ silent 0 edit -fq one.vtt -o edited.vtt --shift=1
 silent 0 plot -fq one.vtt -o one.svg
 echo no >none.vtt
 "$TACTILE_TRACK" validate -q one.vtt none.vtt >out && wrong "none.vtt is valid"
-[ "$(wc -l <out)" -eq 1 ] || wrong "of none.vtt alone was to be told: $(cat out)"
-grep -q '^invalid: .*none.vtt' out || wrong "of none.vtt alone was to be told: $(cat out)"
+[ "$(wc -l <out)" -eq 1 ] || wrong "expected none.vtt alone: $(cat out)"
+grep -q '^invalid: .*none.vtt' out || wrong "expected none.vtt alone: $(cat out)"
+
+# ---- suggestions ----------------------------------------------------------------------------
+# suggests TEXT PROGRAM WRONG: in one line, with status 2
+suggests() {
+  local status=0
+  "$2" "$3" 2>err || status=$?
+  [ "$status" -eq 2 ] && [ "$(wc -l <err)" -eq 1 ] && grep -qF -- "$1" err || wrong "${2##*/} $3 ends with $status: $(cat err)"
+}
+suggests "did you mean 'analyze'?" "$TACTOR_CALIBRATE" analyzee
+suggests "did you mean 'mux'?" "$TACTILE_TRACK" muxx
+suggests "expected one of measure, analyze, show, check" "$TACTOR_CALIBRATE" frobnicate
 
 [ "$failed" -eq 0 ] && echo "$count commands take the same options"

@@ -4,7 +4,7 @@
 // commands from the trace of the tactorsink in its pipeline.
 #include "calibration/calibration.h"
 #include "calibration/simulated_sensor.h"
-#include "tools/or_throw.h"
+#include "tools/film/or_throw.h"
 
 #include <gst/base/base.h>
 #include <gst/gst.h>

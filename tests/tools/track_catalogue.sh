@@ -31,7 +31,7 @@ expect_line err 'broken.mp4'
 
 rm films/broken.mp4 tracks/one.mkv.vtt
 "$catalogue" --jobs 2 films tracks -- --rows=2 >out 2>err || fail "$(cat out err)"
-expect_line out 'two three.mkv.vtt: there already'
+expect_line out 'two three.mkv.vtt: up to date'
 expect_line out '^0 without a track$'
 expect_line tracks/one.mkv.vtt 'grid=2x3'
 expect_line "tracks/b/two three.mkv.vtt" 'grid=3x3'

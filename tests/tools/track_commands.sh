@@ -275,7 +275,7 @@ edits() {
   track edit film.vtt --in-place --clip=1-2
   track info film.vtt
   expect_line out '^Length +1\.000 s'
-  track edit edited.vtt -o coarse.csv --resample=1x1 --quantise=4 --merge=5 --limit=1,0.5 --silence=0-1 --overlay-max=before.vtt
+  track edit edited.vtt -o coarse.csv --resample=1x1 --quantize=4 --merge=5 --limit=1,0.5 --silence=0-1 --overlay-max=before.vtt
   track info coarse.csv
   expect_line out '^Grid +1 x 1'
 }
@@ -322,7 +322,7 @@ batch() {
   touch -d '+1 hour' films/two.mkv
   play author films/one.mkv films/two.mkv -o tracks
   expect_status 0
-  expect_line out 'tracks/one.vtt: there already'
+  expect_line out 'tracks/one.vtt: up to date'
   expect_line out 'tracks/two.vtt: .* times real time'
 }
 
@@ -347,7 +347,7 @@ interrupted() {
   [ "$(find tracks -name '.*.part' | wc -l)" -eq 0 ] || fail "$(find tracks)"
   track validate tracks/*.vtt
   track author films/*.mkv -o tracks
-  expect_line out '^tracks/a.vtt: there already$'
+  expect_line out '^tracks/a.vtt: up to date$'
   [ "$(find tracks -name '*.vtt' | wc -l)" -eq 12 ] || fail "$(find tracks)"
 }
 

@@ -4,7 +4,7 @@
 #include "emulated_board.h"
 
 #include "tactor/command_trace.h"
-#include "tools/or_throw.h"
+#include "tools/film/or_throw.h"
 
 #include <cmath>
 #include <map>

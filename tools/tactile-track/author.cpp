@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 //
 // author: films in, first drafts of their tracks out, as fast as the machine allows.
-#include "../visuotactile-play/film.h"
-#include "../visuotactile-play/output.h"
 #include "commands.h"
-#include "pipeline.h"
+
+#include "film/film.h"
+#include "film/output.h"
+#include "film/pipeline.h"
+#include "film/progress.h"
 #include "tracks/formats/track_file.h"
 
 #include <glib-unix.h>
@@ -13,6 +15,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <cmath>
 #include <csignal>
 #include <cstdio>
 #include <filesystem>
@@ -20,7 +23,6 @@
 #include <limits>
 #include <optional>
 #include <set>
-#include <unistd.h>
 
 namespace fs = std::filesystem;
 using tactile::Time;
@@ -37,8 +39,8 @@ struct Settings
   bool quiet = false;
 };
 
-/// Makes a track of a stream of maps. As tactorsink does, it takes them in blocks of 1 / rate: a
-/// block begins with the first map of which more than half lies beyond the block's start, and has
+/// Makes a track of a stream of maps. As tactorsink does, it samples them in blocks of 1 / rate: a
+/// block begins with the first map more than half of which lies after the block's start, and has
 /// that map's levels.
 class Recorder
 {
@@ -49,7 +51,7 @@ public:
     track_.set_rate(settings.rate);
   }
 
-  /// Refused where the track can hold no more.
+  /// An error where the track is full.
   tl::expected<void, tactile::FormatError> add(Time time, Time duration,
                                                const tactile::TactileMap &map)
   {
@@ -81,7 +83,7 @@ private:
   Time end_{ 0 };
 };
 
-/// A film whose track is being made.
+/// A film that is analyzed, and its track.
 class Job
 {
 public:
@@ -105,7 +107,7 @@ public:
     return output_;
   }
 
-  /// Whether the track is there already, and later than its film.
+  /// Whether the track exists and is newer than its film.
   bool is_done() const
   {
     std::error_code no_film;
@@ -115,8 +117,8 @@ public:
     return !no_track && (no_film || track_time >= film_time);
   }
 
-  /// Begins. `finished` is called from the main loop at the end, with why it failed, if it did.
-  /// Throws std::runtime_error.
+  /// `finished` is called from the main loop at the end, with the error or an empty text. Throws
+  /// std::runtime_error.
   void start(std::function<void(Job &, const std::string &)> finished)
   {
     const Film film = discover_film(film_);
@@ -151,12 +153,10 @@ public:
     if (watch_)
       g_source_remove(watch_);
     watch_ = 0;
-    if (pipeline_)
-      gst_element_set_state(pipeline_.get(), GST_STATE_NULL);
     pipeline_.reset();
   }
 
-  /// How much of the film is done, 0 to 1.
+  /// The part of the film that is done, 0 to 1.
   double progress() const
   {
     return duration_ > 0 && GST_CLOCK_TIME_IS_VALID(duration_) ? std::min(
@@ -164,7 +164,7 @@ public:
                                                                : 0;
   }
 
-  /// Seconds of film, and seconds that they took.
+  /// Seconds of film that are done, and seconds since the start.
   std::pair<double, double> times() const
   {
     return { static_cast<double>(position_.load()) / GST_SECOND,
@@ -241,10 +241,10 @@ private:
   std::optional<Recorder> recorder_;
   std::atomic<GstClockTime> position_{ 0 };
   guint watch_ = 0;
-  Owned<GstElement> pipeline_;
+  Pipeline pipeline_;
 };
 
-/// Several films, a number of them at a time.
+/// Several films, some of them at the same time.
 class Batch
 {
 public:
@@ -273,7 +273,7 @@ public:
             return G_SOURCE_CONTINUE;
           },
           this));
-    if (!quiet_ && isatty(STDERR_FILENO))
+    if (!quiet_ && progress_.is_on_terminal())
       sources.push_back(g_timeout_add(
           500, +[](gpointer self) { return static_cast<Batch *>(self)->show_progress(); }, this));
     start_more();
@@ -283,8 +283,9 @@ public:
       job->stop();
     for (const guint source : sources)
       g_source_remove(source);
+    progress_.clear();
     if (stopped_) {
-      std::fprintf(stderr, "tactile-track: stopped; the same command goes on from here\n");
+      std::fprintf(stderr, "tactile-track: stopped; run the same command again to continue\n");
       return 130;
     }
     return failed_ > 0 ? 1 : 0;
@@ -307,7 +308,8 @@ private:
   void fail(const Job &job, const std::string &reason)
   {
     failed_++;
-    std::fprintf(stderr, "tactile-track: %s: %s\n", job.film().c_str(), reason.c_str());
+    progress_.clear();
+    print_error("tactile-track", job.film() + ": " + reason);
   }
 
   void finished(Job &job, const std::string &failure)
@@ -317,6 +319,7 @@ private:
       fail(job, failure);
     } else if (!quiet_) {
       const auto [film, taken] = job.times();
+      progress_.clear();
       std::printf("%s: %.1f s of film in %.1f s, %.1f times real time\n", job.output().c_str(),
                   film, taken, film / std::max(taken, 1e-3));
       std::fflush(stdout);
@@ -331,8 +334,8 @@ private:
     double done = 0;
     for (std::size_t i = 0; i < next_; i++)
       done += jobs_[i]->progress();
-    std::fprintf(stderr, "\r\033[K%3.0f %% of %zu films\r",
-                 100 * done / static_cast<double>(jobs_.size()), jobs_.size());
+    progress_.show(std::to_string(std::lround(100 * done / static_cast<double>(jobs_.size())))
+                   + " % of " + std::to_string(jobs_.size()) + " films");
     return G_SOURCE_CONTINUE;
   }
 
@@ -340,14 +343,15 @@ private:
   std::size_t at_a_time_;
   bool quiet_;
   GMainLoop *loop_;
+  Progress progress_;
   std::size_t next_ = 0;
   std::size_t running_ = 0;
   int failed_ = 0;
   bool stopped_ = false;
 };
 
-/// The track's name for each film: `output` itself, or in that folder the film's name with another
-/// ending.
+/// The track's name for each film: `output` for a single film, or else in the folder `output` the
+/// film's name with another ending.
 std::vector<std::string>
 output_names(const std::vector<std::string> &films, const std::string &output,
              const std::string &ending)
@@ -364,7 +368,7 @@ output_names(const std::vector<std::string> &films, const std::string &output,
   for (const std::string &film : films) {
     names.push_back((fs::path(output) / fs::path(film).stem()).string() + ending);
     if (!taken.insert(names.back()).second)
-      throw UsageError("two films would be '" + names.back() + "'");
+      throw UsageError("two films have the track '" + names.back() + "'");
   }
   return names;
 }
@@ -379,36 +383,35 @@ author(int argc, char **argv)
   TextOption profile;
   Settings settings;
   gint jobs = 0;
-  Manner manner;
+  CommonOptions common;
   const GOptionEntry entries[] = {
     { "output", 'o', 0, G_OPTION_ARG_FILENAME, &output.value,
-      "The track, or for several films the folder of their tracks", "TRACK" },
+      "The track, or the folder for the tracks of several films", "TRACK" },
     { "form", 0, 0, G_OPTION_ARG_STRING, &ending.value,
-      "Ending of tracks in a folder (default: .vtt)", "ENDING" },
+      "Format of tracks in a folder, as a file name ends (default: .vtt)", "ENDING" },
     { "rows", 'r', 0, G_OPTION_ARG_INT, &settings.rows, "Rows of tactors, 1 to 64 (default: 3)",
       "N" },
     { "columns", 'c', 0, G_OPTION_ARG_INT, &settings.columns,
       "Columns of tactors, 1 to 64 (default: 3)", "N" },
     { "rate", 0, 0, G_OPTION_ARG_DOUBLE, &settings.rate,
-      "How often levels may change, in Hz; 0: with every frame (default: 5)", "HZ" },
+      "Rate in Hz at which levels may change; 0: with every frame (default: 5)", "HZ" },
     { "profile", 'p', 0, G_OPTION_ARG_STRING, &profile.value,
       "How saliency is computed: tuned (default) or paper", "NAME" },
     { "jobs", 'j', 0, G_OPTION_ARG_INT, &jobs,
-      "Films at a time (default: as many as there are processors)", "N" },
+      "Number of films to analyze at the same time (default: one per processor)", "N" },
     {},
   };
   const std::vector<std::string> films = parse_options(
-      argc, argv, entries, manner,
+      argc, argv, entries, common,
       { .arguments = "FILM... -o TRACK",
         .summary
-        = "Makes tracks of films: what visuotactile-play would play, at the same times.\nTracks "
-          "appear when they are complete. Those that are there are left as they are, so that a "
-          "batch that was stopped goes on.\nThe status is 0 if there is a track for every film, "
-          "130 after Ctrl-C.",
+        = "Makes tracks of films, with the levels and times that visuotactile-play has.\n"
+          "A track appears when it is complete. Tracks that are newer than their films are\n"
+          "skipped, so that the same command continues a batch that was interrupted.",
         .least = 1,
         .most = std::numeric_limits<std::size_t>::max(),
-        .force_means = "Make tracks anew that are there, and later than their films" });
-  if (!output.given())
+        .force_help = "Make all tracks, also those that are newer than their films" });
+  if (!output.is_set())
     throw UsageError("expected -o TRACK");
   if (settings.rows < 1 || settings.rows > 64 || settings.columns < 1 || settings.columns > 64)
     throw UsageError("--rows and --columns are whole numbers from 1 to 64");
@@ -425,12 +428,12 @@ author(int argc, char **argv)
   std::vector<std::unique_ptr<Job>> work;
   for (std::size_t i = 0; i < films.size(); i++) {
     auto job = std::make_unique<Job>(films[i], names[i], settings);
-    if (manner.force || !job->is_done())
+    if (common.force || !job->is_done())
       work.push_back(std::move(job));
-    else if (!manner.quiet)
-      std::printf("%s: there already\n", names[i].c_str());
+    else if (!common.quiet)
+      std::printf("%s: up to date\n", names[i].c_str());
   }
   return Batch(std::move(work), jobs > 0 ? static_cast<std::size_t>(jobs) : g_get_num_processors(),
-               manner.quiet != FALSE)
+               common.quiet != FALSE)
       .run();
 }

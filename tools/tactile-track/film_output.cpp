@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 //
 // preview, mux: films with a track.
-#include "../visuotactile-play/film.h"
-#include "../visuotactile-play/output.h"
 #include "commands.h"
-#include "pipeline.h"
+#include "playback.h"
 #include "subtitles.h"
+
+#include "film/film.h"
+#include "film/output.h"
 #include "tracks/formats/film_file.h"
 #include "tracks/formats/track_file.h"
 
@@ -26,11 +27,11 @@ namespace {
 constexpr const char *kLookahead
     = "queue max-size-bytes=0 max-size-buffers=0 max-size-time=2000000000";
 
-/// Plays to the end with the file as location of the element named so; keeps it if `is_film` says
-/// so then of what was written.
+/// Plays to the end, `path` being what the filesink named "file" writes. The file is kept if
+/// `is_film` accepts it.
 int
 write_film(
-    const Owned<GstElement> &pipeline, const std::string &path, GstClockTime duration, bool quiet,
+    const Pipeline &pipeline, const std::string &path, GstClockTime duration, bool quiet,
     const std::function<bool(const std::string &)> &is_film
     = [](const std::string &) { return true; })
 {
@@ -41,13 +42,14 @@ write_film(
   if (!run_to_end(pipeline, duration, quiet))
     return 130;
   if (!is_film(output.part_path().string()))
-    throw std::runtime_error("'" + path + "' can hold no stream of the film");
+    throw std::runtime_error(
+        "'" + path + "' would have no stream of the film: its container takes none of them");
   output.commit();
   return 0;
 }
 
-/// No player shall take the track of the film, which was written, by itself: muxers of GStreamer
-/// 1.22 say that each track is meant to be taken. Throws std::runtime_error.
+/// Clears the default flag of the track in a film: GStreamer 1.22's muxers set it for each stream,
+/// and players would show the track as subtitles. Throws std::runtime_error.
 void
 leave_track_to_choice(const std::string &path)
 {
@@ -67,10 +69,10 @@ leave_track_to_choice(const std::string &path)
   munmap(bytes, size);
   close(file);
   if (marked == 0)
-    std::fputs("tactile-track: warning: players may take the track by themselves\n", stderr);
+    std::fputs("tactile-track: warning: players may select the track by default\n", stderr);
 }
 
-/// A film is not written over itself. Throws UsageError.
+/// Throws UsageError if the output would overwrite the film.
 void
 refuse_same_file(const std::string &film, const std::string &output)
 {
@@ -79,7 +81,7 @@ refuse_same_file(const std::string &film, const std::string &output)
     throw UsageError("'" + output + "' is the film itself; give another name");
 }
 
-/// The parser that brings a stream into the form that a muxer wants.
+/// The parser that converts a stream to the format of a muxer, or identity.
 std::string
 parser_of(const GstStructure *structure)
 {
@@ -117,7 +119,8 @@ add_track(Muxing &muxing)
 {
   if (!gst_element_link_pads(muxing.last, "src", muxing.muxer,
                              muxing.form == CueForm::klv ? "sink_%d" : "subtitle_%u"))
-    GST_ELEMENT_ERROR(muxing.muxer, STREAM, FAILED, ("The file cannot hold a track."), (nullptr));
+    GST_ELEMENT_ERROR(muxing.muxer, STREAM, FAILED, ("The container has no stream for a track."),
+                      (nullptr));
   const Owned<GstPad> pad(gst_element_get_static_pad(muxing.last, "src"));
   Preface preface(pad.get());
   feed_track(muxing.source, muxing.track, muxing.form);
@@ -131,8 +134,8 @@ leave_out(const GstCaps *caps)
                gst_structure_get_name(gst_caps_get_structure(caps, 0)));
 }
 
-/// The first data of the film: pictures and sounds are linked now. Subtitles and the track come
-/// after them, for a transport stream takes its clock from the first; then the muxer may begin.
+/// At the film's first data all video and audio is linked. Subtitles and the track follow, because
+/// mpegtsmux takes its clock from the first stream.
 GstPadProbeReturn
 begin_track(GstPad *, GstPadProbeInfo *, gpointer data)
 {
@@ -150,8 +153,8 @@ begin_track(GstPad *, GstPadProbeInfo *, gpointer data)
   return GST_PAD_PROBE_REMOVE;
 }
 
-/// Takes a picture or sound of the film over into the muxer as it is; subtitles come otherwise.
-/// Those that it cannot hold are left out, with a word about it.
+/// Links a video or audio stream of the film to the muxer, without decoding. Streams that the muxer
+/// does not take are drained, with a warning; subtitles are add_subtitles()'s.
 void
 take_stream(GstElement *, GstPad *pad, gpointer data)
 {
@@ -197,23 +200,23 @@ preview(int argc, char **argv)
 {
   TextOption output;
   TextOption chair;
-  Manner manner;
+  CommonOptions common;
   const GOptionEntry entries[] = {
     { "output", 'o', 0, G_OPTION_ARG_FILENAME, &output.value,
-      "Record the film with the track over it (.mkv) instead of playing it", "FILM" },
+      "Record the film with the track drawn over it (.mkv) instead of playing it", "FILM" },
     { "chair", 0, 0, G_OPTION_ARG_STRING, &chair.value,
       "Properties of tactorsink, such as 'driver=simulator rate=0' (default: rate=0)", "OPTIONS" },
     {},
   };
   const std::vector<std::string> names
-      = parse_options(argc, argv, entries, manner,
+      = parse_options(argc, argv, entries, common,
                       { .arguments = "FILM TRACK",
-                        .summary = "Shows what a track does with a film: on the screen, where "
-                                   "there is one, and the chair, or recorded.",
+                        .summary = "Plays a film with a track on the chair and, with a display, on "
+                                   "screen, or records it.",
                         .least = 2,
                         .most = 2 });
   gst_init(nullptr, nullptr);
-  if (output.given())
+  if (output.is_set())
     refuse_same_file(names[0], output.text());
   const tactile::Track track = or_throw(tactile::read_track_file(names[1]));
   const Film film = discover_film(names[0]);
@@ -222,7 +225,7 @@ preview(int argc, char **argv)
   std::string line = film_source(film) + " film. ! " + look
                      + " ! videoconvert ! tactilecombiner name=combiner appsrc name=track ! "
                        "combiner.tactile combiner. ! ";
-  if (output.given())
+  if (output.is_set())
     line
         += "tactileoverlay ! videoconvert ! x264enc speed-preset=veryfast ! matroskamux ! filesink "
            "name=file";
@@ -231,11 +234,11 @@ preview(int argc, char **argv)
             + " ! tactileoverlay ! videoconvert ! "
             + (has_display ? "autovideosink" : "fakesink sync=true") + " split.tactile ! " + look
             + " ! tactorsink " + chair.text("rate=0");
-  const Owned<GstElement> pipeline = make_pipeline(line);
+  const Pipeline pipeline = make_pipeline(line);
   feed_track(element(pipeline, "track").get(), track, CueForm::map);
-  if (output.given())
-    return write_film(pipeline, output.text(), film.duration, manner.quiet);
-  return run_to_end(pipeline, film.duration, manner.quiet) ? 0 : 130;
+  if (output.is_set())
+    return write_film(pipeline, output.text(), film.duration, common.quiet);
+  return run_to_end(pipeline, film.duration, common.quiet) ? 0 : 130;
 }
 
 int
@@ -243,22 +246,24 @@ mux(int argc, char **argv)
 {
   TextOption output;
   gboolean first = FALSE;
-  Manner manner;
+  CommonOptions common;
   const GOptionEntry entries[] = { { "output", 'o', 0, G_OPTION_ARG_FILENAME, &output.value,
                                      "The film to write: .mkv, .mp4 or .ts", "FILM" },
                                    { "first", 0, 0, G_OPTION_ARG_NONE, &first,
-                                     "The track before the film's own subtitles, for players that "
-                                     "take the first (default: after them)",
+                                     "Put the track before the film's own subtitles, for players "
+                                     "that use the first (default: after)",
                                      nullptr },
                                    {} };
   const std::vector<std::string> names = parse_options(
-      argc, argv, entries, manner,
+      argc, argv, entries, common,
       { .arguments = "FILM TRACK -o OUT",
-        .summary = "Puts a track into a film's file beside its other streams, which stay as they "
-                   "are:\nin .mkv and .mp4 as text cues (subtitles 'Tactile'), in .ts as KLV.",
+        .summary
+        = "Adds a track to a film's file, whose other streams are copied: in .mkv and .mp4 as "
+          "text\ncues (subtitles named 'Tactile'), in .ts as KLV. Players do not select the "
+          "track by default.",
         .least = 2,
         .most = 2 });
-  if (!output.given())
+  if (!output.is_set())
     throw UsageError("expected -o OUT");
   const std::string out = output.text();
   const bool is_ts = out.ends_with(".ts");
@@ -274,14 +279,14 @@ mux(int argc, char **argv)
   const Film film = discover_film(names[0]);
   g_autofree gchar *path = g_filename_from_uri(film.uri.c_str(), nullptr, nullptr);
   if (!path)
-    throw std::runtime_error("'" + names[0] + "' is no file here");
+    throw std::runtime_error("'" + names[0] + "' is no local file");
 
   std::vector<Subtitles> subtitles;
-  if (!read_subtitles(path, film.duration, manner.quiet, subtitles))
+  if (!read_subtitles(path, film.duration, common.quiet, subtitles))
     return 130;
 
-  // The track by its tags: no language, and a name by which players tell it from subtitles.
-  const Owned<GstElement> pipeline = make_pipeline(
+  // Tags: no linguistic content (zxx), and a name by which users tell it from subtitles.
+  const Pipeline pipeline = make_pipeline(
       std::string("filesrc location=") + launch_value(path) + " ! parsebin name=film  " + muxer
       + " name=muxer ! filesink name=file  appsrc name=track ! "
       + (is_ts ? "" : "taginject tags=\"title=Tactile,language-code=zxx\" ! ") + kLookahead
@@ -305,7 +310,7 @@ mux(int argc, char **argv)
                    }),
                    nullptr);
   g_signal_connect(streams.get(), "pad-added", G_CALLBACK(take_stream), &muxing);
-  return write_film(pipeline, out, film.duration, manner.quiet, [&](const std::string &written) {
+  return write_film(pipeline, out, film.duration, common.quiet, [&](const std::string &written) {
     if (muxing.taken > 0 && !is_ts)
       leave_track_to_choice(written);
     return muxing.taken > 0;

@@ -16,7 +16,6 @@ using tactile::Track;
 namespace {
 
 constexpr std::size_t kAny = std::numeric_limits<std::size_t>::max();
-constexpr const char *kWritesNothing = "No effect: nothing is written";
 
 void
 print_info(const std::string &path, const Track &track)
@@ -63,19 +62,18 @@ print_info(const std::string &path, const Track &track)
 int
 info(int argc, char **argv)
 {
-  Manner manner;
+  CommonOptions common;
   const GOptionEntry entries[] = { {} };
   const std::vector<std::string> tracks
-      = parse_options(argc, argv, entries, manner,
+      = parse_options(argc, argv, entries, common,
                       { .arguments = "TRACK...",
-                        .summary = "Says what is in tracks.",
+                        .summary = "Prints grid, length and events of tracks.",
                         .least = 1,
                         .most = kAny,
-                        .force_means = kWritesNothing,
-                        .quiet_means = "Say only which cannot be read" });
+                        .force_help = Usage::kWritesNothing });
   for (const std::string &path : tracks) {
     const Track track = or_throw(tactile::read_track_file(path));
-    if (!manner.quiet)
+    if (!common.quiet)
       print_info(path, track);
   }
   return 0;
@@ -84,21 +82,22 @@ info(int argc, char **argv)
 int
 validate(int argc, char **argv)
 {
-  Manner manner;
+  CommonOptions common;
   const GOptionEntry entries[] = { {} };
   const std::vector<std::string> tracks = parse_options(
-      argc, argv, entries, manner,
+      argc, argv, entries, common,
       { .arguments = "TRACK...",
-        .summary = "Reads tracks and says of each whether it is one, else the first place where it "
-                   "is not and why.\nThe status is 0 if all are.",
+        .summary
+        = "Checks that files are tracks, and prints the first error of those that are not.\n"
+          "The exit status is 0 if all are valid, else 1.",
         .least = 1,
         .most = kAny,
-        .force_means = kWritesNothing,
-        .quiet_means = "Say only which are none" });
+        .force_help = Usage::kWritesNothing,
+        .quiet_help = "Print only invalid tracks" });
   int status = 0;
   for (const std::string &path : tracks) {
     const tl::expected<Track, tactile::FormatError> track = tactile::read_track_file(path);
-    if (track && manner.quiet)
+    if (track && common.quiet)
       continue;
     if (track) {
       std::printf("%s: valid, %d x %d, %s s\n", path.c_str(), track->rows(), track->columns(),
@@ -114,21 +113,23 @@ validate(int argc, char **argv)
 int
 diff(int argc, char **argv)
 {
-  Manner manner;
+  CommonOptions common;
   gdouble tolerance = 0;
-  const GOptionEntry entries[] = { { "tolerance", 't', 0, G_OPTION_ARG_DOUBLE, &tolerance,
-                                     "Percent by which levels may differ (default: 0)", "PERCENT" },
-                                   {} };
+  const GOptionEntry entries[]
+      = { { "tolerance", 't', 0, G_OPTION_ARG_DOUBLE, &tolerance,
+            "Ignore differences of levels up to so many percent (default: 0)", "PERCENT" },
+          {} };
   const std::vector<std::string> tracks = parse_options(
-      argc, argv, entries, manner,
+      argc, argv, entries, common,
       { .arguments = "BEFORE AFTER",
-        .summary = "Prints where two tracks differ: a line for each stretch of time, and the cells "
-                   "that changed in percent.\nThe status is 0 if they are the same, 1 if they "
-                   "differ, 2 if they cannot be compared.",
+        .summary
+        = "Prints where two tracks differ: a line for each interval, with the levels of cells "
+          "in percent.\nThe exit status is 0 if they are the same, 1 if they differ, 2 if "
+          "they cannot be compared.",
         .least = 2,
         .most = 2,
-        .force_means = kWritesNothing,
-        .quiet_means = "Let the status alone say whether they differ" });
+        .force_help = Usage::kWritesNothing,
+        .quiet_help = "Print nothing; the exit status says whether they differ" });
   std::vector<tactile::Difference> differences;
   try {
     differences = or_throw(tactile::diff(or_throw(tactile::read_track_file(tracks[0])),
@@ -137,7 +138,7 @@ diff(int argc, char **argv)
   } catch (const std::runtime_error &error) {
     throw UsageError(error.what());
   }
-  if (manner.quiet)
+  if (common.quiet)
     return differences.empty() ? 0 : 1;
   Time changed{ 0 };
   for (const tactile::Difference &difference : differences) {

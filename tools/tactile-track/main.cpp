@@ -3,10 +3,9 @@
 // tactile-track: tactile tracks of films, from the first draft to the film that carries them.
 #include "commands.h"
 
-#include "../visuotactile-play/output.h"
+#include "film/output.h"
 #include "tracks/formats/track_file.h"
 
-#include <algorithm>
 #include <array>
 #include <charconv>
 #include <cmath>
@@ -17,46 +16,18 @@
 
 namespace {
 
-struct Command
-{
-  const char *name;
-  int (*run)(int, char **);
-  const char *what;
-};
-
 constexpr std::array kCommands = {
   Command{ "author", author, "make tracks of films" },
-  Command{ "info", info, "say what is in a track" },
-  Command{ "convert", convert, "write a track in another form" },
-  Command{ "edit", edit, "prune, merge, limit, shift, scale, clip, mask, resample, overlay" },
-  Command{ "diff", diff, "say where two tracks differ" },
-  Command{ "plot", plot, "draw a track over time, as PNG or SVG" },
+  Command{ "info", info, "print what is in tracks" },
+  Command{ "convert", convert, "convert a track to another format" },
+  Command{ "edit", edit,
+           "prune, merge, limit, shift, scale, clip, mask, quantize, resample, overlay" },
+  Command{ "diff", diff, "print where two tracks differ" },
+  Command{ "plot", plot, "draw a track over time as PNG or SVG" },
   Command{ "preview", preview, "play or record a film with a track" },
-  Command{ "mux", mux, "put a track into a film's file" },
-  Command{ "validate", validate, "say whether files are tracks" },
+  Command{ "mux", mux, "add a track to a film's file" },
+  Command{ "validate", validate, "check that files are tracks" },
 };
-
-void
-print_help(std::FILE *file)
-{
-  std::fputs("Usage: tactile-track COMMAND [OPTION...] ...\n\nCommands:\n", file);
-  for (const Command &command : kCommands)
-    std::fprintf(file, "  %-9s %s\n", command.name, command.what);
-  std::fputs("\nAll take --force (-f) and --quiet (-q). 'tactile-track COMMAND --help' tells of "
-             "each. Tracks are .vtt, .csv, .hjif, .sem.xml "
-             "and (to write) .funscript.\n",
-             file);
-}
-
-/// Every error is one line, whatever the names in it.
-int
-complain(std::string message, int status)
-{
-  std::ranges::replace_if(
-      message, [](char c) { return g_ascii_iscntrl(c); }, ' ');
-  std::fprintf(stderr, "tactile-track: %s\n", message.c_str());
-  return status;
-}
 
 /// Now, or what SOURCE_DATE_EPOCH says, so that the same track makes the same file.
 std::string
@@ -70,34 +41,6 @@ date()
 }
 
 } // namespace
-
-std::vector<std::string>
-parse_options(int argc, char **argv, const GOptionEntry *entries, Manner &manner,
-              const Usage &usage)
-{
-  gchar **rest = nullptr;
-  const GOptionEntry remaining[]
-      = { { G_OPTION_REMAINING, 0, 0, G_OPTION_ARG_FILENAME_ARRAY, &rest, nullptr, nullptr }, {} };
-  const auto common = manner.entries(usage.force_means, usage.quiet_means);
-  g_autoptr(GOptionContext) context = g_option_context_new(usage.arguments);
-  g_option_context_set_summary(context, usage.summary);
-  g_option_context_add_main_entries(context, entries, nullptr);
-  g_option_context_add_main_entries(context, common.data(), nullptr);
-  g_option_context_add_main_entries(context, remaining, nullptr);
-  g_autoptr(GError) error = nullptr;
-  const std::string command = std::string("tactile-track ") + argv[0];
-  g_set_prgname(command.c_str());
-  const bool parsed = g_option_context_parse(context, &argc, &argv, &error);
-  std::vector<std::string> names;
-  for (gchar **name = rest; name && *name; name++)
-    names.emplace_back(*name);
-  g_strfreev(rest);
-  if (!parsed)
-    throw UsageError(error->message);
-  if (names.size() < usage.least || names.size() > usage.most)
-    throw UsageError(std::string("expected ") + usage.arguments);
-  return names;
-}
 
 std::string
 seconds(tactile::Time time)
@@ -159,28 +102,5 @@ write_track_file(const tactile::Track &track, const std::string &path)
 int
 main(int argc, char **argv)
 {
-  if (argc < 2) {
-    print_help(stderr);
-    return 2;
-  }
-  const std::string name = argv[1];
-  if (name == "--help" || name == "-h" || name == "help") {
-    print_help(stdout);
-    return 0;
-  }
-  if (name == "--version") {
-    std::puts("tactile-track " PACKAGE_VERSION);
-    return 0;
-  }
-  const auto *command
-      = std::ranges::find_if(kCommands, [&](const Command &known) { return name == known.name; });
-  if (command == kCommands.end())
-    return complain("there is no command '" + name + "'; see tactile-track --help", 2);
-  try {
-    return command->run(argc - 1, argv + 1);
-  } catch (const UsageError &error) {
-    return complain(name + ": " + error.what() + "; see tactile-track " + name + " --help", 2);
-  } catch (const std::exception &error) {
-    return complain(error.what(), 1);
-  }
+  return run_commands("tactile-track", kCommands, argc, argv);
 }

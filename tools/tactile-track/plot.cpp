@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 //
 // plot: a track over time, a lane for each cell, frames of its film above.
-#include "../cairo_picture.h"
-#include "../visuotactile-play/film.h"
 #include "commands.h"
-#include "pipeline.h"
+
+#include "film/film.h"
+#include "film/picture.h"
+#include "film/pipeline.h"
 #include "tracks/formats/track_file.h"
 
 #include <cairo.h>
@@ -44,11 +45,12 @@ picture_of(GstSample *sample)
   return surface;
 }
 
-/// Frames from the middle of equal parts of a film that lasts `end`; none where there is none.
+/// Frames from the middle of kFrames equal parts of a film that lasts `end`; null where none can be
+/// decoded.
 std::vector<Surface>
 frames_of(const Film &film, tactile::Time end, int width, int height)
 {
-  const Owned<GstElement> pipeline = make_pipeline(
+  const Pipeline pipeline = make_pipeline(
       film_source(film) + " film. ! videoconvert ! videoscale ! video/x-raw,format=BGRx,width="
       + std::to_string(width) + ",height=" + std::to_string(height)
       + ",pixel-aspect-ratio=1/1 ! appsink name=frames sync=false max-buffers=1");
@@ -188,18 +190,17 @@ plot(int argc, char **argv)
 {
   TextOption output;
   TextOption film_name;
-  Manner manner;
+  CommonOptions common;
   const GOptionEntry entries[] = {
     { "output", 'o', 0, G_OPTION_ARG_FILENAME, &output.value, "The picture: .png or .svg", "FILE" },
-    { "film", 0, 0, G_OPTION_ARG_FILENAME, &film_name.value, "Draw frames of this film above",
-      "FILM" },
+    { "film", 0, 0, G_OPTION_ARG_FILENAME, &film_name.value,
+      "Draw frames of this film above the track", "FILM" },
     {},
   };
   const std::vector<std::string> names = parse_options(
-      argc, argv, entries, manner,
+      argc, argv, entries, common,
       { .arguments = "TRACK -o PICTURE",
-        .summary = "Draws a track: time to the right, a lane for each cell, the stronger the more "
-                   "intense.",
+        .summary = "Draws a track over time: a lane for each cell, the darker the stronger.",
         .least = 1,
         .most = 1 });
   const std::string out = output.text();
@@ -209,7 +210,7 @@ plot(int argc, char **argv)
 
   std::vector<Surface> frames;
   int frame_height = 0;
-  if (film_name.given()) {
+  if (film_name.is_set()) {
     gst_init(nullptr, nullptr);
     const Film film = discover_film(film_name.text());
     const int width = static_cast<int>((kWidth - kLabels - kMargin) / kFrames - 4);

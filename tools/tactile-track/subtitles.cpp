@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "subtitles.h"
 
-#include "../visuotactile-play/film.h"
-
 #include <gst/app/gstappsrc.h>
 
 #include <chrono>
@@ -15,13 +13,13 @@ namespace {
 struct Reading
 {
   GstElement *pipeline;
-  std::deque<Subtitles> found{}; ///< which stay where they are
+  std::deque<Subtitles> found{}; ///< probes refer to them
 };
 
-/// Matroska and MP4 have words, and no name for marked-up ones; words that a demuxer has escaped
-/// become what stood in the file.
+/// Plain text for Matroska and MP4, which have no type for marked-up text: entities that a demuxer
+/// made are undone, except where the text is styled.
 GstBuffer *
-plain_words(GstBuffer *buffer)
+plain_text(GstBuffer *buffer)
 {
   GstMapInfo bytes;
   if (!gst_buffer_map(buffer, &bytes, GST_MAP_READ))
@@ -52,7 +50,7 @@ keep_cue(GstPad *pad, GstBuffer *buffer, Subtitles &subtitles)
   if (!GST_CLOCK_TIME_IS_VALID(time))
     return;
   const GstStructure *structure = gst_caps_get_structure(subtitles.caps.get(), 0);
-  GstBuffer *cue = gst_structure_has_name(structure, "text/x-raw") ? plain_words(buffer)
+  GstBuffer *cue = gst_structure_has_name(structure, "text/x-raw") ? plain_text(buffer)
                                                                    : gst_buffer_copy(buffer);
   GST_BUFFER_PTS(cue) = time;
   subtitles.cues.emplace_back(cue);
@@ -70,7 +68,6 @@ keep_tags(GstPad *, GstEvent **event, gpointer data)
   return TRUE;
 }
 
-/// What comes out of the film's pad, on its streaming thread.
 GstPadProbeReturn
 on_data(GstPad *pad, GstPadProbeInfo *info, gpointer data)
 {
@@ -78,7 +75,7 @@ on_data(GstPad *pad, GstPadProbeInfo *info, gpointer data)
   if (info->type & GST_PAD_PROBE_TYPE_BUFFER) {
     keep_cue(pad, GST_PAD_PROBE_INFO_BUFFER(info), subtitles);
   } else if (GST_EVENT_TYPE(GST_PAD_PROBE_INFO_EVENT(info)) == GST_EVENT_EOS) {
-    // Tags may have come before the probe did: they stick to the pad.
+    // Sticky: they may have passed before the probe was there.
     gst_pad_sticky_events_foreach(pad, keep_tags, &subtitles);
   }
   return GST_PAD_PROBE_OK;
@@ -133,11 +130,11 @@ bool
 read_subtitles(const std::string &path, GstClockTime duration, bool quiet,
                std::vector<Subtitles> &subtitles)
 {
-  const Owned<GstElement> pipeline
+  const Pipeline pipeline
       = make_pipeline("filesrc location=" + launch_value(path) + " ! parsebin name=film");
   Reading reading{ .pipeline = pipeline.get() };
   const Owned<GstElement> film = element(pipeline, "film");
-  // SSA as it is: a parser would make words of what is styled.
+  // Without a parser: that would strip SSA's styles.
   g_signal_connect(film.get(), "autoplug-continue",
                    G_CALLBACK(+[](GstElement *, GstPad *, GstCaps *caps, gpointer) -> gboolean {
                      return !is_subtitles(gst_caps_get_structure(caps, 0));

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include "pipeline.h"
+#include "playback.h"
 
 #include <future>
 #include <string>
 #include <vector>
 
-/// One of a film's own subtitles: all that a muxer needs of it.
+/// One subtitle stream of a film: all that a muxer needs of it.
 struct Subtitles
 {
   struct MiniUnref
@@ -22,30 +22,30 @@ struct Subtitles
   std::vector<std::unique_ptr<GstBuffer, MiniUnref>> cues{}; ///< in running time
 };
 
-/// Whether a stream is of these: words or SSA.
+/// Whether caps are those of subtitles that can be muxed: text or SSA.
 bool is_subtitles(const GstStructure *structure);
 
-/// A film's subtitles, in its order. Muxers wait for the next cue of each of their streams, so that
-/// a film whose subtitles are read along with it would have to wait in memory. A film without any
-/// is not read to its end. Throws std::runtime_error; false if it was stopped by SIGINT or SIGTERM.
+/// A film's subtitles, in its order, read before muxing: a muxer waits for the next cue of each
+/// stream, and would have all data up to it queued. A film without subtitles is not read to its
+/// end. Throws std::runtime_error; false after SIGINT or SIGTERM.
 bool read_subtitles(const std::string &path, GstClockTime duration, bool quiet,
                     std::vector<Subtitles> &subtitles);
 
-/// Waits until what comes before a pad's first data, tags among it, has gone through the pad:
-/// matroskamux writes the names of its streams as soon as it has data of pictures and sounds,
-/// whether it has been told those of subtitles or not.
+/// Waits until the events before a pad's first buffer, tags among them, have passed the pad.
+/// matroskamux writes its header, with the names of streams, as soon as it has video and audio: the
+/// tags of subtitles have to precede these.
 class Preface
 {
 public:
-  /// Before the pad is active. `tags`: to be sent, too, or NULL.
+  /// Before the pad is active. `tags`: pushed before the first buffer, or NULL.
   explicit Preface(GstPad *pad, const GstTagList *tags = nullptr);
 
-  /// At most some seconds, for a pipeline that is stopped meanwhile.
+  /// Times out after 10 s, for a pipeline that is stopped meanwhile.
   void wait();
 
 private:
   std::future<void> past_;
 };
 
-/// Links subtitles to a muxer, in a pipeline that plays. False if it cannot hold them.
+/// Links subtitles to a muxer in a pipeline that plays. False if the muxer does not take them.
 bool add_subtitles(GstElement *pipeline, GstElement *muxer, const Subtitles &subtitles);

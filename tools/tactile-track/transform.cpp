@@ -32,7 +32,7 @@ parse_number(const std::string &text, const char *option, double least, double m
   return value;
 }
 
-/// The two sides of a separator.
+/// The texts before and after a separator.
 std::pair<std::string, std::string>
 parse_pair(const std::string &text, char separator, const char *option, const char *form)
 {
@@ -71,7 +71,7 @@ parse_mask(const std::string &text)
   };
 }
 
-/// One option of edit as what it does. Throws UsageError.
+/// Throws UsageError.
 Operation
 parse_operation(const std::string &name, const std::string &value)
 {
@@ -126,10 +126,10 @@ parse_operation(const std::string &name, const std::string &value)
   }
   if (name == "--mask")
     return parse_mask(value);
-  if (name == "--quantise") {
+  if (name == "--quantize") {
     const auto steps = static_cast<int>(parse_number(value, option, 1, 1000));
     return [=](const Track &track) {
-      return quantise(track, steps);
+      return quantize(track, steps);
     };
   }
   if (name == "--resample") {
@@ -165,18 +165,19 @@ int
 convert(int argc, char **argv)
 {
   TextOption output;
-  Manner manner;
+  CommonOptions common;
   const GOptionEntry entries[] = { { "output", 'o', 0, G_OPTION_ARG_FILENAME, &output.value,
-                                     "The file to write; its name says the form", "TRACK" },
+                                     "The track to write; its name selects the format", "TRACK" },
                                    {} };
   const std::vector<std::string> tracks
-      = parse_options(argc, argv, entries, manner,
+      = parse_options(argc, argv, entries, common,
                       { .arguments = "IN -o OUT",
-                        .summary = "Writes a track in another form: .vtt (WebVTT), .csv, .hjif "
-                                   "(MPEG haptics), .sem.xml (MPEG-V), .funscript.",
+                        .summary = "Converts a track to the format that OUT's name ends in: .vtt "
+                                   "(WebVTT), .csv,\n.hjif (MPEG haptics), .sem.xml (MPEG-V) or "
+                                   ".funscript (output only).",
                         .least = 1,
                         .most = 1 });
-  if (!output.given())
+  if (!output.is_set())
     throw UsageError("expected -o OUT");
   write_track_file(or_throw(tactile::read_track_file(tracks[0])), output.text());
   return 0;
@@ -187,58 +188,46 @@ edit(int argc, char **argv)
 {
   TextOption output;
   gboolean in_place = FALSE;
-  Manner manner;
+  CommonOptions common;
   std::vector<Operation> operations;
   const auto callback = reinterpret_cast<gpointer>(on_operation);
   const GOptionEntry entries[] = {
     { "output", 'o', 0, G_OPTION_ARG_FILENAME, &output.value,
-      "The file to write; its name says the form", "TRACK" },
-    { "in-place", 'i', 0, G_OPTION_ARG_NONE, &in_place, "Overwrite the track", nullptr },
-    {},
-  };
-  const GOptionEntry operation_entries[] = {
+      "The track to write; its name selects the format", "TRACK" },
+    { "in-place", 'i', 0, G_OPTION_ARG_NONE, &in_place, "Overwrite IN", nullptr },
     { "prune-shorter", 0, 0, G_OPTION_ARG_CALLBACK, callback,
-      "Silence events of a cell that last less", "SECONDS" },
+      "Silence events of a cell that are shorter", "SECONDS" },
     { "prune-weaker", 0, 0, G_OPTION_ARG_CALLBACK, callback,
-      "Silence events of a cell that never get as strong", "PERCENT" },
+      "Silence events of a cell whose peak is weaker", "PERCENT" },
     { "merge", 0, 0, G_OPTION_ARG_CALLBACK, callback,
-      "Let maps that differ no more become the one before", "PERCENT" },
+      "Merge a map with the one before where no level differs by more", "PERCENT" },
     { "limit", 0, 0, G_OPTION_ARG_CALLBACK, callback,
-      "Longest event of a cell, and the rest after it", "SECONDS,SECONDS" },
-    { "shift", 0, 0, G_OPTION_ARG_CALLBACK, callback, "Later, or earlier if negative", "SECONDS" },
-    { "scale", 0, 0, G_OPTION_ARG_CALLBACK, callback, "Levels times a factor", "FACTOR" },
-    { "clip", 0, 0, G_OPTION_ARG_CALLBACK, callback, "Keep a part, which then begins at 0",
+      "Limit how long a cell's events last, and let it rest afterwards", "LONGEST,REST" },
+    { "shift", 0, 0, G_OPTION_ARG_CALLBACK, callback, "Delay, or advance if negative", "SECONDS" },
+    { "scale", 0, 0, G_OPTION_ARG_CALLBACK, callback, "Multiply levels by a factor", "FACTOR" },
+    { "clip", 0, 0, G_OPTION_ARG_CALLBACK, callback, "Keep only a part, which then begins at 0",
       "FROM-TO" },
     { "silence", 0, 0, G_OPTION_ARG_CALLBACK, callback, "Silence a part", "FROM-TO" },
     { "mask", 0, 0, G_OPTION_ARG_CALLBACK, callback, "Silence cells", "r0c2,r1c1,..." },
-    { "quantise", 0, 0, G_OPTION_ARG_CALLBACK, callback, "Levels in so many steps", "N" },
-    { "resample", 0, 0, G_OPTION_ARG_CALLBACK, callback, "To another grid", "ROWSxCOLUMNS" },
+    { "quantize", 0, 0, G_OPTION_ARG_CALLBACK, callback, "Round levels to so many steps", "N" },
+    { "resample", 0, 0, G_OPTION_ARG_CALLBACK, callback, "Convert to another grid",
+      "ROWSxCOLUMNS" },
     { "overlay-max", 0, 0, G_OPTION_ARG_CALLBACK, callback,
-      "Cell by cell the stronger of this and another track", "TRACK" },
+      "Take the stronger of this and another track for each cell", "TRACK" },
     { "overlay-replace", 0, 0, G_OPTION_ARG_CALLBACK, callback,
-      "Another track wherever that is felt", "TRACK" },
+      "Take another track wherever that is not silent", "TRACK" },
     {},
   };
-  g_autoptr(GOptionContext) context = g_option_context_new("IN -o OUT OPERATION...");
-  g_option_context_set_summary(
-      context, "Does the operations to a track one after the other, in the order in which they "
-               "are given.\nIN is never overwritten without --in-place, so that each step can be "
-               "taken back. Times are seconds or H:MM:SS.mmm.");
-  GOptionGroup *group
-      = g_option_group_new("operations", "Operations:", "The operations", &operations, nullptr);
-  g_option_group_add_entries(group, operation_entries);
-  g_option_context_set_main_group(context, group);
-  g_option_context_add_main_entries(context, entries, nullptr);
-  const auto common = manner.entries(Manner::kWritesAnyway, Manner::kSaysOnlyFaults);
-  g_option_context_add_main_entries(context, common.data(), nullptr);
-  g_set_prgname("tactile-track edit");
-  g_autoptr(GError) error = nullptr;
-  if (!g_option_context_parse(context, &argc, &argv, &error))
-    throw UsageError(error->message);
-  if (argc != 2)
-    throw UsageError("expected one track");
-  const std::string in = argv[1];
-  if (in_place == output.given())
+  const std::vector<std::string> tracks = parse_options(
+      argc, argv, entries, common,
+      { .arguments = "IN -o OUT OPERATION...",
+        .summary = "Applies operations to a track, in the order in which they are given.\nIN is "
+                   "overwritten only with --in-place. Times are seconds or H:MM:SS.mmm.",
+        .least = 1,
+        .most = 1,
+        .callback_data = &operations });
+  const std::string &in = tracks[0];
+  if (in_place == output.is_set())
     throw UsageError("expected either -o OUT or --in-place");
   const std::string out = in_place ? in : output.text();
   std::error_code ignored;

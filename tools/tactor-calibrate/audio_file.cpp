@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "audio_file.h"
-#include "../or_throw.h"
+
+#include "film/or_throw.h"
+#include "film/pipeline.h"
 
 #include <gst/app/app.h>
 #include <gst/audio/audio.h>
@@ -8,45 +10,23 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <memory>
 #include <span>
 #include <stdexcept>
 #include <string_view>
 
 namespace {
 
-/// Motors vibrate below 400 Hz.
+/// Samples per second; motors vibrate below 400 Hz.
 constexpr int kRate = 8000;
-
-struct StopPipeline
-{
-  void operator()(GstElement *pipeline) const
-  {
-    gst_element_set_state(pipeline, GST_STATE_NULL);
-    gst_object_unref(pipeline);
-  }
-};
-using Pipeline = std::unique_ptr<GstElement, StopPipeline>;
-
-Pipeline
-launch(const std::string &line)
-{
-  g_autoptr(GError) error = nullptr;
-  Pipeline pipeline(gst_parse_launch(line.c_str(), &error));
-  if (error)
-    throw std::runtime_error(error->message);
-  return pipeline;
-}
 
 void
 set(const Pipeline &pipeline, const char *name, const char *property, const std::string &value)
 {
-  g_autoptr(GstElement) element = gst_bin_get_by_name(GST_BIN(pipeline.get()), name);
-  g_object_set(element, property, value.c_str(), nullptr);
+  g_object_set(element(pipeline, name).get(), property, value.c_str(), nullptr);
 }
 
-/// Runs to the end. Throws what the pipeline's error says of `path`, or that it does not get on for
-/// as long as `patience`.
+/// Runs to the end of the stream. Throws the pipeline's error with `path`, or that the position did
+/// not change within `patience`.
 void
 run(const Pipeline &pipeline, const std::string &path, GstClockTime patience = GST_CLOCK_TIME_NONE)
 {
@@ -69,8 +49,8 @@ run(const Pipeline &pipeline, const std::string &path, GstClockTime patience = G
   throw std::runtime_error("'" + path + "': " + error->message);
 }
 
-/// decodebin's autoplug-select: what a file names, as playlists and session descriptions do, is not
-/// opened, on the network or elsewhere.
+/// decodebin's autoplug-select: locations that a file names, such as those of playlists and session
+/// descriptions, are not opened.
 gint
 on_select(GstElement *, GstPad *, GstCaps *, GstElementFactory *factory, gpointer)
 {
@@ -98,8 +78,8 @@ on_sample(GstAppSink *sink, gpointer collector)
 std::string
 recording_branch()
 {
-  // Gaps and overlaps of a source that stumbles become silence, so that what follows stays in its
-  // place. Rates beyond those of recordings are a damaged file's: resampling them takes all memory.
+  // audiorate fills a source's gaps with silence, so that all samples keep their time. Rates beyond
+  // those of recordings are a damaged file's: resampling them would take all memory.
   return "audioconvert ! audiorate ! audio/x-raw,rate=[1000,768000] ! audioresample ! "
          "audio/x-raw,format=F64LE,layout=interleaved,rate="
          + std::to_string(kRate) + " ! appsink name=heard sync=false async=false max-buffers=0";
@@ -136,9 +116,9 @@ AudioCollector::add(GstSample *sample)
   const std::span values(reinterpret_cast<const gdouble *>(map.data), map.size / sizeof(gdouble));
   if (recording_.size() * channels + values.size() > tactor::Recording::kMostValues)
     fault_ = "the recording is longer than the " + std::to_string(tactor::Recording::kMostValues)
-             + " samples that are read";
+             + " samples that can be read";
   else if (!std::ranges::all_of(values, [](gdouble value) { return std::isfinite(value); }))
-    fault_ = "the sound has samples that are no finite numbers; is it damaged?";
+    fault_ = "the sound has samples that are not finite; is it damaged?";
   for (std::size_t i = 0; fault_.empty() && i < values.size(); i++)
     recording_.channels[i % channels].push_back(values[i]);
   gst_buffer_unmap(buffer, &map);
@@ -163,7 +143,7 @@ AudioCollector::take()
   if (!fault_.empty())
     throw std::runtime_error(fault_);
   if (recording_.size() == 0)
-    throw std::runtime_error("no sound came");
+    throw std::runtime_error("no sound was recorded");
   return std::move(recording_);
 }
 
@@ -175,7 +155,7 @@ push_recording(GstElement *appsrc, const tactor::Recording &recording)
   gst_audio_info_set_format(&info, GST_AUDIO_FORMAT_F32LE, static_cast<gint>(recording.rate),
                             static_cast<gint>(channels), nullptr);
   g_autoptr(GstCaps) caps = gst_audio_info_to_caps(&info);
-  if (channels > 2) // no positions: they are tactors
+  if (channels > 2) // without positions: channels are tactors
     gst_caps_set_simple(caps, "channel-mask", GST_TYPE_BITMASK, guint64{ 0 }, nullptr);
   gst_app_src_set_caps(GST_APP_SRC(appsrc), caps);
   GstBuffer *buffer
@@ -201,13 +181,12 @@ read_recording(const std::string &path, GstClockTime patience)
     return or_throw(tactor::read_csv_recording(path));
   AudioCollector heard;
   const Pipeline pipeline
-      = launch("filesrc name=file ! decodebin name=decoder ! " + recording_branch());
+      = make_pipeline("filesrc name=file ! decodebin name=decoder ! " + recording_branch());
   set(pipeline, "file", "location", path);
-  g_autoptr(GstElement) decoder = gst_bin_get_by_name(GST_BIN(pipeline.get()), "decoder");
-  g_signal_connect(decoder, "autoplug-select", G_CALLBACK(on_select), nullptr);
-  g_autoptr(GstElement) sink = gst_bin_get_by_name(GST_BIN(pipeline.get()), "heard");
-  heard.listen(sink);
-  // decodebin may lose the error of a file whose form is out of all range, and waits for ever then.
+  g_signal_connect(element(pipeline, "decoder").get(), "autoplug-select", G_CALLBACK(on_select),
+                   nullptr);
+  heard.listen(element(pipeline, "heard").get());
+  // decodebin may lose the error of a damaged file and wait forever.
   run(pipeline, path, patience);
   return heard.take();
 }
@@ -227,10 +206,9 @@ write_recording(const tactor::Recording &recording, const std::string &path)
   const std::string part = path + ".part";
   {
     const Pipeline pipeline
-        = launch("appsrc name=sound format=time max-bytes=0 ! wavenc ! filesink name=file");
+        = make_pipeline("appsrc name=sound format=time max-bytes=0 ! wavenc ! filesink name=file");
     set(pipeline, "file", "location", part);
-    g_autoptr(GstElement) source = gst_bin_get_by_name(GST_BIN(pipeline.get()), "sound");
-    push_recording(source, aligned);
+    push_recording(element(pipeline, "sound").get(), aligned);
     run(pipeline, path);
   }
   std::filesystem::rename(part, path);

@@ -3,6 +3,8 @@
 #include "options.h"
 #include "session.h"
 
+#include <gst/gst.h>
+
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -18,14 +20,14 @@ namespace {
 
 constexpr Time kOn = 800ms;
 
-/// Each tactor in turn at random levels, the same each time.
+/// Each tactor in turn at random levels from a fixed seed.
 std::vector<Frame>
 pattern(const std::vector<int> &tactors, int events)
 {
   std::mt19937 random(1);
   std::uniform_real_distribution<float> level(0.3F, 1.0F);
   const auto columns = static_cast<std::size_t>(*std::ranges::max_element(tactors)) + 1;
-  // What a duty of 0.4 leaves of a tactor's turn.
+  // Keeps a tactor's duty below 0.4.
   const Time off = std::max(700ms + 0ns, Time(std::llround(static_cast<double>(kOn.count()) / 0.35
                                                            / static_cast<double>(tactors.size())))
                                              - kOn);
@@ -40,7 +42,7 @@ pattern(const std::vector<int> &tactors, int events)
   for (int event = 0; event < events; event++)
     for (const int tactor : tactors) {
       add(kOn, tactor, level(random));
-      for (Time rest{ 0 }; rest < off; rest += 1s) // a map is held for a second at most
+      for (Time rest{ 0 }; rest < off; rest += 1s) // a map lasts a second at most
         add(std::min(Time(1s), off - rest), tactor, 0);
     }
   return frames;
@@ -65,7 +67,7 @@ print(const char *what, std::vector<double> errors)
 } // namespace
 
 int
-run_check(int argc, char **argv)
+check(int argc, char **argv)
 {
   PlayOptions play_options;
   TextOption tactors("0");
@@ -73,34 +75,32 @@ run_check(int argc, char **argv)
   TextOption band;
   gint events = 10;
   gdouble volts_max = 3;
-  Manner manner;
-  std::vector<GOptionEntry> entries = play_options.entries();
-  const GOptionEntry own[] = {
-    { "calibration", 'c', 0, G_OPTION_ARG_FILENAME, &calibration.value,
-      "As tactorsink's (default: none, the paper's motors)", "FILE" },
-    { "tactors", 't', 0, G_OPTION_ARG_STRING, &tactors.value, "Which, as in 0-8 (default: 0)",
-      "LIST" },
-    { "events", 'n', 0, G_OPTION_ARG_INT, &events, "Of each tactor (default: 10)", "N" },
-    { "voltage-max", 0, 0, G_OPTION_ARG_DOUBLE, &volts_max, "As tactorsink's (default: 3)", "V" },
-    { "band", 'b', 0, G_OPTION_ARG_STRING, &band.value, "As for analyse", "LOW:HIGH" },
-  };
-  entries.insert(entries.end(), std::begin(own), std::end(own));
-  std::vector<std::string> arguments;
-  if (!parse_options(
-          argc, argv, "",
-          "Plays a pattern and tells how far from its frame each tactor's vibration was at 90 %.",
-          std::move(entries),
-          manner.entries("No effect: nothing is written",
-                         "Only the line of all tactors, and what goes wrong"),
-          arguments))
-    return 2;
-  if (!arguments.empty() || events < 1 || events > 1000) {
-    std::fprintf(stderr, "tactor-calibrate: check expects no arguments and 1 to 1000 events\n");
-    return 2;
-  }
+  CommonOptions common;
+  const std::vector<GOptionEntry> entries = play_options.with({
+      { "calibration", 'c', 0, G_OPTION_ARG_FILENAME, &calibration.value,
+        "Calibration, as tactorsink's (default: none, the paper's motors)", "FILE" },
+      { "tactors", 't', 0, G_OPTION_ARG_STRING, &tactors.value,
+        "Which tactors, such as 0-8 (default: 0)", "LIST" },
+      { "events", 'n', 0, G_OPTION_ARG_INT, &events, "Rises of each tactor (default: 10)", "N" },
+      { "voltage-max", 0, 0, G_OPTION_ARG_DOUBLE, &volts_max,
+        "Voltage at full level, as tactorsink's (default: 3)", "V" },
+      { "band", 'b', 0, G_OPTION_ARG_STRING, &band.value,
+        "Band to filter, in Hz (default: detected)", "LOW:HIGH" },
+  });
+  parse_options(argc, argv, entries.data(), common,
+                { .arguments = "",
+                  .summary = "Plays a pattern and prints how far from its frame each tactor's "
+                             "vibration reached 90 %.",
+                  .least = 0,
+                  .most = 0,
+                  .force_help = Usage::kWritesNothing,
+                  .quiet_help = "Print only errors and the line of all tactors" });
+  if (events < 1 || events > 1000)
+    throw UsageError("--events is a number from 1 to 1000");
+  gst_init(nullptr, nullptr);
   PlayerSettings player = play_options.settings(volts_max);
   if (player.source.empty())
-    throw std::runtime_error("expected a source to check with, got none");
+    throw UsageError("--source=none has nothing to check");
   player.calibration = calibration.text();
   player.compensate = true;
   const std::vector<int> list = parse_tactors(tactors.text());
@@ -127,7 +127,7 @@ run_check(int argc, char **argv)
   if (all.empty())
     throw std::runtime_error("no rise could be measured; is the sensor on the motor?");
   for (const auto &[tactor, own_errors] : errors)
-    if (!manner.quiet)
+    if (!common.quiet)
       print(("tactor " + std::to_string(tactor)).c_str(), own_errors);
   print("all", all);
   for (const auto &[fault, count] : refused)

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "options.h"
-#include "../or_throw.h"
+
+#include "calibration/calibration.h"
+#include "film/or_throw.h"
 
 #include <charconv>
 #include <cmath>
 #include <csignal>
-#include <cstdio>
-#include <stdexcept>
 
 namespace {
 
@@ -28,20 +28,22 @@ parse_number(const std::string &text, double &value)
 } // namespace
 
 std::vector<GOptionEntry>
-PlayOptions::entries()
+PlayOptions::with(std::initializer_list<GOptionEntry> own)
 {
-  return {
-    { "driver", 'd', 0, G_OPTION_ARG_STRING, &driver.value, "As tactorsink's (default: auto)",
-      "NAME" },
-    { "device", 0, 0, G_OPTION_ARG_STRING, &device.value, "As tactorsink's: which board", "ID" },
+  std::vector<GOptionEntry> entries{
+    { "driver", 'd', 0, G_OPTION_ARG_STRING, &driver.value,
+      "Driver of the board, as tactorsink's (default: auto)", "NAME" },
+    { "device", 0, 0, G_OPTION_ARG_STRING, &device.value, "Which board, as tactorsink's", "ID" },
     { "source", 's', 0, G_OPTION_ARG_STRING, &source.value,
-      "Launch line of the GStreamer source that hears the motors (default: autoaudiosrc); "
-      "simulator: "
-      "simulated motors are heard; none: nothing is recorded",
+      "Launch line of the GStreamer source that records the motors (default: autoaudiosrc); "
+      "simulator: simulate and record motors; none: record nothing",
       "LINE" },
     { "simulated-motors", 0, 0, G_OPTION_ARG_FILENAME, &simulated_motors.value,
-      "Calibration whose motors source=simulator has (default: the paper's)", "FILE" },
+      "Calibration of the motors that --source=simulator has (default: the paper's)", "FILE" },
   };
+  entries.insert(entries.end(), own);
+  entries.emplace_back();
+  return entries;
 }
 
 PlayerSettings
@@ -65,35 +67,12 @@ PlayOptions::settings(double volts_max) const
   return settings;
 }
 
-bool
-parse_options(int argc, char **argv, const char *arguments_name, const char *summary,
-              std::vector<GOptionEntry> entries, const std::array<GOptionEntry, 3> &manner,
-              std::vector<std::string> &arguments)
-{
-  g_auto(GStrv) rest = nullptr;
-  entries.push_back(
-      { G_OPTION_REMAINING, 0, 0, G_OPTION_ARG_FILENAME_ARRAY, &rest, nullptr, arguments_name });
-  entries.push_back({});
-  g_autoptr(GOptionContext) context = g_option_context_new(nullptr);
-  g_option_context_set_summary(context, summary);
-  g_option_context_add_main_entries(context, entries.data(), nullptr);
-  g_option_context_add_main_entries(context, manner.data(), nullptr);
-  g_autoptr(GError) error = nullptr;
-  if (!g_option_context_parse(context, &argc, &argv, &error)) {
-    std::fprintf(stderr, "tactor-calibrate: %s\n", error->message);
-    return false;
-  }
-  for (gchar **argument = rest; argument && *argument; argument++)
-    arguments.emplace_back(*argument);
-  return true;
-}
-
 std::vector<int>
 parse_tactors(const std::string &text)
 {
   std::vector<int> tactors;
   const auto fail = [&] {
-    throw std::runtime_error("expected tactors as in 0,2,5 or 0-8, got '" + text + "'");
+    throw UsageError("expected tactors as in 0,2,5 or 0-8, got '" + text + "'");
   };
   g_auto(GStrv) parts = g_strsplit(text.c_str(), ",", -1);
   for (gchar **part = parts; *part; part++) {
@@ -123,7 +102,7 @@ parse_band(const std::string &text)
   tactor::Band band{ 0, 0 };
   if (!ends[0] || !ends[1] || !parse_number(ends[0], band.low_hz)
       || !parse_number(ends[1], band.high_hz) || !(band.low_hz > 0 && band.high_hz > band.low_hz))
-    throw std::runtime_error("expected a band as in 20:200, in Hz, got '" + text + "'");
+    throw UsageError("expected a band as in 20:200, in Hz, got '" + text + "'");
   return band;
 }
 

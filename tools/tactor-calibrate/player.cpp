@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "player.h"
-
-#include "../or_throw.h"
 #include "audio_file.h"
+
+#include "film/or_throw.h"
+#include "film/pipeline.h"
 
 #include <gst/app/app.h>
 #include <gst/base/gstbasesink.h>
@@ -21,32 +22,10 @@ using tactor::Time;
 using namespace std::chrono_literals;
 
 constexpr guint kMostColumns = GST_TACTILE_MAX_SIDE;
-/// After the last frame so much more is recorded; and the source may be so late before it is given
-/// up.
-constexpr Time kTail = 300ms;
-constexpr Time kPatience = 5s;
+constexpr Time kTail = 300ms;  ///< is recorded after the last frame
+constexpr Time kPatience = 5s; ///< how late the source may be
 
-/// Brings the pipeline to NULL, and so the motors to zero, whichever way it is left.
-struct StopPipeline
-{
-  void operator()(GstElement *pipeline) const
-  {
-    gst_element_set_state(pipeline, GST_STATE_NULL);
-    gst_object_unref(pipeline);
-  }
-};
-using Pipeline = std::unique_ptr<GstElement, StopPipeline>;
-
-struct Unref
-{
-  void operator()(gpointer object) const
-  {
-    gst_object_unref(object);
-  }
-};
-using Element = std::unique_ptr<GstElement, Unref>;
-
-/// A file name of its own, the file gone with the object.
+/// A temporary file, removed with the object.
 class TraceFile
 {
 public:
@@ -76,14 +55,8 @@ private:
   gchar *path_ = nullptr;
 };
 
-Element
-element(const Pipeline &pipeline, const char *name)
-{
-  return Element(gst_bin_get_by_name(GST_BIN(pipeline.get()), name));
-}
-
-Pipeline
-make_pipeline(const PlayerSettings &settings)
+std::string
+launch_line(const PlayerSettings &settings)
 {
   std::string line = "appsrc name=frames format=time max-bytes=0 ! tactorsink name=tactors";
   if (settings.source == "simulator")
@@ -92,11 +65,7 @@ make_pipeline(const PlayerSettings &settings)
     line += " " + settings.source
             + " ! queue max-size-time=2000000000 max-size-bytes=0 max-size-buffers=0 ! "
             + recording_branch();
-  g_autoptr(GError) error = nullptr;
-  Pipeline pipeline(gst_parse_launch(line.c_str(), &error));
-  if (error)
-    throw std::runtime_error("the pipeline '" + line + "' cannot be made: " + error->message);
-  return pipeline;
+  return line;
 }
 
 void
@@ -135,8 +104,8 @@ throw_interrupted()
   throw std::runtime_error("interrupted; all motors are off");
 }
 
-/// Takes the pipeline to PAUSED. A microphone is live: without this, time would begin before the
-/// board is open.
+/// Takes the pipeline to PAUSED. A microphone is live: without this, running time would begin
+/// before the board is open.
 void
 wait_for_board(GstElement *pipeline, GstElement *tactors, GstBus *bus,
                const std::atomic<bool> &interrupted)
@@ -169,9 +138,9 @@ play(const std::vector<Frame> &frames, const PlayerSettings &settings,
   Played played;
   AudioCollector heard;
   {
-    const Pipeline pipeline = make_pipeline(settings);
-    const Element tactors = element(pipeline, "tactors");
-    // Limits of motors and skin stay as they are; what would change or delay commands is off.
+    const Pipeline pipeline = make_pipeline(launch_line(settings));
+    const Owned<GstElement> tactors = element(pipeline, "tactors");
+    // Limits for motors and skin hold; all that would change or delay other commands is off.
     g_object_set(tactors.get(), "driver", simulated ? "simulator" : settings.driver.c_str(),
                  "trace-location", trace_file.path(), "rate", 0.0, "voltage-max",
                  settings.volts_max, "ramp-in", guint64{ 0 }, "sync", !simulated, nullptr);
@@ -187,13 +156,13 @@ play(const std::vector<Frame> &frames, const PlayerSettings &settings,
       heard.listen(element(pipeline, "heard").get());
     push_frames(element(pipeline, "frames").get(), frames);
 
-    const std::unique_ptr<GstBus, Unref> bus(gst_element_get_bus(pipeline.get()));
+    const Owned<GstBus> bus(gst_element_get_bus(pipeline.get()));
     wait_for_board(pipeline.get(), tactors.get(), bus.get(), interrupted);
     gst_element_set_state(pipeline.get(), GST_STATE_PLAYING);
     const gint64 begin = g_get_monotonic_time();
     Time latency{ 0 };
     bool over = false;
-    bool told = false;
+    bool has_begun = false;
     while (!over) {
       if (interrupted)
         throw_interrupted();
@@ -203,32 +172,32 @@ play(const std::vector<Frame> &frames, const PlayerSettings &settings,
       if (message && GST_MESSAGE_TYPE(message) == GST_MESSAGE_ERROR)
         throw_message(message);
       if (message && is_stats(message)) {
-        told = true;
+        has_begun = true;
         latency = simulated ? Time(0)
                             : Time(static_cast<gint64>(
                                 gst_base_sink_get_latency(GST_BASE_SINK(tactors.get()))));
         if (simulated) {
-          gst_element_set_state(tactors.get(), GST_STATE_PAUSED); // the trace is whole then
+          gst_element_set_state(tactors.get(), GST_STATE_PAUSED); // completes the trace
           push_recording(element(pipeline, "microphone").get(),
                          hear(or_throw(tactor::read_command_trace(trace_file.path())),
                               settings.motors, settings.sensor, end + kTail));
         }
       }
       over = message && GST_MESSAGE_TYPE(message) == GST_MESSAGE_EOS;
-      if (told && simulated)
+      if (has_begun && simulated)
         over |= gst_app_sink_is_eos(GST_APP_SINK(element(pipeline, "heard").get()));
-      else if (told)
+      else if (has_begun)
         over |= settings.source.empty() || heard.until() >= end + latency + kTail;
       const Time waited = std::chrono::microseconds(g_get_monotonic_time() - begin);
       if (!over && !simulated && waited > end + latency + kTail + kPatience)
         throw std::runtime_error("the source '" + settings.source
-                                 + "' fell silent; expected sound until "
+                                 + "' stopped; expected sound until "
                                  + std::to_string((end + latency) / 1ms) + " ms, got it until "
                                  + std::to_string(heard.until() / 1ms) + " ms");
     }
     if (!settings.source.empty()) {
       played.recording = heard.take();
-      // tactorsink's running time is without the latency that it waits in addition.
+      // tactorsink's trace has running times without the pipeline's latency.
       played.recording.start -= latency;
     }
   }

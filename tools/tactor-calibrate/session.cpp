@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "session.h"
-#include "../or_throw.h"
-
-#include "../or_throw.h"
 #include "audio_file.h"
+
 #include "calibration/alignment.h"
 #include "calibration/median.h"
+#include "film/or_throw.h"
 
 #include <glib.h>
 
@@ -20,7 +19,7 @@ using tactor::Time;
 namespace {
 
 constexpr const char *kGroup = "Session";
-/// Until it is known where motors vibrate, they are looked for here.
+/// For the alignment, before the motors' own band is known.
 constexpr tactor::Band kWideBand{ 15, 400 };
 constexpr std::uintmax_t kMostBytes = 1 << 20; ///< of session.ini
 
@@ -74,8 +73,7 @@ respond(Session::Heard &heard, int tactors, tactor::Band band)
   measure();
   if (heard.one_clock)
     return;
-  // What was found by its sound is off by what the envelope lags behind the voltage: by the first
-  // motion.
+  // Alignment by sound is late by the delay between voltage and envelope: the first motion.
   for (tactor::RecordedRun &run : heard.runs) {
     std::vector<double> onsets;
     for (const tactor::StepResponse &response : tactor::measure_steps({ run }, tactors, heard.band))
@@ -213,7 +211,7 @@ Session::keep(int run, const Played &played) const
     if (trace.failed())
       throw std::runtime_error("cannot write '" + part.string() + "': is the disk full?");
   }
-  fs::rename(part, file(run, ".csv")); // last: the run is done
+  fs::rename(part, file(run, ".csv")); // last: marks the run as done
 }
 
 Session::Heard
@@ -223,7 +221,7 @@ Session::measure(tactor::Band band) const
   for (int run = 0; run < runs(); run++) {
     if (!is_done(run, true))
       continue;
-    // Our own recordings are floats; what a telephone made has another ending.
+    // measure writes .wav; recordings of other devices have other endings.
     const fs::path recording = recording_of(run);
     add(heard, read_recording(recording), or_throw(tactor::read_command_trace(file(run, ".csv"))),
         recording.extension() != ".wav" || sensor_.empty(), band);

@@ -4,51 +4,52 @@
 #include "pictures.h"
 #include "session.h"
 
-#include "../cairo_picture.h"
+#include "film/picture.h"
+
+#include <gst/gst.h>
 
 #include <cmath>
 #include <cstdio>
 #include <functional>
 #include <stdexcept>
 
-/// Of a PNG, for each unit of a picture.
+/// Pixels of a PNG per unit of the picture.
 static constexpr double kPixels = 2;
 
 int
-run_show(int argc, char **argv)
+show(int argc, char **argv)
 {
   TextOption band;
   TextOption output;
   gint tactor = 0;
   gdouble start = 0;
   gdouble target = -1;
-  Manner manner;
-  std::vector<std::string> arguments;
-  if (!parse_options(
-          argc, argv, "FOLDER",
-          "Pictures of one tactor: NAME-envelope (a rise and its 90 %), NAME-rise-times (all of "
-          "them "
-          "and the fit),\nNAME-residuals.",
-          { { "output", 'o', 0, G_OPTION_ARG_FILENAME, &output.value,
-              "NAME.svg or NAME.png (default: FOLDER/tactor-N.svg)", "PICTURE" },
-            { "tactor", 't', 0, G_OPTION_ARG_INT, &tactor, "Which (default: 0)", "N" },
-            { "from", 0, 0, G_OPTION_ARG_DOUBLE, &start, "Start voltage of the rise (default: 0)",
-              "V" },
-            { "to", 0, 0, G_OPTION_ARG_DOUBLE, &target, "Its target (default: the highest)", "V" },
-            { "band", 'b', 0, G_OPTION_ARG_STRING, &band.value, "As for analyse", "LOW:HIGH" } },
-          manner.entries(Manner::kWritesAnyway, Manner::kSaysOnlyFaults), arguments))
-    return 2;
-  if (arguments.size() != 1) {
-    std::fprintf(stderr, "tactor-calibrate: show expects one FOLDER\n");
-    return 2;
-  }
+  CommonOptions common;
+  const GOptionEntry entries[] = {
+    { "output", 'o', 0, G_OPTION_ARG_FILENAME, &output.value,
+      "NAME.svg or NAME.png (default: FOLDER/tactor-N.svg)", "PICTURE" },
+    { "tactor", 't', 0, G_OPTION_ARG_INT, &tactor, "Which tactor (default: 0)", "N" },
+    { "from", 0, 0, G_OPTION_ARG_DOUBLE, &start,
+      "Start voltage of the rise in NAME-envelope (default: 0)", "V" },
+    { "to", 0, 0, G_OPTION_ARG_DOUBLE, &target, "Its target voltage (default: the highest)", "V" },
+    { "band", 'b', 0, G_OPTION_ARG_STRING, &band.value, "Band to filter, in Hz (default: detected)",
+      "LOW:HIGH" },
+    {},
+  };
+  const std::vector<std::string> arguments = parse_options(
+      argc, argv, entries, common,
+      { .arguments = "FOLDER",
+        .summary = "Draws three pictures of a tactor: NAME-envelope (one rise and its "
+                   "90 %),\nNAME-rise-times (all rises and the fit) and "
+                   "NAME-residuals.",
+        .least = 1,
+        .most = 1 });
   const std::string name = output.is_set()
                                ? output.text()
                                : arguments.front() + "/tactor-" + std::to_string(tactor) + ".svg";
-  if (!is_picture_name(name)) {
-    std::fprintf(stderr, "tactor-calibrate: show expects a PICTURE that ends in .png or .svg\n");
-    return 2;
-  }
+  if (!is_picture_name(name))
+    throw UsageError("expected a PICTURE that ends in .png or .svg");
+  gst_init(nullptr, nullptr);
   const std::string stem = name.substr(0, name.size() - 4);
   const std::string ending = name.substr(name.size() - 4);
   const Session session = Session::open(arguments.front());
@@ -63,7 +64,7 @@ run_show(int argc, char **argv)
     throw std::runtime_error("tactor " + std::to_string(tactor)
                              + " has no rise that could be measured");
 
-  // The nearest to what was asked for.
+  // The rise nearest to --from and --to.
   const tactor::RecordedRun *run = nullptr;
   tactor::Step step;
   double nearest = 1e9;
@@ -91,7 +92,7 @@ run_show(int argc, char **argv)
   const auto write = [&](const char *what, const std::function<void(cairo_t *)> &draw) {
     const std::string path = stem + "-" + what + ending;
     write_picture(path, kPictureWidth, kPictureHeight, kPixels, draw);
-    if (!manner.quiet)
+    if (!common.quiet)
       std::printf("written: %s\n", path.c_str());
   };
   write("envelope", [&](cairo_t *cairo) { draw_envelope(cairo, response, envelope); });

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "launch_line.h"
 
+#include "film/pipeline.h"
+
 #include <gst/gst.h>
 
 #include <algorithm>
@@ -9,11 +11,11 @@
 
 namespace {
 
-/// Room for what tactorsink asks for early (190 ms), with as much again.
+/// Twice the 190 ms by which tactorsink needs its data early.
 constexpr const char *kLookahead
     = "queue max-size-bytes=0 max-size-buffers=0 max-size-time=400000000";
 
-/// The least width and height that the encoders can be relied upon to take.
+/// The smallest width and height that the encoders accept.
 constexpr int kSmallestSide = 16;
 
 bool
@@ -28,7 +30,7 @@ have_element(const char *name)
 std::string
 video_encoder()
 {
-  // Live encoders without look-ahead: the film is recorded while the chair follows it on the clock.
+  // Encoders without lookahead: the film is recorded in real time, on the chair's clock.
   if (have_element("x264enc"))
     return "x264enc speed-preset=ultrafast tune=zerolatency pass=quant quantizer=23 key-int-max=60";
   if (have_element("vp9enc"))
@@ -37,8 +39,7 @@ video_encoder()
                            "(gstreamer1.0-plugins-good) is installed");
 }
 
-/// Encoders want even sizes, and a file one size throughout: what comes before them on a launch
-/// line.
+/// Scales to an even size, which encoders need, and to one size for the whole file.
 std::string
 recorded_size(const Film &film)
 {
@@ -57,8 +58,7 @@ pipeline_line(const Film &film, const PlaySettings &settings, bool with_files)
   const auto file = [with_files](const char *property, const std::string &name) {
     return with_files ? std::string(" ") + property + "=" + launch_value(name) : "";
   };
-  // Converters do nothing where there is nothing to convert: saliencytactile takes the usual
-  // formats as they are.
+  // videoconvert passes the formats of most films, which saliencytactile takes.
   std::string line = film_source(film) + " film. ! " + look
                      + " ! videoconvert ! saliencytactile name=analysis "
                      + settings.analysis_options + " ! tactileextractor name=split split.tactile ! "
@@ -90,8 +90,8 @@ shell_command(const Film &film, const PlaySettings &settings)
 {
   const std::string line = pipeline_line(film, settings, true);
   std::string command = "gst-launch-1.0 -e";
-  // A word ends at a space that is not in double quotes; what is more than letters and the like
-  // gets a shell's quotes, too.
+  // Words end at spaces outside of double quotes. Those with special characters are quoted for the
+  // shell, too.
   bool in_quotes = false;
   std::string word;
   const auto add_word = [&] {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include "film.h"
+#include "film/film.h"
 
 #include <string>
 
@@ -13,9 +13,7 @@ struct PlaySettings
   std::string commands;         ///< file of the command trace
   std::string analysis_options; ///< properties of saliencytactile, as on a launch line
   std::string chair_options;    ///< properties of tactorsink, as on a launch line
-  bool progress_in_place
-      = false;        ///< progress rewrites its line (terminal) rather than adding lines
-  bool quiet = false; ///< no progress
+  bool quiet = false;           ///< no progress
 };
 
 /// The pipeline as a line for gst_parse_launch(), without the files that it writes: their names

@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 //
-// visuotactile-play: plays a film on screen (or records it) and on the chair, and reports how it
-// went.
-#include "../manner.h"
-#include "film.h"
-#include "output.h"
+// visuotactile-play: plays a film on screen (or records it) and on the chair, and prints a report.
 #include "player.h"
 #include "strip.h"
 
+#include "film/command_line.h"
+#include "film/film.h"
+#include "film/output.h"
 #include "tactor/drivers/board_choice.h"
 #include "tactor/drivers/release_boards.h"
 
@@ -16,23 +15,18 @@
 #include <algorithm>
 #include <csignal>
 #include <cstdio>
+#include <filesystem>
+#include <initializer_list>
+#include <limits>
 #include <stdexcept>
 #include <string>
-#include <unistd.h>
+#include <vector>
 
 namespace {
 
+constexpr const char *kProgram = "visuotactile-play";
 constexpr int kStripFrames = 6;
 constexpr const char *kRecording = "visuotactile.mkv";
-
-/// Every error is one line, whatever the names in it.
-void
-complain(std::string message)
-{
-  std::ranges::replace_if(
-      message, [](char c) { return g_ascii_iscntrl(c); }, ' ');
-  std::fprintf(stderr, "visuotactile-play: %s\n", message.c_str());
-}
 
 bool
 is_same_file(const std::string &uri, const std::filesystem::path &path)
@@ -44,103 +38,82 @@ is_same_file(const std::string &uri, const std::filesystem::path &path)
 
 struct Options
 {
-  gchar *output = nullptr;
-  gchar *profile = nullptr;
-  gchar *compensation = nullptr;
+  TextOption output{ "." };
+  TextOption profile{ "tuned" };
+  TextOption compensation{ "exact" };
   gint rows = 3;
   gint columns = 3;
   gdouble rate = 5;
   gboolean no_window = FALSE;
   gboolean print_pipeline = FALSE;
-  Manner manner;
   gboolean release_boards = FALSE;
   gboolean version = FALSE;
-  gchar **films = nullptr;
-
-  ~Options()
-  {
-    g_free(output);
-    g_free(profile);
-    g_free(compensation);
-    g_strfreev(films);
-  }
+  CommonOptions common;
+  std::vector<std::string> films;
 };
 
-/// Reads the command line. False if there is nothing more to do, with the exit status.
-bool
-parse_options(int argc, char **argv, Options &options, int &status)
+/// Throws UsageError or Help.
+void
+read_command_line(int argc, char **argv, Options &options)
 {
   const GOptionEntry entries[] = {
-    { "output", 'o', 0, G_OPTION_ARG_FILENAME, &options.output,
-      "Folder for what is written (default: the working directory)", "DIR" },
+    { "output", 'o', 0, G_OPTION_ARG_FILENAME, &options.output.value,
+      "Folder for the output files (default: the working directory)", "DIR" },
     { "no-window", 'n', 0, G_OPTION_ARG_NONE, &options.no_window,
-      "Record visuotactile.mkv even where there is a display", nullptr },
-    { "profile", 'p', 0, G_OPTION_ARG_STRING, &options.profile,
+      "Record visuotactile.mkv even with a display", nullptr },
+    { "profile", 'p', 0, G_OPTION_ARG_STRING, &options.profile.value,
       "How saliency is computed: tuned (default) or paper", "NAME" },
     { "rows", 'r', 0, G_OPTION_ARG_INT, &options.rows, "Rows of tactors, 1 to 64 (default: 3)",
       "N" },
     { "columns", 'c', 0, G_OPTION_ARG_INT, &options.columns,
       "Columns of tactors, 1 to 64 (default: 3)", "N" },
     { "rate", 0, 0, G_OPTION_ARG_DOUBLE, &options.rate,
-      "How often tactors may change, in Hz; 0: with every frame (default: 5)", "HZ" },
-    { "compensation", 0, 0, G_OPTION_ARG_STRING, &options.compensation,
-      "Of the motors' rise time: exact (default), frame-block or none", "NAME" },
+      "Rate in Hz at which levels may change; 0: with every frame (default: 5)", "HZ" },
+    { "compensation", 0, 0, G_OPTION_ARG_STRING, &options.compensation.value,
+      "Compensation of the motors' rise time: exact (default), frame-block or none", "NAME" },
     { "print-pipeline", 0, 0, G_OPTION_ARG_NONE, &options.print_pipeline,
       "Print the gst-launch-1.0 line and exit", nullptr },
     { "release-boards", 0, 0, G_OPTION_ARG_NONE, &options.release_boards,
-      "Stop the motors of boards that a killed player left, give the boards back to the system, "
-      "and exit",
+      "Stop the motors of boards that a killed player left, return the boards to the system, and "
+      "exit",
       nullptr },
     { "version", 0, 0, G_OPTION_ARG_NONE, &options.version, "Print the version and exit", nullptr },
-    { G_OPTION_REMAINING, 0, 0, G_OPTION_ARG_FILENAME_ARRAY, &options.films, nullptr, "[FILM]" },
     {},
   };
-  g_autoptr(GOptionContext) context
-      = g_option_context_new("- play a film on screen and on a (simulated) tactile chair");
-  g_option_context_set_summary(context,
-                               "FILM is a file or a URI; without one a synthetic film is played. "
-                               "With a display the film is shown with its tactile\n"
-                               "overlay; without one it is played in real time all the same and "
-                               "recorded as visuotactile.mkv. The commands to the\n"
-                               "chair are written to commands.csv, a few frames with their maps to "
-                               "strip.png. Ctrl-C ends the film in order.");
-  const auto common = options.manner.entries(Manner::kWritesAnyway, "No progress, only the report");
-  g_option_context_add_main_entries(context, entries, nullptr);
-  g_option_context_add_main_entries(context, common.data(), nullptr);
-  g_option_context_add_group(context, gst_init_get_option_group());
-  g_autoptr(GError) error = nullptr;
-  status = 2;
-  if (!g_option_context_parse(context, &argc, &argv, &error)) {
-    complain(std::string(error->message) + "; see --help");
-    return false;
-  }
-  if (options.version) {
-    std::puts("visuotactile-play " PACKAGE_VERSION);
-    status = 0;
-    return false;
-  }
-  const char *wrong = nullptr;
-  if (options.films && g_strv_length(options.films) > 1)
-    wrong = "expected one film at the most";
-  else if (options.rows < 1 || options.rows > 64 || options.columns < 1 || options.columns > 64)
-    wrong = "--rows and --columns are whole numbers from 1 to 64";
-  else if (!(options.rate >= 0 && options.rate <= 1000))
-    wrong = "--rate is a number of Hz from 0 to 1000";
-  else if (options.profile && !g_str_equal(options.profile, "tuned")
-           && !g_str_equal(options.profile, "paper"))
-    wrong = "--profile is tuned or paper";
-  else if (options.compensation && !g_str_equal(options.compensation, "exact")
-           && !g_str_equal(options.compensation, "frame-block")
-           && !g_str_equal(options.compensation, "none"))
-    wrong = "--compensation is exact, frame-block or none";
-  if (wrong) {
-    complain(std::string(wrong) + "; see --help");
-    return false;
-  }
-  return true;
+  options.films = parse_options(
+      argc, argv, entries, options.common,
+      { .arguments = "[FILM]",
+        .summary
+        = "Plays a film and drives an array of vibration motors by what draws the eye in "
+          "it.\nFILM is a file or a URI; without one, a synthetic film is played.\n\n"
+          "With a display the film is shown with its tactile overlay. Without one it is "
+          "played\nin real time all the same and recorded as visuotactile.mkv. The commands "
+          "to the chair\nare written to commands.csv, a few frames with their maps to "
+          "strip.png.\n\n"
+          "Ctrl-C ends the film, with all motors at zero and complete files; a second "
+          "Ctrl-C\nends it at once.",
+        .least = 0,
+        .most = std::numeric_limits<std::size_t>::max(),
+        .quiet_help = "Print no progress, only the report",
+        .group = gst_init_get_option_group() });
+  const auto is_one_of = [](const TextOption &option, std::initializer_list<const char *> values) {
+    return std::ranges::find(values, option.text()) != values.end();
+  };
+  if (options.version)
+    return;
+  if (options.films.size() > 1)
+    throw UsageError("expected one film at the most");
+  if (options.rows < 1 || options.rows > 64 || options.columns < 1 || options.columns > 64)
+    throw UsageError("--rows and --columns are whole numbers from 1 to 64");
+  if (!(options.rate >= 0 && options.rate <= 1000))
+    throw UsageError("--rate is a number of Hz from 0 to 1000");
+  if (!is_one_of(options.profile, { "tuned", "paper" }))
+    throw UsageError("--profile is tuned or paper");
+  if (!is_one_of(options.compensation, { "exact", "frame-block", "none" }))
+    throw UsageError("--compensation is exact, frame-block or none");
 }
 
-/// A line for each board that was left. The exit status.
+/// Prints a line for each board. Returns the exit status.
 int
 release_boards()
 {
@@ -152,9 +125,10 @@ release_boards()
   bool all_stopped = true;
   for (const auto &[device, refusal] : *released) {
     if (refusal)
-      complain(tactor::describe(device) + ": its motors could not be stopped: " + refusal->text);
+      print_error(kProgram,
+                  tactor::describe(device) + ": cannot stop its motors: " + refusal->text);
     else
-      std::printf("%s: motors stopped, given back\n", tactor::describe(device).c_str());
+      std::printf("%s: motors stopped, board returned\n", tactor::describe(device).c_str());
     all_stopped = all_stopped && !refusal;
   }
   return all_stopped ? 0 : 1;
@@ -203,8 +177,8 @@ print_report(const Film &film, const PlayReport &report)
   else if (!report.stopped && GST_CLOCK_TIME_IS_VALID(film.duration)
            && static_cast<double>(report.reached)
                   < 0.98 * static_cast<double>(film.duration) - 0.25 * GST_SECOND)
-    std::printf("Film broken    it ends here, before the length that its header states: is the "
-                "file truncated?\n");
+    std::printf("Film broken    it ends here, before the length in its header: is the file "
+                "truncated?\n");
   std::printf("Frames         %llu, of which %llu are felt\n", number(report.analysis, "frames"),
               number(report.analysis, "active"));
   std::printf("Analysis       %.2f ms per frame (longest %.2f ms)\n",
@@ -232,22 +206,19 @@ run(const Options &options)
     gst_object_unref(factory);
   }
 
-  const Film film
-      = options.films && options.films[0] ? discover_film(options.films[0]) : synthetic_film();
+  const Film film = options.films.empty() ? synthetic_film() : discover_film(options.films.front());
 
   PlaySettings settings;
   settings.window = !options.no_window && have_display();
-  settings.quiet = options.manner.quiet;
-  settings.progress_in_place = isatty(STDERR_FILENO);
-  settings.analysis_options
-      = std::string("profile=") + (options.profile ? options.profile : "tuned")
-        + " rows=" + std::to_string(options.rows) + " columns=" + std::to_string(options.columns);
+  settings.quiet = options.common.quiet;
+  settings.analysis_options = "profile=" + options.profile.text()
+                              + " rows=" + std::to_string(options.rows)
+                              + " columns=" + std::to_string(options.columns);
   char rate[G_ASCII_DTOSTR_BUF_SIZE];
-  settings.chair_options
-      = std::string("rate=") + g_ascii_dtostr(rate, sizeof rate, options.rate)
-        + " compensation=" + (options.compensation ? options.compensation : "exact");
+  settings.chair_options = std::string("rate=") + g_ascii_dtostr(rate, sizeof rate, options.rate)
+                           + " compensation=" + options.compensation.text();
 
-  const std::filesystem::path directory = options.output ? options.output : ".";
+  const std::filesystem::path directory = options.output.text();
   if (options.print_pipeline) {
     settings.recording = directory / kRecording;
     settings.commands = directory / "commands.csv";
@@ -271,7 +242,7 @@ run(const Options &options)
   if (!report.played && !report.stopped)
     throw std::runtime_error("'" + film.title + "' has no frame that can be decoded");
 
-  // Files first: the report may be read by a program that does not wait for its end.
+  // Before the report: who reads that may not wait for the program's end.
   std::string written;
   const auto commit = [&written](Output &output) {
     if (output.commit())
@@ -297,13 +268,21 @@ main(int argc, char **argv)
 {
   std::signal(SIGPIPE, SIG_IGN); // a reader that went away must not stop the motors' way to zero
   Options options;
-  int status = 0;
-  if (!parse_options(argc, argv, options, status))
-    return status;
   try {
+    read_command_line(argc, argv, options);
+    if (options.version) {
+      std::puts("visuotactile-play " PACKAGE_VERSION);
+      return 0;
+    }
     return options.release_boards ? release_boards() : run(options);
-  } catch (const std::exception &e) {
-    complain(e.what());
+  } catch (const Help &help) {
+    std::fputs(help.text.c_str(), stdout);
+    return 0;
+  } catch (const UsageError &error) {
+    print_error(kProgram, std::string(error.what()) + "; see --help");
+    return 2;
+  } catch (const std::exception &error) {
+    print_error(kProgram, error.what());
     return 1;
   }
 }

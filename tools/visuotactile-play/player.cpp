@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "player.h"
 
+#include "film/pipeline.h"
+#include "film/progress.h"
 #include "gst/video/video_sinks.h"
 
 #include <glib-unix.h>
@@ -8,31 +10,20 @@
 
 #include <algorithm>
 #include <atomic>
-#include <cinttypes>
 #include <csignal>
 #include <cstdio>
-#include <memory>
 #include <utility>
 #include <vector>
 
 namespace {
 
-/// How long the end may take once it was asked for; then the film ends where it is.
+/// How long queued data may play after Ctrl-C.
 constexpr guint kDrainSeconds = 3;
 
-/// How long the recording may take to be completed then.
+/// How long the recording may then take to be completed.
 constexpr guint kFinishSeconds = 2;
 
-struct Unref
-{
-  void operator()(gpointer object) const
-  {
-    gst_object_unref(object);
-  }
-};
-template <typename T> using Owned = std::unique_ptr<T, Unref>;
-
-/// One run: the pipeline, its main loop and what happened.
+/// One run: the pipeline, its main loop and the report.
 class Run
 {
 public:
@@ -47,8 +38,7 @@ public:
       g_source_remove(source);
     if (timeout_)
       g_source_remove(timeout_);
-    if (pipeline_)
-      gst_element_set_state(pipeline_.get(), GST_STATE_NULL);
+    pipeline_.reset();
     g_main_loop_unref(loop_);
   }
   Run(const Run &) = delete;
@@ -56,22 +46,15 @@ public:
 
   PlayReport operator()()
   {
-    g_autoptr(GError) error = nullptr;
-    pipeline_.reset(gst_parse_launch_full(launch_line(film_, settings_).c_str(), nullptr,
-                                          GST_PARSE_FLAG_FATAL_ERRORS, &error));
-    if (!pipeline_) {
-      report_.failure = std::string("cannot build the pipeline: ") + error->message;
-      return std::move(report_);
-    }
-    analysis_.reset(gst_bin_get_by_name(GST_BIN(pipeline_.get()), "analysis"));
-    chair_.reset(gst_bin_get_by_name(GST_BIN(pipeline_.get()), "chair"));
-    const Owned<GstElement> recorder(gst_bin_get_by_name(GST_BIN(pipeline_.get()), "recorder"));
-    if (recorder)
+    pipeline_ = make_pipeline(launch_line(film_, settings_));
+    analysis_ = element(pipeline_, "analysis");
+    chair_ = element(pipeline_, "chair");
+    if (const Owned<GstElement> recorder = element(pipeline_, "recorder"))
       g_object_set(recorder.get(), "location", settings_.recording.c_str(), nullptr);
     g_object_set(chair_.get(), "trace-location", settings_.commands.c_str(), nullptr);
-    const Owned<GstElement> source(gst_bin_get_by_name(GST_BIN(pipeline_.get()), "film"));
     if (film_.has_sound)
-      g_signal_connect(source.get(), "no-more-pads", G_CALLBACK(no_more_pads), this);
+      g_signal_connect(element(pipeline_, "film").get(), "no-more-pads", G_CALLBACK(no_more_pads),
+                       this);
     probe("analysis", "sink", GST_PAD_PROBE_TYPE_BUFFER, gate);
     probe("sound", "sink", GST_PAD_PROBE_TYPE_BUFFER, gate);
     probe("sound", "sink", GST_PAD_PROBE_TYPE_BUFFER, listen);
@@ -90,22 +73,19 @@ public:
           number, +[](gpointer self) { return static_cast<Run *>(self)->on_signal(); }, this));
     if (!settings_.quiet)
       sources_.push_back(g_timeout_add_seconds(
-          settings_.progress_in_place ? 1 : 5,
+          progress_.is_on_terminal() ? 1 : 5,
           +[](gpointer self) { return static_cast<Run *>(self)->on_progress(); }, this));
 
     if (gst_element_set_state(pipeline_.get(), GST_STATE_PLAYING) != GST_STATE_CHANGE_FAILURE)
       g_main_loop_run(loop_);
     else
-      explain_failure(bus.get());
+      report_.failure = start_error(bus.get());
 
     gst_element_set_state(pipeline_.get(),
                           GST_STATE_PAUSED); // motors to zero before anything else is taken down
-    if (settings_.progress_in_place && progress_shown_)
-      std::fputs("\r\033[K", stderr);
-    if (analysis_)
-      g_object_get(analysis_.get(), "stats", &report_.analysis, nullptr);
-    if (chair_)
-      g_object_get(chair_.get(), "actuation-stats", &report_.chair, nullptr);
+    progress_.clear();
+    g_object_get(analysis_.get(), "stats", &report_.analysis, nullptr);
+    g_object_get(chair_.get(), "actuation-stats", &report_.chair, nullptr);
     gst_element_set_state(pipeline_.get(), GST_STATE_READY);
     check_trace(bus.get());
     gst_element_set_state(pipeline_.get(), GST_STATE_NULL);
@@ -121,15 +101,14 @@ private:
   void probe(const char *element_name, const char *pad_name, GstPadProbeType type,
              GstPadProbeCallback callback)
   {
-    const Owned<GstElement> element(gst_bin_get_by_name(GST_BIN(pipeline_.get()), element_name));
-    if (!element)
+    const Owned<GstElement> probed = element(pipeline_, element_name);
+    if (!probed)
       return;
-    const Owned<GstPad> pad(gst_element_get_static_pad(element.get(), pad_name));
+    const Owned<GstPad> pad(gst_element_get_static_pad(probed.get(), pad_name));
     gst_pad_add_probe(pad.get(), type, callback, this, nullptr);
   }
 
-  /// Ends the stream here once that was asked for: what is behind is played and written to its end,
-  /// on time.
+  /// Ends the stream here after Ctrl-C. What is queued downstream is played and recorded on time.
   static GstPadProbeReturn gate(GstPad *pad, GstPadProbeInfo *info, gpointer data)
   {
     Run *self = static_cast<Run *>(data);
@@ -142,8 +121,7 @@ private:
     return GST_PAD_PROBE_HANDLED;
   }
 
-  /// A film is played once, forward, from its beginning, and parts that are put together follow
-  /// each other.
+  /// Equals the film's time: it is played once, forward, from its beginning.
   static GstClockTime running_time(GstPad *pad, GstBuffer *buffer)
   {
     GstEvent *event = gst_pad_get_sticky_event(pad, GST_EVENT_SEGMENT, 0);
@@ -162,7 +140,7 @@ private:
     return start + (GST_BUFFER_DURATION_IS_VALID(buffer) ? GST_BUFFER_DURATION(buffer) : 1);
   }
 
-  /// Sees each frame with its overlay.
+  /// Probe for frames with their overlay.
   static GstPadProbeReturn watch(GstPad *pad, GstPadProbeInfo *info, gpointer data)
   {
     Run *self = static_cast<Run *>(data);
@@ -191,7 +169,7 @@ private:
         gst_message_new_application(GST_OBJECT(pipeline_.get()), gst_structure_new_empty(what)));
   }
 
-  /// Sees each piece of sound.
+  /// Probe for sound.
   static GstPadProbeReturn listen(GstPad *pad, GstPadProbeInfo *info, gpointer data)
   {
     GstBuffer *buffer = GST_PAD_PROBE_INFO_BUFFER(info);
@@ -201,7 +179,7 @@ private:
     return GST_PAD_PROBE_OK;
   }
 
-  /// Sees what is written: when its end comes, all else has been.
+  /// Probe for the recording's end of stream, when all has been written.
   static GstPadProbeReturn record(GstPad *, GstPadProbeInfo *info, gpointer data)
   {
     Run *self = static_cast<Run *>(data);
@@ -212,12 +190,11 @@ private:
     return GST_PAD_PROBE_OK;
   }
 
-  /// All that the film has is linked now. Sound that can't be decoded is not: the recording must
-  /// not wait for it.
+  /// Ends the sound branch if no decoder was linked to it; the muxer would wait for it.
   static void no_more_pads(GstElement *, gpointer data)
   {
     Run *self = static_cast<Run *>(data);
-    const Owned<GstElement> queue(gst_bin_get_by_name(GST_BIN(self->pipeline_.get()), "heard"));
+    const Owned<GstElement> queue = element(self->pipeline_, "heard");
     const Owned<GstPad> pad(gst_element_get_static_pad(queue.get(), "sink"));
     if (gst_pad_is_linked(pad.get()))
       return;
@@ -226,7 +203,7 @@ private:
     gst_pad_send_event(pad.get(), gst_event_new_eos());
   }
 
-  /// Ends the film in order: what was read of it is played. If that takes too long, at once.
+  /// Ends the film in order: what is queued is played, for kDrainSeconds at the most.
   void end()
   {
     ending_ = true;
@@ -242,8 +219,7 @@ private:
           this);
   }
 
-  /// Ends the recording where it is, without waiting for the film or the clock; the main loop ends
-  /// when it is complete.
+  /// Ends the recording without waiting for film or clock. The main loop ends when it is complete.
   void end_at_once()
   {
     if (settings_.window || recorded_.load()) {
@@ -264,10 +240,10 @@ private:
         },
         this);
     for (const char *name : { "overlay", "sound" })
-      if (const Owned<GstElement> element{ gst_bin_get_by_name(GST_BIN(pipeline_.get()), name) })
-        // Not from here: an element that is at work would be waited for.
+      if (const Owned<GstElement> entry = element(pipeline_, name))
+        // Another thread: EOS waits for a streaming thread in the element.
         gst_element_call_async(
-            element.get(),
+            entry.get(),
             +[](GstElement *self, gpointer) {
               const Owned<GstPad> pad(gst_element_get_static_pad(self, "sink"));
               gst_pad_send_event(pad.get(), gst_event_new_eos());
@@ -278,7 +254,7 @@ private:
   gboolean on_signal()
   {
     if (std::exchange(report_.stopped, true))
-      end_at_once(); // asked twice
+      end_at_once(); // the second Ctrl-C
     else
       end();
     return G_SOURCE_CONTINUE;
@@ -290,7 +266,7 @@ private:
     case GST_MESSAGE_APPLICATION:
       if (gst_message_has_name(message, "playing")) {
         playing_ = true;
-        tell_about_chair();
+        report_board();
       } else if (at_once_) // the recording is complete
         g_main_loop_quit(loop_);
       break;
@@ -304,9 +280,9 @@ private:
       g_autoptr(GError) error = nullptr;
       gst_message_parse_warning(message, &error, nullptr);
       if (g_error_matches(error, GST_PARSE_ERROR, GST_PARSE_ERROR_DELAYED_LINK))
-        break; // the warning about the decoder that is missing says it better
-      std::fprintf(stderr, "%swarning: %s\n", settings_.progress_in_place ? "\r\033[K" : "",
-                   error->message);
+        break; // the warning about the missing decoder is clearer
+      progress_.clear();
+      std::fprintf(stderr, "warning: %s\n", error->message);
       break;
     }
     case GST_MESSAGE_INFO: {
@@ -314,12 +290,12 @@ private:
         break;
       g_autoptr(GError) info = nullptr; // which board, or that there is none
       gst_message_parse_info(message, &info, nullptr);
-      about_chair_ = info->message;
-      if (playing_) // of a film that cannot be played, only that is said
-        tell_about_chair();
+      board_ = info->message;
+      if (playing_) // a film that cannot be played has its error alone
+        report_board();
       break;
     }
-    case GST_MESSAGE_CLOCK_LOST: // a sound card that was unplugged took its clock along
+    case GST_MESSAGE_CLOCK_LOST: // the sound card that was the clock was unplugged
       gst_element_set_state(pipeline_.get(), GST_STATE_PAUSED);
       gst_element_set_state(pipeline_.get(), GST_STATE_PLAYING);
       break;
@@ -332,10 +308,12 @@ private:
     return G_SOURCE_CONTINUE;
   }
 
-  void tell_about_chair()
+  void report_board()
   {
-    if (const std::string told = std::exchange(about_chair_, {}); !told.empty())
-      std::fprintf(stderr, "%s%s\n", settings_.progress_in_place ? "\r\033[K" : "", told.c_str());
+    if (board_.empty())
+      return;
+    progress_.clear();
+    std::fprintf(stderr, "%s\n", std::exchange(board_, {}).c_str());
   }
 
   /// A film that breaks off is played to where it breaks; anything else that fails is a failure.
@@ -343,7 +321,7 @@ private:
   {
     g_autoptr(GError) error = nullptr;
     gst_message_parse_error(message, &error, nullptr);
-    const Owned<GstElement> source(gst_bin_get_by_name(GST_BIN(pipeline_.get()), "film"));
+    const Owned<GstElement> source = element(pipeline_, "film");
     const bool from_film
         = source
           && (GST_MESSAGE_SRC(message) == GST_OBJECT(source.get())
@@ -367,18 +345,6 @@ private:
   }
 
   /// tactorsink completes its trace as it stops, and warns if it could not.
-  /// Why the pipeline did not start: what an element said, if any did.
-  void explain_failure(GstBus *bus)
-  {
-    report_.failure = "the pipeline could not be started";
-    if (GstMessage *message = gst_bus_pop_filtered(bus, GST_MESSAGE_ERROR)) {
-      g_autoptr(GError) error = nullptr;
-      gst_message_parse_error(message, &error, nullptr);
-      report_.failure = error->message;
-      gst_message_unref(message);
-    }
-  }
-
   void check_trace(GstBus *bus)
   {
     while (GstMessage *message = gst_bus_pop_filtered(bus, GST_MESSAGE_WARNING)) {
@@ -406,15 +372,13 @@ private:
     const auto seconds = [](GstClockTime time) {
       return static_cast<double>(time) / GST_SECOND;
     };
-    std::fprintf(stderr, "%s%6.1f s", settings_.progress_in_place ? "\r\033[K" : "",
-                 seconds(position));
-    if (GST_CLOCK_TIME_IS_VALID(film_.duration))
-      std::fprintf(stderr, " of %.1f s", seconds(film_.duration));
-    std::fprintf(stderr, "   %" PRIu64 " commands, %" PRIu64 " late%s",
-                 static_cast<std::uint64_t>(issued), static_cast<std::uint64_t>(late),
-                 settings_.progress_in_place ? "" : "\n");
-    std::fflush(stderr);
-    progress_shown_ = true;
+    g_autofree gchar *of = GST_CLOCK_TIME_IS_VALID(film_.duration)
+                               ? g_strdup_printf(" of %.1f s", seconds(film_.duration))
+                               : g_strdup("");
+    g_autofree gchar *text
+        = g_strdup_printf("%6.1f s%s   %" G_GUINT64_FORMAT " commands, %" G_GUINT64_FORMAT " late",
+                          seconds(position), of, issued, late);
+    progress_.show(text);
     return G_SOURCE_CONTINUE;
   }
 
@@ -422,14 +386,14 @@ private:
   const Film &film_;
   Strip &strip_;
   GMainLoop *loop_;
-  Owned<GstElement> pipeline_;
+  Pipeline pipeline_;
   Owned<GstElement> analysis_;
   Owned<GstElement> chair_;
   std::vector<guint> sources_;
   guint timeout_ = 0;
-  bool progress_shown_ = false;
-  bool playing_ = false;    ///< the first frame has come
-  std::string about_chair_; ///< what is still to be told
+  Progress progress_;
+  bool playing_ = false; ///< the first frame has come
+  std::string board_;    ///< which one is driven, yet to be printed
   bool at_once_ = false;
   std::atomic<bool> ending_{ false };
   std::atomic<bool> recorded_{ false };

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include "film.h"
+#include "film/film.h"
 #include "launch_line.h"
 #include "strip.h"
 

@@ -125,7 +125,7 @@ GST_START_TEST(test_max_rate)
   Analysis analysis("saliencytactile max-rate=10");
   analysis.play(Film("I420", 0, 0));
   ck_assert_uint_eq(stat_of(analysis.element, "frames"), 16);
-  ck_assert_uint_eq(stat_of(analysis.element, "analysed"), 6); // frames 0, 3, 6, 9, 12, 15
+  ck_assert_uint_eq(stat_of(analysis.element, "analyzed"), 6); // frames 0, 3, 6, 9, 12, 15
 }
 GST_END_TEST;
 
@@ -139,7 +139,7 @@ GST_START_TEST(test_max_rate_is_not_exceeded)
     GST_BUFFER_DURATION(frame) = GST_SECOND / 30;
     analysis.felt(frame);
   }
-  const guint64 analyzed = stat_of(analysis.element, "analysed");
+  const guint64 analyzed = stat_of(analysis.element, "analyzed");
   fail_unless(analyzed >= 249 && analyzed <= 251, "%u", static_cast<guint>(analyzed));
 }
 GST_END_TEST;
@@ -162,7 +162,7 @@ GST_START_TEST(test_keep_maps)
       fail_unless(levels[0] == (keep && i % 2 == 1 ? 0.5F : 0.0F));
     }
     fail_unless_equals_uint64(stat_of(analysis.element, "frames"), 4);
-    fail_unless_equals_uint64(stat_of(analysis.element, "analysed"), keep ? 2 : 4);
+    fail_unless_equals_uint64(stat_of(analysis.element, "analyzed"), keep ? 2 : 4);
     fail_unless_equals_uint64(stat_of(analysis.element, "active"), keep ? 2 : 0);
   }
 }

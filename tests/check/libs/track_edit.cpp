@@ -133,7 +133,7 @@ GST_START_TEST(test_levels)
     map.levels[0] = 0;
     return map;
   });
-  assert_course(quantise(sample(), 2), 6s, [](Time time) {
+  assert_course(quantize(sample(), 2), 6s, [](Time time) {
     TactileMap map = sample().at(time);
     for (float &level : map.levels)
       level = level < 0.25F ? 0.0F : level < 0.75F ? 0.5F : 1.0F;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "pipeline.h"
+#include "playback.h"
 
+#include "film/progress.h"
 #include "tracks/cue_builder.h"
 #include "tracks/formats/webvtt.h"
 
@@ -8,10 +9,11 @@
 #include <gst/app/gstappsrc.h>
 #include <gst/tactile/tactile.h>
 
+#include <cmath>
 #include <csignal>
 #include <cstdio>
 #include <stdexcept>
-#include <unistd.h>
+#include <string>
 #include <vector>
 
 namespace {
@@ -48,7 +50,7 @@ public:
             return G_SOURCE_CONTINUE;
           },
           this));
-    if (!quiet && isatty(STDERR_FILENO))
+    if (!quiet && progress_.is_on_terminal())
       sources_.push_back(g_timeout_add_seconds(
           1, +[](gpointer self) { return static_cast<Run *>(self)->on_progress(); }, this));
   }
@@ -67,29 +69,15 @@ public:
     if (gst_element_set_state(pipeline_, GST_STATE_PLAYING) != GST_STATE_CHANGE_FAILURE)
       g_main_loop_run(loop_);
     else
-      explain_failure();
+      failure_ = start_error(Owned<GstBus>(gst_element_get_bus(pipeline_)).get());
     gst_element_set_state(pipeline_, GST_STATE_NULL);
-    if (shown_)
-      std::fputs("\r\033[K", stderr);
+    progress_.clear();
     if (!failure_.empty())
       throw std::runtime_error(failure_);
     return !stopped_;
   }
 
 private:
-  /// Why it did not start: what an element said, if any did.
-  void explain_failure()
-  {
-    failure_ = "the pipeline cannot be started";
-    const Owned<GstBus> bus(gst_element_get_bus(pipeline_));
-    if (GstMessage *message = gst_bus_pop_filtered(bus.get(), GST_MESSAGE_ERROR)) {
-      g_autoptr(GError) error = nullptr;
-      gst_message_parse_error(message, &error, nullptr);
-      failure_ = error->message;
-      gst_message_unref(message);
-    }
-  }
-
   gboolean on_message(GstMessage *message)
   {
     g_autoptr(GError) error = nullptr;
@@ -98,6 +86,7 @@ private:
       failure_ = error->message;
     } else if (GST_MESSAGE_TYPE(message) == GST_MESSAGE_WARNING) {
       gst_message_parse_warning(message, &error, nullptr);
+      progress_.clear();
       std::fprintf(stderr, "tactile-track: warning: %s\n", error->message);
       return G_SOURCE_CONTINUE;
     } else if (GST_MESSAGE_TYPE(message) == GST_MESSAGE_LATENCY) {
@@ -114,11 +103,10 @@ private:
   {
     gint64 position = 0;
     if (gst_element_query_position(pipeline_, GST_FORMAT_TIME, &position) && duration_ > 0
-        && GST_CLOCK_TIME_IS_VALID(duration_)) {
-      std::fprintf(stderr, "\r\033[K%3.0f %%",
-                   100 * static_cast<double>(position) / static_cast<double>(duration_));
-      shown_ = true;
-    }
+        && GST_CLOCK_TIME_IS_VALID(duration_))
+      progress_.show(std::to_string(std::lround(100 * static_cast<double>(position)
+                                                / static_cast<double>(duration_)))
+                     + " %");
     return G_SOURCE_CONTINUE;
   }
 
@@ -128,32 +116,15 @@ private:
   std::vector<guint> sources_;
   std::string failure_;
   bool stopped_ = false;
-  bool shown_ = false;
+  Progress progress_;
 };
 
 } // namespace
 
-Owned<GstElement>
-make_pipeline(const std::string &line)
-{
-  g_autoptr(GError) error = nullptr;
-  Owned<GstElement> pipeline(
-      gst_parse_launch_full(line.c_str(), nullptr, GST_PARSE_FLAG_FATAL_ERRORS, &error));
-  if (!pipeline)
-    throw std::runtime_error(std::string("cannot build the pipeline: ") + error->message);
-  return pipeline;
-}
-
-Owned<GstElement>
-element(const Owned<GstElement> &pipeline, const char *name)
-{
-  return Owned<GstElement>(gst_bin_get_by_name(GST_BIN(pipeline.get()), name));
-}
-
 void
 feed_track(GstElement *appsrc, const tactile::Track &track, CueForm form)
 {
-  // Text is cut down as in a file of it.
+  // In the resolution that a file of text cues has.
   const tactile::Track sent
       = form == CueForm::text
             ? tactile::at_resolution(track, tactile::kTextTick, tactile::kTextSteps)
@@ -173,7 +144,7 @@ feed_track(GstElement *appsrc, const tactile::Track &track, CueForm form)
 }
 
 bool
-run_to_end(const Owned<GstElement> &pipeline, GstClockTime duration, bool quiet)
+run_to_end(const Pipeline &pipeline, GstClockTime duration, bool quiet)
 {
   return Run(pipeline.get(), duration, quiet)();
 }

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "../or_throw.h"
 #include "audio_file.h"
 #include "commands.h"
 #include "options.h"
 #include "session.h"
+
+#include "calibration/calibration.h"
+#include "film/or_throw.h"
 
 #include <algorithm>
 #include <cstdio>
@@ -48,13 +50,13 @@ report(const tactor::Calibration &calibration, const std::vector<tactor::StepRes
     std::printf("tactor %d: %d steps refused: %s\n", what.first, count, what.second.c_str());
   const auto hum = std::ranges::max_element(responses, {}, &tactor::StepResponse::hum);
   if (hum != responses.end() && hum->hum > 0)
-    std::printf("mains hum of up to %.4g RMS was taken out\n", hum->hum);
+    std::printf("mains hum of up to %.4g RMS was removed\n", hum->hum);
 }
 
 } // namespace
 
 int
-run_analyse(int argc, char **argv)
+analyze(int argc, char **argv)
 {
   TextOption band;
   TextOption output;
@@ -64,37 +66,36 @@ run_analyse(int argc, char **argv)
   gdouble offset_ms = 0;
   gboolean find = FALSE;
   gboolean verbose = FALSE;
-  Manner manner;
-  std::vector<std::string> arguments;
-  if (!parse_options(
-          argc, argv, "[FOLDER]",
-          "Measures the recordings in FOLDER, or one that was made elsewhere, and writes a "
-          "calibration.\n"
-          "A recording is any sound GStreamer decodes, or a CSV file of seconds and values.",
-          { { "output", 'o', 0, G_OPTION_ARG_FILENAME, &output.value,
-              "The calibration (default: FOLDER/motors.calibration)", "FILE" },
-            { "band", 'b', 0, G_OPTION_ARG_STRING, &band.value,
-              "Frequencies to listen to, as in 20:160, in Hz (default: found out)", "LOW:HIGH" },
-            { "recording", 0, 0, G_OPTION_ARG_FILENAME, &recording.value,
-              "One recording instead of a folder; with --commands and --output", "FILE" },
-            { "commands", 0, 0, G_OPTION_ARG_FILENAME, &commands.value,
-              "What tactorsink's trace-location wrote meanwhile", "FILE" },
-            { "offset", 0, 0, G_OPTION_ARG_DOUBLE, &offset_ms,
-              "When, after the trace's time 0, the recording's time 0 was", "MS" },
-            { "align", 0, 0, G_OPTION_ARG_NONE, &find,
-              "Find that out by the sound; the latency of the chain is then not known", nullptr },
-            { "motor", 'm', 0, G_OPTION_ARG_STRING, &motor.value, "Which motors they are, in words",
-              "TEXT" },
-            { "verbose", 'v', 0, G_OPTION_ARG_NONE, &verbose, "Every step", nullptr } },
-          manner.entries(Manner::kWritesAnyway, Manner::kSaysOnlyFaults), arguments))
-    return 2;
+  CommonOptions common;
+  const GOptionEntry entries[] = {
+    { "output", 'o', 0, G_OPTION_ARG_FILENAME, &output.value,
+      "The calibration to write (default: FOLDER/motors.calibration)", "FILE" },
+    { "band", 'b', 0, G_OPTION_ARG_STRING, &band.value,
+      "Band to filter, such as 20:160, in Hz (default: detected)", "LOW:HIGH" },
+    { "recording", 0, 0, G_OPTION_ARG_FILENAME, &recording.value,
+      "A single recording instead of FOLDER, with --commands and --output", "FILE" },
+    { "commands", 0, 0, G_OPTION_ARG_FILENAME, &commands.value,
+      "What tactorsink's trace-location wrote during the recording", "FILE" },
+    { "offset", 0, 0, G_OPTION_ARG_DOUBLE, &offset_ms,
+      "Time of the recording's start in that trace (default: 0)", "MS" },
+    { "align", 0, 0, G_OPTION_ARG_NONE, &find,
+      "Find that time by correlation; leaves the latency unknown", nullptr },
+    { "motor", 'm', 0, G_OPTION_ARG_STRING, &motor.value, "Description of the motors", "TEXT" },
+    { "verbose", 'v', 0, G_OPTION_ARG_NONE, &verbose, "Print every step", nullptr },
+    {},
+  };
+  const std::vector<std::string> arguments = parse_options(
+      argc, argv, entries, common,
+      { .arguments = "[FOLDER]",
+        .summary = "Analyzes the recordings in FOLDER, or a single one, and writes a "
+                   "calibration.\nA recording is any sound file that GStreamer "
+                   "decodes, or a CSV file of seconds and values.",
+        .least = 0,
+        .most = 1 });
   const bool single = recording.is_set() && commands.is_set() && output.is_set();
-  if (arguments.size() != (single ? 0 : 1)) {
-    std::fprintf(stderr,
-                 "tactor-calibrate: analyse expects one FOLDER, or --recording, --commands and "
-                 "--output\n");
-    return 2;
-  }
+  if (arguments.size() != (single ? 0 : 1))
+    throw UsageError("expected one FOLDER, or --recording, --commands and --output");
+  gst_init(nullptr, nullptr);
 
   Session::Heard heard;
   std::string sensor = "recording '" + recording.text() + "'";
@@ -127,10 +128,9 @@ run_analyse(int argc, char **argv)
           response.risen_ms, response.onset_ms, response.steady, response.snr_db,
           std::string(tactor::fault_name(response.fault)).c_str());
   if (calibration.tactors.empty())
-    throw std::runtime_error("no rise could be measured in "
-                             + std::to_string(heard.responses.size())
-                             + " steps; is the sensor on the motor? (--verbose names what is wrong "
-                               "with each)");
+    throw std::runtime_error(
+        "no rise could be measured in " + std::to_string(heard.responses.size())
+        + " steps; is the sensor on the motor? (--verbose prints the error of each)");
   g_autofree gchar *method
       = g_strdup_printf("%s; band %.0f to %.0f Hz; %zu steps", sensor.c_str(), heard.band.low_hz,
                         heard.band.high_hz, heard.responses.size());
@@ -138,7 +138,7 @@ run_analyse(int argc, char **argv)
   calibration.date = now();
   calibration.method = method;
   or_throw(tactor::write_calibration(calibration, path));
-  if (manner.quiet)
+  if (common.quiet)
     return 0;
   report(calibration, heard.responses);
   std::printf("written: %s\n", path.c_str());

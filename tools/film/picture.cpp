@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "cairo_picture.h"
+#include "picture.h"
 
-#include "visuotactile-play/output.h"
+#include "output.h"
 
 #include <cairo-svg.h>
 

@@ -24,9 +24,6 @@ Film synthetic_film();
 /// what is wrong with it and what to do: no such file, not readable, not decodable, no picture.
 Film discover_film(const std::string &path_or_uri);
 
-/// A value for a launch line.
-std::string launch_value(const std::string &value);
-
 /// The launch line's beginning for a film: what ends in an element whose source pads are raw video
 /// and sound, named `film`.
 std::string film_source(const Film &film);

@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "film.h"
 
+#include "pipeline.h"
+
 #include <gst/pbutils/pbutils.h>
 
-#include <algorithm>
 #include <cerrno>
-#include <cstring>
 #include <filesystem>
-#include <memory>
 #include <stdexcept>
 #include <system_error>
 #include <unistd.h>
@@ -18,14 +17,6 @@ constexpr int kSyntheticSide = 640;
 constexpr int kSyntheticFps = 30;
 constexpr int kStaticSeconds = 15;
 constexpr int kDynamicSeconds = 10;
-
-struct ObjectUnref
-{
-  void operator()(gpointer object) const
-  {
-    g_object_unref(object);
-  }
-};
 
 std::string
 to_uri(const std::string &path)
@@ -85,11 +76,11 @@ discover_film(const std::string &path_or_uri)
   film.title = path_or_uri;
 
   g_autoptr(GError) error = nullptr;
-  const std::unique_ptr<GstDiscoverer, ObjectUnref> discoverer(
+  const std::unique_ptr<GstDiscoverer, GstUnref> discoverer(
       gst_discoverer_new(20 * GST_SECOND, &error));
   if (!discoverer)
     throw std::runtime_error(error->message);
-  const std::unique_ptr<GstDiscovererInfo, ObjectUnref> info(
+  const std::unique_ptr<GstDiscovererInfo, GstUnref> info(
       gst_discoverer_discover_uri(discoverer.get(), film.uri.c_str(), &error));
   if (!info)
     throw std::runtime_error("cannot look into '" + path_or_uri
@@ -126,23 +117,6 @@ discover_film(const std::string &path_or_uri)
   if (!video)
     throw std::runtime_error("'" + path_or_uri + "' has no moving picture; expected a film");
   return film;
-}
-
-std::string
-launch_value(const std::string &value)
-{
-  const auto is_plain = [](char c) {
-    return g_ascii_isalnum(c) || std::strchr("_-./:%", c);
-  };
-  if (!value.empty() && std::ranges::all_of(value, is_plain))
-    return value;
-  std::string text = "\"";
-  for (const char c : value) {
-    if (c == '"' || c == '\\')
-      text += '\\';
-    text += c;
-  }
-  return text + "\"";
 }
 
 std::string

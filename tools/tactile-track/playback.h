@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include "film/pipeline.h"
+#include "gst/cues/cue_stream.h"
+#include "tracks/track.h"
+
+/// Pushes the whole track into an appsrc as cues without gaps, silent ones too, then end of stream.
+/// Before the appsrc starts.
+void feed_track(GstElement *appsrc, const tactile::Track &track, CueForm form);
+
+/// Plays to the end of the stream, with progress on a terminal in percent of `duration` where that
+/// is known. Throws std::runtime_error with what an element reports; false after SIGINT or SIGTERM.
+bool run_to_end(const Pipeline &pipeline, GstClockTime duration, bool quiet);
