@@ -133,7 +133,7 @@ tactor_post_stats(GstElement *element, GstStructure *stats)
 }
 
 GstStructure *
-tactor_stats_new(const TactorScheduler::Counters &counters, const tactor::DriverStatus &board,
+tactor_stats_new(const TactorActuation::Counters &counters, const tactor::DriverStatus &board,
                  const tactor::LimitCounters &limited, tactor::Scheduling scheduling)
 {
   GstStructure *stats

@@ -3,7 +3,8 @@
 
 #include "tactor/driver.h"
 #include "tactor/motor_limits.h"
-#include "tactorscheduler.h"
+#include "tactor/realtime/realtime_thread.h"
+#include "tactoractuation.h"
 
 #include <gst/gst.h>
 
@@ -38,6 +39,6 @@ void tactor_post_lead_short(GstElement *element, tactor::Time lead, tactor::Time
 void tactor_post_stats(GstElement *element, GstStructure *stats);
 
 /// Property `actuation-stats`. Transfer full.
-GstStructure *tactor_stats_new(const TactorScheduler::Counters &counters,
+GstStructure *tactor_stats_new(const TactorActuation::Counters &counters,
                                const tactor::DriverStatus &board,
                                const tactor::LimitCounters &limited, tactor::Scheduling scheduling);

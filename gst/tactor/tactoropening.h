@@ -4,7 +4,7 @@
 #include "tactor/command_planner.h"
 #include "tactor/driver.h"
 #include "tactor/opening_turn.h"
-#include "tactorscheduler.h"
+#include "tactoroutput.h"
 #include "tactorsettings.h"
 
 #include <gst/gst.h>

@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "tactorscheduler.h"
 
-#include <algorithm>
 #include <utility>
 
 using tactor::Command;
 using tactor::Time;
 
-TactorScheduler::TactorScheduler(Host host) : host_(std::move(host)), queue_(0)
+TactorScheduler::TactorScheduler(Host host) : host_(std::move(host))
 {
 }
 
@@ -21,15 +20,8 @@ TactorScheduler::start(Open open, double full_scale_volts, bool realtime)
 {
   stop();
   std::lock_guard lock(mutex_);
-  full_scale_volts_ = full_scale_volts;
-  queue_ = tactor::CommandQueue(0);
-  sent_.clear();
+  actuation_.start(full_scale_volts);
   last_status_ = {};
-  counters_ = {};
-  expires_.reset();
-  refresh_.reset();
-  starved_.reset();
-  soft_start_.arm();
   quit_ = playing_ = failed_ = away_ = false;
   met_ = requested_;
   running_ = Time(0);
@@ -102,10 +94,7 @@ Time
 TactorScheduler::flush()
 {
   std::unique_lock lock(mutex_);
-  counters_.dropped += queue_.clear();
-  expires_.reset();
-  starved_.reset();
-  soft_start_.arm();
+  actuation_.clear();
   settle(lock);
   return running_;
 }
@@ -116,7 +105,7 @@ TactorScheduler::drain(std::uint64_t interruptions)
   std::unique_lock lock(mutex_);
   settled_.wait(lock, [&] {
     return interruptions_ != interruptions || !live_ || failed_
-           || (queue_.size() == 0 && !issuing_);
+           || (actuation_.pending() == 0 && !issuing_);
   });
 }
 
@@ -148,7 +137,7 @@ void
 TactorScheduler::set_ramp_in(Time length)
 {
   std::lock_guard lock(mutex_);
-  soft_start_.set_length(length);
+  actuation_.set_ramp_in(length);
   wake();
 }
 
@@ -172,19 +161,11 @@ TactorScheduler::set_immediate(bool immediate)
 void
 TactorScheduler::push(std::span<const Command> commands, Time expires, Time now)
 {
-  std::vector<Command> known(commands.begin(), commands.end());
-  for (Command &command : known)
-    command.known = now;
   std::unique_lock lock(mutex_);
-  const std::optional<Time> before = queue_.next_due();
-  queue_.push(known);
-  const bool sleeps_on_nothing = !before && !expires_;
-  expires_ = expires;
-  // A wait that ends too early looks again and goes on waiting; only one that would end too late is
-  // cut short.
-  if (sleeps_on_nothing || (queue_.next_due() && (!before || *queue_.next_due() < *before)))
+  // Only a sleep that would end too late is cut short.
+  if (actuation_.push(commands, expires, now))
     wake();
-  // Nobody paces a stream that does not wait for the clock but who works it off.
+  // Backpressure: no clock paces such a stream.
   if (immediate_ && playing_)
     settle(lock);
 }
@@ -193,7 +174,7 @@ void
 TactorScheduler::timing_changed()
 {
   std::lock_guard lock(mutex_);
-  // A request, since the thread may have read the timing already and not be asleep yet.
+  // A request: the thread may have read the old timing and not be asleep yet.
   requested_++;
   wake();
 }
@@ -202,16 +183,14 @@ std::optional<Time>
 TactorScheduler::take_starved()
 {
   std::lock_guard lock(mutex_);
-  return std::exchange(starved_, std::nullopt);
+  return actuation_.take_starved();
 }
 
 TactorScheduler::Counters
 TactorScheduler::counters() const
 {
   std::lock_guard lock(mutex_);
-  Counters counters = counters_;
-  counters.coalesced = queue_.coalesced();
-  return counters;
+  return actuation_.counters();
 }
 
 tactor::DriverStatus
@@ -231,7 +210,7 @@ bool
 TactorScheduler::trace_failed() const
 {
   std::lock_guard lock(mutex_);
-  return trace_ && trace_->failed();
+  return actuation_.trace_failed();
 }
 
 bool
@@ -241,7 +220,7 @@ TactorScheduler::failed() const
   return failed_;
 }
 
-/// Ends whatever the thread waits on; it looks at everything anew.
+/// Ends any wait of the thread's, which starts another turn.
 void
 TactorScheduler::wake()
 {
@@ -250,7 +229,7 @@ TactorScheduler::wake()
   wake_.notify_all();
 }
 
-/// Returns when what the motors shall do now is what they were told.
+/// Makes a request and waits until it is met.
 void
 TactorScheduler::settle(Lock &lock)
 {
@@ -258,34 +237,31 @@ TactorScheduler::settle(Lock &lock)
     return;
   const std::uint64_t request = ++requested_;
   wake();
-  // The host, when the thread tells it something, must not wait for the thread.
+  // The host, when called on the thread, must not wait for it.
   if (!thread_.is_current())
     settled_.wait(lock, [&] { return met_ >= request || !live_; });
 }
 
-/// False if there is nothing to play on. Called with the lock held, which it gives up.
+/// False if there is no board to play on.
 bool
 TactorScheduler::open_output(Lock &lock, const Open &open, const std::stop_token &stop)
 {
   lock.unlock();
   tl::expected<TactorOutput, tactor::DriverError> opened = open(stop);
   lock.lock();
-  if (quit_) { // whoever stopped it waits for no board any more
-    lock.unlock();
+  if (quit_) {
+    lock.unlock(); // closing takes time
     opened = tl::unexpected(tactor::DriverError{});
     lock.lock();
   } else if (opened) {
     driver_ = std::move(opened->driver);
-    trace_ = std::move(opened->trace);
-    refresh_interval_ = driver_->refresh_interval();
-    line_ = driver_->line();
-    queue_ = tactor::CommandQueue(driver_->tactors());
+    actuation_.open(*driver_, std::move(opened->trace));
     live_ = true;
   } else {
     lock.unlock();
     host_.open_failed(opened.error());
     lock.lock();
-    failed_ = true; // whoever fails for it does so after the reason was told
+    failed_ = true; // after the error message
   }
   settled_.notify_all();
   return opened.has_value();
@@ -313,12 +289,10 @@ TactorScheduler::run(const Open &open, const std::stop_token &stop, bool wants_r
     lock.lock();
   }
   playing_ = false;
-  counters_.dropped += queue_.clear();
-  apply(lock, running_, {});
+  actuation_.clear();
+  carry_out(lock, actuation_.update(now()));
   close_driver(lock);
-  if (trace_)
-    trace_->flush();
-  trace_.reset();
+  actuation_.close();
   live_ = false;
   settled_.notify_all();
 }
@@ -326,33 +300,31 @@ TactorScheduler::run(const Open &open, const std::stop_token &stop, bool wants_r
 void
 TactorScheduler::turn(Lock &lock)
 {
-  if (met_ == requested_
-      && (!playing_
-          || (!queue_.next_due() && !expires_ && !refresh_ && !soft_start_.next_step(running_)))) {
+  if (met_ == requested_ && (!playing_ || !actuation_.next(running_))) {
     wake_.wait(lock);
     return;
   }
 
-  // The host takes the element's locks, under which others may be waiting for ours.
+  // The host takes the element's locks, whose holders may wait for ours.
   lock.unlock();
   const TactorTiming timing = host_.timing();
-  const std::optional<Time> now = timing.now();
+  const std::optional<Time> running = timing.now();
   lock.lock();
-  const bool timed = timed_ = !immediate_ && now;
-  if (timed)
-    running_ = *now;
-  // After a seek running time begins anew.
-  if (refresh_)
-    refresh_ = std::min(*refresh_, running_ + refresh_interval_);
+  timed_ = !immediate_ && running;
+  if (timed_)
+    running_ = *running;
+  const std::optional<Time> refresh_interval = actuation_.refresh_interval();
+  if (refresh_interval)
+    actuation_.refresh_by(running_ + *refresh_interval); // a seek may have set running time back
 
   if (met_ != requested_) {
-    // Whoever asks for more while the driver is being written to gets another turn.
+    // A request made during the write gets a turn of its own.
     const std::uint64_t request = requested_;
     if (playing_)
-      issue_due(lock, timed);
-    apply(lock, running_, {});
-    if (!playing_ && trace_)
-      trace_->flush();
+      issue_due(lock);
+    carry_out(lock, actuation_.update(now()));
+    if (!playing_)
+      actuation_.flush_trace();
     met_ = request;
     settled_.notify_all();
     return;
@@ -360,51 +332,61 @@ TactorScheduler::turn(Lock &lock)
   if (quit_ || !playing_)
     return;
 
-  if (issue_due(lock, timed)) {
+  if (issue_due(lock))
     return;
-  } else if ((refresh_ && *refresh_ <= running_)
-             || (timed && driver_ && soft_start_.ceiling(running_) != ceiling_)) {
-    apply(lock, running_, {});
-  } else if (!timed) {
-    if (!refresh_)
+  if (actuation_.needs_update(now())) {
+    carry_out(lock, actuation_.update(now()));
+  } else if (!timed_) {
+    if (!refresh_interval)
       wake_.wait(lock);
-    else if (wake_.wait_for(lock, refresh_interval_) == std::cv_status::timeout)
-      refresh_ = running_;
-  } else {
-    Time until = Time::max();
-    for (const std::optional<Time> &next :
-         { queue_.next_due(), expires_, refresh_, soft_start_.next_step(running_) })
-      until = std::min(until, next.value_or(Time::max()));
-    if (until != Time::max())
-      wait_until(lock, timing, until);
+    else if (wake_.wait_for(lock, *refresh_interval) == std::cv_status::timeout)
+      actuation_.refresh_by(running_);
+  } else if (const std::optional<Time> next = actuation_.next(running_)) {
+    wait_until(lock, timing, *next);
   }
 }
 
-/// Hands over what is due now. Untimed, that is everything, each command as if its time had come.
-/// False if there was nothing.
+/// False if nothing was due.
 bool
-TactorScheduler::issue_due(Lock &lock, bool timed)
+TactorScheduler::issue_due(Lock &lock)
 {
-  if (!timed)
-    expires_.reset();
-  // What was shown so long ago is not made up for: a film that is behind would shake the chair.
-  if (expires_ && *expires_ <= running_) {
-    starve(lock, running_);
-    return true;
-  }
   bool any = false;
-  for (std::optional<Time> next = queue_.next_due();
-       next && (timed ? *next <= running_ : queue_.size() > 0); next = queue_.next_due()) {
-    if (!timed)
-      running_ = *next;
+  while (const std::optional<TactorActuation::Step> step = actuation_.take_due(now())) {
+    running_ = step->running;
     issuing_ = true;
-    issue(lock, running_, queue_.take_due(running_), timed);
+    carry_out(lock, *step);
     issuing_ = false;
     any = true;
   }
   if (any)
     settled_.notify_all();
   return any;
+}
+
+void
+TactorScheduler::carry_out(Lock &lock, const TactorActuation::Step &step)
+{
+  if (step.volts) {
+    lock.unlock();
+    const tl::expected<void, tactor::DriverError> written
+        = driver_->write(*step.volts, step.running);
+    lock.lock();
+    if (written)
+      actuation_.written(step);
+    else
+      fail(lock, step.running, written.error());
+  }
+  if (step.short_lead) {
+    lock.unlock();
+    host_.lead_short(step.short_lead->lead, step.short_lead->late);
+    lock.lock();
+  }
+}
+
+TactorActuation::Now
+TactorScheduler::now() const
+{
+  return { .running = running_, .timed = timed_, .silent = !playing_ || muted_ || away_ };
 }
 
 void
@@ -424,146 +406,9 @@ TactorScheduler::wait_until(Lock &lock, const TactorTiming &timing, Time running
 }
 
 void
-TactorScheduler::issue(Lock &lock, Time running, std::span<const Command> commands, bool timed)
-{
-  Time latest{ 0 };
-  Time lead{ 0 };
-  for (const Command &command : commands) {
-    counters_.issued++;
-    if (!timed)
-      continue;
-    const Time late = running - command.due();
-    counters_.error.add(late);
-    if (late > kLate)
-      counters_.late++;
-    counters_.came_late += command.known > command.due();
-    const Time waited = running - std::max(command.due(), command.known);
-    counters_.thread_error.add(waited);
-    counters_.thread_late += waited > kLate;
-    if (late > latest) {
-      latest = late;
-      lead = command.lead;
-    }
-  }
-  apply(lock, running, commands);
-  if (latest > kLate) {
-    lock.unlock();
-    host_.lead_short(lead, latest);
-    lock.lock();
-  }
-}
-
-void
-TactorScheduler::starve(Lock &lock, Time running)
-{
-  const std::vector<Command> stale = queue_.take_due(running);
-  std::vector<Command> zeros;
-  const std::span<const double> levels = queue_.levels();
-  for (std::size_t i = 0; i < levels.size(); i++)
-    if (levels[i] > 0)
-      zeros.push_back(
-          { .effect = *expires_, .lead = Time(0), .tactor = static_cast<int>(i), .volts = 0 });
-  expires_.reset();
-  if (zeros.empty() && stale.empty())
-    return;
-  counters_.dropped += stale.size();
-  counters_.starved += std::ranges::any_of(sent_, [](double volts) { return volts != 0; });
-  starved_ = running;
-  queue_.push(zeros);
-  apply(lock, running, queue_.take_due(running));
-  settled_.notify_all();
-  if (stale.empty())
-    return;
-  lock.unlock();
-  host_.lead_short(stale.front().lead, running - stale.front().due());
-  lock.lock();
-}
-
-/// The tactors that are not at zero.
-static std::vector<std::size_t>
-vibrating(std::span<const double> levels)
-{
-  std::vector<std::size_t> tactors;
-  for (std::size_t i = 0; i < levels.size(); i++)
-    if (levels[i] != 0)
-      tactors.push_back(i);
-  return tactors;
-}
-
-/// Makes the driver's volts what they have to be now. `commands` are those that led here, for the
-/// trace; any other change (pause, resume, mute, flush, a lost board) is traced as due and in
-/// effect when it happened.
-void
-TactorScheduler::apply(Lock &lock, Time running, std::span<const Command> commands)
-{
-  if (!driver_)
-    return;
-
-  const std::span<const double> levels = queue_.levels();
-  // All that the board has been told of, and all that it should be told.
-  const auto last
-      = std::find_if(levels.rbegin(), levels.rend(), [](double volts) { return volts != 0; });
-  std::size_t used = std::max(sent_.size(), static_cast<std::size_t>(levels.rend() - last));
-  for (const Command &command : commands)
-    used = std::max(used, static_cast<std::size_t>(command.tactor) + 1);
-  used = std::min(used, levels.size());
-
-  const bool silent = !playing_ || muted_ || away_;
-  sent_.resize(used, 0.0);
-  std::vector<double> volts(used, 0.0);
-  if (silent)
-    soft_start_.arm();
-  else if (timed_ && last != levels.rend())
-    counters_.ramps += soft_start_.vibrate(running, line_.of(vibrating(levels)));
-  ceiling_ = soft_start_.ceiling(running);
-  const double ceiling = full_scale_volts_ * (timed_ ? ceiling_ : 1.0);
-  if (!silent)
-    std::transform(levels.begin(), levels.begin() + static_cast<std::ptrdiff_t>(used),
-                   volts.begin(), [=](double level) { return std::min(level, ceiling); });
-  if (volts == sent_ && !(refresh_ && *refresh_ <= running))
-    return;
-
-  lock.unlock();
-  const tl::expected<void, tactor::DriverError> written = driver_->write(volts, running);
-  lock.lock();
-
-  if (!written) {
-    fail(lock, running, written.error());
-    return;
-  }
-  trace_changes(running, commands, volts);
-  sent_ = std::move(volts);
-  refresh_.reset();
-  if (refresh_interval_ > Time(0) && std::ranges::any_of(sent_, [](double v) { return v != 0; }))
-    refresh_ = running + refresh_interval_;
-}
-
-void
-TactorScheduler::trace_changes(Time running, std::span<const Command> commands,
-                               std::span<const double> volts)
-{
-  if (!trace_)
-    return;
-  for (std::size_t i = 0; i < volts.size(); i++) {
-    if (volts[i] == sent_[i])
-      continue;
-    const int index = static_cast<int>(i);
-    const auto command = std::ranges::find(commands, index, &Command::tactor);
-    Command sent{ .effect = running, .lead = Time(0), .tactor = index, .volts = volts[i] };
-    if (command != commands.end())
-      sent = *command;
-    sent.volts = volts[i];
-    trace_->write({ .command = sent, .issued = running });
-  }
-}
-
-void
 TactorScheduler::fail(Lock &lock, Time running, const tactor::DriverError &error)
 {
-  trace_changes(running, {}, std::vector<double>(sent_.size(), 0.0)); // no motor runs on
-  sent_.clear();
-  refresh_.reset();
-  soft_start_.arm();
+  actuation_.failed(running);
   failed_ = true;
   close_driver(lock);
   lock.unlock();
