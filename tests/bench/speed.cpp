@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 //
-// What the analysis of a frame costs, beside what others take: tables of docs/measured/speed.md, and its
-// plot. Everything is measured in one run, in turns. One thread is measured in CPU time, more on
-// the wall.
+// What the analysis of a frame costs, beside what others take: makes docs/measured/speed.md and its
+// plot. Contenders take turns in one run. One thread is measured in CPU time, more on the wall.
 #include "allocations.h"
 #include "analysis.h"
 #include "film.h"
@@ -20,6 +19,7 @@
 #include <charconv>
 #include <cmath>
 #include <cstdio>
+#include <filesystem>
 #include <fstream>
 #include <iostream>
 #include <memory>
@@ -37,6 +37,7 @@ namespace {
 struct Options
 {
   gboolean quick = FALSE;
+  gint runs = 1;
   gchar **sizes = nullptr;
   gchar *markdown = nullptr;
   gchar *csv = nullptr;
@@ -120,10 +121,16 @@ milliseconds(double ms)
   return figure(ms, ms < 0.1 ? 4 : ms < 10 ? 3 : 1);
 }
 
+/// With the caption that all sizes have in common if it is the first.
 Table
-race_table(const Result &result)
+race_table(const Result &result, bool first)
 {
   Table table("A frame of " + size_text(result.size),
+              first ? "One thread in CPU time, several on the wall; medians of the rounds. "
+                      "Of the speed of memory: the time of reading the frame once, as a share. "
+                      "Bytes allocated: by malloc, in each frame after the first ones. "
+                      "× peer: how many times as quick as the peer."
+                    : "",
               { "method", "format", "threads", "ms", "ns a pixel", "of the speed of memory",
                 "bytes allocated", "× literal paper", "× OpenCV rewrite",
                 "× the same, decimating first", "× spectral residual", "× fine-grained",
@@ -144,19 +151,30 @@ race_table(const Result &result)
   return table;
 }
 
-/// What there is to gain, and by how many threads: on the wall, one thread, too.
-Table
-target_table(const std::vector<Result> &results)
+/// A ratio that is to be reached, at each size.
+struct Target
 {
-  std::vector<std::string> header{ "target" };
-  for (const Result &result : results)
-    header.push_back(size_text(result.size));
-  Table table("Targets", header);
+  std::string name;
+  std::vector<double> ratios;
+};
+
+/// Smaller frames have no targets.
+bool
+has_targets(cv::Size size)
+{
+  return size.area() >= 1'000'000;
+}
+
+/// Of one run. What several threads gain is measured on the wall, one thread, too.
+std::vector<Target>
+targets(const std::vector<Result> &results)
+{
+  std::vector<Target> all;
   const auto add = [&](const std::string &name, const auto &value) {
-    std::vector<std::string> row{ name };
+    all.push_back({ name, {} });
     for (const Result &result : results)
-      row.push_back(times(value(result)));
-    table.add(row);
+      if (has_targets(result.size))
+        all.back().ratios.push_back(value(result));
   };
   const struct
   {
@@ -189,6 +207,35 @@ target_table(const std::vector<Result> &results)
           const Contender *two = result.find(method, input, 2);
           return one && two ? ratio(one->wall_ms, two->wall_ms) : std::nan("");
         });
+  return all;
+}
+
+/// The least and the most of all runs.
+Table
+target_table(const std::vector<cv::Size> &sizes, const std::vector<std::vector<Target>> &runs)
+{
+  std::vector<std::string> header{ "target" };
+  for (const cv::Size size : sizes)
+    if (has_targets(size))
+      header.push_back(size_text(size));
+  Table table("Targets",
+              "How many times as quick, or as long; the least and the most of "
+                  + std::to_string(runs.size()) + (runs.size() == 1 ? " run." : " runs.")
+                  + " The other tables are of the last run.",
+              header);
+  for (std::size_t i = 0; i < runs.front().size(); i++) {
+    std::vector<std::string> row{ runs.front()[i].name };
+    for (std::size_t size = 0; size + 1 < header.size(); size++) {
+      std::vector<double> ratios;
+      for (const auto &run : runs)
+        ratios.push_back(run[i].ratios[size]);
+      const auto [least, most] = std::ranges::minmax(ratios);
+      const std::string low = times(least);
+      const std::string high = times(most);
+      row.push_back(low == high ? low : low + "–" + high);
+    }
+    table.add(row);
+  }
   return table;
 }
 
@@ -199,7 +246,7 @@ stage_table(const std::vector<cv::Size> &all, bool quick)
   for (const auto stage : quality::kStages)
     header.emplace_back(quality::name(stage));
   header.insert(header.end(), { "pooling", "sum" });
-  Table table("Stages, ms a frame", header);
+  Table table("Stages", "CPU time of each stage, in ms a frame.", header);
   struct Case
   {
     const char *name;
@@ -320,33 +367,43 @@ write(const char *path, const std::string &text)
 }
 
 bool
-report(const Options &options)
+report(const Options &options, const std::vector<std::string> &command)
 {
   const auto all = sizes(options);
   const int rounds = options.quick ? 3 : 15;
-  std::vector<Table> tables;
   std::vector<Result> results;
-  for (const cv::Size size : all) {
-    std::fprintf(stderr, "%s\n", size_text(size).c_str());
-    results.push_back({ size, contenders(size) });
-    race(results.back().contenders, rounds);
-    for (Contender &one : results.back().contenders)
-      one.work = {};
-    tables.push_back(race_table(results.back()));
+  std::vector<std::vector<Target>> runs;
+  for (int run = 0; run < options.runs; run++) {
+    results.clear();
+    for (const cv::Size size : all) {
+      std::fprintf(stderr, "run %d: %s\n", run + 1, size_text(size).c_str());
+      results.push_back({ size, contenders(size) });
+      race(results.back().contenders, rounds);
+      for (Contender &one : results.back().contenders)
+        one.work = {};
+    }
+    runs.push_back(targets(results));
   }
-  tables.insert(tables.begin(), target_table(results));
+  std::vector<Table> tables{ target_table(all, runs) };
+  for (const Result &result : results)
+    tables.push_back(race_table(result, &result == &results.front()));
   std::fprintf(stderr, "stages\n");
   tables.push_back(stage_table(all, options.quick));
 
   const cv::Size grid_size = all[all.size() > 2 ? 2 : all.size() - 1];
   const auto grids = grid_times(grid_size, rounds);
-  Table grid_table("Tactors, a frame of " + size_text(grid_size), { "tactors", "ms" });
+  Table grid_table("Tactors, a frame of " + size_text(grid_size), "CPU time of one thread.",
+                   { "tactors", "ms" });
   for (const auto &[side, ms] : grids)
     grid_table.add({ std::to_string(side) + "×" + std::to_string(side), milliseconds(ms) });
   tables.push_back(grid_table);
 
   std::ostringstream markdown;
   std::ostringstream csv;
+  quality::write_page_head(markdown, "Speed of the analysis", command);
+  if (options.svg)
+    markdown << "![ms a frame against pixels, tactors and threads]("
+             << std::filesystem::path(options.svg).filename().string() << ")\n\n";
   for (const Table &table : tables) {
     table.write_markdown(markdown);
     table.write_csv(csv);
@@ -372,13 +429,14 @@ int
 main(int argc, char **argv)
 {
   Options options;
+  const std::vector<std::string> command(argv, argv + argc);
   const GOptionEntry entries[] = {
     { "quick", 0, 0, G_OPTION_ARG_NONE, &options.quick, "Fewer rounds", nullptr },
+    { "runs", 0, 0, G_OPTION_ARG_INT, &options.runs, "Runs whose targets are told (1)", "N" },
     { "sizes", 0, 0, G_OPTION_ARG_STRING_ARRAY, &options.sizes,
       "Only this size; may be repeated (640x480, 1000x1000, 1920x1080, 3840x2160)",
       "WIDTHxHEIGHT" },
-    { "markdown", 0, 0, G_OPTION_ARG_FILENAME, &options.markdown, "Write the tables as Markdown",
-      "FILE" },
+    { "markdown", 0, 0, G_OPTION_ARG_FILENAME, &options.markdown, "Write the page", "FILE" },
     { "csv", 0, 0, G_OPTION_ARG_FILENAME, &options.csv, "Write the tables as CSV", "FILE" },
     { "svg", 0, 0, G_OPTION_ARG_FILENAME, &options.svg, "Write how the cost grows as a plot",
       "FILE" },
@@ -386,7 +444,7 @@ main(int argc, char **argv)
   };
   g_autoptr(GOptionContext) context = g_option_context_new("- what the analysis costs");
   g_option_context_set_summary(context,
-                               "Prints tables of times; docs/measured/speed.md explains them.");
+                               "Prints docs/measured/speed.md; docs/design/speed.md explains it.");
   g_option_context_add_main_entries(context, entries, nullptr);
   g_autoptr(GError) error = nullptr;
   if (!g_option_context_parse(context, &argc, &argv, &error) || argc > 1) {
@@ -394,9 +452,13 @@ main(int argc, char **argv)
                  error ? error->message : "expected options alone");
     return 2;
   }
+  if (options.runs < 1 || options.runs > 10) {
+    std::fprintf(stderr, "speed: expected 1 to 10 runs, got %d\n", options.runs);
+    return 2;
+  }
   cv::setNumThreads(1);
   try {
-    return report(options) ? 0 : 1;
+    return report(options, command) ? 0 : 1;
   } catch (const std::exception &problem) {
     std::fprintf(stderr, "speed: %s\n", problem.what());
     return 1;

@@ -350,9 +350,14 @@ accuracy_table(const std::filesystem::path &data, int threads, bool quick)
     append(photograph_agreement(data, threads, quick));
     append(clip_agreement(data, threads, quick));
   }
-  Table table("Agreement with a double-precision oracle",
-              { "frames of", "map", "front end", "frames", "compared", "ΔE, mean", "r, least",
-                "r, 1 % quantile", "r ≥ 0.999", "same strongest cell", "or as good" });
+  Table table(
+      "Agreement with a double-precision oracle",
+      "Pearson's r of each map with one in double precision, over frames in which something "
+      "is salient. "
+      "Exact: exact=true, L\\*a\\*b\\* of every pixel. "
+      "As good: a cell of at least 95 % of the oracle's strongest.",
+      { "frames of", "map", "front end", "frames", "compared", "ΔE, mean", "r, least",
+        "r, 1 % quantile", "r ≥ 0.999", "same strongest cell", "or as good" });
   for (const auto &row : rows)
     table.add({ row.frames_of, row.map, row.front_end, std::to_string(row.frames),
                 std::to_string(row.compared), figure(row.delta_e, 3), figure(row.least, 5),

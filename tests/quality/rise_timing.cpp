@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 //
-// When did the vibration arrive? Reads a command trace (tactorsink trace-location), drives a
+// When did the vibration arrive? Reads command traces (tactorsink trace-location), drives a
 // simulated motor per tactor with the commands as they were issued, and prints how far from its
-// frame each rising command reached 90 % of its level, as a histogram. Usage: rise_timing
-// commands.csv ...
+// frame rising commands reached 90 % of their level: a row a trace, as Markdown.
+// Usage: rise_timing commands.csv ...
 #include "../../tools/film/or_throw.h"
 #include "tactor/command_trace.h"
 #include "tactor/motor_model.h"
@@ -12,6 +12,7 @@
 #include <cmath>
 #include <cstdio>
 #include <exception>
+#include <filesystem>
 #include <limits>
 #include <map>
 #include <string>
@@ -22,11 +23,8 @@ using tactor::Time;
 
 namespace {
 
-constexpr double kBinMs = 10;
-constexpr int kBins = 20; // on each side of the frame
-
 /// Milliseconds from a rising command's frame to 90 % of its level; NaN if the next command came
-/// before.
+/// before: such rises are left out.
 double
 arrival_ms(const tactor::MotorModel &motor, const IssuedCommand &command, Time until)
 {
@@ -48,7 +46,6 @@ judge(const char *path)
   const std::vector<IssuedCommand> trace = or_throw(tactor::read_command_trace(path));
   std::map<int, tactor::MotorModel> motors;
   std::vector<double> arrivals;
-  int overtaken = 0;
   for (std::size_t i = 0; i < trace.size(); i++) {
     const IssuedCommand &command = trace[i];
     tactor::MotorModel &motor = motors[command.command.tactor];
@@ -62,36 +59,20 @@ judge(const char *path)
     const Time until
         = next == trace.end() ? command.issued + std::chrono::seconds(2) : next->issued;
     const double arrival = arrival_ms(motor, command, until);
-    if (std::isnan(arrival))
-      overtaken++;
-    else
+    if (!std::isnan(arrival))
       arrivals.push_back(arrival);
   }
   std::ranges::sort(arrivals);
-  std::printf("%s: %zu rising commands, %d overtaken by the next before 90 %%\n", path,
-              arrivals.size(), overtaken);
-  if (arrivals.empty())
-    return;
   const auto within = std::ranges::count_if(arrivals, [](double ms) { return std::abs(ms) <= 10; });
   const auto at = [&](double share) {
     return arrivals[static_cast<std::size_t>(share * static_cast<double>(arrivals.size() - 1))];
   };
-  std::printf("90 %% reached, relative to the frame: %.1f ms p1, %.1f ms p50, %.1f ms p99; within "
-              "10 ms: %.1f %%\n",
-              at(0.01), at(0.5), at(0.99),
-              100.0 * static_cast<double>(within) / static_cast<double>(arrivals.size()));
-  for (int bin = -kBins; bin < kBins; bin++) {
-    const double low = (bin - 0.5) * kBinMs;
-    const auto count = std::ranges::count_if(
-        arrivals, [&](double ms) { return ms >= low && ms < low + kBinMs; });
-    if (count > 0)
-      std::printf(
-          "%5.0f ms %6td %s\n", bin * kBinMs, count,
-          std::string(static_cast<std::size_t>(std::ceil(60.0 * static_cast<double>(count)
-                                                         / static_cast<double>(arrivals.size()))),
-                      '#')
-              .c_str());
-  }
+  std::printf("| %s | %zu |", std::filesystem::path(path).stem().c_str(), arrivals.size());
+  if (arrivals.empty())
+    std::printf(" – | – | – | – |\n");
+  else
+    std::printf(" %.1f ms | %.1f ms | %.1f ms | %.1f %% |\n", at(0.01), at(0.5), at(0.99),
+                100.0 * static_cast<double>(within) / static_cast<double>(arrivals.size()));
 }
 
 } // namespace
@@ -103,6 +84,8 @@ main(int argc, char **argv)
     std::fprintf(stderr, "usage: %s commands.csv ...\n", argv[0]);
     return 2;
   }
+  std::printf("| trace | rises | p1 | p50 | p99 | within ± 10 ms |\n"
+              "|---|---|---|---|---|---|\n");
   try {
     for (int i = 1; i < argc; i++)
       judge(argv[i]);

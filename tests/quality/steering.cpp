@@ -114,9 +114,11 @@ cue_limit_table(int threads)
     cases.push_back(film);
   }
   const auto scores = score_films(cases, threads);
-  Table table("Limits to cues",
-              { "max-cue-duration, s", "cue-refractory, s", "(a) static", "(a) dynamic",
-                "(d) dynamic, frames", "tactors felt, static", "tactors felt, dynamic" });
+  Table table(
+      "Limits to cues",
+      "What limits to a cue's length do to the paper's films; columns as in the first table.",
+      { "max-cue-duration, s", "cue-refractory, s", "(a) static", "(a) dynamic",
+        "(d) dynamic, frames", "tactors felt, static", "tactors felt, dynamic" });
   const auto seconds = [](Time time) {
     return figure(std::chrono::duration<double>(time).count(), 1);
   };
@@ -144,6 +146,7 @@ viewport_table(int threads)
   }
   const auto scores = score_films(cases, threads);
   Table table("The viewport that adapts",
+              "How often viewport=adaptive has the strongest cell that the whole picture has.",
               { "film", "strongest cell is the fixed viewport's", "(a) fixed", "(a) adaptive" });
   for (std::size_t i = 0; i < cases.size(); ++i)
     table.add({ cases[i].film, percent(agreement(cases[i]).value()),

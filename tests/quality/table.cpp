@@ -1,10 +1,21 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "table.h"
 
+#include <glib.h>
+#include <hwy/targets.h>
+
+#include <opencv2/core/version.hpp>
+
+#include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <cstdio>
+#include <fstream>
+#include <memory>
 #include <ostream>
+#include <sstream>
 #include <stdexcept>
+#include <thread>
 #include <utility>
 
 namespace quality {
@@ -30,10 +41,63 @@ write_row(std::ostream &out, const std::vector<std::string> &row)
   out << "|\n";
 }
 
+/// In lines of at most 100 columns, as prose is.
+void
+write_lines(std::ostream &out, const std::string &text)
+{
+  std::istringstream words(text);
+  std::size_t column = 0;
+  for (std::string word; words >> word;) {
+    const auto width = static_cast<std::size_t>(
+        std::ranges::count_if(word, [](char c) { return (c & 0xC0) != 0x80; }));
+    if (column > 0)
+      out << (column + 1 + width > 100 ? "\n" : " ");
+    column = column > 0 && column + 1 + width <= 100 ? column + 1 + width : width;
+    out << word;
+  }
+  if (column > 0)
+    out << "\n\n";
+}
+
+/// The processor's name, as the kernel has it.
+std::string
+processor()
+{
+  std::ifstream info("/proc/cpuinfo");
+  for (std::string line; std::getline(info, line);)
+    if (line.starts_with("model name"))
+      return line.substr(line.find(": ") + 2);
+  return "unknown processor";
+}
+
+/// The widest instruction set that Highway chooses here.
+std::string
+instruction_set()
+{
+  const std::int64_t targets = hwy::SupportedTargets();
+  return hwy::TargetName(targets & -targets);
+}
+
 } // namespace
 
-Table::Table(std::string title, std::vector<std::string> header)
-    : title_(std::move(title)), header_(std::move(header))
+void
+write_page_head(std::ostream &out, const std::string &title,
+                const std::vector<std::string> &command)
+{
+  out << "# " << title << "\n\nMade by `";
+  for (std::size_t i = 0; i < command.size(); ++i)
+    out << (i > 0 ? " " : "") << command[i];
+  const std::unique_ptr<gchar, decltype(&g_free)> system(g_get_os_info(G_OS_INFO_KEY_PRETTY_NAME),
+                                                         g_free);
+  out << "`; do not edit.\n\n";
+  write_lines(out, processor() + ", " + std::to_string(std::thread::hardware_concurrency())
+                       + " CPUs, " + instruction_set() + "; "
+                       + (system ? system.get() : "unknown system") + ", GCC " __VERSION__
+                       + ", OpenCV " CV_VERSION ".");
+}
+
+Table::Table(std::string title, std::string caption, std::vector<std::string> header)
+    : title_(std::move(title)), caption_(std::move(caption)), header_(std::move(header))
 {
 }
 
@@ -48,7 +112,8 @@ Table::add(std::vector<std::string> row)
 void
 Table::write_markdown(std::ostream &out) const
 {
-  out << "### " << title_ << "\n\n";
+  out << "## " << title_ << "\n\n";
+  write_lines(out, caption_);
   write_row(out, header_);
   for (std::size_t i = 0; i < header_.size(); ++i)
     out << "|---";

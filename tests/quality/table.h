@@ -11,20 +11,28 @@ namespace quality {
 class Table
 {
 public:
-  Table(std::string title, std::vector<std::string> header);
+  /// The caption says in sentences what the columns are, if their names do not.
+  Table(std::string title, std::string caption, std::vector<std::string> header);
 
   /// As many cells as the header has.
   void add(std::vector<std::string> row);
 
+  /// As a section.
   void write_markdown(std::ostream &out) const;
   /// Title first in every line, then the cells; fields quoted as RFC 4180 says.
   void write_csv(std::ostream &out) const;
 
 private:
   std::string title_;
+  std::string caption_;
   std::vector<std::string> header_;
   std::vector<std::vector<std::string>> rows_;
 };
+
+/// How a page of docs/measured begins: its title, the command line that makes it, and what that ran
+/// on.
+void write_page_head(std::ostream &out, const std::string &title,
+                     const std::vector<std::string> &command);
 
 /// With so many digits after the point; "–" for what is not a number.
 std::string figure(double value, int digits);

@@ -1,0 +1,109 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: LGPL-2.1-or-later
+# Makes pages of docs/measured, each whole. Those of quality and speed are made by tactile_quality and speed.
+#
+# Usage: tests/bench/measured.sh PAGE [FILM ...]      PAGE: playback, timing, ways-out; FILM: default ../shared/data/clips/*.mp4 (timing)
+# Expects a computer on which nothing else runs. Takes 1, 15 and 1 minutes. VISUOTACTILE_BUILD names a build folder that is built already.
+set -euo pipefail
+here=$(cd "$(dirname "$0")" && pwd)
+# shellcheck source=../../tools/build.sh
+. "$here/../../tools/build.sh"
+case ${1:-} in
+  playback | timing | ways-out) page=$1 ;;
+  *) sed -n '3,6s/^# \{0,1\}//p' "$0" >&2; exit 2 ;;
+esac
+command="tests/bench/measured.sh $*"
+shift
+targets="rise_timing $([ "$page" != ways-out ] || echo all)"
+build_and_use
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+
+head_of() { # TITLE
+  local set
+  for set in avx512f avx2 sse4_2; do
+    ! grep -m 1 '^flags' /proc/cpuinfo | grep -qw "$set" || break
+  done
+  # shellcheck disable=SC2016 # backticks of Markdown
+  printf '# %s\n\nMade by `%s`; do not edit.\n\n' "$1" "$command"
+  printf '%s, %s CPUs, %s; %s, %s.\n\n' "$(sed -n 's/^model name.*: //p' /proc/cpuinfo | head -n 1)" "$(nproc)" "${set^^}" \
+    "$(sed -n 's/^PRETTY_NAME="\(.*\)"/\1/p' /etc/os-release)" "$(gst-launch-1.0 --version | tail -n +2 | head -n 1)"
+}
+
+# Films on the pipeline's clock, with a simulated chair; rises with each compensation of two of them.
+timing() { # FILM ...
+  local film name compensation room="queue max-size-bytes=0 max-size-buffers=0 max-size-time=400000000"
+  play() { # NAME COMPENSATION SOURCE ...
+    # shellcheck disable=SC2086 # launch lines are words
+    gst-launch-1.0 -q "${@:3}" ! saliencytactile ! tactileextractor name=x x.src ! $room ! fakesink sync=true \
+      x.tactile ! $room ! tactorsink driver=simulator compensation="$2" trace-location="$work/$1, $2.csv"
+  }
+  for film in "$@"; do
+    name=$(basename "$film" .mp4)
+    for compensation in exact frame-block none; do
+      echo "$name, $compensation" >&2
+      play "$name" "$compensation" filesrc location="$film" ! decodebin
+    done
+  done
+  echo "tactiletestsrc, exact" >&2
+  play tactiletestsrc exact tactiletestsrc pattern=dynamic-motion num-buffers=750
+  cat <<'CAPTION'
+## Commands
+
+Films in real time on a simulated chair. The error is |issued − due|; a command is late after 5 ms.
+
+| film, compensation | commands | late | error p50 | p99 | most |
+|---|---|---|---|---|---|
+CAPTION
+  for film in "$work"/*exact.csv; do
+    tail -n +2 "$film" | awk -F , '{ e = ($1 - $2) / 1e6; printf "%.6f\n", e < 0 ? -e : e }' | sort -n |
+      awk -v film="$(basename "$film" .csv)" '{ e[NR] = $1; late += $1 > 5 } END {
+        printf "| %s | %d | %d | %.2f ms | %.2f ms | %.2f ms |\n", film, NR, late, e[int((NR + 1) / 2)], e[int(0.99 * (NR - 1)) + 1], e[NR] }'
+  done
+  cat <<'CAPTION'
+
+## Vibrations
+
+When a simulated motor reaches 90 % of its level, after the command's frame is shown, with each
+`compensation` of tactorsink.
+
+CAPTION
+  (cd "$work" && "$built/tests/quality/rise_timing" ./*.csv)
+  cat <<'CAPTION'
+
+## A busy computer
+
+Commands while other programs take all CPUs, with `tactorsink realtime` and without, in turns. The
+last columns are of commands whose maps were there in time.
+
+CAPTION
+  "$here/busy.sh"
+}
+
+out=$root/docs/measured/$page.md
+{
+  case $page in
+    playback)
+      head_of "CPU time of playing a film"
+      printf 'Decoding an H.264 film with and without saliencytactile: user and system time of all threads.\n\n'
+      "$here/playback.sh"
+      ;;
+    timing)
+      head_of "Timing"
+      [ $# -gt 0 ] || set -- "$root"/../shared/data/clips/*.mp4
+      timing "$@"
+      ;;
+    ways-out)
+      head_of "Ways out"
+      cat <<'CAPTION'
+How long motors go on after each event, at an emulated Mega with the seat firmware at 57600 baud.
+The firmware's watchdog takes 250 ms.
+
+| event | until every motor is at zero |
+|---|---|
+CAPTION
+      meson test -C "$built" --no-rebuild -v ways_out | grep -oE '\| [^|]+ \| [0-9]+ ms \|$'
+      ;;
+  esac
+} >"$work/page.md"
+mv "$work/page.md" "$out"
