@@ -135,7 +135,7 @@ struct Profile
   /// differences of levels c ∈ {0,1,2}, s = c + {3,4}, L*a*b* per pixel.
   static Profile paper();
 
-  /// The best profile measured on films (docs/design/algorithm.md has the figures): one pair c = 2,
+  /// The best profile measured on films (docs/measured/quality.md has the figures): one pair c = 2,
   /// δ = 1, chroma × 2, no N(·), pooled to level 4, onsets only, windows 1/8, 2/16, 4/32, 8/64.
   /// Shot cuts, changes of light, background activity and camera motion are discounted.
   static Profile tuned();

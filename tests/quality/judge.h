@@ -28,9 +28,9 @@ struct Mean
   }
 };
 
-/// How well maps follow films (docs/measured/quality.md). An event is an onset, that is a ball that appears
-/// or starts to move, or its movement; a ball that is there in the first frame is none. A cell is a
-/// ball's if the square around the ball touches it.
+/// How well maps follow films (docs/design/quality.md). An event is an onset, that is a ball that
+/// appears or starts to move, or its movement; a ball that is there in the first frame is none. A
+/// cell is a ball's if the square around the ball touches it.
 struct Scores
 {
   Mean strongest; ///< (a) strongest cell is a ball's: frames within 0.5 s of an event

@@ -61,8 +61,7 @@ Table
 clip_table(const Extent &extent)
 {
   Table table("Real films",
-              "What is felt of films of fixed cameras (intel-iot-devkit/sample-videos, CC BY 4.0), "
-              "as shares of frames and of tactors.",
+              "What is felt of the films in clips/, as shares of frames and of tactors.",
               { "clip", "profile", "frames", "felt", "tactors felt", "at a time", "longest, s",
                 "longest of a tactor, s", "cues a minute", "camera moves", "cuts" });
   for (const auto &[clip, profile, s] : score_clips(extent.data / "clips"))
