@@ -195,9 +195,9 @@ assert_commands_are_the_frames(Player &player, guint at_least)
   fail_unless(checked >= at_least, "%u commands", checked);
 }
 
-/// Picture and sound of the same place in the film have the same running time at each rate, to a
-/// millisecond, which is the resolution of Matroska's timestamps. Compared is stream time minus
-/// rate × running time.
+/// Picture and sound of the same place in the film have the same running time at each rate. The
+/// tolerance is a millisecond, the resolution of Matroska's timestamps. Compared is stream time
+/// minus rate × running time.
 void
 assert_sound_is_the_pictures(Player &player, const std::vector<double> &rates)
 {

@@ -190,8 +190,8 @@ GST_START_TEST(test_bands_and_effects_are_added_up)
 GST_END_TEST;
 
 /// An AHAP file as the reference software's encoder converts it. One second of a ramp from 0.2
-/// through 1 to 0, at 0.8, then from 1 s on half a second at 0.5, all scaled by the file's curve
-/// for actuators. A band without transients.
+/// through 1 to 0, at 0.8. Half a second at 0.5 from 1 s on. The file's curve for actuators scales
+/// both. A band without transients.
 GST_START_TEST(test_ahap)
 {
   const Track track = *read_hjif(contents("ahap.hjif"));

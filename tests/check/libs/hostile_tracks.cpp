@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 //
-// Malicious tracks: each is read or refused with a reason, within the time limit of a test and one
-// gibibyte of memory, or three where a parser builds a tree.
+// Malicious tracks: each is read or refused with a reason, within the time limit of a test. The
+// limit of memory is one gibibyte, or three where a parser builds a tree.
 #include "tracks/formats/track_file.h"
 
 #include "hostile.h"
