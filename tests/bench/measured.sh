@@ -2,19 +2,19 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 # Makes pages of docs/measured, each whole. Those of quality and speed are made by tactile_quality and speed.
 #
-# Usage: tests/bench/measured.sh PAGE [FILM ...]      PAGE: playback, timing, ways-out; FILM: default three of ../shared/data/clips (timing)
-# Expects a computer on which nothing else runs. Takes 1, 15 and 1 minutes. VISUOTACTILE_BUILD names a build folder that is built already.
+# Usage: tests/bench/measured.sh PAGE [FILM ...]      PAGE: calibration, playback, timing, ways-out; FILM: default three of ../shared/data/clips (timing)
+# Expects a computer on which nothing else runs. Takes 5, 1, 15 and 1 minutes. VISUOTACTILE_BUILD names a build folder that is built already.
 set -euo pipefail
 here=$(cd "$(dirname "$0")" && pwd)
 # shellcheck source=../../tools/build.sh
 . "$here/../../tools/build.sh"
 case ${1:-} in
-  playback | timing | ways-out) page=$1 ;;
+  calibration | playback | timing | ways-out) page=$1 ;;
   *) sed -n '3,6s/^# \{0,1\}//p' "$0" >&2; exit 2 ;;
 esac
 command="tests/bench/measured.sh $*"
 shift
-targets="rise_timing $([ "$page" != ways-out ] || echo all)"
+targets="rise_timing rise_time_accuracy $([ "$page" != ways-out ] || echo all)"
 build_and_use
 built=$(realpath "$built")
 work=$(mktemp -d)
@@ -81,9 +81,43 @@ CAPTION
   "$here/busy.sh"
 }
 
+# Single steps, and what calibrations make of them.
+calibration() {
+  cat <<'CAPTION'
+Errors of what `tactor-calibrate` measures of simulated motors with the paper's rise times, in white
+noise between 0 and 4 kHz. Motors rise exponentially, as the square of that, or as two equal time
+constants in series (second order).
+
+## Single steps
+
+The error of the 90 % of a step, by the ratio of its steady vibration to the noise; of the median of
+nine repetitions; and of the first motion of rises from rest.
+
+CAPTION
+  printf '```\n'
+  "$built/tests/quality/rise_time_accuracy" steps
+  printf '```\n'
+  cat <<'CAPTION'
+
+## Calibrations
+
+The error of latency plus rise time to 1 V and more, of four motors with 0.5 to 1.25 times the
+paper's rise times. In rows of 1 V all rises are 20 dB above the noise, in rows of 3 V only the
+strongest.
+
+CAPTION
+  printf '```\n'
+  "$built/tests/quality/rise_time_accuracy" calibrations
+  printf '```\n'
+}
+
 out=$root/docs/measured/$page.md
 {
   case $page in
+    calibration)
+      head_of "Calibration through noise"
+      calibration
+      ;;
     playback)
       head_of "CPU time of playing a film"
       printf 'Decoding an H.264 film with and without saliencytactile: user and system time of all threads.\n\n'
