@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <pthread.h>
 
-/// As long as one exists no thread can be started: its stack would not fit into the address space.
+/// While one exists, no thread can start: its stack would not fit into the address space.
 class NoThreads
 {
 public:

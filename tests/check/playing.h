@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 //
-// What tests ask of pipelines, elements and their buses.
+// Helpers for pipelines, elements and their buses.
 #pragma once
 
 #include <string>
 
-// After the standard library's headers: gstcheck.h defines a macro named fail.
+// gstcheck.h defines a macro `fail`, so it follows the standard library's headers.
 #include <gst/check/gstcheck.h>
 
 inline GstElement *
@@ -26,7 +26,7 @@ change_state(GstElement *pipeline, GstState state)
           == GST_STATE_CHANGE_FAILURE);
 }
 
-/// Plays on until the stream ends, which no error may do.
+/// Waits for EOS. An error message fails the test.
 inline void
 wait_for_eos(GstElement *pipeline)
 {
@@ -36,7 +36,7 @@ wait_for_eos(GstElement *pipeline)
   ck_assert_int_eq(GST_MESSAGE_TYPE(message), GST_MESSAGE_EOS);
 }
 
-/// Plays from beginning to end. Takes the pipeline.
+/// Plays from beginning to end. Takes ownership of the pipeline.
 inline void
 play_to_the_end(GstElement *pipeline)
 {
@@ -46,7 +46,7 @@ play_to_the_end(GstElement *pipeline)
   gst_object_unref(pipeline);
 }
 
-/// A seek that flushes, to the frame.
+/// An accurate seek, by default a flushing one.
 inline void
 seek_exactly(GstElement *pipeline, double rate, GstClockTime start, GstClockTime stop,
              GstSeekFlags flags = GST_SEEK_FLAG_FLUSH)
@@ -67,14 +67,14 @@ stat_of(GstElement *element, const char *field, const char *property = "stats")
   return value;
 }
 
-/// A counter of what the tactors of a tactorsink or a visuotactilesink were told.
+/// A counter of `actuation-stats`, of a tactorsink or a visuotactilesink.
 inline guint64
 actuation_stat_of(GstElement *element, const char *field)
 {
   return stat_of(element, field, "actuation-stats");
 }
 
-/// What an error, a warning or an information says.
+/// The content of an error, warning or information message.
 struct Said
 {
   explicit Said(GstMessage *message)
@@ -99,7 +99,7 @@ struct Said
   int code;
 };
 
-/// A bus of an element's own, for as long as this is there.
+/// A bus of its own for an element, for the lifetime of this object.
 class ElementBus
 {
 public:
@@ -117,13 +117,13 @@ public:
   ElementBus(const ElementBus &) = delete;
   ElementBus &operator=(const ElementBus &) = delete;
 
-  /// Takes the next message of a type: whether there is one.
+  /// Takes the next message of this type. Returns whether there was one.
   bool has(GstMessageType type) const
   {
     g_autoptr(GstMessage) message = gst_bus_pop_filtered(bus, type);
     return message != nullptr;
   }
-  /// Takes the next message of a type, which must be there.
+  /// Takes the next message of this type, which must exist.
   Said said(GstMessageType type) const
   {
     g_autoptr(GstMessage) message = gst_bus_pop_filtered(bus, type);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 //
-// What the kernel says of a thread's scheduling.
+// A thread's scheduling according to the kernel.
 #pragma once
 
 #include <sched.h>
@@ -8,14 +8,14 @@
 
 #include <thread>
 
-/// SCHED_OTHER or SCHED_RR, as a rule; 0 is the calling thread.
+/// Usually SCHED_OTHER or SCHED_RR. 0 stands for the calling thread.
 inline int
 policy_of(pid_t thread)
 {
   return sched_getscheduler(thread) & ~SCHED_RESET_ON_FORK;
 }
 
-/// Whether this process may make its threads real-time without asking anybody.
+/// Whether this process may make its threads real-time by itself.
 inline bool
 may_be_realtime()
 {

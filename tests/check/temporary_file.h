@@ -7,14 +7,14 @@
 #include <string>
 #include <unistd.h>
 
-// After the standard library's headers: gstcheck.h defines a macro named fail.
+// gstcheck.h defines a macro `fail`, so it follows the standard library's headers.
 #include <gst/check/gstcheck.h>
 
-/// A file of its own, gone with the object.
+/// A temporary file, removed with the object.
 class TemporaryFile
 {
 public:
-  /// With this text in it, and a name that ends on `suffix`.
+  /// Contains `text`. Its name ends in `suffix`.
   explicit TemporaryFile(const std::string &text = "", const std::string &suffix = "")
       : path("/tmp/visuotactile-XXXXXX" + suffix)
   {
@@ -33,7 +33,7 @@ public:
   std::string path;
 };
 
-/// A folder of its own, gone with the object and with all that is in it.
+/// A temporary folder, removed with the object and all content.
 class TemporaryFolder
 {
 public:
@@ -52,7 +52,7 @@ public:
   {
     return path + "/" + name;
   }
-  /// With these bytes in it.
+  /// Writes a file with these bytes.
   std::string file(const char *name, const std::string &bytes) const
   {
     std::ofstream(file(name), std::ios::binary) << bytes;

@@ -8,7 +8,7 @@
 #include <type_traits>
 #include <utility>
 
-// After the standard library's headers: gstcheck.h defines a macro named fail.
+// gstcheck.h defines a macro `fail`, so it follows the standard library's headers.
 #include <gst/check/gstcheck.h>
 
 inline const std::string &
@@ -24,7 +24,7 @@ text_of(const Error &error)
   return error.text;
 }
 
-/// What a call returned that must not fail.
+/// The value of a call that must not fail.
 template <class T, class Error>
 T
 unwrap(tl::expected<T, Error> result)
@@ -34,7 +34,7 @@ unwrap(tl::expected<T, Error> result)
     return std::move(*result);
 }
 
-/// Why a call failed, which it must.
+/// The error of a call that must fail.
 template <class T, class Error>
 Error
 refusal_of(const tl::expected<T, Error> &result)

@@ -196,8 +196,8 @@ assert_commands_are_the_frames(Player &player, guint at_least)
 }
 
 /// Picture and sound of the same place in the film have the same running time at each rate. The
-/// tolerance is a millisecond, the resolution of Matroska's timestamps. Compared is stream time
-/// minus rate × running time.
+/// tolerance is 1.5 ms, as Matroska's timestamps are in milliseconds. Compared is stream time minus
+/// rate × running time.
 void
 assert_sound_is_the_pictures(Player &player, const std::vector<double> &rates)
 {
