@@ -6,9 +6,9 @@
 set -euo pipefail
 # shellcheck source=../tools/build.sh
 . "$(dirname "$0")/../tools/build.sh"
-lead=180
+lead=180000000 # ns
 if [ "${1:-}" = --least-delay ]; then
-  lead=20
+  lead=20000000
   shift
 fi
 build_and_use

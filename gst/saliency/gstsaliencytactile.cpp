@@ -288,11 +288,11 @@ gst_saliency_tactile_prepare_output_buffer(GstBaseTransform *, GstBuffer *input,
 }
 
 static GstStructure *
-gst_saliency_tactile_stats(GstSaliencyTactile *self)
+gst_saliency_tactile_stats(GObject *object)
 {
-  GST_OBJECT_LOCK(self);
-  const Statistics stats = self->priv->stats;
-  GST_OBJECT_UNLOCK(self);
+  GST_OBJECT_LOCK(object);
+  const Statistics stats = GST_SALIENCY_TACTILE(object)->priv->stats;
+  GST_OBJECT_UNLOCK(object);
   return gst_structure_new("application/x-saliency-stats", "frames", G_TYPE_UINT64, stats.frames,
                            "analyzed", G_TYPE_UINT64, stats.analyzed, "active", G_TYPE_UINT64,
                            stats.active, "analysis-mean", G_TYPE_UINT64,
@@ -339,7 +339,7 @@ gst_saliency_tactile_sink_event(GstBaseTransform *transform, GstEvent *event)
     gst_saliency_tactile_reset(self);
     break;
   case GST_EVENT_EOS: {
-    GstStructure *stats = gst_saliency_tactile_stats(self);
+    GstStructure *stats = gst_saliency_tactile_stats(G_OBJECT(self));
     gst_structure_set_name(stats, "saliencytactile-stats");
     gst_element_post_message(GST_ELEMENT(self), gst_message_new_element(GST_OBJECT(self), stats));
     break;
@@ -384,34 +384,24 @@ gst_saliency_tactile_stop(GstBaseTransform *transform)
 
 /* ---- properties ---- */
 
-static void
-gst_saliency_tactile_set_property(GObject *object, guint id, const GValue *value, GParamSpec *pspec)
+static SaliencySettings &
+gst_saliency_tactile_settings(GObject *object)
 {
-  GstSaliencyTactile *self = GST_SALIENCY_TACTILE(object);
-  GST_OBJECT_LOCK(object);
-  const bool known = self->priv->settings.set(id, value);
-  const std::string error = self->priv->settings.roi_weights_error;
-  GST_OBJECT_UNLOCK(object);
-  if (!known)
-    G_OBJECT_WARN_INVALID_PROPERTY_ID(object, id, pspec);
-  if (id == SALIENCY_PROP_ROI_WEIGHTS && !error.empty())
-    GST_ELEMENT_WARNING(self, LIBRARY, SETTINGS,
-                        ("roi-weights stay as they were: %s.", error.c_str()), (ROI_WEIGHTS_FORM));
+  return GST_SALIENCY_TACTILE(object)->priv->settings;
 }
 
 static void
-gst_saliency_tactile_get_property(GObject *object, guint id, GValue *value, GParamSpec *pspec)
+gst_saliency_tactile_property_changed(GObject *object, std::string_view name)
 {
   GstSaliencyTactile *self = GST_SALIENCY_TACTILE(object);
-  if (id == SALIENCY_PROP_STATS) {
-    g_value_take_boxed(value, gst_saliency_tactile_stats(self));
+  if (name != "roi-weights")
     return;
-  }
   GST_OBJECT_LOCK(object);
-  const bool known = self->priv->settings.get(id, value);
+  const std::string error = self->priv->settings.roi_weights_error;
   GST_OBJECT_UNLOCK(object);
-  if (!known)
-    G_OBJECT_WARN_INVALID_PROPERTY_ID(object, id, pspec);
+  if (!error.empty())
+    GST_ELEMENT_WARNING(self, LIBRARY, SETTINGS,
+                        ("roi-weights stay as they were: %s.", error.c_str()), (ROI_WEIGHTS_FORM));
 }
 
 static void
@@ -428,10 +418,10 @@ gst_saliency_tactile_class_init(GstSaliencyTactileClass *klass)
   GstElementClass *element_class = GST_ELEMENT_CLASS(klass);
   GstBaseTransformClass *transform_class = GST_BASE_TRANSFORM_CLASS(klass);
 
-  object_class->set_property = gst_saliency_tactile_set_property;
-  object_class->get_property = gst_saliency_tactile_get_property;
   object_class->finalize = gst_saliency_tactile_finalize;
-  SaliencySettings::install(object_class);
+  SaliencySettings::install(object_class,
+                            { gst_saliency_tactile_settings, gst_saliency_tactile_property_changed,
+                              gst_saliency_tactile_stats });
 
   gst_element_class_set_static_metadata(
       element_class, "Saliency to touch", "Filter/Analyzer/Video",

@@ -26,6 +26,7 @@
  */
 #include "gsttactilecombiner.h"
 
+#include "../properties.h"
 #include "gsttactileelements.h"
 #include "tracks/track_edit.h"
 
@@ -40,18 +41,15 @@ using tactile::TactileMap;
 GST_DEBUG_CATEGORY_STATIC(tactile_combiner_debug);
 #define GST_CAT_DEFAULT tactile_combiner_debug
 
-#define DEFAULT_MIX Mix::replace
-#define DEFAULT_OFFSET G_GINT64_CONSTANT(0)
-#define OFFSET_MAX (360000 * GST_SECOND) /* 100 hours */
-
-enum
-{
-  PROP_0,
-  PROP_MIX,
-  PROP_OFFSET,
-};
-
 namespace {
+
+constexpr double kMaxOffset = 360000.0 * GST_SECOND; ///< 100 hours
+
+struct CombinerSettings
+{
+  Mix mix = Mix::replace;
+  gint64 offset = 0; ///< ns
+};
 
 /// A map of the track and when it holds, in running time of the film.
 struct Held
@@ -65,8 +63,7 @@ struct Held
 
 struct GstTactileCombinerPrivate
 {
-  Mix mix = DEFAULT_MIX;          ///< guarded by the object lock
-  gint64 offset = DEFAULT_OFFSET; ///< guarded by the object lock
+  CombinerSettings settings; ///< guarded by the object lock
 
   /* The aggregator's thread, or while it is stopped. */
   guint rows = 0; ///< of the track
@@ -97,20 +94,6 @@ static GstStaticPadTemplate src_template
     = GST_STATIC_PAD_TEMPLATE("src", GST_PAD_SRC, GST_PAD_ALWAYS, GST_STATIC_CAPS(VIDEO_CAPS));
 static GstStaticPadTemplate tactile_template = GST_STATIC_PAD_TEMPLATE(
     "tactile", GST_PAD_SINK, GST_PAD_REQUEST, GST_STATIC_CAPS(GST_TACTILE_MAP_CAPS));
-
-#define GST_TYPE_TACTILE_COMBINER_MIX (gst_tactile_combiner_mix_get_type())
-static GType
-gst_tactile_combiner_mix_get_type(void)
-{
-  static const GEnumValue values[] = {
-    { static_cast<gint>(Mix::replace), "The track alone", "replace" },
-    { static_cast<gint>(Mix::max), "Cell by cell the stronger of the film's own map and the track",
-      "max" },
-    { 0, nullptr, nullptr },
-  };
-  static const GType type = g_enum_register_static("GstTactileCombinerMix", values);
-  return type;
-}
 
 /* ---- the track ---- */
 
@@ -154,7 +137,7 @@ advance(GstTactileCombiner *self, GstAggregatorPad *pad, gint64 time)
 {
   GstTactileCombinerPrivate *priv = self->priv;
   GST_OBJECT_LOCK(self);
-  const gint64 offset = priv->offset;
+  const gint64 offset = priv->settings.offset;
   GST_OBJECT_UNLOCK(self);
 
   for (;;) {
@@ -190,7 +173,7 @@ put_map(GstTactileCombiner *self, GstBuffer *frame, gint64 time)
 {
   const std::optional<Held> &held = self->priv->held;
   GST_OBJECT_LOCK(self);
-  const Mix mix = self->priv->mix;
+  const Mix mix = self->priv->settings.mix;
   GST_OBJECT_UNLOCK(self);
 
   TactileMap map(static_cast<int>(std::max(self->priv->rows, 1u)),
@@ -344,42 +327,32 @@ gst_tactile_combiner_stop(GstAggregator *aggregator)
 
 /* ---- properties ---- */
 
-static void
-gst_tactile_combiner_set_property(GObject *object, guint id, const GValue *value, GParamSpec *pspec)
+static GType
+mix_type(void)
 {
-  GstTactileCombinerPrivate *priv = GST_TACTILE_COMBINER(object)->priv;
-  GST_OBJECT_LOCK(object);
-  switch (id) {
-  case PROP_MIX:
-    priv->mix = static_cast<Mix>(g_value_get_enum(value));
-    break;
-  case PROP_OFFSET:
-    priv->offset = g_value_get_int64(value);
-    break;
-  default:
-    G_OBJECT_WARN_INVALID_PROPERTY_ID(object, id, pspec);
-    break;
-  }
-  GST_OBJECT_UNLOCK(object);
+  static const GEnumValue values[] = {
+    { static_cast<gint>(Mix::replace), "The track alone", "replace" },
+    { static_cast<gint>(Mix::max), "Cell by cell the stronger of the film's own map and the track",
+      "max" },
+    { 0, nullptr, nullptr },
+  };
+  static const GType type = properties::register_enum("GstTactileCombinerMix", values);
+  return type;
 }
 
-static void
-gst_tactile_combiner_get_property(GObject *object, guint id, GValue *value, GParamSpec *pspec)
+using P = properties::Property<CombinerSettings>;
+static constexpr P kProperties[] = {
+  P::choice("mix", "What becomes of a map that a frame carries already", properties::kPlaying,
+            PROPERTY_FIELD(mix), mix_type),
+  P::number<gint64>(
+      "offset", "How much later than its own time the track is felt, in ns; earlier if negative",
+      properties::kPlaying, PROPERTY_FIELD(offset), P::Range{ -kMaxOffset, kMaxOffset }),
+};
+
+static CombinerSettings &
+gst_tactile_combiner_settings(GObject *object)
 {
-  GstTactileCombinerPrivate *priv = GST_TACTILE_COMBINER(object)->priv;
-  GST_OBJECT_LOCK(object);
-  switch (id) {
-  case PROP_MIX:
-    g_value_set_enum(value, static_cast<gint>(priv->mix));
-    break;
-  case PROP_OFFSET:
-    g_value_set_int64(value, priv->offset);
-    break;
-  default:
-    G_OBJECT_WARN_INVALID_PROPERTY_ID(object, id, pspec);
-    break;
-  }
-  GST_OBJECT_UNLOCK(object);
+  return GST_TACTILE_COMBINER(object)->priv->settings;
 }
 
 static void
@@ -396,22 +369,9 @@ gst_tactile_combiner_class_init(GstTactileCombinerClass *klass)
   auto *element_class = GST_ELEMENT_CLASS(klass);
   auto *aggregator_class = GST_AGGREGATOR_CLASS(klass);
 
-  object_class->set_property = gst_tactile_combiner_set_property;
-  object_class->get_property = gst_tactile_combiner_get_property;
   object_class->finalize = gst_tactile_combiner_finalize;
-  const auto playing = static_cast<GParamFlags>(G_PARAM_READWRITE | G_PARAM_STATIC_STRINGS
-                                                | GST_PARAM_MUTABLE_PLAYING);
-  g_object_class_install_property(
-      object_class, PROP_MIX,
-      g_param_spec_enum("mix", "Mix", "What becomes of a map that a frame carries already",
-                        GST_TYPE_TACTILE_COMBINER_MIX, static_cast<gint>(DEFAULT_MIX), playing));
-  g_object_class_install_property(
-      object_class, PROP_OFFSET,
-      g_param_spec_int64("offset", "Offset",
-                         "How much later than its own time the track is felt, in ns; earlier if "
-                         "negative",
-                         -static_cast<gint64>(OFFSET_MAX), static_cast<gint64>(OFFSET_MAX),
-                         DEFAULT_OFFSET, playing));
+  properties::install<CombinerSettings>(object_class, kProperties,
+                                        { gst_tactile_combiner_settings });
 
   gst_element_class_add_static_pad_template_with_gtype(element_class, &sink_template,
                                                        GST_TYPE_AGGREGATOR_PAD);
@@ -422,7 +382,6 @@ gst_tactile_combiner_class_init(GstTactileCombinerClass *klass)
   gst_element_class_set_static_metadata(element_class, "Tactile map combiner", "Filter",
                                         "Puts a track's tactile maps on a film's frames",
                                         "The visuotactile authors");
-  gst_type_mark_as_plugin_api(GST_TYPE_TACTILE_COMBINER_MIX, static_cast<GstPluginAPIFlags>(0));
 
   aggregator_class->aggregate = gst_tactile_combiner_aggregate;
   aggregator_class->sink_event = gst_tactile_combiner_sink_event;

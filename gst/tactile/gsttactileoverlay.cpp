@@ -30,7 +30,7 @@
  */
 #include "gsttactileoverlay.h"
 
-#include "../rangedproperty.h"
+#include "../properties.h"
 #include "gst/video/video_direction.h"
 #include "gsttactileelements.h"
 #include "overlaypainter.h"
@@ -45,14 +45,6 @@ GST_DEBUG_CATEGORY_STATIC(tactile_overlay_debug);
 
 namespace {
 
-enum
-{
-  PROP_0,
-  PROP_STYLE,
-  PROP_OPACITY,
-  PROP_VIDEO_DIRECTION,
-};
-
 enum Style
 {
   STYLE_GRID,
@@ -60,16 +52,18 @@ enum Style
   STYLE_SALIENCY,
 };
 
-constexpr Style kDefaultStyle = STYLE_GRID;
-constexpr double kDefaultOpacity = 0.5;
+struct OverlaySettings
+{
+  Style style = STYLE_GRID;
+  double opacity = 0.5;
+  GstVideoOrientationMethod video_direction = GST_VIDEO_ORIENTATION_AUTO;
+};
 
 struct Private
 {
-  Style style = kDefaultStyle;                                            ///< object lock
-  double opacity = kDefaultOpacity;                                       ///< object lock
-  GstVideoOrientationMethod video_direction = GST_VIDEO_ORIENTATION_AUTO; ///< object lock
-  OverlayPainter painter;                                                 ///< streaming thread
-  OrientationTags tags;                                                   ///< streaming thread
+  OverlaySettings settings;   ///< object lock
+  OverlayPainter painter;     ///< streaming thread
+  OrientationTags tags;       ///< streaming thread
   tactile::TactileMap shown;  ///< streaming thread: the map of the frame, as on the screen
   tactile::TactileMap stored; ///< streaming thread: and as it lies on the pixels
   bool warned = false;        ///< streaming thread
@@ -100,9 +94,8 @@ G_DEFINE_TYPE_WITH_CODE(GstTactileOverlay, gst_tactile_overlay, GST_TYPE_VIDEO_F
 GST_ELEMENT_REGISTER_DEFINE(tactileoverlay, "tactileoverlay", GST_RANK_NONE,
                             GST_TYPE_TACTILE_OVERLAY);
 
-#define GST_TYPE_TACTILE_OVERLAY_STYLE (gst_tactile_overlay_style_get_type())
 static GType
-gst_tactile_overlay_style_get_type(void)
+style_type(void)
 {
   static const GEnumValue values[] = {
     { STYLE_GRID, "Grid of tactors with their levels", "grid" },
@@ -110,7 +103,7 @@ gst_tactile_overlay_style_get_type(void)
     { STYLE_SALIENCY, "Saliency map in gray instead of the picture", "saliency" },
     { 0, nullptr, nullptr },
   };
-  static const GType type = g_enum_register_static("GstTactileOverlayStyle", values);
+  static const GType type = properties::register_enum("GstTactileOverlayStyle", values);
   return type;
 }
 
@@ -153,9 +146,9 @@ gst_tactile_overlay_transform_frame_ip(GstVideoFilter *filter, GstVideoFrame *fr
   Private *priv = self->priv;
 
   GST_OBJECT_LOCK(self);
-  const Style style = priv->style;
-  const double opacity = priv->opacity;
-  const GstVideoOrientationMethod direction = priv->video_direction;
+  const Style style = priv->settings.style;
+  const double opacity = priv->settings.opacity;
+  const GstVideoOrientationMethod direction = priv->settings.video_direction;
   GST_OBJECT_UNLOCK(self);
 
   const std::optional<LevelField> levels
@@ -213,50 +206,26 @@ gst_tactile_overlay_start(GstBaseTransform *transform)
   return TRUE;
 }
 
-static void
-gst_tactile_overlay_set_property(GObject *object, guint id, const GValue *value, GParamSpec *spec)
+using P = properties::Property<OverlaySettings>;
+static constexpr P kProperties[] = {
+  P::choice("style", "What is drawn into the picture", properties::kControllable,
+            PROPERTY_FIELD(style), style_type),
+  P::number<gdouble>("opacity",
+                     "How much of the picture a full level covers in the styles grid and heatmap: "
+                     "0 nothing, 1 all",
+                     properties::kControllable, PROPERTY_FIELD(opacity), P::Range{ 0, 1 }),
+  P::choice("video-direction",
+            "How the picture is turned on its way from here to the screen, on which the grid is "
+            "drawn to be right (auto: by the image-orientation tag; identity: it is shown as it is "
+            "here)",
+            properties::kPlaying, PROPERTY_FIELD(video_direction),
+            gst_video_orientation_method_get_type),
+};
+
+static OverlaySettings &
+gst_tactile_overlay_settings(GObject *object)
 {
-  Private *priv = GST_TACTILE_OVERLAY(object)->priv;
-
-  GST_OBJECT_LOCK(object);
-  switch (id) {
-  case PROP_STYLE:
-    priv->style = static_cast<Style>(g_value_get_enum(value));
-    break;
-  case PROP_OPACITY:
-    priv->opacity = g_value_get_double(value);
-    break;
-  case PROP_VIDEO_DIRECTION:
-    priv->video_direction = static_cast<GstVideoOrientationMethod>(g_value_get_enum(value));
-    break;
-  default:
-    G_OBJECT_WARN_INVALID_PROPERTY_ID(object, id, spec);
-    break;
-  }
-  GST_OBJECT_UNLOCK(object);
-}
-
-static void
-gst_tactile_overlay_get_property(GObject *object, guint id, GValue *value, GParamSpec *spec)
-{
-  Private *priv = GST_TACTILE_OVERLAY(object)->priv;
-
-  GST_OBJECT_LOCK(object);
-  switch (id) {
-  case PROP_STYLE:
-    g_value_set_enum(value, priv->style);
-    break;
-  case PROP_OPACITY:
-    g_value_set_double(value, priv->opacity);
-    break;
-  case PROP_VIDEO_DIRECTION:
-    g_value_set_enum(value, priv->video_direction);
-    break;
-  default:
-    G_OBJECT_WARN_INVALID_PROPERTY_ID(object, id, spec);
-    break;
-  }
-  GST_OBJECT_UNLOCK(object);
+  return GST_TACTILE_OVERLAY(object)->priv->settings;
 }
 
 static void
@@ -272,29 +241,8 @@ gst_tactile_overlay_class_init(GstTactileOverlayClass *klass)
   auto *object_class = G_OBJECT_CLASS(klass);
   auto *element_class = GST_ELEMENT_CLASS(klass);
   auto *transform_class = GST_BASE_TRANSFORM_CLASS(klass);
-  constexpr auto flags
-      = static_cast<GParamFlags>(G_PARAM_READWRITE | G_PARAM_STATIC_STRINGS | GST_PARAM_CONTROLLABLE
-                                 | GST_PARAM_MUTABLE_PLAYING);
-
-  object_class->set_property = gst_tactile_overlay_set_property;
-  object_class->get_property = gst_tactile_overlay_get_property;
   object_class->finalize = gst_tactile_overlay_finalize;
-  g_object_class_install_property(
-      object_class, PROP_STYLE,
-      g_param_spec_enum("style", "Style", "What is drawn into the picture",
-                        GST_TYPE_TACTILE_OVERLAY_STYLE, kDefaultStyle, flags));
-  g_object_class_install_property(
-      object_class, PROP_OPACITY,
-      ranged::real("opacity", "Opacity",
-                   "How much of the picture a full level covers in the styles grid and "
-                   "heatmap: 0 nothing, 1 all",
-                   0, 1, kDefaultOpacity, flags));
-  g_object_class_install_property(
-      object_class, PROP_VIDEO_DIRECTION,
-      video_direction_spec("How the picture is turned on its way from here to the screen, on which "
-                           "the grid is drawn to be right (auto: by the image-orientation tag; "
-                           "identity: it is shown as it is here)",
-                           static_cast<GParamFlags>(flags & ~GST_PARAM_CONTROLLABLE)));
+  properties::install<OverlaySettings>(object_class, kProperties, { gst_tactile_overlay_settings });
 
   transform_class->start = GST_DEBUG_FUNCPTR(gst_tactile_overlay_start);
   transform_class->sink_event = GST_DEBUG_FUNCPTR(gst_tactile_overlay_sink_event);
@@ -308,7 +256,6 @@ gst_tactile_overlay_class_init(GstTactileOverlayClass *klass)
       element_class, "Tactile map overlay", "Filter/Effect/Video",
       "Draws tactile maps or the saliency they come from into the picture",
       "The visuotactile authors");
-  gst_type_mark_as_plugin_api(GST_TYPE_TACTILE_OVERLAY_STYLE, static_cast<GstPluginAPIFlags>(0));
 }
 
 static void

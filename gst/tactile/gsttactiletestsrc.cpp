@@ -34,7 +34,7 @@
  */
 #include "gsttactiletestsrc.h"
 
-#include "../rangedproperty.h"
+#include "../properties.h"
 #include "filmpainter.h"
 #include "gsttactileelements.h"
 #include "tactile/synthetic_film.h"
@@ -52,25 +52,19 @@ namespace {
 using tactile::FilmPattern;
 using tactile::FilmSettings;
 
-enum
-{
-  PROP_0,
-  PROP_PATTERN,
-  PROP_SEED,
-  PROP_NOISE,
-  PROP_BALLS,
-  PROP_BALL_SIZE,
-  PROP_IS_LIVE,
-};
-
-constexpr FilmSettings kDefaults{};
 constexpr int kPaperSide = 1000; ///< pixels (paper, Section 5)
 constexpr int kPaperRate = 30;   ///< frames per second
 
+struct TestSrcSettings
+{
+  FilmSettings film;
+  double noise = 0; ///< standard deviation, in 8-bit codes
+  bool is_live = false;
+};
+
 struct Private
 {
-  FilmSettings settings = kDefaults; ///< object lock
-  double noise = 0;                  ///< object lock
+  TestSrcSettings settings; ///< object lock
 
   // Streaming thread, or while it is stopped.
   GstVideoInfo info{};
@@ -131,9 +125,8 @@ G_DEFINE_TYPE_WITH_CODE(GstTactileTestSrc, gst_tactile_test_src, GST_TYPE_PUSH_S
 GST_ELEMENT_REGISTER_DEFINE(tactiletestsrc, "tactiletestsrc", GST_RANK_NONE,
                             GST_TYPE_TACTILE_TEST_SRC);
 
-#define GST_TYPE_TACTILE_TEST_SRC_PATTERN (gst_tactile_test_src_pattern_get_type())
 static GType
-gst_tactile_test_src_pattern_get_type(void)
+pattern_type(void)
 {
   static const GEnumValue values[] = {
     { static_cast<gint>(FilmPattern::static_motion), "Balls appear, rest and are elsewhere at once",
@@ -142,7 +135,7 @@ gst_tactile_test_src_pattern_get_type(void)
       "dynamic-motion" },
     { 0, nullptr, nullptr },
   };
-  static const GType type = g_enum_register_static("GstTactileTestSrcPattern", values);
+  static const GType type = properties::register_enum("GstTactileTestSrcPattern", values);
   return type;
 }
 
@@ -291,8 +284,8 @@ update_film(GstTactileTestSrc *self)
 {
   Private *priv = self->priv;
   GST_OBJECT_LOCK(self);
-  const FilmSettings settings = priv->settings;
-  const double noise = priv->noise;
+  const FilmSettings settings = priv->settings.film;
+  const double noise = priv->settings.noise;
   GST_OBJECT_UNLOCK(self);
 
   if (!priv->film || priv->film_settings != settings || priv->film_noise != noise) {
@@ -355,70 +348,42 @@ gst_tactile_test_src_fill(GstPushSrc *source, GstBuffer *buffer)
   return GST_FLOW_OK;
 }
 
-static void
-gst_tactile_test_src_set_property(GObject *object, guint id, const GValue *value, GParamSpec *spec)
-{
-  Private *priv = GST_TACTILE_TEST_SRC(object)->priv;
+using P = properties::Property<TestSrcSettings>;
+using properties::kPlaying;
+static constexpr P kProperties[] = {
+  P::choice("pattern", "Which of the paper's two films", kPlaying, PROPERTY_FIELD(film.pattern),
+            pattern_type),
+  P::number<guint>("seed", "Which film of its pattern: same seed, same film", kPlaying,
+                   PROPERTY_FIELD(film.seed)),
+  P::number<gdouble>("noise",
+                     "Standard deviation of normally distributed sensor noise on every sample, in "
+                     "8-bit codes",
+                     properties::kControllable, PROPERTY_FIELD(noise), P::Range{ 0, 32 }),
+  P::number<gint>("balls",
+                  "Balls at a time; 0: as in the paper, that is one or two by chance in "
+                  "static-motion, one in dynamic-motion",
+                  kPlaying, PROPERTY_FIELD(film.balls), P::Range{ 0, 2 }),
+  P::number<gdouble>("ball-size", "Diameter of a ball as a share of the picture's width", kPlaying,
+                     PROPERTY_FIELD(film.ball_size), P::Range{ 0.01, 0.5 }),
+  P::flag("is-live", "Make each frame when its time has come, as a camera does", properties::kReady,
+          PROPERTY_FIELD(is_live)),
+};
 
-  if (id == PROP_IS_LIVE) { // takes the object lock itself
-    gst_base_src_set_live(GST_BASE_SRC(object), g_value_get_boolean(value));
-    return;
-  }
-  GST_OBJECT_LOCK(object);
-  switch (id) {
-  case PROP_PATTERN:
-    priv->settings.pattern = static_cast<FilmPattern>(g_value_get_enum(value));
-    break;
-  case PROP_SEED:
-    priv->settings.seed = g_value_get_uint(value);
-    break;
-  case PROP_NOISE:
-    priv->noise = g_value_get_double(value);
-    break;
-  case PROP_BALLS:
-    priv->settings.balls = g_value_get_int(value);
-    break;
-  case PROP_BALL_SIZE:
-    priv->settings.ball_size = g_value_get_double(value);
-    break;
-  default:
-    G_OBJECT_WARN_INVALID_PROPERTY_ID(object, id, spec);
-    break;
-  }
-  GST_OBJECT_UNLOCK(object);
+static TestSrcSettings &
+gst_tactile_test_src_settings(GObject *object)
+{
+  return GST_TACTILE_TEST_SRC(object)->priv->settings;
 }
 
 static void
-gst_tactile_test_src_get_property(GObject *object, guint id, GValue *value, GParamSpec *spec)
+gst_tactile_test_src_property_changed(GObject *object, std::string_view name)
 {
-  Private *priv = GST_TACTILE_TEST_SRC(object)->priv;
-
-  if (id == PROP_IS_LIVE) {
-    g_value_set_boolean(value, gst_base_src_is_live(GST_BASE_SRC(object)));
+  if (name != "is-live")
     return;
-  }
   GST_OBJECT_LOCK(object);
-  switch (id) {
-  case PROP_PATTERN:
-    g_value_set_enum(value, static_cast<gint>(priv->settings.pattern));
-    break;
-  case PROP_SEED:
-    g_value_set_uint(value, static_cast<guint>(priv->settings.seed));
-    break;
-  case PROP_NOISE:
-    g_value_set_double(value, priv->noise);
-    break;
-  case PROP_BALLS:
-    g_value_set_int(value, priv->settings.balls);
-    break;
-  case PROP_BALL_SIZE:
-    g_value_set_double(value, priv->settings.ball_size);
-    break;
-  default:
-    G_OBJECT_WARN_INVALID_PROPERTY_ID(object, id, spec);
-    break;
-  }
+  const bool is_live = gst_tactile_test_src_settings(object).is_live;
   GST_OBJECT_UNLOCK(object);
+  gst_base_src_set_live(GST_BASE_SRC(object), is_live);
 }
 
 static void
@@ -434,45 +399,10 @@ gst_tactile_test_src_class_init(GstTactileTestSrcClass *klass)
   auto *object_class = G_OBJECT_CLASS(klass);
   auto *element_class = GST_ELEMENT_CLASS(klass);
   auto *src_class = GST_BASE_SRC_CLASS(klass);
-  constexpr auto playing = static_cast<GParamFlags>(G_PARAM_READWRITE | G_PARAM_STATIC_STRINGS
-                                                    | GST_PARAM_MUTABLE_PLAYING);
-  constexpr auto controllable = static_cast<GParamFlags>(playing | GST_PARAM_CONTROLLABLE);
-  constexpr auto ready = static_cast<GParamFlags>(G_PARAM_READWRITE | G_PARAM_STATIC_STRINGS
-                                                  | GST_PARAM_MUTABLE_READY);
-
-  object_class->set_property = gst_tactile_test_src_set_property;
-  object_class->get_property = gst_tactile_test_src_get_property;
   object_class->finalize = gst_tactile_test_src_finalize;
-  g_object_class_install_property(object_class, PROP_PATTERN,
-                                  g_param_spec_enum("pattern", "Pattern",
-                                                    "Which of the paper's two films",
-                                                    GST_TYPE_TACTILE_TEST_SRC_PATTERN,
-                                                    static_cast<gint>(kDefaults.pattern), playing));
-  g_object_class_install_property(
-      object_class, PROP_SEED,
-      g_param_spec_uint("seed", "Seed", "Which film of its pattern: same seed, same film", 0,
-                        G_MAXUINT, 0, playing));
-  g_object_class_install_property(
-      object_class, PROP_NOISE,
-      ranged::real("noise", "Noise",
-                   "Standard deviation of normally distributed sensor noise on every sample, "
-                   "in 8-bit codes",
-                   0, 32, 0, controllable));
-  g_object_class_install_property(
-      object_class, PROP_BALLS,
-      ranged::integer("balls", "Balls",
-                      "Balls at a time; 0: as in the paper, that is one or two by chance in "
-                      "static-motion, one in dynamic-motion",
-                      0, 2, kDefaults.balls, playing));
-  g_object_class_install_property(
-      object_class, PROP_BALL_SIZE,
-      ranged::real("ball-size", "Ball size", "Diameter of a ball as a share of the picture's width",
-                   0.01, 0.5, kDefaults.ball_size, playing));
-  g_object_class_install_property(
-      object_class, PROP_IS_LIVE,
-      g_param_spec_boolean("is-live", "Is live",
-                           "Make each frame when its time has come, as a camera does", FALSE,
-                           ready));
+  properties::install<TestSrcSettings>(
+      object_class, kProperties,
+      { gst_tactile_test_src_settings, gst_tactile_test_src_property_changed });
 
   src_class->fixate = GST_DEBUG_FUNCPTR(gst_tactile_test_src_fixate);
   src_class->set_caps = GST_DEBUG_FUNCPTR(gst_tactile_test_src_set_caps);
@@ -490,7 +420,6 @@ gst_tactile_test_src_class_init(GstTactileTestSrcClass *klass)
       element_class, "Tactile test source", "Source/Video",
       "Makes films of balls that appear, rest and move, with ground truth",
       "The visuotactile authors");
-  gst_type_mark_as_plugin_api(GST_TYPE_TACTILE_TEST_SRC_PATTERN, static_cast<GstPluginAPIFlags>(0));
 }
 
 static void

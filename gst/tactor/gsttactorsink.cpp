@@ -122,12 +122,12 @@ scheduler_of(gpointer sink)
 }
 
 static GstStructure *
-gst_tactor_sink_stats(GstTactorSink *self)
+gst_tactor_sink_stats(GObject *object)
 {
-  const TactorScheduler &scheduler = scheduler_of(self);
-  GST_OBJECT_LOCK(self);
-  const tactor::LimitCounters limited = self->priv->limited;
-  GST_OBJECT_UNLOCK(self);
+  const TactorScheduler &scheduler = scheduler_of(object);
+  GST_OBJECT_LOCK(object);
+  const tactor::LimitCounters limited = GST_TACTOR_SINK(object)->priv->limited;
+  GST_OBJECT_UNLOCK(object);
   return tactor_stats_new(scheduler.counters(), scheduler.driver_status(), limited,
                           scheduler.scheduling());
 }
@@ -269,7 +269,7 @@ gst_tactor_sink_wait_event(GstBaseSink *sink, GstEvent *event)
     self->priv->ended = true;
     ret = gst_tactor_sink_drain(self);
     if (ret == GST_FLOW_OK)
-      tactor_post_stats(GST_ELEMENT(self), gst_tactor_sink_stats(self));
+      tactor_post_stats(GST_ELEMENT(self), gst_tactor_sink_stats(G_OBJECT(self)));
   }
   return ret;
 }
@@ -470,39 +470,28 @@ gst_tactor_sink_sync_notify(GObject *object, GParamSpec *, gpointer)
 
 /* ---- properties ---- */
 
-static void
-gst_tactor_sink_set_property(GObject *object, guint id, const GValue *value, GParamSpec *pspec)
+static TactorSettings &
+gst_tactor_sink_settings(GObject *object)
 {
-  GstTactorSinkPrivate *priv = GST_TACTOR_SINK(object)->priv;
-  GST_OBJECT_LOCK(object);
-  const bool known = priv->settings.set(id, value);
-  const bool mute = priv->settings.mute;
-  const Time ramp_in = priv->settings.ramp_in;
-  const std::string error = id == TACTOR_PROP_MAPPING ? priv->settings.mapping_error : "";
-  GST_OBJECT_UNLOCK(object);
-  if (!known)
-    G_OBJECT_WARN_INVALID_PROPERTY_ID(object, id, pspec);
-  else if (!error.empty())
-    GST_ELEMENT_WARNING(object, LIBRARY, SETTINGS, ("mapping stays as it was: %s.", error.c_str()),
-                        (nullptr));
-  else if (id == TACTOR_PROP_MUTE)
-    scheduler_of(object).set_muted(mute);
-  else if (id == TACTOR_PROP_RAMP_IN)
-    scheduler_of(object).set_ramp_in(ramp_in);
+  return GST_TACTOR_SINK(object)->priv->settings;
 }
 
 static void
-gst_tactor_sink_get_property(GObject *object, guint id, GValue *value, GParamSpec *pspec)
+gst_tactor_sink_property_changed(GObject *object, std::string_view name)
 {
-  if (id == TACTOR_PROP_STATS) {
-    g_value_take_boxed(value, gst_tactor_sink_stats(GST_TACTOR_SINK(object)));
-    return;
-  }
+  GstTactorSinkPrivate *priv = GST_TACTOR_SINK(object)->priv;
   GST_OBJECT_LOCK(object);
-  const bool known = GST_TACTOR_SINK(object)->priv->settings.get(id, value);
+  const bool mute = priv->settings.mute;
+  const Time ramp_in = priv->settings.ramp_in;
+  const std::string error = priv->settings.mapping_error;
   GST_OBJECT_UNLOCK(object);
-  if (!known)
-    G_OBJECT_WARN_INVALID_PROPERTY_ID(object, id, pspec);
+  if (name == "mapping" && !error.empty())
+    GST_ELEMENT_WARNING(object, LIBRARY, SETTINGS, ("mapping stays as it was: %s.", error.c_str()),
+                        (nullptr));
+  else if (name == "mute")
+    scheduler_of(object).set_muted(mute);
+  else if (name == "ramp-in")
+    scheduler_of(object).set_ramp_in(ramp_in);
 }
 
 static void
@@ -519,10 +508,10 @@ gst_tactor_sink_class_init(GstTactorSinkClass *klass)
   GstElementClass *element_class = GST_ELEMENT_CLASS(klass);
   GstBaseSinkClass *sink_class = GST_BASE_SINK_CLASS(klass);
 
-  object_class->set_property = gst_tactor_sink_set_property;
-  object_class->get_property = gst_tactor_sink_get_property;
   object_class->finalize = gst_tactor_sink_finalize;
-  TactorSettings::install(object_class);
+  TactorSettings::install(
+      object_class,
+      { gst_tactor_sink_settings, gst_tactor_sink_property_changed, gst_tactor_sink_stats });
 
   gst_element_class_set_static_metadata(
       element_class, "Tactor sink", "Sink/Hardware",

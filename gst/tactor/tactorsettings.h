@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include "../properties.h"
 #include "tactor/command_planner.h"
 
 #include <gst/gst.h>
@@ -9,32 +10,7 @@
 #include <string>
 #include <vector>
 
-/// tactorsink's properties.
-enum TactorProperty : guint
-{
-  TACTOR_PROP_DRIVER = 1,
-  TACTOR_PROP_DEVICE,
-  TACTOR_PROP_RATE,
-  TACTOR_PROP_COMPENSATION,
-  TACTOR_PROP_MAX_LEAD,
-  TACTOR_PROP_VOLTAGE_MAX,
-  TACTOR_PROP_VOLTAGE_MIN,
-  TACTOR_PROP_INTENSITY,
-  TACTOR_PROP_MUTE,
-  TACTOR_PROP_MAPPING,
-  TACTOR_PROP_MAX_ON_TIME,
-  TACTOR_PROP_MAX_DUTY,
-  TACTOR_PROP_MAX_ACTIVE,
-  TACTOR_PROP_RAMP_IN,
-  TACTOR_PROP_KICK_START,
-  TACTOR_PROP_CALIBRATION,
-  TACTOR_PROP_TRACE_LOCATION,
-  TACTOR_PROP_REALTIME,
-  TACTOR_PROP_STATS,
-};
-
-/// What the user of tactorsink sets, and how that looks as properties of a GObject. Not
-/// thread-safe: the element guards it.
+/// What the user of tactorsink sets. Not thread-safe.
 struct TactorSettings
 {
   static constexpr int kMaxTactors = GST_TACTILE_MAX_SIDE * GST_TACTILE_MAX_SIDE;
@@ -47,22 +23,13 @@ struct TactorSettings
   bool mute = false;
   bool realtime = true;
   tactor::Time ramp_in = std::chrono::milliseconds(100);
-
-  std::string
-      mapping_error; ///< why the mapping last set cannot be read, in one line; empty: it can
+  std::string mapping_error; ///< why the last mapping was refused; empty: it was not
 
   /// Tactors that the mapping names, at least 1.
   int needed_tactors() const;
 
-  /// All of TactorProperty, with their texts, ranges and defaults.
-  static void install(GObjectClass *klass);
-
-  /// Sets or gets a property. False if it is none of these: TACTOR_PROP_STATS is the element's own.
-  bool set(guint id, const GValue *value);
-  bool get(guint id, GValue *value) const;
-
-private:
-  void set_mapping(const std::string &text);
+  /// All properties of tactorsink.
+  static void install(GObjectClass *klass, properties::Element<TactorSettings> element);
 };
 
 /// Appends numbers to a value of GST_TYPE_ARRAY.

@@ -34,7 +34,7 @@
  */
 #include "gstvisuotactilesink.h"
 
-#include "gstvisuotactilesinkprivate.h"
+#include "sinkparts.h"
 #include "sinkproperties.h"
 #include "sinkwindow.h"
 #include "videosinks.h"
@@ -77,28 +77,13 @@ GST_ELEMENT_REGISTER_DEFINE(visuotactilesink, "visuotactilesink", GST_RANK_NONE,
 static GstStaticPadTemplate sink_template = GST_STATIC_PAD_TEMPLATE(
     "sink", GST_PAD_SINK, GST_PAD_ALWAYS, GST_STATIC_CAPS("video/x-raw; video/x-raw(ANY)"));
 
-GstElement *
-gst_visuotactile_sink_get_tactors(GstVisuotactileSink *self)
-{
-  return self->branch ? gst_tactile_branch_get_tactors(self->branch) : nullptr;
-}
-
-GstElement *
-gst_visuotactile_sink_ref_shown(GstVisuotactileSink *self)
-{
-  GST_OBJECT_LOCK(self);
-  GstElement *shown = self->shown ? GST_ELEMENT(gst_object_ref(self->shown)) : nullptr;
-  GST_OBJECT_UNLOCK(self);
-  return shown;
-}
-
 /// How much earlier than the picture tactorsink asks for its maps.
 static GstClockTime
 gst_visuotactile_sink_lead(GstVisuotactileSink *self)
 {
-  guint max_lead = 0;
+  guint64 max_lead = 0;
   g_object_get(gst_visuotactile_sink_get_tactors(self), "max-lead", &max_lead, nullptr);
-  return max_lead * GST_MSECOND + kWakeMargin;
+  return max_lead + kWakeMargin;
 }
 
 /* ---- the video sink ---- */

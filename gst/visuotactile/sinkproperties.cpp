@@ -1,11 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "sinkproperties.h"
 
-#include "../rangedproperty.h"
-#include "gstvisuotactilesinkprivate.h"
+#include "../properties.h"
+#include "sinkparts.h"
 #include "videosinks.h"
-
-#include <gst/video/video.h>
 
 #include <utility>
 
@@ -14,69 +12,137 @@ namespace {
 /// Whose a property is.
 enum class Owner
 {
-  analysis, ///< saliencytactile's
-  tactors,  ///< tactorsink's
+  self,
   shown,    ///< the video sink's, kept for it until there is one
   both,     ///< the video sink's and tactorsink's, likewise
   seen,     ///< the video sink's and saliencytactile's, likewise
-  self,
+  analysis, ///< saliencytactile's
+  tactors,  ///< tactorsink's
 };
 
-enum Property : guint
+/// The children's defaults, which a test compares with their own. Values are the children's.
+struct Defaults
 {
-  PROP_VIDEO_SINK = 1,
-  PROP_SYNC,
-  PROP_ASYNC,
-  PROP_TS_OFFSET,
-  PROP_FORCE_ASPECT_RATIO,
-  PROP_ENABLE_LAST_SAMPLE,
-  PROP_LAST_SAMPLE,
-  PROP_ROWS,
-  PROP_COLUMNS,
-  PROP_THRESHOLD,
-  PROP_FLOOR,
-  PROP_ROI_WEIGHTS,
-  PROP_MAX_RATE,
-  PROP_VIDEO_DIRECTION,
-  PROP_DRIVER,
-  PROP_DEVICE,
-  PROP_RATE,
-  PROP_INTENSITY,
-  PROP_MUTE,
-  PROP_MAX_LEAD,
-  PROP_MAPPING,
-  PROP_TRACE_LOCATION,
-  PROP_REALTIME,
-  PROP_STATS,
+  bool yes = true;
+  bool no = false;
+  gint64 none = 0;
+  guint side = 3;
+  double threshold = 0.5;
+  double floor = -1;
+  double max_rate = 0;
+  double rate = 5;
+  double intensity = 1;
+  guint64 max_lead = 180 * GST_MSECOND;
+  std::string driver = "auto";
+  std::string unset;
+  GstVideoOrientationMethod video_direction = GST_VIDEO_ORIENTATION_AUTO;
 };
 
-Owner
-owner(guint id)
+std::optional<std::string>
+write_empty(const Defaults &)
 {
-  switch (id) {
-  case PROP_VIDEO_SINK:
-    return Owner::self;
-  case PROP_SYNC:
-  case PROP_ASYNC:
-  case PROP_TS_OFFSET:
-    return Owner::both;
-  case PROP_FORCE_ASPECT_RATIO:
-  case PROP_ENABLE_LAST_SAMPLE:
-  case PROP_LAST_SAMPLE:
-    return Owner::shown;
-  case PROP_VIDEO_DIRECTION:
-    return Owner::seen;
-  default:
-    return id < PROP_DRIVER ? Owner::analysis : Owner::tactors;
-  }
+  return "";
 }
+
+void
+read_nothing(Defaults &, const gchar *)
+{
+}
+
+template <GType (*type)(), auto make_spec>
+GParamSpec *
+make(const properties::Property<Defaults> &self, GParamFlags flags, const Defaults &)
+{
+  return make_spec(self.name, nullptr, self.blurb, type(), flags);
+}
+
+using P = properties::Property<Defaults>;
+using properties::kPlaying;
+using properties::kReadable;
+using properties::kReady;
+
+struct Entry
+{
+  Owner owner;
+  P property;
+};
+
+constexpr Entry kEntries[] = {
+  { Owner::self,
+    { "video-sink",
+      "What shows the film, from the next start on (unset: the video sink of the highest rank that "
+      "can be used)",
+      kReady, make<gst_element_get_type, g_param_spec_object>, nullptr, nullptr } },
+  { Owner::both, P::flag("sync", "Show and play on the clock", kPlaying, PROPERTY_FIELD(yes)) },
+  { Owner::both, P::flag("async", "Go asynchronously to PAUSED", kPlaying, PROPERTY_FIELD(yes)) },
+  { Owner::both, P::number<gint64>("ts-offset", "By how much later picture and tactors are, in ns",
+                                   kPlaying, PROPERTY_FIELD(none)) },
+  { Owner::shown, P::flag("force-aspect-ratio", "Keep the picture's aspect ratio", kPlaying,
+                          PROPERTY_FIELD(yes)) },
+  { Owner::shown, P::flag("enable-last-sample", "Keep the frame that is shown in last-sample",
+                          kPlaying, PROPERTY_FIELD(yes)) },
+  { Owner::shown,
+    { "last-sample", "The frame that is shown", kReadable,
+      make<gst_sample_get_type, g_param_spec_boxed>, nullptr, nullptr } },
+  { Owner::analysis, P::number<guint>("rows", "Rows of the tactile map", kPlaying,
+                                      PROPERTY_FIELD(side), P::Range{ 1, 64 }) },
+  { Owner::analysis, P::number<guint>("columns", "Columns of the tactile map", kPlaying,
+                                      PROPERTY_FIELD(side), P::Range{ 1, 64 }) },
+  { Owner::analysis,
+    P::number<gdouble>("threshold",
+                       "Share of the frame's maximum saliency below which nothing is felt",
+                       kPlaying, PROPERTY_FIELD(threshold), P::Range{ 0, 1 }) },
+  { Owner::analysis, P::number<gdouble>("floor",
+                                        "Event contrast in CIE Delta E up to which a frame is "
+                                        "silent whatever its maximum (-1 = the profile's own)",
+                                        kPlaying, PROPERTY_FIELD(floor), P::Range{ -1, 1000 }) },
+  { Owner::analysis, P::text("roi-weights",
+                             "What saliency is multiplied by inside GstVideoRegionOfInterestMeta, "
+                             "by their type (unset: 1 each)",
+                             kPlaying, PROPERTY_FIELD(unset)) },
+  { Owner::analysis,
+    P::number<gdouble>("max-rate", "Analyze at most this many frames per second (0 = all)",
+                       kPlaying, PROPERTY_FIELD(max_rate), P::Range{ 0, 1000 }) },
+  { Owner::seen,
+    P::choice("video-direction",
+              "How the picture is turned when it is shown, by the video sink if it "
+              "can, and the grid with it (auto: by the image-orientation tag)",
+              kPlaying, PROPERTY_FIELD(video_direction), gst_video_orientation_method_get_type) },
+  { Owner::tactors, P::text("driver", "What drives the tactors: auto, firmata, seat, simulator",
+                            kReady, PROPERTY_FIELD(driver)) },
+  { Owner::tactors,
+    P::text("device", "Which board: its serial number or bus path (unset: the first that answers)",
+            kReady, PROPERTY_FIELD(unset)) },
+  { Owner::tactors,
+    P::number<gdouble>("rate", "How often the tactors may change, in Hz (0 = with every map)",
+                       kPlaying, PROPERTY_FIELD(rate), P::Range{ 0, 1000 }) },
+  { Owner::tactors, P::number<gdouble>("intensity", "Master intensity, a factor on all levels",
+                                       kPlaying, PROPERTY_FIELD(intensity), P::Range{ 0, 1 }) },
+  { Owner::tactors, P::flag("mute", "All motors at zero, at once", kPlaying, PROPERTY_FIELD(no)) },
+  { Owner::tactors,
+    P::number<guint64>("max-lead",
+                       "Longest time in ns by which a command is issued before its "
+                       "frame is shown; the whole pipeline is delayed by it and "
+                       "10 ms",
+                       kReady, PROPERTY_FIELD(max_lead), P::Range{ 0, GST_SECOND }) },
+  { Owner::tactors, P::parsed<write_empty, read_nothing>(
+                        "mapping",
+                        "Tactor of each cell, row by row from the top left, -1 for none, as in "
+                        "2,1,0 (empty: cell i is tactor i)",
+                        kPlaying) },
+  { Owner::tactors, P::text("trace-location", "CSV file that gets one line a command (unset: none)",
+                            kReady, PROPERTY_FIELD(unset)) },
+  { Owner::tactors,
+    P::flag("realtime", "Threads that bring commands to the motors ask to run before others",
+            kReady, PROPERTY_FIELD(yes)) },
+  { Owner::tactors, P::stats("actuation-stats", "What the tactors were told") },
+};
 
 } // namespace
 
 static GstElement *
-gst_visuotactile_sink_get_owner(GstVisuotactileSink *self, guint id)
+gst_visuotactile_sink_get_owner(GstVisuotactileSink *self, Owner whose)
 {
-  const Owner whose = owner(id);
   return whose == Owner::analysis || whose == Owner::seen ? self->analysis
                                                           : gst_visuotactile_sink_get_tactors(self);
 }
@@ -107,14 +173,14 @@ static void
 gst_visuotactile_sink_set_property(GObject *object, guint id, const GValue *value,
                                    GParamSpec *pspec)
 {
-  auto *self = GST_VISUOTACTILE_SINK(object);
-  const Owner whose = owner(id);
+  auto *self = GST_VISUOTACTILE_SINK_CAST(object);
+  const Owner whose = kEntries[id - 1].owner;
 
   if (whose == Owner::self)
     gst_visuotactile_sink_set_wanted(self, GST_ELEMENT(g_value_get_object(value)));
   if (whose == Owner::shown || whose == Owner::both || whose == Owner::seen)
     gst_visuotactile_sink_set_shown(self, pspec->name, value);
-  GstElement *child = gst_visuotactile_sink_get_owner(self, id);
+  GstElement *child = gst_visuotactile_sink_get_owner(self, whose);
   if (whose != Owner::self && whose != Owner::shown && child)
     g_object_set_property(G_OBJECT(child), pspec->name, value);
 }
@@ -122,12 +188,12 @@ gst_visuotactile_sink_set_property(GObject *object, guint id, const GValue *valu
 static void
 gst_visuotactile_sink_get_property(GObject *object, guint id, GValue *value, GParamSpec *pspec)
 {
-  auto *self = GST_VISUOTACTILE_SINK(object);
-  const Owner whose = owner(id);
+  auto *self = GST_VISUOTACTILE_SINK_CAST(object);
+  const Owner whose = kEntries[id - 1].owner;
 
   g_param_value_set_default(pspec, value);
   g_autoptr(GstElement) shown = gst_visuotactile_sink_ref_shown(self);
-  GstElement *child = gst_visuotactile_sink_get_owner(self, id);
+  GstElement *child = gst_visuotactile_sink_get_owner(self, whose);
   if (whose == Owner::self) {
     GST_OBJECT_LOCK(self);
     g_value_set_object(value, self->wanted ? self->wanted : self->shown);
@@ -149,100 +215,8 @@ gst_visuotactile_sink_install_properties(GObjectClass *klass)
 {
   klass->set_property = gst_visuotactile_sink_set_property;
   klass->get_property = gst_visuotactile_sink_get_property;
-
-  const auto readable = static_cast<GParamFlags>(G_PARAM_READABLE | G_PARAM_STATIC_STRINGS);
-  const auto ready = static_cast<GParamFlags>(G_PARAM_READWRITE | G_PARAM_STATIC_STRINGS
-                                              | GST_PARAM_MUTABLE_READY);
-  const auto playing = static_cast<GParamFlags>(G_PARAM_READWRITE | G_PARAM_STATIC_STRINGS
-                                                | GST_PARAM_MUTABLE_PLAYING);
-  const auto install = [klass](Property id, GParamSpec *pspec) {
-    g_object_class_install_property(klass, id, pspec);
-  };
-
-  install(PROP_VIDEO_SINK,
-          g_param_spec_object("video-sink", "Video sink",
-                              "What shows the film, from the next start on (unset: the video sink "
-                              "of the highest rank that can be used)",
-                              GST_TYPE_ELEMENT, ready));
-  install(PROP_SYNC,
-          g_param_spec_boolean("sync", "Sync", "Show and play on the clock", TRUE, playing));
-  install(PROP_ASYNC,
-          g_param_spec_boolean("async", "Async", "Go asynchronously to PAUSED", TRUE, playing));
-  install(PROP_TS_OFFSET, g_param_spec_int64("ts-offset", "TS offset",
-                                             "By how much later picture and tactors are, in ns",
-                                             G_MININT64, G_MAXINT64, 0, playing));
-  install(PROP_FORCE_ASPECT_RATIO,
-          g_param_spec_boolean("force-aspect-ratio", "Force aspect ratio",
-                               "Keep the picture's aspect ratio", TRUE, playing));
-  install(PROP_ENABLE_LAST_SAMPLE,
-          g_param_spec_boolean("enable-last-sample", "Enable last sample",
-                               "Keep the frame that is shown in last-sample", TRUE, playing));
-  install(PROP_LAST_SAMPLE,
-          g_param_spec_boxed("last-sample", "Last sample", "The frame that is shown",
-                             GST_TYPE_SAMPLE, readable));
-
-  // Ranges and defaults are those of the children's own; a test compares them.
-  install(PROP_ROWS, ranged::uint("rows", "Rows", "Rows of the tactile map", 1, 64, 3, playing));
-  install(PROP_COLUMNS,
-          ranged::uint("columns", "Columns", "Columns of the tactile map", 1, 64, 3, playing));
-  install(PROP_THRESHOLD,
-          ranged::real("threshold", "Threshold",
-                       "Share of the frame's maximum saliency below which nothing is felt", 0, 1,
-                       0.5, playing));
-  install(PROP_FLOOR, ranged::real("floor", "Floor",
-                                   "Event contrast in CIE Delta E up to which a frame is silent "
-                                   "whatever its maximum (-1 = the profile's own)",
-                                   -1, 1000, -1, playing));
-  install(PROP_ROI_WEIGHTS,
-          g_param_spec_string("roi-weights", "Region of interest weights",
-                              "What saliency is multiplied by inside "
-                              "GstVideoRegionOfInterestMeta, by their type (unset: 1 each)",
-                              nullptr, playing));
-  install(PROP_MAX_RATE, ranged::real("max-rate", "Maximum rate",
-                                      "Analyze at most this many frames per second (0 = all)", 0,
-                                      1000, 0, playing));
-  install(PROP_VIDEO_DIRECTION,
-          g_param_spec_enum("video-direction", "Video direction",
-                            "How the picture is turned when it is shown, by the video sink if it "
-                            "can, and the grid with it (auto: by the image-orientation tag)",
-                            GST_TYPE_VIDEO_ORIENTATION_METHOD, GST_VIDEO_ORIENTATION_AUTO,
-                            playing));
-  install(PROP_DRIVER,
-          g_param_spec_string("driver", "Driver",
-                              "What drives the tactors: auto, firmata, seat, simulator", "auto",
-                              ready));
-  install(PROP_DEVICE,
-          g_param_spec_string("device", "Device",
-                              "Which board: its serial number or bus path (unset: the first that "
-                              "answers)",
-                              nullptr, ready));
-  install(PROP_RATE, ranged::real("rate", "Rate",
-                                  "How often the tactors may change, in Hz (0 = with every map)", 0,
-                                  1000, 5, playing));
-  install(PROP_INTENSITY,
-          ranged::real("intensity", "Intensity", "Master intensity, a factor on all levels", 0, 1,
-                       1, playing));
-  install(PROP_MUTE,
-          g_param_spec_boolean("mute", "Mute", "All motors at zero, at once", FALSE, playing));
-  install(PROP_MAX_LEAD,
-          ranged::uint("max-lead", "Max lead",
-                       "Longest time in ms by which a motor is told before its frame is "
-                       "shown; all of the pipeline is delayed by it and 10 ms",
-                       0, 1000, 180, ready));
-  install(PROP_MAPPING,
-          g_param_spec_string("mapping", "Mapping",
-                              "Tactor of each cell, row by row from the top left, -1 for none, as "
-                              "in 2,1,0 (empty: cell i is tactor i)",
-                              "", playing));
-  install(PROP_TRACE_LOCATION,
-          g_param_spec_string("trace-location", "Trace location",
-                              "CSV file that gets one line a command (unset: none)", nullptr,
-                              ready));
-  install(PROP_REALTIME,
-          g_param_spec_boolean("realtime", "Real-time",
-                               "Threads that bring commands to the motors ask to run before others",
-                               TRUE, ready));
-  install(PROP_STATS,
-          g_param_spec_boxed("actuation-stats", "Actuation statistics",
-                             "What the tactors were told", GST_TYPE_STRUCTURE, readable));
+  const Defaults defaults;
+  guint id = 0;
+  for (const Entry &entry : kEntries)
+    g_object_class_install_property(klass, ++id, entry.property.make_spec(defaults));
 }

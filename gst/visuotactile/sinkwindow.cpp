@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "sinkwindow.h"
 
-#include "gstvisuotactilesinkprivate.h"
 #include "videosinks.h"
 
 #include <gst/video/navigation.h>
@@ -18,7 +17,7 @@ gst_visuotactile_sink_ref_overlay(GstVisuotactileSink *self)
 static void
 gst_visuotactile_sink_set_window_handle(GstVideoOverlay *overlay, guintptr handle)
 {
-  auto *self = GST_VISUOTACTILE_SINK(overlay);
+  auto *self = GST_VISUOTACTILE_SINK_CAST(overlay);
   GST_OBJECT_LOCK(self);
   self->window.has_handle = TRUE;
   self->window.handle = handle;
@@ -32,7 +31,7 @@ static void
 gst_visuotactile_sink_set_render_rectangle(GstVideoOverlay *overlay, gint x, gint y, gint width,
                                            gint height)
 {
-  auto *self = GST_VISUOTACTILE_SINK(overlay);
+  auto *self = GST_VISUOTACTILE_SINK_CAST(overlay);
   GST_OBJECT_LOCK(self);
   self->window.has_rectangle = TRUE;
   self->window.rectangle = { x, y, width, height };
@@ -45,7 +44,7 @@ gst_visuotactile_sink_set_render_rectangle(GstVideoOverlay *overlay, gint x, gin
 static void
 gst_visuotactile_sink_handle_events(GstVideoOverlay *overlay, gboolean handle_events)
 {
-  auto *self = GST_VISUOTACTILE_SINK(overlay);
+  auto *self = GST_VISUOTACTILE_SINK_CAST(overlay);
   GST_OBJECT_LOCK(self);
   self->window.ignores_events = !handle_events;
   GST_OBJECT_UNLOCK(self);
@@ -57,7 +56,8 @@ gst_visuotactile_sink_handle_events(GstVideoOverlay *overlay, gboolean handle_ev
 static void
 gst_visuotactile_sink_expose(GstVideoOverlay *overlay)
 {
-  g_autoptr(GstElement) shown = gst_visuotactile_sink_ref_overlay(GST_VISUOTACTILE_SINK(overlay));
+  g_autoptr(GstElement) shown
+      = gst_visuotactile_sink_ref_overlay(GST_VISUOTACTILE_SINK_CAST(overlay));
   if (shown)
     gst_video_overlay_expose(GST_VIDEO_OVERLAY(shown));
 }
@@ -95,7 +95,7 @@ gst_visuotactile_sink_apply_window(GstVisuotactileSink *self, GstElement *shown)
 static void
 gst_visuotactile_sink_send_navigation(GstNavigation *navigation, GstEvent *event)
 {
-  auto *self = GST_VISUOTACTILE_SINK(navigation);
+  auto *self = GST_VISUOTACTILE_SINK_CAST(navigation);
   g_autoptr(GstElement) shown = gst_visuotactile_sink_ref_shown(self);
   g_autoptr(GstElement) inner = shown ? find_interface_within(shown, GST_TYPE_NAVIGATION) : nullptr;
   if (inner)

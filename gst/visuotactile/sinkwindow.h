@@ -1,19 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include "gstvisuotactilesink.h"
-
-#include <gst/video/video.h>
-
-/// What the application wants of the video sink's window; kept for when there is one.
-struct SinkWindow
-{
-  gboolean has_handle;
-  guintptr handle;
-  gboolean ignores_events;
-  gboolean has_rectangle;
-  GstVideoRectangle rectangle;
-};
+#include "sinkparts.h"
 
 /// visuotactilesink's GstVideoOverlay and GstNavigation: those of the video sink, wherever in it
 /// they are.

@@ -125,7 +125,7 @@ Chaos::change_property()
     g_object_set(tactors, "rate", pick(std::array<double, 4>{ 0, 1, 5, 30 }), nullptr);
     break;
   case 3:
-    g_object_set(tactors, "max-lead", static_cast<guint>(dice(181)), nullptr);
+    g_object_set(tactors, "max-lead", dice(181) * GST_MSECOND, nullptr);
     break;
   case 4: {
     const bool mirrored = dice(2);

@@ -149,7 +149,7 @@ play(const std::vector<Frame> &frames, const PlayerSettings &settings,
     if (!settings.calibration.empty())
       g_object_set(tactors.get(), "calibration", settings.calibration.c_str(), nullptr);
     if (!settings.compensate)
-      g_object_set(tactors.get(), "voltage-min", 0.0, "max-lead", 0u, nullptr);
+      g_object_set(tactors.get(), "voltage-min", 0.0, "max-lead", guint64{ 0 }, nullptr);
     gst_util_set_object_arg(G_OBJECT(tactors.get()), "compensation",
                             settings.compensate ? "exact" : "none");
     if (!settings.source.empty())

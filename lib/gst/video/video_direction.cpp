@@ -58,10 +58,3 @@ orientation_of(GstVideoOrientationMethod wanted, const OrientationTags &tags)
     return {};
   }
 }
-
-GParamSpec *
-video_direction_spec(const gchar *blurb, GParamFlags flags)
-{
-  return g_param_spec_enum("video-direction", "Video direction", blurb,
-                           GST_TYPE_VIDEO_ORIENTATION_METHOD, GST_VIDEO_ORIENTATION_AUTO, flags);
-}

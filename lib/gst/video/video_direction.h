@@ -35,6 +35,3 @@ private:
 /// The orientation for a `video-direction` property: GST_VIDEO_ORIENTATION_AUTO follows the tags,
 /// GST_VIDEO_ORIENTATION_CUSTOM is the identity.
 tactile::Orientation orientation_of(GstVideoOrientationMethod wanted, const OrientationTags &tags);
-
-/// The standard property `video-direction`; the default is GST_VIDEO_ORIENTATION_AUTO.
-GParamSpec *video_direction_spec(const gchar *blurb, GParamFlags flags);

@@ -320,7 +320,7 @@ GST_START_TEST(test_volts_and_lead_are_fixed_while_playing)
   Rig rig;
   rig.play([&] {
     rig.push(0, { 0.0f });
-    g_object_set(rig.element, "voltage-max", 24.0, "max-lead", 1000u, nullptr);
+    g_object_set(rig.element, "voltage-max", 24.0, "max-lead", GST_SECOND, nullptr);
     rig.push(400 * kMs, { 1.0f });
   });
   const std::vector<Line> lines = rig.trace();

@@ -180,13 +180,13 @@ GST_START_TEST(too_short_a_lead_causes_a_warning)
   slow.tactors[0].table
       = RiseTimeTable{ .step_volts = 3, .size = 2, .milliseconds = { 300, 300, 300, 300 } };
   write_calibration(slow, file.path);
-  for (const guint lead : { 180u, 400u }) {
+  for (const guint64 lead : { 180 * GST_MSECOND, 400 * GST_MSECOND }) {
     g_autoptr(GstElement) sink = gst_element_factory_make("tactorsink", nullptr);
     const ElementBus messages(sink);
     g_object_set(sink, "driver", "simulator", "calibration", file.path.c_str(), "max-lead", lead,
                  nullptr);
     fail_if(gst_element_set_state(sink, GST_STATE_PAUSED) == GST_STATE_CHANGE_FAILURE);
-    fail_unless(messages.has(GST_MESSAGE_WARNING) == (lead == 180));
+    fail_unless(messages.has(GST_MESSAGE_WARNING) == (lead == 180 * GST_MSECOND));
     gst_element_set_state(sink, GST_STATE_NULL);
   }
 }

@@ -64,8 +64,8 @@ public:
   {
     // Limits have their own tests.
     g_object_set(element, "driver", "simulator", "trace-location", trace_file.path.c_str(),
-                 "max-lead", 150u, "max-on-time", guint64{ 0 }, "max-duty", 0.0, "max-active", 0u,
-                 "ramp-in", guint64{ 0 }, nullptr);
+                 "max-lead", 150 * GST_MSECOND, "max-on-time", guint64{ 0 }, "max-duty", 0.0,
+                 "max-active", 0u, "ramp-in", guint64{ 0 }, nullptr);
     clock = GST_TEST_CLOCK(gst_test_clock_new());
     gst_element_set_clock(element, GST_CLOCK(clock));
     gst_element_set_base_time(element, 0);

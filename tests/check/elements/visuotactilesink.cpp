@@ -86,14 +86,14 @@ GST_END_TEST;
 GST_START_TEST(test_values_reach_the_children)
 {
   GstElement *chair = gst_element_factory_make("visuotactilesink", nullptr);
-  g_object_set(chair, "rows", 5, "max-lead", 20, "mute", TRUE, "driver", "simulator", "mapping",
-               "<3, 2, 1>", nullptr);
+  g_object_set(chair, "rows", 5, "max-lead", 20 * GST_MSECOND, "mute", TRUE, "driver", "simulator",
+               "mapping", "<3, 2, 1>", nullptr);
   gst_child_proxy_set(GST_CHILD_PROXY(chair), "tactors::max-duty", 0.25, "analysis::floor", 7.0,
                       nullptr);
   GObject *analysis = gst_child_proxy_get_child_by_name(GST_CHILD_PROXY(chair), "analysis");
   GObject *tactors = gst_child_proxy_get_child_by_name(GST_CHILD_PROXY(chair), "tactors");
   guint rows = 0;
-  guint max_lead = 0;
+  guint64 max_lead = 0;
   gboolean mute = FALSE;
   g_autofree gchar *driver = nullptr;
   gdouble max_duty = 0;
@@ -104,7 +104,7 @@ GST_START_TEST(test_values_reach_the_children)
                &max_duty, "mapping", &mapping, nullptr);
   g_object_get(chair, "floor", &floor, nullptr);
   ck_assert_uint_eq(rows, 5);
-  ck_assert_uint_eq(max_lead, 20);
+  ck_assert_uint_eq(max_lead, 20 * GST_MSECOND);
   fail_unless(mute);
   ck_assert_str_eq(driver, "simulator");
   fail_unless(max_duty == 0.25);
