@@ -5,19 +5,19 @@
  * @short_description: finds what draws the eye and adds it to each frame as a tactile map
  *
  * saliencytactile analyzes the frames that pass through it and adds a #GstTactileMeta to each: a
- * small grid of levels, 3 × 3 by default, that says where and how strongly the film shall be felt.
- * Pixels and memory are left as they are.
+ * small grid of levels, 3 × 3 by default, that says where and how strongly the film is felt. Pixels
+ * and memory are left as they are.
  *
- * The analysis is "Saliency-Driven Tactile Effect Authoring for Real-Time Visuotactile Feedback"
- * (Kim, Lee, Choi 2012): spatial center-surround contrast in CIE L*a*b*, temporal center-surround
- * contrast of the resulting maps, a threshold, pooling to the grid. `profile=paper` takes the paper
- * literally; the default, `profile=tuned`, feels what appears or moves, and neither what went away
- * nor sensor noise, cuts, fades or the camera's own motion.
+ * The analysis is that of "Saliency-Driven Tactile Effect Authoring for Real-Time Visuotactile
+ * Feedback" (Kim, Lee, Choi 2012), literally or tuned for films. [Steering](../guide/steering.md)
+ * tells how to set the properties, [the algorithm](../design/algorithm.md) how a map is computed.
+ * Frames of up to 800 × 600, and all with `profile=paper`, are as with `exact=true`.
  *
- * Regions that elements upstream have found (#GstVideoRegionOfInterestMeta) raise or lower saliency
- * by `roi-weights`. `viewport=adaptive` lets the grid cover the part of the picture in which things
- * have lately happened. `max-cue-duration` and `cue-refractory` limit how long a tactor is felt and
- * how soon again.
+ * The map is as viewers see the picture; regions of interest and #GstSaliencyMeta are in the pixels
+ * of the frame. Behind videoflip, which in GStreamer 1.22 keeps the orientation tag, set
+ * `video-direction=identity`.
+ *
+ * A new segment, flush, discontinuity or caps begins the analysis anew.
  *
  * ## Example launch lines
  * |[
@@ -26,13 +26,10 @@
  * gst-launch-1.0 tactiletestsrc num-buffers=150 ! \
  *     saliencytactile rows=4 columns=6 attach-saliency=true ! \
  *     tactileoverlay style=heatmap ! videoconvert ! autovideosink
- * gst-launch-1.0 tactiletestsrc num-buffers=150 ! \
- *     saliencytactile roi-weights="tactile-target=0.5" \
- *     viewport=adaptive max-cue-duration=1000000000 ! tactileoverlay ! videoconvert ! autovideosink
  * ]|
  *
  * ## Messages
- * - `saliencytactile-stats`: the contents of #GstSaliencyTactile:stats at the end of the stream.
+ * - `saliencytactile-stats`: the fields of #GstSaliencyTactile:stats at the end of the stream.
  *
  * Since: 0.1
  */

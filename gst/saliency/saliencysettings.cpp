@@ -11,8 +11,8 @@ GType
 profile_type()
 {
   static const GEnumValue values[] = {
-    { static_cast<gint>(ProfileName::tuned),
-      "What measures best: events alone, not cuts, fades, noise or camera motion", "tuned" },
+    { static_cast<gint>(ProfileName::tuned), "Events, but not cuts, fades, noise or camera motion",
+      "tuned" },
     { static_cast<gint>(ProfileName::paper), "Kim, Lee, Choi 2012, taken literally", "paper" },
     { 0, nullptr, nullptr },
   };
@@ -25,8 +25,7 @@ viewport_type()
 {
   static const GEnumValue values[] = {
     { static_cast<gint>(ViewportMode::fixed), "The whole picture", "fixed" },
-    { static_cast<gint>(ViewportMode::adaptive),
-      "The part of the picture in which things have lately happened", "adaptive" },
+    { static_cast<gint>(ViewportMode::adaptive), "Where things have lately happened", "adaptive" },
     { 0, nullptr, nullptr },
   };
   static const GType type = properties::register_enum("GstSaliencyTactileViewport", values);
@@ -67,56 +66,43 @@ constexpr P kProperties[] = {
   P::number<guint>("rows", "Rows of the tactile map", kPlaying, PROPERTY_FIELD(rows), kGridSides),
   P::number<guint>("columns", "Columns of the tactile map", kPlaying, PROPERTY_FIELD(columns),
                    kGridSides),
-  P::flag("temporal",
-          "Feel what changes (spatiotemporal saliency) rather than what stands out in a still "
-          "picture (spatial saliency)",
+  P::flag("temporal", "Feel what changes, rather than what stands out in a still picture",
           kControllable, PROPERTY_FIELD(temporal)),
   P::number<gdouble>("threshold",
                      "Share of the frame's maximum saliency below which nothing is felt",
                      kControllable, PROPERTY_FIELD(threshold), P::Range{ 0, 1 }),
-  P::number<gdouble>("floor",
-                     "Event contrast in CIE Delta E up to which a frame is silent whatever its "
-                     "maximum (-1 = the profile's own)",
-                     kControllable, PROPERTY_FIELD(floor),
-                     P::Range{ SaliencySettings::kProfileFloor, 1000 }),
+  P::number<gdouble>(
+      "floor", "Event contrast in CIE Delta E up to which a frame is silent (-1 = the profile's)",
+      kControllable, PROPERTY_FIELD(floor), P::Range{ SaliencySettings::kProfileFloor, 1000 }),
   P::parsed<write_weights, read_weights>(
       "roi-weights",
-      "What saliency is multiplied by inside GstVideoRegionOfInterestMeta, by their type, 0 "
-      "to 10 each: type=weight,... with * for any other type (unset: 1 each)",
+      "Factors on saliency, 0 to 10, inside GstVideoRegionOfInterestMeta by type: type=weight,... "
+      "with * for others",
       kPlaying),
-  P::choice("viewport", "The part of the picture that the grid covers", kPlaying,
+  P::choice("viewport", "Part of the picture that the grid covers", kPlaying,
             PROPERTY_FIELD(viewport), viewport_type),
   P::choice("video-direction",
-            "How the picture is turned on its way from here to the screen, which the grid follows "
-            "(auto: by the image-orientation tag; identity: it is shown as it is here)",
+            "How the picture is turned between here and the screen, which the grid follows (auto: "
+            "by its tag)",
             kPlaying, PROPERTY_FIELD(video_direction), gst_video_orientation_method_get_type),
   P::number<guint64>("max-cue-duration",
-                     "How long in ns a cell is felt without a break before it is silent until it "
-                     "was at rest or something clearly stronger comes (0 = unlimited)",
+                     "Longest time in ns for which a cell is felt without a break (0 = unlimited)",
                      kPlaying, PROPERTY_FIELD(cue_limits.max_duration)),
-  P::number<guint64>("cue-refractory",
-                     "Time in ns after the end of a cue in which its cell is not felt again (0 = "
-                     "none)",
+  P::number<guint64>("cue-refractory", "Time in ns after a cue in which its cell is not felt again",
                      kPlaying, PROPERTY_FIELD(cue_limits.refractory)),
-  P::flag("attach-saliency", "Add the saliency map to each frame too, as a GstSaliencyMeta",
-          kPlaying, PROPERTY_FIELD(attach_saliency)),
-  P::number<gdouble>(
-      "max-rate",
-      "Analyze at most this many frames per second; the others repeat the last map (0 = all)",
-      kPlaying, PROPERTY_FIELD(max_rate), P::Range{ 0, 1000 }),
-  P::flag("keep-maps", "Leave frames that carry a map already, such as a designer's, as they are",
-          kPlaying, PROPERTY_FIELD(keep_maps)),
+  P::flag("attach-saliency", "Add the saliency map too, as a GstSaliencyMeta", kPlaying,
+          PROPERTY_FIELD(attach_saliency)),
+  P::number<gdouble>("max-rate",
+                     "Frames to analyze per second; others repeat the last map (0 = all)", kPlaying,
+                     PROPERTY_FIELD(max_rate), P::Range{ 0, 1000 }),
+  P::flag("keep-maps", "Leave frames that carry a map already as they are", kPlaying,
+          PROPERTY_FIELD(keep_maps)),
   P::number<guint>("n-threads",
-                   "Threads that work on a frame, which is felt the same with any number (0 = by "
-                   "the frame's size and the processor)",
-                   kPlaying, PROPERTY_FIELD(n_threads), P::Range{ 0, 64 }),
-  P::flag("exact",
-          "Take every pixel's color, at several times the cost, rather than that of small areas; "
-          "profile=paper always does, and the others for frames of up to 480000 pixels",
-          kPlaying, PROPERTY_FIELD(exact)),
-  P::stats("stats",
-           "Frames passed, analyzed and active (any level above 0); mean and longest analysis time "
-           "in ns"),
+                   "Threads that work on a frame, with the same result (0 = automatic)", kPlaying,
+                   PROPERTY_FIELD(n_threads), P::Range{ 0, 64 }),
+  P::flag("exact", "Take every pixel's color: better maps at several times the cost", kPlaying,
+          PROPERTY_FIELD(exact)),
+  P::stats("stats", "Frames passed, analyzed and active (any level above 0); analysis times in ns"),
 };
 
 } // namespace

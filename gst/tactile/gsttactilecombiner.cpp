@@ -5,20 +5,21 @@
  * @short_description: puts a track's tactile maps on a film's frames
  *
  * tactilecombiner takes a film and a stream of tactile maps, such as a designer's track that
- * `tactileconverter` has read, and puts on each frame, as #GstTactileMeta, the map in whose time
- * the frame begins. Where the track has a gap, before its first map and after its end, that is a
- * silent map. The film sets the pace: it may be longer or shorter than the track, and without a
- * track it passes through.
+ * `tactileconverter` has read, and puts a #GstTactileMeta on each frame: the map in whose time the
+ * frame begins, or a silent one where the track has none. The film sets the pace: the track may be
+ * longer, shorter or later. Without a track the film passes through.
  *
- * A frame that carries a map already, from `saliencytactile`, keeps it under
- * #GstTactileCombiner:mix `max` where it is the stronger one, cell by cell; the track is resampled
- * to its grid.
+ * A frame that carries a map already, from `saliencytactile`, is treated as #GstTactileCombiner:mix
+ * says. With `mix=max` the track is resampled to the frame's grid.
+ *
+ * A frame waits until the track is known for its time, so put a queue before `sink` that holds as
+ * much as the track's branch holds back.
  *
  * ## Example launch lines
  * |[
  * gst-launch-1.0 tactiletestsrc num-buffers=150 ! saliencytactile ! tactileextractor name=x \
  *     x.src ! queue max-size-bytes=0 max-size-buffers=0 max-size-time=2000000000 ! \
- *     tactilecombiner name=c ! tactileoverlay ! videoconvert ! autovideosink \
+ *     tactilecombiner name=c mix=max ! tactileoverlay ! videoconvert ! autovideosink \
  *     x.tactile ! tactileconverter ! text/x-raw ! tactileconverter ! queue ! c.tactile
  * ]|
  *
@@ -344,9 +345,9 @@ using P = properties::Property<CombinerSettings>;
 static constexpr P kProperties[] = {
   P::choice("mix", "What becomes of a map that a frame carries already", properties::kPlaying,
             PROPERTY_FIELD(mix), mix_type),
-  P::number<gint64>(
-      "offset", "How much later than its own time the track is felt, in ns; earlier if negative",
-      properties::kPlaying, PROPERTY_FIELD(offset), P::Range{ -kMaxOffset, kMaxOffset }),
+  P::number<gint64>("offset", "Time in ns by which the track is felt later; earlier if negative",
+                    properties::kPlaying, PROPERTY_FIELD(offset),
+                    P::Range{ -kMaxOffset, kMaxOffset }),
 };
 
 static CombinerSettings &

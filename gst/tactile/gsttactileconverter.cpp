@@ -4,12 +4,12 @@
  * @title: tactileconverter
  * @short_description: tactile maps as text cues or KLV, and back
  *
- * tactileconverter turns a stream of tactile maps (`application/x-tactile-map`) into what files
- * can hold, and that into maps: text cues for Matroska, MP4 and subtitle files, KLV packets for
- * MPEG transport streams. The other side's caps say which; where anything goes, maps become text,
- * and text and KLV become maps.
+ * tactileconverter turns a stream of tactile maps (`application/x-tactile-map`) into what files can
+ * hold, and back: text cues for Matroska, MP4 and subtitle files, KLV packets for MPEG transport
+ * streams. Downstream's caps decide. Where they leave a choice, maps become text, and text and KLV
+ * become maps.
  *
- * A text cue is a map's picture, a line of whole percents for each row:
+ * A text cue is a picture of the map, a line of whole percents for each row:
  *
  * |[
  *   0   0   0
@@ -17,13 +17,13 @@
  *   0   0   0
  * ]|
  *
- * Cues begin where the map changes, and at least every second; they have a duration, and the next
- * begins where they end. Their times are cut down to milliseconds. So a cue is complete when the
- * next map comes, which is up to a second later: the element's latency towards text and KLV. What
- * runs beside it has to be queued for as long.
+ * A cue begins where the map changes, and at least every second. It is complete when the next map
+ * comes, so towards text and KLV the latency is 1 s: queue what runs beside it for as long. Text
+ * has times in milliseconds and levels in percent; KLV is exact. Time without a cue becomes a GAP.
+ * What is not a cue, such as subtitles to be read, is left out with a warning.
  *
- * Where there is no cue, the maps' stream has a GAP. What is no cue, as in subtitles that are meant
- * to be read, is a gap too, and a warning.
+ * Other players draw a text track in Matroska or MP4, since the muxers mark it as the default one.
+ * `tactile-track mux` removes that mark. See [tracks](../guide/tracks.md).
  *
  * ## Example launch lines
  * |[

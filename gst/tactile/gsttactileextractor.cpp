@@ -2,23 +2,25 @@
 /**
  * SECTION:element-tactileextractor
  * @title: tactileextractor
- * @short_description: takes the tactile maps out of a film as a stream of their own
+ * @short_description: takes the tactile maps off video frames as a stream of their own
  *
- * tactileextractor passes a film's frames through as they are and sends the #GstTactileMeta of each
- * as a buffer of `application/x-tactile-map` on its `tactile` pad, with the frame's time stamp and
- * duration. Such a buffer holds no part of the frame, so that the tactile branch can be queued,
- * sent or kept long after the picture is gone.
+ * tactileextractor passes video through and sends the #GstTactileMeta of each frame as a buffer of
+ * `application/x-tactile-map` on its `tactile` pad, with the frame's time stamp and duration. The
+ * buffer holds no part of the frame: a queue in the tactile branch costs a few bytes per frame.
  *
- * A frame without a tactile map is a GAP on the `tactile` pad. Before the first map the grid is
- * what downstream asks for, else 3 × 3. Either pad may be left unlinked. As behind a demuxer, each
- * branch needs a queue of its own.
+ * A frame without a map is a GAP on the `tactile` pad. Before the first map the grid is what
+ * downstream asks for, else 3 × 3. Either source pad may be left unlinked. As behind a demuxer,
+ * each branch needs a queue of its own.
  *
- * ## Example launch line
+ * ## Example launch lines
  * |[
- * gst-launch-1.0 tactiletestsrc num-buffers=90 ! saliencytactile ! \
- *     tactileextractor name=extractor \
- *     extractor.src ! queue ! videoconvert ! autovideosink \
- *     extractor.tactile ! queue ! fakesink sync=true dump=true
+ * gst-launch-1.0 tactiletestsrc num-buffers=90 ! saliencytactile ! tactileextractor name=x \
+ *     x.src ! queue ! videoconvert ! autovideosink \
+ *     x.tactile ! queue ! fakesink sync=true dump=true
+ * gst-launch-1.0 tactiletestsrc num-buffers=150 ! saliencytactile ! tactileextractor name=x \
+ *     x.src ! queue max-size-bytes=0 max-size-buffers=0 max-size-time=400000000 ! \
+ *     videoconvert ! autovideosink \
+ *     x.tactile ! queue max-size-bytes=0 max-size-buffers=0 max-size-time=400000000 ! tactorsink
  * ]|
  *
  * Since: 0.1

@@ -2,21 +2,33 @@
 /**
  * SECTION:element-tactileklvdec
  * @title: tactileklvdec
- * @short_description: the tactile track of a transport stream as subtitles, for players
+ * @short_description: decodes the tactile track of an MPEG transport stream for players
  *
- * tactileklvdec is what players look for in an MPEG transport stream with a tactile track: without
- * a decoder, GStreamer tells them that a plugin is missing. What comes out are subtitles without
- * any text: each packet becomes a GAP event, which carries it. #tactilesubtitles and
- * #tactileconverter take such a packet for a cue. A player that knows nothing of touch has nothing
- * to draw and nothing to wait for.
+ * tactileklvdec is the decoder for KLV that players look for in a transport stream with a tactile
+ * track. Without it GStreamer reports a missing plugin.
  *
- * A stream's caps do not say whose KLV it is. That of others becomes a GAP without a packet.
+ * It outputs no text. Each packet becomes a GAP event at its time. A packet of a tactile track
+ * travels in that event, as the field `tactile-packet` (a #GstBuffer), which
+ * [tactilesubtitles](tactilesubtitles.md) and [tactileconverter](tactileconverter.md) take for a
+ * cue. A player without these shows the film as it is, and waits for nothing.
  *
- * ## Example launch line
+ * Caps do not say whose KLV a stream has. Other KLV, such as a drone's, becomes gaps without a
+ * packet. An application that wants the KLV itself names `meta/x-klv` in decodebin's `caps`.
+ *
+ * playbin3 of GStreamer 1.22 does not select KLV streams; playbin does:
+ *
+ * |[
+ * GST_PLUGIN_FEATURE_RANK=tactilesubtitles:MAX gst-play-1.0 --videosink=visuotactilesink film.ts
+ * ]|
+ *
+ * ## Example launch lines
  * |[
  * gst-launch-1.0 tactiletestsrc num-buffers=150 ! saliencytactile ! tactileextractor name=x \
  *     x.tactile ! tactileconverter ! meta/x-klv ! tactileklvdec ! tactileconverter ! \
  *     tactorsink driver=simulator
+ * gst-launch-1.0 tactiletestsrc num-buffers=150 ! saliencytactile ! tactileextractor name=x \
+ *     x.tactile ! tactileconverter ! meta/x-klv ! tactileklvdec ! tactileconverter ! \
+ *     webvttenc ! filesink location=track.vtt
  * ]|
  *
  * Since: 0.1

@@ -2,21 +2,21 @@
 /**
  * SECTION:element-tactileoverlay
  * @title: tactileoverlay
- * @short_description: shows in the picture what is to be felt
+ * @short_description: draws tactile maps, or the saliency they come from, into the picture
  *
  * tactileoverlay draws the #GstTactileMeta of each frame into it:
  *
- * - `style=grid`: the grid of tactors. A cell is tinted from yellow to red as its level rises, and
- * a gauge on its left is as high as the level.
- * - `style=heatmap`: a color map from blue to red of the frame's #GstSaliencyMeta, or of its
- * levels if it has none.
+ * - `style=grid`: the grid of tactors. A cell turns from yellow to red as its level rises, and a
+ *   gauge on its left is as high as the level.
+ * - `style=heatmap`: a color map from blue to red of the frame's #GstSaliencyMeta, or of its levels
+ *   if it has none.
  * - `style=saliency`: the saliency map in gray instead of the picture, white at the map's peak or
- * at twice its floor, whichever is higher. It needs `saliencytactile attach-saliency=true`; without
- * it the levels are shown and a warning is posted.
+ *   at twice its floor, whichever is higher. It needs `saliencytactile attach-saliency=true`;
+ *   without it the levels are shown and a warning is posted.
  *
- * A frame without metas stays as it is. Where the picture is turned on its way to the screen, as
- * phone films are by their image-orientation tag, the grid is drawn so that it is right there
- * (`video-direction`).
+ * Frames without metas are left as they are. Where the video sink turns the picture, as with phone
+ * films, the grid is drawn so that it is upright on the screen; set `video-direction` as at the
+ * sink.
  *
  * ## Example launch lines
  * |[
@@ -24,6 +24,8 @@
  *     videoconvert ! autovideosink
  * gst-launch-1.0 tactiletestsrc num-buffers=150 ! saliencytactile attach-saliency=true ! \
  *     tactileoverlay style=heatmap opacity=0.7 ! videoconvert ! autovideosink
+ * gst-launch-1.0 tactiletestsrc num-buffers=150 ! saliencytactile attach-saliency=true ! \
+ *     tactileoverlay style=saliency ! videoconvert ! autovideosink
  * ]|
  *
  * Since: 0.1
@@ -211,13 +213,11 @@ static constexpr P kProperties[] = {
   P::choice("style", "What is drawn into the picture", properties::kControllable,
             PROPERTY_FIELD(style), style_type),
   P::number<gdouble>("opacity",
-                     "How much of the picture a full level covers in the styles grid and heatmap: "
-                     "0 nothing, 1 all",
+                     "How much of the picture a full level covers in the styles grid and heatmap",
                      properties::kControllable, PROPERTY_FIELD(opacity), P::Range{ 0, 1 }),
   P::choice("video-direction",
-            "How the picture is turned on its way from here to the screen, on which the grid is "
-            "drawn to be right (auto: by the image-orientation tag; identity: it is shown as it is "
-            "here)",
+            "How the picture is turned between here and the screen, on which the grid is upright "
+            "(auto: by its tag)",
             properties::kPlaying, PROPERTY_FIELD(video_direction),
             gst_video_orientation_method_get_type),
 };

@@ -2,20 +2,27 @@
 /**
  * SECTION:element-tactilesubtitles
  * @title: tactilesubtitles
- * @short_description: subtitles that are a tactile track, for players that know nothing of them
+ * @short_description: puts subtitles that are a tactile track on the frames, in any player
  *
- * tactilesubtitles takes a film and its subtitles. Where those are a tactile track, in text cues as
- * #tactileconverter has them, each frame gets the map that holds at its time as a #GstTactileMeta,
- * a silent one where there is no cue. Subtitles that are meant to be read are drawn on the film by
- * `textoverlay`, and frames stay without a map. The first cue tells which they are; what is no map
- * in a track, a designer's remark, is drawn.
+ * tactilesubtitles takes a film and its subtitles. The first cue tells what the subtitles are:
  *
- * The track of a transport stream comes in GAP events, from #tactileklvdec.
+ * - A tactile track, in text cues as [tactileconverter](tactileconverter.md) writes them: each
+ *   frame gets the map that holds at its time as a #GstTactileMeta, or a silent one. A cue that is
+ *   not a map, such as a designer's remark, is drawn.
+ * - Text: its child `words`, a `textoverlay`, draws it on the film. Frames get no map, and
+ *   `visuotactilesink` analyzes them.
  *
- * It is for playbin's `subtitleoverlay`, which chooses it in any player by
- * `GST_PLUGIN_FEATURE_RANK=tactilesubtitles:MAX` in the environment; with visuotactilesink as the
- * video sink the track is felt instead of what draws the eye. #tactilecombiner waits for the track;
- * this never holds up the film: a cue that comes later than its frames is felt from then on.
+ * The track of a transport stream comes in GAP events from [tactileklvdec](tactileklvdec.md).
+ *
+ * playbin and playbin3 choose this element by its rank, which is NONE unless raised:
+ *
+ * |[
+ * GST_PLUGIN_FEATURE_RANK=tactilesubtitles:MAX gst-play-1.0 --videosink=visuotactilesink CARRIER
+ * ]|
+ *
+ * [tactilecombiner](tactilecombiner.md) waits for the track. This element never holds up the film:
+ * a cue that comes after its frames is felt from then on. Cues that come early wait, up to 16
+ * million levels (13 hours of 8 × 8 at 5 Hz); more are dropped with a warning.
  *
  * ## Example launch lines
  * |[

@@ -2,18 +2,18 @@
 /**
  * SECTION:element-tactiletestsrc
  * @title: tactiletestsrc
- * @short_description: films of balls that appear, rest and move, with the truth about them
+ * @short_description: makes films of balls that appear, rest and move, with ground truth
  *
  * tactiletestsrc makes the two synthetic films of "Saliency-Driven Tactile Effect Authoring for
- * Real-Time Visuotactile Feedback" (Kim, Lee, Choi 2012, Section 5): `pattern=static-motion`, where
- * one or two balls appear, rest for more than a second and are elsewhere at once, and
- * `pattern=dynamic-motion`, where a ball moves around at various speeds with sudden stalls. Both
- * begin with one second of plain gray background and repeat after ten minutes.
+ * Real-Time Visuotactile Feedback" (Kim, Lee, Choi 2012, Section 5). In `pattern=static-motion` one
+ * or two balls appear, rest for more than a second and jump elsewhere. In `pattern=dynamic-motion`
+ * a ball moves at various speeds with sudden stalls. Both begin with one second of plain gray and
+ * repeat after ten minutes.
  *
- * A picture depends on nothing but the properties, its time stamp and its format: the film is the
- * same at any frame rate and after any seek. Seeking and reverse playback are supported. Unless
- * downstream asks for something else the film has the paper's 1000 × 1000 pixels at 30 frames per
- * second; a variable frame rate (0/1) is taken as 30.
+ * A picture depends only on the properties, its time stamp and its format: the film is the same at
+ * any frame rate and after any seek. Seeking and reverse playback are supported. Unless downstream
+ * asks for something else the film has the paper's 1000 × 1000 pixels at 30 frames per second. A
+ * variable frame rate (0/1) is taken as 30.
  *
  * ## Ground truth
  * Each ball has a #GstVideoRegionOfInterestMeta of type `tactile-target`: the pixels that it
@@ -353,16 +353,13 @@ using properties::kPlaying;
 static constexpr P kProperties[] = {
   P::choice("pattern", "Which of the paper's two films", kPlaying, PROPERTY_FIELD(film.pattern),
             pattern_type),
-  P::number<guint>("seed", "Which film of its pattern: same seed, same film", kPlaying,
+  P::number<guint>("seed", "Number of the film: same seed, same film", kPlaying,
                    PROPERTY_FIELD(film.seed)),
-  P::number<gdouble>("noise",
-                     "Standard deviation of normally distributed sensor noise on every sample, in "
-                     "8-bit codes",
+  P::number<gdouble>("noise", "Standard deviation of sensor noise on every sample, in 8-bit codes",
                      properties::kControllable, PROPERTY_FIELD(noise), P::Range{ 0, 32 }),
-  P::number<gint>("balls",
-                  "Balls at a time; 0: as in the paper, that is one or two by chance in "
-                  "static-motion, one in dynamic-motion",
-                  kPlaying, PROPERTY_FIELD(film.balls), P::Range{ 0, 2 }),
+  P::number<gint>(
+      "balls", "Balls at a time (0 = as in the paper: one or two by chance, one in dynamic-motion)",
+      kPlaying, PROPERTY_FIELD(film.balls), P::Range{ 0, 2 }),
   P::number<gdouble>("ball-size", "Diameter of a ball as a share of the picture's width", kPlaying,
                      PROPERTY_FIELD(film.ball_size), P::Range{ 0.01, 0.5 }),
   P::flag("is-live", "Make each frame when its time has come, as a camera does", properties::kReady,

@@ -4,24 +4,35 @@
  * @title: tactordeviceprovider
  * @short_description: lists the tactor boards that are plugged in
  *
- * tactordeviceprovider lists every USB serial line behind which a tactor board may be, as devices
- * of the class `Sink/Tactile/Hardware`, and tells when one is plugged in or out. Nothing is opened
- * for that, so no playing board is disturbed; whether the board has a Firmata sketch shows when it
- * is played on.
+ * tactordeviceprovider lists each USB serial line behind which a tactor board may be, as a
+ * #GstDevice of the class `Sink/Tactile/Hardware`, and reports when one is plugged in or out, with
+ * or without udevd. It opens no board, so no playing board is disturbed. Whether a board has a
+ * Firmata sketch shows when it is played on.
  *
- * gst_device_create_element() gives a tactorsink for that board: its serial number if no other
- * board that is plugged in has the same, else the socket that it is plugged into. When another
- * board with its number comes or goes, the device changes (`device-changed`).
+ * gst_device_create_element() makes a `tactorsink` for the board. It is named by its serial number,
+ * or by its USB socket where it has none or another board has the same. When such a board comes or
+ * goes, the device changes (`GST_MESSAGE_DEVICE_CHANGED`).
  *
- * ## Example launch line
+ * ## Example launch lines
  * |[
  * gst-device-monitor-1.0 Sink/Tactile
+ * gst-device-monitor-1.0 --follow Sink/Tactile
+ * ]|
+ *
+ * In Python:
+ *
+ * |[
+ * monitor = Gst.DeviceMonitor()
+ * monitor.add_filter('Sink/Tactile', None)
+ * monitor.start()
+ * chairs = {device.get_display_name(): device for device in monitor.get_devices()}
  * ]|
  *
  * ## Properties of a device
+ * - `device.api`: "usb"
  * - `device.serial`: serial number, where it has one
- * - `device.bus_path`: bus and ports, as "1-2.3"
- * - `device.vendor.id`, `device.product.id`: USB's, as "2341"
+ * - `device.bus_path`: bus and ports, such as "1-2.3": the same as long as it stays in that socket
+ * - `device.vendor.id`, `device.product.id`: USB's, four hexadecimal digits
  * - `device.transport`: "cdc-acm", "ftdi" or "ch340"
  *
  * Since: 0.1

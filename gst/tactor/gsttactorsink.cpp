@@ -2,55 +2,65 @@
 /**
  * SECTION:element-tactorsink
  * @title: tactorsink
- * @short_description: plays tactile maps on vibration motors, early and on the clock
+ * @short_description: plays tactile maps on vibration motors, early by their rise time
  *
- * tactorsink takes either video frames that carry a #GstTactileMeta (as `saliencytactile` adds
- * them) or a stream of tactile maps (`application/x-tactile-map`, as `tactileextractor` makes it)
- * and drives one vibration motor (tactor) per cell.
+ * tactorsink takes video frames that carry a #GstTactileMeta, or a stream of tactile maps
+ * (`application/x-tactile-map`), and drives one vibration motor (tactor) per cell.
  *
  * A coin motor needs up to 180 ms to reach 90 % of its level, so each command is issued that much
- * before its frame is shown. The element asks for its data #GstTactorSink:max-lead early by means
- * of render-delay, which delays every other sink of the pipeline accordingly; the data has to be
- * there by then, so put a queue with `max-size-bytes=0 max-size-buffers=0 max-size-time=400000000`
- * before each sink (a default queue holds three raw 1080p frames, which is too little) or do
- * without raw frames in the tactile branch, as in the second line below.
+ * before its frame is shown. All other sinks are delayed by #GstTactorSink:max-lead and 10 ms. Put
+ * a queue with `max-size-bytes=0 max-size-buffers=0 max-size-time=400000000` before each sink, as
+ * in [tactileextractor](tactileextractor.md).
  *
- * Every way out of PLAYING leaves all motors at zero: pause, flush, end of stream, error, and an
- * upstream that stops delivering.
+ * Every way out of PLAYING leaves all motors at zero: pause, flush, end of stream, error, and
+ * upstream that stops delivering. [How it works](../design/tactorsink.md) tells what happens when a
+ * process is killed, and about real-time threads and slow lines.
  *
- * Motors and skin are spared: #GstTactorSink:max-on-time, #GstTactorSink:max-duty and
- * #GstTactorSink:max-active end cues, #GstTactorSink:ramp-in softens the first vibration after
- * start, seek and pause. 0 switches each of them off.
+ * ## Boards
+ * The board is opened in the background from READY to PAUSED. That takes up to five seconds, for
+ * which the stream waits; a live stream begins without it. What is wrong with the board is an error
+ * message. A board that is unplugged costs one warning: the film plays on, and so does the board
+ * when it is back.
  *
- * With #GstTactorSink:calibration each tactor has its own motor, as `tactor-calibrate` measured it:
- * its rise times and its latency make the lead, its start and hold volts decide what is sent as 0
- * in place of #GstTactorSink:voltage-min, and levels become volts so that what is felt is linear in
- * the level and equally strong on all tactors.
+ * Without #GstTactorSink:device the first board that answers is taken: boards of board makers, then
+ * adapter chips (FTDI, CH340) behind which a board has answered before. `driver=auto` leaves out
+ * other adapters, which may be a 3D printer, until they are named once by `device`. A board whose
+ * port another program has open is not taken.
+ *
+ * As a #GstURIHandler it plays on `tactor://SERIAL`, the board with that serial number or bus path.
+ *
+ * ## Limits
+ * #GstTactorSink:max-on-time, #GstTactorSink:max-duty and #GstTactorSink:max-active spare motors
+ * and skin. A cue that a limit ended begins again when the film has let go of its tactor, or after
+ * 3 s. Pauses, seeks and mute keep the account; READY clears it.
  *
  * ## Example launch lines
  * |[
  * gst-launch-1.0 tactiletestsrc num-buffers=150 ! saliencytactile ! \
  *     tactorsink trace-location=commands.csv
- * gst-launch-1.0 tactiletestsrc num-buffers=150 ! saliencytactile ! tactileextractor name=x \
- *     x.src ! queue max-size-bytes=0 max-size-buffers=0 max-size-time=400000000 ! \
- *     videoconvert ! autovideosink \
- *     x.tactile ! queue max-size-bytes=0 max-size-buffers=0 max-size-time=400000000 ! tactorsink
+ * gst-launch-1.0 tactiletestsrc num-buffers=150 ! saliencytactile ! \
+ *     tactorsink rate=15 intensity=0.7 driver=simulator device=amplitude.csv
  * ]|
  *
- * A board takes up to five seconds to answer. It is opened in the background from READY to PAUSED
- * on, and the stream waits for it; what is wrong with it is an error message.
- *
- * As a #GstURIHandler it plays on `tactor://SERIAL`, the board with that serial number or bus path.
+ * ## Statistics
+ * The fields of #GstTactorSink:actuation-stats, times in ns:
+ * - `issued`, `late` (by more than 5 ms), `came-late` (its map was), `thread-late` (its thread was)
+ * - `coalesced`, `dropped`, `starved`
+ * - `cut-on-time`, `cut-duty`, `cut-active`, `ramps`: cues that were limited, soft starts
+ * - `error-min`, `error-mean`, `error-p50`, `error-p99`, `error-max`: issued − due
+ * - `thread-p99`, `thread-max`: delays by the thread
+ * - `scheduling`: `direct`, `rtkit`, `portal`, `given-back` or `normal`
+ * - `board`, `firmware`, `pins`, `connected`, `watchdog`, `reconnects`, `bytes`
  *
  * ## Messages
- * - `tactor-lead-short`: a command could not be issued as early as its motor needs; fields `lead`
- *   and `late` (#guint64, ns). At most one in five seconds.
- * - `tactor-device-refused`: the board is back, but cannot be used: reason
- * - `tactor-device-lost`, `tactor-device-found`: the board went away, came back; with them a
- *   warning and an info message for people. The film plays on meanwhile.
- * - a warning, while the pipeline is on its way to PAUSED: it waits for ever, because one thread
- *   feeds this and another sink without a queue between them.
- * - `tactor-stats`: the contents of #GstTactorSink:actuation-stats at the end of the stream.
+ * - `tactor-lead-short` (`lead`, `late`): a command came too late for its motor.
+ * - `tactor-line-slow` (`tactors`, `bytes`, `update`, `at-once`): the line is too slow for the
+ *   chair.
+ * - `tactor-device-lost`, `tactor-device-found`: the board went away, came back.
+ * - `tactor-device-refused` (`reason`): it is back, and cannot be used.
+ * - `tactor-stats`: #GstTactorSink:actuation-stats at the end of the stream.
+ * - A warning on the way to PAUSED: one thread feeds this and another sink without queues between
+ *   them, and the pipeline waits forever.
  *
  * Since: 0.1
  */

@@ -46,15 +46,14 @@ using properties::kPlaying;
 using properties::kReady;
 
 constexpr P kProperties[] = {
-  P::text("driver",
-          "What drives the tactors: auto (firmata if a board is there, else simulator), "
-          "firmata (any board with StandardFirmata), seat (one whose firmware has "
-          "the watchdog), simulator (motors predicted, no hardware)",
-          kReady, PROPERTY_FIELD(driver)),
+  P::text(
+      "driver",
+      "What drives the tactors: auto (firmata if a board is there, else simulator), firmata (any "
+      "board with StandardFirmata), seat (one with the watchdog firmware), simulator (no hardware)",
+      kReady, PROPERTY_FIELD(driver)),
   P::text("device",
-          "Which board: its serial number or bus path (unset: the first that "
-          "answers); for the simulator, a CSV file that gets the predicted "
-          "amplitudes (unset: none)",
+          "Board, by serial number or bus path (unset: the first that answers); for the simulator, "
+          "a CSV file for the predicted amplitudes",
           kReady, PROPERTY_FIELD(device)),
   P::number<gdouble>("rate", "How often the tactors may change, in Hz (0 = with every map)",
                      kPlaying, PROPERTY_FIELD(planner.rate), P::Range{ 0, 1000 }),
@@ -66,51 +65,43 @@ constexpr P kProperties[] = {
                      kReady, PROPERTY_FIELD(planner.max_lead), P::Range{ 0, GST_SECOND }),
   P::number<gdouble>("voltage-max", "Volts at the motor for level 1.0", kReady,
                      PROPERTY_FIELD(planner.volts_max), P::Range{ 0.1, 24 }),
-  P::number<gdouble>("voltage-min",
-                     "Commands below this many volts are sent as 0: the motor would not start",
+  P::number<gdouble>("voltage-min", "Volts below which 0 is sent, as the motor would not start",
                      kPlaying, PROPERTY_FIELD(planner.volts_min), P::Range{ 0, 24 }),
-  P::number<gdouble>("intensity", "Master intensity, a factor on all levels, from the next map on",
-                     kControllable, PROPERTY_FIELD(planner.intensity), P::Range{ 0, 1 }),
-  P::flag("mute", "All motors at zero, at once; the film is followed silently", kControllable,
-          PROPERTY_FIELD(mute)),
+  P::number<gdouble>("intensity", "Factor on all levels, from the next map on", kControllable,
+                     PROPERTY_FIELD(planner.intensity), P::Range{ 0, 1 }),
+  P::flag("mute", "All motors at zero, at once", kControllable, PROPERTY_FIELD(mute)),
   P::parsed<write_mapping, read_mapping>(
       "mapping",
-      "Tactor of each cell, row by row from the top left, -1 for none, as in "
-      "2,1,0 (empty: cell i is tactor i)",
+      "Tactor of each cell, row by row, -1 for none, as in 2,1,0 (empty: cell i is tactor i)",
       kPlaying),
   P::number<guint64>("max-on-time",
-                     "How long in ns a tactor is on without a break before its cue is over "
-                     "(0 = unlimited)",
+                     "Longest time in ns for which a tactor is on without a break (0 = unlimited)",
                      kPlaying, PROPERTY_FIELD(planner.limits.max_on_time)),
   P::number<gdouble>("max-duty", "Share of any 60 s for which a tactor is on (0 = unlimited)",
                      kPlaying, PROPERTY_FIELD(planner.limits.max_duty), P::Range{ 0, 1 }),
-  P::number<guint>("max-active", "How many tactors are on at once, the strongest (0 = unlimited)",
-                   kPlaying, PROPERTY_FIELD(planner.limits.max_active),
+  P::number<guint>("max-active", "Most tactors on at once, the strongest (0 = unlimited)", kPlaying,
+                   PROPERTY_FIELD(planner.limits.max_active),
                    P::Range{ 0, TactorSettings::kMaxTactors }),
-  P::number<guint64>("ramp-in",
-                     "Time in ns in which the first vibration after start, seek, pause and "
-                     "mute may rise to full scale (0 = at once)",
-                     kPlaying, PROPERTY_FIELD(ramp_in)),
+  P::number<guint64>(
+      "ramp-in",
+      "Time in ns in which vibration rises to full scale after start, seek, pause and mute",
+      kPlaying, PROPERTY_FIELD(ramp_in)),
   P::flag("kick-start",
-          "Start motors from rest with a pulse of full voltage, until they are "
-          "predicted to be at 90 % of their level",
+          "Start motors from rest with full voltage until they are predicted to be at 90 % of "
+          "their level",
           kPlaying, PROPERTY_FIELD(planner.kick_start)),
   P::text("calibration",
-          "Key file of tactor-calibrate with what was measured of each motor: rise "
-          "times, latency, start and hold volts, vibration for volts (unset: all are "
-          "the paper's)",
+          "Key file of tactor-calibrate: each motor's rise times, latency, start volts and "
+          "strength (unset: the paper's)",
           kReady, PROPERTY_FIELD(calibration)),
   P::text("trace-location",
-          "CSV file that gets one line a command: "
-          "issued_ns,due_ns,effect_ns,tactor,volts (unset: none)",
-          kReady, PROPERTY_FIELD(trace_location)),
+          "CSV file for a line per command: issued_ns,due_ns,effect_ns,tactor,volts", kReady,
+          PROPERTY_FIELD(trace_location)),
   P::flag("realtime",
-          "Threads that bring commands to the motors ask to run before others: "
-          "directly, else by RealtimeKit or the desktop portal",
+          "Run the threads that bring commands to the motors at real-time priority, where allowed",
           kReady, PROPERTY_FIELD(realtime)),
   P::stats("actuation-stats",
-           "Commands issued, late, coalesced, dropped; cues that limits cut; schedule error "
-           "|issued - due| in ns; the board, its pins and the bytes sent to it"),
+           "Commands, schedule errors in ns, cues that limits cut, and the board"),
 };
 
 } // namespace

@@ -2,32 +2,28 @@
 /**
  * SECTION:element-visuotactilesink
  * @title: visuotactilesink
- * @short_description: a video sink that lets a chair be felt, for any player
+ * @short_description: a video sink that also plays a chair, for any player
  *
- * visuotactilesink shows a film as any video sink does, and plays what draws the eye in it on the
- * motors of a chair. Whatever takes a video sink takes it: the `video-sink` of playbin and
- * playbin3, `gst-play-1.0 --videosink`, GstPlay. With
- * `GST_PLUGIN_FEATURE_RANK=visuotactilesink:MAX` in the environment autovideosink chooses it, and
- * so do players that know nothing of it.
+ * visuotactilesink shows a film, and plays what draws the eye in it on the motors of a chair.
+ * [Applications](../guide/integration.md) tells how players take it. In it are `saliencytactile`
+ * (child `analysis`), `tactileextractor`, a queue and the video sink, and a queue and `tactorsink`
+ * (child `tactors`). Their other properties are set as `analysis::profile=paper`.
  *
- * Inside are `saliencytactile` (child `analysis`), `tactileextractor`, a queue for pictures and one
- * for maps, the video sink and `tactorsink` (child `tactors`). Their properties that are not among
- * these are set as children's: `visuotactilesink analysis::profile=paper tactors::max-duty=0`.
- *
- * The picture is shown by #GstVisuotactileSink:video-sink or, where none is set, by the sink of the
- * highest rank that can be used. All of the pipeline is delayed by #GstVisuotactileSink:max-lead
- * and 10 ms; the queue of pictures holds that much and 200 ms more. That is pictures in memory:
- * upstream is asked for as many more buffers.
- *
- * Whatever happens to the tactors, the film plays: if they cannot be used, a warning says why.
- * Frames in memory that cannot be read are shown and not felt, with one warning. GstVideoOverlay
- * and GstNavigation are those of the video sink.
+ * - Picture and sound are later by #GstVisuotactileSink:max-lead and 10 ms. Upstream is asked for
+ *   as many more buffers.
+ * - Where the tactors cannot be used, the film plays on. One warning says why, and the next start
+ *   tries again. Where no video sink can be used, the film is felt and not shown.
+ * - Frames that carry a map keep it. Frames that cannot be mapped are shown and not felt.
+ * - #GstVideoOverlay and #GstNavigation are the video sink's. A `video-sink` that was given keeps
+ *   what is not set here.
  *
  * ## Example launch lines
  * |[
  * gst-launch-1.0 tactiletestsrc num-buffers=150 ! videoconvert ! \
  *     visuotactilesink driver=simulator trace-location=commands.csv
  * gst-launch-1.0 playbin uri=file://FILM video-sink="visuotactilesink rows=2 columns=4"
+ * gst-launch-1.0 tactiletestsrc num-buffers=150 ! videoconvert ! \
+ *     visuotactilesink driver=simulator analysis::profile=paper tactors::max-duty=0
  * ]|
  *
  * Since: 0.1

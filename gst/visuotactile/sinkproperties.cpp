@@ -71,7 +71,7 @@ constexpr Entry kEntries[] = {
   { Owner::self,
     { "video-sink",
       "What shows the film, from the next start on (unset: the video sink of the highest rank that "
-      "can be used)",
+      "works)",
       kReady, make<gst_element_get_type, g_param_spec_object>, nullptr, nullptr } },
   { Owner::both, P::flag("sync", "Show and play on the clock", kPlaying, PROPERTY_FIELD(yes)) },
   { Owner::both, P::flag("async", "Go asynchronously to PAUSED", kPlaying, PROPERTY_FIELD(yes)) },
@@ -92,50 +92,44 @@ constexpr Entry kEntries[] = {
     P::number<gdouble>("threshold",
                        "Share of the frame's maximum saliency below which nothing is felt",
                        kPlaying, PROPERTY_FIELD(threshold), P::Range{ 0, 1 }) },
-  { Owner::analysis, P::number<gdouble>("floor",
-                                        "Event contrast in CIE Delta E up to which a frame is "
-                                        "silent whatever its maximum (-1 = the profile's own)",
-                                        kPlaying, PROPERTY_FIELD(floor), P::Range{ -1, 1000 }) },
-  { Owner::analysis, P::text("roi-weights",
-                             "What saliency is multiplied by inside GstVideoRegionOfInterestMeta, "
-                             "by their type (unset: 1 each)",
-                             kPlaying, PROPERTY_FIELD(unset)) },
   { Owner::analysis,
-    P::number<gdouble>("max-rate", "Analyze at most this many frames per second (0 = all)",
-                       kPlaying, PROPERTY_FIELD(max_rate), P::Range{ 0, 1000 }) },
+    P::number<gdouble>(
+        "floor", "Event contrast in CIE Delta E up to which a frame is silent (-1 = the profile's)",
+        kPlaying, PROPERTY_FIELD(floor), P::Range{ -1, 1000 }) },
+  { Owner::analysis,
+    P::text("roi-weights", "Factors on saliency inside GstVideoRegionOfInterestMeta, by type",
+            kPlaying, PROPERTY_FIELD(unset)) },
+  { Owner::analysis, P::number<gdouble>("max-rate", "Frames to analyze per second (0 = all)",
+                                        kPlaying, PROPERTY_FIELD(max_rate), P::Range{ 0, 1000 }) },
   { Owner::seen,
     P::choice("video-direction",
-              "How the picture is turned when it is shown, by the video sink if it "
-              "can, and the grid with it (auto: by the image-orientation tag)",
-              kPlaying, PROPERTY_FIELD(video_direction), gst_video_orientation_method_get_type) },
+              "How the picture is turned, and the grid with it (auto: by its tag)", kPlaying,
+              PROPERTY_FIELD(video_direction), gst_video_orientation_method_get_type) },
   { Owner::tactors, P::text("driver", "What drives the tactors: auto, firmata, seat, simulator",
                             kReady, PROPERTY_FIELD(driver)) },
   { Owner::tactors,
-    P::text("device", "Which board: its serial number or bus path (unset: the first that answers)",
-            kReady, PROPERTY_FIELD(unset)) },
+    P::text("device", "Board, by serial number or bus path (unset: the first that answers)", kReady,
+            PROPERTY_FIELD(unset)) },
   { Owner::tactors,
     P::number<gdouble>("rate", "How often the tactors may change, in Hz (0 = with every map)",
                        kPlaying, PROPERTY_FIELD(rate), P::Range{ 0, 1000 }) },
-  { Owner::tactors, P::number<gdouble>("intensity", "Master intensity, a factor on all levels",
-                                       kPlaying, PROPERTY_FIELD(intensity), P::Range{ 0, 1 }) },
+  { Owner::tactors, P::number<gdouble>("intensity", "Factor on all levels", kPlaying,
+                                       PROPERTY_FIELD(intensity), P::Range{ 0, 1 }) },
   { Owner::tactors, P::flag("mute", "All motors at zero, at once", kPlaying, PROPERTY_FIELD(no)) },
   { Owner::tactors,
     P::number<guint64>("max-lead",
-                       "Longest time in ns by which a command is issued before its "
-                       "frame is shown; the whole pipeline is delayed by it and "
-                       "10 ms",
+                       "Longest time in ns by which a command is issued before its frame; delays "
+                       "the whole pipeline",
                        kReady, PROPERTY_FIELD(max_lead), P::Range{ 0, GST_SECOND }) },
-  { Owner::tactors, P::parsed<write_empty, read_nothing>(
-                        "mapping",
-                        "Tactor of each cell, row by row from the top left, -1 for none, as in "
-                        "2,1,0 (empty: cell i is tactor i)",
-                        kPlaying) },
-  { Owner::tactors, P::text("trace-location", "CSV file that gets one line a command (unset: none)",
-                            kReady, PROPERTY_FIELD(unset)) },
   { Owner::tactors,
-    P::flag("realtime", "Threads that bring commands to the motors ask to run before others",
+    P::parsed<write_empty, read_nothing>(
+        "mapping", "Tactor of each cell, row by row, -1 for none, as in 2,1,0", kPlaying) },
+  { Owner::tactors,
+    P::text("trace-location", "CSV file for a line per command", kReady, PROPERTY_FIELD(unset)) },
+  { Owner::tactors,
+    P::flag("realtime", "Run the threads that bring commands to the motors at real-time priority",
             kReady, PROPERTY_FIELD(yes)) },
-  { Owner::tactors, P::stats("actuation-stats", "What the tactors were told") },
+  { Owner::tactors, P::stats("actuation-stats", "What the tactors did") },
 };
 
 } // namespace
