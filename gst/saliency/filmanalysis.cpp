@@ -62,7 +62,7 @@ bool
 FilmAnalysis::is_due(const SaliencySettings &settings, tactile::Orientation orientation,
                      saliency::Time time)
 {
-  // Timestamps are rounded: a third of 100 ms, three times, falls short of it.
+  // Time stamps are rounded: three times a third of 100 ms is less than 100 ms.
   constexpr saliency::Time kSameTime = std::chrono::milliseconds(1);
 
   if (map_.rows != settings.rows || map_.columns != settings.columns || !analyzer_
@@ -98,7 +98,7 @@ FilmAnalysis::make_analyzer(const Kind &kind)
   analyzer_.emplace(profile);
 }
 
-/// The saliency map as what detectors have found says that it counts.
+/// The saliency map, multiplied by the weights of regions.
 const cv::Mat &
 FilmAnalysis::weigh(const SaliencySettings &settings, GstBuffer *buffer,
                     const FrameMapping &mapping, const saliency::Saliency &found,
@@ -112,8 +112,8 @@ FilmAnalysis::weigh(const SaliencySettings &settings, GstBuffer *buffer,
       regions_of_interest(buffer, mapping.left(), mapping.top(), *settings.roi_weights), time);
 }
 
-/// What is between samples is lower than the largest of them: the floor is lowered as the maximum
-/// is, so that it says of the one map what it says of the other.
+/// The maximum of interpolated samples is lower than that of the samples. The floor is lowered by
+/// the same factor, so that both maps exceed it alike.
 void
 FilmAnalysis::keep_saliency(const tactile::SaliencyView &view, double floor)
 {
@@ -157,8 +157,7 @@ FilmAnalysis::analyze(const SaliencySettings &settings, tactile::Orientation ori
     viewport = viewport_.follow(view, how.floor, how.threshold, time);
   else
     viewport_.reset();
-  // The grid's cells are the screen's; saliency, regions and viewport are those of the pixels as
-  // they are stored.
+  // The grid is that of the screen; saliency, regions and viewport are in the pixels of the frame.
   const int rows = orientation.transposed ? settings.columns : settings.rows;
   const int columns = orientation.transposed ? settings.rows : settings.columns;
   if (stored_map_.rows != rows || stored_map_.columns != columns)

@@ -12,38 +12,38 @@
 
 #include <optional>
 
-/// What saliencytactile makes of a film: frame → saliency map, weighed → tactile map, turned as the
-/// picture is, and how often. Streaming thread only, or while it is stopped.
+/// Analyzes a film's frames: saliency map, top-down weights, tactile map, turned as the picture is
+/// shown. Streaming thread only, or while it is stopped.
 class FilmAnalysis
 {
 public:
-  /// The saliency map as it lies on the picture; empty if there is none.
+  /// In the pixels of the frame; empty if there is none.
   struct AttachedSaliency
   {
     tactile::PictureMap map;
-    gfloat floor = 0; ///< its maximum exceeds this where something is felt
+    gfloat floor = 0; ///< a maximum above this means that something is felt
   };
 
-  /// Forgets what went before: what comes does not follow it.
+  /// Forgets the history, as the next frame does not follow the last one.
   void forget();
   /// forget(), and the maps.
   void reset();
-  /// reset(), and memory is given back until the next frame.
+  /// reset(), and frees memory until the next frame.
   void stop();
 
-  /// Whether a frame of this time is to be analyzed under max-rate: the first one at or after each
-  /// point of a regular grid, which begins anew after a jump in time. Always where the last map is
-  /// for another grid or made in another way.
+  /// Whether a frame of this time is due under max-rate: the first at or after each point of a
+  /// regular grid, which begins anew after a jump in time. Always if the last map has another grid
+  /// or other settings.
   bool is_due(const SaliencySettings &settings, tactile::Orientation orientation,
               saliency::Time time);
 
-  /// Analyzes a frame. Where it could not be read that is false and the map silent. What throws is
-  /// memory that is out: std::bad_alloc, or OpenCV's exception of it.
+  /// Analyzes a frame. False if it cannot be read; the map is silent then. Throws only where memory
+  /// is out: std::bad_alloc, or OpenCV's exception.
   bool analyze(const SaliencySettings &settings, tactile::Orientation orientation,
                const GstVideoInfo &info, GstBuffer *buffer, saliency::Time time,
                saliency::Time duration);
 
-  /// Of the last analysis, as seen on the screen.
+  /// Of the last analysis, as on the screen.
   const tactile::TactileMap &map() const
   {
     return map_;
@@ -55,7 +55,7 @@ public:
   }
 
 private:
-  /// What an analyzer is made for.
+  /// What an analyzer depends on.
   struct Kind
   {
     ProfileName profile = ProfileName::tuned;
@@ -72,12 +72,12 @@ private:
                        saliency::Time time);
   void keep_saliency(const tactile::SaliencyView &view, double floor);
 
-  Kind kind_; ///< that the analyzer is made for
+  Kind kind_; ///< of the analyzer
   std::optional<saliency::Analyzer> analyzer_;
-  std::optional<saliency::TopDownSaliency> top_down_; ///< there when the analyzer is
+  std::optional<saliency::TopDownSaliency> top_down_; ///< as the analyzer
   tactile::AdaptiveViewport viewport_;
-  tactile::Orientation orientation_; ///< that map_ is for
-  tactile::TactileMap stored_map_;   ///< as it lies on the pixels
+  tactile::Orientation orientation_; ///< of map_
+  tactile::TactileMap stored_map_;   ///< in the pixels of the frame
   tactile::TactileMap map_;
   AttachedSaliency saliency_;
   std::optional<saliency::Time> next_analysis_; ///< on max-rate's grid; none: the next frame

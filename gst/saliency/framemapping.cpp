@@ -16,8 +16,7 @@ yuv_matrix(const GstVideoColorimetry &colorimetry)
   default: {
     gdouble kr;
     gdouble kb;
-    // Other matrices that are given by two coefficients (FCC, SMPTE 240M); BT.709 where none is
-    // known.
+    // Other matrices with two coefficients (FCC, SMPTE 240M). Unknown ones: BT.709.
     if (gst_video_color_matrix_get_Kr_Kb(colorimetry.matrix, &kr, &kb))
       return { kr, kb };
     return saliency::kBt709;
@@ -49,7 +48,7 @@ FrameMapping::FrameMapping(const GstVideoInfo &info, GstBuffer *buffer)
   view_.width = GST_VIDEO_FRAME_WIDTH(&frame_);
   view_.height = GST_VIDEO_INFO_FIELD_HEIGHT(&frame_.info); // alternate fields come one a buffer
   if (const GstVideoCropMeta *crop = gst_buffer_get_video_crop_meta(buffer)) {
-    // Chroma is cut at whole samples: the window begins at an even pixel.
+    // Chroma has whole samples: the window begins at an even pixel.
     const int align_x = 1 << std::max(GST_VIDEO_FORMAT_INFO_W_SUB(format, 1), 0u);
     const int align_y = 1 << std::max(GST_VIDEO_FORMAT_INFO_H_SUB(format, 1), 0u);
     left_ = static_cast<int>(std::min<guint>(crop->x, static_cast<guint>(view_.width - 1)))
@@ -76,7 +75,8 @@ FrameMapping::FrameMapping(const GstVideoInfo &info, GstBuffer *buffer)
     const int h_sub = static_cast<int>(GST_VIDEO_FORMAT_INFO_H_SUB(format, i));
     component.row_stride = GST_VIDEO_FRAME_COMP_STRIDE(&frame_, i);
     component.pixel_stride = GST_VIDEO_FRAME_COMP_PSTRIDE(&frame_, i);
-    // GStreamer 1.22 gives P010's second chroma sample an offset of one byte, not of one sample.
+    // GStreamer 1.22 has an offset of one byte, not of one sample, for P010's second chroma
+    // component.
     const int misplaced
         = view_.depth > 8 ? static_cast<int>(GST_VIDEO_FORMAT_INFO_POFFSET(format, i) & 1) : 0;
     component.data = static_cast<const std::uint8_t *>(GST_VIDEO_FRAME_COMP_DATA(&frame_, i))

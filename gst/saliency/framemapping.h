@@ -5,14 +5,14 @@
 
 #include <gst/video/video.h>
 
-/// The raw formats whose samples saliency::FrameView can describe, for caps.
+/// Raw formats that saliency::FrameView supports, for caps.
 #define FRAME_MAPPING_FORMATS                                                                      \
   "{ I420, YV12, NV12, NV21, YUY2, UYVY, Y42B, Y444, RGB, BGR, RGBx, BGRx, xRGB, xBGR, RGBA, "     \
   "BGRA, ARGB, ABGR, GRAY8, "                                                                      \
   "I420_10LE, P010_10LE }"
 
-/// A buffer mapped for reading for as long as this lives, and its samples as saliency::FrameView
-/// sees them. The part that a GstVideoCropMeta cuts out is seen alone.
+/// A buffer mapped for reading during this object's life, as a saliency::FrameView. A
+/// GstVideoCropMeta limits the view.
 class FrameMapping
 {
 public:
@@ -21,7 +21,7 @@ public:
   FrameMapping(const FrameMapping &) = delete;
   FrameMapping &operator=(const FrameMapping &) = delete;
 
-  /// False if the buffer could not be mapped, or is smaller than its format says.
+  /// False if the buffer cannot be mapped, or is smaller than its format requires.
   explicit operator bool() const
   {
     return mapped_;
@@ -32,7 +32,7 @@ public:
     return view_;
   }
 
-  /// The pixel of the frame at which the view begins.
+  /// Pixel of the frame at the view's top left.
   int left() const
   {
     return left_;

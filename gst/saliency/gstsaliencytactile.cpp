@@ -58,8 +58,8 @@ namespace {
 
 struct Statistics
 {
-  guint64 frames = 0;   ///< passed through
-  guint64 analyzed = 0; ///< of these
+  guint64 frames = 0;   ///< passed
+  guint64 analyzed = 0; ///< of frames
   guint64 active = 0;   ///< frames with any level above zero
   GstClockTime busy = 0;
   GstClockTime longest = 0;
@@ -107,7 +107,7 @@ static GstStaticPadTemplate src_template
 
 /* ---- frames (streaming thread) ---- */
 
-/// Forgets what went before: what comes does not follow it.
+/// Forgets the history, as the next frame does not follow the last one.
 static void
 gst_saliency_tactile_forget(GstSaliencyTactile *self)
 {
@@ -116,7 +116,7 @@ gst_saliency_tactile_forget(GstSaliencyTactile *self)
   priv->limiter.reset();
 }
 
-/// Time and duration of a frame on a time line that rises even where the film is played backwards.
+/// Time and duration of a frame, on a time line that rises in reverse playback, too.
 static void
 gst_saliency_tactile_times(GstSaliencyTactile *self, GstBuffer *buffer, saliency::Time &time,
                            saliency::Time &duration)
@@ -131,7 +131,7 @@ gst_saliency_tactile_times(GstSaliencyTactile *self, GstBuffer *buffer, saliency
                             : GST_SECOND / 30;
   duration = saliency::Time(static_cast<gint64>(std::min<GstClockTime>(length, 3600 * GST_SECOND)));
 
-  // Beyond thirty years nothing overflows: such times are taken as that.
+  // Clamped to thirty years: sums do not overflow.
   constexpr GstClockTime kLatest = 1'000'000'000'000'000'000;
   const GstClockTime pts = GST_BUFFER_PTS(buffer);
   const saliency::Time shown(static_cast<gint64>(std::min(pts, kLatest)));
@@ -142,8 +142,7 @@ gst_saliency_tactile_times(GstSaliencyTactile *self, GstBuffer *buffer, saliency
   priv->next_time = std::min(time, saliency::Time(static_cast<gint64>(kLatest))) + duration;
 }
 
-/// Follows the way in which the picture is turned; cues that were felt in other cells are
-/// forgotten.
+/// Updates the orientation. A new one resets the cue limits, as cells have moved.
 static void
 gst_saliency_tactile_orient(GstSaliencyTactile *self, const SaliencySettings &settings)
 {
@@ -159,7 +158,7 @@ gst_saliency_tactile_orient(GstSaliencyTactile *self, const SaliencySettings &se
   priv->limiter.reset();
 }
 
-/// Analyzes a frame. Throws where memory is out (see FilmAnalysis).
+/// Analyzes a frame. Throws if memory is out (see FilmAnalysis).
 static void
 gst_saliency_tactile_analyze(GstSaliencyTactile *self, const SaliencySettings &settings,
                              GstBuffer *buffer, saliency::Time time, saliency::Time duration)
@@ -173,7 +172,7 @@ gst_saliency_tactile_analyze(GstSaliencyTactile *self, const SaliencySettings &s
                       ("expected %" GST_PTR_FORMAT " in readable memory", caps));
 }
 
-/// Lets controlled properties have their values for the frame at hand.
+/// Updates controlled properties to the frame's stream time.
 static void
 gst_saliency_tactile_sync_values(GstSaliencyTactile *self, GstBuffer *buffer)
 {
@@ -205,8 +204,8 @@ gst_saliency_tactile_attach_saliency(GstSaliencyTactile *self, const SaliencySet
         ("expected sides of at most %d, got %u x %u", GST_SALIENCY_MAX_SIDE, width, height));
 }
 
-/// Another frame has passed, with these levels; `spent` is what its analysis took, none if it was
-/// not analyzed.
+/// Counts a frame with these levels. `spent` is the time of its analysis; none if it was not
+/// analyzed.
 static void
 gst_saliency_tactile_count(GstSaliencyTactile *self, std::span<const float> felt,
                            std::optional<GstClockTime> spent)
@@ -235,7 +234,7 @@ gst_saliency_tactile_transform_ip(GstBaseTransform *transform, GstBuffer *buffer
   const SaliencySettings settings = priv->settings;
   GST_OBJECT_UNLOCK(self);
 
-  // Backwards, sources and decoders mark frames that do follow each other in this order.
+  // In reverse playback sources and decoders mark frames that do follow each other in this order.
   if (GST_BUFFER_FLAG_IS_SET(buffer, GST_BUFFER_FLAG_DISCONT) && transform->segment.rate > 0)
     gst_saliency_tactile_forget(self);
 
@@ -249,8 +248,7 @@ gst_saliency_tactile_transform_ip(GstBaseTransform *transform, GstBuffer *buffer
   gst_saliency_tactile_times(self, buffer, time, duration);
   gst_saliency_tactile_orient(self, settings);
 
-  // Between two analyses the last map holds, unless it is for another grid or from another part of
-  // the film.
+  // Between two analyses the last map holds, unless the grid changed or time jumped.
   std::optional<GstClockTime> spent;
   if (priv->analysis.is_due(settings, priv->orientation, time)) {
     try {
@@ -276,7 +274,7 @@ gst_saliency_tactile_transform_ip(GstBaseTransform *transform, GstBuffer *buffer
   return GST_FLOW_OK;
 }
 
-/// The same memory in a buffer whose metas may be written.
+/// Same memory, writable metas.
 static GstFlowReturn
 gst_saliency_tactile_prepare_output_buffer(GstBaseTransform *, GstBuffer *input, GstBuffer **output)
 {
@@ -433,7 +431,7 @@ gst_saliency_tactile_class_init(GstSaliencyTactileClass *klass)
   transform_class->stop = gst_saliency_tactile_stop;
   transform_class->prepare_output_buffer = gst_saliency_tactile_prepare_output_buffer;
   transform_class->transform_ip = gst_saliency_tactile_transform_ip;
-  // Passthrough leaves caps, ALLOCATION and pools to the neighbors; transform_ip still sees every
+  // Passthrough leaves caps, ALLOCATION and pools to the neighbors; transform_ip still gets every
   // frame.
   transform_class->transform_ip_on_passthrough = TRUE;
 }

@@ -8,8 +8,8 @@
 
 #include <vector>
 
-/// What detectors upstream have found in a frame, as GstVideoRegionOfInterestMeta, and what it
-/// counts; regions of weight 1 are left out. Coordinates are those of the part of the frame that
-/// begins at pixel (left, top): what a GstVideoCropMeta leaves of it.
+/// Regions that detectors upstream found, from GstVideoRegionOfInterestMeta, with their weights;
+/// regions of weight 1 are left out. Coordinates are relative to pixel (left, top) of the frame,
+/// the top left of its GstVideoCropMeta.
 std::vector<saliency::Region> regions_of_interest(GstBuffer *buffer, int left, int top,
                                                   const saliency::RegionWeights &weights);

@@ -40,7 +40,7 @@ write_weights(const SaliencySettings &settings)
   return settings.roi_weights->text();
 }
 
-/// What cannot be read leaves the weights as they are.
+/// Text that cannot be read leaves the weights unchanged.
 void
 read_weights(SaliencySettings &settings, const gchar *text)
 {

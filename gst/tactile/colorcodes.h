@@ -14,6 +14,6 @@ struct Rgb
   double blue;
 };
 
-/// A color in the codes of a format's components (Y, Cb, Cr or R, G, B or gray alone), by its
-/// matrix and range: ITU-R BT.601, BT.709 and BT.2020.
+/// Code values of a color in a format's components (Y, Cb, Cr or R, G, B or gray), by its matrix
+/// and range: ITU-R BT.601, BT.709 and BT.2020.
 std::array<std::uint16_t, 3> color_codes(const GstVideoInfo &info, const Rgb &color);

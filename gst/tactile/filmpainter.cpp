@@ -39,7 +39,7 @@ FilmPainter::make(const GstVideoInfo &info)
   GstVideoFrame frame;
   if (!background)
     return std::nullopt;
-  // What is no component is opaque.
+  // Padding and alpha are opaque.
   gst_buffer_memset(background, 0, 0xff, GST_VIDEO_INFO_SIZE(&info));
   if (!gst_video_frame_map(&frame, &info, background, GST_MAP_WRITE))
     return std::nullopt;

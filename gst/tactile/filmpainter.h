@@ -9,15 +9,15 @@
 #include <optional>
 #include <vector>
 
-/// Paints the pictures of a synthetic film in one video format of 8-bit samples.
+/// Paints the frames of a synthetic film in one video format of 8-bit samples.
 class FilmPainter
 {
 public:
-  /// None if there is no memory for a picture.
+  /// None if memory for a frame is out.
   static std::optional<FilmPainter> make(const GstVideoInfo &info);
 
-  /// The background, the balls in their order and, unless it is null, sensor noise. `frame` has the
-  /// painter's format. False if there is no memory for it.
+  /// Background, balls in their order and, unless null, sensor noise. `frame` has the painter's
+  /// format. False if memory is out.
   bool paint(GstVideoFrame *frame, const std::vector<tactile::Ball> &balls,
              const tactile::SensorNoise *noise, tactile::Time time) const;
 
@@ -33,9 +33,9 @@ private:
   };
 
   GstVideoInfo info_;
-  std::unique_ptr<GstBuffer, Unref> background_; ///< to copy from, far cheaper than to draw
+  std::unique_ptr<GstBuffer, Unref> background_; ///< copying is much cheaper than drawing
 };
 
-/// Tells the truth about a ball: a GstVideoRegionOfInterestMeta `tactile-target` of the pixels that
-/// it touches.
+/// Adds the ground truth of a ball: a GstVideoRegionOfInterestMeta `tactile-target` of the pixels
+/// that it touches.
 void add_target(GstBuffer *buffer, const GstVideoInfo &info, const tactile::Ball &ball);

@@ -52,11 +52,11 @@ struct CombinerSettings
   gint64 offset = 0; ///< ns
 };
 
-/// A map of the track and when it holds, in running time of the film.
+/// A map of the track, and its time in the film's running time.
 struct Held
 {
   gint64 begin = 0;
-  std::optional<gint64> end; ///< none: until the next
+  std::optional<gint64> end; ///< none: until the next map
   TactileMap map;
 };
 
@@ -66,7 +66,7 @@ struct GstTactileCombinerPrivate
 {
   CombinerSettings settings; ///< guarded by the object lock
 
-  /* The aggregator's thread, or while it is stopped. */
+  /* Aggregator's thread, or while it is stopped. */
   guint rows = 0; ///< of the track
   guint columns = 0;
   std::optional<Held> held;
@@ -98,7 +98,7 @@ static GstStaticPadTemplate tactile_template = GST_STATIC_PAD_TEMPLATE(
 
 /* ---- the track ---- */
 
-/* Running time of a buffer; none for what lies before its segment or has no time. */
+/* Running time of a buffer; none if it is before the segment or has no time. */
 static std::optional<gint64>
 running_time(GstAggregatorPad *pad, GstClockTime pts)
 {
@@ -110,7 +110,7 @@ running_time(GstAggregatorPad *pad, GstClockTime pts)
   return static_cast<gint64>(time);
 }
 
-/* The map that a buffer is, or a silent one. FALSE if it is none. */
+/* The map in a buffer; silent for a GAP. FALSE if it is not a map. */
 static gboolean
 read_map(GstTactileCombiner *self, GstBuffer *buffer, TactileMap &map)
 {
@@ -132,7 +132,7 @@ read_map(GstTactileCombiner *self, GstBuffer *buffer, TactileMap &map)
   return TRUE;
 }
 
-/* Goes on in the track to what holds at `time`. NEED_DATA if that is not known yet. */
+/* Advances the track to `time`. NEED_DATA if that is not known yet. */
 static GstFlowReturn
 advance(GstTactileCombiner *self, GstAggregatorPad *pad, gint64 time)
 {
@@ -229,7 +229,7 @@ gst_tactile_combiner_aggregate(GstAggregator *aggregator, gboolean timeout)
     gst_clear_object(&track);
     return GST_AGGREGATOR_FLOW_NEED_DATA;
   }
-  /* A track of which nothing came at all has no grid, and nothing to say. */
+  /* A track without any caps has no grid. */
   if (track != nullptr && time && self->priv->rows > 0) {
     frame = gst_buffer_make_writable(frame);
     put_map(self, frame, *time);
@@ -244,7 +244,7 @@ gst_tactile_combiner_aggregate(GstAggregator *aggregator, gboolean timeout)
   return gst_aggregator_finish_buffer(aggregator, frame);
 }
 
-/* ---- events and queries: the film's are those of the source pad ---- */
+/* ---- events and queries: the source pad has the film's ---- */
 
 static gboolean
 gst_tactile_combiner_sink_event(GstAggregator *aggregator, GstAggregatorPad *pad, GstEvent *event)

@@ -60,7 +60,7 @@ GST_DEBUG_CATEGORY_STATIC(tactile_converter_debug);
 
 namespace {
 
-/// What a form is turned into where downstream takes several, the first that it takes.
+/// Output forms for an input form, preferred first.
 constexpr std::array<CueForm, 3>
 preferred(CueForm in)
 {
@@ -69,7 +69,7 @@ preferred(CueForm in)
              : std::array{ CueForm::map, in, in == CueForm::text ? CueForm::klv : CueForm::text };
 }
 
-/// The map as a text cue has it: levels in whole percents.
+/// Rounds levels to whole percents, as in a text cue.
 void
 round_levels(tactile::TactileMap &map)
 {
@@ -86,22 +86,22 @@ to_time(GstClockTime time)
 
 } // namespace
 
-/// All: streaming thread, or while it is stopped.
+/// Streaming thread, or while it is stopped.
 struct GstTactileConverterPrivate
 {
   std::optional<CueForm> in;
   std::optional<CueForm> out;
-  guint rows = 0; ///< of maps that come in
+  guint rows = 0; ///< of input maps
   guint columns = 0;
   gint fps_n = 0;
   gint fps_d = 1;
   std::optional<tactile::Grid> grid; ///< of the last cue
   tactile::CueBuilder builder;
-  GstEvent *pending_segment = nullptr; ///< for the source pad, which needs caps first
-  bool has_caps = false;               ///< the source pad has
+  GstEvent *pending_segment = nullptr; ///< until the source pad has caps
+  bool has_caps = false;               ///< of the source pad
   guint sent_rows = 0;                 ///< of the source pad's caps
   guint sent_columns = 0;
-  Time last_end{ 0 }; ///< of what was sent
+  Time last_end{ 0 }; ///< of the output
   bool warned = false;
 
   ~GstTactileConverterPrivate()
@@ -135,9 +135,9 @@ static GstStaticPadTemplate src_template = GST_STATIC_PAD_TEMPLATE(
     "src", GST_PAD_SRC, GST_PAD_ALWAYS,
     GST_STATIC_CAPS(GST_TACTILE_MAP_CAPS "; " CUE_TEXT_CAPS "; " CUE_KLV_CAPS));
 
-/* ---- what goes out ---- */
+/* ---- output ---- */
 
-/* Sees to it that the source pad has caps, and then a segment. */
+/* Sends caps, then the pending segment, on the source pad. */
 static void
 send_sticky_events(GstTactileConverter *self, guint rows, guint columns)
 {
@@ -176,7 +176,7 @@ send_default_sticky_events(GstTactileConverter *self)
   send_sticky_events(self, rows, columns);
 }
 
-/* Silence up to `end`, if anything is left of it. */
+/* A GAP up to `end`, if any time is left. */
 static void
 push_gap(GstTactileConverter *self, Time end)
 {
@@ -221,7 +221,7 @@ drain(GstTactileConverter *self)
   return push_complete_cues(self);
 }
 
-/* ---- what comes in ---- */
+/* ---- input ---- */
 
 static GstClockTime
 duration_of(GstTactileConverter *self, GstBuffer *buffer, const Cue &cue)
@@ -291,7 +291,7 @@ gst_tactile_converter_chain(GstPad *pad, GstObject *parent, GstBuffer *buffer)
   return flow;
 }
 
-/* Decides what to make of what comes. */
+/* Takes new input caps and negotiates the output form. */
 static gboolean
 set_caps(GstTactileConverter *self, GstCaps *caps)
 {

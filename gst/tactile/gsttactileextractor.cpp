@@ -71,7 +71,7 @@ static GstStaticPadTemplate src_template
 static GstStaticPadTemplate tactile_template = GST_STATIC_PAD_TEMPLATE(
     "tactile", GST_PAD_SRC, GST_PAD_ALWAYS, GST_STATIC_CAPS(GST_TACTILE_MAP_CAPS));
 
-/* Sees to it that the tactile pad has caps with this grid and then a segment, in this order. */
+/* Sends caps with this grid, then a segment, on the tactile pad. */
 static void
 send_sticky_events(GstTactileExtractor *self, guint rows, guint columns)
 {
@@ -100,7 +100,7 @@ send_default_sticky_events(GstTactileExtractor *self)
   send_sticky_events(self, rows, columns);
 }
 
-/* Sends an event that belongs to a place in the stream, and so needs caps and segment before it. */
+/* Sends a serialized event, after caps and segment. */
 static gboolean
 push_tactile_event(GstTactileExtractor *self, GstEvent *event)
 {
@@ -116,8 +116,7 @@ frame_duration(GstTactileExtractor *self, GstBuffer *frame)
   return gst_util_uint64_scale_int(GST_SECOND, self->fps_d, self->fps_n);
 }
 
-/* What was taken away while it had the buffer, and returns that it was shut down, is a branch
- * less: no reason for the other one to end. */
+/* A branch that was unlinked during a push returns FLUSHING. That must not end the other branch. */
 static GstFlowReturn
 push(GstPad *pad, GstBuffer *buffer)
 {
@@ -133,7 +132,7 @@ push_tactile(GstTactileExtractor *self, GstBuffer *frame)
   const GstClockTime duration = frame_duration(self, frame);
 
   if (meta == nullptr) {
-    /* A gap has to have a time. An unlinked pad counts as it would with a buffer. */
+    /* A GAP needs a time. An unlinked pad counts as with a buffer. */
     if (GST_CLOCK_TIME_IS_VALID(pts))
       push_tactile_event(self, gst_event_new_gap(pts, duration));
     return gst_pad_is_linked(self->tactilepad) ? GST_FLOW_OK : GST_FLOW_NOT_LINKED;
@@ -156,7 +155,7 @@ gst_tactile_extractor_chain(GstPad *pad, GstObject *parent, GstBuffer *frame)
   (void)pad;
   auto *self = GST_TACTILE_EXTRACTOR(parent);
 
-  /* The map first: tactors need more time than screens. */
+  /* The map first: tactors are needed earlier than the screen. */
   GstFlowReturn flow = push_tactile(self, frame);
   gst_flow_combiner_update_pad_flow(self->combiner, self->tactilepad, flow);
   flow = push(self->srcpad, frame);
@@ -206,8 +205,8 @@ read_framerate(GstTactileExtractor *self, GstEvent *event)
   self->fps_d = d;
 }
 
-/* What both streams have in common goes to both, what is about pictures (caps, tags, …) to the
- * video alone. */
+/* Events that concern both streams go to both; those about pictures (caps, tags) go to the video
+ * only. */
 static gboolean
 gst_tactile_extractor_sink_event(GstPad *pad, GstObject *parent, GstEvent *event)
 {
@@ -249,7 +248,7 @@ gst_tactile_extractor_sink_event(GstPad *pad, GstObject *parent, GstEvent *event
   return gst_pad_push_event(self->srcpad, event) || handled;
 }
 
-/* Video only passes through: either side's caps are the other's. */
+/* Video passes through: caps of both sides are the same. */
 static gboolean
 proxy_caps_query(GstPad *pad, GstPad *other, GstQuery *query)
 {

@@ -66,8 +66,8 @@ struct Private
   OverlaySettings settings;   ///< object lock
   OverlayPainter painter;     ///< streaming thread
   OrientationTags tags;       ///< streaming thread
-  tactile::TactileMap shown;  ///< streaming thread: the map of the frame, as on the screen
-  tactile::TactileMap stored; ///< streaming thread: and as it lies on the pixels
+  tactile::TactileMap shown;  ///< streaming thread: the frame's map, as on the screen
+  tactile::TactileMap stored; ///< streaming thread: and in the frame's pixels
   bool warned = false;        ///< streaming thread
 };
 
@@ -109,7 +109,7 @@ style_type(void)
   return type;
 }
 
-/// The levels where they will be on the screen when the picture is turned like this.
+/// The levels as they are on the screen when the picture is turned like this.
 static std::optional<LevelField>
 tactile_field(GstBuffer *buffer, Private *priv, tactile::Orientation orientation)
 {

@@ -55,31 +55,31 @@ GST_DEBUG_CATEGORY_STATIC(tactile_subtitles_debug);
 
 namespace {
 
-/// Levels that wait for their frames, at most: a side-car comes all at once, and hours of 8 x 8 are
-/// fine.
+/// Most levels that wait for their frames. A sidecar file comes all at once; this holds
+/// hours of 8 × 8 maps.
 constexpr std::size_t kMaxLevels = 16'000'000;
 
-/// What a cue without a duration lasts, as in tactileconverter.
+/// Duration of a cue without one, as in tactileconverter.
 constexpr GstClockTime kDefaultDuration = GST_SECOND;
 
-/// A map and when it holds, in running time.
+/// A map and its running time.
 struct Cue
 {
-  GstClockTime pts = 0; ///< where it begins in the track
+  GstClockTime pts = 0; ///< in the track
   GstClockTime begin = 0;
   GstClockTime end = 0;
   TactileMap map;
 };
 
-/// What the subtitles are.
+/// Kind of the subtitles.
 enum class Kind
 {
-  unknown, ///< nothing came yet
+  unknown, ///< before the first cue
   track,
   words,
 };
 
-/// The segment that a pad is in.
+/// Segment of a pad.
 GstSegment
 segment_of(GstPad *pad)
 {
@@ -91,7 +91,7 @@ segment_of(GstPad *pad)
   return segment;
 }
 
-/// The cue that the buffer is, if it is one.
+/// The cue in a buffer, if it is one.
 std::optional<tactile::Cue>
 read_cue(GstBuffer *buffer, CueForm form, std::optional<tactile::Grid> grid)
 {
@@ -105,13 +105,13 @@ read_cue(GstBuffer *buffer, CueForm form, std::optional<tactile::Grid> grid)
 
 } // namespace
 
-/// All guarded by the object lock.
+/// Guarded by the object lock.
 struct GstTactileSubtitlesPrivate
 {
   Kind kind = Kind::unknown;
   tactile::Grid grid; ///< of the last cue
   std::deque<Cue> cues;
-  std::size_t levels = 0; ///< in them
+  std::size_t levels = 0; ///< in cues
   bool warned = false;
 };
 
@@ -128,7 +128,7 @@ G_DEFINE_TYPE_WITH_CODE(GstTactileSubtitles, gst_tactile_subtitles, GST_TYPE_BIN
 GST_ELEMENT_REGISTER_DEFINE(tactilesubtitles, "tactilesubtitles", GST_RANK_NONE,
                             GST_TYPE_TACTILE_SUBTITLES);
 
-// Names of pads and class are what subtitleoverlay looks for.
+// subtitleoverlay looks for these pad names and this class.
 #define VIDEO_CAPS "video/x-raw; video/x-raw(ANY)"
 static GstStaticPadTemplate video_template = GST_STATIC_PAD_TEMPLATE(
     "video_sink", GST_PAD_SINK, GST_PAD_ALWAYS, GST_STATIC_CAPS(VIDEO_CAPS));
@@ -149,7 +149,7 @@ forget_cues(GstTactileSubtitles *self)
   GST_OBJECT_UNLOCK(self);
 }
 
-/// How long a buffer holds: as it says, or else its cue.
+/// Duration of a buffer, else of its cue.
 static GstClockTime
 duration_of(GstBuffer *buffer, const tactile::Cue &cue)
 {
@@ -158,7 +158,7 @@ duration_of(GstBuffer *buffer, const tactile::Cue &cue)
   return cue.end > tactile::Time(0) ? static_cast<GstClockTime>(cue.end.count()) : kDefaultDuration;
 }
 
-/// When a buffer holds in running time; nothing outside of its segment.
+/// Running time of a buffer; none outside of its segment.
 static bool
 find_running_time(GstPad *pad, GstBuffer *buffer, GstClockTime duration, Cue &cue)
 {
@@ -181,8 +181,8 @@ find_running_time(GstPad *pad, GstBuffer *buffer, GstClockTime duration, Cue &cu
   return true;
 }
 
-/// Keeps a map until the film is there, in order of time: backwards, demuxers go from key frame to
-/// key frame but give the cues after each in the film's order.
+/// Keeps a map until its frames come, ordered by time. In reverse playback demuxers go from key
+/// frame to key frame, but send the cues after each in the film's order.
 static void
 keep(GstTactileSubtitles *self, const Cue &cue)
 {
@@ -202,7 +202,7 @@ keep(GstTactileSubtitles *self, const Cue &cue)
         ("expected at most %" G_GSIZE_FORMAT " levels before their frames come", kMaxLevels));
 }
 
-/// Takes what is a map of the track; returns false for what is not.
+/// Takes a map of the track; false for other text.
 static bool
 take(GstTactileSubtitles *self, GstPad *pad, GstBuffer *buffer, CueForm form)
 {
@@ -268,8 +268,8 @@ on_subtitle_event(GstPad *pad, GstPadProbeInfo *info, gpointer data)
 
 /* ---- film ---- */
 
-/// The cue that holds at a time; of two that overlap by their rounded times, the track's later one,
-/// whichever way it is played.
+/// The cue at a time. Rounded times may overlap: the track's later cue counts, also in reverse
+/// playback.
 static const Cue *
 cue_at(const std::deque<Cue> &cues, GstClockTime time)
 {
@@ -283,7 +283,7 @@ cue_at(const std::deque<Cue> &cues, GstClockTime time)
   return found;
 }
 
-/// The map that holds at a time, which rises; none without a track.
+/// The map at a time; times must rise. None without a track.
 static std::optional<TactileMap>
 map_at(GstTactileSubtitles *self, GstClockTime time)
 {

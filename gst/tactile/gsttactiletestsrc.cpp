@@ -78,7 +78,7 @@ struct Private
   std::optional<GstClockTime> start_at; ///< of a seek, until the frame rate is known
 };
 
-/// Time of frame `number` from the first: exact, however long the film.
+/// Time of frame `number`, without accumulated rounding.
 GstClockTime
 frame_time(const Private &priv, gint64 number)
 {
@@ -90,7 +90,7 @@ frame_time(const Private &priv, gint64 number)
                                static_cast<guint64>(n));
 }
 
-/// The frame that is shown at `time` from the first.
+/// The frame at `time`.
 gint64
 frame_at(const Private &priv, GstClockTime time)
 {
@@ -162,7 +162,7 @@ gst_tactile_test_src_set_caps(GstBaseSrc *base, GstCaps *caps)
     GST_ERROR_OBJECT(base, "expected caps of raw video, got %" GST_PTR_FORMAT, caps);
     return FALSE;
   }
-  // The film goes on where it is, at the new rate.
+  // The film continues at the new rate.
   priv->base += frame_time(*priv, priv->frame);
   priv->frame = 0;
   priv->info = info;
@@ -278,7 +278,7 @@ gst_tactile_test_src_get_times(GstBaseSrc *base, GstBuffer *buffer, GstClockTime
   }
 }
 
-/// The film that the properties ask for now.
+/// Makes the film that the properties define, if they changed.
 static void
 update_film(GstTactileTestSrc *self)
 {

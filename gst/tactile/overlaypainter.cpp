@@ -7,10 +7,10 @@
 
 namespace {
 
-constexpr int kShades = 256; ///< of a level
+constexpr int kShades = 256; ///< per level
 constexpr int kFullWeight = 256;
 
-// The grid's palette: a shade of tint and one of gauge for each level, and the borders.
+// Palette of the grid: a tint and a gauge shade for each level, and the borders.
 constexpr std::size_t kTint = 0;
 constexpr std::size_t kGauge = kShades;
 constexpr std::size_t kBorder = std::size_t{ 2 } * kShades;
@@ -27,30 +27,29 @@ shade(double level)
   return static_cast<std::uint16_t>(std::lround(std::clamp(level, 0.0, 1.0) * (kShades - 1)));
 }
 
-/// Where cell number `cell` of `cells` begins on a side of `size` pixels.
+/// First pixel of cell `cell` of `cells` on a side of `size` pixels.
 int
 edge(int cell, int cells, int size)
 {
   return static_cast<int>(static_cast<std::int64_t>(cell) * size / cells);
 }
 
-/// Which cell pixel number `pixel` is in: edge(cell) ≤ pixel < edge(cell + 1).
+/// Cell of a pixel: edge(cell) ≤ pixel < edge(cell + 1).
 int
 cell_of(int pixel, int cells, int size)
 {
   return static_cast<int>(((static_cast<std::int64_t>(pixel) + 1) * cells - 1) / size);
 }
 
-/// A pixel's center in the field's cells, whose centers are whole numbers; outside of the first and
-/// last of them it is theirs.
+/// A pixel's center in units of the field's cells, whose centers are integers; clamped to the first
+/// and last center.
 double
 field_position(int pixel, int size, int cells)
 {
   return std::clamp((pixel + 0.5) * cells / size - 0.5, 0.0, static_cast<double>(cells - 1));
 }
 
-/// row += weights / 256 × (values − row), rounded, on samples that lie `shift` bits up in their
-/// words.
+/// row += weights / 256 × (values − row), rounded; samples are shifted up by `shift` bits.
 template <typename Sample>
 void
 blend_row(Sample *__restrict row, const std::uint16_t *__restrict values,
@@ -222,9 +221,8 @@ OverlayPainter::paint_plane(GstVideoFrame *frame, unsigned plane,
   if (first == components)
     return;
 
-  // Samples between those of the components (padding, alpha) keep a weight of 0.
-  // GStreamer 1.22 gives P010's second chroma sample an offset of one byte rather than of one
-  // sample: rounded up.
+  // Padding and alpha have a weight of 0. GStreamer 1.22 has an offset of one byte, not of one
+  // sample, for P010's second chroma component: rounded up.
   const auto position = [=](unsigned c, int x) {
     const auto offset = static_cast<std::size_t>(GST_VIDEO_FORMAT_INFO_POFFSET(format, c));
     const auto stride = static_cast<std::size_t>(GST_VIDEO_FORMAT_INFO_PSTRIDE(format, c));

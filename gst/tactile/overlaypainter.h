@@ -12,7 +12,7 @@
 #include <span>
 #include <vector>
 
-/// Values that cover a picture as a whole: `values[row * columns + column]`, shown as `values ×
+/// A grid of values over the whole picture: `values[row * columns + column]`, shown as `values ×
 /// scale`, at most 1.
 struct LevelField
 {
@@ -22,30 +22,29 @@ struct LevelField
   double scale = 1;
 };
 
-/// Blends levels into frames of any format whose components have 8 or 16 bits of memory each. A
-/// picture's row is described by indices into a palette, and a palette's entry is a value for each
-/// component of the format and one weight, so that all formats, planar and packed, take one way:
-/// per plane, a row of values and a row of weights.
+/// Blends levels into frames of any format with components of 8 or 16 bits. A row is indices into a
+/// palette; an entry has a value for each component and one weight. So all formats, planar and
+/// packed, share one code path: per plane, a row of values and a row of weights.
 class OverlayPainter
 {
 public:
-  /// Each cell tinted by its level, a gauge on its left as high as its level, and thin borders.
+  /// Tints each cell by its level, with a gauge on its left and thin borders.
   void paint_grid(GstVideoFrame *frame, const LevelField &field, double opacity);
 
-  /// A color map from blue to red, interpolated between the field's values; where it is silent the
-  /// picture stays.
+  /// A color map from blue to red, interpolated between the field's values. Silent parts of the
+  /// picture stay as they are.
   void paint_heatmap(GstVideoFrame *frame, const LevelField &field, double opacity);
 
-  /// The field in gray instead of the picture, interpolated between its values.
+  /// The field in gray instead of the picture, interpolated.
   void paint_gray(GstVideoFrame *frame, const LevelField &field);
 
 private:
   struct Entry
   {
-    std::array<std::uint16_t, 3> value{}; ///< of each component, in the format's codes
+    std::array<std::uint16_t, 3> value{}; ///< per component, as code values
     std::uint16_t weight = 0;             ///< of 256
   };
-  /// A pixel's place between two columns of the field.
+  /// A pixel's position between two columns of the field.
   struct Between
   {
     std::size_t left;
@@ -65,7 +64,7 @@ private:
 
   std::vector<Entry> palette_;
   std::vector<std::uint16_t> row_;
-  std::vector<std::uint16_t> last_row_; ///< what values_ and weights_ were made from
+  std::vector<std::uint16_t> last_row_; ///< source of values_ and weights_
   std::vector<std::uint16_t> values_;
   std::vector<std::uint16_t> weights_;
   std::vector<Between> between_; ///< of each pixel in a row

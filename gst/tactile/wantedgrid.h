@@ -3,6 +3,5 @@
 
 #include <gst/gst.h>
 
-/// The grid of a stream of maps on `pad` whose first map is still to come: what downstream wants,
-/// near the paper's 3 × 3.
+/// Grid before the first map: what downstream of `pad` accepts, nearest to the paper's 3 × 3.
 void wanted_grid(GstPad *pad, guint *rows, guint *columns);

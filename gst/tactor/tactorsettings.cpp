@@ -29,7 +29,7 @@ write_mapping(const TactorSettings &settings)
   return tactor::write_mapping(settings.planner.mapping);
 }
 
-/// What cannot be read leaves the mapping as it is.
+/// Text that cannot be read leaves the mapping unchanged.
 void
 read_mapping(TactorSettings &settings, const gchar *text)
 {

@@ -46,11 +46,10 @@ GST_DEBUG_CATEGORY_STATIC(visuotactile_sink_debug);
 
 namespace {
 
-/// What planning and a wake-up take: data is asked for this much before max-lead, as tactorsink
-/// does.
+/// Time for planning and wake-up, before max-lead; as in tactorsink.
 constexpr GstClockTime kWakeMargin = 10 * GST_MSECOND;
 
-/// What the queue of pictures holds beyond that.
+/// What the video queue holds beyond the lead.
 constexpr GstClockTime kLookahead = 200 * GST_MSECOND;
 
 } // namespace
@@ -68,12 +67,12 @@ G_DEFINE_TYPE_WITH_CODE(
 GST_ELEMENT_REGISTER_DEFINE(visuotactilesink, "visuotactilesink", GST_RANK_NONE,
                             GST_TYPE_VISUOTACTILE_SINK);
 
-// Ordinary memory by itself, too: playbin counts the features that it has in common with a decoder,
-// and knows no ANY.
+// System memory is listed too: playbin counts the caps features in common with a decoder, and does
+// not know ANY.
 static GstStaticPadTemplate sink_template = GST_STATIC_PAD_TEMPLATE(
     "sink", GST_PAD_SINK, GST_PAD_ALWAYS, GST_STATIC_CAPS("video/x-raw; video/x-raw(ANY)"));
 
-/// How much earlier than the picture tactorsink asks for its maps.
+/// How much earlier than the picture tactorsink needs its maps.
 static GstClockTime
 gst_visuotactile_sink_lead(GstVisuotactileSink *self)
 {
@@ -103,7 +102,7 @@ gst_visuotactile_sink_choose(GstVisuotactileSink *self)
     chosen = gst_element_factory_make("fakesink", "video-sink");
     g_object_set(chosen, "sync", TRUE, nullptr);
   }
-  // The grid follows the picture as its tags turn it; sinks do so only when they are told to.
+  // The grid follows the orientation tag; sinks do so only if told to.
   g_auto(GValue) direction = G_VALUE_INIT;
   g_value_init(&direction, GST_TYPE_VIDEO_ORIENTATION_METHOD);
   g_value_set_enum(&direction, GST_VIDEO_ORIENTATION_AUTO);
@@ -111,8 +110,8 @@ gst_visuotactile_sink_choose(GstVisuotactileSink *self)
   return chosen;
 }
 
-/// Takes the place of the video sink while there is none: a bin around this one would take a pad
-/// without a peer for one of its own (gst_parse_bin_from_description()).
+/// Links a placeholder while there is no video sink. Otherwise gst_parse_bin_from_description()
+/// would take the unlinked pad for one of the outer bin.
 static void
 gst_visuotactile_sink_add_placeholder(GstVisuotactileSink *self)
 {
@@ -145,7 +144,7 @@ gst_visuotactile_sink_remove_shown(GstVisuotactileSink *self)
   gst_visuotactile_sink_add_placeholder(self);
 }
 
-/// NULL to READY: the video sink that is wanted, or the best there is.
+/// NULL to READY: uses video-sink, or chooses one.
 static gboolean
 gst_visuotactile_sink_open(GstVisuotactileSink *self)
 {
@@ -197,7 +196,7 @@ gst_visuotactile_sink_change_state(GstElement *element, GstStateChange transitio
 
 /* ---- stream ---- */
 
-/// Upstream has to have as many more buffers as wait here for their motors.
+/// Asks upstream for as many more buffers as wait here for the motors.
 static void
 gst_visuotactile_sink_raise_buffers(GstVisuotactileSink *self, GstQuery *query)
 {
@@ -230,13 +229,13 @@ gst_visuotactile_sink_query(GstPad *pad, GstObject *parent, GstQuery *query)
   const gboolean answered = gst_pad_query_default(pad, parent, query);
   if (GST_QUERY_TYPE(query) != GST_QUERY_ALLOCATION)
     return answered;
-  // Also for a video sink that has no wishes of its own.
+  // Also if the video sink does not answer.
   gst_visuotactile_sink_raise_buffers(GST_VISUOTACTILE_SINK(parent), query);
   return TRUE;
 }
 
-/// The picture has been stepped: the tactors go on from there, by the same time. playsink has the
-/// sound follow likewise.
+/// The picture was stepped by frames: steps the tactors by the same time, as playsink does with the
+/// sound.
 static void
 gst_visuotactile_sink_follow_step(GstVisuotactileSink *self, GstMessage *message)
 {
@@ -265,7 +264,7 @@ gst_visuotactile_sink_handle_message(GstBin *bin, GstMessage *message)
 
 /* ---- children ---- */
 
-/// By name children are found wherever they are, tactorsink also while it is out of its branch.
+/// Finds children by name, tactorsink also while it is out of its branch.
 static GObject *
 gst_visuotactile_sink_get_child_by_name(GstChildProxy *proxy, const gchar *name)
 {
@@ -280,7 +279,7 @@ gst_visuotactile_sink_get_child_by_name(GstChildProxy *proxy, const gchar *name)
 static void
 gst_visuotactile_sink_child_proxy_init(gpointer iface, gpointer)
 {
-  // Children by number are the bin's.
+  // Children by index are the bin's.
   static_cast<GstChildProxyInterface *>(iface)->get_child_by_name
       = gst_visuotactile_sink_get_child_by_name;
 }
@@ -319,7 +318,7 @@ gst_visuotactile_sink_class_init(GstVisuotactileSinkClass *klass)
                                         "The visuotactile authors");
 }
 
-/// Creates the parts; without any of them there are none, which is said when the play begins.
+/// Creates the children. If one is missing there are none, and opening fails.
 static void
 gst_visuotactile_sink_build(GstVisuotactileSink *self)
 {

@@ -9,18 +9,18 @@
 
 namespace {
 
-/// Whose a property is.
+/// Which child a property is forwarded to.
 enum class Owner
 {
   self,
-  shown,    ///< the video sink's, kept for it until there is one
-  both,     ///< the video sink's and tactorsink's, likewise
-  seen,     ///< the video sink's and saliencytactile's, likewise
-  analysis, ///< saliencytactile's
-  tactors,  ///< tactorsink's
+  shown,    ///< the video sink, or kept for it
+  both,     ///< the video sink and tactorsink
+  seen,     ///< the video sink and saliencytactile
+  analysis, ///< saliencytactile
+  tactors,  ///< tactorsink
 };
 
-/// The children's defaults, which a test compares with their own. Values are the children's.
+/// Defaults of the children, which a test compares. The values themselves are kept by the children.
 struct Defaults
 {
   bool yes = true;

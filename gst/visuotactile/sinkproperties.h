@@ -3,7 +3,7 @@
 
 #include <glib-object.h>
 
-/// Gives visuotactilesink's class its properties. Each but video-sink is one of a child, of the
-/// same name: of saliencytactile, of tactorsink, of the video sink, for which it is kept until
-/// there is one, or of both sinks. Any thread may use them.
+/// Installs visuotactilesink's properties. All but video-sink are forwarded to the property of that
+/// name of saliencytactile, tactorsink, the video sink (kept until there is one), or both sinks.
+/// They may be used on any thread.
 void gst_visuotactile_sink_install_properties(GObjectClass *klass);

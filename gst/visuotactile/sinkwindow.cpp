@@ -6,7 +6,7 @@
 #include <gst/video/navigation.h>
 #include <gst/video/videooverlay.h>
 
-/// What implements the interface in the video sink, or NULL; transfer full.
+/// The element in the video sink with GstVideoOverlay, or NULL. Transfer full.
 static GstElement *
 gst_visuotactile_sink_ref_overlay(GstVisuotactileSink *self)
 {
@@ -91,7 +91,7 @@ gst_visuotactile_sink_apply_window(GstVisuotactileSink *self, GstElement *shown)
     gst_video_overlay_handle_events(overlay, FALSE);
 }
 
-/// To the video sink, which knows where on its window the picture is, else upstream as it is.
+/// To the video sink, which maps window to picture coordinates; without one, upstream unchanged.
 static void
 gst_visuotactile_sink_send_navigation(GstNavigation *navigation, GstEvent *event)
 {

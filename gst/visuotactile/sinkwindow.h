@@ -3,10 +3,9 @@
 
 #include "sinkparts.h"
 
-/// visuotactilesink's GstVideoOverlay and GstNavigation: those of the video sink, wherever in it
-/// they are.
+/// Interfaces of visuotactilesink, forwarded to the element in the video sink that implements them.
 void gst_visuotactile_sink_overlay_init(gpointer iface, gpointer data);
 void gst_visuotactile_sink_navigation_init(gpointer iface, gpointer data);
 
-/// Tells a new video sink what was asked for before there was one.
+/// Applies what was set before there was a video sink.
 void gst_visuotactile_sink_apply_window(GstVisuotactileSink *self, GstElement *shown);

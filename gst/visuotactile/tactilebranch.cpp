@@ -1,19 +1,19 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "tactilebranch.h"
 
-/* Waiting for tactorsink: more than ten seconds of any film. */
+/* More than ten seconds of any film. */
 static const guint kMostMaps = 1024;
 
 struct _GstTactileBranch
 {
   GstBin parent;
   GstElement *queue;
-  GstElement *tactors; ///< a reference of our own: it may be out of the bin
+  GstElement *tactors; ///< own reference: it may be out of the bin
 
   /* Object lock. */
-  gboolean opening; ///< in the change of state from READY to PAUSED
-  gboolean failed;  ///< since then
-  gboolean ended;   ///< the end of the stream came in
+  gboolean opening; ///< changing from READY to PAUSED
+  gboolean failed;  ///< an error came since then
+  gboolean ended;   ///< EOS was received
 };
 
 #define gst_tactile_branch_parent_class parent_class
@@ -29,8 +29,8 @@ is_in(GstTactileBranch *self)
   return parent == GST_OBJECT(self);
 }
 
-/* Takes tactorsink out, and with it what the bin around would wait for: preroll and the end of the
- * stream. Not on a streaming thread. */
+/* Removes tactorsink, so that the outer bin does not wait for its preroll and EOS. Not on a
+ * streaming thread. */
 static void
 gst_tactile_branch_give_up(GstTactileBranch *self)
 {
@@ -54,7 +54,7 @@ has_failed(GstTactileBranch *self)
   return failed;
 }
 
-/* Unless another play has begun meanwhile, or is about to: it has tactorsink back. */
+/* Not if another play has begun, which has tactorsink back. */
 static void
 give_up_async(GstElement *element, gpointer)
 {
@@ -80,8 +80,8 @@ gst_tactile_branch_handle_message(GstBin *bin, GstMessage *message)
 {
   auto *self = GST_TACTILE_BRANCH(bin);
 
-  /* A step is the picture's: to a player a second one is a step of its own, after which it moves
-   * the sound. */
+  /* Steps are reported by the video sink only: a player would take a second message for another
+   * step. */
   if (GST_MESSAGE_TYPE(message) == GST_MESSAGE_STEP_START
       || GST_MESSAGE_TYPE(message) == GST_MESSAGE_STEP_DONE) {
     gst_message_unref(message);
@@ -134,13 +134,13 @@ gst_tactile_branch_change_state(GstElement *element, GstStateChange transition)
   const gboolean failed = self->failed;
   self->opening = FALSE;
   GST_OBJECT_UNLOCK(self);
-  /* The board, which is opened in the background, was quick to fail. */
+  /* The board, opened in the background, has failed already. */
   if (opening && failed && ret != GST_STATE_CHANGE_FAILURE && is_in(self))
     gst_element_call_async(element, give_up_async, nullptr, nullptr);
   return ret;
 }
 
-/* Maps are not pictures: tactorsink may be at another one, and steps by time. */
+/* Steps by buffers are for the video sink; tactorsink steps by time. */
 static gboolean
 gst_tactile_branch_send_event(GstElement *element, GstEvent *event)
 {
@@ -155,8 +155,8 @@ gst_tactile_branch_send_event(GstElement *element, GstEvent *event)
   return GST_ELEMENT_CLASS(parent_class)->send_event(element, event);
 }
 
-/* What is asked of upstream (a seek, a latency, navigation) the picture asks for, too: once is
- * enough. A demuxer that is sought twice flushes twice. */
+/* Upstream events (seek, latency, navigation) come from the video sink, too. A demuxer that gets a
+ * seek twice flushes twice. */
 static gboolean
 gst_tactile_branch_upstream_event(GstPad *, GstObject *, GstEvent *event)
 {
@@ -164,7 +164,7 @@ gst_tactile_branch_upstream_event(GstPad *, GstObject *, GstEvent *event)
   return TRUE;
 }
 
-/* To the film, maps that nobody plays are as good as played. */
+/* For upstream, maps that are not played are as good as played. */
 static GstFlowReturn
 gst_tactile_branch_chain(GstPad *pad, GstObject *parent, GstBuffer *buffer)
 {
@@ -238,9 +238,8 @@ gst_tactile_branch_new(const gchar *name)
   auto *self = GST_TACTILE_BRANCH(g_object_new(GST_TYPE_TACTILE_BRANCH, "name", name, nullptr));
   self->queue = queue;
   self->tactors = GST_ELEMENT(gst_object_ref_sink(tactors));
-  /* Never so full that the picture would have to wait: frames are stepped through in a pause,
-   * and a tactorsink that takes nothing, or later than the video sink does, must not stop the
-   * film. Maps are small. */
+  /* Never blocks the video: frames are stepped in PAUSED, and tactorsink may preroll later or
+   * never. Maps are small. */
   gst_util_set_object_arg(G_OBJECT(queue), "leaky", "downstream");
   g_object_set(queue, "max-size-bytes", 0, "max-size-buffers", kMostMaps, "max-size-time",
                G_GUINT64_CONSTANT(0), nullptr);

@@ -44,8 +44,8 @@ choose_video_sink(const gchar *name, GString *errors)
     gst_element_set_bus(sink, bus); /* that it cannot be used is no error of the film */
     const GstStateChangeReturn ret = gst_element_set_state(sink, GST_STATE_READY);
     collect_errors(factory, bus, errors);
-    /* Back again: what it asks of the application on its way (a window, a context) has to reach
-     * it. */
+    /* Back to NULL: what it asks the application for on its way to READY (window, context) must
+     * reach the application. */
     gst_element_set_state(sink, GST_STATE_NULL);
     gst_element_set_bus(sink, nullptr);
     if (ret == GST_STATE_CHANGE_SUCCESS)
@@ -57,8 +57,7 @@ choose_video_sink(const gchar *name, GString *errors)
   return chosen;
 }
 
-/* Calls `visit` with the element itself, or where that is not wanted and it is a bin, with what
- * is in it, until it returns true. */
+/* Calls `visit` with the element, then with those in it if it is a bin, until it returns true. */
 static bool
 visit_within(GstElement *element, const std::function<bool(GstElement *)> &visit)
 {
@@ -94,8 +93,8 @@ has_property(GstElement *element, const gchar *name)
   return g_object_class_find_property(G_OBJECT_GET_CLASS(element), name) != nullptr;
 }
 
-/* What an element calls a property, or NULL if it has none such. glimagesink and waylandsink
- * have a video-direction by the name that it had before. */
+/* The element's name for a property, or NULL. glimagesink and waylandsink call video-direction
+ * rotate-method. */
 static const gchar *
 own_name(GstElement *element, const gchar *name)
 {
