@@ -1,15 +1,15 @@
 /* SPDX-License-Identifier: LGPL-2.1-or-later
  *
- * Plays a film with GstPlay, shown and felt. All that touch takes is the video sink.
- * Usage: gstplay URI [visuotactilesink's properties, as in rows=2 driver=simulator]
+ * Plays a film with GstPlay, on screen and on the chair. Only the video sink is special.
+ * Usage: gstplay URI [visuotactilesink's properties, such as rows=2 driver=simulator]
  */
 #include <glib-unix.h>
 #include <gst/gst.h>
 #include <gst/play/play.h>
 
-/* After the end, an error and gst_play_stop() alike. Only now does GstPlay refer to itself no
- * more, so that dropping it waits until the pipeline has come down: a program that ends earlier
- * pulls it from under the threads that take it down. */
+/* After the end of the film, an error and gst_play_stop() alike. From now on GstPlay has no
+ * reference to itself, and the last unref waits until the pipeline is down. A program that exits
+ * earlier would take it from threads that still use it. */
 static void
 on_state_changed(GstPlay *play, GstPlayState state, GMainLoop *loop)
 {
@@ -26,7 +26,7 @@ on_message(GstPlay *play, GError *message, GstStructure *details)
   g_printerr("%s\n", message->message);
 }
 
-/* A process that is killed leaves the motors as they are, to the firmware's watchdog if there is
+/* A killed process leaves the motors running until the firmware's watchdog stops them, if it has
  * one. */
 static gboolean
 on_signal(gpointer play)

@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: LGPL-2.1-or-later
-"""Plays a film and draws in the terminal what is felt of it, when it is felt.
+"""Plays a film and draws its tactile maps in the terminal, in real time.
 
 Usage: terminal.py FILM
 """
@@ -16,7 +16,7 @@ SHADES = " ░▒▓█"
 
 
 def draw(levels, columns):
-    """The map as rows of blocks, over the one before."""
+    """Draws a map as rows of blocks, in place of the one before."""
     rows = [levels[i : i + columns] for i in range(0, len(levels), columns)]
     lines = ["".join(SHADES[round(level * (len(SHADES) - 1))] * 4 for level in row) for row in rows]
     home = f"\x1b[{len(lines)}A" if sys.stdout.isatty() else ""

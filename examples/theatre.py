@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
-"""What server and seats of a theatre have to agree on.
+"""What server and seats of a theatre share.
 
-Maps travel as RTP (rtpgstpay). Each packet carries the time at which its map is shown, in the network's clock (RFC 6051), so that
-a seat needs nothing but the clock, the stream and the latency, whenever it joins. The name of the stream (CNAME) has to be known to
-use that time before the first RTCP report; hence a fixed SSRC.
+Maps are sent as RTP (rtpgstpay). Each packet has the time at which its map is shown, on the network's clock (RFC 6051). A seat
+can join at any time: it needs only the clock, the stream and the latency. To use that time before the first RTCP report, a
+receiver has to know the stream's CNAME; hence a fixed SSRC.
 """
 import socket
 
@@ -30,7 +30,7 @@ LATENCY = 500  # ms from when a map leaves the server until its frame is shown
 
 
 def own_address(destination):
-    """This computer's address on the interface that leads to `destination`, a name or an address. Nothing is sent."""
+    """This computer's address on the interface that leads to `destination`, a name or an address. Sends nothing."""
     kind, _, _, _, address = socket.getaddrinfo(destination, 9, type=socket.SOCK_DGRAM)[0]
     with socket.socket(kind, socket.SOCK_DGRAM) as line:
         try:
@@ -41,8 +41,8 @@ def own_address(destination):
 
 
 def times(packet):
-    """Of a map's packet: when its showing began to count RTP time stamps, as one of them, and when the map is shown, in 2^-32 s of the
-    network's clock. None for what is of another source, and for the first packets of a showing, which have no time: caps come again."""
+    """Two times of a map's packet: the RTP time stamp at which its showing began, and when the map is shown, in 2^-32 s of the network's
+    clock. None for another source's packets, and for a showing's first packets, which have no time; their caps are sent again."""
     if len(packet) < HEADER or packet[0] != 0x90 or packet[8:12] != SSRC.to_bytes(4, "big") or packet[12:17] != OUR_EXTENSION:
         return None
     time = int.from_bytes(packet[17:HEADER], "big")
@@ -50,7 +50,7 @@ def times(packet):
 
 
 def bound_socket(address, port):
-    """A UDP socket that hears what is sent to this address or group alone."""
+    """A UDP socket that receives only packets to this address or group."""
     place = Gio.InetSocketAddress.new_from_string(address, port)
     if not place:
         raise SystemExit(f"expected an address, got {address}")
@@ -63,7 +63,7 @@ def bound_socket(address, port):
 
 
 def ptp_clock(domain, interfaces=None):
-    """The clock of the grandmaster of this PTP domain (IEEE 1588), when it is settled."""
+    """The clock of this PTP domain's grandmaster (IEEE 1588); waits until it is synchronized."""
     if not GstNet.ptp_init(GstNet.PTP_CLOCK_ID_NONE, interfaces):
         raise SystemExit("PTP cannot be used: GStreamer's gst-ptp-helper needs the right to open ports 319 and 320")
     clock = GstNet.PtpClock.new("theatre", domain)

@@ -1,14 +1,14 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """A seat's clock: a GstSystemClock that follows the server's GstNetTimeProvider over a network with jitter.
 
-GstNetClientClock fits a line through the middles of the round trips, each of which is wrong by half the difference of its two
-delays, and after a long round trip it waits before it asks again. With 20 ms jitter that leaves milliseconds. But a delay is never
-negative: the server's clock was read after the question was sent and before the answer was here. So each exchange bounds the
-offset on both sides, and the quickest packet of each direction counts, not the quickest pair: the middle between the bounds of n
-exchanges is wrong by jitter / n, not by jitter / sqrt(n). Cf. D. Mills, "Internet Time Synchronization: the Network Time Protocol",
+GstNetClientClock fits a line through the middles of the round trips. Each is wrong by half the difference of its two delays, and
+after a long round trip the next request is delayed. With 20 ms jitter, errors of milliseconds remain. But a delay is never
+negative: the server reads its clock after the request was sent and before the reply arrived. So each exchange bounds the offset
+on both sides, and the quickest packet of each direction counts, not the quickest pair: the middle between the bounds of n
+exchanges has an error of jitter / n, not of jitter / sqrt(n). Cf. D. Mills, "Internet Time Synchronization: the Network Time Protocol",
 IEEE Trans. Commun. 39(10), 1991 (clock filter); V. Paxson, "On Calibrating Measurements of Packet Transit Times", SIGMETRICS 1998
-(minima of each direction, skew). What remains unknown, as for any clock over a network, is how the least delays of the two
-directions differ: at most half of the least round trip.
+(minima of each direction, skew). As for any clock over a network, the difference between the least delays of the two
+directions remains unknown: an error of at most half of the shortest round trip.
 """
 import collections
 import socket
@@ -42,17 +42,17 @@ def _hull(points):
 
 
 class Offset:
-    """By how much the server's clock is ahead of this computer's, and how well that is known. All times in ns."""
+    """The offset of the server's clock from this computer's, and its uncertainty. All times in ns."""
 
     def __init__(self):
         self.exchanges = collections.deque(maxlen=MOST_EXCHANGES)
         self.settled = False
-        self.begin, self.origin = 0, 0  # all is relative to these, for doubles to hold it
+        self.begin, self.origin = 0, 0  # all times are relative to these, so that doubles are precise
         self.reference, self.ahead, self.drift = 0, 0.0, 0.0
         self.uncertainty = float("inf")  # what the offset is expected to be off by, the packets being as dense at the bounds as seen
 
     def add(self, asked, server, answered):
-        """An exchange: both ends on this computer's clock, the server's time in between. What is no time of a clock is ignored."""
+        """An exchange: sent and received on this computer's clock, the server's time in between. Invalid times are ignored."""
         if not EARLIEST <= server <= LATEST:
             return
         if not self.exchanges:
@@ -65,7 +65,7 @@ class Offset:
         self.settled = self.uncertainty <= (UNSETTLED if self.settled else SETTLED)
 
     def _fit(self, now):
-        """The line that keeps the greatest distance from all bounds."""
+        """Fits the line with the greatest distance from all bounds."""
         while self.exchanges and self.exchanges[0][0] + self.begin < now - WINDOW:
             self.exchanges.popleft()
         while len(self.exchanges) >= 2 * DENSITY:
@@ -89,27 +89,27 @@ class Offset:
                 self.reference, self.ahead, self.drift = now, (above + below) / 2, drift
                 above = sorted(y - drift * x for x, y in most)[DENSITY - 1] - above
                 below = sorted(y + drift * x for x, y in least)[DENSITY - 1] + below
-                # The line is longer than what it was fitted to.
+                # Extrapolation beyond the exchanges that were fitted.
                 beyond = 1 + 2 * -most[-1][0] / max(most[-1][0] - most[0][0], 1)
                 self.uncertainty = (above + below) / DENSITY * beyond
                 return
-            # They contradict each other: one of the clocks was set, or its rate has changed.
+            # The bounds contradict each other: a clock was set, or its rate has changed.
             for _ in range((len(self.exchanges) + 1) // 2):
                 self.exchanges.popleft()
         self.uncertainty = float("inf")
 
     @property
     def ask_again(self):
-        """s until the next question."""
+        """Seconds until the next request."""
         return ASK_SELDOM if self.uncertainty <= FINE else ASK_OFTEN
 
     def server_time(self):
-        """(time of this computer, the server's then)"""
+        """(this computer's time, the server's at that time)"""
         return self.reference, self.reference + self.origin + round(self.ahead)
 
 
 class Follower:
-    """Keeps `clock` with the server's from a thread of its own. `on_change(settled)` is called from there."""
+    """Synchronizes `clock` with the server's in a thread of its own, which calls `on_change(settled)`."""
 
     def __init__(self, server, port, on_change=None):
         self.clock = GObject.new(Gst.SystemClock, name="theatre")
@@ -123,7 +123,7 @@ class Follower:
         threading.Thread(target=self._follow, daemon=True).start()
 
     def _exchange(self, line, seconds):
-        """One question, and whatever answers come before the next."""
+        """Sends one request and receives replies until the next is due."""
         try:
             line.send(PACKET.pack(self.clock.get_internal_time(), Gst.CLOCK_TIME_NONE))
         except OSError:

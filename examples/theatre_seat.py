@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: LGPL-2.1-or-later
-"""A seat of a theatre: plays what theatre_server.py sends on the motors of one chair."""
+"""A seat of a theatre: plays the maps of theatre_server.py on the motors of one chair."""
 import argparse
 import contextlib
 import sys
@@ -13,23 +13,23 @@ from theatre import GLib, Gst
 
 def parse(arguments):
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("server", help="its address, for the clock")
+    parser.add_argument("server", help="the server's address, for the clock")
     parser.add_argument("--group", metavar="ADDRESS", default="239.255.42.42", help="multicast group of the maps")
-    parser.add_argument("--unicast", action="store_true", help="maps are sent to this seat alone, at its address on the interface that leads to the server")
+    parser.add_argument("--unicast", action="store_true", help="receive unicast packets at this seat's address on the interface that leads to the server")
     parser.add_argument("--port", type=int, default=theatre.PORT)
     parser.add_argument("--clock-port", type=int, default=theatre.CLOCK_PORT)
     parser.add_argument("--ptp", type=int, metavar="DOMAIN", help="follow the grandmaster of this PTP domain instead of the server's clock, as the server does")
-    parser.add_argument("--latency", type=int, default=theatre.LATENCY, metavar="MS", help="the server's")
-    parser.add_argument("--jitter", type=int, default=150, metavar="MS", help="how long a packet is waited for; with the motors' lead, 190 ms, less than the latency")
-    parser.add_argument("--chair", default="", help="properties of tactorsink, as in 'intensity=0.5'")
+    parser.add_argument("--latency", type=int, default=theatre.LATENCY, metavar="MS", help="as the server's")
+    parser.add_argument("--jitter", type=int, default=150, metavar="MS", help="how long to wait for a packet; the sum with the motors' lead, 190 ms, is less than the latency")
+    parser.add_argument("--chair", default="", help="properties of tactorsink, such as 'intensity=0.5'")
     return parser.parse_args(arguments)
 
 
 class Maps:
-    """What the network brings of one showing, as a bin. `over` is called once, when what comes is of another showing.
+    """A bin that receives the maps of one showing. `over` is called once, when packets of another showing arrive.
 
-    An RTP session and its jitter buffer take a new showing, or the same one after a long silence, for disorder, and wait for packets in
-    sequence; three copies of each and jitter may keep these from them for ever. So each showing gets a session of its own.
+    An RTP session and its jitter buffer take a new showing, or the same one after a long silence, for reordering, and wait for packets
+    in sequence; with three copies of each and jitter they may wait forever. So each showing has a session of its own.
     """
 
     def __init__(self, options, address, socket, clock, over):
@@ -40,23 +40,23 @@ class Maps:
             f"rtpbin name=rtp ntp-sync=true ntp-time-source=clock-time buffer-mode=none latency={options.jitter} rtpgstdepay name=depay",
             False,
         )
-        # udpsrc would bind a group's port on all addresses, and so hear what is sent to this computer alone as well.
+        # udpsrc would bind a group's port on all addresses and receive unicast packets, too.
         source, rtp, depay = (self.bin.get_by_name(name) for name in ("maps", "rtp", "depay"))
         source.set_property("socket", socket)
         self.bin.add_pad(Gst.GhostPad.new("src", depay.get_static_pad("src")))
         source.get_static_pad("src").add_probe(Gst.PadProbeType.BUFFER, self._choose)
-        # The first packet counts (RFC 3550, A.1, is for those who do not know whom they hear).
+        # No probation (RFC 3550, A.1): the source is known, and the first packet counts.
         rtp.emit("get-session", 0).set_property("probation", 0)
         rtp.connect("pad-added", lambda _rtp, pad: pad.link(depay.get_static_pad("sink")) if pad.get_name().startswith("recv_rtp_src") else None)
 
     def _choose(self, _pad, info):
-        """The server's packets of this showing alone."""
+        """Drops all but the server's packets of this showing."""
         times = theatre.times(info.get_buffer().extract_dup(0, theatre.HEADER))
         if not times or not self.over:
             return Gst.PadProbeReturn.DROP
         start, time = times
         if abs(time - (self.clock.get_time() << 32) // Gst.SECOND) > theatre.LONG_SILENCE:
-            return Gst.PadProbeReturn.DROP  # or what comes at its time would be taken for old
+            return Gst.PadProbeReturn.DROP  # else later packets would seem old
         if self.start is None:
             self.start, self.newest = start, time
         another = abs((start - self.start + 2**31) % 2**32 - 2**31) > theatre.SAME_START or time > self.newest + theatre.LONG_SILENCE
@@ -76,7 +76,7 @@ def make(options):
 
     address = theatre.own_address(options.server) if options.unicast else options.group
     socket = theatre.bound_socket(address, options.port)
-    # The server has chosen when what is felt may change.
+    # The server has applied the rate.
     chair = Gst.parse_launch(f"tactorsink name=chair rate=0 {options.chair}")
     pipeline = Gst.Pipeline.new()
     pipeline.add(chair)
@@ -94,7 +94,7 @@ def make(options):
 
     hear()
     if follower:
-        # Nothing is better than something at the wrong time.
+        # Silent without the clock: no touch is better than touch at the wrong time.
         mute = chair.get_property("mute")
         one_by_one = threading.Lock()
 
@@ -105,7 +105,7 @@ def make(options):
         def on_change(settled):
             silence()
             with contextlib.suppress(OSError):  # nobody reads it
-                print(f"the clock of {options.server} is {'known again' if settled else 'no longer known: silent'}", flush=True)
+                print(f"the clock of {options.server} is {'synchronized again' if settled else 'lost: the chair is silent'}", flush=True)
 
         follower.on_change = on_change
         silence()

@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: LGPL-2.1-or-later
-"""Shows a film and sends what is felt of it to the seats of a theatre."""
+"""Shows a film and sends its tactile maps to the seats of a theatre."""
 import argparse
 import sys
 
@@ -12,25 +12,25 @@ def parse(arguments):
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("film", help="file or URI")
     parser.add_argument(
-        "--to", action="append", metavar="ADDRESS:PORT", help="where maps are sent, a multicast group as well; may be repeated (default: 239.255.42.42:5104)"
+        "--to", action="append", metavar="ADDRESS:PORT", help="destination of maps, also a multicast group; may be repeated (default: 239.255.42.42:5104)"
     )
     parser.add_argument(
-        "--from", dest="own", metavar="ADDRESS", help="this computer's address from which maps are sent and where the clock answers (default: for each --to, its "
-        "address on the interface that leads there)"
+        "--from", dest="own", metavar="ADDRESS", help="this computer's address, for maps and the clock (default: for each --to, its address on the interface "
+        "that leads there)"
     )
-    parser.add_argument("--latency", type=int, default=theatre.LATENCY, metavar="MS", help="by how much the picture is later than its map; the same for all seats")
-    parser.add_argument("--rate", type=float, default=5, metavar="HZ", help="how often what is felt may change")
-    parser.add_argument("--copies", type=int, default=3, help="how often each map is sent, 50 ms apart, so that one that is lost is not missed")
+    parser.add_argument("--latency", type=int, default=theatre.LATENCY, metavar="MS", help="delay of the picture after its map was sent; the same for all seats")
+    parser.add_argument("--rate", type=float, default=5, metavar="HZ", help="rate at which levels may change")
+    parser.add_argument("--copies", type=int, default=3, help="number of packets for each map, 50 ms apart, in case that some are lost")
     parser.add_argument("--clock-port", type=int, default=theatre.CLOCK_PORT)
     parser.add_argument("--ptp", type=int, metavar="DOMAIN", help="follow the grandmaster of this PTP domain, as the seats do, instead of providing a clock")
-    parser.add_argument("--analysis", default="", help="properties of saliencytactile, as in 'rows=2 columns=4'")
+    parser.add_argument("--analysis", default="", help="properties of saliencytactile, such as 'rows=2 columns=4'")
     parser.add_argument("--video-sink", default="autovideosink", help="a launch line")
     parser.add_argument("--audio-sink", default="autoaudiosink", help="a launch line")
     return parser.parse_args(arguments)
 
 
 def by_own_address(clients, own):
-    """Clients by the address of this computer from which they are reached."""
+    """Groups clients by this computer's address on the way to them."""
     groups = {}
     for client in clients:
         groups.setdefault(own or theatre.own_address(client.rpartition(":")[0]), []).append(client)
@@ -38,7 +38,7 @@ def by_own_address(clients, own):
 
 
 def sender(number, own, clients, latency):
-    """A map leaves when its frame would be shown without the latency; copies 50 ms after one another."""
+    """Sends a map when its frame would be shown without the latency, and copies 50 ms after one another."""
     delay = max(latency - 50 * number, 0) * Gst.MSECOND
     return (
         f"copies. ! queue ! multiudpsink bind-address={own} clients={','.join(clients)} sync=true async=false auto-multicast=true ttl-mc=8 "
@@ -82,7 +82,7 @@ def main():
     sent = {"packets": 0, "bytes": 0}
 
     def count(_pad, info):
-        # A map with caps or other events before it is a list.
+        # A buffer list: a map after caps or other events.
         packets = [info.get_buffer()] if info.type & Gst.PadProbeType.BUFFER else info.get_buffer_list()
         if isinstance(packets, Gst.BufferList):
             packets = [packets.get(i) for i in range(packets.length())]

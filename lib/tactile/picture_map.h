@@ -3,7 +3,6 @@
 
 #include "tactile/saliency_view.h"
 
-#include <cstddef>
 #include <vector>
 
 namespace tactile {

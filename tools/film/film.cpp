@@ -23,7 +23,7 @@ to_uri(const std::string &path)
 {
   std::error_code error;
   if (!std::filesystem::exists(path, error)) {
-    // Only now: "Part 2: the return.mkv" looks like a URI, too.
+    // After the path: "Part 2: the return.mkv" is a valid URI, too.
     if (gst_uri_is_valid(path.c_str()))
       return path;
     throw std::runtime_error("there is no film '" + path
@@ -83,7 +83,7 @@ discover_film(const std::string &path_or_uri)
   const std::unique_ptr<GstDiscovererInfo, GstUnref> info(
       gst_discoverer_discover_uri(discoverer.get(), film.uri.c_str(), &error));
   if (!info)
-    throw std::runtime_error("cannot look into '" + path_or_uri
+    throw std::runtime_error("cannot open '" + path_or_uri
                              + "': " + (error ? error->message : "no reason given"));
 
   const std::string missing = missing_plugins(info.get());
@@ -109,8 +109,8 @@ discover_film(const std::string &path_or_uri)
     film.duration = duration;
 
   if (!missing.empty() && film.width == 0)
-    throw std::runtime_error("'" + path_or_uri + "' needs what is not installed: " + missing
-                             + "; gstreamer1.0-plugins-bad may have it");
+    throw std::runtime_error("'" + path_or_uri + "' needs a decoder that is not installed: "
+                             + missing + "; gstreamer1.0-plugins-bad may have it");
   if (gst_discoverer_info_get_result(info.get()) != GST_DISCOVERER_OK && film.width == 0)
     throw std::runtime_error("'" + path_or_uri + "' is not a film that GStreamer can decode: "
                              + (error ? error->message : "unknown kind of file"));

@@ -6,8 +6,7 @@
 
 #include <tl/expected.hpp>
 
-/// What was read or made, or, as the exception that a program ends with, why it was not: a text, or
-/// an error that has one.
+/// The value, or else the error's text as std::runtime_error, with which a program ends.
 template <typename T, typename Error>
 T
 or_throw(tl::expected<T, Error> result)

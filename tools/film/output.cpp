@@ -17,15 +17,15 @@ namespace {
 
 constexpr std::string_view kEnding = ".part";
 
-/// What parts of an output are called that are written on this machine, as far as that is the same
-/// for all: folders may be shared.
+/// What the names of an output's parts on this machine begin with. Folders may be shared between
+/// machines, whose process ids mean nothing here.
 std::string
 part_stem(const std::string &name)
 {
   return "." + name + "." + g_get_host_name() + ".";
 }
 
-/// Removes what processes of this machine have left that were killed.
+/// Removes parts that killed processes of this machine have left.
 void
 remove_stale_parts(const fs::path &directory, const std::string &stem)
 {

@@ -4,12 +4,12 @@
 #include <filesystem>
 #include <string>
 
-/// A file that appears under its name only when it is complete: until commit() it is written beside
-/// it, and what was there before stays. Without commit() the part is removed.
+/// A file that appears under its name when it is complete. Until commit() it is written to a part
+/// file in the same folder, and an existing file is kept. Without commit() the part is removed.
 class Output
 {
 public:
-  /// Throws std::runtime_error in one line if something else than a file has the name.
+  /// Throws std::runtime_error if a folder has the name.
   Output(const std::filesystem::path &directory, const std::string &name);
   ~Output();
   Output(const Output &) = delete;
@@ -20,14 +20,14 @@ public:
     return final_;
   }
 
-  /// Where to write meanwhile.
+  /// The part file.
   const std::filesystem::path &part_path() const
   {
     return part_;
   }
 
-  /// Gives the file its name if anything was written. Returns whether anything was; throws
-  /// std::runtime_error in one line if it can't have that name.
+  /// Renames the part if anything was written, and returns whether it was. Throws
+  /// std::runtime_error if the file cannot have its name.
   bool commit();
 
 private:
@@ -35,5 +35,5 @@ private:
   std::filesystem::path part_;
 };
 
-/// Makes the folder if need be. Throws std::runtime_error in one line if it can't be written to.
+/// Makes the folder if it does not exist. Throws std::runtime_error if it cannot be written to.
 void prepare_directory(const std::filesystem::path &directory);

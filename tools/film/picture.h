@@ -21,11 +21,10 @@ struct FreeCairo
 using Surface = std::unique_ptr<cairo_surface_t, FreeCairo>;
 using Context = std::unique_ptr<cairo_t, FreeCairo>;
 
-/// Whether a picture can be written to a file of that name: it ends in .png or .svg.
+/// Whether the name ends in .png or .svg.
 bool is_picture_name(const std::string &path);
 
-/// Draws a picture of so many units and writes it, whole or not at all, as PNG or SVG by the name's
-/// ending; a PNG has `scale` pixels to the unit. Throws std::runtime_error with the file and the
-/// reason.
+/// Draws a picture of `width` by `height` units and writes it as PNG or SVG, by the name's ending.
+/// A PNG has `scale` pixels per unit. Throws std::runtime_error, and leaves no partial file.
 void write_picture(const std::string &path, double width, double height, double scale,
                    const std::function<void(cairo_t *)> &draw);

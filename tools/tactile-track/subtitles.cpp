@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "subtitles.h"
+#include "playback.h"
 
 #include <gst/app/gstappsrc.h>
 

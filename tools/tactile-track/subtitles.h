@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include "playback.h"
+#include <gst/gst.h>
 
 #include <future>
+#include <memory>
 #include <string>
 #include <vector>
 

@@ -11,7 +11,6 @@
 #include <cstdio>
 #include <filesystem>
 #include <functional>
-#include <optional>
 
 using tactile::Time;
 using tactile::Track;

@@ -5,6 +5,7 @@
 #include "session.h"
 
 #include "calibration/calibration.h"
+#include "calibration/tactor_calibration.h"
 #include "film/or_throw.h"
 
 #include <algorithm>

@@ -8,36 +8,35 @@
 #include <mutex>
 #include <string>
 
-/// The end of a launch line that hands sound to an AudioCollector: `… ! appsink name=heard`.
+/// The end of a launch line, `… ! appsink name=heard`, for an AudioCollector.
 std::string recording_branch();
 
-/// Gathers what an appsink gets. listen() before the pipeline starts; the others from any thread.
+/// Collects the samples of an appsink. listen() before the pipeline starts; all else on any thread.
 class AudioCollector
 {
 public:
   void listen(GstElement *appsink);
-  /// Running time of the end of what came so far.
+  /// Running time of the last sample's end.
   tactor::Time until();
-  /// What came, from the running time of its first sample. Throws std::runtime_error if nothing
-  /// did, or add() took no more.
+  /// The samples, beginning with the running time of the first. Throws std::runtime_error if there
+  /// are none or add() failed.
   tactor::Recording take();
 
-  /// False once it is more than Recording::kMostValues, or what is no finite number.
+  /// False after more than Recording::kMostValues samples, or one that is not finite.
   bool add(GstSample *sample);
 
 private:
   std::mutex mutex_;
   tactor::Recording recording_;
-  std::string fault_; ///< why no more is taken
+  std::string fault_; ///< why add() failed
 };
 
-/// Hands a recording to an appsrc, then the end of stream.
+/// Pushes a recording into an appsrc, then end of stream.
 void push_recording(GstElement *appsrc, const tactor::Recording &recording);
 
-/// Reads any sound file that GStreamer can decode, or a CSV file. Throws std::runtime_error with
-/// the file and the reason, one of which is that nothing comes for as long as `patience`.
+/// Reads any sound file that GStreamer can decode, or a CSV file. Throws std::runtime_error, also
+/// if the decoder makes no progress within `patience`.
 tactor::Recording read_recording(const std::string &path, GstClockTime patience = 5 * GST_SECOND);
 
-/// Writes a WAV file of 32-bit floats that begins at running time 0. Throws std::runtime_error with
-/// the file and the reason.
+/// Writes a WAV file of 32-bit floats that begins at running time 0. Throws std::runtime_error.
 void write_recording(const tactor::Recording &recording, const std::string &path);

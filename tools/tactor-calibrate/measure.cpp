@@ -53,17 +53,16 @@ measure(int argc, char **argv)
   Time left{ 0 };
   for (int run = 0; run < session.runs(); run++)
     if (is_wanted(run))
-      left += session.frames(run).back().begin + session.frames(run).back().duration;
+      left += session.length(run);
   for (int run = 0; run < session.runs(); run++) {
     if (!is_wanted(run))
       continue;
-    const std::vector<Frame> frames = session.frames(run);
     if (!common.quiet)
       std::printf("run %d of %d, %.0f s left\n", run + 1, session.runs(),
                   std::chrono::duration<double>(left).count());
     std::fflush(stdout);
-    session.keep(run, play(frames, player, interruption()));
-    left -= frames.back().begin + frames.back().duration;
+    session.keep(run, play(session.frames(run), player, interruption()));
+    left -= session.length(run);
   }
   return 0;
 }

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "pictures.h"
 
+#include "calibration/tactor_calibration.h"
+
 #include <glib.h>
 
 #include <algorithm>
@@ -49,7 +51,7 @@ set_color(cairo_t *cairo, const Color &color)
   cairo_set_source_rgb(cairo, color.red, color.green, color.blue);
 }
 
-/// A white page with a title, drawn upon.
+/// A white page with a title.
 class Drawing
 {
 public:
@@ -63,7 +65,7 @@ public:
     text({ kPictureWidth / 2, 18 }, title, kMiddle);
   }
 
-  /// `place` is where the point is in the text: kStart, kMiddle or kEnd.
+  /// `place` is which part of the text is at the point: kStart, kMiddle or kEnd.
   void text(Point at, const std::string &what, double place = kStart)
   {
     cairo_text_extents_t extents;
@@ -97,7 +99,7 @@ private:
   cairo_t *cairo_;
 };
 
-/// Two linear axes with ticks; maps values to places.
+/// Two linear axes with ticks; maps values to points of the picture.
 class Axes
 {
 public:
@@ -136,7 +138,7 @@ private:
   Point most_;
 };
 
-/// A round distance of ticks, some five of them.
+/// A round distance for about five ticks.
 double
 tick(double range)
 {

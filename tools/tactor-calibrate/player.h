@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-/// What all tactors are told for a while.
+/// Levels of all tactors for some time.
 struct Frame
 {
   tactor::Time begin{ 0 };
@@ -18,32 +18,30 @@ struct Frame
   std::vector<float> levels{}; ///< by tactor, as many in all frames
 };
 
-/// How frames are played and heard.
+/// How frames are played and recorded.
 struct PlayerSettings
 {
-  std::string driver = "auto"; ///< as tactorsink's
+  std::string driver = "auto"; ///< tactorsink's, like the next two
   std::string device{};
   double volts_max = 3.0;
-  bool compensate
-      = false; ///< commands come early by the motors' rise times, else with their frames
+  bool compensate = false;   ///< whether commands precede their frames by the rise time
   std::string calibration{}; ///< key file for tactorsink; empty: none
-  /// A launch line of a GStreamer audio source; "simulator": motors are simulated, and heard;
+  /// A launch line of a GStreamer audio source; "simulator": motors are simulated and recorded;
   /// empty: nothing is recorded.
   std::string source{};
-  std::vector<tactor::MotorParameters> motors{}; ///< that are simulated
-  tactor::SimulatedSensor sensor{};              ///< that hears them
+  std::vector<tactor::MotorParameters> motors{}; ///< simulated ones
+  tactor::SimulatedSensor sensor{};              ///< that records them
 };
 
-/// What was played and heard. The recording's running time is the trace's.
+/// Trace and recording of a play, on the same running time.
 struct Played
 {
   std::vector<tactor::IssuedCommand> trace{};
   tactor::Recording recording{};
 };
 
-/// Plays frames by tactorsink and records at the same time, in one pipeline with one clock.
-/// Simulated motors wait for no clock: what they are told is heard at once. When this returns or
-/// throws, and whenever `interrupted` becomes true, which ends the play, all motors are at zero.
-/// Throws std::runtime_error with what went wrong.
+/// Plays frames on tactorsink and records at the same time, in one pipeline with one clock;
+/// simulated motors are played faster than real time. Ends when `interrupted` becomes true. All
+/// motors are at zero when this returns or throws std::runtime_error.
 Played play(const std::vector<Frame> &frames, const PlayerSettings &settings,
             const std::atomic<bool> &interrupted);

@@ -182,6 +182,12 @@ Session::tactors() const
   return *std::ranges::max_element(settings_.tactors) + 1;
 }
 
+Time
+Session::length(int run) const
+{
+  return tactor::length_of(plan_.at(static_cast<std::size_t>(run)));
+}
+
 std::vector<Frame>
 Session::frames(int run) const
 {

@@ -3,7 +3,6 @@
 
 #include "calibration/measurement_plan.h"
 #include "calibration/step_response.h"
-#include "calibration/tactor_calibration.h"
 
 #include "player.h"
 
@@ -11,13 +10,13 @@
 #include <string>
 #include <vector>
 
-/// A measurement in a folder: session.ini says what is measured, run-NNN.csv what tactors were told
-/// in a run, run-NNN.wav (or any other sound, or a CSV run-NNN.recording.csv) what was heard.
+/// A measurement in a folder: session.ini has its settings, run-NNN.csv the commands of a run and
+/// run-NNN.wav the recording (or any other sound file, or a CSV run-NNN.recording.csv).
 class Session
 {
 public:
-  /// Begins a session, or goes on with the one in the folder. Throws std::runtime_error if that one
-  /// measures something else.
+  /// Begins a session, or continues the one in the folder. Throws std::runtime_error if that has
+  /// other settings.
   static Session begin(const std::filesystem::path &folder,
                        const tactor::MeasurementSettings &settings, const std::string &motor,
                        const std::string &sensor);
@@ -25,11 +24,11 @@ public:
   static Session open(const std::filesystem::path &folder);
 
   int runs() const;
-  /// Whether a run was played, and recorded where that is wanted.
+  /// Whether a run was played and, if `recorded`, also recorded.
   bool is_done(int run, bool recorded) const;
-  /// The frames of a run.
+  tactor::Time length(int run) const;
   std::vector<Frame> frames(int run) const;
-  /// Keeps what was played. The recording may be empty.
+  /// Writes a run's files. The recording may be empty.
   void keep(int run, const Played &played) const;
 
   struct Heard
@@ -37,10 +36,10 @@ public:
     std::vector<tactor::RecordedRun> runs{};
     tactor::Band band{};
     std::vector<tactor::StepResponse> responses{};
-    bool one_clock = true; ///< recordings are ours, not found by their sound
+    bool one_clock = true; ///< recordings and traces are on one clock, without alignment
   };
-  /// All recordings that there are, measured; `band` with a high edge of 0: found out. Throws
-  /// std::runtime_error if there are none.
+  /// Measures all recordings. `band` with a high edge of 0: detected. Throws std::runtime_error if
+  /// there are none.
   Heard measure(tactor::Band band) const;
 
   const std::string &motor() const;
@@ -59,8 +58,7 @@ private:
   std::vector<tactor::MeasurementRun> plan_;
 };
 
-/// Measures one recording with its trace, such as one that was made elsewhere; aligned by its sound
-/// if `find` is true.
+/// Measures one recording with its trace, aligned by correlation if `find` is true.
 Session::Heard measure_recording(tactor::Recording recording,
                                  const std::vector<tactor::IssuedCommand> &trace, int tactors,
                                  tactor::Band band, bool find);

@@ -4,6 +4,7 @@
 #include "pictures.h"
 #include "session.h"
 
+#include "calibration/tactor_calibration.h"
 #include "film/picture.h"
 
 #include <gst/gst.h>

@@ -16,9 +16,8 @@ struct PlaySettings
   bool quiet = false;           ///< no progress
 };
 
-/// The pipeline as a line for gst_parse_launch(), without the files that it writes: their names
-/// need not be UTF-8.
+/// The pipeline for gst_parse_launch(), without the names of output files, which need not be UTF-8.
 std::string launch_line(const Film &film, const PlaySettings &settings);
 
-/// The pipeline as a command for a shell.
+/// The pipeline as a shell command.
 std::string shell_command(const Film &film, const PlaySettings &settings);

@@ -9,15 +9,15 @@
 
 #include <string>
 
-/// How it went.
+/// What happened during a play.
 struct PlayReport
 {
   bool played = false;              ///< at least one frame
   bool stopped = false;             ///< by the user
   bool recorded = false;            ///< the recording is complete
   bool silent = false;              ///< there is sound in the film, but none that can be decoded
-  std::string failure;              ///< why nothing could be played or written
-  std::string ended_early;          ///< why the film ended before its end, if it did
+  std::string failure;              ///< why nothing could be played or written, or empty
+  std::string ended_early;          ///< the error at which a broken film ended, or empty
   GstClockTime position = 0;        ///< running time of the end of the last frame
   GstClockTime reached = 0;         ///< of the end of the last frame or sound, whichever is later
   GstStructure *analysis = nullptr; ///< saliencytactile's stats, owned
@@ -32,5 +32,5 @@ struct PlayReport
 /// Whether a picture can be shown here.
 bool have_display();
 
-/// Plays the film to its end, or until SIGINT, SIGTERM or SIGHUP, and leaves complete files.
+/// Plays the film to its end, or until SIGINT, SIGTERM or SIGHUP. All files are complete then.
 PlayReport play(const Film &film, const PlaySettings &settings, Strip &strip);

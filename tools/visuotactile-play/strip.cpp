@@ -21,7 +21,7 @@ constexpr Color kPaper{ 255, 255, 255 };
 constexpr Color kIdle{ 38, 40, 48 };
 constexpr Color kFull{ 255, 140, 20 };
 
-/// An RGB picture in memory, rows padded as GStreamer wants them.
+/// An RGB picture in memory, with GStreamer's row stride.
 struct Picture
 {
   int width;

@@ -7,30 +7,30 @@
 #include <mutex>
 #include <vector>
 
-/// A few frames of the film with their tactile maps beneath, for a picture of the whole.
+/// A picture of a few frames of the film, with their tactile maps beneath.
 class Strip
 {
 public:
-  /// Frames are taken at the middle of `count` equal parts of the film; of one without a known
-  /// length, every ten seconds. Of one that ends before the first of these, the latest frame that
-  /// was looked at.
+  /// Keeps the frames at the middle of `count` equal parts of the film, or one every ten seconds if
+  /// its length is unknown. A film that ends before the first of these has its last frame kept, to
+  /// half a second.
   Strip(GstClockTime film_duration, int count);
   ~Strip();
   Strip(const Strip &) = delete;
   Strip &operator=(const Strip &) = delete;
 
-  /// Looks at a frame that passes by (streaming thread); keeps a copy if its turn has come.
+  /// On the streaming thread: copies the frame if its turn has come.
   void offer(GstBuffer *buffer, GstCaps *caps, GstClockTime stream_time);
 
-  /// Writes what was kept as PNG. False if there is nothing, or no encoder.
+  /// Writes a PNG. False if no frame was kept, or no encoder is installed.
   bool write(const std::filesystem::path &path);
 
 private:
   std::mutex mutex_;
   GstClockTime step_;
   GstClockTime next_;
-  GstClockTime next_early_ = 0; ///< until the first turn has come
-  bool early_ = false;          ///< what is kept is from before the first turn
+  GstClockTime next_early_ = 0; ///< before the first turn
+  bool early_ = false;          ///< the kept frame is from before the first turn
   int count_;
   std::vector<GstSample *> samples_;
 };

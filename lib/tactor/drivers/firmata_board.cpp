@@ -313,10 +313,4 @@ FirmataBoard::line() const
   return { bytes, kByteTime };
 }
 
-Time
-FirmataBoard::update_time() const
-{
-  return line().all();
-}
-
 } // namespace tactor

@@ -110,8 +110,6 @@ public:
   double resolution() const;
   /// What the line carries of each tactor.
   LineTime line() const;
-  /// How long an update of all tactors takes on the line.
-  Time update_time() const;
   std::uint64_t bytes_sent() const
   {
     return bytes_sent_;

@@ -173,10 +173,10 @@ GST_START_TEST(test_time_of_an_update)
   Line mega(kMega);
   mega.connect();
   // 12 pins below 16 take 3 bytes each, the other 3 take 6
-  fail_unless(mega.board.update_time() == 54 * kByte);
+  fail_unless(mega.board.line().all() == 54 * kByte);
   Line uno(kUno);
   uno.connect();
-  fail_unless(uno.board.update_time() == 18 * kByte);
+  fail_unless(uno.board.line().all() == 18 * kByte);
 
   // On the line, 9 tactors take 27 bytes.
   mega.set(std::vector<double>(9, 1.0));
@@ -251,7 +251,7 @@ GST_START_TEST(test_planned_commands_arrive)
     Line line(kMega);
     line.connect();
     const Time origin = line.now;
-    CommandPlanner planner(9, { .rate = 0, .transport_latency = line.board.update_time() });
+    CommandPlanner planner(9, { .rate = 0, .transport_latency = line.board.line().all() });
     CommandQueue queue(9);
     std::vector<std::vector<int>> planned(9, { 0 });
     const std::vector<int> pins = line.board.pins();
@@ -271,8 +271,8 @@ GST_START_TEST(test_planned_commands_arrive)
         }
         line.set(targets);
         if (const auto next = queue.next_due();
-            !next || *next >= due + 2 * line.board.update_time()) {
-          line.run_to(origin + due + 2 * line.board.update_time());
+            !next || *next >= due + 2 * line.board.line().all()) {
+          line.run_to(origin + due + 2 * line.board.line().all());
           for (std::size_t i = 0; i < 9; i++)
             ck_assert_int_eq(line.model.duty[pins[i]], planned[i].back());
         }

@@ -260,7 +260,7 @@ GST_START_TEST(test_blocks)
   for (const auto &film : cases) {
     Chip chip(chair(64));
     PlannerSettings settings = unlimited({ .rate = film.rate,
-                                           .transport_latency = chip.board.update_time(),
+                                           .transport_latency = chip.board.line().all(),
                                            .line = chip.board.line() });
     CommandPlanner planner(64, settings);
     CommandQueue queue(64);
