@@ -119,7 +119,7 @@ def features(name):
     tables = ["## Pads", "", *pads(factory)]
     specs = [spec for spec in GObject.list_properties(kind) if spec.owner_type == kind]
     if specs:
-        tables += ["", "## Properties", "", *filter(None, [when(specs)]), "", *map(property_line, specs)]
+        tables += ["", "## Properties", "", *([when(specs), ""] if when(specs) else []), *map(property_line, specs)]
     signals = [signal for signal in GObject.signal_list_names(kind) if GObject.signal_query(signal, kind).itype == kind]
     if signals:
         tables += ["", "## Signals", "", *(f"- `{signal}`" for signal in signals)]
@@ -147,7 +147,7 @@ def main():
     wrong += [f"{file.relative_to(ROOT)}: no source has this element" for file in sorted(set(FOLDER.glob("*.md")) - set(pages))]
     print("\n".join(wrong) or f"{len(pages)} pages")
     if wrong:
-        sys.exit(f"make them anew: {__doc__.splitlines()[-2]}")
+        sys.exit("make them anew: meson devenv -C build ../docs/elements/make.py")
 
 
 if __name__ == "__main__":

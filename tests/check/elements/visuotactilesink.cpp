@@ -40,12 +40,9 @@ same_range(GParamSpec *one, GParamSpec *other)
   if (G_IS_PARAM_SPEC_DOUBLE(one))
     return G_PARAM_SPEC_DOUBLE(one)->minimum == G_PARAM_SPEC_DOUBLE(other)->minimum
            && G_PARAM_SPEC_DOUBLE(one)->maximum == G_PARAM_SPEC_DOUBLE(other)->maximum;
-  if (GST_IS_PARAM_SPEC_ARRAY_LIST(one)) {
-    GParamSpec *item = GST_PARAM_SPEC_ARRAY_LIST(one)->element_spec;
-    GParamSpec *other_item = GST_PARAM_SPEC_ARRAY_LIST(other)->element_spec;
-    return G_PARAM_SPEC_INT(item)->minimum == G_PARAM_SPEC_INT(other_item)->minimum
-           && G_PARAM_SPEC_INT(item)->maximum == G_PARAM_SPEC_INT(other_item)->maximum;
-  }
+  if (G_IS_PARAM_SPEC_UINT64(one))
+    return G_PARAM_SPEC_UINT64(one)->minimum == G_PARAM_SPEC_UINT64(other)->minimum
+           && G_PARAM_SPEC_UINT64(one)->maximum == G_PARAM_SPEC_UINT64(other)->maximum;
   return true;
 }
 
