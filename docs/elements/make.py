@@ -23,7 +23,7 @@ CONTROLLABLE = 1 << 9
 MUTABLE_READY = 1 << 10
 
 FULL_RANGES = [(GLib.MININT, GLib.MAXINT), (0, GLib.MAXUINT), (GLib.MININT64, GLib.MAXINT64), (0, GLib.MAXUINT64)]
-FULL_CAPS_FIELDS = {"width": "[ 1, 2147483647 ]", "height": "[ 1, 2147483647 ]", "framerate": "[ 0/1, 2147483647/1 ]"}
+FULL_CAPS_FIELDS = {"width": "[1,2147483647]", "height": "[1,2147483647]", "framerate": "[0/1,2147483647/1]"}
 
 
 def doc_blocks():
@@ -57,7 +57,7 @@ def caps_text(caps):
         kind = structure.get_name() + (f"({features})" if features != "memory:SystemMemory" else "")
         # As caps have them, without the types.
         fields = re.findall(r"(?<=, )([\w-]+)=\(\w+\)(\{.*?\}|\[.*?\]|[^,;]*)", structure.to_string())
-        text = ", ".join(f"{name}={value.strip()}" for name, value in fields if FULL_CAPS_FIELDS.get(name) != value.strip())
+        text = ", ".join(f"{name}={value.replace(' ', '')}" for name, value in fields if FULL_CAPS_FIELDS.get(name) != value.replace(" ", ""))
         kinds.setdefault(text, []).append(kind)
     return "; ".join(" ".join([", ".join(f"`{kind}`" for kind in names), *([f"with `{fields}`"] if fields else [])]) for fields, names in kinds.items())
 

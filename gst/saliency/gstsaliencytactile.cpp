@@ -4,20 +4,13 @@
  * @title: saliencytactile
  * @short_description: finds what draws the eye and adds it to each frame as a tactile map
  *
- * saliencytactile analyzes the frames that pass through it and adds a #GstTactileMeta to each: a
- * small grid of levels, 3 × 3 by default, that says where and how strongly the film is felt. Pixels
- * and memory are left as they are.
- *
- * The analysis is that of "Saliency-Driven Tactile Effect Authoring for Real-Time Visuotactile
- * Feedback" (Kim, Lee, Choi 2012), literally or tuned for films. [Steering](../guide/steering.md)
- * tells how to set the properties, [the algorithm](../design/algorithm.md) how a map is computed.
- * Frames of up to 800 × 600, and all with `profile=paper`, are as with `exact=true`.
+ * Each frame gets a #GstTactileMeta: a small grid of levels, 3 × 3 by default, that says where and
+ * how strongly the film is felt. Pixels and memory stay as they are.
+ * [Steering](../guide/steering.md) explains the properties, [the algorithm](../design/algorithm.md)
+ * how a map is computed.
  *
  * The map is as viewers see the picture; regions of interest and #GstSaliencyMeta are in the pixels
- * of the frame. Behind videoflip, which in GStreamer 1.22 keeps the orientation tag, set
- * `video-direction=identity`.
- *
- * A new segment, flush, discontinuity or caps begins the analysis anew.
+ * of the frame. Behind videoflip, which keeps the orientation tag, set `video-direction=identity`.
  *
  * ## Example launch lines
  * |[

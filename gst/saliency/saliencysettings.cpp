@@ -76,14 +76,14 @@ constexpr P kProperties[] = {
       kControllable, PROPERTY_FIELD(floor), P::Range{ SaliencySettings::kProfileFloor, 1000 }),
   P::parsed<write_weights, read_weights>(
       "roi-weights",
-      "Factors on saliency, 0 to 10, inside GstVideoRegionOfInterestMeta by type: type=weight,... "
-      "with * for others",
+      "Factors on saliency by type of GstVideoRegionOfInterestMeta, 0 to 10: type=weight,... with "
+      "* for others",
       kPlaying),
   P::choice("viewport", "Part of the picture that the grid covers", kPlaying,
             PROPERTY_FIELD(viewport), viewport_type),
   P::choice("video-direction",
-            "How the picture is turned between here and the screen, which the grid follows (auto: "
-            "by its tag)",
+            "How the picture, and with it the grid, is turned on its way to the screen (auto: by "
+            "its tag)",
             kPlaying, PROPERTY_FIELD(video_direction), gst_video_orientation_method_get_type),
   P::number<guint64>("max-cue-duration",
                      "Longest time in ns for which a cell is felt without a break (0 = unlimited)",
@@ -100,8 +100,10 @@ constexpr P kProperties[] = {
   P::number<guint>("n-threads",
                    "Threads that work on a frame, with the same result (0 = automatic)", kPlaying,
                    PROPERTY_FIELD(n_threads), P::Range{ 0, 64 }),
-  P::flag("exact", "Take every pixel's color: better maps at several times the cost", kPlaying,
-          PROPERTY_FIELD(exact)),
+  P::flag("exact",
+          "Take every pixel's color, as for frames of up to 800 x 600: better maps, several times "
+          "the cost",
+          kPlaying, PROPERTY_FIELD(exact)),
   P::stats("stats", "Frames passed, analyzed and active (any level above 0); analysis times in ns"),
 };
 

@@ -5,25 +5,20 @@
  * @short_description: a video sink that also plays a chair, for any player
  *
  * visuotactilesink shows a film, and plays what draws the eye in it on the motors of a chair.
- * [Applications](../guide/integration.md) tells how players take it. In it are `saliencytactile`
- * (child `analysis`), `tactileextractor`, a queue and the video sink, and a queue and `tactorsink`
- * (child `tactors`). Their other properties are set as `analysis::profile=paper`.
+ * [Applications](../guide/integration.md) tells how players take it. It is a bin with
+ * `saliencytactile` (child `analysis`), `tactorsink` (child `tactors`) and the video sink.
  *
- * - Picture and sound are later by #GstVisuotactileSink:max-lead and 10 ms. Upstream is asked for
- *   as many more buffers.
- * - Where the tactors cannot be used, the film plays on. One warning says why, and the next start
- *   tries again. Where no video sink can be used, the film is felt and not shown.
+ * - Picture and sound are later by #GstVisuotactileSink:max-lead and 10 ms.
+ * - Where the tactors cannot be used, the film plays on, with a warning; the next start tries
+ *   again. Where no video sink can be used, the film is felt and not shown.
  * - Frames that carry a map keep it. Frames that cannot be mapped are shown and not felt.
- * - #GstVideoOverlay and #GstNavigation are the video sink's. A `video-sink` that was given keeps
- *   what is not set here.
+ * - #GstVideoOverlay and #GstNavigation are the video sink's.
  *
  * ## Example launch lines
  * |[
  * gst-launch-1.0 tactiletestsrc num-buffers=150 ! videoconvert ! \
- *     visuotactilesink driver=simulator trace-location=commands.csv
+ *     visuotactilesink driver=simulator trace-location=commands.csv analysis::profile=paper
  * gst-launch-1.0 playbin uri=file://FILM video-sink="visuotactilesink rows=2 columns=4"
- * gst-launch-1.0 tactiletestsrc num-buffers=150 ! videoconvert ! \
- *     visuotactilesink driver=simulator analysis::profile=paper tactors::max-duty=0
  * ]|
  *
  * Since: 0.1
