@@ -14,7 +14,11 @@ case ${1:-} in
 esac
 command="tests/bench/measured.sh $*"
 shift
-targets="rise_timing rise_time_accuracy $([ "$page" != ways-out ] || echo all)"
+case $page in
+  calibration) targets=tests/quality/rise_time_accuracy ;;
+  timing) targets=tests/quality/rise_timing ;;
+  ways-out) targets=tests/usb/usb-ways_out ;;
+esac
 build_and_use
 built=$(realpath "$built")
 work=$(mktemp -d)
