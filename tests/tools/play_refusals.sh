@@ -92,7 +92,7 @@ start text refuses_film "is not a film that GStreamer can decode" "$work/text.mk
 start empty refuses_film "is not a film that GStreamer can decode" "$work/empty.mkv"
 start headless refuses_film "is not a film that GStreamer can decode" "$work/headless.mp4"
 start header_only refuses_film "header_only.mkv" "$work/header_only.mkv"
-start unknown_codec refuses_film "needs what is not installed: .* decoder; " "$work/unknown_codec.mkv"
+start unknown_codec refuses_film "needs plugins that are not installed: .* decoder; " "$work/unknown_codec.mkv"
 start folder refuses_film "folder.mkv' is a folder" "$work/folder.mkv"
 start missing refuses_film "there is no film 'missing.mkv'" missing.mkv
 start missing_empty refuses_film "there is no film ''" ""

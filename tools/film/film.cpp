@@ -109,7 +109,7 @@ discover_film(const std::string &path_or_uri)
     film.duration = duration;
 
   if (!missing.empty() && film.width == 0)
-    throw std::runtime_error("'" + path_or_uri + "' needs a decoder that is not installed: "
+    throw std::runtime_error("'" + path_or_uri + "' needs plugins that are not installed: "
                              + missing + "; gstreamer1.0-plugins-bad may have it");
   if (gst_discoverer_info_get_result(info.get()) != GST_DISCOVERER_OK && film.width == 0)
     throw std::runtime_error("'" + path_or_uri + "' is not a film that GStreamer can decode: "
