@@ -4,7 +4,7 @@
 #include "frame/front_end.h"
 #include "race.h"
 #include "saliency/pyramid.h"
-#include "tests/quality/stages.h"
+#include "quality/stages.h"
 
 #include <opencv2/core.hpp>
 

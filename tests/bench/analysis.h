@@ -6,7 +6,7 @@
 #include "saliency/profile.h"
 #include "tactile/tactile_map.h"
 #include "tactile/tactile_mapping.h"
-#include "tests/quality/stages.h"
+#include "quality/stages.h"
 
 #include <array>
 #include <cstddef>

@@ -5,7 +5,7 @@
 #include "literal_paper.h"
 #include "opencv_rewrite.h"
 #include "race.h"
-#include "tests/quality/peers.h"
+#include "quality/peers.h"
 
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "race.h"
 
-#include "allocations.h"
+#include "support/allocations.h"
 #include "film.h"
 
 #include <algorithm>
@@ -123,12 +123,12 @@ race(std::vector<Contender> &contenders, int rounds)
         continue;
       if (!lane.slow)
         run(i, Film::kBuffers); // as after its own film, rather than after another contender
-      const std::uint64_t before = allocated_bytes();
+      const std::uint64_t before = allocations::bytes_of_all_threads();
       const auto frames = static_cast<double>(lane.slice);
       const Times times = timed(contenders[i], lane.frame, lane.slice);
       contenders[i].wall_ms.push_back(times.wall / frames);
       contenders[i].ms.push_back((contenders[i].threads > 1 ? times.wall : times.cpu) / frames);
-      lane.bytes += static_cast<double>(allocated_bytes() - before);
+      lane.bytes += static_cast<double>(allocations::bytes_of_all_threads() - before);
       lane.counted += lane.slice;
     }
   for (std::size_t i = 0; i < lanes.size(); i++)

@@ -2,13 +2,13 @@
 //
 // What the analysis of a frame costs, beside what others take: makes docs/measured/speed.md and its
 // plot. Contenders take turns in one run. One thread is measured in CPU time, more on the wall.
-#include "allocations.h"
+#include "support/allocations.h"
 #include "analysis.h"
 #include "film.h"
 #include "race.h"
 #include "svg_plot.h"
-#include "tests/quality/peers.h"
-#include "tests/quality/table.h"
+#include "quality/peers.h"
+#include "quality/table.h"
 
 #include <glib.h>
 
@@ -142,7 +142,7 @@ race_table(const Result &result, bool first)
                                   milliseconds(median(one.ms)),
                                   figure(1e6 * median(one.ms) / result.size.area(), 2),
                                   percent(1 / quicker(result.find(kReading, one.input), &one)),
-                                  counts_allocations() ? figure(one.allocated, 0) : "–" };
+                                  allocations::are_counted() ? figure(one.allocated, 0) : "–" };
     for (const char *peer : { "literal paper", "OpenCV rewrite", "OpenCV rewrite, decimating first",
                               "spectral residual", "fine-grained", "BinWang" })
       row.push_back(one.method == kReading ? "" : times(quicker(&one, result.find(peer))));

@@ -5,7 +5,7 @@
 // ones, on boards in memory, each in the hands of the witness.
 #pragma once
 
-#include "tests/check/libs/memory_bus.h"
+#include "support/boards/memory_bus.h"
 
 #include <gst/base/gstbasesink.h>
 

@@ -14,7 +14,7 @@ root = pathlib.Path(sys.argv[1])
 compiler = sys.argv[2:]
 modules = ["gstreamer-check-1.0", "gstreamer-base-1.0", "gstreamer-video-1.0"]
 flags = subprocess.run(["pkg-config", "--cflags", *modules], check=True, capture_output=True, text=True).stdout.split()
-includes = ["lib", "gst/tactile", "tests/check/libs", "tests/check/elements"]
+includes = ["lib", "gst/tactile", "tests", "tests/check/libs", "tests/check/elements"]
 wrong = []
 
 for page in sorted((root / "docs/contributing").glob("*.md")):

@@ -4,7 +4,7 @@
 // as the same, and have voltages and times that can be reckoned with. What is not read is refused
 // with a std::runtime_error. Anything else ends the process.
 #include "tactor/command_trace.h"
-#include "../../tools/film/or_throw.h"
+#include "tools/film/or_throw.h"
 
 #include "fuzz.h"
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "exact_maps.h"
 
-#include "tests/check/libs/saliency_oracle.h"
+#include "support/saliency_oracle.h"
 
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>

@@ -7,7 +7,7 @@
 // that tactor-calibrate makes of its default measurement. Usage: rise_time_accuracy
 // [steps|calibrations]
 #include "calibration/median.h"
-#include "tests/check/libs/measured_chair.h"
+#include "support/measured_chair.h"
 
 #include <algorithm>
 #include <cmath>

@@ -5,7 +5,7 @@
 // are to stay what they were, and every command on time.
 //
 // Usage: soak [--hours=N] [--clip=FILE]...
-#include "tests/check/elements/tactorsink_rig.h"
+#include "support/tactorsink_rig.h"
 
 #include <algorithm>
 #include <cstdio>

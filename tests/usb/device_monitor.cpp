@@ -2,7 +2,7 @@
 //
 // The whole way of a player: GstDeviceMonitor, tactordeviceprovider of the plugin, USB, a board
 // with StandardFirmata, and back.
-#include "emulated_board.h"
+#include "support/boards/emulated_board.h"
 
 #include <memory>
 #include <string>

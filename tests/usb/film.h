@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include "emulated_board.h"
+#include "support/boards/emulated_board.h"
 
 #include "tactor/command_trace.h"
 #include "tools/film/or_throw.h"

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 //
 // The driver of Firmata boards over each transport, when what comes back is not what was said.
-#include "emulated_board.h"
+#include "support/boards/emulated_board.h"
 
 #include "tactor/drivers/firmata_driver.h"
 #include "tactor/serial/usb_serial_bus.h"
@@ -13,7 +13,7 @@
 #include <string>
 #include <thread>
 
-#include "tests/check/unwrap.h"
+#include "support/unwrap.h"
 #include <gst/check/gstcheck.h>
 
 using namespace std::chrono_literals;

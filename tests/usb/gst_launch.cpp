@@ -4,7 +4,7 @@
 // from outside.
 #include "launch.h"
 
-#include "emulated_board.h"
+#include "support/boards/emulated_board.h"
 #include "film.h"
 
 #include <array>

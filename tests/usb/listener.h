@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include "emulated_board.h"
+#include "support/boards/emulated_board.h"
 
 #include "tactor/serial/usb_serial_bus.h"
 
@@ -14,7 +14,7 @@
 #include <string>
 #include <vector>
 
-#include "tests/check/unwrap.h"
+#include "support/unwrap.h"
 #include <gst/check/gstcheck.h>
 
 namespace usb_test {

@@ -5,7 +5,7 @@
 #include <filesystem>
 #include <iterator>
 
-#include "tests/check/realtime.h"
+#include "support/realtime.h"
 #include <gst/check/gstcheck.h>
 
 using namespace std::chrono_literals;

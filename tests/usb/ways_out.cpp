@@ -6,7 +6,7 @@
 //
 // Times are those at which bytes have come over the emulated wire, or at which the firmware's
 // watchdog ends what nobody keeps alive.
-#include "emulated_board.h"
+#include "support/boards/emulated_board.h"
 #include "film.h"
 #include "launch.h"
 

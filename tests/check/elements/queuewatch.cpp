@@ -7,8 +7,8 @@
 #include <string>
 
 // gstcheck.h defines a macro `fail`, so it follows the standard library's headers.
-#include "../libs/contains.h"
-#include "../playing.h"
+#include "support/contains.h"
+#include "support/playing.h"
 
 #include <gst/check/gsttestclock.h>
 

@@ -8,7 +8,7 @@
 #include <vector>
 
 // gstcheck.h defines a macro `fail`, so it follows the standard library's headers.
-#include "../playing.h"
+#include "support/playing.h"
 #include <gst/check/gstharness.h>
 #include <gst/tactile/tactile.h>
 #include <gst/video/video.h>

@@ -17,7 +17,7 @@
 #include <vector>
 
 // gstcheck.h defines a macro `fail`, so it follows the standard library's headers.
-#include "../temporary_file.h"
+#include "support/temporary_file.h"
 #include "trace.h"
 #include <gst/check/gstcheck.h>
 #include <gst/check/gsttestclock.h>

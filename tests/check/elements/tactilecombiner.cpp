@@ -2,7 +2,7 @@
 #include <thread>
 #include <vector>
 
-#include "../playing.h"
+#include "support/playing.h"
 #include <gst/check/gstharness.h>
 #include <gst/tactile/tactile.h>
 #include <gst/video/video.h>

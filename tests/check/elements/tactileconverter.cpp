@@ -2,8 +2,8 @@
 #include "tracks/klv.h"
 #include "tracks/text_cue.h"
 
-#include "../libs/contains.h"
-#include "../playing.h"
+#include "support/contains.h"
+#include "support/playing.h"
 #include <gst/check/gstharness.h>
 #include <gst/tactile/tactile.h>
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "picture.h"
 
-#include "../libs/contains.h"
-#include "../playing.h"
+#include "support/contains.h"
+#include "support/playing.h"
 #include <gst/check/gstharness.h>
 #include <gst/tactile/tactile.h>
 #include <gst/video/video.h>

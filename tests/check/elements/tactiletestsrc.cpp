@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "../playing.h"
+#include "support/playing.h"
 #include <gst/check/gstharness.h>
 #include <gst/video/video.h>
 

@@ -2,7 +2,7 @@
 //
 // When tactorsink sends which commands: in play, pause, seek, mute and at the end. tactorsink_input
 // tests its input.
-#include "tactorsink_rig.h"
+#include "support/tactorsink_rig.h"
 
 /// A rise from rest to full scale: 64.54 ms by Eq. 1. That is 1.6 frames of 40 ms, so two with
 /// frame-block.

@@ -4,18 +4,18 @@
 // provides the serial bus.
 #include "gst/tactor/gsttactorsink.h"
 
-#include "../libs/memory_bus.h"
+#include "support/boards/memory_bus.h"
 
 #include "tactor/command_trace.h"
 
 #include <cmath>
 #include <string>
 
-#include "../libs/contains.h"
-#include "../no_threads.h"
-#include "../playing.h"
-#include "../temporary_file.h"
-#include "../unwrap.h"
+#include "support/contains.h"
+#include "support/no_threads.h"
+#include "support/playing.h"
+#include "support/temporary_file.h"
+#include "support/unwrap.h"
 #include <gst/check/gsttestclock.h>
 #include <gst/tactile/tactile.h>
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 //
 // A chair whose motors all differ, played by tactorsink with and without calibration.
-#include "../libs/measured_chair.h"
+#include "support/measured_chair.h"
 #include "calibration/calibration.h"
 #include "calibration/rise_time_fit.h"
 #include "tactor/command_trace.h"
@@ -15,11 +15,11 @@
 #include <string>
 #include <vector>
 
-#include "../libs/contains.h"
-#include "../libs/tolerance.h"
-#include "../playing.h"
-#include "../temporary_file.h"
-#include "../unwrap.h"
+#include "support/contains.h"
+#include "support/tolerance.h"
+#include "support/playing.h"
+#include "support/temporary_file.h"
+#include "support/unwrap.h"
 #include <gst/tactile/tactile.h>
 
 using namespace std::chrono_literals;

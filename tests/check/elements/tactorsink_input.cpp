@@ -2,9 +2,9 @@
 //
 // tactorsink's input: caps, maps and frames of all kinds, the drivers it opens, and its requests to
 // upstream.
-#include "tactorsink_rig.h"
+#include "support/tactorsink_rig.h"
 
-#include "../libs/contains.h"
+#include "support/contains.h"
 
 #include <gst/check/gstharness.h>
 #include <gst/video/video.h>

@@ -2,7 +2,7 @@
 //
 // tactorsink's properties that protect motors and skin, on the clock. libs/motor_limits tests the
 // limits themselves.
-#include "tactorsink_rig.h"
+#include "support/tactorsink_rig.h"
 
 GST_START_TEST(test_defaults_protect_motors)
 {

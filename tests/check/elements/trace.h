@@ -7,7 +7,7 @@
 #include <vector>
 
 // gstcheck.h defines a macro `fail`, so it follows the standard library's headers.
-#include "../unwrap.h"
+#include "support/unwrap.h"
 #include <gst/check/gstcheck.h>
 
 /// Commands that no map caused: those of pause, resume, flush and mute.

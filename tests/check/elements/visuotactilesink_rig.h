@@ -11,8 +11,8 @@
 #include <vector>
 
 // gstcheck.h defines a macro `fail`, so it follows the standard library's headers.
-#include "../playing.h"
-#include "../temporary_file.h"
+#include "support/playing.h"
+#include "support/temporary_file.h"
 #include "trace.h"
 #include <gst/check/gstharness.h>
 #include <gst/video/gstvideosink.h>

@@ -2,8 +2,8 @@
 #include "saliency/analyzer.h"
 
 #include "i420_frame.h"
-#include "saliency_oracle.h"
-#include "tolerance.h"
+#include "support/saliency_oracle.h"
+#include "support/tolerance.h"
 
 #include <limits>
 

@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "../temporary_file.h"
-#include "tolerance.h"
+#include "support/temporary_file.h"
+#include "support/tolerance.h"
 #include "unlimited.h"
 
 using namespace std::chrono_literals;

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "frame_rate.h"
-#include "tolerance.h"
+#include "support/tolerance.h"
 #include "unlimited.h"
 
 using namespace std::chrono_literals;

@@ -2,8 +2,8 @@
 #include "saliency/contrast.h"
 
 #include "saliency/pyramid.h"
-#include "saliency_oracle.h"
-#include "tolerance.h"
+#include "support/saliency_oracle.h"
+#include "support/tolerance.h"
 
 using saliency::Contrast;
 using saliency::LevelPair;

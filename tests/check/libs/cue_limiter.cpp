@@ -2,7 +2,7 @@
 #include "tactile/cue_limiter.h"
 
 #include "frame_rate.h"
-#include "tolerance.h"
+#include "support/tolerance.h"
 
 #include <algorithm>
 #include <functional>

@@ -8,7 +8,7 @@
 #include <random>
 #include <vector>
 
-#include "tolerance.h"
+#include "support/tolerance.h"
 
 using namespace tactor;
 

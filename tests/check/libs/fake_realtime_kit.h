@@ -3,7 +3,7 @@
 // A fake RealtimeKit on a private bus. It makes threads real-time as the real one does.
 #pragma once
 
-#include "../realtime.h"
+#include "support/realtime.h"
 
 #include <gio/gio.h>
 

@@ -3,7 +3,7 @@
 // Conversations with boards over a line of 57600 baud, in virtual time.
 #include "tactor/drivers/firmata_board.h"
 
-#include "firmata_model.h"
+#include "support/boards/firmata_model.h"
 #include "tactor/command_planner.h"
 #include "tactor/command_queue.h"
 #include "tactor/serial/serial_port.h"

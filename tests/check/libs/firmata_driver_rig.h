@@ -4,7 +4,7 @@
 // and milliseconds where they must: nothing here depends on wall time.
 #pragma once
 
-#include "memory_bus.h"
+#include "support/boards/memory_bus.h"
 #include "tactor/drivers/firmata_driver.h"
 
 #include <cmath>
@@ -12,9 +12,9 @@
 #include <string>
 #include <vector>
 
-#include "../temporary_file.h"
-#include "../unwrap.h"
-#include "contains.h"
+#include "support/temporary_file.h"
+#include "support/unwrap.h"
+#include "support/contains.h"
 
 using namespace std::chrono_literals;
 using namespace tactor;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "tactor/drivers/firmata_protocol.h"
 
-#include "firmata_model.h"
+#include "support/boards/firmata_model.h"
 
 #include <random>
 #include <utility>

@@ -8,9 +8,9 @@
 #include <string>
 #include <utility>
 
-#include "../temporary_file.h"
-#include "tests/quality/fixations.h"
-#include "tolerance.h"
+#include "support/temporary_file.h"
+#include "quality/fixations.h"
+#include "support/tolerance.h"
 
 using quality::Fixations;
 

@@ -12,11 +12,11 @@
 
 #include "saliency/profile.h"
 #include "tactile/tactile_mapping.h"
-#include "tests/quality/films.h"
-#include "tests/quality/models.h"
-#include "tests/quality/pictures.h"
-#include "tests/quality/random.h"
-#include "tolerance.h"
+#include "quality/films.h"
+#include "quality/models.h"
+#include "quality/pictures.h"
+#include "quality/random.h"
+#include "support/tolerance.h"
 
 using quality::Film;
 using quality::Time;

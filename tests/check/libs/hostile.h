@@ -9,7 +9,7 @@
 #include <sys/resource.h>
 
 // gstcheck.h defines a macro `fail`, so it follows the standard library's headers.
-#include "../temporary_file.h"
+#include "support/temporary_file.h"
 
 constexpr std::size_t kMiB = std::size_t{ 1 } << 20;
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "tactor/drivers/known_boards.h"
 
-#include "../temporary_file.h"
+#include "support/temporary_file.h"
 
 #include <cstdlib>
 #include <filesystem>

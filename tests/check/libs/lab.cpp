@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "frame/lab.h"
 
-#include "saliency_oracle.h"
-#include "tolerance.h"
+#include "support/saliency_oracle.h"
+#include "support/tolerance.h"
 
 #include <hwy/targets.h>
 

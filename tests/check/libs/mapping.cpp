@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "tactor/mapping.h"
 
-#include "contains.h"
+#include "support/contains.h"
 
 using tactor::read_mapping;
 using tactor::write_mapping;

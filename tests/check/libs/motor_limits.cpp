@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "motor_account.h"
-#include "tolerance.h"
+#include "support/tolerance.h"
 #include "unlimited.h"
 
 GST_START_TEST(test_longest_on_time)

@@ -5,7 +5,7 @@
 #include <limits>
 #include <random>
 
-#include "tolerance.h"
+#include "support/tolerance.h"
 
 using namespace std::chrono_literals;
 using namespace tactor;

@@ -6,8 +6,8 @@
 #include <stdexcept>
 #include <string>
 
-#include "tests/quality/peers.h"
-#include "tolerance.h"
+#include "quality/peers.h"
+#include "support/tolerance.h"
 
 using quality::Peer;
 using quality::PeerSaliency;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "tactor/serial/permission.h"
 
-#include "contains.h"
+#include "support/contains.h"
 #include "system_tree.h"
 
 // After the standard library's headers: gstcheck.h defines a macro named fail.

@@ -12,7 +12,7 @@
 
 #include "frame_rate.h"
 #include "motor_account.h"
-#include "tolerance.h"
+#include "support/tolerance.h"
 #include "unlimited.h"
 
 namespace {

@@ -5,8 +5,8 @@
 #include <stdexcept>
 #include <string>
 
-#include "../temporary_file.h"
-#include "tolerance.h"
+#include "support/temporary_file.h"
+#include "support/tolerance.h"
 
 using namespace tactor;
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "saliency/region_weights.h"
 
-#include "tolerance.h"
+#include "support/tolerance.h"
 
 #include <string>
 

@@ -8,7 +8,7 @@
 #include <stdexcept>
 #include <vector>
 
-#include "tolerance.h"
+#include "support/tolerance.h"
 
 using namespace tactor;
 

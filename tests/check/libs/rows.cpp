@@ -2,7 +2,7 @@
 #include "saliency/rows.h"
 
 #include "saliency/quantile.h"
-#include "tolerance.h"
+#include "support/tolerance.h"
 
 #include <hwy/targets.h>
 

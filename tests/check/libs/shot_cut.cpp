@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "saliency/shot_cut.h"
 
-#include "saliency_oracle.h"
-#include "tolerance.h"
+#include "support/saliency_oracle.h"
+#include "support/tolerance.h"
 
 using saliency::LabImage;
 using saliency::Profile;

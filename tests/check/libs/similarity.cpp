@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "saliency/similarity.h"
 
-#include "tolerance.h"
+#include "support/tolerance.h"
 
 #include <numbers>
 #include <utility>

@@ -12,8 +12,8 @@
 #include <string>
 #include <vector>
 
-#include "../temporary_file.h"
-#include "../unwrap.h"
+#include "support/temporary_file.h"
+#include "support/unwrap.h"
 #include <gst/check/gstcheck.h>
 
 using namespace std::chrono_literals;

@@ -8,7 +8,7 @@
 #include "tactor/drivers/firmata_board.h"
 #include "tactor/soft_start.h"
 
-#include "firmata_model.h"
+#include "support/boards/firmata_model.h"
 #include "unlimited.h"
 
 #include <cmath>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "tactor/soft_start.h"
 
-#include "tolerance.h"
+#include "support/tolerance.h"
 
 using namespace std::chrono_literals;
 using namespace tactor;

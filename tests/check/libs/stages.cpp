@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 //
 // The stages that the benchmark times and the accuracy table compares give the analyzer's results.
-#include "tests/quality/stages.h"
+#include "quality/stages.h"
 
 #include "frame/front_end.h"
 #include "i420_frame.h"

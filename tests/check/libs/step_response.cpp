@@ -2,7 +2,7 @@
 //
 // Simulated recordings of a motor with known rise times, with the flaws of real recordings.
 #include "calibration/median.h"
-#include "measured_chair.h"
+#include "support/measured_chair.h"
 
 #include <algorithm>
 #include <cmath>
@@ -14,7 +14,7 @@
 #include <string>
 #include <vector>
 
-#include "tolerance.h"
+#include "support/tolerance.h"
 
 using namespace std::chrono_literals;
 using namespace tactor;

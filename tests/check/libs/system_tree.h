@@ -3,7 +3,7 @@
 
 #include "tactor/serial/system_roots.h"
 
-#include "../temporary_file.h"
+#include "support/temporary_file.h"
 
 #include <filesystem>
 #include <fstream>

@@ -2,7 +2,7 @@
 #include "tactile/tactile_mapping.h"
 
 #include "saliency_map.h"
-#include "tolerance.h"
+#include "support/tolerance.h"
 
 #include <algorithm>
 #include <limits>

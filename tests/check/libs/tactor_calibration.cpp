@@ -3,14 +3,14 @@
 // Whole measurements of simulated chairs.
 #include "calibration/alignment.h"
 #include "calibration/rise_time_fit.h"
-#include "measured_chair.h"
+#include "support/measured_chair.h"
 
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
 #include <vector>
 
-#include "tolerance.h"
+#include "support/tolerance.h"
 
 using namespace std::chrono_literals;
 using namespace tactor;

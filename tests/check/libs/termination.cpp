@@ -15,7 +15,7 @@
 #include <unistd.h>
 
 // gstcheck.h defines a macro `fail`, so it follows the standard library's headers.
-#include "contains.h"
+#include "support/contains.h"
 #include <gst/check/gstcheck.h>
 
 using namespace std::chrono_literals;

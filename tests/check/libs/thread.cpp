@@ -6,9 +6,9 @@
 #include <string>
 #include <utility>
 
-#include "../no_threads.h"
-#include "../unwrap.h"
-#include "contains.h"
+#include "support/no_threads.h"
+#include "support/unwrap.h"
+#include "support/contains.h"
 
 using tactor::Thread;
 

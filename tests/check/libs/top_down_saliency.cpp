@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "saliency/top_down_saliency.h"
 
-#include "tolerance.h"
+#include "support/tolerance.h"
 
 #include <opencv2/core.hpp>
 

@@ -6,7 +6,7 @@
 #include "frame_rate.h"
 #include "saliency_map.h"
 #include "tactile/tactile_mapping.h"
-#include "tolerance.h"
+#include "support/tolerance.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "packets.h"
+#include "support/boards/packets.h"
 
 #include <algorithm>
 #include <array>

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include "board_description.h"
-#include "firmware.h"
+#include "support/boards/board_description.h"
+#include "support/boards/firmware.h"
 
 #include <cstdint>
 #include <deque>

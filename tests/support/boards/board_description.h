@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include "firmware.h"
+#include "support/boards/firmware.h"
 
 #include <chrono>
 #include <cstdint>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "emulated_board.h"
+#include "support/boards/emulated_board.h"
 
-#include "hex.h"
+#include "support/boards/hex.h"
 
 #include <algorithm>
 #include <cerrno>

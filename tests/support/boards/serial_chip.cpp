@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "serial_chip.h"
+#include "support/boards/serial_chip.h"
 
 #include <algorithm>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "emulated_usb.h"
+#include "support/boards/emulated_usb.h"
 
 #include <linux/usbdevice_fs.h>
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include "tests/check/libs/firmata_model.h"
+#include "support/boards/firmata_model.h"
 
 #include <chrono>
 #include <cstdint>

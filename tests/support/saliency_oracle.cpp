@@ -1,55 +1,15 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#pragma once
-
-// The stages of saliency by their definitions, in double precision and without regard to speed: the
-// reference for tests. It uses no code of the library but the names of its types.
-
-#include "frame/frame_view.h"
-#include "frame/lab_image.h"
-#include "saliency/profile.h"
+#include "support/saliency_oracle.h"
 
 #include <opencv2/core.hpp>
 
-#include <algorithm>
-#include <array>
 #include <cmath>
 #include <random>
-#include <vector>
+#include <utility>
 
 namespace oracle {
 
-struct Image
-{
-  int width = 0;
-  int height = 0;
-  std::vector<double> values;
-
-  Image() = default;
-  Image(int w, int h, double value = 0)
-      : width(w), height(h),
-        values(static_cast<std::size_t>(w) * static_cast<std::size_t>(h), value)
-  {
-  }
-  double &operator()(int x, int y)
-  {
-    return values[static_cast<std::size_t>(y) * static_cast<std::size_t>(width)
-                  + static_cast<std::size_t>(x)];
-  }
-  double operator()(int x, int y) const
-  {
-    return values[static_cast<std::size_t>(y) * static_cast<std::size_t>(width)
-                  + static_cast<std::size_t>(x)];
-  }
-  double maximum() const
-  {
-    return *std::max_element(values.begin(), values.end());
-  }
-};
-
-using Lab = std::array<double, 3>;
-using LabImage = std::array<Image, 3>;
-
-inline Image
+Image
 random_image(int width, int height, double low, double high, unsigned seed)
 {
   std::mt19937 generator(seed);
@@ -60,7 +20,7 @@ random_image(int width, int height, double low, double high, unsigned seed)
   return image;
 }
 
-inline cv::Mat
+cv::Mat
 to_mat(const Image &image)
 {
   cv::Mat mat(image.height, image.width, CV_32FC1);
@@ -70,14 +30,13 @@ to_mat(const Image &image)
   return mat;
 }
 
-inline saliency::LabImage
+saliency::LabImage
 to_planes(const LabImage &image)
 {
   return { { to_mat(image[0]), to_mat(image[1]), to_mat(image[2]) } };
 }
 
-/// Largest difference, or infinity if the sizes differ or a value is not finite.
-inline double
+double
 difference(const cv::Mat &mat, const Image &image)
 {
   if (mat.type() != CV_32FC1 || mat.cols != image.width || mat.rows != image.height)
@@ -93,8 +52,7 @@ difference(const cv::Mat &mat, const Image &image)
   return largest;
 }
 
-/// Largest ΔE, or infinity.
-inline double
+double
 difference(const saliency::LabImage &found, const LabImage &image)
 {
   for (const auto &plane : found.planes)
@@ -114,17 +72,15 @@ difference(const saliency::LabImage &found, const LabImage &image)
   return largest;
 }
 
-inline double
+double
 difference(const saliency::FixedLabImage &found, const LabImage &image)
 {
   return difference(saliency::to_float(found), image);
 }
 
 // ---- color
-// ------------------------------------------------------------------------------------------------
 
-/// R'G'B' in [0, 1] → L*a*b*, D65 (IEC 61966-2-1, CIE 15).
-inline Lab
+Lab
 rgb_to_lab(std::array<double, 3> rgb)
 {
   for (double &v : rgb) {
@@ -143,8 +99,7 @@ rgb_to_lab(std::array<double, 3> rgb)
   return { 116 * fy - 16, 500 * (fx - fy), 200 * (fy - fz) };
 }
 
-/// Code values of a pixel → L*a*b* (ITU-R BT.601/709/2020, quantization as in BT.2100 table 9).
-inline Lab
+Lab
 samples_to_lab(std::array<double, 3> code, saliency::ColorModel model, int depth, bool full_range,
                saliency::YuvMatrix matrix)
 {
@@ -165,9 +120,8 @@ samples_to_lab(std::array<double, 3> code, saliency::ColorModel model, int depth
 }
 
 // ---- pyramid
-// ------------------------------------------------------------------------------------------------
 
-inline int
+int
 mirror(int i, int length)
 {
   if (length == 1)
@@ -177,9 +131,8 @@ mirror(int i, int length)
   return i;
 }
 
-/// The 25 (or 5) taps at the even samples. Borders are mirrored.
-inline Image
-pyr_down(const Image &image, bool along_x = true, bool along_y = true)
+Image
+pyr_down(const Image &image, bool along_x, bool along_y)
 {
   static constexpr double tap[] = { 1.0 / 16, 4.0 / 16, 6.0 / 16, 4.0 / 16, 1.0 / 16 };
   const int step_x = along_x ? 2 : 1;
@@ -197,14 +150,13 @@ pyr_down(const Image &image, bool along_x = true, bool along_y = true)
   return half;
 }
 
-inline LabImage
+LabImage
 pyr_down(const LabImage &image)
 {
   return { pyr_down(image[0]), pyr_down(image[1]), pyr_down(image[2]) };
 }
 
-/// Bilinear interpolation. Borders are repeated.
-inline double
+double
 bilinear(const Image &image, double x, double y)
 {
   x = std::clamp(x, 0.0, image.width - 1.0);
@@ -216,7 +168,7 @@ bilinear(const Image &image, double x, double y)
   return sum;
 }
 
-inline Image
+Image
 up(const Image &image, int octaves_x, int octaves_y, int width, int height)
 {
   Image fine(width, height);
@@ -227,10 +179,8 @@ up(const Image &image, int octaves_x, int octaves_y, int width, int height)
 }
 
 // ---- saliency
-// ------------------------------------------------------------------------------------------------
 
-/// Lightness and chroma each have a pair of levels (level 0 first).
-inline Image
+Image
 contrast(const std::vector<LabImage> &pyramid, saliency::LevelPair lightness,
          saliency::LevelPair chroma, double chroma_weight)
 {
@@ -255,8 +205,7 @@ contrast(const std::vector<LabImage> &pyramid, saliency::LevelPair lightness,
   return map;
 }
 
-/// For each threshold, flood fills each region from one of its pixels.
-inline Image
+Image
 surroundedness(const LabImage &lab, double step, double exponent)
 {
   const int w = lab[0].width;
@@ -295,9 +244,7 @@ surroundedness(const LabImage &lab, double step, double exponent)
   return map;
 }
 
-/// For each pixel, the share of the picture (or of its border) with about the same color, bin by
-/// bin.
-inline Image
+Image
 rarity(const LabImage &lab, double border)
 {
   const int w = lab[0].width;
@@ -349,8 +296,7 @@ rarity(const LabImage &lab, double border)
   return map;
 }
 
-/// N(·) with M = 1. Differences up to 1e-4 do not count.
-inline Image
+Image
 itti(const Image &map)
 {
   const auto [low, high] = std::minmax_element(map.values.begin(), map.values.end());
@@ -382,8 +328,7 @@ itti(const Image &map)
   return result;
 }
 
-/// Contrast maps of a Lab pyramid (level 0 first), resampled to a level and summed.
-inline Image
+Image
 spatial_saliency(const std::vector<LabImage> &pyramid,
                  const std::vector<saliency::LevelPair> &lightness,
                  const std::vector<saliency::LevelPair> &chroma, int level, double chroma_weight,
@@ -406,16 +351,14 @@ spatial_saliency(const std::vector<LabImage> &pyramid,
   return sum;
 }
 
-/// The value at quantile `q`.
-inline double
+double
 quantile(std::vector<double> values, double q)
 {
   std::sort(values.begin(), values.end());
   return values[static_cast<std::size_t>(q * static_cast<double>(values.size() - 1))];
 }
 
-/// β: the factor by which the contrast of most samples has risen.
-inline double
+double
 illumination(const Image &center, const Image &surround)
 {
   if (center.values.size() < 64)
@@ -429,10 +372,8 @@ illumination(const Image &center, const Image &surround)
              : 1;
 }
 
-/// Subtracts `gain` times the quantile of the samples within the rim, but at most `limit`. Applies
-/// to at least 64 samples.
-inline Image
-without_background(Image map, double gain, double q, int rim = 0, double limit = 1e9)
+Image
+without_background(Image map, double gain, double q, int rim, double limit)
 {
   std::vector<double> within;
   for (int y = rim; y < map.height - rim; ++y)

@@ -15,9 +15,9 @@
 #include <vector>
 
 // gstcheck.h defines a macro `fail`, so it follows the standard library's headers.
-#include "../playing.h"
-#include "../realtime.h"
-#include "../temporary_file.h"
+#include "support/playing.h"
+#include "support/realtime.h"
+#include "support/temporary_file.h"
 #include <gst/check/gsttestclock.h>
 #include <gst/tactile/tactile.h>
 

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include "board_description.h"
-#include "emulated_usb.h"
-#include "firmware.h"
-#include "packets.h"
-#include "serial_chip.h"
+#include "support/boards/board_description.h"
+#include "support/boards/emulated_usb.h"
+#include "support/boards/firmware.h"
+#include "support/boards/packets.h"
+#include "support/boards/serial_chip.h"
 
 #include <cerrno>
 #include <condition_variable>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "board_description.h"
+#include "support/boards/board_description.h"
 
-#include "hex.h"
+#include "support/boards/hex.h"
 
 #include <array>
 #include <string_view>
