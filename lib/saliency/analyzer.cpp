@@ -16,6 +16,7 @@
 #include <cmath>
 #include <cstdint>
 #include <optional>
+#include <utility>
 
 namespace saliency {
 
@@ -63,10 +64,17 @@ struct Analyzer::State
   {
   }
 
-  void follow(cv::Size size, Time time);
+  void follow(cv::Size size, Time time, bool temporal);
   void forget();
   Similarity camera_pose(double elapsed);
+  const cv::Mat &spatial_map();
   const cv::Mat &spatiotemporal_map(Time time, Time duration);
+  const Saliency &finish(Time time, Time duration, bool temporal);
+  void done(Stage stage, const cv::Mat &map = {}) const
+  {
+    if (observer)
+      observer(stage, map);
+  }
 
   Profile profile;
   double longest; ///< longest window, in frames
@@ -87,12 +95,15 @@ struct Analyzer::State
   std::optional<Previous> previous; ///< last frame since the reset
   FrameLevels levels;
   Saliency result;
+  std::function<void(Stage, const cv::Mat &)> observer;
 };
 
 /// Prepares for a frame of this size and time: drops the history unless the frame continues it.
 void
-Analyzer::State::follow(cv::Size size, Time time)
+Analyzer::State::follow(cv::Size size, Time time, bool temporal)
 {
+  if (!temporal)
+    previous.reset();
   if (size != levels.frame) {
     levels = frame_levels(profile, size);
     previous.reset();
@@ -128,12 +139,22 @@ Analyzer::State::camera_pose(double elapsed)
       .in_units_of(std::ldexp(1.0, levels.saliency - level));
 }
 
+/// The spatial saliency of the frame in `pyramid`.
+const cv::Mat &
+Analyzer::State::spatial_map()
+{
+  const cv::Mat &map = spatial.compute(pyramid, levels, team);
+  done(Stage::spatial, map);
+  return map;
+}
+
 /// The map of the frame in `pyramid`, which is added to the history.
 const cv::Mat &
 Analyzer::State::spatiotemporal_map(Time time, Time duration)
 {
   double elapsed = previous ? frames_between(previous->time, time) : 0;
   Similarity pose = camera_pose(elapsed);
+  done(Stage::camera);
   // A fast pan at a low frame rate changes as many pixels, but the camera can be followed.
   if (profile.cut_share < 1 && shot_cut(pyramid.level(levels.saliency)) && !camera.moved()) {
     forget();
@@ -141,7 +162,8 @@ Analyzer::State::spatiotemporal_map(Time time, Time duration)
     pose = camera_pose(elapsed);
     result.cut = true;
   }
-  const cv::Mat &map = spatial.compute(pyramid, levels, team);
+  done(Stage::shot_cut);
+  const cv::Mat &map = spatial_map();
   if (profile.time_base == TimeBase::frames)
     history.push(map, 1, 1);
   else {
@@ -154,7 +176,26 @@ Analyzer::State::spatiotemporal_map(Time time, Time duration)
   }
   previous = Previous{ time, duration };
   result.camera_moves = history.moved();
-  return spatiotemporal.compute(history, team);
+  done(Stage::history);
+  const cv::Mat &saliency = spatiotemporal.compute(history, team);
+  done(Stage::spatiotemporal, saliency);
+  return saliency;
+}
+
+/// The result of the frame in `pyramid`.
+const Saliency &
+Analyzer::State::finish(Time time, Time duration, bool temporal)
+{
+  if (duration <= Time::zero())
+    duration = kDefaultDuration;
+  result.cut = false;
+  result.camera_moves = false;
+  result.map = temporal ? spatiotemporal_map(time, duration) : spatial_map();
+  cv::minMaxLoc(result.map, nullptr, &result.peak);
+  const double step = std::ldexp(1.0, levels.saliency); // pixels per sample
+  result.picture = { 0.5 - 0.5 / step, 0.5 - 0.5 / step, levels.frame.width / step,
+                     levels.frame.height / step };
+  return result;
 }
 
 Analyzer::Analyzer(const Profile &profile) : state_(std::make_unique<State>(profile))
@@ -170,26 +211,32 @@ Analyzer::analyze(const FrameView &frame, Time time, Time duration, bool tempora
 {
   auto &s = *state_;
   assert(fault_of(frame).empty());
-  if (duration <= Time::zero())
-    duration = kDefaultDuration;
-
-  if (!temporal)
-    s.previous.reset();
-  s.follow({ frame.width, frame.height }, time);
-  s.result.cut = false;
-  s.result.camera_moves = false;
+  s.follow({ frame.width, frame.height }, time, temporal);
   const int converted
       = s.profile.exact ? 0 : conversion_level({ frame.width, frame.height }, s.levels.finest);
   const FixedLabImage &lab = s.front_end.lab(frame, s.levels.finest, converted);
   s.team = s.front_end.team();
+  s.done(Stage::lab);
   s.pyramid.build(lab, s.levels.finest, s.levels.coarsest, s.levels.finest_chroma, s.team);
-  s.result.map = temporal ? s.spatiotemporal_map(time, duration)
-                          : s.spatial.compute(s.pyramid, s.levels, s.team);
-  cv::minMaxLoc(s.result.map, nullptr, &s.result.peak);
-  const double step = std::ldexp(1.0, s.levels.saliency); // pixels per sample
-  s.result.picture
-      = { 0.5 - 0.5 / step, 0.5 - 0.5 / step, frame.width / step, frame.height / step };
-  return s.result;
+  s.done(Stage::pyramid);
+  return s.finish(time, duration, temporal);
+}
+
+const Saliency &
+Analyzer::analyze(const LabImage &lab, cv::Size frame, Time time, Time duration, bool temporal)
+{
+  auto &s = *state_;
+  s.follow(frame, time, temporal);
+  s.team = {};
+  s.pyramid.build(lab, s.levels.finest, s.levels.coarsest);
+  s.done(Stage::pyramid);
+  return s.finish(time, duration, temporal);
+}
+
+void
+Analyzer::set_observer(std::function<void(Stage, const cv::Mat &map)> observer)
+{
+  state_->observer = std::move(observer);
 }
 
 void

@@ -2,12 +2,14 @@
 #pragma once
 
 #include "frame/frame_view.h"
+#include "frame/lab_image.h"
 #include "nanoseconds.h"
 #include "saliency/profile.h"
 
 #include <opencv2/core/mat.hpp>
 #include <opencv2/core/types.hpp>
 
+#include <functional>
 #include <memory>
 
 namespace saliency {
@@ -25,6 +27,18 @@ struct Saliency
   cv::Rect2d picture;
   bool cut = false;          ///< this frame starts a new shot
   bool camera_moves = false; ///< within the longest temporal window
+};
+
+/// The steps of an analysis, in order. Without history: lab, pyramid, spatial.
+enum class Stage
+{
+  lab, ///< the front end
+  pyramid,
+  camera,
+  shot_cut,
+  spatial,
+  history,
+  spatiotemporal,
 };
 
 /// Frame → L*a*b* pyramid → contrast → spatial → (temporal → spatiotemporal) saliency (paper,
@@ -47,6 +61,14 @@ public:
   /// If `temporal` is false, the result is the spatial saliency alone, and the next frame starts a
   /// new history.
   const Saliency &analyze(const FrameView &frame, Time time, Time duration, bool temporal = true);
+
+  /// Analyzes an L*a*b* image of level frame_levels(profile(), frame).finest, without a front end.
+  /// `frame` is the size of the frame that it is of.
+  const Saliency &analyze(const LabImage &lab, cv::Size frame, Time time, Time duration,
+                          bool temporal = true);
+
+  /// Calls `observer` after each stage, with the stage's map or an empty one. For measurements.
+  void set_observer(std::function<void(Stage, const cv::Mat &map)> observer);
 
   /// Drops the history. The next frame fills it with its own spatial map, so there is no burst
   /// after start, seek or cut.

@@ -4,7 +4,6 @@
 #include "frame/front_end.h"
 #include "race.h"
 #include "saliency/pyramid.h"
-#include "quality/stages.h"
 
 #include <opencv2/core.hpp>
 
@@ -60,19 +59,19 @@ Analysis::frame(const saliency::FrameView &frame, std::size_t i)
 
 StageTimes
 stage_times(const saliency::Profile &profile, const tactile::MappingSettings &mapping,
-            const Film &film, int warm_up, int frames)
+            const FrameLoop &film, int warm_up, int frames)
 {
-  saliency::FrontEnd front_end;
   saliency::FrontEnd converter;
-  quality::Stages stages(profile, film.size());
+  saliency::Analyzer analyzer(profile);
   tactile::TactileMap map(3, 3);
-  const int converted = profile.exact ? 0 : saliency::conversion_level(film.size(), stages.level());
+  const int level = saliency::frame_levels(profile, film.size()).finest;
+  const int converted = profile.exact ? 0 : saliency::conversion_level(film.size(), level);
   const cv::Size small = saliency::level_size(film.size(), converted);
   cv::Mat samples(3 * small.height, small.width, CV_8UC1);
   cv::randu(samples, 60, 200);
 
-  constexpr std::size_t kOthers = 3; // front end, Lab and pooling, around the stages
-  std::array<std::vector<double>, quality::kStages.size() + kOthers> times;
+  constexpr std::size_t kOthers = 2; // Lab before the stages, pooling after them
+  std::array<std::vector<double>, kStageNames.size() + kOthers> times;
   for (int i = 0; i < warm_up + frames; i++) {
     std::size_t next = 0;
     double begin = cpu_ms();
@@ -81,22 +80,19 @@ stage_times(const saliency::Profile &profile, const tactile::MappingSettings &ma
         times[next++].push_back(cpu_ms() - begin);
       begin = cpu_ms();
     };
-    const auto &lab
-        = front_end.lab(film.view(static_cast<std::size_t>(i)), stages.level(), converted);
-    lap();
     converter.lab(small_frame(samples), 0, 0);
     lap();
+    analyzer.set_observer([&](saliency::Stage, const cv::Mat &) { lap(); });
     const auto &found
-        = stages.analyze(lab, i * kFrame, kFrame, true, [&](quality::Stage) { lap(); });
+        = analyzer.analyze(film.view(static_cast<std::size_t>(i)), i * kFrame, kFrame);
     pool(found, mapping, map);
     lap();
   }
 
   StageTimes medians;
-  medians.front_end = median(times[0]);
-  medians.lab = profile.exact ? std::nan("") : median(times[1]);
+  medians.lab = profile.exact ? std::nan("") : median(times.front());
   for (std::size_t i = 0; i < medians.stages.size(); i++)
-    medians.stages[i] = median(times[2 + i]);
+    medians.stages[i] = median(times[1 + i]);
   medians.pooling = median(times.back());
   return medians;
 }

@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include "film.h"
+#include "frame_loop.h"
 #include "saliency/analyzer.h"
 #include "saliency/profile.h"
 #include "tactile/tactile_map.h"
 #include "tactile/tactile_mapping.h"
-#include "quality/stages.h"
 
 #include <array>
 #include <cstddef>
@@ -29,17 +28,19 @@ private:
   tactile::TactileMap map_;
 };
 
-/// What each stage by itself takes for a frame, on one thread: medians, ms.
+inline constexpr std::array kStageNames{ "front end", "pyramid", "camera",  "shot cut",
+                                         "contrast",  "history", "temporal" };
+
+/// Time of each stage for a frame, on one thread: medians, ms.
 struct StageTimes
 {
-  double front_end = 0;
-  double lab
-      = 0; ///< of it, on a frame of the size that decimation leaves; not known of exact profiles
-  std::array<double, quality::kStages.size()> stages{}; ///< in their order
+  std::array<double, kStageNames.size()> stages{}; ///< by saliency::Stage
+  /// Of the front end: L*a*b* of a frame of the size after decimation. NaN for exact profiles.
+  double lab = 0;
   double pooling = 0;
 };
 
 StageTimes stage_times(const saliency::Profile &profile, const tactile::MappingSettings &mapping,
-                       const Film &film, int warm_up, int frames);
+                       const FrameLoop &film, int warm_up, int frames);
 
 } // namespace bench

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "analysis.h"
-#include "film.h"
 #include "frame/thread_pool.h"
+#include "frame_loop.h"
 #include "literal_paper.h"
 #include "opencv_rewrite.h"
-#include "race.h"
 #include "quality/peers.h"
+#include "race.h"
 
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
@@ -51,13 +51,13 @@ sum_of_words(const uchar *begin, std::size_t size)
 }
 
 std::size_t
-frame_bytes(const Film &film)
+frame_bytes(const FrameLoop &film)
 {
   return film.bytes(0).total() * film.bytes(0).elemSize();
 }
 
 Contender
-reading(std::shared_ptr<Film> film, Format format, int threads)
+reading(std::shared_ptr<FrameLoop> film, Format format, int threads)
 {
   auto pool = std::make_shared<saliency::ThreadPool>();
   return { .method = kReading,
@@ -75,7 +75,7 @@ reading(std::shared_ptr<Film> film, Format format, int threads)
 
 Contender
 ours(const std::string &method, const saliency::Profile &profile,
-     const tactile::MappingSettings &mapping, std::shared_ptr<Film> film, Format format,
+     const tactile::MappingSettings &mapping, std::shared_ptr<FrameLoop> film, Format format,
      int threads)
 {
   auto analysis = std::make_shared<Analysis>(profile, mapping, cv::Size(3, 3), threads);
@@ -90,7 +90,7 @@ ours(const std::string &method, const saliency::Profile &profile,
 }
 
 Contender
-peer(quality::Peer which, std::shared_ptr<Film> film)
+peer(quality::Peer which, std::shared_ptr<FrameLoop> film)
 {
   auto model = std::make_shared<quality::PeerSaliency>(which);
   auto bgr = std::make_shared<cv::Mat>();
@@ -109,8 +109,8 @@ peer(quality::Peer which, std::shared_ptr<Film> film)
 std::vector<Contender>
 contenders(cv::Size size)
 {
-  const auto film = std::make_shared<Film>(size, Scene::disc);
-  const auto pan = std::make_shared<Film>(size, Scene::pan);
+  const auto film = std::make_shared<FrameLoop>(size, Scene::disc);
+  const auto pan = std::make_shared<FrameLoop>(size, Scene::pan);
   const auto tuned = saliency::Profile::tuned();
   auto exact = tuned;
   exact.exact = true;
@@ -119,7 +119,7 @@ contenders(cv::Size size)
   std::vector<Contender> all;
   for (const Format format : kFormats) {
     const auto in_format
-        = format == Format::i420 ? film : std::make_shared<Film>(size, Scene::disc, format);
+        = format == Format::i420 ? film : std::make_shared<FrameLoop>(size, Scene::disc, format);
     for (const int threads : { 1, 2 })
       if (threads == 1 || format == Format::i420 || format == Format::rgbx)
         all.push_back(reading(in_format, format, threads));
@@ -134,7 +134,7 @@ contenders(cv::Size size)
     all.back().played = true;
   }
   for (const Format format : { Format::i420, Format::rgbx }) {
-    const auto two = std::make_shared<Film>(size, Scene::disc, format, 2);
+    const auto two = std::make_shared<FrameLoop>(size, Scene::disc, format, 2);
     for (const int threads : { 1, 2 })
       all.push_back(ours(kTwoFrames, tuned, mapping, two, format, threads));
   }

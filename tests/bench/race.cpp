@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "race.h"
 
+#include "frame_loop.h"
 #include "support/allocations.h"
-#include "film.h"
 
 #include <algorithm>
 #include <chrono>
@@ -122,7 +122,7 @@ race(std::vector<Contender> &contenders, int rounds)
       if (lane.slow && round >= kSlowRounds)
         continue;
       if (!lane.slow)
-        run(i, Film::kBuffers); // as after its own film, rather than after another contender
+        run(i, FrameLoop::kBuffers); // as after its own film, rather than after another contender
       const std::uint64_t before = allocations::bytes_of_all_threads();
       const auto frames = static_cast<double>(lane.slice);
       const Times times = timed(contenders[i], lane.frame, lane.slice);

@@ -2,13 +2,13 @@
 //
 // What the analysis of a frame costs, beside what others take: makes docs/measured/speed.md and its
 // plot. Contenders take turns in one run. One thread is measured in CPU time, more on the wall.
-#include "support/allocations.h"
 #include "analysis.h"
-#include "film.h"
-#include "race.h"
-#include "svg_plot.h"
+#include "frame_loop.h"
 #include "quality/peers.h"
 #include "quality/table.h"
+#include "race.h"
+#include "support/allocations.h"
+#include "svg_plot.h"
 
 #include <glib.h>
 
@@ -242,9 +242,9 @@ target_table(const std::vector<cv::Size> &sizes, const std::vector<std::vector<T
 Table
 stage_table(const std::vector<cv::Size> &all, bool quick)
 {
-  std::vector<std::string> header{ "size", "profile", "front end", "of it Lab" };
-  for (const auto stage : quality::kStages)
-    header.emplace_back(quality::name(stage));
+  std::vector<std::string> header{ "size", "profile" };
+  header.insert(header.end(), kStageNames.begin(), kStageNames.end());
+  header.insert(header.begin() + 3, "of it Lab"); // after the front end
   header.insert(header.end(), { "pooling", "sum" });
   Table table("Stages", "CPU time of each stage, in ms a frame.", header);
   struct Case
@@ -266,14 +266,15 @@ stage_table(const std::vector<cv::Size> &all, bool quick)
                  tactile::MappingSettings::paper() } }) {
       const bool slow = profile.exact && size.area() > 1'000'000;
       const int frames = quick ? 5 : slow ? 10 : 60;
-      const StageTimes times = stage_times(profile, map, Film(size, scene), slow ? 5 : 80, frames);
-      std::vector<std::string> row{ size_text(size), name, milliseconds(times.front_end),
-                                    milliseconds(times.lab) };
-      double sum = times.front_end + times.pooling;
+      const StageTimes times
+          = stage_times(profile, map, FrameLoop(size, scene), slow ? 5 : 80, frames);
+      std::vector<std::string> row{ size_text(size), name };
+      double sum = times.pooling;
       for (const double ms : times.stages) {
         row.push_back(milliseconds(ms));
         sum += ms;
       }
+      row.insert(row.begin() + 3, milliseconds(times.lab));
       row.insert(row.end(), { milliseconds(times.pooling), milliseconds(sum) });
       table.add(row);
     }
@@ -289,7 +290,7 @@ struct GridTime
 std::vector<GridTime>
 grid_times(cv::Size size, int rounds)
 {
-  const auto film = std::make_shared<Film>(size, Scene::disc);
+  const auto film = std::make_shared<FrameLoop>(size, Scene::disc);
   std::vector<Contender> all;
   const int sides[] = { 1, 2, 3, 4, 6, 8, 12, 16 };
   for (const int side : sides) {

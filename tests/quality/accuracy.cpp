@@ -2,12 +2,12 @@
 #include "accuracy.h"
 
 #include "decode.h"
-#include "exact_maps.h"
 #include "films.h"
 #include "fixations.h"
 #include "frame/front_end.h"
 #include "pictures.h"
-#include "stages.h"
+#include "saliency/analyzer.h"
+#include "support/saliency_oracle.h"
 #include "tactile/tactile_map.h"
 #include "tactile/tactile_mapping.h"
 
@@ -61,28 +61,32 @@ struct FrontEndKind
 };
 constexpr std::array kFrontEnds{ FrontEndKind{ "default", false }, FrontEndKind{ "exact", true } };
 
-saliency::LabImage
-planes(const cv::Mat &lab)
+double
+mean_delta_e(const saliency::LabImage &lab, const oracle::LabImage &truth)
 {
-  saliency::LabImage image;
-  cv::Mat real;
-  lab.convertTo(real, CV_32F);
-  cv::split(real, image.planes.data());
-  return image;
+  double sum = 0;
+  for (int y = 0; y < truth[0].height; ++y)
+    for (int x = 0; x < truth[0].width; ++x) {
+      double squared = 0;
+      for (std::size_t c = 0; c < 3; ++c)
+        squared += std::pow(static_cast<double>(lab.planes[c].at<float>(y, x)) - truth[c](x, y), 2);
+      sum += std::sqrt(squared);
+    }
+  return sum / static_cast<double>(truth[0].values.size());
 }
 
-double
-mean_delta_e(const saliency::LabImage &lab, const cv::Mat &truth)
+/// L*a*b* of a frame by the oracle, at a level.
+oracle::LabImage
+oracle_lab(const saliency::FrameView &frame, int level, int threads)
 {
-  cv::Mat difference;
-  cv::merge(lab.planes, difference);
-  difference.convertTo(difference, CV_64F);
-  difference -= truth;
-  double sum = 0;
-  for (int y = 0; y < difference.rows; ++y)
-    for (int x = 0; x < difference.cols; ++x)
-      sum += cv::norm(difference.at<cv::Vec3d>(y, x));
-  return sum / static_cast<double>(difference.total());
+  return oracle::pyramid_of(oracle::lab_image(frame, threads), 0, level).back();
+}
+
+saliency::Profile
+profile_of(saliency::Profile profile, const FrontEndKind &kind)
+{
+  profile.exact = kind.exact;
+  return profile;
 }
 
 /// A map, where the picture lies in it and how it is felt.
@@ -174,25 +178,29 @@ class FilmComparison
 {
 public:
   FilmComparison(cv::Size size, int threads)
-      : threads_(threads), profile_(saliency::Profile::tuned()), oracle_(profile_, size)
+      : threads_(threads), profile_(saliency::Profile::tuned()),
+        levels_(saliency::frame_levels(profile_, size)), reference_(profile_)
   {
     for (const auto &kind : kFrontEnds)
-      ways_.push_back(std::make_unique<Way>(kind, profile_, size));
+      ways_.push_back(
+          std::make_unique<Way>(profile_of(profile_, kind), kind.converted(size, levels_.finest)));
   }
 
   void frame(const saliency::FrameView &frame, Time time, Time duration)
   {
-    const cv::Mat lab = decimated(exact_lab(frame, threads_), oracle_.level());
-    const auto &truth = oracle_.analyze(planes(lab), time, duration);
-    FeltMap spatial{ {}, truth.picture, kSpatialMapping };
-    exact_spatial_saliency(lab, oracle_.levels(), profile_).convertTo(spatial.map, CV_32F);
+    const oracle::LabImage lab = oracle_lab(frame, levels_.finest, threads_);
+    const auto &truth = reference_.analyze(oracle::to_planes(lab), levels_.frame, time, duration);
+    const oracle::Image map = oracle::spatial_saliency(
+        oracle::pyramid_of(lab, levels_.finest, levels_.coarsest), levels_.pairs, levels_.chroma,
+        levels_.saliency, profile_.chroma_weight, false, profile_.contrast_mean);
+    const FeltMap spatial{ oracle::to_mat(map), truth.picture, kSpatialMapping };
     const auto mapping = tactile::MappingSettings::tuned();
     for (auto &way : ways_) {
-      const auto &own = way->front_end.lab(frame, oracle_.level(), way->converted);
+      const auto &own = way->front_end.lab(frame, levels_.finest, way->converted);
       const double delta_e = mean_delta_e(saliency::to_float(own), lab);
-      const auto &found = way->stages.analyze(own, time, duration);
-      way->spatial.add({ way->stages.spatial(), found.picture, kSpatialMapping }, spatial,
-                       kNearlyFlat, delta_e);
+      const auto &found = way->analyzer.analyze(frame, time, duration);
+      way->spatial.add({ way->spatial_map, found.picture, kSpatialMapping }, spatial, kNearlyFlat,
+                       delta_e);
       way->spatiotemporal.add({ found.map, found.picture, mapping },
                               { truth.map, truth.picture, mapping }, mapping.floor, delta_e);
     }
@@ -209,21 +217,26 @@ public:
 private:
   struct Way
   {
-    Way(const FrontEndKind &kind, const saliency::Profile &profile, cv::Size size)
-        : converted(kind.converted(size, frame_levels(profile, size).finest)), stages(profile, size)
+    Way(const saliency::Profile &profile, int level) : converted(level), analyzer(profile)
     {
+      analyzer.set_observer([this](saliency::Stage stage, const cv::Mat &map) {
+        if (stage == saliency::Stage::spatial)
+          spatial_map = map;
+      });
     }
 
     int converted;
-    saliency::FrontEnd front_end;
-    Stages stages;
+    saliency::FrontEnd front_end; ///< for ΔE
+    saliency::Analyzer analyzer;
+    cv::Mat spatial_map;
     Tally spatial;
     Tally spatiotemporal;
   };
 
   int threads_;
   saliency::Profile profile_;
-  Stages oracle_;
+  saliency::FrameLevels levels_;
+  saliency::Analyzer reference_;
   std::vector<std::unique_ptr<Way>> ways_;
 };
 
@@ -240,15 +253,15 @@ public:
     const auto profile = saliency::Profile::tuned_spatial();
     const auto mapping = tactile::MappingSettings::tuned_spatial();
     const cv::Size size(frame.width, frame.height);
-    Stages oracle(profile, size);
-    const cv::Mat lab = decimated(exact_lab(frame, threads_), oracle.level());
-    const auto &truth = oracle.analyze(planes(lab), {}, kFrame, false);
+    const int level = saliency::frame_levels(profile, size).finest;
+    const oracle::LabImage lab = oracle_lab(frame, level, threads_);
+    saliency::Analyzer reference(profile);
+    const auto &truth = reference.analyze(oracle::to_planes(lab), size, {}, kFrame, false);
     for (std::size_t i = 0; i < kFrontEnds.size(); ++i) {
       saliency::FrontEnd front_end;
-      Stages stages(profile, size);
-      const auto &own
-          = front_end.lab(frame, stages.level(), kFrontEnds[i].converted(size, stages.level()));
-      const auto &found = stages.analyze(own, {}, kFrame, false);
+      const auto &own = front_end.lab(frame, level, kFrontEnds[i].converted(size, level));
+      saliency::Analyzer analyzer(profile_of(profile, kFrontEnds[i]));
+      const auto &found = analyzer.analyze(frame, {}, kFrame, false);
       tallies_[i].add({ found.map, found.picture, mapping }, { truth.map, truth.picture, mapping },
                       mapping.floor, mean_delta_e(saliency::to_float(own), lab));
     }

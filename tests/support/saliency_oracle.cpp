@@ -5,6 +5,8 @@
 
 #include <cmath>
 #include <random>
+#include <stdexcept>
+#include <thread>
 #include <utility>
 
 namespace oracle {
@@ -121,6 +123,8 @@ samples_to_lab(std::array<double, 3> code, saliency::ColorModel model, int depth
 
 // ---- pyramid
 
+namespace {
+
 int
 mirror(int i, int length)
 {
@@ -130,6 +134,8 @@ mirror(int i, int length)
     i = i < 0 ? -i : 2 * (length - 1) - i;
   return i;
 }
+
+} // namespace
 
 Image
 pyr_down(const Image &image, bool along_x, bool along_y)
@@ -161,11 +167,14 @@ bilinear(const Image &image, double x, double y)
 {
   x = std::clamp(x, 0.0, image.width - 1.0);
   y = std::clamp(y, 0.0, image.height - 1.0);
-  double sum = 0;
-  for (int j = 0; j < image.height; ++j)
-    for (int i = 0; i < image.width; ++i)
-      sum += image(i, j) * std::max(0.0, 1 - std::abs(x - i)) * std::max(0.0, 1 - std::abs(y - j));
-  return sum;
+  const int left = static_cast<int>(x);
+  const int top = static_cast<int>(y);
+  const int right = std::min(left + 1, image.width - 1);
+  const int bottom = std::min(top + 1, image.height - 1);
+  const double fx = x - left;
+  const double fy = y - top;
+  return (1 - fy) * ((1 - fx) * image(left, top) + fx * image(right, top))
+         + fy * ((1 - fx) * image(left, bottom) + fx * image(right, bottom));
 }
 
 Image
@@ -176,6 +185,65 @@ up(const Image &image, int octaves_x, int octaves_y, int width, int height)
     for (int x = 0; x < width; ++x)
       fine(x, y) = bilinear(image, x / std::pow(2.0, octaves_x), y / std::pow(2.0, octaves_y));
   return fine;
+}
+
+// ---- frames
+
+namespace {
+
+/// A component, brought to the size of the frame.
+Image
+component_of(const saliency::FrameView &frame, std::size_t c)
+{
+  const saliency::Component &component = frame.components[c];
+  Image image(component.width, component.height);
+  for (int y = 0; y < image.height; ++y)
+    for (int x = 0; x < image.width; ++x)
+      image(x, y) = component.data[y * component.row_stride + x * component.pixel_stride];
+  const auto octaves = [](int fine, int coarse) {
+    if (coarse != fine && coarse != (fine + 1) / 2)
+      throw std::invalid_argument("expected all samples or half of them");
+    return coarse == fine ? 0 : 1;
+  };
+  const int across = octaves(frame.width, image.width);
+  const int down = octaves(frame.height, image.height);
+  return across + down == 0 ? image : up(image, across, down, frame.width, frame.height);
+}
+
+} // namespace
+
+LabImage
+lab_image(const saliency::FrameView &frame, int threads)
+{
+  if (frame.depth != 8 || frame.model == saliency::ColorModel::gray)
+    throw std::invalid_argument("expected three components of 8 bits");
+  LabImage image{ component_of(frame, 0), component_of(frame, 1), component_of(frame, 2) };
+  const std::size_t count = image[0].values.size();
+  const auto convert = [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      const Lab lab = samples_to_lab({ image[0].values[i], image[1].values[i], image[2].values[i] },
+                                     frame.model, frame.depth, frame.full_range, frame.matrix);
+      for (std::size_t c = 0; c < 3; ++c)
+        image[c].values[i] = lab[c];
+    }
+  };
+  const auto parts = static_cast<std::size_t>(threads);
+  std::vector<std::jthread> helpers;
+  for (std::size_t i = 1; i < parts; ++i)
+    helpers.emplace_back(convert, count * i / parts, count * (i + 1) / parts);
+  convert(0, count / parts);
+  helpers.clear();
+  return image;
+}
+
+std::vector<LabImage>
+pyramid_of(LabImage image, int base, int coarsest)
+{
+  std::vector<LabImage> pyramid(static_cast<std::size_t>(base));
+  pyramid.push_back(std::move(image));
+  for (int n = base; n < coarsest; ++n)
+    pyramid.push_back(pyr_down(pyramid.back()));
+  return pyramid;
 }
 
 // ---- saliency
@@ -351,12 +419,17 @@ spatial_saliency(const std::vector<LabImage> &pyramid,
   return sum;
 }
 
+namespace {
+
+/// The value at quantile `q`.
 double
 quantile(std::vector<double> values, double q)
 {
   std::sort(values.begin(), values.end());
   return values[static_cast<std::size_t>(q * static_cast<double>(values.size() - 1))];
 }
+
+} // namespace
 
 double
 illumination(const Image &center, const Image &surround)

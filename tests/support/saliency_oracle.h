@@ -66,13 +66,20 @@ Lab samples_to_lab(std::array<double, 3> code, saliency::ColorModel model, int d
 
 // ---- pyramid
 
-int mirror(int i, int length);
 /// The 25 (or 5) taps at the even samples. Borders are mirrored.
 Image pyr_down(const Image &image, bool along_x = true, bool along_y = true);
 LabImage pyr_down(const LabImage &image);
 /// Bilinear interpolation. Borders are repeated.
 double bilinear(const Image &image, double x, double y);
 Image up(const Image &image, int octaves_x, int octaves_y, int width, int height);
+
+// ---- frames
+
+/// Every pixel of a frame of three components of 8 bits; chroma has all samples or half of them.
+/// `threads` ≥ 1 share the pixels.
+LabImage lab_image(const saliency::FrameView &frame, int threads = 1);
+/// The levels down to `coarsest` of an image that is level `base`. Finer ones are empty.
+std::vector<LabImage> pyramid_of(LabImage image, int base, int coarsest);
 
 // ---- saliency
 
@@ -91,8 +98,6 @@ Image spatial_saliency(const std::vector<LabImage> &pyramid,
                        const std::vector<saliency::LevelPair> &lightness,
                        const std::vector<saliency::LevelPair> &chroma, int level,
                        double chroma_weight, bool normalize, bool mean);
-/// The value at quantile `q`.
-double quantile(std::vector<double> values, double q);
 /// β: the factor by which the contrast of most samples has risen.
 double illumination(const Image &center, const Image &surround);
 /// Subtracts `gain` times the quantile of the samples within the rim, but at most `limit`. Applies

@@ -20,31 +20,10 @@ namespace {
 
 constexpr Time kSecond = std::chrono::seconds(1);
 
-oracle::LabImage
-lab_of(const Frame &frame)
-{
-  const auto plane = [&](std::size_t c) {
-    Image image(frame.plane_width(c), frame.plane_height(c));
-    for (std::size_t i = 0; i < image.values.size(); ++i)
-      image.values[i] = frame.planes[c][i];
-    return c == 0 ? image : oracle::up(image, 1, 1, frame.width, frame.height);
-  };
-  const std::array<Image, 3> codes{ plane(0), plane(1), plane(2) };
-  oracle::LabImage lab{ codes[0], codes[0], codes[0] };
-  for (std::size_t i = 0; i < codes[0].values.size(); ++i) {
-    const auto pixel
-        = oracle::samples_to_lab({ codes[0].values[i], codes[1].values[i], codes[2].values[i] },
-                                 saliency::ColorModel::yuv, 8, false, saliency::kBt601);
-    for (std::size_t c = 0; c < 3; ++c)
-      lab[c].values[i] = pixel[c];
-  }
-  return lab;
-}
-
 std::vector<oracle::LabImage>
 pyramid_of(const Frame &frame)
 {
-  std::vector<oracle::LabImage> levels{ lab_of(frame) };
+  std::vector<oracle::LabImage> levels{ oracle::lab_image(frame.view()) };
   while (levels.back()[0].values.size() > 1)
     levels.push_back(oracle::pyr_down(levels.back()));
   return levels;

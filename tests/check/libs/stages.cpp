@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 //
-// The stages that the benchmark times and the accuracy table compares give the analyzer's results.
-#include "quality/stages.h"
-
+// Stages of the analyzer: what an observer sees, and the same bits on every CPU and number of threads.
 #include "frame/front_end.h"
 #include "i420_frame.h"
 #include "saliency/analyzer.h"
+#include "saliency/spatial_saliency.h"
+#include "support/tolerance.h"
 
 #include <hwy/targets.h>
 #include <opencv2/core.hpp>
@@ -24,14 +24,15 @@ namespace {
 /// The first is converted to L*a*b* at every pixel, the second is decimated first.
 const cv::Size kSizes[] = { { 500, 300 }, { 900, 540 } };
 constexpr saliency::Time kFrame{ 1'000'000'000 / 30 };
+constexpr double kFixedPoint = 0.1; ///< ΔE, of L*a*b* with seven bits after the point
 
-using Film = std::vector<oracle::Frame>;
+using Frames = std::vector<oracle::Frame>;
 
 /// A ball, then a camera that pans over the texture, then another shot.
-Film
+Frames
 film(cv::Size size)
 {
-  Film pictures;
+  Frames pictures;
   for (int i = 0; i < 20; ++i)
     pictures.push_back(oracle::film(size.width, size.height, i));
   oracle::Frame wide = oracle::textured(size.width + 60, size.height);
@@ -48,48 +49,81 @@ film(cv::Size size)
   return pictures;
 }
 
-void
-compare(const saliency::Profile &profile, cv::Size size)
-{
-  saliency::Analyzer analyzer(profile);
-  saliency::FrontEnd front_end;
-  quality::Stages stages(profile, size);
-  const int converted = profile.exact ? 0 : saliency::conversion_level(size, stages.level());
-  fail_unless((converted > 0) == (!profile.exact && size == kSizes[1]));
-  bool moved = false;
-  int cuts = 0;
-  saliency::Time time{ 0 };
-  for (const oracle::Frame &frame : film(size)) {
-    const auto &expected = analyzer.analyze(frame.view(), time, kFrame);
-    std::vector<quality::Stage> done;
-    const auto &found
-        = stages.analyze(front_end.lab(frame.view(), stages.level(), converted), time, kFrame, true,
-                         [&](quality::Stage stage) { done.push_back(stage); });
-    fail_unless(cv::norm(found.map, expected.map, cv::NORM_INF) == 0, "frame at %g s",
-                1e-9 * static_cast<double>(time.count()));
-    fail_unless(found.peak == expected.peak && found.picture == expected.picture);
-    fail_unless(found.cut == expected.cut && found.camera_moves == expected.camera_moves);
-    fail_unless(std::ranges::equal(done, quality::kStages));
-    moved = moved || found.camera_moves;
-    cuts += found.cut ? 1 : 0;
-    time += kFrame;
-  }
-  fail_unless(moved == profile.camera_motion);
-  fail_unless((cuts > 0) == (profile.cut_share < 1));
-}
-
 } // namespace
 
-GST_START_TEST(test_same_as_analyzer)
+GST_START_TEST(test_observer)
 {
-  for (const cv::Size size : kSizes)
-    compare(saliency::Profile::tuned(), size);
-  compare(saliency::Profile::paper(), kSizes[0]);
+  // Each stage is observed once, in order. Observing changes nothing.
+  using saliency::Stage;
+  constexpr std::array kAll{ Stage::lab,     Stage::pyramid, Stage::camera,        Stage::shot_cut,
+                             Stage::spatial, Stage::history, Stage::spatiotemporal };
+  constexpr std::array kSpatial{ Stage::lab, Stage::pyramid, Stage::spatial };
+  for (const auto &profile : { saliency::Profile::tuned(), saliency::Profile::paper() }) {
+    saliency::Analyzer analyzer(profile);
+    saliency::Analyzer observed(profile);
+    std::vector<Stage> stages;
+    std::vector<cv::Mat> seen;
+    observed.set_observer([&](Stage stage, const cv::Mat &map) {
+      stages.push_back(stage);
+      if (!map.empty())
+        seen.push_back(map.clone());
+    });
+    saliency::Analyzer spatial(profile);
+    int cuts = 0;
+    saliency::Time time{ 0 };
+    for (const oracle::Frame &frame : film(kSizes[0])) {
+      stages.clear();
+      seen.clear();
+      const auto &expected = analyzer.analyze(frame.view(), time, kFrame);
+      const auto &found = observed.analyze(frame.view(), time, kFrame);
+      fail_unless(std::ranges::equal(stages, kAll));
+      ck_assert_uint_eq(seen.size(), 2);
+      const auto &alone = spatial.analyze(frame.view(), time, kFrame, false);
+      fail_unless(cv::norm(seen[0], alone.map, cv::NORM_INF) == 0, "spatial map");
+      fail_unless(cv::norm(seen[1], expected.map, cv::NORM_INF) == 0, "spatiotemporal map");
+      fail_unless(cv::norm(found.map, expected.map, cv::NORM_INF) == 0);
+      cuts += found.cut ? 1 : 0;
+      time += kFrame;
+    }
+    fail_unless((cuts > 0) == (profile.cut_share < 1));
+    stages.clear();
+    observed.analyze(oracle::textured(90, 60).view(), time, kFrame, false);
+    fail_unless(std::ranges::equal(stages, kSpatial));
+  }
+}
+GST_END_TEST;
+
+GST_START_TEST(test_lab)
+{
+  // An L*a*b* image gives what its frame gives, to within the front end's fixed point.
+  for (const cv::Size size : kSizes) {
+    auto profile = saliency::Profile::tuned();
+    profile.exact = true;
+    saliency::Analyzer analyzer(profile);
+    saliency::Analyzer of_lab(profile);
+    saliency::FrontEnd front_end;
+    const int level = saliency::frame_levels(profile, size).finest;
+    bool moved = false;
+    int cuts = 0;
+    saliency::Time time{ 0 };
+    for (const oracle::Frame &frame : film(size)) {
+      const auto &expected = analyzer.analyze(frame.view(), time, kFrame);
+      const auto lab = saliency::to_float(front_end.lab(frame.view(), level, 0));
+      const auto &found = of_lab.analyze(lab, size, time, kFrame);
+      fail_unless_at_most(cv::norm(found.map, expected.map, cv::NORM_INF), kFixedPoint);
+      fail_unless(found.picture == expected.picture);
+      fail_unless(found.cut == expected.cut && found.camera_moves == expected.camera_moves);
+      moved = moved || found.camera_moves;
+      cuts += found.cut ? 1 : 0;
+      time += kFrame;
+    }
+    fail_unless(moved && cuts > 0);
+  }
 }
 GST_END_TEST;
 
 static std::vector<cv::Mat>
-maps(const saliency::Profile &profile, const Film &film, int threads)
+maps(const saliency::Profile &profile, const Frames &film, int threads)
 {
   saliency::Analyzer analyzer(profile);
   analyzer.set_threads(threads);
@@ -117,7 +151,7 @@ GST_START_TEST(test_targets)
   // Results are equal with all instruction sets of this CPU.
   const auto targets = hwy::SupportedTargets();
   for (const cv::Size size : kSizes) {
-    const Film pictures = film(size);
+    const Frames pictures = film(size);
     const auto expected = maps(saliency::Profile::tuned(), pictures, 1);
     for (const std::int64_t target : hwy::SupportedAndGeneratedTargets()) {
       hwy::GetChosenTarget().Update(target);
@@ -135,7 +169,7 @@ GST_START_TEST(test_threads)
   for (const auto &[profile, size] : { std::pair{ saliency::Profile::tuned(), kSizes[0] },
                                        { saliency::Profile::tuned(), kSizes[1] },
                                        { saliency::Profile::paper(), kSizes[0] } }) {
-    const Film pictures = film(size);
+    const Frames pictures = film(size);
     const auto expected = maps(profile, pictures, 1);
     for (const int threads : { 2, 3, 8 })
       fail_unless_same_bits(maps(profile, pictures, threads), expected,
@@ -150,7 +184,8 @@ stages_suite(void)
   Suite *suite = suite_create("stages");
   TCase *tcase = tcase_create("general");
   suite_add_tcase(suite, tcase);
-  tcase_add_test(tcase, test_same_as_analyzer);
+  tcase_add_test(tcase, test_observer);
+  tcase_add_test(tcase, test_lab);
   tcase_add_test(tcase, test_targets);
   tcase_add_test(tcase, test_threads);
   return suite;

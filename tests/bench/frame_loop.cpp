@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "film.h"
+#include "frame_loop.h"
 
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
@@ -137,7 +137,7 @@ name(Format format)
   return "";
 }
 
-Film::Film(cv::Size size, Scene scene, Format format, std::size_t buffers)
+FrameLoop::FrameLoop(cv::Size size, Scene scene, Format format, std::size_t buffers)
     : size_(size), format_(format)
 {
   CV_Assert(size.width % 2 == 0 && size.height % 2 == 0 && !size.empty());
@@ -147,7 +147,7 @@ Film::Film(cv::Size size, Scene scene, Format format, std::size_t buffers)
 }
 
 saliency::FrameView
-Film::view(std::size_t i) const
+FrameLoop::view(std::size_t i) const
 {
   const int width = size_.width;
   const int height = size_.height;

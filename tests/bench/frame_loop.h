@@ -37,7 +37,7 @@ enum class Scene
 };
 
 /// A film in memory. BT.709, limited range; width and height are even.
-class Film
+class FrameLoop
 {
 public:
   /// At 4K a decoder of H.264 keeps up to five frames for reference (level 5.1: ITU-T H.264, table
@@ -45,7 +45,8 @@ public:
   static constexpr std::size_t kBuffers = 6;
 
   /// Frames lie in that many buffers, or as many as the scene has.
-  Film(cv::Size size, Scene scene, Format format = Format::i420, std::size_t buffers = kBuffers);
+  FrameLoop(cv::Size size, Scene scene, Format format = Format::i420,
+            std::size_t buffers = kBuffers);
 
   saliency::FrameView view(std::size_t i) const;
   /// The frame's bytes; of I420 as OpenCV takes it, CV_8UC1 of 3/2 the height.
