@@ -4,6 +4,7 @@
 #include "frame/front_end.h"
 #include "race.h"
 #include "saliency/pyramid.h"
+#include "saliency/spatial_saliency.h"
 
 #include <opencv2/core.hpp>
 

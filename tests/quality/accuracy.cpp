@@ -7,6 +7,7 @@
 #include "frame/front_end.h"
 #include "pictures.h"
 #include "saliency/analyzer.h"
+#include "saliency/spatial_saliency.h"
 #include "support/saliency_oracle.h"
 #include "tactile/tactile_map.h"
 #include "tactile/tactile_mapping.h"

@@ -18,7 +18,7 @@ struct FilmCase
 {
   std::string film;     ///< what it is called
   std::string pictures; ///< what is behind, if anything
-  std::function<std::unique_ptr<Film>(std::uint64_t seed)> make;
+  std::function<std::unique_ptr<LabeledFilm>(std::uint64_t seed)> make;
   cv::Size size;
   int fps = 30;
   double noise = 0; ///< σ in 8-bit codes

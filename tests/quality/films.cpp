@@ -32,7 +32,7 @@ codes(tactile::Color color)
            code(128 + (r - luma) / 1.402 * 224 / 255) };
 }
 
-class BallFilm : public Film
+class BallFilm : public LabeledFilm
 {
 public:
   explicit BallFilm(const tactile::FilmSettings &settings) : film_(settings)
@@ -75,7 +75,7 @@ struct Stretch
   std::size_t picture = 0;
 };
 
-class DisturbedFilm : public Film
+class DisturbedFilm : public LabeledFilm
 {
 public:
   DisturbedFilm(Disturbance disturbance, std::vector<cv::Mat> pictures, cv::Size size, bool ball,
@@ -282,7 +282,7 @@ private:
   cv::Mat shown_;
 };
 
-class EnteringFilm : public Film
+class EnteringFilm : public LabeledFilm
 {
 public:
   EnteringFilm(cv::Mat picture, cv::Mat object, double share)
@@ -394,7 +394,7 @@ Frame::add_noise(const tactile::SensorNoise &noise, Time time)
     noise.add(plane(i), i, time);
 }
 
-std::unique_ptr<Film>
+std::unique_ptr<LabeledFilm>
 ball_film(const tactile::FilmSettings &settings)
 {
   return std::make_unique<BallFilm>(settings);
@@ -424,13 +424,13 @@ name(Disturbance disturbance)
   return "";
 }
 
-std::unique_ptr<Film>
+std::unique_ptr<LabeledFilm>
 entering_film(cv::Mat picture, cv::Mat object, double share)
 {
   return std::make_unique<EnteringFilm>(std::move(picture), std::move(object), share);
 }
 
-std::unique_ptr<Film>
+std::unique_ptr<LabeledFilm>
 disturbed_film(Disturbance disturbance, std::vector<cv::Mat> pictures, cv::Size size, bool ball,
                std::uint64_t seed, double ball_size)
 {

@@ -38,13 +38,13 @@ private:
 };
 
 /// A film in which the events are known.
-class Film
+class LabeledFilm
 {
 public:
-  Film() = default;
-  virtual ~Film() = default;
-  Film(const Film &) = delete;
-  Film &operator=(const Film &) = delete;
+  LabeledFilm() = default;
+  virtual ~LabeledFilm() = default;
+  LabeledFilm(const LabeledFilm &) = delete;
+  LabeledFilm &operator=(const LabeledFilm &) = delete;
 
   /// Draws the picture at `time` ≥ 0 and returns the balls in it. Times never go back.
   virtual std::vector<tactile::Ball> draw(Time time, Frame &frame) = 0;
@@ -58,7 +58,7 @@ public:
 };
 
 /// The paper's two films: balls on a plain background.
-std::unique_ptr<Film> ball_film(const tactile::FilmSettings &settings);
+std::unique_ptr<LabeledFilm> ball_film(const tactile::FilmSettings &settings);
 
 /// What happens to a whole picture without anything happening in it.
 enum class Disturbance
@@ -78,13 +78,13 @@ const char *name(Disturbance disturbance);
 /// A picture so disturbed, scaled to fill twice the frame's width and height, of which the frame
 /// shows the middle half; with or without a ball that appears, rests, and is elsewhere at once.
 /// With cuts the pictures follow each other.
-std::unique_ptr<Film> disturbed_film(Disturbance disturbance, std::vector<cv::Mat> pictures,
-                                     cv::Size size, bool ball, std::uint64_t seed,
-                                     double ball_size = 1.0 / 16);
+std::unique_ptr<LabeledFilm> disturbed_film(Disturbance disturbance, std::vector<cv::Mat> pictures,
+                                            cv::Size size, bool ball, std::uint64_t seed,
+                                            double ball_size = 1.0 / 16);
 
 /// A still picture into which another comes from the left, from second 1 to second 2, until it
 /// covers `share` of the frame; without balls. Felt throughout that second: half of the film's
 /// first two.
-std::unique_ptr<Film> entering_film(cv::Mat picture, cv::Mat object, double share);
+std::unique_ptr<LabeledFilm> entering_film(cv::Mat picture, cv::Mat object, double share);
 
 } // namespace quality

@@ -32,7 +32,7 @@ cells_of(const tactile::Ball &ball, cv::Size size, const tactile::TactileMap &ma
 } // namespace
 
 void
-Judge::frame(const Film &film, Time time, const std::vector<tactile::Ball> &balls,
+Judge::frame(const LabeledFilm &film, Time time, const std::vector<tactile::Ball> &balls,
              const tactile::TactileMap &map)
 {
   film_ = &film;
@@ -92,7 +92,7 @@ Judge::frame(const Film &film, Time time, const std::vector<tactile::Ball> &ball
 }
 
 void
-Judge::follow_onset(const Film &film, Time time, bool touched, bool strongest, bool active)
+Judge::follow_onset(const LabeledFilm &film, Time time, bool touched, bool strongest, bool active)
 {
   if (!onset_)
     return;
@@ -114,7 +114,7 @@ Judge::follow_onset(const Film &film, Time time, bool touched, bool strongest, b
 }
 
 void
-Judge::finish_onset(const Film &film)
+Judge::finish_onset(const LabeledFilm &film)
 {
   if (!onset_)
     return;

@@ -54,7 +54,7 @@ public:
   {
   }
 
-  void frame(const Film &film, Time time, const std::vector<tactile::Ball> &balls,
+  void frame(const LabeledFilm &film, Time time, const std::vector<tactile::Ball> &balls,
              const tactile::TactileMap &map);
 
   /// After the last frame.
@@ -72,14 +72,14 @@ private:
     double active = 0;
   };
 
-  void follow_onset(const Film &film, Time time, bool touched, bool strongest, bool active);
-  void finish_onset(const Film &film);
+  void follow_onset(const LabeledFilm &film, Time time, bool touched, bool strongest, bool active);
+  void finish_onset(const LabeledFilm &film);
 
   Scores &scores_;
   cv::Size size_;
   std::map<int, Time> onsets_; ///< of the balls in the last frame
   std::optional<Onset> onset_;
-  const Film *film_ = nullptr;
+  const LabeledFilm *film_ = nullptr;
   std::optional<Time> last_event_;
   std::optional<Time> last_pair_; ///< common onset of two balls
   bool first_ = true;

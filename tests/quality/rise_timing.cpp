@@ -4,9 +4,9 @@
 // simulated motor per tactor with the commands as they were issued, and prints how far from its
 // frame rising commands reached 90 % of their level: a row a trace, as Markdown.
 // Usage: rise_timing commands.csv ...
-#include "tools/film/or_throw.h"
 #include "tactor/command_trace.h"
 #include "tactor/motor_model.h"
+#include "tools/film/or_throw.h"
 
 #include <algorithm>
 #include <cmath>

@@ -100,7 +100,7 @@ GST_START_TEST(test_hours_on_the_clock)
   constexpr int kFramesPerBlock = 5;
   const auto frames = static_cast<guint64>(hours * 3600 * 25);
   const guint64 piece = std::max<guint64>(frames / kLooks / kFramesPerBlock, 1) * kFramesPerBlock;
-  Rig rig;
+  SinkRig rig;
   g_object_set(rig.element, "trace-location", nullptr, nullptr);
   rig.start();
   Record record("tactorsink on a test clock");

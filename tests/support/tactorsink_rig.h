@@ -56,10 +56,10 @@ make_tactorsink()
 
 /// A tactorsink with a test clock, a bus and a trace. A streaming thread of its own pushes the
 /// data.
-class Rig
+class SinkRig
 {
 public:
-  explicit Rig(const char *caps = "application/x-tactile-map,rows=1,columns=1,framerate=25/1")
+  explicit SinkRig(const char *caps = "application/x-tactile-map,rows=1,columns=1,framerate=25/1")
       : element(make_tactorsink()), messages(element), caps_string(caps)
   {
     // Limits have their own tests.
@@ -72,7 +72,7 @@ public:
     sink_pad = gst_element_get_static_pad(element, "sink");
   }
 
-  ~Rig()
+  ~SinkRig()
   {
     finish();
     gst_object_unref(sink_pad);

@@ -24,9 +24,9 @@ using tactor::FirmataDriver;
 namespace {
 
 /// A Mega, and a driver that is patient where it must not give up and asks again at once.
-struct Rig
+struct UsbRig
 {
-  explicit Rig(Transport transport, tactor::Time answer = 1h)
+  explicit UsbRig(Transport transport, tactor::Time answer = 1h)
       : board(usb, { .transport = transport }, firmware),
         driver(FirmataDriver::Firmware::any,
                [] { return std::make_unique<tactor::UsbSerialBus>(); },
@@ -63,7 +63,7 @@ GST_START_TEST(test_garbled_replies)
 {
   for (const Transport transport : kTransports)
     for (unsigned seed = 0; seed < 12; seed++) {
-      Rig rig(transport);
+      UsbRig rig(transport);
       std::mt19937 random(seed);
       unsigned bad = 1 + seed % 5;
       unsigned said = 0;
@@ -101,7 +101,7 @@ GST_END_TEST;
 GST_START_TEST(test_replies_in_short_packets)
 {
   for (const Transport transport : kTransports) {
-    Rig rig(transport);
+    UsbRig rig(transport);
     rig.board.fill_packets(1);
     unwrap(rig.driver.open({}));
     fail_unless(rig.driver.status().pins == kPins);
@@ -115,7 +115,7 @@ GST_START_TEST(test_replies_always_cut_short)
 {
   for (const Transport transport : kTransports)
     for (const bool knows_firmware : { false, true }) {
-      Rig rig(transport, 100ms);
+      UsbRig rig(transport, 100ms);
       rig.board.garble([&](Bytes &reply) {
         constexpr std::uint8_t kCapabilities = 0x6c;
         if (!knows_firmware || (reply.size() > 1 && reply[1] == kCapabilities))
@@ -136,7 +136,7 @@ GST_END_TEST;
 GST_START_TEST(test_noise_while_playing)
 {
   for (const Transport transport : kTransports) {
-    Rig rig(transport);
+    UsbRig rig(transport);
     unwrap(rig.driver.open({}));
     std::mt19937 random(9);
     for (int i = 0; i < 200; i++) {

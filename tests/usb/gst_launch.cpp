@@ -4,9 +4,10 @@
 // from outside.
 #include "launch.h"
 
+#include "map_stream.h"
 #include "support/boards/emulated_board.h"
-#include "film.h"
 
+#include <algorithm>
 #include <array>
 #include <memory>
 
@@ -134,7 +135,7 @@ GST_START_TEST(test_killed)
   });
 
   const std::size_t before = chair.board.bytes().size();
-  Film film(1);
+  MapStream film(1);
   film.play();
   fail_unless(chair.board.wait_until([&] { return !chair.firmware->any_motor_on(); }));
   fail_unless(film.wait_for(GST_MESSAGE_EOS));

@@ -20,10 +20,10 @@ namespace usb_test {
 
 /// A stream of tactile maps, played in real time by `tactorsink driver=firmata`: 3 × 3, another
 /// random one each 200 ms.
-class Film
+class MapStream
 {
 public:
-  explicit Film(int blocks, const std::string &properties = "")
+  explicit MapStream(int blocks, const std::string &properties = "")
       : trace_path_("/tmp/film-" + std::to_string(getpid()) + ".csv")
   {
     GError *error = nullptr;
@@ -55,15 +55,15 @@ public:
     g_signal_emit_by_name(maps, "end-of-stream", &flow);
     gst_object_unref(maps);
   }
-  ~Film()
+  ~MapStream()
   {
     stop();
     gst_object_unref(bus_);
     gst_object_unref(pipeline_);
     unlink(trace_path_.c_str());
   }
-  Film(const Film &) = delete;
-  Film &operator=(const Film &) = delete;
+  MapStream(const MapStream &) = delete;
+  MapStream &operator=(const MapStream &) = delete;
 
   void play()
   {

@@ -2,7 +2,7 @@
 //
 // From tactile maps to the pins of an emulated Mega: tactorsink, driver, USB and firmware in real
 // time.
-#include "film.h"
+#include "map_stream.h"
 
 #include <algorithm>
 #include <map>
@@ -72,7 +72,7 @@ GST_START_TEST(test_pins_get_what_was_planned)
     bool all = false;
     for (int play = 0; play < 5 && !all; play++) {
       Mega mega(transport);
-      Film film(8);
+      MapStream film(8);
       film.play();
       fail_unless(film.wait_for(GST_MESSAGE_EOS));
       film.stop();
@@ -92,7 +92,7 @@ GST_END_TEST;
 GST_START_TEST(test_stopped_while_motors_are_on)
 {
   Mega mega;
-  Film film(20);
+  MapStream film(20);
   film.play();
   fail_unless(mega.wait_for_motors(true));
   film.stop();
@@ -107,7 +107,7 @@ GST_START_TEST(test_unplugged_and_plugged_in_again)
 {
   for (const bool udev : { true, false }) {
     Mega mega;
-    Film film(40);
+    MapStream film(40);
     film.play();
     fail_unless(mega.wait_for_motors(true));
     if (!udev)
@@ -132,7 +132,7 @@ GST_END_TEST;
 GST_START_TEST(test_unplugged_for_good)
 {
   Mega mega;
-  Film film(10);
+  MapStream film(10);
   film.play();
   fail_unless(mega.wait_for_motors(true));
   mega.board.unplug();
@@ -145,7 +145,7 @@ GST_END_TEST;
 GST_START_TEST(test_stalled)
 {
   Mega mega;
-  Film film(40);
+  MapStream film(40);
   film.play();
   fail_unless(mega.wait_for_motors(true));
   mega.board.stall(true);
@@ -163,7 +163,7 @@ GST_START_TEST(test_boards_that_cannot_be_used)
   {
     Mega mega;
     mega.board.use_by_another(true);
-    Film film(1);
+    MapStream film(1);
     film.play();
     fail_if(film.wait_for(GST_MESSAGE_EOS));
     fail_unless(film.errors.at(0).find("another program") != std::string::npos);
@@ -171,7 +171,7 @@ GST_START_TEST(test_boards_that_cannot_be_used)
   {
     EmulatedUsb usb;
     EmulatedBoard silent(usb, {});
-    Film film(1);
+    MapStream film(1);
     film.play();
     fail_if(film.wait_for(GST_MESSAGE_EOS));
   }
@@ -183,7 +183,7 @@ GST_START_TEST(test_stopped_while_the_board_is_silent)
 {
   EmulatedUsb usb;
   EmulatedBoard silent(usb, {});
-  Film film(1);
+  MapStream film(1);
   film.play();
   fail_unless(silent.wait_for_bytes(1)); // it was asked
   fail_unless(film.is_quiet());          // and play() did not wait for an answer
@@ -197,7 +197,7 @@ GST_START_TEST(test_refused_with_an_open_board)
 {
   for (const Transport transport : kTransports) {
     Mega mega(transport);
-    Film film(1, "trace-location=/nowhere/trace.csv");
+    MapStream film(1, "trace-location=/nowhere/trace.csv");
     film.play();
     fail_if(film.wait_for(GST_MESSAGE_EOS));
     fail_unless(film.errors.at(0).find("/nowhere/trace.csv") != std::string::npos);

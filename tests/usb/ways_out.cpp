@@ -6,10 +6,11 @@
 //
 // Times are those at which bytes have come over the emulated wire, or at which the firmware's
 // watchdog ends what nobody keeps alive.
-#include "support/boards/emulated_board.h"
-#include "film.h"
 #include "launch.h"
+#include "map_stream.h"
+#include "support/boards/emulated_board.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>

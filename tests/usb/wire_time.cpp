@@ -4,8 +4,8 @@
 // command's last byte on the wire, and how long after each end of the play do the motors stand?
 //
 // Usage: umockdev-wrapper wire_time [seconds of film, default 10] [ends of each kind, default 10]
-#include "film.h"
 #include "launch.h"
+#include "map_stream.h"
 
 #include <algorithm>
 #include <csignal>
@@ -50,7 +50,7 @@ struct Chair
 std::vector<double>
 lateness(Chair &chair, int seconds)
 {
-  Film film(seconds * 5);
+  MapStream film(seconds * 5);
   film.play();
   film.wait_for(GST_MESSAGE_EOS);
   const Clock::time_point start = film.start();
@@ -77,8 +77,8 @@ time_to_zero(const std::function<void(Chair &, Play &)> &end, bool seat = false)
 {
   Chair chair(Transport::cdc_acm, seat);
   Clock::time_point begin;
-  if constexpr (std::is_same_v<Play, Film>) {
-    Film film(100);
+  if constexpr (std::is_same_v<Play, MapStream>) {
+    MapStream film(100);
     film.play();
     chair.wait_for_motors(true);
     begin = Clock::now();
@@ -100,7 +100,7 @@ time_to_zero_at_end()
 {
   constexpr int kBlocks = 5; // of 200 ms; the last one leaves motors on
   Chair chair;
-  Film film(kBlocks);
+  MapStream film(kBlocks);
   film.play();
   film.wait_for(GST_MESSAGE_EOS);
   chair.wait_for_motors(false); // the message may come while the line still carries the zeros
@@ -134,15 +134,15 @@ main(int argc, char **argv)
     { "end of stream", time_to_zero_at_end },
     { "pause",
       [] {
-        return time_to_zero<Film>([](Chair &, Film &film) { film.pause(); });
+        return time_to_zero<MapStream>([](Chair &, MapStream &film) { film.pause(); });
       } },
     { "flush (seek)",
       [] {
-        return time_to_zero<Film>([](Chair &, Film &film) { film.flush(); });
+        return time_to_zero<MapStream>([](Chair &, MapStream &film) { film.flush(); });
       } },
     { "stop",
       [] {
-        return time_to_zero<Film>([](Chair &, Film &film) { film.stop(); });
+        return time_to_zero<MapStream>([](Chair &, MapStream &film) { film.stop(); });
       } },
     { "Ctrl-C in gst-launch-1.0",
       [] {
@@ -154,7 +154,8 @@ main(int argc, char **argv)
       } },
     { "unplugged, watchdog",
       [] {
-        return time_to_zero<Film>([](Chair &chair, Film &) { chair.board.unplug(); }, true);
+        return time_to_zero<MapStream>([](Chair &chair, MapStream &) { chair.board.unplug(); },
+                                       true);
       } },
   };
   std::printf("end of play to motors at zero    times   p50 ms            max ms\n");

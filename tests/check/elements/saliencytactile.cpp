@@ -21,13 +21,13 @@ constexpr const char *kSmall = "video/x-raw,format=I420,width=64,height=48,frame
 GST_START_TEST(test_formats)
 {
   const char *format = kFormats[__i__];
-  const std::vector<gfloat> reference = Analysis().play(Film("RGB", 2, 0));
+  const std::vector<gfloat> reference = Analysis().play(SquareFilm("RGB", 2, 0));
   ck_assert_uint_eq(reference.size(), 9);
   ck_assert_uint_eq(strongest(reference), 6);
   fail_unless(reference[6] > 0.2f);
 
   Analysis analysis("saliencytactile floor=0"); // in gray the square is faint
-  const std::vector<gfloat> levels = analysis.play(Film(format, 2, 0));
+  const std::vector<gfloat> levels = analysis.play(SquareFilm(format, 2, 0));
   ck_assert_uint_eq(levels.size(), 9);
   ck_assert_uint_eq(strongest(levels), 6);
   // Gray loses the color, and chroma subsampling a little of it.
@@ -79,7 +79,7 @@ GST_START_TEST(test_cells)
       for (int column = 0; column < 3; column++) {
         Analysis analysis;
         analysis.set("profile", profile);
-        const std::vector<gfloat> levels = analysis.play(Film("I420", row, column));
+        const std::vector<gfloat> levels = analysis.play(SquareFilm("I420", row, column));
         fail_unless(strongest(levels) == static_cast<std::size_t>(3 * row + column),
                     "%s: row %d, column %d", profile, row, column);
       }
@@ -174,7 +174,7 @@ GST_END_TEST;
 /// middle of its crop.
 GST_START_TEST(test_crop_meta)
 {
-  Film film("I420", 2, 0);
+  SquareFilm film("I420", 2, 0);
   for (GstBuffer *&frame : film.frames) {
     frame = gst_buffer_make_writable(frame);
     GstVideoCropMeta *crop = gst_buffer_add_video_crop_meta(frame);
@@ -196,7 +196,7 @@ GST_END_TEST;
 
 GST_START_TEST(test_interlaced)
 {
-  Film film("I420", 1, 2);
+  SquareFilm film("I420", 1, 2);
   film.caps = gst_caps_make_writable(film.caps);
   gst_caps_set_simple(film.caps, "interlace-mode", G_TYPE_STRING, "interleaved", nullptr);
   ck_assert_uint_eq(strongest(Analysis().play(film)), 5);

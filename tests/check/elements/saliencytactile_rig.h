@@ -42,10 +42,10 @@ rgb_frame(const GstVideoInfo &info, int x, int y)
 
 /// The tests' film in any format, by videoconvert: 12 still frames, then a square appears in the
 /// cell (row, column) of 3 × 3.
-class Film
+class SquareFilm
 {
 public:
-  Film(const char *format, int row, int column)
+  SquareFilm(const char *format, int row, int column)
   {
     GstVideoInfo info;
     gst_video_info_set_format(&info, GST_VIDEO_FORMAT_RGB, kWidth, kHeight);
@@ -66,14 +66,14 @@ public:
     caps = gst_pad_get_current_caps(GST_PAD_PEER(h->sinkpad));
     gst_harness_teardown(h);
   }
-  ~Film()
+  ~SquareFilm()
   {
     for (GstBuffer *frame : frames)
       gst_buffer_unref(frame);
     gst_caps_unref(caps);
   }
-  Film(const Film &) = delete;
-  Film &operator=(const Film &) = delete;
+  SquareFilm(const SquareFilm &) = delete;
+  SquareFilm &operator=(const SquareFilm &) = delete;
 
   std::vector<GstBuffer *> frames;
   GstCaps *caps;
@@ -149,7 +149,7 @@ public:
     return levels_of(out);
   }
   /// The levels of a film's last frame.
-  std::vector<gfloat> play(const Film &film)
+  std::vector<gfloat> play(const SquareFilm &film)
   {
     set_caps(film.caps);
     std::vector<gfloat> levels;

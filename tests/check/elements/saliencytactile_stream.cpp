@@ -8,7 +8,7 @@ constexpr const char *kTiny = "video/x-raw,format=GRAY8,width=16,height=16,frame
 /// Properties apply from the next frame on, including the grid.
 GST_START_TEST(test_properties_while_playing)
 {
-  const Film film("I420", 0, 0);
+  const SquareFilm film("I420", 0, 0);
   Analysis analysis;
   analysis.set_caps(film.caps);
   guint i = 0;
@@ -33,7 +33,7 @@ GST_END_TEST;
 /// kept.
 GST_START_TEST(test_threads)
 {
-  const Film film("NV12", 1, 2);
+  const SquareFilm film("NV12", 1, 2);
   const std::vector<gfloat> expected = Analysis("saliencytactile n-threads=1").play(film);
   ck_assert_uint_eq(strongest(expected), 5);
 
@@ -54,7 +54,7 @@ GST_END_TEST;
 /// A map whose maximum is below the floor is silent.
 GST_START_TEST(test_floor_silences)
 {
-  for (const gfloat level : Analysis("saliencytactile floor=500").play(Film("I420", 1, 1)))
+  for (const gfloat level : Analysis("saliencytactile floor=500").play(SquareFilm("I420", 1, 1)))
     fail_unless(level == 0);
 }
 GST_END_TEST;
@@ -63,7 +63,7 @@ GST_END_TEST;
 /// that is there at once is no event.
 GST_START_TEST(test_no_burst_after_resets)
 {
-  const Film film("I420", 1, 1);
+  const SquareFilm film("I420", 1, 1);
   GstBuffer *const empty = film.frames.front();
   GstBuffer *const square = film.frames.back();
   Analysis analysis;
@@ -98,7 +98,7 @@ GST_END_TEST;
 /// Played backwards, a square that appears is an event as well.
 GST_START_TEST(test_reverse)
 {
-  const Film film("I420", 0, 2);
+  const SquareFilm film("I420", 0, 2);
   Analysis analysis;
   analysis.set_caps(film.caps);
   GstSegment segment;
@@ -123,7 +123,7 @@ GST_END_TEST;
 GST_START_TEST(test_max_rate)
 {
   Analysis analysis("saliencytactile max-rate=10");
-  analysis.play(Film("I420", 0, 0));
+  analysis.play(SquareFilm("I420", 0, 0));
   ck_assert_uint_eq(stat_of(analysis.element, "frames"), 16);
   ck_assert_uint_eq(stat_of(analysis.element, "analyzed"), 6); // frames 0, 3, 6, 9, 12, 15
 }

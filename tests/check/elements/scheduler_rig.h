@@ -245,10 +245,10 @@ command(int effect_ms, int tactor, double volts, int lead_ms = 0)
 }
 
 /// A scheduler in play. Its clock starts at 5 s, which is running time 0.
-class Rig
+class SchedulerRig
 {
 public:
-  explicit Rig(bool play = true)
+  explicit SchedulerRig(bool play = true)
   {
     clock = GST_TEST_CLOCK(gst_test_clock_new_with_start_time(GST_SECOND * 5));
     host.set(GST_CLOCK(clock), offset);
@@ -257,7 +257,7 @@ public:
     if (play)
       scheduler->play();
   }
-  ~Rig()
+  ~SchedulerRig()
   {
     scheduler.reset();
     fail_unless(board.misuse.empty(), "%s", board.misuse.c_str());

@@ -61,11 +61,11 @@ bytes_of(GstBuffer *buffer)
 }
 
 /// A pipeline "tactiletestsrc PROPERTIES ! CAPS" and its frames by timestamp.
-class Film
+class TestSource
 {
 public:
-  explicit Film(const std::string &properties,
-                const std::string &caps = "video/x-raw,format=GRAY8,width=160,height=120")
+  explicit TestSource(const std::string &properties,
+                      const std::string &caps = "video/x-raw,format=GRAY8,width=160,height=120")
   {
     const std::string text = "tactiletestsrc name=source " + properties + " ! " + caps
                              + " ! fakesink name=sink signal-handoffs=true sync=false";
@@ -75,14 +75,14 @@ public:
     gst_object_unref(sink);
   }
 
-  ~Film()
+  ~TestSource()
   {
     gst_element_set_state(pipeline, GST_STATE_NULL);
     gst_object_unref(pipeline);
   }
 
-  Film(const Film &) = delete;
-  Film &operator=(const Film &) = delete;
+  TestSource(const TestSource &) = delete;
+  TestSource &operator=(const TestSource &) = delete;
 
   void play_to_the_end()
   {
@@ -101,7 +101,7 @@ private:
   {
     (void)sink;
     (void)pad;
-    auto *self = static_cast<Film *>(user);
+    auto *self = static_cast<TestSource *>(user);
     self->order.push_back(GST_BUFFER_PTS(buffer));
     self->frames[GST_BUFFER_PTS(buffer)]
         = { GST_BUFFER_DURATION(buffer), bytes_of(buffer), targets(buffer) };
@@ -114,7 +114,7 @@ std::map<GstClockTime, Frame>
 play(const std::string &properties,
      const std::string &caps = "video/x-raw,format=GRAY8,width=160,height=120")
 {
-  Film film(properties, caps);
+  TestSource film(properties, caps);
   film.play_to_the_end();
   return film.frames;
 }
@@ -279,7 +279,8 @@ GST_START_TEST(test_motion_at_any_frame_rate)
   fail_unless_equals_uint64(variable.rbegin()->first, 4 * GST_SECOND / 30);
 
   // Times do not accumulate errors.
-  Film ntsc("num-buffers=1001", "video/x-raw,format=GRAY8,width=1,height=1,framerate=30000/1001");
+  TestSource ntsc("num-buffers=1001",
+                  "video/x-raw,format=GRAY8,width=1,height=1,framerate=30000/1001");
   ntsc.play_to_the_end();
   for (std::size_t i = 0; i < ntsc.order.size(); i++)
     fail_unless_equals_uint64(ntsc.order[i], gst_util_uint64_scale(i, 1001 * GST_SECOND, 30000));
@@ -287,7 +288,7 @@ GST_START_TEST(test_motion_at_any_frame_rate)
 GST_END_TEST;
 
 static void
-seek(Film &film, gdouble rate, GstClockTime start, GstClockTime stop)
+seek(TestSource &film, gdouble rate, GstClockTime start, GstClockTime stop)
 {
   change_state(film.pipeline, GST_STATE_PAUSED);
   film.order.clear();
@@ -300,7 +301,7 @@ GST_START_TEST(test_seek_equals_direct_play)
 {
   const std::string properties = "pattern=dynamic-motion seed=9 noise=1";
   const auto direct = play(properties + " num-buffers=150");
-  Film film(properties);
+  TestSource film(properties);
   seek(film, 1.0, 3 * GST_SECOND, 4 * GST_SECOND);
   fail_unless_equals_int(film.order.size(), 30);
   fail_unless_equals_uint64(film.order.front(), 3 * GST_SECOND);
@@ -308,12 +309,12 @@ GST_START_TEST(test_seek_equals_direct_play)
     fail_unless(direct.at(time) == frame);
 
   // Between two frames: the one that is shown at that time.
-  Film between(properties);
+  TestSource between(properties);
   seek(between, 1.0, 3 * GST_SECOND + 10 * GST_MSECOND, 4 * GST_SECOND);
   fail_unless_equals_uint64(between.order.front(), 3 * GST_SECOND);
 
   // At twice the rate.
-  Film fast(properties);
+  TestSource fast(properties);
   seek(fast, 2.0, 2 * GST_SECOND, 3 * GST_SECOND);
   fail_unless_equals_int(fast.order.size(), 30);
 }
@@ -323,7 +324,7 @@ GST_START_TEST(test_backwards)
 {
   const std::string properties = "pattern=dynamic-motion seed=9";
   const auto direct = play(properties + " num-buffers=150");
-  Film film(properties);
+  TestSource film(properties);
   seek(film, -1.0, 3 * GST_SECOND, 4 * GST_SECOND);
   fail_unless_equals_int(film.order.size(), 30);
   fail_unless_equals_uint64(film.order.back(), 3 * GST_SECOND);
@@ -333,7 +334,7 @@ GST_START_TEST(test_backwards)
     fail_unless(direct.at(time) == frame);
 
   // Back to the beginning, and no further.
-  Film whole(properties);
+  TestSource whole(properties);
   seek(whole, -1.0, 0, GST_SECOND / 2);
   fail_unless_equals_int(whole.order.size(), 15);
   fail_unless_equals_uint64(whole.order.back(), 0);
@@ -342,13 +343,13 @@ GST_END_TEST;
 
 GST_START_TEST(test_duration)
 {
-  Film film("num-buffers=75", "video/x-raw,format=GRAY8,width=8,height=8,framerate=25/1");
+  TestSource film("num-buffers=75", "video/x-raw,format=GRAY8,width=8,height=8,framerate=25/1");
   change_state(film.pipeline, GST_STATE_PAUSED);
   gint64 duration = 0;
   fail_unless(gst_element_query_duration(film.pipeline, GST_FORMAT_TIME, &duration));
   fail_unless_equals_int64(duration, 3 * GST_SECOND);
 
-  Film endless("");
+  TestSource endless("");
   change_state(endless.pipeline, GST_STATE_PAUSED);
   fail_if(gst_element_query_duration(endless.pipeline, GST_FORMAT_TIME, &duration)
           && duration >= 0);
@@ -458,7 +459,7 @@ GST_END_TEST;
 GST_START_TEST(test_renegotiation)
 {
   // A change of the frame rate does not move the film's time.
-  Film film(
+  TestSource film(
       "num-buffers=20",
       "capsfilter name=filter caps=video/x-raw,format=GRAY8,width=16,height=16,framerate=10/1");
   GstElement *filter = gst_bin_get_by_name(GST_BIN(film.pipeline), "filter");
@@ -487,8 +488,8 @@ GST_END_TEST;
 
 GST_START_TEST(test_properties_while_playing)
 {
-  Film film("balls=1 num-buffers=20",
-            "video/x-raw,format=GRAY8,width=200,height=200,framerate=1/2");
+  TestSource film("balls=1 num-buffers=20",
+                  "video/x-raw,format=GRAY8,width=200,height=200,framerate=1/2");
   GstElement *source = gst_bin_get_by_name(GST_BIN(film.pipeline), "source");
   film.after_frame = [&](std::size_t frames) {
     if (frames == 5) {

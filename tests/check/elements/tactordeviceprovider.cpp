@@ -127,14 +127,14 @@ private:
 };
 
 /// A provider with its own sockets.
-struct Rig
+struct ProviderRig
 {
-  Rig()
+  ProviderRig()
       : provider(gst_tactor_device_provider_new([this] { return std::make_unique<Bus>(sockets); }))
   {
     bus = gst_device_provider_get_bus(provider);
   }
-  ~Rig()
+  ~ProviderRig()
   {
     gst_object_unref(bus);
     ck_assert_int_eq(GST_OBJECT_REFCOUNT_VALUE(provider), 1);
@@ -143,8 +143,8 @@ struct Rig
     fail_if(sockets.used_by_two);
     fail_if(sockets.is_watched());
   }
-  Rig(const Rig &) = delete;
-  Rig &operator=(const Rig &) = delete;
+  ProviderRig(const ProviderRig &) = delete;
+  ProviderRig &operator=(const ProviderRig &) = delete;
 
   /// The device of the next message of this type.
   GstDevice *next(GstMessageType type)
@@ -220,7 +220,7 @@ sink_device(GstDevice *device)
 
 GST_START_TEST(test_probe)
 {
-  Rig rig;
+  ProviderRig rig;
   fail_unless(gst_device_provider_get_devices(rig.provider) == nullptr);
   rig.sockets.plug({ kMega, kClone });
   GList *devices = gst_device_provider_get_devices(rig.provider);
@@ -255,7 +255,7 @@ GST_END_TEST;
 /// share it.
 GST_START_TEST(test_create_element)
 {
-  Rig rig;
+  ProviderRig rig;
   SerialDevice twin = kMega;
   twin.bus_path = "3-1";
   SerialDevice other = kMega;
@@ -279,7 +279,7 @@ GST_END_TEST;
 /// Boards present at the start are listed at once. Later changes give messages.
 GST_START_TEST(test_plugging)
 {
-  Rig rig;
+  ProviderRig rig;
   rig.sockets.plug({ kMega });
   fail_unless(gst_device_provider_can_monitor(rig.provider));
   fail_unless(gst_device_provider_start(rig.provider));
@@ -323,7 +323,7 @@ GST_END_TEST;
 /// While two boards have the same serial number, both are named by their sockets.
 GST_START_TEST(test_twin_comes_later)
 {
-  Rig rig;
+  ProviderRig rig;
   SerialDevice twin = kMega;
   twin.bus_path = "3-1";
   rig.sockets.plug({ kMega });
@@ -358,7 +358,7 @@ GST_END_TEST;
 /// Can be stopped and started again. The last reference stops it, too.
 GST_START_TEST(test_stop_and_start)
 {
-  Rig rig;
+  ProviderRig rig;
   for (int i = 0; i < 3; i++) {
     rig.sockets.plug({ kMega });
     fail_unless(gst_device_provider_start(rig.provider));
@@ -376,7 +376,7 @@ GST_END_TEST;
 
 GST_START_TEST(test_broken_bus)
 {
-  Rig rig;
+  ProviderRig rig;
   rig.sockets.plug({ kMega });
   rig.sockets.broken = true;
   fail_unless(gst_device_provider_get_devices(rig.provider) == nullptr);
@@ -401,7 +401,7 @@ GST_END_TEST;
 /// A thread plugs boards in and out while another one lists them and then stops the provider.
 GST_START_TEST(test_many_changes)
 {
-  Rig rig;
+  ProviderRig rig;
   SerialDevice last = kMega;
   last.bus_path = "9-9";
   fail_unless(gst_device_provider_start(rig.provider));

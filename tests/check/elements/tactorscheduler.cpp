@@ -41,7 +41,7 @@ padded(std::vector<Write> writes)
 
 /// Runs work() during a write of nonzero volts, which ends only afterwards, and waits for both.
 void
-during_a_write(Rig &rig, const std::function<void()> &work)
+during_a_write(SchedulerRig &rig, const std::function<void()> &work)
 {
   rig.push({ command(100, 1, 2.0) });
   rig.run_to(50);
@@ -60,7 +60,7 @@ during_a_write(Rig &rig, const std::function<void()> &work)
 GST_START_TEST(test_issued_exactly_when_due)
 {
   for (unsigned seed = 1; seed <= 20; seed++) {
-    Rig rig;
+    SchedulerRig rig;
     std::mt19937 random(seed);
     const auto below = [&](int n) {
       return static_cast<int>(random() % static_cast<unsigned>(n));
@@ -100,7 +100,7 @@ GST_END_TEST;
 
 GST_START_TEST(test_an_earlier_command_cuts_the_sleep_short)
 {
-  Rig rig;
+  SchedulerRig rig;
   rig.push({ command(500, 0, 1.0) }, milliseconds(700));
   fail_unless(rig.asleep() == milliseconds(500));
   rig.push({ command(400, 0, 2.0, 150) }, milliseconds(800));
@@ -116,7 +116,7 @@ GST_END_TEST;
 
 GST_START_TEST(test_stale_commands_coalesce)
 {
-  Rig rig;
+  SchedulerRig rig;
   rig.push({ command(100, 0, 1.0), command(150, 1, 1.5, 20), command(200, 0, 2.0),
              command(900, 0, 3.0) });
   rig.jump_to(milliseconds(205));
@@ -135,7 +135,7 @@ GST_END_TEST;
 /// Like a pipeline that pauses: clock time continues, running time does not.
 GST_START_TEST(test_pause_and_resume)
 {
-  Rig rig;
+  SchedulerRig rig;
   rig.push({ command(100, 0, 2.0), command(120, 2, 1.0), command(400, 0, 3.0) });
   rig.run_to(150);
   rig.scheduler->pause();
@@ -162,7 +162,7 @@ GST_END_TEST;
 
 GST_START_TEST(test_nothing_is_written_before_play)
 {
-  Rig rig(false);
+  SchedulerRig rig(false);
   rig.push({ command(0, 0, 2.0), command(50, 0, 1.0) });
   gst_test_clock_advance_time(rig.clock, 60 * GST_MSECOND);
   rig.scheduler->pause();
@@ -175,7 +175,7 @@ GST_END_TEST;
 
 GST_START_TEST(test_flush_forgets)
 {
-  Rig rig;
+  SchedulerRig rig;
   rig.push({ command(100, 0, 2.0), command(400, 0, 3.0), command(500, 1, 3.0) });
   rig.run_to(150);
   rig.scheduler->flush();
@@ -194,7 +194,7 @@ GST_END_TEST;
 
 GST_START_TEST(test_stop)
 {
-  Rig rig;
+  SchedulerRig rig;
   rig.push({ command(100, 3, 2.0), command(400, 0, 3.0) });
   rig.run_to(150);
   rig.scheduler->stop();
@@ -216,7 +216,7 @@ GST_START_TEST(test_stop)
   rig.push({ command(200, 0, 1.0) });
   rig.run_to(250);
   fail_unless(rig.writes().back() == (Write{ milliseconds(200), { 1.0 } }));
-  // ~Rig destroys the scheduler while it plays and checks that motors are off.
+  // ~SchedulerRig destroys the scheduler while it plays and checks that motors are off.
 }
 GST_END_TEST;
 
@@ -230,7 +230,7 @@ GST_START_TEST(test_silence_during_a_write)
     [](TactorScheduler &s) { s.set_muted(true); },
   };
   for (const auto &way : ways) {
-    Rig rig;
+    SchedulerRig rig;
     during_a_write(rig, [&] {
       way(*rig.scheduler);
       fail_unless(rig.board.is_silent());
@@ -248,7 +248,7 @@ GST_END_TEST;
 GST_START_TEST(test_silence_comes_before_the_return)
 {
   for (int round = 0; round < 10; round++) {
-    Rig rig;
+    SchedulerRig rig;
     rig.push({ command(100, 1, 2.0) });
     rig.scheduler->set_muted(true);
     rig.run_to(150);
@@ -277,7 +277,7 @@ GST_END_TEST;
 
 GST_START_TEST(test_mute_follows_silently)
 {
-  Rig rig;
+  SchedulerRig rig;
   rig.push({ command(100, 0, 2.0), command(200, 1, 1.0), command(300, 0, 0.5) });
   rig.run_to(150);
   rig.scheduler->set_muted(true);
@@ -297,7 +297,7 @@ GST_END_TEST;
 
 GST_START_TEST(test_starved)
 {
-  Rig rig;
+  SchedulerRig rig;
   rig.push({ command(100, 0, 2.0), command(100, 2, 1.0), command(110, 2, 0.0) }, milliseconds(500));
   rig.run_to(200);
   rig.push({}, milliseconds(700)); // a map without changes
@@ -331,7 +331,7 @@ GST_END_TEST;
 /// starts for frames shown long ago.
 GST_START_TEST(test_stale_commands_are_dropped)
 {
-  Rig rig;
+  SchedulerRig rig;
   rig.push({ command(100, 0, 2.0) }, milliseconds(1200));
   rig.run_to(200);
   rig.push({ command(2000, 1, 1.0), command(4000, 2, 1.0) }, milliseconds(5000));
@@ -366,7 +366,7 @@ GST_END_TEST;
 /// GstBaseSink's are that short when it need not wait for a lock.
 GST_START_TEST(test_interruptions_in_passing)
 {
-  Rig rig;
+  SchedulerRig rig;
   rig.push({ command(100, 0, 2.0) });
   const auto interrupt = [&] {
     rig.scheduler->interrupt(true);
@@ -456,7 +456,7 @@ GST_END_TEST;
 
 GST_START_TEST(test_offset_and_clock_change)
 {
-  Rig rig;
+  SchedulerRig rig;
   rig.push({ command(300, 0, 1.0), command(400, 0, 2.0), command(500, 0, 3.0) });
   rig.run_to(100);
   rig.offset += milliseconds(50);
@@ -485,7 +485,7 @@ GST_END_TEST;
 /// A change between the scheduler's reading of the timing and its sleep is not missed.
 GST_START_TEST(test_change_between_reading_and_sleeping)
 {
-  Rig rig;
+  SchedulerRig rig;
   rig.push({}, std::chrono::seconds(9));
   rig.asleep();
   std::atomic<bool> changed{ false };
@@ -506,7 +506,7 @@ GST_END_TEST;
 GST_START_TEST(test_no_clock_and_immediate)
 {
   for (const bool clock : { false, true }) {
-    Rig rig;
+    SchedulerRig rig;
     rig.push({ command(100, 0, 1.0) });
     rig.asleep();
     if (clock) {

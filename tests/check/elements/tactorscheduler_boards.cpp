@@ -9,7 +9,7 @@
 /// A board that checks that its host is alive gets the same levels again while a motor is on.
 GST_START_TEST(test_refresh)
 {
-  Rig rig(false);
+  SchedulerRig rig(false);
   rig.scheduler->stop();
   rig.board.set(&Board::refresh_interval, Time(milliseconds(100)));
   rig.start();
@@ -56,7 +56,7 @@ GST_END_TEST;
 /// The same without a clock, by the computer's time.
 GST_START_TEST(test_refresh_without_clock)
 {
-  Rig rig(false);
+  SchedulerRig rig(false);
   rig.scheduler->stop();
   rig.board.set(&Board::refresh_interval, Time(milliseconds(1)));
   rig.start();
@@ -73,7 +73,7 @@ GST_END_TEST;
 /// thread counts as late by the thread.
 GST_START_TEST(test_cause_of_lateness)
 {
-  Rig rig;
+  SchedulerRig rig;
   rig.push({ command(9000, 1, 1.0) });
   rig.run_to(100);
   rig.scheduler->push(std::vector{ command(60, 0, 1.0) }, kForever, milliseconds(100));
@@ -94,7 +94,7 @@ GST_END_TEST;
 
 GST_START_TEST(test_board_failed)
 {
-  Rig rig;
+  SchedulerRig rig;
   rig.push(
       { command(100, 0, 1.0), command(200, 0, 2.0), command(300, 0, 3.0), command(9000, 1, 1.0) });
   rig.run_to(150);
@@ -114,7 +114,7 @@ GST_END_TEST;
 /// The host may call back on the scheduler's thread, except for stop().
 GST_START_TEST(test_host_calls_back)
 {
-  Rig rig;
+  SchedulerRig rig;
   rig.host.on_failed = [&] {
     rig.scheduler->set_muted(true);
     rig.scheduler->counters();
@@ -133,7 +133,7 @@ GST_END_TEST;
 /// Start and stop while others push, query and mute.
 GST_START_TEST(test_start_and_stop_while_others_call)
 {
-  Rig rig;
+  SchedulerRig rig;
   std::atomic<bool> done{ false };
   std::thread asker([&] {
     for (bool muted = false; !done; muted = !muted) {
@@ -164,7 +164,7 @@ GST_END_TEST;
 GST_START_TEST(test_many_threads)
 {
   for (unsigned seed = 1; seed <= 25; seed++) {
-    Rig rig(false);
+    SchedulerRig rig(false);
     rig.scheduler->stop();
     rig.board.set(&Board::refresh_interval, Time(milliseconds(seed % 2 * 10)));
     rig.start();

@@ -17,7 +17,7 @@ until(Command one, int ms)
 
 /// Times in ms and volts of tactor 0, for each write.
 std::vector<std::pair<int, double>>
-writes_of_first(Rig &rig)
+writes_of_first(SchedulerRig &rig)
 {
   std::vector<std::pair<int, double>> all;
   for (const Write &write : rig.writes())
@@ -37,7 +37,7 @@ soft(int ms, double volts)
 }
 
 void
-assert_writes(Rig &rig, const std::vector<std::pair<int, double>> &expected)
+assert_writes(SchedulerRig &rig, const std::vector<std::pair<int, double>> &expected)
 {
   const auto writes = writes_of_first(rig);
   ck_assert_uint_eq(writes.size(), expected.size());
@@ -53,7 +53,7 @@ assert_writes(Rig &rig, const std::vector<std::pair<int, double>> &expected)
 /// A command's own end stops the motor, without a map or a command.
 GST_START_TEST(test_command_runs_out)
 {
-  Rig rig;
+  SchedulerRig rig;
   rig.push({ until(command(100, 0, 2.0), 300), until(command(100, 1, 1.0), 400) });
   rig.run_to(100);
   fail_unless(rig.asleep() == milliseconds(300));
@@ -74,7 +74,7 @@ GST_END_TEST;
 /// When no map arrives, motors stop before their commands run out.
 GST_START_TEST(test_starves_before_it_runs_out)
 {
-  Rig rig;
+  SchedulerRig rig;
   rig.push({ until(command(100, 0, 2.0), 900) }, milliseconds(500));
   rig.run_to(100);
   fail_unless(rig.asleep() == milliseconds(500));
@@ -88,7 +88,7 @@ GST_END_TEST;
 /// A pause does not count: the rest of the command's time follows the resume.
 GST_START_TEST(test_pause_and_run_out)
 {
-  Rig rig;
+  SchedulerRig rig;
   rig.push({ until(command(100, 0, 2.0), 300) });
   rig.run_to(200);
   rig.scheduler->pause();
@@ -107,7 +107,7 @@ GST_END_TEST;
 /// Without the clock a command runs out when the film's time gets there, not at once.
 GST_START_TEST(test_runs_out_without_the_clock)
 {
-  Rig rig(false);
+  SchedulerRig rig(false);
   rig.scheduler->set_immediate(true);
   rig.scheduler->play();
   rig.push({ until(command(100, 0, 2.0), 300) });
@@ -124,7 +124,7 @@ GST_END_TEST;
 /// The first vibration after the start is soft, the second is not. Without the clock none is.
 GST_START_TEST(test_soft_start)
 {
-  Rig rig;
+  SchedulerRig rig;
   rig.scheduler->set_ramp_in(milliseconds(100));
   rig.push({ command(100, 0, 3.0), command(400, 0, 0.0), command(500, 0, 3.0) });
   rig.run_to(600);
@@ -134,7 +134,7 @@ GST_START_TEST(test_soft_start)
   assert_writes(rig, expected);
   ck_assert_uint_eq(rig.scheduler->counters().ramps, 1);
 
-  Rig untimed(false);
+  SchedulerRig untimed(false);
   untimed.scheduler->set_ramp_in(milliseconds(100));
   untimed.scheduler->set_immediate(true);
   untimed.scheduler->play();
@@ -148,7 +148,7 @@ GST_END_TEST;
 /// that changes meanwhile is limited, too.
 GST_START_TEST(test_soft_again)
 {
-  Rig rig;
+  SchedulerRig rig;
   rig.scheduler->set_ramp_in(milliseconds(100));
   rig.push({ command(0, 0, 1.0), command(30, 0, 2.0) });
   rig.run_to(200);
@@ -189,7 +189,7 @@ GST_END_TEST;
 /// one on. The flush's zero is the first write of the second ramp.
 GST_START_TEST(test_soft_start_on_a_slow_line)
 {
-  Rig rig(false);
+  SchedulerRig rig(false);
   rig.scheduler->stop();
   rig.board.set(&Board::line, tactor::LineTime({ 1, 1, 1, 1 }, milliseconds(15)));
   rig.start();
@@ -216,7 +216,7 @@ GST_END_TEST;
 /// ends it.
 GST_START_TEST(test_soft_after_faults)
 {
-  Rig rig;
+  SchedulerRig rig;
   rig.scheduler->set_ramp_in(milliseconds(100));
   rig.push({ command(0, 0, 3.0) });
   rig.run_to(30);

@@ -9,7 +9,7 @@
 static void
 check_compensation(const char *compensation, GstClockTime lead)
 {
-  Rig rig;
+  SinkRig rig;
   gst_util_set_object_arg(G_OBJECT(rig.element), "compensation", compensation);
   rig.play([&] {
     for (GstClockTime pts = 0; pts <= 1000 * kMs; pts += kFrame)
@@ -43,7 +43,7 @@ GST_END_TEST;
 /// Blocks at 5 Hz: nothing changes within 200 ms. A block's level is that of the map at its start.
 GST_START_TEST(test_blocks_at_5_hz)
 {
-  Rig rig;
+  SinkRig rig;
   rig.uncompensated();
   rig.play([&] {
     for (int i = 0; i < 20; i++)
@@ -60,7 +60,7 @@ GST_END_TEST;
 
 GST_START_TEST(test_pause_silences_and_resume_reissues)
 {
-  Rig rig;
+  SinkRig rig;
   rig.uncompensated();
   rig.start();
   rig.stream([&] {
@@ -90,7 +90,7 @@ GST_END_TEST;
 /// Without another map the pause still completes. The next map resumes play.
 GST_START_TEST(test_pause_waits_for_no_map)
 {
-  Rig rig;
+  SinkRig rig;
   rig.start();
   g_object_set(rig.element, "async", TRUE, nullptr);
   rig.run_out([&] { rig.push(0, { 1.0f }); });
@@ -108,7 +108,7 @@ GST_END_TEST;
 /// thread, after the pause.
 GST_START_TEST(test_late_preroll_is_no_play)
 {
-  Rig rig;
+  SinkRig rig;
   rig.start();
   rig.run_out([&] { rig.push(0, { 1.0f }); });
   gst_test_clock_set_time(rig.clock, 300 * kMs);
@@ -124,7 +124,7 @@ GST_END_TEST;
 
 GST_START_TEST(test_flush_during_wait)
 {
-  Rig rig;
+  SinkRig rig;
   rig.start();
   rig.stream([&] {
     rig.push(0, { 1.0f });
@@ -155,7 +155,7 @@ GST_END_TEST;
 
 GST_START_TEST(test_gap_is_zero_at_its_time)
 {
-  Rig rig;
+  SinkRig rig;
   rig.uncompensated();
   rig.play([&] {
     rig.push(0, { 1.0f });
@@ -175,7 +175,7 @@ GST_END_TEST;
 /// render-delay.
 GST_START_TEST(test_eos_drains)
 {
-  Rig rig;
+  SinkRig rig;
   rig.play([&] {
     rig.push(0, { 0.0f });
     rig.push(200 * kMs, { 1.0f });
@@ -204,7 +204,7 @@ static void
 check_segment(gdouble rate, GstClockTime start, GstClockTime stop, GstClockTime pts,
               GstClockTime effect)
 {
-  Rig rig;
+  SinkRig rig;
   rig.uncompensated();
   GstSegment segment;
   gst_segment_init(&segment, GST_FORMAT_TIME);
@@ -235,7 +235,7 @@ GST_END_TEST;
 /// A new latency applies to commands that are already waiting.
 GST_START_TEST(test_latency_change_moves_the_wait)
 {
-  Rig rig;
+  SinkRig rig;
   rig.uncompensated();
   rig.start();
   rig.stream([&] {
@@ -257,7 +257,7 @@ GST_END_TEST;
 
 GST_START_TEST(test_mapping_and_volts)
 {
-  Rig rig("application/x-tactile-map,rows=1,columns=4,framerate=25/1");
+  SinkRig rig("application/x-tactile-map,rows=1,columns=4,framerate=25/1");
   g_object_set(rig.element, "compensation", 2, "voltage-max", 2.0, "voltage-min", 0.6, "intensity",
                0.5, nullptr);
   gst_util_set_object_arg(G_OBJECT(rig.element), "mapping", "<3,-1,0,1>");
@@ -277,7 +277,7 @@ GST_END_TEST;
 /// A mapping set while playing applies from the next map on.
 GST_START_TEST(test_mapping_while_playing)
 {
-  Rig rig;
+  SinkRig rig;
   rig.uncompensated();
   rig.play([&] {
     rig.push(0, { 1.0f });
@@ -295,7 +295,7 @@ GST_END_TEST;
 
 GST_START_TEST(test_mute_acts_at_once)
 {
-  Rig rig;
+  SinkRig rig;
   rig.uncompensated();
   rig.start();
   rig.stream([&] {
@@ -317,7 +317,7 @@ GST_END_TEST;
 /// Volts and lead that the board and the pipeline already use do not change until the next play.
 GST_START_TEST(test_volts_and_lead_are_fixed_while_playing)
 {
-  Rig rig;
+  SinkRig rig;
   rig.play([&] {
     rig.push(0, { 0.0f });
     g_object_set(rig.element, "voltage-max", 24.0, "max-lead", GST_SECOND, nullptr);
@@ -333,7 +333,7 @@ GST_END_TEST;
 /// end.
 GST_START_TEST(test_pause_in_the_last_frame)
 {
-  Rig rig;
+  SinkRig rig;
   rig.uncompensated();
   rig.start();
   std::atomic<bool> done{ false };
@@ -368,7 +368,7 @@ GST_END_TEST;
 /// Without the clock no command is lost or coalesced, and each is traced as issued when due.
 GST_START_TEST(test_sync_false_issues_every_command)
 {
-  Rig rig;
+  SinkRig rig;
   g_object_set(rig.element, "sync", FALSE, "rate", 0.0, nullptr);
   rig.start();
   // The clock stands still.
@@ -390,7 +390,7 @@ GST_END_TEST;
 /// next map resumes play.
 GST_START_TEST(test_starved)
 {
-  Rig rig;
+  SinkRig rig;
   rig.uncompensated();
   rig.start();
   rig.stream([&] { rig.push(0, { 1.0f }); });
@@ -414,7 +414,7 @@ GST_END_TEST;
 /// once.
 GST_START_TEST(test_late_is_counted_and_reported)
 {
-  Rig rig;
+  SinkRig rig;
   rig.start();
   gst_test_clock_set_time(rig.clock, 1100 * kMs);
   rig.run_to_end([&] {
@@ -422,7 +422,7 @@ GST_START_TEST(test_late_is_counted_and_reported)
     rig.push(1200 * kMs, { 0.0f });
   });
   ck_assert_uint_eq(rig.stat("late"), 0); // 4.54 ms, within the tolerance of 5 ms
-  Rig later;
+  SinkRig later;
   later.start();
   gst_test_clock_set_time(later.clock, 1150 * kMs);
   later.run_to_end([&] {
@@ -462,7 +462,7 @@ GST_START_TEST(test_realtime)
         *static_cast<std::atomic<int> *>(seen) = policy_of(0);
       return GST_BUS_PASS;
     };
-    Rig rig;
+    SinkRig rig;
     if (!wanted)
       g_object_set(rig.element, "realtime", FALSE, nullptr);
     gst_bus_set_sync_handler(rig.messages.bus, note, &policy, nullptr);
@@ -488,7 +488,7 @@ GST_END_TEST;
 /// sent.
 GST_START_TEST(test_stale_commands_coalesce)
 {
-  Rig rig;
+  SinkRig rig;
   g_object_set(rig.element, "compensation", 2, "rate", 0.0, nullptr);
   rig.start();
   rig.stream([&] {
@@ -511,7 +511,7 @@ GST_END_TEST;
 /// Straight to NULL while playing: each motor's last command is zero.
 GST_START_TEST(test_null_while_playing_is_silent)
 {
-  Rig rig("application/x-tactile-map,rows=3,columns=3,framerate=25/1");
+  SinkRig rig("application/x-tactile-map,rows=3,columns=3,framerate=25/1");
   rig.uncompensated();
   rig.start();
   rig.stream([&] {

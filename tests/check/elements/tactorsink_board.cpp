@@ -48,10 +48,10 @@ make_tactorsink()
 }
 
 /// A sink that does not wait for the clock: when push() returns, the driver has the map.
-class Rig
+class BoardRig
 {
 public:
-  explicit Rig(const char *driver = nullptr)
+  explicit BoardRig(const char *driver = nullptr)
   {
     sockets = &sockets_;
     g_object_set(element, "sync", FALSE, "async", FALSE, "rate", 0.0, "compensation", 2,
@@ -60,7 +60,7 @@ public:
       g_object_set(element, "driver", driver, nullptr);
     pad = gst_element_get_static_pad(element, "sink");
   }
-  ~Rig()
+  ~BoardRig()
   {
     stop();
     gst_object_unref(pad);
@@ -144,7 +144,7 @@ public:
 /// The default driver without a board: simulated, with a message.
 GST_START_TEST(test_auto_without_board)
 {
-  Rig rig;
+  BoardRig rig;
   fail_unless(rig.start());
   assert_contains(rig.message(GST_MESSAGE_INFO), { "simulated", "no tactor board" });
   fail_if(rig.messages.has(GST_MESSAGE_WARNING));
@@ -159,7 +159,7 @@ GST_END_TEST;
 /// go to zero however it ends.
 GST_START_TEST(test_auto_with_board)
 {
-  Rig rig;
+  BoardRig rig;
   rig.sockets_.plug(rig.mega);
   fail_unless(rig.start());
   assert_contains(rig.message(GST_MESSAGE_INFO), { "Mega", "7573", "StandardFirmata" });
@@ -209,7 +209,7 @@ GST_END_TEST;
 
 GST_START_TEST(test_end_of_stream)
 {
-  Rig rig("firmata");
+  BoardRig rig("firmata");
   rig.sockets_.plug(rig.mega);
   fail_unless(rig.start());
   rig.push({ 255, 255, 255 });
@@ -222,7 +222,7 @@ GST_END_TEST;
 /// trace has zeros for it, and a board that returns resumes the current levels.
 GST_START_TEST(test_lost_and_found)
 {
-  Rig rig("firmata");
+  BoardRig rig("firmata");
   const TemporaryFile trace;
   g_object_set(rig.element, "trace-location", trace.path.c_str(), nullptr);
   rig.sockets_.plug(rig.mega);
@@ -264,27 +264,27 @@ GST_END_TEST;
 /// A board that cannot be opened is an error with the reason and GStreamer's code for it.
 GST_START_TEST(test_errors)
 {
-  const auto refused = [](Rig &rig) {
+  const auto refused = [](BoardRig &rig) {
     fail_if(rig.start());
     rig.stop();
     int code = 0;
     const std::string text = rig.message(GST_MESSAGE_ERROR, &code);
     return std::pair(text, code);
   };
-  Rig none("firmata");
+  BoardRig none("firmata");
   fail_unless(refused(none).second == GST_RESOURCE_ERROR_NOT_FOUND);
   {
     const NoThreads threads;
     assert_contains(refused(none).first, { "no thread" });
   }
 
-  Rig stock("seat");
+  BoardRig stock("seat");
   stock.sockets_.plug(stock.mega);
   auto [text, code] = refused(stock);
   assert_contains(text, { "seat firmware", "driver=firmata" });
   ck_assert_int_eq(code, GST_RESOURCE_ERROR_SETTINGS);
 
-  Rig small;
+  BoardRig small;
   small.sockets_.plug(small.uno);
   gst_util_set_object_arg(G_OBJECT(small.element), "mapping", "<0,-1,8>");
   std::tie(text, code) = refused(small);
@@ -299,7 +299,7 @@ GST_START_TEST(test_errors)
   for (const auto &[kind, expected] :
        { std::pair(Kind::permission, GST_RESOURCE_ERROR_NOT_AUTHORIZED),
          std::pair(Kind::busy, GST_RESOURCE_ERROR_BUSY) }) {
-    Rig rig("firmata");
+    BoardRig rig("firmata");
     rig.mega.refusal = kind;
     rig.sockets_.plug(rig.mega);
     ck_assert_int_eq(refused(rig).second, expected);
@@ -311,7 +311,7 @@ GST_END_TEST;
 /// and plays once the board answers.
 GST_START_TEST(test_slow_board)
 {
-  Rig rig("firmata");
+  BoardRig rig("firmata");
   rig.mega.says_nothing = true;
   rig.sockets_.plug(rig.mega);
   gst_element_set_state(rig.element, GST_STATE_PLAYING);
@@ -336,7 +336,7 @@ GST_END_TEST;
 /// reported as late.
 GST_START_TEST(test_slow_board_in_a_live_play)
 {
-  Rig rig("firmata");
+  BoardRig rig("firmata");
   rig.mega.says_nothing = true;
   rig.sockets_.plug(rig.mega);
   g_object_set(rig.element, "sync", TRUE, "ramp-in", guint64{ 0 }, nullptr);
@@ -393,7 +393,7 @@ GST_START_TEST(test_large_chair)
   for (int pin = 2; pin < layout.pins; pin++)
     layout.pwm.insert(pin);
   const auto start = [&](guint max_active, const char *mapping = nullptr) {
-    auto rig = std::make_unique<Rig>("seat");
+    auto rig = std::make_unique<BoardRig>("seat");
     g_object_set(rig->element, "max-active", max_active, "rate", 5.0, nullptr);
     if (mapping)
       gst_util_set_object_arg(G_OBJECT(rig->element), "mapping", mapping);

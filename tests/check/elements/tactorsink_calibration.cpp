@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 //
 // A chair whose motors all differ, played by tactorsink with and without calibration.
-#include "support/measured_chair.h"
 #include "calibration/calibration.h"
 #include "calibration/rise_time_fit.h"
+#include "support/measured_chair.h"
 #include "tactor/command_trace.h"
 #include "tactor/motor_model.h"
 
@@ -16,9 +16,9 @@
 #include <vector>
 
 #include "support/contains.h"
-#include "support/tolerance.h"
 #include "support/playing.h"
 #include "support/temporary_file.h"
+#include "support/tolerance.h"
 #include "support/unwrap.h"
 #include <gst/tactile/tactile.h>
 

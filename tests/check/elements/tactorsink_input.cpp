@@ -11,7 +11,7 @@
 
 GST_START_TEST(test_caps_change)
 {
-  Rig rig;
+  SinkRig rig;
   rig.uncompensated();
   rig.play([&] {
     rig.push(0, { 1.0f });
@@ -32,7 +32,7 @@ GST_END_TEST;
 /// The grid changes while a level does not: the motor stays on, and the new cell's motor joins it.
 GST_START_TEST(test_grid_change_keeps_steady_levels)
 {
-  Rig rig;
+  SinkRig rig;
   rig.uncompensated();
   rig.play([&] {
     rig.push(0, { 1.0f });
@@ -52,7 +52,7 @@ GST_END_TEST;
 /// A stream without times plays as it arrives.
 GST_START_TEST(test_segment_in_bytes)
 {
-  Rig rig;
+  SinkRig rig;
   GstSegment segment;
   gst_segment_init(&segment, GST_FORMAT_BYTES);
   rig.start(&segment);
@@ -66,7 +66,7 @@ GST_START_TEST(test_full_disk_causes_a_warning)
 {
   if (access("/dev/full", W_OK) != 0)
     return;
-  Rig rig;
+  SinkRig rig;
   g_object_set(rig.element, "trace-location", "/dev/full", "compensation", 2, nullptr);
   rig.play([&] { rig.push(0, { 1.0f }); });
   gst_element_set_state(rig.element, GST_STATE_READY);
@@ -76,7 +76,7 @@ GST_END_TEST;
 
 GST_START_TEST(test_video_frames_with_and_without_meta)
 {
-  Rig rig("video/x-raw,format=GRAY8,width=4,height=4,framerate=25/1");
+  SinkRig rig("video/x-raw,format=GRAY8,width=4,height=4,framerate=25/1");
   rig.uncompensated();
   rig.play([&] {
     for (int i = 0; i < 3; i++) {
@@ -99,7 +99,7 @@ GST_END_TEST;
 
 GST_START_TEST(test_missing_pts_follow_each_other)
 {
-  Rig rig;
+  SinkRig rig;
   g_object_set(rig.element, "compensation", 2, "rate", 0.0, nullptr);
   rig.play([&] {
     rig.push(400 * kMs, { 1.0f });
@@ -115,7 +115,7 @@ GST_END_TEST;
 
 GST_START_TEST(test_wrong_size_is_an_error)
 {
-  Rig rig;
+  SinkRig rig;
   rig.start();
   GstFlowReturn flow = GST_FLOW_OK;
   rig.run_out([&] { flow = rig.push(0, { 1.0f, 1.0f }); });

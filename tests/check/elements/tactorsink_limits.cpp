@@ -30,7 +30,7 @@ GST_END_TEST;
 
 GST_START_TEST(test_max_on_time)
 {
-  Rig rig;
+  SinkRig rig;
   rig.uncompensated();
   g_object_set(rig.element, "max-on-time", guint64{ 500 * kMs }, nullptr);
   rig.play([&] {
@@ -55,7 +55,7 @@ GST_END_TEST;
 /// No more data, not even EOS: the motor stops on time nevertheless.
 GST_START_TEST(test_max_on_time_without_another_map)
 {
-  Rig rig;
+  SinkRig rig;
   rig.uncompensated();
   g_object_set(rig.element, "max-on-time", guint64{ 500 * kMs }, nullptr);
   rig.start();
@@ -76,7 +76,7 @@ GST_END_TEST;
 /// Without the clock the film's time counts.
 GST_START_TEST(test_max_on_time_without_the_clock)
 {
-  Rig rig;
+  SinkRig rig;
   rig.uncompensated();
   g_object_set(rig.element, "sync", FALSE, "max-on-time", guint64{ 500 * kMs }, nullptr);
   rig.start();
@@ -93,7 +93,7 @@ GST_END_TEST;
 GST_START_TEST(test_cue_runs_out_in_the_last_block)
 {
   for (const bool sync : { true, false }) {
-    Rig rig;
+    SinkRig rig;
     rig.uncompensated();
     g_object_set(rig.element, "sync", gboolean{ sync }, "max-on-time", guint64{ 100 * kMs },
                  nullptr);
@@ -109,7 +109,7 @@ GST_END_TEST;
 /// 600 ms in any minute: time on before a seek counts after it.
 GST_START_TEST(test_max_duty_outlives_a_seek)
 {
-  Rig rig;
+  SinkRig rig;
   rig.uncompensated();
   g_object_set(rig.element, "max-duty", 0.01, nullptr);
   rig.start();
@@ -137,7 +137,7 @@ GST_END_TEST;
 
 GST_START_TEST(test_max_active)
 {
-  Rig rig("application/x-tactile-map,rows=1,columns=3,framerate=25/1");
+  SinkRig rig("application/x-tactile-map,rows=1,columns=3,framerate=25/1");
   rig.uncompensated();
   g_object_set(rig.element, "max-active", 2u, nullptr);
   rig.play([&] {
@@ -158,7 +158,7 @@ GST_END_TEST;
 /// After the start and after a pause, the first vibration rises in five steps.
 GST_START_TEST(test_ramp_in)
 {
-  Rig rig;
+  SinkRig rig;
   rig.uncompensated();
   g_object_set(rig.element, "ramp-in", guint64{ 100 * kMs }, nullptr);
   rig.start();
@@ -190,7 +190,7 @@ GST_END_TEST;
 /// 10 ms.
 GST_START_TEST(test_kick_start)
 {
-  Rig rig;
+  SinkRig rig;
   g_object_set(rig.element, "kick-start", TRUE, nullptr);
   rig.play([&] {
     rig.push_level(0, 1000 * kMs, 0.0F);

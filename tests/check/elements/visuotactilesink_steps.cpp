@@ -37,11 +37,11 @@ add_map(GstPad *, GstPadProbeInfo *info, gpointer)
 }
 
 /// A film of fifty frames. Each frame's cell plays when the frame is shown.
-class Film : public Player
+class SteppedPlayer : public Player
 {
 public:
   /// `rate` is the actuation rate, 0 for every frame.
-  explicit Film(int rate = 0, int frames_per_second = 25)
+  explicit SteppedPlayer(int rate = 0, int frames_per_second = 25)
       : Player("videotestsrc num-buffers=" + std::to_string(kFrames)
                + " ! video/x-raw,format=I420,width=32,height=32,framerate="
                + std::to_string(frames_per_second) + "/1 ! " + kSink
@@ -54,7 +54,7 @@ public:
     gst_pad_add_probe(pad, GST_PAD_PROBE_TYPE_BUFFER, add_map, nullptr, nullptr);
     change_state(pipeline, GST_STATE_PAUSED);
   }
-  ~Film()
+  ~SteppedPlayer()
   {
     gst_object_unref(screen);
     gst_object_unref(pad);
@@ -124,7 +124,7 @@ public:
 GST_START_TEST(test_events_reach_upstream_once)
 {
   register_test_sink(GST_RANK_NONE);
-  Film film;
+  SteppedPlayer film;
   std::map<GstEventType, guint> heard;
   gst_pad_add_probe(
       film.pad, GST_PAD_PROBE_TYPE_EVENT_UPSTREAM,
@@ -169,7 +169,7 @@ GST_END_TEST;
 GST_START_TEST(test_steps_once)
 {
   register_test_sink(GST_RANK_NONE);
-  Film film;
+  SteppedPlayer film;
   for (gint64 i = 1; i <= 20; i++) {
     gst_bus_set_flushing(film.bus, TRUE);
     gst_bus_set_flushing(film.bus, FALSE);
@@ -194,7 +194,7 @@ GST_START_TEST(test_motors_resume_with_the_visible_frame)
 {
   register_test_sink(GST_RANK_NONE);
   for (const auto &[rate, frames_per_second] : { std::pair(0, 25), { 5, 25 }, { 5, 30 } }) {
-    Film film(rate, frames_per_second);
+    SteppedPlayer film(rate, frames_per_second);
     // At 30 Hz the last frame ends a third of a millisecond after this one begins.
     for (guint i = 0; i < 21; i++)
       film.step();
@@ -209,7 +209,7 @@ GST_END_TEST;
 GST_START_TEST(test_motors_go_on_after_a_pause)
 {
   register_test_sink(GST_RANK_NONE);
-  Film film;
+  SteppedPlayer film;
   film.play_until_shown(15);
   change_state(film.pipeline, GST_STATE_PAUSED);
   const std::size_t before = film.lines_of_trace();
@@ -228,7 +228,7 @@ GST_END_TEST;
 GST_START_TEST(test_steps_at_the_end)
 {
   register_test_sink(GST_RANK_NONE);
-  Film film;
+  SteppedPlayer film;
   g_autoptr(GstClock) clock = gst_test_clock_new();
   gst_pipeline_use_clock(GST_PIPELINE(film.pipeline), clock);
   change_state(film.pipeline, GST_STATE_PLAYING);

@@ -5,7 +5,10 @@
 #include "support/saliency_oracle.h"
 #include "support/tolerance.h"
 
+#include <algorithm>
+#include <cmath>
 #include <limits>
+#include <random>
 
 using oracle::film;
 using oracle::Frame;

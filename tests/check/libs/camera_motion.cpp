@@ -4,7 +4,10 @@
 #include "support/saliency_oracle.h"
 #include "support/tolerance.h"
 
+#include <algorithm>
+#include <cmath>
 #include <functional>
+#include <random>
 
 using saliency::CameraMotion;
 using saliency::Similarity;

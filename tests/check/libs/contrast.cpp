@@ -5,6 +5,8 @@
 #include "support/saliency_oracle.h"
 #include "support/tolerance.h"
 
+#include <cmath>
+
 using saliency::Contrast;
 using saliency::LevelPair;
 using saliency::Pyramid;

@@ -8,6 +8,7 @@
 #include "tactor/command_queue.h"
 #include "tactor/serial/serial_port.h"
 
+#include <algorithm>
 #include <cmath>
 #include <random>
 

@@ -6,10 +6,11 @@
 #include <random>
 
 #include "firmata_driver_rig.h"
+#include "support/realtime.h"
 
 GST_START_TEST(test_open_write_close)
 {
-  Rig rig;
+  DriverRig rig;
   rig.sockets.plug(rig.mega);
   rig.open(9);
   ck_assert_int_eq(rig.driver.tactors(), 15);
@@ -53,7 +54,7 @@ GST_END_TEST;
 GST_START_TEST(test_realtime)
 {
   for (const bool wanted : { true, false }) {
-    Rig rig;
+    DriverRig rig;
     rig.sockets.plug(rig.mega);
     DriverConfig config = rig.config();
     config.realtime = wanted;
@@ -89,7 +90,7 @@ GST_END_TEST;
 GST_START_TEST(test_unplug_and_replug)
 {
   for (const bool announces : { true, false }) {
-    Rig rig(Firmware::any, kEndless, announces ? Time(1h) : Time(2ms));
+    DriverRig rig(Firmware::any, kEndless, announces ? Time(1h) : Time(2ms));
     rig.sockets.announces = announces;
     rig.sockets.plug(rig.mega);
     rig.open();
@@ -127,7 +128,7 @@ GST_START_TEST(test_unplug_in_each_phase)
   int refused = 0;
   int lost = 0;
   for (long bytes = 1; bytes < 130; bytes += bytes < 12 ? 1 : 7) {
-    Rig rig;
+    DriverRig rig;
     rig.sockets.plug(rig.mega);
     rig.mega.bytes_to_live = bytes;
     if (const auto opened = rig.driver.open(rig.config()); !opened) {
@@ -167,7 +168,7 @@ GST_START_TEST(test_stalled_board)
   FirmataPatience patience = kEndless;
   patience.transfer = 250ms;
   patience.farewell = 250ms;
-  Rig rig(Firmware::any, patience, 2ms);
+  DriverRig rig(Firmware::any, patience, 2ms);
   rig.sockets.plug(rig.mega);
   // On a busy machine it may time out before it stalls. It returns in that case, too.
   while (!rig.driver.open(rig.config())) {
@@ -192,7 +193,7 @@ GST_START_TEST(test_scheduler_hangs)
 {
   FirmataPatience patience = kEndless;
   patience.host_silence = 20ms;
-  Rig rig(Firmware::any, patience);
+  DriverRig rig(Firmware::any, patience);
   rig.sockets.plug(rig.mega);
   rig.open();
   // On a busy machine the driver's thread may run too late.
@@ -210,7 +211,7 @@ GST_START_TEST(test_many_threads)
   for (unsigned seed = 1; seed <= 10; seed++) {
     FirmataPatience patience = kEndless;
     patience.keepalive = 1ms;
-    Rig rig(Firmware::any, patience, 1ms);
+    DriverRig rig(Firmware::any, patience, 1ms);
     MemoryBoard &board = seed % 2 == 0 ? rig.mega : rig.seat;
     rig.sockets.announces = seed % 3 != 0;
     rig.sockets.plug(board);

@@ -10,7 +10,7 @@
 
 GST_START_TEST(test_no_board)
 {
-  Rig rig;
+  DriverRig rig;
   const DriverError none = rig.refusal();
   fail_unless(none.kind == Kind::not_found);
   assert_contains(none.text, { "StandardFirmata" });
@@ -39,7 +39,7 @@ GST_START_TEST(test_silent_board)
   FirmataPatience patience = kEndless;
   patience.answer = 20ms;
   patience.ask_again = 5ms;
-  Rig rig(Firmware::any, patience);
+  DriverRig rig(Firmware::any, patience);
   rig.mega.says_nothing = true;
   rig.sockets.plug(rig.mega);
   const DriverError error = rig.refusal();
@@ -52,7 +52,7 @@ GST_END_TEST;
 /// Opening a board that never answers can be interrupted.
 GST_START_TEST(test_open_is_interrupted)
 {
-  Rig rig;
+  DriverRig rig;
   rig.mega.says_nothing = true;
   rig.sockets.plug(rig.mega);
   std::thread other([&] {
@@ -73,7 +73,7 @@ GST_END_TEST;
 /// Opening a port whose set-up never completes can be interrupted, too.
 GST_START_TEST(test_stopped_while_the_port_is_set_up)
 {
-  Rig rig;
+  DriverRig rig;
   rig.mega.hangs_on_open = true;
   rig.sockets.plug(rig.mega);
   std::thread other([&] {
@@ -91,7 +91,7 @@ GST_END_TEST;
 /// The first usable board is taken, unless a serial number or a socket names one.
 GST_START_TEST(test_two_boards)
 {
-  Rig rig;
+  DriverRig rig;
   rig.sockets.plug(rig.uno);
   rig.sockets.plug(rig.mega);
   rig.open();
@@ -117,7 +117,7 @@ GST_END_TEST;
 
 GST_START_TEST(test_too_few_pins)
 {
-  Rig rig;
+  DriverRig rig;
   rig.sockets.plug(rig.uno);
   const DriverError error = rig.refusal(9);
   fail_unless(error.kind == Kind::settings);
@@ -152,7 +152,7 @@ GST_END_TEST;
 
 GST_START_TEST(test_which_board_returns)
 {
-  Rig rig;
+  DriverRig rig;
   rig.sockets.plug(rig.mega);
   rig.open();
   rig.write({ 2.0 });
@@ -229,7 +229,7 @@ GST_START_TEST(test_adapters)
   patience.answer = 20ms;
   patience.ask_again = 5ms;
   MemoryBoard nano(kNano, kUno);
-  Rig rig(Firmware::any, patience);
+  DriverRig rig(Firmware::any, patience);
   rig.sockets.plug(nano);
   DriverConfig careful = rig.config();
   careful.asks_strangers = false;
@@ -269,7 +269,7 @@ GST_END_TEST;
 /// A board that another program has open is refused as busy.
 GST_START_TEST(test_in_use)
 {
-  Rig rig;
+  DriverRig rig;
   rig.sockets.plug(rig.mega);
   DriverConfig careful = rig.config();
   careful.asks_strangers = false;
@@ -293,7 +293,7 @@ GST_END_TEST;
 /// Releases only boards that a killed player left open: sets their motors to zero and closes them.
 GST_START_TEST(test_release_boards)
 {
-  Rig rig;
+  DriverRig rig;
   for (MemoryBoard *board : { &rig.mega, &rig.uno }) {
     board->resets_on_open = false; // like a Leonardo
     rig.sockets.plug(*board);
@@ -318,7 +318,7 @@ GST_START_TEST(test_twin_is_not_taken)
 {
   for (const char *name : { "1-2", "", "7573" }) {
     MemoryBoard twin(device("7573", "1-3"), kMega);
-    Rig rig;
+    DriverRig rig;
     rig.sockets.plug(rig.mega);
     // The twin is plugged in before the film, or while it plays.
     const bool comes_later = *name != '1';
@@ -345,7 +345,7 @@ GST_START_TEST(test_socket_is_named)
 {
   MemoryBoard other(device("8", "1-2", "Another Mega"), kMega);
   MemoryBoard elsewhere(device("7573", "1-3"), kMega);
-  Rig rig;
+  DriverRig rig;
   rig.sockets.plug(rig.mega);
   rig.open(1, "1-2");
   rig.write({ 1.0 });
@@ -366,7 +366,7 @@ GST_START_TEST(test_refused_when_it_is_back)
   Layout small = kMega;
   small.pwm = { 2, 3, 4 };
   MemoryBoard smaller(device("7573", "1-2"), small);
-  Rig rig(Firmware::any, kEndless, 1ms);
+  DriverRig rig(Firmware::any, kEndless, 1ms);
   const auto refused = [&] {
     return rig.count(EventKind::refused);
   };
@@ -412,7 +412,7 @@ GST_START_TEST(test_seat)
 {
   FirmataPatience patience = kEndless;
   patience.keepalive = 2ms;
-  Rig rig(Firmware::with_watchdog, patience);
+  DriverRig rig(Firmware::with_watchdog, patience);
   rig.sockets.plug(rig.mega);
   const DriverError error = rig.refusal();
   fail_unless(error.kind == Kind::settings);
@@ -423,7 +423,7 @@ GST_START_TEST(test_seat)
   fail_unless(rig.seat.is_open);
   fail_unless(rig.driver.refresh_interval() == 2ms);
 
-  Rig any(Firmware::any, patience);
+  DriverRig any(Firmware::any, patience);
   any.sockets.plug(any.seat);
   any.open();
   fail_unless(any.driver.status().has_watchdog);
@@ -438,7 +438,7 @@ GST_END_TEST;
 
 GST_START_TEST(test_auto)
 {
-  Rig rig;
+  DriverRig rig;
   auto simulator = std::make_unique<Simulator>();
   const Simulator &simulated = *simulator;
   AutoDriver driver(std::make_unique<FirmataDriver>(

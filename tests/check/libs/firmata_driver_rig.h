@@ -7,14 +7,15 @@
 #include "support/boards/memory_bus.h"
 #include "tactor/drivers/firmata_driver.h"
 
+#include <algorithm>
 #include <cmath>
 #include <memory>
 #include <string>
 #include <vector>
 
+#include "support/contains.h"
 #include "support/temporary_file.h"
 #include "support/unwrap.h"
-#include "support/contains.h"
 
 using namespace std::chrono_literals;
 using namespace tactor;
@@ -38,11 +39,11 @@ device(const char *serial, const char *bus_path, const char *name = "Arduino Meg
 }
 
 /// Sockets, a board in one of them and a driver.
-class Rig
+class DriverRig
 {
 public:
-  explicit Rig(Firmware firmware = Firmware::any, FirmataPatience patience = kEndless,
-               Time look_again = 1h)
+  explicit DriverRig(Firmware firmware = Firmware::any, FirmataPatience patience = kEndless,
+                     Time look_again = 1h)
       : driver(
           firmware, [this] { return std::make_unique<MemoryBus>(sockets); },
           { .patience = patience, .look_again = look_again, .known_boards = folder.file("boards") })

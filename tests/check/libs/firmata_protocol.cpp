@@ -3,6 +3,7 @@
 
 #include "support/boards/firmata_model.h"
 
+#include <algorithm>
 #include <random>
 #include <utility>
 

@@ -8,8 +8,8 @@
 #include <string>
 #include <utility>
 
-#include "support/temporary_file.h"
 #include "quality/fixations.h"
+#include "support/temporary_file.h"
 #include "support/tolerance.h"
 
 using quality::Fixations;

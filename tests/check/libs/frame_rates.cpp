@@ -10,15 +10,15 @@
 #include <memory>
 #include <vector>
 
-#include "saliency/profile.h"
-#include "tactile/tactile_mapping.h"
 #include "quality/films.h"
 #include "quality/models.h"
 #include "quality/pictures.h"
 #include "quality/random.h"
+#include "saliency/profile.h"
 #include "support/tolerance.h"
+#include "tactile/tactile_mapping.h"
 
-using quality::Film;
+using quality::LabeledFilm;
 using quality::Time;
 
 namespace {
@@ -79,7 +79,7 @@ class Track
 public:
   using Levels = std::vector<float>;
 
-  Track(Film &film, double noise, const Schedule &schedule)
+  Track(LabeledFilm &film, double noise, const Schedule &schedule)
   {
     quality::AnalyzerModel model("tuned", saliency::Profile::tuned(),
                                  tactile::MappingSettings::tuned());
@@ -220,11 +220,11 @@ compare(const Track &one, const Track &other)
 struct Case
 {
   const char *name;
-  std::function<std::unique_ptr<Film>()> film;
+  std::function<std::unique_ptr<LabeledFilm>()> film;
   double noise;
 };
 
-std::unique_ptr<Film>
+std::unique_ptr<LabeledFilm>
 disturbed(quality::Disturbance disturbance)
 {
   return quality::disturbed_film(disturbance, { quality::dead_leaves(kSize * 2, 7) }, kSize, true,

@@ -6,8 +6,11 @@
 
 #include <hwy/targets.h>
 
+#include <algorithm>
+#include <cmath>
 #include <cstring>
 #include <memory>
+#include <random>
 #include <set>
 
 using saliency::ColorModel;

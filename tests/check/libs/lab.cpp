@@ -6,7 +6,9 @@
 
 #include <hwy/targets.h>
 
+#include <cmath>
 #include <cstring>
+#include <random>
 
 using saliency::ColorModel;
 using saliency::LabConverter;

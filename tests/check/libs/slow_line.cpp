@@ -11,6 +11,7 @@
 #include "support/boards/firmata_model.h"
 #include "unlimited.h"
 
+#include <algorithm>
 #include <cmath>
 #include <deque>
 #include <numeric>

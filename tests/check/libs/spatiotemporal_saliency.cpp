@@ -4,6 +4,9 @@
 #include "support/saliency_oracle.h"
 #include "support/tolerance.h"
 
+#include <algorithm>
+#include <cmath>
+
 using oracle::Image;
 using saliency::HistoryStart;
 using saliency::Normalization;

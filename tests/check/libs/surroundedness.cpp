@@ -4,6 +4,7 @@
 #include "support/saliency_oracle.h"
 #include "support/tolerance.h"
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 

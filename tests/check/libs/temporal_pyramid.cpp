@@ -4,7 +4,9 @@
 #include "support/saliency_oracle.h"
 #include "support/tolerance.h"
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <span>
 
 using oracle::Image;
@@ -17,7 +19,7 @@ namespace {
 constexpr double kForever = 1e6;
 
 /// A film, and the mean over a window by its definition.
-struct Film
+struct ExactHistory
 {
   struct Display
   {
@@ -70,7 +72,7 @@ void
 compare(HistoryStart start, int count, const std::vector<double> &durations)
 {
   TemporalPyramid pyramid(64, start);
-  Film film{ start, {} };
+  ExactHistory film{ start, {} };
   for (int i = 0; i < count; ++i) {
     const Image map = oracle::random_image(3, 2, 0, 100, static_cast<unsigned>(i));
     const auto at = [&](int k) {

@@ -6,9 +6,9 @@
 #include <string>
 #include <utility>
 
+#include "support/contains.h"
 #include "support/no_threads.h"
 #include "support/unwrap.h"
-#include "support/contains.h"
 
 using tactor::Thread;
 

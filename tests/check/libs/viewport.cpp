@@ -5,8 +5,8 @@
 
 #include "frame_rate.h"
 #include "saliency_map.h"
-#include "tactile/tactile_mapping.h"
 #include "support/tolerance.h"
+#include "tactile/tactile_mapping.h"
 
 #include <algorithm>
 #include <cmath>
