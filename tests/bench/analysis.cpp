@@ -30,7 +30,7 @@ pool(const saliency::Saliency &found, const tactile::MappingSettings &mapping,
                         mapping, map);
 }
 
-/// A frame as small as what decimation leaves for L*a*b*, with all of its chroma.
+/// A frame of the size after decimation, with full chroma.
 saliency::FrameView
 small_frame(const cv::Mat &samples)
 {

@@ -12,7 +12,7 @@
 
 namespace bench {
 
-/// A film's way from frames to levels, at 30 frames a second.
+/// Analysis and mapping of a film at 30 frames per second.
 class Analysis
 {
 public:

@@ -19,7 +19,7 @@ namespace bench {
 
 namespace {
 
-/// What keeps the processor from leaving it out.
+/// Keeps the compiler from removing the work.
 std::atomic<std::uint64_t> sink = 0;
 
 std::uint64_t
@@ -30,8 +30,7 @@ word_at(const uchar *bytes)
   return word;
 }
 
-/// Four sums at a time, so that frames which the cache does not hold are waited for rather than
-/// additions.
+/// Four independent sums, so that the loop is limited by memory, not by the latency of additions.
 std::uint64_t
 sum_of_words(const uchar *begin, std::size_t size)
 {

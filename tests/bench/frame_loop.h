@@ -26,30 +26,30 @@ inline constexpr std::array kFormats{ Format::i420,      Format::nv12,     Forma
                                       Format::uyvy,      Format::rgb,      Format::rgbx,
                                       Format::i420_10le, Format::p010_10le };
 
-/// As GStreamer spells it.
+/// GStreamer's name of the format.
 const char *name(Format format);
 
-/// What the camera shows, over and over.
+/// What the camera shows, in a loop.
 enum class Scene
 {
-  disc, ///< two frames: noise, and the same with something in it
-  pan,  ///< the camera goes to and fro, 4 pixels a frame, over random squares
+  disc, ///< two frames: noise, and the same with a disc
+  pan,  ///< the camera pans right and left over random squares, 4 pixels per frame
 };
 
 /// A film in memory. BT.709, limited range; width and height are even.
 class FrameLoop
 {
 public:
-  /// At 4K a decoder of H.264 keeps up to five frames for reference (level 5.1: ITU-T H.264, table
-  /// A-1) while it makes another. Few processors' caches hold as many.
+  /// An H.264 decoder at 4K holds up to five reference frames (level 5.1: ITU-T H.264, table A-1)
+  /// and the frame it decodes. That exceeds most CPU caches.
   static constexpr std::size_t kBuffers = 6;
 
-  /// Frames lie in that many buffers, or as many as the scene has.
+  /// Uses at most as many buffers as the scene has frames.
   FrameLoop(cv::Size size, Scene scene, Format format = Format::i420,
             std::size_t buffers = kBuffers);
 
   saliency::FrameView view(std::size_t i) const;
-  /// The frame's bytes; of I420 as OpenCV takes it, CV_8UC1 of 3/2 the height.
+  /// The frame's bytes. I420 is CV_8UC1 of 3/2 the height, as OpenCV has it.
   const cv::Mat &bytes(std::size_t i) const
   {
     return frames_[i % frames_.size()];

@@ -14,7 +14,8 @@ namespace {
 constexpr int kSaliencyLevel = 2;
 constexpr std::size_t kLongest = 64; // frames: level 6 of the temporal pyramid
 
-/// N(·): scaled to [0, 1], times (1 − m̄)², m̄ the mean of the local maxima but the global one.
+/// N(·): scaled to [0, 1], times (1 − m̄)². m̄ is the mean of the local maxima except the global
+/// one.
 cv::Mat
 normalized(cv::Mat map)
 {
@@ -96,8 +97,8 @@ LiteralPaper::frame(const cv::Mat &i420)
   double peak = 0;
   cv::minMaxLoc(saliency, nullptr, &peak);
   cv::threshold(saliency, saliency, peak / 2, 1, cv::THRESH_BINARY);
-  // A Gaussian of a third of a cell, on 8 × 8 samples a cell: with all of them it would cost as
-  // much as everything before.
+  // A Gaussian of a third of a cell, on 8 × 8 samples per cell: at full resolution it would cost as
+  // much as all steps before.
   cv::resize(saliency, saliency, { 24, 24 }, 0, 0, cv::INTER_AREA);
   cv::GaussianBlur(saliency, saliency, {}, 8.0 / 3);
   cv::resize(saliency, tactile_, { 3, 3 }, 0, 0, cv::INTER_LINEAR);

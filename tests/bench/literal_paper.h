@@ -8,9 +8,8 @@
 
 namespace bench {
 
-/// The paper's Section 3 written down with OpenCV's functions, in float, as one would who reads it:
-/// what this project's analysis is compared with. Where the paper leaves a choice the usual or the
-/// cheaper one is taken.
+/// A literal implementation of the paper's Section 3 with OpenCV in float: the baseline of the
+/// benchmark. Where the paper leaves a choice, it takes the usual or the cheaper one.
 class LiteralPaper
 {
 public:

@@ -8,14 +8,13 @@
 
 namespace bench {
 
-/// The choices of the tuned profile with OpenCV's functions alone, as fast as these make it: 8-bit
-/// color, temporal windows from cumulative sums, area means. It knows neither cameras nor cuts nor
-/// light.
+/// The tuned profile with OpenCV alone, optimized: 8-bit color, temporal windows from cumulative
+/// sums, area means. Camera motion, cuts and illumination are left out.
 class OpencvRewrite
 {
 public:
-  /// `decimate_first`: the planes by pyrDown, then L*a*b* of what is left, as this project does;
-  /// else L*a*b* of every pixel, then pyrDown.
+  /// With `decimate_first`, pyrDown of the planes, then L*a*b*, as in this project. Otherwise
+  /// L*a*b* of every pixel, then pyrDown.
   OpencvRewrite(cv::Size frame, bool decimate_first);
 
   /// `i420`: CV_8UC1, 3/2 the height. Returns a 3 × 3 map, CV_32FC1.
@@ -30,11 +29,11 @@ private:
   cv::Size frame_;
   bool decimate_first_;
   int level_;                      ///< of the L*a*b* image
-  std::vector<cv::Mat> planes_[3]; ///< by octaves down
+  std::vector<cv::Mat> planes_[3]; ///< by octave
   cv::Mat ycrcb_, bgr_;
-  std::vector<cv::Mat> lab_; ///< 8 bits, by octaves down
+  std::vector<cv::Mat> lab_; ///< 8 bits, by octave
   cv::Mat center_, surround_, luma_, chroma_;
-  std::vector<cv::Mat> cumulative_; ///< CV_64FC1, a ring
+  std::vector<cv::Mat> cumulative_; ///< CV_64FC1, ring buffer
   std::size_t count_ = 0;
   cv::Mat tactile_;
 };

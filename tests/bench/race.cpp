@@ -19,7 +19,7 @@ constexpr double kSliceMs = 8;
 constexpr std::size_t kSlice = 8;
 constexpr double kSlowMs = 60;
 constexpr int kSlowRounds = 3;
-constexpr std::chrono::microseconds kPause{ 33'333 }; // of what is played
+constexpr std::chrono::microseconds kPause{ 33'333 }; // between frames of playback
 constexpr std::size_t kPlayedSlice = 4;
 
 double
@@ -36,7 +36,7 @@ struct Times
   double wall = 0;
 };
 
-/// What the next frames take, from the one that `frame` counts.
+/// Measures the next frames, beginning at `frame`.
 Times
 timed(const Contender &contender, std::size_t &frame, std::size_t frames)
 {
@@ -122,7 +122,7 @@ race(std::vector<Contender> &contenders, int rounds)
       if (lane.slow && round >= kSlowRounds)
         continue;
       if (!lane.slow)
-        run(i, FrameLoop::kBuffers); // as after its own film, rather than after another contender
+        run(i, FrameLoop::kBuffers); // so that its own film is in the cache, not another's
       const std::uint64_t before = allocations::bytes_of_all_threads();
       const auto frames = static_cast<double>(lane.slice);
       const Times times = timed(contenders[i], lane.frame, lane.slice);

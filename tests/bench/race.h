@@ -10,53 +10,54 @@
 
 namespace bench {
 
-/// Something that does its work on a film, frame by frame, and what that costs.
+/// A method that processes a film frame by frame, and its cost.
 struct Contender
 {
   std::string method;
   std::string input; ///< format of the frames
   int threads = 1;
   std::size_t frame_bytes = 0;
-  std::size_t history = 0; ///< frames after which it holds all the memory that it will
-  bool played = false; ///< 30 frames a second: threads fell asleep and caches cooled since the last
+  std::size_t history = 0; ///< frames until its memory stops growing
+  bool played = false;     ///< at 30 frames per second: idle threads and cold caches between frames
   std::function<void(std::size_t)> work{}; ///< on the i-th frame
 
-  /// A frame, in each round: CPU time of this thread, which other programs disturb least, or, where
-  /// it has several threads, time on the wall.
+  /// Time per frame, by round: CPU time of this thread, which is least disturbed by other programs.
+  /// With several threads, wall time.
   std::vector<double> ms{};
-  std::vector<double> wall_ms{}; ///< time on the wall in any case
-  double allocated = 0;          ///< bytes asked for a frame, after warm-up
+  std::vector<double> wall_ms{}; ///< wall time, always
+  double allocated = 0;          ///< bytes allocated per frame after warm-up
 };
 
-/// Now, in ms of CPU time of this thread or on the wall.
+/// Current CPU time of this thread, or wall time, in ms.
 double cpu_ms();
 double wall_ms();
 
 double median(std::vector<double> values);
 
-/// How many times as long the first took as the second, both of one race: the median over its
-/// rounds, as the machine may be quicker in some than in others.
+/// Ratio of the times of two contenders of one race: the median over its rounds, because the
+/// machine's speed varies between rounds.
 double ratio(const std::vector<double> &first, const std::vector<double> &second);
 
-/// Lets them work in turn, a few frames each, after as many as a film has buffers, which are not
-/// counted, `rounds` times (the slow fewer times, and each frame counts).
+/// Runs the contenders in turn for `rounds` rounds of a few frames each. The first frames of a
+/// round, one per buffer of the film, are not measured. Slow contenders run fewer rounds, and all
+/// their frames are measured.
 void race(std::vector<Contender> &contenders, int rounds);
 
 /// The method of reading a frame from memory.
 inline constexpr const char *kReading = "reading the frame";
 
-/// The tuned profile's when it plays.
+/// The tuned profile during playback.
 inline constexpr const char *kPlayed = "tuned, 30 frames a second";
 
-/// The tuned profile's on two frames over and over, which the cache may hold.
+/// The tuned profile on two frames in a loop, which may stay in the cache.
 inline constexpr const char *kTwoFrames = "tuned, two frames over and over";
 
-/// Everything that is compared, on frames of this size: reading a frame from memory, this project's
-/// profiles, formats and threads, the paper taken literally, OpenCV rewrites, and the peers that
-/// this build has. The film lives as long as they do.
+/// All contenders, on frames of this size: reading a frame from memory, this project's profiles,
+/// formats and thread counts, the literal paper, the OpenCV rewrites, and the peers in this build.
+/// They own their film.
 std::vector<Contender> contenders(cv::Size size);
 
-/// Numbers of threads to compare.
+/// Thread counts to compare.
 std::vector<int> thread_counts();
 
 } // namespace bench

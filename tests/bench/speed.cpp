@@ -44,13 +44,13 @@ struct Options
   gchar *svg = nullptr;
 };
 
-/// The race of one size.
+/// The race of one frame size.
 struct Result
 {
   cv::Size size;
   std::vector<Contender> contenders;
 
-  /// Null: it was left out.
+  /// Null if it was left out.
   const Contender *find(std::string_view method, std::string_view input = "I420",
                         int threads = 1) const
   {
@@ -67,7 +67,7 @@ struct Result
   }
 };
 
-/// How many times as quick one is as the other.
+/// Speedup of one over the other.
 double
 quicker(const Contender *one, const Contender *other)
 {

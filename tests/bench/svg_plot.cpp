@@ -10,8 +10,8 @@ namespace bench {
 
 namespace {
 
-// Of one plot, in SVG's units: the axes, and room for labels left of and below them and for names
-// of series on the right.
+// One plot, in SVG units: the axes, with margins for labels on the left and below, and for names of
+// series on the right.
 constexpr double kWidth = 400;
 constexpr double kHeight = 340;
 constexpr double kLeft = 58;
@@ -41,7 +41,7 @@ text(double x, double y, const char *anchor, const std::string &content, const c
          + "</text>\n";
 }
 
-/// From values to the plot's area.
+/// Maps values to positions, logarithmically.
 class Axis
 {
 public:
@@ -60,7 +60,7 @@ private:
   double least_, most_, begin_, end_;
 };
 
-/// The names' places, as near as possible to the ends of their lines without overlap.
+/// Moves labels apart until none overlap, as little as possible.
 std::vector<double>
 spread(std::vector<double> wanted)
 {

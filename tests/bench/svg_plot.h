@@ -15,7 +15,7 @@ struct Point
 struct Series
 {
   std::string name;
-  bool own = false; ///< drawn strong, the others thin
+  bool own = false; ///< with a thick line
   std::vector<Point> points{};
 };
 
@@ -23,9 +23,9 @@ struct Series
 struct Plot
 {
   std::string title;
-  std::string x_label; ///< with its unit
+  std::string x_label; ///< with the unit
   std::string y_label;
-  std::vector<double> x_ticks; ///< where, and how far the axis goes
+  std::vector<double> x_ticks; ///< positions; the first and the last are the ends of the axis
   std::vector<std::string> x_tick_labels;
   std::vector<Series> series;
 };

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 //
-// What applications and users do, and what becomes of boards.
+// What applications and users do, and what happens to boards.
 #include "chaos.h"
 #include "report.h"
 
@@ -14,7 +14,7 @@ Chaos::play()
   if (is_broken_)
     return;
   set_state(GST_STATE_PLAYING);
-  // Mostly it is let begin; a live one without data begins at once.
+  // Usually waits for preroll. A live pipeline does not preroll.
   if (dice(4) && !is_cut_ && !has_ended_)
     await([this] {
       GstState state = GST_STATE_NULL;
@@ -47,11 +47,11 @@ Chaos::seek()
 {
   if (!has_prerolled_ || is_broken_)
     return;
-  // By seeks: where a change of rate without one (GST_SEEK_FLAG_INSTANT_RATE_CHANGE) meets a flush,
-  // GStreamer 1.22 itself asserts in gst_segment_position_from_running_time_full.
+  // Changes the rate by seeking: if GST_SEEK_FLAG_INSTANT_RATE_CHANGE meets a flush, GStreamer 1.22
+  // asserts in gst_segment_position_from_running_time_full.
   static constexpr std::array<double, 7> kRates{ 1, 1, 0.25, 0.5, 2, 4, -1 };
   const double rate = pick(kRates);
-  // A seek without a flush waits for the streaming thread, which in a pause waits for the play.
+  // A non-flushing seek waits for the streaming thread, which is blocked while paused.
   GstState now = GST_STATE_NULL;
   const bool plays
       = gst_element_get_state(stage_->pipeline, &now, nullptr, 0) == GST_STATE_CHANGE_SUCCESS
@@ -78,8 +78,8 @@ Chaos::skip_frames()
 {
   if (!is_settled_ || is_broken_ || has_ended_ || state_ != GST_STATE_PAUSED)
     return;
-  // GstBaseSink (1.22) gives its state up for a step and gets it back with the next frame: after
-  // the last one it waits for ever.
+  // GstBaseSink (1.22) loses its state for a step until the next frame. After the last frame it
+  // waits forever.
   GstState now = GST_STATE_NULL;
   if (gst_element_get_state(stage_->pipeline, &now, nullptr, 0) != GST_STATE_CHANGE_SUCCESS
       || now != GST_STATE_PAUSED || stage_->is_at_end())
@@ -140,13 +140,13 @@ Chaos::change_property()
     g_object_set(tactors, "ramp-in", static_cast<guint64>(dice(3)) * 100 * GST_MSECOND, nullptr);
     break;
   case 7:
-    // Beyond what the queues hold, one sink would wait for the other.
+    // A longer latency than the queues hold would deadlock the sinks.
     g_object_set(tactors, "ts-offset",
                  gint64{ dice(200) - 100 } * GST_MSECOND / (stage_->is_seekable() ? 10 : 1),
                  nullptr);
     break;
   case 8:
-    if (!stage_->is_seekable()) // likewise
+    if (!stage_->is_seekable()) // for the same reason
       g_object_set(tactors, "sync", static_cast<gboolean>(dice(4) > 0), nullptr);
     break;
   case 9:
@@ -169,7 +169,7 @@ Chaos::change_clock()
   case 0:
     gst_pipeline_auto_clock(GST_PIPELINE(stage_->pipeline));
     break;
-  case 1: // begins anywhere
+  case 1: // starts at an arbitrary time
     clock = GST_CLOCK(g_object_new(GST_TYPE_SYSTEM_CLOCK, "clock-type",
                                    dice(2) ? GST_CLOCK_TYPE_REALTIME : GST_CLOCK_TYPE_MONOTONIC,
                                    nullptr));
@@ -277,7 +277,7 @@ Chaos::change_device()
   }
   if (dice(2))
     set_state(GST_STATE_READY);
-  // With "seat" a Mega is looked at, too, and the other way round: whatever comes of it.
+  // The other kind of board may be plugged in. Any outcome is allowed.
   is_excused_ = true;
 }
 
@@ -327,7 +327,7 @@ Chaos::stall_board()
 void
 Chaos::repair_boards()
 {
-  // A board that took nothing has what it had then: it is plugged out.
+  // A stalled board still has its old levels, so it is unplugged.
   for (MemoryBoard *board : { &witness().mega, &witness().seat }) {
     const bool stalled = witness().sockets.locked([=] {
       board->refusal.reset();

@@ -108,7 +108,7 @@ Chaos::hear()
       gst_bin_recalculate_latency(GST_BIN(stage_->pipeline));
       break;
     case GST_MESSAGE_CLOCK_LOST:
-      // As applications do.
+      // Stop at an error, as applications do.
       if (state_ == GST_STATE_PLAYING) {
         gst_element_set_state(stage_->pipeline, GST_STATE_PAUSED);
         gst_element_set_state(stage_->pipeline, GST_STATE_PLAYING);
@@ -143,8 +143,8 @@ Chaos::set_state(GstState state)
   state_ = state;
   const GstStateChangeReturn ret = gst_element_set_state(stage_->pipeline, state);
   if (ret == GST_STATE_CHANGE_FAILURE) {
-    hear();                                       // which may know why
-    if (!is_excused_ || state <= GST_STATE_READY) // what is broken can be given up all the same
+    hear();                                       // it may hold the reason
+    if (!is_excused_ || state <= GST_STATE_READY) // a broken pipeline can always be stopped
       accuse(std::string("the pipeline does not become ") + name(state));
     is_broken_ = true;
   }
@@ -153,7 +153,7 @@ Chaos::set_state(GstState state)
   if (state <= GST_STATE_READY) {
     hear();
     is_broken_ = has_ended_ = false;
-    // What is broken stays so until it is mended; what was broken before is over.
+    // READY clears errors, and faults of boards remain until repaired.
     is_excused_ = !boards_are_well();
   }
 }
@@ -218,7 +218,7 @@ Chaos::draw()
 void
 Chaos::step()
 {
-  // After an error, an end and long times in rest mostly what gets the film going again.
+  // After an error, EOS or a long pause, draws mostly steps that resume the film.
   if ((is_broken_ || state_ < GST_STATE_PAUSED) && dice(3) > 0) {
     recover();
     return;
@@ -234,7 +234,7 @@ Chaos::step()
   const Step &chosen = draw();
   note(chosen.name);
   (this->*chosen.act)();
-  // The film goes on for a while, or not at all.
+  // Lets the film play for a random time, or not at all.
   const int pause = dice(3) == 0 ? 0 : dice(12) == 0 ? 1000 + dice(1000) : dice(150);
   std::this_thread::sleep_for(milliseconds(pause));
 }
@@ -287,8 +287,7 @@ Chaos::check()
   if (has_ended_ && kind_ != Stage::Kind::playbin && !is_broken_)
     witness().expect_silence("after the end");
   std::string reason;
-  // Threads need their time; what does not come about is ended by the watchdog, which has the
-  // reason.
+  // Other threads may need time. The watchdog ends the wait and reports waiting_for_.
   const auto hold = [&](auto condition) {
     while (!condition()) {
       {

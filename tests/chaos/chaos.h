@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 //
-// Everything that an application, a user, a network and a cable can do to a film with a chair, in
-// an order drawn by lot. After each step: nothing waits for ever, GLib warned of nothing, the
-// motors are where the film is or at zero, and none was told what was asked for before a flush. The
-// first thing that is wrong ends the run with the seed, the steps and the stacks.
+// A random sequence of everything that an application, a user, a network and a cable can do to a
+// film with a chair. Invariants after each step: nothing hangs, GLib has not warned, motors match
+// the film or are at zero, and no command from before a flush reaches a motor. The first violation
+// ends the run and prints the seed, the steps and the stacks.
 #pragma once
 
 #include "stage.h"
@@ -19,25 +19,25 @@
 #include <thread>
 #include <vector>
 
-/// One run. What is not said to be for any thread is for the one that made it.
+/// One run. Methods are for the thread that created it, unless they say otherwise.
 class Chaos
 {
 public:
-  /// Takes only these steps, and what gets a film going again; all if there are none. Throws
+  /// Draws only the steps in `only`, and those that resume a film; all steps if it is empty. Throws
   /// std::invalid_argument.
   Chaos(Stage::Kind kind, const std::string &film, std::uint64_t seed,
         const std::vector<std::string> &only, Watchdog &watchdog);
   ~Chaos();
   void run(int count);
   static bool is_step(const std::string &name);
-  /// The elements that are not in their pipeline's state, from any thread and without a lock:
-  /// whatever hangs may have it.
+  /// Prints the elements that are not in their pipeline's state. From any thread. Takes no lock,
+  /// because what hangs may hold it.
   void print_states();
-  /// What check() waits for, from any thread.
+  /// What check() waits for. From any thread.
   std::string waiting_for();
 
 private:
-  // ---- dice
+  // ---- random numbers
 
   int dice(int sides)
   {
@@ -56,14 +56,14 @@ private:
 
   void make_stage();
   void leave_stage();
-  /// Takes what is on the bus. Errors that nobody made are faults.
+  /// Handles the messages on the bus. Errors that no step caused are faults.
   void hear();
-  /// playbin (1.22) that is stopped or fails while it begins plays no more, or aborts: it is let
-  /// begin first.
+  /// Waits until playbin has prerolled: one that is stopped or fails before never plays again, or
+  /// aborts (GStreamer 1.22).
   void let_begin();
   void set_state(GstState state);
-  /// Waits, in small pieces, until it holds; the watchdog ends what takes too long. False if it
-  /// need not hold any more.
+  /// Polls until the condition holds. The watchdog ends the run if it takes too long. False if the
+  /// stage broke, so that it need not hold.
   template <typename Condition> bool await(Condition condition)
   {
     for (;;) {
@@ -98,23 +98,23 @@ private:
   void ready();
   void null();
   void seek();
-  /// Frame after frame, as players do it: in a pause.
+  /// Steps frame by frame while paused, as players do.
   void skip_frames();
   void change_caps();
   void change_property();
   void change_clock();
   void change_latency();
   void query();
-  /// GstBaseSrc (1.22) takes the end of a live stream only when it does not wait for downstream,
-  /// which in a pause it may.
+  /// A live GstBaseSrc (1.22) handles EOS only when it is not blocked downstream, which it may be
+  /// while paused.
   bool can_end() const;
   void send_eos();
   void post_error();
   void dispose();
 
-  // What becomes of boards
+  // What happens to boards
 
-  /// Which takes effect when the board is opened next.
+  /// Takes effect when the board is next opened.
   void change_device();
   void plug(MemoryBoard &board);
   void plug();
@@ -127,27 +127,27 @@ private:
 
   // What happens inside the stream and on the network
 
-  /// Does something to one buffer on its way to tactorsink, the next that comes.
+  /// Calls `act` for the next buffer on its way to tactorsink.
   void once(GstPadProbeReturn (*act)(GstPad *, GstPadProbeInfo *, int), int value = 0);
   void forget_probe();
   void flow_error();
   void gap();
-  /// Nothing comes for a while.
+  /// Stops the data flow for a while.
   void starve();
-  /// The tactile branch is taken out of a pipeline that plays; the picture goes on.
+  /// Removes the tactile branch from a playing pipeline. The picture goes on.
   void cut_branch();
   void mend_branch();
-  /// Before the pipeline goes to rest, so that it is whole when it plays again.
+  /// Puts the branch back before the pipeline leaves PLAYING.
   void restore_branch();
   void join_branch(bool sync);
-  /// The other computer hangs, begins anew, or sends what is none of ours.
+  /// The sender hangs, restarts, or sends garbage.
   void disturb_network();
 
   // Two threads
 
-  /// What two threads of an application may do at the same time.
+  /// Two things that an application may do from two threads at a time.
   void two_at_once();
-  // Of the other thread: nothing of this object is changed there, and no dice are thrown.
+  // For the second thread. They change no member and draw no random number.
   void query_often();
   void pull_and_plug();
   void latency_often();
@@ -157,7 +157,7 @@ private:
 
   // ---- after each step
 
-  /// Running time of the chair; nothing if it has no clock now.
+  /// The chair's running time. False without a clock.
   bool running_time(gint64 &running);
   void check();
 
@@ -176,14 +176,14 @@ private:
     int value = 0;
     std::atomic<bool> is_done{ false };
   } once_;
-  std::atomic<bool> has_prerolled_{ false }; ///< since READY: what is not linked yet takes no seek
-  GstPad *extractor_ = nullptr;              ///< what the branch that is cut came from
+  std::atomic<bool> has_prerolled_{ false }; ///< since READY; before that, seeks are refused
+  GstPad *extractor_ = nullptr;              ///< source pad of the removed branch
   GstState state_ = GST_STATE_NULL;
-  bool is_settled_ = false; ///< and since the last flush
+  bool is_settled_ = false; ///< state reached, no flush since
   bool is_muted_ = false;
-  bool is_broken_ = false; ///< an error came: only READY helps
+  bool is_broken_ = false; ///< after an error, until READY
   bool has_ended_ = false;
-  std::atomic<bool> is_excused_{ false }; ///< something was done that may end in an error
+  std::atomic<bool> is_excused_{ false }; ///< a step may have caused an error
   bool is_cut_ = false;
   std::mutex mutex_;
   std::string waiting_for_;

@@ -9,7 +9,7 @@ void
 Chaos::once(GstPadProbeReturn (*act)(GstPad *, GstPadProbeInfo *, int), int value)
 {
   GstPad *pad = stage_->upstream_pad();
-  if (!pad) // cut
+  if (!pad) // the branch was removed
     return;
   forget_probe();
   once_.act = act;
@@ -38,7 +38,7 @@ Chaos::forget_probe()
 void
 Chaos::flow_error()
 {
-  // Elements that fail say so on the bus; in visuotactilesink that is what the film goes on by.
+  // Elements post an error when they fail; visuotactilesink relies on it to play on.
   if (kind_ == Stage::Kind::playbin)
     return;
   is_excused_ = true;
@@ -85,7 +85,7 @@ Chaos::cut_branch()
   extractor_ = gst_pad_get_peer(sink);
   gst_pad_unlink(extractor_, sink);
   gst_object_unref(sink);
-  // From its end: what waits in a sink ends with it.
+  // The sink first, which ends its waits.
   for (GstElement *each : { stage_->tactors, stage_->branch }) {
     gst_bin_remove(GST_BIN(stage_->pipeline), each);
     gst_element_set_state(each, GST_STATE_NULL);
@@ -97,14 +97,14 @@ Chaos::cut_branch()
 void
 Chaos::mend_branch()
 {
-  // In a pause a sink that is added waits for a map, which does not come where what is shown holds
-  // the film up; after the end it hears of nothing.
+  // While paused, a new sink waits for a map that does not come, because the shown branch blocks.
+  // After EOS it gets no event.
   if (!is_cut_ || is_broken_ || state_ != GST_STATE_PLAYING || !boards_are_well()
       || stage_->is_at_end())
     return;
   join_branch(true);
-  // A pipeline (1.22) that is paused while what was added to it prerolls takes itself for paused
-  // already: its elements play on.
+  // A pipeline (1.22) that is paused while an added element prerolls believes that it is paused
+  // already, and its elements play on.
   await([this] {
     return gst_element_get_state(stage_->pipeline, nullptr, nullptr, 0) != GST_STATE_CHANGE_ASYNC
            || has_ended_ || stage_->is_at_end();
@@ -150,7 +150,7 @@ Chaos::disturb_network()
     gst_element_set_state(stage_->source, GST_STATE_PLAYING);
     break;
   default: {
-    // Packets of noise, lost ones, twice the same.
+    // Garbage, lost and duplicate packets.
     GstElement *out = gst_bin_get_by_name(GST_BIN(stage_->source), "out");
     GstPad *pad = gst_element_get_static_pad(out, "sink");
     const int mode = dice(3);

@@ -16,7 +16,7 @@
 namespace {
 
 constexpr int kPatience = 30; ///< s, for one step
-/// The test's grid is 3 × 3 or smaller; the second mirrors it.
+/// For grids of up to 3 × 3. The second mirrors the columns.
 const std::vector<std::vector<int>> kMappings{ {}, { 2, 1, 0, 5, 4, 3, 8, 7, 6 } };
 
 GLogWriterOutput
@@ -89,7 +89,7 @@ main(int argc, char **argv)
   witness().accuse = accuse;
   witness().set_mappings(kMappings);
 
-  // A file without a name: nothing of it is left, however this process ends.
+  // An unnamed file, so that none is left when the process ends in any way.
   const int fd = memfd_create("film", MFD_CLOEXEC);
   if (fd < 0) {
     std::perror("chaos");

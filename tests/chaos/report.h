@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 //
-// What is told of a run in which something is wrong.
+// The report of a failed run.
 #pragma once
 
 #include <cstdint>
@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-/// What was done, for whoever has to find out. Any thread.
+/// A log of the steps. Thread-safe.
 class Log
 {
 public:
@@ -24,13 +24,13 @@ private:
   std::vector<std::string> lines_;
 };
 
-/// Of this process.
+/// The log of this process.
 Log &steps();
 
-/// Ends the process with what is wrong and the steps that led there.
+/// Prints the fault and the steps before it, and ends the process.
 [[noreturn]] void accuse(const std::string &fault);
 
-/// With GST_DEBUG: the last of what each thread logged is kept, and printed at a fault. All of it
-/// would be gigabytes.
+/// With GST_DEBUG, keeps the last lines of each thread and prints them at a fault. All lines would
+/// be gigabytes.
 void keep_gstreamer_log();
 void print_gstreamer_log();

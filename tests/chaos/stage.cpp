@@ -53,7 +53,7 @@ Stage::Stage(Kind kind, const std::string &film) : kind(kind)
                      "caps=\"application/x-rtp,media=application,clock-rate=90000,"
                      "encoding-name=X-GST\" ! rtpjitterbuffer latency=100 ! rtpgstdepay "
                      "! tactorsink name=tactors rate=0");
-    // The port is known once it is open.
+    // The port is known after it was opened.
     GstElement *maps = named(pipeline, "maps");
     gst_element_set_state(maps, GST_STATE_READY);
     gint port = 0;
@@ -94,7 +94,7 @@ Stage::Stage(Kind kind, const std::string &film) : kind(kind)
     g_object_set(analysis, "temporal", FALSE, nullptr);
 }
 
-/// Each time the film is begun: gst_parse_launch() does so only once.
+/// Links at each start: gst_parse_launch() does so only once.
 void
 Stage::link_decoder()
 {
@@ -109,7 +109,7 @@ Stage::link_decoder()
                      gst_caps_unref(caps);
                      gst_object_unref(sink);
                    }),
-                   scale); // which lives as long in the same bin
+                   scale); // lives in the same bin
   gst_object_unref(scale);
   gst_object_unref(decoder);
 }

@@ -5,14 +5,14 @@
 
 #include <string>
 
-/// A film on its way to a chair, of one of the kinds in which applications build it.
+/// A pipeline from film to chair, of one of the kinds that applications build.
 class Stage
 {
 public:
   enum class Kind
   {
     file,    ///< decodebin, analysis, a video and a tactile branch
-    live,    ///< a camera, likewise
+    live,    ///< the same with a camera
     network, ///< maps over RTP and UDP, from a pipeline that plays elsewhere
     playbin, ///< a film with sound in playbin, shown by visuotactilesink
   };
@@ -31,20 +31,18 @@ public:
   {
     return is_seekable(kind);
   }
-  /// The end of a stream is on its way to its sink or there, though perhaps not yet on the bus.
+  /// Whether EOS has entered the stream. Its message may not be on the bus yet.
   bool is_at_end() const;
-  /// The pad that maps or frames with maps come from: what happens there happens to tactorsink's
-  /// upstream. Transfer full.
+  /// The pad upstream of tactorsink that maps, or frames with maps, come from. Transfer full.
   GstPad *upstream_pad() const;
 
   const Kind kind;
   GstElement *pipeline = nullptr;
   GstElement *tactors = nullptr;
-  GstElement *analysis = nullptr; ///< NULL: it is elsewhere
-  GstElement *size = nullptr;     ///< a capsfilter of the picture's size; may be NULL
-  GstElement *branch
-      = nullptr; ///< the tactile branch's queue, where it can be taken away; may be NULL
-  GstElement *source = nullptr; ///< of the other computer; may be NULL
+  GstElement *analysis = nullptr; ///< NULL if it runs elsewhere
+  GstElement *size = nullptr;     ///< capsfilter for the picture's size, or NULL
+  GstElement *branch = nullptr;   ///< queue of a tactile branch that can be removed, or NULL
+  GstElement *source = nullptr;   ///< of the sender, or NULL
 
 private:
   void link_decoder();
@@ -52,5 +50,5 @@ private:
 
 constexpr gint64 kFilmLength = 12 * GST_SECOND;
 
-/// Writes so much of a ball that moves about, with a tone; each frame can be sought.
+/// Writes a film of kFilmLength: a moving ball, with a tone. Every frame is a key frame.
 void make_film(const std::string &path);

@@ -69,7 +69,7 @@ void
 print_stacks()
 {
   void *frames[1];
-  backtrace(frames, 1); // loads what it needs, before it is called from a handler
+  backtrace(frames, 1); // loads libgcc outside of signal handlers
   std::signal(SIGUSR2, print_own_stack);
   for (const auto &entry : std::filesystem::directory_iterator("/proc/self/task")) {
     const pid_t thread = std::stoi(entry.path().filename());

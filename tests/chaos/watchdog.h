@@ -7,20 +7,18 @@
 #include <mutex>
 #include <thread>
 
-/// Ends the process, with the stacks of all its threads, where something takes too long. Time is
-/// counted in turns of its own thread: a process that was stopped for minutes, or a machine that
-/// was, is not late.
+/// Ends the process, and prints the stacks of all threads, if something takes too long. It counts
+/// wakeups of its own thread, so that a process or machine that was suspended is not late.
 class Watchdog
 {
 public:
-  /// `report` says what was going on; it is called once, on the watchdog's thread, before the
-  /// stacks are printed.
+  /// `report` is called once, from the watchdog's thread, before the stacks are printed.
   Watchdog(int seconds, std::function<void()> report);
   ~Watchdog();
   Watchdog(const Watchdog &) = delete;
   Watchdog &operator=(const Watchdog &) = delete;
 
-  /// From any thread: the time begins anew.
+  /// Restarts the timeout. From any thread.
   void feed();
 
 private:
@@ -33,11 +31,11 @@ private:
   std::mutex mutex_;
   std::condition_variable ended_;
   bool quit_ = false;
-  std::thread thread_; ///< last: it uses the others
+  std::thread thread_; ///< last, as it uses the others
 };
 
-/// Prints the stack of the thread that calls it to stderr; a handler of signals.
+/// Signal handler that prints the stack of the current thread to stderr.
 void print_own_stack(int signal);
 
-/// Prints the stack of each thread to stderr. Threads that hold malloc's lock may not be able to.
+/// Prints the stack of each thread to stderr. May fail for threads that hold malloc's lock.
 void print_stacks();

@@ -16,13 +16,13 @@ using tactor::Time;
 
 namespace {
 
-/// Longest lead, and what is added to it: the transport of a Mega's 15 tactors, and rounding.
+/// The longest lead, plus the transport time of a Mega's 15 tactors, plus rounding.
 constexpr gint64 kLead = 180 * GST_MSECOND + 50 * GST_MSECOND;
 constexpr gint64 kHold = GST_SECOND; ///< see tactorsink
 constexpr std::size_t kKeptMaps = 4000;
 constexpr double kFullScale = 3.0;
 
-/// A driver that tells the witness.
+/// A driver that reports to the witness.
 class WitnessedDriver final : public tactor::Driver
 {
 public:
@@ -88,7 +88,7 @@ private:
 std::unique_ptr<tactor::Driver>
 make_board(tactor::FirmataDriver::Firmware firmware)
 {
-  // Boards in memory answer at once.
+  // Boards in memory answer immediately.
   tactor::FirmataDriver::Settings settings;
   settings.patience.answer = std::chrono::seconds(2);
   settings.look_again = std::chrono::milliseconds(200);
@@ -102,7 +102,7 @@ witnessed(std::unique_ptr<tactor::Driver> driver)
   return std::make_unique<WitnessedDriver>(std::move(driver));
 }
 
-// The sink's and its pad's own functions, which are the same for all tactorsinks.
+// The original functions of the sink and its pad, the same for all tactorsinks.
 GstFlowReturn (*render)(GstBaseSink *, GstBuffer *) = nullptr;
 GstPadEventFunction event = nullptr;
 
@@ -246,7 +246,7 @@ Witness::wrote(std::span<const double> volts, Time now)
     accuse("a driver that is closed was written to");
   volts_.assign(volts.begin(), volts.end());
   write_count_++;
-  // A latency that grows sets running time back: what was begun goes on.
+  // A growing latency sets running time back. What has started continues.
   latest_ = std::max(latest_, now.count());
   bool any = false;
   for (std::size_t i = 0; i < volts_.size(); i++) {
@@ -283,7 +283,7 @@ Witness::arrived(GstBaseSink *sink, GstBuffer *buffer)
                   / sizeof levels[0]);
   }
   GST_OBJECT_LOCK(sink);
-  const GstSegment segment = sink->segment; // steps have moved it
+  const GstSegment segment = sink->segment; // changed by steps
   GST_OBJECT_UNLOCK(sink);
   const GstClockTime duration
       = GST_BUFFER_DURATION_IS_VALID(buffer) ? GST_BUFFER_DURATION(buffer) : GST_SECOND / 10;
@@ -295,7 +295,7 @@ Witness::arrived(GstBaseSink *sink, GstBuffer *buffer)
     if (segment.rate < 0)
       std::swap(from, to);
     map.start = static_cast<gint64>(gst_segment_to_running_time(&segment, GST_FORMAT_TIME, from));
-    // The whole frame, as shown: the clipped one may be shorter than what is held.
+    // The whole frame: the clipped one may be shorter than the hold.
     map.end
         = map.start + static_cast<gint64>(static_cast<double>(duration) / std::abs(segment.rate));
   }

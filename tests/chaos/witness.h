@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 //
-// What the chair was asked for and what it did, seen from both ends of tactorsink: maps as it takes
-// them, voltages as they reach the driver. The drivers of a program with this file are the real
-// ones, on boards in memory, each in the hands of the witness.
+// Observes both ends of tactorsink: the maps that it receives, and the voltages that reach the
+// driver. Programs with this file have the real drivers, on boards in memory, each wrapped by the
+// witness.
 #pragma once
 
 #include "support/boards/memory_bus.h"
@@ -18,24 +18,23 @@
 class Witness
 {
 public:
-  /// Called with what is wrong; the process is not to go on afterwards.
+  /// Called with a fault. It must not return.
   std::function<void(const std::string &)> accuse;
 
-  /// Watches a tactorsink from its READY state on, at most one at a time.
+  /// Watches a tactorsink from READY on. At most one at a time.
   void watch(GstElement *tactors);
 
-  /// Tactors that cells may be mapped to, in any of the mappings of the run; empty: only cell i to
-  /// tactor i.
+  /// The tactors of each cell, for every mapping of the run. If empty, cell i is tactor i.
   void set_mappings(std::vector<std::vector<int>> mappings);
 
-  /// Every motor is at zero, as far as the driver was told, now.
+  /// Fails unless the driver's last voltages are zero.
   void expect_silence(const std::string &when);
 
-  /// Whether what the motors were told is what the maps in force at this running time ask for, or
-  /// zero; `reason` says why not.
+  /// Whether the voltages are those of the maps in force at this running time, or zero. If not,
+  /// sets `reason`.
   bool agrees_with_film(gint64 running, std::string &reason);
 
-  /// Whether the boards' motors are what the driver was told, or stand; `reason` says why not.
+  /// Whether the boards' motors have the driver's voltages, or are off. If not, sets `reason`.
   bool boards_agree(std::string &reason);
 
   guint64 maps() const;
@@ -50,23 +49,23 @@ public:
                     kMega,
                     true };
 
-  // Of the driver in use, on its caller's thread.
+  // Called by the driver, from its caller's thread.
   void opened();
   void closed();
   void wrote(std::span<const double> volts, tactor::Time now);
 
-  // Of the sink, on the streaming thread.
+  // Called by the sink, from the streaming thread.
   void arrived(GstBaseSink *sink, GstBuffer *buffer);
   void flushed();
   void took_caps(const GstCaps *caps);
 
 private:
-  /// A map that came since the last flush.
+  /// A map since the last flush.
   struct Map
   {
     gint64 start; ///< running time
     gint64 end;
-    std::vector<bool> on; ///< of each cell
+    std::vector<bool> on; ///< by cell
   };
 
   bool is_asked_for(const Map &map, std::size_t tactor) const;
@@ -78,7 +77,7 @@ private:
   bool is_open_ = false;
   std::vector<double> volts_;
   static constexpr gint64 kNever = G_MININT64;
-  gint64 latest_ = kNever; ///< running time of a write since the last flush
+  gint64 latest_ = kNever; ///< running time of the last write since the last flush
   guint64 map_count_ = 0;
   guint64 write_count_ = 0;
   guint64 vibration_count_ = 0;

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 //
-// What the seat sketch uses of the Arduino library Firmata, for the Uno and the Mega, after the
-// protocol's text (firmata/protocol, version 2.5). Debian has no package of the library, so the
-// sketch is tested on this; boards run it on the library itself.
+// A stand-in for the parts of the Arduino library Firmata that the seat sketch uses, for the Uno
+// and the Mega, written from the protocol (firmata/protocol, version 2.5). Debian has no package of
+// the library. Boards run the real one.
 #pragma once
 
 #include <Arduino.h>
@@ -131,7 +131,7 @@ private:
     }
   }
 
-  /// A command and its two bytes have come.
+  /// Handles a command with its two data bytes.
   void message()
   {
     if (command_ == SET_PIN_MODE)
@@ -169,7 +169,7 @@ private:
   Message pin_mode_ = nullptr;
   Reset reset_ = nullptr;
   Sysex sysex_ = nullptr;
-  byte command_ = 0; ///< whose bytes are coming, 0: none
+  byte command_ = 0; ///< that is being received, 0 if none
   byte count_ = 0;
   byte data_[64];
   byte modes_[TOTAL_PINS] = {};

@@ -17,7 +17,7 @@ core=$avr/cores/arduino
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 
-# As platform.txt and boards.txt of the core have it; the float.h of Debian's gcc-avr lacks DECIMAL_DIG.
+# Flags of platform.txt and boards.txt of the core. The float.h of Debian's gcc-avr lacks DECIMAL_DIG.
 flags=(-mmcu="$chip" -DF_CPU=16000000L -DARDUINO=10819 -DARDUINO_"$name" -DARDUINO_ARCH_AVR -DDECIMAL_DIG=17 -Os -g
   -ffunction-sections -fdata-sections -I"$core" -I"$avr/variants/$variant" -I"$here")
 cxx=(avr-g++ "${flags[@]}" -std=gnu++11 -fpermissive -fno-exceptions -fno-threadsafe-statics)

@@ -1,13 +1,13 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: LGPL-2.1-or-later
-"""What a coin motor makes of a level at a firmware's PWM frequency.
+"""The effective voltage of a coin motor at a firmware's PWM frequency.
 
-A motor is a resistance, an inductance and a voltage of its own that grows with its speed. A transistor is in its negative lead, a diode and
-a capacitor are across it. While the transistor is on, the terminals have the supply. Then the motor's current takes the capacitor's charge,
-down to the diode's drop below zero at most, and ends; from then on the terminals show the motor's own voltage.
+A motor is a resistance, an inductance and a back-EMF that is proportional to speed. It has a low-side transistor, and a diode and a
+capacitor in parallel. While the transistor is on, the terminals have the supply voltage. When it turns off, the motor's current discharges
+the capacitor, at most to the diode's drop below zero, and ends. Then the terminals have the back-EMF.
 
-Printed are the steady volts that would turn the motor as fast: the table of docs/hardware/README.md. With --check the simulation is
-compared with what can be said in closed form, and the page with the simulation.
+Prints the steady voltage that gives the same speed: the table of docs/hardware/README.md. With --check, compares the simulation with
+closed-form solutions, and the page with the simulation.
 
 Usage: motor_pwm.py [--check PAGE]
 """
@@ -27,7 +27,7 @@ SEAT = 16e6 / 510  # phase-correct, no prescaler
 
 
 def mean_current(duty, hertz, coil, own, capacitor=CAPACITOR):
-    """Step by step until it repeats; coil is L/R in seconds, own the motor's own volts."""
+    """Simulates until the state is periodic. coil: L/R in seconds, own: back-EMF in volts."""
     steps = max(1200, round(1 / hertz / 2e-7))
     dt = 1 / hertz / steps
     current = volts = 0.0
@@ -49,7 +49,7 @@ def mean_current(duty, hertz, coil, own, capacitor=CAPACITOR):
 
 
 def mean_current_without_capacitor(duty, hertz, coil, own):
-    """The same in closed form."""
+    """The closed-form solution."""
     on, off = duty / hertz, (1 - duty) / hertz
     to_on, to_off = (SUPPLY - own) / RESISTANCE, -(own + DIODE) / RESISTANCE
     a, b = math.exp(-on / coil), math.exp(-off / coil)
@@ -64,7 +64,7 @@ def mean_current_without_capacitor(duty, hertz, coil, own):
 
 
 def steady_volts(level, hertz, coil):
-    """Steady volts at which the motor turns as fast as with these pulses; 0 if it does not turn."""
+    """The steady voltage that gives the same speed as these pulses, or 0 if the motor does not turn."""
     slow, fast = 0.0, SUPPLY
     for _ in range(10):
         own = (slow + fast) / 2
@@ -76,7 +76,7 @@ def steady_volts(level, hertz, coil):
 
 
 def row(level):
-    """Of the page's table."""
+    """Rows of the page's table."""
     volts = ("{:.2f}, {:.2f} V".format(*(steady_volts(level, hertz, coil) for coil in (10e-6, 40e-6))) for hertz in (STOCK, TIMER_0, SEAT))
     return f"| {level:.2f} V | " + " | ".join(volts) + " |"
 
@@ -87,7 +87,7 @@ def check(page):
             for own in (0.1, 1.0):
                 exact = mean_current_without_capacitor(duty, hertz, 10e-6, own)
                 assert abs(mean_current(duty, hertz, 10e-6, own, 0) - exact) < 5e-4, (hertz, duty, own)
-    # Where pulses are far apart the current has no memory: duty * (supply - own) / resistance, less than 3 % off.
+    # At low frequencies, pulses are independent: duty * (supply - own) / resistance, with an error below 3 %.
     assert abs(mean_current_without_capacitor(0.5, 10, 10e-6, 1.0) - 0.04) < 1e-3
     for level in LEVELS:
         for coil in (10e-6, 40e-6):

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 //
-// The seat sketch on an emulated ATmega2560 and ATmega328P (simavr): what it answers, what its
-// timers are set to, and how its motors are turned off. Times are cycles of the emulated chip, so
-// the machine's own speed plays no part. Usage: firmware-seat MEGA.elf UNO.elf
+// The seat sketch on an emulated ATmega2560 and ATmega328P (simavr): its answers, timer settings,
+// and how motors are turned off. Times are cycles of the emulated chip, independent of the host.
+// Usage: firmware-seat MEGA.elf UNO.elf
 extern "C" {
 #include <simavr/avr_ioport.h>
 #include <simavr/avr_uart.h>
@@ -19,7 +19,7 @@ extern "C" {
 #include <utility>
 #include <vector>
 
-// After the standard library's headers: gstcheck.h defines a macro named fail.
+// gstcheck.h defines a macro `fail`, so it follows the standard library's headers.
 #include <gst/check/gstcheck.h>
 
 namespace {
@@ -28,12 +28,12 @@ using Bytes = std::vector<std::uint8_t>;
 
 constexpr std::uint64_t kHertz = 16'000'000;
 constexpr std::uint64_t kMillisecond = kHertz / 1000;
-constexpr std::uint64_t kBit = 35 * 8;     ///< 57600 baud, as near as the chip's divider comes
-constexpr std::uint64_t kByte = 11 * kBit; ///< simavr counts one bit more than 8N1 has
+constexpr std::uint64_t kBit = 35 * 8;     ///< the divider's nearest to 57600 baud
+constexpr std::uint64_t kByte = 11 * kBit; ///< 8N1 and one bit more, as in simavr
 constexpr std::uint64_t kSoon
     = 3 * kMillisecond; ///< a byte reaches the program 0.75 ms after it was sent
 
-/// Where a pin is in the chip's data memory (data sheets of the ATmega2560 and ATmega328P,
+/// Registers of a pin in the chip's data memory (data sheets of the ATmega2560 and ATmega328P,
 /// "Register Summary"; Arduino's pin maps).
 struct Pin
 {
@@ -45,7 +45,7 @@ struct Pin
   std::uint16_t compare; ///< OCRnx, its low byte
 };
 
-/// All PWM pins of the Mega but 13, the light's.
+/// All PWM pins of the Mega except 13, the LED.
 constexpr Pin kPins[] = {
   { 2, 0x2E, 4, 0x90, 5, 0x9A },     { 3, 0x2E, 5, 0x90, 3, 0x9C },
   { 4, 0x34, 5, 0x44, 5, 0x48 },     { 5, 0x2E, 3, 0x90, 7, 0x98 },
@@ -72,7 +72,7 @@ Model uno{ "atmega328p", kUnoPins };
 
 constexpr std::uint8_t kKeepalive[] = { 0xF0, 0x01, 0xF7 };
 
-/// An Arduino with the sketch, and a wire to it.
+/// An Arduino with the sketch and a serial line.
 class Board
 {
 public:
@@ -84,9 +84,9 @@ public:
     fail_unless(avr_ != nullptr);
     avr_init(avr_);
     avr_->frequency = kHertz;
-    avr_->log = LOG_OUTPUT; // nothing of its own
+    avr_->log = LOG_OUTPUT; // log nothing
     avr_load_firmware(avr_, &firmware);
-    std::uint32_t flags = 0; // neither print what comes nor sleep
+    std::uint32_t flags = 0; // do not echo, do not sleep
     avr_ioctl(avr_, AVR_IOCTL_UART_SET_FLAGS('0'), &flags);
     input_ = avr_io_getirq(avr_, AVR_IOCTL_UART_GETIRQ('0'), UART_IRQ_INPUT);
     avr_irq_register_notify(
@@ -113,7 +113,7 @@ public:
   void step()
   {
     const int state = avr_run(avr_);
-    if (state == cpu_Done || state == cpu_Crashed) // each assertion is a system call: too many here
+    if (state == cpu_Done || state == cpu_Crashed) // not an assertion, which costs a system call
       ck_abort_msg("the chip stopped in state %d", state);
   }
 
@@ -139,7 +139,7 @@ public:
     }
   }
 
-  /// Sends bytes, at the wire's speed; now is when the last one has come.
+  /// Sends bytes at line speed. Returns when the last one has arrived.
   void send(std::initializer_list<std::uint8_t> bytes)
   {
     send(bytes.begin(), bytes.end());
@@ -153,7 +153,7 @@ public:
     }
   }
 
-  /// What the board sends until it has been silent for 5 ms.
+  /// The bytes that the board sends until it is silent for 5 ms.
   Bytes take_answer()
   {
     std::size_t before;
@@ -175,7 +175,7 @@ public:
     return !answer_.empty();
   }
 
-  /// 0 to 255; a floating pin is 0: its resistor pulls it down.
+  /// 0 to 255. A floating pin is 0, because of its pull-down resistor.
   int level(const Pin &pin) const
   {
     if (!driven(pin))
@@ -200,7 +200,7 @@ public:
     return pins_;
   }
 
-  /// Of a pin's pulses, Hz; from mode and prescaler as the data sheets have them.
+  /// PWM frequency of a pin in Hz, from mode and prescaler (data sheets).
   double frequency(const Pin &pin) const
   {
     const int prescalers[] = { 0, 1, 8, 64, 256, 1024, 0, 0 };
@@ -213,8 +213,8 @@ public:
     return static_cast<double>(kHertz) / prescaler / (mode == 1 ? 510 : 256);
   }
 
-  /// The program's next instruction, not an interrupt's, jumps to itself. Returns what is needed to
-  /// have it back.
+  /// Replaces the program's next instruction by an endless loop. Returns its place and old value.
+  /// Interrupts go on.
   std::pair<std::uint8_t *, std::uint16_t> hang()
   {
     while (!avr_->sreg[S_I])
@@ -249,7 +249,7 @@ firmware_reply()
   return bytes;
 }
 
-/// After the greeting, each motor in PWM mode and at `level`.
+/// After the banner, sets each motor to PWM mode and `level`.
 void
 start(Board &board, std::uint8_t level = 0)
 {
@@ -265,8 +265,7 @@ start(Board &board, std::uint8_t level = 0)
 
 } // namespace
 
-/// No motor moves between power-on and the greeting, and by the greeting's first byte all are held
-/// at zero.
+/// Motors are off from power-on, and actively driven to zero by the first byte of the banner.
 GST_START_TEST(test_boot)
 {
   Board board;
@@ -315,7 +314,7 @@ GST_START_TEST(test_answers)
 }
 GST_END_TEST;
 
-/// Each motor at a level of its own, by both messages; no other pin changes.
+/// Each motor gets its own level, by both messages. No other pin changes.
 GST_START_TEST(test_levels)
 {
   Board board;
@@ -338,7 +337,7 @@ GST_START_TEST(test_levels)
   board.send({ 0xE3, 0x2C, 2 }); // 300
   board.send({ 0xF0, 0x6F, 44, 0x7F, 0x7F, 0x7F, 0xF7 });
   board.send({ 0xE5, 0, 0 });
-  board.send({ 0xF4, 13, 3, 0xED, 0x7F, 1 }); // the light
+  board.send({ 0xF4, 13, 3, 0xED, 0x7F, 1 }); // the LED
   board.run_for(kSoon);
   ck_assert_int_eq(board.level(kPins[1]), 255);
   ck_assert_int_eq(board.level(kPins[11]), 255);
@@ -355,8 +354,8 @@ GST_START_TEST(test_levels)
 }
 GST_END_TEST;
 
-/// Pulses come at 31.4 kHz, whatever happens, but for timer 0, of which the Mega has pin 4 and the
-/// Uno 5 and 6: its 976 Hz are the core's clock. Levels are as they were.
+/// PWM is always at 31.4 kHz, except on timer 0 (pin 4 of the Mega, 5 and 6 of the Uno), whose 976
+/// Hz are the core's clock. Levels do not change.
 GST_START_TEST(test_frequency)
 {
   for (const Model &model : { mega, uno }) {
@@ -384,7 +383,7 @@ GST_START_TEST(test_frequency)
 }
 GST_END_TEST;
 
-/// Motors run on for 250 ms after the last byte, not longer; what comes afterwards is obeyed again.
+/// Motors run for 250 ms after the last byte. Later commands work again.
 GST_START_TEST(test_silence)
 {
   for (const Model &model : { mega, uno }) {
@@ -411,7 +410,7 @@ GST_START_TEST(test_silence)
 }
 GST_END_TEST;
 
-/// Any byte counts as being heard; so do keepalives for as long as they come.
+/// Any byte resets the watchdog, including keepalives.
 GST_START_TEST(test_keepalive)
 {
   Board board;
@@ -428,8 +427,8 @@ GST_START_TEST(test_keepalive)
 }
 GST_END_TEST;
 
-/// The program hangs while the host goes on: the chip's own watchdog resets it within 0.6 s, and it
-/// greets again.
+/// The program hangs while the host goes on. The chip's watchdog resets it within 0.6 s, and it
+/// sends its banner.
 GST_START_TEST(test_hung_program)
 {
   Board board;
@@ -445,16 +444,16 @@ GST_START_TEST(test_hung_program)
   const Bytes greeting = board.take_answer();
   fail_unless(greeting.size() > 3
               && Bytes(greeting.begin(), greeting.begin() + 3) == (Bytes{ 0xF9, 2, 5 }));
-  // Once, not again and again. (A real chip's watchdog runs on through the reset it made, simavr's
-  // does not: that the sketch stops it is not seen here.)
+  // It resets once. (A real chip's watchdog stays on after a reset, simavr's does not, so this does
+  // not test that the sketch stops it.)
   board.run_for(700 * kMillisecond);
   fail_if(board.has_answered());
   fail_unless(board.ask({ 0xF9 }) == (Bytes{ 0xF9, 2, 5 }));
 }
 GST_END_TEST;
 
-/// It fits into an Uno: 32 KiB less the boot loader, 2 KiB of memory of which a quarter is left for
-/// the stack. The library itself takes more than its stand-in, hence half of the program memory.
+/// The sketch fits an Uno: 32 KiB of flash without the boot loader, 2 KiB of RAM with a quarter for
+/// the stack. The real library is larger than its stand-in, so only half of the flash is allowed.
 GST_START_TEST(test_size)
 {
   elf_firmware_t firmware{};

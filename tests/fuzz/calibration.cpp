@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 //
-// Files about motors made up by a fuzzer. CALIBRATION_FILE: a calibration that is read can be used,
-// written and read again as the same. Otherwise a recording as CSV: what is read is even and
-// finite, and whatever it holds a step in it is measured or refused. What is not read is refused
-// with a reason. Anything else ends the process.
+// Fuzzes files about motors. CALIBRATION_FILE: a calibration that parses is usable and survives a
+// round trip. Otherwise a recording as CSV: if it parses, its samples are evenly spaced and finite,
+// and a step in it is measured or refused. Other input is refused with a reason.
 #include "fuzz.h"
 
 #ifdef CALIBRATION_FILE
@@ -37,7 +36,7 @@ check(const std::string &path)
     expect(motor.level_volts.empty()
            || (motor.level_volts.front() >= 0 && motor.level_volts.back() <= 3.0));
   }
-  // In memory: on a disk it would wait for that.
+  // In memory, because writing to disk is slow.
   const std::string name = "/dev/shm/calibration-fuzz-" + std::to_string(getpid());
   write_calibration(calibration, name);
   const Calibration again = *read_calibration(name);

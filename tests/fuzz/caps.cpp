@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 //
-// Caps and buffers of a tactile stream as a network peer may send them: what is taken for a map has
-// as many levels as its caps say. Anything else ends the process. A line of caps, then the bytes of
-// a buffer.
+// Fuzzes caps and buffers of a tactile stream, as a network peer may send them: an accepted map has
+// as many levels as its caps. Input: a line of caps, then the bytes of a buffer.
 #include "fuzz.h"
 
 #include <gst/tactile/tactile.h>
@@ -33,7 +32,7 @@ check(const std::string &line, const std::string &bytes)
     gsize count = 0;
     if (gst_tactile_map_buffer_get_levels(buffer, rows, columns, &levels, &count)) {
       expect(count == static_cast<gsize>(rows) * columns);
-      // Each can be read, whatever it is.
+      // Each level can be read.
       for (gsize i = 0; i < count; i++)
         expect(std::isnan(levels[i]) || levels[i] <= std::numeric_limits<gfloat>::infinity());
     }

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 //
-// What a chair was told, made up by a fuzzer: commands that are read can be written and read again
-// as the same, and have voltages and times that can be reckoned with. What is not read is refused
-// with a std::runtime_error. Anything else ends the process.
+// Fuzzes command traces: commands that parse survive a round trip and have valid voltages and
+// times. Other input is refused with a std::runtime_error.
 #include "tactor/command_trace.h"
 #include "tools/film/or_throw.h"
 

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 //
-// Films made up by a fuzzer, whose tactile tracks are left to choice: where none is marked, no byte
-// changes; what is marked is found marked, for a second time changes nothing. Anything else ends
-// the process.
+// Fuzzes disable_by_default(): without a tactile track no byte changes, and a second call finds the
+// same tracks and changes nothing.
 #include "tracks/formats/film_file.h"
 #include "fuzz.h"
 

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 //
-// What a board sends, made up by a fuzzer: the decoder's events do not depend on how the bytes are
-// cut, and the conversation keeps to its limits and comes to an end. Anything else ends the
-// process.
+// Fuzzes a board's replies: the decoder's events do not depend on how bytes are split, and the
+// conversation keeps its limits and terminates.
 #include "fuzz.h"
 #include "tactor/drivers/firmata_board.h"
 #include "tactor/serial/serial_port.h"
@@ -36,7 +35,7 @@ check_decoder(std::span<const std::uint8_t> bytes)
   }
 }
 
-/// Sends what it wants to send, and checks it. Levels are kept up meanwhile.
+/// Sends the pending bytes and checks them. Levels are refreshed meanwhile.
 void
 turn(FirmataBoard &board, Time now)
 {
@@ -56,7 +55,7 @@ check_board(std::span<const std::uint8_t> bytes)
 {
   Time now{ 0 };
   FirmataBoard board(now);
-  // The first byte of each piece says how long it is, and how much time passes.
+  // The first byte of each piece encodes its length and how much time passes.
   while (!bytes.empty()) {
     const std::size_t length = std::min<std::size_t>(bytes[0], bytes.size());
     turn(board, now);
@@ -68,8 +67,7 @@ check_board(std::span<const std::uint8_t> bytes)
   expect(pins.size() <= firmata::kMaxPins && std::ranges::is_sorted(pins));
   expect(board.state() != FirmataBoard::State::running || !board.firmware().empty());
   board.close(now);
-  // The line carries zeros for 128 pins and a reset, and nothing answers: it ends by its own
-  // deadlines.
+  // Zeros for 128 pins and a reset, without an answer: ends by its deadlines.
   const FirmataPatience patience;
   const Time latest = now + patience.farewell + patience.last_word
                       + FirmataBoard::kPacket * FirmataBoard::kByteTime;

@@ -8,7 +8,7 @@
 #include <sys/mman.h>
 #include <unistd.h>
 
-/// Ends the process, which is how a fuzzer is told that something broke.
+/// Aborts if the condition is false, which the fuzzer reports.
 inline void
 expect(bool holds)
 {
@@ -16,8 +16,7 @@ expect(bool holds)
     std::abort();
 }
 
-/// What is not read is refused with a reason, as a std::runtime_error; whatever else is thrown ends
-/// the process.
+/// Accepts std::runtime_error with a reason. Any other exception ends the process.
 template <typename Read>
 void
 read_or_refuse(const Read &read)
@@ -29,8 +28,8 @@ read_or_refuse(const Read &read)
   }
 }
 
-/// The path of a file in memory with these bytes, for readers that open files. It is the same file
-/// at every call: making one for each run takes longer than to read it.
+/// Writes the bytes to a memfd and returns its path, for readers that open files. All calls share
+/// one file, because creating one takes longer than reading it.
 inline const std::string &
 memory_file(const std::uint8_t *data, std::size_t size)
 {

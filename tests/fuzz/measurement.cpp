@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 //
-// What is measured, made up by a fuzzer. SESSION: a session.ini, whose plan can be played.
-// Otherwise a sound file, as GStreamer decodes it: what is read is even and finite. What is not
-// read is refused with a reason. Anything else ends the process.
+// Fuzzes measurements. SESSION: a session.ini that parses has a plan that can be played. Otherwise
+// a sound file that GStreamer decodes: its samples are evenly spaced and finite. Other input is
+// refused with a reason.
 #include "fuzz.h"
 
 #ifdef SESSION
@@ -18,7 +18,7 @@
 namespace {
 
 #ifdef SESSION
-/// A folder in memory whose session.ini is the file.
+/// A folder in memory with the file as session.ini.
 std::filesystem::path
 folder_of(const std::string &file)
 {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 //
-// Weights of regions (saliencytactile's roi-weights) made up by a fuzzer: what is read weighs 0 to
-// 10 whatever the region, what is not is refused with a reason. Anything else ends the process.
+// Fuzzes weights of regions (saliencytactile's roi-weights): weights that parse are 0 to 10 for
+// every region. Other input is refused with a reason.
 #include "saliency/region_weights.h"
 
 #include "fuzz.h"

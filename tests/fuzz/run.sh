@@ -1,13 +1,13 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: LGPL-2.1-or-later
-# Builds the fuzz targets with clang in a folder of their own and runs each on its corpus; what it learns is not kept.
+# Builds the fuzz targets with clang in their own build folder, and runs each on its corpus. New inputs are not kept.
 #
 # Usage: tests/fuzz/run.sh [OPTION ...] [SECONDS] [TARGET ...]     (20 seconds; all targets)
-#   --fast      without AddressSanitizer: several times as many runs, in which less is noticed
-#   --runs=N    each target so often, however long it takes, instead of SECONDS
-#   --length=N  inputs of at most so many bytes (4096)
-#   --jobs=N    so many targets at once (1)
-# Ends with the count of runs; with 1 at the first input that breaks something, which it names.
+#   --fast      without AddressSanitizer: several times as many runs, but fewer kinds of errors
+#   --runs=N    N runs of each target instead of SECONDS
+#   --length=N  maximum input size in bytes (4096)
+#   --jobs=N    targets at a time (1)
+# Prints the number of runs. Exits with 1 at the first failing input, and names it.
 set -euo pipefail
 here=$(cd "$(dirname "$0")" && pwd)
 # shellcheck source=../../tools/build.sh
@@ -52,7 +52,7 @@ trap 'rm -rf "$work"' EXIT
 
 fuzz() {
   local target=$1
-  # GStreamer 1.22's gst_caps_from_string() loses some 200 bytes of a list that is not closed; plugins of others, which decode sound, keep more.
+  # gst_caps_from_string() of GStreamer 1.22 leaks 200 bytes for a list that is not closed. Plugins that decode sound leak more.
   case $target in caps | sound) export ASAN_OPTIONS=detect_leaks=0 ;; esac
   mkdir "$work/$target"
   "$directory/tests/fuzz/${target}_$kind" -max_len="$length" -malloc_limit_mb=256 -rss_limit_mb=1024 -timeout=10 "$limit" \

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 //
-// Text cues as a subtitle stream may bring them, with and without a grid: what is read is a map,
-// and reads the same once written. Anything else ends the process.
+// Fuzzes text cues of subtitle streams, with and without a grid: a cue that parses is a valid map
+// and survives a round trip.
 #include "tracks/text_cue.h"
 #include "fuzz.h"
 #include "tracks/track.h"

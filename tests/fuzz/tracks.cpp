@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 //
-// Tracks made up by a fuzzer, in one form a program (TRACK_FORM): what is read can be written and
-// read again as the same track, what is not is refused with a reason. Anything else ends the
-// process.
+// Fuzzes tracks in one format per program (TRACK_FORM): a track that parses survives a round trip.
+// Other input is refused with a reason.
 #include "fuzz.h"
 #include "tracks/klv.h"
 #include "tracks/text_cue.h"
@@ -42,11 +41,10 @@ check(std::string_view bytes)
     for (const float level : entry.map.levels)
       expect(level >= 0 && level <= 1);
   }
-  // WebVTT writes a cue a second: a hundred hours would take a thousand times as long as to read
-  // them.
+  // WebVTT has a cue per second: writing a hundred hours takes a thousand times as long as reading.
   if (track.end() > std::chrono::minutes(10))
     return;
-  // Twice, for a form may round once.
+  // Twice, because the first round trip may round.
   const Track again = *read_track(write_track(track, kForm, "2026-01-01"), kForm);
   const Track once_more = *read_track(write_track(again, kForm, "2026-01-01"), kForm);
   expect(once_more.entries() == again.entries());

@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 //
-// What a USB device says of itself, made up by a fuzzer, in the form in which libusb hands it on,
-// which checks no more than lengths: a line is only made of bulk endpoints of a legal size, and
-// what is printed of a name is printable. Anything else ends the process. Two bytes each of vendor
-// and product, then per interface: class, subclass, endpoints (0xff: libusb gave up on them), and
-// per endpoint four bytes. The rest is the name.
+// Fuzzes USB descriptors as libusb parses them, which checks only lengths: a line has bulk
+// endpoints of legal size, and a printed name is printable. Input: two bytes each of vendor and
+// product, then per interface class, subclass, number of endpoints (0xff: libusb could not parse
+// them), and four bytes per endpoint. The rest is the name.
 #include "fuzz.h"
 #include "tactor/serial/cdc_acm.h"
 #include "tactor/serial/ch340.h"
@@ -24,7 +23,7 @@ namespace {
 constexpr std::size_t kMostInterfaces = 8;
 constexpr std::uint8_t kNoEndpoints = 0xff;
 
-/// Bytes one after the other; zeros at the end.
+/// Reads bytes. Zeros after the end.
 class Bytes
 {
 public:

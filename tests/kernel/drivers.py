@@ -1,8 +1,8 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: LGPL-2.1-or-later
-"""What run.sh runs in the virtual machine: boards behind the kernel's own drivers. Each case is a function; without names all are run.
+"""Runs in the virtual machine of run.sh: boards on the kernel's own drivers. Each case is a function. Without names, all are run.
 
-Nothing is asserted of time. What must come is waited for, for PATIENCE seconds of the machine's clock at most."""
+Asserts no times. Waits for events for at most PATIENCE seconds of the machine's clock."""
 import contextlib
 import os
 import signal
@@ -29,7 +29,7 @@ def wait_for(what, condition):
 
 
 class Board:
-    """A board that is plugged in; leaving the block unplugs it."""
+    """A plugged board. Leaving the block unplugs it."""
 
     def __init__(self, port=0, transport="cdc-acm", pins=range(2, 11), **options):
         self.log = f"/tmp/board-{port}.log"
@@ -42,7 +42,7 @@ class Board:
         wait_for("tty", self.tty)
 
     def tty(self):
-        """The kernel's name for the port, /dev/tty...; nothing while its driver has not got it."""
+        """The port's /dev/tty..., or nothing while no driver is bound."""
         for place, _, _ in os.walk(f"/sys/bus/usb/devices/{self.socket}/"):
             name = os.path.basename(place)
             if name.startswith(("ttyACM", "ttyUSB")) and os.path.exists("/dev/" + name):
@@ -115,7 +115,7 @@ def expect(condition, text):
 
 
 def settled(board):
-    """The kernel's driver has the board again, and nothing more is on its line: the log stands still."""
+    """Waits until the kernel's driver has the board, and its line is idle: the log does not change."""
     wait_for("tty after the play", board.tty)
     wait_for("9600 baud from the kernel's driver", lambda: any(line.startswith("baud 96") for line in board.lines()[-4:]))
 
@@ -165,12 +165,12 @@ def pause_9():
 
 
 def terminated():
-    """SIGTERM while nine motors are on: they stop, and the kernel has its tty back."""
+    """SIGTERM while nine motors are on: they stop, and the tty is back."""
     stopped("", 9, signal.SIGTERM)
 
 
 def hung_up():
-    """SIGHUP, as from a terminal that is closed."""
+    """SIGHUP, as from a closed terminal."""
     stopped("", 9, signal.SIGHUP)
 
 
@@ -210,7 +210,7 @@ def killed_released():
 
 @contextlib.contextmanager
 def untouched(board):
-    """Nothing in this block sends the board anything."""
+    """Fails if anything is sent to the board in this block."""
     before = board.lines()
     yield
     expect(board.lines() == before, f"the adapter was touched: {board.lines()[len(before):]}")
@@ -218,7 +218,7 @@ def untouched(board):
 
 @contextlib.contextmanager
 def adapter_in_use():
-    """A silent adapter that `cat` reads from, and goes on reading from."""
+    """A silent adapter that `cat` keeps reading from."""
     with Board(transport="ftdi", silent=True) as board:
         reader = subprocess.Popen(["cat", board.tty()], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
         try:
@@ -247,19 +247,19 @@ def fail_to_play(why, **options):
 
 
 def in_use_auto():
-    """driver=auto leaves a silent adapter alone that a program reads from."""
+    """driver=auto does not touch a silent adapter in use by a program."""
     with adapter_in_use():
         play_simulated()
 
 
 def in_use_named():
-    """driver=firmata says that another program uses it, and leaves it alone."""
+    """driver=firmata reports that a program uses the adapter, and does not touch it."""
     with adapter_in_use():
         fail_to_play("in use by another program")
 
 
 def in_use_unseen():
-    """A player of another user than the reader's, whose files it may not see, is told by the kernel's count."""
+    """The reader belongs to another user: the kernel's open count tells that the port is in use."""
     with adapter_in_use():
         for place, _, nodes in os.walk("/dev/bus/usb"):
             for node in nodes:
@@ -268,13 +268,13 @@ def in_use_unseen():
 
 
 def bare_adapter():
-    """driver=auto does not ask a bare adapter that nobody named."""
+    """driver=auto does not query a bare adapter unless it was named."""
     with Board(transport="ftdi", silent=True) as board, untouched(board):
         play_simulated()
 
 
 def two_of_one_number():
-    """Two boards of one serial number: the socket named is the socket kept."""
+    """Two boards with the same serial number: the named port is used."""
     with Board(0) as first, Board(1) as second:
         before = second.lines()
         with Play(4, "firmata", "1-1") as play:

@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: LGPL-2.1-or-later
-"""Plays a chair whose first MOTORS of nine are fully on, until told what to do by a word on standard input: null, eos, pause, or nothing more.
+"""Plays a chair with the first MOTORS of nine fully on, until a word on standard input: null, eos, pause, or end of file.
 
 Usage: play.py MOTORS DRIVER [DEVICE]    Prints each message of tactorsink, "playing" when it plays, "done" after the word."""
 import struct
@@ -46,7 +46,7 @@ def until_told():
 
 pipeline.get_bus().set_sync_handler(tell)
 threading.Thread(target=feed, daemon=True).start()
-# The board is opened in the background; the sink has its first frame when it is open.
+# The board is opened in the background. The sink gets its first frame when it is open.
 if (pipeline.set_state(Gst.State.PLAYING) == Gst.StateChangeReturn.FAILURE
         or pipeline.get_by_name("tactors").get_state(Gst.CLOCK_TIME_NONE)[0] == Gst.StateChangeReturn.FAILURE):
     print("failed", flush=True)

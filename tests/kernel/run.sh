@@ -1,10 +1,10 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: LGPL-2.1-or-later
-# Tactor boards behind a real Linux kernel: Debian's own, in a virtual machine, with its own cdc_acm, ftdi_sio and ch341 and boards plugged into its vhci_hcd. What the kernel's
-# driver does to a board that is released (another baud rate, DTR) and who has a port open is the kernel's here, not an emulation of ours.
+# Tactor boards on a real kernel: Debian's, in a virtual machine, with its cdc_acm, ftdi_sio and ch341, and boards plugged into its vhci_hcd.
+# Tests what the kernel's drivers do to a released board (baud rate, DTR), and who has a port open.
 #
 # Usage: tests/kernel/run.sh [BUILD] [CASE ...]      BUILD: a build folder, default build; CASE: see drivers.py, default all
-# Needs tools/setup.sh kernel; no root, no KVM. The machine's clock counts instructions (qemu -icount): times in it do not depend on the host's speed.
+# Needs tools/setup.sh kernel, but neither root nor KVM. The machine's clock counts instructions (qemu -icount), independent of the host's speed.
 set -euo pipefail
 root=$(cd "$(dirname "$0")/../.." && pwd)
 case ${1:-} in -h | --help) sed -n '3,8s/^# \{0,1\}//p' "$0"; exit 0 ;; esac
@@ -19,7 +19,7 @@ here=$build/kernel
 mkdir -p "$here"
 cd "$here"
 
-# Debian's kernel, unpacked, not installed.
+# Unpacks Debian's kernel without installing it.
 if [ ! -d image ]; then
   package=$(apt-cache depends linux-image-amd64 | sed -n 's/^ *Depends: //p')
   apt-get -qq download "$package"
@@ -44,7 +44,7 @@ cat >initramfs/init <<'INIT'
 b=/bin/busybox
 $b mount -t proc none /proc; $b mount -t sysfs none /sys; $b mount -t devtmpfs none /dev
 for module in $($b cat /modules/order); do $b insmod "/modules/$module"; done
-# The host's files, which nothing here can change.
+# The host's files, read-only.
 $b mount -t 9p -o trans=virtio,version=9p2000.L,ro,msize=262144,cache=loose host /host
 $b mount -t tmpfs none /layer; $b mkdir /layer/upper /layer/work
 $b mount -t overlay -o lowerdir=/host,upperdir=/layer/upper,workdir=/layer/work none /root

@@ -1,12 +1,13 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: LGPL-2.1-or-later
-"""An Arduino with StandardFirmata as the kernel sees it: a USB device behind vhci_hcd (USB/IP over a socket pair, no network).
+"""An Arduino with StandardFirmata as a USB device on vhci_hcd (USB/IP over a socket pair, no network).
 
 Usage: usb_board.py --transport=cdc-acm|ftdi|ch340 --port=N --log=FILE [--pins=4,5] [--silent]
 
-The USB chip is modeled as Arduino's 16u2 is built: what came over USB waits for the UART, which needs 10 bits at the host's baud rate for each byte; SET_LINE_CODING
-switches the UART off and on, and what still waits goes out at the new rate, which the sketch at 57600 baud does not understand. Each event is a line of the
-log: seconds, what. "pwm PIN LEVEL" is the sketch's compare register. Wire format of USB/IP: Documentation/usb/usbip_protocol.rst of Linux."""
+The USB chip is modeled on Arduino's 16u2: bytes from USB wait for the UART, which takes 10 bits per byte at the host's baud rate.
+SET_LINE_CODING resets the UART. Bytes that still wait are sent at the new rate, which the sketch at 57600 baud cannot decode. Each event is
+a line of the log: seconds, event. "pwm PIN LEVEL" is the sketch's compare register. Wire format: Documentation/usb/usbip_protocol.rst of
+Linux."""
 import argparse
 import os
 import selectors
@@ -43,7 +44,7 @@ FTDI = configuration(1, interface(0, 2, 255, 255, 255) + endpoint(0x81, 2, 64, 0
 
 
 class Sketch:
-    """StandardFirmata 2.5's registers, one byte at a time."""
+    """StandardFirmata 2.5, fed byte by byte."""
 
     def __init__(self, pins, log, silent):
         self.pins, self.log, self.silent = pins, log, silent
@@ -56,7 +57,7 @@ class Sketch:
             self.log(f"pwm {pin} {level}")
 
     def byte(self, byte):
-        """What it answers."""
+        """Handles a byte and returns the answer."""
         if self.silent:
             return b""
         if byte >= 0x80 and byte != 0xF7:
@@ -223,7 +224,7 @@ class Board:
             else:
                 self.reply(number, 0, answer if to_host else b"", None if to_host else length)
         elif to_host:
-            # Interrupt endpoints stay silent: nobody answers their reads.
+            # Reads of interrupt endpoints are never answered.
             self.reads.append((number, length)) if point == self.input else None
         else:
             self.out(data)

@@ -1,12 +1,11 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: LGPL-2.1-or-later
-# More than the machine can do: chairs and 1080p films at once, each in a process of its own, in real time. One line for each: what was
-# issued, late, dropped, and by how much it was late, and how many pictures were skipped before they were maps: what is not there was
-# late with a count.
+# Overload: chairs and 1080p films at once, each in its own process, in real time. Prints a line for each: commands issued, late and dropped,
+# the lateness, and pictures skipped before analysis. Every missing command must be counted as late.
 #
 # Usage: tests/load/run.sh [--chairs N] [--films N] [--seconds N] [--hog] [--throttle BYTES]     (16 chairs, 8 films, 10 s)
-#   --hog       one CPU is taken by something else
-#   --throttle  films come from a file over a link of so many bytes a second
+#   --hog       another process uses one CPU
+#   --throttle  films come over a link of BYTES per second
 set -euo pipefail
 here=$(cd "$(dirname "$0")" && pwd)
 # shellcheck source=../../tools/build.sh
@@ -33,9 +32,9 @@ room="queue max-size-bytes=0 max-size-buffers=0 max-size-time=400000000"
 frames=$((seconds * 30))
 source="videotestsrc pattern=ball num-buffers=$frames ! video/x-raw,format=I420,width=1920,height=1080,framerate=30/1"
 if [ -n "$throttle" ]; then
-  # shellcheck disable=SC2086 # launch lines are words
+  # shellcheck disable=SC2086 # launch lines are split into words
   gst-launch-1.0 -q $source ! jpegenc ! matroskamux ! filesink location="$work/film.mkv"
-  # Pushed in pieces, 50 a second; identity's sync and datarate have no effect on bytes.
+  # Pushes 50 pieces per second. identity's sync and datarate do not work for bytes.
   source="filesrc location=$work/film.mkv blocksize=$((throttle / 50)) ! identity sleep-time=20000 ! queue max-size-buffers=1 ! matroskademux ! jpegdec"
 fi
 if [ -n "$hog" ]; then
@@ -59,7 +58,7 @@ failed=0
 for pid in "${players[@]}"; do wait "$pid" || failed=$((failed + 1)); done
 
 field() { sed -n "s/.*tactor-stats.* $2=([a-z0-9]*)\([0-9-]*\).*/\1/p" "$work/$1.log" | tail -n 1; }
-# As elements told in their last QoS messages.
+# From the last QoS message of each element.
 skipped() {
   awk -F '"' '/\(qos\)/ && match($0, /dropped=\(guint64\)[0-9]+/) { most[$2] = substr($0, RSTART + 17, RLENGTH - 17) }
     END { for (element in most) sum += most[element]; print sum + 0 }' "$work/$1.log"

@@ -27,26 +27,26 @@ namespace {
 
 constexpr Time kFrame{ 1'000'000'000 / 30 };
 constexpr double kNearlyFlat
-    = 1; ///< ΔE: oracle's spatial maps that rise no higher are not compared
+    = 1; ///< ΔE: the oracle's spatial maps with a lower maximum are not compared
 constexpr double kAsGood = 0.95;
 
-/// A front end's maps and the oracle's.
+/// Agreement of a front end's maps with the oracle's.
 struct Agreement
 {
   std::string frames_of; ///< which pictures or film
   std::string map;       ///< spatial, spatiotemporal or tuned spatial
   std::string front_end; ///< of kFrontEnds
   int frames = 0;
-  /// Frames whose oracle map rises above 1 ΔE, or above the floor under which nothing is felt: what
-  /// is nearly flat correlates as noise does.
+  /// Frames whose oracle map exceeds 1 ΔE or the mapping's floor. Nearly flat maps correlate like
+  /// noise.
   int compared = 0;
   double delta_e = 0;    ///< between the L*a*b* images: mean over samples and frames
   double least = 0;      ///< Pearson's correlation of the maps: minimum over the frames compared
-  double percentile = 0; ///< that of the worst percent of them
-  double share_999 = 0;  ///< share of them with 0.999 or more
-  /// Share of all frames of whose 3 × 3 cells the same is strongest, or which are silent in both.
+  double percentile = 0; ///< its 1 % quantile
+  double share_999 = 0;  ///< share of frames with at least 0.999
+  /// Share of frames with the same strongest cell of 3 × 3, or with silence in both.
   double same_cell = 0;
-  /// That, or the oracle's own level in our strongest cell is at least 95 % of its strongest.
+  /// The same, or with an oracle level in our strongest cell of at least 95 % of its maximum.
   double as_good = 0;
 };
 
@@ -76,7 +76,7 @@ mean_delta_e(const saliency::LabImage &lab, const oracle::LabImage &truth)
   return sum / static_cast<double>(truth[0].values.size());
 }
 
-/// L*a*b* of a frame by the oracle, at a level.
+/// The oracle's L*a*b* image of a frame, at a level.
 oracle::LabImage
 oracle_lab(const saliency::FrameView &frame, int level, int threads)
 {
@@ -90,7 +90,7 @@ profile_of(saliency::Profile profile, const FrontEndKind &kind)
   return profile;
 }
 
-/// A map, where the picture lies in it and how it is felt.
+/// A map, the position of the picture in it, and its mapping.
 struct FeltMap
 {
   cv::Mat map; ///< CV_32FC1
@@ -111,11 +111,11 @@ struct FeltMap
   }
 };
 
-/// Of one kind of map, over frames.
+/// Statistics of one kind of map over frames.
 class Tally
 {
 public:
-  /// `floor`: of the oracle's map.
+  /// Correlates frames whose oracle map exceeds `floor`.
   void add(const FeltMap &ours, const FeltMap &truth, double floor, double delta_e)
   {
     double peak = 0;
@@ -170,11 +170,10 @@ private:
   std::vector<double> correlations_;
 };
 
-/// Of spatial maps, which are not felt as they are: the cells' means.
+/// For spatial maps, which have no mapping of their own: means of cells.
 constexpr tactile::MappingSettings kSpatialMapping{ .threshold = 0, .gain = tactile::Gain::none };
 
-/// The spatial and the spatiotemporal maps of a contrast profile, by all front ends and by the
-/// oracle.
+/// Compares spatial and spatiotemporal maps of a contrast profile, of all front ends.
 class FilmComparison
 {
 public:
@@ -241,7 +240,7 @@ private:
   std::vector<std::unique_ptr<Way>> ways_;
 };
 
-/// The maps of a picture by itself, by all front ends and by the oracle.
+/// Compares maps of single pictures, of all front ends.
 class PictureComparison
 {
 public:
@@ -391,7 +390,7 @@ accuracy_holds(int threads)
                  row.front_end.c_str(), what, value, least);
     good = false;
   };
-  // Of 1000×1000, components are decimated to the level of the map before they become L*a*b*.
+  // At 1000×1000, components are decimated to the level of the map before conversion.
   for (const cv::Size size : { cv::Size(640, 360), cv::Size(1920, 1080), cv::Size(1000, 1000) })
     for (const auto &row : leaves_agreement(size, size.width > 640 ? 1 : 8, threads)) {
       const bool of_every_pixel

@@ -8,7 +8,7 @@
 
 namespace quality {
 
-/// The tuned profile with one choice made otherwise.
+/// The tuned profile with one parameter changed.
 struct Choice
 {
   std::string parameter; ///< of saliency::Profile or tactile::MappingSettings
@@ -16,8 +16,8 @@ struct Choice
   ModelMaker model;
 };
 
-/// The tuned profile itself first, then the parameters of the film's analysis, each at the paper's
-/// value, or off where the paper has nothing like it, and at values to either side.
+/// The tuned profile, then each parameter of the analysis at the paper's value (or off if the paper
+/// has none) and at values above and below.
 std::vector<Choice> choices();
 
 } // namespace quality

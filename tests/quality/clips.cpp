@@ -16,7 +16,7 @@ namespace {
 
 constexpr int kSide = 3; ///< rows and columns of the chair
 
-/// How long something has lasted without a break, and how often it has begun.
+/// Counts intervals, and measures the longest.
 class Stretches
 {
 public:
@@ -48,7 +48,7 @@ private:
   int count_ = 0;
 };
 
-/// One profile's way through one film.
+/// Measures one profile on one film.
 class ProfileScore
 {
 public:

@@ -14,19 +14,18 @@
 
 namespace quality {
 
-/// The frames of a film or of a picture, decoded, one after the other. GStreamer is initialized.
-/// What goes wrong throws std::runtime_error with the file's name.
+/// Decodes the frames of a film or a picture. Requires gst_init(). Errors throw std::runtime_error
+/// with the file's name.
 class Decoder
 {
 public:
-  /// `decoder`: the element that decodes the file (decodebin, jpegdec); `format`: of the frames,
-  /// I420 or BGR say.
+  /// `decoder` is an element such as decodebin or jpegdec, `format` one such as I420 or BGR.
   Decoder(const std::filesystem::path &file, const char *decoder, const char *format);
   ~Decoder();
   Decoder(const Decoder &) = delete;
   Decoder &operator=(const Decoder &) = delete;
 
-  /// Goes on to the next frame; false at the end.
+  /// Moves to the next frame. False at the end.
   bool next();
 
   /// The frame, valid until the next one.
@@ -35,7 +34,7 @@ public:
     return mapping_->view();
   }
 
-  /// When the frame is shown and for how long, of a film.
+  /// Display time of a film's frame.
   std::chrono::nanoseconds time() const;
   std::chrono::nanoseconds duration() const;
 
@@ -48,13 +47,13 @@ private:
 
   std::string name_;
   std::unique_ptr<GstElement, Unref> pipeline_;
-  GstElement *sink_ = nullptr; ///< held by the pipeline
+  GstElement *sink_ = nullptr; ///< owned by the pipeline
   std::unique_ptr<GstSample, Unref> sample_;
   GstVideoInfo info_;
   std::unique_ptr<FrameMapping> mapping_;
 };
 
-/// The films in `directory` by name: avi, m4v, mkv, mov, mp4, mpg, ogv, ts, webm. Throws
+/// The films in `directory`, sorted by name: avi, m4v, mkv, mov, mp4, mpg, ogv, ts, webm. Throws
 /// std::runtime_error if there is none.
 std::vector<std::filesystem::path> list_films(const std::filesystem::path &directory);
 

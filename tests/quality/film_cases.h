@@ -10,7 +10,7 @@
 
 namespace quality {
 
-/// Backgrounds for the disturbances: of what kind, and pictures in proportion 4 : 3.
+/// Backgrounds for the disturbances, with an aspect ratio of 4 : 3.
 struct Backgrounds
 {
   std::string kind;
@@ -20,11 +20,11 @@ struct Backgrounds
 /// One of the paper's two films.
 FilmCase ball_case(tactile::FilmPattern pattern, cv::Size size, int fps, double noise);
 
-/// Pictures in which nothing happens, or a ball. Each seed begins with another one.
+/// Pictures with a disturbance, with or without a ball. Each seed starts with another picture.
 FilmCase disturbed_case(Disturbance disturbance, const Backgrounds &backgrounds, cv::Size size,
                         bool ball, double noise);
 
-/// Dead leaves of this contrast, over which others come in until they cover `share` of the frame.
+/// Dead leaves of this contrast. Others move in until they cover `share` of the frame.
 FilmCase entering_case(double share, cv::Size size, double contrast);
 
 } // namespace quality

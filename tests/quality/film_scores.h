@@ -10,14 +10,14 @@
 
 namespace quality {
 
-/// Makes a model anew for each film.
+/// Creates a new model for each film.
 using ModelMaker = std::function<std::unique_ptr<Model>()>;
 
-/// Films of one kind, shown to some models.
+/// Films of one kind, and the models to score.
 struct FilmCase
 {
-  std::string film;     ///< what it is called
-  std::string pictures; ///< what is behind, if anything
+  std::string film;     ///< name of the kind
+  std::string pictures; ///< background, or empty
   std::function<std::unique_ptr<LabeledFilm>(std::uint64_t seed)> make;
   cv::Size size;
   int fps = 30;
@@ -28,16 +28,16 @@ struct FilmCase
   std::vector<ModelMaker> models;
 };
 
-/// What one model made of a case.
+/// Scores of one model in a case.
 struct FilmScores
 {
   std::string model;
   Scores scores;
 };
 
-/// Shows every case's films, seeds 1, 2, …, to its models. `threads` ≥ 1 share the cases; the
-/// result does not depend on their number. `progress` is called after each case, one call at a
-/// time.
+/// Scores the models of each case on its films with seeds 1, 2, …. `threads` ≥ 1 share the cases,
+/// and the result does not depend on their number. `progress` is called after each case, never
+/// concurrently.
 std::vector<std::vector<FilmScores>>
 score_films(const std::vector<FilmCase> &cases, int threads,
             const std::function<void(std::size_t done)> &progress = {});

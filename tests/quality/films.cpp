@@ -52,7 +52,7 @@ private:
   tactile::SyntheticFilm film_;
 };
 
-/// The camera's position on its picture, from the picture's middle: pixels of the frame, radians.
+/// The camera's position relative to the picture's center, in pixels of the frame and radians.
 struct Camera
 {
   double x = 0;
@@ -61,14 +61,14 @@ struct Camera
   double angle = 0;
 };
 
-/// A stretch of a film from `begin` on.
+/// A part of a film from `begin` on.
 struct Stretch
 {
   double begin = 0;
   double length = 0;
   double from_x = 0;
   double from_y = 0;
-  double speed_x = 0; ///< pixels a second
+  double speed_x = 0; ///< pixels per second
   double speed_y = 0;
   double from_scale = 0; ///< logarithm
   double scale_speed = 0;
@@ -140,7 +140,7 @@ public:
     if (disturbance_ == Disturbance::fade)
       return fade_at(t) >= 0.4 && fade_at(t + kBefore) >= 0.4;
     if (disturbance_ == Disturbance::cut) {
-      // Known only as far as the film has been drawn: ask when that time is over.
+      // Known only for times before the drawn frame.
       return std::ranges::none_of(stretches_, [t](const Stretch &stretch) {
         return stretch.begin > 0 && t > stretch.begin - kBefore && t < stretch.begin + kAfter;
       });
@@ -155,7 +155,7 @@ private:
     double frequency;
     double phase;
   };
-  static constexpr int kWaves = 6; ///< of each of x, y, angle
+  static constexpr int kWaves = 6; ///< per axis: x, y, angle
 
   Stretch next_stretch(const Stretch &last)
   {
@@ -182,7 +182,7 @@ private:
     case Disturbance::zoom:
       next.length = random_.uniform(1.5, 3);
       next.scale_speed = random_.uniform(0.002, 0.006) * 30 * (last.scale_speed > 0 ? -1 : 1);
-      // Neither so far out that the frame leaves the picture nor into single pixels.
+      // The frame stays in the picture, and pixels are not magnified too much.
       if (const double end = next.from_scale + next.scale_speed * next.length;
           end < -0.4 || end > 0.7)
         next.length = std::max(0.2, ((end < 0 ? -0.4 : 0.7) - next.from_scale) / next.scale_speed);
@@ -213,7 +213,7 @@ private:
     camera.x = now.from_x + now.speed_x * elapsed;
     camera.y = now.from_y + now.speed_y * elapsed;
     if (disturbance_ == Disturbance::pan_and_rest) {
-      // Within 0.2 s from one speed to the next.
+      // Changes speed within 0.2 s.
       constexpr double kRamp = 0.2;
       const Stretch before = stretches_.size() > 1 ? stretches_[stretches_.size() - 2] : Stretch{};
       if (elapsed < kRamp) {
@@ -251,7 +251,7 @@ private:
     return disturbance_ == Disturbance::fade ? fade_at(t) : 1.0;
   }
 
-  /// Stretches take turns: full, out, black, in.
+  /// Parts alternate: full, fading out, black, fading in.
   double fade_at(double t) const
   {
     std::size_t i = stretches_.size() - 1;
@@ -276,7 +276,7 @@ private:
   bool ball_;
   tactile::SyntheticFilm balls_;
   std::vector<cv::Mat> pictures_;
-  double unit_ = 1; ///< pixels of the frame that are one of 640
+  double unit_ = 1; ///< pixels of the frame per pixel of 640
   std::array<Wave, static_cast<std::size_t>(3 * kWaves)> waves_{};
   std::vector<Stretch> stretches_;
   cv::Mat shown_;

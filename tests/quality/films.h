@@ -14,7 +14,7 @@ namespace quality {
 
 using tactile::Time;
 
-/// A frame as decoders deliver it: I420, BT.601, 8 bits, limited range. Width and height are even.
+/// An I420 frame: BT.601, 8 bits, limited range. Width and height are even.
 class Frame
 {
 public:
@@ -37,7 +37,7 @@ private:
   mutable cv::Mat bgr_;
 };
 
-/// A film in which the events are known.
+/// A film with ground truth.
 class LabeledFilm
 {
 public:
@@ -49,8 +49,8 @@ public:
   /// Draws the picture at `time` ≥ 0 and returns the balls in it. Times never go back.
   virtual std::vector<tactile::Ball> draw(Time time, Frame &frame) = 0;
 
-  /// Whether somebody who looks on could tell that a ball appears at `time`: it is not dark then,
-  /// nor does the shot change.
+  /// Whether a viewer could see a ball appear at `time`: the picture is not dark, and there is no
+  /// cut.
   virtual bool visible(Time) const
   {
     return true;
@@ -60,7 +60,7 @@ public:
 /// The paper's two films: balls on a plain background.
 std::unique_ptr<LabeledFilm> ball_film(const tactile::FilmSettings &settings);
 
-/// What happens to a whole picture without anything happening in it.
+/// Changes of the whole picture that are no events.
 enum class Disturbance
 {
   still,        ///< nothing
@@ -68,23 +68,22 @@ enum class Disturbance
   fade,         ///< out to black and in again, 0.5–2 s each
   cut,          ///< another picture every 2–3.5 s
   pan,          ///< 1–4 pixels of 640 in 1/30 s, one speed and direction for 3 s
-  pan_and_rest, ///< rests and pans of 1–2.5 s in turn, speeding up and slowing down within 0.2 s
+  pan_and_rest, ///< alternates rests and pans of 1–2.5 s, accelerating within 0.2 s
   zoom,         ///< in and out, 0.2–0.6 % in 1/30 s
-  shake,        ///< held in a hand: ± 4 pixels of 640 and ± 0.2° (σ), 0.5–5 Hz
+  shake,        ///< hand-held: ± 4 pixels of 640 and ± 0.2° (σ), 0.5–5 Hz
 };
 
 const char *name(Disturbance disturbance);
 
 /// A picture so disturbed, scaled to fill twice the frame's width and height, of which the frame
 /// shows the middle half; with or without a ball that appears, rests, and is elsewhere at once.
-/// With cuts the pictures follow each other.
+/// Cuts go to the next picture.
 std::unique_ptr<LabeledFilm> disturbed_film(Disturbance disturbance, std::vector<cv::Mat> pictures,
                                             cv::Size size, bool ball, std::uint64_t seed,
                                             double ball_size = 1.0 / 16);
 
-/// A still picture into which another comes from the left, from second 1 to second 2, until it
-/// covers `share` of the frame; without balls. Felt throughout that second: half of the film's
-/// first two.
+/// A still picture. From second 1 to 2 another moves in from the left until it covers `share` of
+/// the frame. No balls. Maps should be active during that second: half of the first two.
 std::unique_ptr<LabeledFilm> entering_film(cv::Mat picture, cv::Mat object, double share);
 
 } // namespace quality

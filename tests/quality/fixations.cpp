@@ -20,14 +20,14 @@ namespace {
 constexpr std::uintmax_t kLargestFile = 64U << 20U;
 constexpr std::string_view kHead = "image,subject,x,y";
 
-/// Reports a line that is not as it has to be.
+/// Throws for an invalid line.
 [[noreturn]] void
 refuse(const std::filesystem::path &file, int line, const std::string &expected)
 {
   throw std::runtime_error(file.string() + ":" + std::to_string(line) + ": expected " + expected);
 }
 
-/// What comes before the next comma, which is taken away with it.
+/// Takes the field before the next comma.
 std::string_view
 next_field(std::string_view &rest)
 {
@@ -37,7 +37,7 @@ next_field(std::string_view &rest)
   return field;
 }
 
-/// Whether all of a field is a number from 0 to `limit`.
+/// Parses a field that must be a number from 0 to `limit`.
 bool
 parse(std::string_view field, double limit, double &value)
 {
@@ -64,7 +64,7 @@ values_at(const cv::Mat &map, std::span<const cv::Point2d> positions)
   return values;
 }
 
-/// The probability that one of `positives` is above one of `negatives`, ties one half.
+/// The probability that a positive exceeds a negative. Ties count ½.
 double
 area_under_curve(std::vector<float> positives, const std::vector<float> &negatives)
 {
@@ -93,7 +93,7 @@ moments(const cv::Mat &map)
   return { mean[0], deviation[0] };
 }
 
-/// Whether a map's deviation is nothing but rounding.
+/// Whether a map's deviation is within rounding errors.
 bool
 is_flat(const Moments &m)
 {

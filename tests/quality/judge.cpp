@@ -12,7 +12,7 @@ constexpr Time kEventSpan = std::chrono::milliseconds(500);
 constexpr Time kRestSpan = std::chrono::milliseconds(2200);
 constexpr Time kFoundSpan = std::chrono::nanoseconds(1'000'000'000 / 3);
 
-/// The cells that the square around a ball touches.
+/// The cells that intersect a ball's bounding square.
 std::set<std::size_t>
 cells_of(const tactile::Ball &ball, cv::Size size, const tactile::TactileMap &map)
 {
@@ -119,7 +119,7 @@ Judge::finish_onset(const LabeledFilm &film)
   if (!onset_)
     return;
   if (!onset_->felt) {
-    scores_.delay.add(onset_->frames); // never felt: as long as it lasted
+    scores_.delay.add(onset_->frames); // never felt: its duration
     scores_.prompt.add(0);
   }
   if (film.visible(onset_->time)) {

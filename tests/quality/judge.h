@@ -10,7 +10,7 @@
 
 namespace quality {
 
-/// A share, or a mean, that is still being counted.
+/// A running mean.
 struct Mean
 {
   double sum = 0;
@@ -21,7 +21,7 @@ struct Mean
     sum += value;
     count += 1;
   }
-  /// NaN if nothing has been counted.
+  /// NaN if empty.
   double value() const
   {
     return sum / count;
@@ -35,9 +35,9 @@ struct Scores
 {
   Mean strongest; ///< (a) strongest cell is a ball's: frames within 0.5 s of an event
   Mean energy;    ///< (b) the map's energy in cells of balls: the same frames, if not silent
-  Mean silent;    ///< (c) silent: frames where nothing has happened for 2.2 s
+  Mean silent;    ///< (c) silent: frames without an event for 2.2 s
   Mean delay;     ///< (d) frames from an onset to the first level above zero in the ball's cells
-  Mean prompt;    ///< onsets that are felt in their first frame
+  Mean prompt;    ///< onsets with a level in their first frame
   Mean pair;      ///< (e) both balls are felt: frames within 0.5 s of two balls' common onset
   Mean active;    ///< not silent: all frames
   Mean camera;    ///< the camera counts as moving: all frames
@@ -46,7 +46,7 @@ struct Scores
   Mean right;     ///< strongest cell is a ball's: frames not silent within 0.5 s of such an onset
 };
 
-/// Follows one film.
+/// Scores one film.
 class Judge
 {
 public:
@@ -61,7 +61,7 @@ public:
   void finish();
 
 private:
-  /// An onset under judgment.
+  /// The current onset.
   struct Onset
   {
     Time time;

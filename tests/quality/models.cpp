@@ -38,7 +38,7 @@ public:
           = saliency::frame_levels(saliency::Profile::tuned_spatial(), frame.size()).finest;
       const int converted = saliency::conversion_level(frame.size(), level);
       rarity_(saliency::to_float(front_end_.lab(frame.view(), level, converted)), weight_);
-      // Sample i of the weight lies on pixel 2ⁿ i, the map's fill the frame.
+      // Sample i of the weight is centered on pixel 2ⁿ i. The map's samples fill the frame.
       const double step = 1 << level;
       const double x = frame.size().width / step / map_.cols;
       const double y = frame.size().height / step / map_.rows;

@@ -14,7 +14,7 @@
 
 namespace quality {
 
-/// One way from frames to tactile maps.
+/// A method that turns frames into tactile maps.
 class Model
 {
 public:
@@ -43,10 +43,10 @@ private:
   std::string name_;
 };
 
-/// The same map, as what is felt is made of it.
+/// A view of the map for map_saliency().
 tactile::SaliencyView view_of(const saliency::Saliency &found);
 
-/// This project's.
+/// This project's analyzer and mapping.
 class AnalyzerModel : public Model
 {
 public:
@@ -61,7 +61,7 @@ public:
     camera_moves_ = this->frame(frame.view(), time, duration, map).camera_moves;
   }
 
-  /// The same for any frame; returns what was found, valid until the next one.
+  /// The same for any frame. Returns the saliency, valid until the next call.
   const saliency::Saliency &frame(const saliency::FrameView &frame, Time time, Time duration,
                                   tactile::TactileMap &map);
 
@@ -79,7 +79,7 @@ private:
 std::unique_ptr<AnalyzerModel> paper_model();
 std::unique_ptr<AnalyzerModel> tuned_model();
 
-/// A peer's saliency maps of one film, for all models that are made of them. Not thread-safe.
+/// Caches a peer's saliency maps for the models that share them. Not thread-safe.
 class PeerMaps
 {
 public:
@@ -93,8 +93,7 @@ public:
     return peer_;
   }
 
-  /// Of the frame shown from `time` on, computed once however often it is asked for. Time that goes
-  /// back begins another film.
+  /// The map of the frame at `time`, computed once. A smaller time starts another film.
   const cv::Mat &of(const Frame &frame, Time time);
 
 private:
@@ -104,9 +103,9 @@ private:
   cv::Mat map_;
 };
 
-/// A peer's map with what is decided by this project's means: half of the maximum as the threshold,
-/// values kept, pooled by exact area. With `weighted`, it is multiplied by color rarity before.
-/// It never decides that nothing happens, unless its map is 0.
+/// A peer's map with this project's mapping: a threshold at half of the maximum, values kept,
+/// pooled by exact area. With `weighted`, the map is multiplied by color rarity first. The result
+/// is silent only if the map is 0.
 std::unique_ptr<Model> peer_model(std::shared_ptr<PeerMaps> maps, bool weighted);
 
 } // namespace quality

@@ -17,7 +17,7 @@ namespace {
 
 constexpr int kMotionWidth = 320;
 
-/// BinWang takes all for foreground until half of the picture has been the same for 50 frames.
+/// For BinWang all is foreground until half of the picture was constant for 50 frames.
 constexpr int kLearning = 60;
 
 /// 1 degree of visual angle where 800 pixels are 33.
@@ -82,7 +82,7 @@ needs_motion(Peer peer)
 struct PeerSaliency::State
 {
   Peer peer;
-  cv::Size size; ///< of the frame before
+  cv::Size size; ///< of the last frame
   cv::Mat reduced;
   cv::Mat gray;
   cv::Mat previous;
@@ -121,7 +121,7 @@ PeerSaliency::State::ask_model([[maybe_unused]] const cv::Mat &picture)
   if (!model->computeSaliency(picture, raw_map) || raw_map.channels() != 1)
     throw std::runtime_error(std::string(name(peer)) + " gave no map");
   raw_map.convertTo(map, CV_32F);
-  // A flat picture makes the spectral residual divide by zero.
+  // The spectral residual of a flat picture divides by zero.
   cv::patchNaNs(map, 0);
   map = cv::max(map, 0);
 #endif

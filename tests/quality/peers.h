@@ -8,13 +8,13 @@
 
 namespace quality {
 
-/// Saliency models by others, to compare with.
+/// Saliency models by others, for comparison.
 enum class Peer
 {
   spectral_residual, ///< Hou & Zhang 2007, OpenCV's
   fine_grained,      ///< Montabone & Soto 2010, OpenCV's
   bin_wang, ///< Wang & Dudek 2014, OpenCV's MotionSaliencyBinWangApr2014, a mask of what moves
-  frame_difference, ///< of gray to the frame before, blurred
+  frame_difference, ///< absolute difference of gray, blurred
 };
 
 inline constexpr std::array kPeers{ Peer::spectral_residual, Peer::fine_grained, Peer::bin_wang,
@@ -22,14 +22,14 @@ inline constexpr std::array kPeers{ Peer::spectral_residual, Peer::fine_grained,
 
 const char *name(Peer peer);
 
-/// Whether this build has it: OpenCV's come with opencv_contrib's saliency module
+/// Whether this build has the peer. OpenCV's are in opencv_contrib's saliency module
 /// (tools/setup.sh quality).
 bool is_available(Peer peer);
 
-/// Whether it only sees change: on a single picture it has nothing to say.
+/// Whether the peer detects only change, so that single pictures give nothing.
 bool needs_motion(Peer peer);
 
-/// A peer that is shown a film, frame by frame.
+/// A peer that analyzes a film frame by frame.
 class PeerSaliency
 {
 public:
@@ -39,14 +39,14 @@ public:
   PeerSaliency(PeerSaliency &&) noexcept;
   PeerSaliency &operator=(PeerSaliency &&) noexcept;
 
-  /// `frame`: CV_8UC3, B'G'R', not empty; another size than the frame's before starts anew. The map
-  /// is CV_32FC1, finite, ≥ 0, of the frame's aspect and no larger than it, valid until the next
-  /// call. Frames wider than 320 are reduced to that by area for the peers that need motion; the
-  /// still ones see the whole frame, as in OpenCV's example (spectral residual reduces it to 64 ×
-  /// 64 itself). BinWang learns from the first frame, as if that had been on show for 2 s before.
+  /// `frame` is CV_8UC3 B'G'R', not empty; a new size resets. The map is CV_32FC1, finite, ≥ 0,
+  /// with the frame's aspect ratio and at most its size. It is valid until the next call. For peers
+  /// that need motion, frames wider than 320 are scaled down by area. The others get the whole
+  /// frame, as in OpenCV's example (spectral residual scales it to 64 × 64 itself). BinWang is
+  /// trained on the first frame, as if it had been shown for 2 s.
   const cv::Mat &compute(const cv::Mat &frame);
 
-  /// Forgets the frames before.
+  /// Forgets all frames.
   void reset();
 
 private:

@@ -46,7 +46,7 @@ struct Photograph
   Fixations fixations; ///< in samples of the grid
 };
 
-/// The pictures that fixations are known of, by name.
+/// The pictures with fixations, by name.
 std::vector<Photograph>
 list_photographs(const std::filesystem::path &directory)
 {
@@ -87,7 +87,7 @@ private:
   Decoder decoder_;
 };
 
-/// A BGR picture as OpenCV sees it.
+/// An OpenCV view of a BGR frame.
 cv::Mat
 as_mat(const saliency::FrameView &bgr)
 {
@@ -96,7 +96,7 @@ as_mat(const saliency::FrameView &bgr)
            static_cast<std::size_t>(blue.row_stride) };
 }
 
-/// A map of which `picture` tells where the picture lies, on the grid.
+/// Resamples a map to the grid. `picture` is the picture's rectangle in the map.
 cv::Mat
 on_grid(const cv::Mat &map, const cv::Rect2d &picture)
 {
@@ -110,7 +110,7 @@ on_grid(const cv::Mat &map, const cv::Rect2d &picture)
   return grid;
 }
 
-/// A map that the whole picture fills, on the grid.
+/// Resamples a map that covers exactly the picture.
 cv::Mat
 on_grid(const cv::Mat &map)
 {
@@ -120,7 +120,7 @@ on_grid(const cv::Mat &map)
   return grid;
 }
 
-/// The models, with what each of them keeps from picture to picture.
+/// The models and their buffers.
 class Models
 {
 public:
@@ -178,7 +178,7 @@ private:
     return on_grid(saliency.map, saliency.picture);
   }
 
-  /// Rarity at the level at which the profile for single pictures takes it.
+  /// Rarity at the level of the profile for single pictures.
   cv::Mat weight(const saliency::FrameView &view, saliency::Rarity &rarity)
   {
     const int level = saliency::frame_levels(spatial_.profile(), kPicture).coarsest;
@@ -209,7 +209,7 @@ score(cv::Mat map, const Photograph &photograph, const Fixations &others)
            correlation(map, fixation_density(kGrid, photograph.fixations, kBlur)) };
 }
 
-/// Runs `work` on every index below `count`, on several threads. What it throws is thrown here.
+/// Runs `work` for every index below `count` on several threads. Rethrows its exceptions.
 void
 in_parallel(int threads, std::size_t count, const std::function<void(std::size_t, Models &)> &work)
 {

@@ -9,7 +9,7 @@
 
 namespace quality {
 
-/// Means over the pictures of a split; see fixations.h.
+/// Means over the pictures of a split. See fixations.h.
 struct PhotographScores
 {
   double nss = 0;
@@ -26,19 +26,19 @@ struct PhotographRow
   PhotographScores scores;
 };
 
-/// How well models tell where people look on photographs: the literal paper, the film profile's
-/// spatial map, the profile for single pictures, each still peer that is available, and peers times
-/// our weights. Rows come model by model, train before validation.
+/// How well models predict fixations on photographs: the paper profile, the tuned profile's spatial
+/// map, the profile for single pictures, each available peer for stills, and peers times our
+/// weights. Rows are grouped by model, train before validation.
 ///
 /// `directory` holds OSIE's pictures NUMBER.jpg of 800 × 600 and fixations.csv (Xu, Jiang, Wang,
-/// Kankanhalli & Zhao 2014). Numbers that are 1 modulo 4 are for training, 3 for validation. A
-/// picture goes through jpegdec into the analyzer as I420, as it does in a pipeline; peers see it
-/// as B'G'R'. Every map is brought to 200 × 150, where a sample is 4 pixels, and blurred by 6
-/// samples, 1 degree of visual angle; no center prior. Shuffled AUC compares with all fixations on
-/// the other pictures of the split.
+/// Kankanhalli & Zhao 2014). Numbers that are 1 modulo 4 are for training, 3 for validation.
+/// jpegdec decodes pictures to I420 for the analyzer, as in a pipeline, and to B'G'R' for peers.
+/// All maps are scaled to 200 × 150 (4 pixels per sample) and blurred by 6 samples (1 degree of
+/// visual angle), without center prior. Shuffled AUC uses all fixations on the other pictures of
+/// the split.
 ///
-/// `threads` ≥ 1 share the pictures; the result does not depend on their number. GStreamer is
-/// initialized. Throws std::runtime_error if a file is missing or not as it has to be.
+/// `threads` ≥ 1 share the pictures, and the result does not depend on their number. Requires
+/// gst_init(). Throws std::runtime_error if a file is missing or invalid.
 std::vector<PhotographRow> score_photographs(const std::filesystem::path &directory,
                                              int threads = 2);
 

@@ -12,10 +12,10 @@ namespace quality {
 
 namespace {
 
-/// A slope of lightness across a disc, in codes from rim to rim.
+/// Gradient of lightness across a disc, in codes.
 constexpr double kSlope = 24;
 
-/// An R'G'B' color: lightness all over the scale short of overexposure, chroma small (σ 22 codes).
+/// An R'G'B' color: any lightness without overexposure, small chroma (σ 22 codes).
 cv::Scalar
 leaf_color(Random &random)
 {
@@ -57,7 +57,7 @@ dead_leaves(cv::Size size, std::uint64_t seed)
 {
   constexpr double kSmallest = 1.0 / 160;
   constexpr double kLargest = 1.0 / 10;
-  constexpr double kCover = 12; // times the picture's area: no spot stays bare
+  constexpr double kCover = 12; // total area of the discs, in pictures: leaves no gaps
 
   Random random(seed);
   cv::Mat picture(size, CV_8UC3, cv::Scalar(128, 128, 128));
@@ -74,7 +74,7 @@ dead_leaves(cv::Size size, std::uint64_t seed)
     draw_leaf(picture, center, radius, color, random.uniform(0, 2 * CV_PI));
     covered += CV_PI * radius * radius;
   }
-  // As soft as a lens makes it.
+  // Blur of a lens.
   cv::GaussianBlur(picture, picture, {}, 0.7);
   return picture;
 }

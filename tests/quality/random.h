@@ -7,8 +7,8 @@
 
 namespace quality {
 
-/// SplitMix64 (Steele, Lea, Flood 2014): the standard library's distributions differ from one
-/// implementation to the next, but a film has to be the same everywhere.
+/// SplitMix64 (Steele, Lea, Flood 2014). Distributions of the standard library differ between
+/// implementations, but films must be reproducible.
 class Random
 {
 public:

@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 //
-// How exactly is a rise time measured through noise? Simulated motors with the paper's rise times,
-// which rise in different ways, white noise between 0 and 4 kHz; a line for each 3 dB between the
-// steady vibration of a step and the noise: errors of single steps, of the median of nine, and of
-// the first motion of strong rises from rest. Then of what tactorsink goes by: the calibrations
-// that tactor-calibrate makes of its default measurement. Usage: rise_time_accuracy
-// [steps|calibrations]
+// Accuracy of measured rise times by signal-to-noise ratio. Simulates motors with the paper's rise
+// times and several shapes of rise, with white noise from 0 to 4 kHz. Prints a line per 3 dB of
+// SNR: errors of single steps, of the median of nine, and of the first motion of strong rises from
+// rest. Then the errors of calibrations that tactor-calibrate makes of its default measurement.
+// Usage: rise_time_accuracy [steps|calibrations]
 #include "calibration/median.h"
 #include "support/measured_chair.h"
 
@@ -83,8 +82,7 @@ add(std::map<int, Errors> &bins, const Growth &growth, int decibels, const Motor
   }
 }
 
-/// Errors of what a calibration says of rises to 1 V and more, one at a time; four motors, slower
-/// and faster, near and far.
+/// Errors of a calibration for rises to at least 1 V, of four motors: slow and fast, near and far.
 std::vector<double>
 errors_of_calibrations(const Growth &growth, double decibels, double at_volts, int repetitions)
 {

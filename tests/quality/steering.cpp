@@ -21,7 +21,7 @@ constexpr std::array kPatterns{ tactile::FilmPattern::static_motion,
                                 tactile::FilmPattern::dynamic_motion };
 const cv::Size kSize(320, 240);
 
-/// The tuned model with limits to its cues.
+/// The tuned model with cue limits.
 class LimitedModel : public Model
 {
 public:
@@ -41,7 +41,7 @@ private:
   tactile::CueLimits limits_;
 };
 
-/// The tuned model with a viewport that adapts.
+/// The tuned model with an adaptive viewport.
 class AdaptiveModel : public Model
 {
 public:
@@ -71,7 +71,7 @@ strongest(const tactile::TactileMap &map)
   return static_cast<std::size_t>(std::ranges::max_element(map.levels) - map.levels.begin());
 }
 
-/// In frames that are felt: whether the strongest cell is the same with both.
+/// For active frames, whether both have the same strongest cell.
 Mean
 agreement(const FilmCase &film_case)
 {

@@ -5,10 +5,10 @@
 
 namespace quality {
 
-/// What limits to cues cost and give: (a) and (d) on the paper's two films, and how much is felt.
+/// The effect of cue limits: scores (a) and (d) on the paper's two films, and how much is felt.
 Table cue_limit_table(int threads);
 
-/// How often the adaptive viewport moves what is felt to another cell where the fixed one is right.
+/// How often the adaptive viewport changes the strongest cell where the fixed one is right.
 Table viewport_table(int threads);
 
 } // namespace quality

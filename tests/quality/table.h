@@ -7,19 +7,19 @@
 
 namespace quality {
 
-/// A table of figures to be read by people (Markdown) and programs (CSV).
+/// A table of figures, printed as Markdown or CSV.
 class Table
 {
 public:
   /// The caption says in sentences what the columns are, if their names do not.
   Table(std::string title, std::string caption, std::vector<std::string> header);
 
-  /// As many cells as the header has.
+  /// Requires as many cells as in the header.
   void add(std::vector<std::string> row);
 
   /// As a section.
   void write_markdown(std::ostream &out) const;
-  /// Title first in every line, then the cells; fields quoted as RFC 4180 says.
+  /// RFC 4180. Each line starts with the title.
   void write_csv(std::ostream &out) const;
 
 private:
@@ -34,9 +34,9 @@ private:
 void write_page_head(std::ostream &out, const std::string &title,
                      const std::vector<std::string> &command);
 
-/// With so many digits after the point; "–" for what is not a number.
+/// A number with that many decimals. NaN is "–".
 std::string figure(double value, int digits);
-/// As a percentage with so many digits after the point.
+/// A percentage with that many decimals.
 std::string percent(double share, int digits = 1);
 
 } // namespace quality

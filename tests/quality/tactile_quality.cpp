@@ -71,7 +71,7 @@ clip_table(const Extent &extent)
   return table;
 }
 
-/// A floor or a ceiling, and whether it holds; says so if not.
+/// Checks a floor or ceiling, and prints a violation.
 bool
 holds(const FilmCase &film, const char *what, double value, double limit, bool least)
 {
@@ -83,7 +83,7 @@ holds(const FilmCase &film, const char *what, double value, double limit, bool l
   return false;
 }
 
-/// The tuned profile against floors, on a part of the films.
+/// Checks floors of the tuned profile on some of the films.
 bool
 check(const Options &options)
 {

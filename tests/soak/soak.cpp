@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 //
-// Hours of film in minutes: tactorsink on a GstTestClock, each command at its time, and whole films
-// as fast as the machine allows. After each hour memory, threads and file handles are counted; they
-// are to stay what they were, and every command on time.
+// Hours of film in minutes: tactorsink on a GstTestClock, and whole films as fast as the machine
+// allows. Counts memory, threads and file handles, which must not grow. Every command must be on
+// time.
 //
 // Usage: soak [--hours=N] [--clip=FILE]...
 #include "support/tactorsink_rig.h"
@@ -17,7 +17,7 @@ namespace {
 double hours = 0.1; ///< of film, in each test
 gchar **clips = nullptr;
 
-/// What the process has, of that which must not grow.
+/// Resources of the process that must not grow.
 struct Usage
 {
   double heap = 0;     ///< KiB, allocated
@@ -46,7 +46,7 @@ usage()
   return now;
 }
 
-/// One line of a table at each look; at the end what is to be constant was.
+/// Prints a line per sample, and checks at the end that nothing grew.
 class Record
 {
 public:
@@ -62,7 +62,7 @@ public:
     std::fflush(stdout);
     looks_.emplace_back(at, now);
   }
-  /// The first look is the measure: caches and pools have been filled by then.
+  /// The first sample is the baseline: caches and pools are filled by then.
   void expect_constant(double kib_per_hour) const
   {
     const auto &[begin, first] = looks_.front();
@@ -70,8 +70,8 @@ public:
     const double length = std::max(end - begin, 1e-9);
     std::printf("growth: heap %.2f KiB, RSS %.1f KiB an hour of film\n",
                 (last.heap - first.heap) / length, (last.resident - first.resident) / length);
-    // GLib's pool has some threads now and none then: the later half has no more than the earlier
-    // one had at most.
+    // The size of GLib's thread pool varies: the maximum of the second half must not exceed that of
+    // the first.
     long most = 0;
     for (std::size_t i = 0; i < looks_.size(); i++) {
       const Usage &now = looks_[i].second;
@@ -80,7 +80,7 @@ public:
         most = std::max(most, now.threads);
       fail_unless(now.threads <= most, "%ld threads, earlier at most %ld", now.threads, most);
     }
-    // In short runs what comes and goes outweighs what grows.
+    // In short runs, fluctuations exceed growth.
     fail_unless(last.heap - first.heap < kib_per_hour * length + 64,
                 "the heap grew by %g KiB in %g h", last.heap - first.heap, length);
   }
@@ -89,12 +89,12 @@ private:
   std::vector<std::pair<double, Usage>> looks_;
 };
 
-constexpr int kLooks = 24; ///< in a run
+constexpr int kLooks = 24; ///< samples per run
 
 } // namespace
 
-/// Another level each 200 ms: one command a block, issued to the nanosecond when it is due, in the
-/// last hour as in the first.
+/// A new level every 200 ms: one command per block, issued at its exact due time, in the last hour
+/// as in the first.
 GST_START_TEST(test_hours_on_the_clock)
 {
   constexpr int kFramesPerBlock = 5;
@@ -116,7 +116,7 @@ GST_START_TEST(test_hours_on_the_clock)
   }
   rig.run_out([&] { rig.end(); });
   record.expect_constant(1);
-  ck_assert_uint_eq(rig.stat("issued"), frame / kFramesPerBlock + 1); // and the zero at the end
+  ck_assert_uint_eq(rig.stat("issued"), frame / kFramesPerBlock + 1); // plus the zero at the end
   for (const char *none : { "late", "coalesced", "dropped", "starved" })
     ck_assert_uint_eq(rig.stat(none), 0);
   GstStructure *stats = nullptr;
@@ -130,7 +130,7 @@ GST_START_TEST(test_hours_on_the_clock)
 }
 GST_END_TEST;
 
-/// From picture to command: analysis, extractor, queue and planner, as fast as they go.
+/// Analysis, extractor, queue and planner, as fast as possible.
 GST_START_TEST(test_hours_of_film)
 {
   constexpr int kRate = 10;
@@ -157,7 +157,7 @@ GST_START_TEST(test_hours_of_film)
   Record record("film, analysis and chair");
   gst_element_set_state(pipeline, GST_STATE_PLAYING);
   const int piece = std::max(frames / kLooks, 1);
-  // Half of the last piece may be over before it is looked at: the end is when threads are leaving.
+  // No sample of the last piece: threads end at EOS.
   for (int next = piece; next <= frames - piece; next += piece) {
     while (shown < next) {
       GstMessage *message = gst_bus_timed_pop_filtered(bus, 2 * GST_MSECOND, GST_MESSAGE_ERROR);
@@ -178,7 +178,7 @@ GST_START_TEST(test_hours_of_film)
 }
 GST_END_TEST;
 
-/// Played again and again by seeks to its begin, as a loop in an exhibition is.
+/// Loops by seeking to the start, as in an exhibition.
 GST_START_TEST(test_looping_clips)
 {
   for (gchar **clip = clips; clip && *clip; clip++) {
@@ -228,7 +228,7 @@ main(int argc, char **argv)
     return 2;
   }
   g_option_context_free(context);
-  // In this process, without a limit of time: what is measured is of one process.
+  // Does not fork and has no time limit: usage is measured per process.
   g_setenv("CK_FORK", "no", TRUE);
   gst_check_init(&argc, &argv);
   Suite *suite = suite_create("soak");

@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: LGPL-2.1-or-later
-"""theatre_clock.Offset on simulated networks, where the offset is known: how far off it is once it says that it is settled.
+"""theatre_clock.Offset on simulated networks with a known offset: its error after it reports that it has settled.
 
 Usage: clock.py EXAMPLES
 """
@@ -16,7 +16,7 @@ AHEAD = 987654321 * 10**6  # ns: the server's clock, at BEGIN
 
 
 def follow(delay, seconds=75, drift=lambda t: 0.0, loss=0.01, lost=(0, 0), ahead=lambda t: AHEAD, seed=1):
-    """(s until settled, worst error in ms while settled, s unsettled after that) of a simulated seat."""
+    """(s until settled, largest error in ms while settled, s unsettled later) of a simulated seat."""
     chance = random.Random(seed)
     offset = Offset()
     now, fitted, truth_then = BEGIN, 0, 0.0
@@ -80,11 +80,11 @@ expect("0.1 to 20.1 ms, 80 ppm", worst(delay=uniform(0.1, 20), drift=lambda t: 8
 expect("0.1 to 20.1 ms, a rate that changes", worst(delay=uniform(0.1, 20), drift=lambda t: 20e-6 if t < 45 else -20e-6), 8.0, 1.5)
 expect("1 ms and exponential, 5 ms", worst(delay=exponential(1, 5)), 8.0, 1.0)
 expect("half of all lost", worst(delay=uniform(0.1, 20), loss=0.25), 16.0, 1.0)
-# In between it keeps what it knows.
+# It keeps its estimate in between.
 expect("no network for 20 s", worst(delay=uniform(0.1, 20), lost=(30, 50)), 8.0, 1.0)
 expect("no network for 70 s", worst(delay=uniform(0.1, 20), lost=(10, 80), seconds=95), 8.0, 1.0, 75.0)
 expect("no server", (0, 0, 0) if follow(delay=uniform(0.1, 1), loss=0.5)[0] is None else (None, 0, 0), 0, 0)
-# From one exchange to the next it can be off by all of the step, which is no error of the fit.
+# Between two exchanges the error can be the whole step, which is not an error of the fit.
 stepped = Offset()
 for n in range(400):
     now = BEGIN + n * SECOND // 4
@@ -97,7 +97,7 @@ for n in range(400):
 if not stepped.settled or abs(stepped.server_time()[1] - stepped.server_time()[0] - 5 * SECOND) > 1e5:
     print("FAILED: does not follow a step of the server's clock")
     failed += 1
-# A peer that answers what is no time, before and after it is known.
+# A peer that sends invalid times, before and after the offset is known.
 hostile = Offset()
 for n in range(400):
     now = BEGIN + n * SECOND // 4

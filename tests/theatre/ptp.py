@@ -22,7 +22,7 @@ CONFIGURATION = "[global]\ntime_stamping software\nmasterOnly 1\nclockClass 128\
 
 
 def ahead():
-    """By how much CLOCK_REALTIME, the grandmaster's, is ahead of CLOCK_MONOTONIC, which GStreamer measures by: the tightest of many readings."""
+    """CLOCK_REALTIME (the grandmaster's) minus CLOCK_MONOTONIC (GStreamer's): the tightest of many readings."""
     readings = []
     for _ in range(1000):
         before, real, after = time.monotonic_ns(), time.clock_gettime_ns(time.CLOCK_REALTIME), time.monotonic_ns()
@@ -31,7 +31,7 @@ def ahead():
 
 
 def follow(identity):
-    """In the seat's namespace."""
+    """Runs in the seat's namespace."""
     import theatre
 
     theatre.Gst.init(None)
@@ -46,10 +46,10 @@ def follow(identity):
     theatre.GstNet.ptp_statistics_callback_add(note)
     clock = theatre.ptp_clock(0, ["eth0"])
     errors = []
-    # Longer than the 32 measurements that its line is fitted to.
+    # Longer than the 32 measurements of the fit.
     while len(errors) < READINGS or len(measured) < MEASUREMENTS:
         before, told, after = time.monotonic_ns(), clock.get_time(), time.monotonic_ns()
-        # Wherever in between it was read.
+        # It was read at any time in between.
         errors.append(max(0, told - after - truth, before + truth - told))
         time.sleep(0.02)
     step = abs(ahead() - truth)  # if the computer's clock was set meanwhile
@@ -67,7 +67,7 @@ def follow(identity):
 
 
 def identity_of(namespace):
-    """IEEE 1588, 7.5.2.2: that of the port's EUI-48."""
+    """The clock identity from the port's EUI-48 (IEEE 1588, 7.5.2.2)."""
     address = subprocess.run(["ip", "netns", "exec", namespace, "cat", "/sys/class/net/eth0/address"], check=True, capture_output=True, text=True).stdout
     octets = bytes.fromhex(address.strip().replace(":", ""))
     return int.from_bytes(octets[:3] + b"\xff\xfe" + octets[3:], "big")

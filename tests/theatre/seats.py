@@ -1,14 +1,14 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: LGPL-2.1-or-later
-"""A theatre on one computer: a server and three seats, each behind a network that loses 1 % of the packets and delays
-all of them by up to 20 ms, each by itself. Seats are in network namespaces of their own where these can be made, else on loopback.
+"""A theatre on one computer: a server and three seats, each behind a network that drops 1 % of the packets and delays each by up to
+20 ms. Seats are in their own network namespaces if these can be created, otherwise on loopback.
 
-One seat plays all of the film, one loses its network for a while, one joins late; the last one's network repeats packets so that never two
-come in sequence, and somebody else sends to its port as well. In the end all play a second, short film of a new server. What is compared
-are running times in the traces of the commands, with those of the film played without a network: soon after the first map that came to
-a seat it plays all. When that came and what else depends on how fast the machine is, is printed.
+One seat plays the whole film, one loses its network for a while, and one joins late. The last one's network duplicates and reorders
+packets, and a stranger sends to its port. At the end all play a second, short film of a new server. The traces of commands are compared
+with those of a play without network, in running time: soon after a seat's first map it must play everything. Times that depend on the
+machine's speed are printed only.
 
-Usage: seats.py EXAMPLES [REPORT]      (with the plugins on GST_PLUGIN_PATH; REPORT gets the figures)
+Usage: seats.py EXAMPLES [REPORT]      (with the plugins on GST_PLUGIN_PATH; REPORT receives the figures)
 """
 import contextlib
 import csv
@@ -26,21 +26,21 @@ import time
 
 LOSS = 0.01
 JITTER = 0.020  # s
-LATENCY = 1500  # ms: less the motors' 190, for so long may the processes of a busy computer stand
-LATE = 600  # ms: so long a seat waits for a packet
+LATENCY = 1500  # ms: minus the motors' 190, how long processes may be delayed on a busy computer
+LATE = 600  # ms: how long a seat waits for a packet
 FILM = 26  # s
 SECOND = 6  # s of it are the second film
 SOON = 1.2e9  # ns after its first map a seat plays: caps come once a second
 SAME = 2e6  # ns
 CLOCK_OFF = 1e6  # ns, or what its own exchanges leave open: on a busy computer each takes longer
-# Each map is a command of its own, and no limit depends on when a seat joined.
+# Each map gives a command, and no limit depends on when a seat joined.
 CHAIR = "driver=simulator ramp-in=0 max-active=0 max-duty=0 max-on-time=0"
 
 
 # ---- the network -----------------------------------------------------------------------------------------------------
 def map_time(packet):
-    """When the map is shown, in ns: the 64-bit NTP time stamp that is the packet's only extension (RFC 8285, RFC 6051). None for the first
-    packets of a showing, which tell of a stream that has no time yet."""
+    """Display time of the map in ns: the 64-bit NTP time stamp in the packet's only extension (RFC 8285, RFC 6051). None for the first
+    packets of a showing, which have no time yet."""
     if packet[0] != 0x90 or packet[12:14] != b"\xbe\xde" or packet[16] & 0xF != 7:
         return None
     return int.from_bytes(packet[17:25], "big") * 10**9 >> 32
@@ -51,7 +51,7 @@ def packet_number(packet):
 
 
 def relay(maps_in, maps_out, clock_in, server, clock_out, seed, nuisance):
-    """Hands on maps to 127.0.0.1:maps_out and asks server:clock_out for the time; nothing while SIGUSR1 holds, until SIGUSR2.
+    """Forwards maps to 127.0.0.1:maps_out and clock queries to server:clock_out. Drops everything from SIGUSR1 to SIGUSR2.
 
     Tells the time of the newest map that was handed on before, and of the first one after. With `nuisance`, no two packets leave in
     sequence: in between comes one that was there before, and a stranger's.
@@ -126,13 +126,13 @@ def relay(maps_in, maps_out, clock_in, server, clock_out, seed, nuisance):
         await loop.create_datagram_endpoint(Clock, local_addr=("127.0.0.1", clock_in))
         await asyncio.Event().wait()
 
-    # asyncio's own loop waits in whole milliseconds.
+    # asyncio's loop has a resolution of a millisecond.
     asyncio.SelectorEventLoop(selectors.SelectSelector()).run_until_complete(work())
 
 
 def seat(arguments):
-    """theatre_seat.py, that tells the time of the first map that came of each showing, and in the end by how much its clock was off the computer's, which is
-    the server's."""
+    """theatre_seat.py that also reports the time of the first map of each showing and, at the end, its clock's offset from the computer's,
+    which is the server's."""
     import theatre
     import theatre_clock
     import theatre_seat
@@ -154,7 +154,7 @@ def seat(arguments):
         truth = Gst.SystemClock.obtain()
 
         def read():
-            # What took longer was interrupted.
+            # Readings that took longer were interrupted.
             for _ in range(100):
                 before, told, after = truth.get_time(), pipeline.get_clock().get_time(), truth.get_time()
                 if after - before < 50000:
@@ -182,7 +182,7 @@ def seat(arguments):
 
 
 class Namespaces:
-    """A network namespace for each seat, linked with this one; without the right to make them, names for loopback."""
+    """A network namespace for each seat, linked with this one. Without permission, names for loopback."""
 
     def __init__(self, stack, count):
         self.names = []
@@ -227,7 +227,7 @@ def free_ports(count):
     return ports
 
 
-# ---- what came of it -------------------------------------------------------------------------------------------------
+# ---- the results -----------------------------------------------------------------------------------------------------
 def trace(path, base=0, played=True):
     """Planned commands as (effect in the film, tactor, volts), and all as (issued in the film, tactor, volts, late)."""
     planned, told = [], []
@@ -236,7 +236,7 @@ def trace(path, base=0, played=True):
             issued, due, effect = (int(line[f"{name}_ns"]) for name in ("issued", "due", "effect"))
             command = (effect - base, int(line["tactor"]), float(line["volts"]))
             told.append((issued - base, *command[1:], issued - due))
-            # What was played and not planned (silence for want of maps) took effect when it was issued.
+            # Commands that were not planned (silence without maps) take effect when issued.
             if not played or effect != issued:
                 planned.append(command)
     return planned, told
@@ -248,7 +248,7 @@ def expect(condition, text):
 
 
 def felt_from(reference, time):
-    """From when on something is felt: this time in the film or later."""
+    """The first time at or after this one at which something is felt."""
     levels = {}
     for effect, tactor, volts in reference:
         if effect > time and any(levels.values()):
@@ -260,11 +260,11 @@ def felt_from(reference, time):
 
 
 def compare(name, commands, reference, after, end):
-    """From soon after a time in the film to another time: all commands that take effect, and no others."""
+    """Compares all commands that take effect from soon after a time in the film to another time."""
     begun = min((command[0] for command in commands if command[0] >= after - SAME), default=end)
     soonest = felt_from(reference, after)
     expect(begun <= soonest + SOON, f"{name}: begins at {begun / 1e9:.3f} s, though it could at {soonest / 1e9:.3f} s")
-    # The first are what is felt then, whenever it began.
+    # The first are the levels at that time, whenever they began.
     start = begun + SAME
     left = [command for command in commands if start <= command[0] < end]
     count = 0
@@ -340,7 +340,7 @@ def main(examples, report):
                 + ["--clock-port", str(clocks[number]), "--latency", str(LATENCY), "--jitter", str(LATE), "--chair", chair],
             )
 
-        # A seat waits for the clock, the server for nobody: all that the first two seats miss is their own start.
+        # A seat waits for its clock, the server does not wait, so the first two seats miss only their own start.
         seats = [start_seat(0), start_seat(1)]
         to = [argument for n in range(3) for argument in ("--to", f"{networks.address(n)}:{maps_in[n]}")]
 
@@ -400,7 +400,7 @@ def main(examples, report):
         traces = [trace(f"{work}/seat{n}.csv", base) for n in range(3)]
         first = [time_told(one, "first") for one in seats]
         lines.append(compare("seat that plays all", traces[0][0], reference, first[0], end))
-        # A map's other copies may not have come before.
+        # Other copies of the map may arrive later.
         lines.append(compare("seat before its network is lost", traces[1][0], reference, first[1], cut - 0.2e9))
         lines.append(compare("seat after its network is back", traces[1][0], reference, back, end))
         lines.append(compare("seat that joins late", traces[2][0], reference, first[2], end))
@@ -410,7 +410,7 @@ def main(examples, report):
             expect(first_of_second, f"seat {n} does not hear the second film")
             lines.append(compare(f"seat {n}, second film", played, reference, first_of_second - base_of_second, SECOND * 1e9))
 
-        # Maps that were sent before the cut are played, the last is held for a second and the motors' lead; then there is silence.
+        # Maps from before the cut are played. The last is held for a second and the motors' lead, then there is silence.
         levels = {}
         for issued, tactor, volts, _ in traces[1][1]:
             if issued > back - 0.5e9:
@@ -444,9 +444,9 @@ if __name__ == "__main__":
     elif sys.argv[1:2] == ["--seat"]:
         seat(sys.argv[2:])
     else:
-        # Whatever ends it, no process and no network is left behind.
+        # Leaves no process and no network behind.
         signal.signal(signal.SIGTERM, signal.default_int_handler)
-        # In real time: a computer that is busy with something else may keep a seat from its maps for longer than they wait for it.
+        # In real time: on a busy computer a seat may be delayed for longer than its latency.
         for showing in range(3):
             try:
                 main(os.path.abspath(sys.argv[1]), sys.argv[2] if len(sys.argv) > 2 else None)

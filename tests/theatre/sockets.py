@@ -27,7 +27,7 @@ def expect(condition, text):
 
 
 def address_of(text):
-    """address:port as the kernel writes it, in hexadecimal and the computer's byte order."""
+    """Parses the kernel's address:port, in hexadecimal and host byte order."""
     address, port = text.split(":")
     parts = bytes.fromhex(address)
     if len(parts) != 4:
@@ -36,7 +36,7 @@ def address_of(text):
 
 
 def bound(process):
-    """(address, port, whether it hears one peer alone) of every UDP socket of a process."""
+    """(address, port, whether it is connected to one peer) of every UDP socket of a process."""
     inodes = set()
     for handle in os.listdir(f"/proc/{process.pid}/fd"):
         with contextlib.suppress(OSError):
@@ -102,7 +102,7 @@ def main(examples):
     expect(any(issued > second + 2e9 for issued in told), "the second film was not heard")  # by then the first one's last map is over
     for name, sockets in at.items():
         print(name, *(f"{address}:{port}{' (one peer)' if connected else ''}" for address, port, connected in sockets))
-    # Ports that nobody has asked for are the kernel's choice: what maps are sent from, and what asks for the time.
+    # The kernel chooses the source ports of maps and of clock queries.
     own = [port for address, port, connected in at["server"] if address == OWN and not connected]
     expect(len(own) == len(at["server"]) and CLOCK in own, "the server binds more than its own address")
     for name, wanted in (("seat", (GROUP, MAPS, False)), ("seat alone", (OWN, ALONE, False))):

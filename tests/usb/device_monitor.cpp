@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 //
-// The whole way of a player: GstDeviceMonitor, tactordeviceprovider of the plugin, USB, a board
-// with StandardFirmata, and back.
+// End to end, as in a player: GstDeviceMonitor, the plugin's tactordeviceprovider, USB, a board
+// with StandardFirmata.
 #include "support/boards/emulated_board.h"
 
 #include <memory>
@@ -32,12 +32,12 @@ public:
   Monitor(const Monitor &) = delete;
   Monitor &operator=(const Monitor &) = delete;
 
-  /// The device of the next message of a kind, with a reference.
+  /// The device of the next message of a type. Transfer full.
   GstDevice *next(GstMessageType type)
   {
     GstMessage *message
         = gst_bus_timed_pop_filtered(bus_, std::chrono::nanoseconds(kPatience).count(), type);
-    // Of these types the bus filters none.
+    // The bus cannot filter these types one by one.
     fail_unless(message && GST_MESSAGE_TYPE(message) == type, "no message of type %s",
                 gst_message_type_get_name(type));
     GstDevice *device = nullptr;
@@ -76,7 +76,7 @@ property(GstDevice *device, const char *name)
 
 } // namespace
 
-/// A board that is there, one that comes, and one that goes.
+/// A board that is present, one that is added, and one that is removed.
 GST_START_TEST(test_plugging)
 {
   EmulatedUsb usb;
@@ -103,7 +103,7 @@ GST_START_TEST(test_plugging)
 }
 GST_END_TEST;
 
-/// A board with the number of one that is there.
+/// Two boards with the same serial number.
 GST_START_TEST(test_twin)
 {
   EmulatedUsb usb;
@@ -127,7 +127,7 @@ GST_START_TEST(test_twin)
 }
 GST_END_TEST;
 
-/// What create_element() gives plays on that very board.
+/// The element of create_element() plays on the device's board.
 GST_START_TEST(test_element)
 {
   EmulatedUsb usb;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 //
-// The driver of Firmata boards over each transport, when what comes back is not what was said.
+// The Firmata driver over each transport, with replies that are lost or damaged.
 #include "support/boards/emulated_board.h"
 
 #include "tactor/drivers/firmata_driver.h"
@@ -23,7 +23,7 @@ using tactor::FirmataDriver;
 
 namespace {
 
-/// A Mega, and a driver that is patient where it must not give up and asks again at once.
+/// A Mega and a driver with long timeouts that retries immediately.
 struct UsbRig
 {
   explicit UsbRig(Transport transport, tactor::Time answer = 1h)
@@ -34,7 +34,7 @@ struct UsbRig
   {
   }
 
-  /// Whether the motors do what they are told.
+  /// Whether written levels reach the motors.
   bool obeys()
   {
     const std::vector<double> volts{ 3.0, 1.5, 0.75 };
@@ -57,8 +57,7 @@ const std::vector<int> kPins{ 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 44, 45, 46
 
 } // namespace
 
-/// The first replies are lost, cut short, or have a byte that belongs to no such message: it is
-/// asked again, and the board is known in the end.
+/// The first replies are lost, truncated or corrupted. The driver retries and identifies the board.
 GST_START_TEST(test_garbled_replies)
 {
   for (const Transport transport : kTransports)
@@ -80,7 +79,7 @@ GST_START_TEST(test_garbled_replies)
           reply.resize(random() % reply.size());
           break;
         default:
-          // Not F7, behind which nothing would be missing.
+          // Not F7, which would complete the message.
           reply[1 + random() % (reply.size() - 1)]
               = static_cast<std::uint8_t>(0x80 + random() % 0x70);
         }
@@ -97,7 +96,7 @@ GST_START_TEST(test_garbled_replies)
 }
 GST_END_TEST;
 
-/// A long reply in packets of a byte each, as a chip may send them.
+/// A long reply in packets of one byte, which chips may send.
 GST_START_TEST(test_replies_in_short_packets)
 {
   for (const Transport transport : kTransports) {
@@ -110,7 +109,7 @@ GST_START_TEST(test_replies_in_short_packets)
 }
 GST_END_TEST;
 
-/// Never a whole one: the error says how far it came, and the board is free again.
+/// No reply is ever complete. The error names the step, and the board is released.
 GST_START_TEST(test_replies_always_cut_short)
 {
   for (const Transport transport : kTransports)
@@ -132,7 +131,7 @@ GST_START_TEST(test_replies_always_cut_short)
 }
 GST_END_TEST;
 
-/// Noise on a line that is in use changes nothing of what the motors do.
+/// Noise on an open line does not change the motors.
 GST_START_TEST(test_noise_while_playing)
 {
   for (const Transport transport : kTransports) {
@@ -151,8 +150,8 @@ GST_START_TEST(test_noise_while_playing)
 }
 GST_END_TEST;
 
-/// Four motors and nine, whose zeros take 2.3 and 4.9 ms on the line: the kernel's driver gets the
-/// board back when they have come.
+/// The zeros of four and nine motors take 2.3 and 4.9 ms on the line. The kernel's driver gets the
+/// board back only after they arrived.
 GST_START_TEST(test_motors_stand_when_released)
 {
   for (const Transport transport : kTransports)
@@ -166,7 +165,7 @@ GST_START_TEST(test_motors_stand_when_released)
           FirmataDriver driver(FirmataDriver::Firmware::any,
                                [] { return std::make_unique<tactor::UsbSerialBus>(); });
           unwrap(driver.open({}));
-          // The driver silences motors whose levels nobody repeats.
+          // The driver turns off motors whose levels are not repeated.
           fail_unless(board.wait_until([&] {
             unwrap(driver.write(std::vector<double>(motors, 3.0), 0s));
             for (std::size_t i = 0; i < motors; i++)
@@ -187,9 +186,8 @@ namespace {
 
 constexpr std::uint8_t kReset = 0xff;
 
-/// A board whose motors are on, as a host that was killed left them, behind a slow chip and before
-/// a kernel that takes no time: the emulated one takes longer to get a board back than the few
-/// bytes of a question need.
+/// A board whose motors a killed host left on, with a slow chip and a kernel that acts immediately:
+/// the emulated kernel otherwise takes longer than the few bytes of a query.
 struct LeftOn
 {
   explicit LeftOn(Transport transport, const Layout &layout = kMega)
@@ -202,7 +200,7 @@ struct LeftOn
                                                             firmware)
   {
     FirmataDriver before(FirmataDriver::Firmware::any, make_bus);
-    unwrap(before.open({})); // which resets the board
+    unwrap(before.open({})); // resets the board
     before.close();
     board.with_firmware([&] {
       for (const int pin : layout.pwm) {
@@ -219,7 +217,7 @@ struct LeftOn
     return std::make_unique<tactor::UsbSerialBus>();
   }
 
-  /// The kernel's driver has it, and what the chip was given came to the firmware.
+  /// Whether the kernel's driver has the board and no byte was lost in the chip.
   bool was_released_whole() const
   {
     return board.conversation().back() == "return 0" && board.cut_off() == 0
@@ -252,7 +250,7 @@ is_version(const Bytes &reply)
 
 } // namespace
 
-/// Too few pins, or no watchdog: the board is not taken, and released as one that played.
+/// A board with too few pins, or without watchdog, is refused and released like one that played.
 GST_START_TEST(test_refused_boards_stand_when_released)
 {
   for (const Transport transport : kTransports)
@@ -261,7 +259,7 @@ GST_START_TEST(test_refused_boards_stand_when_released)
         LeftOn left(transport, has_too_few ? kUno : kMega);
         if (!is_heard)
           left.board.garble([](Bytes &reply) {
-            if (is_version(reply)) // which its last word is
+            if (is_version(reply)) // the last reply
               reply.clear();
           });
         FirmataDriver driver(has_too_few ? FirmataDriver::Firmware::any
@@ -277,9 +275,9 @@ GST_START_TEST(test_refused_boards_stand_when_released)
 }
 GST_END_TEST;
 
-/// An opening is interrupted, or the line breaks, as soon as the board's chip was given bytes: the
-/// question for its firmware, of which nothing is known, or the reset. Again and again: the
-/// emulated kernel is not always quick enough to cut them off.
+/// Opening is interrupted, or the line breaks, as soon as the chip has the bytes of the firmware
+/// query or the reset. Repeated, because the emulated kernel is not always quick enough to cut them
+/// off.
 GST_START_TEST(test_interrupted_opening_cuts_nothing_off)
 {
   for (const Transport transport : kTransports)

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 //
-// What a chair is left with when gst-launch-1.0, a program that knows nothing of chairs, is ended
-// from outside.
+// The state of a chair after gst-launch-1.0, which knows nothing of chairs, was terminated.
 #include "launch.h"
 
 #include "map_stream.h"
@@ -18,7 +17,7 @@ using namespace usb_test;
 
 namespace {
 
-/// The chair's nine pins of a Mega.
+/// The nine pins of the chair on a Mega.
 constexpr std::array kPins{ 2, 3, 4, 5, 6, 7, 8, 9, 10 };
 
 constexpr int kDuty = 190; ///< of 255: level 0.747
@@ -38,13 +37,13 @@ struct Chair
       return std::ranges::all_of(kPins, [&](int pin) { return firmware->duty(pin) == kDuty; });
     });
   }
-  /// The last that it was sent: a reset, and the question whose answer says that it has read that.
+  /// The last bytes: a reset, and a query whose answer confirms that it was read.
   bool was_told_to_stand() const
   {
     const Bytes told = board.bytes();
     return told.size() >= 2 && told[told.size() - 2] == 0xff && told.back() == 0xf9;
   }
-  /// The kernel has taken the board from a process that is gone.
+  /// The kernel took the board back from a process that has ended.
   bool wait_for_hosts_end()
   {
     return board.wait_until([&] { return board.hosts() == 0; });
@@ -57,7 +56,7 @@ struct Chair
 
 } // namespace
 
-/// Ctrl-C, with and without an end of stream first: zeros, then reset, over every transport.
+/// Ctrl-C, with and without EOS first, over every transport: zeros, then a reset.
 GST_START_TEST(test_interrupted)
 {
   for (const Transport transport : kTransports)
@@ -75,8 +74,8 @@ GST_START_TEST(test_interrupted)
 }
 GST_END_TEST;
 
-/// SIGTERM, for which gst-launch-1.0 has no handler: the same, the kernel's driver has the board
-/// back, and the process dies of the signal.
+/// SIGTERM, for which gst-launch-1.0 has no handler: the same. The kernel's driver gets the board
+/// back, and the process ends by the signal.
 GST_START_TEST(test_terminated)
 {
   for (const Transport transport : kTransports) {
@@ -93,8 +92,8 @@ GST_START_TEST(test_terminated)
 }
 GST_END_TEST;
 
-/// SIGTERM while a board is asked what it is, and does not say: it is told to stand, and the
-/// kernel's driver has it back.
+/// SIGTERM while a silent board is being identified: motors off, and the kernel's driver gets the
+/// board back.
 GST_START_TEST(test_terminated_while_opening)
 {
   for (const Transport transport : kTransports) {
@@ -119,8 +118,8 @@ GST_START_TEST(test_terminated_while_opening)
 }
 GST_END_TEST;
 
-/// Nobody can send anything for a process that was killed. With the stock sketch the motors stay
-/// on; the next play begins with a reset.
+/// After SIGKILL nothing is sent. With StandardFirmata the motors stay on until the next play,
+/// which begins with a reset.
 GST_START_TEST(test_killed)
 {
   Chair chair;
@@ -131,7 +130,7 @@ GST_START_TEST(test_killed)
   chair.board.with_firmware([&] {
     for (const int pin : kPins)
       fail_unless_equals_int(chair.firmware->duty(pin), kDuty);
-    fail_if(chair.firmware->next()); // and nothing will end that
+    fail_if(chair.firmware->next()); // no watchdog is armed
   });
 
   const std::size_t before = chair.board.bytes().size();
@@ -148,8 +147,8 @@ GST_START_TEST(test_killed)
 }
 GST_END_TEST;
 
-/// What can be done after that without a play: motors off, and the kernel's driver has the board
-/// back. Of one that nobody left nothing is wanted.
+/// --release-boards after SIGKILL: motors off, and the kernel's driver gets the board back. A board
+/// that was not left open is not touched.
 GST_START_TEST(test_killed_and_released)
 {
   const std::string program = g_getenv("VISUOTACTILE_PLAY") ? g_getenv("VISUOTACTILE_PLAY") : "";
@@ -184,7 +183,7 @@ GST_START_TEST(test_killed_and_released)
 }
 GST_END_TEST;
 
-/// The sketch with the watchdog turns them off, 250 ms after the last byte.
+/// The seat sketch's watchdog turns motors off 250 ms after the last byte.
 GST_START_TEST(test_killed_with_watchdog)
 {
   for (const Transport transport : kTransports) {

@@ -11,15 +11,14 @@
 
 namespace usb_test {
 
-/// gst-launch-1.0 in a process of its own, with the emulated USB of this one.
+/// gst-launch-1.0 as a child process, with the same emulated USB.
 class Launch
 {
 public:
-  /// Nine motors are turned on and left on. `options` of gst-launch-1.0 and `properties` of
-  /// tactorsink, in words.
+  /// Turns nine motors on. `options` of gst-launch-1.0, `properties` of tactorsink.
   explicit Launch(const std::vector<std::string> &options = {},
                   const std::vector<std::string> &properties = { "driver=firmata" })
-      // A picture of 36 bytes of 63 is a map of 9 floats of 0.747.
+      // 36 bytes of value 63 are a map of nine floats of 0.747.
       : Launch({ "videotestsrc", "pattern=solid-color", "foreground-color=0xff373737", "!",
                  "video/x-raw,format=GRAY8,width=36,height=1,framerate=30/1", "!", "capssetter",
                  "replace=true", "join=false",
@@ -27,7 +26,7 @@ public:
                options, properties)
   {
   }
-  /// Maps come from `source`: elements of gst-launch-1.0, in words.
+  /// `source` is a launch line that produces maps.
   Launch(const std::vector<std::string> &source, const std::vector<std::string> &options,
          const std::vector<std::string> &properties)
   {
@@ -56,7 +55,7 @@ public:
   {
     kill(pid_, signal);
   }
-  /// Sends a signal and waits until the process is gone; as waitpid() has it.
+  /// Sends a signal and waits for the process. Returns the status of waitpid().
   int end(int signal)
   {
     int status = 0;

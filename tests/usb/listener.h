@@ -19,7 +19,7 @@
 
 namespace usb_test {
 
-/// What a port told, and from which thread.
+/// Records the events of a port.
 class Listener
 {
 public:
@@ -40,7 +40,7 @@ public:
     return wait([&] { return received_.size() >= count; });
   }
 
-  /// Waits until what was received is as it shall be.
+  /// Waits for a condition on the received bytes.
   bool wait_for(const std::function<bool(const Bytes &)> &condition)
   {
     return wait([&] { return condition(received_); });
@@ -95,7 +95,7 @@ private:
   std::vector<std::string> lost_;
 };
 
-/// Counts, and waits for a count.
+/// A counter that can be waited for.
 class Counter
 {
 public:

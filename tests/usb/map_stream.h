@@ -18,8 +18,8 @@
 
 namespace usb_test {
 
-/// A stream of tactile maps, played in real time by `tactorsink driver=firmata`: 3 × 3, another
-/// random one each 200 ms.
+/// Random 3 × 3 tactile maps, a new one every 200 ms, played in real time by
+/// `tactorsink driver=firmata`.
 class MapStream
 {
 public:
@@ -34,7 +34,7 @@ public:
                                      .c_str(),
                                  &error);
     if (error)
-      throw std::runtime_error(error->message); // not found: see GST_PLUGIN_PATH
+      throw std::runtime_error(error->message); // GST_PLUGIN_PATH may be wrong
     bus_ = gst_element_get_bus(pipeline_);
     GstElement *maps = gst_bin_get_by_name(GST_BIN(pipeline_), "maps");
     std::mt19937 random(blocks);
@@ -70,13 +70,13 @@ public:
     gst_element_set_state(pipeline_, GST_STATE_PLAYING);
   }
 
-  /// The motors stand when it returns.
+  /// The motors are off when it returns.
   void pause()
   {
     gst_element_set_state(pipeline_, GST_STATE_PAUSED);
   }
 
-  /// What a seek begins with: all that was asked for is forgotten.
+  /// FLUSH_START, as at the start of a seek.
   void flush()
   {
     GstElement *sink = gst_bin_get_by_name(GST_BIN(pipeline_), "tactors");
@@ -91,7 +91,7 @@ public:
     gst_element_set_state(pipeline_, GST_STATE_NULL);
   }
 
-  /// Whether there was neither an error nor a warning until now.
+  /// Whether there was no error and no warning so far.
   bool is_quiet()
   {
     const auto types = static_cast<GstMessageType>(GST_MESSAGE_ERROR | GST_MESSAGE_WARNING);
@@ -101,8 +101,7 @@ public:
     return message == nullptr && errors.empty() && warnings.empty();
   }
 
-  /// Plays on until that message, or an element's one of that name, has come; false if an error
-  /// did.
+  /// Waits for a message of this type and, if given, name. False if an error came first.
   bool wait_for(GstMessageType type, const char *name = nullptr)
   {
     for (;;) {
@@ -128,13 +127,13 @@ public:
     }
   }
 
-  /// After the film: what was handed to the driver.
+  /// The commands sent to the driver. Call it after the end.
   std::vector<tactor::IssuedCommand> trace() const
   {
     return or_throw(tactor::read_command_trace(trace_path_));
   }
 
-  /// When what has running time 0 is due, on the steady clock. While it plays.
+  /// Running time 0 on the steady clock. Call it while playing.
   Clock::time_point start() const
   {
     GstQuery *query = gst_query_new_latency();
@@ -150,18 +149,18 @@ public:
   std::vector<std::string> errors;
 
 private:
-  static constexpr int kFrames = 6; ///< of a block
+  static constexpr int kFrames = 6; ///< per block
   GstElement *pipeline_;
   GstBus *bus_;
   const std::string trace_path_;
 };
 
-/// What a motor's pin shall hold, one after the other.
+/// The sequence of duties expected of each pin.
 inline std::map<int, std::vector<int>>
 planned_duties(const std::vector<tactor::IssuedCommand> &trace)
 {
   constexpr double kFullScale = 3.0;
-  constexpr int kFirstPin = 2; // of those with PWM on a Mega: 2…13
+  constexpr int kFirstPin = 2; // a Mega has PWM on 2…13
   std::map<int, std::vector<int>> duties;
   for (const tactor::IssuedCommand &line : trace) {
     std::vector<int> &pin = duties[kFirstPin + line.command.tactor];

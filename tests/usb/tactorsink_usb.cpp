@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 //
-// From tactile maps to the pins of an emulated Mega: tactorsink, driver, USB and firmware in real
-// time.
+// tactorsink, driver, USB and firmware in real time: from tactile maps to the pins of an emulated
+// Mega.
 #include "map_stream.h"
 
 #include <algorithm>
@@ -43,8 +43,8 @@ struct Mega
   EmulatedBoard board;
 };
 
-/// Whether each pin got what was planned for it, or, where the machine was so busy that a command
-/// was overtaken, some of that and the last.
+/// Whether each pin got its planned duties. On a busy machine commands may be superseded: then a
+/// subsequence with the last one.
 bool
 is_part_of(const std::map<int, std::vector<int>> &got,
            const std::map<int, std::vector<int>> &planned)
@@ -141,7 +141,7 @@ GST_START_TEST(test_unplugged_for_good)
 }
 GST_END_TEST;
 
-/// A board that takes nothing any more is given up, and taken again when it does.
+/// A board that stops accepting data is closed, and reopened when it accepts data again.
 GST_START_TEST(test_stalled)
 {
   Mega mega;
@@ -178,21 +178,21 @@ GST_START_TEST(test_boards_that_cannot_be_used)
 }
 GST_END_TEST;
 
-/// Who starts a play does not wait for the board, and may stop it before the board has answered.
+/// Starting does not block on the board, and can be canceled before the board answers.
 GST_START_TEST(test_stopped_while_the_board_is_silent)
 {
   EmulatedUsb usb;
   EmulatedBoard silent(usb, {});
   MapStream film(1);
   film.play();
-  fail_unless(silent.wait_for_bytes(1)); // it was asked
-  fail_unless(film.is_quiet());          // and play() did not wait for an answer
+  fail_unless(silent.wait_for_bytes(1)); // the query was sent
+  fail_unless(film.is_quiet());          // play() did not wait
   film.stop();
   fail_unless_equals_int(silent.transfers_pending(), 0);
 }
 GST_END_TEST;
 
-/// What is refused after the board was opened: it is released as one that played.
+/// A board that is refused after it was opened is released like one that played.
 GST_START_TEST(test_refused_with_an_open_board)
 {
   for (const Transport transport : kTransports) {

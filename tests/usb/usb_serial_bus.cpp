@@ -52,7 +52,7 @@ GST_START_TEST(test_list)
     { "", "1-10", "Arduino (www.arduino.cc) Mega 2560", 0x1a86, 0x7523, "ch340", true },
   };
   fail_unless(unwrap(bus.list()) == expected);
-  // Nothing was opened for that.
+  // Listing opens nothing.
   fail_unless(board.conversation().empty());
 }
 GST_END_TEST;
@@ -74,8 +74,8 @@ GST_START_TEST(test_strings_that_are_none)
 }
 GST_END_TEST;
 
-/// Descriptors that are cut short, garbled or lie: the device may be left out, or what it says is
-/// within bounds.
+/// Truncated, garbled or false descriptors: the device is left out, or its values are within
+/// bounds.
 GST_START_TEST(test_descriptors_that_lie)
 {
   std::mt19937 random(1);
@@ -95,7 +95,7 @@ GST_START_TEST(test_descriptors_that_lie)
     for (const SerialDevice &device : unwrap(bus.list()))
       fail_unless_equals_string(device.bus_path.c_str(), "1-1");
   }
-  // Of these, no byte could be carried: no endpoints; packets of 0 bytes.
+  // Lines that cannot carry a byte: no endpoints, or packets of 0 bytes.
   Bytes no_endpoints = usb_descriptors(Transport::ftdi);
   no_endpoints[18 + 9 + 4] = 0;
   Bytes no_packets = usb_descriptors(Transport::ch340);
@@ -109,7 +109,7 @@ GST_START_TEST(test_descriptors_that_lie)
 }
 GST_END_TEST;
 
-/// FT2232: two lines, of which the first one is called 1.
+/// FT2232: two lines. The first is number 1.
 GST_START_TEST(test_chip_with_two_lines)
 {
   Bytes descriptors = usb_descriptors(Transport::ftdi);
@@ -155,7 +155,7 @@ GST_START_TEST(test_boards_that_cannot_be_opened)
   fail_unless(open().kind == Kind::failed);
   board.ignore_requests(false);
 
-  // What was claimed by then has been given back.
+  // Claimed interfaces were released.
   std::vector<std::string> conversation = board.conversation();
   fail_unless_equals_int(std::count(conversation.begin(), conversation.end(), "claim 0"), 2);
   fail_unless_equals_int(std::count(conversation.begin(), conversation.end(), "return 0"), 2);
@@ -171,8 +171,7 @@ GST_START_TEST(test_boards_that_cannot_be_opened)
 }
 GST_END_TEST;
 
-/// A board that answers no request: who waits for the answer is interrupted. It would come in an
-/// hour.
+/// open() of a board that answers no request is interrupted. The timeout would be an hour.
 GST_START_TEST(test_set_up_is_interrupted)
 {
   for (const Transport transport : kTransports) {
@@ -191,7 +190,7 @@ GST_START_TEST(test_set_up_is_interrupted)
     fail_unless(error.kind == DriverError::Kind::failed, "%s", error.text.c_str());
     fail_unless_equals_int(board.transfers_pending(), 0);
     board.ignore_requests(false);
-    // Before it begins, too.
+    // Also before it starts.
     fail_unless(refusal_of(bus.open(device, {}, stop.get_token())).kind
                 == DriverError::Kind::failed);
     unwrap(bus.open(device, {}));
@@ -206,8 +205,8 @@ GST_START_TEST(test_permission_denied)
   UsbSerialBus bus;
   const SerialDevice device = unwrap(bus.list()).at(0);
   board.forbid();
-  // Root may do what nobody else may: become somebody else, in this thread, for files. The test bed
-  // and umockdev's sockets stay open to all.
+  // Root may open everything, so this thread changes its file system user. The test bed and
+  // umockdev's sockets stay accessible.
   for (const auto &entry : std::filesystem::recursive_directory_iterator(usb.path("/")))
     if (!entry.is_symlink())
       std::filesystem::permissions(entry.path(), std::filesystem::perms(0777));
@@ -245,7 +244,7 @@ GST_START_TEST(test_two_boards)
   }
   fail_unless(first.bytes() == one && listeners[0].received() == one);
   fail_unless(second.bytes() == two && listeners[1].received() == two);
-  // What befalls one does not touch the other.
+  // A failure of one board does not affect the other.
   first.unplug();
   fail_unless(listeners[0].wait_for_loss());
   port.reset();
@@ -255,8 +254,8 @@ GST_START_TEST(test_two_boards)
 }
 GST_END_TEST;
 
-/// A board that comes while another is there, and one that goes out and comes again. False if
-/// nobody was told.
+/// A second board is plugged in, and the first is unplugged and plugged in again. False if no event
+/// came.
 static bool
 is_told(bool udev)
 {
@@ -272,7 +271,7 @@ is_told(bool udev)
   if (!changes.wait_for(1))
     return false;
   fail_unless_equals_int(unwrap(bus.list()).size(), 2);
-  // Out and in again. What comes back is open to the next one who asks.
+  // Unplugged and plugged in again, the board can be opened.
   auto port = unwrap(bus.open(unwrap(bus.list()).at(0), listener.events()));
   board.unplug();
   fail_unless(listener.wait_for_loss());
@@ -286,14 +285,14 @@ is_told(bool udev)
   fail_unless(port->write(bytes));
   fail_unless(board.wait_for_bytes(1));
   port.reset();
-  // After this nobody calls.
+  // No more calls after this.
   bus.watch(nullptr);
   return true;
 }
 
-/// With udevd nobody has to look often; without, one has to. On a busy machine libusb's own thread,
-/// which listens to the emulated udevd, was now and then gone, and why is not known: then the next
-/// look finds what came, or all begins anew. So this does not prove that udevd is heard.
+/// With udevd the bus need not poll often; without it must. On a busy machine, libusb's thread that
+/// listens to the emulated udevd sometimes ends for an unknown reason. Then the next poll finds the
+/// change, or the test is repeated. So this does not prove that udev events arrive.
 GST_START_TEST(test_watch)
 {
   for (const bool udev : { true, false })

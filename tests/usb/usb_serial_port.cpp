@@ -14,7 +14,7 @@ using namespace usb_test;
 
 namespace {
 
-/// A board that is plugged in, and its port, open.
+/// A plugged board and its open port.
 struct Plugged
 {
   explicit Plugged(const BoardDescription &description = {}, UsbPatience patience = {})
@@ -39,7 +39,7 @@ GST_START_TEST(test_bytes_out)
     std::mt19937 random(static_cast<unsigned>(transport));
     Bytes sent;
     for (int i = 0; i < 100; i++) {
-      // The longest and the shortest, too.
+      // Including the longest and the shortest.
       const std::size_t size = i == 0   ? SerialPort::kMaxWrite
                                : i == 1 ? 1
                                         : 1 + random() % SerialPort::kMaxWrite;
@@ -54,7 +54,7 @@ GST_START_TEST(test_bytes_out)
 }
 GST_END_TEST;
 
-/// The port's thread runs before others where it is asked for and may be had.
+/// The port's thread is real-time where requested and permitted.
 GST_START_TEST(test_realtime)
 {
   for (const bool wanted : { true, false }) {
@@ -85,8 +85,8 @@ GST_START_TEST(test_bytes_in)
     std::mt19937 random(static_cast<unsigned>(transport));
     Bytes sent;
     for (int i = 0; i < 300; i++) {
-      // Around the packets' ends, too. An empty one is FTDI's every millisecond: status and nothing
-      // else.
+      // Including sizes around packet boundaries. FTDI sends a packet with only status bytes each
+      // millisecond.
       constexpr std::size_t edges[] = { 0, 1, 31, 32, 33, 61, 62, 63, 64, 65, 124, 496, 512, 683 };
       const std::size_t size = i < 14 ? edges[i] : random() % 700;
       const Bytes bytes = random_bytes(random, size);
@@ -99,8 +99,8 @@ GST_START_TEST(test_bytes_in)
 }
 GST_END_TEST;
 
-/// Packets with less than a transport's own bytes in them, and one with more than there is room
-/// for: what else comes is whole.
+/// Packets shorter than the transport's status bytes, and one longer than the buffer. Other data is
+/// not affected.
 GST_START_TEST(test_odd_packets)
 {
   for (const Transport transport : kTransports) {
@@ -133,7 +133,7 @@ GST_START_TEST(test_odd_packets)
 }
 GST_END_TEST;
 
-/// Each write is begun by the word that the last one is done.
+/// Each completed write starts the next one.
 GST_START_TEST(test_ten_thousand_writes)
 {
   constexpr int kWrites = 10000;
@@ -142,7 +142,7 @@ GST_START_TEST(test_ten_thousand_writes)
   UsbSerialBus bus;
   std::unique_ptr<SerialPort> port;
   Counter count;
-  std::mutex opened; // `port` is there
+  std::mutex opened; // until `port` is set
   Bytes sent;
   const auto write = [&] {
     const Bytes bytes{ static_cast<std::uint8_t>(sent.size() >> 9),
@@ -189,7 +189,7 @@ GST_START_TEST(test_one_write_at_a_time)
 }
 GST_END_TEST;
 
-/// Whatever is on the way, destroying the port ends it, at any moment.
+/// Destroying the port ends transfers at any moment.
 GST_START_TEST(test_teardown_at_any_moment)
 {
   EmulatedUsb usb;
@@ -234,7 +234,7 @@ GST_START_TEST(test_unplugged)
 }
 GST_END_TEST;
 
-/// What an unplugged board looks like before the hub has noticed.
+/// Transfers fail before the hub reports that the board was unplugged.
 GST_START_TEST(test_transfers_that_fail)
 {
   Plugged plugged;
@@ -248,8 +248,7 @@ GST_START_TEST(test_transfers_that_fail)
 }
 GST_END_TEST;
 
-/// An endpoint that is halted takes nothing until somebody clears it, which is for whoever opens
-/// the board anew.
+/// A halted endpoint accepts nothing until it is cleared, which the next open() does.
 GST_START_TEST(test_halted)
 {
   for (const Transport transport : kTransports) {
@@ -265,7 +264,7 @@ GST_START_TEST(test_halted)
 }
 GST_END_TEST;
 
-/// Motors make noise: now and then a transfer fails, and nothing is lost by that.
+/// Motors cause noise on the bus: occasional failed transfers lose no data.
 GST_START_TEST(test_noise)
 {
   Plugged plugged;
@@ -273,7 +272,7 @@ GST_START_TEST(test_noise)
   std::mt19937 random(2);
   Bytes sent;
   for (int i = 0; i < 20; i++) {
-    // The reads that wait, then as many writes.
+    // The pending reads, then as many writes.
     board.break_transfers(4 + i % 3);
     const Bytes bytes = random_bytes(random, 1 + random() % 70);
     sent.insert(sent.end(), bytes.begin(), bytes.end());
@@ -334,7 +333,7 @@ GST_START_TEST(test_nothing_is_left_behind)
     }
     if (i == 99) {
       fail_unless_equals_int(entries("/proc/self/task"), threads);
-      // umockdev closes its end of a device in its own time.
+      // umockdev closes its end asynchronously.
       for (int more = 0; more < 100 && entries("/proc/self/fd") > files; more++)
         unwrap(bus.list());
       fail_unless(entries("/proc/self/fd") <= files);
@@ -343,8 +342,8 @@ GST_START_TEST(test_nothing_is_left_behind)
 }
 GST_END_TEST;
 
-/// The kernel's driver, which gets a board back, cuts off what its chip still holds: nothing that
-/// was taken, whatever ended the play.
+/// When the kernel's driver gets a board back, the chip's buffer is lost. It must be empty then,
+/// however the play ended.
 GST_START_TEST(test_nothing_is_cut_off)
 {
   for (const Transport transport : kTransports)

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 //
-// Every way in which a play can end or be interrupted, over an emulated board with the seat
-// firmware: how long motors go on. Printed as a table; what is asserted is that they stop, and
-// exact times where they are the firmware's own.
+// How long motors run on after each way to end or interrupt a play, on an emulated board with the
+// seat firmware. Prints a table. Asserts that motors stop, and the exact times that are the
+// firmware's.
 //
-// Times are those at which bytes have come over the emulated wire, or at which the firmware's
-// watchdog ends what nobody keeps alive.
+// Times are those at which bytes arrive over the emulated wire, or at which the firmware's watchdog
+// trips.
 #include "launch.h"
 #include "map_stream.h"
 #include "support/boards/emulated_board.h"
@@ -25,10 +25,10 @@ using namespace usb_test;
 
 namespace {
 
-constexpr int kFirstPin = 2; ///< of a Mega: tactor 0's
+constexpr int kFirstPin = 2; ///< of tactor 0 on a Mega
 constexpr auto kWatchdog = FirmataModel::kWatchdog;
 
-/// Nine motors that are on, one after the other for nothing ends them: limits are switched off.
+/// Turns on nine motors, with limits off so that they stay on.
 class Play
 {
 public:
@@ -69,20 +69,20 @@ public:
   GstElement *element(const char *name)
   {
     GstElement *found = gst_bin_get_by_name(GST_BIN(pipeline), name);
-    gst_object_unref(found); // the pipeline's
+    gst_object_unref(found); // the pipeline keeps it
     return found;
   }
   void set_state(GstState state)
   {
     gst_element_set_state(pipeline, state);
   }
-  /// Unless it was disposed of, or hangs until its end.
+  /// Does nothing if the pipeline is gone or hung.
   void set_state_if_there(GstState state)
   {
     if (pipeline && !hung_)
       set_state(state);
   }
-  /// As applications do: the first error stops the play.
+  /// Stops at the first error, as applications do.
   void stop_on_error()
   {
     GstBus *bus = gst_element_get_bus(pipeline);
@@ -91,14 +91,13 @@ public:
     gst_object_unref(bus);
     set_state(GST_STATE_NULL);
   }
-  /// tactorsink's thread stops where it reads the clock, until the play ends: what sends to the
-  /// board lives on.
+  /// Blocks tactorsink's thread at the clock until the play ends. The driver's thread goes on.
   void hang()
   {
     hung_ = element("tactors");
     GST_OBJECT_LOCK(hung_);
   }
-  /// No more maps come.
+  /// Stops the maps.
   void starve()
   {
     feeds_ = false;
@@ -119,7 +118,7 @@ public:
   GstClock *clock = nullptr;
 
 private:
-  /// A level at each tactor, 25 times a second.
+  /// A level for each tactor, 25 times per second.
   void feed()
   {
     GstElement *maps = gst_bin_get_by_name(GST_BIN(pipeline), "maps");
@@ -143,13 +142,13 @@ private:
   std::thread feeder_;
 };
 
-/// A way out of a play in this process.
+/// A way to end a play in this process.
 struct Way
 {
   const char *name;
   void (*take)(Play &);
-  /// The firmware's own watchdog ends it, exactly 250 ms after the last byte; StandardFirmata goes
-  /// on.
+  /// The firmware's watchdog stops the motors exactly 250 ms after the last byte. StandardFirmata
+  /// does not.
   bool is_watchdogs = false;
 };
 
@@ -193,8 +192,8 @@ const Way kWays[] = {
     } },
   { "dispose while playing",
     [](Play &play) {
-      // Nobody holds the pipeline: the worst that bindings do. GStreamer asks for NULL first, and
-      // so is it done here, by the bin.
+      // Drops the last reference while playing, as faulty bindings do. GStreamer requires NULL
+      // first; here the bin does that.
       GstElement *pipeline = std::exchange(play.pipeline, nullptr);
       GstElement *tactors = gst_bin_get_by_name(GST_BIN(pipeline), "tactors");
       gst_bin_remove(GST_BIN(pipeline), tactors);
@@ -228,7 +227,7 @@ ms(std::chrono::nanoseconds time)
   return std::chrono::duration<double, std::milli>(time).count();
 }
 
-/// Waits until all motors stand; how long after `begin` the last one was turned off.
+/// Waits until all motors are off. Returns the time from `begin` to the last change.
 std::chrono::nanoseconds
 wait_for_zero(EmulatedBoard &board, const Firmware &firmware, Clock::time_point begin)
 {
@@ -259,8 +258,8 @@ GST_START_TEST(test_ways_out_of_a_play)
 }
 GST_END_TEST;
 
-/// With StandardFirmata nothing but the driver stops them, and what the kernel cuts off when it
-/// gets the board back is never made up for.
+/// With StandardFirmata only the driver stops motors. Bytes that are lost when the kernel gets the
+/// board back are not sent again.
 GST_START_TEST(test_ways_out_without_a_watchdog)
 {
   for (const Way &way : kWays) {
@@ -276,8 +275,7 @@ GST_START_TEST(test_ways_out_without_a_watchdog)
 }
 GST_END_TEST;
 
-/// And those of a process: the motors are at zero before it is gone, or the firmware's watchdog
-/// ends them.
+/// Ways to end a process: motors are off before it is gone, or the firmware's watchdog stops them.
 GST_START_TEST(test_ways_out_of_a_process)
 {
   struct Signal
@@ -311,7 +309,7 @@ GST_END_TEST;
 
 namespace {
 
-/// A track in a file that is gone when the test is.
+/// A track in a temporary file.
 class TrackFile
 {
 public:
@@ -335,13 +333,12 @@ public:
 
 } // namespace
 
-/// A process that stands still (a stop by job control, a debugger, a machine that freezes) and goes
-/// on later: meanwhile the firmware's watchdog has ended what was on, and nothing of what the film
-/// had then is felt any more.
+/// A process that is suspended (job control, a debugger, a frozen machine) and resumed: the
+/// firmware's watchdog stops the motors, and cues of the time in between are dropped.
 GST_START_TEST(test_stopped_and_continued)
 {
-  // 0.6 s of 80 % early in the film, 0.6 s of 60 % while the process stands still, and 40 % from 8
-  // s on: which of them a motor is told shows when it was meant.
+  // 0.6 s of 80 % before the suspension, 0.6 s of 60 % during it, and 40 % from 8 s on: the level
+  // tells which cue a command belongs to.
   const TrackFile track("00:00:00.000 --> 00:00:01.000\n0 0 0\n0 0 0\n0 0 0\n\n"
                         "00:00:01.000 --> 00:00:01.600\n80 80 80\n80 80 80\n80 80 80\n\n"
                         "00:00:02.500 --> 00:00:03.100\n60 60 60\n60 60 60\n60 60 60\n\n"
@@ -369,7 +366,7 @@ GST_START_TEST(test_stopped_and_continued)
     fail_unless(firmware->changes().back().time == last + kWatchdog);
     before = firmware->changes().size();
   });
-  // Until the early cue is over, and what may be made up for, too.
+  // Until after the first cue, including its catch-up.
   std::this_thread::sleep_until(begin + 3s);
   launch.send(SIGCONT);
   fail_unless(board.wait_until([&] { return firmware->duty(kFirstPin) == later; }));

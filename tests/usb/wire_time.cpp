@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 //
-// What time real boards take, on emulated Megas at 57600 baud: how long after its due time is a
-// command's last byte on the wire, and how long after each end of the play do the motors stand?
+// Latency on emulated Megas at 57600 baud: from a command's due time to its last byte on the wire,
+// and from each end of a play until motors are off.
 //
 // Usage: umockdev-wrapper wire_time [seconds of film, default 10] [ends of each kind, default 10]
 #include "launch.h"
@@ -46,7 +46,7 @@ struct Chair
   EmulatedBoard board;
 };
 
-/// Of each command that changed a pin, how late its last byte was, in ms.
+/// Lateness of the last byte of each command that changed a pin, in ms.
 std::vector<double>
 lateness(Chair &chair, int seconds)
 {
@@ -63,14 +63,14 @@ lateness(Chair &chair, int seconds)
   for (const tactor::IssuedCommand &line : film.trace()) {
     auto &pin = changes[2 + line.command.tactor];
     if (pin.empty() || pin.front().duty != std::lround(line.command.volts / 3.0 * 255))
-      continue; // overtaken by the tactor's next one, or no change
+      continue; // superseded, or no change
     late.push_back(Milliseconds(pin.front().time - (start + line.command.due())).count());
     pin.pop_front();
   }
   return late;
 }
 
-/// A play that is ended while motors are on: how long after that they stand, in ms.
+/// Time from the end of a play until motors are off, in ms.
 template <class Play>
 double
 time_to_zero(const std::function<void(Chair &, Play &)> &end, bool seat = false)
@@ -94,16 +94,16 @@ time_to_zero(const std::function<void(Chair &, Play &)> &end, bool seat = false)
   return Milliseconds(chair.firmware->changes().back().time - begin).count();
 }
 
-/// A film that is played to its end: how long after the end of its last frame they stand.
+/// Time from the end of the last frame until motors are off, in ms.
 double
 time_to_zero_at_end()
 {
-  constexpr int kBlocks = 5; // of 200 ms; the last one leaves motors on
+  constexpr int kBlocks = 5; // of 200 ms, with motors on in the last one
   Chair chair;
   MapStream film(kBlocks);
   film.play();
   film.wait_for(GST_MESSAGE_EOS);
-  chair.wait_for_motors(false); // the message may come while the line still carries the zeros
+  chair.wait_for_motors(false); // the zeros may still be on the line
   const Clock::time_point end
       = film.start() + std::chrono::duration_cast<Clock::duration>(Milliseconds(kBlocks * 200));
   return Milliseconds(chair.firmware->changes().back().time - end).count();
@@ -115,7 +115,7 @@ int
 main(int argc, char **argv)
 {
   std::signal(SIGHUP, SIG_IGN); // see usb_serial_bus.cpp
-  // umockdev complains of a host that dies in the middle of a request.
+  // umockdev warns when a host dies during a request.
   g_log_set_default_handler([](const gchar *, GLogLevelFlags, const gchar *, gpointer) {}, nullptr);
   gst_init(nullptr, nullptr);
   const int seconds = argc > 1 ? std::atoi(argv[1]) : 10;

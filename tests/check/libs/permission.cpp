@@ -4,7 +4,7 @@
 #include "support/contains.h"
 #include "system_tree.h"
 
-// After the standard library's headers: gstcheck.h defines a macro named fail.
+// gstcheck.h defines a macro `fail`, so it follows the standard library's headers.
 #include <gst/check/gstcheck.h>
 
 using namespace tactor;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 //
-// Stages of the analyzer: what an observer sees, and the same bits on every CPU and number of threads.
+// Stages of the analyzer: what an observer sees, and the same bits on every CPU and number of
+// threads.
 #include "frame/front_end.h"
 #include "i420_frame.h"
 #include "saliency/analyzer.h"

@@ -80,7 +80,7 @@ umockdev_entry(const BoardDescription &description, const std::string &syspath, 
 std::chrono::microseconds
 kernel_opens(const BoardDescription &description)
 {
-  // Of ftdi_sio it was not measured: as soon as the soonest.
+  // Not measured for ftdi_sio: the shortest of the others.
   constexpr std::array measured{ 1340, 1340, 1800 };
   return description.kernel_opens.value_or(
       std::chrono::microseconds(measured[static_cast<std::size_t>(description.transport)]));

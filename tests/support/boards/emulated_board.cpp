@@ -30,7 +30,7 @@ EmulatedBoard::~EmulatedBoard()
     changed_.notify_all();
   }
   wire_.join();
-  nodes_.clear(); // they call
+  nodes_.clear(); // their threads use the board
 }
 
 void
@@ -40,7 +40,7 @@ EmulatedBoard::plug()
   const int bus = std::atoi(description_.port.c_str());
   const int address = usb_.next_address();
   syspath_ = format("/devices/usb%d/%s", bus, description_.port.c_str());
-  // Before the device is announced.
+  // Must precede the hot-plug event.
   UsbfsNode::Device &self = *this;
   nodes_.emplace_back(usb_, usb_node(bus, address), mutex_, self);
 
@@ -60,7 +60,7 @@ EmulatedBoard::unplug()
   if (!plugged_)
     return;
   plugged_ = false;
-  // The event needs the properties in sysfs.
+  // The event reads the properties from sysfs.
   umockdev_testbed_uevent(usb_.testbed(), ("/sys" + syspath_).c_str(), "remove");
   umockdev_testbed_remove_device(usb_.testbed(), ("/sys" + syspath_).c_str());
   for (std::list<Urb> *pending : { &reads_, &writes_, &requests_ })
@@ -72,7 +72,7 @@ EmulatedBoard::unplug()
   changed_.notify_all();
 }
 
-// ---- what came
+// ---- received
 
 std::vector<Received>
 EmulatedBoard::received() const
@@ -261,7 +261,7 @@ EmulatedBoard::feed_reads()
   }
 }
 
-// ---- what the host does
+// ---- requests of the host
 
 bool
 EmulatedBoard::claim(const void *host, int interface)
@@ -274,7 +274,7 @@ EmulatedBoard::claim(const void *host, int interface)
   return true;
 }
 
-/// The kernel's driver soon sets 9600 baud, for which the chip switches its line off and on.
+/// The kernel's driver then sets 9600 baud, for which the chip resets its UART.
 void
 EmulatedBoard::give_back(int interface)
 {
@@ -350,7 +350,7 @@ EmulatedBoard::control(const Urb &urb)
   if (in)
     std::fill_n(urb.bytes().begin() + 8, length, 0x31);
   nodes_.back().done(urb, 0, static_cast<std::size_t>(length));
-  // The board is reset when DTR rises.
+  // A rising DTR resets the board.
   const bool dtr = request.starts_with("21 22 0003") || request.starts_with("40 01 0101")
                    || request.starts_with("40 a4 ff9f");
   if (dtr && !dtr_ && firmware_) {
@@ -387,7 +387,7 @@ EmulatedBoard::run_wire()
   }
 }
 
-/// The next transfer, if there is one and room for it.
+/// The next transfer, if there is room for it.
 bool
 EmulatedBoard::take_into_chip()
 {
@@ -400,7 +400,7 @@ EmulatedBoard::take_into_chip()
   return true;
 }
 
-/// What has left the chip by now.
+/// Delivers the bytes that have left the chip.
 void
 EmulatedBoard::let_out()
 {
@@ -411,8 +411,7 @@ EmulatedBoard::let_out()
   }
 }
 
-/// One transfer: its bytes one after another at the wire's rate. A transfer is done when its last
-/// byte has left.
+/// Sends a transfer at the wire's rate. It completes when its last byte has left.
 void
 EmulatedBoard::carry(std::unique_lock<std::mutex> &lock)
 {

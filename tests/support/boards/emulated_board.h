@@ -23,12 +23,12 @@
 
 namespace usb_test {
 
-/// How long something that must come may take, in a test that would otherwise hang. Nothing is ever
-/// waited for that shall not come.
+/// Timeout for what must happen, so that a failing test does not hang. Nothing waits for the
+/// absence of an event.
 constexpr auto kPatience = std::chrono::seconds(20);
 
-/// A USB board: descriptors, control requests, bulk endpoints and a wire of some speed to the
-/// firmware behind it. All public methods may be called by any thread.
+/// A USB board: descriptors, control requests, bulk endpoints and a wire to the firmware. Public
+/// methods are thread-safe.
 class EmulatedBoard : private UsbfsNode::Device
 {
 public:
@@ -41,57 +41,57 @@ public:
   void plug();
   void unplug();
 
-  // ---- what came
+  // ---- received
   std::vector<Received> received() const;
   Bytes bytes() const;
-  /// False if there were not as many within kPatience.
+  /// False if fewer arrived within kPatience.
   bool wait_for_bytes(std::size_t count) const;
   bool wait_until(const std::function<bool()> &condition)
-      const; ///< asked after every event; the board's lock is held
-  /// Claims ("claim 0", "release 0", "return 0": to the kernel's driver) and control requests ("40
-  /// 03 c034 0000", data after that), in order.
+      const; ///< evaluated after each event, with the board locked
+  /// Claims ("claim 0", "release 0", and "return 0" for the kernel's driver) and control requests
+  /// ("40 03 c034 0000" and data), in order.
   std::vector<std::string> conversation() const;
   int transfers_pending() const;
-  /// That have claimed the board and not closed it. With the lock held: in wait_until() and
+  /// Openings that have claimed the board. The caller holds the lock, as in wait_until() and
   /// with_firmware().
   std::size_t hosts() const
   {
     return hosts_.size();
   }
   int most_writes_pending() const;
-  /// Bytes that the chip has taken and not let out. With the lock held, as hosts().
+  /// Bytes in the chip's buffer. The caller holds the lock.
   std::size_t in_chip() const
   {
     return chip_.held();
   }
-  /// Bytes that the chip had taken and that never came to the firmware.
+  /// Bytes lost from the chip's buffer.
   std::size_t cut_off() const;
-  /// Runs while the firmware stands still.
+  /// Runs with the board locked.
   void with_firmware(const std::function<void()> &look) const;
 
-  // ---- what is sent: each as packets of its own
+  // ---- sent: each call in packets of its own
   void send(std::span<const std::uint8_t> bytes);
-  /// One packet as it is, with what a transport adds: nothing.
+  /// Sends one packet, without the status bytes that a transport adds.
   void send_packet(const Bytes &packet);
-  /// Packets have at most so many bytes of the line's.
+  /// Limits the payload of a packet, in bytes.
   void fill_packets(std::size_t payload);
-  /// Changes what the firmware says before it is sent, with the lock held.
+  /// Changes the firmware's replies before they are sent. Called with the board locked.
   void garble(std::function<void(Bytes &)> change);
 
-  // ---- what goes wrong
-  void stall(bool on); ///< what is sent is not taken
-  /// So many bulk transfers end in an error, writes that begin after this with half of their bytes
-  /// taken; kAll: every one.
+  // ---- faults
+  void stall(bool on); ///< the board accepts no data
+  /// That many bulk transfers fail, or every one with kAll. Writes that begin later fail after half
+  /// of their bytes.
   void break_transfers(int count, int error = EPROTO);
   void ignore_requests(bool on); ///< control requests are never answered
   bool wait_for_ignored_request() const;
   void refuse_requests(bool on); ///< control requests stall
-  void use_by_another(bool on);  ///< claims end in EBUSY
-  void forbid();                 ///< nobody may open the device any more; root still may
+  void use_by_another(bool on);  ///< claims fail with EBUSY
+  void forbid();                 ///< denies opening, except to root
   static constexpr int kAll = std::numeric_limits<int>::max();
 
 private:
-  // With the lock held.
+  // The caller holds the lock.
   bool claim(const void *host, int interface) override;
   void release(int interface) override
   {
@@ -127,13 +127,13 @@ private:
   bool dtr_ = false;
   std::string syspath_;
   std::set<const void *> hosts_;
-  std::list<UsbfsNode> nodes_; ///< the last one is where it is plugged in, or was
+  std::list<UsbfsNode> nodes_; ///< the last is the current one, or the latest
   std::list<Urb> reads_;
   std::list<Urb> writes_;
-  std::list<Urb> requests_; ///< that are not being answered
+  std::list<Urb> requests_; ///< not answered
   Packets for_host_;
   SerialChip chip_;
-  Clock::time_point wire_free_{}; ///< without a chip that holds bytes
+  Clock::time_point wire_free_{}; ///< without a buffer in the chip
   std::vector<Received> received_;
   std::vector<std::string> conversation_;
   int most_writes_pending_ = 0;

@@ -44,7 +44,7 @@ as_urb(UMockdevIoctlData *data)
   return reinterpret_cast<struct usbdevfs_urb *>(data->data);
 }
 
-/// What the argument points to; nothing if the host has died meanwhile.
+/// The data that the argument points to. Empty if the host died meanwhile.
 template <class T>
 std::optional<T>
 resolve(UMockdevIoctlData *argument)
@@ -62,7 +62,7 @@ resolve(UMockdevIoctlData *argument)
 
 EmulatedUsb::EmulatedUsb() : testbed_(umockdev_testbed_new())
 {
-  // Asked while there is a test bed: the first answer is kept.
+  // Must be called while a test bed exists: the first answer is cached.
   if (!umockdev_in_mock_environment())
     throw std::runtime_error("this must be run by umockdev-wrapper");
 }
@@ -152,8 +152,7 @@ UsbfsNode::UsbfsNode(EmulatedUsb &usb, std::string path, std::mutex &mutex, Devi
   g_signal_connect(handler_, "client-connected", G_CALLBACK(client_connected), this);
   umockdev_testbed_attach_ioctl(usb_.testbed(), path_.c_str(), handler_, nullptr);
 
-  // Not by umockdev: it would be a plain file, always ready, in the moment in which the device is
-  // announced.
+  // umockdev would create a plain file, which is always ready, when the device is announced.
   const std::filesystem::path node = usb_.path(path_);
   std::filesystem::create_directories(node.parent_path());
   std::filesystem::create_symlink(ptsname(master_), node);
@@ -165,8 +164,7 @@ UsbfsNode::~UsbfsNode()
   g_signal_handlers_disconnect_by_data(handler_, this);
   g_object_unref(handler_);
   {
-    const std::lock_guard lock(
-        link_->mutex); // a client that leaves at this moment is done with the node
+    const std::lock_guard lock(link_->mutex); // waits for a client that is just leaving
     link_->node = nullptr;
   }
   for (const Urb &urb : done_)
@@ -248,8 +246,7 @@ UsbfsNode::client_left(gpointer data, GObject *client)
   node->device_.changed();
 }
 
-/// What is in the host's memory is read before the lock is taken: a host that stands still does not
-/// answer, and the device goes on.
+/// Reads the host's memory before it takes the lock, because a suspended host does not answer.
 std::optional<UsbfsNode::Answer>
 UsbfsNode::answer(const void *host, unsigned long request, UMockdevIoctlData *argument,
                   std::unique_lock<std::mutex> &lock)
@@ -310,7 +307,7 @@ UsbfsNode::answer(const void *host, unsigned long request, UMockdevIoctlData *ar
               urb.urb, offsetof(struct usbdevfs_urb, buffer),
               static_cast<std::size_t>(as_urb(urb.urb)->buffer_length), nullptr)
                   : nullptr;
-    urb.buffer = buffer; // kept by the other one
+    urb.buffer = buffer; // owned by urb.urb
     g_clear_object(&buffer);
     if (enter() && urb.urb) {
       device_.submit(urb);
@@ -327,7 +324,7 @@ UsbfsNode::answer(const void *host, unsigned long request, UMockdevIoctlData *ar
   }
 }
 
-/// `pointer` is where the host wants to be told which it is.
+/// `pointer` is where the host expects the address of the transfer.
 UsbfsNode::Answer
 UsbfsNode::reap(UMockdevIoctlData *pointer)
 {
@@ -358,7 +355,7 @@ UsbfsNode::discard(const void *host, UMockdevIoctlData *argument)
   return {};
 }
 
-/// Whether the host's poll() says that there is something to reap.
+/// Whether the host's poll() reports a transfer to reap.
 void
 UsbfsNode::open_gate(bool open)
 {

@@ -13,14 +13,13 @@
 
 namespace usb_test {
 
-/// What a test program begins with: hang-ups are nobody's (the pty behind a device node becomes the
-/// controlling terminal of a test that leads its session, and hangs up when a board is unplugged),
-/// and warnings are errors, but for those of umockdev itself, which tears its clients down in one
-/// thread while another still serves them.
+/// Prepares a test program. Ignores SIGHUP: the pty behind a device node becomes the controlling
+/// terminal of a session leader and hangs up when the board is unplugged. Makes warnings fatal,
+/// except those of umockdev, which destroys clients that another thread still serves.
 void begin_emulation();
 
-/// The USB ports of an emulated machine. The process must run under umockdev-wrapper; processes
-/// that it starts have the same ports.
+/// The USB ports of an emulated machine. The process must run under umockdev-wrapper. Child
+/// processes see the same ports.
 class EmulatedUsb
 {
 public:
@@ -30,14 +29,13 @@ public:
   EmulatedUsb &operator=(const EmulatedUsb &) = delete;
 
   UMockdevTestbed *testbed() const;
-  std::string
-  path(const std::string &path) const; ///< where a path of the emulated machine really is
+  std::string path(const std::string &path) const; ///< real path of an emulated one
   int next_address();
 
-  /// As in sysfs: an interface of a device has a driver of the kernel's, or it has none.
+  /// Whether a kernel driver is bound to an interface, as in sysfs.
   void bind(const std::string &syspath, int interface, bool has_driver);
 
-  /// udevd falls silent: nobody who listens now hears of what is plugged in or out.
+  /// Stops udevd's events for current listeners.
   void stop_udev();
 
 private:
@@ -45,12 +43,12 @@ private:
   int address_ = 1;
 };
 
-/// A transfer that a host has submitted.
+/// A submitted transfer.
 struct Urb
 {
   UMockdevIoctlData *urb = nullptr;    ///< owned
-  UMockdevIoctlData *buffer = nullptr; ///< owned by the one above
-  const void *host = nullptr;          ///< who: one opening of the node
+  UMockdevIoctlData *buffer = nullptr; ///< owned by `urb`
+  const void *host = nullptr;          ///< identifies an opening of the node
   int status = 0;
   int actual = 0;
 
@@ -59,23 +57,23 @@ struct Urb
   std::span<std::uint8_t> bytes() const;
 };
 
-/// A device node as usbfs has it (linux/usbdevice_fs.h), from plugging in to plugging out: a
-/// symbolic link to a pty. umockdev hands its ioctls over, the pty's flow control says when there
-/// is something to reap, its hang-up is the unplugging.
+/// A usbfs device node (linux/usbdevice_fs.h), from plug to unplug: a symbolic link to a pty.
+/// umockdev forwards its ioctls. The pty's flow control signals that a transfer can be reaped, its
+/// hang-up that the device was unplugged.
 class UsbfsNode
 {
 public:
-  /// The device behind it. Called with its lock held.
+  /// The device behind the node. Called with its lock held.
   class Device
   {
   public:
-    virtual bool claim(const void *host, int interface) = 0; ///< false: it is busy
+    virtual bool claim(const void *host, int interface) = 0; ///< false if busy
     virtual void release(int interface) = 0;
     virtual void give_back(int interface) = 0; ///< to the kernel's driver
     virtual void submit(const Urb &urb) = 0;
-    /// The host wants a transfer of this address back: it is forgotten.
+    /// The host discards the transfer at this address.
     virtual std::optional<Urb> cancel(const void *host, gulong address) = 0;
-    /// The host has closed the node, or its process is dead: its transfers are forgotten.
+    /// The host closed the node or died: discards its transfers.
     virtual void host_left(const void *host) = 0;
     virtual void changed() = 0; ///< after each of the above
 
@@ -83,19 +81,19 @@ public:
     ~Device() = default;
   };
 
-  /// `path` is the emulated machine's. Throws std::runtime_error.
+  /// `path` is emulated. Throws std::runtime_error.
   UsbfsNode(EmulatedUsb &usb, std::string path, std::mutex &mutex, Device &device);
-  /// Without the lock; umockdev must not be at work for it any more.
+  /// The caller does not hold the lock. umockdev must have finished with the node.
   ~UsbfsNode();
   UsbfsNode(const UsbfsNode &) = delete;
   UsbfsNode &operator=(const UsbfsNode &) = delete;
 
-  // With the lock held.
-  /// A transfer is over, with a negative errno or 0, and so many bytes: the host may reap it.
+  // The caller holds the lock.
+  /// Completes a transfer with a negative errno or 0, and its length.
   void done(Urb urb, int status, std::size_t actual);
   std::size_t to_be_reaped() const;
   void unplug();
-  void forbid(); ///< nobody may open it any more; root still may
+  void forbid(); ///< denies opening, except to root
 
 private:
   struct Answer
@@ -104,8 +102,8 @@ private:
     int error = 0;
   };
 
-  /// Between the node and those that have it open, which umockdev lets go in a thread of its own,
-  /// maybe after the node.
+  /// Shared by the node and its openings, which umockdev closes from a thread of its own, possibly
+  /// after the node.
   struct Link
   {
     std::mutex mutex;
@@ -117,7 +115,7 @@ private:
   static void client_connected(UMockdevIoctlBase *handler, UMockdevIoctlClient *client,
                                UsbfsNode *node);
   static void client_left(gpointer link, GObject *client);
-  /// Takes the lock, which it leaves to the caller.
+  /// Locks for the caller.
   std::optional<Answer> answer(const void *host, unsigned long request, UMockdevIoctlData *argument,
                                std::unique_lock<std::mutex> &lock);
   Answer reap(UMockdevIoctlData *pointer);

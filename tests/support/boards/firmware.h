@@ -14,8 +14,8 @@ namespace usb_test {
 using Clock = std::chrono::steady_clock;
 using Bytes = std::vector<std::uint8_t>;
 
-/// What runs on an emulated board: StandardFirmata, or with `seat` the sketch with the watchdog. It
-/// remembers what its pins did, and when.
+/// The firmware of an emulated board: StandardFirmata, or with `seat` the sketch with the watchdog.
+/// Records the changes of its pins.
 class Firmware
 {
 public:
@@ -23,20 +23,20 @@ public:
   {
   }
 
-  /// The board was reset; what it says.
+  /// Resets the board and returns its banner.
   Bytes reset()
   {
     const Clock::time_point now = Clock::now();
     model_.restart(now.time_since_epoch());
     return after(now);
   }
-  /// A byte came; the answer.
+  /// Handles a byte and returns the answer.
   Bytes receive(std::uint8_t byte, Clock::time_point time)
   {
     model_.receive(byte, time.time_since_epoch());
     return after(time);
   }
-  /// When it does something by itself, if no byte comes before.
+  /// When it next acts without input.
   std::optional<Clock::time_point> next() const
   {
     const std::optional<FirmataModel::Time> time = model_.next();
@@ -55,7 +55,7 @@ public:
     int duty = 0; ///< of 255
   };
 
-  /// Of 255: what the pin's compare register holds.
+  /// The pin's compare register, of 255.
   int duty(int pin) const
   {
     const auto found = duties_.find(pin);
@@ -94,7 +94,7 @@ private:
   }
 
   FirmataModel model_;
-  std::map<int, int> duties_; ///< as of the last look
+  std::map<int, int> duties_; ///< at the last call of after()
   std::vector<Change> changes_;
 };
 

@@ -8,7 +8,7 @@
 
 namespace usb_test {
 
-/// As printf() has it, 255 characters at most.
+/// snprintf() to a string of at most 255 characters.
 std::string
 format(const char *pattern, auto... values)
 {

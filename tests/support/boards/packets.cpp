@@ -10,8 +10,8 @@ namespace usb_test {
 namespace {
 
 constexpr std::array<std::uint8_t, 2> kStatus{ 0x01,
-                                               0x60 }; // FT232R: nothing to tell; sender empty
-constexpr std::size_t kLongestRead = 512;              // of the host's transfers
+                                               0x60 }; // FT232R: no modem status, transmitter empty
+constexpr std::size_t kLongestRead = 512;              // longest transfer of the host
 
 } // namespace
 

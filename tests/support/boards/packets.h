@@ -11,21 +11,20 @@
 
 namespace usb_test {
 
-/// What a board has for its host, cut into what one transfer can take: whole packets, the last one
-/// of any length.
+/// Data from a board to its host, in transfers of whole packets. The last packet may be short.
 class Packets
 {
 public:
   explicit Packets(Transport transport);
 
-  /// The line's bytes.
+  /// Adds payload bytes.
   void add(std::span<const std::uint8_t> bytes);
-  /// A packet as it is.
+  /// Adds a raw packet.
   void add_packet(const Bytes &packet)
   {
     transfers_.push_back(packet);
   }
-  /// Packets have at most so many bytes of the line's.
+  /// Limits the payload of a packet, in bytes.
   void fill(std::size_t payload)
   {
     payload_ = payload;
@@ -35,7 +34,7 @@ public:
   {
     return transfers_.empty();
   }
-  /// There must be one.
+  /// Must not be empty.
   Bytes take();
   void clear()
   {
@@ -43,8 +42,8 @@ public:
   }
 
 private:
-  const std::size_t packet_;       ///< bytes, of the bulk endpoint
-  const std::size_t status_bytes_; ///< that begin each
+  const std::size_t packet_;       ///< size of the bulk endpoint's packets
+  const std::size_t status_bytes_; ///< at the start of each packet
   std::size_t payload_;
   std::deque<Bytes> transfers_;
 };

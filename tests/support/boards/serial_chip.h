@@ -13,17 +13,17 @@ namespace usb_test {
 
 struct Received
 {
-  Clock::time_point time; ///< its stop bit's end on the wire
+  Clock::time_point time; ///< end of its stop bit
   std::uint8_t byte = 0;
 };
 
-/// What stands between a board's USB endpoint and its serial line: it takes bytes at once, as far
-/// as it has room, and lets them out as the line carries them. Not thread-safe.
+/// The UART between a board's USB endpoint and its firmware, with a transmit buffer. Not
+/// thread-safe.
 class SerialChip
 {
 public:
-  /// `latency` from when a byte is taken to when the line begins with it. A line of 0 baud takes no
-  /// time.
+  /// `latency` is the time from a byte's arrival to its start on the line. At 0 baud a byte takes
+  /// no time.
   SerialChip(std::size_t room, double baud, std::chrono::microseconds latency);
 
   bool has_room_for(std::size_t bytes) const
@@ -32,12 +32,12 @@ public:
   }
   void take(std::span<const std::uint8_t> bytes, Clock::time_point now);
 
-  /// When the next byte has left.
+  /// When the next byte will have left.
   std::optional<Clock::time_point> next() const;
-  /// One that has left by now.
+  /// Takes a byte that has left.
   std::optional<Received> let_out(Clock::time_point now);
 
-  /// Its line is switched off and on. What would have left later arrives garbled, here not at all.
+  /// Resets the line. Bytes in the buffer would arrive garbled; here they are lost.
   void switch_line(Clock::time_point time);
   void lose_power()
   {
@@ -48,12 +48,12 @@ public:
   {
     return byte_time_;
   }
-  /// Bytes that it has taken and not let out.
+  /// Bytes in the buffer.
   std::size_t held() const
   {
     return held_.size();
   }
-  /// Bytes that it had taken and that never left.
+  /// Bytes lost by reset().
   std::size_t cut_off() const
   {
     return cut_off_;
