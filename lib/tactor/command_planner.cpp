@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "tactor/command_planner.h"
 
+#include "tactor/arrival.h"
+
 #include <algorithm>
 #include <cmath>
 #include <functional>
@@ -9,41 +11,10 @@
 
 namespace tactor {
 
-namespace {
+static constexpr Time kDefaultFrame = Time(1'000'000'000 / 30);
 
-constexpr Time kDefaultFrame = Time(1'000'000'000 / 30);
-
-/// How finely the time to issue a command is searched for, and how exactly it is then found.
-constexpr Time kSearchStep = std::chrono::milliseconds(1);
-constexpr Time kSearchGoal = std::chrono::microseconds(1);
-
-/// A number of frames that exceeds a whole one by less is that one.
-constexpr double kSameFrames = 1e-6;
-
-/// An amplitude that differs by less is the same.
-constexpr double kSameVolts = 1e-6;
-
-/// A motor with less than this left of its vibration is at rest.
-constexpr double kStillVolts = 0.1 * kStartVolts;
-
-double
-seconds(Time time)
-{
-  return std::chrono::duration<double>(time).count();
-}
-
-/// The paper's data block: the rise time in whole frames, rounded up, but no more than fit into
-/// max_lead.
-Time
-whole_frames(Time rise, Time frame, Time max_lead)
-{
-  // A rise of a whole number of frames takes that many, whichever way the frame's duration was
-  // rounded.
-  const double whole = std::ceil(seconds(rise) / seconds(frame) - kSameFrames);
-  return std::min(static_cast<Time::rep>(whole), max_lead / frame) * frame;
-}
-
-} // namespace
+/// 1/6 as a float, of 3 V, must not fall below 0.5 V, where motors do not start.
+static constexpr double kRounding = 0.5e-6;
 
 CommandPlanner::CommandPlanner(int tactors, PlannerSettings settings, RiseTime rise_time)
     : settings_(std::move(settings)), tactors_(static_cast<std::size_t>(std::max(tactors, 0)),
@@ -65,7 +36,7 @@ void
 CommandPlanner::set_settings(PlannerSettings settings)
 {
   if (settings.rate != settings_.rate || settings.mapping != settings_.mapping)
-    forget_blocks();
+    blocks_.restart();
   settings_ = std::move(settings);
 }
 
@@ -100,16 +71,16 @@ CommandPlanner::plan(Time time, Time duration, std::span<const float> levels)
   const Time frame = duration > Time(0) ? duration : kDefaultFrame;
   if (levels.size() != cells_) {
     cells_ = levels.size();
-    forget_blocks();
+    blocks_.restart();
   }
-  if (!begins_block(time, frame))
+  if (!blocks_.begins(time, frame, settings_.rate))
     return {};
   Plan plan = begin_plan(time, frame);
   std::vector<double> volts = target_volts(levels);
   plan.line = line_time(volts);
   limit_time(plan, volts);
   limit_number(volts);
-  // Tactors that begin may have others end; what is left of these ends with the frame before.
+  // A tactor that begins may end others early. The other ends are those of the frame before.
   for (std::size_t i = 0; i < tactors_.size(); i++)
     if (volts[i] != 0 && !tactors_[i].use.is_on())
       turn_on(plan, i, volts);
@@ -122,9 +93,10 @@ CommandPlanner::plan(Time time, Time duration, std::span<const float> levels)
     else if (volts[i] != tactor.volts || tactor.end.time != tactor.until)
       give(plan, i, plan.effect, due_time(tactor, plan, volts[i], Time(0)), volts[i]);
   }
-  carried_ = { time, time };
+  Time carried{ 0 };
   for (const Command &command : plan.commands)
-    carried_->end += settings_.line.of(static_cast<std::size_t>(command.tactor));
+    carried += settings_.line.of(static_cast<std::size_t>(command.tactor));
+  blocks_.carry(time, carried);
   std::ranges::stable_sort(plan.commands, {}, &Command::tactor);
   return std::move(plan.commands);
 }
@@ -132,7 +104,7 @@ CommandPlanner::plan(Time time, Time duration, std::span<const float> levels)
 std::vector<Command>
 CommandPlanner::silence(Time time)
 {
-  forget_blocks();
+  blocks_.restart();
   Plan plan = begin_plan(time, kDefaultFrame);
   plan.line = line_time(std::vector<double>(tactors_.size(), 0.0));
   for (std::size_t i = 0; i < tactors_.size(); i++) {
@@ -148,7 +120,7 @@ CommandPlanner::silence(Time time)
 void
 CommandPlanner::silenced(Time time)
 {
-  forget_blocks();
+  blocks_.restart();
   for (Tactor &tactor : tactors_) {
     if (tactor.use.is_on() && tactor.end.time < time) {
       spend(tactor, tactor.end.time, tactor.end.limit);
@@ -165,8 +137,7 @@ CommandPlanner::silenced(Time time)
 void
 CommandPlanner::reset(Time time)
 {
-  // Twice with nothing in between: the time of the second is that of a film of which nothing was
-  // played.
+  // A second reset before any plan: its time is on a time line of which nothing was played.
   if (!restarts_after_)
     restarts_after_ = std::max(time, account_begin_);
   silenced(*restarts_after_);
@@ -178,40 +149,6 @@ const LimitCounters &
 CommandPlanner::limited() const
 {
   return limited_;
-}
-
-void
-CommandPlanner::forget_blocks()
-{
-  grid_start_.reset();
-  carried_.reset();
-}
-
-bool
-CommandPlanner::begins_block(Time time, Time duration)
-{
-  if (carried_ && time >= carried_->begin && time < carried_->end)
-    return false;
-  if (settings_.rate <= 0)
-    return true;
-  if (!grid_start_ || time < *grid_start_) {
-    grid_start_ = time;
-    next_block_ = 1;
-    return true;
-  }
-  // In the middle of its frame, so that neither rounded timestamps nor a frame rate that does not
-  // divide shift the grid.
-  const double blocks = seconds(time - *grid_start_ + duration / 2) * settings_.rate;
-  if (blocks < next_block_)
-    return false;
-  if (blocks >= next_block_ + 1) {
-    // Whole blocks went by without a map: what is left of this one may be too short to be felt.
-    grid_start_ = time;
-    next_block_ = 1;
-  } else {
-    next_block_++;
-  }
-  return true;
 }
 
 std::vector<double>
@@ -230,20 +167,18 @@ CommandPlanner::target_volts(std::span<const float> levels) const
     const auto index = static_cast<std::size_t>(tactor);
     volts[index] = std::max(volts[index], wanted_volts(tactors_[index], level));
   }
-  // Half a microvolt: 1/6 as a float, of 3 V, shall not fall short of 0.5 V, below which motors
-  // stand still.
   for (std::size_t i = 0; i < volts.size(); i++) {
     const MotorParameters &motor = tactors_[i].motor.parameters();
     const bool held = tactors_[i].use.is_on() || settings_.kick_start;
     const double least = !motor.thresholds_measured ? settings_.volts_min
                          : held                     ? motor.hold_volts
                                                     : motor.start_volts;
-    volts[i] = volts[i] < least - kSameVolts / 2 ? 0 : std::max(volts[i], least);
+    volts[i] = volts[i] < least - kRounding ? 0 : std::max(volts[i], least);
   }
   return volts;
 }
 
-/// What the level asks for, whether the motor turns with it or not.
+/// The voltage of a level, whether it starts the motor or not.
 double
 CommandPlanner::wanted_volts(const Tactor &tactor, double level) const
 {
@@ -258,8 +193,8 @@ CommandPlanner::wanted_volts(const Tactor &tactor, double level) const
   return std::min(volts, settings_.volts_max);
 }
 
-/// Begins the plan of a frame: time is reckoned on from before a reset(), cues that have run out by
-/// then are over.
+/// Begins the plan of a frame. Ages the account after a reset() and ends the cues that are over by
+/// then.
 CommandPlanner::Plan
 CommandPlanner::begin_plan(Time effect, Time frame)
 {
@@ -285,8 +220,8 @@ CommandPlanner::begin_plan(Time effect, Time frame)
   return plan;
 }
 
-/// Takes the volts from tactors whose cue is over or that have to rest, and says when the others
-/// have to end.
+/// Zeroes the volts of tactors whose cue is over or that have to rest, and sets the latest end of
+/// the others.
 void
 CommandPlanner::limit_time(const Plan &plan, std::vector<double> &volts)
 {
@@ -298,7 +233,7 @@ CommandPlanner::limit_time(const Plan &plan, std::vector<double> &volts)
       continue;
     }
     if (tactor.use.is_on()) {
-      // The same as before unless the limits were changed.
+      // Anew, since the limits may have changed.
       tactor.end = tactor.use.latest_end(tactor.use.on_since(), limits);
       if (tactor.end.time <= latest(tactor, plan)) {
         spend(tactor, plan.effect, tactor.end.limit);
@@ -312,9 +247,10 @@ CommandPlanner::limit_time(const Plan &plan, std::vector<double> &volts)
       continue;
     }
     tactor.spent_since.reset();
-    const Time begin
-        = std::max(due_time(tactor, plan, volts[i], kick_time(tactor, plan.effect, volts[i])),
-                   tactor.use.ready_at());
+    const Time begin = std::max(
+        due_time(tactor, plan, volts[i],
+                 kick_time(tactor.motor, { plan.effect, plan.frame, volts[i] }, settings_)),
+        tactor.use.ready_at());
     const MotorUse::End end = tactor.use.latest_end(begin, limits);
     const Time shortest = std::min(Time(kShortestCue), MotorUse().latest_end(Time(0), limits).time);
     if (end.time < begin + shortest) {
@@ -324,7 +260,7 @@ CommandPlanner::limit_time(const Plan &plan, std::vector<double> &volts)
   }
 }
 
-/// Takes the volts from all but the strongest.
+/// Zeroes the volts of all but the strongest max_active.
 void
 CommandPlanner::limit_number(std::vector<double> &volts)
 {
@@ -354,8 +290,8 @@ CommandPlanner::limit_number(std::vector<double> &volts)
   }
 }
 
-/// The earliest time from `due` on at which the tactor may join those that are on. Tactors that end
-/// with this frame end as early as it takes, the weakest first.
+/// The earliest time from `due` on at which the tactor may be on without exceeding max_active.
+/// Tactors that end with this frame end earlier for it, the weakest first.
 Time
 CommandPlanner::make_room(Plan &plan, std::size_t index, Time due, std::span<const double> volts)
 {
@@ -374,7 +310,6 @@ CommandPlanner::make_room(Plan &plan, std::size_t index, Time due, std::span<con
         weakest = i;
       off.push_back(ends ? std::max(latest(tactor, plan), tactor.due) : tactor.use.off_since());
     }
-    // As many may still be on.
     const auto last = off.begin() + static_cast<std::ptrdiff_t>(others);
     std::ranges::nth_element(off, last, std::greater{});
     if (*last <= due || !weakest)
@@ -383,7 +318,7 @@ CommandPlanner::make_room(Plan &plan, std::size_t index, Time due, std::span<con
   }
 }
 
-/// A cue has run out, or may not begin.
+/// A limit ends a cue or keeps it from beginning.
 void
 CommandPlanner::spend(Tactor &tactor, Time since, MotorUse::Limit limit)
 {
@@ -395,7 +330,7 @@ void
 CommandPlanner::turn_on(Plan &plan, std::size_t index, std::span<const double> volts)
 {
   Tactor &tactor = tactors_[index];
-  const Time kick = kick_time(tactor, plan.effect, volts[index]);
+  const Time kick = kick_time(tactor.motor, { plan.effect, plan.frame, volts[index] }, settings_);
   Time due = std::max(due_time(tactor, plan, volts[index], kick), tactor.use.ready_at());
   due = make_room(plan, index, due, volts);
   const MotorUse::End end = tactor.use.latest_end(due, settings_.limits);
@@ -417,11 +352,11 @@ CommandPlanner::turn_off(Plan &plan, std::size_t index, Time due, bool limited)
   due = std::max(due, tactor.due);
   tactor.end = {};
   tactor.use.end(due, limited);
-  // A cue that ran out did so at its own time, not with the frame.
+  // A cue that a limit ends does so at its own time, not with the frame.
   give(plan, index, limited ? due + transport(tactor, plan.line) : plan.effect, due, 0);
 }
 
-/// A command, entered into what is known of the tactor.
+/// Adds a command to the plan and to the tactor's state.
 void
 CommandPlanner::give(Plan &plan, std::size_t index, Time effect, Time due, double volts)
 {
@@ -439,8 +374,8 @@ CommandPlanner::give(Plan &plan, std::size_t index, Time effect, Time due, doubl
                             .until = tactor.until });
 }
 
-/// How long the line is taken by what changes if the tactors get these volts, but for those that
-/// MotorLimits::max_active leaves as they are: as many may begin as may end.
+/// How long the line takes for the change to these volts; max_active bounds how many tactors can
+/// change.
 Time
 CommandPlanner::line_time(std::span<const double> volts) const
 {
@@ -451,7 +386,7 @@ CommandPlanner::line_time(std::span<const double> volts) const
   return settings_.line.of(changed, settings_.limits.most_changes());
 }
 
-/// How long a command is on its way to its motor among those that take the line for so long.
+/// How long a command takes to its motor, if all commands of its block take the line for `line`.
 Time
 CommandPlanner::transport(const Tactor &tactor, Time line) const
 {
@@ -459,87 +394,30 @@ CommandPlanner::transport(const Tactor &tactor, Time line) const
     return Time(0);
   const Time own = settings_.line.of(tactor.index);
   line = std::max(line, own);
-  // A motor's latency was measured with it alone on the line.
+  // The measured latency has this motor's own time on the line in it.
   if (const std::optional<Time> latency = tactor.motor.parameters().latency)
     return *latency + line - own;
   return std::max(settings_.transport_latency - settings_.line.all(), Time(0)) + line;
 }
 
-/// When a command for the frame is due at the latest.
+/// The latest due time of a command for the frame.
 Time
 CommandPlanner::latest(const Tactor &tactor, const Plan &plan) const
 {
   return plan.effect - transport(tactor, plan.line);
 }
 
-/// How long a rise to `volts` begins with full voltage; 0: not at all.
-Time
-CommandPlanner::kick_time(const Tactor &tactor, Time effect, double volts) const
-{
-  if (!settings_.kick_start)
-    return Time(0);
-  const Time kick = overdrive_time(tactor.motor.parameters().rise_time, settings_.volts_max, volts);
-  if (kick == Time(0))
-    return kick;
-  const Time time = std::max(kick, Time(kShortestKick));
-  return tactor.motor.amplitude(effect - time) < kStillVolts ? time : Time(0);
-}
-
-/// When a command for the frame is due that brings a tactor to `volts`; `kick` as of kick_time().
-/// Never before its predecessor.
+/// When a command that brings a tactor to `volts` for the frame is due, never before its
+/// predecessor. `kick` is that of kick_time().
 Time
 CommandPlanner::due_time(const Tactor &tactor, const Plan &plan, double volts, Time kick) const
 {
-  const Time effect = plan.effect;
   const Time on_the_way = transport(tactor, plan.line);
   const Time previous
       = tactor.due == Time::min() ? Time::min() : std::max(tactor.due + on_the_way, tactor.arrival);
-  // When the command reaches the motor: not before its predecessor did, nor earlier than it may.
-  const Time earliest = std::min(std::max(previous, effect - settings_.max_lead), effect);
-  Time at = effect;
-  if (settings_.compensation == Compensation::exact) {
-    at = kick > Time(0) ? std::max(effect - kick, earliest)
-                        : exact_time(tactor, earliest, effect, volts);
-  } else if (settings_.compensation == Compensation::frame_block) {
-    const Time rise
-        = kick > Time(0)
-              ? kick
-              : tactor.motor.parameters().rise_time(tactor.motor.amplitude(earliest), volts);
-    at = std::max(effect - whole_frames(rise, plan.frame, settings_.max_lead), earliest);
-  }
-  return std::max(at - on_the_way, tactor.due);
-}
-
-/// The latest time in [earliest, effect] from which the motor rises to 90 % of `volts` by `effect`;
-/// `earliest` if there is none.
-Time
-CommandPlanner::exact_time(const Tactor &tactor, Time earliest, Time effect, double volts) const
-{
-  const RiseTime &rise_time = tactor.motor.parameters().rise_time;
-  const auto arrives = [&](Time time) {
-    return time + rise_time(tactor.motor.amplitude(time), volts) <= effect;
-  };
-  const double now = tactor.motor.amplitude(earliest);
-  if (std::abs(tactor.motor.amplitude(effect) - now) < kSameVolts)
-    return std::max(effect - rise_time(now, volts), earliest);
-
-  // The motor is still on its way: the rise time depends on when the command comes, and not
-  // monotonically (Eq. 1 is not).
-  if (arrives(effect))
-    return effect;
-  Time late = effect;
-  Time early = effect;
-  while (!arrives(early)) {
-    if (early == earliest)
-      return earliest;
-    late = early;
-    early = std::max(early - kSearchStep, earliest);
-  }
-  while (late - early > kSearchGoal) {
-    const Time middle = early + (late - early) / 2;
-    (arrives(middle) ? early : late) = middle;
-  }
-  return early;
+  const Time arrival
+      = arrival_time(tactor.motor, { plan.effect, plan.frame, volts }, previous, kick, settings_);
+  return std::max(arrival - on_the_way, tactor.due);
 }
 
 } // namespace tactor

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include "tactor/command_planner.h"
+#include "tactor/command.h"
 #include "tactor/csv_writer.h"
 
 #include <string>

@@ -54,4 +54,38 @@ summary(const std::vector<DriverError> &refusals)
   return { refusals.front().kind, text };
 }
 
+DriverError
+refusal_of_none(const std::string &name, const std::vector<SerialDevice> &devices)
+{
+  if (name.empty())
+    return { Kind::not_found,
+             "no tactor board is plugged in; expected one with StandardFirmata on USB" };
+  return { Kind::not_found,
+           "no tactor board '" + name
+               + "' is plugged in; expected the serial number or the bus path of one, and there is "
+               + (devices.empty() ? "none" : describe(devices)) };
+}
+
+void
+ReturnRefusals::clear()
+{
+  last_.reset();
+  reported_.clear();
+}
+
+bool
+ReturnRefusals::add(const DriverError &refusal)
+{
+  const bool stays = refusal.kind == Kind::settings || refusal.kind == Kind::busy
+                     || (last_ && last_->text == refusal.text);
+  last_ = refusal;
+  return stays && reported_.size() < kMost && reported_.insert(refusal.text).second;
+}
+
+bool
+ReturnRefusals::is_final() const
+{
+  return last_ && last_->kind == Kind::settings;
+}
+
 } // namespace tactor

@@ -5,6 +5,7 @@
 #include "tactor/serial/serial_port.h"
 
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -13,16 +14,41 @@ namespace tactor {
 /// "3, 5, 6"
 std::string describe(const std::vector<int> &numbers);
 
-/// Why a device is to be left to another program; `is_wanted` by somebody who says that it is a
-/// board, or that there is one.
+/// Why a device is left to another program. `is_wanted`: the user says that it is a board, or that
+/// there is one.
 std::optional<DriverError> refusal_of_use(const SerialDevice &device, const LineUse &use,
                                           bool is_wanted);
 
-/// Why a board that has answered is not what is `needed`: so many tactors, and maybe the watchdog.
+/// Why a board that has answered does not fit: it has fewer than `needed` tactors, or no watchdog.
 std::optional<DriverError> refusal_of_board(const SerialDevice &device, const FirmataBoard &board,
                                             int needed, bool needs_watchdog);
 
-/// Why none of several boards was taken.
+/// Why none of several boards was taken; at least one.
 DriverError summary(const std::vector<DriverError> &refusals);
+
+/// Why no board was asked: none of `devices` is the one with this name, or any board if it is
+/// empty.
+DriverError refusal_of_none(const std::string &name, const std::vector<SerialDevice> &devices);
+
+/// Why a board that is back is not used. Each reason is reported once.
+class ReturnRefusals
+{
+public:
+  /// The board is used, or gone again.
+  void clear();
+
+  /// Whether this one is to be reported. Most kinds only if they come twice in a row: udev may not
+  /// be done, and the board may boot or be on its way out.
+  bool add(const DriverError &refusal);
+
+  /// Whether only a change of what is plugged in can help. Each question may reset the board.
+  bool is_final() const;
+
+private:
+  static constexpr std::size_t kMost = 8; ///< reasons reported of one board
+
+  std::optional<DriverError> last_;
+  std::set<std::string> reported_;
+};
 
 } // namespace tactor

@@ -1,45 +1,18 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "tactor/drivers/firmata_driver.h"
 
-#include "tactor/drivers/board_refusals.h"
+#include "tactor/unlocked.h"
 
 #include <algorithm>
 #include <utility>
 
 namespace tactor {
 
-namespace {
-
-using Lock = std::unique_lock<std::mutex>;
-
-constexpr std::size_t kMostExplained = 8; ///< reasons why one board is not used
-
-/// Gives a lock up for as long as it lives.
-class Unlocked
-{
-public:
-  explicit Unlocked(Lock &lock) : lock_(lock)
-  {
-    lock_.unlock();
-  }
-  ~Unlocked()
-  {
-    lock_.lock();
-  }
-  Unlocked(const Unlocked &) = delete;
-  Unlocked &operator=(const Unlocked &) = delete;
-
-private:
-  Lock &lock_;
-};
-
-Time
+static Time
 steady_now()
 {
   return std::chrono::steady_clock::now().time_since_epoch();
 }
-
-} // namespace
 
 FirmataDriver::FirmataDriver(Firmware firmware, MakeBus make_bus)
     : FirmataDriver(firmware, std::move(make_bus), Settings{})
@@ -57,7 +30,7 @@ FirmataDriver::~FirmataDriver()
   FirmataDriver::close();
 }
 
-/* ---- the scheduler's side ---- */
+/* ---- the caller's side ---- */
 
 tl::expected<void, DriverError>
 FirmataDriver::open(const DriverConfig &config)
@@ -193,7 +166,7 @@ FirmataDriver::run()
     if (quit_)
       break;
     status_.is_there = false;
-    // What is in other sockets at this moment is other boards.
+    // Devices in other sockets now are other boards.
     identity_->look_at(list(lock, *bus).value_or(std::vector<SerialDevice>()));
     tell(lock, DriverEvent::Kind::lost,
          describe(device_) + ": " + why
@@ -236,7 +209,6 @@ FirmataDriver::watched_bus(Lock &lock)
   return bus;
 }
 
-/// What is plugged in now.
 tl::expected<std::vector<SerialDevice>, DriverError>
 FirmataDriver::list(Lock &lock, SerialBus &bus)
 {
@@ -258,18 +230,11 @@ FirmataDriver::connect_first(Lock &lock, SerialBus &bus)
                             : "; not asked, for it may be anything: " + describe(passed_over)
                                   + "; if that is a tactor board, name it once by device=SERIAL "
                                     "or device=BUS-PATH";
-  if (wanted.empty() && config_.device.empty())
-    return tl::unexpected(DriverError{
-        DriverError::Kind::not_found,
-        "no tactor board is plugged in; expected one with StandardFirmata on USB" + not_asked });
-  if (wanted.empty())
-    return tl::unexpected(
-        DriverError{ DriverError::Kind::not_found,
-                     "no tactor board '" + config_.device
-                         + "' is plugged in; expected the serial number or the bus path of one, "
-                           "and there is "
-                         + (devices.empty() ? "none" : describe(devices)) });
-
+  if (wanted.empty()) {
+    DriverError refusal = refusal_of_none(config_.device, devices);
+    refusal.text += not_asked;
+    return tl::unexpected(refusal);
+  }
   std::vector<DriverError> refusals;
   for (const SerialDevice &device : wanted) {
     tl::expected<std::unique_ptr<SerialPort>, DriverError> port = connect(lock, bus, device);
@@ -278,8 +243,7 @@ FirmataDriver::connect_first(Lock &lock, SerialBus &bus)
       resolution_ = board_->resolution() * config_.full_scale_volts;
       line_ = board_->line();
       identity_.emplace(device, config_.device, devices);
-      refused_.reset();
-      explained_.clear();
+      return_refusals_.clear();
       std::erase(devices, device);
       tell(lock, DriverEvent::Kind::opened,
            status_.board + ": " + status_.firmware + ", tactors on pins " + describe(status_.pins)
@@ -302,17 +266,14 @@ FirmataDriver::connect_first(Lock &lock, SerialBus &bus)
   return tl::unexpected(refusal);
 }
 
-/// Waits until it is worth while and looks for the board that was lost. Null if it is not there
-/// yet.
+/// Waits until a look is due and looks for the lost board. Null if it is not there or not usable.
 std::unique_ptr<SerialPort>
 FirmataDriver::connect_again(Lock &lock, SerialBus &bus)
 {
   const auto is_due = [this] {
     return quit_ || bus_changed_;
   };
-  // A board that does not fit is asked again when something has changed: each question may reset
-  // it.
-  if (refused_ && refused_->kind == DriverError::Kind::settings)
+  if (return_refusals_.is_final())
     changed_.wait(lock, is_due);
   else
     changed_.wait_for(lock, settings_.look_again, is_due);
@@ -322,38 +283,22 @@ FirmataDriver::connect_again(Lock &lock, SerialBus &bus)
   const std::optional<SerialDevice> found
       = identity_->find(list(lock, bus).value_or(std::vector<SerialDevice>()));
   if (!found) {
-    refused_.reset();
-    explained_.clear();
+    return_refusals_.clear();
     return nullptr;
   }
   tl::expected<std::unique_ptr<SerialPort>, DriverError> port = connect(lock, bus, *found);
   if (!port) {
-    explain(lock, port.error());
+    if (!quit_ && return_refusals_.add(port.error()))
+      tell(lock, DriverEvent::Kind::refused,
+           "the tactor board is back, but cannot be used: " + port.error().text);
     return nullptr;
   }
   identity_->is_now(*found);
-  refused_.reset();
-  explained_.clear();
+  return_refusals_.clear();
   return std::move(*port);
 }
 
-/// Tells, once, why a board that is back is not used.
-void
-FirmataDriver::explain(Lock &lock, const DriverError &refusal)
-{
-  using Kind = DriverError::Kind;
-  // What else may pass: udev is still at work, the board is being plugged out, or boots.
-  const bool stays = refusal.kind == Kind::settings || refusal.kind == Kind::busy
-                     || (refused_ && refused_->text == refusal.text);
-  refused_ = refusal;
-  if (quit_ || !stays || explained_.size() == kMostExplained
-      || !explained_.insert(refusal.text).second)
-    return;
-  tell(lock, DriverEvent::Kind::refused,
-       "the tactor board is back, but cannot be used: " + refusal.text);
-}
-
-/// Opens a device, asks what it is and gives it the levels.
+/// Opens a device, asks which board it is and hands it the current levels.
 tl::expected<std::unique_ptr<SerialPort>, DriverError>
 FirmataDriver::connect(Lock &lock, SerialBus &bus, const SerialDevice &device)
 {
@@ -382,7 +327,6 @@ FirmataDriver::connect(Lock &lock, SerialBus &bus, const SerialDevice &device)
     lost_ = why;
     changed_.notify_all();
   };
-
   events.realtime = config_.realtime;
 
   lost_.reset();
@@ -428,7 +372,7 @@ FirmataDriver::connect(Lock &lock, SerialBus &bus, const SerialDevice &device)
   return port;
 }
 
-/// Sends what is to be sent until the board is lost, or more.
+/// Talks to the board until `is_done` or the port is lost.
 void
 FirmataDriver::converse(Lock &lock, SerialPort &port, bool (FirmataDriver::*is_done)() const)
 {
@@ -456,7 +400,7 @@ FirmataDriver::converse(Lock &lock, SerialPort &port, bool (FirmataDriver::*is_d
   }
 }
 
-/// Motors to zero, as far as the board still takes it, and the port closed.
+/// Motors to zero, if the board can still be reached, and the port closed.
 void
 FirmataDriver::release(Lock &lock, std::unique_ptr<SerialPort> port)
 {
@@ -479,7 +423,7 @@ FirmataDriver::tell(Lock &lock, DriverEvent::Kind kind, const std::string &text)
   config_.notify({ kind, text });
 }
 
-/// From any thread: the driver's one stops the motors, releases the board and ends.
+/// Has the driver's thread stop the motors, release the board and end. Any thread.
 void
 FirmataDriver::quit()
 {
@@ -493,7 +437,7 @@ FirmataDriver::quit()
   opening.request_stop();
 }
 
-/// On a thread of TerminationGuard's: motors to zero, board released, as far as there is time.
+/// Motors to zero and board released, by `until` at the latest. On TerminationGuard's thread.
 void
 FirmataDriver::leave(std::chrono::steady_clock::time_point until)
 {

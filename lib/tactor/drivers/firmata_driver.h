@@ -3,6 +3,7 @@
 
 #include "tactor/driver.h"
 #include "tactor/drivers/board_choice.h"
+#include "tactor/drivers/board_refusals.h"
 #include "tactor/drivers/firmata_board.h"
 #include "tactor/drivers/known_boards.h"
 #include "tactor/realtime/realtime_thread.h"
@@ -15,7 +16,6 @@
 #include <memory>
 #include <mutex>
 #include <optional>
-#include <set>
 #include <stop_token>
 #include <string>
 #include <vector>
@@ -25,16 +25,15 @@ namespace tactor {
 /// Any board with a Firmata sketch on a serial bus. Its tactors are the pins with pulse-width
 /// modulation, in ascending order: on a Mega 2–13 and 44–46, on an Uno 3, 5, 6, 9, 10 and 11.
 ///
-/// Without DriverConfig::device the first board that answers is taken, one device after the other
-/// as choose_boards() has them, each for FirmataPatience::answer at most, and none that another
-/// program has open. A board that goes away is looked for whenever something is plugged in or out,
-/// and once in `look_again`, as BoardIdentity has it; why one that is back cannot be used is told
-/// once.
+/// Without DriverConfig::device the first board that answers is taken. Devices are asked in the
+/// order of choose_boards(), each for FirmataPatience::answer at most; those that another program
+/// has open are skipped. A lost board is looked for whenever something is plugged in or out, and
+/// every `look_again`; BoardIdentity recognizes it.
 ///
-/// A signal or exit() that ends the process while a board is open stops the motors first: see
+/// If a signal or exit() ends the process while a board is open, the motors are stopped first: see
 /// TerminationGuard.
 ///
-/// One thread of its own has bus, port and reconnection; write() leaves the levels there and never
+/// A thread of the driver has bus, port and reconnection; write() hands it the levels and never
 /// waits.
 class FirmataDriver : public Driver
 {
@@ -72,8 +71,8 @@ public:
 private:
   using Lock = std::unique_lock<std::mutex>;
 
-  // These run on the driver's thread. Those with a lock give it up while they wait, and while bus,
-  // port or listener are at work.
+  // On the driver's thread. Those with a lock release it while they wait, use bus or port or call
+  // `notify`.
   void run();
   tl::expected<std::unique_ptr<SerialBus>, DriverError> watched_bus(Lock &lock);
   tl::expected<std::vector<SerialDevice>, DriverError> list(Lock &lock, SerialBus &bus);
@@ -83,7 +82,6 @@ private:
                                                                  const SerialDevice &device);
   void converse(Lock &lock, SerialPort &port, bool (FirmataDriver::*is_done)() const);
   void release(Lock &lock, std::unique_ptr<SerialPort> port);
-  void explain(Lock &lock, const DriverError &refusal);
   void tell(Lock &lock, DriverEvent::Kind kind, const std::string &text);
   bool has_answered() const;
   bool is_quitting() const;
@@ -96,34 +94,33 @@ private:
   const MakeBus make_bus_;
   const Settings settings_;
 
-  std::optional<RealtimeThread>
-      realtime_; ///< the driver's thread's, and made, used and ended by it
+  // Driver's thread only
+  std::optional<RealtimeThread> realtime_;
+  KnownBoards known_boards_;
+  ReturnRefusals return_refusals_;
 
-  // Of who opens and closes
+  // Of the thread that opens and closes
   Thread thread_;
   std::unique_ptr<TerminationGuard> guard_; ///< from the beginning of open() to the end of close()
 
-  KnownBoards known_boards_; ///< the driver's thread's
   mutable std::mutex mutex_; ///< guards everything below
   std::condition_variable changed_;
   DriverConfig config_;
   bool is_open_ = false;
   bool quit_ = false;
   bool runs_ = false;        ///< the thread has the bus, or a board
-  std::stop_source opening_; ///< ends what a port's opening waits for; requested with quit_
+  std::stop_source opening_; ///< cancels the opening of a port; requested with quit_
   bool bus_changed_ = false;
   std::optional<DriverError> refusal_;    ///< why open() fails
-  std::optional<std::string> lost_;       ///< why the port is of no use any more
+  std::optional<std::string> lost_;       ///< why the port is unusable
   std::optional<FirmataBoard> board_;     ///< at the other end of the port, while there is one
   SerialDevice device_;                   ///< the last one that was taken
   std::optional<BoardIdentity> identity_; ///< of that
-  std::optional<DriverError> refused_;    ///< since it is back
-  std::set<std::string> explained_;       ///< what was told of that
   std::vector<double> levels_;            ///< 0…1, as written last
   Time levels_set_{ 0 };
   std::uint64_t bytes_before_ = 0; ///< sent to boards before board_
   DriverStatus status_;
-  // As they were when it was opened
+  // Of the first board; they stay after a reconnection
   int tactors_ = 0;
   double resolution_ = 0;
   LineTime line_;
