@@ -43,7 +43,7 @@ CommandQueue::take_due(Time now)
   const auto end = std::ranges::upper_bound(commands_, now, {}, &Command::due);
   std::vector<Command> due;
   for (auto command = commands_.begin(); command != end; ++command) {
-    // The latest for its tactor, which is the only one that changes anything.
+    // Latest wins: an earlier one for the same tactor has no effect.
     const bool overtaken = std::any_of(
         command + 1, end, [&](const Command &later) { return later.tactor == command->tactor; });
     if (overtaken) {

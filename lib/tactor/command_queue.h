@@ -9,8 +9,7 @@
 
 namespace tactor {
 
-/// Planned commands in order of their due time, and what every motor was told last. Not
-/// thread-safe: its owner guards it.
+/// Planned commands by due time, and the current level of every tactor. Not thread-safe.
 class CommandQueue
 {
 public:
@@ -18,21 +17,20 @@ public:
 
   void push(std::span<const Command> commands);
 
-  /// When something is to be done next, if ever: a command is due or one that was taken runs out
-  /// (Command::until).
+  /// When a command is due or the level of one that was taken ends (Command::until), whichever is
+  /// next.
   std::optional<Time> next_due() const;
 
-  /// Takes all commands due at or before `now`, in order of due time. Commands for the same tactor
-  /// coalesce: only the latest is returned, `coalesced()` counts the others. For one that has run
-  /// out by then a zero is returned, due when it did; if that zero is pushed later, it is ignored.
-  /// levels() is up to date afterwards.
+  /// Takes all commands due at or before `now`, in order of due time, and updates levels().
+  /// Commands for the same tactor coalesce: only the latest is returned, `coalesced()` counts the
+  /// others. A level that has ended by then yields a zero, due when it ended; if that zero is
+  /// pushed later, it is ignored.
   std::vector<Command> take_due(Time now);
 
-  /// Volts of all tactors after the commands taken so far: what a resume after pause reissues.
+  /// Volts of all tactors after the commands taken so far.
   std::span<const double> levels() const;
 
-  /// Drops everything and sets all levels to zero (flush, stop). Returns how many commands were
-  /// dropped.
+  /// Drops all commands and sets all levels to zero. Returns how many commands were dropped.
   std::size_t clear();
 
   std::size_t size() const;      ///< commands that are not due yet
@@ -41,7 +39,7 @@ public:
 private:
   std::vector<Command> commands_; ///< by due time; those of the same time in order of arrival
   std::vector<double> levels_;
-  std::vector<Time> until_; ///< of the command that made the level
+  std::vector<Time> until_; ///< end of each level
   std::size_t coalesced_ = 0;
 };
 

@@ -15,11 +15,11 @@ namespace {
 constexpr std::string_view kHeader = "issued_ns,due_ns,effect_ns,tactor,volts";
 constexpr std::size_t kMaxCommands = 10'000'000;
 constexpr int kLastTactor = 4095;
-constexpr double kMostVolts = 1000; // no motor here has a fiftieth of it
+constexpr double kMostVolts = 1000; // fifty times the volts of any motor
 constexpr std::streamsize kMaxLine = 200;
 
-/// Takes the next field off a line. False if it is not a number, or not followed by a comma (or, if
-/// last, by the end).
+/// Takes the next field off a line. False if it is no number, or no comma follows; after the last
+/// one, the end.
 template <typename Number>
 bool
 take(std::string_view &line, Number &number, bool last = false)

@@ -18,18 +18,18 @@ struct IssuedCommand
   bool operator==(const IssuedCommand &) const = default;
 };
 
-/// The commands of a play as a CSV file: a header line, then
-/// `issued_ns,due_ns,effect_ns,tactor,volts` a command, running times in nanoseconds, due = effect
-/// − lead, volts with three decimals. Not thread-safe: its owner guards it.
+/// The commands of a play as a CSV file: a header line, then a line for each command with
+/// `issued_ns,due_ns,effect_ns,tactor,volts`. Running times are in nanoseconds, due is effect −
+/// lead, volts have three decimals. Not thread-safe.
 class CommandTrace
 {
 public:
-  /// Creates the file. DriverError (settings) has its name and the reason.
+  /// Creates the file. The error (settings) names it and the reason.
   [[nodiscard]] static tl::expected<CommandTrace, DriverError> create(const std::string &path);
 
   void write(const IssuedCommand &issued);
   void flush();
-  /// Whether anything could not be written, as on a full disk.
+  /// Whether a write failed, as on a full disk.
   bool failed() const;
 
 private:
@@ -38,8 +38,8 @@ private:
   CsvWriter csv_;
 };
 
-/// Reads what CommandTrace wrote, or says with file and line what was expected and what came; a
-/// file of more than 10 million commands is refused.
+/// Reads what CommandTrace wrote. The error names file and line and what was expected there; more
+/// than 10 million commands are an error.
 [[nodiscard]] tl::expected<std::vector<IssuedCommand>, std::string>
 read_command_trace(const std::string &path);
 

@@ -13,12 +13,11 @@
 
 namespace tactor {
 
-/// A CSV file being written, in the same form whatever the locale. Buffered: nothing is on disk for
-/// sure before flush().
+/// Writes a CSV file, in the same form in every locale. Buffered until flush().
 class CsvWriter
 {
 public:
-  /// Creates the file, or empties it. DriverError (settings) has its name and the reason.
+  /// Creates or truncates the file. The error (settings) names it and the reason.
   [[nodiscard]] static tl::expected<CsvWriter, DriverError> create(const std::string &path);
 
   CsvWriter &field(std::int64_t value);
@@ -28,7 +27,7 @@ public:
   void end_line();
 
   void flush();
-  /// Whether anything could not be written, as on a full disk.
+  /// Whether a write failed, as on a full disk.
   bool failed() const;
 
 private:

@@ -16,82 +16,78 @@
 
 namespace tactor {
 
-/// What a driver tells by itself.
+/// A change that a driver reports.
 struct DriverEvent
 {
   enum class Kind
   {
-    opened,   ///< which board it is, and how to choose another
-    warning,  ///< what the user should know of it
-    lost,     ///< it went away; the driver looks for it by itself
-    refused,  ///< it is back, but cannot be used; told once for each reason
-    returned, ///< it is back, and does what was written last
+    opened,   ///< which board, and how to choose another
+    warning,  ///< a problem that the user should know of
+    lost,     ///< the board went away; the driver looks for it
+    refused,  ///< it is back, but cannot be used; once for each reason
+    returned, ///< it is back and has the levels written last
   };
 
   Kind kind;
   std::string text; ///< one line
 };
 
-/// What a driver is opened with.
 struct DriverConfig
 {
-  /// Which board: serial number or bus path; the simulator takes a file name (see there).
+  /// Serial number or bus path of the board. For the simulator a file name, see Simulator.
   std::string device;
-  int max_tactors = 4096; ///< at most this many are wanted, 1…4096
+  int max_tactors = 4096; ///< tactors to use at most, 1…4096
   int min_tactors = 1;    ///< a board with fewer is refused
-  /// Where no device is named: adapters behind which no board has answered yet are asked, too. They
-  /// may be 3D printers, which a question may reset.
+  /// Without `device`: also ask adapters behind which no board has answered yet. They may be 3D
+  /// printers, which a question may reset.
   bool asks_strangers = true;
   double full_scale_volts = 3.0; ///< volts at the motor when a board's output is fully on
-  bool realtime = false;         ///< threads that carry levels to the board ask to be real-time
-  std::stop_token stop{};        ///< any thread ends an open() that waits; it fails then
-  /// Called from any thread, one call at a time, between the beginning of open() and the end of
-  /// close(), and also from within these. It may call status(), nothing else.
+  bool realtime = false;         ///< request real-time scheduling for threads that carry levels
+  std::stop_token stop{};        ///< cancels an open() that waits; it fails then
+  /// Called on any thread, one call at a time, from the beginning of open() to the end of close(),
+  /// also from within these. May call only status().
   std::function<void(const DriverEvent &)> notify{};
 };
 
-/// What is known of a board now.
 struct DriverStatus
 {
-  std::string board;            ///< to be read by people: name, serial number, bus path
+  std::string board;            ///< for messages: name, serial number, bus path
   std::string firmware;         ///< name and version
   bool is_there = false;        ///< false while it is lost
-  bool has_watchdog = false;    ///< its motors stop by themselves when the host falls silent
+  bool has_watchdog = false;    ///< motors stop when the host falls silent
   std::vector<int> pins;        ///< of each tactor
   std::uint64_t bytes = 0;      ///< sent since open()
   std::uint64_t reconnects = 0; ///< times it came back since open()
 };
 
-/// A board that drives tactors. Not thread-safe: one thread at a time (the scheduler's, once it
-/// runs), but for status(). close() and the destructor leave every motor at zero. A board that goes
-/// away and may come back is not an error of write(), but an event.
+/// A board that drives tactors. One thread at a time, but for status(). close() and the destructor
+/// leave all motors at zero. A board that goes away and may come back is an event, not an error of
+/// write().
 class Driver
 {
 public:
   virtual ~Driver() = default;
 
-  /// Opens the board; every motor is at zero afterwards.
+  /// Opens the board; all motors are at zero afterwards.
   [[nodiscard]] virtual tl::expected<void, DriverError> open(const DriverConfig &config) = 0;
 
-  /// How many tactors the open board can drive, at most `config.max_tactors`; 0 when not open.
+  /// Tactors of the open board, at most `config.max_tactors`; 0 when not open.
   virtual int tactors() const = 0;
 
-  /// Smallest difference in volts that the board can make; 0 if it is continuous.
+  /// Smallest step of the board's output in volts; 0 if it is continuous.
   virtual double resolution() const = 0;
 
-  /// Time from write() to the motor's terminals when all tactors change; part of every command's
-  /// lead.
+  /// Time from write() to the motor's terminals when all tactors change.
   virtual Time transport_latency() const = 0;
 
-  /// What there is of transport_latency() for tactors that change, one after the other, and what a
-  /// chair may be too large for.
+  /// The part of transport_latency() that depends on which tactors change.
   virtual LineTime line() const
   {
     return {};
   }
 
-  /// While a motor is on, write() is to be called at least this often even if nothing changes: a
-  /// board may silence motors whose host hangs. 0: never.
+  /// While a motor is on, write() has to be called at least this often even if nothing changes, for
+  /// the board's watchdog. 0: never.
   virtual Time refresh_interval() const
   {
     return Time(0);
@@ -103,10 +99,10 @@ public:
                                                               Time now)
       = 0;
 
-  /// Motors to zero, board released. Never fails; harmless when not open.
+  /// Motors to zero, board released. Harmless when not open.
   virtual void close() noexcept = 0;
 
-  /// From any thread. After close() that of the last board.
+  /// Any thread. After close() that of the last board.
   virtual DriverStatus status() const = 0;
 };
 

@@ -5,8 +5,8 @@
 
 namespace tactor {
 
-/// What went wrong with a board or a file of its own, in one line that says what was expected, what
-/// came and what to do.
+/// An error of a board or of a driver's file. The text says what was expected, what came and what
+/// to do.
 struct DriverError
 {
   enum class Kind

@@ -10,25 +10,25 @@
 
 namespace tactor {
 
-/// What a serial line to a board carries: levels of tactors, one after the other, each of so many
-/// bytes. A value.
+/// How long the serial line to a board takes for levels of tactors. They are sent one after the
+/// other, each in a number of bytes that depends on its tactor.
 class LineTime
 {
 public:
   static constexpr std::size_t kAny = std::numeric_limits<std::size_t>::max();
 
-  /// A line on which nothing takes time.
+  /// A line that takes no time.
   LineTime() = default;
-  /// `bytes` of a level of each tactor, others take none; `byte` is how long one takes.
+  /// `bytes` has the length of a level of each tactor, 0 for others. `byte` is the time of one.
   LineTime(std::vector<int> bytes, Time byte);
 
-  /// Of an update of these tactors, or of so many of them, those that take most.
+  /// Bytes of an update of these tactors, at most of the `most` longest ones.
   int bytes(std::span<const std::size_t> tactors, std::size_t most = kAny) const;
-  /// How long that takes.
+  /// The time for bytes().
   Time of(std::span<const std::size_t> tactors, std::size_t most = kAny) const;
-  /// How long one level takes.
+  /// The time for one level.
   Time of(std::size_t tactor) const;
-  /// How long an update of all tactors takes.
+  /// The time for an update of all tactors.
   Time all() const;
 
 private:

@@ -21,14 +21,14 @@ MotorUse::latest_end(Time begin, const MotorLimits &limits) const
   return end;
 }
 
-/// When the cue began that a stretch from `begin` on belongs to.
+/// Begin of the cue to which a stretch from `begin` on belongs.
 Time
 MotorUse::cue_begin(Time begin) const
 {
   return !past_.empty() && begin - past_.back().end < kShortestRest ? past_.back().cue : begin;
 }
 
-/// The latest end of a stretch from `begin` on such that no window holds more than `allowed`.
+/// The latest end of a stretch from `begin` on such that no window has more than `allowed`.
 Time
 MotorUse::duty_end(Time begin, Time allowed) const
 {
@@ -36,8 +36,8 @@ MotorUse::duty_end(Time begin, Time allowed) const
   for (const Stretch &stretch : past_)
     left -= std::max(stretch.end - std::max(stretch.begin, begin - kDutyWindow), Time(0));
 
-  // The window moves on with the stretch's end. While an old stretch leaves at its back as much as
-  // enters at its front, nothing is used up.
+  // The window ends where the stretch does. While an old stretch leaves the window as fast as the
+  // new one enters it, the sum stays the same.
   Time end = begin;
   for (const Stretch &stretch : past_) {
     if (stretch.end + kDutyWindow <= end)

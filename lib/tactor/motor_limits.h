@@ -11,15 +11,15 @@
 
 namespace tactor {
 
-/// What motors, and the skin on them, are spared: coin motors heat up, skin adapts, and users of
-/// the paper's chair asked for shorter cues (Section 6). 0 switches a limit off.
+/// Limits that spare motors and skin: coin motors heat up, skin adapts, and users of the paper's
+/// chair wanted shorter cues (Section 6). 0 switches a limit off.
 struct MotorLimits
 {
-  Time max_on_time = std::chrono::seconds(2); ///< one tactor without a break
-  double max_duty = 0.4; ///< one tactor, share of any MotorUse::kDutyWindow; from 1 on: off
+  Time max_on_time = std::chrono::seconds(2); ///< of one tactor without a break
+  double max_duty = 0.4; ///< of one tactor, share of any MotorUse::kDutyWindow; ≥ 1: off
   int max_active = 4;    ///< tactors at once
 
-  /// How many tactors may change at once: as many begin as end.
+  /// Tactors that may change at once: max_active begin and max_active end.
   std::size_t most_changes() const
   {
     return max_active > 0 ? 2 * static_cast<std::size_t>(max_active) : LineTime::kAny;
@@ -27,25 +27,24 @@ struct MotorLimits
   bool operator==(const MotorLimits &) const = default;
 };
 
-/// How often each limit acted.
 struct LimitCounters
 {
   std::uint64_t on_time = 0; ///< cues that max_on_time ended
-  std::uint64_t duty = 0;    ///< cues that max_duty ended, or did not let begin
-  std::uint64_t number = 0;  ///< cues that stronger ones ended, or did not let begin
+  std::uint64_t duty = 0;    ///< cues that max_duty ended or prevented
+  std::uint64_t number = 0;  ///< cues that max_active ended or prevented
 };
 
-/// When one motor was told to be on, and how long it may be. All times are those of commands
-/// (Command::due).
+/// The account of one motor's on-times, and how long it may be on. All times are due times of
+/// commands.
 ///
-/// A cue is what is felt as one: stretches with breaks below kShortestRest. Accounting is exact for
-/// kMostStretches stretches in kDutyWindow; with more the oldest are joined, and what was between
-/// them counts as on. Not thread-safe: its planner's thread.
+/// A cue is felt as one: stretches with breaks below kShortestRest. The account is exact for
+/// kMostStretches stretches in kDutyWindow. With more, the oldest are joined, and the time between
+/// them counts as on. Not thread-safe.
 class MotorUse
 {
 public:
   static constexpr Time kDutyWindow = std::chrono::seconds(60);
-  /// A motor falls in 30 ms and rises in up to 180 ms: a shorter break is no rest.
+  /// A motor falls in 30 ms and rises in up to 180 ms, so that a shorter break is not felt.
   static constexpr Time kShortestRest = std::chrono::milliseconds(100);
   static constexpr std::size_t kMostStretches = 256;
 
@@ -58,41 +57,40 @@ public:
   struct End
   {
     Time time = Time::max();
-    Limit limit = Limit::none; ///< the one that asks for it
+    Limit limit = Limit::none; ///< the one that sets it
   };
 
-  /// When a stretch that begins (or, of a motor that is on, began) at `begin` has to end, ≥
-  /// `begin`.
+  /// When a stretch from `begin` on has to end, ≥ `begin`. For a motor that is on, `begin` is
+  /// on_since().
   End latest_end(Time begin, const MotorLimits &limits) const;
 
   bool is_on() const;
 
-  /// When the present stretch began; of a motor that is on.
+  /// Begin of the present stretch. The motor is on.
   Time on_since() const;
 
-  /// From when on the motor is off: Time::min() if it never was on, Time::max() while it is.
+  /// When the motor went off: Time::min() if it never was on, Time::max() while it is.
   Time off_since() const;
 
-  /// The earliest time that a stretch may begin.
+  /// The earliest time at which a stretch may begin.
   Time ready_at() const;
 
-  /// A stretch begins, not before ready_at().
+  /// Begins a stretch, not before ready_at().
   void begin(Time time);
 
-  /// The stretch ends; `limited` if a limit made it end, after which there is a rest of
-  /// kShortestRest.
+  /// Ends the stretch. `limited`: by a limit, so that a rest of kShortestRest follows.
   void end(Time time, bool limited);
 
-  /// Nothing that was told for `time` or later came to pass: the motor was off from then on.
+  /// The motor was off from `time` on; what was entered for later did not happen.
   void forget_from(Time time);
 
-  /// All that was is so much further back.
+  /// Moves all entries back in time.
   void age(Time by);
 
 private:
   struct Stretch
   {
-    Time cue; ///< when the cue began that it belongs to
+    Time cue; ///< begin of its cue
     Time begin;
     Time end;
   };
@@ -100,7 +98,7 @@ private:
   Time cue_begin(Time begin) const;
   Time duty_end(Time begin, Time allowed) const;
 
-  std::deque<Stretch> past_; ///< in order, apart from each other, the last kDutyWindow at least
+  std::deque<Stretch> past_; ///< in order, disjoint, of the last kDutyWindow at least
   std::optional<Time> on_since_;
   Time ready_at_ = Time::min();
 };

@@ -9,11 +9,11 @@ namespace tactor {
 
 namespace {
 
-/// What counts as having risen, and what of a step may be left of a fall (paper, Section 4).
+/// Shares of a step at which a rise and a fall are over (paper, Section 4).
 constexpr double kRisen = 0.9;
 constexpr double kLeft = 1 - kRisen;
 
-/// A motor with less than this share of what holds it has stopped.
+/// A motor below this share of its hold volts has stopped.
 constexpr double kTurns = 0.5;
 
 double

@@ -9,31 +9,30 @@
 
 namespace tactor {
 
-/// How long until 10 % of a step down is left (paper, Section 4: within one frame, 33 ms).
+/// Until 10 % of a step down is left (paper, Section 4: within one frame, 33 ms).
 inline constexpr Time kFallTime = std::chrono::milliseconds(30);
 
-/// What is known of one motor; the defaults are the paper's.
+/// Properties of one motor; the defaults are the paper's.
 struct MotorParameters
 {
   RiseTime rise_time{};
-  double start_volts = kStartVolts; ///< less does not get it off its rest
-  double hold_volts = kStartVolts;  ///< once it turns it goes on down to this, at most start_volts
+  double start_volts = kStartVolts; ///< least that starts it
+  double hold_volts = kStartVolts;  ///< least that keeps it turning, ≤ start_volts
   Time fall_time = kFallTime;       ///< until 10 % of a step down is left
-  /// From the driver's being told to the first motion; unknown: what the driver says of itself.
+  /// From the driver's write() to the first motion. Unknown: Driver::transport_latency().
   std::optional<Time> latency{};
-  /// Start and hold volts were measured: they count, whatever PlannerSettings::volts_min is.
+  /// Start and hold volts were measured, and hold instead of PlannerSettings::volts_min.
   bool thresholds_measured = false;
   /// Volts for the levels 0, 1/(n − 1), …, 1, linear in between; empty: level × full scale.
   std::vector<double> level_volts{};
 };
 
-/// A vibration motor as the simulator and the planner see it. Its state is its vibration amplitude,
-/// expressed as the voltage that would sustain it. After a step of the voltage the amplitude
-/// approaches the new steady state exponentially: rising so that 90 % of the steady state is
-/// reached after RiseTime's time, falling so that 10 % of the step is left after fall_time (paper,
-/// Section 4: falling was within one frame, 33 ms). A rise that starts at 90 % or more is as fast
-/// as a fall: Eq. 1 says nothing of it. A rise time of zero is a jump. Voltages below
-/// start_volts, or hold_volts for a motor that turns, have a steady state of 0.
+/// Model of a vibration motor. Its state is the vibration amplitude, as the voltage that would
+/// sustain it. After a step of the voltage the amplitude approaches the new steady state
+/// exponentially. A rise reaches 90 % of the steady state after RiseTime's time; of a fall 10 % of
+/// the step are left after fall_time (paper, Section 4: within one frame, 33 ms). A rise from 90 %
+/// or more, which Eq. 1 does not cover, is as fast as a fall. A rise time of zero is a jump.
+/// Voltages below start_volts, or hold_volts for a motor that turns, have a steady state of 0.
 class MotorModel
 {
 public:
@@ -41,14 +40,12 @@ public:
   explicit MotorModel(MotorParameters parameters = {});
   explicit MotorModel(RiseTime rise_time);
 
-  /// The voltage becomes `volts` at `time`; times do not go back (an earlier time is taken as the
-  /// last one). The same voltage again changes nothing.
+  /// The voltage is `volts` from `time` on; a time before the last one is taken as the last one.
   void set(Time time, double volts);
 
-  /// Amplitude in volts at `time`; before the last set() it is that of the last set().
+  /// Amplitude in volts at `time`; for times before the last set() that at the last set().
   double amplitude(Time time) const;
 
-  /// The voltage set last.
   double volts() const;
 
   const MotorParameters &parameters() const;
@@ -62,10 +59,10 @@ private:
   double rate_ = 0;   ///< 1/s of the exponential since then; 0: the amplitude stays at from_
 };
 
-/// How long `drive_volts` need to bring a motor at rest to 90 % of `volts`: MotorModel::amplitude()
-/// the other way about. As the amplitude is drive · (1 − 10^(−t / T)), T being the rise time to 90
-/// % of drive, it is T · lg(drive / (drive − 0.9 volts)). 0 if the drive is not stronger than what
-/// it leads to, or drives nothing.
+/// How long `drive_volts` take to bring a motor at rest to 90 % of `volts`: the inverse of
+/// MotorModel::amplitude(). With T the rise time to 90 % of drive, the amplitude is
+/// drive · (1 − 10^(−t / T)), and the time T · lg(drive / (drive − 0.9 volts)). 0 unless drive >
+/// volts > 0.
 Time overdrive_time(const RiseTime &rise_time, double drive_volts, double volts);
 
 } // namespace tactor

@@ -9,7 +9,7 @@ namespace tactor {
 
 namespace {
 
-/// All who wait for their turn or have it.
+/// The queue.
 struct Line
 {
   std::mutex mutex;

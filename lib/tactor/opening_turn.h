@@ -5,20 +5,19 @@
 
 namespace tactor {
 
-/// A place in this process's line of those who open a board. Who names no board takes the first
-/// that is free: one at a time, in the order in which they came, so that each play finds the same
-/// boards.
+/// A place in this process's queue for opening boards. A sink that names no board takes the first
+/// free one: sinks that open one at a time, in a fixed order, get the same boards in each play.
 class OpeningTurn
 {
 public:
-  /// The last place.
+  /// Joins at the end of the queue.
   OpeningTurn();
-  /// The next one's turn.
+  /// Leaves the queue.
   ~OpeningTurn();
   OpeningTurn(const OpeningTurn &) = delete;
   OpeningTurn &operator=(const OpeningTurn &) = delete;
 
-  /// Waits for all that came before. False if `stop` was requested first.
+  /// Waits until all that joined before have left. False if `stop` was requested first.
   bool wait(const std::stop_token &stop) const;
 
 private:

@@ -71,7 +71,7 @@ RiseTime::RiseTime(RiseTimeTable table)
 Time
 RiseTime::operator()(double start_volts, double target_volts) const
 {
-  // Written so that NaN ends here, too.
+  // Also true for NaN.
   const double least = table_ ? table_->least_volts : kStartVolts;
   if (!(target_volts > start_volts) || target_volts < least)
     return Time(0);

@@ -9,17 +9,17 @@
 
 namespace tactor {
 
-/// Motors below this voltage do not turn (paper, Section 4: "less than a certain threshold (e.g.,
+/// Motors do not turn below this voltage (paper, Section 4: "less than a certain threshold (e.g.,
 /// 0.5 V)").
 inline constexpr double kStartVolts = 0.5;
 
 /// The paper's Eq. 1: time in milliseconds from `start_volts` to 90 % of the steady-state vibration
-/// of `start_volts + offset_volts`, the raw fit: neither clamped nor monotone (R² = 0.98 on
-/// 0–3.0 V).
+/// of `start_volts + offset_volts`. The raw fit (R² = 0.98 on 0–3.0 V), neither clamped nor
+/// monotonic.
 double rise_time_quadratic_ms(double start_volts, double offset_volts);
 
-/// Measured rise times of one motor on a regular grid of start and target volts; bilinear in
-/// between, clamped to the grid's edges outside.
+/// Measured rise times of one motor on a regular grid of start and target volts, with bilinear
+/// interpolation, clamped at the edges.
 struct RiseTimeTable
 {
   double step_volts = 0.1;          ///< spacing of both axes; both begin at 0 V
@@ -28,23 +28,22 @@ struct RiseTimeTable
   double least_volts = kStartVolts; ///< the motor does not turn below
 };
 
-/// Why that is no table: its size or step does not fit, or a time is negative or not finite. Empty
-/// if it is one.
+/// Why a table is invalid: its size or step, or a time that is negative or not finite. Empty if it
+/// is valid.
 std::string fault_of(const RiseTimeTable &table);
 
-/// How long a motor needs to rise from one voltage to another. Copies share the table.
+/// Rise time of a motor from one voltage to another. Copies share the table.
 class RiseTime
 {
 public:
-  /// The paper's quadratic.
+  /// The paper's Eq. 1.
   RiseTime() = default;
-  /// A calibrated table, one without fault_of().
+  /// A valid table, see fault_of().
   explicit RiseTime(RiseTimeTable table);
 
-  /// Time from start to 90 % of target, at least 0. Zero where the motor does not accelerate
-  /// (target ≤ start: "decelerating ones were within a frame") and where the target is below
-  /// kStartVolts, or the table's least_volts. Never more than an hour, whatever the fit makes of
-  /// volts far outside its range.
+  /// Time from start to 90 % of target, from 0 to an hour. 0 where the motor does not accelerate
+  /// (target ≤ start: "decelerating ones were within a frame"), and where the target is below
+  /// kStartVolts, or the table's least_volts.
   Time operator()(double start_volts, double target_volts) const;
 
 private:

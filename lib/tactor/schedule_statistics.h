@@ -8,9 +8,9 @@
 
 namespace tactor {
 
-/// How exactly commands are issued: |issued − due| over any number of commands in bounded memory.
-/// Minimum, mean and maximum are exact; a percentile is the upper edge of its 10 µs bin, from 1 s
-/// on the maximum. Not thread-safe: its owner guards it.
+/// Statistics of |issued − due| over any number of commands in bounded memory. Minimum, mean and
+/// maximum are exact. A percentile is the upper edge of its 10 µs bin, from 1 s on the maximum. Not
+/// thread-safe.
 class ScheduleStatistics
 {
 public:
@@ -23,12 +23,11 @@ public:
   Time mean() const;
   Time max() const;
 
-  /// The smallest value that at least `share` (0 to 1) of all values do not exceed, up to a bin; 0
-  /// if there are none.
+  /// The percentile of `share` (0 to 1), up to a bin; 0 without values.
   Time percentile(double share) const;
 
 private:
-  std::vector<std::uint32_t> bins_; ///< as long as the largest value needs, at most 1 s
+  std::vector<std::uint32_t> bins_; ///< up to that of the largest value, at most 1 s
   std::uint64_t count_ = 0;
   Time min_{ 0 };
   Time max_{ 0 };

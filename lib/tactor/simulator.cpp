@@ -55,7 +55,7 @@ tl::expected<void, DriverError>
 Simulator::write(std::span<const double> volts, Time now)
 {
   if (last_write_ && now < *last_write_) {
-    // The film was begun anew.
+    // Running time restarted.
     motors_.clear();
     last_write_.reset();
   }

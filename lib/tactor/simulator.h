@@ -10,11 +10,10 @@
 
 namespace tactor {
 
-/// A chair without hardware, and the same whatever is known of a real one: a MotorModel of the
-/// paper's per tactor, any number of them, no latency, no steps. With DriverConfig::device set, the
-/// amplitude of every motor is written there as CSV (`time_ns,tactor_0,…`, volts): a line at each
-/// write, and one every 5 ms in between, for at most one second after a write. The columns are
-/// those of the first write, 9 at least. Threads as every Driver.
+/// A chair without hardware: any number of tactors, each a MotorModel with the paper's parameters,
+/// without latency or steps of voltage. With DriverConfig::device set, amplitudes are written to that
+/// file as CSV (`time_ns,tactor_0,…`, volts): a line at each write, and one every 5 ms for at
+/// most a second after a write. The columns are those of the first write, 9 at least.
 class Simulator : public Driver
 {
 public:
@@ -27,14 +26,14 @@ public:
   void close() noexcept override;
   DriverStatus status() const override;
 
-  /// Predicted amplitude of a tactor in volts; 0 for one that was never written to.
+  /// Amplitude of a tactor in volts; 0 for one that was never written.
   double amplitude(int tactor, Time time) const;
 
 private:
   void record(Time time);
 
   int tactors_ = 0;
-  std::vector<MotorModel> motors_; ///< as many as were written to
+  std::vector<MotorModel> motors_; ///< as many as were written
   std::optional<Time> last_write_;
   std::optional<CsvWriter> csv_;
   std::size_t columns_ = 0;

@@ -23,12 +23,12 @@ namespace {
 
 constexpr std::array kSignals{ SIGTERM, SIGINT, SIGHUP };
 
-// What the handler reads. A signal's action is the process's, and so is this.
+// What the handler reads; process-wide, as a signal's action is.
 std::atomic<int> pipe_in{ -1 };
-std::atomic<pid_t> owner{ 0 }; ///< a process that was forked has the handler, but not the thread
+std::atomic<pid_t> owner{ 0 }; ///< a forked process has the handler, but not the thread
 static_assert(std::atomic<int>::is_always_lock_free && std::atomic<pid_t>::is_always_lock_free);
 
-/// Async-signal-safe. The action is the default one by now (SA_RESETHAND).
+/// Async-signal-safe. SA_RESETHAND has restored the default action.
 extern "C" void
 tactor_on_signal(int number)
 {
@@ -36,12 +36,12 @@ tactor_on_signal(int number)
   const int fd = pipe_in;
   const auto byte = static_cast<unsigned char>(number);
   if (fd < 0 || owner != getpid() || write(fd, &byte, 1) != 1)
-    raise(number); // nobody has anything to stop
+    raise(number); // nothing to stop
   errno = error;
 }
 
-/// Sets a signal's action where it was one of `expected`. Others are the application's, which may
-/// be setting its own on another thread at this moment: looking first would overwrite that.
+/// Sets a signal's action if it was one of `expected`; others are the application's. Exchanges
+/// rather than looks first, as the application may set its own on another thread meanwhile.
 void
 exchange(int number, const struct sigaction &action, std::initializer_list<sighandler_t> expected)
 {
@@ -54,7 +54,7 @@ exchange(int number, const struct sigaction &action, std::initializer_list<sigha
     sigaction(number, &before, nullptr);
 }
 
-/// Catches signals from its beginning to its end.
+/// Catches signals while it lives.
 class Catcher
 {
 public:
@@ -62,7 +62,7 @@ public:
   {
     if (pipe2(ends_.data(), O_CLOEXEC) != 0)
       return;
-    // Signals are for the application's threads.
+    // Signals are delivered to the application's threads.
     sigset_t all;
     sigset_t before;
     sigfillset(&all);
@@ -70,7 +70,7 @@ public:
     tl::expected<Thread, DriverError> thread = Thread::start([this] { run(); });
     pthread_sigmask(SIG_SETMASK, &before, nullptr);
     if (!thread)
-      return; // signals do what they would without a guard
+      return; // signals keep their default action
     thread_ = std::move(*thread);
     pipe_in = ends_[1];
     for (const int number : kSignals) {
@@ -79,7 +79,7 @@ public:
       };
       ours.sa_handler = tactor_on_signal;
       ours.sa_flags = SA_RESTART | SA_RESETHAND;
-      exchange(number, ours, { SIG_DFL, tactor_on_signal }); // of a parent before a fork
+      exchange(number, ours, { SIG_DFL, tactor_on_signal }); // ours: inherited by a fork
     }
   }
 
@@ -96,7 +96,7 @@ public:
   Catcher &operator=(const Catcher &) = delete;
 
 private:
-  /// Signals have their default action back, and the thread has ended.
+  /// Restores the default actions and ends the thread.
   void release()
   {
     for (const int number : kSignals) {
@@ -126,7 +126,7 @@ private:
     sigaddset(&one, number);
     pthread_sigmask(SIG_UNBLOCK, &one, nullptr);
     kill(getpid(), number);
-    // Only if the application has taken the signal meanwhile: this is its affair now.
+    // Reached only if the application handles the signal by now.
   }
 
   const std::function<void()> caught_;
@@ -134,10 +134,9 @@ private:
   Thread thread_;
 };
 
-/// All guards, and what catches for them.
 struct Guards
 {
-  std::mutex catching;              ///< taken before the other one; guards catcher
+  std::mutex catching;              ///< locked before `mutex`; guards catcher
   std::unique_ptr<Catcher> catcher; ///< while there are guards
   std::mutex mutex;                 ///< guards all
   std::vector<const TerminationGuard::Leave *> all;
@@ -146,13 +145,13 @@ struct Guards
   {
     const std::lock_guard lock(mutex);
     const auto now = std::chrono::steady_clock::now();
-    for (const auto until : { now, now + TerminationGuard::kPatience }) // first all begin
+    for (const auto until : { now, now + TerminationGuard::kPatience }) // all begin first
       for (const TerminationGuard::Leave *leave : all)
         (*leave)(until);
   }
 };
 
-/// Never destroyed: who is still there when the process ends may leave then.
+/// Never destroyed: guards may still exist at exit().
 Guards &
 guards()
 {
@@ -173,7 +172,7 @@ TerminationGuard::TerminationGuard(Leave leave) : leave_(std::move(leave))
   Guards &guards = tactor::guards();
   const std::lock_guard catching(guards.catching);
   if (const pid_t parent = owner.exchange(getpid()); parent != getpid() && guards.catcher) {
-    // This process was forked from one with guards, and has none of its threads.
+    // Forked from a process with guards, without its threads.
     static_cast<void>(guards.catcher.release());
     guards.all.clear();
   }

@@ -6,15 +6,14 @@
 
 namespace tactor {
 
-/// While one exists, what would end the process at once, its motors on, first has them stopped:
-/// SIGTERM, SIGINT and SIGHUP with the default action, and exit().
+/// While one exists, the motors are stopped before SIGTERM, SIGINT, SIGHUP or exit() ends the
+/// process.
 ///
-/// Only signals that have their default action when the first one of these is made are caught, and
-/// they have it back when the last one is gone: what the application handles or ignores, before or
-/// later, is the application's. The handler writes a byte to a pipe; a thread calls every `leave`,
-/// then raises the signal again with its default action, so that whoever waits for the process sees
-/// what it died of. That takes kPatience at most; a second signal of the kind ends the process at
-/// once. Children that were forked are not concerned.
+/// Signals are caught only if they have their default action when the first guard is made, which
+/// they get back after the last one. Those that the application handles or ignores are left alone.
+/// The handler writes a byte to a pipe; a thread calls every `leave` and raises the signal again
+/// with its default action, so that the exit status is right. That takes kPatience at most. A
+/// second signal of the same kind ends the process at once. Forked children are not affected.
 ///
 /// No signal is caught where the environment has VISUOTACTILE_NO_SIGNALS.
 class TerminationGuard
@@ -24,9 +23,8 @@ public:
 
   static constexpr std::chrono::seconds kPatience{ 1 };
 
-  /// `leave` begins to leave, and returns when that is done or the time has come; it may be called
-  /// again. It is called on a thread of its own, and not any more after the destructor, which waits
-  /// for it.
+  /// `leave` stops the motors and returns when that is done or at the given time; it may be called
+  /// again. It runs on another thread. The destructor waits for it.
   explicit TerminationGuard(Leave leave);
   ~TerminationGuard();
   TerminationGuard(const TerminationGuard &) = delete;

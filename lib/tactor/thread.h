@@ -12,12 +12,11 @@
 
 namespace tactor {
 
-/// A thread that is joined when its object goes. std::thread throws where the system has no more
-/// threads; this one says so.
+/// A thread that is joined by its destructor. Unlike std::thread it returns an error where the
+/// system has no more threads.
 class Thread
 {
 public:
-  /// No thread.
   Thread() = default;
   ~Thread()
   {
@@ -31,20 +30,19 @@ public:
     return *this;
   }
 
-  /// Runs `run` on a new thread. Fails where the limits of the user or of the system allow no more.
+  /// Runs `run` on a new thread. Fails where the limits of the user or the system allow no more.
   [[nodiscard]] static tl::expected<Thread, DriverError> start(std::function<void()> run);
 
-  /// Waits until `run` has returned. Does nothing where there is no thread.
-  /// On the thread itself, which cannot wait for its own end, it only lets go of it.
+  /// Waits until `run` has returned. Without a thread it does nothing; on the thread itself it
+  /// detaches.
   void join();
 
-  /// Whether there is a thread that was not joined.
+  /// Whether there is a thread to join.
   explicit operator bool() const
   {
     return running_ != nullptr;
   }
 
-  /// Whether the caller runs on this thread.
   bool is_current() const
   {
     return running_ && pthread_equal(running_->id, pthread_self()) != 0;
@@ -57,7 +55,7 @@ private:
     pthread_t id{};
   };
 
-  std::shared_ptr<Running> running_; ///< also the thread's own
+  std::shared_ptr<Running> running_; ///< shared with the thread
 };
 
 } // namespace tactor
