@@ -11,8 +11,8 @@
 namespace tactor {
 
 /// A chair without hardware: any number of tactors, each a MotorModel with the paper's parameters,
-/// without latency or steps of voltage. With DriverConfig::device set, amplitudes are written to that
-/// file as CSV (`time_ns,tactor_0,…`, volts): a line at each write, and one every 5 ms for at
+/// without latency or steps of voltage. With DriverConfig::device set, amplitudes are written to
+/// that file as CSV (`time_ns,tactor_0,…`, volts): a line at each write, and one every 5 ms for at
 /// most a second after a write. The columns are those of the first write, 9 at least.
 class Simulator : public Driver
 {

@@ -21,7 +21,7 @@ AutoDriver::open(const DriverConfig &config)
   close();
   chosen_ = board_.get();
   DriverConfig careful = config;
-  careful.asks_strangers = false; // nobody has said that there is a board
+  careful.asks_strangers = false; // the user has not said that there is a board
   const tl::expected<void, DriverError> board = board_->open(careful);
   if (board)
     return {};
@@ -34,7 +34,7 @@ AutoDriver::open(const DriverConfig &config)
   chosen_ = simulator_.get();
   if (tl::expected<void, DriverError> simulated = simulator_->open(config); !simulated)
     return simulated;
-  // What is plugged in and cannot be used may be meant, or not.
+  // A device that cannot be used may or may not be the one meant.
   const bool is_there = kind != DriverError::Kind::not_found;
   if (config.notify)
     config.notify({ is_there ? DriverEvent::Kind::warning : DriverEvent::Kind::opened,

@@ -8,10 +8,10 @@
 
 namespace tactor {
 
-/// A board if one can be used, else a simulator; DriverEvent says which, and why. Adapters that are
-/// not known are not asked (DriverConfig::asks_strangers). Where nothing is plugged in that knows
-/// at once. Fails as the board's driver does if DriverConfig::device names a board, or if a board
-/// was found that does not fit the settings. Threads as every Driver.
+/// A board if one can be used, else the simulator; a DriverEvent says which, and why. Unknown
+/// adapters are not asked (DriverConfig::asks_strangers). Without a board it opens at once. It
+/// fails as the board's driver does if DriverConfig::device names a board, or if the board found
+/// does not fit the settings.
 class AutoDriver : public Driver
 {
 public:

@@ -8,7 +8,7 @@ namespace tactor {
 
 namespace {
 
-/// What a device says of itself may be anything, and comes into messages.
+/// A device's strings may hold anything, and go into messages.
 std::string
 printable(std::string text)
 {

@@ -9,7 +9,7 @@ namespace tactor {
 
 namespace {
 
-/// Pins with more are not driven: no board has them, and a value has 21 bits.
+/// Pins with a higher resolution are not driven: no board has them, and a value has 21 bits.
 constexpr int kMostBits = 16;
 
 static_assert(FirmataBoard::kPacket <= SerialPort::kMaxWrite);
@@ -42,10 +42,10 @@ FirmataBoard::take(const firmata::Event &event)
   if (const auto *firmware = std::get_if<firmata::FirmwareReport>(&event)) {
     if (state_ == State::asking) {
       if (!firmware_)
-        asked_.reset(); // the next question at once; later reports answer the same one
+        asked_.reset(); // the next question at once; later reports repeat the answer
       firmware_ = *firmware;
     } else if (state_ == State::running) {
-      // Nobody asked: it has begun anew.
+      // Not asked for: the board was reset.
       firmware_ = *firmware;
       resets_++;
       is_armed_ = false;
@@ -55,12 +55,12 @@ FirmataBoard::take(const firmata::Event &event)
       }
     }
   } else if (const auto *capabilities = std::get_if<firmata::CapabilityReport>(&event)) {
-    // One that answers somebody else's question came before the reset.
+    // A report before our reset answers another program.
     if (state_ == State::asking && is_reset_)
       take_capabilities(*capabilities);
   } else if (std::holds_alternative<firmata::VersionReport>(event)) {
     if (state_ == State::closing && says_goodbye_)
-      state_ = State::closed; // what was sent before the question was read before it
+      state_ = State::closed; // so it has read the zeros, too
   }
 }
 
@@ -95,8 +95,8 @@ void
 FirmataBoard::close(Time now)
 {
   levels_.clear();
-  // One that speaks Firmata may still do what its last host said; to any other nothing was told
-  // that moves a motor.
+  // A board that speaks Firmata may still drive motors for its last host. To others nothing was
+  // sent that moves one.
   if (state_ == State::running || (state_ == State::asking && firmware_)) {
     state_ = State::closing;
     leaves_ = now + patience_.farewell;
@@ -166,14 +166,13 @@ FirmataBoard::ask(firmata::Encoder &out, Time now)
   out.ask_capabilities();
 }
 
-/// Levels that the board has not, as many as go into one packet.
+/// Adds levels that have changed, as many as one packet holds.
 void
 FirmataBoard::update(firmata::Encoder &out, Time now)
 {
   if (state_ == State::running && now - levels_set_ >= patience_.host_silence)
     levels_.clear();
-  // A host that was stopped for a while (SIGSTOP, suspend to RAM) finds a board whose watchdog has
-  // acted.
+  // After a stop of the host (SIGSTOP, suspend to RAM) the watchdog may have acted.
   if (has_watchdog() && drives()
       && now - sent_ >= (patience_.keepalive + patience_.host_silence) / 2)
     for (Pin &pin : pins_)
@@ -184,7 +183,7 @@ FirmataBoard::update(firmata::Encoder &out, Time now)
   for (std::size_t i = 0; i < pins_.size(); i++) {
     const std::size_t tactor = (first + i) % pins_.size();
     if (out.bytes().size() > kEnd) {
-      turn_ = tactor; // those that change all the time do not keep others from their turn
+      turn_ = tactor; // round robin: no starvation by levels that always change
       break;
     }
     Pin &pin = pins_[tactor];
@@ -220,8 +219,7 @@ FirmataBoard::deadline() const
     earlier(started_ + patience_.answer);
   if (state_ == State::closing)
     earlier(*leaves_);
-  // As long as a transfer is on the way there is nothing else to do in time; then the line has to
-  // have carried it.
+  // While a transfer is on the way, only its timeout counts; after that the line has to be free.
   const auto when_free = [&](Time time) {
     earlier(std::max(time, line_free_));
   };
@@ -247,12 +245,12 @@ unsigned
 FirmataBoard::target(std::size_t tactor) const
 {
   const double level = tactor < levels_.size() ? levels_[tactor] : 0.0;
-  // Not a number compares as false. What is beyond the pin's bits would wrap.
+  // NaN compares as false. A value beyond the pin's bits would wrap.
   return level > 0 ? static_cast<unsigned>(std::lround(std::min(level, 1.0) * pins_[tactor].full))
                    : 0;
 }
 
-/// Whether the board has what it shall have.
+/// Whether the board has all levels.
 bool
 FirmataBoard::is_settled() const
 {

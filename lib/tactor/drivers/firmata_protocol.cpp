@@ -29,7 +29,7 @@ using Data = std::span<const std::uint8_t>;
 std::optional<Event>
 firmware_report(Data data)
 {
-  // The name is of 7-bit pairs, low bits first.
+  // The name is in pairs of 7 bits, low bits first.
   if (data.size() < 2 || data.size() % 2 != 0)
     return std::nullopt;
   FirmwareReport report{ .major = data[0], .minor = data[1], .name = {} };
@@ -53,8 +53,8 @@ capability_report(Data data)
       modes.clear();
       i++;
     } else {
-      // The last byte is an end: there is one more. A list of odd length has the end for a
-      // resolution.
+      // The last byte is kEndOfPin, so there is one more. In a list of odd length it stands in
+      // place of a resolution.
       if (data[i + 1] == kEndOfPin)
         return std::nullopt;
       modes.push_back({ .mode = data[i], .resolution = data[i + 1] });
@@ -141,8 +141,8 @@ Decoder::feed(std::span<const std::uint8_t> bytes, const std::function<void(cons
       damaged_ += inside_ != Inside::nothing || byte == kEndSysex;
       data_.clear();
       status_ = byte;
-      // Digital (9x) and analog (Ex) inputs are followed by two bytes as the version is; nothing
-      // else is ever sent by a board.
+      // Digital (9x) and analog (Ex) inputs have two data bytes, as the version has. Boards send
+      // nothing else.
       const unsigned kind = byte & 0xf0u;
       inside_ = byte == kStartSysex                                ? Inside::sysex
                 : byte == kVersion || kind == 0x90 || kind == 0xe0 ? Inside::short_message

@@ -11,36 +11,36 @@
 #include <variant>
 #include <vector>
 
-/// The Firmata protocol, version 2.5 (github.com/firmata/protocol): bytes, and nothing of when they
-/// are sent.
+/// The Firmata protocol, version 2.5 (github.com/firmata/protocol): encoding and decoding, without
+/// timing.
 namespace tactor::firmata {
 
-/// Pins have numbers of 7 bits.
+/// Pin numbers have 7 bits.
 inline constexpr int kMaxPins = 128;
-/// Mode of a pin whose output is pulse-width modulated: a motor's.
+/// Mode of a pin with pulse-width modulation, as motors need.
 inline constexpr std::uint8_t kPwm = 3;
-/// Firmware whose name begins with this has the watchdog: 250 ms without a byte from the host turn
-/// every motor off.
+/// Prefix of the name of firmware with a watchdog: 250 ms without a byte from the host turn all
+/// motors off.
 inline constexpr std::string_view kSeatFirmware = "visuotactile-seat";
 
-/// Messages to a board, one behind the other. Pins are 0…127, other values are cut to their field.
+/// Appends messages to a board. Pins are 0…127, other values are cut to their field.
 class Encoder
 {
 public:
-  /// Longest message of a pin: what one set_mode() or set_value() adds at most.
+  /// Most bytes that one set_mode() or set_value() adds.
   static constexpr std::size_t kLongest = 7;
 
   Encoder &ask_version();      ///< `F9`
   Encoder &ask_firmware();     ///< `F0 79 F7`
   Encoder &ask_capabilities(); ///< `F0 6B F7`
   Encoder &set_mode(int pin, std::uint8_t mode);
-  /// A pin's duty: an analog message where pin (below 16) and value (14 bits) fit, else an extended
-  /// one (21 bits).
+  /// Duty cycle of a pin: an analog message if pin (below 16) and value (14 bits) fit, else an
+  /// extended one (21 bits).
   Encoder &set_value(int pin, unsigned value);
-  /// All pins to output, low; whatever of a message was on the way is forgotten.
+  /// Sets all pins to output, low, and drops an incomplete message.
   Encoder &reset();
-  /// `F0 01 F7`, of the ids that Firmata leaves to its users: the host is alive. Known to
-  /// kSeatFirmware alone, harmless to others.
+  /// `F0 01 F7`, an id that Firmata leaves to its users: the host is alive. For kSeatFirmware;
+  /// others ignore it.
   Encoder &keepalive();
 
   const std::vector<std::uint8_t> &bytes() const
@@ -62,7 +62,6 @@ struct VersionReport
   bool operator==(const VersionReport &) const = default;
 };
 
-/// What runs on the board.
 struct FirmwareReport
 {
   int major = 0;
@@ -72,7 +71,7 @@ struct FirmwareReport
   bool operator==(const FirmwareReport &) const = default;
 };
 
-/// What a pin can do.
+/// A capability of a pin.
 struct PinMode
 {
   std::uint8_t mode = 0;
@@ -87,13 +86,12 @@ struct CapabilityReport
   bool operator==(const CapabilityReport &) const = default;
 };
 
-/// A message of the board that is well formed; others of Firmata's (inputs, pin states, I2C,
-/// servos, text) mean nothing here and are not told.
+/// A well-formed message from the board. Other messages of Firmata (inputs, pin states, I2C,
+/// servos, text) are ignored.
 using Event = std::variant<VersionReport, FirmwareReport, CapabilityReport>;
 
-/// Takes a board's bytes apart. Whatever comes, it holds no more than kMaxSysex bytes, and it finds
-/// the next whole message behind a damaged one: a byte of 0x80 or more other than F7 begins a
-/// message anew.
+/// Decodes a board's bytes. It never holds more than kMaxSysex bytes, and resynchronizes after a
+/// damaged message: a byte of 0x80 or more other than F7 begins a message.
 class Decoder
 {
 public:
@@ -101,11 +99,10 @@ public:
   /// each fits.
   static constexpr std::size_t kMaxSysex = 4096;
 
-  /// The next bytes of the line, cut anywhere. `event` is called once for each message that ends in
-  /// them.
+  /// Takes the next bytes, in any pieces. `event` is called for each message that ends in them.
   void feed(std::span<const std::uint8_t> bytes, const std::function<void(const Event &)> &event);
 
-  /// Messages that were cut short, too long or contradict themselves, and bytes outside any, since
+  /// Messages that were truncated, too long or inconsistent, and bytes outside of messages, since
   /// construction.
   std::uint64_t damaged() const
   {
@@ -120,7 +117,7 @@ private:
     nothing,
     short_message, ///< status byte and two data bytes
     sysex,
-    long_sysex, ///< too long: its end is waited for
+    long_sysex, ///< too long: skipped up to its end
   };
   Inside inside_ = Inside::nothing;
   std::uint8_t status_ = 0;

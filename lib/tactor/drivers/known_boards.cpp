@@ -18,9 +18,9 @@ namespace {
 
 constexpr std::size_t kLongestLine = 512; // a serial number has 126 characters at most
 
-std::mutex changing; ///< the file, by this process
+std::mutex changing; ///< guards the file within this process
 
-/// The line that stands for a device; empty if nothing tells it from others.
+/// The line of a device; empty if it would be no valid line.
 std::string
 line_of(const SerialDevice &device)
 {
@@ -43,7 +43,7 @@ KnownBoards::default_file()
   const char *state = std::getenv("XDG_STATE_HOME");
   const char *home = std::getenv("HOME");
   fs::path folder = state ? state : "";
-  if (!folder.is_absolute()) // as the specification has it: ignored
+  if (!folder.is_absolute()) // ignored, as the XDG specification says
     folder = home ? fs::path(home) / ".local/state" : fs::path();
   return folder.is_absolute() ? folder / "visuotactile/boards" : fs::path();
 }
@@ -64,7 +64,7 @@ KnownBoards::add(const SerialDevice &device)
   if (line.empty() || (!lines.empty() && lines.back() == line))
     return;
   std::erase(lines, line);
-  lines.push_back(line); // the last one is the one that was used last
+  lines.push_back(line); // most recently used last
   if (lines.size() > kMost)
     lines.erase(lines.begin(), lines.end() - kMost);
   write(lines);
@@ -84,7 +84,7 @@ KnownBoards::read() const
 {
   std::vector<std::string> lines;
   std::error_code error;
-  if (file_.empty() || !fs::is_regular_file(file_, error) // a pipe would be waited for
+  if (file_.empty() || !fs::is_regular_file(file_, error) // a pipe would block
       || fs::file_size(file_, error) > kMost * kLongestLine)
     return lines;
   std::ifstream file(file_);
@@ -94,7 +94,7 @@ KnownBoards::read() const
   return lines;
 }
 
-/// As a whole or not at all.
+/// Atomic.
 void
 KnownBoards::write(const std::vector<std::string> &lines) const
 {

@@ -9,21 +9,20 @@
 
 namespace tactor {
 
-/// Adapters behind which a tactor board has answered: which of the many things that have such a
-/// chip may be asked again without being named. By serial number, or by socket where there is none.
-/// A file of lines as "0403:6001 serial A50285BI" and "1a86:7523 at 1-2"; what else is in it is
-/// ignored, and where it cannot be read or written, nothing is remembered. Not thread-safe.
+/// Adapters behind which a tactor board has answered, and which may be asked again without being
+/// named. Known by serial number, or by socket if there is none. A file with lines like
+/// "0403:6001 serial A50285BI" and "1a86:7523 at 1-2"; other lines are ignored, and errors of the
+/// file, too. Not thread-safe.
 class KnownBoards
 {
 public:
-  /// The last so many are remembered.
+  /// Least recently used ones beyond this many are dropped.
   static constexpr std::size_t kMost = 64;
 
   /// An empty path: nothing is remembered.
   explicit KnownBoards(std::filesystem::path file);
 
-  /// $XDG_STATE_HOME/visuotactile/boards, by default in ~/.local/state; empty where there is
-  /// neither.
+  /// $XDG_STATE_HOME/visuotactile/boards, by default in ~/.local/state; empty without either.
   static std::filesystem::path default_file();
 
   bool has(const SerialDevice &device) const;

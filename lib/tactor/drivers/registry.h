@@ -10,7 +10,6 @@
 
 namespace tactor {
 
-/// One line of the list of drivers.
 struct DriverInfo
 {
   std::string_view name;        ///< as in `tactorsink driver=NAME`
@@ -18,10 +17,10 @@ struct DriverInfo
   std::function<std::unique_ptr<Driver>()> create;
 };
 
-/// All drivers that were built, the default one first.
+/// All drivers of this build, the default one first.
 const std::vector<DriverInfo> &drivers();
 
-/// A driver by name; DriverError::Kind::not_found has the known names in its text.
+/// Makes a driver. The error (not_found) lists the known names.
 [[nodiscard]] tl::expected<std::unique_ptr<Driver>, DriverError> make_driver(std::string_view name);
 
 } // namespace tactor

@@ -21,7 +21,7 @@ release_boards(const MakeSerialBus &make_bus, FirmataPatience patience)
     if (!(*bus)->is_left(device))
       continue;
     FirmataDriver driver(FirmataDriver::Firmware::any, make_bus, { .patience = patience });
-    // Whatever is at the other end: closing it gives it back.
+    // Any firmware: closing releases the board.
     const tl::expected<void, DriverError> opened = driver.open({ .device = device.bus_path });
     driver.close();
     released.push_back(

@@ -9,17 +9,17 @@
 
 namespace tactor {
 
-/// A board that a killed player had left.
+/// A board that a killed player held.
 struct ReleasedBoard
 {
   SerialDevice device;
   std::optional<DriverError> refusal{}; ///< why its motors could not be stopped
 };
 
-/// After SIGKILL or a crash nobody has given a board back: the kernel has no driver for it, and so
-/// no /dev/ttyACM0, and without a watchdog its motors are still on. Each such board is opened,
-/// stopped and given back, which takes up to `patience.answer` where one does not answer.
-/// DriverError where the bus cannot be used.
+/// Opens, stops and releases each board that a process held when it was killed (SIGKILL, crash).
+/// Such a board has no driver of the kernel's and thus no /dev/ttyACM0, and without a watchdog its
+/// motors are still on. Takes up to `patience.answer` for a board that does not answer. Fails if
+/// the bus cannot be used.
 [[nodiscard]] tl::expected<std::vector<ReleasedBoard>, DriverError>
 release_boards(const MakeSerialBus &make_bus = make_serial_bus, FirmataPatience patience = {});
 

@@ -18,10 +18,10 @@ namespace tactor {
 
 namespace {
 
-/// For each step. Nobody waits for it, and what starts a service may be slow on a busy machine.
+/// Timeout of each step. Long, as starting a service may be slow, and no thread waits for it.
 constexpr guint kPatience = 5; // s
 
-/// Who may be asked.
+/// A service that may grant it.
 struct Door
 {
   Scheduling scheduling;
@@ -45,14 +45,14 @@ constexpr Door kPortal{ Scheduling::portal,
                         "/org/freedesktop/portal/desktop",
                         "org.freedesktop.portal.Realtime" };
 
-/// What they grant.
+/// Limits of a service.
 struct Terms
 {
   int priority = 0; ///< at most
   rlim_t time = 0;  ///< RLIMIT_RTTIME at most, in µs
 };
 
-/// Why not, in one line.
+/// The reason of a failure, in one line.
 using Why = std::string;
 template <typename T> using Result = tl::expected<T, Why>;
 
@@ -63,15 +63,15 @@ unexpected(GError *error)
   return tl::unexpected(Why(error->message));
 }
 
-/// A connection to a bus. Not g_bus_get_sync(), whose connection is the process's and ends the
-/// process with the bus, and not with G_DBUS_CONNECTION_FLAGS_MESSAGE_BUS_CONNECTION, which waits
-/// 25 s for a bus that says nothing and is not to be interrupted.
+/// A connection to a bus. g_bus_get_sync() shares a connection that ends the process with the bus.
+/// G_DBUS_CONNECTION_FLAGS_MESSAGE_BUS_CONNECTION waits 25 s for a silent bus and cannot be
+/// canceled.
 class BusConnection
 {
 public:
   static Result<BusConnection> open(GBusType bus, GCancellable *cancellable);
 
-  /// Takes the parameters.
+  /// Consumes the parameters.
   Result<GVariant *> call(const char *name, const char *path, const char *interface,
                           const char *method, GVariant *parameters) const;
 
@@ -96,7 +96,7 @@ BusConnection::open(GBusType bus, GCancellable *cancellable)
       = g_dbus_address_get_stream_sync(address, nullptr, cancellable, &error);
   if (!stream)
     return unexpected(error);
-  // While it is agreed on who talks; what follows has time-outs of its own, and may be silent.
+  // For the authentication only; calls have timeouts of their own.
   GSocket *socket = G_IS_SOCKET_CONNECTION(stream)
                         ? g_socket_connection_get_socket(G_SOCKET_CONNECTION(stream))
                         : nullptr;
@@ -130,7 +130,7 @@ BusConnection::call(const char *name, const char *path, const char *interface, c
   return reply;
 }
 
-/// RealtimeKit has no GetAll.
+/// Single properties: RealtimeKit has no GetAll.
 Result<gint64>
 read_property(const BusConnection &connection, const Door &door, const char *name)
 {
@@ -184,7 +184,7 @@ has_realtime_threads()
   return false;
 }
 
-/// Sees to it that real-time threads of this process have the limit that is asked for.
+/// Lowers RLIMIT_RTTIME to what the service requires.
 Result<void>
 limit_time(rlim_t most)
 {
@@ -192,7 +192,7 @@ limit_time(rlim_t most)
   getrlimit(RLIMIT_RTTIME, &limit);
   if (limit.rlim_max <= most)
     return {};
-  // It holds for all of them, and would kill the process for one that counts on having none.
+  // The limit is the process's, and others may rely on having none.
   if (has_realtime_threads())
     return tl::unexpected(
         Why("other threads of this process are real-time and have no limit on their CPU time"));
@@ -204,7 +204,7 @@ limit_time(rlim_t most)
   return {};
 }
 
-/// What was said to those who were told.
+/// Requests it of a service. Returns who granted it and on what terms, in words.
 Result<std::string>
 ask(const Door &door, GCancellable *cancellable, pid_t thread, int priority)
 {
@@ -266,7 +266,7 @@ RealtimeQuestion::State::run() const
 {
   std::string why;
   for (const Door &door : { kRealtimeKit, kPortal }) {
-    // Without an address GIO would start a bus.
+    // Without an address GIO would start a bus daemon.
     if (door.bus == G_BUS_TYPE_SESSION && !g_getenv("DBUS_SESSION_BUS_ADDRESS"))
       continue;
     const Result<std::string> got = ask(door, cancellable.get(), thread, priority);

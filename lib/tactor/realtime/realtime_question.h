@@ -11,21 +11,21 @@
 
 namespace tactor {
 
-/// Asks by D-Bus that a thread of this process be real-time: RealtimeKit, else the desktop portal.
-/// On a thread and over connections of its own, which end with the question.
+/// Requests real-time scheduling of a thread of this process over D-Bus, of RealtimeKit, else of
+/// the desktop portal. It has a thread and connections of its own, which end with it.
 ///
-/// Both ask for a limit on the CPU time of the process's real-time threads (RLIMIT_RTTIME), after
-/// which the kernel kills it. It is lowered as far as they want, never raised, and not where other
-/// threads are real-time already and have no such limit.
+/// Both services require a limit on the CPU time of the process's real-time threads
+/// (RLIMIT_RTTIME), after which the kernel kills it. The limit is lowered as required, never
+/// raised, and left alone if other threads are real-time already and have none.
 class RealtimeQuestion
 {
 public:
-  /// Called once, on the thread that asks (where none can be had, by the constructor): who did it,
-  /// or Scheduling::normal and why nobody did.
+  /// Called once with the service that granted it, or Scheduling::normal and the reason. On the
+  /// requesting thread; without one, by the constructor.
   using Answer = std::function<void(Scheduling, const std::string &)>;
 
   RealtimeQuestion(pid_t thread, int priority, Answer answer);
-  /// Gives up at once what is not answered yet.
+  /// Cancels a pending request.
   ~RealtimeQuestion();
   RealtimeQuestion(const RealtimeQuestion &) = delete;
   RealtimeQuestion &operator=(const RealtimeQuestion &) = delete;

@@ -24,8 +24,8 @@ read_clock(clockid_t clock)
   return std::chrono::seconds(time.tv_sec) + std::chrono::nanoseconds(time.tv_nsec);
 }
 
-/// Of the calling thread. Always with SCHED_RESET_ON_FORK: a thread that has it may not go back to
-/// SCHED_OTHER without.
+/// Sets it for the calling thread. Always with SCHED_RESET_ON_FORK: a thread that has it may not
+/// drop it on its way back to SCHED_OTHER.
 bool
 schedule(int policy, int priority)
 {

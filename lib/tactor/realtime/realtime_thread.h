@@ -14,32 +14,31 @@ namespace tactor {
 
 class RealtimeQuestion;
 
-/// How a thread is scheduled, and by whose leave.
+/// How a thread is scheduled, and what granted it.
 enum class Scheduling
 {
-  normal,       ///< like any other
-  direct,       ///< real-time: the process may do so itself (RLIMIT_RTPRIO, CAP_SYS_NICE)
+  normal,       ///< not real-time
+  direct,       ///< real-time by own permission (RLIMIT_RTPRIO, CAP_SYS_NICE)
   realtime_kit, ///< real-time by RealtimeKit
   portal,       ///< real-time by the desktop portal, as in a sandbox
-  given_back,   ///< was real-time until it used too much CPU time
+  given_back,   ///< not real-time any more, as it used too much CPU time
 };
 
 /// "normal", "direct", "rtkit", "portal", "given-back".
 std::string_view to_string(Scheduling scheduling);
 
-/// How much CPU time a real-time thread may use: `kShare` of all time, and `kBurst` at once. Not
-/// thread-safe.
+/// A token bucket of CPU time for a real-time thread: kShare of all time, at most kBurst at once.
+/// Not thread-safe.
 class CpuBudget
 {
 public:
   static constexpr double kShare = 0.25;
-  /// A quarter of the 200 ms after which the kernel kills a process of RealtimeKit's (its default).
+  /// A quarter of RealtimeKit's default limit of 200 ms, after which the kernel kills the process.
   static constexpr Time kBurst = std::chrono::milliseconds(50);
 
-  /// `now` on any clock, `cpu` used by then.
+  /// `now` is of any clock, `cpu` the CPU time used by then.
   CpuBudget(Time now, Time cpu);
 
-  /// Whether there is something left.
   bool allows(Time now, Time cpu);
 
 private:
@@ -48,22 +47,21 @@ private:
   Time left_ = kBurst;
 };
 
-/// While it lives, the thread that made it runs before all that is not real-time, if that may be
-/// had; if not, it works as without. All but the callback is that thread's. SCHED_RR, not inherited
-/// by threads and processes that it begins.
+/// While it lives, the thread that made it is real-time (SCHED_RR), if that is granted; otherwise
+/// it runs as before. Threads and processes that it starts do not inherit it. That thread's only,
+/// but for the callback.
 ///
-/// RealtimeKit and the portal are asked on a thread of their own, which nobody waits for: the
-/// thread is real-time some milliseconds later, and an answer that has not come when this is
-/// destroyed is given up.
+/// RealtimeKit and the portal are called on another thread. The thread becomes real-time some
+/// milliseconds later, and a request that is pending at destruction is canceled.
 class RealtimeThread
 {
 public:
-  /// The lowest there is. What comes out of a loudspeaker late is heard after five milliseconds;
-  /// what a motor does late is not felt for ten times as long.
+  /// The lowest: audio threads go first. A delay of sound is heard from 5 ms on, one of a motor
+  /// felt from 50 ms on.
   static constexpr int kPriority = 1;
 
-  /// What came of it, and how or why, in one line. Called on this thread, by the constructor or
-  /// turn(), or on the one that asks; once for each answer, and not after the destructor.
+  /// Reports each change of scheduling, with the reason in one line. Called by the constructor or
+  /// turn(), or on the requesting thread; not after the destructor.
   using Tell = std::function<void(Scheduling, const std::string &)>;
 
   explicit RealtimeThread(bool wanted, Tell tell = nullptr);
@@ -71,8 +69,8 @@ public:
   RealtimeThread(const RealtimeThread &) = delete;
   RealtimeThread &operator=(const RealtimeThread &) = delete;
 
-  /// To be called at each turn of the thread's loop: a thread that uses more than its CpuBudget
-  /// gives the priority back for good.
+  /// To be called at each turn of the thread's loop. A thread that exceeds its CpuBudget loses its
+  /// priority for good.
   void turn();
 
 private:
@@ -81,7 +79,7 @@ private:
   const Tell tell_;
   std::atomic<Scheduling> scheduling_{ Scheduling::normal };
   CpuBudget budget_;
-  std::unique_ptr<RealtimeQuestion> question_; ///< last: it answers into the others
+  std::unique_ptr<RealtimeQuestion> question_; ///< last: its callback uses the others
 };
 
 } // namespace tactor

@@ -29,8 +29,8 @@ cdc_acm_line(const libusb_device_descriptor &device, const libusb_config_descrip
       const std::uint16_t index = control->bInterfaceNumber;
       line->transport = "cdc-acm";
       line->is_adapter = device.idVendor == kWch;
-      // The data interface is released first: the kernel's driver takes both when it gets the
-      // control interface back.
+      // The data interface is released first: the kernel's driver binds both when the control
+      // interface is released.
       line->interfaces = { control->bInterfaceNumber, interface->bInterfaceNumber };
       line->set_up = {
         // PSTN 1.2, table 17: baud rate in 32 bits, 1 stop bit, no parity, 8 bits.

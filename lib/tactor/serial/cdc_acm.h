@@ -7,7 +7,7 @@
 
 namespace tactor {
 
-/// Makers of boards.
+/// Vendors of boards.
 inline constexpr std::array kCdcAcmDevices{
   UsbId{ 0x2341, 0 }, // Arduino
   UsbId{ 0x2a03, 0 }, // Arduino (arduino.org)
@@ -21,9 +21,9 @@ inline constexpr std::array kCdcAcmDevices{
   UsbId{ 0x1a86, 0 }, // WCH, USB chips of many boards
 };
 
-/// The USB communications class' serial line (CDC 1.2, PSTN 1.2, abstract control model): Uno,
-/// Mega, Leonardo, Teensy, RP2040. Only from vendors of boards: modems speak it too, and must not
-/// be asked for their capabilities.
+/// The serial line of the USB communications class (CDC 1.2, PSTN 1.2, abstract control model):
+/// Uno, Mega, Leonardo, Teensy, RP2040. Only from vendors of boards: modems use it, too, and must
+/// not get bytes of Firmata.
 std::optional<SerialLine> cdc_acm_line(const libusb_device_descriptor &device,
                                        const libusb_config_descriptor &config);
 

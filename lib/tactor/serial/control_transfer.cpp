@@ -62,7 +62,7 @@ control_transfer(const UsbContext &context, libusb_device_handle *handle,
   int done = 0;
   libusb_fill_control_transfer(transfer.get(), handle, buffer.data(), is_done, &done,
                                static_cast<unsigned>(patience.count()));
-  // Wakes the loop below; an event before it begins to wait is kept for it.
+  // Ends the loop's wait below, also one that has not begun yet.
   const std::stop_callback wake(stop, [&] { libusb_interrupt_event_handler(context.get()); });
   if (stop.stop_requested())
     return LIBUSB_ERROR_INTERRUPTED;

@@ -11,10 +11,10 @@
 
 namespace tactor {
 
-/// Makes a request and waits for its answer: for `patience`, and no longer than until `stop` is
-/// requested, by any thread. LIBUSB_SUCCESS or a libusb_error: TIMEOUT, INTERRUPTED after a stop,
-/// PIPE where the device refuses, NO_DEVICE, IO, NO_MEM. What is answered is not kept. No other
-/// thread handles the context's events meanwhile.
+/// Makes a request and waits for its answer for `patience`, or until any thread requests `stop`.
+/// LIBUSB_SUCCESS or a libusb_error: TIMEOUT, INTERRUPTED after a stop, PIPE if the device refuses,
+/// NO_DEVICE, IO, NO_MEM. The answer's data is dropped. No other thread may handle the context's
+/// events meanwhile.
 int control_transfer(const UsbContext &context, libusb_device_handle *handle,
                      const ControlRequest &request, std::chrono::milliseconds patience,
                      const std::stop_token &stop);

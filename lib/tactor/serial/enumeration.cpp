@@ -30,7 +30,7 @@ place(libusb_device *device)
   return { libusb_get_bus_number(device), { ports.begin(), ports.begin() + std::max(count, 0) } };
 }
 
-/// As the kernel names it: "1-2.3".
+/// The kernel's name, "1-2.3".
 std::string
 bus_path(const Place &place)
 {

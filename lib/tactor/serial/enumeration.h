@@ -14,8 +14,8 @@
 
 namespace tactor {
 
-/// A libusb context. It knows the devices that were there when it was made, and later ones only
-/// where udevd tells: whoever wants to know what is plugged in now makes a new one.
+/// A libusb context. It sees devices that are plugged in later only where udevd runs, so that a
+/// complete list needs a new context.
 class UsbContext
 {
 public:
@@ -51,19 +51,19 @@ struct DeviceUnref
   }
 };
 
-/// A device that a transport knows how to talk to.
+/// A device that a transport supports.
 struct UsbSerialDevice
 {
   std::unique_ptr<libusb_device, DeviceUnref> handle;
   SerialDevice device;
   SerialLine line;
-  std::uint8_t address = 0; ///< on its bus; another one each time it is plugged in
+  std::uint8_t address = 0; ///< on its bus; changes each time it is plugged in
 };
 
-/// Every serial line that is plugged in, by bus and ports. Nothing is opened and no board is
-/// disturbed: descriptors and strings are those that the kernel has read (/sys/bus/usb/devices);
-/// where there is no sysfs, serial number and name are left empty. DriverError (failed) if they
-/// cannot be listed. The result must not outlive the context.
+/// All serial lines that are plugged in, sorted by bus and ports. No device is opened: descriptors
+/// and strings are those of the kernel (/sys/bus/usb/devices). Without sysfs, serial number and
+/// name are empty. The error (failed) says why they cannot be listed. The result must not outlive
+/// the context.
 [[nodiscard]] tl::expected<std::vector<UsbSerialDevice>, DriverError>
 find_serial_devices(const UsbContext &context);
 

@@ -20,7 +20,7 @@ ftdi_line(const libusb_device_descriptor &device, const libusb_config_descriptor
   std::optional<SerialLine> line = first_line(device, config, kFtdiDevices);
   if (!line)
     return std::nullopt;
-  // Chips with several lines count them from 1; those with one know it as 0.
+  // Chips with several lines count them from 1; with one, it is 0.
   const std::uint16_t index = first_settings(config).size() > 1 ? 1 : 0;
   line->transport = "ftdi";
   line->is_adapter = true;
@@ -31,7 +31,7 @@ ftdi_line(const libusb_device_descriptor &device, const libusb_config_descriptor
     { kToDevice, kData, 0x0008, index },         // 8 bits, no parity, 1 stop bit
     { kToDevice, kModemControl, 0x0101, index }, // DTR
     { kToDevice, kModemControl, 0x0202, index }, // RTS
-    { kToDevice, kLatencyTimer, 0x0001, index }, // a short packet waits 1 ms rather than 16
+    { kToDevice, kLatencyTimer, 0x0001, index }, // short packets wait 1 ms, not 16
   };
   return line;
 }

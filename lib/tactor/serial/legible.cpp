@@ -12,8 +12,7 @@ constexpr std::size_t kMostCharacters = 126;
 constexpr std::string_view kReplacement = "\xef\xbf\xbd";
 constexpr std::string_view kSpace(" \t\r\n\v\f\0", 7);
 
-/// Bytes of the character that `text` begins with, 0 if it is none (RFC 3629) or a control
-/// character.
+/// Length in bytes of the first character; 0 if it is invalid (RFC 3629) or a control character.
 std::size_t
 character(std::string_view text)
 {
@@ -53,7 +52,7 @@ legible(std::string_view text)
     result += length > 0 ? text.substr(0, length) : kReplacement;
     text.remove_prefix(length > 0 ? length : 1);
   }
-  // Where it was cut there may be white space.
+  // The cut may have left white space at the end.
   result.erase(result.find_last_not_of(kSpace) + 1);
   return result;
 }

@@ -6,9 +6,9 @@
 
 namespace tactor {
 
-/// What a device says of itself, fit to be printed: valid UTF-8 of at most 126 characters (the
-/// longest string descriptor, USB 2.0, 9.6.7) without control characters; each byte or character
-/// that is not fit becomes U+FFFD. Without white space at both ends.
+/// A device's string made printable: valid UTF-8 of at most 126 characters (the longest string
+/// descriptor, USB 2.0, 9.6.7), without control characters and without white space at both ends.
+/// Other bytes and characters become U+FFFD.
 std::string legible(std::string_view text);
 
 } // namespace tactor

@@ -15,8 +15,8 @@ constexpr const char *kRule = "70-visuotactile.rules"; // data/udev
 constexpr const char *kApply
     = "sudo udevadm control --reload && sudo udevadm trigger --subsystem-match=usb";
 
-/// Whether udev has marked the device for whoever sits at the computer: "Q:uaccess" of what udev
-/// keeps of it (since udev 247; "G:uaccess" before).
+/// Whether udev grants the device to the user of the local session: the tag "Q:uaccess" in its
+/// database (since udev 247; "G:uaccess" before).
 bool
 is_marked(const std::string &bus_path, const SystemRoots &roots)
 {

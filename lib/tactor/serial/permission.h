@@ -8,8 +8,8 @@
 namespace tactor {
 
 /// Why the user may not open the device at this bus path ("1-2.3"), and the commands that change
-/// it, in one line: the udev rule is not installed; it has not been applied to the device; or it
-/// has, and gives it to whoever sits at the computer, whom the user is not (ssh).
+/// it, in one line. The udev rule is not installed, or was not applied to the device, or grants the
+/// device to a local session only, not over ssh.
 std::string permission_advice(const std::string &bus_path, const SystemRoots &roots = {});
 
 } // namespace tactor

@@ -23,7 +23,7 @@ is_one_of(const libusb_device_descriptor &device, std::span<const UsbId> ids)
 std::optional<SerialLine>
 bulk_line(const libusb_interface_descriptor &interface)
 {
-  if (!interface.endpoint) // libusb gave up on a descriptor before them
+  if (!interface.endpoint) // libusb could not parse them
     return std::nullopt;
   SerialLine line;
   for (int i = 0; i < interface.bNumEndpoints; i++) {

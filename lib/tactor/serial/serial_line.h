@@ -11,14 +11,13 @@
 
 namespace tactor {
 
-/// Which devices a transport takes for boards. data/udev/70-visuotactile.rules has the same.
+/// Devices that a transport takes for boards. data/udev/70-visuotactile.rules has the same.
 struct UsbId
 {
   std::uint16_t vendor;
   std::uint16_t product; ///< 0: any
 };
 
-/// Whether one of these is the device's.
 bool is_one_of(const libusb_device_descriptor &device, std::span<const UsbId> ids);
 
 /// A request on the default control pipe (USB 2.0, 9.3).
@@ -28,28 +27,28 @@ struct ControlRequest
   std::uint8_t request; ///< bRequest
   std::uint16_t value;  ///< wValue
   std::uint16_t index;  ///< wIndex
-  /// Data stage: what is sent, or as many bytes as are asked for.
+  /// Data stage: the bytes to send, or as many as to receive.
   std::vector<std::uint8_t> data{};
 };
 
-/// How bytes get to a board and back: what a transport makes of a device's descriptors.
+/// How to reach a board's serial line, as a transport derives it from the descriptors.
 struct SerialLine
 {
-  std::string_view transport;    ///< "cdc-acm", "ftdi", "ch340"
-  bool is_adapter = false;       ///< see SerialDevice
-  std::vector<int> interfaces;   ///< to be claimed, in this order, and released in the opposite one
-  std::uint8_t in_endpoint = 0;  ///< bulk
-  std::uint8_t out_endpoint = 0; ///< bulk
-  int in_packet = 0;             ///< bytes, > status_bytes
-  int status_bytes = 0;          ///< that begin every packet from the board and are not on the line
-  std::vector<ControlRequest> set_up; ///< to 57600 baud 8N1, DTR and RTS on
+  std::string_view transport;         ///< "cdc-acm", "ftdi", "ch340"
+  bool is_adapter = false;            ///< see SerialDevice
+  std::vector<int> interfaces;        ///< to claim in this order and release in reverse
+  std::uint8_t in_endpoint = 0;       ///< bulk
+  std::uint8_t out_endpoint = 0;      ///< bulk
+  int in_packet = 0;                  ///< bytes, > status_bytes
+  int status_bytes = 0;               ///< at the begin of each packet, not from the line
+  std::vector<ControlRequest> set_up; ///< 57600 baud 8N1, DTR and RTS on
 };
 
-/// A line with the first bulk endpoint in each direction of an interface; nothing if one is missing
-/// or its packets are of no legal size (USB 2.0, 5.8.3).
+/// A line over the first bulk endpoint in each direction of an interface. None if one is missing or
+/// has an illegal packet size (USB 2.0, 5.8.3).
 std::optional<SerialLine> bulk_line(const libusb_interface_descriptor &interface);
 
-/// The first setting of every interface of a configuration, in the device's order.
+/// The first alternate setting of each interface, in the device's order.
 std::vector<const libusb_interface_descriptor *>
 first_settings(const libusb_config_descriptor &config);
 

@@ -9,8 +9,7 @@
 
 namespace tactor {
 
-/// The beginning of a file, at most 4096 bytes, without the white space at its end; empty if it
-/// cannot be read.
+/// The first 4096 bytes of a file without trailing white space; empty if it cannot be read.
 inline std::string
 small_file(const std::filesystem::path &path)
 {

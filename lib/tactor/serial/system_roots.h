@@ -6,14 +6,14 @@
 
 namespace tactor {
 
-/// Where the kernel and udev tell what they know; tests have others.
+/// Folders of the kernel and udev; tests have others.
 struct SystemRoots
 {
   std::filesystem::path sys = "/sys";
   std::filesystem::path proc = "/proc";
   std::filesystem::path locks = "/run/lock";
   std::filesystem::path udev_data = "/run/udev/data";
-  /// In any of which udev reads rules.
+  /// Folders of udev's rules.
   std::vector<std::filesystem::path> rules
       = { "/etc/udev/rules.d", "/run/udev/rules.d", "/usr/local/lib/udev/rules.d",
           "/usr/lib/udev/rules.d", "/lib/udev/rules.d" };

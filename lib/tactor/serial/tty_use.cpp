@@ -19,12 +19,12 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// A serial line as the kernel has it.
+/// A serial line of the kernel's.
 struct Tty
 {
   std::string name; ///< "ttyACM0"
   dev_t number = 0; ///< of its node
-  fs::path module;  ///< of its driver, in sysfs; empty if that is part of the kernel
+  fs::path module;  ///< of its driver, in sysfs; empty if it is built in
   bool is_ours = false;
 };
 
@@ -39,7 +39,7 @@ parse(std::string_view text)
   return number;
 }
 
-/// What a folder has; nothing where it cannot be read.
+/// The entries of a folder; none if it cannot be read.
 std::vector<fs::path>
 entries(const fs::path &folder)
 {
@@ -63,7 +63,7 @@ device_number(const std::string &text)
   return major_number && minor_number ? makedev(*major_number, *minor_number) : 0;
 }
 
-/// All serial lines of devices. That of cdc_acm belongs to an interface ("1-2:1.0"), that of
+/// All serial lines of devices. A line of cdc_acm belongs to an interface ("1-2:1.0"), a line of
 /// usb-serial to a port of one ("1-2:1.0/ttyUSB0").
 std::vector<Tty>
 list_ttys(const std::string &bus_path, int interface, const SystemRoots &roots)
@@ -94,7 +94,7 @@ process_name(const fs::path &process)
   return (name.empty() ? "a program" : name) + " (process " + process.filename().native() + ")";
 }
 
-/// Which process has each of the lines open, as far as it can be seen.
+/// The process that has each of the lines open, among those whose files may be seen.
 std::map<dev_t, std::string>
 seen_users(const std::vector<Tty> &ttys, const SystemRoots &roots)
 {
@@ -104,7 +104,7 @@ seen_users(const std::vector<Tty> &ttys, const SystemRoots &roots)
       continue;
     for (const fs::path &file : entries(process / "fd")) {
       std::error_code error;
-      // A file of a network that is gone would be waited for.
+      // Not stat() first: it blocks on a network file system that is gone.
       if (!fs::read_symlink(file, error).native().starts_with("/dev/"))
         continue;
       struct stat status
@@ -118,7 +118,7 @@ seen_users(const std::vector<Tty> &ttys, const SystemRoots &roots)
   return users;
 }
 
-/// The living process that has locked a line, as UUCP did and terminal programs do.
+/// The running process that holds a UUCP lock on a line, as terminal programs do.
 std::optional<std::string>
 locked_by(const std::string &tty, const SystemRoots &roots)
 {
@@ -130,7 +130,7 @@ locked_by(const std::string &tty, const SystemRoots &roots)
       std::string_view(text).substr(begin, text.find_first_of(" \n", begin) - begin));
   std::error_code error;
   if (!process || !fs::exists(roots.proc / std::to_string(*process), error))
-    return std::nullopt; // left behind
+    return std::nullopt; // stale
   return process_name(roots.proc / std::to_string(*process));
 }
 
@@ -153,10 +153,10 @@ tty_use(const std::string &bus_path, int interface, const SystemRoots &roots)
       return { Kind::certain, *user + " has locked " + tty.name };
     if (tty.module.empty())
       continue;
-    // The driver holds its module once for each line that is open.
+    // The driver holds a reference to its module for each open line.
     const int open = parse<int>(small_file(tty.module / "refcnt")).value_or(0);
     int seen = 0;
-    int strangers = 0; // lines of others' devices that may be what is open
+    int strangers = 0; // other lines that may be the open ones
     for (const Tty &other : ttys)
       if (other.module == tty.module) {
         seen += users.contains(other.number);

@@ -9,18 +9,16 @@
 namespace tactor {
 
 /// Whether a program has the terminal of an interface of the USB device at this bus path ("1-2.3")
-/// open. Nothing is opened for that: to open a terminal raises DTR, which resets boards and 3D
-/// printers.
+/// open. Opens no terminal, which would raise DTR and reset boards and 3D printers.
 ///
-/// What is looked at: open files of all processes whose files may be seen, by device number; lock
-/// files of the UUCP kind (/run/lock/LCK..ttyUSB0) of living processes; and how many terminals of
-/// the kernel's driver are open in all (its module's count of references), of which those that
-/// nobody is seen to have are of other users' programs. A device that has no terminal, since no
-/// driver or another one has it, is free.
+/// It looks at the open files of all processes whose files may be seen, by device number, and at
+/// UUCP locks (/run/lock/LCK..ttyUSB0) of running processes. The reference count of the driver's
+/// module tells how many terminals are open in all; those that are not accounted for belong to
+/// programs of other users. A device without a terminal is free.
 LineUse tty_use(const std::string &bus_path, int interface, const SystemRoots &roots = {});
 
-/// Whether an interface of the USB device at this bus path has no driver: as it is left by a
-/// process that was killed while it had it.
+/// Whether an interface of the USB device at this bus path has no driver, as after a process that
+/// held it was killed.
 bool has_no_driver(const std::string &bus_path, int interface, const SystemRoots &roots = {});
 
 } // namespace tactor

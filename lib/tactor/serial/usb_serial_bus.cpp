@@ -17,7 +17,7 @@ namespace tactor {
 
 namespace {
 
-/// That to which the kernel's line belongs; nothing if the device is gone.
+/// The interface that has the kernel's line; none if the device is gone.
 std::optional<int>
 first_interface(const SerialDevice &device)
 {
@@ -33,7 +33,7 @@ first_interface(const SerialDevice &device)
 
 } // namespace
 
-/// Looks again after every event from udevd, and now and then where none runs.
+/// Lists devices after each event from udevd, and at intervals in case none runs.
 class UsbSerialBus::Watch
 {
 public:
@@ -65,7 +65,7 @@ public:
           context_.get(), LIBUSB_HOTPLUG_EVENT_DEVICE_ARRIVED | LIBUSB_HOTPLUG_EVENT_DEVICE_LEFT, 0,
           LIBUSB_HOTPLUG_MATCH_ANY, LIBUSB_HOTPLUG_MATCH_ANY, LIBUSB_HOTPLUG_MATCH_ANY,
           [](libusb_context *, libusb_device *, libusb_hotplug_event, void *) {
-            return 0; // the thread is awake, which is enough
+            return 0; // it has woken the thread
           },
           nullptr, nullptr);
   }
@@ -80,7 +80,7 @@ public:
   }
 
 private:
-  /// With its address: a board that comes back to the same place is another one.
+  /// With the address, which differs if a board comes back to the same place.
   using Seen = std::vector<std::pair<SerialDevice, std::uint8_t>>;
 
   static tl::expected<Seen, DriverError> look_now()
@@ -105,7 +105,7 @@ private:
         std::this_thread::sleep_for(look_);
       if (stop_)
         return;
-      // Where it fails there is another look.
+      // After an error it looks again.
       if (tl::expected<Seen, DriverError> now = look_now(); now && *now != seen_) {
         seen_ = std::move(*now);
         changed_();

@@ -11,27 +11,24 @@
 
 namespace tactor {
 
-/// How long is waited for what.
+/// Timeouts and intervals.
 struct UsbPatience
 {
-  /// Until a request of the set-up is answered; there are at most 6.
+  /// For each request of the setup; there are at most 6.
   std::chrono::milliseconds request{ 1000 };
-  /// Until a write has been taken. The longest one needs 89 ms on the line.
+  /// For a write. The longest one takes 89 ms on the line.
   std::chrono::milliseconds write{ 1000 };
-  /// Between two looks at what is plugged in, while watched; where udevd runs, a change is seen at
-  /// once.
+  /// Between two looks at what is plugged in, while watched. With udevd a change is seen at once.
   std::chrono::milliseconds look{ 1000 };
 };
 
 /// Boards on USB, over CDC-ACM, FTDI and CH340.
 ///
-/// A port has a libusb context and an event thread of its own, which calls its events: a slow
-/// receiver delays no other board. write() fills a transfer that was allocated at open and submits
-/// it, which waits neither for the board nor for the event thread. A port must not be destroyed
-/// from within one of its events.
+/// Each port has its own libusb context and its own thread for events, so that a slow receiver
+/// delays no other board. write() submits a transfer that was allocated at open and never blocks.
 ///
-/// Methods of one bus must not be called by two threads at once, watch() not from within `changed`;
-/// ports are independent of the bus and may outlive it. `changed` is called on a thread of the bus.
+/// `changed` of watch() is called on a thread of the bus and must not call watch(). Ports may
+/// outlive the bus.
 class UsbSerialBus : public SerialBus
 {
 public:

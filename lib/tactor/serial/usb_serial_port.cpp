@@ -15,7 +15,7 @@ namespace {
 
 constexpr auto kErrorPause = std::chrono::milliseconds(10);
 
-/// What a USB chip needs besides, between its endpoint and its serial line.
+/// Delay of a USB chip between its endpoint and its serial line.
 constexpr auto kChipTime = std::chrono::milliseconds(2);
 
 std::string
@@ -143,7 +143,7 @@ UsbSerialPort::UsbSerialPort(UsbContext context, ClaimedDevice device, Events ev
 {
 }
 
-/// Whether there is memory for all transfers.
+/// False if memory is out.
 bool
 UsbSerialPort::allocate(const UsbPatience &patience)
 {
@@ -179,7 +179,7 @@ UsbSerialPort::~UsbSerialPort()
     const std::lock_guard lock(mutex_);
     closing_ = true;
   }
-  // Without the lock: one that is done meanwhile is not submitted again.
+  // Without the lock: a transfer that completes now is not submitted again.
   libusb_cancel_transfer(write_.get());
   for (Transfer &read : reads_)
     libusb_cancel_transfer(read.get());
@@ -190,8 +190,8 @@ UsbSerialPort::~UsbSerialPort()
   }
   libusb_interrupt_event_handler(context_.get());
   thread_.join();
-  // The kernel's driver, which gets the board back, sets another baud rate and cuts off what the
-  // USB chip still holds. This is bounded by what the largest one can hold: kMaxWrite bytes, 90 ms.
+  // The kernel's driver takes over and sets another baud rate, which cuts off bytes that the chip
+  // still holds: kMaxWrite bytes or 90 ms at most.
   std::this_thread::sleep_until(carried_ + kChipTime);
 }
 
@@ -232,7 +232,7 @@ UsbSerialPort::run()
     lock.lock();
     if (error != LIBUSB_SUCCESS && error != LIBUSB_ERROR_INTERRUPTED) {
       lose(libusb_strerror(static_cast<libusb_error>(error)));
-      settled_.wait_for(lock, kErrorPause); // the next call might fail at once, too
+      settled_.wait_for(lock, kErrorPause); // no busy loop if it keeps failing
     }
     if (loss_ && !closing_) {
       const std::string why = *std::exchange(loss_, std::nullopt);
@@ -249,7 +249,7 @@ UsbSerialPort::read_done(libusb_transfer &transfer)
 {
   const SerialLine &line = device_.line();
   received_.clear();
-  // Each packet but the last one of a transfer is full.
+  // All packets of a transfer but the last are full.
   for (int begin = 0; begin < transfer.actual_length; begin += line.in_packet)
     received_.insert(received_.end(),
                      transfer.buffer + std::min(begin + line.status_bytes, transfer.actual_length),
@@ -296,7 +296,7 @@ UsbSerialPort::submit(libusb_transfer &transfer)
   return false;
 }
 
-/// Takes note of a transfer that is done; whether the line is still in use.
+/// Accounts for a completed transfer. False if no more is to be submitted.
 bool
 UsbSerialPort::goes_on(const libusb_transfer &transfer)
 {
@@ -328,7 +328,7 @@ UsbSerialPort::goes_on(const libusb_transfer &transfer)
   return !lost_ && !closing_;
 }
 
-/// Of a transfer that is done, however it ended: they are on the line, or in the chip before it.
+/// Accounts for the bytes of a completed transfer, which are in the chip or on the line.
 void
 UsbSerialPort::note_taken(int bytes)
 {

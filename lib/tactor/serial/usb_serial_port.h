@@ -20,11 +20,10 @@
 
 namespace tactor {
 
-/// An opened device with its interfaces claimed; the kernel's driver has it back afterwards.
+/// An open device with its interfaces claimed. The destructor returns it to the kernel's driver.
 class ClaimedDevice
 {
 public:
-  /// Opens, claims and sets up.
   [[nodiscard]] static tl::expected<ClaimedDevice, DriverError>
   open(const UsbContext &context, const SerialDevice &device,
        std::chrono::milliseconds request_patience, const std::stop_token &stop);
@@ -62,11 +61,11 @@ private:
   std::vector<int> claimed_;
 };
 
-/// A serial line over bulk transfers: see UsbSerialBus for the threads.
+/// A serial line over bulk transfers. UsbSerialBus describes its threads.
 class UsbSerialPort : public SerialPort
 {
 public:
-  /// DriverError as SerialBus::open().
+  /// Errors as of SerialBus::open().
   [[nodiscard]] static tl::expected<std::unique_ptr<UsbSerialPort>, DriverError>
   open(const SerialDevice &device, Events events, const UsbPatience &patience,
        const std::stop_token &stop);
@@ -75,12 +74,12 @@ public:
   bool write(std::span<const std::uint8_t> bytes) override;
 
 private:
-  /// Enough that the host controller always has one while others are being looked at.
+  /// Enough for the host controller to have one while others are processed.
   static constexpr std::size_t kReads = 4;
-  /// A multiple of every packet size: a board can never send more than fits.
+  /// A multiple of every packet size, so that no packet overflows it.
   static constexpr std::size_t kReadSize = 512;
-  /// This many transfers in a row that end in an error, and the board is gone: an unplugged one
-  /// fails each, electrical noise a few.
+  /// After this many errors in a row the board is lost. Without a board each transfer fails, with
+  /// electrical noise a few do.
   static constexpr int kErrorsInARow = 2 * kReads;
 
   struct FreeTransfer
@@ -101,7 +100,7 @@ private:
   void read_done(libusb_transfer &transfer);
   void write_done(libusb_transfer &transfer);
 
-  // mutex_ is held for these.
+  // With mutex_ held.
   bool submit(libusb_transfer &transfer);
   bool goes_on(const libusb_transfer &transfer);
   void lose(const std::string &why);
@@ -119,16 +118,16 @@ private:
 
   std::mutex mutex_;                ///< guards what follows
   std::condition_variable settled_; ///< in_flight_ became 0
-  std::size_t in_flight_ = 0;       ///< transfers submitted and not done
+  std::size_t in_flight_ = 0;       ///< transfers submitted and not completed
   int read_errors_ = 0;             ///< in a row
   int write_errors_ = 0;            ///< in a row
-  bool writing_ = false;            ///< a write is on the way
-  bool closing_ = false;            ///< no more events, no more transfers
-  bool stop_ = false;               ///< the event thread shall end
-  bool lost_ = false; ///< no more transfers; the only event that may still come is `lost`
-  std::optional<std::string> loss_; ///< the event thread is to call `lost`
+  bool writing_ = false;            ///< a write is pending
+  bool closing_ = false;            ///< no more events or transfers
+  bool stop_ = false;               ///< ends the event thread
+  bool lost_ = false;               ///< no more transfers, and no event but `lost`
+  std::optional<std::string> loss_; ///< why; the event thread has yet to call `lost`
 
-  std::chrono::steady_clock::time_point carried_{}; ///< the line has carried all that was taken
+  std::chrono::steady_clock::time_point carried_{}; ///< when the line has carried all bytes
 
   Thread thread_;
 };
