@@ -59,7 +59,7 @@ GST_DEBUG_CATEGORY_STATIC(tactor_device_debug);
 struct _GstTactorDevice
 {
   GstDevice parent;
-  gchar *device; ///< as tactorsink's property; under the object lock
+  gchar *device; ///< tactorsink's `device`; guarded by the object lock
 };
 
 G_DEFINE_TYPE(GstTactorDevice, gst_tactor_device, GST_TYPE_DEVICE);
@@ -100,7 +100,7 @@ namespace {
 
 using Boards = std::vector<tactor::SerialDevice>;
 
-/// How tactorsink's `device` names one of the boards.
+/// The value of tactorsink's `device` for one of the boards.
 const std::string &
 name_of(const tactor::SerialDevice &board, const Boards &all)
 {
@@ -144,8 +144,8 @@ make_device(const tactor::SerialDevice &board, const Boards &all)
   return GST_DEVICE(device);
 }
 
-/// Follows a bus for a started provider. The bus is used by whoever makes the watcher, then by its
-/// thread, then by whoever deletes it: never by two at once.
+/// Watches a bus for a started provider. One thread at a time uses the bus: the one that starts the
+/// watcher, then the watcher's, then the one that deletes it.
 class BoardWatcher
 {
 public:
@@ -154,7 +154,7 @@ public:
   {
   }
 
-  /// Once. All boards that are there now are the provider's devices afterwards.
+  /// To be called once. Adds all boards that are plugged in as devices.
   [[nodiscard]] tl::expected<void, tactor::DriverError> start()
   {
     return bus_
@@ -201,8 +201,7 @@ private:
     }
   }
 
-  /// Adds and removes devices as boards came and went, and changes those that are named otherwise
-  /// since.
+  /// Adds and removes devices, and changes those whose name has changed.
   tl::expected<void, tactor::DriverError> update()
   {
     const tl::expected<Boards, tactor::DriverError> listed = bus_->list();
@@ -228,8 +227,8 @@ private:
         gst_device_provider_device_add(provider_, device);
         continue;
       }
-      // Of a number that two boards have now, or one alone again. Who keeps the old device gets the
-      // same board with it.
+      // Another board with this serial number came or went. The old device, which the application
+      // may keep, gets the new name, too.
       GstDevice *old = std::exchange(known->device, device);
       known->name = name;
       rename_device(old, name);
@@ -239,18 +238,18 @@ private:
     return {};
   }
 
-  /// A board that is a device now.
+  /// A board and its device.
   struct Known
   {
     tactor::SerialDevice board;
-    std::string name;  ///< how tactorsink's `device` names it
+    std::string name;  ///< tactorsink's `device`
     GstDevice *device; ///< a reference
   };
 
-  GstDeviceProvider *provider_; ///< not owned: the watcher is its private part
+  GstDeviceProvider *provider_; ///< not owned: it owns the watcher
   std::unique_ptr<tactor::SerialBus> bus_;
   std::vector<Known> known_;
-  std::mutex mutex_; ///< guards what follows
+  std::mutex mutex_; ///< guards all below
   std::condition_variable wake_;
   bool changed_ = false;
   bool quit_ = false;

@@ -10,8 +10,8 @@ G_BEGIN_DECLS
 #define GST_TYPE_TACTOR_DEVICE (gst_tactor_device_get_type())
 G_DECLARE_FINAL_TYPE(GstTactorDevice, gst_tactor_device, GST, TACTOR_DEVICE, GstDevice)
 
-/// start() and stop() on the application's thread (GstDeviceProvider holds its start lock); in
-/// between one thread of its own has the bus.
+/// start() and stop() run on the application's thread, under GstDeviceProvider's start lock. While
+/// started, a thread of the provider has the bus.
 #define GST_TYPE_TACTOR_DEVICE_PROVIDER (gst_tactor_device_provider_get_type())
 G_DECLARE_FINAL_TYPE(GstTactorDeviceProvider, gst_tactor_device_provider, GST,
                      TACTOR_DEVICE_PROVIDER, GstDeviceProvider)
@@ -20,5 +20,5 @@ GST_DEVICE_PROVIDER_REGISTER_DECLARE(tactordeviceprovider);
 
 G_END_DECLS
 
-/// A provider of the boards on another bus than the build's own, for tests.
+/// A provider with another bus than that of the build, for tests.
 GstDeviceProvider *gst_tactor_device_provider_new(tactor::MakeSerialBus make_bus);

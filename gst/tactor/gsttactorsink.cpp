@@ -87,7 +87,7 @@ using tactor::Time;
 GST_DEBUG_CATEGORY(tactor_sink_debug);
 #define GST_CAT_DEFAULT tactor_sink_debug
 
-/// A map is held at most this long after the end of its frame if no other follows.
+/// How long a map holds after the end of its frame if no other follows.
 static constexpr Time kHold = std::chrono::seconds(1);
 
 struct GstTactorSinkPrivate
@@ -100,10 +100,10 @@ struct GstTactorSinkPrivate
   TactorSettings settings;       ///< guarded by the object lock
   tactor::LimitCounters limited; ///< guarded by the object lock
 
-  TactorPlanning planning;          ///< streaming thread only, or while it is stopped
-  bool plans = false;               ///< planning was started for the open board; as planning
+  TactorPlanning planning;          ///< streaming thread, or while it is stopped
+  bool plans = false;               ///< planning was started; as planning
   Time flushed_at{ 0 };             ///< running time of the last flush
-  std::atomic<bool> ended{ false }; ///< the last map has come
+  std::atomic<bool> ended{ false }; ///< end of stream
 
   TactorSession session;
   QueueWatch queue_watch; ///< changes of state only
@@ -153,7 +153,7 @@ gst_tactor_sink_segment(GstTactorSink *self)
   return segment;
 }
 
-/// Hands over what was planned.
+/// Hands a plan to the scheduler.
 static void
 gst_tactor_sink_push(GstTactorSink *self, const TactorPlanning::Plan &plan)
 {
@@ -165,7 +165,7 @@ gst_tactor_sink_push(GstTactorSink *self, const TactorPlanning::Plan &plan)
                           priv->session.read_timing().now().value_or(Time::min()));
 }
 
-/// Lets controlled properties have their values for the frame at hand.
+/// Sets controlled properties for a frame.
 static void
 gst_tactor_sink_sync_values(GstTactorSink *self, GstClockTime pts)
 {
@@ -177,7 +177,6 @@ gst_tactor_sink_sync_values(GstTactorSink *self, GstClockTime pts)
     gst_object_sync_values(GST_OBJECT(self), time);
 }
 
-/// Plans what a buffer asks for and hands it to the scheduler.
 static GstFlowReturn
 gst_tactor_sink_play_map(GstTactorSink *self, GstBuffer *buffer)
 {
@@ -188,7 +187,7 @@ gst_tactor_sink_play_map(GstTactorSink *self, GstBuffer *buffer)
   const GstSegment segment = gst_tactor_sink_segment(self);
   if (priv->session.is_missed(segment, GST_BUFFER_PTS(buffer)))
     return GST_FLOW_OK;
-  // The base class drops what a step has gone past, but for the frame at its end.
+  // The base class drops frames that a step skips, but not the one at its end.
   if (!priv->planning.is_shown(GST_BUFFER_PTS(buffer), GST_BUFFER_DURATION(buffer), segment))
     return GST_FLOW_OK;
   GST_OBJECT_LOCK(self);
@@ -202,7 +201,7 @@ gst_tactor_sink_play_map(GstTactorSink *self, GstBuffer *buffer)
   return GST_FLOW_OK;
 }
 
-/// Waits until the board is open, and plans for it from then on.
+/// Waits until the board is open and starts planning for it.
 static GstFlowReturn
 gst_tactor_sink_wait_until_open(GstTactorSink *self)
 {
@@ -228,12 +227,12 @@ gst_tactor_sink_render(GstBaseSink *sink, GstBuffer *buffer)
     return ret;
   gst_tactor_sink_sync_values(self, GST_BUFFER_PTS(buffer));
   if (scheduler_of(self).failed())
-    return GST_FLOW_ERROR; // said when it happened
+    return GST_FLOW_ERROR; // the error message was posted before
   return gst_tactor_sink_play_map(self, buffer);
 }
 
-/// Waits until the last map has been shown and the motors stand, which is later than the base class
-/// does: its wait ends render-delay early, and goes on while the play is paused.
+/// Waits until the last map has been shown and the motors are at zero. The base class does not: its
+/// wait ends render-delay early, and goes on during a pause.
 static GstFlowReturn
 gst_tactor_sink_drain(GstTactorSink *self)
 {
@@ -248,7 +247,7 @@ gst_tactor_sink_drain(GstTactorSink *self)
   if (ret != GST_FLOW_OK)
     return ret;
 
-  // As in the base class, the lock is given up while waiting: pause, play and flush need it.
+  // As in the base class, the lock is released meanwhile: pause, play and flush need it.
   const guint64 interruptions = scheduler_of(self).interruptions();
   GST_BASE_SINK_PREROLL_UNLOCK(sink);
   scheduler_of(self).drain(interruptions);
@@ -305,7 +304,7 @@ gst_tactor_sink_event(GstBaseSink *sink, GstEvent *event)
   GstTactorSinkPrivate *priv = self->priv;
   const GstEventType type = GST_EVENT_TYPE(event);
 
-  // For these the base class has taken the preroll lock.
+  // The base class holds the preroll lock for these.
   if ((gst_event_type_get_flags(type) & GST_EVENT_TYPE_SERIALIZED) && type != GST_EVENT_FLUSH_STOP
       && gst_tactor_sink_wait_until_open(self) != GST_FLOW_OK) {
     gst_event_unref(event);
@@ -319,7 +318,7 @@ gst_tactor_sink_event(GstBaseSink *sink, GstEvent *event)
   const gboolean handled = GST_BASE_SINK_CLASS(parent_class)->event(sink, event);
   if (type == GST_EVENT_FLUSH_STOP || type == GST_EVENT_STREAM_START)
     priv->ended = false;
-  // Afterwards, since only then the streaming thread has left render().
+  // Afterwards: only now the streaming thread has left render().
   if (type == GST_EVENT_FLUSH_START)
     priv->flushed_at = scheduler_of(self).flush();
   else if (type == GST_EVENT_FLUSH_STOP && priv->plans) // else nothing was planned
@@ -327,9 +326,9 @@ gst_tactor_sink_event(GstBaseSink *sink, GstEvent *event)
   return handled;
 }
 
-/// The base class says that a step is over on the streaming thread, before what comes next. What is
-/// on its way belongs to frames that were gone past: running time stood still for them, since the
-/// play was paused if it was. The clock did not.
+/// Drops pending commands, which are of skipped frames. Running time stood still for these: where
+/// the play is paused it is the element's start time, unlike the clock's. On the streaming thread,
+/// where the base class posts the message before the next buffer.
 static void
 gst_tactor_sink_stepped(GstTactorSink *self)
 {
@@ -369,7 +368,8 @@ gst_tactor_sink_set_caps(GstBaseSink *sink, GstCaps *caps)
   return FALSE;
 }
 
-/// A queue before this sink has to hold what is asked for early, and upstream may keep its strides.
+/// Requests a pool as large as the lead, for a queue before this sink. Upstream may keep its
+/// strides.
 static gboolean
 gst_tactor_sink_propose_allocation(GstBaseSink *sink, GstQuery *query)
 {
@@ -428,21 +428,19 @@ gst_tactor_sink_change_state(GstElement *element, GstStateChange transition)
 
   GstStateChangeReturn ret = GST_ELEMENT_CLASS(parent_class)->change_state(element, transition);
 
-  // A pause waits for no map: nothing is shown, and with a picture that is shown later none may
-  // come before it goes on.
+  // A pause does not wait for a map. None may come before the play goes on, if the picture is shown
+  // later than the maps.
   if (transition == GST_STATE_CHANGE_PLAYING_TO_PAUSED && ret == GST_STATE_CHANGE_ASYNC) {
     gst_element_post_message(element,
                              gst_message_new_async_done(GST_OBJECT(element), GST_CLOCK_TIME_NONE));
     ret = GST_STATE_CHANGE_SUCCESS;
   }
-  // The base class also begins to play on the streaming thread, after a preroll, while the
-  // application may be pausing.
+  // After a preroll this runs on the streaming thread, while the application may be pausing.
   if (transition == GST_STATE_CHANGE_PAUSED_TO_PLAYING && ret != GST_STATE_CHANGE_FAILURE)
     scheduler_of(self).play([element] { return GST_STATE_TARGET(element) == GST_STATE_PLAYING; });
   if (transition == GST_STATE_CHANGE_READY_TO_PAUSED && ret != GST_STATE_CHANGE_FAILURE)
     priv->queue_watch.start([self] { return scheduler_of(self).is_open(); });
-  // After a failure nothing is left running either, also if it was told when the change of state
-  // had returned.
+  // Also after a failure, whether it came during this change of state or later.
   if (transition == GST_STATE_CHANGE_PAUSED_TO_READY || transition == GST_STATE_CHANGE_READY_TO_NULL
       || (transition == GST_STATE_CHANGE_READY_TO_PAUSED && ret == GST_STATE_CHANGE_FAILURE))
     priv->session.close();
@@ -454,7 +452,7 @@ gst_tactor_sink_send_event(GstElement *element, GstEvent *event)
 {
   GstTactorSinkPrivate *priv = GST_TACTOR_SINK(element)->priv;
   const GstEventType type = GST_EVENT_TYPE(event);
-  // The base class would wait for something to stop at, and have the whole pipeline wait.
+  // The base class would wait for a frame to stop at, and with it the whole pipeline.
   if (type == GST_EVENT_STEP && priv->ended) {
     gst_event_unref(event);
     scheduler_of(element).flush();
@@ -547,7 +545,7 @@ gst_tactor_sink_init(GstTactorSink *self)
   GstBaseSink *sink = GST_BASE_SINK(self);
   self->priv = new GstTactorSinkPrivate(self);
 
-  // Never the cause of an upstream drop: a late map is still better than none.
+  // No drops for this sink's sake: a late map is better than none.
   gst_base_sink_set_sync(sink, TRUE);
   gst_base_sink_set_qos_enabled(sink, FALSE);
   gst_base_sink_set_max_lateness(sink, -1);

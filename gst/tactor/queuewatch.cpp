@@ -11,7 +11,7 @@ namespace {
 
 constexpr GstClockTime kBetweenLooks = GST_SECOND;
 constexpr int kLooks = 3;
-/// Pipelines have fewer elements in a row; loops, which they do not have, would end.
+/// Bound on elements in a row.
 constexpr int kDeepest = 64;
 
 struct Unref
@@ -23,7 +23,7 @@ struct Unref
 };
 template <typename T> using Ref = std::unique_ptr<T, Unref>;
 
-/// The pad at the other end, through the walls of bins.
+/// The peer pad, through ghost pads.
 Ref<GstPad>
 other_end(GstPad *pad)
 {
@@ -35,13 +35,13 @@ other_end(GstPad *pad)
   return peer;
 }
 
-/// Calls `visit` with each pad of an iterator, which is taken.
+/// Calls `visit` with each pad. Consumes the iterator.
 void
 for_each_pad(GstIterator *pads, const std::function<void(GstPad *)> &visit)
 {
   if (!pads)
     return;
-  // Pads that come and go meanwhile are left out: it is looked again.
+  // Without a resync: the next look sees pads that come and go now.
   gst_iterator_foreach(
       pads,
       [](const GValue *item, gpointer data) {
@@ -52,18 +52,18 @@ for_each_pad(GstIterator *pads, const std::function<void(GstPad *)> &visit)
   gst_iterator_free(pads);
 }
 
-/// Whether a thread of its own pushes from here, as in a queue.
+/// Whether the pad has a thread of its own, as a queue's has.
 bool
 has_thread(GstPad *pad)
 {
   return gst_pad_get_task_state(pad) != GST_TASK_STOPPED;
 }
 
-/// What is at the ends of the ways down from a pad.
+/// What the sinks downstream of a pad are like.
 struct Ends
 {
-  bool unqueued = false; ///< a sink that the thread of the pad pushes to
-  bool waiting = false;  ///< a sink that has no first frame
+  bool unqueued = false; ///< a sink is in the pad's own thread
+  bool waiting = false;  ///< a sink has no first frame
 };
 
 void
@@ -85,7 +85,7 @@ look_down(GstPad *src, bool queued, int depth, Ends &ends)
                [&](GstPad *next) { look_down(next, queued, depth - 1, ends); });
 }
 
-/// Whether something is on its way through the pad: its thread is in what comes after.
+/// Whether the pad's thread is blocked downstream.
 bool
 is_held(GstPad *sink)
 {
@@ -95,7 +95,7 @@ is_held(GstPad *sink)
   return false;
 }
 
-/// Whether the element pushes to several sinks and is held by one while another waits.
+/// Whether the element feeds several sinks from one thread and one blocks while another waits.
 bool
 is_stuck(GstElement *element, GstPad *sink)
 {
@@ -108,7 +108,7 @@ is_stuck(GstElement *element, GstPad *sink)
   return linked > 1 && ends.unqueued && ends.waiting && is_held(sink);
 }
 
-/// The element up from a sink at which its thread is stuck; empty if it is not.
+/// Name of the element upstream of a sink at which its thread is stuck; empty if there is none.
 std::string
 stuck_at(GstElement *sink)
 {
@@ -129,13 +129,13 @@ stuck_at(GstElement *sink)
   return {};
 }
 
-/// Of the clock's thread, once it was handed over.
+/// State of the looks; the clock's thread has it.
 struct Looking
 {
-  std::mutex mutex; ///< GStreamer's clock has one too, which ThreadSanitizer does not see
+  std::mutex mutex; ///< for ThreadSanitizer, which does not see GstClock's own
   Ref<GstElement> sink;
   std::function<bool()> is_ready;
-  int stuck = 0; ///< looks in a row
+  int stuck = 0; ///< finds in a row
 };
 
 gboolean

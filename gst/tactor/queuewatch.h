@@ -5,12 +5,11 @@
 
 #include <functional>
 
-/// Tells whoever plays a sink that the pipeline waits for ever because a queue is missing: one
-/// thread feeds this sink and another one, by a tee, a demuxer or tactileextractor, and is held by
-/// the one that has its first frame while the other still waits for its own. It looks once a
-/// second, on GStreamer's system clock, while the sink is paused; what was so at three looks in a
-/// row is a warning on the bus, once a start. A pause of the user's is none of it: all sinks have
-/// their frames then.
+/// Warns of a deadlock at preroll because a queue is missing: one thread feeds this sink and
+/// another one, through a tee, a demuxer or tactileextractor. The sink that has its first frame
+/// blocks the thread, so that the other one never gets its own. The watch looks once a second on
+/// the system clock; if it finds this three times in a row, it posts a warning, once for each
+/// start(). It finds nothing in a normal pause, when all sinks have their frames.
 class QueueWatch
 {
 public:
@@ -24,13 +23,13 @@ public:
   QueueWatch(const QueueWatch &) = delete;
   QueueWatch &operator=(const QueueWatch &) = delete;
 
-  /// From READY to PAUSED. Nothing is wrong yet while `is_ready`, which is asked on a thread of
-  /// GStreamer's, says that the sink waits for something else. This and stop(): on the thread that
+  /// From READY to PAUSED. Nothing is reported while `is_ready`, called on a thread of GStreamer's,
+  /// returns false: the sink waits for something else. This and stop() run on the thread that
   /// changes the sink's state.
   void start(std::function<bool()> is_ready);
   void stop();
 
 private:
-  GstElement *sink_; ///< not owned: this is a part of it
+  GstElement *sink_; ///< not owned: it owns this
   GstClockID looks_ = nullptr;
 };

@@ -100,7 +100,7 @@ TactorActuation::take_due(const Now &now)
 {
   if (!now.timed)
     expires_.reset();
-  // What was shown so long ago is not made up for: a film that is behind would shake the chair.
+  // Not issued late: a film that is behind would shake the chair.
   if (expires_ && *expires_ <= now.running)
     return starve(now);
   const std::optional<Time> due = queue_.next_due();
@@ -212,7 +212,7 @@ TactorActuation::starve(const Now &now)
   return with_volts(now, std::move(step));
 }
 
-/// How exactly the commands of a timed step are issued.
+/// Counts how late the commands of a timed step are.
 void
 TactorActuation::count(Step &step)
 {
@@ -232,7 +232,7 @@ TactorActuation::count(Step &step)
     step.short_lead = latest;
 }
 
-/// Adds what the board has to be told, if that is anything.
+/// Adds the volts to be written, unless the board has them.
 TactorActuation::Step
 TactorActuation::with_volts(const Now &now, Step step)
 {
@@ -240,7 +240,7 @@ TactorActuation::with_volts(const Now &now, Step step)
     return step;
 
   const std::span<const double> levels = queue_.levels();
-  // All that the board has been told of, and all that it should be told.
+  // All tactors that the board has levels of, or gets now.
   const auto last
       = std::find_if(levels.rbegin(), levels.rend(), [](double volts) { return volts != 0; });
   std::size_t used = std::max(sent_.size(), static_cast<std::size_t>(levels.rend() - last));

@@ -15,8 +15,8 @@
 #include <vector>
 
 /// What the motors get and when: due commands, silence, soft start, refresh, and the trace of it.
-/// It knows no clock, thread or lock and writes to no board: the scheduler guards it and carries
-/// its steps out.
+/// It has no clock, thread or lock and writes to no board; the scheduler guards it and carries out
+/// its steps.
 class TactorActuation
 {
 public:

@@ -31,7 +31,7 @@ resource_error(tactor::DriverError::Kind kind)
   }
 }
 
-/// Takes the structure.
+/// Transfer full.
 void
 post(GstElement *element, GstStructure *structure)
 {
@@ -54,7 +54,7 @@ tactor_post_device_event(GstElement *element, const tactor::DriverEvent &event)
   using Kind = tactor::DriverEvent::Kind;
   switch (event.kind) {
   case Kind::opened:
-    // Twice: gst-launch-1.0 shows what is meant for developers.
+    // Also as debug text, which is what gst-launch-1.0 prints.
     GST_ELEMENT_INFO(element, RESOURCE, SETTINGS, ("%s", event.text.c_str()),
                      ("%s", event.text.c_str()));
     break;

@@ -18,7 +18,7 @@ GST_DEBUG_CATEGORY_EXTERN(tactor_sink_debug);
 
 namespace {
 
-/// The motors that were measured, and the longest latency among them.
+/// The motors of the calibration. Raises `latency` to their longest one.
 tl::expected<std::vector<tactor::MotorParameters>, tactor::DriverError>
 read_motors(GstElement *element, const TactorSettings &settings, Time &latency)
 {
@@ -43,7 +43,7 @@ read_motors(GstElement *element, const TactorSettings &settings, Time &latency)
   return motors;
 }
 
-/// The tactors that a film may move on a board of so many.
+/// The tactors of a board that the mapping uses.
 std::vector<std::size_t>
 used_tactors(const std::vector<int> &mapping, int tactors)
 {
@@ -55,8 +55,8 @@ used_tactors(const std::vector<int> &mapping, int tactors)
   return used;
 }
 
-/// Says what the line makes of a chair of which it carries less than a soft start's steps or the
-/// blocks ask for.
+/// Posts a message if an update of the chair takes the line longer than a step of a soft start or a
+/// block.
 void
 check_line(GstElement *element, const tactor::PlannerSettings &settings,
            const tactor::Driver &driver)
@@ -72,7 +72,7 @@ check_line(GstElement *element, const tactor::PlannerSettings &settings,
                        .bytes = line.bytes(used),
                        .update = line.of(used),
                        .at_once = line.of(used, settings.limits.most_changes()) };
-  // As many as begin may end.
+  // As many may end as begin.
   while (line.of(used, 2 * (load.most_active + 1)) <= step)
     load.most_active++;
   tactor_post_line_load(element, load, load.at_once > step);
@@ -134,7 +134,7 @@ open_tactors(GstElement *element, TactorOpening &opening,
   opening.planner.transport_latency = output.driver->transport_latency();
   opening.planner.line = output.driver->line();
   check_line(element, opening.planner, *output.driver);
-  // A motor's latency was measured with it alone on the line.
+  // A motor's latency was measured while the others did not change.
   opening.latency
       = std::max(opening.latency + opening.planner.line.all(), opening.planner.transport_latency);
   return output;

@@ -15,25 +15,25 @@
 #include <stop_token>
 #include <vector>
 
-/// How tactorsink opens what it plays on: board, trace and calibration.
+/// Board, trace and calibration of a play, before and after the board is open.
 struct TactorOpening
 {
   TactorSettings settings;
-  std::unique_ptr<tactor::Driver> driver; ///< not open yet; null: it was opened
-  tactor::PlannerSettings planner;        ///< with what was agreed on with the board, if it is open
-  std::vector<tactor::MotorParameters> motors; ///< as measured; empty: no calibration
-  tactor::Time latency{ 0 };                   ///< the longest on the way to a motor
-  int tactors = 0;                             ///< of the open board
-  std::unique_ptr<tactor::OpeningTurn> turn;   ///< null: it was taken
+  std::unique_ptr<tactor::Driver> driver; ///< not yet open; null afterwards
+  tactor::PlannerSettings planner;        ///< with latency and line of the board, once it is open
+  std::vector<tactor::MotorParameters> motors; ///< of the calibration; empty without one
+  tactor::Time latency{ 0 };                   ///< longest one to a motor
+  int tactors = 0;                             ///< of the board, once it is open
+  std::unique_ptr<tactor::OpeningTurn> turn;   ///< null after the opening
 };
 
-/// The part that waits for nothing: settings are checked and the calibration is read. Warns on the
-/// element's bus where motors are slower than max-lead.
+/// The part that does not wait: checks the settings and reads the calibration. Posts a warning if
+/// motors are slower than max-lead.
 [[nodiscard]] tl::expected<TactorOpening, tactor::DriverError>
 prepare_tactors(GstElement *element, const TactorSettings &settings);
 
-/// The part that may take seconds, until `stop` is requested. `notify` is told of the board on any
-/// thread of the driver's, from before this returns.
+/// The part that may take seconds, until `stop` is requested. `notify` is called on any thread of
+/// the driver, also before this returns.
 [[nodiscard]] tl::expected<TactorOutput, tactor::DriverError>
 open_tactors(GstElement *element, TactorOpening &opening,
              std::function<void(const tactor::DriverEvent &)> notify, std::stop_token stop);

@@ -111,7 +111,7 @@ TactorPlanning::limited() const
   return planner_->limited();
 }
 
-/// Says once if cells of this grid have no tactor under the mapping that is set.
+/// Posts a warning once if cells of the grid have no tactor under the mapping.
 void
 TactorPlanning::check_grid(guint rows, guint columns, const tactor::PlannerSettings &settings)
 {

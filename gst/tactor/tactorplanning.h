@@ -9,45 +9,44 @@
 #include <optional>
 #include <vector>
 
-/// What tactorsink makes of what comes in: maps, gaps and ends become commands. In the streaming
-/// thread only, or while there is none.
+/// Plans tactorsink's input: maps, gaps and the end become commands. Streaming thread, or while
+/// there is none.
 class TactorPlanning
 {
 public:
   struct Plan
   {
     std::vector<tactor::Command> commands;
-    tactor::Time end{ 0 }; ///< running time until which that is shown which they are for
+    tactor::Time end{ 0 }; ///< running time at which these maps' frames end
   };
 
-  /// Says what is wrong with the stream on this element's bus. The element is not owned.
+  /// Faults of the stream are posted by this element, which is not owned.
   explicit TactorPlanning(GstElement *element);
 
-  /// Begins a play with what was agreed on with a board of so many tactors, and with its motors if
-  /// they were measured.
+  /// Begins a play on a board of `tactors`. `agreed` has settings that stay for the play: volts,
+  /// max-lead, latency and line. `motors` are those of the calibration, or empty.
   void start(const tactor::PlannerSettings &agreed, int tactors,
              std::vector<tactor::MotorParameters> motors);
 
-  /// False if these are caps of maps with a grid that cannot be.
+  /// False if the caps are of maps and their grid is invalid.
   bool set_caps(const GstCaps *caps);
 
-  /// Plans a buffer with what is set now, but for what was agreed on. Nothing after an error
+  /// Plans a buffer with the present settings, but for those agreed on. None after an error
   /// message.
   std::optional<Plan> plan_map(GstBuffer *buffer, const GstSegment &segment,
                                tactor::PlannerSettings settings);
-  /// Whether a buffer or a gap is one that is shown.
+  /// As TactorStream::is_shown().
   bool is_shown(GstClockTime pts, GstClockTime duration, const GstSegment &segment) const;
   Plan plan_gap(GstClockTime pts, GstClockTime duration, const GstSegment &segment);
-  /// Rest when the last map has been shown.
+  /// All tactors to zero when the last map's frame ends.
   Plan plan_rest();
 
-  /// All motors have been at zero since this running time. Maps that come next belong to the same
-  /// film.
+  /// All motors have been at zero since this running time, which goes on.
   void silenced(tactor::Time since);
-  /// A flush at this running time is over, and running time begins anew or goes on.
+  /// A flush at this running time is over, and running time restarts or goes on.
   void flushed(tactor::Time at, bool resets_time);
 
-  /// Cues that the limits have cut since start().
+  /// Cues cut by the limits since start().
   tactor::LimitCounters limited() const;
 
 private:
@@ -58,7 +57,7 @@ private:
   std::optional<tactor::CommandPlanner> planner_; ///< from start() on
   tactor::PlannerSettings agreed_;
   int tactors_ = 0;        ///< of the board
-  guint checked_rows_ = 0; ///< grid that was compared with the board
+  guint checked_rows_ = 0; ///< grid compared with the board
   guint checked_columns_ = 0;
   tactor::Time last_end_{ 0 }; ///< running time of the end of the last map
   bool warned_no_meta_ = false;

@@ -8,7 +8,7 @@
 
 using tactor::Time;
 
-/// The coarsest resolution of times in a container (Matroska).
+/// The coarsest resolution of timestamps in a container (Matroska).
 static constexpr GstClockTime kResolution = GST_MSECOND;
 
 Time

@@ -8,12 +8,11 @@
 #include <span>
 #include <vector>
 
-/// A GStreamer time as ours. Those beyond thirty years are taken as that: sums of them do not
-/// overflow.
+/// Converts a time. Clamped to thirty years, so that sums do not overflow.
 tactor::Time to_tactor_time(GstClockTime time);
 
-/// What comes into tactorsink: maps, on video frames or as a stream of their own, and when they are
-/// shown. Streaming thread only.
+/// tactorsink's input: maps, on video frames or as a stream of their own, and their running times.
+/// Streaming thread only.
 class TactorStream
 {
 public:
@@ -31,29 +30,29 @@ public:
   {
     guint rows = 0;
     guint columns = 0;
-    std::span<const gfloat> levels; ///< row by row, until the next read
+    std::span<const gfloat> levels; ///< row by row, valid until the next read()
   };
 
-  /// False if these are caps of maps with a grid that cannot be.
+  /// False if the caps are of maps and their grid is invalid.
   bool set_caps(const GstCaps *caps);
 
-  /// Whether it is a stream of maps rather than video.
+  /// Whether the stream has maps rather than video.
   bool is_map() const;
 
   /// Rows and columns as negotiated; 0 for video.
   guint rows() const;
   guint columns() const;
 
-  /// The buffer's map. False if it has none, or one of the wrong size.
+  /// Reads the buffer's map. False if it has none, or one of the wrong size.
   bool read(GstBuffer *buffer, Map &map);
 
-  /// Running time at which what has this time and duration is shown, and for how long, at the
-  /// segment's rate. What has no time begins at `last_end`.
+  /// Running time and duration of a buffer or gap at the segment's rate. Without a timestamp it
+  /// begins at `last_end`.
   Span shown(const GstSegment &segment, GstClockTime pts, GstClockTime duration,
              tactor::Time last_end) const;
 
-  /// Whether what has this time and duration is shown at all: a step of frames moves the segment
-  /// beyond what has come. What is left of a frame because times are rounded is nothing.
+  /// Whether any of a buffer or gap is shown: a step moves the segment beyond frames that have
+  /// come. Rests of less than the rounding of timestamps do not count.
   bool is_shown(const GstSegment &segment, GstClockTime pts, GstClockTime duration) const;
 
 private:

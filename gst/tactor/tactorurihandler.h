@@ -4,6 +4,6 @@
 #include <glib-object.h>
 
 /// Fills in tactorsink's GstURIHandlerInterface: `tactor://SERIAL` is the board with that serial
-/// number or bus path, `tactor://` the first that answers. It speaks of the properties `driver` and
-/// `device` and knows nothing else of the element.
+/// number or bus path, `tactor://` the first that answers. It sets the properties `driver` and
+/// `device`.
 void tactor_uri_handler_init(gpointer interface, gpointer data);
