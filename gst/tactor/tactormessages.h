@@ -3,7 +3,7 @@
 
 #include "tactor/driver.h"
 #include "tactor/motor_limits.h"
-#include "tactor/realtime/realtime_thread.h"
+#include "tactor/realtime/scheduling.h"
 #include "tactoractuation.h"
 
 #include <gst/gst.h>

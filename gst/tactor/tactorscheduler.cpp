@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "tactorscheduler.h"
 
+#include "tactor/realtime/realtime_thread.h"
+#include "tactor/unlocked.h"
+
 #include <utility>
 
-using tactor::Command;
 using tactor::Time;
 
 TactorScheduler::TactorScheduler(Host host) : host_(std::move(host))
@@ -159,7 +161,7 @@ TactorScheduler::set_immediate(bool immediate)
 }
 
 void
-TactorScheduler::push(std::span<const Command> commands, Time expires, Time now)
+TactorScheduler::push(std::span<const tactor::Command> commands, Time expires, Time now)
 {
   std::unique_lock lock(mutex_);
   // Only a sleep that would end too late is cut short.
@@ -250,9 +252,8 @@ TactorScheduler::open_output(Lock &lock, const Open &open, const std::stop_token
   tl::expected<TactorOutput, tactor::DriverError> opened = open(stop);
   lock.lock();
   if (quit_) {
-    lock.unlock(); // closing takes time
+    const tactor::Unlocked unlocked(lock); // closing takes time
     opened = tl::unexpected(tactor::DriverError{});
-    lock.lock();
   } else if (opened) {
     driver_ = std::move(opened->driver);
     actuation_.open(*driver_, std::move(opened->trace));
@@ -377,9 +378,8 @@ TactorScheduler::carry_out(Lock &lock, const TactorActuation::Step &step)
       fail(lock, step.running, written.error());
   }
   if (step.short_lead) {
-    lock.unlock();
+    const tactor::Unlocked unlocked(lock);
     host_.lead_short(step.short_lead->lead, step.short_lead->late);
-    lock.lock();
   }
 }
 
@@ -392,12 +392,9 @@ TactorScheduler::now() const
 void
 TactorScheduler::wait_until(Lock &lock, const TactorTiming &timing, Time running)
 {
-  const GstClockTimeDiff target = timing.clock_time(running);
-  if (target <= 0)
+  const GstClockID id = waiting_ = timing.new_wait(running);
+  if (!id)
     return;
-  const GstClockID id
-      = gst_clock_new_single_shot_id(timing.clock(), static_cast<GstClockTime>(target));
-  waiting_ = id;
   lock.unlock();
   gst_clock_id_wait(id, nullptr);
   lock.lock();
@@ -411,9 +408,8 @@ TactorScheduler::fail(Lock &lock, Time running, const tactor::DriverError &error
   actuation_.failed(running);
   failed_ = true;
   close_driver(lock);
-  lock.unlock();
+  const tactor::Unlocked unlocked(lock);
   host_.device_failed(error);
-  lock.lock();
 }
 
 void

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include "tactor/realtime/realtime_thread.h"
+#include "tactor/realtime/scheduling.h"
 #include "tactor/thread.h"
 #include "tactoractuation.h"
 #include "tactoroutput.h"

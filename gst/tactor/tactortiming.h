@@ -19,15 +19,6 @@ public:
   {
   }
 
-  GstClock *clock() const
-  {
-    return clock_.get();
-  }
-  /// May be negative.
-  GstClockTimeDiff clock_time(tactor::Time running_time) const
-  {
-    return running_time.count() + offset_;
-  }
   tactor::Time running_time(GstClockTime clock_time) const
   {
     return tactor::Time(static_cast<gint64>(clock_time) - offset_);
@@ -38,6 +29,13 @@ public:
     if (!clock_)
       return std::nullopt;
     return running_time(gst_clock_get_time(clock_.get()));
+  }
+  /// To wait until a running time on the clock. Transfer full; NULL if that is before clock time 0.
+  GstClockID new_wait(tactor::Time until) const
+  {
+    const GstClockTimeDiff time = until.count() + offset_;
+    return time > 0 ? gst_clock_new_single_shot_id(clock_.get(), static_cast<GstClockTime>(time))
+                    : nullptr;
   }
 
 private:

@@ -41,23 +41,6 @@ is_realtime(Scheduling scheduling)
 
 } // namespace
 
-std::string_view
-to_string(Scheduling scheduling)
-{
-  switch (scheduling) {
-  case Scheduling::direct:
-    return "direct";
-  case Scheduling::realtime_kit:
-    return "rtkit";
-  case Scheduling::portal:
-    return "portal";
-  case Scheduling::given_back:
-    return "given-back";
-  default:
-    return "normal";
-  }
-}
-
 CpuBudget::CpuBudget(Time now, Time cpu) : now_(now), cpu_(cpu)
 {
 }

@@ -2,30 +2,17 @@
 #pragma once
 
 #include "nanoseconds.h"
+#include "tactor/realtime/scheduling.h"
 
 #include <atomic>
 #include <chrono>
 #include <functional>
 #include <memory>
 #include <string>
-#include <string_view>
 
 namespace tactor {
 
 class RealtimeQuestion;
-
-/// How a thread is scheduled, and what granted it.
-enum class Scheduling
-{
-  normal,       ///< not real-time
-  direct,       ///< real-time by own permission (RLIMIT_RTPRIO, CAP_SYS_NICE)
-  realtime_kit, ///< real-time by RealtimeKit
-  portal,       ///< real-time by the desktop portal, as in a sandbox
-  given_back,   ///< not real-time any more, as it used too much CPU time
-};
-
-/// "normal", "direct", "rtkit", "portal", "given-back".
-std::string_view to_string(Scheduling scheduling);
 
 /// A token bucket of CPU time for a real-time thread: kShare of all time, at most kBurst at once.
 /// Not thread-safe.

@@ -3,24 +3,13 @@
 
 #include "tactor/serial/serial_port.h"
 #include "tactor/serial/system_roots.h"
+#include "tactor/serial/usb_patience.h"
 
-#include <chrono>
 #include <functional>
 #include <memory>
 #include <vector>
 
 namespace tactor {
-
-/// Timeouts and intervals.
-struct UsbPatience
-{
-  /// For each request of the setup; there are at most 6.
-  std::chrono::milliseconds request{ 1000 };
-  /// For a write. The longest one takes 89 ms on the line.
-  std::chrono::milliseconds write{ 1000 };
-  /// Between two looks at what is plugged in, while watched. With udevd a change is seen at once.
-  std::chrono::milliseconds look{ 1000 };
-};
 
 /// Boards on USB, over CDC-ACM, FTDI and CH340.
 ///

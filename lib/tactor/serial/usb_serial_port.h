@@ -4,7 +4,7 @@
 #include "tactor/driver_error.h"
 #include "tactor/serial/enumeration.h"
 #include "tactor/serial/serial_port.h"
-#include "tactor/serial/usb_serial_bus.h"
+#include "tactor/serial/usb_patience.h"
 #include "tactor/thread.h"
 
 #include <array>
