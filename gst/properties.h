@@ -272,7 +272,8 @@ template <typename Settings> struct Element
 /// For class_init. A Settings type belongs to one class; `table` and what it names stay.
 template <typename Settings>
 void
-install(GObjectClass *klass, std::span<const Property<Settings>> table, Element<Settings> element)
+install(GObjectClass *klass, std::span<const Property<Settings>> table,
+        const Element<Settings> &element)
 {
   static const std::span<const Property<Settings>> entries = table; // entry i is property i + 1
   static const Element<Settings> owner = element;

@@ -110,7 +110,7 @@ constexpr P kProperties[] = {
 } // namespace
 
 void
-SaliencySettings::install(GObjectClass *klass, properties::Element<SaliencySettings> element)
+SaliencySettings::install(GObjectClass *klass, const properties::Element<SaliencySettings> &element)
 {
   properties::install<SaliencySettings>(klass, kProperties, element);
 }

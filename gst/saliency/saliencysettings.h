@@ -45,5 +45,5 @@ struct SaliencySettings
   bool exact = false;
 
   /// All properties of saliencytactile.
-  static void install(GObjectClass *klass, properties::Element<SaliencySettings> element);
+  static void install(GObjectClass *klass, const properties::Element<SaliencySettings> &element);
 };

@@ -125,7 +125,7 @@ TactorSettings::needed_tactors() const
 }
 
 void
-TactorSettings::install(GObjectClass *klass, properties::Element<TactorSettings> element)
+TactorSettings::install(GObjectClass *klass, const properties::Element<TactorSettings> &element)
 {
   properties::install<TactorSettings>(klass, kProperties, element);
 }

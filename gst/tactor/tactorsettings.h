@@ -29,7 +29,7 @@ struct TactorSettings
   int needed_tactors() const;
 
   /// All properties of tactorsink.
-  static void install(GObjectClass *klass, properties::Element<TactorSettings> element);
+  static void install(GObjectClass *klass, const properties::Element<TactorSettings> &element);
 };
 
 /// Appends numbers to a value of GST_TYPE_ARRAY.

@@ -36,7 +36,7 @@ struct _GstVisuotactileSink
   SinkWindow window;
 };
 
-#define GST_VISUOTACTILE_SINK_CAST(object) reinterpret_cast<GstVisuotactileSink *>(object)
+#define GST_VISUOTACTILE_SINK_CAST(object) (reinterpret_cast<GstVisuotactileSink *>(object))
 
 /// tactorsink, also while it is out of the bin; NULL where there is none. Transfer none.
 GstElement *gst_visuotactile_sink_get_tactors(GstVisuotactileSink *self);
