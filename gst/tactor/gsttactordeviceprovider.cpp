@@ -56,6 +56,11 @@ GST_DEBUG_CATEGORY_STATIC(tactor_device_debug);
 
 /* ---- a board ---- */
 
+G_BEGIN_DECLS
+#define GST_TYPE_TACTOR_DEVICE (gst_tactor_device_get_type())
+G_DECLARE_FINAL_TYPE(GstTactorDevice, gst_tactor_device, GST, TACTOR_DEVICE, GstDevice)
+G_END_DECLS
+
 struct _GstTactorDevice
 {
   GstDevice parent;

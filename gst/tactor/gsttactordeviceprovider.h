@@ -7,9 +7,6 @@
 
 G_BEGIN_DECLS
 
-#define GST_TYPE_TACTOR_DEVICE (gst_tactor_device_get_type())
-G_DECLARE_FINAL_TYPE(GstTactorDevice, gst_tactor_device, GST, TACTOR_DEVICE, GstDevice)
-
 /// start() and stop() run on the application's thread, under GstDeviceProvider's start lock. While
 /// started, a thread of the provider has the bus.
 #define GST_TYPE_TACTOR_DEVICE_PROVIDER (gst_tactor_device_provider_get_type())

@@ -12,6 +12,9 @@ namespace {
 constexpr Time kSearchStep = std::chrono::milliseconds(1);
 constexpr Time kSearchGoal = std::chrono::microseconds(1);
 
+/// A shorter pulse does not start a motor at rest.
+constexpr Time kShortestKick = std::chrono::milliseconds(10);
+
 /// Tolerance on a whole number of frames: durations are rounded to nanoseconds.
 constexpr double kSameFrames = 1e-6;
 

@@ -7,9 +7,6 @@
 
 namespace tactor {
 
-/// A shorter pulse does not start a motor at rest.
-inline constexpr Time kShortestKick = std::chrono::milliseconds(10);
-
 /// A change of a motor's voltage for a frame.
 struct Change
 {

@@ -40,7 +40,7 @@ struct PlannerSettings
   std::vector<int> mapping{};
   MotorLimits limits{};
   /// Rises from rest begin with a pulse of volts_max until the motor is at 90 % of its level, for
-  /// arrival.h's kShortestKick at least. Weak levels start motors that stick, and need less lead.
+  /// 10 ms at least. Weak levels then start motors that stick, and need less lead.
   bool kick_start = false;
 };
 
