@@ -74,13 +74,6 @@ EmulatedBoard::unplug()
 
 // ---- received
 
-std::vector<Received>
-EmulatedBoard::received() const
-{
-  const std::lock_guard lock(mutex_);
-  return received_;
-}
-
 Bytes
 EmulatedBoard::bytes() const
 {
@@ -103,13 +96,6 @@ EmulatedBoard::wait_for_bytes(std::size_t count) const
   return wait_until([&] { return received_.size() >= count; });
 }
 
-std::vector<std::string>
-EmulatedBoard::conversation() const
-{
-  const std::lock_guard lock(mutex_);
-  return conversation_;
-}
-
 int
 EmulatedBoard::transfers_pending() const
 {
@@ -122,20 +108,6 @@ bool
 EmulatedBoard::wait_for_ignored_request() const
 {
   return wait_until([this] { return !requests_.empty(); });
-}
-
-int
-EmulatedBoard::most_writes_pending() const
-{
-  const std::lock_guard lock(mutex_);
-  return most_writes_pending_;
-}
-
-std::size_t
-EmulatedBoard::cut_off() const
-{
-  const std::lock_guard lock(mutex_);
-  return chip_.cut_off();
 }
 
 void
@@ -177,27 +149,6 @@ EmulatedBoard::break_one(const Urb &urb, std::size_t taken)
     for (const std::uint8_t byte : urb.bytes().first(taken))
       to_firmware(byte, Clock::now());
   nodes_.back().done(urb, -failure_, taken);
-}
-
-void
-EmulatedBoard::ignore_requests(bool on)
-{
-  const std::lock_guard lock(mutex_);
-  ignore_requests_ = on;
-}
-
-void
-EmulatedBoard::refuse_requests(bool on)
-{
-  const std::lock_guard lock(mutex_);
-  refuse_requests_ = on;
-}
-
-void
-EmulatedBoard::use_by_another(bool on)
-{
-  const std::lock_guard lock(mutex_);
-  busy_ = on;
 }
 
 void

@@ -42,7 +42,11 @@ public:
   void unplug();
 
   // ---- received
-  std::vector<Received> received() const;
+  std::vector<Received> received() const
+  {
+    const std::lock_guard lock(mutex_);
+    return received_;
+  }
   Bytes bytes() const;
   /// False if fewer arrived within kPatience.
   bool wait_for_bytes(std::size_t count) const;
@@ -50,7 +54,11 @@ public:
       const; ///< evaluated after each event, with the board locked
   /// Claims ("claim 0", "release 0", and "return 0" for the kernel's driver) and control requests
   /// ("40 03 c034 0000" and data), in order.
-  std::vector<std::string> conversation() const;
+  std::vector<std::string> conversation() const
+  {
+    const std::lock_guard lock(mutex_);
+    return conversation_;
+  }
   int transfers_pending() const;
   /// Openings that have claimed the board. The caller holds the lock, as in wait_until() and
   /// with_firmware().
@@ -58,14 +66,22 @@ public:
   {
     return hosts_.size();
   }
-  int most_writes_pending() const;
+  int most_writes_pending() const
+  {
+    const std::lock_guard lock(mutex_);
+    return most_writes_pending_;
+  }
   /// Bytes in the chip's buffer. The caller holds the lock.
   std::size_t in_chip() const
   {
     return chip_.held();
   }
   /// Bytes lost from the chip's buffer.
-  std::size_t cut_off() const;
+  std::size_t cut_off() const
+  {
+    const std::lock_guard lock(mutex_);
+    return chip_.cut_off();
+  }
   /// Runs with the board locked.
   void with_firmware(const std::function<void()> &look) const;
 
@@ -83,11 +99,26 @@ public:
   /// That many bulk transfers fail, or every one with kAll. Writes that begin later fail after half
   /// of their bytes.
   void break_transfers(int count, int error = EPROTO);
-  void ignore_requests(bool on); ///< control requests are never answered
+  /// Control requests are never answered.
+  void ignore_requests(bool on)
+  {
+    const std::lock_guard lock(mutex_);
+    ignore_requests_ = on;
+  }
   bool wait_for_ignored_request() const;
-  void refuse_requests(bool on); ///< control requests stall
-  void use_by_another(bool on);  ///< claims fail with EBUSY
-  void forbid();                 ///< denies opening, except to root
+  /// Control requests stall.
+  void refuse_requests(bool on)
+  {
+    const std::lock_guard lock(mutex_);
+    refuse_requests_ = on;
+  }
+  /// Claims fail with EBUSY.
+  void use_by_another(bool on)
+  {
+    const std::lock_guard lock(mutex_);
+    busy_ = on;
+  }
+  void forbid(); ///< denies opening, except to root
   static constexpr int kAll = std::numeric_limits<int>::max();
 
 private:
