@@ -398,11 +398,31 @@ gst_tactor_sink_propose_allocation(GstBaseSink *sink, GstQuery *query)
 
 /* ---- life ---- */
 
+/// Hands a setting to the scheduler, and again if another thread changes it meanwhile: what the
+/// scheduler was told last is what the property is.
+template <class Value>
+static void
+gst_tactor_sink_apply(GstTactorSink *self, Value TactorSettings::*setting,
+                      void (TactorScheduler::*set)(Value))
+{
+  for (std::optional<Value> applied;;) {
+    GST_OBJECT_LOCK(self);
+    const Value value = self->priv->settings.*setting;
+    GST_OBJECT_UNLOCK(self);
+    if (applied == value)
+      return;
+    (scheduler_of(self).*set)(value);
+    applied = value;
+  }
+}
+
 static bool
 gst_tactor_sink_open(GstTactorSink *self)
 {
   GstTactorSinkPrivate *priv = self->priv;
 
+  gst_tactor_sink_apply(self, &TactorSettings::mute, &TactorScheduler::set_muted);
+  gst_tactor_sink_apply(self, &TactorSettings::ramp_in, &TactorScheduler::set_ramp_in);
   GST_OBJECT_LOCK(self);
   const TactorSettings settings = priv->settings;
   priv->limited = {};
@@ -487,19 +507,17 @@ gst_tactor_sink_settings(GObject *object)
 static void
 gst_tactor_sink_property_changed(GObject *object, std::string_view name)
 {
-  GstTactorSinkPrivate *priv = GST_TACTOR_SINK(object)->priv;
+  GstTactorSink *self = GST_TACTOR_SINK(object);
   GST_OBJECT_LOCK(object);
-  const bool mute = priv->settings.mute;
-  const Time ramp_in = priv->settings.ramp_in;
-  const std::string error = priv->settings.mapping_error;
+  const std::string error = self->priv->settings.mapping_error;
   GST_OBJECT_UNLOCK(object);
   if (name == "mapping" && !error.empty())
     GST_ELEMENT_WARNING(object, LIBRARY, SETTINGS, ("mapping stays as it was: %s.", error.c_str()),
                         (nullptr));
   else if (name == "mute")
-    scheduler_of(object).set_muted(mute);
+    gst_tactor_sink_apply(self, &TactorSettings::mute, &TactorScheduler::set_muted);
   else if (name == "ramp-in")
-    scheduler_of(object).set_ramp_in(ramp_in);
+    gst_tactor_sink_apply(self, &TactorSettings::ramp_in, &TactorScheduler::set_ramp_in);
 }
 
 static void

@@ -81,8 +81,6 @@ TactorSession::open(const TactorSettings &settings)
   gst_base_sink_set_render_delay(
       sink_, std::max(gst_base_sink_get_render_delay(sink_), lead_of(opening_)));
   scheduler_.set_immediate(!gst_base_sink_get_sync(sink_));
-  scheduler_.set_muted(settings.mute);
-  scheduler_.set_ramp_in(settings.ramp_in);
   const auto open_board = [this](std::stop_token stop) {
     return open_tactors(
                element_, opening_,
