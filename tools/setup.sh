@@ -11,7 +11,7 @@
 #   fuzz     clang with libFuzzer, for tests/fuzz
 #   analysis valgrind, clang-tidy and cppcheck, for tests/run.sh
 #   firmware cross compiler and emulator for the test of the seat sketch, which is skipped without them
-#   docs     gi-docgen and help2man, for the API reference and the manual pages
+#   docs     gi-docgen, for the API reference
 #   packages debhelper and lintian, for tools/packages.sh
 #   kernel   a virtual machine for tests/kernel: boards on a real Linux kernel
 set -euo pipefail
@@ -19,21 +19,21 @@ set -euo pipefail
 declare -A packages=(
   [build]="g++ meson ninja-build pkg-config libgstreamer1.0-dev libgstreamer-plugins-base1.0-dev libopencv-core-dev
            libopencv-imgproc-dev libhwy-dev libusb-1.0-0-dev gobject-introspection libgirepository1.0-dev
-           libexpected-dev libjson-glib-dev libxml2-dev libcairo2-dev"
+           libexpected-dev libjson-glib-dev libxml2-dev libcairo2-dev help2man"
   [play]="gstreamer1.0-tools gstreamer1.0-plugins-base gstreamer1.0-plugins-good gstreamer1.0-plugins-ugly gstreamer1.0-libav
           gstreamer1.0-x gstreamer1.0-alsa gstreamer1.0-pulseaudio"
   [test]="python3 python3-gi gir1.2-gstreamer-1.0 gir1.2-gst-plugins-base-1.0 gir1.2-gst-rtsp-server-1.0 xvfb gstreamer1.0-opencv
           opencv-data umockdev libumockdev-dev gst123 iproute2 linuxptp gstreamer1.0-plugins-bad gstreamer1.0-gl libgl1-mesa-dri
           parallel python3-webvtt python3-aeidon ffmpeg mkvtoolnix dbus-daemon python3-opencv python3-scipy
-          clang-format-14 codespell git help2man mandoc"
+          clang-format-14 codespell git mandoc"
   [players]="gstreamer1.0-plugins-base-apps libgstreamer-plugins-bad1.0-dev python3 python3-gi gir1.2-gstreamer-1.0
              gir1.2-gst-plugins-base-1.0"
   [quality]="libopencv-contrib-dev"
   [fuzz]="clang libclang-rt-14-dev"
   [analysis]="valgrind clang-tidy cppcheck libglib2.0-dev"
   [firmware]="gcc-avr avr-libc arduino-core-avr libsimavr-dev"
-  [docs]="gi-docgen help2man"
-  [packages]="dpkg-dev debhelper fakeroot gi-docgen help2man lintian git"
+  [docs]="gi-docgen"
+  [packages]="dpkg-dev debhelper fakeroot gi-docgen lintian git"
   [kernel]="qemu-system-x86 busybox-static kmod udev"
 )
 

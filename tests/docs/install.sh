@@ -3,11 +3,13 @@
 # README's instructions for installing are true. Its lines run with a temporary prefix, but without
 # the build. Then GStreamer, programs, Python and pkg-config must find everything in an otherwise
 # empty environment. With its prefix for all users, plugins must be where GStreamer looks.
-# Usage: install.sh README BUILD PYTHON      (a build folder in which everything to install is built)
+# Usage: install.sh README BUILD PYTHON pages|no-pages      (a build folder in which everything to
+# install is built, with or without manual pages)
 set -euo pipefail
 readme=$1
 build=$2
 python=$3
+pages=$4
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 
@@ -52,6 +54,7 @@ done
 found "gst-launch-1.0 -q tactiletestsrc num-buffers=2 ! saliencytactile ! tactorsink driver=simulator sync=false"
 for program in visuotactile-play tactile-track tactor-calibrate; do
   found "[ \"\$(command -v $program)\" = '$work/there/bin/$program' ] && $program --version"
+  [ "$pages" = no-pages ] || [ -s "$work/there/share/man/man1/$program.1" ] || { echo "no manual page of $program in $work/there"; exit 1; }
 done
 found "$python -c 'import gi; gi.require_version(\"Gst\", \"1.0\"); gi.require_version(\"GstTactile\", \"1.0\"); from gi.repository import Gst, GstTactile; Gst.init(None); assert GstTactile.buffer_get_tactile_meta(Gst.Buffer.new()) is None'"
 cat >"$work/application.c" <<'C'
