@@ -173,12 +173,27 @@ perceptual_level(double contrast)
   return kWeakestLevel + (1 - kWeakestLevel) * (1 - std::exp(-felt));
 }
 
+/// Weighs each cell by how near the picture's center its middle lies.
+void
+weigh_center(std::vector<double> &cells, int rows, int columns, double weight)
+{
+  constexpr double kSigma = 0.25; // of each side of the picture
+  for (int r = 0; r < rows; ++r)
+    for (int c = 0; c < columns; ++c) {
+      const double x = (c + 0.5) / columns - 0.5;
+      const double y = (r + 0.5) / rows - 0.5;
+      cells[static_cast<std::size_t>(r * columns + c)]
+          *= 1 - weight + weight * gaussian(std::hypot(x, y) / kSigma);
+    }
+}
+
 } // namespace
 
 MappingSettings
 MappingSettings::paper()
 {
-  return { .floor = 0,
+  return { .order = Order::threshold_first,
+           .floor = 0,
            .threshold = 0.5,
            .binary = true,
            .prefilter_sigma = 1.0 / 3,
@@ -224,7 +239,8 @@ map_saliency(const SaliencyView &map, const MappingSettings &settings, TactileMa
                settings.prefilter_sigma, work.columns);
   find_windows({ map.height, map.vertical, viewport.top, viewport.height }, out.rows,
                settings.prefilter_sigma, work.rows);
-  const double cut = settings.threshold * peak;
+  const bool pool_first = settings.order == Order::pool_first;
+  const double cut = pool_first ? 0 : settings.threshold * peak;
   const auto width = static_cast<std::size_t>(map.width);
   work.kept.resize(width);
   work.pooled.assign(work.rows.cells.size() * width, 0.0);
@@ -254,11 +270,20 @@ map_saliency(const SaliencyView &map, const MappingSettings &settings, TactileMa
           weights.begin(), weights.end(),
           work.pooled.begin() + static_cast<std::ptrdiff_t>(r * width) + cell.first, 0.0));
     }
-  const std::vector<double> &cells = work.cells;
+  std::vector<double> &cells = work.cells;
+  if (settings.center_weight > 0)
+    weigh_center(cells, out.rows, out.columns, settings.center_weight);
+  const double strongest = *std::ranges::max_element(cells);
+  if (pool_first)
+    std::ranges::replace_if(
+        cells,
+        [least = settings.threshold * strongest, strongest](double cell) {
+          return cell <= least && cell != strongest;
+        },
+        0.0);
 
   double scale = 1;
   if (settings.gain == Gain::perceptual) {
-    const double strongest = *std::ranges::max_element(cells);
     if (strongest <= 0)
       return; // the prefilter does not reach any cell's center
     scale = perceptual_level(peak / settings.units_per_delta_e) / strongest;

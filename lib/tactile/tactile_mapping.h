@@ -15,15 +15,27 @@ enum class Gain
               ///< cells keep their ratio to it
 };
 
+/// Which comes first, the threshold or the pooling.
+enum class Order
+{
+  threshold_first, ///< pixels are compared with the strongest pixel, then pooled (paper)
+  pool_first,      ///< pixels are pooled, then cells are compared with the strongest cell
+};
+
 /// Parameters from saliency map to levels, in the order in which they apply.
 struct MappingSettings
 {
+  Order order = Order::threshold_first;
   /// In the map's units, ≥ 0: a map whose maximum does not exceed this is silent.
   double floor = 0;
-  /// Share of the maximum, [0, 1]: pixels not above it are dropped (paper: 50 %), except the
-  /// maximum itself.
+  /// Weight of the picture's center, w in [0, 1]: a cell whose middle is (x, y) from it, in sides
+  /// of the picture, counts 1 − w + w exp(−(x² + y²) / 2σ²), with σ = 0.25. 0: all cells count the
+  /// same.
+  double center_weight = 0;
+  /// Share of the maximum, [0, 1]: cells, or with Order::threshold_first pixels, that are not above
+  /// it are dropped (paper: 50 %), except the maximum itself.
   double threshold = 0.5;
-  /// Remaining pixels count 1 (paper) instead of their value.
+  /// Remaining pixels count 1 (paper) instead of their value; for Order::threshold_first.
   bool binary = false;
   /// 0: a cell's value is the mean over its exact area. Otherwise it is the map filtered by a
   /// Gaussian of this σ, in cells, and interpolated at the center of the cell (paper).

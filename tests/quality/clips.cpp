@@ -58,6 +58,11 @@ public:
   {
   }
 
+  void judge_by(const std::vector<Label> &labels)
+  {
+    judge_.emplace(labels);
+  }
+
   void frame(const saliency::FrameView &view, Time time, Time duration)
   {
     const saliency::Saliency &found = model_.frame(view, time, duration, map_);
@@ -74,6 +79,8 @@ public:
     camera_moves_ += found.camera_moves ? 1 : 0;
     cuts_ += found.cut ? 1 : 0;
     length_ += duration;
+    if (judge_)
+      judge_->frame(time, map_);
   }
 
   ClipRow row(std::string clip) const
@@ -92,7 +99,8 @@ public:
     scores.cues_per_minute = cues / std::chrono::duration<double, std::ratio<60>>(length_).count();
     scores.camera_moves = camera_moves_ / frames_;
     scores.cuts = cuts_;
-    return { std::move(clip), model_.name(), scores };
+    return { std::move(clip), model_.name(), scores,
+             judge_ ? std::optional(judge_->scores()) : std::nullopt };
   }
 
 private:
@@ -106,7 +114,17 @@ private:
   double camera_moves_ = 0;
   int cuts_ = 0;
   Time length_{ 0 };
+  std::optional<LabelJudge> judge_;
 };
+
+/// Those of a film in tests/quality/labels, by the film's name; none if nobody has labeled it.
+std::vector<Label>
+labels_of(const std::filesystem::path &film)
+{
+  const std::filesystem::path file
+      = std::filesystem::path(LABELS) / (film.stem().string() + ".csv");
+  return std::filesystem::exists(file) ? read_labels(file) : std::vector<Label>{};
+}
 
 } // namespace
 
@@ -119,6 +137,9 @@ score_clips(const std::filesystem::path &directory)
       ProfileScore("paper", saliency::Profile::paper(), tactile::MappingSettings::paper()),
       ProfileScore("tuned", saliency::Profile::tuned(), tactile::MappingSettings::tuned())
     };
+    if (const std::vector<Label> labels = labels_of(file); !labels.empty())
+      for (auto &profile : profiles)
+        profile.judge_by(labels);
     Decoder clip(file, "decodebin", "I420");
     bool any = false;
     for (; clip.next(); any = true)

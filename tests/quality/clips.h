@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include "labels.h"
+
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -26,6 +29,7 @@ struct ClipRow
   std::string clip; ///< the file's name
   std::string profile;
   ClipScores scores;
+  std::optional<LabelScores> labels; ///< where there are labels of the clip
 };
 
 /// Analyzes the films of list_films(directory) with `profile=paper` and `profile=tuned`, as

@@ -4,6 +4,7 @@
 #include "decode.h"
 #include "fixations.h"
 #include "frame/front_end.h"
+#include "models.h"
 #include "peers.h"
 #include "saliency/analyzer.h"
 #include "saliency/rarity.h"
@@ -27,10 +28,13 @@ namespace quality {
 
 namespace {
 
+using tactile::MappingSettings;
+
 const cv::Size kPicture(800, 600);
 const cv::Size kGrid(200, 150);
 constexpr double kBlur = 6; ///< samples of the grid
 constexpr double kBorder = 0.1;
+constexpr int kSide = 3; ///< rows and columns of the chair
 
 enum Split
 {
@@ -120,14 +124,35 @@ on_grid(const cv::Mat &map)
   return grid;
 }
 
+/// What a model makes of a picture.
+struct Found
+{
+  cv::Mat map; ///< on the grid
+  tactile::TactileMap felt{ kSide, kSide };
+};
+
+/// What is felt of a map that the whole picture fills, by a profile's mapping without its gain.
+Found
+felt_of(const cv::Mat &map, tactile::MappingSettings mapping = { .gain = tactile::Gain::none })
+{
+  Found found{ map };
+  tactile::map_saliency({ map.ptr<float>(), map.cols, map.rows, map.cols }, mapping, found.felt);
+  return found;
+}
+
 /// The models and their buffers.
 class Models
 {
 public:
   static std::vector<std::string> names()
   {
-    std::vector<std::string> names{ "paper literal", "tuned film", "tuned film × R·B²",
-                                    "tuned spatial" };
+    std::vector<std::string> names{ "center",
+                                    "paper literal",
+                                    "tuned film",
+                                    "tuned film × R·B²",
+                                    "tuned spatial",
+                                    "tuned spatial, pool first",
+                                    "tuned spatial, pool first × center" };
     for (const Peer peer : still_peers()) {
       const std::string own = name(peer);
       names.insert(names.end(), { own, own + " × R", own + " × R·B²" });
@@ -142,7 +167,7 @@ public:
   }
 
   /// Their maps on the grid, in the order of names().
-  std::vector<cv::Mat> maps(const std::filesystem::path &file)
+  std::vector<Found> maps(const std::filesystem::path &file)
   {
     const Picture i420(file, "I420");
     const Picture bgr(file, "BGR");
@@ -150,14 +175,19 @@ public:
     const cv::Mat border_rarity = weight(i420.view(), border_rarity_);
     const cv::Mat sketch = rarity.mul(border_rarity).mul(border_rarity);
 
-    std::vector<cv::Mat> maps;
-    maps.push_back(own(paper_, i420.view()));
-    maps.push_back(own(film_, i420.view()));
-    maps.emplace_back(maps.back().mul(sketch));
-    maps.push_back(own(spatial_, i420.view()));
+    std::vector<Found> maps{ felt_of(center_) };
+    maps.push_back(own(paper_, MappingSettings::paper(), i420.view()));
+    maps.push_back(own(film_, MappingSettings::tuned(), i420.view()));
+    maps.push_back(felt_of(maps.back().map.mul(sketch)));
+    maps.push_back(own(spatial_, MappingSettings::tuned_spatial(), i420.view()));
+    MappingSettings pooled = MappingSettings::tuned_spatial();
+    pooled.order = tactile::Order::pool_first;
+    maps.push_back(own(spatial_, pooled, i420.view()));
+    pooled.center_weight = 0.7;
+    maps.push_back(own(spatial_, pooled, i420.view()));
     for (auto &peer : peers_) {
       const cv::Mat map = on_grid(peer.compute(as_mat(bgr.view())));
-      maps.insert(maps.end(), { map, map.mul(rarity), map.mul(sketch) });
+      maps.insert(maps.end(), { felt_of(map), felt_of(map.mul(rarity)), felt_of(map.mul(sketch)) });
     }
     return maps;
   }
@@ -171,11 +201,22 @@ private:
     return peers;
   }
 
-  static cv::Mat own(saliency::Analyzer &analyzer, const saliency::FrameView &view)
+  static Found own(saliency::Analyzer &analyzer, const tactile::MappingSettings &mapping,
+                   const saliency::FrameView &view)
   {
     analyzer.reset();
     const auto &saliency = analyzer.analyze(view, saliency::Time{}, saliency::Time{}, false);
-    return on_grid(saliency.map, saliency.picture);
+    Found found{ on_grid(saliency.map, saliency.picture) };
+    tactile::map_saliency(view_of(saliency), mapping, found.felt);
+    return found;
+  }
+
+  /// A Gaussian in the middle of the picture, σ a quarter of each side.
+  static cv::Mat center_map()
+  {
+    const cv::Mat across = cv::getGaussianKernel(kGrid.width, kGrid.width / 4.0, CV_32F);
+    const cv::Mat down = cv::getGaussianKernel(kGrid.height, kGrid.height / 4.0, CV_32F);
+    return down * across.t();
   }
 
   /// Rarity at the level of the profile for single pictures.
@@ -191,6 +232,7 @@ private:
         map, { 0.5 - 0.5 / step, 0.5 - 0.5 / step, kPicture.width / step, kPicture.height / step });
   }
 
+  cv::Mat center_ = center_map();
   saliency::Analyzer paper_{ saliency::Profile::paper() };
   saliency::Analyzer film_{ saliency::Profile::tuned() };
   saliency::Analyzer spatial_{ saliency::Profile::tuned_spatial() };
@@ -201,12 +243,30 @@ private:
 };
 
 PhotographScores
-score(cv::Mat map, const Photograph &photograph, const Fixations &others)
+score(const Found &found, const Photograph &photograph, const Fixations &others)
 {
-  cv::GaussianBlur(map, map, {}, kBlur);
-  return { nss(map, photograph.fixations), auc_judd(map, photograph.fixations),
-           shuffled_auc(map, photograph.fixations, others),
-           correlation(map, fixation_density(kGrid, photograph.fixations, kBlur)) };
+  cv::Mat map;
+  cv::GaussianBlur(found.map, map, {}, kBlur);
+  const cv::Mat levels(kSide, kSide, CV_32FC1, const_cast<float *>(found.felt.levels.data()));
+  Fixations in_cells; // in samples of the levels
+  for (const auto &fixation : photograph.fixations)
+    in_cells.emplace_back(fixation.x * kSide / kGrid.width, fixation.y * kSide / kGrid.height);
+  cv::Mat looked = cv::Mat::zeros(kSide, kSide, CV_32FC1);
+  for (const auto &fixation : in_cells)
+    looked.at<float>(std::clamp(static_cast<int>(fixation.y), 0, kSide - 1),
+                     std::clamp(static_cast<int>(fixation.x), 0, kSide - 1))
+        += 1;
+  cv::Point strongest;
+  cv::Point most;
+  cv::minMaxLoc(levels, nullptr, nullptr, nullptr, &strongest);
+  cv::minMaxLoc(looked, nullptr, nullptr, nullptr, &most);
+  return { .nss = nss(map, photograph.fixations),
+           .auc_judd = auc_judd(map, photograph.fixations),
+           .shuffled_auc = shuffled_auc(map, photograph.fixations, others),
+           .cc = correlation(map, fixation_density(kGrid, photograph.fixations, kBlur)),
+           .cell_right = strongest == most ? 1.0 : 0.0,
+           .cell_cc = correlation(levels, looked),
+           .felt_nss = nss(levels, in_cells) };
 }
 
 /// Runs `work` for every index below `count` on several threads. Rethrows its exceptions.
@@ -252,8 +312,8 @@ score_photographs(const std::filesystem::path &directory, int threads)
         others.insert(others.end(), other.fixations.begin(), other.fixations.end());
     if (others.empty())
       throw std::runtime_error("fixations.csv: a split needs two pictures or more");
-    for (const auto &map : models.maps(directory / photograph.name))
-      scores[i].push_back(score(map, photograph, others));
+    for (const auto &found : models.maps(directory / photograph.name))
+      scores[i].push_back(score(found, photograph, others));
   });
 
   std::vector<PhotographRow> rows;
@@ -261,21 +321,21 @@ score_photographs(const std::filesystem::path &directory, int threads)
   for (std::size_t model = 0; model < names.size(); ++model)
     for (const Split split : { train, validation }) {
       PhotographRow row{ names[model], kSplitNames[split], 0, {} };
+      constexpr std::array kScores{ &PhotographScores::nss,          &PhotographScores::auc_judd,
+                                    &PhotographScores::shuffled_auc, &PhotographScores::cc,
+                                    &PhotographScores::cell_right,   &PhotographScores::cell_cc,
+                                    &PhotographScores::felt_nss };
       for (std::size_t i = 0; i < photographs.size(); ++i) {
         if (photographs[i].split != split)
           continue;
         ++row.pictures;
-        row.scores.nss += scores[i][model].nss;
-        row.scores.auc_judd += scores[i][model].auc_judd;
-        row.scores.shuffled_auc += scores[i][model].shuffled_auc;
-        row.scores.cc += scores[i][model].cc;
+        for (const auto score : kScores)
+          row.scores.*score += scores[i][model].*score;
       }
       if (row.pictures == 0)
         continue;
-      row.scores.nss /= row.pictures;
-      row.scores.auc_judd /= row.pictures;
-      row.scores.shuffled_auc /= row.pictures;
-      row.scores.cc /= row.pictures;
+      for (const auto score : kScores)
+        row.scores.*score /= row.pictures;
       rows.push_back(row);
     }
   return rows;

@@ -16,6 +16,10 @@ struct PhotographScores
   double auc_judd = 0;
   double shuffled_auc = 0;
   double cc = 0;
+  // What is felt on a chair of 3 × 3 tactors.
+  double cell_right = 0; ///< the strongest cell is the one that people look at most: share
+  double cell_cc = 0;    ///< correlation of the levels with the share of fixations in each cell
+  double felt_nss = 0;   ///< NSS of the levels, each of which holds in all of its cell
 };
 
 struct PhotographRow

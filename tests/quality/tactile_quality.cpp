@@ -22,6 +22,7 @@
 #include <filesystem>
 #include <fstream>
 #include <iostream>
+#include <limits>
 #include <sstream>
 #include <stdexcept>
 #include <string_view>
@@ -48,12 +49,15 @@ photograph_table(const Extent &extent)
       "Photographs",
       "How well maps tell where 15 people looked on photographs (OSIE). Weights were tuned on "
       "the training split. "
-      "× R: weighted with color rarity; × R·B²: with border rarity, too.",
-      { "model", "split", "pictures", "NSS", "AUC-Judd", "shuffled AUC", "CC" });
+      "× R: weighted with color rarity; × R·B²: with border rarity, too. The last three columns "
+      "judge what is felt on 3 × 3 tactors.",
+      { "model", "split", "pictures", "NSS", "AUC-Judd", "shuffled AUC", "CC",
+        "strongest cell right", "cells' CC", "felt NSS" });
   for (const auto &row : score_photographs(extent.data / "osie", extent.threads))
     table.add({ row.model, row.split, std::to_string(row.pictures), figure(row.scores.nss, 3),
                 figure(row.scores.auc_judd, 3), figure(row.scores.shuffled_auc, 3),
-                figure(row.scores.cc, 3) });
+                figure(row.scores.cc, 3), figure(row.scores.cell_right, 3),
+                figure(row.scores.cell_cc, 3), figure(row.scores.felt_nss, 3) });
   return table;
 }
 
@@ -61,13 +65,18 @@ Table
 clip_table(const Extent &extent)
 {
   Table table("Real films",
-              "What is felt of the films in clips/, as shares of frames and of tactors.",
+              "What is felt of the films in clips/, as shares of frames and of tactors. Precision "
+              "and recall are those of tests/quality/labels.",
               { "clip", "profile", "frames", "felt", "tactors felt", "at a time", "longest, s",
-                "longest of a tactor, s", "cues a minute", "camera moves", "cuts" });
-  for (const auto &[clip, profile, s] : score_clips(extent.data / "clips"))
+                "longest of a tactor, s", "cues a minute", "camera moves", "cuts", "precision",
+                "recall" });
+  constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+  for (const auto &[clip, profile, s, labels] : score_clips(extent.data / "clips"))
     table.add({ clip, profile, std::to_string(s.frames), percent(s.active), percent(s.tactors),
                 figure(s.tactors_active, 2), figure(s.longest, 1), figure(s.longest_tactor, 1),
-                figure(s.cues_per_minute, 0), percent(s.camera_moves), std::to_string(s.cuts) });
+                figure(s.cues_per_minute, 0), percent(s.camera_moves), std::to_string(s.cuts),
+                figure(labels ? labels->precision : kNone, 2),
+                figure(labels ? labels->recall : kNone, 2) });
   return table;
 }
 

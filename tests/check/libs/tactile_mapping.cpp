@@ -11,6 +11,7 @@
 
 using tactile::Gain;
 using tactile::MappingSettings;
+using tactile::Order;
 using tactile::SaliencyView;
 using tactile::TactileMap;
 
@@ -203,6 +204,64 @@ GST_START_TEST(test_threshold)
 }
 GST_END_TEST;
 
+GST_START_TEST(test_threshold_of_cells)
+{
+  // Pooled by the integral of the map, then compared with the strongest cell.
+  unsigned seed = 700;
+  for (const double threshold : { 0.0, 0.5, 0.9, 0.98, 1.0 })
+    for (const auto &[rows, columns] : { std::pair{ 3, 3 }, { 2, 5 }, { 1, 1 }, { 8, 8 } }) {
+      const Map map = random_map(31, 18, ++seed);
+      MappingSettings settings = kPooling;
+      settings.order = Order::pool_first;
+      settings.threshold = threshold;
+      std::vector<double> cells;
+      for (int r = 0; r < rows; ++r)
+        for (int c = 0; c < columns; ++c)
+          cells.push_back(area_mean(map, { 0, 31.0 }, { 0, 18.0 }, rows, columns, r, c));
+      const double strongest = *std::max_element(cells.begin(), cells.end());
+      const TactileMap out = levels(map, settings, rows, columns);
+      int kept = 0;
+      for (std::size_t i = 0; i < cells.size(); ++i) {
+        const bool keep = cells[i] > threshold * strongest || cells[i] == strongest;
+        fail_unless_near(out.levels[i], keep ? cells[i] : 0, 1e-6);
+        kept += keep ? 1 : 0;
+      }
+      fail_unless(threshold < 1 || kept == 1);
+    }
+
+  // A spike does not outweigh a cell that is salient all over; compared by pixels, it does.
+  const Map map = Map(30, 10).square(4, 4, 5, 5, 1.0F).square(10, 0, 20, 10, 0.4F);
+  MappingSettings settings = kPooling;
+  settings.threshold = 0.5;
+  settings.order = Order::pool_first;
+  const TactileMap cells = levels(map, settings, 1, 3);
+  fail_unless_near(cells.at(0, 0), 0, 0);
+  fail_unless_near(cells.at(0, 1), 0.4, 1e-6);
+  settings.order = Order::threshold_first;
+  const TactileMap pixels = levels(map, settings, 1, 3);
+  fail_unless_near(pixels.at(0, 0), 0.01, 1e-6);
+  fail_unless_near(pixels.at(0, 1), 0, 0);
+}
+GST_END_TEST;
+
+GST_START_TEST(test_center_weight)
+{
+  // Values of the formula by hand: a cell in a corner of 3 × 3 is a third of each side away,
+  // exp(−2 (1/3)² / (2 · 0.25²)) = 0.169013; one beside the middle 0.411112.
+  MappingSettings settings = kPooling;
+  const Map map(9, 9, 0.5F);
+  for (const double weight : { 0.0, 0.7, 1.0 }) {
+    settings.center_weight = weight;
+    const TactileMap out = levels(map, settings, 3, 3);
+    for (int r = 0; r < 3; ++r)
+      for (int c = 0; c < 3; ++c) {
+        const double near = r == 1 && c == 1 ? 1 : r == 1 || c == 1 ? 0.411112 : 0.169013;
+        fail_unless_near(out.at(r, c), 0.5 * (1 - weight + weight * near), 1e-6);
+      }
+  }
+}
+GST_END_TEST;
+
 GST_START_TEST(test_floor)
 {
   MappingSettings settings = kPooling;
@@ -309,7 +368,7 @@ GST_END_TEST;
 GST_START_TEST(test_profiles)
 {
   const auto paper = MappingSettings::paper();
-  fail_unless(paper.binary && paper.gain == Gain::none);
+  fail_unless(paper.order == Order::threshold_first && paper.binary && paper.gain == Gain::none);
   fail_unless_near(paper.threshold, 0.5, 0);
   fail_unless_near(paper.floor, 0, 0);
   // A half-plane of any value: levels do not depend on it, and fall off across its border.
@@ -384,6 +443,8 @@ tactile_mapping_suite(void)
   tcase_add_test(tc, test_map_smaller_than_grid);
   tcase_add_test(tc, test_stride);
   tcase_add_test(tc, test_threshold);
+  tcase_add_test(tc, test_threshold_of_cells);
+  tcase_add_test(tc, test_center_weight);
   tcase_add_test(tc, test_floor);
   tcase_add_test(tc, test_perceptual_gain);
   tcase_add_test(tc, test_no_gain_is_limited);

@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "quality/labels.h"
+#include "support/temporary_file.h"
+#include "support/tolerance.h"
+
+using namespace std::chrono_literals;
+using quality::LabelJudge;
+using quality::LabelScores;
+
+namespace {
+
+const std::string kHead = "start,end,verdict,cells,what\n";
+
+std::vector<quality::Label>
+labels(const std::string &lines)
+{
+  const TemporaryFile file(kHead + lines, ".csv");
+  return quality::read_labels(file.path);
+}
+
+/// A map with one cell on; none for −1.
+tactile::TactileMap
+felt(int cell)
+{
+  tactile::TactileMap map(3, 3);
+  if (cell >= 0)
+    map.levels[static_cast<std::size_t>(cell)] = 0.5F;
+  return map;
+}
+
+} // namespace
+
+GST_START_TEST(test_scores)
+{
+  LabelJudge judge(labels("0,1,quiet,,black\n1,2.2,felt,4 5,a ball\n2.2,3,allowed,*,cut\n"
+                          "3,4,allowed,0,a title\n"));
+  judge.frame(0ms, felt(-1));   // right, but not felt
+  judge.frame(500ms, felt(4));  // felt where all is quiet
+  judge.frame(1000ms, felt(0)); // a wrong cell
+  judge.frame(1400ms, felt(5)); // the first of three half seconds is found
+  judge.frame(2100ms, felt(4)); // the third, which lasts 0.2 s
+  judge.frame(2500ms, felt(8)); // anything may be felt: not judged
+  judge.frame(3000ms, felt(0)); // right
+  judge.frame(3500ms, felt(1)); // wrong
+  judge.frame(4000ms, felt(1)); // beyond the labels
+  const LabelScores scores = judge.scores();
+  fail_unless_near(scores.felt, 6.0 / 7, 1e-12);
+  fail_unless_near(scores.precision, 3.0 / 6, 1e-12);
+  fail_unless_near(scores.recall, 2.0 / 3, 1e-12);
+}
+GST_END_TEST;
+
+GST_START_TEST(test_nothing_felt)
+{
+  LabelJudge judge(labels("0,1,quiet,,black\n"));
+  judge.frame(0ms, felt(-1));
+  const LabelScores scores = judge.scores();
+  fail_unless_near(scores.felt, 0, 0);
+  fail_unless_near(scores.precision, 1, 0);
+  fail_unless_near(scores.recall, 1, 0);
+}
+GST_END_TEST;
+
+GST_START_TEST(test_faults)
+{
+  const struct
+  {
+    const char *lines;
+    const char *expected;
+  } faults[] = {
+    { "0,1,quiet\n", ":2: expected start,end,verdict,cells,what" },
+    { "0,x,quiet,,black\n", ":2: expected seconds, got 'x'" },
+    { "0,1,loud,4,a ball\n", ":2: expected felt, allowed or quiet, got 'loud'" },
+    { "0,1,felt,9,a ball\n", ":2: expected cells 0 to 8, got '9'" },
+    { "0,1,felt,,a ball\n", ":2: expected cells unless it is quiet" },
+    { "0,1,quiet,3,black\n", ":2: expected cells unless it is quiet" },
+    { "0,1,quiet,,black\n2,3,quiet,,black\n", ":3: expected a span that begins where" },
+    { "0,0,quiet,,black\n", ":2: expected a span that begins where" },
+  };
+  for (const auto &fault : faults) {
+    std::string message;
+    try {
+      labels(fault.lines);
+    } catch (const std::runtime_error &error) {
+      message = error.what();
+    }
+    fail_unless(message.find(fault.expected) != std::string::npos, "%s: '%s'", fault.lines,
+                message.c_str());
+  }
+}
+GST_END_TEST;
+
+static Suite *
+labels_suite(void)
+{
+  Suite *suite = suite_create("labels");
+  TCase *tc = tcase_create("general");
+  suite_add_tcase(suite, tc);
+  tcase_add_test(tc, test_scores);
+  tcase_add_test(tc, test_nothing_felt);
+  tcase_add_test(tc, test_faults);
+  return suite;
+}
+
+GST_CHECK_MAIN(labels);

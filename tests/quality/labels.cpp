@@ -1,0 +1,131 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "labels.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <fstream>
+#include <sstream>
+#include <stdexcept>
+
+namespace quality {
+
+namespace {
+
+constexpr std::size_t kCells = 9;
+constexpr Time kWindow = std::chrono::milliseconds(500);
+
+[[noreturn]] void
+refuse(const std::filesystem::path &file, int line, const std::string &expected)
+{
+  throw std::runtime_error(file.string() + ":" + std::to_string(line) + ": expected " + expected);
+}
+
+/// Seconds with up to three decimals.
+Time
+parse_time(const std::string &text, const std::filesystem::path &file, int line)
+{
+  double seconds = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), seconds);
+  if (error != std::errc{} || end != text.data() + text.size() || seconds < 0 || seconds > 1e5)
+    refuse(file, line, "seconds, got '" + text + "'");
+  return std::chrono::milliseconds(std::llround(seconds * 1000));
+}
+
+Label
+parse_label(const std::string &text, const std::filesystem::path &file, int line)
+{
+  std::istringstream fields(text);
+  std::string start;
+  std::string end;
+  std::string verdict;
+  std::string cells;
+  if (!std::getline(fields, start, ',') || !std::getline(fields, end, ',')
+      || !std::getline(fields, verdict, ',') || !std::getline(fields, cells, ','))
+    refuse(file, line, "start,end,verdict,cells,what");
+  Label label;
+  label.start = parse_time(start, file, line);
+  label.end = parse_time(end, file, line);
+  label.verdict
+      = verdict == "felt"      ? Verdict::felt
+        : verdict == "allowed" ? Verdict::allowed
+        : verdict == "quiet"
+            ? Verdict::quiet
+            : (refuse(file, line, "felt, allowed or quiet, got '" + verdict + "'"), Verdict::quiet);
+  label.anywhere = cells == "*";
+  label.cells.assign(kCells, label.anywhere);
+  std::istringstream numbers(label.anywhere ? "" : cells);
+  for (std::string number; numbers >> number;) {
+    if (number.size() != 1 || number[0] < '0' || number[0] > '8')
+      refuse(file, line, "cells 0 to 8, got '" + number + "'");
+    label.cells[static_cast<std::size_t>(number[0] - '0')] = true;
+  }
+  if ((label.verdict == Verdict::quiet) != std::ranges::none_of(label.cells, std::identity{}))
+    refuse(file, line, "cells unless it is quiet");
+  return label;
+}
+
+} // namespace
+
+std::vector<Label>
+read_labels(const std::filesystem::path &file)
+{
+  std::ifstream in(file);
+  std::string text;
+  if (!std::getline(in, text) || text != "start,end,verdict,cells,what")
+    refuse(file, 1, "start,end,verdict,cells,what");
+  std::vector<Label> labels;
+  for (int line = 2; std::getline(in, text); ++line) {
+    labels.push_back(parse_label(text, file, line));
+    const Time before = labels.size() > 1 ? labels[labels.size() - 2].end : Time(0);
+    if (labels.back().start != before || labels.back().end <= before)
+      refuse(file, line, "a span that begins where the one before ends");
+  }
+  return labels;
+}
+
+LabelJudge::LabelJudge(std::vector<Label> labels) : labels_(std::move(labels))
+{
+  for (const Label &label : labels_)
+    found_.emplace_back(label.verdict == Verdict::felt ? static_cast<std::size_t>(
+                            (label.end - label.start + kWindow - Time(1)) / kWindow)
+                                                       : 0);
+}
+
+void
+LabelJudge::frame(Time time, const tactile::TactileMap &map)
+{
+  const auto label = std::ranges::find_if(
+      labels_, [time](const Label &span) { return span.start <= time && time < span.end; });
+  if (label == labels_.end() || map.levels.size() != kCells)
+    return;
+  const auto strongest = std::ranges::max_element(map.levels);
+  const bool felt = *strongest > 0;
+  const bool right = felt && label->cells[static_cast<std::size_t>(strongest - map.levels.begin())];
+  if (right && label->verdict == Verdict::felt)
+    found_[static_cast<std::size_t>(label - labels_.begin())]
+          [static_cast<std::size_t>((time - label->start) / kWindow)]
+        = true;
+  if (label->verdict == Verdict::allowed && label->anywhere)
+    return;
+  judged_ += 1;
+  felt_ += felt ? 1 : 0;
+  right_ += right ? 1 : 0;
+}
+
+LabelScores
+LabelJudge::scores() const
+{
+  std::ptrdiff_t windows = 0;
+  std::ptrdiff_t found = 0;
+  for (const std::vector<bool> &span : found_) {
+    windows += static_cast<std::ptrdiff_t>(span.size());
+    found += std::ranges::count(span, true);
+  }
+  const auto share = [](auto part, auto whole, double otherwise) {
+    return whole > 0 ? static_cast<double>(part) / static_cast<double>(whole) : otherwise;
+  };
+  return { share(felt_, judged_, 0), share(right_, felt_, 1), share(found, windows, 1) };
+}
+
+} // namespace quality
