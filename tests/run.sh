@@ -87,11 +87,14 @@ if [ ${#wrapper[@]} -gt 0 ] && [ $# -eq 0 ]; then
   set -- "${names[@]}"
 fi
 
+# Most tests wait for a clock or a device rather than compute: half as many again as processors.
+processes=$(($(nproc) + ($(nproc) + 1) / 2))
+
 # The last lines are meson's, then one in a form that any CI reads.
 log=$(mktemp)
 trap 'rm -f "$log"' EXIT
 status=0
-meson test -C "$directory" --no-rebuild --print-errorlogs --timeout-multiplier "$patience" "${wrapper[@]}" "$@" 2>&1 | tee "$log" || status=$?
+meson test -C "$directory" --no-rebuild --print-errorlogs --num-processes "$processes" --timeout-multiplier "$patience" "${wrapper[@]}" "$@" 2>&1 | tee "$log" || status=$?
 count() { sed -n "s/^$1: *\([0-9][0-9]*\).*/\1/p" "$log" | tail -n 1; }
 passed=$(count Ok); failed=$(count Fail); timeouts=$(count Timeout); unexpected=$(count 'Unexpected Pass'); skipped=$(count Skipped)
 failed=$((${failed:-0} + ${timeouts:-0} + ${unexpected:-0}))

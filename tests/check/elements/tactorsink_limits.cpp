@@ -204,6 +204,32 @@ GST_START_TEST(test_kick_start)
 }
 GST_END_TEST;
 
+/// The message that the latency has changed is posted while the board is being opened.
+static GstBusSyncReply
+mute_at_new_latency(GstBus *, GstMessage *message, gpointer muted)
+{
+  if (GST_MESSAGE_TYPE(message) == GST_MESSAGE_LATENCY && !*static_cast<bool *>(muted)) {
+    *static_cast<bool *>(muted) = true;
+    g_object_set(GST_MESSAGE_SRC(message), "mute", TRUE, nullptr);
+  }
+  return GST_BUS_PASS;
+}
+
+/// Muted after the settings of the play were read: the motors stand still nevertheless.
+GST_START_TEST(test_muted_while_opening)
+{
+  SinkRig rig;
+  rig.uncompensated();
+  bool muted = false;
+  g_autoptr(GstBus) bus = gst_element_get_bus(rig.element);
+  gst_bus_set_sync_handler(bus, mute_at_new_latency, &muted, nullptr);
+  rig.play([&] { rig.push_level(0, 400 * kMs, 1.0F); });
+  fail_unless(muted);
+  ck_assert_uint_eq(rig.stat("issued"), 2);
+  ck_assert_uint_eq(rig.trace().size(), 0); // nothing changed at the motor
+}
+GST_END_TEST;
+
 static Suite *
 tactorsink_limits_suite(void)
 {
@@ -212,6 +238,7 @@ tactorsink_limits_suite(void)
   suite_add_tcase(suite, cases);
   tcase_add_test(cases, test_defaults_protect_motors);
   tcase_add_test(cases, test_max_on_time);
+  tcase_add_test(cases, test_muted_while_opening);
   tcase_add_test(cases, test_max_on_time_without_another_map);
   tcase_add_test(cases, test_max_on_time_without_the_clock);
   tcase_add_test(cases, test_cue_runs_out_in_the_last_block);
