@@ -129,11 +129,23 @@ stuck_at(GstElement *sink)
   return {};
 }
 
-/// State of the looks; the clock's thread has it.
+/// State of the looks; the clock's thread frees it.
 struct Looking
 {
+  Looking(GstElement *element, std::function<bool()> ready) : is_ready(std::move(ready))
+  {
+    const std::lock_guard lock(mutex);
+    g_weak_ref_init(&sink, element);
+  }
+  ~Looking()
+  {
+    g_weak_ref_clear(&sink);
+  }
+  Looking(const Looking &) = delete;
+  Looking &operator=(const Looking &) = delete;
+
   std::mutex mutex; ///< for ThreadSanitizer, which does not see GstClock's own
-  Ref<GstElement> sink;
+  GWeakRef sink;    ///< weak, or the clock's thread could be the one that finalizes the element
   std::function<bool()> is_ready;
   int stuck = 0; ///< finds in a row
 };
@@ -143,17 +155,18 @@ look(GstClock *, GstClockTime time, GstClockID, gpointer data)
 {
   auto *looking = static_cast<Looking *>(data);
   const std::lock_guard lock(looking->mutex);
-  if (!GST_CLOCK_TIME_IS_VALID(time) || looking->stuck == kLooks)
+  const Ref<GstElement> sink(static_cast<GstElement *>(g_weak_ref_get(&looking->sink)));
+  if (!sink || !GST_CLOCK_TIME_IS_VALID(time) || looking->stuck == kLooks)
     return TRUE;
-  const std::string where = looking->is_ready() ? stuck_at(looking->sink.get()) : "";
+  const std::string where = looking->is_ready() ? stuck_at(sink.get()) : "";
   looking->stuck = where.empty() ? 0 : looking->stuck + 1;
   if (looking->stuck == kLooks)
     GST_ELEMENT_WARNING(
-        looking->sink.get(), CORE, PAD,
+        sink.get(), CORE, PAD,
         ("The pipeline waits for ever: a queue is missing after '%s'.", where.c_str()),
         ("For two seconds one of the sinks after '%s' has held its thread, and another has got "
          "nothing to begin with. Put a queue into each branch, as in %s. ! queue ! %s",
-         where.c_str(), where.c_str(), GST_OBJECT_NAME(looking->sink.get())));
+         where.c_str(), where.c_str(), GST_OBJECT_NAME(sink.get())));
   return TRUE;
 }
 
@@ -166,12 +179,7 @@ QueueWatch::start(std::function<bool()> is_ready)
   const Ref<GstClock> clock(gst_system_clock_obtain());
   looks_ = gst_clock_new_periodic_id(clock.get(), gst_clock_get_time(clock.get()) + kBetweenLooks,
                                      kBetweenLooks);
-  auto looking = std::make_unique<Looking>();
-  {
-    const std::lock_guard lock(looking->mutex);
-    looking->sink.reset(GST_ELEMENT(gst_object_ref(sink_)));
-    looking->is_ready = std::move(is_ready);
-  }
+  auto looking = std::make_unique<Looking>(sink_, std::move(is_ready));
   gst_clock_id_wait_async(looks_, look, looking.release(), [](gpointer data) {
     const std::unique_ptr<Looking> done(static_cast<Looking *>(data));
     const std::lock_guard lock(done->mutex);

@@ -174,6 +174,28 @@ GST_START_TEST(test_slow_source)
 }
 GST_END_TEST;
 
+/// A sink is freed by its owner's unref, though the clock's thread has yet to free the watch.
+GST_START_TEST(test_watch_holds_no_sink)
+{
+  GstClock *clock = gst_test_clock_new();
+  gst_system_clock_set_default(clock);
+  GstElement *chair = gst_element_factory_make("tactorsink", nullptr);
+  gst_object_ref_sink(chair);
+  gst_util_set_object_arg(G_OBJECT(chair), "driver", "simulator");
+  gst_element_set_state(chair, GST_STATE_PAUSED);
+  GstClockID look = nullptr;
+  fail_unless(gst_test_clock_peek_next_pending_id(GST_TEST_CLOCK(clock), &look));
+  gst_element_set_state(chair, GST_STATE_NULL);
+  gpointer alive = chair;
+  g_object_add_weak_pointer(G_OBJECT(chair), &alive);
+  gst_object_unref(chair);
+  fail_unless(alive == nullptr);
+  gst_clock_id_unref(look);
+  gst_system_clock_set_default(nullptr);
+  gst_object_unref(clock);
+}
+GST_END_TEST;
+
 static Suite *
 queuewatch_suite(void)
 {
@@ -186,6 +208,7 @@ queuewatch_suite(void)
   tcase_add_test(cases, test_one_queue);
   tcase_add_test(cases, test_pause);
   tcase_add_test(cases, test_slow_source);
+  tcase_add_test(cases, test_watch_holds_no_sink);
   return suite;
 }
 
