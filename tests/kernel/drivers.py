@@ -4,7 +4,9 @@
 
 Asserts no times. Waits for events for at most PATIENCE seconds of the machine's clock."""
 import contextlib
+import grp
 import os
+import shutil
 import signal
 import subprocess
 import sys
@@ -78,12 +80,12 @@ class Board:
 
 
 class Play:
-    def __init__(self, motors, driver, *device, user=None):
+    def __init__(self, motors, driver, *device, user=None, groups=None):
         self.motors = motors
         self.output = "/tmp/play.log"
         with open(self.output, "w") as output:
             self.process = subprocess.Popen([sys.executable, TESTS + "/play.py", str(motors), driver, *device], stdin=subprocess.PIPE, stdout=output,
-                                            stderr=output, text=True, env=ENVIRONMENT, user=user)
+                                            stderr=output, text=True, env=ENVIRONMENT, user=user, extra_groups=groups)
 
     def said(self):
         with open(self.output) as output:
@@ -291,8 +293,40 @@ def two_of_one_number():
                 expect(again.on() == 0, f"{again.on()} motors are still on")
 
 
+def udev_properties(socket):
+    said = subprocess.run(["udevadm", "info", "--query=property", "/sys/bus/usb/devices/" + socket], text=True, capture_output=True, check=True).stdout
+    return dict(line.split("=", 1) for line in said.splitlines())
+
+
+def permitted():
+    """udevd reads the rule: boards and adapters are marked, and nothing else. Their group may play, others may not."""
+    rules = "/run/udev/rules.d/"
+    os.makedirs(rules, exist_ok=True)
+    shutil.copy(TESTS + "/../../data/udev/70-visuotactile.rules", rules)
+    with open(rules + "71-visuotactile-group.rules", "w") as file:
+        file.write('ENV{VISUOTACTILE_BOARD}=="1", GROUP="plugdev", MODE="0660"\n')
+    subprocess.run(["udevadm", "control", "--reload"], check=True)
+    try:
+        for transport in "cdc-acm", "ftdi", "ch340":
+            with Board(transport=transport) as board:
+                subprocess.run(["udevadm", "settle", f"--timeout={PATIENCE}"], check=True)
+                found = udev_properties(board.socket)
+                expect(found.get("ID_MM_DEVICE_IGNORE") == "1" and ":uaccess:" in found.get("TAGS", ""), f"{transport} is not marked: {found}")
+                fail_to_play("may not be opened by you", user=65534, groups=[])
+                with Play(4, "firmata", "1-1", user=65534, groups=[grp.getgrnam("plugdev").gr_gid]) as play:
+                    play.wait_to("playing")
+                    wait_for("motors", lambda: board.on() == 4)
+                    play.tell("null")
+                    play.wait_to("done")
+        found = udev_properties("usb1")
+        expect("VISUOTACTILE_BOARD" not in found and ":uaccess:" not in found.get("TAGS", ""), f"the hub is marked: {found}")
+    finally:
+        shutil.rmtree(rules)
+        subprocess.run(["udevadm", "control", "--reload"], check=True)
+
+
 CASES = [stop_4, stop_9, stop_9_ch340, end_9, pause_9, terminated, hung_up, killed, killed_released, in_use_auto, in_use_named, in_use_unseen,
-         bare_adapter, two_of_one_number]
+         bare_adapter, two_of_one_number, permitted]
 
 
 def main():
