@@ -69,7 +69,7 @@ check_board(std::span<const std::uint8_t> bytes)
   board.close(now);
   // Zeros for 128 pins and a reset, without an answer: ends by its deadlines.
   const FirmataPatience patience;
-  const Time latest = now + patience.farewell + patience.last_word
+  const Time latest = now + patience.drain + patience.acknowledge
                       + FirmataBoard::kPacket * FirmataBoard::kByteTime;
   turn(board, now);
   while (board.state() == FirmataBoard::State::closing) {

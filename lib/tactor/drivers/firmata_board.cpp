@@ -59,7 +59,7 @@ FirmataBoard::take(const firmata::Event &event)
     if (state_ == State::asking && is_reset_)
       take_capabilities(*capabilities);
   } else if (std::holds_alternative<firmata::VersionReport>(event)) {
-    if (state_ == State::closing && says_goodbye_)
+    if (state_ == State::closing && shutdown_begun_)
       state_ = State::closed; // so it has read the zeros, too
   }
 }
@@ -99,7 +99,7 @@ FirmataBoard::close(Time now)
   // sent that moves one.
   if (state_ == State::running || (state_ == State::asking && firmware_)) {
     state_ = State::closing;
-    leaves_ = now + patience_.farewell;
+    close_deadline_ = now + patience_.drain;
   } else if (state_ == State::asking) {
     state_ = State::closed;
   }
@@ -117,9 +117,9 @@ FirmataBoard::fail(std::string why)
 std::vector<std::uint8_t>
 FirmataBoard::next(Time now)
 {
-  if (says_goodbye_ && !on_the_way_ && !std::exchange(listens_, true))
-    leaves_ = std::max(now, line_free_) + patience_.last_word;
-  if (state_ == State::closing && now >= *leaves_)
+  if (shutdown_begun_ && !on_the_way_ && !std::exchange(shutdown_sent_, true))
+    close_deadline_ = std::max(now, line_free_) + patience_.acknowledge;
+  if (state_ == State::closing && now >= *close_deadline_)
     state_ = State::closed;
   if (state_ == State::closed || state_ == State::failed)
     return {};
@@ -134,7 +134,7 @@ FirmataBoard::next(Time now)
       fail("it does not take what it is sent");
     return {};
   }
-  if (now < line_free_ || says_goodbye_)
+  if (now < line_free_ || shutdown_begun_)
     return {};
 
   firmata::Encoder out;
@@ -197,7 +197,7 @@ FirmataBoard::update(firmata::Encoder &out, Time now)
   }
   if (state_ == State::closing && is_settled()) {
     out.reset().ask_version();
-    says_goodbye_ = true;
+    shutdown_begun_ = true;
   } else if (has_watchdog()
              && (!is_armed_
                  || (out.bytes().empty() && drives() && now - sent_ >= patience_.keepalive))) {
@@ -218,7 +218,7 @@ FirmataBoard::deadline() const
   if (state_ == State::asking)
     earlier(started_ + patience_.answer);
   if (state_ == State::closing)
-    earlier(*leaves_);
+    earlier(*close_deadline_);
   // While a transfer is on the way, only its timeout counts; after that the line has to be free.
   const auto when_free = [&](Time time) {
     earlier(std::max(time, line_free_));
@@ -228,7 +228,7 @@ FirmataBoard::deadline() const
   } else if (state_ == State::asking) {
     when_free(asked_ ? *asked_ + patience_.ask_again : started_);
   } else if (state_ == State::closing) {
-    if (!says_goodbye_)
+    if (!shutdown_begun_)
       when_free(line_free_);
   } else if (state_ == State::running) {
     if (!is_settled())

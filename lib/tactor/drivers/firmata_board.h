@@ -24,8 +24,8 @@ struct FirmataPatience
   Time host_silence = std::chrono::milliseconds(250); ///< see FirmataBoard::set_levels()
   Time keepalive = std::chrono::milliseconds(
       100); ///< between transfers to a board with watchdog while a motor is on
-  Time farewell = std::chrono::milliseconds(250); ///< for the zeros of close() to be sent
-  Time last_word
+  Time drain = std::chrono::milliseconds(250); ///< for the zeros of close() to be sent
+  Time acknowledge
       = std::chrono::milliseconds(50); ///< after that, for the board's answer that it has read them
 };
 
@@ -141,18 +141,18 @@ private:
   bool is_reset_ = false; ///< by us
   bool is_armed_ = false; ///< its watchdog, which the first keepalive starts
   std::vector<Pin> pins_;
-  std::vector<double> levels_; ///< as wanted; shorter than pins_: the rest is 0
-  bool says_goodbye_ = false;  ///< the last transfer of close() was begun
-  bool listens_ = false;       ///< it was written
+  std::vector<double> levels_;  ///< as wanted; shorter than pins_: the rest is 0
+  bool shutdown_begun_ = false; ///< the last transfer of close() was begun
+  bool shutdown_sent_ = false;  ///< it was written
 
   Time started_;
   std::optional<Time> asked_;
   Time levels_set_{ 0 };
-  Time sent_{ 0 };             ///< begin of the last transfer
-  bool on_the_way_ = false;    ///< it is not yet written
-  Time line_free_;             ///< when the line has carried it
-  std::size_t turn_ = 0;       ///< tactor whose level is sent first
-  std::optional<Time> leaves_; ///< end of closing
+  Time sent_{ 0 };                     ///< begin of the last transfer
+  bool on_the_way_ = false;            ///< it is not yet written
+  Time line_free_;                     ///< when the line has carried it
+  std::size_t turn_ = 0;               ///< tactor whose level is sent first
+  std::optional<Time> close_deadline_; ///< end of closing
   std::uint64_t bytes_sent_ = 0;
   std::uint64_t resets_ = 0;
 };

@@ -167,7 +167,7 @@ GST_START_TEST(test_stalled_board)
 {
   FirmataPatience patience = kEndless;
   patience.transfer = 250ms;
-  patience.farewell = 250ms;
+  patience.drain = 250ms;
   DriverRig rig(Firmware::any, patience, 2ms);
   rig.sockets.plug(rig.mega);
   // On a busy machine it may time out before it stalls. It returns in that case, too.

@@ -24,7 +24,7 @@ using Kind = DriverError::Kind;
 using EventKind = DriverEvent::Kind;
 
 inline constexpr FirmataPatience kEndless{
-  .answer = 1h, .ask_again = 1h, .transfer = 1h, .host_silence = 1h, .keepalive = 1h, .farewell = 1h
+  .answer = 1h, .ask_again = 1h, .transfer = 1h, .host_silence = 1h, .keepalive = 1h, .drain = 1h
 };
 
 inline SerialDevice
