@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "tactor/realtime/realtime_thread.h"
 
-#include "tactor/realtime/realtime_question.h"
+#include "tactor/realtime/realtime_request.h"
 
 #include <sched.h>
 #include <time.h>
@@ -66,7 +66,7 @@ RealtimeThread::RealtimeThread(bool wanted, Tell tell)
   } else {
     const std::string why = std::string("this process may not itself (") + std::strerror(errno)
                             + "; see RLIMIT_RTPRIO)";
-    question_ = std::make_unique<RealtimeQuestion>(
+    request_ = std::make_unique<RealtimeRequest>(
         gettid(), kPriority, [this, why](Scheduling scheduling, const std::string &text) {
           set(scheduling, scheduling == Scheduling::normal ? why + "; " + text : text);
         });
@@ -75,7 +75,7 @@ RealtimeThread::RealtimeThread(bool wanted, Tell tell)
 
 RealtimeThread::~RealtimeThread()
 {
-  question_.reset();
+  request_.reset();
   schedule(SCHED_OTHER, 0);
 }
 

@@ -12,7 +12,7 @@
 
 namespace tactor {
 
-class RealtimeQuestion;
+class RealtimeRequest;
 
 /// A token bucket of CPU time for a real-time thread: kShare of all time, at most kBurst at once.
 /// Not thread-safe.
@@ -66,7 +66,7 @@ private:
   const Tell tell_;
   std::atomic<Scheduling> scheduling_{ Scheduling::normal };
   CpuBudget budget_;
-  std::unique_ptr<RealtimeQuestion> question_; ///< last: its callback uses the others
+  std::unique_ptr<RealtimeRequest> request_; ///< last: its callback uses the others
 };
 
 } // namespace tactor

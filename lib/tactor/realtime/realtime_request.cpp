@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "tactor/realtime/realtime_question.h"
+#include "tactor/realtime/realtime_request.h"
 
 #include <tl/expected.hpp>
 
@@ -22,7 +22,7 @@ namespace {
 constexpr guint kPatience = 5; // s
 
 /// A service that may grant it.
-struct Door
+struct Service
 {
   Scheduling scheduling;
   const char *title;
@@ -32,18 +32,18 @@ struct Door
   const char *interface;
 };
 
-constexpr Door kRealtimeKit{ Scheduling::realtime_kit,
-                             "RealtimeKit",
-                             G_BUS_TYPE_SYSTEM,
-                             "org.freedesktop.RealtimeKit1",
-                             "/org/freedesktop/RealtimeKit1",
-                             "org.freedesktop.RealtimeKit1" };
-constexpr Door kPortal{ Scheduling::portal,
-                        "the desktop portal",
-                        G_BUS_TYPE_SESSION,
-                        "org.freedesktop.portal.Desktop",
-                        "/org/freedesktop/portal/desktop",
-                        "org.freedesktop.portal.Realtime" };
+constexpr Service kRealtimeKit{ Scheduling::realtime_kit,
+                                "RealtimeKit",
+                                G_BUS_TYPE_SYSTEM,
+                                "org.freedesktop.RealtimeKit1",
+                                "/org/freedesktop/RealtimeKit1",
+                                "org.freedesktop.RealtimeKit1" };
+constexpr Service kPortal{ Scheduling::portal,
+                           "the desktop portal",
+                           G_BUS_TYPE_SESSION,
+                           "org.freedesktop.portal.Desktop",
+                           "/org/freedesktop/portal/desktop",
+                           "org.freedesktop.portal.Realtime" };
 
 /// Limits of a service.
 struct Terms
@@ -132,11 +132,11 @@ BusConnection::call(const char *name, const char *path, const char *interface, c
 
 /// Single properties: RealtimeKit has no GetAll.
 Result<gint64>
-read_property(const BusConnection &connection, const Door &door, const char *name)
+read_property(const BusConnection &connection, const Service &service, const char *name)
 {
   const Result<GVariant *> reply
-      = connection.call(door.name, door.path, "org.freedesktop.DBus.Properties", "Get",
-                        g_variant_new("(ss)", door.interface, name));
+      = connection.call(service.name, service.path, "org.freedesktop.DBus.Properties", "Get",
+                        g_variant_new("(ss)", service.interface, name));
   if (!reply)
     return tl::unexpected(reply.error());
   g_autoptr(GVariant) tuple = *reply;
@@ -154,12 +154,12 @@ read_property(const BusConnection &connection, const Door &door, const char *nam
 }
 
 Result<Terms>
-read_terms(const BusConnection &connection, const Door &door)
+read_terms(const BusConnection &connection, const Service &service)
 {
-  const Result<gint64> priority = read_property(connection, door, "MaxRealtimePriority");
+  const Result<gint64> priority = read_property(connection, service, "MaxRealtimePriority");
   if (!priority)
     return tl::unexpected(priority.error());
-  const Result<gint64> time = read_property(connection, door, "RTTimeUSecMax");
+  const Result<gint64> time = read_property(connection, service, "RTTimeUSecMax");
   if (!time)
     return tl::unexpected(time.error());
   return Terms{ static_cast<int>(std::min<gint64>(*priority, 99)), static_cast<rlim_t>(*time) };
@@ -206,42 +206,42 @@ limit_time(rlim_t most)
 
 /// Requests it of a service. Returns who granted it and on what terms, in words.
 Result<std::string>
-ask(const Door &door, GCancellable *cancellable, pid_t thread, int priority)
+request(const Service &service, GCancellable *cancellable, pid_t thread, int priority)
 {
-  const Result<BusConnection> connection = BusConnection::open(door.bus, cancellable);
+  const Result<BusConnection> connection = BusConnection::open(service.bus, cancellable);
   if (!connection)
     return tl::unexpected(connection.error());
-  const Result<Terms> terms = read_terms(*connection, door);
+  const Result<Terms> terms = read_terms(*connection, service);
   if (!terms)
     return tl::unexpected(terms.error());
   if (const Result<void> limited = limit_time(terms->time); !limited)
     return tl::unexpected(limited.error());
   const Result<GVariant *> reply = connection->call(
-      door.name, door.path, door.interface, "MakeThreadRealtimeWithPID",
+      service.name, service.path, service.interface, "MakeThreadRealtimeWithPID",
       g_variant_new("(ttu)", static_cast<guint64>(getpid()), static_cast<guint64>(thread),
                     static_cast<guint32>(std::min(priority, terms->priority))));
   if (!reply)
     return tl::unexpected(reply.error());
   g_variant_unref(*reply);
-  return "by " + std::string(door.title) + ", at most " + std::to_string(terms->time / 1000)
+  return "by " + std::string(service.title) + ", at most " + std::to_string(terms->time / 1000)
          + " ms of CPU time at once";
 }
 
 } // namespace
 
-struct RealtimeQuestion::State
+struct RealtimeRequest::State
 {
   pid_t thread;
   int priority;
   Answer answer;
   std::unique_ptr<GCancellable, decltype(&g_object_unref)> cancellable{ g_cancellable_new(),
                                                                         g_object_unref };
-  GThread *asking = nullptr;
+  GThread *worker = nullptr;
 
   void run() const;
 };
 
-RealtimeQuestion::RealtimeQuestion(pid_t thread, int priority, Answer answer)
+RealtimeRequest::RealtimeRequest(pid_t thread, int priority, Answer answer)
     : state_(new State{ thread, priority, std::move(answer) })
 {
   const auto run = [](gpointer state) -> gpointer {
@@ -249,34 +249,34 @@ RealtimeQuestion::RealtimeQuestion(pid_t thread, int priority, Answer answer)
     return nullptr;
   };
   g_autoptr(GError) error = nullptr;
-  state_->asking = g_thread_try_new("tactor-rtkit", run, state_.get(), &error);
-  if (!state_->asking)
+  state_->worker = g_thread_try_new("tactor-rtkit", run, state_.get(), &error);
+  if (!state_->worker)
     state_->answer(Scheduling::normal, error->message);
 }
 
-RealtimeQuestion::~RealtimeQuestion()
+RealtimeRequest::~RealtimeRequest()
 {
   g_cancellable_cancel(state_->cancellable.get());
-  if (state_->asking)
-    g_thread_join(state_->asking);
+  if (state_->worker)
+    g_thread_join(state_->worker);
 }
 
 void
-RealtimeQuestion::State::run() const
+RealtimeRequest::State::run() const
 {
   std::string why;
-  for (const Door &door : { kRealtimeKit, kPortal }) {
+  for (const Service &service : { kRealtimeKit, kPortal }) {
     // Without an address GIO would start a bus daemon.
-    if (door.bus == G_BUS_TYPE_SESSION && !g_getenv("DBUS_SESSION_BUS_ADDRESS"))
+    if (service.bus == G_BUS_TYPE_SESSION && !g_getenv("DBUS_SESSION_BUS_ADDRESS"))
       continue;
-    const Result<std::string> got = ask(door, cancellable.get(), thread, priority);
+    const Result<std::string> got = request(service, cancellable.get(), thread, priority);
     if (g_cancellable_is_cancelled(cancellable.get()))
       return;
     if (got) {
-      answer(door.scheduling, *got);
+      answer(service.scheduling, *got);
       return;
     }
-    why += (why.empty() ? "" : "; ") + std::string(door.title) + ": " + got.error();
+    why += (why.empty() ? "" : "; ") + std::string(service.title) + ": " + got.error();
   }
   answer(Scheduling::normal, why);
 }

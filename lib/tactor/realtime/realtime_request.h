@@ -17,18 +17,18 @@ namespace tactor {
 /// Both services require a limit on the CPU time of the process's real-time threads
 /// (RLIMIT_RTTIME), after which the kernel kills it. The limit is lowered as required, never
 /// raised, and left alone if other threads are real-time already and have none.
-class RealtimeQuestion
+class RealtimeRequest
 {
 public:
   /// Called once with the service that granted it, or Scheduling::normal and the reason. On the
   /// requesting thread; without one, by the constructor.
   using Answer = std::function<void(Scheduling, const std::string &)>;
 
-  RealtimeQuestion(pid_t thread, int priority, Answer answer);
+  RealtimeRequest(pid_t thread, int priority, Answer answer);
   /// Cancels a pending request.
-  ~RealtimeQuestion();
-  RealtimeQuestion(const RealtimeQuestion &) = delete;
-  RealtimeQuestion &operator=(const RealtimeQuestion &) = delete;
+  ~RealtimeRequest();
+  RealtimeRequest(const RealtimeRequest &) = delete;
+  RealtimeRequest &operator=(const RealtimeRequest &) = delete;
 
 private:
   struct State;
