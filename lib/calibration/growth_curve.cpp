@@ -15,7 +15,7 @@ constexpr double kExactness = 0.005;
 constexpr double kOnsetScale = 0.05;
 
 /// The curve for the solver's parameters, all of the order of 1: steady / its guess, onset, log
-/// tau, log roundness.
+/// tau, log exponent.
 GrowthCurve
 curve_of(const double *x, double before, double steady)
 {
@@ -23,7 +23,7 @@ curve_of(const double *x, double before, double steady)
            .steady = steady * x[0],
            .onset_s = kOnsetScale * x[1],
            .tau_s = std::exp(std::clamp(x[2], -9.0, 3.0)),
-           .roundness = std::exp(std::clamp(x[3], -1.5, 1.5)) };
+           .exponent = std::exp(std::clamp(x[3], -1.5, 1.5)) };
 }
 
 constexpr double kFarthest = 1e300; ///< upper limit of the misfit
@@ -62,8 +62,8 @@ public:
   {
     const GrowthCurve curve = curve_of(x, before_, steady_);
     const double early = (curve.onset_s - prior_.onset_s) / prior_.onset_deviation_s;
-    const double round = (x[3] - prior_.log_roundness) / prior_.log_roundness_deviation;
-    const double misfit = weight_ * sum(curve) + early * early + round * round;
+    const double power = (x[3] - prior_.log_exponent) / prior_.log_exponent_deviation;
+    const double misfit = weight_ * sum(curve) + early * early + power * power;
     // The solver throws on NaN, so an impossible curve gets the largest misfit.
     return std::isfinite(misfit) ? misfit : kFarthest;
   }
@@ -100,8 +100,8 @@ crossing(std::span<const double> envelope, double rate, double first_s, double l
 std::vector<double>
 GrowthCurve::sample(double first_s, double rate, std::size_t count) const
 {
-  const double from = std::pow(before, 1 / roundness);
-  const double to = std::pow(steady, 1 / roundness);
+  const double from = std::pow(before, 1 / exponent);
+  const double to = std::pow(steady, 1 / exponent);
   std::vector<double> amplitudes(count, before);
   const auto still = static_cast<std::size_t>(
       std::clamp(std::ceil((onset_s - first_s) * rate), 0.0, static_cast<double>(count)));
@@ -109,7 +109,7 @@ GrowthCurve::sample(double first_s, double rate, std::size_t count) const
       = (to - from) * std::exp(-(first_s + static_cast<double>(still) / rate - onset_s) / tau_s);
   const double slower = std::exp(-1 / (rate * tau_s));
   for (std::size_t i = still; i < count; i++) {
-    amplitudes[i] = std::pow(to - left, roundness);
+    amplitudes[i] = std::pow(to - left, exponent);
     left *= slower;
   }
   return amplitudes;
@@ -120,9 +120,9 @@ GrowthCurve::time_of(double amplitude) const
 {
   if ((amplitude - before) * (steady - before) <= 0)
     return onset_s;
-  const double from = std::pow(before, 1 / roundness);
-  const double to = std::pow(steady, 1 / roundness);
-  return onset_s + tau_s * std::log((to - from) / (to - std::pow(amplitude, 1 / roundness)));
+  const double from = std::pow(before, 1 / exponent);
+  const double to = std::pow(steady, 1 / exponent);
+  return onset_s + tau_s * std::log((to - from) / (to - std::pow(amplitude, 1 / exponent)));
 }
 
 GrowthCurve

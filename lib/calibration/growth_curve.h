@@ -10,8 +10,8 @@ namespace tactor {
 
 /// The vibration of an eccentric mass: its speed approaches a steady value exponentially, and the
 /// amplitude is a power of the speed. From the onset on it is (s − (s − b) exp(−(t − onset) /
-/// tau))^roundness, where s and b are the roundness-th roots of `steady` and `before`. With
-/// roundness 1 the amplitude itself is exponential (MotorModel). With 2 it is an acceleration,
+/// tau))^exponent, where s and b are the exponent-th roots of `steady` and `before`. With
+/// exponent 1 the amplitude itself is exponential (MotorModel). With 2 it is an acceleration,
 /// which is proportional to the square of the speed. The curve may rise or fall.
 struct GrowthCurve
 {
@@ -19,7 +19,7 @@ struct GrowthCurve
   double steady = 0;
   double onset_s = 0;
   double tau_s = 0;
-  double roundness = 1;
+  double exponent = 1;
   double rms = 0; ///< of the residuals
 
   /// Amplitudes at `first_s`, `first_s` + 1 / `rate`, …; seconds and samples per second.
@@ -32,9 +32,9 @@ struct GrowthCurve
 struct GrowthPrior
 {
   double onset_s = 0;
-  double onset_deviation_s = 1;         ///< nearly uninformative
-  double log_roundness = 0.35;          ///< about exponential…
-  double log_roundness_deviation = 0.5; ///< …but uncertain
+  double onset_deviation_s = 1;        ///< nearly uninformative
+  double log_exponent = 0.35;          ///< about exponential…
+  double log_exponent_deviation = 0.5; ///< …but uncertain
 };
 
 /// Applies the measurement chain to amplitudes: what the envelope of such a vibration looks like.

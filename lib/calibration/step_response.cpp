@@ -31,7 +31,7 @@ constexpr double kSameCrest = 0.02;
 constexpr double kOtherVolts = 0.15;
 /// Lower limits on the prior's deviations: a motor varies this much from step to step.
 constexpr double kLeastOnsetDeviationS = 0.001;
-constexpr double kLeastRoundnessDeviation = 0.03;
+constexpr double kLeastExponentDeviation = 0.03;
 constexpr std::size_t kFewestInCommon = 5;
 constexpr double kLowestHz = 8;
 constexpr std::size_t kLinesForBand = 9;
@@ -151,7 +151,7 @@ measure_step(const Recording &recording, int channel, const Step &step, Band ban
   const GrowthCurve curve
       = sound.fit(kFitFromS, end - 0.01, response.before, response.steady, prior);
   response.onset_ms = 1e3 * curve.onset_s;
-  response.roundness = curve.roundness;
+  response.exponent = curve.exponent;
   (step.rises() ? response.risen_ms : response.fallen_ms)
       = 1e3
         * curve.time_of(step.rises() ? 0.9 * curve.steady
@@ -180,15 +180,15 @@ prior_of(const std::vector<StepResponse> &responses)
       signals.push_back(response.snr_db);
   const double clear = median(signals);
   std::vector<double> onsets;
-  std::vector<double> roundness;
+  std::vector<double> log_exponents;
   for (const StepResponse &response : responses)
     if (response.fault == StepFault::none && response.step.rises() && response.snr_db >= clear) {
       onsets.push_back(response.onset_ms / 1e3);
-      // Rises from a level above 0 hardly depend on the roundness.
+      // Rises from a level above 0 hardly depend on the exponent.
       if (response.step.start_volts == 0)
-        roundness.push_back(std::log(response.roundness));
+        log_exponents.push_back(std::log(response.exponent));
     }
-  if (roundness.size() < kFewestInCommon)
+  if (log_exponents.size() < kFewestInCommon)
     return {};
   const auto deviation = [](const std::vector<double> &values) {
     const double middle = median(values);
@@ -200,10 +200,11 @@ prior_of(const std::vector<StepResponse> &responses)
   };
   return { .onset_s = median(onsets),
            .onset_deviation_s = std::max(deviation(onsets), kLeastOnsetDeviationS),
-           .log_roundness = median(roundness),
-           .log_roundness_deviation = std::max(
-               1.2533 * deviation(roundness) / std::sqrt(static_cast<double>(roundness.size())),
-               kLeastRoundnessDeviation) };
+           .log_exponent = median(log_exponents),
+           .log_exponent_deviation
+           = std::max(1.2533 * deviation(log_exponents)
+                          / std::sqrt(static_cast<double>(log_exponents.size())),
+                      kLeastExponentDeviation) };
 }
 
 std::vector<StepResponse>

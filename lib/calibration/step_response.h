@@ -46,11 +46,11 @@ struct StepResponse
 {
   Step step{};
   StepFault fault = StepFault::none;
-  double before = 0;    ///< amplitude at the start voltage
-  double steady = 0;    ///< amplitude at the target voltage
-  double roundness = 1; ///< GrowthCurve::roundness; rising steps only
-  double onset_ms = 0;  ///< first motion
-  double risen_ms = 0;  ///< time to 90 % of the steady amplitude; rising steps only
+  double before = 0;   ///< amplitude at the start voltage
+  double steady = 0;   ///< amplitude at the target voltage
+  double exponent = 1; ///< GrowthCurve::exponent; rising steps only
+  double onset_ms = 0; ///< first motion
+  double risen_ms = 0; ///< time to 90 % of the steady amplitude; rising steps only
   /// Time until 10 % of a fall is left; NaN if not seen. For a rising step it is the fall to rest
   /// at its end, counted from there.
   double fallen_ms = 0;
@@ -68,7 +68,7 @@ struct StepResponse
 StepResponse measure_step(const Recording &recording, int channel, const Step &step, Band band,
                           const GrowthPrior &prior = {}, StepEnvelope *picture = nullptr);
 
-/// Prior for a second pass over the steps of one motor: onset and roundness of the rises with a
+/// Prior for a second pass over the steps of one motor: onset and exponent of the rises with a
 /// good signal-to-noise ratio. It makes the fits of the others robust against noise.
 GrowthPrior prior_of(const std::vector<StepResponse> &responses);
 

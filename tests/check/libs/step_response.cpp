@@ -351,7 +351,7 @@ GST_START_TEST(steps_exclude_other_tactors)
 }
 GST_END_TEST
 
-// The prior's latency and roundness come from the clearer half of the rises. Too few rises give no
+// The prior's latency and exponent come from the clearer half of the rises. Too few rises give no
 // prior.
 GST_START_TEST(prior_comes_from_clear_rises)
 {
@@ -361,14 +361,14 @@ GST_START_TEST(prior_comes_from_clear_rises)
     response.step.target_volts = 1;
     response.snr_db = i < 8 ? 12 : 40;
     response.onset_ms = i < 8 ? 40 : 8;
-    response.roundness = i < 8 ? 3 : 1.2;
+    response.exponent = i < 8 ? 3 : 1.2;
     responses.push_back(response);
   }
   responses[15].fault = StepFault::clipped;
   responses[15].onset_ms = 500;
   const GrowthPrior prior = prior_of(responses);
   fail_unless_near(prior.onset_s, 0.008, 1e-9);
-  fail_unless_near(prior.log_roundness, std::log(1.2), 1e-9);
+  fail_unless_near(prior.log_exponent, std::log(1.2), 1e-9);
   fail_unless_at_most(prior.onset_deviation_s, 0.0011);
   responses.resize(4);
   fail_unless(prior_of(responses).onset_deviation_s >= 1);
