@@ -23,6 +23,7 @@ options=(-Dsaliency=enabled -Dusb=enabled -Dintrospection=enabled -Dtools=enable
 parts="build play test players docs"
 wrapper=()
 analyzer=
+scans_first=
 case ${1:-} in
   -h | --help) sed -n '3,14s/^# \{0,1\}//p' "$0"; exit 0 ;;
   --valgrind)
@@ -35,13 +36,19 @@ case ${1:-} in
     wrapper=(--wrapper "env TEST_CLIPS= valgrind --quiet --error-exitcode=99 --leak-check=full --show-leak-kinds=definite --errors-for-leak-kinds=definite --num-callers=30
       --suppressions=/usr/share/glib-2.0/valgrind/glib.supp --suppressions=$root/tests/sanitizers/valgrind.supp")
     export G_SLICE=always-malloc
+    scans_first=yes
     ;;
   --tidy | --cppcheck) analyzer=${1#--}; shift; parts+=" analysis" ;;
   --asan) shift; directory=$root/build-asan; patience=5; options+=(-Ddebug=true "-Db_sanitize=address,undefined" -Db_lundef=false -Dintrospection=disabled -Ddocs=disabled) ;;
-  --tsan) shift; directory=$root/build-tsan; patience=5; options+=(-Ddebug=true -Db_sanitize=thread -Db_lundef=false -Dintrospection=disabled -Ddocs=disabled) ;;
+  --tsan) shift; directory=$root/build-tsan; patience=5; options+=(-Ddebug=true -Db_sanitize=thread -Db_lundef=false -Dintrospection=disabled -Ddocs=disabled); scans_first=yes ;;
 esac
 
-build_project "$directory" "$parts" "" "${options[@]}"
+# cppcheck reads sources alone.
+if [ "$analyzer" != cppcheck ]; then
+  build_project "$directory" "$parts" "" "${options[@]}"
+elif [ -z "${VISUOTACTILE_NO_SETUP:-}" ]; then
+  "$root/tools/setup.sh" analysis
+fi
 
 # Of this project's own code, what is compiled here.
 if [ -n "$analyzer" ]; then
@@ -66,20 +73,20 @@ if [ -n "$analyzer" ]; then
   exit 0
 fi
 
-# Plugins of others start threads as GStreamer looks through them, before tests fork: that is not ours (die_after_fork).
 # Suppressions are for libraries alone, each with its reason. Leaks in libraries without frame pointers are only told apart with full stacks.
 supp=$root/tests/sanitizers
 export ASAN_OPTIONS="detect_leaks=1:fast_unwind_on_malloc=0${ASAN_OPTIONS:+:$ASAN_OPTIONS}"
 export LSAN_OPTIONS="suppressions=$supp/lsan.supp:print_suppressions=0"
 export UBSAN_OPTIONS="print_stacktrace=1:halt_on_error=1"
-export TSAN_OPTIONS="ignore_noninstrumented_modules=1:halt_on_error=1:die_after_fork=0:suppressions=$supp/tsan.supp${TSAN_OPTIONS:+:$TSAN_OPTIONS}"
+export TSAN_OPTIONS="ignore_noninstrumented_modules=1:halt_on_error=1:suppressions=$supp/tsan.supp${TSAN_OPTIONS:+:$TSAN_OPTIONS}"
 
 # A test's own limit of time, check's, beside meson's.
 export CK_TIMEOUT_MULTIPLIER=$patience
 
-# GStreamer looks through all its plugins, others' too, before they are looked at.
-if [ ${#wrapper[@]} -gt 0 ]; then
-  GST_PLUGIN_PATH_1_0=$directory/gst GST_REGISTRY_1_0=$directory/tests/check/elements.registry gst-inspect-1.0 identity >/dev/null
+# GStreamer looks through all plugins once for all tests. Under valgrind that is slow. Under ThreadSanitizer, plugins of others start threads
+# then, before a test forks; in the child it ignores everything, or ends with "dup thread". die_after_fork, its default, tells of that.
+if [ -n "$scans_first" ]; then
+  TSAN_OPTIONS=$TSAN_OPTIONS:die_after_fork=0 meson test -C "$directory" --no-rebuild --timeout-multiplier "$patience" inherited_properties >/dev/null || true
 fi
 
 if [ ${#wrapper[@]} -gt 0 ] && [ $# -eq 0 ]; then
