@@ -366,7 +366,8 @@ gst_tactile_converter_sink_event(GstPad *pad, GstObject *parent, GstEvent *event
     GstClockTime begin = 0;
     GstClockTime duration = 0;
     gst_event_parse_gap(event, &begin, &duration);
-    if (g_autoptr(GstBuffer) packet = priv->in ? cue_gap_get_packet(event) : nullptr) {
+    g_autoptr(GstBuffer) packet = priv->in ? cue_gap_get_packet(event) : nullptr;
+    if (packet) {
       convert(self, packet, CueForm::klv);
     } else {
       drain(self);

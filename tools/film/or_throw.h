@@ -15,6 +15,7 @@ or_throw(tl::expected<T, Error> result)
     return *std::move(result);
   if constexpr (requires { result.error().text(); })
     throw std::runtime_error(result.error().text());
+  // cppcheck-suppress identicalConditionAfterEarlyExit ; cppcheck 2.10 cannot read `requires`
   else if constexpr (requires { result.error().text.size(); })
     throw std::runtime_error(result.error().text);
   else

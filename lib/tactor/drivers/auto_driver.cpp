@@ -30,7 +30,7 @@ AutoDriver::open(const DriverConfig &config)
     return tl::unexpected(DriverError{
         kind, why + "; to have predicted amplitudes written to a file, set driver=simulator" });
   if (!config.device.empty() || kind == DriverError::Kind::settings || config.stop.stop_requested())
-    return board;
+    return tl::unexpected(board.error());
   chosen_ = simulator_.get();
   if (tl::expected<void, DriverError> simulated = simulator_->open(config); !simulated)
     return simulated;

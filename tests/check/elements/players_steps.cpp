@@ -115,8 +115,10 @@ seek_and_step(const char *playbin, const std::string &film, GstElement *sink, Gs
     outcome.picture.push_back(position_of(screen));
     outcome.sound.push_back(position_of(speakers));
     int done = 0;
-    for (; g_autoptr(GstMessage) message = gst_bus_pop_filtered(bus, GST_MESSAGE_STEP_DONE); done++)
-      ;
+    while (GstMessage *message = gst_bus_pop_filtered(bus, GST_MESSAGE_STEP_DONE)) {
+      gst_message_unref(message);
+      done++;
+    }
     outcome.done.push_back(done);
   }
   gst_element_set_state(player, GST_STATE_NULL);

@@ -3,8 +3,10 @@
 // tactorsink's scheduler: exact times, silence, and changes of the clock.
 #include "scheduler_rig.h"
 
+#include <latch>
 #include <map>
 #include <random>
+#include <stop_token>
 #include <thread>
 
 namespace {
@@ -397,10 +399,9 @@ GST_START_TEST(test_stopped_while_opening)
   TactorScheduler scheduler(host.calls());
   std::atomic<bool> stopped = false;
   const auto wait_for_stop = [&](const std::stop_token &stop) {
-    std::mutex mutex;
-    std::condition_variable_any never;
-    std::unique_lock lock(mutex);
-    never.wait(lock, stop, [] { return false; });
+    std::latch requested(1);
+    const std::stop_callback count_down(stop, [&] { requested.count_down(); });
+    requested.wait();
     stopped = true;
     return tl::unexpected(tactor::DriverError{ tactor::DriverError::Kind::failed, "stopped" });
   };

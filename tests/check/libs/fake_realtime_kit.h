@@ -57,6 +57,8 @@ public:
     g_test_dbus_stop(bus_);
     g_object_unref(bus_);
   }
+  Bus(const Bus &) = delete;
+  Bus &operator=(const Bus &) = delete;
   /// Waits for a request and returns the thread that it names.
   pid_t asked()
   {

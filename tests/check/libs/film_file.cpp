@@ -78,7 +78,7 @@ trak(char flags, bool is_long, std::string_view language, const std::string &han
           return sum << 5 | static_cast<unsigned>(letter - 0x60);
         });
   const std::string times(is_long ? 28 : 16, 'T');
-  return box("trak", box("tkhd", "\0\0\0"s + flags + std::string(80, 'k'))
+  return box("trak", box("tkhd", std::string(3, '\0') + flags + std::string(80, 'k'))
                          + box("mdia", box("mdhd", std::string(1, is_long ? '\1' : '\0') + "\0\0\0"s
                                                        + times + static_cast<char>(packed >> 8)
                                                        + static_cast<char>(packed) + "\0\0"s)

@@ -237,7 +237,7 @@ GST_START_TEST(test_adapters)
     const int opens = nano.opens;
     const DriverError error = refusal_of(rig.driver.open(careful));
     fail_unless(error.kind == Kind::not_found);
-    assert_contains(error.text.c_str(), { "not asked", "FT232R", "A50285BI", "at 1-1", "device=" });
+    assert_contains(error.text, { "not asked", "FT232R", "A50285BI", "at 1-1", "device=" });
     ck_assert_int_eq(nano.opens, opens);
   };
   expect_not_asked();
@@ -277,8 +277,7 @@ GST_START_TEST(test_in_use)
   for (const DriverConfig &config : { rig.config(), rig.config(1, "1-2"), careful }) {
     const DriverError error = refusal_of(rig.driver.open(config));
     fail_unless(error.kind == Kind::busy);
-    assert_contains(error.text.c_str(),
-                    { "Mega 2560", "in use by another program", "cat (process 7)" });
+    assert_contains(error.text, { "Mega 2560", "in use by another program", "cat (process 7)" });
   }
   // Where the use is uncertain, callers that name or require a board try it nevertheless.
   rig.mega.use.kind = LineUse::Kind::perhaps;

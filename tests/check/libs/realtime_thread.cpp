@@ -17,6 +17,7 @@
 #include <atomic>
 #include <condition_variable>
 #include <functional>
+#include <latch>
 #include <mutex>
 #include <optional>
 #include <string>
@@ -231,17 +232,15 @@ GST_START_TEST(test_other_realtime_threads)
   if (skipped())
     return;
   allow_priority(0);
-  std::mutex mutex;
-  mutex.lock();
-  std::atomic<bool> ready = false;
+  std::latch ready(1);
+  std::latch checked(1);
   std::thread other([&] {
     const sched_param parameters{ .sched_priority = 5 };
     sched_setscheduler(0, SCHED_FIFO, &parameters);
-    ready = true;
-    std::lock_guard lock(mutex);
+    ready.count_down();
+    checked.wait();
   });
-  while (!ready)
-    std::this_thread::yield();
+  ready.wait();
   Bus bus(Bus::Service::grants);
   Asker asker;
   const auto [scheduling, text] = asker.answer();
@@ -250,7 +249,7 @@ GST_START_TEST(test_other_realtime_threads)
               text.c_str());
   ck_assert_int_eq(asker.policy(), SCHED_OTHER);
   fail_unless(time_limit().rlim_max == RLIM_INFINITY);
-  mutex.unlock();
+  checked.count_down();
   other.join();
 }
 GST_END_TEST;
