@@ -93,8 +93,10 @@ peer(quality::Peer which, std::shared_ptr<FrameLoop> film)
 {
   auto model = std::make_shared<quality::PeerSaliency>(which);
   auto bgr = std::make_shared<cv::Mat>();
-  const bool reduced = quality::needs_motion(which) && film->size().width > 320;
-  return { .method = std::string(quality::name(which)) + (reduced ? " (320 wide)" : ""),
+  const int width = quality::scaled_for(which, film->size()).width;
+  const std::string reduced
+      = width < film->size().width ? " (" + std::to_string(width) + " wide)" : "";
+  return { .method = quality::name(which) + reduced,
            .input = "I420",
            .frame_bytes = frame_bytes(*film),
            .work = [=](std::size_t i) {

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "peers.h"
 
+#include "haptic_lens.h"
+
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 #ifdef HAVE_CONTRIB_SALIENCY
@@ -16,6 +18,7 @@ namespace quality {
 namespace {
 
 constexpr int kMotionWidth = 320;
+const cv::Size kHapticLensLargest(640, 480);
 
 /// For BinWang all is foreground until half of the picture was constant for 50 frames.
 constexpr int kLearning = 60;
@@ -39,6 +42,7 @@ make_model(Peer peer, cv::Size size)
     return model;
   }
   case Peer::frame_difference:
+  case Peer::haptic_lens:
     break;
   }
   return {};
@@ -59,6 +63,8 @@ name(Peer peer)
     return "BinWang";
   case Peer::frame_difference:
     return "frame difference";
+  case Peer::haptic_lens:
+    return "HapticLens";
   }
   return "";
 }
@@ -69,7 +75,7 @@ is_available([[maybe_unused]] Peer peer)
 #ifdef HAVE_CONTRIB_SALIENCY
   return true;
 #else
-  return peer == Peer::frame_difference;
+  return peer == Peer::frame_difference || peer == Peer::haptic_lens;
 #endif
 }
 
@@ -77,6 +83,20 @@ bool
 needs_motion(Peer peer)
 {
   return peer == Peer::bin_wang || peer == Peer::frame_difference;
+}
+
+cv::Size
+scaled_for(Peer peer, cv::Size frame)
+{
+  double scale = 1;
+  if (needs_motion(peer))
+    scale = static_cast<double>(kMotionWidth) / frame.width;
+  else if (peer == Peer::haptic_lens)
+    scale = std::min(static_cast<double>(kHapticLensLargest.width) / frame.width,
+                     static_cast<double>(kHapticLensLargest.height) / frame.height);
+  if (scale >= 1)
+    return frame;
+  return { std::max(1, cvRound(frame.width * scale)), std::max(1, cvRound(frame.height * scale)) };
 }
 
 struct PeerSaliency::State
@@ -87,14 +107,27 @@ struct PeerSaliency::State
   cv::Mat gray;
   cv::Mat previous;
   cv::Mat map;
+  HapticLens haptic_lens;
 #ifdef HAVE_CONTRIB_SALIENCY
   cv::Ptr<cv::saliency::Saliency> model;
   cv::Mat raw_map;
 #endif
 
+  /// The frame in the size of scaled_for().
+  const cv::Mat &scaled(const cv::Mat &frame);
   void difference();
   void ask_model(const cv::Mat &picture);
 };
+
+const cv::Mat &
+PeerSaliency::State::scaled(const cv::Mat &frame)
+{
+  const cv::Size wanted = scaled_for(peer, frame.size());
+  if (wanted == frame.size())
+    return frame;
+  cv::resize(frame, reduced, wanted, 0, 0, cv::INTER_AREA);
+  return reduced;
+}
 
 void
 PeerSaliency::State::difference()
@@ -144,6 +177,7 @@ void
 PeerSaliency::reset()
 {
   state_->previous.release();
+  state_->haptic_lens.reset();
 #ifdef HAVE_CONTRIB_SALIENCY
   state_->model.release();
 #endif
@@ -158,22 +192,28 @@ PeerSaliency::compute(const cv::Mat &frame)
     reset();
   s.size = frame.size();
 
-  if (!needs_motion(s.peer)) {
-    s.ask_model(frame);
-    return s.map;
+  const cv::Mat &picture = s.scaled(frame);
+  if (s.peer == Peer::haptic_lens) {
+    s.map = s.haptic_lens.film_map(picture);
+  } else if (!needs_motion(s.peer)) {
+    s.ask_model(picture);
+  } else {
+    cv::cvtColor(picture, s.gray, cv::COLOR_BGR2GRAY);
+    if (s.peer == Peer::frame_difference)
+      s.difference();
+    else
+      s.ask_model(s.gray);
   }
-  cv::Mat picture = frame;
-  if (frame.cols > kMotionWidth) {
-    const double height = static_cast<double>(frame.rows) * kMotionWidth / frame.cols;
-    cv::resize(frame, s.reduced, { kMotionWidth, std::max(1, cvRound(height)) }, 0, 0,
-               cv::INTER_AREA);
-    picture = s.reduced;
-  }
-  cv::cvtColor(picture, s.gray, cv::COLOR_BGR2GRAY);
-  if (s.peer == Peer::frame_difference)
-    s.difference();
-  else
-    s.ask_model(s.gray);
+  return s.map;
+}
+
+const cv::Mat &
+PeerSaliency::compute_still(const cv::Mat &picture)
+{
+  auto &s = *state_;
+  if (s.peer != Peer::haptic_lens)
+    return compute(picture);
+  s.map = s.haptic_lens.picture_map(s.scaled(picture));
   return s.map;
 }
 

@@ -15,10 +15,11 @@ enum class Peer
   fine_grained,      ///< Montabone & Soto 2010, OpenCV's
   bin_wang, ///< Wang & Dudek 2014, OpenCV's MotionSaliencyBinWangApr2014, a mask of what moves
   frame_difference, ///< absolute difference of gray, blurred
+  haptic_lens,      ///< John & Seifi 2026, see haptic_lens.h
 };
 
 inline constexpr std::array kPeers{ Peer::spectral_residual, Peer::fine_grained, Peer::bin_wang,
-                                    Peer::frame_difference };
+                                    Peer::frame_difference, Peer::haptic_lens };
 
 const char *name(Peer peer);
 
@@ -28,6 +29,11 @@ bool is_available(Peer peer);
 
 /// Whether the peer detects only change, so that single pictures give nothing.
 bool needs_motion(Peer peer);
+
+/// The size to which larger frames are scaled down, with their aspect ratio: 320 wide for the
+/// detectors of motion, 640 × 480 as in HapticLens's program. The others get the whole frame, as in
+/// OpenCV's example (spectral residual scales it to 64 × 64 itself).
+cv::Size scaled_for(Peer peer, cv::Size frame);
 
 /// A peer that analyzes a film frame by frame.
 class PeerSaliency
@@ -40,11 +46,12 @@ public:
   PeerSaliency &operator=(PeerSaliency &&) noexcept;
 
   /// `frame` is CV_8UC3 B'G'R', not empty; a new size resets. The map is CV_32FC1, finite, ≥ 0,
-  /// with the frame's aspect ratio and at most its size. It is valid until the next call. For peers
-  /// that need motion, frames wider than 320 are scaled down by area. The others get the whole
-  /// frame, as in OpenCV's example (spectral residual scales it to 64 × 64 itself). BinWang is
-  /// trained on the first frame, as if it had been shown for 2 s.
+  /// with the size of scaled_for(). It is valid until the next call. BinWang is trained on the first
+  /// frame, as if it had been shown for 2 s.
   const cv::Mat &compute(const cv::Mat &frame);
+
+  /// The map of a single picture, likewise. HapticLens's is its spatial map.
+  const cv::Mat &compute_still(const cv::Mat &picture);
 
   /// Forgets all frames.
   void reset();

@@ -186,7 +186,7 @@ public:
     pooled.center_weight = 0.7;
     maps.push_back(own(spatial_, pooled, i420.view()));
     for (auto &peer : peers_) {
-      const cv::Mat map = on_grid(peer.compute(as_mat(bgr.view())));
+      const cv::Mat map = on_grid(peer.compute_still(as_mat(bgr.view())));
       maps.insert(maps.end(), { felt_of(map), felt_of(map.mul(rarity)), felt_of(map.mul(sketch)) });
     }
     return maps;

@@ -90,6 +90,40 @@ GST_START_TEST(test_bin_wang_finds_what_moves)
 }
 GST_END_TEST;
 
+GST_START_TEST(test_haptic_lens)
+{
+  // Two discs mirror one another; one is five frames old, the other new. A step k frames ago has
+  // left min(k, 2ⁿ) / 2ⁿ in the average of 2ⁿ frames, so the temporal maps are 4.359375 and 3.171875
+  // steps; the spatial maps are equal.
+  PeerSaliency haptic_lens(Peer::haptic_lens);
+  cv::Mat picture(65, 257, CV_8UC3, cv::Scalar(60, 60, 60));
+  const cv::Point older(64, 32);
+  const cv::Point newer(192, 32);
+  for (int i = 0; i < 70; ++i)
+    ck_assert_int_eq(cv::countNonZero(haptic_lens.compute(picture)), 0);
+  cv::circle(picture, older, 12, { 160, 160, 160 }, cv::FILLED);
+  for (int i = 0; i < 4; ++i)
+    haptic_lens.compute(picture);
+  cv::circle(picture, newer, 12, { 160, 160, 160 }, cv::FILLED);
+  const cv::Mat map = haptic_lens.compute(picture).clone();
+  double peak = 0;
+  cv::minMaxLoc(map, nullptr, &peak);
+  fail_unless_near(peak, 1, 1e-6);
+  fail_unless_near(map.at<float>(newer) / map.at<float>(older), 3.171875 / 4.359375, 1e-3);
+  fail_unless_near(map.at<float>(32, 128), 0, 0);
+
+  // After a reset there is nothing to compare with for seven frames. A single picture has contrast.
+  haptic_lens.reset();
+  for (int i = 0; i < 7; ++i) {
+    cv::circle(picture, older, i, { 0, 0, 0 }, cv::FILLED);
+    ck_assert_int_eq(cv::countNonZero(haptic_lens.compute(picture)), 0);
+  }
+  cv::circle(picture, older, 12, { 0, 0, 0 }, cv::FILLED);
+  fail_unless(cv::countNonZero(haptic_lens.compute(picture)) > 0);
+  fail_unless(cv::countNonZero(haptic_lens.compute_still(picture)) > 0);
+}
+GST_END_TEST;
+
 GST_START_TEST(test_unavailable)
 {
   for (const Peer peer : quality::kPeers) {
@@ -115,6 +149,7 @@ peers_suite(void)
   tcase_add_test(tc, test_frame_difference);
   tcase_add_test(tc, test_maps);
   tcase_add_test(tc, test_bin_wang_finds_what_moves);
+  tcase_add_test(tc, test_haptic_lens);
   tcase_add_test(tc, test_unavailable);
   return suite;
 }
