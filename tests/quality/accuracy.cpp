@@ -5,6 +5,7 @@
 #include "films.h"
 #include "fixations.h"
 #include "frame/front_end.h"
+#include "parallel.h"
 #include "pictures.h"
 #include "saliency/analyzer.h"
 #include "saliency/spatial_saliency.h"
@@ -18,6 +19,7 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
+#include <functional>
 #include <memory>
 #include <stdexcept>
 
@@ -279,7 +281,7 @@ private:
 };
 
 std::vector<Agreement>
-photograph_agreement(const std::filesystem::path &directory, int threads, bool quick)
+photograph_agreement(const std::filesystem::path &directory, OracleExtent extent)
 {
   const cv::Size size(800, 600);
   std::vector<std::filesystem::path> files;
@@ -291,9 +293,10 @@ photograph_agreement(const std::filesystem::path &directory, int threads, bool q
   if (files.empty())
     throw std::runtime_error((directory / "osie").string() + ": no photographs there");
 
-  FilmComparison contrast(size, threads);
-  PictureComparison spatial(threads);
-  for (std::size_t i = 0; i < files.size(); i += quick ? 10 : 1) {
+  const std::size_t step = extent == OracleExtent::all ? 1 : extent == OracleExtent::some ? 4 : 10;
+  FilmComparison contrast(size, 1);
+  PictureComparison spatial(1);
+  for (std::size_t i = 0; i < files.size(); i += step) {
     Decoder picture(files[i], "jpegdec", "I420");
     if (!picture.next() || picture.view().width != size.width
         || picture.view().height != size.height)
@@ -307,23 +310,29 @@ photograph_agreement(const std::filesystem::path &directory, int threads, bool q
   return rows;
 }
 
+/// From the tenth second on, after titles and fades, unless all of it.
 std::vector<Agreement>
-clip_agreement(const std::filesystem::path &directory, int threads, bool quick)
+clip_agreement(const std::filesystem::path &file, OracleExtent extent)
 {
-  std::vector<Agreement> rows;
-  for (const auto &file : list_films(directory / "clips")) {
-    Decoder clip(file, "decodebin", "I420");
-    std::unique_ptr<FilmComparison> comparison;
-    for (int i = 0; (!quick || i < 100) && clip.next(); ++i) {
-      if (!comparison)
-        comparison = std::make_unique<FilmComparison>(
-            cv::Size(clip.view().width, clip.view().height), threads);
-      comparison->frame(clip.view(), clip.time(), clip.duration());
-    }
+  using std::chrono::seconds;
+  const Time begin = extent == OracleExtent::all ? seconds(0) : seconds(10);
+  const Time end = extent == OracleExtent::all    ? Time::max()
+                   : extent == OracleExtent::some ? seconds(20)
+                                                  : seconds(13);
+  Decoder clip(file, "decodebin", "I420");
+  std::unique_ptr<FilmComparison> comparison;
+  while (clip.next() && clip.time() < end) {
+    if (clip.time() < begin)
+      continue;
     if (!comparison)
-      throw std::runtime_error(file.string() + ": no frames in it");
-    comparison->add_rows(file.filename().string(), true, rows);
+      comparison
+          = std::make_unique<FilmComparison>(cv::Size(clip.view().width, clip.view().height), 1);
+    comparison->frame(clip.view(), clip.time(), clip.duration());
   }
+  if (!comparison)
+    throw std::runtime_error(file.string() + ": too short");
+  std::vector<Agreement> rows;
+  comparison->add_rows(file.filename().string(), true, rows);
   return rows;
 }
 
@@ -350,19 +359,30 @@ leaves_agreement(cv::Size size, int pictures, int threads)
 } // namespace
 
 Table
-accuracy_table(const std::filesystem::path &data, int threads, bool quick)
+accuracy_table(const std::filesystem::path &data, int threads, OracleExtent extent)
 {
-  std::vector<Agreement> rows;
-  const auto append = [&](const std::vector<Agreement> &more) {
-    rows.insert(rows.end(), more.begin(), more.end());
+  const bool few = extent == OracleExtent::few;
+  std::vector<std::function<std::vector<Agreement>()>> jobs{
+    [] {
+      return leaves_agreement({ 640, 360 }, 10, 1);
+    },
+    [=] {
+      return leaves_agreement({ 1920, 1080 }, few ? 2 : 10, 1);
+    },
+    [=] {
+      return leaves_agreement({ 3840, 2160 }, few ? 1 : 5, 1);
+    }
   };
-  append(leaves_agreement({ 640, 360 }, 10, threads));
-  append(leaves_agreement({ 1920, 1080 }, quick ? 2 : 10, threads));
-  append(leaves_agreement({ 3840, 2160 }, quick ? 1 : 5, threads));
   if (!data.empty()) {
-    append(photograph_agreement(data, threads, quick));
-    append(clip_agreement(data, threads, quick));
+    jobs.emplace_back([=] { return photograph_agreement(data, extent); });
+    for (const auto &file : list_films(data / "clips"))
+      jobs.emplace_back([=] { return clip_agreement(file, extent); });
   }
+  std::vector<std::vector<Agreement>> found(jobs.size());
+  in_parallel(threads, jobs.size(), [&](std::size_t i) { found[i] = jobs[i](); });
+  std::vector<Agreement> rows;
+  for (const auto &some : found)
+    rows.insert(rows.end(), some.begin(), some.end());
   Table table(
       "Agreement with a double-precision oracle",
       "Pearson's r of each map with one in double precision, over frames in which something "

@@ -7,6 +7,14 @@
 
 namespace quality {
 
+/// How many frames the oracle, which is slow, is asked about.
+enum class OracleExtent
+{
+  few,  ///< every tenth photograph, 3 s of each film
+  some, ///< every fourth photograph, 10 s of each film
+  all,
+};
+
 /// Agreement of maps with a double-precision oracle, which converts every pixel to L*a*b* and
 /// decimates the result.
 ///
@@ -17,9 +25,8 @@ namespace quality {
 /// spatiotemporal maps of tuned on the films in its folder clips. The oracle's spatial maps are in
 /// double precision throughout. Its other maps are the library's, of the oracle's L*a*b*.
 ///
-/// `quick`: fewer leaves, every tenth photograph, the first 100 frames of films. Throws
-/// std::runtime_error if a file cannot be read.
-Table accuracy_table(const std::filesystem::path &data, int threads, bool quick);
+/// `threads` ≥ 1 share the sets of frames. Throws std::runtime_error if a file cannot be read.
+Table accuracy_table(const std::filesystem::path &data, int threads, OracleExtent extent);
 
 /// Whether both front ends reach their floors on a few leaves. Prints those that do not.
 bool accuracy_holds(int threads);

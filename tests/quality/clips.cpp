@@ -3,9 +3,12 @@
 
 #include "decode.h"
 #include "models.h"
+#include "parallel.h"
 
 #include <algorithm>
 #include <array>
+#include <functional>
+#include <iterator>
 #include <optional>
 #include <stdexcept>
 #include <utility>
@@ -48,27 +51,21 @@ private:
   int count_ = 0;
 };
 
-/// Measures one profile on one film.
-class ProfileScore
+/// Measures what is felt of one film.
+class ClipJudge
 {
 public:
-  ProfileScore(std::string name, const saliency::Profile &profile,
-               const tactile::MappingSettings &mapping)
-      : model_(std::move(name), profile, mapping)
+  explicit ClipJudge(const std::vector<Label> &labels)
   {
+    if (!labels.empty())
+      judge_.emplace(labels);
   }
 
-  void judge_by(const std::vector<Label> &labels)
+  void frame(const tactile::TactileMap &map, Time time, Time duration, bool camera_moves, bool cut)
   {
-    judge_.emplace(labels);
-  }
-
-  void frame(const saliency::FrameView &view, Time time, Time duration)
-  {
-    const saliency::Saliency &found = model_.frame(view, time, duration, map_);
     int felt = 0;
     for (std::size_t i = 0; i < tactors_.size(); ++i) {
-      const bool on = map_.levels[i] > 0;
+      const bool on = map.levels[i] > 0;
       tactors_[i].frame(on, time, duration);
       felt += on ? 1 : 0;
     }
@@ -76,15 +73,18 @@ public:
     frames_ += 1;
     active_ += felt > 0 ? 1 : 0;
     felt_ += felt;
-    camera_moves_ += found.camera_moves ? 1 : 0;
-    cuts_ += found.cut ? 1 : 0;
+    camera_moves_ += camera_moves ? 1 : 0;
+    cuts_ += cut ? 1 : 0;
     length_ += duration;
     if (judge_)
-      judge_->frame(time, map_);
+      judge_->frame(time, map);
   }
 
-  ClipRow row(std::string clip) const
+  /// Throws std::runtime_error if there were no frames.
+  ClipRow row(const std::filesystem::path &clip, std::string model) const
   {
+    if (frames_ == 0)
+      throw std::runtime_error(clip.string() + ": no frames in it");
     ClipScores scores;
     scores.frames = frames_;
     scores.active = active_ / frames_;
@@ -99,13 +99,11 @@ public:
     scores.cues_per_minute = cues / std::chrono::duration<double, std::ratio<60>>(length_).count();
     scores.camera_moves = camera_moves_ / frames_;
     scores.cuts = cuts_;
-    return { std::move(clip), model_.name(), scores,
+    return { clip.filename().string(), std::move(model), scores,
              judge_ ? std::optional(judge_->scores()) : std::nullopt };
   }
 
 private:
-  AnalyzerModel model_;
-  tactile::TactileMap map_{ kSide, kSide };
   Stretches chair_;
   std::array<Stretches, static_cast<std::size_t>(kSide *kSide)> tactors_;
   int frames_ = 0;
@@ -126,30 +124,54 @@ labels_of(const std::filesystem::path &film)
   return std::filesystem::exists(file) ? read_labels(file) : std::vector<Label>{};
 }
 
+/// The paper's profile and ours.
+std::vector<ClipRow>
+score_ours(const std::filesystem::path &file, const std::vector<Label> &labels)
+{
+  const std::array models{ paper_model(), tuned_model() };
+  std::array judges{ ClipJudge(labels), ClipJudge(labels) };
+  tactile::TactileMap map(kSide, kSide);
+  Decoder clip(file, "decodebin", "I420");
+  while (clip.next())
+    for (std::size_t i = 0; i < models.size(); ++i) {
+      const auto &found = models[i]->frame(clip.view(), clip.time(), clip.duration(), map);
+      judges[i].frame(map, clip.time(), clip.duration(), found.camera_moves, found.cut);
+    }
+  return { judges[0].row(file, models[0]->name()), judges[1].row(file, models[1]->name()) };
+}
+
+std::vector<ClipRow>
+score_peer(Peer peer, const std::filesystem::path &file, const std::vector<Label> &labels)
+{
+  PeerSaliency saliency(peer);
+  ClipJudge judge(labels);
+  tactile::TactileMap map(kSide, kSide);
+  Decoder clip(file, "decodebin", "BGR");
+  while (clip.next()) {
+    map_peer(saliency.compute(as_mat(clip.view())), map);
+    judge.frame(map, clip.time(), clip.duration(), false, false);
+  }
+  return { judge.row(file, name(peer)) };
+}
+
 } // namespace
 
 std::vector<ClipRow>
-score_clips(const std::filesystem::path &directory)
+score_clips(const std::filesystem::path &directory, int threads)
 {
-  std::vector<ClipRow> rows;
+  std::vector<std::function<std::vector<ClipRow>()>> jobs;
   for (const auto &file : list_films(directory)) {
-    std::array profiles{
-      ProfileScore("paper", saliency::Profile::paper(), tactile::MappingSettings::paper()),
-      ProfileScore("tuned", saliency::Profile::tuned(), tactile::MappingSettings::tuned())
-    };
-    if (const std::vector<Label> labels = labels_of(file); !labels.empty())
-      for (auto &profile : profiles)
-        profile.judge_by(labels);
-    Decoder clip(file, "decodebin", "I420");
-    bool any = false;
-    for (; clip.next(); any = true)
-      for (auto &profile : profiles)
-        profile.frame(clip.view(), clip.time(), clip.duration());
-    if (!any)
-      throw std::runtime_error(file.string() + ": no frames in it");
-    for (const auto &profile : profiles)
-      rows.push_back(profile.row(file.filename().string()));
+    const std::vector<Label> labels = labels_of(file);
+    jobs.emplace_back([=] { return score_ours(file, labels); });
+    for (const Peer peer : kPeers)
+      if (!labels.empty() && is_available(peer))
+        jobs.emplace_back([=] { return score_peer(peer, file, labels); });
   }
+  std::vector<std::vector<ClipRow>> found(jobs.size());
+  in_parallel(threads, jobs.size(), [&](std::size_t i) { found[i] = jobs[i](); });
+  std::vector<ClipRow> rows;
+  for (auto &some : found)
+    std::ranges::move(some, std::back_inserter(rows));
   return rows;
 }
 

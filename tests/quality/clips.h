@@ -26,17 +26,19 @@ struct ClipScores
 
 struct ClipRow
 {
-  std::string clip; ///< the file's name
-  std::string profile;
+  std::string clip;  ///< the file's name
+  std::string model; ///< a profile or a peer
   ClipScores scores;
   std::optional<LabelScores> labels; ///< where there are labels of the clip
 };
 
 /// Analyzes the films of list_films(directory) with `profile=paper` and `profile=tuned`, as
-/// saliencytactile does, decoded by decodebin to I420. Rows are sorted by name, paper before tuned.
+/// saliencytactile does, decoded by decodebin to I420; those with labels by each available peer,
+/// too. Rows are sorted by the clip's name; paper, tuned, then peers.
 ///
-/// Requires gst_init(). Throws std::runtime_error if there is no film, or if one cannot be played
-/// to its end.
-std::vector<ClipRow> score_clips(const std::filesystem::path &directory);
+/// `threads` ≥ 1 share the work, and the result does not depend on their number. Requires
+/// gst_init(). Throws std::runtime_error if there is no film, or if one cannot be played to its
+/// end.
+std::vector<ClipRow> score_clips(const std::filesystem::path &directory, int threads);
 
 } // namespace quality

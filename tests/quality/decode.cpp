@@ -91,6 +91,14 @@ Decoder::duration() const
                         : GST_SECOND / 30);
 }
 
+cv::Mat
+as_mat(const saliency::FrameView &bgr)
+{
+  const auto &blue = bgr.components[2];
+  return { bgr.height, bgr.width, CV_8UC3, const_cast<std::uint8_t *>(blue.data),
+           static_cast<std::size_t>(blue.row_stride) };
+}
+
 std::vector<std::filesystem::path>
 list_films(const std::filesystem::path &directory)
 {

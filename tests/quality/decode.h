@@ -6,6 +6,8 @@
 
 #include <gst/gst.h>
 
+#include <opencv2/core/mat.hpp>
+
 #include <chrono>
 #include <filesystem>
 #include <memory>
@@ -52,6 +54,9 @@ private:
   GstVideoInfo info_;
   std::unique_ptr<FrameMapping> mapping_;
 };
+
+/// An OpenCV view of a decoded BGR frame.
+cv::Mat as_mat(const saliency::FrameView &bgr);
 
 /// The films in `directory`, sorted by name: avi, m4v, mkv, mov, mp4, mpg, ogv, ts, webm. Throws
 /// std::runtime_error if there is none.

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "film_scores.h"
 
-#include <atomic>
-#include <future>
+#include "parallel.h"
+
 #include <mutex>
 
 namespace quality {
@@ -23,7 +23,7 @@ score(const FilmCase &film_case)
     for (std::size_t m = 0; m < all.size(); ++m) {
       models.push_back(film_case.models[m]());
       all[m].model = models[m]->name();
-      judges.emplace_back(all[m].scores, film_case.size);
+      judges.emplace_back(all[m].films.emplace_back(), film_case.size);
     }
     Frame frame(film_case.size);
     tactile::TactileMap map(3, 3);
@@ -35,11 +35,13 @@ score(const FilmCase &film_case)
       for (std::size_t m = 0; m < all.size(); ++m) {
         models[m]->frame(frame, time, duration, map);
         judges[m].frame(*film, time, balls, map);
-        all[m].scores.camera.add(models[m]->camera_moves());
+        all[m].films.back().camera.add(models[m]->camera_moves());
       }
     }
-    for (auto &judge : judges)
-      judge.finish();
+    for (std::size_t m = 0; m < all.size(); ++m) {
+      judges[m].finish();
+      all[m].scores.add(all[m].films.back());
+    }
   }
   return all;
 }
@@ -51,23 +53,15 @@ score_films(const std::vector<FilmCase> &cases, int threads,
             const std::function<void(std::size_t done)> &progress)
 {
   std::vector<std::vector<FilmScores>> scores(cases.size());
-  std::atomic<std::size_t> next = 0;
   std::size_t done = 0;
   std::mutex mutex;
-  const auto work = [&] {
-    for (std::size_t i = next++; i < cases.size(); i = next++) {
-      scores[i] = score(cases[i]);
-      const std::lock_guard lock(mutex);
-      ++done;
-      if (progress)
-        progress(done);
-    }
-  };
-  std::vector<std::future<void>> workers;
-  for (int i = 0; i < threads; ++i)
-    workers.push_back(std::async(std::launch::async, work));
-  for (auto &worker : workers)
-    worker.get();
+  in_parallel(threads, cases.size(), [&](std::size_t i) {
+    scores[i] = score(cases[i]);
+    const std::lock_guard lock(mutex);
+    ++done;
+    if (progress)
+      progress(done);
+  });
   return scores;
 }
 

@@ -32,7 +32,8 @@ struct FilmCase
 struct FilmScores
 {
   std::string model;
-  Scores scores;
+  Scores scores;             ///< of all films
+  std::vector<Scores> films; ///< of each
 };
 
 /// Scores the models of each case on its films with seeds 1, 2, …. `threads` ≥ 1 share the cases,

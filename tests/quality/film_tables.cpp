@@ -77,8 +77,38 @@ struct WorstScores
   }
 };
 
+void
+note(std::vector<std::string> &names, const std::string &name)
+{
+  if (std::ranges::find(names, name) == names.end())
+    names.push_back(name);
+}
+
+/// The share felt, for each model of the kind of film of which it is largest. An object that comes
+/// in is no disturbance.
+SummaryRow
+worst_disturbance(const std::map<std::string, UnitsByModel> &felt)
+{
+  UnitsByModel worst;
+  std::map<std::string, double> most;
+  for (const Disturbance disturbance : kDisturbances)
+    if (const auto films = felt.find(name(disturbance)); films != felt.end())
+      for (const auto &[model, means] : films->second) {
+        const double share = estimate(means).value;
+        if (const auto [known, first] = most.try_emplace(model, share);
+            !first && share <= known->second)
+          continue;
+        most[model] = share;
+        worst[model] = means;
+      }
+  SummaryRow row = summary_row("nothing happens", "frames felt, worst kind of film", worst);
+  row.higher = false;
+  return row;
+}
+
+/// Films for all have one length, so that a row of the summary compares the same.
 std::vector<FilmCase>
-ball_cases(bool quick)
+ball_cases(const Extent &extent)
 {
   std::vector<FilmCase> cases;
   for (const cv::Size size : { cv::Size(320, 240), cv::Size(640, 480), cv::Size(1920, 1080) })
@@ -86,20 +116,17 @@ ball_cases(bool quick)
       for (const auto pattern :
            { tactile::FilmPattern::static_motion, tactile::FilmPattern::dynamic_motion })
         for (const double noise : { 0.0, 2.0, 4.0 }) {
+          if (extent.quick && (size.width > 320 || fps != 30))
+            continue;
           FilmCase film = ball_case(pattern, size, fps, noise);
           film.seeds = 1;
-          if (quick && (size.width > 320 || fps != 30))
-            continue;
           film.models = { tuned_model };
-          film.seconds = size.width == 320 ? 30 : size.width == 640 ? 20 : 10;
+          film.seconds = size.width < 1920 ? 20 : 10;
           cases.push_back(film);
-          // The slowest peers take 0.3 s for a large frame; the first pair comes at 5.8 s.
+          if (!extent.full && (size.width == 1920 || fps != 30))
+            continue;
           film.models = peer_models(true);
           film.models.insert(film.models.begin(), paper_model);
-          film.seconds = size.width == 320                                ? 20
-                         : size.width == 640                              ? 10
-                         : pattern == tactile::FilmPattern::static_motion ? 6.3
-                                                                          : 4;
           cases.push_back(film);
         }
   return cases;
@@ -146,14 +173,13 @@ phantom_cases(const Extent &extent)
               continue;
             FilmCase film = disturbed_case(disturbance, background, setting.size, ball, noise);
             film.fps = setting.fps;
-            film.models = standard ? our_models() : std::vector<ModelMaker>{ tuned_model };
+            film.models = standard && !ball ? our_models() : std::vector<ModelMaker>{ tuned_model };
             film.seeds = setting.size.width > 640 ? 1 : 2;
             film.seconds = setting.fps == 60 ? 6 : 10;
             cases.push_back(film);
             film.models = peer_models(false);
-            film.seeds = 1;
             film.seconds = 6;
-            if (standard && synthetic && !film.models.empty())
+            if (standard && synthetic && !ball && !film.models.empty())
               cases.push_back(film);
           }
   for (const double share : { 0.1, 0.3, 0.6 })
@@ -183,23 +209,22 @@ score(const std::vector<FilmCase> &cases, int threads, const char *what)
   return scores;
 }
 
-BallTables
-ball_tables(const Extent &extent)
+Section
+ball_section(const Extent &extent, Summary &summary)
 {
-  const auto cases = ball_cases(extent.quick);
+  const auto cases = ball_cases(extent);
   const auto scores = score(cases, extent.threads, "films");
-  Table every("Balls on an even background", "",
+  const char *const title = "Balls on an even background";
+  Table every(title, "",
               { "film", "size", "fps", "σ", "model", "(a) strongest", "(b) energy", "(c) silent",
                 "(d) frames", "felt in the first frame", "(e) pairs", "onsets" });
   std::vector<std::string> models; // tuned first
   std::vector<std::string> sizes;
   std::map<std::pair<std::string, std::string>, WorstScores> worst;
-  const auto note = [](std::vector<std::string> &names, const std::string &name) {
-    if (std::ranges::find(names, name) == names.end())
-      names.push_back(name);
-  };
+  UnitsByModel strongest; // of the films that all were shown
+  UnitsByModel energy;
   for (std::size_t i = 0; i < cases.size(); ++i)
-    for (const auto &[model, s] : scores[i]) {
+    for (const auto &[model, s, films] : scores[i]) {
       const std::string size = size_text(cases[i].size);
       every.add({ cases[i].film, size, std::to_string(cases[i].fps), figure(cases[i].noise, 0),
                   model, figure(s.strongest.value(), 3), figure(s.energy.value(), 3),
@@ -209,84 +234,113 @@ ball_tables(const Extent &extent)
       note(models, model);
       note(sizes, size);
       worst[{ model, size }].add(s);
+      if (cases[i].fps == 30 && cases[i].size.width < 1920)
+        for (const Scores &film : films) {
+          strongest[model].push_back(film.strongest);
+          energy[model].push_back(film.energy);
+        }
     }
+  summary.push_back(summary_row("two balls", "(a) the strongest cell is a ball's", strongest));
+  summary.push_back(summary_row("two balls", "(b) energy in the balls' cells", energy));
   Table table(
-      "Balls on an even background",
+      title,
       "The paper's two films; the worst of both, of 24, 30 and 60 fps, and of noise of σ 0, "
       "2 and 4 codes. "
-      "(a): share of the frames around an event whose strongest cell is a ball's. "
-      "(b): share of the map's energy in the balls' cells. "
-      "(c): share of the frames that are silent where nothing moves. "
-      "(d): frames from an onset to the first level above 0. "
-      "(e): share of the frames in which both balls of a pair are felt. "
-      "× R: weighted with color rarity.",
+          + std::string(extent.full ? "" : "Paper and peers at 30 fps only. ")
+          + "(a): share of the frames around an event whose strongest cell is a ball's. "
+            "(b): share of the map's energy in the balls' cells. "
+            "(c): share of the frames that are silent where nothing moves. "
+            "(d): frames from an onset to the first level above 0. "
+            "(e): share of the frames in which both balls of a pair are felt. "
+            "× R: weighted with color rarity.",
       { "model", "size", "(a)", "(b)", "(c)", "(d)", "(e)" });
   for (const auto &model : models)
-    for (const auto &size : sizes) {
-      const WorstScores &w = worst[{ model, size }];
-      table.add({ model, size, figure(w.strongest.value(), 3), figure(w.energy.value(), 3),
-                  figure(w.silent.value(), 3), figure(w.delay.value(), 2),
-                  figure(w.pair.value(), 3) });
-    }
+    for (const auto &size : sizes)
+      if (const auto found = worst.find({ model, size }); found != worst.end()) {
+        const WorstScores &w = found->second;
+        table.add({ model, size, figure(w.strongest.value(), 3), figure(w.energy.value(), 3),
+                    figure(w.silent.value(), 3), figure(w.delay.value(), 2),
+                    figure(w.pair.value(), 3) });
+      }
   return { table, every };
 }
 
-Table
-phantom_table(const Extent &extent)
+Section
+phantom_section(const Extent &extent, Summary &summary)
 {
   const auto cases = phantom_cases(extent);
   const auto scores = score(cases, extent.threads, "phantoms");
+  const char *const title = "Nothing happens";
+  Table every(
+      title, "",
+      { "film", "picture", "size", "fps", "σ", "ball", "model", "felt", "found", "right cell" });
   // One row for each film, with and without a ball; a column for each model.
   struct Row
   {
     std::vector<std::string> film;
-    std::map<std::string, std::string> felt{}; ///< by model
-    std::string ball{};
+    std::map<std::string, Worst> felt{}; ///< by model
+    Worst found{ true };
+    Worst right{ true };
   };
   std::vector<Row> rows;
+  std::vector<std::string> models;          // tuned is a column of its own
+  std::map<std::string, UnitsByModel> felt; // by film
   Worst camera(false);
   for (std::size_t i = 0; i < cases.size(); ++i) {
     const FilmCase &one = cases[i];
     const bool still = one.film == name(Disturbance::still);
     const std::vector<std::string> film{ one.film + (still ? ", σ " + figure(one.noise, 0) : ""),
-                                         one.pictures, size_text(one.size),
-                                         std::to_string(one.fps) };
+                                         one.pictures };
     auto row = std::ranges::find(rows, film, &Row::film);
     if (row == rows.end())
       row = rows.insert(row, { film });
-    for (const auto &[model, s] : scores[i])
+    for (const auto &[model, s, films] : scores[i]) {
+      every.add({ one.film, one.pictures, size_text(one.size), std::to_string(one.fps),
+                  figure(one.noise, 0), one.ball ? "yes" : "no", model, figure(s.active.value(), 4),
+                  figure(s.found.value(), 3), figure(s.right.value(), 3) });
+      if (model != "tuned")
+        note(models, model);
       if (!one.ball) {
-        row->felt[model] = percent(s.active.value());
+        row->felt.try_emplace(model, false).first->second.add(s.active.value());
         if (still && model == "tuned")
           camera.add(s.camera.value());
+        for (const Scores &single : films)
+          felt[one.film][model].push_back(single.active);
       } else if (model == "tuned") {
-        row->ball = percent(s.found.value()) + " / " + percent(s.right.value());
+        row->found.add(s.found.value());
+        row->right.add(s.right.value());
       }
+    }
   }
-  std::vector<std::string> models{ "paper" };
-  for (const Peer peer : kPeers)
-    if (is_available(peer))
-      models.emplace_back(name(peer));
-  std::vector<std::string> header{ "film", "picture", "size",
-                                   "fps",  "tuned",   "ball found / right cell" };
+  summary.push_back(worst_disturbance(felt));
+
+  std::vector<std::string> header{ "film", "picture", "tuned", "ball found / right cell" };
   header.insert(header.end(), models.begin(), models.end());
-  Table table("Nothing happens",
-              "Share of the frames that are felt, of films in which nothing happens. "
+  Table table(title,
+              "Share of the frames that are felt, of films in which nothing happens: the worst of "
+              "640×360 at 24, 30 and 60 fps, of 320×180, and of 1920×1080; paper and peers at "
+              "640×360 and 30 fps. "
               "Found: the same film with a ball, felt within 1/3 s. "
               "Right cell: the strongest is the ball's. "
               "Objects that come in are to be felt in 50 % of the frames. "
               "The camera counts as moving in at most "
                   + percent(camera.value()) + " of the frames of still pictures.",
               header);
-  for (Row &row : rows) {
+  const auto felt_by = [](const Row &row, const std::string &model) {
+    const auto found = row.felt.find(model);
+    return found == row.felt.end() ? "" : percent(found->second.value());
+  };
+  for (const Row &row : rows) {
     std::vector<std::string> cells = row.film;
-    cells.push_back(row.felt["tuned"]);
-    cells.push_back(row.ball);
+    cells.push_back(felt_by(row, "tuned"));
+    cells.push_back(std::isnan(row.found.value())
+                        ? ""
+                        : percent(row.found.value()) + " / " + percent(row.right.value()));
     for (const auto &model : models)
-      cells.push_back(row.felt[model]);
+      cells.push_back(felt_by(row, model));
     table.add(cells);
   }
-  return table;
+  return { table, every };
 }
 
 Table

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "film_cases.h"
+#include "summary.h"
 #include "table.h"
 
 #include <array>
@@ -18,6 +19,7 @@ inline constexpr std::array kDisturbances{ Disturbance::still, Disturbance::flic
 struct Extent
 {
   bool quick = false;         ///< one size and frame rate of each film
+  bool full = false;          ///< peers at all sizes and rates, the oracle for whole films
   int threads = 2;            ///< films at a time
   std::filesystem::path data; ///< where osie/ lies; empty: no photographs
 };
@@ -28,17 +30,12 @@ std::string size_text(cv::Size size);
 std::vector<std::vector<FilmScores>> score(const std::vector<FilmCase> &cases, int threads,
                                            const char *what);
 
-/// The paper's films for the paper's profile, ours and all peers: the worst of each size, and every
-/// figure.
-struct BallTables
-{
-  Table worst;
-  Table every;
-};
-BallTables ball_tables(const Extent &extent);
+/// The paper's films for the paper's profile, ours and all peers: the worst of each size.
+Section ball_section(const Extent &extent, Summary &summary);
 
-/// Films in which nothing happens, or a ball appears, or something large comes in.
-Table phantom_table(const Extent &extent);
+/// Films in which nothing happens, or a ball appears, or something large comes in: the worst of all
+/// sizes and frame rates.
+Section phantom_section(const Extent &extent, Summary &summary);
 
 /// The tuned profile with one choice made otherwise: the worst of the films.
 Table choice_table(int threads);

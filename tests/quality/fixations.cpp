@@ -102,7 +102,7 @@ is_flat(const Moments &m)
 
 } // namespace
 
-std::map<std::string, Fixations>
+std::map<std::string, std::map<std::string, Fixations>>
 read_fixations(const std::filesystem::path &file, cv::Size picture)
 {
   std::error_code error;
@@ -113,7 +113,7 @@ read_fixations(const std::filesystem::path &file, cv::Size picture)
   if (size > kLargestFile)
     throw std::runtime_error(file.string() + ": is beyond 64 MiB");
 
-  std::map<std::string, Fixations> fixations;
+  std::map<std::string, std::map<std::string, Fixations>> fixations;
   std::string line;
   for (int number = 1; std::getline(in, line); ++number) {
     if (line.ends_with('\r'))
@@ -135,7 +135,7 @@ read_fixations(const std::filesystem::path &file, cv::Size picture)
       refuse(file, number,
              "x in 0.." + std::to_string(picture.width) + " and y in 0.."
                  + std::to_string(picture.height));
-    fixations[std::string(name)].push_back(position);
+    fixations[std::string(name)][std::string(subject)].push_back(position);
   }
   if (fixations.empty())
     throw std::runtime_error(file.string() + ": holds no fixations");
@@ -181,7 +181,8 @@ fixation_density(cv::Size size, std::span<const cv::Point2d> fixations, double s
   cv::Mat density = cv::Mat::zeros(size, CV_32FC1);
   for (const auto &fixation : fixations)
     density.at<float>(sample_at(density, fixation)) += 1;
-  cv::GaussianBlur(density, density, {}, sigma);
+  if (sigma > 0)
+    cv::GaussianBlur(density, density, {}, sigma);
   return density;
 }
 

@@ -15,12 +15,12 @@ namespace quality {
 /// A gaze position in samples of a map, where sample i covers [i, i + 1).
 using Fixations = std::vector<cv::Point2d>;
 
-/// The fixations of all subjects on each picture, by file name, in pixels. The file is CSV with the
-/// header "image,subject,x,y". Positions are in [0, width] × [0, height] of `picture`. Throws
-/// std::runtime_error with file, line and what was expected, also for files above 64 MiB and for
-/// names with a path.
-std::map<std::string, Fixations> read_fixations(const std::filesystem::path &file,
-                                                cv::Size picture);
+/// The fixations on each picture, by its file name, and of each subject, in pixels. The file is CSV
+/// with the header "image,subject,x,y". Positions are in [0, width] × [0, height] of `picture`.
+/// Throws std::runtime_error with file, line and what was expected, also for files above 64 MiB and
+/// for names with a path.
+std::map<std::string, std::map<std::string, Fixations>>
+read_fixations(const std::filesystem::path &file, cv::Size picture);
 
 // How well a map predicts fixations: Bylinskii, Judd, Oliva, Torralba & Durand (2019), "What do
 // different evaluation metrics tell us about saliency models?". A map is CV_32FC1, finite and not
@@ -43,7 +43,8 @@ double auc_judd(const cv::Mat &map, std::span<const cv::Point2d> fixations);
 double shuffled_auc(const cv::Mat &map, std::span<const cv::Point2d> fixations,
                     std::span<const cv::Point2d> others);
 
-/// Number of fixations in each sample, blurred by a Gaussian of `sigma` > 0 samples. CV_32FC1.
+/// Number of fixations in each sample, blurred by a Gaussian of `sigma` samples if that is > 0.
+/// CV_32FC1.
 cv::Mat fixation_density(cv::Size size, std::span<const cv::Point2d> fixations, double sigma);
 
 /// Pearson's correlation coefficient of two maps of one size; 0 if either is flat.

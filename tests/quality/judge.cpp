@@ -32,6 +32,15 @@ cells_of(const tactile::Ball &ball, cv::Size size, const tactile::TactileMap &ma
 } // namespace
 
 void
+Scores::add(const Scores &other)
+{
+  for (const auto figure : { &Scores::strongest, &Scores::energy, &Scores::silent, &Scores::delay,
+                             &Scores::prompt, &Scores::pair, &Scores::active, &Scores::camera,
+                             &Scores::cells, &Scores::found, &Scores::right })
+    (this->*figure).add(other.*figure);
+}
+
+void
 Judge::frame(const LabeledFilm &film, Time time, const std::vector<tactile::Ball> &balls,
              const tactile::TactileMap &map)
 {

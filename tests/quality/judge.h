@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include "estimate.h"
 #include "films.h"
 #include "tactile/tactile_map.h"
 
@@ -9,24 +10,6 @@
 #include <vector>
 
 namespace quality {
-
-/// A running mean.
-struct Mean
-{
-  double sum = 0;
-  double count = 0;
-
-  void add(double value)
-  {
-    sum += value;
-    count += 1;
-  }
-  /// NaN if empty.
-  double value() const
-  {
-    return sum / count;
-  }
-};
 
 /// How well maps follow films (docs/design/quality.md). An event is an onset, that is a ball that
 /// appears or starts to move, or its movement; a ball that is there in the first frame is none. A
@@ -44,6 +27,9 @@ struct Scores
   Mean cells;     ///< cells above zero: all frames
   Mean found;     ///< felt within 1/3 s in the ball's cells: onsets that could be seen
   Mean right;     ///< strongest cell is a ball's: frames not silent within 0.5 s of such an onset
+
+  /// Adds those of other films.
+  void add(const Scores &other);
 };
 
 /// Scores one film.

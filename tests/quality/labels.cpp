@@ -54,6 +54,7 @@ parse_label(const std::string &text, const std::filesystem::path &file, int line
             : (refuse(file, line, "felt, allowed or quiet, got '" + verdict + "'"), Verdict::quiet);
   label.anywhere = cells == "*";
   label.cells.assign(kCells, label.anywhere);
+  std::getline(fields, label.what);
   std::istringstream numbers(label.anywhere ? "" : cells);
   for (std::string number; numbers >> number;) {
     if (number.size() != 1 || number[0] < '0' || number[0] > '8')
@@ -84,7 +85,8 @@ read_labels(const std::filesystem::path &file)
   return labels;
 }
 
-LabelJudge::LabelJudge(std::vector<Label> labels) : labels_(std::move(labels))
+LabelJudge::LabelJudge(std::vector<Label> labels)
+    : labels_(std::move(labels)), right_(labels_.size())
 {
   for (const Label &label : labels_)
     found_.emplace_back(label.verdict == Verdict::felt ? static_cast<std::size_t>(
@@ -108,24 +110,29 @@ LabelJudge::frame(Time time, const tactile::TactileMap &map)
         = true;
   if (label->verdict == Verdict::allowed && label->anywhere)
     return;
-  judged_ += 1;
-  felt_ += felt ? 1 : 0;
-  right_ += right ? 1 : 0;
+  felt_.add(felt);
+  if (felt)
+    right_[static_cast<std::size_t>(label - labels_.begin())].add(right);
 }
 
 LabelScores
 LabelJudge::scores() const
 {
-  std::ptrdiff_t windows = 0;
-  std::ptrdiff_t found = 0;
-  for (const std::vector<bool> &span : found_) {
-    windows += static_cast<std::ptrdiff_t>(span.size());
-    found += std::ranges::count(span, true);
+  LabelScores scores{ .right = right_ };
+  Mean right;
+  for (const Mean &span : right_)
+    right.add(span);
+  Mean found;
+  for (const std::vector<bool> &windows : found_) {
+    Mean &span = scores.found.emplace_back();
+    for (const bool window : windows)
+      span.add(window);
+    found.add(span);
   }
-  const auto share = [](auto part, auto whole, double otherwise) {
-    return whole > 0 ? static_cast<double>(part) / static_cast<double>(whole) : otherwise;
-  };
-  return { share(felt_, judged_, 0), share(right_, felt_, 1), share(found, windows, 1) };
+  scores.felt = felt_.count > 0 ? felt_.value() : 0;
+  scores.precision = right.count > 0 ? right.value() : 1;
+  scores.recall = found.count > 0 ? found.value() : 1;
+  return scores;
 }
 
 } // namespace quality

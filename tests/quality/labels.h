@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include "estimate.h"
 #include "films.h"
 #include "tactile/tactile_map.h"
 
@@ -25,6 +26,7 @@ struct Label
   Verdict verdict = Verdict::allowed;
   std::vector<bool> cells; ///< nine, row by row: where it is
   bool anywhere = false;   ///< all of them
+  std::string what;        ///< what is seen
 };
 
 /// Reads labels as tests/quality/labels/README.md describes them. Spans come in order, without gaps
@@ -36,6 +38,8 @@ struct LabelScores
   double felt = 0;      ///< share of the judged frames that are felt
   double precision = 0; ///< of these, those whose strongest cell is right; 1 if none is felt
   double recall = 0;    ///< share of the half seconds to be felt that have a right frame; 1 if none
+  std::vector<Mean> right; ///< in each span, for precision
+  std::vector<Mean> found; ///< in each span, for recall
 };
 
 /// Compares what is felt of a film with its labels.
@@ -52,9 +56,8 @@ public:
 private:
   std::vector<Label> labels_;
   std::vector<std::vector<bool>> found_; ///< for each label, for each of its half seconds
-  int judged_ = 0;
-  int felt_ = 0;
-  int right_ = 0;
+  std::vector<Mean> right_;              ///< for each label, of its felt frames
+  Mean felt_;                            ///< of the judged frames
 };
 
 } // namespace quality

@@ -47,8 +47,7 @@ public:
                      cv::INTER_LINEAR | cv::WARP_INVERSE_MAP, cv::BORDER_REPLICATE);
       cv::multiply(map_, on_map_, map_);
     }
-    constexpr tactile::MappingSettings kMapping{ .gain = tactile::Gain::none };
-    tactile::map_saliency(view_of(map_), kMapping, map);
+    map_peer(map_, map);
   }
 
 private:
@@ -104,6 +103,14 @@ PeerMaps::of(const Frame &frame, Time time)
     saliency_.compute(frame.bgr()).copyTo(map_);
   time_ = time;
   return map_;
+}
+
+void
+map_peer(const cv::Mat &saliency, tactile::TactileMap &map)
+{
+  constexpr tactile::MappingSettings kMapping{ .order = tactile::Order::pool_first,
+                                               .gain = tactile::Gain::none };
+  tactile::map_saliency(view_of(saliency), kMapping, map);
 }
 
 std::unique_ptr<Model>

@@ -103,9 +103,11 @@ private:
   cv::Mat map_;
 };
 
-/// A peer's map with this project's mapping: a threshold at half of the maximum, values kept,
-/// pooled by exact area. With `weighted`, the map is multiplied by color rarity first. The result
-/// is silent only if the map is 0.
+/// What would be felt of a peer's map: pooled by exact area, cells below half of the strongest
+/// silent, no floor, no gain. Silent only if the map is 0.
+void map_peer(const cv::Mat &saliency, tactile::TactileMap &map);
+
+/// A peer with that mapping. With `weighted`, its maps are multiplied by color rarity first.
 std::unique_ptr<Model> peer_model(std::shared_ptr<PeerMaps> maps, bool weighted);
 
 } // namespace quality

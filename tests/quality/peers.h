@@ -46,8 +46,8 @@ public:
   PeerSaliency &operator=(PeerSaliency &&) noexcept;
 
   /// `frame` is CV_8UC3 B'G'R', not empty; a new size resets. The map is CV_32FC1, finite, ≥ 0,
-  /// with the size of scaled_for(). It is valid until the next call. BinWang is trained on the first
-  /// frame, as if it had been shown for 2 s.
+  /// with the size of scaled_for(). It is valid until the next call. BinWang is trained on the
+  /// first frame, as if it had been shown for 2 s.
   const cv::Mat &compute(const cv::Mat &frame);
 
   /// The map of a single picture, likewise. HapticLens's is its spatial map.

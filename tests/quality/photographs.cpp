@@ -21,6 +21,7 @@
 #include <exception>
 #include <functional>
 #include <mutex>
+#include <span>
 #include <stdexcept>
 #include <thread>
 
@@ -47,7 +48,8 @@ struct Photograph
 {
   std::string name;
   Split split = train;
-  Fixations fixations; ///< in samples of the grid
+  Fixations fixations;                ///< of all people, in samples of the grid
+  std::array<Fixations, 2> of_halves; ///< of every other person
 };
 
 /// The pictures with fixations, by name.
@@ -55,17 +57,23 @@ std::vector<Photograph>
 list_photographs(const std::filesystem::path &directory)
 {
   std::vector<Photograph> photographs;
-  for (auto &[name, fixations] : read_fixations(directory / "fixations.csv", kPicture)) {
+  for (const auto &[name, people] : read_fixations(directory / "fixations.csv", kPicture)) {
     int number = 0;
     const auto [end, error] = std::from_chars(name.data(), name.data() + name.size(), number);
     if (error != std::errc{} || std::string_view(end) != ".jpg"
         || (number % 4 != 1 && number % 4 != 3))
       throw std::runtime_error("fixations.csv: expected pictures ODD-NUMBER.jpg, not " + name);
-    Fixations scaled;
-    for (const auto &fixation : fixations)
-      scaled.emplace_back(fixation.x * kGrid.width / kPicture.width,
-                          fixation.y * kGrid.height / kPicture.height);
-    photographs.push_back({ name, number % 4 == 1 ? train : validation, std::move(scaled) });
+    Photograph &photograph = photographs.emplace_back(
+        Photograph{ name, number % 4 == 1 ? train : validation, {}, {} });
+    std::size_t half = 0;
+    for (const auto &[person, fixations] : people) {
+      for (const auto &fixation : fixations)
+        photograph.of_halves[half].emplace_back(fixation.x * kGrid.width / kPicture.width,
+                                                fixation.y * kGrid.height / kPicture.height);
+      half = 1 - half;
+    }
+    for (const Fixations &fixations : photograph.of_halves)
+      photograph.fixations.insert(photograph.fixations.end(), fixations.begin(), fixations.end());
   }
   return photographs;
 }
@@ -90,15 +98,6 @@ public:
 private:
   Decoder decoder_;
 };
-
-/// An OpenCV view of a BGR frame.
-cv::Mat
-as_mat(const saliency::FrameView &bgr)
-{
-  const auto &blue = bgr.components[2];
-  return { bgr.height, bgr.width, CV_8UC3, const_cast<std::uint8_t *>(blue.data),
-           static_cast<std::size_t>(blue.row_stride) };
-}
 
 /// Resamples a map to the grid. `picture` is the picture's rectangle in the map.
 cv::Mat
@@ -131,12 +130,12 @@ struct Found
   tactile::TactileMap felt{ kSide, kSide };
 };
 
-/// What is felt of a map that the whole picture fills, by a profile's mapping without its gain.
+/// What would be felt of a map that the whole picture fills.
 Found
-felt_of(const cv::Mat &map, tactile::MappingSettings mapping = { .gain = tactile::Gain::none })
+felt_of(const cv::Mat &map)
 {
   Found found{ map };
-  tactile::map_saliency({ map.ptr<float>(), map.cols, map.rows, map.cols }, mapping, found.felt);
+  map_peer(map, found.felt);
   return found;
 }
 
@@ -242,31 +241,63 @@ private:
   std::vector<PeerSaliency> peers_;
 };
 
+/// In samples of the levels.
+Fixations
+in_cells(const Fixations &fixations)
+{
+  Fixations cells;
+  for (const auto &fixation : fixations)
+    cells.emplace_back(fixation.x * kSide / kGrid.width, fixation.y * kSide / kGrid.height);
+  return cells;
+}
+
+/// What people look at, as a model's map and as levels.
+Found
+found_by(const Fixations &fixations)
+{
+  Found found{ fixation_density(kGrid, fixations, 0) };
+  const cv::Mat looked = fixation_density({ kSide, kSide }, in_cells(fixations), 0);
+  std::copy(looked.begin<float>(), looked.end<float>(), found.felt.levels.begin());
+  return found;
+}
+
+/// How well a model finds the fixations; `others` are those on other pictures.
 PhotographScores
-score(const Found &found, const Photograph &photograph, const Fixations &others)
+score(const Found &found, const Fixations &fixations, const Fixations &others)
 {
   cv::Mat map;
   cv::GaussianBlur(found.map, map, {}, kBlur);
   const cv::Mat levels(kSide, kSide, CV_32FC1, const_cast<float *>(found.felt.levels.data()));
-  Fixations in_cells; // in samples of the levels
-  for (const auto &fixation : photograph.fixations)
-    in_cells.emplace_back(fixation.x * kSide / kGrid.width, fixation.y * kSide / kGrid.height);
-  cv::Mat looked = cv::Mat::zeros(kSide, kSide, CV_32FC1);
-  for (const auto &fixation : in_cells)
-    looked.at<float>(std::clamp(static_cast<int>(fixation.y), 0, kSide - 1),
-                     std::clamp(static_cast<int>(fixation.x), 0, kSide - 1))
-        += 1;
+  const Fixations cells = in_cells(fixations);
+  const cv::Mat looked = fixation_density({ kSide, kSide }, cells, 0);
   cv::Point strongest;
   cv::Point most;
   cv::minMaxLoc(levels, nullptr, nullptr, nullptr, &strongest);
   cv::minMaxLoc(looked, nullptr, nullptr, nullptr, &most);
-  return { .nss = nss(map, photograph.fixations),
-           .auc_judd = auc_judd(map, photograph.fixations),
-           .shuffled_auc = shuffled_auc(map, photograph.fixations, others),
-           .cc = correlation(map, fixation_density(kGrid, photograph.fixations, kBlur)),
+  return { .nss = nss(map, fixations),
+           .auc_judd = auc_judd(map, fixations),
+           .shuffled_auc = shuffled_auc(map, fixations, others),
+           .cc = correlation(map, fixation_density(kGrid, fixations, kBlur)),
            .cell_right = strongest == most ? 1.0 : 0.0,
            .cell_cc = correlation(levels, looked),
-           .felt_nss = nss(levels, in_cells) };
+           .felt_nss = nss(levels, cells) };
+}
+
+constexpr std::array kScores{ &PhotographScores::nss,          &PhotographScores::auc_judd,
+                              &PhotographScores::shuffled_auc, &PhotographScores::cc,
+                              &PhotographScores::cell_right,   &PhotographScores::cell_cc,
+                              &PhotographScores::felt_nss };
+
+PhotographScores
+mean_of(std::span<const PhotographScores> all)
+{
+  PhotographScores mean;
+  for (const auto score : kScores) {
+    for (const PhotographScores &one : all)
+      mean.*score += one.*score;
+    mean.*score /= static_cast<double>(all.size());
+  }
+  return mean;
 }
 
 /// Runs `work` for every index below `count` on several threads. Rethrows its exceptions.
@@ -299,6 +330,12 @@ in_parallel(int threads, std::size_t count, const std::function<void(std::size_t
 
 } // namespace
 
+PhotographScores
+PhotographRow::mean() const
+{
+  return mean_of(pictures);
+}
+
 std::vector<PhotographRow>
 score_photographs(const std::filesystem::path &directory, int threads)
 {
@@ -313,30 +350,25 @@ score_photographs(const std::filesystem::path &directory, int threads)
     if (others.empty())
       throw std::runtime_error("fixations.csv: a split needs two pictures or more");
     for (const auto &found : models.maps(directory / photograph.name))
-      scores[i].push_back(score(found, photograph, others));
+      scores[i].push_back(score(found, photograph.fixations, others));
+    const auto &[one, other] = photograph.of_halves;
+    if (one.empty() || other.empty())
+      throw std::runtime_error("fixations.csv: a picture needs two people or more");
+    scores[i].push_back(mean_of(
+        std::array{ score(found_by(one), other, others), score(found_by(other), one, others) }));
   });
 
   std::vector<PhotographRow> rows;
-  const auto names = Models::names();
+  auto names = Models::names();
+  names.emplace_back("people");
   for (std::size_t model = 0; model < names.size(); ++model)
     for (const Split split : { train, validation }) {
-      PhotographRow row{ names[model], kSplitNames[split], 0, {} };
-      constexpr std::array kScores{ &PhotographScores::nss,          &PhotographScores::auc_judd,
-                                    &PhotographScores::shuffled_auc, &PhotographScores::cc,
-                                    &PhotographScores::cell_right,   &PhotographScores::cell_cc,
-                                    &PhotographScores::felt_nss };
-      for (std::size_t i = 0; i < photographs.size(); ++i) {
-        if (photographs[i].split != split)
-          continue;
-        ++row.pictures;
-        for (const auto score : kScores)
-          row.scores.*score += scores[i][model].*score;
-      }
-      if (row.pictures == 0)
-        continue;
-      for (const auto score : kScores)
-        row.scores.*score /= row.pictures;
-      rows.push_back(row);
+      PhotographRow row{ names[model], kSplitNames[split], {} };
+      for (std::size_t i = 0; i < photographs.size(); ++i)
+        if (photographs[i].split == split)
+          row.pictures.push_back(scores[i][model]);
+      if (!row.pictures.empty())
+        rows.push_back(row);
     }
   return rows;
 }

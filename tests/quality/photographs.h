@@ -9,7 +9,7 @@
 
 namespace quality {
 
-/// Means over the pictures of a split. See fixations.h.
+/// Of a picture, or means over pictures. See fixations.h.
 struct PhotographScores
 {
   double nss = 0;
@@ -25,14 +25,16 @@ struct PhotographScores
 struct PhotographRow
 {
   std::string model;
-  std::string split; ///< "train" or "validation"
-  int pictures = 0;
-  PhotographScores scores;
+  std::string split;                      ///< "train" or "validation"
+  std::vector<PhotographScores> pictures; ///< of each
+
+  PhotographScores mean() const;
 };
 
 /// How well models predict fixations on photographs: the paper profile, the tuned profile's spatial
 /// map, the profile for single pictures, each available peer for stills, and peers times our
-/// weights. Rows are grouped by model, train before validation.
+/// weights; and people, of whom one half predicts the other, both ways. Rows are grouped by model,
+/// train before validation.
 ///
 /// `directory` holds OSIE's pictures NUMBER.jpg of 800 × 600 and fixations.csv (Xu, Jiang, Wang,
 /// Kankanhalli & Zhao 2014). Numbers that are 1 modulo 4 are for training, 3 for validation.

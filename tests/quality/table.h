@@ -2,6 +2,7 @@
 #pragma once
 
 #include <iosfwd>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -27,6 +28,13 @@ private:
   std::string caption_;
   std::vector<std::string> header_;
   std::vector<std::vector<std::string>> rows_;
+};
+
+/// A section of a page, and the same with every figure.
+struct Section
+{
+  Table table;
+  std::optional<Table> every{};
 };
 
 /// How a page of docs/measured begins: its title, the command line that makes it, and what that ran

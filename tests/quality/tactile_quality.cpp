@@ -9,6 +9,7 @@
 #include "photographs.h"
 #include "pictures.h"
 #include "steering.h"
+#include "summary.h"
 
 #include <gst/gst.h>
 
@@ -35,6 +36,7 @@ struct Options
 {
   gboolean check = FALSE;
   gboolean quick = FALSE;
+  gboolean full = FALSE;
   gint threads = 2;
   gchar *data = nullptr;
   gchar **tables = nullptr;
@@ -42,42 +44,91 @@ struct Options
   gchar *csv = nullptr;
 };
 
-Table
-photograph_table(const Extent &extent)
+/// Of the pictures that no weight was tuned on.
+SummaryRow
+photograph_row(const std::vector<PhotographRow> &rows, std::string figure, bool share,
+               double PhotographScores::*score)
 {
+  SummaryRow summary{ .set = "photographs", .figure = std::move(figure), .share = share };
+  for (const auto &row : rows) {
+    if (row.split != "validation")
+      continue;
+    std::vector<Mean> pictures(row.pictures.size());
+    for (std::size_t i = 0; i < pictures.size(); ++i)
+      pictures[i].add(row.pictures[i].*score);
+    const Estimate found = estimate(pictures);
+    if (row.model == "tuned spatial")
+      summary.ours = found;
+    else if (row.model == "paper literal")
+      summary.paper = found;
+    else if (row.model == "people")
+      summary.people = found;
+    else if (row.model == "center" || std::ranges::any_of(kPeers, [&](Peer peer) {
+               return row.model.starts_with(name(peer));
+             }))
+      summary.peers.emplace_back(row.model, found);
+  }
+  return summary;
+}
+
+Section
+photograph_section(const Extent &extent, Summary &summary)
+{
+  const auto rows = score_photographs(extent.data / "osie", extent.threads);
+  summary.push_back(photograph_row(rows, "NSS", false, &PhotographScores::nss));
+  summary.push_back(photograph_row(rows, "strongest cell is where people look most", true,
+                                   &PhotographScores::cell_right));
   Table table(
       "Photographs",
       "How well maps tell where 15 people looked on photographs (OSIE). Weights were tuned on "
-      "the training split. "
+      "the training split. People: one half of them tells where the other looked. "
       "× R: weighted with color rarity; × R·B²: with border rarity, too. The last three columns "
       "judge what is felt on 3 × 3 tactors.",
       { "model", "split", "pictures", "NSS", "AUC-Judd", "shuffled AUC", "CC",
         "strongest cell right", "cells' CC", "felt NSS" });
-  for (const auto &row : score_photographs(extent.data / "osie", extent.threads))
-    table.add({ row.model, row.split, std::to_string(row.pictures), figure(row.scores.nss, 3),
-                figure(row.scores.auc_judd, 3), figure(row.scores.shuffled_auc, 3),
-                figure(row.scores.cc, 3), figure(row.scores.cell_right, 3),
-                figure(row.scores.cell_cc, 3), figure(row.scores.felt_nss, 3) });
-  return table;
+  for (const auto &row : rows) {
+    const PhotographScores s = row.mean();
+    table.add({ row.model, row.split, std::to_string(row.pictures.size()), figure(s.nss, 3),
+                figure(s.auc_judd, 3), figure(s.shuffled_auc, 3), figure(s.cc, 3),
+                figure(s.cell_right, 3), figure(s.cell_cc, 3), figure(s.felt_nss, 3) });
+  }
+  return { table };
 }
 
-Table
-clip_table(const Extent &extent)
+/// Over the spans of the labels of all clips.
+SummaryRow
+clip_row(const std::vector<ClipRow> &rows, std::string figure,
+         std::vector<Mean> LabelScores::*spans)
 {
+  UnitsByModel units;
+  for (const ClipRow &row : rows)
+    if (row.labels) {
+      auto &all = units[row.model];
+      all.insert(all.end(), (*row.labels.*spans).begin(), (*row.labels.*spans).end());
+    }
+  return summary_row("real films", std::move(figure), units);
+}
+
+Section
+clip_section(const Extent &extent, Summary &summary)
+{
+  const auto rows = score_clips(extent.data / "clips", extent.threads);
+  summary.push_back(clip_row(rows, "precision against labels", &LabelScores::right));
+  summary.push_back(clip_row(rows, "recall against labels", &LabelScores::found));
   Table table("Real films",
               "What is felt of the films in clips/, as shares of frames and of tactors. Precision "
               "and recall are those of tests/quality/labels.",
-              { "clip", "profile", "frames", "felt", "tactors felt", "at a time", "longest, s",
+              { "clip", "model", "frames", "felt", "tactors felt", "at a time", "longest, s",
                 "longest of a tactor, s", "cues a minute", "camera moves", "cuts", "precision",
                 "recall" });
   constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
-  for (const auto &[clip, profile, s, labels] : score_clips(extent.data / "clips"))
-    table.add({ clip, profile, std::to_string(s.frames), percent(s.active), percent(s.tactors),
+  for (const auto &[clip, model, s, labels] : rows)
+    table.add({ clip, model, std::to_string(s.frames), percent(s.active), percent(s.tactors),
                 figure(s.tactors_active, 2), figure(s.longest, 1), figure(s.longest_tactor, 1),
                 figure(s.cues_per_minute, 0), percent(s.camera_moves), std::to_string(s.cuts),
                 figure(labels ? labels->precision : kNone, 2),
                 figure(labels ? labels->recall : kNone, 2) });
-  return table;
+  return { table };
 }
 
 /// Checks a floor or ceiling, and prints a violation.
@@ -156,21 +207,46 @@ write(const char *path, const std::string &text)
 struct NamedTable
 {
   const char *name;
-  Table (*make)(const Extent &);
+  Section (*make)(const Extent &, Summary &);
   bool needs_data;
 };
 
-/// After "films", which has two.
+/// In the order of the page.
 constexpr std::array kTables{
-  NamedTable{ "phantoms", phantom_table, false },
-  NamedTable{ "choices", [](const Extent &e) { return choice_table(e.threads); }, false },
-  NamedTable{ "cues", [](const Extent &e) { return cue_limit_table(e.threads); }, false },
-  NamedTable{ "viewports", [](const Extent &e) { return viewport_table(e.threads); }, false },
+  NamedTable{ "photographs", photograph_section, true },
+  NamedTable{ "films", ball_section, false },
+  NamedTable{ "phantoms", phantom_section, false },
+  NamedTable{ "clips", clip_section, true },
+  NamedTable{ "cues",
+              [](const Extent &e, Summary &) { return Section{ cue_limit_table(e.threads) }; },
+              false },
+  NamedTable{ "viewports",
+              [](const Extent &e, Summary &) { return Section{ viewport_table(e.threads) }; },
+              false },
+  NamedTable{ "choices",
+              [](const Extent &e, Summary &) { return Section{ choice_table(e.threads) }; },
+              false },
   NamedTable{ "accuracy",
-              [](const Extent &e) { return accuracy_table(e.data, e.threads, e.quick); }, false },
-  NamedTable{ "photographs", photograph_table, true },
-  NamedTable{ "clips", clip_table, true }
+              [](const Extent &e, Summary &) {
+                return Section{ accuracy_table(e.data, e.threads,
+                                               e.full    ? OracleExtent::all
+                                               : e.quick ? OracleExtent::few
+                                                         : OracleExtent::some) };
+              },
+              false },
 };
+
+std::string
+table_names()
+{
+  std::string names;
+  for (const NamedTable &table : kTables)
+    names += (names.empty()               ? ""
+              : &table == &kTables.back() ? " or "
+                                          : ", ")
+             + std::string(table.name);
+  return names;
+}
 
 /// Whether this table is to be made. Throws std::runtime_error if it was asked for and lacks its
 /// data.
@@ -193,34 +269,39 @@ void
 check_names(gchar **tables)
 {
   for (gchar **name = tables; name && *name; ++name)
-    if (std::string_view(*name) != "films"
-        && std::ranges::find(kTables, std::string_view(*name), &NamedTable::name) == kTables.end())
-      throw std::runtime_error(
-          std::string("expected films, phantoms, choices, cues, viewports, accuracy, photographs "
-                      "or clips, got '")
-          + *name + "'");
+    if (std::ranges::find(kTables, std::string_view(*name), &NamedTable::name) == kTables.end())
+      throw std::runtime_error("expected " + table_names() + ", got '" + *name + "'");
 }
 
 bool
 report(const Options &options, const std::vector<std::string> &command)
 {
   check_names(options.tables);
-  const Extent extent{ options.quick != FALSE, options.threads, options.data ? options.data : "" };
-  std::ostringstream markdown;
+  const Extent extent{ options.quick != FALSE, options.full != FALSE, options.threads,
+                       options.data ? options.data : "" };
+  Summary summary;
+  std::ostringstream sections;
   std::ostringstream csv;
-  write_page_head(markdown, "Quality of the maps", command);
-  if (!options.tables || g_strv_contains(options.tables, "films")) {
-    const BallTables films = ball_tables(extent);
-    films.worst.write_markdown(markdown);
-    films.every.write_csv(csv);
+  for (const auto &table : kTables) {
+    if (!is_wanted(options, table))
+      continue;
+    const gint64 start = g_get_monotonic_time();
+    const Section section = table.make(extent, summary);
+    section.table.write_markdown(sections);
+    if (section.every)
+      section.every->write_csv(csv);
+    std::fprintf(stderr, "%s: %.0f s\n", table.name,
+                 static_cast<double>(g_get_monotonic_time() - start) / 1e6);
   }
-  for (const auto &table : kTables)
-    if (is_wanted(options, table))
-      table.make(extent).write_markdown(markdown);
   for (const Peer peer : kPeers)
     if (!is_available(peer))
       std::fprintf(stderr, "%s left out: run tools/setup.sh quality, then configure again\n",
                    name(peer));
+  std::ostringstream markdown;
+  write_page_head(markdown, "Quality of the maps", command);
+  if (!summary.empty())
+    summary_table(summary).write_markdown(markdown);
+  markdown << sections.str();
   std::cout << markdown.str();
   return (!options.markdown || write(options.markdown, markdown.str()))
          && (!options.csv || write(options.csv, csv.str()));
@@ -233,6 +314,7 @@ main(int argc, char **argv)
 {
   Options options;
   const std::vector<std::string> command(argv, argv + argc);
+  const std::string only_table = "Only this: " + table_names() + "; may be repeated";
   const GOptionEntry entries[] = {
     { "check", 0, 0, G_OPTION_ARG_NONE, &options.check,
       "Hold the tuned profile to its floors; exit status 1 if it is below", nullptr },
@@ -240,10 +322,10 @@ main(int argc, char **argv)
       nullptr },
     { "data", 0, 0, G_OPTION_ARG_FILENAME, &options.data,
       "Where osie/ (photographs with fixations) and clips/ (films) lie", "DIRECTORY" },
-    { "table", 0, 0, G_OPTION_ARG_STRING_ARRAY, &options.tables,
-      "Only this: films, phantoms, choices, cues, viewports, accuracy, photographs or clips; may "
-      "be repeated",
-      "NAME" },
+    { "full", 0, 0, G_OPTION_ARG_NONE, &options.full,
+      "Peers at all sizes and frame rates, the oracle for whole films: an hour and a half",
+      nullptr },
+    { "table", 0, 0, G_OPTION_ARG_STRING_ARRAY, &options.tables, only_table.c_str(), "NAME" },
     { "markdown", 0, 0, G_OPTION_ARG_FILENAME, &options.markdown, "Write the page", "FILE" },
     { "csv", 0, 0, G_OPTION_ARG_FILENAME, &options.csv, "Write every figure of films as CSV",
       "FILE" },

@@ -173,8 +173,9 @@ GST_START_TEST(test_reading)
                            "1001.jpg,14,800,1e2\n");
   const auto fixations = quality::read_fixations(file.path, { 800, 600 });
   ck_assert_int_eq(static_cast<int>(fixations.size()), 2);
-  fail_unless(fixations.at("1001.jpg") == Fixations({ { 0, 600 }, { 800, 100 } }));
-  fail_unless(fixations.at("1003.jpg") == Fixations({ { 12.5, 7 } }));
+  fail_unless(fixations.at("1001.jpg").at("0") == Fixations({ { 0, 600 } }));
+  fail_unless(fixations.at("1001.jpg").at("14") == Fixations({ { 800, 100 } }));
+  fail_unless(fixations.at("1003.jpg").at("0") == Fixations({ { 12.5, 7 } }));
 }
 GST_END_TEST;
 

@@ -51,6 +51,16 @@ GST_START_TEST(test_scores)
   fail_unless_near(scores.felt, 6.0 / 7, 1e-12);
   fail_unless_near(scores.precision, 3.0 / 6, 1e-12);
   fail_unless_near(scores.recall, 2.0 / 3, 1e-12);
+
+  // The same for each span.
+  ck_assert_int_eq(static_cast<int>(scores.right.size()), 4);
+  ck_assert_int_eq(static_cast<int>(scores.found.size()), 4);
+  const quality::Mean right[] = { { 0, 1 }, { 2, 3 }, { 0, 0 }, { 1, 2 } };
+  const quality::Mean found[] = { { 0, 0 }, { 2, 3 }, { 0, 0 }, { 0, 0 } };
+  for (std::size_t i = 0; i < 4; ++i) {
+    fail_unless(scores.right[i].sum == right[i].sum && scores.right[i].count == right[i].count);
+    fail_unless(scores.found[i].sum == found[i].sum && scores.found[i].count == found[i].count);
+  }
 }
 GST_END_TEST;
 

@@ -93,8 +93,8 @@ GST_END_TEST;
 GST_START_TEST(test_haptic_lens)
 {
   // Two discs mirror one another; one is five frames old, the other new. A step k frames ago has
-  // left min(k, 2ⁿ) / 2ⁿ in the average of 2ⁿ frames, so the temporal maps are 4.359375 and 3.171875
-  // steps; the spatial maps are equal.
+  // left min(k, 2ⁿ) / 2ⁿ in the average of 2ⁿ frames, so the temporal maps are 4.359375 and
+  // 3.171875 steps; the spatial maps are equal.
   PeerSaliency haptic_lens(Peer::haptic_lens);
   cv::Mat picture(65, 257, CV_8UC3, cv::Scalar(60, 60, 60));
   const cv::Point older(64, 32);
