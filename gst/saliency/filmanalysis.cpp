@@ -18,6 +18,8 @@ make_mapping(const SaliencySettings &settings)
                             : settings.temporal                    ? MappingSettings::tuned()
                                                 : MappingSettings::tuned_spatial();
   mapping.threshold = settings.threshold;
+  if (settings.center_weight >= 0)
+    mapping.center_weight = settings.center_weight;
   if (settings.floor >= 0)
     mapping.floor = settings.floor * mapping.units_per_delta_e;
   return mapping;

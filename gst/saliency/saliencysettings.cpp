@@ -69,11 +69,17 @@ constexpr P kProperties[] = {
   P::flag("temporal", "Feel what changes, rather than what stands out in a still picture",
           kControllable, PROPERTY_FIELD(temporal)),
   P::number<gdouble>("threshold",
-                     "Share of the frame's maximum saliency below which nothing is felt",
+                     "Share of the frame's strongest cell (profile=paper: pixel) up to which "
+                     "others are silent",
                      kControllable, PROPERTY_FIELD(threshold), P::Range{ 0, 1 }),
+  P::number<gdouble>("center-weight",
+                     "How much the picture's center counts more than its corners (-1 = the "
+                     "profile's: 0, with temporal=false 0.7)",
+                     kControllable, PROPERTY_FIELD(center_weight),
+                     P::Range{ SaliencySettings::kProfiles, 1 }),
   P::number<gdouble>(
       "floor", "Event contrast in CIE Delta E up to which a frame is silent (-1 = the profile's)",
-      kControllable, PROPERTY_FIELD(floor), P::Range{ SaliencySettings::kProfileFloor, 1000 }),
+      kControllable, PROPERTY_FIELD(floor), P::Range{ SaliencySettings::kProfiles, 1000 }),
   P::parsed<write_weights, read_weights>(
       "roi-weights",
       "Factors on saliency by type of GstVideoRegionOfInterestMeta, 0 to 10: type=weight,... with "

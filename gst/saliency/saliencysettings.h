@@ -25,14 +25,15 @@ enum class ViewportMode
 /// What the user of saliencytactile sets. Not thread-safe.
 struct SaliencySettings
 {
-  static constexpr double kProfileFloor = -1; ///< the profile's own
+  static constexpr double kProfiles = -1; ///< the profile's own
 
   ProfileName profile = ProfileName::tuned;
   int rows = 3;
   int columns = 3;
   bool temporal = true;
   double threshold = 0.5;
-  double floor = kProfileFloor;
+  double center_weight = kProfiles;
+  double floor = kProfiles;
   std::shared_ptr<const saliency::RegionWeights> roi_weights; ///< null: 1 for every type
   std::string roi_weights_error; ///< why the last text was refused; empty: it was not
   ViewportMode viewport = ViewportMode::fixed;

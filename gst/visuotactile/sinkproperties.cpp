@@ -87,7 +87,7 @@ constexpr Entry kEntries[] = {
   { Owner::analysis, P::number<guint>("columns", "Columns of the tactile map", kPlaying,
                                       PROPERTY_FIELD(side), P::Range{ 1, 64 }) },
   { Owner::analysis,
-    P::number<gdouble>("threshold", "Share of maximum saliency below which nothing is felt",
+    P::number<gdouble>("threshold", "Share of the strongest cell up to which others are silent",
                        kPlaying, PROPERTY_FIELD(threshold), P::Range{ 0, 1 }) },
   { Owner::analysis,
     P::number<gdouble>("floor", "Event contrast up to which a frame is silent (-1 = the profile's)",

@@ -175,13 +175,14 @@ perceptual_level(double contrast)
 
 /// Weighs each cell by how near the picture's center its middle lies.
 void
-weigh_center(std::vector<double> &cells, int rows, int columns, double weight)
+weigh_center(std::vector<double> &cells, int rows, int columns, const Viewport &viewport,
+             double weight)
 {
   constexpr double kSigma = 0.25; // of each side of the picture
   for (int r = 0; r < rows; ++r)
     for (int c = 0; c < columns; ++c) {
-      const double x = (c + 0.5) / columns - 0.5;
-      const double y = (r + 0.5) / rows - 0.5;
+      const double x = viewport.left + viewport.width * (c + 0.5) / columns - 0.5;
+      const double y = viewport.top + viewport.height * (r + 0.5) / rows - 0.5;
       cells[static_cast<std::size_t>(r * columns + c)]
           *= 1 - weight + weight * gaussian(std::hypot(x, y) / kSigma);
     }
@@ -204,7 +205,8 @@ MappingSettings::paper()
 MappingSettings
 MappingSettings::tuned()
 {
-  return { .floor = 0.6,
+  return { .order = Order::pool_first,
+           .floor = 0.6,
            .threshold = 0.5,
            .binary = false,
            .prefilter_sigma = 0,
@@ -218,6 +220,7 @@ MappingSettings::tuned_spatial()
   MappingSettings settings = tuned();
   settings.units_per_delta_e = 2;
   settings.floor = kPerceptualOnset * settings.units_per_delta_e;
+  settings.center_weight = 0.7;
   return settings;
 }
 
@@ -272,7 +275,7 @@ map_saliency(const SaliencyView &map, const MappingSettings &settings, TactileMa
     }
   std::vector<double> &cells = work.cells;
   if (settings.center_weight > 0)
-    weigh_center(cells, out.rows, out.columns, settings.center_weight);
+    weigh_center(cells, out.rows, out.columns, viewport, settings.center_weight);
   const double strongest = *std::ranges::max_element(cells);
   if (pool_first)
     std::ranges::replace_if(

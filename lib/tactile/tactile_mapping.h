@@ -22,18 +22,18 @@ enum class Order
   pool_first,      ///< pixels are pooled, then cells are compared with the strongest cell
 };
 
-/// Parameters from saliency map to levels, in the order in which they apply.
+/// Parameters from saliency map to levels.
 struct MappingSettings
 {
-  Order order = Order::threshold_first;
+  Order order = Order::pool_first;
   /// In the map's units, ≥ 0: a map whose maximum does not exceed this is silent.
   double floor = 0;
   /// Weight of the picture's center, w in [0, 1]: a cell whose middle is (x, y) from it, in sides
   /// of the picture, counts 1 − w + w exp(−(x² + y²) / 2σ²), with σ = 0.25. 0: all cells count the
   /// same.
   double center_weight = 0;
-  /// Share of the maximum, [0, 1]: cells, or with Order::threshold_first pixels, that are not above
-  /// it are dropped (paper: 50 %), except the maximum itself.
+  /// Share of the strongest cell, [0, 1], with Order::threshold_first of the strongest pixel
+  /// (paper: 50 %). What is not above it is dropped, except the strongest.
   double threshold = 0.5;
   /// Remaining pixels count 1 (paper) instead of their value; for Order::threshold_first.
   bool binary = false;
@@ -44,17 +44,18 @@ struct MappingSettings
   /// The map's value per ΔE of event contrast, > 0; for Gain::perceptual.
   double units_per_delta_e = 1;
 
-  /// Threshold 50 %, binary, prefilter, no gain (paper, Section 3). The paper does not give the
-  /// prefilter's σ; a third of a cell is our choice.
+  /// Threshold of pixels at 50 %, binary, prefilter, no gain (paper, Section 3). The paper does not
+  /// give the prefilter's σ; a third of a cell is our choice.
   static MappingSettings paper();
 
-  /// For Profile::tuned() maps: a floor, values kept, exact area, perceptual gain
-  /// (docs/design/algorithm.md).
+  /// For Profile::tuned() maps: a floor, values kept, exact area, threshold of cells, perceptual
+  /// gain (docs/design/algorithm.md).
   static MappingSettings tuned();
 
   /// The same for Profile::tuned_spatial() maps. Their values are ΔE for figures of one percent of
   /// the picture and larger for smaller ones, so one unit is taken as half a ΔE. The floor is the
-  /// weakest event that a motor can render, 4 ΔE.
+  /// weakest event that a motor can render, 4 ΔE. The picture's center has a weight, as people look
+  /// there in photographs.
   static MappingSettings tuned_spatial();
 };
 

@@ -44,9 +44,9 @@ public:
   /// Largest speed of a border, as a share of the picture per second: too slow to be noticed.
   static constexpr double kSpeed = 0.25;
 
-  /// Updates the viewport for a map shown from `time` on. Only what will be felt counts: nothing if
-  /// the maximum does not exceed `floor`, else the values above `threshold` × the maximum. A time
-  /// that goes back resets.
+  /// Updates the viewport for a map shown from `time` on. Only what is most salient counts: nothing
+  /// if the maximum does not exceed `floor`, else the values above `threshold` × the maximum. A
+  /// time that goes back resets.
   const Viewport &follow(const SaliencyView &map, double floor, double threshold, Time time);
 
   /// Returns to the whole picture at once and drops the past, for a shot cut or a seek.

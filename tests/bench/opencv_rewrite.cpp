@@ -120,9 +120,11 @@ OpencvRewrite::frame(const cv::Mat &i420)
   count_++;
 
   double peak = 0;
+  double strongest = 0;
   cv::minMaxLoc(saliency, nullptr, &peak);
-  cv::threshold(saliency, saliency, peak > 0.6 ? peak / 2 : peak, 0, cv::THRESH_TOZERO);
   cv::resize(saliency, tactile_, { 3, 3 }, 0, 0, cv::INTER_AREA);
+  cv::minMaxLoc(tactile_, nullptr, &strongest);
+  cv::threshold(tactile_, tactile_, peak > 0.6 ? strongest / 2 : strongest, 0, cv::THRESH_TOZERO);
   return tactile_;
 }
 

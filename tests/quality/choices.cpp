@@ -70,7 +70,11 @@ choices()
   add("floor", "0.3", [](P &, M &m) { m.floor = 0.3; });
   add("floor", "1.2", [](P &, M &m) { m.floor = 1.2; });
   add("threshold", "0", [](P &, M &m) { m.threshold = 0; });
-  add("binary", "on", [](P &, M &m) { m.binary = true; });
+  add("order", "threshold_first", [](P &, M &m) { m.order = tactile::Order::threshold_first; });
+  add("order, binary", "threshold_first, on", [](P &, M &m) {
+    m.order = tactile::Order::threshold_first;
+    m.binary = true;
+  });
   add("prefilter_sigma", "1/3 cell", [](P &, M &m) { m.prefilter_sigma = 1.0 / 3; });
   return all;
 }

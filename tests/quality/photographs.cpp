@@ -150,8 +150,8 @@ public:
                                     "tuned film",
                                     "tuned film × R·B²",
                                     "tuned spatial",
-                                    "tuned spatial, pool first",
-                                    "tuned spatial, pool first × center" };
+                                    "tuned spatial, no center weight",
+                                    "tuned spatial, threshold first" };
     for (const Peer peer : still_peers()) {
       const std::string own = name(peer);
       names.insert(names.end(), { own, own + " × R", own + " × R·B²" });
@@ -179,11 +179,11 @@ public:
     maps.push_back(own(film_, MappingSettings::tuned(), i420.view()));
     maps.push_back(felt_of(maps.back().map.mul(sketch)));
     maps.push_back(own(spatial_, MappingSettings::tuned_spatial(), i420.view()));
-    MappingSettings pooled = MappingSettings::tuned_spatial();
-    pooled.order = tactile::Order::pool_first;
-    maps.push_back(own(spatial_, pooled, i420.view()));
-    pooled.center_weight = 0.7;
-    maps.push_back(own(spatial_, pooled, i420.view()));
+    MappingSettings even = MappingSettings::tuned_spatial();
+    even.center_weight = 0;
+    maps.push_back(own(spatial_, even, i420.view()));
+    even.order = tactile::Order::threshold_first;
+    maps.push_back(own(spatial_, even, i420.view()));
     for (auto &peer : peers_) {
       const cv::Mat map = on_grid(peer.compute_still(as_mat(bgr.view())));
       maps.insert(maps.end(), { felt_of(map), felt_of(map.mul(rarity)), felt_of(map.mul(sketch)) });

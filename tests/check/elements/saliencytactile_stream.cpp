@@ -16,9 +16,9 @@ GST_START_TEST(test_properties_while_playing)
     const guint rows = 1 + i % 7;
     const guint columns = 1 + (i * 5) % 64;
     g_object_set(analysis.element, "rows", rows, "columns", columns, "threshold", i / 16.0,
-                 "temporal", i % 3 != 0, "floor", i % 5 - 1.0, "attach-saliency", i % 2 == 0,
-                 "max-rate", i % 4 * 10.0, "profile", i % 2, "n-threads", i % 5, "exact", i % 7 < 3,
-                 nullptr);
+                 "center-weight", i % 3 / 2.0, "temporal", i % 3 != 0, "floor", i % 5 - 1.0,
+                 "attach-saliency", i % 2 == 0, "max-rate", i % 4 * 10.0, "profile", i % 2,
+                 "n-threads", i % 5, "exact", i % 7 < 3, nullptr);
     g_autoptr(GstBuffer) out = analysis.pass(gst_buffer_ref(frame));
     const GstTactileMeta *meta = gst_buffer_get_tactile_meta(out);
     ck_assert_uint_eq(meta->rows, rows);

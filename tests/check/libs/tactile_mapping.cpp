@@ -187,6 +187,7 @@ GST_START_TEST(test_threshold)
   Map map(4, 1);
   map.values = { 8, 4, std::nextafter(4.0F, 8.0F), std::nextafter(4.0F, 0.0F) };
   MappingSettings settings = kPooling;
+  settings.order = Order::threshold_first;
   settings.binary = true;
   settings.threshold = 0.5;
   const auto kept = [&](double threshold) {
@@ -280,35 +281,39 @@ GST_START_TEST(test_perceptual_gain)
 {
   // The event's ΔE gives the strongest cell's level, whatever the event's size. Values of the
   // formula by hand.
-  MappingSettings settings{ .threshold = 0.5,
-                            .gain = Gain::perceptual,
-                            .units_per_delta_e = 0.065 };
   const struct
   {
     double delta_e;
     double level;
   } cases[] = { { 1, 0.2 },          { 4, 0.2 },          { 10, 0.370697711 },
                 { 29, 0.705696447 }, { 54, 0.891731773 }, { 400, 0.999999895 } };
-  for (const auto &c : cases)
-    for (const int size : { 1, 4, 10 }) {
-      const auto value = static_cast<float>(c.delta_e * 0.065);
-      const Map map
-          = Map(30, 30).square(12, 12, std::min(20, 12 + size), std::min(20, 12 + size), value);
-      const TactileMap out = levels(map, settings, 3, 3);
-      for (int i = 0; i < 9; ++i)
-        fail_unless_near(out.levels[static_cast<std::size_t>(i)], i == 4 ? c.level : 0, 2e-6);
-    }
+  for (const Order order : { Order::threshold_first, Order::pool_first }) {
+    MappingSettings settings{
+      .order = order, .threshold = 0.4, .gain = Gain::perceptual, .units_per_delta_e = 0.065
+    };
+    for (const auto &c : cases)
+      for (const int size : { 1, 4, 10 }) {
+        const auto value = static_cast<float>(c.delta_e * 0.065);
+        const Map map
+            = Map(30, 30).square(12, 12, std::min(20, 12 + size), std::min(20, 12 + size), value);
+        const TactileMap out = levels(map, settings, 3, 3);
+        for (int i = 0; i < 9; ++i)
+          fail_unless_near(out.levels[static_cast<std::size_t>(i)], i == 4 ? c.level : 0, 2e-6);
+      }
 
-  // Other cells keep their ratio: one with half the area, one with the same area at 0.75 of the
-  // value.
-  Map map(30, 10);
-  map.square(0, 0, 4, 4, 1.885F).square(11, 1, 15, 3, 1.885F).square(22, 2, 26, 6, 0.75F * 1.885F);
-  const TactileMap out = levels(map, settings, 1, 3);
-  fail_unless_near(out.at(0, 0), 0.705696447, 1e-6); // 29 ΔE
-  fail_unless_near(out.at(0, 1), 0.705696447 / 2, 1e-6);
-  fail_unless_near(out.at(0, 2), 0.705696447 * 0.75, 1e-6);
-  settings.binary = true;
-  fail_unless_near(levels(map, settings, 1, 3).at(0, 2), 0.705696447, 1e-6);
+    // Other cells keep their ratio: one with half the area, one with the same area at 0.75 of the
+    // value.
+    const Map map = Map(30, 10)
+                        .square(0, 0, 4, 4, 1.885F)
+                        .square(11, 1, 15, 3, 1.885F)
+                        .square(22, 2, 26, 6, 0.75F * 1.885F);
+    const TactileMap out = levels(map, settings, 1, 3);
+    fail_unless_near(out.at(0, 0), 0.705696447, 1e-6); // 29 ΔE
+    fail_unless_near(out.at(0, 1), 0.705696447 / 2, 1e-6);
+    fail_unless_near(out.at(0, 2), 0.705696447 * 0.75, 1e-6);
+    settings.binary = true;
+    fail_unless_near(levels(map, settings, 1, 3).at(0, 2), 0.705696447, 1e-6);
+  }
 }
 GST_END_TEST;
 
@@ -386,6 +391,14 @@ GST_START_TEST(test_profiles)
   // 0.61 is 9.38 ΔE: 0.2 + 0.8 (1 - exp(-5.38/25)).
   for (const float level : levels(Map(9, 9, 0.61F), tuned, 3, 3).levels)
     fail_unless_near(level, 0.355015, 1e-5);
+  // Cells are compared, not pixels: of means 2 · 9/100, 1 and 0.4 the second is felt, at the level
+  // of 2 / 0.065 ΔE.
+  const Map map
+      = Map(30, 10).square(3, 3, 6, 6, 2.0F).square(10, 0, 20, 10, 1.0F).square(20, 0, 30, 4, 1.0F);
+  const TactileMap out = levels(map, tuned, 1, 3);
+  fail_unless_near(out.at(0, 0), 0, 0);
+  fail_unless_near(out.at(0, 1), 0.2 + 0.8 * (1 - std::exp(-(2 / 0.065 - 4) / 25)), 1e-6);
+  fail_unless_near(out.at(0, 2), 0, 0);
 }
 GST_END_TEST;
 
@@ -398,6 +411,15 @@ GST_START_TEST(test_spatial_profile)
     const double expected = s > 8 ? 0.2 + 0.8 * (1 - std::exp(-(s / 2 - 4) / 25)) : 0;
     fail_unless_near(out.levels[4], expected, 1e-6);
   }
+  // The center counts more: 1 − 0.7 + 0.7 · 0.411112 beside it, in the corners less than half.
+  const TactileMap even = levels(Map(9, 9, 16.0F), MappingSettings::tuned_spatial(), 3, 3);
+  const double level = 0.2 + 0.8 * (1 - std::exp(-4.0 / 25));
+  for (int i = 0; i < 9; ++i)
+    fail_unless_near(even.levels[static_cast<std::size_t>(i)],
+                     i == 4       ? level
+                     : i % 2 == 1 ? level * 0.5877784
+                                  : 0,
+                     1e-6);
 }
 GST_END_TEST;
 

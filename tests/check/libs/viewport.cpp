@@ -142,6 +142,23 @@ GST_START_TEST(test_mapping_by_gaussian)
 }
 GST_END_TEST;
 
+/// The weight of the center is that of the picture's, not of the viewport's.
+GST_START_TEST(test_center_weight)
+{
+  const Viewport viewport{ .left = 0.4, .top = 0, .width = 0.6, .height = 0.5 };
+  MappingSettings settings{ .floor = 0, .threshold = 0, .gain = Gain::none };
+  TactileMap even(1, 3);
+  TactileMap out(1, 3);
+  map_saliency(Map(20, 20, 0.05F).view(), settings, even, viewport);
+  settings.center_weight = 0.7;
+  map_saliency(Map(20, 20, 0.05F).view(), settings, out, viewport);
+  // Middles of the cells are at 0.5, 0.7 and 0.9 across, 0.25 down.
+  for (int c = 0; c < 3; ++c)
+    fail_unless_near(out.at(0, c) / even.at(0, c),
+                     0.3 + 0.7 * std::exp(-(0.04 * c * c + 0.0625) / 0.125), 1e-6);
+}
+GST_END_TEST;
+
 /// A viewport of the whole picture gives bit-identical maps to none.
 GST_START_TEST(test_whole_picture)
 {
@@ -364,6 +381,7 @@ viewport_suite(void)
   suite_add_tcase(suite, tc);
   tcase_add_test(tc, test_mapping_by_area);
   tcase_add_test(tc, test_mapping_by_gaussian);
+  tcase_add_test(tc, test_center_weight);
   tcase_add_test(tc, test_whole_picture);
   tcase_add_test(tc, test_small_events_in_the_middle);
   tcase_add_test(tc, test_events_everywhere);
