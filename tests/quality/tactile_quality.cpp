@@ -4,6 +4,7 @@
 // known, films in which nothing happens however much changes, photographs with people's fixations;
 // the literal paper, the tuned profile and its peers.
 #include "accuracy.h"
+#include "cinema_table.h"
 #include "clips.h"
 #include "film_tables.h"
 #include "photographs.h"
@@ -216,6 +217,8 @@ constexpr std::array kTables{
   NamedTable{ "photographs", photograph_section, true },
   NamedTable{ "films", ball_section, false },
   NamedTable{ "phantoms", phantom_section, false },
+  NamedTable{ "cinema", [](const Extent &e, Summary &) { return Section{ cinema_table(e) }; },
+              false },
   NamedTable{ "clips", clip_section, true },
   NamedTable{ "cues",
               [](const Extent &e, Summary &) { return Section{ cue_limit_table(e.threads) }; },
@@ -350,6 +353,7 @@ main(int argc, char **argv)
   cv::setNumThreads(1);
   try {
     const bool good = options.check ? accuracy_holds(options.threads) & check(options)
+                                          & cinema_holds(options.threads)
                                     : report(options, command);
     return good ? 0 : 1;
   } catch (const std::exception &problem) {
