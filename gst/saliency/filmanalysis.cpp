@@ -22,6 +22,8 @@ make_mapping(const SaliencySettings &settings)
     mapping.center_weight = settings.center_weight;
   if (settings.floor >= 0)
     mapping.floor = settings.floor * mapping.units_per_delta_e;
+  mapping.floor /= settings.sensitivity;
+  mapping.units_per_delta_e /= settings.sensitivity;
   return mapping;
 }
 
@@ -48,6 +50,7 @@ void
 FilmAnalysis::reset()
 {
   forget();
+  density_.reset();
   map_ = {};
   saliency_.map.clear();
   next_analysis_.reset();
@@ -147,13 +150,14 @@ FilmAnalysis::analyze(const SaliencySettings &settings, tactile::Orientation ori
     viewport_.reset();
   }
   const cv::Mat &saliency = weigh(settings, buffer, mapping, found, time);
-  const tactile::MappingSettings how = make_mapping(settings);
+  tactile::MappingSettings how = make_mapping(settings);
   const tactile::SaliencyView view{ .values = saliency.ptr<float>(),
                                     .width = saliency.cols,
                                     .height = saliency.rows,
                                     .stride = static_cast<std::ptrdiff_t>(saliency.step1()),
                                     .horizontal = { found.picture.x, found.picture.width },
                                     .vertical = { found.picture.y, found.picture.height } };
+  how.floor = density_.follow(view, how.floor, settings.density, time);
   tactile::Viewport viewport;
   if (settings.viewport == ViewportMode::adaptive)
     viewport = viewport_.follow(view, how.floor, how.threshold, time);

@@ -5,6 +5,7 @@
 #include "saliency/analyzer.h"
 #include "saliency/top_down_saliency.h"
 #include "saliencysettings.h"
+#include "tactile/density.h"
 #include "tactile/orientation.h"
 #include "tactile/picture_map.h"
 #include "tactile/tactile_mapping.h"
@@ -26,7 +27,7 @@ public:
 
   /// Forgets the history, as the next frame does not follow the last one.
   void forget();
-  /// forget(), and the maps.
+  /// forget(), the maps, and how much was felt.
   void reset();
   /// reset(), and frees memory until the next frame.
   void stop();
@@ -76,6 +77,7 @@ private:
   std::optional<saliency::Analyzer> analyzer_;
   std::optional<saliency::TopDownSaliency> top_down_; ///< as the analyzer
   tactile::AdaptiveViewport viewport_;
+  tactile::DensityControl density_;
   tactile::Orientation orientation_; ///< of map_
   tactile::TactileMap stored_map_;   ///< in the pixels of the frame
   tactile::TactileMap map_;

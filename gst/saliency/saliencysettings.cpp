@@ -80,6 +80,14 @@ constexpr P kProperties[] = {
   P::number<gdouble>(
       "floor", "Event contrast in CIE Delta E up to which a frame is silent (-1 = the profile's)",
       kControllable, PROPERTY_FIELD(floor), P::Range{ SaliencySettings::kProfiles, 1000 }),
+  P::number<gdouble>("sensitivity",
+                     "Factor on event contrast, for the floor and for the strength (profile=paper "
+                     "has neither: no effect without floor)",
+                     kControllable, PROPERTY_FIELD(sensitivity), P::Range{ 0.1, 10 }),
+  P::number<gdouble>("density",
+                     "Share of the time that may be felt: the floor rises, up to ten times, until "
+                     "it holds (0 = any)",
+                     kControllable, PROPERTY_FIELD(density), P::Range{ 0, 1 }),
   P::parsed<write_weights, read_weights>(
       "roi-weights",
       "Factors on saliency by type of GstVideoRegionOfInterestMeta, 0 to 10: type=weight,... with "

@@ -34,6 +34,8 @@ struct SaliencySettings
   double threshold = 0.5;
   double center_weight = kProfiles;
   double floor = kProfiles;
+  double sensitivity = 1;
+  double density = 0;
   std::shared_ptr<const saliency::RegionWeights> roi_weights; ///< null: 1 for every type
   std::string roi_weights_error; ///< why the last text was refused; empty: it was not
   ViewportMode viewport = ViewportMode::fixed;

@@ -29,6 +29,8 @@ struct Defaults
   guint side = 3;
   double threshold = 0.5;
   double floor = -1;
+  double sensitivity = 1;
+  double density = 0;
   double max_rate = 0;
   double rate = 5;
   double intensity = 1;
@@ -92,6 +94,10 @@ constexpr Entry kEntries[] = {
   { Owner::analysis,
     P::number<gdouble>("floor", "Event contrast up to which a frame is silent (-1 = the profile's)",
                        kPlaying, PROPERTY_FIELD(floor), P::Range{ -1, 1000 }) },
+  { Owner::analysis, P::number<gdouble>("sensitivity", "Factor on event contrast", kPlaying,
+                                        PROPERTY_FIELD(sensitivity), P::Range{ 0.1, 10 }) },
+  { Owner::analysis, P::number<gdouble>("density", "Share of the time that may be felt (0 = any)",
+                                        kPlaying, PROPERTY_FIELD(density), P::Range{ 0, 1 }) },
   { Owner::analysis,
     P::text("roi-weights", "Factors on saliency inside GstVideoRegionOfInterestMeta, by type",
             kPlaying, PROPERTY_FIELD(unset)) },
