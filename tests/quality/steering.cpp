@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "steering.h"
 
+#include "decode.h"
 #include "film_cases.h"
 #include "tactile/cue_limiter.h"
+#include "tactile/density.h"
 #include "tactile/viewport.h"
 
 #include <algorithm>
@@ -152,6 +154,53 @@ viewport_table(int threads)
     table.add({ cases[i].film, percent(agreement(cases[i]).value()),
                 figure(scores[i][0].scores.strongest.value(), 3),
                 figure(scores[i][1].scores.strongest.value(), 3) });
+  return table;
+}
+
+Table
+density_table(const std::filesystem::path &directory)
+{
+  constexpr std::array kDensities{ 0.0, 0.5, 0.25, 0.1 };
+  Table table("Density",
+              "How much of the time the films in clips/ are felt, and the longest stretch in "
+              "seconds, with `density`.",
+              { "clip", "off", "longest", "0.5", "longest", "0.25", "longest", "0.1", "longest" });
+  for (const auto &file : list_films(directory)) {
+    const auto model = tuned_model();
+    tactile::MappingSettings mapping = tactile::MappingSettings::tuned();
+    const double floor = mapping.floor;
+    struct Run
+    {
+      tactile::DensityControl control;
+      Time felt{ 0 };
+      Time stretch{ 0 };
+      Time longest{ 0 };
+    };
+    std::array<Run, kDensities.size()> runs;
+    Time length{ 0 };
+    tactile::TactileMap map(3, 3);
+    Decoder clip(file, "decodebin", "I420");
+    while (clip.next()) {
+      const auto view = view_of(model->frame(clip.view(), clip.time(), clip.duration(), map));
+      length += clip.duration();
+      for (std::size_t i = 0; i < runs.size(); ++i) {
+        Run &run = runs[i];
+        mapping.floor = run.control.follow(view, floor, kDensities[i], clip.time());
+        tactile::map_saliency(view, mapping, map);
+        const bool is_felt = *std::ranges::max_element(map.levels) > 0;
+        run.felt += is_felt ? clip.duration() : 0s;
+        run.stretch = is_felt ? run.stretch + clip.duration() : 0s;
+        run.longest = std::max(run.longest, run.stretch);
+      }
+    }
+    std::vector<std::string> row{ file.filename().string() };
+    for (const Run &run : runs) {
+      using Seconds = std::chrono::duration<double>;
+      row.push_back(percent(Seconds(run.felt) / Seconds(length)));
+      row.push_back(figure(Seconds(run.longest).count(), 1));
+    }
+    table.add(row);
+  }
   return table;
 }
 
