@@ -14,6 +14,10 @@
  *   at twice its floor, whichever is higher. It needs `saliencytactile attach-saliency=true`;
  *   without it the levels are shown and a warning is posted.
  *
+ * With `meter=true` a bar along the lower edge shows how strong the frame's strongest event is: it
+ * is felt where the bar passes the red mark, the floor, and fills the width at four times the
+ * floor. The bar needs a #GstSaliencyMeta, too.
+ *
  * Frames without metas are left as they are. Where the video sink turns the picture, as with phone
  * films, the grid is drawn so that it is upright on the screen; set `video-direction` as at the
  * sink.
@@ -58,6 +62,7 @@ struct OverlaySettings
 {
   Style style = STYLE_GRID;
   double opacity = 0.5;
+  bool meter = false;
   GstVideoOrientationMethod video_direction = GST_VIDEO_ORIENTATION_AUTO;
 };
 
@@ -141,32 +146,25 @@ saliency_field(GstBuffer *buffer)
                      white > 0 ? 1 / white : 0 };
 }
 
-static GstFlowReturn
-gst_tactile_overlay_transform_frame_ip(GstVideoFilter *filter, GstVideoFrame *frame)
+static void
+gst_tactile_overlay_paint(GstTactileOverlay *self, const OverlaySettings &settings,
+                          GstVideoFrame *frame)
 {
-  auto *self = GST_TACTILE_OVERLAY(filter);
   Private *priv = self->priv;
-
-  GST_OBJECT_LOCK(self);
-  const Style style = priv->settings.style;
-  const double opacity = priv->settings.opacity;
-  const GstVideoOrientationMethod direction = priv->settings.video_direction;
-  GST_OBJECT_UNLOCK(self);
-
   const std::optional<LevelField> levels
-      = tactile_field(frame->buffer, priv, orientation_of(direction, priv->tags));
+      = tactile_field(frame->buffer, priv, orientation_of(settings.video_direction, priv->tags));
   const std::optional<LevelField> saliency
-      = style == STYLE_GRID ? std::nullopt : saliency_field(frame->buffer);
+      = settings.style == STYLE_GRID ? std::nullopt : saliency_field(frame->buffer);
   const std::optional<LevelField> &shown = saliency ? saliency : levels;
   if (!shown)
-    return GST_FLOW_OK;
+    return;
 
-  switch (style) {
+  switch (settings.style) {
   case STYLE_GRID:
-    priv->painter.paint_grid(frame, *shown, opacity);
+    priv->painter.paint_grid(frame, *shown, settings.opacity);
     break;
   case STYLE_HEATMAP:
-    priv->painter.paint_heatmap(frame, *shown, opacity);
+    priv->painter.paint_heatmap(frame, *shown, settings.opacity);
     break;
   case STYLE_SALIENCY:
     if (!saliency && !priv->warned) {
@@ -180,6 +178,32 @@ gst_tactile_overlay_transform_frame_ip(GstVideoFilter *filter, GstVideoFrame *fr
     priv->painter.paint_gray(frame, *shown);
     break;
   }
+}
+
+static void
+gst_tactile_overlay_paint_meter(GstTactileOverlay *self, double opacity, GstVideoFrame *frame)
+{
+  constexpr double kFull = 4; // floors
+  const GstSaliencyMeta *meta = gst_buffer_get_saliency_meta(frame->buffer);
+  if (meta == nullptr || meta->floor <= 0)
+    return;
+  gsize count = 0;
+  const gfloat *values = gst_saliency_meta_get_values(meta, &count);
+  const double peak = *std::max_element(values, values + count);
+  self->priv->painter.paint_meter(frame, peak / (kFull * meta->floor), 1 / kFull, opacity);
+}
+
+static GstFlowReturn
+gst_tactile_overlay_transform_frame_ip(GstVideoFilter *filter, GstVideoFrame *frame)
+{
+  auto *self = GST_TACTILE_OVERLAY(filter);
+
+  GST_OBJECT_LOCK(self);
+  const OverlaySettings settings = self->priv->settings;
+  GST_OBJECT_UNLOCK(self);
+  gst_tactile_overlay_paint(self, settings, frame);
+  if (settings.meter)
+    gst_tactile_overlay_paint_meter(self, settings.opacity, frame);
   return GST_FLOW_OK;
 }
 
@@ -215,6 +239,8 @@ static constexpr P kProperties[] = {
   P::number<gdouble>("opacity",
                      "How much of the picture a full level covers in the styles grid and heatmap",
                      properties::kControllable, PROPERTY_FIELD(opacity), P::Range{ 0, 1 }),
+  P::flag("meter", "Draw how far the frame's strongest event is above the floor",
+          properties::kControllable, PROPERTY_FIELD(meter)),
   P::choice("video-direction",
             "How the picture is turned between here and the screen, on which the grid is upright "
             "(auto: by its tag)",

@@ -16,6 +16,7 @@ constexpr std::size_t kGauge = kShades;
 constexpr std::size_t kBorder = std::size_t{ 2 } * kShades;
 
 constexpr int kLinesPerSide = 360; ///< a border's width is this part of the picture's shorter side
+constexpr int kMetersPerSide = 60; ///< the meter's height is this part of it
 constexpr int kSmallestCell = 8; ///< in border widths: smaller cells have neither borders nor gauge
 constexpr int kGaugesPerCell = 12; ///< a gauge's width is this part of its cell's
 constexpr int kInterpolatedRows
@@ -194,21 +195,51 @@ OverlayPainter::fill_interpolated_row(const GstVideoInfo &info, const LevelField
 }
 
 void
-OverlayPainter::paint(GstVideoFrame *frame, const std::function<void(int)> &fill_row)
+OverlayPainter::paint_meter(GstVideoFrame *frame, double bar, double mark, double opacity)
+{
+  constexpr std::uint16_t kNothing = 0;
+  constexpr std::uint16_t kGround = 1;
+  constexpr std::uint16_t kBar = 2;
+  constexpr std::uint16_t kMark = 3;
+  palette_.assign(kMark + 1, {});
+  set_entry(frame->info, kGround, { 0, 0, 0 }, opacity / 2);
+  set_entry(frame->info, kBar, { 1, 1, 1 }, opacity);
+  set_entry(frame->info, kMark, { 1, 0, 0 }, opacity);
+
+  const int width = GST_VIDEO_FRAME_WIDTH(frame);
+  const int height = GST_VIDEO_FRAME_HEIGHT(frame);
+  const int thickness = std::clamp(std::min(width, height) / kMetersPerSide, 2, height);
+  const auto place = [&](double share) {
+    return static_cast<std::ptrdiff_t>(std::clamp(share, 0.0, 1.0) * (width - thickness));
+  };
+  paint(
+      frame,
+      [&](int y) {
+        std::ranges::fill(row_, y < height - thickness ? kNothing : kGround);
+        if (y < height - thickness)
+          return;
+        std::fill_n(row_.begin(), place(bar), kBar);
+        std::fill_n(row_.begin() + place(mark), thickness, kMark);
+      },
+      height - thickness);
+}
+
+void
+OverlayPainter::paint(GstVideoFrame *frame, const std::function<void(int)> &fill_row, int top)
 {
   row_.resize(static_cast<std::size_t>(GST_VIDEO_FRAME_WIDTH(frame)));
   for (unsigned plane = 0; plane < GST_VIDEO_FRAME_N_PLANES(frame); plane++) {
     if (GST_VIDEO_FRAME_COMP_DEPTH(frame, 0) > 8)
-      paint_plane<std::uint16_t>(frame, plane, fill_row);
+      paint_plane<std::uint16_t>(frame, plane, fill_row, top);
     else
-      paint_plane<std::uint8_t>(frame, plane, fill_row);
+      paint_plane<std::uint8_t>(frame, plane, fill_row, top);
   }
 }
 
 template <typename Sample>
 void
 OverlayPainter::paint_plane(GstVideoFrame *frame, unsigned plane,
-                            const std::function<void(int)> &fill_row)
+                            const std::function<void(int)> &fill_row, int top)
 {
   const GstVideoFormatInfo *format = frame->info.finfo;
   const unsigned components = std::min(3U, GST_VIDEO_FRAME_N_COMPONENTS(frame)); // never alpha
@@ -237,7 +268,8 @@ OverlayPainter::paint_plane(GstVideoFrame *frame, unsigned plane,
   weights_.assign(count, 0);
   last_row_.clear();
 
-  for (int r = 0; r < GST_VIDEO_FRAME_COMP_HEIGHT(frame, first); r++) {
+  for (int r = top >> GST_VIDEO_FORMAT_INFO_H_SUB(format, first);
+       r < GST_VIDEO_FRAME_COMP_HEIGHT(frame, first); r++) {
     fill_row(std::min(r << GST_VIDEO_FORMAT_INFO_H_SUB(format, first),
                       GST_VIDEO_FRAME_HEIGHT(frame) - 1));
     if (row_ != last_row_) {

@@ -38,6 +38,9 @@ public:
   /// The field in gray instead of the picture, interpolated.
   void paint_gray(GstVideoFrame *frame, const LevelField &field);
 
+  /// A bar along the lower edge with a mark; both are shares of the picture's width.
+  void paint_meter(GstVideoFrame *frame, double bar, double mark, double opacity);
+
 private:
   struct Entry
   {
@@ -57,10 +60,11 @@ private:
   void fill_interpolated_row(const GstVideoInfo &info, const LevelField &field, int y);
   void paint_interpolated(GstVideoFrame *frame, const LevelField &field);
 
-  /// `fill_row(y)` writes row y of the picture into row_.
-  void paint(GstVideoFrame *frame, const std::function<void(int)> &fill_row);
+  /// `fill_row(y)` writes row y of the picture into row_, for rows from `top` on or one before.
+  void paint(GstVideoFrame *frame, const std::function<void(int)> &fill_row, int top = 0);
   template <typename Sample>
-  void paint_plane(GstVideoFrame *frame, unsigned plane, const std::function<void(int)> &fill_row);
+  void paint_plane(GstVideoFrame *frame, unsigned plane, const std::function<void(int)> &fill_row,
+                   int top);
 
   std::vector<Entry> palette_;
   std::vector<std::uint16_t> row_;

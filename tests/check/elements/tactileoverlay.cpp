@@ -505,6 +505,36 @@ GST_START_TEST(test_properties)
 }
 GST_END_TEST;
 
+/// The meter: white up to the peak as a share of four floors, a red mark at one floor, above it the
+/// picture. Without a floor there is none.
+GST_START_TEST(test_meter)
+{
+  constexpr int kWidth = 242;
+  constexpr int kHeight = 120; // the meter's is 2, with half-height chroma, too
+  for (const std::string format : { "I420", "RGB", "NV12", "P010_10LE", "YUY2" })
+    for (const gfloat peak : { 0.0F, 0.5F, 2.0F, 9.0F })
+      for (const gfloat floor : { 0.0F, 0.5F, 1.0F }) {
+        GstBuffer *frame = make_frame(format, kWidth, kHeight, kPicture);
+        add_saliency(frame, 2, 1, { 0, peak }, floor);
+        const Picture out
+            = overlay(frame, format, kWidth, kHeight, "style=grid meter=true opacity=0.8");
+        const double tolerance = tolerance_of(format);
+        const double end = 240 * std::min(1.0, static_cast<double>(peak) / (4.0 * floor));
+        for (int x = 3; x < kWidth; x += 6) { // away from the edges of the bar
+          assert_color(out, x, kHeight - 4, kPicture, tolerance);
+          if (floor == 0)
+            assert_color(out, x, kHeight - 1, kPicture, tolerance);
+          else if (x != 57 && x != 63 && x < end)
+            assert_color(out, x, kHeight - 1, mix(kPicture, kWhite, 0.8), tolerance);
+          else if (x != 57 && x != 63)
+            assert_color(out, x, kHeight - 1, mix(kPicture, { 0, 0, 0 }, 0.4), tolerance);
+        }
+        if (floor > 0)
+          assert_color(out, 60, kHeight - 1, mix(kPicture, { 255, 0, 0 }, 0.8), tolerance);
+      }
+}
+GST_END_TEST;
+
 static Suite *
 tactileoverlay_suite(void)
 {
@@ -518,6 +548,7 @@ tactileoverlay_suite(void)
   tcase_add_test(tests, test_saliency_is_interpolated);
   tcase_add_test(tests, test_tall_pictures);
   tcase_add_test(tests, test_saliency_scale);
+  tcase_add_test(tests, test_meter);
   tcase_add_test(tests, test_nothing_to_draw);
   tcase_add_test(tests, test_alpha_and_padding_stay);
   tcase_add_test(tests, test_any_stride_and_size);
