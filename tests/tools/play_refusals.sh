@@ -117,6 +117,12 @@ done
 for value in -1 nan inf 1001 fast; do
   start "rate_$value" refuses 2 "--rate.*--help" -o o "--rate=$value" "$work/film.mkv"
 done
+for value in 0 0.05 11 -1 nan much; do
+  start "sensitivity_$value" refuses 2 "--sensitivity.*--help" -o o "--sensitivity=$value" "$work/film.mkv"
+done
+for value in -0.1 1.1 nan inf often; do
+  start "density_$value" refuses 2 "--density.*--help" -o o "--density=$value" "$work/film.mkv"
+done
 start profile refuses 2 "--profile.*--help" -o o --profile x "$work/film.mkv"
 start compensation refuses 2 "--compensation.*--help" -o o --compensation x "$work/film.mkv"
 start output_missing refuses 2 "--help" -o

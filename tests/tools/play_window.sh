@@ -28,6 +28,27 @@ shown() {
   expect_strip o/strip.png
 }
 
+# Keys in the window steer.
+steered() {
+  (
+    for ((i = 0; i < 40; i++)); do
+      grep -q '^Playing ' err 2>/dev/null && break
+      sleep 0.1
+    done
+    "$PYTHON" "$here/press_keys.py" 177 Up Up Down Left Right x >pressed 2>&1
+  ) &
+  play -o o "$work/long.mkv"
+  wait
+  expect_status 0
+  [ ! -s pressed ] || fail "$(cat pressed)"
+  grep '^Sensitivity' err >got || true
+  [ "$(cat got)" = "Sensitivity 1.41, density 100 % (off)
+Sensitivity 2.00, density 100 % (off)
+Sensitivity 1.41, density 100 % (off)
+Sensitivity 1.41, density 71 %
+Sensitivity 1.41, density 100 % (off)" ] || fail "keys do: $(cat got)"
+}
+
 broken() {
   play -o o "$work/cut.mkv"
   expect_status 0
@@ -49,12 +70,14 @@ no_such_display() {
 
 film silent.mkv "$(picture 160 120) ! $h264 ! matroskamux"
 film sound.mkv "$(picture 160 120) ! $h264 ! matroskamux name=mux $vorbis ! mux. mux."
+film long.mkv "$(picture 177 120 I420 90) ! vp8enc deadline=1 ! matroskamux"
 film odd.mkv "$(picture 161 121) ! vp8enc deadline=1 ! matroskamux"
 cut_film cut.mkv sound.mkv 50
 
 start silent shown silent.mkv
 start sound shown sound.mkv
 start odd_size shown odd.mkv
+start steered steered
 start broken broken
 start not_shown not_shown
 start no_such_display no_such_display

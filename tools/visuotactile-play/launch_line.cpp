@@ -59,12 +59,13 @@ pipeline_line(const Film &film, const PlaySettings &settings, bool with_files)
     return with_files ? std::string(" ") + property + "=" + launch_value(name) : "";
   };
   // videoconvert passes the formats of most films, which saliencytactile takes.
-  std::string line = film_source(film) + " film. ! " + look
-                     + " ! videoconvert ! saliencytactile name=analysis "
-                     + settings.analysis_options + " ! tactileextractor name=split split.tactile ! "
-                     + look + " ! tactorsink name=chair " + settings.chair_options
-                     + file("trace-location", settings.commands) + " split.src ! " + look
-                     + " ! tactileoverlay name=overlay ! videoconvert ! ";
+  std::string line
+      = film_source(film) + " film. ! " + look + " ! videoconvert ! saliencytactile name=analysis "
+        + settings.analysis_options + (settings.meter ? " attach-saliency=true" : "")
+        + " ! tactileextractor name=split split.tactile ! " + look + " ! tactorsink name=chair "
+        + settings.chair_options + file("trace-location", settings.commands) + " split.src ! "
+        + look + " ! tactileoverlay name=overlay" + (settings.meter ? " meter=true" : "")
+        + " ! videoconvert ! ";
   if (settings.window)
     line += "autovideosink";
   else

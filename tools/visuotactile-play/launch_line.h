@@ -13,6 +13,7 @@ struct PlaySettings
   std::string commands;         ///< file of the command trace
   std::string analysis_options; ///< properties of saliencytactile, as on a launch line
   std::string chair_options;    ///< properties of tactorsink, as on a launch line
+  bool meter = false;           ///< the overlay shows events against the floor
   bool quiet = false;           ///< no progress
 };
 

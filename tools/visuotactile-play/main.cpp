@@ -44,6 +44,8 @@ struct Options
   gint rows = 3;
   gint columns = 3;
   gdouble rate = 5;
+  gdouble sensitivity = 1;
+  gdouble density = 0;
   gboolean no_window = FALSE;
   gboolean print_pipeline = FALSE;
   gboolean release_boards = FALSE;
@@ -69,6 +71,10 @@ read_command_line(int argc, char **argv, Options &options)
       "Columns of tactors, 1 to 64 (default: 3)", "N" },
     { "rate", 0, 0, G_OPTION_ARG_DOUBLE, &options.rate,
       "Rate in Hz at which levels may change; 0: with every frame (default: 5)", "HZ" },
+    { "sensitivity", 0, 0, G_OPTION_ARG_DOUBLE, &options.sensitivity,
+      "Factor on the contrast of events, 0.1 to 10 (default: 1)", "FACTOR" },
+    { "density", 0, 0, G_OPTION_ARG_DOUBLE, &options.density,
+      "Share of the time that may be felt, 0 to 1; 0: any (default)", "SHARE" },
     { "compensation", 0, 0, G_OPTION_ARG_STRING, &options.compensation.value,
       "Compensation of the motors' rise time: exact (default), frame-block or none", "NAME" },
     { "print-pipeline", 0, 0, G_OPTION_ARG_NONE, &options.print_pipeline,
@@ -90,6 +96,9 @@ read_command_line(int argc, char **argv, Options &options)
           "played\nin real time all the same and recorded as visuotactile.mkv. The commands "
           "to the chair\nare written to commands.csv, a few frames with their maps to "
           "strip.png.\n\n"
+          "With --sensitivity or --density a bar at the picture's lower edge shows the\n"
+          "strongest event, which is felt where the bar passes the red mark. In the film's\n"
+          "window the keys Up and Down change the sensitivity, Left and Right the density.\n\n"
           "Ctrl-C ends the film, with all motors at zero and complete files; a second "
           "Ctrl-C\nends it at once.",
         .least = 0,
@@ -107,6 +116,10 @@ read_command_line(int argc, char **argv, Options &options)
     throw UsageError("--rows and --columns are whole numbers from 1 to 64");
   if (!(options.rate >= 0 && options.rate <= 1000))
     throw UsageError("--rate is a number of Hz from 0 to 1000");
+  if (!(options.sensitivity >= 0.1 && options.sensitivity <= 10))
+    throw UsageError("--sensitivity is a number from 0.1 to 10");
+  if (!(options.density >= 0 && options.density <= 1))
+    throw UsageError("--density is a number from 0 to 1");
   if (!is_one_of(options.profile, { "tuned", "paper" }))
     throw UsageError("--profile is tuned or paper");
   if (!is_one_of(options.compensation, { "exact", "frame-block", "none" }))
@@ -192,6 +205,14 @@ print_report(const Film &film, const PlayReport &report)
               milliseconds(report.chair, "error-max"));
 }
 
+/// As a launch line has it, in any locale.
+std::string
+number_text(double number)
+{
+  char text[G_ASCII_DTOSTR_BUF_SIZE];
+  return g_ascii_dtostr(text, sizeof text, number);
+}
+
 int
 run(const Options &options)
 {
@@ -214,9 +235,13 @@ run(const Options &options)
   settings.analysis_options = "profile=" + options.profile.text()
                               + " rows=" + std::to_string(options.rows)
                               + " columns=" + std::to_string(options.columns);
-  char rate[G_ASCII_DTOSTR_BUF_SIZE];
-  settings.chair_options = std::string("rate=") + g_ascii_dtostr(rate, sizeof rate, options.rate)
-                           + " compensation=" + options.compensation.text();
+  if (options.sensitivity != 1)
+    settings.analysis_options += " sensitivity=" + number_text(options.sensitivity);
+  if (options.density > 0)
+    settings.analysis_options += " density=" + number_text(options.density);
+  settings.meter = options.sensitivity != 1 || options.density > 0;
+  settings.chair_options
+      = "rate=" + number_text(options.rate) + " compensation=" + options.compensation.text();
 
   const std::filesystem::path directory = options.output.text();
   if (options.print_pipeline) {

@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "player.h"
 
+#include "steering.h"
+
 #include "film/pipeline.h"
 #include "film/progress.h"
 #include "gst/video/video_sinks.h"
 
 #include <glib-unix.h>
+#include <gst/video/navigation.h>
 #include <gst/video/video.h>
 
 #include <algorithm>
@@ -59,6 +62,7 @@ public:
     probe("sound", "sink", GST_PAD_PROBE_TYPE_BUFFER, gate);
     probe("sound", "sink", GST_PAD_PROBE_TYPE_BUFFER, listen);
     probe("overlay", "src", GST_PAD_PROBE_TYPE_BUFFER, watch);
+    probe("overlay", "src", GST_PAD_PROBE_TYPE_EVENT_UPSTREAM, on_key);
     probe("recorder", "sink", GST_PAD_PROBE_TYPE_EVENT_DOWNSTREAM, record);
 
     const Owned<GstBus> bus(gst_element_get_bus(pipeline_.get()));
@@ -179,6 +183,22 @@ private:
     return GST_PAD_PROBE_OK;
   }
 
+  /// Probe for keys that are pressed in the film's window.
+  static GstPadProbeReturn on_key(GstPad *, GstPadProbeInfo *info, gpointer data)
+  {
+    Run *self = static_cast<Run *>(data);
+    GstEvent *event = GST_PAD_PROBE_INFO_EVENT(info);
+    const gchar *key = nullptr;
+    if (GST_EVENT_TYPE(event) != GST_EVENT_NAVIGATION
+        || gst_navigation_event_get_type(event) != GST_NAVIGATION_EVENT_KEY_PRESS
+        || !gst_navigation_event_parse_key_event(event, &key) || !steer(self->analysis_.get(), key))
+      return GST_PAD_PROBE_OK;
+    g_object_set(self->analysis_.get(), "attach-saliency", TRUE, nullptr);
+    g_object_set(element(self->pipeline_, "overlay").get(), "meter", TRUE, nullptr);
+    self->post("steered");
+    return GST_PAD_PROBE_OK;
+  }
+
   /// Probe for the recording's end of stream, when all has been written.
   static GstPadProbeReturn record(GstPad *, GstPadProbeInfo *info, gpointer data)
   {
@@ -267,6 +287,10 @@ private:
       if (gst_message_has_name(message, "playing")) {
         playing_ = true;
         report_board();
+      } else if (gst_message_has_name(message, "steered")) {
+        progress_.clear();
+        if (!settings_.quiet)
+          std::fprintf(stderr, "%s\n", steering_text(analysis_.get()).c_str());
       } else if (at_once_) // the recording is complete
         g_main_loop_quit(loop_);
       break;
