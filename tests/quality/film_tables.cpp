@@ -20,18 +20,19 @@ our_models()
   return { paper_model, tuned_model };
 }
 
-/// For one case: models of the same peer share its maps.
+/// For one case: models of the same peer share its maps, all of them the rarity.
 std::vector<ModelMaker>
 peer_models(bool weighted_too)
 {
   std::vector<ModelMaker> models;
+  const auto rarity = std::make_shared<RarityMaps>();
   for (const Peer peer : kPeers) {
     if (!is_available(peer))
       continue;
     const auto maps = std::make_shared<PeerMaps>(peer);
-    models.emplace_back([maps] { return peer_model(maps, false); });
+    models.emplace_back([maps] { return peer_model(maps); });
     if (weighted_too)
-      models.emplace_back([maps] { return peer_model(maps, true); });
+      models.emplace_back([=] { return peer_model(maps, rarity); });
   }
   return models;
 }
@@ -176,9 +177,13 @@ phantom_cases(const Extent &extent)
             film.models = standard && !ball ? our_models() : std::vector<ModelMaker>{ tuned_model };
             film.seeds = setting.size.width > 640 ? 1 : 2;
             film.seconds = setting.fps == 60 ? 6 : 10;
+            if (extent.quick) {
+              film.seeds = 1;
+              film.seconds = 4;
+            }
             cases.push_back(film);
             film.models = peer_models(false);
-            film.seconds = 6;
+            film.seconds = std::min(film.seconds, 6.0);
             if (standard && synthetic && !ball && !film.models.empty())
               cases.push_back(film);
           }

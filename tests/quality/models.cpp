@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "models.h"
 
-#include "frame/front_end.h"
-#include "saliency/rarity.h"
 #include "saliency/spatial_saliency.h"
 
 #include <opencv2/core.hpp>
@@ -24,25 +22,23 @@ view_of(const cv::Mat &map)
 class PeerModel : public Model
 {
 public:
-  PeerModel(std::shared_ptr<PeerMaps> maps, bool weighted)
-      : Model(std::string(quality::name(maps->peer())) + (weighted ? " × R" : "")),
-        maps_(std::move(maps)), weighted_(weighted)
+  PeerModel(std::shared_ptr<PeerMaps> maps, std::shared_ptr<RarityMaps> rarity)
+      : Model(std::string(quality::name(maps->peer())) + (rarity ? " × R" : "")),
+        maps_(std::move(maps)), rarity_(std::move(rarity))
   {
   }
 
   void frame(const Frame &frame, Time time, Time, tactile::TactileMap &map) override
   {
     maps_->of(frame, time).copyTo(map_);
-    if (weighted_) {
+    if (rarity_) {
       const int level
           = saliency::frame_levels(saliency::Profile::tuned_spatial(), frame.size()).finest;
-      const int converted = saliency::conversion_level(frame.size(), level);
-      rarity_(saliency::to_float(front_end_.lab(frame.view(), level, converted)), weight_);
       // Sample i of the weight is centered on pixel 2ⁿ i. The map's samples fill the frame.
       const double step = 1 << level;
       const double x = frame.size().width / step / map_.cols;
       const double y = frame.size().height / step / map_.rows;
-      cv::warpAffine(weight_, on_map_,
+      cv::warpAffine(rarity_->of(frame, time, level), on_map_,
                      cv::Matx23d(x, 0, (x - 1 / step) / 2, 0, y, (y - 1 / step) / 2), map_.size(),
                      cv::INTER_LINEAR | cv::WARP_INVERSE_MAP, cv::BORDER_REPLICATE);
       cv::multiply(map_, on_map_, map_);
@@ -52,10 +48,7 @@ public:
 
 private:
   std::shared_ptr<PeerMaps> maps_;
-  bool weighted_;
-  saliency::FrontEnd front_end_;
-  saliency::Rarity rarity_;
-  cv::Mat weight_;
+  std::shared_ptr<RarityMaps> rarity_;
   cv::Mat on_map_;
   cv::Mat map_;
 };
@@ -105,6 +98,17 @@ PeerMaps::of(const Frame &frame, Time time)
   return map_;
 }
 
+const cv::Mat &
+RarityMaps::of(const Frame &frame, Time time, int level)
+{
+  if (time_ != time)
+    rarity_(saliency::to_float(front_end_.lab(frame.view(), level,
+                                              saliency::conversion_level(frame.size(), level))),
+            map_);
+  time_ = time;
+  return map_;
+}
+
 void
 map_peer(const cv::Mat &saliency, tactile::TactileMap &map)
 {
@@ -114,9 +118,9 @@ map_peer(const cv::Mat &saliency, tactile::TactileMap &map)
 }
 
 std::unique_ptr<Model>
-peer_model(std::shared_ptr<PeerMaps> maps, bool weighted)
+peer_model(std::shared_ptr<PeerMaps> maps, std::shared_ptr<RarityMaps> rarity)
 {
-  return std::make_unique<PeerModel>(std::move(maps), weighted);
+  return std::make_unique<PeerModel>(std::move(maps), std::move(rarity));
 }
 
 } // namespace quality

@@ -2,8 +2,10 @@
 #pragma once
 
 #include "films.h"
+#include "frame/front_end.h"
 #include "peers.h"
 #include "saliency/analyzer.h"
+#include "saliency/rarity.h"
 #include "tactile/tactile_map.h"
 #include "tactile/tactile_mapping.h"
 
@@ -107,7 +109,23 @@ private:
 /// silent, no floor, no gain. Silent only if the map is 0.
 void map_peer(const cv::Mat &saliency, tactile::TactileMap &map);
 
-/// A peer with that mapping. With `weighted`, its maps are multiplied by color rarity first.
-std::unique_ptr<Model> peer_model(std::shared_ptr<PeerMaps> maps, bool weighted);
+/// Caches color rarity, with which peers' maps are weighted, for the models that share it. Not
+/// thread-safe.
+class RarityMaps
+{
+public:
+  /// The rarity of the frame at `time`, computed once, at `level`.
+  const cv::Mat &of(const Frame &frame, Time time, int level);
+
+private:
+  saliency::FrontEnd front_end_;
+  saliency::Rarity rarity_;
+  std::optional<Time> time_;
+  cv::Mat map_;
+};
+
+/// A peer with that mapping. Its maps are multiplied by the rarity first, if there is one.
+std::unique_ptr<Model> peer_model(std::shared_ptr<PeerMaps> maps,
+                                  std::shared_ptr<RarityMaps> rarity = nullptr);
 
 } // namespace quality
