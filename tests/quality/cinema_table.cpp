@@ -13,6 +13,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <utility>
 
 namespace quality {
 
@@ -267,16 +268,36 @@ score_with_progress(const std::vector<CinemaCase> &cases, int seeds, const Model
   return scores;
 }
 
+using ScoresOfCases = std::vector<std::vector<CinemaScores>>;
+
+/// Over all films.
+SummaryRow
+cinema_row(const char *figure, const ScoresOfCases &tuned, const ScoresOfCases &paper,
+           Mean CinemaScores::*score)
+{
+  UnitsByModel units;
+  for (const auto &[model, cases] : { std::pair{ "tuned", &tuned }, { "paper", &paper } })
+    for (const auto &films : *cases)
+      for (const CinemaScores &film : films)
+        units[model].push_back(film.*score);
+  return summary_row("cinema scenes", figure, units);
+}
+
 } // namespace
 
 Table
-cinema_table(const Extent &extent)
+cinema_table(const Extent &extent, Summary &summary)
 {
   const auto cases = cinema_cases(extent);
   const int seeds = extent.quick ? 2 : 5;
   const auto tuned
       = score_with_progress(cases, seeds, tuned_model, extent.threads, "cinema, tuned");
   const auto paper = score_with_progress(cases, 1, paper_model, extent.threads, "cinema, paper");
+  summary.push_back(
+      cinema_row("frames felt where nothing is to be felt", tuned, paper, &CinemaScores::phantoms));
+  summary.back().higher = false;
+  summary.push_back(
+      cinema_row("strongest cell is what moves by itself", tuned, paper, &CinemaScores::right));
   Table table(
       "Scenes of cinema",
       "Drawn films of 12 s at 640×360 and 30 fps with noise of σ 2; " + std::to_string(seeds)

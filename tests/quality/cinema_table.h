@@ -6,7 +6,7 @@
 namespace quality {
 
 /// Drawn scenes of cinema: travelling cameras, light, titles, textures, people who talk.
-Table cinema_table(const Extent &extent);
+Table cinema_table(const Extent &extent, Summary &summary);
 
 /// Checks the floors of the tuned profile on these scenes, and prints violations.
 bool cinema_holds(int threads);

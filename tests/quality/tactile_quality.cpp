@@ -217,7 +217,7 @@ constexpr std::array kTables{
   NamedTable{ "photographs", photograph_section, true },
   NamedTable{ "films", ball_section, false },
   NamedTable{ "phantoms", phantom_section, false },
-  NamedTable{ "cinema", [](const Extent &e, Summary &) { return Section{ cinema_table(e) }; },
+  NamedTable{ "cinema", [](const Extent &e, Summary &s) { return Section{ cinema_table(e, s) }; },
               false },
   NamedTable{ "clips", clip_section, true },
   NamedTable{ "cues",
