@@ -90,7 +90,6 @@ public:
     const Pose pose = path_.at(t);
     bgr.create(settings_.size, CV_8UC3);
     bgr.setTo(cv::Scalar::all(128));
-    const cv::Rect whole({}, settings_.size);
     const Actor *active = nullptr;
     cv::Mat own; // alpha of what is active
     double all = 0;
@@ -115,15 +114,17 @@ public:
     };
     for (const Card &layer : layers_) {
       draw_until(layer.z);
-      if (layer.z - pose.z < kNearest)
+      const cv::Rect part = seen_part(layer, pose, settings_.size);
+      if (part.empty())
         continue;
-      warp(layer, pose, settings_.size, whole, warped_, spare_);
-      compose(warped_, bgr);
-      if (active) {
+      warp(layer, pose, settings_.size, part, warped_);
+      compose(warped_, bgr(part));
+      if (const cv::Rect both = part & own_part; !both.empty()) {
         cv::Mat through;
-        cv::extractChannel(warped_(own_part), through, 3);
+        cv::extractChannel(warped_(both - part.tl()), through, 3);
         cv::bitwise_not(through, through);
-        cv::multiply(own, through, own, 1 / 255.0);
+        cv::Mat hidden = own(both - own_part.tl());
+        cv::multiply(hidden, through, hidden, 1 / 255.0);
       }
     }
     draw_until(-1e9);
@@ -263,23 +264,20 @@ private:
     constexpr double kFadeIn = 0.1;
     const bool appears = settings_.mover == Mover::appears;
     const double z = z_of(actor, t);
-    if (z - pose.z < kNearest || (appears && t < actor.start))
-      return {};
-    const cv::Rect2d seen = clipped(box_of(actor, t, pose), settings_.size);
-    const cv::Rect part = cv::Rect(
-        cv::Point(static_cast<int>(std::floor(seen.x)), static_cast<int>(std::floor(seen.y))),
-        cv::Point(static_cast<int>(std::ceil(seen.br().x)),
-                  static_cast<int>(std::ceil(seen.br().y))));
-    if (part.empty())
+    if (appears && t < actor.start)
       return {};
     Card card;
     card.density = kSpriteTexels / actor.height;
     card.x = actor.x + actor.speed_x * actor.walked(t) - actor.width / 2;
     card.y = actor.y;
     card.z = z;
-    cv::Mat sprite(static_cast<int>(kSpriteTexels),
-                   static_cast<int>(std::ceil(actor.width * card.density)), CV_8UC4,
-                   cv::Scalar::all(0));
+    cv::Mat &sprite = card.texture;
+    sprite = cv::Mat(static_cast<int>(kSpriteTexels),
+                     static_cast<int>(std::ceil(actor.width * card.density)), CV_8UC4,
+                     cv::Scalar::all(0));
+    const cv::Rect part = seen_part(card, pose, settings_.size);
+    if (part.empty())
+      return {};
     if (appears)
       draw_thing(actor, sprite);
     else
@@ -288,8 +286,7 @@ private:
     cv::GaussianBlur(sprite, sprite, {}, std::max(0.3, kAperture * texels));
     if (appears)
       sprite *= std::clamp((t - actor.start) / kFadeIn + 0.34, 0.0, 1.0);
-    card.levels = { sprite };
-    warp(card, pose, settings_.size, part, warped_, spare_);
+    warp(card, pose, settings_.size, part, warped_);
     compose(warped_, bgr(part));
     return part;
   }
@@ -320,7 +317,6 @@ private:
   std::vector<Card> layers_; ///< farthest first
   std::vector<Actor> actors_;
   cv::Mat warped_;
-  cv::Mat spare_;
   int events_ = 0;
   int last_ = -1; ///< actor whose event has been counted
 };

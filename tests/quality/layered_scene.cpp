@@ -11,39 +11,6 @@ namespace quality {
 
 namespace {
 
-/// What is seen of one level of a card in a part of the frame.
-void
-warp_level(const Card &card, int level, const Pose &pose, cv::Size size, const cv::Rect &part,
-           cv::Mat &out)
-{
-  const double density = std::ldexp(card.density, -level);
-  const double scale = density * (card.z - pose.z) / size.width;
-  const double cosine = scale * std::cos(pose.roll);
-  const double sine = scale * std::sin(pose.roll);
-  const cv::Point2d corner
-      = seen_at(pose, cv::Point2d(part.tl()) + cv::Point2d(0.5, 0.5), card.z, size)
-        - cv::Point2d(card.x, card.y);
-  const cv::Matx23d to_texel(cosine, -sine, corner.x * density - 0.5, sine, cosine,
-                             corner.y * density - 0.5);
-  cv::warpAffine(card.levels[static_cast<std::size_t>(level)], out, to_texel, part.size(),
-                 cv::INTER_LINEAR | cv::WARP_INVERSE_MAP, cv::BORDER_CONSTANT);
-}
-
-/// Halves a texture until `levels` and gives each the area of a pixel and a lens's blur.
-std::vector<cv::Mat>
-pyramid(cv::Mat texture, int levels)
-{
-  std::vector<cv::Mat> all;
-  for (int i = 0; i < levels; ++i) {
-    cv::Mat blurred;
-    cv::GaussianBlur(texture, blurred, {}, kAperture * kTexels);
-    all.push_back(blurred);
-    cv::resize(texture, texture, { (texture.cols + 1) / 2, (texture.rows + 1) / 2 }, 0, 0,
-               cv::INTER_AREA);
-  }
-  return all;
-}
-
 /// A layer's alpha, CV_8UC1. The world's x = 0, y = 0 is at `origin`, in texels; `unit` is the
 /// width of the first picture at that distance. Nothing is nearer to x = 0 than `lane`.
 cv::Mat
@@ -80,19 +47,39 @@ draw_cover(Cover cover, Random &random, cv::Size size, cv::Point2d origin, doubl
 } // namespace
 
 void
-warp(const Card &card, const Pose &pose, cv::Size size, const cv::Rect &part, cv::Mat &out,
-     cv::Mat &spare)
+warp(const Card &card, const Pose &pose, cv::Size size, const cv::Rect &part, cv::Mat &out)
 {
-  const double texels = card.density * (card.z - pose.z) / size.width; // per pixel
-  const double level
-      = std::clamp(std::log2(texels / kTexels), 0.0, static_cast<double>(card.levels.size()) - 1);
-  const int finer = static_cast<int>(level);
-  const double share = level - finer;
-  warp_level(card, finer, pose, size, part, out);
-  if (share > 0.01) {
-    warp_level(card, finer + 1, pose, size, part, spare);
-    cv::addWeighted(out, 1 - share, spare, share, 0, out);
-  }
+  const double scale = card.density * (card.z - pose.z) / size.width; // texels per pixel
+  const double cosine = scale * std::cos(pose.roll);
+  const double sine = scale * std::sin(pose.roll);
+  const cv::Point2d corner
+      = seen_at(pose, cv::Point2d(part.tl()) + cv::Point2d(0.5, 0.5), card.z, size)
+        - cv::Point2d(card.x, card.y);
+  const cv::Matx23d to_texel(cosine, -sine, corner.x * card.density - 0.5, sine, cosine,
+                             corner.y * card.density - 0.5);
+  cv::warpAffine(card.texture, out, to_texel, part.size(), cv::INTER_LINEAR | cv::WARP_INVERSE_MAP,
+                 cv::BORDER_CONSTANT);
+}
+
+cv::Rect
+seen_part(const Card &card, const Pose &pose, cv::Size size)
+{
+  if (card.z - pose.z < kNearest)
+    return {};
+  cv::Point2d low(1e6, 1e6);
+  cv::Point2d high(-1e6, -1e6);
+  for (const double x : { 0, card.texture.cols })
+    for (const double y : { 0, card.texture.rows }) {
+      const cv::Point2d corner
+          = project(pose, card.x + x / card.density, card.y + y / card.density, card.z, size);
+      low = { std::min(low.x, corner.x), std::min(low.y, corner.y) };
+      high = { std::max(high.x, corner.x), std::max(high.y, corner.y) };
+    }
+  const cv::Point from(static_cast<int>(std::max(0.0, low.x - 1)),
+                       static_cast<int>(std::max(0.0, low.y - 1)));
+  const cv::Point to(static_cast<int>(std::min<double>(size.width, high.x + 2)),
+                     static_cast<int>(std::min<double>(size.height, high.y + 2)));
+  return to.x > from.x && to.y > from.y ? cv::Rect(from, to) : cv::Rect();
 }
 
 void
@@ -105,6 +92,10 @@ compose(const cv::Mat &front, cv::Mat picture)
       const int through = 255 - from[x][3];
       if (through == 255)
         continue;
+      if (through == 0) {
+        to[x] = { from[x][0], from[x][1], from[x][2] };
+        continue;
+      }
       for (int c = 0; c < 3; ++c)
         to[x][c] = static_cast<uchar>(from[x][c] + (to[x][c] * through + 127) / 255);
     }
@@ -159,10 +150,16 @@ make_layer(double z, Cover cover, double lane, const CameraPath &path, double se
   cv::Mat mask3;
   cv::merge(std::array{ mask, mask, mask }, mask3);
   cv::multiply(picture, mask3, picture, 1 / 255.0);
-  cv::Mat with_alpha;
-  cv::merge(std::array{ picture, mask }, with_alpha);
-  const double most = card.density * farthest / size.width / kTexels;
-  card.levels = pyramid(with_alpha, 1 + static_cast<int>(std::ceil(std::log2(most) - 1e-9)));
+  cv::merge(std::array{ picture, mask }, card.texture);
+  // Right for the middle of the way.
+  const double most = card.density * z / size.width; // texels per pixel
+  cv::GaussianBlur(card.texture, card.texture, {}, kAperture * std::sqrt(kTexels * most));
+  // Nothing is drawn above what there is.
+  cv::Rect used = cv::boundingRect(mask);
+  used = (used + cv::Size(8, 8) - cv::Point(4, 4)) & cv::Rect({}, texels);
+  card.texture = card.texture(used).clone();
+  card.x += used.x / card.density;
+  card.y += used.y / card.density;
   return card;
 }
 

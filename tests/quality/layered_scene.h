@@ -5,8 +5,6 @@
 
 #include <opencv2/core/mat.hpp>
 
-#include <vector>
-
 namespace quality {
 
 /// A flat thing parallel to the picture at z, whose top left corner is at (x, y), in meters.
@@ -15,8 +13,8 @@ struct Card
   double x = 0;
   double y = 0;
   double z = 0;
-  double density = 0;          ///< texels of the first level per meter
-  std::vector<cv::Mat> levels; ///< CV_8UC4, premultiplied by alpha; each half of the last
+  double density = 0; ///< texels per meter
+  cv::Mat texture;    ///< CV_8UC4, premultiplied by alpha
 };
 
 /// Texels per pixel: with so many, linear interpolation blurs little.
@@ -27,10 +25,11 @@ inline constexpr double kAperture = 0.45;
 /// m; what is nearer is not drawn.
 inline constexpr double kNearest = 0.4;
 
-/// What is seen of a card in a part of the frame, CV_8UC4, premultiplied. `spare` is overwritten.
-/// Requires card.z > pose.z.
-void warp(const Card &card, const Pose &pose, cv::Size size, const cv::Rect &part, cv::Mat &out,
-          cv::Mat &spare);
+/// What is seen of a card in a part of the frame, CV_8UC4, premultiplied. Requires card.z > pose.z.
+void warp(const Card &card, const Pose &pose, cv::Size size, const cv::Rect &part, cv::Mat &out);
+
+/// The part of the frame in which a card is seen; empty if it is nearer than kNearest.
+cv::Rect seen_part(const Card &card, const Pose &pose, cv::Size size);
 
 /// `front` (CV_8UC4, premultiplied) over `picture` (CV_8UC3).
 void compose(const cv::Mat &front, cv::Mat picture);
