@@ -317,7 +317,7 @@ clip_agreement(const std::filesystem::path &file, OracleExtent extent)
   using std::chrono::seconds;
   const Time begin = extent == OracleExtent::all ? seconds(0) : seconds(10);
   const Time end = extent == OracleExtent::all    ? Time::max()
-                   : extent == OracleExtent::some ? seconds(20)
+                   : extent == OracleExtent::some ? seconds(40)
                                                   : seconds(13);
   Decoder clip(file, "decodebin", "I420");
   std::unique_ptr<FilmComparison> comparison;

@@ -11,7 +11,7 @@ namespace quality {
 enum class OracleExtent
 {
   few,  ///< every tenth photograph, 3 s of each film
-  some, ///< every fourth photograph, 10 s of each film
+  some, ///< every fourth photograph, 30 s of each film
   all,
 };
 

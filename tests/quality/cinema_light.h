@@ -24,8 +24,8 @@ enum class Light
 
 /// Changes come every 2–3 s, between them the picture rests. `pictures` have any size.
 ///
-/// Quiet, but for the fire: felt in its cells for 0.5 s from when it is lit, allowed there until 4 s
-/// later, then quiet although it flickers on.
+/// Quiet, but for the fire: felt in its cells for 0.5 s from when it is lit, allowed there until
+/// 4 s later, then quiet although it flickers on.
 std::unique_ptr<CinemaFilm> light_film(Light light, const std::vector<cv::Mat> &pictures,
                                        cv::Size size, std::uint64_t seed);
 

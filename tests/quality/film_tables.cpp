@@ -183,7 +183,7 @@ phantom_cases(const Extent &extent)
             }
             cases.push_back(film);
             film.models = peer_models(false);
-            film.seconds = std::min(film.seconds, 6.0);
+            film.seconds = 4;
             if (standard && synthetic && !ball && !film.models.empty())
               cases.push_back(film);
           }

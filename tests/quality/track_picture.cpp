@@ -75,7 +75,7 @@ write_lines(cairo_t *cairo, double x, double y, double width, const std::string 
   return lines;
 }
 
-// ---- a track over time ---------------------------------------------------------------------------
+// ---- a track over time --------------------------------------------------------------------------
 
 constexpr double kWidth = 1200;
 constexpr double kNames = 36; ///< of the lanes
@@ -154,7 +154,7 @@ draw_track(cairo_t *cairo, const tactile::Track &track, const std::vector<Label>
              std::to_string(second) + " s");
 }
 
-// ---- moments -------------------------------------------------------------------------------------
+// ---- moments ------------------------------------------------------------------------------------
 
 constexpr int kMoments = 10;
 constexpr int kColumns = 5;
