@@ -5,6 +5,7 @@
 #include "frame/lab_image.h"
 #include "nanoseconds.h"
 #include "saliency/profile.h"
+#include "saliency/similarity.h"
 
 #include <opencv2/core/mat.hpp>
 #include <opencv2/core/types.hpp>
