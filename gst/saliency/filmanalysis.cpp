@@ -2,6 +2,7 @@
 #include "filmanalysis.h"
 
 #include "frame/front_end.h"
+#include "people/cascade_module.h"
 #include "regionsofinterest.h"
 
 #include <algorithm>
@@ -43,6 +44,8 @@ FilmAnalysis::forget()
     analyzer_->reset();
     top_down_->reset();
   }
+  if (people_)
+    people_->reset();
   viewport_.reset();
 }
 
@@ -60,6 +63,8 @@ void
 FilmAnalysis::stop()
 {
   analyzer_.reset();
+  people_.reset();
+  people_kind_ = {};
   reset();
 }
 
@@ -103,17 +108,40 @@ FilmAnalysis::make_analyzer(const Kind &kind)
   analyzer_.emplace(profile);
 }
 
-/// The saliency map, multiplied by the weights of regions.
+void
+FilmAnalysis::make_people(const SaliencySettings &settings)
+{
+  using people::Effort;
+  const PeopleKind kind{ settings.profile == ProfileName::paper ? PeopleMode::off : settings.people,
+                         settings.temporal };
+  if (people_kind_ == kind)
+    return;
+  people_kind_ = kind;
+  people_.reset();
+  if (kind.mode != PeopleMode::off)
+    people_.emplace(people::cascade_detector(),
+                    kind.mode == PeopleMode::fast ? Effort::fast : Effort::thorough, kind.temporal);
+}
+
+/// The saliency map, raised where people are, multiplied by the weights of regions.
 const cv::Mat &
 FilmAnalysis::weigh(const SaliencySettings &settings, GstBuffer *buffer,
                     const FrameMapping &mapping, const saliency::Saliency &found,
                     saliency::Time time)
 {
-  if (!settings.roi_weights)
-    return found.map;
   const saliency::FrameView &frame = mapping.view();
+  raised_ = found;
+  if (people_) {
+    people_->wait(wait_for_people_);
+    raised_.map
+        = people_->raise({ found, small_picture_.of(frame, found.map.size(), settings.temporal),
+                           frame, people_of_interest(buffer, mapping.left(), mapping.top()) },
+                         time);
+  }
+  if (!settings.roi_weights)
+    return raised_.map;
   return top_down_->compute(
-      found, { frame.width, frame.height },
+      raised_, { frame.width, frame.height },
       regions_of_interest(buffer, mapping.left(), mapping.top(), *settings.roi_weights), time);
 }
 
@@ -133,6 +161,7 @@ FilmAnalysis::analyze(const SaliencySettings &settings, tactile::Orientation ori
                       saliency::Time duration)
 {
   make_analyzer(kind_of(settings));
+  make_people(settings);
   analyzer_->set_threads(settings.n_threads);
   saliency_.map.clear();
   orientation_ = orientation;

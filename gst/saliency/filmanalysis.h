@@ -2,6 +2,8 @@
 #pragma once
 
 #include "framemapping.h"
+#include "people/people.h"
+#include "people/small_picture.h"
 #include "saliency/analyzer.h"
 #include "saliency/top_down_saliency.h"
 #include "saliencysettings.h"
@@ -44,6 +46,22 @@ public:
                const GstVideoInfo &info, GstBuffer *buffer, saliency::Time time,
                saliency::Time duration);
 
+  /// Whether a late look for people is waited for, so that maps do not depend on the machine's
+  /// speed; initially true.
+  void wait_for_people(bool wait)
+  {
+    wait_for_people_ = wait;
+  }
+  /// Why people are not found; empty if there is no reason.
+  std::string people_failure()
+  {
+    return people_ ? people_->failure() : std::string();
+  }
+  people::People::Statistics people_statistics()
+  {
+    return people_ ? people_->statistics() : people::People::Statistics();
+  }
+
   /// Of the last analysis, as on the screen.
   const tactile::TactileMap &map() const
   {
@@ -65,9 +83,18 @@ private:
 
     bool operator==(const Kind &) const = default;
   };
+  /// What a look for people depends on.
+  struct PeopleKind
+  {
+    PeopleMode mode = PeopleMode::off;
+    bool temporal = true;
+
+    bool operator==(const PeopleKind &) const = default;
+  };
 
   static Kind kind_of(const SaliencySettings &settings);
   void make_analyzer(const Kind &kind);
+  void make_people(const SaliencySettings &settings);
   const cv::Mat &weigh(const SaliencySettings &settings, GstBuffer *buffer,
                        const FrameMapping &mapping, const saliency::Saliency &found,
                        saliency::Time time);
@@ -82,6 +109,11 @@ private:
   tactile::TactileMap stored_map_;   ///< in the pixels of the frame
   tactile::TactileMap map_;
   AttachedSaliency saliency_;
+  PeopleKind people_kind_;               ///< of people_
+  std::optional<people::People> people_; ///< none if it is off
+  people::SmallPicture small_picture_;
+  bool wait_for_people_ = true;
+  saliency::Saliency raised_;                   ///< by people
   std::optional<saliency::Time> next_analysis_; ///< on max-rate's grid; none: the next frame
   saliency::Time last_time_{ 0 };               ///< of the last frame
 };

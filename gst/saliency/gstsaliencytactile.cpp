@@ -12,6 +12,13 @@
  * The map is as viewers see the picture; regions of interest and #GstSaliencyMeta are in the pixels
  * of the frame. Behind videoflip, which keeps the orientation tag, set `video-direction=identity`.
  *
+ * With `people`, faces are looked for a few times a second, on a thread of their own, and what
+ * happens in them is felt first. Where a detector upstream marks faces, heads or persons with
+ * #GstVideoRegionOfInterestMeta, these are taken instead. Faces count from 0.2 s of film time after
+ * their picture. A late look is waited for, so that a track is the same each time, unless the
+ * source is live or a sink reports (QoS) that frames come late. The detector is a module of its
+ * own, and its data are in Debian's opencv-data; without them there is a warning.
+ *
  * ## Example launch lines
  * |[
  * gst-launch-1.0 tactiletestsrc num-buffers=150 ! saliencytactile ! tactileoverlay ! \
@@ -19,6 +26,8 @@
  * gst-launch-1.0 tactiletestsrc num-buffers=150 ! \
  *     saliencytactile rows=4 columns=6 attach-saliency=true ! \
  *     tactileoverlay style=heatmap ! videoconvert ! autovideosink
+ * gst-launch-1.0 filesrc location=FILM ! decodebin ! saliencytactile people=fast ! \
+ *     tactileoverlay ! videoconvert ! autovideosink
  * ]|
  *
  * ## Messages
@@ -36,6 +45,7 @@
 #include <gst/tactile/tactile.h>
 
 #include <algorithm>
+#include <atomic>
 #include <optional>
 #include <span>
 #include <string>
@@ -56,14 +66,16 @@ struct Statistics
   guint64 active = 0;   ///< frames with any level above zero
   GstClockTime busy = 0;
   GstClockTime longest = 0;
+  people::People::Statistics people;
 };
 
 } // namespace
 
 struct GstSaliencyTactilePrivate
 {
-  SaliencySettings settings; ///< object lock
-  Statistics stats;          ///< object lock
+  SaliencySettings settings;      ///< object lock
+  Statistics stats;               ///< object lock
+  std::atomic<bool> late = false; ///< frames come late downstream (QoS)
 
   // Streaming thread only.
   GstVideoInfo info;
@@ -75,6 +87,8 @@ struct GstSaliencyTactilePrivate
   saliency::Time next_time{ 0 }; ///< for frames without one
   bool warned_map = false;
   bool warned_size = false;
+  bool warned_people = false;
+  bool live = false; ///< the source is
 };
 
 struct _GstSaliencyTactile
@@ -157,8 +171,16 @@ gst_saliency_tactile_analyze(GstSaliencyTactile *self, const SaliencySettings &s
                              GstBuffer *buffer, saliency::Time time, saliency::Time duration)
 {
   GstSaliencyTactilePrivate *priv = self->priv;
-  if (priv->analysis.analyze(settings, priv->orientation, priv->info, buffer, time, duration)
-      || std::exchange(priv->warned_map, true))
+  priv->analysis.wait_for_people(!priv->live && !priv->late);
+  const bool read
+      = priv->analysis.analyze(settings, priv->orientation, priv->info, buffer, time, duration);
+  const std::string no_people = priv->analysis.people_failure();
+  if (!no_people.empty() && !std::exchange(priv->warned_people, true))
+    GST_ELEMENT_WARNING(self, RESOURCE, NOT_FOUND,
+                        ("There is no look for people: %s.", no_people.c_str()),
+                        ("install OpenCV's object detection and its data, in Debian "
+                         "gstreamer1.0-visuotactile-people and opencv-data"));
+  if (read || std::exchange(priv->warned_map, true))
     return;
   g_autoptr(GstCaps) caps = gst_video_info_to_caps(&priv->info);
   GST_ELEMENT_WARNING(self, RESOURCE, READ, ("A frame could not be read; it is felt as nothing."),
@@ -203,8 +225,10 @@ static void
 gst_saliency_tactile_count(GstSaliencyTactile *self, std::span<const float> felt,
                            std::optional<GstClockTime> spent)
 {
+  const people::People::Statistics people = self->priv->analysis.people_statistics();
   GST_OBJECT_LOCK(self);
   Statistics &stats = self->priv->stats;
+  stats.people = people;
   stats.frames++;
   stats.analyzed += spent ? 1 : 0;
   stats.active += std::ranges::any_of(felt, [](float level) { return level > 0; }) ? 1 : 0;
@@ -281,11 +305,15 @@ gst_saliency_tactile_stats(GObject *object)
   GST_OBJECT_LOCK(object);
   const Statistics stats = GST_SALIENCY_TACTILE(object)->priv->stats;
   GST_OBJECT_UNLOCK(object);
-  return gst_structure_new("application/x-saliency-stats", "frames", G_TYPE_UINT64, stats.frames,
-                           "analyzed", G_TYPE_UINT64, stats.analyzed, "active", G_TYPE_UINT64,
-                           stats.active, "analysis-mean", G_TYPE_UINT64,
-                           stats.analyzed ? stats.busy / stats.analyzed : 0, "analysis-max",
-                           G_TYPE_UINT64, stats.longest, nullptr);
+  const people::DetectionThread::Statistics &looks = stats.people.looks;
+  return gst_structure_new(
+      "application/x-saliency-stats", "frames", G_TYPE_UINT64, stats.frames, "analyzed",
+      G_TYPE_UINT64, stats.analyzed, "active", G_TYPE_UINT64, stats.active, "analysis-mean",
+      G_TYPE_UINT64, stats.analyzed ? stats.busy / stats.analyzed : 0, "analysis-max",
+      G_TYPE_UINT64, stats.longest, "faces", G_TYPE_UINT64,
+      static_cast<guint64>(stats.people.faces), "looks", G_TYPE_UINT64,
+      static_cast<guint64>(looks.detections), "look-mean", G_TYPE_UINT64,
+      static_cast<guint64>(looks.detections ? looks.busy.count() / looks.detections : 0), nullptr);
 }
 
 /* ---- stream ---- */
@@ -312,7 +340,24 @@ gst_saliency_tactile_set_caps(GstBaseTransform *transform, GstCaps *incaps, GstC
     return FALSE;
   }
   gst_saliency_tactile_reset(self);
+  g_autoptr(GstQuery) latency = gst_query_new_latency();
+  gboolean live = FALSE;
+  if (gst_pad_peer_query(GST_BASE_TRANSFORM_SINK_PAD(transform), latency))
+    gst_query_parse_latency(latency, &live, nullptr, nullptr);
+  priv->live = live;
   return TRUE;
+}
+
+/// What comes late is not made later by a wait for people.
+static gboolean
+gst_saliency_tactile_src_event(GstBaseTransform *transform, GstEvent *event)
+{
+  if (GST_EVENT_TYPE(event) == GST_EVENT_QOS) {
+    GstClockTimeDiff late = 0;
+    gst_event_parse_qos(event, nullptr, nullptr, &late, nullptr);
+    GST_SALIENCY_TACTILE(transform)->priv->late = late > 0;
+  }
+  return GST_BASE_TRANSFORM_CLASS(parent_class)->src_event(transform, event);
 }
 
 static gboolean
@@ -352,7 +397,8 @@ gst_saliency_tactile_start(GstBaseTransform *transform)
     return FALSE;
   }
   self->priv->negotiated = false;
-  self->priv->warned_map = self->priv->warned_size = false;
+  self->priv->warned_map = self->priv->warned_size = self->priv->warned_people = false;
+  self->priv->late = false;
   self->priv->analysis.stop();
   gst_saliency_tactile_reset(self);
   GST_OBJECT_LOCK(self);
@@ -420,6 +466,7 @@ gst_saliency_tactile_class_init(GstSaliencyTactileClass *klass)
 
   transform_class->set_caps = gst_saliency_tactile_set_caps;
   transform_class->sink_event = gst_saliency_tactile_sink_event;
+  transform_class->src_event = gst_saliency_tactile_src_event;
   transform_class->start = gst_saliency_tactile_start;
   transform_class->stop = gst_saliency_tactile_stop;
   transform_class->prepare_output_buffer = gst_saliency_tactile_prepare_output_buffer;

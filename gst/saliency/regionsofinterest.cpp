@@ -3,22 +3,46 @@
 
 #include <gst/video/video.h>
 
-std::vector<saliency::Region>
-regions_of_interest(GstBuffer *buffer, int left, int top, const saliency::RegionWeights &weights)
+#include <string_view>
+
+namespace {
+
+template <typename Use>
+void
+each_region(GstBuffer *buffer, int left, int top, const Use &use)
 {
-  std::vector<saliency::Region> regions;
   gpointer state = nullptr;
   while (GstMeta *meta = gst_buffer_iterate_meta_filtered(
              buffer, &state, GST_VIDEO_REGION_OF_INTEREST_META_API_TYPE)) {
     const auto *region = reinterpret_cast<const GstVideoRegionOfInterestMeta *>(meta);
     const gchar *type = g_quark_to_string(region->roi_type);
-    const double weight = weights.of(type ? type : "");
-    if (weight != 1)
-      regions.push_back(
-          { .area = cv::Rect2d(static_cast<double>(region->x) - left,
-                               static_cast<double>(region->y) - top, region->w, region->h),
-            .type = region->roi_type,
-            .weight = weight });
+    use(region->roi_type, std::string_view(type ? type : ""),
+        cv::Rect2d(static_cast<double>(region->x) - left, static_cast<double>(region->y) - top,
+                   region->w, region->h));
   }
+}
+
+} // namespace
+
+std::vector<cv::Rect2d>
+people_of_interest(GstBuffer *buffer, int left, int top)
+{
+  std::vector<cv::Rect2d> boxes;
+  each_region(buffer, left, top, [&](GQuark, std::string_view type, const cv::Rect2d &area) {
+    if ((type == "face" || type == "head" || type == "person") && !area.empty())
+      boxes.push_back(area);
+  });
+  return boxes;
+}
+
+std::vector<saliency::Region>
+regions_of_interest(GstBuffer *buffer, int left, int top, const saliency::RegionWeights &weights)
+{
+  std::vector<saliency::Region> regions;
+  each_region(buffer, left, top, [&](GQuark id, std::string_view type, const cv::Rect2d &area) {
+    const double weight = weights.of(type);
+    if (weight != 1)
+      regions.push_back({ .area = area, .type = id, .weight = weight });
+  });
   return regions;
 }

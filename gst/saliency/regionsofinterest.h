@@ -8,6 +8,9 @@
 
 #include <vector>
 
+/// Boxes of people that detectors upstream found, of types `face`, `head` and `person`, as below.
+std::vector<cv::Rect2d> people_of_interest(GstBuffer *buffer, int left, int top);
+
 /// Regions that detectors upstream found, from GstVideoRegionOfInterestMeta, with their weights;
 /// regions of weight 1 are left out. Coordinates are relative to pixel (left, top) of the frame,
 /// the top left of its GstVideoCropMeta.

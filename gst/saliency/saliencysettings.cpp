@@ -93,6 +93,8 @@ constexpr P kProperties[] = {
       "Factors on saliency by type of GstVideoRegionOfInterestMeta, 0 to 10: type=weight,... with "
       "* for others",
       kPlaying),
+  P::choice("people", "Look for faces, and feel first what happens in them; not with profile=paper",
+            kPlaying, PROPERTY_FIELD(people), people_mode_type),
   P::choice("viewport", "Part of the picture that the grid covers", kPlaying,
             PROPERTY_FIELD(viewport), viewport_type),
   P::choice("video-direction",
@@ -118,7 +120,9 @@ constexpr P kProperties[] = {
           "Take every pixel's color, as for frames of up to 800 x 600: better maps, several times "
           "the cost",
           kPlaying, PROPERTY_FIELD(exact)),
-  P::stats("stats", "Frames passed, analyzed and active (any level above 0); analysis times in ns"),
+  P::stats("stats",
+           "Frames passed, analyzed and active (any level above 0); faces in the last frame; times "
+           "of analyses and of looks for faces in ns"),
 };
 
 } // namespace

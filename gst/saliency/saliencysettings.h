@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include "../peoplemode.h"
 #include "../properties.h"
 #include "saliency/region_weights.h"
 #include "tactile/cue_limiter.h"
@@ -46,6 +47,7 @@ struct SaliencySettings
   bool keep_maps = false;
   int n_threads = 0; ///< 0: by frame size and processor
   bool exact = false;
+  PeopleMode people = PeopleMode::off;
 
   /// All properties of saliencytactile.
   static void install(GObjectClass *klass, const properties::Element<SaliencySettings> &element);

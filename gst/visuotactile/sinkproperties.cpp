@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "sinkproperties.h"
 
+#include "../peoplemode.h"
 #include "../properties.h"
 #include "sinkparts.h"
 #include "videosinks.h"
@@ -38,6 +39,7 @@ struct Defaults
   std::string driver = "auto";
   std::string unset;
   GstVideoOrientationMethod video_direction = GST_VIDEO_ORIENTATION_AUTO;
+  PeopleMode people = PeopleMode::off;
 };
 
 std::optional<std::string>
@@ -101,6 +103,8 @@ constexpr Entry kEntries[] = {
   { Owner::analysis,
     P::text("roi-weights", "Factors on saliency inside GstVideoRegionOfInterestMeta, by type",
             kPlaying, PROPERTY_FIELD(unset)) },
+  { Owner::analysis, P::choice("people", "Look for faces, and feel first what happens in them",
+                               kPlaying, PROPERTY_FIELD(people), people_mode_type) },
   { Owner::analysis, P::number<gdouble>("max-rate", "Frames to analyze per second (0 = all)",
                                         kPlaying, PROPERTY_FIELD(max_rate), P::Range{ 0, 1000 }) },
   { Owner::seen,
