@@ -6,6 +6,9 @@
 #include "frame/front_end.h"
 #include "models.h"
 #include "peers.h"
+#include "people/cascade_module.h"
+#include "people/people.h"
+#include "people/small_picture.h"
 #include "saliency/analyzer.h"
 #include "saliency/rarity.h"
 #include "saliency/spatial_saliency.h"
@@ -151,7 +154,8 @@ public:
                                     "tuned film × R·B²",
                                     "tuned spatial",
                                     "tuned spatial, no center weight",
-                                    "tuned spatial, threshold first" };
+                                    "tuned spatial, threshold first",
+                                    "tuned spatial + people" };
     for (const Peer peer : still_peers()) {
       const std::string own = name(peer);
       names.insert(names.end(), { own, own + " × R", own + " × R·B²" });
@@ -184,6 +188,7 @@ public:
     maps.push_back(own(spatial_, even, i420.view()));
     even.order = tactile::Order::threshold_first;
     maps.push_back(own(spatial_, even, i420.view()));
+    maps.push_back(own(spatial_, MappingSettings::tuned_spatial(), i420.view(), &people_));
     for (auto &peer : peers_) {
       const cv::Mat map = on_grid(peer.compute_still(as_mat(bgr.view())));
       maps.insert(maps.end(), { felt_of(map), felt_of(map.mul(rarity)), felt_of(map.mul(sketch)) });
@@ -201,10 +206,18 @@ private:
   }
 
   static Found own(saliency::Analyzer &analyzer, const tactile::MappingSettings &mapping,
-                   const saliency::FrameView &view)
+                   const saliency::FrameView &view, people::People *people = nullptr)
   {
     analyzer.reset();
-    const auto &saliency = analyzer.analyze(view, saliency::Time{}, saliency::Time{}, false);
+    saliency::Saliency saliency = analyzer.analyze(view, {}, {}, false);
+    if (people) {
+      people->reset();
+      people::SmallPicture picture;
+      saliency.map
+          = people->raise({ saliency, picture.of(view, saliency.map.size(), false), view }, {});
+      if (const std::string failure = people->failure(); !failure.empty())
+        throw std::runtime_error("no people: " + failure);
+    }
     Found found{ on_grid(saliency.map, saliency.picture) };
     tactile::map_saliency(view_of(saliency), mapping, found.felt);
     return found;
@@ -235,6 +248,7 @@ private:
   saliency::Analyzer paper_{ saliency::Profile::paper() };
   saliency::Analyzer film_{ saliency::Profile::tuned() };
   saliency::Analyzer spatial_{ saliency::Profile::tuned_spatial() };
+  people::People people_{ people::cascade_detector(), people::Effort::thorough, false };
   saliency::FrontEnd front_end_;
   saliency::Rarity rarity_;
   saliency::Rarity border_rarity_{ kBorder };
