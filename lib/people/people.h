@@ -31,8 +31,9 @@ enum class Effort
 /// Raises a saliency map where people's faces are: viewers look at them first (Judd et al. 2009).
 ///
 /// Single pictures: map · (1 + 9 f) · (1 + s), f a Gaussian on each face, s the likeness to skin.
-/// Films: map + 30 f · max(0, map − noise) + talk · f, where talk is small motion (Activity). A map says where more
-/// than how strongly, so its maximum stays, or becomes that of a clear event at most.
+/// Films: map + 30 f · max(0, map − noise) + talk · f, where talk is small motion (Activity). A map
+/// says where more than how strongly, so its maximum stays, or becomes that of a clear event at
+/// most.
 ///
 /// Faces are found on a thread of their own. In films a picture is looked at every kPeriod of film
 /// time, and its faces count from kLatency later on; they are followed meanwhile (FaceTracker). In
