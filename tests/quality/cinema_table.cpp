@@ -62,7 +62,7 @@ add_travels(std::vector<CinemaCase> &cases, const Pictures &pictures, const std:
     { "pan with parallax", Travel::pan, Mover::none },
     { "truck, people walk across", Travel::truck, Mover::across },
     { "truck, people walk across, 24 fps", Travel::truck, Mover::across, {}, 24 },
-    { "dolly, people walk across", Travel::dolly, Mover::across },
+    { "dolly, people walk across", Travel::dolly, Mover::across, { .right = 0.75, .found = 0.9 } },
     { "dolly, people walk to or fro", Travel::dolly, Mover::heading },
     { "walk, people walk across", Travel::walk, Mover::across },
     { "pan, people walk across", Travel::pan, Mover::across },
@@ -100,10 +100,14 @@ add_light(std::vector<CinemaCase> &cases, const Pictures &pictures)
     CinemaLimits floor{};
   };
   const Scene scenes[] = {
-    { "dissolve", Light::dissolve },      { "fade to black or white", Light::fade },
-    { "exposure ramp", Light::exposure }, { "flash", Light::flash },
-    { "firelight", Light::glow },         { "fire", Light::fire },
-    { "fast pan", Light::fast_pan },      { "zoom", Light::zoom },
+    { "dissolve", Light::dissolve },
+    { "fade to black or white", Light::fade, kLight },
+    { "exposure ramp", Light::exposure, kLight },
+    { "flash", Light::flash, kLight },
+    { "firelight", Light::glow, kLight },
+    { "fire", Light::fire },
+    { "fast pan", Light::fast_pan },
+    { "zoom", Light::zoom, kLight },
   };
   for (const Scene &scene : scenes) {
     CinemaCase one;
@@ -131,9 +135,9 @@ add_titles(std::vector<CinemaCase> &cases, const Pictures &pictures)
   };
   const Scene scenes[] = {
     { "titles fade in", Title::fades, false },
-    { "titles fade in over a picture", Title::fades, true },
+    { "titles fade in over a picture", Title::fades, true, kLight },
     { "titles pop in", Title::pops, false },
-    { "titles pop in over a picture", Title::pops, true },
+    { "titles pop in over a picture", Title::pops, true, kLight },
     { "credits", Title::credits, false },
     { "credits over a picture", Title::credits, true },
   };
@@ -160,9 +164,12 @@ add_textures(std::vector<CinemaCase> &cases, const Pictures &pictures)
     CinemaLimits floor{};
   };
   const Scene scenes[] = {
-    { "rain", Stir::rain },        { "leaves in the wind", Stir::leaves },
-    { "water", Stir::water },      { "crowd", Stir::crowd },
-    { "grain, σ 4", Stir::grain }, { "grain, σ 8", Stir::coarse_grain },
+    { "rain", Stir::rain, kStirs },
+    { "leaves in the wind", Stir::leaves, kStirs },
+    { "water", Stir::water },
+    { "crowd", Stir::crowd },
+    { "grain, σ 4", Stir::grain, kStirs },
+    { "grain, σ 8", Stir::coarse_grain, kStirs },
   };
   for (const Scene &scene : scenes) {
     CinemaCase one;
@@ -187,6 +194,7 @@ add_talks(std::vector<CinemaCase> &cases, const Pictures &pictures)
       return talking_film(listener, picture_of(pictures, seed), kSize, seed);
     };
     one.target = kTalks;
+    one.floor = kTalks;
     cases.push_back(one);
   }
 }
@@ -302,9 +310,8 @@ cinema_table(const Extent &extent, Summary &summary)
       "Scenes of cinema",
       "Drawn films of 12 s at 640×360 and 30 fps with noise of σ 2; " + std::to_string(seeds)
           + " seeds each [bootstrap 95 % over them], one for the paper's profile. "
-            "Phantoms: share of the frames felt in which nothing is to be felt; longest: stretch "
-            "of "
-            "them. "
+            "Phantoms: share of the frames felt in which nothing is to be felt; longest: "
+            "stretch of them. "
             "Right: of all frames felt, those whose strongest cell is what moves by itself. "
             "Found: onsets felt there within 0.5 s. "
             "Told: seconds with a right frame, of those in which something is to be felt.",
