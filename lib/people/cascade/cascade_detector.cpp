@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <system_error>
 
 namespace {
 
@@ -16,7 +17,14 @@ class CascadeDetector final : public people::Detector
 public:
   bool load(const char *file)
   {
-    return std::filesystem::exists(file) && cascade_.load(file);
+    std::error_code none;
+    if (!std::filesystem::is_regular_file(file, none))
+      return false; // OpenCV prints an error
+    try {
+      return cascade_.load(file) && !cascade_.empty();
+    } catch (const cv::Exception &) { // what is no XML
+      return false;
+    }
   }
 
   std::vector<cv::Rect> find(const cv::Mat &gray) override

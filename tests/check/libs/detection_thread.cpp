@@ -4,6 +4,7 @@
 #include "fake_faces.h"
 #include "people/cascade_module.h"
 #include "support/no_threads.h"
+#include "support/temporary_file.h"
 #include "support/tolerance.h"
 
 #include <gst/check/gstcheck.h>
@@ -170,6 +171,16 @@ GST_START_TEST(test_failures)
   fail_if(no_cascade.take(true).has_value());
   fail_unless(no_cascade.failure().find("/nowhere/") != std::string::npos, "%s",
               no_cascade.failure().c_str());
+  const TemporaryFolder folder;
+  g_setenv("VISUOTACTILE_CASCADES", folder.path.c_str(), TRUE);
+  for (const char *text : { "", "no XML", "<?xml version=\"1.0\"?><opencv_storage><cascade>",
+                            "<?xml version=\"1.0\"?><opencv_storage></opencv_storage>" }) {
+    folder.file("haarcascade_frontalface_alt2.xml", text);
+    DetectionThread no_xml(people::cascade_detector(), kWidth);
+    no_xml.offer(gray(20), 0);
+    fail_if(no_xml.take(true).has_value());
+    fail_if(no_xml.failure().empty());
+  }
   g_setenv("VISUOTACTILE_MODULES", "/nothing", TRUE);
   DetectionThread no_module(people::cascade_detector(), kWidth);
   no_module.offer(gray(20), 0);
