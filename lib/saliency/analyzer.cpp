@@ -3,6 +3,10 @@
 
 #include "frame/front_end.h"
 #include "saliency/camera_motion.h"
+#include "saliency/gradual_transition.h"
+#include "saliency/habituation.h"
+#include "saliency/independent_motion.h"
+#include "saliency/noise_floor.h"
 #include "saliency/pyramid.h"
 #include "saliency/shot_cut.h"
 #include "saliency/spatial_saliency.h"
@@ -60,15 +64,19 @@ struct Analyzer::State
 {
   explicit State(const Profile &profile_)
       : profile(profile_), longest(longest_window(profile)), spatial(profile),
-        history(longest, profile.history_start), spatiotemporal(profile), shot_cut(profile)
+        history(longest, profile.history_start), spatiotemporal(profile), shot_cut(profile),
+        habituation(profile)
   {
   }
 
   void follow(cv::Size size, Time time, bool temporal);
   void forget();
+  int camera_level() const;
   Similarity camera_pose(double elapsed);
   const cv::Mat &spatial_map();
   const cv::Mat &spatiotemporal_map(Time time, Time duration);
+  void settle(const cv::Mat &map, double elapsed);
+  void discount(cv::Mat &map, const Similarity &pose, double elapsed);
   const Saliency &finish(Time time, Time duration, bool temporal);
   void done(Stage stage, const cv::Mat &map = {}) const
   {
@@ -86,6 +94,10 @@ struct Analyzer::State
   SpatiotemporalSaliency spatiotemporal;
   ShotCut shot_cut;
   CameraMotion camera;
+  GradualTransition transition;
+  Habituation habituation;
+  IndependentMotion independent;
+  NoiseFloor noise;
 
   struct Previous
   {
@@ -126,6 +138,17 @@ Analyzer::State::forget()
 {
   history.reset();
   camera.reset();
+  transition.reset();
+  habituation.reset();
+  noise.reset();
+  independent.reset();
+}
+
+/// The pyramid's level in which the camera's motion is found: one finer than the map's, if any.
+int
+Analyzer::State::camera_level() const
+{
+  return std::max(levels.finest, levels.saliency - 1);
 }
 
 /// The camera's pose in samples of the saliency map.
@@ -134,7 +157,7 @@ Analyzer::State::camera_pose(double elapsed)
 {
   if (!profile.camera_motion)
     return {};
-  const int level = std::max(levels.finest, levels.saliency - 1);
+  const int level = camera_level();
   return camera.follow(pyramid.level(level).lightness(), elapsed)
       .in_units_of(std::ldexp(1.0, levels.saliency - level));
 }
@@ -146,6 +169,42 @@ Analyzer::State::spatial_map()
   const cv::Mat &map = spatial.compute(pyramid, levels, team);
   done(Stage::spatial, map);
   return map;
+}
+
+/// Takes from the history what is no event: gradual transitions, and what stands still.
+void
+Analyzer::State::settle(const cv::Mat &map, double elapsed)
+{
+  if (history.moved()) {
+    transition.reset();
+    habituation.reset();
+    return;
+  }
+  if (profile.transition_guard)
+    if (const cv::Mat &follows = transition(pyramid.level(levels.saliency), elapsed);
+        !follows.empty())
+      history.settle(follows);
+  if (std::isfinite(profile.habituation_after))
+    if (const cv::Mat &share = habituation.settled(map, result.map, elapsed); !share.empty())
+      history.settle(share);
+}
+
+/// Takes from the spatiotemporal map what is no event: what the camera's travel explains, and what
+/// happens all the time.
+void
+Analyzer::State::discount(cv::Mat &map, const Similarity &pose, double elapsed)
+{
+  if (profile.camera_gate) {
+    const int level = camera_level();
+    const Similarity now = pose.in_units_of(std::ldexp(1.0, level - levels.saliency));
+    if (history.moved())
+      cv::multiply(map, independent(pyramid.level(level), now, elapsed, levels.saliency - level),
+                   map);
+    else
+      independent.reset();
+  }
+  if (profile.noise_gain > 0)
+    noise.subtract(map, elapsed, profile.noise_gain);
 }
 
 /// The map of the frame in `pyramid`, which is added to the history.
@@ -170,14 +229,17 @@ Analyzer::State::spatiotemporal_map(Time time, Time duration)
     if (is_far(pose)) {
       camera.rebase();
       history.rebase(pose.inverse());
+      independent.reset();
       pose = {};
     }
     history.push(map, elapsed, frames_between(Time{}, duration), pose);
+    settle(map, elapsed);
   }
   previous = Previous{ time, duration };
   result.camera_moves = history.moved();
   done(Stage::history);
-  const cv::Mat &saliency = spatiotemporal.compute(history, team);
+  cv::Mat &saliency = spatiotemporal.compute(history, team);
+  discount(saliency, pose, elapsed);
   done(Stage::spatiotemporal, saliency);
   return saliency;
 }

@@ -42,6 +42,13 @@ Profile::tuned()
   profile.camera_dilation = 1;
   profile.camera_margin = 1.15;
   profile.camera_rim = 2;
+  profile.camera_background = 1;
+  profile.camera_gate = true;
+  profile.habituation_after = 15;
+  profile.habituation_contrast = 0.6;
+  profile.habituation_share = 0.2;
+  profile.transition_guard = true;
+  profile.noise_gain = 4;
   profile.background_gain = 8;
   profile.background_quantile = 0.75;
   profile.background_limit = 3;
@@ -64,6 +71,7 @@ Profile::tuned_spatial()
   profile.saliency_level = 3;    // 4: 1.680; 5: 1.623
   profile.rarity = true;         // without: 1.644
   profile.camera_motion = false; // a single picture has none
+  profile.camera_gate = false;
   profile.cut_share = 1;
   return profile;
 }
@@ -85,12 +93,17 @@ fault_of(const Profile &profile)
     return "chroma is no finer than lightness";
   if (profile.camera_dilation < 0 || profile.camera_rim < 0)
     return "a camera's dilation and rim are at least 0 samples";
-  for (const double value : { profile.chroma_weight, profile.camera_margin, profile.background_gain,
-                              profile.background_limit, profile.cut_share, profile.cut_contrast })
+  for (const double value :
+       { profile.chroma_weight, profile.camera_margin, profile.background_gain,
+         profile.background_limit, profile.cut_share, profile.cut_contrast,
+         profile.camera_background, profile.habituation_after, profile.habituation_contrast,
+         profile.habituation_share, profile.noise_gain })
     if (!(value >= 0))
       return "weights, gains, shares and limits are at least 0";
   if (profile.camera_motion && profile.time_base == TimeBase::frames)
     return "a camera's motion is followed in seconds";
+  if (profile.camera_gate && !profile.camera_motion)
+    return "what moves by itself is told from the camera's motion";
   if (!(profile.background_quantile >= 0 && profile.background_quantile <= 1))
     return "a quantile is between 0 and 1";
   return {};

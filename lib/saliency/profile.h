@@ -117,6 +117,22 @@ struct Profile
   /// Set a rim of this many samples to zero, where new content enters the picture. Maps of at most
   /// twice this size have no rim.
   int camera_rim = 0;
+  /// Raise the background level by this, in the map's units: parallax leaves differences that no
+  /// similarity explains.
+  double camera_background = 0;
+  /// Keep only what moves by itself, or appears (IndependentMotion).
+  bool camera_gate = false;
+  /// Habituation: what has stood still for this long is no longer new, in frames at 30 fps. It
+  /// fades from the map within another 9 frames. Only while the camera rests. Infinity: never.
+  double habituation_after = std::numeric_limits<double>::infinity();
+  /// A sample stands still while its spatial saliency stays within this of what it was at first, or
+  /// within this share of it.
+  double habituation_contrast = 0.6;
+  double habituation_share = 0.2;
+  /// Gradual transitions (dissolves, fades, changes of exposure) are no events.
+  bool transition_guard = false;
+  /// Reduce the map by this gain times its noise floor (NoiseFloor). 0: off.
+  double noise_gain = 0;
   /// Background subtraction: what happens all over the map is no event. The spatiotemporal map is
   /// reduced by this gain times its background_quantile. 0: off.
   double background_gain = 0;

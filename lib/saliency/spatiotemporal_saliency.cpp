@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "saliency/spatiotemporal_saliency.h"
 
+#include "saliency/dilation.h"
 #include "saliency/normalization.h"
 #include "saliency/quantile.h"
 #include "saliency/rows.h"
@@ -13,35 +14,11 @@
 
 namespace saliency {
 
-namespace {
-
-/// Dilation with a square of side 2 · radius + 1. `along_rows` is scratch space: dilated along rows
-/// only.
-void
-dilate(const cv::Mat &map, int radius, cv::Mat &along_rows, cv::Mat &dilated)
-{
-  const auto raise = [](const float *by, int count, float *values) {
-    for (int x = 0; x < count; ++x)
-      values[x] = std::max(values[x], by[x]);
-  };
-  map.copyTo(along_rows);
-  for (int y = 0; y < map.rows; ++y)
-    for (int by = 1; by <= std::min(radius, map.cols - 1); ++by) {
-      raise(map.ptr<float>(y), map.cols - by, along_rows.ptr<float>(y) + by);
-      raise(map.ptr<float>(y) + by, map.cols - by, along_rows.ptr<float>(y));
-    }
-  along_rows.copyTo(dilated);
-  for (int y = 0; y < map.rows; ++y)
-    for (int from = std::max(0, y - radius); from <= std::min(map.rows - 1, y + radius); ++from)
-      raise(along_rows.ptr<float>(from), map.cols, dilated.ptr<float>(y));
-}
-
-} // namespace
-
 SpatiotemporalSaliency::SpatiotemporalSaliency(const Profile &profile)
     : sign_(profile.temporal_sign), mean_(profile.temporal_mean),
       illumination_guard_(profile.illumination_guard), camera_dilation_(profile.camera_dilation),
       camera_margin_(profile.camera_margin), camera_rim_(profile.camera_rim),
+      camera_background_(static_cast<float>(profile.camera_background)),
       background_gain_(profile.background_gain), background_quantile_(profile.background_quantile),
       background_limit_(profile.background_limit), normalization_(profile.temporal_normalization)
 {
@@ -60,7 +37,7 @@ SpatiotemporalSaliency::SpatiotemporalSaliency(const Profile &profile)
   sorted_.resize(pairs_.size());
 }
 
-const cv::Mat &
+cv::Mat &
 SpatiotemporalSaliency::compute(TemporalPyramid &history, const Team &team)
 {
   const bool moved = history.moved();
@@ -107,7 +84,7 @@ SpatiotemporalSaliency::compute(TemporalPyramid &history, const Team &team)
     }
   }
   if (background_gain_ > 0)
-    subtract_background(within);
+    subtract_background(within, moved ? camera_background_ : 0);
   if (normalization_ == Normalization::itti)
     normalize_itti(saliency_);
   return saliency_;
@@ -136,7 +113,7 @@ SpatiotemporalSaliency::illumination(const cv::Mat &center, const cv::Mat &surro
 }
 
 void
-SpatiotemporalSaliency::subtract_background(const cv::Rect &within)
+SpatiotemporalSaliency::subtract_background(const cv::Rect &within, float raised)
 {
   if (within.area() < kFewestSamples)
     return;
@@ -145,9 +122,11 @@ SpatiotemporalSaliency::subtract_background(const cv::Rect &within)
   sorted.clear();
   for (int y = 0; y < seen.rows; ++y)
     sorted.insert(sorted.end(), seen.ptr<float>(y), seen.ptr<float>(y) + seen.cols);
-  const auto background = static_cast<float>(
-      std::min(background_limit_,
-               background_gain_ * static_cast<double>(quantile(sorted, background_quantile_))));
+  const auto background
+      = raised
+        + static_cast<float>(std::min(
+            background_limit_,
+            background_gain_ * static_cast<double>(quantile(sorted, background_quantile_))));
   for (int y = 0; y < saliency_.rows; ++y) {
     auto *row = saliency_.ptr<float>(y);
     for (int x = 0; x < saliency_.cols; ++x)

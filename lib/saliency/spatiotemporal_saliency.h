@@ -20,10 +20,11 @@ public:
   explicit SpatiotemporalSaliency(const Profile &profile);
 
   /// Sum or mean over the profile's windows of |T_c - T_s| or max(0, T_c - T_s), minus the
-  /// background, optionally normalized by N(·). CV_32FC1, ≥ 0, valid until the next call. Requires
+  /// background, optionally normalized by N(·). CV_32FC1, ≥ 0, valid until the next call and free
+  /// to be changed. Requires
   /// at least one push to `history`. If the camera moved, surrounds are dilated and scaled and the
   /// rim is zero (Profile::camera_dilation, camera_margin, camera_rim).
-  const cv::Mat &compute(TemporalPyramid &history, const Team &team = {});
+  cv::Mat &compute(TemporalPyramid &history, const Team &team = {});
 
 private:
   /// A window pair as indices into `windows_`.
@@ -35,7 +36,7 @@ private:
 
   static float illumination(const cv::Mat &center, const cv::Mat &surround,
                             std::vector<float> &sorted);
-  void subtract_background(const cv::Rect &within);
+  void subtract_background(const cv::Rect &within, float raised);
 
   TemporalSign sign_;
   bool mean_;
@@ -43,6 +44,7 @@ private:
   int camera_dilation_;
   double camera_margin_;
   int camera_rim_;
+  float camera_background_;
   double background_gain_;
   double background_quantile_;
   double background_limit_;

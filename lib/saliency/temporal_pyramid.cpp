@@ -99,6 +99,25 @@ TemporalPyramid::push(const cv::Mat &map, double elapsed, double duration, const
 }
 
 void
+TemporalPyramid::settle(const cv::Mat &share)
+{
+  const auto *part = share.ptr<float>();
+  const auto *present = current_.ptr<float>();
+  const auto *now = latest().integral.ptr<double>();
+  for (std::size_t sample = 0; sample < share.total(); ++sample) {
+    if (part[sample] <= 0)
+      continue;
+    for (std::size_t i = 0; i + 1 < count_; ++i) {
+      double &past = entry(i).integral.ptr<double>()[sample];
+      const double forever
+          = now[sample] - (latest().time - entry(i).time) * static_cast<double>(present[sample]);
+      if (past > forever)
+        past += static_cast<double>(part[sample]) * (forever - past);
+    }
+  }
+}
+
+void
 TemporalPyramid::rebase(const Similarity &view)
 {
   for (std::size_t i = 0; i < count_; ++i)

@@ -63,6 +63,11 @@ public:
   /// while the camera rests.
   void push(const cv::Mat &map, double elapsed, double duration, const Similarity &pose = {});
 
+  /// Raises the past of each sample toward the current map by `share` (CV_32FC1, in [0, 1]): with 1
+  /// the sample has never been below what it is now. What was above stays. Requires at least one
+  /// push, and a camera at rest.
+  void settle(const cv::Mat &share);
+
   /// Changes the frame of reference: `view` maps the old one to the new one.
   void rebase(const Similarity &view);
 

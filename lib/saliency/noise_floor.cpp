@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "saliency/noise_floor.h"
+
+#include "saliency/dilation.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace saliency {
+
+namespace {
+
+constexpr double kSmoothing = 8; ///< time constant in frames at 30 fps
+constexpr double kStretch = 30;  ///< frames
+constexpr int kReaches = 5;      ///< "around" reaches as far as this part of the map's width
+constexpr float kNothing = 1e9F;
+
+} // namespace
+
+void
+NoiseFloor::subtract(cv::Mat &map, double elapsed, double gain)
+{
+  if (smooth_.size() != map.size()) {
+    reset();
+    smooth_.create(map.size(), CV_32FC1);
+    std::fill_n(smooth_.ptr<float>(), smooth_.total(), 0.0F);
+    present_.create(map.size(), CV_32FC1);
+    std::fill_n(present_.ptr<float>(), present_.total(), kNothing);
+    for (auto &least : least_)
+      least.create(map.size(), CV_32FC1);
+  }
+  dilate(map, map.cols / kReaches, along_rows_, around_);
+  const auto share = static_cast<float>(1 - std::exp(-elapsed / kSmoothing));
+  auto *smooth = smooth_.ptr<float>();
+  auto *present = present_.ptr<float>();
+  const auto *around = around_.ptr<float>();
+  auto *values = map.ptr<float>();
+  const std::size_t total = map.total();
+  for (std::size_t i = 0; i < total; ++i) {
+    smooth[i] += share * (around[i] - smooth[i]);
+    present[i] = std::min(present[i], smooth[i]);
+  }
+  if (known_ == kStretches) {
+    for (std::size_t i = 0; i < total; ++i) {
+      float least = present[i];
+      for (const auto &past : least_)
+        least = std::min(least, past.ptr<float>()[i]);
+      values[i] = std::max(0.0F, values[i] - static_cast<float>(gain) * least);
+    }
+  }
+  age_ += elapsed;
+  if (age_ < kStretch)
+    return;
+  age_ = 0;
+  std::swap(least_[next_], present_);
+  next_ = (next_ + 1) % kStretches;
+  known_ = std::min(known_ + 1, kStretches);
+  std::fill_n(present_.ptr<float>(), total, kNothing);
+}
+
+void
+NoiseFloor::reset()
+{
+  smooth_.release();
+  next_ = 0;
+  known_ = 0;
+  age_ = 0;
+}
+
+} // namespace saliency

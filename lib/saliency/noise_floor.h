@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <opencv2/core/mat.hpp>
+
+#include <array>
+#include <cstddef>
+
+namespace saliency {
+
+/// What happens all the time at one place is no event: rain, leaves, water, a crowd, film grain.
+///
+/// The noise floor of each place is estimated by minimum statistics (Martin, "Noise power spectral
+/// density estimation based on optimal smoothing and minimum statistics", 2001): the least that
+/// happened around it, within a fifth of the map's width, during the last seconds. Something that pauses has a floor of
+/// zero.
+class NoiseFloor
+{
+public:
+  /// Lowers `map` (CV_32FC1, ≥ 0), the spatiotemporal saliency `elapsed` frames at 30 fps after the
+  /// last one, by `gain` times the floor. Nothing is lowered in the first seconds.
+  void subtract(cv::Mat &map, double elapsed, double gain);
+
+  /// Drops the past.
+  void reset();
+
+private:
+  static constexpr std::size_t kStretches = 4; ///< of time
+
+  cv::Mat along_rows_;
+  cv::Mat around_;                        ///< largest value around each sample
+  cv::Mat smooth_;                        ///< over time
+  cv::Mat present_;                       ///< least in the current stretch
+  std::array<cv::Mat, kStretches> least_; ///< in past stretches, a ring
+  std::size_t next_ = 0;
+  std::size_t known_ = 0;
+  double age_ = 0; ///< of the current stretch, in frames
+};
+
+} // namespace saliency
