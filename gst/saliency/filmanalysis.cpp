@@ -133,10 +133,9 @@ FilmAnalysis::weigh(const SaliencySettings &settings, GstBuffer *buffer,
   raised_ = found;
   if (people_) {
     people_->wait(wait_for_people_);
-    raised_.map
-        = people_->raise({ found, small_picture_.of(frame, found.map.size(), settings.temporal),
-                           frame, people_of_interest(buffer, mapping.left(), mapping.top()) },
-                         time);
+    raised_.map = people_->raise({ found, analyzer_->picture(), frame,
+                                   people_of_interest(buffer, mapping.left(), mapping.top()) },
+                                 time);
   }
   if (!settings.roi_weights)
     return raised_.map;

@@ -3,7 +3,6 @@
 
 #include "framemapping.h"
 #include "people/people.h"
-#include "people/small_picture.h"
 #include "saliency/analyzer.h"
 #include "saliency/top_down_saliency.h"
 #include "saliencysettings.h"
@@ -111,7 +110,6 @@ private:
   AttachedSaliency saliency_;
   PeopleKind people_kind_;               ///< of people_
   std::optional<people::People> people_; ///< none if it is off
-  people::SmallPicture small_picture_;
   bool wait_for_people_ = true;
   saliency::Saliency raised_;                   ///< by people
   std::optional<saliency::Time> next_analysis_; ///< on max-rate's grid; none: the next frame

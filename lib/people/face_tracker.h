@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include "saliency/analyzer.h"
+#include "saliency/similarity.h"
 
 #include <opencv2/core/types.hpp>
 

@@ -164,7 +164,7 @@ People::raise(const Scene &scene, Time time)
   const double elapsed = last_time_ ? seconds(time - *last_time_) : 0;
   last_time_ = time;
 
-  const saliency::Similarity camera = scene.camera.in_units_of(found.picture.width / frame.width);
+  const saliency::Similarity camera = found.motion.in_units_of(found.picture.width / frame.width);
   tracker_.advance(elapsed, camera);
   since_offered_ = camera * since_offered_;
   if (temporal_)

@@ -57,15 +57,11 @@ public:
   struct Scene
   {
     const saliency::Saliency &found;
-    /// For films lightness at a pyramid level finer than the map, for single pictures L*a*b* at the
-    /// level of the map.
-    const saliency::LabImage &picture;
+    const saliency::LabImage &picture; ///< Analyzer::picture()
     const saliency::FrameView &frame;
     /// Boxes in pixels of the frame in which others have found people: no detection takes place
     /// then, nor for three seconds after.
     std::span<const cv::Rect2d> known{};
-    /// The camera's motion: where in the map is now what was at a sample of the last frame's map.
-    saliency::Similarity camera{};
   };
 
   /// `temporal`: as for Analyzer::analyze().

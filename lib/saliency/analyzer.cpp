@@ -106,6 +106,7 @@ struct Analyzer::State
   };
   std::optional<Previous> previous; ///< last frame since the reset
   FrameLevels levels;
+  Similarity last_pose;
   Saliency result;
   std::function<void(Stage, const cv::Mat &)> observer;
 };
@@ -223,6 +224,8 @@ Analyzer::State::spatiotemporal_map(Time time, Time duration)
   }
   done(Stage::shot_cut);
   const cv::Mat &map = spatial_map();
+  if (elapsed > 0)
+    result.motion = pose.inverse() * last_pose;
   if (profile.time_base == TimeBase::frames)
     history.push(map, 1, 1);
   else {
@@ -236,6 +239,7 @@ Analyzer::State::spatiotemporal_map(Time time, Time duration)
     settle(map, elapsed);
   }
   previous = Previous{ time, duration };
+  last_pose = pose;
   result.camera_moves = history.moved();
   done(Stage::history);
   cv::Mat &saliency = spatiotemporal.compute(history, team);
@@ -252,6 +256,7 @@ Analyzer::State::finish(Time time, Time duration, bool temporal)
     duration = kDefaultDuration;
   result.cut = false;
   result.camera_moves = false;
+  result.motion = {};
   result.map = temporal ? spatiotemporal_map(time, duration) : spatial_map();
   cv::minMaxLoc(result.map, nullptr, &result.peak);
   const double step = std::ldexp(1.0, levels.saliency); // pixels per sample
@@ -293,6 +298,12 @@ Analyzer::analyze(const LabImage &lab, cv::Size frame, Time time, Time duration,
   s.pyramid.build(lab, s.levels.finest, s.levels.coarsest);
   s.done(Stage::pyramid);
   return s.finish(time, duration, temporal);
+}
+
+const LabImage &
+Analyzer::picture() const
+{
+  return state_->pyramid.level(state_->levels.finest);
 }
 
 void

@@ -28,6 +28,8 @@ struct Saliency
   cv::Rect2d picture;
   bool cut = false;          ///< this frame starts a new shot
   bool camera_moves = false; ///< within the longest temporal window
+  /// The camera's motion: where in `map` is now what was at a sample of the last frame's map.
+  Similarity motion;
 };
 
 /// The steps of an analysis, in order. Without history: lab, pyramid, spatial.
@@ -67,6 +69,10 @@ public:
   /// `frame` is the size of the frame that it is of.
   const Saliency &analyze(const LabImage &lab, cv::Size frame, Time time, Time duration,
                           bool temporal = true);
+
+  /// The last frame's L*a*b* at the finest level in use, valid until the next call. For films it may
+  /// have no a* and b*.
+  const LabImage &picture() const;
 
   /// Calls `observer` after each stage, with the stage's map or an empty one. For measurements.
   void set_observer(std::function<void(Stage, const cv::Mat &map)> observer);

@@ -8,7 +8,6 @@
 #include "peers.h"
 #include "people/cascade_module.h"
 #include "people/people.h"
-#include "people/small_picture.h"
 #include "saliency/analyzer.h"
 #include "saliency/rarity.h"
 #include "saliency/spatial_saliency.h"
@@ -212,9 +211,7 @@ private:
     saliency::Saliency saliency = analyzer.analyze(view, {}, {}, false);
     if (people) {
       people->reset();
-      people::SmallPicture picture;
-      saliency.map
-          = people->raise({ saliency, picture.of(view, saliency.map.size(), false), view }, {});
+      saliency.map = people->raise({ saliency, analyzer.picture(), view }, {});
       if (const std::string failure = people->failure(); !failure.empty())
         throw std::runtime_error("no people: " + failure);
     }

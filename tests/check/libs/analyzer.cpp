@@ -511,12 +511,15 @@ GST_START_TEST(test_pan)
   double highest = 0;
   double highest_with = 0;
   double highest_without = 0;
+  double panned = 0;
   for (int i = 0; i < 150; ++i) {
     const bool ball = i == 40 || i == 41;
     const Frame f = surface(1.4 * std::clamp(i - 10, 0, 50), ball);
     const Time time = i * kSecond / 30;
     const auto &result = tuned.analyze(f.view(), time, Time(0));
     fail_if(result.cut);
+    panned += result.motion.tx;
+    ck_assert_int_eq(tuned.picture().size().width, 4 * result.map.cols);
     if (i <= 10 || i >= 145)
       fail_if(result.camera_moves, "frame %d", i);
     if (i >= 14 && i < 120)
@@ -533,6 +536,7 @@ GST_START_TEST(test_pan)
     highest_with = std::max(highest_with, with.analyze(f.view(), time, Time(0)).peak);
     highest_without = std::max(highest_without, without.analyze(f.view(), time, Time(0)).peak);
   }
+  fail_unless_near(panned, -1.4 * 50 / 4, 0.5); // to the left, in samples
   fail_unless(highest_without > 0.5, "the pan is not salient without compensation: peak %g",
               highest_without);
   fail_unless_at_most(highest_with, highest_without / 5);

@@ -43,7 +43,7 @@ public:
   {
     cv::minMaxLoc(found.map, nullptr, &found.peak);
     const Time time(std::chrono::nanoseconds(std::chrono::seconds(number++)) / 30);
-    return people.raise({ found, picture, frame.view(), known, camera }, time);
+    return people.raise({ found, picture, frame.view(), known }, time);
   }
   const cv::Mat &play(int frames)
   {
@@ -79,7 +79,6 @@ public:
   saliency::Saliency found;
   saliency::LabImage picture;
   std::vector<cv::Rect2d> known;
-  saliency::Similarity camera;
   int number = 0;
   cv::RNG generator{ 7 };
 };
@@ -290,7 +289,7 @@ GST_END_TEST;
 GST_START_TEST(test_pan)
 {
   Film film;
-  film.camera = { 1, 0, 2.0 / kStep, 0 }; // two pixels a frame
+  film.found.motion = { 1, 0, 2.0 / kStep, 0 }; // two pixels a frame
   film.faces.find_brightest({ 40, 40 });
   double x = 0;
   for (int i = 0; i < 60; ++i) {
