@@ -186,7 +186,7 @@ Analyzer::State::settle(const cv::Mat &map, double elapsed)
         !follows.empty())
       history.settle(follows);
   if (std::isfinite(profile.habituation_after))
-    if (const cv::Mat &share = habituation.settled(map, result.map, elapsed); !share.empty())
+    if (const cv::Mat &share = habituation.settled(map, elapsed); !share.empty())
       history.settle(share);
 }
 

@@ -14,7 +14,7 @@ Habituation::Habituation(const Profile &profile)
 }
 
 const cv::Mat &
-Habituation::settled(const cv::Mat &map, const cv::Mat &events, double elapsed)
+Habituation::settled(const cv::Mat &map, double elapsed)
 {
   if (first_.size() != map.size()) {
     map.copyTo(first_);
@@ -24,9 +24,7 @@ Habituation::settled(const cv::Mat &map, const cv::Mat &events, double elapsed)
     return none_;
   }
   bool any = false;
-  CV_Assert(events.size() == map.size());
   const auto *now = map.ptr<float>();
-  const auto *event = events.ptr<float>();
   auto *first = first_.ptr<float>();
   auto *age = age_.ptr<float>();
   auto *share = share_.ptr<float>();
@@ -42,7 +40,7 @@ Habituation::settled(const cv::Mat &map, const cv::Mat &events, double elapsed)
     // What is left of the past falls to 0 linearly from `begin` to `end`.
     const float left = end - std::max(before, begin);
     const float gone = std::min(age[i], end) - std::max(before, begin);
-    share[i] = event[i] > 0 && left > 0 && gone > 0 ? gone / left : 0;
+    share[i] = left > 0 && gone > 0 ? gone / left : 0;
     any |= share[i] > 0;
   }
   return any ? share_ : none_;

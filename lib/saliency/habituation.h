@@ -17,10 +17,10 @@ public:
   explicit Habituation(const Profile &profile);
 
   /// Adds the next spatial saliency map (CV_32FC1), `elapsed` frames at 30 fps after the last one.
-  /// `events`: the spatiotemporal map of the frame before; what is zero there has no effect to lose.
+  ///
   /// Returns by which share each sample's past is to become its present (TemporalPyramid::settle),
   /// or an empty map if no sample's does.
-  const cv::Mat &settled(const cv::Mat &map, const cv::Mat &events, double elapsed);
+  const cv::Mat &settled(const cv::Mat &map, double elapsed);
 
   /// Drops the past: all samples begin to stand still now.
   void reset();

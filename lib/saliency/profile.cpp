@@ -71,7 +71,6 @@ Profile::tuned_spatial()
   profile.saliency_level = 3;    // 4: 1.680; 5: 1.623
   profile.rarity = true;         // without: 1.644
   profile.camera_motion = false; // a single picture has none
-  profile.camera_gate = false;
   profile.cut_share = 1;
   return profile;
 }
@@ -102,8 +101,6 @@ fault_of(const Profile &profile)
       return "weights, gains, shares and limits are at least 0";
   if (profile.camera_motion && profile.time_base == TimeBase::frames)
     return "a camera's motion is followed in seconds";
-  if (profile.camera_gate && !profile.camera_motion)
-    return "what moves by itself is told from the camera's motion";
   if (!(profile.background_quantile >= 0 && profile.background_quantile <= 1))
     return "a quantile is between 0 and 1";
   return {};
