@@ -16,7 +16,8 @@ Habituation::Habituation(const Profile &profile)
 const cv::Mat &
 Habituation::settled(const cv::Mat &map, double elapsed)
 {
-  if (first_.size() != map.size()) {
+  if (!begun_ || first_.size() != map.size()) {
+    begun_ = true;
     map.copyTo(first_);
     age_.create(map.size());
     std::fill_n(age_.ptr<float>(), age_.total(), 0.0F);
@@ -49,7 +50,7 @@ Habituation::settled(const cv::Mat &map, double elapsed)
 void
 Habituation::reset()
 {
-  first_.release();
+  begun_ = false;
 }
 
 } // namespace saliency

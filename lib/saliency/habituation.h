@@ -29,6 +29,7 @@ private:
   double after_;
   float contrast_;
   float share_of_itself_;
+  bool begun_ = false;
   cv::Mat1f first_; ///< of each sample since it stands still
   cv::Mat1f age_;   ///< since then, in frames
   cv::Mat share_;

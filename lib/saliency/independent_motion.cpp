@@ -36,7 +36,7 @@ const cv::Mat &
 IndependentMotion::operator()(const LabImage &lab, const Similarity &pose, double elapsed,
                               int octaves)
 {
-  const bool follows = key_.size() == lab.size();
+  const bool follows = has_key_ && key_.size() == lab.size();
   if (follows) {
     age_ += elapsed;
     const Similarity motion = pose.inverse() * key_pose_;
@@ -79,7 +79,7 @@ IndependentMotion::operator()(const LabImage &lab, const Similarity &pose, doubl
 void
 IndependentMotion::reset()
 {
-  key_ = {};
+  has_key_ = false;
 }
 
 /// Makes this frame the key frame. Its points: the strongest gradient of each cell, by node.
@@ -89,6 +89,7 @@ IndependentMotion::set_key(const LabImage &now, const Similarity &pose)
   for (std::size_t c = 0; c < 3; ++c)
     now.planes[c].copyTo(key_.planes[c]);
   const cv::Mat &lightness = key_.lightness();
+  has_key_ = true;
   key_pose_ = pose;
   age_ = 0;
   for (auto &points : points_)
@@ -171,26 +172,27 @@ IndependentMotion::fit(const cv::Mat &now, const Similarity &motion)
 void
 IndependentMotion::smooth()
 {
-  std::array<std::vector<float>, 2> around;
-  const auto median = [](std::vector<float> &values) {
-    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-    std::nth_element(values.begin(), middle, values.end());
+  std::array<float, 9> xs;
+  std::array<float, 9> ys;
+  const auto median = [](std::array<float, 9> &values, std::size_t count) {
+    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(count / 2);
+    std::nth_element(values.begin(), middle, values.begin() + static_cast<std::ptrdiff_t>(count));
     return *middle;
   };
   for (int row = 0; row < kRows; ++row)
     for (int column = 0; column < kColumns; ++column) {
-      around[0].clear();
-      around[1].clear();
+      std::size_t count = 0;
       for (int r = std::max(0, row - 1); r <= std::min(kRows - 1, row + 1); ++r)
         for (int c = std::max(0, column - 1); c <= std::min(kColumns - 1, column + 1); ++c)
           if (const Node &node = mesh_[static_cast<std::size_t>(r * kColumns + c)]; node.known) {
-            around[0].push_back(node.motion.x);
-            around[1].push_back(node.motion.y);
+            xs[count] = node.motion.x;
+            ys[count] = node.motion.y;
+            ++count;
           }
       Node &node = smooth_[static_cast<std::size_t>(row * kColumns + column)];
       node = {};
-      if (!around[0].empty())
-        node = { cv::Point2f(median(around[0]), median(around[1])) / age_, true };
+      if (count > 0)
+        node = { cv::Point2f(median(xs, count), median(ys, count)) / age_, true };
     }
 }
 

@@ -51,6 +51,7 @@ private:
   void smooth();
   void find_novelty(const LabImage &now, const Similarity &motion);
 
+  bool has_key_ = false;
   LabImage key_;
   Similarity key_pose_;
   double age_ = 0; ///< of the key frame, in frames

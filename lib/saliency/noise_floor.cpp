@@ -20,8 +20,9 @@ constexpr float kNothing = 1e9F;
 void
 NoiseFloor::subtract(cv::Mat &map, double elapsed, double gain)
 {
-  if (smooth_.size() != map.size()) {
+  if (!begun_ || smooth_.size() != map.size()) {
     reset();
+    begun_ = true;
     smooth_.create(map.size(), CV_32FC1);
     std::fill_n(smooth_.ptr<float>(), smooth_.total(), 0.0F);
     present_.create(map.size(), CV_32FC1);
@@ -61,7 +62,7 @@ NoiseFloor::subtract(cv::Mat &map, double elapsed, double gain)
 void
 NoiseFloor::reset()
 {
-  smooth_.release();
+  begun_ = false;
   next_ = 0;
   known_ = 0;
   age_ = 0;

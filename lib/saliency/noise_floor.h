@@ -27,6 +27,7 @@ public:
 private:
   static constexpr std::size_t kStretches = 4; ///< of time
 
+  bool begun_ = false;
   cv::Mat along_rows_;
   cv::Mat around_;                        ///< largest value around each sample
   cv::Mat smooth_;                        ///< over time
