@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "saliency/spatiotemporal_saliency.h"
 
+#include "saliency/dilation.h"
 #include "support/saliency_oracle.h"
 #include "support/tolerance.h"
 
@@ -107,6 +108,11 @@ expected(const Profile &profile, TemporalPyramid &history)
   if (profile.background_gain > 0)
     saliency = oracle::without_background(saliency, profile.background_gain,
                                           profile.background_quantile, rimmed ? rim : 0);
+  const int seen = rimmed ? (saliency.width - 2 * rim) * (saliency.height - 2 * rim)
+                          : saliency.width * saliency.height;
+  if (moved && profile.background_gain > 0 && seen >= 64)
+    for (double &value : saliency.values)
+      value = std::max(0.0, value - profile.camera_background);
   return saliency;
 }
 
@@ -207,6 +213,7 @@ GST_START_TEST(test_camera_and_background)
             profile.camera_margin = 1.15;
             profile.camera_rim = rim;
             profile.background_gain = gain;
+            profile.camera_background = 1.5 * dilation;
             profile.background_quantile = rim == 0 ? 0.75 : rim == 1 ? 0 : 1;
             profile.illumination_guard = dilation != 1;
             TemporalPyramid history(8, HistoryStart::filled);
@@ -324,6 +331,19 @@ GST_START_TEST(test_background)
 }
 GST_END_TEST;
 
+GST_START_TEST(test_dilation)
+{
+  cv::Mat along_rows;
+  cv::Mat found;
+  for (const auto &[width, height] : { std::pair{ 1, 1 }, { 1, 7 }, { 7, 1 }, { 13, 8 } })
+    for (const int radius : { 0, 1, 2, 5, 20 }) {
+      const Image map = oracle::random_image(width, height, 0, 9, static_cast<unsigned>(radius));
+      saliency::dilate(oracle::to_mat(map), radius, along_rows, found);
+      fail_unless_at_most(oracle::difference(found, dilated(map, radius)), 1e-6);
+    }
+}
+GST_END_TEST;
+
 static Suite *
 spatiotemporal_saliency_suite(void)
 {
@@ -337,6 +357,7 @@ spatiotemporal_saliency_suite(void)
   tcase_add_test(tc, test_illumination);
   tcase_add_test(tc, test_smallest_lit_area);
   tcase_add_test(tc, test_background);
+  tcase_add_test(tc, test_dilation);
   return suite;
 }
 

@@ -501,6 +501,54 @@ GST_START_TEST(test_rebase)
 }
 GST_END_TEST;
 
+GST_START_TEST(test_settle)
+{
+  // Of what a window's mean lacks of the current map, `share` is made up. What is above stays.
+  constexpr std::array windows{ 1, 2, 4, 8, 16, 32, 64 };
+  for (const double share : { 0.0, 0.25, 0.5, 1.0 })
+    for (const int frames : { 1, 2, 80 }) {
+      TemporalPyramid pyramid(64, HistoryStart::filled);
+      Image map;
+      for (int i = 0; i < frames; ++i) {
+        map = oracle::random_image(6, 5, 0, 100, static_cast<unsigned>(i));
+        pyramid.push(oracle::to_mat(map), 1, 1);
+      }
+      Image shares(6, 5, share);
+      for (int x = 0; x < 6; ++x)
+        shares(x, 2) = 0;
+      std::vector<cv::Mat> before;
+      std::vector<cv::Mat> after;
+      pyramid.means(windows, before);
+      for (auto &mean : before)
+        mean = mean.clone();
+      pyramid.settle(oracle::to_mat(shares));
+      pyramid.means(windows, after);
+      for (std::size_t w = 0; w < windows.size(); ++w)
+        for (int y = 0; y < 5; ++y)
+          for (int x = 0; x < 6; ++x) {
+            const double was = static_cast<double>(before[w].at<float>(y, x));
+            fail_unless_near(after[w].at<float>(y, x),
+                             was + shares(x, y) * std::max(0.0, map(x, y) - was), 1e-4);
+          }
+    }
+}
+GST_END_TEST;
+
+GST_START_TEST(test_settled_past_remains)
+{
+  // Once settled, a sample has always been what it is, for later maps too.
+  TemporalPyramid pyramid(64, HistoryStart::filled);
+  for (int i = 0; i < 20; ++i)
+    pyramid.push(oracle::to_mat(Image(2, 1, i < 10 ? 5 : 50)), 1, 1);
+  Image shares(2, 1);
+  shares(0, 0) = 1;
+  pyramid.settle(oracle::to_mat(shares));
+  pyramid.push(oracle::to_mat(Image(2, 1, 80)), 1, 1);
+  fail_unless_near(mean_of(pyramid, 64).at<float>(0), (80 + 63 * 50) / 64.0, 1e-4);
+  fail_unless_near(mean_of(pyramid, 64).at<float>(1), (80 + 10 * 50 + 53 * 5) / 64.0, 1e-4);
+}
+GST_END_TEST;
+
 static Suite *
 temporal_pyramid_suite(void)
 {
@@ -523,6 +571,8 @@ temporal_pyramid_suite(void)
   tcase_add_test(tc, test_memory_is_bounded);
   tcase_add_test(tc, test_shared_entries);
   tcase_add_test(tc, test_long_displays);
+  tcase_add_test(tc, test_settle);
+  tcase_add_test(tc, test_settled_past_remains);
   return suite;
 }
 
