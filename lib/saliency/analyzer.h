@@ -70,8 +70,8 @@ public:
   const Saliency &analyze(const LabImage &lab, cv::Size frame, Time time, Time duration,
                           bool temporal = true);
 
-  /// The last frame's L*a*b* at the finest level in use, valid until the next call. For films it may
-  /// have no a* and b*.
+  /// The last frame's L*a*b* at the finest level in use, valid until the next call. For films it
+  /// may have no a* and b*.
   const LabImage &picture() const;
 
   /// Calls `observer` after each stage, with the stage's map or an empty one. For measurements.

@@ -29,7 +29,7 @@ public:
   /// of that level (CameraMotion::follow).
   ///
   /// Returns by how much each sample of the level coarser by `octaves` moves by itself, in [0, 1]
-  /// (CV_32FC1). It begins with 1, for what happened before, and holds for about 1/4 s.
+  /// (CV_32FC1). It begins open, for what happened before, and holds for about 1/4 s.
   const cv::Mat &operator()(const LabImage &lab, const Similarity &pose, double elapsed,
                             int octaves);
 

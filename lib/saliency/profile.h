@@ -153,8 +153,8 @@ struct Profile
 
   /// The best profile measured on films (docs/measured/quality.md has the figures): one pair c = 2,
   /// δ = 1, chroma × 2, no N(·), pooled to level 4, onsets only, windows 1/8, 2/16, 4/32, 8/64.
-  /// Shot cuts, changes of light, camera motion, what stands still and what goes on all the time are
-  /// discounted.
+  /// Shot cuts, changes of light, camera motion, what stands still and what goes on all the time
+  /// are discounted.
   static Profile tuned();
 
   /// The best profile measured on single pictures, for analysis without `temporal`: surroundedness

@@ -62,7 +62,7 @@ add_travels(std::vector<CinemaCase> &cases, const Pictures &pictures, const std:
     { "pan with parallax", Travel::pan, Mover::none },
     { "truck, people walk across", Travel::truck, Mover::across },
     { "truck, people walk across, 24 fps", Travel::truck, Mover::across, {}, 24 },
-    { "dolly, people walk across", Travel::dolly, Mover::across, { .right = 0.75, .found = 0.9 } },
+    { "dolly, people walk across", Travel::dolly, Mover::across, { .right = 0.7, .found = 0.8 } },
     { "dolly, people walk to or fro", Travel::dolly, Mover::heading },
     { "walk, people walk across", Travel::walk, Mover::across },
     { "pan, people walk across", Travel::pan, Mover::across },

@@ -175,7 +175,7 @@ check(const Options &options)
       good &= holds(film, "(a)", s.strongest.value(), 0.99, true);
       good &= holds(film, "(b)", s.energy.value(), 0.96, true);
       good &= holds(film, "(c)", s.silent.value(), 0.99, true);
-      good &= holds(film, "(d)", s.delay.value(), 0.45, false);
+      good &= holds(film, "(d)", s.delay.value(), 0.6, false);
       if (film.film == "static-motion") // the other has one ball
         good &= holds(film, "(e)", s.pair.value(), 0.99, true);
     } else if (i >= disturbed) {
