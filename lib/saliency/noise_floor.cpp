@@ -10,9 +10,10 @@ namespace saliency {
 
 namespace {
 
-constexpr double kSmoothing = 8; ///< time constant in frames at 30 fps
-constexpr double kStretch = 30;  ///< frames
-constexpr int kReaches = 5;      ///< "around" reaches as far as this part of the map's width
+constexpr double kSmoothing = 8;   ///< time constant in frames at 30 fps
+constexpr double kStretch = 30;    ///< frames
+constexpr double kRounding = 1e-3; ///< of times, in frames
+constexpr int kReaches = 5;        ///< "around" reaches as far as this part of the map's width
 constexpr float kNothing = 1e9F;
 
 } // namespace
@@ -50,9 +51,9 @@ NoiseFloor::subtract(cv::Mat &map, double elapsed, double gain)
     }
   }
   age_ += elapsed;
-  if (age_ < kStretch)
+  if (age_ < kStretch - kRounding)
     return;
-  age_ = 0;
+  age_ = std::fmod(age_ + kRounding, kStretch); // so that stretches are alike at any frame rate
   std::swap(least_[next_], present_);
   next_ = (next_ + 1) % kStretches;
   known_ = std::min(known_ + 1, kStretches);
