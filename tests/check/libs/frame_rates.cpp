@@ -238,8 +238,8 @@ disturbed(quality::Disturbance disturbance)
 
 /// While the camera moves, the gate (IndependentMotion) opens and closes about an event.
 constexpr double kGate = 0.55;
-/// A ball that moves on and on has a noise floor, which ends when its pauses leave the last 4 s: at a
-/// frame's boundary.
+/// A ball that moves on and on has a noise floor. It begins when the last pause is over 4 s ago: at
+/// a frame's boundary.
 constexpr double kFloorEnds = 0.9;
 
 const std::array kCases{
