@@ -379,7 +379,8 @@ accuracy_table(const std::filesystem::path &data, int threads, OracleExtent exte
       jobs.emplace_back([=] { return clip_agreement(file, extent); });
   }
   std::vector<std::vector<Agreement>> found(jobs.size());
-  in_parallel(threads, jobs.size(), [&](std::size_t i) { found[i] = jobs[i](); });
+  in_parallel(
+      threads, jobs.size(), [&](std::size_t i) { found[i] = jobs[i](); }, "accuracy");
   std::vector<Agreement> rows;
   for (const auto &some : found)
     rows.insert(rows.end(), some.begin(), some.end());

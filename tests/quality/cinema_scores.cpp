@@ -4,7 +4,6 @@
 #include "parallel.h"
 
 #include <algorithm>
-#include <mutex>
 
 namespace quality {
 
@@ -90,21 +89,17 @@ CinemaJudge::frame(const Expected &expected, Time time, Time duration,
 
 std::vector<std::vector<CinemaScores>>
 score_cinema(const std::vector<CinemaCase> &cases, cv::Size size, int seeds,
-             const ModelMaker &model, int threads,
-             const std::function<void(std::size_t done)> &progress)
+             const ModelMaker &model, int threads, const char *what)
 {
   const auto per_case = static_cast<std::size_t>(seeds);
   std::vector<std::vector<CinemaScores>> scores(cases.size(), std::vector<CinemaScores>(per_case));
-  std::size_t done = 0;
-  std::mutex mutex;
-  in_parallel(threads, cases.size() * per_case, [&](std::size_t i) {
-    const std::size_t seed = i % per_case;
-    scores[i / per_case][seed] = score(cases[i / per_case], size, seed + 1, model);
-    const std::lock_guard lock(mutex);
-    ++done;
-    if (progress)
-      progress(done);
-  });
+  in_parallel(
+      threads, cases.size() * per_case,
+      [&](std::size_t i) {
+        const std::size_t seed = i % per_case;
+        scores[i / per_case][seed] = score(cases[i / per_case], size, seed + 1, model);
+      },
+      what);
   return scores;
 }
 

@@ -68,11 +68,10 @@ struct CinemaCase
 };
 
 /// The scores of films with seeds 1, 2, …, `seeds` of each case: by case, by seed. `threads` ≥ 1
-/// share them, and the result does not depend on their number. `progress` is called after each
-/// film, never concurrently.
-std::vector<std::vector<CinemaScores>>
-score_cinema(const std::vector<CinemaCase> &cases, cv::Size size, int seeds,
-             const ModelMaker &model, int threads,
-             const std::function<void(std::size_t done)> &progress = {});
+/// share them, and the result does not depend on their number. `what`: see in_parallel().
+std::vector<std::vector<CinemaScores>> score_cinema(const std::vector<CinemaCase> &cases,
+                                                    cv::Size size, int seeds,
+                                                    const ModelMaker &model, int threads,
+                                                    const char *what);
 
 } // namespace quality

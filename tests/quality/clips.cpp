@@ -168,7 +168,8 @@ score_clips(const std::filesystem::path &directory, int threads)
         jobs.emplace_back([=] { return score_peer(peer, file, labels); });
   }
   std::vector<std::vector<ClipRow>> found(jobs.size());
-  in_parallel(threads, jobs.size(), [&](std::size_t i) { found[i] = jobs[i](); });
+  in_parallel(
+      threads, jobs.size(), [&](std::size_t i) { found[i] = jobs[i](); }, "clips");
   std::vector<ClipRow> rows;
   for (auto &some : found)
     std::ranges::move(some, std::back_inserter(rows));

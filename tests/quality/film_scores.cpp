@@ -3,8 +3,6 @@
 
 #include "parallel.h"
 
-#include <mutex>
-
 namespace quality {
 
 namespace {
@@ -49,19 +47,11 @@ score(const FilmCase &film_case)
 } // namespace
 
 std::vector<std::vector<FilmScores>>
-score_films(const std::vector<FilmCase> &cases, int threads,
-            const std::function<void(std::size_t done)> &progress)
+score_films(const std::vector<FilmCase> &cases, int threads, const char *what)
 {
   std::vector<std::vector<FilmScores>> scores(cases.size());
-  std::size_t done = 0;
-  std::mutex mutex;
-  in_parallel(threads, cases.size(), [&](std::size_t i) {
-    scores[i] = score(cases[i]);
-    const std::lock_guard lock(mutex);
-    ++done;
-    if (progress)
-      progress(done);
-  });
+  in_parallel(
+      threads, cases.size(), [&](std::size_t i) { scores[i] = score(cases[i]); }, what);
   return scores;
 }
 

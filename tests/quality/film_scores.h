@@ -37,10 +37,8 @@ struct FilmScores
 };
 
 /// Scores the models of each case on its films with seeds 1, 2, …. `threads` ≥ 1 share the cases,
-/// and the result does not depend on their number. `progress` is called after each case, never
-/// concurrently.
-std::vector<std::vector<FilmScores>>
-score_films(const std::vector<FilmCase> &cases, int threads,
-            const std::function<void(std::size_t done)> &progress = {});
+/// and the result does not depend on their number. `what`: see in_parallel().
+std::vector<std::vector<FilmScores>> score_films(const std::vector<FilmCase> &cases, int threads,
+                                                 const char *what);
 
 } // namespace quality

@@ -7,7 +7,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <map>
 
 namespace quality {
@@ -204,21 +203,11 @@ size_text(cv::Size size)
   return std::to_string(size.width) + "×" + std::to_string(size.height);
 }
 
-std::vector<std::vector<FilmScores>>
-score(const std::vector<FilmCase> &cases, int threads, const char *what)
-{
-  auto scores = score_films(cases, threads, [&](std::size_t done) {
-    std::fprintf(stderr, "\r%s: %zu of %zu", what, done, cases.size());
-  });
-  std::fputc('\n', stderr);
-  return scores;
-}
-
 Section
 ball_section(const Extent &extent, Summary &summary)
 {
   const auto cases = ball_cases(extent);
-  const auto scores = score(cases, extent.threads, "films");
+  const auto scores = score_films(cases, extent.threads, "films");
   const char *const title = "Balls on an even background";
   Table every(title, "",
               { "film", "size", "fps", "σ", "model", "(a) strongest", "(b) energy", "(c) silent",
@@ -274,7 +263,7 @@ Section
 phantom_section(const Extent &extent, Summary &summary)
 {
   const auto cases = phantom_cases(extent);
-  const auto scores = score(cases, extent.threads, "phantoms");
+  const auto scores = score_films(cases, extent.threads, "phantoms");
   const char *const title = "Nothing happens";
   Table every(
       title, "",
@@ -380,7 +369,7 @@ choice_table(int threads)
               "The tuned profile at 640 wide with one parameter changed; the worst of the films. "
               "Columns (a) to (e) as above, then the share of frames felt where nothing happens.",
               header);
-  const auto scores = score(cases, threads, "choices");
+  const auto scores = score_films(cases, threads, "choices");
   for (std::size_t c = 0; c < all.size(); ++c) {
     // Of the first `films`.
     const auto worst = [&](Mean Scores::*what, std::size_t films, bool least) {

@@ -26,10 +26,6 @@ struct Extent
 
 std::string size_text(cv::Size size);
 
-/// score_films() with its progress on standard error.
-std::vector<std::vector<FilmScores>> score(const std::vector<FilmCase> &cases, int threads,
-                                           const char *what);
-
 /// The paper's films for the paper's profile, ours and all peers: the worst of each size.
 Section ball_section(const Extent &extent, Summary &summary);
 

@@ -5,6 +5,7 @@
 #include "fixations.h"
 #include "frame/front_end.h"
 #include "models.h"
+#include "parallel.h"
 #include "peers.h"
 #include "people/cascade_module.h"
 #include "people/people.h"
@@ -17,15 +18,13 @@
 
 #include <algorithm>
 #include <array>
-#include <atomic>
 #include <charconv>
 #include <cstddef>
-#include <exception>
-#include <functional>
-#include <mutex>
+#include <cstdio>
+#include <memory>
+#include <optional>
 #include <span>
 #include <stdexcept>
-#include <thread>
 
 namespace quality {
 
@@ -145,7 +144,7 @@ felt_of(const cv::Mat &map)
 class Models
 {
 public:
-  static std::vector<std::string> names()
+  static std::vector<std::string> names(bool with_people)
   {
     std::vector<std::string> names{ "center",
                                     "paper literal",
@@ -153,8 +152,9 @@ public:
                                     "tuned film × R·B²",
                                     "tuned spatial",
                                     "tuned spatial, no center weight",
-                                    "tuned spatial, threshold first",
-                                    "tuned spatial + people" };
+                                    "tuned spatial, threshold first" };
+    if (with_people)
+      names.emplace_back("tuned spatial + people");
     for (const Peer peer : still_peers()) {
       const std::string own = name(peer);
       names.insert(names.end(), { own, own + " × R", own + " × R·B²" });
@@ -162,8 +162,10 @@ public:
     return names;
   }
 
-  Models()
+  explicit Models(bool with_people)
   {
+    if (with_people)
+      people_.emplace(people::cascade_detector(), people::Effort::thorough, false);
     for (const Peer peer : still_peers())
       peers_.emplace_back(peer);
   }
@@ -187,7 +189,8 @@ public:
     maps.push_back(own(spatial_, even, i420.view()));
     even.order = tactile::Order::threshold_first;
     maps.push_back(own(spatial_, even, i420.view()));
-    maps.push_back(own(spatial_, MappingSettings::tuned_spatial(), i420.view(), &people_));
+    if (people_)
+      maps.push_back(own(spatial_, MappingSettings::tuned_spatial(), i420.view(), &*people_));
     for (auto &peer : peers_) {
       const cv::Mat map = on_grid(peer.compute_still(as_mat(bgr.view())));
       maps.insert(maps.end(), { felt_of(map), felt_of(map.mul(rarity)), felt_of(map.mul(sketch)) });
@@ -245,7 +248,7 @@ private:
   saliency::Analyzer paper_{ saliency::Profile::paper() };
   saliency::Analyzer film_{ saliency::Profile::tuned() };
   saliency::Analyzer spatial_{ saliency::Profile::tuned_spatial() };
-  people::People people_{ people::cascade_detector(), people::Effort::thorough, false };
+  std::optional<people::People> people_;
   saliency::FrontEnd front_end_;
   saliency::Rarity rarity_;
   saliency::Rarity border_rarity_{ kBorder };
@@ -311,32 +314,14 @@ mean_of(std::span<const PhotographScores> all)
   return mean;
 }
 
-/// Runs `work` for every index below `count` on several threads. Rethrows its exceptions.
-void
-in_parallel(int threads, std::size_t count, const std::function<void(std::size_t, Models &)> &work)
+/// Whether the detector of faces works; says why not.
+bool
+finds_people()
 {
-  std::atomic<std::size_t> next{ 0 };
-  std::exception_ptr failure;
-  std::mutex mutex;
-  const auto run = [&] {
-    try {
-      Models models;
-      for (std::size_t i = next++; i < count; i = next++)
-        work(i, models);
-    } catch (...) {
-      const std::lock_guard lock(mutex);
-      failure = std::current_exception();
-      next = count;
-    }
-  };
-  {
-    std::vector<std::jthread> helpers;
-    for (int i = 1; i < threads; ++i)
-      helpers.emplace_back(run);
-    run();
-  }
-  if (failure)
-    std::rethrow_exception(failure);
+  const auto detector = people::cascade_detector()();
+  if (!detector)
+    std::fprintf(stderr, "people left out: %s\n", detector.error().c_str());
+  return detector.has_value();
 }
 
 } // namespace
@@ -352,7 +337,8 @@ score_photographs(const std::filesystem::path &directory, int threads)
 {
   const auto photographs = list_photographs(directory);
   std::vector<std::vector<PhotographScores>> scores(photographs.size());
-  in_parallel(threads, photographs.size(), [&](std::size_t i, Models &models) {
+  const bool with_people = finds_people();
+  const auto judge = [&](std::size_t i, Models &models) {
     const auto &photograph = photographs[i];
     Fixations others;
     for (const auto &other : photographs)
@@ -367,10 +353,18 @@ score_photographs(const std::filesystem::path &directory, int threads)
       throw std::runtime_error("fixations.csv: a picture needs two people or more");
     scores[i].push_back(mean_of(
         std::array{ score(found_by(one), other, others), score(found_by(other), one, others) }));
-  });
+  };
+  in_parallel_each(
+      threads, photographs.size(),
+      [&]() -> Work {
+        return [&judge, models = std::make_shared<Models>(with_people)](std::size_t i) {
+          judge(i, *models);
+        };
+      },
+      "photographs");
 
   std::vector<PhotographRow> rows;
-  auto names = Models::names();
+  auto names = Models::names(with_people);
   names.emplace_back("people");
   for (std::size_t model = 0; model < names.size(); ++model)
     for (const Split split : { train, validation }) {

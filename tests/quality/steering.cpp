@@ -115,7 +115,7 @@ cue_limit_table(int threads)
     }
     cases.push_back(film);
   }
-  const auto scores = score_films(cases, threads);
+  const auto scores = score_films(cases, threads, "cues");
   Table table(
       "Limits to cues",
       "What limits to a cue's length do to the paper's films; columns as in the first table.",
@@ -146,7 +146,7 @@ viewport_table(int threads)
                    } };
     cases.push_back(film);
   }
-  const auto scores = score_films(cases, threads);
+  const auto scores = score_films(cases, threads, "viewports");
   Table table("The viewport that adapts",
               "How often viewport=adaptive has the strongest cell that the whole picture has.",
               { "film", "strongest cell is the fixed viewport's", "(a) fixed", "(a) adaptive" });

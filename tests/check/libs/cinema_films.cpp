@@ -13,6 +13,7 @@
 #include "quality/cinema_titles.h"
 #include "quality/cinema_travel.h"
 #include "quality/pictures.h"
+#include "support/felt.h"
 #include "support/tolerance.h"
 
 using namespace std::chrono_literals;
@@ -87,16 +88,6 @@ bool
 same(const cv::Mat &a, const cv::Mat &b)
 {
   return cv::norm(a, b, cv::NORM_INF) == 0;
-}
-
-/// A map with one cell on; none for −1.
-tactile::TactileMap
-felt(int cell)
-{
-  tactile::TactileMap map(3, 3);
-  if (cell >= 0)
-    map.levels[static_cast<std::size_t>(cell)] = 0.5F;
-  return map;
 }
 
 } // namespace

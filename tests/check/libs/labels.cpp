@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "quality/labels.h"
+#include "support/felt.h"
 #include "support/temporary_file.h"
 #include "support/tolerance.h"
 
@@ -20,16 +21,6 @@ labels(const std::string &lines)
 {
   const TemporaryFile file(kHead + lines, ".csv");
   return quality::read_labels(file.path);
-}
-
-/// A map with one cell on; none for −1.
-tactile::TactileMap
-felt(int cell)
-{
-  tactile::TactileMap map(3, 3);
-  if (cell >= 0)
-    map.levels[static_cast<std::size_t>(cell)] = 0.5F;
-  return map;
 }
 
 } // namespace
