@@ -38,15 +38,15 @@ strange_names() {
   prints_pipeline "to a  %41 \"b\" 'c' \\d !e \$HOME \`f\`; g" "a  %41 \"b\" 'c' \\d !e \$HOME \`f\`; g.mkv" video
 }
 
-# --sensitivity and --density are those of saliencytactile, and the overlay has a meter
+# --sensitivity, --density and --people are those of saliencytactile, and the overlay has a meter
 steered() {
-  play --print-pipeline --sensitivity 1.5 --density .25 "$work/silent.mkv"
+  play --print-pipeline --sensitivity 1.5 --density .25 --people fast "$work/silent.mkv"
   expect_status 0
-  expect_line out 'saliencytactile .*sensitivity=1\.5 density=0\.25 attach-saliency=true .*tactileoverlay .*meter=true'
-  play --sensitivity 1.5 --density .25 -o o "$work/silent.mkv"
+  expect_line out 'saliencytactile .*sensitivity=1\.5 density=0\.25 people=fast attach-saliency=true .*tactileoverlay .*meter=true'
+  play --sensitivity 1.5 --density .25 --people fast -o o "$work/silent.mkv"
   expect_all o 0.95 1.1 "160 120 video"
   play --print-pipeline "$work/silent.mkv"
-  ! grep -E 'sensitivity|density|meter' out || fail "not asked for"
+  ! grep -E 'sensitivity|density|people|meter' out || fail "not asked for"
 }
 
 built_in_film() {

@@ -124,6 +124,7 @@ for value in -0.1 1.1 nan inf often; do
   start "density_$value" refuses 2 "--density.*--help" -o o "--density=$value" "$work/film.mkv"
 done
 start profile refuses 2 "--profile.*--help" -o o --profile x "$work/film.mkv"
+start people refuses 2 "--people.*--help" -o o --people everyone "$work/film.mkv"
 start compensation refuses 2 "--compensation.*--help" -o o --compensation x "$work/film.mkv"
 start output_missing refuses 2 "--help" -o
 finish

@@ -40,6 +40,7 @@ struct Options
 {
   TextOption output{ "." };
   TextOption profile{ "tuned" };
+  TextOption people{ "off" };
   TextOption compensation{ "exact" };
   gint rows = 3;
   gint columns = 3;
@@ -75,6 +76,10 @@ read_command_line(int argc, char **argv, Options &options)
       "Factor on the contrast of events, 0.1 to 10 (default: 1)", "FACTOR" },
     { "density", 0, 0, G_OPTION_ARG_DOUBLE, &options.density,
       "Share of the time that may be felt, 0 to 1; 0: any (default)", "SHARE" },
+    { "people", 0, 0, G_OPTION_ARG_STRING, &options.people.value,
+      "Look for faces, and feel first what happens in them: off (default), fast or thorough; not "
+      "with the profile paper",
+      "NAME" },
     { "compensation", 0, 0, G_OPTION_ARG_STRING, &options.compensation.value,
       "Compensation of the motors' rise time: exact (default), frame-block or none", "NAME" },
     { "print-pipeline", 0, 0, G_OPTION_ARG_NONE, &options.print_pipeline,
@@ -122,6 +127,8 @@ read_command_line(int argc, char **argv, Options &options)
     throw UsageError("--density is a number from 0 to 1");
   if (!is_one_of(options.profile, { "tuned", "paper" }))
     throw UsageError("--profile is tuned or paper");
+  if (!is_one_of(options.people, { "off", "fast", "thorough" }))
+    throw UsageError("--people is off, fast or thorough");
   if (!is_one_of(options.compensation, { "exact", "frame-block", "none" }))
     throw UsageError("--compensation is exact, frame-block or none");
 }
@@ -239,6 +246,8 @@ run(const Options &options)
     settings.analysis_options += " sensitivity=" + number_text(options.sensitivity);
   if (options.density > 0)
     settings.analysis_options += " density=" + number_text(options.density);
+  if (options.people.text() != "off")
+    settings.analysis_options += " people=" + options.people.text();
   settings.meter = options.sensitivity != 1 || options.density > 0;
   settings.chair_options
       = "rate=" + number_text(options.rate) + " compensation=" + options.compensation.text();
