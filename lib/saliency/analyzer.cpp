@@ -71,7 +71,6 @@ struct Analyzer::State
 
   void follow(cv::Size size, Time time, bool temporal);
   void forget();
-  int camera_level() const;
   Similarity camera_pose(double elapsed);
   const cv::Mat &spatial_map();
   const cv::Mat &spatiotemporal_map(Time time, Time duration);
@@ -145,20 +144,13 @@ Analyzer::State::forget()
   independent.reset();
 }
 
-/// The pyramid's level in which the camera's motion is found: one finer than the map's, if any.
-int
-Analyzer::State::camera_level() const
-{
-  return std::max(levels.finest, levels.saliency - 1);
-}
-
 /// The camera's pose in samples of the saliency map.
 Similarity
 Analyzer::State::camera_pose(double elapsed)
 {
   if (!profile.camera_motion)
     return {};
-  const int level = camera_level();
+  const int level = levels.camera;
   return camera.follow(pyramid.level(level).lightness(), elapsed)
       .in_units_of(std::ldexp(1.0, levels.saliency - level));
 }
@@ -196,7 +188,7 @@ void
 Analyzer::State::discount(cv::Mat &map, const Similarity &pose, double elapsed)
 {
   if (profile.camera_gate) {
-    const int level = camera_level();
+    const int level = levels.camera;
     const Similarity now = pose.in_units_of(std::ldexp(1.0, level - levels.saliency));
     if (history.moved())
       cv::multiply(map, independent(pyramid.level(level), now, elapsed, levels.saliency - level),

@@ -52,6 +52,9 @@ frame_levels(const Profile &profile, cv::Size frame)
     levels.finest = std::min(levels.finest, levels.saliency);
   if (profile.cut_share < 1)
     levels.finest_chroma = std::min(levels.finest_chroma, levels.saliency);
+  levels.camera = std::max(levels.finest, levels.saliency - 1);
+  if (profile.camera_gate)
+    levels.finest_chroma = std::min(levels.finest_chroma, levels.camera);
   return levels;
 }
 

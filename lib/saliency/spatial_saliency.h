@@ -22,6 +22,7 @@ struct FrameLevels
   int saliency = 0;              ///< of the spatial saliency map
   int finest = 0;                ///< finest and coarsest level among the pairs
   int coarsest = 0;
+  int camera = 0;        ///< of the camera's motion: one finer than the map's, if any
   int finest_chroma = 0; ///< finest level whose a* and b* are used
 };
 

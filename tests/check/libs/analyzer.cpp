@@ -549,6 +549,22 @@ GST_START_TEST(test_pan)
 }
 GST_END_TEST;
 
+GST_START_TEST(test_pan_at_any_level)
+{
+  // The camera is followed at a level finer than those whose chroma has contrast.
+  for (int level = 2; level <= 5; ++level) {
+    Profile profile = Profile::tuned();
+    profile.saliency_level = level;
+    Analyzer analyzer(profile);
+    bool moved = false;
+    for (int i = 0; i < 20; ++i)
+      moved |= analyzer.analyze(surface(1.4 * i, false).view(), i * kSecond / 30, Time(0))
+                   .camera_moves;
+    fail_unless(moved, "level %d", level);
+  }
+}
+GST_END_TEST;
+
 /// A fast pan at a low frame rate changes as much as a cut, but the shot goes on.
 GST_START_TEST(test_fast_pan_is_no_cut)
 {
@@ -584,6 +600,7 @@ analyzer_suite(void)
   tcase_add_test(tc, test_spatial_has_no_history);
   tcase_add_test(tc, test_cut);
   tcase_add_test(tc, test_pan);
+  tcase_add_test(tc, test_pan_at_any_level);
   tcase_add_test(tc, test_fast_pan_is_no_cut);
   return suite;
 }
