@@ -33,8 +33,8 @@ struct PhotographRow
 
 /// How well models predict fixations on photographs: the paper profile, the tuned profile's spatial
 /// map, the profile for single pictures with and without the detector of faces if it works, each
-/// available peer for stills, and peers times our weights; and people, of whom one half predicts the other, both ways. Rows are grouped by model,
-/// train before validation.
+/// available peer for stills, and peers times our weights; and people, of whom one half predicts
+/// the other, both ways. Rows are grouped by model, train before validation.
 ///
 /// `directory` holds OSIE's pictures NUMBER.jpg of 800 × 600 and fixations.csv (Xu, Jiang, Wang,
 /// Kankanhalli & Zhao 2014). Numbers that are 1 modulo 4 are for training, 3 for validation.
