@@ -148,6 +148,32 @@ GST_START_TEST(test_appearance)
 }
 GST_END_TEST;
 
+GST_START_TEST(test_closes)
+{
+  // A soft light that appears and moves with what is around it is known with the next key frame, 5
+  // frames later at most. The gate closes 7.5 ln 40 frames after the last novelty, at most.
+  constexpr int kAppears = 23;
+  constexpr int kCloses = kAppears + 5 + 28;
+  IndependentMotion independent;
+  for (int i = 0; i < kCloses + 10; ++i) {
+    const Similarity pose{ 1, 0, 0.5 * i, 0 };
+    const cv::Mat &gate
+        = independent(picture([&](int x, int y) {
+                        auto lab = seen(pose, x, y);
+                        if (i >= kAppears)
+                          lab[0] += 30 * std::exp(-std::hypot(pose.x(x, y) - 70, y - 40) / 4);
+                        return lab;
+                      }),
+                      pose, 1, 1);
+    const int open = cv::countNonZero(gate);
+    if (i >= kAppears && i < kAppears + 10)
+      fail_unless(open > 0, "closed in frame %d", i);
+    if (i >= kCloses)
+      fail_unless(open == 0, "open in frame %d", i);
+  }
+}
+GST_END_TEST;
+
 GST_START_TEST(test_reset)
 {
   for (const int octaves : { 0, 1, 2 }) {
@@ -178,6 +204,7 @@ independent_motion_suite(void)
   tcase_add_test(tc, test_parallax);
   tcase_add_test(tc, test_object);
   tcase_add_test(tc, test_appearance);
+  tcase_add_test(tc, test_closes);
   tcase_add_test(tc, test_reset);
   return suite;
 }
