@@ -12,12 +12,14 @@
 
 #include <glib.h>
 
+#include <hwy/targets.h>
 #include <opencv2/core.hpp>
 #include <opencv2/core/utility.hpp>
 
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <cstdint>
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
@@ -37,7 +39,9 @@ namespace {
 struct Options
 {
   gboolean quick = FALSE;
+  gboolean stages = FALSE;
   gint runs = 1;
+  gchar *instruction_set = nullptr;
   gchar **sizes = nullptr;
   gchar *markdown = nullptr;
   gchar *csv = nullptr;
@@ -107,6 +111,23 @@ sizes(const Options &options)
     all = { { 640, 480 }, { 1000, 1000 }, { 1920, 1080 }, { 3840, 2160 } };
   std::ranges::sort(all, {}, &cv::Size::area);
   return all;
+}
+
+/// Leaves out the instruction sets that this project would prefer to the named one. OpenCV keeps
+/// its own choice.
+void
+limit_instructions(std::string_view name)
+{
+  std::string known;
+  for (const std::int64_t target : hwy::SupportedAndGeneratedTargets()) {
+    if (name == hwy::TargetName(target)) {
+      hwy::DisableTargets(target - 1); // better ones have lower bits
+      return;
+    }
+    known += std::string(known.empty() ? "" : ", ") + hwy::TargetName(target);
+  }
+  throw std::runtime_error("expected an instruction set of this CPU (" + known + "), got '"
+                           + std::string(name) + "'");
 }
 
 std::string
@@ -189,6 +210,9 @@ targets(const std::vector<Result> &results)
     add(name, [method = method, peer = peer](const Result &result) {
       return quicker(result.find(method), result.find(peer));
     });
+  add("camera moving: at most 2 × as long as at rest", [](const Result &result) {
+    return quicker(result.find("tuned"), result.find("tuned, camera moving"));
+  });
   for (const char *method : { kReading, "tuned", kTwoFrames })
     add(std::string("R'G'B'x: at most 2 × as long as I420, ") + method,
         [method](const Result &result) {
@@ -371,6 +395,10 @@ bool
 report(const Options &options, const std::vector<std::string> &command)
 {
   const auto all = sizes(options);
+  if (options.stages) {
+    stage_table(all, options.quick).write_markdown(std::cout);
+    return true;
+  }
   const int rounds = options.quick ? 3 : 15;
   std::vector<Result> results;
   std::vector<std::vector<Target>> runs;
@@ -433,10 +461,14 @@ main(int argc, char **argv)
   const std::vector<std::string> command(argv, argv + argc);
   const GOptionEntry entries[] = {
     { "quick", 0, 0, G_OPTION_ARG_NONE, &options.quick, "Fewer rounds", nullptr },
+    { "stages", 0, 0, G_OPTION_ARG_NONE, &options.stages, "Print only the time of each stage",
+      nullptr },
     { "runs", 0, 0, G_OPTION_ARG_INT, &options.runs, "Runs whose targets are told (1)", "N" },
     { "sizes", 0, 0, G_OPTION_ARG_STRING_ARRAY, &options.sizes,
       "Only this size; may be repeated (640x480, 1000x1000, 1920x1080, 3840x2160)",
       "WIDTHxHEIGHT" },
+    { "instruction-set", 0, 0, G_OPTION_ARG_STRING, &options.instruction_set,
+      "Use no better instruction set of the CPU than this", "AVX2|SSE4|…" },
     { "markdown", 0, 0, G_OPTION_ARG_FILENAME, &options.markdown, "Write the page", "FILE" },
     { "csv", 0, 0, G_OPTION_ARG_FILENAME, &options.csv, "Write the tables as CSV", "FILE" },
     { "svg", 0, 0, G_OPTION_ARG_FILENAME, &options.svg, "Write how the cost grows as a plot",
@@ -459,6 +491,8 @@ main(int argc, char **argv)
   }
   cv::setNumThreads(1);
   try {
+    if (options.instruction_set)
+      limit_instructions(options.instruction_set);
     return report(options, command) ? 0 : 1;
   } catch (const std::exception &problem) {
     std::fprintf(stderr, "speed: %s\n", problem.what());
