@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "saliency/gradual_transition.h"
 
+#include "saliency/rows.h"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -87,6 +89,19 @@ GradualTransition::operator()(const LabImage &lab, double elapsed)
   if (before.age < 1.5 * kLag)
     return none_;
 
+  // Mostly too little changes for a transition.
+  std::array<const float *, 3> present;
+  std::array<const float *, 3> past;
+  for (std::size_t c = 0; c < 3; ++c) {
+    present[c] = lab.planes[c].ptr<float>();
+    past[c] = then.lab.planes[c].ptr<float>();
+  }
+  const std::size_t changed
+      = rows::count_changed(present, past, kVisible * kVisible, lab.planes[0].total());
+  const bool enough = static_cast<double>(changed) > kEnoughChange * size.area();
+  if (!enough && since_ > kHold)
+    return none_;
+
   double product = 0;
   double power = 0;
   each_sample(lab, then.lab, before.lab, [&](std::size_t, const Change &d1, const Change &d2) {
@@ -95,19 +110,16 @@ GradualTransition::operator()(const LabImage &lab, double elapsed)
   });
   const auto pace
       = static_cast<float>(power > 0 ? std::clamp(product / power, 0.0, kMostPace) : 0.0);
-  std::size_t changed = 0;
   std::size_t agreeing = 0;
   auto *follows = mask_.ptr<float>();
   each_sample(lab, then.lab, before.lab, [&](std::size_t i, const Change &d1, const Change &d2) {
     const float change = std::sqrt(squared(d1));
     const float rest
         = std::sqrt(squared({ d1[0] - pace * d2[0], d1[1] - pace * d2[1], d1[2] - pace * d2[2] }));
-    changed += change > kVisible ? 1 : 0;
     agreeing += change > kVisible && rest < kAgrees * change ? 1 : 0;
     follows[i] = rest < std::max(kFollows * change, kEvent) ? 1.0F : 0.0F;
   });
-  if (static_cast<double>(changed) > kEnoughChange * size.area()
-      && static_cast<double>(agreeing) > kEnoughAgree * static_cast<double>(changed))
+  if (enough && static_cast<double>(agreeing) > kEnoughAgree * static_cast<double>(changed))
     since_ = 0;
   return since_ <= kHold ? mask_ : none_;
 }
