@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "saliency/independent_motion.h"
 
-#include "saliency/quantile.h"
-
 #include <opencv2/core.hpp>
 
 #include <algorithm>
@@ -15,14 +13,13 @@ namespace {
 constexpr float kTexture = 1;            ///< smallest gradient of a point, L* per sample
 constexpr int kCell = 2;                 ///< a node has one point in each cell of this side
 constexpr std::size_t kFewestPoints = 6; ///< of a node
-constexpr int kMostSteps = 4;
+/// Robust scale of each step's residuals, L*: from all that may be found to what fits well.
+constexpr std::array kScales{ 20.0F, 12.0F, 8.0F, 5.0F };
 constexpr double kConverged = 0.02; ///< samples
 constexpr float kFarthest = 8;      ///< samples beyond the camera's motion
 constexpr double kPrior = 1;        ///< pulls a node's motion to the camera's
 
-constexpr float kNoise = 2;         ///< ΔE: smaller residuals do not count
-constexpr float kSmallGradient = 2; ///< ΔE per sample, added to the gradient
-constexpr float kMostNovelty = 4;
+constexpr NoveltyScale kNovelty{ .noise = 2, .least_gradient = 2, .most = 4 };
 /// A new key frame is due at this age, in frames at 30 fps.
 constexpr double kOldestKey = 4.5;
 constexpr double kHold = 7.5; ///< time constant in frames at 30 fps
@@ -136,32 +133,22 @@ IndependentMotion::fit(const cv::Mat &now, const Similarity &motion)
     if (points.size() < kFewestPoints)
       continue;
     cv::Point2f &by = mesh_[node].motion;
-    double scale = 20;
-    for (int step = 0; step < kMostSteps; ++step) {
+    for (const float scale : kScales) {
       Similarity position = motion;
       position.tx += static_cast<double>(by.x);
       position.ty += static_cast<double>(by.y);
-      sample(now, position, points, values_);
-      sorted_.clear();
-      for (std::size_t i = 0; i < values_.size(); ++i) {
-        values_[i] -= points.lightness[i];
-        if (!std::isnan(values_[i]))
-          sorted_.push_back(std::abs(values_[i]));
-      }
-      if (sorted_.size() < kFewestPoints)
+      const ShiftEquations sums = shift_equations(now, position, points, scale);
+      if (sums.points < kFewestPoints)
         break;
-      const Equations sums = equations(points, values_, scale);
-      const double xx = sums.normal[2][2] + kPrior;
-      const double xy = sums.normal[2][3];
-      const double yy = sums.normal[3][3] + kPrior;
-      const double determinant = xx * yy - xy * xy;
-      const auto dx = (yy * sums.right[2] - xy * sums.right[3]) / determinant;
-      const auto dy = (xx * sums.right[3] - xy * sums.right[2]) / determinant;
+      const double xx = sums.xx + kPrior;
+      const double yy = sums.yy + kPrior;
+      const double determinant = xx * yy - sums.xy * sums.xy;
+      const auto dx = (yy * sums.x - sums.xy * sums.y) / determinant;
+      const auto dy = (xx * sums.y - sums.xy * sums.x) / determinant;
       by -= cv::Point2f(static_cast<float>(dx), static_cast<float>(dy));
       mesh_[node].known = true;
       if (std::abs(dx) + std::abs(dy) < kConverged)
         break;
-      scale = std::max(1.0, 4.5 * static_cast<double>(quantile(sorted_, 0.5)));
     }
     if (std::abs(by.x) > kFarthest || std::abs(by.y) > kFarthest)
       mesh_[node].known = false;
@@ -207,25 +194,28 @@ node_at(int sample, int size, int nodes)
   return std::clamp(place - 0.5F, 0.0F, static_cast<float>(nodes - 1));
 }
 
-/// Where a sample was, inside the picture.
-struct Place
-{
-  int x;
-  int y;
-  float right; ///< share of the sample to the right
-  float below;
-
-  float in(const cv::Mat &plane) const
-  {
-    const auto *upper = plane.ptr<float>(y) + x;
-    const auto *lower = plane.ptr<float>(y + 1) + x;
-    const float top = upper[0] + right * (upper[1] - upper[0]);
-    const float bottom = lower[0] + right * (lower[1] - lower[0]);
-    return top + below * (bottom - top);
-  }
-};
-
 } // namespace
+
+/// The mesh's rows at each column of the picture.
+void
+IndependentMotion::widen(int width)
+{
+  wide_.resize(2 * static_cast<std::size_t>(kRows * width));
+  float *x = wide_.data();
+  float *y = x + kRows * width;
+  for (int column = 0; column < width; ++column) {
+    const float at = node_at(column, width, kColumns);
+    const int left = std::min(static_cast<int>(at), kColumns - 2);
+    const float share = at - static_cast<float>(left);
+    for (int row = 0; row < kRows; ++row) {
+      const Node *node = &smooth_[static_cast<std::size_t>(row * kColumns + left)];
+      const cv::Point2f by
+          = (node[0].motion + share * (node[1].motion - node[0].motion)) * static_cast<float>(age_);
+      x[row * width + column] = by.x;
+      y[row * width + column] = by.y;
+    }
+  }
+}
 
 /// The difference to the key frame, moved by the mesh, relative to the gradient: a small error of
 /// the motion leaves as much.
@@ -234,53 +224,18 @@ IndependentMotion::find_novelty(const LabImage &now, const Similarity &motion)
 {
   const cv::Size size = now.size();
   novelty_.create(size, CV_32FC1);
+  widen(size.width);
   const Similarity back = motion.inverse();
   for (int y = 0; y < size.height; ++y) {
-    const float at_y = node_at(y, size.height, kRows);
-    const int upper = std::min(static_cast<int>(at_y), kRows - 2);
-    const float down = at_y - static_cast<float>(upper);
-    std::array<cv::Point2f, kColumns> nodes;
-    for (int c = 0; c < kColumns; ++c) {
-      const auto &above = smooth_[static_cast<std::size_t>(upper * kColumns + c)].motion;
-      const auto &below = smooth_[static_cast<std::size_t>((upper + 1) * kColumns + c)].motion;
-      nodes[static_cast<std::size_t>(c)]
-          = (above + down * (below - above)) * static_cast<float>(age_);
-    }
-    auto *out = novelty_.ptr<float>(y);
-    const int before_y = std::max(0, y - 1);
-    const int after_y = std::min(size.height - 1, y + 1);
-    for (int x = 0; x < size.width; ++x) {
-      const float at_x = node_at(x, size.width, kColumns);
-      const auto left = std::min(static_cast<std::size_t>(at_x), std::size_t{ kColumns - 2 });
-      const cv::Point2f by
-          = nodes[left] + (at_x - static_cast<float>(left)) * (nodes[left + 1] - nodes[left]);
-      const double from_x = x - static_cast<double>(by.x);
-      const double from_y = y - static_cast<double>(by.y);
-      const auto px = static_cast<float>(back.x(from_x, from_y));
-      const auto py = static_cast<float>(back.y(from_x, from_y));
-      out[x] = 0;
-      if (!(px >= 0 && py >= 0 && px < static_cast<float>(size.width - 1)
-            && py < static_cast<float>(size.height - 1)))
-        continue;
-      Place place{ static_cast<int>(px), static_cast<int>(py), 0, 0 };
-      place.right = px - static_cast<float>(place.x);
-      place.below = py - static_cast<float>(place.y);
-      const int before_x = std::max(0, x - 1);
-      const int after_x = std::min(size.width - 1, x + 1);
-      float residual = 0;
-      float gradient = 0;
-      for (std::size_t c = 0; c < 3; ++c) {
-        const cv::Mat &plane = now.planes[c];
-        const auto *row = plane.ptr<float>(y);
-        const float rest = row[x] - place.in(key_.planes[c]);
-        const float dx = (row[after_x] - row[before_x]) / 2;
-        const float dy = (plane.ptr<float>(after_y)[x] - plane.ptr<float>(before_y)[x]) / 2;
-        residual += rest * rest;
-        gradient += dx * dx + dy * dy;
-      }
-      out[x] = std::min(kMostNovelty, std::max(0.0F, std::sqrt(residual) - kNoise)
-                                          / (std::sqrt(gradient) + kSmallGradient));
-    }
+    const float at = node_at(y, size.height, kRows);
+    const int above = std::min(static_cast<int>(at), kRows - 2);
+    const auto row = [this, width = size.width](int part, int node_row) {
+      return wide_.data() + (part * kRows + node_row) * width;
+    };
+    const RowMotion by{ .x = { row(0, above), row(0, above + 1) },
+                        .y = { row(1, above), row(1, above + 1) },
+                        .weight = at - static_cast<float>(above) };
+    novelty(now, key_, back, by, y, kNovelty, novelty_.ptr<float>(y));
   }
 }
 

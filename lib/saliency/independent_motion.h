@@ -49,6 +49,7 @@ private:
   void set_key(const LabImage &now, const Similarity &pose);
   void fit(const cv::Mat &now, const Similarity &motion);
   void smooth();
+  void widen(int width);
   void find_novelty(const LabImage &now, const Similarity &motion);
 
   bool has_key_ = false;
@@ -59,8 +60,8 @@ private:
       points_; ///< of the key frame
   Mesh mesh_;
   Mesh smooth_; ///< per frame
-  std::vector<float> values_;
-  std::vector<float> sorted_;
+  std::vector<float>
+      wide_;        ///< smooth_ at each column of the picture since the key frame: x, then y
   cv::Mat novelty_; ///< residual / gradient
   std::array<Reduction, 3> reductions_;
   std::array<cv::Mat, 3> pooled_;

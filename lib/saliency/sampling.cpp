@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "saliency/sampling.h"
 
+#include <algorithm>
 #include <limits>
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "saliency/sampling.cpp"
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
+
+#include "frame/vectors-inl.h"
 
 #ifndef SALIENCY_SAMPLING_ONCE
 #define SALIENCY_SAMPLING_ONCE
@@ -15,6 +18,7 @@ namespace saliency {
 /// is then the same for every vector length that divides it.
 constexpr std::size_t kBlock = 16;
 constexpr std::size_t kSums = 27; ///< upper triangle and right-hand side
+constexpr std::size_t kShiftSums = 5;
 } // namespace saliency
 #endif
 
@@ -23,10 +27,27 @@ namespace saliency::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-/// Bilinear interpolation; undefined where `inside` is false.
-template <class D, class V = hn::Vec<D>>
+/// Bilinear interpolation between the samples that corner(offset) loads, by their offset from the
+/// upper left one.
+template <class V, class Corner>
 HWY_INLINE V
-interpolated(D d, const cv::Mat &image, V x, V y, hn::Mask<D> inside)
+blended(int cols, V right_share, V bottom_share, const Corner &corner)
+{
+  const V upper_left = corner(0);
+  const V lower_left = corner(cols);
+  const V upper_step = hn::Sub(corner(1), upper_left);
+  const V lower_step = hn::Sub(corner(cols + 1), lower_left);
+  const V above = hn::Add(upper_left, hn::Mul(right_share, upper_step));
+  const V below = hn::Add(lower_left, hn::Mul(right_share, lower_step));
+  return hn::Add(above, hn::Mul(bottom_share, hn::Sub(below, above)));
+}
+
+/// Interpolates each image at the same places, all of which have `cols` columns, and calls
+/// use(i, values) for image i. Values are undefined where `inside` is false.
+template <class D, std::size_t n, class V = hn::Vec<D>, class Use>
+HWY_INLINE void
+interpolate(D d, const std::array<const float *, n> &images, int cols, V x, V y, hn::Mask<D> inside,
+            const Use &use)
 {
   const hn::RebindToSigned<D> di;
   x = hn::IfThenElseZero(inside, x);
@@ -35,16 +56,30 @@ interpolated(D d, const cv::Mat &image, V x, V y, hn::Mask<D> inside)
   const auto top = hn::ConvertTo(di, y);
   const V right_share = hn::Sub(x, hn::ConvertTo(d, left));
   const V bottom_share = hn::Sub(y, hn::ConvertTo(d, top));
-  const auto index = hn::Add(hn::Mul(top, hn::Set(di, image.cols)), left);
-  const float *upper = image.ptr<float>();
-  const float *lower = upper + image.cols;
-  const V upper_left = hn::GatherIndex(d, upper, index);
-  const V lower_left = hn::GatherIndex(d, lower, index);
-  const V upper_step = hn::Sub(hn::GatherIndex(d, upper + 1, index), upper_left);
-  const V lower_step = hn::Sub(hn::GatherIndex(d, lower + 1, index), lower_left);
-  const V above = hn::Add(upper_left, hn::Mul(right_share, upper_step));
-  const V below = hn::Add(lower_left, hn::Mul(right_share, lower_step));
-  return hn::Add(above, hn::Mul(bottom_share, hn::Sub(below, above)));
+  const auto index = hn::Add(hn::Mul(top, hn::Set(di, cols)), left);
+  // A gather costs several times as much as a load. Along a row, the samples are mostly adjacent.
+  const auto first = hn::GetLane(index);
+  if (hn::AllTrue(di, hn::Eq(index, hn::Iota(di, first))))
+    for (std::size_t i = 0; i < n; ++i)
+      use(i, blended(cols, right_share, bottom_share, [&](int offset) HWY_ATTR {
+            return hn::LoadU(d, images[i] + first + offset);
+          }));
+  else
+    for (std::size_t i = 0; i < n; ++i)
+      use(i, blended(cols, right_share, bottom_share, [&](int offset) HWY_ATTR {
+            return hn::GatherIndex(d, images[i] + offset, index);
+          }));
+}
+
+/// The same of one image.
+template <class D, class V = hn::Vec<D>>
+HWY_INLINE V
+interpolated(D d, const cv::Mat &image, V x, V y, hn::Mask<D> inside)
+{
+  V value = hn::Undefined(d);
+  interpolate(d, std::array{ image.ptr<float>() }, image.cols, x, y, inside,
+              [&value](std::size_t, V found) HWY_ATTR { value = found; });
+  return value;
 }
 
 template <class D, class V = hn::Vec<D>>
@@ -80,6 +115,16 @@ sample(const cv::Mat &image, const Similarity &position, const float *x, const f
   }
 }
 
+/// 1/(1 + r²/divisor)²
+template <class D, class V = hn::Vec<D>>
+HWY_INLINE V
+closeness_squared(D d, V residual, V divisor)
+{
+  const V one = hn::Set(d, 1.0F);
+  const V closeness = hn::Div(one, hn::Add(one, hn::Div(hn::Mul(residual, residual), divisor)));
+  return hn::Mul(closeness, closeness);
+}
+
 /// sums[k × kBlock + i] += term k of the points i, i + kBlock, …
 void
 equations(const float *const *change, const float *residuals, std::size_t n, float scale,
@@ -87,14 +132,12 @@ equations(const float *const *change, const float *residuals, std::size_t n, flo
 {
   const hn::CappedTag<float, kBlock> d;
   using V = hn::Vec<decltype(d)>;
-  const V one = hn::Set(d, 1.0F);
   const V divisor = hn::Set(d, scale * scale);
   for (std::size_t i = 0; i < n; i += hn::Lanes(d)) {
     V residual = hn::LoadU(d, residuals + i);
     const auto seen = hn::Eq(residual, residual);
     residual = hn::IfThenElseZero(seen, residual);
-    const V closeness = hn::Div(one, hn::Add(one, hn::Div(hn::Mul(residual, residual), divisor)));
-    const V weight = hn::IfThenElseZero(seen, hn::Mul(closeness, closeness));
+    const V weight = hn::IfThenElseZero(seen, closeness_squared(d, residual, divisor));
     float *sum = sums + i % kBlock;
     const auto add = [&](V product) HWY_ATTR {
       hn::StoreU(hn::Add(hn::LoadU(d, sum), product), d, sum);
@@ -107,6 +150,105 @@ equations(const float *const *change, const float *residuals, std::size_t n, flo
       add(hn::Mul(weighted, residual));
     }
   }
+}
+
+/// Each sum is kBlock partial sums, as in equations(). Returns the number of points inside.
+std::size_t
+shift_equations(const cv::Mat &image, const Similarity &position, const TexturedPoints &points,
+                float scale, std::array<std::array<float, kBlock>, kShiftSums> &sums)
+{
+  const hn::CappedTag<float, kBlock> d;
+  using V = hn::Vec<decltype(d)>;
+  const V a = hn::Set(d, static_cast<float>(position.a));
+  const V b = hn::Set(d, static_cast<float>(position.b));
+  const V tx = hn::Set(d, static_cast<float>(position.tx));
+  const V ty = hn::Set(d, static_cast<float>(position.ty));
+  const V divisor = hn::Set(d, scale * scale);
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < points.x.size(); i += hn::Lanes(d)) {
+    const V px = hn::LoadU(d, points.x.data() + i);
+    const V py = hn::LoadU(d, points.y.data() + i);
+    const V at_x = hn::Add(hn::Sub(hn::Mul(a, px), hn::Mul(b, py)), tx);
+    const V at_y = hn::Add(hn::Add(hn::Mul(b, px), hn::Mul(a, py)), ty);
+    const auto inside = between(d, at_x, at_y, 0, static_cast<float>(image.cols - 1),
+                                static_cast<float>(image.rows - 1));
+    const auto seen = hn::And(inside, hn::Ge(px, hn::Zero(d)));
+    count += hn::CountTrue(d, seen);
+    const V residual = hn::Sub(interpolated(d, image, at_x, at_y, seen),
+                               hn::LoadU(d, points.lightness.data() + i));
+    const V weight = hn::IfThenElseZero(seen, closeness_squared(d, residual, divisor));
+    const V dx = hn::LoadU(d, points.change[TexturedPoints::kShiftX].data() + i);
+    const V dy = hn::LoadU(d, points.change[TexturedPoints::kShiftY].data() + i);
+    const V weighted_x = hn::Mul(weight, dx);
+    const V weighted_y = hn::Mul(weight, dy);
+    std::size_t k = 0;
+    for (const V &term :
+         { hn::Mul(weighted_x, dx), hn::Mul(weighted_x, dy), hn::Mul(weighted_y, dy),
+           hn::Mul(weighted_x, residual), hn::Mul(weighted_y, residual) }) {
+      float *sum = sums[k++].data() + i % kBlock;
+      hn::StoreU(hn::Add(hn::LoadU(d, sum), term), d, sum);
+    }
+  }
+  return count;
+}
+
+void
+novelty(const LabImage &now, const LabImage &then, const Similarity &before,
+        const RowMotion &motion, int y, const NoveltyScale &scale, float *out)
+{
+  const cv::Size size = now.size();
+  const auto width = static_cast<std::size_t>(size.width);
+  std::array<const float *, 3> images;
+  std::array<const float *, 3> rows;
+  std::array<const float *, 3> above;
+  std::array<const float *, 3> below;
+  for (std::size_t c = 0; c < 3; ++c) {
+    images[c] = then.planes[c].ptr<float>();
+    rows[c] = now.planes[c].ptr<float>(y);
+    above[c] = now.planes[c].ptr<float>(std::max(0, y - 1));
+    below[c] = now.planes[c].ptr<float>(std::min(size.height - 1, y + 1));
+  }
+  const auto a = static_cast<float>(before.a);
+  const auto b = static_cast<float>(before.b);
+  const auto tx = static_cast<float>(before.tx);
+  const auto ty = static_cast<float>(before.ty);
+
+  // `left` and `right`: the neighbors of sample x.
+  const auto make = [&](auto d, std::size_t x, std::size_t left, std::size_t right) HWY_ATTR {
+    const auto weight = hn::Set(d, motion.weight);
+    const auto moved = [&](const std::array<const float *, 2> &by) HWY_ATTR {
+      const auto from = hn::LoadU(d, by[0] + x);
+      return hn::Add(from, hn::Mul(weight, hn::Sub(hn::LoadU(d, by[1] + x), from)));
+    };
+    const auto from_x = hn::Sub(hn::Iota(d, static_cast<float>(x)), moved(motion.x));
+    const auto from_y = hn::Sub(hn::Set(d, static_cast<float>(y)), moved(motion.y));
+    const auto at_x = hn::Add(
+        hn::Sub(hn::Mul(hn::Set(d, a), from_x), hn::Mul(hn::Set(d, b), from_y)), hn::Set(d, tx));
+    const auto at_y = hn::Add(
+        hn::Add(hn::Mul(hn::Set(d, b), from_x), hn::Mul(hn::Set(d, a), from_y)), hn::Set(d, ty));
+    const auto inside = between(d, at_x, at_y, 0, static_cast<float>(size.width - 1),
+                                static_cast<float>(size.height - 1));
+    auto rest = hn::Zero(d);
+    auto gradient = hn::Zero(d);
+    interpolate(d, images, size.width, at_x, at_y, inside, [&](std::size_t c, auto was) HWY_ATTR {
+      const auto change = hn::Sub(hn::LoadU(d, rows[c] + x), was);
+      const auto dx = hn::Sub(hn::LoadU(d, rows[c] + right), hn::LoadU(d, rows[c] + left));
+      const auto dy = hn::Sub(hn::LoadU(d, below[c] + x), hn::LoadU(d, above[c] + x));
+      rest = hn::Add(rest, hn::Mul(change, change));
+      gradient = hn::Add(gradient, hn::Add(hn::Mul(dx, dx), hn::Mul(dy, dy)));
+    });
+    const auto excess = hn::Max(hn::Zero(d), hn::Sub(hn::Sqrt(rest), hn::Set(d, scale.noise)));
+    const auto slope = hn::Mul(hn::Set(d, 0.5F), hn::Sqrt(gradient)); // over two samples
+    const auto relative = hn::Div(excess, hn::Add(slope, hn::Set(d, scale.least_gradient)));
+    const auto value = hn::Min(hn::Set(d, scale.most), relative);
+    hn::StoreU(hn::IfThenElseZero(inside, value), d, out + x);
+  };
+  const OneLane<float> one;
+  make(one, 0, 0, std::min<std::size_t>(1, width - 1));
+  if (width > 1)
+    make(one, width - 1, width - 2, width - 1);
+  if (width > 2)
+    cover<float>(width - 2, [&](auto d, std::size_t i) HWY_ATTR { make(d, i + 1, i, i + 2); });
 }
 
 void
@@ -150,6 +292,8 @@ namespace saliency {
 
 HWY_EXPORT(sample);
 HWY_EXPORT(equations);
+HWY_EXPORT(shift_equations);
+HWY_EXPORT(novelty);
 HWY_EXPORT(add_sampled);
 
 void
@@ -214,6 +358,30 @@ equations(const TexturedPoints &points, const std::vector<float> &residuals, dou
     result.right[m] = total();
   }
   return result;
+}
+
+ShiftEquations
+shift_equations(const cv::Mat &image, const Similarity &position, const TexturedPoints &points,
+                float scale)
+{
+  CV_Assert(image.type() == CV_32FC1 && image.isContinuous());
+  std::array<std::array<float, kBlock>, kShiftSums> sums{};
+  const std::size_t count
+      = HWY_DYNAMIC_DISPATCH(shift_equations)(image, position, points, scale, sums);
+  std::array<double, kShiftSums> totals{};
+  for (std::size_t i = 0; i < kBlock; ++i)
+    for (std::size_t k = 0; k < kShiftSums; ++k)
+      totals[k] += static_cast<double>(sums[k][i]);
+  return { totals[0], totals[1], totals[2], totals[3], totals[4], count };
+}
+
+void
+novelty(const LabImage &now, const LabImage &then, const Similarity &before,
+        const RowMotion &motion, int y, const NoveltyScale &scale, float *out)
+{
+  for (const cv::Mat &plane : then.planes)
+    CV_Assert(plane.type() == CV_32FC1 && plane.isContinuous() && plane.size() == now.size());
+  HWY_DYNAMIC_DISPATCH(novelty)(now, then, before, motion, y, scale, out);
 }
 
 void

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include "frame/lab_image.h"
 #include "saliency/similarity.h"
 
 #include <opencv2/core/mat.hpp>
@@ -19,6 +20,8 @@ class TexturedPoints
 {
 public:
   static constexpr std::size_t kParameters = 6; ///< scale, rotation, shift in x and y, gain, offset
+  static constexpr std::size_t kShiftX = 2;
+  static constexpr std::size_t kShiftY = 3;
 
   void clear();
   void add(float x, float y, float lightness, const std::array<float, kParameters> &change);
@@ -53,6 +56,41 @@ struct Equations
 /// r²/scale²)² (Geman & McClure).
 Equations equations(const TexturedPoints &points, const std::vector<float> &residuals,
                     double scale);
+
+/// The equations of a fit of the shift alone, and how many points are inside the image.
+struct ShiftEquations
+{
+  double xx, xy, yy;
+  double x, y; ///< right-hand side
+  std::size_t points;
+};
+
+/// The equations of the points' shift, for the residuals of the image at `position` of each point,
+/// weighted as in equations().
+ShiftEquations shift_equations(const cv::Mat &image, const Similarity &position,
+                               const TexturedPoints &points, float scale);
+
+/// The local motion along a row of the picture, in samples: between the rows above and below.
+struct RowMotion
+{
+  std::array<const float *, 2> x;
+  std::array<const float *, 2> y;
+  float weight; ///< of the row below
+};
+
+/// Of what differs between two pictures, relative to the gradient. In ΔE and ΔE per sample.
+struct NoveltyScale
+{
+  float noise;          ///< smaller differences do not count
+  float least_gradient; ///< added to the gradient
+  float most;
+};
+
+/// Row y of min(most, max(0, ΔE - noise) / (gradient + least_gradient)), with ΔE between `now` and
+/// `then`, and the gradient of `now`. What is at (x, y) was at before(x - motion.x, y - motion.y);
+/// 0 where that is outside. Both images have one size.
+void novelty(const LabImage &now, const LabImage &then, const Similarity &before,
+             const RowMotion &motion, int y, const NoveltyScale &scale, float *out);
 
 /// sum += image at `position` - length × now, at each sample whose position is at least `border`
 /// samples inside the image. All images have one size.
