@@ -148,6 +148,20 @@ gains(const float *center, const float *surround, float least, float nothing, st
 }
 
 void
+greatest(const float *in, std::ptrdiff_t step, int count, std::size_t n, float *out)
+{
+  cover<float>(n, [&](auto d, std::size_t i) HWY_ATTR {
+    const float *next = in + i;
+    auto most = hn::LoadU(d, next);
+    for (int k = 1; k < count; ++k) {
+      next += step;
+      most = hn::Max(most, hn::LoadU(d, next));
+    }
+    hn::StoreU(most, d, out + i);
+  });
+}
+
+void
 integrate(const double *base, const float *map, double duration, std::size_t n, double *sum)
 {
   each_once<double>(n, [&](auto d, std::size_t i) HWY_ATTR {
@@ -190,6 +204,7 @@ HWY_EXPORT(contrast);
 HWY_EXPORT(count_changed);
 HWY_EXPORT(keep_between);
 HWY_EXPORT(gains);
+HWY_EXPORT(greatest);
 HWY_EXPORT(integrate);
 HWY_EXPORT(difference);
 
@@ -232,6 +247,12 @@ gains(const float *center, const float *surround, float least, float nothing, st
       float *ratios)
 {
   return HWY_DYNAMIC_DISPATCH(gains)(center, surround, least, nothing, n, ratios);
+}
+
+void
+greatest(const float *in, std::ptrdiff_t step, int count, std::size_t n, float *out)
+{
+  HWY_DYNAMIC_DISPATCH(greatest)(in, step, count, n, out);
 }
 
 void

@@ -49,6 +49,9 @@ struct Gains
 Gains gains(const float *center, const float *surround, float least, float nothing, std::size_t n,
             float *ratios);
 
+/// out[i] = the greatest of in[i], in[i + step], …, in[i + (count - 1) · step], for n samples.
+void greatest(const float *in, std::ptrdiff_t step, int count, std::size_t n, float *out);
+
 /// An integral over time, interpolated: before + part × (after - before).
 struct Integral
 {

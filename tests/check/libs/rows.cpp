@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "saliency/rows.h"
 
+#include "saliency/dilation.h"
 #include "saliency/quantile.h"
-#include "support/tolerance.h"
 
 #include <hwy/targets.h>
+#include <opencv2/core.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -18,7 +19,7 @@
 #include <xmmintrin.h>
 #endif
 
-#include <gst/check/gstcheck.h>
+#include "support/tolerance.h"
 
 namespace rows = saliency::rows;
 
@@ -180,6 +181,50 @@ GST_START_TEST(test_keep_between)
 }
 GST_END_TEST;
 
+GST_START_TEST(test_greatest)
+{
+  with_all([](std::size_t n) {
+    std::vector<float> found;
+    for (const int count : { 1, 2, 7 })
+      for (const int step : { 1, 80 }) {
+        const auto row = random_row(n + static_cast<std::size_t>((count - 1) * step), 14);
+        std::vector<float> out(n);
+        rows::greatest(row.data(), step, count, n, out.data());
+        for (std::size_t i = 0; i < n; ++i) {
+          float most = row[i];
+          for (int k = 1; k < count; ++k)
+            most = std::max(most, row[i + static_cast<std::size_t>(k * step)]);
+          fail_unless(out[i] == most, "%d by %d, sample %zu of %zu", count, step, i, n);
+        }
+        found.insert(found.end(), out.begin(), out.end());
+      }
+    return found;
+  });
+}
+GST_END_TEST;
+
+GST_START_TEST(test_dilation)
+{
+  std::mt19937 generator(15);
+  for (int width = 1; width <= static_cast<int>(kLongest); ++width)
+    for (const int radius : { 0, 1, 3, 12 }) {
+      cv::Mat map(1 + width % 30, width, CV_32FC1);
+      for (std::size_t i = 0; i < map.total(); ++i)
+        map.ptr<float>()[i] = static_cast<float>(generator() % 1000);
+      cv::Mat along_rows;
+      cv::Mat dilated;
+      saliency::dilate(map, radius, along_rows, dilated);
+      for (int y = 0; y < map.rows; ++y)
+        for (int x = 0; x < width; ++x) {
+          const cv::Rect around(x - radius, y - radius, 2 * radius + 1, 2 * radius + 1);
+          double most = 0;
+          cv::minMaxLoc(map(around & cv::Rect({}, map.size())), nullptr, &most);
+          fail_unless_near(dilated.at<float>(y, x), most, 0);
+        }
+    }
+}
+GST_END_TEST;
+
 GST_START_TEST(test_integrals)
 {
   with_all([](std::size_t n) {
@@ -254,6 +299,8 @@ rows_suite(void)
   tcase_add_test(tc, test_count_changed);
   tcase_add_test(tc, test_gains);
   tcase_add_test(tc, test_keep_between);
+  tcase_add_test(tc, test_greatest);
+  tcase_add_test(tc, test_dilation);
   tcase_add_test(tc, test_integrals);
   tcase_add_test(tc, test_quantile);
   return suite;
