@@ -29,8 +29,8 @@ constexpr float kTexture = 1.0F;
 
 // The vote on whether the picture moved, by kParts × kParts parts. A part votes if it has at least
 // kFewestPoints points, in at least kTexturedShare of its cells, and these would move by
-// kSmallestPartMotion samples on average. It agrees if the motion leaves less than kExplained of
-// the difference. The camera moves if at least kEnoughParts parts vote and kAgreeing of them agree.
+// kSmallestPartMotion samples on average. It agrees if the motion, with a shift of its own if need
+// be, leaves less than kExplained of the difference. The camera moves if at least kEnoughParts parts vote and kAgreeing of them agree.
 // In a picture of a few dozen samples a single object could fill most parts, so none is reported
 // there.
 constexpr int kParts = 4;
@@ -42,6 +42,8 @@ constexpr int kEnoughSides
     = 3; ///< of the picture, with agreeing parts; a large moving object reaches fewer
 constexpr double kAgreeing = 0.8;
 constexpr double kExplained = 0.7;
+/// Of the residuals in each step of a part's shift, L*: larger residuals lose weight.
+constexpr std::array<float, 4> kPartScales{ 20, 10, 5, 5 };
 
 constexpr int kMostSteps = 6;
 constexpr double kConverged = 0.02; ///< samples
@@ -155,6 +157,15 @@ CameraMotion::set_key()
       }
     points.finish();
   }
+  const TexturedPoints &finest = points_[0];
+  part_of_.resize(finest.size());
+  for (std::size_t i = 0; i < finest.size(); ++i) {
+    const auto column
+        = static_cast<std::size_t>(finest.x[i] * kParts / static_cast<float>(size_.width));
+    const auto row
+        = static_cast<std::size_t>(finest.y[i] * kParts / static_cast<float>(size_.height));
+    part_of_[i] = row * kParts + column;
+  }
 }
 
 /// Residuals at the points of a level after `change`; NaN where a point leaves the picture.
@@ -221,61 +232,118 @@ CameraMotion::fit(std::size_t level, Change change, bool at_rest)
   return change;
 }
 
+/// Moves the points of the key frame in a part of the picture, beyond the camera's motion, to where
+/// they are now: that of nearby things in a picture of depth. Writes their residuals if they become
+/// smaller.
+cv::Point2d
+CameraMotion::fit_part(std::size_t part)
+{
+  const TexturedPoints &points = points_[0];
+  const auto gain = static_cast<float>(change_.exposure[0]);
+  const auto offset = static_cast<float>(change_.exposure[1]);
+  part_points_.clear();
+  for (std::size_t i = 0; i < points.size(); ++i)
+    if (part_of_[i] == part)
+      part_points_.add(points.x[i], points.y[i],
+                       points.lightness[i] + gain * points.change[4][i] + offset,
+                       { 0, 0, points.change[2][i], points.change[3][i], 0, 0 });
+  part_points_.finish();
+
+  cv::Point2d shift;
+  Similarity position = change_.motion;
+  for (const float scale : kPartScales) {
+    const ShiftEquations sums = shift_equations(now_[0], position, part_points_, scale);
+    const double xx = sums.xx + 1;
+    const double yy = sums.yy + 1;
+    const double determinant = xx * yy - sums.xy * sums.xy;
+    shift -= cv::Point2d((yy * sums.x - sums.xy * sums.y) / determinant,
+                         (xx * sums.y - sums.xy * sums.x) / determinant);
+    position.tx = change_.motion.tx + shift.x;
+    position.ty = change_.motion.ty + shift.y;
+  }
+  sample(now_[0], position, part_points_, part_residuals_);
+  double before = 0;
+  double after = 0;
+  std::size_t next = 0;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    if (part_of_[i] != part)
+      continue;
+    float &residual = part_residuals_[next];
+    residual -= part_points_.lightness[next];
+    ++next;
+    if (std::isnan(residuals_[i]))
+      residual = residuals_[i];
+    else if (std::isnan(residual)) // out of the picture
+      return {};
+    else {
+      before += std::abs(static_cast<double>(residuals_[i]));
+      after += std::abs(static_cast<double>(residual));
+    }
+  }
+  if (after >= before)
+    return {};
+  next = 0;
+  for (std::size_t i = 0; i < points.size(); ++i)
+    if (part_of_[i] == part)
+      residuals_[i] = part_residuals_[next++];
+  return shift;
+}
+
+/// The vote of a part whose points moved by `shift` beyond the camera's motion.
+CameraMotion::Vote
+CameraMotion::vote(std::size_t part, cv::Point2d shift) const
+{
+  const TexturedPoints &points = points_[0];
+  const Similarity &motion = change_.motion;
+  int count = 0;
+  double distance = 0;
+  double with = 0;     // total difference after the motion
+  double without = 0;  // without any motion
+  double opposite = 0; // after the opposite motion
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    if (part_of_[i] != part || std::isnan(residuals_[i]))
+      continue;
+    const double x = points.x[i];
+    const double y = points.y[i];
+    const double at_rest = std::abs(static_cast<double>(without_[i]));
+    count++;
+    distance += std::hypot(motion.x(x, y) + shift.x - x, motion.y(x, y) + shift.y - y);
+    with += std::abs(static_cast<double>(residuals_[i]));
+    without += at_rest;
+    opposite += std::isnan(opposite_[i]) ? at_rest : std::abs(static_cast<double>(opposite_[i]));
+  }
+  const double cells = static_cast<double>(size_.area()) / (kCell[0] * kCell[0] * kParts * kParts);
+  if (count < kFewestPoints || count < kTexturedShare * cells
+      || distance < kSmallestPartMotion * count)
+    return Vote::none;
+  // Interpolation averages noise in either direction, so compare with the opposite motion, too.
+  return with < kExplained * std::min(without, opposite) ? Vote::moved : Vote::rested;
+}
+
 /// Whether most voting parts agree with the motion (see kParts).
 bool
 CameraMotion::explained()
 {
-  struct Part
-  {
-    int points = 0;
-    double motion = 0;
-    double with = 0;     ///< total difference after the motion
-    double without = 0;  ///< without any motion
-    double opposite = 0; ///< after the opposite motion
-  };
-  const TexturedPoints &points = points_[0];
   const Similarity &motion = change_.motion;
   const Similarity back{ 2 - motion.a, -motion.b, -motion.tx, -motion.ty }; // p - (motion(p) - p)
   const Change rest = fit(0, {}, true);
   find_residuals(0, { back, rest.exposure }, opposite_);
   find_residuals(0, rest, without_);
   find_residuals(0, change_, residuals_);
-  std::array<Part, static_cast<std::size_t>(kParts) * kParts> parts{};
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    if (std::isnan(residuals_[i]))
-      continue;
-    const double x = points.x[i];
-    const double y = points.y[i];
-    const auto column
-        = static_cast<std::size_t>(points.x[i] * kParts / static_cast<float>(size_.width));
-    const auto row
-        = static_cast<std::size_t>(points.y[i] * kParts / static_cast<float>(size_.height));
-    Part &part = parts[row * kParts + column];
-    const double without = std::abs(static_cast<double>(without_[i]));
-    part.points++;
-    part.motion += std::hypot(motion.x(x, y) - x, motion.y(x, y) - y);
-    part.with += std::abs(static_cast<double>(residuals_[i]));
-    part.without += without;
-    part.opposite
-        += std::isnan(opposite_[i]) ? without : std::abs(static_cast<double>(opposite_[i]));
-  }
 
-  const double cells = static_cast<double>(size_.area()) / (kCell[0] * kCell[0] * kParts * kParts);
   int asked = 0;
   int agreeing = 0;
   std::array<bool, 4> sides{}; // with agreeing parts
-  for (std::size_t i = 0; i < parts.size(); ++i) {
-    const Part &part = parts[i];
-    if (part.points < kFewestPoints || part.points < kTexturedShare * cells
-        || part.motion < kSmallestPartMotion * part.points)
-      continue;
-    ++asked;
-    // Interpolation averages noise in either direction, so compare with the opposite motion, too.
-    if (part.with >= kExplained * std::min(part.without, part.opposite))
+  for (std::size_t part = 0; part < std::size_t{ kParts * kParts }; ++part) {
+    Vote moved = vote(part, {});
+    if (moved == Vote::rested && vote(part, fit_part(part)) == Vote::moved)
+      moved = Vote::moved;
+    asked += moved != Vote::none ? 1 : 0;
+    if (moved != Vote::moved)
       continue;
     ++agreeing;
-    const std::size_t row = i / kParts;
-    const std::size_t column = i % kParts;
+    const std::size_t row = part / kParts;
+    const std::size_t column = part % kParts;
     sides[0] |= row == 0;
     sides[1] |= row == kParts - 1;
     sides[2] |= column == 0;

@@ -20,7 +20,8 @@ namespace saliency {
 /// that move independently; gain and offset absorb a change of exposure.
 ///
 /// The camera counts as moving only if the motion explains the difference in most parts of the
-/// picture that would show it. There must be enough such parts. An object that moves over a still
+/// picture that would show it. A part may have a shift of its own beyond it, as near and far things
+/// have when a camera travels. There must be enough such parts. An object that moves over a still
 /// background therefore does not count. Over a plain background it does not count if it is narrower
 /// than about a fifth of the picture (two objects: a tenth each). Pictures smaller than about 30 ×
 /// 20 samples never have camera motion.
@@ -62,14 +63,24 @@ private:
 
   Change fit(std::size_t level, Change change, bool at_rest);
   void find_residuals(std::size_t level, const Change &change, std::vector<float> &residuals) const;
+  /// Of a part of the picture.
+  enum class Vote
+  {
+    none, ///< nothing to see there, or the motion is too small
+    moved,
+    rested, ///< or moved otherwise
+  };
+  cv::Point2d fit_part(std::size_t part);
+  Vote vote(std::size_t part, cv::Point2d shift) const;
   bool explained();
 
   Images now_;
   std::array<Reduction, kLevels> reductions_;  ///< to each level
   std::array<TexturedPoints, kLevels> points_; ///< of the key frame
-  cv::Size size_;                              ///< of the key frame; empty if there is none
-  double age_ = 0;                             ///< of the key frame, in frames
-  Similarity key_pose_;                        ///< of the key frame
+  std::vector<std::size_t> part_of_; ///< part of the picture, by point of the finest level
+  cv::Size size_;                    ///< of the key frame; empty if there is none
+  double age_ = 0;                   ///< of the key frame, in frames
+  Similarity key_pose_;              ///< of the key frame
   Change change_;
   Similarity pose_;
   bool moved_ = false;           ///< since the key frame
@@ -77,6 +88,8 @@ private:
   std::vector<float> without_;   ///< residuals for a camera at rest
   std::vector<float> opposite_;  ///< residuals for the opposite motion
   std::vector<float> sizes_;     ///< absolute residuals
+  TexturedPoints part_points_;
+  std::vector<float> part_residuals_;
 };
 
 } // namespace saliency

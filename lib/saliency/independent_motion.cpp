@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "saliency/independent_motion.h"
 
+#include "saliency/quantile.h"
+
 #include <opencv2/core.hpp>
 
 #include <algorithm>
@@ -24,8 +26,13 @@ constexpr NoveltyScale kNovelty{ .noise = 2, .least_gradient = 2, .most = 4 };
 constexpr double kOldestKey = 4.5;
 constexpr double kHold = 7.5; ///< time constant in frames at 30 fps
 /// Novelty at which the gate opens, and at which it is open.
-constexpr float kOpens = 0.1F;
-constexpr float kOpen = 0.4F;
+constexpr float kOpens = 0.2F;
+constexpr float kOpen = 0.6F;
+/// Much depth nearby leaves novelty everywhere: the gate opens later, at kClutter times its upper
+/// quartile, but no later than kOpensLast.
+constexpr double kUpperQuartile = 0.75;
+constexpr float kClutter = 1.5F;
+constexpr float kOpensLast = 0.7F;
 
 } // namespace
 
@@ -57,8 +64,10 @@ IndependentMotion::operator()(const LabImage &lab, const Similarity &pose, doubl
   const auto decay = static_cast<float>(std::exp(-elapsed / kHold));
   if (!follows || held_.size() != pooled->size()) {
     held_.create(pooled->size(), CV_32FC1);
-    std::fill_n(held_.ptr<float>(), held_.total(), kOpen);
+    std::fill_n(held_.ptr<float>(), held_.total(), 0.0F);
+    before_ = kOpen;
   }
+  before_ *= decay;
   for (std::size_t i = 0; i < held_.total(); ++i) {
     float &value = held_.ptr<float>()[i];
     value = std::max(value * decay, pooled->ptr<float>()[i]);
@@ -66,9 +75,12 @@ IndependentMotion::operator()(const LabImage &lab, const Similarity &pose, doubl
   const cv::Size size
       = octaves > 0 ? pooled_[static_cast<std::size_t>(octaves - 1)].size() : lab.size();
   upsample(held_, 1, 1, size, gate_);
+  sorted_.assign(held_.ptr<float>(), held_.ptr<float>() + held_.total());
+  const float opens = std::clamp(kClutter * quantile(sorted_, kUpperQuartile), kOpens, kOpensLast);
+  const float least = std::clamp((before_ - kOpens) / (kOpen - kOpens), 0.0F, 1.0F);
   for (std::size_t i = 0; i < gate_.total(); ++i) {
     float &value = gate_.ptr<float>()[i];
-    value = std::clamp((value - kOpens) / (kOpen - kOpens), 0.0F, 1.0F);
+    value = std::clamp((value - opens) / (kOpen - kOpens), least, 1.0F);
   }
   return gate_;
 }

@@ -20,7 +20,7 @@ namespace saliency {
 /// explains. Here a mesh of local motions does: on top of the camera's similarity each node is
 /// registered with a key frame some frames back, and a median over neighboring nodes removes
 /// objects. What the mesh leaves of the difference, relative to the gradient, moves by itself or
-/// has appeared.
+/// has appeared. Where near things pass everywhere, only what stands out of them counts.
 class IndependentMotion
 {
 public:
@@ -66,6 +66,8 @@ private:
   std::array<Reduction, 3> reductions_;
   std::array<cv::Mat, 3> pooled_;
   cv::Mat held_;
+  float before_ = 0; ///< novelty that stands for what happened before the first frame
+  std::vector<float> sorted_;
   cv::Mat gate_;
 };
 

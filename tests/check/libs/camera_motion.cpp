@@ -224,6 +224,22 @@ GST_START_TEST(test_large_object)
 }
 GST_END_TEST;
 
+GST_START_TEST(test_parallax)
+{
+  // A camera that trucks past a distance, a middle ground and things nearby. No similarity explains
+  // most of it.
+  CameraMotion camera;
+  for (int i = 0; i < 40; ++i) {
+    const cv::Mat lab = frame(kSize, [i](int x, int y) {
+      const double speed = y < kSize.height / 4 ? 0.5 : y < kSize.height / 2 ? 1 : 2;
+      return surface(x + speed * i + 300, y + 500);
+    });
+    camera.follow(lab, 1);
+    fail_unless(camera.moved() == (i > 0), "frame %d", i);
+  }
+}
+GST_END_TEST;
+
 GST_START_TEST(test_pictures_without_texture)
 {
   // Pictures without texture: black, an even picture that brightens, a single edge.
@@ -349,6 +365,7 @@ camera_motion_suite(void)
   tcase_add_test(tc, test_exposure);
   tcase_add_test(tc, test_balls);
   tcase_add_test(tc, test_large_object);
+  tcase_add_test(tc, test_parallax);
   tcase_add_test(tc, test_pictures_without_texture);
   tcase_add_test(tc, test_noise_alone);
   tcase_add_test(tc, test_small_pictures);

@@ -184,8 +184,8 @@ GST_START_TEST(test_reset)
     fail_unless(cv::countNonZero(independent(still, {}, 1, octaves)) == 0);
     independent.reset();
     for (int i = 0; i <= kOpening; ++i) {
-      // 0.4 e^(−t/7.5), from 0.1 to 0.4.
-      const double open = (0.4 * std::exp(-(i + 1) / 7.5) - 0.1) / 0.3;
+      // 0.6 e^(−t/7.5), from 0.2 to 0.6.
+      const double open = (0.6 * std::exp(-(i + 1) / 7.5) - 0.2) / 0.4;
       const cv::Mat &gate = independent(still, {}, 1, octaves);
       fail_unless_near(gate.at<float>(0), std::max(0.0, open), 1e-4);
       fail_unless_near(gate.at<float>(gate.rows - 1, gate.cols - 1), std::max(0.0, open), 1e-4);
