@@ -25,6 +25,7 @@
  */
 #include "gstvisuotactilesink.h"
 
+#include "pooldemand.h"
 #include "sinkparts.h"
 #include "sinkproperties.h"
 #include "sinkwindow.h"
@@ -33,8 +34,6 @@
 #include <gst/video/navigation.h>
 #include <gst/video/video.h>
 #include <gst/video/videooverlay.h>
-
-#include <cmath>
 
 GST_DEBUG_CATEGORY_STATIC(visuotactile_sink_debug);
 #define GST_CAT_DEFAULT visuotactile_sink_debug
@@ -191,33 +190,6 @@ gst_visuotactile_sink_change_state(GstElement *element, GstStateChange transitio
 
 /* ---- stream ---- */
 
-/// Asks upstream for as many more buffers as wait here for the motors.
-static void
-gst_visuotactile_sink_raise_buffers(GstVisuotactileSink *self, GstQuery *query)
-{
-  GstCaps *caps = nullptr;
-  GstVideoInfo info;
-  gst_query_parse_allocation(query, &caps, nullptr);
-  if (caps == nullptr || !gst_video_info_from_caps(&info, caps))
-    return;
-  const double fps = info.fps_n > 0 ? static_cast<double>(info.fps_n) / info.fps_d : 30.0;
-  const double lead = static_cast<double>(gst_visuotactile_sink_lead(self)) / GST_SECOND;
-  const guint more = static_cast<guint>(MIN(std::ceil(lead * fps) + 1, 256.0));
-
-  const guint pools = gst_query_get_n_allocation_pools(query);
-  if (pools == 0)
-    gst_query_add_allocation_pool(query, nullptr, static_cast<guint>(MIN(info.size, G_MAXUINT)),
-                                  more, 0);
-  for (guint i = 0; i < pools; i++) {
-    g_autoptr(GstBufferPool) pool = nullptr;
-    guint size = 0;
-    guint min = 0;
-    guint max = 0;
-    gst_query_parse_nth_allocation_pool(query, i, &pool, &size, &min, &max);
-    gst_query_set_nth_allocation_pool(query, i, pool, size, min + more, max > 0 ? max + more : 0);
-  }
-}
-
 static gboolean
 gst_visuotactile_sink_query(GstPad *pad, GstObject *parent, GstQuery *query)
 {
@@ -225,7 +197,7 @@ gst_visuotactile_sink_query(GstPad *pad, GstObject *parent, GstQuery *query)
   if (GST_QUERY_TYPE(query) != GST_QUERY_ALLOCATION)
     return answered;
   // Also if the video sink does not answer.
-  gst_visuotactile_sink_raise_buffers(GST_VISUOTACTILE_SINK(parent), query);
+  demand_buffers(query, gst_visuotactile_sink_lead(GST_VISUOTACTILE_SINK(parent)));
   return TRUE;
 }
 

@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
+#include "gstvisuotactiledecoder.h"
 #include "gstvisuotactilesink.h"
 
 static gboolean
 plugin_init(GstPlugin *plugin)
 {
-  return GST_ELEMENT_REGISTER(visuotactilesink, plugin);
+  bool registered = GST_ELEMENT_REGISTER(visuotactilesink, plugin);
+  registered |= GST_ELEMENT_REGISTER(visuotactiledecoder, plugin);
+  return registered;
 }
 
 GST_PLUGIN_DEFINE(GST_VERSION_MAJOR, GST_VERSION_MINOR, visuotactile,

@@ -1,14 +1,26 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "tactilebranch.h"
 
-/* More than ten seconds of any film. */
-static const guint kMostMaps = 1024;
+#include <algorithm>
+#include <vector>
+
+namespace {
+
+/// More than ten seconds of any film.
+constexpr guint kMostMaps = 1024;
+
+/// A slow analysis falls behind by no more than this.
+constexpr guint kMostFrames = 4;
+
+using Elements = std::vector<GstElement *>;
+
+} // namespace
 
 struct _GstTactileBranch
 {
   GstBin parent;
-  GstElement *queue;
-  GstElement *tactors; ///< own reference: it may be out of the bin
+  GstElement *queue; ///< what comes in, frames or maps
+  Elements *rest;    ///< from there to tactorsink; own references: they may be out of the bin
 
   /* Object lock. */
   gboolean opening; ///< changing from READY to PAUSED
@@ -19,25 +31,24 @@ struct _GstTactileBranch
 #define gst_tactile_branch_parent_class parent_class
 G_DEFINE_TYPE(GstTactileBranch, gst_tactile_branch, GST_TYPE_BIN);
 
-static GstStaticPadTemplate sink_template = GST_STATIC_PAD_TEMPLATE(
-    "sink", GST_PAD_SINK, GST_PAD_ALWAYS, GST_STATIC_CAPS("application/x-tactile-map"));
-
 static gboolean
 is_in(GstTactileBranch *self)
 {
-  g_autoptr(GstObject) parent = gst_object_get_parent(GST_OBJECT(self->tactors));
+  g_autoptr(GstObject) parent = gst_object_get_parent(GST_OBJECT(self->rest->back()));
   return parent == GST_OBJECT(self);
 }
 
-/* Removes tactorsink, so that the outer bin does not wait for its preroll and EOS. Not on a
+/* Removes all but the queue, so that the outer bin does not wait for its preroll and EOS. Not on a
  * streaming thread. */
 static void
 gst_tactile_branch_give_up(GstTactileBranch *self)
 {
   if (!is_in(self))
     return;
-  gst_bin_remove(GST_BIN(self), self->tactors);
-  gst_element_set_state(self->tactors, GST_STATE_NULL);
+  for (GstElement *element : *self->rest)
+    gst_bin_remove(GST_BIN(self), element);
+  for (GstElement *element : *self->rest)
+    gst_element_set_state(element, GST_STATE_NULL);
   GST_OBJECT_LOCK(self);
   const gboolean ended = self->ended;
   GST_OBJECT_UNLOCK(self);
@@ -71,8 +82,14 @@ gst_tactile_branch_restore(GstTactileBranch *self)
 {
   if (is_in(self))
     return;
-  gst_bin_add(GST_BIN(self), self->tactors);
-  gst_element_link(self->queue, self->tactors);
+  GstElement *last = self->queue;
+  for (GstElement *element : *self->rest) {
+    gst_bin_add(GST_BIN(self), element);
+    // tactileextractor's source pad of that name
+    if (!gst_element_link_pads(last, "tactile", element, "sink"))
+      gst_element_link(last, element);
+    last = element;
+  }
 }
 
 static void
@@ -199,10 +216,20 @@ static void
 gst_tactile_branch_dispose(GObject *object)
 {
   auto *self = GST_TACTILE_BRANCH(object);
-  if (self->tactors != nullptr && !is_in(self))
-    gst_element_set_state(self->tactors, GST_STATE_NULL);
-  gst_clear_object(&self->tactors);
+  for (GstElement *element : *self->rest) {
+    if (!is_in(self))
+      gst_element_set_state(element, GST_STATE_NULL);
+  }
+  std::ranges::for_each(*self->rest, gst_object_unref);
+  self->rest->clear();
   G_OBJECT_CLASS(parent_class)->dispose(object);
+}
+
+static void
+gst_tactile_branch_finalize(GObject *object)
+{
+  delete GST_TACTILE_BRANCH(object)->rest;
+  G_OBJECT_CLASS(parent_class)->finalize(object);
 }
 
 static void
@@ -211,10 +238,10 @@ gst_tactile_branch_class_init(GstTactileBranchClass *klass)
   auto *element_class = GST_ELEMENT_CLASS(klass);
 
   G_OBJECT_CLASS(klass)->dispose = gst_tactile_branch_dispose;
+  G_OBJECT_CLASS(klass)->finalize = gst_tactile_branch_finalize;
   element_class->change_state = GST_DEBUG_FUNCPTR(gst_tactile_branch_change_state);
   element_class->send_event = GST_DEBUG_FUNCPTR(gst_tactile_branch_send_event);
   GST_BIN_CLASS(klass)->handle_message = GST_DEBUG_FUNCPTR(gst_tactile_branch_handle_message);
-  gst_element_class_add_static_pad_template(element_class, &sink_template);
   gst_element_class_set_static_metadata(element_class, "Tactile branch", "Sink",
                                         "Plays tactile maps if that is possible",
                                         "The visuotactile authors");
@@ -225,30 +252,38 @@ gst_tactile_branch_init(GstTactileBranch *)
 {
 }
 
-GstTactileBranch *
-gst_tactile_branch_new(const gchar *name)
+/* Never blocks the stream: what comes too fast leaves at the front. */
+static GstElement *
+make_queue(const gchar *name, guint most)
 {
-  GstElement *tactors = gst_element_factory_make("tactorsink", "tactors");
-  GstElement *queue = gst_element_factory_make("queue", "tactile-queue");
-  if (tactors == nullptr || queue == nullptr) {
-    gst_clear_object(&tactors);
-    gst_clear_object(&queue);
+  GstElement *queue = gst_element_factory_make("queue", name);
+  if (queue == nullptr)
+    return nullptr;
+  gst_util_set_object_arg(G_OBJECT(queue), "leaky", "downstream");
+  g_object_set(queue, "max-size-bytes", 0, "max-size-buffers", most, "max-size-time",
+               G_GUINT64_CONSTANT(0), nullptr);
+  return queue;
+}
+
+/* Takes the elements, of which the first one is a queue; NULL if one is missing. */
+static GstTactileBranch *
+gst_tactile_branch_new_of(const gchar *name, Elements elements)
+{
+  if (std::ranges::find(elements, nullptr) != elements.end()) {
+    for (GstElement *element : elements)
+      gst_clear_object(&element);
     return nullptr;
   }
   auto *self = GST_TACTILE_BRANCH(g_object_new(GST_TYPE_TACTILE_BRANCH, "name", name, nullptr));
-  self->queue = queue;
-  self->tactors = GST_ELEMENT(gst_object_ref_sink(tactors));
-  /* Never blocks the video: frames are stepped in PAUSED, and tactorsink may preroll later or
-   * never. Maps are small. */
-  gst_util_set_object_arg(G_OBJECT(queue), "leaky", "downstream");
-  g_object_set(queue, "max-size-bytes", 0, "max-size-buffers", kMostMaps, "max-size-time",
-               G_GUINT64_CONSTANT(0), nullptr);
-  gst_bin_add(GST_BIN(self), queue);
+  std::ranges::for_each(elements, gst_object_ref_sink);
+  self->queue = elements.front();
+  self->rest = new Elements(elements.begin() + 1, elements.end());
+  gst_bin_add(GST_BIN(self), self->queue);
+  gst_object_unref(self->queue); /* stays in the bin */
   gst_tactile_branch_restore(self);
 
-  g_autoptr(GstPad) target = gst_element_get_static_pad(queue, "sink");
-  g_autoptr(GstPadTemplate) pad_template = gst_static_pad_template_get(&sink_template);
-  GstPad *pad = gst_ghost_pad_new_from_template("sink", target, pad_template);
+  g_autoptr(GstPad) target = gst_element_get_static_pad(self->queue, "sink");
+  GstPad *pad = gst_ghost_pad_new("sink", target);
   gst_pad_set_chain_function(pad, GST_DEBUG_FUNCPTR(gst_tactile_branch_chain));
   gst_pad_set_event_function(pad, GST_DEBUG_FUNCPTR(gst_tactile_branch_sink_event));
   g_autoptr(GstProxyPad) inside = gst_proxy_pad_get_internal(GST_PROXY_PAD(pad));
@@ -257,8 +292,52 @@ gst_tactile_branch_new(const gchar *name)
   return self;
 }
 
+GstTactileBranch *
+gst_tactile_branch_new(const gchar *name)
+{
+  /* Frames are stepped in PAUSED, and tactorsink may preroll later or never. Maps are small. */
+  return gst_tactile_branch_new_of(name, { make_queue("tactile-queue", kMostMaps),
+                                           gst_element_factory_make("tactorsink", "tactors") });
+}
+
+/* A frame that left the queue is no jump of the film: the analysis goes on after it. */
+static GstPadProbeReturn
+clear_discont(GstPad *, GstPadProbeInfo *info, gpointer)
+{
+  GstBuffer *frame = GST_PAD_PROBE_INFO_BUFFER(info);
+  if (GST_BUFFER_IS_DISCONT(frame)) {
+    frame = gst_buffer_make_writable(frame);
+    GST_BUFFER_FLAG_UNSET(frame, GST_BUFFER_FLAG_DISCONT);
+    info->data = frame;
+  }
+  return GST_PAD_PROBE_OK;
+}
+
+GstTactileBranch *
+gst_tactile_branch_new_with_analysis(const gchar *name)
+{
+  GstTactileBranch *self
+      = gst_tactile_branch_new_of(name, { make_queue("frame-queue", kMostFrames),
+                                          gst_element_factory_make("saliencytactile", "analysis"),
+                                          gst_element_factory_make("tactileextractor", "extractor"),
+                                          make_queue("tactile-queue", kMostMaps),
+                                          gst_element_factory_make("tactorsink", "tactors") });
+  if (self == nullptr)
+    return nullptr;
+  g_object_set(self->rest->front(), "keep-maps", TRUE, nullptr);
+  g_autoptr(GstPad) pad = gst_element_get_static_pad(self->queue, "src");
+  gst_pad_add_probe(pad, GST_PAD_PROBE_TYPE_BUFFER, clear_discont, nullptr, nullptr);
+  return self;
+}
+
 GstElement *
 gst_tactile_branch_get_tactors(GstTactileBranch *self)
 {
-  return self->tactors;
+  return self->rest->back();
+}
+
+GstElement *
+gst_tactile_branch_get_analysis(GstTactileBranch *self)
+{
+  return self->rest->size() > 1 ? self->rest->front() : nullptr;
 }

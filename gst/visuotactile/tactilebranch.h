@@ -5,17 +5,24 @@
 
 G_BEGIN_DECLS
 
-/// A bin of a queue and a tactorsink that takes tactile maps. Its errors become warnings:
-/// tactorsink is removed until the next READY to PAUSED, and buffers are dropped. State changes on
-/// the application's thread or GStreamer's async ones, maps on a streaming thread; shared state is
-/// under the object lock.
+/// A bin of a leaky queue and a tactorsink that takes tactile maps, or one with the analysis between
+/// them that takes frames. Its errors become warnings: all but the queue is removed until the next
+/// READY to PAUSED, and buffers are dropped. State changes on the application's thread or
+/// GStreamer's async ones, buffers on a streaming thread; shared state is under the object lock.
 #define GST_TYPE_TACTILE_BRANCH (gst_tactile_branch_get_type())
 G_DECLARE_FINAL_TYPE(GstTactileBranch, gst_tactile_branch, GST, TACTILE_BRANCH, GstBin)
 
 /// Floating; NULL if tactorsink is missing.
 GstTactileBranch *gst_tactile_branch_new(const gchar *name);
 
+/// One that takes frames. Floating; NULL if saliencytactile, tactileextractor or tactorsink is
+/// missing.
+GstTactileBranch *gst_tactile_branch_new_with_analysis(const gchar *name);
+
 /// The tactorsink, also while it is out of the bin. Transfer none.
 GstElement *gst_tactile_branch_get_tactors(GstTactileBranch *self);
+
+/// The saliencytactile, also while it is out of the bin; NULL where maps come in. Transfer none.
+GstElement *gst_tactile_branch_get_analysis(GstTactileBranch *self);
 
 G_END_DECLS

@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "frametap.h"
+
+FrameTap::FrameTap(GstPad *watched, GstPad *branch)
+    : watched_(GST_PAD(gst_object_ref(watched))), pad_(gst_pad_new("tap", GST_PAD_SRC))
+{
+  gst_object_ref_sink(pad_);
+  gst_pad_set_element_private(pad_, watched_);
+  gst_pad_set_query_function(pad_, query);
+  gst_pad_set_event_function(pad_, [](GstPad *, GstObject *, GstEvent *event) -> gboolean {
+    gst_event_unref(event); // the picture's sinks send the same
+    return TRUE;
+  });
+  // The pads have no parent in common.
+  gst_pad_link_full(pad_, branch, GST_PAD_LINK_CHECK_NOTHING);
+  probe_ = gst_pad_add_probe(watched_,
+                             static_cast<GstPadProbeType>(GST_PAD_PROBE_TYPE_DATA_DOWNSTREAM
+                                                          | GST_PAD_PROBE_TYPE_EVENT_FLUSH),
+                             probe, this, nullptr);
+}
+
+FrameTap::~FrameTap()
+{
+  gst_pad_remove_probe(watched_, probe_);
+  if (GstPad *branch = gst_pad_get_peer(pad_)) {
+    gst_pad_unlink(pad_, branch);
+    gst_object_unref(branch);
+  }
+  gst_object_unref(pad_);
+  gst_object_unref(watched_);
+}
+
+void
+FrameTap::start()
+{
+  gst_pad_set_active(pad_, TRUE);
+  shift_.flush();
+  ended_ = false;
+  open_ = true;
+}
+
+void
+FrameTap::stop()
+{
+  open_ = false;
+  gst_pad_set_active(pad_, FALSE); // forgets the stream's events
+}
+
+void
+FrameTap::hear(GstEvent *event)
+{
+  if (GST_EVENT_TYPE(event) == GST_EVENT_QOS)
+    shift_.hear(event);
+}
+
+bool
+FrameTap::ended() const
+{
+  return ended_;
+}
+
+/// The branch asks whether the stream is live. All else is none of its business.
+gboolean
+FrameTap::query(GstPad *pad, GstObject *, GstQuery *query)
+{
+  return GST_QUERY_TYPE(query) == GST_QUERY_LATENCY
+         && gst_pad_peer_query(static_cast<GstPad *>(gst_pad_get_element_private(pad)), query);
+}
+
+void
+FrameTap::pass(GstEvent *event)
+{
+  const GstSegment *segment = nullptr;
+  switch (GST_EVENT_TYPE(event)) {
+  case GST_EVENT_STREAM_START:
+    ended_ = false;
+    shift_.start_stream(event);
+    break;
+  case GST_EVENT_EOS:
+    ended_ = true;
+    break;
+  case GST_EVENT_FLUSH_STOP: {
+    ended_ = false;
+    gboolean resets_time = FALSE;
+    gst_event_parse_flush_stop(event, &resets_time);
+    if (resets_time)
+      shift_.flush();
+    break;
+  }
+  case GST_EVENT_SEGMENT: {
+    gst_event_parse_segment(event, &segment);
+    const GstSegment shifted = shift_.open(*segment);
+    GstEvent *sent = gst_event_new_segment(&shifted);
+    gst_event_set_seqnum(sent, gst_event_get_seqnum(event));
+    gst_pad_push_event(pad_, sent);
+    return;
+  }
+  default:
+    break;
+  }
+  gst_pad_push_event(pad_, gst_event_ref(event));
+}
+
+void
+FrameTap::pass(GstBuffer *frame)
+{
+  if (shift_.pass(frame)) {
+    const GstSegment segment = shift_.segment();
+    gst_pad_push_event(pad_, gst_event_new_segment(&segment));
+  }
+  gst_pad_push(pad_, gst_buffer_ref(frame));
+}
+
+GstPadProbeReturn
+FrameTap::probe(GstPad *, GstPadProbeInfo *info, gpointer user_data)
+{
+  auto *self = static_cast<FrameTap *>(user_data);
+  if (!self->open_)
+    return GST_PAD_PROBE_OK;
+  if (info->type & GST_PAD_PROBE_TYPE_BUFFER)
+    self->pass(GST_PAD_PROBE_INFO_BUFFER(info));
+  else if (info->type & GST_PAD_PROBE_TYPE_BUFFER_LIST)
+    gst_buffer_list_foreach(
+        GST_PAD_PROBE_INFO_BUFFER_LIST(info),
+        [](GstBuffer **frame, guint, gpointer tap) -> gboolean {
+          static_cast<FrameTap *>(tap)->pass(*frame);
+          return TRUE;
+        },
+        self);
+  else
+    self->pass(GST_PAD_PROBE_INFO_EVENT(info));
+  return GST_PAD_PROBE_OK;
+}

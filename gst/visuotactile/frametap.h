@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include "groupshift.h"
+
+#include <gst/gst.h>
+
+#include <atomic>
+
+/// Hands the frames and events of a pad on to a branch beside it, whose thread takes them from a
+/// leaky queue: the pad's stream neither waits for the branch nor fails with it. Frames are not
+/// copied. State changes call start() and stop(), sinks' events come on any thread.
+class FrameTap
+{
+public:
+  /// `watched` is a sink pad, `branch` one that drops what it cannot take in time.
+  FrameTap(GstPad *watched, GstPad *branch);
+  ~FrameTap();
+  FrameTap(const FrameTap &) = delete;
+  FrameTap &operator=(const FrameTap &) = delete;
+
+  /// Frames pass from now on.
+  void start();
+  /// No frame passes any more.
+  void stop();
+  /// An upstream event of the sinks behind the pad.
+  void hear(GstEvent *event);
+  /// The end of the stream has passed, and no new one since.
+  bool ended() const;
+
+private:
+  static GstPadProbeReturn probe(GstPad *pad, GstPadProbeInfo *info, gpointer self);
+  static gboolean query(GstPad *pad, GstObject *parent, GstQuery *query);
+  void pass(GstEvent *event);
+  void pass(GstBuffer *frame);
+
+  GstPad *watched_;
+  GstPad *pad_; ///< a source pad without an element
+  gulong probe_ = 0;
+  GroupShift shift_;
+  std::atomic<bool> open_{ false };
+  std::atomic<bool> ended_{ false };
+};

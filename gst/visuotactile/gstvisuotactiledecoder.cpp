@@ -1,0 +1,401 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+/**
+ * SECTION:element-visuotactiledecoder
+ * @title: visuotactiledecoder
+ * @short_description: a video decoder that also plays a chair, for players that choose their own sink
+ *
+ * visuotactiledecoder decodes with the video decoder that would have been taken without it, and
+ * plays what draws the eye on the motors of a chair. The player keeps its video sink, window and
+ * controls. It is a bin with the decoder, and beside it `saliencytactile` (child `analysis`) and
+ * `tactorsink` (child `tactors`).
+ *
+ * It has no rank, so that nothing takes it unasked. `GST_PLUGIN_FEATURE_RANK=visuotactiledecoder:MAX`
+ * in the environment of a player makes playbin and decodebin take it.
+ *
+ * - Frames go from the decoder to the player as they are, and are not later. Of a live source they
+ *   are later by #GstTactorSink:max-lead and 30 ms.
+ * - The picture never waits for the chair. Where the analysis is too slow, frames are not felt.
+ * - Where the tactors cannot be used, the film plays on, with a warning; the next start tries
+ *   again. Frames that cannot be mapped are shown and not felt.
+ * - Of several films at the same time in one process, the first one is felt.
+ * - A stream that the decoder does not take as it is goes through a parser first.
+ *
+ * ## Example launch lines
+ * |[
+ * GST_PLUGIN_FEATURE_RANK=visuotactiledecoder:MAX gst-play-1.0 FILM
+ * gst-launch-1.0 tactiletestsrc num-buffers=150 ! jpegenc ! \
+ *     visuotactiledecoder tactors::driver=simulator tactors::trace-location=commands.csv ! \
+ *     videoconvert ! autovideosink
+ * ]|
+ *
+ * Since: 0.2
+ */
+#include "gstvisuotactiledecoder.h"
+
+#include "decoderchoice.h"
+#include "frametap.h"
+#include "pooldemand.h"
+#include "tactilebranch.h"
+
+#include <gst/base/gstbasesink.h>
+
+#include <utility>
+
+GST_DEBUG_CATEGORY_STATIC(visuotactile_decoder_debug);
+#define GST_CAT_DEFAULT visuotactile_decoder_debug
+
+namespace {
+
+/// What the frames of a live source wait beyond the motors' lead, for the analysis.
+constexpr GstClockTime kAnalysisMargin = 20 * GST_MSECOND;
+
+/// How far the decoder may run ahead of the player. Maps come earlier than their frames by that.
+constexpr GstClockTime kAhead = 400 * GST_MSECOND;
+
+/// What waits for the analysis.
+constexpr guint kMoreFrames = 6;
+
+} // namespace
+
+struct _GstVisuotactileDecoder
+{
+  GstBin parent;
+
+  GstPad *sinkpad;
+  GstPad *srcpad;
+  GstElement *queue;        ///< behind the decoder; owned
+  GstTactileBranch *branch; ///< owned; NULL where a plugin is missing
+  FrameTap *tap;
+
+  /* Object lock. */
+  GstElement *decoder; ///< in the bin; owned
+};
+
+static void gst_visuotactile_decoder_child_proxy_init(gpointer iface, gpointer);
+
+#define gst_visuotactile_decoder_parent_class parent_class
+G_DEFINE_TYPE_WITH_CODE(GstVisuotactileDecoder, gst_visuotactile_decoder, GST_TYPE_BIN,
+                        G_IMPLEMENT_INTERFACE(GST_TYPE_CHILD_PROXY,
+                                              gst_visuotactile_decoder_child_proxy_init)
+                            GST_DEBUG_CATEGORY_INIT(visuotactile_decoder_debug,
+                                                    "visuotactiledecoder", 0,
+                                                    "video decoder with a chair"));
+GST_ELEMENT_REGISTER_DEFINE(visuotactiledecoder, "visuotactiledecoder", GST_RANK_NONE,
+                            GST_TYPE_VISUOTACTILE_DECODER);
+
+// What players look for; which of these can be decoded is known at runtime.
+static GstStaticPadTemplate sink_template = GST_STATIC_PAD_TEMPLATE(
+    "sink", GST_PAD_SINK, GST_PAD_ALWAYS,
+    GST_STATIC_CAPS("video/x-h264; video/x-h265; video/x-vp8; video/x-vp9; video/x-av1; "
+                    "video/mpeg, mpegversion=(int)[1,4], systemstream=(boolean)false; image/jpeg; "
+                    "video/x-theora; video/x-divx; video/x-xvid; video/x-msmpeg; video/x-h263; "
+                    "video/x-wmv; video/x-flash-video; video/x-vp6; video/x-vp6-flash; "
+                    "video/x-pn-realvideo; video/x-dirac; video/x-prores; video/x-dnxhd; "
+                    "video/x-dv, systemstream=(boolean)false; video/x-svq; video/x-cinepak; "
+                    "video/x-indeo; video/x-huffyuv; video/x-ffv; image/x-jpc"));
+// System memory is listed too: playbin counts the caps features in common with a sink.
+static GstStaticPadTemplate src_template = GST_STATIC_PAD_TEMPLATE(
+    "src", GST_PAD_SRC, GST_PAD_ALWAYS, GST_STATIC_CAPS("video/x-raw; video/x-raw(ANY)"));
+
+static GstElement *
+gst_visuotactile_decoder_ref_decoder(GstVisuotactileDecoder *self)
+{
+  GST_OBJECT_LOCK(self);
+  GstElement *decoder = self->decoder ? GST_ELEMENT(gst_object_ref(self->decoder)) : nullptr;
+  GST_OBJECT_UNLOCK(self);
+  return decoder;
+}
+
+/* ---- the decoder ---- */
+
+static void
+gst_visuotactile_decoder_remove(GstVisuotactileDecoder *self)
+{
+  GST_OBJECT_LOCK(self);
+  GstElement *decoder = std::exchange(self->decoder, nullptr);
+  GST_OBJECT_UNLOCK(self);
+  if (decoder == nullptr)
+    return;
+  gst_ghost_pad_set_target(GST_GHOST_PAD(self->sinkpad), nullptr);
+  gst_element_set_state(decoder, GST_STATE_NULL);
+  if (gst_object_has_as_parent(GST_OBJECT(decoder), GST_OBJECT(self)))
+    gst_bin_remove(GST_BIN(self), decoder);
+  gst_object_unref(decoder);
+}
+
+/// Puts the best decoder for the stream in. False if there is none.
+static bool
+gst_visuotactile_decoder_add(GstVisuotactileDecoder *self, GstCaps *caps)
+{
+  GstElement *decoder = choose_decoder(caps);
+  if (decoder == nullptr)
+    return false;
+  GST_INFO_OBJECT(self, "%" GST_PTR_FORMAT " decodes %" GST_PTR_FORMAT, decoder, caps);
+  GST_OBJECT_LOCK(self);
+  self->decoder = GST_ELEMENT(gst_object_ref(decoder));
+  GST_OBJECT_UNLOCK(self);
+  gst_bin_add(GST_BIN(self), decoder);
+  g_autoptr(GstPad) sink = gst_element_get_static_pad(decoder, "sink");
+  const bool linked = gst_element_link_pads(decoder, "src", self->queue, "sink")
+                      && gst_ghost_pad_set_target(GST_GHOST_PAD(self->sinkpad), sink)
+                      && gst_element_sync_state_with_parent(decoder);
+  if (!linked)
+    gst_visuotactile_decoder_remove(self);
+  return linked;
+}
+
+/// Whether the stream can be decoded. Another decoder is taken only before a stream has begun.
+static bool
+gst_visuotactile_decoder_accept(GstVisuotactileDecoder *self, GstCaps *caps)
+{
+  g_autoptr(GstElement) decoder = gst_visuotactile_decoder_ref_decoder(self);
+  if (decoder) {
+    g_autoptr(GstPad) sink = gst_element_get_static_pad(decoder, "sink");
+    if (gst_pad_query_accept_caps(sink, caps))
+      return true;
+    if (gst_pad_has_current_caps(sink))
+      return false;
+    gst_visuotactile_decoder_remove(self);
+  }
+  return gst_visuotactile_decoder_add(self, caps);
+}
+
+static GstCaps *
+gst_visuotactile_decoder_caps(GstVisuotactileDecoder *self, GstCaps *filter)
+{
+  g_autoptr(GstElement) decoder = gst_visuotactile_decoder_ref_decoder(self);
+  if (decoder) {
+    g_autoptr(GstPad) sink = gst_element_get_static_pad(decoder, "sink");
+    if (gst_pad_has_current_caps(sink))
+      return gst_pad_query_caps(sink, filter);
+  }
+  g_autoptr(GstCaps) own = gst_pad_get_pad_template_caps(self->sinkpad);
+  g_autoptr(GstCaps) all = decodable_caps();
+  GstCaps *caps = gst_caps_intersect_full(all, own, GST_CAPS_INTERSECT_FIRST);
+  if (filter)
+    gst_caps_take(&caps, gst_caps_intersect_full(filter, caps, GST_CAPS_INTERSECT_FIRST));
+  return caps;
+}
+
+static gboolean
+gst_visuotactile_decoder_sink_query(GstPad *pad, GstObject *parent, GstQuery *query)
+{
+  auto *self = GST_VISUOTACTILE_DECODER(parent);
+  GstCaps *asked = nullptr;
+
+  switch (GST_QUERY_TYPE(query)) {
+  case GST_QUERY_CAPS: {
+    gst_query_parse_caps(query, &asked);
+    g_autoptr(GstCaps) caps = gst_visuotactile_decoder_caps(self, asked);
+    gst_query_set_caps_result(query, caps);
+    return TRUE;
+  }
+  case GST_QUERY_ACCEPT_CAPS:
+    gst_query_parse_accept_caps(query, &asked);
+    gst_query_set_accept_caps_result(query, gst_visuotactile_decoder_accept(self, asked));
+    return TRUE;
+  default:
+    return gst_pad_query_default(pad, parent, query);
+  }
+}
+
+/* ---- the picture ---- */
+
+/// How much later than without the chair the frames of a live source are shown.
+static GstClockTime
+gst_visuotactile_decoder_live_latency(GstVisuotactileDecoder *self)
+{
+  if (self->branch == nullptr)
+    return 0;
+  GstElement *tactors = gst_tactile_branch_get_tactors(self->branch);
+  return gst_base_sink_get_render_delay(GST_BASE_SINK(tactors)) + kAnalysisMargin;
+}
+
+static gboolean
+gst_visuotactile_decoder_src_query(GstPad *pad, GstObject *parent, GstQuery *query)
+{
+  const gboolean answered = gst_pad_query_default(pad, parent, query);
+  if (!answered || GST_QUERY_TYPE(query) != GST_QUERY_LATENCY)
+    return answered;
+  gboolean live = FALSE;
+  GstClockTime min = 0;
+  GstClockTime max = 0;
+  gst_query_parse_latency(query, &live, &min, &max);
+  const GstClockTime more
+      = live ? gst_visuotactile_decoder_live_latency(GST_VISUOTACTILE_DECODER(parent)) : 0;
+  gst_query_set_latency(query, live, min + more, GST_CLOCK_TIME_IS_VALID(max) ? max + more : max);
+  return TRUE;
+}
+
+/// Decoders with a pool of their own are told what waits here.
+static gboolean
+gst_visuotactile_decoder_inner_query(GstPad *pad, GstObject *parent, GstQuery *query)
+{
+  const gboolean answered = gst_pad_query_default(pad, parent, query);
+  if (GST_QUERY_TYPE(query) != GST_QUERY_ALLOCATION)
+    return answered;
+  demand_buffers(query, kAhead, kMoreFrames);
+  return TRUE;
+}
+
+static GstPadProbeReturn
+gst_visuotactile_decoder_sinks_event(GstPad *, GstPadProbeInfo *info, gpointer user_data)
+{
+  auto *self = GST_VISUOTACTILE_DECODER(user_data);
+  GstEvent *event = GST_PAD_PROBE_INFO_EVENT(info);
+  self->tap->hear(event);
+  if (GST_EVENT_TYPE(event) == GST_EVENT_LATENCY)
+    gst_element_send_event(gst_tactile_branch_get_tactors(self->branch), gst_event_ref(event));
+  return GST_PAD_PROBE_OK;
+}
+
+/* ---- the chair ---- */
+
+static void
+post_latency(GstElement *element, gpointer)
+{
+  gst_element_post_message(element, gst_message_new_latency(GST_OBJECT(element)));
+}
+
+/// What the chair tells of itself is not about the film. A LATENCY message leaves on another
+/// thread: decodebin3 holds a lock, which the answer needs, while it starts its decoders.
+static void
+gst_visuotactile_decoder_handle_message(GstBin *bin, GstMessage *message)
+{
+  auto *self = GST_VISUOTACTILE_DECODER(bin);
+  const bool of_chair
+      = self->branch
+        && gst_object_has_as_ancestor(GST_MESSAGE_SRC(message), GST_OBJECT(self->branch));
+  constexpr guint kSinks = GST_MESSAGE_EOS | GST_MESSAGE_ASYNC_START | GST_MESSAGE_ASYNC_DONE
+                           | GST_MESSAGE_LATENCY | GST_MESSAGE_STREAM_START | GST_MESSAGE_QOS
+                           | GST_MESSAGE_SEGMENT_START | GST_MESSAGE_SEGMENT_DONE
+                           | GST_MESSAGE_RESET_TIME;
+  if (!of_chair || !(GST_MESSAGE_TYPE(message) & kSinks)) {
+    GST_BIN_CLASS(parent_class)->handle_message(bin, message);
+    return;
+  }
+  if (GST_MESSAGE_TYPE(message) == GST_MESSAGE_LATENCY)
+    gst_element_call_async(GST_ELEMENT(self), post_latency, nullptr, nullptr);
+  gst_message_unref(message);
+}
+
+static GstStateChangeReturn
+gst_visuotactile_decoder_change_state(GstElement *element, GstStateChange transition)
+{
+  auto *self = GST_VISUOTACTILE_DECODER(element);
+
+  if (transition == GST_STATE_CHANGE_NULL_TO_READY && self->branch == nullptr) {
+    GST_ELEMENT_ERROR(
+        self, CORE, MISSING_PLUGIN,
+        ("visuotactiledecoder needs saliencytactile, tactileextractor and tactorsink."),
+        ("expected the plugins saliency, tactile and tactor beside this one"));
+    return GST_STATE_CHANGE_FAILURE;
+  }
+  if (transition == GST_STATE_CHANGE_READY_TO_PAUSED)
+    self->tap->start();
+  const GstStateChangeReturn ret
+      = GST_ELEMENT_CLASS(parent_class)->change_state(element, transition);
+  if (transition == GST_STATE_CHANGE_PAUSED_TO_READY
+      || (transition == GST_STATE_CHANGE_READY_TO_PAUSED && ret == GST_STATE_CHANGE_FAILURE))
+    self->tap->stop();
+  if (transition == GST_STATE_CHANGE_READY_TO_NULL)
+    gst_visuotactile_decoder_remove(self);
+  return ret;
+}
+
+/* ---- children ---- */
+
+/// Finds children by name, those of the chair also while they are out of it.
+static GObject *
+gst_visuotactile_decoder_get_child_by_name(GstChildProxy *proxy, const gchar *name)
+{
+  auto *self = GST_VISUOTACTILE_DECODER(proxy);
+  if (self->branch && g_strcmp0(name, "tactors") == 0)
+    return G_OBJECT(gst_object_ref(gst_tactile_branch_get_tactors(self->branch)));
+  if (self->branch && g_strcmp0(name, "analysis") == 0)
+    return G_OBJECT(gst_object_ref(gst_tactile_branch_get_analysis(self->branch)));
+  return G_OBJECT(gst_bin_get_by_name(GST_BIN(self), name));
+}
+
+static void
+gst_visuotactile_decoder_child_proxy_init(gpointer iface, gpointer)
+{
+  // Children by index are the bin's.
+  static_cast<GstChildProxyInterface *>(iface)->get_child_by_name
+      = gst_visuotactile_decoder_get_child_by_name;
+}
+
+static void
+gst_visuotactile_decoder_dispose(GObject *object)
+{
+  auto *self = GST_VISUOTACTILE_DECODER(object);
+  gst_visuotactile_decoder_remove(self);
+  delete std::exchange(self->tap, nullptr);
+  gst_clear_object(&self->branch);
+  gst_clear_object(&self->queue);
+  G_OBJECT_CLASS(parent_class)->dispose(object);
+}
+
+static void
+gst_visuotactile_decoder_class_init(GstVisuotactileDecoderClass *klass)
+{
+  GstElementClass *element_class = GST_ELEMENT_CLASS(klass);
+
+  G_OBJECT_CLASS(klass)->dispose = gst_visuotactile_decoder_dispose;
+  element_class->change_state = GST_DEBUG_FUNCPTR(gst_visuotactile_decoder_change_state);
+  GST_BIN_CLASS(klass)->handle_message = GST_DEBUG_FUNCPTR(gst_visuotactile_decoder_handle_message);
+  gst_element_class_add_static_pad_template(element_class, &sink_template);
+  gst_element_class_add_static_pad_template(element_class, &src_template);
+  gst_element_class_set_static_metadata(
+      element_class, "Visuotactile decoder", "Codec/Decoder/Video",
+      "Decodes a film and plays on motors what draws the eye in it", "The visuotactile authors");
+}
+
+/// The branch that is felt. It has none if a plugin is missing, and opening fails.
+static void
+gst_visuotactile_decoder_build(GstVisuotactileDecoder *self)
+{
+  self->branch = gst_tactile_branch_new_with_analysis("chair");
+  if (self->branch == nullptr)
+    return;
+  gst_object_ref_sink(self->branch);
+  // The bin, which prerolls with the picture, never waits for it.
+  g_object_set(gst_tactile_branch_get_tactors(self->branch), "async", FALSE, nullptr);
+  gst_bin_add(GST_BIN(self), GST_ELEMENT(self->branch));
+}
+
+static void
+gst_visuotactile_decoder_init(GstVisuotactileDecoder *self)
+{
+  gst_bin_set_suppressed_flags(
+      GST_BIN(self),
+      static_cast<GstElementFlags>(GST_ELEMENT_FLAG_SINK | GST_ELEMENT_FLAG_REQUIRE_CLOCK));
+  gst_visuotactile_decoder_build(self);
+  self->queue = gst_element_factory_make("queue", "video-queue");
+  gst_object_ref_sink(self->queue);
+  g_object_set(self->queue, "max-size-bytes", 0, "max-size-buffers", 0, "max-size-time", kAhead,
+               nullptr);
+  gst_bin_add(GST_BIN(self), self->queue);
+
+  g_autoptr(GstPadTemplate) sink_pads = gst_static_pad_template_get(&sink_template);
+  self->sinkpad = gst_ghost_pad_new_no_target_from_template("sink", sink_pads);
+  gst_pad_set_query_function(self->sinkpad, GST_DEBUG_FUNCPTR(gst_visuotactile_decoder_sink_query));
+  gst_element_add_pad(GST_ELEMENT(self), self->sinkpad);
+
+  g_autoptr(GstPad) last = gst_element_get_static_pad(self->queue, "src");
+  g_autoptr(GstPadTemplate) src_pads = gst_static_pad_template_get(&src_template);
+  self->srcpad = gst_ghost_pad_new_from_template("src", last, src_pads);
+  gst_pad_set_query_function(self->srcpad, GST_DEBUG_FUNCPTR(gst_visuotactile_decoder_src_query));
+  g_autoptr(GstProxyPad) inside = gst_proxy_pad_get_internal(GST_PROXY_PAD(self->srcpad));
+  gst_pad_set_query_function(GST_PAD(inside),
+                             GST_DEBUG_FUNCPTR(gst_visuotactile_decoder_inner_query));
+  gst_element_add_pad(GST_ELEMENT(self), self->srcpad);
+
+  if (self->branch == nullptr)
+    return;
+  g_autoptr(GstPad) watched = gst_element_get_static_pad(self->queue, "sink");
+  g_autoptr(GstPad) chair = gst_element_get_static_pad(GST_ELEMENT(self->branch), "sink");
+  self->tap = new FrameTap(watched, chair);
+  gst_pad_add_probe(self->srcpad, GST_PAD_PROBE_TYPE_EVENT_UPSTREAM,
+                    gst_visuotactile_decoder_sinks_event, self, nullptr);
+}
