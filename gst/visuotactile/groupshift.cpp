@@ -78,17 +78,14 @@ GroupShift::segment() const
 void
 GroupShift::hear(GstEvent *qos)
 {
-  GstClockTime shown = GST_CLOCK_TIME_NONE;
-  gst_event_parse_qos(qos, nullptr, nullptr, nullptr, &shown);
+  GstClockTime inside = GST_CLOCK_TIME_NONE; // the offset, the segment's base too, is taken off
+  gst_event_parse_qos(qos, nullptr, nullptr, nullptr, &inside);
   const gint64 offset = gst_event_get_running_time_offset(qos);
-  if (offset == 0 || !GST_CLOCK_TIME_IS_VALID(shown))
+  if (offset == 0 || !GST_CLOCK_TIME_IS_VALID(inside))
     return;
-  // streamsynchronizer takes off the base of the segment, too.
-  const gint64 inside = static_cast<gint64>(shown) + offset;
   std::lock_guard lock(mutex_);
-  // Else it is about a frame of the film before.
-  const bool of_this
-      = any_ && inside >= static_cast<gint64>(first_) && inside <= static_cast<gint64>(end_);
+  // Else it is about a frame of the film before, whose time may be clamped to zero.
+  const bool of_this = any_ && inside > first_ && inside <= end_;
   const gint64 shift = -offset - static_cast<gint64>(segment_.base);
   if (!of_this || shift < 0 || static_cast<GstClockTime>(shift) == shift_)
     return;

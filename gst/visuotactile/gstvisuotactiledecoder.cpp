@@ -17,18 +17,18 @@
  * - The picture never waits for the chair. Where the analysis is too slow, frames are not felt.
  * - Where the tactors cannot be used, the film plays on, with a warning; the next start tries
  *   again. Frames that cannot be mapped are shown and not felt.
- * - Of several films at the same time in one process, the first one is felt.
+ * - A film of a gapless play is felt at its own time, once the first QoS event of the player's
+ *   sink has told where it begins. Sinks with `qos=false` tell nothing.
  * - A stream that the decoder does not take as it is goes through a parser first.
  *
- * ## Example launch lines
+ * ## Example launch line
  * |[
- * GST_PLUGIN_FEATURE_RANK=visuotactiledecoder:MAX gst-play-1.0 FILM
  * gst-launch-1.0 tactiletestsrc num-buffers=150 ! jpegenc ! \
  *     visuotactiledecoder tactors::driver=simulator tactors::trace-location=commands.csv ! \
  *     videoconvert ! autovideosink
  * ]|
  *
- * Since: 0.2
+ * Since: 0.1
  */
 #include "gstvisuotactiledecoder.h"
 

@@ -1,13 +1,13 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: LGPL-2.1-or-later
 # The players of pipelines/ on a display: each shows a film and drives a simulated chair.
-# Needs Xvfb, gst-play-1.0 and gst123, which tools/setup.sh installs. Expects ROOT (of the source),
+# Needs Xvfb and the players, which tools/setup.sh installs. Expects ROOT (of the source),
 # VISUOTACTILE_BUILD and TRACK (tactile-track).
 # shellcheck source=common.sh
 . "$(dirname "$0")/common.sh"
 : "${ROOT:?root of the source}" "${VISUOTACTILE_BUILD:?folder of the build}" "${TRACK:?the path of tactile-track}"
 
-for program in Xvfb gst-play-1.0 gst123; do
+for program in Xvfb gst-play-1.0 gst123 totem parole clapper dbus-run-session; do
   command -v "$program" >/dev/null || fail "there is no $program: run tools/setup.sh"
 done
 
@@ -116,6 +116,23 @@ any_player() {
   expect_shown_and_felt
 }
 
+# Players that choose their own video sink: visuotactiledecoder is taken as the decoder, and the
+# chair gets maps. The player's settings stay in this folder.
+own_sink() {
+  local player
+  export_debug
+  export GST_DEBUG=visuotactiledecoder:4,tactorsink:6 GST_PLUGIN_FEATURE_RANK=visuotactiledecoder:MAX
+  HOME=$PWD XDG_RUNTIME_DIR=$PWD GDK_BACKEND=x11 LIBGL_ALWAYS_SOFTWARE=1 timeout 60 dbus-run-session -- "$@" >out 2>&1 &
+  player=$!
+  while kill -0 "$player" 2>/dev/null && ! felt; do
+    sleep 0.2
+  done
+  kill "$player" 2>/dev/null || true
+  wait "$player" 2>/dev/null || true
+  grep -q ' decodes ' debug || fail "the player does not use visuotactiledecoder: $(cat out)"
+  felt || fail "nothing is felt: $(tail -n 5 debug)"
+}
+
 # Frames in GPU memory (Mesa's software renderer) from source to window. The window gets them
 # unchanged, and the analysis reads its own copy.
 gl_memory() {
@@ -167,5 +184,9 @@ finish
 # These check the screen, one after the other.
 start any_player any_player "$work/film.mkv"
 finish
+for player in totem parole clapper; do
+  start "$player" own_sink "$player" "$work/moving.mkv"
+  finish
+done
 start gl_memory gl_memory
 finish
