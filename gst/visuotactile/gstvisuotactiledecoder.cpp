@@ -2,15 +2,15 @@
 /**
  * SECTION:element-visuotactiledecoder
  * @title: visuotactiledecoder
- * @short_description: a video decoder that also plays a chair, for players that choose their own sink
+ * @short_description: a video decoder that also plays a chair, for players with their own sink
  *
  * visuotactiledecoder decodes with the video decoder that would have been taken without it, and
  * plays what draws the eye on the motors of a chair. The player keeps its video sink, window and
  * controls. It is a bin with the decoder, and beside it `saliencytactile` (child `analysis`) and
  * `tactorsink` (child `tactors`).
  *
- * It has no rank, so that nothing takes it unasked. `GST_PLUGIN_FEATURE_RANK=visuotactiledecoder:MAX`
- * in the environment of a player makes playbin and decodebin take it.
+ * It has no rank, so that nothing takes it unasked. Where a player's environment has
+ * `GST_PLUGIN_FEATURE_RANK=visuotactiledecoder:MAX`, playbin and decodebin take it.
  *
  * - Frames go from the decoder to the player as they are, and are not later. Of a live source they
  *   are later by #GstTactorSink:max-lead and 30 ms.
