@@ -17,6 +17,8 @@
  * - The picture never waits for the chair. Where the analysis is too slow, frames are not felt.
  * - Where the tactors cannot be used, the film plays on, with a warning; the next start tries
  *   again. Frames that cannot be mapped are shown and not felt.
+ * - Of several films at the same time in one process, the one that began first is felt, until its
+ *   end.
  * - A film of a gapless play is felt at its own time, once the first QoS event of the player's
  *   sink has told where it begins. Sinks with `qos=false` tell nothing.
  * - A stream that the decoder does not take as it is goes through a parser first.
@@ -39,6 +41,7 @@
 
 #include <gst/base/gstbasesink.h>
 
+#include <mutex>
 #include <utility>
 
 GST_DEBUG_CATEGORY_STATIC(visuotactile_decoder_debug);
@@ -205,7 +208,7 @@ gst_visuotactile_decoder_sink_query(GstPad *pad, GstObject *parent, GstQuery *qu
 static GstClockTime
 gst_visuotactile_decoder_live_latency(GstVisuotactileDecoder *self)
 {
-  if (self->branch == nullptr)
+  if (self->branch == nullptr || gst_element_is_locked_state(GST_ELEMENT(self->branch)))
     return 0;
   GstElement *tactors = gst_tactile_branch_get_tactors(self->branch);
   return gst_base_sink_get_render_delay(GST_BASE_SINK(tactors)) + kAnalysisMargin;
@@ -251,6 +254,43 @@ gst_visuotactile_decoder_sinks_event(GstPad *, GstPadProbeInfo *info, gpointer u
 
 /* ---- the chair ---- */
 
+/// The decoder whose film is felt, of all in this process.
+static struct
+{
+  std::mutex mutex;
+  GstVisuotactileDecoder *holder = nullptr;
+} chair;
+
+/// READY to PAUSED: taps the film, or leaves the chair's elements in READY while another film has
+/// it.
+static void
+gst_visuotactile_decoder_take_chair(GstVisuotactileDecoder *self)
+{
+  std::lock_guard lock(chair.mutex);
+  if (chair.holder && chair.holder->tap->ended())
+    std::exchange(chair.holder, nullptr)->tap->stop();
+  const bool taken = chair.holder == nullptr;
+  gst_element_set_locked_state(GST_ELEMENT(self->branch), !taken);
+  if (!taken) {
+    GST_INFO_OBJECT(self, "%" GST_PTR_FORMAT " has the chair", chair.holder);
+    return;
+  }
+  chair.holder = self;
+  self->tap->start();
+}
+
+static void
+gst_visuotactile_decoder_release_chair(GstVisuotactileDecoder *self)
+{
+  std::lock_guard lock(chair.mutex);
+  if (chair.holder == self)
+    chair.holder = nullptr;
+  if (self->tap)
+    self->tap->stop();
+  if (self->branch)
+    gst_element_set_locked_state(GST_ELEMENT(self->branch), FALSE);
+}
+
 static void
 post_latency(GstElement *element, gpointer)
 {
@@ -292,12 +332,12 @@ gst_visuotactile_decoder_change_state(GstElement *element, GstStateChange transi
     return GST_STATE_CHANGE_FAILURE;
   }
   if (transition == GST_STATE_CHANGE_READY_TO_PAUSED)
-    self->tap->start();
+    gst_visuotactile_decoder_take_chair(self);
   const GstStateChangeReturn ret
       = GST_ELEMENT_CLASS(parent_class)->change_state(element, transition);
   if (transition == GST_STATE_CHANGE_PAUSED_TO_READY
       || (transition == GST_STATE_CHANGE_READY_TO_PAUSED && ret == GST_STATE_CHANGE_FAILURE))
-    self->tap->stop();
+    gst_visuotactile_decoder_release_chair(self);
   if (transition == GST_STATE_CHANGE_READY_TO_NULL)
     gst_visuotactile_decoder_remove(self);
   return ret;
@@ -330,6 +370,7 @@ gst_visuotactile_decoder_dispose(GObject *object)
 {
   auto *self = GST_VISUOTACTILE_DECODER(object);
   gst_visuotactile_decoder_remove(self);
+  gst_visuotactile_decoder_release_chair(self);
   delete std::exchange(self->tap, nullptr);
   gst_clear_object(&self->branch);
   gst_clear_object(&self->queue);

@@ -188,5 +188,11 @@ for player in totem parole clapper; do
   start "$player" own_sink "$player" "$work/moving.mkv"
   finish
 done
+start gtk own_sink "$PYTHON" "$here/video_in_gtk.py" "$work/moving.mkv"
+finish
+gst-launch-1.0 -q tactiletestsrc pattern=dynamic-motion num-buffers=180 ! video/x-raw,format=I420,width=320,height=240,framerate=30/1 ! \
+  x264enc speed-preset=ultrafast ! mp4mux ! filesink location=moving.mp4
+start webkit own_sink "$PYTHON" "$here/video_in_page.py" "$work/moving.mp4"
+finish
 start gl_memory gl_memory
 finish

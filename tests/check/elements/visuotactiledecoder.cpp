@@ -530,6 +530,41 @@ GST_START_TEST(test_films_one_after_the_other)
 }
 GST_END_TEST;
 
+/// Whether the chair's elements of a paused or playing decoder play, too.
+bool
+has_chair(GstElement *pipeline)
+{
+  g_autoptr(GstElement) tactors = gst_bin_get_by_name(GST_BIN(pipeline), "tactors");
+  GstState state = GST_STATE_NULL;
+  gst_element_get_state(tactors, &state, nullptr, GST_CLOCK_TIME_NONE);
+  return state > GST_STATE_READY;
+}
+
+GST_START_TEST(test_several_films_at_a_time)
+{
+  GstElement *films[3];
+  for (GstElement *&film : films)
+    film
+        = make_pipeline("videotestsrc num-buffers=100 ! video/x-raw,width=64,height=48 ! jpegenc ! "
+                        "visuotactiledecoder tactors::driver=simulator ! fakesink");
+  change_state(films[0], GST_STATE_PAUSED);
+  change_state(films[1], GST_STATE_PAUSED);
+  fail_unless(has_chair(films[0]) && !has_chair(films[1]));
+  change_state(films[0], GST_STATE_READY); // leaves it
+  change_state(films[2], GST_STATE_PAUSED);
+  fail_unless(has_chair(films[2]));
+  gst_element_set_state(films[2], GST_STATE_PLAYING);
+  wait_for_eos(films[2]);
+  change_state(films[1], GST_STATE_READY);
+  change_state(films[1], GST_STATE_PAUSED); // what has ended needs it no more
+  fail_unless(has_chair(films[1]));
+  for (GstElement *film : films) {
+    gst_element_set_state(film, GST_STATE_NULL);
+    gst_object_unref(film);
+  }
+}
+GST_END_TEST;
+
 GST_START_TEST(test_another_size)
 {
   GstElement *pipeline = make_pipeline(
@@ -607,6 +642,7 @@ visuotactiledecoder_suite(void)
   tcase_add_test(streams, test_what_nobody_decodes);
   tcase_add_test(streams, test_a_stream_that_needs_a_parser);
   tcase_add_test(streams, test_films_one_after_the_other);
+  tcase_add_test(streams, test_several_films_at_a_time);
   tcase_add_test(streams, test_another_size);
   tcase_add_loop_test(streams, test_the_latency_of_a_live_source, 0, 2);
   return suite;
