@@ -181,7 +181,9 @@ start live live
 start theatre theatre "$work/theatre.mkv"
 start least_delay live --least-delay
 finish
-# These check the screen, one after the other.
+# These check the screen, one after the other. meson's MALLOC_PERTURB_ shows a use after free in
+# Mesa's software renderer, which ends players now and then.
+unset MALLOC_PERTURB_
 start any_player any_player "$work/film.mkv"
 finish
 for player in totem parole clapper; do
