@@ -86,8 +86,8 @@ template <class D, class V = hn::Vec<D>>
 HWY_INLINE hn::Mask<D>
 between(D d, V x, V y, float low, float right, float bottom)
 {
-  const V zero = hn::Set(d, low);
-  return hn::And(hn::And(hn::Ge(x, zero), hn::Ge(y, zero)),
+  const V least = hn::Set(d, low);
+  return hn::And(hn::And(hn::Ge(x, least), hn::Ge(y, least)),
                  hn::And(hn::Lt(x, hn::Set(d, right)), hn::Lt(y, hn::Set(d, bottom))));
 }
 
@@ -181,13 +181,15 @@ shift_equations(const cv::Mat &image, const Similarity &position, const Textured
     const V dy = hn::LoadU(d, points.change[TexturedPoints::kShiftY].data() + i);
     const V weighted_x = hn::Mul(weight, dx);
     const V weighted_y = hn::Mul(weight, dy);
-    std::size_t k = 0;
-    for (const V &term :
-         { hn::Mul(weighted_x, dx), hn::Mul(weighted_x, dy), hn::Mul(weighted_y, dy),
-           hn::Mul(weighted_x, residual), hn::Mul(weighted_y, residual) }) {
-      float *sum = sums[k++].data() + i % kBlock;
+    const auto add = [&](std::size_t k, V term) HWY_ATTR {
+      float *sum = sums[k].data() + i % kBlock;
       hn::StoreU(hn::Add(hn::LoadU(d, sum), term), d, sum);
-    }
+    };
+    add(0, hn::Mul(weighted_x, dx));
+    add(1, hn::Mul(weighted_x, dy));
+    add(2, hn::Mul(weighted_y, dy));
+    add(3, hn::Mul(weighted_x, residual));
+    add(4, hn::Mul(weighted_y, residual));
   }
   return count;
 }
