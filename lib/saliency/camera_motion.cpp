@@ -31,7 +31,8 @@ constexpr float kTexture = 1.0F;
 // kFewestPoints points, in at least kTexturedShare of its cells, and these would move by
 // kSmallestPartMotion samples on average. It agrees if the motion, with a shift of its own if need
 // // be, leaves less than kExplained of the difference. The camera moves if at least kEnoughParts
-// parts vote and kAgreeing of them agree. In a picture of a few dozen samples a single object could
+// parts vote, kPlainly of them agree without a shift of their own, and kAgreeing with one, in about
+// the camera's direction. In a picture of a few dozen samples a single object could
 // fill most parts, so none is reported there.
 constexpr int kParts = 4;
 constexpr double kTexturedShare = 0.15;
@@ -42,6 +43,8 @@ constexpr int kEnoughSides
     = 3; ///< of the picture, with agreeing parts; a large moving object reaches fewer
 constexpr double kAgreeing = 0.8;
 constexpr double kExplained = 0.7;
+constexpr double kPlainly = 0.6;   ///< of them without a shift of their own
+constexpr double kMostSlant = 0.5; ///< of a part's motion, to the camera's; tan of the angle
 /// Of the residuals in each step of a part's shift, L*: larger residuals lose weight.
 constexpr std::array<float, 4> kPartScales{ 20, 10, 5, 5 };
 
@@ -300,6 +303,8 @@ CameraMotion::vote(std::size_t part, cv::Point2d shift) const
   double with = 0;     // total difference after the motion
   double without = 0;  // without any motion
   double opposite = 0; // after the opposite motion
+  double along = 0;    // the camera's motion
+  double across = 0;
   for (std::size_t i = 0; i < points.size(); ++i) {
     if (part_of_[i] != part || std::isnan(residuals_[i]))
       continue;
@@ -307,7 +312,10 @@ CameraMotion::vote(std::size_t part, cv::Point2d shift) const
     const double y = points.y[i];
     const double at_rest = std::abs(static_cast<double>(without_[i]));
     count++;
-    distance += std::hypot(motion.x(x, y) + shift.x - x, motion.y(x, y) + shift.y - y);
+    const cv::Point2d camera(motion.x(x, y) - x, motion.y(x, y) - y);
+    distance += std::hypot(camera.x + shift.x, camera.y + shift.y);
+    along += camera.dot(camera + shift);
+    across += camera.cross(camera + shift);
     with += std::abs(static_cast<double>(residuals_[i]));
     without += at_rest;
     opposite += std::isnan(opposite_[i]) ? at_rest : std::abs(static_cast<double>(opposite_[i]));
@@ -317,6 +325,8 @@ CameraMotion::vote(std::size_t part, cv::Point2d shift) const
       || distance < kSmallestPartMotion * count)
     return Vote::none;
   // Interpolation averages noise in either direction, so compare with the opposite motion, too.
+  if (along < 0 || std::abs(across) > kMostSlant * along)
+    return Vote::rested;
   return with < kExplained * std::min(without, opposite) ? Vote::moved : Vote::rested;
 }
 
@@ -333,9 +343,11 @@ CameraMotion::explained()
 
   int asked = 0;
   int agreeing = 0;
+  int plainly = 0;             // without a shift of their own
   std::array<bool, 4> sides{}; // with agreeing parts
   for (std::size_t part = 0; part < std::size_t{ kParts * kParts }; ++part) {
     Vote moved = vote(part, {});
+    plainly += moved == Vote::moved ? 1 : 0;
     if (moved == Vote::rested && vote(part, fit_part(part)) == Vote::moved)
       moved = Vote::moved;
     asked += moved != Vote::none ? 1 : 0;
@@ -349,7 +361,7 @@ CameraMotion::explained()
     sides[2] |= column == 0;
     sides[3] |= column == kParts - 1;
   }
-  return asked >= kEnoughParts && agreeing >= kAgreeing * asked
+  return asked >= kEnoughParts && plainly >= kPlainly * asked && agreeing >= kAgreeing * asked
          && std::ranges::count(sides, true) >= kEnoughSides;
 }
 
