@@ -187,16 +187,19 @@ Analyzer::State::settle(const cv::Mat &map, double elapsed)
 void
 Analyzer::State::discount(cv::Mat &map, const Similarity &pose, double elapsed)
 {
+  const bool moved = history.moved();
   if (profile.camera_gate) {
     const int level = levels.camera;
     const Similarity now = pose.in_units_of(std::ldexp(1.0, level - levels.saliency));
-    if (history.moved())
+    if (moved)
       cv::multiply(map, independent(pyramid.level(level), now, elapsed, levels.saliency - level),
                    map);
     else
       independent.reset();
   }
-  if (profile.noise_gain > 0)
+  if (moved) // a place of the picture shows now this, now that
+    noise.reset();
+  else if (profile.noise_gain > 0)
     noise.subtract(map, elapsed, profile.noise_gain);
 }
 

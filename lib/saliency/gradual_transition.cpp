@@ -21,6 +21,7 @@ constexpr double kMostPace = 6;       ///< γ
 constexpr double kEnoughChange = 0.3; ///< share of samples that change
 constexpr double kEnoughAgree = 0.7;  ///< share of those that agree
 constexpr float kAgrees = 0.4F;       ///< |D1 − γ D2| / |D1|
+constexpr float kNoise = 0.6F;        ///< the same, in ΔE: slow changes are hardly above the noise
 constexpr float kEvent = 5;           ///< ΔE: smaller changes beside it do not count
 constexpr float kFollows = 0.5F;      ///< the same, for a sample that is not new
 
@@ -116,7 +117,7 @@ GradualTransition::operator()(const LabImage &lab, double elapsed)
     const float change = std::sqrt(squared(d1));
     const float rest
         = std::sqrt(squared({ d1[0] - pace * d2[0], d1[1] - pace * d2[1], d1[2] - pace * d2[2] }));
-    agreeing += change > kVisible && rest < kAgrees * change ? 1 : 0;
+    agreeing += change > kVisible && rest < std::max(kAgrees * change, kNoise) ? 1 : 0;
     follows[i] = rest < std::max(kFollows * change, kEvent) ? 1.0F : 0.0F;
   });
   if (enough && static_cast<double>(agreeing) > kEnoughAgree * static_cast<double>(changed))

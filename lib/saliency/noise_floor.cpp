@@ -10,10 +10,10 @@ namespace saliency {
 
 namespace {
 
-constexpr double kSmoothing = 8;   ///< time constant in frames at 30 fps
+constexpr double kSmoothing = 4;   ///< time constant in frames at 30 fps
 constexpr double kStretch = 30;    ///< frames
 constexpr double kRounding = 1e-3; ///< of times, in frames
-constexpr int kReaches = 5;        ///< "around" reaches as far as this part of the map's width
+constexpr int kReaches = 4;        ///< "around" reaches as far as this part of the map's width
 constexpr float kNothing = 1e9F;
 
 } // namespace
@@ -45,9 +45,13 @@ NoiseFloor::subtract(cv::Mat &map, double elapsed, double gain)
   if (known_ == kStretches) {
     for (std::size_t i = 0; i < total; ++i) {
       float least = present[i];
-      for (const auto &past : least_)
-        least = std::min(least, past.ptr<float>()[i]);
-      values[i] = std::max(0.0F, values[i] - static_cast<float>(gain) * least);
+      float floor = kNothing;
+      for (const auto &past : least_) {
+        const float value = past.ptr<float>()[i];
+        floor = std::min(floor, std::max(least, value));
+        least = std::min(least, value);
+      }
+      values[i] = std::max(0.0F, values[i] - static_cast<float>(gain) * floor);
     }
   }
   age_ += elapsed;

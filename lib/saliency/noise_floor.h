@@ -12,8 +12,8 @@ namespace saliency {
 ///
 /// The noise floor of each place is estimated by minimum statistics (Martin, "Noise power spectral
 /// density estimation based on optimal smoothing and minimum statistics", 2001): the least that
-/// happened around it, within a fifth of the map's width, during the last seconds. Something that
-/// pauses has a floor of zero.
+/// happened around it, within a quarter of the map's width, in each of the last five seconds, of
+/// these the second least. Something that pauses in two of them has a floor of zero.
 class NoiseFloor
 {
 public:

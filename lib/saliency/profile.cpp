@@ -48,7 +48,7 @@ Profile::tuned()
   profile.habituation_contrast = 0.6;
   profile.habituation_share = 0.2;
   profile.transition_guard = true;
-  profile.noise_gain = 4;
+  profile.noise_gain = 7;
   profile.background_gain = 8;
   profile.background_quantile = 0.75;
   profile.background_limit = 3;

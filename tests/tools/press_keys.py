@@ -2,6 +2,8 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """Presses keys in a window of the X server in $DISPLAY, as if on a keyboard.
 
+Waits until there is such a window, at most 10 s.
+
 Usage: press_keys.py WIDTH KEY...      the window's width, names of keys as in X11/keysymdef.h
 """
 import ctypes
@@ -32,16 +34,22 @@ for function in (x.XDefaultRootWindow, x.XQueryTree, x.XGetGeometry, x.XSendEven
     function.argtypes = None
 display = ctypes.c_void_p(x.XOpenDisplay(None))
 
+# Windows of others go at any time.
+ignore_errors = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_void_p, ctypes.c_void_p)(lambda display, error: 0)
+x.XSetErrorHandler(ignore_errors)
+
 
 def children(window):
     root, parent, count, found = Window(), Window(), ctypes.c_uint(), ctypes.POINTER(Window)()
-    x.XQueryTree(display, Window(window), ctypes.byref(root), ctypes.byref(parent), ctypes.byref(found), ctypes.byref(count))
+    if not x.XQueryTree(display, Window(window), ctypes.byref(root), ctypes.byref(parent), ctypes.byref(found), ctypes.byref(count)):
+        return []
     return [found[i] for i in range(count.value)]
 
 
 def width_of(window):
     root, numbers = Window(), [ctypes.c_int(), ctypes.c_int()] + [ctypes.c_uint() for _ in range(4)]
-    x.XGetGeometry(display, Window(window), ctypes.byref(root), *map(ctypes.byref, numbers))
+    if not x.XGetGeometry(display, Window(window), ctypes.byref(root), *map(ctypes.byref, numbers)):
+        return 0
     return numbers[2].value
 
 
@@ -51,7 +59,15 @@ def windows(window):
         yield from windows(child)
 
 
-targets = [window for window in windows(x.XDefaultRootWindow(display)) if width_of(window) == int(sys.argv[1])]
+def windows_as_wide(width):
+    return [window for window in windows(x.XDefaultRootWindow(display)) if width_of(window) == width]
+
+
+deadline = time.monotonic() + 10
+targets = windows_as_wide(int(sys.argv[1]))
+while not targets and time.monotonic() < deadline:
+    time.sleep(0.05)
+    targets = windows_as_wide(int(sys.argv[1]))
 if not targets:
     sys.exit(f"no window is {sys.argv[1]} pixels wide")
 for name in sys.argv[2:]:

@@ -238,8 +238,8 @@ disturbed(quality::Disturbance disturbance)
 
 /// While the camera moves, the gate (IndependentMotion) opens and closes about an event.
 constexpr double kGate = 0.55;
-/// A ball that moves on and on has a noise floor. It begins when the last pause is over 4 s ago: at
-/// a frame's boundary.
+/// A ball that moves on and on has a noise floor. It begins 4 s after the last pause, at a frame's
+/// boundary.
 constexpr double kFloorEnds = 0.9;
 
 const std::array kCases{
@@ -252,7 +252,7 @@ const std::array kCases{
         [] {
           return quality::ball_film({ .pattern = tactile::FilmPattern::dynamic_motion, .seed = 5 });
         },
-        0, 0, kFloorEnds, 1.2, 0.02 },
+        0, 0, kFloorEnds },
   Case{ "still", [] { return disturbed(quality::Disturbance::still); }, 2 },
   Case{ "pan", [] { return disturbed(quality::Disturbance::pan); }, 2, kGate },
 };

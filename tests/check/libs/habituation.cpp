@@ -166,6 +166,28 @@ GST_START_TEST(test_dissolve)
 }
 GST_END_TEST;
 
+GST_START_TEST(test_slow_dissolve)
+{
+  // Within 4 frames most samples change by about ΔE 1, hardly more than the noise.
+  const auto from = random_picture(1);
+  const auto to = mixed(from, random_picture(2), 0.25);
+  GradualTransition transition;
+  for (int i = 0; i < 50; ++i) {
+    auto picture = mixed(from, to, std::max(0, i - 10) / 60.0);
+    for (std::size_t c = 0; c < 3; ++c) {
+      const Image noise
+          = oracle::random_image(kWidth, kHeight, -0.2, 0.2,
+                                 100 + 3 * static_cast<unsigned>(i) + static_cast<unsigned>(c));
+      for (std::size_t j = 0; j < noise.values.size(); ++j)
+        picture[c].values[j] += noise.values[j];
+    }
+    const bool found = !transition(oracle::to_planes(picture), 1).empty();
+    if (i < 10 || i >= 10 + 8)
+      fail_unless(found == (i > 10), "frame %d", i);
+  }
+}
+GST_END_TEST;
+
 GST_START_TEST(test_event_in_dissolve)
 {
   // A spot jumps by 30 ΔE.
@@ -229,7 +251,8 @@ GST_END_TEST;
 
 GST_START_TEST(test_noise_floor)
 {
-  // Constant activity. Smoothed, it rises as 1 − e^(−t/8), so the least of a stretch is its first.
+  // Constant activity. Smoothed, it rises as 1 − e^(−t/4), so the least of a stretch is its first,
+  // and the least but one of five stretches is the second's.
   constexpr double kValue = 3;
   constexpr double kGain = 0.5;
   for (const double step : { 1.0, 0.5, 1.25 }) {
@@ -238,9 +261,9 @@ GST_START_TEST(test_noise_floor)
       cv::Mat map = oracle::to_mat(Image(10, 6, kValue));
       floor.subtract(map, step, kGain);
       const int stretch = static_cast<int>(i * step / 30);
-      const double first = (stretch - 4) * 30 + step;
+      const double first = (stretch - 3) * 30 + step;
       const double expected
-          = stretch < 4 ? kValue : kValue - kGain * kValue * (1 - std::exp(-first / 8));
+          = stretch < 4 ? kValue : kValue - kGain * kValue * (1 - std::exp(-first / 4));
       fail_unless_at_most(oracle::difference(map, Image(10, 6, expected)), 1e-4);
     }
   }
@@ -249,17 +272,18 @@ GST_END_TEST;
 
 GST_START_TEST(test_pause)
 {
-  // What paused once within the last four stretches and this one is not lowered: only by what
-  // smoothing leaves of it.
+  // What paused in two of the last four stretches and this one is not lowered: only by what
+  // smoothing leaves of it. A pause within one stretch does not count.
   NoiseFloor floor;
   for (int i = 0; i < 400; ++i) {
-    const double value = i >= 200 && i < 250 ? 0 : 3;
+    const bool pauses = (i >= 200 && i < 250) || (i >= 365 && i < 380);
+    const double value = pauses ? 0 : 3;
     cv::Mat map = oracle::to_mat(Image(10, 6, value));
     floor.subtract(map, 1, 4);
     if (i >= 180 && i < 200)
       fail_unless_near(map.at<float>(0), 0, 0);
     if (i >= 250 && i < 360)
-      fail_unless_near(map.at<float>(0), 3, 4 * 3 * std::exp(-50 / 8.0) + 1e-4);
+      fail_unless_near(map.at<float>(0), 3, 4 * 3 * std::exp(-40 / 4.0) + 1e-4);
     if (i >= 390)
       fail_unless_near(map.at<float>(0), 0, 0);
   }
@@ -268,7 +292,7 @@ GST_END_TEST;
 
 GST_START_TEST(test_reach_and_reset)
 {
-  // Activity at (8, 6) lowers an event up to 4 of 20 samples away.
+  // Activity at (8, 6) lowers an event up to 5 of 20 samples away.
   NoiseFloor floor;
   const auto lowered = [&floor](double elsewhere) {
     Image image(20, 12, elsewhere);
@@ -282,7 +306,7 @@ GST_START_TEST(test_reach_and_reset)
   const cv::Mat map = lowered(3);
   for (int y = 0; y < 12; ++y)
     for (int x = 0; x < 20; ++x)
-      fail_unless_near(map.at<float>(y, x), std::max(std::abs(x - 8), std::abs(y - 6)) <= 4 ? 0 : 3,
+      fail_unless_near(map.at<float>(y, x), std::max(std::abs(x - 8), std::abs(y - 6)) <= 5 ? 0 : 3,
                        1e-3);
   floor.reset();
   for (int i = 0; i < 120; ++i)
@@ -302,6 +326,7 @@ habituation_suite(void)
   tcase_add_test(tc, test_slow_drift_restarts);
   tcase_add_test(tc, test_habituation_reset);
   tcase_add_test(tc, test_dissolve);
+  tcase_add_test(tc, test_slow_dissolve);
   tcase_add_test(tc, test_event_in_dissolve);
   tcase_add_test(tc, test_no_transition);
   tcase_add_test(tc, test_transition_reset);
