@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <memory>
+#include <mutex>
 #include <vector>
 
 namespace {
@@ -133,22 +134,38 @@ accepts(GstElement *element, GstCaps *caps)
   return gst_pad_query_accept_caps(sink, caps);
 }
 
+GstCaps *
+find_decodable_caps()
+{
+  g_autoptr(GstCaps) decoded = gst_caps_new_empty();
+  const Features decoders = list_decoders();
+  for (GstElementFactory *decoder : by_rank(decoders.get()))
+    decoded = gst_caps_merge(decoded, template_caps(decoder, GST_PAD_SINK));
+  GstCaps *all = gst_caps_ref(decoded);
+  const Features parsers = list_parsers();
+  for (GstElementFactory *parser : by_rank(parsers.get())) {
+    g_autoptr(GstCaps) given = template_caps(parser, GST_PAD_SRC);
+    if (gst_caps_can_intersect(given, decoded))
+      all = gst_caps_merge(all, template_caps(parser, GST_PAD_SINK));
+  }
+  return all;
+}
+
 } // namespace
 
 GstCaps *
 decodable_caps()
 {
-  GstCaps *all = gst_caps_new_empty();
-  for (const Features &list : { list_decoders(), list_parsers() })
-    for (GstElementFactory *factory : by_rank(list.get()))
-      all = gst_caps_merge(all, template_caps(factory, GST_PAD_SINK));
-  return all;
-}
+  static std::mutex mutex;
+  static GstCaps *known = nullptr;
+  static guint32 known_at = 0;
 
-bool
-is_decodable(GstCaps *caps)
-{
-  return !candidates(list_decoders(), list_parsers(), caps).empty();
+  std::lock_guard lock(mutex);
+  const guint32 now = gst_registry_get_feature_list_cookie(gst_registry_get());
+  if (known == nullptr || now != known_at)
+    gst_caps_take(&known, find_decodable_caps());
+  known_at = now;
+  return gst_caps_ref(known);
 }
 
 GstElement *

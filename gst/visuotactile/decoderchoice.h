@@ -3,11 +3,9 @@
 
 #include <gst/gst.h>
 
-/// What all video decoders but visuotactiledecoder take, also those behind a parser. Transfer full.
+/// What all video decoders but visuotactiledecoder take, also those behind a parser. Computed once
+/// for each state of the registry. Transfer full.
 GstCaps *decodable_caps();
-
-/// Whether a video decoder takes such a stream.
-bool is_decodable(GstCaps *caps);
 
 /// The video decoder of the highest rank that takes such a stream and reaches READY: what decodebin
 /// would take without visuotactiledecoder. Where none takes it as it is, a bin of a parser and a

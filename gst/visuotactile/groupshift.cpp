@@ -92,10 +92,3 @@ GroupShift::hear(GstEvent *qos)
   shift_ = static_cast<GstClockTime>(shift);
   changed_ = true;
 }
-
-GstClockTime
-GroupShift::shift() const
-{
-  std::lock_guard lock(mutex_);
-  return shift_;
-}

@@ -24,7 +24,6 @@ public:
   GstSegment segment() const;
   /// A QoS event of a sink.
   void hear(GstEvent *qos);
-  GstClockTime shift() const;
 
 private:
   mutable std::mutex mutex_;

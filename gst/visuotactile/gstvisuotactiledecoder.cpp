@@ -19,8 +19,10 @@
  *   again. Frames that cannot be mapped are shown and not felt.
  * - Of several films at the same time in one process, the one that began first is felt, until its
  *   end.
- * - A film of a gapless play is felt at its own time, once the first QoS event of the player's
- *   sink has told where it begins. Sinks with `qos=false` tell nothing.
+ * - In a gapless play of playbin3 with one decoder, each film is felt at its own time, once the
+ *   first QoS event of the player's sink has told where it begins. Sinks with `qos=false` tell
+ *   nothing.
+ * - Frame steps and instant changes of the rate reach only the player's sink, not the motors.
  * - A stream that the decoder does not take as it is goes through a parser first.
  *
  * ## Example launch line
@@ -55,6 +57,9 @@ constexpr GstClockTime kAnalysisMargin = 20 * GST_MSECOND;
 /// How far the decoder may run ahead of the player. Maps come earlier than their frames by that.
 constexpr GstClockTime kAhead = 400 * GST_MSECOND;
 
+/// The same for frames without times.
+constexpr guint kMostAhead = 64;
+
 /// What waits for the analysis.
 constexpr guint kMoreFrames = 6;
 
@@ -69,6 +74,7 @@ struct _GstVisuotactileDecoder
   GstElement *queue;        ///< behind the decoder; owned
   GstTactileBranch *branch; ///< owned; NULL where a plugin is missing
   FrameTap *tap;
+  GMutex choosing; ///< while a decoder is chosen, put in or removed; queries come on any thread
 
   /* Object lock. */
   GstElement *decoder; ///< in the bin; owned
@@ -147,10 +153,22 @@ gst_visuotactile_decoder_add(GstVisuotactileDecoder *self, GstCaps *caps)
   return linked;
 }
 
-/// Whether the stream can be decoded. Another decoder is taken only before a stream has begun.
+/// Whether there is a decoder for the stream, which need not be put in.
 static bool
-gst_visuotactile_decoder_accept(GstVisuotactileDecoder *self, GstCaps *caps)
+gst_visuotactile_decoder_can_add(GstCaps *caps)
 {
+  GstElement *other = choose_decoder(caps);
+  if (other)
+    gst_object_unref(gst_object_ref_sink(other));
+  return other != nullptr;
+}
+
+/// Whether the stream can be decoded. The first stream that can be gets its decoder. Another one
+/// gets another decoder only if it `begins` before any other has begun.
+static bool
+gst_visuotactile_decoder_accept(GstVisuotactileDecoder *self, GstCaps *caps, bool begins)
+{
+  g_autoptr(GMutexLocker) locker = g_mutex_locker_new(&self->choosing);
   g_autoptr(GstElement) decoder = gst_visuotactile_decoder_ref_decoder(self);
   if (decoder) {
     g_autoptr(GstPad) sink = gst_element_get_static_pad(decoder, "sink");
@@ -158,6 +176,8 @@ gst_visuotactile_decoder_accept(GstVisuotactileDecoder *self, GstCaps *caps)
       return true;
     if (gst_pad_has_current_caps(sink))
       return false;
+    if (!begins)
+      return gst_visuotactile_decoder_can_add(caps);
     gst_visuotactile_decoder_remove(self);
   }
   return gst_visuotactile_decoder_add(self, caps);
@@ -195,11 +215,25 @@ gst_visuotactile_decoder_sink_query(GstPad *pad, GstObject *parent, GstQuery *qu
   }
   case GST_QUERY_ACCEPT_CAPS:
     gst_query_parse_accept_caps(query, &asked);
-    gst_query_set_accept_caps_result(query, gst_visuotactile_decoder_accept(self, asked));
+    gst_query_set_accept_caps_result(query, gst_visuotactile_decoder_accept(self, asked, false));
     return TRUE;
   default:
     return gst_pad_query_default(pad, parent, query);
   }
+}
+
+static gboolean
+gst_visuotactile_decoder_sink_event(GstPad *pad, GstObject *parent, GstEvent *event)
+{
+  GstCaps *caps = nullptr;
+  if (GST_EVENT_TYPE(event) == GST_EVENT_CAPS) {
+    gst_event_parse_caps(event, &caps);
+    if (!gst_visuotactile_decoder_accept(GST_VISUOTACTILE_DECODER(parent), caps, true)) {
+      gst_event_unref(event);
+      return FALSE;
+    }
+  }
+  return gst_pad_event_default(pad, parent, event);
 }
 
 /* ---- the picture ---- */
@@ -310,7 +344,8 @@ gst_visuotactile_decoder_handle_message(GstBin *bin, GstMessage *message)
                            | GST_MESSAGE_LATENCY | GST_MESSAGE_STREAM_START | GST_MESSAGE_QOS
                            | GST_MESSAGE_SEGMENT_START | GST_MESSAGE_SEGMENT_DONE
                            | GST_MESSAGE_RESET_TIME;
-  if (!of_chair || !(GST_MESSAGE_TYPE(message) & kSinks)) {
+  // Extended types are numbers, not bits.
+  if (!of_chair || GST_MESSAGE_TYPE_IS_EXTENDED(message) || !(GST_MESSAGE_TYPE(message) & kSinks)) {
     GST_BIN_CLASS(parent_class)->handle_message(bin, message);
     return;
   }
@@ -338,8 +373,10 @@ gst_visuotactile_decoder_change_state(GstElement *element, GstStateChange transi
   if (transition == GST_STATE_CHANGE_PAUSED_TO_READY
       || (transition == GST_STATE_CHANGE_READY_TO_PAUSED && ret == GST_STATE_CHANGE_FAILURE))
     gst_visuotactile_decoder_release_chair(self);
-  if (transition == GST_STATE_CHANGE_READY_TO_NULL)
+  if (transition == GST_STATE_CHANGE_READY_TO_NULL) {
+    g_autoptr(GMutexLocker) locker = g_mutex_locker_new(&self->choosing);
     gst_visuotactile_decoder_remove(self);
+  }
   return ret;
 }
 
@@ -378,11 +415,19 @@ gst_visuotactile_decoder_dispose(GObject *object)
 }
 
 static void
+gst_visuotactile_decoder_finalize(GObject *object)
+{
+  g_mutex_clear(&GST_VISUOTACTILE_DECODER(object)->choosing);
+  G_OBJECT_CLASS(parent_class)->finalize(object);
+}
+
+static void
 gst_visuotactile_decoder_class_init(GstVisuotactileDecoderClass *klass)
 {
   GstElementClass *element_class = GST_ELEMENT_CLASS(klass);
 
   G_OBJECT_CLASS(klass)->dispose = gst_visuotactile_decoder_dispose;
+  G_OBJECT_CLASS(klass)->finalize = gst_visuotactile_decoder_finalize;
   element_class->change_state = GST_DEBUG_FUNCPTR(gst_visuotactile_decoder_change_state);
   GST_BIN_CLASS(klass)->handle_message = GST_DEBUG_FUNCPTR(gst_visuotactile_decoder_handle_message);
   gst_element_class_add_static_pad_template(element_class, &sink_template);
@@ -408,19 +453,21 @@ gst_visuotactile_decoder_build(GstVisuotactileDecoder *self)
 static void
 gst_visuotactile_decoder_init(GstVisuotactileDecoder *self)
 {
+  g_mutex_init(&self->choosing);
   gst_bin_set_suppressed_flags(
       GST_BIN(self),
       static_cast<GstElementFlags>(GST_ELEMENT_FLAG_SINK | GST_ELEMENT_FLAG_REQUIRE_CLOCK));
   gst_visuotactile_decoder_build(self);
   self->queue = gst_element_factory_make("queue", "video-queue");
   gst_object_ref_sink(self->queue);
-  g_object_set(self->queue, "max-size-bytes", 0, "max-size-buffers", 0, "max-size-time", kAhead,
-               nullptr);
+  g_object_set(self->queue, "max-size-bytes", 0, "max-size-buffers", kMostAhead, "max-size-time",
+               kAhead, nullptr);
   gst_bin_add(GST_BIN(self), self->queue);
 
   g_autoptr(GstPadTemplate) sink_pads = gst_static_pad_template_get(&sink_template);
   self->sinkpad = gst_ghost_pad_new_no_target_from_template("sink", sink_pads);
   gst_pad_set_query_function(self->sinkpad, GST_DEBUG_FUNCPTR(gst_visuotactile_decoder_sink_query));
+  gst_pad_set_event_function(self->sinkpad, GST_DEBUG_FUNCPTR(gst_visuotactile_decoder_sink_event));
   gst_element_add_pad(GST_ELEMENT(self), self->sinkpad);
 
   g_autoptr(GstPad) last = gst_element_get_static_pad(self->queue, "src");

@@ -12,6 +12,7 @@
 #include <map>
 #include <mutex>
 #include <string>
+#include <thread>
 #include <vector>
 
 // gstcheck.h defines a macro `fail`, so it follows the standard library's headers.
@@ -395,6 +396,67 @@ GST_START_TEST(test_the_best_decoder)
 }
 GST_END_TEST;
 
+GST_START_TEST(test_only_a_stream_replaces_a_decoder)
+{
+  GstHarness *harness = make_harness();
+  fail_unless(accepts(harness->element, "image/jpeg, width=160, height=120"));
+  g_autoptr(GstElement) queue = gst_bin_get_by_name(GST_BIN(harness->element), "video-queue");
+  g_autoptr(GstPad) pad = gst_element_get_static_pad(queue, "sink");
+  g_autoptr(GstPad) chosen = gst_pad_get_peer(pad);
+  fail_unless(accepts(harness->element, "video/x-theora"));
+  g_autoptr(GstPad) asked = gst_pad_get_peer(pad);
+  fail_unless(asked == chosen);
+  fail_if(accepts(harness->element, "video/x-wmv, wmvversion=99"));
+  gst_harness_set_src_caps_str(harness, "video/x-theora");
+  ck_assert_str_eq(decoded_by(harness->element).c_str(), " theoradec");
+  gst_harness_teardown(harness);
+}
+GST_END_TEST;
+
+GST_START_TEST(test_two_threads_ask)
+{
+  for (int i = 0; i < 10; i++) {
+    GstHarness *harness = make_harness();
+    bool accepted[2] = {};
+    {
+      std::vector<std::jthread> threads;
+      for (bool &answer : accepted)
+        threads.emplace_back([&] { answer = accepts(harness->element, "image/jpeg"); });
+    }
+    fail_unless(accepted[0] && accepted[1]);
+    ck_assert_str_eq(decoded_by(harness->element).c_str(), " jpegdec");
+    gst_harness_teardown(harness);
+  }
+}
+GST_END_TEST;
+
+/// A parser alone is no promise. Each decoder leaves the registry, and returns.
+GST_START_TEST(test_what_nobody_decodes_behind_a_parser)
+{
+  g_autoptr(GstCaps) h264 = gst_caps_from_string("video/x-h264");
+  GList *all = gst_element_factory_list_get_elements(
+      GST_ELEMENT_FACTORY_TYPE_DECODER | GST_ELEMENT_FACTORY_TYPE_MEDIA_VIDEO, GST_RANK_MARGINAL);
+  GList *gone = gst_element_factory_list_filter(all, h264, GST_PAD_SINK, FALSE);
+  fail_unless(gone != nullptr);
+  GstHarness *harness = make_harness();
+  g_autoptr(GstPad) pad = gst_element_get_static_pad(harness->element, "sink");
+  for (const bool decodable : { true, false, true }) {
+    g_autoptr(GstCaps) caps = gst_pad_query_caps(pad, h264);
+    ck_assert_int_eq(!gst_caps_is_empty(caps), decodable);
+    for (GList *item = gone; item != nullptr; item = item->next) {
+      auto *feature = GST_PLUGIN_FEATURE(item->data);
+      if (decodable)
+        gst_registry_remove_feature(gst_registry_get(), feature);
+      else
+        gst_registry_add_feature(gst_registry_get(), GST_PLUGIN_FEATURE(gst_object_ref(feature)));
+    }
+  }
+  gst_harness_teardown(harness);
+  gst_plugin_feature_list_free(gone);
+  gst_plugin_feature_list_free(all);
+}
+GST_END_TEST;
+
 GST_START_TEST(test_what_nobody_decodes)
 {
   GstHarness *harness = make_harness();
@@ -624,6 +686,58 @@ GST_START_TEST(test_the_latency_of_a_live_source)
 }
 GST_END_TEST;
 
+GstPadProbeReturn
+forget_time(GstPad *, GstPadProbeInfo *info, gpointer)
+{
+  GstBuffer *frame = gst_buffer_make_writable(GST_PAD_PROBE_INFO_BUFFER(info));
+  info->data = frame;
+  GST_BUFFER_PTS(frame) = GST_BUFFER_DTS(frame) = GST_BUFFER_DURATION(frame) = GST_CLOCK_TIME_NONE;
+  return GST_PAD_PROBE_OK;
+}
+
+GST_START_TEST(test_frames_without_times_do_not_pile_up)
+{
+  GstElement *pipeline
+      = make_pipeline("videotestsrc num-buffers=100 ! "
+                      "video/x-raw,width=64,height=48,framerate=30/1 ! vp8enc deadline=1 ! "
+                      "capssetter join=true caps=video/x-vp8,framerate=0/1 ! "
+                      "visuotactiledecoder name=decoder tactors::driver=simulator ! fakesink");
+  g_autoptr(GstElement) decoder = gst_bin_get_by_name(GST_BIN(pipeline), "decoder");
+  g_autoptr(GstElement) queue = gst_bin_get_by_name(GST_BIN(pipeline), "video-queue");
+  g_autoptr(GstPad) pad = gst_element_get_static_pad(decoder, "sink");
+  gst_pad_add_probe(pad, GST_PAD_PROBE_TYPE_BUFFER, forget_time, nullptr, nullptr);
+  gint full = 0;
+  g_signal_connect(queue, "overrun",
+                   G_CALLBACK(+[](GstElement *, gint *seen) { g_atomic_int_set(seen, 1); }), &full);
+  change_state(pipeline, GST_STATE_PAUSED);
+  guint waiting = 0;
+  while (!g_atomic_int_get(&full)) {
+    g_object_get(queue, "current-level-buffers", &waiting, nullptr);
+    fail_unless(waiting <= 64, "%u frames", waiting);
+    g_usleep(1000);
+  }
+  gst_element_set_state(pipeline, GST_STATE_NULL);
+  gst_object_unref(pipeline);
+}
+GST_END_TEST;
+
+GST_START_TEST(test_messages_of_the_chair)
+{
+  GstHarness *harness = make_harness();
+  ElementBus bus(harness->element);
+  GObject *tactors
+      = gst_child_proxy_get_child_by_name(GST_CHILD_PROXY(harness->element), "tactors");
+  GstObject *source = GST_OBJECT(tactors);
+  gst_element_post_message(GST_ELEMENT(tactors),
+                           gst_message_new_property_notify(source, "driver", nullptr));
+  gst_element_post_message(GST_ELEMENT(tactors), gst_message_new_eos(source));
+  fail_unless(bus.has(GST_MESSAGE_PROPERTY_NOTIFY));
+  fail_if(bus.has(GST_MESSAGE_EOS));
+  g_object_unref(tactors);
+  gst_harness_teardown(harness);
+}
+GST_END_TEST;
+
 static Suite *
 visuotactiledecoder_suite(void)
 {
@@ -639,12 +753,17 @@ visuotactiledecoder_suite(void)
   TCase *streams = tcase_create("streams");
   suite_add_tcase(suite, streams);
   tcase_add_test(streams, test_the_best_decoder);
+  tcase_add_test(streams, test_only_a_stream_replaces_a_decoder);
+  tcase_add_test(streams, test_two_threads_ask);
   tcase_add_test(streams, test_what_nobody_decodes);
+  tcase_add_test(streams, test_what_nobody_decodes_behind_a_parser);
   tcase_add_test(streams, test_a_stream_that_needs_a_parser);
   tcase_add_test(streams, test_films_one_after_the_other);
   tcase_add_test(streams, test_several_films_at_a_time);
   tcase_add_test(streams, test_another_size);
   tcase_add_loop_test(streams, test_the_latency_of_a_live_source, 0, 2);
+  tcase_add_test(streams, test_frames_without_times_do_not_pile_up);
+  tcase_add_test(streams, test_messages_of_the_chair);
   return suite;
 }
 
