@@ -15,6 +15,8 @@ constexpr double kStretch = 30;    ///< frames
 constexpr double kRounding = 1e-3; ///< of times, in frames
 constexpr int kReaches = 4;        ///< "around" reaches as far as this part of the map's width
 constexpr float kNothing = 1e9F;
+constexpr float kMost = 7;     ///< that is subtracted, about ΔE 110
+constexpr float kStrong = 3.5; ///< a floor above this, about ΔE 50, begins to be an event
 
 } // namespace
 
@@ -51,7 +53,9 @@ NoiseFloor::subtract(cv::Mat &map, double elapsed, double gain)
         floor = std::min(floor, std::max(least, value));
         least = std::min(least, value);
       }
-      values[i] = std::max(0.0F, values[i] - static_cast<float>(gain) * floor);
+      const float noise = std::clamp(kStrong + 1 - floor, 0.0F, 1.0F);
+      values[i]
+          = std::max(0.0F, values[i] - noise * std::min(kMost, static_cast<float>(gain) * floor));
     }
   }
   age_ += elapsed;

@@ -18,7 +18,8 @@ class NoiseFloor
 {
 public:
   /// Lowers `map` (CV_32FC1, ≥ 0), the spatiotemporal saliency `elapsed` frames at 30 fps after the
-  /// last one, by `gain` times the floor. Nothing is lowered in the first seconds.
+  /// last one, by `gain` times the floor, at most by 7. From a floor of 3.5 on it is lowered less,
+  /// from 4.5 on not at all: so much is an event. Nothing is lowered in the first seconds.
   void subtract(cv::Mat &map, double elapsed, double gain);
 
   /// Drops the past.

@@ -290,6 +290,29 @@ GST_START_TEST(test_pause)
 }
 GST_END_TEST;
 
+GST_START_TEST(test_strong_activity)
+{
+  // An event of 20 above constant activity of that strength.
+  for (const auto &[activity, lowered] : { std::pair{ 0.5, 3.5 },
+                                           { 0.9, 6.3 },
+                                           { 3.0, 7.0 },
+                                           { 4.0, 3.5 },
+                                           { 4.25, 1.75 },
+                                           { 6.0, 0.0 } }) {
+    NoiseFloor floor;
+    for (int i = 0; i < 300; ++i) {
+      cv::Mat map = oracle::to_mat(Image(10, 6, activity));
+      floor.subtract(map, 1, 7);
+    }
+    cv::Mat map = oracle::to_mat(Image(10, 6, activity));
+    map.at<float>(0) = 20;
+    floor.subtract(map, 1, 7);
+    fail_unless_near(map.at<float>(0), 20 - lowered, 1e-3);
+    fail_unless_near(map.at<float>(9), std::max(0.0, activity - lowered), 1e-3);
+  }
+}
+GST_END_TEST;
+
 GST_START_TEST(test_reach_and_reset)
 {
   // Activity at (8, 6) lowers an event up to 5 of 20 samples away.
@@ -332,6 +355,7 @@ habituation_suite(void)
   tcase_add_test(tc, test_transition_reset);
   tcase_add_test(tc, test_noise_floor);
   tcase_add_test(tc, test_pause);
+  tcase_add_test(tc, test_strong_activity);
   tcase_add_test(tc, test_reach_and_reset);
   return suite;
 }
