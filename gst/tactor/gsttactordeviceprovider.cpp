@@ -2,16 +2,18 @@
 /**
  * SECTION:provider-tactordeviceprovider
  * @title: tactordeviceprovider
- * @short_description: lists the tactor boards that are plugged in
+ * @short_description: lists the tactor boards and gamepads that are plugged in
  *
  * tactordeviceprovider lists each USB serial line behind which a tactor board may be, as a
  * #GstDevice of the class `Sink/Tactile/Hardware`, and reports when one is plugged in or out, with
  * or without udevd. It opens no board, so no playing board is disturbed. Whether a board has a
  * Firmata sketch shows when it is played on.
  *
- * gst_device_create_element() makes a `tactorsink` for the board. It is named by its serial number,
- * or by its USB socket where it has none or another board has the same. When such a board comes or
- * goes, the device changes (`GST_MESSAGE_DEVICE_CHANGED`).
+ * Gamepads with rumble motors are listed, too: a new one is reported within a second.
+ *
+ * gst_device_create_element() makes a `tactorsink` for the device. A board is named by its serial
+ * number, or by its USB socket where it has none or another board has the same. When such a board
+ * comes or goes, the device changes (`GST_MESSAGE_DEVICE_CHANGED`).
  *
  * ## Example launch lines
  * |[
@@ -29,17 +31,19 @@
  * ]|
  *
  * ## Properties of a device
- * - `device.api`: "usb"
+ * - `device.api`: "usb", "evdev" for a gamepad
  * - `device.serial`: serial number, where it has one
  * - `device.bus_path`: bus and ports, such as "1-2.3": the same as long as it stays in that socket
+ * - `device.path`: of a gamepad, such as "/dev/input/event5"
  * - `device.vendor.id`, `device.product.id`: USB's, four hexadecimal digits
- * - `device.transport`: "cdc-acm", "ftdi" or "ch340"
+ * - `device.transport`: "cdc-acm", "ftdi" or "ch340"; "usb" or "bluetooth" for a gamepad
  *
  * Since: 0.1
  */
 #include "gsttactordeviceprovider.h"
 
 #include "tactor/driver.h"
+#include "tactor/drivers/plugged_gamepads.h"
 #include "tactor/thread.h"
 
 #include <gst/tactile/tactile.h>
@@ -64,7 +68,8 @@ G_END_DECLS
 struct _GstTactorDevice
 {
   GstDevice parent;
-  gchar *device; ///< tactorsink's `device`; guarded by the object lock
+  const gchar *driver; ///< tactorsink's `driver`, a literal
+  gchar *device;       ///< tactorsink's `device`; guarded by the object lock
 };
 
 G_DEFINE_TYPE(GstTactorDevice, gst_tactor_device, GST_TYPE_DEVICE);
@@ -78,7 +83,7 @@ gst_tactor_device_create_element(GstDevice *device, const gchar *name)
   GST_OBJECT_UNLOCK(device);
   if (element)
     // Not driver=auto, which stands for "a board or none".
-    g_object_set(element, "driver", "firmata", "device", board, nullptr);
+    g_object_set(element, "driver", GST_TACTOR_DEVICE(device)->driver, "device", board, nullptr);
   return element;
 }
 
@@ -125,6 +130,22 @@ rename_device(GstDevice *device, const std::string &name)
   g_free(text);
 }
 
+/// A floating device. Takes `properties`; `device` is the value of tactorsink's `device`.
+GstDevice *
+make_device(const std::string &display_name, GstStructure *properties, const gchar *driver,
+            const std::string &device)
+{
+  GstCaps *caps = gst_caps_from_string(GST_TACTILE_MAP_CAPS);
+  auto *made = GST_TACTOR_DEVICE(
+      g_object_new(GST_TYPE_TACTOR_DEVICE, "display-name", display_name.c_str(), "device-class",
+                   "Sink/Tactile/Hardware", "caps", caps, "properties", properties, nullptr));
+  made->driver = driver;
+  made->device = g_strdup(device.c_str());
+  gst_caps_unref(caps);
+  gst_structure_free(properties);
+  return GST_DEVICE(made);
+}
+
 /// A floating device.
 GstDevice *
 make_device(const tactor::SerialDevice &board, const Boards &all)
@@ -137,29 +158,47 @@ make_device(const tactor::SerialDevice &board, const Boards &all)
       G_TYPE_STRING, product, "device.transport", G_TYPE_STRING, board.transport.c_str(), nullptr);
   if (!board.serial.empty())
     gst_structure_set(properties, "device.serial", G_TYPE_STRING, board.serial.c_str(), nullptr);
-  GstCaps *caps = gst_caps_from_string(GST_TACTILE_MAP_CAPS);
-
-  auto *device = GST_TACTOR_DEVICE(
-      g_object_new(GST_TYPE_TACTOR_DEVICE, "display-name",
-                   board.name.empty() ? "Tactor board" : board.name.c_str(), "device-class",
-                   "Sink/Tactile/Hardware", "caps", caps, "properties", properties, nullptr));
-  device->device = g_strdup(name_of(board, all).c_str());
-  gst_caps_unref(caps);
-  gst_structure_free(properties);
-  return GST_DEVICE(device);
+  return make_device(board.name.empty() ? "Tactor board" : board.name, properties, "firmata",
+                     name_of(board, all));
 }
 
-/// Watches a bus for a started provider. One thread at a time uses the bus: the one that starts the
-/// watcher, then the watcher's, then the one that deletes it.
+/// A floating device.
+GstDevice *
+make_device(const tactor::Gamepad &gamepad)
+{
+  g_autofree gchar *vendor = g_strdup_printf("%04x", gamepad.vendor);
+  g_autofree gchar *product = g_strdup_printf("%04x", gamepad.product);
+  GstStructure *properties
+      = gst_structure_new("tactor-proplist", "device.api", G_TYPE_STRING, "evdev", "device.path",
+                          G_TYPE_STRING, gamepad.path.c_str(), "device.vendor.id", G_TYPE_STRING,
+                          vendor, "device.product.id", G_TYPE_STRING, product, "device.transport",
+                          G_TYPE_STRING, gamepad.is_bluetooth ? "bluetooth" : "usb", nullptr);
+  return make_device(gamepad.name, properties, "gamepad", gamepad.path);
+}
+
+/// Where a provider finds devices.
+struct DeviceSources
+{
+  tactor::MakeSerialBus make_bus = tactor::make_serial_bus;
+  /// May be empty.
+  ListGamepads list_gamepads = [] {
+    return tactor::plugged_gamepads();
+  };
+  tactor::Time look_again = std::chrono::seconds(1);
+};
+
+/// Watches bus and gamepads for a started provider. One thread at a time uses the bus: the one that
+/// starts the watcher, then the watcher's, then the one that deletes it.
 class BoardWatcher
 {
 public:
-  BoardWatcher(GstDeviceProvider *provider, std::unique_ptr<tactor::SerialBus> bus)
-      : provider_(provider), bus_(std::move(bus))
+  BoardWatcher(GstDeviceProvider *provider, std::unique_ptr<tactor::SerialBus> bus,
+               const DeviceSources &sources)
+      : provider_(provider), bus_(std::move(bus)), sources_(sources)
   {
   }
 
-  /// To be called once. Adds all boards that are plugged in as devices.
+  /// To be called once. Adds all boards and gamepads that are plugged in as devices.
   [[nodiscard]] tl::expected<void, tactor::DriverError> start()
   {
     return bus_
@@ -169,6 +208,7 @@ public:
           wake_.notify_one();
         })
         .and_then([this] { return update(); })
+        .map([this] { update_gamepads(); })
         .and_then([this] { return tactor::Thread::start([this] { run(); }); })
         .map([this](tactor::Thread &&thread) { thread_ = std::move(thread); });
   }
@@ -184,6 +224,8 @@ public:
     bus_->watch(nullptr);
     for (const Known &known : known_)
       gst_object_unref(known.device);
+    for (const KnownGamepad &known : known_gamepads_)
+      gst_object_unref(known.device);
   }
 
   BoardWatcher(const BoardWatcher &) = delete;
@@ -194,12 +236,20 @@ private:
   {
     std::unique_lock lock(mutex_);
     while (true) {
-      wake_.wait(lock, [this] { return changed_ || quit_; });
+      const auto is_woken = [this] {
+        return changed_ || quit_;
+      };
+      if (sources_.list_gamepads)
+        wake_.wait_for(lock, sources_.look_again, is_woken);
+      else
+        wake_.wait(lock, is_woken);
       if (quit_)
         return;
-      changed_ = false;
+      const bool has_changed = std::exchange(changed_, false);
       lock.unlock();
-      if (const auto updated = update(); !updated)
+      update_gamepads();
+      const auto updated = has_changed ? update() : tl::expected<void, tactor::DriverError>();
+      if (!updated)
         GST_WARNING_OBJECT(provider_, "the boards cannot be listed: %s",
                            updated.error().text.c_str());
       lock.lock();
@@ -243,6 +293,36 @@ private:
     return {};
   }
 
+  /// Adds and removes devices. The kernel's list is read, as it reports Bluetooth's to nobody here.
+  void update_gamepads()
+  {
+    if (!sources_.list_gamepads)
+      return;
+    const std::vector<tactor::Gamepad> gamepads = sources_.list_gamepads();
+    std::erase_if(known_gamepads_, [&](const KnownGamepad &known) {
+      if (std::ranges::find(gamepads, known.gamepad) != gamepads.end())
+        return false;
+      gst_device_provider_device_remove(provider_, known.device);
+      gst_object_unref(known.device);
+      return true;
+    });
+    for (const tactor::Gamepad &gamepad : gamepads) {
+      if (std::ranges::find(known_gamepads_, gamepad, &KnownGamepad::gamepad)
+          != known_gamepads_.end())
+        continue;
+      GstDevice *device = make_device(gamepad);
+      gst_object_ref_sink(device);
+      known_gamepads_.push_back({ gamepad, device });
+      gst_device_provider_device_add(provider_, device);
+    }
+  }
+
+  struct KnownGamepad
+  {
+    tactor::Gamepad gamepad;
+    GstDevice *device; ///< a reference
+  };
+
   /// A board and its device.
   struct Known
   {
@@ -253,7 +333,9 @@ private:
 
   GstDeviceProvider *provider_; ///< not owned: it owns the watcher
   std::unique_ptr<tactor::SerialBus> bus_;
+  const DeviceSources &sources_; ///< not owned
   std::vector<Known> known_;
+  std::vector<KnownGamepad> known_gamepads_;
   std::mutex mutex_; ///< guards all below
   std::condition_variable wake_;
   bool changed_ = false;
@@ -267,7 +349,7 @@ private:
 
 struct GstTactorDeviceProviderPrivate
 {
-  tactor::MakeSerialBus make_bus = tactor::make_serial_bus;
+  DeviceSources sources;
   std::unique_ptr<BoardWatcher> watcher; ///< while started
 };
 
@@ -288,16 +370,18 @@ GST_DEVICE_PROVIDER_REGISTER_DEFINE(tactordeviceprovider, "tactordeviceprovider"
 static GList *
 gst_tactor_device_provider_probe(GstDeviceProvider *provider)
 {
-  const tl::expected<Boards, tactor::DriverError> boards
-      = GST_TACTOR_DEVICE_PROVIDER(provider)->priv->make_bus().and_then(
-          [](const std::unique_ptr<tactor::SerialBus> &bus) { return bus->list(); });
-  if (!boards) {
-    GST_WARNING_OBJECT(provider, "the boards cannot be listed: %s", boards.error().text.c_str());
-    return nullptr;
-  }
+  const DeviceSources &sources = GST_TACTOR_DEVICE_PROVIDER(provider)->priv->sources;
   GList *devices = nullptr;
-  for (const tactor::SerialDevice &board : *boards)
-    devices = g_list_append(devices, make_device(board, *boards));
+  const tl::expected<Boards, tactor::DriverError> boards = sources.make_bus().and_then(
+      [](const std::unique_ptr<tactor::SerialBus> &bus) { return bus->list(); });
+  if (boards)
+    for (const tactor::SerialDevice &board : *boards)
+      devices = g_list_append(devices, make_device(board, *boards));
+  else
+    GST_WARNING_OBJECT(provider, "the boards cannot be listed: %s", boards.error().text.c_str());
+  if (sources.list_gamepads)
+    for (const tactor::Gamepad &gamepad : sources.list_gamepads())
+      devices = g_list_append(devices, make_device(gamepad));
   return devices;
 }
 
@@ -306,8 +390,8 @@ gst_tactor_device_provider_start(GstDeviceProvider *provider)
 {
   GstTactorDeviceProviderPrivate *priv = GST_TACTOR_DEVICE_PROVIDER(provider)->priv;
   const tl::expected<void, tactor::DriverError> started
-      = priv->make_bus().and_then([&](std::unique_ptr<tactor::SerialBus> &&bus) {
-          priv->watcher = std::make_unique<BoardWatcher>(provider, std::move(bus));
+      = priv->sources.make_bus().and_then([&](std::unique_ptr<tactor::SerialBus> &&bus) {
+          priv->watcher = std::make_unique<BoardWatcher>(provider, std::move(bus), priv->sources);
           return priv->watcher->start();
         });
   if (started)
@@ -338,7 +422,7 @@ gst_tactor_device_provider_class_init(GstTactorDeviceProviderClass *klass)
   G_OBJECT_CLASS(klass)->finalize = gst_tactor_device_provider_finalize;
   gst_device_provider_class_set_static_metadata(
       provider_class, "Tactor boards", "Sink/Tactile/Hardware",
-      "Lists the tactor boards that are plugged in", "The visuotactile authors");
+      "Lists the tactor boards and gamepads that are plugged in", "The visuotactile authors");
   provider_class->probe = gst_tactor_device_provider_probe;
   provider_class->start = gst_tactor_device_provider_start;
   provider_class->stop = gst_tactor_device_provider_stop;
@@ -351,9 +435,10 @@ gst_tactor_device_provider_init(GstTactorDeviceProvider *self)
 }
 
 GstDeviceProvider *
-gst_tactor_device_provider_new(tactor::MakeSerialBus make_bus)
+gst_tactor_device_provider_new(tactor::MakeSerialBus make_bus, ListGamepads list_gamepads,
+                               tactor::Time look_again)
 {
   auto *self = GST_TACTOR_DEVICE_PROVIDER(g_object_new(GST_TYPE_TACTOR_DEVICE_PROVIDER, nullptr));
-  self->priv->make_bus = std::move(make_bus);
+  self->priv->sources = { std::move(make_bus), std::move(list_gamepads), look_again };
   return GST_DEVICE_PROVIDER(self);
 }

@@ -1,9 +1,13 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include "tactor/drivers/gamepads.h"
 #include "tactor/serial/serial_port.h"
 
 #include <gst/gst.h>
+
+#include <functional>
+#include <vector>
 
 G_BEGIN_DECLS
 
@@ -17,5 +21,10 @@ GST_DEVICE_PROVIDER_REGISTER_DECLARE(tactordeviceprovider);
 
 G_END_DECLS
 
-/// A provider with another bus than that of the build, for tests.
-GstDeviceProvider *gst_tactor_device_provider_new(tactor::MakeSerialBus make_bus);
+using ListGamepads = std::function<std::vector<tactor::Gamepad>()>;
+
+/// A provider with another bus and other gamepads than those of the computer, for tests. It looks
+/// for gamepads every `look_again`.
+GstDeviceProvider *gst_tactor_device_provider_new(tactor::MakeSerialBus make_bus,
+                                                  ListGamepads list_gamepads = {},
+                                                  tactor::Time look_again = {});

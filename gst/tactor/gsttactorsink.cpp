@@ -29,6 +29,12 @@
  *
  * As a #GstURIHandler it plays on `tactor://SERIAL`, the board with that serial number or bus path.
  *
+ * ## Gamepads
+ * `driver=gamepad` plays on rumble motors by SDL, which no other driver loads. Without
+ * #GstTactorSink:mapping the left half of the map is the low-frequency motor, tactor 0, and the
+ * right half the high-frequency one, tactor 1. Tactors 2 and 3 are motors in the triggers. See
+ * [a gamepad as a chair](../hardware/gamepad.md).
+ *
  * ## Limits
  * #GstTactorSink:max-on-time, #GstTactorSink:max-duty and #GstTactorSink:max-active spare motors
  * and skin. A cue that a limit ended begins again when the film has let go of its tactor, or after
@@ -213,7 +219,8 @@ gst_tactor_sink_wait_until_open(GstTactorSink *self)
   if (ret != GST_FLOW_OK)
     return ret;
   TactorOpening &opening = priv->session.opening();
-  priv->planning.start(opening.planner, opening.tactors, std::move(opening.motors));
+  priv->planning.start(opening.planner, opening.tactors, opening.columns,
+                       std::move(opening.motors));
   priv->plans = true;
   return GST_FLOW_OK;
 }

@@ -131,6 +131,7 @@ open_tactors(GstElement *element, TactorOpening &opening,
   }
 
   opening.tactors = output.driver->tactors();
+  opening.columns = std::min(output.driver->columns(), opening.tactors);
   opening.planner.transport_latency = output.driver->transport_latency();
   opening.planner.line = output.driver->line();
   check_line(element, opening.planner, *output.driver);

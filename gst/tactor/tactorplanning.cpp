@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "tactorplanning.h"
 
+#include "tactor/mapping.h"
+
 #include <string>
 #include <utility>
 
@@ -14,11 +16,12 @@ TactorPlanning::TactorPlanning(GstElement *element) : element_(element)
 }
 
 void
-TactorPlanning::start(const tactor::PlannerSettings &agreed, int tactors,
+TactorPlanning::start(const tactor::PlannerSettings &agreed, int tactors, int columns,
                       std::vector<tactor::MotorParameters> motors)
 {
   agreed_ = agreed;
   tactors_ = tactors;
+  columns_ = columns;
   planner_.emplace(tactors, agreed, std::move(motors));
   stream_ = {};
   checked_rows_ = checked_columns_ = 0;
@@ -56,6 +59,9 @@ TactorPlanning::plan_map(GstBuffer *buffer, const GstSegment &segment,
   settings.max_lead = agreed_.max_lead;
   settings.transport_latency = agreed_.transport_latency;
   settings.line = agreed_.line;
+  if (has_levels && columns_ > 0 && settings.mapping.empty())
+    settings.mapping = tactor::mapping_of_columns(static_cast<int>(map.rows),
+                                                  static_cast<int>(map.columns), columns_);
   if (has_levels)
     check_grid(map.rows, map.columns, settings);
   planner_->set_settings(settings);

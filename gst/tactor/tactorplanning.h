@@ -23,9 +23,9 @@ public:
   /// Faults of the stream are posted by this element, which is not owned.
   explicit TactorPlanning(GstElement *element);
 
-  /// Begins a play on a board of `tactors`. `agreed` has settings that stay for the play: volts,
+  /// Begins a play on a board of `tactors`, with Driver::columns(). `agreed` has settings that stay for the play: volts,
   /// max-lead, latency and line. `motors` are those of the calibration, or empty.
-  void start(const tactor::PlannerSettings &agreed, int tactors,
+  void start(const tactor::PlannerSettings &agreed, int tactors, int columns,
              std::vector<tactor::MotorParameters> motors);
 
   /// False if the caps are of maps and their grid is invalid.
@@ -57,6 +57,7 @@ private:
   std::optional<tactor::CommandPlanner> planner_; ///< from start() on
   tactor::PlannerSettings agreed_;
   int tactors_ = 0;        ///< of the board
+  int columns_ = 0;        ///< Driver::columns() of it
   guint checked_rows_ = 0; ///< grid compared with the board
   guint checked_columns_ = 0;
   tactor::Time last_end_{ 0 }; ///< running time of the end of the last map

@@ -49,12 +49,15 @@ constexpr P kProperties[] = {
   P::text(
       "driver",
       "What drives the tactors: auto (firmata if a board is there, else simulator), firmata (any "
-      "board with StandardFirmata), seat (one with the watchdog firmware), simulator (no hardware)",
+      "board with StandardFirmata), seat (one with the watchdog firmware), gamepad (rumble "
+      "motors), "
+      "simulator (no hardware)",
       kReady, PROPERTY_FIELD(driver)),
-  P::text("device",
-          "Board, by serial number or bus path (unset: the first that answers); for the simulator, "
-          "a CSV file for the predicted amplitudes",
-          kReady, PROPERTY_FIELD(device)),
+  P::text(
+      "device",
+      "Board, by serial number or bus path (unset: the first that answers); gamepad, by path or "
+      "name; for the simulator, a CSV file for the predicted amplitudes",
+      kReady, PROPERTY_FIELD(device)),
   P::number<gdouble>("rate", "How often the tactors may change, in Hz (0 = with every map)",
                      kPlaying, PROPERTY_FIELD(planner.rate), P::Range{ 0, 1000 }),
   P::choice("compensation", "How commands are moved ahead by the motors' rise time", kPlaying,

@@ -74,6 +74,13 @@ public:
   /// Tactors of the open board, at most `config.max_tactors`; 0 when not open.
   virtual int tactors() const = 0;
 
+  /// Tactors that stand side by side and by default share a map's columns, of which tactor 0 has the
+  /// leftmost ones; 0: cell i has tactor i.
+  virtual int columns() const
+  {
+    return 0;
+  }
+
   /// Smallest step of the board's output in volts; 0 if it is continuous.
   virtual double resolution() const = 0;
 

@@ -1,12 +1,13 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: LGPL-2.1-or-later
-# OpenCV's object detection, which needs large libraries, is needed by the face detector alone, a
-# module that is loaded only if people are looked for.
+# A library that is large or needs large ones is needed by a module alone, which is loaded only if
+# it is used.
 #
-# Usage: needed_libraries.sh PLUGIN MODULE
+# Usage: needed_libraries.sh LIBRARY PLUGIN MODULE
 set -euo pipefail
+library=$1
 needs() {
-  readelf -d "$1" | grep -q 'NEEDED.*opencv_objdetect'
+  readelf -d "$1" | grep -q "NEEDED.*$library"
 }
-needs "$2" || { echo "$2 does not need opencv_objdetect"; exit 1; }
-! needs "$1" || { echo "$1 needs opencv_objdetect"; exit 1; }
+needs "$3" || { echo "$3 does not need $library"; exit 1; }
+! needs "$2" || { echo "$2 needs $library"; exit 1; }

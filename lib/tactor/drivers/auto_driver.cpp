@@ -48,6 +48,12 @@ AutoDriver::tactors() const
   return chosen_.load()->tactors();
 }
 
+int
+AutoDriver::columns() const
+{
+  return chosen_.load()->columns();
+}
+
 double
 AutoDriver::resolution() const
 {

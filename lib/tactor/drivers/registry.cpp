@@ -3,6 +3,9 @@
 
 #include "tactor/drivers/auto_driver.h"
 #include "tactor/drivers/firmata_driver.h"
+#ifdef HAVE_GAMEPAD
+#include "tactor/drivers/gamepad_driver.h"
+#endif
 #include "tactor/simulator.h"
 
 namespace tactor {
@@ -25,6 +28,12 @@ drivers()
       [] {
         return std::make_unique<FirmataDriver>(FirmataDriver::Firmware::with_watchdog);
       } },
+#ifdef HAVE_GAMEPAD
+    { "gamepad", "the rumble motors of a gamepad, by cable or Bluetooth",
+      [] {
+        return std::make_unique<GamepadDriver>();
+      } },
+#endif
     { "simulator", "no hardware: predicts what each motor would do",
       [] {
         return std::make_unique<Simulator>();

@@ -201,7 +201,7 @@ property(GstDevice *device, const char *name)
 
 /// The property `device` of the tactorsink that the device creates.
 std::string
-sink_device(GstDevice *device)
+sink_device(GstDevice *device, const char *expected_driver = "firmata")
 {
   GstElement *element = gst_device_create_element(device, "chair");
   fail_unless(element != nullptr);
@@ -210,7 +210,7 @@ sink_device(GstDevice *device)
   g_autofree gchar *driver = nullptr;
   g_autofree gchar *name = nullptr;
   g_object_get(element, "driver", &driver, "device", &name, nullptr);
-  ck_assert_str_eq(driver, "firmata");
+  ck_assert_str_eq(driver, expected_driver);
   gst_object_ref_sink(element);
   gst_object_unref(element);
   return name;
@@ -452,6 +452,59 @@ register_tactorsink(void)
   fail_unless(GST_ELEMENT_REGISTER(tactorsink, nullptr));
 }
 
+/// Gamepads come, go, and are told apart from boards.
+GST_START_TEST(test_gamepads)
+{
+  const tactor::Gamepad xbox{ .name = "Xbox Wireless Controller",
+                              .path = "/dev/input/event5",
+                              .vendor = 0x045e,
+                              .product = 0x0b13,
+                              .is_bluetooth = true };
+  Sockets sockets;
+  std::mutex mutex;
+  std::vector<tactor::Gamepad> plugged;
+  GstDeviceProvider *provider
+      = gst_tactor_device_provider_new([&] { return std::make_unique<Bus>(sockets); },
+                                       [&] {
+                                         const std::lock_guard lock(mutex);
+                                         return plugged;
+                                       },
+                                       std::chrono::milliseconds(1));
+  const auto plug = [&](std::vector<tactor::Gamepad> gamepads) {
+    const std::lock_guard lock(mutex);
+    plugged = std::move(gamepads);
+  };
+  GstBus *bus = gst_device_provider_get_bus(provider);
+  fail_unless(gst_device_provider_start(provider));
+  plug({ xbox });
+  GstMessage *message = gst_bus_timed_pop_filtered(bus, kPatience, GST_MESSAGE_DEVICE_ADDED);
+  GstDevice *device = nullptr;
+  gst_message_parse_device_added(message, &device);
+  gst_message_unref(message);
+  same(display_name(device), xbox.name);
+  same(property(device, "device.api"), "evdev");
+  same(property(device, "device.path"), xbox.path);
+  same(property(device, "device.vendor.id"), "045e");
+  same(property(device, "device.product.id"), "0b13");
+  same(property(device, "device.transport"), "bluetooth");
+  same(sink_device(device, "gamepad"), xbox.path);
+  gst_object_unref(device);
+  plug({});
+  message = gst_bus_timed_pop_filtered(bus, kPatience, GST_MESSAGE_DEVICE_REMOVED);
+  fail_unless(message != nullptr);
+  gst_message_unref(message);
+  gst_device_provider_stop(provider);
+
+  sockets.broken = true; // gamepads are listed nevertheless
+  plug({ xbox });
+  GList *devices = gst_device_provider_get_devices(provider);
+  ck_assert_uint_eq(g_list_length(devices), 1);
+  free_devices(devices);
+  gst_object_unref(bus);
+  gst_object_unref(provider);
+}
+GST_END_TEST;
+
 static Suite *
 tactordeviceprovider_suite(void)
 {
@@ -466,6 +519,7 @@ tactordeviceprovider_suite(void)
   tcase_add_test(tests, test_stop_and_start);
   tcase_add_test(tests, test_broken_bus);
   tcase_add_test(tests, test_many_changes);
+  tcase_add_test(tests, test_gamepads);
   return suite;
 }
 

@@ -1,0 +1,407 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "tactor/drivers/gamepad_driver.h"
+
+#include "tactor/realtime/realtime_thread.h"
+#include "tactor/unlocked.h"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <thread>
+#include <utility>
+
+namespace tactor {
+
+namespace {
+
+Time
+steady_now()
+{
+  return std::chrono::steady_clock::now().time_since_epoch();
+}
+
+std::string
+describe(const Gamepad &gamepad)
+{
+  return gamepad.name + (gamepad.path.empty() ? "" : " (" + gamepad.path + ")");
+}
+
+std::string
+describe(const std::vector<Gamepad> &gamepads)
+{
+  std::string text;
+  for (const Gamepad &gamepad : gamepads)
+    text += (text.empty() ? "" : ", ") + describe(gamepad);
+  return text;
+}
+
+bool
+is_wanted(const Gamepad &gamepad, const std::string &device)
+{
+  return device.empty() || gamepad.path == device || gamepad.name == device;
+}
+
+DriverError
+refusal_of_none(const std::string &device, const std::vector<Gamepad> &all)
+{
+  if (all.empty())
+    return { DriverError::Kind::not_found,
+             "expected a gamepad" + (device.empty() ? "" : " '" + device + "'")
+                 + ", found none; plug one in or pair it, and see docs/hardware/gamepad.md" };
+  return { DriverError::Kind::not_found, "expected a gamepad whose name or path is '" + device
+                                             + "', found " + describe(all)
+                                             + "; set device to one of these" };
+}
+
+/// Why a gamepad without usable motors is refused.
+DriverError
+refusal_of_motors(const Gamepad &gamepad)
+{
+  if (!gamepad.path.empty() && access(gamepad.path.c_str(), W_OK) != 0)
+    return { DriverError::Kind::permission,
+             describe(gamepad)
+                 + ": expected a device that you may write, and you may not; play at "
+                   "the computer itself, or join the group 'input'" };
+  return { DriverError::Kind::settings,
+           describe(gamepad) + ": expected rumble motors, found none; take another gamepad" };
+}
+
+} // namespace
+
+GamepadDriver::GamepadDriver() : GamepadDriver(make_sdl_gamepads, Settings{})
+{
+}
+
+GamepadDriver::GamepadDriver(MakeGamepads make_gamepads, Settings settings)
+    : make_gamepads_(std::move(make_gamepads)), settings_(settings)
+{
+}
+
+GamepadDriver::~GamepadDriver()
+{
+  GamepadDriver::close();
+}
+
+/* ---- the caller's side ---- */
+
+tl::expected<void, DriverError>
+GamepadDriver::open(const DriverConfig &config)
+{
+  close();
+  {
+    const std::lock_guard lock(mutex_);
+    config_ = config;
+    quit_ = false;
+    refusal_.reset();
+    levels_ = {};
+    status_ = {};
+    runs_ = true;
+  }
+  guard_ = std::make_unique<TerminationGuard>([this](auto until) { leave(until); });
+  const std::stop_callback stopped(config.stop, [this] { quit(); });
+  std::optional<DriverError> refusal;
+  if (tl::expected<Thread, DriverError> thread = Thread::start([this] { run(); })) {
+    thread_ = std::move(*thread);
+    Lock lock(mutex_);
+    changed_.wait(lock, [this] { return is_open_ || refusal_; });
+    refusal = refusal_;
+  } else {
+    const std::lock_guard lock(mutex_);
+    runs_ = false;
+    refusal = thread.error();
+  }
+  if (!refusal)
+    return {};
+  close();
+  return tl::unexpected(*refusal);
+}
+
+int
+GamepadDriver::tactors() const
+{
+  const std::lock_guard lock(mutex_);
+  return tactors_;
+}
+
+int
+GamepadDriver::columns() const
+{
+  return 2;
+}
+
+double
+GamepadDriver::resolution() const
+{
+  const std::lock_guard lock(mutex_);
+  return is_open_ ? config_.full_scale_volts / 65535 : 0;
+}
+
+/// Unknown: SDL does not tell, and gamepads do not answer.
+Time
+GamepadDriver::transport_latency() const
+{
+  return Time(0);
+}
+
+Time
+GamepadDriver::refresh_interval() const
+{
+  return settings_.times.refresh;
+}
+
+tl::expected<void, DriverError>
+GamepadDriver::write(std::span<const double> volts, Time)
+{
+  const std::lock_guard lock(mutex_);
+  levels_ = {};
+  const auto used = std::min(volts.size(), static_cast<std::size_t>(tactors_));
+  for (std::size_t i = 0; i < used; i++)
+    levels_[i] = std::clamp(volts[i] / config_.full_scale_volts, 0.0, 1.0);
+  if (rumble_) {
+    rumble_->set(levels_);
+    changed_.notify_all();
+  }
+  return {};
+}
+
+void
+GamepadDriver::close() noexcept
+{
+  quit();
+  thread_.join();
+  guard_.reset(); // without the lock, which leave() takes
+  const std::lock_guard lock(mutex_);
+  is_open_ = status_.is_there = false;
+  tactors_ = 0;
+}
+
+DriverStatus
+GamepadDriver::status() const
+{
+  const std::lock_guard lock(mutex_);
+  return status_;
+}
+
+/* ---- the driver's thread ---- */
+
+void
+GamepadDriver::run()
+{
+  Lock lock(mutex_);
+  std::unique_ptr<Gamepads> gamepads;
+  std::unique_ptr<GamepadPort> port;
+  std::optional<DriverError> refusal;
+  {
+    const Unlocked unlocked(lock);
+    if (tl::expected<std::unique_ptr<Gamepads>, DriverError> made = make_gamepads_())
+      gamepads = std::move(*made);
+    else
+      refusal = made.error();
+  }
+  if (gamepads) {
+    if (tl::expected<std::unique_ptr<GamepadPort>, DriverError> first = connect(lock, *gamepads))
+      port = std::move(*first);
+    else
+      refusal = first.error();
+  }
+  is_open_ = !refusal;
+  refusal_ = refusal;
+  changed_.notify_all();
+
+  while (port) {
+    play(lock, *gamepads, *port);
+    release(lock, std::exchange(port, nullptr));
+    if (quit_)
+      break;
+    status_.is_there = false;
+    tell(lock, DriverEvent::Kind::lost,
+         describe(gamepad_) + ": it was unplugged, switched off, or its battery is empty");
+    while (!quit_ && !port)
+      port = connect_again(lock, *gamepads);
+    if (!port)
+      break;
+    status_.reconnects++;
+    tell(lock, DriverEvent::Kind::returned, status_.board + " is back");
+  }
+  {
+    const Unlocked unlocked(lock);
+    port.reset();
+    gamepads.reset();
+  }
+  runs_ = false;
+  changed_.notify_all();
+}
+
+/// Opens the first gamepad that is wanted and has motors.
+tl::expected<std::unique_ptr<GamepadPort>, DriverError>
+GamepadDriver::connect(Lock &lock, Gamepads &gamepads)
+{
+  std::vector<Gamepad> all;
+  {
+    const Unlocked unlocked(lock);
+    all = gamepads.list();
+  }
+  DriverError refusal = refusal_of_none(config_.device, all);
+  for (const Gamepad &gamepad : all) {
+    if (!is_wanted(gamepad, config_.device))
+      continue;
+    if (quit_)
+      return tl::unexpected(
+          DriverError{ DriverError::Kind::failed, "the opening of the gamepad was stopped" });
+    if (gamepad.is_taken) {
+      refusal = { DriverError::Kind::busy,
+                  describe(gamepad)
+                      + ": expected a free gamepad, and another tactorsink of this program plays "
+                        "on it; plug in another" };
+      continue;
+    }
+    std::unique_ptr<GamepadPort> port;
+    int motors = 0;
+    bool stops_with_process = false;
+    {
+      const Unlocked unlocked(lock);
+      port = gamepads.open(gamepad);
+      motors = port ? port->motors() : 0;
+      stops_with_process = port && port->stops_with_process();
+    }
+    const int tactors = std::min(motors, config_.max_tactors);
+    if (motors == 0) {
+      refusal = refusal_of_motors(gamepad);
+    } else if (tactors < config_.min_tactors) {
+      refusal = { DriverError::Kind::settings,
+                  describe(gamepad) + ": mapping needs " + std::to_string(config_.min_tactors)
+                      + " tactors, and it has " + std::to_string(tactors)
+                      + "; set mapping to tactors below that" };
+    } else {
+      tactors_ = tactors;
+      gamepad_ = gamepad;
+      status_.board = describe(gamepad);
+      status_.firmware = gamepad.is_bluetooth ? "gamepad by Bluetooth" : "gamepad";
+      status_.has_watchdog = true;
+      status_.is_there = true;
+      rumble_.emplace(shortest_interval(gamepad), settings_.times);
+      rumble_->set(levels_);
+      std::erase(all, gamepad);
+      tell(lock, DriverEvent::Kind::opened,
+           describe(gamepad) + ": " + std::to_string(tactors) + " motors"
+               + (all.empty()
+                      ? ""
+                      : "; another is chosen by device=PATH or device=NAME: " + describe(all)));
+      if (!stops_with_process)
+        tell(lock, DriverEvent::Kind::warning,
+             describe(gamepad)
+                 + ": its motors may run on if the player is killed, as SDL drives it without the "
+                   "kernel; unset SDL_JOYSTICK_HIDAPI, or switch the gamepad off then");
+      return port;
+    }
+    const Unlocked unlocked(lock);
+    port.reset();
+  }
+  return tl::unexpected(refusal);
+}
+
+/// Waits and looks for the lost gamepad. Null if it is not there or not usable.
+std::unique_ptr<GamepadPort>
+GamepadDriver::connect_again(Lock &lock, Gamepads &gamepads)
+{
+  changed_.wait_for(lock, settings_.look_again, [this] { return quit_; });
+  if (quit_)
+    return nullptr;
+  std::unique_ptr<GamepadPort> port;
+  Gamepad found = gamepad_;
+  {
+    const Unlocked unlocked(lock);
+    const auto is_it = [lost = found](const Gamepad &gamepad) {
+      return !gamepad.is_taken && gamepad.name == lost.name && gamepad.vendor == lost.vendor
+             && gamepad.product == lost.product;
+    };
+    const std::vector<Gamepad> all = gamepads.list();
+    const auto again = std::ranges::find_if(all, is_it);
+    if (again != all.end()) {
+      found = *again;
+      port = gamepads.open(found);
+    }
+    if (port && port->motors() < tactors_)
+      port.reset();
+  }
+  if (!port)
+    return nullptr;
+  gamepad_ = found;
+  status_.board = describe(found);
+  status_.is_there = true;
+  rumble_.emplace(shortest_interval(found), settings_.times);
+  rumble_->set(levels_);
+  return port;
+}
+
+/// Sends levels until the gamepad is gone or the driver quits.
+void
+GamepadDriver::play(Lock &lock, Gamepads &gamepads, GamepadPort &port)
+{
+  RealtimeThread realtime(config_.realtime);
+  Time next_update = steady_now();
+  while (!quit_) {
+    realtime.turn();
+    const Time now = steady_now();
+    if (const std::optional<GamepadLevels> levels = rumble_->next(now)) {
+      const Unlocked unlocked(lock);
+      if (!port.rumble(*levels, settings_.times.duration))
+        return;
+    } else if (now >= next_update) {
+      const Unlocked unlocked(lock);
+      gamepads.update();
+      if (!port.is_there())
+        return;
+    } else {
+      const Time until = std::min(next_update, rumble_->deadline().value_or(Time::max()));
+      changed_.wait_until(lock, std::chrono::steady_clock::time_point(until));
+      continue;
+    }
+    next_update = now + (rumble_->is_on() ? settings_.update_on : settings_.update_idle);
+  }
+}
+
+/// Motors to zero and the gamepad closed.
+void
+GamepadDriver::release(Lock &lock, std::unique_ptr<GamepadPort> port)
+{
+  rumble_->set({});
+  const std::optional<Time> due = rumble_->deadline();
+  rumble_.reset();
+  const Unlocked unlocked(lock);
+  if (due) {
+    // A zero that comes too soon after the last levels may be lost on its way.
+    std::this_thread::sleep_until(std::chrono::steady_clock::time_point(*due));
+    port->rumble({}, Time(0));
+  }
+  port.reset();
+}
+
+void
+GamepadDriver::tell(Lock &lock, DriverEvent::Kind kind, const std::string &text)
+{
+  if (!config_.notify)
+    return;
+  const Unlocked unlocked(lock);
+  config_.notify({ kind, text });
+}
+
+/// Has the driver's thread stop the motors, release the gamepad and end. Any thread.
+void
+GamepadDriver::quit()
+{
+  const std::lock_guard lock(mutex_);
+  quit_ = true;
+  changed_.notify_all();
+}
+
+/// Motors to zero and gamepad released, by `until` at the latest. On TerminationGuard's thread.
+void
+GamepadDriver::leave(std::chrono::steady_clock::time_point until)
+{
+  quit();
+  Lock lock(mutex_);
+  changed_.wait_until(lock, until, [this] { return !runs_; });
+}
+
+} // namespace tactor

@@ -1,0 +1,123 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+//
+// tactorsink on SDL's virtual gamepad.
+#include "support/virtual_gamepad.h"
+
+#include <vector>
+
+#include "support/playing.h"
+
+#include <gst/tactile/tactile.h>
+
+namespace {
+
+/// A sink that does not wait for the clock, and its gamepad.
+struct GamepadRig
+{
+  GamepadRig()
+  {
+    g_object_set(element, "driver", "gamepad", "device", "virtual pad", "sync", FALSE, "async",
+                 FALSE, "rate", 0.0, "compensation", 2, "ramp-in", guint64{ 0 }, nullptr);
+    sink_pad = gst_element_get_static_pad(element, "sink");
+  }
+  ~GamepadRig()
+  {
+    gst_element_set_state(element, GST_STATE_NULL);
+    gst_object_unref(sink_pad);
+    gst_object_unref(element);
+  }
+
+  void start(guint rows, guint columns)
+  {
+    fail_if(gst_element_set_state(element, GST_STATE_PLAYING) == GST_STATE_CHANGE_FAILURE);
+    GstSegment segment;
+    gst_segment_init(&segment, GST_FORMAT_TIME);
+    fail_unless(gst_pad_send_event(sink_pad, gst_event_new_stream_start("film")));
+    g_autoptr(GstCaps) caps = gst_tactile_map_caps_new(rows, columns, 25, 1);
+    fail_unless(gst_pad_send_event(sink_pad, gst_event_new_caps(caps)));
+    fail_unless(gst_pad_send_event(sink_pad, gst_event_new_segment(&segment)));
+  }
+  void push(const std::vector<gfloat> &levels)
+  {
+    GstBuffer *map = gst_tactile_map_buffer_new(levels.data(), levels.size());
+    GST_BUFFER_PTS(map) = frame++ * 40 * GST_MSECOND;
+    GST_BUFFER_DURATION(map) = 40 * GST_MSECOND;
+    ck_assert_int_eq(gst_pad_chain(sink_pad, map), GST_FLOW_OK);
+  }
+
+  VirtualPad pad{ "virtual pad" };
+  GstElement *element
+      = GST_ELEMENT(gst_object_ref_sink(gst_element_factory_make("tactorsink", nullptr)));
+  ElementBus messages{ element };
+  GstPad *sink_pad = nullptr;
+  guint frame = 0;
+};
+
+constexpr std::array<int, 4> kZero{};
+
+} // namespace
+
+/// The left half of the map is the low motor, the right half the high one; no cell is dropped.
+GST_START_TEST(test_halves)
+{
+  GamepadRig rig;
+  rig.start(1, 4);
+  rig.push({ 0, 1, 0, 0 });
+  rig.pad.wait_for({ 65535, 0, 0, 0 });
+  rig.push({ 0, 0, 0, 1 });
+  rig.pad.wait_for({ 0, 65535, 0, 0 });
+  rig.push({ 1, 0, 1, 0 });
+  rig.pad.wait_for({ 65535, 65535, 0, 0 });
+  while (GstMessage *message = gst_bus_pop_filtered(rig.messages.bus, GST_MESSAGE_WARNING)) {
+    const Said said(message);
+    fail_unless(said.text.find("killed") != std::string::npos, "%s", said.text.c_str());
+    gst_message_unref(message);
+  }
+}
+GST_END_TEST;
+
+GST_START_TEST(test_mapping)
+{
+  GamepadRig rig;
+  g_object_set(rig.element, "mapping", "3,2,1,0", nullptr);
+  rig.start(1, 4);
+  rig.push({ 1, 0, 0, 0 });
+  rig.pad.wait_for({ 0, 0, 0, 65535 });
+  rig.push({ 0, 1, 0, 1 });
+  rig.pad.wait_for({ 65535, 0, 65535, 0 });
+}
+GST_END_TEST;
+
+GST_START_TEST(test_zero_on_ways_out)
+{
+  for (const GstState state : { GST_STATE_PAUSED, GST_STATE_READY, GST_STATE_NULL }) {
+    GamepadRig rig;
+    rig.start(1, 2);
+    rig.push({ 1, 1 });
+    rig.pad.wait_for({ 65535, 65535, 0, 0 });
+    gst_element_set_state(rig.element, state);
+    rig.pad.wait_for(kZero);
+  }
+  GamepadRig rig;
+  rig.start(1, 2);
+  rig.push({ 1, 1 });
+  rig.pad.wait_for({ 65535, 65535, 0, 0 });
+  fail_unless(gst_pad_send_event(rig.sink_pad, gst_event_new_eos()));
+  rig.pad.wait_for(kZero);
+}
+GST_END_TEST;
+
+static Suite *
+tactorsink_gamepad_suite(void)
+{
+  Suite *suite = suite_create("tactorsink_gamepad");
+  TCase *tcase = tcase_create("general");
+
+  suite_add_tcase(suite, tcase);
+  tcase_add_test(tcase, test_halves);
+  tcase_add_test(tcase, test_mapping);
+  tcase_add_test(tcase, test_zero_on_ways_out);
+  return suite;
+}
+
+GST_CHECK_MAIN(tactorsink_gamepad);

@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "tactor/drivers/rumble.h"
+
+#include <gst/check/gstcheck.h>
+
+using namespace std::chrono_literals;
+using namespace tactor;
+
+static constexpr RumbleTimes kTimes{ .duration = 250ms, .renewal = 100ms, .refresh = 80ms };
+static constexpr GamepadLevels kZero{};
+static constexpr GamepadLevels kLow{ 1, 0, 0, 0 };
+static constexpr GamepadLevels kHigh{ 0, 0.5, 0, 0 };
+
+GST_START_TEST(test_begins_with_zero)
+{
+  Rumble rumble(10ms, kTimes);
+  fail_unless(rumble.next(1s) == kZero);
+  fail_if(rumble.next(1s).has_value());
+  fail_if(rumble.deadline().has_value());
+}
+GST_END_TEST;
+
+GST_START_TEST(test_sends_newest_at_interval)
+{
+  Rumble rumble(50ms, kTimes);
+  rumble.next(0s);
+  rumble.set(kLow);
+  fail_if(rumble.next(49ms).has_value());
+  rumble.set(kHigh);
+  fail_unless(rumble.deadline() == 50ms);
+  fail_unless(rumble.next(50ms) == kHigh);
+  rumble.set(kZero);
+  fail_if(rumble.next(99ms).has_value());
+  fail_unless(rumble.next(100ms) == kZero);
+  fail_if(rumble.deadline().has_value());
+}
+GST_END_TEST;
+
+/// Levels that are not written again are not sent again, and end with their duration.
+GST_START_TEST(test_watchdog)
+{
+  Rumble rumble(10ms, kTimes);
+  rumble.next(0s);
+  rumble.set(kLow);
+  rumble.next(10ms);
+  fail_if(rumble.deadline().has_value());
+  fail_if(rumble.next(1h).has_value());
+}
+GST_END_TEST;
+
+/// Levels written every `refresh` never end, at any interval.
+GST_START_TEST(test_renewal)
+{
+  for (const Time interval : { Time(10ms), Time(50ms) }) {
+    Rumble rumble(interval, kTimes);
+    rumble.next(0s);
+    Time sent(0);
+    int renewals = 0;
+    for (Time now = interval; now < 2s; now += 1ms) {
+      if ((now - interval) % kTimes.refresh == Time(0))
+        rumble.set(kLow);
+      if (!rumble.next(now))
+        continue;
+      fail_unless(now - sent >= interval);
+      fail_unless(now - sent < kTimes.duration);
+      if (sent != Time(0))
+        fail_unless(now - sent >= kTimes.renewal);
+      sent = now;
+      renewals++;
+    }
+    fail_unless(renewals > 8);
+    fail_unless(2s - sent < kTimes.duration);
+  }
+}
+GST_END_TEST;
+
+GST_START_TEST(test_zero_is_not_renewed)
+{
+  Rumble rumble(10ms, kTimes);
+  rumble.next(0s);
+  rumble.set(kZero);
+  fail_if(rumble.next(1h).has_value());
+  fail_if(rumble.is_on());
+}
+GST_END_TEST;
+
+GST_START_TEST(test_interval_of_connection)
+{
+  fail_unless(shortest_interval({ .vendor = 0x045e }) == 10ms);
+  fail_unless(shortest_interval({ .vendor = 0x045e, .is_bluetooth = true }) == 50ms);
+  fail_unless(shortest_interval({ .vendor = 0x054c, .is_bluetooth = true }) == 10ms);
+}
+GST_END_TEST;
+
+static Suite *
+rumble_suite(void)
+{
+  Suite *suite = suite_create("rumble");
+  TCase *tcase = tcase_create("general");
+
+  suite_add_tcase(suite, tcase);
+  tcase_add_test(tcase, test_begins_with_zero);
+  tcase_add_test(tcase, test_sends_newest_at_interval);
+  tcase_add_test(tcase, test_watchdog);
+  tcase_add_test(tcase, test_renewal);
+  tcase_add_test(tcase, test_zero_is_not_renewed);
+  tcase_add_test(tcase, test_interval_of_connection);
+  return suite;
+}
+
+GST_CHECK_MAIN(rumble);

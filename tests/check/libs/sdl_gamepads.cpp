@@ -1,0 +1,132 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+//
+// The driver of gamepads with SDL and its virtual gamepad, whose motors are callbacks here.
+#include "tactor/drivers/registry.h"
+
+#include "refused.h"
+#include "support/contains.h"
+#include "support/unwrap.h"
+#include "support/virtual_gamepad.h"
+
+#include <array>
+#include <condition_variable>
+#include <mutex>
+
+#include <gst/check/gstcheck.h>
+
+using namespace std::chrono_literals;
+using namespace tactor;
+
+namespace {
+
+constexpr std::array<int, 4> kZero{};
+
+} // namespace
+
+GST_START_TEST(test_motors)
+{
+  VirtualPad pad("virtual pad");
+  const auto driver = unwrap(make_driver("gamepad"));
+  unwrap(driver->open({ .device = "virtual pad", .full_scale_volts = 3 }));
+  ck_assert_int_eq(driver->tactors(), 4);
+  unwrap(driver->write(std::array{ 3.0, 1.5, 0.0, 0.75 }, 0s));
+  pad.wait_for({ 65535, 32768, 0, 16384 });
+  driver->close();
+  fail_unless(pad.levels() == kZero);
+}
+GST_END_TEST;
+
+/// Without another write() SDL stops the motors.
+GST_START_TEST(test_watchdog)
+{
+  VirtualPad pad("virtual pad");
+  const auto driver = unwrap(make_driver("gamepad"));
+  unwrap(driver->open({ .device = "virtual pad" }));
+  unwrap(driver->write(std::array{ 3.0, 3.0, 3.0, 3.0 }, 0s));
+  pad.wait_for({ 65535, 65535, 65535, 65535 });
+  pad.wait_for(kZero);
+  unwrap(driver->write(std::array{ 3.0, 3.0, 3.0, 3.0 }, 0s));
+  pad.wait_for({ 65535, 65535, 65535, 65535 });
+}
+GST_END_TEST;
+
+/// Two drivers take two gamepads; there is no third.
+GST_START_TEST(test_several)
+{
+  VirtualPad left("left pad");
+  VirtualPad right("right pad", false);
+  const auto first = unwrap(make_driver("gamepad"));
+  const auto second = unwrap(make_driver("gamepad"));
+  const auto third = unwrap(make_driver("gamepad"));
+  unwrap(first->open({ .device = "right pad" }));
+  ck_assert_int_eq(first->tactors(), 2);
+  unwrap(second->open({ .device = "left pad" }));
+  unwrap(first->write(std::array{ 3.0, 0.0 }, 0s));
+  right.wait_for({ 65535, 0, 0, 0 });
+  unwrap(second->write(std::array{ 0.0, 3.0 }, 0s));
+  left.wait_for({ 0, 65535, 0, 0 });
+  fail_unless(refusal_of(third->open({ .device = "left pad" })).kind == DriverError::Kind::busy);
+  second->close();
+  fail_unless(left.levels() == kZero);
+  unwrap(third->open({ .device = "left pad" }));
+}
+GST_END_TEST;
+
+GST_START_TEST(test_unplugged)
+{
+  std::mutex mutex;
+  std::condition_variable changed;
+  bool is_lost = false;
+  VirtualPad pad("virtual pad");
+  const auto driver = unwrap(make_driver("gamepad"));
+  unwrap(driver->open({ .device = "virtual pad", .notify = [&](const DriverEvent &event) {
+                         const std::lock_guard lock(mutex);
+                         is_lost = is_lost || event.kind == DriverEvent::Kind::lost;
+                         changed.notify_all();
+                       } }));
+  pad.detach();
+  std::unique_lock lock(mutex);
+  changed.wait(lock, [&] { return is_lost; });
+  lock.unlock();
+  fail_if(driver->status().is_there);
+  driver->close();
+}
+GST_END_TEST;
+
+GST_START_TEST(test_unknown_name)
+{
+  const auto driver = unwrap(make_driver("gamepad"));
+  const DriverError error = refusal_of(driver->open({ .device = "no such pad" }));
+  fail_unless(error.kind == DriverError::Kind::not_found);
+  assert_contains(error.text, { "no such pad" });
+}
+GST_END_TEST;
+
+/// SDL is loaded by open() of this driver alone.
+GST_START_TEST(test_module_is_not_there)
+{
+  g_setenv("VISUOTACTILE_MODULES", "/nowhere", TRUE);
+  const auto driver = unwrap(make_driver("gamepad"));
+  const DriverError error = refusal_of(driver->open({}));
+  fail_unless(error.kind == DriverError::Kind::not_found);
+  assert_contains(error.text, { "gstreamer1.0-visuotactile-gamepad" });
+}
+GST_END_TEST;
+
+static Suite *
+sdl_gamepads_suite(void)
+{
+  Suite *suite = suite_create("sdl_gamepads");
+  TCase *tcase = tcase_create("general");
+
+  suite_add_tcase(suite, tcase);
+  tcase_add_test(tcase, test_motors);
+  tcase_add_test(tcase, test_watchdog);
+  tcase_add_test(tcase, test_several);
+  tcase_add_test(tcase, test_unplugged);
+  tcase_add_test(tcase, test_unknown_name);
+  tcase_add_test(tcase, test_module_is_not_there);
+  return suite;
+}
+
+GST_CHECK_MAIN(sdl_gamepads);

@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <SDL.h>
+
+#include <array>
+#include <condition_variable>
+#include <mutex>
+
+#include <gst/check/gstcheck.h>
+
+/// A gamepad that SDL makes. It is there before the driver and SDL's other users.
+class VirtualPad
+{
+public:
+  explicit VirtualPad(const char *name, bool has_triggers = true)
+  {
+    SDL_SetHint(SDL_HINT_JOYSTICK_HIDAPI, "0");
+    SDL_SetHint(SDL_HINT_NO_SIGNAL_HANDLERS, "1");
+    ck_assert_int_eq(SDL_InitSubSystem(SDL_INIT_GAMECONTROLLER), 0);
+    SDL_VirtualJoystickDesc description{};
+    description.version = SDL_VIRTUAL_JOYSTICK_DESC_VERSION;
+    description.type = SDL_JOYSTICK_TYPE_GAMECONTROLLER;
+    description.naxes = SDL_CONTROLLER_AXIS_MAX;
+    description.nbuttons = SDL_CONTROLLER_BUTTON_MAX;
+    description.name = name;
+    description.userdata = this;
+    description.Rumble = [](void *pad, Uint16 low, Uint16 high) {
+      return static_cast<VirtualPad *>(pad)->set(0, low, high);
+    };
+    if (has_triggers)
+      description.RumbleTriggers = [](void *pad, Uint16 left, Uint16 right) {
+        return static_cast<VirtualPad *>(pad)->set(2, left, right);
+      };
+    const int index = SDL_JoystickAttachVirtualEx(&description);
+    ck_assert_int_ge(index, 0);
+    id_ = SDL_JoystickGetDeviceInstanceID(index);
+  }
+  ~VirtualPad()
+  {
+    detach();
+    SDL_QuitSubSystem(SDL_INIT_GAMECONTROLLER);
+  }
+
+  void detach()
+  {
+    SDL_LockJoysticks();
+    for (int i = 0; i < SDL_NumJoysticks(); i++)
+      if (SDL_JoystickGetDeviceInstanceID(i) == id_)
+        SDL_JoystickDetachVirtual(i);
+    SDL_UnlockJoysticks();
+  }
+
+  void wait_for(const std::array<int, 4> &levels)
+  {
+    std::unique_lock lock(mutex_);
+    changed_.wait(lock, [&] { return levels_ == levels; });
+  }
+  std::array<int, 4> levels()
+  {
+    const std::lock_guard lock(mutex_);
+    return levels_;
+  }
+
+private:
+  int set(std::size_t first, int a, int b)
+  {
+    const std::lock_guard lock(mutex_);
+    levels_[first] = a;
+    levels_[first + 1] = b;
+    changed_.notify_all();
+    return 0;
+  }
+
+  SDL_JoystickID id_ = -1;
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  std::array<int, 4> levels_{};
+};
