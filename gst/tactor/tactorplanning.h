@@ -23,8 +23,9 @@ public:
   /// Faults of the stream are posted by this element, which is not owned.
   explicit TactorPlanning(GstElement *element);
 
-  /// Begins a play on a board of `tactors`, with Driver::columns(). `agreed` has settings that stay for the play: volts,
-  /// max-lead, latency and line. `motors` are those of the calibration, or empty.
+  /// Begins a play on a board of `tactors`, with Driver::columns(). `agreed` has settings that stay
+  /// for the play: volts, max-lead, latency and line. `motors` are those of the calibration, or
+  /// empty.
   void start(const tactor::PlannerSettings &agreed, int tactors, int columns,
              std::vector<tactor::MotorParameters> motors);
 

@@ -74,8 +74,8 @@ public:
   /// Tactors of the open board, at most `config.max_tactors`; 0 when not open.
   virtual int tactors() const = 0;
 
-  /// Tactors that stand side by side and by default share a map's columns, of which tactor 0 has the
-  /// leftmost ones; 0: cell i has tactor i.
+  /// Tactors that stand side by side and by default share a map's columns, of which tactor 0 has
+  /// the leftmost ones; 0: cell i has tactor i.
   virtual int columns() const
   {
     return 0;
