@@ -14,6 +14,7 @@ constexpr double kSmoothing = 4;   ///< time constant in frames at 30 fps
 constexpr double kStretch = 30;    ///< frames
 constexpr double kRounding = 1e-3; ///< of times, in frames
 constexpr int kReaches = 4;        ///< "around" reaches as far as this part of the map's width
+constexpr std::size_t kFewest = 4; ///< stretches after which there is a floor
 constexpr float kNothing = 1e9F;
 constexpr float kMost = 7;     ///< that is subtracted, about ΔE 110
 constexpr float kStrong = 3.5; ///< a floor above this, about ΔE 50, begins to be an event
@@ -44,12 +45,12 @@ NoiseFloor::subtract(cv::Mat &map, double elapsed, double gain)
     smooth[i] += share * (around[i] - smooth[i]);
     present[i] = std::min(present[i], smooth[i]);
   }
-  if (known_ == kStretches) {
+  if (known_ >= kFewest) {
     for (std::size_t i = 0; i < total; ++i) {
       float least = present[i];
       float floor = kNothing;
-      for (const auto &past : least_) {
-        const float value = past.ptr<float>()[i];
+      for (std::size_t past = 0; past < known_; ++past) {
+        const float value = least_[past].ptr<float>()[i];
         floor = std::min(floor, std::max(least, value));
         least = std::min(least, value);
       }

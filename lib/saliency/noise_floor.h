@@ -12,7 +12,7 @@ namespace saliency {
 ///
 /// The noise floor of each place is estimated by minimum statistics (Martin, "Noise power spectral
 /// density estimation based on optimal smoothing and minimum statistics", 2001): the least that
-/// happened around it, within a quarter of the map's width, in each of the last five seconds, of
+/// happened around it, within a quarter of the map's width, in each of the last seven seconds, of
 /// these the second least. Something that pauses in two of them has a floor of zero.
 class NoiseFloor
 {
@@ -26,7 +26,7 @@ public:
   void reset();
 
 private:
-  static constexpr std::size_t kStretches = 4; ///< of time
+  static constexpr std::size_t kStretches = 6; ///< of time
 
   bool begun_ = false;
   cv::Mat along_rows_;

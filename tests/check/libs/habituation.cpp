@@ -252,7 +252,7 @@ GST_END_TEST;
 GST_START_TEST(test_noise_floor)
 {
   // Constant activity. Smoothed, it rises as 1 − e^(−t/4), so the least of a stretch is its first,
-  // and the least but one of five stretches is the second's.
+  // and the least but one of the stretches is the second's.
   constexpr double kValue = 3;
   constexpr double kGain = 0.5;
   for (const double step : { 1.0, 0.5, 1.25 }) {
@@ -261,7 +261,7 @@ GST_START_TEST(test_noise_floor)
       cv::Mat map = oracle::to_mat(Image(10, 6, kValue));
       floor.subtract(map, step, kGain);
       const int stretch = static_cast<int>(i * step / 30);
-      const double first = (stretch - 3) * 30 + step;
+      const double first = (std::max(0, stretch - 6) + 1) * 30 + step;
       const double expected
           = stretch < 4 ? kValue : kValue - kGain * kValue * (1 - std::exp(-first / 4));
       fail_unless_at_most(oracle::difference(map, Image(10, 6, expected)), 1e-4);
@@ -272,19 +272,19 @@ GST_END_TEST;
 
 GST_START_TEST(test_pause)
 {
-  // What paused in two of the last four stretches and this one is not lowered: only by what
+  // What paused in two of the last six stretches and this one is not lowered: only by what
   // smoothing leaves of it. A pause within one stretch does not count.
   NoiseFloor floor;
-  for (int i = 0; i < 400; ++i) {
-    const bool pauses = (i >= 200 && i < 250) || (i >= 365 && i < 380);
+  for (int i = 0; i < 520; ++i) {
+    const bool pauses = (i >= 200 && i < 250) || (i >= 455 && i < 470);
     const double value = pauses ? 0 : 3;
     cv::Mat map = oracle::to_mat(Image(10, 6, value));
     floor.subtract(map, 1, 4);
     if (i >= 180 && i < 200)
       fail_unless_near(map.at<float>(0), 0, 0);
-    if (i >= 250 && i < 360)
+    if (i >= 250 && i < 420)
       fail_unless_near(map.at<float>(0), 3, 4 * 3 * std::exp(-40 / 4.0) + 1e-4);
-    if (i >= 390)
+    if ((i >= 420 && i < 455) || i >= 490)
       fail_unless_near(map.at<float>(0), 0, 0);
   }
 }
