@@ -281,15 +281,15 @@ GamepadDriver::connect(Lock &lock, Gamepads &gamepads)
       status_.is_there = true;
       rumble_.emplace(shortest_interval(gamepad), settings_.times);
       rumble_->set(levels_);
-      std::erase(all, gamepad);
+      std::erase(all, gamepad_); // not by `gamepad`, which is in it
       tell(lock, DriverEvent::Kind::opened,
-           describe(gamepad) + ": " + std::to_string(tactors) + " motors"
+           describe(gamepad_) + ": " + std::to_string(tactors) + " motors"
                + (all.empty()
                       ? ""
                       : "; another is chosen by device=PATH or device=NAME: " + describe(all)));
       if (!stops_with_process)
         tell(lock, DriverEvent::Kind::warning,
-             describe(gamepad)
+             describe(gamepad_)
                  + ": its motors may run on if the player is killed, as SDL drives it without the "
                    "kernel; unset SDL_JOYSTICK_HIDAPI, or switch the gamepad off then");
       return port;

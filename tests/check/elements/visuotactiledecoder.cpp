@@ -384,13 +384,13 @@ GST_START_TEST(test_the_best_decoder)
 {
   GstHarness *harness = make_harness();
   fail_unless(accepts(harness->element, "image/jpeg, width=160, height=120"));
-  ck_assert_str_eq(decoded_by(harness->element).c_str(), " jpegdec");
+  fail_unless(decoded_by(harness->element) == " jpegdec");
   gst_harness_teardown(harness);
 
   rank_decoder("jpegdec", GST_RANK_NONE);
   harness = make_harness();
   fail_unless(accepts(harness->element, "image/jpeg, parsed=true, width=160, height=120"));
-  ck_assert_str_eq(decoded_by(harness->element).c_str(), " avdec_mjpeg");
+  fail_unless(decoded_by(harness->element) == " avdec_mjpeg");
   gst_harness_teardown(harness);
   rank_decoder("jpegdec", GST_RANK_PRIMARY);
 }
@@ -408,7 +408,7 @@ GST_START_TEST(test_only_a_stream_replaces_a_decoder)
   fail_unless(asked == chosen);
   fail_if(accepts(harness->element, "video/x-wmv, wmvversion=99"));
   gst_harness_set_src_caps_str(harness, "video/x-theora");
-  ck_assert_str_eq(decoded_by(harness->element).c_str(), " theoradec");
+  fail_unless(decoded_by(harness->element) == " theoradec");
   gst_harness_teardown(harness);
 }
 GST_END_TEST;
@@ -424,7 +424,7 @@ GST_START_TEST(test_two_threads_ask)
         threads.emplace_back([&] { answer = accepts(harness->element, "image/jpeg"); });
     }
     fail_unless(accepted[0] && accepted[1]);
-    ck_assert_str_eq(decoded_by(harness->element).c_str(), " jpegdec");
+    fail_unless(decoded_by(harness->element) == " jpegdec");
     gst_harness_teardown(harness);
   }
 }
@@ -462,7 +462,7 @@ GST_START_TEST(test_what_nobody_decodes)
   GstHarness *harness = make_harness();
   fail_if(accepts(harness->element, "video/x-none-such, width=160, height=120"));
   fail_if(accepts(harness->element, "video/x-wmv, wmvversion=99"));
-  ck_assert_str_eq(decoded_by(harness->element).c_str(), "");
+  fail_unless(decoded_by(harness->element) == "");
   g_autoptr(GstPad) pad = gst_element_get_static_pad(harness->element, "sink");
   g_autoptr(GstCaps) caps = gst_pad_query_caps(pad, nullptr);
   g_autoptr(GstCaps) jpeg = gst_caps_from_string("image/jpeg");
