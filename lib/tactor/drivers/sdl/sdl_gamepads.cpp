@@ -108,6 +108,7 @@ public:
     const std::lock_guard lock(sdl_mutex);
     if (is_open_)
       SDL_QuitSubSystem(SDL_INIT_GAMECONTROLLER);
+    SDL_TLSCleanup(); // SDL does so for its own threads only
   }
 
   bool open_sdl(std::string &why)
