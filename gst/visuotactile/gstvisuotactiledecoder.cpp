@@ -9,8 +9,9 @@
  * controls. It is a bin with the decoder, and beside it `saliencytactile` (child `analysis`) and
  * `tactorsink` (child `tactors`).
  *
- * It has no rank, so that nothing takes it unasked. Where a player's environment has
- * `GST_PLUGIN_FEATURE_RANK=visuotactiledecoder:MAX`, playbin and decodebin take it.
+ * playbin and decodebin take it where the [user's settings](../guide/players.md) switch it on, and
+ * another decoder in other programs. Where no program is switched on it has no rank, and is used
+ * only if it is named, or by `GST_PLUGIN_FEATURE_RANK=visuotactiledecoder:MAX`.
  *
  * - Frames go from the decoder to the player as they are, and are not later. Of a live source they
  *   are later by #GstTactorSink:max-lead and 30 ms.
@@ -36,6 +37,7 @@
  */
 #include "gstvisuotactiledecoder.h"
 
+#include "chairproperties.h"
 #include "decoderchoice.h"
 #include "frametap.h"
 #include "pooldemand.h"
@@ -74,6 +76,7 @@ struct _GstVisuotactileDecoder
   GstElement *queue;        ///< behind the decoder; owned
   GstTactileBranch *branch; ///< owned; NULL where a plugin is missing
   FrameTap *tap;
+  ChairProperties *properties; ///< NULL where a plugin is missing
   GMutex choosing; ///< while a decoder is chosen, put in or removed; queries come on any thread
 
   /* Object lock. */
@@ -89,8 +92,15 @@ G_DEFINE_TYPE_WITH_CODE(GstVisuotactileDecoder, gst_visuotactile_decoder, GST_TY
                             GST_DEBUG_CATEGORY_INIT(visuotactile_decoder_debug,
                                                     "visuotactiledecoder", 0,
                                                     "video decoder with a chair"));
-GST_ELEMENT_REGISTER_DEFINE(visuotactiledecoder, "visuotactiledecoder", GST_RANK_NONE,
-                            GST_TYPE_VISUOTACTILE_DECODER);
+
+/// Before all decoders where a program is switched on; those that are not get another one.
+static gboolean
+gst_visuotactile_decoder_register(GstPlugin *plugin)
+{
+  const guint rank = chair::any_enabled() ? GST_RANK_PRIMARY + 1000 : GST_RANK_NONE;
+  return gst_element_register(plugin, "visuotactiledecoder", rank, GST_TYPE_VISUOTACTILE_DECODER);
+}
+GST_ELEMENT_REGISTER_DEFINE_CUSTOM(visuotactiledecoder, gst_visuotactile_decoder_register);
 
 // What players look for; which of these can be decoded is known at runtime.
 static GstStaticPadTemplate sink_template = GST_STATIC_PAD_TEMPLATE(
@@ -354,6 +364,19 @@ gst_visuotactile_decoder_handle_message(GstBin *bin, GstMessage *message)
   gst_message_unref(message);
 }
 
+/// NULL to READY: applies the user's settings. Where they switch it off, decodebin takes the next
+/// decoder. An error message would end the film in some players.
+static bool
+gst_visuotactile_decoder_open(GstVisuotactileDecoder *self)
+{
+  const chair::Settings settings = self->properties->open();
+  if (settings.enabled(!settings.others))
+    return true;
+  GST_INFO_OBJECT(self, "switched off for this program");
+  self->properties->close();
+  return false;
+}
+
 static GstStateChangeReturn
 gst_visuotactile_decoder_change_state(GstElement *element, GstStateChange transition)
 {
@@ -366,6 +389,8 @@ gst_visuotactile_decoder_change_state(GstElement *element, GstStateChange transi
         ("expected the plugins saliency, tactile and tactor beside this one"));
     return GST_STATE_CHANGE_FAILURE;
   }
+  if (transition == GST_STATE_CHANGE_NULL_TO_READY && !gst_visuotactile_decoder_open(self))
+    return GST_STATE_CHANGE_FAILURE;
   if (transition == GST_STATE_CHANGE_READY_TO_PAUSED)
     gst_visuotactile_decoder_take_chair(self);
   const GstStateChangeReturn ret
@@ -373,7 +398,9 @@ gst_visuotactile_decoder_change_state(GstElement *element, GstStateChange transi
   if (transition == GST_STATE_CHANGE_PAUSED_TO_READY
       || (transition == GST_STATE_CHANGE_READY_TO_PAUSED && ret == GST_STATE_CHANGE_FAILURE))
     gst_visuotactile_decoder_release_chair(self);
-  if (transition == GST_STATE_CHANGE_READY_TO_NULL) {
+  if (transition == GST_STATE_CHANGE_READY_TO_NULL
+      || (transition == GST_STATE_CHANGE_NULL_TO_READY && ret == GST_STATE_CHANGE_FAILURE)) {
+    self->properties->close();
     g_autoptr(GMutexLocker) locker = g_mutex_locker_new(&self->choosing);
     gst_visuotactile_decoder_remove(self);
   }
@@ -409,6 +436,7 @@ gst_visuotactile_decoder_dispose(GObject *object)
   gst_visuotactile_decoder_remove(self);
   gst_visuotactile_decoder_release_chair(self);
   delete std::exchange(self->tap, nullptr);
+  delete std::exchange(self->properties, nullptr);
   gst_clear_object(&self->branch);
   gst_clear_object(&self->queue);
   G_OBJECT_CLASS(parent_class)->dispose(object);
@@ -448,6 +476,9 @@ gst_visuotactile_decoder_build(GstVisuotactileDecoder *self)
   // The bin, which prerolls with the picture, never waits for it.
   g_object_set(gst_tactile_branch_get_tactors(self->branch), "async", FALSE, nullptr);
   gst_bin_add(GST_BIN(self), GST_ELEMENT(self->branch));
+  self->properties
+      = new ChairProperties(GST_ELEMENT(self), gst_tactile_branch_get_analysis(self->branch),
+                            gst_tactile_branch_get_tactors(self->branch));
 }
 
 static void

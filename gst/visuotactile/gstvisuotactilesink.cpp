@@ -8,6 +8,8 @@
  * [Applications](../guide/integration.md) tells how players take it. It is a bin with
  * `saliencytactile` (child `analysis`), `tactorsink` (child `tactors`) and the video sink.
  *
+ * - The [user's settings](../guide/players.md) apply to properties that have their default. Where
+ *   they switch it off, the film is only shown.
  * - Picture and sound are later by #GstVisuotactileSink:max-lead and 10 ms.
  * - Where the tactors cannot be used, the film plays on, with a warning; the next start tries
  *   again. Where no video sink can be used, the film is felt and not shown.
@@ -25,6 +27,7 @@
  */
 #include "gstvisuotactilesink.h"
 
+#include "chairproperties.h"
 #include "pooldemand.h"
 #include "sinkparts.h"
 #include "sinkproperties.h"
@@ -34,6 +37,8 @@
 #include <gst/video/navigation.h>
 #include <gst/video/video.h>
 #include <gst/video/videooverlay.h>
+
+#include <utility>
 
 GST_DEBUG_CATEGORY_STATIC(visuotactile_sink_debug);
 #define GST_CAT_DEFAULT visuotactile_sink_debug
@@ -71,8 +76,39 @@ static GstClockTime
 gst_visuotactile_sink_lead(GstVisuotactileSink *self)
 {
   guint64 max_lead = 0;
+  if (gst_element_is_locked_state(self->analysis))
+    return 0; // switched off
   g_object_get(gst_visuotactile_sink_get_tactors(self), "max-lead", &max_lead, nullptr);
   return max_lead + kWakeMargin;
+}
+
+/* ---- the chair ---- */
+
+/// Whether frames go through the analysis, or straight to the picture.
+static void
+gst_visuotactile_sink_feel(GstVisuotactileSink *self, bool felt)
+{
+  for (GstElement *part : { self->analysis, self->extractor, GST_ELEMENT(self->branch) })
+    gst_element_set_locked_state(part, !felt);
+  g_autoptr(GstPad) first = gst_element_get_static_pad(felt ? self->analysis : self->queue, "sink");
+  gst_ghost_pad_set_target(GST_GHOST_PAD(self->sinkpad), nullptr);
+  if (felt) {
+    GST_OBJECT_FLAG_SET(self->branch, GST_ELEMENT_FLAG_SINK);
+    gst_element_link_pads(self->extractor, "src", self->queue, "sink");
+  } else {
+    GST_OBJECT_FLAG_UNSET(self->branch, GST_ELEMENT_FLAG_SINK); // or its EOS would be awaited
+    gst_element_unlink(self->extractor, self->queue);
+  }
+  gst_ghost_pad_set_target(GST_GHOST_PAD(self->sinkpad), first);
+}
+
+/// NULL to READY: applies the user's settings.
+static void
+gst_visuotactile_sink_apply_settings(GstVisuotactileSink *self)
+{
+  const bool felt = self->properties->open().enabled(true);
+  if (felt == gst_element_is_locked_state(self->analysis))
+    gst_visuotactile_sink_feel(self, felt);
 }
 
 /* ---- the video sink ---- */
@@ -148,6 +184,7 @@ gst_visuotactile_sink_open(GstVisuotactileSink *self)
                       ("expected the plugins saliency, tactile and tactor beside this one"));
     return FALSE;
   }
+  gst_visuotactile_sink_apply_settings(self);
   GST_OBJECT_LOCK(self);
   GstElement *shown = self->wanted ? GST_ELEMENT(gst_object_ref(self->wanted)) : nullptr;
   GST_OBJECT_UNLOCK(self);
@@ -183,8 +220,11 @@ gst_visuotactile_sink_change_state(GstElement *element, GstStateChange transitio
   if (transition != GST_STATE_CHANGE_NULL_TO_READY || gst_visuotactile_sink_open(self))
     ret = GST_ELEMENT_CLASS(parent_class)->change_state(element, transition);
   if (transition == GST_STATE_CHANGE_READY_TO_NULL
-      || (transition == GST_STATE_CHANGE_NULL_TO_READY && ret == GST_STATE_CHANGE_FAILURE))
+      || (transition == GST_STATE_CHANGE_NULL_TO_READY && ret == GST_STATE_CHANGE_FAILURE)) {
     gst_visuotactile_sink_remove_shown(self);
+    if (self->properties)
+      self->properties->close();
+  }
   return ret;
 }
 
@@ -257,6 +297,7 @@ gst_visuotactile_sink_dispose(GObject *object)
   auto *self = GST_VISUOTACTILE_SINK(object);
   gst_visuotactile_sink_remove_shown(self);
   gst_clear_object(&self->wanted);
+  delete std::exchange(self->properties, nullptr);
   G_OBJECT_CLASS(parent_class)->dispose(object);
 }
 
@@ -307,8 +348,11 @@ gst_visuotactile_sink_build(GstVisuotactileSink *self)
   gst_element_link_pads(extractor, "src", queue, "sink");
   gst_element_link_pads(extractor, "tactile", GST_ELEMENT(branch), "sink");
   self->analysis = analysis;
+  self->extractor = extractor;
   self->queue = queue;
   self->branch = branch;
+  self->properties = new ChairProperties(GST_ELEMENT(self), analysis,
+                                         gst_tactile_branch_get_tactors(branch));
   gst_visuotactile_sink_add_placeholder(self);
 }
 

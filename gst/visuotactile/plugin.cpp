@@ -5,6 +5,10 @@
 static gboolean
 plugin_init(GstPlugin *plugin)
 {
+  // The decoder's rank depends on them.
+  gst_plugin_add_dependency_simple(
+      plugin, "XDG_CONFIG_HOME/visuotactile:HOME/.config/visuotactile:VISUOTACTILE_ENABLED",
+      nullptr, "chair.conf", GST_PLUGIN_DEPENDENCY_FLAG_NONE);
   bool registered = GST_ELEMENT_REGISTER(visuotactilesink, plugin);
   registered |= GST_ELEMENT_REGISTER(visuotactiledecoder, plugin);
   return registered;

@@ -5,6 +5,8 @@
 
 #include <gst/video/video.h>
 
+class ChairProperties;
+
 /// What the application wants of the video sink's window; kept until there is one.
 struct SinkWindow
 {
@@ -25,8 +27,10 @@ struct _GstVisuotactileSink
   /* Made at init; placeholder changes with the state. */
   GstPad *sinkpad;
   GstElement *analysis; ///< as all of these NULL where one's plugin is missing
+  GstElement *extractor;
   GstElement *queue;
   GstTactileBranch *branch;
+  ChairProperties *properties;
   GstElement *placeholder; ///< in place of the video sink; NULL while there is one
 
   /* Object lock. */

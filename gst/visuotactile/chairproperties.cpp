@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "chairproperties.h"
+
+#include <cstring>
+
+namespace {
+
+std::string
+text(GObject *object, GParamSpec *spec)
+{
+  g_auto(GValue) value = G_VALUE_INIT;
+  g_value_init(&value, spec->value_type);
+  g_object_get_property(object, spec->name, &value);
+  g_autofree gchar *contents = g_strdup_value_contents(&value);
+  return contents;
+}
+
+bool
+is_default(GObject *object, GParamSpec *spec)
+{
+  g_auto(GValue) value = G_VALUE_INIT;
+  g_value_init(&value, spec->value_type);
+  g_object_get_property(object, spec->name, &value);
+  return g_param_value_defaults(spec, &value);
+}
+
+/// To the default without a `wanted` text.
+void
+set(GObject *object, GParamSpec *spec, const std::optional<std::string> &wanted)
+{
+  g_auto(GValue) value = G_VALUE_INIT;
+  g_value_init(&value, spec->value_type);
+  if (!wanted)
+    g_param_value_set_default(spec, &value);
+  else if (G_VALUE_HOLDS_STRING(&value))
+    g_value_set_string(&value, wanted->c_str()); // as it is: a device's name may begin with a quote
+  else if (!gst_value_deserialize(&value, wanted->c_str()))
+    return;
+  g_object_set_property(object, spec->name, &value);
+}
+
+} // namespace
+
+ChairProperties::ChairProperties(GstElement *owner, GstElement *analysis, GstElement *tactors)
+    : owner_(owner), elements_{ analysis, tactors }
+{
+}
+
+chair::Settings
+ChairProperties::open()
+{
+  // Before the first reading: a change between the two is heard.
+  watch_ = std::make_unique<chair::SettingsWatch>([this] {
+    const chair::Settings settings = chair::read_settings();
+    complain(settings);
+    apply(settings, false);
+  });
+  chair::Settings settings = chair::read_settings();
+  complain(settings);
+  apply(settings, true);
+  return settings;
+}
+
+void
+ChairProperties::close()
+{
+  watch_.reset();
+}
+
+void
+ChairProperties::complain(const chair::Settings &settings)
+{
+  for (const std::string &complaint : settings.complaints)
+    GST_ELEMENT_WARNING(owner_, LIBRARY, SETTINGS, ("%s", complaint.c_str()), (nullptr));
+}
+
+void
+ChairProperties::apply(const chair::Settings &settings, bool all)
+{
+  const std::lock_guard lock(mutex_);
+  for (const chair::Key &key : chair::keys()) {
+    if ((!all && !key.live) || std::strcmp(key.name, chair::kEnabled) == 0)
+      continue;
+    const auto found = settings.values.find(key.name);
+    const auto value = found == settings.values.end() ? std::optional<std::string>()
+                                                      : std::optional(found->second);
+    if (key.kind != chair::Kind::grid) {
+      give(key.name, value);
+      continue;
+    }
+    const chair::Grid grid = chair::parse_grid(value.value_or(""));
+    give("rows", value ? std::optional(std::to_string(grid.rows)) : std::nullopt);
+    give("columns", value ? std::optional(std::to_string(grid.columns)) : std::nullopt);
+  }
+}
+
+void
+ChairProperties::give(const char *property, const std::optional<std::string> &value)
+{
+  for (GstElement *element : elements_) {
+    GParamSpec *spec = g_object_class_find_property(G_OBJECT_GET_CLASS(element), property);
+    if (spec == nullptr)
+      continue;
+    GObject *object = G_OBJECT(element);
+    const auto given = given_.find(property);
+    const bool ours = given != given_.end() && given->second == text(object, spec);
+    if (!ours && !is_default(object, spec))
+      continue; // the player's
+    if (ours || value)
+      set(object, spec, value);
+    if (value)
+      given_[property] = text(object, spec);
+    else
+      given_.erase(property);
+  }
+}

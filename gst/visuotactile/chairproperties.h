@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include "chair/settings.h"
+#include "chair/settings_watch.h"
+
+#include <gst/gst.h>
+
+#include <map>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+
+/// Gives a chair's elements what the user has set, also while a film plays. A property that the
+/// player set to other than its default stays the player's.
+class ChairProperties
+{
+public:
+  /// `owner` posts warnings about the settings; it and the elements live longer than this.
+  ChairProperties(GstElement *owner, GstElement *analysis, GstElement *tactors);
+
+  /// Reads the settings, and follows them until close(). Not on several threads at once, as
+  /// close(). Returns them.
+  chair::Settings open();
+  void close();
+
+private:
+  void apply(const chair::Settings &settings, bool all);
+  void give(const char *property, const std::optional<std::string> &value);
+  void complain(const chair::Settings &settings);
+
+  GstElement *owner_;
+  GstElement *elements_[2];
+  std::mutex mutex_{};
+  std::map<std::string, std::string> given_{}; ///< property and its value then; under the mutex
+  std::unique_ptr<chair::SettingsWatch> watch_{};
+};

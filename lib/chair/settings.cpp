@@ -1,0 +1,219 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "chair/settings.h"
+
+#include "chair/settings_file.h"
+
+#include <algorithm>
+#include <cctype>
+#include <charconv>
+#include <cstdio>
+#include <optional>
+
+#include <glib.h>
+
+namespace chair {
+
+namespace {
+
+constexpr Key kKeys[] = {
+  { kEnabled, Kind::flag, false, "Whether the program's films are felt" },
+  { "driver", Kind::text, false, "What drives the tactors, such as firmata or gamepad" },
+  { "device", Kind::text, false, "Which board or gamepad" },
+  { kGrid, Kind::grid, false, "Rows x columns of the tactile map" },
+  { "mapping", Kind::text, false, "Tactor of each cell, row by row, -1 for none, as in 2,1,0" },
+  { "calibration", Kind::path, false, "Key file of tactor-calibrate" },
+  { "intensity", Kind::number, true, "Factor on all levels", 0, 1 },
+  { "mute", Kind::flag, true, "All motors at zero" },
+  { "sensitivity", Kind::number, true, "Factor on event contrast", 0.1, 10 },
+  { "density", Kind::number, true, "Share of the time that may be felt, 0 for any", 0, 1 },
+  { "people", Kind::choice, false, "Look for faces, and feel first what happens in them", 0, 0,
+    "off, fast, thorough" },
+};
+
+constexpr unsigned kMostCells = 64;
+
+/// The whole text as a number.
+template <typename T>
+std::optional<T>
+parse(std::string_view text)
+{
+  T value{};
+  const auto [end, bad] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (bad != std::errc() || end != text.data() + text.size())
+    return std::nullopt;
+  return value;
+}
+
+bool
+is_choice(const Key &key, const std::string &value)
+{
+  g_auto(GStrv) choices = g_strsplit(key.choices, ", ", -1);
+  return g_strv_contains(choices, value.c_str());
+}
+
+std::string
+text(double value)
+{
+  char buffer[32];
+  std::snprintf(buffer, sizeof buffer, "%g", value);
+  std::ranges::replace(buffer, ',', '.'); // the locale's point
+  return buffer;
+}
+
+bool
+is_on(const Values &values)
+{
+  const auto found = values.find(kEnabled);
+  return found != values.end() && found->second == "true";
+}
+
+/// Adds what the environment says.
+void
+read_environment(Values &values, std::vector<std::string> &complaints)
+{
+  for (const Key &key : kKeys) {
+    const std::string name = variable(key);
+    const char *value = g_getenv(name.c_str());
+    if (value == nullptr)
+      continue;
+    if (takes(key, value))
+      values[key.name] = value;
+    else
+      complaints.push_back(name + ": expected " + expected(key) + ", got '" + value + "'");
+  }
+}
+
+} // namespace
+
+std::span<const Key>
+keys()
+{
+  return kKeys;
+}
+
+const Key *
+find_key(std::string_view name)
+{
+  const auto found = std::ranges::find(kKeys, name, &Key::name);
+  return found == std::end(kKeys) ? nullptr : found;
+}
+
+std::string
+expected(const Key &key)
+{
+  switch (key.kind) {
+  case Kind::flag:
+    return "true or false";
+  case Kind::number:
+    return "a number from " + text(key.least) + " to " + text(key.most);
+  case Kind::choice:
+    return std::string("one of ") + key.choices;
+  case Kind::grid:
+    return "rows x columns, each from 1 to " + std::to_string(kMostCells) + ", such as 3x3";
+  case Kind::path:
+    return "an absolute path";
+  case Kind::text:
+    break;
+  }
+  return "text of one line";
+}
+
+bool
+takes(const Key &key, const std::string &value)
+{
+  switch (key.kind) {
+  case Kind::flag:
+    return value == "true" || value == "false";
+  case Kind::number: {
+    const std::optional<double> number = parse<double>(value);
+    return number && *number >= key.least && *number <= key.most;
+  }
+  case Kind::choice:
+    return is_choice(key, value);
+  case Kind::grid:
+    return parse_grid(value).rows > 0;
+  case Kind::path:
+    return g_path_is_absolute(value.c_str()) && value.find('\n') == std::string::npos;
+  case Kind::text:
+    break;
+  }
+  return !value.empty() && value.find_first_of("\r\n") == std::string::npos
+         && g_utf8_validate(value.c_str(), -1, nullptr);
+}
+
+std::string
+variable(const Key &key)
+{
+  std::string name = std::string("VISUOTACTILE_") + key.name;
+  std::ranges::transform(name, name.begin(), [](unsigned char c) { return std::toupper(c); });
+  return name;
+}
+
+Grid
+parse_grid(const std::string &value)
+{
+  const auto cross = value.find('x');
+  if (cross == std::string::npos)
+    return {};
+  const auto side = [](std::string_view text) {
+    const std::optional<unsigned> cells = parse<unsigned>(text);
+    return cells && *cells <= kMostCells ? *cells : 0;
+  };
+  const Grid grid{ side(std::string_view(value).substr(0, cross)),
+                   side(std::string_view(value).substr(cross + 1)) };
+  return grid.rows > 0 && grid.columns > 0 ? grid : Grid{};
+}
+
+bool
+Settings::enabled(bool otherwise) const
+{
+  return values.contains(kEnabled) ? is_on(values) : otherwise;
+}
+
+std::vector<std::string>
+program_names()
+{
+  std::vector<std::string> names;
+  if (const char *name = g_get_prgname())
+    names.emplace_back(name);
+  g_autofree gchar *path = g_file_read_link("/proc/self/exe", nullptr);
+  if (path) {
+    g_autofree gchar *name = g_path_get_basename(path);
+    if (names.empty() || names.front() != name)
+      names.emplace_back(name);
+  }
+  return names;
+}
+
+Settings
+read_settings()
+{
+  Settings settings;
+  if (const auto file = SettingsFile::load()) {
+    const std::vector<std::string> sections = file->sections();
+    std::vector<std::string> mine = program_names();
+    mine.insert(mine.begin(), kEveryProgram);
+    std::ranges::reverse(mine.begin() + 1, mine.end()); // the first name has the last word
+    for (const std::string &name : mine)
+      if (std::ranges::find(sections, name) != sections.end())
+        for (auto &[key, value] : file->values(name, settings.complaints))
+          settings.values[key] = value;
+    std::vector<std::string> of_others;
+    for (const std::string &name : sections)
+      if (std::ranges::find(mine, name) == mine.end())
+        settings.others = settings.others || is_on(file->values(name, of_others));
+  } else {
+    settings.complaints.push_back(file.error());
+  }
+  read_environment(settings.values, settings.complaints);
+  return settings;
+}
+
+bool
+any_enabled()
+{
+  const Settings settings = read_settings();
+  return settings.others || settings.enabled(false);
+}
+
+} // namespace chair

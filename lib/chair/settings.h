@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <map>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+/// What a user sets once for all players, or for one of them, where a player cannot be told.
+namespace chair {
+
+/// What values a key takes.
+enum class Kind
+{
+  flag,   ///< true or false
+  number, ///< in [least, most]
+  choice, ///< one of `choices`
+  grid,   ///< rows x columns, each 1 to 64: 3x3
+  text,   ///< anything
+  path,   ///< an absolute path of a file
+};
+
+/// A setting. All but `enabled` and `grid` have the name of a property of an element.
+struct Key
+{
+  const char *name;
+  Kind kind;
+  bool live; ///< also while a film plays
+  const char *help;
+  double least = 0;
+  double most = 0;
+  const char *choices = ""; ///< separated by ", "
+};
+
+/// The switch of a program.
+inline constexpr const char *kEnabled = "enabled";
+/// Rows and columns of the tactile map.
+inline constexpr const char *kGrid = "grid";
+
+std::span<const Key> keys();
+
+/// The key of that name; nullptr if there is none.
+const Key *find_key(std::string_view name);
+
+/// What `key` takes, as in "a number from 0 to 1".
+std::string expected(const Key &key);
+
+/// Whether `key` takes `value`.
+bool takes(const Key &key, const std::string &value);
+
+/// The environment variable that beats the file: VISUOTACTILE_INTENSITY.
+std::string variable(const Key &key);
+
+struct Grid
+{
+  unsigned rows = 0;
+  unsigned columns = 0;
+};
+
+/// A value of Kind::grid, else rows and columns 0.
+Grid parse_grid(const std::string &value);
+
+using Values = std::map<std::string, std::string>;
+
+/// What is set for one program.
+struct Settings
+{
+  Values values{};                       ///< valid ones by key
+  std::vector<std::string> complaints{}; ///< what was not: a line each
+  bool others = false;                   ///< whether another program is switched on
+
+  /// Switched on or off for this program. Where nothing is said: `otherwise`.
+  bool enabled(bool otherwise) const;
+};
+
+/// The names by which this process finds its section: of the executable file, and g_get_prgname().
+/// The latter comes first.
+std::vector<std::string> program_names();
+
+/// Of the user's file and the environment, for this process. A key of the program's section beats
+/// that of [chair], and an environment variable beats both. What cannot be read is no setting.
+Settings read_settings();
+
+/// Whether any program is switched on.
+bool any_enabled();
+
+} // namespace chair

@@ -1,0 +1,137 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "chair/settings_file.h"
+
+#include <cstdio>
+
+#include <glib/gstdio.h>
+
+namespace chair {
+
+namespace {
+
+constexpr std::size_t kMostBytes = std::size_t{ 1 } << 20;
+
+using Error = tl::unexpected<std::string>;
+
+/// Up to kMostBytes + 1 bytes; nothing if there is no such file.
+tl::expected<std::string, std::string>
+contents(const std::string &path)
+{
+  const std::unique_ptr<std::FILE, int (*)(std::FILE *)> file(std::fopen(path.c_str(), "re"),
+                                                              std::fclose);
+  if (!file && errno == ENOENT)
+    return "";
+  if (!file)
+    return Error(g_strerror(errno));
+  std::string text(kMostBytes + 1, '\0');
+  text.resize(std::fread(text.data(), 1, text.size(), file.get()));
+  if (std::ferror(file.get()))
+    return Error(g_strerror(errno));
+  return text;
+}
+
+} // namespace
+
+std::string
+settings_path()
+{
+  g_autofree gchar *path
+      = g_build_filename(g_get_user_config_dir(), "visuotactile", "chair.conf", nullptr);
+  return path;
+}
+
+bool
+is_program_name(const std::string &name)
+{
+  return !name.empty() && name.size() <= 255 && name.find_first_of("[]/\r\n\t") == std::string::npos
+         && g_utf8_validate(name.c_str(), -1, nullptr);
+}
+
+SettingsFile::SettingsFile(std::string path)
+    : path_(std::move(path)), file_(g_key_file_new(), g_key_file_unref)
+{
+}
+
+tl::expected<SettingsFile, std::string>
+SettingsFile::load(const std::string &path)
+{
+  const auto refused = [&path](const std::string &why) {
+    return Error("cannot read the settings '" + path + "': " + why);
+  };
+  const tl::expected<std::string, std::string> text = contents(path);
+  if (!text)
+    return refused(text.error());
+  if (text->size() > kMostBytes)
+    return refused("expected at most " + std::to_string(kMostBytes) + " bytes");
+  SettingsFile file(path);
+  g_autoptr(GError) error = nullptr;
+  if (!g_key_file_load_from_data(file.file_.get(), text->data(), text->size(),
+                                 G_KEY_FILE_KEEP_COMMENTS, &error))
+    return refused(error->message);
+  return file;
+}
+
+std::vector<std::string>
+SettingsFile::sections() const
+{
+  g_auto(GStrv) groups = g_key_file_get_groups(file_.get(), nullptr);
+  return { groups, groups + g_strv_length(groups) };
+}
+
+Values
+SettingsFile::values(const std::string &section, std::vector<std::string> &complaints) const
+{
+  Values values;
+  g_auto(GStrv) names = g_key_file_get_keys(file_.get(), section.c_str(), nullptr, nullptr);
+  for (gchar **name = names; name && *name; name++) {
+    const std::string place = path_ + ", [" + section + "] " + *name + ": ";
+    const Key *key = find_key(*name);
+    if (key == nullptr) {
+      std::string known;
+      for (const Key &other : keys())
+        known += (known.empty() ? "" : ", ") + std::string(other.name);
+      complaints.push_back(place + "unknown; the keys are " + known);
+      continue;
+    }
+    g_autofree gchar *value
+        = g_key_file_get_string(file_.get(), section.c_str(), *name, nullptr);
+    if (value && takes(*key, value))
+      values[*name] = value;
+    else
+      complaints.push_back(place + "expected " + expected(*key)
+                           + (value ? ", got '" + std::string(value) + "'" : ""));
+  }
+  return values;
+}
+
+void
+SettingsFile::set(const std::string &section, const std::string &key, const std::string &value)
+{
+  g_key_file_set_string(file_.get(), section.c_str(), key.c_str(), value.c_str());
+}
+
+bool
+SettingsFile::unset(const std::string &section, const std::string &key)
+{
+  if (!g_key_file_remove_key(file_.get(), section.c_str(), key.c_str(), nullptr))
+    return false;
+  gsize left = 0;
+  g_auto(GStrv) keys = g_key_file_get_keys(file_.get(), section.c_str(), &left, nullptr);
+  if (left == 0)
+    g_key_file_remove_group(file_.get(), section.c_str(), nullptr);
+  return true;
+}
+
+tl::expected<void, std::string>
+SettingsFile::save() const
+{
+  g_autofree gchar *folder = g_path_get_dirname(path_.c_str());
+  g_autoptr(GError) error = nullptr;
+  if (g_mkdir_with_parents(folder, 0700) != 0)
+    return Error("cannot make the folder '" + std::string(folder) + "': " + g_strerror(errno));
+  if (!g_key_file_save_to_file(file_.get(), path_.c_str(), &error))
+    return Error("cannot write the settings '" + path_ + "': " + error->message);
+  return {};
+}
+
+} // namespace chair

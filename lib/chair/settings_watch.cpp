@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "chair/settings_watch.h"
+
+#include "chair/settings_file.h"
+
+#include <future>
+#include <thread>
+#include <utility>
+
+#include <gio/gio.h>
+
+namespace chair {
+
+struct SettingsWatch::Impl
+{
+  std::function<void()> changed;
+  GMainContext *context = g_main_context_new();
+  GMainLoop *loop = g_main_loop_new(context, FALSE);
+  std::promise<void> watching{};
+  std::thread thread{};
+
+  static void on_changed(GFileMonitor *, GFile *, GFile *, GFileMonitorEvent event, gpointer self)
+  {
+    // A file that is written in place tells of each part, and at last that it is done.
+    if (event != G_FILE_MONITOR_EVENT_CHANGED && event != G_FILE_MONITOR_EVENT_ATTRIBUTE_CHANGED)
+      static_cast<Impl *>(self)->changed();
+  }
+
+  void run()
+  {
+    g_main_context_push_thread_default(context);
+    g_autoptr(GFile) file = g_file_new_for_path(settings_path().c_str());
+    g_autoptr(GFileMonitor) monitor
+        = g_file_monitor_file(file, G_FILE_MONITOR_NONE, nullptr, nullptr);
+    if (monitor)
+      g_signal_connect(monitor, "changed", G_CALLBACK(on_changed), this);
+    watching.set_value();
+    g_main_loop_run(loop);
+    g_clear_object(&monitor);
+    g_main_context_pop_thread_default(context);
+  }
+};
+
+SettingsWatch::SettingsWatch(std::function<void()> changed)
+    : impl_(new Impl{ .changed = std::move(changed) })
+{
+  impl_->thread = std::thread([this] { impl_->run(); });
+  impl_->watching.get_future().wait();
+}
+
+static gboolean
+quit(gpointer loop)
+{
+  g_main_loop_quit(static_cast<GMainLoop *>(loop));
+  return G_SOURCE_REMOVE;
+}
+
+SettingsWatch::~SettingsWatch()
+{
+  // From within: a loop that has not begun to run would not hear g_main_loop_quit().
+  g_main_context_invoke_full(impl_->context, G_PRIORITY_HIGH, quit, impl_->loop, nullptr);
+  impl_->thread.join();
+  g_main_loop_unref(impl_->loop);
+  g_main_context_unref(impl_->context);
+}
+
+} // namespace chair
