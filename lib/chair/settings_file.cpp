@@ -93,8 +93,7 @@ SettingsFile::values(const std::string &section, std::vector<std::string> &compl
       complaints.push_back(place + "unknown; the keys are " + known);
       continue;
     }
-    g_autofree gchar *value
-        = g_key_file_get_string(file_.get(), section.c_str(), *name, nullptr);
+    g_autofree gchar *value = g_key_file_get_string(file_.get(), section.c_str(), *name, nullptr);
     if (value && takes(*key, value))
       values[*name] = value;
     else

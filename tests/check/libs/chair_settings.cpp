@@ -59,11 +59,12 @@ GST_START_TEST(program_beats_all_and_environment_beats_both)
              "[parole]\nintensity=1\n");
   Settings settings = read_settings();
   fail_unless(settings.complaints.empty());
-  fail_unless((settings.values == Values{ { "enabled", "true" },
-                         { "intensity", "0.5" },
-                         { "device", "left; \"chair\"" },
-                         { "grid", "2x4" },
-                         { "mute", "false" } }));
+  fail_unless((settings.values
+               == Values{ { "enabled", "true" },
+                          { "intensity", "0.5" },
+                          { "device", "left; \"chair\"" },
+                          { "grid", "2x4" },
+                          { "mute", "false" } }));
   fail_unless(settings.enabled(false) && any_enabled() && !settings.others);
 
   setenv("VISUOTACTILE_INTENSITY", "0.75", 1);
@@ -157,7 +158,8 @@ GST_START_TEST(what_is_written_keeps_the_rest)
 
   file = *SettingsFile::load();
   std::vector<std::string> complaints;
-  fail_unless((file.values("totem", complaints) == Values{ { "enabled", "true" }, { "device", " a;\"b\"\\c " } }));
+  fail_unless((file.values("totem", complaints)
+               == Values{ { "enabled", "true" }, { "device", " a;\"b\"\\c " } }));
   fail_unless(complaints.empty());
   fail_unless(file.unset("totem", kEnabled) && !file.unset("totem", kEnabled));
   fail_unless(file.unset("totem", "device"));
