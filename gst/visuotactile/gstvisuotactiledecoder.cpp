@@ -303,32 +303,32 @@ static struct
 {
   std::mutex mutex;
   GstVisuotactileDecoder *holder = nullptr;
-} chair;
+} seat;
 
 /// READY to PAUSED: taps the film, or leaves the chair's elements in READY while another film has
 /// it.
 static void
 gst_visuotactile_decoder_take_chair(GstVisuotactileDecoder *self)
 {
-  std::lock_guard lock(chair.mutex);
-  if (chair.holder && chair.holder->tap->ended())
-    std::exchange(chair.holder, nullptr)->tap->stop();
-  const bool taken = chair.holder == nullptr;
+  std::lock_guard lock(seat.mutex);
+  if (seat.holder && seat.holder->tap->ended())
+    std::exchange(seat.holder, nullptr)->tap->stop();
+  const bool taken = seat.holder == nullptr;
   gst_element_set_locked_state(GST_ELEMENT(self->branch), !taken);
   if (!taken) {
-    GST_INFO_OBJECT(self, "%" GST_PTR_FORMAT " has the chair", chair.holder);
+    GST_INFO_OBJECT(self, "%" GST_PTR_FORMAT " has the chair", seat.holder);
     return;
   }
-  chair.holder = self;
+  seat.holder = self;
   self->tap->start();
 }
 
 static void
 gst_visuotactile_decoder_release_chair(GstVisuotactileDecoder *self)
 {
-  std::lock_guard lock(chair.mutex);
-  if (chair.holder == self)
-    chair.holder = nullptr;
+  std::lock_guard lock(seat.mutex);
+  if (seat.holder == self)
+    seat.holder = nullptr;
   if (self->tap)
     self->tap->stop();
   if (self->branch)

@@ -3,6 +3,10 @@
 
 #include "support/temporary_file.h"
 
+#include <cstdlib>
+#include <filesystem>
+#include <string>
+
 /// A user's settings, in a folder of their own. One per process: GLib reads the variable once.
 class SettingsHome
 {

@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 # Every command of every program accepts -f (--force) and -q (--quiet) and documents them. With -q
 # it prints nothing if all is well. A wrong command has those suggested that are near.
-# Expects the programs VISUOTACTILE_PLAY, TACTILE_TRACK and TACTOR_CALIBRATE, and the plugins on
-# GST_PLUGIN_PATH.
+# Expects the programs VISUOTACTILE_PLAY, TACTILE_TRACK, TACTOR_CALIBRATE and
+# VISUOTACTILE_SETTINGS, and the plugins on GST_PLUGIN_PATH.
 set -euo pipefail
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
@@ -30,13 +30,13 @@ commands_of() {
 }
 takes_both "$VISUOTACTILE_PLAY"
 count=1
-for program in "$TACTILE_TRACK" "$TACTOR_CALIBRATE"; do
+for program in "$TACTILE_TRACK" "$TACTOR_CALIBRATE" "$VISUOTACTILE_SETTINGS"; do
   for command in $(commands_of "$program"); do
     takes_both "$program" "$command"
     count=$((count + 1))
   done
 done
-[ "$count" -ge 14 ] || wrong "only $count commands were found"
+[ "$count" -ge 20 ] || wrong "only $count commands were found"
 
 # ---- quiet ----------------------------------------------------------------------------------
 printf 'WEBVTT\n\n00:00.000 --> 00:01.000\n10 20\n30 40\n' >one.vtt

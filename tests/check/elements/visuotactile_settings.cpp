@@ -1,0 +1,248 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+//
+// The user's settings in visuotactilesink and visuotactiledecoder: when they are read, what they
+// change, and what stays the player's.
+#include <future>
+#include <string>
+
+// gstcheck.h defines a macro `fail`, so it follows the standard library's headers.
+#include "support/contains.h"
+#include "support/playing.h"
+#include "support/settings_home.h"
+
+namespace {
+
+// Before GStreamer starts: a scan of the plugins reads the settings.
+const SettingsHome home;
+
+/// READY, with the settings.
+GstElement *
+open_sink(const std::string &settings, const std::string &properties = "")
+{
+  home.write(settings);
+  GstElement *pipeline = make_pipeline("videotestsrc num-buffers=5 ! visuotactilesink name=sink "
+                                       "video-sink=fakesink "
+                                       + properties);
+  change_state(pipeline, GST_STATE_READY);
+  return pipeline;
+}
+
+void
+close_sink(GstElement *pipeline)
+{
+  change_state(pipeline, GST_STATE_NULL);
+  gst_object_unref(pipeline);
+}
+
+GstElement *
+child(GstElement *pipeline, const char *name)
+{
+  g_autoptr(GstElement) sink = gst_bin_get_by_name(GST_BIN(pipeline), "sink");
+  GObject *found = gst_child_proxy_get_child_by_name(GST_CHILD_PROXY(sink), name);
+  fail_unless(found != nullptr);
+  g_object_unref(found); // its bin holds a reference
+  return GST_ELEMENT(found);
+}
+
+gdouble
+intensity(GstElement *pipeline)
+{
+  gdouble value = -1;
+  g_object_get(child(pipeline, "tactors"), "intensity", &value, nullptr);
+  return value;
+}
+
+/// Writes the settings, and waits until the tactors have been told of a property.
+void
+change(GstElement *pipeline, const std::string &settings, const char *property)
+{
+  std::promise<void> told;
+  struct Once
+  {
+    std::promise<void> *told;
+    bool done;
+  } once = { &told, false };
+  const auto on_notify = +[](GObject *, GParamSpec *, Once *once) {
+    if (!std::exchange(once->done, true))
+      once->told->set_value();
+  };
+  const std::string signal = std::string("notify::") + property;
+  GstElement *tactors = child(pipeline, "tactors");
+  const gulong id = g_signal_connect(tactors, signal.c_str(), G_CALLBACK(on_notify), &once);
+  home.write(settings);
+  told.get_future().wait();
+  g_signal_handler_disconnect(tactors, id);
+}
+
+} // namespace
+
+/* ---- visuotactilesink ---- */
+
+GST_START_TEST(test_the_start_applies_them)
+{
+  GstElement *pipeline
+      = open_sink("[chair]\ndriver=simulator\ngrid=2x4\nintensity=0.5\nsensitivity=2\n");
+  g_autofree gchar *driver = nullptr;
+  guint rows = 0;
+  guint columns = 0;
+  gdouble sensitivity = 0;
+  g_object_get(child(pipeline, "tactors"), "driver", &driver, nullptr);
+  g_object_get(child(pipeline, "analysis"), "rows", &rows, "columns", &columns, "sensitivity",
+               &sensitivity, nullptr);
+  ck_assert_str_eq(driver, "simulator");
+  ck_assert_uint_eq(rows, 2);
+  ck_assert_uint_eq(columns, 4);
+  fail_unless(intensity(pipeline) == 0.5);
+  fail_unless(sensitivity == 2);
+  close_sink(pipeline);
+}
+GST_END_TEST;
+
+GST_START_TEST(test_what_the_player_set_stays)
+{
+  GstElement *pipeline = open_sink("[chair]\ngrid=2x4\nintensity=0.5\n",
+                                   "driver=simulator columns=7 intensity=0.25");
+  guint rows = 0;
+  guint columns = 0;
+  g_object_get(child(pipeline, "analysis"), "rows", &rows, "columns", &columns, nullptr);
+  ck_assert_uint_eq(rows, 2);
+  ck_assert_uint_eq(columns, 7);
+  fail_unless(intensity(pipeline) == 0.25);
+  // Also later: once mute has been applied, so has what precedes it.
+  change(pipeline, "[chair]\nintensity=0.75\nmute=true\n", "mute");
+  fail_unless(intensity(pipeline) == 0.25);
+  close_sink(pipeline);
+}
+GST_END_TEST;
+
+GST_START_TEST(test_changes_apply_while_it_plays)
+{
+  GstElement *pipeline = open_sink("[chair]\ndriver=simulator\nintensity=0.5\n");
+  change(pipeline, "[chair]\ndriver=simulator\ngrid=5x5\nintensity=0.75\n", "intensity");
+  fail_unless(intensity(pipeline) == 0.75);
+  guint rows = 0;
+  g_object_get(child(pipeline, "analysis"), "rows", &rows, nullptr);
+  ck_assert_uint_eq(rows, 3); // not live
+  // A key that is gone gives the default back.
+  change(pipeline, "[chair]\ndriver=simulator\n", "intensity");
+  fail_unless(intensity(pipeline) == 1);
+  close_sink(pipeline);
+}
+GST_END_TEST;
+
+GST_START_TEST(test_off_only_shows)
+{
+  home.write("[chair]\nenabled=false\n");
+  GstElement *pipeline
+      = make_pipeline("videotestsrc num-buffers=5 ! visuotactilesink name=sink "
+                      "driver=simulator video-sink=\"fakesink name=screen sync=false\"");
+  g_autoptr(GstElement) sink = gst_bin_get_by_name(GST_BIN(pipeline), "sink");
+  gst_element_set_state(pipeline, GST_STATE_PLAYING);
+  wait_for_eos(pipeline);
+  ck_assert_int_eq(GST_STATE(child(pipeline, "analysis")), GST_STATE_NULL);
+  ck_assert_int_eq(GST_STATE(child(pipeline, "tactors")), GST_STATE_NULL);
+  {
+    g_autoptr(GstElement) screen = gst_bin_get_by_name(GST_BIN(pipeline), "screen");
+    g_autoptr(GstStructure) stats = nullptr;
+    g_object_get(screen, "stats", &stats, nullptr);
+    guint64 shown = 0;
+    gst_structure_get_uint64(stats, "rendered", &shown);
+    ck_assert_uint_eq(shown, 5);
+  }
+  change_state(pipeline, GST_STATE_NULL);
+
+  // On again: felt. The source counts anew.
+  home.write("[chair]\nenabled=true\n");
+  gst_element_set_state(pipeline, GST_STATE_PLAYING);
+  wait_for_eos(pipeline);
+  ck_assert_int_eq(GST_STATE(child(pipeline, "analysis")), GST_STATE_PLAYING);
+  ck_assert_uint_eq(stat_of(child(pipeline, "analysis"), "analyzed"), 5);
+  close_sink(pipeline);
+}
+GST_END_TEST;
+
+GST_START_TEST(test_off_is_not_late)
+{
+  const auto lead = [](const char *settings) {
+    GstElement *pipeline = open_sink(settings, "driver=simulator");
+    change_state(pipeline, GST_STATE_PAUSED);
+    g_autoptr(GstElement) sink = gst_bin_get_by_name(GST_BIN(pipeline), "sink");
+    g_autoptr(GstElement) screen = nullptr;
+    g_object_get(sink, "video-sink", &screen, nullptr);
+    gint64 offset = 0;
+    g_object_get(screen, "ts-offset", &offset, nullptr);
+    const GstClockTime delay = gst_base_sink_get_render_delay(GST_BASE_SINK(screen));
+    close_sink(pipeline);
+    return offset + static_cast<gint64>(delay);
+  };
+  ck_assert_int_eq(lead("[chair]\nenabled=false\n"), 0);
+}
+GST_END_TEST;
+
+GST_START_TEST(test_wrong_ones_are_told)
+{
+  home.write("[chair]\nintensity=9\nmute=true\n");
+  GstElement *sink = gst_element_factory_make("visuotactilesink", nullptr);
+  g_object_set(sink, "driver", "simulator", nullptr);
+  const ElementBus bus(sink);
+  change_state(sink, GST_STATE_READY);
+  const Said said = bus.said(GST_MESSAGE_WARNING);
+  fail_unless(said.domain == GST_LIBRARY_ERROR);
+  ck_assert_int_eq(said.code, GST_LIBRARY_ERROR_SETTINGS);
+  assert_contains(said.text, "[chair] intensity: expected a number from 0 to 1, got '9'");
+  gboolean mute = FALSE;
+  g_object_get(sink, "mute", &mute, nullptr);
+  fail_unless(mute);
+  change_state(sink, GST_STATE_NULL);
+  gst_object_unref(sink);
+}
+GST_END_TEST;
+
+/* ---- visuotactiledecoder ---- */
+
+static bool
+opens(const char *settings)
+{
+  home.write(settings);
+  GstElement *decoder = gst_element_factory_make("visuotactiledecoder", nullptr);
+  gst_child_proxy_set(GST_CHILD_PROXY(decoder), "tactors::driver", "simulator", nullptr);
+  const ElementBus bus(decoder);
+  const bool opened = gst_element_set_state(decoder, GST_STATE_READY) != GST_STATE_CHANGE_FAILURE;
+  fail_if(bus.has(GST_MESSAGE_ERROR)); // it would end the film
+  gst_element_set_state(decoder, GST_STATE_NULL);
+  gst_object_unref(decoder);
+  return opened;
+}
+
+GST_START_TEST(test_the_decoder_is_for_programs_that_are_on)
+{
+  const std::string own = g_get_prgname();
+  fail_unless(opens(""));
+  fail_unless(opens("[chair]\nenabled=true\n"));
+  fail_unless(opens(("[" + own + "]\nenabled=true\n").c_str()));
+  fail_unless(opens(("[" + own + "]\nenabled=true\n[totem]\nenabled=true\n").c_str()));
+  fail_if(opens("[chair]\nenabled=false\n"));
+  fail_if(opens(("[chair]\nenabled=true\n[" + own + "]\nenabled=false\n").c_str()));
+  fail_if(opens("[totem]\nenabled=true\n"));
+}
+GST_END_TEST;
+
+static Suite *
+visuotactile_settings_suite(void)
+{
+  Suite *suite = suite_create("visuotactile_settings");
+  TCase *sink = tcase_create("visuotactilesink");
+  suite_add_tcase(suite, sink);
+  tcase_add_test(sink, test_the_start_applies_them);
+  tcase_add_test(sink, test_what_the_player_set_stays);
+  tcase_add_test(sink, test_changes_apply_while_it_plays);
+  tcase_add_test(sink, test_off_only_shows);
+  tcase_add_test(sink, test_off_is_not_late);
+  tcase_add_test(sink, test_wrong_ones_are_told);
+  TCase *decoder = tcase_create("visuotactiledecoder");
+  suite_add_tcase(suite, decoder);
+  tcase_add_test(decoder, test_the_decoder_is_for_programs_that_are_on);
+  return suite;
+}
+
+GST_CHECK_MAIN(visuotactile_settings)

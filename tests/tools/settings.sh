@@ -1,0 +1,105 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: LGPL-2.1-or-later
+# visuotactile-settings, and what programs make of it: the decoder's rank, and whether decodebin
+# takes it.
+# Expects the program SETTINGS and the plugins on GST_PLUGIN_PATH.
+set -euo pipefail
+: "${SETTINGS:?the path of visuotactile-settings}"
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+cd "$work"
+export XDG_CONFIG_HOME=$work/config
+file=$XDG_CONFIG_HOME/visuotactile/chair.conf
+
+fail() {
+  echo "$*"
+  exit 1
+}
+# expect STATUS ARGUMENT...: of visuotactile-settings; what it says is in `said`
+expect() {
+  local expected=$1 status=0
+  shift
+  "$SETTINGS" "$@" >said 2>&1 || status=$?
+  [ "$status" -eq "$expected" ] || fail "visuotactile-settings $* ends with $status instead of $expected: $(cat said)"
+}
+said() {
+  grep -qF -- "$1" said || fail "expected '$1', got: $(cat said)"
+}
+rank() {
+  gst-inspect-1.0 visuotactiledecoder >inspected
+  sed -nE 's/^ *Rank *.*\(([0-9]+)\)$/\1/p' inspected
+}
+
+# ---- the file ----
+expect 0 list
+expect 0 set intensity=0.5 grid=2x4
+said "written: $file"
+expect 0 set --program=totem mute=true
+expect 0 list
+said "$(printf '[chair]\ngrid=2x4\nintensity=0.5')"
+said "$(printf '[totem]\nmute=true')"
+cp "$file" before
+expect 2 set mute=true intensity=2
+said "intensity: expected a number from 0 to 1, got '2'"
+expect 2 set intensiti=1
+said "unknown key 'intensiti': expected one of enabled, driver"
+expect 2 set intensity
+said "expected KEY=VALUE, got 'intensity'"
+expect 2 on a/b
+expect 2 set
+cmp before "$file" || fail "a wrong command line changed the file"
+expect 0 unset --program=totem mute
+expect 0 unset mute
+said "not set: mute of [chair]"
+grep -q totem "$file" && fail "an empty section is kept"
+expect 0 unset -q intensity grid
+[ -s said ] && fail "with -q it says: $(cat said)"
+printf '[chair]\nintensity=loud\n' >"$file"
+expect 1 list -q
+said "[chair] intensity: expected a number from 0 to 1, got 'loud'"
+printf 'no key file\n' >"$file"
+expect 1 on
+said "cannot read the settings '$file'"
+[ "$(cat "$file")" = "no key file" ] || fail "a file that could not be read was replaced"
+rm "$file"
+mkdir "$file"
+expect 1 on
+rmdir "$file"
+
+# ---- programs ----
+gst-launch-1.0 -q tactiletestsrc pattern=dynamic-motion num-buffers=30 ! video/x-raw,width=160,height=120 ! jpegenc ! matroskamux ! filesink location=film.mkv
+# plays_felt BIN: whether gst-launch-1.0 takes the decoder; it plays to the end either way
+plays_felt() {
+  VISUOTACTILE_DRIVER=simulator GST_DEBUG_NO_COLOR=1 GST_DEBUG=GST_ELEMENT_FACTORY:4 \
+    gst-launch-1.0 -m filesrc location=film.mkv ! "$1" ! fakesink sync=true >messages 2>elements || fail "$1: $(cat messages)"
+  grep -q 'eos' messages || fail "$1 did not reach the end: $(cat messages)"
+  grep -q '"visuotactiledecoder[0-9]*" (' messages
+}
+[ "$(rank)" = 0 ] || fail "after the installation the decoder has a rank: $(rank)"
+for bin in decodebin decodebin3; do
+  plays_felt $bin && fail "$bin takes the decoder though nothing is switched on"
+done
+expect 0 on totem
+[ "$(rank)" = 1256 ] || fail "with a program switched on the decoder's rank is $(rank)"
+for bin in decodebin decodebin3; do
+  plays_felt $bin && grep -q visuotactile messages && fail "$bin takes the decoder though only another program is switched on"
+  grep -qE 'WARNING|ERROR' messages && fail "$bin: $(cat messages)"
+done
+expect 0 on gst-launch-1.0
+for bin in decodebin decodebin3; do
+  plays_felt $bin || fail "$bin does not take the decoder: $(cat messages)"
+done
+expect 0 off gst-launch-1.0
+for bin in decodebin decodebin3; do
+  plays_felt $bin && fail "$bin takes the decoder though the program is switched off"
+done
+expect 0 off totem
+[ "$(rank)" = 0 ] || fail "switched off, the decoder has the rank $(rank)"
+
+# ---- test ----
+expect 0 set grid=1x2 mute=true
+expect 0 test --driver=simulator
+[ "$(cat said)" = "$(printf 'row 1, column 1\nrow 1, column 2')" ] || fail "expected two tactors: $(cat said)"
+expect 1 test --driver=nothing
+said nothing
+echo "settings are as the programs take them"

@@ -1,0 +1,207 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "commands.h"
+
+#include "chair/settings.h"
+#include "chair/settings_file.h"
+#include "film/command_line.h"
+
+#include <cstdio>
+#include <limits>
+
+namespace {
+
+constexpr std::size_t kAny = std::numeric_limits<std::size_t>::max();
+
+std::string
+table_of_keys()
+{
+  std::string table = "Keys:";
+  for (const chair::Key &key : chair::keys())
+    table += std::string("\n  ") + key.name + ": " + key.help + "; " + chair::expected(key);
+  return table;
+}
+
+chair::SettingsFile
+load()
+{
+  auto file = chair::SettingsFile::load();
+  if (!file)
+    throw std::runtime_error(file.error());
+  return std::move(*file);
+}
+
+void
+save(const chair::SettingsFile &file)
+{
+  if (const auto saved = file.save(); !saved)
+    throw std::runtime_error(saved.error());
+}
+
+const chair::Key &
+key_of(const std::string &name)
+{
+  if (const chair::Key *key = chair::find_key(name))
+    return *key;
+  std::string known;
+  for (const chair::Key &key : chair::keys())
+    known += (known.empty() ? "" : ", ") + std::string(key.name);
+  throw UsageError("unknown key '" + name + "': expected one of " + known);
+}
+
+void
+check_program(const std::string &name)
+{
+  if (!chair::is_program_name(name))
+    throw UsageError("expected a program's name without folders and brackets, such as totem, got '"
+                     + name + "'");
+}
+
+GOptionEntry
+program_entry(TextOption &program)
+{
+  return { "program",
+           'p',
+           0,
+           G_OPTION_ARG_STRING,
+           &program.value,
+           "Only for this program, such as totem (default: for all)",
+           "NAME" };
+}
+
+std::string
+section_of(const TextOption &program)
+{
+  if (program.is_set())
+    check_program(program.text());
+  return program.text(chair::kEveryProgram);
+}
+
+int
+enable(int argc, char **argv, const char *value, const char *summary)
+{
+  CommonOptions common;
+  const GOptionEntry none[] = { {} };
+  std::vector<std::string> programs = parse_options(
+      argc, argv, none, common,
+      { .arguments = "[PROGRAM...]", .summary = summary, .least = 0, .most = kAny });
+  for (const std::string &program : programs)
+    check_program(program);
+  if (programs.empty())
+    programs.emplace_back(chair::kEveryProgram);
+  chair::SettingsFile file = load();
+  for (const std::string &program : programs)
+    file.set(program, chair::kEnabled, value);
+  save(file);
+  if (!common.quiet)
+    std::printf("written: %s\nIt applies to players that start from now on.\n",
+                chair::settings_path().c_str());
+  return 0;
+}
+
+} // namespace
+
+int
+list(int argc, char **argv)
+{
+  CommonOptions common;
+  const GOptionEntry none[] = { {} };
+  parse_options(argc, argv, none, common,
+                { .arguments = "",
+                  .summary = "Prints the settings of all programs, [chair], and of single ones.",
+                  .least = 0,
+                  .most = 0,
+                  .force_help = Usage::kWritesNothing,
+                  .quiet_help = "Print only what is wrong" });
+  const chair::SettingsFile file = load();
+  std::vector<std::string> complaints;
+  if (!common.quiet)
+    std::printf("# %s\n", chair::settings_path().c_str());
+  for (const std::string &section : file.sections()) {
+    const chair::Values values = file.values(section, complaints);
+    if (common.quiet)
+      continue;
+    std::printf("[%s]\n", section.c_str());
+    for (const auto &[key, value] : values)
+      std::printf("%s=%s\n", key.c_str(), value.c_str());
+  }
+  for (const std::string &complaint : complaints)
+    print_error("visuotactile-settings", complaint);
+  return complaints.empty() ? 0 : 1;
+}
+
+int
+set(int argc, char **argv)
+{
+  TextOption program;
+  CommonOptions common;
+  const GOptionEntry entries[] = { program_entry(program), {} };
+  const std::string summary
+      = "Changes settings. intensity, mute, sensitivity and density apply at once.\n"
+        + table_of_keys();
+  const std::vector<std::string> arguments = parse_options(
+      argc, argv, entries, common,
+      { .arguments = "KEY=VALUE...", .summary = summary.c_str(), .least = 1, .most = kAny });
+  const std::string section = section_of(program);
+  chair::SettingsFile file = load();
+  for (const std::string &argument : arguments) {
+    const std::size_t equals = argument.find('=');
+    if (equals == std::string::npos)
+      throw UsageError("expected KEY=VALUE, got '" + argument + "'");
+    const chair::Key &key = key_of(argument.substr(0, equals));
+    const std::string value = argument.substr(equals + 1);
+    if (!chair::takes(key, value))
+      throw UsageError(std::string(key.name) + ": expected " + chair::expected(key) + ", got '"
+                       + value + "'");
+    file.set(section, key.name, value);
+  }
+  save(file);
+  if (!common.quiet)
+    std::printf("written: %s\n", chair::settings_path().c_str());
+  return 0;
+}
+
+int
+unset(int argc, char **argv)
+{
+  TextOption program;
+  CommonOptions common;
+  const GOptionEntry entries[] = { program_entry(program), {} };
+  const std::vector<std::string> arguments = parse_options(
+      argc, argv, entries, common,
+      { .arguments = "KEY...",
+        .summary = "Removes settings, so that those of all programs or the defaults "
+                   "apply.",
+        .least = 1,
+        .most = kAny });
+  const std::string section = section_of(program);
+  chair::SettingsFile file = load();
+  bool changed = false;
+  for (const std::string &argument : arguments) {
+    const bool was_set = file.unset(section, key_of(argument).name);
+    if (!was_set && !common.quiet)
+      std::printf("not set: %s of [%s]\n", argument.c_str(), section.c_str());
+    changed = changed || was_set;
+  }
+  if (!changed)
+    return 0;
+  save(file);
+  if (!common.quiet)
+    std::printf("written: %s\n", chair::settings_path().c_str());
+  return 0;
+}
+
+int
+switch_on(int argc, char **argv)
+{
+  return enable(argc, argv, "true",
+                "Lets films of these programs, such as totem, be felt. Without a PROGRAM: of "
+                "all\nthat play with GStreamer.");
+}
+
+int
+switch_off(int argc, char **argv)
+{
+  return enable(argc, argv, "false",
+                "Lets films of these programs only be shown. Without a PROGRAM: of all that are "
+                "not\nswitched on by name.");
+}

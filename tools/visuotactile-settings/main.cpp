@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+//
+// visuotactile-settings: what players that cannot be told anything do with the chair.
+#include "commands.h"
+
+#include "film/command_line.h"
+
+#include <array>
+
+static constexpr std::array kCommands = {
+  Command{ "list", list, "print all settings" },
+  Command{ "on", switch_on, "let players be felt" },
+  Command{ "off", switch_off, "let players only be shown" },
+  Command{ "set", set, "change settings" },
+  Command{ "unset", unset, "remove settings" },
+  Command{ "test", test, "drive one tactor after the other" },
+};
+
+int
+main(int argc, char **argv)
+{
+  return run_commands("visuotactile-settings", kCommands, argc, argv);
+}
