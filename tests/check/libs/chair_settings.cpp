@@ -9,6 +9,7 @@
 #include <iterator>
 
 #include "support/settings_home.h"
+#include <gst/check/gstcheck.h>
 
 using namespace chair;
 
