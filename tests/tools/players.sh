@@ -2,10 +2,10 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 # The players of pipelines/ on a display: each shows a film and drives a simulated chair.
 # Needs Xvfb and the players, which tools/setup.sh installs. Expects ROOT (of the source),
-# VISUOTACTILE_BUILD and TRACK (tactile-track).
+# VISUOTACTILE_BUILD, TRACK (tactile-track) and SETTINGS (visuotactile-settings).
 # shellcheck source=common.sh
 . "$(dirname "$0")/common.sh"
-: "${ROOT:?root of the source}" "${VISUOTACTILE_BUILD:?folder of the build}" "${TRACK:?the path of tactile-track}"
+: "${ROOT:?root of the source}" "${VISUOTACTILE_BUILD:?folder of the build}" "${TRACK:?the path of tactile-track}" "${SETTINGS:?the path of visuotactile-settings}"
 
 for program in Xvfb gst-play-1.0 gst123 totem parole clapper dbus-run-session; do
   command -v "$program" >/dev/null || fail "there is no $program: run tools/setup.sh"
@@ -116,12 +116,16 @@ any_player() {
   expect_shown_and_felt
 }
 
-# Players that choose their own video sink: visuotactiledecoder is taken as the decoder, and the
-# chair gets maps. The player's settings stay in this folder.
+# own_sink NAME COMMAND...: players that choose their own video sink. Switched on by their NAME,
+# visuotactiledecoder is taken as the decoder, and the chair gets maps. The player's settings stay in
+# this folder.
 own_sink() {
   local player
   export_debug
-  export GST_DEBUG=visuotactiledecoder:4,tactorsink:6 GST_PLUGIN_FEATURE_RANK=visuotactiledecoder:MAX
+  export GST_DEBUG=visuotactiledecoder:4,tactorsink:6 XDG_CONFIG_HOME=$PWD/config
+  "$SETTINGS" on "$1" >out
+  "$SETTINGS" set driver=simulator >out
+  shift
   HOME=$PWD XDG_RUNTIME_DIR=$PWD GDK_BACKEND=x11 LIBGL_ALWAYS_SOFTWARE=1 timeout 60 dbus-run-session -- "$@" >out 2>&1 &
   player=$!
   while kill -0 "$player" 2>/dev/null && ! felt; do
@@ -186,15 +190,17 @@ finish
 unset MALLOC_PERTURB_
 start any_player any_player "$work/film.mkv"
 finish
-for player in totem parole clapper; do
-  start "$player" own_sink "$player" "$work/moving.mkv"
+for player in totem parole; do
+  start "$player" own_sink "$player" "$player" "$work/moving.mkv"
   finish
 done
-start gtk own_sink "$PYTHON" "$here/video_in_gtk.py" "$work/moving.mkv"
+start clapper own_sink com.github.rafostar.Clapper clapper "$work/moving.mkv"
+finish
+start gtk own_sink "$(basename "$(readlink -f "$PYTHON")")" "$PYTHON" "$here/video_in_gtk.py" "$work/moving.mkv"
 finish
 gst-launch-1.0 -q tactiletestsrc pattern=dynamic-motion num-buffers=180 ! video/x-raw,format=I420,width=320,height=240,framerate=30/1 ! \
   x264enc speed-preset=ultrafast ! mp4mux ! filesink location=moving.mp4
-start webkit own_sink "$PYTHON" "$here/video_in_page.py" "$work/moving.mp4"
+start webkit own_sink WebKitWebProcess "$PYTHON" "$here/video_in_page.py" "$work/moving.mp4"
 finish
 start gl_memory gl_memory
 finish
