@@ -284,7 +284,7 @@ Chaos::check()
     witness().expect_silence(std::string("in ") + name(state_));
   if (is_muted_)
     witness().expect_silence("while muted");
-  if (has_ended_ && kind_ != Stage::Kind::playbin && !is_broken_)
+  if (has_ended_ && !Stage::is_beside(kind_) && !is_broken_)
     witness().expect_silence("after the end");
   std::string reason;
   // Other threads may need time. The watchdog ends the wait and reports waiting_for_.

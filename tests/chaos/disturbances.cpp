@@ -38,8 +38,8 @@ Chaos::forget_probe()
 void
 Chaos::flow_error()
 {
-  // Elements post an error when they fail; visuotactilesink relies on it to play on.
-  if (kind_ == Stage::Kind::playbin)
+  // Elements post an error when they fail; the branch beside a picture relies on it.
+  if (Stage::is_beside(kind_))
     return;
   is_excused_ = true;
   once([](GstPad *pad, GstPadProbeInfo *info, int) {

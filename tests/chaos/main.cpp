@@ -30,10 +30,9 @@ on_glib_log(GLogLevelFlags level, const GLogField *fields, gsize count, gpointer
 }
 
 const std::vector<std::pair<std::string, Stage::Kind>> kKinds{
-  { "file", Stage::Kind::file },
-  { "live", Stage::Kind::live },
-  { "network", Stage::Kind::network },
-  { "playbin", Stage::Kind::playbin },
+  { "file", Stage::Kind::file },       { "live", Stage::Kind::live },
+  { "network", Stage::Kind::network }, { "playbin", Stage::Kind::playbin },
+  { "decoder", Stage::Kind::decoder },
 };
 
 std::vector<std::string>
@@ -58,7 +57,8 @@ main(int argc, char **argv)
     { "steps", 0, 0, G_OPTION_ARG_INT, &count, "Steps of a run (50)", "N" },
     { "seed", 0, 0, G_OPTION_ARG_INT64, &seed, "Seed of the first run (1)", "N" },
     { "runs", 0, 0, G_OPTION_ARG_INT, &runs, "Runs of each kind, each its own seed (1)", "N" },
-    { "kind", 0, 0, G_OPTION_ARG_STRING, &kind, "file, live, network or playbin (all)", "KIND" },
+    { "kind", 0, 0, G_OPTION_ARG_STRING, &kind, "file, live, network, playbin or decoder (all)",
+      "KIND" },
     { "only", 0, 0, G_OPTION_ARG_STRING, &only, "Steps to draw from, with commas between (all)",
       "STEP,STEP" },
     { "verbose", 'v', 0, G_OPTION_ARG_NONE, &verbose, "Print each step as it is taken", nullptr },
@@ -77,7 +77,7 @@ main(int argc, char **argv)
   if (!parsed || !known || !drawable || count < 1 || runs < 1) {
     std::fprintf(stderr, "chaos: %s; see chaos --help\n",
                  error       ? error->message
-                 : !known    ? "expected --kind=file, live, network or playbin"
+                 : !known    ? "expected --kind=file, live, network, playbin or decoder"
                  : !drawable ? "expected --only=STEP,STEP, names as --verbose prints them"
                              : "expected at least one step and one run");
     return 2;

@@ -68,6 +68,13 @@ Stage::Stage(Kind kind, const std::string &film) : kind(kind)
     gst_element_set_state(source, GST_STATE_PLAYING);
     break;
   }
+  case Kind::decoder:
+    pipeline = parse("filesrc location=" + film
+                     + " ! matroskademux name=decoder visuotactiledecoder name=scale ! queue "
+                       "max-size-bytes=0 max-size-time=0 max-size-buffers=3 ! "
+                       "fakesink name=video sync=true qos=true");
+    link_decoder();
+    break;
   case Kind::playbin: {
     pipeline = parse("playbin uri=file://" + film
                      + " audio-sink=\"fakesink sync=true\" "
@@ -103,10 +110,7 @@ Stage::link_decoder()
   g_signal_connect(decoder, "pad-added",
                    G_CALLBACK(+[](GstElement *, GstPad *pad, GstElement *scale) {
                      GstPad *sink = gst_element_get_static_pad(scale, "sink");
-                     GstCaps *caps = gst_pad_query_caps(pad, nullptr);
-                     if (gst_structure_has_name(gst_caps_get_structure(caps, 0), "video/x-raw"))
-                       gst_pad_link(pad, sink);
-                     gst_caps_unref(caps);
+                     gst_pad_link(pad, sink); // refused for sound
                      gst_object_unref(sink);
                    }),
                    scale); // lives in the same bin

@@ -15,6 +15,7 @@ public:
     live,    ///< the same with a camera
     network, ///< maps over RTP and UDP, from a pipeline that plays elsewhere
     playbin, ///< a film with sound in playbin, shown by visuotactilesink
+    decoder, ///< a film that visuotactiledecoder decodes for a sink of the player's
   };
 
   /// `film` is a seekable file, for the kinds that play one.
@@ -25,11 +26,16 @@ public:
 
   static bool is_seekable(Kind kind)
   {
-    return kind == Kind::file || kind == Kind::playbin;
+    return kind == Kind::file || kind == Kind::playbin || kind == Kind::decoder;
   }
   bool is_seekable() const
   {
     return is_seekable(kind);
+  }
+  /// Whether the chair is beside a picture that goes on without it.
+  static bool is_beside(Kind kind)
+  {
+    return kind == Kind::playbin || kind == Kind::decoder;
   }
   /// Whether EOS has entered the stream. Its message may not be on the bus yet.
   bool is_at_end() const;
