@@ -38,6 +38,14 @@ is_in(GstTactileBranch *self)
   return parent == GST_OBJECT(self);
 }
 
+/* The sink first, for which a queue's thread may wait. */
+static void
+stop(const Elements &elements)
+{
+  for (auto element = elements.rbegin(); element != elements.rend(); ++element)
+    gst_element_set_state(*element, GST_STATE_NULL);
+}
+
 /* Removes all but the queue, so that the outer bin does not wait for its preroll and EOS. Not on a
  * streaming thread. */
 static void
@@ -47,8 +55,7 @@ gst_tactile_branch_give_up(GstTactileBranch *self)
     return;
   for (GstElement *element : *self->rest)
     gst_bin_remove(GST_BIN(self), element);
-  for (GstElement *element : *self->rest)
-    gst_element_set_state(element, GST_STATE_NULL);
+  stop(*self->rest);
   GST_OBJECT_LOCK(self);
   const gboolean ended = self->ended;
   GST_OBJECT_UNLOCK(self);
@@ -216,10 +223,8 @@ static void
 gst_tactile_branch_dispose(GObject *object)
 {
   auto *self = GST_TACTILE_BRANCH(object);
-  for (GstElement *element : *self->rest) {
-    if (!is_in(self))
-      gst_element_set_state(element, GST_STATE_NULL);
-  }
+  if (!self->rest->empty() && !is_in(self)) // disposal may come twice
+    stop(*self->rest);
   std::ranges::for_each(*self->rest, gst_object_unref);
   self->rest->clear();
   G_OBJECT_CLASS(parent_class)->dispose(object);

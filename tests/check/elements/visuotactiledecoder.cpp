@@ -378,6 +378,23 @@ GST_START_TEST(test_a_chair_that_fails)
 }
 GST_END_TEST;
 
+/// The tactors wait for the play with a map in hand.
+GST_START_TEST(test_a_chair_that_fails_in_a_pause)
+{
+  TemporaryFile film;
+  make_film(film.path, 120);
+  Player player(kPlaybins[__i__], film.path, true);
+  gst_element_set_state(player.pipeline, GST_STATE_PLAYING);
+  player.wait_for_commands(5);
+  player.pause();
+  GST_ELEMENT_ERROR(player.tactors(), STREAM, FAILED, ("Broken."), (nullptr));
+  player.wait([&] { return !player.warnings.empty(); });
+  gst_element_set_state(player.pipeline, GST_STATE_PLAYING);
+  player.wait([&] { return player.ended; });
+  ck_assert_uint_eq(player.warnings.size(), 1);
+}
+GST_END_TEST;
+
 /* ---- streams ---- */
 
 GST_START_TEST(test_the_best_decoder)
@@ -750,6 +767,7 @@ visuotactiledecoder_suite(void)
   tcase_add_loop_test(players, test_seeks, 0, 2);
   tcase_add_test(players, test_gapless);
   tcase_add_loop_test(players, test_a_chair_that_fails, 0, 2);
+  tcase_add_loop_test(players, test_a_chair_that_fails_in_a_pause, 0, 2);
   TCase *streams = tcase_create("streams");
   suite_add_tcase(suite, streams);
   tcase_add_test(streams, test_the_best_decoder);
