@@ -24,7 +24,7 @@ is_default(GObject *object, GParamSpec *spec)
   return g_param_value_defaults(spec, &value);
 }
 
-/// To the default without a `wanted` text.
+/// To the default without a `wanted` text. Tells nobody if it is so already.
 void
 set(GObject *object, GParamSpec *spec, const std::optional<std::string> &wanted)
 {
@@ -36,7 +36,11 @@ set(GObject *object, GParamSpec *spec, const std::optional<std::string> &wanted)
     g_value_set_string(&value, wanted->c_str()); // as it is: a device's name may begin with a quote
   else if (!gst_value_deserialize(&value, wanted->c_str()))
     return;
-  g_object_set_property(object, spec->name, &value);
+  g_auto(GValue) now = G_VALUE_INIT;
+  g_value_init(&now, spec->value_type);
+  g_object_get_property(object, spec->name, &now);
+  if (g_param_values_cmp(spec, &now, &value) != 0)
+    g_object_set_property(object, spec->name, &value);
 }
 
 } // namespace
