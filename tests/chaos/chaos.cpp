@@ -124,7 +124,7 @@ Chaos::hear()
 void
 Chaos::let_begin()
 {
-  if (kind_ == Stage::Kind::playbin)
+  if (Stage::is_beside(kind_))
     await([this] {
       return gst_element_get_state(stage_->pipeline, nullptr, nullptr, 0) != GST_STATE_CHANGE_ASYNC
              || has_ended_;

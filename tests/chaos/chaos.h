@@ -58,8 +58,8 @@ private:
   void leave_stage();
   /// Handles the messages on the bus. Errors that no step caused are faults.
   void hear();
-  /// Waits until playbin has prerolled: one that is stopped or fails before never plays again, or
-  /// aborts (GStreamer 1.22).
+  /// Waits until a player has prerolled: a playbin that is stopped or fails before never plays
+  /// again, or aborts (GStreamer 1.22).
   void let_begin();
   void set_state(GstState state);
   /// Polls until the condition holds. The watchdog ends the run if it takes too long. False if the
