@@ -2,8 +2,8 @@
 #include "filmanalysis.h"
 
 #include "frame/front_end.h"
+#include "framemapping.h"
 #include "people/cascade_module.h"
-#include "regionsofinterest.h"
 
 #include <algorithm>
 #include <chrono>
@@ -33,6 +33,20 @@ saliency::Time
 analysis_period(double max_rate)
 {
   return saliency::Time(max_rate > 0 ? static_cast<gint64>(std::min(1e9 / max_rate, 1e15)) : 0);
+}
+
+/// The rectangle of the map that the frame's pixels fill. `picture` is that of the view's samples,
+/// whose outer ones may reach beyond the frame.
+cv::Rect2d
+rectangle_of(const ReadFrame &read, const FrameMapping &mapping, const cv::Rect2d &picture)
+{
+  if (!read.window)
+    return picture;
+  const double x_step = picture.width / mapping.view().width;
+  const double y_step = picture.height / mapping.view().height;
+  return { picture.x + (read.window->x - mapping.left()) * x_step,
+           picture.y + (read.window->y - mapping.top()) * y_step, read.window->width * x_step,
+           read.window->height * y_step };
 }
 
 } // namespace
@@ -125,23 +139,20 @@ FilmAnalysis::make_people(const SaliencySettings &settings)
 
 /// The saliency map, raised where people are, multiplied by the weights of regions.
 const cv::Mat &
-FilmAnalysis::weigh(const SaliencySettings &settings, GstBuffer *buffer,
-                    const FrameMapping &mapping, const saliency::Saliency &found,
+FilmAnalysis::weigh(const SaliencySettings &settings, GstBuffer *frame, const Placement &placement,
+                    const saliency::FrameView &view, const saliency::Saliency &found,
                     saliency::Time time)
 {
-  const saliency::FrameView &frame = mapping.view();
   raised_ = found;
   if (people_) {
     people_->wait(wait_for_people_);
-    raised_.map = people_->raise({ found, analyzer_->picture(), frame,
-                                   people_of_interest(buffer, mapping.left(), mapping.top()) },
-                                 time);
+    raised_.map = people_->raise(
+        { found, analyzer_->picture(), view, people_of_interest(frame, placement) }, time);
   }
   if (!settings.roi_weights)
     return raised_.map;
-  return top_down_->compute(
-      raised_, { frame.width, frame.height },
-      regions_of_interest(buffer, mapping.left(), mapping.top(), *settings.roi_weights), time);
+  return top_down_->compute(raised_, { view.width, view.height },
+                            regions_of_interest(frame, placement, *settings.roi_weights), time);
 }
 
 /// The maximum of interpolated samples is lower than that of the samples. The floor is lowered by
@@ -154,9 +165,16 @@ FilmAnalysis::keep_saliency(const tactile::SaliencyView &view, double floor)
   saliency_.floor = static_cast<gfloat>(peak > 0 ? floor * saliency_.map.peak() / peak : floor);
 }
 
+int
+FilmAnalysis::halvings(const SaliencySettings &settings, int width, int height)
+{
+  make_analyzer(kind_of(settings));
+  return saliency::preceding_halvings(analyzer_->profile(), { width, height });
+}
+
 bool
 FilmAnalysis::analyze(const SaliencySettings &settings, tactile::Orientation orientation,
-                      const GstVideoInfo &info, GstBuffer *buffer, saliency::Time time,
+                      const ReadFrame *read, GstBuffer *frame, saliency::Time time,
                       saliency::Time duration)
 {
   make_analyzer(kind_of(settings));
@@ -164,27 +182,33 @@ FilmAnalysis::analyze(const SaliencySettings &settings, tactile::Orientation ori
   analyzer_->set_threads(settings.n_threads);
   saliency_.map.clear();
   orientation_ = orientation;
-  const FrameMapping mapping(info, buffer);
-  if (!mapping || !saliency::fault_of(mapping.view()).empty()) {
+  std::optional<FrameMapping> mapping;
+  if (read)
+    mapping.emplace(read->info, read->buffer);
+  if (!mapping || !*mapping || !saliency::fault_of(mapping->view()).empty()) {
     map_ = tactile::TactileMap(settings.rows, settings.columns);
     return false;
   }
 
   const saliency::Saliency &found = analyzer_->analyze(
-      mapping.view(), time, std::max(duration, analysis_period(settings.max_rate)),
+      mapping->view(), time, std::max(duration, analysis_period(settings.max_rate)),
       settings.temporal);
   if (found.cut) { // what has been found in the last shot is no longer there
     top_down_->reset();
     viewport_.reset();
   }
-  const cv::Mat &saliency = weigh(settings, buffer, mapping, found, time);
+  Placement placement = read->placement; // of the frame in what was analyzed
+  placement.offset_x -= mapping->left();
+  placement.offset_y -= mapping->top();
+  const cv::Mat &saliency = weigh(settings, frame, placement, mapping->view(), found, time);
+  const cv::Rect2d shown = rectangle_of(*read, *mapping, found.picture);
   tactile::MappingSettings how = make_mapping(settings);
   const tactile::SaliencyView view{ .values = saliency.ptr<float>(),
                                     .width = saliency.cols,
                                     .height = saliency.rows,
                                     .stride = static_cast<std::ptrdiff_t>(saliency.step1()),
-                                    .horizontal = { found.picture.x, found.picture.width },
-                                    .vertical = { found.picture.y, found.picture.height } };
+                                    .horizontal = { shown.x, shown.width },
+                                    .vertical = { shown.y, shown.height } };
   how.floor = density_.follow(view, how.floor, settings.density, time);
   tactile::Viewport viewport;
   if (settings.viewport == ViewportMode::adaptive)

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include "framemapping.h"
+#include "framereader.h"
 #include "people/people.h"
+#include "regionsofinterest.h"
 #include "saliency/analyzer.h"
 #include "saliency/top_down_saliency.h"
 #include "saliencysettings.h"
@@ -39,10 +40,14 @@ public:
   bool is_due(const SaliencySettings &settings, tactile::Orientation orientation,
               saliency::Time time);
 
-  /// Analyzes a frame. False if it cannot be read; the map is silent then. Throws only where memory
-  /// is out: std::bad_alloc, or OpenCV's exception.
+  /// How often a frame of this size may be halved before analyze().
+  int halvings(const SaliencySettings &settings, int width, int height);
+
+  /// Analyzes what was read of a frame, with the metas of the frame. False if nothing can be read
+  /// (`read` may be NULL); the map is silent then. Throws only where memory is out: std::bad_alloc,
+  /// or OpenCV's exception.
   bool analyze(const SaliencySettings &settings, tactile::Orientation orientation,
-               const GstVideoInfo &info, GstBuffer *buffer, saliency::Time time,
+               const ReadFrame *read, GstBuffer *frame, saliency::Time time,
                saliency::Time duration);
 
   /// Whether a late look for people is waited for, so that maps do not depend on the machine's
@@ -94,9 +99,9 @@ private:
   static Kind kind_of(const SaliencySettings &settings);
   void make_analyzer(const Kind &kind);
   void make_people(const SaliencySettings &settings);
-  const cv::Mat &weigh(const SaliencySettings &settings, GstBuffer *buffer,
-                       const FrameMapping &mapping, const saliency::Saliency &found,
-                       saliency::Time time);
+  const cv::Mat &weigh(const SaliencySettings &settings, GstBuffer *frame,
+                       const Placement &placement, const saliency::FrameView &view,
+                       const saliency::Saliency &found, saliency::Time time);
   void keep_saliency(const tactile::SaliencyView &view, double floor);
 
   Kind kind_; ///< of the analyzer

@@ -38,7 +38,10 @@
 #include "gstsaliencytactile.h"
 
 #include "filmanalysis.h"
+#include "framemapping.h"
+#include "framereader.h"
 #include "gst/video/video_direction.h"
+#include "gst/video/writable_frame.h"
 #include "saliencysettings.h"
 #include "tactile/cue_limiter.h"
 
@@ -67,12 +70,18 @@ struct Statistics
   GstClockTime busy = 0;
   GstClockTime longest = 0;
   people::People::Statistics people;
+  FrameReader::Path path = FrameReader::Path::none;
+  guint64 bytes = 0; ///< of small pictures
 };
 
 } // namespace
 
 struct GstSaliencyTactilePrivate
 {
+  explicit GstSaliencyTactilePrivate(GstElement *self) : reader(self)
+  {
+  }
+
   SaliencySettings settings;      ///< object lock
   Statistics stats;               ///< object lock
   std::atomic<bool> late = false; ///< frames come late downstream (QoS)
@@ -80,6 +89,7 @@ struct GstSaliencyTactilePrivate
   // Streaming thread only.
   GstVideoInfo info;
   bool negotiated = false;
+  FrameReader reader;
   FilmAnalysis analysis;
   OrientationTags tags;
   tactile::Orientation orientation; ///< of the last frame
@@ -104,9 +114,11 @@ G_DEFINE_TYPE_WITH_CODE(GstSaliencyTactile, gst_saliency_tactile, GST_TYPE_BASE_
 GST_ELEMENT_REGISTER_DEFINE(saliencytactile, "saliencytactile", GST_RANK_NONE,
                             GST_TYPE_SALIENCY_TACTILE);
 
+// A source with a choice takes a format that is read as it is.
 #define SALIENCY_CAPS                                                                              \
   GST_VIDEO_CAPS_MAKE(FRAME_MAPPING_FORMATS)                                                       \
-  "; " GST_VIDEO_CAPS_MAKE_WITH_FEATURES("ANY", FRAME_MAPPING_FORMATS)
+  "; " GST_VIDEO_CAPS_MAKE_WITH_FEATURES("ANY", FRAME_MAPPING_FORMATS) "; video/x-raw"             \
+                                                                       "; video/x-raw(ANY)"
 static GstStaticPadTemplate sink_template
     = GST_STATIC_PAD_TEMPLATE("sink", GST_PAD_SINK, GST_PAD_ALWAYS, GST_STATIC_CAPS(SALIENCY_CAPS));
 static GstStaticPadTemplate src_template
@@ -172,8 +184,13 @@ gst_saliency_tactile_analyze(GstSaliencyTactile *self, const SaliencySettings &s
 {
   GstSaliencyTactilePrivate *priv = self->priv;
   priv->analysis.wait_for_people(!priv->live && !priv->late);
+  const int width = GST_VIDEO_INFO_WIDTH(&priv->info);
+  const int height = GST_VIDEO_INFO_HEIGHT(&priv->info);
+  const int halvings
+      = width > 0 && height > 0 ? priv->analysis.halvings(settings, width, height) : 0;
+  const std::unique_ptr<ReadFrame> frame = priv->reader.read(buffer, halvings);
   const bool read
-      = priv->analysis.analyze(settings, priv->orientation, priv->info, buffer, time, duration);
+      = priv->analysis.analyze(settings, priv->orientation, frame.get(), buffer, time, duration);
   const std::string no_people = priv->analysis.people_failure();
   if (!no_people.empty() && !std::exchange(priv->warned_people, true))
     GST_ELEMENT_WARNING(self, RESOURCE, NOT_FOUND,
@@ -182,9 +199,12 @@ gst_saliency_tactile_analyze(GstSaliencyTactile *self, const SaliencySettings &s
                          "gstreamer1.0-visuotactile-people and opencv-data"));
   if (read || std::exchange(priv->warned_map, true))
     return;
-  g_autoptr(GstCaps) caps = gst_video_info_to_caps(&priv->info);
-  GST_ELEMENT_WARNING(self, RESOURCE, READ, ("A frame could not be read; it is felt as nothing."),
-                      ("expected %" GST_PTR_FORMAT " in readable memory", caps));
+  g_autoptr(GstCaps) caps = gst_pad_get_current_caps(GST_BASE_TRANSFORM_SINK_PAD(self));
+  GST_ELEMENT_WARNING(self, RESOURCE, READ,
+                      ("Frames cannot be read: they pass as they are, and are felt as nothing."),
+                      ("expected memory that can be mapped, or an element that shrinks it "
+                       "(vapostproc), got %" GST_PTR_FORMAT,
+                       caps));
 }
 
 /// Updates controlled properties to the frame's stream time.
@@ -229,6 +249,8 @@ gst_saliency_tactile_count(GstSaliencyTactile *self, std::span<const float> felt
   GST_OBJECT_LOCK(self);
   Statistics &stats = self->priv->stats;
   stats.people = people;
+  stats.path = self->priv->reader.path();
+  stats.bytes = self->priv->reader.bytes();
   stats.frames++;
   stats.analyzed += spent ? 1 : 0;
   stats.active += std::ranges::any_of(felt, [](float level) { return level > 0; }) ? 1 : 0;
@@ -295,8 +317,9 @@ gst_saliency_tactile_transform_ip(GstBaseTransform *transform, GstBuffer *buffer
 static GstFlowReturn
 gst_saliency_tactile_prepare_output_buffer(GstBaseTransform *, GstBuffer *input, GstBuffer **output)
 {
-  *output = gst_buffer_is_writable(input) ? input : gst_buffer_copy(input);
-  return *output ? GST_FLOW_OK : GST_FLOW_ERROR;
+  // The base class keeps a reference to the input unless it is the output.
+  *output = gst_buffer_is_writable(input) ? input : writable_frame(gst_buffer_ref(input));
+  return GST_FLOW_OK;
 }
 
 static GstStructure *
@@ -313,7 +336,8 @@ gst_saliency_tactile_stats(GObject *object)
       G_TYPE_UINT64, stats.longest, "faces", G_TYPE_UINT64,
       static_cast<guint64>(stats.people.faces), "looks", G_TYPE_UINT64,
       static_cast<guint64>(looks.detections), "look-mean", G_TYPE_UINT64,
-      static_cast<guint64>(looks.detections ? looks.busy.count() / looks.detections : 0), nullptr);
+      static_cast<guint64>(looks.detections ? looks.busy.count() / looks.detections : 0), "path",
+      G_TYPE_STRING, name_of(stats.path), "bytes-read", G_TYPE_UINT64, stats.bytes, nullptr);
 }
 
 /* ---- stream ---- */
@@ -327,18 +351,30 @@ gst_saliency_tactile_reset(GstSaliencyTactile *self)
   priv->next_time = saliency::Time(0);
 }
 
+/// What is known of caps that GstVideoInfo does not know.
+static void
+gst_saliency_tactile_guess(GstSaliencyTactile *self, GstCaps *caps)
+{
+  GstVideoInfo &info = self->priv->info;
+  const GstStructure *format = gst_caps_get_structure(caps, 0);
+  gst_video_info_init(&info);
+  gst_structure_get_int(format, "width", &info.width);
+  gst_structure_get_int(format, "height", &info.height);
+  gst_structure_get_fraction(format, "framerate", &info.fps_n, &info.fps_d);
+}
+
 static gboolean
 gst_saliency_tactile_set_caps(GstBaseTransform *transform, GstCaps *incaps, GstCaps *)
 {
   GstSaliencyTactile *self = GST_SALIENCY_TACTILE(transform);
   GstSaliencyTactilePrivate *priv = self->priv;
 
-  priv->negotiated = gst_video_info_from_caps(&priv->info, incaps);
-  if (!priv->negotiated) {
-    GST_ERROR_OBJECT(self, "expected raw video with a size of at least 1 x 1, got %" GST_PTR_FORMAT,
-                     incaps);
-    return FALSE;
-  }
+  // Frames of other caps, such as DMA_DRM before GStreamer 1.24, may be shrunk by an element.
+  const bool parsed = gst_video_info_from_caps(&priv->info, incaps);
+  if (!parsed)
+    gst_saliency_tactile_guess(self, incaps);
+  priv->negotiated = true;
+  priv->reader.set_caps(incaps, parsed ? &priv->info : nullptr);
   gst_saliency_tactile_reset(self);
   g_autoptr(GstQuery) latency = gst_query_new_latency();
   gboolean live = FALSE;
@@ -412,6 +448,7 @@ gst_saliency_tactile_stop(GstBaseTransform *transform)
 {
   GstSaliencyTactilePrivate *priv = GST_SALIENCY_TACTILE(transform)->priv;
   priv->analysis.stop();
+  priv->reader.stop();
   priv->tags.reset();
   return TRUE;
 }
@@ -479,7 +516,7 @@ gst_saliency_tactile_class_init(GstSaliencyTactileClass *klass)
 static void
 gst_saliency_tactile_init(GstSaliencyTactile *self)
 {
-  self->priv = new GstSaliencyTactilePrivate;
+  self->priv = new GstSaliencyTactilePrivate(GST_ELEMENT(self));
   gst_video_info_init(&self->priv->info);
   gst_base_transform_set_in_place(GST_BASE_TRANSFORM(self), TRUE);
   gst_base_transform_set_passthrough(GST_BASE_TRANSFORM(self), TRUE);

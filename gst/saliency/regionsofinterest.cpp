@@ -9,26 +9,27 @@ namespace {
 
 template <typename Use>
 void
-each_region(GstBuffer *buffer, int left, int top, const Use &use)
+each_region(GstBuffer *frame, const Placement &view, const Use &use)
 {
   gpointer state = nullptr;
   while (GstMeta *meta = gst_buffer_iterate_meta_filtered(
-             buffer, &state, GST_VIDEO_REGION_OF_INTEREST_META_API_TYPE)) {
+             frame, &state, GST_VIDEO_REGION_OF_INTEREST_META_API_TYPE)) {
     const auto *region = reinterpret_cast<const GstVideoRegionOfInterestMeta *>(meta);
     const gchar *type = g_quark_to_string(region->roi_type);
     use(region->roi_type, std::string_view(type ? type : ""),
-        cv::Rect2d(static_cast<double>(region->x) - left, static_cast<double>(region->y) - top,
-                   region->w, region->h));
+        cv::Rect2d(view.offset_x + view.scale_x * region->x,
+                   view.offset_y + view.scale_y * region->y, view.scale_x * region->w,
+                   view.scale_y * region->h));
   }
 }
 
 } // namespace
 
 std::vector<cv::Rect2d>
-people_of_interest(GstBuffer *buffer, int left, int top)
+people_of_interest(GstBuffer *frame, const Placement &view)
 {
   std::vector<cv::Rect2d> boxes;
-  each_region(buffer, left, top, [&](GQuark, std::string_view type, const cv::Rect2d &area) {
+  each_region(frame, view, [&](GQuark, std::string_view type, const cv::Rect2d &area) {
     if ((type == "face" || type == "head" || type == "person") && !area.empty())
       boxes.push_back(area);
   });
@@ -36,10 +37,10 @@ people_of_interest(GstBuffer *buffer, int left, int top)
 }
 
 std::vector<saliency::Region>
-regions_of_interest(GstBuffer *buffer, int left, int top, const saliency::RegionWeights &weights)
+regions_of_interest(GstBuffer *frame, const Placement &view, const saliency::RegionWeights &weights)
 {
   std::vector<saliency::Region> regions;
-  each_region(buffer, left, top, [&](GQuark id, std::string_view type, const cv::Rect2d &area) {
+  each_region(frame, view, [&](GQuark id, std::string_view type, const cv::Rect2d &area) {
     const double weight = weights.of(type);
     if (weight != 1)
       regions.push_back({ .area = area, .type = id, .weight = weight });

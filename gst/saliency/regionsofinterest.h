@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include "frameshrinker.h"
 #include "saliency/region_weights.h"
 #include "saliency/top_down_saliency.h"
 
@@ -9,10 +10,10 @@
 #include <vector>
 
 /// Boxes of people that detectors upstream found, of types `face`, `head` and `person`, as below.
-std::vector<cv::Rect2d> people_of_interest(GstBuffer *buffer, int left, int top);
+std::vector<cv::Rect2d> people_of_interest(GstBuffer *frame, const Placement &view);
 
 /// Regions that detectors upstream found, from GstVideoRegionOfInterestMeta, with their weights;
-/// regions of weight 1 are left out. Coordinates are relative to pixel (left, top) of the frame,
-/// the top left of its GstVideoCropMeta.
-std::vector<saliency::Region> regions_of_interest(GstBuffer *buffer, int left, int top,
+/// regions of weight 1 are left out. Coordinates are pixels of the `view` that is
+/// analyzed.
+std::vector<saliency::Region> regions_of_interest(GstBuffer *frame, const Placement &view,
                                                   const saliency::RegionWeights &weights);

@@ -28,6 +28,7 @@
 #include "gsttactilecombiner.h"
 
 #include "../properties.h"
+#include "gst/video/writable_frame.h"
 #include "gsttactileelements.h"
 #include "tracks/track_edit.h"
 
@@ -231,7 +232,7 @@ gst_tactile_combiner_aggregate(GstAggregator *aggregator, gboolean timeout)
   }
   /* A track without any caps has no grid. */
   if (track != nullptr && time && self->priv->rows > 0) {
-    frame = gst_buffer_make_writable(frame);
+    frame = writable_frame(frame);
     put_map(self, frame, *time);
   }
   gst_clear_object(&track);

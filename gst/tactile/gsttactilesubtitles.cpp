@@ -37,6 +37,7 @@
 #include "gsttactilesubtitles.h"
 
 #include "gst/cues/cue_stream.h"
+#include "gst/video/writable_frame.h"
 #include "gsttactileelements.h"
 #include "tracks/text_cue.h"
 #include "tracks/track.h"
@@ -315,7 +316,7 @@ on_frame(GstPad *pad, GstPadProbeInfo *info, gpointer data)
   const std::optional<TactileMap> map = map_at(self, time);
   if (!map)
     return GST_PAD_PROBE_OK;
-  frame = gst_buffer_make_writable(frame);
+  frame = writable_frame(frame);
   GST_PAD_PROBE_INFO_DATA(info) = frame;
   gst_buffer_add_tactile_meta(frame, static_cast<guint>(map->rows),
                               static_cast<guint>(map->columns), map->levels.data(),

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "tactilebranch.h"
 
+#include "gst/video/writable_frame.h"
+
 #include <algorithm>
 #include <vector>
 
@@ -311,7 +313,7 @@ clear_discont(GstPad *, GstPadProbeInfo *info, gpointer)
 {
   GstBuffer *frame = GST_PAD_PROBE_INFO_BUFFER(info);
   if (GST_BUFFER_IS_DISCONT(frame)) {
-    frame = gst_buffer_make_writable(frame);
+    frame = writable_frame(frame);
     GST_BUFFER_FLAG_UNSET(frame, GST_BUFFER_FLAG_DISCONT);
     info->data = frame;
   }

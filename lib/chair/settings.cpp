@@ -54,7 +54,7 @@ is_choice(const Key &key, const std::string &value)
 std::string
 text(double value)
 {
-  char buffer[32];
+  char buffer[32] = "";
   std::snprintf(buffer, sizeof buffer, "%g", value);
   std::ranges::replace(buffer, ',', '.'); // the locale's point
   return buffer;
@@ -96,6 +96,15 @@ find_key(std::string_view name)
 {
   const auto found = std::ranges::find(kKeys, name, &Key::name);
   return found == std::end(kKeys) ? nullptr : found;
+}
+
+std::string
+names_of_keys()
+{
+  std::string names;
+  for (const Key &key : kKeys)
+    names += (names.empty() ? "" : ", ") + std::string(key.name);
+  return names;
 }
 
 std::string

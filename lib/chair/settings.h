@@ -43,6 +43,9 @@ std::span<const Key> keys();
 /// The key of that name; nullptr if there is none.
 const Key *find_key(std::string_view name);
 
+/// All of them, with commas between.
+std::string names_of_keys();
+
 /// What `key` takes, as in "a number from 0 to 1".
 std::string expected(const Key &key);
 

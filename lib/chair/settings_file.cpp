@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "chair/settings_file.h"
 
+#include <cerrno>
 #include <cstdio>
 
 #include <glib/gstdio.h>
@@ -87,10 +88,7 @@ SettingsFile::values(const std::string &section, std::vector<std::string> &compl
     const std::string place = path_ + ", [" + section + "] " + *name + ": ";
     const Key *key = find_key(*name);
     if (key == nullptr) {
-      std::string known;
-      for (const Key &other : keys())
-        known += (known.empty() ? "" : ", ") + std::string(other.name);
-      complaints.push_back(place + "unknown; the keys are " + known);
+      complaints.push_back(place + "unknown; the keys are " + names_of_keys());
       continue;
     }
     g_autofree gchar *value = g_key_file_get_string(file_.get(), section.c_str(), *name, nullptr);

@@ -94,23 +94,31 @@ threads_that_pay(const FrameView &frame)
   return static_cast<int>(std::clamp(std::min(pixels / kPixels, processors), 1LL, kMost));
 }
 
+/// How many samples level `n` has.
+long long
+samples(cv::Size frame, int n)
+{
+  const cv::Size size = level_size(frame, n);
+  return static_cast<long long>(size.width) * size.height;
+}
+
 } // namespace
+
+int
+decimation_level(cv::Size frame, int level)
+{
+  constexpr int kSamples = 150'000;
+  int decimated = 0;
+  while (decimated < level && samples(frame, decimated) > kSamples)
+    ++decimated;
+  return decimated;
+}
 
 int
 conversion_level(cv::Size frame, int level)
 {
-  constexpr long long kOfEveryPixel = 480'000;
-  constexpr long long kDecimated = 150'000;
-  const auto samples = [frame](int n) {
-    const cv::Size size = level_size(frame, n);
-    return static_cast<long long>(size.width) * size.height;
-  };
-  if (samples(0) <= kOfEveryPixel)
-    return 0;
-  int converted = 1;
-  while (converted < level && samples(converted) > kDecimated)
-    ++converted;
-  return std::min(converted, level);
+  constexpr int kOfEveryPixel = 480'000;
+  return samples(frame, 0) <= kOfEveryPixel ? 0 : decimation_level(frame, level);
 }
 
 std::string_view

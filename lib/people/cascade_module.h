@@ -9,7 +9,7 @@ namespace people {
 /// it needs large libraries.
 ///
 /// The module is searched in $VISUOTACTILE_MODULES, the cascade in $VISUOTACTILE_CASCADES, by
-/// default where they are installed. Both are read by this call.
+/// default where they are installed.
 MakeDetector cascade_detector();
 
 } // namespace people

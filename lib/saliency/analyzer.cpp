@@ -260,6 +260,12 @@ Analyzer::State::finish(Time time, Time duration, bool temporal)
   return result;
 }
 
+int
+preceding_halvings(const Profile &profile, cv::Size frame)
+{
+  return profile.exact ? 0 : decimation_level(frame, frame_levels(profile, frame).finest);
+}
+
 Analyzer::Analyzer(const Profile &profile) : state_(std::make_unique<State>(profile))
 {
   assert(fault_of(profile).empty());

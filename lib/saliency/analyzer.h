@@ -32,6 +32,11 @@ struct Saliency
   Similarity motion;
 };
 
+/// How often a frame may be halved ([1 4 6 4 1]/16, even samples kept) before its analysis, which
+/// then gives the same map but for rounding: as often as the front end halves its components. 0
+/// with Profile::exact, whose L*a*b* is that of every pixel.
+int preceding_halvings(const Profile &profile, cv::Size frame);
+
 /// The steps of an analysis, in order. Without history: lab, pyramid, spatial.
 enum class Stage
 {

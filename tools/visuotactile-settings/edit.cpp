@@ -42,10 +42,7 @@ key_of(const std::string &name)
 {
   if (const chair::Key *key = chair::find_key(name))
     return *key;
-  std::string known;
-  for (const chair::Key &key : chair::keys())
-    known += (known.empty() ? "" : ", ") + std::string(key.name);
-  throw UsageError("unknown key '" + name + "': expected one of " + known);
+  throw UsageError("unknown key '" + name + "': expected one of " + chair::names_of_keys());
 }
 
 void

@@ -1,0 +1,10 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include "frameshrinker.h"
+
+#include <memory>
+
+/// Shrinks frames with the feature memory:GLMemory by OpenGL, at least one halving. NULL where the
+/// module for that (gst/saliency/gl) is not there. It is loaded when first used.
+std::unique_ptr<FrameShrinker> make_gl_shrinker(GstCaps *caps, int halvings);
