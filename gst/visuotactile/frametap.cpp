@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "frametap.h"
 
-FrameTap::FrameTap(GstPad *watched, GstPad *branch)
-    : watched_(GST_PAD(gst_object_ref(watched))), pad_(gst_pad_new("tap", GST_PAD_SRC))
+FrameTap::FrameTap(GstPad *watched, GstPad *branch, PlayGate &gate)
+    : gate_(gate), watched_(GST_PAD(gst_object_ref(watched))), pad_(gst_pad_new("tap", GST_PAD_SRC))
 {
   gst_object_ref_sink(pad_);
   gst_pad_set_element_private(pad_, watched_);
@@ -81,6 +81,7 @@ FrameTap::pass(GstEvent *event)
     break;
   case GST_EVENT_FLUSH_STOP: {
     ended_ = false;
+    gate_.flush();
     gboolean resets_time = FALSE;
     gst_event_parse_flush_stop(event, &resets_time);
     if (resets_time)
@@ -104,6 +105,7 @@ FrameTap::pass(GstEvent *event)
 void
 FrameTap::pass(GstBuffer *frame)
 {
+  gate_.pass();
   if (shift_.pass(frame)) {
     const GstSegment segment = shift_.segment();
     gst_pad_push_event(pad_, gst_event_new_segment(&segment));

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "groupshift.h"
+#include "playgate.h"
 
 #include <gst/gst.h>
 
@@ -13,8 +14,9 @@
 class FrameTap
 {
 public:
-  /// `watched` is a sink pad, `branch` one that drops what it cannot take in time.
-  FrameTap(GstPad *watched, GstPad *branch);
+  /// `watched` is a sink pad, `branch` one that drops what it cannot take in time. The gate is told
+  /// of flushes.
+  FrameTap(GstPad *watched, GstPad *branch, PlayGate &gate);
   ~FrameTap();
   FrameTap(const FrameTap &) = delete;
   FrameTap &operator=(const FrameTap &) = delete;
@@ -34,6 +36,7 @@ private:
   void pass(GstEvent *event);
   void pass(GstBuffer *frame);
 
+  PlayGate &gate_;
   GstPad *watched_;
   GstPad *pad_; ///< a source pad without an element
   gulong probe_ = 0;

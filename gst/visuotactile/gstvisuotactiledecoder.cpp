@@ -75,6 +75,7 @@ struct _GstVisuotactileDecoder
   GstPad *srcpad;
   GstElement *queue;        ///< behind the decoder; owned
   GstTactileBranch *branch; ///< owned; NULL where a plugin is missing
+  PlayGate *gate;           ///< NULL where a plugin is missing, as the tap
   FrameTap *tap;
   ChairProperties *properties; ///< NULL where a plugin is missing
   GMutex choosing; ///< while a decoder is chosen, put in or removed; queries come on any thread
@@ -395,6 +396,9 @@ gst_visuotactile_decoder_change_state(GstElement *element, GstStateChange transi
     gst_visuotactile_decoder_take_chair(self);
   const GstStateChangeReturn ret
       = GST_ELEMENT_CLASS(parent_class)->change_state(element, transition);
+  const GstState next = GST_STATE_TRANSITION_NEXT(transition);
+  if (self->gate && (next == GST_STATE_PLAYING || next <= GST_STATE_READY))
+    self->gate->open();
   if (transition == GST_STATE_CHANGE_PAUSED_TO_READY
       || (transition == GST_STATE_CHANGE_READY_TO_PAUSED && ret == GST_STATE_CHANGE_FAILURE))
     gst_visuotactile_decoder_release_chair(self);
@@ -436,6 +440,7 @@ gst_visuotactile_decoder_dispose(GObject *object)
   gst_visuotactile_decoder_remove(self);
   gst_visuotactile_decoder_release_chair(self);
   delete std::exchange(self->tap, nullptr);
+  delete std::exchange(self->gate, nullptr);
   delete std::exchange(self->properties, nullptr);
   gst_clear_object(&self->branch);
   gst_clear_object(&self->queue);
@@ -514,7 +519,9 @@ gst_visuotactile_decoder_init(GstVisuotactileDecoder *self)
     return;
   g_autoptr(GstPad) watched = gst_element_get_static_pad(self->queue, "sink");
   g_autoptr(GstPad) chair = gst_element_get_static_pad(GST_ELEMENT(self->branch), "sink");
-  self->tap = new FrameTap(watched, chair);
+  g_autoptr(GstPad) maps = gst_tactile_branch_get_maps_pad(self->branch);
+  self->gate = new PlayGate(GST_ELEMENT(self), maps);
+  self->tap = new FrameTap(watched, chair, *self->gate);
   gst_pad_add_probe(self->srcpad, GST_PAD_PROBE_TYPE_EVENT_UPSTREAM,
                     gst_visuotactile_decoder_sinks_event, self, nullptr);
 }

@@ -348,3 +348,10 @@ gst_tactile_branch_get_analysis(GstTactileBranch *self)
 {
   return self->rest->size() > 1 ? self->rest->front() : nullptr;
 }
+
+GstPad *
+gst_tactile_branch_get_maps_pad(GstTactileBranch *self)
+{
+  const Elements &rest = *self->rest;
+  return gst_element_get_static_pad(rest.size() > 1 ? rest[rest.size() - 2] : self->queue, "src");
+}

@@ -25,4 +25,7 @@ GstElement *gst_tactile_branch_get_tactors(GstTactileBranch *self);
 /// The saliencytactile, also while it is out of the bin; NULL where maps come in. Transfer none.
 GstElement *gst_tactile_branch_get_analysis(GstTactileBranch *self);
 
+/// The pad that maps leave for the tactorsink. Transfer full.
+GstPad *gst_tactile_branch_get_maps_pad(GstTactileBranch *self);
+
 G_END_DECLS

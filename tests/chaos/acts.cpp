@@ -26,13 +26,8 @@ Chaos::play()
 void
 Chaos::pause()
 {
-  if (state_ < GST_STATE_PAUSED || is_broken_)
-    return;
-  // A pipeline (1.22) that is paused before it has prerolled after a flush leaves elements in
-  // PLAYING that prerolled nothing: visuotactiledecoder goes on with what it has.
-  if (kind_ == Stage::Kind::decoder)
-    let_begin();
-  set_state(GST_STATE_PAUSED);
+  if (state_ >= GST_STATE_PAUSED && !is_broken_)
+    set_state(GST_STATE_PAUSED);
 }
 
 void

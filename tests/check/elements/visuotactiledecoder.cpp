@@ -337,6 +337,30 @@ GST_START_TEST(test_seeks)
 }
 GST_END_TEST;
 
+/* GStreamer leaves the decoder in PLAYING then. The wait is until the last frame that is ahead
+ * would have been felt. */
+GST_START_TEST(test_a_pause_before_a_seek_is_done)
+{
+  TemporaryFile film;
+  make_film(film.path, 240);
+  Player player(kPlaybins[__i__], film.path, true);
+  gst_element_set_state(player.pipeline, GST_STATE_PLAYING);
+  player.wait_for_commands(5);
+  seek_exactly(player.pipeline, 1, 3 * GST_SECOND, 8 * GST_SECOND);
+  player.pause();
+  const guint64 issued = player.issued();
+  g_autoptr(GstClock) clock = gst_system_clock_obtain();
+  const GstClockID later
+      = gst_clock_new_single_shot_id(clock, gst_clock_get_time(clock) + GST_SECOND);
+  gst_clock_id_wait(later, nullptr);
+  gst_clock_id_unref(later);
+  fail_unless_equals_uint64(player.issued(), issued);
+  gst_element_set_state(player.pipeline, GST_STATE_PLAYING);
+  player.wait_for_commands(5);
+  player.assert_commands_are_the_frames(5);
+}
+GST_END_TEST;
+
 /* Only playbin3: with these sinks, playbin of GStreamer 1.22 stops between the films, with and
  * without the chair. playbin3 loses frames there, so times are compared with the second film's
  * rate. */
@@ -765,6 +789,7 @@ visuotactiledecoder_suite(void)
   tcase_add_loop_test(players, test_the_picture_is_the_same, 0, 2);
   tcase_add_loop_test(players, test_a_pause_is_silent, 0, 2);
   tcase_add_loop_test(players, test_seeks, 0, 2);
+  tcase_add_loop_test(players, test_a_pause_before_a_seek_is_done, 0, 2);
   tcase_add_test(players, test_gapless);
   tcase_add_loop_test(players, test_a_chair_that_fails, 0, 2);
   tcase_add_loop_test(players, test_a_chair_that_fails_in_a_pause, 0, 2);
