@@ -12,6 +12,19 @@
  * The map is as viewers see the picture; regions of interest and #GstSaliencyMeta are in the pixels
  * of the frame. Behind videoflip, which keeps the orientation tag, set `video-direction=identity`.
  *
+ * Frames stay in the memory that they are in, and are read as the field `path` of
+ * #GstSaliencyTactile:stats says:
+ *
+ * - `mapped`: as they are;
+ * - `gl`: OpenGL textures are shrunk on the GPU, and only the small picture is read, at most 0.2 MB
+ *   of a 4K frame's 12 MB. Software renderers do not gain by that: there frames are mapped.
+ * - `element`: an element that takes their memory shrinks them: vapostproc for VA and DMABuf
+ *   memory, vaapipostproc for VA surfaces;
+ * - `converted`: raw formats that the analysis does not know are converted while they are shrunk;
+ * - `none`: they cannot be read. They pass, are felt as nothing, and a warning says so once.
+ *
+ * `profile=paper` and `exact` read every pixel, which is slow in a GPU's memory.
+ *
  * With `people`, faces are looked for a few times a second, on a thread of their own, and what
  * happens in them is felt first. Where a detector upstream marks faces, heads or persons with
  * #GstVideoRegionOfInterestMeta, these are taken instead. Faces count from 0.2 s of film time after

@@ -17,7 +17,8 @@
  *   are later by #GstTactorSink:max-lead and 30 ms.
  * - The picture never waits for the chair. Where the analysis is too slow, frames are not felt.
  * - Where the tactors cannot be used, the film plays on, with a warning; the next start tries
- *   again. Frames that cannot be mapped are shown and not felt.
+ *   again. Frames in a GPU's memory stay there: see [saliencytactile](saliencytactile.md). Those
+ *   that cannot be read are shown and not felt.
  * - Of several films at the same time in one process, the one that began first is felt, until its
  *   end.
  * - In a gapless play of playbin3 with one decoder, each film is felt at its own time, once the

@@ -13,7 +13,9 @@
  * - Picture and sound are later by #GstVisuotactileSink:max-lead and 10 ms.
  * - Where the tactors cannot be used, the film plays on, with a warning; the next start tries
  *   again. Where no video sink can be used, the film is felt and not shown.
- * - Frames that carry a map keep it. Frames that cannot be mapped are shown and not felt.
+ * - Frames that carry a map keep it. Frames in a GPU's memory stay there: see
+ *   [saliencytactile](saliencytactile.md). Those that cannot be read are shown and not felt.
+ * - The analysis has a thread of its own.
  * - #GstVideoOverlay and #GstNavigation are the video sink's.
  *
  * ## Example launch lines
@@ -50,6 +52,10 @@ constexpr GstClockTime kWakeMargin = 10 * GST_MSECOND;
 
 /// What the video queue holds beyond the lead.
 constexpr GstClockTime kLookahead = 200 * GST_MSECOND;
+
+/// Frames that wait for the analysis. It has a thread of its own, as reading a GPU's memory takes
+/// a while.
+constexpr guint kMostWaiting = 2;
 
 } // namespace
 
@@ -88,9 +94,10 @@ gst_visuotactile_sink_lead(GstVisuotactileSink *self)
 static void
 gst_visuotactile_sink_feel(GstVisuotactileSink *self, bool felt)
 {
-  for (GstElement *part : { self->analysis, self->extractor, GST_ELEMENT(self->branch) })
+  for (GstElement *part :
+       { self->frames, self->analysis, self->extractor, GST_ELEMENT(self->branch) })
     gst_element_set_locked_state(part, !felt);
-  g_autoptr(GstPad) first = gst_element_get_static_pad(felt ? self->analysis : self->queue, "sink");
+  g_autoptr(GstPad) first = gst_element_get_static_pad(felt ? self->frames : self->queue, "sink");
   gst_ghost_pad_set_target(GST_GHOST_PAD(self->sinkpad), nullptr);
   if (felt) {
     GST_OBJECT_FLAG_SET(self->branch, GST_ELEMENT_FLAG_SINK);
@@ -237,7 +244,8 @@ gst_visuotactile_sink_query(GstPad *pad, GstObject *parent, GstQuery *query)
   if (GST_QUERY_TYPE(query) != GST_QUERY_ALLOCATION)
     return answered;
   // Also if the video sink does not answer.
-  demand_buffers(query, gst_visuotactile_sink_lead(GST_VISUOTACTILE_SINK(parent)));
+  demand_buffers(query, gst_visuotactile_sink_lead(GST_VISUOTACTILE_SINK(parent)),
+                 kMostWaiting + 1);
   return TRUE;
 }
 
@@ -330,11 +338,13 @@ gst_visuotactile_sink_class_init(GstVisuotactileSinkClass *klass)
 static void
 gst_visuotactile_sink_build(GstVisuotactileSink *self)
 {
+  GstElement *frames = gst_element_factory_make("queue", "frame-queue");
   GstElement *analysis = gst_element_factory_make("saliencytactile", "analysis");
   GstElement *extractor = gst_element_factory_make("tactileextractor", "extractor");
   GstElement *queue = gst_element_factory_make("queue", "video-queue");
   GstTactileBranch *branch = gst_tactile_branch_new("tactile");
-  if (!analysis || !extractor || !queue || !branch) {
+  if (!frames || !analysis || !extractor || !queue || !branch) {
+    gst_clear_object(&frames);
     gst_clear_object(&analysis);
     gst_clear_object(&extractor);
     gst_clear_object(&queue);
@@ -342,11 +352,14 @@ gst_visuotactile_sink_build(GstVisuotactileSink *self)
     return;
   }
   g_object_set(analysis, "keep-maps", TRUE, nullptr);
+  g_object_set(frames, "max-size-bytes", 0, "max-size-buffers", kMostWaiting, "max-size-time",
+               G_GUINT64_CONSTANT(0), nullptr);
   g_object_set(queue, "max-size-bytes", 0, "max-size-buffers", 0, nullptr);
-  gst_bin_add_many(GST_BIN(self), analysis, extractor, queue, GST_ELEMENT(branch), nullptr);
-  gst_element_link(analysis, extractor);
+  gst_bin_add_many(GST_BIN(self), frames, analysis, extractor, queue, GST_ELEMENT(branch), nullptr);
+  gst_element_link_many(frames, analysis, extractor, nullptr);
   gst_element_link_pads(extractor, "src", queue, "sink");
   gst_element_link_pads(extractor, "tactile", GST_ELEMENT(branch), "sink");
+  self->frames = frames;
   self->analysis = analysis;
   self->extractor = extractor;
   self->queue = queue;
@@ -364,8 +377,8 @@ gst_visuotactile_sink_init(GstVisuotactileSink *self)
 
   g_autoptr(GstPadTemplate) pad_template = gst_static_pad_template_get(&sink_template);
   self->sinkpad = gst_ghost_pad_new_no_target_from_template("sink", pad_template);
-  if (self->analysis) {
-    g_autoptr(GstPad) target = gst_element_get_static_pad(self->analysis, "sink");
+  if (self->frames) {
+    g_autoptr(GstPad) target = gst_element_get_static_pad(self->frames, "sink");
     gst_ghost_pad_set_target(GST_GHOST_PAD(self->sinkpad), target);
   }
   gst_pad_set_query_function(self->sinkpad, GST_DEBUG_FUNCPTR(gst_visuotactile_sink_query));

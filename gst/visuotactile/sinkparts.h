@@ -26,7 +26,8 @@ struct _GstVisuotactileSink
 
   /* Made at init; placeholder changes with the state. */
   GstPad *sinkpad;
-  GstElement *analysis; ///< as all of these NULL where one's plugin is missing
+  GstElement *frames; ///< queue before the analysis; NULL, as the next, where a plugin is missing
+  GstElement *analysis;
   GstElement *extractor;
   GstElement *queue;
   GstTactileBranch *branch;

@@ -3,6 +3,7 @@
 // saliencytactile with frames that the CPU reads slowly or not at all, and with formats that the
 // analysis does not know: their maps are compared with those of the same film in system memory.
 // OpenGL is Mesa's, in software, without a display.
+#include <atomic>
 #include <cmath>
 #include <cstdlib>
 #include <functional>
@@ -182,6 +183,45 @@ expect_unread(GstBuffer *frame)
 }
 
 } // namespace
+
+/// In the bins of players, textures are shrunk too, and not on the thread that brings the film.
+GST_START_TEST(test_gl_in_a_player)
+{
+  use_software_gl();
+  GstElement *pipeline = make_pipeline(
+      film(1280, 720, 12)
+      + (__i__ == 0 ? "glupload ! visuotactilesink name=chair driver=simulator video-sink=fakesink"
+                    : "jpegenc ! visuotactiledecoder name=chair tactors::driver=simulator ! "
+                      "fakesink"));
+  struct Threads
+  {
+    std::atomic<GThread *> film{ nullptr };
+    std::atomic<GThread *> analysis{ nullptr };
+  } threads;
+  const auto watch = [](GstElement *element, const char *name, std::atomic<GThread *> *thread) {
+    g_autoptr(GstPad) pad = gst_element_get_static_pad(element, name);
+    gst_pad_add_probe(
+        pad, GST_PAD_PROBE_TYPE_BUFFER,
+        [](GstPad *, GstPadProbeInfo *, gpointer data) {
+          *static_cast<std::atomic<GThread *> *>(data) = g_thread_self();
+          return GST_PAD_PROBE_OK;
+        },
+        thread, nullptr);
+  };
+  g_autoptr(GstElement) chair = gst_bin_get_by_name(GST_BIN(pipeline), "chair");
+  g_autoptr(GObject) child = gst_child_proxy_get_child_by_name(GST_CHILD_PROXY(chair), "analysis");
+  watch(chair, "sink", &threads.film);
+  watch(GST_ELEMENT(child), "sink", &threads.analysis);
+  gst_element_set_state(pipeline, GST_STATE_PLAYING);
+  wait_for_eos(pipeline);
+  fail_unless(threads.film != nullptr && threads.analysis != nullptr);
+  fail_unless(threads.film != threads.analysis);
+  if (__i__ == 0)
+    fail_unless(path_of(GST_ELEMENT(child)) == "gl");
+  gst_element_set_state(pipeline, GST_STATE_NULL);
+  gst_object_unref(pipeline);
+}
+GST_END_TEST;
 
 /// Frames in textures of any format and size, with each of OpenGL's interfaces.
 GST_START_TEST(test_gl)
@@ -396,8 +436,7 @@ GST_START_TEST(test_shared_frame)
   constexpr const char *kCaps
       = "video/x-raw(memory:Fake),format=NV12,width=1280,height=720,framerate=30/1";
   Analysis analysis("saliencytactile", kCaps);
-  g_autoptr(GstBuffer) frame
-      = Unmappable::hide(flat_frame(std::size_t{ 1280 } * 720 * 3 / 2, 128));
+  g_autoptr(GstBuffer) frame = Unmappable::hide(flat_frame(std::size_t{ 1280 } * 720 * 3 / 2, 128));
   GST_BUFFER_PTS(frame) = GST_SECOND;
   gst_buffer_add_video_meta(frame, GST_VIDEO_FRAME_FLAG_NONE, GST_VIDEO_FORMAT_NV12, 1280, 720);
   g_autoptr(GstBuffer) out = analysis.pass(gst_buffer_ref(frame));
@@ -447,6 +486,7 @@ saliencytactile_memory_suite(void)
   tcase_add_loop_test(cases, test_gl, 0, G_N_ELEMENTS(kGlCases));
   tcase_add_test(cases, test_gl_bytes);
   tcase_add_test(cases, test_gl_exact);
+  tcase_add_loop_test(cases, test_gl_in_a_player, 0, 2);
   tcase_add_loop_test(cases, test_gl_is_not_there, 0, 2);
   tcase_add_test(cases, test_gl_caps_change);
   tcase_add_test(cases, test_gl_real_film);
