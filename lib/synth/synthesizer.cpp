@@ -43,8 +43,11 @@ Synthesizer::Synthesizer(int rate, std::vector<Voice> voices, int ramp) : amplit
                           .phase = part_of_round(voice.phase),
                           .advance = part_of_round(advance) });
   }
-  for (int i = 0; i < ramp; i++)
-    ramp_.push_back(static_cast<float>(0.5 - 0.5 * std::cos(std::numbers::pi * (i + 0.5) / ramp)));
+  for (int i = 0; i < ramp; i++) {
+    const double x = (i + 0.5) / ramp;
+    ramp_.push_back(
+        static_cast<float>(x - std::sin(2 * std::numbers::pi * x) / (2 * std::numbers::pi)));
+  }
 }
 
 int

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <numbers>
@@ -31,7 +32,7 @@ spectrum_of(std::span<const float> sound)
   gst_fft_f64_free(fft);
   std::vector<double> amplitudes(bins.size());
   for (std::size_t i = 0; i < bins.size(); i++)
-    amplitudes[i] = 2 * std::hypot(bins[i].r, bins[i].i) / sum;
+    amplitudes[i] = (i > 0 ? 2 : 1) * std::hypot(bins[i].r, bins[i].i) / sum;
   return amplitudes;
 }
 
