@@ -104,10 +104,13 @@ Play::silence(Time time)
 }
 
 void
-Play::reset(Time time)
+Play::flush(bool resets_time)
 {
   queue_.clear();
-  planner_.reset(time);
+  if (resets_time)
+    planner_.reset(now());
+  else
+    planner_.silenced(now());
   has_begun_ = false;
 }
 

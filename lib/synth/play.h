@@ -22,7 +22,7 @@ class Play
 {
 public:
   /// Length of a change of amplitude. Its middle is at the time of the change.
-  static constexpr Time kRamp = std::chrono::milliseconds(10);
+  static constexpr Time kRamp = std::chrono::milliseconds(12);
 
   /// `motors[i]` is what channel i moves, at PlannerSettings::volts_max for full scale; `settings`
   /// have its max_lead and an empty mapping.
@@ -48,9 +48,9 @@ public:
   void plan(Time time, Time duration, std::span<const float> levels);
   /// All channels to zero at `time`.
   void silence(Time time);
-  /// What was planned is dropped, and running time restarts (flush). The limits' account stays. The
-  /// next is begin().
-  void reset(Time time);
+  /// What was planned is dropped, and running time restarts or goes on. The limits' account stays.
+  /// The next is begin().
+  void flush(bool resets_time);
 
   /// When the next sample is, and how many of a channel there are until a time.
   Time now() const;

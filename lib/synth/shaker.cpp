@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace synth {
 
@@ -26,10 +27,10 @@ share_of_rise(double start, double target)
 } // namespace
 
 tactor::MotorParameters
-shaker(Time rise)
+shaker(Time rise, double volts_max)
 {
   tactor::RiseTimeTable table{
-    .step_volts = 1.0 / (kPoints - 1), .size = kPoints, .milliseconds = {}, .least_volts = 0
+    .step_volts = volts_max / (kPoints - 1), .size = kPoints, .milliseconds = {}, .least_volts = 0
   };
   const double milliseconds = std::chrono::duration<double, std::milli>(rise).count();
   for (int start = 0; start < kPoints; start++)

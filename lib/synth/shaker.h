@@ -14,7 +14,7 @@ inline constexpr Time kShakerRise = std::chrono::milliseconds(25);
 
 /// A mass on a spring that a coil moves, such as a bass shaker, exciter or voice coil. Its
 /// vibration approaches that of its signal exponentially, up and down, and reaches 90 % after
-/// `rise` from rest. It vibrates at any level. In units of full scale, 1 V.
-tactor::MotorParameters shaker(Time rise);
+/// `rise` from rest, at up to `volts_max`. It vibrates at any level.
+tactor::MotorParameters shaker(Time rise, double volts_max);
 
 } // namespace synth

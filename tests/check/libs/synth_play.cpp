@@ -31,7 +31,7 @@ make_play(std::size_t channels, Time rise, const tactor::PlannerSettings &settin
 {
   const auto one = std::make_shared<const Wave>(1, std::vector<float>{ 1 });
   Play play(kRate, std::vector<Voice>(channels, { one }), settings,
-            std::vector<tactor::MotorParameters>(channels, shaker(rise)));
+            std::vector<tactor::MotorParameters>(channels, shaker(rise, 1)));
   play.set_cells(plain_cells(1, static_cast<int>(channels), static_cast<int>(channels)));
   return play;
 }
@@ -112,7 +112,7 @@ fail_unless_within(Time value, Time expected, Time tolerance)
 GST_START_TEST(test_half_way_at_the_frame)
 {
   Play play = make_play(1, 0s, settings_for(0s));
-  fail_unless(play.lead() == 5ms);
+  fail_unless(play.lead() == 6ms);
   const std::vector<float> sound
       = play_maps(play, repeated({ { 0, 10 }, { 0.8F, 10 }, { 0.4F, 10 } }));
   fail_unless_within(reaches(sound, 0.4F, 0s), 200ms, 50us);
@@ -128,7 +128,7 @@ GST_START_TEST(test_felt_at_the_frame)
   // 90 % of a resonator's rise is at the frame, from rest and from half. Its fall begins there.
   for (const Time rise : { Time(10ms), Time(25ms), Time(100ms) }) {
     Play play = make_play(1, rise, settings_for(rise));
-    fail_unless(play.lead() == rise + 5ms);
+    fail_unless(play.lead() == rise + 6ms);
     const std::vector<float> sound
         = play_maps(play, repeated({ { 0, 20 }, { 0.4F, 40 }, { 1, 40 }, { 0, 20 } }));
     const auto tau = Time(std::llround(static_cast<double>(rise.count()) / std::log(10.0)));
@@ -208,8 +208,8 @@ GST_START_TEST(test_mute_and_soft_start)
   fail_unless_near(start[kRate * 200 / 1000], 1, 1e-6);
   play.set_mute(true);
   const std::vector<float> muted = render_until(play, 600ms);
-  fail_unless_near(muted[kRate * 5 / 1000], 0.5, 0.01);
-  fail_unless_equals_float(muted[kRate * 10 / 1000], 0);
+  fail_unless_near(muted[kRate * 6 / 1000], 0.5, 0.01);
+  fail_unless_equals_float(muted[kRate * 12 / 1000], 0);
   play.set_mute(false);
   const std::vector<float> back = render_until(play, 800ms);
   fail_unless_near(back[kRate * 50 / 1000], 0.5, 0.01);
@@ -224,7 +224,7 @@ GST_START_TEST(test_reset)
   play.plan(0s, 20ms, std::vector{ 1.0F });
   fail_unless(render_until(play, 300ms).back() == 1);
   fail_if(play.is_idle());
-  play.reset(300ms);
+  play.flush(true);
   fail_if(play.has_begun());
   play.begin(0s);
   fail_unless(play.is_idle());

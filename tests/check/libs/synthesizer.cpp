@@ -12,7 +12,7 @@ using namespace synth;
 namespace {
 
 constexpr int kRate = 48000;
-constexpr int kRamp = 480; ///< 10 ms
+constexpr int kRamp = 576; ///< 12 ms
 
 /// What a ramp may be heard of beyond the carrier, in Hz.
 constexpr double kSideband = 200;
