@@ -67,7 +67,7 @@ write_list(const Entries &entries, Write write)
 {
   std::string text;
   for (const auto entry : entries)
-    text += (text.empty() ? "" : ",") + std::string(write(entry));
+    text.append(text.empty() ? "" : ",").append(write(entry));
   return text;
 }
 
