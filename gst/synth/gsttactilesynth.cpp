@@ -24,8 +24,9 @@
  * - Channels with positions: those at the back and the sides play, side by side, and LFE plays all
  *   cells; where there are none of these, those in front. Others are silent.
  *
- * What becomes of the cells is an information message. Two to eight channels that go through
- * `audioconvert` need positions, or it drops those that a sound card lacks.
+ * Where a channel is silent or has several cells, an information message says so. What goes through
+ * `audioconvert` needs a number of channels, as in the first line below: it drops channels without
+ * positions that a sound card lacks.
  *
  * ## Rise time
  * What an amplifier drives takes time to vibrate, as a coin motor does. Changes come so much earlier
@@ -48,7 +49,8 @@
  * ## Example launch lines
  * |[
  * gst-launch-1.0 tactiletestsrc num-buffers=150 ! saliencytactile ! tactileextractor name=x \
- *     x.src ! queue max-size-bytes=0 max-size-buffers=0 max-size-time=400000000 ! videoconvert ! autovideosink \
+ *     x.src ! queue max-size-bytes=0 max-size-buffers=0 max-size-time=400000000 ! \
+ *     videoconvert ! autovideosink \
  *     x.tactile ! queue ! tactilesynth ! audio/x-raw,channels=2 ! audioconvert ! autoaudiosink
  * gst-launch-1.0 tactiletestsrc num-buffers=150 ! saliencytactile ! tactileextractor name=x \
  *     x.tactile ! tactilesynth frequency=40 waveform=sine,noise ! wavenc ! filesink location=nine.wav
@@ -508,8 +510,10 @@ prepare(GstTactileSynth *self)
 {
   GstTactileSynthPrivate *priv = self->priv;
   const SynthSettings settings = gst_tactile_synth_read_settings(self);
-  if (!settings.fault.empty()) {
-    GST_ELEMENT_ERROR(self, LIBRARY, SETTINGS, ("%s.", settings.fault.c_str()), (nullptr));
+  if (!settings.faults.empty()) {
+    const auto &[property, why] = *settings.faults.begin();
+    GST_ELEMENT_ERROR(self, LIBRARY, SETTINGS,
+                      ("%s cannot be read: %s.", property.c_str(), why.c_str()), (nullptr));
     return false;
   }
   priv->carriers = settings.carriers;

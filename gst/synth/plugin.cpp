@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "gsttactilesynth.h"
+#include "gsttactoraudiosink.h"
 
 static gboolean
 plugin_init(GstPlugin *plugin)
 {
-  return GST_ELEMENT_REGISTER(tactilesynth, plugin);
+  return GST_ELEMENT_REGISTER(tactilesynth, plugin)
+         && GST_ELEMENT_REGISTER(tactoraudiosink, plugin);
 }
 
 GST_PLUGIN_DEFINE(GST_VERSION_MAJOR, GST_VERSION_MINOR, synth,

@@ -12,17 +12,28 @@ using properties::kControllable;
 using properties::kPlaying;
 using properties::kReady;
 
+const std::string &
+text_of(const std::string &error)
+{
+  return error;
+}
+
+const std::string &
+text_of(const tactor::DriverError &error)
+{
+  return error.text;
+}
+
 /// Takes what was read. Text that cannot be read leaves the field unchanged.
 template <typename Field, typename Error>
 void
 take(SynthSettings &settings, const char *property, Field &field, tl::expected<Field, Error> read)
 {
+  settings.faults.erase(property);
   if (read)
     field = std::move(*read);
-  if constexpr (std::is_same_v<Error, std::string>)
-    settings.fault = read ? "" : std::string(property) + ": " + read.error();
   else
-    settings.fault = read ? "" : std::string(property) + ": " + read.error().text;
+    settings.faults[property] = text_of(read.error());
 }
 
 std::optional<std::string>

@@ -8,6 +8,7 @@
 
 #include <gst/gst.h>
 
+#include <map>
 #include <string>
 #include <vector>
 
@@ -17,9 +18,9 @@ struct SynthSettings
   static constexpr int kMostChannels = 64;
 
   synth::Carriers carriers;
-  std::string sample;       ///< file of Waveform::sample
-  std::vector<int> mapping; ///< empty: by channels and their positions
-  std::string fault;        ///< why the last text was refused; empty: it was not
+  std::string sample;                        ///< file of Waveform::sample
+  std::vector<int> mapping;                  ///< empty: by channels and their positions
+  std::map<std::string, std::string> faults; ///< properties whose last text was refused, and why
 
   synth::Time rise_time = synth::kShakerRise;
   std::string calibration; ///< key file; empty: none
