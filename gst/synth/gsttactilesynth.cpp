@@ -179,6 +179,13 @@ send_segment(GstTactileSynth *self)
   segment.start = segment.base = segment.position = to_clock_time(priv->play->now());
   segment.time = stream_time(priv->segment, priv->play->now());
   segment.duration = priv->segment.duration;
+  if (segment.applied_rate < 0) {
+    /* GStreamer counts back to `time` from `stop`, beyond which the last ramp goes. */
+    const guint64 end
+        = gst_segment_to_running_time(&priv->segment, GST_FORMAT_TIME, priv->segment.start);
+    segment.stop = end == GST_CLOCK_TIME_NONE ? end : end + to_clock_time(Play::kRamp);
+    segment.time = priv->segment.time;
+  }
   gst_pad_push_event(self->srcpad, gst_event_new_segment(&segment));
   priv->segment_sent = true;
 }
@@ -252,7 +259,7 @@ set_cells(GstTactileSynth *self, const SynthSettings &settings)
     GST_ELEMENT_WARNING(self, STREAM, FORMAT,
                         ("The mapping does not fit the film and the sound card: it is not used."),
                         ("%s; %s", wrong.c_str(), text.c_str()));
-  else
+  else if (!std::ranges::all_of(cells, [](const auto &own) { return own.size() == 1; }))
     GST_ELEMENT_INFO(
         self, STREAM, FORMAT,
         ("%u x %u cells are felt on %d channels.", priv->rows, priv->columns, channels),
