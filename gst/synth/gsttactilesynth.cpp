@@ -4,16 +4,17 @@
  * @title: tactilesynth
  * @short_description: tactile maps as sound, for shakers and voice coils
  *
- * tactilesynth turns a stream of tactile maps into sound for what an amplifier drives: bass shakers,
- * exciters, voice coils. Each channel is a carrier whose amplitude is the level of its cells. Any
- * audio sink plays it on the pipeline's clock. #GstTactilesynth:frequency,
- * #GstTactilesynth:waveform and #GstTactilesynth:gain are of each channel. For players there is
- * [tactoraudiosink](tactoraudiosink.md), for what to plug in [shakers](../hardware/shakers.md).
+ * tactilesynth turns a stream of tactile maps into sound for what an amplifier drives: bass
+ * shakers, exciters, voice coils. Each channel is a carrier whose amplitude is the level of its
+ * cells. Any audio sink plays it on the pipeline's clock. [tactoraudiosink](tactoraudiosink.md) has
+ * one with it, and [shakers](../hardware/shakers.md) says what to plug in.
  *
- * Sound is stamped in running time, sample by sample. At other rates than 1 and in reverse, carriers
- * keep their frequency. Amplitudes change within 12 ms, half of it before the time of the change;
- * what is more than 200 Hz from the carrier is below -60 dB of full scale. Carriers go on in
- * silence. No sample exceeds full scale.
+ * - Timestamps are running times, of each sample without drift. At other rates than 1 and in
+ *   reverse, carriers keep their frequency.
+ * - An amplitude changes within 12 ms, half of it before the time of the change. What is more than
+ *   200 Hz from the carrier is below -60 dB of full scale.
+ * - Carriers go on in silence, so that they have the phase of the time.
+ * - No sample exceeds full scale: levels, gains and carriers do not exceed 1.
  *
  * ## Channels
  * Downstream's caps decide. Without a limit there is a channel for each cell, or those that
@@ -29,15 +30,16 @@
  * positions that a sound card lacks.
  *
  * ## Rise time
- * What an amplifier drives takes time to vibrate, as a coin motor does. Changes come so much earlier
- * than their frame that 90 % are reached with it. #GstTactilesynth:rise-time is an estimate: a
- * resonator of quality Q, driven at its resonance f, takes ln(10) Q / (π f), which is 24 ms for Q =
- * 2 and 60 Hz. A shaker bolted to a heavy seat rings longer, a voice coil in the hand less. A
- * #GstTactilesynth:calibration has what was measured, and makes channels equally strong.
+ * What an amplifier drives takes time to vibrate, as a coin motor does. Changes come so much
+ * earlier than their frame that 90 % are reached with it. #GstTactilesynth:rise-time is an
+ * estimate: a resonator of quality Q, driven at its resonance f, takes ln(10) Q / (π f), which is
+ * 24 ms for a Q of 2 and 60 Hz. A shaker bolted to a heavy seat rings longer, a voice coil in the
+ * hand less. A #GstTactilesynth:calibration has what was measured, and makes channels equally
+ * strong.
  *
  * So the sound of a time is known only when the maps up to one rise time and 6 ms later are. From a
  * live source this is latency, by which the pipeline delays all sinks. Otherwise put a queue before
- * each sink that holds more than that, as in the launch lines: its maps then come early enough. What
+ * each sink that holds more than that, as in the launch lines: maps then come early enough. What
  * begins less than that after the start of a play, or after a seek, is late by what is missing.
  *
  * ## Limits
@@ -53,7 +55,8 @@
  *     videoconvert ! autovideosink \
  *     x.tactile ! queue ! tactilesynth ! audio/x-raw,channels=2 ! audioconvert ! autoaudiosink
  * gst-launch-1.0 tactiletestsrc num-buffers=150 ! saliencytactile ! tactileextractor name=x \
- *     x.tactile ! tactilesynth frequency=40 waveform=sine,noise ! wavenc ! filesink location=nine.wav
+ *     x.tactile ! tactilesynth frequency=40 waveform=sine,noise ! wavenc ! \
+ *     filesink location=nine.wav
  * ]|
  *
  * Since: 0.1

@@ -9,12 +9,11 @@
  * has all properties but two; [shakers](../hardware/shakers.md) what to plug in.
  *
  * #GstTactoraudiosink:channels are those of the card: 2, stereo; 4, front and back; 6, 5.1; 8, 7.1.
- * Maps play on those at the back and the sides and on LFE, if there are any. More than eight have no
- * positions, and cell i is channel i. #GstTactoraudiosink:mapping gives any cell any channel.
+ * Maps play on those at the back and the sides and on LFE, if there are any. More than eight have
+ * no positions, and cell i is channel i. #GstTactoraudiosink:mapping gives any cell any channel.
  *
- * Put a queue before each sink of a film, with more than the rise time and 6 ms. At the end of the
- * stream sound ends within 6 ms of the last map. A pause, a flush or an error stops the card, as it
- * does any audio sink; so does a killed process, whose sound ends with the card's buffer.
+ * Put a queue before each sink of a film, with more than the rise time and 6 ms. Sound ends within
+ * 6 ms of the last map. A pause, a flush or an error stops the card, as it does for any audio sink.
  *
  * ## Example launch lines
  * |[

@@ -24,8 +24,8 @@ struct Voice
 /// phase is that of the time since the first sample.
 ///
 /// The ramp is the integral of a Hann window: more than 2 / its length from the carrier, its
-/// sidebands are low and fall by 24 dB an octave, those of a straight ramp by 12. Changes add up, so
-/// that one may come while others are under way, and no sample exceeds full scale.
+/// sidebands are low and fall by 24 dB an octave, those of a straight ramp by 12. Changes add up:
+/// one may come while others are under way, and no sample exceeds full scale.
 ///
 /// Samples do not depend on how they are divided into calls of render(), which allocates nothing.
 /// Not thread-safe.

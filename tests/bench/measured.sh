@@ -134,7 +134,8 @@ out=$root/docs/measured/$page.md
 ## CPU time
 
 tactilesynth, a minute of maps at 30 frames a second in which each channel changes with each map:
-all threads of `appsrc ! tactilesynth ! fakesink`.
+all threads of `appsrc ! tactilesynth ! fakesink`. It uses the instructions that every CPU of its
+architecture has, SSE2 on amd64.
 
 CAPTION
       "$built/tests/bench/synth"
@@ -144,7 +145,8 @@ CAPTION
 
 Two sinks of one pipeline play to PulseAudio's null sink: a sound, and tactoraudiosink or another
 sound with the same envelope. When the one is half way up or down, in what the sink's monitor heard,
-after the other.
+after the other. Two sinks differ by what PulseAudio makes of their starts; within a start is what
+the element adds.
 
 CAPTION
       "$here/../tools/synth_pulse.py"

@@ -3,11 +3,11 @@
 """Whether tactoraudiosink vibrates when a sound of the same time is heard.
 
 Two sinks of one pipeline play to PulseAudio's null sink, as a film's sound and its tactors do: tactoraudiosink on the left channel, from maps
-that switch between silence and a level, and on the right channel a tone whose amplitude has a straight ramp around the same times. The null
-sink's monitor has both. Prints the differences of their half-way times as a Markdown table, and those of two plain sounds for comparison: what
+that switch between silence and a level, and on the right channel a tone with the envelope that they should have. The null sink's monitor has
+both. Prints the differences of their half-way times as a Markdown table, and those of two plain sounds for comparison: what
 two sinks of GStreamer differ by. Starts a PulseAudio server of its own.
 
-Usage: synth_pulse.py [--steps=60]
+Usage: synth_pulse.py [--runs=10] [--steps=5]      (starts of each, vibrations in each)
     with GST_PLUGIN_PATH_1_0 as set by `meson devenv -C build`
 """
 import argparse
@@ -51,9 +51,11 @@ def fill(player, steps):
         if maps:
             push(maps, numpy.array([i // HALF % 2], "<f4"), i * FRAME, FRAME)
     at = numpy.arange(round(seconds * RATE)) / RATE
-    edges = numpy.concatenate([[0], *([t - RAMP / 2, t + RAMP / 2] for t in times)])
-    levels = numpy.concatenate([[0], *([i % 2, (i + 1) % 2] for i in range(len(times)))])
-    tone = numpy.interp(at, edges, levels) * numpy.sin(2 * numpy.pi * TONE * at)
+    amplitude = numpy.zeros_like(at)
+    for i, t in enumerate(times):
+        x = numpy.clip((at - t) / RAMP + 0.5, 0, 1)
+        amplitude += (x - numpy.sin(2 * numpy.pi * x) / (2 * numpy.pi)) * (1 - i % 2 * 2)
+    tone = amplitude * numpy.sin(2 * numpy.pi * TONE * at)
     for channel, source in enumerate(sounds):
         samples = numpy.stack([tone * (channel == 0), tone * (channel == 1)], 1).astype("<f4")
         for i in range(0, len(samples) if source else 0, RATE // 10):
@@ -101,17 +103,16 @@ def play(what, steps, work):
     left, right = half_way(heard[:, 0]), half_way(heard[:, 1])
     if len(left) != 2 * steps or len(right) != 2 * steps:
         sys.exit(f"expected {2 * steps} switches on each channel, heard {len(left)} and {len(right)}")
-    late = (left - right) / RATE * 1000
-    spread = numpy.percentile(numpy.abs(late), [50, 95, 100])
-    print(f"| {what} | {2 * steps} | {numpy.median(late):+.2f} ms | {spread[0]:.2f} ms | {spread[1]:.2f} ms | {spread[2]:.2f} ms |")
+    return (left - right) / RATE * 1000
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--steps", type=int, default=60)
+    parser.add_argument("--runs", type=int, default=10)
+    parser.add_argument("--steps", type=int, default=5)
     options = parser.parse_args()
     with tempfile.TemporaryDirectory() as work:
-        server = subprocess.Popen(["pulseaudio", "-n", "--daemonize=no", "--exit-idle-time=-1", "--use-pid-file=no", "--log-level=error",
+        server = subprocess.Popen(["pulseaudio", "-n", "--daemonize=no", "--exit-idle-time=-1", "--use-pid-file=no", "--log-level=error", "--realtime=no",
                                    "--load=module-null-sink sink_name=null rate=48000", f"--load=module-native-protocol-unix socket={work}/socket auth-anonymous=1"],
                                   env=os.environ | {"XDG_RUNTIME_DIR": work, "HOME": work})
         try:
@@ -122,9 +123,13 @@ def main():
                 time.sleep(0.05)
             os.environ.update({"PULSE_SERVER": f"unix:{work}/socket", "XDG_RUNTIME_DIR": work})
             Gst.init(None)
-            print("| beside a sound | switches | later by, median | error p50 | p95 | most |\n|---|---|---|---|---|---|")
+            print("| beside a sound | starts | switches | later by, median | within a start, at most | error p50 | p95 | most |\n|---|---|---|---|---|---|---|---|")
             for what in ("tactoraudiosink", "another sound"):
-                play(what, options.steps, work)
+                late = [play(what, options.steps, work) for _ in range(options.runs)]
+                within = max(run.max() - run.min() for run in late)
+                error = numpy.percentile(numpy.abs(late), [50, 95, 100])
+                print(f"| {what} | {options.runs} | {numpy.size(late)} | {numpy.median(late):+.2f} ms | {within:.2f} ms | "
+                      + " | ".join(f"{value:.2f} ms" for value in error) + " |", flush=True)
         finally:
             server.terminate()
             server.wait()
