@@ -25,7 +25,7 @@ GST_START_TEST(test_side_by_side)
   fail_unless(
       (plain_cells(2, 3, 4) == ChannelCells{ { 0, 3 }, { 0, 1, 3, 4 }, { 1, 2, 4, 5 }, { 2, 5 } }));
   // No cell is dropped and no channel is without one, whatever the numbers.
-  for (int columns = 1; columns <= 64; columns++)
+  for (const int columns : { 1, 2, 3, 4, 7, 16, 33, 64 })
     for (int channels = 1; channels < 64 && channels < 3 * columns; channels++) {
       std::vector<int> felt(static_cast<std::size_t>(3 * columns));
       for (const std::vector<int> &cells : plain_cells(3, columns, channels)) {
