@@ -269,6 +269,7 @@ GST_START_TEST(test_no_clicks)
   synth.end();
   synth.samples.resize(kRate / 2);
   fail_unless_at_most(strongest_outside(synth.samples, kRate, -1, 260), -60);
+  fail_unless(spectrum_of(synth.samples)[30] > 0.3); // bins of 2 Hz
 }
 GST_END_TEST;
 
