@@ -11,8 +11,8 @@
 /// Converts a time. Clamped to thirty years, so that sums do not overflow.
 tactor::Time to_tactor_time(GstClockTime time);
 
-/// tactorsink's input: maps, on video frames or as a stream of their own, and their running times.
-/// Streaming thread only.
+/// The input of tactorsink and tactilesynth: maps, on video frames or as a stream of their own, and
+/// their running times. Streaming thread only.
 class TactorStream
 {
 public:

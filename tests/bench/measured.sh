@@ -2,20 +2,21 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 # Makes pages of docs/measured, each whole. Those of quality and speed are made by tactile_quality and speed.
 #
-# Usage: tests/bench/measured.sh PAGE [FILM ...]      PAGE: calibration, playback, timing, ways-out; FILM: default three of ../shared/data/clips (timing)
-# Expects a computer on which nothing else runs. Takes 5, 1, 15 and 1 minutes. VISUOTACTILE_BUILD names a build folder that is built already.
+# Usage: tests/bench/measured.sh PAGE [FILM ...]      PAGE: calibration, playback, synth, timing, ways-out; FILM: default three of ../shared/data/clips (timing)
+# Expects a computer on which nothing else runs. Takes 5, 1, 3, 15 and 1 minutes. VISUOTACTILE_BUILD names a build folder that is built already.
 set -euo pipefail
 here=$(cd "$(dirname "$0")" && pwd)
 # shellcheck source=../../tools/build.sh
 . "$here/../../tools/build.sh"
 case ${1:-} in
-  calibration | playback | timing | ways-out) page=$1 ;;
+  calibration | playback | synth | timing | ways-out) page=$1 ;;
   *) sed -n '3,6s/^# \{0,1\}//p' "$0" >&2; exit 2 ;;
 esac
 command="tests/bench/measured.sh $*"
 shift
 case $page in
   calibration) targets=tests/quality/rise_time_accuracy ;;
+  synth) targets=tests/bench/synth ;;
   timing) targets=tests/quality/rise_timing ;;
   ways-out) targets=tests/usb/usb-ways_out ;;
 esac
@@ -126,6 +127,29 @@ out=$root/docs/measured/$page.md
       head_of "CPU time of playing a film"
       printf 'Decoding an H.264 film with and without saliencytactile: user and system time of all threads.\n\n'
       "$here/playback.sh"
+      ;;
+    synth)
+      head_of "Sound for shakers"
+      cat <<'CAPTION'
+## CPU time
+
+tactilesynth, a minute of maps at 30 frames a second in which each channel changes with each map:
+all threads of `appsrc ! tactilesynth ! fakesink`. It uses the instructions that every CPU of its
+architecture has, SSE2 on amd64.
+
+CAPTION
+      "$built/tests/bench/synth"
+      cat <<'CAPTION'
+
+## Beside a film's sound
+
+Two sinks of one pipeline play to PulseAudio's null sink: a sound, and tactoraudiosink or another
+sound with the same envelope. When the one is half way up or down, in what the sink's monitor heard,
+after the other. Two sinks differ by what PulseAudio makes of their starts; within a start is what
+the element adds.
+
+CAPTION
+      "$here/../tools/synth_pulse.py"
       ;;
     timing)
       head_of "Timing"

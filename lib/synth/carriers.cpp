@@ -1,0 +1,142 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "synth/carriers.h"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cstddef>
+#include <map>
+#include <optional>
+#include <system_error>
+#include <utility>
+
+namespace synth {
+
+namespace {
+
+using Error = tl::unexpected<std::string>;
+
+/// More than there are channels.
+constexpr std::size_t kMostEntries = 4096;
+
+constexpr std::array<std::string_view, 5> kNames
+    = { "sine", "triangle", "square", "noise", "sample" };
+
+/// Noise of neighbors is this many rounds apart: the golden section spreads any number of them.
+constexpr double kApart = 0.6180339887;
+
+std::string_view
+trimmed(std::string_view text)
+{
+  constexpr std::string_view kWhite = " \t\r\n";
+  const std::size_t begin = text.find_first_not_of(kWhite);
+  return begin == std::string_view::npos
+             ? std::string_view()
+             : text.substr(begin, text.find_last_not_of(kWhite) - begin + 1);
+}
+
+std::string
+text_of(double value)
+{
+  char buffer[32];
+  return { buffer, std::to_chars(buffer, buffer + sizeof buffer, value).ptr };
+}
+
+template <typename Entry, typename Read>
+tl::expected<std::vector<Entry>, std::string>
+read_list(std::string_view text, const std::string &expected, Read read)
+{
+  std::vector<Entry> entries;
+  for (;;) {
+    const std::size_t comma = text.find(',');
+    const std::string_view word = trimmed(text.substr(0, comma));
+    const std::optional<Entry> entry = read(word);
+    if (!entry || entries.size() == kMostEntries)
+      return Error("entry " + std::to_string(entries.size() + 1) + " is '" + std::string(word)
+                   + "'; expected " + expected);
+    entries.push_back(*entry);
+    if (comma == std::string_view::npos)
+      return entries;
+    text = text.substr(comma + 1);
+  }
+}
+
+template <typename Entries, typename Write>
+std::string
+write_list(const Entries &entries, Write write)
+{
+  std::string text;
+  for (const auto entry : entries)
+    text.append(text.empty() ? "" : ",").append(write(entry));
+  return text;
+}
+
+template <typename Entry>
+Entry
+entry_of(const std::vector<Entry> &entries, std::size_t index)
+{
+  return entries[std::min(index, entries.size() - 1)];
+}
+
+} // namespace
+
+std::vector<Voice>
+Carriers::voices(int channels) const
+{
+  std::map<std::pair<Waveform, double>, std::shared_ptr<const Wave>> waves;
+  std::vector<Voice> voices;
+  for (std::size_t i = 0; i < static_cast<std::size_t>(channels); i++) {
+    const Waveform waveform = entry_of(waveforms, i);
+    const double frequency = entry_of(frequencies, i);
+    std::shared_ptr<const Wave> &wave = waves[{ waveform, frequency }];
+    if (!wave)
+      wave = waveform == Waveform::sample ? sample : make_wave(waveform, frequency);
+    voices.push_back({ .wave = wave,
+                       .phase = waveform == Waveform::noise ? kApart * static_cast<double>(i) : 0,
+                       .gain = static_cast<float>(entry_of(gains, i)) });
+  }
+  return voices;
+}
+
+tl::expected<std::vector<double>, std::string>
+read_numbers(std::string_view text, double least, double most)
+{
+  return read_list<double>(
+      text, text_of(least) + " to " + text_of(most) + " for each channel, with commas, as in 40,60",
+      [&](std::string_view word) -> std::optional<double> {
+        double value = 0;
+        const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
+        if (error != std::errc() || end != word.data() + word.size()
+            || !(value >= least && value <= most))
+          return std::nullopt;
+        return value;
+      });
+}
+
+std::string
+write_numbers(std::span<const double> numbers)
+{
+  return write_list(numbers, text_of);
+}
+
+tl::expected<std::vector<Waveform>, std::string>
+read_waveforms(std::string_view text)
+{
+  return read_list<Waveform>(
+      text, write_list(kNames, [](std::string_view name) { return name; }) + " for each channel",
+      [](std::string_view word) -> std::optional<Waveform> {
+        const auto *const found = std::ranges::find(kNames, word);
+        if (found == kNames.end())
+          return std::nullopt;
+        return static_cast<Waveform>(found - kNames.begin());
+      });
+}
+
+std::string
+write_waveforms(std::span<const Waveform> waveforms)
+{
+  return write_list(waveforms,
+                    [](Waveform waveform) { return kNames[static_cast<std::size_t>(waveform)]; });
+}
+
+} // namespace synth

@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "synth/carriers.h"
+
+#include "support/contains.h"
+#include "support/tolerance.h"
+#include "support/unwrap.h"
+
+using namespace synth;
+
+GST_START_TEST(test_lists)
+{
+  fail_unless((unwrap(read_numbers(" 40 , 62.5", 1, 1000)) == std::vector<double>{ 40, 62.5 }));
+  assert_text(write_numbers(std::vector{ 40, 62.5 }), "40,62.5");
+  fail_unless(
+      (unwrap(read_waveforms("noise, sine")) == std::vector{ Waveform::noise, Waveform::sine }));
+  assert_text(write_waveforms(unwrap(read_waveforms("sample,square,triangle"))),
+              "sample,square,triangle");
+}
+GST_END_TEST;
+
+GST_START_TEST(test_refused)
+{
+  for (const char *text : { "", "0.5", "1001", "nan", "40,", "40;60", "60Hz", "-60" })
+    assert_contains(refusal_of(read_numbers(text, 1, 1000)),
+                    { "expected 1 to 1000 for each channel, with commas, as in 40,60" });
+  assert_contains(refusal_of(read_numbers("40,,60", 1, 1000)), { "entry 2 is ''" });
+  assert_contains(refusal_of(read_waveforms("sine,Sine")),
+                  { "entry 2 is 'Sine'; expected sine,triangle,square,noise,sample for each" });
+  assert_contains(refusal_of(read_numbers(std::string(100000, ','), 1, 2)), { "entry 1" });
+  std::string long_list = "1";
+  for (int i = 0; i < 5000; i++)
+    long_list += ",1";
+  assert_contains(refusal_of(read_numbers(long_list, 1, 2)), { "entry 4097" });
+}
+GST_END_TEST;
+
+GST_START_TEST(test_voices)
+{
+  const auto loop = std::make_shared<const Wave>(5, std::vector<float>{ 0, 1 });
+  const Carriers carriers{ .frequencies = { 40, 60 },
+                           .waveforms = { Waveform::sine, Waveform::sample, Waveform::noise },
+                           .gains = { 0.5, 1 },
+                           .sample = loop };
+  const std::vector<Voice> voices = carriers.voices(64);
+  ck_assert_int_eq(voices.size(), 64);
+  fail_unless_near(voices[0].wave->frequency, 40, 1e-9);
+  fail_unless(voices[1].wave == loop);
+  fail_unless(voices[2].wave == voices[63].wave);
+  fail_unless_near(voices[0].gain, 0.5, 1e-9);
+  fail_unless_near(voices[63].gain, 1, 1e-9);
+  // No two of the same noise within 5 ms.
+  for (std::size_t i = 2; i < 64; i++)
+    for (std::size_t j = 2; j < i; j++) {
+      const double apart = voices[i].phase - voices[j].phase;
+      fail_unless(std::abs(apart - std::round(apart)) > 0.005);
+    }
+}
+GST_END_TEST;
+
+static Suite *
+carriers_suite(void)
+{
+  Suite *suite = suite_create("carriers");
+  TCase *tcase = tcase_create("general");
+
+  suite_add_tcase(suite, tcase);
+  tcase_add_test(tcase, test_lists);
+  tcase_add_test(tcase, test_refused);
+  tcase_add_test(tcase, test_voices);
+  return suite;
+}
+
+GST_CHECK_MAIN(carriers);
