@@ -19,8 +19,8 @@ public:
 
   /// The stream was flushed. Streaming thread.
   void flush();
-  /// A frame passes. The sinks have seen the flush before it, so the pipeline prerolls, or is paused
-  /// in spite of it. Streaming thread.
+  /// A frame passes. The sinks have seen the flush before it, so the pipeline prerolls, or is
+  /// paused in spite of it. Streaming thread.
   void pass();
   /// The owner's state changes to PLAYING, or down to READY.
   void open();

@@ -26,12 +26,14 @@ vec2 mirrored(vec2 pixel) { return size - 1.0 - abs(size - 1.0 - abs(pixel)); }
 vec4 at(vec2 pixel) { return SAMPLE(source, (mirrored(pixel) + 0.5) / size); }
 vec4 row(vec2 pixel)
 {
-  return (5.0 * (at(pixel - vec2(1.2, 0.0)) + at(pixel + vec2(1.2, 0.0))) + 6.0 * at(pixel)) / 16.0;
+  vec2 step = vec2(1.2, 0.0);
+  return (5.0 * (at(pixel - step) + at(pixel + step)) + 6.0 * at(pixel)) / 16.0;
 }
 void main()
 {
   vec2 pixel = 2.0 * floor(gl_FragCoord.xy);
-  COLOR = (5.0 * (row(pixel - vec2(0.0, 1.2)) + row(pixel + vec2(0.0, 1.2))) + 6.0 * row(pixel)) / 16.0;
+  vec2 step = vec2(0.0, 1.2);
+  COLOR = (5.0 * (row(pixel - step) + row(pixel + step)) + 6.0 * row(pixel)) / 16.0;
 }
 )";
 
@@ -48,7 +50,8 @@ float at(vec2 pixel)
 void main()
 {
   vec2 pixel = (floor(gl_FragCoord.xy) - origin) * vec2(4.0, 1.0);
-  COLOR = vec4(at(pixel), at(pixel + vec2(1.0, 0.0)), at(pixel + vec2(2.0, 0.0)), at(pixel + vec2(3.0, 0.0)));
+  vec2 next = vec2(1.0, 0.0);
+  COLOR = vec4(at(pixel), at(pixel + next), at(pixel + 2.0 * next), at(pixel + 3.0 * next));
 }
 )";
 

@@ -10,14 +10,14 @@
 #include <vector>
 
 /// Shrinks frames in OpenGL textures on the GPU and reads the small pictures alone, as Y'CbCr 4:2:0
-/// (BT.709, full range): 1.5 bytes a pixel. Each halving is that of the pyramid, [1 4 6 4 1]/16 with
-/// mirrored borders, so that maps are those of the frame itself but for rounding.
+/// (BT.709, full range): 1.5 bytes a pixel. Each halving is that of the pyramid, [1 4 6 4 1]/16
+/// with mirrored borders, so that maps are those of the frame itself but for rounding.
 ///
 /// Where OpenGL is Mesa's software renderer, no frame is shrunk, unless
 /// $VISUOTACTILE_GL_IN_SOFTWARE is set.
 ///
-/// OpenGL is called on the thread of the frames' context. The reading begins there, and whoever maps
-/// the picture waits for its end.
+/// OpenGL is called on the thread of the frames' context. The reading begins there, and whoever
+/// maps the picture waits for its end.
 class GlShrinker : public FrameShrinker
 {
 public:

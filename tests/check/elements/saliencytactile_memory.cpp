@@ -127,7 +127,6 @@ void
 assert_alike(const Play &expected, const Play &play, const std::string &name)
 {
   const double r = correlation(expected.levels, play.levels);
-  g_print("%s: %.5f\n", name.c_str(), r);
   fail_unless(r >= kLeastCorrelation, "%s: correlation %g", name.c_str(), r);
 }
 
