@@ -1,0 +1,611 @@
+#!/usr/bin/python3
+# SPDX-License-Identifier: LGPL-2.1-or-later
+"""Makes docs/measured/players.md: players with visuotactiledecoder switched on and off.
+
+Each player runs on an Xvfb of its own, as its Debian package installed it, and is told to pause,
+seek and go on by its own means. playerwatch, a tracer of GStreamer, writes down its frames.
+
+Usage: players_table.py [--turns=3] [--output=FILE] [--build=build] [--pictures=FOLDER --film=FILE] [PLAYER ...]
+    --pictures   instead plays FILE in each player that is switched on, and writes a picture of the screen
+    PLAYER       some of the players, as in the table
+"""
+import argparse
+import bisect
+import collections
+import csv
+import os
+import pathlib
+import pty
+import shutil
+import signal
+import statistics
+import subprocess
+import sys
+import tempfile
+import time
+
+import pulse_clock
+
+HERE = pathlib.Path(__file__).resolve().parent
+PYTHON = os.path.realpath(sys.executable)
+SECOND = 1_000_000_000  # ns
+FILM, NEXT_FILM = 16 / 9, 4 / 3  # films are told apart by their shape: some players scale before the sink
+FRAME_RATE = 30
+MOST_PAUSED = 1  # frames that may still come
+RESET = SECOND // 2  # ns by which running times fall back where they begin anew
+LIMIT = 15  # s for each step
+CHECKS = ("felt", "picture", "pause", "seek", "next film", "end")
+
+
+class Missing(Exception):
+    """What a player did not do, as a cell of the table says it."""
+
+
+# ---- players -----------------------------------------------------------------------------------
+
+
+class Player:
+    """A program that plays films one after the other, and is told nothing while it does."""
+
+    controls = ()
+
+    def __init__(self, label, program, *command):
+        self.label, self.program, self.command = label, program, command
+        self.process = self.env = None
+
+    def arguments(self, films):
+        return [*self.command, *map(str, films)]
+
+    def start(self, films, env, log):
+        self.env = env
+        self.process = subprocess.Popen(self.arguments(films), env=env, stdout=log, stderr=log, stdin=subprocess.PIPE, start_new_session=True)
+
+    def say(self, control, film):
+        raise NotImplementedError
+
+    def leave(self):
+        """Asks it to end. gst-launch-1.0 does so by itself."""
+
+    def stop(self):
+        """Traces are whole only if the player ends by itself."""
+        try:
+            self.leave()
+            self.process.wait(5)
+        except (OSError, Missing, subprocess.TimeoutExpired):
+            pass
+        for signals in (signal.SIGTERM, signal.SIGKILL):
+            try:
+                os.killpg(self.process.pid, signals)
+                self.process.wait(10)
+            except (ProcessLookupError, subprocess.TimeoutExpired):
+                continue
+            break
+
+
+class Uri(Player):
+    """gst-launch-1.0 playbin."""
+
+    def arguments(self, films):
+        return [*self.command, f"uri={films[0].as_uri()}"]
+
+
+class Terminal(Player):
+    """gst-play-1.0: keys in its terminal."""
+
+    controls = ("pause", "resume", "seek")
+    keys = {"pause": b" ", "resume": b" ", "seek": b"\x1b[D"}
+
+    def start(self, films, env, log):
+        self.env = env
+        self.master, slave = pty.openpty()
+        self.process = subprocess.Popen(self.arguments(films), env=env, stdin=slave, stdout=log, stderr=log, start_new_session=True)
+        os.close(slave)
+
+    def say(self, control, film):
+        os.write(self.master, self.keys[control])
+
+    def leave(self):
+        os.write(self.master, b"q")
+
+    def stop(self):
+        super().stop()
+        os.close(self.master)
+
+
+class CommandLine(Player):
+    """Totem: a second start tells the first one. Of two films it takes the one that it opens first."""
+
+    controls = ("pause", "resume", "seek")
+    options = {"pause": "--pause", "resume": "--play", "seek": "--seek-bwd"}
+
+    def arguments(self, films):
+        return [*self.command, str(films[0])]
+
+    def tell(self, *arguments):
+        subprocess.run([self.command[0], *arguments], env=self.env | {"GST_TRACERS": ""}, timeout=LIMIT, capture_output=True, check=False)
+
+    def say(self, control, film):
+        if control == "seek":
+            self.tell("--enqueue", film)
+        self.tell(self.options[control])
+
+    def leave(self):
+        self.tell("--quit")
+
+
+class Mpris(Player):
+    """By D-Bus: --session org.mpris.MediaPlayer2.NAME."""
+
+    controls = ("pause", "resume", "seek")
+    calls = {"pause": ["Player.Pause"], "resume": ["Player.Play"], "seek": ["Player.Seek", "-1500000"]}
+
+    def __init__(self, label, program, name, *command):
+        super().__init__(label, program, *command)
+        self.name = name
+
+    def call(self, method, *arguments):
+        said = subprocess.run(["gdbus", "call", "--session", "--dest", f"org.mpris.MediaPlayer2.{self.name}", "--object-path",
+                               "/org/mpris/MediaPlayer2", "--method", f"org.mpris.MediaPlayer2.{method}", "--", *arguments],
+                              env=self.env, timeout=LIMIT, capture_output=True, text=True, check=False)
+        if said.returncode:
+            raise Missing(f"MPRIS: {said.stderr.strip().splitlines()[-1]}")
+
+    def say(self, control, film):
+        self.call(*self.calls[control])
+
+    def leave(self):
+        self.call("Quit")
+
+
+class Script(Player):
+    """A script beside this one: lines on its standard input."""
+
+    controls = ("pause", "resume", "seek", "next")
+
+    def arguments(self, films):
+        return [*self.command, str(films[0])]
+
+    def say(self, control, film):
+        self.tell({"pause": "pause", "resume": "play", "seek": "seek 0.5", "next": f"open {film}"}[control])
+
+    def tell(self, line):
+        self.process.stdin.write(f"{line}\n".encode())
+        self.process.stdin.flush()
+
+    def leave(self):
+        self.tell("quit")
+
+
+def players():
+    python = os.path.basename(PYTHON)
+    for name, *options in (("playbin",), ("playbin3", "--use-playbin3"), ("playbin, gapless", "--gapless"), ("playbin3, gapless", "--use-playbin3", "--gapless")):
+        yield Terminal(f"gst-play-1.0, {name}", "gst-play-1.0", "gst-play-1.0", *options)
+    yield Uri("gst-launch-1.0 playbin", "gst-launch-1.0", "gst-launch-1.0", "playbin")
+    yield CommandLine("Totem", "totem", "totem")
+    yield Mpris("Parole", "parole", "parole", "parole")
+    yield Mpris("Clapper", "com.github.rafostar.Clapper", "Clapper", "clapper")
+    yield Script("GTK 4's GtkVideo", python, PYTHON, HERE / "video_in_gtk.py")
+    yield Script("WebKitGTK, two videos", "WebKitWebProcess", PYTHON, HERE / "video_in_page.py", "--two")
+
+
+# ---- what playerwatch wrote --------------------------------------------------------------------
+
+Line = collections.namedtuple("Line", "sink kind running shown film width height")
+Command = collections.namedtuple("Command", "issued due effect tactor volts")
+
+
+def rows(path, kind):
+    """Whole lines: the player may be writing."""
+    with open(path, encoding="utf-8", newline="") as file:
+        text = file.read()
+    whole = text[:text.rfind("\n") + 1].splitlines()
+    return [kind(*row) for row in csv.reader(line for line in whole if not line.startswith("issued"))]
+
+
+def watched(folder):
+    for path in sorted(folder.glob("watch-*.csv")):
+        for line in rows(path, Line):
+            yield Line(line.sink, line.kind, *map(int, line[2:]))
+
+
+def shape(line):
+    """Which film it is of, or none: players begin with a frame of a pixel."""
+    return next((film for film in (FILM, NEXT_FILM) if line.width > 8 and abs(line.width / line.height - film) < 0.05), None)
+
+
+def frames(folder, film=FILM):
+    return [line for line in watched(folder) if line.kind == "frame" and shape(line) == film]
+
+
+def epochs(items, time_of):
+    """Running times begin anew after a seek and with another pipeline."""
+    parts, last = [], None
+    for item in items:
+        if last is None or time_of(item) < last - RESET:
+            parts.append([])
+        parts[-1].append(item)
+        last = time_of(item)
+    return parts
+
+
+def matched(folder):
+    """Commands that start or change a vibration, and the frame that each is for: (command, frame)."""
+    shown = epochs([line for line in watched(folder) if line.kind == "frame" and shape(line)], lambda frame: frame.shown)
+    traces = sorted(folder.glob("commands-*.csv"), key=lambda path: path.stat().st_mtime)
+    pairs, at, last = [], 0, 0
+    for trace in traces:
+        for part in epochs([Command(*map(float, command)) for command in rows(trace, Command)], lambda command: command.issued):
+            planned = [command for command in part if command.due < command.effect and command.volts > 0]
+            if not planned:
+                continue
+            # Both are in the order of time: the same epoch of the frames or a later one that reaches as far.
+            at += planned[0].issued < last - RESET
+            last = planned[-1].issued
+            while at < len(shown) and shown[at][-1].shown < planned[-1].issued - RESET:
+                at += 1
+            if at == len(shown):
+                break
+            by_time = sorted(shown[at], key=lambda frame: frame.running)
+            times = [frame.running for frame in by_time]
+            for command in planned:
+                near = bisect.bisect_left(times, command.effect - 1_000_000)
+                if near < len(times) and times[near] <= command.effect + 1_000_000:
+                    pairs.append((command, by_time[near]))
+    return pairs
+
+
+def not_at_zero(folder):
+    """Tactors that are left on."""
+    left = 0
+    for trace in folder.glob("commands-*.csv"):
+        last = {command.tactor: float(command.volts) for command in rows(trace, Command)}
+        left += sum(volts != 0 for volts in last.values())
+    return left
+
+
+# ---- the screen and the processes --------------------------------------------------------------
+
+
+def screen(env, target, encoder="videoconvert ! video/x-raw,format=RGB"):
+    plain = {key: value for key, value in env.items() if key not in ("GST_TRACERS", "GST_PLUGIN_PATH_1_0")} | {"GST_REGISTRY_1_0": f"{env['HOME']}/plain.registry"}
+    subprocess.run(f"gst-launch-1.0 -q ximagesrc num-buffers=1 show-pointer=false ! {encoder} ! filesink location={target}".split(), env=plain,
+                   capture_output=True, timeout=LIMIT, check=False)
+    return pathlib.Path(target).read_bytes()
+
+
+def moves(env, folder):
+    """Whether the screen changes as the film does, whose ball rests at times."""
+    one = screen(env, folder / "one.raw")
+    for _ in range(6):
+        time.sleep(0.2)
+        other = screen(env, folder / "other.raw")
+        if len(one) == len(other) and sum(abs(a - b) > 20 for a, b in zip(one, other)) > 300:
+            return True
+    return False
+
+
+def family(process):
+    parents = {}
+    for stat in pathlib.Path("/proc").glob("[0-9]*/stat"):
+        try:
+            parents[int(stat.parent.name)] = int(stat.read_text(encoding="utf-8").rpartition(")")[2].split()[1])
+        except (OSError, IndexError):
+            continue
+    members = {process}
+    while True:
+        more = {child for child, parent in parents.items() if parent in members} - members
+        if not more:
+            return members
+        members |= more
+
+
+def usage(process):
+    """CPU in s and memory in MB (PSS) of a process and its children."""
+    cpu = memory = 0
+    for member in family(process):
+        try:
+            fields = pathlib.Path(f"/proc/{member}/stat").read_text(encoding="utf-8").rpartition(")")[2].split()
+            rollup = pathlib.Path(f"/proc/{member}/smaps_rollup").read_text(encoding="utf-8")
+        except OSError:
+            continue
+        cpu += (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
+        memory += next((int(line.split()[1]) for line in rollup.splitlines() if line.startswith("Pss:")), 0) / 1024
+    return cpu, memory
+
+
+# ---- a play ------------------------------------------------------------------------------------
+
+
+def wait(player, done, what):
+    deadline = time.monotonic() + LIMIT
+    while not done():
+        if time.monotonic() > deadline:
+            raise Missing(f"{what}: not within {LIMIT} s")
+        if player.process.poll() is not None and not done():
+            raise Missing(f"{what}: it ended with status {player.process.returncode}")
+        time.sleep(0.05)
+
+
+def check_pause(player, folder, _film):
+    player.say("pause", None)
+    time.sleep(0.4)
+    before = len(frames(folder))
+    time.sleep(1)
+    more = len(frames(folder)) - before
+    player.say("resume", None)
+    wait(player, lambda: len(frames(folder)) > before + FRAME_RATE // 2, "it does not go on")
+    if more > MOST_PAUSED:
+        raise Missing(f"{more} frames in a pause")
+
+
+def check_seek(player, folder, film):
+    position, known = frames(folder)[-1].film, len(frames(folder))
+    player.say("seek", film)
+    wait(player, lambda: any(frame.film < position - SECOND // 2 for frame in frames(folder)[known:]), "no earlier frame")
+    wait(player, lambda: len(frames(folder)) > known + FRAME_RATE, "it does not go on")
+
+
+def ended(folder, film):
+    return any(line.kind == "eos" and shape(line) == film for line in watched(folder))
+
+
+def check_next(player, folder, film):
+    if "next" in player.controls:
+        wait(player, lambda: ended(folder, FILM), "no end of the first film")
+        player.say("next", film)
+    wait(player, lambda: len(frames(folder, NEXT_FILM)) > FRAME_RATE, "no frame of it")
+
+
+def run_check(cells, name, check, *arguments):
+    try:
+        cells[name] = check(*arguments) or "yes"
+    except Missing as missing:
+        cells[name] = f"no: {missing}"
+
+
+def watch_play(player, films, env, folder):
+    cells = {}
+    try:
+        wait(player, lambda: len(frames(folder)) > 2 * FRAME_RATE, "no frame")
+    except Missing as missing:
+        return {"cells": dict.fromkeys(CHECKS, f"no: {missing}")}
+    begin = time.monotonic(), usage(player.process.pid)[0]
+    cells["picture"] = "yes" if moves(env, folder) else "no: the screen does not change"
+    for name, check in (("pause", check_pause), ("seek", check_seek)):
+        if name in player.controls:
+            run_check(cells, name, check, player, folder, films[-1])
+        else:
+            cells[name] = "–"
+    several = not isinstance(player, Uri)
+    if several:
+        run_check(cells, "next film", check_next, player, folder, films[1])
+    else:
+        cells["next film"] = "–"
+    cpu, memory = usage(player.process.pid)
+    measured = {"cpu": (cpu - begin[1]) / (time.monotonic() - begin[0]), "memory": memory}
+    last = NEXT_FILM if several and not cells["next film"].startswith("no") else FILM
+    run_check(cells, "end", wait, player, lambda: ended(folder, last), "no end")
+    return {"cells": cells, **measured}
+
+
+def felt(folder, cells):
+    """Whether it was, in each part of the play, and the errors of the commands in ms."""
+    pairs = matched(folder)
+    errors = [(command.issued + command.effect - command.due - frame.shown) / 1e6 for command, frame in pairs]
+    parts = epochs([frame for _, frame in pairs], lambda frame: frame.shown)
+    lacks = []
+    if len(pairs) < 10:
+        lacks.append(f"{len(pairs)} commands")
+    elif cells.get("seek") == "yes" and len(parts) < 2:
+        lacks.append("nothing after the seek")
+    elif cells.get("next film") == "yes" and not any(shape(frame) == NEXT_FILM for _, frame in pairs):
+        lacks.append("nothing of the next film")
+    left = not_at_zero(folder)
+    if left:
+        lacks.append(f"{left} tactors are left on")
+    return "no: " + ", ".join(lacks) if lacks else "yes", errors
+
+
+class Display:
+    """An Xvfb."""
+
+    def __enter__(self):
+        read, write = os.pipe()
+        self.server = subprocess.Popen(["Xvfb", "-displayfd", str(write), "-noreset", "-nolisten", "tcp", "-screen", "0", "800x600x24"],
+                                       pass_fds=[write], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        os.close(write)
+        with os.fdopen(read) as number:
+            return f":{number.readline().strip()}"
+
+    def __exit__(self, *_):
+        self.server.terminate()
+        self.server.wait()
+
+
+class Bus:
+    """A D-Bus for one player."""
+
+    def __enter__(self):
+        self.daemon = subprocess.Popen(["dbus-daemon", "--session", "--nofork", "--print-address"], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL)
+        return self.daemon.stdout.readline().decode().strip()
+
+    def __exit__(self, *_):
+        self.daemon.terminate()
+        self.daemon.wait()
+
+
+def environment(options, sound, folder, display, bus, switched_on, player):
+    own = {key: str(folder) for key in ("HOME", "XDG_RUNTIME_DIR", "XDG_CONFIG_HOME", "XDG_CACHE_HOME", "PLAYERWATCH")}
+    env = sound | own | {
+        "DISPLAY": display, "DBUS_SESSION_BUS_ADDRESS": bus, "GDK_BACKEND": "x11", "LIBGL_ALWAYS_SOFTWARE": "1", "NO_AT_BRIDGE": "1", "TERM": "xterm",
+        "GST_TRACERS": "playerwatch", "GST_PLUGIN_PATH_1_0": f"{options.build}/gst:{options.build}/tests/tools",
+        "GST_REGISTRY_1_0": f"{options.work}/{'on' if switched_on else 'off'}.registry"}
+    env.pop("WAYLAND_DISPLAY", None)
+    if switched_on:
+        for arguments in (["on", player.program], ["set", "driver=simulator"]):
+            subprocess.run([options.build / "tools/visuotactile-settings", *arguments], env=env, check=True, stdout=subprocess.DEVNULL)
+    return env
+
+
+def play(options, sound, player, switched_on, films, watch):
+    """watch(player, films, env, folder) while it plays."""
+    folder = pathlib.Path(tempfile.mkdtemp(dir=options.work))
+    with Display() as display, Bus() as bus, open(folder / "log", "wb") as log:
+        env = environment(options, sound, folder, display, bus, switched_on, player)
+        player.start(films, env, log)
+        try:
+            result = watch(player, films, env, folder)
+        finally:
+            player.stop()
+    return result, folder
+
+
+def measure(options, sound, player, switched_on, films):
+    result, folder = play(options, sound, player, switched_on, films, watch_play)
+    cells = result["cells"]
+    if switched_on:
+        cells["felt"], result["errors"] = felt(folder, cells)
+    else:
+        cells["felt"] = "no" if not list(folder.glob("commands-*.csv")) else "yes"
+    if any(cell.startswith("no:") for cell in cells.values()) and options.keep:
+        print(f"  {folder}", file=sys.stderr)
+    elif not options.keep:
+        shutil.rmtree(folder)
+    return result
+
+
+# ---- the page ----------------------------------------------------------------------------------
+
+
+def make_film(path, width, seconds):
+    frames_of = seconds * FRAME_RATE
+    line = (f"mp4mux name=mux ! filesink location={path} "
+            f"tactiletestsrc pattern=dynamic-motion seed=4 num-buffers={frames_of} ! video/x-raw,format=I420,width={width},height=360,framerate={FRAME_RATE}/1 ! "
+            "x264enc speed-preset=ultrafast key-int-max=15 ! queue ! mux. "
+            f"audiotestsrc volume=0.1 samplesperbuffer={44100 // FRAME_RATE} num-buffers={frames_of} ! audio/x-raw,rate=44100,channels=1 ! avenc_aac ! queue ! mux.")
+    subprocess.run(["gst-launch-1.0", "-q", *line.split()], check=True)
+
+
+def cell(said):
+    """What the turns say of a check."""
+    if len(set(said)) == 1:
+        return said[0]
+    good = [one for one in said if not one.startswith("no")]
+    return f"{len(good)} of {len(said)}; {next(one for one in said if one.startswith('no'))}"
+
+
+def percentile(values, part):
+    return sorted(values)[int(part * (len(values) - 1))]
+
+
+def table(options, results):
+    yield "# Players"
+    yield ""
+    yield "Made by `tests/tools/players_table.py --output=docs/measured/players.md`; do not edit."
+    yield ""
+    yield f"{machine()}, Debian {pathlib.Path('/etc/debian_version').read_text(encoding='utf-8').strip()}, GStreamer {gstreamer()}, Xvfb, PipeWire's null sink."
+    yield ""
+    yield f"Each player plays two films with sound, H.264 at 640×360 and 480×360, 30 frames/s, {options.turns} times with visuotactiledecoder"
+    yield "switched off and on in turn. It is told to pause, to seek back, and to go on to the next film by its own means: keys, command line,"
+    yield "MPRIS, or a script's or page's calls. –: it cannot be told."
+    yield ""
+    yield "- Felt: at least ten commands for frames that it showed, some after the seek and of the next film; all motors end at zero."
+    yield "- Picture: the screen moves. Pause: no frame is shown for a second, then they go on. Seek: earlier frames are shown."
+    yield "- Next film: its frames are shown. End: the end of the stream reaches the sink."
+    yield "- Error: when the motor reaches its level (issue of the command + the motor's lead), minus when the player's video sink begins to show"
+    yield "  the command's frame. p50 with its sign, p95 of its size."
+    yield ""
+    yield "| player | decoder | " + " | ".join(CHECKS) + " | commands | error p50 | p95 |"
+    yield "|---|---|" + "---|" * len(CHECKS) + "---|---|---|"
+    for (label, switched_on), turns in results.items():
+        errors = [error for turn in turns for error in turn.get("errors", ())]
+        shown = [f"{len(errors)}", f"{statistics.median(errors):+.2f} ms", f"{percentile(list(map(abs, errors)), 0.95):.2f} ms"] if errors else ["", "", ""]
+        yield "| " + " | ".join([label, "on" if switched_on else "off", *(cell([turn["cells"].get(check, "no") for turn in turns]) for check in CHECKS), *shown]) + " |"
+    yield ""
+    yield "## CPU and memory"
+    yield ""
+    yield "Of the player with its child processes. CPU: share of one core from two seconds after the start to the next film, on a software"
+    yield f"renderer. Memory: PSS then. Medians of {options.turns}."
+    yield ""
+    yield "| player | CPU, off | on | memory, off | on |"
+    yield "|---|---|---|---|---|"
+    for label in dict.fromkeys(label for label, _ in results):
+        values = [[turn[key] for turn in results[label, switched_on] if key in turn] for key in ("cpu", "memory") for switched_on in (False, True)]
+        if all(values):
+            cpu_off, cpu_on, memory_off, memory_on = map(statistics.median, values)
+            yield f"| {label} | {100 * cpu_off:.0f} % | {100 * cpu_on:.0f} % | {memory_off:.0f} MB | {memory_on:.0f} MB |"
+
+
+def machine():
+    with open("/proc/cpuinfo", encoding="utf-8") as file:
+        model = next(line.partition(":")[2].strip() for line in file if line.startswith("model name"))
+    return f"{model}, {os.cpu_count()} CPUs"
+
+
+def gstreamer():
+    said = subprocess.run(["gst-launch-1.0", "--version"], capture_output=True, text=True, check=True).stdout
+    return next(line.split()[1] for line in said.splitlines() if line.startswith("GStreamer "))
+
+
+def picture(player, films, env, folder):
+    wait(player, lambda: any(line.kind == "frame" and line.film > 4.5 * SECOND for line in watched(folder)), "no frame")
+    screen(env, folder / "screen.jpg", "videoconvert ! jpegenc quality=75")
+
+
+def take_pictures(options, sound, chosen):
+    for player in chosen:
+        name = player.label.lower().replace("'", "").replace(",", "").replace(" ", "-")
+        _, folder = play(options, sound, player, True, [options.film], picture)
+        options.pictures.mkdir(parents=True, exist_ok=True)
+        shutil.copy(folder / "screen.jpg", options.pictures / f"{name}.jpg")
+        print(f"{player.label}: {name}.jpg", file=sys.stderr)
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--turns", type=int, default=3)
+    parser.add_argument("--output", type=pathlib.Path)
+    parser.add_argument("--build", type=pathlib.Path, default=HERE.parent.parent / "build")
+    parser.add_argument("--pictures", type=pathlib.Path)
+    parser.add_argument("--film", type=pathlib.Path)
+    parser.add_argument("--keep", action="store_true", help="keep what each player wrote")
+    parser.add_argument("player", nargs="*")
+    options = parser.parse_args()
+    options.build = options.build.resolve()
+    chosen = [player for player in players() if not options.player or player.label in options.player]
+    if not chosen:
+        parser.error(f"expected players of {', '.join(player.label for player in players())}, got {', '.join(options.player)}")
+    if bool(options.pictures) != bool(options.film):
+        parser.error("--pictures and --film go together")
+    os.environ["GST_PLUGIN_PATH_1_0"] = str(options.build / "gst")
+    options.work = pathlib.Path(tempfile.mkdtemp())
+    try:
+        with pulse_clock.sound_server("pipewire") as sound:
+            if options.pictures:
+                options.film = options.film.resolve()
+                return take_pictures(options, sound, chosen)
+            films = [options.work / "film.mp4", options.work / "next.mp4"]
+            make_film(films[0], 640, 8)
+            make_film(films[1], 480, 4)
+            results = {}
+            for turn in range(options.turns):
+                for player in chosen:
+                    for switched_on in (False, True):
+                        result = measure(options, sound, player, switched_on, films)
+                        results.setdefault((player.label, switched_on), []).append(result)
+                        print(f"turn {turn + 1}, {player.label}, {'on' if switched_on else 'off'}: {result['cells']}", file=sys.stderr)
+    finally:
+        if not options.keep:
+            shutil.rmtree(options.work)
+    # A player's rows stay together.
+    ordered = {(player.label, switched_on): results[player.label, switched_on] for player in chosen for switched_on in (False, True)}
+    text = "\n".join(table(options, ordered)) + "\n"
+    if options.output:
+        options.output.write_text(text, encoding="utf-8")
+    else:
+        print(text, end="")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
