@@ -5,7 +5,7 @@
 Each player runs on an Xvfb of its own, as its Debian package installed it, and is told to pause,
 seek and go on by its own means. playerwatch, a tracer of GStreamer, writes down its frames.
 
-Usage: players_table.py [--turns=3] [--output=FILE] [--build=build] [--pictures=FOLDER --film=FILE] [PLAYER ...]
+Usage: players_table.py [--turns=3] [--server=pulse] [--output=FILE] [--build=build] [--pictures=FOLDER --film=FILE] [PLAYER ...]
     --pictures   instead plays FILE in each player that is switched on, and writes a picture of the screen
     PLAYER       some of the players, as in the table
 """
@@ -33,7 +33,7 @@ FILM, NEXT_FILM = 16 / 9, 4 / 3  # films are told apart by their shape: some pla
 FRAME_RATE = 30
 MOST_PAUSED = 1  # frames that may still come
 RESET = SECOND // 2  # ns by which running times fall back where they begin anew
-LIMIT = 15  # s for each step
+LIMIT = 10  # s for each step
 CHECKS = ("felt", "picture", "pause", "seek", "next film", "end")
 
 
@@ -54,7 +54,7 @@ class Player:
         self.process = self.env = None
 
     def arguments(self, films):
-        return [*self.command, *map(str, films)]
+        return [*self.command, *map(str, films[:2])]
 
     def start(self, films, env, log):
         self.env = env
@@ -157,13 +157,31 @@ class Mpris(Player):
         self.call("Quit")
 
 
+class Keys(Player):
+    """Parole: D-Bus to play and pause, and a key in its window, which is WIDTH pixels wide."""
+
+    controls = ("pause", "resume", "seek")
+    def __init__(self, label, program, width, *command):
+        super().__init__(label, program, *command)
+        self.width = width
+
+    def say(self, control, film):
+        toggle = "gdbus call --session --dest org.Parole.Media.Player --object-path /org/Parole/Media/Player --method org.Parole.Media.Player.Play"
+        tells = [PYTHON, HERE / "press_keys.py", str(self.width), "Left"] if control == "seek" else toggle.split()
+        subprocess.run(tells, env=self.env, timeout=LIMIT, capture_output=True, check=False)
+
+
 class Script(Player):
     """A script beside this one: lines on its standard input."""
 
     controls = ("pause", "resume", "seek", "next")
 
+    def __init__(self, *command, two=False):
+        super().__init__(*command)
+        self.two = two
+
     def arguments(self, films):
-        return [*self.command, str(films[0])]
+        return [*self.command, str(films[0]), *([str(films[2])] if self.two else [])]
 
     def say(self, control, film):
         self.tell({"pause": "pause", "resume": "play", "seek": "seek 0.5", "next": f"open {film}"}[control])
@@ -178,14 +196,14 @@ class Script(Player):
 
 def players():
     python = os.path.basename(PYTHON)
-    for name, *options in (("playbin",), ("playbin3", "--use-playbin3"), ("playbin, gapless", "--gapless"), ("playbin3, gapless", "--use-playbin3", "--gapless")):
+    for name, *options in (("playbin",), ("playbin3", "--use-playbin3"), ("playbin3, gapless", "--use-playbin3", "--gapless")):
         yield Terminal(f"gst-play-1.0, {name}", "gst-play-1.0", "gst-play-1.0", *options)
     yield Uri("gst-launch-1.0 playbin", "gst-launch-1.0", "gst-launch-1.0", "playbin")
     yield CommandLine("Totem", "totem", "totem")
-    yield Mpris("Parole", "parole", "parole", "parole")
+    yield Keys("Parole", "parole", 760, "parole")
     yield Mpris("Clapper", "com.github.rafostar.Clapper", "Clapper", "clapper")
     yield Script("GTK 4's GtkVideo", python, PYTHON, HERE / "video_in_gtk.py")
-    yield Script("WebKitGTK, two videos", "WebKitWebProcess", PYTHON, HERE / "video_in_page.py", "--two")
+    yield Script("WebKitGTK, two videos", "WebKitWebProcess", PYTHON, HERE / "video_in_page.py", two=True)
 
 
 # ---- what playerwatch wrote --------------------------------------------------------------------
@@ -353,7 +371,11 @@ def check_next(player, folder, film):
     if "next" in player.controls:
         wait(player, lambda: ended(folder, FILM), "no end of the first film")
         player.say("next", film)
-    wait(player, lambda: len(frames(folder, NEXT_FILM)) > FRAME_RATE, "no frame of it")
+    wait(player, lambda: len(frames(folder, NEXT_FILM)) > 3 * FRAME_RATE, "too few frames of it")
+    if "pause" in player.controls:  # in which tactorsink writes its trace
+        player.say("pause", None)
+        time.sleep(0.4)
+        player.say("resume", None)
 
 
 def run_check(cells, name, check, *arguments):
@@ -373,7 +395,7 @@ def watch_play(player, films, env, folder):
     cells["picture"] = "yes" if moves(env, folder) else "no: the screen does not change"
     for name, check in (("pause", check_pause), ("seek", check_seek)):
         if name in player.controls:
-            run_check(cells, name, check, player, folder, films[-1])
+            run_check(cells, name, check, player, folder, films[1])
         else:
             cells[name] = "–"
     several = not isinstance(player, Uri)
@@ -501,11 +523,11 @@ def percentile(values, part):
 def table(options, results):
     yield "# Players"
     yield ""
-    yield "Made by `tests/tools/players_table.py --output=docs/measured/players.md`; do not edit."
+    yield f"Made by `tests/tools/players_table.py --turns={options.turns} --output=docs/measured/players.md`; do not edit."
     yield ""
-    yield f"{machine()}, Debian {pathlib.Path('/etc/debian_version').read_text(encoding='utf-8').strip()}, GStreamer {gstreamer()}, Xvfb, PipeWire's null sink."
+    yield f"{machine()}, Debian {pathlib.Path('/etc/debian_version').read_text(encoding='utf-8').strip()}, GStreamer {gstreamer()}, Xvfb, {pulse_clock.SERVERS[options.server]}'s null sink."
     yield ""
-    yield f"Each player plays two films with sound, H.264 at 640×360 and 480×360, 30 frames/s, {options.turns} times with visuotactiledecoder"
+    yield f"Each player plays two films with sound, H.264 at 640×360 and 480×360, 30 frames/s, {options.turns} times each with visuotactiledecoder"
     yield "switched off and on in turn. It is told to pause, to seek back, and to go on to the next film by its own means: keys, command line,"
     yield "MPRIS, or a script's or page's calls. –: it cannot be told."
     yield ""
@@ -555,7 +577,7 @@ def picture(player, films, env, folder):
 def take_pictures(options, sound, chosen):
     for player in chosen:
         name = player.label.lower().replace("'", "").replace(",", "").replace(" ", "-")
-        _, folder = play(options, sound, player, True, [options.film], picture)
+        _, folder = play(options, sound, player, True, [options.film] * 3, picture)
         options.pictures.mkdir(parents=True, exist_ok=True)
         shutil.copy(folder / "screen.jpg", options.pictures / f"{name}.jpg")
         print(f"{player.label}: {name}.jpg", file=sys.stderr)
@@ -564,6 +586,7 @@ def take_pictures(options, sound, chosen):
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--turns", type=int, default=3)
+    parser.add_argument("--server", choices=pulse_clock.SERVERS, default="pulse")
     parser.add_argument("--output", type=pathlib.Path)
     parser.add_argument("--build", type=pathlib.Path, default=HERE.parent.parent / "build")
     parser.add_argument("--pictures", type=pathlib.Path)
@@ -580,13 +603,14 @@ def main():
     os.environ["GST_PLUGIN_PATH_1_0"] = str(options.build / "gst")
     options.work = pathlib.Path(tempfile.mkdtemp())
     try:
-        with pulse_clock.sound_server("pipewire") as sound:
+        with pulse_clock.sound_server(options.server) as sound:
             if options.pictures:
                 options.film = options.film.resolve()
                 return take_pictures(options, sound, chosen)
-            films = [options.work / "film.mp4", options.work / "next.mp4"]
-            make_film(films[0], 640, 8)
+            films = [options.work / "film.mp4", options.work / "next.mp4", options.work / "beside.mp4"]
+            make_film(films[0], 640, 12)
             make_film(films[1], 480, 4)
+            make_film(films[2], 360, 12)
             results = {}
             for turn in range(options.turns):
                 for player in chosen:

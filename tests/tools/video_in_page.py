@@ -1,9 +1,9 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: LGPL-2.1-or-later
-"""A window of WebKitGTK with a page that plays a film: video_in_page.py [--two] FILM
+"""A window of WebKitGTK with a page that plays a film: video_in_page.py FILM [OTHER]
 
---two: a second film in the page, with the same pictures, small. Does what lines of its standard
-input say to the first: pause, play, seek SECONDS, open FILM; and quit.
+Does what lines of its standard input say to the first film: pause, play, seek SECONDS, open FILM;
+and quit. OTHER plays beside it.
 """
 import pathlib
 import sys
@@ -28,10 +28,9 @@ def obey(channel, _condition, view):
     return True
 
 
-film = pathlib.Path(sys.argv[-1]).resolve().as_uri()
+films = [pathlib.Path(film).resolve().as_uri() for film in sys.argv[1:]]
 page = pathlib.Path("page.html").resolve()
-other = f'<video src="{film}" width=160 autoplay muted></video>' if "--two" in sys.argv else ""
-page.write_text(f'<video src="{film}" autoplay muted></video>{other}')
+page.write_text("".join(f'<video src="{film}" width={width} autoplay muted></video>' for film, width in zip(films, (640, 160))))
 view = WebKit2.WebView()
 view.get_settings().set_property("media-playback-requires-user-gesture", False)
 view.get_settings().set_property("hardware-acceleration-policy", WebKit2.HardwareAccelerationPolicy.NEVER)
