@@ -33,7 +33,7 @@ FILM, NEXT_FILM = 16 / 9, 4 / 3  # films are told apart by their shape: some pla
 FRAME_RATE = 30
 MOST_PAUSED = 1  # frames that may still come
 RESET = SECOND // 2  # ns by which running times fall back where they begin anew
-LIMIT = 10  # s for each step
+LIMIT = 20  # s for each step
 CHECKS = ("felt", "picture", "pause", "seek", "next film", "end")
 
 
@@ -571,12 +571,12 @@ def gstreamer():
 
 def picture(player, films, env, folder):
     wait(player, lambda: any(line.kind == "frame" and line.film > 4.5 * SECOND for line in watched(folder)), "no frame")
-    screen(env, folder / "screen.jpg", "videoconvert ! jpegenc quality=75")
+    screen(env, folder / "screen.jpg", "videoconvert ! videoscale method=lanczos ! video/x-raw,width=640,height=480 ! jpegenc quality=70")
 
 
 def take_pictures(options, sound, chosen):
     for player in chosen:
-        name = player.label.lower().replace("'", "").replace(",", "").replace(" ", "-")
+        name = player.label.lower().split()[0].strip(",")
         _, folder = play(options, sound, player, True, [options.film] * 3, picture)
         options.pictures.mkdir(parents=True, exist_ok=True)
         shutil.copy(folder / "screen.jpg", options.pictures / f"{name}.jpg")
