@@ -571,7 +571,7 @@ def gstreamer():
 
 def picture(player, films, env, folder):
     wait(player, lambda: any(line.kind == "frame" and line.film > 4.5 * SECOND for line in watched(folder)), "no frame")
-    screen(env, folder / "screen.jpg", "videoconvert ! videoscale method=lanczos ! video/x-raw,width=640,height=480 ! jpegenc quality=70")
+    screen(env, folder / "screen.jpg", "videoconvert ! videoscale method=lanczos ! video/x-raw,width=640,height=480 ! jpegenc quality=60")
 
 
 def take_pictures(options, sound, chosen):
