@@ -525,7 +525,8 @@ def table(options, results):
     yield ""
     yield f"Made by `tests/tools/players_table.py --turns={options.turns} --output=docs/measured/players.md`; do not edit."
     yield ""
-    yield f"{machine()}, Debian {pathlib.Path('/etc/debian_version').read_text(encoding='utf-8').strip()}, GStreamer {gstreamer()}, Xvfb, {pulse_clock.SERVERS[options.server]}'s null sink."
+    debian = pathlib.Path("/etc/debian_version").read_text(encoding="utf-8").strip()
+    yield f"{machine()}, Debian {debian}, GStreamer {gstreamer()}, Xvfb, {pulse_clock.SERVERS[options.server]}'s null sink."
     yield ""
     yield f"Each player plays two films with sound, H.264 at 640×360 and 480×360, 30 frames/s, {options.turns} times each with visuotactiledecoder"
     yield "switched off and on in turn. It is told to pause, to seek back, and to go on to the next film by its own means: keys, command line,"
@@ -571,7 +572,7 @@ def gstreamer():
 
 def picture(player, films, env, folder):
     wait(player, lambda: any(line.kind == "frame" and line.film > 4.5 * SECOND for line in watched(folder)), "no frame")
-    screen(env, folder / "screen.jpg", "videoconvert ! videoscale method=lanczos ! video/x-raw,width=640,height=480 ! jpegenc quality=60")
+    screen(env, folder / "screen.jpg", "videoconvert ! videoscale method=lanczos ! video/x-raw,width=640,height=480 ! jpegenc quality=50")
 
 
 def take_pictures(options, sound, chosen):
