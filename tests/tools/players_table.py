@@ -10,14 +10,9 @@ Usage: players_table.py [--turns=3] [--server=pulse] [--output=FILE] [--build=bu
     PLAYER       some of the players, as in the table
 """
 import argparse
-import bisect
-import collections
-import csv
 import os
 import pathlib
-import pty
 import shutil
-import signal
 import statistics
 import subprocess
 import sys
@@ -25,313 +20,12 @@ import tempfile
 import time
 
 import pulse_clock
+from players_known import HERE, LIMIT, Missing, Uri, players
+from players_watched import FILM, NEXT_FILM, SECOND, epochs, frames, matched, moves, not_at_zero, screen, shape, usage, watched
 
-HERE = pathlib.Path(__file__).resolve().parent
-PYTHON = os.path.realpath(sys.executable)
-SECOND = 1_000_000_000  # ns
-FILM, NEXT_FILM = 16 / 9, 4 / 3  # films are told apart by their shape: some players scale before the sink
 FRAME_RATE = 30
 MOST_PAUSED = 1  # frames that may still come
-RESET = SECOND // 2  # ns by which running times fall back where they begin anew
-LIMIT = 20  # s for each step
 CHECKS = ("felt", "picture", "pause", "seek", "next film", "end")
-
-
-class Missing(Exception):
-    """What a player did not do, as a cell of the table says it."""
-
-
-# ---- players -----------------------------------------------------------------------------------
-
-
-class Player:
-    """A program that plays films one after the other, and is told nothing while it does."""
-
-    controls = ()
-
-    def __init__(self, label, program, *command):
-        self.label, self.program, self.command = label, program, command
-        self.process = self.env = None
-
-    def arguments(self, films):
-        return [*self.command, *map(str, films[:2])]
-
-    def start(self, films, env, log):
-        self.env = env
-        self.process = subprocess.Popen(self.arguments(films), env=env, stdout=log, stderr=log, stdin=subprocess.PIPE, start_new_session=True)
-
-    def say(self, control, film):
-        raise NotImplementedError
-
-    def leave(self):
-        """Asks it to end. gst-launch-1.0 does so by itself."""
-
-    def stop(self):
-        """Traces are whole only if the player ends by itself."""
-        try:
-            self.leave()
-            self.process.wait(5)
-        except (OSError, Missing, subprocess.TimeoutExpired):
-            pass
-        for signals in (signal.SIGTERM, signal.SIGKILL):
-            try:
-                os.killpg(self.process.pid, signals)
-                self.process.wait(10)
-            except (ProcessLookupError, subprocess.TimeoutExpired):
-                continue
-            break
-
-
-class Uri(Player):
-    """gst-launch-1.0 playbin."""
-
-    def arguments(self, films):
-        return [*self.command, f"uri={films[0].as_uri()}"]
-
-
-class Terminal(Player):
-    """gst-play-1.0: keys in its terminal."""
-
-    controls = ("pause", "resume", "seek")
-    keys = {"pause": b" ", "resume": b" ", "seek": b"\x1b[D"}
-
-    def start(self, films, env, log):
-        self.env = env
-        self.master, slave = pty.openpty()
-        self.process = subprocess.Popen(self.arguments(films), env=env, stdin=slave, stdout=log, stderr=log, start_new_session=True)
-        os.close(slave)
-
-    def say(self, control, film):
-        os.write(self.master, self.keys[control])
-
-    def leave(self):
-        os.write(self.master, b"q")
-
-    def stop(self):
-        super().stop()
-        os.close(self.master)
-
-
-class CommandLine(Player):
-    """Totem: a second start tells the first one. Of two films it takes the one that it opens first."""
-
-    controls = ("pause", "resume", "seek")
-    options = {"pause": "--pause", "resume": "--play", "seek": "--seek-bwd"}
-
-    def arguments(self, films):
-        return [*self.command, str(films[0])]
-
-    def tell(self, *arguments):
-        subprocess.run([self.command[0], *arguments], env=self.env | {"GST_TRACERS": ""}, timeout=LIMIT, capture_output=True, check=False)
-
-    def say(self, control, film):
-        if control == "seek":
-            self.tell("--enqueue", film)
-        self.tell(self.options[control])
-
-    def leave(self):
-        self.tell("--quit")
-
-
-class Mpris(Player):
-    """By D-Bus: --session org.mpris.MediaPlayer2.NAME."""
-
-    controls = ("pause", "resume", "seek")
-    calls = {"pause": ["Player.Pause"], "resume": ["Player.Play"], "seek": ["Player.Seek", "-1500000"]}
-
-    def __init__(self, label, program, name, *command):
-        super().__init__(label, program, *command)
-        self.name = name
-
-    def call(self, method, *arguments):
-        said = subprocess.run(["gdbus", "call", "--session", "--dest", f"org.mpris.MediaPlayer2.{self.name}", "--object-path",
-                               "/org/mpris/MediaPlayer2", "--method", f"org.mpris.MediaPlayer2.{method}", "--", *arguments],
-                              env=self.env, timeout=LIMIT, capture_output=True, text=True, check=False)
-        if said.returncode:
-            raise Missing(f"MPRIS: {said.stderr.strip().splitlines()[-1]}")
-
-    def say(self, control, film):
-        self.call(*self.calls[control])
-
-    def leave(self):
-        self.call("Quit")
-
-
-class Keys(Player):
-    """Parole: D-Bus to play and pause, and a key in its window, which is WIDTH pixels wide."""
-
-    controls = ("pause", "resume", "seek")
-    def __init__(self, label, program, width, *command):
-        super().__init__(label, program, *command)
-        self.width = width
-
-    def say(self, control, film):
-        toggle = "gdbus call --session --dest org.Parole.Media.Player --object-path /org/Parole/Media/Player --method org.Parole.Media.Player.Play"
-        tells = [PYTHON, HERE / "press_keys.py", str(self.width), "Left"] if control == "seek" else toggle.split()
-        subprocess.run(tells, env=self.env, timeout=LIMIT, capture_output=True, check=False)
-
-
-class Script(Player):
-    """A script beside this one: lines on its standard input."""
-
-    controls = ("pause", "resume", "seek", "next")
-
-    def __init__(self, *command, two=False):
-        super().__init__(*command)
-        self.two = two
-
-    def arguments(self, films):
-        return [*self.command, str(films[0]), *([str(films[2])] if self.two else [])]
-
-    def say(self, control, film):
-        self.tell({"pause": "pause", "resume": "play", "seek": "seek 0.5", "next": f"open {film}"}[control])
-
-    def tell(self, line):
-        self.process.stdin.write(f"{line}\n".encode())
-        self.process.stdin.flush()
-
-    def leave(self):
-        self.tell("quit")
-
-
-def players():
-    python = os.path.basename(PYTHON)
-    for name, *options in (("playbin",), ("playbin3", "--use-playbin3"), ("playbin3, gapless", "--use-playbin3", "--gapless")):
-        yield Terminal(f"gst-play-1.0, {name}", "gst-play-1.0", "gst-play-1.0", *options)
-    yield Uri("gst-launch-1.0 playbin", "gst-launch-1.0", "gst-launch-1.0", "playbin")
-    yield CommandLine("Totem", "totem", "totem")
-    yield Keys("Parole", "parole", 760, "parole")
-    yield Mpris("Clapper", "com.github.rafostar.Clapper", "Clapper", "clapper")
-    yield Script("GTK 4's GtkVideo", python, PYTHON, HERE / "video_in_gtk.py")
-    yield Script("WebKitGTK, two videos", "WebKitWebProcess", PYTHON, HERE / "video_in_page.py", two=True)
-
-
-# ---- what playerwatch wrote --------------------------------------------------------------------
-
-Line = collections.namedtuple("Line", "sink kind running shown film width height")
-Command = collections.namedtuple("Command", "issued due effect tactor volts")
-
-
-def rows(path, kind):
-    """Whole lines: the player may be writing."""
-    with open(path, encoding="utf-8", newline="") as file:
-        text = file.read()
-    whole = text[:text.rfind("\n") + 1].splitlines()
-    return [kind(*row) for row in csv.reader(line for line in whole if not line.startswith("issued"))]
-
-
-def watched(folder):
-    for path in sorted(folder.glob("watch-*.csv")):
-        for line in rows(path, Line):
-            yield Line(line.sink, line.kind, *map(int, line[2:]))
-
-
-def shape(line):
-    """Which film it is of, or none: players begin with a frame of a pixel."""
-    return next((film for film in (FILM, NEXT_FILM) if line.width > 8 and abs(line.width / line.height - film) < 0.05), None)
-
-
-def frames(folder, film=FILM):
-    return [line for line in watched(folder) if line.kind == "frame" and shape(line) == film]
-
-
-def epochs(items, time_of):
-    """Running times begin anew after a seek and with another pipeline."""
-    parts, last = [], None
-    for item in items:
-        if last is None or time_of(item) < last - RESET:
-            parts.append([])
-        parts[-1].append(item)
-        last = time_of(item)
-    return parts
-
-
-def matched(folder):
-    """Commands that start or change a vibration, and the frame that each is for: (command, frame)."""
-    shown = epochs([line for line in watched(folder) if line.kind == "frame" and shape(line)], lambda frame: frame.shown)
-    traces = sorted(folder.glob("commands-*.csv"), key=lambda path: path.stat().st_mtime)
-    pairs, at, last = [], 0, 0
-    for trace in traces:
-        for part in epochs([Command(*map(float, command)) for command in rows(trace, Command)], lambda command: command.issued):
-            planned = [command for command in part if command.due < command.effect and command.volts > 0]
-            if not planned:
-                continue
-            # Both are in the order of time: the same epoch of the frames or a later one that reaches as far.
-            at += planned[0].issued < last - RESET
-            last = planned[-1].issued
-            while at < len(shown) and shown[at][-1].shown < planned[-1].issued - RESET:
-                at += 1
-            if at == len(shown):
-                break
-            by_time = sorted(shown[at], key=lambda frame: frame.running)
-            times = [frame.running for frame in by_time]
-            for command in planned:
-                near = bisect.bisect_left(times, command.effect - 1_000_000)
-                if near < len(times) and times[near] <= command.effect + 1_000_000:
-                    pairs.append((command, by_time[near]))
-    return pairs
-
-
-def not_at_zero(folder):
-    """Tactors that are left on."""
-    left = 0
-    for trace in folder.glob("commands-*.csv"):
-        last = {command.tactor: float(command.volts) for command in rows(trace, Command)}
-        left += sum(volts != 0 for volts in last.values())
-    return left
-
-
-# ---- the screen and the processes --------------------------------------------------------------
-
-
-def screen(env, target, encoder="videoconvert ! video/x-raw,format=RGB"):
-    plain = {key: value for key, value in env.items() if key not in ("GST_TRACERS", "GST_PLUGIN_PATH_1_0")} | {"GST_REGISTRY_1_0": f"{env['HOME']}/plain.registry"}
-    subprocess.run(f"gst-launch-1.0 -q ximagesrc num-buffers=1 show-pointer=false ! {encoder} ! filesink location={target}".split(), env=plain,
-                   capture_output=True, timeout=LIMIT, check=False)
-    return pathlib.Path(target).read_bytes()
-
-
-def moves(env, folder):
-    """Whether the screen changes as the film does, whose ball rests at times."""
-    one = screen(env, folder / "one.raw")
-    for _ in range(6):
-        time.sleep(0.2)
-        other = screen(env, folder / "other.raw")
-        if len(one) == len(other) and sum(abs(a - b) > 20 for a, b in zip(one, other)) > 300:
-            return True
-    return False
-
-
-def family(process):
-    parents = {}
-    for stat in pathlib.Path("/proc").glob("[0-9]*/stat"):
-        try:
-            parents[int(stat.parent.name)] = int(stat.read_text(encoding="utf-8").rpartition(")")[2].split()[1])
-        except (OSError, IndexError):
-            continue
-    members = {process}
-    while True:
-        more = {child for child, parent in parents.items() if parent in members} - members
-        if not more:
-            return members
-        members |= more
-
-
-def usage(process):
-    """CPU in s and memory in MB (PSS) of a process and its children."""
-    cpu = memory = 0
-    for member in family(process):
-        try:
-            fields = pathlib.Path(f"/proc/{member}/stat").read_text(encoding="utf-8").rpartition(")")[2].split()
-            rollup = pathlib.Path(f"/proc/{member}/smaps_rollup").read_text(encoding="utf-8")
-        except OSError:
-            continue
-        cpu += (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
-        memory += next((int(line.split()[1]) for line in rollup.splitlines() if line.startswith("Pss:")), 0) / 1024
-    return cpu, memory
-
-
-# ---- a play ------------------------------------------------------------------------------------
 
 
 def wait(player, done, what):
@@ -403,6 +97,7 @@ def watch_play(player, films, env, folder):
         run_check(cells, "next film", check_next, player, folder, films[1])
     else:
         cells["next film"] = "–"
+        wait(player, lambda: frames(folder)[-1].film > 10 * SECOND, "no end")
     cpu, memory = usage(player.process.pid)
     measured = {"cpu": (cpu - begin[1]) / (time.monotonic() - begin[0]), "memory": memory}
     last = NEXT_FILM if several and not cells["next film"].startswith("no") else FILM
@@ -526,7 +221,8 @@ def table(options, results):
     yield f"Made by `tests/tools/players_table.py --turns={options.turns} --output=docs/measured/players.md`; do not edit."
     yield ""
     debian = pathlib.Path("/etc/debian_version").read_text(encoding="utf-8").strip()
-    yield f"{machine()}, Debian {debian}, GStreamer {gstreamer()}, Xvfb, {pulse_clock.SERVERS[options.server]}'s null sink."
+    yield f"{machine()}, Debian {debian}, GStreamer {gstreamer()}, Xvfb, {pulse_clock.SERVERS[options.server]}'s null sink,"
+    yield f"load average meanwhile {min(options.loads):.1f} to {max(options.loads):.1f}."
     yield ""
     yield f"Each player plays two films with sound, H.264 at 640×360 and 480×360, 30 frames/s, {options.turns} times each with visuotactiledecoder"
     yield "switched off and on in turn. It is told to pause, to seek back, and to go on to the next film by its own means: keys, command line,"
@@ -602,6 +298,7 @@ def main():
     if bool(options.pictures) != bool(options.film):
         parser.error("--pictures and --film go together")
     os.environ["GST_PLUGIN_PATH_1_0"] = str(options.build / "gst")
+    options.loads = []
     options.work = pathlib.Path(tempfile.mkdtemp())
     try:
         with pulse_clock.sound_server(options.server) as sound:
@@ -617,6 +314,7 @@ def main():
                 for player in chosen:
                     for switched_on in (False, True):
                         result = measure(options, sound, player, switched_on, films)
+                        options.loads.append(os.getloadavg()[0])
                         results.setdefault((player.label, switched_on), []).append(result)
                         print(f"turn {turn + 1}, {player.label}, {'on' if switched_on else 'off'}: {result['cells']}", file=sys.stderr)
     finally:
