@@ -97,7 +97,7 @@ def watch_play(player, films, env, folder):
         run_check(cells, "next film", check_next, player, folder, films[1])
     else:
         cells["next film"] = "–"
-        wait(player, lambda: frames(folder)[-1].film > 10 * SECOND, "no end")
+        run_check({}, "end", wait, player, lambda: frames(folder)[-1].film > 10 * SECOND, "no end")
     cpu, memory = usage(player.process.pid)
     measured = {"cpu": (cpu - begin[1]) / (time.monotonic() - begin[0]), "memory": memory}
     last = NEXT_FILM if several and not cells["next film"].startswith("no") else FILM
@@ -297,6 +297,8 @@ def main():
         parser.error(f"expected players of {', '.join(player.label for player in players())}, got {', '.join(options.player)}")
     if bool(options.pictures) != bool(options.film):
         parser.error("--pictures and --film go together")
+    if not (options.build / "tests/tools/libgstplayerwatch.so").exists():
+        parser.error(f"expected a finished build in {options.build}: ninja -C {options.build}")
     os.environ["GST_PLUGIN_PATH_1_0"] = str(options.build / "gst")
     options.loads = []
     options.work = pathlib.Path(tempfile.mkdtemp())
