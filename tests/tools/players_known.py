@@ -31,7 +31,8 @@ class Player:
 
     def start(self, films, env, log):
         self.env = env
-        self.process = subprocess.Popen(self.arguments(films), env=env, stdout=log, stderr=log, stdin=subprocess.PIPE, start_new_session=True)
+        self.process = subprocess.Popen(self.arguments(films), env=env, stdout=log, stderr=log, stdin=subprocess.PIPE, cwd=env["HOME"],
+                                        start_new_session=True)
 
     def say(self, control, film):
         raise NotImplementedError
@@ -71,7 +72,7 @@ class Terminal(Player):
     def start(self, films, env, log):
         self.env = env
         self.master, slave = pty.openpty()
-        self.process = subprocess.Popen(self.arguments(films), env=env, stdin=slave, stdout=log, stderr=log, start_new_session=True)
+        self.process = subprocess.Popen(self.arguments(films), env=env, stdin=slave, stdout=log, stderr=log, cwd=env["HOME"], start_new_session=True)
         os.close(slave)
 
     def say(self, control, film):
