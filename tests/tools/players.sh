@@ -117,8 +117,8 @@ any_player() {
 }
 
 # own_sink NAME COMMAND...: players that choose their own video sink. Switched on by their NAME,
-# visuotactiledecoder is taken as the decoder, and the chair gets maps. The player's settings stay in
-# this folder.
+# visuotactiledecoder is taken as the decoder, and the chair gets maps, `until` it is as that
+# function says. The player's settings stay in this folder.
 own_sink() {
   local player
   export_debug
@@ -128,13 +128,31 @@ own_sink() {
   shift
   HOME=$PWD XDG_RUNTIME_DIR=$PWD GDK_BACKEND=x11 LIBGL_ALWAYS_SOFTWARE=1 timeout 60 dbus-run-session -- "$@" >out 2>&1 &
   player=$!
-  while kill -0 "$player" 2>/dev/null && ! felt; do
+  while kill -0 "$player" 2>/dev/null && ! "$until"; do
     sleep 0.2
   done
   kill "$player" 2>/dev/null || true
   wait "$player" 2>/dev/null || true
   grep -q ' decodes ' debug || fail "the player does not use visuotactiledecoder: $(cat out)"
   felt || fail "nothing is felt: $(tail -n 5 debug)"
+  "$until" || fail "not as it should be, $until: $(tail -n 5 debug)"
+}
+until=felt
+
+# A page with two films: one has the chair, the other tells so and plays on.
+one_of_two_felt() {
+  felt && grep -q ' has the chair' debug
+}
+
+# A film without a picture, in a player that is switched on: it plays to the end, and needs no chair.
+sound_alone() {
+  gst-launch-1.0 -q audiotestsrc num-buffers=40 samplesperbuffer=1102 ! audio/x-raw,rate=44100,channels=1 ! vorbisenc ! oggmux ! filesink location=sound.ogg
+  export_debug
+  export GST_DEBUG=visuotactiledecoder:4 XDG_CONFIG_HOME=$PWD/config
+  "$SETTINGS" on gst-play-1.0 >out
+  timeout 60 gst-play-1.0 --no-interactive --audiosink=fakesink "$@" "$PWD/sound.ogg" >out 2>&1 || fail "status $?; it said: $(cat out)"
+  expect_line out 'Reached end of play list'
+  ! grep -q ' decodes ' debug || fail "sound is decoded with a chair"
 }
 
 # Frames in GPU memory (Mesa's software renderer) from source to window. The window gets them
@@ -182,6 +200,8 @@ start playbin3 shows playbin.sh "$work/film.mkv" playbin3
 start gstplay shows gstplay.sh "$work/film.mkv" $chair
 start terminal terminal "$work/film.mkv"
 start live live
+start sound_alone sound_alone
+start sound_alone3 sound_alone --use-playbin3
 start theatre theatre "$work/theatre.mkv"
 start least_delay live --least-delay
 finish
@@ -200,7 +220,9 @@ start gtk own_sink "$(basename "$(readlink -f "$PYTHON")")" "$PYTHON" "$here/vid
 finish
 gst-launch-1.0 -q tactiletestsrc pattern=dynamic-motion num-buffers=180 ! video/x-raw,format=I420,width=320,height=240,framerate=30/1 ! \
   x264enc speed-preset=ultrafast ! mp4mux ! filesink location=moving.mp4
-start webkit own_sink WebKitWebProcess "$PYTHON" "$here/video_in_page.py" "$work/moving.mp4"
+until=one_of_two_felt
+start webkit own_sink WebKitWebProcess "$PYTHON" "$here/video_in_page.py" "$work/moving.mp4" "$work/moving.mp4"
+until=felt
 finish
 start gl_memory gl_memory
 finish

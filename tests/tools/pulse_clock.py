@@ -1,17 +1,20 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: LGPL-2.1-or-later
-"""Plays a film with sound to PulseAudio's null sink, with visuotactiledecoder and without, in turn.
+"""Plays a film with sound to a null sink, with visuotactiledecoder and without, in turn.
 
 After each start, pause and seek it compares the pipeline's clock and position with the system's
-time. Prints a table in Markdown. Starts a PulseAudio server of its own.
+time. Prints a table in Markdown. Starts a sound server of its own: PulseAudio, or PipeWire with
+WirePlumber and pipewire-pulse.
 
-Usage: pulse_clock.py [--runs=50] [--jobs=3] [--output=FILE]
+Usage: pulse_clock.py [--server=pulse] [--runs=50] [--jobs=3] [--output=FILE]
     with GST_PLUGIN_PATH_1_0 as set by `meson devenv -C build`
 """
 import argparse
 import concurrent.futures
+import contextlib
 import json
 import os
+import pathlib
 import subprocess
 import sys
 import tempfile
@@ -23,6 +26,10 @@ gi.require_version("Gst", "1.0")
 from gi.repository import Gst  # noqa: E402
 
 PLAYERS = ("playbin", "playbin3")
+SERVERS = {"pulse": "PulseAudio", "pipewire": "PipeWire"}
+NULL_SINK = """context.objects = [ { factory = adapter args = {
+  factory.name = support.null-audio-sink node.name = null-sink media.class = Audio/Sink audio.position = "FL,FR" } } ]
+"""
 SETTLED = 0.3  # s after a change
 WATCHED = 1.2  # s
 PAUSED = 0.7  # s
@@ -85,12 +92,72 @@ def run(player, felt, film, env):
     return said
 
 
-def table(runs, results):
-    yield "# Clock and position with PulseAudio"
+@contextlib.contextmanager
+def started(env, *command, **options):
+    try:
+        process = subprocess.Popen(command, env=env, **options)
+    except FileNotFoundError:
+        sys.exit(f"there is no {command[0]}: run tools/setup.sh test")
+    try:
+        yield process
+    finally:
+        process.terminate()
+        process.wait()
+
+
+@contextlib.contextmanager
+def pulseaudio(work, env):
+    socket = f"{work}/socket"
+    with started(env, "pulseaudio", "-n", "--daemonize=no", "--exit-idle-time=-1", "--use-pid-file=no", "--log-level=error",
+                 "--load=module-null-sink", f"--load=module-native-protocol-unix socket={socket} auth-anonymous=1"):
+        yield socket
+
+
+@contextlib.contextmanager
+def pipewire(work, env):
+    """As on a desktop, with Debian's own configuration and a null sink."""
+    config = pathlib.Path(work, "pipewire/pipewire.conf.d")
+    config.mkdir(parents=True)
+    (config / "null.conf").write_text(NULL_SINK, encoding="utf-8")
+    quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
+    with started(env, "dbus-daemon", "--session", "--nofork", "--print-address", stdout=subprocess.PIPE, stderr=subprocess.DEVNULL) as bus:
+        env = env | {"DBUS_SESSION_BUS_ADDRESS": bus.stdout.readline().decode().strip()}
+        with started(env, "pipewire", **quiet):
+            appears(f"{work}/pipewire-0")
+            with started(env, "wireplumber", **quiet), started(env, "pipewire-pulse", **quiet):
+                yield f"{work}/pulse/native"
+
+
+def appears(path):
+    deadline = now() + 20
+    while not os.path.exists(path):
+        if now() > deadline:
+            sys.exit(f"the sound server does not start: expected its socket {path} within 20 s")
+        time.sleep(0.05)
+
+
+@contextlib.contextmanager
+def sound_server(name):
+    """What players need in their environment to be heard by nobody."""
+    with tempfile.TemporaryDirectory() as work:
+        env = os.environ | {key: work for key in ("XDG_RUNTIME_DIR", "XDG_CONFIG_HOME", "XDG_STATE_HOME", "HOME")}
+        with {"pulse": pulseaudio, "pipewire": pipewire}[name](work, env) as socket:
+            appears(socket)
+            env = os.environ | {"PULSE_SERVER": f"unix:{socket}", "XDG_RUNTIME_DIR": work}
+            deadline = now() + 20
+            while subprocess.run("gst-launch-1.0 -q audiotestsrc num-buffers=1 ! pulsesink".split(), env=env, capture_output=True).returncode:
+                if now() > deadline:
+                    sys.exit(f"{SERVERS[name]} plays nothing within 20 s")
+            yield env
+
+
+def table(options, results):
+    server, runs = SERVERS[options.server], options.runs
+    yield f"# Clock and position with {server}"
     yield ""
-    yield "Made by `tests/tools/pulse_clock.py --output=docs/measured/pulse.md`; do not edit."
+    yield f"Made by `tests/tools/pulse_clock.py --server={options.server} --output=docs/measured/{options.server}.md`; do not edit."
     yield ""
-    yield f"{runs} runs each of a film with sound to PulseAudio's null sink: start, two pauses, a seek. After each, the"
+    yield f"{runs} runs each of a film with sound to {server}'s null sink: start, two pauses, a seek. After each, the"
     yield f"pipeline's clock and position are compared with the system's time for {WATCHED} s. Stands: the clock falls behind by"
     yield f"more than {AWRY} s. Runs away: it gets ahead by as much. Apart: the position is that far from the clock."
     yield ""
@@ -108,6 +175,7 @@ def table(runs, results):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--server", choices=SERVERS, default="pulse")
     parser.add_argument("--runs", type=int, default=50)
     parser.add_argument("--jobs", type=int, default=3)
     parser.add_argument("--output")
@@ -115,34 +183,21 @@ def main():
     options = parser.parse_args()
     if options.play:
         return play(*options.play)
-    with tempfile.TemporaryDirectory() as work:
+    with tempfile.TemporaryDirectory() as work, sound_server(options.server) as env:
         film = f"{work}/film.mkv"
         subprocess.run(["gst-launch-1.0", "-q", *"matroskamux name=mux ! filesink".split(), f"location={film}",
                         *"videotestsrc num-buffers=360 pattern=ball ! video/x-raw,width=320,height=240 ! vp8enc deadline=1 ! queue ! mux.".split(),
                         *"audiotestsrc num-buffers=517 ! audioconvert ! vorbisenc ! queue ! mux.".split()], check=True)
-        server = subprocess.Popen(["pulseaudio", "-n", "--daemonize=no", "--exit-idle-time=-1", "--use-pid-file=no", "--log-level=error",
-                                   "--load=module-null-sink", f"--load=module-native-protocol-unix socket={work}/socket auth-anonymous=1"],
-                                  env=os.environ | {"XDG_RUNTIME_DIR": work, "HOME": work})
-        try:
-            deadline = now() + 20
-            while not os.path.exists(f"{work}/socket"):
-                if server.poll() is not None or now() > deadline:
-                    sys.exit("PulseAudio does not start: expected the Debian package pulseaudio")
-                time.sleep(0.05)
-            env = os.environ | {"PULSE_SERVER": f"unix:{work}/socket", "XDG_RUNTIME_DIR": work}
-            asked = [(player, felt) for _ in range(options.runs) for player in PLAYERS for felt in (False, True)]
-            results = {(player, felt): [] for player in PLAYERS for felt in (False, True)}
-            with concurrent.futures.ThreadPoolExecutor(options.jobs) as pool:
-                for done, (key, said) in enumerate(zip(asked, pool.map(lambda key: run(*key, film, env), asked)), 1):
-                    results[key].append(said)
-                    awry = {after: by for after, by in said.get("ahead", {}).items() if max(map(abs, by)) > AWRY}
-                    if awry or "fault" in said:
-                        print(*key, said.get("fault", awry), file=sys.stderr)
-                    print(f"run {done} of {len(asked)}", end="\r", file=sys.stderr)
-        finally:
-            server.terminate()
-            server.wait()
-    text = "\n".join(table(options.runs, results)) + "\n"
+        asked = [(player, felt) for _ in range(options.runs) for player in PLAYERS for felt in (False, True)]
+        results = {(player, felt): [] for player in PLAYERS for felt in (False, True)}
+        with concurrent.futures.ThreadPoolExecutor(options.jobs) as pool:
+            for done, (key, said) in enumerate(zip(asked, pool.map(lambda key: run(*key, film, env), asked)), 1):
+                results[key].append(said)
+                awry = {after: by for after, by in said.get("ahead", {}).items() if max(map(abs, by)) > AWRY}
+                if awry or "fault" in said:
+                    print(*key, said.get("fault", awry), file=sys.stderr)
+                print(f"run {done} of {len(asked)}", end="\r", file=sys.stderr)
+    text = "\n".join(table(options, results)) + "\n"
     if options.output:
         with open(options.output, "w", encoding="utf-8") as file:
             file.write(text)
