@@ -36,6 +36,7 @@ FrameTap::start()
   gst_pad_set_active(pad_, TRUE);
   shift_.flush();
   ended_ = false;
+  told_ = false;
   open_ = true;
 }
 
@@ -73,6 +74,7 @@ FrameTap::pass(GstEvent *event)
   const GstSegment *segment = nullptr;
   switch (GST_EVENT_TYPE(event)) {
   case GST_EVENT_STREAM_START:
+    told_ = true;
     ended_ = false;
     shift_.start_stream(event);
     break;
@@ -102,9 +104,25 @@ FrameTap::pass(GstEvent *event)
   gst_pad_push_event(pad_, gst_event_ref(event));
 }
 
+/// Of a stream that began before start(), the branch gets what is sticky.
+void
+FrameTap::catch_up()
+{
+  if (told_.exchange(true))
+    return;
+  gst_pad_sticky_events_foreach(
+      watched_,
+      [](GstPad *, GstEvent **event, gpointer tap) -> gboolean {
+        static_cast<FrameTap *>(tap)->pass(*event);
+        return TRUE;
+      },
+      this);
+}
+
 void
 FrameTap::pass(GstBuffer *frame)
 {
+  catch_up();
   gate_.pass();
   if (shift_.pass(frame)) {
     const GstSegment segment = shift_.segment();

@@ -21,7 +21,7 @@ public:
   FrameTap(const FrameTap &) = delete;
   FrameTap &operator=(const FrameTap &) = delete;
 
-  /// Frames pass from now on.
+  /// Frames pass from now on, also in the middle of a stream.
   void start();
   /// No frame passes any more.
   void stop();
@@ -33,6 +33,7 @@ public:
 private:
   static GstPadProbeReturn probe(GstPad *pad, GstPadProbeInfo *info, gpointer self);
   static gboolean query(GstPad *pad, GstObject *parent, GstQuery *query);
+  void catch_up();
   void pass(GstEvent *event);
   void pass(GstBuffer *frame);
 
@@ -41,6 +42,7 @@ private:
   GstPad *pad_; ///< a source pad without an element
   gulong probe_ = 0;
   GroupShift shift_;
+  std::atomic<bool> told_{ false }; ///< the branch knows the stream
   std::atomic<bool> open_{ false };
   std::atomic<bool> ended_{ false };
 };

@@ -20,7 +20,7 @@
  *   again. Frames in a GPU's memory stay there: see [saliencytactile](saliencytactile.md). Those
  *   that cannot be read are shown and not felt.
  * - Of several films at the same time in one process, the one that began first is felt, until its
- *   end.
+ *   end. Then it is the next one's turn.
  * - In a gapless play of playbin3 with one decoder, each film is felt at its own time, once the
  *   first QoS event of the player's sink has told where it begins. Sinks with `qos=false` tell
  *   nothing.
@@ -39,6 +39,7 @@
 #include "gstvisuotactiledecoder.h"
 
 #include "chairproperties.h"
+#include "chairturns.h"
 #include "decoderchoice.h"
 #include "frametap.h"
 #include "pooldemand.h"
@@ -46,7 +47,6 @@
 
 #include <gst/base/gstbasesink.h>
 
-#include <mutex>
 #include <utility>
 
 GST_DEBUG_CATEGORY_STATIC(visuotactile_decoder_debug);
@@ -80,6 +80,10 @@ struct _GstVisuotactileDecoder
   FrameTap *tap;
   ChairProperties *properties; ///< NULL where a plugin is missing
   GMutex choosing; ///< while a decoder is chosen, put in or removed; queries come on any thread
+
+  /* State lock. */
+  gboolean plays; ///< from PAUSED on
+  gboolean felt;  ///< the film has the chair
 
   /* Object lock. */
   GstElement *decoder; ///< in the bin; owned
@@ -300,51 +304,64 @@ gst_visuotactile_decoder_sinks_event(GstPad *, GstPadProbeInfo *info, gpointer u
 
 /* ---- the chair ---- */
 
-/// The decoder whose film is felt, of all in this process.
-static struct
-{
-  std::mutex mutex;
-  GstVisuotactileDecoder *holder = nullptr;
-} seat;
+static void gst_visuotactile_decoder_offered(GstElement *element, gpointer);
+static void gst_visuotactile_decoder_asked(GstElement *element, gpointer);
 
-/// READY to PAUSED: taps the film, or leaves the chair's elements in READY while another film has
-/// it.
+/// Taps the film if it is its turn. Else the chair's elements are in READY.
 static void
 gst_visuotactile_decoder_take_chair(GstVisuotactileDecoder *self)
 {
-  std::lock_guard lock(seat.mutex);
-  if (seat.holder && seat.holder->tap->ended())
-    std::exchange(seat.holder, nullptr)->tap->stop();
-  const bool taken = seat.holder == nullptr;
-  gst_element_set_locked_state(GST_ELEMENT(self->branch), !taken);
-  if (!taken) {
-    GST_INFO_OBJECT(self, "%" GST_PTR_FORMAT " has the chair", seat.holder);
-    return;
-  }
-  seat.holder = self;
-  self->tap->start();
+  self->felt = ChairTurns::of_process().take(
+      { GST_ELEMENT(self), gst_visuotactile_decoder_offered, gst_visuotactile_decoder_asked });
+  gst_element_set_locked_state(GST_ELEMENT(self->branch), !self->felt);
+  if (self->felt)
+    self->tap->start();
+  else
+    GST_INFO_OBJECT(self, "another film is felt");
 }
 
 static void
-gst_visuotactile_decoder_release_chair(GstVisuotactileDecoder *self)
+gst_visuotactile_decoder_leave_chair(GstVisuotactileDecoder *self)
 {
-  std::lock_guard lock(seat.mutex);
-  if (seat.holder == self)
-    seat.holder = nullptr;
   if (self->tap)
     self->tap->stop();
-  if (self->branch)
-    gst_element_set_locked_state(GST_ELEMENT(self->branch), FALSE);
+  self->felt = FALSE;
+  ChairTurns::of_process().leave(GST_ELEMENT(self));
 }
 
+/// The film that was felt has left, also while this one plays.
 static void
-post_latency(GstElement *element, gpointer)
+gst_visuotactile_decoder_offered(GstElement *element, gpointer)
 {
-  gst_element_post_message(element, gst_message_new_latency(GST_OBJECT(element)));
+  auto *self = GST_VISUOTACTILE_DECODER(element);
+  GST_STATE_LOCK(self);
+  if (self->plays && !self->felt) {
+    gst_visuotactile_decoder_take_chair(self);
+    if (self->felt)
+      gst_element_sync_state_with_parent(GST_ELEMENT(self->branch));
+  }
+  GST_STATE_UNLOCK(self);
 }
 
-/// What the chair tells of itself is not about the film. A LATENCY message leaves on another
-/// thread: decodebin3 holds a lock, which the answer needs, while it starts its decoders.
+/// Another film waits. One that has ended waits behind it, for it may be played again.
+static void
+gst_visuotactile_decoder_asked(GstElement *element, gpointer)
+{
+  auto *self = GST_VISUOTACTILE_DECODER(element);
+  GST_STATE_LOCK(self);
+  if (self->felt && self->tap->ended()) {
+    gst_element_set_locked_state(GST_ELEMENT(self->branch), TRUE);
+    gst_element_set_state(GST_ELEMENT(self->branch), GST_STATE_READY);
+    gst_visuotactile_decoder_leave_chair(self);
+    if (self->plays)
+      gst_visuotactile_decoder_take_chair(self);
+  }
+  GST_STATE_UNLOCK(self);
+}
+
+/// What the chair tells of itself is not about the film. Its latency is that of the source pad,
+/// which sinks ask for when they preroll. A LATENCY message of its own would come while they do:
+/// pulsesink then stands still now and then.
 static void
 gst_visuotactile_decoder_handle_message(GstBin *bin, GstMessage *message)
 {
@@ -361,8 +378,8 @@ gst_visuotactile_decoder_handle_message(GstBin *bin, GstMessage *message)
     GST_BIN_CLASS(parent_class)->handle_message(bin, message);
     return;
   }
-  if (GST_MESSAGE_TYPE(message) == GST_MESSAGE_LATENCY)
-    gst_element_call_async(GST_ELEMENT(self), post_latency, nullptr, nullptr);
+  if (GST_MESSAGE_TYPE(message) == GST_MESSAGE_EOS)
+    ChairTurns::of_process().end(GST_ELEMENT(self));
   gst_message_unref(message);
 }
 
@@ -393,16 +410,21 @@ gst_visuotactile_decoder_change_state(GstElement *element, GstStateChange transi
   }
   if (transition == GST_STATE_CHANGE_NULL_TO_READY && !gst_visuotactile_decoder_open(self))
     return GST_STATE_CHANGE_FAILURE;
-  if (transition == GST_STATE_CHANGE_READY_TO_PAUSED)
+  if (transition == GST_STATE_CHANGE_READY_TO_PAUSED) {
+    self->plays = TRUE;
     gst_visuotactile_decoder_take_chair(self);
+  }
   const GstStateChangeReturn ret
       = GST_ELEMENT_CLASS(parent_class)->change_state(element, transition);
   const GstState next = GST_STATE_TRANSITION_NEXT(transition);
   if (self->gate && (next == GST_STATE_PLAYING || next <= GST_STATE_READY))
     self->gate->open();
   if (transition == GST_STATE_CHANGE_PAUSED_TO_READY
-      || (transition == GST_STATE_CHANGE_READY_TO_PAUSED && ret == GST_STATE_CHANGE_FAILURE))
-    gst_visuotactile_decoder_release_chair(self);
+      || (transition == GST_STATE_CHANGE_READY_TO_PAUSED && ret == GST_STATE_CHANGE_FAILURE)) {
+    self->plays = FALSE;
+    gst_visuotactile_decoder_leave_chair(self);
+    gst_element_set_locked_state(GST_ELEMENT(self->branch), FALSE);
+  }
   if (transition == GST_STATE_CHANGE_READY_TO_NULL
       || (transition == GST_STATE_CHANGE_NULL_TO_READY && ret == GST_STATE_CHANGE_FAILURE)) {
     self->properties->close();
@@ -439,7 +461,7 @@ gst_visuotactile_decoder_dispose(GObject *object)
 {
   auto *self = GST_VISUOTACTILE_DECODER(object);
   gst_visuotactile_decoder_remove(self);
-  gst_visuotactile_decoder_release_chair(self);
+  gst_visuotactile_decoder_leave_chair(self);
   delete std::exchange(self->tap, nullptr);
   delete std::exchange(self->gate, nullptr);
   delete std::exchange(self->properties, nullptr);

@@ -643,28 +643,60 @@ has_chair(GstElement *pipeline)
   return state > GST_STATE_READY;
 }
 
+/* The next turn is given on a thread of GStreamer's. */
+void
+wait_for_chair(GstElement *pipeline)
+{
+  g_autoptr(GstBus) bus = gst_element_get_bus(pipeline);
+  while (!has_chair(pipeline))
+    if (GstMessage *message = gst_bus_timed_pop_filtered(bus, 10 * kMs, GST_MESSAGE_STATE_CHANGED))
+      gst_message_unref(message);
+}
+
 GST_START_TEST(test_several_films_at_a_time)
 {
   GstElement *films[3];
   for (GstElement *&film : films)
-    film
-        = make_pipeline("videotestsrc num-buffers=100 ! video/x-raw,width=64,height=48 ! jpegenc ! "
-                        "visuotactiledecoder tactors::driver=simulator ! fakesink");
-  change_state(films[0], GST_STATE_PAUSED);
-  change_state(films[1], GST_STATE_PAUSED);
-  fail_unless(has_chair(films[0]) && !has_chair(films[1]));
+    film = make_pipeline("tactiletestsrc pattern=dynamic-motion num-buffers=90 ! "
+                         "video/x-raw,width=64,height=48 ! jpegenc ! "
+                         "visuotactiledecoder tactors::driver=simulator ! fakesink sync=true");
+  for (GstElement *film : films)
+    change_state(film, GST_STATE_PAUSED);
+  fail_unless(has_chair(films[0]) && !has_chair(films[1]) && !has_chair(films[2]));
   change_state(films[0], GST_STATE_READY); // leaves it
-  change_state(films[2], GST_STATE_PAUSED);
-  fail_unless(has_chair(films[2]));
-  gst_element_set_state(films[2], GST_STATE_PLAYING);
-  wait_for_eos(films[2]);
-  change_state(films[1], GST_STATE_READY);
-  change_state(films[1], GST_STATE_PAUSED); // what has ended needs it no more
-  fail_unless(has_chair(films[1]));
+  wait_for_chair(films[1]);
+  fail_unless(!has_chair(films[0]) && !has_chair(films[2]));
+  change_state(films[2], GST_STATE_PLAYING);
+  gst_element_set_state(films[1], GST_STATE_PLAYING);
+  wait_for_eos(films[1]);
+  wait_for_chair(films[2]); // what has ended waits behind what has not
+  fail_if(has_chair(films[1]));
   for (GstElement *film : films) {
     gst_element_set_state(film, GST_STATE_NULL);
     gst_object_unref(film);
   }
+}
+GST_END_TEST;
+
+/* The chair comes in the middle of a film, which is felt from then on. */
+GST_START_TEST(test_a_turn_in_the_middle_of_a_film)
+{
+  GstElement *other = make_pipeline("tactiletestsrc num-buffers=90 ! jpegenc ! "
+                                    "visuotactiledecoder tactors::driver=simulator ! fakesink");
+  GstElement *film = make_pipeline("tactiletestsrc pattern=dynamic-motion num-buffers=150 ! "
+                                   "video/x-raw,width=160,height=120 ! jpegenc ! "
+                                   "visuotactiledecoder tactors::driver=simulator ! "
+                                   "fakesink sync=true name=screen");
+  change_state(other, GST_STATE_PAUSED);
+  change_state(film, GST_STATE_PLAYING);
+  fail_if(has_chair(film));
+  change_state(other, GST_STATE_NULL);
+  wait_for_eos(film);
+  g_autoptr(GstElement) tactors = gst_bin_get_by_name(GST_BIN(film), "tactors");
+  fail_unless(actuation_stat_of(tactors, "issued") > 0);
+  gst_element_set_state(film, GST_STATE_NULL);
+  gst_object_unref(film);
+  gst_object_unref(other);
 }
 GST_END_TEST;
 
@@ -803,6 +835,7 @@ visuotactiledecoder_suite(void)
   tcase_add_test(streams, test_a_stream_that_needs_a_parser);
   tcase_add_test(streams, test_films_one_after_the_other);
   tcase_add_test(streams, test_several_films_at_a_time);
+  tcase_add_test(streams, test_a_turn_in_the_middle_of_a_film);
   tcase_add_test(streams, test_another_size);
   tcase_add_loop_test(streams, test_the_latency_of_a_live_source, 0, 2);
   tcase_add_test(streams, test_frames_without_times_do_not_pile_up);
