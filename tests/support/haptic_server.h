@@ -8,7 +8,11 @@
 #include <unistd.h>
 
 #include <array>
+#include <condition_variable>
+#include <cstdlib>
+#include <mutex>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include <gst/check/gstcheck.h>
@@ -39,14 +43,16 @@ public:
     close(out[1]);
     to_ = in[1];
     from_ = fdopen(out[0], "r");
+    reader_ = std::thread([this] { read(); });
     port_ = wait_for("port ").substr(5);
   }
   ~HapticServer()
   {
-    close(to_);
-    fclose(from_);
     kill(pid_, SIGKILL);
     waitpid(pid_, nullptr, 0);
+    reader_.join();
+    close(to_);
+    fclose(from_);
   }
   HapticServer(const HapticServer &) = delete;
   HapticServer &operator=(const HapticServer &) = delete;
@@ -61,17 +67,15 @@ public:
     return name + "@127.0.0.1:" + port_;
   }
 
-  /// Reads lines until one begins so, which is returned. The end of the server fails the test.
+  /// Waits for a line that begins so, after those that were waited for before, and returns it. The
+  /// end of the server fails the test.
   std::string wait_for(const std::string &begin)
   {
+    std::unique_lock lock(mutex_);
     while (true) {
-      std::array<char, 65536> buffer{};
-      fail_unless(fgets(buffer.data(), buffer.size(), from_) != nullptr,
-                  "the server ended before '%s'", begin.c_str());
-      std::string line(buffer.data());
-      while (!line.empty() && (line.back() == '\n' || line.back() == ' '))
-        line.pop_back();
-      lines_.push_back(line);
+      changed_.wait(lock, [this] { return next_ < lines_.size() || has_ended_; });
+      fail_unless(next_ < lines_.size(), "the server ended before '%s'", begin.c_str());
+      const std::string &line = lines_[next_++];
       if (line.starts_with(begin))
         return line;
     }
@@ -83,9 +87,10 @@ public:
       continue;
   }
 
-  /// Lines that were read so far and begin so.
-  std::vector<std::string> lines(const std::string &begin) const
+  /// All lines so far that begin so.
+  std::vector<std::string> lines(const std::string &begin)
   {
+    const std::lock_guard lock(mutex_);
     std::vector<std::string> some;
     for (const std::string &line : lines_)
       if (line.starts_with(begin))
@@ -100,9 +105,33 @@ public:
   }
 
 private:
+  /// Reads what the server prints, which must not wait for the test. On a thread of its own.
+  void read()
+  {
+    char *text = nullptr;
+    std::size_t size = 0;
+    while (getline(&text, &size, from_) > 0) {
+      std::string line(text);
+      while (!line.empty() && (line.back() == '\n' || line.back() == ' '))
+        line.pop_back();
+      const std::lock_guard lock(mutex_);
+      lines_.push_back(line);
+      changed_.notify_all();
+    }
+    free(text);
+    const std::lock_guard lock(mutex_);
+    has_ended_ = true;
+    changed_.notify_all();
+  }
+
   pid_t pid_ = -1;
   int to_ = -1;
   FILE *from_ = nullptr;
   std::string port_;
+  std::thread reader_;
+  std::mutex mutex_; ///< guards everything below
+  std::condition_variable changed_;
   std::vector<std::string> lines_;
+  std::size_t next_ = 0; ///< the first one that was not waited for
+  bool has_ended_ = false;
 };

@@ -26,6 +26,7 @@ Usage: haptic_server.py (bhaptics|buttplug3|buttplug4) [NAME=VALUE ...]
 Lines on standard input: `remove` takes the device away, `add` brings it back, `quit` ends the server."""
 
 import asyncio
+import contextlib
 import json
 import sys
 
@@ -268,7 +269,8 @@ async def main():
             break
         is_there = line == "add"
         for socket, one in list(clients):
-            await socket.send(one.changed())
+            with contextlib.suppress(websockets.ConnectionClosed):
+                await socket.send(one.changed())
     # At once, without goodbyes.
     for socket, _ in list(clients):
         socket.transport.abort()

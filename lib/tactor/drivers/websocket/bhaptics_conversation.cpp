@@ -67,13 +67,13 @@ BhapticsConversation::BhapticsConversation(std::string server, SuitPart part,
 }
 
 void
-BhapticsConversation::begin(Time)
+BhapticsConversation::begin(Time now)
 {
   enter(State::asking);
   wanted_.assign(static_cast<std::size_t>(part_.layout.tactors()), 0);
   sent_ = wanted_;
   waits_since_.reset();
-  is_greeted_ = false;
+  greets_at_ = now + patience_.hello;
   unanswered_ = 0;
 }
 
@@ -108,6 +108,8 @@ BhapticsConversation::take(const bhaptics::Status &status)
     warn(server_ + ": " + joined(missing) + " is not connected, and will not be felt");
   if (state() == State::asking)
     enter(State::playing);
+  if (greets_at_)
+    greets_at_ = Time::min();
 }
 
 void
@@ -121,14 +123,15 @@ std::optional<std::string>
 BhapticsConversation::next(Time now)
 {
   if (state() == State::closing) {
-    std::ranges::fill(wanted_, 0);
     enter(State::closed);
-    return write(true, now);
+    return write_zeros(now);
   }
   if (state() != State::asking && state() != State::playing)
     return std::nullopt;
-  if (!std::exchange(is_greeted_, true))
-    return write(true, now);
+  if (greets_at_ && now >= *greets_at_) {
+    greets_at_.reset();
+    return write_zeros(now);
+  }
   if (const std::optional<Time> silent = silent_at(); silent && now >= *silent) {
     fail({ DriverError::Kind::failed,
            server_ + ": expected a status, and none came for "
@@ -138,17 +141,19 @@ BhapticsConversation::next(Time now)
     return std::nullopt;
   }
   if (const std::optional<Time> time = due(); time && now >= *time)
-    return write(false, now);
+    return write_changes(now);
   return std::nullopt;
 }
 
 std::optional<Time>
 BhapticsConversation::deadline() const
 {
-  if (state() == State::closing || (state() == State::asking && !is_greeted_))
+  if (state() == State::closing)
     return Time::min();
   if (state() != State::asking && state() != State::playing)
     return std::nullopt;
+  if (greets_at_)
+    return greets_at_;
   const std::optional<Time> time = due();
   const std::optional<Time> silent = silent_at();
   return time && silent ? std::min(*time, *silent) : time ? time : silent;
@@ -157,8 +162,8 @@ BhapticsConversation::deadline() const
 void
 BhapticsConversation::close(Time)
 {
-  if (state() != State::closing)
-    enter(std::exchange(is_greeted_, false) ? State::closing : State::closed);
+  if (state() != State::closing && state() != State::closed)
+    enter(greets_at_ ? State::closed : State::closing);
 }
 
 ServedDevice
@@ -172,18 +177,35 @@ BhapticsConversation::device() const
            .has_watchdog = true };
 }
 
-/// A message with the wanted intensities: of all positions, or of those that are on or change.
+/// A message that ends what this program plays at all positions.
 std::string
-BhapticsConversation::write(bool is_all, Time now)
+BhapticsConversation::write_zeros(Time now)
+{
+  std::ranges::fill(sent_, 0);
+  std::vector<bhaptics::Frame> frames;
+  for (std::size_t i = 0; i < part_.positions.size(); i++)
+    frames.push_back(frame(i, sent_));
+  return write(frames, now);
+}
+
+/// A message with the wanted intensities of positions that are on or change.
+std::string
+BhapticsConversation::write_changes(Time now)
 {
   std::vector<bhaptics::Frame> frames;
   for (std::size_t i = 0; i < part_.positions.size(); i++) {
     bhaptics::Frame wanted = frame(i, wanted_);
     const bool is_on = std::ranges::any_of(wanted.intensities, [](int level) { return level > 0; });
-    if (is_all || is_on || wanted.intensities != frame(i, sent_).intensities)
+    if (is_on || wanted.intensities != frame(i, sent_).intensities)
       frames.push_back(std::move(wanted));
   }
   sent_ = wanted_;
+  return write(frames, now);
+}
+
+std::string
+BhapticsConversation::write(std::span<const bhaptics::Frame> frames, Time now)
+{
   sent_at_ = now;
   unanswered_++;
   waits_since_ = waits_since_.value_or(now);
@@ -195,7 +217,7 @@ std::optional<Time>
 BhapticsConversation::due() const
 {
   const bool is_new = wanted_ != sent_;
-  if (state() != State::playing || (!is_new && !is_on()))
+  if (state() != State::playing || greets_at_ || (!is_new && !is_on()))
     return std::nullopt;
   return sent_at_
          + std::max(is_new ? patience_.interval : patience_.renewal, unanswered_ * patience_.turn);

@@ -26,7 +26,8 @@ const std::vector<SuitPart> &suit_parts();
 /// Times of a conversation with bHaptics Player.
 struct BhapticsPatience
 {
-  Time answer = std::chrono::seconds(5); ///< for a status
+  Time hello = std::chrono::milliseconds(500); ///< for the status that a server sends unasked
+  Time answer = std::chrono::seconds(5);       ///< for a status
   /// Of each message: how long motors run after it. The watchdog.
   Time duration = std::chrono::milliseconds(250);
   Time renewal = std::chrono::milliseconds(100);
@@ -38,8 +39,9 @@ struct BhapticsPatience
 
 /// A conversation with bHaptics Player, or with a server that speaks as it does.
 ///
-/// 1. *Asking*: what this program played there before is ended. The first status says whether the
-///    part is connected.
+/// 1. *Asking*: the first status says whether the part is connected. What this program played there
+///    before is ended. The server may send a status by itself, which is no answer: hence the first
+///    message waits for it.
 /// 2. *Playing*: the newest intensities, one message at a time, and again before their duration
 ///    ends while a motor is on.
 class BhapticsConversation : public Conversation
@@ -60,7 +62,9 @@ private:
   using Intensities = std::vector<int>;
 
   void take(const bhaptics::Status &status);
-  std::string write(bool is_all, Time now);
+  std::string write_zeros(Time now);
+  std::string write_changes(Time now);
+  std::string write(std::span<const bhaptics::Frame> frames, Time now);
   std::optional<Time> due() const;
   std::optional<Time> silent_at() const;
   bool is_on() const;
@@ -72,7 +76,7 @@ private:
   Intensities wanted_;
   Intensities sent_;
   Time sent_at_{ 0 };
-  bool is_greeted_ = false;
+  std::optional<Time> greets_at_;   ///< until the first message was sent
   int unanswered_ = 0;              ///< messages
   std::optional<Time> waits_since_; ///< the first message after the last status
 };
