@@ -225,8 +225,7 @@ gst_tactor_sink_wait_until_open(GstTactorSink *self)
   if (ret != GST_FLOW_OK)
     return ret;
   TactorOpening &opening = priv->session.opening();
-  priv->planning.start(opening.planner, opening.tactors, opening.layout,
-                       std::move(opening.motors));
+  priv->planning.start(opening.planner, opening.tactors, opening.layout, std::move(opening.motors));
   priv->plans = true;
   return GST_FLOW_OK;
 }
