@@ -22,8 +22,8 @@ struct SocketEvent
 };
 
 /// A connection that carries messages. It is opened from the beginning of its life. The destructor
-/// closes it; what was sent goes out first, unless the server does not take it for a while. It lives
-/// on one thread, but for wake().
+/// closes it; what was sent goes out first, unless the server does not take it for a while. It is
+/// of the thread that made it, but for wake().
 class MessageSocket
 {
 public:

@@ -25,8 +25,8 @@ struct Server
 /// Finds the server for a DriverConfig::device, which may end with "@HOST" or "@HOST:PORT".
 using MakeServer = std::function<tl::expected<Server, DriverError>(const std::string &device)>;
 
-/// By WebSocket and JSON. They are in a module that is loaded by these calls, as their libraries are
-/// large: a process that plays on a board does not load it. The module is searched in
+/// By WebSocket and JSON. They are in a module that is loaded by these calls, as it needs large
+/// libraries: a process that plays on a board does not load it. The module is searched in
 /// $VISUOTACTILE_MODULES, by default where it is installed.
 tl::expected<Server, DriverError> make_bhaptics_server(const std::string &device);
 tl::expected<Server, DriverError> make_intiface_server(const std::string &device);

@@ -19,22 +19,29 @@ namespace {
 const char *const kInfo4 = R"([{"ServerInfo":{"Id":1,"ServerName":"Test Server","MaxPingTime":0,)"
                            R"("ProtocolVersionMajor":4,"ProtocolVersionMinor":0}}])";
 const char *const kList4 = R"([{"DeviceList":{"Id":2,"Devices":{
-  "0":{"DeviceName":"Test Vibrator","DeviceIndex":0,"DeviceMessageTimingGap":0,"DeviceFeatures":{
-    "0":{"FeatureIndex":0,"FeatureDescription":"a","Output":{"Vibrate":{"Value":[0,20]}}},
-    "1":{"FeatureIndex":1,"FeatureDescription":"b","Output":{"Vibrate":{"Value":[0,10]}}},
-    "3":{"FeatureIndex":3,"FeatureDescription":"Battery","Input":{"Battery":{"Value":[[0,100]],"Command":["Read"]}}}}},
-  "1":{"DeviceName":"Test Stroker","DeviceIndex":1,"DeviceMessageTimingGap":100,"DeviceDisplayName":"User set name",
-    "DeviceFeatures":{"0":{"FeatureIndex":0,"FeatureDescription":"Stroker","Output":{
-      "HwPositionWithDuration":{"Value":[0,100],"Duration":[0,100000]},"Position":{"Value":[0,100]}}}}}}}}])";
+  "0":{"DeviceName":"Test Vibrator","DeviceIndex":0,"DeviceMessageTimingGap":0,
+    "DeviceFeatures":{
+      "0":{"FeatureIndex":0,"FeatureDescription":"a","Output":{"Vibrate":{"Value":[0,20]}}},
+      "1":{"FeatureIndex":1,"FeatureDescription":"b","Output":{"Vibrate":{"Value":[0,10]}}},
+      "3":{"FeatureIndex":3,"FeatureDescription":"Battery",
+        "Input":{"Battery":{"Value":[[0,100]],"Command":["Read"]}}}}},
+  "1":{"DeviceName":"Test Stroker","DeviceIndex":1,"DeviceMessageTimingGap":100,
+    "DeviceDisplayName":"User set name","DeviceFeatures":{
+      "0":{"FeatureIndex":0,"FeatureDescription":"Stroker","Output":{
+        "HwPositionWithDuration":{"Value":[0,100],"Duration":[0,100000]},
+        "Position":{"Value":[0,100]}}}}}}}}])";
 const char *const kInfo3
     = R"([{"ServerInfo":{"Id":1,"ServerName":"Test Server","MessageVersion":3,"MaxPingTime":100}}])";
 const char *const kList3 = R"([{"DeviceList":{"Id":2,"Devices":[
-  {"DeviceName":"Test Vibrator","DeviceIndex":0,"DeviceMessageTimingGap":100,"DeviceMessages":{"ScalarCmd":[
-    {"StepCount":20,"FeatureDescriptor":"a","ActuatorType":"Vibrate"},
-    {"StepCount":5,"FeatureDescriptor":"r","ActuatorType":"Rotate"},
-    {"StepCount":20,"FeatureDescriptor":"b","ActuatorType":"Vibrate"}],"StopDeviceCmd":{}}},
-  {"DeviceName":"Test Stroker","DeviceIndex":1,"DeviceDisplayName":"User set name","DeviceMessages":{"LinearCmd":[
-    {"StepCount":100,"FeatureDescriptor":"Stroker","ActuatorType":"Linear"}],"StopDeviceCmd":{}}}]}}])";
+  {"DeviceName":"Test Vibrator","DeviceIndex":0,"DeviceMessageTimingGap":100,
+    "DeviceMessages":{"ScalarCmd":[
+      {"StepCount":20,"FeatureDescriptor":"a","ActuatorType":"Vibrate"},
+      {"StepCount":5,"FeatureDescriptor":"r","ActuatorType":"Rotate"},
+      {"StepCount":20,"FeatureDescriptor":"b","ActuatorType":"Vibrate"}],"StopDeviceCmd":{}}},
+  {"DeviceName":"Test Stroker","DeviceIndex":1,"DeviceDisplayName":"User set name",
+    "DeviceMessages":{"LinearCmd":[
+      {"StepCount":100,"FeatureDescriptor":"Stroker","ActuatorType":"Linear"}],
+    "StopDeviceCmd":{}}}]}}])";
 
 std::string
 ok(int id)

@@ -8,8 +8,8 @@ namespace {
 constexpr int kDeepest = 32;          ///< nesting of arrays and objects
 constexpr std::size_t kLongest = 100; ///< bytes of a text
 
-/// Rejects non-JSON that JSON-GLib accepts (comments, in which a quote would hide brackets from this
-/// count), and nesting so deep that its recursive parser would overflow the stack.
+/// Rejects non-JSON that JSON-GLib accepts (comments, in which a quote would hide brackets from
+/// this count), and nesting so deep that its recursive parser would overflow the stack.
 bool
 is_plausible(std::string_view text)
 {
