@@ -51,10 +51,10 @@ public:
   virtual void begin(Time now) = 0;
   /// A message of the server, of any content.
   virtual void received(std::string_view text, Time now) = 0;
-  /// The server closed the connection.
+  /// The server closed the connection; `why` names it.
   virtual void hung_up(const std::string &why)
   {
-    fail({ DriverError::Kind::lost, "the server closed the connection: " + why });
+    fail({ DriverError::Kind::lost, why });
   }
   /// The level of each tactor, 0…1 (others are clamped, NaN is 0); further tactors are at zero.
   virtual void set_levels(std::span<const double> levels) = 0;

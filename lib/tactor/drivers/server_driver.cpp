@@ -310,7 +310,7 @@ ServerDriver::receive(Visit &visit, const SocketEvent &event, Time now)
                        "expected " + visit.server.name + ", and it cannot be reached: " + event.text
                            + "; start it, and see " + visit.server.page };
     } else if (!visit.ending) {
-      visit.talk.hung_up(event.text);
+      visit.talk.hung_up(visit.server.name + " closed the connection: " + event.text);
       visit.end(visit.talk);
     }
     break;

@@ -31,7 +31,7 @@ const char *const kList4 = R"([{"DeviceList":{"Id":2,"Devices":{
         "HwPositionWithDuration":{"Value":[0,100],"Duration":[0,100000]},
         "Position":{"Value":[0,100]}}}}}}}}])";
 const char *const kInfo3
-    = R"([{"ServerInfo":{"Id":1,"ServerName":"Test Server","MessageVersion":3,"MaxPingTime":100}}])";
+    = R"([{"ServerInfo":{"Id":1,"ServerName":"","MessageVersion":3,"MaxPingTime":100}}])";
 const char *const kList3 = R"([{"DeviceList":{"Id":2,"Devices":[
   {"DeviceName":"Test Vibrator","DeviceIndex":0,"DeviceMessageTimingGap":100,
     "DeviceMessages":{"ScalarCmd":[

@@ -83,7 +83,7 @@ void
 ButtplugConversation::hung_up(const std::string &why)
 {
   if (state() == State::asking && step_ == Step::greeting)
-    try_older("it closed the connection: " + why);
+    try_older(why);
   else
     Conversation::hung_up(why);
 }
