@@ -76,7 +76,7 @@ ButtplugConversation::received(std::string_view text, Time now)
   }
   for (const buttplug::Message &message : *messages)
     if (state() != State::failed && state() != State::closed)
-      std::visit([&](const auto &one) { take(one, now); }, message);
+      take_any(message, now);
 }
 
 void
@@ -89,6 +89,18 @@ ButtplugConversation::hung_up(const std::string &why)
 }
 
 /* ---- messages ---- */
+
+/// As std::visit(), which may throw.
+template <class... Kinds>
+void
+ButtplugConversation::take_any(const std::variant<Kinds...> &message, Time now)
+{
+  const auto take_if = [&](const auto *one) {
+    if (one != nullptr)
+      take(*one, now);
+  };
+  (take_if(std::get_if<Kinds>(&message)), ...);
+}
 
 void
 ButtplugConversation::take(const buttplug::ServerInfo &info, Time now)

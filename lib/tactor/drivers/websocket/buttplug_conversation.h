@@ -6,6 +6,7 @@
 
 #include <optional>
 #include <string>
+#include <variant>
 #include <vector>
 
 namespace tactor {
@@ -67,6 +68,7 @@ private:
     done,
   };
 
+  template <class... Kinds> void take_any(const std::variant<Kinds...> &message, Time now);
   void take(const buttplug::ServerInfo &info, Time now);
   void take(const buttplug::Ok &ok, Time now);
   void take(const buttplug::Error &error, Time now);
