@@ -334,9 +334,10 @@ GST_START_TEST(test_lies_about_times)
   fail_unless(talk.talk.next(talk.now).has_value());
   talk.answer(ok(4));
   fail_unless(talk.talk.deadline() == talk.now + 10ms);
-  const auto messages = buttplug::read_messages(
-      R"([{"DeviceAdded":{"Id":0,"DeviceIndex":0,"DeviceMessageTimingGap":4294967295}}])");
-  fail_unless(std::get<buttplug::DeviceAdded>(messages->at(0)).device.gap == Time(2s));
+  const auto messages
+      = buttplug::read_messages(R"([{"DeviceList":{"Id":2,"Devices":[)"
+                                R"({"DeviceIndex":0,"DeviceMessageTimingGap":4294967295}]}}])");
+  fail_unless(std::get<buttplug::DeviceList>(messages->at(0)).devices.at(0).gap == Time(2s));
 }
 GST_END_TEST;
 

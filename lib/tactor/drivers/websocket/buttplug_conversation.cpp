@@ -170,11 +170,6 @@ ButtplugConversation::take(const buttplug::DeviceList &list, Time now)
 }
 
 void
-ButtplugConversation::take(const buttplug::DeviceAdded &, Time)
-{
-}
-
-void
 ButtplugConversation::take(const buttplug::DeviceRemoved &removed, Time)
 {
   for (const Taken &taken : taken_)

@@ -73,7 +73,6 @@ private:
   void take(const buttplug::Ok &ok, Time now);
   void take(const buttplug::Error &error, Time now);
   void take(const buttplug::DeviceList &list, Time now);
-  void take(const buttplug::DeviceAdded &added, Time now);
   void take(const buttplug::DeviceRemoved &removed, Time now);
   void choose(const std::vector<buttplug::Device> &devices, Time now);
   void answered(buttplug::Id id, Time now);

@@ -125,10 +125,6 @@ read_message(std::string_view type, JsonObject *fields)
     return Error{ *id, json::text(fields, "ErrorMessage") };
   if (type == "DeviceList")
     return read_devices(fields);
-  if (type == "DeviceAdded") {
-    std::optional<Device> device = read_device(fields);
-    return device ? std::optional<Message>(DeviceAdded{ std::move(*device) }) : std::nullopt;
-  }
   if (type == "DeviceRemoved") {
     const std::optional<Id> index = read_id(fields, "DeviceIndex");
     return index ? std::optional<Message>(DeviceRemoved{ *index }) : std::nullopt;

@@ -58,15 +58,11 @@ struct DeviceList
 {
   std::vector<Device> devices;
 };
-struct DeviceAdded
-{
-  Device device;
-};
 struct DeviceRemoved
 {
   Id index = 0;
 };
-using Message = std::variant<ServerInfo, Ok, Error, DeviceList, DeviceAdded, DeviceRemoved>;
+using Message = std::variant<ServerInfo, Ok, Error, DeviceList, DeviceRemoved>;
 
 /// The messages of a text that are known, of any version. None if it is none of the protocol.
 std::optional<std::vector<Message>> read_messages(std::string_view text);
