@@ -18,13 +18,13 @@ set -euo pipefail
 
 declare -A packages=(
   [build]="g++ meson ninja-build pkg-config libgstreamer1.0-dev libgstreamer-plugins-base1.0-dev libopencv-core-dev
-           libopencv-imgproc-dev libopencv-objdetect-dev libhwy-dev libusb-1.0-0-dev libsdl2-dev gobject-introspection libgirepository1.0-dev
+           libopencv-imgproc-dev libopencv-objdetect-dev libhwy-dev libusb-1.0-0-dev libsdl2-dev libsoup-3.0-dev gobject-introspection libgirepository1.0-dev
            libexpected-dev libjson-glib-dev libxml2-dev libcairo2-dev help2man"
   [play]="gstreamer1.0-tools gstreamer1.0-plugins-base gstreamer1.0-plugins-good gstreamer1.0-plugins-ugly gstreamer1.0-libav
           gstreamer1.0-x gstreamer1.0-alsa gstreamer1.0-pulseaudio opencv-data"
   [test]="python3 python3-gi gir1.2-gstreamer-1.0 gir1.2-gst-plugins-base-1.0 gir1.2-gst-rtsp-server-1.0 xvfb gstreamer1.0-opencv
           umockdev libumockdev-dev gst123 totem parole clapper gir1.2-gtk-4.0 libgtk-4-media-gstreamer gir1.2-webkit2-4.1 iproute2 linuxptp gstreamer1.0-plugins-bad gstreamer1.0-gl libgl1-mesa-dri
-          parallel python3-webvtt python3-aeidon ffmpeg mkvtoolnix dbus-daemon libglib2.0-bin pulseaudio pipewire pipewire-pulse wireplumber python3-opencv python3-scipy python3-numpy
+          parallel python3-websockets python3-webvtt python3-aeidon ffmpeg mkvtoolnix dbus-daemon libglib2.0-bin pulseaudio pipewire pipewire-pulse wireplumber python3-opencv python3-scipy python3-numpy
           clang-format-14 codespell git mandoc"
   [players]="gstreamer1.0-plugins-base-apps libgstreamer-plugins-bad1.0-dev python3 python3-gi gir1.2-gstreamer-1.0
              gir1.2-gst-plugins-base-1.0"
@@ -57,7 +57,7 @@ if ! command -v apt-get >/dev/null || ! command -v dpkg-query >/dev/null; then
 setup.sh: this is not Debian or Ubuntu, so nothing was installed. Please install what these Debian packages hold
 with your distribution's package manager, then set VISUOTACTILE_NO_SETUP=1 and try again:
   ${wanted[*]}
-(GStreamer and its base, good, ugly and libav plugins, 1.22 or newer; OpenCV core, imgproc and objdetect 4 and its cascades; Highway 1.0; tl::expected 1.0; libusb 1.0; SDL 2.24; meson 1.0; a C++20 compiler; Python's gi)
+(GStreamer and its base, good, ugly and libav plugins, 1.22 or newer; OpenCV core, imgproc and objdetect 4 and its cascades; Highway 1.0; tl::expected 1.0; libusb 1.0; SDL 2.24; libsoup 3.0; meson 1.0; a C++20 compiler; Python's gi)
 TXT
   exit 1
 fi

@@ -35,6 +35,12 @@
  * right half the high-frequency one, tactor 1. Tactors 2 and 3 are motors in the triggers. See
  * [a gamepad as a chair](../hardware/gamepad.md).
  *
+ * ## Vests, and devices of Intiface
+ * `driver=bhaptics` plays on a suit of bHaptics, `driver=intiface` on a device that
+ * #GstTactorSink:device names, both by a server on this or another computer. A map of any grid is
+ * pooled to their motors. See [a vest as a chair](../hardware/vest.md) and [a device of Intiface as
+ * a chair](../hardware/intiface.md).
+ *
  * ## Limits
  * #GstTactorSink:max-on-time, #GstTactorSink:max-duty and #GstTactorSink:max-active spare motors
  * and skin. A cue that a limit ended begins again when the film has let go of its tactor, or after
@@ -219,8 +225,7 @@ gst_tactor_sink_wait_until_open(GstTactorSink *self)
   if (ret != GST_FLOW_OK)
     return ret;
   TactorOpening &opening = priv->session.opening();
-  priv->planning.start(opening.planner, opening.tactors, opening.columns,
-                       std::move(opening.motors));
+  priv->planning.start(opening.planner, opening.tactors, opening.layout, std::move(opening.motors));
   priv->plans = true;
   return GST_FLOW_OK;
 }

@@ -131,7 +131,7 @@ open_tactors(GstElement *element, TactorOpening &opening,
   }
 
   opening.tactors = output.driver->tactors();
-  opening.columns = std::min(output.driver->columns(), opening.tactors);
+  opening.layout = output.driver->layout();
   opening.planner.transport_latency = output.driver->transport_latency();
   opening.planner.line = output.driver->line();
   check_line(element, opening.planner, *output.driver);

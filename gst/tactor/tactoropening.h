@@ -24,7 +24,7 @@ struct TactorOpening
   std::vector<tactor::MotorParameters> motors; ///< of the calibration; empty without one
   tactor::Time latency{ 0 };                   ///< longest one to a motor
   int tactors = 0;                             ///< of the board, once it is open
-  int columns = 0;                             ///< Driver::columns() of it
+  tactor::Layout layout;                       ///< of the board, once it is open
   std::unique_ptr<tactor::OpeningTurn> turn;   ///< null after the opening
 };
 

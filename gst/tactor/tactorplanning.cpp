@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "tactorplanning.h"
 
-#include "tactor/mapping.h"
-
 #include <string>
 #include <utility>
 
@@ -16,12 +14,12 @@ TactorPlanning::TactorPlanning(GstElement *element) : element_(element)
 }
 
 void
-TactorPlanning::start(const tactor::PlannerSettings &agreed, int tactors, int columns,
-                      std::vector<tactor::MotorParameters> motors)
+TactorPlanning::start(const tactor::PlannerSettings &agreed, int tactors,
+                      const tactor::Layout &layout, std::vector<tactor::MotorParameters> motors)
 {
   agreed_ = agreed;
   tactors_ = tactors;
-  columns_ = columns;
+  layout_ = layout;
   planner_.emplace(tactors, agreed, std::move(motors));
   stream_ = {};
   checked_rows_ = checked_columns_ = 0;
@@ -59,11 +57,13 @@ TactorPlanning::plan_map(GstBuffer *buffer, const GstSegment &segment,
   settings.max_lead = agreed_.max_lead;
   settings.transport_latency = agreed_.transport_latency;
   settings.line = agreed_.line;
-  if (has_levels && columns_ > 0 && settings.mapping.empty())
-    settings.mapping = tactor::mapping_of_columns(static_cast<int>(map.rows),
-                                                  static_cast<int>(map.columns), columns_);
   if (has_levels)
     check_grid(map.rows, map.columns, settings);
+  if (has_levels && is_pooled(settings)) {
+    tactor::pool(map.levels, static_cast<int>(map.rows), static_cast<int>(map.columns), layout_,
+                 pooled_);
+    map.levels = pooled_;
+  }
   planner_->set_settings(settings);
   Plan plan{ .commands = has_levels ? planner_->plan(shown.start, shown.duration, map.levels)
                                     : planner_->silence(shown.start),
@@ -117,7 +117,14 @@ TactorPlanning::limited() const
   return planner_->limited();
 }
 
-/// Posts a warning once if cells of the grid have no tactor under the mapping.
+/// Whether the layout says which tactors a cell has, rather than the mapping.
+bool
+TactorPlanning::is_pooled(const tactor::PlannerSettings &settings) const
+{
+  return layout_.tactors() > 0 && settings.mapping.empty();
+}
+
+/// Posts once an info message if cells share a tactor, and a warning if cells have none.
 void
 TactorPlanning::check_grid(guint rows, guint columns, const tactor::PlannerSettings &settings)
 {
@@ -127,6 +134,16 @@ TactorPlanning::check_grid(guint rows, guint columns, const tactor::PlannerSetti
   checked_rows_ = rows;
   checked_columns_ = columns;
   GST_INFO_OBJECT(element_, "grid of %u x %u, the board has %d tactors", rows, columns, tactors_);
+  if (is_pooled(settings)) {
+    if (tactor::pools(layout_, static_cast<int>(rows), static_cast<int>(columns))
+        && !std::exchange(warned_grid_, true))
+      GST_ELEMENT_INFO(element_, STREAM, FORMAT,
+                       ("Cells of the film share motors; of those the strongest is felt."),
+                       ("the film's map has %u x %u cells, the device %d x %d motors; rows and "
+                        "columns of saliencytactile set the map",
+                        rows, columns, layout_.rows, layout_.columns));
+    return;
+  }
   const std::string problem = tactor::CommandPlanner::validate_mapping(
       settings.mapping, static_cast<int>(rows * columns), tactors_);
   if (problem.empty() || std::exchange(warned_grid_, true))

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "tactor/command_planner.h"
+#include "tactor/layout.h"
 #include "tactorstream.h"
 
 #include <gst/gst.h>
@@ -23,10 +24,10 @@ public:
   /// Faults of the stream are posted by this element, which is not owned.
   explicit TactorPlanning(GstElement *element);
 
-  /// Begins a play on a board of `tactors`, with Driver::columns(). `agreed` has settings that stay
+  /// Begins a play on a board of `tactors`, with Driver::layout(). `agreed` has settings that stay
   /// for the play: volts, max-lead, latency and line. `motors` are those of the calibration, or
   /// empty.
-  void start(const tactor::PlannerSettings &agreed, int tactors, int columns,
+  void start(const tactor::PlannerSettings &agreed, int tactors, const tactor::Layout &layout,
              std::vector<tactor::MotorParameters> motors);
 
   /// False if the caps are of maps and their grid is invalid.
@@ -51,6 +52,7 @@ public:
   tactor::LimitCounters limited() const;
 
 private:
+  bool is_pooled(const tactor::PlannerSettings &settings) const;
   void check_grid(guint rows, guint columns, const tactor::PlannerSettings &settings);
 
   GstElement *element_;
@@ -58,10 +60,11 @@ private:
   std::optional<tactor::CommandPlanner> planner_; ///< from start() on
   tactor::PlannerSettings agreed_;
   int tactors_ = 0;        ///< of the board
-  int columns_ = 0;        ///< Driver::columns() of it
+  tactor::Layout layout_;  ///< of it
   guint checked_rows_ = 0; ///< grid compared with the board
   guint checked_columns_ = 0;
   tactor::Time last_end_{ 0 }; ///< running time of the end of the last map
   bool warned_no_meta_ = false;
   bool warned_grid_ = false;
+  std::vector<float> pooled_; ///< levels of the layout's tactors
 };

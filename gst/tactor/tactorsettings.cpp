@@ -50,13 +50,13 @@ constexpr P kProperties[] = {
       "driver",
       "What drives the tactors: auto (firmata if a board is there, else simulator), firmata (any "
       "board with StandardFirmata), seat (one with the watchdog firmware), gamepad (rumble "
-      "motors), "
-      "simulator (no hardware)",
+      "motors), bhaptics (a vest), intiface (a device that is named), simulator (no hardware)",
       kReady, PROPERTY_FIELD(driver)),
   P::text(
       "device",
       "Board, by serial number or bus path (unset: the first that answers); gamepad, by path or "
-      "name; for the simulator, a CSV file for the predicted amplitudes",
+      "name; vest-back, vest or another part of a suit; device of Intiface, by name; the last two "
+      "maybe with @HOST; for the simulator, a CSV file for the predicted amplitudes",
       kReady, PROPERTY_FIELD(device)),
   P::number<gdouble>("rate", "How often the tactors may change, in Hz (0 = with every map)",
                      kPlaying, PROPERTY_FIELD(planner.rate), P::Range{ 0, 1000 }),

@@ -3,6 +3,7 @@
 
 #include "nanoseconds.h"
 #include "tactor/driver_error.h"
+#include "tactor/layout.h"
 #include "tactor/line_time.h"
 
 #include <tl/expected.hpp>
@@ -74,11 +75,11 @@ public:
   /// Tactors of the open board, at most `config.max_tactors`; 0 when not open.
   virtual int tactors() const = 0;
 
-  /// Tactors that stand side by side and by default share a map's columns, of which tactor 0 has
-  /// the leftmost ones; 0: cell i has tactor i.
-  virtual int columns() const
+  /// How tactors of the open board stand, at most tactors(). By default a map of any grid is pooled
+  /// to it; without places cell i has tactor i.
+  virtual Layout layout() const
   {
-    return 0;
+    return {};
   }
 
   /// Smallest step of the board's output in volts; 0 if it is continuous.

@@ -46,16 +46,6 @@ read_mapping(std::string_view text, int tactors)
   return mapping;
 }
 
-std::vector<int>
-mapping_of_columns(int rows, int columns, int tactors)
-{
-  std::vector<int> mapping;
-  for (int row = 0; row < rows; row++)
-    for (int column = 0; column < columns; column++)
-      mapping.push_back(column * tactors / columns);
-  return mapping;
-}
-
 std::string
 write_mapping(std::span<const int> mapping)
 {

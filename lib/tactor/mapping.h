@@ -16,10 +16,6 @@ namespace tactor {
 /// cell i tactor i. The error (settings) names the entry and what was expected.
 tl::expected<std::vector<int>, DriverError> read_mapping(std::string_view text, int tactors);
 
-/// The mapping of a grid to `tactors` side by side: each has as many neighboring columns as the
-/// others, or one less. What is left over goes to the left.
-std::vector<int> mapping_of_columns(int rows, int columns, int tactors);
-
 /// Writes "2,1,0".
 std::string write_mapping(std::span<const int> mapping);
 

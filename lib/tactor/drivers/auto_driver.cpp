@@ -48,10 +48,10 @@ AutoDriver::tactors() const
   return chosen_.load()->tactors();
 }
 
-int
-AutoDriver::columns() const
+Layout
+AutoDriver::layout() const
 {
-  return chosen_.load()->columns();
+  return chosen_.load()->layout();
 }
 
 double

@@ -123,10 +123,11 @@ GamepadDriver::tactors() const
   return tactors_;
 }
 
-int
-GamepadDriver::columns() const
+/// The grips. Triggers are named by a mapping.
+Layout
+GamepadDriver::layout() const
 {
-  return 2;
+  return { .rows = 1, .columns = std::min(tactors(), 2) };
 }
 
 double

@@ -44,7 +44,7 @@ public:
 
   [[nodiscard]] tl::expected<void, DriverError> open(const DriverConfig &config) override;
   int tactors() const override;
-  int columns() const override;
+  Layout layout() const override;
   double resolution() const override;
   Time transport_latency() const override;
   Time refresh_interval() const override;

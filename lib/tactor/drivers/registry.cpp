@@ -6,6 +6,9 @@
 #ifdef HAVE_GAMEPAD
 #include "tactor/drivers/gamepad_driver.h"
 #endif
+#ifdef HAVE_WEBSOCKET
+#include "tactor/drivers/server_driver.h"
+#endif
 #include "tactor/simulator.h"
 
 namespace tactor {
@@ -32,6 +35,16 @@ drivers()
     { "gamepad", "the rumble motors of a gamepad, by cable or Bluetooth",
       [] {
         return std::make_unique<GamepadDriver>();
+      } },
+#endif
+#ifdef HAVE_WEBSOCKET
+    { "bhaptics", "a vest, sleeves or visor of bHaptics, by bHaptics Player",
+      [] {
+        return std::make_unique<ServerDriver>(make_bhaptics_server);
+      } },
+    { "intiface", "a device that vibrates, by Intiface; never one that was not named",
+      [] {
+        return std::make_unique<ServerDriver>(make_intiface_server);
       } },
 #endif
     { "simulator", "no hardware: predicts what each motor would do",

@@ -126,7 +126,7 @@ GST_START_TEST(test_too_few_pins)
   fail_if(rig.uno.is_open);
   rig.open(6);
 
-  Layout none = kUno;
+  ::Layout none = kUno;
   none.pwm.clear();
   MemoryBoard bare(device("0", "1-9"), none);
   rig.sockets.plug(bare);
@@ -362,7 +362,7 @@ GST_END_TEST;
 /// trying.
 GST_START_TEST(test_refused_when_it_is_back)
 {
-  Layout small = kMega;
+  ::Layout small = kMega;
   small.pwm = { 2, 3, 4 };
   MemoryBoard smaller(device("7573", "1-2"), small);
   DriverRig rig(Firmware::any, kEndless, 1ms);

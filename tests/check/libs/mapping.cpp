@@ -40,18 +40,6 @@ GST_START_TEST(test_refused)
 }
 GST_END_TEST;
 
-GST_START_TEST(test_columns)
-{
-  const auto expect = [](int rows, int columns, int tactors, const char *mapping) {
-    assert_text(write_mapping(tactor::mapping_of_columns(rows, columns, tactors)), mapping);
-  };
-  expect(2, 4, 2, "0,0,1,1,0,0,1,1");
-  expect(1, 3, 2, "0,0,1");
-  expect(2, 1, 2, "0,0");
-  expect(1, 3, 1, "0,0,0");
-}
-GST_END_TEST;
-
 static Suite *
 mapping_suite(void)
 {
@@ -60,7 +48,6 @@ mapping_suite(void)
   suite_add_tcase(suite, tests);
   tcase_add_test(tests, test_forms);
   tcase_add_test(tests, test_refused);
-  tcase_add_test(tests, test_columns);
   return suite;
 }
 

@@ -1,0 +1,260 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "tactor/drivers/websocket/bhaptics_conversation.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace tactor {
+
+namespace {
+
+/// Names of connected devices that have this position.
+bool
+is_connected(const bhaptics::Status &status, std::string_view position)
+{
+  const std::string_view device = position.starts_with("Vest") ? "Vest" : position;
+  return std::ranges::any_of(
+             status.positions,
+             [&](const std::string &name) { return name == device || name == position; })
+         || (status.is_asleep && device == "Vest");
+}
+
+std::string
+joined(const auto &names)
+{
+  std::string text;
+  for (const auto &name : names)
+    text += (text.empty() ? "" : ", ") + std::string(name);
+  return text;
+}
+
+} // namespace
+
+const std::vector<SuitPart> &
+suit_parts()
+{
+  // Grids as the layouts of bHaptics' own effects have them (haptic-library, *.tact).
+  static const std::vector<SuitPart> parts{
+    { "vest-back", { "VestBack" }, { .rows = 5, .columns = 4 } },
+    { "vest-front", { "VestFront" }, { .rows = 5, .columns = 4 } },
+    { "vest", { "VestBack", "VestFront" }, { .rows = 5, .columns = 4, .panels = 2 } },
+    { "sleeves", { "ForearmL", "ForearmR" }, { .rows = 2, .columns = 6 } },
+    { "sleeve-left", { "ForearmL" }, { .rows = 2, .columns = 3 } },
+    { "sleeve-right", { "ForearmR" }, { .rows = 2, .columns = 3 } },
+    { "visor", { "Head" }, { .rows = 1, .columns = 6 } },
+  };
+  return parts;
+}
+
+tl::expected<SuitPart, DriverError>
+find_suit_part(const std::string &name)
+{
+  std::vector<std::string_view> names;
+  for (const SuitPart &part : suit_parts()) {
+    if (name.empty() || name == part.name)
+      return part;
+    names.push_back(part.name);
+  }
+  return tl::unexpected(
+      DriverError{ DriverError::Kind::settings,
+                   "device names '" + name + "', which no suit has; expected " + joined(names) });
+}
+
+BhapticsConversation::BhapticsConversation(std::string server, SuitPart part,
+                                           BhapticsPatience patience)
+    : server_(std::move(server)), part_(std::move(part)), patience_(patience)
+{
+}
+
+void
+BhapticsConversation::begin(Time now)
+{
+  enter(State::asking);
+  wanted_.assign(static_cast<std::size_t>(part_.layout.tactors()), 0);
+  sent_ = wanted_;
+  waits_since_.reset();
+  greets_at_ = now + patience_.hello;
+  unanswered_ = 0;
+}
+
+void
+BhapticsConversation::received(std::string_view text, Time)
+{
+  const std::optional<bhaptics::Status> status = bhaptics::read_status(text);
+  if (!status || (state() != State::asking && state() != State::playing))
+    return;
+  waits_since_.reset();
+  unanswered_ = std::max(unanswered_ - 1, 0);
+  take(*status);
+}
+
+void
+BhapticsConversation::take(const bhaptics::Status &status)
+{
+  std::vector<std::string_view> missing;
+  for (const std::string_view position : part_.positions)
+    if (!is_connected(status, position))
+      missing.push_back(position);
+  if (missing.size() == part_.positions.size()) {
+    const std::string others
+        = status.positions.empty() ? "nothing" : "only " + joined(status.positions);
+    fail({ DriverError::Kind::not_found, server_ + ": expected " + joined(part_.positions)
+                                             + " for device=" + std::string(part_.name) + ", and "
+                                             + others
+                                             + " is connected; switch it on and pair it there" });
+    return;
+  }
+  if (!missing.empty())
+    warn(server_ + ": " + joined(missing) + " is not connected, and will not be felt");
+  if (state() == State::asking)
+    enter(State::playing);
+  if (greets_at_)
+    greets_at_ = Time::min();
+}
+
+void
+BhapticsConversation::set_levels(std::span<const double> levels)
+{
+  for (std::size_t i = 0; i < wanted_.size(); i++)
+    wanted_[i] = i < levels.size() ? bhaptics::intensity(levels[i] > 0 ? levels[i] : 0) : 0;
+}
+
+std::optional<std::string>
+BhapticsConversation::next(Time now)
+{
+  if (state() == State::closing) {
+    enter(State::closed);
+    return write_zeros(now);
+  }
+  if (state() != State::asking && state() != State::playing)
+    return std::nullopt;
+  if (greets_at_ && now >= *greets_at_) {
+    greets_at_.reset();
+    return write_zeros(now);
+  }
+  if (const std::optional<Time> silent = silent_at(); silent && now >= *silent) {
+    fail({ DriverError::Kind::failed,
+           server_ + ": expected a status, and none came for "
+               + std::to_string(
+                   std::chrono::duration_cast<std::chrono::seconds>(patience_.answer).count())
+               + " s; start it anew" });
+    return std::nullopt;
+  }
+  if (const std::optional<Time> time = due(); time && now >= *time)
+    return write_changes(now);
+  return std::nullopt;
+}
+
+std::optional<Time>
+BhapticsConversation::deadline() const
+{
+  if (state() == State::closing)
+    return Time::min();
+  if (state() != State::asking && state() != State::playing)
+    return std::nullopt;
+  if (greets_at_)
+    return greets_at_;
+  const std::optional<Time> time = due();
+  const std::optional<Time> silent = silent_at();
+  return time && silent ? std::min(*time, *silent) : time ? time : silent;
+}
+
+void
+BhapticsConversation::close(Time)
+{
+  if (state() != State::closing && state() != State::closed)
+    enter(greets_at_ ? State::closed : State::closing);
+}
+
+ServedDevice
+BhapticsConversation::device() const
+{
+  return { .name = std::string(part_.name) + " by " + server_,
+           .server = "bHaptics",
+           .tactors = part_.layout.tactors(),
+           .layout = part_.layout,
+           .step = 0.01,
+           .has_watchdog = true };
+}
+
+/// A message that ends what this program plays at all positions.
+std::string
+BhapticsConversation::write_zeros(Time now)
+{
+  std::ranges::fill(sent_, 0);
+  std::vector<bhaptics::Frame> frames;
+  for (std::size_t i = 0; i < part_.positions.size(); i++)
+    frames.push_back(frame(i, sent_));
+  return write(frames, now);
+}
+
+/// A message with the wanted intensities of positions that are on or change.
+std::string
+BhapticsConversation::write_changes(Time now)
+{
+  std::vector<bhaptics::Frame> frames;
+  for (std::size_t i = 0; i < part_.positions.size(); i++) {
+    bhaptics::Frame wanted = frame(i, wanted_);
+    const bool is_on = std::ranges::any_of(wanted.intensities, [](int level) { return level > 0; });
+    if (is_on || wanted.intensities != frame(i, sent_).intensities)
+      frames.push_back(std::move(wanted));
+  }
+  sent_ = wanted_;
+  return write(frames, now);
+}
+
+std::string
+BhapticsConversation::write(std::span<const bhaptics::Frame> frames, Time now)
+{
+  sent_at_ = now;
+  unanswered_++;
+  waits_since_ = waits_since_.value_or(now);
+  return bhaptics::write_submit(frames, patience_.duration);
+}
+
+/// When the wanted intensities are to be sent, if ever.
+std::optional<Time>
+BhapticsConversation::due() const
+{
+  const bool is_new = wanted_ != sent_;
+  if (state() != State::playing || greets_at_ || (!is_new && !is_on()))
+    return std::nullopt;
+  return sent_at_
+         + std::max(is_new ? patience_.interval : patience_.renewal, unanswered_ * patience_.turn);
+}
+
+/// When the server has not answered for too long.
+std::optional<Time>
+BhapticsConversation::silent_at() const
+{
+  if (!waits_since_)
+    return std::nullopt;
+  return *waits_since_ + patience_.answer;
+}
+
+bool
+BhapticsConversation::is_on() const
+{
+  return std::ranges::any_of(wanted_, [](int level) { return level > 0; });
+}
+
+/// The motors of a position. Tactors go row by row over the positions of a panel.
+bhaptics::Frame
+BhapticsConversation::frame(std::size_t position, const Intensities &intensities) const
+{
+  const auto columns = static_cast<std::size_t>(part_.layout.columns);
+  const std::size_t side_by_side
+      = part_.positions.size() / static_cast<std::size_t>(part_.layout.panels);
+  const std::size_t width = columns / side_by_side;
+  const std::size_t panel = position / side_by_side;
+  const std::size_t left = position % side_by_side * width;
+  bhaptics::Frame frame{ .position = part_.positions[position], .intensities = {} };
+  for (std::size_t row = 0; row < static_cast<std::size_t>(part_.layout.rows); row++)
+    for (std::size_t column = 0; column < width; column++) {
+      const std::size_t line = panel * static_cast<std::size_t>(part_.layout.rows) + row;
+      frame.intensities.push_back(intensities[line * columns + left + column]);
+    }
+  return frame;
+}
+
+} // namespace tactor

@@ -1,0 +1,118 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "tactor/drivers/websocket/json_reader.h"
+
+namespace tactor::json {
+
+namespace {
+
+constexpr int kDeepest = 32;          ///< nesting of arrays and objects
+constexpr std::size_t kLongest = 100; ///< bytes of a text
+
+/// Rejects non-JSON that JSON-GLib accepts (comments, in which a quote would hide brackets from
+/// this count), and nesting so deep that its recursive parser would overflow the stack.
+bool
+is_plausible(std::string_view text)
+{
+  bool in_string = false;
+  int depth = 0;
+  for (std::size_t i = 0; i < text.size(); i++) {
+    const char c = text[i];
+    if (c == '"')
+      in_string = !in_string;
+    else if (in_string && c == '\\')
+      i++;
+    else if (!in_string && (c == '[' || c == '{'))
+      depth++;
+    else if (!in_string && (c == ']' || c == '}'))
+      depth--;
+    else if (!in_string && !g_ascii_isspace(c) && !g_ascii_isalnum(c)
+             && std::string_view(",:+-.").find(c) == std::string_view::npos)
+      return false;
+    if (depth > kDeepest)
+      return false;
+  }
+  return true;
+}
+
+JsonNode *
+member(JsonObject *of, const char *name)
+{
+  return of != nullptr ? json_object_get_member(of, name) : nullptr;
+}
+
+} // namespace
+
+JsonParser *
+parse(std::string_view text)
+{
+  if (!is_plausible(text))
+    return nullptr;
+  g_autoptr(JsonParser) parser = json_parser_new_immutable();
+  if (!json_parser_load_from_data(parser, text.data(), static_cast<gssize>(text.size()), nullptr)
+      || json_parser_get_root(parser) == nullptr)
+    return nullptr;
+  return static_cast<JsonParser *>(g_steal_pointer(&parser));
+}
+
+JsonObject *
+object(JsonObject *of, const char *name)
+{
+  JsonNode *node = member(of, name);
+  return node != nullptr && JSON_NODE_HOLDS_OBJECT(node) ? json_node_get_object(node) : nullptr;
+}
+
+JsonArray *
+array(JsonObject *of, const char *name)
+{
+  JsonNode *node = member(of, name);
+  return node != nullptr && JSON_NODE_HOLDS_ARRAY(node) ? json_node_get_array(node) : nullptr;
+}
+
+JsonObject *
+object(JsonArray *of, guint index)
+{
+  JsonNode *node = json_array_get_element(of, index);
+  return JSON_NODE_HOLDS_OBJECT(node) ? json_node_get_object(node) : nullptr;
+}
+
+std::optional<std::int64_t>
+integer(JsonObject *of, const char *name)
+{
+  JsonNode *node = member(of, name);
+  if (node == nullptr || !JSON_NODE_HOLDS_VALUE(node)
+      || json_node_get_value_type(node) != G_TYPE_INT64)
+    return std::nullopt;
+  return json_node_get_int(node);
+}
+
+std::optional<std::int64_t>
+integer(JsonObject *of, const char *name, std::int64_t least, std::int64_t most)
+{
+  const std::optional<std::int64_t> number = integer(of, name);
+  return number && *number >= least && *number <= most ? number : std::nullopt;
+}
+
+std::string
+text(JsonObject *of, const char *name)
+{
+  return text(member(of, name));
+}
+
+std::string
+text(JsonNode *node)
+{
+  if (node == nullptr || !JSON_NODE_HOLDS_VALUE(node)
+      || json_node_get_value_type(node) != G_TYPE_STRING)
+    return {};
+  g_autofree gchar *valid = g_utf8_make_valid(json_node_get_string(node), -1);
+  std::string line;
+  for (const char *c = valid; *c != '\0'; c = g_utf8_next_char(c)) {
+    const std::string_view letter(c, static_cast<std::size_t>(g_utf8_next_char(c) - c));
+    if (line.size() + letter.size() > kLongest)
+      break;
+    line += g_unichar_isprint(g_utf8_get_char(c)) ? letter : std::string_view("?");
+  }
+  return line;
+}
+
+} // namespace tactor::json

@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <json-glib/json-glib.h>
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+
+namespace tactor::json {
+
+/// Parses a document of a server. Null if it is no JSON, or is nested so deep that JSON-GLib, which
+/// is recursive, would overflow the stack.
+JsonParser *parse(std::string_view text);
+
+/// A member that is an object or an array; null if there is none, or of another type.
+JsonObject *object(JsonObject *of, const char *name);
+JsonArray *array(JsonObject *of, const char *name);
+/// An element that is an object; null if it is of another type.
+JsonObject *object(JsonArray *of, guint index);
+
+std::optional<std::int64_t> integer(JsonObject *of, const char *name);
+/// An integer from `least` to `most`; none if it is another.
+std::optional<std::int64_t> integer(JsonObject *of, const char *name, std::int64_t least,
+                                    std::int64_t most);
+
+/// A text for messages: of one line, 100 bytes at most. Empty if there is none.
+std::string text(JsonObject *of, const char *name);
+std::string text(JsonNode *node);
+
+} // namespace tactor::json

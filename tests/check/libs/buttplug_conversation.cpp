@@ -1,0 +1,383 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+//
+// Conversations with a Buttplug server, byte for byte, in times of their own. Expected messages are
+// written by hand after the published specifications of versions 3 and 4.
+#include "tactor/drivers/websocket/buttplug_conversation.h"
+
+#include "support/contains.h"
+#include "support/unwrap.h"
+
+#include <cmath>
+
+using namespace std::chrono_literals;
+using namespace tactor;
+using State = Conversation::State;
+
+namespace {
+
+/// The examples of the specification.
+const char *const kInfo4 = R"([{"ServerInfo":{"Id":1,"ServerName":"Test Server","MaxPingTime":0,)"
+                           R"("ProtocolVersionMajor":4,"ProtocolVersionMinor":0}}])";
+const char *const kList4 = R"([{"DeviceList":{"Id":2,"Devices":{
+  "0":{"DeviceName":"Test Vibrator","DeviceIndex":0,"DeviceMessageTimingGap":0,
+    "DeviceFeatures":{
+      "0":{"FeatureIndex":0,"FeatureDescription":"a","Output":{"Vibrate":{"Value":[0,20]}}},
+      "1":{"FeatureIndex":1,"FeatureDescription":"b","Output":{"Vibrate":{"Value":[0,10]}}},
+      "3":{"FeatureIndex":3,"FeatureDescription":"Battery",
+        "Input":{"Battery":{"Value":[[0,100]],"Command":["Read"]}}}}},
+  "1":{"DeviceName":"Test Stroker","DeviceIndex":1,"DeviceMessageTimingGap":100,
+    "DeviceDisplayName":"User set name","DeviceFeatures":{
+      "0":{"FeatureIndex":0,"FeatureDescription":"Stroker","Output":{
+        "HwPositionWithDuration":{"Value":[0,100],"Duration":[0,100000]},
+        "Position":{"Value":[0,100]}}}}}}}}])";
+const char *const kInfo3
+    = R"([{"ServerInfo":{"Id":1,"ServerName":"","MessageVersion":3,"MaxPingTime":100}}])";
+const char *const kList3 = R"([{"DeviceList":{"Id":2,"Devices":[
+  {"DeviceName":"Test Vibrator","DeviceIndex":0,"DeviceMessageTimingGap":100,
+    "DeviceMessages":{"ScalarCmd":[
+      {"StepCount":20,"FeatureDescriptor":"a","ActuatorType":"Vibrate"},
+      {"StepCount":5,"FeatureDescriptor":"r","ActuatorType":"Rotate"},
+      {"StepCount":20,"FeatureDescriptor":"b","ActuatorType":"Vibrate"}],"StopDeviceCmd":{}}},
+  {"DeviceName":"Test Stroker","DeviceIndex":1,"DeviceDisplayName":"User set name",
+    "DeviceMessages":{"LinearCmd":[
+      {"StepCount":100,"FeatureDescriptor":"Stroker","ActuatorType":"Linear"}],
+    "StopDeviceCmd":{}}}]}}])";
+
+std::string
+ok(int id)
+{
+  return R"([{"Ok":{"Id":)" + std::to_string(id) + "}}]";
+}
+
+std::string
+error(int id)
+{
+  return R"([{"Error":{"Id":)" + std::to_string(id)
+         + R"(,"ErrorMessage":"the device is busy","ErrorCode":4}}])";
+}
+
+struct Talk
+{
+  explicit Talk(const std::string &names = "Test Vibrator") : talk("Intiface", names)
+  {
+    talk.begin(now);
+  }
+
+  void expect(const std::string &text)
+  {
+    const std::optional<std::string> next = talk.next(now);
+    fail_unless(next.has_value(), "no '%s'", text.c_str());
+    assert_text(*next, text);
+  }
+  void expect_none()
+  {
+    const std::optional<std::string> next = talk.next(now);
+    fail_if(next.has_value(), "%s", next ? next->c_str() : "");
+  }
+  void answer(const std::string &text)
+  {
+    talk.received(text, now);
+  }
+  void expect_failure(std::initializer_list<const char *> parts)
+  {
+    fail_unless(talk.state() == State::failed);
+    assert_contains(talk.failure().text, parts);
+  }
+  /// From the beginning to playing, with version 4.
+  void play(const std::string &info = kInfo4)
+  {
+    expect(R"([{"RequestServerInfo":{"Id":1,"ClientName":"visuotactile",)"
+           R"("ProtocolVersionMajor":4,"ProtocolVersionMinor":0}}])");
+    answer(info);
+    expect(R"([{"RequestDeviceList":{"Id":2}}])");
+    answer(kList4);
+    expect(R"([{"StopCmd":{"Id":3,"DeviceIndex":0,"Inputs":false,"Outputs":true}}])");
+    now += 7ms;
+    answer(ok(3));
+    fail_unless(talk.state() == State::playing, "%s", talk.failure().text.c_str());
+    now += 1s;
+  }
+
+  Time now = 10s;
+  ButtplugConversation talk;
+};
+
+} // namespace
+
+GST_START_TEST(test_version_4)
+{
+  Talk talk;
+  talk.play();
+  const ServedDevice device = talk.talk.device();
+  ck_assert_int_eq(device.tactors, 2);
+  fail_unless(device.layout == (Layout{ 1, 2 }));
+  fail_unless(device.step == 0.1);
+  fail_unless(device.latency == 7ms);
+  fail_if(device.has_watchdog);
+  assert_text(device.server, "Test Server, Buttplug 4");
+  assert_contains(talk.talk.take_warnings().at(0), { "asks for no pings" });
+  talk.talk.set_levels(std::array{ 0.5, 1.0 });
+  talk.expect(R"([{"OutputCmd":{"Id":4,"DeviceIndex":0,"FeatureIndex":0,)"
+              R"("Command":{"Vibrate":{"Value":10}}}},)"
+              R"({"OutputCmd":{"Id":5,"DeviceIndex":0,"FeatureIndex":1,)"
+              R"("Command":{"Vibrate":{"Value":10}}}}])");
+  talk.expect_none();
+  talk.answer(ok(4));
+  talk.talk.set_levels(std::array{ 0.5, std::nan("") });
+  talk.expect_none(); // the second answer is not there
+  talk.answer(ok(5));
+  talk.expect(R"([{"OutputCmd":{"Id":6,"DeviceIndex":0,"FeatureIndex":1,)"
+              R"("Command":{"Vibrate":{"Value":0}}}}])");
+}
+GST_END_TEST;
+
+/// A server of version 3 does not know the greeting of version 4: another connection has the older
+/// one.
+GST_START_TEST(test_version_3)
+{
+  Talk talk;
+  fail_unless(talk.talk.next(talk.now).has_value());
+  talk.answer(
+      R"([{"Error":{"Id":0,"ErrorMessage":"missing field MessageVersion","ErrorCode":3}}])");
+  fail_unless(talk.talk.state() == State::failed && talk.talk.tries_again());
+  talk.talk.begin(talk.now);
+  talk.expect(R"([{"RequestServerInfo":{"Id":2,"ClientName":"visuotactile","MessageVersion":3}}])");
+  talk.answer(kInfo3);
+  talk.expect(R"([{"RequestDeviceList":{"Id":3}}])");
+  talk.answer(kList3);
+  talk.expect(R"([{"StopDeviceCmd":{"Id":4,"DeviceIndex":0}}])");
+  talk.answer(ok(4));
+  fail_unless(talk.talk.state() == State::playing);
+  fail_unless(talk.talk.device().has_watchdog);
+  talk.now += 10ms;
+  talk.talk.set_levels(std::array{ 0.5, 0.26 });
+  fail_unless(talk.talk.deadline() == 10s + 50ms); // a ping is due before the gap is over
+  talk.now = 10s + 50ms;
+  talk.expect(R"([{"Ping":{"Id":5}}])");
+  talk.answer(ok(5));
+  talk.expect_none();
+  talk.now = 10s + 100ms;
+  talk.expect(R"([{"Ping":{"Id":6}}])");
+  talk.expect(R"([{"ScalarCmd":{"Id":7,"DeviceIndex":0,"Scalars":[)"
+              R"({"Index":0,"Scalar":0.5,"ActuatorType":"Vibrate"},)"
+              R"({"Index":2,"Scalar":0.25,"ActuatorType":"Vibrate"}]}}])");
+  talk.expect_none();
+}
+GST_END_TEST;
+
+/// Neither version helps: the older one is not tried for ever.
+GST_START_TEST(test_no_version)
+{
+  Talk talk;
+  talk.talk.hung_up("code 1002");
+  fail_unless(talk.talk.tries_again());
+  talk.talk.begin(talk.now);
+  talk.talk.hung_up("code 1002");
+  fail_if(talk.talk.tries_again());
+  talk.expect_failure({ "does not take this program", "code 1002" });
+  Talk old;
+  old.answer(R"([{"ServerInfo":{"Id":1,"ServerName":"","MessageVersion":2,"MaxPingTime":0}}])");
+  old.expect_failure({ "expected version 3 or 4", "got 2" });
+}
+GST_END_TEST;
+
+/// Nothing is started that was not named.
+GST_START_TEST(test_names)
+{
+  for (const auto &[names, part] :
+       { std::pair{ "", "as none is taken unasked; it has 'Test Vibrator', 'User set name'" },
+         std::pair{ "Vibrator", "'Vibrator', and it has 'Test Vibrator', 'User set name'" },
+         std::pair{ "Test Vibrator,Test Vibrator", "a device 'Test Vibrator'" },
+         std::pair{ "User set name", "expected 'User set name' to vibrate" },
+         std::pair{ "Test Stroker", "expected 'Test Stroker' to vibrate" } }) {
+    Talk talk(names);
+    fail_unless(talk.talk.next(talk.now).has_value());
+    talk.answer(kInfo4);
+    fail_unless(talk.talk.next(talk.now).has_value());
+    talk.answer(kList4);
+    talk.expect_failure({ part });
+    talk.talk.close(talk.now);
+    talk.expect_none();
+  }
+  Talk none("Mine");
+  none.answer(kInfo4);
+  none.answer(R"([{"DeviceList":{"Id":2,"Devices":{}}}])");
+  none.expect_failure({ "it has no devices", "scan" });
+}
+GST_END_TEST;
+
+/// Steps that no device has are not believed.
+GST_START_TEST(test_lies_about_steps)
+{
+  for (const char *steps :
+       { "0", "-1", "100001", "99999999999999999999", "\"20\"", "null", "2.5" }) {
+    const std::string list = R"([{"DeviceList":{"Id":2,"Devices":[{"DeviceName":"Test Vibrator",)"
+                             R"("DeviceIndex":0,"DeviceMessages":{"ScalarCmd":[{"StepCount":)"
+                             + std::string(steps) + R"(,"ActuatorType":"Vibrate"}]}}]}}])";
+    Talk talk;
+    talk.answer(kInfo4);
+    talk.answer(list);
+    talk.expect_failure({ "to vibrate in 1 to 100000 steps" });
+  }
+}
+GST_END_TEST;
+
+/// While a device has not answered, its next values wait; the newest ones win.
+GST_START_TEST(test_one_message_under_way)
+{
+  Talk talk;
+  talk.play();
+  talk.talk.set_levels(std::array{ 0.1 });
+  fail_unless(talk.talk.next(talk.now).has_value());
+  for (const double level : { 0.2, 0.3, 0.4 }) {
+    talk.now += 50ms;
+    talk.talk.set_levels(std::array{ level });
+    talk.expect_none();
+  }
+  talk.answer(ok(4));
+  talk.expect(R"([{"OutputCmd":{"Id":5,"DeviceIndex":0,"FeatureIndex":0,)"
+              R"("Command":{"Vibrate":{"Value":8}}}}])");
+  // A level that is the same step is no news.
+  talk.answer(ok(5));
+  talk.now += 1s;
+  talk.talk.set_levels(std::array{ 0.41 });
+  talk.expect_none();
+}
+GST_END_TEST;
+
+GST_START_TEST(test_silent_server)
+{
+  Talk greeting;
+  fail_unless(greeting.talk.next(greeting.now).has_value());
+  fail_unless(greeting.talk.deadline() == greeting.now + 5s);
+  greeting.now += 5s;
+  greeting.expect_none();
+  greeting.expect_failure({ "expected an answer", "5 s" });
+  Talk talk;
+  talk.play();
+  talk.now += 1h;
+  talk.talk.set_levels(std::array{ 1.0 });
+  fail_unless(talk.talk.next(talk.now).has_value());
+  talk.now += 5s;
+  talk.expect_none();
+  talk.expect_failure({ "expected an answer" });
+}
+GST_END_TEST;
+
+GST_START_TEST(test_errors)
+{
+  Talk talk;
+  talk.play();
+  talk.talk.take_warnings();
+  int id = 4;
+  for (int i = 0; i < ButtplugConversation::kMostErrors; i++) {
+    fail_unless(talk.talk.state() == State::playing);
+    talk.talk.set_levels(std::array{ i % 2 == 0 ? 1.0 : 0.5 });
+    fail_unless(talk.talk.next(talk.now).has_value());
+    talk.answer(error(id++));
+    talk.now += 1s;
+  }
+  talk.expect_failure({ "Test Vibrator", "the device is busy" });
+  ck_assert_uint_eq(talk.talk.take_warnings().size(), 1);
+}
+GST_END_TEST;
+
+GST_START_TEST(test_gone)
+{
+  for (const char *text : { R"([{"DeviceList":{"Id":0,"Devices":{}}}])",
+                            R"([{"DeviceRemoved":{"Id":0,"DeviceIndex":0}}])" }) {
+    Talk talk;
+    talk.play();
+    talk.answer(R"([{"DeviceRemoved":{"Id":0,"DeviceIndex":7}}])");
+    talk.answer(
+        R"([{"DeviceAdded":{"Id":0,"DeviceName":"x","DeviceIndex":8,"DeviceMessages":{}}}])");
+    fail_unless(talk.talk.state() == State::playing);
+    talk.answer(text);
+    talk.expect_failure({ "Test Vibrator", "switched off" });
+    fail_unless(talk.talk.failure().kind == DriverError::Kind::lost);
+  }
+}
+GST_END_TEST;
+
+/// Also with a command under way, and after a failure.
+GST_START_TEST(test_close)
+{
+  Talk talk;
+  talk.play();
+  talk.talk.set_levels(std::array{ 1.0 });
+  fail_unless(talk.talk.next(talk.now).has_value());
+  talk.talk.close(talk.now);
+  talk.expect(R"([{"StopCmd":{"Id":5,"DeviceIndex":0,"Inputs":false,"Outputs":true}}])");
+  talk.answer(ok(4));
+  fail_unless(talk.talk.state() == State::closing);
+  talk.answer(ok(5));
+  fail_unless(talk.talk.state() == State::closed);
+
+  Talk silent;
+  silent.play();
+  silent.talk.hung_up("it hung up");
+  silent.talk.close(silent.now);
+  fail_unless(silent.talk.next(silent.now).has_value());
+  fail_unless(silent.talk.deadline() == silent.now + 250ms);
+  silent.now += 250ms;
+  silent.expect_none();
+  fail_unless(silent.talk.state() == State::closed);
+}
+GST_END_TEST;
+
+/// A gap or a ping time that makes no sense is bounded.
+GST_START_TEST(test_lies_about_times)
+{
+  Talk talk;
+  talk.play(
+      R"([{"ServerInfo":{"Id":1,"ServerName":"","MaxPingTime":1,"ProtocolVersionMajor":4}}])");
+  fail_unless(talk.talk.next(talk.now).has_value());
+  talk.answer(ok(4));
+  fail_unless(talk.talk.deadline() == talk.now + 10ms);
+  const auto messages
+      = buttplug::read_messages(R"([{"DeviceList":{"Id":2,"Devices":[)"
+                                R"({"DeviceIndex":0,"DeviceMessageTimingGap":4294967295}]}}])");
+  fail_unless(std::get<buttplug::DeviceList>(messages->at(0)).devices.at(0).gap == Time(2s));
+}
+GST_END_TEST;
+
+GST_START_TEST(test_other_messages)
+{
+  for (const char *text : { "", "{}", "null", "[", "{\"Ok\":{\"Id\":1}}" })
+    fail_if(buttplug::read_messages(text).has_value(), "%s", text);
+  for (const char *text : { "[]", "[1]", "[{}]", "[{\"Ok\":1}]", "[{\"Ok\":{\"Id\":-1}}]",
+                            "[{\"Ok\":{\"Id\":\"1\"}}]", "[{\"ScanningFinished\":{\"Id\":0}}]",
+                            "[{\"Ok\":{\"Id\":4294967296}}]", "[{\"DeviceRemoved\":{\"Id\":0}}]" })
+    fail_unless(buttplug::read_messages(text).value().empty(), "%s", text);
+  Talk talk;
+  talk.play();
+  talk.talk.take_warnings();
+  talk.answer("not JSON");
+  talk.answer("not JSON");
+  ck_assert_uint_eq(talk.talk.take_warnings().size(), 1);
+  fail_unless(talk.talk.state() == State::playing);
+}
+GST_END_TEST;
+
+static Suite *
+buttplug_conversation_suite(void)
+{
+  Suite *suite = suite_create("buttplug_conversation");
+  TCase *tests = tcase_create("general");
+  suite_add_tcase(suite, tests);
+  tcase_add_test(tests, test_version_4);
+  tcase_add_test(tests, test_version_3);
+  tcase_add_test(tests, test_no_version);
+  tcase_add_test(tests, test_names);
+  tcase_add_test(tests, test_lies_about_steps);
+  tcase_add_test(tests, test_one_message_under_way);
+  tcase_add_test(tests, test_silent_server);
+  tcase_add_test(tests, test_errors);
+  tcase_add_test(tests, test_gone);
+  tcase_add_test(tests, test_close);
+  tcase_add_test(tests, test_lies_about_times);
+  tcase_add_test(tests, test_other_messages);
+  return suite;
+}
+
+GST_CHECK_MAIN(buttplug_conversation);

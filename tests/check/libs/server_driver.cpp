@@ -1,0 +1,393 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+//
+// The drivers of devices behind a server, with servers of the real protocols that are written with
+// another library (support/haptic_server.py). The order of what the servers saw is asserted, not
+// when.
+#include "tactor/drivers/server_driver.h"
+#include "tactor/drivers/registry.h"
+
+#include "support/contains.h"
+#include "support/haptic_server.h"
+#include "support/unwrap.h"
+
+#include <condition_variable>
+#include <memory>
+#include <mutex>
+#include <thread>
+
+using namespace std::chrono_literals;
+using namespace tactor;
+using Kind = DriverError::Kind;
+using EventKind = DriverEvent::Kind;
+
+namespace {
+
+const char *const kVibrator = "Test Vibrator";
+
+struct Rig
+{
+  explicit Rig(MakeServer make, int most_messages = 1000)
+      : driver(std::move(make), settings(most_messages))
+  {
+  }
+
+  static ServerDriver::Settings settings(int most_messages)
+  {
+    // A driver that looks again at once, and does not end levels that are not written again.
+    return { .answer = 30s,
+             .host_silence = 1h,
+             .look_again = 1ms,
+             .longest_look_again = 2ms,
+             .most_messages = most_messages };
+  }
+
+  DriverConfig config(const std::string &device, int min_tactors = 1)
+  {
+    return { .device = device, .min_tactors = min_tactors, .notify = [this](const auto &event) {
+              const std::lock_guard lock(mutex);
+              events.push_back(event);
+              changed.notify_all();
+            } };
+  }
+  void open(const std::string &device)
+  {
+    unwrap(driver.open(config(device)));
+  }
+  DriverError refusal(const std::string &device, int min_tactors = 1)
+  {
+    DriverError error = refusal_of(driver.open(config(device, min_tactors)));
+    ck_assert_int_eq(driver.tactors(), 0);
+    return error;
+  }
+  void write(std::initializer_list<double> volts)
+  {
+    unwrap(driver.write(std::vector(volts), 0s));
+  }
+  /// Waits for an event of this kind, and returns the last one.
+  DriverEvent wait_for(EventKind kind, std::ptrdiff_t times = 1)
+  {
+    std::unique_lock lock(mutex);
+    changed.wait(lock,
+                 [&] { return std::ranges::count(events, kind, &DriverEvent::kind) >= times; });
+    const auto last = std::find_if(events.rbegin(), events.rend(),
+                                   [&](const DriverEvent &event) { return event.kind == kind; });
+    return *last;
+  }
+
+  std::mutex mutex;
+  std::condition_variable changed;
+  std::vector<DriverEvent> events;
+  ServerDriver driver;
+};
+
+/// Each server with its driver, and what its motors do.
+struct Case
+{
+  const char *kind;
+  MakeServer make;
+  const char *device;
+  const char *half; ///< a line of the server for 1.5 V on the first motor
+  const char *zero;
+};
+
+const std::vector<Case> &
+cases()
+{
+  static const std::vector<Case> all{
+    { "bhaptics", make_bhaptics_server, "vest-back", "motors VestBack 0=50", "motors VestBack" },
+    { "buttplug3", make_intiface_server, kVibrator, "motors 0 0=0.5", "motors 0" },
+    { "buttplug4", make_intiface_server, kVibrator, "motors 0 0=10", "motors 0" },
+  };
+  return all;
+}
+
+} // namespace
+
+GST_START_TEST(test_levels)
+{
+  for (const Case &one : cases()) {
+    HapticServer server({ one.kind, "ping=300" });
+    Rig rig(one.make);
+    rig.open(server.device(one.device));
+    fail_unless(rig.driver.status().is_there && rig.driver.status().has_watchdog);
+    fail_unless(rig.driver.layout().tactors() == rig.driver.tactors());
+    server.wait_for_line(one.zero); // whatever they did before
+    rig.write({ 1.5 });
+    server.wait_for_line(one.half);
+    rig.write({ 0, 0 });
+    server.wait_for_line(one.zero);
+    rig.write({ 1.5 });
+    server.wait_for_line(one.half);
+    rig.driver.close();
+    server.wait_for_line(one.zero);
+    server.wait_for("gone");
+  }
+}
+GST_END_TEST;
+
+/// The server's pings are answered for as long as it is open.
+GST_START_TEST(test_pings)
+{
+  HapticServer server({ "buttplug4", "ping=20" });
+  Rig rig(make_intiface_server);
+  rig.open(server.device(kVibrator));
+  for (int i = 0; i < 5; i++)
+    server.wait_for("got [{\"Ping\"");
+}
+GST_END_TEST;
+
+/// Levels that nobody writes again end.
+GST_START_TEST(test_host_silence)
+{
+  for (const Case &one : cases()) {
+    HapticServer server({ one.kind });
+    ServerDriver driver(one.make, { .host_silence = 50ms });
+    unwrap(driver.open({ .device = server.device(one.device) }));
+    server.wait_for_line(one.zero);
+    {
+      const std::jthread writer([&](const std::stop_token &stop) {
+        while (!stop.stop_requested()) {
+          unwrap(driver.write(std::array{ 1.5 }, 0s));
+          std::this_thread::sleep_for(1ms);
+        }
+      });
+      server.wait_for_line(one.half);
+    }
+    server.wait_for_line(one.zero);
+  }
+}
+GST_END_TEST;
+
+/// A child process plays until it is killed. The duration ends the level.
+GST_START_TEST(test_killed)
+{
+  HapticServer server({ "bhaptics" });
+  const pid_t child = fork();
+  if (child == 0) {
+    Rig rig(make_bhaptics_server);
+    rig.open(server.device("vest-back"));
+    rig.write({ 1.5 });
+    while (true)
+      pause();
+  }
+  server.wait_for_line("motors VestBack 0=50");
+  kill(child, SIGKILL);
+  waitpid(child, nullptr, 0);
+  server.wait_for_line("expired VestBack");
+}
+GST_END_TEST;
+
+/// A child process plays until SIGTERM, which it does not survive.
+GST_START_TEST(test_zero_on_signal)
+{
+  for (const Case &one : cases()) {
+    HapticServer server({ one.kind });
+    const pid_t child = fork();
+    if (child == 0) {
+      (void)std::signal(SIGTERM, SIG_DFL); // check catches it
+      Rig rig(one.make);
+      rig.open(server.device(one.device));
+      rig.write({ 1.5 });
+      while (true)
+        pause();
+    }
+    server.wait_for_line(one.half);
+    kill(child, SIGTERM);
+    server.wait_for_line(one.zero);
+    int status = 0;
+    waitpid(child, &status, 0);
+    fail_unless(WIFSIGNALED(status) && WTERMSIG(status) == SIGTERM);
+  }
+}
+GST_END_TEST;
+
+/// A server that takes 200 ms for each message: nothing waits behind the one that it has, though
+/// levels change all the time.
+GST_START_TEST(test_slow_server)
+{
+  for (const Case &one : cases()) {
+    HapticServer server({ one.kind, "slow=200" });
+    Rig rig(one.make);
+    rig.open(server.device(one.device));
+    const std::jthread writer([&](const std::stop_token &stop) {
+      for (int i = 0; !stop.stop_requested(); i++) {
+        unwrap(rig.driver.write(std::array{ 0.15 * (i % 20), 0.0 }, 0s));
+        std::this_thread::yield();
+      }
+    });
+    for (int i = 0; i < 6; i++)
+      server.wait_for("waiting");
+    for (const std::string &waiting : server.lines("waiting"))
+      assert_text(waiting, "waiting 0");
+  }
+}
+GST_END_TEST;
+
+/// The server goes away and comes back. The levels are those written meanwhile.
+GST_START_TEST(test_lost_and_back)
+{
+  for (const Case &one : cases()) {
+    auto server = std::make_unique<HapticServer>(std::vector<std::string>{ one.kind });
+    const std::string port = server->port();
+    Rig rig(one.make);
+    rig.open(server->device(one.device));
+    rig.write({ 3, 3 });
+    server->wait_for("motors");
+    server.reset();
+    assert_contains(rig.wait_for(EventKind::lost).text, { "closed the connection" });
+    fail_if(rig.driver.status().is_there);
+    rig.write({ 1.5 });
+    server = std::make_unique<HapticServer>(std::vector<std::string>{ one.kind, "port=" + port });
+    assert_contains(rig.wait_for(EventKind::returned).text, { one.device, "is back" });
+    server->wait_for_line(one.half);
+    fail_unless(rig.driver.status().reconnects == 1);
+  }
+}
+GST_END_TEST;
+
+/// The server has no such device any more, and has it again.
+GST_START_TEST(test_device_lost_and_back)
+{
+  for (const Case &one : cases()) {
+    HapticServer server({ one.kind });
+    Rig rig(one.make);
+    rig.open(server.device(one.device));
+    rig.write({ 1.5 });
+    server.wait_for_line(one.half);
+    server.say("remove");
+    rig.wait_for(EventKind::lost);
+    assert_contains(rig.wait_for(EventKind::refused).text, { "expected" });
+    server.say("add");
+    rig.wait_for(EventKind::returned);
+    server.wait_for_line(one.half);
+    const std::lock_guard lock(rig.mutex);
+    ck_assert_int_eq(std::ranges::count(rig.events, EventKind::refused, &DriverEvent::kind), 1);
+  }
+}
+GST_END_TEST;
+
+/// Whatever a server does: it is told, and it is looked for again.
+GST_START_TEST(test_bad_servers)
+{
+  for (const Case &one : cases())
+    for (const auto &[behavior, why] : { std::pair{ "huge=1", "" }, std::pair{ "flood=1", "" },
+                                         std::pair{ "drops=6", "closed the connection" },
+                                         std::pair{ "goodbye=6", "code 1001" } }) {
+      HapticServer server({ one.kind, behavior });
+      Rig rig(one.make, 100); // a flood also for a slow machine
+      // A server of version 3 may be left before the device is known.
+      const auto opened = rig.driver.open(rig.config(server.device(one.device)));
+      if (!opened) {
+        fail_unless(*why == '\0', "%s: %s", behavior, opened.error().text.c_str());
+        continue;
+      }
+      for (int i = 0; i < 2; i++) {
+        const std::jthread writer([&](const std::stop_token &stop) {
+          for (int level = 0; !stop.stop_requested(); level++) {
+            unwrap(rig.driver.write(std::array{ 0.15 * (level % 20), 0.0 }, 0s));
+            std::this_thread::sleep_for(1ms);
+          }
+        });
+        assert_contains(rig.wait_for(EventKind::lost, i + 1).text, { why });
+      }
+      rig.driver.close();
+    }
+}
+GST_END_TEST;
+
+GST_START_TEST(test_refused_commands)
+{
+  HapticServer server({ "buttplug4", "refuses=3" });
+  Rig rig(make_intiface_server);
+  rig.open(server.device(kVibrator));
+  rig.write({ 3 });
+  assert_contains(rig.wait_for(EventKind::warning).text, { "asks for no pings" });
+  assert_contains(rig.wait_for(EventKind::warning, 2).text, { "the device did not answer" });
+}
+GST_END_TEST;
+
+/// open() fails, and says what to do.
+GST_START_TEST(test_refusals)
+{
+  std::string port;
+  for (const Case &one : cases()) {
+    HapticServer server({ one.kind, "nothing=1" });
+    port = server.port();
+    Rig rig(one.make);
+    const DriverError error = rig.refusal(server.device(one.device));
+    fail_unless(error.kind == Kind::not_found, "%s", error.text.c_str());
+    assert_contains(error.text, { "expected", "127.0.0.1" });
+    const DriverError many = rig.refusal(server.device(one.device) + "x");
+    assert_contains(many.text, { "expected" });
+  }
+  // Nobody is there.
+  for (const Case &one : cases()) {
+    Rig rig(one.make);
+    const DriverError error = rig.refusal(std::string(one.device) + "@127.0.0.1:" + port);
+    fail_unless(error.kind == Kind::not_found);
+    assert_contains(error.text, { "cannot be reached", "start it", "docs/hardware/" });
+    assert_contains(rig.refusal("x@host:0").text, { "NAME@HOST:PORT" });
+  }
+  HapticServer vest({ "bhaptics" });
+  Rig rig(make_bhaptics_server);
+  const DriverError error = rig.refusal(vest.device("vest-back"), 21);
+  fail_unless(error.kind == Kind::settings);
+  assert_contains(error.text, { "mapping needs 21 tactors", "it has 20" });
+  // Nothing is taken unasked.
+  HapticServer intiface({ "buttplug4" });
+  Rig unnamed(make_intiface_server);
+  assert_contains(unnamed.refusal("@127.0.0.1:" + intiface.port()).text,
+                  { "none is taken unasked", "'Test Vibrator'", "'Mine'" });
+  intiface.wait_for("gone");
+  fail_unless(intiface.lines("motors").empty());
+}
+GST_END_TEST;
+
+/// A server that answers nothing does not keep open() from being stopped.
+GST_START_TEST(test_stopped_opening)
+{
+  for (const Case &one : cases()) {
+    HapticServer server({ one.kind, "silent=1" });
+    Rig rig(one.make);
+    DriverConfig config = rig.config(server.device(one.device));
+    std::stop_source stop;
+    config.stop = stop.get_token();
+    const std::jthread stopper([&] {
+      server.wait_for("got");
+      stop.request_stop();
+    });
+    assert_contains(refusal_of(rig.driver.open(config)).text, { "stopped" });
+  }
+}
+GST_END_TEST;
+
+GST_START_TEST(test_registry)
+{
+  for (const char *name : { "bhaptics", "intiface" })
+    fail_unless(make_driver(name).has_value());
+}
+GST_END_TEST;
+
+static Suite *
+server_driver_suite(void)
+{
+  Suite *suite = suite_create("server_driver");
+  TCase *tests = tcase_create("general");
+  suite_add_tcase(suite, tests);
+  tcase_add_test(tests, test_levels);
+  tcase_add_test(tests, test_pings);
+  tcase_add_test(tests, test_host_silence);
+  tcase_add_test(tests, test_killed);
+  tcase_add_test(tests, test_zero_on_signal);
+  tcase_add_test(tests, test_slow_server);
+  tcase_add_test(tests, test_lost_and_back);
+  tcase_add_test(tests, test_device_lost_and_back);
+  tcase_add_test(tests, test_bad_servers);
+  tcase_add_test(tests, test_refused_commands);
+  tcase_add_test(tests, test_refusals);
+  tcase_add_test(tests, test_stopped_opening);
+  tcase_add_test(tests, test_registry);
+  return suite;
+}
+
+GST_CHECK_MAIN(server_driver);
