@@ -6,8 +6,8 @@
 #include <deque>
 #include <mutex>
 
-/// Whose film is felt, of all in this process: one has the chair, others wait for it in the order in
-/// which they began. Any thread.
+/// Whose film is felt, of all in this process: one has the chair, others wait for it in the order
+/// in which they began. Any thread.
 class ChairTurns
 {
 public:
