@@ -53,7 +53,7 @@ public:
     gst_element_set_bus(scalers_, nullptr);
     gst_pad_set_active(entrance_, FALSE);
     gst_pad_set_active(exit_, FALSE);
-    gst_clear_buffer(&taken_);
+    drop();
     gst_object_unref(scalers_);
     gst_object_unref(entrance_);
     gst_object_unref(exit_);
@@ -85,7 +85,7 @@ public:
 
   GstBuffer *shrink(GstBuffer *frame, SmallPicture &picture) override
   {
-    gst_clear_buffer(&taken_);
+    drop();
     if (gst_pad_push(entrance_, gst_buffer_ref(frame)) != GST_FLOW_OK || taken_ == nullptr)
       return nullptr;
     g_autoptr(GstCaps) caps = gst_pad_get_current_caps(exit_);
@@ -99,10 +99,15 @@ public:
   }
 
 private:
+  void drop()
+  {
+    if (GstBuffer *dropped = std::exchange(taken_, nullptr))
+      gst_buffer_unref(dropped);
+  }
   static GstFlowReturn take(GstPad *pad, GstObject *, GstBuffer *small)
   {
     auto *self = static_cast<ElementShrinker *>(gst_pad_get_element_private(pad));
-    gst_clear_buffer(&self->taken_);
+    self->drop();
     self->taken_ = small;
     return GST_FLOW_OK;
   }

@@ -121,32 +121,33 @@ FrameReader::shrinker(int halvings)
   return shrinker_.get();
 }
 
-std::unique_ptr<ReadFrame>
+std::optional<ReadFrame>
 FrameReader::shrink(GstBuffer *frame, int halvings)
 {
   FrameShrinker *shrinker = this->shrinker(halvings);
   if (shrinker == nullptr)
-    return nullptr;
+    return {};
   SmallPicture picture;
   GstBuffer *small = shrinker->shrink(frame, picture);
   if (small == nullptr) {
     GST_INFO_OBJECT(owner_, "frames are not shrunk any more: %s failed", name_of(shrinks_));
     shrinker_.reset();
-    return nullptr;
+    return {};
   }
   small = gst_buffer_make_writable(small);
   const ReadFrame::Window window = shrink_window(frame, small, picture);
   path_ = shrinks_;
   bytes_ += gst_buffer_get_size(small);
-  return std::make_unique<ReadFrame>(picture, small, window);
+  return ReadFrame(picture, small, window);
 }
 
-std::unique_ptr<ReadFrame>
+std::optional<ReadFrame>
 FrameReader::read(GstBuffer *frame, int halvings)
 {
   if (auto small = shrink(frame, halvings))
     return small;
   path_ = known_ ? Path::mapped : Path::none;
-  return known_ ? std::make_unique<ReadFrame>(SmallPicture{ .info = info_ }, gst_buffer_ref(frame))
-                : nullptr;
+  if (!known_)
+    return {};
+  return ReadFrame(SmallPicture{ .info = info_ }, gst_buffer_ref(frame));
 }

@@ -7,6 +7,7 @@
 
 #include <memory>
 #include <optional>
+#include <utility>
 
 /// What the analysis reads of a frame. Holds a reference to the buffer that it reads.
 struct ReadFrame
@@ -25,10 +26,15 @@ struct ReadFrame
   }
   ~ReadFrame()
   {
-    gst_buffer_unref(buffer);
+    if (buffer)
+      gst_buffer_unref(buffer);
   }
-  ReadFrame(const ReadFrame &) = delete;
-  ReadFrame &operator=(const ReadFrame &) = delete;
+  ReadFrame(ReadFrame &&other) noexcept
+      : info(other.info), placement(other.placement), window(other.window),
+        buffer(std::exchange(other.buffer, nullptr))
+  {
+  }
+  ReadFrame &operator=(ReadFrame &&) = delete;
 
   GstVideoInfo info;
   Placement placement;
@@ -66,9 +72,9 @@ public:
   void stop();
 
   /// What is to be read of a frame that may be halved as often before its analysis. Where it need
-  /// not be, or cannot, it is the frame itself. `frame` outlives the result. NULL where frames of
+  /// not be, or cannot, it is the frame itself. `frame` outlives the result. Nothing where frames of
   /// these caps cannot be read.
-  std::unique_ptr<ReadFrame> read(GstBuffer *frame, int halvings);
+  std::optional<ReadFrame> read(GstBuffer *frame, int halvings);
 
   /// How the last frame was read.
   Path path() const
@@ -84,7 +90,7 @@ public:
 private:
   FrameShrinker *shrinker(int halvings);
   std::unique_ptr<FrameShrinker> make_shrinker(int halvings);
-  std::unique_ptr<ReadFrame> shrink(GstBuffer *frame, int halvings);
+  std::optional<ReadFrame> shrink(GstBuffer *frame, int halvings);
 
   GstElement *owner_;
   GstCaps *caps_ = nullptr;

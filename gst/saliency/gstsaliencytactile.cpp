@@ -201,9 +201,9 @@ gst_saliency_tactile_analyze(GstSaliencyTactile *self, const SaliencySettings &s
   const int height = GST_VIDEO_INFO_HEIGHT(&priv->info);
   const int halvings
       = width > 0 && height > 0 ? priv->analysis.halvings(settings, width, height) : 0;
-  const std::unique_ptr<ReadFrame> frame = priv->reader.read(buffer, halvings);
-  const bool read
-      = priv->analysis.analyze(settings, priv->orientation, frame.get(), buffer, time, duration);
+  const std::optional<ReadFrame> frame = priv->reader.read(buffer, halvings);
+  const bool read = priv->analysis.analyze(settings, priv->orientation, frame ? &*frame : nullptr,
+                                           buffer, time, duration);
   const std::string no_people = priv->analysis.people_failure();
   if (!no_people.empty() && !std::exchange(priv->warned_people, true))
     GST_ELEMENT_WARNING(self, RESOURCE, NOT_FOUND,
