@@ -10,6 +10,7 @@
 #include <tl/expected.hpp>
 
 #include <atomic>
+#include <chrono>
 #include <condition_variable>
 #include <cstdint>
 #include <functional>
@@ -138,6 +139,7 @@ private:
   void close_driver(Lock &lock);
   void settle(Lock &lock);
   void wake();
+  void let_clock_settle();
   TactorActuation::Now now() const;
 
   const Host host_;
@@ -156,6 +158,9 @@ private:
   bool muted_ = false;
   bool away_ = false; ///< the board was lost and is not back
   bool immediate_ = false;
+  bool flushed_ = false; ///< and nothing came since
+  bool sound_clock_ = false;
+  std::chrono::steady_clock::time_point clock_settled_{};
   bool timed_ = false;   ///< commands wait for the clock
   bool issuing_ = false; ///< commands left the queue and are on their way to the driver
   bool interrupted_ = false;

@@ -30,6 +30,12 @@ public:
       return std::nullopt;
     return running_time(gst_clock_get_time(clock_.get()));
   }
+  /// Whether a sound card or server is the clock.
+  bool is_of_sound() const
+  {
+    const GType audio_clock = g_type_from_name("GstAudioClock"); // 0 where nobody uses it
+    return clock_ && audio_clock != 0 && G_TYPE_CHECK_INSTANCE_TYPE(clock_.get(), audio_clock);
+  }
   /// To wait until a running time on the clock. Transfer full; NULL if that is before clock time 0.
   GstClockID new_wait(tactor::Time until) const
   {

@@ -3,11 +3,14 @@
 // tactorsink's scheduler: exact times, silence, and changes of the clock.
 #include "scheduler_rig.h"
 
+#include <chrono>
 #include <latch>
 #include <map>
 #include <random>
 #include <stop_token>
 #include <thread>
+
+#include <gst/audio/gstaudioclock.h>
 
 namespace {
 
@@ -537,6 +540,57 @@ GST_START_TEST(test_no_clock_and_immediate)
 }
 GST_END_TEST;
 
+/// A sound server's clock, which stands still and notes when it is read.
+struct SoundClock
+{
+  std::mutex mutex;
+  std::condition_variable was_read;
+  std::vector<std::chrono::steady_clock::time_point> reads;
+
+  static GstClockTime read(GstClock *, gpointer data)
+  {
+    auto *self = static_cast<SoundClock *>(data);
+    std::lock_guard lock(self->mutex);
+    self->reads.push_back(std::chrono::steady_clock::now());
+    self->was_read.notify_all();
+    return GST_SECOND;
+  }
+  std::chrono::steady_clock::time_point first_read_after(std::size_t count)
+  {
+    std::unique_lock lock(mutex);
+    was_read.wait(lock, [&] { return reads.size() > count; });
+    return reads[count];
+  }
+  std::size_t count()
+  {
+    std::lock_guard lock(mutex);
+    return reads.size();
+  }
+};
+
+/// Sound that goes on, after a pause or a flush, leaves its clock alone for a while.
+GST_START_TEST(test_a_sound_clock_settles)
+{
+  const bool flushes = __i__ == 1;
+  SoundClock sound;
+  g_autoptr(GstClock) clock = gst_audio_clock_new("sound", SoundClock::read, &sound, nullptr);
+  SchedulerRig rig;
+  rig.host.set(clock, milliseconds(0));
+  rig.scheduler->timing_changed();
+  sound.first_read_after(0);
+  if (flushes)
+    rig.scheduler->flush();
+  else
+    rig.scheduler->pause();
+  const std::size_t before = sound.count();
+  const auto begin = std::chrono::steady_clock::now();
+  if (!flushes)
+    rig.scheduler->play();
+  rig.push({ command(1500, 0, 2.0) });
+  fail_unless(sound.first_read_after(before) - begin >= milliseconds(40));
+}
+GST_END_TEST;
+
 static Suite *
 tactorscheduler_suite(void)
 {
@@ -561,6 +615,7 @@ tactorscheduler_suite(void)
   tcase_add_test(cases, test_offset_and_clock_change);
   tcase_add_test(cases, test_change_between_reading_and_sleeping);
   tcase_add_test(cases, test_no_clock_and_immediate);
+  tcase_add_loop_test(cases, test_a_sound_clock_settles, 0, 2);
   return suite;
 }
 
