@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "elementshrinker.h"
 
+#include "gst/video/writable_frame.h"
+
 #include <string>
 #include <utility>
 
@@ -86,7 +88,7 @@ public:
   GstBuffer *shrink(GstBuffer *frame, SmallPicture &picture) override
   {
     drop();
-    if (gst_pad_push(entrance_, gst_buffer_ref(frame)) != GST_FLOW_OK || taken_ == nullptr)
+    if (gst_pad_push(entrance_, without_crop(frame)) != GST_FLOW_OK || taken_ == nullptr)
       return nullptr;
     g_autoptr(GstCaps) caps = gst_pad_get_current_caps(exit_);
     if (caps == nullptr || !gst_video_info_from_caps(&picture.info, caps))
@@ -99,6 +101,16 @@ public:
   }
 
 private:
+  /// The whole frame: scalers would scale its GstVideoCropMeta's window alone. Transfer full.
+  static GstBuffer *without_crop(GstBuffer *frame)
+  {
+    gst_buffer_ref(frame);
+    if (gst_buffer_get_video_crop_meta(frame) == nullptr)
+      return frame;
+    frame = writable_frame(frame);
+    gst_buffer_remove_meta(frame, &gst_buffer_get_video_crop_meta(frame)->meta);
+    return frame;
+  }
   void drop()
   {
     if (GstBuffer *dropped = std::exchange(taken_, nullptr))
@@ -123,7 +135,9 @@ private:
   {
     if (GST_MESSAGE_TYPE(message) == GST_MESSAGE_NEED_CONTEXT
         || GST_MESSAGE_TYPE(message) == GST_MESSAGE_HAVE_CONTEXT)
-      gst_element_post_message(GST_ELEMENT(owner), gst_message_ref(message));
+      gst_element_post_message(GST_ELEMENT(owner), message);
+    else
+      gst_message_unref(message);
     return GST_BUS_DROP;
   }
 

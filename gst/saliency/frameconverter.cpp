@@ -67,7 +67,7 @@ public:
                 { static_cast<double>(small_.width) / info_.width,
                   static_cast<double>(small_.height) / info_.height },
                 info_.width,
-                info_.height };
+                GST_VIDEO_INFO_FIELD_HEIGHT(&info_) };
     return mapped ? g_steal_pointer(&small) : nullptr;
   }
 

@@ -197,8 +197,13 @@ gst_saliency_tactile_analyze(GstSaliencyTactile *self, const SaliencySettings &s
 {
   GstSaliencyTactilePrivate *priv = self->priv;
   priv->analysis.wait_for_people(!priv->live && !priv->late);
-  const int width = GST_VIDEO_INFO_WIDTH(&priv->info);
-  const int height = GST_VIDEO_INFO_HEIGHT(&priv->info);
+  const GstVideoCropMeta *crop = gst_buffer_get_video_crop_meta(buffer);
+  const int width
+      = std::min(crop ? static_cast<int>(std::min<guint>(crop->width, G_MAXINT)) : G_MAXINT,
+                 GST_VIDEO_INFO_WIDTH(&priv->info));
+  const int height
+      = std::min(crop ? static_cast<int>(std::min<guint>(crop->height, G_MAXINT)) : G_MAXINT,
+                 GST_VIDEO_INFO_HEIGHT(&priv->info));
   const int halvings
       = width > 0 && height > 0 ? priv->analysis.halvings(settings, width, height) : 0;
   const std::optional<ReadFrame> frame = priv->reader.read(buffer, halvings);

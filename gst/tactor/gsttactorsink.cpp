@@ -117,6 +117,9 @@ struct GstTactorSinkPrivate
   Time flushed_at{ 0 };             ///< running time of the last flush
   std::atomic<bool> ended{ false }; ///< end of stream
 
+  std::atomic<bool> flushed{ false };     ///< and no map came since
+  std::atomic<gint64> clock_settled{ 0 }; ///< g_get_monotonic_time() before which it is not read
+
   TactorSession session;
   QueueWatch queue_watch; ///< changes of state only
 };
@@ -330,12 +333,36 @@ gst_tactor_sink_event(GstBaseSink *sink, GstEvent *event)
   const gboolean handled = GST_BASE_SINK_CLASS(parent_class)->event(sink, event);
   if (type == GST_EVENT_FLUSH_STOP || type == GST_EVENT_STREAM_START)
     priv->ended = false;
+  if (type == GST_EVENT_FLUSH_STOP)
+    priv->flushed = true;
   // Afterwards: only now the streaming thread has left render().
   if (type == GST_EVENT_FLUSH_START)
     priv->flushed_at = scheduler_of(self).flush();
   else if (type == GST_EVENT_FLUSH_STOP && priv->plans) // else nothing was planned
     priv->planning.flushed(priv->flushed_at, resets_time);
   return handled;
+}
+
+static void
+gst_tactor_sink_let_clock_settle(GstTactorSink *self)
+{
+  if (self->priv->session.read_timing().is_of_sound())
+    self->priv->clock_settled
+        = g_get_monotonic_time() + std::chrono::microseconds(TactorTiming::kSettles).count();
+}
+
+/// Maps that have waited for the play come all at once, and the clock would be read for each. A
+/// sink that does not preroll (async=false) knows by the first map after a flush that it plays.
+static GstPadProbeReturn
+gst_tactor_sink_settle(GstPad *, GstPadProbeInfo *, gpointer user_data)
+{
+  auto *self = GST_TACTOR_SINK(user_data);
+  if (self->priv->flushed.exchange(false) && GST_STATE(self) == GST_STATE_PLAYING)
+    gst_tactor_sink_let_clock_settle(self);
+  const gint64 left = self->priv->clock_settled - g_get_monotonic_time();
+  if (left > 0)
+    g_usleep(static_cast<gulong>(left));
+  return GST_PAD_PROBE_OK;
 }
 
 /// Drops pending commands, which are of skipped frames. Running time stood still for these: where
@@ -458,6 +485,8 @@ gst_tactor_sink_change_state(GstElement *element, GstStateChange transition)
       || transition == GST_STATE_CHANGE_PAUSED_TO_READY)
     priv->queue_watch.stop();
 
+  if (transition == GST_STATE_CHANGE_PAUSED_TO_PLAYING)
+    gst_tactor_sink_let_clock_settle(self);
   GstStateChangeReturn ret = GST_ELEMENT_CLASS(parent_class)->change_state(element, transition);
 
   // A pause does not wait for a map. None may come before the play goes on, if the picture is shown
@@ -574,6 +603,8 @@ gst_tactor_sink_init(GstTactorSink *self)
 {
   GstBaseSink *sink = GST_BASE_SINK(self);
   self->priv = new GstTactorSinkPrivate(self);
+  gst_pad_add_probe(GST_BASE_SINK_PAD(sink), GST_PAD_PROBE_TYPE_BUFFER, gst_tactor_sink_settle,
+                    self, nullptr);
 
   // No drops for this sink's sake: a late map is better than none.
   gst_base_sink_set_sync(sink, TRUE);

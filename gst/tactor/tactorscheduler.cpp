@@ -77,11 +77,13 @@ TactorScheduler::stop()
 void
 TactorScheduler::play(const std::function<bool()> &is_wanted)
 {
+  const bool is_of_sound = host_.timing().is_of_sound();
   std::unique_lock lock(mutex_);
   if (is_wanted && !is_wanted())
     return;
   playing_ = true;
-  let_clock_settle();
+  if (is_of_sound)
+    clock_settled_ = std::chrono::steady_clock::now() + TactorTiming::kSettles;
   settle(lock);
 }
 
@@ -98,7 +100,6 @@ TactorScheduler::flush()
 {
   std::unique_lock lock(mutex_);
   actuation_.clear();
-  flushed_ = true;
   settle(lock);
   return running_;
 }
@@ -166,8 +167,6 @@ void
 TactorScheduler::push(std::span<const tactor::Command> commands, Time expires, Time now)
 {
   std::unique_lock lock(mutex_);
-  if (std::exchange(flushed_, false))
-    let_clock_settle();
   // Only a sleep that would end too late is cut short.
   if (actuation_.push(commands, expires, now))
     wake();
@@ -224,17 +223,6 @@ TactorScheduler::failed() const
 {
   std::lock_guard lock(mutex_);
   return failed_;
-}
-
-/// When sound begins or goes on, some servers' clocks tell any time for a moment (PipeWire 0.3.65:
-/// until its first answer). GstClock never goes back from that, and the film stands still. So the
-/// clock is left alone, and what is due is late by that.
-void
-TactorScheduler::let_clock_settle()
-{
-  constexpr auto kSettles = std::chrono::milliseconds(40);
-  if (sound_clock_)
-    clock_settled_ = std::chrono::steady_clock::now() + kSettles;
 }
 
 /// Ends any wait of the thread's, which starts another turn.
@@ -332,7 +320,6 @@ TactorScheduler::turn(Lock &lock)
   const TactorTiming timing = host_.timing();
   const std::optional<Time> running = clock_settles ? std::optional(running_before) : timing.now();
   lock.lock();
-  sound_clock_ = timing.is_of_sound();
   timed_ = !immediate_ && running;
   if (timed_)
     running_ = *running;

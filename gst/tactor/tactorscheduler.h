@@ -139,7 +139,6 @@ private:
   void close_driver(Lock &lock);
   void settle(Lock &lock);
   void wake();
-  void let_clock_settle();
   TactorActuation::Now now() const;
 
   const Host host_;
@@ -158,10 +157,8 @@ private:
   bool muted_ = false;
   bool away_ = false; ///< the board was lost and is not back
   bool immediate_ = false;
-  bool flushed_ = false; ///< and nothing came since
-  bool sound_clock_ = false;
-  std::chrono::steady_clock::time_point clock_settled_{};
-  bool timed_ = false;   ///< commands wait for the clock
+  std::chrono::steady_clock::time_point clock_settled_{}; ///< it is not read before
+  bool timed_ = false;                                    ///< commands wait for the clock
   bool issuing_ = false; ///< commands left the queue and are on their way to the driver
   bool interrupted_ = false;
   std::uint64_t interruptions_ = 0; ///< that have begun

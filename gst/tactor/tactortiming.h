@@ -5,6 +5,8 @@
 
 #include <gst/gst.h>
 
+#include <chrono>
+
 #include <memory>
 #include <optional>
 
@@ -30,6 +32,11 @@ public:
       return std::nullopt;
     return running_time(gst_clock_get_time(clock_.get()));
   }
+  /// How long a clock of sound is left alone when sound begins or goes on. Some servers tell any
+  /// time for a moment (PipeWire 0.3.65: until its first answer), from which GstClock never goes
+  /// back: the film stands still.
+  static constexpr std::chrono::milliseconds kSettles{ 40 };
+
   /// Whether a sound card or server is the clock.
   bool is_of_sound() const
   {

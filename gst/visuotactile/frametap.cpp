@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "frametap.h"
 
-FrameTap::FrameTap(GstPad *watched, GstPad *branch, PlayGate &gate)
-    : gate_(gate), watched_(GST_PAD(gst_object_ref(watched))), pad_(gst_pad_new("tap", GST_PAD_SRC))
+FrameTap::FrameTap(GstPad *watched, GstPad *branch, PlayGate &gate, std::function<void()> goes_on)
+    : gate_(gate), goes_on_(std::move(goes_on)), watched_(GST_PAD(gst_object_ref(watched))),
+      pad_(gst_pad_new("tap", GST_PAD_SRC))
 {
   gst_object_ref_sink(pad_);
   gst_pad_set_element_private(pad_, watched_);
@@ -35,7 +36,6 @@ FrameTap::start()
 {
   gst_pad_set_active(pad_, TRUE);
   shift_.flush();
-  ended_ = false;
   told_ = false;
   open_ = true;
 }
@@ -68,21 +68,33 @@ FrameTap::query(GstPad *pad, GstObject *, GstQuery *query)
          && gst_pad_peer_query(static_cast<GstPad *>(gst_pad_get_element_private(pad)), query);
 }
 
+/// Also while no frame passes.
+void
+FrameTap::follow(GstEvent *event)
+{
+  const GstEventType type = GST_EVENT_TYPE(event);
+  if (type == GST_EVENT_EOS)
+    ended_ = true;
+  if (type != GST_EVENT_STREAM_START && type != GST_EVENT_FLUSH_STOP)
+    return;
+  ended_ = false;
+  if (!open_)
+    goes_on_();
+}
+
 void
 FrameTap::pass(GstEvent *event)
 {
+  if (GST_EVENT_IS_SERIALIZED(event) && GST_EVENT_TYPE(event) != GST_EVENT_STREAM_START
+      && GST_EVENT_TYPE(event) != GST_EVENT_FLUSH_STOP)
+    catch_up();
   const GstSegment *segment = nullptr;
   switch (GST_EVENT_TYPE(event)) {
   case GST_EVENT_STREAM_START:
     told_ = true;
-    ended_ = false;
     shift_.start_stream(event);
     break;
-  case GST_EVENT_EOS:
-    ended_ = true;
-    break;
   case GST_EVENT_FLUSH_STOP: {
-    ended_ = false;
     gate_.flush();
     gboolean resets_time = FALSE;
     gst_event_parse_flush_stop(event, &resets_time);
@@ -135,6 +147,8 @@ GstPadProbeReturn
 FrameTap::probe(GstPad *, GstPadProbeInfo *info, gpointer user_data)
 {
   auto *self = static_cast<FrameTap *>(user_data);
+  if (info->type & (GST_PAD_PROBE_TYPE_EVENT_DOWNSTREAM | GST_PAD_PROBE_TYPE_EVENT_FLUSH))
+    self->follow(GST_PAD_PROBE_INFO_EVENT(info));
   if (!self->open_)
     return GST_PAD_PROBE_OK;
   if (info->type & GST_PAD_PROBE_TYPE_BUFFER)

@@ -7,6 +7,7 @@
 #include <gst/gst.h>
 
 #include <atomic>
+#include <functional>
 
 /// Hands the frames and events of a pad on to a branch beside it, whose thread takes them from a
 /// leaky queue: the pad's stream neither waits for the branch nor fails with it. Frames are not
@@ -15,8 +16,8 @@ class FrameTap
 {
 public:
   /// `watched` is a sink pad, `branch` one that drops what it cannot take in time. The gate is told
-  /// of flushes.
-  FrameTap(GstPad *watched, GstPad *branch, PlayGate &gate);
+  /// of flushes. `goes_on` is called when a film begins or was sought in while no frame passes.
+  FrameTap(GstPad *watched, GstPad *branch, PlayGate &gate, std::function<void()> goes_on);
   ~FrameTap();
   FrameTap(const FrameTap &) = delete;
   FrameTap &operator=(const FrameTap &) = delete;
@@ -34,10 +35,12 @@ private:
   static GstPadProbeReturn probe(GstPad *pad, GstPadProbeInfo *info, gpointer self);
   static gboolean query(GstPad *pad, GstObject *parent, GstQuery *query);
   void catch_up();
+  void follow(GstEvent *event);
   void pass(GstEvent *event);
   void pass(GstBuffer *frame);
 
   PlayGate &gate_;
+  const std::function<void()> goes_on_;
   GstPad *watched_;
   GstPad *pad_; ///< a source pad without an element
   gulong probe_ = 0;

@@ -329,21 +329,38 @@ gst_visuotactile_decoder_leave_chair(GstVisuotactileDecoder *self)
   ChairTurns::of_process().leave(GST_ELEMENT(self));
 }
 
-/// The film that was felt has left, also while this one plays.
+/// Of a live source. What waits for the chair has told no latency for it.
+static bool
+gst_visuotactile_decoder_is_live(GstVisuotactileDecoder *self)
+{
+  g_autoptr(GstQuery) query = gst_query_new_latency();
+  gboolean live = FALSE;
+  if (gst_pad_peer_query(self->sinkpad, query))
+    gst_query_parse_latency(query, &live, nullptr, nullptr);
+  return live;
+}
+
+/// The film that was felt has left, or this one goes on: takes the chair, also while it plays.
 static void
 gst_visuotactile_decoder_offered(GstElement *element, gpointer)
 {
   auto *self = GST_VISUOTACTILE_DECODER(element);
+  bool begins = false;
   GST_STATE_LOCK(self);
-  if (self->plays && !self->felt) {
+  if (self->plays && !self->felt && self->tap->ended()) {
+    ChairTurns::of_process().leave(element); // until it goes on
+  } else if (self->plays && !self->felt) {
     gst_visuotactile_decoder_take_chair(self);
-    if (self->felt)
-      gst_element_sync_state_with_parent(GST_ELEMENT(self->branch));
+    begins = self->felt;
   }
+  if (begins)
+    gst_element_sync_state_with_parent(GST_ELEMENT(self->branch));
   GST_STATE_UNLOCK(self);
+  if (begins && gst_visuotactile_decoder_is_live(self))
+    gst_element_post_message(element, gst_message_new_latency(GST_OBJECT(element)));
 }
 
-/// Another film waits. One that has ended waits behind it, for it may be played again.
+/// Another film waits. One that has ended makes room for it.
 static void
 gst_visuotactile_decoder_asked(GstElement *element, gpointer)
 {
@@ -353,8 +370,6 @@ gst_visuotactile_decoder_asked(GstElement *element, gpointer)
     gst_element_set_locked_state(GST_ELEMENT(self->branch), TRUE);
     gst_element_set_state(GST_ELEMENT(self->branch), GST_STATE_READY);
     gst_visuotactile_decoder_leave_chair(self);
-    if (self->plays)
-      gst_visuotactile_decoder_take_chair(self);
   }
   GST_STATE_UNLOCK(self);
 }
@@ -544,7 +559,9 @@ gst_visuotactile_decoder_init(GstVisuotactileDecoder *self)
   g_autoptr(GstPad) chair = gst_element_get_static_pad(GST_ELEMENT(self->branch), "sink");
   g_autoptr(GstPad) maps = gst_tactile_branch_get_maps_pad(self->branch);
   self->gate = new PlayGate(GST_ELEMENT(self), maps);
-  self->tap = new FrameTap(watched, chair, *self->gate);
+  self->tap = new FrameTap(watched, chair, *self->gate, [self] {
+    gst_element_call_async(GST_ELEMENT(self), gst_visuotactile_decoder_offered, nullptr, nullptr);
+  });
   gst_pad_add_probe(self->srcpad, GST_PAD_PROBE_TYPE_EVENT_UPSTREAM,
                     gst_visuotactile_decoder_sinks_event, self, nullptr);
 }

@@ -20,7 +20,18 @@ public:
     fail_unless(gst_element_register(nullptr, "vapostproc", GST_RANK_NONE, type()));
   }
 
+  /// How many there are.
+  static int alive()
+  {
+    return g_atomic_int_get(&count());
+  }
+
 private:
+  static int &count()
+  {
+    static int alive = 0;
+    return alive;
+  }
   struct Element
   {
     GstBaseTransform parent;
@@ -34,13 +45,19 @@ private:
   {
     static const GType type = g_type_register_static_simple(
         GST_TYPE_BASE_TRANSFORM, "FakeVaPostProc", sizeof(GstBaseTransformClass), init_class,
-        sizeof(Element), nullptr, GTypeFlags{});
+        sizeof(Element), [](GTypeInstance *, gpointer) { g_atomic_int_inc(&count()); },
+        GTypeFlags{});
     return type;
   }
   static void init_class(gpointer klass, gpointer)
   {
     auto *element = GST_ELEMENT_CLASS(klass);
     auto *transform = GST_BASE_TRANSFORM_CLASS(klass);
+    static gpointer parent = g_type_class_peek_parent(klass);
+    G_OBJECT_CLASS(klass)->finalize = [](GObject *object) {
+      g_atomic_int_add(&count(), -1);
+      G_OBJECT_CLASS(parent)->finalize(object);
+    };
     gst_element_class_set_static_metadata(element, "Fake", "Filter/Video", "For tests", "Tests");
     add_pad(element, "sink", GST_PAD_SINK,
             "video/x-raw(memory:VAMemory); video/x-raw(memory:DMABuf)");

@@ -398,6 +398,9 @@ GST_START_TEST(test_element_shares_the_display)
   fail_unless(neighbor.asked, "the neighbor upstream was not asked");
   fail_unless(analysis.messages.has(GST_MESSAGE_NEED_CONTEXT), "the application was not asked");
   fail_if(analysis.messages.has(GST_MESSAGE_WARNING));
+  analysis.set_caps("video/x-raw,format=GRAY8,width=16,height=16,framerate=30/1");
+  gst_bus_set_flushing(analysis.messages.bus, TRUE); // messages hold their sources
+  fail_unless_equals_int(FakeVaPostProc::alive(), 0);
 }
 GST_END_TEST;
 
