@@ -27,11 +27,13 @@
  *
  * ## Example launch lines
  * |[
- * gst-launch-1.0 audiotestsrc wave=ticks num-buffers=100 ! soundtactile name=s \
- *     s.src ! queue ! fakesink sync=true s.tactile ! queue ! fakesink dump=true
- * gst-launch-1.0 audiotestsrc wave=ticks num-buffers=100 ! soundtactile name=s \
- *     s.src ! queue max-size-buffers=0 max-size-bytes=0 max-size-time=400000000 ! fakesink sync=true \
- *     s.tactile ! queue ! tactorsink driver=simulator
+ * gst-launch-1.0 tactilesoundtestsrc num-buffers=200 ! soundtactile name=s \
+ *     s.src ! queue ! audioconvert ! autoaudiosink s.tactile ! queue ! fakesink dump=true
+ * gst-launch-1.0 filesrc location=FILM ! decodebin name=d \
+ *     d. ! queue ! videoconvert ! saliencytactile ! queue ! tactilecombiner name=c mix=max ! \
+ *     tactileoverlay ! videoconvert ! autovideosink \
+ *     d. ! queue ! audioconvert ! soundtactile name=s \
+ *     s.src ! queue ! autoaudiosink s.tactile ! queue ! c.tactile
  * ]|
  *
  * Since: 0.1

@@ -6,7 +6,10 @@
 static gboolean
 plugin_init(GstPlugin *plugin)
 {
-  return GST_ELEMENT_REGISTER(soundtactile, plugin);
+  gboolean registered = FALSE;
+  registered |= GST_ELEMENT_REGISTER(soundtactile, plugin);
+  registered |= GST_ELEMENT_REGISTER(tactilesoundtestsrc, plugin);
+  return registered;
 }
 
 GST_PLUGIN_DEFINE(GST_VERSION_MAJOR, GST_VERSION_MINOR, tactilesound, "Films' sound that is felt",
