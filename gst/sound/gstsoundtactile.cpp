@@ -29,11 +29,10 @@
  * |[
  * gst-launch-1.0 tactilesoundtestsrc num-buffers=200 ! soundtactile name=s \
  *     s.src ! queue ! audioconvert ! autoaudiosink s.tactile ! queue ! fakesink dump=true
- * gst-launch-1.0 filesrc location=FILM ! decodebin name=d \
- *     d. ! queue ! videoconvert ! saliencytactile ! queue ! tactilecombiner name=c mix=max ! \
- *     tactileoverlay ! videoconvert ! autovideosink \
- *     d. ! queue ! audioconvert ! soundtactile name=s \
- *     s.src ! queue ! autoaudiosink s.tactile ! queue ! c.tactile
+ * gst-launch-1.0 tactiletestsrc num-buffers=150 ! saliencytactile ! queue ! \
+ *     tactilecombiner name=c mix=max ! tactileoverlay ! videoconvert ! autovideosink \
+ *     tactilesoundtestsrc num-buffers=235 ! soundtactile name=s \
+ *     s.src ! queue ! audioconvert ! autoaudiosink s.tactile ! queue ! c.tactile
  * ]|
  *
  * Since: 0.1

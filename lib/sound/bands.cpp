@@ -16,7 +16,8 @@ constexpr std::array<std::size_t, kBands - kLowBands + 1> kBins{ 2, 4, 8, 16, 32
 
 Bands::Bands(int rate, std::span<const Speaker> speakers)
     : resampler_(rate, static_cast<int>(speakers.size())), channels_(speakers.size()),
-      frame_(speakers.size())
+      frame_(speakers.size()),
+      bins_(static_cast<std::size_t>(Resampler::kPassed * std::min(rate, kRate) / Spectrum::kBinHz))
 {
   for (int i = 0; i < std::ssize(speakers); i++) {
     const Speaker &speaker = speakers[static_cast<std::size_t>(i)];
@@ -68,23 +69,36 @@ Bands::analyze(BandPowers &powers)
     power[0] = low.deep;
     power[1] = low.bass;
     for (std::size_t band = 0; band + 1 < kBins.size(); band++) {
+      const std::size_t end = std::min(kBins[band + 1], bins_);
       float sum = 0;
-      for (std::size_t bin = kBins[band]; bin < kBins[band + 1]; bin++) {
+      for (std::size_t bin = kBins[band]; bin < end; bin++) {
         const float bin_power = std::norm(channel.bins[bin]);
         bin_powers_[bin] += bin_power;
         sum += bin_power;
       }
-      power[band + kLowBands] = static_cast<double>(sum);
+      power[band + kLowBands]
+          = kBins[band] < end ? static_cast<double>(sum) : power[band + kLowBands - 1];
     }
     for (std::size_t band = 0; band < kBands; band++)
       powers.sum[band] += power[band];
   }
   for (std::size_t band = 0; band + 1 < kBins.size(); band++) {
+    const std::size_t to = band + kLowBands;
+    const std::size_t end = std::min(kBins[band + 1], bins_);
+    if (kBins[band] >= end) {
+      powers.filled[to] = powers.filled[to - 1];
+      powers.uneven[to] = powers.uneven[to - 1];
+      continue;
+    }
+    const auto count = static_cast<double>(end - kBins[band]);
     float sum = 0;
-    for (std::size_t bin = kBins[band]; bin < kBins[band + 1]; bin++)
-      sum += std::log10(bin_powers_[bin]);
-    powers.filled[band + kLowBands]
-        = 10 * static_cast<double>(sum) / static_cast<double>(kBins[band + 1] - kBins[band]);
+    float logarithms = 0;
+    for (std::size_t bin = kBins[band]; bin < end; bin++) {
+      sum += bin_powers_[bin];
+      logarithms += std::log10(bin_powers_[bin]);
+    }
+    powers.filled[to] = 10 * static_cast<double>(logarithms) / count;
+    powers.uneven[to] = 10 * std::log10(static_cast<double>(sum) / count) - powers.filled[to];
   }
   powers.likeness = 1;
   if (left_ < 0 || right_ < 0)

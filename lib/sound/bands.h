@@ -19,7 +19,8 @@ inline constexpr int kBands = 8;
 inline constexpr int kHop = 80; ///< samples at kRate
 inline constexpr Time kHopTime = std::chrono::milliseconds(5);
 
-/// Mean square of each band, about one moment.
+/// Mean square of each band, about one moment. A band above half the rate that comes in has what the
+/// band below it has.
 using Powers = std::array<double, kBands>;
 
 /// Powers of each channel at one moment.
@@ -29,6 +30,8 @@ struct BandPowers
   Powers sum{}; ///< of all channels
   /// Of the octaves: the mean of their bins' powers in dB. Noise raises it more than tones do.
   Powers filled{};
+  /// How much more the mean power of a bin is than that, dB: 2.5 of noise, more of tones.
+  Powers uneven{};
   /// How alike the front's left and right are, above 94 Hz: 1 if they differ in level only, 0 if
   /// they have nothing in common, −1 with opposite phases. 1 without two of them.
   double likeness = 1;
@@ -67,6 +70,7 @@ private:
   std::vector<Channel> channels_;
   std::vector<float> frame_;
   std::array<float, Spectrum::kBins> bin_powers_{}; ///< of all channels
+  std::size_t bins_ = 0;                            ///< below half the rate that comes in
   int left_ = -1;
   int right_ = -1;
   int filled_ = 0; ///< of this hop

@@ -11,9 +11,6 @@ namespace {
 constexpr double kFloor = -70; ///< dB; what is below counts as that
 constexpr double kFilledFloor = -85;
 constexpr double kExcessFloor = 1e-7;
-constexpr int kLowBands = 2;
-/// 10 log10 of the bins of each octave.
-constexpr Powers kBinsDb{ 0, 0, 3.01, 6.02, 9.03, 12.04, 15.05, 16.81 };
 /// Least mean rise of the upper octaves, dB.
 constexpr double kLeastRise = 4;
 
@@ -73,6 +70,7 @@ OnsetDetector::add(const BandPowers &powers)
   for (std::size_t band = 0; band < kBands; band++) {
     now.db[band] = std::max(decibels(powers.sum[band] + 1e-12), kFloor);
     now.filled[band] = std::max(powers.filled[band], kFilledFloor);
+    now.uneven[band] = powers.uneven[band];
   }
   if (known_ < kHeld || --dead_ > 0 || !is_blow())
     return false;
@@ -93,7 +91,7 @@ OnsetDetector::is_blow()
   before_.fill(0);
   for (std::size_t band = 0; band < kBands; band++) {
     double db = kFloor;
-    double filled = kFilledFloor;
+    double filled = kFloor;
     for (int ago = kMoment + kGap; ago <= kMoment + kPast; ago++) {
       db = std::max(db, hop(ago).db[band]);
       filled = std::max(filled, hop(ago).filled[band]);
@@ -106,10 +104,7 @@ OnsetDetector::is_blow()
     rise[band] = std::clamp(loudest - db, -3.0, 15.0);
     excess[band] = std::max(0.0, std::pow(10, loudest / 10) - std::pow(10, db / 10)) + kExcessFloor;
     fuller[band] = std::clamp(fullest - filled, -3.0, 20.0);
-    const auto unevenness = [&](const Hop &hop) {
-      return std::clamp(hop.db[band] - hop.filled[band] - kBinsDb[band], 0.0, 20.0);
-    };
-    uneven[band] = std::min(unevenness(moment), unevenness(after));
+    uneven[band] = std::clamp(std::min(moment.uneven[band], after.uneven[band]), 0.0, 20.0);
     sudden[band] = fullest - (hop(kMoment + 1).filled[band] + hop(kMoment + 2).filled[band]) / 2;
     double sum = 0;
     for (int ago = kMoment + kLongGap; ago <= kMoment + kLongPast; ago++)

@@ -39,6 +39,7 @@ private:
   {
     Powers db{};     ///< of BandPowers::sum
     Powers filled{}; ///< dB
+    Powers uneven{}; ///< dB
     Powers power{};
   };
 

@@ -31,8 +31,7 @@ dot(const float *a, const float *b, int count)
 Resampler::Resampler(int rate, int channels) : rate_(rate), channels_(channels)
 {
   phases_ = std::min<std::int64_t>(kRate / std::gcd(rate, kRate), kMostPhases);
-  // Passes what is below 0.45 of the lower rate.
-  const double cutoff = 0.45 * std::min(rate, kRate);
+  const double cutoff = kPassed * std::min(rate, kRate);
   make_taps(static_cast<int>(std::ceil(kCrossings / cutoff * rate)));
   room_ = static_cast<std::size_t>(taps_ + kBlock);
   held_.resize(room_ * static_cast<std::size_t>(channels));
@@ -42,7 +41,7 @@ Resampler::Resampler(int rate, int channels) : rate_(rate), channels_(channels)
 void
 Resampler::make_taps(int count)
 {
-  const double cutoff = 0.45 * std::min(rate_, kRate) / rate_; // of the rate that comes in
+  const double cutoff = kPassed * std::min(rate_, kRate) / rate_; // of the rate that comes in
   taps_ = (count + kLanes - 1) / kLanes * kLanes;
   table_.resize(static_cast<std::size_t>(taps_ * phases_));
   for (std::int64_t phase = 0; phase < phases_; phase++) {

@@ -33,7 +33,8 @@ public:
   /// As after construction.
   void reset();
 
-  static constexpr int kBlock = 1024; ///< frames
+  static constexpr int kBlock = 1024;     ///< frames
+  static constexpr double kPassed = 0.45; ///< of the lower rate: what is below in frequency
   static constexpr float kLoudest = 16;
 
 private:

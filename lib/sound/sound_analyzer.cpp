@@ -15,10 +15,14 @@ constexpr double kStrongestDb = -10;
 /// A blow is over when its level is below this, but not before kLeastHops.
 constexpr double kOver = 0.25;
 constexpr int kLeastHops = 12;
-/// What is heard beside a blow is learned within this time.
-constexpr double kLearnS = 0.4;
+/// A blow is loudest within this time, and over when it has fallen by 12 dB, or when what is heard
+/// from 500 Hz to 4 kHz are tones: then it is a voice that sounded like a blow at first, or music.
+constexpr int kAttackHops = 3;
+constexpr double kFaded = 0.063;
+constexpr double kTonal = 5.5; ///< mean BandPowers::uneven, dB
+constexpr double kSmooth = 0.3;
 /// A level falls to 0 within this time at the fastest.
-constexpr double kFallS = 0.25;
+constexpr double kFallS = 0.15;
 /// Smoothing of rumble, and the weakest that is felt.
 constexpr double kRumbleS = 0.08;
 constexpr double kLeastRumbleDb = -36;
@@ -149,10 +153,19 @@ SoundAnalyzer::feel_blow(const FeelSettings &settings)
       for (int ago = 0; ago < OnsetDetector::kAhead; ago++)
         power = std::max(power, powers(ago).sum[band]);
     excess += std::max(0.0, power - blow_.before[band]);
-    blow_.before[band] += (now[band] - blow_.before[band]) * (1 - std::exp(-kHopS / kLearnS));
   }
-  blow_.level = std::max(level_of(excess, settings.gain_db), blow_.level - kHopS / kFallS);
-  blow_.lasts = blow_.hops++ < kLeastHops || blow_.level >= kOver;
+  // It only fades: what gets louder after its begin is something else.
+  if (blow_.hops < kAttackHops) {
+    blow_.smooth = blow_.power = blow_.loudest = std::max(blow_.loudest, excess);
+  } else {
+    blow_.smooth += kSmooth * (excess - blow_.smooth);
+    blow_.power = std::min(blow_.power, blow_.smooth);
+  }
+  blow_.level = std::max(level_of(blow_.power, settings.gain_db), blow_.level - kHopS / kFallS);
+  const Powers &uneven = powers(OnsetDetector::kAhead).uneven;
+  const bool is_tonal = (uneven[4] + uneven[5] + uneven[6]) / 3 > kTonal;
+  const bool goes_on = blow_.power > kFaded * blow_.loudest && blow_.level >= kOver && !is_tonal;
+  blow_.lasts = blow_.hops++ < kLeastHops || goes_on;
   return blow_.lasts ? std::max(blow_.level, kOver) : 0;
 }
 

@@ -56,8 +56,11 @@ private:
   struct Blow
   {
     bool lasts = false;
-    int hops = 0;    ///< since its onset
-    Powers before{}; ///< what was heard without it
+    int hops = 0;      ///< since its onset
+    Powers before{};   ///< what was heard without it
+    double smooth = 0; ///< power of what is louder than that
+    double power = 0;  ///< the least of it since its begin
+    double loudest = 0;
     double level = 0;
     Place place;
   };

@@ -3,7 +3,8 @@
 // What is felt of sounds with ground truth, as tables in Markdown. The sounds' seeds are above 1000;
 // those from which the scores of lib/sound/onset_detector.cpp were learned are below.
 //
-// Usage: sound_quality SPEECH.wav ...     (16-bit mono, as espeak-ng writes it)
+// Usage: sound_quality [--only=TABLE] SPEECH.wav ...     (16-bit mono, as espeak-ng writes it)
+// TABLE: onsets, others, places, voices, rates, cost
 #include "onsets.h"
 
 #include <algorithm>
@@ -16,6 +17,7 @@
 #include <fstream>
 #include <iterator>
 #include <map>
+#include <string_view>
 
 using namespace judged;
 using sound::SoundSettings;
@@ -324,12 +326,27 @@ cost()
 int
 main(int argc, char **argv)
 {
+  constexpr std::string_view kOnly = "--only=";
+  std::span<char *> names(argv + 1, static_cast<std::size_t>(argc - 1));
+  std::string_view only;
+  if (!names.empty() && std::string_view(names[0]).starts_with(kOnly)) {
+    only = std::string_view(names[0]).substr(kOnly.size());
+    names = names.subspan(1);
+  }
+  const auto is_wanted = [&](std::string_view table) {
+    return only.empty() || only == table;
+  };
   std::setvbuf(stdout, nullptr, _IOLBF, 0);
-  onsets();
-  others();
-  places();
-  const bool read = voices(std::span(argv + 1, static_cast<std::size_t>(argc - 1)));
-  rates();
-  cost();
+  if (is_wanted("onsets"))
+    onsets();
+  if (is_wanted("others"))
+    others();
+  if (is_wanted("places"))
+    places();
+  const bool read = !is_wanted("voices") || voices(names);
+  if (is_wanted("rates"))
+    rates();
+  if (is_wanted("cost"))
+    cost();
   return read ? 0 : 1;
 }

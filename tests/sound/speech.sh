@@ -4,12 +4,12 @@
 #
 # Usage: speech.sh FOLDER
 set -euo pipefail
-text="The inspector examined every drawer, but the documents were gone. Who did this? Benjamin tapped the table twice.
-Down by the docks, people talk. Go! Get the doctor before it is too late. Don't touch that. Bring a torch, a rope and two
-bottles of water. Today's paper reports a bank robbery in Detroit. Keep calm, take a deep breath, and begin again."
+text="At breakfast nobody spoke. Then Tom dropped his cup, and everybody talked at once. Be quiet, please! Could
+you pass the butter? Kate packed both cases, paid the bill and took a taxi to the port. Bad weather was coming; dark
+clouds gathered above the pier. Don't panic, the captain said. Today we depart. Goodbye, and take good care of the dog."
 speed=130
 pitch=25
-for voice in en-gb-x-rp en-us+m1 en+f1 en-gb-x-gbclan+m8 en-029 en-us+f2 en+m6 en-gb-x-gbcwmd+f4; do
+for voice in en-gb-x-gbcwmd+m3 en-us+f1 en+m4 en-gb-scotland+f3 en-029+m7 en-us+m2 en-gb-x-rp+f5 en-gb+m5; do
   espeak-ng -v "$voice" -s $speed -p $pitch -w "$1/$voice.wav" "$text"
   speed=$((speed + 10))
   pitch=$((pitch + 7))
