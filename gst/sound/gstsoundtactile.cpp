@@ -2,11 +2,11 @@
 /**
  * SECTION:element-soundtactile
  * @title: soundtactile
- * @short_description: makes tactile maps of a film's sound: blows and rumble are felt, voices are not
+ * @short_description: makes tactile maps of sound: blows and rumble are felt, voices are not
  *
  * soundtactile passes audio through, untouched, and sends what is felt of it as a stream of tactile
- * maps on its `tactile` pad: #GstSoundTactile:maps-per-second maps of any grid that downstream asks
- * for, else 3 × 3.
+ * maps on its `tactile` pad, #GstSoundTactile:maps-per-second of them. The grid is what downstream
+ * asks for, else 3 × 3.
  *
  * ## What is felt
  * - Blows and explosions: what fills all frequencies with noise at once, down to the lowest. Notes
@@ -16,14 +16,16 @@
  * ## Where
  * Left and right are columns. Where there are loudspeakers behind the audience, the front is the
  * top rows and what is behind the bottom rows; else all rows are alike. The center, which carries
- * voices, tells no place; low frequency effects, mono and sounds that differ between left and right
- * are felt everywhere.
+ * voices, tells no place. Low frequency effects, mono and sounds that differ between left and
+ * right are felt everywhere.
  *
  * ## Time
  * A map is known once the sound 10.6 ms after its end is in (at 48 kHz). With the map's own length
  * that is the latency of the `tactile` pad; `src` has none. Put a queue on each branch, as behind a
  * demuxer. Played backwards, the `tactile` pad has gaps. So has audio that is not read: of more than
  * 8 channels, or below 8 or above 192 kHz.
+ *
+ * `pipelines/sound.sh FILM` plays a film whose picture and sound are both felt.
  *
  * ## Example launch lines
  * |[

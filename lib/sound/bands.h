@@ -19,8 +19,8 @@ inline constexpr int kBands = 8;
 inline constexpr int kHop = 80; ///< samples at kRate
 inline constexpr Time kHopTime = std::chrono::milliseconds(5);
 
-/// Mean square of each band, about one moment. A band above half the rate that comes in has what the
-/// band below it has.
+/// Mean square of each band, about one moment. A band above half the rate that comes in has what
+/// the band below it has.
 using Powers = std::array<double, kBands>;
 
 /// Powers of each channel at one moment.

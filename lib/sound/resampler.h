@@ -12,8 +12,8 @@ namespace sound {
 /// Rate of the analysis, in Hz.
 inline constexpr int kRate = 16000;
 
-/// Any rate → kRate, by windowed sines. Each frame that comes out is a sum over the same frames that
-/// came in, whatever blocks they came in. Frame n is the sound at n / kRate seconds.
+/// Any rate → kRate, by windowed sines. Each frame that comes out is a sum over the same frames
+/// that came in, whatever blocks they came in. Frame n is the sound at n / kRate seconds.
 class Resampler
 {
 public:

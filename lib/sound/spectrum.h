@@ -12,8 +12,8 @@
 
 namespace sound {
 
-/// Short-time spectrum of one channel at kRate. The window rises for 12 ms and falls within 4 ms, so
-/// that what has just begun counts.
+/// Short-time spectrum of one channel at kRate. The window rises for 12 ms and falls within 4 ms,
+/// so that what has just begun counts.
 class Spectrum
 {
 public:

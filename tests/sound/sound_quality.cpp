@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 //
-// What is felt of sounds with ground truth, as tables in Markdown. The sounds' seeds are above 1000;
-// those from which the scores of lib/sound/onset_detector.cpp were learned are below.
+// What is felt of sounds with ground truth, as tables in Markdown. The sounds' seeds are above
+// 1000; those from which the scores of lib/sound/onset_detector.cpp were learned are below.
 //
 // Usage: sound_quality [--only=TABLE] SPEECH.wav ...     (16-bit mono, as espeak-ng writes it)
 // TABLE: onsets, others, places, voices, rates, cost
