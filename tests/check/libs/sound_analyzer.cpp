@@ -170,6 +170,8 @@ GST_START_TEST(test_hostile)
   for (int i = 0; i < 8; i++)
     analyzer.add(frames, {});
   fail_unless_near(share_on(analyzer.add(frames, {})), 0, 1e-6);
+  const auto felt = analyzer.add(tone(40, 0.1 * std::numbers::sqrt2, 2), {});
+  fail_unless_near(felt.back().level, 0.75, 0.02);
 }
 GST_END_TEST;
 
@@ -210,6 +212,24 @@ GST_START_TEST(test_delay)
 }
 GST_END_TEST;
 
+// A blow right after the start is none: too little is known of what was before.
+GST_START_TEST(test_blow_at_the_start)
+{
+  const auto mono = usual_speakers(1);
+  const SyntheticSound made({ .seed = 2006, .seconds = 4 });
+  const std::vector<float> silence(kTestRate);
+  std::vector<float> frames(kTestRate / 10);
+  const Time begin = made.events().front().begin - std::chrono::milliseconds(30);
+  made.render(kTestRate, begin.count() * kTestRate / 1'000'000'000, mono, frames);
+  SoundAnalyzer analyzer(kTestRate, mono);
+  analyzer.add(silence, {});
+  ck_assert_uint_eq(onsets(analyzer.add(frames, {})).size(), 1);
+  analyzer.add(silence, {});
+  analyzer.reset();
+  ck_assert_uint_eq(onsets(analyzer.add(frames, {})).size(), 0);
+}
+GST_END_TEST;
+
 static Suite *
 sound_analyzer_suite(void)
 {
@@ -224,6 +244,7 @@ sound_analyzer_suite(void)
   tcase_add_test(tc, test_hostile);
   tcase_add_test(tc, test_reset);
   tcase_add_test(tc, test_delay);
+  tcase_add_test(tc, test_blow_at_the_start);
   return suite;
 }
 
