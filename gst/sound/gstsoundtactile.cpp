@@ -22,8 +22,8 @@
  * ## Time
  * A map is known once the sound 10.6 ms after its end is in (at 48 kHz). With the map's own length
  * that is the latency of the `tactile` pad; `src` has none. Put a queue on each branch, as behind a
- * demuxer. Played backwards, the `tactile` pad has gaps. So has audio that is not read: of more than
- * 8 channels, or below 8 or above 192 kHz.
+ * demuxer. Played backwards, the `tactile` pad has gaps. So has audio that is not read: of more
+ * than 8 channels, or below 8 or above 192 kHz.
  *
  * `pipelines/sound.sh FILM` plays a film whose picture and sound are both felt.
  *
