@@ -15,7 +15,7 @@ exec gst-launch-1.0 -e \
   uridecodebin uri="$film" name=film \
   film. ! queue ! videoconvert ! saliencytactile ! queue ! tactilecombiner name=both mix="${MIX:-max}" ! tactileextractor name=split \
   split.src ! $lookahead ! tactileoverlay ! videoconvert ! ${VIDEO_SINK:-autovideosink} \
-  split.tactile ! $lookahead ! tactorsink ${CHAIR:-} \
+  split.tactile ! $lookahead ! tactorsink rate=0 ${CHAIR:-} \
   film. ! queue ! audioconvert ! soundtactile name=sound \
   sound.src ! $lookahead ! audioconvert ! audioresample ! ${AUDIO_SINK:-autoaudiosink} \
   sound.tactile ! queue ! both.tactile

@@ -20,7 +20,7 @@
  * gst-launch-1.0 tactilesoundtestsrc num-buffers=300 music=true ! audioconvert ! autoaudiosink
  * gst-launch-1.0 -m tactilesoundtestsrc num-buffers=300 explosions=true ! \
  *     audio/x-raw,channels=6 ! soundtactile name=s s.src ! queue ! fakesink \
- *     s.tactile ! queue ! tactorsink driver=simulator
+ *     s.tactile ! queue ! tactorsink rate=0 driver=simulator
  * ]|
  *
  * Since: 0.1
