@@ -72,7 +72,8 @@ OnsetDetector::add(const BandPowers &powers)
     now.filled[band] = std::max(powers.filled[band], kFilledFloor);
     now.uneven[band] = powers.uneven[band];
   }
-  if (known_ < kHeld || --dead_ > 0 || !is_blow())
+  dead_ = std::max(dead_ - 1, 0);
+  if (known_ < kHeld || dead_ > 0 || !is_blow())
     return false;
   dead_ = kDeadHops;
   return true;
