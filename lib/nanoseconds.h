@@ -15,6 +15,9 @@ using Time = std::chrono::nanoseconds;
 namespace saliency {
 using visuotactile::Time;
 }
+namespace sound {
+using visuotactile::Time;
+}
 namespace tactile {
 using visuotactile::Time;
 }

@@ -10,7 +10,9 @@
  * longer, shorter or later. Without a track the film passes through.
  *
  * A frame that carries a map already, from `saliencytactile`, is treated as #GstTactileCombiner:mix
- * says. With `mix=max` the track is resampled to the frame's grid.
+ * says. Unless it is replaced, the track is resampled to the frame's grid. Picture and sound of one
+ * event are one cue with `mix=gate` and the maps of `soundtactile` as the track: felt when and as
+ * strong as it sounds, where it is seen.
  *
  * A frame waits until the track is known for its time, so put a queue before `sink` that holds as
  * much as the track's branch holds back.
@@ -183,10 +185,10 @@ put_map(GstTactileCombiner *self, GstBuffer *frame, gint64 time)
   if (held && (!held->end || time < *held->end))
     map = held->map;
   const GstTactileMeta *own = gst_buffer_get_tactile_meta(frame);
-  if (own != nullptr && mix == Mix::max) {
+  if (own != nullptr && mix != Mix::replace) {
     TactileMap film(static_cast<int>(own->rows), static_cast<int>(own->columns));
     std::copy_n(own->levels, film.levels.size(), film.levels.begin());
-    tactile::mix_into(film, map, Mix::max);
+    tactile::mix_into(film, map, mix);
     map = film;
   }
   gst_buffer_add_tactile_meta(frame, static_cast<guint>(map.rows), static_cast<guint>(map.columns),
@@ -336,6 +338,11 @@ mix_type(void)
     { static_cast<gint>(Mix::replace), "The track alone", "replace" },
     { static_cast<gint>(Mix::max), "Cell by cell the stronger of the film's own map and the track",
       "max" },
+    { static_cast<gint>(Mix::sum), "Cell by cell the sum of both, at most 1", "sum" },
+    { static_cast<gint>(Mix::gate),
+      "The track's strength at the place of the film's own map, the film's only while the track is "
+      "felt",
+      "gate" },
     { 0, nullptr, nullptr },
   };
   static const GType type = properties::register_enum("GstTactileCombinerMix", values);

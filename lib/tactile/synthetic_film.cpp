@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "tactile/synthetic_film.h"
 
+#include "random.h"
+
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -23,36 +25,15 @@ constexpr std::array<Color, 6> kColors{ {
     { 190, 45, 190 },
 } };
 
+using visuotactile::mix_bits;
+
 constexpr int kThirds = 3;
 constexpr double kThirdMargin = 0.15; ///< share of a third kept clear at its borders
 
-/// The finalizer of SplitMix64 (Steele, Lea, Flood 2014). Distributions of the standard library are
-/// implementation-defined, but a film has to be the same everywhere.
-constexpr std::uint64_t
-mix(std::uint64_t x)
-{
-  x += 0x9e3779b97f4a7c15U;
-  x = (x ^ (x >> 30U)) * 0xbf58476d1ce4e5b9U;
-  x = (x ^ (x >> 27U)) * 0x94d049bb133111ebU;
-  return x ^ (x >> 31U);
-}
-
-class Random
+class Random : public visuotactile::Random
 {
 public:
-  explicit Random(std::uint64_t seed) : state_(mix(seed))
-  {
-  }
-
-  double uniform(double low, double high)
-  {
-    return low + (high - low) * 0x1p-53 * static_cast<double>(next() >> 11U);
-  }
-
-  int below(int n)
-  {
-    return static_cast<int>(next() % static_cast<std::uint64_t>(n));
-  }
+  using visuotactile::Random::Random;
 
   Color color()
   {
@@ -69,14 +50,6 @@ public:
   {
     return std::chrono::round<Time>(Seconds(uniform(low, high)));
   }
-
-private:
-  std::uint64_t next()
-  {
-    return state_ = mix(state_);
-  }
-
-  std::uint64_t state_;
 };
 
 } // namespace
@@ -240,7 +213,7 @@ draw_ball(const SamplePlane &plane, const Ball &ball, std::uint8_t value)
   }
 }
 
-SensorNoise::SensorNoise(double sigma, std::uint64_t seed) : seed_(mix(seed ^ 0x6e6f697365U))
+SensorNoise::SensorNoise(double sigma, std::uint64_t seed) : seed_(mix_bits(seed ^ 0x6e6f697365U))
 {
   sigma = std::clamp(sigma, 0.0, 32.0);
   if (!(sigma > 0))
@@ -260,14 +233,14 @@ void
 SensorNoise::add(const SamplePlane &plane, int component, Time time) const
 {
   constexpr int kPerHash = 5; // quantile indices of 12 bits each
-  const std::uint64_t frame = mix(mix(seed_ + static_cast<std::uint64_t>(time.count()))
-                                  + static_cast<std::uint64_t>(component));
+  const std::uint64_t frame = mix_bits(mix_bits(seed_ + static_cast<std::uint64_t>(time.count()))
+                                       + static_cast<std::uint64_t>(component));
 
   for (int y = 0; y < plane.height; y++) {
-    const std::uint64_t line = mix(frame + static_cast<std::uint64_t>(y));
+    const std::uint64_t line = mix_bits(frame + static_cast<std::uint64_t>(y));
     std::uint8_t *sample = plane.data + y * plane.row_stride;
     for (int x = 0; x < plane.width;) {
-      std::uint64_t bits = mix(line + static_cast<std::uint64_t>(x));
+      std::uint64_t bits = mix_bits(line + static_cast<std::uint64_t>(x));
       for (const int end = std::min(x + kPerHash, plane.width); x < end;
            x++, bits >>= 12U, sample += plane.pixel_stride)
         *sample = static_cast<std::uint8_t>(

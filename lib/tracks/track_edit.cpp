@@ -280,8 +280,18 @@ mix_into(TactileMap &map, const TactileMap &over, Mix mix)
       map = top;
     return;
   }
-  std::ranges::transform(map.levels, top.levels, map.levels.begin(),
-                         [](float a, float b) { return std::max(a, b); });
+  if (mix == Mix::gate) {
+    const float place = std::ranges::max(map.levels);
+    const float strength = std::ranges::max(top.levels);
+    if (place > 0)
+      std::ranges::for_each(map.levels, [&](float &level) { level *= strength / place; });
+    else
+      map = top;
+    return;
+  }
+  std::ranges::transform(map.levels, top.levels, map.levels.begin(), [mix](float a, float b) {
+    return mix == Mix::sum ? std::min(a + b, 1.0F) : std::max(a, b);
+  });
 }
 
 Edited

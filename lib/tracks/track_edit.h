@@ -16,6 +16,10 @@ enum class Mix
 {
   replace, ///< the second wherever any of its cells is above 0, else the first
   max,     ///< the larger level of each cell
+  sum,     ///< the sum of both levels, at most 1
+  /// The second's strength at the first's place: the first map, scaled so that its largest level is
+  /// that of the second. Silent while the second is; the second where the first has no place.
+  gate,
 };
 
 /// Silences events shorter than `shortest`.

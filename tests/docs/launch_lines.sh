@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: LGPL-2.1-or-later
 # Runs every gst-launch-1.0 line of the given pages, with three changes: films have 15 frames,
-# windows are fakesinks, and FILM, TRACK and CARRIER are a generated film, its track and a file with
-# both. Each line must end with status 0.
+# windows and loudspeakers are fakesinks, and FILM, TRACK and CARRIER are a generated film, its track
+# and a file with both. Each line must end with status 0.
 # Usage: launch_lines.sh FILE...      (with the plugins on GST_PLUGIN_PATH)
 set -euo pipefail
 
@@ -22,7 +22,7 @@ failed=0
 for file in "$@"; do
   # A backslash at the end continues a line. The leading " * " of a comment block is removed.
   while IFS= read -r line; do
-    line=$(sed -E "s/num-buffers=[0-9]+/num-buffers=15/g; s/autovideosink/fakesink sync=true/g; s/visuotactilesink/visuotactilesink video-sink=fakesink/g; s#FILM#$film#g; s#TRACK#$track#g; s#CARRIER#$carrier#g" <<<"$line")
+    line=$(sed -E "s/num-buffers=[0-9]+/num-buffers=15/g; s/auto(video|audio)sink/fakesink sync=true/g; s/visuotactilesink/visuotactilesink video-sink=fakesink/g; s#FILM#$film#g; s#TRACK#$track#g; s#CARRIER#$carrier#g" <<<"$line")
     count=$((count + 1))
     if ! (cd "$work" && eval "timeout 60 $line") >"$work/log" 2>&1; then
       failed=$((failed + 1))

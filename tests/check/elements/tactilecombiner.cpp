@@ -247,6 +247,23 @@ GST_START_TEST(test_mix)
 }
 GST_END_TEST;
 
+// The sum is at most 1; the gate gives the track's strength to the film's place.
+GST_START_TEST(test_mix_of_sound)
+{
+  const auto mixed = [](const char *mix, float felt) {
+    Combiner c;
+    c.set("mix", mix);
+    c.push_map(felt, 0, 40);
+    c.end_track();
+    c.push_frame(0, 0.5F);
+    return c.pull();
+  };
+  fail_unless(mixed("sum", 0.25F) == std::vector<float>({ 0.75F, 0.5F }));
+  fail_unless(mixed("sum", 0.75F) == std::vector<float>({ 1, 0.5F }));
+  fail_unless(mixed("gate", 0.25F) == std::vector<float>({ 0.25F, 0.25F }));
+  fail_unless(mixed("gate", 0) == std::vector<float>({ 0, 0 }));
+}
+GST_END_TEST;
 GST_START_TEST(test_mix_of_grids)
 {
   Combiner c;
@@ -318,6 +335,7 @@ tactilecombiner_suite(void)
   tcase_add_test(tests, test_frame_waits_for_the_track);
   tcase_add_test(tests, test_mix);
   tcase_add_test(tests, test_mix_of_grids);
+  tcase_add_test(tests, test_mix_of_sound);
   tcase_add_test(tests, test_without_a_track);
   tcase_add_test(tests, test_seek);
   tcase_add_test(tests, test_wrong_size);

@@ -7,6 +7,8 @@
 #include "frame/front_end.h"
 #include "i420_frame.h"
 #include "saliency/analyzer.h"
+#include "sound/sound_analyzer.h"
+#include "sound/synthetic_sound.h"
 #include "tactile/tactile_mapping.h"
 
 #include <opencv2/core.hpp>
@@ -182,6 +184,29 @@ GST_START_TEST(test_front_end)
 }
 GST_END_TEST;
 
+GST_START_TEST(test_sound)
+{
+  constexpr std::size_t kRate = 48000;
+  const auto speakers = sound::usual_speakers(6);
+  const sound::SyntheticSound made({ .seed = 1, .seconds = 4, .music = true });
+  std::vector<float> frames(4 * kRate * speakers.size());
+  made.render(kRate, 0, speakers, frames);
+  sound::SoundAnalyzer analyzer(kRate, speakers);
+  std::uint64_t allocated = 0;
+  int onsets = 0;
+  const std::size_t block = 1000 * speakers.size();
+  for (std::size_t at = 0; at + block <= frames.size(); at += block) {
+    const std::uint64_t before = allocations::of_this_thread();
+    const auto moments = analyzer.add(std::span(frames).subspan(at, block), {});
+    allocated += allocations::of_this_thread() - before;
+    for (const sound::Moment &moment : moments)
+      onsets += moment.onset ? 1 : 0;
+  }
+  ck_assert_int_ge(onsets, 1);
+  ck_assert_uint_eq(allocated, 0);
+}
+GST_END_TEST;
+
 static Suite *
 allocations_suite(void)
 {
@@ -193,6 +218,7 @@ allocations_suite(void)
   tcase_add_test(tc, test_tuned_spatial);
   tcase_add_test(tc, test_paper);
   tcase_add_test(tc, test_front_end);
+  tcase_add_test(tc, test_sound);
   return suite;
 }
 

@@ -167,6 +167,23 @@ GST_START_TEST(test_resample)
 }
 GST_END_TEST;
 
+GST_START_TEST(test_mix)
+{
+  const auto mixed
+      = [](std::initializer_list<float> map, std::initializer_list<float> over, Mix mix) {
+          TactileMap result = make_map(1, 2, map);
+          mix_into(result, make_map(1, 2, over), mix);
+          return result;
+        };
+  fail_unless(mixed({ 0.25F, 0.5F }, { 0.5F, 0 }, Mix::sum) == make_map(1, 2, { 0.75F, 0.5F }));
+  fail_unless(mixed({ 0.75F, 0 }, { 0.5F, 0 }, Mix::sum) == make_map(1, 2, { 1, 0 }));
+  // The strength of the second at the first's place.
+  fail_unless(mixed({ 0.25F, 0.5F }, { 1, 0 }, Mix::gate) == make_map(1, 2, { 0.5F, 1 }));
+  fail_unless(mixed({ 0.25F, 0.5F }, { 0, 0 }, Mix::gate) == make_map(1, 2, { 0, 0 }));
+  fail_unless(mixed({ 0, 0 }, { 0.5F, 0.25F }, Mix::gate) == make_map(1, 2, { 0.5F, 0.25F }));
+}
+GST_END_TEST;
+
 GST_START_TEST(test_overlay_and_diff)
 {
   Track over(1, 2);
@@ -217,6 +234,7 @@ track_edit_suite(void)
   tcase_add_test(tests, test_shift_and_clip);
   tcase_add_test(tests, test_levels);
   tcase_add_test(tests, test_resample);
+  tcase_add_test(tests, test_mix);
   tcase_add_test(tests, test_overlay_and_diff);
   return suite;
 }

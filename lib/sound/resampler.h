@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace sound {
+
+/// Rate of the analysis, in Hz.
+inline constexpr int kRate = 16000;
+
+/// Any rate → kRate, by windowed sines. Each frame that comes out is a sum over the same frames
+/// that came in, whatever blocks they came in. Frame n is the sound at n / kRate seconds.
+class Resampler
+{
+public:
+  /// `rate` in Hz, > 0.
+  Resampler(int rate, int channels);
+
+  /// Seconds of sound that come in before the first frame goes out.
+  double delay() const;
+
+  /// Takes interleaved frames, at most kBlock. Samples that are not finite count as 0, those beyond
+  /// ±kLoudest as that.
+  void add(std::span<const float> frames);
+
+  /// Writes the next frame, a value a channel. False if more has to come in first.
+  bool take(std::span<float> frame);
+
+  /// As after construction.
+  void reset();
+
+  static constexpr int kBlock = 1024;     ///< frames
+  static constexpr double kPassed = 0.45; ///< of the lower rate: what is below in frequency
+  static constexpr float kLoudest = 16;
+
+private:
+  void make_taps(int count);
+
+  int rate_;
+  int channels_;
+  int taps_ = 0; ///< a multiple of kLanes
+  std::int64_t phases_ = 1;
+  std::vector<float> table_; ///< taps_ for each of phases_
+  std::vector<float> held_;  ///< room_ a channel
+  std::size_t room_ = 0;
+  std::size_t held_frames_ = 0;
+  std::int64_t first_ = 0; ///< frame that came in of the first held one
+  std::int64_t next_ = 0;  ///< frame to go out
+};
+
+} // namespace sound

@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include "sound/bands.h"
+#include "sound/onset_detector.h"
+#include "sound/place.h"
+
+#include <array>
+#include <span>
+#include <vector>
+
+namespace sound {
+
+struct FeelSettings
+{
+  double gain_db = 0; ///< added to every sound before its level
+  bool blows = true;  ///< blows and explosions are felt
+  bool rumble = true; ///< what goes on below 65 Hz is felt
+};
+
+/// What is felt during kHopTime.
+struct Moment
+{
+  Time begin{ 0 }; ///< of the sound since the reset
+  float level = 0; ///< [0, 1]
+  Place place;
+  bool onset = false; ///< a blow or an explosion begins within 8 ms of the middle
+};
+
+/// A film's sound → what of it is felt, when and where. The result depends on the frames only, not
+/// on the blocks in which they come. Once it is warm it allocates nothing. Not thread-safe.
+class SoundAnalyzer
+{
+public:
+  static constexpr int kLowestRate = 8000; ///< Hz
+  static constexpr int kHighestRate = 192000;
+
+  /// `rate` in [kLowestRate, kHighestRate], 1 to kMaxSpeakers speakers.
+  SoundAnalyzer(int rate, std::span<const Speaker> speakers);
+
+  /// Takes interleaved frames, any number. What is now known; valid until the next call.
+  std::span<const Moment> add(std::span<const float> frames, const FeelSettings &settings);
+
+  /// How much later than the end of a moment its sound has to be in.
+  Time delay() const;
+
+  bool has_rear() const;
+
+  /// Forgets all, for a seek. The next frame is at time 0.
+  void reset();
+
+private:
+  static constexpr int kHeld = 12; ///< hops
+
+  /// A blow while it lasts.
+  struct Blow
+  {
+    bool lasts = false;
+    int hops = 0;      ///< since its onset
+    Powers before{};   ///< what was heard without it
+    double smooth = 0; ///< power of what is louder than that
+    double power = 0;  ///< the least of it since its begin
+    double loudest = 0;
+    double level = 0;
+    Place place;
+  };
+
+  const BandPowers &powers(int ago) const;
+  Moment analyze(bool onset, const FeelSettings &settings);
+  void begin_blow();
+  double feel_blow(const FeelSettings &settings);
+  double feel_rumble(const FeelSettings &settings);
+
+  std::vector<Speaker> speakers_;
+  bool has_rear_;
+  Time delay_;
+  Bands bands_;
+  OnsetDetector detector_;
+  std::array<BandPowers, kHeld> held_{};
+  int newest_ = 0;
+  std::int64_t hop_ = 0; ///< the next
+  Blow blow_;
+  std::array<double, kMaxSpeakers> deep_{}; ///< smoothed power below 65 Hz, a channel
+  double voice_ = 0;                        ///< smoothed power of 94 Hz to 1 kHz
+  std::vector<Moment> moments_;
+};
+
+} // namespace sound

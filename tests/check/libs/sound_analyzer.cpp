@@ -1,0 +1,251 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "sound/sound_analyzer.h"
+#include "sound/synthetic_sound.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <vector>
+
+#include "support/tolerance.h"
+
+using namespace sound;
+
+namespace {
+
+constexpr int kTestRate = 48000;
+
+std::vector<float>
+render(const SyntheticSound &made, double seconds, int rate, std::span<const Speaker> speakers)
+{
+  std::vector<float> frames(static_cast<std::size_t>(seconds * rate) * speakers.size());
+  made.render(rate, 0, speakers, frames);
+  return frames;
+}
+
+/// In blocks of `block` frames.
+std::vector<Moment>
+analyze(std::span<const float> frames, int rate, std::span<const Speaker> speakers,
+        std::size_t block = 4096)
+{
+  SoundAnalyzer analyzer(rate, speakers);
+  std::vector<Moment> result;
+  block *= speakers.size();
+  for (std::size_t at = 0; at < frames.size(); at += block) {
+    const auto some = analyzer.add(frames.subspan(at, std::min(block, frames.size() - at)), {});
+    result.insert(result.end(), some.begin(), some.end());
+  }
+  return result;
+}
+
+/// The moments at which a blow begins.
+std::vector<Time>
+onsets(std::span<const Moment> moments)
+{
+  std::vector<Time> result;
+  for (const Moment &moment : moments)
+    if (moment.onset)
+      result.push_back(moment.begin);
+  return result;
+}
+
+double
+share_on(std::span<const Moment> moments)
+{
+  return static_cast<double>(
+             std::ranges::count_if(moments, [](const Moment &moment) { return moment.level > 0; }))
+         / static_cast<double>(moments.size());
+}
+
+/// A tone that is there from the first frame on, mono.
+std::vector<float>
+tone(double hz, double amplitude, double seconds)
+{
+  std::vector<float> frames(static_cast<std::size_t>(seconds * kTestRate));
+  for (std::size_t i = 0; i < frames.size(); i++)
+    frames[i] = static_cast<float>(
+        amplitude * std::sin(2 * std::numbers::pi * hz * static_cast<double>(i) / kTestRate));
+  return frames;
+}
+
+} // namespace
+
+// Each blow has one onset within 20 ms, and nothing else has one.
+GST_START_TEST(test_blows)
+{
+  const auto speakers = usual_speakers(2);
+  const SyntheticSound made({ .seed = 2001, .seconds = 20 });
+  const auto found = onsets(analyze(render(made, 20, kTestRate, speakers), kTestRate, speakers));
+  ck_assert_uint_ge(made.events().size(), 8);
+  ck_assert_uint_eq(found.size(), made.events().size());
+  for (std::size_t i = 0; i < found.size(); i++)
+    fail_unless(std::chrono::abs(found[i] - made.events()[i].begin)
+                <= std::chrono::milliseconds(20));
+}
+GST_END_TEST;
+
+// The same bits for any size of buffers.
+GST_START_TEST(test_blocks)
+{
+  const auto speakers = usual_speakers(6);
+  const SyntheticSound made({ .seed = 2002, .seconds = 5, .music = true });
+  const auto frames = render(made, 5, kTestRate, speakers);
+  const auto expected = analyze(frames, kTestRate, speakers);
+  fail_unless(!onsets(expected).empty());
+  for (const std::size_t block : { 1, 37, 441, 100000 }) {
+    const auto moments = analyze(frames, kTestRate, speakers, block);
+    ck_assert_uint_eq(moments.size(), expected.size());
+    for (std::size_t i = 0; i < moments.size(); i++) {
+      fail_unless(moments[i].level == expected[i].level);
+      fail_unless(moments[i].place == expected[i].place);
+      fail_unless(moments[i].onset == expected[i].onset);
+    }
+  }
+}
+GST_END_TEST;
+
+// The same blows at any rate, within 10 ms; nearly the same levels.
+GST_START_TEST(test_rates)
+{
+  const auto speakers = usual_speakers(2);
+  const SyntheticSound made({ .seed = 2003, .seconds = 10 });
+  const auto expected = analyze(render(made, 10, kTestRate, speakers), kTestRate, speakers);
+  for (const int rate : { 16000, 22050, 44100, 44101, 96000, 192000 }) {
+    const auto moments = analyze(render(made, 10, rate, speakers), rate, speakers);
+    const auto found = onsets(moments);
+    const auto wanted = onsets(expected);
+    ck_assert_uint_eq(found.size(), wanted.size());
+    for (std::size_t i = 0; i < found.size(); i++)
+      fail_unless(std::chrono::abs(found[i] - wanted[i]) <= std::chrono::milliseconds(10));
+    double difference = 0;
+    const std::size_t count = std::min(moments.size(), expected.size());
+    for (std::size_t i = 0; i < count; i++)
+      difference += std::abs(static_cast<double>(moments[i].level - expected[i].level));
+    fail_unless(difference / static_cast<double>(count) < 0.01);
+  }
+}
+GST_END_TEST;
+
+// −50 dB of full scale is felt as 0 and −10 dB as 1: a tone of 40 Hz at −20 dB as 0.75.
+GST_START_TEST(test_rumble)
+{
+  const auto mono = usual_speakers(1);
+  const auto moments = analyze(tone(40, 0.1 * std::numbers::sqrt2, 2), kTestRate, mono);
+  fail_unless_near(moments.back().level, 0.75, 0.02);
+  fail_unless_near(moments.back().place.everywhere, 1, 1e-6);
+  // A voice's pitch is not deep.
+  fail_unless_near(share_on(analyze(tone(150, 0.5, 2), kTestRate, mono)), 0, 1e-6);
+  // Too weak.
+  fail_unless_near(share_on(analyze(tone(40, 0.01, 2), kTestRate, mono)), 0, 1e-6);
+}
+GST_END_TEST;
+
+// Notes with hi-hats are no blows.
+GST_START_TEST(test_music)
+{
+  const auto speakers = usual_speakers(2);
+  const SyntheticSound made({ .seed = 2004, .seconds = 20, .impacts = false, .music = true });
+  const auto found = onsets(analyze(render(made, 20, kTestRate, speakers), kTestRate, speakers));
+  ck_assert_uint_le(found.size(), 1);
+}
+GST_END_TEST;
+
+// What no sound has does no harm, and is forgotten.
+GST_START_TEST(test_hostile)
+{
+  const auto mono = usual_speakers(1);
+  SoundAnalyzer analyzer(kTestRate, mono);
+  std::vector<float> frames(kTestRate / 2);
+  const std::array<float, 5> hostile{ std::numeric_limits<float>::quiet_NaN(),
+                                      std::numeric_limits<float>::infinity(),
+                                      -std::numeric_limits<float>::infinity(),
+                                      std::numeric_limits<float>::max(),
+                                      std::numeric_limits<float>::denorm_min() };
+  for (std::size_t i = 0; i < frames.size(); i++)
+    frames[i] = hostile[i % hostile.size()];
+  for (const Moment &moment : analyzer.add(frames, {}))
+    fail_unless(moment.level >= 0 && moment.level <= 1);
+  std::ranges::fill(frames, 0.0F);
+  for (int i = 0; i < 8; i++)
+    analyzer.add(frames, {});
+  fail_unless_near(share_on(analyzer.add(frames, {})), 0, 1e-6);
+  const auto felt = analyzer.add(tone(40, 0.1 * std::numbers::sqrt2, 2), {});
+  fail_unless_near(felt.back().level, 0.75, 0.02);
+}
+GST_END_TEST;
+
+// After a reset everything is as at the start.
+GST_START_TEST(test_reset)
+{
+  const auto speakers = usual_speakers(2);
+  const SyntheticSound made({ .seed = 2005, .seconds = 4 });
+  const auto frames = render(made, 4, kTestRate, speakers);
+  SoundAnalyzer analyzer(kTestRate, speakers);
+  const auto first = analyzer.add(frames, {});
+  const std::vector<Moment> expected(first.begin(), first.end());
+  fail_unless(!onsets(expected).empty());
+  analyzer.reset();
+  const auto again = analyzer.add(frames, {});
+  ck_assert_uint_eq(again.size(), expected.size());
+  for (std::size_t i = 0; i < again.size(); i++)
+    fail_unless(again[i].level == expected[i].level && again[i].begin == expected[i].begin);
+}
+GST_END_TEST;
+
+// A moment is known as soon as delay() after its end.
+GST_START_TEST(test_delay)
+{
+  for (const int rate : { 8000, 44100, 48000, 192000 }) {
+    SoundAnalyzer analyzer(rate, usual_speakers(1));
+    const std::vector<float> frame(1);
+    std::int64_t frames = 0;
+    std::size_t known = 0;
+    while (known == 0) {
+      frames++;
+      known = analyzer.add(frame, {}).size();
+    }
+    const Time heard(frames * 1'000'000'000 / rate);
+    fail_unless(heard <= kHopTime + analyzer.delay());
+    fail_unless(heard > kHopTime + analyzer.delay() - std::chrono::milliseconds(1));
+  }
+}
+GST_END_TEST;
+
+// A blow right after the start is none: too little is known of what was before.
+GST_START_TEST(test_blow_at_the_start)
+{
+  const auto mono = usual_speakers(1);
+  const SyntheticSound made({ .seed = 2006, .seconds = 4 });
+  const std::vector<float> silence(kTestRate);
+  std::vector<float> frames(kTestRate / 10);
+  const Time begin = made.events().front().begin - std::chrono::milliseconds(30);
+  made.render(kTestRate, begin.count() * kTestRate / 1'000'000'000, mono, frames);
+  SoundAnalyzer analyzer(kTestRate, mono);
+  analyzer.add(silence, {});
+  ck_assert_uint_eq(onsets(analyzer.add(frames, {})).size(), 1);
+  analyzer.add(silence, {});
+  analyzer.reset();
+  ck_assert_uint_eq(onsets(analyzer.add(frames, {})).size(), 0);
+}
+GST_END_TEST;
+
+static Suite *
+sound_analyzer_suite(void)
+{
+  Suite *suite = suite_create("sound_analyzer");
+  TCase *tc = tcase_create("general");
+  suite_add_tcase(suite, tc);
+  tcase_add_test(tc, test_blows);
+  tcase_add_test(tc, test_blocks);
+  tcase_add_test(tc, test_rates);
+  tcase_add_test(tc, test_rumble);
+  tcase_add_test(tc, test_music);
+  tcase_add_test(tc, test_hostile);
+  tcase_add_test(tc, test_reset);
+  tcase_add_test(tc, test_delay);
+  tcase_add_test(tc, test_blow_at_the_start);
+  return suite;
+}
+
+GST_CHECK_MAIN(sound_analyzer);

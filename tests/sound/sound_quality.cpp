@@ -1,0 +1,354 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+//
+// What is felt of sounds with ground truth, as tables in Markdown. The sounds' seeds are above
+// 1000; those from which the scores of lib/sound/onset_detector.cpp were learned are below.
+//
+// Usage: sound_quality [--only=TABLE] SPEECH.wav ...     (16-bit mono, as espeak-ng writes it)
+// TABLE: onsets, others, places, voices, rates, cost
+#include "onsets.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdint>
+#include <cstdio>
+#include <cstring>
+#include <ctime>
+#include <fstream>
+#include <iterator>
+#include <map>
+#include <string_view>
+
+using namespace judged;
+using sound::SoundSettings;
+using sound::SyntheticSound;
+
+namespace {
+
+constexpr std::uint64_t kFirstSeed = 1001;
+constexpr int kFilms = 6;
+constexpr double kSeconds = 60;
+
+/// Their mean, which is what a mono mix has.
+std::vector<float>
+mono_of(std::span<const float> stereo)
+{
+  std::vector<float> result(stereo.size() / 2);
+  for (std::size_t i = 0; i < result.size(); i++)
+    result[i] = (stereo[2 * i] + stereo[2 * i + 1]) / 2;
+  return result;
+}
+
+/// Onsets of blows in music, ours and aubio's.
+void
+onsets()
+{
+  const auto speakers = sound::usual_speakers(2);
+  std::puts(
+      "## Blows in music\n\n"
+      "Six minutes of blows in music with bass, chords, melody and hi-hats, in stereo; onsets\n"
+      "within 20 ms of the truth. The ratio is of a blow's first 100 ms to the music. Of each of\n"
+      "aubio's methods the row has that of six thresholds, 0.1 to 4, which is best here. aubio\n"
+      "looks for all onsets, those of notes, too: its precision says how much a chair would do\n"
+      "with it that it should not.\n\n"
+      "| ratio | detector | precision | recall | F1 |\n|---|---|---|---|---|");
+  for (const double ratio : { 6.0, 0.0, -6.0 }) {
+    Count ours;
+    std::vector<Peer> others = ratio == 0 ? peers() : std::vector<Peer>();
+    std::vector<Count> theirs(others.size());
+    for (int film = 0; film < kFilms; film++) {
+      const SyntheticSound made({ .seed = kFirstSeed + static_cast<std::uint64_t>(film),
+                                  .seconds = kSeconds,
+                                  .music = true,
+                                  .impacts_db = SoundSettings().music_db + ratio });
+      const std::vector<float> frames = rendered(made, kSeconds, judged::kRate, speakers);
+      const std::vector<double> truth = blows_of(made);
+      ours.add(onsets_of(analyzed(frames, judged::kRate, speakers)), truth);
+      const std::vector<float> mono = mono_of(frames);
+      for (std::size_t i = 0; i < others.size(); i++)
+        theirs[i].add(heard_by(others[i], mono, judged::kRate), truth);
+    }
+    const auto row = [&](const std::string &name, const Count &count) {
+      std::printf("| %+.0f dB | %s | %.3f | %.3f | %.3f |\n", ratio, name.c_str(),
+                  count.precision(), count.recall(), count.f1());
+    };
+    row("soundtactile", ours);
+    std::map<std::string, std::size_t> best;
+    for (std::size_t i = 0; i < others.size(); i++) {
+      const auto [entry, is_new] = best.try_emplace(others[i].method, i);
+      if (!is_new && theirs[i].f1() > theirs[entry->second].f1())
+        entry->second = i;
+    }
+    for (const auto &[method, i] : best) {
+      char threshold[32];
+      std::snprintf(threshold, sizeof threshold, "%.1f", others[i].threshold);
+      row("aubio " + method + ", " + threshold, theirs[i]);
+    }
+  }
+}
+
+/// Onsets of explosions, and how much of rumble is felt.
+void
+others()
+{
+  const auto speakers = sound::usual_speakers(2);
+  Count explosions;
+  Count blows;
+  Count music;
+  int rumbling = 0;
+  int felt = 0;
+  for (int film = 0; film < kFilms; film++) {
+    SoundSettings settings{ .seed = kFirstSeed + 100 + static_cast<std::uint64_t>(film) };
+    const auto count = [&](Count &into) {
+      const SyntheticSound made(settings);
+      const auto moments
+          = analyzed(rendered(made, kSeconds, judged::kRate, speakers), judged::kRate, speakers);
+      into.add(onsets_of(moments), blows_of(made));
+      for (const sound::SoundEvent &event : made.events())
+        for (const sound::Moment &moment : moments)
+          if (event.kind == sound::SoundKind::rumble
+              && moment.begin > event.begin + std::chrono::milliseconds(500)
+              && moment.begin < event.end) {
+            rumbling++;
+            felt += moment.level > 0 ? 1 : 0;
+          }
+    };
+    count(blows);
+    settings.impacts = false;
+    settings.explosions = true;
+    count(explosions);
+    settings.explosions = false;
+    settings.music = true;
+    count(music);
+    settings.music = false;
+    settings.rumble = true;
+    Count none;
+    count(none);
+  }
+  std::printf("\n## Other sounds\n\nSix minutes each.\n\n"
+              "| sound | result |\n|---|---|\n"
+              "| blows in silence | F1 %.3f |\n| explosions in silence | F1 %.3f |\n"
+              "| music alone | %.1f false onsets a minute |\n"
+              "| rumble, from 0.5 s after its begin until it has fallen by 20 dB | felt %.1f %% of "
+              "the time |\n",
+              blows.f1(), explosions.f1(), music.found * 60.0 / (kFilms * kSeconds),
+              100.0 * felt / std::max(rumbling, 1));
+}
+
+/// Columns and rows of blows.
+void
+places()
+{
+  std::puts(
+      "\n## Places\n\n"
+      "Blows from the left, the middle and the right, in 5.1 from front and rear, felt most in\n"
+      "that column (row) of 3 × 3 cells during their first 60 ms. Counted are those found.\n\n"
+      "| sound | channels | blows | right column | right row |\n|---|---|---|---|---|");
+  for (const bool music : { false, true })
+    for (const int channels : { 2, 6, 8 }) {
+      const auto speakers = sound::usual_speakers(channels);
+      int found = 0;
+      int columns = 0;
+      int rows = 0;
+      for (int film = 0; film < kFilms; film++) {
+        const SyntheticSound made({ .seed = kFirstSeed + 200 + static_cast<std::uint64_t>(film),
+                                    .seconds = kSeconds,
+                                    .music = music });
+        const auto moments
+            = analyzed(rendered(made, kSeconds, judged::kRate, speakers), judged::kRate, speakers);
+        for (const sound::SoundEvent &event : made.events())
+          for (std::size_t i = 0; i < moments.size(); i++)
+            if (event.kind == sound::SoundKind::impact && moments[i].onset
+                && std::chrono::abs(moments[i].begin - event.begin)
+                       <= std::chrono::milliseconds(20)) {
+              tactile::TactileMap map(3, 3);
+              for (std::size_t j = i; j < std::min(i + 12, moments.size()); j++)
+                sound::raise(map, moments[j].place, channels > 2, moments[j].level);
+              const auto most = std::ranges::max_element(map.levels) - map.levels.begin();
+              found++;
+              columns += most % 3 == std::lround(event.across) + 1 ? 1 : 0;
+              rows += most / 3 == (event.behind > 0 ? 2 : 0) ? 1 : 0;
+            }
+      }
+      std::printf("| %s | %s | %d | %.1f %% | ", music ? "in music, 0 dB" : "alone",
+                  channels == 2   ? "stereo"
+                  : channels == 6 ? "5.1"
+                                  : "7.1",
+                  found, 100.0 * columns / std::max(found, 1));
+      if (channels > 2)
+        std::printf("%.1f %% |\n", 100.0 * rows / std::max(found, 1));
+      else
+        std::puts("– |");
+    }
+}
+
+struct Speech
+{
+  int rate = 0;
+  std::vector<float> samples; ///< at −20 dB of full scale
+};
+
+Speech
+read_wav(const char *name)
+{
+  std::ifstream file(name, std::ios::binary);
+  const std::string bytes{ std::istreambuf_iterator<char>(file), {} };
+  const std::size_t data = bytes.find("data");
+  Speech speech;
+  if (data == std::string::npos || data < 36)
+    return speech;
+  std::uint32_t rate = 0;
+  std::memcpy(&rate, &bytes[24], sizeof rate);
+  speech.rate = static_cast<int>(rate);
+  double power = 0;
+  for (std::size_t at = data + 8; at + 2 <= bytes.size(); at += 2) {
+    std::int16_t sample = 0;
+    std::memcpy(&sample, &bytes[at], sizeof sample);
+    speech.samples.push_back(static_cast<float>(sample) / 32768);
+    power
+        += static_cast<double>(speech.samples.back()) * static_cast<double>(speech.samples.back());
+  }
+  const double factor = 0.1 / std::sqrt(power / static_cast<double>(speech.samples.size()));
+  for (float &sample : speech.samples)
+    sample *= static_cast<float>(factor);
+  return speech;
+}
+
+/// How much of the time motors are on while somebody talks.
+bool
+voices(std::span<char *> names)
+{
+  std::puts(
+      "\n## Voices alone\n\n"
+      "espeak-ng's voices at −20 dB of full scale, in silence and in white noise at −60 dB.\n\n"
+      "| voice | seconds | on in silence | on in noise |\n|---|---|---|---|");
+  const auto speakers = sound::usual_speakers(1);
+  double seconds = 0;
+  std::array<double, 2> on{};
+  for (const char *name : names) {
+    Speech speech = read_wav(name);
+    if (speech.samples.empty()) {
+      std::fprintf(stderr, "%s: expected a WAV file with 16-bit samples\n", name);
+      return false;
+    }
+    std::array<double, 2> shares{};
+    std::uint64_t state = 1;
+    for (std::size_t noisy = 0; noisy < 2; noisy++) {
+      if (noisy == 1)
+        for (float &sample : speech.samples) {
+          state = state * 6364136223846793005U + 1442695040888963407U;
+          sample += (static_cast<float>(state >> 40U) / 8388608.0F - 1) * 0.00173F; // −60 dB
+        }
+      const auto moments = analyzed(speech.samples, speech.rate, speakers);
+      const auto count = std::ranges::count_if(
+          moments, [](const sound::Moment &moment) { return moment.level > 0; });
+      on[noisy] += static_cast<double>(count) * 0.005;
+      shares[noisy] = static_cast<double>(count) / static_cast<double>(moments.size());
+    }
+    const double lasts = static_cast<double>(speech.samples.size()) / speech.rate;
+    seconds += lasts;
+    const char *slash = std::strrchr(name, '/');
+    const std::string base = slash ? slash + 1 : name;
+    std::printf("| %s | %.0f | %.2f %% | %.2f %% |\n", base.substr(0, base.size() - 4).c_str(),
+                lasts, 100 * shares[0], 100 * shares[1]);
+  }
+  std::printf("| all | %.0f | %.2f %% | %.2f %% |\n", seconds, 100 * on[0] / seconds,
+              100 * on[1] / seconds);
+  return true;
+}
+
+/// The same sound at other rates.
+void
+rates()
+{
+  std::puts(
+      "\n## Sample rates\n\n"
+      "One minute of blows in music at 0 dB, in stereo, against the same sound at 48 kHz: onsets\n"
+      "that have one within 10 ms, and the mean difference of levels.\n\n"
+      "| rate | onsets | in common | mean difference of levels |\n|---|---|---|---|");
+  const auto speakers = sound::usual_speakers(2);
+  const SyntheticSound made({ .seed = kFirstSeed, .seconds = kSeconds, .music = true });
+  const auto expected
+      = analyzed(rendered(made, kSeconds, judged::kRate, speakers), judged::kRate, speakers);
+  const auto truth = onsets_of(expected);
+  for (const int rate : { 8000, 11025, 16000, 22050, 32000, 44100, 48000, 96000, 192000 }) {
+    const auto moments = analyzed(rendered(made, kSeconds, rate, speakers), rate, speakers);
+    const auto found = onsets_of(moments);
+    const auto common = std::ranges::count_if(found, [&](double at) {
+      return std::ranges::any_of(truth,
+                                 [&](double other) { return std::abs(at - other) < 0.0101; });
+    });
+    double difference = 0;
+    const std::size_t count = std::min(moments.size(), expected.size());
+    for (std::size_t i = 0; i < count; i++)
+      difference += std::abs(static_cast<double>(moments[i].level - expected[i].level));
+    std::printf("| %d Hz | %zu | %td of %zu | %.4f |\n", rate, found.size(), common, truth.size(),
+                difference / static_cast<double>(count));
+  }
+}
+
+/// Processor time of this thread, seconds.
+double
+processor_time()
+{
+  timespec now{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+}
+
+void
+cost()
+{
+  std::puts(
+      "\n## Cost\n\n"
+      "The analysis without GStreamer, blocks of 1024 frames: the least of seven runs.\n\n"
+      "| channels | rate | of one core | latency with 100 maps a second |\n|---|---|---|---|");
+  for (const auto &[channels, rate] :
+       { std::pair{ 1, 48000 }, { 2, 48000 }, { 6, 48000 }, { 8, 48000 }, { 2, 192000 } }) {
+    const auto speakers = sound::usual_speakers(channels);
+    const SyntheticSound made({ .seed = kFirstSeed, .seconds = 10, .music = true });
+    const std::vector<float> frames = rendered(made, 10, rate, speakers);
+    double least = 1e9;
+    sound::SoundAnalyzer analyzer(rate, speakers);
+    for (int run = 0; run < 7; run++) {
+      analyzer.reset();
+      const double begin = processor_time();
+      const std::size_t block = 1024 * speakers.size();
+      for (std::size_t at = 0; at < frames.size(); at += block)
+        analyzer.add(std::span(frames).subspan(at, std::min(block, frames.size() - at)), {});
+      least = std::min(least, processor_time() - begin);
+    }
+    std::printf("| %d | %d Hz | %.2f %% | %.1f ms |\n", channels, rate, 10 * least,
+                10 + std::chrono::duration<double, std::milli>(analyzer.delay()).count());
+  }
+}
+
+} // namespace
+
+int
+main(int argc, char **argv)
+{
+  constexpr std::string_view kOnly = "--only=";
+  std::span<char *> names(argv + 1, static_cast<std::size_t>(argc - 1));
+  std::string_view only;
+  if (!names.empty() && std::string_view(names[0]).starts_with(kOnly)) {
+    only = std::string_view(names[0]).substr(kOnly.size());
+    names = names.subspan(1);
+  }
+  const auto is_wanted = [&](std::string_view table) {
+    return only.empty() || only == table;
+  };
+  std::setvbuf(stdout, nullptr, _IOLBF, 0);
+  if (is_wanted("onsets"))
+    onsets();
+  if (is_wanted("others"))
+    others();
+  if (is_wanted("places"))
+    places();
+  const bool read = !is_wanted("voices") || voices(names);
+  if (is_wanted("rates"))
+    rates();
+  if (is_wanted("cost"))
+    cost();
+  return read ? 0 : 1;
+}
