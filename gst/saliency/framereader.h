@@ -72,8 +72,8 @@ public:
   void stop();
 
   /// What is to be read of a frame that may be halved as often before its analysis. Where it need
-  /// not be, or cannot, it is the frame itself. `frame` outlives the result. Nothing where frames of
-  /// these caps cannot be read.
+  /// not be, or cannot, it is the frame itself. `frame` outlives the result. Nothing where frames
+  /// of these caps cannot be read.
   std::optional<ReadFrame> read(GstBuffer *frame, int halvings);
 
   /// How the last frame was read.
