@@ -28,8 +28,8 @@ MotorWalk walk_of_motors(const std::vector<std::string> &names);
 MotorWalk walk_of_device(const std::string &driver, const std::string &device, unsigned rows,
                          unsigned columns);
 
-/// Drives each motor by `sink`, which is in no bin, for half a second. Calls `show` with its name when that
-/// begins, and `warn` with warnings. Throws std::runtime_error.
+/// Drives each motor by `sink`, which is in no bin, for half a second. Calls `show` with its name
+/// when that begins, and `warn` with warnings. Throws std::runtime_error.
 void walk(GstElement *sink, const MotorWalk &motors,
           const std::function<void(const std::string &)> &show,
           const std::function<void(const std::string &)> &warn);

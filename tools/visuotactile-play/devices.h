@@ -36,6 +36,6 @@ Owned<GstElement> make_sink(const std::string &line);
 /// a grid. Throws std::runtime_error.
 MotorWalk motors_of(const ChosenDevice &chosen, unsigned rows, unsigned columns);
 
-/// Prints boards, gamepads and sound cards, and how other devices are named. Opens none. Returns the
-/// exit status.
+/// Prints boards, gamepads and sound cards, and how other devices are named. Opens none. Returns
+/// the exit status.
 int list_devices();
