@@ -52,11 +52,13 @@ struct DriverConfig
 
 struct DriverStatus
 {
-  std::string board;            ///< for messages: name, serial number, bus path
-  std::string firmware;         ///< name and version
-  bool is_there = false;        ///< false while it is lost
-  bool has_watchdog = false;    ///< motors stop when the host falls silent
-  std::vector<int> pins;        ///< of each tactor
+  std::string board;         ///< for messages: name, serial number, bus path
+  std::string firmware;      ///< name and version
+  bool is_there = false;     ///< false while it is lost
+  bool has_watchdog = false; ///< motors stop when the host falls silent
+  std::vector<int> pins;     ///< of each tactor
+  /// What one calls each tactor, for drivers with DriverInfo::names_motors.
+  std::vector<std::string> motors;
   std::uint64_t bytes = 0;      ///< sent since open()
   std::uint64_t reconnects = 0; ///< times it came back since open()
 };

@@ -8,11 +8,14 @@
 #include <unistd.h>
 
 #include <array>
+#include <chrono>
 #include <condition_variable>
 #include <cstdlib>
+#include <functional>
 #include <mutex>
 #include <string>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include <gst/check/gstcheck.h>
@@ -21,7 +24,12 @@
 class HapticServer
 {
 public:
-  explicit HapticServer(std::vector<std::string> arguments)
+  using Clock = std::chrono::steady_clock;
+
+  /// `listener`, if any, gets each line as it comes, on a thread of its own.
+  explicit HapticServer(std::vector<std::string> arguments,
+                        std::function<void(const std::string &, Clock::time_point)> listener = {})
+      : listener_(std::move(listener))
   {
     std::array<int, 2> in{};
     std::array<int, 2> out{};
@@ -114,6 +122,8 @@ private:
       std::string line(text);
       while (!line.empty() && (line.back() == '\n' || line.back() == ' '))
         line.pop_back();
+      if (listener_)
+        listener_(line, Clock::now());
       const std::lock_guard lock(mutex_);
       lines_.push_back(line);
       changed_.notify_all();
@@ -124,6 +134,7 @@ private:
     changed_.notify_all();
   }
 
+  const std::function<void(const std::string &, Clock::time_point)> listener_;
   pid_t pid_ = -1;
   int to_ = -1;
   FILE *from_ = nullptr;

@@ -14,8 +14,8 @@ Usage: haptic_server.py (bhaptics|buttplug3|buttplug4) [NAME=VALUE ...]
   port=PORT    instead of a free one
   slow=MS      each message takes this long
   silent=1     answers nothing
-  flood=1      sends messages as fast as it can, after the first one
-  huge=1       sends 10 MB of JSON after the first message
+  flood=N      sends messages as fast as it can, after N messages
+  huge=N       sends 10 MB of JSON after N messages
   drops=N      breaks the connection off, without goodbye, after N messages
   goodbye=N    closes it after N messages
   nothing=1    has no devices
@@ -241,9 +241,9 @@ async def serve(socket, _path):
             if "silent" in OPTIONS:
                 continue
             await socket.send(server.answer(text))
-            if "huge" in OPTIONS:
+            if count == number("huge"):
                 await socket.send(json.dumps({"ConnectedPositions": ["x" * 100] * 100_000}))
-            if "flood" in OPTIONS and not flooding:
+            if count == number("flood"):
                 flooding = asyncio.create_task(flood(socket, server))
             if count == number("drops"):
                 socket.transport.abort()

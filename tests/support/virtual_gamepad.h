@@ -5,7 +5,9 @@
 
 #include <array>
 #include <condition_variable>
+#include <functional>
 #include <mutex>
+#include <utility>
 
 #include <gst/check/gstcheck.h>
 
@@ -13,7 +15,10 @@
 class VirtualPad
 {
 public:
-  explicit VirtualPad(const char *name, bool has_triggers = true)
+  /// `listener`, if any, gets the grips' levels as they come, on SDL's threads.
+  explicit VirtualPad(const char *name, bool has_triggers = true,
+                      std::function<void(int low, int high)> listener = {})
+      : listener_(std::move(listener))
   {
     SDL_SetHint(SDL_HINT_JOYSTICK_HIDAPI, "0");
     SDL_SetHint(SDL_HINT_NO_SIGNAL_HANDLERS, "1");
@@ -68,10 +73,13 @@ private:
     const std::lock_guard lock(mutex_);
     levels_[first] = a;
     levels_[first + 1] = b;
+    if (first == 0 && listener_)
+      listener_(a, b);
     changed_.notify_all();
     return 0;
   }
 
+  const std::function<void(int, int)> listener_;
   SDL_JoystickID id_ = -1;
   std::mutex mutex_;
   std::condition_variable changed_;

@@ -67,6 +67,16 @@ launch_line(const PlayerSettings &settings)
   return line;
 }
 
+/// Cell i is tactor i, whatever layout a device has.
+std::string
+mapping_of(std::size_t tactors)
+{
+  std::string mapping;
+  for (std::size_t i = 0; i < tactors; i++)
+    mapping += (i == 0 ? "" : ",") + std::to_string(i);
+  return mapping;
+}
+
 void
 push_frames(GstElement *source, const std::vector<Frame> &frames)
 {
@@ -143,6 +153,9 @@ play(const std::vector<Frame> &frames, const PlayerSettings &settings,
     g_object_set(tactors.get(), "driver", simulated ? "simulator" : settings.driver.c_str(),
                  "trace-location", trace_file.path(), "rate", 0.0, "voltage-max",
                  settings.volts_max, "ramp-in", guint64{ 0 }, "sync", !simulated, nullptr);
+    if (!simulated)
+      g_object_set(tactors.get(), "mapping", mapping_of(frames.front().levels.size()).c_str(),
+                   nullptr);
     if (!settings.device.empty() && !simulated)
       g_object_set(tactors.get(), "device", settings.device.c_str(), nullptr);
     if (!settings.calibration.empty())

@@ -62,10 +62,10 @@ pipeline_line(const Film &film, const PlaySettings &settings, bool with_files)
   std::string line
       = film_source(film) + " film. ! " + look + " ! videoconvert ! saliencytactile name=analysis "
         + settings.analysis_options + (settings.meter ? " attach-saliency=true" : "")
-        + " ! tactileextractor name=split split.tactile ! " + look + " ! tactorsink name=chair "
-        + settings.chair_options + file("trace-location", settings.commands) + " split.src ! "
-        + look + " ! tactileoverlay name=overlay" + (settings.meter ? " meter=true" : "")
-        + " ! videoconvert ! ";
+        + " ! tactileextractor name=split split.tactile ! " + look + " ! " + settings.chair
+        + " name=chair" + (settings.has_trace ? file("trace-location", settings.commands) : "")
+        + " split.src ! " + look + " ! tactileoverlay name=overlay"
+        + (settings.meter ? " meter=true" : "") + " ! videoconvert ! ";
   if (settings.window)
     line += "autovideosink";
   else

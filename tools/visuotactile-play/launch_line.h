@@ -12,7 +12,8 @@ struct PlaySettings
   std::string recording;        ///< file of the recording
   std::string commands;         ///< file of the command trace
   std::string analysis_options; ///< properties of saliencytactile, as on a launch line
-  std::string chair_options;    ///< properties of tactorsink, as on a launch line
+  std::string chair;            ///< the sink of the maps with its properties, as on a launch line
+  bool has_trace = false;       ///< it writes its commands and keeps statistics: it is tactorsink
   bool meter = false;           ///< the overlay shows events against the floor
   bool quiet = false;           ///< no progress
 };

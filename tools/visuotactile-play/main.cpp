@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 //
 // visuotactile-play: plays a film on screen (or records it) and on the chair, and prints a report.
+#include "devices.h"
 #include "player.h"
 #include "strip.h"
 
 #include "film/command_line.h"
 #include "film/film.h"
+#include "film/motor_walk.h"
 #include "film/output.h"
 #include "tactor/drivers/board_choice.h"
 #include "tactor/drivers/release_boards.h"
@@ -42,6 +44,10 @@ struct Options
   TextOption profile{ "tuned" };
   TextOption people{ "off" };
   TextOption compensation{ "exact" };
+  TextOption driver{ "auto" };
+  TextOption device{};
+  gint channels = 2;
+  gdouble intensity = 1;
   gint rows = 3;
   gint columns = 3;
   gdouble rate = 5;
@@ -49,11 +55,21 @@ struct Options
   gdouble density = 0;
   gboolean no_window = FALSE;
   gboolean print_pipeline = FALSE;
+  gboolean list_devices = FALSE;
+  gboolean feel_test = FALSE;
   gboolean release_boards = FALSE;
   gboolean version = FALSE;
   CommonOptions common;
   std::vector<std::string> films;
 };
+
+ChosenDevice
+chosen_device(const Options &options)
+{
+  return { .driver = options.driver.text(),
+           .device = options.device.text(),
+           .channels = static_cast<unsigned>(options.channels) };
+}
 
 /// Throws UsageError or Help.
 void
@@ -64,6 +80,19 @@ read_command_line(int argc, char **argv, Options &options)
       "Folder for the output files (default: the working directory)", "DIR" },
     { "no-window", 'n', 0, G_OPTION_ARG_NONE, &options.no_window,
       "Record visuotactile.mkv even with a display", nullptr },
+    { "driver", 'd', 0, G_OPTION_ARG_STRING, &options.driver.value,
+      "What is felt: a driver of tactorsink, or audio: shakers at a sound card (default: auto)",
+      "NAME" },
+    { "device", 0, 0, G_OPTION_ARG_STRING, &options.device.value,
+      "Which device of the driver, as --list-devices prints it", "ID" },
+    { "channels", 0, 0, G_OPTION_ARG_INT, &options.channels,
+      "Channels of the sound card, 1 to 64 (default: 2)", "N" },
+    { "intensity", 'i', 0, G_OPTION_ARG_DOUBLE, &options.intensity,
+      "Factor on all vibration, 0 to 1 (default: 1)", "FACTOR" },
+    { "list-devices", 0, 0, G_OPTION_ARG_NONE, &options.list_devices,
+      "Print what can be felt, with its options, and exit", nullptr },
+    { "feel-test", 0, 0, G_OPTION_ARG_NONE, &options.feel_test,
+      "Drive one motor after the other for half a second, name each, and exit", nullptr },
     { "profile", 'p', 0, G_OPTION_ARG_STRING, &options.profile.value,
       "How saliency is computed: tuned (default) or paper", "NAME" },
     { "rows", 'r', 0, G_OPTION_ARG_INT, &options.rows, "Rows of tactors, 1 to 64 (default: 3)",
@@ -125,12 +154,21 @@ read_command_line(int argc, char **argv, Options &options)
     throw UsageError("--sensitivity is a number from 0.1 to 10");
   if (!(options.density >= 0 && options.density <= 1))
     throw UsageError("--density is a number from 0 to 1");
+  if (options.channels < 1 || options.channels > 64)
+    throw UsageError("--channels is a whole number from 1 to 64");
+  if (!(options.intensity >= 0 && options.intensity <= 1))
+    throw UsageError("--intensity is a number from 0 to 1");
   if (!is_one_of(options.profile, { "tuned", "paper" }))
     throw UsageError("--profile is tuned or paper");
   if (!is_one_of(options.people, { "off", "fast", "thorough" }))
     throw UsageError("--people is off, fast or thorough");
   if (!is_one_of(options.compensation, { "exact", "frame-block", "none" }))
     throw UsageError("--compensation is exact, frame-block or none");
+  check(chosen_device(options));
+  if (options.driver.text() == kAudio && options.compensation.text() != "exact")
+    throw UsageError("--compensation is of tactorsink; with --driver=audio it is always exact");
+  if (options.feel_test && !options.films.empty())
+    throw UsageError("--feel-test plays no film; expected none");
 }
 
 /// Prints a line for each board. Returns the exit status.
@@ -204,6 +242,8 @@ print_report(const Film &film, const PlayReport &report)
   std::printf("Analysis       %.2f ms per frame (longest %.2f ms)\n",
               milliseconds(report.analysis, "analysis-mean"),
               milliseconds(report.analysis, "analysis-max"));
+  if (report.chair == nullptr)
+    return;
   std::printf("Commands       %llu issued, %llu late, %llu coalesced\n",
               number(report.chair, "issued"), number(report.chair, "late"),
               number(report.chair, "coalesced"));
@@ -220,11 +260,21 @@ number_text(double number)
   return g_ascii_dtostr(text, sizeof text, number);
 }
 
-int
-run(const Options &options)
+/// The sink of the maps with its properties, as on a launch line.
+std::string
+chair_line(const Options &options)
 {
-  for (const char *name : { "saliencytactile", "tactileextractor", "tactileoverlay", "tactorsink",
-                            "tactiletestsrc" }) {
+  std::string line = sink_line(chosen_device(options));
+  if (options.intensity != 1)
+    line += " intensity=" + number_text(options.intensity);
+  return line;
+}
+
+/// Throws std::runtime_error if GStreamer lacks an element.
+void
+expect_elements(std::initializer_list<const char *> names)
+{
+  for (const char *name : names) {
     GstElementFactory *factory = gst_element_factory_find(name);
     if (!factory) {
       throw std::runtime_error(
@@ -233,7 +283,34 @@ run(const Options &options)
     }
     gst_object_unref(factory);
   }
+}
 
+int
+feel_test(const Options &options)
+{
+  const ChosenDevice chosen = chosen_device(options);
+  expect_elements({ chosen.element() });
+  const MotorWalk motors = motors_of(chosen, static_cast<unsigned>(options.rows),
+                                     static_cast<unsigned>(options.columns));
+  const Owned<GstElement> sink = make_sink(chair_line(options));
+  walk(
+      sink.get(), motors,
+      [&](const std::string &motor) {
+        if (options.common.quiet)
+          return;
+        std::printf("%s\n", motor.c_str());
+        std::fflush(stdout);
+      },
+      [](const std::string &warning) { print_error(kProgram, warning); });
+  return 0;
+}
+
+int
+run(const Options &options)
+{
+  const ChosenDevice chosen = chosen_device(options);
+  expect_elements({ "saliencytactile", "tactileextractor", "tactileoverlay", chosen.element(),
+                    "tactiletestsrc" });
   const Film film = options.films.empty() ? synthetic_film() : discover_film(options.films.front());
 
   PlaySettings settings;
@@ -249,8 +326,10 @@ run(const Options &options)
   if (options.people.text() != "off")
     settings.analysis_options += " people=" + options.people.text();
   settings.meter = options.sensitivity != 1 || options.density > 0;
-  settings.chair_options
-      = "rate=" + number_text(options.rate) + " compensation=" + options.compensation.text();
+  settings.chair = chair_line(options) + " rate=" + number_text(options.rate);
+  settings.has_trace = chosen.driver != kAudio;
+  if (settings.has_trace)
+    settings.chair += " compensation=" + options.compensation.text();
 
   const std::filesystem::path directory = options.output.text();
   if (options.print_pipeline) {
@@ -308,6 +387,10 @@ main(int argc, char **argv)
       std::puts("visuotactile-play " PACKAGE_VERSION);
       return 0;
     }
+    if (options.list_devices)
+      return list_devices();
+    if (options.feel_test)
+      return feel_test(options);
     return options.release_boards ? release_boards() : run(options);
   } catch (const Help &help) {
     std::fputs(help.text.c_str(), stdout);

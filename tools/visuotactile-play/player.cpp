@@ -54,7 +54,8 @@ public:
     chair_ = element(pipeline_, "chair");
     if (const Owned<GstElement> recorder = element(pipeline_, "recorder"))
       g_object_set(recorder.get(), "location", settings_.recording.c_str(), nullptr);
-    g_object_set(chair_.get(), "trace-location", settings_.commands.c_str(), nullptr);
+    if (settings_.has_trace)
+      g_object_set(chair_.get(), "trace-location", settings_.commands.c_str(), nullptr);
     if (film_.has_sound)
       g_signal_connect(element(pipeline_, "film").get(), "no-more-pads", G_CALLBACK(no_more_pads),
                        this);
@@ -89,7 +90,8 @@ public:
                           GST_STATE_PAUSED); // motors to zero before anything else is taken down
     progress_.clear();
     g_object_get(analysis_.get(), "stats", &report_.analysis, nullptr);
-    g_object_get(chair_.get(), "actuation-stats", &report_.chair, nullptr);
+    if (settings_.has_trace)
+      g_object_get(chair_.get(), "actuation-stats", &report_.chair, nullptr);
     gst_element_set_state(pipeline_.get(), GST_STATE_READY);
     check_trace(bus.get());
     gst_element_set_state(pipeline_.get(), GST_STATE_NULL);
@@ -310,7 +312,8 @@ private:
       break;
     }
     case GST_MESSAGE_INFO: {
-      if (settings_.quiet || GST_MESSAGE_SRC(message) != GST_OBJECT(chair_.get()))
+      if (settings_.quiet
+          || !gst_object_has_as_ancestor(GST_MESSAGE_SRC(message), GST_OBJECT(chair_.get())))
         break;
       g_autoptr(GError) info = nullptr; // which board, or that there is none
       gst_message_parse_info(message, &info, nullptr);
@@ -384,26 +387,31 @@ private:
   gboolean on_progress()
   {
     const GstClockTime position = position_.load();
-    GstStructure *stats = nullptr;
-    g_object_get(chair_.get(), "actuation-stats", &stats, nullptr);
-    guint64 issued = 0;
-    guint64 late = 0;
-    if (stats) {
-      gst_structure_get_uint64(stats, "issued", &issued);
-      gst_structure_get_uint64(stats, "late", &late);
-      gst_structure_free(stats);
-    }
     const auto seconds = [](GstClockTime time) {
       return static_cast<double>(time) / GST_SECOND;
     };
     g_autofree gchar *of = GST_CLOCK_TIME_IS_VALID(film_.duration)
                                ? g_strdup_printf(" of %.1f s", seconds(film_.duration))
                                : g_strdup("");
-    g_autofree gchar *text
-        = g_strdup_printf("%6.1f s%s   %" G_GUINT64_FORMAT " commands, %" G_GUINT64_FORMAT " late",
-                          seconds(position), of, issued, late);
-    progress_.show(text);
+    g_autofree gchar *text = g_strdup_printf("%6.1f s%s", seconds(position), of);
+    progress_.show(text + counts());
     return G_SOURCE_CONTINUE;
+  }
+
+  /// Commands so far, to be appended.
+  std::string counts() const
+  {
+    if (!settings_.has_trace)
+      return {};
+    g_autoptr(GstStructure) stats = nullptr;
+    g_object_get(chair_.get(), "actuation-stats", &stats, nullptr);
+    guint64 issued = 0;
+    guint64 late = 0;
+    if (stats) {
+      gst_structure_get_uint64(stats, "issued", &issued);
+      gst_structure_get_uint64(stats, "late", &late);
+    }
+    return "   " + std::to_string(issued) + " commands, " + std::to_string(late) + " late";
   }
 
   const PlaySettings &settings_;

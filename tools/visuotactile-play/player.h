@@ -21,7 +21,7 @@ struct PlayReport
   GstClockTime position = 0;        ///< running time of the end of the last frame
   GstClockTime reached = 0;         ///< of the end of the last frame or sound, whichever is later
   GstStructure *analysis = nullptr; ///< saliencytactile's stats, owned
-  GstStructure *chair = nullptr;    ///< tactorsink's actuation-stats, owned
+  GstStructure *chair = nullptr;    ///< tactorsink's actuation-stats, owned, or null
 
   PlayReport() = default;
   ~PlayReport();

@@ -21,6 +21,7 @@ struct ServedDevice
   std::string name;   ///< for messages
   std::string server; ///< its name and version
   int tactors = 0;
+  std::vector<std::string> motors{}; ///< what one calls each tactor
   Layout layout{};
   double step = 0; ///< the smallest one of a level
   Time latency{ 0 };

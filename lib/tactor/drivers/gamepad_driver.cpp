@@ -35,6 +35,16 @@ describe(const std::vector<Gamepad> &gamepads)
   return text;
 }
 
+/// As the user sees them.
+std::vector<std::string>
+names_of_motors(int motors)
+{
+  std::vector<std::string> names{ "left grip, heavy motor", "right grip, light motor",
+                                  "left trigger", "right trigger" };
+  names.resize(static_cast<std::size_t>(motors));
+  return names;
+}
+
 bool
 is_wanted(const Gamepad &gamepad, const std::string &device)
 {
@@ -278,6 +288,7 @@ GamepadDriver::connect(Lock &lock, Gamepads &gamepads)
       gamepad_ = gamepad;
       status_.board = describe(gamepad);
       status_.firmware = gamepad.is_bluetooth ? "gamepad by Bluetooth" : "gamepad";
+      status_.motors = names_of_motors(tactors);
       status_.has_watchdog = true;
       status_.is_there = true;
       rumble_.emplace(shortest_interval(gamepad), settings_.times);

@@ -33,19 +33,13 @@ drivers()
       } },
 #ifdef HAVE_GAMEPAD
     { "gamepad", "the rumble motors of a gamepad, by cable or Bluetooth",
-      [] {
-        return std::make_unique<GamepadDriver>();
-      } },
+      [] { return std::make_unique<GamepadDriver>(); }, true },
 #endif
 #ifdef HAVE_WEBSOCKET
     { "bhaptics", "a vest, sleeves or visor of bHaptics, by bHaptics Player",
-      [] {
-        return std::make_unique<ServerDriver>(make_bhaptics_server);
-      } },
+      [] { return std::make_unique<ServerDriver>(make_bhaptics_server); }, true },
     { "intiface", "a device that vibrates, by Intiface; never one that was not named",
-      [] {
-        return std::make_unique<ServerDriver>(make_intiface_server);
-      } },
+      [] { return std::make_unique<ServerDriver>(make_intiface_server); }, true },
 #endif
     { "simulator", "no hardware: predicts what each motor would do",
       [] {

@@ -15,6 +15,9 @@ struct DriverInfo
   std::string_view name;        ///< as in `tactorsink driver=NAME`
   std::string_view description; ///< one line
   std::function<std::unique_ptr<Driver>()> create;
+  /// Each tactor is a motor that has a name: DriverStatus::motors, of an open driver. A board has
+  /// tactors to which nothing may be connected.
+  bool names_motors = false;
 };
 
 /// All drivers of this build, the default one first.

@@ -335,6 +335,7 @@ ServerDriver::take(Lock &lock, const Server &server)
                             + "; stop the film and begin anew" };
   status_.board = device.name;
   status_.firmware = device.server;
+  status_.motors.assign(device.motors.begin(), device.motors.begin() + tactors);
   status_.has_watchdog = device.has_watchdog;
   status_.is_there = true;
   if (is_open_) {

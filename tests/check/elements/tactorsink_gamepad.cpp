@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 //
 // tactorsink on SDL's virtual gamepad.
+#include "support/two_devices.h"
 #include "support/virtual_gamepad.h"
 
 #include <vector>
@@ -107,6 +108,19 @@ GST_START_TEST(test_zero_on_ways_out)
 }
 GST_END_TEST;
 
+/// A gamepad beside a chair.
+GST_START_TEST(test_with_a_chair)
+{
+  VirtualPad pad("virtual pad");
+  TwoDevices devices("driver=simulator", "driver=gamepad device=\"virtual pad\"");
+  devices.play();
+  pad.wait_for({ 65535, 0, 0, 0 });
+  pad.wait_for({ 0, 65535, 0, 0 });
+  devices.expect_one_film();
+  pad.wait_for(kZero);
+}
+GST_END_TEST;
+
 static Suite *
 tactorsink_gamepad_suite(void)
 {
@@ -117,6 +131,7 @@ tactorsink_gamepad_suite(void)
   tcase_add_test(tcase, test_halves);
   tcase_add_test(tcase, test_mapping);
   tcase_add_test(tcase, test_zero_on_ways_out);
+  tcase_add_test(tcase, test_with_a_chair);
   return suite;
 }
 

@@ -182,6 +182,10 @@ GST_START_TEST(test_vest_of_two_sides)
   talk.play();
   ck_assert_int_eq(talk.talk.device().tactors, 40);
   fail_unless(talk.talk.device().layout == (Layout{ 5, 4, 2 }));
+  const std::vector<std::string> motors = talk.talk.device().motors;
+  ck_assert_int_eq(static_cast<int>(motors.size()), 40);
+  assert_text(motors[5], "back, row 2, column 2");
+  assert_text(motors[39], "front, row 5, column 4");
   std::array<double, 40> levels{};
   levels[39] = 1; // the last one of the front
   talk.talk.set_levels(levels);
@@ -210,6 +214,8 @@ GST_START_TEST(test_sleeves)
   const std::vector<std::string> warnings = talk.talk.take_warnings();
   ck_assert_uint_eq(warnings.size(), 1);
   assert_contains(warnings.front(), { "ForearmL is not connected" });
+  assert_text(talk.talk.device().motors.at(6 + 2), "left arm, row 2, column 3");
+  assert_text(talk.talk.device().motors.at(3), "right arm, row 1, column 1");
   std::array<double, 12> levels{};
   levels[6 + 2] = levels[3] = 1; // second row of the left arm, first one of the right
   talk.talk.set_levels(levels);

@@ -111,6 +111,8 @@ GST_START_TEST(test_version_4)
   const ServedDevice device = talk.talk.device();
   ck_assert_int_eq(device.tactors, 2);
   fail_unless(device.layout == (Layout{ 1, 2 }));
+  fail_unless(device.motors
+              == (std::vector<std::string>{ "Test Vibrator, motor 1", "Test Vibrator, motor 2" }));
   fail_unless(device.step == 0.1);
   fail_unless(device.latency == 7ms);
   fail_if(device.has_watchdog);

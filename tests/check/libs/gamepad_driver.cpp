@@ -179,6 +179,9 @@ GST_START_TEST(test_levels)
   rig.wait_for_levels({ 1, 0, 0, 0 });
   fail_unless(rig.driver.status().is_there);
   fail_unless(rig.driver.status().has_watchdog);
+  fail_unless(rig.driver.status().motors
+              == (std::vector<std::string>{ "left grip, heavy motor", "right grip, light motor",
+                                            "left trigger", "right trigger" }));
   rig.driver.close();
   for (std::size_t i = 0; i + 1 < rig.room.durations.size(); i++)
     fail_unless(rig.room.durations[i] == 250ms);
@@ -194,6 +197,7 @@ GST_START_TEST(test_fewer_tactors)
   config.max_tactors = 1;
   unwrap(rig.driver.open(config));
   fail_unless(rig.driver.layout() == (Layout{ .rows = 1, .columns = 1 }));
+  ck_assert_int_eq(static_cast<int>(rig.driver.status().motors.size()), 1);
   unwrap(rig.driver.write(std::array{ 3.0, 3.0 }, 0s));
   rig.wait_for_levels({ 1, 0, 0, 0 });
 }

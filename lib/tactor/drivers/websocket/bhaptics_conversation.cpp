@@ -19,6 +19,37 @@ is_connected(const bhaptics::Status &status, std::string_view position)
          || (status.is_asleep && device == "Vest");
 }
 
+/// Where a position is on the wearer.
+std::string_view
+place_of(std::string_view position)
+{
+  constexpr std::pair<std::string_view, std::string_view> kPlaces[] = {
+    { "VestBack", "back" },      { "VestFront", "front" }, { "ForearmL", "left arm" },
+    { "ForearmR", "right arm" }, { "Head", "visor" },
+  };
+  const auto *place
+      = std::ranges::find(kPlaces, position, [](const auto &one) { return one.first; });
+  return place == std::end(kPlaces) ? position : place->second;
+}
+
+/// In the order of tactors.
+std::vector<std::string>
+names_of_motors(const SuitPart &part)
+{
+  const int side_by_side = static_cast<int>(part.positions.size()) / part.layout.panels;
+  const int width = part.layout.columns / side_by_side;
+  std::vector<std::string> names;
+  for (int panel = 0; panel < part.layout.panels; panel++)
+    for (int row = 0; row < part.layout.rows; row++)
+      for (int column = 0; column < part.layout.columns; column++) {
+        const auto position = static_cast<std::size_t>(panel * side_by_side + column / width);
+        names.push_back(std::string(place_of(part.positions[position])) + ", row "
+                        + std::to_string(row + 1) + ", column "
+                        + std::to_string(column % width + 1));
+      }
+  return names;
+}
+
 std::string
 joined(const auto &names)
 {
@@ -172,6 +203,7 @@ BhapticsConversation::device() const
   return { .name = std::string(part_.name) + " by " + server_,
            .server = "bHaptics",
            .tactors = part_.layout.tactors(),
+           .motors = names_of_motors(part_),
            .layout = part_.layout,
            .step = 0.01,
            .has_watchdog = true };

@@ -418,8 +418,11 @@ ButtplugConversation::device() const
   for (const Taken &taken : taken_) {
     served.name += (served.name.empty() ? "" : ", ") + name_of(taken.device);
     served.tactors += static_cast<int>(taken.device.vibrators.size());
-    for (const buttplug::Vibrator &vibrator : taken.device.vibrators)
+    for (const buttplug::Vibrator &vibrator : taken.device.vibrators) {
       served.step = std::max(served.step, 1.0 / vibrator.steps);
+      served.motors.push_back(name_of(taken.device) + ", motor "
+                              + std::to_string(&vibrator - taken.device.vibrators.data() + 1));
+    }
   }
   served.name += " by " + server_;
   served.layout = { .rows = 1, .columns = served.tactors };

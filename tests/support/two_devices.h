@@ -1,0 +1,123 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+//
+// Two devices that play one stream of maps in one pipeline, each with rise times of its own.
+#pragma once
+
+#include "calibration/calibration.h"
+#include "support/temporary_file.h"
+#include "support/unwrap.h"
+#include "tactor/command_trace.h"
+
+#include <algorithm>
+#include <chrono>
+#include <string>
+#include <vector>
+
+#include "support/playing.h"
+#include "support/tolerance.h"
+#include <gst/base/gstbasesink.h>
+#include <gst/tactile/tactile.h>
+
+/// All motors of the second device take this long to any level.
+inline constexpr double kSlowRiseMs = 120;
+
+/// Maps of 1 × 2: the left cell is on in the 2nd and 5th map, the right one in the 3rd.
+class TwoDevices
+{
+public:
+  static constexpr GstClockTime kMap = 200 * GST_MSECOND;
+
+  /// `first` and `second` are properties of the two tactorsinks.
+  TwoDevices(const std::string &first, const std::string &second)
+  {
+    tactor::Calibration slow;
+    for (const int tactor : { 0, 1 })
+      slow.tactors[tactor].table = tactor::RiseTimeTable{
+        .step_volts = 1, .size = 4, .milliseconds = std::vector<double>(16, kSlowRiseMs)
+      };
+    unwrap(tactor::write_calibration(slow, calibration_.path));
+    const std::string common = " rate=0 ramp-in=0 max-duty=0 trace-location=";
+    pipeline_ = make_pipeline(
+        "appsrc name=maps format=time caps=application/x-tactile-map,rows=1,columns=2,"
+        "framerate=5/1 ! tee name=t t. ! queue ! tactorsink name=first "
+        + first + common + traces_[0].path + " t. ! queue ! tactorsink name=second calibration="
+        + calibration_.path + " " + second + common + traces_[1].path);
+    GstElement *maps = gst_bin_get_by_name(GST_BIN(pipeline_), "maps");
+    const std::vector<std::vector<gfloat>> film{ { 0, 0 }, { 1, 0 }, { 0, 1 },
+                                                 { 0, 0 }, { 1, 0 }, { 0, 0 } };
+    for (std::size_t i = 0; i < film.size(); i++) {
+      g_autoptr(GstBuffer) map = gst_tactile_map_buffer_new(film[i].data(), film[i].size());
+      GST_BUFFER_PTS(map) = i * kMap;
+      GST_BUFFER_DURATION(map) = kMap;
+      GstFlowReturn flow;
+      g_signal_emit_by_name(maps, "push-buffer", map, &flow);
+    }
+    GstFlowReturn flow;
+    g_signal_emit_by_name(maps, "end-of-stream", &flow);
+    gst_object_unref(maps);
+  }
+  ~TwoDevices()
+  {
+    gst_element_set_state(pipeline_, GST_STATE_NULL);
+    gst_object_unref(pipeline_);
+  }
+  TwoDevices(const TwoDevices &) = delete;
+  TwoDevices &operator=(const TwoDevices &) = delete;
+
+  void play()
+  {
+    gst_element_set_state(pipeline_, GST_STATE_PLAYING);
+  }
+
+  /// After the end: both were given the same effects at the same times, each early by its own rise
+  /// time, and neither was issued before it was due.
+  void expect_one_film()
+  {
+    wait_for_eos(pipeline_);
+    // Running time is the same for both; so is what is added to it.
+    ck_assert_uint_eq(latency("first"), latency("second"));
+    gst_element_set_state(pipeline_, GST_STATE_NULL);
+    // Eq. 1 of the paper, from rest to 3 V.
+    const double paper = 241.9 - 175.7 * 3 + 38.86 * 9;
+    expect(traces_[0].path, paper);
+    expect(traces_[1].path, kSlowRiseMs);
+  }
+
+private:
+  GstClockTime latency(const char *name)
+  {
+    GstElement *sink = gst_bin_get_by_name(GST_BIN(pipeline_), name);
+    const GstClockTime latency = gst_base_sink_get_latency(GST_BASE_SINK(sink));
+    gst_object_unref(sink);
+    return latency;
+  }
+
+  static void expect(const std::string &path, double rise_ms)
+  {
+    struct Step
+    {
+      int map;
+      int tactor;
+      double volts;
+    };
+    const std::vector<Step> steps{ { 1, 0, 3 }, { 2, 1, 3 }, { 2, 0, 0 },
+                                   { 3, 1, 0 }, { 4, 0, 3 }, { 5, 0, 0 } };
+    const std::vector<tactor::IssuedCommand> trace = unwrap(tactor::read_command_trace(path));
+    ck_assert_uint_eq(trace.size(), steps.size());
+    for (const Step &step : steps) {
+      const auto at = std::chrono::nanoseconds(static_cast<gint64>(kMap) * step.map);
+      const auto found = std::ranges::find_if(trace, [&](const tactor::IssuedCommand &one) {
+        return one.command.effect == at && one.command.tactor == step.tactor;
+      });
+      fail_unless(found != trace.end(), "no command for map %d, tactor %d", step.map, step.tactor);
+      fail_unless_near(found->command.volts, step.volts, 1e-3);
+      const double lead_ms = std::chrono::duration<double, std::milli>(found->command.lead).count();
+      fail_unless_near(lead_ms, step.volts > 0 ? rise_ms : 0, 0.01);
+      fail_unless(found->issued >= at - found->command.lead);
+    }
+  }
+
+  TemporaryFile calibration_;
+  TemporaryFile traces_[2];
+  GstElement *pipeline_ = nullptr;
+};

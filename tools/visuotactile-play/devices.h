@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include "film/motor_walk.h"
+#include "film/pipeline.h"
+
+#include <string>
+
+/// The driver of this program for shakers at a sound card. All others are tactorsink's.
+inline constexpr const char *kAudio = "audio";
+
+/// What is felt, as the command line has it.
+struct ChosenDevice
+{
+  std::string driver;
+  std::string device;    ///< of tactorsink, or a sound card's name; may be empty
+  unsigned channels = 2; ///< of the sound card
+
+  /// The sink that plays maps on it.
+  const char *element() const
+  {
+    return driver == kAudio ? "tactoraudiosink" : "tactorsink";
+  }
+};
+
+/// Throws UsageError if there is no such driver.
+void check(const ChosenDevice &chosen);
+
+/// The sink as on a launch line. Throws std::runtime_error if there is no such sound card.
+std::string sink_line(const ChosenDevice &chosen);
+
+/// A sink of that line. Throws std::runtime_error.
+Owned<GstElement> make_sink(const std::string &line);
+
+/// The motors to feel: those that the device knows, the channels of a sound card, else the cells of
+/// a grid. Throws std::runtime_error.
+MotorWalk motors_of(const ChosenDevice &chosen, unsigned rows, unsigned columns);
+
+/// Prints boards, gamepads and sound cards, and how other devices are named. Opens none. Returns
+/// the exit status.
+int list_devices();
