@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "frametap.h"
 
-FrameTap::FrameTap(GstPad *watched, GstPad *branch, PlayGate &gate, std::function<void()> goes_on)
-    : gate_(gate), goes_on_(std::move(goes_on)), watched_(GST_PAD(gst_object_ref(watched))),
+FrameTap::FrameTap(GstPad *watched, GstPad *branch, PlayGate &gate,
+                   std::function<void(bool ended)> changed)
+    : gate_(gate), changed_(std::move(changed)), watched_(GST_PAD(gst_object_ref(watched))),
       pad_(gst_pad_new("tap", GST_PAD_SRC))
 {
   gst_object_ref_sink(pad_);
@@ -73,13 +74,14 @@ void
 FrameTap::follow(GstEvent *event)
 {
   const GstEventType type = GST_EVENT_TYPE(event);
-  if (type == GST_EVENT_EOS)
+  if (type == GST_EVENT_EOS) {
     ended_ = true;
-  if (type != GST_EVENT_STREAM_START && type != GST_EVENT_FLUSH_STOP)
-    return;
-  ended_ = false;
-  if (!open_)
-    goes_on_();
+    changed_(true);
+  } else if (type == GST_EVENT_STREAM_START || type == GST_EVENT_FLUSH_STOP) {
+    ended_ = false;
+    if (!open_)
+      changed_(false);
+  }
 }
 
 void

@@ -16,8 +16,10 @@ class FrameTap
 {
 public:
   /// `watched` is a sink pad, `branch` one that drops what it cannot take in time. The gate is told
-  /// of flushes. `goes_on` is called when a film begins or was sought in while no frame passes.
-  FrameTap(GstPad *watched, GstPad *branch, PlayGate &gate, std::function<void()> goes_on);
+  /// of flushes. `changed` is called when a film has ended, and, while no frame
+  /// passes, when one begins or was sought in.
+  FrameTap(GstPad *watched, GstPad *branch, PlayGate &gate,
+           std::function<void(bool ended)> changed);
   ~FrameTap();
   FrameTap(const FrameTap &) = delete;
   FrameTap &operator=(const FrameTap &) = delete;
@@ -40,7 +42,7 @@ private:
   void pass(GstBuffer *frame);
 
   PlayGate &gate_;
-  const std::function<void()> goes_on_;
+  const std::function<void(bool ended)> changed_;
   GstPad *watched_;
   GstPad *pad_; ///< a source pad without an element
   gulong probe_ = 0;

@@ -393,8 +393,6 @@ gst_visuotactile_decoder_handle_message(GstBin *bin, GstMessage *message)
     GST_BIN_CLASS(parent_class)->handle_message(bin, message);
     return;
   }
-  if (GST_MESSAGE_TYPE(message) == GST_MESSAGE_EOS)
-    ChairTurns::of_process().end(GST_ELEMENT(self));
   gst_message_unref(message);
 }
 
@@ -559,8 +557,12 @@ gst_visuotactile_decoder_init(GstVisuotactileDecoder *self)
   g_autoptr(GstPad) chair = gst_element_get_static_pad(GST_ELEMENT(self->branch), "sink");
   g_autoptr(GstPad) maps = gst_tactile_branch_get_maps_pad(self->branch);
   self->gate = new PlayGate(GST_ELEMENT(self), maps);
-  self->tap = new FrameTap(watched, chair, *self->gate, [self] {
-    gst_element_call_async(GST_ELEMENT(self), gst_visuotactile_decoder_offered, nullptr, nullptr);
+  self->tap = new FrameTap(watched, chair, *self->gate, [self](bool ended) {
+    GstElement *element = GST_ELEMENT(self);
+    if (ended)
+      ChairTurns::of_process().end(element);
+    else
+      gst_element_call_async(element, gst_visuotactile_decoder_offered, nullptr, nullptr);
   });
   gst_pad_add_probe(self->srcpad, GST_PAD_PROBE_TYPE_EVENT_UPSTREAM,
                     gst_visuotactile_decoder_sinks_event, self, nullptr);
