@@ -14,7 +14,7 @@ namespace {
 /// How long the destructor waits until the server has taken what was sent.
 constexpr Time kFarewell = std::chrono::milliseconds(250);
 /// Messages that wait for wait(). More end the connection.
-constexpr std::size_t kMostWaiting = 1024;
+constexpr std::size_t kMostWaiting = 256;
 constexpr std::size_t kMostBytesWaiting = 4 * kLargestMessage;
 
 Time
@@ -133,10 +133,22 @@ private:
       return;
     if (events_.size() >= kMostWaiting || bytes_ + event.text.size() > kMostBytesWaiting) {
       end("it sends more than can be read");
+      stop_reading();
       return;
     }
     bytes_ += event.text.size();
     events_.push_back(std::move(event));
+  }
+
+  /// libsoup reads on for as long as there is something to read, which a server that floods may
+  /// keep up for ever. Of a closed socket nothing is read.
+  void stop_reading()
+  {
+    g_autoptr(GIOStream) base = nullptr;
+    g_object_get(soup_websocket_connection_get_io_stream(connection_), "base-iostream", &base,
+                 nullptr);
+    if (base != nullptr && G_IS_SOCKET_CONNECTION(base))
+      g_socket_close(g_socket_connection_get_socket(G_SOCKET_CONNECTION(base)), nullptr);
   }
 
   void end(const std::string &why)
