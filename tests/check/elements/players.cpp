@@ -14,6 +14,7 @@
 
 // gstcheck.h defines a macro `fail`, so it follows the standard library's headers.
 #include "support/playing.h"
+#include "support/start_player.h"
 #include "support/temporary_file.h"
 #include "trace.h"
 #include <gst/base/gstbasesink.h>
@@ -228,7 +229,7 @@ check_player(const char *playbin)
   make_film(film.path);
   Player player(playbin, film.path);
 
-  change_state(player.pipeline, GST_STATE_PLAYING);
+  start_player(player.pipeline, GST_STATE_PLAYING);
   player.wait_for_commands(5);
   player.assert_same_latency();
   change_state(player.pipeline, GST_STATE_PAUSED);
@@ -280,7 +281,7 @@ GST_START_TEST(test_video_filter)
     g_object_set(pipeline, "uri", uri, "video-sink", screen, "video-filter",
                  gst_element_factory_make("saliencytactile", nullptr), "audio-sink",
                  gst_element_factory_make("fakesink", nullptr), nullptr);
-    gst_element_set_state(pipeline, GST_STATE_PAUSED);
+    start_player(pipeline, GST_STATE_PAUSED);
     gst_element_get_state(pipeline, nullptr, nullptr, GST_CLOCK_TIME_NONE);
     {
       std::lock_guard lock(shown.mutex);

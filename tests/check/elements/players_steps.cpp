@@ -11,6 +11,7 @@
 
 // gstcheck.h defines a macro `fail`, so it follows the standard library's headers.
 #include "support/playing.h"
+#include "support/start_player.h"
 #include "support/temporary_file.h"
 
 namespace {
@@ -102,6 +103,7 @@ seek_and_step(const char *playbin, const std::string &film, GstElement *sink, Gs
       count_event, &outcome, nullptr);
   g_autoptr(GstBus) bus = gst_element_get_bus(player);
 
+  start_player(player, GST_STATE_PAUSED);
   change_state(player, GST_STATE_PAUSED);
   for (const GstClockTime place : { 1000, 500, 0 }) {
     seek_exactly(player, 1.0, place * GST_MSECOND, GST_CLOCK_TIME_NONE);

@@ -17,6 +17,7 @@
 
 // gstcheck.h defines a macro `fail`, so it follows the standard library's headers.
 #include "support/playing.h"
+#include "support/start_player.h"
 #include "support/temporary_file.h"
 #include "trace.h"
 #include <gst/base/gstbasesink.h>
@@ -108,9 +109,13 @@ public:
         warnings.push_back(Said(message).text);
     }
   }
+  void play()
+  {
+    start_player(pipeline, GST_STATE_PLAYING);
+  }
   void play_to_the_end()
   {
-    gst_element_set_state(pipeline, GST_STATE_PLAYING);
+    play();
     wait([this] { return ended; });
   }
   void pause()
@@ -307,7 +312,7 @@ GST_START_TEST(test_a_pause_is_silent)
   TemporaryFile film;
   make_film(film.path, 240);
   Player player(kPlaybins[__i__], film.path, true);
-  gst_element_set_state(player.pipeline, GST_STATE_PLAYING);
+  player.play();
   player.wait_for_commands(5);
   player.pause();
   std::map<int, double> levels;
@@ -326,7 +331,7 @@ GST_START_TEST(test_seeks)
   TemporaryFile film;
   make_film(film.path, 240);
   Player player(kPlaybins[__i__], film.path, true);
-  gst_element_set_state(player.pipeline, GST_STATE_PLAYING);
+  player.play();
   for (const GstClockTime to : { 3 * GST_SECOND, GST_SECOND, 2 * GST_SECOND }) {
     player.wait_for_commands(3);
     seek_exactly(player.pipeline, 1, to, 8 * GST_SECOND);
@@ -344,7 +349,7 @@ GST_START_TEST(test_a_pause_before_a_seek_is_done)
   TemporaryFile film;
   make_film(film.path, 240);
   Player player(kPlaybins[__i__], film.path, true);
-  gst_element_set_state(player.pipeline, GST_STATE_PLAYING);
+  player.play();
   player.wait_for_commands(5);
   seek_exactly(player.pipeline, 1, 3 * GST_SECOND, 8 * GST_SECOND);
   player.pause();
@@ -408,7 +413,7 @@ GST_START_TEST(test_a_chair_that_fails_in_a_pause)
   TemporaryFile film;
   make_film(film.path, 120);
   Player player(kPlaybins[__i__], film.path, true);
-  gst_element_set_state(player.pipeline, GST_STATE_PLAYING);
+  player.play();
   player.wait_for_commands(5);
   player.pause();
   GST_ELEMENT_ERROR(player.tactors(), STREAM, FAILED, ("Broken."), (nullptr));

@@ -9,6 +9,7 @@
 
 // gstcheck.h defines a macro `fail`, so it follows the standard library's headers.
 #include "support/playing.h"
+#include "support/start_player.h"
 #include "support/temporary_file.h"
 #include <gst/check/gstcheck.h>
 
@@ -73,7 +74,7 @@ public:
   void pause()
   {
     report.push_back("pause");
-    gst_element_set_state(playbin_, GST_STATE_PAUSED);
+    start_player(playbin_, GST_STATE_PAUSED);
     hear_until(GST_MESSAGE_ASYNC_DONE);
     look();
   }
