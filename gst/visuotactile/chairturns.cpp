@@ -10,48 +10,70 @@ ChairTurns::of_process()
   return turns;
 }
 
-void
-ChairTurns::offer()
+/// Who waits with the strongest claim.
+std::deque<ChairTurns::Claimant>::iterator
+ChairTurns::next()
 {
-  if (holder_.element == nullptr && !waiting_.empty())
-    gst_element_call_async(waiting_.front().element, waiting_.front().offered, nullptr, nullptr);
+  return std::ranges::max_element(waiting_, {}, &Claimant::claim); // the first of equals
+}
+
+void
+ChairTurns::settle()
+{
+  const auto best = next();
+  if (best == waiting_.end() || best->claim == Claim::kEnded)
+    return;
+  if (holder_.element == nullptr)
+    gst_element_call_async(best->element, best->offered, nullptr, nullptr);
+  else if (best->claim > holder_.claim)
+    gst_element_call_async(holder_.element, holder_.asked, nullptr, nullptr);
 }
 
 bool
-ChairTurns::take(const Film &film)
+ChairTurns::take(const Film &film, Claim claim)
 {
   const std::lock_guard lock(mutex_);
   if (holder_.element == film.element)
     return true;
-  const auto place = std::ranges::find(waiting_, film.element, &Film::element);
-  const bool is_first = place == waiting_.begin(); // also where nobody waits
-  if (holder_.element == nullptr && is_first) {
-    if (place != waiting_.end())
-      waiting_.pop_front();
-    holder_ = film;
+  auto place = std::ranges::find(waiting_, film.element, &Claimant::element);
+  if (place == waiting_.end())
+    place = waiting_.insert(waiting_.end(), { film, claim });
+  place->claim = claim;
+  if (holder_.element == nullptr && claim != Claim::kEnded && place == next()) {
+    holder_ = *place;
+    waiting_.erase(place);
     return true;
   }
-  if (place == waiting_.end())
-    waiting_.push_back(film);
-  if (holder_.element != nullptr)
-    gst_element_call_async(holder_.element, holder_.asked, nullptr, nullptr);
+  settle();
   return false;
+}
+
+void
+ChairTurns::claim(GstElement *element, Claim claim)
+{
+  const std::lock_guard lock(mutex_);
+  const auto place = std::ranges::find(waiting_, element, &Claimant::element);
+  if (holder_.element == element)
+    holder_.claim = claim;
+  else if (place != waiting_.end())
+    place->claim = claim;
+  settle();
+}
+
+bool
+ChairTurns::outranked(GstElement *element)
+{
+  const std::lock_guard lock(mutex_);
+  const auto best = next();
+  return holder_.element == element && best != waiting_.end() && best->claim > holder_.claim;
 }
 
 void
 ChairTurns::leave(GstElement *element)
 {
   const std::lock_guard lock(mutex_);
-  std::erase_if(waiting_, [element](const Film &film) { return film.element == element; });
+  std::erase_if(waiting_, [element](const Claimant &film) { return film.element == element; });
   if (holder_.element == element)
     holder_ = {};
-  offer();
-}
-
-void
-ChairTurns::end(GstElement *element)
-{
-  const std::lock_guard lock(mutex_);
-  if (holder_.element == element && !waiting_.empty())
-    gst_element_call_async(element, holder_.asked, nullptr, nullptr);
+  settle();
 }

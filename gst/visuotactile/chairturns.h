@@ -6,32 +6,49 @@
 #include <deque>
 #include <mutex>
 
-/// Whose film is felt, of all in this process: one has the chair, others wait for it in the order
-/// in which they began. Any thread.
+/// Whose film is felt, of all in this process. The film with the strongest claim has the chair; of
+/// equal claims the one that has it keeps it, and others wait in the order in which they began. Any
+/// thread.
 class ChairTurns
 {
 public:
+  /// From the weakest to the strongest.
+  enum class Claim
+  {
+    kEnded,
+    kPaused,
+    kPlays
+  };
+
   /// A film's element, and what is called for it on a thread of GStreamer's.
   struct Film
   {
     GstElement *element;
     GstElementCallAsyncFunc offered; ///< the chair is free: take() it
-    GstElementCallAsyncFunc asked;   ///< somebody waits: leave() it if the film has ended
+    GstElementCallAsyncFunc asked;   ///< make room if outranked()
   };
 
   static ChairTurns &of_process();
 
-  /// Whether the film has the chair now. If not, it waits, and who has it is asked.
-  bool take(const Film &film);
+  /// Whether the film has the chair now. If not, it waits.
+  bool take(const Film &film, Claim claim);
+  /// Of a film that has the chair or waits.
+  void claim(GstElement *element, Claim claim);
+  /// Whether one that waits has a stronger claim than this film, which has the chair.
+  bool outranked(GstElement *element);
   /// The film plays no more: it neither has the chair nor waits.
   void leave(GstElement *element);
-  /// The film has ended. It is asked if somebody waits.
-  void end(GstElement *element);
 
 private:
-  void offer();
+  struct Claimant : Film
+  {
+    Claim claim;
+  };
+
+  std::deque<Claimant>::iterator next();
+  void settle();
 
   std::mutex mutex_{};
-  Film holder_{}; ///< without an element: nobody
-  std::deque<Film> waiting_{};
+  Claimant holder_{}; ///< without an element: nobody
+  std::deque<Claimant> waiting_{};
 };

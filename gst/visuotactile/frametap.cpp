@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "frametap.h"
 
-FrameTap::FrameTap(GstPad *watched, GstPad *branch, PlayGate &gate,
-                   std::function<void(bool ended)> changed)
+FrameTap::FrameTap(GstPad *watched, GstPad *branch, PlayGate &gate, std::function<void()> changed)
     : gate_(gate), changed_(std::move(changed)), watched_(GST_PAD(gst_object_ref(watched))),
       pad_(gst_pad_new("tap", GST_PAD_SRC))
 {
@@ -30,6 +29,12 @@ FrameTap::~FrameTap()
   }
   gst_object_unref(pad_);
   gst_object_unref(watched_);
+}
+
+void
+FrameTap::begin()
+{
+  ended_ = false;
 }
 
 void
@@ -74,13 +79,9 @@ void
 FrameTap::follow(GstEvent *event)
 {
   const GstEventType type = GST_EVENT_TYPE(event);
-  if (type == GST_EVENT_EOS) {
-    ended_ = true;
-    changed_(true);
-  } else if (type == GST_EVENT_STREAM_START || type == GST_EVENT_FLUSH_STOP) {
-    ended_ = false;
-    if (!open_)
-      changed_(false);
+  if (type == GST_EVENT_EOS || type == GST_EVENT_STREAM_START || type == GST_EVENT_FLUSH_STOP) {
+    ended_ = type == GST_EVENT_EOS;
+    changed_();
   }
 }
 

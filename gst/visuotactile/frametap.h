@@ -16,14 +16,14 @@ class FrameTap
 {
 public:
   /// `watched` is a sink pad, `branch` one that drops what it cannot take in time. The gate is told
-  /// of flushes. `changed` is called when a film has ended, and, while no frame
-  /// passes, when one begins or was sought in.
-  FrameTap(GstPad *watched, GstPad *branch, PlayGate &gate,
-           std::function<void(bool ended)> changed);
+  /// of flushes. `changed` is called when ended() may be another.
+  FrameTap(GstPad *watched, GstPad *branch, PlayGate &gate, std::function<void()> changed);
   ~FrameTap();
   FrameTap(const FrameTap &) = delete;
   FrameTap &operator=(const FrameTap &) = delete;
 
+  /// Before the first stream.
+  void begin();
   /// Frames pass from now on, also in the middle of a stream.
   void start();
   /// No frame passes any more.
@@ -42,7 +42,7 @@ private:
   void pass(GstBuffer *frame);
 
   PlayGate &gate_;
-  const std::function<void(bool ended)> changed_;
+  const std::function<void()> changed_;
   GstPad *watched_;
   GstPad *pad_; ///< a source pad without an element
   gulong probe_ = 0;

@@ -19,8 +19,8 @@
  * - Where the tactors cannot be used, the film plays on, with a warning; the next start tries
  *   again. Frames in a GPU's memory stay there: see [saliencytactile](saliencytactile.md). Those
  *   that cannot be read are shown and not felt.
- * - Of several films at the same time in one process, the one that began first is felt, until its
- *   end. Then it is the next one's turn.
+ * - Of several films in one process, one is felt: the first that plays, until it is paused or
+ *   ends while another one plays. A paused film keeps the chair where no other one plays.
  * - In a gapless play of playbin3 with one decoder, each film is felt at its own time, once the
  *   first QoS event of the player's sink has told where it begins. Sinks with `qos=false` tell
  *   nothing.
@@ -47,6 +47,7 @@
 
 #include <gst/base/gstbasesink.h>
 
+#include <atomic>
 #include <utility>
 
 GST_DEBUG_CATEGORY_STATIC(visuotactile_decoder_debug);
@@ -79,6 +80,7 @@ struct _GstVisuotactileDecoder
   PlayGate *gate;           ///< NULL where a plugin is missing, as the tap
   FrameTap *tap;
   ChairProperties *properties; ///< NULL where a plugin is missing
+  std::atomic_bool playing;    ///< in PLAYING
   GMutex choosing; ///< while a decoder is chosen, put in or removed; queries come on any thread
 
   /* State lock. */
@@ -307,12 +309,29 @@ gst_visuotactile_decoder_sinks_event(GstPad *, GstPadProbeInfo *info, gpointer u
 static void gst_visuotactile_decoder_offered(GstElement *element, gpointer);
 static void gst_visuotactile_decoder_asked(GstElement *element, gpointer);
 
+/// Any thread.
+static ChairTurns::Claim
+gst_visuotactile_decoder_claim(GstVisuotactileDecoder *self)
+{
+  if (self->tap->ended())
+    return ChairTurns::Claim::kEnded;
+  return self->playing ? ChairTurns::Claim::kPlays : ChairTurns::Claim::kPaused;
+}
+
+/// The film begins, ends, plays or is paused.
+static void
+gst_visuotactile_decoder_changed(GstVisuotactileDecoder *self)
+{
+  ChairTurns::of_process().claim(GST_ELEMENT(self), gst_visuotactile_decoder_claim(self));
+}
+
 /// Taps the film if it is its turn. Else the chair's elements are in READY.
 static void
 gst_visuotactile_decoder_take_chair(GstVisuotactileDecoder *self)
 {
   self->felt = ChairTurns::of_process().take(
-      { GST_ELEMENT(self), gst_visuotactile_decoder_offered, gst_visuotactile_decoder_asked });
+      { GST_ELEMENT(self), gst_visuotactile_decoder_offered, gst_visuotactile_decoder_asked },
+      gst_visuotactile_decoder_claim(self));
   gst_element_set_locked_state(GST_ELEMENT(self->branch), !self->felt);
   if (self->felt)
     self->tap->start();
@@ -340,36 +359,41 @@ gst_visuotactile_decoder_is_live(GstVisuotactileDecoder *self)
   return live;
 }
 
-/// The film that was felt has left, or this one goes on: takes the chair, also while it plays.
+/// Takes the chair in the middle of a film. With the state lock. Returns whether it begins.
+static bool
+gst_visuotactile_decoder_join(GstVisuotactileDecoder *self)
+{
+  if (!self->plays || self->felt)
+    return false;
+  gst_visuotactile_decoder_take_chair(self);
+  if (self->felt)
+    gst_element_sync_state_with_parent(GST_ELEMENT(self->branch));
+  return self->felt;
+}
+
+/// The chair is free.
 static void
 gst_visuotactile_decoder_offered(GstElement *element, gpointer)
 {
   auto *self = GST_VISUOTACTILE_DECODER(element);
-  bool begins = false;
   GST_STATE_LOCK(self);
-  if (self->plays && !self->felt && self->tap->ended()) {
-    ChairTurns::of_process().leave(element); // until it goes on
-  } else if (self->plays && !self->felt) {
-    gst_visuotactile_decoder_take_chair(self);
-    begins = self->felt;
-  }
-  if (begins)
-    gst_element_sync_state_with_parent(GST_ELEMENT(self->branch));
+  const bool begins = gst_visuotactile_decoder_join(self);
   GST_STATE_UNLOCK(self);
   if (begins && gst_visuotactile_decoder_is_live(self))
     gst_element_post_message(element, gst_message_new_latency(GST_OBJECT(element)));
 }
 
-/// Another film waits. One that has ended makes room for it.
+/// Another film waits. This one makes room if it has ended, or is paused while the other plays.
 static void
 gst_visuotactile_decoder_asked(GstElement *element, gpointer)
 {
   auto *self = GST_VISUOTACTILE_DECODER(element);
   GST_STATE_LOCK(self);
-  if (self->felt && self->tap->ended()) {
+  if (self->felt && ChairTurns::of_process().outranked(element)) {
     gst_element_set_locked_state(GST_ELEMENT(self->branch), TRUE);
     gst_element_set_state(GST_ELEMENT(self->branch), GST_STATE_READY);
     gst_visuotactile_decoder_leave_chair(self);
+    gst_visuotactile_decoder_join(self); // waits, unless the other has gone
   }
   GST_STATE_UNLOCK(self);
 }
@@ -425,6 +449,7 @@ gst_visuotactile_decoder_change_state(GstElement *element, GstStateChange transi
     return GST_STATE_CHANGE_FAILURE;
   if (transition == GST_STATE_CHANGE_READY_TO_PAUSED) {
     self->plays = TRUE;
+    self->tap->begin();
     gst_visuotactile_decoder_take_chair(self);
   }
   const GstStateChangeReturn ret
@@ -432,6 +457,11 @@ gst_visuotactile_decoder_change_state(GstElement *element, GstStateChange transi
   const GstState next = GST_STATE_TRANSITION_NEXT(transition);
   if (self->gate && (next == GST_STATE_PLAYING || next <= GST_STATE_READY))
     self->gate->open();
+  if (transition == GST_STATE_CHANGE_PAUSED_TO_PLAYING
+      || transition == GST_STATE_CHANGE_PLAYING_TO_PAUSED) {
+    self->playing = next == GST_STATE_PLAYING;
+    gst_visuotactile_decoder_changed(self);
+  }
   if (transition == GST_STATE_CHANGE_PAUSED_TO_READY
       || (transition == GST_STATE_CHANGE_READY_TO_PAUSED && ret == GST_STATE_CHANGE_FAILURE)) {
     self->plays = FALSE;
@@ -557,13 +587,8 @@ gst_visuotactile_decoder_init(GstVisuotactileDecoder *self)
   g_autoptr(GstPad) chair = gst_element_get_static_pad(GST_ELEMENT(self->branch), "sink");
   g_autoptr(GstPad) maps = gst_tactile_branch_get_maps_pad(self->branch);
   self->gate = new PlayGate(GST_ELEMENT(self), maps);
-  self->tap = new FrameTap(watched, chair, *self->gate, [self](bool ended) {
-    GstElement *element = GST_ELEMENT(self);
-    if (ended)
-      ChairTurns::of_process().end(element);
-    else
-      gst_element_call_async(element, gst_visuotactile_decoder_offered, nullptr, nullptr);
-  });
+  self->tap = new FrameTap(watched, chair, *self->gate,
+                           [self] { gst_visuotactile_decoder_changed(self); });
   gst_pad_add_probe(self->srcpad, GST_PAD_PROBE_TYPE_EVENT_UPSTREAM,
                     gst_visuotactile_decoder_sinks_event, self, nullptr);
 }

@@ -1,0 +1,147 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+//
+// Whose film visuotactiledecoder makes felt where several play in one process.
+#include <string>
+
+// gstcheck.h defines a macro `fail`, so it follows the standard library's headers.
+#include "support/playing.h"
+
+namespace {
+
+/// A film's pipeline. Without a number of frames it goes on and on.
+class Film
+{
+public:
+  explicit Film(const std::string &source = "")
+      : pipeline(make_pipeline("tactiletestsrc pattern=dynamic-motion " + source
+                               + " ! video/x-raw,width=64,height=48 ! jpegenc ! "
+                                 "visuotactiledecoder tactors::driver=simulator ! "
+                                 "fakesink sync=true"))
+  {
+  }
+  ~Film()
+  {
+    gst_element_set_state(pipeline, GST_STATE_NULL);
+    gst_object_unref(pipeline);
+  }
+  Film(const Film &) = delete;
+  Film &operator=(const Film &) = delete;
+
+  void go(GstState state) const
+  {
+    change_state(pipeline, state);
+  }
+
+  /// Whether its motors play, as the film does.
+  bool has_chair() const
+  {
+    g_autoptr(GstElement) tactors = gst_bin_get_by_name(GST_BIN(pipeline), "tactors");
+    GstState state = GST_STATE_NULL;
+    gst_element_get_state(tactors, &state, nullptr, GST_CLOCK_TIME_NONE);
+    return state > GST_STATE_READY;
+  }
+  /// The next turn is given on a thread of GStreamer's.
+  void wait_for_chair() const
+  {
+    g_autoptr(GstBus) bus = gst_element_get_bus(pipeline);
+    while (!has_chair())
+      if (GstMessage *message
+          = gst_bus_timed_pop_filtered(bus, 10 * GST_MSECOND, GST_MESSAGE_STATE_CHANGED))
+        gst_message_unref(message);
+  }
+  guint64 issued() const
+  {
+    g_autoptr(GstElement) tactors = gst_bin_get_by_name(GST_BIN(pipeline), "tactors");
+    return actuation_stat_of(tactors, "issued");
+  }
+
+  GstElement *const pipeline;
+};
+
+} // namespace
+
+GST_START_TEST(test_the_first_film_has_the_chair)
+{
+  const Film first;
+  const Film second;
+  const Film third;
+  for (const Film *film : { &first, &second, &third })
+    film->go(GST_STATE_PAUSED);
+  fail_unless(first.has_chair() && !second.has_chair() && !third.has_chair());
+  first.go(GST_STATE_READY); // leaves it
+  second.wait_for_chair();
+  fail_if(first.has_chair() || third.has_chair());
+  first.go(GST_STATE_PAUSED); // waits behind the third
+  second.go(GST_STATE_NULL);
+  third.wait_for_chair();
+  fail_if(first.has_chair());
+}
+GST_END_TEST;
+
+/// Players may keep an old film, paused, beside the one that they show.
+GST_START_TEST(test_a_paused_film_makes_room)
+{
+  const Film first;
+  const Film paused;
+  const Film second;
+  first.go(GST_STATE_PLAYING);
+  paused.go(GST_STATE_PAUSED);
+  second.go(GST_STATE_PLAYING);
+  fail_unless(first.has_chair());
+  first.go(GST_STATE_PAUSED);
+  second.wait_for_chair();
+  fail_if(first.has_chair() || paused.has_chair());
+  first.go(GST_STATE_PLAYING);
+  second.go(GST_STATE_PAUSED);
+  first.wait_for_chair();
+  fail_if(second.has_chair() || paused.has_chair());
+}
+GST_END_TEST;
+
+GST_START_TEST(test_a_film_that_has_ended_makes_room)
+{
+  const Film first;
+  const Film second;
+  first.go(GST_STATE_PAUSED);
+  seek_exactly(first.pipeline, 1, 0, GST_SECOND);
+  first.go(GST_STATE_PLAYING);
+  fail_unless(first.has_chair());
+  wait_for_eos(first.pipeline);
+  second.go(GST_STATE_PAUSED);
+  second.wait_for_chair();
+  fail_if(first.has_chair());
+  // It is sought in, and is a film again.
+  seek_exactly(first.pipeline, 1, 0, GST_CLOCK_TIME_NONE);
+  first.wait_for_chair();
+  fail_if(second.has_chair());
+}
+GST_END_TEST;
+
+/// The film is felt from then on.
+GST_START_TEST(test_a_turn_in_the_middle_of_a_film)
+{
+  const Film first;
+  const Film second("num-buffers=150");
+  first.go(GST_STATE_PLAYING);
+  second.go(GST_STATE_PLAYING);
+  fail_if(second.has_chair());
+  first.go(GST_STATE_NULL);
+  wait_for_eos(second.pipeline);
+  fail_unless(second.issued() > 0);
+}
+GST_END_TEST;
+
+static Suite *
+visuotactiledecoder_turns_suite(void)
+{
+  Suite *suite = suite_create("visuotactiledecoder_turns");
+  TCase *cases = tcase_create("general");
+  suite_add_tcase(suite, cases);
+  tcase_add_test(cases, test_the_first_film_has_the_chair);
+  tcase_add_test(cases, test_a_paused_film_makes_room);
+  tcase_add_test(cases, test_a_film_that_has_ended_makes_room);
+  tcase_add_test(cases, test_a_turn_in_the_middle_of_a_film);
+  return suite;
+}
+
+GST_CHECK_MAIN(visuotactiledecoder_turns);
