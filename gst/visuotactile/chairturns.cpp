@@ -17,16 +17,22 @@ ChairTurns::next()
   return std::ranges::max_element(waiting_, {}, &Claimant::claim); // the first of equals
 }
 
+/// Whether somebody who waits plays, and who has the chair does not.
+bool
+ChairTurns::wanted()
+{
+  const auto best = next();
+  return best != waiting_.end() && best->claim == Claim::kPlays && holder_.claim != Claim::kPlays;
+}
+
 void
 ChairTurns::settle()
 {
   const auto best = next();
-  if (best == waiting_.end() || best->claim == Claim::kEnded)
-    return;
-  if (holder_.element == nullptr)
-    gst_element_call_async(best->element, best->offered, nullptr, nullptr);
-  else if (best->claim > holder_.claim)
+  if (holder_.element != nullptr && wanted())
     gst_element_call_async(holder_.element, holder_.asked, nullptr, nullptr);
+  else if (holder_.element == nullptr && best != waiting_.end() && best->claim != Claim::kEnded)
+    gst_element_call_async(best->element, best->offered, nullptr, nullptr);
 }
 
 bool
@@ -64,8 +70,7 @@ bool
 ChairTurns::outranked(GstElement *element)
 {
   const std::lock_guard lock(mutex_);
-  const auto best = next();
-  return holder_.element == element && best != waiting_.end() && best->claim > holder_.claim;
+  return holder_.element == element && wanted();
 }
 
 void

@@ -6,9 +6,9 @@
 #include <deque>
 #include <mutex>
 
-/// Whose film is felt, of all in this process. The film with the strongest claim has the chair; of
-/// equal claims the one that has it keeps it, and others wait in the order in which they began. Any
-/// thread.
+/// Whose film is felt, of all in this process. Who has the chair keeps it, but makes room for a film
+/// that plays once its own does not. A free chair goes to the strongest claim of those that wait,
+/// and of equal ones to the first that began. Any thread.
 class ChairTurns
 {
 public:
@@ -34,7 +34,7 @@ public:
   bool take(const Film &film, Claim claim);
   /// Of a film that has the chair or waits.
   void claim(GstElement *element, Claim claim);
-  /// Whether one that waits has a stronger claim than this film, which has the chair.
+  /// Whether this film, which has the chair, does not play, and one that waits does.
   bool outranked(GstElement *element);
   /// The film plays no more: it neither has the chair nor waits.
   void leave(GstElement *element);
@@ -46,6 +46,7 @@ private:
   };
 
   std::deque<Claimant>::iterator next();
+  bool wanted();
   void settle();
 
   std::mutex mutex_{};

@@ -383,7 +383,7 @@ gst_visuotactile_decoder_offered(GstElement *element, gpointer)
     gst_element_post_message(element, gst_message_new_latency(GST_OBJECT(element)));
 }
 
-/// Another film waits. This one makes room if it has ended, or is paused while the other plays.
+/// Another film plays. This one makes room if it has ended or is paused.
 static void
 gst_visuotactile_decoder_asked(GstElement *element, gpointer)
 {

@@ -102,6 +102,7 @@ def watch_play(player, films, env, folder):
     measured = {"cpu": (cpu - begin[1]) / (time.monotonic() - begin[0]), "memory": memory}
     last = NEXT_FILM if several and not cells["next film"].startswith("no") else FILM
     run_check(cells, "end", wait, player, lambda: ended(folder, last), "no end")
+    time.sleep(0.5)  # the last frame is still shown when the end reaches the sink
     return {"cells": cells, **measured}
 
 

@@ -107,11 +107,12 @@ GST_START_TEST(test_a_film_that_has_ended_makes_room)
   first.go(GST_STATE_PLAYING);
   fail_unless(first.has_chair());
   wait_for_eos(first.pipeline);
-  second.go(GST_STATE_PAUSED);
+  second.go(GST_STATE_PLAYING);
   second.wait_for_chair();
   fail_if(first.has_chair());
-  // It is sought in, and is a film again.
+  // It is sought in, and plays again.
   seek_exactly(first.pipeline, 1, 0, GST_CLOCK_TIME_NONE);
+  second.go(GST_STATE_PAUSED);
   first.wait_for_chair();
   fail_if(second.has_chair());
 }
