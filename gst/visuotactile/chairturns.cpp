@@ -17,12 +17,13 @@ ChairTurns::next()
   return std::ranges::max_element(waiting_, {}, &Claimant::claim); // the first of equals
 }
 
-/// Whether somebody who waits plays, and who has the chair does not.
+/// Whether somebody waits for whom who has the chair makes room.
 bool
 ChairTurns::wanted()
 {
   const auto best = next();
-  return best != waiting_.end() && best->claim == Claim::kPlays && holder_.claim != Claim::kPlays;
+  return best != waiting_.end() && best->claim.state == Claim::State::kPlays
+         && best->claim > holder_.claim;
 }
 
 void
@@ -31,7 +32,8 @@ ChairTurns::settle()
   const auto best = next();
   if (holder_.element != nullptr && wanted())
     gst_element_call_async(holder_.element, holder_.asked, nullptr, nullptr);
-  else if (holder_.element == nullptr && best != waiting_.end() && best->claim != Claim::kEnded)
+  else if (holder_.element == nullptr && best != waiting_.end()
+           && best->claim.state != Claim::State::kEnded)
     gst_element_call_async(best->element, best->offered, nullptr, nullptr);
 }
 
@@ -45,7 +47,7 @@ ChairTurns::take(const Film &film, Claim claim)
   if (place == waiting_.end())
     place = waiting_.insert(waiting_.end(), { film, claim });
   place->claim = claim;
-  if (holder_.element == nullptr && claim != Claim::kEnded && place == next()) {
+  if (holder_.element == nullptr && claim.state != Claim::State::kEnded && place == next()) {
     holder_ = *place;
     waiting_.erase(place);
     return true;

@@ -3,21 +3,29 @@
 
 #include <gst/gst.h>
 
+#include <compare>
 #include <deque>
 #include <mutex>
 
 /// Whose film is felt, of all in this process. Who has the chair keeps it, but makes room for a film
-/// that plays once its own does not. A free chair goes to the strongest claim of those that wait,
-/// and of equal ones to the first that began. Any thread.
+/// that plays and has the stronger claim. A free chair goes to the strongest claim of those that
+/// wait, and of equal ones to the first that began. Any thread.
 class ChairTurns
 {
 public:
-  /// From the weakest to the strongest.
-  enum class Claim
+  struct Claim
   {
-    kEnded,
-    kPaused,
-    kPlays
+    enum class State
+    {
+      kEnded,
+      kPaused,
+      kPlays
+    };
+
+    State state;
+    gint64 pixels; ///< of the picture; counts where both play
+
+    std::strong_ordering operator<=>(const Claim &) const = default;
   };
 
   /// A film's element, and what is called for it on a thread of GStreamer's.
@@ -34,7 +42,7 @@ public:
   bool take(const Film &film, Claim claim);
   /// Of a film that has the chair or waits.
   void claim(GstElement *element, Claim claim);
-  /// Whether this film, which has the chair, does not play, and one that waits does.
+  /// Whether this film has the chair, and another one should.
   bool outranked(GstElement *element);
   /// The film plays no more: it neither has the chair nor waits.
   void leave(GstElement *element);

@@ -66,6 +66,12 @@ FrameTap::ended() const
   return ended_;
 }
 
+gint64
+FrameTap::pixels() const
+{
+  return pixels_;
+}
+
 /// The branch asks whether the stream is live. All else is none of its business.
 gboolean
 FrameTap::query(GstPad *pad, GstObject *, GstQuery *query)
@@ -81,6 +87,15 @@ FrameTap::follow(GstEvent *event)
   const GstEventType type = GST_EVENT_TYPE(event);
   if (type == GST_EVENT_EOS || type == GST_EVENT_STREAM_START || type == GST_EVENT_FLUSH_STOP) {
     ended_ = type == GST_EVENT_EOS;
+    changed_();
+  } else if (type == GST_EVENT_CAPS) {
+    GstCaps *caps = nullptr;
+    gint width = 0;
+    gint height = 0;
+    gst_event_parse_caps(event, &caps);
+    gst_structure_get(gst_caps_get_structure(caps, 0), "width", G_TYPE_INT, &width, "height",
+                      G_TYPE_INT, &height, nullptr);
+    pixels_ = gint64{ width } * height;
     changed_();
   }
 }

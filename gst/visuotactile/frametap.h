@@ -16,7 +16,8 @@ class FrameTap
 {
 public:
   /// `watched` is a sink pad, `branch` one that drops what it cannot take in time. The gate is told
-  /// of flushes. `changed` is called when ended() may be another.
+  /// of flushes. `changed` is called when ended() or pixels() may be
+  /// others.
   FrameTap(GstPad *watched, GstPad *branch, PlayGate &gate, std::function<void()> changed);
   ~FrameTap();
   FrameTap(const FrameTap &) = delete;
@@ -32,6 +33,8 @@ public:
   void hear(GstEvent *event);
   /// The end of the stream has passed, and no new one since.
   bool ended() const;
+  /// Of a frame, as the stream's caps tell.
+  gint64 pixels() const;
 
 private:
   static GstPadProbeReturn probe(GstPad *pad, GstPadProbeInfo *info, gpointer self);
@@ -50,4 +53,5 @@ private:
   std::atomic<bool> told_{ false }; ///< the branch knows the stream
   std::atomic<bool> open_{ false };
   std::atomic<bool> ended_{ false };
+  std::atomic<gint64> pixels_{ 0 };
 };

@@ -19,8 +19,8 @@
  * - Where the tactors cannot be used, the film plays on, with a warning; the next start tries
  *   again. Frames in a GPU's memory stay there: see [saliencytactile](saliencytactile.md). Those
  *   that cannot be read are shown and not felt.
- * - Of several films in one process, one is felt: the first that plays, until it is paused or
- *   ends while another one plays. A paused film keeps the chair where no other one plays.
+ * - Of several films in one process, one is felt: of those that play the one with the largest
+ *   picture, and of equal ones the first. A paused film keeps the chair while no other one plays.
  * - In a gapless play of playbin3 with one decoder, each film is felt at its own time, once the
  *   first QoS event of the player's sink has told where it begins. Sinks with `qos=false` tell
  *   nothing.
@@ -313,12 +313,14 @@ static void gst_visuotactile_decoder_asked(GstElement *element, gpointer);
 static ChairTurns::Claim
 gst_visuotactile_decoder_claim(GstVisuotactileDecoder *self)
 {
-  if (self->tap->ended())
-    return ChairTurns::Claim::kEnded;
-  return self->playing ? ChairTurns::Claim::kPlays : ChairTurns::Claim::kPaused;
+  using State = ChairTurns::Claim::State;
+  const State state = self->tap->ended() ? State::kEnded
+                      : self->playing    ? State::kPlays
+                                         : State::kPaused;
+  return { state, self->tap->pixels() };
 }
 
-/// The film begins, ends, plays or is paused.
+/// The film begins, ends, plays or is paused, or its picture has another size.
 static void
 gst_visuotactile_decoder_changed(GstVisuotactileDecoder *self)
 {
@@ -383,7 +385,7 @@ gst_visuotactile_decoder_offered(GstElement *element, gpointer)
     gst_element_post_message(element, gst_message_new_latency(GST_OBJECT(element)));
 }
 
-/// Another film plays. This one makes room if it has ended or is paused.
+/// Another film plays, which may count more.
 static void
 gst_visuotactile_decoder_asked(GstElement *element, gpointer)
 {

@@ -6,10 +6,12 @@ import pty
 import signal
 import subprocess
 import sys
+import time
 
 HERE = pathlib.Path(__file__).resolve().parent
 PYTHON = os.path.realpath(sys.executable)
 LIMIT = 20  # s for each step
+RATE = 1.5  # to which it is told to go
 
 
 class Missing(Exception):
@@ -66,8 +68,8 @@ class Uri(Player):
 class Terminal(Player):
     """gst-play-1.0: keys in its terminal."""
 
-    controls = ("pause", "resume", "seek")
-    keys = {"pause": b" ", "resume": b" ", "seek": b"\x1b[D"}
+    controls = ("pause", "resume", "seek", "rate", "track")
+    keys = {"pause": b" ", "resume": b" ", "seek": b"\x1b[D", "rate": b"+", "track": b"a"}
 
     def start(self, films, env, log):
         self.env = env
@@ -76,7 +78,9 @@ class Terminal(Player):
         os.close(slave)
 
     def say(self, control, film):
-        os.write(self.master, self.keys[control])
+        for _ in range(5 if control == "rate" else 1):  # steps of 0.1, each of which is a seek
+            os.write(self.master, self.keys[control])
+            time.sleep(0.3)
 
     def leave(self):
         os.write(self.master, b"q")
@@ -151,15 +155,16 @@ class Script(Player):
 
     controls = ("pause", "resume", "seek", "next")
 
-    def __init__(self, *command, two=False):
+    def __init__(self, *command, two=False, rate=False):
         super().__init__(*command)
         self.two = two
+        self.controls += ("rate",) * rate
 
     def arguments(self, films):
         return [*self.command, str(films[0]), *([str(films[2])] if self.two else [])]
 
     def say(self, control, film):
-        self.tell({"pause": "pause", "resume": "play", "seek": "seek 0.5", "next": f"open {film}"}[control])
+        self.tell({"pause": "pause", "resume": "play", "seek": "seek 0.5", "next": f"open {film}", "rate": f"rate {RATE}"}[control])
 
     def tell(self, line):
         self.process.stdin.write(f"{line}\n".encode())
@@ -178,4 +183,4 @@ def players():
     yield Keys("Parole", "parole", 760, "parole")
     yield Mpris("Clapper", "com.github.rafostar.Clapper", "Clapper", "clapper")
     yield Script("GTK 4's GtkVideo", python, PYTHON, HERE / "video_in_gtk.py")
-    yield Script("WebKitGTK, two videos", "WebKitWebProcess", PYTHON, HERE / "video_in_page.py", two=True)
+    yield Script("WebKitGTK, two videos", "WebKitWebProcess", PYTHON, HERE / "video_in_page.py", two=True, rate=True)

@@ -20,12 +20,12 @@ import tempfile
 import time
 
 import pulse_clock
-from players_known import HERE, LIMIT, Missing, Uri, players
+from players_known import HERE, LIMIT, RATE, Missing, Uri, players
 from players_watched import FILM, NEXT_FILM, SECOND, epochs, frames, matched, moves, not_at_zero, screen, shape, usage, watched
 
 FRAME_RATE = 30
 MOST_PAUSED = 1  # frames that may still come
-CHECKS = ("felt", "picture", "pause", "seek", "next film", "end")
+CHECKS = ("felt", "picture", "pause", "seek", "rate", "track", "next film", "end", "sound only")
 
 
 def wait(player, done, what):
@@ -54,6 +54,22 @@ def check_seek(player, folder, film):
     position, known = frames(folder)[-1].film, len(frames(folder))
     player.say("seek", film)
     wait(player, lambda: any(frame.film < position - SECOND // 2 for frame in frames(folder)[known:]), "no earlier frame")
+    wait(player, lambda: len(frames(folder)) > known + FRAME_RATE, "it does not go on")
+
+
+def check_rate(player, folder, _film):
+    player.say("rate", None)
+
+    def is_reached():
+        first, *_, last = frames(folder)[-FRAME_RATE:]
+        return last.shown > first.shown and abs((last.film - first.film) / (last.shown - first.shown) / RATE - 1) < 0.02
+
+    wait(player, is_reached, f"not {RATE} times as fast")
+
+
+def check_track(player, folder, _film):
+    known = len(frames(folder))
+    player.say("track", None)
     wait(player, lambda: len(frames(folder)) > known + FRAME_RATE, "it does not go on")
 
 
@@ -87,7 +103,7 @@ def watch_play(player, films, env, folder):
         return {"cells": dict.fromkeys(CHECKS, f"no: {missing}")}
     begin = time.monotonic(), usage(player.process.pid)[0]
     cells["picture"] = "yes" if moves(env, folder) else "no: the screen does not change"
-    for name, check in (("pause", check_pause), ("seek", check_seek)):
+    for name, check in (("pause", check_pause), ("seek", check_seek), ("track", check_track), ("rate", check_rate)):
         if name in player.controls:
             run_check(cells, name, check, player, folder, films[1])
         else:
@@ -104,6 +120,12 @@ def watch_play(player, films, env, folder):
     run_check(cells, "end", wait, player, lambda: ended(folder, last), "no end")
     time.sleep(0.5)  # the last frame is still shown when the end reaches the sink
     return {"cells": cells, **measured}
+
+
+def watch_sound(player, _films, _env, folder):
+    cells = {}
+    run_check(cells, "sound only", wait, player, lambda: any(line.kind == "eos" for line in watched(folder)), "no end")
+    return cells
 
 
 def felt(folder, cells):
@@ -179,8 +201,11 @@ def play(options, sound, player, switched_on, films, watch):
 
 
 def measure(options, sound, player, switched_on, films):
+    sounds = [films[0].with_name("sound.m4a")] * 3
+    sound_only, folder = play(options, sound, player, switched_on, sounds, watch_sound)
+    shutil.rmtree(folder)
     result, folder = play(options, sound, player, switched_on, films, watch_play)
-    cells = result["cells"]
+    cells = result["cells"] = result["cells"] | sound_only
     if switched_on:
         cells["felt"], result["errors"] = felt(folder, cells)
     else:
@@ -195,12 +220,21 @@ def measure(options, sound, player, switched_on, films):
 # ---- the page ----------------------------------------------------------------------------------
 
 
+def sound_of(frames_of, frequency):
+    return (f"audiotestsrc volume=0.1 freq={frequency} samplesperbuffer={44100 // FRAME_RATE} num-buffers={frames_of} ! "
+            "audio/x-raw,rate=44100,channels=1 ! avenc_aac")
+
+
+def make_sound(path, seconds):
+    subprocess.run(["gst-launch-1.0", "-q", *f"{sound_of(seconds * FRAME_RATE, 440)} ! mp4mux ! filesink location={path}".split()], check=True)
+
+
 def make_film(path, width, seconds):
     frames_of = seconds * FRAME_RATE
     line = (f"mp4mux name=mux ! filesink location={path} "
             f"tactiletestsrc pattern=dynamic-motion seed=4 num-buffers={frames_of} ! video/x-raw,format=I420,width={width},height=360,framerate={FRAME_RATE}/1 ! "
             "x264enc speed-preset=ultrafast key-int-max=15 ! queue ! mux. "
-            f"audiotestsrc volume=0.1 samplesperbuffer={44100 // FRAME_RATE} num-buffers={frames_of} ! audio/x-raw,rate=44100,channels=1 ! avenc_aac ! queue ! mux.")
+            + " ".join(f"{sound_of(frames_of, frequency)} ! queue ! mux." for frequency in (440, 660)))
     subprocess.run(["gst-launch-1.0", "-q", *line.split()], check=True)
 
 
@@ -226,11 +260,12 @@ def table(options, results):
     yield f"load average meanwhile {min(options.loads):.1f} to {max(options.loads):.1f}."
     yield ""
     yield f"Each player plays two films with sound, H.264 at 640×360 and 480×360, 30 frames/s, {options.turns} times each with visuotactiledecoder"
-    yield "switched off and on in turn. It is told to pause, to seek back, and to go on to the next film by its own means: keys, command line,"
-    yield "MPRIS, or a script's or page's calls. –: it cannot be told."
+    yield "switched off and on in turn, and before that a file of sound alone, to its end. It is told to pause, to seek back, and so on by its"
+    yield "own means: keys, command line, MPRIS, or a script's or page's calls. –: it cannot be told."
     yield ""
     yield "- Felt: at least ten commands for frames that it showed, some after the seek and of the next film; all motors end at zero."
     yield "- Picture: the screen moves. Pause: no frame is shown for a second, then they go on. Seek: earlier frames are shown."
+    yield f"- Rate: {RATE} times as fast, until the film's end. Track: another sound track is heard, and the picture goes on."
     yield "- Next film: its frames are shown. End: the end of the stream reaches the sink."
     yield "- Error: when the motor reaches its level (issue of the command + the motor's lead), minus when the player's video sink begins to show"
     yield "  the command's frame. p50 with its sign, p95 of its size."
@@ -313,6 +348,7 @@ def main():
             make_film(films[0], 640, 12)
             make_film(films[1], 480, 4)
             make_film(films[2], 360, 12)
+            make_sound(options.work / "sound.m4a", 2)
             results = {}
             for turn in range(options.turns):
                 for player in chosen:

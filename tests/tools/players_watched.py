@@ -68,7 +68,7 @@ def matched(folder):
             last = planned[-1].issued
             while at < len(shown) and shown[at][-1].shown < planned[-1].issued - RESET:
                 at += 1
-            if at == len(shown):
+            if at >= len(shown):
                 break
             by_time = sorted(shown[at], key=lambda frame: frame.running)
             times = [frame.running for frame in by_time]

@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """A window of WebKitGTK with a page that plays a film: video_in_page.py FILM [OTHER]
 
-Does what lines of its standard input say to the first film: pause, play, seek SECONDS, open FILM;
-and quit. OTHER plays beside it.
+Does what lines of its standard input say to the first film: pause, play, seek SECONDS, rate RATE,
+open FILM; and quit. OTHER plays beside it.
 """
 import pathlib
 import sys
@@ -23,7 +23,7 @@ def obey(channel, _condition, view):
     if word == "quit":
         Gtk.main_quit()
         return False
-    call = {"pause": "pause()", "play": "play()", "seek": f"currentTime = {argument}", "open": f"src = '{pathlib.Path(argument).absolute().as_uri()}'"}[word]
+    call = {"pause": "pause()", "play": "play()", "seek": f"currentTime = {argument}", "rate": f"playbackRate = {argument}", "open": f"src = '{pathlib.Path(argument).absolute().as_uri()}'"}[word]
     view.run_javascript(f"document.querySelector('video').{call}", None, None, None)
     return True
 

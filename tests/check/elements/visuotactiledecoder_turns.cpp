@@ -12,9 +12,10 @@ namespace {
 class Film
 {
 public:
-  explicit Film(const std::string &source = "")
+  explicit Film(const std::string &source = "", const std::string &width = "64")
       : pipeline(make_pipeline("tactiletestsrc pattern=dynamic-motion " + source
-                               + " ! video/x-raw,width=64,height=48 ! jpegenc ! "
+                               + " ! video/x-raw,height=48,width=" + width
+                               + " ! jpegenc ! "
                                  "visuotactiledecoder tactors::driver=simulator ! "
                                  "fakesink sync=true"))
   {
@@ -98,6 +99,24 @@ GST_START_TEST(test_a_paused_film_makes_room)
 }
 GST_END_TEST;
 
+/// An advertisement beside it, which plays on, is not felt once the film goes on.
+GST_START_TEST(test_the_largest_picture)
+{
+  const Film small;
+  const Film large("", "96");
+  small.go(GST_STATE_PLAYING);
+  fail_unless(small.has_chair());
+  large.go(GST_STATE_PLAYING);
+  large.wait_for_chair();
+  fail_if(small.has_chair());
+  large.go(GST_STATE_PAUSED);
+  small.wait_for_chair();
+  large.go(GST_STATE_PLAYING);
+  large.wait_for_chair();
+  fail_if(small.has_chair());
+}
+GST_END_TEST;
+
 GST_START_TEST(test_a_film_that_has_ended_makes_room)
 {
   const Film first;
@@ -140,6 +159,7 @@ visuotactiledecoder_turns_suite(void)
   suite_add_tcase(suite, cases);
   tcase_add_test(cases, test_the_first_film_has_the_chair);
   tcase_add_test(cases, test_a_paused_film_makes_room);
+  tcase_add_test(cases, test_the_largest_picture);
   tcase_add_test(cases, test_a_film_that_has_ended_makes_room);
   tcase_add_test(cases, test_a_turn_in_the_middle_of_a_film);
   return suite;
