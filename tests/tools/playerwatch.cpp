@@ -8,7 +8,8 @@
 // FOLDER/watch-PROCESS.csv has a line for each frame that is shown, EOS and flush:
 // sink,kind,running_ns,shown_ns,film_ns,width,height. A frame's running time is that of its time
 // stamp, `shown` that of the sink's clock when the sink begins to show it. Commands of the
-// tactorsink SINK are in commands-PROCESS-SINK.csv, in running times of the same pipeline.
+// tactorsink SINK from its START on are in commands-PROCESS-SINK-START.csv, in running times of the
+// same pipeline.
 #define GST_USE_UNSTABLE_API
 #include <gst/base/gstbasesink.h>
 #include <gst/gst.h>
@@ -29,6 +30,7 @@ std::map<GstBaseSinkClass *, Render> renders; ///< of the classes themselves; un
 FILE *lines = nullptr;                        ///< under the mutex
 GQuark number;                                ///< of a sink
 int sinks = 0;                                ///< under the mutex
+int starts = 0;                               ///< under the mutex
 
 struct Size
 {
@@ -109,26 +111,43 @@ on_event(GstPad *pad, GstPadProbeInfo *info, gpointer)
   return GST_PAD_PROBE_OK;
 }
 
+bool
+is_tactor_sink(GstElement *element)
+{
+  return g_str_equal(G_OBJECT_TYPE_NAME(element), "GstTactorSink");
+}
+
+/// Any thread. A chair that changes hands starts a tactorsink again.
+void
+on_state(GObject *, GstClockTime, GstElement *element, GstStateChange transition)
+{
+  if (transition != GST_STATE_CHANGE_READY_TO_PAUSED || !is_tactor_sink(element))
+    return;
+  std::string trace
+      = "commands-" + std::to_string(getpid()) + "-" + std::to_string(number_of(element)) + "-";
+  {
+    std::lock_guard lock(mutex);
+    trace = file_in_folder(trace + std::to_string(++starts));
+  }
+  g_object_set(element, "trace-location", trace.c_str(), nullptr);
+}
+
 /// Any thread.
 void
 on_added(GObject *, GstClockTime, GstBin *, GstElement *element, gboolean added)
 {
   if (!added || !GST_IS_BASE_SINK(element) || number_of(element) != 0)
     return;
-  std::string trace;
   {
     std::lock_guard lock(mutex);
     g_object_set_qdata(G_OBJECT(element), number, GINT_TO_POINTER(++sinks));
-    trace = file_in_folder("commands-" + std::to_string(getpid()) + "-" + std::to_string(sinks));
     if (lines == nullptr) {
       lines = std::fopen(file_in_folder("watch-" + std::to_string(getpid())).c_str(), "we");
       if (lines == nullptr)
         g_critical("playerwatch: cannot write in the folder PLAYERWATCH");
     }
   }
-  if (g_str_equal(G_OBJECT_TYPE_NAME(element), "GstTactorSink")) {
-    g_object_set(element, "trace-location", trace.c_str(), nullptr);
-  } else {
+  if (!is_tactor_sink(element)) {
     std::lock_guard lock(mutex);
     GstBaseSinkClass *klass = GST_BASE_SINK_GET_CLASS(element);
     if (klass->render && renders.emplace(klass, klass->render).second)
@@ -163,8 +182,10 @@ player_watch_class_init(PlayerWatchClass *)
 static void
 player_watch_init(PlayerWatch *self)
 {
-  if (g_getenv("PLAYERWATCH"))
-    gst_tracing_register_hook(GST_TRACER(self), "bin-add-post", G_CALLBACK(on_added));
+  if (g_getenv("PLAYERWATCH") == nullptr)
+    return;
+  gst_tracing_register_hook(GST_TRACER(self), "bin-add-post", G_CALLBACK(on_added));
+  gst_tracing_register_hook(GST_TRACER(self), "element-change-state-pre", G_CALLBACK(on_state));
 }
 
 static gboolean
