@@ -2,6 +2,7 @@
 #include "calibration/calibration.h"
 
 #include "support/contains.h"
+#include "support/ones.h"
 #include "support/playing.h"
 #include "support/spectrum.h"
 #include "support/temporary_file.h"
@@ -42,28 +43,6 @@ sound_caps(int channels, const std::string &more = "")
 {
   return "audio/x-raw,channels=" + std::to_string(channels) + more;
 }
-
-/// A WAVE file of ones: with it, samples are amplitudes.
-class Ones
-{
-public:
-  Ones() : file_("", ".wav")
-  {
-    std::ofstream out(file_.path, std::ios::binary);
-    const char head[]
-        = "RIFF\0\0\0\0WAVEfmt \20\0\0\0\3\0\1\0\200\273\0\0\0\356\2\0\4\0\40\0data\10\0\0";
-    out.write(head, sizeof head);
-    const float ones[] = { 1, 1 };
-    out.write(reinterpret_cast<const char *>(ones), sizeof ones);
-  }
-  std::string properties() const
-  {
-    return "waveform=sample sample=" + file_.path + " ";
-  }
-
-private:
-  TemporaryFile file_;
-};
 
 class Harness
 {
