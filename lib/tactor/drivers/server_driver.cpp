@@ -13,6 +13,25 @@ namespace {
 
 constexpr std::size_t kMostTold = 8; ///< reasons that a server is not used
 
+/// What the server's conversation drives, for this driver alone.
+tl::expected<DeviceClaim, DriverError>
+claim(const Server &server)
+{
+  std::set<std::string> devices;
+  std::string names;
+  for (const std::string &part : server.conversation->parts()) {
+    devices.insert(part + " of " + server.name);
+    names += (names.empty() ? "'" : ", '") + part + "'";
+  }
+  std::optional<DeviceClaim> mine = DeviceClaim::make(std::move(devices));
+  if (!mine)
+    return tl::unexpected(DriverError{
+        DriverError::Kind::busy, server.name + ": expected " + names
+                                     + " to be free, and another tactorsink of this program plays "
+                                       "there; set device to another one" });
+  return std::move(*mine);
+}
+
 Time
 steady_now()
 {
@@ -172,6 +191,13 @@ ServerDriver::run()
     const Unlocked unlocked(lock);
     return make_server_(device);
   }();
+  std::optional<DeviceClaim> mine;
+  if (server) {
+    if (tl::expected<DeviceClaim, DriverError> claimed = claim(*server))
+      mine.emplace(std::move(*claimed));
+    else
+      server = tl::unexpected(claimed.error());
+  }
   RealtimeThread realtime(config_.realtime);
   Time pause = settings_.look_again;
   while (server && !quit_) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "tactor/driver.h"
+#include "tactor/drivers/device_claim.h"
 #include "tactor/drivers/server.h"
 #include "tactor/termination.h"
 #include "tactor/thread.h"
@@ -21,7 +22,8 @@ class RealtimeThread;
 /// open() loads the module, connects and asks for the device. From then on a thread has server and
 /// socket; write() leaves the newest levels to it. A server that goes away, or does what it should
 /// not, is looked for again, the longer the later. Levels are zero once write() was not called for
-/// Settings::host_silence while one was on.
+/// Settings::host_silence while one was on. A device that another driver of the process has, also
+/// while it is lost, is refused.
 class ServerDriver : public Driver
 {
 public:
