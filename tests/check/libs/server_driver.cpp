@@ -149,7 +149,7 @@ GST_START_TEST(test_host_silence)
       const std::jthread writer([&](const std::stop_token &stop) {
         while (!stop.stop_requested()) {
           unwrap(driver.write(std::array{ 1.5 }, 0s));
-          std::this_thread::sleep_for(1ms);
+          std::this_thread::yield();
         }
       });
       server.wait_for_line(one.half);
@@ -279,15 +279,15 @@ GST_START_TEST(test_bad_servers)
            std::tuple{ "drops=6", 1000,
                        "closed the connection: " }, // by whom depends on what was under way
            std::tuple{ "goodbye=6", 1000, "closed the connection: it said goodbye, code 1001" } }) {
-      HapticServer server({ one.kind, behavior, "gap=1" });
       Rig rig(one.make, most_messages);
-      rig.open(server.device(one.device));
-      const std::jthread writer([&](const std::stop_token &stop) {
-        for (int level = 0; !stop.stop_requested(); level++) {
-          unwrap(rig.driver.write(std::array{ 0.15 * (level % 20), 0.0 }, 0s));
-          std::this_thread::sleep_for(1ms);
-        }
+      // Another level for each message that the server has taken.
+      int level = 0;
+      HapticServer server({ one.kind, behavior, "gap=1" }, [&](const std::string &line, auto) {
+        if (line.starts_with("waiting "))
+          rig.write({ 0.15 * (1 + level++ % 20), 0.0 });
       });
+      rig.open(server.device(one.device));
+      rig.write({ 3, 0 });
       for (int i = 1; i <= 2; i++)
         assert_contains(rig.wait_for(EventKind::lost, i).text, { why });
       const std::lock_guard lock(rig.mutex);
