@@ -143,8 +143,8 @@ wait_for_board(GstElement *pipeline, GstElement *tactors, GstBus *bus,
     throw_message(message);
 }
 
-/// What is not common to both sinks. Limits for motors and skin hold; all that would change or delay
-/// other commands is off.
+/// What is not common to both sinks. Limits for motors and skin hold; all that would change or
+/// delay other commands is off.
 void
 set_tactorsink(GstElement *tactors, const PlayerSettings &settings, std::size_t count)
 {
