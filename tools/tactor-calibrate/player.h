@@ -42,8 +42,8 @@ struct Played
   tactor::Recording recording{};
 };
 
-/// Plays frames on tactorsink or a sound card and records at the same time, in one pipeline with one
-/// clock; simulated motors are played faster than real time. Ends when `interrupted` becomes true.
-/// All motors are at zero when this returns or throws std::runtime_error.
+/// Plays frames on tactorsink or a sound card and records at the same time, in one pipeline with
+/// one clock; simulated motors are played faster than real time. Ends when `interrupted` becomes
+/// true. All motors are at zero when this returns or throws std::runtime_error.
 Played play(const std::vector<Frame> &frames, const PlayerSettings &settings,
             const std::atomic<bool> &interrupted);
