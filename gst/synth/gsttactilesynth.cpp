@@ -69,6 +69,7 @@
 #include "synthcaps.h"
 #include "synthmotors.h"
 #include "synthsettings.h"
+#include "tactor/command_trace.h"
 
 #include <gst/tactile/tactile.h>
 
@@ -110,6 +111,7 @@ struct GstTactileSynthPrivate
   /* Set before PAUSED. */
   synth::Carriers carriers;
   SynthMotors motors;
+  std::optional<tactor::CommandTrace> trace; ///< written by the streaming thread
 
   /* Streaming thread, or while it is stopped. */
   TactorStream stream;
@@ -294,6 +296,10 @@ start_play(GstTactileSynth *self, const GstAudioInfo &info, const SynthSettings 
                      priv->motors.of_channels(channels));
   priv->info = info;
   priv->play->set_soft_start(settings.ramp_in);
+  if (priv->trace)
+    priv->play->set_listener([priv](const tactor::Command &command, Time at) {
+      priv->trace->write({ .command = command, .issued = at });
+    });
   if (now)
     priv->play->begin(*now);
 }
@@ -543,6 +549,15 @@ prepare(GstTactileSynth *self)
     return false;
   }
   priv->motors = std::move(*motors);
+  if (!settings.trace_location.empty()) {
+    tl::expected<tactor::CommandTrace, tactor::DriverError> trace
+        = tactor::CommandTrace::create(settings.trace_location);
+    if (!trace) {
+      GST_ELEMENT_ERROR(self, RESOURCE, OPEN_WRITE, ("%s.", trace.error().text.c_str()), (nullptr));
+      return false;
+    }
+    priv->trace.emplace(std::move(*trace));
+  }
   GST_OBJECT_LOCK(self);
   priv->latency = to_clock_time(priv->motors.lead());
   GST_OBJECT_UNLOCK(self);
@@ -557,6 +572,13 @@ reset(GstTactileSynth *self)
   gst_segment_init(&priv->segment, GST_FORMAT_TIME);
   priv->info.reset();
   priv->play.reset();
+  if (priv->trace) {
+    priv->trace->flush();
+    if (priv->trace->failed())
+      GST_ELEMENT_WARNING(self, RESOURCE, WRITE, ("The command trace is incomplete."),
+                          ("writing to it failed: is the disk full?"));
+    priv->trace.reset();
+  }
   priv->rows = priv->columns = 0;
   priv->last_end = Time(0);
   priv->segment_sent = false;

@@ -117,6 +117,10 @@ constexpr P kProperties[] = {
           kReady, PROPERTY_FIELD(calibration)),
   P::number<gdouble>("voltage-max", "Volts of the calibration at full scale", kReady,
                      PROPERTY_FIELD(volts_max), P::Range{ 0.1, 24 }),
+  P::text("trace-location",
+          "CSV file for a line per change of a channel, as tactorsink's: "
+          "issued_ns,due_ns,effect_ns,tactor,volts",
+          kReady, PROPERTY_FIELD(trace_location)),
   P::number<gdouble>("rate", "How often channels may change, in Hz (0 = with every map)", kPlaying,
                      PROPERTY_FIELD(rate), P::Range{ 0, 1000 }),
   P::number<gdouble>("intensity", "Factor on all levels, from the next map on", kControllable,

@@ -25,6 +25,7 @@ struct SynthSettings
   synth::Time rise_time = synth::kShakerRise;
   std::string calibration; ///< key file; empty: none
   double volts_max = 3;
+  std::string trace_location; ///< empty: no trace
 
   double rate = 0;
   double intensity = 1;

@@ -38,6 +38,12 @@ Play::set_cells(ChannelCells cells)
 }
 
 void
+Play::set_listener(std::function<void(const tactor::Command &command, Time at)> listener)
+{
+  listener_ = std::move(listener);
+}
+
+void
 Play::set_intensity(double intensity)
 {
   if (tactor::PlannerSettings settings = planner_.settings(); settings.intensity != intensity) {
@@ -158,8 +164,11 @@ Play::render(std::span<float> samples)
     auto count = static_cast<std::int64_t>(samples.size() / channels);
     if (const std::optional<std::int64_t> next = next_change()) {
       if (*next <= position_) {
-        for (const tactor::Command &command : queue_.take_due(*queue_.next_due()))
+        for (const tactor::Command &command : queue_.take_due(*queue_.next_due())) {
           change(command);
+          if (listener_)
+            listener_(command, time_after(synthesizer_.ramp() / 2));
+        }
         continue;
       }
       count = std::min(count, *next - position_);

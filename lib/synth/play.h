@@ -9,6 +9,7 @@
 #include "tactor/command_queue.h"
 
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <span>
 #include <vector>
@@ -33,6 +34,8 @@ public:
   Time lead() const;
 
   void set_cells(ChannelCells cells);
+  /// Called by render() for each command, with the time of the middle of its ramp.
+  void set_listener(std::function<void(const tactor::Command &command, Time at)> listener);
   /// From the next map on. max_lead and volts_max stay.
   void set_intensity(double intensity);
   void set_limits(const tactor::MotorLimits &limits, double rate);
@@ -82,6 +85,7 @@ private:
   Time soft_start_{ 0 };
   Time slowest_{ 0 }; ///< longest measured latency of a motor
   ChannelCells cells_{};
+  std::function<void(const tactor::Command &, Time)> listener_{};
   std::vector<float> pooled_; ///< one map's levels
 };
 

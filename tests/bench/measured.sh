@@ -3,7 +3,7 @@
 # Makes pages of docs/measured, each whole. Those of quality and speed are made by tactile_quality and speed.
 #
 # Usage: tests/bench/measured.sh PAGE [FILM ...]      PAGE: calibration, devices, playback, sound, synth, timing, ways-out; FILM: default three of ../shared/data/clips (timing)
-# Expects a computer on which nothing else runs. Takes 5, 3, 1, 8, 3, 15 and 1 minutes. VISUOTACTILE_BUILD names a build folder that is built already.
+# Expects a computer on which nothing else runs. Takes 5, 5, 1, 8, 3, 15 and 1 minutes. VISUOTACTILE_BUILD names a build folder that is built already.
 set -euo pipefail
 here=$(cd "$(dirname "$0")" && pwd)
 # shellcheck source=../../tools/build.sh
@@ -128,19 +128,22 @@ out=$root/docs/measured/$page.md
     devices)
       head_of "Devices that people own"
       cat <<'CAPTION'
-What devices do, as their own side sees it: SDL's virtual gamepad, and servers of bHaptics Player's
-and of the Buttplug protocol, written for tests with another library. Neither the radio to a real
-device nor its motors are in it. A seat on USB is in [ways out](ways-out.md), a simulated one in
-[timing](timing.md), shakers at a sound card are in [sound for shakers](synth.md).
+What devices do, as their own side sees it: an emulated Mega at 57600 baud, servers of bHaptics
+Player's and of the Buttplug protocol, written for tests with another library, SDL's virtual
+gamepad, and PulseAudio's null sink, heard at its monitor, whose times are exact within 5 ms. The
+radio to a real device, its motors and a card's own buffer are not in it. More of a seat is in
+[ways out](ways-out.md), a simulated one in [timing](timing.md), more of sound in [sound for
+shakers](synth.md).
 
 ## Ways out
 
 How long a motor goes on after each event; at the end of stream, after the end of its last map.
-SIGTERM ends gst-launch-1.0; a virtual gamepad is in the process that it would end (–). A gamepad is
-listed by `tactordeviceprovider`; to look for a device behind a server would disturb it.
+SIGTERM ends gst-launch-1.0; a virtual gamepad is in the process that it would end (–).
+`visuotactile-play --list-devices` lists boards, gamepads and sound cards; to look for a device
+behind a server would disturb it.
 
 CAPTION
-      VISUOTACTILE_MODULES="$built/lib/modules" "$built/tests/bench/devices" >"$work/tables" 2>&1 || { cat "$work/tables" >&2; exit 1; }
+      VISUOTACTILE_MODULES="$built/lib/modules" XDG_STATE_HOME=$work umockdev-wrapper "$built/tests/bench/devices" >"$work/tables" 2>&1 || { cat "$work/tables" >&2; exit 1; }
       grep -E '^\|' "$work/tables" | sed '/^| device | rises/,$d'
       cat <<'CAPTION'
 
@@ -148,9 +151,10 @@ CAPTION
 
 Every 0.8 s a level of 40 to 100 % from rest, on the pipeline's clock. The error is the time between
 a map's frame and when a motor with the paper's rise times, given the levels that the device got,
-reaches 90 %. "Later by" has its sign. A slow server takes 200 ms for each message, while levels
-change 25 times a second: the most messages that it has at once, until the end of the stream. CPU is
-this process's share of a core.
+reaches 90 %; a shaker has tactoraudiosink's own 25 ms. "Later by" has its sign. A slow server takes
+200 ms for each message, while levels change 25 times a second: the most messages that it has at
+once, until the end of the stream. Boards and gamepads answer nothing, and a sound card takes no
+messages (–). CPU is this process's share of a core; the emulated board is in it.
 
 CAPTION
       grep -E '^\|' "$work/tables" | sed -n '/^| device | rises/,$p'

@@ -22,6 +22,9 @@ Usage: haptic_server.py (bhaptics|buttplug3|buttplug4) [NAME=VALUE ...]
   refuses=N    answers commands to devices with errors, after N messages
   steps=N      of the vibrators, in JSON
   ping=MS      asks for pings
+  enforces=1   without a ping for that time: stops all devices and breaks the connection off; prints `unpinged`
+  errs=N       answers the command N to devices with an error
+  conformance=1  has the devices of Buttplug's own conformance tests (buttplug4)
   gap=MS       between commands
 Lines on standard input: `remove` takes the device away, `add` brings it back, `quit` ends the server."""
 
@@ -123,12 +126,19 @@ class Buttplug:
         self.levels = {0: {}, 1: {}}
         self.is_known = False
         self.count = 0
+        self.commands = 0
+        self.pinged = None  # when, or when the server was greeted
+        self.vibrators = (0, 1) if "conformance" in OPTIONS else (0, 2)
+        self.steps = 100 if "conformance" in OPTIONS else json.loads(OPTIONS.get("steps", "20"))
 
     def hello(self):
         return None
 
     def devices(self):
-        steps = json.loads(OPTIONS.get("steps", "20"))
+        if "conformance" in OPTIONS:
+            all_of_them = conformance_devices()
+            return all_of_them if is_there else {index: device for index, device in all_of_them.items() if index != "0"}
+        steps = self.steps
         gap = {"DeviceMessageTimingGap": number("gap")} if "gap" in OPTIONS or self.version == 4 else {}
         if self.version == 3:
             scalar = {"StepCount": steps, "FeatureDescriptor": "", "ActuatorType": "Vibrate"}
@@ -176,13 +186,18 @@ class Buttplug:
                 version, _, _ = fields(message, MessageVersion=int, ClientName=str, Id=int)
                 versions = {"MessageVersion": version}
             self.is_known = True
+            self.pinged = asyncio.get_running_loop().time()
             return {"ServerInfo": {"Id": message_id, "ServerName": "Test Server", "MaxPingTime": number("ping"), **versions}}
         if not self.is_known:
             raise Refused("expected RequestServerInfo")
         if kind == "RequestDeviceList":
             return {"DeviceList": {"Id": message_id, "Devices": self.devices()}}
         if kind == "Ping":
+            self.pinged = asyncio.get_running_loop().time()
             return None
+        self.commands += 1
+        if self.commands == number("errs"):
+            raise Refused("no such device")
         if "refuses" in OPTIONS and self.count > number("refuses"):
             raise Refused("the device did not answer")
         if kind == "StopCmd" and is_new:
@@ -195,14 +210,14 @@ class Buttplug:
             device, _, scalars = fields(message, DeviceIndex=int, Id=int, Scalars=list)
             for scalar in scalars:
                 index, level, actuator = fields(scalar, Index=int, Scalar=(int, float), ActuatorType=str)
-                if index not in (0, 2) or actuator != "Vibrate" or not 0 <= level <= 1:
+                if index not in self.vibrators or actuator != "Vibrate" or not 0 <= level <= 1:
                     raise Refused("no such actuator or level")
                 self.set(device, {**self.levels[device], index: level})
         elif kind == "OutputCmd" and is_new:
             device, _, feature, command = fields(message, DeviceIndex=int, Id=int, FeatureIndex=int, Command=dict)
             (output,) = fields(command, Vibrate=dict)
             (level,) = fields(output, Value=int)
-            if feature not in (0, 2) or not 0 <= level <= json.loads(OPTIONS.get("steps", "20")):
+            if feature not in self.vibrators or not 0 <= level <= self.steps:
                 raise Refused("no such feature or value")
             self.set(device, {**self.levels[device], feature: level})
         else:
@@ -214,6 +229,26 @@ class Buttplug:
             raise Refused("no such device")
         self.levels[device] = levels
         show(device, levels)
+
+
+def conformance_devices():
+    """As the documentation of buttplug_client_conformance_test has them."""
+    def device(index, name, outputs, inputs):
+        features = [{"Output": {kind: {"Value": [0, 100], **({"Duration": [0, 1000]} if kind.endswith("Duration") else {})}}} for kind in outputs]
+        features += [{"Input": {kind: {"Value": [[0, 100]], "Command": [command]}}} for kind, command in inputs]
+        return {"DeviceName": name, "DeviceIndex": index, "DeviceMessageTimingGap": 0,
+                "DeviceFeatures": {str(i): {"FeatureIndex": i, "FeatureDescription": "", **feature} for i, feature in enumerate(features)}}
+    return {"0": device(0, "Conformance Test Vibrator", ["Vibrate", "Vibrate", "Rotate"], [("Battery", "Read")]),
+            "1": device(1, "Conformance Test Positioner", ["Position", "HwPositionWithDuration", "Oscillate"], [("Button", "Subscribe")]),
+            "2": device(2, "Conformance Test Multi", ["Constrict", "Spray", "Temperature", "Led"], [("RSSI", "Read"), ("Pressure", "Subscribe")])}
+
+
+async def enforce_pings(socket, server):
+    while server.pinged is None or asyncio.get_running_loop().time() < server.pinged + number("ping") / 1000:
+        await asyncio.sleep(0.01)
+    say("unpinged")
+    server.set(0, {})
+    socket.transport.abort()
 
 
 # ---- both ----
@@ -229,6 +264,7 @@ async def serve(socket, _path):
     clients.add((socket, server))
     say("open")
     flooding = None
+    enforcing = asyncio.create_task(enforce_pings(socket, server)) if "enforces" in OPTIONS else None
     count = 0
     try:
         if server.hello() and "silent" not in OPTIONS:
@@ -252,8 +288,8 @@ async def serve(socket, _path):
     except websockets.ConnectionClosed:
         pass
     finally:
-        if flooding:
-            flooding.cancel()
+        for task in filter(None, (flooding, enforcing)):
+            task.cancel()
         clients.discard((socket, server))
         say("gone")
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 //
-// Two devices that play one stream of maps in one pipeline, each with rise times of its own.
+// Two devices that play one stream of maps in one pipeline, each with rise times of its own. Maps
+// are of 1 × 2: the left cell is on in the 2nd and 5th map, the right one in the 3rd.
 #pragma once
 
 #include "calibration/calibration.h"
@@ -21,12 +22,85 @@
 /// All motors of the second device take this long to any level.
 inline constexpr double kSlowRiseMs = 120;
 
-/// Maps of 1 × 2: the left cell is on in the 2nd and 5th map, the right one in the 3rd.
+/// What tells that the two are in time.
+namespace two_devices {
+
+inline constexpr GstClockTime kMap = 200 * GST_MSECOND;
+
+/// A change that each device makes.
+struct Step
+{
+  int map;
+  int tactor;
+  double volts;
+
+  std::chrono::nanoseconds effect() const
+  {
+    return std::chrono::nanoseconds(static_cast<gint64>(kMap) * map);
+  }
+};
+
+inline const std::vector<Step> kSteps{ { 1, 0, 3 }, { 2, 1, 3 }, { 2, 0, 0 },
+                                       { 3, 1, 0 }, { 4, 0, 3 }, { 5, 0, 0 } };
+
+inline constexpr const char *kSource
+    = "appsrc name=maps format=time caps=application/x-tactile-map,rows=1,columns=2,"
+      "framerate=5/1 ! tee name=t ";
+
+/// Pushes all maps to kSource, and the end.
+inline void
+push_film(GstElement *pipeline)
+{
+  GstElement *maps = gst_bin_get_by_name(GST_BIN(pipeline), "maps");
+  const std::vector<std::vector<gfloat>> film{ { 0, 0 }, { 1, 0 }, { 0, 1 },
+                                               { 0, 0 }, { 1, 0 }, { 0, 0 } };
+  GstFlowReturn flow;
+  for (std::size_t i = 0; i < film.size(); i++) {
+    g_autoptr(GstBuffer) map = gst_tactile_map_buffer_new(film[i].data(), film[i].size());
+    GST_BUFFER_PTS(map) = i * kMap;
+    GST_BUFFER_DURATION(map) = kMap;
+    g_signal_emit_by_name(maps, "push-buffer", map, &flow);
+  }
+  g_signal_emit_by_name(maps, "end-of-stream", &flow);
+  gst_object_unref(maps);
+}
+
+/// Of a sink in the pipeline. Running time is the same for all; so has to be what is added to it.
+inline GstClockTime
+latency(GstElement *pipeline, const char *name)
+{
+  g_autoptr(GstElement) sink = gst_bin_get_by_name(GST_BIN(pipeline), name);
+  return gst_base_sink_get_latency(GST_BASE_SINK(sink));
+}
+
+/// A trace has the effects of all steps at their times, each early by the rise time, and none was
+/// issued before it was due.
+inline void
+expect_steps(const std::string &path, double rise_ms)
+{
+  const std::vector<tactor::IssuedCommand> trace = unwrap(tactor::read_command_trace(path));
+  ck_assert_uint_eq(trace.size(), kSteps.size());
+  for (const Step &step : kSteps) {
+    const auto found = std::ranges::find_if(trace, [&](const tactor::IssuedCommand &one) {
+      return one.command.effect == step.effect() && one.command.tactor == step.tactor;
+    });
+    fail_unless(found != trace.end(), "no command for map %d, tactor %d", step.map, step.tactor);
+    fail_unless_near(found->command.volts, step.volts, 1e-3);
+    const double lead_ms = std::chrono::duration<double, std::milli>(found->command.lead).count();
+    fail_unless_near(lead_ms, step.volts > 0 ? rise_ms : 0, 0.01);
+    fail_unless(found->issued >= step.effect() - found->command.lead);
+  }
+}
+
+/// Eq. 1 of the paper, from rest to 3 V.
+inline constexpr double kPaperRiseMs = 241.9 - 175.7 * 3 + 38.86 * 9;
+
+} // namespace two_devices
+
+/// Two tactorsinks. The motors of the second one take kSlowRiseMs.
 class TwoDevices
 {
 public:
-  static constexpr GstClockTime kMap = 200 * GST_MSECOND;
-
   /// `first` and `second` are properties of the two tactorsinks.
   TwoDevices(const std::string &first, const std::string &second)
   {
@@ -37,24 +111,11 @@ public:
       };
     unwrap(tactor::write_calibration(slow, calibration_.path));
     const std::string common = " rate=0 ramp-in=0 max-duty=0 trace-location=";
-    pipeline_ = make_pipeline(
-        "appsrc name=maps format=time caps=application/x-tactile-map,rows=1,columns=2,"
-        "framerate=5/1 ! tee name=t t. ! queue ! tactorsink name=first "
-        + first + common + traces_[0].path + " t. ! queue ! tactorsink name=second calibration="
-        + calibration_.path + " " + second + common + traces_[1].path);
-    GstElement *maps = gst_bin_get_by_name(GST_BIN(pipeline_), "maps");
-    const std::vector<std::vector<gfloat>> film{ { 0, 0 }, { 1, 0 }, { 0, 1 },
-                                                 { 0, 0 }, { 1, 0 }, { 0, 0 } };
-    for (std::size_t i = 0; i < film.size(); i++) {
-      g_autoptr(GstBuffer) map = gst_tactile_map_buffer_new(film[i].data(), film[i].size());
-      GST_BUFFER_PTS(map) = i * kMap;
-      GST_BUFFER_DURATION(map) = kMap;
-      GstFlowReturn flow;
-      g_signal_emit_by_name(maps, "push-buffer", map, &flow);
-    }
-    GstFlowReturn flow;
-    g_signal_emit_by_name(maps, "end-of-stream", &flow);
-    gst_object_unref(maps);
+    pipeline_ = make_pipeline(two_devices::kSource + ("t. ! queue ! tactorsink name=first " + first)
+                              + common + traces_[0].path
+                              + " t. ! queue ! tactorsink name=second calibration="
+                              + calibration_.path + " " + second + common + traces_[1].path);
+    two_devices::push_film(pipeline_);
   }
   ~TwoDevices()
   {
@@ -69,54 +130,18 @@ public:
     gst_element_set_state(pipeline_, GST_STATE_PLAYING);
   }
 
-  /// After the end: both were given the same effects at the same times, each early by its own rise
-  /// time, and neither was issued before it was due.
+  /// After the end: both were given the same effects at the same times.
   void expect_one_film()
   {
     wait_for_eos(pipeline_);
-    // Running time is the same for both; so is what is added to it.
-    ck_assert_uint_eq(latency("first"), latency("second"));
+    ck_assert_uint_eq(two_devices::latency(pipeline_, "first"),
+                      two_devices::latency(pipeline_, "second"));
     gst_element_set_state(pipeline_, GST_STATE_NULL);
-    // Eq. 1 of the paper, from rest to 3 V.
-    const double paper = 241.9 - 175.7 * 3 + 38.86 * 9;
-    expect(traces_[0].path, paper);
-    expect(traces_[1].path, kSlowRiseMs);
+    two_devices::expect_steps(traces_[0].path, two_devices::kPaperRiseMs);
+    two_devices::expect_steps(traces_[1].path, kSlowRiseMs);
   }
 
 private:
-  GstClockTime latency(const char *name)
-  {
-    GstElement *sink = gst_bin_get_by_name(GST_BIN(pipeline_), name);
-    const GstClockTime latency = gst_base_sink_get_latency(GST_BASE_SINK(sink));
-    gst_object_unref(sink);
-    return latency;
-  }
-
-  static void expect(const std::string &path, double rise_ms)
-  {
-    struct Step
-    {
-      int map;
-      int tactor;
-      double volts;
-    };
-    const std::vector<Step> steps{ { 1, 0, 3 }, { 2, 1, 3 }, { 2, 0, 0 },
-                                   { 3, 1, 0 }, { 4, 0, 3 }, { 5, 0, 0 } };
-    const std::vector<tactor::IssuedCommand> trace = unwrap(tactor::read_command_trace(path));
-    ck_assert_uint_eq(trace.size(), steps.size());
-    for (const Step &step : steps) {
-      const auto at = std::chrono::nanoseconds(static_cast<gint64>(kMap) * step.map);
-      const auto found = std::ranges::find_if(trace, [&](const tactor::IssuedCommand &one) {
-        return one.command.effect == at && one.command.tactor == step.tactor;
-      });
-      fail_unless(found != trace.end(), "no command for map %d, tactor %d", step.map, step.tactor);
-      fail_unless_near(found->command.volts, step.volts, 1e-3);
-      const double lead_ms = std::chrono::duration<double, std::milli>(found->command.lead).count();
-      fail_unless_near(lead_ms, step.volts > 0 ? rise_ms : 0, 0.01);
-      fail_unless(found->issued >= at - found->command.lead);
-    }
-  }
-
   TemporaryFile calibration_;
   TemporaryFile traces_[2];
   GstElement *pipeline_ = nullptr;

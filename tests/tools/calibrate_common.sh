@@ -4,6 +4,8 @@
 # Expects CALIBRATE (the program) and the plugins on GST_PLUGIN_PATH.
 set -euo pipefail
 : "${CALIBRATE:?the path of tactor-calibrate}"
+# shellcheck disable=SC2034 # for the tests
+here=$(cd "$(dirname "$0")" && pwd)
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 cd "$work"

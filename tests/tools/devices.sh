@@ -5,9 +5,11 @@
 # Expects PLAY, SETTINGS, SERVER (haptic_server.py) and the plugins on GST_PLUGIN_PATH.
 set -euo pipefail
 work=$(mktemp -d)
-pids=()
+# shellcheck source=background.sh
+. "$(dirname "$0")/background.sh"
 cleanup() {
   [ "${#pids[@]}" -eq 0 ] || kill "${pids[@]}" 2>kills || true
+  [ ! -S "$work/socket" ] || pactl exit
   wait
   rm -rf "$work"
 }
@@ -30,23 +32,7 @@ expect() {
 said() {
   grep -qF -- "$1" said || fail "expected '$1', got: $(cat said)"
 }
-# until_true COMMAND...: for 20 s at most
-until_true() {
-  local begin=$SECONDS
-  until "$@"; do
-    [ $((SECONDS - begin)) -lt 20 ] || fail "'$*' did not come true in 20 s"
-    sleep 0.05
-  done
-}
-
 # ---- servers ----
-# serve KIND: a server whose lines are in KIND; sets `port`
-serve() {
-  tail -f /dev/null --pid=$$ | /usr/bin/python3 "$SERVER" "$1" >"$1" &
-  pids+=($!)
-  until_true grep -q '^port ' "$1"
-  port=$(sed -n 's/^port //p' "$1")
-}
 # walked FILE WHERE FULL MOTOR...: the server's motors were on in this order, each by itself and up to FULL
 walked() {
   local file=$1 where=$2 full=$3 on
@@ -86,21 +72,14 @@ for line in '--driver=bhaptics --device=vest-back' '--driver=intiface --device=N
 done
 
 # ---- a sound card ----
-pulseaudio -n --daemonize=no --exit-idle-time=-1 --use-pid-file=no --log-level=error --realtime=no \
-  --load="module-null-sink sink_name=shakers sink_properties=\"device.description='Bass Shakers'\" channels=2" \
-  --load="module-native-protocol-unix socket=$work/socket auth-anonymous=1" &
-pids+=($!)
-export PULSE_SERVER=unix:$work/socket
-until_true test -S socket
+sound_card
 expect 0 "$PLAY" --list-devices
 said "--driver=audio '--device=Bass Shakers'"
 expect 0 "$PLAY" --print-pipeline --driver=audio --device='Bass Shakers' --channels=4 --intensity=0.5
 said 'tactoraudiosink channels=4 '
 said 'pulsesink device=shakers'
 # What is heard at the card's monitor: left, then right.
-parec --raw --format=s16le --rate=8000 --channels=2 --device=shakers.monitor >heard &
-pids+=($!)
-until_true test -s heard
+begin heard -c1 parec --raw --format=s16le --rate=8000 --channels=2 --device=shakers.monitor
 expect 0 "$PLAY" --feel-test --driver=audio --device='Bass Shakers'
 [ "$(cat out)" = "$(printf 'channel 1\nchannel 2')" ] || fail "expected two channels, got: $(cat said)"
 kill "${pids[-1]}"

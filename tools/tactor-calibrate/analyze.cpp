@@ -80,7 +80,7 @@ analyze(int argc, char **argv)
     { "offset", 0, 0, G_OPTION_ARG_DOUBLE, &offset_ms,
       "Time of the recording's start in that trace (default: 0)", "MS" },
     { "align", 0, 0, G_OPTION_ARG_NONE, &find,
-      "Find that time by correlation; leaves the latency unknown", nullptr },
+      "Find each recording's start by correlation; leaves the latency unknown", nullptr },
     { "motor", 'm', 0, G_OPTION_ARG_STRING, &motor.value, "Description of the motors", "TEXT" },
     { "verbose", 'v', 0, G_OPTION_ARG_NONE, &verbose, "Print every step", nullptr },
     {},
@@ -113,7 +113,7 @@ analyze(int argc, char **argv)
     heard = measure_recording(std::move(sound), trace, tactors, parse_band(band.text()), find);
   } else {
     const Session session = Session::open(arguments.front());
-    heard = session.measure(parse_band(band.text()));
+    heard = session.measure(parse_band(band.text()), find);
     sensor = session.sensor().empty() ? "recordings made elsewhere" : session.sensor();
     name = motor.is_set() ? name : session.motor();
     if (!output.is_set())

@@ -2,6 +2,7 @@
 #include "options.h"
 
 #include "calibration/calibration.h"
+#include "film/device_list.h"
 #include "film/or_throw.h"
 
 #include <charconv>
@@ -32,8 +33,15 @@ PlayOptions::with(std::initializer_list<GOptionEntry> own)
 {
   std::vector<GOptionEntry> entries{
     { "driver", 'd', 0, G_OPTION_ARG_STRING, &driver.value,
-      "Driver of the board, as tactorsink's (default: auto)", "NAME" },
-    { "device", 0, 0, G_OPTION_ARG_STRING, &device.value, "Which board, as tactorsink's", "ID" },
+      "Driver of the board, as tactorsink's, or audio: shakers at a sound card (default: auto)",
+      "NAME" },
+    { "device", 0, 0, G_OPTION_ARG_STRING, &device.value,
+      "Which board, as tactorsink's, or a sound card's name", "ID" },
+    { "channels", 0, 0, G_OPTION_ARG_INT, &channels,
+      "With --driver=audio: channels of the sound card, which are tactors (default: 2)", "N" },
+    { "frequency", 0, 0, G_OPTION_ARG_STRING, &frequency.value,
+      "With --driver=audio: carrier of each channel in Hz, as tactoraudiosink's (default: 60)",
+      "LIST" },
     { "source", 's', 0, G_OPTION_ARG_STRING, &source.value,
       "Launch line of the GStreamer source that records the motors (default: autoaudiosrc); "
       "simulator: simulate and record motors; none: record nothing",
@@ -52,7 +60,13 @@ PlayOptions::settings(double volts_max) const
   PlayerSettings settings{ .driver = driver.text(),
                            .device = device.text(),
                            .volts_max = volts_max,
+                           .channels = channels,
+                           .frequency = frequency.text(),
                            .source = source.text() == "none" ? "" : source.text() };
+  if (channels < 1 || channels > 64)
+    throw UsageError("--channels is a whole number from 1 to 64");
+  if (settings.driver == kAudio && settings.source == "simulator")
+    throw UsageError("--source=simulator has motors of its own; leave out --driver=audio");
   settings.sensor.noise = 0.001;
   if (!simulated_motors.is_set())
     return settings;

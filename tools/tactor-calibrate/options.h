@@ -17,6 +17,8 @@ struct PlayOptions
 {
   TextOption driver{ "auto" };
   TextOption device{};
+  TextOption frequency{ "60" };
+  gint channels = 2;
   TextOption source{ "autoaudiosrc" };
   TextOption simulated_motors{};
 

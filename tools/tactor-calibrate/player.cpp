@@ -2,6 +2,8 @@
 #include "player.h"
 #include "audio_file.h"
 
+#include "film/command_line.h"
+#include "film/device_list.h"
 #include "film/or_throw.h"
 #include "film/pipeline.h"
 
@@ -54,10 +56,23 @@ private:
   gchar *path_ = nullptr;
 };
 
+/// The element that plays on a sound card.
+std::string
+audio_line(const PlayerSettings &settings)
+{
+  std::string line = "tactoraudiosink name=tactors channels=" + std::to_string(settings.channels)
+                     + " frequency=" + launch_value(settings.frequency);
+  if (!settings.device.empty())
+    line += " audio-sink=" + launch_value(audio_sink(settings.device));
+  return line;
+}
+
 std::string
 launch_line(const PlayerSettings &settings)
 {
-  std::string line = "appsrc name=frames format=time max-bytes=0 ! tactorsink name=tactors";
+  std::string line = "appsrc name=frames format=time max-bytes=0 ! "
+                     + (settings.driver == kAudio ? audio_line(settings)
+                                                  : std::string("tactorsink name=tactors"));
   if (settings.source == "simulator")
     line += " appsrc name=microphone format=time max-bytes=0 ! " + recording_branch();
   else if (!settings.source.empty())
@@ -128,6 +143,62 @@ wait_for_board(GstElement *pipeline, GstElement *tactors, GstBus *bus,
     throw_message(message);
 }
 
+/// What is not common to both sinks. Limits for motors and skin hold; all that would change or
+/// delay other commands is off.
+void
+set_tactorsink(GstElement *tactors, const PlayerSettings &settings, std::size_t count)
+{
+  const bool simulated = settings.source == "simulator";
+  g_object_set(tactors, "driver", simulated ? "simulator" : settings.driver.c_str(), "sync",
+               !simulated, nullptr);
+  if (!simulated)
+    g_object_set(tactors, "mapping", mapping_of(count).c_str(), nullptr);
+  if (!settings.device.empty() && !simulated)
+    g_object_set(tactors, "device", settings.device.c_str(), nullptr);
+  if (!settings.compensate)
+    g_object_set(tactors, "voltage-min", 0.0, "max-lead", guint64{ 0 }, nullptr);
+  gst_util_set_object_arg(G_OBJECT(tactors), "compensation",
+                          settings.compensate ? "exact" : "none");
+}
+
+void
+set_tactoraudiosink(GstElement *tactors, const PlayerSettings &settings, std::size_t count)
+{
+  if (count > static_cast<std::size_t>(settings.channels))
+    throw std::runtime_error("expected tactors of 0 to " + std::to_string(settings.channels - 1)
+                             + ", which are the card's channels, got " + std::to_string(count - 1)
+                             + "; --channels says how many there are");
+  g_object_set(tactors, "mapping", mapping_of(count).c_str(), nullptr);
+  if (!settings.compensate)
+    g_object_set(tactors, "rise-time", guint64{ 0 }, nullptr);
+}
+
+/// What is added to running time before a sink shows something.
+Time
+latency_of(GstElement *sink)
+{
+  if (GST_IS_BASE_SINK(sink))
+    return Time(static_cast<gint64>(gst_base_sink_get_latency(GST_BASE_SINK(sink))));
+  Time longest{ 0 };
+  GstIterator *sinks = gst_bin_iterate_sinks(GST_BIN(sink));
+  GValue item = G_VALUE_INIT;
+  while (gst_iterator_next(sinks, &item) == GST_ITERATOR_OK) {
+    longest = std::max(longest, latency_of(GST_ELEMENT(g_value_get_object(&item))));
+    g_value_reset(&item);
+  }
+  g_value_unset(&item);
+  gst_iterator_free(sinks);
+  return longest;
+}
+
+bool
+is_playing(GstElement *pipeline)
+{
+  GstState state = GST_STATE_NULL;
+  gst_element_get_state(pipeline, &state, nullptr, 0);
+  return state == GST_STATE_PLAYING;
+}
+
 bool
 is_stats(GstMessage *message)
 {
@@ -142,6 +213,7 @@ play(const std::vector<Frame> &frames, const PlayerSettings &settings,
      const std::atomic<bool> &interrupted)
 {
   const bool simulated = settings.source == "simulator";
+  const bool is_audio = settings.driver == kAudio;
   const Time end = frames.back().begin + frames.back().duration;
   const TraceFile trace_file;
   Played played;
@@ -149,21 +221,12 @@ play(const std::vector<Frame> &frames, const PlayerSettings &settings,
   {
     const Pipeline pipeline = make_pipeline(launch_line(settings));
     const Owned<GstElement> tactors = element(pipeline, "tactors");
-    // Limits for motors and skin hold; all that would change or delay other commands is off.
-    g_object_set(tactors.get(), "driver", simulated ? "simulator" : settings.driver.c_str(),
-                 "trace-location", trace_file.path(), "rate", 0.0, "voltage-max",
-                 settings.volts_max, "ramp-in", guint64{ 0 }, "sync", !simulated, nullptr);
-    if (!simulated)
-      g_object_set(tactors.get(), "mapping", mapping_of(frames.front().levels.size()).c_str(),
-                   nullptr);
-    if (!settings.device.empty() && !simulated)
-      g_object_set(tactors.get(), "device", settings.device.c_str(), nullptr);
+    g_object_set(tactors.get(), "trace-location", trace_file.path(), "rate", 0.0, "voltage-max",
+                 settings.volts_max, "ramp-in", guint64{ 0 }, nullptr);
     if (!settings.calibration.empty())
       g_object_set(tactors.get(), "calibration", settings.calibration.c_str(), nullptr);
-    if (!settings.compensate)
-      g_object_set(tactors.get(), "voltage-min", 0.0, "max-lead", guint64{ 0 }, nullptr);
-    gst_util_set_object_arg(G_OBJECT(tactors.get()), "compensation",
-                            settings.compensate ? "exact" : "none");
+    (is_audio ? set_tactoraudiosink : set_tactorsink)(tactors.get(), settings,
+                                                      frames.front().levels.size());
     if (!settings.source.empty())
       heard.listen(element(pipeline, "heard").get());
     push_frames(element(pipeline, "frames").get(), frames);
@@ -183,11 +246,10 @@ play(const std::vector<Frame> &frames, const PlayerSettings &settings,
           static_cast<GstMessageType>(GST_MESSAGE_ERROR | GST_MESSAGE_EOS | GST_MESSAGE_ELEMENT));
       if (message && GST_MESSAGE_TYPE(message) == GST_MESSAGE_ERROR)
         throw_message(message);
-      if (message && is_stats(message)) {
+      // A sound card has no statistics.
+      if (is_audio ? !has_begun && is_playing(pipeline.get()) : message && is_stats(message)) {
         has_begun = true;
-        latency = simulated ? Time(0)
-                            : Time(static_cast<gint64>(
-                                gst_base_sink_get_latency(GST_BASE_SINK(tactors.get()))));
+        latency = simulated ? Time(0) : latency_of(tactors.get());
         if (simulated) {
           gst_element_set_state(tactors.get(), GST_STATE_PAUSED); // completes the trace
           push_recording(element(pipeline, "microphone").get(),
@@ -198,7 +260,7 @@ play(const std::vector<Frame> &frames, const PlayerSettings &settings,
       over = message && GST_MESSAGE_TYPE(message) == GST_MESSAGE_EOS;
       if (has_begun && simulated)
         over |= gst_app_sink_is_eos(GST_APP_SINK(element(pipeline, "heard").get()));
-      else if (has_begun)
+      else if (has_begun && (!is_audio || !settings.source.empty())) // else EOS comes
         over |= settings.source.empty() || heard.until() >= end + latency + kTail;
       const Time waited = std::chrono::microseconds(g_get_monotonic_time() - begin);
       if (!over && !simulated && waited > end + latency + kTail + kPatience)

@@ -21,9 +21,11 @@ struct Frame
 /// How frames are played and recorded.
 struct PlayerSettings
 {
-  std::string driver = "auto"; ///< tactorsink's, like the next two
+  std::string driver = "auto"; ///< tactorsink's, like the next two; or kAudio, with a card's name
   std::string device{};
   double volts_max = 3.0;
+  int channels = 2;          ///< of the sound card
+  std::string frequency{};   ///< of the carriers on it
   bool compensate = false;   ///< whether commands precede their frames by the rise time
   std::string calibration{}; ///< key file for tactorsink; empty: none
   /// A launch line of a GStreamer audio source; "simulator": motors are simulated and recorded;
@@ -40,8 +42,8 @@ struct Played
   tactor::Recording recording{};
 };
 
-/// Plays frames on tactorsink and records at the same time, in one pipeline with one clock;
-/// simulated motors are played faster than real time. Ends when `interrupted` becomes true. All
-/// motors are at zero when this returns or throws std::runtime_error.
+/// Plays frames on tactorsink or a sound card and records at the same time, in one pipeline with
+/// one clock; simulated motors are played faster than real time. Ends when `interrupted` becomes
+/// true. All motors are at zero when this returns or throws std::runtime_error.
 Played play(const std::vector<Frame> &frames, const PlayerSettings &settings,
             const std::atomic<bool> &interrupted);

@@ -221,7 +221,7 @@ Session::keep(int run, const Played &played) const
 }
 
 Session::Heard
-Session::measure(tactor::Band band) const
+Session::measure(tactor::Band band, bool find) const
 {
   Heard heard;
   for (int run = 0; run < runs(); run++) {
@@ -230,7 +230,7 @@ Session::measure(tactor::Band band) const
     // measure writes .wav; recordings of other devices have other endings.
     const fs::path recording = recording_of(run);
     add(heard, read_recording(recording), or_throw(tactor::read_command_trace(file(run, ".csv"))),
-        recording.extension() != ".wav" || sensor_.empty(), band);
+        find || recording.extension() != ".wav" || sensor_.empty(), band);
   }
   if (heard.runs.empty())
     throw std::runtime_error("'" + folder_.string() + "' holds no recorded run yet");

@@ -38,9 +38,10 @@ public:
     std::vector<tactor::StepResponse> responses{};
     bool one_clock = true; ///< recordings and traces are on one clock, without alignment
   };
-  /// Measures all recordings. `band` with a high edge of 0: detected. Throws std::runtime_error if
-  /// there are none.
-  Heard measure(tactor::Band band) const;
+  /// Measures all recordings. `band` with a high edge of 0: detected. With `find` each is aligned
+  /// by correlation, as are those of other devices anyway. Throws std::runtime_error if there are
+  /// none.
+  Heard measure(tactor::Band band, bool find = false) const;
 
   const std::string &motor() const;
   const std::string &sensor() const;

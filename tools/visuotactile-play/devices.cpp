@@ -2,78 +2,17 @@
 #include "devices.h"
 
 #include "film/command_line.h"
+#include "film/device_list.h"
 #include "tactor/drivers/registry.h"
 
 #include <gst/gst.h>
 
 #include <algorithm>
 #include <cstdio>
-#include <functional>
 #include <stdexcept>
 #include <vector>
 
 namespace {
-
-/// Calls `with` for each device of a class. The devices are only listed, not opened.
-void
-for_each_device(const char *classes, const std::function<void(GstDevice *)> &with)
-{
-  const Owned<GstDeviceMonitor> monitor(gst_device_monitor_new());
-  gst_device_monitor_add_filter(monitor.get(), classes, nullptr);
-  // Where no provider can be started, there is no device.
-  const bool started = gst_device_monitor_start(monitor.get());
-  GList *devices = gst_device_monitor_get_devices(monitor.get());
-  for (const GList *item = devices; item != nullptr; item = item->next)
-    with(GST_DEVICE(item->data));
-  g_list_free_full(devices, gst_object_unref);
-  if (started)
-    gst_device_monitor_stop(monitor.get());
-}
-
-std::string
-text_property(gpointer object, const char *name)
-{
-  g_autofree gchar *text = nullptr;
-  g_object_get(object, name, &text, nullptr);
-  return text ? text : "";
-}
-
-/// A new element that plays on the device.
-Owned<GstElement>
-element_of(GstDevice *device)
-{
-  GstElement *made = gst_device_create_element(device, nullptr);
-  return Owned<GstElement>(made ? GST_ELEMENT(gst_object_ref_sink(made)) : nullptr);
-}
-
-/// The audio sink of a sound card, as on a launch line.
-std::string
-audio_sink(const std::string &card)
-{
-  std::string line;
-  std::string cards;
-  for_each_device("Audio/Sink", [&](GstDevice *device) {
-    const std::string name = text_property(device, "display-name");
-    cards += (cards.empty() ? "'" : ", '") + name + "'";
-    const Owned<GstElement> sink = name == card && line.empty() ? element_of(device) : nullptr;
-    if (sink == nullptr)
-      return;
-    line = GST_OBJECT_NAME(gst_element_get_factory(sink.get()));
-    // By what the sinks of PulseAudio, ALSA and PipeWire name their device.
-    for (const char *property : { "device", "target-object" }) {
-      const GParamSpec *spec
-          = g_object_class_find_property(G_OBJECT_GET_CLASS(sink.get()), property);
-      const std::string value
-          = spec && spec->value_type == G_TYPE_STRING ? text_property(sink.get(), property) : "";
-      if (!value.empty())
-        line += std::string(" ") + property + "=" + launch_value(value);
-    }
-  });
-  if (line.empty())
-    throw std::runtime_error("expected --device to name a sound card, got '" + card + "'; found "
-                             + (cards.empty() ? "none" : cards));
-  return line;
-}
 
 void
 print(const std::string &options, const std::string &name)

@@ -1,13 +1,11 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include "film/device_list.h"
 #include "film/motor_walk.h"
 #include "film/pipeline.h"
 
 #include <string>
-
-/// The driver of this program for shakers at a sound card. All others are tactorsink's.
-inline constexpr const char *kAudio = "audio";
 
 /// What is felt, as the command line has it.
 struct ChosenDevice

@@ -48,6 +48,9 @@ public:
 
   virtual ~Conversation() = default;
 
+  /// What of the server it drives, as the user named it. Known before there is a connection.
+  virtual std::vector<std::string> parts() const = 0;
+
   /// A connection is open. All begins anew.
   virtual void begin(Time now) = 0;
   /// A message of the server, of any content.

@@ -8,12 +8,6 @@
 
 namespace tactor {
 
-static Time
-steady_now()
-{
-  return std::chrono::steady_clock::now().time_since_epoch();
-}
-
 FirmataDriver::FirmataDriver(Firmware firmware, MakeBus make_bus)
     : FirmataDriver(firmware, std::move(make_bus), Settings{})
 {
@@ -32,45 +26,26 @@ FirmataDriver::~FirmataDriver()
 
 /* ---- the caller's side ---- */
 
-tl::expected<void, DriverError>
-FirmataDriver::open(const DriverConfig &config)
+void
+FirmataDriver::reset()
 {
-  close();
-  {
-    const std::lock_guard lock(mutex_);
-    config_ = config;
-    quit_ = bus_changed_ = false;
-    opening_ = std::stop_source();
-    refusal_.reset();
-    levels_.clear();
-    bytes_before_ = 0;
-    status_ = {};
-    runs_ = true;
-  }
-  guard_ = std::make_unique<TerminationGuard>([this](auto until) { leave(until); });
-  const std::stop_callback stopped(config.stop, [this] { quit(); });
-  std::optional<DriverError> refusal;
-  if (tl::expected<Thread, DriverError> thread = Thread::start([this] { run(); })) {
-    thread_ = std::move(*thread);
-    Lock lock(mutex_);
-    changed_.wait(lock, [this] { return is_open_ || refusal_; });
-    refusal = refusal_;
-  } else {
-    const std::lock_guard lock(mutex_);
-    runs_ = false;
-    refusal = thread.error();
-  }
-  if (!refusal)
-    return {};
-  close();
-  return tl::unexpected(*refusal);
+  bus_changed_ = false;
+  opening_ = std::stop_source();
+  levels_.clear();
+  bytes_before_ = 0;
+  resolution_ = 0;
+  line_ = {};
 }
 
-int
-FirmataDriver::tactors() const
+void
+FirmataDriver::wake()
 {
-  std::lock_guard lock(mutex_);
-  return tactors_;
+  std::stop_source opening;
+  {
+    const std::lock_guard lock(mutex_);
+    opening = opening_;
+  }
+  opening.request_stop();
 }
 
 double
@@ -114,19 +89,6 @@ FirmataDriver::write(std::span<const double> volts, Time)
   return {};
 }
 
-void
-FirmataDriver::close() noexcept
-{
-  quit();
-  thread_.join();
-  guard_.reset(); // without the lock, which leave() takes
-  const std::lock_guard lock(mutex_);
-  is_open_ = status_.is_there = false;
-  tactors_ = 0;
-  resolution_ = 0;
-  line_ = {};
-}
-
 DriverStatus
 FirmataDriver::status() const
 {
@@ -139,9 +101,8 @@ FirmataDriver::status() const
 /* ---- the driver's thread ---- */
 
 void
-FirmataDriver::run()
+FirmataDriver::run(Lock &lock)
 {
-  Lock lock(mutex_);
   std::unique_ptr<SerialBus> bus;
   std::unique_ptr<SerialPort> port;
   const tl::expected<void, DriverError> connected
@@ -152,10 +113,9 @@ FirmataDriver::run()
             })
             .map([&](std::unique_ptr<SerialPort> &&first) { port = std::move(first); });
   if (connected)
-    is_open_ = true;
+    opened();
   else
-    refusal_ = connected.error();
-  changed_.notify_all();
+    refuse(connected.error());
   if (port)
     realtime_.emplace(config_.realtime);
 
@@ -188,8 +148,6 @@ FirmataDriver::run()
       bus->watch(nullptr);
     bus.reset();
   }
-  runs_ = false;
-  changed_.notify_all();
 }
 
 tl::expected<std::unique_ptr<SerialBus>, DriverError>
@@ -412,38 +370,6 @@ FirmataDriver::release(Lock &lock, std::unique_ptr<SerialPort> port)
   }
   bytes_before_ += board_->bytes_sent();
   board_.reset();
-}
-
-void
-FirmataDriver::tell(Lock &lock, DriverEvent::Kind kind, const std::string &text)
-{
-  if (!config_.notify)
-    return;
-  const Unlocked unlocked(lock);
-  config_.notify({ kind, text });
-}
-
-/// Has the driver's thread stop the motors, release the board and end. Any thread.
-void
-FirmataDriver::quit()
-{
-  std::stop_source opening;
-  {
-    const std::lock_guard lock(mutex_);
-    quit_ = true;
-    opening = opening_;
-    changed_.notify_all();
-  }
-  opening.request_stop();
-}
-
-/// Motors to zero and board released, by `until` at the latest. On TerminationGuard's thread.
-void
-FirmataDriver::leave(std::chrono::steady_clock::time_point until)
-{
-  quit();
-  Lock lock(mutex_);
-  changed_.wait_until(lock, until, [this] { return !runs_; });
 }
 
 bool

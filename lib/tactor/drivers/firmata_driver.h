@@ -1,20 +1,16 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include "tactor/driver.h"
 #include "tactor/drivers/board_choice.h"
 #include "tactor/drivers/board_refusals.h"
 #include "tactor/drivers/firmata_board.h"
 #include "tactor/drivers/known_boards.h"
+#include "tactor/drivers/threaded_driver.h"
 #include "tactor/realtime/realtime_thread.h"
 #include "tactor/serial/serial_port.h"
-#include "tactor/termination.h"
-#include "tactor/thread.h"
 
-#include <condition_variable>
 #include <filesystem>
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <stop_token>
 #include <string>
@@ -35,7 +31,7 @@ namespace tactor {
 ///
 /// A thread of the driver has bus, port and reconnection; write() hands it the levels and never
 /// waits.
-class FirmataDriver : public Driver
+class FirmataDriver : public ThreadedDriver
 {
 public:
   enum class Firmware
@@ -57,23 +53,18 @@ public:
   FirmataDriver(Firmware firmware, MakeBus make_bus, Settings settings);
   ~FirmataDriver() override;
 
-  [[nodiscard]] tl::expected<void, DriverError> open(const DriverConfig &config) override;
-  int tactors() const override;
   double resolution() const override;
   Time transport_latency() const override;
   LineTime line() const override;
   Time refresh_interval() const override;
   [[nodiscard]] tl::expected<void, DriverError> write(std::span<const double> volts,
                                                       Time now) override;
-  void close() noexcept override;
   DriverStatus status() const override;
 
 private:
-  using Lock = std::unique_lock<std::mutex>;
-
   // On the driver's thread. Those with a lock release it while they wait, use bus or port or call
   // `notify`.
-  void run();
+  void run(Lock &lock) override;
   tl::expected<std::unique_ptr<SerialBus>, DriverError> watched_bus(Lock &lock);
   tl::expected<std::vector<SerialDevice>, DriverError> list(Lock &lock, SerialBus &bus);
   tl::expected<std::unique_ptr<SerialPort>, DriverError> connect_first(Lock &lock, SerialBus &bus);
@@ -82,13 +73,12 @@ private:
                                                                  const SerialDevice &device);
   void converse(Lock &lock, SerialPort &port, bool (FirmataDriver::*is_done)() const);
   void release(Lock &lock, std::unique_ptr<SerialPort> port);
-  void tell(Lock &lock, DriverEvent::Kind kind, const std::string &text);
   bool has_answered() const;
   bool is_quitting() const;
   bool has_left() const;
 
-  void quit();
-  void leave(std::chrono::steady_clock::time_point until);
+  void reset() override;
+  void wake() override;
 
   const Firmware firmware_;
   const MakeBus make_bus_;
@@ -99,19 +89,9 @@ private:
   KnownBoards known_boards_;
   ReturnRefusals return_refusals_;
 
-  // Of the thread that opens and closes
-  Thread thread_;
-  std::unique_ptr<TerminationGuard> guard_; ///< from the beginning of open() to the end of close()
-
-  mutable std::mutex mutex_; ///< guards everything below
-  std::condition_variable changed_;
-  DriverConfig config_;
-  bool is_open_ = false;
-  bool quit_ = false;
-  bool runs_ = false;        ///< the thread has the bus, or a board
+  // Guarded by the mutex
   std::stop_source opening_; ///< cancels the opening of a port; requested with quit_
   bool bus_changed_ = false;
-  std::optional<DriverError> refusal_;    ///< why open() fails
   std::optional<std::string> lost_;       ///< why the port is unusable
   std::optional<FirmataBoard> board_;     ///< at the other end of the port, while there is one
   SerialDevice device_;                   ///< the last one that was taken
@@ -119,9 +99,7 @@ private:
   std::vector<double> levels_;            ///< 0…1, as written last
   Time levels_set_{ 0 };
   std::uint64_t bytes_before_ = 0; ///< sent to boards before board_
-  DriverStatus status_;
   // Of the first board; they stay after a reconnection
-  int tactors_ = 0;
   double resolution_ = 0;
   LineTime line_;
 };

@@ -14,12 +14,6 @@ namespace tactor {
 
 namespace {
 
-Time
-steady_now()
-{
-  return std::chrono::steady_clock::now().time_since_epoch();
-}
-
 std::string
 describe(const Gamepad &gamepad)
 {
@@ -94,43 +88,10 @@ GamepadDriver::~GamepadDriver()
 
 /* ---- the caller's side ---- */
 
-tl::expected<void, DriverError>
-GamepadDriver::open(const DriverConfig &config)
+void
+GamepadDriver::reset()
 {
-  close();
-  {
-    const std::lock_guard lock(mutex_);
-    config_ = config;
-    quit_ = false;
-    refusal_.reset();
-    levels_ = {};
-    status_ = {};
-    runs_ = true;
-  }
-  guard_ = std::make_unique<TerminationGuard>([this](auto until) { leave(until); });
-  const std::stop_callback stopped(config.stop, [this] { quit(); });
-  std::optional<DriverError> refusal;
-  if (tl::expected<Thread, DriverError> thread = Thread::start([this] { run(); })) {
-    thread_ = std::move(*thread);
-    Lock lock(mutex_);
-    changed_.wait(lock, [this] { return is_open_ || refusal_; });
-    refusal = refusal_;
-  } else {
-    const std::lock_guard lock(mutex_);
-    runs_ = false;
-    refusal = thread.error();
-  }
-  if (!refusal)
-    return {};
-  close();
-  return tl::unexpected(*refusal);
-}
-
-int
-GamepadDriver::tactors() const
-{
-  const std::lock_guard lock(mutex_);
-  return tactors_;
+  levels_ = {};
 }
 
 /// The grips. Triggers are named by a mapping.
@@ -175,30 +136,11 @@ GamepadDriver::write(std::span<const double> volts, Time)
   return {};
 }
 
-void
-GamepadDriver::close() noexcept
-{
-  quit();
-  thread_.join();
-  guard_.reset(); // without the lock, which leave() takes
-  const std::lock_guard lock(mutex_);
-  is_open_ = status_.is_there = false;
-  tactors_ = 0;
-}
-
-DriverStatus
-GamepadDriver::status() const
-{
-  const std::lock_guard lock(mutex_);
-  return status_;
-}
-
 /* ---- the driver's thread ---- */
 
 void
-GamepadDriver::run()
+GamepadDriver::run(Lock &lock)
 {
-  Lock lock(mutex_);
   std::unique_ptr<Gamepads> gamepads;
   std::unique_ptr<GamepadPort> port;
   std::optional<DriverError> refusal;
@@ -215,9 +157,10 @@ GamepadDriver::run()
     else
       refusal = first.error();
   }
-  is_open_ = !refusal;
-  refusal_ = refusal;
-  changed_.notify_all();
+  if (refusal)
+    refuse(*refusal);
+  else
+    opened();
 
   while (port) {
     play(lock, *gamepads, *port);
@@ -239,8 +182,6 @@ GamepadDriver::run()
     port.reset();
     gamepads.reset();
   }
-  runs_ = false;
-  changed_.notify_all();
 }
 
 /// Opens the first gamepad that is wanted and has motors.
@@ -387,33 +328,6 @@ GamepadDriver::release(Lock &lock, std::unique_ptr<GamepadPort> port)
     port->rumble({}, Time(0));
   }
   port.reset();
-}
-
-void
-GamepadDriver::tell(Lock &lock, DriverEvent::Kind kind, const std::string &text)
-{
-  if (!config_.notify)
-    return;
-  const Unlocked unlocked(lock);
-  config_.notify({ kind, text });
-}
-
-/// Has the driver's thread stop the motors, release the gamepad and end. Any thread.
-void
-GamepadDriver::quit()
-{
-  const std::lock_guard lock(mutex_);
-  quit_ = true;
-  changed_.notify_all();
-}
-
-/// Motors to zero and gamepad released, by `until` at the latest. On TerminationGuard's thread.
-void
-GamepadDriver::leave(std::chrono::steady_clock::time_point until)
-{
-  quit();
-  Lock lock(mutex_);
-  changed_.wait_until(lock, until, [this] { return !runs_; });
 }
 
 } // namespace tactor

@@ -1,15 +1,11 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include "tactor/driver.h"
 #include "tactor/drivers/gamepads.h"
 #include "tactor/drivers/rumble.h"
-#include "tactor/termination.h"
-#include "tactor/thread.h"
+#include "tactor/drivers/threaded_driver.h"
 
-#include <condition_variable>
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <string>
 #include <vector>
@@ -26,7 +22,7 @@ namespace tactor {
 /// Each rumble has a duration (RumbleTimes), which is the watchdog. A thread of the driver has the
 /// gamepads; write() hands it the levels and never waits. If a signal or exit() ends the process,
 /// the motors are stopped first: see TerminationGuard.
-class GamepadDriver : public Driver
+class GamepadDriver : public ThreadedDriver
 {
 public:
   struct Settings
@@ -42,50 +38,30 @@ public:
   GamepadDriver(MakeGamepads make_gamepads, Settings settings);
   ~GamepadDriver() override;
 
-  [[nodiscard]] tl::expected<void, DriverError> open(const DriverConfig &config) override;
-  int tactors() const override;
   Layout layout() const override;
   double resolution() const override;
   Time transport_latency() const override;
   Time refresh_interval() const override;
   [[nodiscard]] tl::expected<void, DriverError> write(std::span<const double> volts,
                                                       Time now) override;
-  void close() noexcept override;
-  DriverStatus status() const override;
 
 private:
-  using Lock = std::unique_lock<std::mutex>;
-
   // On the driver's thread. Those with a lock release it while they use gamepads.
-  void run();
+  void run(Lock &lock) override;
   tl::expected<std::unique_ptr<GamepadPort>, DriverError> connect(Lock &lock, Gamepads &gamepads);
   std::unique_ptr<GamepadPort> connect_again(Lock &lock, Gamepads &gamepads);
   void play(Lock &lock, Gamepads &gamepads, GamepadPort &port);
   void release(Lock &lock, std::unique_ptr<GamepadPort> port);
-  void tell(Lock &lock, DriverEvent::Kind kind, const std::string &text);
 
-  void quit();
-  void leave(std::chrono::steady_clock::time_point until);
+  void reset() override;
 
   const MakeGamepads make_gamepads_;
   const Settings settings_;
 
-  // Of the thread that opens and closes
-  Thread thread_;
-  std::unique_ptr<TerminationGuard> guard_; ///< from the beginning of open() to the end of close()
-
-  mutable std::mutex mutex_; ///< guards everything below
-  std::condition_variable changed_;
-  DriverConfig config_;
-  bool is_open_ = false;
-  bool quit_ = false;
-  bool runs_ = false;                  ///< the thread has the gamepads
-  std::optional<DriverError> refusal_; ///< why open() fails
-  Gamepad gamepad_;                    ///< the one that was taken last
-  std::optional<Rumble> rumble_;       ///< while a gamepad is open
-  GamepadLevels levels_{};             ///< as written last
-  int tactors_ = 0;
-  DriverStatus status_;
+  // Guarded by the mutex
+  Gamepad gamepad_;              ///< the one that was taken last
+  std::optional<Rumble> rumble_; ///< while a gamepad is open
+  GamepadLevels levels_{};       ///< as written last
 };
 
 } // namespace tactor

@@ -13,10 +13,23 @@ namespace {
 
 constexpr std::size_t kMostTold = 8; ///< reasons that a server is not used
 
-Time
-steady_now()
+/// What the server's conversation drives, for this driver alone.
+tl::expected<DeviceClaim, DriverError>
+claim(const Server &server)
 {
-  return std::chrono::steady_clock::now().time_since_epoch();
+  std::set<std::string> devices;
+  std::string names;
+  for (const std::string &part : server.conversation->parts()) {
+    devices.insert(part + " of " + server.name);
+    names += (names.empty() ? "'" : ", '") + part + "'";
+  }
+  std::optional<DeviceClaim> mine = DeviceClaim::make(std::move(devices));
+  if (!mine)
+    return tl::unexpected(DriverError{
+        DriverError::Kind::busy, server.name + ": expected " + names
+                                     + " to be free, and another tactorsink of this program plays "
+                                       "there; set device to another one" });
+  return std::move(*mine);
 }
 
 } // namespace
@@ -61,45 +74,20 @@ ServerDriver::~ServerDriver()
 
 /* ---- the caller's side ---- */
 
-tl::expected<void, DriverError>
-ServerDriver::open(const DriverConfig &config)
+void
+ServerDriver::reset()
 {
-  close();
-  {
-    const std::lock_guard lock(mutex_);
-    config_ = config;
-    quit_ = false;
-    refusal_.reset();
-    levels_.clear();
-    told_.clear();
-    device_ = {};
-    status_ = {};
-    runs_ = true;
-  }
-  guard_ = std::make_unique<TerminationGuard>([this](auto until) { leave(until); });
-  const std::stop_callback stopped(config.stop, [this] { quit(); });
-  std::optional<DriverError> refusal;
-  if (tl::expected<Thread, DriverError> thread = Thread::start([this] { run(); })) {
-    thread_ = std::move(*thread);
-    Lock lock(mutex_);
-    changed_.wait(lock, [this] { return is_open_ || refusal_; });
-    refusal = refusal_;
-  } else {
-    const std::lock_guard lock(mutex_);
-    runs_ = false;
-    refusal = thread.error();
-  }
-  if (!refusal)
-    return {};
-  close();
-  return tl::unexpected(*refusal);
+  levels_.clear();
+  told_.clear();
+  device_ = {};
 }
 
-int
-ServerDriver::tactors() const
+void
+ServerDriver::wake()
 {
   const std::lock_guard lock(mutex_);
-  return tactors_;
+  if (socket_ != nullptr)
+    socket_->wake();
 }
 
 Layout
@@ -143,35 +131,23 @@ ServerDriver::write(std::span<const double> volts, Time)
   return {};
 }
 
-void
-ServerDriver::close() noexcept
-{
-  quit();
-  thread_.join();
-  guard_.reset(); // without the lock, which leave() takes
-  const std::lock_guard lock(mutex_);
-  is_open_ = status_.is_there = false;
-  tactors_ = 0;
-}
-
-DriverStatus
-ServerDriver::status() const
-{
-  const std::lock_guard lock(mutex_);
-  return status_;
-}
-
 /* ---- the driver's thread ---- */
 
 void
-ServerDriver::run()
+ServerDriver::run(Lock &lock)
 {
-  Lock lock(mutex_);
   tl::expected<Server, DriverError> server = [&] {
     const std::string device = config_.device;
     const Unlocked unlocked(lock);
     return make_server_(device);
   }();
+  std::optional<DeviceClaim> mine;
+  if (server) {
+    if (tl::expected<DeviceClaim, DriverError> claimed = claim(*server))
+      mine.emplace(std::move(*claimed));
+    else
+      server = tl::unexpected(claimed.error());
+  }
   RealtimeThread realtime(config_.realtime);
   Time pause = settings_.look_again;
   while (server && !quit_) {
@@ -181,7 +157,7 @@ ServerDriver::run()
     if (quit_)
       break;
     if (!is_open_) {
-      refusal_ = ending;
+      refuse(ending);
       break;
     }
     if (std::exchange(status_.is_there, false))
@@ -194,15 +170,13 @@ ServerDriver::run()
     pause = std::min(2 * pause, settings_.longest_look_again);
   }
   if (!server)
-    refusal_ = server.error();
-  else if (!is_open_ && !refusal_)
-    refusal_ = { DriverError::Kind::failed, "the opening of the device was stopped" };
+    refuse(server.error());
+  else if (!is_open_ && quit_)
+    refuse({ DriverError::Kind::failed, "the opening of the device was stopped" });
   {
     const Unlocked unlocked(lock);
     server = {};
   }
-  runs_ = false;
-  changed_.notify_all();
 }
 
 /// One connection, or several if the server needs them. Returns why it ended.
@@ -348,8 +322,7 @@ ServerDriver::take(Lock &lock, const Server &server)
   device_ = device;
   tell(lock, DriverEvent::Kind::opened,
        device.name + ": " + std::to_string(tactors) + " motors, " + device.server);
-  is_open_ = true;
-  changed_.notify_all();
+  opened();
   return std::nullopt;
 }
 
@@ -360,15 +333,6 @@ ServerDriver::tell_refusal(Lock &lock, const DriverError &why)
     tell(lock, DriverEvent::Kind::refused, why.text);
 }
 
-void
-ServerDriver::tell(Lock &lock, DriverEvent::Kind kind, const std::string &text)
-{
-  if (!config_.notify)
-    return;
-  const Unlocked unlocked(lock);
-  config_.notify({ kind, text });
-}
-
 /// When the levels are zero unless write() is called.
 std::optional<Time>
 ServerDriver::silent_at() const
@@ -376,26 +340,6 @@ ServerDriver::silent_at() const
   if (std::ranges::none_of(levels_, [](double level) { return level > 0; }))
     return std::nullopt;
   return written_at_ + settings_.host_silence;
-}
-
-/// Has the driver's thread stop the motors, leave the server and end. Any thread.
-void
-ServerDriver::quit()
-{
-  const std::lock_guard lock(mutex_);
-  quit_ = true;
-  if (socket_ != nullptr)
-    socket_->wake();
-  changed_.notify_all();
-}
-
-/// Motors to zero and server left, by `until` at the latest. On TerminationGuard's thread.
-void
-ServerDriver::leave(std::chrono::steady_clock::time_point until)
-{
-  quit();
-  Lock lock(mutex_);
-  changed_.wait_until(lock, until, [this] { return !runs_; });
 }
 
 } // namespace tactor

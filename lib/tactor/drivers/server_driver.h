@@ -1,14 +1,11 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include "tactor/driver.h"
+#include "tactor/drivers/device_claim.h"
 #include "tactor/drivers/server.h"
-#include "tactor/termination.h"
-#include "tactor/thread.h"
+#include "tactor/drivers/threaded_driver.h"
 
-#include <condition_variable>
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <set>
 
@@ -21,8 +18,9 @@ class RealtimeThread;
 /// open() loads the module, connects and asks for the device. From then on a thread has server and
 /// socket; write() leaves the newest levels to it. A server that goes away, or does what it should
 /// not, is looked for again, the longer the later. Levels are zero once write() was not called for
-/// Settings::host_silence while one was on.
-class ServerDriver : public Driver
+/// Settings::host_silence while one was on. A device that another driver of the process has, also
+/// while it is lost, is refused.
+class ServerDriver : public ThreadedDriver
 {
 public:
   struct Settings
@@ -42,55 +40,37 @@ public:
   ServerDriver(MakeServer make_server, Settings settings);
   ~ServerDriver() override;
 
-  [[nodiscard]] tl::expected<void, DriverError> open(const DriverConfig &config) override;
-  int tactors() const override;
   Layout layout() const override;
   double resolution() const override;
   Time transport_latency() const override;
   Time refresh_interval() const override;
   [[nodiscard]] tl::expected<void, DriverError> write(std::span<const double> volts,
                                                       Time now) override;
-  void close() noexcept override;
-  DriverStatus status() const override;
 
 private:
-  using Lock = std::unique_lock<std::mutex>;
   struct Visit;
 
   // On the driver's thread. Those with a lock release it while they use the server.
-  void run();
+  void run(Lock &lock) override;
   DriverError visit(Lock &lock, Server &server, RealtimeThread &realtime);
   void turn(Lock &lock, Visit &visit);
   void receive(Visit &visit, const SocketEvent &event, Time now);
   std::optional<DriverError> take(Lock &lock, const Server &server);
   void tell_refusal(Lock &lock, const DriverError &why);
-  void tell(Lock &lock, DriverEvent::Kind kind, const std::string &text);
   std::optional<Time> silent_at() const;
 
-  void quit();
-  void leave(std::chrono::steady_clock::time_point until);
+  void reset() override;
+  void wake() override;
 
   const MakeServer make_server_;
   const Settings settings_;
 
-  // Of the thread that opens and closes
-  Thread thread_;
-  std::unique_ptr<TerminationGuard> guard_; ///< from the beginning of open() to the end of close()
-
-  mutable std::mutex mutex_; ///< guards everything below
-  std::condition_variable changed_;
-  DriverConfig config_;
+  // Guarded by the mutex
   MessageSocket *socket_ = nullptr; ///< to be woken
-  bool is_open_ = false;
-  bool quit_ = false;
-  bool runs_ = false;                  ///< the thread has the server
-  std::optional<DriverError> refusal_; ///< why open() fails
-  std::vector<double> levels_;         ///< as written last
+  std::vector<double> levels_;      ///< as written last
   Time written_at_{ 0 };
-  ServedDevice device_; ///< of the open driver
-  int tactors_ = 0;
+  ServedDevice device_;        ///< of the open driver
   std::set<std::string> told_; ///< why a server that is back is not used
-  DriverStatus status_;
 };
 
 } // namespace tactor

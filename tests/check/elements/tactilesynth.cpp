@@ -2,11 +2,13 @@
 #include "calibration/calibration.h"
 
 #include "support/contains.h"
+#include "support/ones.h"
 #include "support/playing.h"
 #include "support/spectrum.h"
 #include "support/temporary_file.h"
 #include "support/tolerance.h"
 #include "support/unwrap.h"
+#include "tactor/command_trace.h"
 
 #include <gst/audio/audio.h>
 #include <gst/check/gstharness.h>
@@ -42,28 +44,6 @@ sound_caps(int channels, const std::string &more = "")
 {
   return "audio/x-raw,channels=" + std::to_string(channels) + more;
 }
-
-/// A WAVE file of ones: with it, samples are amplitudes.
-class Ones
-{
-public:
-  Ones() : file_("", ".wav")
-  {
-    std::ofstream out(file_.path, std::ios::binary);
-    const char head[]
-        = "RIFF\0\0\0\0WAVEfmt \20\0\0\0\3\0\1\0\200\273\0\0\0\356\2\0\4\0\40\0data\10\0\0";
-    out.write(head, sizeof head);
-    const float ones[] = { 1, 1 };
-    out.write(reinterpret_cast<const char *>(ones), sizeof ones);
-  }
-  std::string properties() const
-  {
-    return "waveform=sample sample=" + file_.path + " ";
-  }
-
-private:
-  TemporaryFile file_;
-};
 
 class Harness
 {
@@ -668,6 +648,38 @@ refusal(const std::string &line)
   return text;
 }
 
+/// The trace has the same changes at the same times as the sound, and what they are early for.
+GST_START_TEST(test_trace)
+{
+  const TemporaryFile file;
+  const Ones ones;
+  {
+    Harness synth("tactilesynth rise-time=50000000 max-on-time=0 max-duty=0 ramp-in=0 "
+                  "trace-location="
+                      + file.path + " " + ones.properties(),
+                  1, 2, sound_caps(2));
+    synth.repeat({ 0, 0 }, 10);
+    synth.repeat({ 0, 0.5 }, 10);
+    synth.repeat({ 0, 0 }, 10);
+    synth.end();
+  }
+  using std::chrono::milliseconds;
+  const std::vector<tactor::IssuedCommand> trace = unwrap(tactor::read_command_trace(file.path));
+  ck_assert_uint_eq(trace.size(), 2);
+  const tactor::Command expected[] = {
+    { .effect = milliseconds(400), .lead = milliseconds(50), .tactor = 1, .volts = 1.5 },
+    { .effect = milliseconds(800), .lead = milliseconds(0), .tactor = 1, .volts = 0 },
+  };
+  for (std::size_t i = 0; i < 2; i++) {
+    const tactor::Command &command = trace[i].command;
+    fail_unless(command.effect == expected[i].effect && command.lead == expected[i].lead);
+    fail_unless(trace[i].issued == expected[i].effect - expected[i].lead);
+    ck_assert_int_eq(command.tactor, expected[i].tactor);
+    fail_unless_near(command.volts, expected[i].volts, 1e-3);
+  }
+}
+GST_END_TEST;
+
 GST_START_TEST(test_wrong_settings)
 {
   assert_contains(refusal("tactilesynth frequency=0.5"),
@@ -740,6 +752,7 @@ tactilesynth_suite(void)
   tcase_add_test(tcase, test_mute_and_intensity);
   tcase_add_test(tcase, test_limits);
   tcase_add_test(tcase, test_calibration);
+  tcase_add_test(tcase, test_trace);
   tcase_add_test(tcase, test_wrong_settings);
   tcase_add_test(tcase, test_wrong_map);
   tcase_add_test(tcase, test_nothing_before_the_end);

@@ -97,6 +97,12 @@ BhapticsConversation::BhapticsConversation(std::string server, SuitPart part,
 {
 }
 
+std::vector<std::string>
+BhapticsConversation::parts() const
+{
+  return { part_.positions.begin(), part_.positions.end() };
+}
+
 void
 BhapticsConversation::begin(Time now)
 {

@@ -50,6 +50,7 @@ public:
   /// `server` for messages. `part` is of suit_parts().
   BhapticsConversation(std::string server, SuitPart part, BhapticsPatience patience = {});
 
+  std::vector<std::string> parts() const override;
   void begin(Time now) override;
   void received(std::string_view text, Time now) override;
   void set_levels(std::span<const double> levels) override;

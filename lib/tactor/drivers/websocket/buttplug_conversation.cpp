@@ -49,6 +49,12 @@ ButtplugConversation::ButtplugConversation(std::string server, const std::string
 {
 }
 
+std::vector<std::string>
+ButtplugConversation::parts() const
+{
+  return names_;
+}
+
 void
 ButtplugConversation::begin(Time now)
 {

@@ -40,6 +40,7 @@ public:
   ButtplugConversation(std::string server, const std::string &names,
                        ButtplugPatience patience = {});
 
+  std::vector<std::string> parts() const override;
   void begin(Time now) override;
   void received(std::string_view text, Time now) override;
   void hung_up(const std::string &why) override;

@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include "pipeline.h"
+
+#include <gst/gst.h>
+
+#include <functional>
+#include <string>
+
+/// The driver of programs for shakers at a sound card. All others are tactorsink's.
+inline constexpr const char *kAudio = "audio";
+
+/// Calls `with` for each device of a class. The devices are only listed, not opened.
+void for_each_device(const char *classes, const std::function<void(GstDevice *)> &with);
+
+/// Empty if it is not set.
+std::string text_property(gpointer object, const char *name);
+
+/// A new element that plays on the device; null if there can be none.
+Owned<GstElement> element_of(GstDevice *device);
+
+/// The audio sink of the sound card of this name, as on a launch line. Throws std::runtime_error if
+/// there is none.
+std::string audio_sink(const std::string &card);
