@@ -45,12 +45,11 @@
 #include "gstsoundtactile.h"
 
 #include "../properties.h"
-#include "../tactile/wantedgrid.h"
+#include "../tactile/splitpads.h"
 #include "gstsoundelements.h"
 #include "soundreader.h"
 
 #include <gst/audio/audio.h>
-#include <gst/base/gstflowcombiner.h>
 #include <gst/tactile/tactile.h>
 
 GST_DEBUG_CATEGORY_STATIC(sound_tactile_debug);
@@ -66,16 +65,13 @@ struct Private
   GstClockTime latency = 0; ///< of the tactile pad; guarded by the object lock
 
   // Streaming thread, or while it is stopped.
-  GstFlowCombiner *combiner = gst_flow_combiner_new();
+  SplitPads *pads = nullptr;
   SoundReader reader;
-  Settings used;        ///< for this buffer
-  GstSegment segment{}; ///< of the audio
-  bool is_read = false; ///< the format is one that can be read
-  guint rows = 0;       ///< of the tactile pad's caps; 0: none sent yet
-  guint columns = 0;
-  GstEvent *pending_segment = nullptr; ///< for the tactile pad, which needs caps first
-  bool discont = false;                ///< of the next map
-  GstFlowReturn flow = GST_FLOW_OK;    ///< of the tactile pad
+  Settings used;                    ///< for this buffer
+  GstSegment segment{};             ///< of the audio
+  bool is_read = false;             ///< the format is one that can be read
+  bool discont = false;             ///< of the next map
+  GstFlowReturn flow = GST_FLOW_OK; ///< of the tactile pad
 };
 
 } // namespace
@@ -83,10 +79,6 @@ struct Private
 struct _GstSoundTactile
 {
   GstElement parent;
-
-  GstPad *sinkpad;
-  GstPad *srcpad;
-  GstPad *tactilepad;
   Private *priv;
 };
 
@@ -105,34 +97,7 @@ static GstStaticPadTemplate src_template
 static GstStaticPadTemplate tactile_template = GST_STATIC_PAD_TEMPLATE(
     "tactile", GST_PAD_SRC, GST_PAD_ALWAYS, GST_STATIC_CAPS(GST_TACTILE_MAP_CAPS));
 
-/* ---- the tactile pad ---- */
-
-/* Sends caps, then a segment, if they are still to be sent. */
-static void
-send_sticky_events(GstSoundTactile *self)
-{
-  Private *priv = self->priv;
-  if (priv->rows == 0) {
-    wanted_grid(self->tactilepad, &priv->rows, &priv->columns);
-    GstCaps *caps = gst_tactile_map_caps_new(priv->rows, priv->columns,
-                                             static_cast<gint>(priv->used.maps_per_second), 1);
-    GST_DEBUG_OBJECT(self->tactilepad, "caps %" GST_PTR_FORMAT, caps);
-    gst_pad_push_event(self->tactilepad, gst_event_new_caps(caps));
-    gst_caps_unref(caps);
-  }
-  if (priv->pending_segment != nullptr) {
-    gst_pad_push_event(self->tactilepad, priv->pending_segment);
-    priv->pending_segment = nullptr;
-  }
-}
-
-/* A branch that was unlinked during a push returns FLUSHING. That must not end the other branch. */
-static GstFlowReturn
-push(GstPad *pad, GstBuffer *buffer)
-{
-  const GstFlowReturn flow = gst_pad_push(pad, buffer);
-  return flow == GST_FLOW_FLUSHING && !gst_pad_is_linked(pad) ? GST_FLOW_NOT_LINKED : flow;
-}
+/* ---- the stream ---- */
 
 static SoundReader::MapSink
 map_sink(GstSoundTactile *self)
@@ -144,8 +109,8 @@ map_sink(GstSoundTactile *self)
     if (self->priv->discont)
       GST_BUFFER_FLAG_SET(buffer, GST_BUFFER_FLAG_DISCONT);
     self->priv->discont = false;
-    send_sticky_events(self);
-    self->priv->flow = push(self->tactilepad, buffer);
+    self->priv->pads->announce();
+    self->priv->flow = self->priv->pads->push_map(buffer);
   };
 }
 
@@ -165,48 +130,26 @@ push_tactile(GstSoundTactile *self, GstBuffer *buffer)
   GST_OBJECT_LOCK(self);
   priv->used.feel = priv->settings.feel;
   GST_OBJECT_UNLOCK(self);
-  priv->flow = gst_pad_is_linked(self->tactilepad) ? GST_FLOW_OK : GST_FLOW_NOT_LINKED;
+  priv->flow = priv->pads->maps_flow();
   if (!GST_CLOCK_TIME_IS_VALID(pts))
     return priv->flow;
-  if (!priv->is_read || priv->segment.rate < 0) {
-    send_sticky_events(self);
-    gst_pad_push_event(self->tactilepad, gst_event_new_gap(pts, GST_BUFFER_DURATION(buffer)));
-    return priv->flow;
-  }
+  if (!priv->is_read || priv->segment.rate < 0)
+    return priv->pads->push_gap(pts, GST_BUFFER_DURATION(buffer));
   priv->reader.read(buffer, priv->used, map_sink(self));
   return priv->flow;
 }
 
 static GstFlowReturn
-gst_sound_tactile_chain(GstPad *pad, GstObject *parent, GstBuffer *buffer)
+gst_sound_tactile_chain(GstPad *, GstObject *parent, GstBuffer *buffer)
 {
-  (void)pad;
   auto *self = GST_SOUND_TACTILE(parent);
 
   /* The maps first: tactors are needed earlier than loudspeakers. */
-  GstFlowReturn flow = push_tactile(self, buffer);
-  gst_flow_combiner_update_pad_flow(self->priv->combiner, self->tactilepad, flow);
-  flow = push(self->srcpad, buffer);
-  return gst_flow_combiner_update_pad_flow(self->priv->combiner, self->srcpad, flow);
+  const GstFlowReturn flow = push_tactile(self, buffer);
+  return self->priv->pads->pass(buffer, flow);
 }
 
 /* ---- events ---- */
-
-static void
-send_stream_start(GstSoundTactile *self, GstEvent *audio)
-{
-  const gchar *audio_id = nullptr;
-  gst_event_parse_stream_start(audio, &audio_id);
-  gchar *id = g_strconcat(audio_id, "/tactile", nullptr);
-  GstEvent *event = gst_event_new_stream_start(id);
-  g_free(id);
-
-  guint group = GST_GROUP_ID_INVALID;
-  if (gst_event_parse_group_id(audio, &group))
-    gst_event_set_group_id(event, group);
-  gst_event_set_seqnum(event, gst_event_get_seqnum(audio));
-  gst_pad_push_event(self->tactilepad, event);
-}
 
 static void
 read_caps(GstSoundTactile *self, GstEvent *event)
@@ -215,11 +158,11 @@ read_caps(GstSoundTactile *self, GstEvent *event)
   GstCaps *caps = nullptr;
   gst_event_parse_caps(event, &caps);
   drain(self);
-  send_sticky_events(self);
+  priv->pads->announce();
   GstAudioInfo info;
   priv->is_read = gst_audio_info_from_caps(&info, caps)
-                  && priv->reader.set_format(info, static_cast<int>(priv->rows),
-                                             static_cast<int>(priv->columns));
+                  && priv->reader.set_format(info, static_cast<int>(priv->pads->rows()),
+                                             static_cast<int>(priv->pads->columns()));
   if (!priv->is_read)
     GST_ELEMENT_WARNING(self, STREAM, FORMAT, ("Nothing of this sound is felt."),
                         ("expected 1 to %d channels at %d to %d Hz, got %" GST_PTR_FORMAT
@@ -235,112 +178,36 @@ read_caps(GstSoundTactile *self, GstEvent *event)
     gst_element_post_message(GST_ELEMENT(self), gst_message_new_latency(GST_OBJECT(self)));
 }
 
-/* Serialized events come after the maps of what came before them. Events about audio (caps, tags)
- * go to the audio only. */
+/* Serialized events come after the maps of what came before them. */
 static gboolean
-gst_sound_tactile_sink_event(GstPad *pad, GstObject *parent, GstEvent *event)
+gst_sound_tactile_sink_event(GstPad *, GstObject *parent, GstEvent *event)
 {
-  (void)pad;
   auto *self = GST_SOUND_TACTILE(parent);
   Private *priv = self->priv;
-  gboolean handled = FALSE; /* by the tactile branch: then audio may be unlinked */
 
   switch (GST_EVENT_TYPE(event)) {
-  case GST_EVENT_STREAM_START:
-    send_stream_start(self, event);
-    break;
   case GST_EVENT_CAPS:
     read_caps(self, event);
     break;
   case GST_EVENT_SEGMENT:
     drain(self);
     gst_event_copy_segment(event, &priv->segment);
-    if (priv->rows > 0)
-      gst_pad_push_event(self->tactilepad, gst_event_ref(event));
-    else
-      gst_event_replace(&priv->pending_segment, event);
     break;
   case GST_EVENT_GAP:
   case GST_EVENT_SEGMENT_DONE:
   case GST_EVENT_EOS:
     drain(self);
-    send_sticky_events(self);
-    handled = gst_pad_push_event(self->tactilepad, gst_event_ref(event));
-    break;
-  case GST_EVENT_STREAM_GROUP_DONE:
-  case GST_EVENT_INSTANT_RATE_CHANGE:
-  case GST_EVENT_FLUSH_START:
-    handled = gst_pad_push_event(self->tactilepad, gst_event_ref(event));
     break;
   case GST_EVENT_FLUSH_STOP:
-    gst_flow_combiner_reset(priv->combiner);
-    gst_clear_event(&priv->pending_segment);
     priv->reader.reset();
-    handled = gst_pad_push_event(self->tactilepad, gst_event_ref(event));
     break;
   default:
     break;
   }
-  return gst_pad_push_event(self->srcpad, event) || handled;
+  return priv->pads->pass_event(event);
 }
 
-static gboolean
-gst_sound_tactile_tactile_event(GstPad *pad, GstObject *parent, GstEvent *event)
-{
-  switch (GST_EVENT_TYPE(event)) {
-  case GST_EVENT_QOS:         /* late tactors are no reason to drop sound */
-  case GST_EVENT_RECONFIGURE: /* nor a new tactile branch one to negotiate it again */
-    gst_event_unref(event);
-    return TRUE;
-  default:
-    return gst_pad_event_default(pad, parent, event);
-  }
-}
-
-/* ---- queries ---- */
-
-/* Audio passes through: caps of both sides are the same. */
-static gboolean
-proxy_caps_query(GstPad *pad, GstPad *other, GstQuery *query)
-{
-  GstCaps *filter = nullptr;
-  gst_query_parse_caps(query, &filter);
-  GstCaps *own = gst_pad_get_pad_template_caps(pad);
-  GstCaps *peer = gst_pad_peer_query_caps(other, filter);
-  GstCaps *result = gst_caps_intersect_full(peer, own, GST_CAPS_INTERSECT_FIRST);
-  gst_query_set_caps_result(query, result);
-  gst_caps_unref(result);
-  gst_caps_unref(peer);
-  gst_caps_unref(own);
-  return TRUE;
-}
-
-static gboolean
-gst_sound_tactile_sink_query(GstPad *pad, GstObject *parent, GstQuery *query)
-{
-  auto *self = GST_SOUND_TACTILE(parent);
-
-  switch (GST_QUERY_TYPE(query)) {
-  case GST_QUERY_CAPS:
-    return proxy_caps_query(pad, self->srcpad, query);
-  case GST_QUERY_ACCEPT_CAPS:
-    if (!gst_pad_is_linked(self->srcpad))
-      return gst_pad_query_default(pad, parent, query);
-    return gst_pad_peer_query(self->srcpad, query);
-  case GST_QUERY_ALLOCATION:
-    return gst_pad_peer_query(self->srcpad, query);
-  default:
-    return gst_pad_query_default(pad, parent, query);
-  }
-}
-
-static gboolean
-gst_sound_tactile_src_query(GstPad *pad, GstObject *parent, GstQuery *query)
-{
-  if (GST_QUERY_TYPE(query) == GST_QUERY_CAPS)
-    return proxy_caps_query(pad, GST_SOUND_TACTILE(parent)->sinkpad, query);
-  return gst_pad_query_default(pad, parent, query);
-}
+/* ---- latency ---- */
 
 static gboolean
 gst_sound_tactile_tactile_query(GstPad *pad, GstObject *parent, GstQuery *query)
@@ -348,7 +215,7 @@ gst_sound_tactile_tactile_query(GstPad *pad, GstObject *parent, GstQuery *query)
   auto *self = GST_SOUND_TACTILE(parent);
   if (GST_QUERY_TYPE(query) != GST_QUERY_LATENCY)
     return gst_pad_query_default(pad, parent, query);
-  if (!gst_pad_peer_query(self->sinkpad, query))
+  if (!gst_pad_peer_query(self->priv->pads->sink(), query))
     return FALSE;
   gboolean live = FALSE;
   GstClockTime min = 0;
@@ -371,16 +238,15 @@ start(GstSoundTactile *self)
   GST_OBJECT_LOCK(self);
   self->priv->used = self->priv->settings;
   GST_OBJECT_UNLOCK(self);
+  self->priv->pads->set_framerate(static_cast<gint>(self->priv->used.maps_per_second), 1);
 }
 
 static void
 stop(GstSoundTactile *self)
 {
   Private *priv = self->priv;
-  gst_flow_combiner_reset(priv->combiner);
-  gst_clear_event(&priv->pending_segment);
+  priv->pads->reset();
   priv->reader.reset();
-  priv->rows = priv->columns = 0;
   priv->is_read = false;
   priv->discont = false;
   gst_segment_init(&priv->segment, GST_FORMAT_TIME);
@@ -421,8 +287,7 @@ static void
 gst_sound_tactile_finalize(GObject *object)
 {
   Private *priv = GST_SOUND_TACTILE(object)->priv;
-  gst_clear_event(&priv->pending_segment);
-  gst_flow_combiner_unref(priv->combiner);
+  delete priv->pads;
   delete priv;
   G_OBJECT_CLASS(parent_class)->finalize(object);
 }
@@ -450,23 +315,8 @@ gst_sound_tactile_init(GstSoundTactile *self)
 {
   self->priv = new Private;
   gst_segment_init(&self->priv->segment, GST_FORMAT_TIME);
-
-  self->sinkpad = gst_pad_new_from_static_template(&sink_template, "sink");
-  gst_pad_set_chain_function(self->sinkpad, GST_DEBUG_FUNCPTR(gst_sound_tactile_chain));
-  gst_pad_set_event_function(self->sinkpad, GST_DEBUG_FUNCPTR(gst_sound_tactile_sink_event));
-  gst_pad_set_query_function(self->sinkpad, GST_DEBUG_FUNCPTR(gst_sound_tactile_sink_query));
-  gst_element_add_pad(GST_ELEMENT(self), self->sinkpad);
-
-  self->srcpad = gst_pad_new_from_static_template(&src_template, "src");
-  gst_pad_set_query_function(self->srcpad, GST_DEBUG_FUNCPTR(gst_sound_tactile_src_query));
-  gst_element_add_pad(GST_ELEMENT(self), self->srcpad);
-
-  self->tactilepad = gst_pad_new_from_static_template(&tactile_template, "tactile");
-  gst_pad_set_event_function(self->tactilepad, GST_DEBUG_FUNCPTR(gst_sound_tactile_tactile_event));
-  gst_pad_set_query_function(self->tactilepad, GST_DEBUG_FUNCPTR(gst_sound_tactile_tactile_query));
-  gst_pad_use_fixed_caps(self->tactilepad);
-  gst_element_add_pad(GST_ELEMENT(self), self->tactilepad);
-
-  gst_flow_combiner_add_pad(self->priv->combiner, self->srcpad);
-  gst_flow_combiner_add_pad(self->priv->combiner, self->tactilepad);
+  self->priv->pads = new SplitPads(
+      GST_ELEMENT(self), { .chain = GST_DEBUG_FUNCPTR(gst_sound_tactile_chain),
+                           .event = GST_DEBUG_FUNCPTR(gst_sound_tactile_sink_event),
+                           .tactile_query = GST_DEBUG_FUNCPTR(gst_sound_tactile_tactile_query) });
 }
