@@ -44,13 +44,20 @@
  */
 #include "gstsoundtactile.h"
 
+#include "../heldstream.h"
 #include "../properties.h"
 #include "../tactile/splitpads.h"
+#include "gst/fusion/sound_context.h"
+#include "gst/fusion/sound_meta.h"
 #include "gstsoundelements.h"
 #include "soundreader.h"
 
 #include <gst/audio/audio.h>
 #include <gst/tactile/tactile.h>
+
+#include <algorithm>
+#include <memory>
+#include <utility>
 
 GST_DEBUG_CATEGORY_STATIC(sound_tactile_debug);
 #define GST_CAT_DEFAULT sound_tactile_debug
@@ -59,18 +66,32 @@ namespace {
 
 using Settings = SoundReader::Settings;
 
+/// How much sound that a chair beside it feels waits behind the analysis: the chair needs its maps
+/// 190 ms before they are heard and two frames ahead, and sinks take sound no earlier than they
+/// have to.
+constexpr GstClockTime kAhead = 400 * GST_MSECOND;
+
 struct Private
 {
+  explicit Private(HeldStream::Ways ways) : held(std::move(ways))
+  {
+  }
+
   Settings settings;        ///< guarded by the object lock
   GstClockTime latency = 0; ///< of the tactile pad; guarded by the object lock
 
+  std::shared_ptr<fusion::SoundMaps> maps; ///< from PAUSED on; changes with the state
+
   // Streaming thread, or while it is stopped.
   SplitPads *pads = nullptr;
+  HeldStream held;
+  bool is_live = false;
   SoundReader reader;
   Settings used;                    ///< for this buffer
   GstSegment segment{};             ///< of the audio
   bool is_read = false;             ///< the format is one that can be read
   bool discont = false;             ///< of the next map
+  bool sounded = false;             ///< the last map had levels
   GstFlowReturn flow = GST_FLOW_OK; ///< of the tactile pad
 };
 
@@ -99,16 +120,48 @@ static GstStaticPadTemplate tactile_template = GST_STATIC_PAD_TEMPLATE(
 
 /* ---- the stream ---- */
 
+/* Whether a chair in this pipeline takes the maps, which then need no pad. */
+static const fusion::Profile *
+joined(GstSoundTactile *self)
+{
+  Private *priv = self->priv;
+  return priv->pads->maps_flow() == GST_FLOW_OK ? nullptr : priv->maps->wanted();
+}
+
+/* For a chair in this pipeline. */
+static void
+keep_map(GstSoundTactile *self, const tactile::TactileMap &map, GstClockTime begin,
+         GstClockTime end)
+{
+  const GstSegment &segment = self->priv->segment;
+  guint64 from = 0;
+  guint64 until = 0;
+  if (segment.format != GST_FORMAT_TIME
+      || !gst_segment_clip(&segment, GST_FORMAT_TIME, begin, end, &from, &until))
+    return;
+  const auto running = [&segment](guint64 position) {
+    return fusion::Time(static_cast<fusion::Time::rep>(
+        gst_segment_to_running_time(&segment, GST_FORMAT_TIME, position)));
+  };
+  self->priv->maps->add({ running(from), running(until), map });
+}
+
 static SoundReader::MapSink
 map_sink(GstSoundTactile *self)
 {
+  if (joined(self))
+    return [self](const tactile::TactileMap &map, GstClockTime begin, GstClockTime end) {
+      keep_map(self, map, begin, end);
+    };
   return [self](const tactile::TactileMap &map, GstClockTime begin, GstClockTime end) {
     GstBuffer *buffer = gst_tactile_map_buffer_new(map.levels.data(), map.levels.size());
     GST_BUFFER_PTS(buffer) = begin;
     GST_BUFFER_DURATION(buffer) = end - begin;
-    if (self->priv->discont)
+    if (std::exchange(self->priv->discont, false))
       GST_BUFFER_FLAG_SET(buffer, GST_BUFFER_FLAG_DISCONT);
-    self->priv->discont = false;
+    const bool sounds = !tactile::is_silent(map);
+    if (std::exchange(self->priv->sounded, sounds) || sounds)
+      GST_BUFFER_FLAG_SET(buffer, kSoundMap);
     self->priv->pads->announce();
     self->priv->flow = self->priv->pads->push_map(buffer);
   };
@@ -121,7 +174,7 @@ drain(GstSoundTactile *self)
   self->priv->discont = true;
 }
 
-static GstFlowReturn
+static void
 push_tactile(GstSoundTactile *self, GstBuffer *buffer)
 {
   Private *priv = self->priv;
@@ -130,13 +183,18 @@ push_tactile(GstSoundTactile *self, GstBuffer *buffer)
   GST_OBJECT_LOCK(self);
   priv->used.feel = priv->settings.feel;
   GST_OBJECT_UNLOCK(self);
+  if (const fusion::Profile *profile = joined(self)) {
+    priv->used.feel.gain_db += profile->gain_db;
+    priv->used.feel.blows &= profile->blows;
+    priv->used.feel.rumble &= profile->rumble;
+  }
   priv->flow = priv->pads->maps_flow();
   if (!GST_CLOCK_TIME_IS_VALID(pts))
-    return priv->flow;
+    return;
   if (!priv->is_read || priv->segment.rate < 0)
-    return priv->pads->push_gap(pts, GST_BUFFER_DURATION(buffer));
-  priv->reader.read(buffer, priv->used, map_sink(self));
-  return priv->flow;
+    priv->flow = priv->pads->push_gap(pts, GST_BUFFER_DURATION(buffer));
+  else
+    priv->reader.read(buffer, priv->used, map_sink(self));
 }
 
 static GstFlowReturn
@@ -144,9 +202,11 @@ gst_sound_tactile_chain(GstPad *, GstObject *parent, GstBuffer *buffer)
 {
   auto *self = GST_SOUND_TACTILE(parent);
 
+  Private *priv = self->priv;
+
   /* The maps first: tactors are needed earlier than loudspeakers. */
-  const GstFlowReturn flow = push_tactile(self, buffer);
-  return self->priv->pads->pass(buffer, flow);
+  push_tactile(self, buffer);
+  return priv->held.hold(buffer, joined(self) && !priv->is_live ? kAhead : 0);
 }
 
 /* ---- events ---- */
@@ -178,6 +238,16 @@ read_caps(GstSoundTactile *self, GstEvent *event)
     gst_element_post_message(GST_ELEMENT(self), gst_message_new_latency(GST_OBJECT(self)));
 }
 
+static bool
+is_live(GstSoundTactile *self)
+{
+  g_autoptr(GstQuery) query = gst_query_new_latency();
+  gboolean live = FALSE;
+  if (gst_pad_peer_query(self->priv->pads->sink(), query))
+    gst_query_parse_latency(query, &live, nullptr, nullptr);
+  return live;
+}
+
 /* Serialized events come after the maps of what came before them. */
 static gboolean
 gst_sound_tactile_sink_event(GstPad *, GstObject *parent, GstEvent *event)
@@ -192,19 +262,29 @@ gst_sound_tactile_sink_event(GstPad *, GstObject *parent, GstEvent *event)
   case GST_EVENT_SEGMENT:
     drain(self);
     gst_event_copy_segment(event, &priv->segment);
+    priv->is_live = is_live(self);
     break;
   case GST_EVENT_GAP:
   case GST_EVENT_SEGMENT_DONE:
   case GST_EVENT_EOS:
     drain(self);
+    priv->held.drain();
+    break;
+  case GST_EVENT_FLUSH_START:
+    priv->maps->forget();
     break;
   case GST_EVENT_FLUSH_STOP:
     priv->reader.reset();
+    priv->held.clear();
+    priv->maps->forget(); /* what came until the stream had stopped */
     break;
   default:
     break;
   }
-  return priv->pads->pass_event(event);
+  const bool flushes = GST_EVENT_TYPE(event) == GST_EVENT_FLUSH_STOP;
+  return !flushes && gst_event_type_get_flags(GST_EVENT_TYPE(event)) & GST_EVENT_TYPE_SERIALIZED
+             ? priv->held.hold(event)
+             : priv->pads->pass_event(event);
 }
 
 /* ---- latency ---- */
@@ -239,16 +319,21 @@ start(GstSoundTactile *self)
   self->priv->used = self->priv->settings;
   GST_OBJECT_UNLOCK(self);
   self->priv->pads->set_framerate(static_cast<gint>(self->priv->used.maps_per_second), 1);
+  self->priv->maps = sound_maps_of(GST_ELEMENT(self));
+  self->priv->maps->hear(self->priv->pads->maps_flow() != GST_FLOW_OK);
 }
 
 static void
 stop(GstSoundTactile *self)
 {
   Private *priv = self->priv;
+  if (priv->maps)
+    priv->maps->hear(false);
+  priv->held.clear();
   priv->pads->reset();
   priv->reader.reset();
   priv->is_read = false;
-  priv->discont = false;
+  priv->discont = priv->sounded = false;
   gst_segment_init(&priv->segment, GST_FORMAT_TIME);
 }
 
@@ -313,7 +398,11 @@ gst_sound_tactile_class_init(GstSoundTactileClass *klass)
 static void
 gst_sound_tactile_init(GstSoundTactile *self)
 {
-  self->priv = new Private;
+  self->priv = new Private(
+      { [self](GstBuffer *buffer) { return self->priv->pads->pass(buffer, self->priv->flow); },
+        [self](GstEvent *event) {
+          return self->priv->pads->pass_event(event);
+        } });
   gst_segment_init(&self->priv->segment, GST_FORMAT_TIME);
   self->priv->pads = new SplitPads(
       GST_ELEMENT(self), { .chain = GST_DEBUG_FUNCPTR(gst_sound_tactile_chain),

@@ -27,6 +27,7 @@
  */
 #include "gsttactileextractor.h"
 
+#include "gst/fusion/sound_meta.h"
 #include "gsttactileelements.h"
 #include "splitpads.h"
 
@@ -79,6 +80,8 @@ push_tactile(GstTactileExtractor *self, GstBuffer *frame)
   GST_BUFFER_DURATION(map) = duration;
   if (GST_BUFFER_IS_DISCONT(frame))
     GST_BUFFER_FLAG_SET(map, GST_BUFFER_FLAG_DISCONT);
+  if (has_sound_meta(frame))
+    GST_BUFFER_FLAG_SET(map, kSoundMap);
   self->pads->announce(meta->rows, meta->columns);
   return self->pads->push_map(map);
 }

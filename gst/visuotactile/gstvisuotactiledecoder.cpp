@@ -261,7 +261,8 @@ gst_visuotactile_decoder_live_latency(GstVisuotactileDecoder *self)
   if (self->branch == nullptr || gst_element_is_locked_state(GST_ELEMENT(self->branch)))
     return 0;
   GstElement *tactors = gst_tactile_branch_get_tactors(self->branch);
-  return gst_base_sink_get_render_delay(GST_BASE_SINK(tactors)) + kAnalysisMargin;
+  return gst_base_sink_get_render_delay(GST_BASE_SINK(tactors)) + kAnalysisMargin
+         + gst_sound_join_most_latency(gst_tactile_branch_get_sound(self->branch));
 }
 
 static gboolean
@@ -458,6 +459,8 @@ gst_visuotactile_decoder_get_child_by_name(GstChildProxy *proxy, const gchar *na
     return G_OBJECT(gst_object_ref(gst_tactile_branch_get_tactors(self->branch)));
   if (self->branch && g_strcmp0(name, "analysis") == 0)
     return G_OBJECT(gst_object_ref(gst_tactile_branch_get_analysis(self->branch)));
+  if (self->branch && g_strcmp0(name, "sound") == 0)
+    return G_OBJECT(gst_object_ref(gst_tactile_branch_get_sound(self->branch)));
   return G_OBJECT(gst_bin_get_by_name(GST_BIN(self), name));
 }
 
@@ -517,9 +520,10 @@ gst_visuotactile_decoder_build(GstVisuotactileDecoder *self)
   // The bin, which prerolls with the picture, never waits for it.
   g_object_set(gst_tactile_branch_get_tactors(self->branch), "async", FALSE, nullptr);
   gst_bin_add(GST_BIN(self), GST_ELEMENT(self->branch));
-  self->properties
-      = new ChairProperties(GST_ELEMENT(self), gst_tactile_branch_get_analysis(self->branch),
-                            gst_tactile_branch_get_tactors(self->branch));
+  self->properties = new ChairProperties(
+      GST_ELEMENT(self),
+      { gst_tactile_branch_get_analysis(self->branch), gst_tactile_branch_get_tactors(self->branch),
+        GST_ELEMENT(gst_tactile_branch_get_sound(self->branch)) });
 }
 
 static void

@@ -364,8 +364,9 @@ gst_visuotactile_sink_build(GstVisuotactileSink *self)
   self->extractor = extractor;
   self->queue = queue;
   self->branch = branch;
-  self->properties
-      = new ChairProperties(GST_ELEMENT(self), analysis, gst_tactile_branch_get_tactors(branch));
+  self->properties = new ChairProperties(GST_ELEMENT(self),
+                                         { analysis, gst_tactile_branch_get_tactors(branch),
+                                           GST_ELEMENT(gst_tactile_branch_get_sound(branch)) });
   gst_visuotactile_sink_add_placeholder(self);
 }
 
