@@ -54,6 +54,15 @@ HeldStream::hold(GstEvent *event)
   return TRUE;
 }
 
+GstBuffer *
+HeldStream::find(const std::function<bool(GstBuffer *)> &wanted) const
+{
+  for (GstMiniObject *held : held_)
+    if (GST_IS_BUFFER(held) && wanted(GST_BUFFER_CAST(held)))
+      return GST_BUFFER_CAST(held);
+  return nullptr;
+}
+
 GstFlowReturn
 HeldStream::drain()
 {

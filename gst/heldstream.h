@@ -27,6 +27,8 @@ public:
   GstFlowReturn hold(GstBuffer *buffer, GstClockTime time);
   /// Takes an event that comes after what is held.
   gboolean hold(GstEvent *event);
+  /// The first held buffer that `wanted` says is; nullptr if there is none.
+  GstBuffer *find(const std::function<bool(GstBuffer *)> &wanted) const;
   /// Passes all.
   GstFlowReturn drain();
   /// Drops all.

@@ -15,6 +15,7 @@
 #include <memory>
 #include <optional>
 #include <utility>
+#include <vector>
 
 using fusion::SoundMap;
 using fusion::Time;
@@ -22,8 +23,10 @@ using tactile::TactileMap;
 
 namespace {
 
-/// What a live sound needs to be known: soundtactile's 21 ms, and buffers of up to 39 ms.
-constexpr GstClockTime kLiveWait = 60 * GST_MSECOND;
+/// Maps wait until so much of the film is behind them: a blow that is heard before its picture is
+/// felt where it will be seen. In a live stream its sound is known by then, too. Three frames of 30
+/// a second.
+constexpr GstClockTime kLookAhead = 95 * GST_MSECOND;
 
 /// Of a film that does not tell its rate.
 constexpr GstClockTime kUsualFrame = 40 * GST_MSECOND;
@@ -51,7 +54,6 @@ struct Private
   guint columns = 0;
   fusion::Fusion fusion;
   bool sounded = false; ///< the last map had sound
-  bool is_live = false;
 };
 
 } // namespace
@@ -126,6 +128,33 @@ push_piece(GstSoundJoin *self, const SoundMap &piece, const TactileMap &felt, bo
   return gst_pad_push(self->srcpad, buffer);
 }
 
+static std::optional<TactileMap>
+read_map(GstSoundJoin *self, GstBuffer *buffer)
+{
+  const Private *priv = self->priv;
+  gfloat *levels = nullptr;
+  gsize count = 0;
+  if (priv->rows == 0
+      || !gst_tactile_map_buffer_get_levels(buffer, priv->rows, priv->columns, &levels, &count))
+    return std::nullopt;
+  TactileMap map(static_cast<int>(priv->rows), static_cast<int>(priv->columns));
+  std::copy_n(levels, count, map.levels.begin());
+  g_free(levels);
+  return map;
+}
+
+/// The first that is held and not silent.
+static std::optional<TactileMap>
+next_place(GstSoundJoin *self)
+{
+  std::optional<TactileMap> found;
+  self->priv->held.find([&](GstBuffer *buffer) {
+    found = read_map(self, buffer);
+    return found && !tactile::is_silent(*found);
+  });
+  return found;
+}
+
 /// Pushes the maps of picture and sound in this time. False if there is none.
 static bool
 fuse(GstSoundJoin *self, GstClockTime pts, GstClockTime duration, const TactileMap &picture,
@@ -143,9 +172,11 @@ fuse(GstSoundJoin *self, GstClockTime pts, GstClockTime duration, const TactileM
   const std::optional<Time> end = running(self, last);
   if (!begin || !end || *begin >= *end)
     return false;
-  for (const SoundMap &piece : fusion::pieces(*begin, *end, sound.maps->between(*begin, *end))) {
-    const TactileMap felt
-        = priv->fusion.mix(piece.begin, piece.end, picture, piece.map, sound.profile->mix);
+  const std::vector<SoundMap> heard = sound.maps->between(*begin, *end);
+  const std::optional<TactileMap> next = heard.empty() ? std::nullopt : next_place(self);
+  for (const SoundMap &piece : fusion::pieces(*begin, *end, heard)) {
+    const TactileMap felt = priv->fusion.mix(piece.begin, piece.end, picture, piece.map,
+                                             sound.profile->mix, next ? &*next : nullptr);
     *flow = push_piece(self, piece, felt, discont);
     discont = false;
     if (*flow != GST_FLOW_OK)
@@ -157,20 +188,12 @@ fuse(GstSoundJoin *self, GstClockTime pts, GstClockTime duration, const TactileM
 static GstFlowReturn
 pass(GstSoundJoin *self, GstBuffer *buffer)
 {
-  Private *priv = self->priv;
-  gfloat *levels = nullptr;
-  gsize count = 0;
   GstFlowReturn flow = GST_FLOW_OK;
-  TactileMap picture(static_cast<int>(std::max(priv->rows, 1u)),
-                     static_cast<int>(std::max(priv->columns, 1u)));
   // What is wrong with a map is tactorsink's error.
-  if (priv->rows == 0
-      || !gst_tactile_map_buffer_get_levels(buffer, priv->rows, priv->columns, &levels, &count))
-    return gst_pad_push(self->srcpad, buffer);
-  std::copy_n(levels, count, picture.levels.begin());
-  g_free(levels);
-  if (!fuse(self, GST_BUFFER_PTS(buffer), GST_BUFFER_DURATION(buffer), picture,
-            GST_BUFFER_IS_DISCONT(buffer), &flow))
+  const std::optional<TactileMap> picture = read_map(self, buffer);
+  if (!picture
+      || !fuse(self, GST_BUFFER_PTS(buffer), GST_BUFFER_DURATION(buffer), *picture,
+               GST_BUFFER_IS_DISCONT(buffer), &flow))
     return gst_pad_push(self->srcpad, buffer);
   gst_buffer_unref(buffer);
   return flow;
@@ -216,18 +239,18 @@ pass_event(GstSoundJoin *self, GstEvent *event)
 
 /* ---- a live source ---- */
 
-/// How much later maps of a live source are: so many whole frames.
+/// Whole frames that wait. By so much the maps of a live source are later.
 static GstClockTime
-live_latency(GstSoundJoin *self)
+look_ahead(GstSoundJoin *self)
 {
   const GstClockTime frame = self->priv->frame;
-  return (kLiveWait + frame - 1) / frame * frame;
+  return (kLookAhead + frame - 1) / frame * frame;
 }
 
 GstClockTime
 gst_sound_join_most_latency(GstSoundJoin *self)
 {
-  return joined(self) ? kLiveWait + kUsualFrame : 0;
+  return joined(self) ? kLookAhead + kUsualFrame : 0;
 }
 
 static gboolean
@@ -242,7 +265,7 @@ gst_sound_join_src_query(GstPad *pad, GstObject *parent, GstQuery *query)
   GstClockTime min = 0;
   GstClockTime max = GST_CLOCK_TIME_NONE;
   gst_query_parse_latency(query, &live, &min, &max);
-  const GstClockTime own = live && joined(self) ? live_latency(self) : 0;
+  const GstClockTime own = live && joined(self) ? look_ahead(self) : 0;
   gst_query_set_latency(query, live, min + own, GST_CLOCK_TIME_IS_VALID(max) ? max + own : max);
   return TRUE;
 }
@@ -279,8 +302,7 @@ static GstFlowReturn
 gst_sound_join_chain(GstPad *, GstObject *parent, GstBuffer *buffer)
 {
   auto *self = GST_SOUND_JOIN(parent);
-  const bool waits = self->priv->is_live && joined(self);
-  return self->priv->held.hold(buffer, waits ? live_latency(self) : 0);
+  return self->priv->held.hold(buffer, joined(self) ? look_ahead(self) : 0);
 }
 
 static gboolean
@@ -295,9 +317,6 @@ gst_sound_join_sink_event(GstPad *pad, GstObject *parent, GstEvent *event)
     priv->fusion.reset();
     priv->sounded = false;
     return gst_pad_event_default(pad, parent, event);
-  case GST_EVENT_SEGMENT:
-    priv->is_live = is_live(self);
-    break;
   case GST_EVENT_CAPS:
     read_framerate(self, event);
     break;
@@ -338,7 +357,7 @@ gst_sound_join_leave(GstSoundJoin *self)
     maps->want(self, nullptr);
   priv->held.clear();
   priv->fusion.reset();
-  priv->sounded = priv->is_live = false;
+  priv->sounded = false;
   priv->rows = priv->columns = 0;
   priv->frame = kUsualFrame;
   gst_segment_init(&priv->segment, GST_FORMAT_UNDEFINED);

@@ -42,17 +42,19 @@ add_piece(std::vector<SoundMap> &pieces, Time begin, Time end, const TactileMap 
 } // namespace
 
 TactileMap
-Fusion::mix(Time begin, Time end, const TactileMap &picture, const TactileMap &sound, Mix mix)
+Fusion::mix(Time begin, Time end, const TactileMap &picture, const TactileMap &sound, Mix mix,
+            const TactileMap *next)
 {
   if (mix == Mix::replace)
     return tactile::resample(sound, picture.rows, picture.columns);
   TactileMap felt = picture;
   const bool seen = !tactile::is_silent(picture);
   const bool placed = mix == Mix::gate || mix == Mix::accent;
-  const bool holds = any_ && begin <= seen_until_ + kPlaceHolds && begin >= seen_until_
-                     && seen_.rows == picture.rows && seen_.columns == picture.columns;
-  if (placed && !seen && holds) {
-    felt = seen_;
+  const bool holds = any_ && begin >= seen_until_ && begin <= seen_until_ + kPlaceHolds;
+  const TactileMap *place = holds ? &seen_ : next;
+  if (placed && !seen && place && place->rows == picture.rows
+      && place->columns == picture.columns) {
+    felt = *place;
     mix = Mix::gate;
   }
   tactile::mix_into(felt, sound, mix);

@@ -17,9 +17,11 @@ public:
   /// it is heard.
   static constexpr Time kPlaceHolds = std::chrono::milliseconds(250);
 
-  /// The map that is felt in [begin, end). The picture's grid stays.
+  /// The map that is felt in [begin, end). The picture's grid stays. `next` is what is seen next, if
+  /// that is soon, and may be null: a blow that is heard a little before is felt there.
   tactile::TactileMap mix(Time begin, Time end, const tactile::TactileMap &picture,
-                          const tactile::TactileMap &sound, tactile::Mix mix);
+                          const tactile::TactileMap &sound, tactile::Mix mix,
+                          const tactile::TactileMap *next = nullptr);
 
   /// After a seek.
   void reset();

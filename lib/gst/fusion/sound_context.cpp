@@ -35,6 +35,18 @@ known_to(GstElement *element)
                                                     : nullptr;
 }
 
+/// The pipeline, or what is in place of it. Transfer full.
+GstElement *
+topmost(GstElement *element)
+{
+  auto *top = GST_ELEMENT(gst_object_ref(element));
+  while (GstObject *parent = gst_object_get_parent(GST_OBJECT(top))) {
+    gst_object_unref(top);
+    top = GST_ELEMENT(parent);
+  }
+  return top;
+}
+
 } // namespace
 
 Maps
@@ -42,13 +54,12 @@ sound_maps_of(GstElement *element)
 {
   if (Maps known = known_to(element))
     return known;
-  gst_element_post_message(element, gst_message_new_need_context(GST_OBJECT(element), kType));
-  if (Maps known = known_to(element))
+  g_autoptr(GstElement) top = topmost(element);
+  if (Maps known = known_to(top))
     return known;
   Maps maps = std::make_shared<fusion::SoundMaps>();
-  GstContext *context = gst_context_new(kType, FALSE);
+  g_autoptr(GstContext) context = gst_context_new(kType, FALSE);
   gst_structure_set(gst_context_writable_structure(context), kField, maps_type(), &maps, nullptr);
-  gst_element_set_context(element, context);
-  gst_element_post_message(element, gst_message_new_have_context(GST_OBJECT(element), context));
+  gst_element_set_context(top, context); // a bin gives it to all that is in it
   return maps;
 }

@@ -7,8 +7,8 @@
 
 #include <memory>
 
-/// The maps of the sound in the element's pipeline. They are in a GstContext, which the pipeline
-/// keeps until NULL: the first element that asks makes it (NEED_CONTEXT, HAVE_CONTEXT). An
-/// application can set one context on several pipelines. On READY to PAUSED; elements of one
-/// pipeline not on several threads at once.
+/// The maps of the sound in the element's pipeline. They are in a GstContext of the topmost bin,
+/// which the first element that asks makes, and which is forgotten in NULL. No message tells of it:
+/// players that count messages see none. An application can give one pipeline's context to another.
+/// On READY to PAUSED.
 std::shared_ptr<fusion::SoundMaps> sound_maps_of(GstElement *element);
