@@ -361,18 +361,21 @@ static GType
 mix_type(void)
 {
   static const GEnumValue values[] = {
-    { static_cast<gint>(Mix::replace), "The track alone", "replace" },
+    { static_cast<gint>(Mix::replace), "The track alone", tactile::name_of(Mix::replace) },
     { static_cast<gint>(Mix::max), "Cell by cell the stronger of the film's own map and the track",
-      "max" },
-    { static_cast<gint>(Mix::sum), "Cell by cell the sum of both, at most 1", "sum" },
+      tactile::name_of(Mix::max) },
+    { static_cast<gint>(Mix::sum), "Cell by cell the sum of both, at most 1",
+      tactile::name_of(Mix::sum) },
     { static_cast<gint>(Mix::gate),
       "The track's strength at the place of the film's own map, the film's only while the track is "
       "felt",
-      "gate" },
+      tactile::name_of(Mix::gate) },
     { static_cast<gint>(Mix::accent),
       "The film's own map, with the track's strength while that is stronger; the track where the "
       "film has none",
-      "accent" },
+      tactile::name_of(Mix::accent) },
+    { static_cast<gint>(Mix::stress), "As accent, but silent where the film has no map of its own",
+      tactile::name_of(Mix::stress) },
     { 0, nullptr, nullptr },
   };
   static const GType type = properties::register_enum("GstTactileCombinerMix", values);

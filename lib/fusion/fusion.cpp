@@ -49,7 +49,7 @@ Fusion::mix(Time begin, Time end, const TactileMap &picture, const TactileMap &s
     return tactile::resample(sound, picture.rows, picture.columns);
   TactileMap felt = picture;
   const bool seen = !tactile::is_silent(picture);
-  const bool placed = mix == Mix::gate || mix == Mix::accent;
+  const bool placed = mix == Mix::gate || mix == Mix::accent || mix == Mix::stress;
   const bool holds = any_ && begin >= seen_until_ && begin <= seen_until_ + kPlaceHolds;
   const TactileMap *place = holds ? &seen_ : next;
   if (placed && !seen && place && place->rows == picture.rows

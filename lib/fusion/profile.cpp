@@ -11,13 +11,14 @@ namespace {
 using tactile::Mix;
 
 constexpr Profile kProfiles[] = {
-  { "film", "The picture, made stronger by blows and explosions; no rumble", Mix::accent, 0, true,
-    false },
+  { "film", "The picture, made stronger by blows, and blows that are not seen; no rumble",
+    Mix::accent, 0, true, false },
   { "music", "The picture, and beside it blows and rumble where they sound", Mix::max, 0, true,
     true },
-  { "dialogue-heavy", "The picture, made stronger by loud blows only", Mix::accent, -9, true,
-    false },
-  { "bass-shaker", "Blows and rumble where they sound; of the picture nothing", Mix::replace, 6,
+  { "dialogue-heavy",
+    "The picture, made stronger by blows, at 6 dB less; no sound without a picture", Mix::stress,
+    -6, true, false },
+  { "bass-shaker", "Blows and rumble where they sound, at 6 dB more; no picture", Mix::replace, 6,
     true, true },
 };
 

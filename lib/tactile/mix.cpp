@@ -5,6 +5,26 @@
 
 namespace tactile {
 
+const char *
+name_of(Mix mix)
+{
+  switch (mix) {
+  case Mix::max:
+    return "max";
+  case Mix::sum:
+    return "sum";
+  case Mix::gate:
+    return "gate";
+  case Mix::accent:
+    return "accent";
+  case Mix::stress:
+    return "stress";
+  case Mix::replace:
+    break;
+  }
+  return "replace";
+}
+
 bool
 is_silent(const TactileMap &map)
 {
@@ -55,8 +75,9 @@ mix_into(TactileMap &map, const TactileMap &over, Mix mix)
     return;
   case Mix::gate:
   case Mix::accent:
+  case Mix::stress:
     if (place <= 0)
-      map = top;
+      map = mix == Mix::stress ? map : top;
     else if (mix == Mix::gate || strength > place)
       std::ranges::for_each(map.levels, [&](float &level) { level *= strength / place; });
     return;

@@ -17,8 +17,13 @@ enum class Mix
   /// The first, and while the second is stronger, with its strength; the second where the first has
   /// no place.
   accent,
+  stress, ///< as accent, but silent where the first has no place
 };
 
+/// As in `tactilecombiner mix=gate`.
+const char *name_of(Mix mix);
+
+/// Whether all levels are 0.
 bool is_silent(const TactileMap &map);
 
 /// Resamples to another grid over the same picture: a cell's level is the mean over its area.
