@@ -92,7 +92,8 @@ GST_START_TEST(test_pieces)
   for (int i = 0; i < 100; i++)
     roll.push_back(at(10 * i, 10 * i + 10, 0.5F));
   ck_assert_uint_eq(fusion::pieces(0ms, 1000ms, roll).size(), 20);
-  fail_unless(fusion::pieces(7ms, 7ms, { roll.data(), 1 }).front().map == map_of({ 0.5F }));
+  const auto moment = fusion::pieces(7ms, 7ms, std::span(roll).first(1));
+  fail_unless(moment.front().map == map_of({ 0.5F }));
 }
 GST_END_TEST;
 
@@ -149,7 +150,8 @@ GST_START_TEST(test_wanted)
   std::set<std::string> names;
   for (const fusion::Profile &profile : fusion::profiles())
     names.insert(profile.name);
-  fail_unless(names == std::set<std::string>{ "film", "music", "dialogue-heavy", "bass-shaker" });
+  const std::set<std::string> expected{ "film", "music", "dialogue-heavy", "bass-shaker" };
+  fail_unless(names == expected);
 }
 GST_END_TEST;
 
