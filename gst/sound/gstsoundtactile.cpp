@@ -25,15 +25,18 @@
  * demuxer. Played backwards, the `tactile` pad has gaps. So has audio that is not read: of more
  * than 8 channels, or below 8 or above 192 kHz.
  *
- * By default tactorsink takes a map every 200 ms, which misses most blows: set its `rate` to 0.
- *
- * `pipelines/sound.sh FILM` plays a film whose picture and sound are both felt.
+ * ## With the picture
+ * Where nothing is linked to `tactile` and a visuotactilesink or a visuotactiledecoder plays in the
+ * same pipeline, as with `playbin audio-filter=soundtactile`, the maps join those of the picture.
+ * Their `sound` then says what is felt, and 400 ms of sound wait here unless the source is live.
+ * [Sound joins in](../guide/sound.md) tells more.
  *
  * ## Example launch lines
  * |[
  * gst-launch-1.0 tactilesoundtestsrc num-buffers=200 ! soundtactile name=s \
  *     s.src ! queue max-size-buffers=0 max-size-bytes=0 max-size-time=400000000 ! audioconvert ! \
- *     autoaudiosink s.tactile ! queue ! tactorsink rate=0
+ *     autoaudiosink s.tactile ! queue ! tactorsink
+ * gst-launch-1.0 playbin uri=file://FILM audio-filter=soundtactile video-sink=visuotactilesink
  * gst-launch-1.0 tactiletestsrc num-buffers=150 ! saliencytactile ! queue ! \
  *     tactilecombiner name=c mix=max ! tactileoverlay ! videoconvert ! autovideosink \
  *     tactilesoundtestsrc num-buffers=235 ! soundtactile name=s \
