@@ -6,8 +6,8 @@
 #include <deque>
 #include <functional>
 
-/// Buffers and serialized events of a pad that wait until so much of the stream has come after them.
-/// Nothing here waits itself. Streaming thread, or while there is none.
+/// Buffers and serialized events of a pad that are held until so much of the stream has come after
+/// them. Nothing here blocks. Streaming thread, or while there is none.
 class HeldStream
 {
 public:

@@ -18,7 +18,7 @@ inline GType
 sound_mode_type(void)
 {
   static const GType type = [] {
-    constexpr const char *kName = "VisuotactileSound";
+    constexpr const char *kName = "GstTactileSound";
     if (const GType known = g_type_from_name(kName)) // of another plugin, which stays loaded
       return known;
     static std::vector<GEnumValue> values{ { 0, "Nothing of the sound", "off" } };

@@ -13,8 +13,8 @@
  * says. Unless it is replaced, the track is resampled to the frame's grid. With the maps of
  * `soundtactile` as the track, picture and sound of one event are one cue, felt as strong as it
  * sounds, where it is seen or was until 250 ms before: with `mix=gate` only when it sounds, with
- * `mix=accent` also when it is only seen. [Sound joins in](../guide/sound.md) has the mixes that the
- * profiles have.
+ * `mix=accent` also when it is only seen. [Sound joins in](../guide/sound.md) has the mixes that
+ * the profiles have.
  *
  * A frame waits until the track is known for its time, so put a queue before `sink` that holds as
  * much as the track's branch holds back.

@@ -24,9 +24,9 @@
  * - In a gapless play of playbin3 with one decoder, each film is felt at its own time, once the
  *   first QoS event of the player's sink has told where it begins. Sinks with `qos=false` tell
  *   nothing.
- * - Blows of the film's sound are felt, too, where a [soundtactile](soundtactile.md) hears it in the
- *   same pipeline: `sound::sound` is as visuotactilesink's. Then frames of a live source are another
- *   135 ms later.
+ * - Blows of the film's sound are felt, too, where a [soundtactile](soundtactile.md) hears it in
+ *   the same pipeline: `sound::sound` is as visuotactilesink's. Then frames of a live source are
+ *   another 135 ms later.
  * - Frame steps and instant changes of the rate reach only the player's sink, not the motors.
  * - A stream that the decoder does not take as it is goes through a parser first.
  *

@@ -16,9 +16,9 @@
  * - Frames that carry a map keep it. Frames in a GPU's memory stay there: see
  *   [saliencytactile](saliencytactile.md). Those that cannot be read are shown and not felt.
  * - The analysis has a thread of its own.
- * - Blows of the film's sound are felt, too, where a [soundtactile](soundtactile.md) hears it in the
- *   same pipeline, as #GstVisuotactileSink:sound says. Then maps wait for 95 ms, in whole frames;
- *   those of a live source make it as much later.
+ * - Blows of the film's sound are felt, too, where a [soundtactile](soundtactile.md) hears it in
+ *   the same pipeline, as #GstVisuotactileSink:sound says. Then maps wait for 95 ms, in whole
+ *   frames; those of a live source make it as much later.
  * - #GstVideoOverlay and #GstNavigation are the video sink's.
  *
  * ## Example launch lines

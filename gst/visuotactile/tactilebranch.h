@@ -8,9 +8,10 @@
 G_BEGIN_DECLS
 
 /// A bin of a leaky queue, a sound join and a tactorsink that takes tactile maps, or one with the
-/// analysis behind the queue that takes frames. Its errors become warnings: all but the queue is removed until
-/// the next READY to PAUSED, and buffers are dropped. State changes on the application's thread or
-/// GStreamer's async ones, buffers on a streaming thread; shared state is under the object lock.
+/// analysis behind the queue that takes frames. Its errors become warnings: all but the queue is
+/// removed until the next READY to PAUSED, and buffers are dropped. State changes on the
+/// application's thread or GStreamer's async ones, buffers on a streaming thread; shared state is
+/// under the object lock.
 #define GST_TYPE_TACTILE_BRANCH (gst_tactile_branch_get_type())
 G_DECLARE_FINAL_TYPE(GstTactileBranch, gst_tactile_branch, GST, TACTILE_BRANCH, GstBin)
 

@@ -17,8 +17,8 @@ public:
   /// it is heard.
   static constexpr Time kPlaceHolds = std::chrono::milliseconds(250);
 
-  /// The map that is felt in [begin, end). The picture's grid stays. `next` is what is seen next, if
-  /// that is soon, and may be null: a blow that is heard a little before is felt there.
+  /// The map that is felt in [begin, end). The picture's grid stays. `next` is what is seen next,
+  /// if that is soon, and may be null: a blow that is heard a little before is felt there.
   tactile::TactileMap mix(Time begin, Time end, const tactile::TactileMap &picture,
                           const tactile::TactileMap &sound, tactile::Mix mix,
                           const tactile::TactileMap *next = nullptr);
@@ -32,9 +32,9 @@ private:
   bool any_ = false;
 };
 
-/// The sound of a frame that is shown in [begin, end), as few maps without gaps: the next one begins
-/// where it becomes stronger by a fifth, or after 50 ms, and has the largest level of each cell.
-/// Without cells where it is silent. At least one.
+/// The sound of a frame that is shown in [begin, end), as few maps without gaps. The next one
+/// begins where it becomes stronger by a fifth, or after 50 ms, and has the largest level of each
+/// cell. Without cells where it is silent. At least one.
 std::vector<SoundMap> pieces(Time begin, Time end, std::span<const SoundMap> sound);
 
 } // namespace fusion

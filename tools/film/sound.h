@@ -23,6 +23,6 @@ std::string joined_sound(const std::string &queue, const fusion::Profile *profil
 /// Elements that they need.
 inline constexpr const char *kSoundElements[] = { "soundtactile", "tactilecombiner" };
 
-/// Ends the sound if no decoder was linked to it when `film` has no more pads: others would wait for
-/// it. Whether it did. To be called from the handler of no-more-pads.
+/// Ends the sound if no decoder was linked to it when `film` has no more pads: others would wait
+/// for it. Whether it did. To be called from the handler of no-more-pads.
 bool end_missing_sound(const Pipeline &pipeline);

@@ -216,8 +216,8 @@ effect(const IssuedCommand &line)
   return std::chrono::duration<double>(line.command.effect).count();
 }
 
-/// At `at`, where the ball is, a motor gets a level, and no other motor has one from 0.1 s before to
-/// 0.4 s after it. The chair begins once.
+/// At `at`, where the ball is, a motor gets a level, and no other motor has one from 0.1 s before
+/// to 0.4 s after it. The chair begins once.
 void
 assert_one_cue(const std::vector<IssuedCommand> &lines, double at, int cell)
 {
