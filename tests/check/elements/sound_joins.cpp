@@ -148,35 +148,43 @@ private:
   GstClockTime until_ = 0;
 };
 
+/// What plays the chair: a video sink, or a decoder that the player takes by itself.
+enum class Chair
+{
+  sink,
+  decoder,
+};
+
 /// A player with a chair that hears the film.
 class Player
 {
 public:
-  Player(const char *playbin, const std::string &film, const char *profile = "film")
-      : pipeline(gst_element_factory_make(playbin, nullptr))
+  Player(const char *playbin, const std::string &film, const char *profile = "film",
+         Chair chair = Chair::sink)
+      : pipeline(gst_element_factory_make(playbin, nullptr)), profile_(profile)
   {
-    GstElement *chair = gst_element_factory_make("visuotactilesink", nullptr);
-    GstElement *sound = gst_element_factory_make("soundtactile", nullptr);
     GstElement *screen = gst_element_factory_make("fakesink", nullptr);
     GstElement *speakers = gst_element_factory_make("fakesink", nullptr);
     g_object_set(screen, "sync", TRUE, nullptr);
     g_object_set(speakers, "sync", TRUE, nullptr);
-    g_object_set(chair, "driver", "simulator", "trace-location", trace_file_.path.c_str(),
-                 "video-sink", screen, nullptr);
-    gst_util_set_object_arg(G_OBJECT(chair), "sound", profile);
-    gst_child_proxy_set(GST_CHILD_PROXY(chair), "tactors::ramp-in", guint64{ 0 },
-                        "tactors::max-active", 0, "tactors::max-duty", 0.0, "tactors::max-on-time",
-                        guint64{ 0 }, nullptr);
-    g_autoptr(GstElement) join = gst_bin_get_by_name(GST_BIN(chair), "sound");
-    heard_.listen(sound, join);
+    rank_decoder(chair == Chair::decoder ? GST_RANK_PRIMARY + 1000 : GST_RANK_NONE);
     g_autofree gchar *uri = gst_filename_to_uri(film.c_str(), nullptr);
-    g_object_set(pipeline, "uri", uri, "video-sink", chair, "audio-sink", speakers, "audio-filter",
-                 sound, nullptr);
+    g_object_set(pipeline, "uri", uri, "audio-sink", speakers, "audio-filter", sound_, nullptr);
+    if (chair == Chair::decoder) {
+      g_signal_connect(pipeline, "deep-element-added", G_CALLBACK(on_element), this);
+      g_object_set(pipeline, "video-sink", screen, nullptr);
+      return;
+    }
+    GstElement *sink = gst_element_factory_make("visuotactilesink", nullptr);
+    g_object_set(sink, "video-sink", screen, nullptr);
+    prepare_chair(sink);
+    g_object_set(pipeline, "video-sink", sink, nullptr);
   }
   ~Player()
   {
     gst_element_set_state(pipeline, GST_STATE_NULL);
     gst_object_unref(pipeline);
+    rank_decoder(GST_RANK_NONE);
   }
   Player(const Player &) = delete;
   Player &operator=(const Player &) = delete;
@@ -204,6 +212,33 @@ public:
   GstElement *pipeline;
 
 private:
+  static void rank_decoder(guint rank)
+  {
+    g_autoptr(GstPluginFeature) feature
+        = gst_registry_lookup_feature(gst_registry_get(), "visuotactiledecoder");
+    fail_unless(feature != nullptr);
+    gst_plugin_feature_set_rank(feature, rank);
+  }
+  /// No limits, and maps that wait for their sound.
+  void prepare_chair(GstElement *chair)
+  {
+    gst_child_proxy_set(GST_CHILD_PROXY(chair), "tactors::driver", "simulator",
+                        "tactors::trace-location", trace_file_.path.c_str(), "tactors::ramp-in",
+                        guint64{ 0 }, "tactors::max-active", 0, "tactors::max-duty", 0.0,
+                        "tactors::max-on-time", guint64{ 0 }, nullptr);
+    g_autoptr(GstElement) join = gst_bin_get_by_name(GST_BIN(chair), "sound");
+    gst_util_set_object_arg(G_OBJECT(join), "sound", profile_);
+    heard_.listen(sound_, join);
+  }
+  static void on_element(GstBin *, GstBin *, GstElement *element, Player *self)
+  {
+    GstElementFactory *factory = gst_element_get_factory(element);
+    if (factory && g_strcmp0(GST_OBJECT_NAME(factory), "visuotactiledecoder") == 0)
+      self->prepare_chair(element);
+  }
+
+  const char *profile_;
+  GstElement *sound_ = gst_element_factory_make("soundtactile", nullptr); ///< the player's
   Heard heard_;
   TemporaryFile trace_file_{ "", ".csv" };
 };
@@ -259,6 +294,18 @@ GST_START_TEST(test_one_cue)
     for (const Hit &hit : hits())
       assert_one_cue(lines, hit.at + later, hit.cell);
   }
+}
+GST_END_TEST;
+
+GST_START_TEST(test_one_cue_of_a_decoder)
+{
+  const TemporaryFile film("", ".mkv");
+  make_film(film.path, true, 0.02);
+  Player player(kPlaybins[__i__], film.path, "film", Chair::decoder);
+  player.prepare();
+  const std::vector<IssuedCommand> lines = player.play();
+  for (const Hit &hit : hits())
+    assert_one_cue(lines, hit.at + 0.02, hit.cell);
 }
 GST_END_TEST;
 
@@ -367,6 +414,7 @@ sound_joins_suite(void)
   suite_add_tcase(suite, cases);
   const int playbins = static_cast<int>(std::size(kPlaybins));
   tcase_add_loop_test(cases, test_one_cue, 0, playbins);
+  tcase_add_loop_test(cases, test_one_cue_of_a_decoder, 0, playbins);
   tcase_add_loop_test(cases, test_volume_and_mute, 0, playbins);
   tcase_add_loop_test(cases, test_seeks, 0, playbins);
   tcase_add_loop_test(cases, test_off, 0, playbins);
