@@ -396,8 +396,16 @@ GST_START_TEST(test_live_latency)
         + (sounds ? "film" : "off")
         + " audiotestsrc is-live=true ! soundtactile ! fakesink name=speakers sync=true");
     g_autoptr(GstElement) speakers = gst_bin_get_by_name(GST_BIN(pipeline), "speakers");
-    // A live pipeline has distributed its latency when it plays.
+    g_autoptr(GstElement) analysis = gst_bin_get_by_name(GST_BIN(pipeline), "analysis");
+    g_autoptr(GstBus) bus = gst_element_get_bus(pipeline);
     change_state(pipeline, GST_STATE_PLAYING);
+    // The framerate is known with the first frame. Applications do this on LATENCY messages.
+    while (stat_of(analysis, "frames") < 5) {
+      g_autoptr(GstMessage) error
+          = gst_bus_timed_pop_filtered(bus, 10 * GST_MSECOND, GST_MESSAGE_ERROR);
+      fail_unless(error == nullptr);
+    }
+    fail_unless(gst_bin_recalculate_latency(GST_BIN(pipeline)));
     latency[sounds] = gst_base_sink_get_latency(GST_BASE_SINK(speakers));
     gst_element_set_state(pipeline, GST_STATE_NULL);
     gst_object_unref(pipeline);
