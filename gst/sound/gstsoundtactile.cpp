@@ -204,7 +204,6 @@ static GstFlowReturn
 gst_sound_tactile_chain(GstPad *, GstObject *parent, GstBuffer *buffer)
 {
   auto *self = GST_SOUND_TACTILE(parent);
-
   Private *priv = self->priv;
 
   /* The maps first: tactors are needed earlier than loudspeakers. */

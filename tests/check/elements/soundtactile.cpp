@@ -437,7 +437,7 @@ GST_START_TEST(test_chair)
   const std::string trace = std::string(folder) + "/commands.csv";
   const std::string launch
       = "tactilesoundtestsrc num-buffers=200 ! soundtactile name=s s.src ! queue ! fakesink "
-        "s.tactile ! queue ! tactorsink rate=0 driver=simulator sync=false trace-location="
+        "s.tactile ! queue ! tactorsink driver=simulator sync=false trace-location="
         + trace;
   GstElement *pipeline = gst_parse_launch(launch.c_str(), nullptr);
   gst_element_set_state(pipeline, GST_STATE_PLAYING);
