@@ -25,15 +25,18 @@
  * demuxer. Played backwards, the `tactile` pad has gaps. So has audio that is not read: of more
  * than 8 channels, or below 8 or above 192 kHz.
  *
- * By default tactorsink takes a map every 200 ms, which misses most blows: set its `rate` to 0.
- *
- * `pipelines/sound.sh FILM` plays a film whose picture and sound are both felt.
+ * ## With the picture
+ * Where nothing is linked to `tactile` and a visuotactilesink or a visuotactiledecoder plays in the
+ * same pipeline, as with `playbin audio-filter=soundtactile`, the maps join those of the picture.
+ * Their `sound` then says what is felt, and 400 ms of sound wait here unless the source is live.
+ * [Sound joins in](../guide/sound.md) tells more.
  *
  * ## Example launch lines
  * |[
  * gst-launch-1.0 tactilesoundtestsrc num-buffers=200 ! soundtactile name=s \
  *     s.src ! queue max-size-buffers=0 max-size-bytes=0 max-size-time=400000000 ! audioconvert ! \
- *     autoaudiosink s.tactile ! queue ! tactorsink rate=0
+ *     autoaudiosink s.tactile ! queue ! tactorsink
+ * gst-launch-1.0 playbin uri=file://FILM audio-filter=soundtactile video-sink=visuotactilesink
  * gst-launch-1.0 tactiletestsrc num-buffers=150 ! saliencytactile ! queue ! \
  *     tactilecombiner name=c mix=max ! tactileoverlay ! videoconvert ! autovideosink \
  *     tactilesoundtestsrc num-buffers=235 ! soundtactile name=s \
@@ -44,14 +47,20 @@
  */
 #include "gstsoundtactile.h"
 
+#include "../heldstream.h"
 #include "../properties.h"
-#include "../tactile/wantedgrid.h"
+#include "../tactile/splitpads.h"
+#include "gst/fusion/sound_context.h"
+#include "gst/fusion/sound_meta.h"
 #include "gstsoundelements.h"
 #include "soundreader.h"
 
 #include <gst/audio/audio.h>
-#include <gst/base/gstflowcombiner.h>
 #include <gst/tactile/tactile.h>
+
+#include <algorithm>
+#include <memory>
+#include <utility>
 
 GST_DEBUG_CATEGORY_STATIC(sound_tactile_debug);
 #define GST_CAT_DEFAULT sound_tactile_debug
@@ -60,22 +69,33 @@ namespace {
 
 using Settings = SoundReader::Settings;
 
+/// How much sound that a chair beside it feels waits behind the analysis: the chair needs its maps
+/// 190 ms before they are heard and two frames ahead, and sinks take sound no earlier than they
+/// have to.
+constexpr GstClockTime kAhead = 400 * GST_MSECOND;
+
 struct Private
 {
+  explicit Private(HeldStream::Ways ways) : held(std::move(ways))
+  {
+  }
+
   Settings settings;        ///< guarded by the object lock
   GstClockTime latency = 0; ///< of the tactile pad; guarded by the object lock
 
+  std::shared_ptr<fusion::SoundMaps> maps; ///< from PAUSED on; changes with the state
+
   // Streaming thread, or while it is stopped.
-  GstFlowCombiner *combiner = gst_flow_combiner_new();
+  SplitPads *pads = nullptr;
+  HeldStream held;
+  bool is_live = false;
   SoundReader reader;
-  Settings used;        ///< for this buffer
-  GstSegment segment{}; ///< of the audio
-  bool is_read = false; ///< the format is one that can be read
-  guint rows = 0;       ///< of the tactile pad's caps; 0: none sent yet
-  guint columns = 0;
-  GstEvent *pending_segment = nullptr; ///< for the tactile pad, which needs caps first
-  bool discont = false;                ///< of the next map
-  GstFlowReturn flow = GST_FLOW_OK;    ///< of the tactile pad
+  Settings used;                    ///< for this buffer
+  GstSegment segment{};             ///< of the audio
+  bool is_read = false;             ///< the format is one that can be read
+  bool discont = false;             ///< of the next map
+  bool sounded = false;             ///< the last map had levels
+  GstFlowReturn flow = GST_FLOW_OK; ///< of the tactile pad
 };
 
 } // namespace
@@ -83,10 +103,6 @@ struct Private
 struct _GstSoundTactile
 {
   GstElement parent;
-
-  GstPad *sinkpad;
-  GstPad *srcpad;
-  GstPad *tactilepad;
   Private *priv;
 };
 
@@ -105,47 +121,52 @@ static GstStaticPadTemplate src_template
 static GstStaticPadTemplate tactile_template = GST_STATIC_PAD_TEMPLATE(
     "tactile", GST_PAD_SRC, GST_PAD_ALWAYS, GST_STATIC_CAPS(GST_TACTILE_MAP_CAPS));
 
-/* ---- the tactile pad ---- */
+/* ---- the stream ---- */
 
-/* Sends caps, then a segment, if they are still to be sent. */
-static void
-send_sticky_events(GstSoundTactile *self)
+/* Whether a chair in this pipeline takes the maps, which then need no pad. */
+static const fusion::Profile *
+joined(GstSoundTactile *self)
 {
   Private *priv = self->priv;
-  if (priv->rows == 0) {
-    wanted_grid(self->tactilepad, &priv->rows, &priv->columns);
-    GstCaps *caps = gst_tactile_map_caps_new(priv->rows, priv->columns,
-                                             static_cast<gint>(priv->used.maps_per_second), 1);
-    GST_DEBUG_OBJECT(self->tactilepad, "caps %" GST_PTR_FORMAT, caps);
-    gst_pad_push_event(self->tactilepad, gst_event_new_caps(caps));
-    gst_caps_unref(caps);
-  }
-  if (priv->pending_segment != nullptr) {
-    gst_pad_push_event(self->tactilepad, priv->pending_segment);
-    priv->pending_segment = nullptr;
-  }
+  return priv->pads->maps_flow() == GST_FLOW_OK ? nullptr : priv->maps->wanted();
 }
 
-/* A branch that was unlinked during a push returns FLUSHING. That must not end the other branch. */
-static GstFlowReturn
-push(GstPad *pad, GstBuffer *buffer)
+/* For a chair in this pipeline. */
+static void
+keep_map(GstSoundTactile *self, const tactile::TactileMap &map, GstClockTime begin,
+         GstClockTime end)
 {
-  const GstFlowReturn flow = gst_pad_push(pad, buffer);
-  return flow == GST_FLOW_FLUSHING && !gst_pad_is_linked(pad) ? GST_FLOW_NOT_LINKED : flow;
+  const GstSegment &segment = self->priv->segment;
+  guint64 from = 0;
+  guint64 until = 0;
+  if (segment.format != GST_FORMAT_TIME
+      || !gst_segment_clip(&segment, GST_FORMAT_TIME, begin, end, &from, &until))
+    return;
+  const auto running = [&segment](guint64 position) {
+    return fusion::Time(static_cast<fusion::Time::rep>(
+        gst_segment_to_running_time(&segment, GST_FORMAT_TIME, position)));
+  };
+  self->priv->maps->add({ running(from), running(until), map });
 }
 
 static SoundReader::MapSink
 map_sink(GstSoundTactile *self)
 {
+  if (joined(self))
+    return [self](const tactile::TactileMap &map, GstClockTime begin, GstClockTime end) {
+      keep_map(self, map, begin, end);
+    };
   return [self](const tactile::TactileMap &map, GstClockTime begin, GstClockTime end) {
     GstBuffer *buffer = gst_tactile_map_buffer_new(map.levels.data(), map.levels.size());
     GST_BUFFER_PTS(buffer) = begin;
     GST_BUFFER_DURATION(buffer) = end - begin;
-    if (self->priv->discont)
+    if (std::exchange(self->priv->discont, false))
       GST_BUFFER_FLAG_SET(buffer, GST_BUFFER_FLAG_DISCONT);
-    self->priv->discont = false;
-    send_sticky_events(self);
-    self->priv->flow = push(self->tactilepad, buffer);
+    const bool sounds = !tactile::is_silent(map);
+    if (std::exchange(self->priv->sounded, sounds) || sounds)
+      GST_BUFFER_FLAG_SET(buffer, kSoundMap);
+    self->priv->pads->announce();
+    self->priv->flow = self->priv->pads->push_map(buffer);
   };
 }
 
@@ -156,7 +177,7 @@ drain(GstSoundTactile *self)
   self->priv->discont = true;
 }
 
-static GstFlowReturn
+static void
 push_tactile(GstSoundTactile *self, GstBuffer *buffer)
 {
   Private *priv = self->priv;
@@ -165,48 +186,32 @@ push_tactile(GstSoundTactile *self, GstBuffer *buffer)
   GST_OBJECT_LOCK(self);
   priv->used.feel = priv->settings.feel;
   GST_OBJECT_UNLOCK(self);
-  priv->flow = gst_pad_is_linked(self->tactilepad) ? GST_FLOW_OK : GST_FLOW_NOT_LINKED;
-  if (!GST_CLOCK_TIME_IS_VALID(pts))
-    return priv->flow;
-  if (!priv->is_read || priv->segment.rate < 0) {
-    send_sticky_events(self);
-    gst_pad_push_event(self->tactilepad, gst_event_new_gap(pts, GST_BUFFER_DURATION(buffer)));
-    return priv->flow;
+  if (const fusion::Profile *profile = joined(self)) {
+    priv->used.feel.gain_db += profile->gain_db;
+    priv->used.feel.blows &= profile->blows;
+    priv->used.feel.rumble &= profile->rumble;
   }
-  priv->reader.read(buffer, priv->used, map_sink(self));
-  return priv->flow;
+  priv->flow = priv->pads->maps_flow();
+  if (!GST_CLOCK_TIME_IS_VALID(pts))
+    return;
+  if (!priv->is_read || priv->segment.rate < 0)
+    priv->flow = priv->pads->push_gap(pts, GST_BUFFER_DURATION(buffer));
+  else
+    priv->reader.read(buffer, priv->used, map_sink(self));
 }
 
 static GstFlowReturn
-gst_sound_tactile_chain(GstPad *pad, GstObject *parent, GstBuffer *buffer)
+gst_sound_tactile_chain(GstPad *, GstObject *parent, GstBuffer *buffer)
 {
-  (void)pad;
   auto *self = GST_SOUND_TACTILE(parent);
+  Private *priv = self->priv;
 
   /* The maps first: tactors are needed earlier than loudspeakers. */
-  GstFlowReturn flow = push_tactile(self, buffer);
-  gst_flow_combiner_update_pad_flow(self->priv->combiner, self->tactilepad, flow);
-  flow = push(self->srcpad, buffer);
-  return gst_flow_combiner_update_pad_flow(self->priv->combiner, self->srcpad, flow);
+  push_tactile(self, buffer);
+  return priv->held.hold(buffer, joined(self) && !priv->is_live ? kAhead : 0);
 }
 
 /* ---- events ---- */
-
-static void
-send_stream_start(GstSoundTactile *self, GstEvent *audio)
-{
-  const gchar *audio_id = nullptr;
-  gst_event_parse_stream_start(audio, &audio_id);
-  gchar *id = g_strconcat(audio_id, "/tactile", nullptr);
-  GstEvent *event = gst_event_new_stream_start(id);
-  g_free(id);
-
-  guint group = GST_GROUP_ID_INVALID;
-  if (gst_event_parse_group_id(audio, &group))
-    gst_event_set_group_id(event, group);
-  gst_event_set_seqnum(event, gst_event_get_seqnum(audio));
-  gst_pad_push_event(self->tactilepad, event);
-}
 
 static void
 read_caps(GstSoundTactile *self, GstEvent *event)
@@ -215,11 +220,11 @@ read_caps(GstSoundTactile *self, GstEvent *event)
   GstCaps *caps = nullptr;
   gst_event_parse_caps(event, &caps);
   drain(self);
-  send_sticky_events(self);
+  priv->pads->announce();
   GstAudioInfo info;
   priv->is_read = gst_audio_info_from_caps(&info, caps)
-                  && priv->reader.set_format(info, static_cast<int>(priv->rows),
-                                             static_cast<int>(priv->columns));
+                  && priv->reader.set_format(info, static_cast<int>(priv->pads->rows()),
+                                             static_cast<int>(priv->pads->columns()));
   if (!priv->is_read)
     GST_ELEMENT_WARNING(self, STREAM, FORMAT, ("Nothing of this sound is felt."),
                         ("expected 1 to %d channels at %d to %d Hz, got %" GST_PTR_FORMAT
@@ -235,112 +240,56 @@ read_caps(GstSoundTactile *self, GstEvent *event)
     gst_element_post_message(GST_ELEMENT(self), gst_message_new_latency(GST_OBJECT(self)));
 }
 
-/* Serialized events come after the maps of what came before them. Events about audio (caps, tags)
- * go to the audio only. */
-static gboolean
-gst_sound_tactile_sink_event(GstPad *pad, GstObject *parent, GstEvent *event)
+static bool
+is_live(GstSoundTactile *self)
 {
-  (void)pad;
+  g_autoptr(GstQuery) query = gst_query_new_latency();
+  gboolean live = FALSE;
+  if (gst_pad_peer_query(self->priv->pads->sink(), query))
+    gst_query_parse_latency(query, &live, nullptr, nullptr);
+  return live;
+}
+
+/* Serialized events come after the maps of what came before them. */
+static gboolean
+gst_sound_tactile_sink_event(GstPad *, GstObject *parent, GstEvent *event)
+{
   auto *self = GST_SOUND_TACTILE(parent);
   Private *priv = self->priv;
-  gboolean handled = FALSE; /* by the tactile branch: then audio may be unlinked */
 
   switch (GST_EVENT_TYPE(event)) {
-  case GST_EVENT_STREAM_START:
-    send_stream_start(self, event);
-    break;
   case GST_EVENT_CAPS:
     read_caps(self, event);
     break;
   case GST_EVENT_SEGMENT:
     drain(self);
     gst_event_copy_segment(event, &priv->segment);
-    if (priv->rows > 0)
-      gst_pad_push_event(self->tactilepad, gst_event_ref(event));
-    else
-      gst_event_replace(&priv->pending_segment, event);
+    priv->is_live = is_live(self);
     break;
   case GST_EVENT_GAP:
   case GST_EVENT_SEGMENT_DONE:
   case GST_EVENT_EOS:
     drain(self);
-    send_sticky_events(self);
-    handled = gst_pad_push_event(self->tactilepad, gst_event_ref(event));
+    priv->held.drain();
     break;
-  case GST_EVENT_STREAM_GROUP_DONE:
-  case GST_EVENT_INSTANT_RATE_CHANGE:
   case GST_EVENT_FLUSH_START:
-    handled = gst_pad_push_event(self->tactilepad, gst_event_ref(event));
+    priv->maps->forget();
     break;
   case GST_EVENT_FLUSH_STOP:
-    gst_flow_combiner_reset(priv->combiner);
-    gst_clear_event(&priv->pending_segment);
     priv->reader.reset();
-    handled = gst_pad_push_event(self->tactilepad, gst_event_ref(event));
+    priv->held.clear();
+    priv->maps->forget(); /* what came until the stream had stopped */
     break;
   default:
     break;
   }
-  return gst_pad_push_event(self->srcpad, event) || handled;
+  const bool flushes = GST_EVENT_TYPE(event) == GST_EVENT_FLUSH_STOP;
+  return !flushes && gst_event_type_get_flags(GST_EVENT_TYPE(event)) & GST_EVENT_TYPE_SERIALIZED
+             ? priv->held.hold(event)
+             : priv->pads->pass_event(event);
 }
 
-static gboolean
-gst_sound_tactile_tactile_event(GstPad *pad, GstObject *parent, GstEvent *event)
-{
-  switch (GST_EVENT_TYPE(event)) {
-  case GST_EVENT_QOS:         /* late tactors are no reason to drop sound */
-  case GST_EVENT_RECONFIGURE: /* nor a new tactile branch one to negotiate it again */
-    gst_event_unref(event);
-    return TRUE;
-  default:
-    return gst_pad_event_default(pad, parent, event);
-  }
-}
-
-/* ---- queries ---- */
-
-/* Audio passes through: caps of both sides are the same. */
-static gboolean
-proxy_caps_query(GstPad *pad, GstPad *other, GstQuery *query)
-{
-  GstCaps *filter = nullptr;
-  gst_query_parse_caps(query, &filter);
-  GstCaps *own = gst_pad_get_pad_template_caps(pad);
-  GstCaps *peer = gst_pad_peer_query_caps(other, filter);
-  GstCaps *result = gst_caps_intersect_full(peer, own, GST_CAPS_INTERSECT_FIRST);
-  gst_query_set_caps_result(query, result);
-  gst_caps_unref(result);
-  gst_caps_unref(peer);
-  gst_caps_unref(own);
-  return TRUE;
-}
-
-static gboolean
-gst_sound_tactile_sink_query(GstPad *pad, GstObject *parent, GstQuery *query)
-{
-  auto *self = GST_SOUND_TACTILE(parent);
-
-  switch (GST_QUERY_TYPE(query)) {
-  case GST_QUERY_CAPS:
-    return proxy_caps_query(pad, self->srcpad, query);
-  case GST_QUERY_ACCEPT_CAPS:
-    if (!gst_pad_is_linked(self->srcpad))
-      return gst_pad_query_default(pad, parent, query);
-    return gst_pad_peer_query(self->srcpad, query);
-  case GST_QUERY_ALLOCATION:
-    return gst_pad_peer_query(self->srcpad, query);
-  default:
-    return gst_pad_query_default(pad, parent, query);
-  }
-}
-
-static gboolean
-gst_sound_tactile_src_query(GstPad *pad, GstObject *parent, GstQuery *query)
-{
-  if (GST_QUERY_TYPE(query) == GST_QUERY_CAPS)
-    return proxy_caps_query(pad, GST_SOUND_TACTILE(parent)->sinkpad, query);
-  return gst_pad_query_default(pad, parent, query);
-}
+/* ---- latency ---- */
 
 static gboolean
 gst_sound_tactile_tactile_query(GstPad *pad, GstObject *parent, GstQuery *query)
@@ -348,7 +297,7 @@ gst_sound_tactile_tactile_query(GstPad *pad, GstObject *parent, GstQuery *query)
   auto *self = GST_SOUND_TACTILE(parent);
   if (GST_QUERY_TYPE(query) != GST_QUERY_LATENCY)
     return gst_pad_query_default(pad, parent, query);
-  if (!gst_pad_peer_query(self->sinkpad, query))
+  if (!gst_pad_peer_query(self->priv->pads->sink(), query))
     return FALSE;
   gboolean live = FALSE;
   GstClockTime min = 0;
@@ -371,18 +320,22 @@ start(GstSoundTactile *self)
   GST_OBJECT_LOCK(self);
   self->priv->used = self->priv->settings;
   GST_OBJECT_UNLOCK(self);
+  self->priv->pads->set_framerate(static_cast<gint>(self->priv->used.maps_per_second), 1);
+  self->priv->maps = sound_maps_of(GST_ELEMENT(self));
+  self->priv->maps->hear(self->priv->pads->maps_flow() != GST_FLOW_OK);
 }
 
 static void
 stop(GstSoundTactile *self)
 {
   Private *priv = self->priv;
-  gst_flow_combiner_reset(priv->combiner);
-  gst_clear_event(&priv->pending_segment);
+  if (priv->maps)
+    priv->maps->hear(false);
+  priv->held.clear();
+  priv->pads->reset();
   priv->reader.reset();
-  priv->rows = priv->columns = 0;
   priv->is_read = false;
-  priv->discont = false;
+  priv->discont = priv->sounded = false;
   gst_segment_init(&priv->segment, GST_FORMAT_TIME);
 }
 
@@ -421,8 +374,7 @@ static void
 gst_sound_tactile_finalize(GObject *object)
 {
   Private *priv = GST_SOUND_TACTILE(object)->priv;
-  gst_clear_event(&priv->pending_segment);
-  gst_flow_combiner_unref(priv->combiner);
+  delete priv->pads;
   delete priv;
   G_OBJECT_CLASS(parent_class)->finalize(object);
 }
@@ -448,25 +400,14 @@ gst_sound_tactile_class_init(GstSoundTactileClass *klass)
 static void
 gst_sound_tactile_init(GstSoundTactile *self)
 {
-  self->priv = new Private;
+  self->priv = new Private(
+      { [self](GstBuffer *buffer) { return self->priv->pads->pass(buffer, self->priv->flow); },
+        [self](GstEvent *event) {
+          return self->priv->pads->pass_event(event);
+        } });
   gst_segment_init(&self->priv->segment, GST_FORMAT_TIME);
-
-  self->sinkpad = gst_pad_new_from_static_template(&sink_template, "sink");
-  gst_pad_set_chain_function(self->sinkpad, GST_DEBUG_FUNCPTR(gst_sound_tactile_chain));
-  gst_pad_set_event_function(self->sinkpad, GST_DEBUG_FUNCPTR(gst_sound_tactile_sink_event));
-  gst_pad_set_query_function(self->sinkpad, GST_DEBUG_FUNCPTR(gst_sound_tactile_sink_query));
-  gst_element_add_pad(GST_ELEMENT(self), self->sinkpad);
-
-  self->srcpad = gst_pad_new_from_static_template(&src_template, "src");
-  gst_pad_set_query_function(self->srcpad, GST_DEBUG_FUNCPTR(gst_sound_tactile_src_query));
-  gst_element_add_pad(GST_ELEMENT(self), self->srcpad);
-
-  self->tactilepad = gst_pad_new_from_static_template(&tactile_template, "tactile");
-  gst_pad_set_event_function(self->tactilepad, GST_DEBUG_FUNCPTR(gst_sound_tactile_tactile_event));
-  gst_pad_set_query_function(self->tactilepad, GST_DEBUG_FUNCPTR(gst_sound_tactile_tactile_query));
-  gst_pad_use_fixed_caps(self->tactilepad);
-  gst_element_add_pad(GST_ELEMENT(self), self->tactilepad);
-
-  gst_flow_combiner_add_pad(self->priv->combiner, self->srcpad);
-  gst_flow_combiner_add_pad(self->priv->combiner, self->tactilepad);
+  self->priv->pads = new SplitPads(
+      GST_ELEMENT(self), { .chain = GST_DEBUG_FUNCPTR(gst_sound_tactile_chain),
+                           .event = GST_DEBUG_FUNCPTR(gst_sound_tactile_sink_event),
+                           .tactile_query = GST_DEBUG_FUNCPTR(gst_sound_tactile_tactile_query) });
 }

@@ -10,9 +10,11 @@
  * longer, shorter or later. Without a track the film passes through.
  *
  * A frame that carries a map already, from `saliencytactile`, is treated as #GstTactileCombiner:mix
- * says. Unless it is replaced, the track is resampled to the frame's grid. Picture and sound of one
- * event are one cue with `mix=gate` and the maps of `soundtactile` as the track: felt when and as
- * strong as it sounds, where it is seen.
+ * says. Unless it is replaced, the track is resampled to the frame's grid. With the maps of
+ * `soundtactile` as the track, picture and sound of one event are one cue, felt as strong as it
+ * sounds, where it is seen or was until 250 ms before: with `mix=gate` only when it sounds, with
+ * `mix=accent` also when it is only seen. [Sound joins in](../guide/sound.md) has the mixes that
+ * the profiles have.
  *
  * A frame waits until the track is known for its time, so put a queue before `sink` that holds as
  * much as the track's branch holds back.
@@ -30,9 +32,10 @@
 #include "gsttactilecombiner.h"
 
 #include "../properties.h"
+#include "fusion/fusion.h"
+#include "gst/fusion/sound_meta.h"
 #include "gst/video/writable_frame.h"
 #include "gsttactileelements.h"
-#include "tracks/track_edit.h"
 
 #include <gst/tactile/tactile.h>
 
@@ -61,6 +64,7 @@ struct Held
   gint64 begin = 0;
   std::optional<gint64> end; ///< none: until the next map
   TactileMap map;
+  bool is_sound = false; ///< kSoundMap
 };
 
 } // namespace
@@ -73,6 +77,7 @@ struct GstTactileCombinerPrivate
   guint rows = 0; ///< of the track
   guint columns = 0;
   std::optional<Held> held;
+  fusion::Fusion fusion;
 };
 
 struct _GstTactileCombiner
@@ -159,6 +164,7 @@ advance(GstTactileCombiner *self, GstAggregatorPad *pad, gint64 time)
     const gboolean is_map = read_map(self, head, next.map);
     if (is_map && running) {
       next.begin = *running + offset;
+      next.is_sound = GST_BUFFER_FLAG_IS_SET(head, kSoundMap);
       if (GST_BUFFER_DURATION_IS_VALID(head))
         next.end = next.begin + static_cast<gint64>(GST_BUFFER_DURATION(head));
       priv->held = next;
@@ -172,24 +178,42 @@ advance(GstTactileCombiner *self, GstAggregatorPad *pad, gint64 time)
 
 /* ---- frames ---- */
 
+/* What the sound added to the picture's map, and all of it where the picture is not felt. */
+static TactileMap
+added_to(const TactileMap &picture, const TactileMap &felt, Mix mix)
+{
+  TactileMap added = felt;
+  if (mix != Mix::replace)
+    std::ranges::transform(felt.levels, picture.levels, added.levels.begin(),
+                           [](float now, float before) { return std::max(now - before, 0.0F); });
+  return added;
+}
+
 static void
 put_map(GstTactileCombiner *self, GstBuffer *frame, gint64 time)
 {
-  const std::optional<Held> &held = self->priv->held;
+  GstTactileCombinerPrivate *priv = self->priv;
+  const std::optional<Held> &held = priv->held;
   GST_OBJECT_LOCK(self);
-  const Mix mix = self->priv->settings.mix;
+  const Mix mix = priv->settings.mix;
   GST_OBJECT_UNLOCK(self);
 
-  TactileMap map(static_cast<int>(std::max(self->priv->rows, 1u)),
-                 static_cast<int>(std::max(self->priv->columns, 1u)));
-  if (held && (!held->end || time < *held->end))
+  const bool covers = held && (!held->end || time < *held->end);
+  TactileMap map(static_cast<int>(std::max(priv->rows, 1u)),
+                 static_cast<int>(std::max(priv->columns, 1u)));
+  if (covers)
     map = held->map;
   const GstTactileMeta *own = gst_buffer_get_tactile_meta(frame);
-  if (own != nullptr && mix != Mix::replace) {
+  if (own != nullptr && (mix != Mix::replace || (covers && held->is_sound))) {
     TactileMap film(static_cast<int>(own->rows), static_cast<int>(own->columns));
     std::copy_n(own->levels, film.levels.size(), film.levels.begin());
-    tactile::mix_into(film, map, mix);
-    map = film;
+    const gint64 length
+        = GST_BUFFER_DURATION_IS_VALID(frame) ? static_cast<gint64>(GST_BUFFER_DURATION(frame)) : 0;
+    map = priv->fusion.mix(fusion::Time(time), fusion::Time(time + length), film, map, mix);
+    if (covers && held->is_sound)
+      add_sound_meta(frame, added_to(film, map, mix));
+  } else if (covers && held->is_sound) {
+    add_sound_meta(frame, map);
   }
   gst_buffer_add_tactile_meta(frame, static_cast<guint>(map.rows), static_cast<guint>(map.columns),
                               map.levels.data(), map.levels.size());
@@ -317,6 +341,7 @@ static GstFlowReturn
 gst_tactile_combiner_flush(GstAggregator *aggregator)
 {
   GST_TACTILE_COMBINER(aggregator)->priv->held.reset();
+  GST_TACTILE_COMBINER(aggregator)->priv->fusion.reset();
   return GST_FLOW_OK;
 }
 
@@ -325,6 +350,7 @@ gst_tactile_combiner_stop(GstAggregator *aggregator)
 {
   GstTactileCombinerPrivate *priv = GST_TACTILE_COMBINER(aggregator)->priv;
   priv->held.reset();
+  priv->fusion.reset();
   priv->rows = priv->columns = 0;
   return TRUE;
 }
@@ -335,14 +361,21 @@ static GType
 mix_type(void)
 {
   static const GEnumValue values[] = {
-    { static_cast<gint>(Mix::replace), "The track alone", "replace" },
+    { static_cast<gint>(Mix::replace), "The track alone", tactile::name_of(Mix::replace) },
     { static_cast<gint>(Mix::max), "Cell by cell the stronger of the film's own map and the track",
-      "max" },
-    { static_cast<gint>(Mix::sum), "Cell by cell the sum of both, at most 1", "sum" },
+      tactile::name_of(Mix::max) },
+    { static_cast<gint>(Mix::sum), "Cell by cell the sum of both, at most 1",
+      tactile::name_of(Mix::sum) },
     { static_cast<gint>(Mix::gate),
       "The track's strength at the place of the film's own map, the film's only while the track is "
       "felt",
-      "gate" },
+      tactile::name_of(Mix::gate) },
+    { static_cast<gint>(Mix::accent),
+      "The film's own map, with the track's strength while that is stronger; the track where the "
+      "film has none",
+      tactile::name_of(Mix::accent) },
+    { static_cast<gint>(Mix::stress), "As accent, but silent where the film has no map of its own",
+      tactile::name_of(Mix::stress) },
     { 0, nullptr, nullptr },
   };
   static const GType type = properties::register_enum("GstTactileCombinerMix", values);

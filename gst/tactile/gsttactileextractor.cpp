@@ -27,10 +27,10 @@
  */
 #include "gsttactileextractor.h"
 
+#include "gst/fusion/sound_meta.h"
 #include "gsttactileelements.h"
-#include "wantedgrid.h"
+#include "splitpads.h"
 
-#include <gst/base/gstflowcombiner.h>
 #include <gst/tactile/tactile.h>
 #include <gst/video/video.h>
 
@@ -41,18 +41,8 @@ struct _GstTactileExtractor
 {
   GstElement parent;
 
-  GstPad *sinkpad;
-  GstPad *srcpad;
-  GstPad *tactilepad;
-
-  /* All below: streaming thread, or while it is stopped. */
-  GstFlowCombiner *combiner;
-  gint fps_n; /* of the video; 0: unknown or variable */
-  gint fps_d;
-  guint rows; /* of the tactile pad's caps; 0: none sent yet */
-  guint columns;
-  gboolean fps_changed;      /* since the tactile pad's caps were sent */
-  GstEvent *pending_segment; /* for the tactile pad, which needs caps first */
+  SplitPads *pads;
+  GstClockTime frame_duration; /* by the framerate, as pads */
 };
 
 #define gst_tactile_extractor_parent_class parent_class
@@ -71,72 +61,17 @@ static GstStaticPadTemplate src_template
 static GstStaticPadTemplate tactile_template = GST_STATIC_PAD_TEMPLATE(
     "tactile", GST_PAD_SRC, GST_PAD_ALWAYS, GST_STATIC_CAPS(GST_TACTILE_MAP_CAPS));
 
-/* Sends caps with this grid, then a segment, on the tactile pad. */
-static void
-send_sticky_events(GstTactileExtractor *self, guint rows, guint columns)
-{
-  if (rows != self->rows || columns != self->columns || self->fps_changed) {
-    GstCaps *caps = gst_tactile_map_caps_new(rows, columns, self->fps_n, self->fps_d);
-    GST_DEBUG_OBJECT(self->tactilepad, "caps %" GST_PTR_FORMAT, caps);
-    gst_pad_push_event(self->tactilepad, gst_event_new_caps(caps));
-    gst_caps_unref(caps);
-    self->rows = rows;
-    self->columns = columns;
-    self->fps_changed = FALSE;
-  }
-  if (self->pending_segment != nullptr) {
-    gst_pad_push_event(self->tactilepad, self->pending_segment);
-    self->pending_segment = nullptr;
-  }
-}
-
-static void
-send_default_sticky_events(GstTactileExtractor *self)
-{
-  guint rows = self->rows;
-  guint columns = self->columns;
-  if (rows == 0)
-    wanted_grid(self->tactilepad, &rows, &columns);
-  send_sticky_events(self, rows, columns);
-}
-
-/* Sends a serialized event, after caps and segment. */
-static gboolean
-push_tactile_event(GstTactileExtractor *self, GstEvent *event)
-{
-  send_default_sticky_events(self);
-  return gst_pad_push_event(self->tactilepad, event);
-}
-
-static GstClockTime
-frame_duration(GstTactileExtractor *self, GstBuffer *frame)
-{
-  if (GST_BUFFER_DURATION_IS_VALID(frame) || self->fps_n == 0)
-    return GST_BUFFER_DURATION(frame);
-  return gst_util_uint64_scale_int(GST_SECOND, self->fps_d, self->fps_n);
-}
-
-/* A branch that was unlinked during a push returns FLUSHING. That must not end the other branch. */
-static GstFlowReturn
-push(GstPad *pad, GstBuffer *buffer)
-{
-  const GstFlowReturn flow = gst_pad_push(pad, buffer);
-  return flow == GST_FLOW_FLUSHING && !gst_pad_is_linked(pad) ? GST_FLOW_NOT_LINKED : flow;
-}
-
 static GstFlowReturn
 push_tactile(GstTactileExtractor *self, GstBuffer *frame)
 {
   const GstTactileMeta *meta = gst_buffer_get_tactile_meta(frame);
   const GstClockTime pts = GST_BUFFER_PTS(frame);
-  const GstClockTime duration = frame_duration(self, frame);
+  const GstClockTime duration
+      = GST_BUFFER_DURATION_IS_VALID(frame) ? GST_BUFFER_DURATION(frame) : self->frame_duration;
 
-  if (meta == nullptr) {
-    /* A GAP needs a time. An unlinked pad counts as with a buffer. */
-    if (GST_CLOCK_TIME_IS_VALID(pts))
-      push_tactile_event(self, gst_event_new_gap(pts, duration));
-    return gst_pad_is_linked(self->tactilepad) ? GST_FLOW_OK : GST_FLOW_NOT_LINKED;
-  }
+  if (meta == nullptr) /* a GAP needs a time */
+    return GST_CLOCK_TIME_IS_VALID(pts) ? self->pads->push_gap(pts, duration)
+                                        : self->pads->maps_flow();
 
   gsize n_levels = 0;
   const gfloat *levels = gst_tactile_meta_get_levels(meta, &n_levels);
@@ -145,48 +80,20 @@ push_tactile(GstTactileExtractor *self, GstBuffer *frame)
   GST_BUFFER_DURATION(map) = duration;
   if (GST_BUFFER_IS_DISCONT(frame))
     GST_BUFFER_FLAG_SET(map, GST_BUFFER_FLAG_DISCONT);
-  send_sticky_events(self, meta->rows, meta->columns);
-  return push(self->tactilepad, map);
+  if (has_sound_meta(frame))
+    GST_BUFFER_FLAG_SET(map, kSoundMap);
+  self->pads->announce(meta->rows, meta->columns);
+  return self->pads->push_map(map);
 }
 
 static GstFlowReturn
-gst_tactile_extractor_chain(GstPad *pad, GstObject *parent, GstBuffer *frame)
+gst_tactile_extractor_chain(GstPad *, GstObject *parent, GstBuffer *frame)
 {
-  (void)pad;
   auto *self = GST_TACTILE_EXTRACTOR(parent);
 
   /* The map first: tactors are needed earlier than the screen. */
-  GstFlowReturn flow = push_tactile(self, frame);
-  gst_flow_combiner_update_pad_flow(self->combiner, self->tactilepad, flow);
-  flow = push(self->srcpad, frame);
-  return gst_flow_combiner_update_pad_flow(self->combiner, self->srcpad, flow);
-}
-
-static void
-send_stream_start(GstTactileExtractor *self, GstEvent *video)
-{
-  const gchar *video_id = nullptr;
-  gst_event_parse_stream_start(video, &video_id);
-  gchar *id = g_strconcat(video_id, "/tactile", nullptr);
-  GstEvent *event = gst_event_new_stream_start(id);
-  g_free(id);
-
-  guint group = GST_GROUP_ID_INVALID;
-  if (gst_event_parse_group_id(video, &group))
-    gst_event_set_group_id(event, group);
-  gst_event_set_seqnum(event, gst_event_get_seqnum(video));
-  gst_pad_push_event(self->tactilepad, event);
-}
-
-static void
-reset(GstTactileExtractor *self)
-{
-  gst_flow_combiner_reset(self->combiner);
-  gst_clear_event(&self->pending_segment);
-  self->rows = self->columns = 0;
-  self->fps_n = 0;
-  self->fps_d = 1;
-  self->fps_changed = FALSE;
+  const GstFlowReturn flow = push_tactile(self, frame);
+  return self->pads->pass(frame, flow);
 }
 
 static void
@@ -200,108 +107,18 @@ read_framerate(GstTactileExtractor *self, GstEvent *event)
     n = 0;
     d = 1;
   }
-  self->fps_changed |= n != self->fps_n || d != self->fps_d;
-  self->fps_n = n;
-  self->fps_d = d;
+  self->pads->set_framerate(n, d);
+  self->frame_duration = n > 0 ? gst_util_uint64_scale_int(GST_SECOND, d, n) : GST_CLOCK_TIME_NONE;
 }
 
-/* Events that concern both streams go to both; those about pictures (caps, tags) go to the video
- * only. */
 static gboolean
-gst_tactile_extractor_sink_event(GstPad *pad, GstObject *parent, GstEvent *event)
+gst_tactile_extractor_sink_event(GstPad *, GstObject *parent, GstEvent *event)
 {
-  (void)pad;
   auto *self = GST_TACTILE_EXTRACTOR(parent);
-  gboolean handled = FALSE; /* by the tactile branch: then video may be unlinked */
 
-  switch (GST_EVENT_TYPE(event)) {
-  case GST_EVENT_STREAM_START:
-    send_stream_start(self, event);
-    break;
-  case GST_EVENT_CAPS:
+  if (GST_EVENT_TYPE(event) == GST_EVENT_CAPS)
     read_framerate(self, event);
-    break;
-  case GST_EVENT_SEGMENT:
-    if (self->rows > 0)
-      gst_pad_push_event(self->tactilepad, gst_event_ref(event));
-    else
-      gst_event_replace(&self->pending_segment, event);
-    break;
-  case GST_EVENT_GAP:
-  case GST_EVENT_SEGMENT_DONE:
-  case GST_EVENT_EOS:
-    handled = push_tactile_event(self, gst_event_ref(event));
-    break;
-  case GST_EVENT_STREAM_GROUP_DONE:
-  case GST_EVENT_INSTANT_RATE_CHANGE:
-  case GST_EVENT_FLUSH_START:
-    handled = gst_pad_push_event(self->tactilepad, gst_event_ref(event));
-    break;
-  case GST_EVENT_FLUSH_STOP:
-    gst_flow_combiner_reset(self->combiner);
-    gst_clear_event(&self->pending_segment);
-    handled = gst_pad_push_event(self->tactilepad, gst_event_ref(event));
-    break;
-  default:
-    break;
-  }
-  return gst_pad_push_event(self->srcpad, event) || handled;
-}
-
-/* Video passes through: caps of both sides are the same. */
-static gboolean
-proxy_caps_query(GstPad *pad, GstPad *other, GstQuery *query)
-{
-  GstCaps *filter = nullptr;
-  gst_query_parse_caps(query, &filter);
-  GstCaps *own = gst_pad_get_pad_template_caps(pad);
-  GstCaps *peer = gst_pad_peer_query_caps(other, filter);
-  GstCaps *result = gst_caps_intersect_full(peer, own, GST_CAPS_INTERSECT_FIRST);
-  gst_query_set_caps_result(query, result);
-  gst_caps_unref(result);
-  gst_caps_unref(peer);
-  gst_caps_unref(own);
-  return TRUE;
-}
-
-static gboolean
-gst_tactile_extractor_sink_query(GstPad *pad, GstObject *parent, GstQuery *query)
-{
-  auto *self = GST_TACTILE_EXTRACTOR(parent);
-
-  switch (GST_QUERY_TYPE(query)) {
-  case GST_QUERY_CAPS:
-    return proxy_caps_query(pad, self->srcpad, query);
-  case GST_QUERY_ACCEPT_CAPS:
-    if (!gst_pad_is_linked(self->srcpad))
-      return gst_pad_query_default(pad, parent, query);
-    return gst_pad_peer_query(self->srcpad, query);
-  case GST_QUERY_ALLOCATION:
-    return gst_pad_peer_query(self->srcpad, query);
-  default:
-    return gst_pad_query_default(pad, parent, query);
-  }
-}
-
-static gboolean
-gst_tactile_extractor_src_query(GstPad *pad, GstObject *parent, GstQuery *query)
-{
-  if (GST_QUERY_TYPE(query) == GST_QUERY_CAPS)
-    return proxy_caps_query(pad, GST_TACTILE_EXTRACTOR(parent)->sinkpad, query);
-  return gst_pad_query_default(pad, parent, query);
-}
-
-static gboolean
-gst_tactile_extractor_tactile_event(GstPad *pad, GstObject *parent, GstEvent *event)
-{
-  switch (GST_EVENT_TYPE(event)) {
-  case GST_EVENT_QOS:         /* late tactors are no reason to drop pictures */
-  case GST_EVENT_RECONFIGURE: /* nor a new tactile branch one to negotiate them again */
-    gst_event_unref(event);
-    return TRUE;
-  default:
-    return gst_pad_event_default(pad, parent, event);
-  }
+  return self->pads->pass_event(event);
 }
 
 static GstStateChangeReturn
@@ -309,17 +126,18 @@ gst_tactile_extractor_change_state(GstElement *element, GstStateChange transitio
 {
   const GstStateChangeReturn result
       = GST_ELEMENT_CLASS(parent_class)->change_state(element, transition);
-  if (transition == GST_STATE_CHANGE_PAUSED_TO_READY)
-    reset(GST_TACTILE_EXTRACTOR(element));
+  if (transition == GST_STATE_CHANGE_PAUSED_TO_READY) {
+    auto *self = GST_TACTILE_EXTRACTOR(element);
+    self->pads->reset();
+    self->frame_duration = GST_CLOCK_TIME_NONE;
+  }
   return result;
 }
 
 static void
 gst_tactile_extractor_finalize(GObject *object)
 {
-  auto *self = GST_TACTILE_EXTRACTOR(object);
-  gst_clear_event(&self->pending_segment);
-  gst_flow_combiner_unref(self->combiner);
+  delete GST_TACTILE_EXTRACTOR(object)->pads;
   G_OBJECT_CLASS(parent_class)->finalize(object);
 }
 
@@ -342,24 +160,8 @@ gst_tactile_extractor_class_init(GstTactileExtractorClass *klass)
 static void
 gst_tactile_extractor_init(GstTactileExtractor *self)
 {
-  self->sinkpad = gst_pad_new_from_static_template(&sink_template, "sink");
-  gst_pad_set_chain_function(self->sinkpad, GST_DEBUG_FUNCPTR(gst_tactile_extractor_chain));
-  gst_pad_set_event_function(self->sinkpad, GST_DEBUG_FUNCPTR(gst_tactile_extractor_sink_event));
-  gst_pad_set_query_function(self->sinkpad, GST_DEBUG_FUNCPTR(gst_tactile_extractor_sink_query));
-  gst_element_add_pad(GST_ELEMENT(self), self->sinkpad);
-
-  self->srcpad = gst_pad_new_from_static_template(&src_template, "src");
-  gst_pad_set_query_function(self->srcpad, GST_DEBUG_FUNCPTR(gst_tactile_extractor_src_query));
-  gst_element_add_pad(GST_ELEMENT(self), self->srcpad);
-
-  self->tactilepad = gst_pad_new_from_static_template(&tactile_template, "tactile");
-  gst_pad_set_event_function(self->tactilepad,
-                             GST_DEBUG_FUNCPTR(gst_tactile_extractor_tactile_event));
-  gst_pad_use_fixed_caps(self->tactilepad);
-  gst_element_add_pad(GST_ELEMENT(self), self->tactilepad);
-
-  self->combiner = gst_flow_combiner_new();
-  gst_flow_combiner_add_pad(self->combiner, self->srcpad);
-  gst_flow_combiner_add_pad(self->combiner, self->tactilepad);
-  self->fps_d = 1;
+  self->pads = new SplitPads(GST_ELEMENT(self),
+                             { .chain = GST_DEBUG_FUNCPTR(gst_tactile_extractor_chain),
+                               .event = GST_DEBUG_FUNCPTR(gst_tactile_extractor_sink_event) });
+  self->frame_duration = GST_CLOCK_TIME_NONE;
 }

@@ -8,6 +8,8 @@
  *
  * - `style=grid`: the grid of tactors. A cell turns from yellow to red as its level rises, and a
  *   gauge on its left is as high as the level.
+ *   Cells to which the sound added have a thick blue border ([Sound joins
+ *   in](../guide/sound.md)).
  * - `style=heatmap`: a color map from blue to red of the frame's #GstSaliencyMeta, or of its levels
  *   if it has none.
  * - `style=saliency`: the saliency map in gray instead of the picture, white at the map's peak or
@@ -37,6 +39,7 @@
 #include "gsttactileoverlay.h"
 
 #include "../properties.h"
+#include "gst/fusion/sound_meta.h"
 #include "gst/video/video_direction.h"
 #include "gsttactileelements.h"
 #include "overlaypainter.h"
@@ -68,12 +71,13 @@ struct OverlaySettings
 
 struct Private
 {
-  OverlaySettings settings;   ///< object lock
-  OverlayPainter painter;     ///< streaming thread
-  OrientationTags tags;       ///< streaming thread
-  tactile::TactileMap shown;  ///< streaming thread: the frame's map, as on the screen
-  tactile::TactileMap stored; ///< streaming thread: and in the frame's pixels
-  bool warned = false;        ///< streaming thread
+  OverlaySettings settings;     ///< object lock
+  OverlayPainter painter;       ///< streaming thread
+  OrientationTags tags;         ///< streaming thread
+  tactile::TactileMap shown;    ///< streaming thread: the frame's map, as on the screen
+  tactile::TactileMap stored;   ///< streaming thread: and in the frame's pixels
+  tactile::TactileMap of_sound; ///< streaming thread: what of `stored` the sound added, or empty
+  bool warned = false;          ///< streaming thread
 };
 
 #define OVERLAY_FORMATS                                                                            \
@@ -127,7 +131,11 @@ tactile_field(GstBuffer *buffer, Private *priv, tactile::Orientation orientation
   priv->shown.columns = static_cast<int>(meta->columns);
   priv->shown.levels.assign(levels, levels + count);
   tactile::turn_back(priv->shown, orientation, priv->stored);
-  return LevelField{ priv->stored.levels, priv->stored.columns, priv->stored.rows, 1.0 };
+  priv->of_sound.levels.clear();
+  if (const auto added = sound_meta(buffer, meta->rows, meta->columns))
+    tactile::turn_back(*added, orientation, priv->of_sound);
+  return LevelField{ priv->stored.levels, priv->stored.columns, priv->stored.rows, 1.0,
+                     priv->of_sound.levels };
 }
 
 static std::optional<LevelField>

@@ -10,10 +10,12 @@ namespace {
 constexpr int kShades = 256; ///< per level
 constexpr int kFullWeight = 256;
 
-// Palette of the grid: a tint and a gauge shade for each level, and the borders.
+// Palette of the grid: a tint and a gauge shade for each level, the borders, and those of sound.
 constexpr std::size_t kTint = 0;
 constexpr std::size_t kGauge = kShades;
 constexpr std::size_t kBorder = std::size_t{ 2 } * kShades;
+constexpr std::size_t kSoundBorder = kBorder + 1;
+constexpr int kSoundBorderWidth = 3; ///< in border widths
 
 constexpr int kLinesPerSide = 360; ///< a border's width is this part of the picture's shorter side
 constexpr int kMetersPerSide = 60; ///< the meter's height is this part of it
@@ -82,7 +84,7 @@ OverlayPainter::set_entry(const GstVideoInfo &info, std::size_t index, const Rgb
 void
 OverlayPainter::paint_grid(GstVideoFrame *frame, const LevelField &field, double opacity)
 {
-  palette_.assign(kBorder + 1, {});
+  palette_.assign(kSoundBorder + 1, {});
   for (std::size_t i = 0; i < kShades; i++) {
     const double level = static_cast<double>(i) / (kShades - 1);
     const Rgb warm{ 1, 0.85 * (1 - level), 0.1 * (1 - level) }; // from yellow to red
@@ -90,6 +92,7 @@ OverlayPainter::paint_grid(GstVideoFrame *frame, const LevelField &field, double
     set_entry(frame->info, kGauge + i, warm, opacity);
   }
   set_entry(frame->info, kBorder, { 1, 1, 1 }, opacity);
+  set_entry(frame->info, kSoundBorder, { 0, 0.4, 1 }, opacity);
   paint(frame, [&](int y) { fill_grid_row(frame->info, field, y); });
 }
 
@@ -107,22 +110,24 @@ OverlayPainter::fill_grid_row(const GstVideoInfo &info, const LevelField &field,
   for (int c = 0; c < field.columns; c++) {
     const auto left = row_.begin() + edge(c, field.columns, width);
     const auto right = row_.begin() + edge(c + 1, field.columns, width);
-    const double level
-        = field.values[static_cast<std::size_t>(r) * static_cast<std::size_t>(field.columns)
-                       + static_cast<std::size_t>(c)]
-          * field.scale;
+    const std::size_t cell = static_cast<std::size_t>(r) * static_cast<std::size_t>(field.columns)
+                             + static_cast<std::size_t>(c);
+    const double level = field.values[cell] * field.scale;
+    const bool sounds = !field.of_sound.empty() && field.of_sound[cell] > 0;
+    const int border = sounds ? kSoundBorderWidth * line : line;
+    const auto color = static_cast<std::uint16_t>(sounds ? kSoundBorder : kBorder);
     const std::uint16_t index = shade(level);
     std::fill(left, right, static_cast<std::uint16_t>(kTint + index));
     if (!lines)
       continue;
-    if (y < top + line || y >= bottom - line) {
-      std::fill(left, right, static_cast<std::uint16_t>(kBorder));
+    if (y < top + border || y >= bottom - border) {
+      std::fill(left, right, color);
       continue;
     }
-    std::fill(left, left + line, static_cast<std::uint16_t>(kBorder));
-    std::fill(right - line, right, static_cast<std::uint16_t>(kBorder));
-    if (bottom - line - y <= level * (bottom - top - 2 * line))
-      std::fill_n(left + line, (right - left) / kGaugesPerCell,
+    std::fill(left, left + border, color);
+    std::fill(right - border, right, color);
+    if (bottom - border - y <= level * (bottom - top - 2 * border))
+      std::fill_n(left + border, (right - left) / kGaugesPerCell,
                   static_cast<std::uint16_t>(kGauge + index));
   }
 }

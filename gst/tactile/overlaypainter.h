@@ -20,6 +20,7 @@ struct LevelField
   int columns = 0;
   int rows = 0;
   double scale = 1;
+  std::span<const float> of_sound{}; ///< how much of `values` the sound added; may be empty
 };
 
 /// Blends levels into frames of any format with components of 8 or 16 bits. A row is indices into a
@@ -28,7 +29,8 @@ struct LevelField
 class OverlayPainter
 {
 public:
-  /// Tints each cell by its level, with a gauge on its left and thin borders.
+  /// Tints each cell by its level, with a gauge on its left and thin borders. Those of a cell to
+  /// which the sound added are thick and blue.
   void paint_grid(GstVideoFrame *frame, const LevelField &field, double opacity);
 
   /// A color map from blue to red, interpolated between the field's values. Silent parts of the

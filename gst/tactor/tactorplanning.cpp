@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "tactorplanning.h"
 
+#include "gst/fusion/sound_meta.h"
+
 #include <string>
 #include <utility>
 
@@ -65,8 +67,11 @@ TactorPlanning::plan_map(GstBuffer *buffer, const GstSegment &segment,
     map.levels = pooled_;
   }
   planner_->set_settings(settings);
-  Plan plan{ .commands = has_levels ? planner_->plan(shown.start, shown.duration, map.levels)
-                                    : planner_->silence(shown.start),
+  // The sound's maps: a blow may be over before the next block.
+  const bool at_once = stream_.is_map() && GST_BUFFER_FLAG_IS_SET(buffer, kSoundMap);
+  Plan plan{ .commands = has_levels
+                             ? planner_->plan(shown.start, shown.duration, map.levels, at_once)
+                             : planner_->silence(shown.start),
              .end = shown.end() };
   GST_LOG_OBJECT(element_, "map at %" GST_STIME_FORMAT ": %" G_GSIZE_FORMAT " commands",
                  GST_STIME_ARGS(shown.start.count()), plan.commands.size());

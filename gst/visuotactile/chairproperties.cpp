@@ -2,6 +2,7 @@
 #include "chairproperties.h"
 
 #include <cstring>
+#include <utility>
 
 namespace {
 
@@ -45,8 +46,8 @@ set(GObject *object, GParamSpec *spec, const std::optional<std::string> &wanted)
 
 } // namespace
 
-ChairProperties::ChairProperties(GstElement *owner, GstElement *analysis, GstElement *tactors)
-    : owner_(owner), elements_{ analysis, tactors }
+ChairProperties::ChairProperties(GstElement *owner, std::vector<GstElement *> elements)
+    : owner_(owner), elements_(std::move(elements))
 {
 }
 

@@ -11,6 +11,7 @@
 #include <mutex>
 #include <optional>
 #include <string>
+#include <vector>
 
 /// Gives a chair's elements what the user has set, also while a film plays. A property that the
 /// player set to other than its default stays the player's.
@@ -18,7 +19,7 @@ class ChairProperties
 {
 public:
   /// `owner` posts warnings about the settings; it and the elements live longer than this.
-  ChairProperties(GstElement *owner, GstElement *analysis, GstElement *tactors);
+  ChairProperties(GstElement *owner, std::vector<GstElement *> elements);
 
   /// Reads the settings, and follows them until close(). Not on several threads at once, as
   /// close(). Returns them.
@@ -31,7 +32,7 @@ private:
   void complain(const chair::Settings &settings);
 
   GstElement *owner_;
-  GstElement *elements_[2];
+  std::vector<GstElement *> elements_;
   std::mutex mutex_{};
   std::map<std::string, std::string> given_{}; ///< property and its value then; under the mutex
   std::unique_ptr<chair::SettingsWatch> watch_{};

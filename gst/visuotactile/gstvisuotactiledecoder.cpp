@@ -24,6 +24,9 @@
  * - In a gapless play of playbin3 with one decoder, each film is felt at its own time, once the
  *   first QoS event of the player's sink has told where it begins. Sinks with `qos=false` tell
  *   nothing.
+ * - Blows of the film's sound are felt, too, where a [soundtactile](soundtactile.md) hears it in
+ *   the same pipeline: `sound::sound` is as visuotactilesink's. Then frames of a live source are
+ *   another 135 ms later.
  * - Frame steps and instant changes of the rate reach only the player's sink, not the motors.
  * - A stream that the decoder does not take as it is goes through a parser first.
  *
@@ -263,7 +266,8 @@ gst_visuotactile_decoder_live_latency(GstVisuotactileDecoder *self)
   if (self->branch == nullptr || gst_element_is_locked_state(GST_ELEMENT(self->branch)))
     return 0;
   GstElement *tactors = gst_tactile_branch_get_tactors(self->branch);
-  return gst_base_sink_get_render_delay(GST_BASE_SINK(tactors)) + kAnalysisMargin;
+  return gst_base_sink_get_render_delay(GST_BASE_SINK(tactors)) + kAnalysisMargin
+         + gst_sound_join_most_latency(gst_tactile_branch_get_sound(self->branch));
 }
 
 static gboolean
@@ -490,6 +494,8 @@ gst_visuotactile_decoder_get_child_by_name(GstChildProxy *proxy, const gchar *na
     return G_OBJECT(gst_object_ref(gst_tactile_branch_get_tactors(self->branch)));
   if (self->branch && g_strcmp0(name, "analysis") == 0)
     return G_OBJECT(gst_object_ref(gst_tactile_branch_get_analysis(self->branch)));
+  if (self->branch && g_strcmp0(name, "sound") == 0)
+    return G_OBJECT(gst_object_ref(gst_tactile_branch_get_sound(self->branch)));
   return G_OBJECT(gst_bin_get_by_name(GST_BIN(self), name));
 }
 
@@ -549,9 +555,10 @@ gst_visuotactile_decoder_build(GstVisuotactileDecoder *self)
   // The bin, which prerolls with the picture, never waits for it.
   g_object_set(gst_tactile_branch_get_tactors(self->branch), "async", FALSE, nullptr);
   gst_bin_add(GST_BIN(self), GST_ELEMENT(self->branch));
-  self->properties
-      = new ChairProperties(GST_ELEMENT(self), gst_tactile_branch_get_analysis(self->branch),
-                            gst_tactile_branch_get_tactors(self->branch));
+  self->properties = new ChairProperties(
+      GST_ELEMENT(self),
+      { gst_tactile_branch_get_analysis(self->branch), gst_tactile_branch_get_tactors(self->branch),
+        GST_ELEMENT(gst_tactile_branch_get_sound(self->branch)) });
 }
 
 static void

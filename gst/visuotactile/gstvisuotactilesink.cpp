@@ -16,6 +16,9 @@
  * - Frames that carry a map keep it. Frames in a GPU's memory stay there: see
  *   [saliencytactile](saliencytactile.md). Those that cannot be read are shown and not felt.
  * - The analysis has a thread of its own.
+ * - Blows of the film's sound are felt, too, where a [soundtactile](soundtactile.md) hears it in
+ *   the same pipeline, as #GstVisuotactileSink:sound says. Then maps wait for 95 ms, in whole
+ *   frames; those of a live source make it as much later.
  * - #GstVideoOverlay and #GstNavigation are the video sink's.
  *
  * ## Example launch lines
@@ -23,6 +26,7 @@
  * gst-launch-1.0 tactiletestsrc num-buffers=150 ! videoconvert ! \
  *     visuotactilesink driver=simulator trace-location=commands.csv analysis::profile=paper
  * gst-launch-1.0 playbin uri=file://FILM video-sink="visuotactilesink rows=2 columns=4"
+ * gst-launch-1.0 playbin uri=file://FILM audio-filter=soundtactile video-sink=visuotactilesink
  * ]|
  *
  * Since: 0.1
@@ -364,8 +368,9 @@ gst_visuotactile_sink_build(GstVisuotactileSink *self)
   self->extractor = extractor;
   self->queue = queue;
   self->branch = branch;
-  self->properties
-      = new ChairProperties(GST_ELEMENT(self), analysis, gst_tactile_branch_get_tactors(branch));
+  self->properties = new ChairProperties(GST_ELEMENT(self),
+                                         { analysis, gst_tactile_branch_get_tactors(branch),
+                                           GST_ELEMENT(gst_tactile_branch_get_sound(branch)) });
   gst_visuotactile_sink_add_placeholder(self);
 }
 

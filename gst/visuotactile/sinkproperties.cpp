@@ -3,6 +3,7 @@
 
 #include "../peoplemode.h"
 #include "../properties.h"
+#include "../soundmode.h"
 #include "sinkparts.h"
 #include "videosinks.h"
 
@@ -19,6 +20,7 @@ enum class Owner
   seen,     ///< the video sink and saliencytactile
   analysis, ///< saliencytactile
   tactors,  ///< tactorsink
+  joins,    ///< where the sound joins
 };
 
 /// Defaults of the children, which a test compares. The values themselves are kept by the children.
@@ -40,6 +42,7 @@ struct Defaults
   std::string unset;
   GstVideoOrientationMethod video_direction = GST_VIDEO_ORIENTATION_AUTO;
   PeopleMode people = PeopleMode::off;
+  SoundMode sound = SoundMode::film;
 };
 
 std::optional<std::string>
@@ -107,6 +110,9 @@ constexpr Entry kEntries[] = {
                                kPlaying, PROPERTY_FIELD(people), people_mode_type) },
   { Owner::analysis, P::number<gdouble>("max-rate", "Frames to analyze per second (0 = all)",
                                         kPlaying, PROPERTY_FIELD(max_rate), P::Range{ 0, 1000 }) },
+  { Owner::joins,
+    P::choice("sound", "What is felt of the sound that soundtactile hears in the same pipeline",
+              kPlaying, PROPERTY_FIELD(sound), sound_mode_type) },
   { Owner::seen,
     P::choice("video-direction",
               "How the picture is turned, and the grid with it (auto: by its tag)", kPlaying,
@@ -143,6 +149,8 @@ constexpr Entry kEntries[] = {
 static GstElement *
 gst_visuotactile_sink_get_owner(GstVisuotactileSink *self, Owner whose)
 {
+  if (whose == Owner::joins)
+    return self->branch ? GST_ELEMENT(gst_tactile_branch_get_sound(self->branch)) : nullptr;
   return whose == Owner::analysis || whose == Owner::seen ? self->analysis
                                                           : gst_visuotactile_sink_get_tactors(self);
 }
@@ -198,7 +206,8 @@ gst_visuotactile_sink_get_property(GObject *object, guint id, GValue *value, GPa
     GST_OBJECT_LOCK(self);
     g_value_set_object(value, self->wanted ? self->wanted : self->shown);
     GST_OBJECT_UNLOCK(self);
-  } else if (whose == Owner::analysis || whose == Owner::tactors || whose == Owner::seen) {
+  } else if (whose == Owner::analysis || whose == Owner::tactors || whose == Owner::seen
+             || whose == Owner::joins) {
     if (child)
       g_object_get_property(G_OBJECT(child), pspec->name, value);
   } else if (!shown || !get_property_within(shown, pspec->name, value)) {

@@ -2,6 +2,7 @@
 #include "tactilebranch.h"
 
 #include "gst/video/writable_frame.h"
+#include "soundjoin.h"
 
 #include <algorithm>
 #include <vector>
@@ -304,6 +305,7 @@ gst_tactile_branch_new(const gchar *name)
 {
   /* Frames are stepped in PAUSED, and tactorsink may preroll later or never. Maps are small. */
   return gst_tactile_branch_new_of(name, { make_queue("tactile-queue", kMostMaps),
+                                           gst_sound_join_new("sound"),
                                            gst_element_factory_make("tactorsink", "tactors") });
 }
 
@@ -323,12 +325,12 @@ clear_discont(GstPad *, GstPadProbeInfo *info, gpointer)
 GstTactileBranch *
 gst_tactile_branch_new_with_analysis(const gchar *name)
 {
-  GstTactileBranch *self
-      = gst_tactile_branch_new_of(name, { make_queue("frame-queue", kMostFrames),
-                                          gst_element_factory_make("saliencytactile", "analysis"),
-                                          gst_element_factory_make("tactileextractor", "extractor"),
-                                          make_queue("tactile-queue", kMostMaps),
-                                          gst_element_factory_make("tactorsink", "tactors") });
+  GstTactileBranch *self = gst_tactile_branch_new_of(
+      name, { make_queue("frame-queue", kMostFrames),
+              gst_element_factory_make("saliencytactile", "analysis"),
+              gst_element_factory_make("tactileextractor", "extractor"),
+              make_queue("tactile-queue", kMostMaps), gst_sound_join_new("sound"),
+              gst_element_factory_make("tactorsink", "tactors") });
   if (self == nullptr)
     return nullptr;
   g_object_set(self->rest->front(), "keep-maps", TRUE, nullptr);
@@ -346,12 +348,18 @@ gst_tactile_branch_get_tactors(GstTactileBranch *self)
 GstElement *
 gst_tactile_branch_get_analysis(GstTactileBranch *self)
 {
-  return self->rest->size() > 1 ? self->rest->front() : nullptr;
+  constexpr std::size_t kWithoutAnalysis = 2;
+  return self->rest->size() > kWithoutAnalysis ? self->rest->front() : nullptr;
+}
+
+GstSoundJoin *
+gst_tactile_branch_get_sound(GstTactileBranch *self)
+{
+  return GST_SOUND_JOIN((*self->rest)[self->rest->size() - 2]);
 }
 
 GstPad *
 gst_tactile_branch_get_maps_pad(GstTactileBranch *self)
 {
-  const Elements &rest = *self->rest;
-  return gst_element_get_static_pad(rest.size() > 1 ? rest[rest.size() - 2] : self->queue, "src");
+  return gst_element_get_static_pad(GST_ELEMENT(gst_tactile_branch_get_sound(self)), "src");
 }

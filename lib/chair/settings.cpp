@@ -28,6 +28,8 @@ constexpr Key kKeys[] = {
   { "density", Kind::number, true, "Share of the time that may be felt, 0 for any", 0, 1 },
   { "people", Kind::choice, false, "Look for faces, and feel first what happens in them", 0, 0,
     "off, fast, thorough" },
+  { "sound", Kind::choice, true, "What is felt of the sound, in programs that pass it on", 0, 0,
+    "off, film, music, dialogue-heavy, bass-shaker" },
 };
 
 constexpr unsigned kMostCells = 64;

@@ -66,14 +66,14 @@ CommandPlanner::validate_mapping(std::span<const int> mapping, int cells, int ta
 }
 
 std::vector<Command>
-CommandPlanner::plan(Time time, Time duration, std::span<const float> levels)
+CommandPlanner::plan(Time time, Time duration, std::span<const float> levels, bool at_once)
 {
   const Time frame = duration > Time(0) ? duration : kDefaultFrame;
   if (levels.size() != cells_) {
     cells_ = levels.size();
     blocks_.restart();
   }
-  if (!blocks_.begins(time, frame, settings_.rate))
+  if (!blocks_.begins(time, frame, at_once ? 0 : settings_.rate))
     return {};
   Plan plan = begin_plan(time, frame);
   std::vector<double> volts = target_volts(levels);

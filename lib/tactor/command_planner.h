@@ -57,8 +57,10 @@ public:
   /// Plans the map of the frame shown during [time, time + duration); duration ≤ 0 is 1/30 s.
   /// `levels` are row-major in [0, 1]; others are clamped, NaN is 0. Returns the commands of the
   /// block that begins here; none inside a block or where nothing changes. Of cells that share a
-  /// tactor the strongest counts; cells without a tactor are ignored.
-  std::vector<Command> plan(Time time, Time duration, std::span<const float> levels);
+  /// tactor the strongest counts; cells without a tactor are ignored. A map that is taken `at_once`
+  /// is a block of its own, and leaves those of the rate as they are.
+  std::vector<Command> plan(Time time, Time duration, std::span<const float> levels,
+                            bool at_once = false);
 
   /// All tactors to zero at `time` (gap, end of stream). The next map begins a block.
   std::vector<Command> silence(Time time);

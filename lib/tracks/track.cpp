@@ -106,12 +106,6 @@ Track::index_at(Time time) const
   return static_cast<std::size_t>(std::distance(entries_.begin(), after)) - 1;
 }
 
-bool
-is_silent(const TactileMap &map)
-{
-  return std::ranges::all_of(map.levels, [](float level) { return !(level > 0); });
-}
-
 Track
 at_resolution(const Track &track, Time tick, int steps)
 {

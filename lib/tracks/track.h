@@ -2,6 +2,7 @@
 #pragma once
 
 #include "nanoseconds.h"
+#include "tactile/mix.h"
 #include "tactile/tactile_map.h"
 #include "tracks/format_error.h"
 
@@ -72,9 +73,6 @@ private:
   std::vector<Entry> entries_;
   Time end_{ 0 };
 };
-
-/// Whether all levels are 0.
-bool is_silent(const TactileMap &map);
 
 /// The track as a format can store it. Times are rounded down to multiples of `tick`, so that no
 /// cue begins after its frame. Levels are rounded to multiples of 1 / `steps` (0: unchanged). Maps

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "tactile/cue_limiter.h"
+#include "tactile/mix.h"
 #include "tracks/track.h"
 
 #include <vector>
@@ -10,17 +11,6 @@
 /// of time in which a cell's level is above 0. Operations that could exceed the limits of Track
 /// return an error then.
 namespace tactile {
-
-/// How two maps are combined.
-enum class Mix
-{
-  replace, ///< the second wherever any of its cells is above 0, else the first
-  max,     ///< the larger level of each cell
-  sum,     ///< the sum of both levels, at most 1
-  /// The second's strength at the first's place: the first map, scaled so that its largest level is
-  /// that of the second. Silent while the second is; the second where the first has no place.
-  gate,
-};
 
 /// Silences events shorter than `shortest`.
 Track prune_short(const Track &track, Time shortest);
@@ -53,12 +43,8 @@ Track mask(const Track &track, const std::vector<int> &cells);
 /// Rounds levels to multiples of 1 / steps, steps ≥ 1.
 Track quantize(const Track &track, int steps);
 
-/// Resamples to another grid over the same picture: a cell's level is the mean over its area.
-TactileMap resample(const TactileMap &map, int rows, int columns);
+/// As resample() of a map.
 tl::expected<Track, FormatError> resample(const Track &track, int rows, int columns);
-
-/// Combines `over` into `map`; `over` is resampled to the grid of `map` if needed.
-void mix_into(TactileMap &map, const TactileMap &over, Mix mix);
 
 /// Combines two tracks on the grid of the first; as long as the longer one.
 tl::expected<Track, FormatError> overlay(const Track &track, const Track &over, Mix mix);

@@ -49,6 +49,15 @@ steered() {
   ! grep -E 'sensitivity|density|people|meter' out || fail "not asked for"
 }
 
+# --sound is what the profile says of soundtactile and tactilecombiner; without sound it is nothing
+sounds() {
+  play --print-pipeline --sound=bass-shaker "$work/sound.mkv"
+  expect_status 0
+  expect_line out 'tactilecombiner name=both mix=replace ! tactileextractor .*soundtactile name=ear gain=6 blows=true rumble=true ear\.tactile ! queue ! both\.tactile'
+  play --print-pipeline --sound=film "$work/silent.mkv"
+  ! grep -E 'tactilecombiner|soundtactile' out || fail "there is no sound"
+}
+
 built_in_film() {
   play --print-pipeline
   expect_status 0
@@ -65,6 +74,7 @@ start help answers --help '--output=DIR'
 start version answers --version '^visuotactile-play [0-9]+\.[0-9]+\.[0-9]+$'
 start plain_names plain_names
 start strange_names strange_names
+start sounds sounds
 start steered steered
 start built_in_film built_in_film
 finish

@@ -33,6 +33,17 @@ undecodable_sound() {
   expect_line out 'sound that cannot be decoded$'
 }
 
+# Sound that is felt, that is not there, and that nobody can decode.
+felt_sound() {
+  play --sound=film -o o "$work/sound.mkv"
+  expect_all o 0.95 1.1 "160 120 video audio"
+  play --sound=music -o silent "$work/silent.mkv"
+  expect_all silent 0.95 1.1 "160 120 video"
+  play --sound=film -o undecodable "$work/undecodable_sound.mkv"
+  expect_all undecodable 0.95 1.1 "160 120 video"
+  expect_line out 'sound that cannot be decoded$'
+}
+
 # The picture ends long before the sound, which is not an error.
 longer_sound() {
   play -o o "$work/longer_sound.mkv"
@@ -107,6 +118,7 @@ start variable_rate variable_rate
 start one_frame one_frame
 start undecodable_sound undecodable_sound
 start longer_sound longer_sound
+start felt_sound felt_sound
 start names names
 start options options
 start closed_output closed_output

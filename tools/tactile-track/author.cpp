@@ -7,6 +7,8 @@
 #include "film/output.h"
 #include "film/pipeline.h"
 #include "film/progress.h"
+#include "film/sound.h"
+#include "gst/fusion/sound_meta.h"
 #include "tracks/formats/track_file.h"
 
 #include <glib-unix.h>
@@ -30,18 +32,22 @@ using tactile::Track;
 
 namespace {
 
+/// What picture and sound may be apart in a file.
+constexpr const char *kQueue = "queue max-size-bytes=0 max-size-buffers=0 max-size-time=1000000000";
+
 struct Settings
 {
   double rate = 5;
   int rows = 3;
   int columns = 3;
   std::string profile = "tuned";
+  const fusion::Profile *sound = nullptr; ///< what is felt of it
   bool quiet = false;
 };
 
 /// Makes a track of a stream of maps. As tactorsink does, it samples them in blocks of 1 / rate: a
 /// block begins with the first map more than half of which lies after the block's start, and has
-/// that map's levels.
+/// that map's levels. Maps of the sound are taken at once.
 class Recorder
 {
 public:
@@ -53,7 +59,7 @@ public:
 
   /// An error where the track is full.
   tl::expected<void, tactile::FormatError> add(Time time, Time duration,
-                                               const tactile::TactileMap &map)
+                                               const tactile::TactileMap &map, bool at_once)
   {
     const bool is_first = !first_;
     if (is_first)
@@ -63,6 +69,9 @@ public:
       if (auto appended = track_.append(std::max(time, track_.end()), map); !appended)
         return appended;
       next_block_ = rate_ > 0 ? static_cast<std::int64_t>(passed * rate_) + 1 : 0;
+    } else if (at_once) {
+      if (auto appended = track_.append(std::max(time, track_.end()), map); !appended)
+        return appended;
     }
     end_ = std::max(end_, time + duration);
     return {};
@@ -126,11 +135,19 @@ public:
     duration_ = film.duration;
     recorder_.emplace(settings_);
     began_ = g_get_monotonic_time();
+    const fusion::Profile *sound = film.has_sound ? settings_.sound : nullptr;
     pipeline_ = make_pipeline(
-        film_source(film)
-        + " film. ! queue ! videoconvert ! saliencytactile rows=" + std::to_string(settings_.rows)
-        + " columns=" + std::to_string(settings_.columns) + " profile=" + settings_.profile
-        + " ! tactileextractor name=split split.tactile ! appsink name=maps sync=false");
+        film_source(film) + " film. ! queue ! videoconvert ! saliencytactile rows="
+        + std::to_string(settings_.rows) + " columns=" + std::to_string(settings_.columns)
+        + " profile=" + settings_.profile + joined_sound(kQueue, sound)
+        + " ! tactileextractor name=split split.tactile ! appsink name=maps sync=false"
+        + (sound ? heard_sound(kQueue, sound) + "fakesink sync=false" : ""));
+    if (sound)
+      g_signal_connect(element(pipeline_, "film").get(), "no-more-pads",
+                       G_CALLBACK(+[](GstElement *, gpointer self) {
+                         end_missing_sound(static_cast<Job *>(self)->pipeline_);
+                       }),
+                       this);
     const Owned<GstElement> sink = element(pipeline_, "maps");
     GstAppSinkCallbacks callbacks{};
     callbacks.new_sample = [](GstAppSink *maps, gpointer self) {
@@ -195,7 +212,8 @@ private:
       const GstClockTime duration
           = GST_BUFFER_DURATION_IS_VALID(buffer) ? GST_BUFFER_DURATION(buffer) : 0;
       if (const auto added = recorder_->add(Time(static_cast<Time::rep>(time)),
-                                            Time(static_cast<Time::rep>(duration)), map);
+                                            Time(static_cast<Time::rep>(duration)), map,
+                                            GST_BUFFER_FLAG_IS_SET(buffer, kSoundMap));
           !added) {
         GST_ELEMENT_ERROR(GST_ELEMENT(maps), STREAM, FAILED, ("%s", added.error().text().c_str()),
                           (nullptr));
@@ -381,6 +399,7 @@ author(int argc, char **argv)
   TextOption output;
   TextOption ending;
   TextOption profile;
+  TextOption sound;
   Settings settings;
   gint jobs = 0;
   CommonOptions common;
@@ -397,6 +416,7 @@ author(int argc, char **argv)
       "Rate in Hz at which levels may change; 0: with every frame (default: 5)", "HZ" },
     { "profile", 'p', 0, G_OPTION_ARG_STRING, &profile.value,
       "How saliency is computed: tuned (default) or paper", "NAME" },
+    { "sound", 0, 0, G_OPTION_ARG_STRING, &sound.value, kSoundHelp, "PROFILE" },
     { "jobs", 'j', 0, G_OPTION_ARG_INT, &jobs,
       "Number of films to analyze at the same time (default: one per processor)", "N" },
     {},
@@ -420,6 +440,7 @@ author(int argc, char **argv)
   settings.profile = profile.text("tuned");
   if (settings.profile != "tuned" && settings.profile != "paper")
     throw UsageError("--profile is tuned or paper");
+  settings.sound = sound_profile(sound.text("off"));
   if (jobs < 0 || jobs > 1024)
     throw UsageError("--jobs is a number from 1 to 1024");
   gst_init(nullptr, nullptr);

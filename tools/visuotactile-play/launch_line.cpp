@@ -58,14 +58,16 @@ pipeline_line(const Film &film, const PlaySettings &settings, bool with_files)
   const auto file = [with_files](const char *property, const std::string &name) {
     return with_files ? std::string(" ") + property + "=" + launch_value(name) : "";
   };
+  const fusion::Profile *sound = film.has_sound ? settings.sound : nullptr;
   // videoconvert passes the formats of most films, which saliencytactile takes.
-  std::string line
-      = film_source(film) + " film. ! " + look + " ! videoconvert ! saliencytactile name=analysis "
-        + settings.analysis_options + (settings.meter ? " attach-saliency=true" : "")
-        + " ! tactileextractor name=split split.tactile ! " + look + " ! " + settings.chair
-        + " name=chair" + (settings.has_trace ? file("trace-location", settings.commands) : "")
-        + " split.src ! " + look + " ! tactileoverlay name=overlay"
-        + (settings.meter ? " meter=true" : "") + " ! videoconvert ! ";
+  std::string line = film_source(film) + " film. ! " + look
+                     + " ! videoconvert ! saliencytactile name=analysis "
+                     + settings.analysis_options + (settings.meter ? " attach-saliency=true" : "")
+                     + joined_sound(look, sound) + " ! tactileextractor name=split split.tactile ! "
+                     + look + " ! " + settings.chair + " name=chair"
+                     + (settings.has_trace ? file("trace-location", settings.commands) : "")
+                     + " split.src ! " + look + " ! tactileoverlay name=overlay"
+                     + (settings.meter ? " meter=true" : "") + " ! videoconvert ! ";
   if (settings.window)
     line += "autovideosink";
   else
@@ -73,7 +75,7 @@ pipeline_line(const Film &film, const PlaySettings &settings, bool with_files)
             + " ! matroskamux name=mux ! filesink name=recorder async=false"
             + file("location", settings.recording);
   if (film.has_sound)
-    line += " film. ! " + look + " name=heard ! audioconvert name=sound ! audioresample ! "
+    line += heard_sound(look, sound) + "audioresample ! "
             + (settings.window ? "autoaudiosink" : "vorbisenc ! " + look + " ! mux.");
   return line;
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "film/film.h"
+#include "film/sound.h"
 
 #include <string>
 
@@ -16,6 +17,7 @@ struct PlaySettings
   bool has_trace = false;       ///< it writes its commands and keeps statistics: it is tactorsink
   bool meter = false;           ///< the overlay shows events against the floor
   bool quiet = false;           ///< no progress
+  const fusion::Profile *sound = nullptr; ///< what is felt of the film's sound
 };
 
 /// The pipeline for gst_parse_launch(), without the names of output files, which need not be UTF-8.

@@ -9,17 +9,20 @@
 #include "film/film.h"
 #include "film/motor_walk.h"
 #include "film/output.h"
+#include "film/sound.h"
 #include "tactor/drivers/board_choice.h"
 #include "tactor/drivers/release_boards.h"
 
 #include <gst/gst.h>
 
 #include <algorithm>
+#include <array>
 #include <csignal>
 #include <cstdio>
 #include <filesystem>
 #include <initializer_list>
 #include <limits>
+#include <span>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -43,6 +46,7 @@ struct Options
   TextOption output{ "." };
   TextOption profile{ "tuned" };
   TextOption people{ "off" };
+  TextOption sound{ "off" };
   TextOption compensation{ "exact" };
   TextOption driver{ "auto" };
   TextOption device{};
@@ -109,6 +113,7 @@ read_command_line(int argc, char **argv, Options &options)
       "Look for faces, and feel first what happens in them: off (default), fast or thorough; not "
       "with the profile paper",
       "NAME" },
+    { "sound", 0, 0, G_OPTION_ARG_STRING, &options.sound.value, kSoundHelp, "PROFILE" },
     { "compensation", 0, 0, G_OPTION_ARG_STRING, &options.compensation.value,
       "Compensation of the motors' rise time: exact (default), frame-block or none", "NAME" },
     { "print-pipeline", 0, 0, G_OPTION_ARG_NONE, &options.print_pipeline,
@@ -164,6 +169,7 @@ read_command_line(int argc, char **argv, Options &options)
     throw UsageError("--people is off, fast or thorough");
   if (!is_one_of(options.compensation, { "exact", "frame-block", "none" }))
     throw UsageError("--compensation is exact, frame-block or none");
+  sound_profile(options.sound.text());
   check(chosen_device(options));
   if (options.driver.text() == kAudio && options.compensation.text() != "exact")
     throw UsageError("--compensation is of tactorsink; with --driver=audio it is always exact");
@@ -272,7 +278,7 @@ chair_line(const Options &options)
 
 /// Throws std::runtime_error if GStreamer lacks an element.
 void
-expect_elements(std::initializer_list<const char *> names)
+expect_elements(std::span<const char *const> names)
 {
   for (const char *name : names) {
     GstElementFactory *factory = gst_element_factory_find(name);
@@ -289,7 +295,7 @@ int
 feel_test(const Options &options)
 {
   const ChosenDevice chosen = chosen_device(options);
-  expect_elements({ chosen.element() });
+  expect_elements(std::array{ chosen.element() });
   const MotorWalk motors = motors_of(chosen, static_cast<unsigned>(options.rows),
                                      static_cast<unsigned>(options.columns));
   const Owned<GstElement> sink = make_sink(chair_line(options));
@@ -309,11 +315,14 @@ int
 run(const Options &options)
 {
   const ChosenDevice chosen = chosen_device(options);
-  expect_elements({ "saliencytactile", "tactileextractor", "tactileoverlay", chosen.element(),
-                    "tactiletestsrc" });
+  expect_elements(std::array{ "saliencytactile", "tactileextractor", "tactileoverlay",
+                              chosen.element(), "tactiletestsrc" });
   const Film film = options.films.empty() ? synthetic_film() : discover_film(options.films.front());
 
   PlaySettings settings;
+  settings.sound = sound_profile(options.sound.text());
+  if (settings.sound)
+    expect_elements(kSoundElements);
   settings.window = !options.no_window && have_display();
   settings.quiet = options.common.quiet;
   settings.analysis_options = "profile=" + options.profile.text()

@@ -212,17 +212,10 @@ private:
     return GST_PAD_PROBE_OK;
   }
 
-  /// Ends the sound branch if no decoder was linked to it; the muxer would wait for it.
   static void no_more_pads(GstElement *, gpointer data)
   {
     Run *self = static_cast<Run *>(data);
-    const Owned<GstElement> queue = element(self->pipeline_, "heard");
-    const Owned<GstPad> pad(gst_element_get_static_pad(queue.get(), "sink"));
-    if (gst_pad_is_linked(pad.get()))
-      return;
-    self->silent_ = true;
-    gst_pad_send_event(pad.get(), gst_event_new_stream_start("no sound"));
-    gst_pad_send_event(pad.get(), gst_event_new_eos());
+    self->silent_ = end_missing_sound(self->pipeline_);
   }
 
   /// Ends the film in order: what is queued is played, for kDrainSeconds at the most.

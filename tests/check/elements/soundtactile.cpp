@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
+#include "gst/fusion/sound_meta.h"
 #include "sound/synthetic_sound.h"
 
 #include <gst/audio/audio.h>
@@ -212,6 +213,31 @@ GST_START_TEST(test_blow)
 }
 GST_END_TEST;
 
+// Tactors take what is felt at once, and its end.
+GST_START_TEST(test_marked_maps)
+{
+  double at = 0;
+  const std::vector<float> frames = blow(sound::usual_speakers(2), 3, &at);
+  Sound sound;
+  fail_unless_equals_int(gst_harness_push(sound.audio, buffer(frames.data(), frames.size(), 0)),
+                         GST_FLOW_OK);
+  bool sounded = false;
+  guint marked = 0;
+  while (GstBuffer *map = gst_harness_try_pull(sound.tactile)) {
+    gfloat *levels = nullptr;
+    gsize count = 0;
+    fail_unless(gst_tactile_map_buffer_get_levels(map, 3, 3, &levels, &count));
+    const bool sounds = *std::max_element(levels, levels + count) > 0;
+    ck_assert_int_eq(GST_BUFFER_FLAG_IS_SET(map, kSoundMap), sounds || sounded);
+    marked += sounds || sounded;
+    sounded = sounds;
+    g_free(levels);
+    gst_buffer_unref(map);
+  }
+  ck_assert_uint_ge(marked, 7); // a blow is felt for 60 ms at least
+}
+GST_END_TEST;
+
 // In planes, too; the loudspeakers' places are those of the caps, here right before left.
 GST_START_TEST(test_planes)
 {
@@ -411,7 +437,7 @@ GST_START_TEST(test_chair)
   const std::string trace = std::string(folder) + "/commands.csv";
   const std::string launch
       = "tactilesoundtestsrc num-buffers=200 ! soundtactile name=s s.src ! queue ! fakesink "
-        "s.tactile ! queue ! tactorsink rate=0 driver=simulator sync=false trace-location="
+        "s.tactile ! queue ! tactorsink driver=simulator sync=false trace-location="
         + trace;
   GstElement *pipeline = gst_parse_launch(launch.c_str(), nullptr);
   gst_element_set_state(pipeline, GST_STATE_PLAYING);
@@ -464,6 +490,7 @@ soundtactile_suite(void)
   suite_add_tcase(suite, tc);
   tcase_add_test(tc, test_audio_and_maps);
   tcase_add_test(tc, test_blow);
+  tcase_add_test(tc, test_marked_maps);
   tcase_add_test(tc, test_planes);
   tcase_add_test(tc, test_flush);
   tcase_add_test(tc, test_leap);

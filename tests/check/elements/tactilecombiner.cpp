@@ -2,6 +2,8 @@
 #include <thread>
 #include <vector>
 
+#include "gst/fusion/sound_meta.h"
+
 #include "support/playing.h"
 #include <gst/check/gstharness.h>
 #include <gst/tactile/tactile.h>
@@ -49,12 +51,14 @@ public:
   }
 
   /// Pushes a map of the track, times in ms.
-  void push_map(gfloat level, GstClockTime begin, GstClockTime end)
+  void push_map(gfloat level, GstClockTime begin, GstClockTime end, bool is_sound = false)
   {
     const gfloat levels[] = { level, 0 };
     GstBuffer *map = gst_tactile_map_buffer_new(levels, 2);
     GST_BUFFER_PTS(map) = begin * GST_MSECOND;
     GST_BUFFER_DURATION(map) = end > begin ? (end - begin) * GST_MSECOND : GST_CLOCK_TIME_NONE;
+    if (is_sound)
+      GST_BUFFER_FLAG_SET(map, kSoundMap);
     g_async_queue_push(to_push_, map);
   }
   void end_track()
@@ -95,9 +99,11 @@ public:
       const gfloat *all = gst_tactile_meta_get_levels(meta, &n);
       levels.assign(all, all + n);
     }
+    added = sound_meta(frame, 1, 2);
     gst_buffer_unref(frame);
     return levels;
   }
+  std::optional<tactile::TactileMap> added; ///< by the sound, to the frame that pull() took
 
 private:
   /// The track's streaming thread, as the element blocks on a buffer until the film gets there.
@@ -262,6 +268,30 @@ GST_START_TEST(test_mix_of_sound)
   fail_unless(mixed("sum", 0.75F) == std::vector<float>({ 1, 0.5F }));
   fail_unless(mixed("gate", 0.25F) == std::vector<float>({ 0.25F, 0.25F }));
   fail_unless(mixed("gate", 0) == std::vector<float>({ 0, 0 }));
+  fail_unless(mixed("accent", 0.25F) == std::vector<float>({ 0.5F, 0.5F }));
+  fail_unless(mixed("accent", 1) == std::vector<float>({ 1, 1 }));
+  fail_unless(mixed("stress", 1) == std::vector<float>({ 1, 1 }));
+}
+GST_END_TEST;
+
+// A frame tells what the sound added, and that it ended; a track that is no sound adds nothing.
+GST_START_TEST(test_what_came_from_which)
+{
+  Combiner c;
+  c.set("mix", "accent");
+  c.push_map(0.75F, 0, 40, true);
+  c.push_map(0, 40, 80, true);
+  c.push_map(1, 80, 120, false);
+  c.end_track();
+  c.push_frame(0, 0.5F);
+  ASSERT_LEVELS(c, { 0.75F, 0.75F });
+  fail_unless(c.added && c.added->levels == std::vector<float>({ 0.25F, 0.25F }));
+  c.push_frame(1, 0.5F);
+  ASSERT_LEVELS(c, { 0.5F, 0.5F });
+  fail_unless(c.added && c.added->levels == std::vector<float>({ 0, 0 }));
+  c.push_frame(2, 0.5F);
+  ASSERT_LEVELS(c, { 1, 1 });
+  fail_if(c.added.has_value());
 }
 GST_END_TEST;
 GST_START_TEST(test_mix_of_grids)
@@ -336,6 +366,7 @@ tactilecombiner_suite(void)
   tcase_add_test(tests, test_mix);
   tcase_add_test(tests, test_mix_of_grids);
   tcase_add_test(tests, test_mix_of_sound);
+  tcase_add_test(tests, test_what_came_from_which);
   tcase_add_test(tests, test_without_a_track);
   tcase_add_test(tests, test_seek);
   tcase_add_test(tests, test_wrong_size);

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
+#include "gst/fusion/sound_meta.h"
 #include <gst/check/gstcheck.h>
+
 #include <gst/check/gstharness.h>
 #include <gst/tactile/tactile.h>
 #include <gst/video/video.h>
@@ -396,6 +398,22 @@ GST_START_TEST(test_discont)
 }
 GST_END_TEST;
 
+// Tactors take the maps of sound at once.
+GST_START_TEST(test_sound)
+{
+  Extractor x;
+  for (const bool sounds : { true, false }) {
+    GstBuffer *in = make_frame(sounds ? 0 : 1, 2, 2);
+    if (sounds)
+      add_sound_meta(in, tactile::TactileMap(2, 2));
+    fail_unless_equals_int(gst_harness_push(x.video, in), GST_FLOW_OK);
+    GstBuffer *map = gst_harness_pull(x.tactile);
+    ck_assert_int_eq(GST_BUFFER_FLAG_IS_SET(map, kSoundMap), sounds);
+    gst_buffer_unref(map);
+  }
+}
+GST_END_TEST;
+
 GST_START_TEST(test_unlinked_tactile_pad)
 {
   Extractor e(true, false);
@@ -556,6 +574,7 @@ tactileextractor_suite(void)
   tcase_add_test(tests, test_upstream_events);
   tcase_add_test(tests, test_missing_times);
   tcase_add_test(tests, test_discont);
+  tcase_add_test(tests, test_sound);
   tcase_add_test(tests, test_unlinked_tactile_pad);
   tcase_add_test(tests, test_unlinked_video_pad);
   tcase_add_test(tests, test_both_unlinked);

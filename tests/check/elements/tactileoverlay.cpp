@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "picture.h"
 
+#include "gst/fusion/sound_meta.h"
+
 #include "support/contains.h"
 #include "support/playing.h"
 #include <gst/check/gstharness.h>
@@ -129,6 +131,26 @@ GST_START_TEST(test_grid_in_every_format)
         expect(kCell / 2, 0, kWhite, opacity);
       }
     }
+}
+GST_END_TEST;
+
+// A cell to which sound added has a thick blue border, wherever the level is.
+GST_START_TEST(test_border_of_sound)
+{
+  constexpr Color kBlue{ 0, 0.4 * 255, 255 };
+  constexpr int kSide = 60;
+  GstBuffer *frame = make_frame("RGB", 2 * kSide, kSide, kPicture);
+  add_levels(frame, 1, 2, { 0.5F, 0.5F });
+  tactile::TactileMap added(1, 2);
+  added.at(0, 1) = 0.25F;
+  add_sound_meta(frame, added);
+  const Picture out = overlay(frame, "RGB", 2 * kSide, kSide, "opacity=1");
+  assert_color(out, 0, kSide / 2, kWhite, 1.5);
+  for (const int x : { 0, 2, kSide - 1 }) {
+    assert_color(out, kSide + x, kSide / 2, kBlue, 1.5);
+    assert_color(out, kSide + kSide / 2, std::min(x, kSide - 1), kBlue, 1.5);
+  }
+  assert_color(out, kSide / 2, 2, mix(kPicture, warm(0.5), 0.5), 1.5);
 }
 GST_END_TEST;
 
@@ -543,6 +565,7 @@ tactileoverlay_suite(void)
   suite_add_tcase(suite, tests);
   tcase_add_test(tests, test_grid_in_every_format);
   tcase_add_test(tests, test_borders);
+  tcase_add_test(tests, test_border_of_sound);
   tcase_add_test(tests, test_grid_covers_the_picture);
   tcase_add_test(tests, test_heatmap_colors);
   tcase_add_test(tests, test_saliency_is_interpolated);

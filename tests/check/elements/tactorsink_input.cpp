@@ -4,6 +4,8 @@
 // upstream.
 #include "support/tactorsink_rig.h"
 
+#include "gst/fusion/sound_meta.h"
+
 #include "support/contains.h"
 
 #include <gst/check/gstharness.h>
@@ -46,6 +48,35 @@ GST_START_TEST(test_grid_change_keeps_steady_levels)
   assert_line(lines[1], kFrame, kFrame, kFrame, 1, 3.0);
   assert_line(lines[2], 400 * kMs, 400 * kMs, 400 * kMs, 0, 0.0);
   assert_line(lines[3], 400 * kMs, 400 * kMs, 400 * kMs, 1, 0.0);
+}
+GST_END_TEST;
+
+/// Maps of sound are taken at once, and leave the blocks of 200 ms as they are.
+GST_START_TEST(test_sound_between_blocks)
+{
+  SinkRig rig;
+  rig.uncompensated();
+  g_object_set(rig.element, "rate", 5.0, nullptr);
+  const auto push = [&](GstClockTime pts, gfloat level, bool sounds) {
+    GstBuffer *map = rig.buffer(pts, { level }, kFrame);
+    if (sounds)
+      GST_BUFFER_FLAG_SET(map, kSoundMap);
+    ck_assert_int_eq(gst_pad_chain(rig.sink_pad, map), GST_FLOW_OK);
+  };
+  rig.play([&] {
+    push(0, 0, false);
+    push(kFrame, 1, true);
+    push(2 * kFrame, 0.5F, false); // the block goes on
+    push(3 * kFrame, 0, true);
+    push(4 * kFrame, 0.5F, false);
+    push(5 * kFrame, 0.5F, false); // the next block
+  });
+  const std::vector<Line> lines = rig.trace();
+  ck_assert_uint_eq(kFrame, 40 * kMs);
+  ck_assert_uint_eq(lines.size(), 4);
+  assert_line(lines[0], kFrame, kFrame, kFrame, 0, 3.0);
+  assert_line(lines[1], 3 * kFrame, 3 * kFrame, 3 * kFrame, 0, 0);
+  assert_line(lines[2], 5 * kFrame, 5 * kFrame, 5 * kFrame, 0, 1.5);
 }
 GST_END_TEST;
 
@@ -302,6 +333,7 @@ tactorsink_input_suite(void)
   suite_add_tcase(suite, cases);
   tcase_add_test(cases, test_caps_change);
   tcase_add_test(cases, test_grid_change_keeps_steady_levels);
+  tcase_add_test(cases, test_sound_between_blocks);
   tcase_add_test(cases, test_segment_in_bytes);
   tcase_add_test(cases, test_full_disk_causes_a_warning);
   tcase_add_test(cases, test_video_frames_with_and_without_meta);

@@ -55,6 +55,15 @@ intensity(GstElement *pipeline)
   return value;
 }
 
+std::string
+sound_of(GstElement *pipeline)
+{
+  g_auto(GValue) value = G_VALUE_INIT;
+  g_object_get_property(G_OBJECT(child(pipeline, "sound")), "sound", &value);
+  auto *klass = static_cast<GEnumClass *>(g_type_class_peek(G_VALUE_TYPE(&value)));
+  return g_enum_get_value(klass, g_value_get_enum(&value))->value_nick;
+}
+
 /// Writes the settings, and waits until the tactors have been told of a property.
 void
 change(GstElement *pipeline, const std::string &settings, const char *property)
@@ -83,8 +92,8 @@ change(GstElement *pipeline, const std::string &settings, const char *property)
 
 GST_START_TEST(test_the_start_applies_them)
 {
-  GstElement *pipeline
-      = open_sink("[chair]\ndriver=simulator\ngrid=2x4\nintensity=0.5\nsensitivity=2\n");
+  GstElement *pipeline = open_sink(
+      "[chair]\ndriver=simulator\ngrid=2x4\nintensity=0.5\nsensitivity=2\nsound=music\n");
   g_autofree gchar *driver = nullptr;
   guint rows = 0;
   guint columns = 0;
@@ -97,6 +106,7 @@ GST_START_TEST(test_the_start_applies_them)
   ck_assert_uint_eq(columns, 4);
   fail_unless(intensity(pipeline) == 0.5);
   fail_unless(sensitivity == 2);
+  ck_assert_str_eq(sound_of(pipeline).c_str(), "music");
   close_sink(pipeline);
 }
 GST_END_TEST;
@@ -123,6 +133,7 @@ GST_START_TEST(test_changes_apply_while_it_plays)
   GstElement *pipeline = open_sink("[chair]\ndriver=simulator\nintensity=0.5\n");
   change(pipeline, "[chair]\ndriver=simulator\ngrid=5x5\nintensity=0.75\n", "intensity");
   fail_unless(intensity(pipeline) == 0.75);
+  ck_assert_str_eq(sound_of(pipeline).c_str(), "film"); // the default
   guint rows = 0;
   g_object_get(child(pipeline, "analysis"), "rows", &rows, nullptr);
   ck_assert_uint_eq(rows, 3); // not live

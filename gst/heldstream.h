@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <gst/gst.h>
+
+#include <deque>
+#include <functional>
+
+/// Buffers and serialized events of a pad that are held until so much of the stream has come after
+/// them. Nothing here blocks. Streaming thread, or while there is none.
+class HeldStream
+{
+public:
+  struct Ways
+  {
+    std::function<GstFlowReturn(GstBuffer *)> pass;
+    std::function<gboolean(GstEvent *)> pass_event;
+  };
+
+  explicit HeldStream(Ways ways);
+  ~HeldStream();
+  HeldStream(const HeldStream &) = delete;
+  HeldStream &operator=(const HeldStream &) = delete;
+
+  /// Takes a buffer, and passes those that `time` of the stream follows. Buffers without a duration
+  /// hold nothing back.
+  GstFlowReturn hold(GstBuffer *buffer, GstClockTime time);
+  /// Takes an event that comes after what is held.
+  gboolean hold(GstEvent *event);
+  /// The first held buffer that `wanted` says is; nullptr if there is none.
+  GstBuffer *find(const std::function<bool(GstBuffer *)> &wanted) const;
+  /// Passes all.
+  GstFlowReturn drain();
+  /// Drops all.
+  void clear();
+
+private:
+  GstFlowReturn pass_first();
+
+  const Ways ways_;
+  std::deque<GstMiniObject *> held_;
+  GstClockTime length_ = 0; ///< of the held buffers
+};

@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include "fusion/sound_maps.h"
+
+#include <chrono>
+#include <span>
+#include <vector>
+
+namespace fusion {
+
+/// A picture's maps and its sound's → one cue for each event. Not thread-safe.
+class Fusion
+{
+public:
+  /// A blow so soon after what was seen is felt there: the picture of an impact may be over before
+  /// it is heard.
+  static constexpr Time kPlaceHolds = std::chrono::milliseconds(250);
+
+  /// The map that is felt in [begin, end). The picture's grid stays. `next` is what is seen next,
+  /// if that is soon, and may be null: a blow that is heard a little before is felt there.
+  tactile::TactileMap mix(Time begin, Time end, const tactile::TactileMap &picture,
+                          const tactile::TactileMap &sound, tactile::Mix mix,
+                          const tactile::TactileMap *next = nullptr);
+
+  /// After a seek.
+  void reset();
+
+private:
+  tactile::TactileMap seen_; ///< the last that was not silent
+  Time seen_until_{ 0 };
+  bool any_ = false;
+};
+
+/// The sound of a frame that is shown in [begin, end), as few maps without gaps. The next one
+/// begins where it becomes stronger by a fifth, or after 50 ms, and has the largest level of each
+/// cell. Without cells where it is silent. At least one.
+std::vector<SoundMap> pieces(Time begin, Time end, std::span<const SoundMap> sound);
+
+} // namespace fusion

@@ -1,0 +1,475 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+//
+// Picture and sound of a film in playbin and playbin3: a ball that hits the ground with a blow is
+// one cue. No test depends on the machine's speed: a map waits until the sound of its time has been
+// heard.
+#include "sound/synthetic_sound.h"
+#include "tactile/synthetic_film.h"
+
+#include <algorithm>
+#include <cmath>
+#include <condition_variable>
+#include <fstream>
+#include <future>
+#include <iterator>
+#include <mutex>
+#include <set>
+#include <string>
+#include <utility>
+#include <vector>
+
+// gstcheck.h defines a macro `fail`, so it follows the standard library's headers.
+#include "support/playing.h"
+#include "support/start_player.h"
+#include "support/temporary_file.h"
+#include "trace.h"
+#include <gst/base/gstbasesink.h>
+
+using tactor::IssuedCommand;
+using tactor::Time;
+
+namespace {
+
+constexpr int kRate = 48000;
+constexpr int kWidth = 320;
+constexpr int kHeight = 240;
+constexpr double kLength = 4; ///< s
+
+/// When a ball appears, and where: the cell of 3 x 3.
+struct Hit
+{
+  double at; ///< s
+  int cell;
+};
+
+std::vector<Hit>
+hits()
+{
+  std::vector<Hit> result;
+  const tactile::SyntheticFilm film({ .seed = 3, .balls = 1 });
+  Time last{ -1 };
+  for (int frame = 0; frame < kLength * 30; frame++)
+    for (const tactile::Ball &ball :
+         film.balls_at(Time(frame * GST_SECOND / 30), kWidth, kHeight)) {
+      if (ball.onset == last)
+        continue;
+      last = ball.onset;
+      result.push_back(
+          { std::chrono::duration<double>(ball.onset).count(),
+            static_cast<int>(ball.y * 3 / kHeight) * 3 + static_cast<int>(ball.x * 3 / kWidth) });
+    }
+  return result;
+}
+
+/// The blow of a hit: 1.5 s of sound.
+std::vector<float>
+blow()
+{
+  const sound::SyntheticSound made({ .seed = 5, .seconds = 3, .panned = false });
+  const auto begin = made.events().front().begin;
+  std::vector<float> frames(static_cast<std::size_t>(kRate) * 3);
+  const auto speakers = sound::usual_speakers(1);
+  made.render(kRate, begin.count() * kRate / static_cast<std::int64_t>(GST_SECOND), speakers,
+              std::span(frames).first(static_cast<std::size_t>(kRate / 2)));
+  frames.resize(static_cast<std::size_t>(kRate / 2));
+  return frames;
+}
+
+/// A film whose balls come with blows if it has `blows`.
+void
+make_film(const std::string &path, bool blows, double later)
+{
+  const TemporaryFile raw("", ".raw");
+  std::vector<gint16> samples(static_cast<std::size_t>(kLength * kRate) * 2);
+  const std::vector<float> one = blow();
+  for (const Hit &hit : hits())
+    for (std::size_t i = 0; blows && i < one.size(); i++) {
+      const std::size_t at = (static_cast<std::size_t>((hit.at + later) * kRate) + i) * 2;
+      if (at + 1 < samples.size())
+        samples[at] = samples[at + 1] = static_cast<gint16>(std::lround(
+            std::clamp(static_cast<double>(one[i]), -1.0, 1.0) * 32767 / std::sqrt(2.0)));
+    }
+  std::ofstream(raw.path, std::ios::binary)
+      .write(reinterpret_cast<const char *>(samples.data()),
+             static_cast<std::streamsize>(samples.size() * sizeof(gint16)));
+  play_to_the_end(make_pipeline(
+      "tactiletestsrc pattern=static-motion seed=3 balls=1 num-buffers="
+      + std::to_string(static_cast<int>(kLength * 30))
+      + " ! video/x-raw,format=I420,width=320,height=240,framerate=30/1 ! jpegenc ! matroskamux "
+        "name=mux ! filesink location="
+      + path + " filesrc location=" + raw.path
+      + " ! rawaudioparse pcm-format=s16le sample-rate=48000 num-channels=2 ! mux."));
+}
+
+/// How far the sound has been heard, in running time; the maps of the picture wait for it.
+class Heard
+{
+public:
+  void listen(GstElement *sound, GstElement *join)
+  {
+    g_autoptr(GstPad) in = gst_element_get_static_pad(sound, "sink");
+    gst_pad_add_probe(in,
+                      static_cast<GstPadProbeType>(GST_PAD_PROBE_TYPE_BUFFER
+                                                   | GST_PAD_PROBE_TYPE_EVENT_DOWNSTREAM
+                                                   | GST_PAD_PROBE_TYPE_EVENT_FLUSH),
+                      on_sound, this, nullptr);
+    g_autoptr(GstPad) maps = gst_element_get_static_pad(join, "sink");
+    gst_pad_add_probe(maps, GST_PAD_PROBE_TYPE_BUFFER, on_map, this, nullptr);
+  }
+
+private:
+  static GstClockTime running_time(GstPad *pad, GstClockTime position)
+  {
+    g_autoptr(GstEvent) event = gst_pad_get_sticky_event(pad, GST_EVENT_SEGMENT, 0);
+    const GstSegment *segment = nullptr;
+    gst_event_parse_segment(event, &segment);
+    position = MAX(position, segment->start);
+    if (GST_CLOCK_TIME_IS_VALID(segment->stop))
+      position = MIN(position, segment->stop);
+    return gst_segment_to_running_time(segment, GST_FORMAT_TIME, position);
+  }
+  /// What came before this buffer has been analyzed.
+  static GstPadProbeReturn on_sound(GstPad *pad, GstPadProbeInfo *info, gpointer user_data)
+  {
+    auto *self = static_cast<Heard *>(user_data);
+    std::lock_guard lock(self->mutex_);
+    if (info->type & GST_PAD_PROBE_TYPE_BUFFER)
+      self->until_ = running_time(pad, GST_BUFFER_PTS(GST_PAD_PROBE_INFO_BUFFER(info)));
+    else if (GST_EVENT_TYPE(GST_PAD_PROBE_INFO_EVENT(info)) == GST_EVENT_EOS)
+      self->until_ = GST_CLOCK_TIME_NONE; // later than all
+    else if (GST_EVENT_TYPE(GST_PAD_PROBE_INFO_EVENT(info)) == GST_EVENT_FLUSH_STOP)
+      self->until_ = 0;
+    self->changed_.notify_all();
+    return GST_PAD_PROBE_OK;
+  }
+  static GstPadProbeReturn on_map(GstPad *pad, GstPadProbeInfo *info, gpointer user_data)
+  {
+    auto *self = static_cast<Heard *>(user_data);
+    const GstBuffer *map = GST_PAD_PROBE_INFO_BUFFER(info);
+    // The detector's 21 ms, and a margin.
+    const GstClockTime needed
+        = running_time(pad, GST_BUFFER_PTS(map) + GST_BUFFER_DURATION(map)) + 30 * GST_MSECOND;
+    std::unique_lock lock(self->mutex_);
+    while (self->until_ < needed && !GST_PAD_IS_FLUSHING(pad)) // a flush notifies nobody
+      self->changed_.wait_for(lock, std::chrono::milliseconds(10));
+    return GST_PAD_PROBE_OK;
+  }
+
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  GstClockTime until_ = 0;
+};
+
+/// What plays the chair: a video sink, or a decoder that the player takes by itself.
+enum class Chair
+{
+  sink,
+  decoder,
+};
+
+/// A player with a chair that hears the film.
+class Player
+{
+public:
+  Player(const char *playbin, const std::string &film, const char *profile = "film",
+         Chair chair = Chair::sink)
+      : pipeline(gst_element_factory_make(playbin, nullptr)), profile_(profile)
+  {
+    GstElement *screen = gst_element_factory_make("fakesink", nullptr);
+    GstElement *speakers = gst_element_factory_make("fakesink", nullptr);
+    g_object_set(screen, "sync", TRUE, nullptr);
+    g_object_set(speakers, "sync", TRUE, nullptr);
+    rank_decoder(chair == Chair::decoder ? GST_RANK_PRIMARY + 1000 : GST_RANK_NONE);
+    g_autofree gchar *uri = gst_filename_to_uri(film.c_str(), nullptr);
+    g_object_set(pipeline, "uri", uri, "audio-sink", speakers, "audio-filter", sound_, nullptr);
+    if (chair == Chair::decoder) {
+      g_signal_connect(pipeline, "deep-element-added", G_CALLBACK(on_element), this);
+      g_object_set(pipeline, "video-sink", screen, nullptr);
+      return;
+    }
+    GstElement *sink = gst_element_factory_make("visuotactilesink", nullptr);
+    g_object_set(sink, "video-sink", screen, nullptr);
+    prepare_chair(sink);
+    g_object_set(pipeline, "video-sink", sink, nullptr);
+  }
+  ~Player()
+  {
+    gst_element_set_state(pipeline, GST_STATE_NULL);
+    gst_object_unref(pipeline);
+    rank_decoder(GST_RANK_NONE);
+  }
+  Player(const Player &) = delete;
+  Player &operator=(const Player &) = delete;
+
+  void prepare()
+  {
+    start_player(pipeline, GST_STATE_PAUSED);
+    fail_unless(gst_element_get_state(pipeline, nullptr, nullptr, GST_CLOCK_TIME_NONE)
+                == GST_STATE_CHANGE_SUCCESS);
+  }
+  /// Plays to the end. The commands that maps caused, by when they take effect.
+  std::vector<IssuedCommand> play()
+  {
+    change_state(pipeline, GST_STATE_PLAYING);
+    wait_for_eos(pipeline);
+    change_state(pipeline, GST_STATE_READY);
+    std::vector<IssuedCommand> lines = unwrap(tactor::read_command_trace(trace_file_.path));
+    assert_silent_at_end(lines);
+    std::erase_if(lines, is_unplanned);
+    std::ranges::stable_sort(lines, {},
+                             [](const IssuedCommand &line) { return line.command.effect; });
+    return lines;
+  }
+
+  GstElement *pipeline;
+
+private:
+  static void rank_decoder(guint rank)
+  {
+    g_autoptr(GstPluginFeature) feature
+        = gst_registry_lookup_feature(gst_registry_get(), "visuotactiledecoder");
+    fail_unless(feature != nullptr);
+    gst_plugin_feature_set_rank(feature, rank);
+  }
+  /// No limits, and maps that wait for their sound.
+  void prepare_chair(GstElement *chair)
+  {
+    gst_child_proxy_set(GST_CHILD_PROXY(chair), "tactors::driver", "simulator",
+                        "tactors::trace-location", trace_file_.path.c_str(), "tactors::ramp-in",
+                        guint64{ 0 }, "tactors::max-active", 0, "tactors::max-duty", 0.0,
+                        "tactors::max-on-time", guint64{ 0 }, nullptr);
+    g_autoptr(GstElement) join = gst_bin_get_by_name(GST_BIN(chair), "sound");
+    gst_util_set_object_arg(G_OBJECT(join), "sound", profile_);
+    heard_.listen(sound_, join);
+  }
+  static void on_element(GstBin *, GstBin *, GstElement *element, Player *self)
+  {
+    GstElementFactory *factory = gst_element_get_factory(element);
+    if (factory && g_strcmp0(GST_OBJECT_NAME(factory), "visuotactiledecoder") == 0)
+      self->prepare_chair(element);
+  }
+
+  const char *profile_;
+  GstElement *sound_ = gst_element_factory_make("soundtactile", nullptr); ///< the player's
+  Heard heard_;
+  TemporaryFile trace_file_{ "", ".csv" };
+};
+
+constexpr double kSame = 0.02; ///< s: the target of the detector
+
+double
+effect(const IssuedCommand &line)
+{
+  return std::chrono::duration<double>(line.command.effect).count();
+}
+
+/// At `at`, where the ball is, a motor gets a level, and no other motor has one from 0.1 s before
+/// to 0.4 s after it. The chair begins once.
+void
+assert_one_cue(const std::vector<IssuedCommand> &lines, double at, int cell)
+{
+  std::set<int> on;
+  int begins = 0;
+  bool in_time = false;
+  for (const IssuedCommand &line : lines) {
+    const bool was_silent = on.empty();
+    if (line.command.volts > 0)
+      on.insert(line.command.tactor);
+    else
+      on.erase(line.command.tactor);
+    if (effect(line) < at - 0.1 || effect(line) > at + 0.4)
+      continue;
+    begins += was_silent && !on.empty();
+    fail_unless(line.command.volts == 0 || line.command.tactor == cell,
+                "%g s: tactor %d beside the ball in %d, of %g s", effect(line), line.command.tactor,
+                cell, at);
+    in_time = in_time || (line.command.volts > 0 && std::abs(effect(line) - at) <= kSame);
+  }
+  fail_unless(in_time, "nothing is felt of the blow at %g s", at);
+  ck_assert_int_eq(begins, 1);
+}
+
+constexpr const char *kPlaybins[] = { "playbin", "playbin3" };
+
+} // namespace
+
+// The sound may be a little earlier than the picture, or later.
+GST_START_TEST(test_one_cue)
+{
+  for (const double later : { -0.03, 0.07 }) {
+    const TemporaryFile film("", ".mkv");
+    make_film(film.path, true, later);
+    Player player(kPlaybins[__i__], film.path);
+    player.prepare();
+    const std::vector<IssuedCommand> lines = player.play();
+    ck_assert_uint_ge(hits().size(), 2);
+    for (const Hit &hit : hits())
+      assert_one_cue(lines, hit.at + later, hit.cell);
+  }
+}
+GST_END_TEST;
+
+GST_START_TEST(test_one_cue_of_a_decoder)
+{
+  const TemporaryFile film("", ".mkv");
+  make_film(film.path, true, 0.02);
+  Player player(kPlaybins[__i__], film.path, "film", Chair::decoder);
+  player.prepare();
+  const std::vector<IssuedCommand> lines = player.play();
+  for (const Hit &hit : hits())
+    assert_one_cue(lines, hit.at + 0.02, hit.cell);
+}
+GST_END_TEST;
+
+// In a gapless play each film has its own blows. playbin of GStreamer 1.22 does not get over the
+// end of this film, with no element of this project either.
+GST_START_TEST(test_gapless)
+{
+  const TemporaryFile film("", ".mkv");
+  make_film(film.path, true, 0.02);
+  Player player(kPlaybins[__i__], film.path);
+  struct Next
+  {
+    std::string uri;
+    bool due;
+  } next{ "", true };
+  g_autofree gchar *uri = gst_filename_to_uri(film.path.c_str(), nullptr);
+  next.uri = uri;
+  const auto on_finishing = +[](GstElement *playbin, Next *next) {
+    if (std::exchange(next->due, false))
+      g_object_set(playbin, "uri", next->uri.c_str(), nullptr);
+  };
+  g_signal_connect(player.pipeline, "about-to-finish", G_CALLBACK(on_finishing), &next);
+  player.prepare();
+  const std::vector<IssuedCommand> lines = player.play();
+  fail_if(next.due);
+  for (const double begin : { 0.0, kLength })
+    for (const Hit &hit : hits())
+      assert_one_cue(lines, begin + hit.at + 0.02, hit.cell);
+}
+GST_END_TEST;
+
+// What the listener turns down is felt all the same.
+GST_START_TEST(test_volume_and_mute)
+{
+  const TemporaryFile film("", ".mkv");
+  make_film(film.path, true, 0.02);
+  Player player(kPlaybins[__i__], film.path);
+  g_object_set(player.pipeline, "mute", TRUE, "volume", 0.0, nullptr);
+  player.prepare();
+  const std::vector<IssuedCommand> lines = player.play();
+  for (const Hit &hit : hits())
+    assert_one_cue(lines, hit.at + 0.02, hit.cell);
+}
+GST_END_TEST;
+
+// After seeks, at other rates: the running time of the blow is the picture's.
+GST_START_TEST(test_seeks)
+{
+  const TemporaryFile film("", ".mkv");
+  make_film(film.path, true, 0.02);
+  for (const double rate : { 1.0, 2.0, 0.5 }) {
+    Player player(kPlaybins[__i__], film.path);
+    player.prepare();
+    seek_exactly(player.pipeline, rate, 1 * GST_SECOND, 2 * GST_SECOND);
+    seek_exactly(player.pipeline, rate, 2 * GST_SECOND, 4 * GST_SECOND);
+    fail_unless(gst_element_get_state(player.pipeline, nullptr, nullptr, GST_CLOCK_TIME_NONE)
+                == GST_STATE_CHANGE_SUCCESS);
+    const std::vector<IssuedCommand> lines = player.play();
+    const Hit hit = hits()[1];
+    fail_unless(hit.at > 3 && hit.at < 3.5);
+    assert_one_cue(lines, (hit.at + 0.02 - 2) / rate, hit.cell);
+  }
+}
+GST_END_TEST;
+
+// Sound that is off is not felt: the picture has the blocks of its rate, none at the blow.
+GST_START_TEST(test_off)
+{
+  const TemporaryFile film("", ".mkv");
+  make_film(film.path, true, -0.15);
+  Player player(kPlaybins[__i__], film.path, "off");
+  player.prepare();
+  for (const IssuedCommand &line : player.play())
+    for (const Hit &hit : hits())
+      fail_unless(line.command.volts == 0 || effect(line) < hit.at - 0.3 || effect(line) >= hit.at);
+}
+GST_END_TEST;
+
+// A chair whose sound never comes plays the picture.
+GST_START_TEST(test_sound_that_never_comes)
+{
+  GstElement *pipeline = make_pipeline(
+      "tactiletestsrc pattern=dynamic-motion num-buffers=60 ! "
+      "video/x-raw,format=I420,width=160,height=120,framerate=30/1 ! visuotactilesink name=chair "
+      "driver=simulator video-sink=\"fakesink sync=true\" appsrc is-live=true format=time "
+      "caps=audio/x-raw,format=F32LE,rate=48000,channels=1,layout=interleaved ! soundtactile ! "
+      "fakesink async=false");
+  g_autoptr(GstElement) chair = gst_bin_get_by_name(GST_BIN(pipeline), "chair");
+  // The pipeline's end would wait for that of the sound.
+  const auto ended = +[](GstPad *, GstPadProbeInfo *info, gpointer promise) {
+    if (GST_EVENT_TYPE(GST_PAD_PROBE_INFO_EVENT(info)) == GST_EVENT_EOS)
+      static_cast<std::promise<void> *>(promise)->set_value();
+    return GST_PAD_PROBE_OK;
+  };
+  std::promise<void> end;
+  g_autoptr(GstElement) tactors
+      = GST_ELEMENT(gst_child_proxy_get_child_by_name(GST_CHILD_PROXY(chair), "tactors"));
+  g_autoptr(GstPad) pad = gst_element_get_static_pad(tactors, "sink");
+  gst_pad_add_probe(pad, GST_PAD_PROBE_TYPE_EVENT_DOWNSTREAM, ended, &end, nullptr);
+  change_state(pipeline, GST_STATE_PLAYING);
+  end.get_future().wait();
+  gst_element_set_state(pipeline, GST_STATE_NULL);
+  gst_object_unref(pipeline);
+}
+GST_END_TEST;
+
+// Of a live source, all are later by the three frames that the maps wait for their sound.
+GST_START_TEST(test_live_latency)
+{
+  GstClockTime latency[2] = {};
+  for (const bool sounds : { false, true }) {
+    GstElement *pipeline = make_pipeline(
+        std::string("videotestsrc is-live=true ! "
+                    "video/x-raw,format=I420,width=160,height=120,framerate=30/1 ! "
+                    "visuotactilesink name=chair driver=simulator video-sink=fakesink sound=")
+        + (sounds ? "film" : "off")
+        + " audiotestsrc is-live=true ! soundtactile ! fakesink name=speakers sync=true");
+    g_autoptr(GstElement) speakers = gst_bin_get_by_name(GST_BIN(pipeline), "speakers");
+    g_autoptr(GstElement) analysis = gst_bin_get_by_name(GST_BIN(pipeline), "analysis");
+    g_autoptr(GstBus) bus = gst_element_get_bus(pipeline);
+    change_state(pipeline, GST_STATE_PLAYING);
+    // The framerate is known with the first frame. Applications do this on LATENCY messages.
+    while (stat_of(analysis, "frames") < 5) {
+      g_autoptr(GstMessage) error
+          = gst_bus_timed_pop_filtered(bus, 10 * GST_MSECOND, GST_MESSAGE_ERROR);
+      fail_unless(error == nullptr);
+    }
+    fail_unless(gst_bin_recalculate_latency(GST_BIN(pipeline)));
+    latency[sounds] = gst_base_sink_get_latency(GST_BASE_SINK(speakers));
+    gst_element_set_state(pipeline, GST_STATE_NULL);
+    gst_object_unref(pipeline);
+  }
+  ck_assert_uint_eq(latency[true] - latency[false], 3 * (GST_SECOND / 30));
+}
+GST_END_TEST;
+
+static Suite *
+sound_joins_suite(void)
+{
+  Suite *suite = suite_create("sound_joins");
+  TCase *cases = tcase_create("general");
+  suite_add_tcase(suite, cases);
+  const int playbins = static_cast<int>(std::size(kPlaybins));
+  tcase_add_loop_test(cases, test_one_cue, 0, playbins);
+  tcase_add_loop_test(cases, test_one_cue_of_a_decoder, 0, playbins);
+  tcase_add_loop_test(cases, test_gapless, 1, playbins); // playbin3
+  tcase_add_loop_test(cases, test_volume_and_mute, 0, playbins);
+  tcase_add_loop_test(cases, test_seeks, 0, playbins);
+  tcase_add_loop_test(cases, test_off, 0, playbins);
+  tcase_add_test(cases, test_sound_that_never_comes);
+  tcase_add_test(cases, test_live_latency);
+  return suite;
+}
+
+GST_CHECK_MAIN(sound_joins);

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "sound.h"
+
+#include "command_line.h"
+
+#include <array>
+
+const fusion::Profile *
+sound_profile(const std::string &name)
+{
+  const fusion::Profile *profile = fusion::find_profile(name);
+  if (profile || name == "off")
+    return profile;
+  std::string names = "off";
+  for (const fusion::Profile &known : fusion::profiles())
+    names += std::string(", ") + known.name;
+  throw UsageError("--sound is one of " + names + "; got '" + name + "'");
+}
+
+std::string
+heard_sound(const std::string &queue, const fusion::Profile *profile)
+{
+  std::string line = " film. ! " + queue + " name=heard ! audioconvert name=sound ! ";
+  if (profile == nullptr)
+    return line;
+  std::array<char, G_ASCII_DTOSTR_BUF_SIZE> gain{};
+  g_ascii_dtostr(gain.data(), static_cast<gint>(gain.size()), profile->gain_db);
+  return line + "soundtactile name=ear gain=" + gain.data() + " blows="
+         + (profile->blows ? "true" : "false") + " rumble=" + (profile->rumble ? "true" : "false")
+         + " ear.tactile ! queue ! both.tactile" + " ear.src ! " + queue + " ! audioconvert ! ";
+}
+
+std::string
+joined_sound(const std::string &queue, const fusion::Profile *profile)
+{
+  if (profile == nullptr)
+    return "";
+  return " ! " + queue + " ! tactilecombiner name=both mix=" + tactile::name_of(profile->mix);
+}
+
+bool
+end_missing_sound(const Pipeline &pipeline)
+{
+  const Owned<GstElement> queue = element(pipeline, "heard");
+  const Owned<GstPad> pad(gst_element_get_static_pad(queue.get(), "sink"));
+  if (gst_pad_is_linked(pad.get()))
+    return false;
+  gst_pad_send_event(pad.get(), gst_event_new_stream_start("no sound"));
+  gst_pad_send_event(pad.get(), gst_event_new_eos());
+  return true;
+}
