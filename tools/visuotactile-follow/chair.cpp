@@ -52,7 +52,6 @@ Chair::open(int rows, int columns)
     gst_pipeline_use_clock(GST_PIPELINE(pipeline_.get()), clock.get());
     gst_element_set_start_time(pipeline_.get(), GST_CLOCK_TIME_NONE);
     gst_element_set_base_time(pipeline_.get(), 0);
-    gst_pipeline_set_latency(GST_PIPELINE(pipeline_.get()), 0); // cues are there ahead of time
     const Owned<GstBus> bus(gst_element_get_bus(pipeline_.get()));
     watch_ = gst_bus_add_watch(
         bus.get(),
@@ -91,12 +90,23 @@ Chair::ahead() const
                   : follow::Time(0));
 }
 
+/// Cues are there ahead of time, so that nothing has to be felt later for the pipeline's latency.
+void
+Chair::undo_latency()
+{
+  auto *sink = GST_BASE_SINK(sink_.get());
+  const auto offset = -static_cast<GstClockTimeDiff>(gst_base_sink_get_latency(sink));
+  if (gst_base_sink_get_ts_offset(sink) != offset)
+    g_object_set(sink, "ts-offset", offset, nullptr);
+}
+
 /// Running time goes on through all seeks.
 void
 Chair::take(const follow::TrackFollower::Step &step)
 {
   if (!pipeline_)
     return;
+  undo_latency();
   if (step.silence) {
     gst_element_send_event(source_.get(), gst_event_new_flush_start());
     gst_element_send_event(source_.get(), gst_event_new_flush_stop(FALSE));

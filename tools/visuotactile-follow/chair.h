@@ -35,6 +35,7 @@ public:
 
 private:
   gboolean on_message(GstMessage *message);
+  void undo_latency();
 
   const std::string sink_line_;
   const Events events_;
