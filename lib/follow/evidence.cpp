@@ -19,6 +19,9 @@ constexpr Time kLikelySkew = std::chrono::microseconds(200);
 /// So many reports may be too far ahead, of those that count.
 constexpr std::size_t kOutliers = 16;
 
+/// Reports by which it is told how densely they lie at a bound.
+constexpr std::size_t kDensity = 4;
+
 double
 count(Time time)
 {
@@ -119,7 +122,11 @@ Evidence::offset() const
   if (asked_) {
     const double least = low(last, 0, habits_.skew);
     const double most = high(last);
-    return { (least + most) / 2, std::abs(most - least) / 2 };
+    double value = (least + most) / 2;
+    if (habits_.lingers && bounds_.size() > kDensity)
+      value = std::min(value,
+                       least + (least - low(last, kDensity, habits_.skew)) / double{ kDensity });
+    return { value, std::abs(most - least) / 2 };
   }
   const Time skew = std::min(habits_.skew, kLikelySkew);
   const std::size_t rank = bounds_.size() / kOutliers;

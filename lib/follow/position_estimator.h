@@ -17,7 +17,7 @@ namespace follow {
 /// Settings::most_error, and while the player goes backwards.
 ///
 /// Within a stretch the position never goes backwards: it nears what becomes better known by
-/// playing up to a twentieth faster or slower. Reads no clock; not thread-safe.
+/// playing up to a fifth faster or slower. Reads no clock; not thread-safe.
 class PositionEstimator
 {
 public:
@@ -41,7 +41,7 @@ public:
   static constexpr Time kLongestFilm = std::chrono::hours(100);
   static constexpr double kMostRate = 16;
   /// Of the rate, by which the position nears what is better known.
-  static constexpr double kMostCorrection = 0.05;
+  static constexpr double kMostCorrection = 0.2;
   /// A report off by less is late or a little wrong, and alone changes nothing.
   static constexpr Time kLeap = std::chrono::milliseconds(150);
 
