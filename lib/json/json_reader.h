@@ -10,8 +10,8 @@
 
 namespace visuotactile::json {
 
-/// Parses a document of a server or a player. Null if it is no JSON, or is nested so deep that JSON-GLib, which
-/// is recursive, would overflow the stack.
+/// Parses a document of a server or a player. Null if it is no JSON, or is nested so deep that
+/// JSON-GLib, which is recursive, would overflow the stack.
 JsonParser *parse(std::string_view text);
 
 /// A member that is an object or an array; null if there is none, or of another type.

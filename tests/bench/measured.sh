@@ -161,9 +161,9 @@ CAPTION
       cat <<'CAPTION'
 ## mpv
 
-A real mpv, without a window and sound, plays a film of 24 frames a second. When a motor has to have
-its level by the command's trace, against when mpv told that frame, from 1 s after each event on.
-What mpv shows on a screen is not in it.
+A real mpv plays a film of 24 frames a second, which show their numbers, on Xvfb's screen, without
+sound. How much later than its frame came to the screen a simulated motor has to have its level by
+the command's trace, from 1 s after each event on. A real screen adds its own delay.
 
 CAPTION
       FOLLOW="$built/tools/visuotactile-follow" GST_PLUGIN_PATH_1_0="$built/gst" /usr/bin/python3 "$here/../tools/follow.py" 10

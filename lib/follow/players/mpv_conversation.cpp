@@ -3,6 +3,7 @@
 
 #include "json/json_reader.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <utility>
@@ -12,8 +13,11 @@ namespace follow {
 namespace {
 
 constexpr std::array kProperties
-    = { "working-directory", "path", "seeking", "core-idle", "pause", "speed", "time-pos" };
+    = { "working-directory", "path",    "seeking", "core-idle", "pause", "speed",
+        "container-fps",     "time-pos" };
 
+constexpr double kLeastRate = 1; ///< frames a second
+constexpr double kMostRate = 1000;
 constexpr double kMostSeconds = 100.0 * 3600;
 
 std::optional<Time>
@@ -23,6 +27,14 @@ read_time(JsonObject *fields)
   if (!seconds || !(*seconds >= 0 && *seconds <= kMostSeconds))
     return std::nullopt;
   return Time(std::llround(*seconds * 1e9));
+}
+
+/// The duration of a frame; 0 if there is none.
+Time
+read_frame(JsonObject *fields)
+{
+  const double rate = json::number(fields, "data").value_or(0);
+  return rate >= kLeastRate && rate <= kMostRate ? Time(std::llround(1e9 / rate)) : Time(0);
 }
 
 bool
@@ -49,6 +61,8 @@ MpvConversation::take(const std::string &property, JsonObject *fields)
 {
   if (property == "time-pos")
     position_ = read_time(fields);
+  else if (property == "container-fps")
+    frame_ = read_frame(fields);
   else if (property == "path")
     path_ = json::name_of_file(fields, "data");
   else if (property == "working-directory")
@@ -87,11 +101,18 @@ MpvConversation::received(std::string_view line, Time now)
   // While it seeks, mpv tells where it goes to before it is there.
   const std::optional<Time> position = std::exchange(position_, std::nullopt);
   if (report.doing != Doing::stalled)
-    report.position = position;
+    report.position = position ? std::optional(shown(*position)) : std::nullopt;
   report.sought = sought_;
   if (report.doing == Doing::playing && report.position)
     sought_ = false;
   return report;
+}
+
+/// What is on the screen when mpv tells a position.
+Time
+MpvConversation::shown(Time position) const
+{
+  return std::max(Time(0), position - frame_);
 }
 
 Doing

@@ -11,8 +11,9 @@ typedef struct _JsonObject JsonObject;
 
 namespace follow {
 
-/// mpv's JSON IPC: it tells each change of what was asked for once. Reads no clock, has no socket,
-/// and is not thread-safe.
+/// mpv's JSON IPC: it tells each change of what was asked for once. Its position is that of the
+/// frame that it begins to wait for: one frame after the one on the screen, which is what is
+/// reported. Reads no clock, has no socket, and is not thread-safe.
 class MpvConversation
 {
 public:
@@ -23,6 +24,7 @@ public:
   std::optional<Report> received(std::string_view line, Time now);
 
 private:
+  Time shown(Time position) const;
   bool take(const std::string &property, JsonObject *fields);
   Doing doing() const;
   std::string film() const;
@@ -33,6 +35,7 @@ private:
   bool idle_ = false; ///< neither plays nor is paused
   bool seeking_ = false;
   double rate_ = 1;
+  Time frame_{ 0 };              ///< duration of one; 0: unknown
   std::optional<Time> position_; ///< told since the last report
   bool sought_ = false;          ///< no position was told since
 };

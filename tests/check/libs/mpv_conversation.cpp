@@ -56,7 +56,7 @@ GST_START_TEST(test_questions)
   const std::string questions = MpvConversation::questions();
   fail_unless(questions.starts_with(R"({"command":["observe_property",1,"working-directory"]})"
                                     "\n"));
-  fail_unless(questions.ends_with(R"({"command":["observe_property",7,"time-pos"]})"
+  fail_unless(questions.ends_with(R"({"command":["observe_property",8,"time-pos"]})"
                                   "\n"));
 }
 GST_END_TEST;
@@ -82,6 +82,21 @@ GST_START_TEST(test_play)
   ck_assert(talk.property("core-idle", "true").doing == Doing::paused);
   ck_assert(talk.property("pause", "false").doing == Doing::stalled);
   ck_assert(talk.property("core-idle", "false").doing == Doing::playing);
+}
+GST_END_TEST;
+
+/// It tells a frame while the one before is on the screen.
+GST_START_TEST(test_frame_ahead)
+{
+  Talk talk;
+  talk.play();
+  talk.property("container-fps", "25.000000");
+  ck_assert(talk.property("time-pos", "5.040000").position == 5s);
+  ck_assert(talk.property("time-pos", "0.000000").position == 0s);
+  for (const char *data : { "null", "0", "1e9", "-25" }) {
+    talk.property("container-fps", data);
+    ck_assert(talk.property("time-pos", "5.040000").position == 5040ms);
+  }
 }
 GST_END_TEST;
 
@@ -169,6 +184,7 @@ mpv_conversation_suite(void)
   suite_add_tcase(suite, tcase);
   tcase_add_test(tcase, test_questions);
   tcase_add_test(tcase, test_play);
+  tcase_add_test(tcase, test_frame_ahead);
   tcase_add_test(tcase, test_seek);
   tcase_add_test(tcase, test_films);
   tcase_add_test(tcase, test_nonsense);
