@@ -49,8 +49,9 @@ std::string
 MpvConversation::questions()
 {
   std::string text;
-  for (std::size_t i = 0; i < kProperties.size(); i++)
-    text += R"({"command":["observe_property",)" + std::to_string(i + 1) + ",\"" + kProperties.at(i)
+  int id = 0;
+  for (const char *property : kProperties)
+    text += R"({"command":["observe_property",)" + std::to_string(++id) + ",\"" + property
             + "\"]}\n";
   return text;
 }
