@@ -93,6 +93,8 @@ MpvConversation::received(std::string_view line, Time now)
   if (event == "seek") {
     seeking_ = true;
     sought_ = true;
+  } else if (event == "playback-restart") {
+    seeking_ = false; // the property's changes may have been too quick to be told
   } else if (event == "end-file" || event == "shutdown") {
     path_.clear();
   } else if (event != "property-change" || !take(json::text(fields, "name"), fields)) {

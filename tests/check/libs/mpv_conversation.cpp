@@ -112,7 +112,7 @@ GST_START_TEST(test_seek)
   fail_if(report.position.has_value());
   talk.property("seeking", "true");
   talk.property("core-idle", "true");
-  talk.tells_nothing(R"({"event":"playback-restart"})");
+  ck_assert(talk.tells(R"({"event":"playback-restart"})").doing == Doing::stalled); // idle still
   report = talk.property("time-pos", "8.000000");
   fail_if(report.position.has_value());
   talk.property("seeking", "false");
@@ -121,6 +121,18 @@ GST_START_TEST(test_seek)
   ck_assert(report.position == 8042ms && report.sought);
   report = talk.property("time-pos", "8.083000");
   ck_assert(report.position == 8083ms && !report.sought);
+}
+GST_END_TEST;
+
+/// A seek so quick that no property changes.
+GST_START_TEST(test_quick_seek)
+{
+  Talk talk;
+  talk.play();
+  talk.tells(R"({"event":"seek"})");
+  ck_assert(talk.tells(R"({"event":"playback-restart"})").doing == Doing::playing);
+  const Report report = talk.property("time-pos", "8.000000");
+  ck_assert(report.position == 8s && report.sought);
 }
 GST_END_TEST;
 
@@ -186,6 +198,7 @@ mpv_conversation_suite(void)
   tcase_add_test(tcase, test_play);
   tcase_add_test(tcase, test_frame_ahead);
   tcase_add_test(tcase, test_seek);
+  tcase_add_test(tcase, test_quick_seek);
   tcase_add_test(tcase, test_films);
   tcase_add_test(tcase, test_nonsense);
   tcase_add_test(tcase, test_lines);
