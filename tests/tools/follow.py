@@ -177,8 +177,7 @@ def plays(screen):
     said = lambda: (work / "log").read_text(encoding="utf-8")
     wait_until("the track", lambda: f"plays 'film.mkv' with '{work}/film.csv'" in said())
     wait_until("the trace", (work / "trace.csv").exists)
-    listed = follow("--list-players", f"--mpv={mpv.path}").stdout
-    assert "paused 'film.mkv' at 0.0 s" in listed, listed
+    wait_until("a list of players", lambda: "paused 'film.mkv' at 0.0 s" in follow("--list-players", f"--mpv={mpv.path}").stdout)
 
     stretches, events = [], []
 
