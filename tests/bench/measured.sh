@@ -2,14 +2,14 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 # Makes pages of docs/measured, each whole. Those of quality and speed are made by tactile_quality and speed.
 #
-# Usage: tests/bench/measured.sh PAGE [FILM ...]      PAGE: calibration, devices, playback, sound, synth, timing, ways-out; FILM: default three of ../shared/data/clips (timing)
-# Expects a computer on which nothing else runs. Takes 5, 5, 1, 8, 3, 15 and 1 minutes. VISUOTACTILE_BUILD names a build folder that is built already.
+# Usage: tests/bench/measured.sh PAGE [FILM ...]      PAGE: calibration, devices, follow, playback, sound, synth, timing, ways-out; FILM: default three of ../shared/data/clips (timing)
+# Expects a computer on which nothing else runs. Takes 5, 5, 2, 1, 8, 3, 15 and 1 minutes. VISUOTACTILE_BUILD names a build folder that is built already.
 set -euo pipefail
 here=$(cd "$(dirname "$0")" && pwd)
 # shellcheck source=../../tools/build.sh
 . "$here/../../tools/build.sh"
 case ${1:-} in
-  calibration | devices | playback | sound | synth | timing | ways-out) page=$1 ;;
+  calibration | devices | follow | playback | sound | synth | timing | ways-out) page=$1 ;;
   *) sed -n '3,6s/^# \{0,1\}//p' "$0" >&2; exit 2 ;;
 esac
 command="tests/bench/measured.sh $*"
@@ -17,6 +17,7 @@ shift
 case $page in
   calibration) targets=tests/quality/rise_time_accuracy ;;
   devices) targets=tests/bench/devices ;;
+  follow) targets="tests/bench/follow tools/visuotactile-follow" ;;
   sound) targets=tests/sound/sound_quality ;;
   synth) targets=tests/bench/synth ;;
   timing) targets=tests/quality/rise_timing ;;
@@ -158,6 +159,31 @@ messages (–). CPU is this process's share of a core; the emulated board is in 
 
 CAPTION
       grep -E '^\|' "$work/tables" | sed -n '/^| device | rises/,$p'
+      ;;
+    follow)
+      head_of "Following a player"
+      cat <<'CAPTION'
+## mpv
+
+A real mpv plays a film of 24 frames a second, which show their numbers, on Xvfb's screen, without
+sound. How much later than its frame came to the screen a simulated motor has to have its level by
+the command's trace, from 1 s after each event on. A real screen adds its own delay.
+
+CAPTION
+      FOLLOW="$built/tools/visuotactile-follow" GST_PLUGIN_PATH_1_0="$built/gst" /usr/bin/python3 "$here/../tools/follow.py" 10
+      cat <<'CAPTION'
+
+## Reports of each kind
+
+Where a film is, by simulated reports of two hours that come late, by exponential delays of 2 or
+3 ms each way and now and then by up to 60 ms more: p50 / p95 of the error in ms, from 3 s after each
+seek, pause or change of rate on, and the share of that time in which the position is known to
+0.12 s. Watched restlessly is a seek, or a pause and perhaps another rate, each minute. The last
+columns are what others make of the same reports: the median of the last 21 offsets between what was
+reported and when it came, and MultiFunPlayer's way, a third of the way to each report.
+
+CAPTION
+      "$built/tests/bench/follow"
       ;;
     playback)
       head_of "CPU time of playing a film"

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "tactor/drivers/websocket/buttplug_protocol.h"
 
-#include "tactor/drivers/websocket/json_reader.h"
+#include "json/json_reader.h"
 
 #include <algorithm>
 #include <array>

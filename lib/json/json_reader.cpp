@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "tactor/drivers/websocket/json_reader.h"
+#include "json/json_reader.h"
 
-namespace tactor::json {
+namespace visuotactile::json {
 
 namespace {
 
 constexpr int kDeepest = 32;          ///< nesting of arrays and objects
 constexpr std::size_t kLongest = 100; ///< bytes of a text
+constexpr std::size_t kLongestName = 4096;
 
 /// Rejects non-JSON that JSON-GLib accepts (comments, in which a quote would hide brackets from
 /// this count), and nesting so deep that its recursive parser would overflow the stack.
@@ -92,6 +93,38 @@ integer(JsonObject *of, const char *name, std::int64_t least, std::int64_t most)
   return number && *number >= least && *number <= most ? number : std::nullopt;
 }
 
+std::optional<double>
+number(JsonObject *of, const char *name)
+{
+  JsonNode *node = member(of, name);
+  if (node == nullptr || !JSON_NODE_HOLDS_VALUE(node)
+      || (json_node_get_value_type(node) != G_TYPE_INT64
+          && json_node_get_value_type(node) != G_TYPE_DOUBLE))
+    return std::nullopt;
+  return json_node_get_double(node);
+}
+
+std::optional<bool>
+truth(JsonObject *of, const char *name)
+{
+  JsonNode *node = member(of, name);
+  if (node == nullptr || !JSON_NODE_HOLDS_VALUE(node)
+      || json_node_get_value_type(node) != G_TYPE_BOOLEAN)
+    return std::nullopt;
+  return json_node_get_boolean(node) != FALSE;
+}
+
+std::string
+name_of_file(JsonObject *of, const char *name)
+{
+  JsonNode *node = member(of, name);
+  if (node == nullptr || !JSON_NODE_HOLDS_VALUE(node)
+      || json_node_get_value_type(node) != G_TYPE_STRING)
+    return {};
+  const std::string whole = json_node_get_string(node);
+  return whole.size() <= kLongestName ? whole : std::string();
+}
+
 std::string
 text(JsonObject *of, const char *name)
 {
@@ -115,4 +148,4 @@ text(JsonNode *node)
   return line;
 }
 
-} // namespace tactor::json
+} // namespace visuotactile::json

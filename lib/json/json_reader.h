@@ -8,10 +8,10 @@
 #include <string>
 #include <string_view>
 
-namespace tactor::json {
+namespace visuotactile::json {
 
-/// Parses a document of a server. Null if it is no JSON, or is nested so deep that JSON-GLib, which
-/// is recursive, would overflow the stack.
+/// Parses a document of a server or a player. Null if it is no JSON, or is nested so deep that
+/// JSON-GLib, which is recursive, would overflow the stack.
 JsonParser *parse(std::string_view text);
 
 /// A member that is an object or an array; null if there is none, or of another type.
@@ -25,8 +25,23 @@ std::optional<std::int64_t> integer(JsonObject *of, const char *name);
 std::optional<std::int64_t> integer(JsonObject *of, const char *name, std::int64_t least,
                                     std::int64_t most);
 
+/// An integer or another finite number.
+std::optional<double> number(JsonObject *of, const char *name);
+std::optional<bool> truth(JsonObject *of, const char *name);
+
+/// A path or URI as it came; empty if there is none or if it has over 4096 bytes.
+std::string name_of_file(JsonObject *of, const char *name);
+
 /// A text for messages: of one line, 100 bytes at most. Empty if there is none.
 std::string text(JsonObject *of, const char *name);
 std::string text(JsonNode *node);
 
-} // namespace tactor::json
+} // namespace visuotactile::json
+
+// Under the same name in each library.
+namespace follow {
+namespace json = visuotactile::json;
+}
+namespace tactor {
+namespace json = visuotactile::json;
+}

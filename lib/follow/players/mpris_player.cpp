@@ -1,0 +1,210 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "follow/players/mpris_player.h"
+
+#include "follow/players/mpris_bus.h"
+#include "follow/players/mpris_state.h"
+
+#include <array>
+#include <utility>
+
+namespace follow {
+
+namespace {
+
+constexpr const char *kPath = "/org/mpris/MediaPlayer2";
+constexpr const char *kPlayer = "org.mpris.MediaPlayer2.Player";
+constexpr const char *kProperties = "org.freedesktop.DBus.Properties";
+
+/// Between questions for the position while it plays: a quarter of a second times the golden
+/// section. So they never fall in step with a player that renews its position in a rhythm of
+/// quarters of a second, and each answer tells more about a rounded one.
+constexpr guint kAskEvery = 155; ///< ms
+constexpr int kAnswer = 1000;    ///< ms; an answer that comes later is none
+
+/// VLC 3 renews its position after 250 to 290 ms, and seldom later.
+constexpr Time kVlcCoarseness = std::chrono::milliseconds(400);
+
+class MprisPlayer : public Player
+{
+public:
+  MprisPlayer(GDBusConnection *bus, const std::string &bus_name, PlayerEvents events)
+      : bus_name_(bus_name), name_(bus_name.substr(std::string(kMprisPrefix).size())),
+        events_(std::move(events)), bus_(bus), canceled_(g_cancellable_new())
+  {
+    g_object_ref(bus_);
+    subscriptions_[0] = subscribe(kProperties, "PropertiesChanged", kPlayer, on_changed);
+    subscriptions_[1] = subscribe(kPlayer, "Seeked", nullptr, on_seeked);
+    ask_all();
+  }
+  ~MprisPlayer() override
+  {
+    for (const guint subscription : subscriptions_)
+      g_dbus_connection_signal_unsubscribe(bus_, subscription);
+    g_cancellable_cancel(canceled_); // answers are for nobody from now on
+    g_object_unref(canceled_);
+    if (timer_ != 0)
+      g_source_remove(timer_);
+    g_object_unref(bus_);
+  }
+  MprisPlayer(const MprisPlayer &) = delete;
+  MprisPlayer &operator=(const MprisPlayer &) = delete;
+
+  const std::string &name() const override
+  {
+    return name_;
+  }
+  Habits habits() const override
+  {
+    Habits habits;
+    if (name_.starts_with("vlc")) {
+      habits.coarseness = kVlcCoarseness;
+      habits.lingers = true;
+    }
+    return habits;
+  }
+  void ask() override
+  {
+    if (asked_ || !state_.plays())
+      return;
+    asked_ = local_time();
+    call("Get", g_variant_new("(ss)", kPlayer, "Position"), on_position);
+  }
+
+private:
+  guint subscribe(const char *interface, const char *signal, const char *argument,
+                  GDBusSignalCallback callback)
+  {
+    return g_dbus_connection_signal_subscribe(bus_, bus_name_.c_str(), interface, signal, kPath,
+                                              argument, G_DBUS_SIGNAL_FLAGS_NONE, callback, this,
+                                              nullptr);
+  }
+
+  void call(const char *method, GVariant *arguments, GAsyncReadyCallback callback)
+  {
+    g_dbus_connection_call(bus_, bus_name_.c_str(), kPath, kProperties, method, arguments, nullptr,
+                           G_DBUS_CALL_FLAGS_NO_AUTO_START, kAnswer, canceled_, callback, this);
+  }
+
+  void ask_all()
+  {
+    call("GetAll", g_variant_new("(s)", kPlayer), on_all);
+  }
+
+  /// The answer, or nothing; `is_over`: the player is no more, and `self` neither.
+  static GVariant *answer(GObject *bus, GAsyncResult *result, bool &is_over)
+  {
+    g_autoptr(GError) error = nullptr;
+    GVariant *value = g_dbus_connection_call_finish(G_DBUS_CONNECTION(bus), result, &error);
+    is_over = g_error_matches(error, G_IO_ERROR, G_IO_ERROR_CANCELLED);
+    return value;
+  }
+
+  static void on_all(GObject *bus, GAsyncResult *result, gpointer data)
+  {
+    bool is_over = false;
+    g_autoptr(GVariant) value = answer(bus, result, is_over);
+    if (value == nullptr || is_over)
+      return;
+    auto *self = static_cast<MprisPlayer *>(data);
+    if (g_variant_is_of_type(value, G_VARIANT_TYPE("(a{sv})"))) {
+      g_autoptr(GVariant) properties = g_variant_get_child_value(value, 0);
+      self->state_.take(properties);
+    }
+    self->changed();
+  }
+
+  static void on_changed(GDBusConnection *, const gchar *, const gchar *, const gchar *,
+                         const gchar *, GVariant *parameters, gpointer data)
+  {
+    auto *self = static_cast<MprisPlayer *>(data);
+    if (!g_variant_is_of_type(parameters, G_VARIANT_TYPE("(sa{sv}as)")))
+      return;
+    g_autoptr(GVariant) properties = g_variant_get_child_value(parameters, 1);
+    g_autoptr(GVariant) invalidated = g_variant_get_child_value(parameters, 2);
+    self->state_.take(properties);
+    if (g_variant_n_children(invalidated) > 0)
+      self->ask_all();
+    self->changed();
+  }
+
+  static void on_seeked(GDBusConnection *, const gchar *, const gchar *, const gchar *,
+                        const gchar *, GVariant *parameters, gpointer data)
+  {
+    auto *self = static_cast<MprisPlayer *>(data);
+    self->overtaken_ = true;
+    Report report = self->state_.report(local_time());
+    report.sought = true;
+    if (g_variant_is_of_type(parameters, G_VARIANT_TYPE("(x)"))) {
+      g_autoptr(GVariant) position = g_variant_get_child_value(parameters, 0);
+      report.position = MprisState::position(position);
+    }
+    self->events_.reported(report);
+    self->ask();
+  }
+
+  static void on_position(GObject *bus, GAsyncResult *result, gpointer data)
+  {
+    bool is_over = false;
+    g_autoptr(GVariant) value = answer(bus, result, is_over);
+    if (is_over)
+      return;
+    auto *self = static_cast<MprisPlayer *>(data);
+    const Time asked = self->asked_.value_or(Time(0));
+    self->asked_.reset();
+    if (std::exchange(self->overtaken_, false)) { // read before what was told meanwhile, or after
+      self->ask();
+      return;
+    }
+    if (value == nullptr || !g_variant_is_of_type(value, G_VARIANT_TYPE("(v)")))
+      return;
+    g_autoptr(GVariant) variant = g_variant_get_child_value(value, 0);
+    g_autoptr(GVariant) position = g_variant_get_variant(variant);
+    Report report = self->state_.report(local_time());
+    report.asked = asked;
+    report.position = MprisState::position(position);
+    if (report.position)
+      self->events_.reported(report);
+  }
+
+  /// Something was told that is no position.
+  void changed()
+  {
+    overtaken_ = asked_.has_value();
+    events_.reported(state_.report(local_time()));
+    ask();
+    if (timer_ == 0 && state_.plays())
+      timer_ = g_timeout_add(kAskEvery, on_timer, this);
+  }
+
+  static gboolean on_timer(gpointer data)
+  {
+    auto *self = static_cast<MprisPlayer *>(data);
+    if (!self->state_.plays()) {
+      self->timer_ = 0;
+      return G_SOURCE_REMOVE;
+    }
+    self->ask();
+    return G_SOURCE_CONTINUE;
+  }
+
+  const std::string bus_name_;
+  const std::string name_;
+  const PlayerEvents events_;
+  GDBusConnection *bus_;
+  GCancellable *canceled_;
+  std::array<guint, 2> subscriptions_{};
+  MprisState state_;
+  std::optional<Time> asked_; ///< when the position was asked for that is awaited
+  bool overtaken_ = false;    ///< the state changed since
+  guint timer_ = 0;
+};
+
+} // namespace
+
+std::unique_ptr<Player>
+open_mpris(GDBusConnection *bus, const std::string &bus_name, PlayerEvents events)
+{
+  return std::make_unique<MprisPlayer>(bus, bus_name, std::move(events));
+}
+
+} // namespace follow

@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include "follow/players/player.h"
+
+#include <gio/gio.h>
+
+#include <memory>
+
+namespace follow {
+
+/// The player of that name on the session bus (org.mpris.MediaPlayer2.NAME). Its position is asked
+/// for a few times a second while it plays. When it goes away, that is the bus's to tell.
+std::unique_ptr<Player> open_mpris(GDBusConnection *bus, const std::string &bus_name,
+                                   PlayerEvents events);
+
+} // namespace follow

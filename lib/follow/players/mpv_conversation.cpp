@@ -1,0 +1,140 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "follow/players/mpv_conversation.h"
+
+#include "json/json_reader.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+
+namespace follow {
+
+namespace {
+
+constexpr std::array kProperties
+    = { "working-directory", "path",    "seeking", "core-idle", "pause", "speed",
+        "container-fps",     "time-pos" };
+
+constexpr double kLeastRate = 1; ///< frames a second
+constexpr double kMostRate = 1000;
+constexpr double kMostSeconds = 100.0 * 3600;
+
+std::optional<Time>
+read_time(JsonObject *fields)
+{
+  const std::optional<double> seconds = json::number(fields, "data");
+  if (!seconds || !(*seconds >= 0 && *seconds <= kMostSeconds))
+    return std::nullopt;
+  return Time(std::llround(*seconds * 1e9));
+}
+
+/// The duration of a frame; 0 if there is none.
+Time
+read_frame(JsonObject *fields)
+{
+  const double rate = json::number(fields, "data").value_or(0);
+  return rate >= kLeastRate && rate <= kMostRate ? Time(std::llround(1e9 / rate)) : Time(0);
+}
+
+bool
+is_uri(const std::string &path)
+{
+  return path.find("://") != std::string::npos;
+}
+
+} // namespace
+
+std::string
+MpvConversation::questions()
+{
+  std::string text;
+  int id = 0;
+  for (const char *property : kProperties)
+    text += R"({"command":["observe_property",)" + std::to_string(++id) + ",\"" + property
+            + "\"]}\n";
+  return text;
+}
+
+/// Whether the property is one that was asked for.
+bool
+MpvConversation::take(const std::string &property, JsonObject *fields)
+{
+  if (property == "time-pos")
+    position_ = read_time(fields);
+  else if (property == "container-fps")
+    frame_ = read_frame(fields);
+  else if (property == "path")
+    path_ = json::name_of_file(fields, "data");
+  else if (property == "working-directory")
+    folder_ = json::name_of_file(fields, "data");
+  else if (property == "pause")
+    paused_ = json::truth(fields, "data").value_or(false);
+  else if (property == "core-idle")
+    idle_ = json::truth(fields, "data").value_or(true);
+  else if (property == "seeking")
+    seeking_ = json::truth(fields, "data").value_or(false);
+  else if (property == "speed")
+    rate_ = json::number(fields, "data").value_or(1);
+  else
+    return false;
+  return true;
+}
+
+std::optional<Report>
+MpvConversation::received(std::string_view line, Time now)
+{
+  g_autoptr(JsonParser) parser = json::parse(line);
+  JsonNode *root = parser != nullptr ? json_parser_get_root(parser) : nullptr;
+  if (root == nullptr || !JSON_NODE_HOLDS_OBJECT(root))
+    return std::nullopt;
+  JsonObject *fields = json_node_get_object(root);
+  const std::string event = json::text(fields, "event");
+  if (event == "seek") {
+    seeking_ = true;
+    sought_ = true;
+  } else if (event == "playback-restart") {
+    seeking_ = false; // the property's changes may have been too quick to be told
+  } else if (event == "end-file" || event == "shutdown") {
+    path_.clear();
+  } else if (event != "property-change" || !take(json::text(fields, "name"), fields)) {
+    return std::nullopt;
+  }
+  Report report{ .received = now, .doing = doing(), .rate = rate_, .film = film() };
+  // While it seeks, mpv tells where it goes to before it is there.
+  const std::optional<Time> position = std::exchange(position_, std::nullopt);
+  if (report.doing != Doing::stalled)
+    report.position = position ? std::optional(shown(*position)) : std::nullopt;
+  report.sought = sought_;
+  if (report.doing == Doing::playing && report.position)
+    sought_ = false;
+  return report;
+}
+
+/// What is on the screen when mpv tells a position.
+Time
+MpvConversation::shown(Time position) const
+{
+  return std::max(Time(0), position - frame_);
+}
+
+Doing
+MpvConversation::doing() const
+{
+  if (path_.empty())
+    return Doing::stopped;
+  if (seeking_)
+    return Doing::stalled;
+  if (paused_)
+    return Doing::paused;
+  return idle_ ? Doing::stalled : Doing::playing;
+}
+
+std::string
+MpvConversation::film() const
+{
+  const bool is_whole = path_.empty() || path_.front() == '/' || is_uri(path_) || folder_.empty();
+  return is_whole ? path_ : folder_ + "/" + path_;
+}
+
+} // namespace follow

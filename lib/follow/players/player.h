@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include "follow/evidence.h"
+#include "follow/report.h"
+
+#include <glib.h>
+
+#include <chrono>
+#include <functional>
+#include <string>
+
+namespace follow {
+
+/// What a player calls, on the thread of the main context in which it was opened. It must not be
+/// destroyed meanwhile.
+struct PlayerEvents
+{
+  std::function<void(const Report &)> reported;
+  std::function<void(const std::string &why)> gone; ///< once; nothing follows
+};
+
+/// A connection to a player. It neither waits nor throws. Of the thread of its main context.
+class Player
+{
+public:
+  virtual ~Player() = default;
+
+  virtual const std::string &name() const = 0; ///< for messages
+  virtual Habits habits() const = 0;
+  /// Asks for the position now, where that is asked for.
+  virtual void ask()
+  {
+  }
+};
+
+/// Local time of reports.
+inline Time
+local_time()
+{
+  return std::chrono::microseconds(g_get_monotonic_time());
+}
+
+} // namespace follow

@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include "follow/evidence.h"
+#include "follow/report.h"
+
+#include <cstdint>
+#include <optional>
+
+namespace follow {
+
+/// Where a player's film is now, from reports that are late, rounded, jittery and sometimes wrong.
+///
+/// A report that does not fit what is known is a leap, or wrong: the position is unknown until the
+/// next report says which, except after reports that say so themselves (Report::sought, another
+/// film, another rate). It is also unknown without reports, while it is known less exactly than
+/// Settings::most_error, and while the player goes backwards.
+///
+/// Within a stretch the position never goes backwards: it nears what becomes better known by
+/// playing up to a fifth faster or slower. Reads no clock; not thread-safe.
+class PositionEstimator
+{
+public:
+  struct Settings
+  {
+    Habits habits{};
+    Time most_error = std::chrono::milliseconds(120);
+  };
+
+  /// What is known at a moment.
+  struct Estimate
+  {
+    Time position{ 0 }; ///< film time
+    Time error{ 0 };    ///< what it may be off by
+    double rate = 1;    ///< film seconds a second; 0: the film stands still
+    /// Another number after each leap and change of rate: the film goes on elsewhere.
+    std::uint64_t stretch = 0;
+  };
+
+  /// Reports beyond these are not believed.
+  static constexpr Time kLongestFilm = std::chrono::hours(100);
+  static constexpr double kMostRate = 16;
+  /// Of the rate, by which the position nears what is better known.
+  static constexpr double kMostCorrection = 0.2;
+  /// A report off by less is late or a little wrong, and alone changes nothing.
+  static constexpr Time kLeap = std::chrono::milliseconds(150);
+
+  PositionEstimator() = default;
+  explicit PositionEstimator(const Settings &settings);
+
+  /// Reports in order of their local times; one from before the last position is too old.
+  void report(const Report &report);
+
+  /// At a local time not before the last report; none: unknown.
+  std::optional<Estimate> at(Time now) const;
+
+  /// Until when at() is known if nothing more is reported; none: it is not, or the film stands.
+  std::optional<Time> known_until() const;
+
+  /// Whether the next report decides something, so that asking at once helps.
+  bool asks_again() const;
+
+private:
+  /// Where what at() tells went on at the last report.
+  struct Anchor
+  {
+    Time at{ 0 };
+    Time position{ 0 };
+  };
+
+  void forget();
+  void stand(const Report &report);
+  void wait(const Report &report);
+  void start(const Report &report, std::optional<Estimate> before);
+  void follow(const Report &report);
+  void doubt(const Report &report);
+  bool stands_still(const Report &report) const;
+  Report with_position(const Report &report, const std::optional<Estimate> &before) const;
+  void count_span(Time received);
+  Time told(Time now) const;
+
+  Settings settings_;
+  std::string film_;
+  std::optional<Time> stands_;       ///< the film stands still here
+  std::optional<Evidence> evidence_; ///< of the stretch that plays
+  std::optional<Evidence> doubt_;    ///< of reports that do not fit it
+  bool leapt_ = false;               ///< doubt_ is far from evidence_
+  Anchor anchor_;
+  std::uint64_t stretch_ = 0;
+  Time last_{ 0 };                      ///< local time of the last report with a position
+  std::optional<Time> last_position_{}; ///< as told
+  Time last_change_{ 0 };               ///< local time at which that was told first
+  std::deque<Time> spans_;              ///< between reports
+};
+
+} // namespace follow

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include "nanoseconds.h"
+
+#include <optional>
+#include <string>
+
+namespace follow {
+
+using visuotactile::Time;
+
+/// What a player does, as it says.
+enum class Doing
+{
+  stopped, ///< no film is open
+  paused,
+  stalled, ///< would play, but waits for data, or seeks
+  playing,
+};
+
+/// What a player told at one moment. Local times are of the monotonic clock.
+struct Report
+{
+  Time received{ 0 }; ///< local time
+  /// Local time before which the position was not read, where that is known: when it was asked for.
+  std::optional<Time> asked{};
+  std::optional<Time> position{}; ///< film time; none: this report tells something else
+  Doing doing = Doing::playing;
+  double rate = 1;     ///< film seconds a second
+  bool sought = false; ///< the player says that the position has leapt
+  std::string film{};  ///< path or URI; a report of another one is of a new film
+};
+
+} // namespace follow

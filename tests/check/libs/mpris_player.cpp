@@ -1,0 +1,273 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+//
+// A player on a bus of its own, which tells and answers what each test wants.
+#include "follow/players/mpris_player.h"
+#include "follow/players/mpris_bus.h"
+#include "follow/players/mpris_state.h"
+
+#include <algorithm>
+#include <memory>
+#include <string>
+#include <vector>
+
+// gstcheck.h defines a macro `fail`, so it follows the standard library's headers.
+#include <gst/check/gstcheck.h>
+
+using namespace std::chrono_literals;
+using namespace follow;
+
+namespace {
+
+constexpr const char *kName = "org.mpris.MediaPlayer2.fake";
+constexpr const char *kInterface = "org.mpris.MediaPlayer2.Player";
+constexpr const char *kXml = R"(<node><interface name="org.mpris.MediaPlayer2.Player">
+  <property name="PlaybackStatus" type="s" access="read"/>
+  <property name="Rate" type="d" access="read"/>
+  <property name="Position" type="x" access="read"/>
+  <property name="Metadata" type="a{sv}" access="read"/>
+  <signal name="Seeked"><arg type="x"/></signal>
+</interface></node>)";
+
+struct Unref
+{
+  void operator()(gpointer object) const
+  {
+    g_object_unref(object);
+  }
+};
+using Connection = std::unique_ptr<GDBusConnection, Unref>;
+
+/// A session bus with a player, whose calls are answered by this thread's main loop.
+class Stage
+{
+public:
+  Stage() : bus_(g_test_dbus_new(G_TEST_DBUS_NONE))
+  {
+    g_test_dbus_up(bus_);
+    theirs = connect();
+    ours = connect();
+    g_autoptr(GDBusNodeInfo) node = g_dbus_node_info_new_for_xml(kXml, nullptr);
+    static const GDBusInterfaceVTable kTable = { nullptr, read, nullptr, {} };
+    fail_unless(g_dbus_connection_register_object(theirs.get(), "/org/mpris/MediaPlayer2",
+                                                  node->interfaces[0], &kTable, this, nullptr,
+                                                  nullptr)
+                != 0);
+  }
+  ~Stage()
+  {
+    ours.reset();
+    theirs.reset();
+    g_test_dbus_down(bus_);
+    g_object_unref(bus_);
+  }
+  Stage(const Stage &) = delete;
+  Stage &operator=(const Stage &) = delete;
+
+  void own(const char *name) const
+  {
+    g_autoptr(GVariant) answer = g_dbus_connection_call_sync(
+        theirs.get(), "org.freedesktop.DBus", "/org/freedesktop/DBus", "org.freedesktop.DBus",
+        "RequestName", g_variant_new("(su)", name, 0U), nullptr, G_DBUS_CALL_FLAGS_NONE, -1,
+        nullptr, nullptr);
+    fail_unless(answer != nullptr);
+  }
+  void tell_change(const char *property, GVariant *value) const
+  {
+    GVariantBuilder changed;
+    g_variant_builder_init(&changed, G_VARIANT_TYPE_VARDICT);
+    g_variant_builder_add(&changed, "{sv}", property, value);
+    emit("org.freedesktop.DBus.Properties", "PropertiesChanged",
+         g_variant_new("(sa{sv}as)", kInterface, &changed, nullptr));
+  }
+  void tell_seek(gint64 to) const
+  {
+    emit(kInterface, "Seeked", g_variant_new("(x)", to));
+  }
+
+  PlayerEvents events()
+  {
+    return { .reported = [this](const Report &report) { reports.push_back(report); }, .gone = {} };
+  }
+  /// Runs the main loop until a report of which `is_it` holds, and returns that. Reports before it
+  /// are dropped. The test's time limit ends the wait.
+  template <class Predicate> Report wait_for(Predicate is_it)
+  {
+    while (true) {
+      const auto found = std::ranges::find_if(reports, is_it);
+      if (found != reports.end()) {
+        const Report report = *found;
+        reports.erase(reports.begin(), found + 1);
+        return report;
+      }
+      g_main_context_iteration(nullptr, TRUE);
+    }
+  }
+
+  Connection theirs;
+  Connection ours;
+  std::vector<Report> reports;
+  std::string status = "Playing";
+  gint64 microseconds = 5'000'000;
+  double rate = 1;
+
+private:
+  Connection connect() const
+  {
+    GDBusConnection *connection = g_dbus_connection_new_for_address_sync(
+        g_test_dbus_get_bus_address(bus_),
+        static_cast<GDBusConnectionFlags>(G_DBUS_CONNECTION_FLAGS_AUTHENTICATION_CLIENT
+                                          | G_DBUS_CONNECTION_FLAGS_MESSAGE_BUS_CONNECTION),
+        nullptr, nullptr, nullptr);
+    fail_unless(connection != nullptr);
+    return Connection(connection);
+  }
+
+  void emit(const char *interface, const char *signal, GVariant *arguments) const
+  {
+    fail_unless(g_dbus_connection_emit_signal(theirs.get(), nullptr, "/org/mpris/MediaPlayer2",
+                                              interface, signal, arguments, nullptr));
+  }
+
+  static GVariant *read(GDBusConnection *, const gchar *, const gchar *, const gchar *,
+                        const gchar *name, GError **, gpointer data)
+  {
+    auto *self = static_cast<Stage *>(data);
+    const std::string property = name;
+    if (property == "PlaybackStatus")
+      return g_variant_new_string(self->status.c_str());
+    if (property == "Rate")
+      return g_variant_new_double(self->rate);
+    if (property == "Position")
+      return g_variant_new_int64(self->microseconds);
+    GVariantBuilder metadata;
+    g_variant_builder_init(&metadata, G_VARIANT_TYPE_VARDICT);
+    g_variant_builder_add(&metadata, "{sv}", "xesam:url",
+                          g_variant_new_string("file:///films/a%20b.mkv"));
+    return g_variant_builder_end(&metadata);
+  }
+
+  GTestDBus *bus_;
+};
+
+bool
+has_position(const Report &report)
+{
+  return report.position.has_value();
+}
+
+} // namespace
+
+GST_START_TEST(test_asks_while_it_plays)
+{
+  Stage stage;
+  stage.own(kName);
+  const auto player = open_mpris(stage.ours.get(), kName, stage.events());
+  ck_assert_str_eq(player->name().c_str(), "fake");
+  Report report = stage.wait_for(has_position);
+  ck_assert(report.position == 5s && report.doing == Doing::playing && report.rate == 1);
+  ck_assert(report.film == "file:///films/a%20b.mkv");
+  fail_if(report.sought);
+  ck_assert(report.asked.has_value() && *report.asked <= report.received);
+  // Again and again, without being told to.
+  stage.microseconds = 6'000'000;
+  report = stage.wait_for([](const Report &one) { return one.position == 6s; });
+  ck_assert(report.doing == Doing::playing);
+  for (int i = 0; i < 3; i++)
+    stage.wait_for(has_position);
+
+  stage.status = "Paused";
+  stage.tell_change("PlaybackStatus", g_variant_new_string("Paused"));
+  report = stage.wait_for([](const Report &one) { return one.doing == Doing::paused; });
+  fail_if(report.position.has_value());
+  stage.tell_change("Rate", g_variant_new_double(1.5));
+  report = stage.wait_for([](const Report &one) { return one.rate == 1.5; });
+  ck_assert(report.doing == Doing::paused);
+  stage.tell_change("PlaybackStatus", g_variant_new_string("Stopped"));
+  stage.wait_for([](const Report &one) { return one.doing == Doing::stopped; });
+}
+GST_END_TEST;
+
+GST_START_TEST(test_seek)
+{
+  Stage stage;
+  stage.own(kName);
+  const auto player = open_mpris(stage.ours.get(), kName, stage.events());
+  stage.wait_for(has_position);
+  stage.microseconds = 300'000'000;
+  stage.tell_seek(300'000'000);
+  const Report report = stage.wait_for([](const Report &one) { return one.sought; });
+  ck_assert(report.position == 300s);
+}
+GST_END_TEST;
+
+/// What is no time is none, and what is of another type than it should be is left out.
+GST_START_TEST(test_nonsense)
+{
+  for (const gint64 microseconds : { gint64{ -1 }, G_MAXINT64, G_MININT64 }) {
+    g_autoptr(GVariant) position = g_variant_ref_sink(g_variant_new_int64(microseconds));
+    fail_if(MprisState::position(position).has_value());
+  }
+  g_autoptr(GVariant) text = g_variant_ref_sink(g_variant_new_string("5"));
+  fail_if(MprisState::position(text).has_value());
+
+  MprisState state;
+  state.take(text);
+  ck_assert(state.report(1s).doing == Doing::stopped && state.report(1s).film.empty());
+  const std::string long_name(5000, 'a');
+  g_autoptr(GVariant) strange = g_variant_ref_sink(
+      g_variant_new_parsed("{'PlaybackStatus': <'Playing'>, 'Rate': <'fast'>, 'Position': <'x'>,"
+                           " 'Metadata': <{'xesam:url': <7>, 'xesam:title': <%s>}>}",
+                           long_name.c_str()));
+  state.take(strange);
+  ck_assert(state.report(1s).doing == Doing::playing && state.report(1s).rate == 1);
+  ck_assert(state.report(1s).film.empty());
+  g_autoptr(GVariant) titled
+      = g_variant_ref_sink(g_variant_new_parsed("{'Metadata': <{'xesam:title': <'A film'>}>}"));
+  state.take(titled);
+  ck_assert(state.report(1s).film == "A film");
+}
+GST_END_TEST;
+
+/// Players that were there before, that come and that go.
+GST_START_TEST(test_bus)
+{
+  Stage stage;
+  stage.own(kName);
+  stage.own("org.example.no_player");
+  std::vector<std::string> told;
+  MprisBus names(stage.ours.get(),
+                 { .appeared = [&](const std::string &name) { told.push_back("+" + name); },
+                   .vanished =
+                       [&](const std::string &name) {
+                         told.push_back("-" + name);
+                       } });
+  const auto wait_for = [&told](const std::string &what) {
+    while (std::ranges::find(told, what) == told.end())
+      g_main_context_iteration(nullptr, TRUE);
+  };
+  wait_for(std::string("+") + kName);
+  stage.own("org.mpris.MediaPlayer2.other");
+  wait_for("+org.mpris.MediaPlayer2.other");
+  fail_unless(g_dbus_connection_close_sync(stage.theirs.get(), nullptr, nullptr));
+  wait_for(std::string("-") + kName);
+  wait_for("-org.mpris.MediaPlayer2.other");
+  for (const std::string &name : told)
+    fail_if(name.find("no_player") != std::string::npos);
+}
+GST_END_TEST;
+
+static Suite *
+mpris_player_suite(void)
+{
+  Suite *suite = suite_create("mpris_player");
+  TCase *tcase = tcase_create("general");
+
+  suite_add_tcase(suite, tcase);
+  tcase_add_test(tcase, test_asks_while_it_plays);
+  tcase_add_test(tcase, test_seek);
+  tcase_add_test(tcase, test_nonsense);
+  tcase_add_test(tcase, test_bus);
+  return suite;
+}
+
+GST_CHECK_MAIN(mpris_player);

@@ -1,0 +1,208 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+//
+// What mpv 0.35.1 says at its socket, as recorded, and what could be said instead.
+#include "follow/players/mpv_conversation.h"
+#include "follow/players/line_buffer.h"
+
+#include <string>
+
+// gstcheck.h defines a macro `fail`, so it follows the standard library's headers.
+#include <gst/check/gstcheck.h>
+
+using namespace std::chrono_literals;
+using namespace follow;
+
+namespace {
+
+struct Talk
+{
+  /// The report of a line; there has to be one.
+  Report tells(const std::string &line)
+  {
+    now += 1ms;
+    const auto report = talk.received(line, now);
+    fail_unless(report.has_value(), "nothing told by %s", line.c_str());
+    ck_assert(report->received == now);
+    fail_if(report->asked.has_value());
+    return *report;
+  }
+  void tells_nothing(const std::string &line)
+  {
+    fail_if(talk.received(line, now).has_value(), "told by %s", line.c_str());
+  }
+  Report property(const char *name, const char *data)
+  {
+    return tells(std::string(R"({"event":"property-change","id":1,"name":")") + name
+                 + R"(","data":)" + data + "}");
+  }
+  void play()
+  {
+    property("working-directory", "\"/films\"");
+    property("path", "\"film.mkv\"");
+    property("seeking", "false");
+    property("core-idle", "false");
+    property("pause", "false");
+    property("speed", "1.000000");
+  }
+
+  Time now = 5s;
+  MpvConversation talk;
+};
+
+} // namespace
+
+GST_START_TEST(test_questions)
+{
+  const std::string questions = MpvConversation::questions();
+  fail_unless(questions.starts_with(R"({"command":["observe_property",1,"working-directory"]})"
+                                    "\n"));
+  fail_unless(questions.ends_with(R"({"command":["observe_property",8,"time-pos"]})"
+                                  "\n"));
+}
+GST_END_TEST;
+
+GST_START_TEST(test_play)
+{
+  Talk talk;
+  talk.tells_nothing(R"({"request_id":0,"error":"success"})");
+  ck_assert(talk.property("time-pos", "0.083000").doing == Doing::stopped);
+  talk.play();
+  const Report report = talk.property("time-pos", "0.125000");
+  ck_assert(report.doing == Doing::playing);
+  ck_assert(report.position == 125ms);
+  ck_assert(report.rate == 1);
+  ck_assert_str_eq(report.film.c_str(), "/films/film.mkv");
+  fail_if(report.sought);
+
+  const Report faster = talk.property("speed", "1.250000");
+  ck_assert(faster.rate == 1.25);
+  fail_if(faster.position.has_value());
+
+  ck_assert(talk.property("pause", "true").doing == Doing::paused);
+  ck_assert(talk.property("core-idle", "true").doing == Doing::paused);
+  ck_assert(talk.property("pause", "false").doing == Doing::stalled);
+  ck_assert(talk.property("core-idle", "false").doing == Doing::playing);
+}
+GST_END_TEST;
+
+/// It tells a frame while the one before is on the screen.
+GST_START_TEST(test_frame_ahead)
+{
+  Talk talk;
+  talk.play();
+  talk.property("container-fps", "25.000000");
+  ck_assert(talk.property("time-pos", "5.040000").position == 5s);
+  ck_assert(talk.property("time-pos", "0.000000").position == 0s);
+  for (const char *data : { "null", "0", "1e9", "-25" }) {
+    talk.property("container-fps", data);
+    ck_assert(talk.property("time-pos", "5.040000").position == 5040ms);
+  }
+}
+GST_END_TEST;
+
+/// Where it seeks to is told before the film is there.
+GST_START_TEST(test_seek)
+{
+  Talk talk;
+  talk.play();
+  Report report = talk.tells(R"({"event":"seek"})");
+  ck_assert(report.doing == Doing::stalled && report.sought);
+  report = talk.property("time-pos", "7.083000");
+  ck_assert(report.doing == Doing::stalled);
+  fail_if(report.position.has_value());
+  talk.property("seeking", "true");
+  talk.property("core-idle", "true");
+  ck_assert(talk.tells(R"({"event":"playback-restart"})").doing == Doing::stalled); // idle still
+  report = talk.property("time-pos", "8.000000");
+  fail_if(report.position.has_value());
+  talk.property("seeking", "false");
+  talk.property("core-idle", "false");
+  report = talk.property("time-pos", "8.042000");
+  ck_assert(report.position == 8042ms && report.sought);
+  report = talk.property("time-pos", "8.083000");
+  ck_assert(report.position == 8083ms && !report.sought);
+}
+GST_END_TEST;
+
+/// A seek so quick that no property changes.
+GST_START_TEST(test_quick_seek)
+{
+  Talk talk;
+  talk.play();
+  talk.tells(R"({"event":"seek"})");
+  ck_assert(talk.tells(R"({"event":"playback-restart"})").doing == Doing::playing);
+  const Report report = talk.property("time-pos", "8.000000");
+  ck_assert(report.position == 8s && report.sought);
+}
+GST_END_TEST;
+
+GST_START_TEST(test_films)
+{
+  Talk talk;
+  talk.play();
+  ck_assert(talk.property("path", R"("https://example.org/a.mkv")").film
+            == "https://example.org/a.mkv");
+  ck_assert(talk.property("path", R"("/b \"c\".mkv")").film == "/b \"c\".mkv");
+  ck_assert(talk.tells(R"({"event":"end-file","reason":"eof"})").doing == Doing::stopped);
+  talk.property("path", "\"d.mkv\"");
+  ck_assert(talk.tells(R"({"event":"shutdown"})").doing == Doing::stopped);
+  const std::string long_path(5000, 'a');
+  ck_assert(talk.property("path", ("\"" + long_path + "\"").c_str()).doing == Doing::stopped);
+  // Without a film, none has a time.
+  fail_if(talk.property("time-pos", "null").position.has_value());
+}
+GST_END_TEST;
+
+GST_START_TEST(test_nonsense)
+{
+  Talk talk;
+  talk.play();
+  for (const char *line : { "", "{", "[]", "7", "null", "\"\"", "{}", "{\"event\":7}",
+                            R"({"event":"property-change"})", R"({"event":"volume"})",
+                            R"({"event":"property-change","name":"volume","data":1})",
+                            R"({"event":"property-change","name":["time-pos"],"data":1})" })
+    talk.tells_nothing(line);
+  talk.tells_nothing(std::string(10'000, '['));
+  for (const char *data : { "null", "\"5\"", "true", "-1", "1e9", "1e400", "[1]", "{\"a\":1}" })
+    fail_if(talk.property("time-pos", data).position.has_value(), "%s", data);
+  ck_assert(talk.property("time-pos", "3").position == 3s); // a whole number
+  for (const char *data : { "null", "\"fast\"", "[]" })
+    ck_assert(talk.property("speed", data).rate == 1);
+}
+GST_END_TEST;
+
+GST_START_TEST(test_lines)
+{
+  LineBuffer lines;
+  fail_if(lines.next().has_value());
+  fail_unless(lines.add("a\nbc"));
+  ck_assert(lines.next() == "a");
+  fail_if(lines.next().has_value());
+  fail_unless(lines.add("d\n\n"));
+  ck_assert(lines.next() == "bcd");
+  ck_assert(lines.next() == "");
+  fail_if(lines.next().has_value());
+  fail_unless(lines.add(std::string(LineBuffer::kLongestLine, 'x')));
+  fail_if(lines.add("x"));
+}
+GST_END_TEST;
+
+static Suite *
+mpv_conversation_suite(void)
+{
+  Suite *suite = suite_create("mpv_conversation");
+  TCase *tcase = tcase_create("general");
+
+  suite_add_tcase(suite, tcase);
+  tcase_add_test(tcase, test_questions);
+  tcase_add_test(tcase, test_play);
+  tcase_add_test(tcase, test_frame_ahead);
+  tcase_add_test(tcase, test_seek);
+  tcase_add_test(tcase, test_quick_seek);
+  tcase_add_test(tcase, test_films);
+  tcase_add_test(tcase, test_nonsense);
+  tcase_add_test(tcase, test_lines);
+  return suite;
+}
+
+GST_CHECK_MAIN(mpv_conversation);

@@ -1,0 +1,210 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+//
+// When cues of a track are to be felt, against when their frames are shown.
+#include "follow/track_follower.h"
+
+#include "support/simulated_player.h"
+
+// gstcheck.h defines a macro `fail`, so it follows the standard library's headers.
+#include <gst/check/gstcheck.h>
+
+using namespace std::chrono_literals;
+using namespace follow;
+
+namespace {
+
+constexpr Time kBegin = 100s;
+constexpr Time kAhead = 350ms;
+
+/// Silent, but for 0.3 s from each whole second on.
+tactile::Track
+pulses(int seconds)
+{
+  tactile::Track track(1, 1);
+  tactile::TactileMap on(1, 1);
+  on.levels[0] = 1;
+  for (int second = 1; second < seconds; second++) {
+    fail_unless(track.append(second * 1s, on).has_value());
+    fail_unless(track.append(second * 1s + 300ms, tactile::TactileMap(1, 1)).has_value());
+  }
+  fail_unless(track.set_end(seconds * 1s).has_value());
+  return track;
+}
+
+PositionEstimator::Estimate
+at(Time position, double rate = 1, std::uint64_t stretch = 1)
+{
+  return { .position = position, .rate = rate, .stretch = stretch };
+}
+
+TrackFollower
+follower(int seconds = 60)
+{
+  TrackFollower follower;
+  follower.set_track(pulses(seconds));
+  return follower;
+}
+
+bool
+is_on(const tactile::Cue &cue)
+{
+  return cue.map.levels[0] > 0;
+}
+
+} // namespace
+
+GST_START_TEST(test_ahead)
+{
+  TrackFollower chair = follower();
+  TrackFollower::Step step = chair.step(at(1900ms), kBegin, kAhead);
+  fail_if(step.silence);
+  ck_assert_uint_eq(step.cues.size(), 2);
+  ck_assert(!is_on(step.cues[0]) && step.cues[0].begin == kBegin);
+  ck_assert(is_on(step.cues[1]) && step.cues[1].begin == kBegin + 100ms);
+  ck_assert(step.cues[1].end == kBegin + 400ms);
+  // Each once.
+  step = chair.step(at(1920ms), kBegin + 20ms, kAhead);
+  ck_assert(!step.silence && step.cues.empty());
+  // As soon as it is within reach, by what is known then: the film is 4 ms further.
+  step = chair.step(at(2054ms), kBegin + 150ms, kAhead);
+  ck_assert_uint_eq(step.cues.size(), 1);
+  ck_assert(!is_on(step.cues[0]) && step.cues[0].begin == kBegin + 396ms);
+}
+GST_END_TEST;
+
+/// A level that lasts is told again each second, so that the chair knows that it still holds.
+GST_START_TEST(test_long_cues)
+{
+  TrackFollower chair = follower(2);
+  const TrackFollower::Step step = chair.step(at(1500ms), kBegin, 4s);
+  ck_assert_uint_eq(step.cues.size(), 5);
+  for (std::size_t i = 0; i < step.cues.size(); i++) {
+    fail_if(is_on(step.cues[i]));
+    ck_assert(i == 0 || step.cues[i].begin == step.cues[i - 1].end);
+  }
+  ck_assert(step.cues[0].end == kBegin + 500ms); // the track's end
+}
+GST_END_TEST;
+
+GST_START_TEST(test_rate)
+{
+  TrackFollower chair = follower();
+  const TrackFollower::Step step = chair.step(at(1900ms, 2), kBegin, kAhead);
+  ck_assert_uint_eq(step.cues.size(), 3);
+  ck_assert(is_on(step.cues[1]) && step.cues[1].begin == kBegin + 50ms);
+  ck_assert(step.cues[1].end == kBegin + 200ms);
+}
+GST_END_TEST;
+
+GST_START_TEST(test_offset)
+{
+  TrackFollower chair = follower();
+  chair.set_offset(60ms); // the picture is later
+  TrackFollower::Step step = chair.step(at(1900ms), kBegin, kAhead);
+  ck_assert(is_on(step.cues.at(1)) && step.cues[1].begin == kBegin + 160ms);
+  // Before the film's beginning there is nothing.
+  TrackFollower early = follower();
+  early.set_offset(500ms);
+  step = early.step(at(0s), kBegin, 1s);
+  ck_assert(step.cues.at(0).begin == kBegin + 500ms);
+}
+GST_END_TEST;
+
+/// Each silences, once, and what comes then is of where the film is.
+GST_START_TEST(test_silence)
+{
+  TrackFollower chair = follower();
+  ck_assert(!chair.step(std::nullopt, kBegin, kAhead).silence);
+  ck_assert(!chair.step(at(2s), kBegin, kAhead).cues.empty());
+
+  TrackFollower::Step step = chair.step(at(30s + 100ms, 1, 2), kBegin + 20ms, kAhead); // a seek
+  ck_assert(step.silence && is_on(step.cues.at(0)));
+  ck_assert(step.cues[0].begin == kBegin + 20ms && step.cues[0].end == kBegin + 220ms);
+
+  step = chair.step(std::nullopt, kBegin + 40ms, kAhead); // unknown
+  ck_assert(step.silence && step.cues.empty());
+  ck_assert(!chair.step(std::nullopt, kBegin + 60ms, kAhead).silence);
+  step = chair.step(at(30s + 140ms, 1, 2), kBegin + 80ms, kAhead);
+  ck_assert(!step.silence && step.cues.at(0).begin == kBegin + 80ms);
+
+  step = chair.step(at(30s + 160ms, 0, 2), kBegin + 100ms, kAhead); // a pause
+  ck_assert(step.silence && step.cues.empty());
+
+  ck_assert(!chair.step(at(2s, 1, 3), kBegin + 120ms, kAhead).cues.empty());
+  chair.set_track(std::nullopt);
+  step = chair.step(at(2020ms, 1, 3), kBegin + 140ms, kAhead);
+  ck_assert(step.silence && step.cues.empty());
+}
+GST_END_TEST;
+
+/// A main loop that hung: what is past is not felt, and not made up for.
+GST_START_TEST(test_hang)
+{
+  TrackFollower chair = follower();
+  ck_assert(!chair.step(at(2s), kBegin, kAhead).cues.empty());
+  const TrackFollower::Step step = chair.step(at(12s + 200ms), kBegin + 10s + 200ms, kAhead);
+  ck_assert_uint_eq(step.cues.size(), 2);
+  ck_assert(is_on(step.cues[0]) && step.cues[0].begin == kBegin + 10s + 200ms);
+  ck_assert(step.cues[0].end == kBegin + 10s + 300ms);
+}
+GST_END_TEST;
+
+/// Reports, estimate and cues together, with seeks that nobody tells, pauses and another rate.
+GST_START_TEST(test_whole)
+{
+  WatchedFilm film(kBegin, 0s, 150e-6);
+  film.seek(kBegin + 20s + 650ms, 47s)
+      .change(kBegin + 40s + 450ms, Doing::paused)
+      .change(kBegin + 45s, Doing::playing)
+      .change(kBegin + 60s + 450ms, Doing::playing, 1.25)
+      .seek(kBegin + 80s, 2s);
+  Telling telling = told_by_frame();
+  telling.tells_seeks = false;
+  PositionEstimator estimator;
+  TrackFollower chair = follower(200);
+  std::vector<Time> felt;
+  Time now = kBegin;
+  for (const Report &report : reports_of(film, telling, kBegin + 100s, 9)) {
+    for (; now < report.received; now += 20ms) {
+      const TrackFollower::Step step = chair.step(estimator.at(now), now, kAhead);
+      if (step.silence)
+        std::erase_if(felt, [now](Time begin) { return begin > now; });
+      for (const tactile::Cue &cue : step.cues)
+        if (is_on(cue) && cue.begin > now + 100ms) // a whole one
+          felt.push_back(cue.begin);
+    }
+    estimator.report(report);
+  }
+  int settled = 0;
+  for (const Time begin : felt) {
+    if (begin > now || begin < film.stretch(begin).begin + 1s)
+      continue;
+    const Time off = film.position(begin) % 1s;
+    const Time error = off > 500ms ? off - 1s : off;
+    fail_unless(std::chrono::abs(error) < 2ms, "off by %.2f ms at %.3f s",
+                static_cast<double>(error.count()) / 1e6,
+                static_cast<double>((begin - kBegin).count()) / 1e9);
+    settled++;
+  }
+  fail_unless(settled > 80, "%d of %zu pulses", settled, felt.size());
+}
+GST_END_TEST;
+
+static Suite *
+track_follower_suite(void)
+{
+  Suite *suite = suite_create("track_follower");
+  TCase *tcase = tcase_create("general");
+
+  suite_add_tcase(suite, tcase);
+  tcase_add_test(tcase, test_ahead);
+  tcase_add_test(tcase, test_long_cues);
+  tcase_add_test(tcase, test_rate);
+  tcase_add_test(tcase, test_offset);
+  tcase_add_test(tcase, test_silence);
+  tcase_add_test(tcase, test_hang);
+  tcase_add_test(tcase, test_whole);
+  return suite;
+}
+
+GST_CHECK_MAIN(track_follower);

@@ -1,0 +1,286 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "follower.h"
+
+#include "film/command_line.h"
+#include "follow/players/mpris_player.h"
+#include "follow/players/mpv_player.h"
+
+#include <glib-unix.h>
+
+#include <csignal>
+#include <cstdio>
+#include <stdexcept>
+#include <utility>
+
+using follow::Doing;
+using follow::local_time;
+using follow::Report;
+
+namespace {
+
+constexpr guint kTick = 20;         ///< ms
+constexpr guint kLookForMpv = 1000; ///< ms
+constexpr guint kListing = 1000;    ///< ms until all have answered
+constexpr std::size_t kMostPlayers = 16;
+constexpr const char *kMpv = "mpv";
+
+const char *
+word(Doing doing)
+{
+  switch (doing) {
+  case Doing::stopped:
+    return "stopped";
+  case Doing::paused:
+    return "paused";
+  case Doing::stalled:
+    return "waits";
+  case Doing::playing:
+    return "plays";
+  }
+  return "";
+}
+
+} // namespace
+
+Follower::Follower(const FollowSettings &settings)
+    : settings_(settings), library_(settings.tracks), loop_(g_main_loop_new(nullptr, FALSE)),
+      chair_(settings.sink, { .told = [this](const std::string &text) { tell(text); },
+                              .failed =
+                                  [this](const std::string &text) {
+                                    fail(text);
+                                  } })
+{
+  track_.set_offset(settings_.offset);
+  if (settings_.uses_bus) {
+    g_autoptr(GError) error = nullptr;
+    bus_ = g_bus_get_sync(G_BUS_TYPE_SESSION, nullptr, &error);
+    if (bus_ != nullptr) {
+      g_dbus_connection_set_exit_on_close(bus_, FALSE);
+      g_signal_connect_swapped(
+          bus_, "closed",
+          G_CALLBACK(+[](Follower *self) { self->fail("the session bus is gone"); }), this);
+      names_ = std::make_unique<follow::MprisBus>(
+          bus_,
+          follow::MprisBus::Events{ .appeared = [this](const std::string &name) { appeared(name); },
+                                    .vanished =
+                                        [this](const std::string &name) {
+                                          gone(name, "it has left the bus");
+                                        } });
+    } else if (!settings_.mpris.empty()) {
+      g_main_loop_unref(loop_);
+      throw std::runtime_error(std::string("cannot reach the session bus: ") + error->message);
+    }
+  }
+  look_for_mpv();
+  sources_.push_back(g_timeout_add(
+      kLookForMpv,
+      +[](gpointer self) -> gboolean {
+        static_cast<Follower *>(self)->look_for_mpv();
+        return G_SOURCE_CONTINUE;
+      },
+      this));
+  sources_.push_back(g_timeout_add(
+      kTick, +[](gpointer self) { return static_cast<Follower *>(self)->tick(); }, this));
+  for (const int number : { SIGINT, SIGTERM, SIGHUP })
+    sources_.push_back(g_unix_signal_add(
+        number,
+        +[](gpointer self) -> gboolean {
+          g_main_loop_quit(static_cast<Follower *>(self)->loop_);
+          return G_SOURCE_CONTINUE;
+        },
+        this));
+}
+
+Follower::~Follower()
+{
+  chair_.close(); // before anything else
+  for (const guint source : sources_)
+    g_source_remove(source);
+  players_.clear();
+  names_.reset();
+  if (bus_ != nullptr) {
+    g_signal_handlers_disconnect_by_data(bus_, this);
+    g_object_unref(bus_);
+  }
+  g_main_loop_unref(loop_);
+}
+
+void
+Follower::run()
+{
+  if (failure_.empty())
+    g_main_loop_run(loop_);
+  chair_.close();
+  if (!failure_.empty())
+    throw std::runtime_error(failure_);
+}
+
+void
+Follower::list()
+{
+  sources_.push_back(g_timeout_add(
+      kListing,
+      +[](gpointer self) -> gboolean {
+        g_main_loop_quit(static_cast<Follower *>(self)->loop_);
+        return G_SOURCE_CONTINUE;
+      },
+      this));
+  g_main_loop_run(loop_);
+  if (players_.empty())
+    std::puts("No player is there.");
+  for (const auto &[key, followed] : players_) {
+    const auto estimate = followed.estimator.at(local_time());
+    std::printf("%s: %s", followed.player->name().c_str(), word(followed.last.doing));
+    if (!followed.last.film.empty())
+      std::printf(" '%s'", film_name(followed.last.film).c_str());
+    if (estimate)
+      std::printf(" at %.1f s", static_cast<double>(estimate->position.count()) / 1e9);
+    std::printf("\n");
+  }
+}
+
+void
+Follower::look_for_mpv()
+{
+  if (settings_.mpv_socket.empty() || players_.contains(kMpv))
+    return;
+  auto player = follow::open_mpv(settings_.mpv_socket, events_of(kMpv));
+  if (player)
+    add(kMpv, *std::move(player));
+  else if (settings_.insists_on_mpv && !std::exchange(told_of_mpv_, true))
+    tell(player.error() + " It is waited for.");
+}
+
+void
+Follower::appeared(const std::string &bus_name)
+{
+  if (!players_.contains(bus_name)
+      && (settings_.mpris.empty() || bus_name == follow::kMprisPrefix + settings_.mpris))
+    add(bus_name, follow::open_mpris(bus_, bus_name, events_of(bus_name)));
+}
+
+follow::PlayerEvents
+Follower::events_of(const std::string &key)
+{
+  return { .reported = [this, key](const Report &report) { reported(key, report); },
+           .gone =
+               [this, key](const std::string &why) {
+                 gone(key, why);
+               } };
+}
+
+void
+Follower::add(const std::string &key, std::unique_ptr<follow::Player> player)
+{
+  if (players_.size() >= kMostPlayers)
+    return;
+  tell(player->name() + " is there");
+  const follow::Habits habits = player->habits();
+  players_[key] = { .player = std::move(player),
+                    .estimator = follow::PositionEstimator({ .habits = habits }) };
+}
+
+void
+Follower::reported(const std::string &key, const Report &report)
+{
+  const auto found = players_.find(key);
+  if (found == players_.end() || found->second.is_gone)
+    return;
+  found->second.estimator.report(report);
+  found->second.last = report;
+  update();
+}
+
+/// Its own function calls this, so that it is removed by the next tick.
+void
+Follower::gone(const std::string &key, const std::string &why)
+{
+  const auto found = players_.find(key);
+  if (found == players_.end() || found->second.is_gone)
+    return;
+  found->second.is_gone = true;
+  tell(found->second.player->name() + " is gone: " + why);
+  update();
+}
+
+void
+Follower::choose()
+{
+  const auto plays = [](const Followed &one) {
+    return !one.is_gone && one.last.doing == Doing::playing;
+  };
+  if (current_ != nullptr && plays(*current_))
+    return;
+  for (auto &[key, followed] : players_)
+    if (plays(followed)) {
+      current_ = &followed;
+      return;
+    }
+  if (current_ != nullptr && current_->is_gone)
+    current_ = nullptr;
+}
+
+void
+Follower::change_film()
+{
+  const std::string film
+      = current_ != nullptr && current_->last.doing != Doing::stopped ? current_->last.film : "";
+  if (film == film_)
+    return;
+  film_ = film;
+  std::string complaint;
+  std::optional<FoundTrack> found = library_.find(film, complaint);
+  if (!found) {
+    track_.set_track(std::nullopt);
+    chair_.close();
+    if (!film.empty())
+      tell("no track for '" + film_name(film) + "': expected "
+           + (complaint.empty() ? library_.expected(film) : "a track, got " + complaint)
+           + "; make one with tactile-track author");
+    return;
+  }
+  tell(current_->player->name() + " plays '" + film_name(film) + "' with '" + found->path + "'");
+  try {
+    chair_.open(found->track.rows(), found->track.columns());
+  } catch (const std::runtime_error &error) {
+    fail(error.what());
+    return;
+  }
+  track_.set_track(std::move(found->track));
+}
+
+void
+Follower::update()
+{
+  choose();
+  change_film();
+  const follow::Time now = local_time();
+  chair_.take(track_.step(current_ != nullptr && !current_->is_gone ? current_->estimator.at(now)
+                                                                    : std::nullopt,
+                          now, chair_.ahead()));
+}
+
+gboolean
+Follower::tick()
+{
+  update();
+  if (current_ != nullptr && current_->estimator.asks_again())
+    current_->player->ask();
+  std::erase_if(players_, [](const auto &one) { return one.second.is_gone; });
+  return G_SOURCE_CONTINUE;
+}
+
+void
+Follower::tell(const std::string &text)
+{
+  if (!settings_.quiet)
+    print_error("visuotactile-follow", text);
+}
+
+void
+Follower::fail(const std::string &text)
+{
+  if (failure_.empty())
+    failure_ = text;
+  g_main_loop_quit(loop_);
+}

@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include "chair.h"
+#include "library.h"
+
+#include "follow/players/mpris_bus.h"
+#include "follow/players/player.h"
+#include "follow/position_estimator.h"
+#include "follow/track_follower.h"
+
+#include <map>
+#include <memory>
+#include <string>
+
+struct FollowSettings
+{
+  std::string mpv_socket;      ///< empty: none
+  bool insists_on_mpv = false; ///< say so when nobody is there
+  bool uses_bus = true;
+  std::string mpris;  ///< only the player of that name; empty: any
+  std::string tracks; ///< folder; empty: none
+  std::string sink;   ///< as on a launch line
+  follow::Time offset{ 0 };
+  bool quiet = false;
+};
+
+/// Follows one of the players that are there: the one that plays, and when several do, the one
+/// that was followed before. All on the main context's thread.
+class Follower
+{
+public:
+  /// Throws std::runtime_error.
+  explicit Follower(const FollowSettings &settings);
+  ~Follower();
+  Follower(const Follower &) = delete;
+  Follower &operator=(const Follower &) = delete;
+
+  /// Until SIGINT or SIGTERM. Throws std::runtime_error with what fails.
+  void run();
+
+  /// Prints the players that are there.
+  void list();
+
+private:
+  struct Followed
+  {
+    std::unique_ptr<follow::Player> player;
+    follow::PositionEstimator estimator{};
+    follow::Report last{}; ///< newest of its kind
+    bool is_gone = false;
+  };
+
+  void look_for_mpv();
+  void appeared(const std::string &bus_name);
+  follow::PlayerEvents events_of(const std::string &key);
+  void add(const std::string &key, std::unique_ptr<follow::Player> player);
+  void reported(const std::string &key, const follow::Report &report);
+  void gone(const std::string &key, const std::string &why);
+  void choose();
+  void change_film();
+  void update();
+  void tell(const std::string &text);
+  void fail(const std::string &text);
+  gboolean tick();
+
+  const FollowSettings settings_;
+  const Library library_;
+  GMainLoop *loop_;
+  GDBusConnection *bus_ = nullptr;
+  std::unique_ptr<follow::MprisBus> names_;
+  std::map<std::string, Followed> players_;
+  Followed *current_ = nullptr;
+  std::string current_key_;
+  std::string film_; ///< whose track is played, or looked for
+  Chair chair_;
+  follow::TrackFollower track_;
+  std::string failure_;
+  std::vector<guint> sources_;
+  bool told_of_mpv_ = false;
+};

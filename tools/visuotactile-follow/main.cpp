@@ -1,0 +1,168 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+//
+// visuotactile-follow: the chair follows a film that another program plays.
+#include "follower.h"
+
+#include "film/command_line.h"
+#include "tactor/drivers/registry.h"
+
+#include <gst/gst.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <string>
+
+namespace {
+
+constexpr const char *kProgram = "visuotactile-follow";
+constexpr double kMostOffset = 5000; ///< ms
+
+struct Options
+{
+  TextOption mpv{};
+  TextOption mpris{};
+  TextOption tracks{};
+  TextOption driver{ "auto" };
+  TextOption device{};
+  TextOption mapping{};
+  TextOption calibration{};
+  TextOption trace{};
+  gdouble intensity = 1;
+  gdouble offset = 0;
+  gboolean list = FALSE;
+  gboolean version = FALSE;
+  CommonOptions common;
+};
+
+void
+read_command_line(int argc, char **argv, Options &options)
+{
+  const GOptionEntry entries[] = {
+    { "mpv", 0, 0, G_OPTION_ARG_FILENAME, &options.mpv.value,
+      "Follow mpv at its socket, as mpv's --input-ipc-server names it (default: mpv.sock in "
+      "$XDG_RUNTIME_DIR)",
+      "SOCKET" },
+    { "mpris", 0, 0, G_OPTION_ARG_STRING, &options.mpris.value,
+      "Follow this player on the session bus, as --list-players prints it", "NAME" },
+    { "tracks", 't', 0, G_OPTION_ARG_FILENAME, &options.tracks.value,
+      "Folder of tracks for films that have none beside them", "DIR" },
+    { "driver", 'd', 0, G_OPTION_ARG_STRING, &options.driver.value,
+      "What is felt: a driver of tactorsink (default: auto)", "NAME" },
+    { "device", 0, 0, G_OPTION_ARG_STRING, &options.device.value, "Which device of the driver",
+      "ID" },
+    { "mapping", 0, 0, G_OPTION_ARG_STRING, &options.mapping.value,
+      "Tactor of each cell, such as 2,1,0", "TACTORS" },
+    { "calibration", 0, 0, G_OPTION_ARG_FILENAME, &options.calibration.value,
+      "Your motors, as tactor-calibrate has measured them", "FILE" },
+    { "intensity", 'i', 0, G_OPTION_ARG_DOUBLE, &options.intensity,
+      "Factor on all vibration, 0 to 1 (default: 1)", "FACTOR" },
+    { "offset", 'o', 0, G_OPTION_ARG_DOUBLE, &options.offset,
+      "How much later than the player says its picture is on the screen, in ms, -5000 to 5000 "
+      "(default: 0)",
+      "MS" },
+    { "trace", 0, 0, G_OPTION_ARG_FILENAME, &options.trace.value,
+      "Write all commands to a CSV file", "FILE" },
+    { "list-players", 'l', 0, G_OPTION_ARG_NONE, &options.list,
+      "Print the players that are there, and exit", nullptr },
+    { "version", 0, 0, G_OPTION_ARG_NONE, &options.version, "Print the version and exit", nullptr },
+    {},
+  };
+  parse_options(argc, argv, entries, options.common,
+                { .arguments = "",
+                  .summary
+                  = "Plays the track of a film on the chair, in sync with the film that another\n"
+                    "program plays: mpv, VLC, a browser and others that tell where they are, by\n"
+                    "mpv's socket or by MPRIS on the session bus. Without --mpv and --mpris any\n"
+                    "player is followed that plays.\n\n"
+                    "The track of FILM.mkv is FILM.vtt (or .tactile.vtt, .csv, .hjif, .sem.xml)\n"
+                    "beside it or in the folder of --tracks; tactile-track makes it. Films that\n"
+                    "have none are not felt.\n\n"
+                    "Ctrl-C ends the program, with all motors at zero.",
+                  .least = 0,
+                  .most = 0,
+                  .force_help = Usage::kWritesNothing,
+                  .quiet_help = Usage::kOnlyErrors,
+                  .group = gst_init_get_option_group() });
+  if (!(options.intensity >= 0 && options.intensity <= 1))
+    throw UsageError("--intensity is a number from 0 to 1");
+  if (!(std::abs(options.offset) <= kMostOffset))
+    throw UsageError("--offset is a number of ms from -5000 to 5000");
+  std::string drivers;
+  bool known = false;
+  for (const tactor::DriverInfo &driver : tactor::drivers()) {
+    known = known || driver.name == options.driver.text();
+    drivers += (drivers.empty() ? "" : ", ") + std::string(driver.name);
+  }
+  if (!known)
+    throw UsageError("--driver is one of " + drivers);
+}
+
+std::string
+sink_line(const Options &options)
+{
+  char number[G_ASCII_DTOSTR_BUF_SIZE];
+  std::string line = "tactorsink rate=0 driver=" + launch_value(options.driver.text())
+                     + " intensity=" + g_ascii_dtostr(number, sizeof number, options.intensity);
+  const auto add = [&line](const char *property, const TextOption &option) {
+    if (option.is_set())
+      line += std::string(" ") + property + "=" + launch_value(option.text());
+  };
+  add("device", options.device);
+  add("mapping", options.mapping);
+  add("calibration", options.calibration);
+  add("trace-location", options.trace);
+  return line;
+}
+
+/// The socket in the user's own folder, where nobody else can put one.
+std::string
+usual_socket()
+{
+  g_autofree gchar *path = g_build_filename(g_get_user_runtime_dir(), "mpv.sock", nullptr);
+  return path;
+}
+
+void
+run(const Options &options)
+{
+  const bool any = !options.mpv.is_set() && !options.mpris.is_set();
+  Follower follower({ .mpv_socket = options.mpv.text(any ? usual_socket().c_str() : ""),
+                      .insists_on_mpv = options.mpv.is_set(),
+                      .uses_bus = any || options.mpris.is_set(),
+                      .mpris = options.mpris.text(),
+                      .tracks = options.tracks.text(),
+                      .sink = sink_line(options),
+                      .offset = follow::Time(std::llround(options.offset * 1e6)),
+                      .quiet = options.common.quiet || options.list });
+  if (options.list)
+    follower.list();
+  else
+    follower.run();
+}
+
+} // namespace
+
+int
+main(int argc, char **argv)
+{
+  try {
+    Options options;
+    read_command_line(argc, argv, options);
+    if (options.version) {
+      std::printf("%s %s\n", kProgram, PACKAGE_VERSION);
+      return 0;
+    }
+    run(options);
+    return 0;
+  } catch (const Help &help) {
+    std::fputs(help.text.c_str(), stdout);
+    return 0;
+  } catch (const UsageError &error) {
+    print_error(kProgram, std::string(error.what()) + "; see " + kProgram + " --help");
+    return 2;
+  } catch (const std::exception &error) {
+    print_error(kProgram, error.what());
+    return 1;
+  }
+}
