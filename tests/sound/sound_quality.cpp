@@ -6,6 +6,7 @@
 // Usage: sound_quality [--only=TABLE] SPEECH.wav ...     (16-bit mono, as espeak-ng writes it)
 // TABLE: onsets, others, places, voices, rates, cost
 #include "onsets.h"
+#include "speech.h"
 
 #include <algorithm>
 #include <chrono>
@@ -14,8 +15,6 @@
 #include <cstdio>
 #include <cstring>
 #include <ctime>
-#include <fstream>
-#include <iterator>
 #include <map>
 #include <string_view>
 
@@ -182,38 +181,6 @@ places()
     }
 }
 
-struct Speech
-{
-  int rate = 0;
-  std::vector<float> samples; ///< at −20 dB of full scale
-};
-
-Speech
-read_wav(const char *name)
-{
-  std::ifstream file(name, std::ios::binary);
-  const std::string bytes{ std::istreambuf_iterator<char>(file), {} };
-  const std::size_t data = bytes.find("data");
-  Speech speech;
-  if (data == std::string::npos || data < 36)
-    return speech;
-  std::uint32_t rate = 0;
-  std::memcpy(&rate, &bytes[24], sizeof rate);
-  speech.rate = static_cast<int>(rate);
-  double power = 0;
-  for (std::size_t at = data + 8; at + 2 <= bytes.size(); at += 2) {
-    std::int16_t sample = 0;
-    std::memcpy(&sample, &bytes[at], sizeof sample);
-    speech.samples.push_back(static_cast<float>(sample) / 32768);
-    power
-        += static_cast<double>(speech.samples.back()) * static_cast<double>(speech.samples.back());
-  }
-  const double factor = 0.1 / std::sqrt(power / static_cast<double>(speech.samples.size()));
-  for (float &sample : speech.samples)
-    sample *= static_cast<float>(factor);
-  return speech;
-}
-
 /// How much of the time motors are on while somebody talks.
 bool
 voices(std::span<char *> names)
@@ -226,7 +193,7 @@ voices(std::span<char *> names)
   double seconds = 0;
   std::array<double, 2> on{};
   for (const char *name : names) {
-    Speech speech = read_wav(name);
+    Speech speech = read_speech(name);
     if (speech.samples.empty()) {
       std::fprintf(stderr, "%s: expected a WAV file with 16-bit samples\n", name);
       return false;
