@@ -2,14 +2,14 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 # Makes pages of docs/measured, each whole. Those of quality and speed are made by tactile_quality and speed.
 #
-# Usage: tests/bench/measured.sh PAGE [FILM ...]      PAGE: calibration, devices, playback, sound, synth, timing, ways-out; FILM: default three of ../shared/data/clips (timing)
-# Expects a computer on which nothing else runs. Takes 5, 3, 1, 8, 3, 15 and 1 minutes. VISUOTACTILE_BUILD names a build folder that is built already.
+# Usage: tests/bench/measured.sh PAGE [FILM ...]      PAGE: calibration, devices, playback, sound, sound-clips, synth, timing, ways-out; FILM: default three of ../shared/data/clips (timing)
+# Expects a computer on which nothing else runs. Takes 5, 3, 1, 8, 3, 3, 15 and 1 minutes. VISUOTACTILE_BUILD names a build folder that is built already.
 set -euo pipefail
 here=$(cd "$(dirname "$0")" && pwd)
 # shellcheck source=../../tools/build.sh
 . "$here/../../tools/build.sh"
 case ${1:-} in
-  calibration | devices | playback | sound | synth | timing | ways-out) page=$1 ;;
+  calibration | devices | playback | sound | sound-clips | synth | timing | ways-out) page=$1 ;;
   *) sed -n '3,6s/^# \{0,1\}//p' "$0" >&2; exit 2 ;;
 esac
 command="tests/bench/measured.sh $*"
@@ -18,6 +18,7 @@ case $page in
   calibration) targets=tests/quality/rise_time_accuracy ;;
   devices) targets=tests/bench/devices ;;
   sound) targets=tests/sound/sound_quality ;;
+  sound-clips) targets="tests/sound/sound_quality play" ;;
   synth) targets=tests/bench/synth ;;
   timing) targets=tests/quality/rise_timing ;;
   ways-out) targets=tests/usb/usb-ways_out ;;
@@ -164,9 +165,9 @@ CAPTION
       head_of "Sound"
       cat <<'CAPTION'
 What soundtactile makes of sounds with ground truth: blows of 40 to 110 Hz with a crack of noise, at
-constant power in one place, and espeak-ng's voices. No sound is one from which the detector's
-weights were learned. The sounds are synthetic: of real films nobody has written down what there is
-to be felt.
+constant power in one place, rumble, and synthesized voices. No sound is one from which the
+detector's weights were learned. The sounds are synthetic; [sound of two films](sound-clips.md) is
+what it makes of real ones.
 
 CAPTION
       "$root/tests/sound/speech.sh" "$work"

@@ -144,7 +144,7 @@ inline constexpr std::array kScores{{
 
 parser = argparse.ArgumentParser()
 parser.add_argument("build", type=pathlib.Path)
-parser.add_argument("--scores", type=int, default=3)
+parser.add_argument("--scores", type=int, default=4)
 parser.add_argument("--features", type=pathlib.Path)
 options = parser.parse_args()
 with tempfile.TemporaryDirectory() as folder:
