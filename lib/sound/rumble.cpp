@@ -12,8 +12,8 @@ constexpr double kSmoothS = 0.08;
 /// The weakest that is felt, dB of full scale.
 constexpr double kLeastDb = -36;
 /// It begins to be a large part of the sound at the first, and ceases at the second, dB.
-constexpr double kLargeDb = -5;
-constexpr double kSmallDb = -8;
+constexpr double kLargeDb = -3;
+constexpr double kSmallDb = -10;
 /// The floor follows a louder sound within seconds, a weaker one sooner; silence counts as kSilence.
 constexpr double kRiseS = 10;
 constexpr double kFallS = 2;
@@ -48,7 +48,7 @@ Rumble::add(const BandPowers &powers, double gain_db)
     deep += deep_[c];
     effects += is_low_[c] ? deep_[c] : 0;
   }
-  middle_ += part * (powers.sum[2] + powers.sum[3] + powers.sum[4] - middle_);
+  middle_ += part * (powers.sum[1] + powers.sum[2] + powers.sum[3] + powers.sum[4] - middle_);
   is_large_ = decibels(deep) - decibels(middle_) > (is_large_ ? kSmallDb : kLargeDb);
   const double heard = std::max(decibels(deep), kSilenceDb);
   floor_ += share_in(heard > floor_ ? kRiseS : kFallS) * (heard - floor_);

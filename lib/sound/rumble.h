@@ -27,7 +27,7 @@ public:
 private:
   std::vector<bool> is_low_; ///< of each speaker: for low frequency effects
   std::array<double, kMaxSpeakers> deep_{};
-  double middle_ = 0; ///< smoothed power of 94 Hz to 1 kHz: voices, most of music
+  double middle_ = 0; ///< smoothed power of 65 Hz to 1 kHz: voices, most of music
   double floor_ = 0;  ///< what was heard for long, dB
   bool is_large_ = false;
 };
