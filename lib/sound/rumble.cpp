@@ -14,7 +14,7 @@ constexpr double kLeastDb = -36;
 /// It begins to be a large part of the sound at the first, and ceases at the second, dB.
 constexpr double kLargeDb = -3;
 constexpr double kSmallDb = -10;
-/// The floor follows a louder sound within seconds, a weaker one sooner; silence counts as kSilence.
+/// Times in which the floor follows a louder and a weaker sound; silence counts as kSilenceDb.
 constexpr double kRiseS = 10;
 constexpr double kFallS = 2;
 constexpr double kSilenceDb = -70;
