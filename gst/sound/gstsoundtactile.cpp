@@ -11,7 +11,8 @@
  * ## What is felt
  * - Blows and explosions: what fills all frequencies with noise at once, down to the lowest. Notes
  *   and voices do not. Felt as strong as what is louder than just before, while it lasts.
- * - Rumble: what goes on below 65 Hz, unless it is a small part of what is there up to 1 kHz.
+ * - Rumble: what stands out below 65 Hz: a large part of the sound, or an LFE channel's, and louder
+ *   than in the seconds before. An engine that goes on fades within half a minute.
  *
  * ## Where
  * Left and right are columns. Where there are loudspeakers behind the audience, the front is the

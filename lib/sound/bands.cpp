@@ -6,14 +6,6 @@
 
 namespace sound {
 
-namespace {
-
-constexpr int kLowBands = 2;
-/// First bin of each octave, and the end.
-constexpr std::array<std::size_t, kBands - kLowBands + 1> kBins{ 2, 4, 8, 16, 32, 64, 112 };
-
-} // namespace
-
 Bands::Bands(int rate, std::span<const Speaker> speakers)
     : resampler_(rate, static_cast<int>(speakers.size())), channels_(speakers.size()),
       frame_(speakers.size()),
@@ -68,38 +60,41 @@ Bands::analyze(BandPowers &powers)
     Powers &power = powers.of[c];
     power[0] = low.deep;
     power[1] = low.bass;
-    for (std::size_t band = 0; band + 1 < kBins.size(); band++) {
-      const std::size_t end = std::min(kBins[band + 1], bins_);
+    for (std::size_t band = 0; band + 1 < kOctaves.size(); band++) {
+      const std::size_t end = std::min(kOctaves[band + 1], bins_);
       float sum = 0;
-      for (std::size_t bin = kBins[band]; bin < end; bin++) {
+      for (std::size_t bin = kOctaves[band]; bin < end; bin++) {
         const float bin_power = std::norm(channel.bins[bin]);
         bin_powers_[bin] += bin_power;
         sum += bin_power;
       }
       power[band + kLowBands]
-          = kBins[band] < end ? static_cast<double>(sum) : power[band + kLowBands - 1];
+          = kOctaves[band] < end ? static_cast<double>(sum) : power[band + kLowBands - 1];
     }
     for (std::size_t band = 0; band < kBands; band++)
       powers.sum[band] += power[band];
   }
-  for (std::size_t band = 0; band + 1 < kBins.size(); band++) {
+  for (std::size_t band = 0; band + 1 < kOctaves.size(); band++) {
     const std::size_t to = band + kLowBands;
-    const std::size_t end = std::min(kBins[band + 1], bins_);
-    if (kBins[band] >= end) {
+    const std::size_t end = std::min(kOctaves[band + 1], bins_);
+    if (kOctaves[band] >= end) {
       powers.filled[to] = powers.filled[to - 1];
       powers.uneven[to] = powers.uneven[to - 1];
       continue;
     }
-    const auto count = static_cast<double>(end - kBins[band]);
+    const auto count = static_cast<double>(end - kOctaves[band]);
     float sum = 0;
     float logarithms = 0;
-    for (std::size_t bin = kBins[band]; bin < end; bin++) {
+    for (std::size_t bin = kOctaves[band]; bin < end; bin++) {
       sum += bin_powers_[bin];
-      logarithms += std::log10(bin_powers_[bin]);
+      powers.bins[bin] = 10 * std::log10(bin_powers_[bin]);
+      logarithms += powers.bins[bin];
     }
-    powers.filled[to] = 10 * static_cast<double>(logarithms) / count;
+    powers.filled[to] = static_cast<double>(logarithms) / count;
     powers.uneven[to] = 10 * std::log10(static_cast<double>(sum) / count) - powers.filled[to];
   }
+  for (std::size_t bin = std::max(bins_, kOctaves.front() * 2); bin < kOctaves.back(); bin++)
+    powers.bins[bin] = powers.bins[bin / 2];
   powers.likeness = 1;
   if (left_ < 0 || right_ < 0)
     return;
@@ -108,7 +103,7 @@ Bands::analyze(BandPowers &powers)
   float both = 0;
   float lefts = 0;
   float rights = 0;
-  for (std::size_t bin = kBins.front(); bin < kBins.back(); bin++) {
+  for (std::size_t bin = kOctaves.front(); bin < kOctaves.back(); bin++) {
     both += left[bin].real() * right[bin].real() + left[bin].imag() * right[bin].imag();
     lefts += std::norm(left[bin]);
     rights += std::norm(right[bin]);

@@ -23,6 +23,15 @@ inline constexpr Time kHopTime = std::chrono::milliseconds(5);
 /// the band below it has.
 using Powers = std::array<double, kBands>;
 
+/// dB of single bins of all channels.
+using BinLevels = std::array<float, Spectrum::kBins>;
+
+/// First bin of each octave, and the end.
+inline constexpr int kLowBands = 2;
+inline constexpr std::array<std::size_t, kBands - kLowBands + 1> kOctaves{
+  2, 4, 8, 16, 32, 64, 112
+};
+
 /// Powers of each channel at one moment.
 struct BandPowers
 {
@@ -32,6 +41,7 @@ struct BandPowers
   Powers filled{};
   /// How much more the mean power of a bin is than that, dB: 2.5 of noise, more of tones.
   Powers uneven{};
+  BinLevels bins{};
   /// How alike the front's left and right are, above 94 Hz: 1 if they differ in level only, 0 if
   /// they have nothing in common, −1 with opposite phases. 1 without two of them.
   double likeness = 1;

@@ -1,22 +1,19 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include "sound/bands.h"
-
-#include <array>
+#include "sound/onset_features.h"
 
 namespace sound {
 
 /// Finds blows and explosions in band powers, and tells them from voices and notes.
 ///
 /// A blow fills all bands with noise at once, down to the deepest. A note leaves gaps between its
-/// partials; a voice has little below 65 Hz and rises at some frequencies first. So two linear
-/// scores of the same features have to be above 0, one against notes, one against voices.
+/// partials; a voice has little below 65 Hz and rises at some frequencies first. So linear scores
+/// of the same features all have to be above 0 (onset_weights.h).
 class OnsetDetector
 {
 public:
-  /// Hops after a moment that have to be known.
-  static constexpr int kAhead = 2;
+  static constexpr int kAhead = OnsetFeatures::kAhead;
   /// No second onset within this time.
   static constexpr int kDeadHops = 16;
 
@@ -29,29 +26,8 @@ public:
   void reset();
 
 private:
-  static constexpr int kGap = 2;     ///< hops before a moment that may belong to it
-  static constexpr int kPast = 9;    ///< hops before a moment that it is compared with
-  static constexpr int kLongGap = 3; ///< the same for its mean
-  static constexpr int kLongPast = 20;
-  static constexpr int kHeld = kLongPast + kAhead + 1;
-
-  struct Hop
-  {
-    Powers db{};     ///< of BandPowers::sum
-    Powers filled{}; ///< dB
-    Powers uneven{}; ///< dB
-    Powers power{};
-  };
-
-  /// The hop `ago` before the newest.
-  const Hop &hop(int ago) const;
-  bool is_blow();
-
-  std::array<Hop, kHeld> hops_{};
-  int newest_ = 0;
-  int known_ = 0; ///< hops since the reset, up to kHeld
-  int dead_ = 0;  ///< hops until the next onset may come
-  Powers before_{};
+  OnsetFeatures features_;
+  int dead_ = 0; ///< hops until the next onset may come
 };
 
 } // namespace sound

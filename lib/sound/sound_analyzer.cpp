@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "sound/sound_analyzer.h"
 
+#include "sound/level.h"
+
 #include <algorithm>
 #include <cmath>
 
@@ -9,9 +11,6 @@ namespace sound {
 namespace {
 
 constexpr double kHopS = 0.005;
-/// Of power that is felt as 0 and as 1, dB of full scale.
-constexpr double kFaintestDb = -50;
-constexpr double kStrongestDb = -10;
 /// A blow is over when its level is below this, but not before kLeastHops.
 constexpr double kOver = 0.25;
 constexpr int kLeastHops = 12;
@@ -23,24 +22,12 @@ constexpr double kTonal = 5.5; ///< mean BandPowers::uneven, dB
 constexpr double kSmooth = 0.3;
 /// A level falls to 0 within this time at the fastest.
 constexpr double kFallS = 0.15;
-/// Smoothing of rumble, and the weakest that is felt.
-constexpr double kRumbleS = 0.08;
-constexpr double kLeastRumbleDb = -36;
-/// Below this share of what voices have, what is deep is taken for a part of them.
-constexpr double kVoiceLeak = 0.05;
-
-double
-level_of(double power, double gain_db)
-{
-  const double db = 10 * std::log10(power + 1e-12) + gain_db;
-  return std::clamp((db - kFaintestDb) / (kStrongestDb - kFaintestDb), 0.0, 1.0);
-}
 
 } // namespace
 
 SoundAnalyzer::SoundAnalyzer(int rate, std::span<const Speaker> speakers)
     : speakers_(speakers.begin(), speakers.end()), has_rear_(sound::has_rear(speakers)),
-      bands_(rate, speakers)
+      bands_(rate, speakers), rumble_(speakers)
 {
   delay_ = OnsetDetector::kAhead * kHopTime
            + std::chrono::ceil<Time>(std::chrono::duration<double>(bands_.delay()));
@@ -69,8 +56,7 @@ SoundAnalyzer::reset()
   newest_ = 0;
   hop_ = 0;
   blow_ = {};
-  deep_.fill(0);
-  voice_ = 0;
+  rumble_.reset();
 }
 
 const BandPowers &
@@ -110,12 +96,13 @@ SoundAnalyzer::analyze(bool onset, const FeelSettings &settings)
   if (moment.onset)
     begin_blow();
   const double blow = feel_blow(settings);
-  const double rumble = feel_rumble(settings);
+  const double heard = rumble_.add(powers(OnsetDetector::kAhead), settings.gain_db);
+  const double rumble = settings.rumble ? heard : 0;
   moment.level = static_cast<float>(std::max(blow, rumble));
   if (blow >= rumble)
     moment.place = blow_.place;
   else
-    moment.place = place_of(speakers_, std::span(deep_).first(speakers_.size()), 1);
+    moment.place = place_of(speakers_, rumble_.powers(), 1);
   return moment;
 }
 
@@ -167,23 +154,6 @@ SoundAnalyzer::feel_blow(const FeelSettings &settings)
   const bool goes_on = blow_.power > kFaded * blow_.loudest && blow_.level >= kOver && !is_tonal;
   blow_.lasts = blow_.hops++ < kLeastHops || goes_on;
   return blow_.lasts ? std::max(blow_.level, kOver) : 0;
-}
-
-double
-SoundAnalyzer::feel_rumble(const FeelSettings &settings)
-{
-  const double part = 1 - std::exp(-kHopS / kRumbleS);
-  const BandPowers &now = powers(OnsetDetector::kAhead);
-  double deep = 0;
-  for (std::size_t c = 0; c < speakers_.size(); c++) {
-    deep_[c] += part * (now.of[c][0] - deep_[c]);
-    deep += deep_[c];
-  }
-  voice_ += part * (now.sum[2] + now.sum[3] + now.sum[4] - voice_);
-  const double least = std::pow(10, (kLeastRumbleDb - settings.gain_db) / 10);
-  return settings.rumble && deep > least && deep > kVoiceLeak * voice_
-             ? level_of(deep, settings.gain_db)
-             : 0;
 }
 
 } // namespace sound

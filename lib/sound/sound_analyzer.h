@@ -4,6 +4,7 @@
 #include "sound/bands.h"
 #include "sound/onset_detector.h"
 #include "sound/place.h"
+#include "sound/rumble.h"
 
 #include <array>
 #include <span>
@@ -15,7 +16,7 @@ struct FeelSettings
 {
   double gain_db = 0; ///< added to every sound before its level
   bool blows = true;  ///< blows and explosions are felt
-  bool rumble = true; ///< what goes on below 65 Hz is felt
+  bool rumble = true; ///< what stands out below 65 Hz is felt
 };
 
 /// What is felt during kHopTime.
@@ -69,7 +70,6 @@ private:
   Moment analyze(bool onset, const FeelSettings &settings);
   void begin_blow();
   double feel_blow(const FeelSettings &settings);
-  double feel_rumble(const FeelSettings &settings);
 
   std::vector<Speaker> speakers_;
   bool has_rear_;
@@ -80,8 +80,7 @@ private:
   int newest_ = 0;
   std::int64_t hop_ = 0; ///< the next
   Blow blow_;
-  std::array<double, kMaxSpeakers> deep_{}; ///< smoothed power below 65 Hz, a channel
-  double voice_ = 0;                        ///< smoothed power of 94 Hz to 1 kHz
+  Rumble rumble_;
   std::vector<Moment> moments_;
 };
 

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: LGPL-2.1-or-later
-# Writes what several of espeak-ng's voices say, a WAV file each.
+# Writes what voices of espeak-ng and flite say, a WAV file each. None of flite's were learned from.
 #
 # Usage: speech.sh FOLDER
 set -euo pipefail
@@ -13,4 +13,7 @@ for voice in en-gb-x-gbcwmd+m3 en-us+f1 en+m4 en-gb-scotland+f3 en-029+m7 en-us+
   espeak-ng -v "$voice" -s $speed -p $pitch -w "$1/$voice.wav" "$text"
   speed=$((speed + 10))
   pitch=$((pitch + 7))
+done
+for voice in awb kal kal16 rms slt; do
+  flite -voice $voice -t "$text" -o "$1/flite-$voice.wav" 2>/dev/null
 done

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <numbers>
 #include <vector>
@@ -141,6 +142,65 @@ GST_START_TEST(test_rumble)
 }
 GST_END_TEST;
 
+// What is deep is no rumble where it is a small part of the sound, but for an LFE channel's.
+GST_START_TEST(test_rumble_under_others)
+{
+  const auto deep = tone(40, 0.1 * std::numbers::sqrt2, 2);
+  const auto voice = tone(200, 0.3, 2);
+  std::vector<float> both(deep.size());
+  std::ranges::transform(deep, voice, both.begin(), std::plus());
+  fail_unless_near(analyze(both, kTestRate, usual_speakers(1)).back().level, 0, 1e-6);
+
+  std::vector<float> surround(deep.size() * 6);
+  for (std::size_t i = 0; i < deep.size(); i++) {
+    surround[6 * i + 2] = voice[i]; // center
+    surround[6 * i + 3] = deep[i];  // LFE
+  }
+  fail_unless_near(analyze(surround, kTestRate, usual_speakers(6)).back().level, 0.75, 0.02);
+}
+GST_END_TEST;
+
+// The floor rises from -70 dB by a tenth of what is missing a second: -38.4 dB after 10 s, -26.8
+// after 20, -22.5 after 30. A tone of -20 dB is felt in full from 12 dB above it, not at 3 dB.
+GST_START_TEST(test_engine_fades)
+{
+  const auto mono = usual_speakers(1);
+  SoundAnalyzer analyzer(kTestRate, mono);
+  const auto heard = analyzer.add(tone(40, 0.1 * std::numbers::sqrt2, 30), {});
+  const std::vector<Moment> moments(heard.begin(), heard.end());
+  fail_unless_near(moments[2000].level, 0.75, 0.02);
+  fail_unless_near(moments[4000].level, 0.75 * (6.77 - 3) / 9, 0.03);
+  fail_unless_near(moments.back().level, 0, 1e-6);
+  for (std::size_t i = 201; i < moments.size(); i++)
+    fail_unless(std::abs(moments[i].level - moments[i - 1].level) < 0.03F);
+  // After a rest it is felt again.
+  analyzer.add(std::vector<float>(kTestRate * 5), {});
+  fail_unless_near(analyzer.add(tone(40, 0.1 * std::numbers::sqrt2, 2), {}).back().level, 0.75,
+                   0.02);
+}
+GST_END_TEST;
+
+// Blows as strong as the music around them: most have an onset, little else has one.
+GST_START_TEST(test_blows_in_music)
+{
+  const auto speakers = usual_speakers(2);
+  const SyntheticSound made({ .seed = 2007, .seconds = 30, .music = true });
+  const auto found = onsets(analyze(render(made, 30, kTestRate, speakers), kTestRate, speakers));
+  std::ptrdiff_t blows = 0;
+  std::ptrdiff_t right = 0;
+  for (const SoundEvent &event : made.events())
+    if (event.kind == SoundKind::impact) {
+      blows++;
+      right += std::ranges::any_of(found, [&](Time at) {
+        return std::chrono::abs(at - event.begin) <= std::chrono::milliseconds(20);
+      });
+    }
+  ck_assert_int_ge(blows, 15);
+  ck_assert_int_ge(right, blows - 2);
+  ck_assert_int_le(std::ssize(found) - right, 2);
+}
+GST_END_TEST;
+
 // Notes with hi-hats are no blows.
 GST_START_TEST(test_music)
 {
@@ -240,6 +300,9 @@ sound_analyzer_suite(void)
   tcase_add_test(tc, test_blocks);
   tcase_add_test(tc, test_rates);
   tcase_add_test(tc, test_rumble);
+  tcase_add_test(tc, test_rumble_under_others);
+  tcase_add_test(tc, test_engine_fades);
+  tcase_add_test(tc, test_blows_in_music);
   tcase_add_test(tc, test_music);
   tcase_add_test(tc, test_hostile);
   tcase_add_test(tc, test_reset);

@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "sound/rumble.h"
+
+#include "sound/level.h"
+
+namespace sound {
+
+namespace {
+
+constexpr double kHopS = 0.005;
+constexpr double kSmoothS = 0.08;
+/// The weakest that is felt, dB of full scale.
+constexpr double kLeastDb = -36;
+/// It begins to be a large part of the sound at the first, and ceases at the second, dB.
+constexpr double kLargeDb = -3;
+constexpr double kSmallDb = -10;
+/// Times in which the floor follows a louder and a weaker sound; silence counts as kSilenceDb.
+constexpr double kRiseS = 10;
+constexpr double kFallS = 2;
+constexpr double kSilenceDb = -70;
+/// So far above the floor it is felt at all, and in full, dB.
+constexpr double kOutDb = 3;
+constexpr double kFullDb = 12;
+
+double
+share_in(double seconds)
+{
+  return 1 - std::exp(-kHopS / seconds);
+}
+
+} // namespace
+
+Rumble::Rumble(std::span<const Speaker> speakers)
+{
+  for (const Speaker &speaker : speakers)
+    is_low_.push_back(speaker.role == Speaker::Role::low);
+  reset();
+}
+
+double
+Rumble::add(const BandPowers &powers, double gain_db)
+{
+  const double part = share_in(kSmoothS);
+  double deep = 0;
+  double effects = 0;
+  for (std::size_t c = 0; c < is_low_.size(); c++) {
+    deep_[c] += part * (powers.of[c][0] - deep_[c]);
+    deep += deep_[c];
+    effects += is_low_[c] ? deep_[c] : 0;
+  }
+  middle_ += part * (powers.sum[1] + powers.sum[2] + powers.sum[3] + powers.sum[4] - middle_);
+  is_large_ = decibels(deep) - decibels(middle_) > (is_large_ ? kSmallDb : kLargeDb);
+  const double heard = std::max(decibels(deep), kSilenceDb);
+  floor_ += share_in(heard > floor_ ? kRiseS : kFallS) * (heard - floor_);
+  const double felt = is_large_ ? deep : effects;
+  if (decibels(felt) + gain_db < kLeastDb)
+    return 0;
+  const double out = (decibels(felt) - floor_ - kOutDb) / (kFullDb - kOutDb);
+  return level_of(felt, gain_db) * std::clamp(out, 0.0, 1.0);
+}
+
+std::span<const double>
+Rumble::powers() const
+{
+  return std::span(deep_).first(is_low_.size());
+}
+
+void
+Rumble::reset()
+{
+  deep_.fill(0);
+  middle_ = 0;
+  floor_ = kSilenceDb;
+  is_large_ = false;
+}
+
+} // namespace sound

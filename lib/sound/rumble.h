@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include "sound/bands.h"
+
+#include <array>
+#include <span>
+#include <vector>
+
+namespace sound {
+
+/// What of a sound below 65 Hz is felt as rumble: what makes a large part of the whole sound, or
+/// comes from a channel for low frequency effects, and stands out from what was heard for long.
+class Rumble
+{
+public:
+  explicit Rumble(std::span<const Speaker> speakers);
+
+  /// Takes the next hop. Its level, [0, 1].
+  double add(const BandPowers &powers, double gain_db);
+
+  /// Smoothed powers below 65 Hz, a speaker each.
+  std::span<const double> powers() const;
+
+  void reset();
+
+private:
+  std::vector<bool> is_low_; ///< of each speaker: for low frequency effects
+  std::array<double, kMaxSpeakers> deep_{};
+  double middle_ = 0; ///< smoothed power of 65 Hz to 1 kHz: voices, most of music
+  double floor_ = 0;  ///< what was heard for long, dB
+  bool is_large_ = false;
+};
+
+} // namespace sound

@@ -1,0 +1,154 @@
+#!/usr/bin/python3
+# SPDX-License-Identifier: LGPL-2.1-or-later
+"""Learns the weights of lib/sound/onset_weights.h and writes that file.
+
+Sounds are made by sound_features (seeds below 1000) and by espeak-ng, in other voices that say other words than those of the
+measurement. A moment is a blow if all of a few linear scores are above 0. They are learned together: the probability of a blow is the product
+of their logistic functions, and the weights are those of greatest likelihood (L-BFGS) with a small penalty on their squares. A blow has some
+moments about its begin; the most probable of them stands for it, chosen again after each fit.
+
+Usage: tests/sound/train.py BUILD [--scores=N] [--features=FILE]      BUILD: a build folder; FILE keeps the features, or has them. About 5 minutes."""
+
+import argparse
+import csv
+import pathlib
+import subprocess
+import tempfile
+
+import numpy as np
+from scipy.optimize import minimize
+
+# More than 1: a blow that is missed is worse than a false one, and a voice that is felt worse than a note.
+BLOWS = 3.0
+VOICES = 3.0
+PENALTY = 1e-5
+FITS = 4
+
+TEXTS = (
+    "The old miller woke before dawn. Outside, wind was pushing hard against the door. Who goes there? he called, but only the pump creaked. "
+    "Ten days later he packed his bag, kissed his daughter and walked down to the valley. Could they trust a stranger? Perhaps not. Still, the "
+    "bread had to be bought.",
+    "Doctor Baker put the big box on top of the cupboard. Don't touch it! she shouted. It took twenty people, two carts and a patient donkey to "
+    "bring it up here. Please keep quiet, and count to a hundred. By tomorrow evening the package will be back in the capital, if the bridge holds.",
+    "What do you want? Nothing. Then get out of my way. Pull! Push! Keep going, don't stop, both of you. The current was too strong. Behind the "
+    "boat a dark body turned under the water. Give me your hand, cried the boy. Take it, quick, before the tide comes.",
+)
+SPEAKERS = (
+    "en+m1 en+m3 en-us+m6 en-gb+m7 en+f2 en-us+f4 en-gb-scotland+m2 en-029+f3 en-gb-x-rp+m8 en-gb-x-gbcwmd+f5 en-us+croak en+whisper "
+    "en-us+m5 en-gb+f1 en-us+klatt2 en+m8"
+).split()
+NARROW = ("en+m1", "en+f2", "en-us+f4", "en-gb-x-rp+m8")  # also at 8 kHz
+
+root = pathlib.Path(__file__).resolve().parents[2]
+
+
+def run(*command, **options):
+    subprocess.run(command, check=True, **options)
+
+
+def speech(folder):
+    files = []
+    for i, speaker in enumerate(SPEAKERS):
+        wide = folder / f"{speaker}.wav"
+        run("espeak-ng", "-v", speaker, "-s", str(120 + i % 7 * 12), "-p", str(10 + i * 5 % 65), "-w", wide, TEXTS[i % len(TEXTS)])
+        files.append(wide)
+        if speaker in NARROW:
+            files.append(folder / f"{speaker}-narrow.wav")
+            run("ffmpeg", "-v", "error", "-i", wide, "-ar", "8000", files[-1])
+    return files
+
+
+def make_features(build, file):
+    with tempfile.TemporaryDirectory() as folder, open(file, "w") as out:
+        run(build / "tests/sound/sound_features", *speech(pathlib.Path(folder)), stdout=out)
+
+
+def read_features(file):
+    with open(file) as lines:
+        rows = list(csv.reader(lines))
+    of_voices = np.array([row[0] == "voices" for row in rows])
+    return of_voices, np.array([int(row[1]) for row in rows]), np.array([row[3:] for row in rows], dtype=float)
+
+
+def log_probability(weights, features):
+    return -np.logaddexp(0, -features @ weights.T).sum(axis=1)
+
+
+def most_probable(weights, features, blow):
+    """One moment of each blow."""
+    moments = np.flatnonzero(blow)
+    moments = moments[np.lexsort((-log_probability(weights, features[moments]), blow[moments]))]
+    return moments[np.unique(blow[moments], return_index=True)[1]]
+
+
+def fit(weights, blows, others, costs):
+    def loss(flat):
+        now = flat.reshape(weights.shape)
+        of_blows = blows @ now.T
+        of_others = others @ now.T
+        blow = np.exp(np.minimum(-np.logaddexp(0, -of_others).sum(axis=1), -1e-9))
+        penalized = np.hstack([now[:, :-1], np.zeros((len(now), 1))])
+        strength = PENALTY * len(others)
+        value = BLOWS * np.logaddexp(0, -of_blows).sum() - (costs * np.log1p(-blow)).sum() + strength / 2 * (penalized**2).sum()
+        slope = -BLOWS * np.exp(-np.logaddexp(0, of_blows)).T @ blows
+        slope += ((costs * blow / (1 - blow))[:, None] * np.exp(-np.logaddexp(0, of_others))).T @ others
+        return value, (slope + strength * penalized).ravel()
+
+    return minimize(loss, weights.ravel(), jac=True, method="L-BFGS-B", options={"maxiter": 300}).x.reshape(weights.shape)
+
+
+def learn(scores, of_voices, blow, features):
+    mean, spread = features.mean(axis=0), features.std(axis=0) + 1e-6
+    scaled = np.hstack([(features - mean) / spread, np.ones((len(features), 1))])
+    is_other = blow == 0
+    costs = np.where(of_voices[is_other], VOICES, 1.0)
+    weights = np.random.default_rng(1).normal(0, 0.1, (scores, scaled.shape[1]))
+    weights[:, -1] = 2
+    for _ in range(FITS):
+        weights = fit(weights, scaled[most_probable(weights, scaled, blow)], scaled[is_other], costs)
+    is_on = (scaled @ weights.T > 0).all(axis=1)
+    for name, of in (("notes", ~of_voices), ("voices", of_voices)):
+        print(f"{name}: found {len(np.unique(blow[of & is_on & ~is_other]))} of {len(np.unique(blow[of & ~is_other]))} blows, "
+              f"{(of & is_on & is_other).sum()} of {(of & is_other).sum()} other moments are taken for one")
+    plain = weights[:, :-1] / spread
+    return plain, weights[:, -1] - plain @ mean
+
+
+def write(weights, offsets):
+    file = root / "lib/sound/onset_weights.h"
+    scores = ",\n".join("Score{ { " + ", ".join(f"{w:.4f}" for w in row) + f" }}, {offset:.4f} }}" for row, offset in zip(weights, offsets))
+    file.write_text(f"""// SPDX-License-Identifier: LGPL-2.1-or-later
+//
+// Made by tests/sound/train.py; do not edit.
+#pragma once
+
+#include "sound/onset_features.h"
+
+namespace sound {{
+
+/// A linear score of features.
+struct Score
+{{
+  Features weights;
+  double offset;
+}};
+
+inline constexpr std::array kScores{{
+{scores},
+}};
+
+}} // namespace sound
+""")
+    run("clang-format-14", "-i", file)
+
+
+parser = argparse.ArgumentParser()
+parser.add_argument("build", type=pathlib.Path)
+parser.add_argument("--scores", type=int, default=4)
+parser.add_argument("--features", type=pathlib.Path)
+options = parser.parse_args()
+with tempfile.TemporaryDirectory() as folder:
+    file = options.features or pathlib.Path(folder) / "features.csv"
+    if not file.exists():
+        make_features(options.build, file)
+    write(*learn(options.scores, *read_features(file)))
