@@ -7,9 +7,9 @@
 #include <deque>
 #include <mutex>
 
-/// Whose film is felt, of all in this process. Who has the chair keeps it, but makes room for a film
-/// that plays and has the stronger claim. A free chair goes to the strongest claim of those that
-/// wait, and of equal ones to the first that began. Any thread.
+/// Whose film is felt, of all in this process. Who has the chair keeps it, but makes room for a
+/// film that plays and has the stronger claim. A free chair goes to the strongest claim of those
+/// that wait, and of equal ones to the first that began. Any thread.
 class ChairTurns
 {
 public:
