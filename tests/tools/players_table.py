@@ -13,10 +13,12 @@ import argparse
 import os
 import pathlib
 import shutil
+import signal
 import statistics
 import subprocess
 import sys
 import tempfile
+import threading
 import time
 
 import pulse_clock
@@ -25,7 +27,7 @@ from players_watched import FILM, NEXT_FILM, SECOND, epochs, frames, matched, mo
 
 FRAME_RATE = 30
 MOST_PAUSED = 1  # frames that may still come
-CHECKS = ("felt", "picture", "pause", "seek", "rate", "track", "next film", "end", "sound only")
+CHECKS = ("felt", "picture", "pause", "seek", "rate", "track", "next film", "end", "sound only", "killed")
 
 
 def wait(player, done, what):
@@ -128,6 +130,54 @@ def watch_sound(player, _films, _env, folder):
     return cells
 
 
+def watch_kill(server):
+    """SIGKILL, when a motor of the vest that `server` plays is on."""
+    def watch(player, _films, _env, folder):
+        cells = {}
+        try:
+            wait(player, lambda: len(frames(folder)) > FRAME_RATE and server.is_on(), "no motor is on")
+        except Missing as missing:
+            return {"killed": f"no: {missing}"}
+        os.killpg(player.process.pid, signal.SIGKILL)
+        player.process.wait()
+        run_check(cells, "killed", server.wait_for_silence)
+        return cells
+    return watch
+
+
+class Vest:
+    """A bHaptics Player for tests, which stops a motor when its command's duration is over."""
+
+    def __enter__(self):
+        server = HERE.parent / "support" / "haptic_server.py"
+        self.process = subprocess.Popen(["/usr/bin/python3", server, "bhaptics"], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
+        self.port = int(self.process.stdout.readline().split()[1])
+        self.last = ""
+        self.reader = threading.Thread(target=self.read)
+        self.reader.start()
+        return self
+
+    def read(self):
+        for line in self.process.stdout:
+            if line.startswith(("motors", "expired")):
+                self.last = line
+
+    def is_on(self):
+        return "=" in self.last
+
+    def wait_for_silence(self):
+        deadline = time.monotonic() + 1
+        while self.is_on():
+            if time.monotonic() > deadline:
+                raise Missing("motors are on a second later")
+            time.sleep(0.01)
+
+    def __exit__(self, *_):
+        self.process.terminate()
+        self.process.wait()
+        self.reader.join()
+
+
 def felt(folder, cells):
     """Whether it was, in each part of the play, and the errors of the commands in ms."""
     pairs = matched(folder)
@@ -174,24 +224,24 @@ class Bus:
         self.daemon.wait()
 
 
-def environment(options, sound, folder, display, bus, switched_on, player):
+def environment(options, sound, folder, display, bus, chair, player):
     own = {key: str(folder) for key in ("HOME", "XDG_RUNTIME_DIR", "XDG_CONFIG_HOME", "XDG_CACHE_HOME", "PLAYERWATCH")}
     env = sound | own | {
         "DISPLAY": display, "DBUS_SESSION_BUS_ADDRESS": bus, "GDK_BACKEND": "x11", "LIBGL_ALWAYS_SOFTWARE": "1", "NO_AT_BRIDGE": "1", "TERM": "xterm",
         "GST_TRACERS": "playerwatch", "GST_PLUGIN_PATH_1_0": f"{options.build}/gst:{options.build}/tests/tools",
-        "GST_REGISTRY_1_0": f"{options.work}/{'on' if switched_on else 'off'}.registry"}
+        "GST_REGISTRY_1_0": f"{options.work}/{'on' if chair else 'off'}.registry"}
     env.pop("WAYLAND_DISPLAY", None)
-    if switched_on:
-        for arguments in (["on", player.program], ["set", "driver=simulator"]):
+    if chair:
+        for arguments in (["on", player.program], ["set", *chair]):
             subprocess.run([options.build / "tools/visuotactile-settings", *arguments], env=env, check=True, stdout=subprocess.DEVNULL)
     return env
 
 
-def play(options, sound, player, switched_on, films, watch):
-    """watch(player, films, env, folder) while it plays."""
+def play(options, sound, player, chair, films, watch):
+    """watch(player, films, env, folder) while it plays with such settings of the chair, or without one."""
     folder = pathlib.Path(tempfile.mkdtemp(dir=options.work))
     with Display() as display, Bus() as bus, open(folder / "log", "wb") as log:
-        env = environment(options, sound, folder, display, bus, switched_on, player)
+        env = environment(options, sound, folder, display, bus, chair, player)
         player.start(films, env, log)
         try:
             result = watch(player, films, env, folder)
@@ -202,10 +252,18 @@ def play(options, sound, player, switched_on, films, watch):
 
 def measure(options, sound, player, switched_on, films):
     sounds = [films[0].with_name("sound.m4a")] * 3
-    sound_only, folder = play(options, sound, player, switched_on, sounds, watch_sound)
+    chair = ["driver=simulator"] if switched_on else []
+    other_plays, folder = play(options, sound, player, chair, sounds, watch_sound)
     shutil.rmtree(folder)
-    result, folder = play(options, sound, player, switched_on, films, watch_play)
-    cells = result["cells"] = result["cells"] | sound_only
+    if switched_on:
+        with Vest() as vest:
+            killed, folder = play(options, sound, player, ["driver=bhaptics", f"device=vest-back@127.0.0.1:{vest.port}"], films, watch_kill(vest))
+        shutil.rmtree(folder)
+        other_plays |= killed
+    else:
+        other_plays["killed"] = ""
+    result, folder = play(options, sound, player, chair, films, watch_play)
+    cells = result["cells"] = result["cells"] | other_plays
     if switched_on:
         cells["felt"], result["errors"] = felt(folder, cells)
     else:
@@ -266,6 +324,8 @@ def table(options, results):
     yield "- Felt: at least ten commands for frames that it showed, some after the seek and of the next film; all motors end at zero."
     yield "- Picture: the screen moves. Pause: no frame is shown for a second, then they go on. Seek: earlier frames are shown."
     yield f"- Rate: {RATE} times as fast, until the film's end. Track: another sound track is heard, and the picture goes on."
+    yield "- Sound only: its end reaches the sink. Killed: by SIGKILL in another play, on a vest of bHaptics' protocol, whose motors are off a"
+    yield "  second later."
     yield "- Next film: its frames are shown. End: the end of the stream reaches the sink."
     yield "- Error: when the motor reaches its level (issue of the command + the motor's lead), minus when the player's video sink begins to show"
     yield "  the command's frame. p50 with its sign, p95 of its size."
@@ -311,7 +371,7 @@ def picture(player, films, env, folder):
 def take_pictures(options, sound, chosen):
     for player in chosen:
         name = player.label.lower().split()[0].strip(",")
-        _, folder = play(options, sound, player, True, [options.film] * 3, picture)
+        _, folder = play(options, sound, player, ["driver=simulator"], [options.film] * 3, picture)
         options.pictures.mkdir(parents=True, exist_ok=True)
         shutil.copy(folder / "screen.jpg", options.pictures / f"{name}.jpg")
         print(f"{player.label}: {name}.jpg", file=sys.stderr)
