@@ -35,7 +35,8 @@ HeldStream::pass_first()
 GstFlowReturn
 HeldStream::hold(GstBuffer *buffer, GstClockTime time)
 {
-  const bool holds = time > 0 && GST_BUFFER_DURATION_IS_VALID(buffer);
+  const bool holds
+      = time > 0 && length_of(GST_MINI_OBJECT_CAST(buffer)) > 0 && held_.size() < kMost;
   held_.push_back(GST_MINI_OBJECT_CAST(buffer));
   length_ += length_of(held_.back());
   GstFlowReturn flow = GST_FLOW_OK;
@@ -72,6 +73,24 @@ HeldStream::drain()
     flow = flow == GST_FLOW_OK ? passed : flow;
   }
   return flow;
+}
+
+static bool
+outlives_a_flush(GstMiniObject *held)
+{
+  return GST_IS_EVENT(held) && GST_EVENT_IS_STICKY(held)
+         && GST_EVENT_TYPE(held) != GST_EVENT_SEGMENT && GST_EVENT_TYPE(held) != GST_EVENT_EOS;
+}
+
+void
+HeldStream::flush()
+{
+  for (GstMiniObject *held : std::exchange(held_, {}))
+    if (outlives_a_flush(held))
+      ways_.pass_event(GST_EVENT_CAST(held));
+    else
+      gst_mini_object_unref(held);
+  length_ = 0;
 }
 
 void

@@ -22,6 +22,9 @@ public:
   HeldStream(const HeldStream &) = delete;
   HeldStream &operator=(const HeldStream &) = delete;
 
+  /// What is held at most. More passes at once.
+  static constexpr std::size_t kMost = 4096;
+
   /// Takes a buffer, and passes those that `time` of the stream follows. Buffers without a duration
   /// hold nothing back.
   GstFlowReturn hold(GstBuffer *buffer, GstClockTime time);
@@ -31,6 +34,9 @@ public:
   GstBuffer *find(const std::function<bool(GstBuffer *)> &wanted) const;
   /// Passes all.
   GstFlowReturn drain();
+  /// Drops all but what outlives a flush: sticky events, but for SEGMENT and EOS. To be called when
+  /// the flush has passed.
+  void flush();
   /// Drops all.
   void clear();
 

@@ -278,14 +278,14 @@ gst_sound_tactile_sink_event(GstPad *, GstObject *parent, GstEvent *event)
     break;
   case GST_EVENT_FLUSH_STOP:
     priv->reader.reset();
-    priv->held.clear();
     priv->maps->forget(); /* what came until the stream had stopped */
-    break;
+    priv->pads->pass_event(event);
+    priv->held.flush();
+    return TRUE;
   default:
     break;
   }
-  const bool flushes = GST_EVENT_TYPE(event) == GST_EVENT_FLUSH_STOP;
-  return !flushes && gst_event_type_get_flags(GST_EVENT_TYPE(event)) & GST_EVENT_TYPE_SERIALIZED
+  return gst_event_type_get_flags(GST_EVENT_TYPE(event)) & GST_EVENT_TYPE_SERIALIZED
              ? priv->held.hold(event)
              : priv->pads->pass_event(event);
 }

@@ -35,6 +35,7 @@ void
 FrameTap::begin()
 {
   ended_ = false;
+  pixels_ = 0;
 }
 
 void

@@ -404,6 +404,12 @@ gst_visuotactile_decoder_asked(GstElement *element, gpointer)
   GST_STATE_UNLOCK(self);
 }
 
+static void
+gst_visuotactile_decoder_post_latency(GstElement *element, gpointer)
+{
+  gst_element_post_message(element, gst_message_new_latency(GST_OBJECT(element)));
+}
+
 /// What the chair tells of itself is not about the film. Its latency is that of the source pad,
 /// which sinks ask for when they preroll. A LATENCY message of its own would come while they do:
 /// pulsesink then stands still now and then.
@@ -423,6 +429,11 @@ gst_visuotactile_decoder_handle_message(GstBin *bin, GstMessage *message)
     GST_BIN_CLASS(parent_class)->handle_message(bin, message);
     return;
   }
+  // The player has switched the sound on or off in a live film.
+  if (GST_MESSAGE_TYPE(message) == GST_MESSAGE_LATENCY && self->playing
+      && GST_MESSAGE_SRC(message) == GST_OBJECT(gst_tactile_branch_get_sound(self->branch)))
+    gst_element_call_async(GST_ELEMENT(self), gst_visuotactile_decoder_post_latency, nullptr,
+                           nullptr);
   gst_message_unref(message);
 }
 
@@ -465,7 +476,7 @@ gst_visuotactile_decoder_change_state(GstElement *element, GstStateChange transi
     self->gate->open();
   if (transition == GST_STATE_CHANGE_PAUSED_TO_PLAYING
       || transition == GST_STATE_CHANGE_PLAYING_TO_PAUSED) {
-    self->playing = next == GST_STATE_PLAYING;
+    self->playing = next == GST_STATE_PLAYING && ret != GST_STATE_CHANGE_FAILURE;
     gst_visuotactile_decoder_changed(self);
   }
   if (transition == GST_STATE_CHANGE_PAUSED_TO_READY

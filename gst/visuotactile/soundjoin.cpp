@@ -239,12 +239,14 @@ pass_event(GstSoundJoin *self, GstEvent *event)
 
 /* ---- a live source ---- */
 
-/// Whole frames that wait. By so much the maps of a live source are later.
+/// Whole frames that wait. By so much the maps of a live source are later. Of long frames they are
+/// as many as are in the time.
 static GstClockTime
 look_ahead(GstSoundJoin *self)
 {
   const GstClockTime frame = self->priv->frame;
-  return (kLookAhead + frame - 1) / frame * frame;
+  const GstClockTime rounding = frame <= kUsualFrame ? frame - 1 : 0;
+  return (kLookAhead + rounding) / frame * frame;
 }
 
 GstClockTime
@@ -313,10 +315,11 @@ gst_sound_join_sink_event(GstPad *pad, GstObject *parent, GstEvent *event)
 
   switch (GST_EVENT_TYPE(event)) {
   case GST_EVENT_FLUSH_STOP:
-    priv->held.clear();
     priv->fusion.reset();
     priv->sounded = false;
-    return gst_pad_event_default(pad, parent, event);
+    gst_pad_event_default(pad, parent, event);
+    priv->held.flush();
+    return TRUE;
   case GST_EVENT_CAPS:
     read_framerate(self, event);
     break;
@@ -395,6 +398,8 @@ gst_sound_join_changed(GObject *object, std::string_view)
   const Joined sound = joined(self);
   if (sound.maps)
     sound.maps->want(self, sound.profile);
+  if (sound.maps && is_live(self))
+    gst_element_post_message(GST_ELEMENT(self), gst_message_new_latency(GST_OBJECT(self)));
 }
 
 static void

@@ -53,7 +53,8 @@ PositionEstimator::report(const Report &told)
     forget();
     film_ = told.film;
   }
-  const bool plays = told.doing == Doing::playing && told.rate > 0 && told.rate <= kMostRate;
+  const bool plays
+      = told.doing == Doing::playing && told.rate >= kLeastRate && told.rate <= kMostRate;
   if (told.doing == Doing::stopped || (told.doing == Doing::playing && !plays)) {
     forget();
     return;

@@ -39,6 +39,7 @@ public:
 
   /// Reports beyond these are not believed.
   static constexpr Time kLongestFilm = std::chrono::hours(100);
+  static constexpr double kLeastRate = 1.0 / 16;
   static constexpr double kMostRate = 16;
   /// Of the rate, by which the position nears what is better known.
   static constexpr double kMostCorrection = 0.2;

@@ -30,6 +30,12 @@ TrackFollower::set_offset(Time later)
   offset_ = later;
 }
 
+void
+TrackFollower::change_player()
+{
+  stretch_ = 0;
+}
+
 /// The track's map from a film time on, until it changes, a second at most; silence after the end.
 tactile::Cue
 TrackFollower::next_cue(Time begin) const

@@ -23,6 +23,8 @@ public:
 
   /// Another film, or none. The next step is silence if one plays.
   void set_track(std::optional<tactile::Track> track);
+  /// Estimates are those of another player of the film from now on.
+  void change_player();
 
   /// How much later than the player says its picture is on the screen; may be negative.
   void set_offset(Time later);

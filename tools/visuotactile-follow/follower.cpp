@@ -118,6 +118,7 @@ Follower::run()
 void
 Follower::list()
 {
+  lists_ = true;
   sources_.push_back(g_timeout_add(
       kListing,
       +[](gpointer self) -> gboolean {
@@ -154,8 +155,12 @@ Follower::look_for_mpv()
 void
 Follower::appeared(const std::string &bus_name)
 {
-  if (!players_.contains(bus_name)
-      && (settings_.mpris.empty() || bus_name == follow::kMprisPrefix + settings_.mpris))
+  if (!settings_.mpris.empty() && bus_name != follow::kMprisPrefix + settings_.mpris)
+    return;
+  const auto known = players_.find(bus_name);
+  if (known != players_.end() && known->second.is_gone)
+    returned_.push_back(bus_name);
+  else if (known == players_.end())
     add(bus_name, follow::open_mpris(bus_, bus_name, events_of(bus_name)));
 }
 
@@ -213,7 +218,8 @@ Follower::choose()
     return;
   for (auto &[key, followed] : players_)
     if (plays(followed)) {
-      current_ = &followed;
+      if (std::exchange(current_, &followed) != &followed)
+        track_.change_player();
       return;
     }
   if (current_ != nullptr && current_->is_gone)
@@ -252,6 +258,8 @@ Follower::change_film()
 void
 Follower::update()
 {
+  if (lists_)
+    return;
   choose();
   change_film();
   const follow::Time now = local_time();
@@ -266,7 +274,11 @@ Follower::tick()
   update();
   if (current_ != nullptr && current_->estimator.asks_again())
     current_->player->ask();
+  if (current_ != nullptr && current_->is_gone)
+    current_ = nullptr;
   std::erase_if(players_, [](const auto &one) { return one.second.is_gone; });
+  for (const std::string &name : std::exchange(returned_, {}))
+    appeared(name);
   return G_SOURCE_CONTINUE;
 }
 

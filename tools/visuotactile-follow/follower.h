@@ -71,11 +71,12 @@ private:
   std::unique_ptr<follow::MprisBus> names_;
   std::map<std::string, Followed> players_;
   Followed *current_ = nullptr;
-  std::string current_key_;
   std::string film_; ///< whose track is played, or looked for
   Chair chair_;
   follow::TrackFollower track_;
   std::string failure_;
   std::vector<guint> sources_;
+  std::vector<std::string> returned_; ///< names of players that came back before they were removed
   bool told_of_mpv_ = false;
+  bool lists_ = false; ///< the players, and follows none
 };

@@ -137,6 +137,17 @@ GST_START_TEST(test_silence)
 }
 GST_END_TEST;
 
+/// Each player counts its own stretches.
+GST_START_TEST(test_another_player)
+{
+  TrackFollower chair = follower();
+  ck_assert(!chair.step(at(30s + 100ms), kBegin, kAhead).cues.empty());
+  chair.change_player();
+  const TrackFollower::Step step = chair.step(at(2s), kBegin + 20ms, kAhead);
+  ck_assert(step.silence && step.cues.at(0).begin == kBegin + 20ms);
+}
+GST_END_TEST;
+
 /// A main loop that hung: what is past is not felt, and not made up for.
 GST_START_TEST(test_hang)
 {
@@ -202,6 +213,7 @@ track_follower_suite(void)
   tcase_add_test(tcase, test_rate);
   tcase_add_test(tcase, test_offset);
   tcase_add_test(tcase, test_silence);
+  tcase_add_test(tcase, test_another_player);
   tcase_add_test(tcase, test_hang);
   tcase_add_test(tcase, test_whole);
   return suite;
