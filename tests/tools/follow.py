@@ -198,6 +198,8 @@ def plays(screen):
 
     mpv.command("set_property", "pause", False)
     watch("playing")
+    listed = follow("--list-players", f"--mpv={mpv.path}", "--driver=simulator", f"--trace={work / 'listed.csv'}").stdout
+    assert "plays 'film.mkv'" in listed and not (work / "listed.csv").exists(), listed
     wait_for_pulse()
     happens("pause", mpv.command("set_property", "pause", True))
     mpv.command("set_property", "pause", False)
