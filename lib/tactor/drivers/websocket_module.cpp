@@ -2,13 +2,31 @@
 #include "modules/load_module.h"
 #include "tactor/drivers/server.h"
 
+#include <dlfcn.h>
+
 namespace tactor {
 
 namespace {
 
+/// Its types have the names of libsoup 3's, which the module is linked with: a process can only
+/// have one of them.
+bool
+has_libsoup_2()
+{
+  void *const library = dlopen("libsoup-2.4.so.1", RTLD_LAZY | RTLD_NOLOAD);
+  if (library != nullptr)
+    dlclose(library);
+  return library != nullptr;
+}
+
 tl::expected<Server, DriverError>
 make_server(const char *maker, const std::string &device)
 {
+  if (has_libsoup_2())
+    return tl::unexpected(DriverError{
+        DriverError::Kind::not_found,
+        "the module for WebSockets needs libsoup 3, beside which this program's libsoup 2 cannot "
+        "be; play in another program, or take another driver" });
   const auto make = load_module<bool(const std::string &, Server &, DriverError &)>(
       "visuotactile-websocket", maker, MODULES);
   if (!make)

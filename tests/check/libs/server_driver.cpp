@@ -11,6 +11,7 @@
 #include "support/unwrap.h"
 
 #include <condition_variable>
+#include <dlfcn.h>
 #include <memory>
 #include <mutex>
 #include <thread>
@@ -344,6 +345,18 @@ GST_START_TEST(test_refusals)
 }
 GST_END_TEST;
 
+/// As in Totem. check runs each test in a process of its own.
+GST_START_TEST(test_a_program_with_libsoup_2)
+{
+  fail_unless(dlopen("libsoup-2.4.so.1", RTLD_LAZY) != nullptr, "%s", dlerror());
+  for (const Case &one : cases()) {
+    const auto server = one.make(one.device);
+    fail_if(server.has_value());
+    assert_contains(server.error().text, { "this program's libsoup 2", "take another driver" });
+  }
+}
+GST_END_TEST;
+
 /// A server that answers nothing does not keep open() from being stopped.
 GST_START_TEST(test_stopped_opening)
 {
@@ -418,6 +431,7 @@ server_driver_suite(void)
   tcase_add_test(tests, test_bad_servers);
   tcase_add_test(tests, test_refused_commands);
   tcase_add_test(tests, test_refusals);
+  tcase_add_test(tests, test_a_program_with_libsoup_2);
   tcase_add_test(tests, test_stopped_opening);
   tcase_add_test(tests, test_one_driver_a_device);
   tcase_add_test(tests, test_registry);
