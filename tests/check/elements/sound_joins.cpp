@@ -454,6 +454,55 @@ GST_START_TEST(test_live_latency)
 }
 GST_END_TEST;
 
+/// An application hears a LATENCY message, and all sinks wait longer from then on.
+GST_START_TEST(test_switched_on_while_live)
+{
+  struct Chair
+  {
+    const char *line;
+    const char *property;
+    GstClockTime more;
+  };
+  const Chair chairs[] = {
+    { "visuotactilesink name=chair driver=simulator video-sink=fakesink sound=off", "sound",
+      3 * (GST_SECOND / 30) },
+    { "jpegenc ! visuotactiledecoder name=chair tactors::driver=simulator sound::sound=off ! "
+      "fakesink sync=true",
+      "sound::sound", 135 * GST_MSECOND },
+  };
+  const Chair &chair = chairs[__i__];
+  GstElement *pipeline = make_pipeline(
+      std::string("videotestsrc is-live=true ! "
+                  "video/x-raw,format=I420,width=160,height=120,framerate=30/1 ! ")
+      + chair.line
+      + " audiotestsrc is-live=true ! soundtactile ! fakesink name=speakers sync=true");
+  g_autoptr(GstElement) speakers = gst_bin_get_by_name(GST_BIN(pipeline), "speakers");
+  g_autoptr(GstElement) element = gst_bin_get_by_name(GST_BIN(pipeline), "chair");
+  g_autoptr(GstElement) analysis
+      = GST_ELEMENT(gst_child_proxy_get_child_by_name(GST_CHILD_PROXY(element), "analysis"));
+  g_autoptr(GstBus) bus = gst_element_get_bus(pipeline);
+  change_state(pipeline, GST_STATE_PLAYING);
+  while (stat_of(analysis, "frames") < 5) {
+    g_autoptr(GstMessage) error
+        = gst_bus_timed_pop_filtered(bus, 10 * GST_MSECOND, GST_MESSAGE_ERROR);
+    fail_unless(error == nullptr);
+  }
+  fail_unless(gst_bin_recalculate_latency(GST_BIN(pipeline)));
+  const GstClockTime before = gst_base_sink_get_latency(GST_BASE_SINK(speakers));
+  while (GstMessage *told = gst_bus_pop(bus))
+    gst_message_unref(told);
+  gst_child_proxy_set(GST_CHILD_PROXY(element), chair.property, 1, nullptr);
+  g_autoptr(GstMessage) told
+      = gst_bus_timed_pop_filtered(bus, GST_CLOCK_TIME_NONE, GST_MESSAGE_LATENCY);
+  fail_unless(told != nullptr);
+  fail_unless(gst_bin_recalculate_latency(GST_BIN(pipeline)));
+  fail_unless_equals_uint64(gst_base_sink_get_latency(GST_BASE_SINK(speakers)),
+                            before + chair.more);
+  gst_element_set_state(pipeline, GST_STATE_NULL);
+  gst_object_unref(pipeline);
+}
+GST_END_TEST;
+
 static Suite *
 sound_joins_suite(void)
 {
@@ -469,6 +518,7 @@ sound_joins_suite(void)
   tcase_add_loop_test(cases, test_off, 0, playbins);
   tcase_add_test(cases, test_sound_that_never_comes);
   tcase_add_test(cases, test_live_latency);
+  tcase_add_loop_test(cases, test_switched_on_while_live, 0, 2);
   return suite;
 }
 
