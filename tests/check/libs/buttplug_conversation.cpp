@@ -30,6 +30,10 @@ const char *const kList4 = R"([{"DeviceList":{"Id":2,"Devices":{
       "0":{"FeatureIndex":0,"FeatureDescription":"Stroker","Output":{
         "HwPositionWithDuration":{"Value":[0,100],"Duration":[0,100000]},
         "Position":{"Value":[0,100]}}}}}}}}])";
+/// In the place of the first device.
+const char *const kAnother = R"([{"DeviceList":{"Id":0,"Devices":{
+  "0":{"DeviceName":"Another","DeviceIndex":0,"DeviceFeatures":{
+      "0":{"FeatureIndex":0,"FeatureDescription":"a","Output":{"Vibrate":{"Value":[0,20]}}}}}}}}])";
 const char *const kInfo3
     = R"([{"ServerInfo":{"Id":1,"ServerName":"","MessageVersion":3,"MaxPingTime":100}}])";
 const char *const kList3 = R"([{"DeviceList":{"Id":2,"Devices":[
@@ -271,12 +275,15 @@ GST_START_TEST(test_errors)
   Talk talk;
   talk.play();
   talk.talk.take_warnings();
+  talk.talk.set_levels(std::array{ 1.0 });
   int id = 4;
-  for (int i = 0; i < ButtplugConversation::kMostErrors; i++) {
-    fail_unless(talk.talk.state() == State::playing);
-    talk.talk.set_levels(std::array{ i % 2 == 0 ? 1.0 : 0.5 });
+  // It is told once, then again and again, both motors each time.
+  for (int commands = 1; id < 4 + ButtplugConversation::kMostErrors; commands = 2) {
     fail_unless(talk.talk.next(talk.now).has_value());
-    talk.answer(error(id++));
+    for (int i = 0; i < commands && id < 4 + ButtplugConversation::kMostErrors; i++) {
+      fail_unless(talk.talk.state() == State::playing);
+      talk.answer(error(id++));
+    }
     talk.now += 1s;
   }
   talk.expect_failure({ "Test Vibrator", "the device is busy" });
@@ -284,9 +291,31 @@ GST_START_TEST(test_errors)
 }
 GST_END_TEST;
 
+/// A motor may be on.
+GST_START_TEST(test_a_refused_zero_is_told_again)
+{
+  Talk talk;
+  talk.play();
+  talk.talk.set_levels(std::array{ 1.0 });
+  fail_unless(talk.talk.next(talk.now).has_value());
+  talk.answer(ok(4));
+  talk.now += 1s;
+  talk.talk.set_levels(std::array{ 0.0 });
+  const std::optional<std::string> zero = talk.talk.next(talk.now);
+  assert_contains(zero.value(), { R"("Id":5)", R"("Value":0)" });
+  talk.answer(error(5));
+  const std::optional<std::string> again = talk.talk.next(talk.now);
+  assert_contains(again.value(), { R"("Id":6)", R"("Value":0)" });
+  talk.answer(ok(6));
+  talk.answer(ok(7)); // its other motor
+  talk.now += 1s;
+  fail_if(talk.talk.next(talk.now).has_value());
+}
+GST_END_TEST;
+
 GST_START_TEST(test_gone)
 {
-  for (const char *text : { R"([{"DeviceList":{"Id":0,"Devices":{}}}])",
+  for (const char *text : { R"([{"DeviceList":{"Id":0,"Devices":{}}}])", kAnother,
                             R"([{"DeviceRemoved":{"Id":0,"DeviceIndex":0}}])" }) {
     Talk talk;
     talk.play();
@@ -375,6 +404,7 @@ buttplug_conversation_suite(void)
   tcase_add_test(tests, test_one_message_under_way);
   tcase_add_test(tests, test_silent_server);
   tcase_add_test(tests, test_errors);
+  tcase_add_test(tests, test_a_refused_zero_is_told_again);
   tcase_add_test(tests, test_gone);
   tcase_add_test(tests, test_close);
   tcase_add_test(tests, test_lies_about_times);

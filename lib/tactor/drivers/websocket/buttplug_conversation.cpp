@@ -15,6 +15,9 @@ namespace {
 
 constexpr Time kShortestPing = std::chrono::milliseconds(10);
 
+/// No level that is wanted.
+constexpr int kUnknown = -1;
+
 std::vector<std::string>
 split(const std::string &names)
 {
@@ -150,12 +153,16 @@ ButtplugConversation::take(const buttplug::Error &error, Time now)
   }
   if (state() != State::closing)
     warn(server_ + ": " + text);
-  for (Taken &taken : taken_)
-    if (std::ranges::find(taken.unanswered, error.id) != taken.unanswered.end()
-        && ++taken.errors >= kMostErrors && state() == State::playing) {
+  for (Taken &taken : taken_) {
+    if (std::ranges::find(taken.unanswered, error.id) == taken.unanswered.end())
+      continue;
+    // What it does now is not known: it is told again, zeros, too.
+    std::ranges::fill(taken.sent, kUnknown);
+    if (++taken.errors >= kMostErrors && state() == State::playing) {
       lose(taken, text);
       return;
     }
+  }
   answered(error.id, now);
 }
 
@@ -168,8 +175,9 @@ ButtplugConversation::take(const buttplug::DeviceList &list, Time now)
   }
   // Version 4 sends the whole list when a device came or went.
   for (const Taken &taken : taken_)
-    if (std::ranges::find(list.devices, taken.device.index, &buttplug::Device::index)
-        == list.devices.end()) {
+    if (std::ranges::none_of(list.devices, [&](const buttplug::Device &listed) {
+          return listed.index == taken.device.index && listed.name == taken.device.name;
+        })) {
       lose(taken, "it was switched off, or is out of reach");
       return;
     }
