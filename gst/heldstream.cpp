@@ -51,17 +51,18 @@ HeldStream::hold(GstEvent *event)
 {
   if (held_.empty())
     return ways_.pass_event(event);
+  while (held_.size() >= kMost)
+    pass_first();
   held_.push_back(GST_MINI_OBJECT_CAST(event));
   return TRUE;
 }
 
-GstBuffer *
-HeldStream::find(const std::function<bool(GstBuffer *)> &wanted) const
+void
+HeldStream::look_through(const std::function<bool(GstBuffer *)> &enough) const
 {
   for (GstMiniObject *held : held_)
-    if (GST_IS_BUFFER(held) && wanted(GST_BUFFER_CAST(held)))
-      return GST_BUFFER_CAST(held);
-  return nullptr;
+    if (GST_IS_BUFFER(held) && enough(GST_BUFFER_CAST(held)))
+      return;
 }
 
 GstFlowReturn

@@ -22,7 +22,7 @@ public:
   HeldStream(const HeldStream &) = delete;
   HeldStream &operator=(const HeldStream &) = delete;
 
-  /// What is held at most. More passes at once.
+  /// What is held at most. With a buffer more, all passes; with an event, what came first.
   static constexpr std::size_t kMost = 4096;
 
   /// Takes a buffer, and passes those that `time` of the stream follows. Buffers without a duration
@@ -30,8 +30,8 @@ public:
   GstFlowReturn hold(GstBuffer *buffer, GstClockTime time);
   /// Takes an event that comes after what is held.
   gboolean hold(GstEvent *event);
-  /// The first held buffer that `wanted` says is; nullptr if there is none.
-  GstBuffer *find(const std::function<bool(GstBuffer *)> &wanted) const;
+  /// Shows the held buffers, the next one first, until one is `enough`.
+  void look_through(const std::function<bool(GstBuffer *)> &enough) const;
   /// Passes all.
   GstFlowReturn drain();
   /// Drops all but what outlives a flush: sticky events, but for SEGMENT and EOS. To be called when

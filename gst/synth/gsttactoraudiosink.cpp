@@ -46,8 +46,9 @@ struct _GstTactorAudioSink
   GstElement *resample;
 
   GstElement *wanted; ///< audio-sink as set; owned; object lock
-  GstElement *sink;   ///< the audio sink in the bin; changes of state only
-  guint channels;     ///< object lock
+  GstElement
+      *sink;      ///< the audio sink in the bin; written in changes of state, with the object lock
+  guint channels; ///< object lock
 };
 
 #define gst_tactor_audio_sink_parent_class parent_class
@@ -92,13 +93,17 @@ caps_of(guint channels)
 static void
 gst_tactor_audio_sink_replace(GstTactorAudioSink *self, GstElement *sink)
 {
-  if (self->sink != nullptr) {
-    gst_element_set_state(self->sink, GST_STATE_NULL);
-    gst_bin_remove(GST_BIN(self), self->sink);
+  GST_OBJECT_LOCK(self);
+  GstElement *old = std::exchange(self->sink, nullptr);
+  GST_OBJECT_UNLOCK(self);
+  if (old != nullptr) {
+    gst_element_set_state(old, GST_STATE_NULL);
+    gst_bin_remove(GST_BIN(self), old);
   }
-  self->sink = sink;
-  if (sink != nullptr && !gst_bin_add(GST_BIN(self), sink))
-    self->sink = nullptr;
+  const bool is_added = gst_bin_add(GST_BIN(self), sink);
+  GST_OBJECT_LOCK(self);
+  self->sink = is_added ? sink : nullptr;
+  GST_OBJECT_UNLOCK(self);
 }
 
 /* NULL to READY: uses audio-sink. False after an error message. */
@@ -121,8 +126,9 @@ gst_tactor_audio_sink_open(GstTactorAudioSink *self)
   g_autoptr(GstPad) last = gst_element_get_static_pad(self->resample, "src");
   if (self->sink == nullptr
       || (!gst_pad_is_linked(last) && !gst_element_link(self->resample, self->sink))) {
-    GST_ELEMENT_ERROR(self, LIBRARY, SETTINGS, ("The audio sink cannot be used."),
-                      ("%s is in another bin or takes no sound", GST_OBJECT_NAME(wanted)));
+    GST_ELEMENT_ERROR(
+        self, LIBRARY, SETTINGS, ("The audio sink cannot be used."),
+        ("%s is in another bin or takes no sound", GST_OBJECT_NAME(wanted ? wanted : self->sink)));
     return false;
   }
   g_object_set(self->format, "caps", caps, nullptr);
@@ -147,6 +153,8 @@ gst_tactor_audio_sink_set_property(GObject *object, guint id, const GValue *valu
   auto *self = GST_TACTOR_AUDIO_SINK(object);
   if (id == kAudioSink) {
     auto *wanted = static_cast<GstElement *>(g_value_get_object(value));
+    if (wanted == nullptr) // the usual one again
+      wanted = gst_element_factory_make("autoaudiosink", nullptr);
     if (wanted != nullptr)
       gst_object_ref_sink(wanted);
     GST_OBJECT_LOCK(self);

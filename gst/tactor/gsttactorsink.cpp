@@ -12,8 +12,8 @@
  * a queue with `max-size-bytes=0 max-size-buffers=0 max-size-time=400000000` before each sink, as
  * in [tactileextractor](tactileextractor.md).
  *
- * Maps are taken #GstTactorSink:rate times a second. Those that have sound in them, by
- * soundtactile, are taken at once.
+ * Maps are taken #GstTactorSink:rate times a second. Those of a stream of maps that have sound in
+ * them, by soundtactile, are taken at once.
  *
  * Every way out of PLAYING leaves all motors at zero: pause, flush, end of stream, error, and
  * upstream that stops delivering. [How it works](../design/tactorsink.md) tells what happens when a

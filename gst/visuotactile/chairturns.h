@@ -23,7 +23,7 @@ public:
     };
 
     State state;
-    gint64 pixels; ///< of the picture; counts where both play
+    gint64 pixels; ///< of the picture; decides between films of the same state
 
     std::strong_ordering operator<=>(const Claim &) const = default;
   };

@@ -26,7 +26,7 @@
  *   nothing.
  * - Blows of the film's sound are felt, too, where a [soundtactile](soundtactile.md) hears it in
  *   the same pipeline: `sound::sound` is as visuotactilesink's. Then frames of a live source are
- *   another 135 ms later.
+ *   another 137 ms later.
  * - Frame steps and instant changes of the rate reach only the player's sink, not the motors.
  * - A stream that the decoder does not take as it is goes through a parser first.
  *
@@ -377,6 +377,12 @@ gst_visuotactile_decoder_join(GstVisuotactileDecoder *self)
   return self->felt;
 }
 
+static void
+gst_visuotactile_decoder_post_latency(GstElement *element, gpointer)
+{
+  gst_element_post_message(element, gst_message_new_latency(GST_OBJECT(element)));
+}
+
 /// The chair is free.
 static void
 gst_visuotactile_decoder_offered(GstElement *element, gpointer)
@@ -386,7 +392,7 @@ gst_visuotactile_decoder_offered(GstElement *element, gpointer)
   const bool begins = gst_visuotactile_decoder_join(self);
   GST_STATE_UNLOCK(self);
   if (begins && gst_visuotactile_decoder_is_live(self))
-    gst_element_post_message(element, gst_message_new_latency(GST_OBJECT(element)));
+    gst_visuotactile_decoder_post_latency(element, nullptr);
 }
 
 /// Another film plays, which may count more.
@@ -404,15 +410,9 @@ gst_visuotactile_decoder_asked(GstElement *element, gpointer)
   GST_STATE_UNLOCK(self);
 }
 
-static void
-gst_visuotactile_decoder_post_latency(GstElement *element, gpointer)
-{
-  gst_element_post_message(element, gst_message_new_latency(GST_OBJECT(element)));
-}
-
 /// What the chair tells of itself is not about the film. Its latency is that of the source pad,
 /// which sinks ask for when they preroll. A LATENCY message of its own would come while they do:
-/// pulsesink then stands still now and then.
+/// pulsesink then stands still now and then. So there is one only in a live film that plays.
 static void
 gst_visuotactile_decoder_handle_message(GstBin *bin, GstMessage *message)
 {

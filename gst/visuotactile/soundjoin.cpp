@@ -28,8 +28,8 @@ namespace {
 /// a second.
 constexpr GstClockTime kLookAhead = 95 * GST_MSECOND;
 
-/// Of a film that does not tell its rate.
-constexpr GstClockTime kUsualFrame = 40 * GST_MSECOND;
+/// Of a film that does not tell its rate: of 24 frames a second.
+constexpr GstClockTime kUsualFrame = 42 * GST_MSECOND;
 
 struct Settings
 {
@@ -148,7 +148,7 @@ static std::optional<TactileMap>
 next_place(GstSoundJoin *self)
 {
   std::optional<TactileMap> found;
-  self->priv->held.find([&](GstBuffer *buffer) {
+  self->priv->held.look_through([&](GstBuffer *buffer) {
     found = read_map(self, buffer);
     return found && !tactile::is_silent(*found);
   });
@@ -189,6 +189,8 @@ static GstFlowReturn
 pass(GstSoundJoin *self, GstBuffer *buffer)
 {
   GstFlowReturn flow = GST_FLOW_OK;
+  if (!joined(self))
+    return gst_pad_push(self->srcpad, buffer);
   // What is wrong with a map is tactorsink's error.
   const std::optional<TactileMap> picture = read_map(self, buffer);
   if (!picture

@@ -234,7 +234,7 @@ CAPTION
 The thresholds of rumble were chosen on this trailer: its figures tell what was reached, not what
 another film may expect. The words of the lines are from memory. When they begin and end was read
 from the harmonics of a spectrogram from 0 to 4 kHz, to about 0.05 s. Soft music is under all of them,
-and the tail of a boom under the begins of the second and the fourth.
+and the tail of a boom under the beginnings of the second and the fourth.
 
 | time | what | felt | strongest |
 |---|---|---|---|

@@ -131,7 +131,7 @@ private:
                         const gchar *, GVariant *parameters, gpointer data)
   {
     auto *self = static_cast<MprisPlayer *>(data);
-    self->overtaken_ = true;
+    self->overtaken_ = self->asked_.has_value();
     Report report = self->state_.report(local_time());
     report.sought = true;
     if (g_variant_is_of_type(parameters, G_VARIANT_TYPE("(x)"))) {

@@ -97,6 +97,18 @@ GST_START_TEST(test_no_duration)
 }
 GST_END_TEST;
 
+GST_START_TEST(test_most_events)
+{
+  Passed passed;
+  passed.held.hold(buffer_of(1), GST_SECOND);
+  for (std::size_t i = 1; i < HeldStream::kMost; i++)
+    passed.held.hold(gst_event_new_gap(0, 1));
+  ck_assert_str_eq(passed.text.c_str(), "");
+  passed.held.hold(segment_event());
+  ck_assert_str_eq(passed.text.c_str(), "b ");
+}
+GST_END_TEST;
+
 GST_START_TEST(test_most)
 {
   Passed passed;
@@ -118,6 +130,7 @@ heldstream_suite(void)
   tcase_add_test(cases, test_a_flush_keeps_what_sticks);
   tcase_add_test(cases, test_no_duration);
   tcase_add_test(cases, test_most);
+  tcase_add_test(cases, test_most_events);
   return suite;
 }
 

@@ -203,10 +203,14 @@ GST_START_TEST(test_unusable_sink)
   const Said said = bus.said(GST_MESSAGE_ERROR);
   assert_contains(said.text, { "The audio sink cannot be used." });
   assert_contains(said.details, { "no-sink is in another bin or takes no sound" });
-  // Another one can.
+  // Another one can, and the usual one.
   g_object_set(bin, "audio-sink", gst_element_factory_make("fakesink", nullptr), nullptr);
   fail_unless_equals_int(gst_element_set_state(bin, GST_STATE_READY), GST_STATE_CHANGE_SUCCESS);
   gst_element_set_state(bin, GST_STATE_NULL);
+  g_object_set(bin, "audio-sink", nullptr, nullptr);
+  g_autoptr(GstElement) usual = nullptr;
+  g_object_get(bin, "audio-sink", &usual, nullptr);
+  ck_assert_str_eq(G_OBJECT_TYPE_NAME(usual), "GstAutoAudioSink");
   gst_object_unref(bin);
 }
 GST_END_TEST;
