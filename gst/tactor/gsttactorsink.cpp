@@ -41,7 +41,7 @@
  * ## Vests, and devices of Intiface
  * `driver=bhaptics` plays on a suit of bHaptics, `driver=intiface` on a device that
  * #GstTactorSink:device names, both by a server on this or another computer. A map of any grid is
- * pooled to their motors. See [a vest as a chair](../hardware/vest.md) and [a device of Intiface as
+ * pooled to their motors; where a cell has several motors, #GstTactorSink:max-active counts cells. See [a vest as a chair](../hardware/vest.md) and [a device of Intiface as
  * a chair](../hardware/intiface.md).
  *
  * ## Limits
@@ -64,6 +64,7 @@
  * - `cut-on-time`, `cut-duty`, `cut-active`, `ramps`: cues that were limited, soft starts
  * - `error-min`, `error-mean`, `error-p50`, `error-p99`, `error-max`: issued − due
  * - `thread-p99`, `thread-max`: delays by the thread
+ * - `latency`: of the way to the motors, by which commands are issued earlier
  * - `scheduling`: `direct`, `rtkit`, `portal`, `given-back` or `normal`
  * - `board`, `firmware`, `pins`, `connected`, `watchdog`, `reconnects`, `bytes`
  *
@@ -156,8 +157,8 @@ gst_tactor_sink_stats(GObject *object)
   GST_OBJECT_LOCK(object);
   const tactor::LimitCounters limited = GST_TACTOR_SINK(object)->priv->limited;
   GST_OBJECT_UNLOCK(object);
-  return tactor_stats_new(scheduler.counters(), scheduler.driver_status(), limited,
-                          scheduler.scheduling());
+  return tactor_stats_new(scheduler.counters(), scheduler.driver_status(),
+                          scheduler.transport_latency(), limited, scheduler.scheduling());
 }
 
 /* ---- planning (streaming thread) ---- */
@@ -211,6 +212,7 @@ gst_tactor_sink_play_map(GstTactorSink *self, GstBuffer *buffer)
   GST_OBJECT_LOCK(self);
   tactor::PlannerSettings settings = priv->settings.planner;
   GST_OBJECT_UNLOCK(self);
+  settings.transport_latency = scheduler_of(self).transport_latency();
   const std::optional<TactorPlanning::Plan> plan
       = priv->planning.plan_map(buffer, segment, std::move(settings));
   if (!plan)

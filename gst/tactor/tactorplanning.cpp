@@ -26,7 +26,7 @@ TactorPlanning::start(const tactor::PlannerSettings &agreed, int tactors,
   stream_ = {};
   checked_rows_ = checked_columns_ = 0;
   last_end_ = Time(0);
-  warned_no_meta_ = warned_grid_ = false;
+  warned_no_meta_ = warned_grid_ = told_number_ = false;
 }
 
 bool
@@ -57,7 +57,6 @@ TactorPlanning::plan_map(GstBuffer *buffer, const GstSegment &segment,
 
   settings.volts_max = agreed_.volts_max;
   settings.max_lead = agreed_.max_lead;
-  settings.transport_latency = agreed_.transport_latency;
   settings.line = agreed_.line;
   if (has_levels)
     check_grid(map.rows, map.columns, settings);
@@ -65,6 +64,9 @@ TactorPlanning::plan_map(GstBuffer *buffer, const GstSegment &segment,
     tactor::pool(map.levels, static_cast<int>(map.rows), static_cast<int>(map.columns), layout_,
                  pooled_);
     map.levels = pooled_;
+    // Where several motors stand for a cell, max-active counts cells.
+    settings.limits.max_active *= tactor::most_tactors_of_cell(layout_, static_cast<int>(map.rows),
+                                                               static_cast<int>(map.columns));
   }
   planner_->set_settings(settings);
   // The sound's maps: a blow may be over before the next block.
@@ -73,6 +75,12 @@ TactorPlanning::plan_map(GstBuffer *buffer, const GstSegment &segment,
                              ? planner_->plan(shown.start, shown.duration, map.levels, at_once)
                              : planner_->silence(shown.start),
              .end = shown.end() };
+  if (planner_->limited().number > 0 && !std::exchange(told_number_, true))
+    GST_ELEMENT_INFO(element_, STREAM, FORMAT,
+                     ("More of the film is to be felt at once than max-active lets through; the "
+                      "strongest is felt."),
+                     ("max-active is %d of %d motors; 0 lets all through",
+                      settings.limits.max_active, tactors_));
   GST_LOG_OBJECT(element_, "map at %" GST_STIME_FORMAT ": %" G_GSIZE_FORMAT " commands",
                  GST_STIME_ARGS(shown.start.count()), plan.commands.size());
   last_end_ = plan.end;

@@ -11,6 +11,15 @@ pools(const Layout &layout, int rows, int columns)
   return rows > layout.rows || columns > layout.columns;
 }
 
+int
+most_tactors_of_cell(const Layout &layout, int rows, int columns)
+{
+  const auto shares = [](int tactors, int cells) {
+    return std::max((tactors + cells - 1) / cells, 1);
+  };
+  return shares(layout.rows, rows) * shares(layout.columns, columns) * layout.panels;
+}
+
 void
 pool(std::span<const float> levels, int rows, int columns, const Layout &layout,
      std::vector<float> &pooled)

@@ -25,6 +25,9 @@ struct Layout
 /// Whether a tactor of the layout stands for several cells of a map.
 bool pools(const Layout &layout, int rows, int columns);
 
+/// The most tactors that stand for one cell of a map, at least 1.
+int most_tactors_of_cell(const Layout &layout, int rows, int columns);
+
 /// The levels of the layout's tactors. Where the map is finer, a tactor has the strongest of its
 /// cells, as many as its neighbors or one less; what is left over goes to the left and to the top.
 /// Where it is coarser, neighboring tactors share a cell. No cell is dropped.

@@ -26,7 +26,8 @@ Usage: haptic_server.py (bhaptics|buttplug3|buttplug4) [NAME=VALUE ...]
   errs=N       answers the command N to devices with an error
   conformance=1  has the devices of Buttplug's own conformance tests (buttplug4)
   gap=MS       between commands
-Lines on standard input: `remove` takes the device away, `add` brings it back, `quit` ends the server."""
+Lines on standard input: `remove` takes the device away, `add` brings it back, `flood` and `huge` send that to those that are connected,
+`silent` answers nothing from now on, `quit` ends the server."""
 
 import asyncio
 import contextlib
@@ -255,8 +256,14 @@ async def enforce_pings(socket, server):
 
 
 async def flood(socket, server):
-    while True:
-        await socket.send(server.changed())
+    with contextlib.suppress(websockets.ConnectionClosed):
+        while True:
+            await socket.send(server.changed())
+
+
+async def send_huge(socket):
+    with contextlib.suppress(websockets.ConnectionClosed):
+        await socket.send(json.dumps({"ConnectedPositions": ["x" * 100] * 100_000}))
 
 
 async def serve(socket, _path):
@@ -278,7 +285,7 @@ async def serve(socket, _path):
                 continue
             await socket.send(server.answer(text))
             if count == number("huge"):
-                await socket.send(json.dumps({"ConnectedPositions": ["x" * 100] * 100_000}))
+                await send_huge(socket)
             if count == number("flood"):
                 flooding = asyncio.create_task(flood(socket, server))
             if count == number("drops"):
@@ -303,6 +310,12 @@ async def main():
         line = (await loop.run_in_executor(None, sys.stdin.readline)).strip()
         if line in ("", "quit"):
             break
+        if line == "silent":
+            OPTIONS["silent"] = "1"
+            continue
+        if line in ("flood", "huge"):
+            tasks = [asyncio.create_task(flood(socket, one) if line == "flood" else send_huge(socket)) for socket, one in list(clients)]
+            continue
         is_there = line == "add"
         for socket, one in list(clients):
             with contextlib.suppress(websockets.ConnectionClosed):

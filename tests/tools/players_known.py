@@ -136,7 +136,8 @@ class Mpris(Player):
 
 
 class Keys(Player):
-    """Parole: D-Bus to play and pause, and a key in its window, which is WIDTH pixels wide."""
+    """Parole: D-Bus to play and pause, and a key in its window, which is WIDTH pixels wide. Of a film with several sound tracks it
+    shows a bar, which takes all keys."""
 
     controls = ("pause", "resume", "seek")
 

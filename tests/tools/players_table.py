@@ -252,6 +252,8 @@ def play(options, sound, player, chair, films, watch):
 
 def measure(options, sound, player, switched_on, films):
     sounds = [films[0].with_name("sound.m4a")] * 3
+    if "track" not in player.controls:
+        films = [films[0].with_name("one-track.mp4"), *films[1:]]
     chair = ["driver=simulator"] if switched_on else []
     other_plays, folder = play(options, sound, player, chair, sounds, watch_sound)
     shutil.rmtree(folder)
@@ -287,12 +289,12 @@ def make_sound(path, seconds):
     subprocess.run(["gst-launch-1.0", "-q", *f"{sound_of(seconds * FRAME_RATE, 440)} ! mp4mux ! filesink location={path}".split()], check=True)
 
 
-def make_film(path, width, seconds):
+def make_film(path, width, seconds, sounds=(440, 660)):
     frames_of = seconds * FRAME_RATE
     line = (f"mp4mux name=mux ! filesink location={path} "
             f"tactiletestsrc pattern=dynamic-motion seed=4 num-buffers={frames_of} ! video/x-raw,format=I420,width={width},height=360,framerate={FRAME_RATE}/1 ! "
             "x264enc speed-preset=ultrafast key-int-max=15 ! queue ! mux. "
-            + " ".join(f"{sound_of(frames_of, frequency)} ! queue ! mux." for frequency in (440, 660)))
+            + " ".join(f"{sound_of(frames_of, frequency)} ! queue ! mux." for frequency in sounds))
     subprocess.run(["gst-launch-1.0", "-q", *line.split()], check=True)
 
 
@@ -406,6 +408,7 @@ def main():
                 return take_pictures(options, sound, chosen)
             films = [options.work / "film.mp4", options.work / "next.mp4", options.work / "beside.mp4"]
             make_film(films[0], 640, 12)
+            make_film(options.work / "one-track.mp4", 640, 12, sounds=(440,))
             make_film(films[1], 480, 4)
             make_film(films[2], 360, 12)
             make_sound(options.work / "sound.m4a", 2)

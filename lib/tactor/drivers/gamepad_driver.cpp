@@ -230,7 +230,7 @@ GamepadDriver::connect(Lock &lock, Gamepads &gamepads)
       status_.board = describe(gamepad);
       status_.firmware = gamepad.is_bluetooth ? "gamepad by Bluetooth" : "gamepad";
       status_.motors = names_of_motors(tactors);
-      status_.has_watchdog = true;
+      status_.has_watchdog = false;
       status_.is_there = true;
       rumble_.emplace(shortest_interval(gamepad), settings_.times);
       rumble_->set(levels_);
@@ -240,6 +240,11 @@ GamepadDriver::connect(Lock &lock, Gamepads &gamepads)
                + (all.empty()
                       ? ""
                       : "; another is chosen by device=PATH or device=NAME: " + describe(all)));
+      // Its effects last for SDL_MAX_RUMBLE_DURATION_MS: SDL itself ends them earlier.
+      tell(lock, DriverEvent::Kind::warning,
+           describe(gamepad_)
+               + " has no watchdog: motors run on for up to 65 s if this computer hangs or the "
+                 "player stands still");
       if (!stops_with_process)
         tell(lock, DriverEvent::Kind::warning,
              describe(gamepad_)

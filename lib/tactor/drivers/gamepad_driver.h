@@ -19,7 +19,8 @@ namespace tactor {
 /// taken that no other driver of the process has. A gamepad that went away is looked for every
 /// `look_again` by its name and maker.
 ///
-/// Each rumble has a duration (RumbleTimes), which is the watchdog. A thread of the driver has the
+/// Each rumble has a duration (RumbleTimes), after which SDL ends it, as long as the process runs:
+/// the gamepad itself has no watchdog. A thread of the driver has the
 /// gamepads; write() hands it the levels and never waits. If a signal or exit() ends the process,
 /// the motors are stopped first: see TerminationGuard.
 class GamepadDriver : public ThreadedDriver

@@ -80,6 +80,7 @@ ServerDriver::reset()
   levels_.clear();
   told_.clear();
   device_ = {};
+  latency_ = Time(0);
 }
 
 void
@@ -108,7 +109,14 @@ Time
 ServerDriver::transport_latency() const
 {
   const std::lock_guard lock(mutex_);
-  return device_.latency;
+  return std::min(latency_, device_.longest_latency);
+}
+
+Time
+ServerDriver::longest_latency() const
+{
+  const std::lock_guard lock(mutex_);
+  return device_.longest_latency;
 }
 
 Time
@@ -236,6 +244,8 @@ ServerDriver::turn(Lock &lock, Visit &visit)
   }
   if (talk.state() == State::failed && visit.is_connected)
     return; // the next turn closes
+  if (talk.state() == State::playing)
+    latency_ = talk.latency();
   if (talk.state() == State::playing && !std::exchange(visit.was_taken, true)) {
     visit.ending = take(lock, visit.server);
     return;
@@ -273,7 +283,7 @@ ServerDriver::receive(Visit &visit, const SocketEvent &event, Time now)
       visit.ending
           = { DriverError::Kind::lost, visit.server.name + ": expected at most "
                                            + std::to_string(settings_.most_messages)
-                                           + " messages a second, and more came; start it anew" };
+                                           + " messages a second, and more came; restart it" };
     else
       visit.talk.received(event.text, now);
     break;
@@ -320,6 +330,9 @@ ServerDriver::take(Lock &lock, const Server &server)
   }
   tactors_ = tactors;
   device_ = device;
+  // The picture waits for it, and is not to wait for what is rare.
+  device_.longest_latency = std::min(
+      std::max(2 * server.conversation->latency(), settings_.latency_room), device.longest_latency);
   tell(lock, DriverEvent::Kind::opened,
        device.name + ": " + std::to_string(tactors) + " motors, " + device.server);
   opened();

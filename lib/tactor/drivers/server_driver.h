@@ -31,6 +31,8 @@ public:
     /// Until a lost server is looked for. Doubles up to the longest, and begins anew after a
     /// connection that lasted longer than that.
     Time look_again = std::chrono::seconds(1);
+    /// The latency may grow to this, or to twice what it was at first, and is led by.
+    Time latency_room = std::chrono::milliseconds(40);
     Time longest_look_again = std::chrono::seconds(16);
     /// A server that sends more messages than these in a second is left.
     int most_messages = 1000;
@@ -43,6 +45,7 @@ public:
   Layout layout() const override;
   double resolution() const override;
   Time transport_latency() const override;
+  Time longest_latency() const override;
   Time refresh_interval() const override;
   [[nodiscard]] tl::expected<void, DriverError> write(std::span<const double> volts,
                                                       Time now) override;
@@ -70,6 +73,7 @@ private:
   std::vector<double> levels_;      ///< as written last
   Time written_at_{ 0 };
   ServedDevice device_;        ///< of the open driver
+  Time latency_{ 0 };          ///< as measured last; kept while it is lost
   std::set<std::string> told_; ///< why a server that is back is not used
 };
 

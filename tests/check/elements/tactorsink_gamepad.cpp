@@ -46,6 +46,17 @@ struct GamepadRig
     ck_assert_int_eq(gst_pad_chain(sink_pad, map), GST_FLOW_OK);
   }
 
+  /// How many of the messages so far have this in their text; takes all of the type.
+  int times_said(GstMessageType type, const char *part) const
+  {
+    int count = 0;
+    while (GstMessage *message = gst_bus_pop_filtered(messages.bus, type)) {
+      count += Said(message).text.find(part) != std::string::npos;
+      gst_message_unref(message);
+    }
+    return count;
+  }
+
   VirtualPad pad{ "virtual pad" };
   GstElement *element
       = GST_ELEMENT(gst_object_ref_sink(gst_element_factory_make("tactorsink", nullptr)));
@@ -69,11 +80,18 @@ GST_START_TEST(test_halves)
   rig.pad.wait_for({ 0, 65535, 0, 0 });
   rig.push({ 1, 0, 1, 0 });
   rig.pad.wait_for({ 65535, 65535, 0, 0 });
-  while (GstMessage *message = gst_bus_pop_filtered(rig.messages.bus, GST_MESSAGE_WARNING)) {
-    const Said said(message);
-    fail_unless(said.text.find("killed") != std::string::npos, "%s", said.text.c_str());
-    gst_message_unref(message);
-  }
+  ck_assert_int_eq(rig.times_said(GST_MESSAGE_INFO, "share motors"), 1);
+  ck_assert_int_eq(rig.times_said(GST_MESSAGE_WARNING, "no tactor"), 0);
+}
+GST_END_TEST;
+
+GST_START_TEST(test_no_watchdog)
+{
+  GamepadRig rig;
+  rig.start(1, 2);
+  rig.push({ 1, 1 });
+  rig.pad.wait_for({ 65535, 65535, 0, 0 });
+  ck_assert_int_eq(rig.times_said(GST_MESSAGE_WARNING, "has no watchdog"), 1);
 }
 GST_END_TEST;
 
@@ -99,11 +117,25 @@ GST_START_TEST(test_zero_on_ways_out)
     gst_element_set_state(rig.element, state);
     rig.pad.wait_for(kZero);
   }
+  for (GstEvent *event : { gst_event_new_eos(), gst_event_new_flush_start() }) {
+    GamepadRig rig;
+    rig.start(1, 2);
+    rig.push({ 1, 1 });
+    rig.pad.wait_for({ 65535, 65535, 0, 0 });
+    fail_unless(gst_pad_send_event(rig.sink_pad, event));
+    rig.pad.wait_for(kZero);
+  }
+  // A map of the wrong size is an error, on which an application stops the pipeline.
   GamepadRig rig;
   rig.start(1, 2);
   rig.push({ 1, 1 });
   rig.pad.wait_for({ 65535, 65535, 0, 0 });
-  fail_unless(gst_pad_send_event(rig.sink_pad, gst_event_new_eos()));
+  const std::array<gfloat, 3> wrong{ 1, 1, 1 };
+  GstBuffer *map = gst_tactile_map_buffer_new(wrong.data(), wrong.size());
+  GST_BUFFER_PTS(map) = GST_SECOND;
+  ck_assert_int_eq(gst_pad_chain(rig.sink_pad, map), GST_FLOW_ERROR);
+  ck_assert_int_eq(rig.times_said(GST_MESSAGE_ERROR, "wrong size"), 1);
+  gst_element_set_state(rig.element, GST_STATE_NULL);
   rig.pad.wait_for(kZero);
 }
 GST_END_TEST;
@@ -129,6 +161,7 @@ tactorsink_gamepad_suite(void)
 
   suite_add_tcase(suite, tcase);
   tcase_add_test(tcase, test_halves);
+  tcase_add_test(tcase, test_no_watchdog);
   tcase_add_test(tcase, test_mapping);
   tcase_add_test(tcase, test_zero_on_ways_out);
   tcase_add_test(tcase, test_with_a_chair);

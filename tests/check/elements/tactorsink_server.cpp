@@ -75,6 +75,20 @@ const std::vector<Case> kCases{
   { "intiface", "Test Vibrator", "buttplug4", "motors 0 0=20 2=20", "motors 0" },
 };
 
+/// The next element message of this name. An error fails the test.
+void
+wait_for_message(const ServerRig &rig, const char *name)
+{
+  while (true) {
+    g_autoptr(GstMessage) message = gst_bus_timed_pop_filtered(
+        rig.messages.bus, GST_CLOCK_TIME_NONE,
+        static_cast<GstMessageType>(GST_MESSAGE_ELEMENT | GST_MESSAGE_ERROR));
+    ck_assert_int_eq(GST_MESSAGE_TYPE(message), GST_MESSAGE_ELEMENT);
+    if (gst_message_has_name(message, name))
+      return;
+  }
+}
+
 } // namespace
 
 /// The map's cells are felt where they are seen.
@@ -170,16 +184,62 @@ GST_START_TEST(test_server_gone)
     rig.push({ 1 });
     rig.server.wait_for_line(one.full);
     rig.server.say("quit");
-    while (true) {
-      g_autoptr(GstMessage) message = gst_bus_timed_pop_filtered(
-          rig.messages.bus, GST_CLOCK_TIME_NONE,
-          static_cast<GstMessageType>(GST_MESSAGE_ELEMENT | GST_MESSAGE_ERROR));
-      ck_assert_int_eq(GST_MESSAGE_TYPE(message), GST_MESSAGE_ELEMENT);
-      if (gst_message_has_name(message, "tactor-device-lost"))
-        break;
-    }
+    wait_for_message(rig, "tactor-device-lost");
     ck_assert_int_eq(rig.push({ 0.5F }), GST_FLOW_OK);
   }
+}
+GST_END_TEST;
+
+/// A server that floods, or sends 10 MB, is left in the middle of a film, which goes on. It is used
+/// again.
+GST_START_TEST(test_server_misbehaves)
+{
+  for (const char *deed : { "flood", "huge" })
+    for (const Case &one : kCases) {
+      ServerRig rig(one.driver, one.device, { one.kind });
+      rig.start(1, 1);
+      rig.push({ 1 });
+      rig.server.wait_for_line(one.full);
+      rig.server.say(deed);
+      wait_for_message(rig, "tactor-device-lost");
+      ck_assert_int_eq(rig.push({ 0 }), GST_FLOW_OK);
+      wait_for_message(rig, "tactor-device-found");
+      ck_assert_int_eq(rig.push({ 1 }), GST_FLOW_OK);
+      rig.server.wait_for_line(one.full);
+    }
+}
+GST_END_TEST;
+
+/// So is one that becomes silent.
+GST_START_TEST(test_server_becomes_silent)
+{
+  for (const Case &one : kCases) {
+    ServerRig rig(one.driver, one.device, { one.kind });
+    rig.start(1, 1);
+    rig.push({ 1 });
+    rig.server.wait_for_line(one.full);
+    rig.server.say("silent");
+    ck_assert_int_eq(rig.push({ 0.5F }), GST_FLOW_OK);
+    wait_for_message(rig, "tactor-device-lost");
+    ck_assert_int_eq(rig.push({ 1 }), GST_FLOW_OK);
+  }
+}
+GST_END_TEST;
+
+/// Of more cells than max-active the strongest are felt, each by all of its motors, and that is
+/// told once.
+GST_START_TEST(test_max_active)
+{
+  ServerRig rig("bhaptics", "vest-back", { "bhaptics" });
+  g_object_set(rig.element, "max-active", 1, nullptr);
+  rig.start(2, 2);
+  for (int i = 0; i < 2; i++)
+    ck_assert_int_eq(rig.push({ 0.5F, 1, 0.5F, 0.5F }), GST_FLOW_OK);
+  rig.server.wait_for_line("motors VestBack 2=100 3=100 6=100 7=100 10=100 11=100");
+  int told = 0;
+  while (g_autoptr(GstMessage) message = gst_bus_pop_filtered(rig.messages.bus, GST_MESSAGE_INFO))
+    told += Said(message).text.find("max-active") != std::string::npos ? 1 : 0;
+  ck_assert_int_eq(told, 1);
 }
 GST_END_TEST;
 
@@ -194,6 +254,9 @@ tactorsink_server_suite(void)
   tcase_add_test(tests, test_mapping);
   tcase_add_test(tests, test_zero_on_ways_out);
   tcase_add_test(tests, test_server_gone);
+  tcase_add_test(tests, test_server_misbehaves);
+  tcase_add_test(tests, test_server_becomes_silent);
+  tcase_add_test(tests, test_max_active);
   return suite;
 }
 

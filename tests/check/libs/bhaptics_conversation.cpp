@@ -57,15 +57,15 @@ struct Talk
 
 /// The message that sets dots of VestBack, "INDEX,INTENSITY" each.
 std::string
-back(std::initializer_list<std::pair<int, int>> dots)
+back(std::initializer_list<std::pair<int, int>> dots, int duration = 300)
 {
   std::string text;
   for (const auto &[index, intensity] : dots)
     text += (text.empty() ? "" : ",") + std::string("{\"Index\":") + std::to_string(index)
             + ",\"Intensity\":" + std::to_string(intensity) + "}";
   return R"({"Submit":[{"Type":"frame","Key":"visuotactile-VestBack","Frame":)"
-         R"({"Position":"VestBack","DurationMillis":250,"DotPoints":[)"
-         + text + "]}}]}";
+         R"({"Position":"VestBack","DurationMillis":)"
+         + std::to_string(duration) + R"(,"DotPoints":[)" + text + "]}}]}";
 }
 
 } // namespace
@@ -142,7 +142,7 @@ GST_START_TEST(test_one_message_under_way)
   talk.talk.set_levels(std::array{ 0.5 });
   fail_unless(talk.talk.deadline() == talk.now + 250ms);
   talk.now += 250ms;
-  talk.expect(back({ { 0, 50 } }));
+  talk.expect(back({ { 0, 50 } }, 550));
   fail_unless(talk.talk.deadline() == talk.now + 500ms);
 }
 GST_END_TEST;
@@ -160,19 +160,74 @@ GST_START_TEST(test_silent_server)
   talk.expect_none();
   fail_unless(talk.talk.state() == State::failed);
   assert_contains(talk.talk.failure().text, { "the Player", "none came for 5 s" });
+}
+GST_END_TEST;
 
-  Talk later;
-  later.play();
-  later.now += 1h; // a pause is no silence
-  later.talk.set_levels(std::array{ 1.0 });
-  later.expect(back({ { 0, 100 } }));
-  int sent = 1;
-  for (; later.talk.state() == State::playing; sent++) {
-    later.now = *later.talk.deadline();
-    later.talk.next(later.now);
+/// How long a message makes motors run.
+Time
+duration_of(const std::string &message)
+{
+  const std::string name = R"("DurationMillis":)";
+  const std::size_t at = message.find(name);
+  fail_if(at == std::string::npos, "%s", message.c_str());
+  return std::chrono::milliseconds(std::stoi(message.substr(at + name.size())));
+}
+
+/// One that becomes silent in the middle of a film is left, too. Until then what is on stays on
+/// without a gap, and few messages are under way.
+GST_START_TEST(test_server_becomes_silent)
+{
+  Talk talk;
+  talk.play();
+  talk.now += 1h; // a pause is no silence
+  const Time begin = talk.now;
+  talk.talk.set_levels(std::array{ 1.0 });
+  Time runs_until = begin;
+  int sent = 0;
+  while (talk.talk.state() == State::playing) {
+    if (const std::optional<std::string> message = talk.talk.next(talk.now)) {
+      sent++;
+      fail_unless(talk.now <= runs_until, "a gap before message %d", sent);
+      runs_until = talk.now + duration_of(*message);
+      fail_unless(runs_until <= talk.now + 2s, "message %d would run for %s", sent,
+                  message->c_str());
+    }
+    if (talk.talk.state() == State::playing)
+      talk.now = *talk.talk.deadline();
   }
-  fail_unless(later.now == 3611s + 5s);
+  fail_unless(talk.now == begin + 5s);
+  ck_assert_int_ge(sent, 5);
   ck_assert_int_le(sent, 8);
+}
+GST_END_TEST;
+
+/// The latency is the median of what the last answers took, and bounded.
+GST_START_TEST(test_latency)
+{
+  Talk talk;
+  talk.answer();
+  fail_unless(talk.talk.next(talk.now).has_value());
+  talk.now += 40ms;
+  talk.answer();
+  fail_unless(talk.talk.latency() == 40ms);
+  const auto exchange = [&talk](Time takes) {
+    talk.now += 1s;
+    talk.talk.set_levels(std::array{ talk.now.count() % 2 == 0 ? 1.0 : 0.5 });
+    fail_unless(talk.talk.next(talk.now).has_value());
+    talk.now += takes;
+    talk.answer();
+  };
+  for (const Time takes : { 41ms, 240ms, 39ms, 40ms }) // one late answer does not count
+    exchange(takes);
+  fail_unless(talk.talk.latency() == 40ms);
+  for (int i = 0; i < 5; i++) // most of the last nine
+    exchange(120ms);
+  fail_unless(talk.talk.latency() == 120ms);
+  for (int i = 0; i < 9; i++)
+    exchange(240ms);
+  fail_unless(talk.talk.latency() == talk.talk.device().longest_latency);
+  talk.answer(); // unasked
+  fail_unless(talk.talk.latency() == talk.talk.device().longest_latency);
 }
 GST_END_TEST;
 
@@ -190,13 +245,13 @@ GST_START_TEST(test_vest_of_two_sides)
   levels[39] = 1; // the last one of the front
   talk.talk.set_levels(levels);
   talk.expect(R"({"Submit":[{"Type":"frame","Key":"visuotactile-VestFront","Frame":)"
-              R"({"Position":"VestFront","DurationMillis":250,)"
+              R"({"Position":"VestFront","DurationMillis":300,)"
               R"("DotPoints":[{"Index":19,"Intensity":100}]}}]})");
   talk.answer();
   talk.now += 20ms;
   talk.talk.set_levels(std::array{ 1.0 });
   talk.expect(R"({"Submit":[{"Type":"frame","Key":"visuotactile-VestBack","Frame":)"
-              R"({"Position":"VestBack","DurationMillis":250,)"
+              R"({"Position":"VestBack","DurationMillis":300,)"
               R"("DotPoints":[{"Index":0,"Intensity":100}]}},)"
               R"({"Type":"turnOff","Key":"visuotactile-VestFront"}]})");
 }
@@ -221,10 +276,10 @@ GST_START_TEST(test_sleeves)
   talk.talk.set_levels(levels);
   talk.now += 1s;
   talk.expect(R"({"Submit":[{"Type":"frame","Key":"visuotactile-ForearmL","Frame":)"
-              R"({"Position":"ForearmL","DurationMillis":250,)"
+              R"({"Position":"ForearmL","DurationMillis":300,)"
               R"("DotPoints":[{"Index":5,"Intensity":100}]}},)"
               R"({"Type":"frame","Key":"visuotactile-ForearmR","Frame":)"
-              R"({"Position":"ForearmR","DurationMillis":250,)"
+              R"({"Position":"ForearmR","DurationMillis":300,)"
               R"("DotPoints":[{"Index":0,"Intensity":100}]}}]})");
 }
 GST_END_TEST;
@@ -311,6 +366,8 @@ bhaptics_conversation_suite(void)
   tcase_add_test(tests, test_renewal);
   tcase_add_test(tests, test_one_message_under_way);
   tcase_add_test(tests, test_silent_server);
+  tcase_add_test(tests, test_server_becomes_silent);
+  tcase_add_test(tests, test_latency);
   tcase_add_test(tests, test_vest_of_two_sides);
   tcase_add_test(tests, test_sleeves);
   tcase_add_test(tests, test_not_connected);

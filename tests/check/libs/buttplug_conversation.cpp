@@ -118,7 +118,7 @@ GST_START_TEST(test_version_4)
   fail_unless(device.motors
               == (std::vector<std::string>{ "Test Vibrator, motor 1", "Test Vibrator, motor 2" }));
   fail_unless(device.step == 0.1);
-  fail_unless(device.latency == 7ms);
+  fail_unless(talk.talk.latency() == 7ms);
   fail_if(device.has_watchdog);
   assert_text(device.server, "Test Server, Buttplug 4");
   assert_contains(talk.talk.take_warnings().at(0), { "asks for no pings" });

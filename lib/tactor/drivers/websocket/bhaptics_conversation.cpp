@@ -115,12 +115,14 @@ BhapticsConversation::begin(Time now)
 }
 
 void
-BhapticsConversation::received(std::string_view text, Time)
+BhapticsConversation::received(std::string_view text, Time now)
 {
   const std::optional<bhaptics::Status> status = bhaptics::read_status(text);
   if (!status || (state() != State::asking && state() != State::playing))
     return;
   waits_since_.reset();
+  if (unanswered_ == 1)
+    answers_.add(now - sent_at_);
   unanswered_ = std::max(unanswered_ - 1, 0);
   take(*status);
 }
@@ -174,7 +176,7 @@ BhapticsConversation::next(Time now)
            server_ + ": expected a status, and none came for "
                + std::to_string(
                    std::chrono::duration_cast<std::chrono::seconds>(patience_.answer).count())
-               + " s; start it anew" });
+               + " s; restart it" });
     return std::nullopt;
   }
   if (const std::optional<Time> time = due(); time && now >= *time)
@@ -212,7 +214,14 @@ BhapticsConversation::device() const
            .motors = names_of_motors(part_),
            .layout = part_.layout,
            .step = 0.01,
+           .longest_latency = patience_.longest_latency,
            .has_watchdog = true };
+}
+
+Time
+BhapticsConversation::latency() const
+{
+  return std::min(answers_.median(), patience_.longest_latency);
 }
 
 /// A message that ends what this program plays at all positions.
@@ -247,7 +256,15 @@ BhapticsConversation::write(std::span<const bhaptics::Frame> frames, Time now)
   sent_at_ = now;
   unanswered_++;
   waits_since_ = waits_since_.value_or(now);
-  return bhaptics::write_submit(frames, patience_.duration);
+  return bhaptics::write_submit(frames,
+                                std::max(patience_.duration, patience() + patience_.overlap));
+}
+
+/// How long the next message waits for the answers that are owed.
+Time
+BhapticsConversation::patience() const
+{
+  return unanswered_ * patience_.turn;
 }
 
 /// When the wanted intensities are to be sent, if ever.
@@ -257,8 +274,7 @@ BhapticsConversation::due() const
   const bool is_new = wanted_ != sent_;
   if (state() != State::playing || greets_at_ || (!is_new && !is_on()))
     return std::nullopt;
-  return sent_at_
-         + std::max(is_new ? patience_.interval : patience_.renewal, unanswered_ * patience_.turn);
+  return sent_at_ + std::max(is_new ? patience_.interval : patience_.renewal, patience());
 }
 
 /// When the server has not answered for too long.
