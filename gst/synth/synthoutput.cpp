@@ -4,6 +4,8 @@
 #include "synthcaps.h"
 
 #include <algorithm>
+#include <cmath>
+#include <string>
 #include <utility>
 
 using synth::Play;
@@ -127,6 +129,23 @@ SynthOutput::set_cells(const SynthSettings &settings)
   play_->set_cells(std::move(cells));
 }
 
+/// Tells which channels reach full scale before the highest level.
+void
+SynthOutput::tell_limited(const std::vector<synth::Voice> &voices)
+{
+  std::string text;
+  for (std::size_t i = 0; i < voices.size(); i++)
+    if (voices[i].gain > 1.001F) // more than rounding leaves
+      text.append(text.empty() ? "" : "; ")
+          .append("channel " + std::to_string(i) + " at "
+                  + std::to_string(std::lround(100 / voices[i].gain)) + " %");
+  if (!text.empty())
+    GST_ELEMENT_INFO(element_, LIBRARY, SETTINGS,
+                     ("Stronger maps are limited: gain and equalizer of the calibration reach full "
+                      "scale before."),
+                     ("full scale of %s of the strongest level", text.c_str()));
+}
+
 /// Begins to play in the format of `info`, with the sample after the last one.
 void
 SynthOutput::start_play(const GstAudioInfo &info, const SynthSettings &settings)
@@ -134,7 +153,9 @@ SynthOutput::start_play(const GstAudioInfo &info, const SynthSettings &settings)
   const gint channels = GST_AUDIO_INFO_CHANNELS(&info);
   const std::optional<Time> now
       = play_ && play_->has_begun() ? std::optional(play_->now()) : std::nullopt;
-  play_.emplace(GST_AUDIO_INFO_RATE(&info), parts_.carriers.voices(channels),
+  std::vector<synth::Voice> voices = parts_.carriers.voices(channels);
+  tell_limited(voices);
+  play_.emplace(GST_AUDIO_INFO_RATE(&info), std::move(voices),
                 tactor::PlannerSettings{ .max_lead = parts_.motors.max_lead(),
                                          .volts_max = settings.volts_max,
                                          .volts_min = 0 },

@@ -9,6 +9,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <vector>
 
 /// tactilesynth's sound: its format, and its samples, whose timestamps are running times.
 /// Streaming thread, or while it is stopped.
@@ -41,6 +42,7 @@ public:
 
 private:
   void start_play(const GstAudioInfo &info, const SynthSettings &settings);
+  void tell_limited(const std::vector<synth::Voice> &voices);
   void set_cells(const SynthSettings &settings);
   void send_segment();
   GstFlowReturn push_samples(std::int64_t count);

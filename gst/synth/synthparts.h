@@ -21,4 +21,7 @@ struct SynthParts
   bool open(GstElement *element, const SynthSettings &settings);
   /// Ends the trace. A warning says if it is incomplete.
   void close(GstElement *element);
+
+private:
+  bool read_samples(GstElement *element, const SynthSettings &settings);
 };
