@@ -278,6 +278,11 @@ GST_START_TEST(test_limiter)
     fail_unless_near(spectrum_of(sound)[60], expected, 1e-4);
     fail_unless_at_most(strongest_outside(sound, kRate, 55, 65), -85);
   }
+  // A change to beyond full scale has the ramp of one to full scale.
+  Synthesizer synthesizer(
+      kRate, { { std::make_shared<const Wave>(1, std::vector<float>{ 1 }), 0, 4 } }, kRamp);
+  synthesizer.change(0, 1);
+  fail_unless_near(render(synthesizer, kRamp / 2).back(), 0.5, 1e-2);
 }
 GST_END_TEST;
 
