@@ -300,4 +300,15 @@ install(GObjectClass *klass, std::span<const Property<Settings>> table,
     g_object_class_install_property(klass, ++id, entry.make_spec(defaults));
 }
 
+/// Sets controlled properties for what has a timestamp. Streaming thread.
+inline void
+sync_values(gpointer object, const GstSegment &segment, GstClockTime pts)
+{
+  if (segment.format != GST_FORMAT_TIME)
+    return;
+  const GstClockTime time = gst_segment_to_stream_time(&segment, GST_FORMAT_TIME, pts);
+  if (GST_CLOCK_TIME_IS_VALID(time))
+    gst_object_sync_values(GST_OBJECT(object), time);
+}
+
 } // namespace properties

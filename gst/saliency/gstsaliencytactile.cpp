@@ -225,19 +225,6 @@ gst_saliency_tactile_analyze(GstSaliencyTactile *self, const SaliencySettings &s
                        caps));
 }
 
-/// Updates controlled properties to the frame's stream time.
-static void
-gst_saliency_tactile_sync_values(GstSaliencyTactile *self, GstBuffer *buffer)
-{
-  const GstSegment &segment = GST_BASE_TRANSFORM(self)->segment;
-  if (segment.format != GST_FORMAT_TIME)
-    return;
-  const GstClockTime time
-      = gst_segment_to_stream_time(&segment, GST_FORMAT_TIME, GST_BUFFER_PTS(buffer));
-  if (GST_CLOCK_TIME_IS_VALID(time))
-    gst_object_sync_values(GST_OBJECT(self), time);
-}
-
 static void
 gst_saliency_tactile_attach_saliency(GstSaliencyTactile *self, const SaliencySettings &settings,
                                      GstBuffer *buffer)
@@ -286,7 +273,7 @@ gst_saliency_tactile_transform_ip(GstBaseTransform *transform, GstBuffer *buffer
   if (!priv->negotiated)
     return GST_FLOW_NOT_NEGOTIATED;
 
-  gst_saliency_tactile_sync_values(self, buffer);
+  properties::sync_values(self, transform->segment, GST_BUFFER_PTS(buffer));
   GST_OBJECT_LOCK(self);
   const SaliencySettings settings = priv->settings;
   GST_OBJECT_UNLOCK(self);

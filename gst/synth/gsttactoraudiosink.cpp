@@ -8,6 +8,8 @@
  * #GstTactoraudiosink:audio-sink. [tactilesynth](tactilesynth.md) says how maps become sound, and
  * has all properties but two; [shakers](../hardware/shakers.md) what to plug in.
  *
+ * Sound is made at the sink's own rate, if it is 8 to 192 kHz: a resampler would delay it.
+ *
  * #GstTactoraudiosink:channels are those of the card: 2, stereo; 4, front and back; 6, 5.1; 8, 7.1.
  * Maps play on those at the back and the sides and on LFE, if there are any. More than eight have
  * no positions, and cell i is channel i. #GstTactoraudiosink:mapping gives any cell any channel.
@@ -43,7 +45,7 @@ struct _GstTactorAudioSink
   /* Made at init. NULL where one's plugin is missing. */
   GstElement *synth;
   GstElement *format;
-  GstElement *resample;
+  GstElement *convert;
 
   GstElement *wanted; ///< audio-sink as set; owned; object lock
   GstElement
@@ -116,16 +118,15 @@ gst_tactor_audio_sink_open(GstTactorAudioSink *self)
   GST_OBJECT_UNLOCK(self);
   if (self->format == nullptr || (wanted == nullptr && self->sink == nullptr)) {
     GST_ELEMENT_ERROR(self, CORE, MISSING_PLUGIN,
-                      ("tactoraudiosink needs capsfilter, audioconvert, audioresample and "
-                       "autoaudiosink."),
+                      ("tactoraudiosink needs capsfilter, audioconvert and autoaudiosink."),
                       ("expected GStreamer's base and good plugins"));
     return false;
   }
   if (wanted != nullptr && wanted != self->sink)
     gst_tactor_audio_sink_replace(self, wanted);
-  g_autoptr(GstPad) last = gst_element_get_static_pad(self->resample, "src");
+  g_autoptr(GstPad) last = gst_element_get_static_pad(self->convert, "src");
   if (self->sink == nullptr
-      || (!gst_pad_is_linked(last) && !gst_element_link(self->resample, self->sink))) {
+      || (!gst_pad_is_linked(last) && !gst_element_link(self->convert, self->sink))) {
     GST_ELEMENT_ERROR(
         self, LIBRARY, SETTINGS, ("The audio sink cannot be used."),
         ("%s is in another bin or takes no sound", GST_OBJECT_NAME(wanted ? wanted : self->sink)));
@@ -233,25 +234,23 @@ gst_tactor_audio_sink_init(GstTactorAudioSink *self)
   self->synth = gst_element_factory_make("tactilesynth", "synth");
   GstElement *format = gst_element_factory_make("capsfilter", "format");
   GstElement *convert = gst_element_factory_make("audioconvert", "convert");
-  GstElement *resample = gst_element_factory_make("audioresample", "resample");
   gst_bin_add(GST_BIN(self), self->synth);
   g_autoptr(GstPad) target = gst_element_get_static_pad(self->synth, "sink");
   g_autoptr(GstPadTemplate) pad_template = gst_static_pad_template_get(&sink_template);
   gst_element_add_pad(GST_ELEMENT(self),
                       gst_ghost_pad_new_from_template("sink", target, pad_template));
-  if (!format || !convert || !resample) {
+  if (!format || !convert) {
     gst_clear_object(&format);
     gst_clear_object(&convert);
-    gst_clear_object(&resample);
     return;
   }
   self->format = format;
-  self->resample = resample;
-  gst_bin_add_many(GST_BIN(self), format, convert, resample, nullptr);
-  gst_element_link_many(self->synth, format, convert, resample, nullptr);
+  self->convert = convert;
+  gst_bin_add_many(GST_BIN(self), format, convert, nullptr);
+  gst_element_link_many(self->synth, format, convert, nullptr);
   self->sink = gst_element_factory_make("autoaudiosink", "audio-sink");
   if (self->sink != nullptr) { /* linked: an open pad would become one of the bin's in a line */
     gst_bin_add(GST_BIN(self), self->sink);
-    gst_element_link(resample, self->sink);
+    gst_element_link(convert, self->sink);
   }
 }

@@ -4,6 +4,7 @@
 #include "synth/play.h"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 using synth::Time;
@@ -31,10 +32,33 @@ std::vector<tactor::MotorParameters>
 SynthMotors::of_channels(int channels) const
 {
   std::vector<tactor::MotorParameters> motors(static_cast<std::size_t>(channels), other_);
-  for (std::size_t i = 0; i < std::min(motors.size(), measured_.size()); i++)
-    if (calibration_->tactors.contains(static_cast<int>(i)))
+  for (std::size_t i = 0; i < std::min(motors.size(), measured_.size()); i++) {
+    const auto found = calibration_->tactors.find(static_cast<int>(i));
+    if (found == calibration_->tactors.end())
+      continue;
+    if (found->second.table || found->second.quadratic) {
       motors[i] = measured_[i];
+    } else { // without rise times it is no coin motor
+      motors[i].latency = measured_[i].latency;
+      motors[i].level_volts = measured_[i].level_volts;
+    }
+  }
   return motors;
+}
+
+std::vector<synth::Tuning>
+SynthMotors::tunings(int most) const
+{
+  std::vector<synth::Tuning> tunings;
+  if (!calibration_)
+    return tunings;
+  for (const auto &[index, tactor] : calibration_->tactors) {
+    if (index >= most)
+      break;
+    tunings.resize(static_cast<std::size_t>(index) + 1);
+    tunings.back() = { .gain = std::pow(10, tactor.gain_db / 20), .equalizer = tactor.equalizer };
+  }
+  return tunings;
 }
 
 Time

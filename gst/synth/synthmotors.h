@@ -19,6 +19,8 @@ public:
   static tl::expected<SynthMotors, std::string> read(const SynthSettings &settings);
 
   std::vector<tactor::MotorParameters> of_channels(int channels) const;
+  /// Of the channels that were measured, up to the last one and to `most`.
+  std::vector<synth::Tuning> tunings(int most) const;
 
   /// For tactor::PlannerSettings::max_lead.
   synth::Time max_lead() const;

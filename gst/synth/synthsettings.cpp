@@ -62,6 +62,19 @@ read_waveform(SynthSettings &settings, const gchar *text)
 }
 
 std::optional<std::string>
+write_sample(const SynthSettings &settings)
+{
+  const std::string text = synth::write_names(settings.samples);
+  return text.empty() ? std::nullopt : std::optional(text);
+}
+
+void
+read_sample(SynthSettings &settings, const gchar *text)
+{
+  take(settings, "sample", settings.samples, synth::read_names(text ? text : ""));
+}
+
+std::optional<std::string>
 write_gain(const SynthSettings &settings)
 {
   return synth::write_numbers(settings.carriers.gains);
@@ -96,9 +109,11 @@ constexpr P kProperties[] = {
       "Carrier of each channel: sine, triangle, square, noise (an octave around the frequency), "
       "sample; as frequency",
       kReady),
-  P::text("sample",
-          "WAVE file that waveform=sample repeats: one channel, 16 bit or float, up to 10 s",
-          kReady, PROPERTY_FIELD(sample)),
+  P::parsed<write_sample, read_sample>(
+      "sample",
+      "WAVE file of each channel, which waveform=sample repeats, as in purr.wav,click.wav: one "
+      "channel, 16 bit or float, up to 10 s; as frequency",
+      kReady),
   P::parsed<write_gain, read_gain>(
       "gain", "Share of full scale of each channel at level 1, 0 to 1; as frequency", kReady),
   P::parsed<write_mapping, read_mapping>("mapping",
@@ -112,8 +127,8 @@ constexpr P kProperties[] = {
       "before its frame",
       kReady, PROPERTY_FIELD(rise_time), P::Range{ 0, GST_SECOND }),
   P::text("calibration",
-          "Key file of tactor-calibrate: each channel's rise times, latency, start volts and "
-          "strength (unset: rise-time for all)",
+          "Key file of tactor-calibrate: each channel's rise times, latency, start volts, "
+          "strength, gain and equalizer (unset: rise-time for all)",
           kReady, PROPERTY_FIELD(calibration)),
   P::number<gdouble>("voltage-max", "Volts of the calibration at full scale", kReady,
                      PROPERTY_FIELD(volts_max), P::Range{ 0.1, 24 }),

@@ -18,7 +18,7 @@ struct SynthSettings
   static constexpr int kMostChannels = 64;
 
   synth::Carriers carriers;
-  std::string sample;                        ///< file of Waveform::sample
+  std::vector<std::string> samples = { "" }; ///< files of Waveform::sample, by entry_of()
   std::vector<int> mapping;                  ///< empty: by channels and their positions
   std::map<std::string, std::string> faults; ///< properties whose last text was refused, and why
 

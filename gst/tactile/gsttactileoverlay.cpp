@@ -225,10 +225,7 @@ gst_tactile_overlay_sink_event(GstBaseTransform *transform, GstEvent *event)
 static void
 gst_tactile_overlay_before_transform(GstBaseTransform *transform, GstBuffer *buffer)
 {
-  const GstClockTime time = gst_segment_to_stream_time(&transform->segment, GST_FORMAT_TIME,
-                                                       GST_BUFFER_TIMESTAMP(buffer));
-  if (GST_CLOCK_TIME_IS_VALID(time))
-    gst_object_sync_values(GST_OBJECT(transform), time);
+  properties::sync_values(transform, transform->segment, GST_BUFFER_PTS(buffer));
 }
 
 static gboolean

@@ -103,9 +103,6 @@ using tactor::Time;
 GST_DEBUG_CATEGORY(tactor_sink_debug);
 #define GST_CAT_DEFAULT tactor_sink_debug
 
-/// How long a map holds after the end of its frame if no other follows.
-static constexpr Time kHold = std::chrono::seconds(1);
-
 struct GstTactorSinkPrivate
 {
   explicit GstTactorSinkPrivate(GstTactorSink *sink)
@@ -180,20 +177,8 @@ gst_tactor_sink_push(GstTactorSink *self, const TactorPlanning::Plan &plan)
   GST_OBJECT_LOCK(self);
   priv->limited = priv->planning.limited();
   GST_OBJECT_UNLOCK(self);
-  scheduler_of(self).push(plan.commands, plan.end + kHold,
+  scheduler_of(self).push(plan.commands, plan.end + TactorStream::kHold,
                           priv->session.read_timing().now().value_or(Time::min()));
-}
-
-/// Sets controlled properties for a frame.
-static void
-gst_tactor_sink_sync_values(GstTactorSink *self, GstClockTime pts)
-{
-  const GstSegment segment = gst_tactor_sink_segment(self);
-  if (segment.format != GST_FORMAT_TIME)
-    return;
-  const GstClockTime time = gst_segment_to_stream_time(&segment, GST_FORMAT_TIME, pts);
-  if (GST_CLOCK_TIME_IS_VALID(time))
-    gst_object_sync_values(GST_OBJECT(self), time);
 }
 
 static GstFlowReturn
@@ -245,7 +230,7 @@ gst_tactor_sink_render(GstBaseSink *sink, GstBuffer *buffer)
 
   if (const GstFlowReturn ret = gst_tactor_sink_wait_until_open(self); ret != GST_FLOW_OK)
     return ret;
-  gst_tactor_sink_sync_values(self, GST_BUFFER_PTS(buffer));
+  properties::sync_values(self, gst_tactor_sink_segment(self), GST_BUFFER_PTS(buffer));
   if (scheduler_of(self).failed())
     return GST_FLOW_ERROR; // the error message was posted before
   return gst_tactor_sink_play_map(self, buffer);

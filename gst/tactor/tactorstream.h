@@ -16,6 +16,9 @@ tactor::Time to_tactor_time(GstClockTime time);
 class TactorStream
 {
 public:
+  /// How long a map holds after the end of its frame if no other follows.
+  static constexpr tactor::Time kHold = std::chrono::seconds(1);
+
   struct Span
   {
     tactor::Time start{ 0 };

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "nanoseconds.h"
+#include "synth/equalizer.h"
 #include "tactor/motor_model.h"
 #include "tactor/rise_time.h"
 
@@ -50,6 +51,9 @@ struct TactorCalibration
   std::optional<QuadraticRiseTime> quadratic{};
   bool prefers_quadratic = false;          ///< it fits the measurements better than the table
   std::vector<VibrationPoint> vibration{}; ///< both values rise; empty: proportional to the voltage
+  /// Of a channel of sound alone. No measurement sets them.
+  double gain_db = 0;
+  std::vector<synth::EqualizerBand> equalizer{};
   int steps_used = 0;
   int steps_refused = 0;
 

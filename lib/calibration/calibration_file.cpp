@@ -22,6 +22,9 @@ constexpr const char *kTactorGroup = "Tactor ";
 constexpr int kMostTactors = 4096;
 constexpr double kMostVolts = 24;
 constexpr double kLongestMs = 10'000;
+constexpr double kLeastGain = -60; ///< dB
+constexpr double kMostGain = 24;   ///< dB
+constexpr std::size_t kMostBands = 8;
 /// Twice the size of a file with tables of 0.1 V steps for all tactors.
 constexpr std::size_t kMostBytes = std::size_t{ 64 } << 20;
 /// GKeyFile allocates about 200 bytes per line, including comments and empty lines, and per number
@@ -219,6 +222,31 @@ read_vibration(const Reader &in, TactorCalibration &tactor)
     in.fail("vibration", "expected a motor that vibrates");
 }
 
+void
+read_equalizer(const Reader &in, TactorCalibration &tactor)
+{
+  using synth::EqualizerBand;
+  const std::vector<double> frequencies = in.numbers("equalizer-hz", 1, synth::kHighest);
+  const std::vector<double> gains
+      = in.numbers("equalizer-db", -EqualizerBand::kMostGain, EqualizerBand::kMostGain);
+  const std::vector<double> qs
+      = in.numbers("equalizer-q", EqualizerBand::kLeastQ, EqualizerBand::kMostQ);
+  if (frequencies.size() > kMostBands)
+    return in.fail("equalizer-hz", "expected at most " + std::to_string(kMostBands)
+                                       + " numbers, got " + std::to_string(frequencies.size()));
+  const auto is_short = [&](const char *key, const std::vector<double> &values) {
+    if (values.size() != frequencies.size())
+      in.fail(key, "expected as many numbers as equalizer-hz has, "
+                       + std::to_string(frequencies.size()) + ", got "
+                       + std::to_string(values.size()));
+    return values.size() != frequencies.size();
+  };
+  if (is_short("equalizer-db", gains) || is_short("equalizer-q", qs))
+    return;
+  for (std::size_t i = 0; i < frequencies.size(); i++)
+    tactor.equalizer.push_back({ .frequency = frequencies[i], .gain = gains[i], .q = qs[i] });
+}
+
 TactorCalibration
 read_tactor(const Reader &in)
 {
@@ -245,6 +273,13 @@ read_tactor(const Reader &in)
   tactor.prefers_quadratic = model == "quadratic";
   if (in.has("vibration"))
     read_vibration(in, tactor);
+  if (in.has("gain-db"))
+    tactor.gain_db = in.number("gain-db", kLeastGain, kMostGain);
+  for (const char *key : { "equalizer-hz", "equalizer-db", "equalizer-q" })
+    if (in.has(key)) {
+      read_equalizer(in, tactor);
+      break;
+    }
   const auto count = [&](const char *key) {
     return in.has(key) ? static_cast<int>(in.number(key, 0, 1e9)) : 0;
   };
@@ -288,6 +323,21 @@ write_tactor(GKeyFile *file, int index, const TactorCalibration &tactor)
   if (!volts.empty()) {
     set("vibration-volts", text(volts));
     set("vibration", text(amplitudes));
+  }
+  if (tactor.gain_db != 0)
+    set("gain-db", text(tactor.gain_db));
+  std::vector<double> frequencies;
+  std::vector<double> gains;
+  std::vector<double> qs;
+  for (const synth::EqualizerBand &band : tactor.equalizer) {
+    frequencies.push_back(band.frequency);
+    gains.push_back(band.gain);
+    qs.push_back(band.q);
+  }
+  if (!frequencies.empty()) {
+    set("equalizer-hz", text(frequencies));
+    set("equalizer-db", text(gains));
+    set("equalizer-q", text(qs));
   }
 }
 

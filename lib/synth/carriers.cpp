@@ -8,6 +8,7 @@
 #include <map>
 #include <optional>
 #include <system_error>
+#include <tuple>
 #include <utility>
 
 namespace synth {
@@ -66,16 +67,11 @@ std::string
 write_list(const Entries &entries, Write write)
 {
   std::string text;
-  for (const auto entry : entries)
-    text.append(text.empty() ? "" : ",").append(write(entry));
+  for (const auto &entry : entries)
+    text.append(write(entry)).append(",");
+  if (!text.empty())
+    text.pop_back();
   return text;
-}
-
-template <typename Entry>
-Entry
-entry_of(const std::vector<Entry> &entries, std::size_t index)
-{
-  return entries[std::min(index, entries.size() - 1)];
 }
 
 } // namespace
@@ -83,17 +79,21 @@ entry_of(const std::vector<Entry> &entries, std::size_t index)
 std::vector<Voice>
 Carriers::voices(int channels) const
 {
-  std::map<std::pair<Waveform, double>, std::shared_ptr<const Wave>> waves;
+  using Kind = std::tuple<Waveform, double, const Wave *, std::vector<EqualizerBand>>;
+  std::map<Kind, Equalized> waves;
   std::vector<Voice> voices;
   for (std::size_t i = 0; i < static_cast<std::size_t>(channels); i++) {
     const Waveform waveform = entry_of(waveforms, i);
     const double frequency = entry_of(frequencies, i);
-    std::shared_ptr<const Wave> &wave = waves[{ waveform, frequency }];
-    if (!wave)
-      wave = waveform == Waveform::sample ? sample : make_wave(waveform, frequency);
-    voices.push_back({ .wave = wave,
-                       .phase = waveform == Waveform::noise ? kApart * static_cast<double>(i) : 0,
-                       .gain = static_cast<float>(entry_of(gains, i)) });
+    const auto sample = waveform == Waveform::sample ? entry_of(samples, i) : nullptr;
+    const Tuning tuning = i < tunings.size() ? tunings[i] : Tuning();
+    Equalized &carrier = waves[{ waveform, frequency, sample.get(), tuning.equalizer }];
+    if (!carrier.wave)
+      carrier = equalized(sample ? sample : make_wave(waveform, frequency), tuning.equalizer);
+    voices.push_back(
+        { .wave = carrier.wave,
+          .phase = waveform == Waveform::noise ? kApart * static_cast<double>(i) : 0,
+          .gain = static_cast<float>(entry_of(gains, i) * tuning.gain * carrier.peak) });
   }
   return voices;
 }
@@ -137,6 +137,19 @@ write_waveforms(std::span<const Waveform> waveforms)
 {
   return write_list(waveforms,
                     [](Waveform waveform) { return kNames[static_cast<std::size_t>(waveform)]; });
+}
+
+tl::expected<std::vector<std::string>, std::string>
+read_names(std::string_view text)
+{
+  return read_list<std::string>(
+      text, "fewer files", [](std::string_view word) { return std::optional<std::string>(word); });
+}
+
+std::string
+write_names(std::span<const std::string> names)
+{
+  return write_list(names, [](const std::string &name) -> const std::string & { return name; });
 }
 
 } // namespace synth

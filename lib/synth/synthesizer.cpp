@@ -60,7 +60,8 @@ void
 Synthesizer::change(std::size_t index, float amplitude)
 {
   Channel &channel = channels_[index];
-  channel.wanted = amplitude > 0 ? std::min(amplitude, 1.0F) : 0.0F; // NaN is 0
+  const float level = amplitude > 0 ? std::min(amplitude, 1.0F) : 0.0F; // NaN is 0
+  channel.wanted = std::min(level * channel.voice.gain, 1.0F);
   if (channel.wanted > 0 && std::exchange(armed_, false))
     softened_ = 0;
   begin_ramp(channel);
@@ -133,8 +134,7 @@ Synthesizer::render_channel(Channel &channel, std::size_t index, std::span<float
     const std::span<const float> amplitude = amplitudes(channel, left);
     std::uint64_t phase = channel.phase;
     for (std::size_t i = 0; i < amplitude.size() && !silent; i++, phase += channel.advance)
-      out[i * step]
-          = std::clamp(amplitude[i], 0.0F, 1.0F) * channel.voice.gain * at(wave, length, phase);
+      out[i * step] = std::clamp(amplitude[i], 0.0F, 1.0F) * at(wave, length, phase);
     for (std::size_t i = 0; i < amplitude.size() && silent; i++)
       out[i * step] = 0;
     channel.phase += channel.advance * amplitude.size();

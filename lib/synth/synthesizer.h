@@ -17,7 +17,7 @@ struct Voice
 {
   std::shared_ptr<const Wave> wave;
   double phase = 0; ///< rounds by which its wave is ahead
-  float gain = 1;   ///< [0, 1]
+  float gain = 1;   ///< factor on amplitudes; with 1 and more they are limited to full scale
 };
 
 /// Carriers whose amplitudes change by ramps. A carrier goes on where it is silent, so that its
@@ -25,7 +25,8 @@ struct Voice
 ///
 /// The ramp is the integral of a Hann window: more than 2 / its length from the carrier, its
 /// sidebands are low and fall by 24 dB an octave, those of a straight ramp by 12. Changes add up:
-/// one may come while others are under way, and no sample exceeds full scale.
+/// one may come while others are under way. No sample exceeds full scale: amplitudes are limited, so
+/// that their waves keep their shape.
 ///
 /// Samples do not depend on how they are divided into calls of render(), which allocates nothing.
 /// Not thread-safe.

@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "support/contains.h"
 #include "support/playing.h"
+#include "support/spectrum.h"
 #include "support/tolerance.h"
 
 #include <gst/audio/audio.h>
 #include <gst/tactile/tactile.h>
 
 #include <algorithm>
+#include <cmath>
+#include <iterator>
 #include <string>
 #include <vector>
 
@@ -56,6 +59,22 @@ struct Heard
   GstClockTime end = 0;
 };
 
+std::vector<float>
+samples_of(const GstMapInfo &map, GstAudioFormat format)
+{
+  std::vector<float> samples;
+  if (format == GST_AUDIO_FORMAT_F32) {
+    const auto *values = reinterpret_cast<const float *>(map.data);
+    samples.assign(values, values + map.size / sizeof(float));
+  } else {
+    fail_unless_equals_int(format, GST_AUDIO_FORMAT_S16);
+    const auto *values = reinterpret_cast<const gint16 *>(map.data);
+    std::transform(values, values + map.size / sizeof(gint16), std::back_inserter(samples),
+                   [](gint16 value) { return static_cast<float>(value) / 32768; });
+  }
+  return samples;
+}
+
 /// What an appsink within the bin gets to the end.
 Heard
 hear(const Film &film)
@@ -74,8 +93,8 @@ hear(const Film &film)
     heard.end = GST_BUFFER_PTS(buffer) + GST_BUFFER_DURATION(buffer);
     GstMapInfo map;
     gst_buffer_map(buffer, &map, GST_MAP_READ);
-    const auto *values = reinterpret_cast<const float *>(map.data);
-    heard.samples.insert(heard.samples.end(), values, values + map.size / sizeof(float));
+    const std::vector<float> more = samples_of(map, GST_AUDIO_INFO_FORMAT(&heard.info));
+    heard.samples.insert(heard.samples.end(), more.begin(), more.end());
     gst_buffer_unmap(buffer, &map);
     gst_sample_unref(sample);
   }
@@ -135,13 +154,33 @@ GST_END_TEST;
 
 GST_START_TEST(test_converts)
 {
-  // A card of 16 bits and another rate.
-  const Film film("audio-sink=\"appsink name=heard sync=false "
-                  "caps=audio/x-raw,format=S16LE,rate=22050\"",
+  // A card of 16 bits and another rate hears the carrier at its time, from 0.2 to 0.8 s: nothing is
+  // resampled.
+  constexpr int kRate = 44100;
+  const Film film("rise-time=0 ramp-in=0 audio-sink=\"appsink name=heard sync=false "
+                  "caps=audio/x-raw,format=S16LE,rate=44100\"",
                   5, 20, 25);
   const Heard heard = hear(film);
   ck_assert_int_eq(GST_AUDIO_INFO_FORMAT(&heard.info), GST_AUDIO_FORMAT_S16LE);
-  ck_assert_int_eq(GST_AUDIO_INFO_RATE(&heard.info), 22050);
+  ck_assert_int_eq(GST_AUDIO_INFO_RATE(&heard.info), kRate);
+  const std::vector<float> left = channel_of(heard.samples, 2, 0);
+  const auto between = [&](double begin, double end) {
+    return std::span(left).subspan(static_cast<std::size_t>(std::lround(begin * kRate)),
+                                   static_cast<std::size_t>(std::lround((end - begin) * kRate)));
+  };
+  const auto strongest = [&](double begin, double end) {
+    double peak = 0;
+    for (const float sample : between(begin, end))
+      peak = std::max(peak, std::abs(static_cast<double>(sample)));
+    return peak;
+  };
+  constexpr double kDither = 2.0 / 32768;
+  fail_unless_at_most(strongest(0, 0.194), kDither);
+  fail_unless(strongest(0.2, 0.22) > 0.9);
+  fail_unless_near(spectrum_of(between(0.25, 0.75))[30], 1, 1e-3); // bins of 2 Hz
+  fail_unless_at_most(strongest_outside(between(0.25, 0.75), kRate, 50, 70), -80);
+  fail_unless(strongest(0.78, 0.8) > 0.9);
+  fail_unless_at_most(strongest(0.8061, 1), kDither);
 }
 GST_END_TEST;
 
@@ -240,14 +279,39 @@ GST_START_TEST(test_seeks)
       "tactiletestsrc num-buffers=100 ! video/x-raw,framerate=25/1 ! saliencytactile ! "
       "tactileextractor name=x  x.src ! queue max-size-time=400000000 max-size-bytes=0 "
       "max-size-buffers=0 ! fakesink sync=true "
-      "x.tactile ! queue ! tactoraudiosink audio-sink=\"fakesink sync=true\"");
+      "x.tactile ! queue ! tactoraudiosink audio-sink=\"appsink name=heard sync=true\"");
   change_state(pipeline, GST_STATE_PAUSED);
+  g_autoptr(GstElement) sink = gst_bin_get_by_name(GST_BIN(pipeline), "heard");
   for (const GstClockTime to : { 2 * GST_SECOND, GST_SECOND, 3 * GST_SECOND }) {
     seek_exactly(pipeline, 1, to, 4 * GST_SECOND);
+    change_state(pipeline, GST_STATE_PAUSED);
+    // The sound in the sink is that of the film's new time.
+    g_autoptr(GstSample) sample = nullptr;
+    g_signal_emit_by_name(sink, "pull-preroll", &sample);
+    fail_unless(sample != nullptr);
+    fail_unless_equals_uint64(
+        gst_segment_to_stream_time(gst_sample_get_segment(sample), GST_FORMAT_TIME,
+                                   GST_BUFFER_PTS(gst_sample_get_buffer(sample))),
+        to);
     change_state(pipeline, GST_STATE_PLAYING);
     change_state(pipeline, GST_STATE_PAUSED);
   }
+  // The rest, once: a second and the last ramp.
   gst_element_set_state(pipeline, GST_STATE_PLAYING);
+  GstClockTime played = 0;
+  GstClockTime next = 0;
+  for (;;) {
+    g_autoptr(GstSample) sample = nullptr;
+    g_signal_emit_by_name(sink, "pull-sample", &sample);
+    if (sample == nullptr)
+      break;
+    GstBuffer *buffer = gst_sample_get_buffer(sample);
+    fail_unless_equals_uint64(GST_BUFFER_PTS(buffer), next);
+    next = GST_BUFFER_PTS(buffer) + GST_BUFFER_DURATION(buffer);
+    played += GST_BUFFER_DURATION(buffer);
+  }
+  fail_unless(played >= GST_SECOND && played <= GST_SECOND + 20 * GST_MSECOND, "%" GST_TIME_FORMAT,
+              GST_TIME_ARGS(played));
   wait_for_eos(pipeline);
   gst_element_set_state(pipeline, GST_STATE_NULL);
 }

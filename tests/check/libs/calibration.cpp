@@ -33,6 +33,8 @@ some_tactor()
                                 .r_squared = 0.98,
                                 .residual_ms = 6.5 },
            .vibration = { { 0.6, 0.1 }, { 1.5, 0.5 }, { 3, 0.8 } },
+           .gain_db = -4.5,
+           .equalizer = { { 45, -6, 2 }, { 62.5, 3, 0.7 } },
            .steps_used = 40,
            .steps_refused = 2 };
 }
@@ -84,6 +86,8 @@ GST_START_TEST(file_round_trip)
   fail_unless(tactor.vibration.size() == 3 && tactor.vibration[1].amplitude == 0.5);
   fail_if(tactor.prefers_quadratic);
   fail_unless(tactor.steps_used == 40 && tactor.steps_refused == 2);
+  fail_unless(tactor.gain_db == -4.5 && tactor.equalizer == some_tactor().equalizer);
+  fail_unless(read.tactors.at(0).gain_db == 0 && read.tactors.at(0).equalizer.empty());
   fail_if(read.tactors.at(0).latency.has_value());
 }
 GST_END_TEST
@@ -121,6 +125,21 @@ GST_START_TEST(damaged_files_are_refused_with_the_place)
   expect_refusal(head + "[Tactor 0]\nvibration-volts=1;2;\nvibration=2;1;\n", "rising");
   expect_refusal(head + "[Tactor 0]\nvibration-volts=1;1;\nvibration=1;2;\n", "rising");
   expect_refusal(head + "[Tactor 0]\nvibration-volts=1;2;\nvibration=0;0;\n", "vibrates");
+  expect_refusal(head + "[Tactor 0]\ngain-db=25\n", "gain-db: expected -60 to 24, got 25");
+  expect_refusal(head + "[Tactor 0]\ngain-db=loud\n", "gain-db");
+  const auto equalizer = [&](const char *hz, const char *db, const char *q) {
+    return head + "[Tactor 0]\nequalizer-hz=" + hz + "\nequalizer-db=" + db + "\nequalizer-q=" + q
+           + "\n";
+  };
+  expect_refusal(equalizer("0.5", "1", "1"), "equalizer-hz: expected 1 to 1000, got 0.5");
+  expect_refusal(equalizer("60", "-25", "1"), "equalizer-db: expected -24 to 24, got -25");
+  expect_refusal(equalizer("60", "1", "21"), "equalizer-q: expected 0.1 to 20, got 21");
+  expect_refusal(equalizer("60;70;", "1", "1;1;"),
+                 "equalizer-db: expected as many numbers as equalizer-hz has, 2, got 1");
+  expect_refusal(equalizer("60", "1", "1;1;"),
+                 "equalizer-q: expected as many numbers as equalizer-hz has, 1, got 2");
+  expect_refusal(equalizer("1;2;3;4;5;6;7;8;9;", "1", "1"), "expected at most 8 numbers, got 9");
+  expect_refusal(head + "[Tactor 0]\nequalizer-db=3\n", "equalizer-hz: expected numbers");
   fail_unless(refusal(head + "[Tactor 0]\n").empty());
 }
 GST_END_TEST

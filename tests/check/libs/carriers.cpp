@@ -40,7 +40,7 @@ GST_START_TEST(test_voices)
   const Carriers carriers{ .frequencies = { 40, 60 },
                            .waveforms = { Waveform::sine, Waveform::sample, Waveform::noise },
                            .gains = { 0.5, 1 },
-                           .sample = loop };
+                           .samples = { nullptr, loop } };
   const std::vector<Voice> voices = carriers.voices(64);
   ck_assert_int_eq(voices.size(), 64);
   fail_unless_near(voices[0].wave->frequency, 40, 1e-9);
@@ -57,6 +57,32 @@ GST_START_TEST(test_voices)
 }
 GST_END_TEST;
 
+GST_START_TEST(test_tunings)
+{
+  const auto quiet = std::make_shared<const Wave>(5, std::vector<float>{ 0, 0.5F });
+  const EqualizerBand band = { 60, -20, 1 };
+  const Carriers carriers{ .waveforms = { Waveform::sine, Waveform::sine, Waveform::sample },
+                           .gains = { 0.5 },
+                           .samples = { nullptr, nullptr, quiet },
+                           .tunings = { { .equalizer = { band } }, {}, { .gain = 4 } } };
+  const std::vector<Voice> voices = carriers.voices(4);
+  fail_unless_near(voices[0].gain, 0.5 * 0.1, 1e-4);
+  fail_unless_near(voices[1].gain, 0.5, 1e-6);
+  fail_unless_near(voices[2].gain, 0.5 * 4 * 0.5, 1e-6); // of a loop at half of full scale
+  fail_unless_near(voices[2].wave->samples[1], 1, 1e-6);
+  fail_unless_near(voices[3].gain, 0.5 * 0.5, 1e-6); // not measured
+}
+GST_END_TEST;
+
+GST_START_TEST(test_names)
+{
+  for (const char *text : { "", "purr.wav", "a b.wav,,c.wav", ",b.wav" })
+    assert_text(write_names(unwrap(read_names(text))), text);
+  fail_unless((unwrap(read_names("a.wav, b.wav")) == std::vector<std::string>{ "a.wav", "b.wav" }));
+  assert_contains(refusal_of(read_names(std::string(5000, ','))), { "entry 4097" });
+}
+GST_END_TEST;
+
 static Suite *
 carriers_suite(void)
 {
@@ -67,6 +93,8 @@ carriers_suite(void)
   tcase_add_test(tcase, test_lists);
   tcase_add_test(tcase, test_refused);
   tcase_add_test(tcase, test_voices);
+  tcase_add_test(tcase, test_tunings);
+  tcase_add_test(tcase, test_names);
   return suite;
 }
 

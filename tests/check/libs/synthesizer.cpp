@@ -264,6 +264,28 @@ GST_START_TEST(test_never_beyond_full_scale)
 }
 GST_END_TEST;
 
+GST_START_TEST(test_limiter)
+{
+  // Beyond full scale it is full scale: nothing is clipped.
+  Voice raised = voice();
+  raised.gain = 2;
+  for (const auto &[amplitude, expected] :
+       { std::pair(0.25F, 0.5), { 0.5F, 1.0 }, { 0.9F, 1.0 } }) {
+    Synthesizer synthesizer(kRate, { raised }, kRamp);
+    synthesizer.change(0, amplitude);
+    render(synthesizer, kRamp);
+    const std::vector<float> sound = render(synthesizer, kRate);
+    fail_unless_near(spectrum_of(sound)[60], expected, 1e-4);
+    fail_unless_at_most(strongest_outside(sound, kRate, 55, 65), -85);
+  }
+  // A change to beyond full scale has the ramp of one to full scale.
+  Synthesizer synthesizer(
+      kRate, { { std::make_shared<const Wave>(1, std::vector<float>{ 1 }), 0, 4 } }, kRamp);
+  synthesizer.change(0, 1);
+  fail_unless_near(render(synthesizer, kRamp / 2).back(), 0.5, 1e-2);
+}
+GST_END_TEST;
+
 GST_START_TEST(test_soft_start)
 {
   const auto one = std::make_shared<const Wave>(1, std::vector<float>{ 1 });
@@ -299,6 +321,7 @@ synthesizer_suite(void)
   tcase_add_test(tcase, test_phase_goes_on);
   tcase_add_test(tcase, test_same_in_parts);
   tcase_add_test(tcase, test_never_beyond_full_scale);
+  tcase_add_test(tcase, test_limiter);
   tcase_add_test(tcase, test_soft_start);
   return suite;
 }

@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include "synth/play.h"
+#include "synthparts.h"
+#include "synthsettings.h"
+
+#include <gst/audio/audio.h>
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+/// tactilesynth's sound: its format, and its samples, whose timestamps are running times.
+/// Streaming thread, or while it is stopped.
+class SynthOutput
+{
+public:
+  /// Pushes to `pad` and posts messages of `element`; both outlive this. `parts` are read before
+  /// the first negotiate().
+  SynthOutput(GstElement *element, GstPad *pad, SynthParts &parts);
+
+  /// Agrees on the sound with downstream, where that is due. Then there is a play().
+  GstFlowReturn negotiate(const SynthSettings &settings, guint rows, guint columns);
+
+  /// Null before negotiate().
+  synth::Play *play();
+
+  /// Of the input. The output's own is sent before the next samples.
+  void set_segment(const GstSegment &segment);
+  const GstSegment &segment() const;
+
+  /// The first sample is at `time`.
+  void begin(synth::Time time);
+  /// Pushes all samples up to a running time.
+  GstFlowReturn push_until(synth::Time until);
+
+  /// What was planned is dropped.
+  void flush(bool resets_time);
+  /// As constructed.
+  void reset();
+
+private:
+  void start_play(const GstAudioInfo &info, const SynthSettings &settings);
+  void tell_limited(const std::vector<synth::Voice> &voices);
+  void set_cells(const SynthSettings &settings);
+  void send_segment();
+  GstFlowReturn push_samples(std::int64_t count);
+
+  GstElement *element_;
+  GstPad *pad_;
+  SynthParts &parts_;
+  GstSegment segment_;
+  std::optional<GstAudioInfo> info_;
+  std::optional<synth::Play> play_; ///< while there is info_
+  guint rows_ = 0;                  ///< of the cells of play_
+  guint columns_ = 0;
+  bool segment_sent_ = false;
+  bool resync_ = true; ///< the next buffer does not follow the last one
+};
