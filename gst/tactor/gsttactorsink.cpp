@@ -41,8 +41,9 @@
  * ## Vests, and devices of Intiface
  * `driver=bhaptics` plays on a suit of bHaptics, `driver=intiface` on a device that
  * #GstTactorSink:device names, both by a server on this or another computer. A map of any grid is
- * pooled to their motors; where a cell has several motors, #GstTactorSink:max-active counts cells. See [a vest as a chair](../hardware/vest.md) and [a device of Intiface as
- * a chair](../hardware/intiface.md).
+ * pooled to their motors; where a cell has several motors, #GstTactorSink:max-active counts cells.
+ * See [a vest as a chair](../hardware/vest.md) and [a device of Intiface as a
+ * chair](../hardware/intiface.md).
  *
  * ## Limits
  * #GstTactorSink:max-on-time, #GstTactorSink:max-duty and #GstTactorSink:max-active spare motors
