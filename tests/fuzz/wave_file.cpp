@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 //
-// Fuzzes WAVE files (tactilesynth's sample): a loop that parses has 2 samples and more, none beyond
-// full scale, and an equalizer leaves a carrier of full scale. Other input is refused with a reason.
+// Fuzzes WAVE files (tactilesynth's sample): a loop that parses has two samples and more, none
+// beyond full scale, and an equalizer leaves a carrier of full scale. Other input is refused with a
+// reason.
 #include "synth/wave_file.h"
 #include "synth/equalizer.h"
 
