@@ -14,7 +14,8 @@
  * - An amplitude changes within 12 ms, half of it before the time of the change. What is more than
  *   200 Hz from the carrier is below -60 dB of full scale.
  * - Carriers go on in silence, so that they have the phase of the time.
- * - No sample exceeds full scale: levels, gains and carriers do not exceed 1.
+ * - No sample exceeds full scale. What gain and equalizer of a #GstTactilesynth:calibration would
+ *   raise beyond is limited: its amplitude is, so that the carrier keeps its shape.
  *
  * ## Channels
  * Downstream's caps decide. Without a limit there is a channel for each cell, or those that
@@ -28,6 +29,11 @@
  * Where a channel is silent or has several cells, an information message says so. What goes through
  * `audioconvert` needs a number of channels, as in the first line below: it drops channels without
  * positions that a sound card lacks.
+ *
+ * #GstTactilesynth:frequency, #GstTactilesynth:waveform, #GstTactilesynth:sample and
+ * #GstTactilesynth:gain have an entry for each channel. A calibration has a gain in dB and an
+ * equalizer of each: see [gain and equalizer](../guide/calibration.md#gain-and-equalizer). The
+ * equalizer filters the carrier and not its changes.
  *
  * ## Rise time
  * What an amplifier drives takes time to vibrate, as a coin motor does. Changes come so much

@@ -9,8 +9,8 @@
 
 namespace synth {
 
-/// A peak or a dip at `frequency`: the peaking filter of R. Bristow-Johnson's "Cookbook formulae for
-/// audio EQ biquad filter coefficients".
+/// A peak or a dip at `frequency`: the peaking filter of R. Bristow-Johnson's "Cookbook formulae
+/// for audio EQ biquad filter coefficients".
 struct EqualizerBand
 {
   static constexpr double kMostGain = 24; ///< dB

@@ -25,8 +25,8 @@ struct Voice
 ///
 /// The ramp is the integral of a Hann window: more than 2 / its length from the carrier, its
 /// sidebands are low and fall by 24 dB an octave, those of a straight ramp by 12. Changes add up:
-/// one may come while others are under way. No sample exceeds full scale: amplitudes are limited, so
-/// that their waves keep their shape.
+/// one may come while others are under way. No sample exceeds full scale: amplitudes are limited,
+/// so that their waves keep their shape.
 ///
 /// Samples do not depend on how they are divided into calls of render(), which allocates nothing.
 /// Not thread-safe.

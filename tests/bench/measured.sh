@@ -264,10 +264,10 @@ CAPTION
 
 ## Beside a film's sound
 
-Two sinks of one pipeline play to PulseAudio's null sink: a sound, and tactoraudiosink or another
-sound with the same envelope. When the one is half way up or down, in what the sink's monitor heard,
-after the other. Two sinks differ by what PulseAudio makes of their starts; within a start is what
-the element adds.
+A pipeline plays a sound to PulseAudio's null sink, and maps, or another sound, with the same
+envelope. When the one is half way up or down, in what the sink's monitor heard, after the other. In
+one sink that is what tactilesynth adds. Sinks of their own differ, start by start, by what
+PulseAudio tells each of the time when it starts, plain sounds as well.
 
 CAPTION
       "$here/../tools/synth_pulse.py"

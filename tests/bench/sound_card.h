@@ -10,7 +10,6 @@
 #include <functional>
 #include <string>
 #include <thread>
-#include <vector>
 
 /// PulseAudio's null sink, in a server of its own, and what is heard of its left channel. The
 /// monitor is read in pieces of 5 ms: times are that exact.
@@ -28,12 +27,10 @@ public:
   std::string server() const;
 
 private:
-  static pid_t start(std::vector<std::string> words, int out);
   void listen();
 
   const std::function<void(tactor::Time, double)> changed_;
   const std::filesystem::path folder_;
-  pid_t server_ = -1;
   pid_t recorder_ = -1;
   FILE *heard_ = nullptr;
   std::thread listener_;

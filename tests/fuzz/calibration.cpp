@@ -42,6 +42,9 @@ check(const std::string &path)
   const Calibration again = *read_calibration(name);
   unlink(name.c_str());
   expect(again.motor == calibration.motor && again.tactors.size() == calibration.tactors.size());
+  for (const auto &[index, tactor] : calibration.tactors) // written with six digits
+    expect(std::abs(again.tactors.at(index).gain_db - tactor.gain_db) < 1e-3
+           && again.tactors.at(index).equalizer.size() == tactor.equalizer.size());
 }
 #else
 void

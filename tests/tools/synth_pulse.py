@@ -2,10 +2,10 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """Whether tactoraudiosink vibrates when a sound of the same time is heard.
 
-Two sinks of one pipeline play to PulseAudio's null sink, as a film's sound and its tactors do: tactoraudiosink on the left channel, from maps
-that switch between silence and a level, and on the right channel a tone with the envelope that they should have. The null sink's monitor has
-both. Prints the differences of their half-way times as a Markdown table, and those of two plain sounds for comparison: what
-two sinks of GStreamer differ by. Starts a PulseAudio server of its own.
+One pipeline plays to PulseAudio's null sink, as a film's sound and its tactors do: tactilesynth on the left channel, from maps that switch
+between silence and a level, and on the right channel a tone with the envelope that they should have. The null sink's monitor has both. Prints
+the differences of their half-way times as a Markdown table: in one sink, where they are what tactilesynth adds, and in a sink each, with those
+of two plain sounds for comparison. Starts a PulseAudio server of its own.
 
 Usage: synth_pulse.py [--runs=10] [--steps=5]      (starts of each, vibrations in each)
     with GST_PLUGIN_PATH_1_0 as set by `meson devenv -C build`
@@ -15,7 +15,6 @@ import os
 import subprocess
 import sys
 import tempfile
-import time
 
 import gi
 import numpy
@@ -79,24 +78,31 @@ def half_way(channel):
     return numpy.flatnonzero(above[1:] != above[:-1])
 
 
-def sound(name):
-    return (f" appsrc name={name} format=time max-bytes=0 caps=audio/x-raw,format=F32LE,rate={RATE},channels=2,layout=interleaved,"
-            f"channel-mask=(bitmask)3 ! queue {ROOM} ! pulsesink")
+# No limits and rise times: what is measured is the time of the sound.
+MAPS = f" appsrc name=maps format=time max-bytes=0 caps=application/x-tactile-map,rows=1,columns=1,framerate=25/1 ! queue {ROOM} !"
+PLAIN = f"mapping=0 frequency={TONE} rise-time=0 ramp-in=0 max-on-time=0 max-duty=0"
+SOUND = f"audio/x-raw,format=F32LE,rate={RATE},channels=2,layout=interleaved,channel-mask=(bitmask)3"
 
 
-def play(what, steps, work):
+def sound(name, sink="pulsesink"):
+    return f" appsrc name={name} format=time max-bytes=0 caps={SOUND} ! queue {ROOM} ! {sink}"
+
+
+LINES = {
+    "tactilesynth, by a mixer, in the sound's own sink": f"{MAPS} tactilesynth {PLAIN} ! {SOUND} ! mix. audiomixer name=mix ! pulsesink {sound('right', 'mix.')}",
+    "tactoraudiosink, a sink of its own": f"{MAPS} tactoraudiosink {PLAIN} audio-sink=pulsesink {sound('right')}",
+    "another sound, a sink of its own": sound("left") + sound("right"),
+}
+
+
+def play(line, steps, work):
     recorder = Gst.parse_launch(f"pulsesrc device=null.monitor ! audio/x-raw,format=F32LE,rate={RATE},channels=2 ! queue {ROOM} ! filesink location={work}/heard")
     recorder.set_state(Gst.State.PLAYING)
     recorder.get_state(10 * Gst.SECOND)
-    # No limits and rise times: what is measured is the time of the sound.
-    felt = (
-        f"appsrc name=maps format=time max-bytes=0 caps=application/x-tactile-map,rows=1,columns=1,framerate=25/1 ! queue {ROOM} !"
-        f" tactoraudiosink mapping=0 frequency={TONE} rise-time=0 ramp-in=0 max-on-time=0 max-duty=0 audio-sink=\"pulsesink\"")
-    player = Gst.parse_launch((felt if what == "tactoraudiosink" else sound("left")) + sound("right"))
+    player = Gst.parse_launch(line)
     fill(player, steps)
     player.set_state(Gst.State.PLAYING)
-    finish(player)
-    time.sleep(0.5)  # the monitor is behind
+    finish(player)  # half a second after the last switch, by which the monitor is not behind
     recorder.send_event(Gst.Event.new_eos())
     finish(recorder)
     heard = numpy.fromfile(f"{work}/heard", "<f4").reshape(-1, 2)
@@ -112,27 +118,23 @@ def main():
     parser.add_argument("--steps", type=int, default=5)
     options = parser.parse_args()
     with tempfile.TemporaryDirectory() as work:
-        server = subprocess.Popen(["pulseaudio", "-n", "--daemonize=no", "--exit-idle-time=-1", "--use-pid-file=no", "--log-level=error", "--realtime=no",
-                                   "--load=module-null-sink sink_name=null rate=48000", f"--load=module-native-protocol-unix socket={work}/socket auth-anonymous=1"],
-                                  env=os.environ | {"XDG_RUNTIME_DIR": work, "HOME": work})
+        os.environ.update({"XDG_RUNTIME_DIR": work, "HOME": work, "PULSE_SERVER": f"unix:{work}/socket"})
+        # It is ready when its parent has ended.
+        started = subprocess.run(["pulseaudio", "-n", "--daemonize=yes", "--exit-idle-time=-1", "--use-pid-file=no", "--log-level=error", "--realtime=no",
+                                  "--load=module-null-sink sink_name=null rate=48000", f"--load=module-native-protocol-unix socket={work}/socket auth-anonymous=1"])
+        if started.returncode:
+            sys.exit("PulseAudio does not start: expected the Debian package pulseaudio")
         try:
-            deadline = time.monotonic() + 20
-            while not os.path.exists(f"{work}/socket"):
-                if server.poll() is not None or time.monotonic() > deadline:
-                    sys.exit("PulseAudio does not start: expected the Debian package pulseaudio")
-                time.sleep(0.05)
-            os.environ.update({"PULSE_SERVER": f"unix:{work}/socket", "XDG_RUNTIME_DIR": work})
             Gst.init(None)
             print("| beside a sound | starts | switches | later by, median | within a start, at most | error p50 | p95 | most |\n|---|---|---|---|---|---|---|---|")
-            for what in ("tactoraudiosink", "another sound"):
-                late = [play(what, options.steps, work) for _ in range(options.runs)]
+            for what, line in LINES.items():
+                late = [play(line, options.steps, work) for _ in range(options.runs)]
                 within = max(run.max() - run.min() for run in late)
                 error = numpy.percentile(numpy.abs(late), [50, 95, 100])
                 print(f"| {what} | {options.runs} | {numpy.size(late)} | {numpy.median(late):+.2f} ms | {within:.2f} ms | "
                       + " | ".join(f"{value:.2f} ms" for value in error) + " |", flush=True)
         finally:
-            server.terminate()
-            server.wait()
+            subprocess.run(["pactl", "exit"], check=False)
 
 
 if __name__ == "__main__":
