@@ -64,6 +64,7 @@
  * - `cut-on-time`, `cut-duty`, `cut-active`, `ramps`: cues that were limited, soft starts
  * - `error-min`, `error-mean`, `error-p50`, `error-p99`, `error-max`: issued − due
  * - `thread-p99`, `thread-max`: delays by the thread
+ * - `latency`: of the way to the motors, by which commands are issued earlier
  * - `scheduling`: `direct`, `rtkit`, `portal`, `given-back` or `normal`
  * - `board`, `firmware`, `pins`, `connected`, `watchdog`, `reconnects`, `bytes`
  *
@@ -156,8 +157,8 @@ gst_tactor_sink_stats(GObject *object)
   GST_OBJECT_LOCK(object);
   const tactor::LimitCounters limited = GST_TACTOR_SINK(object)->priv->limited;
   GST_OBJECT_UNLOCK(object);
-  return tactor_stats_new(scheduler.counters(), scheduler.driver_status(), limited,
-                          scheduler.scheduling());
+  return tactor_stats_new(scheduler.counters(), scheduler.driver_status(),
+                          scheduler.transport_latency(), limited, scheduler.scheduling());
 }
 
 /* ---- planning (streaming thread) ---- */
@@ -211,6 +212,7 @@ gst_tactor_sink_play_map(GstTactorSink *self, GstBuffer *buffer)
   GST_OBJECT_LOCK(self);
   tactor::PlannerSettings settings = priv->settings.planner;
   GST_OBJECT_UNLOCK(self);
+  settings.transport_latency = scheduler_of(self).transport_latency();
   const std::optional<TactorPlanning::Plan> plan
       = priv->planning.plan_map(buffer, segment, std::move(settings));
   if (!plan)

@@ -134,7 +134,7 @@ tactor_post_stats(GstElement *element, GstStructure *stats)
 
 GstStructure *
 tactor_stats_new(const TactorActuation::Counters &counters, const tactor::DriverStatus &board,
-                 const tactor::LimitCounters &limited, tactor::Scheduling scheduling)
+                 Time latency, const tactor::LimitCounters &limited, tactor::Scheduling scheduling)
 {
   GstStructure *stats
       = gst_structure_new("application/x-tactor-stats", "board", G_TYPE_STRING, board.board.c_str(),
@@ -165,6 +165,7 @@ tactor_stats_new(const TactorActuation::Counters &counters, const tactor::Driver
     { "error-max", counters.error.max() },
     { "thread-p99", counters.thread_error.percentile(0.99) },
     { "thread-max", counters.thread_error.max() },
+    { "latency", latency },
   };
   for (const auto &[name, count] : counts)
     gst_structure_set(stats, name, G_TYPE_UINT64, count, nullptr);

@@ -39,5 +39,5 @@ void tactor_post_stats(GstElement *element, GstStructure *stats);
 
 /// The value of `actuation-stats`. Transfer full.
 GstStructure *tactor_stats_new(const TactorActuation::Counters &counters,
-                               const tactor::DriverStatus &board,
+                               const tactor::DriverStatus &board, tactor::Time latency,
                                const tactor::LimitCounters &limited, tactor::Scheduling scheduling);

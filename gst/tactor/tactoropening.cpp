@@ -137,6 +137,6 @@ open_tactors(GstElement *element, TactorOpening &opening,
   check_line(element, opening.planner, *output.driver);
   // A motor's latency was measured while the others did not change.
   opening.latency
-      = std::max(opening.latency + opening.planner.line.all(), opening.planner.transport_latency);
+      = std::max(opening.latency + opening.planner.line.all(), output.driver->longest_latency());
   return output;
 }

@@ -57,7 +57,6 @@ TactorPlanning::plan_map(GstBuffer *buffer, const GstSegment &segment,
 
   settings.volts_max = agreed_.volts_max;
   settings.max_lead = agreed_.max_lead;
-  settings.transport_latency = agreed_.transport_latency;
   settings.line = agreed_.line;
   if (has_levels)
     check_grid(map.rows, map.columns, settings);

@@ -25,7 +25,7 @@ public:
   explicit TactorPlanning(GstElement *element);
 
   /// Begins a play on a board of `tactors`, with Driver::layout(). `agreed` has settings that stay
-  /// for the play: volts, max-lead, latency and line. `motors` are those of the calibration, or
+  /// for the play: volts, max-lead and line. `motors` are those of the calibration, or
   /// empty.
   void start(const tactor::PlannerSettings &agreed, int tactors, const tactor::Layout &layout,
              std::vector<tactor::MotorParameters> motors);
@@ -33,8 +33,8 @@ public:
   /// False if the caps are of maps and their grid is invalid.
   bool set_caps(const GstCaps *caps);
 
-  /// Plans a buffer with the present settings, but for those agreed on. None after an error
-  /// message.
+  /// Plans a buffer with the present settings and latency, but for those agreed on. None after an
+  /// error message.
   std::optional<Plan> plan_map(GstBuffer *buffer, const GstSegment &segment,
                                tactor::PlannerSettings settings);
   /// As TactorStream::is_shown().

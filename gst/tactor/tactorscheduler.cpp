@@ -24,6 +24,7 @@ TactorScheduler::start(Open open, double full_scale_volts, bool realtime)
   std::lock_guard lock(mutex_);
   actuation_.start(full_scale_volts);
   last_status_ = {};
+  last_latency_ = Time(0);
   quit_ = playing_ = failed_ = away_ = false;
   met_ = requested_;
   running_ = Time(0);
@@ -203,6 +204,13 @@ TactorScheduler::driver_status() const
 {
   std::lock_guard lock(mutex_);
   return driver_ ? driver_->status() : last_status_;
+}
+
+Time
+TactorScheduler::transport_latency() const
+{
+  std::lock_guard lock(mutex_);
+  return driver_ ? driver_->transport_latency() : last_latency_;
 }
 
 tactor::Scheduling
@@ -428,6 +436,7 @@ TactorScheduler::close_driver(Lock &lock)
     return;
   std::unique_ptr<tactor::Driver> driver = std::move(driver_);
   last_status_ = driver->status();
+  last_latency_ = driver->transport_latency();
   lock.unlock();
   driver->close();
   const tactor::DriverStatus status = driver->status();

@@ -118,6 +118,8 @@ public:
   Counters counters() const;
   /// Of the driver; after stop() the last one.
   tactor::DriverStatus driver_status() const;
+  /// Of the driver, as it is now; after stop() the last one.
+  tactor::Time transport_latency() const;
   /// Of the thread; after stop() the last one.
   tactor::Scheduling scheduling() const;
   bool trace_failed() const;
@@ -170,5 +172,6 @@ private:
 
   std::unique_ptr<tactor::Driver> driver_;
   tactor::DriverStatus last_status_; ///< of the driver that was closed
+  tactor::Time last_latency_{ 0 };   ///< of it
   TactorActuation actuation_;
 };

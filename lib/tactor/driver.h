@@ -63,9 +63,9 @@ struct DriverStatus
   std::uint64_t reconnects = 0; ///< times it came back since open()
 };
 
-/// A board that drives tactors. One thread at a time, but for status(). close() and the destructor
-/// leave all motors at zero. A board that goes away and may come back is an event, not an error of
-/// write().
+/// A board that drives tactors. One thread at a time, but for what any may call. close() and the
+/// destructor leave all motors at zero. A board that goes away and may come back is an event, not
+/// an error of write().
 class Driver
 {
 public:
@@ -87,8 +87,15 @@ public:
   /// Smallest step of the board's output in volts; 0 if it is continuous.
   virtual double resolution() const = 0;
 
-  /// Time from write() to the motor's terminals when all tactors change.
+  /// Time from write() to the motor's terminals when all tactors change. Any thread: a server may
+  /// become slower.
   virtual Time transport_latency() const = 0;
+
+  /// What transport_latency() does not exceed while it is open.
+  virtual Time longest_latency() const
+  {
+    return transport_latency();
+  }
 
   /// The part of transport_latency() that depends on which tactors change.
   virtual LineTime line() const

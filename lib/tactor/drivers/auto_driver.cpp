@@ -66,6 +66,12 @@ AutoDriver::transport_latency() const
   return chosen_.load()->transport_latency();
 }
 
+Time
+AutoDriver::longest_latency() const
+{
+  return chosen_.load()->longest_latency();
+}
+
 LineTime
 AutoDriver::line() const
 {

@@ -23,6 +23,7 @@ public:
   Layout layout() const override;
   double resolution() const override;
   Time transport_latency() const override;
+  Time longest_latency() const override;
   LineTime line() const override;
   Time refresh_interval() const override;
   [[nodiscard]] tl::expected<void, DriverError> write(std::span<const double> volts,

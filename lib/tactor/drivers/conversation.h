@@ -23,8 +23,8 @@ struct ServedDevice
   int tactors = 0;
   std::vector<std::string> motors{}; ///< what one calls each tactor
   Layout layout{};
-  double step = 0; ///< the smallest one of a level
-  Time latency{ 0 };
+  double step = 0;           ///< the smallest one of a level
+  Time longest_latency{ 0 }; ///< of Conversation::latency()
   bool has_watchdog = false;
 };
 
@@ -69,6 +69,8 @@ public:
   /// Motors to zero. Also after a failure.
   virtual void close(Time now) = 0;
   virtual ServedDevice device() const = 0;
+  /// How long levels take to the device, as measured of late.
+  virtual Time latency() const = 0;
 
   State state() const
   {

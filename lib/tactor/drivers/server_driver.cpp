@@ -80,6 +80,7 @@ ServerDriver::reset()
   levels_.clear();
   told_.clear();
   device_ = {};
+  latency_ = Time(0);
 }
 
 void
@@ -108,7 +109,14 @@ Time
 ServerDriver::transport_latency() const
 {
   const std::lock_guard lock(mutex_);
-  return device_.latency;
+  return latency_;
+}
+
+Time
+ServerDriver::longest_latency() const
+{
+  const std::lock_guard lock(mutex_);
+  return device_.longest_latency;
 }
 
 Time
@@ -236,6 +244,8 @@ ServerDriver::turn(Lock &lock, Visit &visit)
   }
   if (talk.state() == State::failed && visit.is_connected)
     return; // the next turn closes
+  if (talk.state() == State::playing)
+    latency_ = talk.latency();
   if (talk.state() == State::playing && !std::exchange(visit.was_taken, true)) {
     visit.ending = take(lock, visit.server);
     return;

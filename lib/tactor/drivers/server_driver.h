@@ -43,6 +43,7 @@ public:
   Layout layout() const override;
   double resolution() const override;
   Time transport_latency() const override;
+  Time longest_latency() const override;
   Time refresh_interval() const override;
   [[nodiscard]] tl::expected<void, DriverError> write(std::span<const double> volts,
                                                       Time now) override;
@@ -70,6 +71,7 @@ private:
   std::vector<double> levels_;      ///< as written last
   Time written_at_{ 0 };
   ServedDevice device_;        ///< of the open driver
+  Time latency_{ 0 };          ///< as measured last; kept while it is lost
   std::set<std::string> told_; ///< why a server that is back is not used
 };
 

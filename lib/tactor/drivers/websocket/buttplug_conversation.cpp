@@ -67,7 +67,6 @@ ButtplugConversation::begin(Time now)
   taken_.clear();
   ping_.reset();
   info_ = {};
-  latency_ = Time(0);
   asked_at_ = ping_at_ = now;
   asked_ = new_id();
   outbox_.push_back(buttplug::write_request_server_info(asked_, version_));
@@ -136,7 +135,7 @@ ButtplugConversation::take(const buttplug::Ok &ok, Time now)
   for (Taken &taken : taken_)
     if (std::ranges::find(taken.unanswered, ok.id) != taken.unanswered.end())
       taken.errors = 0;
-  answered(ok.id, now);
+  answered(ok.id, true, now);
 }
 
 void
@@ -163,7 +162,7 @@ ButtplugConversation::take(const buttplug::Error &error, Time now)
       return;
     }
   }
-  answered(error.id, now);
+  answered(error.id, false, now);
 }
 
 void
@@ -237,17 +236,17 @@ ButtplugConversation::choose(const std::vector<buttplug::Device> &devices, Time 
   stop_all(now);
 }
 
-/// The reply to a message came.
+/// The reply to a message came. Those that were done tell the latency.
 void
-ButtplugConversation::answered(Id id, Time now)
+ButtplugConversation::answered(Id id, bool is_done, Time now)
 {
   if (ping_ == id)
     ping_.reset();
   for (Taken &taken : taken_)
-    std::erase(taken.unanswered, id);
+    if (std::erase(taken.unanswered, id) > 0 && taken.unanswered.empty() && is_done)
+      taken.answers.add(now - taken.sent_at);
   if (step_ == Step::stopping && state() == State::asking && is_stopped()) {
     step_ = Step::done;
-    latency_ = std::min(now - asked_at_, patience_.longest_latency);
     if (info_.max_ping_time == Time(0))
       warn(server_
            + " asks for no pings: its devices may run on if this computer hangs; set a "
@@ -427,7 +426,7 @@ ButtplugConversation::device() const
   ServedDevice served{ .name = {},
                        .server = (info_.name.empty() ? "Intiface" : info_.name) + ", Buttplug "
                                  + std::to_string(version_),
-                       .latency = latency_,
+                       .longest_latency = patience_.longest_latency,
                        .has_watchdog = info_.max_ping_time > Time(0) };
   for (const Taken &taken : taken_) {
     served.name += (served.name.empty() ? "" : ", ") + name_of(taken.device);
@@ -441,6 +440,15 @@ ButtplugConversation::device() const
   served.name += " by " + server_;
   served.layout = { .rows = 1, .columns = served.tactors };
   return served;
+}
+
+Time
+ButtplugConversation::latency() const
+{
+  Time slowest{ 0 };
+  for (const Taken &taken : taken_)
+    slowest = std::max(slowest, taken.answers.median());
+  return std::min(slowest, patience_.longest_latency);
 }
 
 /// The first of `count` Ids in a row, none of them 0.

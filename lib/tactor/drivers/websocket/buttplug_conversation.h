@@ -2,6 +2,7 @@
 #pragma once
 
 #include "tactor/drivers/conversation.h"
+#include "tactor/drivers/websocket/answer_times.h"
 #include "tactor/drivers/websocket/buttplug_protocol.h"
 
 #include <optional>
@@ -18,16 +19,16 @@ struct ButtplugPatience
   Time closing = std::chrono::milliseconds(250); ///< for the answer that the devices were stopped
   /// Between commands to a device of which the server knows no gap.
   Time gap = std::chrono::milliseconds(50);
-  Time longest_latency = std::chrono::milliseconds(100);
+  Time longest_latency = std::chrono::milliseconds(150);
 };
 
 /// A conversation with a Buttplug server, such as Intiface.
 ///
 /// 1. *Asking*: server and client agree on version 4, else on 3, which needs a new connection. Of
-///    the server's devices those are taken that the user named; they are stopped. How long the
-///    answers take is the latency.
+///    the server's devices those are taken that the user named; they are stopped.
 /// 2. *Playing*: for each device the newest values, one message at a time, not faster than its gap.
-///    Pings, by which the server knows that this program lives.
+///    How long the answers take is the latency. Pings, by which the server knows that this program
+///    lives.
 /// 3. *Closing*: the devices are stopped. Others are never touched.
 class ButtplugConversation : public Conversation
 {
@@ -49,6 +50,8 @@ public:
   std::optional<Time> deadline() const override;
   void close(Time now) override;
   ServedDevice device() const override;
+  /// Of the slowest device.
+  Time latency() const override;
 
 private:
   /// A device that was taken.
@@ -59,6 +62,7 @@ private:
     std::vector<int> sent;
     std::vector<buttplug::Id> unanswered; ///< commands under way
     Time sent_at{ 0 };
+    AnswerTimes answers{};
     int errors = 0; ///< in a row
   };
   enum class Step
@@ -76,7 +80,7 @@ private:
   void take(const buttplug::DeviceList &list, Time now);
   void take(const buttplug::DeviceRemoved &removed, Time now);
   void choose(const std::vector<buttplug::Device> &devices, Time now);
-  void answered(buttplug::Id id, Time now);
+  void answered(buttplug::Id id, bool is_done, Time now);
   void stop_all(Time now);
   bool is_stopped() const;
   void lose(const Taken &taken, const std::string &why);
@@ -99,7 +103,6 @@ private:
   std::optional<buttplug::Id> ping_; ///< under way
   Time asked_at_{ 0 };               ///< begin of this step
   Time ping_at_{ 0 };                ///< the last one, or the beginning
-  Time latency_{ 0 };
 };
 
 } // namespace tactor
