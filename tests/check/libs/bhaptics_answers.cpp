@@ -26,6 +26,7 @@ struct Habits
   Time silent_from = 1h;  ///< it answers no message that came later
   Time stalls_from = 1h;  ///< and does nothing
   Time stalls_until = 1h;
+  Time slow_from = 1h; ///< 400 ms a message
 };
 
 /// A Player with a vest, and the conversation with it. Time begins at 0.
@@ -88,7 +89,8 @@ private:
       hear();
     if (arrived_.empty())
       return;
-    if (now < std::max(arrived_.front().at, done_at_) + habits_.takes)
+    if (now < std::max(arrived_.front().at, done_at_)
+                  + (now < habits_.slow_from ? habits_.takes : Time(400ms)))
       return;
     done_at_ = now;
     const Message message = arrived_.front();
@@ -221,6 +223,22 @@ GST_START_TEST(test_stall)
 }
 GST_END_TEST;
 
+/// A server that says nothing unasked and becomes slow is soon sent what it can take.
+GST_START_TEST(test_slower)
+{
+  Player player({ .slow_from = 10s });
+  player.run(10s, film);
+  ck_assert_uint_eq(player.most_waiting, 0);
+  player.run(20s, film);
+  ck_assert_uint_le(player.most_waiting, 5); // each 200 ms for a second
+  player.most_waiting = 0;
+  player.run(60s, film);
+  ck_assert_uint_le(player.most_waiting, 1);
+  fail_unless(player.talk.latency() == 150ms);
+  fail_unless(player.talk.state() == State::playing);
+}
+GST_END_TEST;
+
 static Suite *
 bhaptics_answers_suite(void)
 {
@@ -233,6 +251,7 @@ bhaptics_answers_suite(void)
   tcase_add_test(tests, test_never_answers);
   tcase_add_test(tests, test_stopped_answering);
   tcase_add_test(tests, test_stall);
+  tcase_add_test(tests, test_slower);
   return suite;
 }
 

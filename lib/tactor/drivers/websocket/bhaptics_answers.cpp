@@ -17,7 +17,7 @@ BhapticsAnswers::begin()
   playing_.clear();
   is_change_ = lists_ = speaks_unasked_ = may_be_answered_ = has_answered_ = false;
   under_way_.clear();
-  sent_at_ = Time(0);
+  sent_at_ = overdue_at_ = Time(0);
   first_at_.reset();
   waits_since_.reset();
   certain_.reset();
@@ -35,6 +35,7 @@ BhapticsAnswers::sent(std::vector<std::string_view> playing, Time now)
   may_be_answered_ = false;
   under_way_.push_back(now);
   sent_at_ = now;
+  overdue_at_ = now + overdue();
   first_at_ = first_at_.value_or(now);
   waits_since_ = waits_since_.value_or(now);
 }
@@ -64,8 +65,9 @@ BhapticsAnswers::heard(const bhaptics::Status &status, Time now)
     may_be_answered_ = true;
     return;
   }
-  if (!speaks_unasked_ && under_way_.size() == 1)
-    took_.add(took);
+  // Of several the oldest one, as far as we know: a server that became slow is sent less.
+  if (!speaks_unasked_)
+    took_.add(now - under_way_.front());
   under_way_.pop_front();
 }
 
@@ -78,8 +80,8 @@ BhapticsAnswers::ready_at() const
     return sent_at_ + times_.renewal;
   // What comes earlier would wait at the server.
   if (may_be_answered_ && certain_)
-    return sent_at_ + std::min(*certain_ * 5 / 4, overdue());
-  return sent_at_ + overdue();
+    return std::min(sent_at_ + *certain_ * 5 / 4, overdue_at_);
+  return overdue_at_;
 }
 
 Time

@@ -73,6 +73,7 @@ private:
   bool has_answered_ = false;
   std::deque<Time> under_way_; ///< when they were sent
   Time sent_at_{ 0 };
+  Time overdue_at_{ 0 }; ///< the answer to the last message, whose duration is a little longer
   std::optional<Time> first_at_; ///< the first message
   std::optional<Time> waits_since_;
   std::optional<Time> certain_; ///< how long the last answer took that was one for certain
