@@ -84,6 +84,7 @@ TactorPlanning::plan_map(GstBuffer *buffer, const GstSegment &segment,
   GST_LOG_OBJECT(element_, "map at %" GST_STIME_FORMAT ": %" G_GSIZE_FORMAT " commands",
                  GST_STIME_ARGS(shown.start.count()), plan.commands.size());
   last_end_ = plan.end;
+  check_number(planner_->settings());
   return plan;
 }
 
@@ -135,6 +136,20 @@ bool
 TactorPlanning::is_pooled(const tactor::PlannerSettings &settings) const
 {
   return layout_.tactors() > 0 && settings.mapping.empty();
+}
+
+/// Posts once an info message if max-active keeps motors of a layout off: a cell may have several.
+void
+TactorPlanning::check_number(const tactor::PlannerSettings &settings)
+{
+  if (!is_pooled(settings) || planner_->limited().number == 0 || std::exchange(told_number_, true))
+    return;
+  GST_ELEMENT_INFO(
+      element_, STREAM, FORMAT,
+      ("Some motors stay off: more would vibrate at once than max-active allows."),
+      ("max-active is %d, of which the strongest are felt; the device has %d motors, and a cell of "
+       "the film may have several; set max-active to as many as may vibrate at once, or 0",
+       settings.limits.max_active, layout_.tactors()));
 }
 
 /// Posts once an info message if cells share a tactor, and a warning if cells have none.

@@ -54,6 +54,7 @@ public:
 private:
   bool is_pooled(const tactor::PlannerSettings &settings) const;
   void check_grid(guint rows, guint columns, const tactor::PlannerSettings &settings);
+  void check_number(const tactor::PlannerSettings &settings);
 
   GstElement *element_;
   TactorStream stream_;
@@ -66,6 +67,6 @@ private:
   tactor::Time last_end_{ 0 }; ///< running time of the end of the last map
   bool warned_no_meta_ = false;
   bool warned_grid_ = false;
-  bool told_number_ = false;  ///< that max-active keeps cues from beginning
+  bool told_number_ = false;
   std::vector<float> pooled_; ///< levels of the layout's tactors
 };

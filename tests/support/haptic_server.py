@@ -14,6 +14,7 @@ Usage: haptic_server.py (bhaptics|buttplug3|buttplug4) [NAME=VALUE ...]
   port=PORT    instead of a free one
   slow=MS      each message takes this long
   silent=1     answers nothing
+  deaf=1       reads nothing after the connection is open
   flood=N      sends messages as fast as it can, after N messages
   huge=N       sends 10 MB of JSON after N messages
   drops=N      breaks the connection off, without goodbye, after N messages
@@ -21,13 +22,15 @@ Usage: haptic_server.py (bhaptics|buttplug3|buttplug4) [NAME=VALUE ...]
   nothing=1    has no devices
   refuses=N    answers commands to devices with errors, after N messages
   steps=N      of the vibrators, in JSON
+  motors=N     vibrators that the device claims to have
+  news=MS      sends a status of its devices every MS unasked
   ping=MS      asks for pings
   enforces=1   without a ping for that time: stops all devices and breaks the connection off; prints `unpinged`
   errs=N       answers the command N to devices with an error
   conformance=1  has the devices of Buttplug's own conformance tests (buttplug4)
   gap=MS       between commands
-Lines on standard input: `remove` takes the device away, `add` brings it back, `flood` and `huge` send that to those that are connected,
-`silent` answers nothing from now on, `quit` ends the server."""
+Lines on standard input: `remove` takes the device away, `add` brings it back, NAME=VALUE sets an option from now on, `quit` ends the
+server."""
 
 import asyncio
 import contextlib
@@ -129,11 +132,17 @@ class Buttplug:
         self.count = 0
         self.commands = 0
         self.pinged = None  # when, or when the server was greeted
-        self.vibrators = (0, 1) if "conformance" in OPTIONS else (0, 2)
-        self.steps = 100 if "conformance" in OPTIONS else json.loads(OPTIONS.get("steps", "20"))
 
     def hello(self):
         return None
+
+    @property
+    def vibrators(self):
+        return (0, 1) if "conformance" in OPTIONS else range(number("motors")) if "motors" in OPTIONS else (0, 2)
+
+    @property
+    def steps(self):
+        return 100 if "conformance" in OPTIONS else json.loads(OPTIONS.get("steps", "20"))
 
     def devices(self):
         if "conformance" in OPTIONS:
@@ -144,14 +153,14 @@ class Buttplug:
         if self.version == 3:
             scalar = {"StepCount": steps, "FeatureDescriptor": "", "ActuatorType": "Vibrate"}
             other = {"StepCount": 10, "FeatureDescriptor": "", "ActuatorType": "Rotate"}
-            messages = {"ScalarCmd": [scalar, other, scalar], "StopDeviceCmd": {}}
+            messages = {"ScalarCmd": [scalar] * number("motors") or [scalar, other, scalar], "StopDeviceCmd": {}}
             linear = {"LinearCmd": [{"StepCount": 100, "FeatureDescriptor": "", "ActuatorType": "Linear"}], "StopDeviceCmd": {}}
             all_of_them = [{"DeviceName": "Test Vibrator", "DeviceIndex": 0, "DeviceMessages": messages, **gap},
                            {"DeviceName": "Test Stroker", "DeviceDisplayName": "Mine", "DeviceIndex": 1, "DeviceMessages": linear}]
             return all_of_them if is_there else all_of_them[1:]
         vibrator = {"FeatureDescription": "", "Output": {"Vibrate": {"Value": [0, steps]}}}
-        features = {"0": {"FeatureIndex": 0, **vibrator}, "2": {"FeatureIndex": 2, **vibrator},
-                    "1": {"FeatureIndex": 1, "FeatureDescription": "", "Output": {"Rotate": {"Value": [-10, 10]}}}}
+        features = {str(index): {"FeatureIndex": index, **vibrator} for index in self.vibrators}
+        features.setdefault("1", {"FeatureIndex": 1, "FeatureDescription": "", "Output": {"Rotate": {"Value": [-10, 10]}}})
         stroker = {"0": {"FeatureIndex": 0, "FeatureDescription": "", "Output": {"Position": {"Value": [0, 100]}}}}
         all_of_them = {"0": {"DeviceName": "Test Vibrator", "DeviceIndex": 0, "DeviceFeatures": features, **gap},
                        "1": {"DeviceName": "Test Stroker", "DeviceDisplayName": "Mine", "DeviceIndex": 1, "DeviceFeatures": stroker, **gap}}
@@ -266,14 +275,23 @@ async def send_huge(socket):
         await socket.send(json.dumps({"ConnectedPositions": ["x" * 100] * 100_000}))
 
 
+async def tell_news(socket, server):
+    while True:
+        await asyncio.sleep(number("news") / 1000)
+        await socket.send(server.changed())
+
+
 async def serve(socket, _path):
     server = Player() if KIND == "bhaptics" else Buttplug(int(KIND[-1]))
     clients.add((socket, server))
     say("open")
     flooding = None
     enforcing = asyncio.create_task(enforce_pings(socket, server)) if "enforces" in OPTIONS else None
+    telling = asyncio.create_task(tell_news(socket, server)) if "news" in OPTIONS else None
     count = 0
     try:
+        if "deaf" in OPTIONS:
+            socket.transport.pause_reading()
         if server.hello() and "silent" not in OPTIONS:
             await socket.send(server.hello())
         async for text in socket:
@@ -295,7 +313,7 @@ async def serve(socket, _path):
     except websockets.ConnectionClosed:
         pass
     finally:
-        for task in filter(None, (flooding, enforcing)):
+        for task in filter(None, (flooding, enforcing, telling)):
             task.cancel()
         clients.discard((socket, server))
         say("gone")
@@ -310,11 +328,8 @@ async def main():
         line = (await loop.run_in_executor(None, sys.stdin.readline)).strip()
         if line in ("", "quit"):
             break
-        if line == "silent":
-            OPTIONS["silent"] = "1"
-            continue
-        if line in ("flood", "huge"):
-            tasks = [asyncio.create_task(flood(socket, one) if line == "flood" else send_huge(socket)) for socket, one in list(clients)]
+        if "=" in line:
+            OPTIONS.update([line.split("=", 1)])
             continue
         is_there = line == "add"
         for socket, one in list(clients):

@@ -109,7 +109,7 @@ Time
 ServerDriver::transport_latency() const
 {
   const std::lock_guard lock(mutex_);
-  return std::min(latency_, device_.longest_latency);
+  return latency_;
 }
 
 Time

@@ -118,7 +118,7 @@ GST_START_TEST(test_version_4)
   fail_unless(device.motors
               == (std::vector<std::string>{ "Test Vibrator, motor 1", "Test Vibrator, motor 2" }));
   fail_unless(device.step == 0.1);
-  fail_unless(talk.talk.latency() == 7ms);
+  fail_unless(talk.talk.latency() == 7ms && device.longest_latency == 150ms);
   fail_if(device.has_watchdog);
   assert_text(device.server, "Test Server, Buttplug 4");
   assert_contains(talk.talk.take_warnings().at(0), { "asks for no pings" });
@@ -248,6 +248,76 @@ GST_START_TEST(test_one_message_under_way)
   talk.now += 1s;
   talk.talk.set_levels(std::array{ 0.41 });
   talk.expect_none();
+}
+GST_END_TEST;
+
+/// The latency is the median of the last nine answers: 1 ms, as often 40 ms, then 120 ms.
+GST_START_TEST(test_latency)
+{
+  Talk talk;
+  talk.play();
+  int id = 4;
+  const auto command = [&](Time takes, bool is_done = true) {
+    talk.talk.set_levels(std::array{ id % 2 == 0 ? 1.0 : 0.5 });
+    fail_unless(talk.talk.next(talk.now).has_value());
+    talk.now += takes;
+    talk.answer(is_done ? ok(id) : error(id));
+    id++;
+    talk.now += 100ms;
+  };
+  const auto expect = [&](Time latency) {
+    fail_unless(talk.talk.latency() == latency, "%ld ns", long{ talk.talk.latency().count() });
+  };
+  for (int i = 0; i < 9; i++)
+    command(40ms);
+  expect(40ms);
+  command(4s); // late, as 40 ms is what is usual
+  command(1ms);
+  expect(40ms);
+  for (int i = 0; i < 4; i++)
+    command(120ms);
+  expect(120ms); // with the late one
+  for (int i = 0; i < 20; i++)
+    command(151ms);
+  expect(150ms); // as planned for
+  for (int i = 0; i < 5; i++)
+    command(1ms);
+  expect(1ms);
+}
+GST_END_TEST;
+
+/// What was refused tells nothing.
+GST_START_TEST(test_latency_of_errors)
+{
+  Talk talk;
+  talk.play();
+  talk.talk.set_levels(std::array{ 1.0 });
+  fail_unless(talk.talk.next(talk.now).has_value());
+  talk.now += 90ms;
+  talk.answer(error(4));
+  fail_unless(talk.talk.latency() == 7ms);
+}
+GST_END_TEST;
+
+/// Of two devices the slower one counts.
+GST_START_TEST(test_latency_of_two)
+{
+  Talk talk("A,B");
+  const auto vibrator = [](const char *name, int index) {
+    const std::string number = std::to_string(index);
+    return "\"" + number + R"(":{"DeviceName":")" + name + R"(","DeviceIndex":)" + number
+           + R"(,"DeviceFeatures":{"0":{"FeatureIndex":0,"Output":{"Vibrate":{"Value":[0,20]}}}}})";
+  };
+  talk.answer(kInfo4);
+  talk.answer(R"([{"DeviceList":{"Id":2,"Devices":{)" + vibrator("A", 0) + "," + vibrator("B", 1)
+              + "}}}]");
+  talk.now += 5ms;
+  talk.answer(ok(3));
+  fail_unless(talk.talk.state() == State::asking);
+  talk.now += 25ms;
+  talk.answer(ok(4));
+  fail_unless(talk.talk.state() == State::playing, "%s", talk.talk.failure().text.c_str());
+  fail_unless(talk.talk.latency() == 30ms);
 }
 GST_END_TEST;
 
@@ -402,6 +472,9 @@ buttplug_conversation_suite(void)
   tcase_add_test(tests, test_names);
   tcase_add_test(tests, test_lies_about_steps);
   tcase_add_test(tests, test_one_message_under_way);
+  tcase_add_test(tests, test_latency);
+  tcase_add_test(tests, test_latency_of_errors);
+  tcase_add_test(tests, test_latency_of_two);
   tcase_add_test(tests, test_silent_server);
   tcase_add_test(tests, test_errors);
   tcase_add_test(tests, test_a_refused_zero_is_told_again);

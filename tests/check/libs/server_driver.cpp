@@ -65,6 +65,14 @@ struct Rig
   {
     unwrap(driver.write(std::vector(volts), 0s));
   }
+  /// For a server: it writes another level for each message that was taken.
+  std::function<void(const std::string &, HapticServer::Clock::time_point)> at_each_message()
+  {
+    return [this, level = 0](const std::string &line, auto) mutable {
+      if (line.starts_with("waiting "))
+        write({ 0.15 * (1 + level++ % 20), 0.0 });
+    };
+  }
   /// Waits for an event of this kind, and returns the last one.
   DriverEvent wait_for(EventKind kind, std::ptrdiff_t times = 1)
   {
@@ -281,12 +289,7 @@ GST_START_TEST(test_bad_servers)
                        "closed the connection: " }, // by whom depends on what was under way
            std::tuple{ "goodbye=6", 1000, "closed the connection: it said goodbye, code 1001" } }) {
       Rig rig(one.make, most_messages);
-      // Another level for each message that the server has taken.
-      int level = 0;
-      HapticServer server({ one.kind, behavior, "gap=1" }, [&](const std::string &line, auto) {
-        if (line.starts_with("waiting "))
-          rig.write({ 0.15 * (1 + level++ % 20), 0.0 });
-      });
+      HapticServer server({ one.kind, behavior, "gap=1" }, rig.at_each_message());
       rig.open(server.device(one.device));
       rig.write({ 3, 0 });
       for (int i = 1; i <= 2; i++)
@@ -294,6 +297,56 @@ GST_START_TEST(test_bad_servers)
       const std::lock_guard lock(rig.mutex);
       ck_assert_int_ge(std::ranges::count(rig.events, EventKind::returned, &DriverEvent::kind), 1);
     }
+}
+GST_END_TEST;
+
+/// A server that reads nothing is left before what it was sent takes much memory.
+GST_START_TEST(test_deaf_server)
+{
+  HapticServer deaf({ "bhaptics", "deaf=1" });
+  const Server server = unwrap(make_bhaptics_server(deaf.device("vest-back")));
+  const std::unique_ptr<MessageSocket> socket = server.connect();
+  const std::string message(64 * 1024, 'x');
+  std::size_t sent = 0;
+  SocketEvent event;
+  while (event.kind != SocketEvent::Kind::closed) {
+    event = socket->wait(Time::max());
+    ck_assert_int_ne(static_cast<int>(event.kind), static_cast<int>(SocketEvent::Kind::none));
+    for (int i = 0; i < 1024 && event.kind != SocketEvent::Kind::closed; i++, sent++) {
+      socket->send(message);
+      event = socket->wait(Time(0)); // what can go goes
+    }
+  }
+  assert_text(event.text, "it does not read what is sent");
+  ck_assert_uint_lt(sent, 1024); // the system's buffers have 64 MiB at most
+}
+GST_END_TEST;
+
+/// The latency follows the server, up to what is planned for.
+GST_START_TEST(test_latency)
+{
+  for (const Case &one : cases()) {
+    Rig rig(one.make);
+    HapticServer server({ one.kind, "slow=40", "gap=1" }, rig.at_each_message());
+    rig.open(server.device(one.device));
+    fail_unless(rig.driver.longest_latency() == 150ms);
+    rig.write({ 3, 0 });
+    const auto play_until = [&](Time least, Time most) {
+      while (rig.driver.transport_latency() < least || rig.driver.transport_latency() > most)
+        server.wait_for("waiting");
+    };
+    play_until(40ms, 119ms);
+    server.say("slow=120");
+    play_until(120ms, 150ms);
+    server.say("slow=0");
+    play_until(0ms, 39ms);
+    server.say("slow=400");
+    play_until(150ms, 150ms);
+    // What was measured last holds while the server is lost.
+    server.say("quit");
+    rig.wait_for(EventKind::lost);
+    fail_unless(rig.driver.transport_latency() == 150ms);
+  }
 }
 GST_END_TEST;
 
@@ -429,6 +482,8 @@ server_driver_suite(void)
   tcase_add_test(tests, test_lost_and_back);
   tcase_add_test(tests, test_device_lost_and_back);
   tcase_add_test(tests, test_bad_servers);
+  tcase_add_test(tests, test_deaf_server);
+  tcase_add_test(tests, test_latency);
   tcase_add_test(tests, test_refused_commands);
   tcase_add_test(tests, test_refusals);
   tcase_add_test(tests, test_a_program_with_libsoup_2);

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cstddef>
+#include <ranges>
 
 namespace tactor {
 
@@ -23,15 +24,17 @@ public:
   /// Of two in the middle the longer one; 0 before the first answer.
   Time median() const
   {
+    if (count_ == 0)
+      return Time(0);
     std::array<Time, kWindow> sorted = last_;
-    std::ranges::sort(sorted); // those that are unknown yet are 0, and come first
-    const std::size_t known = std::min(count_, kWindow);
-    return sorted[kWindow - known + known / 2 - (known == 0)];
+    std::ranges::fill(sorted | std::views::drop(count_), Time::max());
+    std::ranges::sort(sorted);
+    return sorted[std::min(count_, kWindow) / 2];
   }
 
 private:
   std::array<Time, kWindow> last_{};
-  std::size_t count_ = 0;
+  std::size_t count_ = 0; ///< of all
 };
 
 } // namespace tactor

@@ -8,6 +8,12 @@ namespace tactor {
 
 namespace {
 
+bool
+is_on(const std::vector<int> &intensities)
+{
+  return std::ranges::any_of(intensities, [](int level) { return level > 0; });
+}
+
 /// Names of connected devices that have this position.
 bool
 is_connected(const bhaptics::Status &status, std::string_view position)
@@ -93,7 +99,8 @@ find_suit_part(const std::string &name)
 
 BhapticsConversation::BhapticsConversation(std::string server, SuitPart part,
                                            BhapticsPatience patience)
-    : server_(std::move(server)), part_(std::move(part)), patience_(patience)
+    : server_(std::move(server)), part_(std::move(part)), patience_(patience),
+      answers_(part_.positions, patience.answers)
 {
 }
 
@@ -109,9 +116,9 @@ BhapticsConversation::begin(Time now)
   enter(State::asking);
   wanted_.assign(static_cast<std::size_t>(part_.layout.tactors()), 0);
   sent_ = wanted_;
-  waits_since_.reset();
+  answers_.begin();
+  is_connected_ = false;
   greets_at_ = now + patience_.hello;
-  unanswered_ = 0;
 }
 
 void
@@ -120,10 +127,7 @@ BhapticsConversation::received(std::string_view text, Time now)
   const std::optional<bhaptics::Status> status = bhaptics::read_status(text);
   if (!status || (state() != State::asking && state() != State::playing))
     return;
-  waits_since_.reset();
-  if (unanswered_ == 1)
-    answers_.add(now - sent_at_);
-  unanswered_ = std::max(unanswered_ - 1, 0);
+  answers_.heard(*status, now);
   take(*status);
 }
 
@@ -145,8 +149,7 @@ BhapticsConversation::take(const bhaptics::Status &status)
   }
   if (!missing.empty())
     warn(server_ + ": " + joined(missing) + " is not connected, and will not be felt");
-  if (state() == State::asking)
-    enter(State::playing);
+  is_connected_ = true;
   if (greets_at_)
     greets_at_ = Time::min();
 }
@@ -171,6 +174,13 @@ BhapticsConversation::next(Time now)
     greets_at_.reset();
     return write_zeros(now);
   }
+  if (const std::optional<Time> time = plays_at(); time && now >= *time) {
+    enter(State::playing);
+    if (!answers_.has_answered())
+      warn(server_
+           + " answers nothing: whether the motors run is not known; start it anew if they "
+             "do not");
+  }
   if (const std::optional<Time> silent = silent_at(); silent && now >= *silent) {
     fail({ DriverError::Kind::failed,
            server_ + ": expected a status, and none came for "
@@ -193,9 +203,11 @@ BhapticsConversation::deadline() const
     return std::nullopt;
   if (greets_at_)
     return greets_at_;
-  const std::optional<Time> time = due();
-  const std::optional<Time> silent = silent_at();
-  return time && silent ? std::min(*time, *silent) : time ? time : silent;
+  std::optional<Time> first;
+  for (const std::optional<Time> time : { due(), silent_at(), plays_at() })
+    if (time)
+      first = std::min(first.value_or(Time::max()), *time);
+  return first;
 }
 
 void
@@ -221,7 +233,7 @@ BhapticsConversation::device() const
 Time
 BhapticsConversation::latency() const
 {
-  return std::min(answers_.median(), patience_.longest_latency);
+  return std::min(answers_.latency(), patience_.longest_latency);
 }
 
 /// A message that ends what this program plays at all positions.
@@ -242,8 +254,7 @@ BhapticsConversation::write_changes(Time now)
   std::vector<bhaptics::Frame> frames;
   for (std::size_t i = 0; i < part_.positions.size(); i++) {
     bhaptics::Frame wanted = frame(i, wanted_);
-    const bool is_on = std::ranges::any_of(wanted.intensities, [](int level) { return level > 0; });
-    if (is_on || wanted.intensities != frame(i, sent_).intensities)
+    if (is_on(wanted.intensities) || wanted.intensities != frame(i, sent_).intensities)
       frames.push_back(std::move(wanted));
   }
   sent_ = wanted_;
@@ -253,18 +264,22 @@ BhapticsConversation::write_changes(Time now)
 std::string
 BhapticsConversation::write(std::span<const bhaptics::Frame> frames, Time now)
 {
+  std::vector<std::string_view> playing;
+  for (std::size_t i = 0; i < part_.positions.size(); i++)
+    if (is_on(frame(i, sent_).intensities))
+      playing.push_back(part_.positions[i]);
+  const Time duration = answers_.duration();
+  answers_.sent(std::move(playing), now);
   sent_at_ = now;
-  unanswered_++;
-  waits_since_ = waits_since_.value_or(now);
-  return bhaptics::write_submit(frames,
-                                std::max(patience_.duration, patience() + patience_.overlap));
+  return bhaptics::write_submit(frames, duration);
 }
 
-/// How long the next message waits for the answers that are owed.
-Time
-BhapticsConversation::patience() const
+/// When the first message was listened to for long enough.
+std::optional<Time>
+BhapticsConversation::plays_at() const
 {
-  return unanswered_ * patience_.turn;
+  return state() == State::asking && is_connected_ && !greets_at_ ? answers_.listens_until()
+                                                                  : std::nullopt;
 }
 
 /// When the wanted intensities are to be sent, if ever.
@@ -272,24 +287,20 @@ std::optional<Time>
 BhapticsConversation::due() const
 {
   const bool is_new = wanted_ != sent_;
-  if (state() != State::playing || greets_at_ || (!is_new && !is_on()))
+  if (state() != State::playing || greets_at_ || (!is_new && !is_on(wanted_)))
     return std::nullopt;
-  return sent_at_ + std::max(is_new ? patience_.interval : patience_.renewal, patience());
+  return std::max(sent_at_ + (is_new ? patience_.interval : patience_.answers.renewal),
+                  answers_.ready_at());
 }
 
-/// When the server has not answered for too long.
+/// When the server has not answered for too long. One that never did plays for all we know.
 std::optional<Time>
 BhapticsConversation::silent_at() const
 {
-  if (!waits_since_)
+  const std::optional<Time> since = answers_.waits_since();
+  if (!since || (state() == State::playing && !answers_.has_answered()))
     return std::nullopt;
-  return *waits_since_ + patience_.answer;
-}
-
-bool
-BhapticsConversation::is_on() const
-{
-  return std::ranges::any_of(wanted_, [](int level) { return level > 0; });
+  return *since + patience_.answer;
 }
 
 /// The motors of a position. Tactors go row by row over the positions of a panel.

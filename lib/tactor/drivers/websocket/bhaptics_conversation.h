@@ -2,7 +2,7 @@
 #pragma once
 
 #include "tactor/drivers/conversation.h"
-#include "tactor/drivers/websocket/answer_times.h"
+#include "tactor/drivers/websocket/bhaptics_answers.h"
 #include "tactor/drivers/websocket/bhaptics_protocol.h"
 
 #include <tl/expected.hpp>
@@ -27,29 +27,21 @@ const std::vector<SuitPart> &suit_parts();
 /// Times of a conversation with bHaptics Player.
 struct BhapticsPatience
 {
-  Time hello = std::chrono::milliseconds(500); ///< for the status that a server sends unasked
-  Time answer = std::chrono::seconds(5);       ///< for a status
-  /// Of each message: how long motors run after it. The watchdog.
-  Time duration = std::chrono::milliseconds(300);
-  Time renewal = std::chrono::milliseconds(100);
+  Time hello = std::chrono::milliseconds(500);   ///< for the status that a server sends unasked
+  Time answer = std::chrono::seconds(5);         ///< for a status
   Time interval = std::chrono::milliseconds(20); ///< the Player's own, at which it drives motors
-  /// How long a message waits for the status that answers the one before; as much longer for each
-  /// further one without. The Player does not promise to answer each.
-  Time turn = std::chrono::milliseconds(250);
-  /// By which a message lasts longer than it takes until the next one may go: no gap is felt.
-  Time overlap = std::chrono::milliseconds(50);
   Time longest_latency = std::chrono::milliseconds(150);
+  BhapticsAnswers::Times answers{};
 };
 
 /// A conversation with bHaptics Player, or with a server that speaks as it does.
 ///
 /// 1. *Asking*: the first status says whether the part is connected. What this program played there
 ///    before is ended. The server may send a status by itself, which is no answer: hence the first
-///    message waits for it.
-/// 2. *Playing*: the newest intensities, one message at a time, and again before their duration
-///    ends while a motor is on. How long the answers take is the latency. A status does not say
-///    which message it answers: with a server that also sends some unasked, more than one message
-///    may be under way, never faster than `interval`.
+///    message waits for it, and play for what else comes.
+/// 2. *Playing*: the newest intensities, one message at a time (BhapticsAnswers), and again before
+///    their duration ends while a motor is on. The duration is the watchdog. A server that has
+///    answered before and does not for long is left.
 class BhapticsConversation : public Conversation
 {
 public:
@@ -64,6 +56,7 @@ public:
   std::optional<Time> deadline() const override;
   void close(Time now) override;
   ServedDevice device() const override;
+  /// How long the server takes to answer. What comes after it, such as Bluetooth, is not known.
   Time latency() const override;
 
 private:
@@ -73,10 +66,9 @@ private:
   std::string write_zeros(Time now);
   std::string write_changes(Time now);
   std::string write(std::span<const bhaptics::Frame> frames, Time now);
-  Time patience() const;
+  std::optional<Time> plays_at() const;
   std::optional<Time> due() const;
   std::optional<Time> silent_at() const;
-  bool is_on() const;
   bhaptics::Frame frame(std::size_t position, const Intensities &intensities) const;
 
   const std::string server_;
@@ -85,10 +77,9 @@ private:
   Intensities wanted_;
   Intensities sent_;
   Time sent_at_{ 0 };
-  std::optional<Time> greets_at_;   ///< until the first message was sent
-  int unanswered_ = 0;              ///< messages
-  std::optional<Time> waits_since_; ///< the first message after the last status
-  AnswerTimes answers_;
+  std::optional<Time> greets_at_; ///< until the first message was sent
+  bool is_connected_ = false;     ///< the part, as the first status said
+  BhapticsAnswers answers_;
 };
 
 /// The part with this name; empty: the default one. The error lists the names.

@@ -11,11 +11,13 @@ namespace tactor::bhaptics {
 namespace {
 
 constexpr guint kMostPositions = 32;
+constexpr guint kMostKeys = 256; ///< of all programs
+constexpr std::string_view kKey = "visuotactile-";
 
 std::string
 write_key(std::string_view position)
 {
-  return R"("Key":"visuotactile-)" + std::string(position) + '"';
+  return R"("Key":")" + std::string(kKey) + std::string(position) + '"';
 }
 
 std::string
@@ -68,6 +70,11 @@ read_status(std::string_view text)
   Status status;
   for (guint i = 0; i < std::min(json_array_get_length(positions), kMostPositions); i++)
     status.positions.push_back(json::text(json_array_get_element(positions, i)));
+  JsonArray *keys = json::array(object, "ActiveKeys");
+  for (guint i = 0; keys != nullptr && i < std::min(json_array_get_length(keys), kMostKeys); i++)
+    if (const std::string key = json::text(json_array_get_element(keys, i));
+        key.starts_with(kKey) && status.playing.size() < kMostPositions)
+      status.playing.push_back(key.substr(kKey.size()));
   status.is_asleep = json_object_get_boolean_member_with_default(object, "VestIdle", FALSE) != 0;
   return status;
 }

@@ -33,7 +33,9 @@ std::string write_submit(std::span<const Frame> frames, Time duration);
 
 struct Status
 {
-  std::vector<std::string> positions; ///< of connected devices, such as "Vest" and "ForearmL"
+  std::vector<std::string> positions{}; ///< of connected devices, such as "Vest" and "ForearmL"
+  /// Positions that this program plays on now, if the server lists them.
+  std::vector<std::string> playing{};
   bool is_asleep = false; ///< bhaptics-linux let the vest go, and wakes it when something plays
 };
 

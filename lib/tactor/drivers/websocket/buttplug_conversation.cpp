@@ -175,9 +175,10 @@ ButtplugConversation::take(const buttplug::DeviceList &list, Time now)
   // Version 4 sends the whole list when a device came or went.
   for (const Taken &taken : taken_)
     if (std::ranges::none_of(list.devices, [&](const buttplug::Device &listed) {
-          return listed.index == taken.device.index && listed.name == taken.device.name;
+          return listed.index == taken.device.index && listed.name == taken.device.name
+                 && listed.vibrators == taken.device.vibrators;
         })) {
-      lose(taken, "it was switched off, or is out of reach");
+      lose(taken, "it was switched off, is out of reach, or has other motors than before");
       return;
     }
 }

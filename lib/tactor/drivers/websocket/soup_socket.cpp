@@ -82,8 +82,16 @@ public:
 
   void send(const std::string &text) override
   {
-    if (is_open())
-      soup_websocket_connection_send_text(connection_, text.c_str());
+    if (!is_open() || is_ended_)
+      return;
+    GSocket *const socket = base_socket();
+    if (socket != nullptr && g_socket_condition_check(socket, G_IO_OUT) == 0) {
+      // libsoup would keep all that is sent.
+      end("it does not read what is sent");
+      g_socket_close(socket, nullptr);
+      return;
+    }
+    soup_websocket_connection_send_text(connection_, text.c_str());
   }
 
   SocketEvent wait(Time until) override
@@ -140,15 +148,23 @@ private:
     events_.push_back(std::move(event));
   }
 
-  /// libsoup reads on for as long as there is something to read, which a server that floods may
-  /// keep up for ever. Of a closed socket nothing is read.
-  void stop_reading()
+  /// Owned by the connection. Null if it is none of a kind that is known.
+  GSocket *base_socket() const
   {
     g_autoptr(GIOStream) base = nullptr;
     g_object_get(soup_websocket_connection_get_io_stream(connection_), "base-iostream", &base,
                  nullptr);
-    if (base != nullptr && G_IS_SOCKET_CONNECTION(base))
-      g_socket_close(g_socket_connection_get_socket(G_SOCKET_CONNECTION(base)), nullptr);
+    return base != nullptr && G_IS_SOCKET_CONNECTION(base)
+               ? g_socket_connection_get_socket(G_SOCKET_CONNECTION(base))
+               : nullptr;
+  }
+
+  /// libsoup reads on for as long as there is something to read, which a server that floods may
+  /// keep up for ever. Of a closed socket nothing is read.
+  void stop_reading()
+  {
+    if (GSocket *const socket = base_socket())
+      g_socket_close(socket, nullptr);
   }
 
   void end(const std::string &why)
