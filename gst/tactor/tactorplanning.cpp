@@ -64,7 +64,7 @@ TactorPlanning::plan_map(GstBuffer *buffer, const GstSegment &segment,
     tactor::pool(map.levels, static_cast<int>(map.rows), static_cast<int>(map.columns), layout_,
                  pooled_);
     map.levels = pooled_;
-    // Where several motors stand for a cell, max-active counts cells.
+    // A cell may have several motors.
     settings.limits.max_active *= tactor::most_tactors_of_cell(layout_, static_cast<int>(map.rows),
                                                                static_cast<int>(map.columns));
   }
@@ -75,12 +75,6 @@ TactorPlanning::plan_map(GstBuffer *buffer, const GstSegment &segment,
                              ? planner_->plan(shown.start, shown.duration, map.levels, at_once)
                              : planner_->silence(shown.start),
              .end = shown.end() };
-  if (planner_->limited().number > 0 && !std::exchange(told_number_, true))
-    GST_ELEMENT_INFO(element_, STREAM, FORMAT,
-                     ("More of the film is to be felt at once than max-active lets through; the "
-                      "strongest is felt."),
-                     ("max-active is %d of %d motors; 0 lets all through",
-                      settings.limits.max_active, tactors_));
   GST_LOG_OBJECT(element_, "map at %" GST_STIME_FORMAT ": %" G_GSIZE_FORMAT " commands",
                  GST_STIME_ARGS(shown.start.count()), plan.commands.size());
   last_end_ = plan.end;
@@ -138,18 +132,18 @@ TactorPlanning::is_pooled(const tactor::PlannerSettings &settings) const
   return layout_.tactors() > 0 && settings.mapping.empty();
 }
 
-/// Posts once an info message if max-active keeps motors of a layout off: a cell may have several.
+/// Posts once an info message if max-active keeps motors of a layout off.
 void
 TactorPlanning::check_number(const tactor::PlannerSettings &settings)
 {
   if (!is_pooled(settings) || planner_->limited().number == 0 || std::exchange(told_number_, true))
     return;
-  GST_ELEMENT_INFO(
-      element_, STREAM, FORMAT,
-      ("Some motors stay off: more would vibrate at once than max-active allows."),
-      ("max-active is %d, of which the strongest are felt; the device has %d motors, and a cell of "
-       "the film may have several; set max-active to as many as may vibrate at once, or 0",
-       settings.limits.max_active, layout_.tactors()));
+  GST_ELEMENT_INFO(element_, STREAM, FORMAT,
+                   ("Some motors stay off: more would vibrate at once than max-active allows."),
+                   ("max-active lets %d of the device's %d motors vibrate at once, those of its "
+                    "strongest cells; "
+                    "set it to as many cells as may be felt at once, or 0",
+                    settings.limits.max_active, layout_.tactors()));
 }
 
 /// Posts once an info message if cells share a tactor, and a warning if cells have none.

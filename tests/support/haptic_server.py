@@ -265,14 +265,8 @@ async def enforce_pings(socket, server):
 
 
 async def flood(socket, server):
-    with contextlib.suppress(websockets.ConnectionClosed):
-        while True:
-            await socket.send(server.changed())
-
-
-async def send_huge(socket):
-    with contextlib.suppress(websockets.ConnectionClosed):
-        await socket.send(json.dumps({"ConnectedPositions": ["x" * 100] * 100_000}))
+    while True:
+        await socket.send(server.changed())
 
 
 async def tell_news(socket, server):
@@ -303,7 +297,7 @@ async def serve(socket, _path):
                 continue
             await socket.send(server.answer(text))
             if count == number("huge"):
-                await send_huge(socket)
+                await socket.send(json.dumps({"ConnectedPositions": ["x" * 100] * 100_000}))
             if count == number("flood"):
                 flooding = asyncio.create_task(flood(socket, server))
             if count == number("drops"):

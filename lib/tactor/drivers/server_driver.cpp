@@ -330,9 +330,6 @@ ServerDriver::take(Lock &lock, const Server &server)
   }
   tactors_ = tactors;
   device_ = device;
-  // The picture waits for it, and is not to wait for what is rare.
-  device_.longest_latency = std::min(
-      std::max(2 * server.conversation->latency(), settings_.latency_room), device.longest_latency);
   tell(lock, DriverEvent::Kind::opened,
        device.name + ": " + std::to_string(tactors) + " motors, " + device.server);
   opened();

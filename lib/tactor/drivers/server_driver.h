@@ -31,8 +31,6 @@ public:
     /// Until a lost server is looked for. Doubles up to the longest, and begins anew after a
     /// connection that lasted longer than that.
     Time look_again = std::chrono::seconds(1);
-    /// The latency may grow to this, or to twice what it was at first, and is led by.
-    Time latency_room = std::chrono::milliseconds(40);
     Time longest_look_again = std::chrono::seconds(16);
     /// A server that sends more messages than these in a second is left.
     int most_messages = 1000;

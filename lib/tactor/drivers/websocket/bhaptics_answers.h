@@ -18,8 +18,8 @@ namespace tactor {
 ///   status that has the change is the answer, and no earlier one.
 /// - Else each status is an answer. Once one came while no message was under way, those count only
 ///   that come as late as the last answer that was known to be one.
-/// - Without an answer the next message goes when it is overdue. A server that never answers is sent
-///   messages by time.
+/// - Without an answer the next message goes when it is overdue. A server that never answers is
+///   sent messages by time.
 ///
 /// It reads no clock and is not thread-safe.
 class BhapticsAnswers

@@ -178,7 +178,7 @@ BhapticsConversation::next(Time now)
     enter(State::playing);
     if (!answers_.has_answered())
       warn(server_
-           + " answers nothing: whether the motors run is not known; start it anew if they "
+           + " answers nothing: whether the motors run is not known; restart it if they "
              "do not");
   }
   if (const std::optional<Time> silent = silent_at(); silent && now >= *silent) {
