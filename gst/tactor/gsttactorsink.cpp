@@ -45,6 +45,12 @@
  * See [a vest as a chair](../hardware/vest.md) and [a device of Intiface as a
  * chair](../hardware/intiface.md).
  *
+ * ## The grid
+ * A device whose motors have places, such as a vest or a gamepad, prefers maps of its own grid, and
+ * takes any other. saliencytactile, also before a tactileextractor, and soundtactile follow unless
+ * their grid is set. They know it once the device is open: maps before that may be of 3 × 3. With
+ * #GstTactorSink:mapping there is no preference.
+ *
  * ## Limits
  * #GstTactorSink:max-on-time, #GstTactorSink:max-duty and #GstTactorSink:max-active spare motors
  * and skin. A cue that a limit ended begins again when the film has let go of its tactor, or after
