@@ -50,6 +50,7 @@
  */
 #include "gstsaliencytactile.h"
 
+#include "../latency.h"
 #include "filmanalysis.h"
 #include "framemapping.h"
 #include "framereader.h"
@@ -381,11 +382,7 @@ gst_saliency_tactile_set_caps(GstBaseTransform *transform, GstCaps *incaps, GstC
   priv->negotiated = true;
   priv->reader.set_caps(incaps, parsed ? &priv->info : nullptr);
   gst_saliency_tactile_reset(self);
-  g_autoptr(GstQuery) latency = gst_query_new_latency();
-  gboolean live = FALSE;
-  if (gst_pad_peer_query(GST_BASE_TRANSFORM_SINK_PAD(transform), latency))
-    gst_query_parse_latency(latency, &live, nullptr, nullptr);
-  priv->live = live;
+  priv->live = latency::is_live(GST_BASE_TRANSFORM_SINK_PAD(transform));
   return TRUE;
 }
 
