@@ -40,12 +40,8 @@
  *
  * ## Vests, and devices of Intiface
  * `driver=bhaptics` plays on a suit of bHaptics, `driver=intiface` on a device that
- * #GstTactorSink:device names, both by a server on this or another computer.
- *
- * Elements that make maps without a grid of their own, such as [soundtactile](soundtactile.md),
- * make them of the device's grid, by caps. Others are pooled to its motors: set rows and columns of
- * [saliencytactile](saliencytactile.md) to the device's to feel more of the picture. Where a cell
- * has several motors, #GstTactorSink:max-active counts cells.
+ * #GstTactorSink:device names, both by a server on this or another computer. A map of any grid is
+ * pooled to their motors; where a cell has several motors, #GstTactorSink:max-active counts cells.
  * See [a vest as a chair](../hardware/vest.md) and [a device of Intiface as a
  * chair](../hardware/intiface.md).
  *
@@ -391,42 +387,6 @@ gst_tactor_sink_post_message(GstElement *element, GstMessage *message)
   return GST_ELEMENT_CLASS(parent_class)->post_message(element, message);
 }
 
-/// Whether all of it is tactile maps.
-static bool
-gst_tactor_sink_is_of_maps(const GstCaps *caps)
-{
-  const guint count = gst_caps_is_any(caps) ? 0 : gst_caps_get_size(caps);
-  for (guint i = 0; i < count; i++)
-    if (!gst_structure_has_name(gst_caps_get_structure(caps, i), GST_TACTILE_MAP_MEDIA_TYPE))
-      return false;
-  return count > 0;
-}
-
-/// Maps of any grid, and before others that of the device, if it has one. Only who asks for maps
-/// waits for the device: a picture never does.
-static GstCaps *
-gst_tactor_sink_get_caps(GstBaseSink *sink, GstCaps *filter)
-{
-  GstTactorSink *self = GST_TACTOR_SINK(sink);
-  GstCaps *caps = gst_pad_get_pad_template_caps(GST_BASE_SINK_PAD(sink));
-  if (filter == nullptr)
-    return caps;
-  GST_OBJECT_LOCK(self);
-  const bool is_mapped = !self->priv->settings.planner.mapping.empty();
-  GST_OBJECT_UNLOCK(self);
-  if (gst_tactor_sink_is_of_maps(filter) && !is_mapped)
-    if (const std::optional<tactor::Layout> layout = self->priv->session.layout();
-        layout && layout->tactors() > 0) {
-      GstCaps *own
-          = gst_caps_new_simple(GST_TACTILE_MAP_MEDIA_TYPE, "rows", G_TYPE_INT, layout->rows,
-                                "columns", G_TYPE_INT, layout->columns, nullptr);
-      gst_caps_append(own, gst_caps_make_writable(caps));
-      caps = own;
-    }
-  gst_caps_take(&caps, gst_caps_intersect_full(filter, caps, GST_CAPS_INTERSECT_FIRST));
-  return caps;
-}
-
 static gboolean
 gst_tactor_sink_set_caps(GstBaseSink *sink, GstCaps *caps)
 {
@@ -620,7 +580,6 @@ gst_tactor_sink_class_init(GstTactorSinkClass *klass)
   element_class->change_state = gst_tactor_sink_change_state;
   element_class->send_event = gst_tactor_sink_send_event;
   element_class->post_message = gst_tactor_sink_post_message;
-  sink_class->get_caps = gst_tactor_sink_get_caps;
   sink_class->set_caps = gst_tactor_sink_set_caps;
   sink_class->propose_allocation = gst_tactor_sink_propose_allocation;
   sink_class->event = gst_tactor_sink_event;

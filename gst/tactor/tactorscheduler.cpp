@@ -35,7 +35,7 @@ TactorScheduler::start(Open open, double full_scale_volts, bool realtime)
 }
 
 TactorScheduler::Outcome
-TactorScheduler::wait_until_open(std::uint64_t interruptions) const
+TactorScheduler::wait_until_open(std::uint64_t interruptions)
 {
   std::unique_lock lock(mutex_);
   settled_.wait(lock, [&] {

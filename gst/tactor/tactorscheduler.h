@@ -70,7 +70,7 @@ public:
     interrupted, ///< an interruption has begun since the count
   };
   /// Waits until the board is open. `interruptions` is a count from interruptions().
-  Outcome wait_until_open(std::uint64_t interruptions) const;
+  Outcome wait_until_open(std::uint64_t interruptions);
   bool is_open() const;
   /// Motors to zero, driver closed, thread joined. Cancels a pending open. Harmless when not
   /// started.
@@ -146,7 +146,7 @@ private:
   const Host host_;
   mutable std::mutex mutex_; ///< guards all below but scheduling_
   std::condition_variable wake_;
-  mutable std::condition_variable settled_; ///< met_, live_ or failed_ changed
+  std::condition_variable settled_; ///< met_, live_ or failed_ changed
   tactor::Thread thread_;
   std::stop_source opening_;
   GstClockID waiting_ = nullptr; ///< what the thread sleeps on; owned by it

@@ -76,9 +76,6 @@ TactorSession::open(const TactorSettings &settings)
                [this](const tactor::DriverEvent &event) { device_event(event); }, std::move(stop))
         .map([this](TactorOutput &&output) {
           gst_base_sink_set_render_delay(sink_, lead_of(opening_));
-          GST_OBJECT_LOCK(element_);
-          layout_ = opening_.layout;
-          GST_OBJECT_UNLOCK(element_);
           return std::move(output);
         });
   };
@@ -100,17 +97,6 @@ TactorSession::close()
     GST_ELEMENT_WARNING(element_, RESOURCE, WRITE, ("The command trace is incomplete."),
                         ("writing to it failed: is the disk full?"));
   scheduler_.stop();
-}
-
-std::optional<tactor::Layout>
-TactorSession::layout() const
-{
-  if (scheduler_.wait_until_open(scheduler_.interruptions()) != TactorScheduler::Outcome::open)
-    return std::nullopt;
-  GST_OBJECT_LOCK(element_);
-  const tactor::Layout layout = layout_;
-  GST_OBJECT_UNLOCK(element_);
-  return layout;
 }
 
 GstFlowReturn

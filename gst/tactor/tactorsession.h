@@ -34,10 +34,6 @@ public:
   /// thread only.
   bool is_missed(const GstSegment &segment, GstClockTime pts);
 
-  /// How the board's tactors stand; waits while it is being opened. None without a play, after a
-  /// failure and if interrupted. Any thread.
-  std::optional<tactor::Layout> layout() const;
-
   TactorTiming read_timing() const;
 
   TactorScheduler &scheduler();
@@ -47,8 +43,7 @@ private:
   void tell_short_lead(tactor::Time lead, tactor::Time late);
 
   GstBaseSink *sink_;
-  GstElement *element_;     ///< the sink
-  tactor::Layout layout_{}; ///< of the open board; guarded by the element's object lock
+  GstElement *element_; ///< the sink
   /// The scheduler's thread's until the board is open, then the streaming thread's.
   TactorOpening opening_;
   /// Clock time at which the board was open, in a live play until a frame is shown.

@@ -53,73 +53,6 @@ GST_START_TEST(test_grids)
 }
 GST_END_TEST;
 
-/// The first grid that is offered for maps.
-static std::pair<int, int>
-offered_grid(const ServerRig &rig)
-{
-  g_autoptr(GstCaps) maps = gst_caps_from_string(GST_TACTILE_MAP_CAPS);
-  g_autoptr(GstCaps) caps = gst_pad_query_caps(rig.sink_pad, maps);
-  g_autoptr(GstCaps) other = gst_tactile_map_caps_new(3, 3, 25, 1);
-  fail_unless(gst_pad_query_accept_caps(rig.sink_pad, other));
-  std::pair<int, int> grid{};
-  const GstStructure *first = gst_caps_get_structure(caps, 0);
-  gst_structure_get_int(first, "rows", &grid.first);
-  gst_structure_get_int(first, "columns", &grid.second);
-  return grid;
-}
-
-/// A device offers its own grid before others, once it is known and unless a mapping counts.
-GST_START_TEST(test_offered_grid)
-{
-  ServerRig rig("bhaptics", "vest", { "bhaptics" });
-  fail_unless(offered_grid(rig) == std::pair(0, 0)); // a range
-  fail_if(gst_element_set_state(rig.element, GST_STATE_PAUSED) == GST_STATE_CHANGE_FAILURE);
-  fail_unless(offered_grid(rig) == std::pair(5, 4));
-  g_object_set(rig.element, "mapping", "0,1,2", nullptr);
-  fail_unless(offered_grid(rig) == std::pair(0, 0));
-}
-GST_END_TEST;
-
-/// Sound has no grid of its own: its maps have the device's.
-GST_START_TEST(test_grid_of_sound)
-{
-  HapticServer server({ "bhaptics" });
-  const std::string device = server.device("visor");
-  g_autoptr(GstElement) pipeline = make_pipeline(
-      "audiotestsrc num-buffers=50 ! soundtactile name=s ! fakesink s.tactile ! queue ! "
-      "tactorsink name=tactors sync=false async=false driver=bhaptics device="
-      + device);
-  gst_element_set_state(pipeline, GST_STATE_PLAYING);
-  const ElementBus bus(pipeline);
-  g_autoptr(GstMessage) end = gst_bus_timed_pop_filtered(
-      bus.bus, GST_CLOCK_TIME_NONE,
-      static_cast<GstMessageType>(GST_MESSAGE_EOS | GST_MESSAGE_ERROR));
-  ck_assert_int_eq(GST_MESSAGE_TYPE(end), GST_MESSAGE_EOS);
-  g_autoptr(GstElement) tactors = gst_bin_get_by_name(GST_BIN(pipeline), "tactors");
-  g_autoptr(GstPad) pad = gst_element_get_static_pad(tactors, "sink");
-  g_autoptr(GstCaps) caps = gst_pad_get_current_caps(pad);
-  guint rows = 0;
-  guint columns = 0;
-  fail_unless(gst_tactile_map_caps_parse(caps, &rows, &columns, nullptr, nullptr));
-  ck_assert_uint_eq(rows, 1);
-  ck_assert_uint_eq(columns, 6);
-  gst_element_set_state(pipeline, GST_STATE_NULL);
-}
-GST_END_TEST;
-
-/// A picture does not wait for a device that is being opened.
-GST_START_TEST(test_a_picture_does_not_wait)
-{
-  ServerRig rig("bhaptics", "vest", { "bhaptics", "silent=1" });
-  fail_if(gst_element_set_state(rig.element, GST_STATE_PAUSED) == GST_STATE_CHANGE_FAILURE);
-  rig.server.wait_for_line("open");
-  g_autoptr(GstCaps) video = gst_caps_from_string("video/x-raw");
-  g_autoptr(GstCaps) caps = gst_pad_query_caps(rig.sink_pad, video);
-  fail_if(gst_caps_is_empty(caps));
-  fail_if(rig.messages.has(GST_MESSAGE_ERROR)); // it is still being opened
-}
-GST_END_TEST;
-
 /// max-active keeps the strongest cells, each with all of its motors. That is told once, and only
 /// if it keeps any off.
 GST_START_TEST(test_max_active)
@@ -288,9 +221,6 @@ tactorsink_server_suite(void)
   suite_add_tcase(suite, tests);
   tcase_add_test(tests, test_places);
   tcase_add_test(tests, test_grids);
-  tcase_add_test(tests, test_offered_grid);
-  tcase_add_test(tests, test_grid_of_sound);
-  tcase_add_test(tests, test_a_picture_does_not_wait);
   tcase_add_test(tests, test_max_active);
   tcase_add_test(tests, test_sides);
   tcase_add_test(tests, test_mapping);
