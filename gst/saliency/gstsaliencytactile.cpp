@@ -51,6 +51,7 @@
 #include "gstsaliencytactile.h"
 
 #include "../latency.h"
+#include "../tactile/wantedgrid.h"
 #include "filmanalysis.h"
 #include "framemapping.h"
 #include "framereader.h"
@@ -96,9 +97,10 @@ struct GstSaliencyTactilePrivate
   {
   }
 
-  SaliencySettings settings;      ///< object lock
-  Statistics stats;               ///< object lock
-  std::atomic<bool> late = false; ///< frames come late downstream (QoS)
+  SaliencySettings settings;           ///< object lock
+  Statistics stats;                    ///< object lock
+  std::atomic<bool> late = false;      ///< frames come late downstream (QoS)
+  std::atomic<bool> asks_grid = false; ///< of downstream, before the next frame
 
   // Streaming thread only.
   GstVideoInfo info;
@@ -109,6 +111,8 @@ struct GstSaliencyTactilePrivate
   tactile::Orientation orientation; ///< of the last frame
   tactile::CueLimiter limiter;
   saliency::Time next_time{ 0 }; ///< for frames without one
+  guint rows = 0;                ///< that downstream asks for
+  guint columns = 0;
   bool warned_map = false;
   bool warned_size = false;
   bool warned_people = false;
@@ -265,6 +269,25 @@ gst_saliency_tactile_count(GstSaliencyTactile *self, std::span<const float> felt
   GST_OBJECT_UNLOCK(self);
 }
 
+/// The settings, with the grid that downstream asks for unless the user has set one.
+static SaliencySettings
+gst_saliency_tactile_agree(GstSaliencyTactile *self)
+{
+  GstSaliencyTactilePrivate *priv = self->priv;
+  if (priv->asks_grid.exchange(false)) {
+    wanted_grid_of_frames(GST_BASE_TRANSFORM_SRC_PAD(self), &priv->rows, &priv->columns);
+    GST_DEBUG_OBJECT(self, "downstream asks for %u x %u", priv->rows, priv->columns);
+  }
+  GST_OBJECT_LOCK(self);
+  SaliencySettings settings = priv->settings;
+  GST_OBJECT_UNLOCK(self);
+  if (!settings.has_grid) {
+    settings.rows = static_cast<int>(priv->rows);
+    settings.columns = static_cast<int>(priv->columns);
+  }
+  return settings;
+}
+
 static GstFlowReturn
 gst_saliency_tactile_transform_ip(GstBaseTransform *transform, GstBuffer *buffer)
 {
@@ -275,9 +298,7 @@ gst_saliency_tactile_transform_ip(GstBaseTransform *transform, GstBuffer *buffer
     return GST_FLOW_NOT_NEGOTIATED;
 
   properties::sync_values(self, transform->segment, GST_BUFFER_PTS(buffer));
-  GST_OBJECT_LOCK(self);
-  const SaliencySettings settings = priv->settings;
-  GST_OBJECT_UNLOCK(self);
+  const SaliencySettings settings = gst_saliency_tactile_agree(self);
 
   // In reverse playback sources and decoders mark frames that do follow each other in this order.
   if (GST_BUFFER_FLAG_IS_SET(buffer, GST_BUFFER_FLAG_DISCONT) && transform->segment.rate > 0)
@@ -380,13 +401,15 @@ gst_saliency_tactile_set_caps(GstBaseTransform *transform, GstCaps *incaps, GstC
   if (!parsed)
     gst_saliency_tactile_guess(self, incaps);
   priv->negotiated = true;
+  priv->asks_grid = true;
   priv->reader.set_caps(incaps, parsed ? &priv->info : nullptr);
   gst_saliency_tactile_reset(self);
   priv->live = latency::is_live(GST_BASE_TRANSFORM_SINK_PAD(transform));
   return TRUE;
 }
 
-/// What comes late is not made later by a wait for people.
+/// What comes late is not made later by a wait for people. A device or a new neighbor may want
+/// another grid.
 static gboolean
 gst_saliency_tactile_src_event(GstBaseTransform *transform, GstEvent *event)
 {
@@ -394,6 +417,12 @@ gst_saliency_tactile_src_event(GstBaseTransform *transform, GstEvent *event)
     GstClockTimeDiff late = 0;
     gst_event_parse_qos(event, nullptr, nullptr, &late, nullptr);
     GST_SALIENCY_TACTILE(transform)->priv->late = late > 0;
+  }
+  if (is_grid_event(event) || GST_EVENT_TYPE(event) == GST_EVENT_RECONFIGURE)
+    GST_SALIENCY_TACTILE(transform)->priv->asks_grid = true;
+  if (is_grid_event(event)) {
+    gst_event_unref(event);
+    return TRUE;
   }
   return GST_BASE_TRANSFORM_CLASS(parent_class)->src_event(transform, event);
 }
@@ -467,6 +496,11 @@ static void
 gst_saliency_tactile_property_changed(GObject *object, std::string_view name)
 {
   GstSaliencyTactile *self = GST_SALIENCY_TACTILE(object);
+  if (name == "rows" || name == "columns") {
+    GST_OBJECT_LOCK(object);
+    self->priv->settings.has_grid = true;
+    GST_OBJECT_UNLOCK(object);
+  }
   if (name != "roi-weights")
     return;
   GST_OBJECT_LOCK(object);

@@ -63,9 +63,10 @@ constexpr P::Range kGridSides{ tactile::kMinGridSide, tactile::kMaxGridSide };
 
 constexpr P kProperties[] = {
   P::choice("profile", "How saliency is computed", kPlaying, PROPERTY_FIELD(profile), profile_type),
-  P::number<guint>("rows", "Rows of the tactile map", kPlaying, PROPERTY_FIELD(rows), kGridSides),
-  P::number<guint>("columns", "Columns of the tactile map", kPlaying, PROPERTY_FIELD(columns),
-                   kGridSides),
+  P::number<guint>("rows", "Rows of the tactile map (unset: those of the device, or 3)", kPlaying,
+                   PROPERTY_FIELD(rows), kGridSides),
+  P::number<guint>("columns", "Columns of the tactile map (unset: those of the device, or 3)",
+                   kPlaying, PROPERTY_FIELD(columns), kGridSides),
   P::flag("temporal", "Feel what changes, rather than what stands out in a still picture",
           kControllable, PROPERTY_FIELD(temporal)),
   P::number<gdouble>("threshold",

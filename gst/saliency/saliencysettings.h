@@ -31,6 +31,7 @@ struct SaliencySettings
   ProfileName profile = ProfileName::tuned;
   int rows = 3;
   int columns = 3;
+  bool has_grid = false; ///< rows or columns were set; else downstream may ask for others
   bool temporal = true;
   double threshold = 0.5;
   double center_weight = kProfiles;

@@ -179,6 +179,20 @@ drain(GstSoundTactile *self)
   self->priv->discont = true;
 }
 
+/* Another chair, or a pad that was linked late, may want another grid. */
+static void
+agree_on_grid(GstSoundTactile *self)
+{
+  Private *priv = self->priv;
+  guint rows = 0;
+  guint columns = 0;
+  if (!priv->pads->wants_grid(&rows, &columns))
+    return;
+  drain(self);
+  priv->pads->announce(rows, columns);
+  priv->reader.set_grid(static_cast<int>(rows), static_cast<int>(columns));
+}
+
 static void
 push_tactile(GstSoundTactile *self, GstBuffer *buffer)
 {
@@ -193,6 +207,7 @@ push_tactile(GstSoundTactile *self, GstBuffer *buffer)
     priv->used.feel.blows &= profile->blows;
     priv->used.feel.rumble &= profile->rumble;
   }
+  agree_on_grid(self);
   priv->flow = priv->pads->maps_flow();
   if (!GST_CLOCK_TIME_IS_VALID(pts))
     return;

@@ -73,6 +73,12 @@ SoundReader::set_format(const GstAudioInfo &info, int rows, int columns)
   return true;
 }
 
+void
+SoundReader::set_grid(int rows, int columns)
+{
+  map_ = tactile::TactileMap(rows, columns);
+}
+
 GstClockTime
 SoundReader::latency(guint maps_per_second) const
 {

@@ -28,6 +28,9 @@ public:
   /// Reads this format from now on; false if it cannot.
   bool set_format(const GstAudioInfo &info, int rows, int columns);
 
+  /// Maps have this grid from now on. After drain().
+  void set_grid(int rows, int columns);
+
   /// Time between the end of a map and the sound that has to be in before it is known, plus the
   /// length of a map; 0 without a format.
   GstClockTime latency(guint maps_per_second) const;

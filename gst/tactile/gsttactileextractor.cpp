@@ -162,6 +162,7 @@ gst_tactile_extractor_init(GstTactileExtractor *self)
 {
   self->pads = new SplitPads(GST_ELEMENT(self),
                              { .chain = GST_DEBUG_FUNCPTR(gst_tactile_extractor_chain),
-                               .event = GST_DEBUG_FUNCPTR(gst_tactile_extractor_sink_event) });
+                               .event = GST_DEBUG_FUNCPTR(gst_tactile_extractor_sink_event),
+                               .maps_come = true });
   self->frame_duration = GST_CLOCK_TIME_NONE;
 }

@@ -33,11 +33,26 @@ proxy_caps_query(GstPad *pad, GstPad *other, GstQuery *query)
   return TRUE;
 }
 
-/// The other pad that the stream passes, from `sink` to `src` or back.
+/// The other pad that the stream passes, from `sink` to `src` or back; from `tactile` where its maps
+/// come from.
 GstPad *
 other_of(GstPad *pad)
 {
   return static_cast<GstPad *>(gst_pad_get_element_private(pad));
+}
+
+/// The grid of maps that come with the stream.
+bool
+answer_grid(GstObject *element, GstQuery *query)
+{
+  g_autoptr(GstPad) tactile = gst_element_get_static_pad(GST_ELEMENT(element), "tactile");
+  if (!asks_grid_of_frames(query) || !gst_pad_is_linked(tactile))
+    return false;
+  guint rows = 0;
+  guint columns = 0;
+  wanted_grid(tactile, &rows, &columns);
+  answer_grid_of_frames(query, rows, columns);
+  return true;
 }
 
 gboolean
@@ -52,6 +67,8 @@ sink_query(GstPad *pad, GstObject *parent, GstQuery *query)
     return gst_pad_peer_query(other_of(pad), query);
   case GST_QUERY_ALLOCATION:
     return gst_pad_peer_query(other_of(pad), query);
+  case GST_QUERY_CUSTOM:
+    return answer_grid(parent, query) || gst_pad_query_default(pad, parent, query);
   default:
     return gst_pad_query_default(pad, parent, query);
   }
@@ -65,14 +82,30 @@ src_query(GstPad *pad, GstObject *parent, GstQuery *query)
   return gst_pad_query_default(pad, parent, query);
 }
 
+/// To whoever makes the maps: this element, or one upstream.
+gboolean
+pass_grid_event(GstPad *tactile, GstEvent *event)
+{
+  if (GstPad *sink = other_of(tactile))
+    return gst_pad_push_event(sink, event);
+  gst_event_unref(event);
+  gst_pad_mark_reconfigure(tactile);
+  return TRUE;
+}
+
 gboolean
 tactile_event(GstPad *pad, GstObject *parent, GstEvent *event)
 {
   switch (GST_EVENT_TYPE(event)) {
-  case GST_EVENT_QOS:         // late tactors are no reason to drop pictures or sound
-  case GST_EVENT_RECONFIGURE: // nor a new tactile branch one to negotiate them again
+  case GST_EVENT_QOS: // late tactors are no reason to drop pictures or sound
     gst_event_unref(event);
     return TRUE;
+  case GST_EVENT_RECONFIGURE: // nor a new tactile branch one to negotiate them again
+    gst_event_unref(event);
+    return pass_grid_event(pad, new_grid_event());
+  case GST_EVENT_CUSTOM_UPSTREAM:
+    return is_grid_event(event) ? pass_grid_event(pad, event)
+                                : gst_pad_event_default(pad, parent, event);
   default:
     return gst_pad_event_default(pad, parent, event);
   }
@@ -93,6 +126,7 @@ SplitPads::SplitPads(GstElement *element, const Functions &functions)
 {
   gst_pad_set_element_private(sink_, src_);
   gst_pad_set_element_private(src_, sink_);
+  gst_pad_set_element_private(tactile_, functions.maps_come ? sink_ : nullptr);
   gst_pad_set_chain_function(sink_, functions.chain);
   gst_pad_set_event_function(sink_, functions.event);
   gst_pad_set_query_function(sink_, sink_query);
@@ -159,6 +193,15 @@ SplitPads::announce()
   if (rows == 0)
     wanted_grid(tactile_, &rows, &columns);
   announce(rows, columns);
+}
+
+bool
+SplitPads::wants_grid(guint *rows, guint *columns)
+{
+  if (rows_ == 0 || !gst_pad_check_reconfigure(tactile_))
+    return false;
+  wanted_grid(tactile_, rows, columns);
+  return *rows != rows_ || *columns != columns_;
 }
 
 guint

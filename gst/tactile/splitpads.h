@@ -16,6 +16,8 @@ public:
     GstPadEventFunction event; ///< of the sink pad; ends with pass_event()
     /// Of the tactile pad, may be null. The default is the one of pads.
     GstPadQueryFunction tactile_query = nullptr;
+    /// Maps come with the stream: whoever makes them upstream is told of another grid.
+    bool maps_come = false;
   };
 
   /// Adds pads of the class's templates. Those live as long as the element, which owns this.
@@ -51,6 +53,10 @@ public:
 
   /// Forgets the stream.
   void reset();
+
+  /// Whether downstream of the tactile pad asks for another grid than the one that was announced.
+  /// It is asked if something has changed there.
+  bool wants_grid(guint *rows, guint *columns);
 
 private:
   void start_stream(GstEvent *event);

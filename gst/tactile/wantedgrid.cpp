@@ -3,11 +3,14 @@
 
 #include <gst/tactile/tactile.h>
 
+#include <algorithm>
+
+static constexpr guint kPaperSide = 3;
+static constexpr const gchar *kName = "tactile-grid"; ///< of query and event
+
 void
 wanted_grid(GstPad *pad, guint *rows, guint *columns)
 {
-  constexpr gint kPaperSide = 3;
-
   *rows = *columns = kPaperSide;
   GstCaps *caps = gst_pad_get_pad_template_caps(pad);
   GstCaps *allowed = gst_pad_peer_query_caps(pad, caps);
@@ -20,4 +23,45 @@ wanted_grid(GstPad *pad, guint *rows, guint *columns)
     gst_tactile_map_caps_parse(allowed = gst_caps_fixate(allowed), rows, columns, nullptr, nullptr);
   }
   gst_caps_unref(allowed);
+}
+
+void
+wanted_grid_of_frames(GstPad *pad, guint *rows, guint *columns)
+{
+  *rows = *columns = kPaperSide;
+  g_autoptr(GstQuery) query
+      = gst_query_new_custom(GST_QUERY_CUSTOM, gst_structure_new_empty(kName));
+  if (!gst_pad_peer_query(pad, query))
+    return;
+  gst_structure_get(gst_query_get_structure(query), "rows", G_TYPE_UINT, rows, "columns",
+                    G_TYPE_UINT, columns, nullptr);
+  for (guint *side : { rows, columns })
+    *side = std::clamp<guint>(*side, 1, GST_TACTILE_MAX_SIDE);
+}
+
+bool
+asks_grid_of_frames(GstQuery *query)
+{
+  return GST_QUERY_TYPE(query) == GST_QUERY_CUSTOM
+         && gst_structure_has_name(gst_query_get_structure(query), kName);
+}
+
+void
+answer_grid_of_frames(GstQuery *query, guint rows, guint columns)
+{
+  gst_structure_set(gst_query_writable_structure(query), "rows", G_TYPE_UINT, rows, "columns",
+                    G_TYPE_UINT, columns, nullptr);
+}
+
+GstEvent *
+new_grid_event()
+{
+  return gst_event_new_custom(GST_EVENT_CUSTOM_UPSTREAM, gst_structure_new_empty(kName));
+}
+
+bool
+is_grid_event(const GstEvent *event)
+{
+  return GST_EVENT_TYPE(event) == GST_EVENT_CUSTOM_UPSTREAM
+         && gst_structure_has_name(gst_event_get_structure(const_cast<GstEvent *>(event)), kName);
 }

@@ -387,6 +387,19 @@ gst_tactor_sink_post_message(GstElement *element, GstMessage *message)
   return GST_ELEMENT_CLASS(parent_class)->post_message(element, message);
 }
 
+static GstCaps *
+gst_tactor_sink_get_caps(GstBaseSink *sink, GstCaps *filter)
+{
+  return GST_TACTOR_SINK(sink)->priv->session.grid().caps(filter);
+}
+
+static gboolean
+gst_tactor_sink_query(GstBaseSink *sink, GstQuery *query)
+{
+  return GST_TACTOR_SINK(sink)->priv->session.grid().answer(query)
+         || GST_BASE_SINK_CLASS(parent_class)->query(sink, query);
+}
+
 static gboolean
 gst_tactor_sink_set_caps(GstBaseSink *sink, GstCaps *caps)
 {
@@ -580,6 +593,8 @@ gst_tactor_sink_class_init(GstTactorSinkClass *klass)
   element_class->change_state = gst_tactor_sink_change_state;
   element_class->send_event = gst_tactor_sink_send_event;
   element_class->post_message = gst_tactor_sink_post_message;
+  sink_class->get_caps = gst_tactor_sink_get_caps;
+  sink_class->query = gst_tactor_sink_query;
   sink_class->set_caps = gst_tactor_sink_set_caps;
   sink_class->propose_allocation = gst_tactor_sink_propose_allocation;
   sink_class->event = gst_tactor_sink_event;

@@ -31,7 +31,7 @@ lead_of(const TactorOpening &opening)
 } // namespace
 
 TactorSession::TactorSession(GstBaseSink *sink)
-    : sink_(sink), element_(GST_ELEMENT(sink)),
+    : sink_(sink), element_(GST_ELEMENT(sink)), grid_(GST_BASE_SINK_PAD(sink)),
       scheduler_({
           .timing = [this] { return read_timing(); },
           .open_failed
@@ -76,6 +76,8 @@ TactorSession::open(const TactorSettings &settings)
                [this](const tactor::DriverEvent &event) { device_event(event); }, std::move(stop))
         .map([this](TactorOutput &&output) {
           gst_base_sink_set_render_delay(sink_, lead_of(opening_));
+          // A mapping is of the film's cells, not of the layout.
+          grid_.set(opening_.planner.mapping.empty() ? opening_.layout : tactor::Layout{});
           return std::move(output);
         });
   };
@@ -152,6 +154,12 @@ TactorSession::read_timing() const
            static_cast<GstClockTimeDiff>(gst_element_get_base_time(element_))
                + static_cast<GstClockTimeDiff>(gst_base_sink_get_latency(sink_))
                + gst_base_sink_get_ts_offset(sink_) };
+}
+
+const TactorGrid &
+TactorSession::grid() const
+{
+  return grid_;
 }
 
 TactorScheduler &

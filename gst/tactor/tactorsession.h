@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include "tactorgrid.h"
 #include "tactoropening.h"
 #include "tactorscheduler.h"
 #include "tactorsettings.h"
@@ -36,6 +37,8 @@ public:
 
   TactorTiming read_timing() const;
 
+  const TactorGrid &grid() const;
+
   TactorScheduler &scheduler();
 
 private:
@@ -48,6 +51,7 @@ private:
   TactorOpening opening_;
   /// Clock time at which the board was open, in a live play until a frame is shown.
   std::optional<GstClockTime> opened_;
+  TactorGrid grid_;
   std::optional<tactor::Time> last_lead_short_; ///< scheduler's thread only
   TactorScheduler scheduler_; ///< last: its thread, which uses the others, ends first
 };

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "tactilebranch.h"
 
+#include "../tactile/wantedgrid.h"
 #include "gst/video/writable_frame.h"
 #include "soundjoin.h"
 
@@ -183,10 +184,12 @@ gst_tactile_branch_send_event(GstElement *element, GstEvent *event)
 }
 
 /* Upstream events (seek, latency, navigation) come from the video sink, too. A demuxer that gets a
- * seek twice flushes twice. */
+ * seek twice flushes twice. The chair's grid is of this branch alone. */
 static gboolean
-gst_tactile_branch_upstream_event(GstPad *, GstObject *, GstEvent *event)
+gst_tactile_branch_upstream_event(GstPad *pad, GstObject *parent, GstEvent *event)
 {
+  if (is_grid_event(event))
+    return gst_pad_event_default(pad, parent, event);
   gst_event_unref(event);
   return TRUE;
 }

@@ -410,6 +410,37 @@ GST_START_TEST(test_unlinked)
 }
 GST_END_TEST;
 
+// A chair of another grid is followed while sound is felt.
+GST_START_TEST(test_another_grid)
+{
+  Sound sound;
+  for (guint i = 0; i < 30; i++) {
+    if (i == 10)
+      gst_harness_set_sink_caps_str(sound.tactile, "application/x-tactile-map,rows=2,columns=4");
+    fail_unless_equals_int(gst_harness_push(sound.audio, silence(i)), GST_FLOW_OK);
+  }
+  fail_unless(gst_harness_push_event(sound.audio, gst_event_new_eos()));
+  std::vector<gsize> grids;
+  GstClockTime last = 0;
+  while (GstBuffer *map = gst_harness_try_pull(sound.tactile)) {
+    const gsize cells = gst_buffer_get_size(map) / sizeof(gfloat);
+    if (grids.empty() || grids.back() != cells)
+      grids.push_back(cells);
+    fail_unless_equals_uint64(GST_BUFFER_PTS(map), last); // none is missing, none comes twice
+    last += GST_BUFFER_DURATION(map);
+    gst_buffer_unref(map);
+  }
+  fail_unless((grids == std::vector<gsize>{ 9, 8 }));
+  fail_unless_equals_uint64(last, 30 * kBlockTime);
+  g_autoptr(GstCaps) caps = gst_pad_get_current_caps(sound.tactile->sinkpad);
+  guint rows = 0;
+  guint columns = 0;
+  fail_unless(gst_tactile_map_caps_parse(caps, &rows, &columns, nullptr, nullptr));
+  ck_assert_uint_eq(rows, 2);
+  ck_assert_uint_eq(columns, 4);
+}
+GST_END_TEST;
+
 // Other rates of maps keep their grid, and their latency.
 GST_START_TEST(test_maps_per_second)
 {
@@ -499,6 +530,7 @@ soundtactile_suite(void)
   tcase_add_test(tc, test_latency);
   tcase_add_test(tc, test_caps);
   tcase_add_test(tc, test_unlinked);
+  tcase_add_test(tc, test_another_grid);
   tcase_add_test(tc, test_maps_per_second);
   tcase_add_test(tc, test_chair);
   return suite;

@@ -340,7 +340,10 @@ GST_START_TEST(test_upstream_events)
   };
   gst_harness_push_upstream_event(e.tactile,
                                   gst_event_new_qos(GST_QOS_TYPE_UNDERFLOW, 0.5, 1000, 0));
+  assert_upstream("");
+  // Whoever makes the maps is to ask for their grid again; the film is not negotiated again.
   gst_harness_push_upstream_event(e.tactile, gst_event_new_reconfigure());
+  assert_upstream("custom-upstream");
   assert_upstream("");
   gst_harness_push_upstream_event(e.video, gst_event_new_qos(GST_QOS_TYPE_UNDERFLOW, 0.5, 1000, 0));
   assert_upstream("qos");
@@ -348,6 +351,24 @@ GST_START_TEST(test_upstream_events)
                                   gst_event_new_seek(1, GST_FORMAT_TIME, GST_SEEK_FLAG_FLUSH,
                                                      GST_SEEK_TYPE_SET, 0, GST_SEEK_TYPE_NONE, -1));
   assert_upstream("seek");
+}
+GST_END_TEST;
+
+/// The grid of maps on frames is what their own branch prefers.
+GST_START_TEST(test_grid_asked_for)
+{
+  Extractor e;
+  gst_harness_set_sink_caps_str(e.tactile, "application/x-tactile-map,rows=[2,4],columns=7");
+  g_autoptr(GstPad) sink = gst_pad_get_peer(e.video->srcpad);
+  g_autoptr(GstQuery) query
+      = gst_query_new_custom(GST_QUERY_CUSTOM, gst_structure_new_empty("tactile-grid"));
+  fail_unless(gst_pad_query(sink, query));
+  guint rows = 0;
+  guint columns = 0;
+  fail_unless(gst_structure_get(gst_query_get_structure(query), "rows", G_TYPE_UINT, &rows,
+                                "columns", G_TYPE_UINT, &columns, nullptr));
+  ck_assert_uint_eq(rows, 3);
+  ck_assert_uint_eq(columns, 7);
 }
 GST_END_TEST;
 
@@ -572,6 +593,7 @@ tactileextractor_suite(void)
   tcase_add_test(tests, test_flush_without_a_segment_after_it);
   tcase_add_test(tests, test_other_events);
   tcase_add_test(tests, test_upstream_events);
+  tcase_add_test(tests, test_grid_asked_for);
   tcase_add_test(tests, test_missing_times);
   tcase_add_test(tests, test_discont);
   tcase_add_test(tests, test_sound);

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include "tactor/layout.h"
+
+#include <gst/gst.h>
+
+/// The grid that tactorsink prefers: that of its device, if its tactors have places. It takes any
+/// other. Any thread.
+class TactorGrid
+{
+public:
+  /// The pad's element is not owned.
+  explicit TactorGrid(GstPad *pad);
+
+  /// Of the device that was opened; tells upstream if it is another than the last one. That one's
+  /// holds until then, as the next device is likely the same.
+  void set(const tactor::Layout &layout);
+
+  /// What the pad takes, its preference first.
+  GstCaps *caps(GstCaps *filter) const;
+  /// Answers a query for the grid of frames; false if it is another query, or there is no
+  /// preference.
+  bool answer(GstQuery *query) const;
+
+private:
+  tactor::Layout layout() const;
+
+  GstPad *pad_;
+  tactor::Layout layout_; ///< guarded by the pad's object lock
+};
