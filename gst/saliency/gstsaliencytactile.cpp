@@ -52,6 +52,7 @@
  */
 #include "gstsaliencytactile.h"
 
+#include "../latency.h"
 #include "../tactile/wantedgrid.h"
 #include "filmanalysis.h"
 #include "framemapping.h"
@@ -405,11 +406,7 @@ gst_saliency_tactile_set_caps(GstBaseTransform *transform, GstCaps *incaps, GstC
   priv->asks_grid = true;
   priv->reader.set_caps(incaps, parsed ? &priv->info : nullptr);
   gst_saliency_tactile_reset(self);
-  g_autoptr(GstQuery) latency = gst_query_new_latency();
-  gboolean live = FALSE;
-  if (gst_pad_peer_query(GST_BASE_TRANSFORM_SINK_PAD(transform), latency))
-    gst_query_parse_latency(latency, &live, nullptr, nullptr);
-  priv->live = live;
+  priv->live = latency::is_live(GST_BASE_TRANSFORM_SINK_PAD(transform));
   return TRUE;
 }
 

@@ -49,6 +49,7 @@
 #include "gstsoundtactile.h"
 
 #include "../heldstream.h"
+#include "../latency.h"
 #include "../properties.h"
 #include "../tactile/splitpads.h"
 #include "gst/fusion/sound_context.h"
@@ -256,16 +257,6 @@ read_caps(GstSoundTactile *self, GstEvent *event)
     gst_element_post_message(GST_ELEMENT(self), gst_message_new_latency(GST_OBJECT(self)));
 }
 
-static bool
-is_live(GstSoundTactile *self)
-{
-  g_autoptr(GstQuery) query = gst_query_new_latency();
-  gboolean live = FALSE;
-  if (gst_pad_peer_query(self->priv->pads->sink(), query))
-    gst_query_parse_latency(query, &live, nullptr, nullptr);
-  return live;
-}
-
 /* Serialized events come after the maps of what came before them. */
 static gboolean
 gst_sound_tactile_sink_event(GstPad *, GstObject *parent, GstEvent *event)
@@ -280,7 +271,7 @@ gst_sound_tactile_sink_event(GstPad *, GstObject *parent, GstEvent *event)
   case GST_EVENT_SEGMENT:
     drain(self);
     gst_event_copy_segment(event, &priv->segment);
-    priv->is_live = is_live(self);
+    priv->is_live = latency::is_live(priv->pads->sink());
     break;
   case GST_EVENT_GAP:
   case GST_EVENT_SEGMENT_DONE:
@@ -315,16 +306,10 @@ gst_sound_tactile_tactile_query(GstPad *pad, GstObject *parent, GstQuery *query)
     return gst_pad_query_default(pad, parent, query);
   if (!gst_pad_peer_query(self->priv->pads->sink(), query))
     return FALSE;
-  gboolean live = FALSE;
-  GstClockTime min = 0;
-  GstClockTime max = GST_CLOCK_TIME_NONE;
-  gst_query_parse_latency(query, &live, &min, &max);
   GST_OBJECT_LOCK(self);
   const GstClockTime own = self->priv->latency;
   GST_OBJECT_UNLOCK(self);
-  if (GST_CLOCK_TIME_IS_VALID(max))
-    max += own;
-  gst_query_set_latency(query, live, min + own, max);
+  latency::add(query, own);
   return TRUE;
 }
 

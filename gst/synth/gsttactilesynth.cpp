@@ -69,6 +69,7 @@
  */
 #include "gsttactilesynth.h"
 
+#include "../latency.h"
 #include "../tactor/tactorstream.h"
 #include "synthcaps.h"
 #include "synthoutput.h"
@@ -285,15 +286,10 @@ gst_tactile_synth_src_query(GstPad *pad, GstObject *parent, GstQuery *query)
   if (!gst_pad_query_default(pad, parent, query))
     return FALSE;
   if (GST_QUERY_TYPE(query) == GST_QUERY_LATENCY) {
-    gboolean live = FALSE;
-    GstClockTime min = 0;
-    GstClockTime max = 0;
-    gst_query_parse_latency(query, &live, &min, &max);
     GST_OBJECT_LOCK(parent);
-    const GstClockTime latency = GST_TACTILE_SYNTH(parent)->priv->latency;
+    const GstClockTime own = GST_TACTILE_SYNTH(parent)->priv->latency;
     GST_OBJECT_UNLOCK(parent);
-    gst_query_set_latency(query, live, min + latency,
-                          GST_CLOCK_TIME_IS_VALID(max) ? max + latency : max);
+    latency::add(query, own);
   }
   return TRUE;
 }

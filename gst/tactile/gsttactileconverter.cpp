@@ -37,6 +37,7 @@
  */
 #include "gsttactileconverter.h"
 
+#include "../latency.h"
 #include "gst/cues/cue_stream.h"
 #include "gsttactileelements.h"
 #include "tracks/cue_builder.h"
@@ -399,15 +400,8 @@ gst_tactile_converter_src_query(GstPad *pad, GstObject *parent, GstQuery *query)
   auto *self = GST_TACTILE_CONVERTER(parent);
   if (!gst_pad_query_default(pad, parent, query))
     return FALSE;
-  if (GST_QUERY_TYPE(query) == GST_QUERY_LATENCY && g_atomic_int_get(&self->waits)) {
-    gboolean live = FALSE;
-    GstClockTime min = 0;
-    GstClockTime max = 0;
-    gst_query_parse_latency(query, &live, &min, &max);
-    const auto latency = static_cast<GstClockTime>(tactile::CueBuilder::kLongest.count());
-    gst_query_set_latency(query, live, min + latency,
-                          GST_CLOCK_TIME_IS_VALID(max) ? max + latency : max);
-  }
+  if (GST_QUERY_TYPE(query) == GST_QUERY_LATENCY && g_atomic_int_get(&self->waits))
+    latency::add(query, static_cast<GstClockTime>(tactile::CueBuilder::kLongest.count()));
   return TRUE;
 }
 

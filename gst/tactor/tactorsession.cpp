@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "tactorsession.h"
 
+#include "../latency.h"
 #include "tactormessages.h"
 
 #include <algorithm>
@@ -25,18 +26,6 @@ lead_of(const TactorOpening &opening)
 {
   const Time early = opening.planner.max_lead + opening.latency + kWakeMargin;
   return static_cast<GstClockTime>(early.count());
-}
-
-/// Whether time goes on upstream whatever this element does.
-bool
-is_live(GstBaseSink *sink)
-{
-  GstQuery *query = gst_query_new_latency();
-  gboolean live = FALSE;
-  if (gst_pad_peer_query(GST_BASE_SINK_PAD(sink), query))
-    gst_query_parse_latency(query, &live, nullptr, nullptr);
-  gst_query_unref(query);
-  return live;
 }
 
 } // namespace
@@ -129,7 +118,8 @@ TactorSession::wait_until_open()
     }
   }
   opened_.reset();
-  if (GstClock *clock = is_live(sink_) ? gst_element_get_clock(element_) : nullptr) {
+  if (GstClock *clock
+      = latency::is_live(GST_BASE_SINK_PAD(sink_)) ? gst_element_get_clock(element_) : nullptr) {
     opened_ = gst_clock_get_time(clock);
     gst_object_unref(clock);
   }

@@ -41,6 +41,7 @@
  */
 #include "gstvisuotactiledecoder.h"
 
+#include "../latency.h"
 #include "chairproperties.h"
 #include "chairturns.h"
 #include "decoderchoice.h"
@@ -276,13 +277,8 @@ gst_visuotactile_decoder_src_query(GstPad *pad, GstObject *parent, GstQuery *que
   const gboolean answered = gst_pad_query_default(pad, parent, query);
   if (!answered || GST_QUERY_TYPE(query) != GST_QUERY_LATENCY)
     return answered;
-  gboolean live = FALSE;
-  GstClockTime min = 0;
-  GstClockTime max = 0;
-  gst_query_parse_latency(query, &live, &min, &max);
-  const GstClockTime more
-      = live ? gst_visuotactile_decoder_live_latency(GST_VISUOTACTILE_DECODER(parent)) : 0;
-  gst_query_set_latency(query, live, min + more, GST_CLOCK_TIME_IS_VALID(max) ? max + more : max);
+  if (latency::is_live(query))
+    latency::add(query, gst_visuotactile_decoder_live_latency(GST_VISUOTACTILE_DECODER(parent)));
   return TRUE;
 }
 
@@ -354,17 +350,6 @@ gst_visuotactile_decoder_leave_chair(GstVisuotactileDecoder *self)
   ChairTurns::of_process().leave(GST_ELEMENT(self));
 }
 
-/// Of a live source. What waits for the chair has told no latency for it.
-static bool
-gst_visuotactile_decoder_is_live(GstVisuotactileDecoder *self)
-{
-  g_autoptr(GstQuery) query = gst_query_new_latency();
-  gboolean live = FALSE;
-  if (gst_pad_peer_query(self->sinkpad, query))
-    gst_query_parse_latency(query, &live, nullptr, nullptr);
-  return live;
-}
-
 /// Takes the chair in the middle of a film. With the state lock. Returns whether it begins.
 static bool
 gst_visuotactile_decoder_join(GstVisuotactileDecoder *self)
@@ -391,7 +376,8 @@ gst_visuotactile_decoder_offered(GstElement *element, gpointer)
   GST_STATE_LOCK(self);
   const bool begins = gst_visuotactile_decoder_join(self);
   GST_STATE_UNLOCK(self);
-  if (begins && gst_visuotactile_decoder_is_live(self))
+  // What waits for the chair has told no latency for it.
+  if (begins && latency::is_live(self->sinkpad))
     gst_visuotactile_decoder_post_latency(element, nullptr);
 }
 

@@ -2,6 +2,7 @@
 #include "soundjoin.h"
 
 #include "../heldstream.h"
+#include "../latency.h"
 #include "../properties.h"
 #include "../soundmode.h"
 #include "fusion/fusion.h"
@@ -265,23 +266,9 @@ gst_sound_join_src_query(GstPad *pad, GstObject *parent, GstQuery *query)
     return gst_pad_query_default(pad, parent, query);
   if (!gst_pad_peer_query(self->sinkpad, query))
     return FALSE;
-  gboolean live = FALSE;
-  GstClockTime min = 0;
-  GstClockTime max = GST_CLOCK_TIME_NONE;
-  gst_query_parse_latency(query, &live, &min, &max);
-  const GstClockTime own = live && joined(self) ? look_ahead(self) : 0;
-  gst_query_set_latency(query, live, min + own, GST_CLOCK_TIME_IS_VALID(max) ? max + own : max);
+  if (latency::is_live(query) && joined(self))
+    latency::add(query, look_ahead(self));
   return TRUE;
-}
-
-static bool
-is_live(GstSoundJoin *self)
-{
-  g_autoptr(GstQuery) query = gst_query_new_latency();
-  gboolean live = FALSE;
-  if (gst_pad_peer_query(self->sinkpad, query))
-    gst_query_parse_latency(query, &live, nullptr, nullptr);
-  return live;
 }
 
 /// The framerate is known before what is held has passed.
@@ -296,7 +283,7 @@ read_framerate(GstSoundJoin *self, GstEvent *event)
   const GstClockTime frame
       = known ? std::max<GstClockTime>(gst_util_uint64_scale_int(GST_SECOND, d, n), 1)
               : kUsualFrame;
-  if (self->priv->frame.exchange(frame) != frame && is_live(self) && joined(self))
+  if (self->priv->frame.exchange(frame) != frame && latency::is_live(self->sinkpad) && joined(self))
     gst_element_post_message(GST_ELEMENT(self), gst_message_new_latency(GST_OBJECT(self)));
 }
 
@@ -400,7 +387,7 @@ gst_sound_join_changed(GObject *object, std::string_view)
   const Joined sound = joined(self);
   if (sound.maps)
     sound.maps->want(self, sound.profile);
-  if (sound.maps && is_live(self))
+  if (sound.maps && latency::is_live(self->sinkpad))
     gst_element_post_message(GST_ELEMENT(self), gst_message_new_latency(GST_OBJECT(self)));
 }
 

@@ -3,7 +3,7 @@
 # Makes pages of docs/measured, each whole. Those of quality and speed are made by tactile_quality and speed.
 #
 # Usage: tests/bench/measured.sh PAGE [FILM ...]      PAGE: calibration, devices, follow, playback, sound, sound-clips, synth, timing, ways-out; FILM: default three of ../shared/data/clips (timing)
-# Expects a computer on which nothing else runs. Takes 5, 5, 2, 1, 8, 3, 3, 15 and 1 minutes. VISUOTACTILE_BUILD names a build folder that is built already.
+# Expects a computer on which nothing else runs. Takes 5, 5, 2, 1, 8, 3, 5, 15 and 1 minutes. VISUOTACTILE_BUILD names a build folder that is built already.
 set -euo pipefail
 here=$(cd "$(dirname "$0")" && pwd)
 # shellcheck source=../../tools/build.sh
@@ -266,8 +266,8 @@ CAPTION
 
 A pipeline plays a sound to PulseAudio's null sink, and maps, or another sound, with the same
 envelope. When the one is half way up or down, in what the sink's monitor heard, after the other. In
-one sink that is what tactilesynth adds. Sinks of their own differ, start by start, by what
-PulseAudio tells each of the time when it starts, plain sounds as well.
+one sink that is what tactilesynth adds. Sinks of their own differ from start to start, plain sounds
+as well: the one that gets its first samples later, such as after an audioconvert, is heard earlier.
 
 CAPTION
       "$here/../tools/synth_pulse.py"

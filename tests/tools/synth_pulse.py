@@ -5,7 +5,7 @@
 One pipeline plays to PulseAudio's null sink, as a film's sound and its tactors do: tactilesynth on the left channel, from maps that switch
 between silence and a level, and on the right channel a tone with the envelope that they should have. The null sink's monitor has both. Prints
 the differences of their half-way times as a Markdown table: in one sink, where they are what tactilesynth adds, and in a sink each, with those
-of two plain sounds for comparison. Starts a PulseAudio server of its own.
+of plain sounds for comparison. Starts a PulseAudio server of its own.
 
 Usage: synth_pulse.py [--runs=10] [--steps=5]      (starts of each, vibrations in each)
     with GST_PLUGIN_PATH_1_0 as set by `meson devenv -C build`
@@ -92,6 +92,7 @@ LINES = {
     "tactilesynth, by a mixer, in the sound's own sink": f"{MAPS} tactilesynth {PLAIN} ! {SOUND} ! mix. audiomixer name=mix ! pulsesink {sound('right', 'mix.')}",
     "tactoraudiosink, a sink of its own": f"{MAPS} tactoraudiosink {PLAIN} audio-sink=pulsesink {sound('right')}",
     "another sound, a sink of its own": sound("left") + sound("right"),
+    "the same after audioconvert": sound("left", "audioconvert ! pulsesink") + sound("right"),
 }
 
 

@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <gst/gst.h>
+
+/// Latency queries, as elements ask and answer them.
+namespace latency {
+
+/// Of a query that was answered.
+inline bool
+is_live(GstQuery *answered)
+{
+  gboolean live = FALSE;
+  gst_query_parse_latency(answered, &live, nullptr, nullptr);
+  return live;
+}
+
+/// Whether what comes to a sink pad goes on whatever its element does.
+inline bool
+is_live(GstPad *sink_pad)
+{
+  g_autoptr(GstQuery) query = gst_query_new_latency();
+  return gst_pad_peer_query(sink_pad, query) && is_live(query);
+}
+
+/// Adds an element's own latency to the answer of what is before it.
+inline void
+add(GstQuery *answered, GstClockTime own)
+{
+  gboolean live = FALSE;
+  GstClockTime min = 0;
+  GstClockTime max = GST_CLOCK_TIME_NONE;
+  gst_query_parse_latency(answered, &live, &min, &max);
+  gst_query_set_latency(answered, live, min + own, GST_CLOCK_TIME_IS_VALID(max) ? max + own : max);
+}
+
+} // namespace latency
