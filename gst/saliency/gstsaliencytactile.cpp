@@ -4,8 +4,10 @@
  * @title: saliencytactile
  * @short_description: finds what draws the eye and adds it to each frame as a tactile map
  *
- * Each frame gets a #GstTactileMeta: a small grid of levels, 3 × 3 by default, that says where and
- * how strongly the film is felt. Pixels and memory stay as they are.
+ * Each frame gets a #GstTactileMeta: a small grid of levels that says where and how strongly the
+ * film is felt. Pixels and memory stay as they are. Unless #GstSaliencyTactile:rows or
+ * #GstSaliencyTactile:columns is set, the grid is what downstream asks for, such as that of
+ * tactorsink's device, else 3 × 3.
  * [Steering](../guide/steering.md) explains the properties, [the algorithm](../design/algorithm.md)
  * how a map is computed.
  *

@@ -33,8 +33,8 @@ proxy_caps_query(GstPad *pad, GstPad *other, GstQuery *query)
   return TRUE;
 }
 
-/// The other pad that the stream passes, from `sink` to `src` or back; from `tactile` where its maps
-/// come from.
+/// The other pad that the stream passes, from `sink` to `src` or back; from `tactile` the one by
+/// which its maps come.
 GstPad *
 other_of(GstPad *pad)
 {

@@ -45,6 +45,12 @@
  * See [a vest as a chair](../hardware/vest.md) and [a device of Intiface as a
  * chair](../hardware/intiface.md).
  *
+ * ## The grid
+ * A device whose motors have places, such as a vest or a gamepad, prefers maps of its own grid, and
+ * takes any other. saliencytactile, also before a tactileextractor, and soundtactile follow unless
+ * their grid is set. They know it once the device is open: maps before that may be of 3 × 3. With
+ * #GstTactorSink:mapping there is no preference.
+ *
  * ## Limits
  * #GstTactorSink:max-on-time, #GstTactorSink:max-duty and #GstTactorSink:max-active spare motors
  * and skin. A cue that a limit ended begins again when the film has let go of its tactor, or after
@@ -97,6 +103,7 @@
 #include <atomic>
 #include <cmath>
 #include <optional>
+#include <thread>
 #include <utility>
 
 using tactor::Time;
@@ -119,8 +126,8 @@ struct GstTactorSinkPrivate
   Time flushed_at{ 0 };             ///< running time of the last flush
   std::atomic<bool> ended{ false }; ///< end of stream
 
-  std::atomic<bool> flushed{ false };     ///< and no map came since
-  std::atomic<gint64> clock_settled{ 0 }; ///< g_get_monotonic_time() before which it is not read
+  std::atomic<bool> flushed{ false }; ///< and no map came since
+  ClockRest clock_rest;
 
   TactorSession session;
   QueueWatch queue_watch; ///< changes of state only
@@ -334,14 +341,6 @@ gst_tactor_sink_event(GstBaseSink *sink, GstEvent *event)
   return handled;
 }
 
-static void
-gst_tactor_sink_let_clock_settle(GstTactorSink *self)
-{
-  if (self->priv->session.read_timing().is_of_sound())
-    self->priv->clock_settled
-        = g_get_monotonic_time() + std::chrono::microseconds(TactorTiming::kSettles).count();
-}
-
 /// Maps that have waited for the play come all at once, and the clock would be read for each. A
 /// sink that does not preroll (async=false) knows by the first map after a flush that it plays.
 static GstPadProbeReturn
@@ -349,10 +348,8 @@ gst_tactor_sink_settle(GstPad *, GstPadProbeInfo *, gpointer user_data)
 {
   auto *self = GST_TACTOR_SINK(user_data);
   if (self->priv->flushed.exchange(false) && GST_STATE(self) == GST_STATE_PLAYING)
-    gst_tactor_sink_let_clock_settle(self);
-  const gint64 left = self->priv->clock_settled - g_get_monotonic_time();
-  if (left > 0)
-    g_usleep(static_cast<gulong>(left));
+    self->priv->clock_rest.begin(self->priv->session.read_timing());
+  std::this_thread::sleep_until(self->priv->clock_rest.end());
   return GST_PAD_PROBE_OK;
 }
 
@@ -490,7 +487,7 @@ gst_tactor_sink_change_state(GstElement *element, GstStateChange transition)
     priv->queue_watch.stop();
 
   if (transition == GST_STATE_CHANGE_PAUSED_TO_PLAYING)
-    gst_tactor_sink_let_clock_settle(self);
+    priv->clock_rest.begin(priv->session.read_timing());
   GstStateChangeReturn ret = GST_ELEMENT_CLASS(parent_class)->change_state(element, transition);
 
   // A pause does not wait for a map. None may come before the play goes on, if the picture is shown

@@ -78,13 +78,13 @@ TactorScheduler::stop()
 void
 TactorScheduler::play(const std::function<bool()> &is_wanted)
 {
-  const bool is_of_sound = host_.timing().is_of_sound();
+  const TactorTiming timing
+      = host_.timing(); // by the element's locks, whose holders may wait for ours
   std::unique_lock lock(mutex_);
   if (is_wanted && !is_wanted())
     return;
   playing_ = true;
-  if (is_of_sound)
-    clock_settled_ = std::chrono::steady_clock::now() + TactorTiming::kSettles;
+  clock_rest_.begin(timing);
   settle(lock);
 }
 
@@ -316,9 +316,9 @@ TactorScheduler::turn(Lock &lock)
     wake_.wait(lock);
     return;
   }
-  const bool clock_settles = playing_ && std::chrono::steady_clock::now() < clock_settled_;
-  if (clock_settles && met_ == requested_) {
-    wake_.wait_until(lock, clock_settled_);
+  const bool clock_rests = playing_ && ClockRest::Clock::now() < clock_rest_.end();
+  if (clock_rests && met_ == requested_) {
+    wake_.wait_until(lock, clock_rest_.end());
     return;
   }
 
@@ -326,7 +326,7 @@ TactorScheduler::turn(Lock &lock)
   // The host takes the element's locks, whose holders may wait for ours.
   lock.unlock();
   const TactorTiming timing = host_.timing();
-  const std::optional<Time> running = clock_settles ? std::optional(running_before) : timing.now();
+  const std::optional<Time> running = clock_rests ? std::optional(running_before) : timing.now();
   lock.lock();
   timed_ = !immediate_ && running;
   if (timed_)

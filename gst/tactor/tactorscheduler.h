@@ -159,8 +159,8 @@ private:
   bool muted_ = false;
   bool away_ = false; ///< the board was lost and is not back
   bool immediate_ = false;
-  std::chrono::steady_clock::time_point clock_settled_{}; ///< it is not read before
-  bool timed_ = false;                                    ///< commands wait for the clock
+  ClockRest clock_rest_;
+  bool timed_ = false;   ///< commands wait for the clock
   bool issuing_ = false; ///< commands left the queue and are on their way to the driver
   bool interrupted_ = false;
   std::uint64_t interruptions_ = 0; ///< that have begun

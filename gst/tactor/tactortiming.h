@@ -5,6 +5,7 @@
 
 #include <gst/gst.h>
 
+#include <atomic>
 #include <chrono>
 
 #include <memory>
@@ -32,11 +33,6 @@ public:
       return std::nullopt;
     return running_time(gst_clock_get_time(clock_.get()));
   }
-  /// How long a clock of sound is left alone when sound begins or goes on. Some servers tell any
-  /// time for a moment (PipeWire 0.3.65: until its first answer), from which GstClock never goes
-  /// back: the film stands still.
-  static constexpr std::chrono::milliseconds kSettles{ 40 };
-
   /// Whether a sound card or server is the clock.
   bool is_of_sound() const
   {
@@ -62,4 +58,29 @@ private:
 
   std::unique_ptr<GstClock, Unref> clock_;
   GstClockTimeDiff offset_;
+};
+
+/// A clock of sound is left alone when sound begins or goes on. Some servers tell any time for a
+/// moment (PipeWire 0.3.65: until its first answer), from which GstClock never goes back: the film
+/// stands still. Any thread.
+class ClockRest
+{
+public:
+  using Clock = std::chrono::steady_clock;
+  static constexpr std::chrono::milliseconds kLength{ 40 };
+
+  /// The play begins or goes on.
+  void begin(const TactorTiming &timing)
+  {
+    if (timing.is_of_sound())
+      end_ = Clock::now() + kLength;
+  }
+  /// The clock is not to be read before.
+  Clock::time_point end() const
+  {
+    return end_;
+  }
+
+private:
+  std::atomic<Clock::time_point> end_{ Clock::time_point{} };
 };

@@ -56,6 +56,11 @@ public:
     SDL_UnlockJoysticks();
   }
 
+  SDL_JoystickID id() const
+  {
+    return id_;
+  }
+
   void wait_for(const std::array<int, 4> &levels)
   {
     std::unique_lock lock(mutex_);

@@ -32,6 +32,8 @@ namespace {
 constexpr const char *kProgram = "visuotactile-play";
 constexpr int kStripFrames = 6;
 constexpr const char *kRecording = "visuotactile.mkv";
+constexpr gint kOfDevice = G_MININT; ///< side of the grid: the device's, else kPaperSide
+constexpr gint kPaperSide = 3;
 
 bool
 is_same_file(const std::string &uri, const std::filesystem::path &path)
@@ -52,8 +54,8 @@ struct Options
   TextOption device{};
   gint channels = 2;
   gdouble intensity = 1;
-  gint rows = 3;
-  gint columns = 3;
+  gint rows = kOfDevice;
+  gint columns = kOfDevice;
   gdouble rate = 5;
   gdouble sensitivity = 1;
   gdouble density = 0;
@@ -99,10 +101,10 @@ read_command_line(int argc, char **argv, Options &options)
       "Drive one motor after the other for half a second, name each, and exit", nullptr },
     { "profile", 'p', 0, G_OPTION_ARG_STRING, &options.profile.value,
       "How saliency is computed: tuned (default) or paper", "NAME" },
-    { "rows", 'r', 0, G_OPTION_ARG_INT, &options.rows, "Rows of tactors, 1 to 64 (default: 3)",
-      "N" },
+    { "rows", 'r', 0, G_OPTION_ARG_INT, &options.rows,
+      "Rows of tactors, 1 to 64 (default: the device's, else 3)", "N" },
     { "columns", 'c', 0, G_OPTION_ARG_INT, &options.columns,
-      "Columns of tactors, 1 to 64 (default: 3)", "N" },
+      "Columns of tactors, 1 to 64 (default: the device's, else 3)", "N" },
     { "rate", 0, 0, G_OPTION_ARG_DOUBLE, &options.rate,
       "Rate in Hz at which levels may change; 0: with every frame (default: 5)", "HZ" },
     { "sensitivity", 0, 0, G_OPTION_ARG_DOUBLE, &options.sensitivity,
@@ -151,8 +153,9 @@ read_command_line(int argc, char **argv, Options &options)
     return;
   if (options.films.size() > 1)
     throw UsageError("expected one film at the most");
-  if (options.rows < 1 || options.rows > 64 || options.columns < 1 || options.columns > 64)
-    throw UsageError("--rows and --columns are whole numbers from 1 to 64");
+  for (const gint side : { options.rows, options.columns })
+    if (side != kOfDevice && (side < 1 || side > 64))
+      throw UsageError("--rows and --columns are whole numbers from 1 to 64");
   if (!(options.rate >= 0 && options.rate <= 1000))
     throw UsageError("--rate is a number of Hz from 0 to 1000");
   if (!(options.sensitivity >= 0.1 && options.sensitivity <= 10))
@@ -296,8 +299,10 @@ feel_test(const Options &options)
 {
   const ChosenDevice chosen = chosen_device(options);
   expect_elements(std::array{ chosen.element() });
-  const MotorWalk motors = motors_of(chosen, static_cast<unsigned>(options.rows),
-                                     static_cast<unsigned>(options.columns));
+  const auto side = [](gint set) {
+    return static_cast<unsigned>(set == kOfDevice ? kPaperSide : set);
+  };
+  const MotorWalk motors = motors_of(chosen, side(options.rows), side(options.columns));
   const Owned<GstElement> sink = make_sink(chair_line(options));
   walk(
       sink.get(), motors,
@@ -325,9 +330,11 @@ run(const Options &options)
     expect_elements(kSoundElements);
   settings.window = !options.no_window && have_display();
   settings.quiet = options.common.quiet;
-  settings.analysis_options = "profile=" + options.profile.text()
-                              + " rows=" + std::to_string(options.rows)
-                              + " columns=" + std::to_string(options.columns);
+  settings.analysis_options = "profile=" + options.profile.text();
+  if (options.rows != kOfDevice)
+    settings.analysis_options += " rows=" + std::to_string(options.rows);
+  if (options.columns != kOfDevice)
+    settings.analysis_options += " columns=" + std::to_string(options.columns);
   if (options.sensitivity != 1)
     settings.analysis_options += " sensitivity=" + number_text(options.sensitivity);
   if (options.density > 0)

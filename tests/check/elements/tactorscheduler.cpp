@@ -579,7 +579,7 @@ GST_START_TEST(test_a_sound_clock_settles)
   const std::size_t before = sound.count();
   const auto begin = std::chrono::steady_clock::now();
   rig.scheduler->play();
-  fail_unless(sound.first_read_after(before) - begin >= TactorTiming::kSettles);
+  fail_unless(sound.first_read_after(before) - begin >= ClockRest::kLength);
 }
 GST_END_TEST;
 

@@ -140,6 +140,40 @@ GST_START_TEST(test_zero_on_ways_out)
 }
 GST_END_TEST;
 
+/// The pad's buttons stay with a game that plays on it, too: while the film is felt, and after.
+GST_START_TEST(test_buttons_of_a_game)
+{
+  GamepadRig rig;
+  SDL_GameController *game = nullptr;
+  for (int i = 0; i < SDL_NumJoysticks(); i++)
+    if (SDL_JoystickGetDeviceInstanceID(i) == rig.pad.id())
+      game = SDL_GameControllerOpen(i);
+  fail_unless(game != nullptr);
+  const auto hears = [&](bool pressed) {
+    SDL_FlushEvents(SDL_FIRSTEVENT, SDL_LASTEVENT);
+    SDL_JoystickSetVirtualButton(SDL_GameControllerGetJoystick(game), SDL_CONTROLLER_BUTTON_A,
+                                 pressed);
+    SDL_JoystickUpdate(); // the driver's thread may have done so already
+    bool came = false;
+    for (SDL_Event event; SDL_PollEvent(&event);)
+      came |= event.type == (pressed ? SDL_CONTROLLERBUTTONDOWN : SDL_CONTROLLERBUTTONUP)
+              && event.cbutton.which == rig.pad.id()
+              && event.cbutton.button == SDL_CONTROLLER_BUTTON_A;
+    return came;
+  };
+  fail_unless(hears(true));
+  fail_unless(hears(false));
+  rig.start(1, 2);
+  rig.push({ 1, 1 });
+  rig.pad.wait_for({ 65535, 65535, 0, 0 });
+  fail_unless(hears(true));
+  gst_element_set_state(rig.element, GST_STATE_NULL);
+  rig.pad.wait_for(kZero);
+  fail_unless(hears(false));
+  SDL_GameControllerClose(game);
+}
+GST_END_TEST;
+
 /// A gamepad beside a chair.
 GST_START_TEST(test_with_a_chair)
 {
@@ -164,6 +198,7 @@ tactorsink_gamepad_suite(void)
   tcase_add_test(tcase, test_no_watchdog);
   tcase_add_test(tcase, test_mapping);
   tcase_add_test(tcase, test_zero_on_ways_out);
+  tcase_add_test(tcase, test_buttons_of_a_game);
   tcase_add_test(tcase, test_with_a_chair);
   return suite;
 }
