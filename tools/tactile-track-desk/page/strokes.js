@@ -103,7 +103,8 @@ export function paint(track, spans, carried = []) {
   for (const { start, end } of [...before, ...spans]) times.add(start).add(end);
   const joined = join(pieces(before, [...times].sort((a, b) => a - b), spans, track.silence));
   giveNotes(joined, carried);
-  const isKept = ({ end, silenced, notes }) => !silenced || notes.length > 0 || end >= track.end;
+  const isKept = ({ end, silenced, notes }, i) => !silenced || notes.length > 0
+    || (i === joined.length - 1 && end >= track.end);
   const after = joined.filter(isKept).map(({ start, end, levels, notes }) =>
     (notes.length > 0 ? { start, end, levels, notes } : { start, end, levels }));
   return difference(before, after, first);

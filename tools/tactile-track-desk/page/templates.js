@@ -57,10 +57,9 @@ function wave(track, cells, direction) {
   if (direction === 'cells') return cells.map((cell) => [cell]);
   const place = direction === 'right' || direction === 'left' ? (cell) => cell % track.columns
     : (cell) => Math.floor(cell / track.columns);
-  const groups = Map.groupBy(cells, place);
-  const places = [...groups.keys()].sort((a, b) => a - b);
+  const places = [...new Set(cells.map(place))].sort((a, b) => a - b);
   if (direction === 'left' || direction === 'up') places.reverse();
-  return places.map((at) => groups.get(at));
+  return places.map((at) => cells.filter((cell) => place(cell) === at));
 }
 
 /** One after the other, each for so long that neighbors overlap by a share of that. */

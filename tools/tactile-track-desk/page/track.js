@@ -122,7 +122,7 @@ export class Track {
     if (!(Number.isInteger(at) && at >= 0 && at <= next && next <= this.#cues.length)) {
       throw new RangeError(`expected cues ${at} to ${next} to be among ${this.#cues.length}`);
     }
-    let before = cues === this.#cues || at === 0 ? 0 : this.#cues[at - 1].end;
+    let before = at === 0 ? 0 : this.#cues[at - 1].end;
     for (const { start, end, levels } of cues) {
       if (!(Number.isInteger(start) && Number.isInteger(end) && start < end && end <= LONGEST)) {
         throw new RangeError(`expected whole ms up to ${LONGEST}, got a cue of ${start} to ${end}`);
@@ -137,8 +137,7 @@ export class Track {
       }
       before = end;
     }
-    if (cues.length > 0 && cues !== this.#cues && next < this.#cues.length
-      && this.#cues[next].start < before) {
+    if (cues.length > 0 && next < this.#cues.length && this.#cues[next].start < before) {
       throw new RangeError(`the cue that ends at ${before} ms overlaps the next one, which begins at `
         + `${this.#cues[next].start} ms`);
     }
