@@ -205,7 +205,8 @@ gst_tactor_sink_play_map(GstTactorSink *self, GstBuffer *buffer)
   GST_OBJECT_LOCK(self);
   tactor::PlannerSettings settings = priv->settings.planner;
   GST_OBJECT_UNLOCK(self);
-  settings.transport_latency = scheduler_of(self).transport_latency();
+  settings.transport_latency
+      = std::min(scheduler_of(self).transport_latency(), priv->session.opening().latency);
   const std::optional<TactorPlanning::Plan> plan
       = priv->planning.plan_map(buffer, segment, std::move(settings));
   if (!plan)
