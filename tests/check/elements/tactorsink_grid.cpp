@@ -200,8 +200,8 @@ GST_START_TEST(test_two_devices)
 {
   for (const std::string &maps :
        { kFilm, kFilm + "! tactileextractor name=x x.src ! fakesink x.tactile " })
-    for (const auto &[first, second, grid] :
-         { std::tuple{ "vest-back", "visor", kVest }, std::tuple{ "visor", "vest-back", kVisor } }) {
+    for (const auto &[first, second, grid] : { std::tuple{ "vest-back", "visor", kVest },
+                                               std::tuple{ "visor", "vest-back", kVisor } }) {
       Play film(maps + "! tee name=t t. ! queue ! tactorsink name=other sync=false t. ! queue",
                 first, second);
       film.expect(grid);

@@ -250,6 +250,30 @@ GST_START_TEST(test_latency_of_a_live_source)
 }
 GST_END_TEST;
 
+/// A live film is shown while the device is opened. All sinks wait for the device from then on.
+GST_START_TEST(test_latency_of_a_live_film)
+{
+  constexpr GstClockTime kLeast = (180 + 10 + 20 + 2 * 60) * GST_MSECOND;
+  HapticServer server({ "bhaptics", "slow=60" });
+  GstElement *pipeline = make_pipeline(
+      "videotestsrc is-live=true ! video/x-raw,width=64,height=48,framerate=30/1 ! jpegenc ! "
+      "visuotactiledecoder tactors::driver=bhaptics tactors::device="
+      + server.device("visor") + " ! fakesink name=picture sync=true");
+  g_autoptr(GstElement) picture = gst_bin_get_by_name(GST_BIN(pipeline), "picture");
+  g_autoptr(GstBus) bus = gst_element_get_bus(pipeline);
+  gst_element_set_state(pipeline, GST_STATE_PLAYING);
+  while (gst_base_sink_get_latency(GST_BASE_SINK(picture)) < kLeast) {
+    g_autoptr(GstMessage) message = gst_bus_timed_pop_filtered(
+        bus, GST_CLOCK_TIME_NONE,
+        static_cast<GstMessageType>(GST_MESSAGE_LATENCY | GST_MESSAGE_ERROR));
+    ck_assert_int_eq(GST_MESSAGE_TYPE(message), GST_MESSAGE_LATENCY);
+    gst_bin_recalculate_latency(GST_BIN(pipeline));
+  }
+  gst_element_set_state(pipeline, GST_STATE_NULL);
+  gst_object_unref(pipeline);
+}
+GST_END_TEST;
+
 /// The film goes on without its server, and is felt again when that is back.
 GST_START_TEST(test_server_gone_and_back)
 {
@@ -282,6 +306,7 @@ tactorsink_server_suite(void)
   tcase_add_test(tests, test_zero_on_ways_out);
   tcase_add_test(tests, test_latency);
   tcase_add_test(tests, test_latency_of_a_live_source);
+  tcase_add_test(tests, test_latency_of_a_live_film);
   tcase_add_test(tests, test_server_gone_and_back);
   return suite;
 }
