@@ -146,47 +146,6 @@ GST_START_TEST(test_zero_on_ways_out)
 }
 GST_END_TEST;
 
-namespace {
-
-/// Plays until the latency that the device tells has been within these for long.
-void
-play_until_latency(ServerRig &rig, gint64 least_ms, gint64 most_ms)
-{
-  gfloat level = 1;
-  for (int so = 0; so < 300;) {
-    ck_assert_int_eq(rig.push({ level }), GST_FLOW_OK);
-    level = 1 - level;
-    g_usleep(1000);
-    g_autoptr(GstStructure) stats = nullptr;
-    g_object_get(rig.element, "actuation-stats", &stats, nullptr);
-    gint64 latency = 0;
-    fail_unless(gst_structure_get_int64(stats, "latency", &latency));
-    const gint64 ms = latency / gint64{ GST_MSECOND };
-    so = ms >= least_ms && ms <= most_ms ? so + 1 : 0;
-  }
-}
-
-/// What planned zeros, which have no rise time, were led by.
-std::vector<tactor::Time>
-leads_of_zeros(const std::string &trace)
-{
-  std::vector<tactor::Time> leads;
-  for (const tactor::IssuedCommand &line : unwrap(tactor::read_command_trace(trace)))
-    if (line.command.volts == 0 && !is_unplanned(line))
-      leads.push_back(line.command.lead);
-  return leads;
-}
-
-/// What the picture waits for, beyond rise times and a margin.
-tactor::Time
-room(const ServerRig &rig)
-{
-  const GstClockTime delay = gst_base_sink_get_render_delay(GST_BASE_SINK(rig.element));
-  return std::chrono::nanoseconds(delay) - std::chrono::milliseconds(180 + 10);
-}
-
-} // namespace
-
 /// The time that answers take is led by, also when it becomes longer during the play. There is room
 /// for it from the beginning.
 GST_START_TEST(test_latency)
@@ -196,12 +155,12 @@ GST_START_TEST(test_latency)
     ServerRig rig(one.driver, one.device, { one.kind, "slow=40", "gap=1" });
     g_object_set(rig.element, "compensation", 0, "trace-location", trace.path.c_str(), nullptr);
     rig.start(1, 1);
-    play_until_latency(rig, 40, 119);
+    rig.play_until_latency(40, 119);
     rig.server.say("slow=120");
-    play_until_latency(rig, 120, 150);
+    rig.play_until_latency(120, 150);
     ck_assert_int_eq(rig.push({ 1 }), GST_FLOW_OK);
     ck_assert_int_eq(rig.push({ 0 }), GST_FLOW_OK);
-    fail_unless(room(rig) == std::chrono::milliseconds(150));
+    fail_unless(rig.room() == std::chrono::milliseconds(150));
     gst_element_set_state(rig.element, GST_STATE_NULL);
 
     const std::vector<tactor::Time> leads = leads_of_zeros(trace.path);
@@ -213,64 +172,6 @@ GST_START_TEST(test_latency)
     fail_unless(has(40, 120) && has(120, 151));
     fail_unless(std::ranges::max(leads) <= std::chrono::milliseconds(150));
   }
-}
-GST_END_TEST;
-
-/// The picture of a live source waits all the time: for twice what the opening measured, not for
-/// the longest that is possible. Nothing leads by more than that.
-GST_START_TEST(test_latency_of_a_live_source)
-{
-  GstPad *source = gst_pad_new("src", GST_PAD_SRC);
-  gst_pad_set_query_function(source, [](GstPad *, GstObject *, GstQuery *query) -> gboolean {
-    if (GST_QUERY_TYPE(query) != GST_QUERY_LATENCY)
-      return FALSE;
-    gst_query_set_latency(query, TRUE, 0, GST_CLOCK_TIME_NONE);
-    return TRUE;
-  });
-  for (const Case &one : kCases) {
-    const TemporaryFile trace;
-    ServerRig rig(one.driver, one.device, { one.kind, "slow=1", "gap=1" });
-    g_object_set(rig.element, "compensation", 0, "trace-location", trace.path.c_str(), nullptr);
-    fail_unless(gst_pad_link(source, rig.sink_pad) == GST_PAD_LINK_OK);
-    rig.start(1, 1);
-    const tactor::Time agreed = room(rig);
-    fail_unless(agreed >= std::chrono::milliseconds(40) && agreed < std::chrono::milliseconds(150),
-                "%ld ns", long{ agreed.count() });
-    // A server that becomes slower than that.
-    rig.server.say("slow=160");
-    play_until_latency(rig, 150, 150);
-    ck_assert_int_eq(rig.push({ 1 }), GST_FLOW_OK);
-    ck_assert_int_eq(rig.push({ 0 }), GST_FLOW_OK);
-    fail_unless(room(rig) == agreed);
-    gst_element_set_state(rig.element, GST_STATE_NULL);
-    gst_pad_unlink(source, rig.sink_pad);
-    fail_unless(std::ranges::max(leads_of_zeros(trace.path)) == agreed);
-  }
-  gst_object_unref(source);
-}
-GST_END_TEST;
-
-/// A live film is shown while the device is opened. All sinks wait for the device from then on.
-GST_START_TEST(test_latency_of_a_live_film)
-{
-  constexpr GstClockTime kLeast = (180 + 10 + 20 + 2 * 60) * GST_MSECOND;
-  HapticServer server({ "bhaptics", "slow=60" });
-  GstElement *pipeline = make_pipeline(
-      "videotestsrc is-live=true ! video/x-raw,width=64,height=48,framerate=30/1 ! jpegenc ! "
-      "visuotactiledecoder tactors::driver=bhaptics tactors::device="
-      + server.device("visor") + " ! fakesink name=picture sync=true");
-  g_autoptr(GstElement) picture = gst_bin_get_by_name(GST_BIN(pipeline), "picture");
-  g_autoptr(GstBus) bus = gst_element_get_bus(pipeline);
-  gst_element_set_state(pipeline, GST_STATE_PLAYING);
-  while (gst_base_sink_get_latency(GST_BASE_SINK(picture)) < kLeast) {
-    g_autoptr(GstMessage) message = gst_bus_timed_pop_filtered(
-        bus, GST_CLOCK_TIME_NONE,
-        static_cast<GstMessageType>(GST_MESSAGE_LATENCY | GST_MESSAGE_ERROR));
-    ck_assert_int_eq(GST_MESSAGE_TYPE(message), GST_MESSAGE_LATENCY);
-    gst_bin_recalculate_latency(GST_BIN(pipeline));
-  }
-  gst_element_set_state(pipeline, GST_STATE_NULL);
-  gst_object_unref(pipeline);
 }
 GST_END_TEST;
 
@@ -305,8 +206,6 @@ tactorsink_server_suite(void)
   tcase_add_test(tests, test_mapping);
   tcase_add_test(tests, test_zero_on_ways_out);
   tcase_add_test(tests, test_latency);
-  tcase_add_test(tests, test_latency_of_a_live_source);
-  tcase_add_test(tests, test_latency_of_a_live_film);
   tcase_add_test(tests, test_server_gone_and_back);
   return suite;
 }
