@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 //
-// Which grid maps should have. Those who play maps are asked by a query: caps of frames have no grid,
-// and a tee mixes the preferences in caps. The grid of a stream of maps is one that its caps allow.
-// Who prefers another grid than before tells upstream by an event.
+// Which grid maps should have. Those who play maps are asked by a query, as caps of frames have no
+// grid and a tee mixes the preferences in caps. The grid of a stream of maps is one that its caps
+// allow. Who prefers another grid than before tells upstream by an event.
 #pragma once
 
 #include <gst/gst.h>

@@ -6,8 +6,8 @@
 
 #include <gst/base/gstbasesink.h>
 
-/// tactorsink's stream: maps, gaps and the end are planned once the board is open, and the scheduler
-/// gets the commands. Streaming thread, or while it is stopped, but for limited().
+/// tactorsink's stream: maps, gaps and the end are planned once the board is open, and the
+/// scheduler gets the commands. Streaming thread, or while it is stopped, but for limited().
 class TactorPlay
 {
 public:
