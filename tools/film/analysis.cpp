@@ -21,7 +21,7 @@ Pipeline
 make_analysis(const std::string &source, const AnalysisSettings &settings)
 {
   Pipeline pipeline = make_pipeline(
-      source + " film. ! queue ! videoconvert ! saliencytactile rows="
+      source + " film. ! queue ! videoconvert ! saliencytactile name=analysis rows="
       + std::to_string(settings.rows) + " columns=" + std::to_string(settings.columns)
       + " profile=" + settings.profile + joined_sound(kQueue, settings.sound)
       + " ! tactileextractor name=split split.tactile ! appsink name=maps sync=false"
