@@ -11,6 +11,9 @@ namespace {
 /// CPU time is counted anew so often: what was not used then is not made up for.
 constexpr Time kCounted = std::chrono::seconds(1);
 
+/// Key frames are seldom further apart.
+constexpr Time kWait = std::chrono::seconds(15);
+
 /// All that follows is known.
 bool
 is_all(Time known_until)
@@ -74,7 +77,7 @@ AheadReader::add(const tactile::Cue &cue)
 {
   if (!draft_)
     draft_ = std::make_shared<tactile::Draft>(cue.map.rows, cue.map.columns);
-  if (!std::exchange(exactly_, true))
+  if (!exactly_ && !std::exchange(arrived_, true))
     begin_ = reach_ = cue.begin;
   if (cue.begin > reach_)
     set(reach_, cue.begin, tactile::TactileMap(cue.map.rows, cue.map.columns));
@@ -93,7 +96,7 @@ AheadReader::set(Time begin, Time end, const tactile::TactileMap &map)
 void
 AheadReader::choose(Time position, Time now)
 {
-  if (ended_ && exactly_ && draft_) {
+  if (ended_ && draft_ && (exactly_ || arrived_)) {
     end_ = std::max(end_, reach_);
     set(reach_, tactile::Track::kMaxEnd, tactile::TactileMap(draft_->rows(), draft_->columns()));
   }
@@ -113,6 +116,8 @@ AheadReader::choose(Time position, Time now)
   if (!ended_ && is_late && sought_ && now - *sought_ > kPatience) {
     too_slow_ = true;
     seek(position + std::chrono::seconds(1), false, now);
+  } else if (!exactly_ && !ended_ && want < begin_ && want > begin_ - kWait) {
+    // It plays on to there.
   } else if (ended_ || want < begin_ || want > reach_ + kSkip) {
     seek(want, true, now);
   } else if (!sought_) {
@@ -126,6 +131,7 @@ AheadReader::seek(Time to, bool exactly, Time now)
   source_->seek(to, exactly);
   begin_ = reach_ = to;
   exactly_ = exactly;
+  arrived_ = false;
   ended_ = false;
   sought_ = now;
 }

@@ -98,7 +98,8 @@ private:
   std::string failure_;
   Time begin_{ 0 }; ///< film time of the first map since the source was sent somewhere
   Time reach_{ 0 }; ///< all from begin_ to here is known
-  bool exactly_ = true; ///< begin_ is not to be moved to the first map
+  bool exactly_ = true; ///< else begin_ is where the first map is
+  bool arrived_ = false; ///< that is known
   bool ended_ = false;
   bool complete_ = false;
   bool too_slow_ = false;

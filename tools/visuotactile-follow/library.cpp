@@ -80,7 +80,7 @@ words(const std::string &name)
   std::string word;
   for (const gchar *at = plain;; at = g_utf8_next_char(at)) {
     if (g_unichar_isalnum(g_utf8_get_char(at))) {
-      word.append(at, g_utf8_next_char(at));
+      word.append(at, static_cast<std::size_t>(g_utf8_next_char(at) - at));
     } else if (!word.empty()) {
       words.insert(std::exchange(word, {}));
     }

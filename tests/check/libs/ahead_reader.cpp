@@ -90,7 +90,7 @@ struct Watched
   {
     for (const Time end = now + span; now < end; now += kTick) {
       film->until = std::max(film->until + kTick, film->cpu); // one core
-      film->until = std::min(film->until, film->cpu + kTick);
+      film->until = std::min(film->until, film->cpu + std::max(kTick, film->cost));
       reader.step(position, now, film->cpu);
       position += Time(std::llround(static_cast<double>(kTick.count()) * rate));
     }
