@@ -2,12 +2,11 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """What visuotactile-follow does around a player, here a real mpv without picture and sound: where it finds tracks, drafts that it
 makes, its status and its nudge, and its ways out: a locked screen, a computer that goes to sleep, a session bus that is gone.
-logind is dbusmock's. Buses, settings and caches are the test's own.
+logind is dbusmock's, and the chair is a vest in memory, which says what its motors do. Buses, settings and caches are the test's own.
 
-Expects FOLLOW, TRACK, the plugins on GST_PLUGIN_PATH, mpv, dbus-daemon and python3-dbusmock.
+Expects FOLLOW, TRACK, SERVER (haptic_server.py), the plugins on GST_PLUGIN_PATH, mpv, dbus-daemon and python3-dbusmock.
 Usage: follow_service.py [PART ...]      of drafts, embedded, library, status, ways_out; all by default"""
 
-import csv
 import json
 import os
 import pathlib
@@ -17,6 +16,7 @@ import socket
 import subprocess
 import sys
 import tempfile
+import threading
 import time
 
 import dbus
@@ -74,12 +74,33 @@ class Mpv:
         self.process.wait(LATEST)
 
 
+class Vest:
+    """What the motors of a vest do: lines of haptic_server.py, and when they came."""
+
+    def __init__(self):
+        self.server = start("/usr/bin/python3", os.environ["SERVER"], "bhaptics", stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
+        self.device = f"vest-back@127.0.0.1:{self.server.stdout.readline().split()[1]}"
+        self.lines = []
+        threading.Thread(target=self._listen, daemon=True).start()
+
+    def _listen(self):
+        for line in self.server.stdout:
+            if line.startswith("motors"):
+                self.lines.append((time.monotonic(), len(line.split()) > 2))
+
+    def wait_to_feel(self):
+        after = time.monotonic()
+        wait_until("something that is felt", lambda: any(on for at, on in self.lines if at > after))
+
+    def is_silent(self):
+        return not self.lines or not self.lines[-1][1]
+
+
 class Follower:
     def __init__(self, mpv, *options):
-        self.log, self.trace = work / "log", work / "trace.csv"
-        self.trace.unlink(missing_ok=True)
+        self.log = work / "log"
         with open(self.log, "w", encoding="utf-8") as log:
-            self.process = start(FOLLOW, f"--mpv={mpv.path}", "--driver=simulator", f"--trace={self.trace}", *options, stderr=log)
+            self.process = start(FOLLOW, f"--mpv={mpv.path}", "--driver=bhaptics", f"--device={vest.device}", *options, stderr=log)
 
     def said(self):
         return self.log.read_text(encoding="utf-8")
@@ -88,33 +109,11 @@ class Follower:
         wait_until(f"'{text}' in: {self.said()}", lambda: text in self.said() or self.process.poll() is not None)
         assert text in self.said(), self.said()
 
-    def commands(self):
-        """Those in the trace: (issued, volts) in seconds; the last line may be written still."""
-        if not self.trace.exists():
-            return []
-        lines = self.trace.read_text(encoding="utf-8").split("\n")
-        return [(int(row["issued_ns"]) / 1e9, float(row["volts"])) for row in csv.DictReader(lines[:-1])]
-
-    def is_felt(self, after=0.0):
-        return any(volts > 0 for issued, volts in self.commands() if issued > after)
-
-    def wait_to_feel(self):
-        after = time.monotonic()
-        wait_until("something that is felt", lambda: self.is_felt(after))
-
-    def levels(self):
-        """The last command of each motor."""
-        lines = self.trace.read_text(encoding="utf-8").split("\n")
-        return {row["tactor"]: float(row["volts"]) for row in csv.DictReader(lines[:-1])}
-
-    def is_silent(self):
-        return not any(self.levels().values())
-
     def end(self, status=0):
         if status == 0:
             self.process.send_signal(signal.SIGINT)
         assert self.process.wait(LATEST) == status, self.said()
-        assert self.is_silent(), self.levels()
+        wait_until("silence", vest.is_silent)
 
 
 def make_film(name, seconds, pattern="dynamic-motion", muxer="matroskamux"):
@@ -145,18 +144,16 @@ def drafts():
     mpv = Mpv(film, "--start=20", "--loop")
     follower = Follower(mpv)
     follower.wait_for("plays 'drafted.mkv' with a draft that is made while it plays")
-    follower.wait_to_feel()
+    vest.wait_to_feel()
     follower.wait_for("is complete, and kept for the next time")
     mpv.command("seek", 3, "absolute")
-    follower.wait_to_feel()
+    vest.wait_to_feel()
     follower.end()
     assert [file.name for file in film.parent.iterdir()] == ["drafted.mkv"], "something was written beside the film"
     kept = list((work / "cache/visuotactile/drafts").iterdir())
     assert len(kept) == 1, kept
     at_once = work / "at-once.vtt"
     assert track("author", "-q", str(film), "-o", str(at_once)).returncode == 0
-    info = [track("info", str(file)).stdout.split("\n")[1:] for file in (at_once, kept[0])]
-    print("at once:", *info[0], "while it played:", *info[1], sep="\n")
     same_films(at_once, kept[0])
     # The next time, and under another name.
     other = film.with_name("renamed.mkv")
@@ -164,7 +161,7 @@ def drafts():
     mpv.command("loadfile", str(other))
     follower = Follower(mpv)
     follower.wait_for("plays 'renamed.mkv' with a draft of an earlier time")
-    follower.wait_to_feel()
+    vest.wait_to_feel()
     follower.end()
     mpv.quit()
     other.unlink()
@@ -196,12 +193,190 @@ def same_films(expected, got):
     assert mean < felt / 3, (mean, felt)
 
 
-PARTS = {"drafts": drafts}
+def embedded():
+    """Films that show nothing, with pulses in their files."""
+    black = make_film("black.mkv", 12, pattern=None)
+    pulses = work / "pulses" / "pulses.csv"
+    make_track(pulses, 12)
+    for ending in ("mkv", "mp4", "ts"):
+        carrier = black.with_name(f"carrier.{ending}")
+        muxed = track("mux", "-q", str(black), str(pulses), "-o", str(carrier))
+        assert muxed.returncode == 0, muxed
+        mpv = Mpv(carrier, "--start=9")
+        follower = Follower(mpv, "--no-drafts")
+        follower.wait_for(f"plays 'carrier.{ending}' with the track in its file")
+        vest.wait_to_feel()
+        # The film ends.
+        mpv.process.wait(LATEST)
+        wait_until("silence", vest.is_silent)
+        follower.end()
+        carrier.unlink()
+    # One that promises a track and has none: subtitles named like it.
+    words = work / "words.srt"
+    words.write_text("1\n00:00:01,000 --> 00:00:03,000\nHello!\n", encoding="utf-8")
+    subprocess.run(["ffmpeg", "-v", "error", "-i", str(black), "-i", str(words), "-c:v", "copy", "-c:s", "srt", "-metadata:s:s:0", "title=Tactile",
+                    str(black.with_name("words.mkv"))], check=True)
+    mpv = Mpv(black.with_name("words.mkv"))
+    follower = Follower(mpv, "--no-drafts")
+    follower.wait_for("no track for 'words.mkv'")
+    follower.end()
+    mpv.quit()
+    shutil.rmtree(black.parent)
+
+
+def library():
+    """By words of the name and the film's duration."""
+    film = make_film("Bouncing.Balls.2012.1080p.mkv", 12, pattern=None)
+    mpv = Mpv(film)
+    make_track(work / "tracks" / "balls 2012.csv", 30)  # another film's
+    make_track(work / "tracks" / "seven balls.csv", 12)
+    make_track(work / "tracks" / "balls.csv", 12)
+    make_track(work / "tracks" / "Bouncing Balls.csv", 12)
+    follower = Follower(mpv, f"--tracks={work}/tracks")
+    follower.wait_for(f"with '{work}/tracks/Bouncing Balls.csv'")
+    vest.wait_to_feel()
+    follower.end()
+    mpv.quit()
+    shutil.rmtree(film.parent)
+
+
+def ask(*words, status=0):
+    result = subprocess.run([FOLLOW, *words], capture_output=True, text=True, check=False, timeout=LATEST)
+    assert result.returncode == status, result
+    return result.stdout + result.stderr
+
+
+def status():
+    """By options, by D-Bus and by signals; remembered for each kind of player."""
+    assert "no visuotactile-follow runs" in ask("--status", status=1)
+    assert "no visuotactile-follow runs" in ask("--nudge=10", status=1)
+    assert "--nudge is a number of ms" in ask("--nudge=9000", status=2)
+    film = make_film("status.mkv", 20, pattern=None)
+    make_track(film.with_suffix(".csv"), 20)
+    mpv = Mpv(film, "--pause")
+    follower = Follower(mpv)
+    follower.wait_for("plays 'status.mkv' with")
+    wait_until("the position", lambda: "position: 0.0 s" in ask("--status"))
+    said = ask("--status")
+    for line in ("state:    paused", f"player:   mpv at {mpv.path}", "film:     status.mkv", f"track:    '{film.with_suffix('.csv')}'", "offset:   +0 ms"):
+        assert line in said, said
+    bus = dbus.SessionBus(private=True)
+    service = bus.get_object(NAME, PATH)
+    assert ask("--nudge=40") == "offset: +40 ms\n"
+    assert service.Nudge(-15.0, dbus_interface=NAME) == 25
+    assert service.Get(NAME, "Offset", dbus_interface="org.freedesktop.DBus.Properties") == 25
+    remembered = lambda: (work / "config/visuotactile/follow.conf").read_text(encoding="utf-8")
+    assert "[mpv]" in remembered() and "offset=25" in remembered(), remembered()
+    for number, offset in ((signal.SIGUSR1, 35), (signal.SIGUSR2, 25), (signal.SIGUSR2, 15)):
+        follower.process.send_signal(number)
+        wait_until(f"an offset of {offset}", lambda: f"offset={offset}\n" in remembered())
+    # Another one follows, too, and says that it is not the one that is asked.
+    other = Follower(mpv)
+    other.wait_for("another visuotactile-follow has the name")
+    other.end()
+    follower.end()
+    follower = Follower(mpv)
+    follower.wait_for("plays 'status.mkv' with")
+    assert "offset:   +15 ms" in ask("--status")
+    follower.end()
+    # What is no key file is not overwritten.
+    (work / "config/visuotactile/follow.conf").write_text("nonsense\n", encoding="utf-8")
+    follower = Follower(mpv)
+    assert follower.process.wait(LATEST) == 1 and "cannot read" in follower.said(), follower.said()
+    assert remembered() == "nonsense\n"
+    (work / "config/visuotactile/follow.conf").unlink()
+    mpv.quit()
+    shutil.rmtree(film.parent)
+
+
+def ways_out():
+    """What ends what is felt, and what brings it back."""
+    logind_bus = dbus.bus.BusConnection(os.environ["DBUS_SYSTEM_BUS_ADDRESS"])
+    start("/usr/bin/python3", "-m", "dbusmock", "--system", "--template", "logind", stdout=subprocess.DEVNULL)
+    wait_until("logind", lambda: logind_bus.name_has_owner(LOGIND))
+    logind = logind_bus.get_object(LOGIND, "/org/freedesktop/login1")
+    mock = dbus.Interface(logind, dbusmock.MOCK_IFACE)
+    mock.AddSession("auto", "seat0", dbus.UInt32(os.getuid()), "somebody", True)
+    own = logind_bus.get_object(LOGIND, "/org/freedesktop/login1/session/auto")
+    inhibitors = lambda: logind.ListInhibitors(dbus_interface=f"{LOGIND}.Manager")
+
+    film = make_film("ways-out.mkv", 100, pattern=None)
+    make_track(film.with_suffix(".csv"), 100)
+    mpv = Mpv(film)
+    follower = Follower(mpv)
+    wait_until("an inhibitor", lambda: len(inhibitors()) == 1)
+    assert [str(part) for part in inhibitors()[0][:2]] == ["sleep", "visuotactile-follow"] and inhibitors()[0][3] == "delay", inhibitors()
+    vest.wait_to_feel()
+
+    def rests(why):
+        follower.wait_for(f"nothing is felt: {why}")
+        wait_until("silence", vest.is_silent)
+        begin, seconds = time.monotonic(), 1.5  # longer than from pulse to pulse, by the vest's own lines
+        wait_until("a pulse that is not felt", lambda: time.monotonic() > begin + seconds)
+        assert not any(on for at, on in vest.lines if at > begin), f"felt while {why}"
+        assert "state:    rests" in ask("--status")
+
+    def goes_on():
+        follower.log.write_text("", encoding="utf-8")
+        vest.wait_to_feel()
+
+    # The computer goes to sleep: it may when the motors are at zero.
+    logind.EmitSignal(f"{LOGIND}.Manager", "PrepareForSleep", "b", [True], dbus_interface=dbusmock.MOCK_IFACE)
+    wait_until("that it may sleep", lambda: not inhibitors())
+    assert vest.is_silent(), "it may sleep while a motor is on"
+    rests("the computer goes to sleep")
+    logind.EmitSignal(f"{LOGIND}.Manager", "PrepareForSleep", "b", [False], dbus_interface=dbusmock.MOCK_IFACE)
+    goes_on()
+    wait_until("an inhibitor again", lambda: len(inhibitors()) == 1)
+
+    # The screen is locked, and unlocked: by logind's signal and hint, or by the player that somebody starts.
+    own.EmitSignal(f"{LOGIND}.Session", "Lock", "", [], dbus_interface=dbusmock.MOCK_IFACE)
+    rests("the screen is locked")
+    own.UpdateProperties(f"{LOGIND}.Session", {"LockedHint": False}, dbus_interface=dbusmock.MOCK_IFACE)
+    goes_on()
+    own.EmitSignal(f"{LOGIND}.Session", "Lock", "", [], dbus_interface=dbusmock.MOCK_IFACE)
+    rests("the screen is locked")
+    mpv.command("set_property", "pause", True)
+    mpv.command("set_property", "pause", False)
+    goes_on()
+
+    # A screen saver.
+    session_bus = dbus.SessionBus(private=True)
+    session_bus.send_message(active_changed(True))
+    rests("the screen saver is on")
+    session_bus.send_message(active_changed(False))
+    goes_on()
+
+    # A stopped, then a killed player.
+    mpv.process.send_signal(signal.SIGKILL)
+    follower.wait_for("is gone")
+    wait_until("silence", vest.is_silent)
+    follower.end()
+    # The session bus is gone. A follower of one mpv goes on, one of all players ends.
+    mpv = Mpv(film)
+    alone = Follower(mpv)
+    vest.wait_to_feel()
+    session.kill()
+    vest.wait_to_feel()
+    alone.end()
+    mpv.quit()
+    shutil.rmtree(film.parent)
+
+
+def active_changed(active):
+    message = dbus.lowlevel.SignalMessage("/org/freedesktop/ScreenSaver", "org.freedesktop.ScreenSaver", "ActiveChanged")
+    message.append(dbus.Boolean(active))
+    return message
+
+
+PARTS = {"drafts": drafts, "embedded": embedded, "library": library, "status": status, "ways_out": ways_out}
+
 
 try:
     session, os.environ["DBUS_SESSION_BUS_ADDRESS"] = start_bus()
     _, os.environ["DBUS_SYSTEM_BUS_ADDRESS"] = start_bus()
     os.environ["XDG_CACHE_HOME"], os.environ["XDG_CONFIG_HOME"] = str(work / "cache"), str(work / "config")
+    vest = Vest()
     for part in sys.argv[1:] or PARTS:
         begin = time.monotonic()
         PARTS[part]()

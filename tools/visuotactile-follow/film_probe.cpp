@@ -10,25 +10,29 @@ namespace {
 
 constexpr GstClockTime kPatience = 10 * GST_SECOND;
 
-/// As tactile-track mux marks a track.
+/// Whether subtitles may be a track, which tactile-track mux names Tactile and gives the language
+/// zxx. Of sparse ones tags are seldom seen in time: the first cue tells.
 bool
-is_named_tactile(GstDiscovererStreamInfo *stream)
+may_be_track(GstDiscovererStreamInfo *stream)
 {
   const GstTagList *tags = gst_discoverer_stream_info_get_tags(stream);
-  const auto is = [tags](const char *tag, std::string_view expected) {
+  const auto has_other = [tags](const char *tag, std::string_view expected) {
     g_autofree gchar *value = nullptr;
-    return tags != nullptr && gst_tag_list_get_string(tags, tag, &value) && value == expected;
+    return tags != nullptr && gst_tag_list_get_string(tags, tag, &value) && value != expected
+           && value != std::string_view("und");
   };
-  return is(GST_TAG_TITLE, "Tactile") || is(GST_TAG_LANGUAGE_CODE, "zxx");
+  return !has_other(GST_TAG_TITLE, "Tactile") && !has_other(GST_TAG_LANGUAGE_CODE, "zxx");
 }
 
 bool
 is_track(GstDiscovererStreamInfo *stream)
 {
   g_autoptr(GstCaps) caps = gst_discoverer_stream_info_get_caps(stream);
-  const bool is_klv = caps != nullptr && gst_caps_get_size(caps) > 0
-                      && gst_structure_has_name(gst_caps_get_structure(caps, 0), "meta/x-klv");
-  return is_klv || (GST_IS_DISCOVERER_SUBTITLE_INFO(stream) && is_named_tactile(stream));
+  if (caps == nullptr || gst_caps_get_size(caps) == 0)
+    return false;
+  const GstStructure *structure = gst_caps_get_structure(caps, 0);
+  return gst_structure_has_name(structure, "meta/x-klv")
+         || (gst_structure_has_name(structure, "text/x-raw") && may_be_track(stream));
 }
 
 } // namespace
@@ -61,7 +65,7 @@ FilmProbe::on_discovered(GstDiscoverer *, GstDiscovererInfo *info, GError *error
     result.has_picture = result.has_picture
                          || (GST_IS_DISCOVERER_VIDEO_INFO(stream)
                              && !gst_discoverer_video_info_is_image(GST_DISCOVERER_VIDEO_INFO(stream)));
-    result.has_track = result.has_track || is_track(stream);
+    result.may_have_track = result.may_have_track || is_track(stream);
   }
   gst_discoverer_stream_info_list_free(streams);
   if (const GstClockTime duration = gst_discoverer_info_get_duration(info);

@@ -17,7 +17,7 @@ public:
   {
     std::optional<visuotactile::Time> duration{};
     bool has_picture = false;
-    bool has_track = false; ///< subtitles that are named Tactile or of language zxx, or KLV
+    bool may_have_track = false; ///< subtitles that are not named otherwise, or KLV
     std::string complaint{}; ///< why it cannot be decoded, if so
   };
 

@@ -110,7 +110,7 @@ FilmTrack::play(const FoundTrack &found)
 void
 FilmTrack::look_in_file()
 {
-  reads_file_ = file_.has_track;
+  reads_file_ = file_.may_have_track;
   if (!reads_file_) {
     look_in_folder();
     return;
@@ -160,13 +160,13 @@ FilmTrack::read(std::unique_ptr<follow::MapSource> source, const std::string &wh
 
 /// Without a track, or with no more of it. What is known stays.
 void
-FilmTrack::fail(const std::string &why)
+FilmTrack::fail(std::string why) // it may be the reader's
 {
   const bool has_some = reader_ && reader_->draft() != nullptr;
   reader_.reset();
   if (reads_file_ && !has_some) { // it promised one
     reads_file_ = false;
-    complaint_ = why;
+    complaint_ = std::move(why);
     look_in_folder();
     return;
   }

@@ -63,7 +63,7 @@ private:
   void choose(std::string what);
   void read(std::unique_ptr<follow::MapSource> source, const std::string &what);
   void make_draft();
-  void fail(const std::string &why);
+  void fail(std::string why);
   void complete();
 
   const Settings settings_;

@@ -8,7 +8,6 @@
 #include <sys/resource.h>
 
 #include <algorithm>
-#include <array>
 #include <atomic>
 #include <cstring>
 #include <deque>
@@ -55,7 +54,7 @@ take_freely(GstElement *sink)
   g_object_set(sink, "async", FALSE, "sync", FALSE, nullptr);
 }
 
-/// A pipeline whose maps are taken, and whose element `film` has the film's streams.
+/// A pipeline whose maps are taken.
 class PipelineSource : public follow::MapSource
 {
 public:
@@ -99,11 +98,6 @@ protected:
   void start(Pipeline pipeline)
   {
     pipeline_ = std::move(pipeline);
-    g_signal_connect(element(pipeline_, "film").get(), "no-more-pads",
-                     G_CALLBACK(+[](GstElement *, gpointer self) {
-                       static_cast<PipelineSource *>(self)->is_open_ = true;
-                     }),
-                     this);
     const Owned<GstBus> bus(gst_element_get_bus(pipeline_.get()));
     gst_bus_set_sync_handler(
         bus.get(),
@@ -119,6 +113,18 @@ protected:
         nullptr, nullptr);
     if (gst_element_set_state(pipeline_.get(), GST_STATE_PLAYING) == GST_STATE_CHANGE_FAILURE)
       throw std::runtime_error(start_error(bus.get()));
+  }
+
+  /// When data passes this pad all streams are there.
+  void open_with(GstPad *pad)
+  {
+    gst_pad_add_probe(
+        pad, GST_PAD_PROBE_TYPE_BUFFER,
+        +[](GstPad *, GstPadProbeInfo *, gpointer self) {
+          static_cast<PipelineSource *>(self)->is_open_ = true;
+          return GST_PAD_PROBE_REMOVE;
+        },
+        this, nullptr);
   }
 
   /// Its threads use what derived classes have: these call it first of all when they end.
@@ -173,6 +179,7 @@ public:
     maps_ = element(pipeline, "maps");
     g_object_set(maps_.get(), "max-buffers", kMostWaiting, nullptr);
     take_freely(maps_.get());
+    open_with(Owned<GstPad>(gst_element_get_static_pad(maps_.get(), "sink")).get());
     start(std::move(pipeline));
   }
   ~Analysis() override
@@ -296,6 +303,7 @@ private:
       streams_.push_back({ .sink = Owned<GstElement>(GST_ELEMENT(gst_object_ref(sink))),
                            .form = is_klv ? CueForm::klv : CueForm::text });
     }
+    open_with(pad);
     gst_bin_add(GST_BIN(pipeline_.get()), sink);
     const Owned<GstPad> to(gst_element_get_static_pad(sink, "sink"));
     gst_pad_link(pad, to.get());
