@@ -55,7 +55,7 @@ AheadReader::step(Time position, Time now, Time cpu)
     choose(position, now);
 }
 
-/// Nothing is read while more is known than anybody may want, or more CPU time was used than may be.
+/// Not while more is known than anybody may want, or more CPU time was used than may be.
 bool
 AheadReader::may_read(Time position, Time now, Time cpu)
 {

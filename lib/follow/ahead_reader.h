@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include "tracks/draft.h"
 #include "tracks/cue_builder.h"
+#include "tracks/draft.h"
 
 #include <memory>
 #include <optional>
@@ -96,9 +96,9 @@ private:
   std::unique_ptr<MapSource> source_;
   std::shared_ptr<tactile::Draft> draft_;
   std::string failure_;
-  Time begin_{ 0 }; ///< film time of the first map since the source was sent somewhere
-  Time reach_{ 0 }; ///< all from begin_ to here is known
-  bool exactly_ = true; ///< else begin_ is where the first map is
+  Time begin_{ 0 };      ///< film time of the first map since the source was sent somewhere
+  Time reach_{ 0 };      ///< all from begin_ to here is known
+  bool exactly_ = true;  ///< else begin_ is where the first map is
   bool arrived_ = false; ///< that is known
   bool ended_ = false;
   bool complete_ = false;

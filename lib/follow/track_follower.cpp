@@ -39,8 +39,8 @@ TrackFollower::change_player()
   stretch_ = 0;
 }
 
-/// The track's map from a film time on, until it changes, a second at most. What is unknown is silent
-/// for a moment.
+/// The track's map from a film time on, until it changes, a second at most. What is unknown is
+/// silent for a moment.
 tactile::Cue
 TrackFollower::next_cue(Time begin) const
 {

@@ -69,8 +69,7 @@ Draft::set(Time begin, Time end, const TactileMap &map)
     return refused("the map has another grid than the draft");
   if (begin < Time(0) || end > Track::kMaxEnd)
     return refused("expected times from 0 to 100 hours");
-  const std::size_t most
-      = std::min(Track::kMaxEntries, Track::kMaxLevels / silent_.levels.size());
+  const std::size_t most = std::min(Track::kMaxEntries, Track::kMaxLevels / silent_.levels.size());
   if (maps_.size() + 2 > most)
     return refused("the draft is full");
   if (begin >= end)

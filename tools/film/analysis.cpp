@@ -27,11 +27,10 @@ make_analysis(const std::string &source, const AnalysisSettings &settings)
       + " ! tactileextractor name=split split.tactile ! appsink name=maps sync=false"
       + (settings.sound ? heard_sound(kQueue, settings.sound) + "fakesink sync=false" : ""));
   if (settings.sound)
-    g_signal_connect(element(pipeline, "film").get(), "no-more-pads",
-                     G_CALLBACK(+[](GstElement *, gpointer whole) {
-                       end_missing_sound(GST_ELEMENT(whole));
-                     }),
-                     pipeline.get());
+    g_signal_connect(
+        element(pipeline, "film").get(), "no-more-pads",
+        G_CALLBACK(+[](GstElement *, gpointer whole) { end_missing_sound(GST_ELEMENT(whole)); }),
+        pipeline.get());
   return pipeline;
 }
 

@@ -66,7 +66,8 @@ DraftCache::path(const std::string &film, const AnalysisSettings &settings) cons
   g_checksum_update(sum.get(), reinterpret_cast<const guchar *>(settled.data()),
                     static_cast<gssize>(settled.size()));
   std::vector<char> bytes(kPart);
-  for (const std::uintmax_t from : { std::uintmax_t{ 0 }, size / 2, size - std::min(size, kPart) }) {
+  for (const std::uintmax_t from :
+       { std::uintmax_t{ 0 }, size / 2, size - std::min(size, kPart) }) {
     file.clear();
     file.seekg(static_cast<std::streamoff>(from));
     file.read(bytes.data(), static_cast<std::streamsize>(bytes.size()));

@@ -62,9 +62,10 @@ FilmProbe::on_discovered(GstDiscoverer *, GstDiscovererInfo *info, GError *error
   GList *streams = gst_discoverer_info_get_stream_list(info);
   for (const GList *item = streams; item != nullptr; item = item->next) {
     auto *stream = GST_DISCOVERER_STREAM_INFO(item->data);
-    result.has_picture = result.has_picture
-                         || (GST_IS_DISCOVERER_VIDEO_INFO(stream)
-                             && !gst_discoverer_video_info_is_image(GST_DISCOVERER_VIDEO_INFO(stream)));
+    result.has_picture
+        = result.has_picture
+          || (GST_IS_DISCOVERER_VIDEO_INFO(stream)
+              && !gst_discoverer_video_info_is_image(GST_DISCOVERER_VIDEO_INFO(stream)));
     result.may_have_track = result.may_have_track || is_track(stream);
   }
   gst_discoverer_stream_info_list_free(streams);

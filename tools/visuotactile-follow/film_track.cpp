@@ -175,8 +175,8 @@ FilmTrack::fail(std::string why) // it may be the reader's
     return;
   }
   what_.clear();
-  std::string expected = complaint_.empty() ? library_.expected(film_)
-                                            : "a track, got " + complaint_;
+  std::string expected
+      = complaint_.empty() ? library_.expected(film_) : "a track, got " + complaint_;
   if (!why.empty())
     expected += "; no draft can be made: " + why;
   events_.told("no track for '" + film_name(film_) + "': expected " + expected

@@ -22,7 +22,7 @@ class FilmTrack
 public:
   struct Settings
   {
-    std::string folder;        ///< of tracks; empty: none
+    std::string folder; ///< of tracks; empty: none
     bool makes_drafts = true;
     AnalysisSettings analysis{};
     std::string cache = DraftCache::usual_folder(); ///< of drafts

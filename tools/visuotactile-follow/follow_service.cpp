@@ -14,7 +14,10 @@ constexpr const char *kPath = "/org/visuotactile/Follow1";
 constexpr int kAnswer = 5000; ///< ms
 
 constexpr const char *kXml = R"(<node><interface name="org.visuotactile.Follow1">
-  <method name="Nudge"><arg name="by" type="d" direction="in"/><arg name="offset" type="d" direction="out"/></method>
+  <method name="Nudge">
+    <arg name="by" type="d" direction="in"/>
+    <arg name="offset" type="d" direction="out"/>
+  </method>
   <property name="Player" type="s" access="read"/>
   <property name="State" type="s" access="read"/>
   <property name="Film" type="s" access="read"/>
@@ -134,8 +137,8 @@ FollowService::on_get(GDBusConnection *, const gchar *, const gchar *, const gch
 FollowStatus
 ask_status()
 {
-  g_autoptr(GVariant) answer = call("org.freedesktop.DBus.Properties", "GetAll",
-                                    g_variant_new("(s)", kName), "(a{sv})");
+  g_autoptr(GVariant) answer
+      = call("org.freedesktop.DBus.Properties", "GetAll", g_variant_new("(s)", kName), "(a{sv})");
   g_autoptr(GVariant) all = g_variant_get_child_value(answer, 0);
   const auto words = [&](const char *name) {
     const gchar *value = "";

@@ -9,7 +9,7 @@
 /// What a follower does.
 struct FollowStatus
 {
-  std::string player{}; ///< empty: none
+  std::string player{};       ///< empty: none
   std::string state = "idle"; ///< idle, stopped, paused, waits, plays or rests
   std::string film{};
   std::string track{};  ///< what is felt; empty: nothing
@@ -26,7 +26,8 @@ public:
   struct Calls
   {
     std::function<FollowStatus()> status;
-    std::function<double(double by)> nudge; ///< returns the offset, in ms. Throws std::runtime_error.
+    std::function<double(double by)>
+        nudge; ///< returns the offset, in ms. Throws std::runtime_error.
     std::function<void(const std::string &)> told;
   };
 

@@ -47,17 +47,19 @@ word(Doing doing)
 Follower::Follower(const FollowSettings &settings)
     : settings_(settings), loop_(g_main_loop_new(nullptr, FALSE)),
       offsets_(PlayerOffsets::usual_path()),
-      film_track_(settings.track,
-                  { .found =
-                        [this](std::shared_ptr<const tactile::Draft> track) {
-                          change_track(std::move(track));
-                        },
-                    .chosen =
-                        [this] {
-                          tell(current_->player->name() + " plays '" + film_name(film_) + "' with "
-                               + film_track_.what());
-                        },
-                    .told = [this](const std::string &text) { tell(text); } }),
+      film_track_(settings.track, { .found =
+                                        [this](std::shared_ptr<const tactile::Draft> track) {
+                                          change_track(std::move(track));
+                                        },
+                                    .chosen =
+                                        [this] {
+                                          tell(current_->player->name() + " plays '"
+                                               + film_name(film_) + "' with " + film_track_.what());
+                                        },
+                                    .told =
+                                        [this](const std::string &text) {
+                                          tell(text);
+                                        } }),
       chair_(settings.sink, { .told = [this](const std::string &text) { tell(text); },
                               .failed =
                                   [this](const std::string &text) {
@@ -74,8 +76,8 @@ Follower::Follower(const FollowSettings &settings)
     g_dbus_connection_set_exit_on_close(bus_, FALSE);
   if (bus_ != nullptr && settings_.uses_bus) {
     g_signal_connect_swapped(
-        bus_, "closed",
-        G_CALLBACK(+[](Follower *self) { self->fail("the session bus is gone"); }), this);
+        bus_, "closed", G_CALLBACK(+[](Follower *self) { self->fail("the session bus is gone"); }),
+        this);
     names_ = std::make_unique<follow::MprisBus>(
         bus_,
         follow::MprisBus::Events{ .appeared = [this](const std::string &name) { appeared(name); },
@@ -132,10 +134,12 @@ Follower::run()
       bus_, [this](bool rests, const std::string &why) { rest(rests, why); });
   if (bus_ != nullptr)
     service_ = std::make_unique<FollowService>(
-        bus_,
-        FollowService::Calls{ .status = [this] { return status(); },
-                              .nudge = [this](double by) { return nudge(by); },
-                              .told = [this](const std::string &text) { tell(text); } });
+        bus_, FollowService::Calls{ .status = [this] { return status(); },
+                                    .nudge = [this](double by) { return nudge(by); },
+                                    .told =
+                                        [this](const std::string &text) {
+                                          tell(text);
+                                        } });
   if (failure_.empty())
     g_main_loop_run(loop_);
   chair_.close();
@@ -314,8 +318,8 @@ Follower::update()
   choose();
   change_film();
   const follow::Time now = local_time();
-  const auto estimate = current_ != nullptr && !current_->is_gone ? current_->estimator.at(now)
-                                                                  : std::nullopt;
+  const auto estimate
+      = current_ != nullptr && !current_->is_gone ? current_->estimator.at(now) : std::nullopt;
   if (estimate)
     position_ = estimate->position;
   chair_.take(cues_.step(estimate, now, chair_.ahead()));
@@ -371,7 +375,8 @@ Follower::status() const
   status.offset = offsets_.of(player_kind(status.player));
   if (const auto estimate = current_->estimator.at(now))
     status.position = seconds(estimate->position);
-  if (const auto known = film_track_.known_until(position_); known && *known < tactile::Track::kMaxEnd)
+  if (const auto known = film_track_.known_until(position_);
+      known && *known < tactile::Track::kMaxEnd)
     status.ahead = seconds(*known - position_);
   return status;
 }

@@ -21,9 +21,9 @@ struct FollowSettings
   std::string mpv_socket;      ///< empty: none
   bool insists_on_mpv = false; ///< say so when nobody is there
   bool uses_bus = true;
-  std::string mpris;  ///< only the player of that name; empty: any
+  std::string mpris; ///< only the player of that name; empty: any
   FilmTrack::Settings track{};
-  std::string sink; ///< as on a launch line
+  std::string sink;  ///< as on a launch line
   double offset = 0; ///< ms, of all players
   bool quiet = false;
 };
@@ -83,7 +83,7 @@ private:
   PlayerOffsets offsets_;
   std::map<std::string, Followed> players_;
   Followed *current_ = nullptr;
-  std::string film_; ///< whose track is played, or looked for
+  std::string film_;           ///< whose track is played, or looked for
   follow::Time position_{ 0 }; ///< of the film, as it was known last
   FilmTrack film_track_;
   std::shared_ptr<const tactile::Draft> track_; ///< what is felt

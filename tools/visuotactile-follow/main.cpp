@@ -82,23 +82,23 @@ read_command_line(int argc, char **argv, Options &options)
     { "version", 0, 0, G_OPTION_ARG_NONE, &options.version, "Print the version and exit", nullptr },
     {},
   };
-  parse_options(argc, argv, entries, options.common,
-                { .arguments = "",
-                  .summary
-                  = "Plays the track of a film on the chair, in sync with the film that another\n"
-                    "program plays: mpv, VLC, a browser and others that tell where they are, by\n"
-                    "mpv's socket or by MPRIS on the session bus. Without --mpv and --mpris any\n"
-                    "player is followed that plays.\n\n"
-                    "The track of FILM.mkv is FILM.vtt (or .tactile.vtt, .csv, .hjif, .sem.xml)\n"
-                    "beside it, in its file, or in the folder of --tracks; tactile-track makes it.\n"
-                    "Of other films on this computer a draft is made while they play.\n\n"
-                    "Ctrl-C ends the program, with all motors at zero. SIGUSR1 lets all be felt\n"
-                    "10 ms later, SIGUSR2 10 ms earlier.",
-                  .least = 0,
-                  .most = 0,
-                  .force_help = Usage::kWritesNothing,
-                  .quiet_help = Usage::kOnlyErrors,
-                  .group = gst_init_get_option_group() });
+  parse_options(
+      argc, argv, entries, options.common,
+      { .arguments = "",
+        .summary = "Plays the track of a film on the chair, in sync with the film that another\n"
+                   "program plays: mpv, VLC, a browser and others that tell where they are, by\n"
+                   "mpv's socket or by MPRIS on the session bus. Without --mpv and --mpris any\n"
+                   "player is followed that plays.\n\n"
+                   "The track of FILM.mkv is FILM.vtt (or .tactile.vtt, .csv, .hjif, .sem.xml)\n"
+                   "beside it, in its file, or in the folder of --tracks; tactile-track makes it.\n"
+                   "Of other films on this computer a draft is made while they play.\n\n"
+                   "Ctrl-C ends the program, with all motors at zero. SIGUSR1 lets all be felt\n"
+                   "10 ms later, SIGUSR2 10 ms earlier.",
+        .least = 0,
+        .most = 0,
+        .force_help = Usage::kWritesNothing,
+        .quiet_help = Usage::kOnlyErrors,
+        .group = gst_init_get_option_group() });
   if (!(options.intensity >= 0 && options.intensity <= 1))
     throw UsageError("--intensity is a number from 0 to 1");
   if (!(std::abs(options.offset) <= kMostOffset))
@@ -170,16 +170,17 @@ run(const Options &options)
   if (options.nudge != 0 || options.status)
     return;
   const bool any = !options.mpv.is_set() && !options.mpris.is_set();
-  Follower follower({ .mpv_socket = options.mpv.text(any ? usual_socket().c_str() : ""),
-                      .insists_on_mpv = options.mpv.is_set(),
-                      .uses_bus = any || options.mpris.is_set(),
-                      .mpris = options.mpris.text(),
-                      .track = { .folder = options.tracks.text(),
-                                 .makes_drafts = options.no_drafts == FALSE,
-                                 .analysis = { .sound = sound_profile(options.sound.text("off")) } },
-                      .sink = sink_line(options),
-                      .offset = options.offset,
-                      .quiet = options.common.quiet || options.list });
+  Follower follower(
+      { .mpv_socket = options.mpv.text(any ? usual_socket().c_str() : ""),
+        .insists_on_mpv = options.mpv.is_set(),
+        .uses_bus = any || options.mpris.is_set(),
+        .mpris = options.mpris.text(),
+        .track = { .folder = options.tracks.text(),
+                   .makes_drafts = options.no_drafts == FALSE,
+                   .analysis = { .sound = sound_profile(options.sound.text("off")) } },
+        .sink = sink_line(options),
+        .offset = options.offset,
+        .quiet = options.common.quiet || options.list });
   if (options.list)
     follower.list();
   else

@@ -171,11 +171,10 @@ public:
                    nullptr);
     }
     use_one_thread(element(pipeline, "analysis").get());
-    g_signal_connect(pipeline.get(), "deep-element-added",
-                     G_CALLBACK(+[](GstBin *, GstBin *, GstElement *added, gpointer) {
-                       use_one_thread(added);
-                     }),
-                     nullptr);
+    g_signal_connect(
+        pipeline.get(), "deep-element-added",
+        G_CALLBACK(+[](GstBin *, GstBin *, GstElement *added, gpointer) { use_one_thread(added); }),
+        nullptr);
     maps_ = element(pipeline, "maps");
     g_object_set(maps_.get(), "max-buffers", kMostWaiting, nullptr);
     take_freely(maps_.get());
@@ -272,10 +271,9 @@ public:
   bool is_ended() const override
   {
     const std::lock_guard lock(mutex_);
-    return is_open()
-           && std::ranges::all_of(streams_, [](const Stream &stream) {
-                return stream.is_other || is_at_end(stream.sink.get());
-              });
+    return is_open() && std::ranges::all_of(streams_, [](const Stream &stream) {
+             return stream.is_other || is_at_end(stream.sink.get());
+           });
   }
 
 private:
@@ -314,8 +312,8 @@ private:
   {
     GstBuffer *buffer = gst_sample_get_buffer(sample);
     auto cue = cue_from_buffer(buffer, stream.form, stream.grid);
-    const GstClockTime time = gst_segment_to_stream_time(
-        gst_sample_get_segment(sample), GST_FORMAT_TIME, GST_BUFFER_PTS(buffer));
+    const GstClockTime time = gst_segment_to_stream_time(gst_sample_get_segment(sample),
+                                                         GST_FORMAT_TIME, GST_BUFFER_PTS(buffer));
     if (!stream.grid) {
       stream.is_other = !cue || std::ranges::any_of(streams_, [](const Stream &one) {
         return one.grid.has_value();

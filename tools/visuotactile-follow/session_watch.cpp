@@ -17,12 +17,12 @@ constexpr const char *kLock = "the screen is locked";
 constexpr const char *kSaver = "the screen saver is on";
 
 /// The object manager's own name for the caller's session, or the user's.
-constexpr const char *kOwn = "auto";
+constexpr const char *kMine = "auto";
 
 /// Each desktop has its own.
-constexpr const char *kSavers[] = { "org.freedesktop.ScreenSaver", "org.gnome.ScreenSaver",
-                                    "org.cinnamon.ScreenSaver", "org.mate.ScreenSaver",
-                                    "org.xfce.ScreenSaver" };
+constexpr const char *kSavers[]
+    = { "org.freedesktop.ScreenSaver", "org.gnome.ScreenSaver", "org.cinnamon.ScreenSaver",
+        "org.mate.ScreenSaver", "org.xfce.ScreenSaver" };
 
 bool
 flag(GVariant *parameters)
@@ -41,14 +41,15 @@ SessionWatch::SessionWatch(GDBusConnection *session, Rests rests)
   if (session_ != nullptr) {
     g_object_ref(session_);
     for (const char *saver : kSavers)
-      subscribe(session_, nullptr, saver, "ActiveChanged", nullptr,
-                +[](GDBusConnection *, const gchar *, const gchar *, const gchar *, const gchar *,
-                    GVariant *parameters, gpointer self) {
-                  auto *watch = static_cast<SessionWatch *>(self);
-                  watch->set(kSaver, flag(parameters));
-                  if (!flag(parameters))
-                    watch->somebody_is_there();
-                });
+      subscribe(
+          session_, nullptr, saver, "ActiveChanged", nullptr,
+          +[](GDBusConnection *, const gchar *, const gchar *, const gchar *, const gchar *,
+              GVariant *parameters, gpointer self) {
+            auto *watch = static_cast<SessionWatch *>(self);
+            watch->set(kSaver, flag(parameters));
+            if (!flag(parameters))
+              watch->somebody_is_there();
+          });
   }
   g_bus_get(G_BUS_TYPE_SYSTEM, canceled_, on_system_bus, this);
 }
@@ -69,9 +70,9 @@ void
 SessionWatch::subscribe(GDBusConnection *bus, const char *sender, const char *interface,
                         const char *signal, const char *path, GDBusSignalCallback callback)
 {
-  subscriptions_.emplace_back(bus, g_dbus_connection_signal_subscribe(
-                                       bus, sender, interface, signal, path, nullptr,
-                                       G_DBUS_SIGNAL_FLAGS_NONE, callback, this, nullptr));
+  subscriptions_.emplace_back(
+      bus, g_dbus_connection_signal_subscribe(bus, sender, interface, signal, path, nullptr,
+                                              G_DBUS_SIGNAL_FLAGS_NONE, callback, this, nullptr));
 }
 
 void
@@ -93,19 +94,20 @@ SessionWatch::on_system_bus(GObject *, GAsyncResult *result, gpointer data)
   auto *self = static_cast<SessionWatch *>(data);
   self->system_ = bus;
   g_dbus_connection_set_exit_on_close(bus, FALSE);
-  self->subscribe(bus, kLogind, kManager, "PrepareForSleep", "/org/freedesktop/login1",
-                  +[](GDBusConnection *, const gchar *, const gchar *, const gchar *,
-                      const gchar *, GVariant *parameters, gpointer watch) {
-                    auto *mine = static_cast<SessionWatch *>(watch);
-                    const bool sleeps = flag(parameters);
-                    mine->set(kSleep, sleeps);
-                    if (!sleeps)
-                      mine->delay_sleep();
-                    else if (mine->delay_ >= 0)
-                      close(std::exchange(mine->delay_, -1));
-                  });
+  self->subscribe(
+      bus, kLogind, kManager, "PrepareForSleep", "/org/freedesktop/login1",
+      +[](GDBusConnection *, const gchar *, const gchar *, const gchar *, const gchar *,
+          GVariant *parameters, gpointer watch) {
+        auto *mine = static_cast<SessionWatch *>(watch);
+        const bool sleeps = flag(parameters);
+        mine->set(kSleep, sleeps);
+        if (!sleeps)
+          mine->delay_sleep();
+        else if (mine->delay_ >= 0)
+          close(std::exchange(mine->delay_, -1));
+      });
   self->delay_sleep();
-  self->call_logind("GetSession", g_variant_new("(s)", kOwn), on_session);
+  self->call_logind("GetSession", g_variant_new("(s)", kMine), on_session);
 }
 
 void
@@ -126,8 +128,7 @@ SessionWatch::on_delay(GObject *bus, GAsyncResult *result, gpointer data)
   g_autoptr(GVariant) answer = g_dbus_connection_call_with_unix_fd_list_finish(
       G_DBUS_CONNECTION(bus), &files, result, &error);
   gint32 index = -1;
-  if (answer == nullptr || files == nullptr
-      || !g_variant_is_of_type(answer, G_VARIANT_TYPE("(h)")))
+  if (answer == nullptr || files == nullptr || !g_variant_is_of_type(answer, G_VARIANT_TYPE("(h)")))
     return;
   g_variant_get(answer, "(h)", &index);
   const int file = g_unix_fd_list_get(files, index, nullptr);
@@ -152,26 +153,26 @@ SessionWatch::on_session(GObject *bus, GAsyncResult *result, gpointer data)
   const auto changes = [&](const char *signal, GDBusSignalCallback callback) {
     self->subscribe(self->system_, kLogind, kSession, signal, path, callback);
   };
-  changes("Lock", +[](GDBusConnection *, const gchar *, const gchar *, const gchar *,
-                      const gchar *, GVariant *, gpointer watch) {
-    static_cast<SessionWatch *>(watch)->set(kLock, true);
-  });
+  changes(
+      "Lock",
+      +[](GDBusConnection *, const gchar *, const gchar *, const gchar *, const gchar *, GVariant *,
+          gpointer watch) { static_cast<SessionWatch *>(watch)->set(kLock, true); });
   // Whoever unlocks the screen says so here, and seldom by the signal.
-  self->subscribe(self->system_, kLogind, "org.freedesktop.DBus.Properties", "PropertiesChanged",
-                  path,
-                  +[](GDBusConnection *, const gchar *, const gchar *, const gchar *,
-                      const gchar *, GVariant *parameters, gpointer watch) {
-                    if (!g_variant_is_of_type(parameters, G_VARIANT_TYPE("(sa{sv}as)")))
-                      return;
-                    gboolean locked = FALSE;
-                    g_autoptr(GVariant) changed = g_variant_get_child_value(parameters, 1);
-                    if (g_variant_lookup(changed, "LockedHint", "b", &locked))
-                      static_cast<SessionWatch *>(watch)->set(kLock, locked != FALSE);
-                  });
-  changes("Unlock", +[](GDBusConnection *, const gchar *, const gchar *, const gchar *,
-                        const gchar *, GVariant *, gpointer watch) {
-    static_cast<SessionWatch *>(watch)->set(kLock, false);
-  });
+  self->subscribe(
+      self->system_, kLogind, "org.freedesktop.DBus.Properties", "PropertiesChanged", path,
+      +[](GDBusConnection *, const gchar *, const gchar *, const gchar *, const gchar *,
+          GVariant *parameters, gpointer watch) {
+        if (!g_variant_is_of_type(parameters, G_VARIANT_TYPE("(sa{sv}as)")))
+          return;
+        gboolean locked = FALSE;
+        g_autoptr(GVariant) changed = g_variant_get_child_value(parameters, 1);
+        if (g_variant_lookup(changed, "LockedHint", "b", &locked))
+          static_cast<SessionWatch *>(watch)->set(kLock, locked != FALSE);
+      });
+  changes(
+      "Unlock",
+      +[](GDBusConnection *, const gchar *, const gchar *, const gchar *, const gchar *, GVariant *,
+          gpointer watch) { static_cast<SessionWatch *>(watch)->set(kLock, false); });
 }
 
 void
