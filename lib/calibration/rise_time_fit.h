@@ -25,8 +25,8 @@ std::optional<QuadraticRiseTime> fit_quadratic(std::span<const RiseTimeSample> s
 
 /// A rise-time table for 0…volts_max: the median of the measurements where there are any, elsewhere
 /// the quadratic form corrected by nearby residuals. Where the samples do not determine that, as
-/// those from rest alone, it is a parabola over the offset, else a constant. From the same start voltage, a higher target
-/// is never slower (pool adjacent violators). None without samples.
+/// those from rest alone, it is a parabola over the offset, else a constant. From the same start
+/// voltage, a higher target is never slower (pool adjacent violators). None without samples.
 std::optional<RiseTimeTable> monotone_table(std::span<const RiseTimeSample> samples,
                                             double volts_max);
 
