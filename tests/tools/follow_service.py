@@ -253,12 +253,16 @@ def status():
     assert "--nudge is a number of ms" in ask("--nudge=9000", status=2)
     film = make_film("status.mkv", 20, pattern=None)
     make_track(film.with_suffix(".csv"), 20)
-    mpv = Mpv(film, "--pause")
+    mpv = Mpv(film, "--loop")
     follower = Follower(mpv)
     follower.wait_for("plays 'status.mkv' with")
-    wait_until("the position", lambda: "position: 0.0 s" in ask("--status"))
+    vest.wait_to_feel()
+    assert "state:    plays" in ask("--status")
+    mpv.command("set_property", "pause", True)
+    wait_until("the pause", lambda: "state:    paused" in ask("--status"))
     said = ask("--status")
-    for line in ("state:    paused", f"player:   mpv at {mpv.path}", "film:     status.mkv", f"track:    '{film.with_suffix('.csv')}'", "offset:   +0 ms"):
+    assert 1 <= float(said.split("position:")[1].split()[0]) < 20, said
+    for line in ( f"player:   mpv at {mpv.path}", "film:     status.mkv", f"track:    '{film.with_suffix('.csv')}'", "offset:   +0 ms"):
         assert line in said, said
     bus = dbus.SessionBus(private=True)
     service = bus.get_object(NAME, PATH)
@@ -336,9 +340,14 @@ def ways_out():
     goes_on()
     own.EmitSignal(f"{LOGIND}.Session", "Lock", "", [], dbus_interface=dbusmock.MOCK_IFACE)
     rests("the screen is locked")
-    mpv.command("set_property", "pause", True)
-    mpv.command("set_property", "pause", False)
-    goes_on()
+    begin = time.monotonic()
+    while not any(on for at, on in vest.lines if at > begin):
+        assert time.monotonic() < begin + LATEST, "started in vain"
+        mpv.command("set_property", "pause", True)
+        time.sleep(0.5)  # mpv tells no changes that are over
+        mpv.command("set_property", "pause", False)
+        time.sleep(1.5)
+    follower.log.write_text("", encoding="utf-8")
 
     # A screen saver.
     session_bus = dbus.SessionBus(private=True)
