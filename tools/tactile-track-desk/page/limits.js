@@ -16,6 +16,8 @@
  * @typedef {{kind: 'time'|'duty'|'active', cell: number, start: number, end: number, text: string}}
  *   Warning  cell: -1 for 'active'
  */
+import { cellName } from './track.js';
+
 const seconds = (ms) => `${(ms / 1000).toLocaleString('en', { maximumFractionDigits: 2 })} s`;
 
 /** The part of [start, end) in [from, to), if there is one. */
@@ -80,9 +82,9 @@ export class Limits {
     const { maxOnTime, maxDuty, dutyWindow, maxActive } = this.limits;
     switch (kind) {
       case 'time':
-        return `Cell ${cell + 1} is felt for more than ${seconds(maxOnTime)} without a break`;
+        return `Cell ${cellName(cell, this.track)} is felt for more than ${seconds(maxOnTime)} without a break`;
       case 'duty':
-        return `Cell ${cell + 1} is felt for more than ${Math.round(maxDuty * 100)} % of `
+        return `Cell ${cellName(cell, this.track)} is felt for more than ${Math.round(maxDuty * 100)} % of `
           + `${seconds(dutyWindow)}`;
       default:
         return `More than ${maxActive} cells are felt at once`;
