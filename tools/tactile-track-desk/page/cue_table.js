@@ -55,15 +55,16 @@ export class CueTable extends EventTarget {
     if (current === this.#current && listed.length === this.#shown.length
       && listed.every((cue, i) => cue === this.#shown[i].cue)) return;
     const known = new Map(this.#shown.map(({ cue, row }) => [cue, row]));
+    const left = new Set(listed);
+    for (const [cue, row] of known) if (!left.has(cue)) row.remove();
     this.#shown = listed.map((cue) => ({ cue, row: known.get(cue) ?? this.#row(cue) }));
     this.#current = current;
     this.#shown.forEach(({ cue, row }, i) => {
       if (cue === current) row.setAttribute('aria-current', 'true');
       else row.removeAttribute('aria-current');
-      // Not moved, so that what has the focus keeps it.
+      // What stays is not moved, so that it keeps the focus.
       if (this.body.rows[i] !== row) this.body.insertBefore(row, this.body.rows[i] ?? null);
     });
-    while (this.body.rows.length > listed.length) this.body.lastChild.remove();
   }
 
   #row(cue) {

@@ -188,7 +188,7 @@ export class TimelineGestures {
     },
     level: (drag, { y }) => {
       const { source, hit } = drag;
-      const by = Math.round((drag.y - y) / (this.timeline.view.rowHeight - 5) * 100);
+      const by = Math.round((drag.y - y) / this.timeline.view.barRoom * 100);
       const before = this.#track.level(hit.cell, Math.floor(hit.ms));
       this.timeline.level = before + by;
       this.#show('Level', source, this.#track.spans(source).map((span) =>

@@ -158,7 +158,7 @@ export class TimelinePainter {
     }
   }
 
-  /** A line below a row where one cell breaks a limit, above all rows where several do. */
+  /** A line below the events where a cell breaks a limit, above all rows where several do. */
   #warnings(view, warnings) {
     const { context, colors } = this;
     context.fillStyle = colors.warning;
@@ -171,12 +171,8 @@ export class TimelinePainter {
       const to = Math.min(Math.max(view.x(end), from + 2), view.width);
       if (to <= (drawn.get(cell) ?? 0)) continue;
       drawn.set(cell, to);
-      const y = cell < 0 ? view.rowsTop : Math.round(view.top(cell) + view.rowHeight) - 4;
+      const y = cell < 0 ? view.rowsTop : Math.round(view.top(cell) + view.rowHeight) - 5;
       context.fillRect(from, y, to - from, 3);
-      if (to - from > 16) { // not by color alone
-        context.font = 'bold 11px sans-serif';
-        context.fillText('!', from + 3, y + (cell < 0 ? 13 : -3));
-      }
     }
   }
 

@@ -38,9 +38,9 @@ export class TimelineView {
   }
 
   resize(width, height) {
-    const isFirst = this.width === 0;
+    const isWhole = this.width === 0 || (this.from === 0 && this.to >= this.length);
     Object.assign(this, { width, height });
-    if (isFirst) this.zoomTo(0, this.length);
+    if (isWhole) this.zoomTo(0, this.length);
     else this.fit();
   }
 
@@ -55,6 +55,11 @@ export class TimelineView {
 
   get rowHeight() {
     return Math.max((this.height - this.rowsTop) / this.cells, LEAST_ROW);
+  }
+
+  /** Height of a bar of 100 %; below it is room for warnings. */
+  get barRoom() {
+    return this.rowHeight - 9;
   }
 
   /** Keeps all within what there is. */
@@ -129,9 +134,8 @@ export class TimelineView {
 
   /** Of the bar of a level in its row: [y, height]. */
   bar(cell, level) {
-    const room = this.rowHeight - 5;
-    const height = Math.max(Math.round(level / 100 * room), 2);
-    return [Math.round(this.top(cell) + this.rowHeight - 2) - height, height];
+    const height = Math.max(Math.round(level / 100 * this.barRoom), 2);
+    return [Math.round(this.top(cell) + this.rowHeight) - 6 - height, height];
   }
 
   /**
