@@ -291,7 +291,6 @@ def wheel_and_fingers(desk):
     equal(abs(view()[0] - before[0] - 120 * before[1]) < 1, True, "with Shift it pans")
     desk.wheel((600, 200), -120, 0)
     equal(abs(view()[0] - before[0]) < 1, True, "as does a wheel sideways")
-    felt = desk.felt()
     desk.touch([(500, 200), (700, 200)], [(450, 200), (750, 200)], [(400, 200), (800, 200)])
     equal((round(before[1] / view()[1], 2), abs(at(600) - under) < 2 * before[1]), (2, True), "two fingers zoom around their middle")
     before = view()
@@ -301,7 +300,6 @@ def wheel_and_fingers(desk):
     before = view()
     desk.touch([(500, 200)], [(450, 200)], [(400, 200)])
     equal((round((view()[0] - before[0]) / before[1]), desk.felt()), (100, []), "one finger pans where nothing is")
-    equal(len(felt) > 100, True)
     desk.driver.execute_script("desk.timeline.show(0, 1e9)")
     equal(view()[0], 0, "not before the begin")
     for _ in range(3):
@@ -345,8 +343,7 @@ def what_is_drawn(desk):
     with desk.media(prefers_color_scheme="dark"):
         equal(desk.pixel(20, 5), "#1a1d22", "dark")
     with desk.media(forced_colors="active"):
-        equal(desk.pixel(20, 5) == desk.pixel(600, 5) != colors["background"] or desk.js("desk.timeline.painter.colors.event") == "CanvasText",
-              True, "forced colors")
+        equal(desk.js("[desk.timeline.painter.colors.event, desk.timeline.painter.colors.background]"), ["CanvasText", "Canvas"], "forced colors")
     desk.drawn()
     equal(desk.pixel(20, 5), colors["background"], "light again")
 

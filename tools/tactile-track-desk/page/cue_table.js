@@ -81,7 +81,8 @@ export class CueTable extends EventTarget {
     row.insertCell().append(button);
     row.insertCell().textContent = formatTime(cue.end);
     row.insertCell().textContent = isSilent(cue.levels) ? 'silent'
-      : cue.levels.map((level, cell) => level > 0 && `cell ${cellName(cell, track)}: ${level} %`).filter(Boolean).join(', ');
+      : cue.levels.map((level, cell) => level > 0 && `cell ${cellName(cell, track)}: ${level} %`)
+        .filter(Boolean).join(', ');
     row.insertCell().textContent = (cue.notes ?? []).join(' · ');
     return row;
   }

@@ -277,8 +277,8 @@ export class Timeline extends EventTarget {
   sayPlace() {
     const { track } = this.history;
     const event = track.eventAt(this.cell, this.playhead);
-    const felt = event ? `level ${track.level(this.cell, this.playhead)}, event from ${formatTime(event.start)} to `
-      + `${formatTime(event.end)}` : 'silent';
+    const felt = event ? `level ${track.level(this.cell, this.playhead)}, event from `
+      + `${formatTime(event.start)} to ${formatTime(event.end)}` : 'silent';
     this.say(`Cell ${cellName(this.cell, track)}, ${formatTime(this.playhead)}, ${felt}`);
   }
 

@@ -83,8 +83,8 @@ export class TimelineGestures {
     if (this.#pointers.size > 2) return;
     const hit = timeline.view.hit(this.#track, x, y);
     if ('cell' in hit) timeline.cell = hit.cell;
-    this.#drag = { kind: this.#kindOf(event, hit), hit, x, y, moved: false, at: { x, y }, source: this.#source(hit),
-      level: timeline.level };
+    this.#drag = { kind: this.#kindOf(event, hit), hit, x, y, moved: false, at: { x, y },
+      source: this.#source(hit), level: timeline.level };
     if (this.#drag.kind === 'time') timeline.seek(hit.ms, { scrubbing: true });
     timeline.refresh();
   }
@@ -169,11 +169,13 @@ export class TimelineGestures {
       const { columns } = this.#track;
       const to = view.cellAt(y);
       const by = { ms: from - source.from,
-        rows: Math.floor(to / columns) - Math.floor(drag.hit.cell / columns), columns: to % columns - drag.hit.cell % columns };
+        rows: Math.floor(to / columns) - Math.floor(drag.hit.cell / columns),
+        columns: to % columns - drag.hit.cell % columns };
       const done = strokes.clampedMove(this.#track, source, by);
       this.#show('Move', strokes.movedSelection(this.#track, source, by),
-        this.#track.spans(source).map(({ cell, start, end, level }) => ({ cell: cell + done.rows * columns + done.columns,
-          start: start + done.ms, end: end + done.ms, level })),
+        this.#track.spans(source).map(({ cell, start, end, level }) =>
+          ({ cell: cell + done.rows * columns + done.columns, start: start + done.ms, end: end + done.ms,
+            level })),
         () => strokes.move(this.#track, source, by));
     },
     begin: (drag, { x }) => {
@@ -200,8 +202,9 @@ export class TimelineGestures {
   #stretch(source, to) {
     const factor = (to.to - to.from) / (source.to - source.from);
     const scaled = (ms) => to.from + (ms - source.from) * factor;
-    this.#show('Stretch', { ...source, ...to }, this.#track.spans(source).map(({ cell, start, end, level }) =>
-      ({ cell, start: scaled(start), end: scaled(end), level })), () => strokes.stretch(this.#track, source, to));
+    const spans = this.#track.spans(source).map(({ cell, start, end, level }) =>
+      ({ cell, start: scaled(start), end: scaled(end), level }));
+    this.#show('Stretch', { ...source, ...to }, spans, () => strokes.stretch(this.#track, source, to));
   }
 
   /** The selection between where the drag began and a place. */

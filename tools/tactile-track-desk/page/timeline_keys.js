@@ -16,7 +16,8 @@ export const KEYS = [
   { keys: ['Shift + one of the first five'], does: 'Selects up to there' },
   { keys: ['I', 'O'], does: 'The selection begins, ends at the playhead' },
   { keys: ['Ctrl+A', 'Escape'], does: 'Selects all, nothing' },
-  { keys: ['Enter'], does: 'Draws the selection; without one, selects the event at the playhead or draws one' },
+  { keys: ['Enter'],
+    does: 'Draws the selection; without one, selects the event at the playhead or draws one' },
   { keys: ['Delete', 'Backspace'], does: 'Silences the selection or the event' },
   { keys: ['+', '-'], does: 'Level of the selection and of what is drawn: 5 % more, less' },
   { keys: ['Alt+Left', 'Alt+Right'], does: 'Moves the selection by a frame' },
@@ -60,7 +61,8 @@ export class TimelineKeys {
   #press({ key, shiftKey, altKey, ctrlKey, metaKey }) {
     const name = key.length === 1 ? key.toLowerCase() : key;
     const command = ctrlKey || metaKey;
-    const act = command && altKey ? null : command ? this.#commands[name] : altKey ? this.#moves[name] : this.#plain[name];
+    if (command && altKey) return false; // AltGr
+    const act = (command ? this.#commands : altKey ? this.#moves : this.#plain)[name];
     if (!act) return false;
     act.call(this, shiftKey);
     return true;
@@ -164,10 +166,12 @@ export class TimelineKeys {
 
   #warning(back) {
     const { warnings, playhead, cell } = this.timeline;
-    const found = back ? warnings.findLast(({ start }) => start < playhead) : warnings.find(({ start }) => start > playhead);
+    const found = back ? warnings.findLast(({ start }) => start < playhead)
+      : warnings.find(({ start }) => start > playhead);
     if (!found) return this.timeline.say(back ? 'No warning before' : 'No warning after');
     this.#go(found.start, found.cell >= 0 ? found.cell : cell, false);
-    this.timeline.selection = { from: found.start, to: found.end, ...(found.cell >= 0 && { cells: [found.cell] }) };
+    this.timeline.selection = { from: found.start, to: found.end,
+      ...(found.cell >= 0 && { cells: [found.cell] }) };
     return this.timeline.say(`${found.text}, ${formatTime(found.start)} to ${formatTime(found.end)}`);
   }
 
@@ -188,7 +192,8 @@ export class TimelineKeys {
   #loop() {
     const { selection, loop } = this.timeline;
     this.timeline.loop = loop || !selection ? null : { from: selection.from, to: selection.to };
-    this.timeline.say(this.timeline.loop ? 'Loop on' : selection || loop ? 'Loop off' : 'Select what to loop');
+    const off = selection || loop ? 'Loop off' : 'Select what to loop';
+    this.timeline.say(this.timeline.loop ? 'Loop on' : off);
   }
 
   /** The selection, else the event at the playhead; says so if there is none. */
@@ -233,7 +238,9 @@ export class TimelineKeys {
     const { timeline } = this;
     const selection = timeline.selection ?? this.#eventHere();
     timeline.level += by;
-    if (!selection || this.#track.spans(selection).length === 0) return timeline.say(`Level ${timeline.level}`);
+    if (!selection || this.#track.spans(selection).length === 0) {
+      return timeline.say(`Level ${timeline.level}`);
+    }
     if (timeline.edit(strokes.addLevel(this.#track, selection, by), 'Level', this.#gesture)) {
       const levels = this.#track.spans(selection).map(({ level }) => level);
       const [least, most] = [Math.min(...levels), Math.max(...levels)];
@@ -273,7 +280,8 @@ export class TimelineKeys {
 
   #stretch(frames) {
     const { frame } = this.timeline;
-    const longer = ({ from, to }) => ({ from, to: Math.max(Math.round(to + frames * frame), from + Math.ceil(frame)) });
+    const longer = ({ from, to }) =>
+      ({ from, to: Math.max(Math.round(to + frames * frame), from + Math.ceil(frame)) });
     this.#change('Stretch', (track, selection) => strokes.stretch(track, selection, longer(selection)),
       (selection) => ({ ...selection, ...longer(selection) }));
   }
@@ -312,7 +320,9 @@ export class TimelineKeys {
     const [top, left] = [Math.floor(cell / width), cell % width];
     const cells = [];
     for (let row = top; row < Math.min(top + this.#clip.rows, height); row++) {
-      for (let column = left; column < Math.min(left + this.#clip.columns, width); column++) cells.push(row * width + column);
+      for (let column = left; column < Math.min(left + this.#clip.columns, width); column++) {
+        cells.push(row * width + column);
+      }
     }
     this.timeline.selection = { from: at, to: at + duration, cells };
   }

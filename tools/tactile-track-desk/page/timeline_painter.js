@@ -2,14 +2,16 @@
 /** Draws the timeline on a canvas. Colors are CSS variables, for light, dark and forced colors. */
 import { formatTime } from './time.js';
 import { cellName } from './track.js';
+import { TimelineBars } from './timeline_bars.js';
 import { GUTTER, RULER, rulerStep } from './timeline_view.js';
 
 /** Where the page's style sheet sets none. */
-const COLORS = { background: 'Canvas', row: 'Canvas', line: 'GrayText', text: 'CanvasText', event: 'CanvasText', draft: 'GrayText',
-  selection: 'Highlight', playhead: 'Highlight', warning: 'CanvasText', cut: 'GrayText', wave: 'GrayText' };
+const COLORS = { background: 'Canvas', row: 'Canvas', line: 'GrayText', text: 'CanvasText',
+  event: 'CanvasText', draft: 'GrayText', selection: 'Highlight', playhead: 'Highlight',
+  warning: 'CanvasText', cut: 'GrayText', wave: 'GrayText' };
 
 export class TimelinePainter {
-  #levels = new Uint8Array(0);
+  #bars = new TimelineBars();
 
   /** @param {HTMLCanvasElement} canvas */
   constructor(canvas) {
@@ -56,8 +58,9 @@ export class TimelinePainter {
     context.beginPath();
     context.rect(GUTTER, view.rowsTop, view.span, view.height - view.rowsTop);
     context.clip();
-    if (timeline.draft) this.#events(view, timeline.draft, colors.draft);
-    this.#events(view, timeline.history.track, colors.event);
+    const tracks = [[timeline.history.track, colors.event]];
+    if (timeline.draft) tracks.unshift([timeline.draft, colors.draft]);
+    this.#bars.draw(context, view, ratio, tracks);
     this.#warnings(view, timeline.warnings);
     this.#selection(view, timeline);
     this.#ghost(view, timeline.ghost);
@@ -85,45 +88,6 @@ export class TimelinePainter {
       const x = Math.round(view.x(times[i]));
       if (x > last) context.fillRect(x, RULER, 1, view.height);
       last = x;
-    }
-  }
-
-  /**
-   * A bar as high as its level. A pixel in which there are several cues has the strongest, so that
-   * a frame costs as much whether it shows a second or hours.
-   */
-  #events(view, track, color) {
-    const { context, ratio } = this;
-    const [firstCell, lastCell] = view.visibleCells;
-    const count = Math.ceil(view.span * ratio);
-    if (this.#levels.length < count * (lastCell - firstCell)) {
-      this.#levels = new Uint8Array(count * (lastCell - firstCell));
-    }
-    const levels = this.#levels.fill(0);
-    const [first, last] = track.range(Math.floor(view.from), Math.ceil(view.to));
-    const scale = ratio / view.scale;
-    for (let i = first; i < last; i++) {
-      const cue = track.cues[i];
-      const from = Math.max(Math.round((cue.start - view.from) * scale), 0);
-      const to = Math.min(Math.max(Math.round((cue.end - view.from) * scale), from + 1), count);
-      for (let cell = firstCell, row = 0; cell < lastCell; cell++, row += count) {
-        const level = cue.levels[cell];
-        if (level === 0) continue;
-        for (let x = row + from; x < row + to; x++) if (levels[x] < level) levels[x] = level;
-      }
-    }
-    context.fillStyle = color;
-    for (let cell = firstCell, row = 0; cell < lastCell; cell++, row += count) {
-      for (let x = 0; x < count;) {
-        const level = levels[row + x];
-        let end = x + 1;
-        while (end < count && levels[row + end] === level) end++;
-        if (level > 0) {
-          const [y, height] = view.bar(cell, level);
-          context.fillRect(GUTTER + x / ratio, y, (end - x) / ratio, height);
-        }
-        x = end;
-      }
     }
   }
 
