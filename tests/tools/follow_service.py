@@ -4,8 +4,9 @@
 makes, its status and its nudge, and its ways out: a locked screen, a computer that goes to sleep, a session bus that is gone.
 logind is dbusmock's, and the chair is a vest in memory, which says what its motors do. Buses, settings and caches are the test's own.
 
-Expects FOLLOW, TRACK, SERVER (haptic_server.py), the plugins on GST_PLUGIN_PATH, mpv, dbus-daemon and python3-dbusmock.
-Usage: follow_service.py [PART ...]      of drafts, embedded, library, status, ways_out; all by default"""
+Expects FOLLOW, TRACK, SERVER (haptic_server.py), SESSION (the folder of the services' files), the plugins on GST_PLUGIN_PATH, mpv, dbus-daemon,
+systemd-analyze and python3-dbusmock.
+Usage: follow_service.py [PART ...]      of drafts, embedded, library, status, activation, ways_out; all by default"""
 
 import json
 import os
@@ -44,9 +45,9 @@ def start(*words, **options):
     return process
 
 
-def start_bus():
+def start_bus(environment=None):
     """A bus of its own: the process and its address."""
-    bus = start("dbus-daemon", "--session", "--nofork", "--print-address", stdout=subprocess.PIPE, text=True)
+    bus = start("dbus-daemon", "--session", "--nofork", "--print-address", stdout=subprocess.PIPE, text=True, env=environment)
     return bus, bus.stdout.readline().strip()
 
 
@@ -293,6 +294,33 @@ def status():
     shutil.rmtree(film.parent)
 
 
+def activation():
+    """The bus starts a follower for whom calls it, by the file that is installed. systemd finds nothing wrong with the unit."""
+    services = work / "data/dbus-1/services"
+    services.mkdir(parents=True)
+    installed = pathlib.Path(os.environ["SESSION"])
+    text = (installed / f"{NAME}.service").read_text(encoding="utf-8")
+    program = next(line.removeprefix("Exec=") for line in text.split("\n") if line.startswith("Exec="))
+    wrapper = work / "visuotactile-follow"
+    wrapper.write_text(f"#!/bin/sh\nexec {FOLLOW} --driver=simulator 2>{work}/log\n", encoding="utf-8")
+    wrapper.chmod(0o755)
+    (services / f"{NAME}.service").write_text(text.replace(program, str(wrapper)), encoding="utf-8")
+    _, address = start_bus(dict(os.environ, XDG_DATA_HOME=str(work / "data")))
+    bus = dbus.bus.BusConnection(address)
+    assert not bus.name_has_owner(NAME)
+    service = bus.get_object(NAME, PATH)
+    assert service.Get(NAME, "State", dbus_interface="org.freedesktop.DBus.Properties") == "idle"
+    pid = bus.get_object("org.freedesktop.DBus", "/org/freedesktop/DBus").GetConnectionUnixProcessID(NAME)
+    os.kill(pid, signal.SIGTERM)
+    wait_until("its end", lambda: not bus.name_has_owner(NAME))
+    unit = (installed / "visuotactile-follow.service").read_text(encoding="utf-8")
+    assert f"BusName={NAME}" in unit and f"ExecStart={program}" in unit, unit
+    (work / "visuotactile-follow.service").write_text(unit.replace(program, str(wrapper)), encoding="utf-8")
+    verified = subprocess.run(["systemd-analyze", "--user", "--man=no", "verify", str(work / "visuotactile-follow.service")], capture_output=True, text=True, check=False,
+                              env=dict(os.environ, XDG_RUNTIME_DIR=str(work)))
+    assert verified.returncode == 0 and "visuotactile" not in verified.stderr, verified
+
+
 def ways_out():
     """What ends what is felt, and what brings it back."""
     logind_bus = dbus.bus.BusConnection(os.environ["DBUS_SYSTEM_BUS_ADDRESS"])
@@ -378,7 +406,7 @@ def active_changed(active):
     return message
 
 
-PARTS = {"drafts": drafts, "embedded": embedded, "library": library, "status": status, "ways_out": ways_out}
+PARTS = {"drafts": drafts, "embedded": embedded, "library": library, "status": status, "activation": activation, "ways_out": ways_out}
 
 
 try:
