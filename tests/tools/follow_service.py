@@ -6,7 +6,7 @@ logind is dbusmock's, and the chair is a vest in memory, which says what its mot
 
 Expects FOLLOW, TRACK, SERVER (haptic_server.py), SESSION (the folder of the services' files), the plugins on GST_PLUGIN_PATH, mpv, dbus-daemon,
 systemd-analyze and python3-dbusmock.
-Usage: follow_service.py [PART ...]      of drafts, embedded, library, status, activation, ways_out; all by default"""
+Usage: follow_service.py [PART ...]      of drafts, embedded, library, status, activation, mpv_script, ways_out; all by default"""
 
 import json
 import os
@@ -321,6 +321,47 @@ def activation():
     assert verified.returncode == 0 and "visuotactile" not in verified.stderr, verified
 
 
+def mpv_script():
+    """mpv's own script starts a follower, moves it by keys, and uses one that runs."""
+    bin_folder = work / "bin"
+    bin_folder.mkdir()
+    wrapper = bin_folder / "visuotactile-follow"
+    wrapper.write_text(f'#!/bin/sh\necho "$@" >>{work}/calls\nexec {FOLLOW} "$@" 2>>{work}/log\n', encoding="utf-8")
+    wrapper.chmod(0o755)
+    (work / "log").write_text("", encoding="utf-8")
+    film = make_film("script.mkv", 60, pattern=None)
+    make_track(film.with_suffix(".csv"), 60)
+    os.environ["PATH"] = f"{bin_folder}:{os.environ['PATH']}"
+    script = pathlib.Path(__file__).resolve().parents[2] / "examples/mpv/visuotactile.lua"
+    options = f"--script-opts=visuotactile-options=--driver=bhaptics --device={vest.device}"
+    remembered = work / "config/visuotactile/follow.conf"
+    mpv = Mpv(film, f"--script={script}", options)
+    vest.wait_to_feel()
+    mpv.command("keypress", "Ctrl+Alt+RIGHT")
+    wait_until("a nudge by a key", lambda: remembered.exists() and "offset=10\n" in remembered.read_text(encoding="utf-8"))
+    mpv.command("keypress", "Ctrl+Alt+LEFT")
+    wait_until("a nudge back", lambda: "offset=0\n" in remembered.read_text(encoding="utf-8"))
+    mpv.quit()
+    bus = dbus.SessionBus(private=True)
+    wait_until("the follower's end", lambda: not bus.name_has_owner(NAME))
+    assert vest.is_silent()
+    # One that runs is used, at the socket where it looks.
+    (work / "calls").unlink()
+    os.environ["XDG_RUNTIME_DIR"] = str(work)
+    running = start(FOLLOW, "--driver=bhaptics", f"--device={vest.device}", stderr=subprocess.DEVNULL)
+    wait_until("a follower", lambda: bus.name_has_owner(NAME))
+    viewer = start("mpv", "--no-config", "--vo=null", "--ao=null", f"--script={script}", str(film), stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    vest.wait_to_feel()
+    assert (work / "calls").read_text(encoding="utf-8") == "--status\n"
+    viewer.terminate()
+    viewer.wait(LATEST)
+    wait_until("silence", vest.is_silent)
+    running.terminate()
+    assert running.wait(LATEST) == 0
+    remembered.unlink()
+    shutil.rmtree(film.parent)
+
+
 def ways_out():
     """What ends what is felt, and what brings it back."""
     logind_bus = dbus.bus.BusConnection(os.environ["DBUS_SYSTEM_BUS_ADDRESS"])
@@ -406,7 +447,7 @@ def active_changed(active):
     return message
 
 
-PARTS = {"drafts": drafts, "embedded": embedded, "library": library, "status": status, "activation": activation, "ways_out": ways_out}
+PARTS = {"drafts": drafts, "embedded": embedded, "library": library, "status": status, "activation": activation, "mpv_script": mpv_script, "ways_out": ways_out}
 
 
 try:
