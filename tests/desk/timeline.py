@@ -274,7 +274,7 @@ def mouse(desk):
     desk.driver.execute_script("desk.timeline.readOnly = true")
     before = desk.felt()
     desk.drag((desk.x(5000), desk.y(7)), (desk.x(9000), desk.y(7)))
-    equal(desk.felt(), before, "read only")
+    equal((desk.felt(), desk.selection()[2], abs(desk.selection()[1] - 9000) <= scale), (before, [7], True), "read only, a drag selects")
 
 
 def wheel_and_fingers(desk):
