@@ -161,6 +161,7 @@ export function edits_equal_brute_force() {
     const states = [[new DenseTrack(track, LENGTH), text(track.cues)]];
     let state = 0;
     let end = 0;
+    const prints = new Map();
     for (let step = 0; step < 350; step++) {
       const [dense, cues] = states[state];
       const dice = pick(0, 10);
@@ -197,7 +198,10 @@ export function edits_equal_brute_force() {
         }
       }
       equal(text(plain), text(track.cues), `${what}: a plain copy`);
+      prints.set(track.fingerprint, text(plain).join());
+      equal(track.fingerprint, new Track(track.rows, track.columns, plain).fingerprint, `${what}: its fingerprint`);
     }
+    equal(new Set(prints.values()).size, prints.size, `seed ${seed}: other cues, another fingerprint`);
     while (history.undo() !== null);
     equal(text(track.cues), states[0][1], `seed ${seed}: all undone`);
     while (history.redo() !== null);
