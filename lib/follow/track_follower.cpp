@@ -25,6 +25,12 @@ TrackFollower::set_track(std::optional<tactile::Track> track)
 }
 
 void
+TrackFollower::edit_track(tactile::Track track)
+{
+  track_ = std::move(track);
+}
+
+void
 TrackFollower::set_offset(Time later)
 {
   offset_ = later;

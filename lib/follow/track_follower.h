@@ -23,6 +23,8 @@ public:
 
   /// Another film, or none. The next step is silence if one plays.
   void set_track(std::optional<tactile::Track> track);
+  /// The film's track was edited while it may play: what was handed on stays.
+  void edit_track(tactile::Track track);
   /// Estimates are those of another player of the film from now on.
   void change_player();
 

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <libsoup/soup.h>
+
+#include <map>
+
+/// The socket on 127.0.0.1, and what each connection has to do until when. A request that does not
+/// arrive, and a connection without one, are ended. Of the main context's thread.
+class Connections
+{
+public:
+  static constexpr std::size_t kMost = 64;
+  static constexpr gint64 kRequest = 30 * G_USEC_PER_SEC; ///< for a request to arrive
+  static constexpr gint64 kIdle = 120 * G_USEC_PER_SEC;   ///< between requests
+  static constexpr guint kWrite = 60; ///< s in which a client that is written to takes nothing
+
+  /// `port` 0: any. Throws std::runtime_error.
+  Connections(SoupServer *server, guint16 port);
+  ~Connections();
+  Connections(const Connections &) = delete;
+  Connections &operator=(const Connections &) = delete;
+
+  guint16 port() const
+  {
+    return port_;
+  }
+
+private:
+  bool accept(GSocketConnection *connection);
+  void set_deadline(SoupServerMessage *message, gint64 span);
+  void close_late();
+
+  SoupServer *server_;
+  GSocketService *service_;
+  guint16 port_ = 0;
+  std::map<GSocket *, gint64> deadlines_; ///< each with a reference
+  guint tick_ = 0;
+};
