@@ -76,8 +76,13 @@ type_of(GstDiscovererInfo *info)
     g_autoptr(GstCaps) caps = gst_discoverer_stream_info_get_caps(stream);
     g_autofree gchar *codec
         = gst_caps_is_fixed(caps) ? gst_codec_utils_caps_get_mime_codec(caps) : nullptr;
-    if (codec)
-      codecs += (codecs.empty() ? "" : ", ") + std::string(codec);
+    // "vp08" without profile and level is no name that browsers know.
+    const std::string name = codec == nullptr             ? ""
+                             : g_str_equal(codec, "vp08") ? "vp8"
+                             : g_str_equal(codec, "vp09") ? "vp9"
+                                                          : codec;
+    if (!name.empty())
+      codecs += (codecs.empty() ? "" : ", ") + name;
   }
   gst_discoverer_stream_info_list_free(streams);
   return codecs.empty() ? type : type + "; codecs=\"" + codecs + "\"";

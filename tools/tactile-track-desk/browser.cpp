@@ -6,6 +6,7 @@
 #include <gio/gio.h>
 
 #include <cstdlib>
+#include <fcntl.h>
 #include <filesystem>
 #include <unistd.h>
 

@@ -5,6 +5,12 @@
 #include <stdexcept>
 #include <string>
 
+namespace {
+
+constexpr gint64 kNone = std::numeric_limits<gint64>::max() / 2;
+
+} // namespace
+
 Connections::Connections(SoupServer *server, guint16 port)
     : server_(server), service_(g_socket_service_new())
 {
@@ -33,7 +39,7 @@ Connections::Connections(SoupServer *server, guint16 port)
   g_signal_connect(server_, "request-read",
                    G_CALLBACK(+[](SoupServer *, SoupServerMessage *message, gpointer self) {
                      static_cast<Connections *>(self)->set_deadline(
-                         message, std::numeric_limits<gint32>::max() * G_USEC_PER_SEC);
+                         message, kNone);
                    }),
                    this);
   g_signal_connect(server_, "request-finished",

@@ -59,7 +59,7 @@ spawn(const DraftSettings &settings, const std::string &track, bool in_backgroun
     argv.push_back(word.c_str());
   argv.push_back(nullptr);
   g_autoptr(GSubprocessLauncher) launcher = g_subprocess_launcher_new(static_cast<GSubprocessFlags>(
-      in_background ? G_SUBPROCESS_FLAGS_STDERR_SILENCE : G_SUBPROCESS_FLAGS_NONE));
+      in_background ? G_SUBPROCESS_FLAGS_STDERR_SILENCE : G_SUBPROCESS_FLAGS_STDOUT_SILENCE));
   g_subprocess_launcher_set_child_setup(
       launcher,
       in_background ? +[](gpointer) {

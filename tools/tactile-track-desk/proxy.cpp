@@ -81,7 +81,7 @@ public:
     const Owned<GstBus> bus(gst_element_get_bus(pipeline_.get()));
     watch_ = gst_bus_add_watch(
         bus.get(),
-        +[](GstBus *, GstMessage *of, gpointer self) {
+        +[](GstBus *, GstMessage *of, gpointer self) -> gboolean {
           if (GST_MESSAGE_TYPE(of) == GST_MESSAGE_ERROR)
             static_cast<Stream *>(self)->cut();
           return G_SOURCE_CONTINUE;
@@ -132,7 +132,7 @@ private:
     if (has_sound_)
       end_missing_sound(pipeline_);
     if (from_ > 0)
-      seek_ = g_idle_add(
+      g_idle_add(
           +[](gpointer self) -> gboolean {
             static_cast<Stream *>(self)->seek();
             return G_SOURCE_REMOVE;
@@ -142,7 +142,6 @@ private:
 
   void seek()
   {
-    seek_ = 0;
     std::vector<Held> held;
     {
       const std::lock_guard lock(mutex_);
@@ -174,9 +173,8 @@ private:
     out_.reset();
     film_.reset();
     pipeline_.reset(); // after that no thread calls
-    for (std::atomic<guint> *source : { &wake_, &seek_ })
-      if (const guint id = source->exchange(0); id != 0)
-        g_source_remove(id);
+    while (g_source_remove_by_user_data(this)) {
+    }
     for (const Held &one : held_)
       gst_object_unref(one.pad);
     held_.clear();
@@ -185,12 +183,12 @@ private:
   /// On a streaming thread.
   void wake()
   {
-    if (wake_.load() != 0)
+    if (is_woken_.exchange(true))
       return;
-    wake_ = g_idle_add(
+    g_idle_add(
         +[](gpointer data) -> gboolean {
           auto *self = static_cast<Stream *>(data);
-          self->wake_ = 0;
+          self->is_woken_ = false;
           if (!self->is_sending_)
             self->send();
           return G_SOURCE_REMOVE;
@@ -232,8 +230,7 @@ private:
   guint watch_ = 0;
   std::mutex mutex_;
   std::vector<Held> held_;
-  std::atomic<guint> wake_{ 0 };
-  std::atomic<guint> seek_{ 0 };
+  std::atomic<bool> is_woken_{ false };
   bool is_sending_ = false;
   bool is_over_ = false;
 };

@@ -116,13 +116,13 @@ Strip::Strip(const Film &film)
             + "audio/x-raw,format=S16LE,layout=interleaved ! appsink name=ear sync=false "
               "max-buffers=16";
   pipeline_ = make_pipeline(line);
-  const auto listen = [&](const char *name, void (Strip::*)(GstSample *), auto new_sample) {
+  const auto listen = [&](const char *name, auto new_sample) {
     const Owned<GstElement> sink = element(pipeline_, name);
     GstAppSinkCallbacks callbacks{};
     callbacks.new_sample = new_sample;
     gst_app_sink_set_callbacks(GST_APP_SINK(sink.get()), &callbacks, this, nullptr);
   };
-  listen("eye", &Strip::on_frame, [](GstAppSink *sink, gpointer self) {
+  listen("eye", [](GstAppSink *sink, gpointer self) {
     if (GstSample *sample = gst_app_sink_pull_sample(sink)) {
       static_cast<Strip *>(self)->on_frame(sample);
       gst_sample_unref(sample);
@@ -130,7 +130,7 @@ Strip::Strip(const Film &film)
     return GST_FLOW_OK;
   });
   if (film.has_sound) {
-    listen("ear", &Strip::on_sound, [](GstAppSink *sink, gpointer self) {
+    listen("ear", [](GstAppSink *sink, gpointer self) {
       if (GstSample *sample = gst_app_sink_pull_sample(sink)) {
         static_cast<Strip *>(self)->on_sound(sample);
         gst_sample_unref(sample);
