@@ -74,7 +74,6 @@ Connections::accept(GSocketConnection *connection)
   if (deadlines_.size() >= kMost)
     return true; // which closes it
   GSocket *socket = g_socket_connection_get_socket(connection);
-  g_socket_set_timeout(socket, kWrite);
   g_autoptr(GSocketAddress) local = g_socket_connection_get_local_address(connection, nullptr);
   g_autoptr(GSocketAddress) remote = g_socket_connection_get_remote_address(connection, nullptr);
   deadlines_[G_SOCKET(g_object_ref(socket))] = g_get_monotonic_time() + kRequest;

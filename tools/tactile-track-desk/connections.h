@@ -13,7 +13,6 @@ public:
   static constexpr std::size_t kMost = 64;
   static constexpr gint64 kRequest = 30 * G_USEC_PER_SEC; ///< for a request to arrive
   static constexpr gint64 kIdle = 120 * G_USEC_PER_SEC;   ///< between requests
-  static constexpr guint kWrite = 60; ///< s in which a client that is written to takes nothing
 
   /// `port` 0: any. Throws std::runtime_error.
   Connections(SoupServer *server, guint16 port);

@@ -146,6 +146,7 @@ main(int argc, char **argv)
     DeskOptions options;
     read_desk_options(argc, argv, options);
     gst_init(nullptr, nullptr);
+    std::signal(SIGXFSZ, SIG_IGN); // a file that may not grow is an error, not the end
     run(options);
     return 0;
   } catch (const Help &help) {
