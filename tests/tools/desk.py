@@ -276,7 +276,7 @@ def test_film_and_strip():
 
 
 def test_operations():
-    fresh()
+    fresh(TRACK.replace("50.4", "50"))
     with Desk(film) as desk:
         page = Page(desk, "one")
 
@@ -330,58 +330,64 @@ def test_exports():
         assert data["film"] == {"name": "film.webm", "href": "film.webm"} and data["track"]["cues"][0]["notes"] == ["</script><b>"], data
 
 
-def commands(trace):
-    """(time, tactor, volts) of those that are complete."""
-    if not trace.exists():
-        return []
-    lines = [line for line in trace.read_text().splitlines(keepends=True) if line.endswith("\n") and not line.startswith("#")]
-    return list(csv.DictReader(lines))
-
-
-def felt(trace):
-    """The last level of each tactor."""
-    last = {}
-    for row in commands(trace):
-        last[row["tactor"]] = float(row["volts"])
-    return {tactor for tactor, volts in last.items() if volts > 0}
-
-
 def test_chair():
-    fresh("WEBVTT\n\nNOTE tactile grid=1x2\n\n00:00.000 --> 00:08.000\n 50 0\n")
+    """The film is felt from 0.5 s to 1 s, from 1.5 s to 2 s and so on; the trace has the clock of time.monotonic()."""
+    cues = "".join(f"\n00:0{second}.500 --> 00:0{second + 1}.000\n 50 0\n" for second in range(7))
+    fresh("WEBVTT\n\nNOTE tactile grid=1x2\n" + cues)
     trace = work / "trace.csv"
+    silent = []  # (from, to): nothing is felt
     with Desk(film, f"--trace={trace}") as desk:
         page = Page(desk, "one")
         assert page.last("chair")["state"] == "closed"
         assert desk.post("feel", {"page": "one", "levels": [0, 60], "duration": 100}).status == 204
-        wait_until("one map to be felt", lambda: any(row["tactor"] == "1" and float(row["volts"]) > 0 for row in commands(trace)))
-        wait_until("its end", lambda: not felt(trace))
-        assert page.last("chair")["state"] == "open"
+        pulse = time.monotonic()
+        wait_until("the chair to be open", lambda: page.last("chair")["state"] == "open")
 
-        began = time.monotonic()
+        def play(seconds, paused=False):
+            began = now = time.monotonic()
+            while now - began < seconds:
+                told = {"page": "one", "position": (now - began) * 1000, "rate": 1, "leap": now == began}
+                assert desk.post("position", told).status == 204
+                time.sleep(0.1)
+                now = time.monotonic()
+            if paused:
+                assert desk.post("position", told | {"paused": True}).status == 204
+            return began
 
-        def tell(paused=False, leap=False):
-            position = (time.monotonic() - began) * 1000 % 8000
-            done = desk.post("position", {"page": "one", "position": position, "rate": 1, "paused": paused, "leap": leap})
-            assert done.status == 204, done.body
-
-        def play_until_felt(what):
-            tell(leap=True)
-            wait_until(what, lambda: tell() or felt(trace) == {"0"})
-
-        play_until_felt("the film to be felt")
-        tell(paused=True)
-        wait_until("silence in the pause", lambda: not felt(trace))
-        play_until_felt("the film to be felt again")
+        time.sleep(1)
+        plays = [play(2.8, paused=True)]
+        silent.append((time.monotonic() + 0.3, time.monotonic() + 1.5))
+        time.sleep(1.5)
+        plays.append(play(1.8))
         # No position any more: the browser hangs.
-        wait_until("silence", lambda: not felt(trace))
-        play_until_felt("the film to be felt a third time")
+        silent.append((time.monotonic() + 1.5, time.monotonic() + 3))
+        time.sleep(3)
+        plays.append(play(0.9))
         page.leave()
-        wait_until("silence after the page has gone", lambda: not felt(trace))
+        silent.append((time.monotonic() + 2.5, time.monotonic() + 3.5))
+        time.sleep(3.5)
         assert desk.post("feel", {"page": "one", "levels": [0, 60], "duration": 100}).status == 423
         for wrong in ({"levels": [0], "duration": 100}, {"levels": [0, 101], "duration": 100}, {"levels": [0, 1], "duration": 5000}):
             assert desk.post("feel", {"page": "one"} | wrong).status == 400
         assert desk.end(signal.SIGTERM) == 0
-    assert not felt(trace)
+    lines = [line for line in trace.read_text().splitlines() if not line.startswith("#")]
+    told = [(int(row["effect_ns"]) / 1e9, row["tactor"], float(row["volts"])) for row in csv.DictReader(lines)]
+    ups = [(when, tactor) for when, tactor, volts in told if volts > 0]
+    one_map = [when - pulse for when, tactor in ups if tactor == "1"]
+    assert one_map and 0 < min(one_map) and max(one_map) < 1, one_map
+    assert any(tactor == "1" and volts == 0 and when - pulse < 1.5 for when, tactor, volts in told), told
+    for began in plays:
+        begins = [when - began for when, tactor in ups if tactor == "0" and 0 < when - began < 1]
+        assert begins and 0.3 < min(begins) < 0.8, (begins, told)
+    on = {}
+    for when, tactor, volts in told:
+        for first, last in silent:
+            assert not first < when < last or volts == 0, (when, first, last, told)
+        on[tactor] = volts
+    for first, _ in silent:
+        levels = {tactor: volts for when, tactor, volts in told if when < first}
+        assert not any(levels.values()), (first, told)
+    assert not any(on.values()), told
 
 
 def test_start():

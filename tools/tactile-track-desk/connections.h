@@ -26,12 +26,10 @@ public:
   }
 
 private:
-  bool accept(GSocketConnection *connection);
   void set_deadline(SoupServerMessage *message, gint64 span);
   void close_late();
 
   SoupServer *server_;
-  GSocketService *service_;
   guint16 port_ = 0;
   std::map<GSocket *, gint64> deadlines_; ///< each with a reference
   guint tick_ = 0;

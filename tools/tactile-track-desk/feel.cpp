@@ -129,8 +129,11 @@ Feel::feel(const tactile::TactileMap &map, follow::Time duration, const std::str
   page_ = page;
   open();
   const follow::Time begin = local_time() + chair_.ahead();
-  chair_.take(
-      { .silence = true, .cues = { { .begin = begin, .end = begin + duration, .map = map } } });
+  const follow::Time end = begin + duration;
+  const tactile::TactileMap silent(map.rows, map.columns);
+  chair_.take({ .silence = true,
+                .cues = { { .begin = begin, .end = end, .map = map },
+                          { .begin = end, .end = end + kPatience, .map = silent } } });
 }
 
 void
