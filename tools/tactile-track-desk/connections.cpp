@@ -4,6 +4,7 @@
 #include <limits>
 #include <stdexcept>
 #include <string>
+#include <utility>
 
 namespace {
 
@@ -34,11 +35,6 @@ Connections::Connections(SoupServer *server, guint16 port) : server_(server)
                          message, kNone);
                    }),
                    this);
-  g_signal_connect(server_, "request-finished",
-                   G_CALLBACK(+[](SoupServer *, SoupServerMessage *message, gpointer self) {
-                     static_cast<Connections *>(self)->set_deadline(message, kIdle);
-                   }),
-                   this);
   tick_ = g_timeout_add_seconds(
       1,
       +[](gpointer self) -> gboolean {
@@ -53,7 +49,7 @@ Connections::~Connections()
   g_source_remove(tick_);
   g_signal_handlers_disconnect_by_data(server_, this);
   for (const auto &[socket, deadline] : deadlines_)
-    g_object_unref(socket);
+    g_object_weak_unref(G_OBJECT(socket), gone, this);
 }
 
 void
@@ -67,23 +63,33 @@ Connections::set_deadline(SoupServerMessage *message, gint64 span)
     found->second = g_get_monotonic_time() + span;
     return;
   }
-  close_late(); // forgets those that are closed
-  if (deadlines_.size() < kMost)
-    deadlines_[G_SOCKET(g_object_ref(socket))] = g_get_monotonic_time() + span;
-  else
+  if (deadlines_.size() >= kMost)
+    close_late();
+  if (deadlines_.size() >= kMost) {
     g_socket_shutdown(socket, TRUE, TRUE, nullptr);
+    return;
+  }
+  deadlines_[socket] = g_get_monotonic_time() + span;
+  g_object_weak_ref(G_OBJECT(socket), gone, this);
+}
+
+void
+Connections::gone(gpointer self, GObject *socket)
+{
+  static_cast<Connections *>(self)->deadlines_.erase(reinterpret_cast<GSocket *>(socket));
 }
 
 void
 Connections::close_late()
 {
   const gint64 now = g_get_monotonic_time();
-  std::erase_if(deadlines_, [now](const auto &one) {
-    const auto &[socket, deadline] = one;
-    if (!g_socket_is_closed(socket) && deadline > now)
+  std::erase_if(deadlines_, [this](const auto &one) {
+    if (!g_socket_is_closed(one.first))
       return false;
-    g_socket_shutdown(socket, TRUE, TRUE, nullptr); // its stream closes it
-    g_object_unref(socket);
+    g_object_weak_unref(G_OBJECT(one.first), gone, this);
     return true;
   });
+  for (auto &[socket, deadline] : deadlines_)
+    if (std::exchange(deadline, deadline > now ? deadline : kNone) <= now)
+      g_socket_shutdown(socket, TRUE, TRUE, nullptr); // its connection ends by that
 }

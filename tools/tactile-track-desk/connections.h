@@ -5,14 +5,13 @@
 
 #include <map>
 
-/// The socket on 127.0.0.1, and what each connection has to do until when. A request that does not
-/// arrive, and a connection without one, are ended. Of the main context's thread.
+/// The socket on 127.0.0.1, and until when the request of each connection has to be there. Those that
+/// are late, and those above a number, are ended. Of the main context's thread.
 class Connections
 {
 public:
   static constexpr std::size_t kMost = 64;
   static constexpr gint64 kRequest = 30 * G_USEC_PER_SEC; ///< for a request to arrive
-  static constexpr gint64 kIdle = 120 * G_USEC_PER_SEC;   ///< between requests
 
   /// `port` 0: any. Throws std::runtime_error.
   Connections(SoupServer *server, guint16 port);
@@ -28,9 +27,10 @@ public:
 private:
   void set_deadline(SoupServerMessage *message, gint64 span);
   void close_late();
+  static void gone(gpointer self, GObject *socket);
 
   SoupServer *server_;
   guint16 port_ = 0;
-  std::map<GSocket *, gint64> deadlines_; ///< each with a reference
+  std::map<GSocket *, gint64> deadlines_; ///< of those that are there
   guint tick_ = 0;
 };

@@ -17,10 +17,12 @@ cut_off(SoupServerMessage *message, goffset most)
                            "Content-Type: application/json\r\nContent-Length: "
                            + std::to_string(body.size()) + "\r\n\r\n" + body;
   GSocket *socket = soup_server_message_get_socket(message);
+  if (socket == nullptr)
+    return;
   g_socket_set_blocking(socket, FALSE);
   g_socket_send(socket, text.data(), text.size(), nullptr,
                 nullptr); // as much as fits, which is all
-  g_socket_shutdown(socket, FALSE, TRUE, nullptr);
+  g_socket_close(socket, nullptr); // the next read of it fails, which ends the message
 }
 
 /// Counts what comes of a body, whose length may be untold.
@@ -42,7 +44,6 @@ watch_body(SoupServerMessage *message, goffset most)
           return;
         soup_message_body_set_accumulate(soup_server_message_get_request_body(of), FALSE);
         cut_off(of, counted->most);
-        g_socket_shutdown(soup_server_message_get_socket(of), TRUE, FALSE, nullptr);
       }),
       new Counted{ .left = most, .most = most },
       +[](gpointer data, GClosure *) { delete static_cast<Counted *>(data); }, G_CONNECT_DEFAULT);
@@ -101,8 +102,9 @@ Server::on_headers(SoupServerMessage *message)
                                  methods.c_str());
     answer_error(message, 405, "expected the method " + methods);
   } else if (length > most) {
-    answer_error(message, 413, "expected at most " + std::to_string(most) + " bytes");
     soup_message_body_set_accumulate(soup_server_message_get_request_body(message), FALSE);
+    soup_server_message_set_status(message, 413, nullptr); // no handler
+    return cut_off(message, most);
   }
   watch_body(message, most);
   g_object_set_data_full(G_OBJECT(message), kPath, g_strdup(path->c_str()), g_free);

@@ -17,6 +17,8 @@ constexpr const char *kCommon[][2] = {
   { "Referrer-Policy", "no-referrer" },
   { "Cross-Origin-Resource-Policy", "same-origin" },
   { "Cross-Origin-Opener-Policy", "same-origin" },
+  // libsoup 3.2 keeps connections that the client has closed between requests.
+  { "Connection", "close" },
 };
 
 } // namespace
