@@ -308,11 +308,7 @@ def test_operations():
 
 def test_exports():
     fresh()
-    template = work / "page"
-    template.mkdir()
-    (template / "index.html").write_text("<!DOCTYPE html><title>x</title>")
-    (template / "export-template.html").write_text('<script type="application/json">@DATA@</script>')
-    with Desk(film, env={"VISUOTACTILE_DESK_PAGE": str(template)}) as desk:
+    with Desk(film) as desk:
         page = Page(desk, "one")
         assert page.edit(0, splice(0, 1, cue(1000, 2000, 50, 0, notes=["</script><b>"]))).status == 200
         for form in ("vtt", "csv", "hjif", "sem.xml", "funscript"):
@@ -411,6 +407,11 @@ def test_start():
 
 
 def main():
+    page = work / "page"
+    page.mkdir()
+    (page / "index.html").write_text("<!DOCTYPE html><title>x</title>")
+    (page / "export-template.html").write_text('<script type="application/json">@DATA@</script>')
+    os.environ["VISUOTACTILE_DESK_PAGE"] = str(page)
     make_film(film)
     try:
         for name, test in list(globals().items()):

@@ -31,8 +31,7 @@ Connections::Connections(SoupServer *server, guint16 port) : server_(server)
                    this);
   g_signal_connect(server_, "request-read",
                    G_CALLBACK(+[](SoupServer *, SoupServerMessage *message, gpointer self) {
-                     static_cast<Connections *>(self)->set_deadline(
-                         message, kNone);
+                     static_cast<Connections *>(self)->set_deadline(message, kNone);
                    }),
                    this);
   tick_ = g_timeout_add_seconds(

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "draft.h"
 
+#include "../visuotactile-follow/draft_cache.h"
+
 #include "tracks/formats/track_file.h"
 
 #include <array>
@@ -15,19 +17,10 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// In the cache, by all that the draft depends on.
-std::string
-path_of(const DraftSettings &settings)
+AnalysisSettings
+analysis_of(const DraftSettings &settings)
 {
-  std::error_code ignored;
-  const std::string film = fs::canonical(settings.film, ignored).string();
-  const auto size = fs::file_size(film, ignored);
-  const auto time = fs::last_write_time(film, ignored).time_since_epoch().count();
-  const std::string key = film + " " + std::to_string(size) + " " + std::to_string(time) + " "
-                          + std::to_string(settings.rows) + "x" + std::to_string(settings.columns)
-                          + " " + std::to_string(settings.rate) + " " PACKAGE_VERSION;
-  g_autofree gchar *sum = g_compute_checksum_for_string(G_CHECKSUM_SHA256, key.c_str(), -1);
-  return std::string(g_get_user_cache_dir()) + "/visuotactile/drafts/" + sum + ".vtt";
+  return { .rate = settings.rate, .rows = settings.rows, .columns = settings.columns };
 }
 
 /// The command that authors.
@@ -36,7 +29,6 @@ command(const DraftSettings &settings, const std::string &track)
 {
   std::array<char, G_ASCII_DTOSTR_BUF_SIZE> rate{};
   g_ascii_dtostr(rate.data(), static_cast<gint>(rate.size()), settings.rate);
-  // "./": a name may begin with "-".
   return { settings.author,
            "author",
            fs::absolute(settings.film).string(),
@@ -78,7 +70,9 @@ spawn(const DraftSettings &settings, const std::string &track, bool in_backgroun
 } // namespace
 
 Draft::Draft(DraftSettings settings, std::function<void()> changed)
-    : changed_(std::move(changed)), path_(path_of(settings)), cancellable_(g_cancellable_new())
+    : changed_(std::move(changed)),
+      path_(DraftCache(DraftCache::usual_folder()).path(settings.film, analysis_of(settings))),
+      cancellable_(g_cancellable_new())
 {
   std::error_code ignored;
   if (fs::exists(path_, ignored)) {
@@ -98,14 +92,14 @@ Draft::Draft(DraftSettings settings, std::function<void()> changed)
         g_autoptr(GError) error = nullptr;
         g_subprocess_wait_check_finish(G_SUBPROCESS(process), result, &error);
         if (!g_error_matches(error, G_IO_ERROR, G_IO_ERROR_CANCELLED)) {
-          static_cast<Draft *>(self)->read();
-          static_cast<Draft *>(self)->changed_();
+          static_cast<FilmDraft *>(self)->read();
+          static_cast<FilmDraft *>(self)->changed_();
         }
       },
       this);
 }
 
-Draft::~Draft()
+FilmDraft::~FilmDraft()
 {
   g_cancellable_cancel(cancellable_);
   g_object_unref(cancellable_);
@@ -116,7 +110,7 @@ Draft::~Draft()
 }
 
 void
-Draft::read()
+FilmDraft::read()
 {
   auto track = tactile::read_track_file(path_);
   failed_ = !track;

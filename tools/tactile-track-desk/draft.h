@@ -20,16 +20,16 @@ struct DraftSettings
   double rate = 5;
 };
 
-/// The automatic draft of a film, authored by tactile-track in the background and kept in the user's
-/// cache. Of the main context's thread.
-class Draft
+/// The automatic draft of a film, authored by tactile-track in the background and kept where
+/// visuotactile-follow keeps its drafts, too. Of the main context's thread.
+class FilmDraft
 {
 public:
   /// `changed` is called when it is there or has failed.
-  Draft(DraftSettings settings, std::function<void()> changed);
-  ~Draft();
-  Draft(const Draft &) = delete;
-  Draft &operator=(const Draft &) = delete;
+  FilmDraft(DraftSettings settings, std::function<void()> changed);
+  ~FilmDraft();
+  FilmDraft(const FilmDraft &) = delete;
+  FilmDraft &operator=(const FilmDraft &) = delete;
 
   const std::optional<tactile::Track> &track() const
   {

@@ -64,9 +64,9 @@ Feel::open()
   if (tick_ != 0)
     return;
   try {
-    tactile::Track track = track_();
-    chair_.open(track.rows(), track.columns());
-    follower_.set_track(std::move(track));
+    played_ = std::make_shared<tactile::Draft>(track_());
+    chair_.open(played_->rows(), played_->columns());
+    follower_.set_track(played_);
   } catch (const std::runtime_error &error) {
     failed(error.what());
     return;
@@ -85,7 +85,7 @@ void
 Feel::track_changed()
 {
   if (tick_ != 0)
-    follower_.edit_track(track_());
+    *played_ = tactile::Draft(track_()); // what was handed on stays
 }
 
 void

@@ -8,6 +8,7 @@
 #include "follow/track_follower.h"
 
 #include <functional>
+#include <memory>
 #include <string>
 
 /// The chair plays along with the film of a page, or feels one map while that stands. Of the main
@@ -51,7 +52,8 @@ private:
   std::function<void()> changed_;
   State state_;
   std::function<tactile::Track()> track_;
-  std::string page_; ///< for which the chair plays
+  std::shared_ptr<tactile::Draft> played_; ///< what the follower reads
+  std::string page_;                       ///< for which the chair plays
   follow::PositionEstimator estimator_;
   follow::TrackFollower follower_;
   Chair chair_;

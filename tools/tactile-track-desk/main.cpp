@@ -92,7 +92,11 @@ void
 run(const DeskOptions &options)
 {
   const std::string sink = sink_line(options);
+  const char *set = g_getenv("VISUOTACTILE_DESK_PAGE");
+  const std::string page = set ? set : DESK_PAGE;
   std::error_code error;
+  if (!fs::exists(page + "/index.html", error))
+    throw std::runtime_error("there is no page in '" + page + "'; install visuotactile completely");
   if (!fs::is_regular_file(options.film, error))
     throw std::runtime_error("'" + options.film + "' is no file; expected a film's");
   const Film film = discover_film(options.film);
@@ -114,10 +118,9 @@ run(const DeskOptions &options)
   if (document.rate() > 0)
     draft.rate = document.rate();
 
-  const char *page = g_getenv("VISUOTACTILE_DESK_PAGE");
   Routes routes({ .film = options.film,
                   .found = film,
-                  .page = page ? page : DESK_PAGE,
+                  .page = page,
                   .sink = sink,
                   .driver = options.driver.text("auto"),
                   .review = options.review != FALSE },

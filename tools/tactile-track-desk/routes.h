@@ -87,7 +87,7 @@ private:
   desk::Session &session_;
   desk::Seat seat_;
   Events events_;
-  Draft draft_;
+  FilmDraft draft_;
   Strip strip_;
   Proxies proxies_;
   Feel feel_;

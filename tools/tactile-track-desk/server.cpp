@@ -21,7 +21,7 @@ cut_off(SoupServerMessage *message, goffset most)
     return;
   g_socket_set_blocking(socket, FALSE);
   g_socket_send(socket, text.data(), text.size(), nullptr,
-                nullptr); // as much as fits, which is all
+                nullptr);          // as much as fits, which is all
   g_socket_close(socket, nullptr); // the next read of it fails, which ends the message
 }
 
