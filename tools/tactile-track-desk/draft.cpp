@@ -69,7 +69,7 @@ spawn(const DraftSettings &settings, const std::string &track, bool in_backgroun
 
 } // namespace
 
-Draft::Draft(DraftSettings settings, std::function<void()> changed)
+FilmDraft::FilmDraft(DraftSettings settings, std::function<void()> changed)
     : changed_(std::move(changed)),
       path_(DraftCache(DraftCache::usual_folder()).path(settings.film, analysis_of(settings))),
       cancellable_(g_cancellable_new())

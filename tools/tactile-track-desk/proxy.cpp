@@ -130,7 +130,7 @@ private:
   void all_pads_are_there()
   {
     if (has_sound_)
-      end_missing_sound(pipeline_);
+      end_missing_sound(top_);
     if (from_ > 0)
       g_idle_add(
           +[](gpointer self) -> gboolean {
@@ -224,6 +224,7 @@ private:
   GstClockTime from_;
   bool has_sound_;
   Pipeline pipeline_;
+  GstElement *const top_ = pipeline_.get(); ///< also while that is stopped
   Owned<GstElement> film_;
   Owned<GstElement> out_;
   std::array<gulong, 2> handlers_{};

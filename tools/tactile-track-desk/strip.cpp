@@ -138,10 +138,10 @@ Strip::Strip(const Film &film)
       return GST_FLOW_OK;
     });
     g_signal_connect(element(pipeline_, "film").get(), "no-more-pads",
-                     G_CALLBACK(+[](GstElement *, gpointer self) {
-                       end_missing_sound(static_cast<Strip *>(self)->pipeline_);
+                     G_CALLBACK(+[](GstElement *, gpointer top) {
+                       end_missing_sound(static_cast<GstElement *>(top));
                      }),
-                     this);
+                     pipeline_.get());
   }
   const Owned<GstBus> bus(gst_element_get_bus(pipeline_.get()));
   gst_bus_set_sync_handler(bus.get(), give_way, nullptr, nullptr);

@@ -22,7 +22,7 @@ using desk::Splice;
 namespace {
 
 constexpr const char *kTrack
-    = "WEBVTT\n\nNOTE tactile grid=1x2\n\n00:01.000 --> 00:02.000\n 50   0\n\nNOTE end\n";
+    = "WEBVTT\n\nNOTE tactile grid=1x2\n\n00:00:01.000 --> 00:00:02.000\n 50   0\n\nNOTE end\n";
 
 /// A folder of its own with a track, removed with the object.
 class Folder
@@ -105,6 +105,13 @@ GST_START_TEST(test_cut_off_anywhere)
     }
   }
   for (std::size_t size = 0; size <= journal.size(); size++) {
+    // A file system takes its time: near the ends of lines, and here and there.
+    constexpr std::size_t kNear = 2;
+    constexpr std::size_t kHereAndThere = 37;
+    const bool is_near = std::ranges::any_of(
+        ends, [&](std::size_t end) { return size + kNear >= end && size <= end + kNear; });
+    if (!is_near && size % kHereAndThere != 0)
+      continue;
     folder.write("film.vtt.journal", journal.substr(0, size));
     const auto session = folder.open();
     const auto whole = static_cast<std::uint64_t>(
@@ -130,13 +137,13 @@ GST_START_TEST(test_save)
     const auto session = folder.open();
     fail_unless(session->save()->kept.empty());
     fail_unless(session->edit(edit(0, 60)).has_value());
-    fail_unless(session->edit(edit(0, 61)).error().kind == Refusal::Kind::stale);
+    fail_unless(session->edit(edit(0, 61, "other")).error().kind == Refusal::Kind::stale);
     desk::EditMessage wrong = edit(1, 62);
     wrong.splices[0].remove = 2;
     fail_unless(session->edit(wrong).error().kind == Refusal::Kind::invalid);
     ASSERT_TEXT(session->save()->kept, "film.vtt.~1~");
     fail_unless(session->saved() == 1);
-    ASSERT_TEXT(folder.read("film.vtt"), with_level(" 60").c_str());
+    fail_unless(folder.read("film.vtt") == with_level(" 60"));
     ASSERT_TEXT(folder.read("film.vtt.~1~"), kTrack);
     fail_unless(folder.read("film.vtt.journal").empty());
     fail_unless(session->edit(edit(1, 50)).has_value() && session->save().has_value());
@@ -174,7 +181,7 @@ GST_START_TEST(test_another_program)
     folder.write("film.vtt", with_level(" 70"));
     const auto session = folder.open();
     fail_unless(session->document().cues()[0].levels[0] == 70 && session->messages().size() == 1);
-    ASSERT_TEXT(folder.read(name), with_level(" 60").c_str());
+    fail_unless(folder.read(name) == with_level(" 60"));
   }
 }
 GST_END_TEST;
@@ -218,7 +225,7 @@ GST_START_TEST(test_link)
   const auto session = folder.open();
   fail_unless(session->edit(edit(0, 60)).has_value() && session->save().has_value());
   fail_unless(fs::is_symlink(folder.path("film.vtt")));
-  ASSERT_TEXT(folder.read("other/film.vtt"), with_level(" 60").c_str());
+  fail_unless(folder.read("other/film.vtt") == with_level(" 60"));
 }
 GST_END_TEST;
 
