@@ -147,6 +147,8 @@ def keyboard_alone(desk):
     equal(desk.said(), "Drawn at level 75, 0:00.200 to 0:00.400")
     desk.press((Keys.ALT, Keys.RIGHT), (Keys.ALT, Keys.RIGHT), (Keys.ALT, Keys.DOWN), (Keys.ALT, Keys.SHIFT, Keys.RIGHT))
     equal(desk.felt(), [(1, 280, 520, "75")], "moved and stretched")
+    desk.press(*[(Keys.ALT, Keys.DOWN)] * 9, *[(Keys.ALT, Keys.UP)] * 7)
+    equal(desk.felt(), [(1, 280, 520, "75")], "no further than the last cell, and back")
     desk.press("+", "+", "-")
     equal(desk.felt(), [(1, 280, 520, "80")], "louder")
     equal(desk.js("desk.timeline.level"), 80)
@@ -181,11 +183,31 @@ def keyboard_alone(desk):
     while desk.js("desk.history.undoLabel") is not None:
         desk.press((Keys.CONTROL, "z"))
         steps += 1
-    equal((desk.js("desk.history.track.cues"), steps), ([], 15), "all undone")
+    equal((desk.js("desk.history.track.cues"), steps), ([], 13), "all undone")
     desk.press((Keys.CONTROL, "z"))
     equal(desk.said(), "Nothing to undo")
-    desk.press((Keys.CONTROL, Keys.SHIFT, "z"), *[(Keys.CONTROL, "y")] * 14)
+    desk.press((Keys.CONTROL, Keys.SHIFT, "z"), *[(Keys.CONTROL, "y")] * 12)
     equal(desk.js("JSON.stringify(desk.history.track.cues)"), before, "all done again")
+
+
+def a_move_covers_nothing_on_its_way(desk):
+    desk.open()
+    desk.driver.execute_script("""const { history, strokes, timeline } = desk;
+        for (const from of [0, 300, 600]) history.do(strokes.draw(history.track, { from, to: from + 80, cells: [4] }, 50), { label: `${from}` });
+        timeline.selection = { from: 0, to: 80, cells: [4] };
+        timeline.focus()""")
+    desk.press(*[(Keys.ALT, Keys.RIGHT)] * 8)
+    equal(desk.felt(), [(4, 300, 400, "50"), (4, 600, 680, "50")], "over the second")
+    desk.press(*[(Keys.ALT, Keys.RIGHT)] * 3)
+    equal(desk.felt(), [(4, 300, 380, "50"), (4, 440, 520, "50"), (4, 600, 680, "50")], "past it")
+    desk.press(*[(Keys.ALT, Keys.LEFT)] * 11)
+    equal((desk.felt()[0], desk.js("desk.history.undoLabel")), ((4, 0, 80, "50"), "600"), "and back, which is no edit")
+    desk.press(*[(Keys.ALT, Keys.RIGHT)] * 3, "+", (Keys.ALT, Keys.RIGHT))
+    equal(desk.felt()[0], (4, 160, 240, "55"), "after another edit it begins anew")
+    desk.press((Keys.CONTROL, "z"), (Keys.CONTROL, "z"))
+    equal(desk.felt()[0], (4, 120, 200, "50"))
+    desk.press((Keys.CONTROL, "z"))
+    equal(desk.felt()[0], (4, 0, 80, "50"), "the steps are undone as one")
 
 
 def keys_that_move_and_select(desk):
@@ -224,9 +246,9 @@ def keys_that_move_and_select(desk):
     desk.driver.execute_script("addEventListener('keydown', (event) => { (window.left ??= []).push(event.key); })")
     desk.press(" ", "5", "?", Keys.LEFT, "s", (Keys.CONTROL, "s"))
     equal([key for key in desk.js("window.left") if key not in ("Shift", "Control")], [" ", "5", "?", "s"], "what is not ours is the page's")
-    desk.driver.execute_script("desk.timeline.readOnly = true")
+    desk.driver.execute_script("desk.timeline.readOnly = true; desk.history.do(desk.strokes.erase(desk.history.track, { from: 0, to: 999 }))")
     before = desk.felt()
-    desk.press((Keys.CONTROL, "a"), Keys.DELETE)
+    desk.press((Keys.CONTROL, "a"), Keys.DELETE, (Keys.ALT, Keys.RIGHT))
     equal((desk.felt(), desk.said()), (before, "Read only: another page writes"))
     desk.press((Keys.CONTROL, "z"))
     equal(desk.felt(), before, "nor undone")
@@ -397,13 +419,14 @@ def screen_readers(desk):
     button.click()
     equal((desk.playhead(), desk.selection()), (9800, [9800, 10000, None]), "a button goes there and selects the cue")
     equal(desk.js("document.activeElement === arguments[0]", button), True, "and keeps the focus")
+    equal(len(desk.driver.find_elements(By.CSS_SELECTOR, "tr[aria-current]")), 1, "one is current")
     desk.driver.execute_script("desk.history.do(desk.strokes.erase(desk.history.track, { from: 9800, to: 10000 }))")
     equal("0:09.800" in [one.text for one in desk.driver.find_elements(By.CSS_SELECTOR, "#cues button")], False, "the table follows edits")
     desk.driver.execute_script("desk.history.reset(new desk.Track(3, 3))")
     equal(len(desk.driver.find_elements(By.CSS_SELECTOR, "#cues button")), 0, "an empty track")
 
 
-TESTS = [keyboard_alone, keys_that_move_and_select, mouse, wheel_and_fingers, what_is_drawn, large_and_many, screen_readers]
+TESTS = [keyboard_alone, a_move_covers_nothing_on_its_way, keys_that_move_and_select, mouse, wheel_and_fingers, what_is_drawn, large_and_many, screen_readers]
 
 
 def main():

@@ -40,10 +40,12 @@ export class TimelineKeys {
   #anchor = null; // {ms, cell} where a selection with Shift began
   #gesture = null; // of a key that is held down
   #clip = null;
+  #moved = null; // {from, by, to}: selections of the last edit, if that was a move by keys
 
   /** @param {import('./timeline.js').Timeline} timeline */
   constructor(timeline) {
     this.timeline = timeline;
+    timeline.history.addEventListener('change', () => { this.#moved = null; });
     timeline.canvas.addEventListener('keydown', (event) => {
       timeline.hasFocus = true; // by keys
       if (!event.repeat) this.#gesture = {};
@@ -254,11 +256,33 @@ export class TimelineKeys {
     return event && { from: event.start, to: event.end, cells: [event.cell] };
   }
 
+  /**
+   * Moves what is chosen. Steps one after the other are one move from where it began, which covers
+   * nothing on its way.
+   */
   #move(by) {
     const { timeline } = this;
-    this.#change('Move', (track, selection) => strokes.move(track, selection, by),
-      (selection) => strokes.movedSelection(this.#track, selection, by));
-    if (timeline.selection) timeline.reveal(timeline.selection.from);
+    const { history } = timeline;
+    const before = this.#moved?.to === timeline.selection ? this.#moved : null;
+    const from = before?.from ?? this.#chosen();
+    if (!from) return;
+    if (timeline.readOnly) {
+      timeline.edit([], 'Move');
+      return;
+    }
+    this.#moved = null;
+    if (before) history.undo();
+    const { ms = 0, rows = 0, columns = 0 } = before?.by ?? {};
+    const sum = { ms: ms + (by.ms ?? 0), rows: rows + (by.rows ?? 0), columns: columns + (by.columns ?? 0) };
+    const done = strokes.clampedMove(this.#track, from, sum);
+    const to = strokes.movedSelection(this.#track, from, sum);
+    history.do(strokes.move(this.#track, from, sum), { label: 'Move' });
+    timeline.selection = to;
+    // A fraction of a frame's ms is not lost.
+    if (Math.round(sum.ms) === done.ms) done.ms = sum.ms;
+    this.#moved = done.ms || done.rows || done.columns ? { from, by: done, to } : null;
+    timeline.reveal(to.from);
+    timeline.say(`Move. Selected ${formatTime(to.from)} to ${formatTime(to.to)}`);
   }
 
   /** By a row of the timeline: if the grid's row ends, to the next one. */
