@@ -4,8 +4,9 @@
 makes, its status and its nudge, and its ways out: a locked screen, a computer that goes to sleep, a session bus that is gone.
 logind is dbusmock's, and the chair is a vest in memory, which says what its motors do. Buses, settings and caches are the test's own.
 
-Expects FOLLOW, TRACK, SERVER (haptic_server.py), the plugins on GST_PLUGIN_PATH, mpv, dbus-daemon and python3-dbusmock.
-Usage: follow_service.py [PART ...]      of drafts, embedded, library, status, ways_out; all by default"""
+Expects FOLLOW, TRACK, SERVER (haptic_server.py), SESSION (the folder of the services' files), the plugins on GST_PLUGIN_PATH, mpv, dbus-daemon,
+systemd-analyze and python3-dbusmock.
+Usage: follow_service.py [PART ...]      of drafts, embedded, library, status, activation, mpv_script, ways_out; all by default"""
 
 import json
 import os
@@ -44,9 +45,9 @@ def start(*words, **options):
     return process
 
 
-def start_bus():
+def start_bus(environment=None):
     """A bus of its own: the process and its address."""
-    bus = start("dbus-daemon", "--session", "--nofork", "--print-address", stdout=subprocess.PIPE, text=True)
+    bus = start("dbus-daemon", "--session", "--nofork", "--print-address", stdout=subprocess.PIPE, text=True, env=environment)
     return bus, bus.stdout.readline().strip()
 
 
@@ -293,6 +294,74 @@ def status():
     shutil.rmtree(film.parent)
 
 
+def activation():
+    """The bus starts a follower for whom calls it, by the file that is installed. systemd finds nothing wrong with the unit."""
+    services = work / "data/dbus-1/services"
+    services.mkdir(parents=True)
+    installed = pathlib.Path(os.environ["SESSION"])
+    text = (installed / f"{NAME}.service").read_text(encoding="utf-8")
+    program = next(line.removeprefix("Exec=") for line in text.split("\n") if line.startswith("Exec="))
+    wrapper = work / "visuotactile-follow"
+    wrapper.write_text(f"#!/bin/sh\nexec {FOLLOW} --driver=simulator 2>{work}/log\n", encoding="utf-8")
+    wrapper.chmod(0o755)
+    (services / f"{NAME}.service").write_text(text.replace(program, str(wrapper)), encoding="utf-8")
+    _, address = start_bus(dict(os.environ, XDG_DATA_HOME=str(work / "data")))
+    bus = dbus.bus.BusConnection(address)
+    assert not bus.name_has_owner(NAME)
+    service = bus.get_object(NAME, PATH)
+    assert service.Get(NAME, "State", dbus_interface="org.freedesktop.DBus.Properties") == "idle"
+    pid = bus.get_object("org.freedesktop.DBus", "/org/freedesktop/DBus").GetConnectionUnixProcessID(NAME)
+    os.kill(pid, signal.SIGTERM)
+    wait_until("its end", lambda: not bus.name_has_owner(NAME))
+    unit = (installed / "visuotactile-follow.service").read_text(encoding="utf-8")
+    assert f"BusName={NAME}" in unit and f"ExecStart={program}" in unit, unit
+    (work / "visuotactile-follow.service").write_text(unit.replace(program, str(wrapper)), encoding="utf-8")
+    verified = subprocess.run(["systemd-analyze", "--user", "--man=no", "verify", str(work / "visuotactile-follow.service")], capture_output=True, text=True, check=False,
+                              env=dict(os.environ, XDG_RUNTIME_DIR=str(work)))
+    assert verified.returncode == 0 and "visuotactile" not in verified.stderr, verified
+
+
+def mpv_script():
+    """mpv's own script starts a follower, moves it by keys, and uses one that runs."""
+    bin_folder = work / "bin"
+    bin_folder.mkdir()
+    wrapper = bin_folder / "visuotactile-follow"
+    wrapper.write_text(f'#!/bin/sh\necho "$@" >>{work}/calls\nexec {FOLLOW} "$@" 2>>{work}/log\n', encoding="utf-8")
+    wrapper.chmod(0o755)
+    (work / "log").write_text("", encoding="utf-8")
+    film = make_film("script.mkv", 60, pattern=None)
+    make_track(film.with_suffix(".csv"), 60)
+    os.environ["PATH"] = f"{bin_folder}:{os.environ['PATH']}"
+    script = pathlib.Path(__file__).resolve().parents[2] / "examples/mpv/visuotactile.lua"
+    options = f"--script-opts=visuotactile-options=--driver=bhaptics --device={vest.device}"
+    remembered = work / "config/visuotactile/follow.conf"
+    mpv = Mpv(film, f"--script={script}", options)
+    vest.wait_to_feel()
+    mpv.command("keypress", "Ctrl+Alt+RIGHT")
+    wait_until("a nudge by a key", lambda: remembered.exists() and "offset=10\n" in remembered.read_text(encoding="utf-8"))
+    mpv.command("keypress", "Ctrl+Alt+LEFT")
+    wait_until("a nudge back", lambda: "offset=0\n" in remembered.read_text(encoding="utf-8"))
+    mpv.quit()
+    bus = dbus.SessionBus(private=True)
+    wait_until("the follower's end", lambda: not bus.name_has_owner(NAME))
+    assert vest.is_silent()
+    # One that runs is used, at the socket where it looks.
+    (work / "calls").unlink()
+    os.environ["XDG_RUNTIME_DIR"] = str(work)
+    running = start(FOLLOW, "--driver=bhaptics", f"--device={vest.device}", stderr=subprocess.DEVNULL)
+    wait_until("a follower", lambda: bus.name_has_owner(NAME))
+    viewer = start("mpv", "--no-config", "--vo=null", "--ao=null", f"--script={script}", str(film), stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    vest.wait_to_feel()
+    assert (work / "calls").read_text(encoding="utf-8") == "--status\n"
+    viewer.terminate()
+    viewer.wait(LATEST)
+    wait_until("silence", vest.is_silent)
+    running.terminate()
+    assert running.wait(LATEST) == 0
+    remembered.unlink()
+    shutil.rmtree(film.parent)
+
+
 def ways_out():
     """What ends what is felt, and what brings it back."""
     logind_bus = dbus.bus.BusConnection(os.environ["DBUS_SYSTEM_BUS_ADDRESS"])
@@ -378,7 +447,7 @@ def active_changed(active):
     return message
 
 
-PARTS = {"drafts": drafts, "embedded": embedded, "library": library, "status": status, "ways_out": ways_out}
+PARTS = {"drafts": drafts, "embedded": embedded, "library": library, "status": status, "activation": activation, "mpv_script": mpv_script, "ways_out": ways_out}
 
 
 try:

@@ -393,7 +393,9 @@ Follower::tick()
     current_->player->ask();
   if (current_ != nullptr && current_->is_gone)
     current_ = nullptr;
-  std::erase_if(players_, [](const auto &one) { return one.second.is_gone; });
+  const auto left = std::erase_if(players_, [](const auto &one) { return one.second.is_gone; });
+  if (left > 0 && settings_.once)
+    g_main_loop_quit(loop_);
   for (const std::string &name : std::exchange(returned_, {}))
     appeared(name);
   return G_SOURCE_CONTINUE;

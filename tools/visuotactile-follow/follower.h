@@ -25,6 +25,7 @@ struct FollowSettings
   FilmTrack::Settings track{};
   std::string sink;  ///< as on a launch line
   double offset = 0; ///< ms, of all players
+  bool once = false; ///< ends when a player is gone
   bool quiet = false;
 };
 

@@ -34,6 +34,7 @@ struct Options
   gdouble offset = 0;
   gdouble nudge = 0; ///< ms; 0: none
   gboolean no_drafts = FALSE;
+  gboolean once = FALSE;
   gboolean list = FALSE;
   gboolean status = FALSE;
   gboolean version = FALSE;
@@ -52,6 +53,8 @@ read_command_line(int argc, char **argv, Options &options)
       "Follow this player on the session bus, as --list-players prints it", "NAME" },
     { "tracks", 't', 0, G_OPTION_ARG_FILENAME, &options.tracks.value,
       "Folder of tracks for films that have none beside them", "DIR" },
+    { "once", 0, 0, G_OPTION_ARG_NONE, &options.once, "End when a player that was there is gone",
+      nullptr },
     { "no-drafts", 0, 0, G_OPTION_ARG_NONE, &options.no_drafts,
       "Make no drafts of films that have no track", nullptr },
     { "sound", 0, 0, G_OPTION_ARG_STRING, &options.sound.value, kSoundHelp, "PROFILE" },
@@ -180,6 +183,7 @@ run(const Options &options)
                    .analysis = { .sound = sound_profile(options.sound.text("off")) } },
         .sink = sink_line(options),
         .offset = options.offset,
+        .once = options.once != FALSE,
         .quiet = options.common.quiet || options.list });
   if (options.list)
     follower.list();
