@@ -327,7 +327,7 @@ TactorScheduler::turn(Lock &lock)
   // The host takes the element's locks, whose holders may wait for ours.
   lock.unlock();
   const TactorTiming timing = host_.timing();
-  // Running time stands still in a pause, from which the sound may have gone on already without this
+  // Running time stands still in a pause, and the sound may have gone on already without this
   // thread's knowing.
   const bool rests = clock_rests || (stands && timing.is_of_sound());
   const std::optional<Time> running = rests ? std::optional(running_before) : timing.now();
