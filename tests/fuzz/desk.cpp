@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 //
-// Fuzzes what pages send to the desk, and tracks that it opens: an edit that is applied gives a track
-// that is read again as it is, and can be taken back.
+// Fuzzes what pages send to the desk, and tracks that it opens: an edit that is applied gives a
+// track that is read again as it is, and can be taken back.
 #include "desk/document.h"
 #include "desk/messages.h"
 #include "desk/operation.h"

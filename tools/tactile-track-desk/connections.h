@@ -5,8 +5,8 @@
 
 #include <map>
 
-/// The socket on 127.0.0.1, and until when the request of each connection has to be there. Those that
-/// are late, and those above a number, are ended. Of the main context's thread.
+/// The socket on 127.0.0.1, and until when the request of each connection has to be there. Those
+/// that are late, and those above a number, are ended. Of the main context's thread.
 class Connections
 {
 public:

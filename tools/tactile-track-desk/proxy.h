@@ -9,8 +9,8 @@
 #include <list>
 #include <memory>
 
-/// The film as WebM for browsers that cannot play it: made while it is sent, as fast as it is taken.
-/// Of the main context's thread.
+/// The film as WebM for browsers that cannot play it: made while it is sent, as fast as it is
+/// taken. Of the main context's thread.
 class Proxies
 {
 public:

@@ -10,8 +10,8 @@
 #include <string>
 #include <vector>
 
-/// What a time line shows of a film: small pictures, peaks of its sound, shot cuts. The film is gone
-/// through once, in the background, while this grows. Any thread.
+/// What a time line shows of a film: small pictures, peaks of its sound, shot cuts. The film is
+/// gone through once, in the background, while this grows. Any thread.
 class Strip
 {
 public:

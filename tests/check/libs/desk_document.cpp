@@ -32,7 +32,7 @@ cue(int start, int end, std::vector<std::uint8_t> levels, std::vector<std::strin
   return { .start = start, .end = end, .levels = std::move(levels), .notes = std::move(notes) };
 }
 
-/// Splices that fit a document, at random: cues are moved within their gaps, changed, removed, added.
+/// Splices that fit a document, at random: cues are removed, and others added in their place.
 std::vector<Splice>
 random_splices(std::mt19937 &random, std::vector<Cue> cues, std::size_t cells)
 {
