@@ -23,8 +23,8 @@ public:
     std::vector<std::string> edits; ///< complete lines
     bool damaged = false;           ///< it is none of ours
   };
-  /// What is in it. An unfinished last line, which was never answered, is left out and is cut off by
-  /// the next append().
+  /// What is in it. An unfinished last line, which was never answered, is left out; the next
+  /// append() cuts it off.
   tl::expected<Content, std::string> read();
 
   /// Adds an edit, after `base` if it is the first. Without room nothing has changed.

@@ -33,8 +33,8 @@ public:
   static constexpr int kMostVersions = 20;
 
   /// Opens a track in WebVTT, with the edits of its journal ("PATH.journal") if an earlier session
-  /// was cut off. If the file has changed since, the edited track is written beside it. Fails with a
-  /// text for the user.
+  /// was cut off. If the file has changed since, the edited track is written beside it. Fails with
+  /// a text for the user.
   static tl::expected<std::unique_ptr<Session>, std::string> open(const std::string &path);
 
   /// What open() did that the user should know.
