@@ -7,7 +7,7 @@
 #   play     GStreamer's plugins that decode, encode and show a film
 #   test     further dependencies of the test suite
 #   players  gst-play-1.0, GstPlay and Python bindings, for pipelines/ and examples/
-#   quality  OpenCV's saliency models, for the comparison, which omits them if they are missing
+#   quality  OpenCV's saliency models, for the comparison, which omits them if they are missing; a voice for measured.sh sound
 #   fuzz     clang with libFuzzer, for tests/fuzz
 #   analysis valgrind, clang-tidy and cppcheck, for tests/run.sh
 #   firmware cross compiler and emulator for the test of the seat sketch, which is skipped without them
@@ -28,7 +28,7 @@ declare -A packages=(
           clang-format-14 codespell git mandoc libaubio-dev espeak-ng flite libsoup2.4-1"
   [players]="gstreamer1.0-plugins-base-apps libgstreamer-plugins-bad1.0-dev python3 python3-gi gir1.2-gstreamer-1.0
              gir1.2-gst-plugins-base-1.0"
-  [quality]="libopencv-contrib-dev"
+  [quality]="libopencv-contrib-dev asterisk-core-sounds-en-g722"
   [fuzz]="clang libclang-rt-14-dev"
   [analysis]="valgrind clang-tidy cppcheck libglib2.0-dev"
   [firmware]="gcc-avr avr-libc arduino-core-avr libsimavr-dev"

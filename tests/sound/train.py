@@ -1,13 +1,15 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: LGPL-2.1-or-later
-"""Learns the weights of lib/sound/onset_weights.h and writes that file.
+"""Learns the weights of lib/sound/onset_weights.h, chooses among what it learned, and writes that file.
 
-Sounds are made by sound_features (seeds below 1000) and by espeak-ng, in other voices that say other words than those of the
-measurement. A moment is a blow if all of a few linear scores are above 0. They are learned together: the probability of a blow is the product
+Sounds are made by sound_features, and by espeak-ng and festival, in other voices that say other words than those of the
+measurement; two voices are recordings of people. Other seeds and other voices than those choose how many scores there are, and how much each
+of them has to exceed 0. The measurement has a third set. A moment is a blow if all of a few linear scores are above 0. They are learned together: the probability of a blow is the product
 of their logistic functions, and the weights are those of greatest likelihood (L-BFGS) with a small penalty on their squares. A blow has some
 moments about its begin; the most probable of them stands for it, chosen again after each fit.
 
-Usage: tests/sound/train.py BUILD [--scores=N] [--features=FILE]      BUILD: a build folder; FILE keeps the features, or has them. About 5 minutes."""
+Usage: tests/sound/train.py BUILD [--features=FOLDER]      BUILD: a build folder; FOLDER keeps the features, or has them. About TODO minutes.
+Needs espeak-ng, ffmpeg, python3-scipy, festival, festvox-kdlpc8k, festvox-ru, festvox-suopuhe-mv and asterisk-core-sounds-{fr,it,ru}-g722."""
 
 import argparse
 import csv
@@ -38,6 +40,10 @@ SPEAKERS = (
     "en-us+m5 en-gb+f1 en-us+klatt2 en+m8"
 ).split()
 NARROW = ("en+m1", "en+f2", "en-us+f4", "en-gb-x-rp+m8")  # also at 8 kHz
+LEARNED = {"espeak": SPEAKERS, "festival": ("ked_diphone", "msu_ru_nsh_clunits"), "people": ("fr_CA_f_June", "ru_RU_f_IvrvoiceRU"), "seed": 1}
+CHOSEN = {"espeak": "en+Andy en-us+linda en-gb+Alex en+steph en-us+Mike en-gb-scotland+zac".split(), "festival": ("hy_fi_mv_diphone",),
+          "people": ("it_IT_m_Carlo",), "seed": 1001}
+RECORDINGS = pathlib.Path("/usr/share/asterisk/sounds")
 
 root = pathlib.Path(__file__).resolve().parents[2]
 
@@ -46,21 +52,33 @@ def run(*command, **options):
     subprocess.run(command, check=True, **options)
 
 
-def speech(folder):
+def speech(voices, folder):
+    """Files of what these voices say, those of people and some others also at 8 kHz."""
     files = []
-    for i, speaker in enumerate(SPEAKERS):
-        wide = folder / f"{speaker}.wav"
-        run("espeak-ng", "-v", speaker, "-s", str(120 + i % 7 * 12), "-p", str(10 + i * 5 % 65), "-w", wide, TEXTS[i % len(TEXTS)])
-        files.append(wide)
+
+    def narrow():
+        files.append(files[-1].with_suffix(".narrow.wav"))
+        run("ffmpeg", "-v", "error", "-i", files[-2], "-ar", "8000", files[-1])
+
+    for i, speaker in enumerate(voices["espeak"]):
+        files.append(folder / f"{speaker}.wav")
+        run("espeak-ng", "-v", speaker, "-s", str(120 + i % 7 * 12), "-p", str(10 + i * 5 % 65), "-w", files[-1], TEXTS[i % len(TEXTS)])
         if speaker in NARROW:
-            files.append(folder / f"{speaker}-narrow.wav")
-            run("ffmpeg", "-v", "error", "-i", wide, "-ar", "8000", files[-1])
+            narrow()
+    for speaker in voices["festival"]:
+        files.append(folder / f"{speaker}.wav")
+        run("text2wave", "-eval", f"(voice_{speaker})", "-o", files[-1], input=" ".join(TEXTS), text=True)
+    for speaker in voices["people"]:
+        spoken = sorted(f for kind in ("demo", "conf", "dir") for f in (RECORDINGS / speaker).glob(f"{kind}-*.g722"))
+        files.append(folder / f"{speaker}.wav")
+        run("ffmpeg", "-v", "error", "-f", "g722", "-i", "concat:" + "|".join(map(str, spoken)), "-t", "60", files[-1])
+        narrow()
     return files
 
 
-def make_features(build, file):
+def make_features(build, voices, file):
     with tempfile.TemporaryDirectory() as folder, open(file, "w") as out:
-        run(build / "tests/sound/sound_features", *speech(pathlib.Path(folder)), stdout=out)
+        run(build / "tests/sound/sound_features", str(voices["seed"]), *speech(voices, pathlib.Path(folder)), stdout=out)
 
 
 def read_features(file):
