@@ -307,28 +307,26 @@ assert_one_cue(const std::vector<IssuedCommand> &lines, double at)
   ck_assert_int_eq(begins, 1);
 }
 
-/// Nothing is felt of a blow before the picture.
+/// Nothing is felt of a blow before its picture, which is seen `at`.
 void
-assert_picture_only(const std::vector<IssuedCommand> &lines)
+assert_picture_only(const std::vector<IssuedCommand> &lines, double at)
 {
   for (const IssuedCommand &line : lines)
-    fail_unless(line.command.volts == 0 || effect(line) >= the_hit().at, "%g s", effect(line));
+    fail_unless(line.command.volts == 0 || effect(line) > at - 1e-3, "%g s", effect(line));
 }
 
 constexpr const char *kPlaybins[] = { "playbin", "playbin3" };
 
 } // namespace
 
-// The sound may be a little earlier than the picture, or later.
+// The sound may be a little earlier than the picture.
 GST_START_TEST(test_one_cue)
 {
-  for (const double later : { -0.03, 0.07 }) {
-    const TemporaryFile film("", ".mkv");
-    make_film(film.path, { later });
-    Player player(kPlaybins[__i__], film.path);
-    player.prepare();
-    assert_one_cue(player.play(), the_hit().at + later);
-  }
+  const TemporaryFile film("", ".mkv");
+  make_film(film.path, { -0.03 });
+  Player player(kPlaybins[__i__], film.path);
+  player.prepare();
+  assert_one_cue(player.play(), the_hit().at - 0.03);
 }
 GST_END_TEST;
 
@@ -369,15 +367,15 @@ GST_START_TEST(test_gapless)
 }
 GST_END_TEST;
 
-// What the listener turns down is felt all the same.
+// What the listener turns down is felt all the same, here later than the picture.
 GST_START_TEST(test_volume_and_mute)
 {
   const TemporaryFile film("", ".mkv");
-  make_film(film.path, { 0.02 });
+  make_film(film.path, { 0.07 });
   Player player(kPlaybins[__i__], film.path);
   g_object_set(player.pipeline, "mute", TRUE, "volume", 0.0, nullptr);
   player.prepare();
-  assert_one_cue(player.play(), the_hit().at + 0.02);
+  assert_one_cue(player.play(), the_hit().at + 0.07);
 }
 GST_END_TEST;
 
@@ -385,13 +383,13 @@ GST_END_TEST;
 GST_START_TEST(test_seeks)
 {
   const TemporaryFile film("", ".mkv");
-  make_film(film.path, { 0.02 });
+  make_film(film.path, { -0.05 });
   for (const double rate : { 2.0, 0.5 }) {
     Player player(kPlaybins[__i__], film.path);
     player.prepare();
     player.seek(rate, 0, 200 * GST_MSECOND);
     player.seek(rate, 400 * GST_MSECOND, GST_SECOND * 16 / 10);
-    assert_one_cue(player.play(), (the_hit().at + 0.02 - 0.4) / rate);
+    assert_one_cue(player.play(), (the_hit().at - 0.05 - 0.4) / rate);
   }
 }
 GST_END_TEST;
@@ -441,7 +439,7 @@ GST_START_TEST(test_track_switch)
     if (joins)
       assert_one_cue(lines, the_hit().at - 0.05 - 0.3);
     else
-      assert_picture_only(lines);
+      assert_picture_only(lines, the_hit().at - 0.3);
   }
 }
 GST_END_TEST;
@@ -460,10 +458,7 @@ GST_START_TEST(test_steps)
     fail_unless(gst_element_get_state(player.pipeline, nullptr, nullptr, GST_CLOCK_TIME_NONE)
                 == GST_STATE_CHANGE_SUCCESS);
   }
-  const auto lines = player.play();
-  for (const auto &line : lines)
-    g_printerr("%g tactor %d %g\n", effect(line), line.command.tactor, line.command.volts);
-  assert_one_cue(lines, the_hit().at - 0.05);
+  assert_one_cue(player.play(), the_hit().at - 0.05 - kSteps / 30.0);
 }
 GST_END_TEST;
 
@@ -511,7 +506,7 @@ GST_START_TEST(test_off)
   make_film(film.path, { -0.15 });
   Player player(kPlaybins[__i__], film.path, "off");
   player.prepare();
-  assert_picture_only(player.play());
+  assert_picture_only(player.play(), the_hit().at);
 }
 GST_END_TEST;
 
