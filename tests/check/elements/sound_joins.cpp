@@ -489,7 +489,7 @@ GST_START_TEST(test_gap_of_sound)
   make_film(film.path, { -0.05 });
   Player player(kPlaybins[__i__], film.path);
   const double at = the_hit().at - 0.05;
-  Gap gap{ static_cast<GstClockTime>((at + 0.01) * GST_SECOND) };
+  Gap gap{ static_cast<GstClockTime>((at + 0.005) * GST_SECOND) };
   g_autoptr(GstPad) pad = gst_element_get_static_pad(player.sound, "sink");
   gst_pad_add_probe(pad, GST_PAD_PROBE_TYPE_BUFFER, make_gap, &gap, nullptr);
   player.prepare();
