@@ -7,7 +7,7 @@
 #   play     GStreamer's plugins that decode, encode and show a film
 #   test     further dependencies of the test suite
 #   players  gst-play-1.0, GstPlay and Python bindings, for pipelines/ and examples/
-#   quality  OpenCV's saliency models, for the comparison, which omits them if they are missing; a voice for measured.sh sound
+#   quality  OpenCV's saliency models, for the comparison, which omits them if they are missing
 #   fuzz     clang with libFuzzer, for tests/fuzz
 #   analysis valgrind, clang-tidy and cppcheck, for tests/run.sh
 #   firmware cross compiler and emulator for the test of the seat sketch, which is skipped without them
@@ -25,10 +25,10 @@ declare -A packages=(
   [test]="python3 python3-gi gir1.2-gstreamer-1.0 gir1.2-gst-plugins-base-1.0 gir1.2-gst-rtsp-server-1.0 xvfb gstreamer1.0-opencv
           umockdev libumockdev-dev libx11-6 gst123 totem parole clapper gir1.2-gtk-4.0 libgtk-4-media-gstreamer gir1.2-webkit2-4.1 iproute2 linuxptp gstreamer1.0-plugins-bad gstreamer1.0-gl libgl1-mesa-dri
           parallel python3-websockets python3-webvtt python3-aeidon ffmpeg mkvtoolnix dbus-daemon libglib2.0-bin pulseaudio pipewire pipewire-pulse wireplumber mpv python3-opencv python3-scipy python3-numpy
-          clang-format-14 codespell git mandoc libaubio-dev espeak-ng flite libsoup2.4-1"
+          clang-format-14 codespell git mandoc libaubio-dev espeak-ng flite asterisk-core-sounds-en-g722 libsoup2.4-1"
   [players]="gstreamer1.0-plugins-base-apps libgstreamer-plugins-bad1.0-dev python3 python3-gi gir1.2-gstreamer-1.0
              gir1.2-gst-plugins-base-1.0"
-  [quality]="libopencv-contrib-dev asterisk-core-sounds-en-g722"
+  [quality]="libopencv-contrib-dev"
   [fuzz]="clang libclang-rt-14-dev"
   [analysis]="valgrind clang-tidy cppcheck libglib2.0-dev"
   [firmware]="gcc-avr avr-libc arduino-core-avr libsimavr-dev"

@@ -61,8 +61,8 @@ OnsetFeatures::follow_voices(double voicing)
   now.spoken
       = last.spoken + kForgotten * (std::clamp((voicing - 0.5) / 0.4, 0.0, 1.0) - last.spoken);
   now.loudest = std::max({ now.whole, last.loudest - kFadedDb, kWholeFloor });
-  now.loud_voice = std::max({ voicing > kVoiced ? now.whole : kWholeFloor,
-                              last.loud_voice - kFadedDb, kWholeFloor });
+  now.loud_voice = std::max(
+      { voicing > kVoiced ? now.whole : kWholeFloor, last.loud_voice - kFadedDb, kWholeFloor });
 }
 
 bool

@@ -45,7 +45,7 @@ private:
     Powers uneven{}; ///< dB
     Powers power{};
     double voicing = 0;
-    double spoken = 0;   ///< how much of the last half second was voiced
+    double spoken = 0;               ///< how much of the last half second was voiced
     double whole = kWholeFloor;      ///< dB of all bands
     double loudest = kWholeFloor;    ///< the most of that; forgotten by 10 dB a second
     double loud_voice = kWholeFloor; ///< the same of what was voiced

@@ -266,7 +266,8 @@ voices(std::span<char *> names)
   std::puts(
       "\n## Voices alone\n\n"
       "Voices at −20 dB of full scale, in silence and in white noise at −60 dB: espeak-ng's, and\n"
-      "flite's, which are made of recordings of people. kal has a rate of 8 kHz. Allison is a person\n"
+      "flite's, which are made of recordings of people. kal has a rate of 8 kHz. Allison is a "
+      "person\n"
       "who speaks Asterisk's announcements, at 16 and at 8 kHz.\n\n"
       "| voice | seconds | on in silence | on in noise |\n|---|---|---|---|");
   const auto speakers = sound::usual_speakers(1);

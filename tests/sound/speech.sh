@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: LGPL-2.1-or-later
 # Writes what voices of espeak-ng and flite and a person say, a WAV file each. None was learned from or chosen by.
-# The person's recordings are those of asterisk-core-sounds-en-g722 (tools/setup.sh quality).
+# The person's recordings are those of asterisk-core-sounds-en-g722 (tools/setup.sh).
 #
 # Usage: speech.sh FOLDER
 set -euo pipefail
