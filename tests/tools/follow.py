@@ -249,7 +249,7 @@ def has_no_track(screen):
     mpv = Mpv(str(work / "other.mkv"), screen)
     (work / "other.vtt").write_text("WEBVTT\n\n00:01.000 --> 00:02.000\nHello!\n", encoding="utf-8")
     with open(work / "log", "w", encoding="utf-8") as log:
-        follower = subprocess.Popen([FOLLOW, f"--mpv={mpv.path}", "--driver=simulator", f"--tracks={work / 'tracks'}"], stderr=log)
+        follower = subprocess.Popen([FOLLOW, f"--mpv={mpv.path}", "--driver=simulator", f"--tracks={work / 'tracks'}", "--no-drafts"], stderr=log)
     started.append(follower)
     said = lambda: (work / "log").read_text(encoding="utf-8")
     # Subtitles are no track.
