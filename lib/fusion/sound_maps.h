@@ -23,8 +23,8 @@ struct SoundMap
 };
 
 /// Where the sound of a pipeline meets its picture: who hears the film writes, who plays it reads.
-/// Several may hear different sounds of one film, such as its voices and its music. Nobody waits for
-/// the other. Any thread.
+/// Several may hear different sounds of one film, such as its voices and its music. Nobody waits
+/// for the other. Any thread.
 class SoundMaps
 {
 public:
@@ -37,8 +37,8 @@ public:
   /// By anybody.
   bool is_heard() const;
 
-  /// Takes the place of all that `who`, who hears, knew from `map.begin` on: sound that comes again,
-  /// as of another language, is not felt twice.
+  /// Takes the place of all that `who`, who hears, knew from `map.begin` on: sound that comes
+  /// again, as of another language, is not felt twice.
   void add(const void *who, SoundMap map);
 
   /// The film was sought in.

@@ -8,7 +8,7 @@ of them has to exceed 0. The measurement has a third set. A moment is a blow if 
 of their logistic functions, and the weights are those of greatest likelihood (L-BFGS) with a small penalty on their squares. A blow has some
 moments about its begin; the most probable of them stands for it, chosen again after each fit.
 
-Usage: tests/sound/train.py BUILD [--features=FOLDER]      BUILD: a build folder; FOLDER keeps the features, or has them. About TODO minutes.
+Usage: tests/sound/train.py BUILD [--features=FOLDER]      BUILD: a build folder; FOLDER keeps the features, or has them. About 15 minutes.
 Needs espeak-ng, ffmpeg, python3-scipy, festival, festvox-kdlpc8k, festvox-ru, festvox-suopuhe-mv and asterisk-core-sounds-{fr,it,ru}-g722."""
 
 import argparse
