@@ -155,7 +155,8 @@ out=$root/docs/measured/$page.md
 
 The timeline of a track of 20 000 cues in 67 minutes, on 3 x 3 cells, with a draft of as many,
 thumbnails, sound, shot cuts and warnings, in Chromium of 1280 x 800 without a screen or a GPU, whose
-frames are 16.7 ms apart at best. The script's share is that of this page's own code.
+frames are 16.7 ms apart at best. The script is this page's own code; CPU is the time of all of the
+browser's threads, of which two cores have 33.3 ms a frame.
 
 CAPTION
       /usr/bin/python3 "$here/../desk/frames.py" 15
