@@ -235,7 +235,7 @@ GST_START_TEST(test_bus)
   stage.own(kName);
   stage.own("org.example.no_player");
   std::vector<std::string> told;
-  MprisBus names(stage.ours.get(),
+  MprisBus names(stage.ours.get(), "",
                  { .appeared = [&](const std::string &name) { told.push_back("+" + name); },
                    .vanished =
                        [&](const std::string &name) {
