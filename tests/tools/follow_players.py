@@ -8,6 +8,7 @@ import os
 import signal
 import socket
 import subprocess
+import sys
 import time
 
 import gi
@@ -15,6 +16,7 @@ import gi
 gi.require_version("Gio", "2.0")
 from gi.repository import Gio, GLib  # noqa: E402
 
+signal.signal(signal.SIGTERM, lambda *_: sys.exit("ended by SIGTERM"))  # so that the players are ended, too
 NOBODY = {"user": 65534, "group": 65534, "extra_groups": []} if os.geteuid() == 0 else {}
 BUS = """<busconfig><type>session</type><listen>unix:tmpdir=/tmp</listen><auth>EXTERNAL</auth>
 <policy context="default"><allow user="*"/><allow own="*"/><allow send_destination="*" eavesdrop="true"/><allow eavesdrop="true"/></policy></busconfig>"""
@@ -231,7 +233,7 @@ class Kodi(Player):
         return self._do("Player.PlayPause", play=False)
 
     def seek(self, by):
-        return self._do("Player.Seek", value={"seconds": by})
+        return self._do("Player.Seek", value={"seconds": round(by)})
 
     def rate(self, rate):
-        return self._do("Player.SetTempo", tempo=rate)
+        return self._do("Player.SetSpeed", speed=rate)

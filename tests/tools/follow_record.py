@@ -32,7 +32,8 @@ try:
     make_film(folder / "film.mkv", int(6 * SECONDS) + 40)
     player = PLAYER(folder / "film.mkv", stage)
     where = {"mpv": lambda: ["mpv", player.path], "vlc": lambda: ["mpris", "vlc"], "kodi": lambda: ["kodi", f"127.0.0.1:{player.port}"]}[player.kind]()
-    with subprocess.Popen([os.environ["RECORD"], *where], stdout=subprocess.PIPE, text=True, env=dict(os.environ, DBUS_SESSION_BUS_ADDRESS=stage.bus.address)) as record:
+    record = subprocess.Popen([os.environ["RECORD"], *where], stdout=subprocess.PIPE, text=True, env=dict(os.environ, DBUS_SESSION_BUS_ADDRESS=stage.bus.address))
+    try:
         time.sleep(0.5)
         player.play()
         time.sleep(SECONDS)
@@ -44,10 +45,12 @@ try:
         time.sleep(SECONDS)
         player.rate(2 if PLAYER is Kodi else 1.25)
         time.sleep(SECONDS)
+    finally:
         player.kill()
         time.sleep(0.5)
         record.terminate()
         lines = record.stdout.read().splitlines()
+        record.wait()
     lines += [f"frame,{int((earliest + latest) / 2 * 1e9)},{int(position * 1e9)}" for earliest, latest, position in stage.screen.frames if latest - earliest < KNOWN_TO]
     lines.sort(key=lambda line: int(line.split(",")[1]))
     pathlib.Path(sys.argv[2]).write_text("\n".join(lines) + "\n", encoding="utf-8")

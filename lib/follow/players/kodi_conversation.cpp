@@ -218,9 +218,10 @@ KodiConversation::has_players(JsonObject *fields, Time now)
     if (json::text(one, "type") == "video")
       player_ = json::integer(one, "playerid", 0, kMostPlayers);
   }
-  if (player_)
-    return { .questions = ask_for_item() + ask_for_position(now) };
-  return is_over(now);
+  if (!player_)
+    return is_over(now);
+  const std::string item = ask_for_item();
+  return { .questions = item + ask_for_position(now) };
 }
 
 KodiConversation::Heard

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <memory>
+#include <set>
 #include <utility>
 
 namespace follow {
@@ -90,9 +91,12 @@ MprisBus::on_names(GObject *bus, GAsyncResult *result, gpointer data)
   GVariantIter iterator;
   g_variant_iter_init(&iterator, names);
   const gchar *name = nullptr;
+  std::set<std::string> wanted; // the shorter of two names first
   while (g_variant_iter_next(&iterator, "&s", &name))
     if (self->is_wanted(name))
-      self->ask_for_owner(name);
+      wanted.insert(name);
+  for (const std::string &one : wanted)
+    self->ask_for_owner(one);
 }
 
 void
