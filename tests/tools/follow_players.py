@@ -96,7 +96,7 @@ class Mpv(Player):
         super().__init__(["mpv", "--no-config", "--vo=x11", "--ao=null", "--fullscreen", "--pause", "--no-osc", f"--input-ipc-server={self.path}", str(film)], stage)
         self.line = socket.socket(socket.AF_UNIX)
         wait_until("mpv's socket", self._connects)
-        self.how, self.name, self.gone = [f"--mpv={self.path}"], f"mpv at {self.path}", "it has closed its connection"
+        self.how, self.name = [f"--mpv={self.path}"], f"mpv at {self.path}"
 
     def _connects(self):
         try:
@@ -130,11 +130,11 @@ class Vlc(Player):
     bus_name, path = "org.mpris.MediaPlayer2.vlc", "/org/mpris/MediaPlayer2"
 
     def __init__(self, film, stage):
-        super().__init__(["vlc", "-I", "dummy", "--control=dbus", "--no-audio", "--vout=xcb_x11", "--fullscreen", "--no-video-title-show", "--no-spu", "--no-osd",
-                          "--no-inhibit", "--start-paused", film.as_uri()], stage)
+        super().__init__(["vlc", "-I", "dummy", "--no-audio", "--vout=xcb_x11", "--fullscreen", "--no-video-title-show", "--no-spu", "--no-osd",
+                          "--start-paused", film.as_uri()], stage)
         self.bus = stage.bus.connection()
         wait_until("VLC on the bus", self._is_paused)
-        self.how, self.name, self.gone = ["--mpris=vlc"], "vlc", "it has left the bus"
+        self.how, self.name = ["--mpris=vlc"], "vlc"
 
     def _is_paused(self):
         assert self.is_alive(), "VLC has ended"
@@ -179,7 +179,7 @@ class Kodi(Player):
         super().__init__(["kodi", "--windowing=x11", "--gl-interface=glx", "--audio-backend=null"], stage, LIBGL_ALWAYS_SOFTWARE="1")
         self.line, self.id, self.bytes = socket.socket(), 0, ""
         wait_until("Kodi's port", self._connects)
-        self.how, self.name, self.gone = [f"--kodi=127.0.0.1:{self.port}"], "kodi", "it has closed its connection"
+        self.how, self.name = [f"--kodi=127.0.0.1:{self.port}"], "kodi"
         wait_until("Kodi", lambda: self._call("JSONRPC.Ping") == "pong")
         self._call("Player.Open", item={"file": str(film)})
         wait_until("the film", lambda: self._call("Player.GetActivePlayers"))
