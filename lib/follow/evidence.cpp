@@ -41,7 +41,7 @@ time(double nanoseconds)
 
 Evidence::Evidence(const Report &first, const Habits &habits)
     : habits_(habits), began_(first.received), position_(first.position.value_or(Time(0))),
-      rate_(first.rate), asked_(first.asked.has_value())
+      rate_(first.rate)
 {
   add(first);
 }
@@ -106,6 +106,7 @@ Evidence::fits(const Report &report) const
 void
 Evidence::add(const Report &report)
 {
+  asked_ = asked_ || report.asked.has_value();
   bounds_.push_back(bounds(report));
   if (bounds_.size() > kMost)
     bounds_.pop_front();

@@ -52,7 +52,7 @@ private:
   /// Kodi 20 renews its time each 0.2 s, and seldom later. A hundredth of a second times the golden
   /// section, so that questions never fall in step with that.
   static constexpr guint kAskEvery = 62; ///< ms
-  static constexpr Time kCoarseness = std::chrono::milliseconds(350);
+  static constexpr Time kCoarseness = std::chrono::milliseconds(300);
 
   bool received(std::string_view bytes, Time now)
   {
