@@ -57,9 +57,11 @@
 #include "filmanalysis.h"
 #include "framemapping.h"
 #include "framereader.h"
+#include "frametimes.h"
 #include "gst/video/video_direction.h"
 #include "gst/video/writable_frame.h"
 #include "saliencysettings.h"
+#include "saliencystatistics.h"
 #include "tactile/cue_limiter.h"
 
 #include <gst/tactile/tactile.h>
@@ -77,22 +79,6 @@ GST_DEBUG_CATEGORY_STATIC(saliency_tactile_debug);
 
 #define ROI_WEIGHTS_FORM "write them as type=weight,type=weight, for example face=3,logo=0"
 
-namespace {
-
-struct Statistics
-{
-  guint64 frames = 0;   ///< passed
-  guint64 analyzed = 0; ///< of frames
-  guint64 active = 0;   ///< frames with any level above zero
-  GstClockTime busy = 0;
-  GstClockTime longest = 0;
-  people::People::Statistics people;
-  FrameReader::Path path = FrameReader::Path::none;
-  guint64 bytes = 0; ///< of small pictures
-};
-
-} // namespace
-
 struct GstSaliencyTactilePrivate
 {
   explicit GstSaliencyTactilePrivate(GstElement *self) : reader(self)
@@ -100,7 +86,7 @@ struct GstSaliencyTactilePrivate
   }
 
   SaliencySettings settings;           ///< object lock
-  Statistics stats;                    ///< object lock
+  SaliencyStatistics stats;            ///< object lock
   std::atomic<bool> late = false;      ///< frames come late downstream (QoS)
   std::atomic<bool> asks_grid = false; ///< of downstream, before the next frame
 
@@ -112,8 +98,8 @@ struct GstSaliencyTactilePrivate
   OrientationTags tags;
   tactile::Orientation orientation; ///< of the last frame
   tactile::CueLimiter limiter;
-  saliency::Time next_time{ 0 }; ///< for frames without one
-  guint rows = 0;                ///< that downstream asks for
+  FrameTimes times;
+  guint rows = 0; ///< that downstream asks for
   guint columns = 0;
   bool warned_map = false;
   bool warned_size = false;
@@ -153,32 +139,6 @@ gst_saliency_tactile_forget(GstSaliencyTactile *self)
   GstSaliencyTactilePrivate *priv = self->priv;
   priv->analysis.forget();
   priv->limiter.reset();
-}
-
-/// Time and duration of a frame, on a time line that rises in reverse playback, too.
-static void
-gst_saliency_tactile_times(GstSaliencyTactile *self, GstBuffer *buffer, saliency::Time &time,
-                           saliency::Time &duration)
-{
-  GstSaliencyTactilePrivate *priv = self->priv;
-  const GstSegment &segment = GST_BASE_TRANSFORM(self)->segment;
-  const GstVideoInfo &info = priv->info;
-
-  GstClockTime length = GST_BUFFER_DURATION(buffer);
-  if (!GST_CLOCK_TIME_IS_VALID(length))
-    length = info.fps_n > 0 ? gst_util_uint64_scale_int(GST_SECOND, info.fps_d, info.fps_n)
-                            : GST_SECOND / 30;
-  duration = saliency::Time(static_cast<gint64>(std::min<GstClockTime>(length, 3600 * GST_SECOND)));
-
-  // Clamped to thirty years: sums do not overflow.
-  constexpr GstClockTime kLatest = 1'000'000'000'000'000'000;
-  const GstClockTime pts = GST_BUFFER_PTS(buffer);
-  const saliency::Time shown(static_cast<gint64>(std::min(pts, kLatest)));
-  if (!GST_CLOCK_TIME_IS_VALID(pts))
-    time = priv->next_time;
-  else
-    time = segment.format == GST_FORMAT_TIME && segment.rate < 0 ? -shown : shown;
-  priv->next_time = std::min(time, saliency::Time(static_cast<gint64>(kLatest))) + duration;
 }
 
 /// Updates the orientation. A new one resets the cue limits, as cells have moved.
@@ -259,15 +219,11 @@ gst_saliency_tactile_count(GstSaliencyTactile *self, std::span<const float> felt
 {
   const people::People::Statistics people = self->priv->analysis.people_statistics();
   GST_OBJECT_LOCK(self);
-  Statistics &stats = self->priv->stats;
+  SaliencyStatistics &stats = self->priv->stats;
   stats.people = people;
   stats.path = self->priv->reader.path();
   stats.bytes = self->priv->reader.bytes();
-  stats.frames++;
-  stats.analyzed += spent ? 1 : 0;
-  stats.active += std::ranges::any_of(felt, [](float level) { return level > 0; }) ? 1 : 0;
-  stats.busy += spent.value_or(0);
-  stats.longest = std::max(stats.longest, spent.value_or(0));
+  stats.count(felt, spent);
   GST_OBJECT_UNLOCK(self);
 }
 
@@ -311,9 +267,7 @@ gst_saliency_tactile_transform_ip(GstBaseTransform *transform, GstBuffer *buffer
     return GST_FLOW_OK;
   }
 
-  saliency::Time time;
-  saliency::Time duration;
-  gst_saliency_tactile_times(self, buffer, time, duration);
+  const auto [time, duration] = priv->times.of(buffer, priv->info, transform->segment);
   gst_saliency_tactile_orient(self, settings);
 
   // Between two analyses the last map holds, unless the grid changed or time jumped.
@@ -355,18 +309,9 @@ static GstStructure *
 gst_saliency_tactile_stats(GObject *object)
 {
   GST_OBJECT_LOCK(object);
-  const Statistics stats = GST_SALIENCY_TACTILE(object)->priv->stats;
+  const SaliencyStatistics stats = GST_SALIENCY_TACTILE(object)->priv->stats;
   GST_OBJECT_UNLOCK(object);
-  const people::DetectionThread::Statistics &looks = stats.people.looks;
-  return gst_structure_new(
-      "application/x-saliency-stats", "frames", G_TYPE_UINT64, stats.frames, "analyzed",
-      G_TYPE_UINT64, stats.analyzed, "active", G_TYPE_UINT64, stats.active, "analysis-mean",
-      G_TYPE_UINT64, stats.analyzed ? stats.busy / stats.analyzed : 0, "analysis-max",
-      G_TYPE_UINT64, stats.longest, "faces", G_TYPE_UINT64,
-      static_cast<guint64>(stats.people.faces), "looks", G_TYPE_UINT64,
-      static_cast<guint64>(looks.detections), "look-mean", G_TYPE_UINT64,
-      static_cast<guint64>(looks.detections ? looks.busy.count() / looks.detections : 0), "path",
-      G_TYPE_STRING, name_of(stats.path), "bytes-read", G_TYPE_UINT64, stats.bytes, nullptr);
+  return stats.to_structure();
 }
 
 /* ---- stream ---- */
@@ -377,7 +322,7 @@ gst_saliency_tactile_reset(GstSaliencyTactile *self)
   GstSaliencyTactilePrivate *priv = self->priv;
   priv->analysis.reset();
   priv->limiter.reset();
-  priv->next_time = saliency::Time(0);
+  priv->times.reset();
 }
 
 /// What is known of caps that GstVideoInfo does not know.

@@ -46,12 +46,12 @@ bool
 answer_grid(GstObject *element, GstQuery *query)
 {
   g_autoptr(GstPad) tactile = gst_element_get_static_pad(GST_ELEMENT(element), "tactile");
-  if (!asks_grid_of_frames(query) || !gst_pad_is_linked(tactile))
+  if (!is_grid_query(query) || !gst_pad_is_linked(tactile))
     return false;
   guint rows = 0;
   guint columns = 0;
   wanted_grid(tactile, &rows, &columns);
-  answer_grid_of_frames(query, rows, columns);
+  answer_grid_query(query, rows, columns);
   return true;
 }
 

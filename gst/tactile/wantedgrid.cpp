@@ -8,14 +8,44 @@
 static constexpr guint kPaperSide = 3;
 static constexpr const gchar *kName = "tactile-grid"; ///< of query and event
 
+namespace {
+
+/// False if nobody downstream of `pad` prefers a grid. Behind a tee the first one counts.
+bool
+ask(GstPad *pad, guint *rows, guint *columns)
+{
+  g_autoptr(GstQuery) query
+      = gst_query_new_custom(GST_QUERY_CUSTOM, gst_structure_new_empty(kName));
+  if (!gst_pad_peer_query(pad, query)
+      || !gst_structure_get(gst_query_get_structure(query), "rows", G_TYPE_UINT, rows, "columns",
+                            G_TYPE_UINT, columns, nullptr))
+    return false;
+  for (guint *side : { rows, columns })
+    *side = std::clamp<guint>(*side, 1, GST_TACTILE_MAX_SIDE);
+  return true;
+}
+
+bool
+allows(GstCaps *caps, guint rows, guint columns)
+{
+  g_autoptr(GstCaps) maps
+      = gst_caps_new_simple(GST_TACTILE_MAP_MEDIA_TYPE, "rows", G_TYPE_INT, static_cast<gint>(rows),
+                            "columns", G_TYPE_INT, static_cast<gint>(columns), nullptr);
+  return gst_caps_can_intersect(caps, maps);
+}
+
+} // namespace
+
 void
 wanted_grid(GstPad *pad, guint *rows, guint *columns)
 {
-  *rows = *columns = kPaperSide;
   GstCaps *caps = gst_pad_get_pad_template_caps(pad);
   GstCaps *allowed = gst_pad_peer_query_caps(pad, caps);
   gst_caps_unref(caps);
-  if (!gst_caps_is_empty(allowed) && !gst_caps_is_any(allowed)) {
+  const bool asked = ask(pad, rows, columns) && allows(allowed, *rows, *columns);
+  if (!asked)
+    *rows = *columns = kPaperSide;
+  if (!asked && !gst_caps_is_empty(allowed) && !gst_caps_is_any(allowed)) {
     allowed = gst_caps_truncate(gst_caps_make_writable(allowed));
     GstStructure *structure = gst_caps_get_structure(allowed, 0);
     gst_structure_fixate_field_nearest_int(structure, "rows", kPaperSide);
@@ -28,26 +58,19 @@ wanted_grid(GstPad *pad, guint *rows, guint *columns)
 void
 wanted_grid_of_frames(GstPad *pad, guint *rows, guint *columns)
 {
-  *rows = *columns = kPaperSide;
-  g_autoptr(GstQuery) query
-      = gst_query_new_custom(GST_QUERY_CUSTOM, gst_structure_new_empty(kName));
-  if (!gst_pad_peer_query(pad, query))
-    return;
-  gst_structure_get(gst_query_get_structure(query), "rows", G_TYPE_UINT, rows, "columns",
-                    G_TYPE_UINT, columns, nullptr);
-  for (guint *side : { rows, columns })
-    *side = std::clamp<guint>(*side, 1, GST_TACTILE_MAX_SIDE);
+  if (!ask(pad, rows, columns))
+    *rows = *columns = kPaperSide;
 }
 
 bool
-asks_grid_of_frames(GstQuery *query)
+is_grid_query(GstQuery *query)
 {
   return GST_QUERY_TYPE(query) == GST_QUERY_CUSTOM
          && gst_structure_has_name(gst_query_get_structure(query), kName);
 }
 
 void
-answer_grid_of_frames(GstQuery *query, guint rows, guint columns)
+answer_grid_query(GstQuery *query, guint rows, guint columns)
 {
   gst_structure_set(gst_query_writable_structure(query), "rows", G_TYPE_UINT, rows, "columns",
                     G_TYPE_UINT, columns, nullptr);

@@ -1,20 +1,20 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 //
-// Which grid maps should have. A stream of maps is asked by its caps. Frames, whose caps have no
-// grid, are asked by a query. Who prefers another grid than before tells upstream by an event.
+// Which grid maps should have. Those who play maps are asked by a query, as caps of frames have no
+// grid and a tee mixes the preferences in caps. The grid of a stream of maps is one that its caps
+// allow. Who prefers another grid than before tells upstream by an event.
 #pragma once
 
 #include <gst/gst.h>
 
 /// Grid of maps: the one that downstream of `pad` prefers, else the one nearest to the paper's
-/// 3 × 3 that it accepts.
+/// 3 × 3 that it accepts. Not serialized: does not wait for frames in queues.
 void wanted_grid(GstPad *pad, guint *rows, guint *columns);
 
-/// The same for maps on frames; 3 × 3 if nobody downstream of `pad` plays their maps. Not
-/// serialized: does not wait for frames in queues.
+/// The same for maps on frames; 3 × 3 if nobody downstream of `pad` plays their maps.
 void wanted_grid_of_frames(GstPad *pad, guint *rows, guint *columns);
-bool asks_grid_of_frames(GstQuery *query);
-void answer_grid_of_frames(GstQuery *query, guint rows, guint columns);
+bool is_grid_query(GstQuery *query);
+void answer_grid_query(GstQuery *query, guint rows, guint columns);
 
 /// For upstream: ask again. Whoever chooses the grid keeps the event.
 GstEvent *new_grid_event();

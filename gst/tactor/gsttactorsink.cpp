@@ -42,14 +42,17 @@
  * `driver=bhaptics` plays on a suit of bHaptics, `driver=intiface` on a device that
  * #GstTactorSink:device names, both by a server on this or another computer. A map of any grid is
  * pooled to their motors; where a cell has several motors, #GstTactorSink:max-active counts cells.
+ * The picture waits for the server, too, [up to 150
+ * ms](../design/tactorsink.md#latency-of-a-server).
  * See [a vest as a chair](../hardware/vest.md) and [a device of Intiface as a
  * chair](../hardware/intiface.md).
  *
  * ## The grid
  * A device whose motors have places, such as a vest or a gamepad, prefers maps of its own grid, and
  * takes any other. saliencytactile, also before a tactileextractor, and soundtactile follow unless
- * their grid is set. They know it once the device is open: maps before that may be of 3 × 3. With
- * #GstTactorSink:mapping there is no preference.
+ * their grid is set. They know it once the device is open: maps before that may be of 3 × 3. Of two
+ * devices behind a tee the first one's grid is taken. With #GstTactorSink:mapping there is no
+ * preference.
  *
  * ## Limits
  * #GstTactorSink:max-on-time, #GstTactorSink:max-duty and #GstTactorSink:max-active spare motors
@@ -89,9 +92,10 @@
  */
 #include "gsttactorsink.h"
 
+#include "../pooldemand.h"
 #include "queuewatch.h"
 #include "tactormessages.h"
-#include "tactorplanning.h"
+#include "tactorplay.h"
 #include "tactorsession.h"
 #include "tactorsettings.h"
 #include "tactorurihandler.h"
@@ -101,7 +105,6 @@
 
 #include <algorithm>
 #include <atomic>
-#include <cmath>
 #include <optional>
 #include <thread>
 #include <utility>
@@ -114,22 +117,20 @@ GST_DEBUG_CATEGORY(tactor_sink_debug);
 struct GstTactorSinkPrivate
 {
   explicit GstTactorSinkPrivate(GstTactorSink *sink)
-      : planning(GST_ELEMENT(sink)), session(GST_BASE_SINK(sink)), queue_watch(GST_ELEMENT(sink))
+      : session(GST_BASE_SINK(sink)), play(GST_BASE_SINK(sink), session),
+        queue_watch(GST_ELEMENT(sink))
   {
   }
 
-  TactorSettings settings;       ///< guarded by the object lock
-  tactor::LimitCounters limited; ///< guarded by the object lock
+  TactorSettings settings; ///< guarded by the object lock
 
-  TactorPlanning planning;          ///< streaming thread, or while it is stopped
-  bool plans = false;               ///< planning was started; as planning
-  Time flushed_at{ 0 };             ///< running time of the last flush
+  TactorSession session;
+  TactorPlay play;
   std::atomic<bool> ended{ false }; ///< end of stream
 
   std::atomic<bool> flushed{ false }; ///< and no map came since
   ClockRest clock_rest;
 
-  TactorSession session;
   QueueWatch queue_watch; ///< changes of state only
 };
 
@@ -159,122 +160,36 @@ static GstStructure *
 gst_tactor_sink_stats(GObject *object)
 {
   const TactorScheduler &scheduler = scheduler_of(object);
-  GST_OBJECT_LOCK(object);
-  const tactor::LimitCounters limited = GST_TACTOR_SINK(object)->priv->limited;
-  GST_OBJECT_UNLOCK(object);
   return tactor_stats_new(scheduler.counters(), scheduler.driver_status(),
-                          scheduler.transport_latency(), limited, scheduler.scheduling());
+                          scheduler.transport_latency(),
+                          GST_TACTOR_SINK(object)->priv->play.limited(), scheduler.scheduling());
 }
 
-/* ---- planning (streaming thread) ---- */
-
-static GstSegment
-gst_tactor_sink_segment(GstTactorSink *self)
-{
-  GST_OBJECT_LOCK(self);
-  const GstSegment segment = GST_BASE_SINK(self)->segment;
-  GST_OBJECT_UNLOCK(self);
-  return segment;
-}
-
-/// Hands a plan to the scheduler.
-static void
-gst_tactor_sink_push(GstTactorSink *self, const TactorPlanning::Plan &plan)
-{
-  GstTactorSinkPrivate *priv = self->priv;
-  GST_OBJECT_LOCK(self);
-  priv->limited = priv->planning.limited();
-  GST_OBJECT_UNLOCK(self);
-  scheduler_of(self).push(plan.commands, plan.end + TactorStream::kHold,
-                          priv->session.read_timing().now().value_or(Time::min()));
-}
-
-static GstFlowReturn
-gst_tactor_sink_play_map(GstTactorSink *self, GstBuffer *buffer)
-{
-  GstTactorSinkPrivate *priv = self->priv;
-
-  if (const std::optional<Time> starved = scheduler_of(self).take_starved())
-    priv->planning.silenced(*starved);
-  const GstSegment segment = gst_tactor_sink_segment(self);
-  if (priv->session.is_missed(segment, GST_BUFFER_PTS(buffer)))
-    return GST_FLOW_OK;
-  // The base class drops frames that a step skips, but not the one at its end.
-  if (!priv->planning.is_shown(GST_BUFFER_PTS(buffer), GST_BUFFER_DURATION(buffer), segment))
-    return GST_FLOW_OK;
-  GST_OBJECT_LOCK(self);
-  tactor::PlannerSettings settings = priv->settings.planner;
-  GST_OBJECT_UNLOCK(self);
-  settings.transport_latency = scheduler_of(self).transport_latency();
-  const std::optional<TactorPlanning::Plan> plan
-      = priv->planning.plan_map(buffer, segment, std::move(settings));
-  if (!plan)
-    return GST_FLOW_ERROR;
-  gst_tactor_sink_push(self, *plan);
-  return GST_FLOW_OK;
-}
-
-/// Waits until the board is open and starts planning for it.
-static GstFlowReturn
-gst_tactor_sink_wait_until_open(GstTactorSink *self)
-{
-  GstTactorSinkPrivate *priv = self->priv;
-
-  if (priv->plans)
-    return GST_FLOW_OK;
-  const GstFlowReturn ret = priv->session.wait_until_open();
-  if (ret != GST_FLOW_OK)
-    return ret;
-  TactorOpening &opening = priv->session.opening();
-  priv->planning.start(opening.planner, opening.tactors, opening.layout, std::move(opening.motors));
-  priv->plans = true;
-  return GST_FLOW_OK;
-}
+/* ---- the stream ---- */
 
 static GstFlowReturn
 gst_tactor_sink_render(GstBaseSink *sink, GstBuffer *buffer)
 {
-  GstTactorSink *self = GST_TACTOR_SINK(sink);
+  GstTactorSinkPrivate *priv = GST_TACTOR_SINK(sink)->priv;
 
-  if (const GstFlowReturn ret = gst_tactor_sink_wait_until_open(self); ret != GST_FLOW_OK)
+  if (const GstFlowReturn ret = priv->play.wait_until_open(); ret != GST_FLOW_OK)
     return ret;
-  properties::sync_values(self, gst_tactor_sink_segment(self), GST_BUFFER_PTS(buffer));
-  if (scheduler_of(self).failed())
+  GST_OBJECT_LOCK(sink);
+  const GstSegment segment = sink->segment;
+  GST_OBJECT_UNLOCK(sink);
+  properties::sync_values(sink, segment, GST_BUFFER_PTS(buffer));
+  if (scheduler_of(sink).failed())
     return GST_FLOW_ERROR; // the error message was posted before
-  return gst_tactor_sink_play_map(self, buffer);
-}
-
-/// Waits until the last map has been shown and the motors are at zero. The base class does not: its
-/// wait ends render-delay early, and goes on during a pause.
-static GstFlowReturn
-gst_tactor_sink_drain(GstTactorSink *self)
-{
-  GstTactorSinkPrivate *priv = self->priv;
-  GstBaseSink *sink = GST_BASE_SINK(self);
-
-  const TactorPlanning::Plan rest = priv->planning.plan_rest();
-  gst_tactor_sink_push(self, rest);
-  const GstClockTime end = static_cast<GstClockTime>(std::max<gint64>(rest.end.count(), 0));
-  const GstFlowReturn ret
-      = gst_base_sink_wait(sink, end + gst_base_sink_get_render_delay(sink), nullptr);
-  if (ret != GST_FLOW_OK)
-    return ret;
-
-  // As in the base class, the lock is released meanwhile: pause, play and flush need it.
-  const guint64 interruptions = scheduler_of(self).interruptions();
-  GST_BASE_SINK_PREROLL_UNLOCK(sink);
-  scheduler_of(self).drain(interruptions);
-  GST_BASE_SINK_PREROLL_LOCK(sink);
-  if (sink->flushing)
-    return GST_FLOW_FLUSHING;
-  scheduler_of(self).flush();
-  return GST_FLOW_OK;
+  GST_OBJECT_LOCK(sink);
+  tactor::PlannerSettings settings = priv->settings.planner;
+  GST_OBJECT_UNLOCK(sink);
+  return priv->play.play_map(buffer, std::move(settings));
 }
 
 static GstFlowReturn
 gst_tactor_sink_wait_event(GstBaseSink *sink, GstEvent *event)
 {
-  GstTactorSink *self = GST_TACTOR_SINK(sink);
+  GstTactorSinkPrivate *priv = GST_TACTOR_SINK(sink)->priv;
 
   GstFlowReturn ret = GST_BASE_SINK_CLASS(parent_class)->wait_event(sink, event);
   if (ret != GST_FLOW_OK)
@@ -284,14 +199,12 @@ gst_tactor_sink_wait_event(GstBaseSink *sink, GstEvent *event)
     GstClockTime pts;
     GstClockTime length;
     gst_event_parse_gap(event, &pts, &length);
-    const GstSegment segment = gst_tactor_sink_segment(self);
-    if (self->priv->planning.is_shown(pts, length, segment))
-      gst_tactor_sink_push(self, self->priv->planning.plan_gap(pts, length, segment));
+    priv->play.play_gap(pts, length);
   } else if (GST_EVENT_TYPE(event) == GST_EVENT_EOS) {
-    self->priv->ended = true;
-    ret = gst_tactor_sink_drain(self);
+    priv->ended = true;
+    ret = priv->play.drain();
     if (ret == GST_FLOW_OK)
-      tactor_post_stats(GST_ELEMENT(self), gst_tactor_sink_stats(G_OBJECT(self)));
+      tactor_post_stats(GST_ELEMENT(sink), gst_tactor_sink_stats(G_OBJECT(sink)));
   }
   return ret;
 }
@@ -319,7 +232,7 @@ gst_tactor_sink_event(GstBaseSink *sink, GstEvent *event)
 
   // The base class holds the preroll lock for these.
   if ((gst_event_type_get_flags(type) & GST_EVENT_TYPE_SERIALIZED) && type != GST_EVENT_FLUSH_STOP
-      && gst_tactor_sink_wait_until_open(self) != GST_FLOW_OK) {
+      && priv->play.wait_until_open() != GST_FLOW_OK) {
     gst_event_unref(event);
     return FALSE;
   }
@@ -335,9 +248,9 @@ gst_tactor_sink_event(GstBaseSink *sink, GstEvent *event)
     priv->flushed = true;
   // Afterwards: only now the streaming thread has left render().
   if (type == GST_EVENT_FLUSH_START)
-    priv->flushed_at = scheduler_of(self).flush();
-  else if (type == GST_EVENT_FLUSH_STOP && priv->plans) // else nothing was planned
-    priv->planning.flushed(priv->flushed_at, resets_time);
+    priv->play.flush_started();
+  else if (type == GST_EVENT_FLUSH_STOP)
+    priv->play.flush_stopped(resets_time);
   return handled;
 }
 
@@ -353,25 +266,8 @@ gst_tactor_sink_settle(GstPad *, GstPadProbeInfo *, gpointer user_data)
   return GST_PAD_PROBE_OK;
 }
 
-/// Drops pending commands, which are of skipped frames. Running time stood still for these: where
-/// the play is paused it is the element's start time, unlike the clock's. On the streaming thread,
-/// where the base class posts the message before the next buffer.
-static void
-gst_tactor_sink_stepped(GstTactorSink *self)
-{
-  GstTactorSinkPrivate *priv = self->priv;
-  GstBaseSink *sink = GST_BASE_SINK(self);
-  if (!priv->plans)
-    return;
-  Time stopped = scheduler_of(self).flush();
-  const GstClockTime start = gst_element_get_start_time(GST_ELEMENT(self));
-  if (GST_CLOCK_TIME_IS_VALID(start))
-    stopped = Time(static_cast<GstClockTimeDiff>(start)
-                   - static_cast<GstClockTimeDiff>(gst_base_sink_get_latency(sink))
-                   - gst_base_sink_get_ts_offset(sink));
-  priv->planning.flushed(stopped, false);
-}
-
+/// Steps are known by their message: the base class posts it on the streaming thread, before the
+/// next buffer.
 static gboolean
 gst_tactor_sink_post_message(GstElement *element, GstMessage *message)
 {
@@ -380,7 +276,7 @@ gst_tactor_sink_post_message(GstElement *element, GstMessage *message)
     gst_message_parse_step_done(message, nullptr, nullptr, nullptr, &flush, nullptr, nullptr,
                                 nullptr);
   if (flush)
-    gst_tactor_sink_stepped(GST_TACTOR_SINK(element));
+    GST_TACTOR_SINK(element)->priv->play.stepped();
   return GST_ELEMENT_CLASS(parent_class)->post_message(element, message);
 }
 
@@ -401,7 +297,7 @@ static gboolean
 gst_tactor_sink_set_caps(GstBaseSink *sink, GstCaps *caps)
 {
   GstTactorSink *self = GST_TACTOR_SINK(sink);
-  if (self->priv->planning.set_caps(caps))
+  if (self->priv->play.set_caps(caps))
     return TRUE;
   GST_ERROR_OBJECT(self, "expected rows and columns from 1 to %d, got %" GST_PTR_FORMAT,
                    GST_TACTILE_MAX_SIDE, caps);
@@ -413,9 +309,7 @@ gst_tactor_sink_set_caps(GstBaseSink *sink, GstCaps *caps)
 static gboolean
 gst_tactor_sink_propose_allocation(GstBaseSink *sink, GstQuery *query)
 {
-  GstTactorSink *self = GST_TACTOR_SINK(sink);
   GstCaps *caps;
-  GstVideoInfo info;
 
   gst_query_parse_allocation(query, &caps, nullptr);
   if (!caps)
@@ -425,14 +319,7 @@ gst_tactor_sink_propose_allocation(GstBaseSink *sink, GstQuery *query)
     return TRUE;
   gst_query_add_allocation_meta(query, GST_VIDEO_META_API_TYPE, nullptr);
   gst_query_add_allocation_meta(query, GST_VIDEO_CROP_META_API_TYPE, nullptr);
-  if (gst_video_info_from_caps(&info, caps)) {
-    const double fps = info.fps_n > 0 ? static_cast<double>(info.fps_n) / info.fps_d : 30.0;
-    const double lead = static_cast<double>(gst_base_sink_get_render_delay(sink)) / GST_SECOND;
-    const guint frames = static_cast<guint>(std::min(std::ceil(lead * fps) + 1, 256.0));
-    gst_query_add_allocation_pool(
-        query, nullptr, static_cast<guint>(std::min<gsize>(info.size, G_MAXUINT)), frames, 0);
-    GST_DEBUG_OBJECT(self, "asking for at least %u buffers", frames);
-  }
+  demand_buffers(query, gst_base_sink_get_render_delay(sink));
   return TRUE;
 }
 
@@ -465,9 +352,8 @@ gst_tactor_sink_open(GstTactorSink *self)
   gst_tactor_sink_apply(self, &TactorSettings::ramp_in, &TactorScheduler::set_ramp_in);
   GST_OBJECT_LOCK(self);
   const TactorSettings settings = priv->settings;
-  priv->limited = {};
   GST_OBJECT_UNLOCK(self);
-  priv->plans = false;
+  priv->play.begin();
   priv->ended = false;
   return priv->session.open(settings);
 }

@@ -46,9 +46,9 @@ bool
 TactorGrid::answer(GstQuery *query) const
 {
   const tactor::Layout grid = layout();
-  if (!asks_grid_of_frames(query) || grid.tactors() == 0)
+  if (!is_grid_query(query) || grid.tactors() == 0)
     return false;
-  answer_grid_of_frames(query, static_cast<guint>(grid.rows), static_cast<guint>(grid.columns));
+  answer_grid_query(query, static_cast<guint>(grid.rows), static_cast<guint>(grid.columns));
   return true;
 }
 

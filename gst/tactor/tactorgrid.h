@@ -19,8 +19,7 @@ public:
 
   /// What the pad takes, its preference first.
   GstCaps *caps(GstCaps *filter) const;
-  /// Answers a query for the grid of frames; false if it is another query, or there is no
-  /// preference.
+  /// Answers a query for the grid; false if it is another query, or there is no preference.
   bool answer(GstQuery *query) const;
 
 private:

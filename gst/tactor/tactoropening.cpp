@@ -18,6 +18,16 @@ GST_DEBUG_CATEGORY_EXTERN(tactor_sink_debug);
 
 namespace {
 
+/// The longest latency that a live stream leads by: twice what the first answers took rather than
+/// the longest that is possible, since its picture waits all the time. 40 ms at least: what was not
+/// measured yet may turn out to be longer.
+Time
+live_latency(const tactor::Driver &driver)
+{
+  constexpr Time kLeast = std::chrono::milliseconds(40);
+  return std::min(std::max(2 * driver.transport_latency(), kLeast), driver.longest_latency());
+}
+
 /// The motors of the calibration. Raises `latency` to their longest one.
 tl::expected<std::vector<tactor::MotorParameters>, tactor::DriverError>
 read_motors(GstElement *element, const TactorSettings &settings, Time &latency)
@@ -136,7 +146,8 @@ open_tactors(GstElement *element, TactorOpening &opening,
   opening.planner.line = output.driver->line();
   check_line(element, opening.planner, *output.driver);
   // A motor's latency was measured while the others did not change.
-  opening.latency
-      = std::max(opening.latency + opening.planner.line.all(), output.driver->longest_latency());
+  const Time of_motors = opening.latency + opening.planner.line.all();
+  opening.latency = std::max(of_motors, output.driver->longest_latency());
+  opening.live_latency = std::max(of_motors, live_latency(*output.driver));
   return output;
 }

@@ -75,7 +75,7 @@ TactorSession::open(const TactorSettings &settings)
                element_, opening_,
                [this](const tactor::DriverEvent &event) { device_event(event); }, std::move(stop))
         .map([this](TactorOutput &&output) {
-          gst_base_sink_set_render_delay(sink_, lead_of(opening_));
+          agree_on_lead();
           // A mapping is of the film's cells, not of the layout.
           grid_.set(opening_.planner.mapping.empty() ? opening_.layout : tactor::Layout{});
           return std::move(output);
@@ -117,6 +117,7 @@ TactorSession::wait_until_open()
       return GST_FLOW_ERROR;
     }
   }
+  agree_on_lead(); // once more: only now it is certain whether the source is live
   opened_.reset();
   if (GstClock *clock
       = latency::is_live(GST_BASE_SINK_PAD(sink_)) ? gst_element_get_clock(element_) : nullptr) {
@@ -166,6 +167,15 @@ TactorScheduler &
 TactorSession::scheduler()
 {
   return scheduler_;
+}
+
+/// Once the board's latency is known: data is requested so much earlier.
+void
+TactorSession::agree_on_lead()
+{
+  if (latency::is_live(GST_BASE_SINK_PAD(sink_)))
+    opening_.latency = opening_.live_latency;
+  gst_base_sink_set_render_delay(sink_, lead_of(opening_));
 }
 
 /// On any thread of the driver's.

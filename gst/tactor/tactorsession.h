@@ -42,6 +42,7 @@ public:
   TactorScheduler &scheduler();
 
 private:
+  void agree_on_lead();
   void device_event(const tactor::DriverEvent &event);
   void tell_short_lead(tactor::Time lead, tactor::Time late);
 

@@ -42,11 +42,11 @@
 #include "gstvisuotactiledecoder.h"
 
 #include "../latency.h"
+#include "../pooldemand.h"
 #include "chairproperties.h"
 #include "chairturns.h"
-#include "decoderchoice.h"
 #include "frametap.h"
-#include "pooldemand.h"
+#include "innerdecoder.h"
 #include "tactilebranch.h"
 
 #include <gst/base/gstbasesink.h>
@@ -54,7 +54,7 @@
 #include <atomic>
 #include <utility>
 
-GST_DEBUG_CATEGORY_STATIC(visuotactile_decoder_debug);
+GST_DEBUG_CATEGORY(visuotactile_decoder_debug);
 #define GST_CAT_DEFAULT visuotactile_decoder_debug
 
 namespace {
@@ -79,20 +79,17 @@ struct _GstVisuotactileDecoder
 
   GstPad *sinkpad;
   GstPad *srcpad;
-  GstElement *queue;        ///< behind the decoder; owned
+  GstElement *queue; ///< behind the decoder; owned
+  InnerDecoder *decoder;
   GstTactileBranch *branch; ///< owned; NULL where a plugin is missing
   PlayGate *gate;           ///< NULL where a plugin is missing, as the tap
   FrameTap *tap;
   ChairProperties *properties; ///< NULL where a plugin is missing
   std::atomic_bool playing;    ///< in PLAYING
-  GMutex choosing; ///< while a decoder is chosen, put in or removed; queries come on any thread
 
   /* State lock. */
   gboolean plays; ///< from PAUSED on
   gboolean felt;  ///< the film has the chair
-
-  /* Object lock. */
-  GstElement *decoder; ///< in the bin; owned
 };
 
 static void gst_visuotactile_decoder_child_proxy_init(gpointer iface, gpointer);
@@ -128,99 +125,7 @@ static GstStaticPadTemplate sink_template = GST_STATIC_PAD_TEMPLATE(
 static GstStaticPadTemplate src_template = GST_STATIC_PAD_TEMPLATE(
     "src", GST_PAD_SRC, GST_PAD_ALWAYS, GST_STATIC_CAPS("video/x-raw; video/x-raw(ANY)"));
 
-static GstElement *
-gst_visuotactile_decoder_ref_decoder(GstVisuotactileDecoder *self)
-{
-  GST_OBJECT_LOCK(self);
-  GstElement *decoder = self->decoder ? GST_ELEMENT(gst_object_ref(self->decoder)) : nullptr;
-  GST_OBJECT_UNLOCK(self);
-  return decoder;
-}
-
 /* ---- the decoder ---- */
-
-static void
-gst_visuotactile_decoder_remove(GstVisuotactileDecoder *self)
-{
-  GST_OBJECT_LOCK(self);
-  GstElement *decoder = std::exchange(self->decoder, nullptr);
-  GST_OBJECT_UNLOCK(self);
-  if (decoder == nullptr)
-    return;
-  gst_ghost_pad_set_target(GST_GHOST_PAD(self->sinkpad), nullptr);
-  gst_element_set_state(decoder, GST_STATE_NULL);
-  if (gst_object_has_as_parent(GST_OBJECT(decoder), GST_OBJECT(self)))
-    gst_bin_remove(GST_BIN(self), decoder);
-  gst_object_unref(decoder);
-}
-
-/// Puts the best decoder for the stream in. False if there is none.
-static bool
-gst_visuotactile_decoder_add(GstVisuotactileDecoder *self, GstCaps *caps)
-{
-  GstElement *decoder = choose_decoder(caps);
-  if (decoder == nullptr)
-    return false;
-  GST_INFO_OBJECT(self, "%" GST_PTR_FORMAT " decodes %" GST_PTR_FORMAT, decoder, caps);
-  GST_OBJECT_LOCK(self);
-  self->decoder = GST_ELEMENT(gst_object_ref(decoder));
-  GST_OBJECT_UNLOCK(self);
-  gst_bin_add(GST_BIN(self), decoder);
-  g_autoptr(GstPad) sink = gst_element_get_static_pad(decoder, "sink");
-  const bool linked = gst_element_link_pads(decoder, "src", self->queue, "sink")
-                      && gst_ghost_pad_set_target(GST_GHOST_PAD(self->sinkpad), sink)
-                      && gst_element_sync_state_with_parent(decoder);
-  if (!linked)
-    gst_visuotactile_decoder_remove(self);
-  return linked;
-}
-
-/// Whether there is a decoder for the stream, which need not be put in.
-static bool
-gst_visuotactile_decoder_can_add(GstCaps *caps)
-{
-  GstElement *other = choose_decoder(caps);
-  if (other)
-    gst_object_unref(gst_object_ref_sink(other));
-  return other != nullptr;
-}
-
-/// Whether the stream can be decoded. The first stream that can be gets its decoder. Another one
-/// gets another decoder only if it `begins` before any other has begun.
-static bool
-gst_visuotactile_decoder_accept(GstVisuotactileDecoder *self, GstCaps *caps, bool begins)
-{
-  g_autoptr(GMutexLocker) locker = g_mutex_locker_new(&self->choosing);
-  g_autoptr(GstElement) decoder = gst_visuotactile_decoder_ref_decoder(self);
-  if (decoder) {
-    g_autoptr(GstPad) sink = gst_element_get_static_pad(decoder, "sink");
-    if (gst_pad_query_accept_caps(sink, caps))
-      return true;
-    if (gst_pad_has_current_caps(sink))
-      return false;
-    if (!begins)
-      return gst_visuotactile_decoder_can_add(caps);
-    gst_visuotactile_decoder_remove(self);
-  }
-  return gst_visuotactile_decoder_add(self, caps);
-}
-
-static GstCaps *
-gst_visuotactile_decoder_caps(GstVisuotactileDecoder *self, GstCaps *filter)
-{
-  g_autoptr(GstElement) decoder = gst_visuotactile_decoder_ref_decoder(self);
-  if (decoder) {
-    g_autoptr(GstPad) sink = gst_element_get_static_pad(decoder, "sink");
-    if (gst_pad_has_current_caps(sink))
-      return gst_pad_query_caps(sink, filter);
-  }
-  g_autoptr(GstCaps) own = gst_pad_get_pad_template_caps(self->sinkpad);
-  g_autoptr(GstCaps) all = decodable_caps();
-  GstCaps *caps = gst_caps_intersect_full(all, own, GST_CAPS_INTERSECT_FIRST);
-  if (filter)
-    gst_caps_take(&caps, gst_caps_intersect_full(filter, caps, GST_CAPS_INTERSECT_FIRST));
-  return caps;
-}
 
 static gboolean
 gst_visuotactile_decoder_sink_query(GstPad *pad, GstObject *parent, GstQuery *query)
@@ -231,13 +136,13 @@ gst_visuotactile_decoder_sink_query(GstPad *pad, GstObject *parent, GstQuery *qu
   switch (GST_QUERY_TYPE(query)) {
   case GST_QUERY_CAPS: {
     gst_query_parse_caps(query, &asked);
-    g_autoptr(GstCaps) caps = gst_visuotactile_decoder_caps(self, asked);
+    g_autoptr(GstCaps) caps = self->decoder->caps(asked);
     gst_query_set_caps_result(query, caps);
     return TRUE;
   }
   case GST_QUERY_ACCEPT_CAPS:
     gst_query_parse_accept_caps(query, &asked);
-    gst_query_set_accept_caps_result(query, gst_visuotactile_decoder_accept(self, asked, false));
+    gst_query_set_accept_caps_result(query, self->decoder->accept(asked, false));
     return TRUE;
   default:
     return gst_pad_query_default(pad, parent, query);
@@ -250,7 +155,7 @@ gst_visuotactile_decoder_sink_event(GstPad *pad, GstObject *parent, GstEvent *ev
   GstCaps *caps = nullptr;
   if (GST_EVENT_TYPE(event) == GST_EVENT_CAPS) {
     gst_event_parse_caps(event, &caps);
-    if (!gst_visuotactile_decoder_accept(GST_VISUOTACTILE_DECODER(parent), caps, true)) {
+    if (!GST_VISUOTACTILE_DECODER(parent)->decoder->accept(caps, true)) {
       gst_event_unref(event);
       return FALSE;
     }
@@ -365,7 +270,8 @@ gst_visuotactile_decoder_join(GstVisuotactileDecoder *self)
 static void
 gst_visuotactile_decoder_post_latency(GstElement *element, gpointer)
 {
-  gst_element_post_message(element, gst_message_new_latency(GST_OBJECT(element)));
+  if (latency::is_live(GST_VISUOTACTILE_DECODER(element)->sinkpad))
+    gst_element_post_message(element, gst_message_new_latency(GST_OBJECT(element)));
 }
 
 /// The chair is free.
@@ -377,7 +283,7 @@ gst_visuotactile_decoder_offered(GstElement *element, gpointer)
   const bool begins = gst_visuotactile_decoder_join(self);
   GST_STATE_UNLOCK(self);
   // What waits for the chair has told no latency for it.
-  if (begins && latency::is_live(self->sinkpad))
+  if (begins)
     gst_visuotactile_decoder_post_latency(element, nullptr);
 }
 
@@ -415,9 +321,8 @@ gst_visuotactile_decoder_handle_message(GstBin *bin, GstMessage *message)
     GST_BIN_CLASS(parent_class)->handle_message(bin, message);
     return;
   }
-  // The player has switched the sound on or off in a live film.
-  if (GST_MESSAGE_TYPE(message) == GST_MESSAGE_LATENCY && self->playing
-      && GST_MESSAGE_SRC(message) == GST_OBJECT(gst_tactile_branch_get_sound(self->branch)))
+  // The player has switched the sound on or off, or the device is open and tells its latency.
+  if (GST_MESSAGE_TYPE(message) == GST_MESSAGE_LATENCY && self->playing)
     gst_element_call_async(GST_ELEMENT(self), gst_visuotactile_decoder_post_latency, nullptr,
                            nullptr);
   gst_message_unref(message);
@@ -474,8 +379,7 @@ gst_visuotactile_decoder_change_state(GstElement *element, GstStateChange transi
   if (transition == GST_STATE_CHANGE_READY_TO_NULL
       || (transition == GST_STATE_CHANGE_NULL_TO_READY && ret == GST_STATE_CHANGE_FAILURE)) {
     self->properties->close();
-    g_autoptr(GMutexLocker) locker = g_mutex_locker_new(&self->choosing);
-    gst_visuotactile_decoder_remove(self);
+    self->decoder->remove();
   }
   return ret;
 }
@@ -508,7 +412,7 @@ static void
 gst_visuotactile_decoder_dispose(GObject *object)
 {
   auto *self = GST_VISUOTACTILE_DECODER(object);
-  gst_visuotactile_decoder_remove(self);
+  self->decoder->remove();
   gst_visuotactile_decoder_leave_chair(self);
   delete std::exchange(self->tap, nullptr);
   delete std::exchange(self->gate, nullptr);
@@ -521,7 +425,7 @@ gst_visuotactile_decoder_dispose(GObject *object)
 static void
 gst_visuotactile_decoder_finalize(GObject *object)
 {
-  g_mutex_clear(&GST_VISUOTACTILE_DECODER(object)->choosing);
+  delete GST_VISUOTACTILE_DECODER(object)->decoder;
   G_OBJECT_CLASS(parent_class)->finalize(object);
 }
 
@@ -561,7 +465,6 @@ gst_visuotactile_decoder_build(GstVisuotactileDecoder *self)
 static void
 gst_visuotactile_decoder_init(GstVisuotactileDecoder *self)
 {
-  g_mutex_init(&self->choosing);
   gst_bin_set_suppressed_flags(
       GST_BIN(self),
       static_cast<GstElementFlags>(GST_ELEMENT_FLAG_SINK | GST_ELEMENT_FLAG_REQUIRE_CLOCK));
@@ -576,6 +479,7 @@ gst_visuotactile_decoder_init(GstVisuotactileDecoder *self)
   self->sinkpad = gst_ghost_pad_new_no_target_from_template("sink", sink_pads);
   gst_pad_set_query_function(self->sinkpad, GST_DEBUG_FUNCPTR(gst_visuotactile_decoder_sink_query));
   gst_pad_set_event_function(self->sinkpad, GST_DEBUG_FUNCPTR(gst_visuotactile_decoder_sink_event));
+  self->decoder = new InnerDecoder(GST_BIN(self), self->sinkpad, self->queue);
   gst_element_add_pad(GST_ELEMENT(self), self->sinkpad);
 
   g_autoptr(GstPad) last = gst_element_get_static_pad(self->queue, "src");

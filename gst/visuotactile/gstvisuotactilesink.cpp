@@ -33,8 +33,8 @@
  */
 #include "gstvisuotactilesink.h"
 
+#include "../pooldemand.h"
 #include "chairproperties.h"
-#include "pooldemand.h"
 #include "sinkparts.h"
 #include "sinkproperties.h"
 #include "sinkwindow.h"

@@ -6,15 +6,16 @@
 #include <opencv2/core.hpp>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
+#include <span>
 #include <utility>
 
 namespace tactor {
 
 namespace {
 
-constexpr int kTerms = 6;
 constexpr double kTableStepVolts = 0.1;
 /// Distance at which the weight of a measurement's residual falls off.
 constexpr double kNeighborVolts = 0.25;
@@ -35,43 +36,57 @@ student(int freedom)
                / (384 * n * n * n);
 }
 
-} // namespace
+/// Which terms of the quadratic form are fitted; those of the others are 0.
+constexpr std::array<std::size_t, 6> kAll{ 0, 1, 2, 3, 4, 5 };
+constexpr std::array<std::size_t, 3> kOfOffset{ 0, 1, 3 };
 
+/// None if the samples do not determine these terms, or are no more than they.
 std::optional<QuadraticRiseTime>
-fit_quadratic(std::span<const RiseTimeSample> samples)
+fit(std::span<const RiseTimeSample> samples, std::span<const std::size_t> terms)
 {
   const int count = static_cast<int>(samples.size());
-  if (count <= kTerms)
+  const int columns = static_cast<int>(terms.size());
+  if (count <= columns)
     return std::nullopt;
-  cv::Mat terms(count, kTerms, CV_64F);
+  cv::Mat form(count, columns, CV_64F);
   cv::Mat times(count, 1, CV_64F);
   for (int i = 0; i < count; i++) {
     const RiseTimeSample &sample = samples[static_cast<std::size_t>(i)];
     const double s = sample.start_volts;
     const double d = sample.target_volts - sample.start_volts;
-    const double row[kTerms] = { 1, d, s, d * d, d * s, s * s };
-    std::ranges::copy(row, terms.ptr<double>(i));
+    const double row[] = { 1, d, s, d * d, d * s, s * s };
+    for (int column = 0; column < columns; column++)
+      form.at<double>(i, column) = row[terms[static_cast<std::size_t>(column)]];
     times.at<double>(i) = sample.milliseconds;
   }
   cv::Mat inverse;
-  if (cv::invert(terms.t() * terms, inverse, cv::DECOMP_SVD) < kWorstCondition)
+  if (cv::invert(form.t() * form, inverse, cv::DECOMP_SVD) < kWorstCondition)
     return std::nullopt;
   cv::Mat solution;
-  cv::solve(terms, times, solution, cv::DECOMP_SVD);
-  const cv::Mat left = times - terms * solution;
+  cv::solve(form, times, solution, cv::DECOMP_SVD);
+  const cv::Mat left = times - form * solution;
   const double squares = left.dot(left);
   const cv::Mat spread = times - cv::mean(times)[0];
   const double total = spread.dot(spread);
 
   QuadraticRiseTime fit{ .r_squared = total > 0 ? 1 - squares / total : 1,
                          .residual_ms = std::sqrt(squares / count) };
-  const int freedom = count - kTerms;
-  for (int i = 0; i < kTerms; i++) {
-    fit.coefficients[static_cast<std::size_t>(i)] = solution.at<double>(i);
-    fit.confidence[static_cast<std::size_t>(i)]
-        = student(freedom) * std::sqrt(squares / freedom * inverse.at<double>(i, i));
+  const int freedom = count - columns;
+  for (int column = 0; column < columns; column++) {
+    const std::size_t term = terms[static_cast<std::size_t>(column)];
+    fit.coefficients[term] = solution.at<double>(column);
+    fit.confidence[term]
+        = student(freedom) * std::sqrt(squares / freedom * inverse.at<double>(column, column));
   }
   return fit;
+}
+
+} // namespace
+
+std::optional<QuadraticRiseTime>
+fit_quadratic(std::span<const RiseTimeSample> samples)
+{
+  return fit(samples, kAll);
 }
 
 std::vector<double>
@@ -113,7 +128,9 @@ monotone_table(std::span<const RiseTimeSample> samples, double volts_max)
     repeated[{ sample.start_volts, sample.target_volts }].push_back(sample.milliseconds);
     all.push_back(sample.milliseconds);
   }
-  const std::optional<QuadraticRiseTime> quadratic = fit_quadratic(samples);
+  std::optional<QuadraticRiseTime> quadratic = fit_quadratic(samples);
+  if (!quadratic) // measured from rest alone, or hardly
+    quadratic = fit(samples, kOfOffset);
   const double middle = median(all);
   const auto trend = [&](double start, double target) {
     return quadratic ? (*quadratic)(start, target - start) : middle;

@@ -24,8 +24,9 @@ struct RiseTimeSample
 std::optional<QuadraticRiseTime> fit_quadratic(std::span<const RiseTimeSample> samples);
 
 /// A rise-time table for 0…volts_max: the median of the measurements where there are any, elsewhere
-/// the quadratic form corrected by nearby residuals. From the same start voltage, a higher target
-/// is never slower (pool adjacent violators). None without samples.
+/// the quadratic form corrected by nearby residuals. Where the samples do not determine that, as
+/// those from rest alone, it is a parabola over the offset, else a constant. From the same start
+/// voltage, a higher target is never slower (pool adjacent violators). None without samples.
 std::optional<RiseTimeTable> monotone_table(std::span<const RiseTimeSample> samples,
                                             double volts_max);
 

@@ -9,6 +9,9 @@ namespace follow {
 
 namespace {
 
+/// So long what is unknown is silent, in film time. It may be known then.
+constexpr Time kUnknown = std::chrono::milliseconds(100);
+
 Time
 scaled(Time span, double by)
 {
@@ -18,7 +21,7 @@ scaled(Time span, double by)
 } // namespace
 
 void
-TrackFollower::set_track(std::optional<tactile::Track> track)
+TrackFollower::set_track(std::shared_ptr<const tactile::Draft> track)
 {
   track_ = std::move(track);
   stretch_ = 0; // no stretch has this number
@@ -36,18 +39,16 @@ TrackFollower::change_player()
   stretch_ = 0;
 }
 
-/// The track's map from a film time on, until it changes, a second at most; silence after the end.
+/// The track's map from a film time on, until it changes, a second at most. What is unknown is
+/// silent for a moment.
 tactile::Cue
 TrackFollower::next_cue(Time begin) const
 {
-  const auto &entries = track_->entries();
-  const auto next = std::ranges::upper_bound(entries, begin, {}, &tactile::Track::Entry::time);
-  Time end = begin + tactile::CueBuilder::kLongest;
-  if (next != entries.end())
-    end = std::min(end, next->time);
-  else if (begin < track_->end())
-    end = std::min(end, track_->end());
-  return { .begin = begin, .end = end, .map = track_->at(begin) };
+  const tactile::TactileMap *map = track_->at(begin);
+  const Time longest = map != nullptr ? tactile::CueBuilder::kLongest : kUnknown;
+  return { .begin = begin,
+           .end = std::min(begin + longest, track_->until(begin)),
+           .map = map != nullptr ? *map : tactile::TactileMap(track_->rows(), track_->columns()) };
 }
 
 TrackFollower::Step

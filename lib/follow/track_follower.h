@@ -3,15 +3,17 @@
 
 #include "follow/position_estimator.h"
 #include "tracks/cue_builder.h"
-#include "tracks/track.h"
+#include "tracks/draft.h"
 
+#include <memory>
 #include <optional>
 #include <vector>
 
 namespace follow {
 
 /// A film's track → cues in local time, a little ahead of where the film is. Known ahead, they
-/// leave early enough for any motor. Reads no clock; not thread-safe.
+/// leave early enough for any motor. What is not known of the track when it is to be handed on is
+/// silent. Reads no clock; not thread-safe.
 class TrackFollower
 {
 public:
@@ -21,8 +23,9 @@ public:
     std::vector<tactile::Cue> cues{}; ///< in local times, without gaps
   };
 
-  /// Another film, or none. The next step is silence if one plays.
-  void set_track(std::optional<tactile::Track> track);
+  /// Of another film, or none. The next step is silence if one plays. The track may become known
+  /// meanwhile.
+  void set_track(std::shared_ptr<const tactile::Draft> track);
   /// Estimates are those of another player of the film from now on.
   void change_player();
 
@@ -35,7 +38,7 @@ public:
 private:
   tactile::Cue next_cue(Time begin) const;
 
-  std::optional<tactile::Track> track_;
+  std::shared_ptr<const tactile::Draft> track_;
   Time offset_{ 0 };
   bool plays_ = false;
   std::uint64_t stretch_ = 0;

@@ -194,10 +194,4 @@ Play::skip(std::int64_t count)
   position_ += count;
 }
 
-const tactor::LimitCounters &
-Play::limited() const
-{
-  return planner_.limited();
-}
-
 } // namespace synth

@@ -67,8 +67,6 @@ public:
   /// As render() of so many samples of each channel, while it is idle.
   void skip(std::int64_t count);
 
-  const tactor::LimitCounters &limited() const;
-
 private:
   Synthesizer make_synthesizer() const;
   std::optional<std::int64_t> next_change() const;

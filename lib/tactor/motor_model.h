@@ -12,7 +12,8 @@ namespace tactor {
 /// Until 10 % of a step down is left (paper, Section 4: within one frame, 33 ms).
 inline constexpr Time kFallTime = std::chrono::milliseconds(30);
 
-/// Properties of one motor; the defaults are the paper's.
+/// Properties of one motor; the defaults are the paper's. They hold for gamepads, suits and devices
+/// of Intiface, too: no maker publishes rise times of those (docs/guide/calibration.md).
 struct MotorParameters
 {
   RiseTime rise_time{};

@@ -56,6 +56,9 @@ for program in visuotactile-play tactile-track tactor-calibrate visuotactile-set
   found "[ \"\$(command -v $program)\" = '$work/there/bin/$program' ] && $program --version"
   [ "$pages" = no-pages ] || [ -s "$work/there/share/man/man1/$program.1" ] || { echo "no manual page of $program in $work/there"; exit 1; }
 done
+for file in lib/systemd/user/visuotactile-follow.service share/dbus-1/services/org.visuotactile.Follow1.service; do
+  grep -qE "^Exec(Start)?=.*/bin/visuotactile-follow$" "$work/there/$file" || { echo "$file is not as expected:"; cat "$work/there/$file"; exit 1; }
+done
 found "$python -c 'import gi; gi.require_version(\"Gst\", \"1.0\"); gi.require_version(\"GstTactile\", \"1.0\"); from gi.repository import Gst, GstTactile; Gst.init(None); assert GstTactile.buffer_get_tactile_meta(Gst.Buffer.new()) is None'"
 cat >"$work/application.c" <<'C'
 #include <gst/tactile/tactile.h>

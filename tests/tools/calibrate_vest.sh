@@ -42,7 +42,7 @@ only_motor_7
 near "latency" "$(value 7 latency-ms)" 17 2
 near "start voltage" "$(value 7 start-volts)" 0.4 0.001
 
-# the median of the errors, in ms: the first run alone tells little of rises beyond 1.5 V
+# the median of the errors, in ms
 p50() {
   sed -nE 's/^all .*p50 +([0-9.]+),.*/\1/p' out
 }

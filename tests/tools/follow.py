@@ -209,7 +209,7 @@ def has_no_track(stage):
     shutil.copy(stage.folder / "film.mkv", stage.folder / "other.mkv")
     (stage.folder / "other.vtt").write_text("WEBVTT\n\n00:01.000 --> 00:02.000\nHello!\n", encoding="utf-8")
     mpv = stage.play(Mpv, "other.mkv")
-    follower, said = stage.follow(*mpv.how, "--driver=simulator", f"--tracks={stage.folder / 'tracks'}")
+    follower, said = stage.follow(*mpv.how, "--driver=simulator", f"--tracks={stage.folder / 'tracks'}", "--no-drafts")
     # Subtitles are no track.
     wait_until("a complaint", lambda: "no track for 'other.mkv': expected a track, got" in said())
     assert f"{stage.folder}/other.vtt" in said() and "tactile-track author" in said(), said()

@@ -39,9 +39,9 @@ joined_sound(const std::string &queue, const fusion::Profile *profile)
 }
 
 bool
-end_missing_sound(const Pipeline &pipeline)
+end_missing_sound(GstElement *pipeline)
 {
-  const Owned<GstElement> queue = element(pipeline, "heard");
+  const Owned<GstElement> queue(gst_bin_get_by_name(GST_BIN(pipeline), "heard"));
   const Owned<GstPad> pad(gst_element_get_static_pad(queue.get(), "sink"));
   if (gst_pad_is_linked(pad.get()))
     return false;

@@ -25,4 +25,4 @@ inline constexpr const char *kSoundElements[] = { "soundtactile", "tactilecombin
 
 /// Ends the sound if no decoder was linked to it when `film` has no more pads: others would wait
 /// for it. Whether it did. To be called from the handler of no-more-pads.
-bool end_missing_sound(const Pipeline &pipeline);
+bool end_missing_sound(GstElement *pipeline);

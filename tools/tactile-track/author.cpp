@@ -3,17 +3,16 @@
 // author: films in, first drafts of their tracks out, as fast as the machine allows.
 #include "commands.h"
 
+#include "film/analysis.h"
 #include "film/film.h"
 #include "film/output.h"
 #include "film/pipeline.h"
 #include "film/progress.h"
 #include "film/sound.h"
-#include "gst/fusion/sound_meta.h"
 #include "tracks/formats/track_file.h"
 
 #include <glib-unix.h>
 #include <gst/app/gstappsink.h>
-#include <gst/tactile/tactile.h>
 
 #include <algorithm>
 #include <atomic>
@@ -32,48 +31,23 @@ using tactile::Track;
 
 namespace {
 
-/// What picture and sound may be apart in a file.
-constexpr const char *kQueue = "queue max-size-bytes=0 max-size-buffers=0 max-size-time=1000000000";
-
-struct Settings
-{
-  double rate = 5;
-  int rows = 3;
-  int columns = 3;
-  std::string profile = "tuned";
-  const fusion::Profile *sound = nullptr; ///< what is felt of it
-  bool quiet = false;
-};
-
-/// Makes a track of a stream of maps. As tactorsink does, it samples them in blocks of 1 / rate: a
-/// block begins with the first map more than half of which lies after the block's start, and has
-/// that map's levels. Maps of the sound are taken at once.
+/// Makes a track of a stream of maps.
 class Recorder
 {
 public:
-  explicit Recorder(const Settings &settings)
-      : track_(settings.rows, settings.columns), rate_(settings.rate)
+  explicit Recorder(const AnalysisSettings &settings)
+      : track_(settings.rows, settings.columns), sampler_(settings.rate)
   {
     track_.set_rate(settings.rate);
   }
 
   /// An error where the track is full.
-  tl::expected<void, tactile::FormatError> add(Time time, Time duration,
-                                               const tactile::TactileMap &map, bool at_once)
+  tl::expected<void, tactile::FormatError> add(const FilmMap &map)
   {
-    const bool is_first = !first_;
-    if (is_first)
-      first_ = time;
-    const auto passed = std::chrono::duration<double>(time - *first_ + duration / 2).count();
-    if (is_first || rate_ <= 0 || passed * rate_ >= static_cast<double>(next_block_)) {
-      if (auto appended = track_.append(std::max(time, track_.end()), map); !appended)
+    if (sampler_.takes(map))
+      if (auto appended = track_.append(std::max(map.begin, track_.end()), map.map); !appended)
         return appended;
-      next_block_ = rate_ > 0 ? static_cast<std::int64_t>(passed * rate_) + 1 : 0;
-    } else if (at_once) {
-      if (auto appended = track_.append(std::max(time, track_.end()), map); !appended)
-        return appended;
-    }
-    end_ = std::max(end_, time + duration);
+    end_ = std::max(end_, map.end);
     return {};
   }
 
@@ -86,9 +60,7 @@ public:
 
 private:
   Track track_;
-  double rate_;
-  std::optional<Time> first_;
-  std::int64_t next_block_ = 0;
+  BlockSampler sampler_;
   Time end_{ 0 };
 };
 
@@ -96,7 +68,7 @@ private:
 class Job
 {
 public:
-  Job(std::string film, std::string output, const Settings &settings)
+  Job(std::string film, std::string output, const AnalysisSettings &settings)
       : film_(std::move(film)), output_(std::move(output)), settings_(settings)
   {
   }
@@ -135,19 +107,10 @@ public:
     duration_ = film.duration;
     recorder_.emplace(settings_);
     began_ = g_get_monotonic_time();
-    const fusion::Profile *sound = film.has_sound ? settings_.sound : nullptr;
-    pipeline_ = make_pipeline(
-        film_source(film) + " film. ! queue ! videoconvert ! saliencytactile rows="
-        + std::to_string(settings_.rows) + " columns=" + std::to_string(settings_.columns)
-        + " profile=" + settings_.profile + joined_sound(kQueue, sound)
-        + " ! tactileextractor name=split split.tactile ! appsink name=maps sync=false"
-        + (sound ? heard_sound(kQueue, sound) + "fakesink sync=false" : ""));
-    if (sound)
-      g_signal_connect(element(pipeline_, "film").get(), "no-more-pads",
-                       G_CALLBACK(+[](GstElement *, gpointer self) {
-                         end_missing_sound(static_cast<Job *>(self)->pipeline_);
-                       }),
-                       this);
+    AnalysisSettings settings = settings_;
+    if (!film.has_sound)
+      settings.sound = nullptr;
+    pipeline_ = make_analysis(film_source(film), settings);
     const Owned<GstElement> sink = element(pipeline_, "maps");
     GstAppSinkCallbacks callbacks{};
     callbacks.new_sample = [](GstAppSink *maps, gpointer self) {
@@ -195,31 +158,14 @@ private:
     GstSample *sample = gst_app_sink_pull_sample(maps);
     if (!sample)
       return GST_FLOW_EOS;
-    GstBuffer *buffer = gst_sample_get_buffer(sample);
-    guint rows = 0;
-    guint columns = 0;
-    g_autofree gfloat *levels = nullptr;
-    gsize count = 0;
-    const GstClockTime time = gst_segment_to_stream_time(gst_sample_get_segment(sample),
-                                                         GST_FORMAT_TIME, GST_BUFFER_PTS(buffer));
     GstFlowReturn flow = GST_FLOW_OK;
-    if (GST_CLOCK_TIME_IS_VALID(time)
-        && gst_tactile_map_caps_parse(gst_sample_get_caps(sample), &rows, &columns, nullptr,
-                                      nullptr)
-        && gst_tactile_map_buffer_get_levels(buffer, rows, columns, &levels, &count)) {
-      tactile::TactileMap map(static_cast<int>(rows), static_cast<int>(columns));
-      map.levels.assign(levels, levels + count);
-      const GstClockTime duration
-          = GST_BUFFER_DURATION_IS_VALID(buffer) ? GST_BUFFER_DURATION(buffer) : 0;
-      if (const auto added = recorder_->add(Time(static_cast<Time::rep>(time)),
-                                            Time(static_cast<Time::rep>(duration)), map,
-                                            GST_BUFFER_FLAG_IS_SET(buffer, kSoundMap));
-          !added) {
+    if (const std::optional<FilmMap> map = film_map(sample)) {
+      if (const auto added = recorder_->add(*map); !added) {
         GST_ELEMENT_ERROR(GST_ELEMENT(maps), STREAM, FAILED, ("%s", added.error().text().c_str()),
                           (nullptr));
         flow = GST_FLOW_ERROR;
       }
-      position_ = time + duration;
+      position_ = static_cast<GstClockTime>(map->end.count());
     }
     gst_sample_unref(sample);
     return flow;
@@ -252,7 +198,7 @@ private:
 
   std::string film_;
   std::string output_;
-  Settings settings_;
+  AnalysisSettings settings_;
   std::function<void(Job &, const std::string &)> finished_;
   GstClockTime duration_ = 0;
   gint64 began_ = 0; ///< µs
@@ -400,7 +346,7 @@ author(int argc, char **argv)
   TextOption ending;
   TextOption profile;
   TextOption sound;
-  Settings settings;
+  AnalysisSettings settings;
   gint jobs = 0;
   CommonOptions common;
   const GOptionEntry entries[] = {

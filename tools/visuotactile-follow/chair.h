@@ -29,6 +29,11 @@ public:
   /// Motors to zero, and gives the board back.
   void close();
 
+  bool is_open() const
+  {
+    return pipeline_ != nullptr;
+  }
+
   /// How far ahead cues have to be there.
   follow::Time ahead() const;
   void take(const follow::TrackFollower::Step &step);

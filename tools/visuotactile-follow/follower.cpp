@@ -8,6 +8,7 @@
 
 #include <glib-unix.h>
 
+#include <cmath>
 #include <csignal>
 #include <cstdio>
 #include <stdexcept>
@@ -25,6 +26,7 @@ constexpr guint kListing = 1000;   ///< ms until all have answered
 constexpr std::size_t kMostPlayers = 16;
 constexpr const char *kMpv = "mpv";
 constexpr const char *kKodi = "kodi";
+constexpr double kNudge = 10; ///< ms, by a signal
 
 const char *
 word(Doing doing)
@@ -45,33 +47,46 @@ word(Doing doing)
 } // namespace
 
 Follower::Follower(const FollowSettings &settings)
-    : settings_(settings), library_(settings.tracks), loop_(g_main_loop_new(nullptr, FALSE)),
+    : settings_(settings), loop_(g_main_loop_new(nullptr, FALSE)),
+      offsets_(PlayerOffsets::usual_path()),
+      film_track_(settings.track, { .found =
+                                        [this](std::shared_ptr<const tactile::Draft> track) {
+                                          change_track(std::move(track));
+                                        },
+                                    .chosen =
+                                        [this] {
+                                          tell(current_->player->name() + " plays '"
+                                               + film_name(film_) + "' with " + film_track_.what());
+                                        },
+                                    .told =
+                                        [this](const std::string &text) {
+                                          tell(text);
+                                        } }),
       chair_(settings.sink, { .told = [this](const std::string &text) { tell(text); },
                               .failed =
                                   [this](const std::string &text) {
                                     fail(text);
                                   } })
 {
-  track_.set_offset(settings_.offset);
-  if (settings_.uses_bus) {
-    g_autoptr(GError) error = nullptr;
-    bus_ = g_bus_get_sync(G_BUS_TYPE_SESSION, nullptr, &error);
-    if (bus_ != nullptr) {
-      g_dbus_connection_set_exit_on_close(bus_, FALSE);
-      g_signal_connect_swapped(
-          bus_, "closed",
-          G_CALLBACK(+[](Follower *self) { self->fail("the session bus is gone"); }), this);
-      names_ = std::make_unique<follow::MprisBus>(
-          bus_, settings_.mpris,
-          follow::MprisBus::Events{ .appeared = [this](const std::string &name) { appeared(name); },
-                                    .vanished =
-                                        [this](const std::string &name) {
-                                          gone(name, "it has left the bus");
-                                        } });
-    } else if (!settings_.mpris.empty()) {
-      g_main_loop_unref(loop_);
-      throw std::runtime_error(std::string("cannot reach the session bus: ") + error->message);
-    }
+  g_autoptr(GError) error = nullptr;
+  bus_ = g_bus_get_sync(G_BUS_TYPE_SESSION, nullptr, &error);
+  if (bus_ == nullptr && !settings_.mpris.empty()) {
+    g_main_loop_unref(loop_);
+    throw std::runtime_error(std::string("cannot reach the session bus: ") + error->message);
+  }
+  if (bus_ != nullptr)
+    g_dbus_connection_set_exit_on_close(bus_, FALSE);
+  if (bus_ != nullptr && settings_.uses_bus) {
+    g_signal_connect_swapped(
+        bus_, "closed", G_CALLBACK(+[](Follower *self) { self->fail("the session bus is gone"); }),
+        this);
+    names_ = std::make_unique<follow::MprisBus>(
+        bus_, settings_.mpris,
+        follow::MprisBus::Events{ .appeared = [this](const std::string &name) { appeared(name); },
+                                  .vanished =
+                                      [this](const std::string &name) {
+                                        gone(name, "it has left the bus");
+                                      } });
   }
   if (!settings_.kodi.empty())
     kodi_ = std::make_unique<follow::KodiSearch>(
@@ -99,6 +114,11 @@ Follower::Follower(const FollowSettings &settings)
           return G_SOURCE_CONTINUE;
         },
         this));
+  sources_.push_back(g_unix_signal_add(
+      SIGUSR1, +[](gpointer self) { return static_cast<Follower *>(self)->nudged(kNudge); }, this));
+  sources_.push_back(g_unix_signal_add(
+      SIGUSR2, +[](gpointer self) { return static_cast<Follower *>(self)->nudged(-kNudge); },
+      this));
 }
 
 Follower::~Follower()
@@ -109,6 +129,8 @@ Follower::~Follower()
   players_.clear();
   names_.reset();
   kodi_.reset();
+  service_.reset();
+  session_.reset();
   if (bus_ != nullptr) {
     g_signal_handlers_disconnect_by_data(bus_, this);
     g_object_unref(bus_);
@@ -119,6 +141,16 @@ Follower::~Follower()
 void
 Follower::run()
 {
+  session_ = std::make_unique<SessionWatch>(
+      bus_, [this](bool rests, const std::string &why) { rest(rests, why); });
+  if (bus_ != nullptr)
+    service_ = std::make_unique<FollowService>(
+        bus_, FollowService::Calls{ .status = [this] { return status(); },
+                                    .nudge = [this](double by) { return nudge(by); },
+                                    .told =
+                                        [this](const std::string &text) {
+                                          tell(text);
+                                        } });
   if (failure_.empty())
     g_main_loop_run(loop_);
   chair_.close();
@@ -227,7 +259,10 @@ Follower::reported(const std::string &key, const Report &report)
   if (found == players_.end() || found->second.is_gone)
     return;
   found->second.estimator.report(report);
+  const bool begins = found->second.last.doing != Doing::playing && report.doing == Doing::playing;
   found->second.last = report;
+  if (begins && session_)
+    session_->somebody_is_there();
   update();
 }
 
@@ -253,8 +288,10 @@ Follower::choose()
     return;
   for (auto &[key, followed] : players_)
     if (plays(followed)) {
-      if (std::exchange(current_, &followed) != &followed)
-        track_.change_player();
+      if (std::exchange(current_, &followed) != &followed) {
+        cues_.change_player();
+        set_offset();
+      }
       return;
     }
   if (current_ != nullptr && current_->is_gone)
@@ -269,49 +306,131 @@ Follower::change_film()
   if (film == film_)
     return;
   film_ = film;
-  std::string complaint;
-  std::optional<FoundTrack> found = library_.find(film, complaint);
-  if (!found) {
-    track_.set_track(std::nullopt);
-    chair_.close();
-    if (!film.empty())
-      tell("no track for '" + film_name(film) + "': expected "
-           + (complaint.empty() ? library_.expected(film) : "a track, got " + complaint)
-           + "; make one with tactile-track author");
+  position_ = follow::Time(0);
+  film_track_.open(film);
+}
+
+void
+Follower::change_track(std::shared_ptr<const tactile::Draft> track)
+{
+  track_ = std::move(track);
+  cues_.set_track(track_);
+  open_chair();
+}
+
+void
+Follower::open_chair()
+{
+  if (!track_ || rests_)
     return;
-  }
-  tell(current_->player->name() + " plays '" + film_name(film) + "' with '" + found->path + "'");
   try {
-    chair_.open(found->track.rows(), found->track.columns());
+    chair_.open(track_->rows(), track_->columns());
   } catch (const std::runtime_error &error) {
     fail(error.what());
-    return;
   }
-  track_.set_track(std::move(found->track));
+}
+
+/// Nobody is in the chair, or somebody is again.
+void
+Follower::rest(bool rests, const std::string &why)
+{
+  rests_ = rests;
+  if (rests) {
+    chair_.close(); // motors at zero when it returns
+    tell("nothing is felt: " + why);
+  } else {
+    tell("the chair is used again");
+    open_chair();
+  }
+  cues_.set_track(rests ? nullptr : track_);
 }
 
 void
 Follower::update()
 {
-  if (lists_)
+  if (lists_ || rests_)
     return;
   choose();
   change_film();
   const follow::Time now = local_time();
-  chair_.take(track_.step(current_ != nullptr && !current_->is_gone ? current_->estimator.at(now)
-                                                                    : std::nullopt,
-                          now, chair_.ahead()));
+  const auto estimate
+      = current_ != nullptr && !current_->is_gone ? current_->estimator.at(now) : std::nullopt;
+  if (estimate)
+    position_ = estimate->position;
+  chair_.take(cues_.step(estimate, now, chair_.ahead()));
+}
+
+double
+Follower::nudge(double by)
+{
+  if (current_ == nullptr)
+    throw std::runtime_error("no film plays whose time could be moved");
+  const std::string kind = player_kind(current_->player->name());
+  offsets_.set(kind, offsets_.of(kind) + by);
+  set_offset();
+  const auto offset = std::to_string(std::lround(offsets_.of(kind)));
+  tell("with " + kind + ", all is felt " + offset + " ms later than it says");
+  return offsets_.of(kind);
+}
+
+gboolean
+Follower::nudged(double by)
+{
+  try {
+    nudge(by);
+  } catch (const std::runtime_error &error) {
+    tell(error.what());
+  }
+  return G_SOURCE_CONTINUE;
+}
+
+void
+Follower::set_offset()
+{
+  const double of_player
+      = current_ != nullptr ? offsets_.of(player_kind(current_->player->name())) : 0;
+  cues_.set_offset(follow::Time(std::llround((settings_.offset + of_player) * 1e6)));
+}
+
+FollowStatus
+Follower::status() const
+{
+  const auto seconds = [](follow::Time time) {
+    return std::chrono::duration<double>(time).count();
+  };
+  FollowStatus status{ .state = rests_ ? "rests" : "idle" };
+  if (current_ == nullptr || current_->is_gone)
+    return status;
+  const follow::Time now = local_time();
+  status.player = current_->player->name();
+  if (!rests_)
+    status.state = word(current_->last.doing);
+  status.film = film_name(film_);
+  status.track = film_track_.what();
+  status.offset = offsets_.of(player_kind(status.player));
+  if (const auto estimate = current_->estimator.at(now))
+    status.position = seconds(estimate->position);
+  if (const auto known = film_track_.known_until(position_);
+      known && *known < tactile::Track::kMaxEnd)
+    status.ahead = seconds(*known - position_);
+  return status;
 }
 
 gboolean
 Follower::tick()
 {
   update();
+  if (!rests_)
+    film_track_.step(position_, local_time());
+  if (!track_ && !film_track_.is_looking())
+    chair_.close();
   if (current_ != nullptr && current_->estimator.asks_again())
     current_->player->ask();
   if (current_ != nullptr && current_->is_gone)
     current_ = nullptr;
-  std::erase_if(players_, [](const auto &one) { return one.second.is_gone; });
+  const auto left = std::erase_if(players_, [](const auto &one) { return one.second.is_gone; });
+  if (left > 0 && settings_.once)
+    g_main_loop_quit(loop_);
   for (const std::string &name : std::exchange(returned_, {}))
     appeared(name);
   return G_SOURCE_CONTINUE;

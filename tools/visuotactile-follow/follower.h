@@ -2,7 +2,10 @@
 #pragma once
 
 #include "chair.h"
-#include "library.h"
+#include "film_track.h"
+#include "follow_service.h"
+#include "player_offsets.h"
+#include "session_watch.h"
 
 #include "follow/players/kodi_player.h"
 #include "follow/players/mpris_bus.h"
@@ -21,10 +24,11 @@ struct FollowSettings
   std::string kodi;             ///< HOST[:PORT]; empty: none
   bool insists_on_kodi = false; ///< likewise
   bool uses_bus = true;
-  std::string mpris;  ///< only the player of that name; empty: any
-  std::string tracks; ///< folder; empty: none
-  std::string sink;   ///< as on a launch line
-  follow::Time offset{ 0 };
+  std::string mpris; ///< only the player of that name; empty: any
+  FilmTrack::Settings track{};
+  std::string sink;  ///< as on a launch line
+  double offset = 0; ///< ms, of all players
+  bool once = false; ///< ends when a player is gone
   bool quiet = false;
 };
 
@@ -65,22 +69,35 @@ private:
   void gone(const std::string &key, const std::string &why);
   void choose();
   void change_film();
+  void change_track(std::shared_ptr<const tactile::Draft> track);
+  void open_chair();
+  void rest(bool rests, const std::string &why);
   void update();
+  double nudge(double by);
+  gboolean nudged(double by);
+  void set_offset();
+  FollowStatus status() const;
   void tell(const std::string &text);
   void fail(const std::string &text);
   gboolean tick();
 
   const FollowSettings settings_;
-  const Library library_;
   GMainLoop *loop_;
   GDBusConnection *bus_ = nullptr;
   std::unique_ptr<follow::MprisBus> names_;
   std::unique_ptr<follow::KodiSearch> kodi_;
+  std::unique_ptr<FollowService> service_;
+  std::unique_ptr<SessionWatch> session_;
+  PlayerOffsets offsets_;
   std::map<std::string, Followed> players_;
   Followed *current_ = nullptr;
-  std::string film_; ///< whose track is played, or looked for
+  std::string film_;           ///< whose track is played, or looked for
+  follow::Time position_{ 0 }; ///< of the film, as it was known last
+  FilmTrack film_track_;
+  std::shared_ptr<const tactile::Draft> track_; ///< what is felt
   Chair chair_;
-  follow::TrackFollower track_;
+  follow::TrackFollower cues_;
+  bool rests_ = false; ///< nobody is in the chair
   std::string failure_;
   std::vector<guint> sources_;
   std::vector<std::string> returned_; ///< names of players that came back before they were removed

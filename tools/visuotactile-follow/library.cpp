@@ -5,8 +5,13 @@
 
 #include <glib.h>
 
+#include <algorithm>
 #include <array>
+#include <cstring>
 #include <filesystem>
+#include <functional>
+#include <map>
+#include <set>
 #include <utility>
 #include <vector>
 
@@ -17,15 +22,15 @@ namespace fs = std::filesystem;
 /// In this order.
 constexpr std::array kEndings = { ".tactile.vtt", ".vtt", ".csv", ".hjif", ".sem.xml" };
 
+/// Tracks that are read to see when they end.
+constexpr std::size_t kMostAlike = 16;
+
 /// The path of a film on this computer; else its name alone.
 fs::path
 path_of(const std::string &film)
 {
-  g_autofree gchar *path = g_filename_from_uri(film.c_str(), nullptr, nullptr);
-  if (path != nullptr)
+  if (const std::string path = local_path(film); !path.empty())
     return path;
-  if (film.find("://") == std::string::npos && film.front() == '/')
-    return film;
   // Of an address the last part, and of a title no part is a folder.
   g_autofree gchar *whole = g_uri_unescape_string(film.c_str(), "/");
   std::string name = whole != nullptr ? whole : film;
@@ -48,7 +53,62 @@ stems(const fs::path &film)
   return names;
 }
 
+std::optional<FoundTrack>
+find_in(const fs::path &folder, const fs::path &film, std::string &complaint)
+{
+  for (const std::string &stem : stems(film))
+    for (const char *ending : kEndings) {
+      std::string candidate = (folder / (stem + ending)).string();
+      std::error_code error;
+      if (stem.empty() || !fs::is_regular_file(candidate, error))
+        continue;
+      auto track = tactile::read_track_file(candidate);
+      if (track)
+        return FoundTrack{ std::move(candidate), *std::move(track) };
+      complaint = std::move(track).error().text();
+    }
+  return std::nullopt;
+}
+
+/// Letters and digits, in lower case.
+std::set<std::string>
+words(const std::string &name)
+{
+  std::set<std::string> words;
+  g_autofree gchar *valid = g_utf8_make_valid(name.c_str(), -1);
+  g_autofree gchar *plain = g_utf8_casefold(valid, -1);
+  std::string word;
+  for (const gchar *at = plain;; at = g_utf8_next_char(at)) {
+    if (g_unichar_isalnum(g_utf8_get_char(at))) {
+      word.append(at, static_cast<std::size_t>(g_utf8_next_char(at) - at));
+    } else if (!word.empty()) {
+      words.insert(std::exchange(word, {}));
+    }
+    if (*at == '\0')
+      return words;
+  }
+}
+
+/// The name of a track without its ending; empty: it is none by its name.
+std::string
+track_stem(const std::string &name)
+{
+  for (const char *ending : kEndings)
+    if (name.ends_with(ending))
+      return name.substr(0, name.size() - std::strlen(ending));
+  return "";
+}
+
 } // namespace
+
+std::string
+local_path(const std::string &film)
+{
+  g_autofree gchar *path = g_filename_from_uri(film.c_str(), nullptr, nullptr);
+  if (path != nullptr)
+    return path;
+  return film.find("://") == std::string::npos && film.starts_with('/') ? film : "";
+}
 
 std::string
 film_name(const std::string &film)
@@ -57,29 +117,40 @@ film_name(const std::string &film)
 }
 
 std::optional<FoundTrack>
-Library::find(const std::string &film, std::string &complaint) const
+Library::beside(const std::string &film, std::string &complaint) const
 {
-  complaint.clear();
-  if (film.empty())
-    return std::nullopt;
-  const fs::path path = path_of(film);
-  std::vector<fs::path> folders;
-  if (path.is_absolute())
-    folders.push_back(path.parent_path());
+  const fs::path path = local_path(film);
+  return path.empty() ? std::nullopt : find_in(path.parent_path(), path, complaint);
+}
+
+std::optional<FoundTrack>
+Library::named(const std::string &film, std::string &complaint) const
+{
+  return folder_.empty() || film.empty() ? std::nullopt
+                                         : find_in(folder_, path_of(film), complaint);
+}
+
+std::optional<FoundTrack>
+Library::alike(const std::string &film, tactile::Time duration) const
+{
+  std::multimap<std::size_t, std::string, std::greater<>> candidates; // by the number of words
+  const std::set<std::string> of_film = words(film_name(film));
+  std::error_code error;
   if (!folder_.empty())
-    folders.emplace_back(folder_);
-  for (const fs::path &folder : folders)
-    for (const std::string &stem : stems(path))
-      for (const char *ending : kEndings) {
-        std::string candidate = (folder / (stem + ending)).string();
-        std::error_code error;
-        if (stem.empty() || !fs::is_regular_file(candidate, error))
-          continue;
-        auto track = tactile::read_track_file(candidate);
-        if (track)
-          return FoundTrack{ std::move(candidate), *std::move(track) };
-        complaint = std::move(track).error().text();
-      }
+    for (fs::directory_iterator entry(folder_, error), end; !error && entry != end;
+         entry.increment(error)) {
+      const std::set<std::string> of_track = words(track_stem(entry->path().filename().string()));
+      if (!of_track.empty() && std::ranges::includes(of_film, of_track))
+        candidates.emplace(of_track.size(), entry->path().string());
+    }
+  std::size_t looked_at = 0;
+  for (const auto &[count, path] : candidates) {
+    if (looked_at++ >= kMostAlike)
+      break;
+    auto track = tactile::read_track_file(path);
+    if (track && std::chrono::abs(track->end() - duration) <= kSameEnd)
+      return FoundTrack{ path, *std::move(track) };
+  }
   return std::nullopt;
 }
 

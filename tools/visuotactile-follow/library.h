@@ -13,25 +13,38 @@ struct FoundTrack
   tactile::Track track;
 };
 
-/// Where tracks of films are: beside the film, then in the user's folder of tracks, which may be
+/// Where tracks of films are: beside the film, and in the user's folder of tracks, which may be
 /// empty.
 class Library
 {
 public:
+  /// By which the end of a film and that of its track may differ.
+  static constexpr tactile::Time kSameEnd = std::chrono::seconds(2);
+
   explicit Library(std::string folder) : folder_(std::move(folder))
   {
   }
 
-  /// `film` is what a player says: a path, a URI or a title. A file of the right name that is no
-  /// track, such as subtitles, is passed over, with a complaint.
-  std::optional<FoundTrack> find(const std::string &film, std::string &complaint) const;
+  // `film` is what a player says: a path, a URI or a title. A file of the right name that is no
+  // track, such as subtitles, is passed over, with a complaint.
 
-  /// What find() looks for, for messages.
+  /// The track beside a film on this computer.
+  std::optional<FoundTrack> beside(const std::string &film, std::string &complaint) const;
+  /// The track of this name in the folder.
+  std::optional<FoundTrack> named(const std::string &film, std::string &complaint) const;
+  /// The track in the folder that ends when the film does, and each word of whose name is in the
+  /// film's name. The one with the most words.
+  std::optional<FoundTrack> alike(const std::string &film, tactile::Time duration) const;
+
+  /// What the first two look for, for messages.
   std::string expected(const std::string &film) const;
 
 private:
   std::string folder_;
 };
+
+/// The path of a film on this computer; empty: it has none.
+std::string local_path(const std::string &film);
 
 /// What to call a film.
 std::string film_name(const std::string &film);

@@ -4,6 +4,7 @@
 #include "follower.h"
 
 #include "film/command_line.h"
+#include "film/sound.h"
 #include "tactor/drivers/registry.h"
 
 #include <gst/gst.h>
@@ -29,9 +30,14 @@ struct Options
   TextOption mapping{};
   TextOption calibration{};
   TextOption trace{};
+  TextOption sound{};
   gdouble intensity = 1;
   gdouble offset = 0;
+  gdouble nudge = 0; ///< ms; 0: none
+  gboolean no_drafts = FALSE;
+  gboolean once = FALSE;
   gboolean list = FALSE;
+  gboolean status = FALSE;
   gboolean version = FALSE;
   CommonOptions common;
 };
@@ -50,6 +56,11 @@ read_command_line(int argc, char **argv, Options &options)
       "Follow Kodi at its JSON-RPC, such as localhost (default port: 9090)", "HOST[:PORT]" },
     { "tracks", 't', 0, G_OPTION_ARG_FILENAME, &options.tracks.value,
       "Folder of tracks for films that have none beside them", "DIR" },
+    { "once", 0, 0, G_OPTION_ARG_NONE, &options.once, "End when a player that was there is gone",
+      nullptr },
+    { "no-drafts", 0, 0, G_OPTION_ARG_NONE, &options.no_drafts,
+      "Make no drafts of films that have no track", nullptr },
+    { "sound", 0, 0, G_OPTION_ARG_STRING, &options.sound.value, kSoundHelp, "PROFILE" },
     { "driver", 'd', 0, G_OPTION_ARG_STRING, &options.driver.value,
       "What is felt: a driver of tactorsink (default: auto)", "NAME" },
     { "device", 0, 0, G_OPTION_ARG_STRING, &options.device.value, "Which device of the driver",
@@ -66,31 +77,40 @@ read_command_line(int argc, char **argv, Options &options)
       "MS" },
     { "trace", 0, 0, G_OPTION_ARG_FILENAME, &options.trace.value,
       "Write all commands to a CSV file", "FILE" },
+    { "status", 's', 0, G_OPTION_ARG_NONE, &options.status,
+      "Print what the visuotactile-follow that runs does, and exit", nullptr },
+    { "nudge", 'n', 0, G_OPTION_ARG_DOUBLE, &options.nudge,
+      "Let the one that runs be felt so much later, in ms, with the player that it follows; "
+      "negative: earlier. It is remembered. Then exit",
+      "MS" },
     { "list-players", 'l', 0, G_OPTION_ARG_NONE, &options.list,
       "Print the players that are there, and exit", nullptr },
     { "version", 0, 0, G_OPTION_ARG_NONE, &options.version, "Print the version and exit", nullptr },
     {},
   };
-  parse_options(argc, argv, entries, options.common,
-                { .arguments = "",
-                  .summary
-                  = "Plays the track of a film on the chair, in sync with the film that another\n"
-                    "program plays: mpv, Kodi, VLC, a browser and others that tell where they\n"
-                    "are, by mpv's socket, Kodi's JSON-RPC or MPRIS on the session bus. Without\n"
-                    "--mpv, --kodi and --mpris any player is followed that plays.\n\n"
-                    "The track of FILM.mkv is FILM.vtt (or .tactile.vtt, .csv, .hjif, .sem.xml)\n"
-                    "beside it or in the folder of --tracks; tactile-track makes it. Films that\n"
-                    "have none are not felt.\n\n"
-                    "Ctrl-C ends the program, with all motors at zero.",
-                  .least = 0,
-                  .most = 0,
-                  .force_help = Usage::kWritesNothing,
-                  .quiet_help = Usage::kOnlyErrors,
-                  .group = gst_init_get_option_group() });
+  parse_options(
+      argc, argv, entries, options.common,
+      { .arguments = "",
+        .summary = "Plays the track of a film on the chair, in sync with the film that another\n"
+                   "program plays: mpv, Kodi, VLC, a browser and others that tell where they\n"
+                   "are, by mpv's socket, Kodi's JSON-RPC or MPRIS on the session bus. Without\n"
+                   "--mpv, --kodi and --mpris any player is followed that plays.\n\n"
+                   "The track of FILM.mkv is FILM.vtt (or .tactile.vtt, .csv, .hjif, .sem.xml)\n"
+                   "beside it, in its file, or in the folder of --tracks; tactile-track makes it.\n"
+                   "Of other films on this computer a draft is made while they play.\n\n"
+                   "Ctrl-C ends the program, with all motors at zero. SIGUSR1 lets all be felt\n"
+                   "10 ms later, SIGUSR2 10 ms earlier.",
+        .least = 0,
+        .most = 0,
+        .force_help = Usage::kWritesNothing,
+        .quiet_help = Usage::kOnlyErrors,
+        .group = gst_init_get_option_group() });
   if (!(options.intensity >= 0 && options.intensity <= 1))
     throw UsageError("--intensity is a number from 0 to 1");
   if (!(std::abs(options.offset) <= kMostOffset))
     throw UsageError("--offset is a number of ms from -5000 to 5000");
+  if (!(std::abs(options.nudge) <= kMostOffset))
+    throw UsageError("--nudge is a number of ms from -5000 to 5000");
   std::string drivers;
   bool known = false;
   for (const tactor::DriverInfo &driver : tactor::drivers()) {
@@ -135,19 +155,49 @@ usual_kodi()
 }
 
 void
+print_status()
+{
+  const FollowStatus status = ask_status();
+  const auto line = [](const char *name, const std::string &value) {
+    if (!value.empty())
+      std::printf("%-9s %s\n", name, value.c_str());
+  };
+  line("state:", status.state);
+  line("player:", status.player);
+  line("film:", status.film);
+  line("track:", status.track);
+  if (status.position >= 0)
+    std::printf("%-9s %.1f s\n", "position:", status.position);
+  if (status.ahead >= 0)
+    std::printf("%-9s %.1f s of the film are known\n", "ahead:", status.ahead);
+  if (!status.player.empty())
+    std::printf("%-9s %+.0f ms\n", "offset:", status.offset);
+}
+
+void
 run(const Options &options)
 {
+  if (options.nudge != 0)
+    std::printf("offset: %+.0f ms\n", send_nudge(options.nudge));
+  if (options.status)
+    print_status();
+  if (options.nudge != 0 || options.status)
+    return;
   const bool any = !options.mpv.is_set() && !options.kodi.is_set() && !options.mpris.is_set();
-  Follower follower({ .mpv_socket = options.mpv.text(any ? usual_socket().c_str() : ""),
-                      .insists_on_mpv = options.mpv.is_set(),
-                      .kodi = options.kodi.text(any ? usual_kodi().c_str() : ""),
-                      .insists_on_kodi = options.kodi.is_set(),
-                      .uses_bus = any || options.mpris.is_set(),
-                      .mpris = options.mpris.text(),
-                      .tracks = options.tracks.text(),
-                      .sink = sink_line(options),
-                      .offset = follow::Time(std::llround(options.offset * 1e6)),
-                      .quiet = options.common.quiet || options.list });
+  Follower follower(
+      { .mpv_socket = options.mpv.text(any ? usual_socket().c_str() : ""),
+        .insists_on_mpv = options.mpv.is_set(),
+        .kodi = options.kodi.text(any ? usual_kodi().c_str() : ""),
+        .insists_on_kodi = options.kodi.is_set(),
+        .uses_bus = any || options.mpris.is_set(),
+        .mpris = options.mpris.text(),
+        .track = { .folder = options.tracks.text(),
+                   .makes_drafts = options.no_drafts == FALSE,
+                   .analysis = { .sound = sound_profile(options.sound.text("off")) } },
+        .sink = sink_line(options),
+        .offset = options.offset,
+        .once = options.once != FALSE,
+        .quiet = options.common.quiet || options.list });
   if (options.list)
     follower.list();
   else

@@ -215,7 +215,7 @@ private:
   static void no_more_pads(GstElement *, gpointer data)
   {
     Run *self = static_cast<Run *>(data);
-    self->silent_ = end_missing_sound(self->pipeline_);
+    self->silent_ = end_missing_sound(self->pipeline_.get());
   }
 
   /// Ends the film in order: what is queued is played, for kDrainSeconds at the most.

@@ -316,7 +316,7 @@ ServerDriver::take(Lock &lock, const Server &server)
     return DriverError{ DriverError::Kind::settings,
                         device.name + ": expected " + std::to_string(tactors_)
                             + " motors as before, found " + std::to_string(tactors)
-                            + "; stop the film and begin anew" };
+                            + "; stop the film and play it again" };
   status_.board = device.name;
   status_.firmware = device.server;
   status_.motors.assign(device.motors.begin(), device.motors.begin() + tactors);

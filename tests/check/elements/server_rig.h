@@ -3,6 +3,8 @@
 // A tactorsink on devices behind a server of the real protocols (support/haptic_server.py).
 #pragma once
 
+#include <chrono>
+
 #include "support/haptic_server.h"
 
 #include "support/contains.h"
@@ -71,6 +73,28 @@ struct ServerRig
         return reason ? reason : "";
       }
     }
+  }
+  /// Plays maps until the latency that the device tells has been within these for long.
+  void play_until_latency(gint64 least_ms, gint64 most_ms)
+  {
+    gfloat level = 1;
+    for (int so = 0; so < 300;) {
+      ck_assert_int_eq(push({ level }), GST_FLOW_OK);
+      level = 1 - level;
+      g_usleep(1000);
+      g_autoptr(GstStructure) stats = nullptr;
+      g_object_get(element, "actuation-stats", &stats, nullptr);
+      gint64 latency = 0;
+      fail_unless(gst_structure_get_int64(stats, "latency", &latency));
+      const gint64 ms = latency / gint64{ GST_MSECOND };
+      so = ms >= least_ms && ms <= most_ms ? so + 1 : 0;
+    }
+  }
+  /// How long the picture waits for the device, beyond rise times and a margin.
+  std::chrono::nanoseconds room() const
+  {
+    const GstClockTime delay = gst_base_sink_get_render_delay(GST_BASE_SINK(element));
+    return std::chrono::nanoseconds(delay) - std::chrono::milliseconds(180 + 10);
   }
   /// Takes the information messages, and returns how many have this text.
   guint infos(const char *text) const

@@ -12,7 +12,9 @@
 #include <mutex>
 #include <set>
 #include <string>
+#include <tuple>
 #include <utility>
+#include <vector>
 
 namespace {
 
@@ -33,6 +35,13 @@ public:
       : pipeline_(make_pipeline(line + " ! tactorsink name=tactors sync=false driver=bhaptics"))
   {
     begin(device);
+  }
+  /// `line` has another tactorsink, `name=other`, for a device of the same server.
+  Play(const std::string &line, const std::string &other, const std::string &device)
+      : Play(line, device)
+  {
+    g_autoptr(GstElement) sink = gst_bin_get_by_name(GST_BIN(pipeline_), "other");
+    g_object_set(sink, "driver", "bhaptics", "device", server_.device(other).c_str(), nullptr);
   }
   /// `line` has a visuotactilesink, `name=chair`.
   explicit Play(const std::string &line) : pipeline_(make_pipeline(line))
@@ -58,6 +67,17 @@ public:
     gst_element_set_state(pipeline_, GST_STATE_PLAYING);
     std::unique_lock lock(mutex_);
     changed_.wait(lock, [&] { return last_ == grid; });
+  }
+  /// Waits until motors at these positions have been on from now on.
+  void expect_motors(const std::vector<std::string> &positions)
+  {
+    for (const std::string &position : positions)
+      server_.wait_for("motors " + position + " ");
+  }
+  Grid last()
+  {
+    const std::lock_guard lock(mutex_);
+    return last_;
   }
   /// Plays to the end. Returns the grids of all maps.
   std::set<Grid> play()
@@ -175,6 +195,24 @@ GST_START_TEST(test_in_a_player)
 }
 GST_END_TEST;
 
+/// Of two devices at a tee, the first one has maps of its grid, and the other one pools them.
+GST_START_TEST(test_two_devices)
+{
+  for (const std::string &maps :
+       { kFilm, kFilm + "! tactileextractor name=x x.src ! fakesink x.tactile " })
+    for (const auto &[first, second, grid] : { std::tuple{ "vest-back", "visor", kVest },
+                                               std::tuple{ "visor", "vest-back", kVisor } }) {
+      Play film(maps + "! tee name=t t. ! queue ! tactorsink name=other sync=false t. ! queue",
+                first, second);
+      film.expect(grid);
+      film.expect_motors({ "VestBack", "Head" }); // both are open
+      film.expect(grid);
+      film.expect_motors({ "VestBack", "Head" });
+      fail_unless(film.last() == grid);
+    }
+}
+GST_END_TEST;
+
 /// What the user sets is not asked.
 GST_START_TEST(test_set_by_the_user)
 {
@@ -210,6 +248,7 @@ tactorsink_grid_suite(void)
   tcase_add_test(tcase, test_caps);
   tcase_add_test(tcase, test_agreed);
   tcase_add_test(tcase, test_in_a_player);
+  tcase_add_test(tcase, test_two_devices);
   tcase_add_test(tcase, test_set_by_the_user);
   tcase_add_test(tcase, test_device_changes);
   return suite;

@@ -155,35 +155,15 @@ GST_START_TEST(test_latency)
     ServerRig rig(one.driver, one.device, { one.kind, "slow=40", "gap=1" });
     g_object_set(rig.element, "compensation", 0, "trace-location", trace.path.c_str(), nullptr);
     rig.start(1, 1);
-    // Until it is so for long.
-    const auto play_until = [&](gint64 least_ms, gint64 most_ms) {
-      gfloat level = 1;
-      for (int so = 0; so < 300;) {
-        ck_assert_int_eq(rig.push({ level }), GST_FLOW_OK);
-        level = 1 - level;
-        g_usleep(1000);
-        g_autoptr(GstStructure) stats = nullptr;
-        g_object_get(rig.element, "actuation-stats", &stats, nullptr);
-        gint64 latency = 0;
-        fail_unless(gst_structure_get_int64(stats, "latency", &latency));
-        const gint64 ms = latency / gint64{ GST_MSECOND };
-        so = ms >= least_ms && ms <= most_ms ? so + 1 : 0;
-      }
-    };
-    play_until(40, 119);
+    rig.play_until_latency(40, 119);
     rig.server.say("slow=120");
-    play_until(120, 150);
+    rig.play_until_latency(120, 150);
     ck_assert_int_eq(rig.push({ 1 }), GST_FLOW_OK);
     ck_assert_int_eq(rig.push({ 0 }), GST_FLOW_OK);
-    ck_assert_uint_eq(gst_base_sink_get_render_delay(GST_BASE_SINK(rig.element)),
-                      (180 + 150 + 10) * GST_MSECOND);
+    fail_unless(rig.room() == std::chrono::milliseconds(150));
     gst_element_set_state(rig.element, GST_STATE_NULL);
 
-    // Zeros have no rise time.
-    std::vector<tactor::Time> leads;
-    for (const tactor::IssuedCommand &line : unwrap(tactor::read_command_trace(trace.path)))
-      if (line.command.volts == 0 && !is_unplanned(line))
-        leads.push_back(line.command.lead);
+    const std::vector<tactor::Time> leads = leads_of_zeros(trace.path);
     const auto has = [&](int least, int most) {
       return std::ranges::any_of(leads, [&](tactor::Time lead) {
         return lead >= std::chrono::milliseconds(least) && lead < std::chrono::milliseconds(most);

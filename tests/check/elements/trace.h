@@ -4,6 +4,7 @@
 #include "tactor/command_trace.h"
 
 #include <map>
+#include <string>
 #include <vector>
 
 // gstcheck.h defines a macro `fail`, so it follows the standard library's headers.
@@ -15,6 +16,17 @@ inline bool
 is_unplanned(const tactor::IssuedCommand &line)
 {
   return line.command.lead == tactor::Time(0) && line.command.effect == line.issued;
+}
+
+/// What planned zeros, which have no rise time, were led by.
+inline std::vector<tactor::Time>
+leads_of_zeros(const std::string &trace)
+{
+  std::vector<tactor::Time> leads;
+  for (const tactor::IssuedCommand &line : unwrap(tactor::read_command_trace(trace)))
+    if (line.command.volts == 0 && !is_unplanned(line))
+      leads.push_back(line.command.lead);
+  return leads;
 }
 
 /// Each motor's last command must be zero.

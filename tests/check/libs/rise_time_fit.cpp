@@ -133,6 +133,24 @@ GST_START_TEST(table_contains_the_samples_and_is_monotonic)
 }
 GST_END_TEST
 
+// What one run of a measurement has: rises from rest to 0.4 to 1 V and to 1.5 V. In between
+// the table is that of the motor.
+GST_START_TEST(table_of_rises_from_rest_alone)
+{
+  std::vector<RiseTimeSample> samples;
+  for (const int tenth : { 4, 5, 6, 7, 8, 9, 10, 15 })
+    samples.push_back({ 0, 0.1 * tenth, rise_time_quadratic_ms(0, 0.1 * tenth) });
+  const auto table = monotone_table(samples, 1.5);
+  fail_unless(table.has_value());
+  const RiseTime rise_time(*table);
+  for (int hundredth = 50; hundredth <= 150; hundredth++) {
+    const double volts = 0.01 * hundredth;
+    const double ms = static_cast<double>(rise_time(0, volts).count()) / 1e6;
+    fail_unless_near(ms, rise_time_quadratic_ms(0, volts), 0.2); // linear within 0.1 V
+  }
+}
+GST_END_TEST
+
 GST_START_TEST(no_samples_give_no_table)
 {
   fail_if(monotone_table({}, 3.0));
@@ -150,6 +168,7 @@ rise_time_fit_suite(void)
   tcase_add_test(tests, too_few_samples_give_no_fit);
   tcase_add_test(tests, isotonic_is_the_nearest_rising_sequence);
   tcase_add_test(tests, table_contains_the_samples_and_is_monotonic);
+  tcase_add_test(tests, table_of_rises_from_rest_alone);
   tcase_add_test(tests, no_samples_give_no_table);
   return suite;
 }

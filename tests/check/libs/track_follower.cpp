@@ -41,7 +41,7 @@ TrackFollower
 follower(int seconds = 60)
 {
   TrackFollower follower;
-  follower.set_track(pulses(seconds));
+  follower.set_track(std::make_shared<tactile::Draft>(pulses(seconds)));
   return follower;
 }
 
@@ -131,9 +131,32 @@ GST_START_TEST(test_silence)
   ck_assert(step.silence && step.cues.empty());
 
   ck_assert(!chair.step(at(2s, 1, 3), kBegin + 120ms, kAhead).cues.empty());
-  chair.set_track(std::nullopt);
+  chair.set_track(nullptr);
   step = chair.step(at(2020ms, 1, 3), kBegin + 140ms, kAhead);
   ck_assert(step.silence && step.cues.empty());
+}
+GST_END_TEST;
+
+/// A track that becomes known while it plays.
+GST_START_TEST(test_draft)
+{
+  const auto draft = std::make_shared<tactile::Draft>(1, 1);
+  tactile::TactileMap on(1, 1);
+  on.levels[0] = 1;
+  fail_unless(draft->set(10s, 10s + 200ms, on).has_value());
+  TrackFollower chair;
+  chair.set_track(draft);
+  TrackFollower::Step step = chair.step(at(10s), kBegin, kAhead);
+  ck_assert_uint_eq(step.cues.size(), 3);
+  ck_assert(is_on(step.cues[0]) && step.cues[0].end == kBegin + 200ms);
+  // Silence, by moments.
+  ck_assert(!is_on(step.cues[1]) && step.cues[1].end == kBegin + 300ms);
+  ck_assert(!is_on(step.cues[2]) && step.cues[2].end == kBegin + 400ms);
+  fail_unless(draft->set(10s + 200ms, 12s, on).has_value());
+  step = chair.step(at(10s + 100ms), kBegin + 100ms, kAhead);
+  ck_assert_uint_eq(step.cues.size(), 1);
+  ck_assert(is_on(step.cues[0]) && step.cues[0].begin == kBegin + 400ms);
+  ck_assert(step.cues[0].end == kBegin + 1400ms);
 }
 GST_END_TEST;
 
@@ -213,6 +236,7 @@ track_follower_suite(void)
   tcase_add_test(tcase, test_rate);
   tcase_add_test(tcase, test_offset);
   tcase_add_test(tcase, test_silence);
+  tcase_add_test(tcase, test_draft);
   tcase_add_test(tcase, test_another_player);
   tcase_add_test(tcase, test_hang);
   tcase_add_test(tcase, test_whole);

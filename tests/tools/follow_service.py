@@ -1,0 +1,466 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: LGPL-2.1-or-later
+"""What visuotactile-follow does around a player, here a real mpv without picture and sound: where it finds tracks, drafts that it
+makes, its status and its nudge, and its ways out: a locked screen, a computer that goes to sleep, a session bus that is gone.
+logind is dbusmock's, and the chair is a vest in memory, which says what its motors do. Buses, settings and caches are the test's own.
+
+Expects FOLLOW, TRACK, SERVER (haptic_server.py), SESSION (the folder of the services' files), the plugins on GST_PLUGIN_PATH, mpv, dbus-daemon,
+systemd-analyze and python3-dbusmock.
+Usage: follow_service.py [PART ...]      of drafts, embedded, library, status, activation, mpv_script, ways_out; all by default"""
+
+import json
+import os
+import pathlib
+import shutil
+import signal
+import socket
+import subprocess
+import sys
+import tempfile
+import threading
+import time
+
+import dbus
+import dbusmock
+
+FOLLOW, TRACK = os.environ["FOLLOW"], os.environ["TRACK"]
+LATEST = 60  # s: until something that has to happen has failed to
+NAME, PATH = "org.visuotactile.Follow1", "/org/visuotactile/Follow1"
+LOGIND = "org.freedesktop.login1"
+
+work = pathlib.Path(tempfile.mkdtemp(prefix="visuotactile-follow-service-"))
+started = []
+
+
+def wait_until(what, is_true):
+    end = time.monotonic() + LATEST
+    while not is_true():
+        assert time.monotonic() < end, f"waited {LATEST} s in vain for {what}"
+        time.sleep(0.01)
+
+
+def start(*words, **options):
+    process = subprocess.Popen(words, **options)
+    started.append(process)
+    return process
+
+
+def start_bus(environment=None):
+    """A bus of its own: the process and its address."""
+    bus = start("dbus-daemon", "--session", "--nofork", "--print-address", stdout=subprocess.PIPE, text=True, env=environment)
+    return bus, bus.stdout.readline().strip()
+
+
+class Mpv:
+    def __init__(self, film, *options):
+        self.path = str(work / "socket")
+        pathlib.Path(self.path).unlink(missing_ok=True)
+        self.process = start("mpv", "--no-config", "--vo=null", "--ao=null", f"--input-ipc-server={self.path}", *options, str(film),
+                             stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        self.line = socket.socket(socket.AF_UNIX)
+        wait_until("mpv's socket", self._connects)
+
+    def _connects(self):
+        try:
+            self.line.connect(self.path)
+        except OSError:
+            return False
+        return True
+
+    def command(self, *words):
+        self.line.sendall((json.dumps({"command": words}) + "\n").encode())
+
+    def quit(self):
+        self.command("quit")
+        self.process.wait(LATEST)
+
+
+class Vest:
+    """What the motors of a vest do: lines of haptic_server.py, and when they came."""
+
+    def __init__(self):
+        self.server = start("/usr/bin/python3", os.environ["SERVER"], "bhaptics", stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
+        self.device = f"vest-back@127.0.0.1:{self.server.stdout.readline().split()[1]}"
+        self.lines = []
+        threading.Thread(target=self._listen, daemon=True).start()
+
+    def _listen(self):
+        for line in self.server.stdout:
+            if line.startswith("motors"):
+                self.lines.append((time.monotonic(), len(line.split()) > 2))
+
+    def wait_to_feel(self):
+        after = time.monotonic()
+        wait_until("something that is felt", lambda: any(on for at, on in self.lines if at > after))
+
+    def is_silent(self):
+        return not self.lines or not self.lines[-1][1]
+
+
+class Follower:
+    def __init__(self, mpv, *options):
+        self.log = work / "log"
+        with open(self.log, "w", encoding="utf-8") as log:
+            self.process = start(FOLLOW, f"--mpv={mpv.path}", "--driver=bhaptics", f"--device={vest.device}", *options, stderr=log)
+
+    def said(self):
+        return self.log.read_text(encoding="utf-8")
+
+    def wait_for(self, text):
+        wait_until(f"'{text}' in: {self.said()}", lambda: text in self.said() or self.process.poll() is not None)
+        assert text in self.said(), self.said()
+
+    def end(self, status=0):
+        if status == 0:
+            self.process.send_signal(signal.SIGINT)
+        assert self.process.wait(LATEST) == status, self.said()
+        wait_until("silence", vest.is_silent)
+
+
+def make_film(name, seconds, pattern="dynamic-motion", muxer="matroskamux"):
+    film = work / "films" / name
+    film.parent.mkdir(exist_ok=True)
+    picture = f"tactiletestsrc num-buffers={seconds * 25} pattern={pattern}" if pattern else f"videotestsrc num-buffers={seconds * 25} pattern=black"
+    subprocess.run(["gst-launch-1.0", "-q", *picture.split(), "!", "video/x-raw,width=320,height=240,framerate=25/1", "!", "x264enc", "speed-preset=ultrafast",
+                    "key-int-max=50", "!", muxer, "!", "filesink", f"location={film}"], check=True)
+    return film
+
+
+def make_track(path, seconds):
+    """A pulse of 700 ms in each second but the first."""
+    rows = ["# tactile grid=1x1 rate=5", "time_ms,t0"]
+    for second in range(1, seconds):
+        rows += [f"{second * 1000},1", f"{second * 1000 + 700},0"]
+    path.parent.mkdir(exist_ok=True)
+    path.write_text("\n".join(rows + [f"{seconds * 1000},0"]) + "\n", encoding="utf-8")
+
+
+def track(*words):
+    return subprocess.run([TRACK, *words], capture_output=True, text=True, check=False, timeout=LATEST)
+
+
+def drafts():
+    """From the middle on, then the rest; the same draft as tactile-track author makes at once."""
+    film = make_film("drafted.mkv", 30)
+    mpv = Mpv(film, "--start=20", "--loop")
+    follower = Follower(mpv)
+    follower.wait_for("plays 'drafted.mkv' with a draft that is made while it plays")
+    vest.wait_to_feel()
+    follower.wait_for("is complete, and kept for the next time")
+    mpv.command("seek", 3, "absolute")
+    vest.wait_to_feel()
+    follower.end()
+    assert [file.name for file in film.parent.iterdir()] == ["drafted.mkv"], "something was written beside the film"
+    kept = list((work / "cache/visuotactile/drafts").iterdir())
+    assert len(kept) == 1, kept
+    at_once = work / "at-once.vtt"
+    assert track("author", "-q", str(film), "-o", str(at_once)).returncode == 0
+    same_films(at_once, kept[0])
+    # The next time, and under another name.
+    other = film.with_name("renamed.mkv")
+    film.rename(other)
+    mpv.command("loadfile", str(other))
+    follower = Follower(mpv)
+    follower.wait_for("plays 'renamed.mkv' with a draft of an earlier time")
+    vest.wait_to_feel()
+    follower.end()
+    mpv.quit()
+    other.unlink()
+
+
+def cues(path):
+    """(begin, end, percents) of a track's cues that are felt, in ms."""
+    found = []
+    for block in path.read_text(encoding="utf-8").split("\n\n"):
+        lines = block.strip().split("\n")
+        if " --> " in lines[0]:
+            begin, end = (sum(float(part) * scale for part, scale in zip(time.split(":"), (3600e3, 60e3, 1e3))) for time in lines[0].split(" --> "))
+            found.append((begin, end, [int(word) for line in lines[1:] for word in line.split()]))
+    return found
+
+
+def level_at(found, at):
+    return next((levels for begin, end, levels in found if begin <= at < end), [0] * 9)
+
+
+def same_films(expected, got):
+    """The analysis adapts to what it saw before, so that a draft from the middle on differs a little for a while."""
+    one, other = cues(expected), cues(got)
+    assert one[-1][1] == other[-1][1] or abs(one[-1][1] - other[-1][1]) < 1000, (one[-1], other[-1])
+    off = [abs(a - b) for at in range(0, 30000, 100) for a, b in zip(level_at(one, at), level_at(other, at))]
+    mean = sum(off) / len(off)
+    print(f"levels differ by {mean:.1f} % on average")
+    felt = sum(sum(level_at(one, at)) for at in range(0, 30000, 100)) / len(off)
+    assert mean < felt / 3, (mean, felt)
+
+
+def embedded():
+    """Films that show nothing, with pulses in their files."""
+    black = make_film("black.mkv", 12, pattern=None)
+    pulses = work / "pulses" / "pulses.csv"
+    make_track(pulses, 12)
+    for ending in ("mkv", "mp4", "ts"):
+        carrier = black.with_name(f"carrier.{ending}")
+        muxed = track("mux", "-q", str(black), str(pulses), "-o", str(carrier))
+        assert muxed.returncode == 0, muxed
+        mpv = Mpv(carrier, "--start=9")
+        follower = Follower(mpv, "--no-drafts")
+        follower.wait_for(f"plays 'carrier.{ending}' with the track in its file")
+        vest.wait_to_feel()
+        # The film ends.
+        mpv.process.wait(LATEST)
+        wait_until("silence", vest.is_silent)
+        follower.end()
+        carrier.unlink()
+    # One that promises a track and has none: subtitles named like it.
+    words = work / "words.srt"
+    words.write_text("1\n00:00:01,000 --> 00:00:03,000\nHello!\n", encoding="utf-8")
+    subprocess.run(["ffmpeg", "-v", "error", "-i", str(black), "-i", str(words), "-c:v", "copy", "-c:s", "srt", "-metadata:s:s:0", "title=Tactile",
+                    str(black.with_name("words.mkv"))], check=True)
+    mpv = Mpv(black.with_name("words.mkv"))
+    follower = Follower(mpv, "--no-drafts")
+    follower.wait_for("no track for 'words.mkv'")
+    follower.end()
+    mpv.quit()
+    shutil.rmtree(black.parent)
+
+
+def library():
+    """By words of the name and the film's duration."""
+    film = make_film("Bouncing.Balls.2012.1080p.mkv", 12, pattern=None)
+    mpv = Mpv(film)
+    make_track(work / "tracks" / "balls 2012.csv", 30)  # another film's
+    make_track(work / "tracks" / "seven balls.csv", 12)
+    make_track(work / "tracks" / "balls.csv", 12)
+    make_track(work / "tracks" / "Bouncing Balls.csv", 12)
+    follower = Follower(mpv, f"--tracks={work}/tracks")
+    follower.wait_for(f"with '{work}/tracks/Bouncing Balls.csv'")
+    vest.wait_to_feel()
+    follower.end()
+    mpv.quit()
+    shutil.rmtree(film.parent)
+
+
+def ask(*words, status=0):
+    result = subprocess.run([FOLLOW, *words], capture_output=True, text=True, check=False, timeout=LATEST)
+    assert result.returncode == status, result
+    return result.stdout + result.stderr
+
+
+def status():
+    """By options, by D-Bus and by signals; remembered for each kind of player."""
+    assert "no visuotactile-follow runs" in ask("--status", status=1)
+    assert "no visuotactile-follow runs" in ask("--nudge=10", status=1)
+    assert "--nudge is a number of ms" in ask("--nudge=9000", status=2)
+    film = make_film("status.mkv", 20, pattern=None)
+    make_track(film.with_suffix(".csv"), 20)
+    mpv = Mpv(film, "--loop")
+    follower = Follower(mpv)
+    follower.wait_for("plays 'status.mkv' with")
+    vest.wait_to_feel()
+    assert "state:    plays" in ask("--status")
+    mpv.command("set_property", "pause", True)
+    wait_until("the pause", lambda: "state:    paused" in ask("--status"))
+    said = ask("--status")
+    assert 1 <= float(said.split("position:")[1].split()[0]) < 20, said
+    for line in ( f"player:   mpv at {mpv.path}", "film:     status.mkv", f"track:    '{film.with_suffix('.csv')}'", "offset:   +0 ms"):
+        assert line in said, said
+    bus = dbus.SessionBus(private=True)
+    service = bus.get_object(NAME, PATH)
+    assert ask("--nudge=40") == "offset: +40 ms\n"
+    assert service.Nudge(-15.0, dbus_interface=NAME) == 25
+    assert service.Get(NAME, "Offset", dbus_interface="org.freedesktop.DBus.Properties") == 25
+    remembered = lambda: (work / "config/visuotactile/follow.conf").read_text(encoding="utf-8")
+    assert "[mpv]" in remembered() and "offset=25" in remembered(), remembered()
+    for number, offset in ((signal.SIGUSR1, 35), (signal.SIGUSR2, 25), (signal.SIGUSR2, 15)):
+        follower.process.send_signal(number)
+        wait_until(f"an offset of {offset}", lambda: f"offset={offset}\n" in remembered())
+    # Another one follows, too, and says that it is not the one that is asked.
+    other = Follower(mpv)
+    other.wait_for("another visuotactile-follow has the name")
+    other.end()
+    follower.end()
+    follower = Follower(mpv)
+    follower.wait_for("plays 'status.mkv' with")
+    assert "offset:   +15 ms" in ask("--status")
+    follower.end()
+    # What is no key file is not overwritten.
+    (work / "config/visuotactile/follow.conf").write_text("nonsense\n", encoding="utf-8")
+    follower = Follower(mpv)
+    assert follower.process.wait(LATEST) == 1 and "cannot read" in follower.said(), follower.said()
+    assert remembered() == "nonsense\n"
+    (work / "config/visuotactile/follow.conf").unlink()
+    mpv.quit()
+    shutil.rmtree(film.parent)
+
+
+def activation():
+    """The bus starts a follower for whom calls it, by the file that is installed. systemd finds nothing wrong with the unit."""
+    services = work / "data/dbus-1/services"
+    services.mkdir(parents=True)
+    installed = pathlib.Path(os.environ["SESSION"])
+    text = (installed / f"{NAME}.service").read_text(encoding="utf-8")
+    program = next(line.removeprefix("Exec=") for line in text.split("\n") if line.startswith("Exec="))
+    wrapper = work / "visuotactile-follow"
+    wrapper.write_text(f"#!/bin/sh\nexec {FOLLOW} --driver=simulator 2>{work}/log\n", encoding="utf-8")
+    wrapper.chmod(0o755)
+    (services / f"{NAME}.service").write_text(text.replace(program, str(wrapper)), encoding="utf-8")
+    _, address = start_bus(dict(os.environ, XDG_DATA_HOME=str(work / "data")))
+    bus = dbus.bus.BusConnection(address)
+    assert not bus.name_has_owner(NAME)
+    service = bus.get_object(NAME, PATH)
+    assert service.Get(NAME, "State", dbus_interface="org.freedesktop.DBus.Properties") == "idle"
+    pid = bus.get_object("org.freedesktop.DBus", "/org/freedesktop/DBus").GetConnectionUnixProcessID(NAME)
+    os.kill(pid, signal.SIGTERM)
+    wait_until("its end", lambda: not bus.name_has_owner(NAME))
+    unit = (installed / "visuotactile-follow.service").read_text(encoding="utf-8")
+    assert f"BusName={NAME}" in unit and f"ExecStart={program}" in unit, unit
+    (work / "visuotactile-follow.service").write_text(unit.replace(program, str(wrapper)), encoding="utf-8")
+    verified = subprocess.run(["systemd-analyze", "--user", "--man=no", "verify", str(work / "visuotactile-follow.service")], capture_output=True, text=True, check=False,
+                              env=dict(os.environ, XDG_RUNTIME_DIR=str(work)))
+    assert verified.returncode == 0 and "visuotactile" not in verified.stderr, verified
+
+
+def mpv_script():
+    """mpv's own script starts a follower, moves it by keys, and uses one that runs."""
+    bin_folder = work / "bin"
+    bin_folder.mkdir()
+    wrapper = bin_folder / "visuotactile-follow"
+    wrapper.write_text(f'#!/bin/sh\necho "$@" >>{work}/calls\nexec {FOLLOW} "$@" 2>>{work}/log\n', encoding="utf-8")
+    wrapper.chmod(0o755)
+    (work / "log").write_text("", encoding="utf-8")
+    film = make_film("script.mkv", 60, pattern=None)
+    make_track(film.with_suffix(".csv"), 60)
+    os.environ["PATH"] = f"{bin_folder}:{os.environ['PATH']}"
+    script = pathlib.Path(__file__).resolve().parents[2] / "examples/mpv/visuotactile.lua"
+    options = f"--script-opts=visuotactile-options=--driver=bhaptics --device={vest.device}"
+    remembered = work / "config/visuotactile/follow.conf"
+    mpv = Mpv(film, f"--script={script}", options)
+    vest.wait_to_feel()
+    mpv.command("keypress", "Ctrl+Alt+RIGHT")
+    wait_until("a nudge by a key", lambda: remembered.exists() and "offset=10\n" in remembered.read_text(encoding="utf-8"))
+    mpv.command("keypress", "Ctrl+Alt+LEFT")
+    wait_until("a nudge back", lambda: "offset=0\n" in remembered.read_text(encoding="utf-8"))
+    mpv.quit()
+    bus = dbus.SessionBus(private=True)
+    wait_until("the follower's end", lambda: not bus.name_has_owner(NAME))
+    assert vest.is_silent()
+    # One that runs is used, at the socket where it looks.
+    (work / "calls").unlink()
+    os.environ["XDG_RUNTIME_DIR"] = str(work)
+    running = start(FOLLOW, "--driver=bhaptics", f"--device={vest.device}", stderr=subprocess.DEVNULL)
+    wait_until("a follower", lambda: bus.name_has_owner(NAME))
+    viewer = start("mpv", "--no-config", "--vo=null", "--ao=null", f"--script={script}", str(film), stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    vest.wait_to_feel()
+    assert (work / "calls").read_text(encoding="utf-8") == "--status\n"
+    viewer.terminate()
+    viewer.wait(LATEST)
+    wait_until("silence", vest.is_silent)
+    running.terminate()
+    assert running.wait(LATEST) == 0
+    remembered.unlink()
+    shutil.rmtree(film.parent)
+
+
+def ways_out():
+    """What ends what is felt, and what brings it back."""
+    logind_bus = dbus.bus.BusConnection(os.environ["DBUS_SYSTEM_BUS_ADDRESS"])
+    start("/usr/bin/python3", "-m", "dbusmock", "--system", "--template", "logind", stdout=subprocess.DEVNULL)
+    wait_until("logind", lambda: logind_bus.name_has_owner(LOGIND))
+    logind = logind_bus.get_object(LOGIND, "/org/freedesktop/login1")
+    mock = dbus.Interface(logind, dbusmock.MOCK_IFACE)
+    mock.AddSession("auto", "seat0", dbus.UInt32(os.getuid()), "somebody", True)
+    own = logind_bus.get_object(LOGIND, "/org/freedesktop/login1/session/auto")
+    inhibitors = lambda: logind.ListInhibitors(dbus_interface=f"{LOGIND}.Manager")
+
+    film = make_film("ways-out.mkv", 100, pattern=None)
+    make_track(film.with_suffix(".csv"), 100)
+    mpv = Mpv(film)
+    follower = Follower(mpv)
+    wait_until("an inhibitor", lambda: len(inhibitors()) == 1)
+    assert [str(part) for part in inhibitors()[0][:2]] == ["sleep", "visuotactile-follow"] and inhibitors()[0][3] == "delay", inhibitors()
+    vest.wait_to_feel()
+
+    def rests(why):
+        follower.wait_for(f"nothing is felt: {why}")
+        wait_until("silence", vest.is_silent)
+        begin, seconds = time.monotonic(), 1.5  # longer than from pulse to pulse, by the vest's own lines
+        wait_until("a pulse that is not felt", lambda: time.monotonic() > begin + seconds)
+        assert not any(on for at, on in vest.lines if at > begin), f"felt while {why}"
+        assert "state:    rests" in ask("--status")
+
+    def goes_on():
+        follower.log.write_text("", encoding="utf-8")
+        vest.wait_to_feel()
+
+    # The computer goes to sleep: it may when the motors are at zero.
+    logind.EmitSignal(f"{LOGIND}.Manager", "PrepareForSleep", "b", [True], dbus_interface=dbusmock.MOCK_IFACE)
+    wait_until("that it may sleep", lambda: not inhibitors())
+    assert vest.is_silent(), "it may sleep while a motor is on"
+    rests("the computer goes to sleep")
+    logind.EmitSignal(f"{LOGIND}.Manager", "PrepareForSleep", "b", [False], dbus_interface=dbusmock.MOCK_IFACE)
+    goes_on()
+    wait_until("an inhibitor again", lambda: len(inhibitors()) == 1)
+
+    # The screen is locked, and unlocked: by logind's signal and hint, or by the player that somebody starts.
+    own.EmitSignal(f"{LOGIND}.Session", "Lock", "", [], dbus_interface=dbusmock.MOCK_IFACE)
+    rests("the screen is locked")
+    own.UpdateProperties(f"{LOGIND}.Session", {"LockedHint": False}, dbus_interface=dbusmock.MOCK_IFACE)
+    goes_on()
+    own.EmitSignal(f"{LOGIND}.Session", "Lock", "", [], dbus_interface=dbusmock.MOCK_IFACE)
+    rests("the screen is locked")
+    begin = time.monotonic()
+    while not any(on for at, on in vest.lines if at > begin):
+        assert time.monotonic() < begin + LATEST, "started in vain"
+        mpv.command("set_property", "pause", True)
+        time.sleep(0.5)  # mpv tells no changes that are over
+        mpv.command("set_property", "pause", False)
+        time.sleep(1.5)
+    follower.log.write_text("", encoding="utf-8")
+
+    # A screen saver.
+    session_bus = dbus.SessionBus(private=True)
+    session_bus.send_message(active_changed(True))
+    rests("the screen saver is on")
+    session_bus.send_message(active_changed(False))
+    goes_on()
+
+    # A stopped, then a killed player.
+    mpv.process.send_signal(signal.SIGKILL)
+    follower.wait_for("is gone")
+    wait_until("silence", vest.is_silent)
+    follower.end()
+    # The session bus is gone. A follower of one mpv goes on, one of all players ends.
+    mpv = Mpv(film)
+    alone = Follower(mpv)
+    vest.wait_to_feel()
+    session.kill()
+    vest.wait_to_feel()
+    alone.end()
+    mpv.quit()
+    shutil.rmtree(film.parent)
+
+
+def active_changed(active):
+    message = dbus.lowlevel.SignalMessage("/org/freedesktop/ScreenSaver", "org.freedesktop.ScreenSaver", "ActiveChanged")
+    message.append(dbus.Boolean(active))
+    return message
+
+
+PARTS = {"drafts": drafts, "embedded": embedded, "library": library, "status": status, "activation": activation, "mpv_script": mpv_script, "ways_out": ways_out}
+
+
+try:
+    session, os.environ["DBUS_SESSION_BUS_ADDRESS"] = start_bus()
+    _, os.environ["DBUS_SYSTEM_BUS_ADDRESS"] = start_bus()
+    os.environ["XDG_CACHE_HOME"], os.environ["XDG_CONFIG_HOME"] = str(work / "cache"), str(work / "config")
+    vest = Vest()
+    for part in sys.argv[1:] or PARTS:
+        begin = time.monotonic()
+        PARTS[part]()
+        print(f"{part}: {time.monotonic() - begin:.1f} s", flush=True)
+finally:
+    for process in started:
+        process.kill()
+        process.wait()
+    shutil.rmtree(work)

@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "analysis.h"
+
+#include "gst/fusion/sound_meta.h"
+#include "sound.h"
+
+#include <gst/tactile/tactile.h>
+
+#include <chrono>
+
+using visuotactile::Time;
+
+namespace {
+
+/// What picture and sound may be apart in a file.
+constexpr const char *kQueue = "queue max-size-bytes=0 max-size-buffers=0 max-size-time=1000000000";
+
+} // namespace
+
+Pipeline
+make_analysis(const std::string &source, const AnalysisSettings &settings)
+{
+  Pipeline pipeline = make_pipeline(
+      source + " film. ! queue ! videoconvert ! saliencytactile name=analysis rows="
+      + std::to_string(settings.rows) + " columns=" + std::to_string(settings.columns)
+      + " profile=" + settings.profile + joined_sound(kQueue, settings.sound)
+      + " ! tactileextractor name=split split.tactile ! appsink name=maps sync=false"
+      + (settings.sound ? heard_sound(kQueue, settings.sound) + "fakesink sync=false" : ""));
+  if (settings.sound)
+    g_signal_connect(
+        element(pipeline, "film").get(), "no-more-pads",
+        G_CALLBACK(+[](GstElement *, gpointer whole) { end_missing_sound(GST_ELEMENT(whole)); }),
+        pipeline.get());
+  return pipeline;
+}
+
+std::optional<FilmMap>
+film_map(GstSample *sample)
+{
+  GstBuffer *buffer = gst_sample_get_buffer(sample);
+  guint rows = 0;
+  guint columns = 0;
+  g_autofree gfloat *levels = nullptr;
+  gsize count = 0;
+  const GstClockTime time = gst_segment_to_stream_time(gst_sample_get_segment(sample),
+                                                       GST_FORMAT_TIME, GST_BUFFER_PTS(buffer));
+  if (!GST_CLOCK_TIME_IS_VALID(time)
+      || !gst_tactile_map_caps_parse(gst_sample_get_caps(sample), &rows, &columns, nullptr, nullptr)
+      || !gst_tactile_map_buffer_get_levels(buffer, rows, columns, &levels, &count))
+    return std::nullopt;
+  FilmMap map{ .begin = Time(static_cast<Time::rep>(time)),
+               .map = tactile::TactileMap(static_cast<int>(rows), static_cast<int>(columns)),
+               .at_once = GST_BUFFER_FLAG_IS_SET(buffer, kSoundMap) };
+  map.map.levels.assign(levels, levels + count);
+  map.end = map.begin;
+  if (GST_BUFFER_DURATION_IS_VALID(buffer))
+    map.end += Time(static_cast<Time::rep>(GST_BUFFER_DURATION(buffer)));
+  return map;
+}
+
+bool
+BlockSampler::takes(const FilmMap &map)
+{
+  const bool is_first = !first_;
+  if (is_first)
+    first_ = map.begin;
+  const Time middle = map.begin + (map.end - map.begin) / 2;
+  const auto passed = std::chrono::duration<double>(middle - *first_).count();
+  if (!is_first && rate_ > 0 && passed * rate_ < static_cast<double>(next_block_))
+    return map.at_once;
+  next_block_ = rate_ > 0 ? static_cast<std::int64_t>(passed * rate_) + 1 : 0;
+  return true;
+}

@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include "fusion/profile.h"
+#include "pipeline.h"
+
+#include "nanoseconds.h"
+#include "tactile/tactile_map.h"
+
+#include <gst/gst.h>
+
+#include <cstdint>
+#include <optional>
+#include <string>
+
+/// How a film becomes a track.
+struct AnalysisSettings
+{
+  double rate = 5; ///< Hz at which levels may change; 0: with every frame
+  int rows = 3;
+  int columns = 3;
+  std::string profile = "tuned";
+  const fusion::Profile *sound = nullptr; ///< what is felt of it
+};
+
+/// A pipeline of a launch line that begins with film_source(), from which the appsink `maps` takes
+/// the maps of the picture and of `sound`. Throws std::runtime_error.
+Pipeline make_analysis(const std::string &source, const AnalysisSettings &settings);
+
+/// A map that holds from `begin` to `end`, in film time.
+struct FilmMap
+{
+  visuotactile::Time begin{ 0 };
+  visuotactile::Time end{ 0 };
+  tactile::TactileMap map;
+  bool at_once = false; ///< of the sound, see BlockSampler
+};
+
+/// None for a sample that is no map in the film.
+std::optional<FilmMap> film_map(GstSample *sample);
+
+/// Which maps of a stream are felt. As tactorsink does, it samples them in blocks of 1 / rate: a
+/// block begins with the first map more than half of which lies after the block's start, and has
+/// that map's levels. Maps of the sound are taken at once.
+class BlockSampler
+{
+public:
+  explicit BlockSampler(double rate) : rate_(rate)
+  {
+  }
+
+  /// Whether this map takes the place of the one before. In order of time.
+  bool takes(const FilmMap &map);
+
+private:
+  double rate_;
+  std::optional<visuotactile::Time> first_;
+  std::int64_t next_block_ = 0;
+};

@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include "film/analysis.h"
+#include "tracks/track.h"
+
+#include <cstdint>
+#include <optional>
+#include <string>
+
+/// Whole drafts of films, for the next time that these are watched. A film is known by its file's
+/// size and parts of its content, wherever it lies and whatever its name.
+class DraftCache
+{
+public:
+  /// The least used drafts go beyond this.
+  static constexpr std::uintmax_t kMostBytes = std::uintmax_t{ 256 } << 20;
+
+  /// $XDG_CACHE_HOME/visuotactile/drafts
+  static std::string usual_folder();
+
+  explicit DraftCache(std::string folder, std::uintmax_t most_bytes = kMostBytes);
+
+  /// The draft that these settings made of the film; none: there is none that can be read.
+  std::optional<tactile::Track> find(const std::string &film,
+                                     const AnalysisSettings &settings) const;
+
+  /// Throws std::runtime_error with the path.
+  void keep(const tactile::Track &draft, const std::string &film,
+            const AnalysisSettings &settings) const;
+
+  /// Where that is, or would be; empty: the film cannot be read.
+  std::string path(const std::string &film, const AnalysisSettings &settings) const;
+
+private:
+  void remove_old() const;
+
+  std::string folder_;
+  std::uintmax_t most_bytes_;
+};

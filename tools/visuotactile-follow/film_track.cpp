@@ -1,0 +1,201 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "film_track.h"
+
+#include "map_source.h"
+
+#include <ctime>
+#include <stdexcept>
+#include <utility>
+
+using follow::Time;
+
+namespace {
+
+/// Of all threads.
+Time
+cpu_time()
+{
+  timespec time{};
+  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &time);
+  return std::chrono::seconds(time.tv_sec) + std::chrono::nanoseconds(time.tv_nsec);
+}
+
+std::string
+uri_of(const std::string &path)
+{
+  g_autofree gchar *uri = gst_filename_to_uri(path.c_str(), nullptr);
+  return uri != nullptr ? uri : "";
+}
+
+} // namespace
+
+FilmTrack::FilmTrack(Settings settings, Events events)
+    : settings_(std::move(settings)), events_(std::move(events)), library_(settings_.folder),
+      cache_(settings_.cache)
+{
+}
+
+void
+FilmTrack::open(const std::string &film)
+{
+  probe_.reset();
+  reader_.reset();
+  what_.clear();
+  complaint_.clear();
+  told_too_slow_ = false;
+  film_ = film;
+  path_ = film.empty() ? "" : local_path(film);
+  events_.found(nullptr);
+  if (film.empty())
+    return;
+  if (const auto beside = library_.beside(film, complaint_)) {
+    play(*beside);
+    return;
+  }
+  if (!path_.empty()) {
+    try {
+      probe_ = std::make_unique<FilmProbe>(uri_of(path_));
+      return;
+    } catch (const std::runtime_error &error) {
+      complaint_ = error.what();
+    }
+  }
+  file_ = { .complaint = "it is not on this computer" };
+  look_in_folder();
+}
+
+void
+FilmTrack::step(Time position, Time now)
+{
+  if (probe_ && probe_->result()) {
+    file_ = *std::exchange(probe_, nullptr)->result();
+    look_in_file();
+  }
+  if (!reader_)
+    return;
+  const bool had_none = reader_->draft() == nullptr;
+  reader_->step(position, now, cpu_time());
+  if (had_none && reader_->draft() != nullptr)
+    events_.found(reader_->draft());
+  if (reader_->is_too_slow() && !std::exchange(told_too_slow_, true))
+    events_.told("'" + film_name(film_)
+                 + "' is decoded more slowly than it plays: parts of it are not felt;"
+                   " tactile-track author makes its track beforehand");
+  if (!reader_->failure().empty())
+    fail(reader_->failure());
+  else if (reader_->is_complete())
+    complete();
+}
+
+std::optional<Time>
+FilmTrack::known_until(Time position) const
+{
+  return reader_ ? std::optional(reader_->known_until(position)) : std::nullopt;
+}
+
+void
+FilmTrack::choose(std::string what)
+{
+  what_ = std::move(what);
+  events_.chosen();
+}
+
+void
+FilmTrack::play(const FoundTrack &found)
+{
+  choose("'" + found.path + "'");
+  events_.found(std::make_shared<tactile::Draft>(found.track));
+}
+
+void
+FilmTrack::look_in_file()
+{
+  reads_file_ = file_.may_have_track;
+  if (!reads_file_) {
+    look_in_folder();
+    return;
+  }
+  try {
+    read(open_embedded(path_), "the track in its file");
+  } catch (const std::runtime_error &error) {
+    fail(error.what());
+  }
+}
+
+void
+FilmTrack::look_in_folder()
+{
+  std::optional<FoundTrack> found = library_.named(film_, complaint_);
+  if (!found && file_.duration)
+    found = library_.alike(film_, *file_.duration);
+  if (found)
+    play(*found);
+  else if (settings_.makes_drafts && file_.has_picture)
+    make_draft();
+  else
+    fail(settings_.makes_drafts ? file_.complaint : "");
+}
+
+void
+FilmTrack::make_draft()
+{
+  if (const auto kept = cache_.find(path_, settings_.analysis)) {
+    choose("a draft of an earlier time");
+    events_.found(std::make_shared<tactile::Draft>(*kept));
+    return;
+  }
+  try {
+    read(open_analysis(uri_of(path_), settings_.analysis), "a draft that is made while it plays");
+  } catch (const std::runtime_error &error) {
+    fail(error.what());
+  }
+}
+
+void
+FilmTrack::read(std::unique_ptr<follow::MapSource> source, const std::string &what)
+{
+  reader_ = std::make_unique<follow::AheadReader>(std::move(source));
+  choose(what);
+}
+
+/// Without a track, or with no more of it. What is known stays.
+void
+FilmTrack::fail(std::string why) // it may be the reader's
+{
+  const bool has_some = reader_ && reader_->draft() != nullptr;
+  reader_.reset();
+  if (reads_file_ && !has_some) { // it promised one
+    reads_file_ = false;
+    complaint_ = std::move(why);
+    look_in_folder();
+    return;
+  }
+  if (has_some) {
+    events_.told("no more of '" + film_name(film_) + "' is felt: " + why);
+    return;
+  }
+  what_.clear();
+  std::string expected
+      = complaint_.empty() ? library_.expected(film_) : "a track, got " + complaint_;
+  if (!why.empty())
+    expected += "; no draft can be made: " + why;
+  events_.told("no track for '" + film_name(film_) + "': expected " + expected
+               + "; make one with tactile-track author");
+}
+
+void
+FilmTrack::complete()
+{
+  const follow::Time end = reader_->end();
+  const std::shared_ptr<tactile::Draft> draft = reader_->draft();
+  reader_.reset(); // what is felt stays
+  if (reads_file_)
+    return;
+  what_ = "a whole draft";
+  try {
+    cache_.keep(draft->track(end, settings_.analysis.rate), path_, settings_.analysis);
+    events_.told("the draft of '" + film_name(film_) + "' is complete, and kept for the next time");
+  } catch (const std::runtime_error &error) {
+    events_.told(std::string("the draft is complete, but not kept: ") + error.what());
+  }
+}

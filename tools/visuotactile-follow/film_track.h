@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include "draft_cache.h"
+#include "film_probe.h"
+#include "library.h"
+
+#include "film/analysis.h"
+#include "follow/ahead_reader.h"
+
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+
+/// Where a film's track comes from. Of these the first that there is: a file beside the film, the
+/// film's own file, the user's folder of tracks, a draft of an earlier time, a draft that is made
+/// ahead of the position while the film plays. Of the main context's thread, which it does not
+/// hold up.
+class FilmTrack
+{
+public:
+  struct Settings
+  {
+    std::string folder; ///< of tracks; empty: none
+    bool makes_drafts = true;
+    AnalysisSettings analysis{};
+    std::string cache = DraftCache::usual_folder(); ///< of drafts
+  };
+  struct Events
+  {
+    /// Calls for what is felt from now on; it may become known meanwhile.
+    std::function<void(std::shared_ptr<const tactile::Draft>)> found;
+    std::function<void()> chosen;                  ///< what() is decided
+    std::function<void(const std::string &)> told; ///< for the user
+  };
+
+  FilmTrack(Settings settings, Events events);
+
+  /// `film` is what a player says; empty: none. What was found of the film before is no more.
+  void open(const std::string &film);
+
+  /// Looks and reads on. `position`: where the film is.
+  void step(follow::Time position, follow::Time now);
+
+  /// Something may be found still, or become known.
+  bool is_looking() const
+  {
+    return probe_ != nullptr || reader_ != nullptr;
+  }
+  /// What is felt, such as "a draft"; empty: nothing.
+  const std::string &what() const
+  {
+    return what_;
+  }
+  /// Up to where the film is known from a position on; none: all.
+  std::optional<follow::Time> known_until(follow::Time position) const;
+
+private:
+  void play(const FoundTrack &found);
+  void look_in_file();
+  void look_in_folder();
+  void choose(std::string what);
+  void read(std::unique_ptr<follow::MapSource> source, const std::string &what);
+  void make_draft();
+  void fail(std::string why);
+  void complete();
+
+  const Settings settings_;
+  const Events events_;
+  const Library library_;
+  const DraftCache cache_;
+  std::string film_;
+  std::string path_; ///< on this computer; empty: elsewhere
+  std::string complaint_;
+  std::string what_;
+  std::unique_ptr<FilmProbe> probe_;
+  FilmProbe::Result file_; ///< what is in it
+  std::unique_ptr<follow::AheadReader> reader_;
+  bool reads_file_ = false; ///< reader_ reads the track in the film's file
+  bool told_too_slow_ = false;
+};

@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <gio/gio.h>
+
+#include <functional>
+#include <string>
+
+/// What a follower does.
+struct FollowStatus
+{
+  std::string player{};       ///< empty: none
+  std::string state = "idle"; ///< idle, stopped, paused, waits, plays or rests
+  std::string film{};
+  std::string track{};  ///< what is felt; empty: nothing
+  double position = -1; ///< s; < 0: unknown
+  double ahead = -1;    ///< s of the track that are known from there on; < 0: all
+  double offset = 0;    ///< ms that the player's picture is later than it says
+};
+
+/// A running follower on the session bus: org.visuotactile.Follow1 at /org/visuotactile/Follow1. Of
+/// the main context's thread.
+class FollowService
+{
+public:
+  struct Calls
+  {
+    std::function<FollowStatus()> status;
+    std::function<double(double by)>
+        nudge; ///< returns the offset, in ms. Throws std::runtime_error.
+    std::function<void(const std::string &)> told;
+  };
+
+  FollowService(GDBusConnection *bus, Calls calls);
+  ~FollowService();
+  FollowService(const FollowService &) = delete;
+  FollowService &operator=(const FollowService &) = delete;
+
+private:
+  static void on_call(GDBusConnection *bus, const gchar *sender, const gchar *path,
+                      const gchar *interface, const gchar *method, GVariant *arguments,
+                      GDBusMethodInvocation *invocation, gpointer self);
+  static GVariant *on_get(GDBusConnection *bus, const gchar *sender, const gchar *path,
+                          const gchar *interface, const gchar *property, GError **error,
+                          gpointer self);
+
+  const Calls calls_;
+  GDBusConnection *bus_;
+  guint object_ = 0;
+  guint name_ = 0;
+};
+
+/// Of the follower that runs. Throws std::runtime_error if none does.
+FollowStatus ask_status();
+/// Moves what is felt, and returns the player's offset, in ms. Throws std::runtime_error.
+double send_nudge(double by);

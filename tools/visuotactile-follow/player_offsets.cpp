@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "player_offsets.h"
+
+#include <algorithm>
+#include <cerrno>
+#include <cmath>
+#include <filesystem>
+#include <stdexcept>
+#include <utility>
+
+namespace {
+
+constexpr const char *kOffset = "offset";
+constexpr std::uintmax_t kMostBytes = std::uintmax_t{ 1 } << 20;
+
+} // namespace
+
+std::string
+player_kind(const std::string &name)
+{
+  std::string kind = name.substr(0, name.find_first_of(" ."));
+  std::ranges::transform(kind, kind.begin(), [](char c) { return g_ascii_tolower(c); });
+  std::erase_if(kind, [](char c) { return !g_ascii_isalnum(c) && c != '-' && c != '_'; });
+  return kind.empty() ? "player" : kind;
+}
+
+std::string
+PlayerOffsets::usual_path()
+{
+  g_autofree gchar *path
+      = g_build_filename(g_get_user_config_dir(), "visuotactile", "follow.conf", nullptr);
+  return path;
+}
+
+PlayerOffsets::PlayerOffsets(std::string path)
+    : path_(std::move(path)), file_(g_key_file_new(), g_key_file_unref)
+{
+  std::error_code none;
+  const std::uintmax_t size = std::filesystem::file_size(path_, none);
+  if (none == std::errc::no_such_file_or_directory)
+    return;
+  g_autoptr(GError) error = nullptr;
+  if (!none && size > kMostBytes)
+    throw std::runtime_error("cannot read '" + path_ + "': expected at most "
+                             + std::to_string(kMostBytes) + " bytes");
+  if (!g_key_file_load_from_file(file_.get(), path_.c_str(), G_KEY_FILE_KEEP_COMMENTS, &error))
+    throw std::runtime_error("cannot read '" + path_ + "': " + error->message);
+}
+
+double
+PlayerOffsets::of(const std::string &kind) const
+{
+  const double offset = g_key_file_get_double(file_.get(), kind.c_str(), kOffset, nullptr);
+  return std::abs(offset) <= kMost ? offset : 0;
+}
+
+void
+PlayerOffsets::set(const std::string &kind, double offset)
+{
+  g_key_file_set_double(file_.get(), kind.c_str(), kOffset, std::clamp(offset, -kMost, kMost));
+  g_autofree gchar *folder = g_path_get_dirname(path_.c_str());
+  g_autoptr(GError) error = nullptr;
+  if (g_mkdir_with_parents(folder, 0700) != 0)
+    throw std::runtime_error("cannot make the folder '" + std::string(folder)
+                             + "': " + g_strerror(errno));
+  if (!g_key_file_save_to_file(file_.get(), path_.c_str(), &error))
+    throw std::runtime_error("cannot write '" + path_ + "': " + error->message);
+}

@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <gio/gio.h>
+
+#include <functional>
+#include <set>
+#include <string>
+#include <vector>
+
+/// Whether nobody can be in the chair: the screen is locked, or the computer goes to sleep. By
+/// logind on the system bus and by screen savers on the session bus. Of the main context's thread.
+class SessionWatch
+{
+public:
+  /// Called when one of the reasons comes and no other was there, and when the last one is over.
+  /// The computer sleeps only after it has returned (five seconds later at the latest, by logind's
+  /// default).
+  using Rests = std::function<void(bool rests, const std::string &why)>;
+
+  /// `session`: the session bus, or nullptr.
+  SessionWatch(GDBusConnection *session, Rests rests);
+  ~SessionWatch();
+  SessionWatch(const SessionWatch &) = delete;
+  SessionWatch &operator=(const SessionWatch &) = delete;
+
+  /// The screen is not locked any more, whatever was told: not all that lock it tell when they end.
+  void somebody_is_there();
+
+private:
+  void subscribe(GDBusConnection *bus, const char *sender, const char *interface,
+                 const char *signal, const char *path, GDBusSignalCallback callback);
+  void call_logind(const char *method, GVariant *arguments, GAsyncReadyCallback callback);
+  void delay_sleep();
+  void set(const std::string &reason, bool holds);
+
+  static void on_system_bus(GObject *source, GAsyncResult *result, gpointer self);
+  static void on_session(GObject *bus, GAsyncResult *result, gpointer self);
+  static void on_delay(GObject *bus, GAsyncResult *result, gpointer self);
+
+  const Rests rests_;
+  GCancellable *canceled_;
+  GDBusConnection *session_ = nullptr;
+  GDBusConnection *system_ = nullptr;
+  std::vector<std::pair<GDBusConnection *, guint>> subscriptions_;
+  std::set<std::string> reasons_;
+  int delay_ = -1; ///< file descriptor; the computer waits with sleeping until it is closed
+};
