@@ -40,8 +40,9 @@ main(int argc, char **argv)
     return 2;
   const std::string kind = argv[1];
   GMainLoop *loop = g_main_loop_new(nullptr, FALSE);
-  const PlayerEvents events{ .reported = print,
-                             .gone = [loop](const std::string &) { g_main_loop_quit(loop); } };
+  const PlayerEvents events{ .reported = print, .gone = [loop](const std::string &) {
+                              g_main_loop_quit(loop);
+                            } };
   std::unique_ptr<Player> player;
   std::unique_ptr<KodiSearch> search;
   if (kind == "mpv") {
@@ -55,9 +56,10 @@ main(int argc, char **argv)
   } else {
     search = std::make_unique<KodiSearch>(
         argv[2], KodiSearch::Events{ .found = [&](auto *line) { player = open_kodi(line, events); },
-                                     .missed = [loop](const std::string &, bool) {
-                                       g_main_loop_quit(loop);
-                                     } });
+                                     .missed =
+                                         [loop](const std::string &, bool) {
+                                           g_main_loop_quit(loop);
+                                         } });
     search->look();
   }
   g_main_loop_run(loop);

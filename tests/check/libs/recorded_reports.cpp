@@ -139,7 +139,9 @@ compare(const Record &record, const Habits &habits)
         all.median.add(median.at(now) - *screen, last->rate);
         all.third.add(third.at(now) - *screen, last->rate);
         if (g_getenv("VERBOSE_ERRORS"))
-          g_print("%.2f %.1f\n", static_cast<double>((now - record.reports.front().received).count())/1e9, static_cast<double>((estimate->position - *screen).count())/1e6);
+          g_print("%.2f %.1f\n",
+                  static_cast<double>((now - record.reports.front().received).count()) / 1e9,
+                  static_cast<double>((estimate->position - *screen).count()) / 1e6);
       }
     }
     if (last == nullptr || report.doing != last->doing || report.rate != last->rate
