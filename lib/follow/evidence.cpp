@@ -16,7 +16,8 @@ constexpr double kRounding = 3e6;
 /// What clocks of sound cards have at most, a second.
 constexpr Time kLikelySkew = std::chrono::microseconds(200);
 
-/// One in so many reports may be too far ahead. At rate 1.25 mpv tells one frame in eight 16 ms early.
+/// One in so many reports may be too far ahead: at rate 1.25, mpv tells one frame in eight 16 ms
+/// early.
 constexpr std::size_t kOutliers = 5;
 
 /// Fewer reports say nothing of how densely they lie.
