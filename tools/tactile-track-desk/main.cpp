@@ -48,8 +48,8 @@ sink_line(const DeskOptions &options)
   return line;
 }
 
-/// The port of a track, above those that Linux gives away by itself: a page that was killed, or whose
-/// desk was, has edits in storage of its origin, which the next one finds at the same port.
+/// The port of a track, above those that Linux gives away by itself. A page that was killed, or
+/// whose desk was, has edits in storage of its origin, which the next one finds at the same port.
 guint16
 usual_port(const std::string &track)
 {
