@@ -6,7 +6,7 @@ logind is dbusmock's, and the chair is a vest in memory, which says what its mot
 
 Expects FOLLOW, TRACK, SERVER (haptic_server.py), SESSION (the folder of the services' files), the plugins on GST_PLUGIN_PATH, mpv, dbus-daemon,
 systemd-analyze and python3-dbusmock.
-Usage: follow_service.py [PART ...]      of drafts, embedded, library, status, activation, mpv_script, ways_out; all by default"""
+Usage: follow_service.py [PART ...]      of drafts, embedded, library, status, activation, mpv_script, kodi_addon, ways_out; all by default"""
 
 import json
 import os
@@ -19,6 +19,7 @@ import sys
 import tempfile
 import threading
 import time
+import xml.etree.ElementTree
 
 import dbus
 import dbusmock
@@ -321,17 +322,23 @@ def activation():
     assert verified.returncode == 0 and "visuotactile" not in verified.stderr, verified
 
 
+def make_wrapper(arguments):
+    """A visuotactile-follow for PATH, which notes how it is called."""
+    wrapper = work / "bin" / "visuotactile-follow"
+    wrapper.parent.mkdir(exist_ok=True)
+    wrapper.write_text(f'#!/bin/sh\necho "$@" >>{work}/calls\nexec {FOLLOW} {arguments} 2>>{work}/log\n', encoding="utf-8")
+    wrapper.chmod(0o755)
+    (work / "calls").write_text("", encoding="utf-8")
+    return wrapper
+
+
 def mpv_script():
     """mpv's own script starts a follower, moves it by keys, and uses one that runs."""
-    bin_folder = work / "bin"
-    bin_folder.mkdir()
-    wrapper = bin_folder / "visuotactile-follow"
-    wrapper.write_text(f'#!/bin/sh\necho "$@" >>{work}/calls\nexec {FOLLOW} "$@" 2>>{work}/log\n', encoding="utf-8")
-    wrapper.chmod(0o755)
+    wrapper = make_wrapper('"$@"')
     (work / "log").write_text("", encoding="utf-8")
     film = make_film("script.mkv", 60, pattern=None)
     make_track(film.with_suffix(".csv"), 60)
-    os.environ["PATH"] = f"{bin_folder}:{os.environ['PATH']}"
+    os.environ["PATH"] = f"{wrapper.parent}:{os.environ['PATH']}"
     script = pathlib.Path(__file__).resolve().parents[2] / "examples/mpv/visuotactile.lua"
     options = f"--script-opts=visuotactile-options=--driver=bhaptics --device={vest.device}"
     remembered = work / "config/visuotactile/follow.conf"
@@ -359,6 +366,56 @@ def mpv_script():
     running.terminate()
     assert running.wait(LATEST) == 0
     remembered.unlink()
+    shutil.rmtree(film.parent)
+
+
+KODI = """import os, time
+LOGERROR = 4
+def log(text, level):
+    print(level, text, flush=True)
+class Monitor:
+    def waitForAbort(self, timeout=0):
+        end = time.monotonic() + timeout if timeout else float("inf")
+        while time.monotonic() < end and not os.path.exists(os.environ["ABORT"]):
+            time.sleep(0.01)
+        return os.path.exists(os.environ["ABORT"])
+"""
+
+
+def kodi_addon():
+    """Kodi's add-on, with a stub of Kodi's own module: it starts a follower and ends it."""
+    folder, modules, abort = pathlib.Path(__file__).resolve().parents[2] / "examples/kodi/service.visuotactile", work / "modules", work / "abort"
+    extension = xml.etree.ElementTree.parse(folder / "addon.xml").find("extension[@point='xbmc.service']")
+    modules.mkdir()
+    (modules / "xbmc.py").write_text(KODI, encoding="utf-8")
+    film = make_film("addon.mkv", 60, pattern=None)
+    make_track(film.with_suffix(".csv"), 60)
+    mpv = Mpv(film)
+    wrapper = make_wrapper(f'"$@" --mpv={mpv.path} --driver=bhaptics --device={vest.device}')
+
+    def start_addon(path):
+        return start("/usr/bin/python3", str(folder / extension.get("library")), text=True, stdout=subprocess.PIPE,
+                     env=dict(os.environ, PYTHONPATH=str(modules), PYTHONDONTWRITEBYTECODE="1", ABORT=str(abort), PATH=path))
+
+    bus = dbus.SessionBus(private=True)
+    addon = start_addon(f"{wrapper.parent}:{os.environ['PATH']}")
+    vest.wait_to_feel()
+    second = start_addon(f"{wrapper.parent}:{os.environ['PATH']}")
+    wait_until("its question", lambda: (work / "calls").read_text(encoding="utf-8").count("--status") == 2)
+    abort.touch()
+    assert addon.wait(LATEST) == 0 and second.wait(LATEST) == 0
+    assert (work / "calls").read_text(encoding="utf-8").split("\n") == ["--status", "--quiet", "--status", ""]
+    assert not bus.name_has_owner(NAME)
+    wait_until("silence", vest.is_silent)
+    abort.unlink()
+    # It is not installed, or ends.
+    missing = start_addon(str(work))
+    assert missing.wait(LATEST) == 0 and "4 visuotactile-follow cannot be started" in missing.stdout.read()
+    wrapper.write_text("#!/bin/sh\necho it is broken >&2\nexit 1\n", encoding="utf-8")
+    broken = start_addon(f"{wrapper.parent}:{os.environ['PATH']}")
+    assert broken.wait(LATEST) == 0 and "it is broken" in broken.stdout.read()
+    mpv.quit()
+    wrapper.unlink()
     shutil.rmtree(film.parent)
 
 
@@ -447,7 +504,7 @@ def active_changed(active):
     return message
 
 
-PARTS = {"drafts": drafts, "embedded": embedded, "library": library, "status": status, "activation": activation, "mpv_script": mpv_script, "ways_out": ways_out}
+PARTS = {"drafts": drafts, "embedded": embedded, "library": library, "status": status, "activation": activation, "mpv_script": mpv_script, "kodi_addon": kodi_addon, "ways_out": ways_out}
 
 
 try:
