@@ -17,7 +17,7 @@ shift
 case $page in
   calibration) targets=tests/quality/rise_time_accuracy ;;
   devices) targets=tests/bench/devices ;;
-  drafts) targets=tools/visuotactile-follow ;;
+  drafts) targets="tools/visuotactile-follow tools/tactile-track lib/modules/visuotactile-websocket.so" ;;
   follow) targets="tests/bench/follow tools/visuotactile-follow" ;;
   sound) targets=tests/sound/sound_quality ;;
   sound-clips) targets="" ;;
@@ -170,8 +170,10 @@ CAPTION
       grep -E '^\|' "$work/tables" | sed -n '/^| device | rises/,$p'
       ;;
     drafts)
-      head_of "Drafts that are made while a film plays"
+      head_of "Drafts, and nobody in the chair"
       cat <<'CAPTION'
+## Drafts that are made while a film plays
+
 A real mpv plays an H.264 film of 24 frames a second that has no track, ten seconds of Sintel's
 trailer scaled up, again and again, with a key frame every ten seconds. After how long what plays is
 known, and so felt, and which share of a core visuotactile-follow takes in the 20 s after each event,
@@ -181,6 +183,16 @@ Foundation, www.sintel.org, CC BY 3.0.
 CAPTION
       FOLLOW="$built/tools/visuotactile-follow" GST_PLUGIN_PATH_1_0="$built/gst" VISUOTACTILE_MODULES="$built/lib/modules" \
         /usr/bin/python3 "$here/drafts.py" "$root/../shared/data/clips/sintel-trailer.mp4"
+      cat <<'CAPTION'
+
+## Nobody in the chair
+
+How long the motors of a vest go on after each event, as the vest's own side sees it, a server for
+tests. Locks and sleep are told by a simulated logind.
+
+CAPTION
+      FOLLOW="$built/tools/visuotactile-follow" TRACK="$built/tools/tactile-track" SERVER="$root/tests/support/haptic_server.py" SESSION="$built/data/session" \
+        GST_PLUGIN_PATH_1_0="$built/gst" VISUOTACTILE_MODULES="$built/lib/modules" /usr/bin/python3 "$here/../tools/follow_service.py" ways_out | grep '^|'
       ;;
     follow)
       head_of "Following a player"
