@@ -42,14 +42,17 @@
  * `driver=bhaptics` plays on a suit of bHaptics, `driver=intiface` on a device that
  * #GstTactorSink:device names, both by a server on this or another computer. A map of any grid is
  * pooled to their motors; where a cell has several motors, #GstTactorSink:max-active counts cells.
+ * The picture waits for the server, too, [up to 150
+ * ms](../design/tactorsink.md#latency-of-a-server).
  * See [a vest as a chair](../hardware/vest.md) and [a device of Intiface as a
  * chair](../hardware/intiface.md).
  *
  * ## The grid
  * A device whose motors have places, such as a vest or a gamepad, prefers maps of its own grid, and
  * takes any other. saliencytactile, also before a tactileextractor, and soundtactile follow unless
- * their grid is set. They know it once the device is open: maps before that may be of 3 × 3. With
- * #GstTactorSink:mapping there is no preference.
+ * their grid is set. They know it once the device is open: maps before that may be of 3 × 3. Of two
+ * devices behind a tee the first one's grid is taken. With #GstTactorSink:mapping there is no
+ * preference.
  *
  * ## Limits
  * #GstTactorSink:max-on-time, #GstTactorSink:max-duty and #GstTactorSink:max-active spare motors

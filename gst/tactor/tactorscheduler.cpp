@@ -323,11 +323,16 @@ TactorScheduler::turn(Lock &lock)
   }
 
   const Time running_before = running_;
+  const bool stands = !playing_ && !played_;
   // The host takes the element's locks, whose holders may wait for ours.
   lock.unlock();
   const TactorTiming timing = host_.timing();
-  const std::optional<Time> running = clock_rests ? std::optional(running_before) : timing.now();
+  // Running time stands still in a pause, and the sound may have gone on already without this
+  // thread's knowing.
+  const bool rests = clock_rests || (stands && timing.is_of_sound());
+  const std::optional<Time> running = rests ? std::optional(running_before) : timing.now();
   lock.lock();
+  played_ = playing_;
   timed_ = !immediate_ && running;
   if (timed_)
     running_ = *running;

@@ -159,6 +159,7 @@ private:
   bool muted_ = false;
   bool away_ = false; ///< the board was lost and is not back
   bool immediate_ = false;
+  bool played_ = false; ///< in the last turn
   ClockRest clock_rest_;
   bool timed_ = false;   ///< commands wait for the clock
   bool issuing_ = false; ///< commands left the queue and are on their way to the driver

@@ -117,6 +117,19 @@ change_times(const Track &a, const Track &b)
   return times;
 }
 
+bool
+have_same_grid(const Track &a, const Track &b)
+{
+  return a.rows() == b.rows() && a.columns() == b.columns();
+}
+
+tl::unexpected<FormatError>
+grids_differ()
+{
+  return tl::unexpected(
+      FormatError{ .place = {}, .reason = "the grids differ; resample one of them first" });
+}
+
 } // namespace
 
 Track
@@ -252,12 +265,38 @@ overlay(const Track &track, const Track &over, Mix mix)
   return result.finish(std::max(track.end(), over.end()));
 }
 
+Edited
+replace(const Track &track, const Track &by, Time begin, Time end, const std::vector<int> &cells)
+{
+  if (!have_same_grid(track, by))
+    return grids_differ();
+  std::vector<Time> times = change_times(track, by);
+  times.insert(times.end(), { begin, end });
+  std::ranges::sort(times);
+  const Time last = std::max(track.end(), std::min(end, by.end()));
+  LimitedTrack result(empty_like(track));
+  for (const Time time : times) {
+    if (time < Time(0) || time > last)
+      continue;
+    TactileMap map = track.at(time);
+    if (time >= begin && time < end) {
+      const TactileMap &other = by.at(time);
+      if (cells.empty())
+        map = other;
+      for (const int cell : cells)
+        if (cell >= 0 && static_cast<std::size_t>(cell) < map.levels.size())
+          map.levels[static_cast<std::size_t>(cell)] = other.levels[static_cast<std::size_t>(cell)];
+    }
+    result.append(time, map);
+  }
+  return result.finish(last);
+}
+
 tl::expected<std::vector<Difference>, FormatError>
 diff(const Track &before, const Track &after, float tolerance)
 {
-  if (before.rows() != after.rows() || before.columns() != after.columns())
-    return tl::unexpected(
-        FormatError{ .place = {}, .reason = "the grids differ; resample one of them first" });
+  if (!have_same_grid(before, after))
+    return grids_differ();
   std::vector<Difference> differences;
   const std::vector<Time> times = change_times(before, after);
   for (std::size_t i = 0; i + 1 < times.size(); i++) {

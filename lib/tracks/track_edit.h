@@ -49,6 +49,11 @@ tl::expected<Track, FormatError> resample(const Track &track, int rows, int colu
 /// Combines two tracks on the grid of the first; as long as the longer one.
 tl::expected<Track, FormatError> overlay(const Track &track, const Track &over, Mix mix);
 
+/// Takes `by` in [begin, end) for these cells, row-major from 0; none: for all. Fails if the grids
+/// differ.
+tl::expected<Track, FormatError> replace(const Track &track, const Track &by, Time begin, Time end,
+                                         const std::vector<int> &cells);
+
 /// A stretch of time in which the same cells differ between two tracks.
 struct Difference
 {

@@ -38,8 +38,13 @@ def chromium(width=1280, height=800, scale=1):
 class _Files(http.server.SimpleHTTPRequestHandler):
     extensions_map = http.server.SimpleHTTPRequestHandler.extensions_map | {".js": "text/javascript", ".html": "text/html; charset=utf-8"}
 
+    def __init__(self, policy, *arguments, **named):
+        self.policy = policy
+        super().__init__(*arguments, **named)
+
     def end_headers(self):
-        self.send_header("Content-Security-Policy", POLICY)
+        if self.policy:
+            self.send_header("Content-Security-Policy", self.policy)
         self.send_header("Cache-Control", "no-store")
         super().end_headers()
 
@@ -48,9 +53,9 @@ class _Files(http.server.SimpleHTTPRequestHandler):
 
 
 @contextlib.contextmanager
-def files(root):
-    """The address of a server of the files below root, with the desk's Content-Security-Policy."""
-    server = http.server.ThreadingHTTPServer(("127.0.0.1", 0), functools.partial(_Files, directory=str(root)))
+def files(root, policy=POLICY):
+    """The address of a server of the files below root. With the desk's policy, by default, nothing is made of strings."""
+    server = http.server.ThreadingHTTPServer(("127.0.0.1", 0), functools.partial(_Files, policy, directory=str(root)))
     threading.Thread(target=server.serve_forever, daemon=True).start()
     try:
         yield f"http://127.0.0.1:{server.server_port}"

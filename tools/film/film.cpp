@@ -54,6 +54,40 @@ missing_plugins(GstDiscovererInfo *info)
   return names;
 }
 
+/// What browsers call the film's container and codecs. Empty if they have no name for it.
+std::string
+type_of(GstDiscovererInfo *info)
+{
+  g_autoptr(GstDiscovererStreamInfo) top = gst_discoverer_info_get_stream_info(info);
+  if (!top || !GST_IS_DISCOVERER_CONTAINER_INFO(top))
+    return "";
+  g_autoptr(GstCaps) container = gst_discoverer_stream_info_get_caps(top);
+  std::string type = gst_structure_get_name(gst_caps_get_structure(container, 0));
+  if (type == "video/quicktime")
+    type = "video/mp4";
+  else if (type == "application/ogg")
+    type = "video/ogg";
+  std::string codecs;
+  GList *streams = gst_discoverer_info_get_stream_list(info);
+  for (GList *item = streams; item; item = item->next) {
+    auto *stream = GST_DISCOVERER_STREAM_INFO(item->data);
+    if (!GST_IS_DISCOVERER_VIDEO_INFO(stream) && !GST_IS_DISCOVERER_AUDIO_INFO(stream))
+      continue;
+    g_autoptr(GstCaps) caps = gst_discoverer_stream_info_get_caps(stream);
+    g_autofree gchar *codec
+        = gst_caps_is_fixed(caps) ? gst_codec_utils_caps_get_mime_codec(caps) : nullptr;
+    // "vp08" without profile and level is no name that browsers know.
+    const std::string name = codec == nullptr             ? ""
+                             : g_str_equal(codec, "vp08") ? "vp8"
+                             : g_str_equal(codec, "vp09") ? "vp9"
+                                                          : codec;
+    if (!name.empty())
+      codecs += (codecs.empty() ? "" : ", ") + name;
+  }
+  gst_discoverer_stream_info_list_free(streams);
+  return codecs.empty() ? type : type + "; codecs=\"" + codecs + "\"";
+}
+
 } // namespace
 
 Film
@@ -104,6 +138,7 @@ discover_film(const std::string &path_or_uri)
   GList *sounds = gst_discoverer_info_get_audio_streams(info.get());
   film.has_sound = sounds != nullptr;
   gst_discoverer_stream_info_list_free(sounds);
+  film.type = type_of(info.get());
   const GstClockTime duration = gst_discoverer_info_get_duration(info.get());
   if (duration > 0)
     film.duration = duration;

@@ -15,6 +15,7 @@ struct Film
   double fps = 0;                              ///< 0: unknown or variable
   bool has_sound = false;                      ///< even if no decoder for it is installed
   GstClockTime duration = GST_CLOCK_TIME_NONE; ///< by the file's header
+  std::string type; ///< as browsers' canPlayType() takes it; empty: unknown
 };
 
 /// The built-in film: the paper's static-motion film, then its dynamic-motion film.

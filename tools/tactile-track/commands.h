@@ -18,6 +18,7 @@ int edit(int argc, char **argv);
 int plot(int argc, char **argv);
 int preview(int argc, char **argv);
 int mux(int argc, char **argv);
+int desk(int argc, char **argv);
 
 /// Seconds with three decimals.
 std::string seconds(tactile::Time time);

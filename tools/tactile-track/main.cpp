@@ -26,6 +26,9 @@ constexpr std::array kCommands = {
   Command{ "plot", plot, "draw a track over time as PNG or SVG" },
   Command{ "preview", preview, "play or record a film with a track" },
   Command{ "mux", mux, "add a track to a film's file" },
+#ifdef DESK_PROGRAM
+  Command{ "desk", desk, "edit a track beside its film, in a browser" },
+#endif
   Command{ "validate", validate, "check that files are tracks" },
 };
 

@@ -3,12 +3,10 @@
 
 #include "tracks/cue_builder.h"
 #include "tracks/formats/line_reader.h"
+#include "tracks/formats/webvtt_timing.h"
 #include "tracks/text_cue.h"
 
 #include <algorithm>
-#include <array>
-#include <charconv>
-#include <cstdio>
 #include <optional>
 #include <utility>
 
@@ -17,81 +15,11 @@ namespace tactile {
 namespace {
 
 constexpr std::string_view kSignature = "WEBVTT";
-constexpr std::string_view kArrow = "-->";
-
-std::string
-timestamp(Time time)
-{
-  const auto ms = std::chrono::duration_cast<std::chrono::milliseconds>(time).count();
-  std::array<char, 48> text;
-  std::snprintf(text.data(), text.size(), "%02d:%02d:%02d.%03d", static_cast<int>(ms / 3'600'000),
-                static_cast<int>(ms / 60'000 % 60), static_cast<int>(ms / 1000 % 60),
-                static_cast<int>(ms % 1000));
-  return text.data();
-}
 
 void
 append_cue(std::string &text, Time begin, Time end, const TactileMap &map)
 {
-  text += "\n" + timestamp(begin) + " --> " + timestamp(end) + "\n" + write_text_cue(map) + "\n";
-}
-
-/// Consumes exactly `digits` digits (0: any number up to 9).
-bool
-take_number(std::string_view &text, std::size_t digits, int &number)
-{
-  std::size_t count = 0;
-  while (count < text.size() && count < 9 && text[count] >= '0' && text[count] <= '9')
-    count++;
-  if (count == 0 || (digits > 0 && count != digits))
-    return false;
-  std::from_chars(text.data(), text.data() + count, number);
-  text.remove_prefix(count);
-  return true;
-}
-
-bool
-take_char(std::string_view &text, char expected)
-{
-  if (!text.starts_with(expected))
-    return false;
-  text.remove_prefix(1);
-  return true;
-}
-
-/// Consumes [HH:]MM:SS.mmm; false if there is none.
-bool
-take_timestamp(std::string_view &text, Time &time)
-{
-  using namespace std::chrono;
-  int first = 0;
-  int second = 0;
-  int third = -1;
-  int fraction = 0;
-  if (!take_number(text, 0, first) || !take_char(text, ':') || !take_number(text, 2, second))
-    return false;
-  if (take_char(text, ':') && !take_number(text, 2, third))
-    return false;
-  if (!take_char(text, '.') || !take_number(text, 3, fraction))
-    return false;
-  const bool has_hours = third >= 0;
-  const int h = has_hours ? first : 0;
-  const int m = has_hours ? second : first;
-  const int s = has_hours ? third : second;
-  if (h > 100 || m >= 60 || s >= 60) // before they are multiplied
-    return false;
-  time = hours(h) + minutes(m) + seconds(s) + milliseconds(fraction);
-  return time <= Track::kMaxEnd;
-}
-
-std::string_view
-trimmed(std::string_view text)
-{
-  while (!text.empty() && (text.front() == ' ' || text.front() == '\t'))
-    text.remove_prefix(1);
-  while (!text.empty() && (text.back() == ' ' || text.back() == '\t'))
-    text.remove_suffix(1);
-  return text;
+  text += "\n" + write_webvtt_timing(begin, end) + "\n" + write_text_cue(map) + "\n";
 }
 
 /// Reads one file.
@@ -135,7 +63,7 @@ private:
   void skip_block(const char *cue_in_it)
   {
     while (!error_ && lines_.next() && !lines_.line().empty())
-      if (lines_.line().find(kArrow) != std::string_view::npos)
+      if (lines_.line().find(kWebvttArrow) != std::string_view::npos)
         fail(lines_.number(), cue_in_it);
   }
 
@@ -156,10 +84,10 @@ private:
 
   void read_note(std::string_view text)
   {
-    text = trimmed(text);
-    if (text != "tactile" && !text.starts_with("tactile "))
+    const std::optional<std::string_view> words = webvtt_tactile_note(text);
+    if (!words)
       return;
-    const tl::expected<GridHeader, FormatError> header = read_grid(text.substr(7), lines_.number());
+    const tl::expected<GridHeader, FormatError> header = read_grid(*words, lines_.number());
     if (!header)
       return error_.set(header.error());
     if (track_ && header->grid && *header->grid != Grid{ track_->rows(), track_->columns() })
@@ -180,9 +108,9 @@ private:
 
   void read_cue()
   {
-    if (lines_.line().find(kArrow) == std::string_view::npos) { // an identifier
+    if (lines_.line().find(kWebvttArrow) == std::string_view::npos) { // an identifier
       const std::size_t number = lines_.number();
-      if (!lines_.next() || lines_.line().find(kArrow) == std::string_view::npos)
+      if (!lines_.next() || lines_.line().find(kWebvttArrow) == std::string_view::npos)
         return fail(number, "expected a cue: START --> END");
     }
     const std::size_t number = lines_.number();
@@ -219,22 +147,19 @@ private:
 
   bool read_timing(std::string_view line, Time &begin, Time &end)
   {
-    line = trimmed(line);
-    bool valid = take_timestamp(line, begin);
-    line = trimmed(line);
-    valid = valid && line.starts_with(kArrow);
-    if (valid)
-      line = trimmed(line.substr(kArrow.size()));
-    valid = valid && take_timestamp(line, end)
-            && (line.empty() || line.front() == ' ' || line.front() == '\t');
-    if (!valid)
+    const std::optional<WebvttTiming> timing = read_webvtt_timing(line);
+    if (!timing)
       fail(lines_.number(), "expected HH:MM:SS.mmm --> HH:MM:SS.mmm, up to 100 hours");
-    else if (end <= begin)
+    else if (timing->end <= timing->begin)
       fail(lines_.number(), "the cue ends before it begins");
-    else if (begin < last_end_)
+    else if (timing->begin < last_end_)
       fail(lines_.number(),
-           "the cue overlaps the one before, which ends at " + timestamp(last_end_));
-    return !error_;
+           "the cue overlaps the one before, which ends at " + write_webvtt_timestamp(last_end_));
+    if (error_)
+      return false;
+    begin = timing->begin;
+    end = timing->end;
+    return true;
   }
 
   LineReader lines_;

@@ -568,6 +568,26 @@ struct SoundClock
   }
 };
 
+/// In a pause running time stands still, and the sound may go on before the tactors know.
+GST_START_TEST(test_a_sound_clock_is_not_read_in_a_pause)
+{
+  SoundClock sound;
+  g_autoptr(GstClock) clock = gst_audio_clock_new("sound", SoundClock::read, &sound, nullptr);
+  SchedulerRig rig(false);
+  rig.host.set(clock, milliseconds(0));
+  rig.scheduler->flush();
+  fail_unless_equals_int(sound.count(), 0);
+  rig.push({ command(1500, 0, 2.0) });
+  rig.scheduler->play();
+  sound.first_read_after(0);
+  rig.scheduler->pause();
+  const std::size_t paused = sound.count();
+  rig.scheduler->flush();
+  rig.scheduler->flush();
+  fail_unless_equals_int(sound.count(), paused);
+}
+GST_END_TEST;
+
 /// Sound that goes on leaves its clock alone for a while.
 GST_START_TEST(test_a_sound_clock_settles)
 {
@@ -607,6 +627,7 @@ tactorscheduler_suite(void)
   tcase_add_test(cases, test_offset_and_clock_change);
   tcase_add_test(cases, test_change_between_reading_and_sleeping);
   tcase_add_test(cases, test_no_clock_and_immediate);
+  tcase_add_test(cases, test_a_sound_clock_is_not_read_in_a_pause);
   tcase_add_test(cases, test_a_sound_clock_settles);
   return suite;
 }

@@ -16,6 +16,8 @@
  * @typedef {{kind: 'time'|'duty'|'active', cell: number, start: number, end: number, text: string}}
  *   Warning  cell: -1 for 'active'
  */
+import { cellName } from './track.js';
+
 const seconds = (ms) => `${(ms / 1000).toLocaleString('en', { maximumFractionDigits: 2 })} s`;
 
 /** The part of [start, end) in [from, to), if there is one. */
@@ -63,29 +65,34 @@ export class Limits {
     const last = new Map();
     this.warnings = [];
     for (const warning of this.#found.sort((a, b) => a.start - b.start || a.cell - b.cell)) {
-      const key = `${warning.kind} ${warning.cell}`;
-      const before = last.get(key);
-      if (before?.end === warning.start) {
-        before.end = warning.end;
+      const { kind, cell, start, end } = warning;
+      const before = last.get(this.#text(kind, cell));
+      if (before?.end === start) {
+        before.end = end;
         continue;
       }
-      const copy = { ...warning, text: this.#text(warning) };
-      last.set(key, copy);
+      const copy = { kind, cell, start, end, text: this.#text(kind, cell) };
+      last.set(copy.text, copy);
       this.warnings.push(copy);
     }
     this.#found = this.warnings;
   }
 
-  #text({ kind, cell }) {
+  #texts = {};
+
+  #text(kind, cell) {
+    const texts = this.#texts[kind] ??= [];
+    return texts[cell + 1] ??= this.#makeText(kind, cell);
+  }
+
+  #makeText(kind, cell) {
     const { maxOnTime, maxDuty, dutyWindow, maxActive } = this.limits;
+    const name = cellName(cell, this.track);
     switch (kind) {
-      case 'time':
-        return `Cell ${cell + 1} is felt for more than ${seconds(maxOnTime)} without a break`;
+      case 'time': return `Cell ${name} is felt for more than ${seconds(maxOnTime)} without a break`;
       case 'duty':
-        return `Cell ${cell + 1} is felt for more than ${Math.round(maxDuty * 100)} % of `
-          + `${seconds(dutyWindow)}`;
-      default:
-        return `More than ${maxActive} cells are felt at once`;
+        return `Cell ${name} is felt for more than ${Math.round(maxDuty * 100)} % of ${seconds(dutyWindow)}`;
+      default: return `More than ${maxActive} cells are felt at once`;
     }
   }
 

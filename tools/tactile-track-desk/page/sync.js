@@ -87,7 +87,8 @@ export class Sync extends EventTarget {
       last.count++;
       last.size += JSON.stringify(splices).length;
     } else {
-      this.#queue.push({ edit: newName(), splices: splices.slice(), count: 1, size: JSON.stringify(splices).length });
+      const size = JSON.stringify(splices).length;
+      this.#queue.push({ edit: newName(), splices: splices.slice(), count: 1, size });
     }
     this.#store();
     this.#tell();
@@ -203,7 +204,8 @@ export class Sync extends EventTarget {
       while (queue.length > 0) {
         const { edit, splices, count } = queue[0];
         const answer = await this.#answer('edits', { edit, revision: at, splices });
-        if (['reader', 'waiting'].includes(this.#problemOf(answer)?.state)) return found; // all is still stored
+        const problem = this.#problemOf(answer)?.state;
+        if (problem === 'reader' || problem === 'waiting') return found; // all is still stored
         if (answer.status !== 200) {
           const left = queue.reduce((sum, one) => sum + one.count, 0);
           this.#keep({ revision: at, queue, text: answer.body?.error ?? `status ${answer.status}` });
@@ -234,7 +236,8 @@ export class Sync extends EventTarget {
   }
 
   #keep({ revision, queue, text }, cues) {
-    const one = { when: new Date().toISOString(), revision, text, edits: queue.map(({ splices }) => splices) };
+    const one = { when: new Date().toISOString(), revision, text,
+      edits: queue.map(({ splices }) => splices) };
     for (const entry of cues ? [{ ...one, cues }, one] : [one]) {
       try {
         this.storage.setItem(`${this.prefix}kept`, JSON.stringify([...this.kept, entry]));

@@ -16,6 +16,11 @@ export const MOST_NOTES = 16;
 
 export const isSilent = (levels) => levels.every((level) => level === 0);
 
+/** As people count: row and column from 1, or one number of up to 9 cells. */
+export function cellName(cell, { cells, columns }) {
+  return cells <= 9 ? `${cell + 1}` : `${Math.floor(cell / columns) + 1}.${cell % columns + 1}`;
+}
+
 const sameLevels = (a, b) => a === b || a.every((level, cell) => level === b[cell]);
 const sameNotes = (a = [], b = []) => a.length === b.length && a.every((note, i) => note === b[i]);
 const same = (a, b) =>

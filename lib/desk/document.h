@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include "desk/track_text.h"
+#include "tracks/text_cue.h"
+#include "tracks/track.h"
+
+#include <string>
+#include <vector>
+
+namespace desk {
+
+/// A track that is edited: the text of its file, and its cues now. A value type.
+class Document
+{
+public:
+  /// Fails if the text is no WebVTT track in UTF-8, or has over kMostCues cues.
+  static tl::expected<Document, tactile::FormatError> read(std::string_view text);
+
+  const tactile::Grid &grid() const
+  {
+    return grid_;
+  }
+  /// Maps per second for which the track was authored; 0: unknown.
+  double rate() const
+  {
+    return rate_;
+  }
+  std::size_t cells() const
+  {
+    return static_cast<std::size_t>(grid_.rows) * static_cast<std::size_t>(grid_.columns);
+  }
+  /// In order of time; they do not overlap.
+  const std::vector<Cue> &cues() const
+  {
+    return cues_;
+  }
+
+  /// Applies the splices one after the other, and returns those that take them back; or none of
+  /// them, and tells what is wrong.
+  tl::expected<std::vector<Splice>, std::string> apply(const std::vector<Splice> &splices);
+
+  /// The file with the cues as they are now.
+  std::string text() const;
+
+  /// The track with the cues as they are now.
+  tactile::Track track() const;
+
+private:
+  Document(TrackText text, const tactile::Grid &grid, double rate);
+  tl::expected<void, std::string> check(const Cue &cue) const;
+  tl::expected<void, std::string> check_order() const;
+
+  TrackText text_;
+  tactile::Grid grid_;
+  double rate_;
+  std::vector<Cue> cues_;
+};
+
+} // namespace desk

@@ -1,0 +1,169 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "desk/files.h"
+
+#include <array>
+#include <cerrno>
+#include <charconv>
+#include <fcntl.h>
+#include <filesystem>
+#include <sys/stat.h>
+#include <system_error>
+#include <unistd.h>
+#include <vector>
+
+namespace fs = std::filesystem;
+
+namespace desk {
+
+namespace {
+
+tl::unexpected<std::string>
+failed(const std::string &path)
+{
+  return tl::unexpected(file_error(path));
+}
+
+std::string
+folder_of(const std::string &path)
+{
+  const std::string folder = fs::path(path).parent_path().string();
+  return folder.empty() ? "." : folder;
+}
+
+bool
+sync_folder(const std::string &path)
+{
+  const File folder(open(folder_of(path).c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+  // Some file systems cannot do that; the file itself is on the disk.
+  return folder && (fsync(folder.descriptor()) == 0 || errno == EINVAL);
+}
+
+/// The numbers of the versions that are kept.
+std::vector<int>
+versions(const std::string &path)
+{
+  std::vector<int> numbers;
+  const std::string stem = fs::path(path).filename().string() + ".~";
+  std::error_code ignored;
+  for (const auto &entry : fs::directory_iterator(folder_of(path), ignored)) {
+    const std::string name = entry.path().filename().string();
+    if (!name.starts_with(stem) || !name.ends_with('~') || name.size() <= stem.size())
+      continue;
+    int number = 0;
+    const char *const end = name.data() + name.size() - 1;
+    const auto [stop, error] = std::from_chars(name.data() + stem.size(), end, number);
+    if (error == std::errc() && stop == end && number > 0 && number < 1'000'000'000)
+      numbers.push_back(number);
+  }
+  return numbers;
+}
+
+} // namespace
+
+File::~File()
+{
+  if (descriptor_ >= 0)
+    close(descriptor_);
+}
+
+std::string
+file_error(const std::string &path)
+{
+  return "'" + path + "': " + std::generic_category().message(errno);
+}
+
+tl::expected<std::string, std::string>
+read_whole(const std::string &path, std::size_t most)
+{
+  const File file(open(path.c_str(), O_RDONLY | O_CLOEXEC));
+  return file ? read_whole(file, path, most) : failed(path);
+}
+
+tl::expected<std::string, std::string>
+read_whole(const File &file, const std::string &path, std::size_t most)
+{
+  std::string bytes;
+  std::array<char, 65536> piece;
+  for (;;) {
+    const ssize_t count
+        = pread(file.descriptor(), piece.data(), piece.size(), static_cast<off_t>(bytes.size()));
+    if (count < 0 && errno == EINTR)
+      continue;
+    if (count < 0)
+      return failed(path);
+    if (count == 0)
+      return bytes;
+    if (bytes.size() + static_cast<std::size_t>(count) > most)
+      return tl::unexpected("'" + path + "': larger than the " + std::to_string(most >> 20)
+                            + " MiB that are read");
+    bytes.append(piece.data(), static_cast<std::size_t>(count));
+  }
+}
+
+bool
+write_all(const File &file, std::string_view bytes)
+{
+  while (!bytes.empty()) {
+    const ssize_t count = write(file.descriptor(), bytes.data(), bytes.size());
+    if (count < 0 && errno == EINTR)
+      continue;
+    if (count < 0)
+      return false;
+    bytes.remove_prefix(static_cast<std::size_t>(count));
+  }
+  return true;
+}
+
+tl::expected<void, std::string>
+replace_file(const std::string &path, std::string_view bytes)
+{
+  const fs::path whole(path);
+  std::string part = folder_of(path) + "/." + whole.filename().string() + ".XXXXXX";
+  const File file(mkostemp(part.data(), O_CLOEXEC));
+  if (!file)
+    return failed(part);
+  struct stat before
+  {
+  };
+  const bool was_there = stat(path.c_str(), &before) == 0;
+  const mode_t mask = umask(0);
+  umask(mask);
+  const mode_t mode = was_there ? before.st_mode & 07777 : 0666 & ~mask;
+  if (write_all(file, bytes) && fchmod(file.descriptor(), mode) == 0
+      && fsync(file.descriptor()) == 0 && rename(part.c_str(), path.c_str()) == 0
+      && sync_folder(path))
+    return {};
+  auto error = failed(path);
+  unlink(part.c_str());
+  return error;
+}
+
+tl::expected<std::string, std::string>
+keep_version(const std::string &path, int most)
+{
+  std::error_code error;
+  if (!fs::exists(path, error))
+    return {};
+  const std::vector<int> numbers = versions(path);
+  int newest = 0;
+  for (const int number : numbers)
+    newest = std::max(newest, number);
+  const auto named = [&](int number) {
+    return path + ".~" + std::to_string(number) + "~";
+  };
+  newest++;
+  fs::create_hard_link(path, named(newest), error); // the new file has another inode
+  if (error)
+    fs::copy_file(path, named(newest), error);
+  if (error) {
+    std::error_code ignored;
+    fs::remove(named(newest), ignored);
+    return tl::unexpected("'" + named(newest) + "': " + error.message());
+  }
+  for (const int number : numbers)
+    if (number <= newest - most)
+      fs::remove(named(number), error);
+  return fs::path(named(newest)).filename().string();
+}
+
+} // namespace desk

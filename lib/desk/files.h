@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <string_view>
+#include <utility>
+
+#include <tl/expected.hpp>
+
+/// Files that are complete or not there. Errors are texts with the file's name.
+namespace desk {
+
+/// A file descriptor, closed with the object.
+class File
+{
+public:
+  File() = default;
+  explicit File(int descriptor) : descriptor_(descriptor)
+  {
+  }
+  ~File();
+  File(File &&other) noexcept : descriptor_(std::exchange(other.descriptor_, -1))
+  {
+  }
+  File &operator=(File &&other) noexcept
+  {
+    std::swap(descriptor_, other.descriptor_);
+    return *this;
+  }
+
+  int descriptor() const
+  {
+    return descriptor_;
+  }
+  explicit operator bool() const
+  {
+    return descriptor_ >= 0;
+  }
+
+private:
+  int descriptor_ = -1;
+};
+
+/// "'film.vtt': No space left on device", with errno.
+std::string file_error(const std::string &path);
+
+/// What a file has, up to `most` bytes.
+tl::expected<std::string, std::string> read_whole(const std::string &path, std::size_t most);
+tl::expected<std::string, std::string> read_whole(const File &file, const std::string &path,
+                                                  std::size_t most);
+
+/// False, with errno, if not all can be written.
+bool write_all(const File &file, std::string_view bytes);
+
+/// The file is replaced as a whole, and is on the disk. It keeps its permissions.
+tl::expected<void, std::string> replace_file(const std::string &path, std::string_view bytes);
+
+/// Keeps what a file has now as "PATH.~N~", with N one above the highest, and removes those that
+/// are `most` older. Returns its name without the folder; empty if there is no file.
+tl::expected<std::string, std::string> keep_version(const std::string &path, int most);
+
+} // namespace desk

@@ -1,0 +1,120 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "desk/journal.h"
+
+#include <glib.h>
+
+#include <cerrno>
+#include <cstdio>
+#include <fcntl.h>
+#include <sys/file.h>
+#include <unistd.h>
+
+namespace desk {
+
+namespace {
+
+constexpr std::string_view kHeader = "visuotactile desk journal 1 ";
+constexpr std::size_t kLargest = std::size_t{ 1 } << 30;
+
+} // namespace
+
+tl::expected<Journal, std::string>
+Journal::open(const std::string &path)
+{
+  File file(::open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0600));
+  if (!file)
+    return tl::unexpected(file_error(path)
+                          + "; expected a folder that can be written to, for the journal of edits");
+  if (flock(file.descriptor(), LOCK_EX | LOCK_NB) != 0)
+    return tl::unexpected("'" + path
+                          + "' is in use: the track is open at another desk; close that one");
+  return Journal(std::move(file), path);
+}
+
+tl::expected<Journal::Content, std::string>
+Journal::read()
+{
+  const auto bytes = read_whole(file_, path_, kLargest);
+  if (!bytes)
+    return tl::unexpected(bytes.error());
+  Content content;
+  size_ = 0;
+  std::string_view rest = *bytes;
+  for (std::size_t end = 0; (end = rest.find('\n')) != std::string_view::npos;
+       rest.remove_prefix(end + 1)) {
+    std::string line(rest.substr(0, end));
+    if (size_ > 0) {
+      content.edits.push_back(std::move(line));
+    } else if (line.starts_with(kHeader)) {
+      gsize length = 0;
+      g_autofree guchar *base = g_base64_decode(line.c_str() + kHeader.size(), &length);
+      content.base.assign(reinterpret_cast<const char *>(base), length);
+    } else {
+      content.damaged = true;
+      return content;
+    }
+    size_ += end + 1;
+  }
+  // The beginning of a header is one that was never answered.
+  content.damaged = size_ == 0 && !rest.empty()
+                    && !kHeader.starts_with(rest.substr(0, kHeader.size()))
+                    && !rest.starts_with(kHeader);
+  return content;
+}
+
+tl::expected<void, std::string>
+Journal::append(std::string_view base, std::string_view edit)
+{
+  std::string bytes;
+  if (size_ == 0) {
+    g_autofree gchar *text
+        = g_base64_encode(reinterpret_cast<const guchar *>(base.data()), base.size());
+    bytes = std::string(kHeader) + text + "\n";
+  }
+  bytes.append(edit).append("\n");
+  const auto size = static_cast<off_t>(size_);
+  if (ftruncate(file_.descriptor(), size) == 0 && lseek(file_.descriptor(), size, SEEK_SET) == size
+      && write_all(file_, bytes) && fdatasync(file_.descriptor()) == 0) {
+    size_ += bytes.size();
+    return {};
+  }
+  const std::string error = file_error(path_);
+  if (ftruncate(file_.descriptor(), size) != 0)
+    return tl::unexpected(error + ", and what was written of the edit cannot be taken back");
+  return tl::unexpected(error);
+}
+
+tl::expected<void, std::string>
+Journal::clear()
+{
+  if (ftruncate(file_.descriptor(), 0) != 0 || fsync(file_.descriptor()) != 0)
+    return tl::unexpected(file_error(path_));
+  size_ = 0;
+  return {};
+}
+
+void
+Journal::remove()
+{
+  unlink(path_.c_str());
+}
+
+tl::expected<std::string, std::string>
+Journal::set_aside()
+{
+  for (int number = 1;; number++) {
+    const std::string name = path_ + ".damaged-" + std::to_string(number);
+    if (link(path_.c_str(), name.c_str()) != 0 && errno == EEXIST)
+      continue;
+    else if (access(name.c_str(), F_OK) != 0)
+      return tl::unexpected(file_error(name));
+    remove();
+    tl::expected<Journal, std::string> fresh = open(path_);
+    if (!fresh)
+      return tl::unexpected(fresh.error());
+    *this = *std::move(fresh);
+    return name;
+  }
+}
+
+} // namespace desk

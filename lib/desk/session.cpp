@@ -1,0 +1,216 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "desk/session.h"
+
+#include "tracks/formats/track_file.h"
+
+#include <cstdlib>
+#include <filesystem>
+#include <system_error>
+#include <utility>
+
+namespace fs = std::filesystem;
+
+namespace desk {
+
+namespace {
+
+std::string
+name_of(const EditMessage &message)
+{
+  return message.page + " " + message.edit;
+}
+
+std::string
+edits(std::size_t count)
+{
+  return std::to_string(count) + (count == 1 ? " edit" : " edits");
+}
+
+/// Applies edits up to the first that cannot be; returns how many were.
+std::size_t
+replay(Document &document, const std::vector<std::string> &lines, std::string &last)
+{
+  std::size_t count = 0;
+  for (const std::string &line : lines) {
+    const auto edit = read_edit(line);
+    if (!edit || !document.apply(edit->splices))
+      break;
+    last = name_of(*edit);
+    count++;
+  }
+  return count;
+}
+
+/// A name beside the track that is not taken.
+std::string
+free_name(const std::string &path)
+{
+  const fs::path whole(path);
+  for (int number = 1;; number++) {
+    fs::path name = whole;
+    name.replace_filename(whole.stem().string() + ".recovered"
+                          + (number > 1 ? "-" + std::to_string(number) : "")
+                          + whole.extension().string());
+    std::error_code ignored;
+    if (!fs::exists(name, ignored))
+      return name.string();
+  }
+}
+
+tl::unexpected<Refusal>
+on_disk(std::string text)
+{
+  return tl::unexpected(Refusal{ .kind = Refusal::Kind::disk, .text = std::move(text) });
+}
+
+} // namespace
+
+Session::Session(std::string path, std::string text, Document document, Journal journal)
+    : path_(std::move(path)), text_(std::move(text)), document_(std::move(document)),
+      journal_(std::move(journal))
+{
+}
+
+Session::~Session()
+{
+  if (revision_ == saved_ && journal_.is_empty())
+    journal_.remove();
+}
+
+tl::expected<std::unique_ptr<Session>, std::string>
+Session::open(const std::string &path)
+{
+  std::error_code error;
+  const std::string real = fs::canonical(path, error).string(); // a link stays one
+  if (error)
+    return tl::unexpected("'" + path + "': " + error.message());
+  if (!real.ends_with(".vtt"))
+    return tl::unexpected("'" + path
+                          + "': expected a track in WebVTT (.vtt); make one with "
+                            "tactile-track convert");
+  auto text = read_whole(real, tactile::kMaxTrackFile);
+  if (!text)
+    return tl::unexpected(text.error());
+  auto document = Document::read(*text);
+  if (!document)
+    return tl::unexpected(std::move(document.error()).within("'" + path + "'").text());
+  auto journal = Journal::open(real + ".journal");
+  if (!journal)
+    return tl::unexpected(journal.error());
+  std::unique_ptr<Session> session(
+      new Session(real, *std::move(text), *std::move(document), *std::move(journal)));
+  if (const auto restored = session->restore(); !restored)
+    return tl::unexpected(restored.error());
+  return session;
+}
+
+tl::expected<void, std::string>
+Session::restore()
+{
+  const auto content = journal_.read();
+  if (!content)
+    return tl::unexpected(content.error());
+  if (content->damaged) {
+    return journal_.set_aside().map([&](const std::string &name) {
+      messages_.push_back("the journal is damaged; it was kept as '" + name + "'");
+    });
+  }
+  if (content->edits.empty())
+    return journal_.clear();
+  if (content->base != text_)
+    return recover(*content);
+  const std::size_t count = replay(document_, content->edits, last_);
+  revision_ = count;
+  if (count > 0)
+    messages_.push_back(edits(count) + " that had not been saved " + (count == 1 ? "was" : "were")
+                        + " restored from the journal");
+  if (count == content->edits.size())
+    return {};
+  // What follows a damaged line is lost for the track, but not for somebody who looks.
+  return journal_.set_aside().and_then([&](const std::string &name) {
+    messages_.push_back("the journal is damaged after " + edits(count) + "; it was kept as '" + name
+                        + "'");
+    tl::expected<void, std::string> written;
+    for (std::size_t i = 0; i < count && written; i++)
+      written = journal_.append(text_, content->edits[i]);
+    return written;
+  });
+}
+
+/// The journal's edits are for another text: a save that was cut off, or another program's work.
+tl::expected<void, std::string>
+Session::recover(const Journal::Content &content)
+{
+  auto document = Document::read(content.base);
+  std::string last;
+  const std::size_t count = document ? replay(*document, content.edits, last) : 0;
+  if (count == content.edits.size() && document->text() == text_)
+    return journal_.clear();
+  if (count < content.edits.size()) {
+    if (const auto name = journal_.set_aside(); name)
+      messages_.push_back("the journal is damaged; it was kept as '" + *name + "'");
+    else
+      return tl::unexpected(name.error());
+  }
+  if (count > 0) {
+    const std::string name = free_name(path_);
+    if (const auto written = replace_file(name, document->text()); !written)
+      return tl::unexpected(written.error());
+    messages_.push_back("another program has changed the track since it was edited here; the "
+                        "edited one is '"
+                        + name + "'");
+  }
+  return journal_.clear();
+}
+
+tl::expected<void, Refusal>
+Session::edit(const EditMessage &message)
+{
+  const std::string name = name_of(message);
+  if (name == last_)
+    return {};
+  if (message.revision != revision_)
+    return tl::unexpected(Refusal{
+        .kind = Refusal::Kind::stale,
+        .text = "expected an edit of revision " + std::to_string(revision_) + ", got one of "
+                + std::to_string(message.revision) + "; load the track again" });
+  const auto back = document_.apply(message.splices);
+  if (!back)
+    return tl::unexpected(Refusal{ .kind = Refusal::Kind::invalid, .text = back.error() });
+  if (const auto written = journal_.append(text_, write_edit(message)); !written) {
+    document_.apply(*back);
+    return on_disk(written.error());
+  }
+  revision_++;
+  last_ = name;
+  return {};
+}
+
+tl::expected<Session::Saved, Refusal>
+Session::save()
+{
+  const auto there = read_whole(path_, tactile::kMaxTrackFile);
+  if (revision_ == saved_ && there && *there == text_)
+    return Saved{};
+  std::string text = document_.text();
+  auto document = Document::read(text);
+  if (!document || document->cues() != document_.cues())
+    return tl::unexpected(Refusal{ .kind = Refusal::Kind::invalid,
+                                   .text = "the track would not be read as it is; nothing was "
+                                           "saved, and the journal has all edits"
+                                           + (document ? "" : ": " + document.error().text()) });
+  auto kept = keep_version(path_, kMostVersions);
+  if (!kept)
+    return on_disk(kept.error());
+  if (const auto written = replace_file(path_, text); !written)
+    return on_disk(written.error());
+  text_ = std::move(text);
+  document_ = *std::move(document);
+  saved_ = revision_;
+  // A journal that stays is known at the next start: its edits give the file that is there.
+  if (const auto cleared = journal_.clear(); !cleared)
+    messages_.push_back(cleared.error());
+  return Saved{ .kept = *std::move(kept) };
+}
+
+} // namespace desk

@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include "desk/document.h"
+#include "desk/journal.h"
+#include "desk/messages.h"
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace desk {
+
+/// Why an edit or a save was refused.
+struct Refusal
+{
+  enum class Kind
+  {
+    invalid, ///< it makes no sense, or cues would overlap
+    stale,   ///< it was made for another revision
+    disk,    ///< it cannot be written; later it may
+  };
+  Kind kind = Kind::invalid;
+  std::string text;
+};
+
+/// A track's file that is edited: what is in memory, in the journal and in the file. Whatever is
+/// refused changes nothing. Not thread-safe.
+class Session
+{
+public:
+  static constexpr int kMostVersions = 20;
+
+  /// Opens a track in WebVTT, with the edits of its journal ("PATH.journal") if an earlier session
+  /// was cut off. If the file has changed since, the edited track is written beside it. Fails with
+  /// a text for the user.
+  static tl::expected<std::unique_ptr<Session>, std::string> open(const std::string &path);
+
+  /// What open() did that the user should know.
+  const std::vector<std::string> &messages() const
+  {
+    return messages_;
+  }
+  const std::string &path() const
+  {
+    return path_;
+  }
+  const Document &document() const
+  {
+    return document_;
+  }
+  std::uint64_t revision() const
+  {
+    return revision_;
+  }
+  /// The revision that is in the file.
+  std::uint64_t saved() const
+  {
+    return saved_;
+  }
+
+  /// Applies an edit, and returns when it is on the disk. The last one again changes nothing.
+  tl::expected<void, Refusal> edit(const EditMessage &message);
+
+  struct Saved
+  {
+    std::string kept; ///< the name of what was there; empty: nothing, or nothing has changed
+  };
+  tl::expected<Saved, Refusal> save();
+
+  /// Removes the journal if all is saved.
+  ~Session();
+  Session(const Session &) = delete;
+  Session &operator=(const Session &) = delete;
+
+private:
+  Session(std::string path, std::string text, Document document, Journal journal);
+  tl::expected<void, std::string> restore();
+  tl::expected<void, std::string> recover(const Journal::Content &content);
+
+  std::string path_;
+  std::string text_; ///< of the file
+  Document document_;
+  Journal journal_;
+  std::uint64_t revision_ = 0;
+  std::uint64_t saved_ = 0;
+  std::string last_; ///< page and name of the last edit
+  std::vector<std::string> messages_;
+};
+
+} // namespace desk

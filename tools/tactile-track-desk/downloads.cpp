@@ -1,0 +1,176 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+//
+// What is only read: the page's files, film, strip, draft, exports.
+#include "routes.h"
+
+#include "film_file.h"
+#include "soup.h"
+
+#include "desk/files.h"
+#include "tracks/formats/track_file.h"
+
+#include <algorithm>
+#include <filesystem>
+
+namespace {
+
+using desk::write_text;
+
+constexpr std::size_t kLargestPage = std::size_t{ 8 } << 20;
+
+/// By the ending of a name; null: such files are not part of a page.
+const char *
+type_of(const std::string &name)
+{
+  constexpr const char *kTypes[][2] = {
+    { ".html", "text/html; charset=utf-8" },
+    { ".css", "text/css; charset=utf-8" },
+    { ".js", "text/javascript; charset=utf-8" },
+    { ".svg", "image/svg+xml" },
+    { ".png", "image/png" },
+    { ".txt", "text/plain; charset=utf-8" },
+  };
+  for (const auto &[ending, type] : kTypes)
+    if (name.ends_with(ending))
+      return type;
+  return nullptr;
+}
+
+/// A name without folders.
+bool
+is_plain(const std::string &name)
+{
+  return !name.starts_with('.') && std::ranges::all_of(name, [](char c) {
+    return g_ascii_isalnum(c) || c == '.' || c == '-' || c == '_';
+  });
+}
+
+std::string
+stem_of(const std::string &path)
+{
+  return std::filesystem::path(path).stem().string();
+}
+
+} // namespace
+
+void
+Routes::page(SoupServerMessage *message, const std::string &name)
+{
+  const char *type = type_of(name);
+  if (type == nullptr || !is_plain(name))
+    return answer_error(message, 404, "there is no such page");
+  const auto bytes = desk::read_whole(settings_.page + "/" + name, kLargestPage);
+  if (!bytes)
+    return answer_error(message, 404, "there is no such page");
+  ::answer(message, 200, type, *bytes);
+}
+
+void
+Routes::draft(SoupServerMessage *message, std::string_view)
+{
+  if (!draft_.track())
+    return answer_error(message, 404,
+                        draft_.has_failed() ? "no draft could be authored"
+                                            : "the draft is being authored; wait for progress");
+  const auto text = desk::read_whole(draft_.path(), tactile::kMaxTrackFile);
+  const auto document
+      = text ? desk::Document::read(*text).map_error([](const auto &error) { return error.text(); })
+             : tl::unexpected(text.error());
+  if (!document)
+    return answer_error(message, 404, document.error());
+  answer_json(message, "{\"cues\": " + desk::write_cues(document->cues()) + "}");
+}
+
+void
+Routes::film(SoupServerMessage *message, std::string_view)
+{
+  const std::string type = settings_.found.type.substr(0, settings_.found.type.find(';'));
+  answer_file(message, settings_.film, type.empty() ? "application/octet-stream" : type.c_str());
+}
+
+void
+Routes::proxy(SoupServerMessage *message, std::string_view)
+{
+  const std::string text = query_value(message, "from");
+  const double from = text.empty() ? 0 : g_ascii_strtod(text.c_str(), nullptr);
+  if (!(from >= 0 && from <= desk::kLatest / 1000))
+    return answer_error(message, 400, "expected from, in seconds");
+  proxies_.answer(message, static_cast<GstClockTime>(from * GST_SECOND));
+}
+
+void
+Routes::thumbnails(SoupServerMessage *message, std::string_view)
+{
+  answer_json(message, "{\"interval\": " + std::to_string(strip_.interval())
+                           + ", \"width\": " + std::to_string(strip_.width())
+                           + ", \"height\": " + std::to_string(strip_.height())
+                           + ", \"count\": " + std::to_string(strip_.count())
+                           + ", \"total\": " + std::to_string(strip_.total()) + "}");
+}
+
+void
+Routes::thumbnail(SoupServerMessage *message, std::string_view)
+{
+  const gint64 index = query_number(message, "index", -1);
+  const std::string jpeg = index >= 0 ? strip_.picture(static_cast<std::size_t>(index)) : "";
+  if (jpeg.empty())
+    return answer_error(message, 404, "this picture is not there, or not yet");
+  ::answer(message, 200, "image/jpeg", jpeg);
+}
+
+void
+Routes::sound(SoupServerMessage *message, std::string_view)
+{
+  const gint64 from = query_number(message, "from", 0);
+  if (from < 0)
+    return answer_error(message, 400, "expected from, a whole number from 0 on");
+  ::answer(message, 200, "application/octet-stream", strip_.peaks(static_cast<std::size_t>(from)));
+}
+
+void
+Routes::cuts(SoupServerMessage *message, std::string_view)
+{
+  const Strip::Cuts cuts = strip_.cuts();
+  std::string times;
+  for (const gint64 time : cuts.times)
+    times += (times.empty() ? "" : ", ") + std::to_string(time);
+  answer_json(message,
+              "{\"cuts\": [" + times + "], \"until\": " + std::to_string(cuts.until) + "}");
+}
+
+void
+Routes::export_track(SoupServerMessage *message, std::string_view)
+{
+  const std::string format = query_value(message, "format");
+  const auto known = tactile::track_format("track." + format);
+  if (!known)
+    return answer_error(message, 400, "expected format: vtt, csv, hjif, sem.xml or funscript");
+  const desk::Document &document = session_.document();
+  g_autoptr(GDateTime) now = g_date_time_new_now_utc();
+  g_autofree gchar *date = g_date_time_format(now, "%Y-%m-%dT%H:%M:%S+00:00");
+  const bool is_vtt = *known == tactile::TrackFormat::webvtt; // with comments
+  name_attachment(message, stem_of(session_.path()) + "." + format);
+  ::answer(message, 200, is_vtt ? "text/vtt; charset=utf-8" : "application/octet-stream",
+           is_vtt ? document.text() : write_track(document.track(), *known, date));
+}
+
+void
+Routes::export_page(SoupServerMessage *message, std::string_view)
+{
+  constexpr std::string_view kPlace = "@DATA@";
+  auto page = desk::read_whole(settings_.page + "/export-template.html", kLargestPage);
+  const std::size_t place = page ? page->find(kPlace) : std::string::npos;
+  if (place == std::string::npos)
+    return answer_error(message, 404, "the page has no template for exports");
+  const std::string name = std::filesystem::path(settings_.film).filename().string();
+  g_autofree gchar *link = g_uri_escape_string(name.c_str(), nullptr, FALSE);
+  std::string data = "{\"film\": {\"name\": " + write_text(name) + ", \"href\": " + write_text(link)
+                     + "}, \"track\": {" + track_json()
+                     + ", \"cues\": " + desk::write_cues(session_.document().cues()) + "}}";
+  // It stands in a script element, which "</script" would end.
+  for (std::size_t at = 0; (at = data.find('<', at)) != std::string::npos;)
+    data.replace(at, 1, "\\u003c");
+  page->replace(place, kPlace.size(), data);
+  name_attachment(message, stem_of(session_.path()) + ".html");
+  ::answer(message, 200, "text/html; charset=utf-8", *page);
+}

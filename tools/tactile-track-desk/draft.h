@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include "film/film.h"
+#include "tracks/track.h"
+
+#include <gio/gio.h>
+
+#include <functional>
+#include <optional>
+#include <string>
+
+/// Which program authors, and on which grid.
+struct DraftSettings
+{
+  std::string author; ///< tactile-track
+  std::string film;
+  int rows = 3;
+  int columns = 3;
+  double rate = 5;
+};
+
+/// The automatic draft of a film, authored by tactile-track in the background and kept where
+/// visuotactile-follow keeps its drafts, too. Of the main context's thread.
+class FilmDraft
+{
+public:
+  /// `changed` is called when it is there or has failed.
+  FilmDraft(DraftSettings settings, std::function<void()> changed);
+  ~FilmDraft();
+  FilmDraft(const FilmDraft &) = delete;
+  FilmDraft &operator=(const FilmDraft &) = delete;
+
+  const std::optional<tactile::Track> &track() const
+  {
+    return track_;
+  }
+  /// Its file in WebVTT.
+  const std::string &path() const
+  {
+    return path_;
+  }
+  bool has_failed() const
+  {
+    return failed_;
+  }
+
+private:
+  void read();
+
+  std::function<void()> changed_;
+  std::string path_;
+  std::optional<tactile::Track> track_;
+  bool failed_ = false;
+  GSubprocess *process_ = nullptr;
+  GCancellable *cancellable_;
+};
+
+/// Authors a track and waits, with progress on the terminal. Throws std::runtime_error.
+void author_now(const DraftSettings &settings, const std::string &track);

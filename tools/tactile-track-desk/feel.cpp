@@ -1,0 +1,153 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "feel.h"
+
+#include <cmath>
+#include <stdexcept>
+#include <utility>
+
+namespace {
+
+/// Without a position for so long nothing is felt: docs/design/desk.md.
+constexpr follow::Time kPatience = std::chrono::seconds(1);
+constexpr guint kTick = 50; ///< ms; a chair takes cues 150 ms ahead of what its motors need
+
+follow::Time
+local_time()
+{
+  return std::chrono::microseconds(g_get_monotonic_time());
+}
+
+follow::PositionEstimator
+new_estimator()
+{
+  return follow::PositionEstimator({ .habits = { .most_patience = kPatience } });
+}
+
+} // namespace
+
+Feel::Feel(std::string sink, std::function<tactile::Track()> track, std::function<void()> changed)
+    : changed_(std::move(changed)), track_(std::move(track)), estimator_(new_estimator()),
+      chair_(std::move(sink), { .told = [this](const std::string &text) { say("open", text); },
+                                .failed =
+                                    [this](const std::string &text) {
+                                      failed(text);
+                                    } })
+{
+}
+
+Feel::~Feel()
+{
+  if (tick_ != 0)
+    g_source_remove(tick_);
+}
+
+void
+Feel::say(const std::string &state, const std::string &text)
+{
+  state_ = { .state = state, .text = text };
+  changed_();
+}
+
+void
+Feel::failed(const std::string &text)
+{
+  chair_.close();
+  if (tick_ != 0)
+    g_source_remove(tick_);
+  tick_ = 0;
+  say("failed", text);
+}
+
+void
+Feel::open()
+{
+  if (tick_ != 0)
+    return;
+  try {
+    played_ = std::make_shared<tactile::Draft>(track_());
+    chair_.open(played_->rows(), played_->columns());
+    follower_.set_track(played_);
+  } catch (const std::runtime_error &error) {
+    failed(error.what());
+    return;
+  }
+  tick_ = g_timeout_add(
+      kTick,
+      +[](gpointer self) -> gboolean {
+        static_cast<Feel *>(self)->step();
+        return G_SOURCE_CONTINUE;
+      },
+      this);
+  say("open", state_.text);
+}
+
+void
+Feel::track_changed()
+{
+  if (tick_ != 0)
+    *played_ = tactile::Draft(track_()); // what was handed on stays
+}
+
+void
+Feel::step()
+{
+  const follow::Time now = local_time();
+  chair_.take(follower_.step(estimator_.at(now), now, chair_.ahead()));
+}
+
+bool
+Feel::plays() const
+{
+  const auto estimate = estimator_.at(local_time());
+  return estimate && estimate->rate > 0;
+}
+
+void
+Feel::position(const desk::PositionMessage &message)
+{
+  if (std::exchange(page_, message.page) != message.page) {
+    estimator_ = new_estimator();
+    follower_.change_player();
+  }
+  // A chair that has failed is tried again when the film begins to play again.
+  const bool begins = std::exchange(was_paused_, message.paused) && !message.paused;
+  if (begins || (!message.paused && state_.state != "failed"))
+    open();
+  estimator_.report({ .received = local_time(),
+                      .position = follow::Time(std::llround(message.position * 1e6)),
+                      .doing = message.paused ? follow::Doing::paused : follow::Doing::playing,
+                      .rate = message.rate,
+                      .sought = message.leap });
+  step();
+}
+
+void
+Feel::feel(const tactile::TactileMap &map, follow::Time duration, const std::string &page)
+{
+  if (plays())
+    return;
+  page_ = page;
+  open();
+  const follow::Time begin = local_time() + chair_.ahead();
+  const follow::Time end = begin + duration;
+  const tactile::TactileMap silent(map.rows, map.columns);
+  chair_.take({ .silence = true,
+                .cues = { { .begin = begin, .end = end, .map = map },
+                          { .begin = end, .end = end + kPatience, .map = silent } } });
+}
+
+void
+Feel::left(const std::string &page)
+{
+  if (page != page_)
+    return;
+  page_.clear();
+  was_paused_ = true;
+  estimator_ = new_estimator();
+  if (tick_ == 0)
+    return;
+  g_source_remove(tick_);
+  tick_ = 0;
+  chair_.close();
+  say("closed", "");
+}

@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include "../visuotactile-follow/chair.h"
+
+#include "desk/messages.h"
+#include "follow/position_estimator.h"
+#include "follow/track_follower.h"
+
+#include <functional>
+#include <memory>
+#include <string>
+
+/// The chair plays along with the film of a page, or feels one map while that stands. Of the main
+/// context's thread.
+class Feel
+{
+public:
+  /// How the chair is, for pages.
+  struct State
+  {
+    std::string state = "closed"; ///< or "open", "failed"
+    std::string text;             ///< which board, or what is wrong
+  };
+
+  /// `sink` is tactorsink with its properties, as on a launch line; `track` gives what is played.
+  Feel(std::string sink, std::function<tactile::Track()> track, std::function<void()> changed);
+  ~Feel();
+  Feel(const Feel &) = delete;
+  Feel &operator=(const Feel &) = delete;
+
+  const State &state() const
+  {
+    return state_;
+  }
+
+  /// The track was edited; its grid stays.
+  void track_changed();
+  void position(const desk::PositionMessage &message);
+  /// The map for a time, unless the film plays.
+  void feel(const tactile::TactileMap &map, follow::Time duration, const std::string &page);
+  /// Motors to zero if the page is the one that plays.
+  void left(const std::string &page);
+
+private:
+  void open();
+  void failed(const std::string &text);
+  void say(const std::string &state, const std::string &text);
+  void step();
+  bool plays() const;
+
+  std::function<void()> changed_;
+  State state_;
+  std::function<tactile::Track()> track_;
+  std::shared_ptr<tactile::Draft> played_; ///< what the follower reads
+  std::string page_;                       ///< for which the chair plays
+  follow::PositionEstimator estimator_;
+  follow::TrackFollower follower_;
+  Chair chair_;
+  bool was_paused_ = true;
+  guint tick_ = 0;
+};

@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "guard.h"
+
+#include "soup.h"
+
+#include <array>
+#include <cstdio>
+#include <stdexcept>
+#include <sys/random.h>
+
+namespace {
+
+std::string
+random_token()
+{
+  std::array<unsigned char, 16> bytes{};
+  if (getrandom(bytes.data(), bytes.size(), 0) != static_cast<ssize_t>(bytes.size()))
+    throw std::runtime_error("the system has no random numbers");
+  std::string text;
+  for (const unsigned byte : bytes) {
+    std::array<char, 3> hex{};
+    std::snprintf(hex.data(), hex.size(), "%02x", byte);
+    text += hex.data();
+  }
+  return text;
+}
+
+/// Takes the same time wherever they differ.
+bool
+equal(const std::string &a, const std::string &b)
+{
+  unsigned difference = a.size() == b.size() ? 0 : 1;
+  for (std::size_t i = 0; i < a.size() && i < b.size(); i++)
+    difference |= static_cast<unsigned>(a[i]) ^ static_cast<unsigned>(b[i]);
+  return difference == 0;
+}
+
+} // namespace
+
+Guard::Guard(guint16 port) : port_(port), token_(random_token())
+{
+}
+
+std::string
+Guard::address() const
+{
+  return "http://127.0.0.1:" + std::to_string(port_) + "/" + token_ + "/";
+}
+
+bool
+Guard::is_ours(const std::string &host) const
+{
+  const std::string port = ":" + std::to_string(port_);
+  return host == "127.0.0.1" + port || host == "localhost" + port;
+}
+
+std::optional<std::string>
+Guard::admit(SoupServerMessage *message) const
+{
+  const auto refuse = [&](guint status, const char *text) {
+    answer_error(message, status, text);
+    return std::nullopt;
+  };
+  if (!is_ours(header(message, "Host")))
+    return refuse(403, "this is a desk at 127.0.0.1, asked by another name");
+  const std::string origin = header(message, "Origin");
+  if (!origin.empty() && !(origin.starts_with("http://") && is_ours(origin.substr(7))))
+    return refuse(403, "another site may not ask");
+  const std::string path = g_uri_get_path(soup_server_message_get_uri(message));
+  const std::size_t slash = path.find('/', 1);
+  if (!path.starts_with('/') || slash == std::string::npos
+      || !equal(path.substr(1, slash - 1), token_))
+    return refuse(404, "there is no such page; the address that tactile-track desk printed is "
+                       "complete");
+  std::string rest = path.substr(slash + 1);
+  const std::string site = header(message, "Sec-Fetch-Site");
+  const bool opens_page = rest.empty() && header(message, "Sec-Fetch-Mode") == "navigate";
+  if (!site.empty() && site != "same-origin" && site != "none" && !opens_page)
+    return refuse(403, "another site may not ask");
+  return rest;
+}
+
+goffset
+Guard::largest_body(const std::string &path)
+{
+  return path.ends_with("/edits") ? kLargestEdit : kLargestOther;
+}

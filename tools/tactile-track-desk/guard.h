@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <libsoup/soup.h>
+
+#include <optional>
+#include <string>
+
+/// Who may ask, and how much. The browser of the user is trusted with the token; other pages in it
+/// and other programs are not.
+class Guard
+{
+public:
+  static constexpr goffset kLargestEdit = goffset{ 32 } << 20;
+  static constexpr goffset kLargestOther = goffset{ 64 } << 10;
+
+  /// Makes the token.
+  explicit Guard(guint16 port);
+
+  /// "http://127.0.0.1:PORT/TOKEN/"
+  std::string address() const;
+
+  /// What follows the token. None: the request was refused and is answered.
+  std::optional<std::string> admit(SoupServerMessage *message) const;
+
+  /// Most bytes of a body for this path.
+  static goffset largest_body(const std::string &path);
+
+private:
+  bool is_ours(const std::string &host) const;
+
+  guint16 port_;
+  std::string token_;
+};

@@ -1,0 +1,165 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+//
+// tactile-track-desk: a track beside its film, in a browser. tactile-track runs it.
+#include "browser.h"
+#include "options.h"
+#include "server.h"
+
+#include "film/or_throw.h"
+#include "tactor/drivers/registry.h"
+#include "tracks/formats/track_file.h"
+
+#include <glib-unix.h>
+
+#include <array>
+#include <csignal>
+#include <cstdio>
+#include <filesystem>
+
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr const char *kProgram = "tactile-track desk";
+
+std::string
+sink_line(const DeskOptions &options)
+{
+  std::string drivers;
+  bool known = false;
+  for (const tactor::DriverInfo &driver : tactor::drivers()) {
+    known = known || driver.name == options.driver.text("auto");
+    drivers += (drivers.empty() ? "" : ", ") + std::string(driver.name);
+  }
+  if (!known)
+    throw UsageError("--driver is one of " + drivers);
+  std::array<char, G_ASCII_DTOSTR_BUF_SIZE> number{};
+  g_ascii_dtostr(number.data(), static_cast<gint>(number.size()), options.intensity);
+  std::string line = "tactorsink rate=0 driver=" + launch_value(options.driver.text("auto"))
+                     + " intensity=" + number.data();
+  const auto add = [&line](const char *property, const TextOption &option) {
+    if (option.is_set())
+      line += std::string(" ") + property + "=" + launch_value(option.text());
+  };
+  add("device", options.device);
+  add("mapping", options.mapping);
+  add("calibration", options.calibration);
+  add("trace-location", options.trace);
+  return line;
+}
+
+/// The track beside a film: the one that is there, or the name of a new one. Subtitles of the same
+/// name are left alone.
+std::string
+track_beside(const std::string &film)
+{
+  fs::path name = film;
+  std::string free;
+  for (const char *ending : { ".vtt", ".tactile.vtt" }) {
+    name.replace_filename(fs::path(film).stem().string() + ending);
+    std::error_code ignored;
+    if (!fs::exists(name, ignored))
+      free = free.empty() ? name.string() : free;
+    else if (tactile::read_track_file(name.string()))
+      return name.string();
+  }
+  if (free.empty())
+    throw std::runtime_error("'" + name.string() + "' is no track; name the track to edit");
+  return free;
+}
+
+/// Runs until Ctrl-C.
+void
+run_loop()
+{
+  const std::unique_ptr<GMainLoop, void (*)(GMainLoop *)> loop(g_main_loop_new(nullptr, FALSE),
+                                                               g_main_loop_unref);
+  std::vector<guint> sources;
+  for (const int number : { SIGINT, SIGTERM, SIGHUP })
+    sources.push_back(g_unix_signal_add(
+        number,
+        +[](gpointer of) -> gboolean {
+          g_main_loop_quit(static_cast<GMainLoop *>(of));
+          return G_SOURCE_CONTINUE;
+        },
+        loop.get()));
+  g_main_loop_run(loop.get());
+  for (const guint source : sources)
+    g_source_remove(source);
+}
+
+void
+run(const DeskOptions &options)
+{
+  const std::string sink = sink_line(options);
+  const char *set = g_getenv("VISUOTACTILE_DESK_PAGE");
+  const std::string page = set ? set : DESK_PAGE;
+  std::error_code error;
+  if (!fs::exists(page + "/index.html", error))
+    throw std::runtime_error("there is no page in '" + page + "'; install visuotactile completely");
+  if (!fs::is_regular_file(options.film, error))
+    throw std::runtime_error("'" + options.film + "' is no file; expected a film's");
+  const Film film = discover_film(options.film);
+  const char *author = g_getenv("VISUOTACTILE_AUTHOR");
+  DraftSettings draft{ .author = author ? author : "tactile-track", .film = options.film };
+
+  const std::string track = options.track.empty() ? track_beside(options.film) : options.track;
+  if (!fs::exists(track, error)) {
+    if (!options.common.quiet)
+      std::fprintf(stderr, "There is no '%s' yet: a draft is authored\n", track.c_str());
+    author_now(draft, track);
+  }
+  const std::unique_ptr<desk::Session> session = or_throw(desk::Session::open(track));
+  for (const std::string &message : session->messages())
+    print_error(kProgram, message);
+  const desk::Document &document = session->document();
+  draft.rows = document.grid().rows;
+  draft.columns = document.grid().columns;
+  if (document.rate() > 0)
+    draft.rate = document.rate();
+
+  Routes routes({ .film = options.film,
+                  .found = film,
+                  .page = page,
+                  .sink = sink,
+                  .driver = options.driver.text("auto"),
+                  .review = options.review != FALSE },
+                *session, draft);
+  const Server server(static_cast<guint16>(options.port), routes);
+  std::printf("%s\n", server.address().c_str());
+  std::fflush(stdout);
+  Browser browser;
+  if (!options.no_browser)
+    if (const std::string why = browser.open(server.address()); !why.empty())
+      print_error(kProgram, "no browser could be opened: " + why + "; open the address above");
+  if (!options.common.quiet)
+    std::fprintf(stderr,
+                 "Ctrl-C ends the desk. Edits of '%s' that are not saved stay in its "
+                 "journal.\n",
+                 track.c_str());
+  run_loop();
+}
+
+} // namespace
+
+int
+main(int argc, char **argv)
+{
+  try {
+    DeskOptions options;
+    read_desk_options(argc, argv, options);
+    gst_init(nullptr, nullptr);
+    std::signal(SIGXFSZ, SIG_IGN); // a file that may not grow is an error, not the end
+    run(options);
+    return 0;
+  } catch (const Help &help) {
+    std::fputs(help.text.c_str(), stdout);
+    return 0;
+  } catch (const UsageError &error) {
+    print_error(kProgram, std::string(error.what()) + "; see " + kProgram + " --help");
+    return 2;
+  } catch (const std::exception &error) {
+    print_error(kProgram, error.what());
+    return 1;
+  }
+}

@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include "film/command_line.h"
+
+#include <string>
+
+/// The command line of `tactile-track desk`, which tactile-track reads for its help and errors, and
+/// tactile-track-desk for what to do.
+struct DeskOptions
+{
+  gboolean review = FALSE;
+  gint port = 0; ///< 0: any
+  gboolean no_browser = FALSE;
+  TextOption driver{};
+  TextOption device{};
+  TextOption mapping{};
+  TextOption calibration{};
+  TextOption trace{};
+  gdouble intensity = 1;
+  CommonOptions common;
+  std::string film;
+  std::string track; ///< empty: the one beside the film
+};
+
+/// Throws UsageError or Help.
+void read_desk_options(int argc, char **argv, DeskOptions &options);

@@ -1,0 +1,271 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "strip.h"
+
+#include "film/sound.h"
+#include "frame/front_end.h"
+#include "saliency/shot_cut.h"
+
+#include <gst/app/gstappsink.h>
+#include <gst/video/video.h>
+
+#include <algorithm>
+#include <cmath>
+#include <span>
+#include <sys/resource.h>
+#include <unistd.h>
+
+namespace {
+
+constexpr int kWidth = 160;                  ///< of a picture, pixels
+constexpr gint64 kLongest = 100 * 3'600'000; ///< ms
+constexpr const char *kQueue = "queue max-size-bytes=0 max-size-buffers=0 max-size-time=1000000000";
+
+/// What plays comes first: streaming threads give way.
+GstBusSyncReply
+give_way(GstBus *, GstMessage *message, gpointer)
+{
+  GstStreamStatusType type = GST_STREAM_STATUS_TYPE_CREATE;
+  if (GST_MESSAGE_TYPE(message) == GST_MESSAGE_STREAM_STATUS) {
+    gst_message_parse_stream_status(message, &type, nullptr);
+    if (type == GST_STREAM_STATUS_TYPE_ENTER)
+      setpriority(PRIO_PROCESS, static_cast<id_t>(gettid()), 15);
+  }
+  return GST_BUS_PASS;
+}
+
+/// Film time in ms; -1: none.
+gint64
+time_of(GstSample *sample)
+{
+  const GstClockTime time
+      = gst_segment_to_stream_time(gst_sample_get_segment(sample), GST_FORMAT_TIME,
+                                   GST_BUFFER_PTS(gst_sample_get_buffer(sample)));
+  return GST_CLOCK_TIME_IS_VALID(time) ? static_cast<gint64>(GST_TIME_AS_MSECONDS(time)) : -1;
+}
+
+std::string
+jpeg_of(GstSample *sample)
+{
+  g_autoptr(GstCaps) caps = gst_caps_new_empty_simple("image/jpeg");
+  GstSample *jpeg = gst_video_convert_sample(sample, caps, 5 * GST_SECOND, nullptr);
+  std::string bytes;
+  if (jpeg == nullptr)
+    return bytes;
+  GstMapInfo map;
+  if (gst_buffer_map(gst_sample_get_buffer(jpeg), &map, GST_MAP_READ)) {
+    bytes.assign(reinterpret_cast<const char *>(map.data), map.size);
+    gst_buffer_unmap(gst_sample_get_buffer(jpeg), &map);
+  }
+  gst_sample_unref(jpeg);
+  return bytes;
+}
+
+} // namespace
+
+/// Shot cuts as the analysis finds them, in small pictures.
+class Strip::Eye
+{
+public:
+  Eye() : is_cut_(saliency::Profile::tuned())
+  {
+  }
+
+  bool sees_cut(const GstVideoFrame &frame)
+  {
+    saliency::FrameView view;
+    view.width = GST_VIDEO_FRAME_WIDTH(&frame);
+    view.height = GST_VIDEO_FRAME_HEIGHT(&frame);
+    view.model = saliency::ColorModel::rgb;
+    for (guint i = 0; i < view.components.size(); i++)
+      view.components[i]
+          = { .data = static_cast<const std::uint8_t *>(GST_VIDEO_FRAME_COMP_DATA(&frame, i)),
+              .row_stride = GST_VIDEO_FRAME_COMP_STRIDE(&frame, i),
+              .pixel_stride = GST_VIDEO_FRAME_COMP_PSTRIDE(&frame, i),
+              .width = view.width,
+              .height = view.height };
+    return is_cut_(to_float(front_end_.lab(view, 0, 0)));
+  }
+
+private:
+  saliency::FrontEnd front_end_;
+  saliency::ShotCut is_cut_;
+};
+
+Strip::Strip(const Film &film)
+    : width_(kWidth),
+      height_(film.width > 0
+                  ? std::clamp((film.height * kWidth / film.width + 1) / 2 * 2, 2, 4 * kWidth)
+                  : kWidth),
+      duration_(GST_CLOCK_TIME_IS_VALID(film.duration)
+                    ? std::min(static_cast<gint64>(GST_TIME_AS_MSECONDS(film.duration)), kLongest)
+                    : 0),
+      eye_(std::make_unique<Eye>())
+{
+  constexpr gint64 kUnknown = 5000; // ms; 1000 pictures of a film of 80 minutes
+  constexpr gint64 kLeast = 1000;
+  interval_ = duration_ > 0 ? std::max(kLeast, (duration_ + static_cast<gint64>(kMostPictures) - 1)
+                                                   / static_cast<gint64>(kMostPictures))
+                            : kUnknown;
+  std::string line = film_source(film) + " film. ! " + kQueue
+                     + " ! videoconvert ! videoscale add-borders=false ! "
+                       "video/x-raw,format=RGB,pixel-aspect-ratio=1/1,width="
+                     + std::to_string(width_) + ",height=" + std::to_string(height_)
+                     + " ! appsink name=eye sync=false max-buffers=4";
+  if (film.has_sound)
+    line += heard_sound(kQueue, nullptr)
+            + "audio/x-raw,format=S16LE,layout=interleaved ! appsink name=ear sync=false "
+              "max-buffers=16";
+  pipeline_ = make_pipeline(line);
+  const auto listen = [&](const char *name, auto new_sample) {
+    const Owned<GstElement> sink = element(pipeline_, name);
+    GstAppSinkCallbacks callbacks{};
+    callbacks.new_sample = new_sample;
+    gst_app_sink_set_callbacks(GST_APP_SINK(sink.get()), &callbacks, this, nullptr);
+  };
+  listen("eye", [](GstAppSink *sink, gpointer self) {
+    if (GstSample *sample = gst_app_sink_pull_sample(sink)) {
+      static_cast<Strip *>(self)->on_frame(sample);
+      gst_sample_unref(sample);
+    }
+    return GST_FLOW_OK;
+  });
+  if (film.has_sound) {
+    listen("ear", [](GstAppSink *sink, gpointer self) {
+      if (GstSample *sample = gst_app_sink_pull_sample(sink)) {
+        static_cast<Strip *>(self)->on_sound(sample);
+        gst_sample_unref(sample);
+      }
+      return GST_FLOW_OK;
+    });
+    g_signal_connect(element(pipeline_, "film").get(), "no-more-pads",
+                     G_CALLBACK(+[](GstElement *, gpointer top) {
+                       end_missing_sound(static_cast<GstElement *>(top));
+                     }),
+                     pipeline_.get());
+  }
+  const Owned<GstBus> bus(gst_element_get_bus(pipeline_.get()));
+  gst_bus_set_sync_handler(bus.get(), give_way, nullptr, nullptr);
+  watch_ = gst_bus_add_watch(
+      bus.get(),
+      +[](GstBus *, GstMessage *message, gpointer self) {
+        return static_cast<Strip *>(self)->on_message(message);
+      },
+      this);
+  if (gst_element_set_state(pipeline_.get(), GST_STATE_PLAYING) == GST_STATE_CHANGE_FAILURE)
+    progress_ = -1;
+}
+
+Strip::~Strip()
+{
+  if (watch_ != 0)
+    g_source_remove(watch_);
+  pipeline_.reset();
+}
+
+gboolean
+Strip::on_message(GstMessage *message)
+{
+  const bool failed = GST_MESSAGE_TYPE(message) == GST_MESSAGE_ERROR;
+  if (!failed && GST_MESSAGE_TYPE(message) != GST_MESSAGE_EOS)
+    return G_SOURCE_CONTINUE;
+  watch_ = 0;
+  pipeline_.reset();
+  const std::lock_guard lock(mutex_);
+  progress_ = failed ? -1 : 1;
+  return G_SOURCE_REMOVE;
+}
+
+void
+Strip::on_frame(GstSample *sample)
+{
+  const gint64 time = time_of(sample);
+  GstVideoInfo info;
+  GstVideoFrame frame;
+  if (time < 0 || time > kLongest || !gst_video_info_from_caps(&info, gst_sample_get_caps(sample))
+      || !gst_video_frame_map(&frame, &info, gst_sample_get_buffer(sample), GST_MAP_READ))
+    return;
+  const bool is_cut = eye_->sees_cut(frame);
+  gst_video_frame_unmap(&frame);
+  // Only this thread adds pictures.
+  std::string picture;
+  if (pictures_.size() < kMostPictures && time >= static_cast<gint64>(pictures_.size()) * interval_)
+    picture = jpeg_of(sample);
+  const std::lock_guard lock(mutex_);
+  // A film that leaps, as one cut from another does, has the same picture for a while.
+  while (!picture.empty() && pictures_.size() < kMostPictures
+         && time >= static_cast<gint64>(pictures_.size()) * interval_)
+    pictures_.push_back(picture);
+  if (is_cut)
+    cuts_.times.push_back(time);
+  cuts_.until = time;
+  if (duration_ > 0)
+    progress_ = std::min(static_cast<double>(time) / static_cast<double>(duration_), 0.999);
+}
+
+void
+Strip::on_sound(GstSample *sample)
+{
+  constexpr int kFullScale = 32768;
+  const gint64 time = time_of(sample);
+  const GstStructure *format = gst_caps_get_structure(gst_sample_get_caps(sample), 0);
+  int rate = 0;
+  int channels = 0;
+  GstMapInfo map;
+  if (time < 0 || time > kLongest || !gst_structure_get_int(format, "rate", &rate) || rate <= 0
+      || !gst_structure_get_int(format, "channels", &channels) || channels <= 0
+      || !gst_buffer_map(gst_sample_get_buffer(sample), &map, GST_MAP_READ))
+    return;
+  const std::span samples(reinterpret_cast<const gint16 *>(map.data), map.size / sizeof(gint16));
+  const std::lock_guard lock(mutex_);
+  for (std::size_t i = 0; i < samples.size(); i++) {
+    const auto index = static_cast<std::size_t>(
+        (time + static_cast<gint64>(i) / channels * 1000 / rate) / kPeak);
+    if (index >= peaks_.size())
+      peaks_.resize(index + 1);
+    const int peak = std::min(std::abs(static_cast<int>(samples[i])) * 256 / kFullScale, 255);
+    auto &there = reinterpret_cast<std::uint8_t &>(peaks_[index]);
+    there = std::max(there, static_cast<std::uint8_t>(peak));
+  }
+  gst_buffer_unmap(gst_sample_get_buffer(sample), &map);
+}
+
+double
+Strip::progress() const
+{
+  const std::lock_guard lock(mutex_);
+  return progress_;
+}
+
+std::size_t
+Strip::count() const
+{
+  const std::lock_guard lock(mutex_);
+  return pictures_.size();
+}
+
+std::size_t
+Strip::total() const
+{
+  return static_cast<std::size_t>((duration_ + interval_ - 1) / interval_);
+}
+
+std::string
+Strip::picture(std::size_t index) const
+{
+  const std::lock_guard lock(mutex_);
+  return index < pictures_.size() ? pictures_[index] : std::string();
+}
+
+std::string
+Strip::peaks(std::size_t from) const
+{
+  const std::lock_guard lock(mutex_);
+  return from < peaks_.size() ? peaks_.substr(from) : std::string();
+}
+
+Strip::Cuts
+Strip::cuts() const
+{
+  const std::lock_guard lock(mutex_);
+  return cuts_;
+}

@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+//
+// desk: becomes tactile-track-desk, which has the HTTP server.
+#include "commands.h"
+
+#include "tactile-track-desk/options.h"
+
+#include <cerrno>
+#include <cstring>
+#include <unistd.h>
+
+int
+desk(int argc, char **argv)
+{
+  std::vector<char *> arguments(argv, argv + argc);
+  arguments.push_back(nullptr);
+  {
+    DeskOptions options;
+    read_desk_options(argc, argv, options);
+  }
+  const char *set = g_getenv("VISUOTACTILE_DESK");
+  const std::string program = set ? set : DESK_PROGRAM;
+  // For drafts.
+  g_autofree gchar *self = g_file_read_link("/proc/self/exe", nullptr);
+  if (self)
+    g_setenv("VISUOTACTILE_AUTHOR", self, TRUE);
+  execv(program.c_str(), arguments.data());
+  throw std::runtime_error("'" + program + "' cannot be run: " + g_strerror(errno)
+                           + (errno == ENOENT ? "; it is installed with visuotactile-tools" : ""));
+}
