@@ -6,8 +6,8 @@
 #include "strip.h"
 
 #include "film/command_line.h"
-#include "film/known_driver.h"
 #include "film/film.h"
+#include "film/known_driver.h"
 #include "film/motor_walk.h"
 #include "film/output.h"
 #include "film/sound.h"
