@@ -2,14 +2,14 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 # Makes pages of docs/measured, each whole. Those of quality and speed are made by tactile_quality and speed.
 #
-# Usage: tests/bench/measured.sh PAGE [FILM ...]      PAGE: calibration, desk, devices, follow, playback, sound, sound-clips, synth, timing, ways-out; FILM: default three of ../shared/data/clips (timing)
-# Expects a computer on which nothing else runs. Takes 5, 2, 5, 14, 1, 8, 3, 5, 15 and 1 minutes. VISUOTACTILE_BUILD names a build folder that is built already.
+# Usage: tests/bench/measured.sh PAGE [FILM ...]      PAGE: calibration, desk, devices, drafts, follow, playback, sound, sound-clips, synth, timing, ways-out; FILM: default three of ../shared/data/clips (timing)
+# Expects a computer on which nothing else runs. Takes 5, 2, 5, 3, 14, 1, 8, 3, 5, 15 and 1 minutes. VISUOTACTILE_BUILD names a build folder that is built already.
 set -euo pipefail
 here=$(cd "$(dirname "$0")" && pwd)
 # shellcheck source=../../tools/build.sh
 . "$here/../../tools/build.sh"
 case ${1:-} in
-  calibration | desk | devices | follow | playback | sound | sound-clips | synth | timing | ways-out) page=$1 ;;
+  calibration | desk | devices | drafts | follow | playback | sound | sound-clips | synth | timing | ways-out) page=$1 ;;
   *) sed -n '3,6s/^# \{0,1\}//p' "$0" >&2; exit 2 ;;
 esac
 command="tests/bench/measured.sh $*"
@@ -18,6 +18,7 @@ case $page in
   calibration) targets=tests/quality/rise_time_accuracy ;;
   desk) targets="" ;;
   devices) targets=tests/bench/devices ;;
+  drafts) targets="tools/visuotactile-follow tools/tactile-track lib/modules/visuotactile-websocket.so" ;;
   follow) targets="tests/bench/follow tools/visuotactile-follow" ;;
   sound) targets=tests/sound/sound_quality ;;
   sound-clips) targets=tools/tactile-track ;;
@@ -194,6 +195,31 @@ messages (–). CPU is this process's share of a core; the emulated board is in 
 
 CAPTION
       grep -E '^\|' "$work/tables" | sed -n '/^| device | rises/,$p'
+      ;;
+    drafts)
+      head_of "Drafts, and nobody in the chair"
+      cat <<'CAPTION'
+## Drafts that are made while a film plays
+
+A real mpv plays an H.264 film of 24 frames a second that has no track, ten seconds of Sintel's
+trailer scaled up, again and again, with a key frame every ten seconds. After how long what plays is
+known, and so felt, and which share of a core visuotactile-follow takes in the 20 s after each event,
+decoding and all. The seek goes to half a second before a key frame. The film is © Blender
+Foundation, www.sintel.org, CC BY 3.0.
+
+CAPTION
+      FOLLOW="$built/tools/visuotactile-follow" GST_PLUGIN_PATH_1_0="$built/gst" VISUOTACTILE_MODULES="$built/lib/modules" \
+        /usr/bin/python3 "$here/drafts.py" "$root/../shared/data/clips/sintel-trailer.mp4"
+      cat <<'CAPTION'
+
+## Nobody in the chair
+
+How long the motors of a vest go on after each event, as the vest's own side sees it, a server for
+tests. Locks and sleep are told by a simulated logind.
+
+CAPTION
+      FOLLOW="$built/tools/visuotactile-follow" TRACK="$built/tools/tactile-track" SERVER="$root/tests/support/haptic_server.py" SESSION="$built/data/session" \
+        GST_PLUGIN_PATH_1_0="$built/gst" VISUOTACTILE_MODULES="$built/lib/modules" /usr/bin/python3 "$here/../tools/follow_service.py" ways_out | grep '^|'
       ;;
     follow)
       head_of "Following a player"

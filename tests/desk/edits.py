@@ -156,19 +156,13 @@ def save(driver):
     equal(driver.execute_async_script("const done = arguments[0]; desk.sync.save().then(() => done(null), (error) => done(String(error)))"), None, "saved")
 
 
-def free_port():
-    with socket.socket() as line:
-        line.bind(("127.0.0.1", 0))
-        return line.getsockname()[1]
-
-
 def random_edits(folder):
     film, track = folder / "film.webm", folder / "film.vtt"
     track.write_text(a_track(), encoding="utf-8")
     original = track.read_bytes()
-    port = free_port()
     with chromium() as driver:
-        with Desk(film, track, f"--port={port}") as desk:
+        with Desk(film, track) as desk:
+            port = desk.port
             equal(open_page(driver, desk, "first"), [{"writer": True}, {"sent": 0, "kept": 0}], "the page writes")
             edit(driver, 1, 1000)
             settle(driver, "journal")
@@ -185,7 +179,8 @@ def random_edits(folder):
             edit(driver, 3, 50)
             equal(settle(driver, "waiting").startswith("Not sent: "), True, "the page says so")
             mine = cues_of(driver)
-        with Desk(film, track, f"--port={port}") as desk:
+        with Desk(film, track) as desk:
+            equal(desk.port, port, "the track's usual port, so that the browser knows the page")
             writer, found = open_page(driver, desk, "second")
             equal((writer, found["sent"] > 0, found["kept"]), ({"writer": True}, True, 0), "the next page sends what was left")
             equal(at_the_desk(desk), mine, "nothing is lost")
@@ -202,6 +197,22 @@ def random_edits(folder):
                 equal(cues_of(other), mine, "with all of it")
 
 
+def a_port_that_is_taken(folder):
+    film, tracks = folder / "film.webm", [folder / f"{name}.vtt" for name in ("one", "two")]
+    for track in tracks:
+        track.write_text(a_track(), encoding="utf-8")
+    with Desk(film, tracks[0]) as desk:
+        usual = desk.port
+    with socket.socket() as line:
+        line.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        line.bind(("127.0.0.1", usual))
+        line.listen()
+        with Desk(film, tracks[0]) as desk:
+            equal(desk.port != usual and desk.get("session").status == 200, True, "another port")
+    with Desk(film, tracks[0]) as one, Desk(film, tracks[1]) as two:
+        equal((one.port, two.port != usual), (usual, True), "two desks")
+
+
 def main():
     with tempfile.TemporaryDirectory(prefix="desk-edits-") as name:
         folder = pathlib.Path(name)
@@ -211,8 +222,9 @@ def main():
         (page / "index.html").write_text('<!doctype html><html lang="en"><meta charset="utf-8"><title>Edits</title></html>', encoding="utf-8")
         os.environ["VISUOTACTILE_DESK_PAGE"] = str(page)
         make_film(folder / "film.webm")
-        random_edits(folder)
-    print("ok random_edits")
+        for test in (random_edits, a_port_that_is_taken):
+            test(folder)
+            print(f"ok {test.__name__}", flush=True)
 
 
 main()

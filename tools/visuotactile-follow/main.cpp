@@ -4,8 +4,8 @@
 #include "follower.h"
 
 #include "film/command_line.h"
+#include "film/known_driver.h"
 #include "film/sound.h"
-#include "tactor/drivers/registry.h"
 
 #include <gst/gst.h>
 
@@ -111,14 +111,7 @@ read_command_line(int argc, char **argv, Options &options)
     throw UsageError("--offset is a number of ms from -5000 to 5000");
   if (!(std::abs(options.nudge) <= kMostOffset))
     throw UsageError("--nudge is a number of ms from -5000 to 5000");
-  std::string drivers;
-  bool known = false;
-  for (const tactor::DriverInfo &driver : tactor::drivers()) {
-    known = known || driver.name == options.driver.text();
-    drivers += (drivers.empty() ? "" : ", ") + std::string(driver.name);
-  }
-  if (!known)
-    throw UsageError("--driver is one of " + drivers);
+  expect_driver(options.driver.text());
 }
 
 std::string
