@@ -3,7 +3,8 @@
 // What real players reported while their screen was watched (tests/tools/follow_record.py), and
 // what we and others make of it. Kodi 20.1 was recorded on a busy computer, where its own frames
 // were late. Lines: "report" and microseconds of receipt, of asking and of the position, what it
-// does, its rate, whether it told a seek; "frame" and microseconds at which it came and of the film.
+// does, its rate, whether it told a seek; "frame" and microseconds at which it came and of the
+// film.
 #include "follow/position_estimator.h"
 
 #include "support/follow_peers.h"
