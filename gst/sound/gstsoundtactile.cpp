@@ -125,12 +125,27 @@ static GstStaticPadTemplate tactile_template = GST_STATIC_PAD_TEMPLATE(
 
 /* ---- the stream ---- */
 
+/* Whether nothing is linked to the tactile pad: then the maps are for a chair in this pipeline. */
+static bool
+is_free(GstSoundTactile *self)
+{
+  return self->priv->pads->maps_flow() != GST_FLOW_OK;
+}
+
 /* Whether a chair in this pipeline takes the maps, which then need no pad. */
 static const fusion::Profile *
 joined(GstSoundTactile *self)
 {
+  return is_free(self) ? self->priv->maps->wanted() : nullptr;
+}
+
+/* The pad may be linked or unlinked while the film plays. */
+static void
+tell_chairs(GstSoundTactile *self)
+{
   Private *priv = self->priv;
-  return priv->pads->maps_flow() == GST_FLOW_OK ? nullptr : priv->maps->wanted();
+  if (priv->maps->hear(self, is_free(self)) && priv->is_live)
+    gst_element_post_message(GST_ELEMENT(self), gst_message_new_latency(GST_OBJECT(self)));
 }
 
 /* For a chair in this pipeline. */
@@ -148,7 +163,7 @@ keep_map(GstSoundTactile *self, const tactile::TactileMap &map, GstClockTime beg
     return fusion::Time(static_cast<fusion::Time::rep>(
         gst_segment_to_running_time(&segment, GST_FORMAT_TIME, position)));
   };
-  self->priv->maps->add({ running(from), running(until), map });
+  self->priv->maps->add(self, { running(from), running(until), map });
 }
 
 static SoundReader::MapSink
@@ -202,6 +217,7 @@ push_tactile(GstSoundTactile *self, GstBuffer *buffer)
   GST_OBJECT_LOCK(self);
   priv->used.feel = priv->settings.feel;
   GST_OBJECT_UNLOCK(self);
+  tell_chairs(self);
   if (const fusion::Profile *profile = joined(self)) {
     priv->used.feel.gain_db += profile->gain_db;
     priv->used.feel.blows &= profile->blows;
@@ -280,11 +296,11 @@ gst_sound_tactile_sink_event(GstPad *, GstObject *parent, GstEvent *event)
     priv->held.drain();
     break;
   case GST_EVENT_FLUSH_START:
-    priv->maps->forget();
+    priv->maps->forget(self);
     break;
   case GST_EVENT_FLUSH_STOP:
     priv->reader.reset();
-    priv->maps->forget(); /* what came until the stream had stopped */
+    priv->maps->forget(self); /* what came until the stream had stopped */
     priv->pads->pass_event(event);
     priv->held.flush();
     return TRUE;
@@ -323,7 +339,7 @@ start(GstSoundTactile *self)
   GST_OBJECT_UNLOCK(self);
   self->priv->pads->set_framerate(static_cast<gint>(self->priv->used.maps_per_second), 1);
   self->priv->maps = sound_maps_of(GST_ELEMENT(self));
-  self->priv->maps->hear(self->priv->pads->maps_flow() != GST_FLOW_OK);
+  self->priv->maps->hear(self, is_free(self));
 }
 
 static void
@@ -331,7 +347,7 @@ stop(GstSoundTactile *self)
 {
   Private *priv = self->priv;
   if (priv->maps)
-    priv->maps->hear(false);
+    priv->maps->hear(self, false);
   priv->held.clear();
   priv->pads->reset();
   priv->reader.reset();

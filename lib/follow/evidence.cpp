@@ -16,8 +16,12 @@ constexpr double kRounding = 3e6;
 /// What clocks of sound cards have at most, a second.
 constexpr Time kLikelySkew = std::chrono::microseconds(200);
 
-/// So many reports may be too far ahead, of those that count.
-constexpr std::size_t kOutliers = 16;
+/// One in so many reports may be too far ahead: at rate 1.25, mpv tells one frame in eight 16 ms
+/// early.
+constexpr std::size_t kOutliers = 5;
+
+/// Fewer reports say nothing of how densely they lie.
+constexpr std::size_t kFew = 8;
 
 /// Reports by which it is told how densely they lie at a bound.
 constexpr std::size_t kDensity = 4;
@@ -38,7 +42,7 @@ time(double nanoseconds)
 
 Evidence::Evidence(const Report &first, const Habits &habits)
     : habits_(habits), began_(first.received), position_(first.position.value_or(Time(0))),
-      rate_(first.rate), asked_(first.asked.has_value())
+      rate_(first.rate)
 {
   add(first);
 }
@@ -103,6 +107,7 @@ Evidence::fits(const Report &report) const
 void
 Evidence::add(const Report &report)
 {
+  asked_ = asked_ || report.asked.has_value();
   bounds_.push_back(bounds(report));
   if (bounds_.size() > kMost)
     bounds_.pop_front();
@@ -131,9 +136,10 @@ Evidence::offset() const
   const Time skew = std::min(habits_.skew, kLikelySkew);
   const std::size_t rank = bounds_.size() / kOutliers;
   const double value = low(last, rank, skew);
-  return { value, bounds_.size() < kOutliers / 2
+  return { value, bounds_.size() < kFew
                       ? count(habits_.latest + habits_.coarseness) / 2
-                      : std::max(low(last, 0, skew) - value, value - low(last, 2 * rank + 2, skew))
+                      : std::max(low(last, 0, skew) - value,
+                                 value - low(last, rank + bounds_.size() / 16 + 2, skew))
                             + kRounding / 3 };
 }
 

@@ -81,7 +81,7 @@ private:
   Time began_;
   Time position_;
   double rate_;
-  bool asked_; ///< the player was asked, so that the upper bounds are known
+  bool asked_ = false; ///< the player was asked, so that the upper bounds are known
   std::deque<Bounds> bounds_;
   Offset offset_;
 };

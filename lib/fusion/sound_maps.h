@@ -23,30 +23,34 @@ struct SoundMap
 };
 
 /// Where the sound of a pipeline meets its picture: who hears the film writes, who plays it reads.
-/// Nobody waits for the other. Any thread.
+/// Several may hear different sounds of one film, such as its voices and its music. Nobody waits
+/// for the other. Any thread.
 class SoundMaps
 {
 public:
-  /// Of which only those that are not silent are kept; the oldest ones go.
+  /// Of each who hears, of which only those that are not silent are kept; the oldest ones go.
   static constexpr std::size_t kMost = 1024;
 
-  /// Somebody hears the sound, or nobody does any more: then all is forgotten.
-  void hear(bool heard);
+  /// `who` hears a sound, or does not any more: then what it heard is forgotten. Whether that
+  /// changes is_heard().
+  bool hear(const void *who, bool heard);
+  /// By anybody.
   bool is_heard() const;
 
-  /// Takes the place of all that was known from `map.begin` on: sound that comes again, as of
-  /// another language, is not felt twice.
-  void add(SoundMap map);
+  /// Takes the place of all that `who`, who hears, knew from `map.begin` on: sound that comes
+  /// again, as of another language, is not felt twice.
+  void add(const void *who, SoundMap map);
 
   /// The film was sought in.
-  void forget();
+  void forget(const void *who);
 
   /// `reader` feels the sound by this profile from now on; nullptr: it does not.
   void want(const void *reader, const Profile *profile);
   /// What the last one wants who wants anything; nullptr if nobody does.
   const Profile *wanted() const;
 
-  /// What is known of [begin, end), in order.
+  /// What is known of [begin, end), in order, without overlaps. Of several that sound at once, each
+  /// cell has the largest level.
   std::vector<SoundMap> between(Time begin, Time end) const;
 
 private:
@@ -56,9 +60,17 @@ private:
     const Profile *profile;
   };
 
+  struct Hearer
+  {
+    const void *who;
+    std::deque<SoundMap> maps; ///< in order, without overlaps
+  };
+
+  /// nullptr if `who` does not hear.
+  std::deque<SoundMap> *maps_of(const void *who);
+
   mutable std::mutex mutex_{};
-  bool heard_ = false;
-  std::deque<SoundMap> maps_{}; ///< in order, without overlaps
+  std::vector<Hearer> hearers_{};
   std::vector<Reader> readers_{};
 };
 

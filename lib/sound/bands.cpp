@@ -32,15 +32,19 @@ bool
 Bands::next(BandPowers &powers)
 {
   while (resampler_.take(frame_)) {
+    double sum = 0;
     for (std::size_t c = 0; c < channels_.size(); c++) {
       Channel &channel = channels_[c];
       channel.samples[static_cast<std::size_t>(Spectrum::kSize - kHop + filled_)] = frame_[c];
       channel.low.add(frame_[c]);
+      sum += static_cast<double>(frame_[c]);
     }
+    voicing_.add(sum);
     if (++filled_ < kHop)
       continue;
     filled_ = 0;
     analyze(powers);
+    powers.voicing = voicing_.take();
     return true;
   }
   return false;
@@ -124,6 +128,7 @@ Bands::reset()
   resampler_.reset();
   for (Channel &channel : channels_)
     channel = Channel();
+  voicing_.reset();
   filled_ = 0;
 }
 

@@ -6,6 +6,7 @@
 #include "sound/resampler.h"
 #include "sound/speakers.h"
 #include "sound/spectrum.h"
+#include "sound/voicing.h"
 
 #include <array>
 #include <span>
@@ -45,6 +46,7 @@ struct BandPowers
   /// How alike the front's left and right are, above 94 Hz: 1 if they differ in level only, 0 if
   /// they have nothing in common, −1 with opposite phases. 1 without two of them.
   double likeness = 1;
+  double voicing = 0; ///< how periodic the sum of all channels is, [0, 1]: see Voicing
 };
 
 /// Sound of any rate → the powers of its bands every kHopTime.
@@ -77,6 +79,7 @@ private:
 
   Resampler resampler_;
   Spectrum spectrum_;
+  Voicing voicing_;
   std::vector<Channel> channels_;
   std::vector<float> frame_;
   std::array<float, Spectrum::kBins> bin_powers_{}; ///< of all channels

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 namespace sound {
 
@@ -17,6 +18,12 @@ constexpr double kExcessFloor = 1e-7;
 constexpr double kLeastRise = 4;
 /// More than this a bin does not count, dB.
 constexpr float kRisen = 8;
+/// What of a sound is voiced has at least this voicing.
+constexpr double kVoiced = 0.8;
+/// A hop's part of half a second.
+constexpr double kForgotten = 0.01;
+/// The loudest sound is forgotten by so much a hop, dB.
+constexpr double kFadedDb = 0.05;
 
 } // namespace
 
@@ -39,7 +46,23 @@ OnsetFeatures::add(const BandPowers &powers)
     now.filled[band] = std::max(powers.filled[band], kFilledFloor);
     now.uneven[band] = powers.uneven[band];
   }
+  follow_voices(powers.voicing);
   return known_ == kHeld && compare();
+}
+
+void
+OnsetFeatures::follow_voices(double voicing)
+{
+  Hop &now = hops_[static_cast<std::size_t>(newest_)];
+  const Hop &last = hop(1);
+  now.voicing = voicing;
+  now.whole
+      = std::max(decibels(std::accumulate(now.power.begin(), now.power.end(), 0.0)), kWholeFloor);
+  now.spoken
+      = last.spoken + kForgotten * (std::clamp((voicing - 0.5) / 0.4, 0.0, 1.0) - last.spoken);
+  now.loudest = std::max({ now.whole, last.loudest - kFadedDb, kWholeFloor });
+  now.loud_voice = std::max(
+      { voicing > kVoiced ? now.whole : kWholeFloor, last.loud_voice - kFadedDb, kWholeFloor });
 }
 
 bool
@@ -90,6 +113,17 @@ OnsetFeatures::compare()
   *out++ = ratio(excess[0] + excess[1], middle);
   *out++ = ratio(excess[6] + excess[7], middle);
   *out++ = ratio(excess[0], excess[1] + excess[2]);
+  double voiced = 0;
+  for (int ago = kMoment + kGap; ago <= kMoment + kPast; ago++)
+    voiced = std::max(voiced, hop(ago).voicing);
+  const Hop &before = hop(kMoment + kGap);
+  const double whole
+      = std::max({ hop(kMoment).whole, hop(kMoment - 1).whole, hop(kMoment - 2).whole });
+  *out++ = 10 * hop(0).voicing;
+  *out++ = 10 * voiced;
+  *out++ = 10 * before.spoken;
+  *out++ = std::clamp(whole - before.loudest, -20.0, 20.0);
+  *out++ = std::clamp(whole - before.loud_voice, -20.0, 20.0);
   return true;
 }
 
@@ -128,6 +162,7 @@ void
 OnsetFeatures::reset()
 {
   known_ = 0;
+  hops_.fill({});
 }
 
 } // namespace sound

@@ -7,7 +7,7 @@
 
 namespace sound {
 
-inline constexpr int kFeatures = 41;
+inline constexpr int kFeatures = 46;
 
 /// What tells blows from voices and notes, about one moment: in dB, except those marked.
 using Features = std::array<double, kFeatures>;
@@ -36,6 +36,7 @@ private:
   static constexpr int kLongGap = 3; ///< the same for its mean
   static constexpr int kLongPast = 20;
   static constexpr int kHeld = kLongPast + kAhead + 1;
+  static constexpr double kWholeFloor = -60; ///< dB
 
   struct Hop
   {
@@ -43,11 +44,17 @@ private:
     Powers filled{}; ///< dB
     Powers uneven{}; ///< dB
     Powers power{};
+    double voicing = 0;
+    double spoken = 0;               ///< how much of the last half second was voiced
+    double whole = kWholeFloor;      ///< dB of all bands
+    double loudest = kWholeFloor;    ///< the most of that; forgotten by 10 dB a second
+    double loud_voice = kWholeFloor; ///< the same of what was voiced
     BinLevels bins{};
   };
 
   /// The hop `ago` before the newest.
   const Hop &hop(int ago) const;
+  void follow_voices(double voicing);
   bool compare();
   Powers risen_bins() const;
 

@@ -161,6 +161,7 @@ export function edits_equal_brute_force() {
     const states = [[new DenseTrack(track, LENGTH), text(track.cues)]];
     let state = 0;
     let end = 0;
+    const prints = new Map();
     for (let step = 0; step < 350; step++) {
       const [dense, cues] = states[state];
       const dice = pick(0, 10);
@@ -197,7 +198,10 @@ export function edits_equal_brute_force() {
         }
       }
       equal(text(plain), text(track.cues), `${what}: a plain copy`);
+      prints.set(text(plain).join(), track.fingerprint);
+      equal(track.fingerprint, new Track(track.rows, track.columns, plain).fingerprint, `${what}: its fingerprint`);
     }
+    equal(new Set(prints.values()).size, prints.size, `seed ${seed}: other cues, another fingerprint`);
     while (history.undo() !== null);
     equal(text(track.cues), states[0][1], `seed ${seed}: all undone`);
     while (history.redo() !== null);
@@ -289,6 +293,9 @@ export function notes_stay_with_what_is_felt() {
   equal(strokes.stretch(one, { from: 0, to: 100 }, { from: 400, to: 450 })[1].insert, [at(400, 450, [50, 0], 'a', 'b')], 'stretched');
   equal(strokes.move(one, { from: 0, to: 100, cells: [0] }, { ms: 200 }),
     [{ at: 0, remove: 2, insert: [at(200, 300, [50, 10], 'a', 'b')] }], 'over a cue without');
+  const other = new Track(1, 2, one.cues);
+  other.apply(strokes.setNotes(other, 0, ['a', 'c']));
+  holds(one.fingerprint !== other.fingerprint, 'another note, another fingerprint');
   const ten = Array.from({ length: 10 }, (_, i) => `${i}`);
   const full = new Track(1, 2, [at(0, 100, [50, 0], ...ten), at(200, 300, [0, 10], ...ten)]);
   equal(strokes.move(full, { from: 0, to: 100 }, { ms: 200 }),

@@ -84,21 +84,26 @@ export async function a_killed_page_loses_nothing() {
     first.sync.wait = () => waiting; // killed before it tries again
     first.draw(20);
     first.draw(40);
+    const notes = new Array(16).fill('x'.repeat(4096)); // so much that what follows goes on its own
+    first.history.do([{ at: 3, remove: 0, insert: Array.from({ length: 17 }, (_, i) => ({ start: 1000 + i, end: 1001 + i, levels: [i], notes })) }]);
     first.draw(60);
     await until(first.sync, 'waiting');
-    equal(first.sync.pending, 3);
+    equal(first.sync.pending, 4);
     equal(desk.cues.length, fault === 'lost' ? 1 : 2, fault);
     desk.fault = () => null;
-    const second = page(desk, { name: 'b', track: first.track });
+    // It was killed, too: it counts anew what is in its journal.
+    desk.revision = desk.cues.length + 40;
+    let second = page(desk, { name: 'b', track: first.track, cues: desk.cues });
     equal(await second.sync.recover(), { sent: 0, kept: 0 }, 'not while another page writes');
     desk.writer = 'b';
-    equal(await second.sync.recover(), { sent: 3, kept: 0 });
+    second = page(desk, { name: 'b', track: first.track, cues: desk.cues });
+    equal(await second.sync.recover(), { sent: fault === 'lost' ? 4 : 3, kept: 0 });
     equal(desk.cues, first.history.track.cues);
     equal(await second.sync.recover(), { sent: 0, kept: 0 }, 'once');
     second.sync.reload(new Track(1, 1, desk.cues), desk.revision, desk.saved);
     second.draw(80);
     await until(second.sync, 'journal');
-    equal(desk.cues.length, 5);
+    equal(desk.cues.length, 22);
   }
 }
 
@@ -118,15 +123,18 @@ export async function what_does_not_fit_is_kept() {
   equal(await sync.recover(), { sent: 0, kept: 0 }, 'its own edits are not those of a killed page');
   equal(desk.requests.length, asked, 'nothing more is sent');
   sync.reload(new Track(1, 1, [{ start: 5, end: 6, levels: [1] }]), 7, 0);
-  equal(sync.kept.map(({ revision, edits, cues }) => [revision, edits.length, cues]), [[1, 2, mine]]);
+  equal(sync.kept.map(({ edits, cues }) => [edits.length, cues]), [[2, mine]]);
   equal([history.undo(), sync.state], [null, 'journal'], 'the loaded track');
   const other = page(desk, { track });
   equal(other.sync.kept.length, 1, 'after the browser was closed, too');
   other.sync.forget(0);
   equal(sync.kept, []);
-  localStorage.setItem(`${sync.prefix}x`, JSON.stringify({ revision: 3, queue: [{ edit: 'e', splices: [], count: 4 }] }));
+  localStorage.setItem(`${sync.prefix}x`, JSON.stringify([{ edit: 'e', splices: [], count: 4, before: 'another', after: 'track' }]));
+  localStorage.setItem(`${sync.prefix}y`, '{"of": "another version"}');
+  localStorage.setItem(`${sync.prefix}z`, '[');
+  const before = desk.requests.length;
   equal(await other.sync.recover(), { sent: 0, kept: 4 }, 'a killed page whose track has changed');
-  equal([other.sync.kept.length, localStorage.getItem(`${sync.prefix}x`)], [1, null]);
+  equal([other.sync.kept.length, localStorage.getItem(`${sync.prefix}x`), desk.requests.length], [1, null, before], 'is not asked');
 }
 
 export async function another_page_writes() {

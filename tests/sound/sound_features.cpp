@@ -3,7 +3,8 @@
 // What tests/sound/train.py learns lib/sound/onset_weights.h from: a line for each moment at which
 // a blow may begin.
 //
-// Usage: sound_features SPEECH.wav ... >FEATURES.csv     (16-bit mono)
+// Usage: sound_features SEED SPEECH.wav ... >FEATURES.csv     (16-bit mono)
+// SEED: of the first sound. Those that follow are below SEED + 1000.
 // Columns: class (notes, voices), blow (its number, 0 if none is near), seconds, features
 #include "onsets.h"
 #include "speech.h"
@@ -14,6 +15,7 @@
 #include <cmath>
 #include <cstdint>
 #include <cstdio>
+#include <cstdlib>
 #include <numbers>
 #include <random>
 
@@ -23,8 +25,6 @@ using sound::SyntheticSound;
 
 namespace {
 
-/// Those of the measurement are above 1000.
-constexpr std::uint64_t kFirstSeed = 1;
 constexpr std::uint64_t kFilms = 10;
 constexpr double kSeconds = 60;
 /// From 16 kHz up the analysis is the same at any rate. Some films are at kNarrowRate.
@@ -37,6 +37,7 @@ constexpr double kNear = 0.0151;
 constexpr double kBefore = 0.04;
 constexpr double kAfter = 0.1;
 
+std::uint64_t first_seed = 0;
 int blows = 0;
 
 void
@@ -77,7 +78,7 @@ void
 notes()
 {
   for (std::uint64_t film = 0; film < kFilms; film++) {
-    SoundSettings settings{ .seed = kFirstSeed + film, .seconds = kSeconds };
+    SoundSettings settings{ .seed = first_seed + film, .seconds = kSeconds };
     const auto add = [&] {
       const int rate = film < kNarrowFilms ? kNarrowRate : kTrainRate;
       const SyntheticSound made(settings);
@@ -148,7 +149,7 @@ voice(const Speech &speech, std::uint64_t seed)
   const auto add = [&](std::span<const float> frames, std::span<const double> truth = {}) {
     write("voices", frames, speech.rate, 1, truth);
   };
-  SoundSettings settings{ .seed = kFirstSeed + seed, .seconds = seconds, .impacts = false };
+  SoundSettings settings{ .seed = first_seed + seed, .seconds = seconds, .impacts = false };
   const auto made = [&] {
     std::vector<float> frames(alone.size());
     SyntheticSound(settings).render(speech.rate, 0, sound::usual_speakers(1), frames);
@@ -181,14 +182,19 @@ voice(const Speech &speech, std::uint64_t seed)
 int
 main(int argc, char **argv)
 {
+  if (argc < 2) {
+    std::fputs("Usage: sound_features SEED SPEECH.wav ...\n", stderr);
+    return 2;
+  }
+  first_seed = std::strtoull(argv[1], nullptr, 10);
   notes();
-  for (int i = 1; i < argc; i++) {
+  for (int i = 2; i < argc; i++) {
     const Speech speech = read_speech(argv[i]);
     if (speech.samples.empty()) {
       std::fprintf(stderr, "%s: expected a WAV file with 16-bit samples\n", argv[i]);
       return 1;
     }
-    voice(speech, static_cast<std::uint64_t>(i));
+    voice(speech, static_cast<std::uint64_t>(i - 1));
   }
   return 0;
 }

@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: LGPL-2.1-or-later
-# Writes what voices of espeak-ng and flite say, a WAV file each. None of flite's were learned from.
+# Writes what voices of espeak-ng and flite and a person say, a WAV file each. None was learned from or chosen by.
+# The person's recordings are those of asterisk-core-sounds-en-g722 (tools/setup.sh).
 #
 # Usage: speech.sh FOLDER
 set -euo pipefail
@@ -17,3 +18,6 @@ done
 for voice in awb kal kal16 rms slt; do
   flite -voice $voice -t "$text" -o "$1/flite-$voice.wav" 2>/dev/null
 done
+spoken=(/usr/share/asterisk/sounds/en_US_f_Allison/{demo,conf,dir}-*.g722)
+ffmpeg -v error -f g722 -i "concat:$(IFS='|' && echo "${spoken[*]}")" -t 60 "$1/Allison.wav"
+ffmpeg -v error -i "$1/Allison.wav" -ar 8000 "$1/Allison-8kHz.wav"

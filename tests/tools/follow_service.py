@@ -6,7 +6,7 @@ logind is dbusmock's, and the chair is a vest in memory, which says what its mot
 
 Expects FOLLOW, TRACK, SERVER (haptic_server.py), SESSION (the folder of the services' files), the plugins on GST_PLUGIN_PATH, mpv, dbus-daemon,
 systemd-analyze and python3-dbusmock.
-Usage: follow_service.py [PART ...]      of drafts, embedded, library, status, activation, mpv_script, ways_out; all by default"""
+Usage: follow_service.py [PART ...]      of drafts, embedded, library, status, activation, mpv_script, kodi_addon, ways_out; all by default"""
 
 import json
 import os
@@ -19,6 +19,7 @@ import sys
 import tempfile
 import threading
 import time
+import xml.etree.ElementTree
 
 import dbus
 import dbusmock
@@ -53,7 +54,7 @@ def start_bus(environment=None):
 
 class Mpv:
     def __init__(self, film, *options):
-        self.path = str(work / "socket")
+        self.path = str(work / "mpv.sock")
         pathlib.Path(self.path).unlink(missing_ok=True)
         self.process = start("mpv", "--no-config", "--vo=null", "--ao=null", f"--input-ipc-server={self.path}", *options, str(film),
                              stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
@@ -229,7 +230,7 @@ def library():
     """By words of the name and the film's duration."""
     film = make_film("Bouncing.Balls.2012.1080p.mkv", 12, pattern=None)
     mpv = Mpv(film)
-    make_track(work / "tracks" / "balls 2012.csv", 30)  # another film's
+    make_track(work / "tracks" / "bouncing balls 2012.csv", 30)  # another film's
     make_track(work / "tracks" / "seven balls.csv", 12)
     make_track(work / "tracks" / "balls.csv", 12)
     make_track(work / "tracks" / "Bouncing Balls.csv", 12)
@@ -321,17 +322,23 @@ def activation():
     assert verified.returncode == 0 and "visuotactile" not in verified.stderr, verified
 
 
+def make_wrapper(arguments):
+    """A visuotactile-follow for PATH, which notes how it is called."""
+    wrapper = work / "bin" / "visuotactile-follow"
+    wrapper.parent.mkdir(exist_ok=True)
+    wrapper.write_text(f'#!/bin/sh\necho "$@" >>{work}/calls\nexec {FOLLOW} {arguments} 2>>{work}/log\n', encoding="utf-8")
+    wrapper.chmod(0o755)
+    (work / "calls").write_text("", encoding="utf-8")
+    return wrapper
+
+
 def mpv_script():
     """mpv's own script starts a follower, moves it by keys, and uses one that runs."""
-    bin_folder = work / "bin"
-    bin_folder.mkdir()
-    wrapper = bin_folder / "visuotactile-follow"
-    wrapper.write_text(f'#!/bin/sh\necho "$@" >>{work}/calls\nexec {FOLLOW} "$@" 2>>{work}/log\n', encoding="utf-8")
-    wrapper.chmod(0o755)
+    wrapper = make_wrapper('"$@"')
     (work / "log").write_text("", encoding="utf-8")
     film = make_film("script.mkv", 60, pattern=None)
     make_track(film.with_suffix(".csv"), 60)
-    os.environ["PATH"] = f"{bin_folder}:{os.environ['PATH']}"
+    os.environ["PATH"] = f"{wrapper.parent}:{os.environ['PATH']}"
     script = pathlib.Path(__file__).resolve().parents[2] / "examples/mpv/visuotactile.lua"
     options = f"--script-opts=visuotactile-options=--driver=bhaptics --device={vest.device}"
     remembered = work / "config/visuotactile/follow.conf"
@@ -362,6 +369,56 @@ def mpv_script():
     shutil.rmtree(film.parent)
 
 
+KODI = """import os, time
+LOGERROR = 4
+def log(text, level):
+    print(level, text, flush=True)
+class Monitor:
+    def waitForAbort(self, timeout=0):
+        end = time.monotonic() + timeout if timeout else float("inf")
+        while time.monotonic() < end and not os.path.exists(os.environ["ABORT"]):
+            time.sleep(0.01)
+        return os.path.exists(os.environ["ABORT"])
+"""
+
+
+def kodi_addon():
+    """Kodi's add-on, with a stub of Kodi's own module: it starts a follower and ends it."""
+    folder, modules, abort = pathlib.Path(__file__).resolve().parents[2] / "examples/kodi/service.visuotactile", work / "modules", work / "abort"
+    extension = xml.etree.ElementTree.parse(folder / "addon.xml").find("extension[@point='xbmc.service']")
+    modules.mkdir()
+    (modules / "xbmc.py").write_text(KODI, encoding="utf-8")
+    film = make_film("addon.mkv", 60, pattern=None)
+    make_track(film.with_suffix(".csv"), 60)
+    mpv = Mpv(film)
+    wrapper = make_wrapper(f'"$@" --mpv={mpv.path} --driver=bhaptics --device={vest.device}')
+
+    def start_addon(path):
+        return start("/usr/bin/python3", str(folder / extension.get("library")), text=True, stdout=subprocess.PIPE,
+                     env=dict(os.environ, PYTHONPATH=str(modules), PYTHONDONTWRITEBYTECODE="1", ABORT=str(abort), PATH=path))
+
+    bus = dbus.SessionBus(private=True)
+    addon = start_addon(f"{wrapper.parent}:{os.environ['PATH']}")
+    vest.wait_to_feel()
+    second = start_addon(f"{wrapper.parent}:{os.environ['PATH']}")
+    wait_until("its question", lambda: (work / "calls").read_text(encoding="utf-8").count("--status") == 2)
+    abort.touch()
+    assert addon.wait(LATEST) == 0 and second.wait(LATEST) == 0
+    assert (work / "calls").read_text(encoding="utf-8").split("\n") == ["--status", "--quiet", "--status", ""]
+    assert not bus.name_has_owner(NAME)
+    wait_until("silence", vest.is_silent)
+    abort.unlink()
+    # It is not installed, or ends.
+    missing = start_addon(str(work))
+    assert missing.wait(LATEST) == 0 and "4 visuotactile-follow cannot be started" in missing.stdout.read()
+    wrapper.write_text("#!/bin/sh\necho it is broken >&2\nexit 1\n", encoding="utf-8")
+    broken = start_addon(f"{wrapper.parent}:{os.environ['PATH']}")
+    assert broken.wait(LATEST) == 0 and "it is broken" in broken.stdout.read()
+    mpv.quit()
+    wrapper.unlink()
+    shutil.rmtree(film.parent)
+
+
 def ways_out():
     """What ends what is felt, and what brings it back."""
     logind_bus = dbus.bus.BusConnection(os.environ["DBUS_SYSTEM_BUS_ADDRESS"])
@@ -371,6 +428,7 @@ def ways_out():
     mock = dbus.Interface(logind, dbusmock.MOCK_IFACE)
     mock.AddSession("auto", "seat0", dbus.UInt32(os.getuid()), "somebody", True)
     own = logind_bus.get_object(LOGIND, "/org/freedesktop/login1/session/auto")
+    table = ["| event | until every motor is at zero |", "|---|---|"]
     inhibitors = lambda: logind.ListInhibitors(dbus_interface=f"{LOGIND}.Manager")
 
     film = make_film("ways-out.mkv", 100, pattern=None)
@@ -381,9 +439,14 @@ def ways_out():
     assert [str(part) for part in inhibitors()[0][:2]] == ["sleep", "visuotactile-follow"] and inhibitors()[0][3] == "delay", inhibitors()
     vest.wait_to_feel()
 
-    def rests(why):
+    def rests(why, say, what):
+        """Something tells it while a motor is on."""
+        vest.wait_to_feel()
+        told = time.monotonic()
+        say()
         follower.wait_for(f"nothing is felt: {why}")
         wait_until("silence", vest.is_silent)
+        table.append(f"| {what} | {1000 * (next(at for at, on in vest.lines if at > told and not on) - told):.0f} ms |")
         begin, seconds = time.monotonic(), 1.5  # longer than from pulse to pulse, by the vest's own lines
         wait_until("a pulse that is not felt", lambda: time.monotonic() > begin + seconds)
         assert not any(on for at, on in vest.lines if at > begin), f"felt while {why}"
@@ -393,22 +456,25 @@ def ways_out():
         follower.log.write_text("", encoding="utf-8")
         vest.wait_to_feel()
 
-    # The computer goes to sleep: it may when the motors are at zero.
-    logind.EmitSignal(f"{LOGIND}.Manager", "PrepareForSleep", "b", [True], dbus_interface=dbusmock.MOCK_IFACE)
-    wait_until("that it may sleep", lambda: not inhibitors())
-    assert vest.is_silent(), "it may sleep while a motor is on"
-    rests("the computer goes to sleep")
+    def sleep():
+        """The computer may when the motors are at zero."""
+        logind.EmitSignal(f"{LOGIND}.Manager", "PrepareForSleep", "b", [True], dbus_interface=dbusmock.MOCK_IFACE)
+        wait_until("that it may sleep", lambda: not inhibitors())
+        assert vest.is_silent(), "it may sleep while a motor is on"
+
+    def lock():
+        own.EmitSignal(f"{LOGIND}.Session", "Lock", "", [], dbus_interface=dbusmock.MOCK_IFACE)
+
+    rests("the computer goes to sleep", sleep, "the computer goes to sleep")
     logind.EmitSignal(f"{LOGIND}.Manager", "PrepareForSleep", "b", [False], dbus_interface=dbusmock.MOCK_IFACE)
     goes_on()
     wait_until("an inhibitor again", lambda: len(inhibitors()) == 1)
 
     # The screen is locked, and unlocked: by logind's signal and hint, or by the player that somebody starts.
-    own.EmitSignal(f"{LOGIND}.Session", "Lock", "", [], dbus_interface=dbusmock.MOCK_IFACE)
-    rests("the screen is locked")
+    rests("the screen is locked", lock, "the screen is locked (logind)")
     own.UpdateProperties(f"{LOGIND}.Session", {"LockedHint": False}, dbus_interface=dbusmock.MOCK_IFACE)
     goes_on()
-    own.EmitSignal(f"{LOGIND}.Session", "Lock", "", [], dbus_interface=dbusmock.MOCK_IFACE)
-    rests("the screen is locked")
+    rests("the screen is locked", lock, "the screen is locked again")
     begin = time.monotonic()
     while not any(on for at, on in vest.lines if at > begin):
         assert time.monotonic() < begin + LATEST, "started in vain"
@@ -420,23 +486,35 @@ def ways_out():
 
     # A screen saver.
     session_bus = dbus.SessionBus(private=True)
-    session_bus.send_message(active_changed(True))
-    rests("the screen saver is on")
+    rests("the screen saver is on", lambda: session_bus.send_message(active_changed(True)), "the screen saver is on")
     session_bus.send_message(active_changed(False))
     goes_on()
 
-    # A stopped, then a killed player.
-    mpv.process.send_signal(signal.SIGKILL)
-    follower.wait_for("is gone")
-    wait_until("silence", vest.is_silent)
+    def told(what, say):
+        vest.wait_to_feel()
+        begin = time.monotonic()
+        say()
+        wait_until("silence", lambda: any(at > begin and not on for at, on in vest.lines))
+        table.append(f"| {what} | {1000 * (next(at for at, on in vest.lines if at > begin and not on) - begin):.0f} ms |")
+
+    told("the player is killed", mpv.process.kill)
     follower.end()
+    mpv = Mpv(film)
+    follower = Follower(mpv)
+    told("visuotactile-follow is ended (SIGTERM)", follower.process.terminate)
+    assert follower.process.wait(LATEST) == 0
+    mpv.quit()
+    print(*table, sep="\n")
     # The session bus is gone. A follower of one mpv goes on, one of all players ends.
     mpv = Mpv(film)
+    anybody = start(FOLLOW, "--driver=simulator", stderr=subprocess.PIPE, text=True, env=dict(os.environ, XDG_RUNTIME_DIR=str(work)))
+    wait_until("a follower of all", lambda: session_bus.name_has_owner(NAME))
     alone = Follower(mpv)
     vest.wait_to_feel()
     session.kill()
     vest.wait_to_feel()
     alone.end()
+    assert anybody.wait(LATEST) == 1 and "the session bus is gone" in anybody.stderr.read()
     mpv.quit()
     shutil.rmtree(film.parent)
 
@@ -447,7 +525,7 @@ def active_changed(active):
     return message
 
 
-PARTS = {"drafts": drafts, "embedded": embedded, "library": library, "status": status, "activation": activation, "mpv_script": mpv_script, "ways_out": ways_out}
+PARTS = {"drafts": drafts, "embedded": embedded, "library": library, "status": status, "activation": activation, "mpv_script": mpv_script, "kodi_addon": kodi_addon, "ways_out": ways_out}
 
 
 try:

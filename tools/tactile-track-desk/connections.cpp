@@ -10,14 +10,21 @@ namespace {
 
 constexpr gint64 kNone = std::numeric_limits<gint64>::max() / 2;
 
-} // namespace
-
-Connections::Connections(SoupServer *server, guint16 port) : server_(server)
+bool
+listen(SoupServer *server, guint16 port, GError **error)
 {
   g_autoptr(GInetAddress) loopback = g_inet_address_new_loopback(G_SOCKET_FAMILY_IPV4);
   g_autoptr(GSocketAddress) address = g_inet_socket_address_new(loopback, port);
+  return soup_server_listen(server, address, static_cast<SoupServerListenOptions>(0), error)
+         != FALSE;
+}
+
+} // namespace
+
+Connections::Connections(SoupServer *server, guint16 port, guint16 usual) : server_(server)
+{
   g_autoptr(GError) error = nullptr;
-  if (!soup_server_listen(server_, address, static_cast<SoupServerListenOptions>(0), &error))
+  if (!(port == 0 && listen(server_, usual, nullptr)) && !listen(server_, port, &error))
     throw std::runtime_error("--port=" + std::to_string(port) + ": " + error->message
                              + "; give another, or none");
   GSList *addresses = soup_server_get_uris(server_);

@@ -13,8 +13,8 @@ public:
   static constexpr std::size_t kMost = 64;
   static constexpr gint64 kRequest = 30 * G_USEC_PER_SEC; ///< for a request to arrive
 
-  /// `port` 0: any. Throws std::runtime_error.
-  Connections(SoupServer *server, guint16 port);
+  /// `port` 0: `usual` if it is free, else any. Throws std::runtime_error.
+  Connections(SoupServer *server, guint16 port, guint16 usual);
   ~Connections();
   Connections(const Connections &) = delete;
   Connections &operator=(const Connections &) = delete;

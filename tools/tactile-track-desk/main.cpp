@@ -48,6 +48,15 @@ sink_line(const DeskOptions &options)
   return line;
 }
 
+/// The port of a track, above those that Linux gives away by itself. A page that was killed, or
+/// whose desk was, has edits in storage of its origin, which the next one finds at the same port.
+guint16
+usual_port(const std::string &track)
+{
+  constexpr guint kFirst = 61000;
+  return static_cast<guint16>(kFirst + g_str_hash(track.c_str()) % (65536 - kFirst));
+}
+
 /// The track beside a film: the one that is there, or the name of a new one. Subtitles of the same
 /// name are left alone.
 std::string
@@ -125,7 +134,7 @@ run(const DeskOptions &options)
                   .driver = options.driver.text("auto"),
                   .review = options.review != FALSE },
                 *session, draft);
-  const Server server(static_cast<guint16>(options.port), routes);
+  const Server server(static_cast<guint16>(options.port), usual_port(session->path()), routes);
   std::printf("%s\n", server.address().c_str());
   std::fflush(stdout);
   Browser browser;

@@ -11,7 +11,7 @@ read_desk_options(int argc, char **argv, DeskOptions &options)
     { "review", 0, 0, G_OPTION_ARG_NONE, &options.review,
       "Show draft and track side by side, to accept or reject cue by cue", nullptr },
     { "port", 0, 0, G_OPTION_ARG_INT, &options.port,
-      "Port of 127.0.0.1, 0 to 65535; 0: any (default)", "N" },
+      "Port of 127.0.0.1, 0 to 65535; 0 (default): the track's usual one, or any", "N" },
     { "no-browser", 0, 0, G_OPTION_ARG_NONE, &options.no_browser,
       "Open no browser: only print the address", nullptr },
     { "driver", 'd', 0, G_OPTION_ARG_STRING, &options.driver.value,

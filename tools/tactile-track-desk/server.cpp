@@ -51,11 +51,11 @@ watch_body(SoupServerMessage *message, goffset most)
 
 } // namespace
 
-Server::Server(guint16 port, Routes &routes)
+Server::Server(guint16 port, guint16 usual, Routes &routes)
     : routes_(routes), server_(soup_server_new("server-header", "visuotactile", nullptr))
 {
   try {
-    connections_ = std::make_unique<Connections>(server_, port);
+    connections_ = std::make_unique<Connections>(server_, port, usual);
     guard_ = std::make_unique<Guard>(connections_->port());
   } catch (...) {
     g_object_unref(server_);

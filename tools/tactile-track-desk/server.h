@@ -12,8 +12,8 @@
 class Server
 {
 public:
-  /// Throws std::runtime_error.
-  Server(guint16 port, Routes &routes);
+  /// Throws std::runtime_error. `port`, `usual`: as Connections.
+  Server(guint16 port, guint16 usual, Routes &routes);
   ~Server();
   Server(const Server &) = delete;
   Server &operator=(const Server &) = delete;

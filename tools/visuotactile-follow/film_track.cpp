@@ -4,9 +4,11 @@
 #include "map_source.h"
 
 #include <ctime>
+#include <filesystem>
 #include <stdexcept>
 #include <utility>
 
+namespace fs = std::filesystem;
 using follow::Time;
 
 namespace {
@@ -52,15 +54,16 @@ FilmTrack::open(const std::string &film)
     play(*beside);
     return;
   }
-  if (!path_.empty()) {
+  std::error_code error;
+  if (fs::is_regular_file(path_, error)) { // opening others may wait for ever
     try {
       probe_ = std::make_unique<FilmProbe>(uri_of(path_));
       return;
-    } catch (const std::runtime_error &error) {
-      complaint_ = error.what();
+    } catch (const std::runtime_error &failure) {
+      complaint_ = failure.what();
     }
   }
-  file_ = { .complaint = "it is not on this computer" };
+  file_ = { .complaint = "it is no file on this computer" };
   look_in_folder();
 }
 

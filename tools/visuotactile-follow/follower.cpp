@@ -2,6 +2,7 @@
 #include "follower.h"
 
 #include "film/command_line.h"
+#include "follow/players/kodi_player.h"
 #include "follow/players/mpris_player.h"
 #include "follow/players/mpv_player.h"
 
@@ -19,11 +20,12 @@ using follow::Report;
 
 namespace {
 
-constexpr guint kTick = 20;         ///< ms
-constexpr guint kLookForMpv = 1000; ///< ms
-constexpr guint kListing = 1000;    ///< ms until all have answered
+constexpr guint kTick = 20;        ///< ms
+constexpr guint kLookEvery = 1000; ///< ms
+constexpr guint kListing = 1000;   ///< ms until all have answered
 constexpr std::size_t kMostPlayers = 16;
 constexpr const char *kMpv = "mpv";
+constexpr const char *kKodi = "kodi";
 constexpr double kNudge = 10; ///< ms, by a signal
 
 const char *
@@ -79,18 +81,26 @@ Follower::Follower(const FollowSettings &settings)
         bus_, "closed", G_CALLBACK(+[](Follower *self) { self->fail("the session bus is gone"); }),
         this);
     names_ = std::make_unique<follow::MprisBus>(
-        bus_,
+        bus_, settings_.mpris,
         follow::MprisBus::Events{ .appeared = [this](const std::string &name) { appeared(name); },
                                   .vanished =
                                       [this](const std::string &name) {
                                         gone(name, "it has left the bus");
                                       } });
   }
-  look_for_mpv();
+  if (!settings_.kodi.empty())
+    kodi_ = std::make_unique<follow::KodiSearch>(
+        settings_.kodi,
+        follow::KodiSearch::Events{ .found = [this](auto *connection) { found_kodi(connection); },
+                                    .missed =
+                                        [this](const std::string &why, bool is_other) {
+                                          missed_kodi(why, is_other);
+                                        } });
+  look_for_players();
   sources_.push_back(g_timeout_add(
-      kLookForMpv,
+      kLookEvery,
       +[](gpointer self) -> gboolean {
-        static_cast<Follower *>(self)->look_for_mpv();
+        static_cast<Follower *>(self)->look_for_players();
         return G_SOURCE_CONTINUE;
       },
       this));
@@ -118,6 +128,7 @@ Follower::~Follower()
     g_source_remove(source);
   players_.clear();
   names_.reset();
+  kodi_.reset();
   service_.reset();
   session_.reset();
   if (bus_ != nullptr) {
@@ -173,6 +184,32 @@ Follower::list()
 }
 
 void
+Follower::look_for_players()
+{
+  look_for_mpv();
+  if (kodi_ && looks_for_kodi_ && !players_.contains(kKodi))
+    kodi_->look();
+}
+
+void
+Follower::found_kodi(GSocketConnection *connection)
+{
+  add(kKodi, follow::open_kodi(connection, events_of(kKodi)));
+}
+
+void
+Follower::missed_kodi(const std::string &why, bool is_other)
+{
+  if (!settings_.insists_on_kodi) {
+    looks_for_kodi_ = !is_other; // who is left alone
+    return;
+  }
+  if (!std::exchange(told_of_kodi_, true))
+    tell("cannot reach Kodi at '" + settings_.kodi + "': " + why
+         + "; is 'Allow remote control' switched on in its settings? It is waited for.");
+}
+
+void
 Follower::look_for_mpv()
 {
   if (settings_.mpv_socket.empty() || players_.contains(kMpv))
@@ -187,8 +224,6 @@ Follower::look_for_mpv()
 void
 Follower::appeared(const std::string &bus_name)
 {
-  if (!settings_.mpris.empty() && bus_name != follow::kMprisPrefix + settings_.mpris)
-    return;
   const auto known = players_.find(bus_name);
   if (known != players_.end() && known->second.is_gone)
     returned_.push_back(bus_name);

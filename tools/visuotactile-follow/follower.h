@@ -7,6 +7,7 @@
 #include "player_offsets.h"
 #include "session_watch.h"
 
+#include "follow/players/kodi_player.h"
 #include "follow/players/mpris_bus.h"
 #include "follow/players/player.h"
 #include "follow/position_estimator.h"
@@ -18,8 +19,10 @@
 
 struct FollowSettings
 {
-  std::string mpv_socket;      ///< empty: none
-  bool insists_on_mpv = false; ///< say so when nobody is there
+  std::string mpv_socket;       ///< empty: none
+  bool insists_on_mpv = false;  ///< say so when nobody is there
+  std::string kodi;             ///< HOST[:PORT]; empty: none
+  bool insists_on_kodi = false; ///< likewise
   bool uses_bus = true;
   std::string mpris; ///< only the player of that name; empty: any
   FilmTrack::Settings track{};
@@ -55,7 +58,10 @@ private:
     bool is_gone = false;
   };
 
+  void look_for_players();
   void look_for_mpv();
+  void found_kodi(GSocketConnection *connection);
+  void missed_kodi(const std::string &why, bool is_other);
   void appeared(const std::string &bus_name);
   follow::PlayerEvents events_of(const std::string &key);
   void add(const std::string &key, std::unique_ptr<follow::Player> player);
@@ -79,6 +85,7 @@ private:
   GMainLoop *loop_;
   GDBusConnection *bus_ = nullptr;
   std::unique_ptr<follow::MprisBus> names_;
+  std::unique_ptr<follow::KodiSearch> kodi_;
   std::unique_ptr<FollowService> service_;
   std::unique_ptr<SessionWatch> session_;
   PlayerOffsets offsets_;
@@ -95,5 +102,7 @@ private:
   std::vector<guint> sources_;
   std::vector<std::string> returned_; ///< names of players that came back before they were removed
   bool told_of_mpv_ = false;
+  bool told_of_kodi_ = false;
+  bool looks_for_kodi_ = true;
   bool lists_ = false; ///< the players, and follows none
 };

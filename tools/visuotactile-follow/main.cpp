@@ -4,8 +4,8 @@
 #include "follower.h"
 
 #include "film/command_line.h"
+#include "film/known_driver.h"
 #include "film/sound.h"
-#include "tactor/drivers/registry.h"
 
 #include <gst/gst.h>
 
@@ -23,6 +23,7 @@ struct Options
 {
   TextOption mpv{};
   TextOption mpris{};
+  TextOption kodi{};
   TextOption tracks{};
   TextOption driver{ "auto" };
   TextOption device{};
@@ -51,6 +52,8 @@ read_command_line(int argc, char **argv, Options &options)
       "SOCKET" },
     { "mpris", 0, 0, G_OPTION_ARG_STRING, &options.mpris.value,
       "Follow this player on the session bus, as --list-players prints it", "NAME" },
+    { "kodi", 0, 0, G_OPTION_ARG_STRING, &options.kodi.value,
+      "Follow Kodi at its JSON-RPC, such as localhost (default port: 9090)", "HOST[:PORT]" },
     { "tracks", 't', 0, G_OPTION_ARG_FILENAME, &options.tracks.value,
       "Folder of tracks for films that have none beside them", "DIR" },
     { "once", 0, 0, G_OPTION_ARG_NONE, &options.once, "End when a player that was there is gone",
@@ -89,9 +92,9 @@ read_command_line(int argc, char **argv, Options &options)
       argc, argv, entries, options.common,
       { .arguments = "",
         .summary = "Plays the track of a film on the chair, in sync with the film that another\n"
-                   "program plays: mpv, VLC, a browser and others that tell where they are, by\n"
-                   "mpv's socket or by MPRIS on the session bus. Without --mpv and --mpris any\n"
-                   "player is followed that plays.\n\n"
+                   "program plays: mpv, Kodi, VLC, a browser and others that tell where they\n"
+                   "are, by mpv's socket, Kodi's JSON-RPC or MPRIS on the session bus. Without\n"
+                   "--mpv, --kodi and --mpris any player is followed that plays.\n\n"
                    "The track of FILM.mkv is FILM.vtt (or .tactile.vtt, .csv, .hjif, .sem.xml)\n"
                    "beside it, in its file, or in the folder of --tracks; tactile-track makes it.\n"
                    "Of other films on this computer a draft is made while they play.\n\n"
@@ -108,14 +111,7 @@ read_command_line(int argc, char **argv, Options &options)
     throw UsageError("--offset is a number of ms from -5000 to 5000");
   if (!(std::abs(options.nudge) <= kMostOffset))
     throw UsageError("--nudge is a number of ms from -5000 to 5000");
-  std::string drivers;
-  bool known = false;
-  for (const tactor::DriverInfo &driver : tactor::drivers()) {
-    known = known || driver.name == options.driver.text();
-    drivers += (drivers.empty() ? "" : ", ") + std::string(driver.name);
-  }
-  if (!known)
-    throw UsageError("--driver is one of " + drivers);
+  expect_driver(options.driver.text());
 }
 
 std::string
@@ -141,6 +137,14 @@ usual_socket()
 {
   g_autofree gchar *path = g_build_filename(g_get_user_runtime_dir(), "mpv.sock", nullptr);
   return path;
+}
+
+/// Kodi on this computer, if the user has it. Nobody else is disturbed.
+std::string
+usual_kodi()
+{
+  g_autofree gchar *folder = g_build_filename(g_get_home_dir(), ".kodi", nullptr);
+  return g_file_test(folder, G_FILE_TEST_IS_DIR) ? "localhost" : "";
 }
 
 void
@@ -172,10 +176,12 @@ run(const Options &options)
     print_status();
   if (options.nudge != 0 || options.status)
     return;
-  const bool any = !options.mpv.is_set() && !options.mpris.is_set();
+  const bool any = !options.mpv.is_set() && !options.kodi.is_set() && !options.mpris.is_set();
   Follower follower(
       { .mpv_socket = options.mpv.text(any ? usual_socket().c_str() : ""),
         .insists_on_mpv = options.mpv.is_set(),
+        .kodi = options.kodi.text(any ? usual_kodi().c_str() : ""),
+        .insists_on_kodi = options.kodi.is_set(),
         .uses_bus = any || options.mpris.is_set(),
         .mpris = options.mpris.text(),
         .track = { .folder = options.tracks.text(),

@@ -21,7 +21,7 @@ namespace {
 
 /// Frames or cues that wait to be taken: the rest of the pipeline waits with them.
 constexpr guint kMostWaiting = 16;
-constexpr int kNice = 10; ///< of decoders
+constexpr int kNice = 5; ///< of decoders
 
 /// Lasts a cue that does not say so, as in tactileconverter.
 constexpr Time kDefaultDuration = std::chrono::seconds(1);

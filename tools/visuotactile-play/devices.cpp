@@ -34,19 +34,6 @@ shell_word(const std::string &text)
 
 } // namespace
 
-void
-check(const ChosenDevice &chosen)
-{
-  std::string known;
-  for (const tactor::DriverInfo &driver : tactor::drivers()) {
-    if (driver.name == chosen.driver)
-      return;
-    known += std::string(driver.name) + ", ";
-  }
-  if (chosen.driver != kAudio)
-    throw UsageError("--driver is one of " + known + kAudio + ", got '" + chosen.driver + "'");
-}
-
 std::string
 sink_line(const ChosenDevice &chosen)
 {

@@ -21,9 +21,6 @@ struct ChosenDevice
   }
 };
 
-/// Throws UsageError if there is no such driver.
-void check(const ChosenDevice &chosen);
-
 /// The sink as on a launch line. Throws std::runtime_error if there is no such sound card.
 std::string sink_line(const ChosenDevice &chosen);
 

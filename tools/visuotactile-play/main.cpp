@@ -7,6 +7,7 @@
 
 #include "film/command_line.h"
 #include "film/film.h"
+#include "film/known_driver.h"
 #include "film/motor_walk.h"
 #include "film/output.h"
 #include "film/sound.h"
@@ -173,7 +174,7 @@ read_command_line(int argc, char **argv, Options &options)
   if (!is_one_of(options.compensation, { "exact", "frame-block", "none" }))
     throw UsageError("--compensation is exact, frame-block or none");
   sound_profile(options.sound.text());
-  check(chosen_device(options));
+  expect_driver(chosen_device(options).driver, kAudio);
   if (options.driver.text() == kAudio && options.compensation.text() != "exact")
     throw UsageError("--compensation is of tactorsink; with --driver=audio it is always exact");
   if (options.feel_test && !options.films.empty())

@@ -4,14 +4,15 @@
 #include <gio/gio.h>
 
 #include <functional>
+#include <map>
 #include <string>
 
 namespace follow {
 
 inline constexpr const char *kMprisPrefix = "org.mpris.MediaPlayer2.";
 
-/// Players as they come to the session bus and leave it. Calls back in the main context in which it
-/// was made.
+/// Players as they come to the session bus and leave it. One that has several names, as VLC has, is
+/// told by the first of them that is wanted. Calls back in the main context in which it was made.
 class MprisBus
 {
 public:
@@ -21,21 +22,28 @@ public:
     std::function<void(const std::string &bus_name)> vanished;
   };
 
-  MprisBus(GDBusConnection *bus, Events events);
+  /// `wanted`: only the player of that name; empty: all.
+  MprisBus(GDBusConnection *bus, const std::string &wanted, Events events);
   ~MprisBus();
   MprisBus(const MprisBus &) = delete;
   MprisBus &operator=(const MprisBus &) = delete;
 
 private:
+  bool is_wanted(const std::string &name) const;
+  void ask_for_owner(const std::string &name);
+  void has_owner(const std::string &name, const std::string &owner);
   static void on_owner(GDBusConnection *bus, const gchar *sender, const gchar *path,
                        const gchar *interface, const gchar *signal, GVariant *parameters,
                        gpointer data);
   static void on_names(GObject *bus, GAsyncResult *result, gpointer data);
+  static void on_name_owner(GObject *bus, GAsyncResult *result, gpointer data);
 
+  const std::string wanted_; ///< with its prefix; empty: all
   const Events events_;
   GDBusConnection *bus_;
   GCancellable *canceled_;
   guint subscription_;
+  std::map<std::string, std::string> told_; ///< a player's unique name, by the name it was told by
 };
 
 } // namespace follow

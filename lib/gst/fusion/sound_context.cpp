@@ -35,6 +35,40 @@ known_to(GstElement *element)
                                                     : nullptr;
 }
 
+/// One per process, held while pipelines are asked and told: of two elements that ask at once, one
+/// finds what the other made. Plugins stay loaded, and each has this code.
+class Turn
+{
+public:
+  Turn()
+  {
+    g_rec_mutex_lock(mutex());
+  }
+  ~Turn()
+  {
+    g_rec_mutex_unlock(mutex());
+  }
+  Turn(const Turn &) = delete;
+  Turn &operator=(const Turn &) = delete;
+
+private:
+  static GRecMutex *mutex()
+  {
+    static GRecMutex *const mutex = [] {
+      const GQuark name = g_quark_from_static_string("visuotactile.sound-maps");
+      auto *registry = G_OBJECT(gst_registry_get()); // lives as long as the process
+      auto *made = g_new(GRecMutex, 1);
+      g_rec_mutex_init(made);
+      if (g_object_replace_qdata(registry, name, nullptr, made, nullptr, nullptr))
+        return made;
+      g_rec_mutex_clear(made);
+      g_free(made);
+      return static_cast<GRecMutex *>(g_object_get_qdata(registry, name));
+    }();
+    return mutex;
+  }
+};
+
 /// The pipeline, or what is in place of it. Transfer full.
 GstElement *
 topmost(GstElement *element)
@@ -52,6 +86,7 @@ topmost(GstElement *element)
 Maps
 sound_maps_of(GstElement *element)
 {
+  const Turn turn;
   if (Maps known = known_to(element))
     return known;
   g_autoptr(GstElement) top = topmost(element);

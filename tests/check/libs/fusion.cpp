@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "fusion/fusion.h"
 
+#include <algorithm>
 #include <initializer_list>
 #include <set>
 #include <string>
@@ -101,12 +102,14 @@ GST_START_TEST(test_sound_maps)
 {
   SoundMaps maps;
   const auto add = [&](int begin, int end, float level) {
-    maps.add(
-        { std::chrono::milliseconds(begin), std::chrono::milliseconds(end), map_of({ level }) });
+    maps.add(&maps, { std::chrono::milliseconds(begin), std::chrono::milliseconds(end),
+                      map_of({ level }) });
   };
   fail_if(maps.is_heard());
-  maps.hear(true);
-  fail_unless(maps.is_heard());
+  add(0, 10, 1);
+  fail_unless(maps.between(0ms, 100ms).empty()); // of nobody who hears
+  fail_unless(maps.hear(&maps, true));
+  fail_unless(maps.is_heard() && !maps.hear(&maps, true));
   add(0, 10, 1);
   add(10, 20, 0); // silent
   add(20, 30, 0.5F);
@@ -117,15 +120,40 @@ GST_START_TEST(test_sound_maps)
   add(5, 8, 0.25F);
   const auto now = maps.between(0ms, 100ms);
   fail_unless(now.size() == 2 && now[0].end == 5ms && now[1].map == map_of({ 0.25F }));
-  maps.forget();
+  maps.forget(&maps);
   fail_unless(maps.between(0ms, 100ms).empty() && maps.is_heard());
   // Bounded: the oldest go.
   for (int i = 0; i < 2000; i++)
     add(i, i + 1, 1);
   ck_assert_uint_eq(maps.between(0ms, 2000ms).size(), SoundMaps::kMost);
   fail_unless(maps.between(1999ms, 2000ms).size() == 1);
-  maps.hear(false);
+  fail_unless(maps.hear(&maps, false));
   fail_unless(maps.between(0ms, 2000ms).empty());
+}
+GST_END_TEST;
+
+// Of two that hear, none speaks for the other.
+GST_START_TEST(test_two_sounds)
+{
+  SoundMaps maps;
+  const int who[2] = {};
+  fail_unless(maps.hear(&who[0], true) && !maps.hear(&who[1], true));
+  maps.add(&who[0], { 0ms, 20ms, map_of({ 0.5F, 0.25F }) });
+  maps.add(&who[1], { 10ms, 30ms, map_of({ 0.25F, 0.75F }) });
+  maps.add(&who[1], { 40ms, 50ms, map_of({ 1, 0 }) });
+  const auto both = maps.between(0ms, 100ms);
+  const SoundMap expected[] = { { 0ms, 10ms, map_of({ 0.5F, 0.25F }) },
+                                { 10ms, 20ms, map_of({ 0.5F, 0.75F }) },
+                                { 20ms, 30ms, map_of({ 0.25F, 0.75F }) },
+                                { 40ms, 50ms, map_of({ 1, 0 }) } };
+  fail_unless(std::ranges::equal(both, expected, [](const SoundMap &a, const SoundMap &b) {
+    return a.begin == b.begin && a.end == b.end && a.map == b.map;
+  }));
+  maps.forget(&who[0]);
+  ck_assert_uint_eq(maps.between(0ms, 100ms).size(), 2);
+  fail_if(maps.hear(&who[1], false));
+  fail_unless(maps.is_heard() && maps.between(0ms, 100ms).empty());
+  fail_unless(maps.hear(&who[0], false) && !maps.is_heard());
 }
 GST_END_TEST;
 
@@ -165,6 +193,7 @@ fusion_suite(void)
   tcase_add_test(cases, test_one_place);
   tcase_add_test(cases, test_pieces);
   tcase_add_test(cases, test_sound_maps);
+  tcase_add_test(cases, test_two_sounds);
   tcase_add_test(cases, test_wanted);
   return suite;
 }

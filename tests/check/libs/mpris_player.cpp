@@ -63,10 +63,25 @@ public:
   Stage(const Stage &) = delete;
   Stage &operator=(const Stage &) = delete;
 
+  Connection connect() const
+  {
+    GDBusConnection *connection = g_dbus_connection_new_for_address_sync(
+        g_test_dbus_get_bus_address(bus_),
+        static_cast<GDBusConnectionFlags>(G_DBUS_CONNECTION_FLAGS_AUTHENTICATION_CLIENT
+                                          | G_DBUS_CONNECTION_FLAGS_MESSAGE_BUS_CONNECTION),
+        nullptr, nullptr, nullptr);
+    fail_unless(connection != nullptr);
+    return Connection(connection);
+  }
+
   void own(const char *name) const
   {
+    own(name, theirs.get());
+  }
+  static void own(const char *name, GDBusConnection *connection)
+  {
     g_autoptr(GVariant) answer = g_dbus_connection_call_sync(
-        theirs.get(), "org.freedesktop.DBus", "/org/freedesktop/DBus", "org.freedesktop.DBus",
+        connection, "org.freedesktop.DBus", "/org/freedesktop/DBus", "org.freedesktop.DBus",
         "RequestName", g_variant_new("(su)", name, 0U), nullptr, G_DBUS_CALL_FLAGS_NONE, -1,
         nullptr, nullptr);
     fail_unless(answer != nullptr);
@@ -111,17 +126,6 @@ public:
   double rate = 1;
 
 private:
-  Connection connect() const
-  {
-    GDBusConnection *connection = g_dbus_connection_new_for_address_sync(
-        g_test_dbus_get_bus_address(bus_),
-        static_cast<GDBusConnectionFlags>(G_DBUS_CONNECTION_FLAGS_AUTHENTICATION_CLIENT
-                                          | G_DBUS_CONNECTION_FLAGS_MESSAGE_BUS_CONNECTION),
-        nullptr, nullptr, nullptr);
-    fail_unless(connection != nullptr);
-    return Connection(connection);
-  }
-
   void emit(const char *interface, const char *signal, GVariant *arguments) const
   {
     fail_unless(g_dbus_connection_emit_signal(theirs.get(), nullptr, "/org/mpris/MediaPlayer2",
@@ -235,7 +239,7 @@ GST_START_TEST(test_bus)
   stage.own(kName);
   stage.own("org.example.no_player");
   std::vector<std::string> told;
-  MprisBus names(stage.ours.get(),
+  MprisBus names(stage.ours.get(), "",
                  { .appeared = [&](const std::string &name) { told.push_back("+" + name); },
                    .vanished =
                        [&](const std::string &name) {
@@ -246,13 +250,58 @@ GST_START_TEST(test_bus)
       g_main_context_iteration(nullptr, TRUE);
   };
   wait_for(std::string("+") + kName);
-  stage.own("org.mpris.MediaPlayer2.other");
+  const Connection others = stage.connect();
+  Stage::own("org.mpris.MediaPlayer2.other", others.get());
   wait_for("+org.mpris.MediaPlayer2.other");
   fail_unless(g_dbus_connection_close_sync(stage.theirs.get(), nullptr, nullptr));
+  fail_unless(g_dbus_connection_close_sync(others.get(), nullptr, nullptr));
   wait_for(std::string("-") + kName);
   wait_for("-org.mpris.MediaPlayer2.other");
   for (const std::string &name : told)
     fail_if(name.find("no_player") != std::string::npos);
+}
+GST_END_TEST;
+
+/// VLC has two names. It is one player, by the name that is wanted.
+GST_START_TEST(test_two_names)
+{
+  constexpr const char *kSecond = "org.mpris.MediaPlayer2.fake.instance7";
+  Stage stage;
+  std::vector<std::string> all;
+  std::vector<std::string> second;
+  const auto telling = [](std::vector<std::string> &told) {
+    return MprisBus::Events{ .appeared
+                             = [&](const std::string &name) { told.push_back("+" + name); },
+                             .vanished =
+                                 [&](const std::string &name) {
+                                   told.push_back("-" + name);
+                                 } };
+  };
+  const auto wait_for = [](const std::vector<std::string> &told, const std::string &what) {
+    while (std::ranges::find(told, what) == told.end())
+      g_main_context_iteration(nullptr, TRUE);
+  };
+  const std::string first_came = std::string("+") + kName;
+  const std::string first_went = std::string("-") + kName;
+  // It comes while somebody looks, and is there when somebody begins to look.
+  const MprisBus names(stage.ours.get(), "", telling(all));
+  const MprisBus one(stage.ours.get(), "fake.instance7", telling(second));
+  stage.own(kName);
+  stage.own(kSecond);
+  wait_for(second, std::string("+") + kSecond);
+  ck_assert(all == std::vector{ first_came });
+  std::vector<std::string> later;
+  {
+    const MprisBus late(stage.ours.get(), "", telling(later));
+    wait_for(later, first_came);
+    fail_unless(g_dbus_connection_close_sync(stage.theirs.get(), nullptr, nullptr));
+    wait_for(later, first_went);
+    wait_for(all, first_went);
+    wait_for(second, std::string("-") + kSecond);
+  }
+  ck_assert((all == std::vector{ first_came, first_went }));
+  ck_assert((later == std::vector{ first_came, first_went }));
+  ck_assert_int_eq(static_cast<int>(second.size()), 2);
 }
 GST_END_TEST;
 
@@ -267,6 +316,7 @@ mpris_player_suite(void)
   tcase_add_test(tcase, test_seek);
   tcase_add_test(tcase, test_nonsense);
   tcase_add_test(tcase, test_bus);
+  tcase_add_test(tcase, test_two_names);
   return suite;
 }
 

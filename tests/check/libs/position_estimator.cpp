@@ -109,7 +109,7 @@ GST_START_TEST(test_two_hours)
   {
     Telling telling;
     double p95; ///< ms
-  } kinds[] = { { told_by_frame(), 1 },
+  } kinds[] = { { told_by_frame(), 1.5 },
                 { told_when_asked(250ms), 1 },
                 { told_when_asked(1s), 2 },
                 { told_in_seconds(), 35 } };

@@ -3,11 +3,12 @@
  * Sends edits to the desk in order, one request at a time. Edits that are made meanwhile wait and go
  * together. Each is in the browser's storage until the desk has it on its disk, so that a killed page
  * loses nothing; an edit that is sent again, because its answer was lost, keeps its name, by which the
- * desk knows it.
+ * desk knows it. With each is the fingerprint of the track before and after it, by which another page
+ * knows whether it fits, as a desk that was started anew counts its revisions anew.
  *
  * @import {History} from './history.js'
  * @import {Track, Splice} from './track.js'
- * @typedef {{when: string, revision: number, edits: Splice[][], cues?: object[], text: string}} Kept
+ * @typedef {{when: string, text: string, edits: Splice[][], cues?: object[]}} Kept
  *   what could not be sent, and the track with it
  */
 
@@ -37,12 +38,16 @@ export class Sync extends EventTarget {
     super();
     Object.assign(this, { history, page, send, revision, saved, storage, wait });
     this.prefix = `visuotactile-desk ${name} `;
+    this.#print = history.track.fingerprint;
     history.addEventListener('change', ({ detail }) => {
-      if (detail.splices.length > 0) this.#add(detail.splices);
+      const before = this.#print;
+      this.#print = history.track.fingerprint;
+      if (detail.splices.length > 0) this.#add(detail.splices, before, this.#print);
     });
   }
 
-  #queue = []; // {edit, splices, count}
+  #queue = []; // {edit, splices, count, size, before, after}
+  #print; // of the track
   #problem = null; // {state, text} while edits cannot be sent
   #sending = null; // the promise of a request in progress
   #wake = null;
@@ -79,16 +84,17 @@ export class Sync extends EventTarget {
     this.dispatchEvent(new Event('state'));
   }
 
-  #add(splices) {
+  #add(splices, before, after) {
     const last = this.#queue.at(-1);
     // The first may be on its way, and keeps what it has.
     if (this.#queue.length > 1 && last.size < MOST) {
       last.splices.push(...splices);
       last.count++;
       last.size += JSON.stringify(splices).length;
+      last.after = after;
     } else {
       const size = JSON.stringify(splices).length;
-      this.#queue.push({ edit: newName(), splices: splices.slice(), count: 1, size });
+      this.#queue.push({ edit: newName(), splices: splices.slice(), count: 1, size, before, after });
     }
     this.#store();
     this.#tell();
@@ -99,7 +105,7 @@ export class Sync extends EventTarget {
     const key = this.prefix + this.page;
     try {
       if (this.#queue.length === 0) this.storage.removeItem(key);
-      else this.storage.setItem(key, JSON.stringify({ revision: this.revision, queue: this.#queue }));
+      else this.storage.setItem(key, JSON.stringify(this.#queue));
       this.#unstored = false;
     } catch {
       this.#unstored = true;
@@ -181,7 +187,7 @@ export class Sync extends EventTarget {
   /** After 'conflict' or 'refused': this track instead. What was not sent is in `kept`. */
   reload(track, revision, saved) {
     if (this.#queue.length > 0) {
-      this.#keep({ revision: this.revision, queue: this.#queue, text: this.text }, this.history.track.cues);
+      this.#keep(this.#queue, this.text, this.history.track.cues);
     }
     this.#queue = [];
     this.#problem = null;
@@ -192,30 +198,34 @@ export class Sync extends EventTarget {
   }
 
   /**
-   * Sends what pages that were killed had not sent. For the start, once this page may write. If
-   * anything was sent, the track has to be loaded again, by reload(). What does not fit is kept.
+   * Sends what pages that were killed had not sent. For the start, with the track as it was loaded and
+   * once this page may write. If anything was sent, the track has to be loaded again, by reload().
+   * What does not fit the track is kept.
    * @returns {Promise<{sent: number, kept: number}>} numbers of edits
    */
   async recover() {
     const found = { sent: 0, kept: 0 };
+    let print = this.history.track.fingerprint;
     for (const key of this.#keys()) {
-      const { revision, queue } = JSON.parse(this.storage.getItem(key));
-      let at = revision;
+      const queue = this.#stored(key);
+      // Its answer was lost.
+      if (queue[0]?.after === print && queue[0].before !== print) queue.shift();
       while (queue.length > 0) {
-        const { edit, splices, count } = queue[0];
-        const answer = await this.#answer('edits', { edit, revision: at, splices });
-        const problem = this.#problemOf(answer)?.state;
-        if (problem === 'reader' || problem === 'waiting') return found; // all is still stored
-        if (answer.status !== 200) {
-          const left = queue.reduce((sum, one) => sum + one.count, 0);
-          this.#keep({ revision: at, queue, text: answer.body?.error ?? `status ${answer.status}` });
-          found.kept += left;
+        const { edit, splices, count, before, after } = queue[0];
+        const answer = before !== print ? { status: 409, body: { error: 'the track has changed since' } }
+          : await this.#answer('edits', { edit, revision: this.revision, splices });
+        const problem = this.#problemOf(answer);
+        if (problem?.state === 'reader' || problem?.state === 'waiting') return found; // all is still stored
+        if (problem) {
+          this.#keep(queue, problem.error);
+          found.kept += queue.reduce((sum, one) => sum + one.count, 0);
           break;
         }
-        at = answer.body.revision;
+        ({ revision: this.revision, saved: this.saved } = answer.body);
+        print = after;
         found.sent += count;
         queue.shift();
-        this.storage.setItem(key, JSON.stringify({ revision: at, queue }));
+        if (queue.length > 0) this.storage.setItem(key, JSON.stringify(queue));
       }
       this.storage.removeItem(key);
     }
@@ -232,11 +242,21 @@ export class Sync extends EventTarget {
 
   /** @returns {Kept[]} edits that could not be sent, for a download */
   get kept() {
-    return JSON.parse(this.storage.getItem(`${this.prefix}kept`) ?? '[]');
+    return this.#stored(`${this.prefix}kept`);
   }
 
-  #keep({ revision, queue, text }, cues) {
-    const one = { when: new Date().toISOString(), revision, text,
+  /** A list; empty if it is not there, or not one of this version. */
+  #stored(key) {
+    try {
+      const list = JSON.parse(this.storage.getItem(key));
+      return Array.isArray(list) ? list : [];
+    } catch {
+      return [];
+    }
+  }
+
+  #keep(queue, text, cues) {
+    const one = { when: new Date().toISOString(), text,
       edits: queue.map(({ splices }) => splices) };
     for (const entry of cues ? [{ ...one, cues }, one] : [one]) {
       try {

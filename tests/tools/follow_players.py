@@ -1,0 +1,239 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
+"""Real players, without sound: each plays, pauses, seeks and changes its rate at once when it is told to, and says when it was told.
+
+Root starts them as nobody, since VLC does not run as root, on a session bus of their own."""
+
+import json
+import os
+import signal
+import socket
+import subprocess
+import sys
+import time
+
+import gi
+
+gi.require_version("Gio", "2.0")
+from gi.repository import Gio, GLib  # noqa: E402
+
+signal.signal(signal.SIGTERM, lambda *_: sys.exit("ended by SIGTERM"))  # so that the players are ended, too
+NOBODY = {"user": 65534, "group": 65534, "extra_groups": []} if os.geteuid() == 0 else {}
+BUS = """<busconfig><type>session</type><listen>unix:tmpdir=/tmp</listen><auth>EXTERNAL</auth>
+<policy context="default"><allow user="*"/><allow own="*"/><allow send_destination="*" eavesdrop="true"/><allow eavesdrop="true"/></policy></busconfig>"""
+
+
+LATEST = 60  # s: until something that has to happen has failed to
+
+
+def wait_until(what, is_true, latest=LATEST):
+    end = time.monotonic() + latest
+    while not is_true():
+        assert time.monotonic() < end, f"waited {latest} s in vain for {what}"
+        time.sleep(0.005)
+
+
+class Bus:
+    def __init__(self, folder):
+        config = folder / "bus.conf"
+        config.write_text(BUS, encoding="utf-8")
+        self.process = subprocess.Popen(["dbus-daemon", f"--config-file={config}", "--nofork", "--print-address"], stdout=subprocess.PIPE, text=True)
+        self.address = self.process.stdout.readline().strip()
+
+    def stop(self):
+        self.process.kill()
+        self.process.wait()
+
+    def connection(self):
+        flags = Gio.DBusConnectionFlags
+        return Gio.DBusConnection.new_for_address_sync(self.address, flags.AUTHENTICATION_CLIENT | flags.MESSAGE_BUS_CONNECTION, None, None)
+
+
+class Player:
+    """`how` are the options that make visuotactile-follow follow it, `name` is what it calls it."""
+
+    def __init__(self, words, stage, **environment):
+        home = stage.folder / self.kind
+        home.mkdir(exist_ok=True)
+        if NOBODY:
+            os.chown(home, NOBODY["user"], NOBODY["group"])
+        self.home = home
+        self.prepare(stage)
+        env = dict(os.environ, HOME=str(home), XDG_RUNTIME_DIR=str(home), DISPLAY=stage.screen.name,
+                   DBUS_SESSION_BUS_ADDRESS=stage.bus.address, **environment)
+        for name in ("XDG_CONFIG_HOME", "XDG_CACHE_HOME", "XDG_DATA_HOME", "WAYLAND_DISPLAY", "PULSE_SERVER"):
+            env.pop(name, None)
+        self.said = open(stage.folder / f"{self.kind}.log", "ab")
+        self.process = subprocess.Popen(words, env=env, cwd=home, stdin=subprocess.DEVNULL, stdout=self.said, stderr=subprocess.STDOUT,
+                                        start_new_session=True, **NOBODY)
+
+    def prepare(self, stage):
+        pass
+
+    def is_alive(self):
+        return self.process.poll() is None
+
+    def hang(self):
+        os.killpg(self.process.pid, signal.SIGSTOP)
+        return time.monotonic()
+
+    def go_on(self):
+        os.killpg(self.process.pid, signal.SIGCONT)
+
+    def kill(self):
+        if self.is_alive():
+            os.killpg(self.process.pid, signal.SIGKILL)
+        at = time.monotonic()
+        self.process.wait()
+        self.said.close()
+        return at
+
+
+class Mpv(Player):
+    kind = "mpv"
+
+    def __init__(self, film, stage):
+        self.path = str(stage.folder / self.kind / "mpv.sock")
+        super().__init__(["mpv", "--no-config", "--vo=x11", "--ao=null", "--fullscreen", "--pause", "--no-osc", f"--input-ipc-server={self.path}", str(film)], stage)
+        self.line = socket.socket(socket.AF_UNIX)
+        wait_until("mpv's socket", self._connects)
+        self.how, self.name = [f"--mpv={self.path}"], f"mpv at {self.path}"
+
+    def _connects(self):
+        try:
+            self.line.connect(self.path)
+        except OSError:
+            return False
+        return True
+
+    def _command(self, *words):
+        self.line.sendall((json.dumps({"command": words}) + "\n").encode())
+        return time.monotonic()
+
+    def play(self):
+        return self._command("set_property", "pause", False)
+
+    def pause(self):
+        return self._command("set_property", "pause", True)
+
+    def seek(self, by):
+        return self._command("seek", by, "relative", "exact")
+
+    def rate(self, rate):
+        return self._command("set_property", "speed", rate)
+
+    def load(self, film):
+        return self._command("loadfile", str(film))
+
+
+class Vlc(Player):
+    kind = "vlc"
+    bus_name, path = "org.mpris.MediaPlayer2.vlc", "/org/mpris/MediaPlayer2"
+
+    def __init__(self, film, stage):
+        super().__init__(["vlc", "-I", "dummy", "--no-audio", "--vout=xcb_x11", "--fullscreen", "--no-video-title-show", "--no-spu", "--no-osd",
+                          "--start-paused", film.as_uri()], stage)
+        self.bus = stage.bus.connection()
+        wait_until("VLC on the bus", self._is_paused)
+        self.how, self.name = ["--mpris=vlc"], "vlc"
+
+    def _is_paused(self):
+        assert self.is_alive(), "VLC has ended"
+        try:
+            return self._call("org.freedesktop.DBus.Properties", "Get", "(ss)", self._player, "PlaybackStatus")[0] == "Paused"
+        except GLib.Error:
+            return False
+
+    _player = "org.mpris.MediaPlayer2.Player"
+
+    def _call(self, interface, method, types=None, *arguments):
+        return self.bus.call_sync(self.bus_name, self.path, interface, method, GLib.Variant(types, arguments) if types else None, None,
+                                  Gio.DBusCallFlags.NO_AUTO_START, 10000, None).unpack()
+
+    def _do(self, *call):
+        at = time.monotonic()
+        self._call(*call)
+        return at
+
+    def play(self):
+        return self._do(self._player, "Play")
+
+    def pause(self):
+        return self._do(self._player, "Pause")
+
+    def seek(self, by):
+        return self._do(self._player, "Seek", "(x)", round(by * 1e6))
+
+    def rate(self, rate):
+        return self._do("org.freedesktop.DBus.Properties", "Set", "(ssv)", self._player, "Rate", GLib.Variant("d", rate))
+
+
+class Kodi(Player):
+    """Its port is one of its own, in case somebody watches a film here."""
+
+    kind = "kodi"
+
+    def __init__(self, film, stage):
+        with socket.socket() as unused:
+            unused.bind(("127.0.0.1", 0))
+            self.port = unused.getsockname()[1]
+        super().__init__(["kodi", "--windowing=x11", "--gl-interface=glx", "--audio-backend=null"], stage, LIBGL_ALWAYS_SOFTWARE="1")
+        self.line, self.id, self.bytes = socket.socket(), 0, ""
+        wait_until("Kodi's port", self._connects)
+        self.how, self.name = [f"--kodi=127.0.0.1:{self.port}"], "kodi"
+        wait_until("Kodi", lambda: self._call("JSONRPC.Ping") == "pong")
+        self._call("Player.Open", item={"file": str(film)})
+        wait_until("the film", lambda: self._call("Player.GetActivePlayers"))
+        self.pause()
+
+    def prepare(self, stage):
+        data = self.home / ".kodi" / "userdata"
+        data.mkdir(parents=True, exist_ok=True)
+        (data / "advancedsettings.xml").write_text(
+            f"<advancedsettings version='1.0'><jsonrpc><tcpport>{self.port}</tcpport></jsonrpc></advancedsettings>", encoding="utf-8")
+        if NOBODY:
+            for folder in (data.parent, data):
+                os.chown(folder, NOBODY["user"], NOBODY["group"])
+
+    def _connects(self):
+        assert self.is_alive(), "Kodi has ended"
+        try:
+            self.line.connect(("127.0.0.1", self.port))
+        except OSError:
+            self.line.close()
+            self.line = socket.socket()
+            return False
+        return True
+
+    def _call(self, method, **parameters):
+        """What is said meanwhile is left out. Nothing lies between objects."""
+        self.id += 1
+        self.line.sendall(json.dumps({"jsonrpc": "2.0", "id": self.id, "method": method, "params": parameters}).encode())
+        while True:
+            try:
+                told, end = json.JSONDecoder().raw_decode(self.bytes)
+            except json.JSONDecodeError:
+                got = self.line.recv(65536).decode()
+                assert got, "Kodi has closed the connection"
+                self.bytes += got
+                continue
+            self.bytes = self.bytes[end:].lstrip()
+            if told.get("id") == self.id:
+                assert "result" in told, told
+                return told["result"]
+
+    def _do(self, method, **parameters):
+        at = time.monotonic()
+        self._call(method, playerid=1, **parameters)
+        return at
+
+    def play(self):
+        return self._do("Player.PlayPause", play=True)
+
+    def pause(self):
+        return self._do("Player.PlayPause", play=False)
+
+    def seek(self, by):
+        return self._do("Player.Seek", value={"seconds": round(by)})
+
+    def rate(self, rate):
+        return self._do("Player.SetSpeed", speed=rate)

@@ -1,0 +1,60 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: LGPL-2.1-or-later
+"""Records what a real player in Xvfb reports while it plays, pauses, seeks and plays faster, with the frames on its screen, for the test `recorded_reports`.
+
+Usage: follow_record.py PLAYER FILE [SECONDS]      PLAYER: mpv, vlc or kodi; SECONDS: of each stretch (default: 12)
+Expects RECORD, the program followrecord."""
+
+import os
+import pathlib
+import shutil
+import subprocess
+import sys
+import tempfile
+import time
+
+from follow_players import Bus, Kodi, Mpv, Vlc
+from follow_screen import KNOWN_TO, Screen, make_film
+
+PLAYER = {"mpv": Mpv, "vlc": Vlc, "kodi": Kodi}[sys.argv[1]]
+SECONDS = float(sys.argv[3]) if len(sys.argv) > 3 else 12
+
+
+class Stage:
+    def __init__(self, folder):
+        self.folder, self.bus, self.screen = folder, Bus(folder), Screen(folder)
+
+
+folder = pathlib.Path(tempfile.mkdtemp(prefix="visuotactile-record-"))
+folder.chmod(0o755)
+stage = Stage(folder)
+try:
+    make_film(folder / "film.mkv", int(6 * SECONDS) + 40)
+    player = PLAYER(folder / "film.mkv", stage)
+    where = {"mpv": lambda: ["mpv", player.path], "vlc": lambda: ["mpris", "vlc"], "kodi": lambda: ["kodi", f"127.0.0.1:{player.port}"]}[player.kind]()
+    record = subprocess.Popen([os.environ["RECORD"], *where], stdout=subprocess.PIPE, text=True, env=dict(os.environ, DBUS_SESSION_BUS_ADDRESS=stage.bus.address))
+    try:
+        time.sleep(0.5)
+        player.play()
+        time.sleep(SECONDS)
+        player.pause()
+        time.sleep(1)
+        player.play()
+        time.sleep(SECONDS)
+        player.seek(10.65)
+        time.sleep(SECONDS)
+        player.rate(2 if PLAYER is Kodi else 1.25)
+        time.sleep(SECONDS)
+    finally:
+        player.kill()
+        time.sleep(0.5)
+        record.terminate()
+        lines = record.stdout.read().splitlines()
+        record.wait()
+    lines += [f"frame,{int((earliest + latest) / 2 * 1e9)},{int(position * 1e9)}" for earliest, latest, position in stage.screen.frames if latest - earliest < KNOWN_TO]
+    lines.sort(key=lambda line: int(line.split(",")[1]))
+    pathlib.Path(sys.argv[2]).write_text("\n".join(lines) + "\n", encoding="utf-8")
+finally:
+    stage.screen.stop()
+    stage.bus.stop()
+    shutil.rmtree(folder)
