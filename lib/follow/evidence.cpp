@@ -52,9 +52,10 @@ Evidence::bounds(const Report &report) const
 {
   const Time earliest = report.asked.value_or(report.received - habits_.latest);
   const double position = count(report.position.value_or(position_) - position_);
+  const double coarseness = count(habits_.coarseness) * (habits_.lingers ? rate_ : 1);
   return { .at = report.received,
            .low = position - rate_ * count(report.received - began_),
-           .high = position + count(habits_.coarseness) - rate_ * count(earliest - began_) };
+           .high = position + coarseness - rate_ * count(earliest - began_) };
 }
 
 /// By how much bounds have widened.

@@ -15,8 +15,8 @@ struct Habits
   Time latest = std::chrono::milliseconds(100);
   /// The position is rounded down to multiples of this.
   Time coarseness{ 0 };
-  /// It is not rounded but renewed now and then, after `coarseness` at the latest: the upper bound
-  /// is a poor one.
+  /// It is not rounded but renewed now and then, after `coarseness` of local time at the latest:
+  /// the upper bound is a poor one.
   bool lingers = false;
   /// Most that the player's clock gains or loses on ours in a second. Sound cards have 0.2 ms;
   /// players that fit a film's frames to the screen's have more.

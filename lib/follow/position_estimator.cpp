@@ -114,7 +114,7 @@ PositionEstimator::stands_still(const Report &report) const
     return false;
   const Habits &habits = settings_.habits;
   const Time asked = report.asked.value_or(report.received - habits.latest);
-  return asked - last_change_ > scaled(habits.coarseness, 1 / report.rate)
+  return asked - last_change_ > scaled(habits.coarseness, habits.lingers ? 1 : 1 / report.rate)
          && (stands_ || evidence_);
 }
 

@@ -51,8 +51,15 @@ try:
         record.terminate()
         lines = record.stdout.read().splitlines()
         record.wait()
-    lines += [f"frame,{int((earliest + latest) / 2 * 1e9)},{int(position * 1e9)}" for earliest, latest, position in stage.screen.frames if latest - earliest < KNOWN_TO]
-    lines.sort(key=lambda line: int(line.split(",")[1]))
+    records = [[line[0], *(int(time) // 1000 if time else "" for time in line[1:4]), *line[4:]] for line in (line.split(",") for line in lines)]
+    records += [["frame", int((earliest + latest) / 2 * 1e6), int(position * 1e6)] for earliest, latest, position in stage.screen.frames if latest - earliest < KNOWN_TO]
+    records.sort(key=lambda record: record[1])
+    begin = records[0][1] - 1_000_000
+    for record in records:
+        record[1] -= begin
+        if record[0] == "report" and record[2] != "":
+            record[2] -= begin
+    lines = [",".join(str(field) for field in record) for record in records]
     pathlib.Path(sys.argv[2]).write_text("\n".join(lines) + "\n", encoding="utf-8")
 finally:
     stage.screen.stop()

@@ -7,12 +7,8 @@
 #include <gst/check/gstharness.h>
 #include <gst/tactile/tactile.h>
 
-#include <glib/gstdio.h>
-
 #include <algorithm>
 #include <array>
-#include <cstdio>
-#include <fstream>
 #include <string>
 #include <vector>
 
@@ -461,58 +457,6 @@ GST_START_TEST(test_maps_per_second)
 }
 GST_END_TEST;
 
-// A chair gets each blow at its time and place, and is at zero in the end.
-GST_START_TEST(test_chair)
-{
-  gchar *folder = g_dir_make_tmp("soundtactile-XXXXXX", nullptr);
-  const std::string trace = std::string(folder) + "/commands.csv";
-  const std::string launch
-      = "tactilesoundtestsrc num-buffers=200 ! soundtactile name=s s.src ! queue ! fakesink "
-        "s.tactile ! queue ! tactorsink driver=simulator sync=false trace-location="
-        + trace;
-  GstElement *pipeline = gst_parse_launch(launch.c_str(), nullptr);
-  gst_element_set_state(pipeline, GST_STATE_PLAYING);
-  GstBus *bus = gst_element_get_bus(pipeline);
-  GstMessage *message = gst_bus_timed_pop_filtered(
-      bus, GST_CLOCK_TIME_NONE, static_cast<GstMessageType>(GST_MESSAGE_EOS | GST_MESSAGE_ERROR));
-  fail_unless(GST_MESSAGE_TYPE(message) == GST_MESSAGE_EOS);
-  gst_message_unref(message);
-  gst_object_unref(bus);
-  gst_element_set_state(pipeline, GST_STATE_NULL);
-  gst_object_unref(pipeline);
-
-  const sound::SoundEvent blow = sound::SyntheticSound({}).events().front();
-  std::ifstream file(trace);
-  std::string line;
-  std::getline(file, line);
-  std::array<double, 9> volts{};
-  bool is_first = true;
-  while (std::getline(file, line)) {
-    long long issued = 0;
-    long long due = 0;
-    long long effect = 0;
-    unsigned tactor = 0;
-    double level = 0;
-    fail_unless(
-        std::sscanf(line.c_str(), "%lld,%lld,%lld,%u,%lf", &issued, &due, &effect, &tactor, &level)
-        == 5);
-    fail_unless(tactor < volts.size());
-    volts[tactor] = level;
-    if (!is_first)
-      continue;
-    is_first = false;
-    fail_unless(std::abs(effect - blow.begin.count()) <= 20'000'000);
-    fail_unless(tactor % 3 == static_cast<unsigned>(blow.across + 1));
-  }
-  fail_if(is_first);
-  for (const double level : volts)
-    fail_unless(level == 0);
-  g_remove(trace.c_str());
-  g_rmdir(folder);
-  g_free(folder);
-}
-GST_END_TEST;
-
 static Suite *
 soundtactile_suite(void)
 {
@@ -532,7 +476,6 @@ soundtactile_suite(void)
   tcase_add_test(tc, test_unlinked);
   tcase_add_test(tc, test_another_grid);
   tcase_add_test(tc, test_maps_per_second);
-  tcase_add_test(tc, test_chair);
   return suite;
 }
 

@@ -85,6 +85,7 @@ export class Timeline extends EventTarget {
 
   #watch(element) {
     const resized = () => {
+      if (element.clientWidth === 0 && this.view.width > 0) return; // hidden: it is shown as it was
       this.view.resize(element.clientWidth, element.clientHeight);
       this.refresh();
     };

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 /**
- * The events of the timeline as an image, which costs the same whether seconds or hours are in view:
- * a pixel in which there are several cues has the strongest.
+ * The events of the timeline as an image, so that how much is drawn does not grow with the time in
+ * view: a pixel in which there are several cues has the strongest.
  */
 import { GUTTER } from './timeline_view.js';
 
