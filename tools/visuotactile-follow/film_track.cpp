@@ -147,6 +147,7 @@ FilmTrack::make_draft()
     events_.found(std::make_shared<tactile::Draft>(*kept));
     return;
   }
+  made_of_ = DraftCache::version(path_);
   try {
     read(open_analysis(uri_of(path_), settings_.analysis), "a draft that is made while it plays");
   } catch (const std::runtime_error &error) {
@@ -196,7 +197,7 @@ FilmTrack::complete()
     return;
   what_ = "a whole draft";
   try {
-    cache_.keep(draft->track(end, settings_.analysis.rate), path_, settings_.analysis);
+    cache_.keep(draft->track(end, settings_.analysis.rate), path_, made_of_, settings_.analysis);
     events_.told("the draft of '" + film_name(film_) + "' is complete, and kept for the next time");
   } catch (const std::runtime_error &error) {
     events_.told(std::string("the draft is complete, but not kept: ") + error.what());

@@ -58,6 +58,7 @@ private:
     bool is_gone = false;
   };
 
+  void look_around();
   void look_for_players();
   void look_for_mpv();
   void found_kodi(GSocketConnection *connection);
@@ -71,6 +72,7 @@ private:
   void change_film();
   void change_track(std::shared_ptr<const tactile::Draft> track);
   void open_chair();
+  void chair_failed(const std::string &text);
   void rest(bool rests, const std::string &why);
   void update();
   double nudge(double by);
@@ -98,6 +100,8 @@ private:
   Chair chair_;
   follow::TrackFollower cues_;
   bool rests_ = false; ///< nobody is in the chair
+  bool opens_again_ = false;
+  follow::Time patient_until_{ 0 };
   std::string failure_;
   std::vector<guint> sources_;
   std::vector<std::string> returned_; ///< names of players that came back before they were removed
