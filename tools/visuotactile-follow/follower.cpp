@@ -271,9 +271,11 @@ Follower::reported(const std::string &key, const Report &report)
     return;
   found->second.estimator.report(report);
   // Not the next film of a list, nor a player of music behind the locked screen.
-  const bool goes_on = &found->second == current_ && found->second.last.doing == Doing::paused
-                       && report.doing == Doing::playing;
-  found->second.last = report;
+  Followed &player = found->second;
+  const bool goes_on = &player == current_ && player.was_paused && report.doing == Doing::playing;
+  if (report.doing != Doing::stalled)
+    player.was_paused = report.doing == Doing::paused;
+  player.last = report;
   if (goes_on && session_)
     session_->somebody_is_there();
   update();
