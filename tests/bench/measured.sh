@@ -16,7 +16,7 @@ command="tests/bench/measured.sh $*"
 shift
 case $page in
   calibration) targets=tests/quality/rise_time_accuracy ;;
-  desk) targets="" ;;
+  desk) targets=tools/tactile-track-desk ;;
   devices) targets=tests/bench/devices ;;
   drafts) targets="tools/visuotactile-follow tools/tactile-track lib/modules/visuotactile-websocket.so" ;;
   follow) targets="tests/bench/follow tools/visuotactile-follow" ;;
