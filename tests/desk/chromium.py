@@ -4,8 +4,6 @@ import contextlib
 import functools
 import http.server
 import os
-import signal
-import sys
 import tempfile
 import threading
 
@@ -22,8 +20,7 @@ OPTIONS = ("--headless=new --no-sandbox --disable-gpu --disable-quic --no-first-
 
 @contextlib.contextmanager
 def chromium(width=1280, height=800, scale=1):
-    """A driver of a Chromium with a profile of its own; both are gone in the end, also by SIGTERM."""
-    signal.signal(signal.SIGTERM, lambda *_: sys.exit(143))
+    """A driver of a Chromium with a profile of its own; both are gone in the end."""
     with tempfile.TemporaryDirectory(prefix="desk-chromium-", ignore_cleanup_errors=True) as profile:
         options = Options()
         options.binary_location = "/usr/bin/chromium"
