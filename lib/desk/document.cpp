@@ -148,19 +148,24 @@ Document::text() const
   return text_.with(cues_, "tactile " + tactile::write_grid(grid_, rate_));
 }
 
+tactile::TactileMap
+Document::map(const Cue &cue) const
+{
+  tactile::TactileMap map(grid_.rows, grid_.columns);
+  for (std::size_t i = 0; i < cue.levels.size() && i < map.levels.size(); i++)
+    map.levels[i] = static_cast<float>(cue.levels[i]) / static_cast<float>(kMostPercent);
+  return map;
+}
+
 tactile::Track
 Document::track() const
 {
   // Cannot fail: cues are in order, and check_order() keeps the limits.
   tactile::Track track(grid_.rows, grid_.columns);
   track.set_rate(rate_);
-  tactile::TactileMap map(grid_.rows, grid_.columns);
-  const tactile::TactileMap silent = map;
+  const tactile::TactileMap silent(grid_.rows, grid_.columns);
   for (const Cue &cue : cues_) {
-    std::ranges::transform(cue.levels, map.levels.begin(), [](int level) {
-      return static_cast<float>(level) / static_cast<float>(kMostPercent);
-    });
-    track.append(std::chrono::milliseconds(cue.start), map);
+    track.append(std::chrono::milliseconds(cue.start), map(cue));
     track.append(std::chrono::milliseconds(cue.end), silent);
   }
   track.set_end(std::chrono::milliseconds(cues_.empty() ? 0 : cues_.back().end));

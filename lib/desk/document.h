@@ -43,6 +43,9 @@ public:
   /// The file with the cues as they are now.
   std::string text() const;
 
+  /// The levels of a cue that fits.
+  tactile::TactileMap map(const Cue &cue) const;
+
   /// The track with the cues as they are now.
   tactile::Track track() const;
 

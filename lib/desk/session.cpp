@@ -3,6 +3,7 @@
 
 #include "tracks/formats/track_file.h"
 
+#include <algorithm>
 #include <cstdlib>
 #include <filesystem>
 #include <system_error>
@@ -55,6 +56,18 @@ free_name(const std::string &path)
     if (!fs::exists(name, ignored))
       return name.string();
   }
+}
+
+/// From the first of these cues to the last.
+Session::Span
+span_of(std::initializer_list<const std::vector<Splice> *> all)
+{
+  Session::Span span{ .start = kLatest, .end = 0 };
+  for (const std::vector<Splice> *splices : all)
+    for (const Splice &splice : *splices)
+      for (const Cue &cue : splice.insert)
+        span = { .start = std::min(span.start, cue.start), .end = std::max(span.end, cue.end) };
+  return span;
 }
 
 tl::unexpected<Refusal>
@@ -163,12 +176,12 @@ Session::recover(const Journal::Content &content)
   return journal_.clear();
 }
 
-tl::expected<void, Refusal>
+tl::expected<Session::Span, Refusal>
 Session::edit(const EditMessage &message)
 {
   const std::string name = name_of(message);
   if (name == last_)
-    return {};
+    return Span{};
   if (message.revision != revision_)
     return tl::unexpected(Refusal{
         .kind = Refusal::Kind::stale,
@@ -183,7 +196,7 @@ Session::edit(const EditMessage &message)
   }
   revision_++;
   last_ = name;
-  return {};
+  return span_of({ &message.splices, &*back });
 }
 
 tl::expected<Session::Saved, Refusal>

@@ -60,8 +60,14 @@ public:
     return saved_;
   }
 
+  /// Where an edit changed the track, in ms; nowhere if the end is not after the start.
+  struct Span
+  {
+    std::int32_t start = 0;
+    std::int32_t end = 0;
+  };
   /// Applies an edit, and returns when it is on the disk. The last one again changes nothing.
-  tl::expected<void, Refusal> edit(const EditMessage &message);
+  tl::expected<Span, Refusal> edit(const EditMessage &message);
 
   struct Saved
   {

@@ -16,9 +16,10 @@ Events::Events(std::function<void(const std::string &page)> left)
 Events::~Events()
 {
   g_source_remove(tick_);
-  for (const Stream &stream : streams_)
-    g_signal_handlers_disconnect_by_data(stream.message,
-                                         const_cast<Stream *>(&stream)); // NOLINT
+  for (Stream &stream : streams_) {
+    g_signal_handlers_disconnect_by_data(stream.message, &stream);
+    g_object_unref(stream.message);
+  }
 }
 
 std::string
@@ -45,7 +46,8 @@ Events::add(SoupServerMessage *message, const std::string &page, const std::stri
   SoupMessageBody *body = soup_server_message_get_response_body(message);
   soup_message_body_set_accumulate(body, FALSE);
   soup_message_body_append(body, SOUP_MEMORY_COPY, first.data(), first.size());
-  streams_.push_back({ .of = this, .message = message, .page = page });
+  streams_.push_back(
+      { .of = this, .message = SOUP_SERVER_MESSAGE(g_object_ref(message)), .page = page });
   g_signal_connect(message, "finished", G_CALLBACK(+[](SoupServerMessage *, gpointer stream) {
                      static_cast<Stream *>(stream)->of->ended(static_cast<Stream *>(stream));
                    }),
@@ -63,6 +65,8 @@ void
 Events::ended(Stream *stream)
 {
   const std::string page = stream->page;
+  g_signal_handlers_disconnect_by_data(stream->message, stream);
+  g_object_unref(stream->message);
   streams_.remove_if([stream](const Stream &one) { return &one == stream; });
   left_(page);
 }

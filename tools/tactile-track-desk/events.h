@@ -30,7 +30,7 @@ private:
   struct Stream
   {
     Events *of;
-    SoupServerMessage *message;
+    SoupServerMessage *message; ///< a reference
     std::string page;
   };
   static void write(SoupServerMessage *message, const std::string &text);

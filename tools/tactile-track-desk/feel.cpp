@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "feel.h"
 
+#include <algorithm>
 #include <cmath>
 #include <stdexcept>
 #include <utility>
@@ -25,8 +26,8 @@ new_estimator()
 
 } // namespace
 
-Feel::Feel(std::string sink, std::function<tactile::Track()> track, std::function<void()> changed)
-    : changed_(std::move(changed)), track_(std::move(track)), estimator_(new_estimator()),
+Feel::Feel(std::string sink, const desk::Session &session, std::function<void()> changed)
+    : changed_(std::move(changed)), session_(session), estimator_(new_estimator()),
       chair_(std::move(sink), { .told = [this](const std::string &text) { say("open", text); },
                                 .failed =
                                     [this](const std::string &text) {
@@ -64,7 +65,7 @@ Feel::open()
   if (tick_ != 0)
     return;
   try {
-    played_ = std::make_shared<tactile::Draft>(track_());
+    played_ = std::make_shared<tactile::Draft>(session_.document().track());
     chair_.open(played_->rows(), played_->columns());
     follower_.set_track(played_);
   } catch (const std::runtime_error &error) {
@@ -82,10 +83,19 @@ Feel::open()
 }
 
 void
-Feel::track_changed()
+Feel::track_changed(const desk::Session::Span &span)
 {
-  if (tick_ != 0)
-    *played_ = tactile::Draft(track_()); // what was handed on stays
+  if (tick_ == 0)
+    return;
+  const auto set = [this](std::int32_t begin, std::int32_t end, const tactile::TactileMap &map) {
+    // Cannot fail: it is a part of a track. What was handed on stays.
+    played_->set(std::chrono::milliseconds(begin), std::chrono::milliseconds(end), map);
+  };
+  set(span.start, span.end, tactile::TactileMap(played_->rows(), played_->columns()));
+  const std::vector<desk::Cue> &cues = session_.document().cues();
+  for (auto cue = std::ranges::upper_bound(cues, span.start, {}, &desk::Cue::end);
+       cue != cues.end() && cue->start < span.end; ++cue)
+    set(cue->start, cue->end, session_.document().map(*cue));
 }
 
 void

@@ -3,7 +3,7 @@
 
 #include "../visuotactile-follow/chair.h"
 
-#include "desk/messages.h"
+#include "desk/session.h"
 #include "follow/position_estimator.h"
 #include "follow/track_follower.h"
 
@@ -23,8 +23,8 @@ public:
     std::string text;             ///< which board, or what is wrong
   };
 
-  /// `sink` is tactorsink with its properties, as on a launch line; `track` gives what is played.
-  Feel(std::string sink, std::function<tactile::Track()> track, std::function<void()> changed);
+  /// `sink` is tactorsink with its properties, as on a launch line.
+  Feel(std::string sink, const desk::Session &session, std::function<void()> changed);
   ~Feel();
   Feel(const Feel &) = delete;
   Feel &operator=(const Feel &) = delete;
@@ -34,8 +34,8 @@ public:
     return state_;
   }
 
-  /// The track was edited; its grid stays.
-  void track_changed();
+  /// The track was edited here; its grid stays.
+  void track_changed(const desk::Session::Span &span);
   void position(const desk::PositionMessage &message);
   /// The map for a time, unless the film plays.
   void feel(const tactile::TactileMap &map, follow::Time duration, const std::string &page);
@@ -51,7 +51,7 @@ private:
 
   std::function<void()> changed_;
   State state_;
-  std::function<tactile::Track()> track_;
+  const desk::Session &session_;
   std::shared_ptr<tactile::Draft> played_; ///< what the follower reads
   std::string page_;                       ///< for which the chair plays
   follow::PositionEstimator estimator_;

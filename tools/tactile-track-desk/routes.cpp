@@ -60,9 +60,8 @@ Routes::Routes(DeskSettings settings, desk::Session &session, DraftSettings draf
       events_([this](const std::string &page) { left(page); }),
       draft_(std::move(draft), [this] { tell_progress(); }), strip_(settings_.found),
       proxies_(settings_.found),
-      feel_(
-          settings_.sink, [this] { return session_.document().track(); },
-          [this] { events_.send(Events::event("chair", chair_json())); }),
+      feel_(settings_.sink, session_,
+            [this] { events_.send(Events::event("chair", chair_json())); }),
       tick_(g_timeout_add(
           500,
           +[](gpointer self) -> gboolean {
@@ -125,9 +124,10 @@ Routes::edits(SoupServerMessage *message, std::string_view body)
     return answer_error(message, 400, edit.error());
   if (!may_write(message, edit->page))
     return;
-  if (const auto done = session_.edit(*edit); !done)
-    return refuse(message, done.error());
-  feel_.track_changed();
+  const auto changed = session_.edit(*edit);
+  if (!changed)
+    return refuse(message, changed.error());
+  feel_.track_changed(*changed);
   events_.send(Events::event("revision", revision_json()));
   answer_json(message, revision_json());
 }
@@ -211,10 +211,7 @@ Routes::feel(SoupServerMessage *message, std::string_view body)
     return answer_error(message, 400, "expected " + std::to_string(document.cells()) + " levels");
   if (!may_write(message, asked->page))
     return;
-  tactile::TactileMap map(document.grid().rows, document.grid().columns);
-  std::ranges::transform(asked->levels, map.levels.begin(), [](int level) {
-    return static_cast<float>(level) / static_cast<float>(desk::kMostPercent);
-  });
+  const tactile::TactileMap map = document.map({ .levels = asked->levels });
   feel_.feel(map, std::chrono::milliseconds(asked->duration), asked->page);
   soup_server_message_set_status(message, 204, nullptr);
 }
