@@ -31,7 +31,8 @@ public:
   }
 
   /// The file with other cues, in order of time. A changed cue keeps identifier and settings of the
-  /// one that began at its time. What is no note stays where it is, even if its cue is gone. `grid_note` ("tactile grid=3x3") is added where there is neither cue nor note.
+  /// one that began at its time. What is no note stays where it is, even if its cue is gone.
+  /// `grid_note` ("tactile grid=3x3") is added where there is neither cue nor note.
   std::string with(const std::vector<Cue> &cues, const std::string &grid_note) const;
 
 private:

@@ -131,7 +131,7 @@ GST_START_TEST(test_arrow_in_a_comment)
 }
 GST_END_TEST;
 
-/// Any track that can be read can be drawn into, emptied and drawn into again, and is read as it is.
+/// Any track that can be read can be drawn into, emptied and drawn into again, and read as it is.
 /// What is no note stays in the file.
 GST_START_TEST(test_blocks_stay)
 {
