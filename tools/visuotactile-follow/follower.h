@@ -54,7 +54,7 @@ private:
   {
     std::unique_ptr<follow::Player> player;
     follow::PositionEstimator estimator{};
-    follow::Report last{}; ///< newest of its kind
+    follow::Report last{};   ///< newest of its kind
     bool was_paused = false; ///< and has not gone on yet
     bool is_gone = false;
   };
