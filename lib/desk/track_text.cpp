@@ -79,21 +79,25 @@ struct TrackText::Block
   void find_kind()
   {
     constexpr std::string_view kNote = "NOTE";
-    if (std::ranges::any_of(lines, [](const std::string &line) {
-          return line.find(tactile::kWebvttArrow) != std::string::npos;
-        })) {
-      kind = Kind::cue;
-    } else if (begins_with_word(lines.front(), kNote)) {
-      const std::string first = lines.front().substr(kNote.size());
-      if (tactile::webvtt_tactile_note(first)) {
-        kind = Kind::grid_note;
-        return;
-      }
-      note = first.substr(first.empty() ? 0 : 1);
-      for (std::size_t i = 1; i < lines.size(); i++)
-        note += (note.empty() && i == 1 ? "" : "\n") + lines[i];
-      kind = is_note(note) ? Kind::note : Kind::other;
+    const std::string &line = lines.front();
+    if (begins_with_word(line, "STYLE") || begins_with_word(line, "REGION"))
+      return;
+    if (!begins_with_word(line, kNote)) {
+      const bool has_times = std::ranges::any_of(lines, [](const std::string &one) {
+        return one.find(tactile::kWebvttArrow) != std::string::npos;
+      });
+      kind = has_times ? Kind::cue : Kind::other;
+      return;
     }
+    const std::string first = line.substr(kNote.size());
+    if (tactile::webvtt_tactile_note(first)) {
+      kind = Kind::grid_note;
+      return;
+    }
+    note = first.substr(first.empty() ? 0 : 1);
+    for (std::size_t i = 1; i < lines.size(); i++)
+      note += (note.empty() && i == 1 ? "" : "\n") + lines[i];
+    kind = is_note(note) ? Kind::note : Kind::other;
   }
 };
 
