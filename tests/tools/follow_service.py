@@ -1,139 +1,24 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: LGPL-2.1-or-later
-"""What visuotactile-follow does around a player, here a real mpv without picture and sound: where it finds tracks, drafts that it
-makes, its status and its nudge, and its ways out: a locked screen, a computer that goes to sleep, a session bus that is gone.
-logind is dbusmock's, and the chair is a vest in memory, which says what its motors do. Buses, settings and caches are the test's own.
+"""What visuotactile-follow does around a player: where it finds tracks, drafts that it makes, its status and its nudge, how it is started by the
+session, and its ways out: a locked screen, a computer that goes to sleep, a session bus that is gone. logind is dbusmock's.
 
-Expects FOLLOW, TRACK, SERVER (haptic_server.py), SESSION (the folder of the services' files), the plugins on GST_PLUGIN_PATH, mpv, dbus-daemon,
-systemd-analyze and python3-dbusmock.
-Usage: follow_service.py [PART ...]      of drafts, embedded, library, status, activation, mpv_script, kodi_addon, ways_out; all by default"""
+Expects what follow_stage.py does, TRACK, SESSION (the folder of the services' files), systemd-analyze and python3-dbusmock.
+Usage: follow_service.py [PART ...]      of drafts, embedded, library, status, activation, ways_out; all by default"""
 
-import json
 import os
 import pathlib
 import shutil
 import signal
-import socket
 import subprocess
-import sys
-import tempfile
-import threading
 import time
-import xml.etree.ElementTree
 
 import dbus
 import dbusmock
+from follow_stage import FOLLOW, LATEST, NAME, PATH, Follower, Mpv, make_film, make_track, run, session, start, start_bus, vest, wait_until, work
 
-FOLLOW, TRACK = os.environ["FOLLOW"], os.environ["TRACK"]
-LATEST = 60  # s: until something that has to happen has failed to
-NAME, PATH = "org.visuotactile.Follow1", "/org/visuotactile/Follow1"
+TRACK = os.environ["TRACK"]
 LOGIND = "org.freedesktop.login1"
-
-work = pathlib.Path(tempfile.mkdtemp(prefix="visuotactile-follow-service-"))
-started = []
-
-
-def wait_until(what, is_true):
-    end = time.monotonic() + LATEST
-    while not is_true():
-        assert time.monotonic() < end, f"waited {LATEST} s in vain for {what}"
-        time.sleep(0.01)
-
-
-def start(*words, **options):
-    process = subprocess.Popen(words, **options)
-    started.append(process)
-    return process
-
-
-def start_bus(environment=None):
-    """A bus of its own: the process and its address."""
-    bus = start("dbus-daemon", "--session", "--nofork", "--print-address", stdout=subprocess.PIPE, text=True, env=environment)
-    return bus, bus.stdout.readline().strip()
-
-
-class Mpv:
-    def __init__(self, film, *options):
-        self.path = str(work / "mpv.sock")
-        pathlib.Path(self.path).unlink(missing_ok=True)
-        self.process = start("mpv", "--no-config", "--vo=null", "--ao=null", f"--input-ipc-server={self.path}", *options, str(film),
-                             stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-        self.line = socket.socket(socket.AF_UNIX)
-        wait_until("mpv's socket", self._connects)
-
-    def _connects(self):
-        try:
-            self.line.connect(self.path)
-        except OSError:
-            return False
-        return True
-
-    def command(self, *words):
-        self.line.sendall((json.dumps({"command": words}) + "\n").encode())
-
-    def quit(self):
-        self.command("quit")
-        self.process.wait(LATEST)
-
-
-class Vest:
-    """What the motors of a vest do: lines of haptic_server.py, and when they came."""
-
-    def __init__(self):
-        self.server = start("/usr/bin/python3", os.environ["SERVER"], "bhaptics", stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
-        self.device = f"vest-back@127.0.0.1:{self.server.stdout.readline().split()[1]}"
-        self.lines = []
-        threading.Thread(target=self._listen, daemon=True).start()
-
-    def _listen(self):
-        for line in self.server.stdout:
-            if line.startswith("motors"):
-                self.lines.append((time.monotonic(), len(line.split()) > 2))
-
-    def wait_to_feel(self):
-        after = time.monotonic()
-        wait_until("something that is felt", lambda: any(on for at, on in self.lines if at > after))
-
-    def is_silent(self):
-        return not self.lines or not self.lines[-1][1]
-
-
-class Follower:
-    def __init__(self, mpv, *options):
-        self.log = work / "log"
-        with open(self.log, "w", encoding="utf-8") as log:
-            self.process = start(FOLLOW, f"--mpv={mpv.path}", "--driver=bhaptics", f"--device={vest.device}", *options, stderr=log)
-
-    def said(self):
-        return self.log.read_text(encoding="utf-8")
-
-    def wait_for(self, text):
-        wait_until(f"'{text}' in: {self.said()}", lambda: text in self.said() or self.process.poll() is not None)
-        assert text in self.said(), self.said()
-
-    def end(self, status=0):
-        if status == 0:
-            self.process.send_signal(signal.SIGINT)
-        assert self.process.wait(LATEST) == status, self.said()
-        wait_until("silence", vest.is_silent)
-
-
-def make_film(name, seconds, pattern="dynamic-motion", muxer="matroskamux"):
-    film = work / "films" / name
-    film.parent.mkdir(exist_ok=True)
-    picture = f"tactiletestsrc num-buffers={seconds * 25} pattern={pattern}" if pattern else f"videotestsrc num-buffers={seconds * 25} pattern=black"
-    subprocess.run(["gst-launch-1.0", "-q", *picture.split(), "!", "video/x-raw,width=320,height=240,framerate=25/1", "!", "x264enc", "speed-preset=ultrafast",
-                    "key-int-max=50", "!", muxer, "!", "filesink", f"location={film}"], check=True)
-    return film
-
-
-def make_track(path, seconds):
-    """A pulse of 700 ms in each second but the first."""
-    rows = ["# tactile grid=1x1 rate=5", "time_ms,t0"]
-    for second in range(1, seconds):
-        rows += [f"{second * 1000},1", f"{second * 1000 + 700},0"]
-    path.parent.mkdir(exist_ok=True)
-    path.write_text("\n".join(rows + [f"{seconds * 1000},0"]) + "\n", encoding="utf-8")
 
 
 def track(*words):
@@ -144,7 +29,7 @@ def drafts():
     """From the middle on, then the rest; the same draft as tactile-track author makes at once."""
     film = make_film("drafted.mkv", 30)
     mpv = Mpv(film, "--start=20", "--loop")
-    follower = Follower(mpv)
+    follower = Follower(mpv, "--sound=film")  # of a film that has none
     follower.wait_for("plays 'drafted.mkv' with a draft that is made while it plays")
     vest.wait_to_feel()
     follower.wait_for("is complete, and kept for the next time")
@@ -166,7 +51,17 @@ def drafts():
     vest.wait_to_feel()
     follower.end()
     mpv.quit()
-    other.unlink()
+    # With sound, from the middle on.
+    blows = other.with_name("blows.mkv")
+    subprocess.run(f"gst-launch-1.0 -q matroskamux name=m ! filesink location={blows} filesrc location={other} ! matroskademux ! h264parse ! m. "
+                   "tactilesoundtestsrc num-buffers=1500 ! audio/x-raw,rate=48000 ! audioconvert ! flacenc ! m.".split(), check=True)
+    mpv = Mpv(blows, "--start=20", "--loop")
+    follower = Follower(mpv, "--sound=film")
+    follower.wait_for("is complete, and kept for the next time")
+    follower.end()
+    mpv.quit()
+    assert len(list((work / "cache/visuotactile/drafts").iterdir())) == 2
+    shutil.rmtree(film.parent)
 
 
 def cues(path):
@@ -322,103 +217,6 @@ def activation():
     assert verified.returncode == 0 and "visuotactile" not in verified.stderr, verified
 
 
-def make_wrapper(arguments):
-    """A visuotactile-follow for PATH, which notes how it is called."""
-    wrapper = work / "bin" / "visuotactile-follow"
-    wrapper.parent.mkdir(exist_ok=True)
-    wrapper.write_text(f'#!/bin/sh\necho "$@" >>{work}/calls\nexec {FOLLOW} {arguments} 2>>{work}/log\n', encoding="utf-8")
-    wrapper.chmod(0o755)
-    (work / "calls").write_text("", encoding="utf-8")
-    return wrapper
-
-
-def mpv_script():
-    """mpv's own script starts a follower, moves it by keys, and uses one that runs."""
-    wrapper = make_wrapper('"$@"')
-    (work / "log").write_text("", encoding="utf-8")
-    film = make_film("script.mkv", 60, pattern=None)
-    make_track(film.with_suffix(".csv"), 60)
-    os.environ["PATH"] = f"{wrapper.parent}:{os.environ['PATH']}"
-    script = pathlib.Path(__file__).resolve().parents[2] / "examples/mpv/visuotactile.lua"
-    options = f"--script-opts=visuotactile-options=--driver=bhaptics --device={vest.device}"
-    remembered = work / "config/visuotactile/follow.conf"
-    mpv = Mpv(film, f"--script={script}", options)
-    vest.wait_to_feel()
-    mpv.command("keypress", "Ctrl+Alt+RIGHT")
-    wait_until("a nudge by a key", lambda: remembered.exists() and "offset=10\n" in remembered.read_text(encoding="utf-8"))
-    mpv.command("keypress", "Ctrl+Alt+LEFT")
-    wait_until("a nudge back", lambda: "offset=0\n" in remembered.read_text(encoding="utf-8"))
-    mpv.quit()
-    bus = dbus.SessionBus(private=True)
-    wait_until("the follower's end", lambda: not bus.name_has_owner(NAME))
-    assert vest.is_silent()
-    # One that runs is used, at the socket where it looks.
-    (work / "calls").unlink()
-    os.environ["XDG_RUNTIME_DIR"] = str(work)
-    running = start(FOLLOW, "--driver=bhaptics", f"--device={vest.device}", stderr=subprocess.DEVNULL)
-    wait_until("a follower", lambda: bus.name_has_owner(NAME))
-    viewer = start("mpv", "--no-config", "--vo=null", "--ao=null", f"--script={script}", str(film), stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-    vest.wait_to_feel()
-    assert (work / "calls").read_text(encoding="utf-8") == "--status\n"
-    viewer.terminate()
-    viewer.wait(LATEST)
-    wait_until("silence", vest.is_silent)
-    running.terminate()
-    assert running.wait(LATEST) == 0
-    remembered.unlink()
-    shutil.rmtree(film.parent)
-
-
-KODI = """import os, time
-LOGERROR = 4
-def log(text, level):
-    print(level, text, flush=True)
-class Monitor:
-    def waitForAbort(self, timeout=0):
-        end = time.monotonic() + timeout if timeout else float("inf")
-        while time.monotonic() < end and not os.path.exists(os.environ["ABORT"]):
-            time.sleep(0.01)
-        return os.path.exists(os.environ["ABORT"])
-"""
-
-
-def kodi_addon():
-    """Kodi's add-on, with a stub of Kodi's own module: it starts a follower and ends it."""
-    folder, modules, abort = pathlib.Path(__file__).resolve().parents[2] / "examples/kodi/service.visuotactile", work / "modules", work / "abort"
-    extension = xml.etree.ElementTree.parse(folder / "addon.xml").find("extension[@point='xbmc.service']")
-    modules.mkdir()
-    (modules / "xbmc.py").write_text(KODI, encoding="utf-8")
-    film = make_film("addon.mkv", 60, pattern=None)
-    make_track(film.with_suffix(".csv"), 60)
-    mpv = Mpv(film)
-    wrapper = make_wrapper(f'"$@" --mpv={mpv.path} --driver=bhaptics --device={vest.device}')
-
-    def start_addon(path):
-        return start("/usr/bin/python3", str(folder / extension.get("library")), text=True, stdout=subprocess.PIPE,
-                     env=dict(os.environ, PYTHONPATH=str(modules), PYTHONDONTWRITEBYTECODE="1", ABORT=str(abort), PATH=path))
-
-    bus = dbus.SessionBus(private=True)
-    addon = start_addon(f"{wrapper.parent}:{os.environ['PATH']}")
-    vest.wait_to_feel()
-    second = start_addon(f"{wrapper.parent}:{os.environ['PATH']}")
-    wait_until("its question", lambda: (work / "calls").read_text(encoding="utf-8").count("--status") == 2)
-    abort.touch()
-    assert addon.wait(LATEST) == 0 and second.wait(LATEST) == 0
-    assert (work / "calls").read_text(encoding="utf-8").split("\n") == ["--status", "--quiet", "--status", ""]
-    assert not bus.name_has_owner(NAME)
-    wait_until("silence", vest.is_silent)
-    abort.unlink()
-    # It is not installed, or ends.
-    missing = start_addon(str(work))
-    assert missing.wait(LATEST) == 0 and "4 visuotactile-follow cannot be started" in missing.stdout.read()
-    wrapper.write_text("#!/bin/sh\necho it is broken >&2\nexit 1\n", encoding="utf-8")
-    broken = start_addon(f"{wrapper.parent}:{os.environ['PATH']}")
-    assert broken.wait(LATEST) == 0 and "it is broken" in broken.stdout.read()
-    mpv.quit()
-    wrapper.unlink()
-    shutil.rmtree(film.parent)
-
-
 def ways_out():
     """What ends what is felt, and what brings it back."""
     logind_bus = dbus.bus.BusConnection(os.environ["DBUS_SYSTEM_BUS_ADDRESS"])
@@ -525,20 +323,4 @@ def active_changed(active):
     return message
 
 
-PARTS = {"drafts": drafts, "embedded": embedded, "library": library, "status": status, "activation": activation, "mpv_script": mpv_script, "kodi_addon": kodi_addon, "ways_out": ways_out}
-
-
-try:
-    session, os.environ["DBUS_SESSION_BUS_ADDRESS"] = start_bus()
-    _, os.environ["DBUS_SYSTEM_BUS_ADDRESS"] = start_bus()
-    os.environ["XDG_CACHE_HOME"], os.environ["XDG_CONFIG_HOME"] = str(work / "cache"), str(work / "config")
-    vest = Vest()
-    for part in sys.argv[1:] or PARTS:
-        begin = time.monotonic()
-        PARTS[part]()
-        print(f"{part}: {time.monotonic() - begin:.1f} s", flush=True)
-finally:
-    for process in started:
-        process.kill()
-        process.wait()
-    shutil.rmtree(work)
+run({"drafts": drafts, "embedded": embedded, "library": library, "status": status, "activation": activation, "ways_out": ways_out})

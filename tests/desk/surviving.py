@@ -1,0 +1,122 @@
+#!/usr/bin/python3
+# SPDX-License-Identifier: LGPL-2.1-or-later
+"""A browser that is reloaded or killed in the middle, and edits that do not get through: nothing is lost.
+
+Usage: surviving.py [TEST ...]
+"""
+import os
+import pathlib
+import signal
+
+from chromium import chromium
+from desk_page import Listener, Page, cue, desk_with, run, validate
+
+PULSE = cue(1000, 1400, {4: 75})
+END = [(19800, 20000, {}, [])]
+
+
+def block(driver, *patterns):
+    driver.execute_cdp_cmd("Network.enable", {})
+    driver.execute_cdp_cmd("Network.setBlockedURLs", {"urls": list(patterns)})
+
+
+def a_reload_keeps_what_was_edited(driver):
+    with desk_with(driver, [PULSE]) as (desk, folder):
+        page = Page(driver, desk)
+        page.stamp(0, 5000)
+        page.settled()
+        page.load()
+        assert page.track()[1] == (5000, 5200, {0: 75}, [])
+        page.go_to(5000)
+        assert "75" in page.find("#cells button").text
+        page.save()
+        validate(folder / "film.vtt")
+        assert "00:00:05.000" in (folder / "film.vtt").read_text()
+
+
+def edits_that_did_not_get_through_are_sent_later(driver):
+    with desk_with(driver, [PULSE]) as (desk, _):
+        page = Page(driver, desk)
+        block(driver, "*/edits")
+        page.stamp(0, 5000)
+        page.wait("an edit that is not sent", lambda: "Not sent: 1" in page.find("#save-state").text)
+        page.load()  # the browser asks whether to leave, which the driver does
+        assert desk.get("track").json["revision"] == 0
+        block(driver)
+        page.load()
+        page.wait("the edit", lambda: any("restored" in error for error in page.errors()))
+        assert page.track()[1] == (5000, 5200, {0: 75}, [])
+        page.go_to(5000)
+        page.wait("it to be seen", lambda: "75" in page.find("#cells button").text)
+
+
+def edits_are_sent_when_the_line_is_back(driver):
+    with desk_with(driver, [PULSE]) as (desk, _):
+        page = Page(driver, desk)
+        block(driver, "*/edits")
+        for cell in range(3):
+            page.stamp(cell, 5000 + 1000 * cell)
+        page.wait("edits that are not sent", lambda: "Not sent: 3" in page.find("#save-state").text)
+        block(driver)
+        assert [each[0] for each in page.track()] == [1000, 5000, 6000, 7000, 19800]
+
+
+def an_edit_that_does_not_fit_is_offered(driver):
+    with desk_with(driver, [PULSE]) as (desk, _):
+        page = Page(driver, desk)
+        block(driver, "*/edits")
+        page.stamp(0, 5000)
+        page.wait("an edit that is not sent", lambda: "Not sent: 1" in page.find("#save-state").text)
+        other = Listener(desk, "other", writes=False)
+        assert desk.post("writer", {"page": "other", "take": True}).json == {"writer": True}
+        answer = other.edit(0, {"at": 1, "remove": 0, "insert": [{"start": 2000, "end": 2200, "levels": [1] * 9}]})
+        assert answer.status == 200, answer.body
+        block(driver)
+        page.wait("read only", lambda: page.find("#reader").is_displayed())
+        page.click("#take-over")
+        page.wait("the offer", lambda: page.all("#alerts a[download]"))
+        assert [each[0] for each in page.track()] == [1000, 2000, 19800]
+        page.stamp(1, 7000)
+        assert [each[0] for each in page.track()] == [1000, 2000, 7000, 19800]
+        other.leave()
+
+
+def browser_of(driver):
+    """The process of Chromium, a child of the driver's."""
+    own = driver.service.process.pid
+    for stat in pathlib.Path("/proc").glob("[0-9]*/stat"):
+        try:
+            fields = stat.read_text().rsplit(")", 1)[1].split()
+        except OSError:
+            continue
+        if int(fields[1]) == own:
+            return int(stat.parent.name)
+    raise AssertionError("the driver has no browser")
+
+
+def a_browser_is_killed_in_the_middle(driver):
+    with desk_with(driver, [PULSE]) as (desk, folder):
+        with chromium() as other:
+            page = Page(other, desk)
+            page.stamp(0, 5000)
+            page.stamp(1, 6000)
+            page.settled()
+            page.record()
+            page.go_to(8000)
+            page.keys("k")
+            page.play_until(8300)
+            page.down("5")
+            os.kill(browser_of(other), signal.SIGKILL)
+        page = Page(driver, desk)
+        page.wait("to write", lambda: page.find("#save").is_enabled())
+        assert [each[0] for each in page.track()] == [1000, 5000, 6000, 19800]
+        page.save()
+        validate(folder / "film.vtt")
+
+
+TESTS = [a_reload_keeps_what_was_edited, edits_that_did_not_get_through_are_sent_later, edits_are_sent_when_the_line_is_back,
+         an_edit_that_does_not_fit_is_offered, a_browser_is_killed_in_the_middle]
+
+if __name__ == "__main__":
+    with chromium() as browser:
+        run(TESTS, browser)
