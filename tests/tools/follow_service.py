@@ -29,7 +29,7 @@ def drafts():
     """From the middle on, then the rest; the same draft as tactile-track author makes at once."""
     film = make_film("drafted.mkv", 30)
     mpv = Mpv(film, "--start=20", "--loop")
-    follower = Follower(mpv)
+    follower = Follower(mpv, "--sound=film")  # of a film that has none
     follower.wait_for("plays 'drafted.mkv' with a draft that is made while it plays")
     vest.wait_to_feel()
     follower.wait_for("is complete, and kept for the next time")
@@ -51,7 +51,17 @@ def drafts():
     vest.wait_to_feel()
     follower.end()
     mpv.quit()
-    other.unlink()
+    # With sound, from the middle on.
+    blows = other.with_name("blows.mkv")
+    subprocess.run(f"gst-launch-1.0 -q matroskamux name=m ! filesink location={blows} filesrc location={other} ! matroskademux ! h264parse ! m. "
+                   "tactilesoundtestsrc num-buffers=1500 ! audio/x-raw,rate=48000 ! audioconvert ! flacenc ! m.".split(), check=True)
+    mpv = Mpv(blows, "--start=20", "--loop")
+    follower = Follower(mpv, "--sound=film")
+    follower.wait_for("is complete, and kept for the next time")
+    follower.end()
+    mpv.quit()
+    assert len(list((work / "cache/visuotactile/drafts").iterdir())) == 2
+    shutil.rmtree(film.parent)
 
 
 def cues(path):
