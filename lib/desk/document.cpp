@@ -76,6 +76,12 @@ Document::read(std::string_view text)
                               .reason = "expected at most " + std::to_string(kMostCues)
                                         + " cues, got " + std::to_string(document.cues_.size())
                                         + "; tactile-track edit --merge=5 makes fewer" });
+  Applied checked = document.check_order();
+  for (std::size_t i = 0; i < document.cues_.size() && checked; i++)
+    if (checked = document.check(document.cues_[i]); !checked)
+      checked = refused("the cue from " + times_of(document.cues_[i]) + ": " + checked.error());
+  if (!checked)
+    return tl::unexpected(tactile::FormatError{ .place = {}, .reason = checked.error() });
   return document;
 }
 

@@ -42,6 +42,31 @@ begins_with_word(std::string_view line, std::string_view word)
   return line.empty() || line.front() == ' ' || line.front() == '\t';
 }
 
+/// Continues a file. A line end is not completed by the first byte of what follows.
+void
+add(std::string &text, std::string_view more)
+{
+  if (text.ends_with('\r') && more.starts_with('\n'))
+    text += '\n';
+  text += more;
+}
+
+bool
+ends_line(std::string_view text)
+{
+  return text.ends_with('\n') || text.ends_with('\r');
+}
+
+/// Makes a note the last one of a cue's, with what does not fit in more lines of it.
+void
+add_note(std::vector<std::string> &notes, const std::string &note)
+{
+  if (notes.size() < kMostNotes)
+    notes.push_back(note);
+  else if (!note.empty())
+    notes.back() += (notes.back().empty() ? "" : "\n") + note;
+}
+
 std::int32_t
 milliseconds(tactile::Time time)
 {
@@ -67,33 +92,35 @@ struct TrackText::Block
   {
     cue,
     note,
-    grid_note,
     other, ///< the signature, styles, regions, and notes that the desk leaves alone
   };
   std::string lead; ///< empty lines before it
   std::string text;
   std::vector<std::string> lines; ///< without line ends
   Kind kind = Kind::other;
+  bool has_grid = false; ///< of a note
   std::string note{};
 
+  /// As tactile::read_webvtt() tells them apart.
   void find_kind()
   {
     constexpr std::string_view kNote = "NOTE";
-    if (std::ranges::any_of(lines, [](const std::string &line) {
-          return line.find(tactile::kWebvttArrow) != std::string::npos;
-        })) {
+    if (begins_with_word(lines.front(), "STYLE") || begins_with_word(lines.front(), "REGION"))
+      return;
+    if (!begins_with_word(lines.front(), kNote)) {
       kind = Kind::cue;
-    } else if (begins_with_word(lines.front(), kNote)) {
-      const std::string first = lines.front().substr(kNote.size());
-      if (tactile::webvtt_tactile_note(first)) {
-        kind = Kind::grid_note;
-        return;
-      }
-      note = first.substr(first.empty() ? 0 : 1);
-      for (std::size_t i = 1; i < lines.size(); i++)
-        note += (note.empty() && i == 1 ? "" : "\n") + lines[i];
-      kind = is_note(note) ? Kind::note : Kind::other;
+      return;
     }
+    const std::string first = lines.front().substr(kNote.size());
+    if (const auto words = tactile::webvtt_tactile_note(first)) {
+      const auto header = tactile::read_grid(*words, 0);
+      has_grid = header && header->grid;
+      return;
+    }
+    note = first.substr(first.empty() ? 0 : 1);
+    for (std::size_t i = 1; i < lines.size(); i++)
+      note += (note.empty() && i == 1 ? "" : "\n") + lines[i];
+    kind = is_note(note) ? Kind::note : Kind::other;
   }
 };
 
@@ -115,8 +142,8 @@ TrackText::blocks_of(std::string_view text, std::string &tail)
     blocks.back().text += line.whole;
     blocks.back().lines.emplace_back(line.text);
   }
-  for (Block &block : blocks)
-    block.find_kind();
+  for (std::size_t i = 1; i < blocks.size(); i++) // after the signature
+    blocks[i].find_kind();
   return blocks;
 }
 
@@ -129,15 +156,13 @@ TrackText::TrackText(std::string_view text, const tactile::Grid &grid) : grid_(g
     return block.kind == Block::Kind::cue;
   };
   const auto first_cue = std::ranges::find_if(blocks, is_cue);
-  // The first cue's comments follow the last block that is none.
+  // The first cue's comments follow the last block that is none. Without cues they are the tail.
   auto body = first_cue;
-  if (first_cue != blocks.end())
-    while (body != blocks.begin() && std::prev(body)->kind == Block::Kind::note)
-      --body;
+  while (body != blocks.begin() && std::prev(body)->kind == Block::Kind::note)
+    --body;
   for (auto block = blocks.begin(); block != body; ++block)
     header_ += block->lead + block->text;
-  has_grid_note_ = std::ranges::any_of(
-      blocks, [](const Block &block) { return block.kind == Block::Kind::grid_note; });
+  has_grid_note_ = std::ranges::any_of(blocks, &Block::has_grid);
 
   Piece piece;
   for (auto block = body; block != blocks.end(); ++block) {
@@ -149,13 +174,14 @@ TrackText::TrackText(std::string_view text, const tactile::Grid &grid) : grid_(g
     if (is_cue(*block)) {
       read_cue(*block, piece);
       pieces_.push_back(std::exchange(piece, {}));
-    } else if (block->kind == Block::Kind::note && piece.cue.notes.size() < kMostNotes) {
-      piece.cue.notes.push_back(block->note);
+    } else if (block->kind == Block::Kind::note) {
+      add_note(piece.cue.notes, block->note);
     } else {
+      piece.has_note_before_kept = !piece.cue.notes.empty();
       piece.kept += block->text;
-      if (!piece.kept.ends_with('\n') && !piece.kept.ends_with('\r'))
+      if (!ends_line(piece.kept))
         piece.kept += line_end_;
-      piece.kept += line_end_;
+      add(piece.kept, line_end_);
     }
   }
   tail_ = piece.lead + piece.text + tail_;
@@ -192,14 +218,6 @@ TrackText::cues() const
   return cues;
 }
 
-const TrackText::Piece *
-TrackText::piece_at(std::int32_t start) const
-{
-  const auto found = std::ranges::lower_bound(pieces_, start, {},
-                                              [](const Piece &piece) { return piece.cue.start; });
-  return found != pieces_.end() && found->cue.start == start ? &*found : nullptr;
-}
-
 std::string
 TrackText::written(const Cue &cue, const Piece *before) const
 {
@@ -226,7 +244,7 @@ TrackText::written(const Cue &cue, const Piece *before) const
     for (std::size_t at = 0; (at = text.find('\n', at)) != std::string::npos;
          at += line_end_.size())
       text.replace(at, 1, line_end_);
-  return (before ? before->kept : std::string()) + text;
+  return text;
 }
 
 std::string
@@ -234,23 +252,46 @@ TrackText::with(const std::vector<Cue> &cues, const std::string &grid_note) cons
 {
   std::string text = header_;
   const auto end_line = [&] {
-    if (!text.ends_with('\n') && !text.ends_with('\r'))
+    if (!ends_line(text))
       text += line_end_;
+  };
+  const auto add_block = [&](std::string_view block) {
+    add(text, line_end_);
+    text += block;
   };
   if (cues.empty() && !has_grid_note_) {
     end_line();
-    text += line_end_ + "NOTE " + grid_note + line_end_;
+    add_block("NOTE " + grid_note + line_end_);
   }
+  std::string kept; // in front of cues that are gone
+  auto piece = pieces_.begin();
   for (const Cue &cue : cues) {
-    const Piece *before = piece_at(cue.start);
-    const bool is_same = before && before->cue == cue;
+    for (; piece != pieces_.end() && piece->cue.start < cue.start; ++piece)
+      kept += piece->kept;
+    const Piece *before
+        = piece != pieces_.end() && piece->cue.start == cue.start ? &*piece++ : nullptr;
+    // In front of the first cue, notes that other blocks follow would be the header's.
+    const bool is_same
+        = before && before->cue == cue && !(before->has_note_before_kept && &cue == &cues.front());
     end_line();
-    text += is_same ? before->lead : line_end_;
+    if (is_same && kept.empty())
+      add(text, before->lead);
+    if (before && !is_same)
+      kept += before->kept;
+    if (!is_same || !kept.empty())
+      add_block(std::exchange(kept, {}));
     text += is_same ? before->text : written(cue, before);
+  }
+  for (; piece != pieces_.end(); ++piece)
+    kept += piece->kept;
+  if (!kept.empty()) {
+    end_line();
+    add_block(kept);
   }
   if (tail_.find_first_not_of("\r\n") != std::string::npos)
     end_line();
-  return text + tail_;
+  add(text, tail_);
+  return text;
 }
 
 } // namespace desk

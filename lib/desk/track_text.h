@@ -30,8 +30,9 @@ public:
     return has_grid_note_;
   }
 
-  /// The file with other cues. A changed cue keeps identifier and settings of the one that began at
-  /// its time. `grid_note` ("tactile grid=3x3") is added where there is neither cue nor note.
+  /// The file with other cues, in order of time. A changed cue keeps identifier and settings of the
+  /// one that began at its time. What is no note stays where it is, even if its cue is gone.
+  /// `grid_note` ("tactile grid=3x3") is added where there is neither cue nor note.
   std::string with(const std::vector<Cue> &cues, const std::string &grid_note) const;
 
 private:
@@ -41,14 +42,14 @@ private:
     Cue cue;
     std::string lead; ///< empty lines before it
     std::string text;
-    std::string kept; ///< blocks that are no notes
+    std::string kept; ///< blocks that are no notes, each with an empty line after it
+    bool has_note_before_kept = false;
     std::string identifier;
     std::string settings;
   };
 
   static std::vector<Block> blocks_of(std::string_view text, std::string &tail);
   void read_cue(const Block &block, Piece &piece) const;
-  const Piece *piece_at(std::int32_t start) const;
   std::string written(const Cue &cue, const Piece *before) const;
 
   tactile::Grid grid_;

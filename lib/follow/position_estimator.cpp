@@ -11,6 +11,9 @@ namespace {
 /// Spans between reports that tell how long to wait for the next.
 constexpr std::size_t kSpans = 8;
 
+/// Any player may renew its position so late.
+constexpr Time kRenewed = std::chrono::milliseconds(100);
+
 Time
 scaled(Time span, double by)
 {
@@ -114,8 +117,8 @@ PositionEstimator::stands_still(const Report &report) const
     return false;
   const Habits &habits = settings_.habits;
   const Time asked = report.asked.value_or(report.received - habits.latest);
-  return asked - last_change_ > scaled(habits.coarseness, habits.lingers ? 1 : 1 / report.rate)
-         && (stands_ || evidence_);
+  const Time renewed = scaled(habits.coarseness, habits.lingers ? 1 : 1 / report.rate);
+  return asked - last_change_ > std::max(renewed, kRenewed) && (stands_ || evidence_);
 }
 
 void

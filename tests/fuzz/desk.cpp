@@ -61,6 +61,21 @@ LLVMFuzzerTestOneInput(const std::uint8_t *data, std::size_t size)
     // What has not changed has its bytes.
     expect(document->text() == text || document->cues().empty());
     edit(*document, { { .at = 0, .remove = document->cues().size(), .insert = {} } });
+    // A cue before all others, one after them, and one in the place of each.
+    desk::Cue one{ .end = 1, .levels = std::vector<std::uint8_t>(document->cells(), 1) };
+    if (document->cues().empty() || document->cues().front().start > 0)
+      edit(*document, { { .at = 0, .remove = 0, .insert = { one } } });
+    one.start = document->cues().empty() ? 0 : document->cues().back().end;
+    one.end = one.start + 1;
+    edit(*document, { { .at = document->cues().size(), .remove = 0, .insert = { one } } });
+    for (std::size_t i = 0; i < document->cues().size() && i < 20; i++) {
+      one = document->cues()[i];
+      one.levels.front() = one.levels.front() == 1 ? 2 : 1;
+      edit(*document, { { .at = i, .remove = 1, .insert = { one } } });
+      one.notes.clear();
+      edit(*document, { { .at = i, .remove = 1, .insert = { one } } });
+      edit(*document, { { .at = i, .remove = 1, .insert = {} } });
+    }
   }
   return 0;
 }

@@ -5,7 +5,6 @@
 Prints a table. Expects FOLLOW, the plugins on GST_PLUGIN_PATH, the players, ffmpeg, Xvfb and dbus-daemon.
 Usage: follow.py PLAYER [SECONDS]      PLAYER: mpv, vlc or kodi; SECONDS: how long each stretch is watched from 3 s after its event on (default: 4, from 1.5 s on)"""
 
-import csv
 import os
 import pathlib
 import shutil
@@ -18,6 +17,7 @@ import time
 
 from follow_players import LATEST, Bus, Kodi, Mpv, Vlc, wait_until
 from follow_screen import RATE, Screen, make_film
+from follow_trace import make_track, onsets, read_trace
 
 FOLLOW = os.environ["FOLLOW"]
 PLAYER = {"mpv": Mpv, "vlc": Vlc, "kodi": Kodi}[sys.argv[1]]
@@ -65,27 +65,7 @@ class Stage:
 
     def make_track(self, name):
         """A pulse of 350 ms from each second on, then long ones; more would be cut by max-duty."""
-        rows = ["# tactile grid=1x1 rate=5", "time_ms,t0"]
-        pulses = [(second, 0.35) for second in range(1, LONG - 2)] + [(second, 1.4) for second in range(LONG, FILM - 2, LONG_EVERY)]
-        for second, lasts in pulses:
-            rows += [f"{second * 1000},1", f"{1000 * (second + lasts):.0f},0"]
-        (self.folder / name).write_text("\n".join(rows + [f"{FILM * 1000},0"]) + "\n", encoding="utf-8")
-
-    def trace(self):
-        """(issued, effect, volts) in seconds; the last line may be written still."""
-        with open(self.folder / "trace.csv", encoding="utf-8") as file:
-            lines = file.read().split("\n")
-        return [(int(row["issued_ns"]) / 1e9, int(row["effect_ns"]) / 1e9, float(row["volts"])) for row in csv.DictReader(lines[:-1])]
-
-
-def onsets(rows):
-    """When a pulse is felt in full."""
-    found, on = [], False
-    for _, effect, volts in rows:
-        if volts > 2.9 and not on:
-            found.append(effect)
-        on = volts > 0 and (on or volts > 2.9)
-    return found
+        make_track(self.folder / name, [(second, 0.35) for second in range(1, LONG - 2)] + [(second, 1.4) for second in range(LONG, FILM - 2, LONG_EVERY)], FILM)
 
 
 def refuses(stage):
@@ -187,7 +167,7 @@ def plays(stage):
     watch.follower.terminate()
     assert watch.follower.wait(LATEST) == 0, said()
 
-    rows = stage.trace()
+    rows = read_trace(stage.folder / "trace.csv")
     assert rows[-1][2] == 0
     print(f"| {player.kind} | pulses | p50 | p95 |\n|---|---|---|---|")
     for name, rate, begin, end in watch.stretches:

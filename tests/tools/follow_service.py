@@ -29,7 +29,7 @@ def drafts():
     """From the middle on, then the rest; the same draft as tactile-track author makes at once."""
     film = make_film("drafted.mkv", 30)
     mpv = Mpv(film, "--start=20", "--loop")
-    follower = Follower(mpv)
+    follower = Follower(mpv, "--sound=film")  # of a film that has none
     follower.wait_for("plays 'drafted.mkv' with a draft that is made while it plays")
     vest.wait_to_feel()
     follower.wait_for("is complete, and kept for the next time")
@@ -51,7 +51,17 @@ def drafts():
     vest.wait_to_feel()
     follower.end()
     mpv.quit()
-    other.unlink()
+    # With sound, from the middle on.
+    blows = other.with_name("blows.mkv")
+    subprocess.run(f"gst-launch-1.0 -q matroskamux name=m ! filesink location={blows} filesrc location={other} ! matroskademux ! h264parse ! m. "
+                   "tactilesoundtestsrc num-buffers=1500 ! audio/x-raw,rate=48000 ! audioconvert ! flacenc ! m.".split(), check=True)
+    mpv = Mpv(blows, "--start=20", "--loop")
+    follower = Follower(mpv, "--sound=film")
+    follower.wait_for("is complete, and kept for the next time")
+    follower.end()
+    mpv.quit()
+    assert len(list((work / "cache/visuotactile/drafts").iterdir())) == 2
+    shutil.rmtree(film.parent)
 
 
 def cues(path):
@@ -222,7 +232,10 @@ def ways_out():
     film = make_film("ways-out.mkv", 100, pattern=None)
     make_track(film.with_suffix(".csv"), 100)
     mpv = Mpv(film)
+    own.UpdateProperties(f"{LOGIND}.Session", {"LockedHint": True}, dbus_interface=dbusmock.MOCK_IFACE)
     follower = Follower(mpv)
+    follower.wait_for("nothing is felt: the screen is locked")  # it was, before
+    own.UpdateProperties(f"{LOGIND}.Session", {"LockedHint": False}, dbus_interface=dbusmock.MOCK_IFACE)
     wait_until("an inhibitor", lambda: len(inhibitors()) == 1)
     assert [str(part) for part in inhibitors()[0][:2]] == ["sleep", "visuotactile-follow"] and inhibitors()[0][3] == "delay", inhibitors()
     vest.wait_to_feel()
@@ -263,6 +276,11 @@ def ways_out():
     own.UpdateProperties(f"{LOGIND}.Session", {"LockedHint": False}, dbus_interface=dbusmock.MOCK_IFACE)
     goes_on()
     rests("the screen is locked", lock, "the screen is locked again")
+    # The next film of a list begins by itself.
+    begin = time.monotonic()
+    mpv.command("loadfile", str(film))
+    wait_until("the film again", lambda: time.monotonic() > begin + 3)
+    assert not any(on for at, on in vest.lines if at > begin), "felt while the screen is locked"
     begin = time.monotonic()
     while not any(on for at, on in vest.lines if at > begin):
         assert time.monotonic() < begin + LATEST, "started in vain"
@@ -276,6 +294,11 @@ def ways_out():
     session_bus = dbus.SessionBus(private=True)
     rests("the screen saver is on", lambda: session_bus.send_message(active_changed(True)), "the screen saver is on")
     session_bus.send_message(active_changed(False))
+    goes_on()
+    # One that dies.
+    session_bus.request_name("org.freedesktop.ScreenSaver")
+    rests("the screen saver is on", lambda: session_bus.send_message(active_changed(True)), "the screen saver is on again")
+    session_bus.release_name("org.freedesktop.ScreenSaver")
     goes_on()
 
     def told(what, say):

@@ -66,6 +66,7 @@ FilmProbe::on_discovered(GstDiscoverer *, GstDiscovererInfo *info, GError *error
         = result.has_picture
           || (GST_IS_DISCOVERER_VIDEO_INFO(stream)
               && !gst_discoverer_video_info_is_image(GST_DISCOVERER_VIDEO_INFO(stream)));
+    result.has_sound = result.has_sound || GST_IS_DISCOVERER_AUDIO_INFO(stream);
     result.may_have_track = result.may_have_track || is_track(stream);
   }
   gst_discoverer_stream_info_list_free(streams);

@@ -17,6 +17,7 @@ public:
   {
     std::optional<visuotactile::Time> duration{};
     bool has_picture = false;
+    bool has_sound = false;
     bool may_have_track = false; ///< subtitles that are not named otherwise, or KLV
     std::string complaint{};     ///< why it cannot be decoded, if so
   };

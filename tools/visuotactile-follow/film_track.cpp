@@ -142,13 +142,17 @@ FilmTrack::look_in_folder()
 void
 FilmTrack::make_draft()
 {
-  if (const auto kept = cache_.find(path_, settings_.analysis)) {
+  analysis_ = settings_.analysis;
+  if (!file_.has_sound)
+    analysis_.sound = nullptr;
+  if (const auto kept = cache_.find(path_, analysis_)) {
     choose("a draft of an earlier time");
     events_.found(std::make_shared<tactile::Draft>(*kept));
     return;
   }
+  made_of_ = DraftCache::version(path_);
   try {
-    read(open_analysis(uri_of(path_), settings_.analysis), "a draft that is made while it plays");
+    read(open_analysis(uri_of(path_), analysis_), "a draft that is made while it plays");
   } catch (const std::runtime_error &error) {
     fail(error.what());
   }
@@ -196,7 +200,7 @@ FilmTrack::complete()
     return;
   what_ = "a whole draft";
   try {
-    cache_.keep(draft->track(end, settings_.analysis.rate), path_, settings_.analysis);
+    cache_.keep(draft->track(end, analysis_.rate), path_, made_of_, analysis_);
     events_.told("the draft of '" + film_name(film_) + "' is complete, and kept for the next time");
   } catch (const std::runtime_error &error) {
     events_.told(std::string("the draft is complete, but not kept: ") + error.what());

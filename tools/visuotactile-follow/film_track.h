@@ -70,12 +70,14 @@ private:
   const Events events_;
   const Library library_;
   const DraftCache cache_;
+  std::optional<DraftCache::Version> made_of_; ///< the draft
   std::string film_;
   std::string path_; ///< on this computer; empty: elsewhere
   std::string complaint_;
   std::string what_;
   std::unique_ptr<FilmProbe> probe_;
-  FilmProbe::Result file_; ///< what is in it
+  AnalysisSettings analysis_; ///< of this film
+  FilmProbe::Result file_;    ///< what is in it
   std::unique_ptr<follow::AheadReader> reader_;
   bool reads_file_ = false; ///< reader_ reads the track in the film's file
   bool told_too_slow_ = false;

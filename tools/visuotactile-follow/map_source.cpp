@@ -68,11 +68,10 @@ public:
   }
   void seek(Time to, bool exactly) override
   {
-    const auto how = static_cast<GstSeekFlags>(
-        GST_SEEK_FLAG_FLUSH
-        | (exactly ? precisely_ : GST_SEEK_FLAG_KEY_UNIT | GST_SEEK_FLAG_SNAP_AFTER));
-    if (!gst_element_seek(pipeline_.get(), 1, GST_FORMAT_TIME, how, GST_SEEK_TYPE_SET, to.count(),
-                          GST_SEEK_TYPE_NONE, -1))
+    // After the last key frame there is no next one.
+    if (!(exactly
+              ? go(to, precisely_)
+              : go(to, GST_SEEK_FLAG_KEY_UNIT | GST_SEEK_FLAG_SNAP_AFTER) || go(to, precisely_)))
       failure_ = "it cannot be read from there on";
     sought();
   }
@@ -138,6 +137,14 @@ protected:
   Pipeline pipeline_;
 
 private:
+  bool go(Time to, int how)
+  {
+    return gst_element_seek(pipeline_.get(), 1, GST_FORMAT_TIME,
+                            static_cast<GstSeekFlags>(GST_SEEK_FLAG_FLUSH | how), GST_SEEK_TYPE_SET,
+                            to.count(), GST_SEEK_TYPE_NONE, -1)
+           != FALSE;
+  }
+
   const int precisely_; ///< flags of a seek
   std::string failure_;
   std::atomic<bool> is_open_{ false };

@@ -80,6 +80,8 @@ GST_START_TEST(test_bytes_stay)
     "WEBVTT\n\nNOTE tactile grid=1x2\n\nNOTE tactile rate=5\n\nNOTE\n\nNOTE a\nb\n\n00:01.000 --> "
     "00:02.000\n1 2\n\nNOTE tactile\n\n8\n00:05.000 --> 00:06.000\n1 2\n",
     "WEBVTT\n\nNOTE tactile grid=1x2",
+    // A note that the standard does not allow.
+    "WEBVTT\n\nNOTE 1 --> 2\n1 2\n\n00:01.000 --> 00:02.000\n1 2\n",
   };
   for (const char *file : files) {
     Document document = document_of(file);
@@ -112,6 +114,115 @@ GST_START_TEST(test_changed_cue)
               "WEBVTT\r\n\r\nNOTE two\r\n\r\nNOTE\r\na\r\nb\r\n\r\nNOTE\r\n\r\nid\r\n00:00:01.000 "
               "--> 00:00:01.500 line:0\r\n100   0\r\n\r\n00:02.000 --> 00:03.000\r\n1 2\r\n");
   fail_unless(document_of(document.text()).cues() == document.cues());
+}
+GST_END_TEST;
+
+/// Blocks that the reader takes for comments, styles and regions, whatever they hold.
+GST_START_TEST(test_arrow_in_a_comment)
+{
+  for (const char *first : { "NOTE slower --> faster", "NOTE\t-->", "STYLE -->", "REGION a-->b" }) {
+    const std::string file = std::string("WEBVTT - a --> b\n\nNOTE tactile grid=1x2\n\n") + first
+                             + "\nmore\n\n00:01.000 --> 00:02.000\n1 2\n";
+    Document document = document_of(file);
+    fail_unless(document.cues() == std::vector<Cue>{ cue(1000, 2000, { 1, 2 }) }, "%s", first);
+    fail_unless(
+        document.apply({ { .at = 0, .remove = 1, .insert = { cue(500, 600, { 3, 4 }) } } }));
+    fail_unless(document.text().find(std::string(first) + "\nmore\n") != std::string::npos);
+    fail_unless(document_of(document.text()).cues() == document.cues());
+  }
+}
+GST_END_TEST;
+
+/// Any track that can be read can be drawn into, emptied and drawn into again, and read as it is.
+/// What is no note stays in the file.
+GST_START_TEST(test_blocks_stay)
+{
+  const std::string longest(4097, 'x');
+  const std::string grid = "WEBVTT\n\nNOTE tactile grid=1x2\n\n";
+  const std::string one = "00:01.000 --> 00:02.000\n1 2\n";
+  const std::string two = "00:02.000 --> 00:03.000\n3 4\n";
+  std::string many;
+  for (int i = 0; i < 20; i++)
+    many += i == 17 ? "NOTE\n\n" : "NOTE n" + std::to_string(i) + "\n\n";
+  struct Case
+  {
+    std::string file;
+    std::vector<std::string> stays;
+  };
+  const Case cases[] = {
+    { grid + "NOTE remark", { "NOTE remark" } },
+    { grid + one + "\nNOTE remark\n", { "NOTE remark" } },
+    { "WEBVTT\n\nNOTE tactile rate=5\n\n" + one, { "rate=5" } },
+    { grid + one + "\nNOTE a\n\nSTYLE\n::cue {}\n\nNOTE b\n\n" + two, { "STYLE\n::cue {}\n" } },
+    { grid + one + "\nNOTE " + longest + "\n\n" + two, { longest } },
+    { grid + one + "\nREGION\nid:a\n\nNOTE a --> b\n\n" + two, { "id:a", "a --> b" } },
+    { "WEBVTT\n\n" + one + "\nNOTE tactile grid=1x2 rate=7\n\n" + two, { "rate=7" } },
+    { grid + many + one, {} },
+    { grid + one + "\n" + many + two, {} },
+    { "WEBVTT\n\nNOTE tactile grid=1x2\r", {} },
+    { "WEBVTT\n\n" + one + "\n\n00:02.000 --> 00:03.000\r1 2\r\r"
+          + "00:03.000 --> 00:04.000\n1 2\n",
+      {} },
+    { "WEBVTT\n\n00:01.000 --> 00:02.000\r1 2\r\r00:02.000 --> 00:03.000\n1 2\n\n"
+          + std::string("00:03.000 --> 00:04.000\n1 2\n"),
+      {} },
+  };
+  for (const Case &one_case : cases) {
+    const Document original = document_of(one_case.file);
+    const std::size_t count = original.cues().size();
+    std::vector<std::vector<Splice>> edits{
+      { { .at = 0, .remove = 0, .insert = { cue(100, 200, { 5, 6 }) } } },
+      { { .at = count, .remove = 0, .insert = { cue(9000, 9001, { 5, 6 }, { "n" }) } } },
+      { { .at = 0, .remove = count, .insert = {} } },
+      { { .at = 0, .remove = count, .insert = { cue(100, 200, { 5, 6 }, { "n" }) } } },
+    };
+    for (std::size_t i = 0; i < count; i++) {
+      Cue changed = original.cues()[i];
+      edits.push_back({ { .at = i, .remove = 1, .insert = {} } });
+      changed.levels = { 7, 8 };
+      edits.push_back({ { .at = i, .remove = 1, .insert = { changed } } });
+      changed.notes.resize(std::min<std::size_t>(1, changed.notes.size()));
+      edits.push_back({ { .at = i, .remove = 1, .insert = { changed } } });
+      changed.start++; // it moves
+      edits.push_back({ { .at = i, .remove = 1, .insert = { changed } } });
+    }
+    for (const auto &edit : edits) {
+      Document document = original;
+      fail_unless(document.apply(edit).has_value());
+      const std::string text = document.text();
+      Document saved = document_of(text);
+      fail_unless(saved.cues() == document.cues(), "%s", text.c_str());
+      fail_unless(saved.rate() == original.rate(), "%s", text.c_str());
+      ASSERT_TEXT(saved.text(), text.c_str());
+      for (const std::string &block : one_case.stays)
+        fail_unless(text.find(block) != std::string::npos, "no %s in:\n%s", block.c_str(),
+                    text.c_str());
+      // And on from what was saved.
+      fail_unless(saved.apply({ { .at = 0, .remove = saved.cues().size(), .insert = {} } }));
+      Document empty = document_of(saved.text());
+      fail_unless(empty.cues().empty());
+      fail_unless(empty.apply({ { .at = 0, .remove = 0, .insert = { cue(1, 2, { 1, 1 }) } } }));
+      fail_unless(document_of(empty.text()).cues() == empty.cues(), "%s", empty.text().c_str());
+      for (const std::string &block : one_case.stays)
+        fail_unless(empty.text().find(block) != std::string::npos);
+    }
+  }
+}
+GST_END_TEST;
+
+/// More notes than a page takes are lines of the last one.
+GST_START_TEST(test_too_many_notes)
+{
+  std::string file = "WEBVTT\n\n";
+  for (int i = 0; i < 18; i++)
+    file += i == 16 ? "NOTE\n\n" : "NOTE n" + std::to_string(i) + "\n\n";
+  const std::string timing = "00:01.000 --> 00:02.000\n1 2\n";
+  const Document document = document_of(file + timing);
+  fail_unless(document.cues()[0].notes.size() == 16);
+  ASSERT_TEXT(document.cues()[0].notes[15], "n15\nn17");
+  fail_unless(document.text() == file + timing);
+  const auto full = Document::read(file + "NOTE " + std::string(4096, 'x') + "\n\n" + timing);
+  fail_unless(!full && full.error().text().find("16 notes") != std::string::npos);
 }
 GST_END_TEST;
 
@@ -282,6 +393,9 @@ desk_document_suite()
   suite_add_tcase(suite, tests);
   tcase_add_test(tests, test_bytes_stay);
   tcase_add_test(tests, test_changed_cue);
+  tcase_add_test(tests, test_arrow_in_a_comment);
+  tcase_add_test(tests, test_blocks_stay);
+  tcase_add_test(tests, test_too_many_notes);
   tcase_add_test(tests, test_refused);
   tcase_add_test(tests, test_random_edits);
   tcase_add_test(tests, test_operations);

@@ -398,6 +398,25 @@ GST_START_TEST(test_nonsense)
 }
 GST_END_TEST;
 
+/// A position that is told twice within a tenth of a second was not renewed yet.
+GST_START_TEST(test_told_twice)
+{
+  PositionEstimator estimator;
+  const auto tell = [&estimator](Time asked, Time position) {
+    estimator.report(
+        { .received = asked + 1ms, .asked = asked, .position = position, .film = "f" });
+  };
+  for (Time at = 10s; at < 12s; at += 150ms)
+    tell(at, at);
+  const Time last = 11950ms;
+  tell(last + 60ms, last);
+  assert_near(estimator, last + 70ms, last + 70ms, 5ms);
+  ck_assert(estimator.at(last + 70ms)->rate == 1);
+  tell(last + 120ms, last);
+  ck_assert(estimator.at(last + 130ms)->rate == 0);
+}
+GST_END_TEST;
+
 static Suite *
 position_estimator_suite(void)
 {
@@ -419,6 +438,7 @@ position_estimator_suite(void)
   tcase_add_test(tcase, test_new_film);
   tcase_add_test(tcase, test_too_coarse);
   tcase_add_test(tcase, test_nonsense);
+  tcase_add_test(tcase, test_told_twice);
   return suite;
 }
 
