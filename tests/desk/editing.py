@@ -6,6 +6,7 @@ Usage: editing.py [TEST ...]
 """
 import csv
 import pathlib
+import subprocess
 import tempfile
 import time
 
@@ -13,7 +14,7 @@ from selenium.webdriver.common.action_chains import ActionChains
 from selenium.webdriver.common.keys import Keys
 
 from chromium import chromium
-from desk_page import Page, changed_lines, cue, desk_with, run, validate
+from desk_page import Desk, Page, changed_lines, cue, desk_with, run, validate
 
 PULSE = cue(1000, 1400, {4: 75})
 END = [(19800, 20000, {}, [])]
@@ -60,7 +61,7 @@ def held_keys_are_recorded(driver):
         assert page.track() == END, "one gesture is one step"
 
 
-def a_mouse_paints_and_a_loop_wraps(driver):
+def a_mouse_paints(driver):
     with desk_with(driver) as (desk, _):
         page = Page(driver, desk)
         page.record()
@@ -72,9 +73,12 @@ def a_mouse_paints_and_a_loop_wraps(driver):
         page.play_until(held + 400)
         assert "held" in cell.get_attribute("class")
         ActionChains(driver).release().perform()
+        page.wait("the cell to be let go", lambda: "held" not in cell.get_attribute("class"))
+        released = page.position()
+        page.play_until(released + 300)
         page.keys("k")
         (start, end, levels, _), _ = page.track()
-        assert 300 <= start <= held and end >= held + 400 and levels == {4: 75}, page.track()
+        assert 300 <= start <= held and held + 400 <= end <= released and levels == {4: 75}, page.track()
 
 
 def a_press_without_recording_changes_nothing(driver):
@@ -118,6 +122,77 @@ def operations_work_on_the_track(driver):
         assert page.track() == [(1000, 1400, {4: 75}, []), (2000, 2100, {0: 40}, []), (3000, 3400, {1: 10}, []), *END]
         page.choose("operations", "prune-weaker", value=1000)
         assert page.find("#operations input:invalid"), "1000 % is no level"
+
+
+def the_panel_changes_the_selection(driver):
+    with desk_with(driver, [cue(1000, 1400, {4: 80})]) as (desk, _):
+        page = Page(driver, desk)
+
+        def fill(**values):
+            page.js("for (const [name, value] of Object.entries(arguments[0])) document.forms.selection.elements[name].value = value", values)
+            page.click("#selection button")
+
+        page.go_to(1000)
+        page.keys("j", *[Keys.ARROW_DOWN] * 4, Keys.ENTER)
+        fill(start="2", end="0:02.800")
+        assert page.track() == [(2000, 2800, {4: 80}, []), *END], page.track()
+        fill(level=40)
+        assert page.track()[0][2] == {4: 40}
+        fill(fadeIn=200, fadeOut=100)
+        steps = [(start, levels.get(4, 0)) for start, _, levels, _ in page.track()[:-1]]
+        levels = [level for _, level in steps]
+        top = levels.index(max(levels))
+        assert max(levels) == 40 and levels[0] < 40 and levels[:top + 1] == sorted(levels[:top + 1]) and levels[-1] < 40, steps
+        page.keys((Keys.CONTROL, "z"))
+        assert page.track() == [(2000, 2800, {4: 40}, []), *END], "both fades are one step"
+        page.go_to(2400)
+        page.click("[data-edit=split]")
+        assert page.track() == [(2000, 2400, {4: 40}, []), (2500, 2800, {4: 40}, []), *END], page.track()
+        page.click("[data-edit=merge]")
+        assert page.track() == [(2000, 2800, {4: 40}, []), *END], page.track()
+        page.click("[data-edit=copy]")
+        page.go_to(6000)
+        page.click("[data-edit=paste]")
+        assert page.track()[1] == (6000, 6800, {4: 40}, []), page.track()
+        page.click("[data-edit=erase]")
+        assert page.track() == [(6000, 6800, {4: 40}, []), *END], page.track()
+        fill(comment="nothing is here")
+        assert any("belongs to a cue" in error for error in page.errors()), page.errors()
+
+
+def a_loop_goes_round(driver):
+    with desk_with(driver, [PULSE]) as (desk, _):
+        page = Page(driver, desk)
+        page.go_to(1000)
+        page.keys("j", *[Keys.ARROW_DOWN] * 4, Keys.ENTER)
+        page.click("#loop")
+        page.record()
+        page.keys("k")
+        page.play_until(1200)
+        page.down("1")
+        page.wait("the begin again", lambda: page.position() < 1150)
+        page.play_until(1200)
+        page.up("1")
+        page.keys("k")
+        assert all(1000 <= start and end <= 1450 for start, end, levels, _ in page.track() if 0 in levels), page.track()
+
+
+def a_film_that_the_browser_cannot_play_is_converted(driver):
+    with desk_with(driver, [PULSE]) as (desk, folder):
+        desk.end()
+        film = folder / "old.avi"
+        subprocess.run(["ffmpeg", "-v", "error", "-t", "6", "-i", folder / "film.webm", "-c:v", "mpeg2video", "-c:a", "mp2", film], check=True, timeout=60)
+        with Desk(film, folder / "film.vtt") as other:
+            page = Page(driver, other)
+            assert "film.webm?from=0" in page.js("return document.getElementById('video').currentSrc")
+            shown = lambda: page.js("return document.getElementById('time').value")
+            page.keys("t", "3.5", Keys.ENTER, Keys.ESCAPE)
+            page.wait("the stream from there", lambda: "from=3.5" in page.js("return document.getElementById('video').currentSrc") or page.position() == 3500)
+            page.wait("its picture", lambda: page.js("return document.getElementById('video').readyState >= 2"))
+            assert shown() == "0:03.500", shown()
+            page.keys("k")
+            page.wait("it to go on", lambda: shown() > "0:03.800")
+            driver.get("about:blank")
 
 
 def a_second_page_reads_and_takes_over(driver):
@@ -191,8 +266,9 @@ def an_error_says_what_to_do(driver):
         page.wait("the loss", lambda: page.errors() and page.errors()[0].startswith("The desk cannot be reached."))
 
 
-TESTS = [stamps_are_painted_and_undone, held_keys_are_recorded, a_mouse_paints_and_a_loop_wraps, a_press_without_recording_changes_nothing,
-         transport_steps_frames_and_changes_the_rate, operations_work_on_the_track, a_second_page_reads_and_takes_over, the_chair_plays_along, an_error_says_what_to_do]
+TESTS = [stamps_are_painted_and_undone, held_keys_are_recorded, a_mouse_paints, a_press_without_recording_changes_nothing,
+         transport_steps_frames_and_changes_the_rate, operations_work_on_the_track,
+         the_panel_changes_the_selection, a_loop_goes_round, a_film_that_the_browser_cannot_play_is_converted, a_second_page_reads_and_takes_over, the_chair_plays_along, an_error_says_what_to_do]
 
 if __name__ == "__main__":
     with chromium() as browser:

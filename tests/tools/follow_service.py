@@ -232,7 +232,10 @@ def ways_out():
     film = make_film("ways-out.mkv", 100, pattern=None)
     make_track(film.with_suffix(".csv"), 100)
     mpv = Mpv(film)
+    own.UpdateProperties(f"{LOGIND}.Session", {"LockedHint": True}, dbus_interface=dbusmock.MOCK_IFACE)
     follower = Follower(mpv)
+    follower.wait_for("nothing is felt: the screen is locked")  # it was, before
+    own.UpdateProperties(f"{LOGIND}.Session", {"LockedHint": False}, dbus_interface=dbusmock.MOCK_IFACE)
     wait_until("an inhibitor", lambda: len(inhibitors()) == 1)
     assert [str(part) for part in inhibitors()[0][:2]] == ["sleep", "visuotactile-follow"] and inhibitors()[0][3] == "delay", inhibitors()
     vest.wait_to_feel()
@@ -273,6 +276,11 @@ def ways_out():
     own.UpdateProperties(f"{LOGIND}.Session", {"LockedHint": False}, dbus_interface=dbusmock.MOCK_IFACE)
     goes_on()
     rests("the screen is locked", lock, "the screen is locked again")
+    # The next film of a list begins by itself.
+    begin = time.monotonic()
+    mpv.command("loadfile", str(film))
+    wait_until("the film again", lambda: time.monotonic() > begin + 3)
+    assert not any(on for at, on in vest.lines if at > begin), "felt while the screen is locked"
     begin = time.monotonic()
     while not any(on for at, on in vest.lines if at > begin):
         assert time.monotonic() < begin + LATEST, "started in vain"
@@ -286,6 +294,11 @@ def ways_out():
     session_bus = dbus.SessionBus(private=True)
     rests("the screen saver is on", lambda: session_bus.send_message(active_changed(True)), "the screen saver is on")
     session_bus.send_message(active_changed(False))
+    goes_on()
+    # One that dies.
+    session_bus.request_name("org.freedesktop.ScreenSaver")
+    rests("the screen saver is on", lambda: session_bus.send_message(active_changed(True)), "the screen saver is on again")
+    session_bus.release_name("org.freedesktop.ScreenSaver")
     goes_on()
 
     def told(what, say):

@@ -90,13 +90,26 @@ DraftCache::find(const std::string &film, const AnalysisSettings &settings) cons
   return *std::move(track);
 }
 
+std::optional<DraftCache::Version>
+DraftCache::version(const std::string &film)
+{
+  std::error_code error;
+  const std::uintmax_t size = fs::file_size(film, error);
+  if (error)
+    return std::nullopt;
+  const fs::file_time_type changed = fs::last_write_time(film, error);
+  return error ? std::nullopt : std::optional(Version{ .size = size, .changed = changed });
+}
+
 void
 DraftCache::keep(const tactile::Track &draft, const std::string &film,
-                 const AnalysisSettings &settings) const
+                 const std::optional<Version> &made_of, const AnalysisSettings &settings) const
 {
   const std::string file = path(film, settings);
   if (file.empty())
     throw std::runtime_error("cannot read '" + film + "'");
+  if (version(film) != made_of)
+    throw std::runtime_error("'" + film + "' has changed since");
   if (g_mkdir_with_parents(folder_.c_str(), 0700) != 0)
     throw std::runtime_error("cannot make the folder '" + folder_ + "': " + g_strerror(errno));
   const std::string text = tactile::write_track(draft, tactile::TrackFormat::webvtt, "");

@@ -5,6 +5,7 @@
 #include "tracks/track.h"
 
 #include <cstdint>
+#include <filesystem>
 #include <optional>
 #include <string>
 
@@ -25,9 +26,20 @@ public:
   std::optional<tactile::Track> find(const std::string &film,
                                      const AnalysisSettings &settings) const;
 
-  /// Throws std::runtime_error with the path.
+  /// A film's file at one time. One that is still being downloaded or recorded is another later.
+  struct Version
+  {
+    std::uintmax_t size;
+    std::filesystem::file_time_type changed;
+    bool operator==(const Version &) const = default;
+  };
+  /// As it is now; none: it cannot be looked at.
+  static std::optional<Version> version(const std::string &film);
+
+  /// Throws std::runtime_error with the path, also if the film's file is not that any more of which
+  /// the draft was made.
   void keep(const tactile::Track &draft, const std::string &film,
-            const AnalysisSettings &settings) const;
+            const std::optional<Version> &made_of, const AnalysisSettings &settings) const;
 
   /// Where that is, or would be; empty: the film cannot be read.
   std::string path(const std::string &film, const AnalysisSettings &settings) const;

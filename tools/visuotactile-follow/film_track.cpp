@@ -150,6 +150,7 @@ FilmTrack::make_draft()
     events_.found(std::make_shared<tactile::Draft>(*kept));
     return;
   }
+  made_of_ = DraftCache::version(path_);
   try {
     read(open_analysis(uri_of(path_), analysis_), "a draft that is made while it plays");
   } catch (const std::runtime_error &error) {
@@ -199,7 +200,7 @@ FilmTrack::complete()
     return;
   what_ = "a whole draft";
   try {
-    cache_.keep(draft->track(end, analysis_.rate), path_, analysis_);
+    cache_.keep(draft->track(end, analysis_.rate), path_, made_of_, analysis_);
     events_.told("the draft of '" + film_name(film_) + "' is complete, and kept for the next time");
   } catch (const std::runtime_error &error) {
     events_.told(std::string("the draft is complete, but not kept: ") + error.what());

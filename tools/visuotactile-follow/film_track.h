@@ -70,6 +70,7 @@ private:
   const Events events_;
   const Library library_;
   const DraftCache cache_;
+  std::optional<DraftCache::Version> made_of_; ///< the draft
   std::string film_;
   std::string path_; ///< on this computer; empty: elsewhere
   std::string complaint_;

@@ -26,7 +26,8 @@ constexpr guint kListing = 1000;   ///< ms until all have answered
 constexpr std::size_t kMostPlayers = 16;
 constexpr const char *kMpv = "mpv";
 constexpr const char *kKodi = "kodi";
-constexpr double kNudge = 10; ///< ms, by a signal
+constexpr double kNudge = 10;                                ///< ms, by a signal
+constexpr follow::Time kPatience = std::chrono::seconds(30); ///< after a sleep
 
 const char *
 word(Doing doing)
@@ -65,7 +66,7 @@ Follower::Follower(const FollowSettings &settings)
       chair_(settings.sink, { .told = [this](const std::string &text) { tell(text); },
                               .failed =
                                   [this](const std::string &text) {
-                                    fail(text);
+                                    chair_failed(text);
                                   } })
 {
   g_autoptr(GError) error = nullptr;
@@ -100,7 +101,7 @@ Follower::Follower(const FollowSettings &settings)
   sources_.push_back(g_timeout_add(
       kLookEvery,
       +[](gpointer self) -> gboolean {
-        static_cast<Follower *>(self)->look_for_players();
+        static_cast<Follower *>(self)->look_around();
         return G_SOURCE_CONTINUE;
       },
       this));
@@ -184,6 +185,16 @@ Follower::list()
 }
 
 void
+Follower::look_around()
+{
+  look_for_players();
+  if (std::exchange(opens_again_, false)) {
+    chair_.close();
+    open_chair();
+  }
+}
+
+void
 Follower::look_for_players()
 {
   look_for_mpv();
@@ -259,9 +270,13 @@ Follower::reported(const std::string &key, const Report &report)
   if (found == players_.end() || found->second.is_gone)
     return;
   found->second.estimator.report(report);
-  const bool begins = found->second.last.doing != Doing::playing && report.doing == Doing::playing;
-  found->second.last = report;
-  if (begins && session_)
+  // Not the next film of a list, nor a player of music behind the locked screen.
+  Followed &player = found->second;
+  const bool goes_on = &player == current_ && player.was_paused && report.doing == Doing::playing;
+  if (report.doing != Doing::stalled)
+    player.was_paused = report.doing == Doing::paused;
+  player.last = report;
+  if (goes_on && session_)
     session_->somebody_is_there();
   update();
 }
@@ -326,8 +341,20 @@ Follower::open_chair()
   try {
     chair_.open(track_->rows(), track_->columns());
   } catch (const std::runtime_error &error) {
-    fail(error.what());
+    chair_failed(error.what());
   }
+}
+
+/// After a sleep, a board or a gamepad may take its time to come back.
+void
+Follower::chair_failed(const std::string &text)
+{
+  if (local_time() >= patient_until_) {
+    fail(text);
+    return;
+  }
+  if (!std::exchange(opens_again_, true))
+    tell("the chair is not there yet: " + text);
 }
 
 /// Nobody is in the chair, or somebody is again.
@@ -335,11 +362,13 @@ void
 Follower::rest(bool rests, const std::string &why)
 {
   rests_ = rests;
+  opens_again_ = false;
   if (rests) {
     chair_.close(); // motors at zero when it returns
     tell("nothing is felt: " + why);
   } else {
     tell("the chair is used again");
+    patient_until_ = local_time() + kPatience;
     open_chair();
   }
   cues_.set_track(rests ? nullptr : track_);

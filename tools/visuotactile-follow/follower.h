@@ -54,10 +54,12 @@ private:
   {
     std::unique_ptr<follow::Player> player;
     follow::PositionEstimator estimator{};
-    follow::Report last{}; ///< newest of its kind
+    follow::Report last{};   ///< newest of its kind
+    bool was_paused = false; ///< and has not gone on yet
     bool is_gone = false;
   };
 
+  void look_around();
   void look_for_players();
   void look_for_mpv();
   void found_kodi(GSocketConnection *connection);
@@ -71,6 +73,7 @@ private:
   void change_film();
   void change_track(std::shared_ptr<const tactile::Draft> track);
   void open_chair();
+  void chair_failed(const std::string &text);
   void rest(bool rests, const std::string &why);
   void update();
   double nudge(double by);
@@ -98,6 +101,8 @@ private:
   Chair chair_;
   follow::TrackFollower cues_;
   bool rests_ = false; ///< nobody is in the chair
+  bool opens_again_ = false;
+  follow::Time patient_until_{ 0 };
   std::string failure_;
   std::vector<guint> sources_;
   std::vector<std::string> returned_; ///< names of players that came back before they were removed

@@ -4,6 +4,8 @@
 #include <gio/gunixfdlist.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <memory>
 #include <utility>
 
 namespace {
@@ -40,16 +42,16 @@ SessionWatch::SessionWatch(GDBusConnection *session, Rests rests)
 {
   if (session_ != nullptr) {
     g_object_ref(session_);
-    for (const char *saver : kSavers)
+    for (const char *saver : kSavers) {
       subscribe(
           session_, nullptr, saver, "ActiveChanged", nullptr,
-          +[](GDBusConnection *, const gchar *, const gchar *, const gchar *, const gchar *,
-              GVariant *parameters, gpointer self) {
-            auto *watch = static_cast<SessionWatch *>(self);
-            watch->set(kSaver, flag(parameters));
-            if (!flag(parameters))
-              watch->somebody_is_there();
+          +[](GDBusConnection *, const gchar *, const gchar *, const gchar *interface,
+              const gchar *, GVariant *parameters, gpointer self) {
+            static_cast<SessionWatch *>(self)->set_saver(interface, flag(parameters));
           });
+      names_.push_back(g_bus_watch_name_on_connection(
+          session_, saver, G_BUS_NAME_WATCHER_FLAGS_NONE, on_saver, on_saver_gone, this, nullptr));
+    }
   }
   g_bus_get(G_BUS_TYPE_SYSTEM, canceled_, on_system_bus, this);
 }
@@ -58,6 +60,8 @@ SessionWatch::~SessionWatch()
 {
   g_cancellable_cancel(canceled_);
   g_object_unref(canceled_);
+  for (const guint name : names_)
+    g_bus_unwatch_name(name);
   for (const auto &[bus, subscription] : subscriptions_)
     g_dbus_connection_signal_unsubscribe(bus, subscription);
   if (delay_ >= 0)
@@ -73,6 +77,52 @@ SessionWatch::subscribe(GDBusConnection *bus, const char *sender, const char *in
   subscriptions_.emplace_back(
       bus, g_dbus_connection_signal_subscribe(bus, sender, interface, signal, path, nullptr,
                                               G_DBUS_SIGNAL_FLAGS_NONE, callback, this, nullptr));
+}
+
+/// It may be on already. Where it lies, by the bus's custom, is what its name says.
+void
+SessionWatch::on_saver(GDBusConnection *bus, const gchar *name, const gchar *, gpointer data)
+{
+  auto *self = static_cast<SessionWatch *>(data);
+  std::string path = std::string("/") + name;
+  std::ranges::replace(path, '.', '/');
+  struct Asked
+  {
+    SessionWatch *watch;
+    std::string saver;
+  };
+  g_dbus_connection_call(
+      bus, name, path.c_str(), name, "GetActive", nullptr, G_VARIANT_TYPE("(b)"),
+      G_DBUS_CALL_FLAGS_NO_AUTO_START, -1, self->canceled_,
+      +[](GObject *source, GAsyncResult *result, gpointer asked) {
+        const std::unique_ptr<Asked> mine(static_cast<Asked *>(asked));
+        g_autoptr(GError) error = nullptr;
+        g_autoptr(GVariant) answer
+            = g_dbus_connection_call_finish(G_DBUS_CONNECTION(source), result, &error);
+        if (answer != nullptr && flag(answer)) // if it was canceled, the watch is no more
+          mine->watch->set_saver(mine->saver, true);
+      },
+      new Asked{ self, name });
+}
+
+void
+SessionWatch::on_saver_gone(GDBusConnection *, const gchar *name, gpointer data)
+{
+  auto *self = static_cast<SessionWatch *>(data);
+  if (self->savers_.contains(name))
+    self->set_saver(name, false);
+}
+
+void
+SessionWatch::set_saver(const std::string &saver, bool is_on)
+{
+  if (is_on)
+    savers_.insert(saver);
+  else
+    savers_.erase(saver);
+  set(kSaver, !savers_.empty());
+  if (!is_on)
+    somebody_is_there();
 }
 
 void
@@ -169,10 +219,28 @@ SessionWatch::on_session(GObject *bus, GAsyncResult *result, gpointer data)
         if (g_variant_lookup(changed, "LockedHint", "b", &locked))
           static_cast<SessionWatch *>(watch)->set(kLock, locked != FALSE);
       });
+  g_dbus_connection_call(self->system_, kLogind, path, "org.freedesktop.DBus.Properties", "Get",
+                         g_variant_new("(ss)", kSession, "LockedHint"), G_VARIANT_TYPE("(v)"),
+                         G_DBUS_CALL_FLAGS_NONE, -1, self->canceled_, on_locked, self);
   changes(
       "Unlock",
       +[](GDBusConnection *, const gchar *, const gchar *, const gchar *, const gchar *, GVariant *,
           gpointer watch) { static_cast<SessionWatch *>(watch)->set(kLock, false); });
+}
+
+/// It may be locked already.
+void
+SessionWatch::on_locked(GObject *bus, GAsyncResult *result, gpointer data)
+{
+  g_autoptr(GError) error = nullptr;
+  g_autoptr(GVariant) answer
+      = g_dbus_connection_call_finish(G_DBUS_CONNECTION(bus), result, &error);
+  if (answer == nullptr)
+    return;
+  g_autoptr(GVariant) value = nullptr;
+  g_variant_get(answer, "(v)", &value);
+  if (g_variant_is_of_type(value, G_VARIANT_TYPE_BOOLEAN) && g_variant_get_boolean(value) != FALSE)
+    static_cast<SessionWatch *>(data)->set(kLock, true);
 }
 
 void

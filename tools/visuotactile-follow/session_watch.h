@@ -33,9 +33,13 @@ private:
   void call_logind(const char *method, GVariant *arguments, GAsyncReadyCallback callback);
   void delay_sleep();
   void set(const std::string &reason, bool holds);
+  void set_saver(const std::string &saver, bool is_on);
 
   static void on_system_bus(GObject *source, GAsyncResult *result, gpointer self);
   static void on_session(GObject *bus, GAsyncResult *result, gpointer self);
+  static void on_locked(GObject *bus, GAsyncResult *result, gpointer self);
+  static void on_saver(GDBusConnection *bus, const gchar *name, const gchar *owner, gpointer self);
+  static void on_saver_gone(GDBusConnection *bus, const gchar *name, gpointer self);
   static void on_delay(GObject *bus, GAsyncResult *result, gpointer self);
 
   const Rests rests_;
@@ -43,6 +47,8 @@ private:
   GDBusConnection *session_ = nullptr;
   GDBusConnection *system_ = nullptr;
   std::vector<std::pair<GDBusConnection *, guint>> subscriptions_;
+  std::vector<guint> names_; ///< that are watched
   std::set<std::string> reasons_;
+  std::set<std::string> savers_; ///< that are on
   int delay_ = -1; ///< file descriptor; the computer waits with sleeping until it is closed
 };

@@ -4,7 +4,9 @@
 #include "follow/players/mpris_bus.h"
 #include "follow/players/mpris_state.h"
 
+#include <algorithm>
 #include <array>
+#include <string_view>
 #include <utility>
 
 namespace follow {
@@ -21,15 +23,37 @@ constexpr const char *kProperties = "org.freedesktop.DBus.Properties";
 constexpr guint kAskEvery = 155; ///< ms
 constexpr int kAnswer = 1000;    ///< ms; an answer that comes later is none
 
-/// VLC 3 renews its position after 250 to 290 ms, and seldom later.
-constexpr Time kVlcCoarseness = std::chrono::milliseconds(400);
+/// Players that renew their position now and then.
+struct Known
+{
+  std::string_view name; ///< begins so
+  Time renewed;          ///< after so long at the latest
+  Time later;            ///< than it is told, a picture is on the screen
+};
+constexpr Known kKnown[] = {
+  // VLC 3 after 250 to 290 ms, and seldom later.
+  { .name = "vlc", .renewed = std::chrono::milliseconds(400), .later = Time(0) },
+  // Chromium 156 each 100 ms.
+  { .name = "chromium",
+    .renewed = std::chrono::milliseconds(200),
+    .later = std::chrono::milliseconds(60) },
+};
+
+Known
+known(std::string_view name)
+{
+  for (const Known &one : kKnown)
+    if (name.starts_with(one.name))
+      return one;
+  return {};
+}
 
 class MprisPlayer : public Player
 {
 public:
   MprisPlayer(GDBusConnection *bus, const std::string &bus_name, PlayerEvents events)
       : bus_name_(bus_name), name_(bus_name.substr(std::string(kMprisPrefix).size())),
-        events_(std::move(events)), bus_(bus), canceled_(g_cancellable_new())
+        known_(known(name_)), events_(std::move(events)), bus_(bus), canceled_(g_cancellable_new())
   {
     g_object_ref(bus_);
     subscriptions_[0] = subscribe(kProperties, "PropertiesChanged", kPlayer, on_changed);
@@ -56,10 +80,8 @@ public:
   Habits habits() const override
   {
     Habits habits;
-    if (name_.starts_with("vlc")) {
-      habits.coarseness = kVlcCoarseness;
-      habits.lingers = true;
-    }
+    habits.coarseness = known_.renewed;
+    habits.lingers = known_.renewed > Time(0);
     return habits;
   }
   void ask() override
@@ -136,7 +158,7 @@ private:
     report.sought = true;
     if (g_variant_is_of_type(parameters, G_VARIANT_TYPE("(x)"))) {
       g_autoptr(GVariant) position = g_variant_get_child_value(parameters, 0);
-      report.position = MprisState::position(position);
+      report.position = self->shown(MprisState::position(position));
     }
     self->events_.reported(report);
     self->ask();
@@ -161,9 +183,15 @@ private:
     g_autoptr(GVariant) position = g_variant_get_variant(variant);
     Report report = self->state_.report(local_time());
     report.asked = asked;
-    report.position = MprisState::position(position);
+    report.position = self->shown(MprisState::position(position));
     if (report.position)
       self->events_.reported(report);
+  }
+
+  /// What is on the screen when a position is told.
+  std::optional<Time> shown(std::optional<Time> position) const
+  {
+    return position ? std::optional(std::max(Time(0), *position - known_.later)) : position;
   }
 
   /// Something was told that is no position.
@@ -189,6 +217,7 @@ private:
 
   const std::string bus_name_;
   const std::string name_;
+  const Known known_;
   const PlayerEvents events_;
   GDBusConnection *bus_;
   GCancellable *canceled_;

@@ -95,8 +95,10 @@ MpvConversation::received(std::string_view line, Time now)
     sought_ = true;
   } else if (event == "playback-restart") {
     seeking_ = false; // the property's changes may have been too quick to be told
+  } else if (event == "start-file") {
+    ended_ = false;
   } else if (event == "end-file" || event == "shutdown") {
-    path_.clear();
+    ended_ = true;
   } else if (event != "property-change" || !take(json::text(fields, "name"), fields)) {
     return std::nullopt;
   }
@@ -121,7 +123,7 @@ MpvConversation::shown(Time position) const
 Doing
 MpvConversation::doing() const
 {
-  if (path_.empty())
+  if (ended_ || path_.empty())
     return Doing::stopped;
   if (seeking_)
     return Doing::stalled;
@@ -133,6 +135,8 @@ MpvConversation::doing() const
 std::string
 MpvConversation::film() const
 {
+  if (ended_)
+    return "";
   const bool is_whole = path_.empty() || path_.front() == '/' || is_uri(path_) || folder_.empty();
   return is_whole ? path_ : folder_ + "/" + path_;
 }

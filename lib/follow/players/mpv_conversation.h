@@ -30,6 +30,7 @@ private:
   std::string film() const;
 
   std::string path_;
+  bool ended_ = false; ///< the film there; the next one's path is told only if it is another
   std::string folder_; ///< mpv's working directory
   bool paused_ = false;
   bool idle_ = false; ///< neither plays nor is paused

@@ -81,6 +81,8 @@ GST_START_TEST(test_bytes_stay)
     "WEBVTT\n\nNOTE tactile grid=1x2\n\nNOTE tactile rate=5\n\nNOTE\n\nNOTE a\nb\n\n00:01.000 --> "
     "00:02.000\n1 2\n\nNOTE tactile\n\n8\n00:05.000 --> 00:06.000\n1 2\n",
     "WEBVTT\n\nNOTE tactile grid=1x2",
+    // A note that the standard does not allow.
+    "WEBVTT\n\nNOTE 1 --> 2\n1 2\n\n00:01.000 --> 00:02.000\n1 2\n",
   };
   for (const char *file : files) {
     Document document = document_of(file);

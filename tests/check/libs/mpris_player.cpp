@@ -204,6 +204,20 @@ GST_START_TEST(test_seek)
 }
 GST_END_TEST;
 
+/// Chromium's picture is behind the position that it tells, which it renews now and then.
+GST_START_TEST(test_known_player)
+{
+  constexpr const char *kChromium = "org.mpris.MediaPlayer2.chromium.instance7";
+  Stage stage;
+  stage.own(kChromium);
+  const auto player = open_mpris(stage.ours.get(), kChromium, stage.events());
+  fail_unless(player->habits().lingers && player->habits().coarseness == 200ms);
+  ck_assert(stage.wait_for(has_position).position == 5s - 60ms);
+  stage.tell_seek(10'000);
+  ck_assert(stage.wait_for([](const Report &one) { return one.sought; }).position == 0s);
+}
+GST_END_TEST;
+
 /// What is no time is none, and what is of another type than it should be is left out.
 GST_START_TEST(test_nonsense)
 {
@@ -314,6 +328,7 @@ mpris_player_suite(void)
   suite_add_tcase(suite, tcase);
   tcase_add_test(tcase, test_asks_while_it_plays);
   tcase_add_test(tcase, test_seek);
+  tcase_add_test(tcase, test_known_player);
   tcase_add_test(tcase, test_nonsense);
   tcase_add_test(tcase, test_bus);
   tcase_add_test(tcase, test_two_names);

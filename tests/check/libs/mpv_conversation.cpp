@@ -144,7 +144,12 @@ GST_START_TEST(test_films)
             == "https://example.org/a.mkv");
   ck_assert(talk.property("path", R"("/b \"c\".mkv")").film == "/b \"c\".mkv");
   ck_assert(talk.tells(R"({"event":"end-file","reason":"eof"})").doing == Doing::stopped);
-  talk.property("path", "\"d.mkv\"");
+  talk.tells(R"({"event":"start-file","playlist_entry_id":2})");
+  const std::string last = talk.property("path", "\"d.mkv\"").film;
+  ck_assert(last.ends_with("d.mkv"));
+  // The same film again: its path is not told again.
+  ck_assert(talk.tells(R"({"event":"end-file","reason":"stop"})").film.empty());
+  ck_assert(talk.tells(R"({"event":"start-file","playlist_entry_id":3})").film == last);
   ck_assert(talk.tells(R"({"event":"shutdown"})").doing == Doing::stopped);
   const std::string long_path(5000, 'a');
   ck_assert(talk.property("path", ("\"" + long_path + "\"").c_str()).doing == Doing::stopped);
