@@ -103,8 +103,6 @@ Journal::append(std::string_view base, std::string_view edit)
     bytes = std::string(kHeader) + text + "\n";
   }
   bytes.append(edit).append("\n");
-  if (size_ + bytes.size() > kLargest)
-    return tl::unexpected("'" + path_ + "' is full; save the track, which empties it");
   const auto size = static_cast<off_t>(size_);
   if (ftruncate(file_.descriptor(), size) == 0 && lseek(file_.descriptor(), size, SEEK_SET) == size
       && write_all(file_, bytes) && fdatasync(file_.descriptor()) == 0) {
