@@ -9,7 +9,7 @@ import pathlib
 import signal
 
 from chromium import chromium
-from desk_page import Listener, Page, cue, desk_with, run, validate
+from desk_page import Keys, Listener, Page, cue, desk_with, run, validate
 
 PULSE = cue(1000, 1400, {4: 75})
 END = [(19800, 20000, {}, [])]
