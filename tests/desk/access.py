@@ -114,7 +114,18 @@ def pages_of_half_and_a_quarter_width_scroll_one_way(driver):
             driver.execute_cdp_cmd("Emulation.clearDeviceMetricsOverride", {})
 
 
-TESTS = [every_control_has_a_name, text_has_contrast, pages_of_half_and_a_quarter_width_scroll_one_way]
+def the_table_of_cues_says_where_the_film_is(driver):
+    with desk_with(driver, CUES) as (desk, _):
+        page = Page(driver, desk)
+        page.go_to(2500)
+        page.click("#track summary")
+        current = lambda: [row.text for row in page.all("#cue-table [aria-current]")]
+        page.wait("the cue at 2.5 s", lambda: current() and "0:02.000" in current()[0])
+        page.go_to(1100)
+        page.wait("the cue at 1.1 s", lambda: current() and "0:01.000" in current()[0] and "a comment" in current()[0])
+
+
+TESTS = [every_control_has_a_name, the_table_of_cues_says_where_the_film_is, text_has_contrast, pages_of_half_and_a_quarter_width_scroll_one_way]
 
 if __name__ == "__main__":
     with chromium() as browser:

@@ -99,6 +99,7 @@ class Page {
     grid.addEventListener('press', ({ detail }) => this.feel.brief(detail.levels, 300));
     choiceForm($('operations'), 'Operation', OPERATIONS, (kind, values) => this.#operate(kind, values));
     this.#bind();
+    $('cue-table').closest('details').addEventListener('toggle', () => this.#showTime());
     window.addEventListener('keydown', (event) => this.#key(event));
     window.addEventListener('resize', () => this.#showTime());
     window.addEventListener('beforeunload', (event) => {
@@ -276,7 +277,7 @@ class Page {
     const { position } = film;
     timeline.follow = !film.paused;
     timeline.playhead = position;
-    if (table.element?.closest('details').open ?? true)
+    if ($('cue-table').closest('details').open)
       table.playhead = position;
     if (document.activeElement !== $('time'))
       $('time').value = formatTime(position);
