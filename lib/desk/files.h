@@ -62,9 +62,9 @@ bool sync_folder(const std::string &path);
 tl::expected<std::string, std::string> replace_file(const std::string &path,
                                                     std::string_view bytes);
 
-/// Keeps what a file has now as "PATH.desk~N~", with N one above the highest, and removes those that
-/// are `most` older. Returns its name without the folder; empty if there is no file. Other programs
-/// name theirs "PATH.~N~": these are left alone.
+/// Keeps what a file has now as "PATH.desk~N~", with N one above the highest, and removes those
+/// that are `most` older. Returns its name without the folder; empty if there is no file. Other
+/// programs name theirs "PATH.~N~": these are left alone.
 tl::expected<std::string, std::string> keep_version(const std::string &path, int most);
 
 } // namespace desk

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 //
-// The desk's files and its journal on disks that fail, and beside other programs. The system's calls
-// are this program's own, so that they can fail.
+// The desk's files and its journal on disks that fail, and beside other programs. The system's
+// calls are this program's own, so that they can fail.
 #include <fstream>
 
 #include "desk/journal.h"
