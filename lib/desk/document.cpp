@@ -6,7 +6,6 @@
 #include <glib.h>
 
 #include <algorithm>
-#include <iterator>
 #include <utility>
 
 namespace desk {
@@ -27,40 +26,88 @@ times_of(const Cue &cue)
   return std::to_string(cue.start) + " to " + std::to_string(cue.end) + " ms";
 }
 
-template <typename Values>
-auto
-place(Values &values, std::size_t index)
+/// Splices in a row. Cues are moved between what is before the place of a splice and what is after,
+/// so that one near the last costs little, however many cues there are.
+class Splicing
 {
-  return values.begin() + static_cast<std::ptrdiff_t>(index);
-}
+public:
+  explicit Splicing(std::vector<Cue> &cues) : before_(cues)
+  {
+  }
+  ~Splicing()
+  {
+    go_to(size());
+  }
+  Splicing(const Splicing &) = delete;
+  Splicing &operator=(const Splicing &) = delete;
 
-/// Applies a splice that fits, and returns the one that takes it back.
-Splice
-spliced(std::vector<Cue> &cues, std::size_t at, std::size_t remove, std::vector<Cue> insert)
+  std::size_t size() const
+  {
+    return before_.size() + after_.size();
+  }
+  /// How many cues have been moved.
+  std::size_t steps() const
+  {
+    return steps_;
+  }
+
+  /// Applies a splice that fits, and returns the one that takes it back.
+  Splice operator()(const Splice &splice)
+  {
+    Splice back{ .at = splice.at, .remove = splice.insert.size(), .insert = {} };
+    go_to(splice.at);
+    back.insert.reserve(splice.remove);
+    for (std::size_t i = 0; i < splice.remove; i++)
+      back.insert.push_back(take(after_));
+    before_.insert(before_.end(), splice.insert.begin(), splice.insert.end());
+    return back;
+  }
+
+private:
+  static Cue take(std::vector<Cue> &cues)
+  {
+    Cue cue = std::move(cues.back());
+    cues.pop_back();
+    return cue;
+  }
+
+  void go_to(std::size_t at)
+  {
+    for (; before_.size() > at; steps_++)
+      after_.push_back(take(before_));
+    for (; before_.size() < at; steps_++)
+      before_.push_back(take(after_));
+  }
+
+  std::vector<Cue> &before_;
+  std::vector<Cue> after_; ///< the last first
+  std::size_t steps_ = 0;
+};
+
+/// At most what a cue takes in a file.
+std::size_t
+size_in_file(const Cue &cue)
 {
-  Splice back{ .at = at, .remove = insert.size(), .insert = {} };
-  const auto first = place(cues, at);
-  const auto last = place(cues, at + remove);
-  back.insert.assign(std::make_move_iterator(first), std::make_move_iterator(last));
-  const std::size_t in_place = std::min(remove, insert.size());
-  std::move(insert.begin(), place(insert, in_place), first);
-  if (insert.size() > remove)
-    cues.insert(place(cues, at + in_place), std::make_move_iterator(place(insert, in_place)),
-                std::make_move_iterator(insert.end()));
-  else
-    cues.erase(place(cues, at + in_place), place(cues, at + remove));
-  return back;
+  constexpr std::size_t kTimes = 64;
+  constexpr std::size_t kLevel = 6; // "100%" and a line end
+  constexpr std::size_t kNote = 16; // "NOTE" and line ends
+  std::size_t size = kTimes + kLevel * cue.levels.size();
+  for (const std::string &note : cue.notes)
+    size += kNote + 2 * note.size(); // each \n may become \r\n
+  return size;
 }
 
 } // namespace
 
-Document::Document(TrackText text, const tactile::Grid &grid, double rate)
-    : text_(std::move(text)), grid_(grid), rate_(rate), cues_(text_.cues())
+Document::Document(TrackText text, const tactile::Grid &grid, double rate, std::size_t size,
+                   std::size_t most)
+    : text_(std::move(text)), grid_(grid), rate_(rate), cues_(text_.cues()), most_(most),
+      size_(size)
 {
 }
 
 tl::expected<Document, tactile::FormatError>
-Document::read(std::string_view text)
+Document::read(std::string_view text, std::size_t most)
 {
   if (!g_utf8_validate(text.data(), static_cast<gssize>(text.size()), nullptr))
     return tl::unexpected(tactile::FormatError{
@@ -69,7 +116,7 @@ Document::read(std::string_view text)
   if (!track)
     return tl::unexpected(track.error());
   const tactile::Grid grid{ track->rows(), track->columns() };
-  Document document(TrackText(text, grid), grid, track->rate());
+  Document document(TrackText(text, grid), grid, track->rate(), text.size(), most);
   if (document.cues_.size() > kMostCues)
     return tl::unexpected(
         tactile::FormatError{ .place = {},
@@ -115,30 +162,57 @@ Document::check_order() const
   return {};
 }
 
+/// Makes the size exact if it may be too large.
+Applied
+Document::check_size(std::size_t &size) const
+{
+  if (size > most_)
+    size = text().size();
+  if (size <= most_)
+    return {};
+  return refused("the track would have " + std::to_string(size) + " bytes, more than the "
+                 + std::to_string(most_) + " that are read again");
+}
+
 tl::expected<std::vector<Splice>, std::string>
 Document::apply(const std::vector<Splice> &splices)
 {
+  constexpr std::size_t kMostSteps = 100 * kMostCues;
   Applied applied;
   std::vector<Splice> back; // the last first
-  for (const Splice &splice : splices) {
-    if (splice.at > cues_.size() || splice.remove > cues_.size() - splice.at)
-      applied = refused("expected a splice within " + std::to_string(cues_.size())
-                        + " cues, got one at " + std::to_string(splice.at) + " that removes "
-                        + std::to_string(splice.remove));
-    for (const Cue &cue : splice.insert)
-      if (applied)
-        applied = check(cue);
-    if (!applied)
-      break;
-    back.push_back(spliced(cues_, splice.at, splice.remove, splice.insert));
+  std::size_t size = size_;
+  {
+    Splicing splicing(cues_);
+    for (const Splice &splice : splices) {
+      if (splice.at > splicing.size() || splice.remove > splicing.size() - splice.at)
+        applied = refused("expected a splice within " + std::to_string(splicing.size())
+                          + " cues, got one at " + std::to_string(splice.at) + " that removes "
+                          + std::to_string(splice.remove));
+      else if (splicing.steps() > kMostSteps)
+        applied = refused("expected splices in the order of their cues, got "
+                          + std::to_string(splices.size()) + " far from each other");
+      for (const Cue &cue : splice.insert) {
+        if (applied)
+          applied = check(cue);
+        size += size_in_file(cue);
+      }
+      if (!applied)
+        break;
+      back.push_back(splicing(splice));
+    }
   }
   std::ranges::reverse(back);
   if (applied)
     applied = check_order();
   if (applied)
+    applied = check_size(size);
+  if (applied) {
+    size_ = size;
     return back;
-  for (Splice &splice : back)
-    spliced(cues_, splice.at, splice.remove, std::move(splice.insert));
+  }
+  Splicing splicing(cues_);
+  for (const Splice &splice : back)
+    splicing(splice);
   return tl::unexpected(applied.error());
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "desk/track_text.h"
+#include "tracks/formats/track_file.h"
 #include "tracks/text_cue.h"
 #include "tracks/track.h"
 
@@ -14,8 +15,10 @@ namespace desk {
 class Document
 {
 public:
-  /// Fails if the text is no WebVTT track in UTF-8, or has over kMostCues cues.
-  static tl::expected<Document, tactile::FormatError> read(std::string_view text);
+  /// Fails if the text is no WebVTT track in UTF-8, or has over kMostCues cues. Edits that would
+  /// make it larger than `most` bytes are refused.
+  static tl::expected<Document, tactile::FormatError>
+  read(std::string_view text, std::size_t most = tactile::kMaxTrackFile);
 
   const tactile::Grid &grid() const
   {
@@ -37,7 +40,8 @@ public:
   }
 
   /// Applies the splices one after the other, and returns those that take them back; or none of
-  /// them, and tells what is wrong.
+  /// them, and tells what is wrong. The time grows with the cues between one splice and the next,
+  /// which is limited: any number of splices fits in their order.
   tl::expected<std::vector<Splice>, std::string> apply(const std::vector<Splice> &splices);
 
   /// The file with the cues as they are now.
@@ -50,14 +54,18 @@ public:
   tactile::Track track() const;
 
 private:
-  Document(TrackText text, const tactile::Grid &grid, double rate);
+  Document(TrackText text, const tactile::Grid &grid, double rate, std::size_t size,
+           std::size_t most);
   tl::expected<void, std::string> check(const Cue &cue) const;
   tl::expected<void, std::string> check_order() const;
+  tl::expected<void, std::string> check_size(std::size_t &size) const;
 
   TrackText text_;
   tactile::Grid grid_;
   double rate_;
   std::vector<Cue> cues_;
+  std::size_t most_;
+  std::size_t size_; ///< of the file at most
 };
 
 } // namespace desk

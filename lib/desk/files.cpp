@@ -17,6 +17,8 @@ namespace desk {
 
 namespace {
 
+constexpr std::string_view kVersion = ".desk~"; ///< and a number and "~"
+
 tl::unexpected<std::string>
 failed(const std::string &path)
 {
@@ -30,29 +32,22 @@ folder_of(const std::string &path)
   return folder.empty() ? "." : folder;
 }
 
-bool
-sync_folder(const std::string &path)
-{
-  const File folder(open(folder_of(path).c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
-  // Some file systems cannot do that; the file itself is on the disk.
-  return folder && (fsync(folder.descriptor()) == 0 || errno == EINVAL);
-}
-
 /// The numbers of the versions that are kept.
 std::vector<int>
 versions(const std::string &path)
 {
   std::vector<int> numbers;
-  const std::string stem = fs::path(path).filename().string() + ".~";
-  std::error_code ignored;
-  for (const auto &entry : fs::directory_iterator(folder_of(path), ignored)) {
-    const std::string name = entry.path().filename().string();
+  const std::string stem = fs::path(path).filename().string() + std::string(kVersion);
+  std::error_code error;
+  for (fs::directory_iterator entry(folder_of(path), error), none; !error && entry != none;
+       entry.increment(error)) {
+    const std::string name = entry->path().filename().string();
     if (!name.starts_with(stem) || !name.ends_with('~') || name.size() <= stem.size())
       continue;
     int number = 0;
     const char *const end = name.data() + name.size() - 1;
-    const auto [stop, error] = std::from_chars(name.data() + stem.size(), end, number);
-    if (error == std::errc() && stop == end && number > 0 && number < 1'000'000'000)
+    const auto [stop, wrong] = std::from_chars(name.data() + stem.size(), end, number);
+    if (wrong == std::errc() && stop == end && number > 0 && number < 1'000'000'000)
       numbers.push_back(number);
   }
   return numbers;
@@ -114,7 +109,15 @@ write_all(const File &file, std::string_view bytes)
   return true;
 }
 
-tl::expected<void, std::string>
+bool
+sync_folder(const std::string &path)
+{
+  const File folder(open(folder_of(path).c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+  // Some folders can be written to but not read, and some file systems cannot do that.
+  return folder ? fsync(folder.descriptor()) == 0 || errno == EINVAL : errno == EACCES;
+}
+
+tl::expected<std::string, std::string>
 replace_file(const std::string &path, std::string_view bytes)
 {
   const fs::path whole(path);
@@ -129,13 +132,18 @@ replace_file(const std::string &path, std::string_view bytes)
   const mode_t mask = umask(0);
   umask(mask);
   const mode_t mode = was_there ? before.st_mode & 07777 : 0666 & ~mask;
-  if (write_all(file, bytes) && fchmod(file.descriptor(), mode) == 0
-      && fsync(file.descriptor()) == 0 && rename(part.c_str(), path.c_str()) == 0
-      && sync_folder(path))
-    return {};
-  auto error = failed(path);
-  unlink(part.c_str());
-  return error;
+  const auto has_mode = [&] {
+    return fchmod(file.descriptor(), mode) == 0 || errno == EPERM; // FAT has no permissions
+  };
+  if (!write_all(file, bytes) || !has_mode() || fsync(file.descriptor()) != 0
+      || rename(part.c_str(), path.c_str()) != 0) {
+    auto error = failed(path);
+    unlink(part.c_str());
+    return error;
+  }
+  return sync_folder(path)
+             ? std::string()
+             : file_error(folder_of(path)) + ", after the file was written; save it elsewhere, too";
 }
 
 tl::expected<std::string, std::string>
@@ -149,7 +157,7 @@ keep_version(const std::string &path, int most)
   for (const int number : numbers)
     newest = std::max(newest, number);
   const auto named = [&](int number) {
-    return path + ".~" + std::to_string(number) + "~";
+    return path + std::string(kVersion) + std::to_string(number) + "~";
   };
   newest++;
   fs::create_hard_link(path, named(newest), error); // the new file has another inode

@@ -53,11 +53,18 @@ tl::expected<std::string, std::string> read_whole(const File &file, const std::s
 /// False, with errno, if not all can be written.
 bool write_all(const File &file, std::string_view bytes);
 
-/// The file is replaced as a whole, and is on the disk. It keeps its permissions.
-tl::expected<void, std::string> replace_file(const std::string &path, std::string_view bytes);
+/// Writes to the disk that a file of this name is there. False, with errno, if it fails; true where
+/// a folder cannot be written.
+bool sync_folder(const std::string &path);
 
-/// Keeps what a file has now as "PATH.~N~", with N one above the highest, and removes those that
-/// are `most` older. Returns its name without the folder; empty if there is no file.
+/// The file is replaced as a whole, and is on the disk. It keeps its permissions where files have
+/// some. Returns a warning if it is in place, but was perhaps not written to the disk; else none.
+tl::expected<std::string, std::string> replace_file(const std::string &path,
+                                                    std::string_view bytes);
+
+/// Keeps what a file has now as "PATH.desk~N~", with N one above the highest, and removes those
+/// that are `most` older. Returns its name without the folder; empty if there is no file. Other
+/// programs name theirs "PATH.~N~": these are left alone.
 tl::expected<std::string, std::string> keep_version(const std::string &path, int most);
 
 } // namespace desk

@@ -7,6 +7,7 @@
 #include <cstdio>
 #include <fcntl.h>
 #include <sys/file.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 namespace desk {
@@ -16,29 +17,57 @@ namespace {
 constexpr std::string_view kHeader = "visuotactile desk journal 1 ";
 constexpr std::size_t kLargest = std::size_t{ 1 } << 30;
 
+bool
+has_name(const File &file, const std::string &path)
+{
+  struct stat opened
+  {
+  };
+  struct stat named
+  {
+  };
+  return fstat(file.descriptor(), &opened) == 0 && lstat(path.c_str(), &named) == 0
+         && opened.st_ino == named.st_ino && opened.st_dev == named.st_dev;
+}
+
 } // namespace
 
 tl::expected<Journal, std::string>
 Journal::open(const std::string &path)
 {
-  File file(::open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0600));
-  if (!file)
-    return tl::unexpected(file_error(path)
-                          + "; expected a folder that can be written to, for the journal of edits");
-  if (flock(file.descriptor(), LOCK_EX | LOCK_NB) != 0)
-    return tl::unexpected("'" + path
-                          + "' is in use: the track is open at another desk; close that one");
-  return Journal(std::move(file), path);
+  for (;;) {
+    File file(::open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0600));
+    if (!file)
+      return tl::unexpected(
+          file_error(path)
+          + "; expected a folder that can be written to, for the journal of edits");
+    if (flock(file.descriptor(), LOCK_EX | LOCK_NB) != 0)
+      return tl::unexpected("'" + path
+                            + "' is in use: the track is open at another desk; close that one");
+    if (!has_name(file, path)) // the desk that had it has removed it since
+      continue;
+    if (!sync_folder(path))
+      return tl::unexpected(file_error(path));
+    return Journal(std::move(file), path);
+  }
 }
 
 tl::expected<Journal::Content, std::string>
 Journal::read()
 {
+  Content content;
+  size_ = 0;
+  struct stat status
+  {
+  };
+  if (fstat(file_.descriptor(), &status) == 0
+      && static_cast<std::size_t>(status.st_size) > kLargest) {
+    content.damaged = true;
+    return content;
+  }
   const auto bytes = read_whole(file_, path_, kLargest);
   if (!bytes)
     return tl::unexpected(bytes.error());
-  Content content;
-  size_ = 0;
   std::string_view rest = *bytes;
   for (std::size_t end = 0; (end = rest.find('\n')) != std::string_view::npos;
        rest.remove_prefix(end + 1)) {
@@ -66,14 +95,14 @@ tl::expected<void, std::string>
 Journal::append(std::string_view base, std::string_view edit)
 {
   std::string bytes;
+  if (size_ + edit.size() + base.size() / 3 * 4 + kHeader.size() + 8 > kLargest)
+    return tl::unexpected("'" + path_ + "' is full; save the track, which empties it");
   if (size_ == 0) {
     g_autofree gchar *text
         = g_base64_encode(reinterpret_cast<const guchar *>(base.data()), base.size());
     bytes = std::string(kHeader) + text + "\n";
   }
   bytes.append(edit).append("\n");
-  if (size_ + bytes.size() > kLargest)
-    return tl::unexpected("'" + path_ + "' is full; save the track, which empties it");
   const auto size = static_cast<off_t>(size_);
   if (ftruncate(file_.descriptor(), size) == 0 && lseek(file_.descriptor(), size, SEEK_SET) == size
       && write_all(file_, bytes) && fdatasync(file_.descriptor()) == 0) {
@@ -89,9 +118,11 @@ Journal::append(std::string_view base, std::string_view edit)
 tl::expected<void, std::string>
 Journal::clear()
 {
-  if (ftruncate(file_.descriptor(), 0) != 0 || fsync(file_.descriptor()) != 0)
+  if (ftruncate(file_.descriptor(), 0) != 0)
     return tl::unexpected(file_error(path_));
-  size_ = 0;
+  size_ = 0; // whether or not the disk has it
+  if (fsync(file_.descriptor()) != 0)
+    return tl::unexpected(file_error(path_));
   return {};
 }
 
@@ -106,11 +137,11 @@ Journal::set_aside()
 {
   for (int number = 1;; number++) {
     const std::string name = path_ + ".damaged-" + std::to_string(number);
-    if (link(path_.c_str(), name.c_str()) != 0 && errno == EEXIST)
+    // Some file systems have no links. Nobody else gives such names: we have the journal.
+    if (access(name.c_str(), F_OK) == 0)
       continue;
-    else if (access(name.c_str(), F_OK) != 0)
+    if (rename(path_.c_str(), name.c_str()) != 0)
       return tl::unexpected(file_error(name));
-    remove();
     tl::expected<Journal, std::string> fresh = open(path_);
     if (!fresh)
       return tl::unexpected(fresh.error());

@@ -21,13 +21,14 @@ public:
   {
     std::string base;               ///< the text
     std::vector<std::string> edits; ///< complete lines
-    bool damaged = false;           ///< it is none of ours
+    bool damaged = false;           ///< it is none of ours, or too large for one
   };
   /// What is in it. An unfinished last line, which was never answered, is left out; the next
   /// append() cuts it off.
   tl::expected<Content, std::string> read();
 
-  /// Adds an edit, after `base` if it is the first. Without room nothing has changed.
+  /// Adds an edit, after `base` if it is the first. Without room, on the disk or below 1 GiB,
+  /// nothing has changed.
   tl::expected<void, std::string> append(std::string_view base, std::string_view edit);
 
   /// Without edits from now on.

@@ -329,7 +329,8 @@ read_page(std::string_view body)
     return expected("a JSON object with page, a name of 1 to 64 letters and digits");
   return PageMessage{ .page = *std::move(page),
                       .take = json::truth(message.object(), "take").value_or(false),
-                      .give = json::truth(message.object(), "give").value_or(false) };
+                      .give = json::truth(message.object(), "give").value_or(false),
+                      .over = json::truth(message.object(), "over").value_or(false) };
 }
 
 Read<PositionMessage>

@@ -42,6 +42,7 @@ struct PageMessage
   std::string page;
   bool take = false;
   bool give = false;
+  bool over = false;
 };
 Read<PageMessage> read_page(std::string_view body);
 

@@ -167,8 +167,11 @@ Session::recover(const Journal::Content &content)
   }
   if (count > 0) {
     const std::string name = free_name(path_);
-    if (const auto written = replace_file(name, document->text()); !written)
+    const auto written = replace_file(name, document->text());
+    if (!written)
       return tl::unexpected(written.error());
+    if (!written->empty())
+      messages_.push_back(*written);
     messages_.push_back("another program has changed the track since it was edited here; the "
                         "edited one is '"
                         + name + "'");
@@ -200,7 +203,7 @@ Session::edit(const EditMessage &message)
 }
 
 tl::expected<Session::Saved, Refusal>
-Session::save()
+Session::save(bool over)
 {
   const auto there = read_whole(path_, tactile::kMaxTrackFile);
   if (revision_ == saved_ && there && *there == text_)
@@ -212,11 +215,22 @@ Session::save()
                                    .text = "the track would not be read as it is; nothing was "
                                            "saved, and the journal has all edits"
                                            + (document ? "" : ": " + document.error().text()) });
+  std::error_code ignored;
+  const bool is_known = there ? *there == text_ || *there == text : !fs::exists(path_, ignored);
+  if (!is_known && !over)
+    return tl::unexpected(Refusal{
+        .kind = Refusal::Kind::changed,
+        .text = "another program has changed '" + path_
+                + "' since it was opened or saved here; expected the same file, or \"over\": its "
+                  "text is kept as another version then" });
   auto kept = keep_version(path_, kMostVersions);
   if (!kept)
     return on_disk(kept.error());
-  if (const auto written = replace_file(path_, text); !written)
+  const auto written = replace_file(path_, text);
+  if (!written)
     return on_disk(written.error());
+  if (!written->empty())
+    messages_.push_back(*written);
   text_ = std::move(text);
   document_ = *std::move(document);
   saved_ = revision_;

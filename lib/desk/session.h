@@ -19,6 +19,7 @@ struct Refusal
   {
     invalid, ///< it makes no sense, or cues would overlap
     stale,   ///< it was made for another revision
+    changed, ///< another program has changed the file
     disk,    ///< it cannot be written; later it may
   };
   Kind kind = Kind::invalid;
@@ -73,7 +74,9 @@ public:
   {
     std::string kept; ///< the name of what was there; empty: nothing, or nothing has changed
   };
-  tl::expected<Saved, Refusal> save();
+  /// Refuses to replace what another program has written since the file was opened or saved here,
+  /// unless it is to be saved over.
+  tl::expected<Saved, Refusal> save(bool over = false);
 
   /// Removes the journal if all is saved.
   ~Session();

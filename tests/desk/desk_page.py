@@ -16,6 +16,9 @@ from selenium.webdriver.support.ui import Select
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "tools"))
 from desk_driver import Desk, make_film, wait_until, Page as Listener  # noqa: E402, F401
 
+_cache = tempfile.TemporaryDirectory(prefix="desk-cache-", ignore_cleanup_errors=True)
+os.environ["XDG_CACHE_HOME"] = _cache.name  # for drafts; gone at the end
+
 HEADER = "WEBVTT\n\nNOTE tactile grid=3x3 rate=5\n"
 
 

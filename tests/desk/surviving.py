@@ -9,7 +9,7 @@ import pathlib
 import signal
 
 from chromium import chromium
-from desk_page import Listener, Page, cue, desk_with, run, validate
+from desk_page import Keys, Listener, Page, cue, desk_with, run, validate
 
 PULSE = cue(1000, 1400, {4: 75})
 END = [(19800, 20000, {}, [])]
@@ -114,7 +114,25 @@ def a_browser_is_killed_in_the_middle(driver):
         validate(folder / "film.vtt")
 
 
-TESTS = [a_reload_keeps_what_was_edited, edits_that_did_not_get_through_are_sent_later, edits_are_sent_when_the_line_is_back,
+def another_program_has_changed_the_file(driver):
+    with desk_with(driver, [PULSE]) as (desk, folder):
+        page = Page(driver, desk)
+        page.stamp(0, 5000)
+        page.settled()
+        theirs = (folder / "film.vtt").read_text() + "\nNOTE by another program\n"
+        (folder / "film.vtt").write_text(theirs)
+        for _ in range(2):
+            page.keys((Keys.CONTROL, "s"))
+            page.wait("the question", lambda: page.js("return document.querySelectorAll('#save-over').length") == 1)
+            assert (folder / "film.vtt").read_text() == theirs
+        page.click("#save-over")
+        page.wait("the save", lambda: page.find("#save-state").get_attribute("data-state") == "saved")
+        assert "by another program" not in (folder / "film.vtt").read_text()
+        assert (folder / "film.vtt.desk~1~").read_text() == theirs
+        validate(folder / "film.vtt")
+
+
+TESTS = [another_program_has_changed_the_file, a_reload_keeps_what_was_edited, edits_that_did_not_get_through_are_sent_later, edits_are_sent_when_the_line_is_back,
          an_edit_that_does_not_fit_is_offered, a_browser_is_killed_in_the_middle]
 
 if __name__ == "__main__":

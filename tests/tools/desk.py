@@ -89,10 +89,10 @@ def test_edits_and_saves():
         assert len(desk.get("track").json["cues"]) == 2
         assert page.edit(2, splice(2, 0, cue(5000, 6000, 20, 20))).json["revision"] == 3
         saved = page.save().json
-        assert saved["saved"] == 3 and saved["kept"] == "film.vtt.~1~" and saved["path"] == str(track), saved
+        assert saved["saved"] == 3 and saved["kept"] == "film.vtt.desk~1~" and saved["path"] == str(track), saved
         # The one level; neither the comments, the identifier nor how the others are written.
         assert changed_lines(TRACK, track.read_text()) == ["<   0  75", ">   0  80"]
-        assert (work / "film.vtt.~1~").read_text() == TRACK
+        assert (work / "film.vtt.desk~1~").read_text() == TRACK
         assert page.edit(3, splice(1, 1, cue(2000, 3000, 0, 75, notes=["better", "two\nlines"]))).status == 200
         page.save()
         assert changed_lines(TRACK, track.read_text()) == ["> NOTE better", "> ", "> NOTE", "> two", "> lines", "> "]
@@ -111,9 +111,9 @@ def test_versions():
             assert page.edit(revision, splice(1, 1, cue(2000, 3000, 0, revision))).status == 200
             assert page.save().status == 200
         assert "kept" not in page.save().json
-    kept = {int(re.search("~([0-9]+)~", path.name)[1]) for path in work.glob("film.vtt.~*~")}
+    kept = {int(re.search("~([0-9]+)~", path.name)[1]) for path in work.glob("film.vtt.desk~*~")}
     assert kept == set(range(5, 25)), kept
-    assert "  0  22" in (work / "film.vtt.~24~").read_text() and "  0  23" in track.read_text()
+    assert "  0  22" in (work / "film.vtt.desk~24~").read_text() and "  0  23" in track.read_text()
     assert not (work / "film.vtt.journal").exists(), "nothing is left to save"
 
 
@@ -172,11 +172,17 @@ def test_another_program():
     with Desk(film) as desk:
         assert desk.get("track").json["cues"][2]["levels"] == [30, 30]
         assert "film.recovered.vtt" in desk.get("session").json["messages"][0]
-        # Changed while the desk is open: what it was is kept.
+        # Changed while the desk is open: it is replaced only if the page says so, and what it was is kept.
         track.write_text(TRACK.replace("20  20", "40  40"))
         page = Page(desk, "one")
         assert page.edit(0, splice(2, 1)).status == 200
-        kept = page.save().json["kept"]
+        refused = page.save()
+        assert refused.status == 409 and refused.json["changed"] and refused.json["revision"] == 1 and "another program" in refused.json["error"], refused.body
+        stale = page.edit(0, splice(0, 1))
+        assert stale.status == 409 and "changed" not in stale.json, stale.body
+        assert "40  40" in track.read_text()
+        kept = page.save(over=True).json["kept"]
+    assert "40  40" not in track.read_text()
     assert "40  40" in (work / kept).read_text()
     assert changed_lines(TRACK, (work / "film.recovered.vtt").read_text()) == ["<   0  75", ">   0  99"]
 
@@ -298,7 +304,7 @@ def test_operations():
         splices = ask("quantize", 4).json["splices"]
         assert page.edit(0, *splices).status == 200
         page.save()
-        shutil.copy(work / "film.vtt.~1~", work / "before.vtt")
+        shutil.copy(work / "film.vtt.desk~1~", work / "before.vtt")
         subprocess.run([os.environ["TRACK"], "edit", "-q", work / "before.vtt", "-o", work / "other.vtt", "--quantize=4"], check=True)
         assert subprocess.run([os.environ["TRACK"], "diff", track, work / "other.vtt"], check=False).returncode == 0
         wait_until("the draft", lambda: page.last("progress")["draft"] == 1)

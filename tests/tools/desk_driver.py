@@ -149,8 +149,8 @@ class Page:
         self.count += 1
         return self.desk.post("edits", {"page": self.name, "edit": name or f"e{self.count}", "revision": revision, "splices": list(splices)})
 
-    def save(self):
-        return self.desk.post("save", {"page": self.name})
+    def save(self, **more):
+        return self.desk.post("save", {"page": self.name, **more})
 
 
 def cue(start, end, *levels, notes=None):

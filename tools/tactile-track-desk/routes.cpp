@@ -109,11 +109,13 @@ void
 Routes::refuse(SoupServerMessage *message, const desk::Refusal &refusal) const
 {
   using Kind = desk::Refusal::Kind;
-  const guint status = refusal.kind == Kind::invalid ? 400
-                       : refusal.kind == Kind::stale ? 409
-                                                     : 507;
+  const bool is_changed = refusal.kind == Kind::changed;
+  const guint status = refusal.kind == Kind::invalid               ? 400
+                       : refusal.kind == Kind::stale || is_changed ? 409
+                                                                   : 507;
   answer_error(message, status, refusal.text,
-               "\"revision\": " + std::to_string(session_.revision()));
+               "\"revision\": " + std::to_string(session_.revision())
+                   + (is_changed ? ", \"changed\": true" : ""));
 }
 
 void
@@ -140,7 +142,7 @@ Routes::save(SoupServerMessage *message, std::string_view body)
     return answer_error(message, 400, page.error());
   if (!may_write(message, page->page))
     return;
-  const auto saved = session_.save();
+  const auto saved = session_.save(page->over);
   if (!saved)
     return refuse(message, saved.error());
   events_.send(Events::event("revision", revision_json()));

@@ -6,6 +6,7 @@
 #include "desk/messages.h"
 #include "desk/operation.h"
 #include "tracks/formats/webvtt.h"
+#include "tracks/formats/webvtt_timing.h"
 #include "tracks/track_edit.h"
 
 #include <algorithm>
@@ -264,6 +265,56 @@ GST_START_TEST(test_refused)
 }
 GST_END_TEST;
 
+/// A hundred thousand splices of a full track: in order, from its end, and back and forth.
+GST_START_TEST(test_many_splices)
+{
+  std::string text = "WEBVTT\n\nNOTE tactile grid=1x1\n";
+  for (int i = 0; i < static_cast<int>(desk::kMostCues); i++)
+    text += "\n"
+            + tactile::write_webvtt_timing(std::chrono::milliseconds(10 * i),
+                                           std::chrono::milliseconds(10 * i + 10))
+            + "\n" + std::to_string(1 + i % 2) + "\n";
+  Document document = document_of(text);
+  const std::vector<Cue> before = document.cues();
+  std::vector<Splice> splices;
+  for (std::size_t i = 0; i < desk::kMostCues / 2; i++) // each second one
+    splices.push_back({ .at = i, .remove = 1, .insert = {} });
+  const auto back = document.apply(splices);
+  fail_unless(back && document.cues().size() == desk::kMostCues / 2);
+  fail_unless(
+      std::ranges::all_of(document.cues(), [](const Cue &cue) { return cue.levels[0] == 2; }));
+  fail_unless(document.apply(*back) && document.cues() == before);
+  splices.clear();
+  for (std::size_t i = 0; i < desk::kMostCues; i++)
+    splices.push_back({ .at = i % 2 ? desk::kMostCues - 1 : 0, .remove = 0, .insert = {} });
+  const auto refused = document.apply(splices);
+  fail_unless(!refused && refused.error().find("order") != std::string::npos);
+  fail_unless(document.cues() == before);
+}
+GST_END_TEST;
+
+GST_START_TEST(test_size)
+{
+  const std::string text = "WEBVTT\n\nNOTE tactile grid=1x1\n\n00:01.000 --> 00:02.000\n1\n";
+  auto document = Document::read(text, text.size() + 1000);
+  fail_unless(document.has_value());
+  const Splice one{ .at = 1,
+                    .remove = 0,
+                    .insert = { cue(2000, 3000, { 1 }, { std::string(500, 'x') }) } };
+  const auto back = document->apply({ one });
+  fail_unless(back.has_value());
+  const Splice two{ .at = 2,
+                    .remove = 0,
+                    .insert = { cue(3000, 4000, { 1 }, { std::string(500, 'x') }) } };
+  const auto refused = document->apply({ two });
+  fail_unless(!refused && refused.error().find("bytes") != std::string::npos);
+  fail_unless(document->cues().size() == 2);
+  // Again and again: what was taken back does not count.
+  for (int i = 0; i < 10; i++)
+    fail_unless(document->apply(*back) && document->apply({ one }));
+}
+GST_END_TEST;
+
 GST_START_TEST(test_random_edits)
 {
   for (unsigned seed = 0; seed < 60; seed++) {
@@ -397,6 +448,8 @@ desk_document_suite()
   tcase_add_test(tests, test_blocks_stay);
   tcase_add_test(tests, test_too_many_notes);
   tcase_add_test(tests, test_refused);
+  tcase_add_test(tests, test_many_splices);
+  tcase_add_test(tests, test_size);
   tcase_add_test(tests, test_random_edits);
   tcase_add_test(tests, test_operations);
   tcase_add_test(tests, test_selection);

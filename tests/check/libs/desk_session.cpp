@@ -141,10 +141,10 @@ GST_START_TEST(test_save)
     desk::EditMessage wrong = edit(1, 62);
     wrong.splices[0].remove = 2;
     fail_unless(session->edit(wrong).error().kind == Refusal::Kind::invalid);
-    ASSERT_TEXT(session->save()->kept, "film.vtt.~1~");
+    ASSERT_TEXT(session->save()->kept, "film.vtt.desk~1~");
     fail_unless(session->saved() == 1);
     fail_unless(folder.read("film.vtt") == with_level(" 60"));
-    ASSERT_TEXT(folder.read("film.vtt.~1~"), kTrack);
+    ASSERT_TEXT(folder.read("film.vtt.desk~1~"), kTrack);
     fail_unless(folder.read("film.vtt.journal").empty());
     fail_unless(session->edit(edit(1, 50)).has_value() && session->save().has_value());
     ASSERT_TEXT(folder.read("film.vtt"), kTrack);
@@ -183,6 +183,35 @@ GST_START_TEST(test_another_program)
     fail_unless(session->document().cues()[0].levels[0] == 70 && session->messages().size() == 1);
     fail_unless(folder.read(name) == with_level(" 60"));
   }
+}
+GST_END_TEST;
+
+/// What another program writes while the track is open is not replaced without a word.
+GST_START_TEST(test_changed_outside)
+{
+  const Folder folder;
+  {
+    const auto session = folder.open();
+    fail_unless(session->edit(edit(0, 60)).has_value());
+    folder.write("film.vtt", with_level(" 70"));
+    const auto refused = session->save();
+    fail_unless(!refused && refused.error().kind == Refusal::Kind::changed);
+    fail_unless(folder.read("film.vtt") == with_level(" 70"));
+    fail_unless(session->saved() == 0 && session->revision() == 1);
+    ASSERT_TEXT(session->save(true)->kept, "film.vtt.desk~1~");
+    fail_unless(folder.read("film.vtt") == with_level(" 60"));
+    fail_unless(folder.read("film.vtt.desk~1~") == with_level(" 70"));
+    // Without an edit, too.
+    folder.write("film.vtt", with_level(" 71"));
+    fail_unless(session->save().error().kind == Refusal::Kind::changed);
+    // Nothing is replaced if it is gone, or says the same.
+    fs::remove(folder.path("film.vtt"));
+    fail_unless(session->save()->kept.empty());
+    fail_unless(session->edit(edit(1, 80)).has_value());
+    folder.write("film.vtt", with_level(" 80"));
+    fail_unless(session->save().has_value());
+  }
+  fail_if(fs::exists(folder.path("film.vtt.journal")));
 }
 GST_END_TEST;
 
@@ -261,6 +290,7 @@ desk_session_suite()
   tcase_add_test(tests, test_save);
   tcase_add_test(tests, test_cut_off_save);
   tcase_add_test(tests, test_another_program);
+  tcase_add_test(tests, test_changed_outside);
   tcase_add_test(tests, test_damaged);
   tcase_add_test(tests, test_refused);
   tcase_add_test(tests, test_link);

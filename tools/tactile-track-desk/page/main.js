@@ -335,15 +335,30 @@ class Page {
   undo() { if (!this.readOnly) this.history.undo(); }
   redo() { if (!this.readOnly) this.history.redo(); }
 
-  async save() {
+  async save(over = false) {
     if (this.readOnly)
       return;
     try {
-      const { path, kept } = await this.sync.save();
+      const { path, kept } = await this.sync.save({ over });
       say(`Saved ${path}${kept ? `; what was there is now ${kept}` : ''}`);
     } catch (thrown) {
-      failed(thrown);
+      if (thrown.changed)
+        this.#offerSaveOver();
+      else
+        failed(thrown);
     }
+  }
+
+  #offerSaveOver() {
+    const { name } = this.session.track;
+    const item = fail(`Another program has changed ${name} since it was opened or saved here. Nothing was saved. `
+      + 'If you save over it, what the file has now is kept beside it.');
+    const over = element('button', { type: 'button', id: 'save-over' }, 'Save over it');
+    over.addEventListener('click', () => {
+      item.remove();
+      this.save(true);
+    });
+    item.insertBefore(over, item.lastChild);
   }
 
   async #operate(kind, values) {

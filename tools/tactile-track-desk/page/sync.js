@@ -168,17 +168,18 @@ export class Sync extends EventTarget {
   }
 
   /**
-   * Saves the track after all edits are sent.
-   * @returns the desk's answer. Rejects with an Error that says why it was not saved.
+   * Saves the track after all edits are sent; with `over` even if another program has changed the file.
+   * @returns the desk's answer. Rejects with an Error that says why it was not saved; `changed`: by another program.
    */
-  async save() {
+  async save({ over = false } = {}) {
     this.#wake?.();
     while (this.#queue.length > 0 && (!this.#problem || this.#problem.state === 'waiting')) {
       await this.#run();
     }
     if (this.#queue.length > 0) throw new Error(this.text);
-    const answer = await this.#answer('save', {});
-    if (answer.status !== 200) throw new Error(answer.body?.error ?? `status ${answer.status}`);
+    const answer = await this.#answer('save', { over });
+    if (answer.status !== 200)
+      throw Object.assign(new Error(answer.body?.error ?? `status ${answer.status}`), { changed: Boolean(answer.body?.changed) });
     ({ revision: this.revision, saved: this.saved } = answer.body);
     this.#tell();
     return answer.body;
