@@ -412,6 +412,22 @@ def test_film_is_gone():
         assert desk.end(signal.SIGTERM) == 0, desk.errors.read_text()
 
 
+def test_draft_is_kept():
+    """Bounded and for the user alone; one that is damaged is made again, one that is gone is still in memory."""
+    fresh()
+    env = {"XDG_CACHE_HOME": str(work / "cache")}
+    for _ in range(2):
+        with Desk(film, env=env) as desk:
+            page = Page(desk, "one")
+            wait_until("the draft", lambda: page.last("progress")["draft"] == 1)
+            kept, = (work / "cache/visuotactile/drafts").iterdir()
+            assert (kept.stat().st_mode & 0o777, kept.parent.stat().st_mode & 0o777) == (0o600, 0o700), kept.stat()
+            cues = desk.get("draft").json["cues"]
+            kept.unlink()
+            assert cues and desk.get("draft").json["cues"] == cues
+        kept.write_text("WEBVTT\n\nno cue\n")
+
+
 def test_start():
     fresh()
     track.unlink()
@@ -424,7 +440,13 @@ def test_start():
     with Desk(film) as desk:
         assert desk.get("session").json["track"]["name"] == "film.tactile.vtt"
     assert "Hello" in track.read_text()
-    for words, told in (([work / "none.webm"], "no file"), ([film, work / "exported.csv"], "WebVTT"), ([film, "--driver=none"], "--driver is one of"), ([film, "--port=99999"], "--port")):
+    # Two tracks: the one that visuotactile-follow takes.
+    track.write_text(TRACK)
+    with Desk(film) as desk:
+        assert desk.get("session").json["track"]["name"] == "film.tactile.vtt"
+    # A track that is damaged is no film's subtitles.
+    (work / "film.tactile.vtt").write_text(TRACK.replace("  0  75", "  0 175"))
+    for words, told in (([film], "film.tactile.vtt': line 15"), ([work / "none.webm"], "no file"), ([film, work / "exported.csv"], "WebVTT"), ([film, "--driver=none"], "--driver is one of"), ([film, "--port=99999"], "--port")):
         try:
             Desk(*words)
             raise AssertionError(f"{words} should fail")

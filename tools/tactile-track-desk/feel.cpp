@@ -75,8 +75,15 @@ Feel::open()
   tick_ = g_timeout_add(
       kTick,
       +[](gpointer self) -> gboolean {
-        static_cast<Feel *>(self)->step();
-        return G_SOURCE_CONTINUE;
+        auto *feel = static_cast<Feel *>(self);
+        try {
+          feel->step();
+          return G_SOURCE_CONTINUE;
+        } catch (const std::exception &error) {
+          feel->tick_ = 0; // ends by that
+          feel->failed(error.what());
+          return G_SOURCE_REMOVE;
+        }
       },
       this);
   say("open", state_.text);
