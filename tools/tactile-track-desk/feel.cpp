@@ -75,8 +75,15 @@ Feel::open()
   tick_ = g_timeout_add(
       kTick,
       +[](gpointer self) -> gboolean {
-        static_cast<Feel *>(self)->step();
-        return G_SOURCE_CONTINUE;
+        auto *feel = static_cast<Feel *>(self);
+        try {
+          feel->step();
+          return G_SOURCE_CONTINUE;
+        } catch (const std::exception &error) {
+          feel->tick_ = 0; // ends by that
+          feel->failed(error.what());
+          return G_SOURCE_REMOVE;
+        }
       },
       this);
   say("open", state_.text);
@@ -102,7 +109,10 @@ void
 Feel::step()
 {
   const follow::Time now = local_time();
-  chair_.take(follower_.step(estimator_.at(now), now, chair_.ahead()));
+  auto step = follower_.step(estimator_.at(now), now, chair_.ahead());
+  if (!step.cues.empty()) // the film does not wait until what was felt is over
+    step.silence = std::exchange(has_felt_, false) || step.silence;
+  chair_.take(step);
 }
 
 bool
@@ -144,6 +154,7 @@ Feel::feel(const tactile::TactileMap &map, follow::Time duration, const std::str
   chair_.take({ .silence = true,
                 .cues = { { .begin = begin, .end = end, .map = map },
                           { .begin = end, .end = end + kPatience, .map = silent } } });
+  has_felt_ = true;
 }
 
 void

@@ -58,5 +58,6 @@ private:
   follow::TrackFollower follower_;
   Chair chair_;
   bool was_paused_ = true;
+  bool has_felt_ = false; ///< one map, which may still be felt
   guint tick_ = 0;
 };
