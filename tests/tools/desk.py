@@ -396,6 +396,50 @@ def test_chair():
     assert not any(on.values()), told
 
 
+def test_screen_saver():
+    """Nothing is felt while nobody can be in the chair. The screen saver is this test."""
+    fresh("WEBVTT\n\nNOTE tactile grid=1x2\n\n00:00.000 --> 00:07.000\n 50 50\n")
+    trace = work / "rests.csv"
+    bus = subprocess.Popen(["dbus-daemon", "--session", "--nofork", "--print-address"], stdout=subprocess.PIPE, text=True)
+    try:
+        address = bus.stdout.readline().strip()
+
+        def saver(is_on):
+            subprocess.run(["gdbus", "emit", "--session", "--object-path=/org/freedesktop/ScreenSaver", "--signal=org.freedesktop.ScreenSaver.ActiveChanged", is_on],
+                           env={**os.environ, "DBUS_SESSION_BUS_ADDRESS": address}, check=True)
+
+        with Desk(film, f"--trace={trace}", env={"DBUS_SESSION_BUS_ADDRESS": address}) as desk:
+            page = Page(desk, "one")
+            began = time.monotonic()
+
+            def plays(what, state, seconds=0):
+                begin = time.monotonic()
+
+                def told():
+                    at = (time.monotonic() - began) * 1000
+                    assert desk.post("position", {"page": "one", "position": at % 6000, "rate": 1}).status == 204
+                    time.sleep(0.05)  # as a page does
+                    return page.last("chair")["state"] == state and time.monotonic() > begin + seconds
+                wait_until(what, told)
+
+            plays("the chair", "open", 1.5)
+            saver("true")
+            plays("rest", "closed")
+            assert "the screen saver is on" in page.last("chair")["text"], page.last("chair")
+            told = [(row["tactor"], float(row["volts"])) for row in csv.DictReader(line for line in trace.open() if not line.startswith("#"))]
+            assert {tactor for tactor, volts in told if volts > 0} == {"0", "1"} and not any(dict(told).values()), told
+            plays("rest", "closed", 0.5)
+            assert desk.post("feel", {"page": "one", "levels": [0, 60], "duration": 100}).status == 204
+            assert page.last("chair")["state"] == "closed"
+            saver("false")
+            plays("the chair again", "open")
+            assert desk.end(signal.SIGTERM) == 0, desk.errors.read_text()
+    finally:
+        bus.terminate()
+        bus.wait()
+        bus.stdout.close()
+
+
 def test_film_is_gone():
     """What is made of the film fails, and the desk goes on."""
     fresh()

@@ -125,6 +125,8 @@ Feel::plays() const
 void
 Feel::position(const desk::PositionMessage &message)
 {
+  if (rests_)
+    return;
   if (std::exchange(page_, message.page) != message.page) {
     estimator_ = new_estimator();
     follower_.change_player();
@@ -144,7 +146,7 @@ Feel::position(const desk::PositionMessage &message)
 void
 Feel::feel(const tactile::TactileMap &map, follow::Time duration, const std::string &page)
 {
-  if (plays())
+  if (rests_ || plays())
     return;
   page_ = page;
   open();
@@ -162,13 +164,29 @@ Feel::left(const std::string &page)
 {
   if (page != page_)
     return;
+  const bool was_open = tick_ != 0;
+  close();
+  if (was_open)
+    say("closed", "");
+}
+
+void
+Feel::rest(bool rests, const std::string &why)
+{
+  rests_ = rests;
+  close(); // motors at zero when it returns
+  say("closed", rests ? "nothing is felt: " + why : "");
+}
+
+void
+Feel::close()
+{
   page_.clear();
   was_paused_ = true;
+  has_felt_ = false;
   estimator_ = new_estimator();
-  if (tick_ == 0)
-    return;
-  g_source_remove(tick_);
+  if (tick_ != 0)
+    g_source_remove(tick_);
   tick_ = 0;
   chair_.close();
-  say("closed", "");
 }

@@ -5,6 +5,8 @@
 #include "options.h"
 #include "server.h"
 
+#include "../visuotactile-follow/session_watch.h"
+
 #include "desk/files.h"
 #include "film/or_throw.h"
 #include "tactor/drivers/registry.h"
@@ -90,6 +92,14 @@ track_beside(const std::string &film)
   return free;
 }
 
+struct Unref
+{
+  void operator()(gpointer object) const
+  {
+    g_object_unref(object);
+  }
+};
+
 /// Runs until Ctrl-C.
 void
 run_loop()
@@ -148,6 +158,12 @@ run(const DeskOptions &options)
                   .review = options.review != FALSE },
                 *session, draft);
   const Server server(static_cast<guint16>(options.port), usual_port(session->path()), routes);
+  const std::unique_ptr<GDBusConnection, Unref> bus(
+      g_bus_get_sync(G_BUS_TYPE_SESSION, nullptr, nullptr)); // none: the system's tells enough
+  if (bus)
+    g_dbus_connection_set_exit_on_close(bus.get(), FALSE);
+  const SessionWatch watch(bus.get(), kProgram,
+                           [&](bool rests, const std::string &why) { routes.rest(rests, why); });
   std::printf("%s\n", server.address().c_str());
   std::fflush(stdout);
   Browser browser;
