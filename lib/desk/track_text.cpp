@@ -162,6 +162,8 @@ TrackText::TrackText(std::string_view text, const tactile::Grid &grid) : grid_(g
     --body;
   for (auto block = blocks.begin(); block != body; ++block)
     header_ += block->lead + block->text;
+  header_has_grid_
+      = std::any_of(blocks.begin(), body, [](const Block &block) { return block.has_grid; });
   has_grid_note_ = std::ranges::any_of(blocks, &Block::has_grid);
 
   Piece piece;
@@ -270,9 +272,11 @@ TrackText::with(const std::vector<Cue> &cues, const std::string &grid_note) cons
       kept += piece->kept;
     const Piece *before
         = piece != pieces_.end() && piece->cue.start == cue.start ? &*piece++ : nullptr;
-    // In front of the first cue, notes that other blocks follow would be the header's.
-    const bool is_same
-        = before && before->cue == cue && !(before->has_note_before_kept && &cue == &cues.front());
+    // In front of the first cue, notes that other blocks follow would be the header's; and it may
+    // give the grid, by its lines.
+    const bool can_stay = &cue != &cues.front() || (before && before == &pieces_.front())
+                          || (before && header_has_grid_ && !before->has_note_before_kept);
+    const bool is_same = before && before->cue == cue && can_stay;
     end_line();
     if (is_same && kept.empty())
       add(text, before->lead);

@@ -58,6 +58,7 @@ private:
   std::string tail_;
   std::string line_end_ = "\n";
   bool has_grid_note_ = false;
+  bool header_has_grid_ = false; ///< else the first cue gives it
 };
 
 } // namespace desk

@@ -365,6 +365,10 @@ def test_chair():
         silent.append((time.monotonic() + 1.5, time.monotonic() + 3))
         time.sleep(3)
         plays.append(play(0.9))
+        # A map that is still felt gives way to the film.
+        time.sleep(1.5)
+        assert desk.post("feel", {"page": "one", "levels": [0, 60], "duration": 2000}).status == 204
+        plays.append(play(0.9))
         page.leave()
         silent.append((time.monotonic() + 2.5, time.monotonic() + 3.5))
         time.sleep(3.5)
@@ -375,7 +379,7 @@ def test_chair():
     lines = [line for line in trace.read_text().splitlines() if not line.startswith("#")]
     told = [(int(row["effect_ns"]) / 1e9, row["tactor"], float(row["volts"])) for row in csv.DictReader(lines)]
     ups = [(when, tactor) for when, tactor, volts in told if volts > 0]
-    one_map = [when - pulse for when, tactor in ups if tactor == "1"]
+    one_map = [when - pulse for when, tactor in ups if tactor == "1" and when < plays[0]]
     assert one_map and 0 < min(one_map) and max(one_map) < 1, one_map
     assert any(tactor == "1" and volts == 0 and when - pulse < 1.5 for when, tactor, volts in told), told
     for began in plays:
@@ -392,6 +396,82 @@ def test_chair():
     assert not any(on.values()), told
 
 
+def test_screen_saver():
+    """Nothing is felt while nobody can be in the chair. The screen saver is this test."""
+    fresh("WEBVTT\n\nNOTE tactile grid=1x2\n\n00:00.000 --> 00:07.000\n 50 50\n")
+    trace = work / "rests.csv"
+    bus = subprocess.Popen(["dbus-daemon", "--session", "--nofork", "--print-address"], stdout=subprocess.PIPE, text=True)
+    try:
+        address = bus.stdout.readline().strip()
+
+        def saver(is_on):
+            subprocess.run(["gdbus", "emit", "--session", "--object-path=/org/freedesktop/ScreenSaver", "--signal=org.freedesktop.ScreenSaver.ActiveChanged", is_on],
+                           env={**os.environ, "DBUS_SESSION_BUS_ADDRESS": address}, check=True)
+
+        with Desk(film, f"--trace={trace}", env={"DBUS_SESSION_BUS_ADDRESS": address}) as desk:
+            page = Page(desk, "one")
+            began = time.monotonic()
+
+            def plays(what, state, seconds=0):
+                begin = time.monotonic()
+
+                def told():
+                    at = (time.monotonic() - began) * 1000
+                    assert desk.post("position", {"page": "one", "position": at % 6000, "rate": 1}).status == 204
+                    time.sleep(0.05)  # as a page does
+                    return page.last("chair")["state"] == state and time.monotonic() > begin + seconds
+                wait_until(what, told)
+
+            plays("the chair", "open", 1.5)
+            saver("true")
+            plays("rest", "closed")
+            assert "the screen saver is on" in page.last("chair")["text"], page.last("chair")
+            told = [(row["tactor"], float(row["volts"])) for row in csv.DictReader(line for line in trace.open() if not line.startswith("#"))]
+            assert {tactor for tactor, volts in told if volts > 0} == {"0", "1"} and not any(dict(told).values()), told
+            plays("rest", "closed", 0.5)
+            assert desk.post("feel", {"page": "one", "levels": [0, 60], "duration": 100}).status == 204
+            assert page.last("chair")["state"] == "closed"
+            saver("false")
+            plays("the chair again", "open")
+            assert desk.end(signal.SIGTERM) == 0, desk.errors.read_text()
+    finally:
+        bus.terminate()
+        bus.wait()
+        bus.stdout.close()
+
+
+def test_film_is_gone():
+    """What is made of the film fails, and the desk goes on."""
+    fresh()
+    shutil.copy(film, work / "moved.webm")
+    shutil.copy(track, work / "moved.vtt")
+    with Desk(work / "moved.webm") as desk:
+        page = Page(desk, "one")
+        (work / "moved.webm").unlink()
+        for _ in range(5):
+            answer = desk.get("film.webm")
+            assert answer.status == 500 and "cannot be converted" in answer.json["error"], (answer.status, answer.body)
+        assert desk.get("film").status == 404
+        assert page.edit(0, splice(1, 1)).status == 200 and page.save().status == 200
+        assert desk.end(signal.SIGTERM) == 0, desk.errors.read_text()
+
+
+def test_draft_is_kept():
+    """Bounded and for the user alone; one that is damaged is made again, one that is gone is still in memory."""
+    fresh()
+    env = {"XDG_CACHE_HOME": str(work / "cache")}
+    for _ in range(2):
+        with Desk(film, env=env) as desk:
+            page = Page(desk, "one")
+            wait_until("the draft", lambda: page.last("progress")["draft"] == 1)
+            kept, = (work / "cache/visuotactile/drafts").iterdir()
+            assert (kept.stat().st_mode & 0o777, kept.parent.stat().st_mode & 0o777) == (0o600, 0o700), kept.stat()
+            cues = desk.get("draft").json["cues"]
+            kept.unlink()
+            assert cues and desk.get("draft").json["cues"] == cues
+        kept.write_text("WEBVTT\n\nno cue\n")
+
+
 def test_start():
     fresh()
     track.unlink()
@@ -404,7 +484,13 @@ def test_start():
     with Desk(film) as desk:
         assert desk.get("session").json["track"]["name"] == "film.tactile.vtt"
     assert "Hello" in track.read_text()
-    for words, told in (([work / "none.webm"], "no file"), ([film, work / "exported.csv"], "WebVTT"), ([film, "--driver=none"], "--driver is one of"), ([film, "--port=99999"], "--port")):
+    # Two tracks: the one that visuotactile-follow takes.
+    track.write_text(TRACK)
+    with Desk(film) as desk:
+        assert desk.get("session").json["track"]["name"] == "film.tactile.vtt"
+    # A track that is damaged is no film's subtitles.
+    (work / "film.tactile.vtt").write_text(TRACK.replace("  0  75", "  0 175"))
+    for words, told in (([film], "film.tactile.vtt': line 15"), ([work / "none.webm"], "no file"), ([film, work / "exported.csv"], "WebVTT"), ([film, "--driver=none"], "--driver is one of"), ([film, "--port=99999"], "--port")):
         try:
             Desk(*words)
             raise AssertionError(f"{words} should fail")

@@ -4,7 +4,6 @@
 #include <limits>
 #include <stdexcept>
 #include <string>
-#include <utility>
 
 namespace {
 
@@ -33,12 +32,12 @@ Connections::Connections(SoupServer *server, guint16 port, guint16 usual) : serv
   // Also for a connection that has said nothing yet.
   g_signal_connect(server_, "request-started",
                    G_CALLBACK(+[](SoupServer *, SoupServerMessage *message, gpointer self) {
-                     static_cast<Connections *>(self)->set_deadline(message, kRequest);
+                     static_cast<Connections *>(self)->add(message);
                    }),
                    this);
   g_signal_connect(server_, "request-read",
                    G_CALLBACK(+[](SoupServer *, SoupServerMessage *message, gpointer self) {
-                     static_cast<Connections *>(self)->set_deadline(message, kNone);
+                     static_cast<Connections *>(self)->read(message);
                    }),
                    this);
   tick_ = g_timeout_add_seconds(
@@ -54,48 +53,95 @@ Connections::~Connections()
 {
   g_source_remove(tick_);
   g_signal_handlers_disconnect_by_data(server_, this);
-  for (const auto &[socket, deadline] : deadlines_)
+  for (const auto &[socket, connection] : connections_)
     g_object_weak_unref(G_OBJECT(socket), gone, this);
 }
 
+Connections::Connection *
+Connections::find(SoupServerMessage *message)
+{
+  const auto found = connections_.find(soup_server_message_get_socket(message));
+  return found != connections_.end() ? &found->second : nullptr;
+}
+
 void
-Connections::set_deadline(SoupServerMessage *message, gint64 span)
+Connections::add(SoupServerMessage *message)
 {
   GSocket *socket = soup_server_message_get_socket(message);
-  if (socket == nullptr || g_socket_is_closed(socket))
+  if (socket == nullptr || g_socket_is_closed(socket) || find(message) != nullptr)
     return;
-  const auto found = deadlines_.find(socket);
-  if (found != deadlines_.end()) {
-    found->second = g_get_monotonic_time() + span;
-    return;
-  }
-  if (deadlines_.size() >= kMost)
-    close_late();
-  if (deadlines_.size() >= kMost) {
+  if (!make_room()) {
     g_socket_shutdown(socket, TRUE, TRUE, nullptr);
     return;
   }
-  deadlines_[socket] = g_get_monotonic_time() + span;
+  connections_[socket] = { .deadline = g_get_monotonic_time() + kUnknown };
   g_object_weak_ref(G_OBJECT(socket), gone, this);
+}
+
+void
+Connections::admit(SoupServerMessage *message)
+{
+  if (Connection *connection = find(message)) {
+    connection->is_ours = true;
+    connection->deadline = g_get_monotonic_time() + kRequest;
+  }
+}
+
+/// An answer takes as long as it takes; to others it is short.
+void
+Connections::read(SoupServerMessage *message)
+{
+  if (Connection *connection = find(message); connection != nullptr && connection->is_ours)
+    connection->deadline = kNone;
 }
 
 void
 Connections::gone(gpointer self, GObject *socket)
 {
-  static_cast<Connections *>(self)->deadlines_.erase(reinterpret_cast<GSocket *>(socket));
+  static_cast<Connections *>(self)->connections_.erase(reinterpret_cast<GSocket *>(socket));
+}
+
+/// Its connection ends by that.
+void
+Connections::end(GSocket *socket, Connection &connection)
+{
+  connection.is_ended = true;
+  g_socket_shutdown(socket, TRUE, TRUE, nullptr);
+}
+
+/// False if all that are there have named the token.
+bool
+Connections::make_room()
+{
+  close_late();
+  std::size_t count = 0;
+  auto oldest = connections_.end();
+  for (auto one = connections_.begin(); one != connections_.end(); ++one) {
+    const Connection &connection = one->second;
+    count += connection.is_ended ? 0 : 1;
+    if (!connection.is_ended && !connection.is_ours
+        && (oldest == connections_.end() || connection.deadline < oldest->second.deadline))
+      oldest = one;
+  }
+  if (count < kMost)
+    return true;
+  if (oldest == connections_.end())
+    return false;
+  end(oldest->first, oldest->second);
+  return true;
 }
 
 void
 Connections::close_late()
 {
   const gint64 now = g_get_monotonic_time();
-  std::erase_if(deadlines_, [this](const auto &one) {
+  std::erase_if(connections_, [this](const auto &one) {
     if (!g_socket_is_closed(one.first))
       return false;
     g_object_weak_unref(G_OBJECT(one.first), gone, this);
     return true;
   });
-  for (auto &[socket, deadline] : deadlines_)
-    if (std::exchange(deadline, deadline > now ? deadline : kNone) <= now)
-      g_socket_shutdown(socket, TRUE, TRUE, nullptr); // its connection ends by that
+  for (auto &[socket, connection] : connections_)
+    if (!connection.is_ended && connection.deadline <= now)
+      end(socket, connection);
 }

@@ -72,12 +72,10 @@ Routes::draft(SoupServerMessage *message, std::string_view)
     return answer_error(message, 404,
                         draft_.has_failed() ? "no draft could be authored"
                                             : "the draft is being authored; wait for progress");
-  const auto text = desk::read_whole(draft_.path(), tactile::kMaxTrackFile);
-  const auto document
-      = text ? desk::Document::read(*text).map_error([](const auto &error) { return error.text(); })
-             : tl::unexpected(text.error());
+  const auto document = desk::Document::read(
+      tactile::write_track(*draft_.track(), tactile::TrackFormat::webvtt, ""));
   if (!document)
-    return answer_error(message, 404, document.error());
+    return answer_error(message, 500, document.error().text());
   answer_json(message, "{\"cues\": " + desk::write_cues(document->cues()) + "}");
 }
 

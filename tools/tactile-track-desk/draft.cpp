@@ -1,10 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "draft.h"
 
-#include "../visuotactile-follow/draft_cache.h"
-
-#include "tracks/formats/track_file.h"
-
 #include <array>
 #include <csignal>
 #include <filesystem>
@@ -70,18 +66,21 @@ spawn(const DraftSettings &settings, const std::string &track, bool in_backgroun
 } // namespace
 
 FilmDraft::FilmDraft(DraftSettings settings, std::function<void()> changed)
-    : changed_(std::move(changed)),
-      path_(DraftCache(DraftCache::usual_folder()).path(settings.film, analysis_of(settings))),
-      cancellable_(g_cancellable_new())
+    : settings_(std::move(settings)), changed_(std::move(changed)),
+      cache_(DraftCache::usual_folder()), film_(DraftCache::version(settings_.film)),
+      track_(cache_.find(settings_.film, analysis_of(settings_))), cancellable_(g_cancellable_new())
 {
-  std::error_code ignored;
-  if (fs::exists(path_, ignored)) {
-    read();
+  if (track_)
     return;
-  }
-  fs::create_directories(fs::path(path_).parent_path(), ignored);
+  const std::string path = cache_.path(settings_.film, analysis_of(settings_));
+  failed_ = path.empty();
+  if (failed_)
+    return;
+  g_mkdir_with_parents(fs::path(path).parent_path().c_str(), 0700);
+  std::error_code ignored;
+  fs::remove(path, ignored); // one that cannot be read would be left as it is
   try {
-    process_ = spawn(settings, path_, true);
+    process_ = spawn(settings_, path, true);
   } catch (const std::runtime_error &) {
     failed_ = true;
     return;
@@ -112,10 +111,14 @@ FilmDraft::~FilmDraft()
 void
 FilmDraft::read()
 {
-  auto track = tactile::read_track_file(path_);
-  failed_ = !track;
-  if (track)
-    track_ = *std::move(track);
+  const AnalysisSettings analysis = analysis_of(settings_);
+  track_ = cache_.find(settings_.film, analysis);
+  failed_ = !track_;
+  if (track_)
+    try { // as the user's alone, and bounded
+      cache_.keep(*track_, settings_.film, film_, analysis);
+    } catch (const std::exception &) { // it is there until the desk ends
+    }
 }
 
 void

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include "../visuotactile-follow/draft_cache.h"
+
 #include "film/film.h"
 #include "tracks/track.h"
 
@@ -35,11 +37,6 @@ public:
   {
     return track_;
   }
-  /// Its file in WebVTT.
-  const std::string &path() const
-  {
-    return path_;
-  }
   bool has_failed() const
   {
     return failed_;
@@ -48,8 +45,10 @@ public:
 private:
   void read();
 
+  const DraftSettings settings_;
   std::function<void()> changed_;
-  std::string path_;
+  const DraftCache cache_;
+  const std::optional<DraftCache::Version> film_; ///< of which it is made
   std::optional<tactile::Track> track_;
   bool failed_ = false;
   GSubprocess *process_ = nullptr;

@@ -75,8 +75,15 @@ Feel::open()
   tick_ = g_timeout_add(
       kTick,
       +[](gpointer self) -> gboolean {
-        static_cast<Feel *>(self)->step();
-        return G_SOURCE_CONTINUE;
+        auto *feel = static_cast<Feel *>(self);
+        try {
+          feel->step();
+          return G_SOURCE_CONTINUE;
+        } catch (const std::exception &error) {
+          feel->tick_ = 0; // ends by that
+          feel->failed(error.what());
+          return G_SOURCE_REMOVE;
+        }
       },
       this);
   say("open", state_.text);
@@ -102,7 +109,10 @@ void
 Feel::step()
 {
   const follow::Time now = local_time();
-  chair_.take(follower_.step(estimator_.at(now), now, chair_.ahead()));
+  auto step = follower_.step(estimator_.at(now), now, chair_.ahead());
+  if (!step.cues.empty()) // the film does not wait until what was felt is over
+    step.silence = std::exchange(has_felt_, false) || step.silence;
+  chair_.take(step);
 }
 
 bool
@@ -115,6 +125,8 @@ Feel::plays() const
 void
 Feel::position(const desk::PositionMessage &message)
 {
+  if (rests_)
+    return;
   if (std::exchange(page_, message.page) != message.page) {
     estimator_ = new_estimator();
     follower_.change_player();
@@ -134,7 +146,7 @@ Feel::position(const desk::PositionMessage &message)
 void
 Feel::feel(const tactile::TactileMap &map, follow::Time duration, const std::string &page)
 {
-  if (plays())
+  if (rests_ || plays())
     return;
   page_ = page;
   open();
@@ -144,6 +156,7 @@ Feel::feel(const tactile::TactileMap &map, follow::Time duration, const std::str
   chair_.take({ .silence = true,
                 .cues = { { .begin = begin, .end = end, .map = map },
                           { .begin = end, .end = end + kPatience, .map = silent } } });
+  has_felt_ = true;
 }
 
 void
@@ -151,13 +164,29 @@ Feel::left(const std::string &page)
 {
   if (page != page_)
     return;
+  const bool was_open = tick_ != 0;
+  close();
+  if (was_open)
+    say("closed", "");
+}
+
+void
+Feel::rest(bool rests, const std::string &why)
+{
+  rests_ = rests;
+  close(); // motors at zero when it returns
+  say("closed", rests ? "nothing is felt: " + why : "");
+}
+
+void
+Feel::close()
+{
   page_.clear();
   was_paused_ = true;
+  has_felt_ = false;
   estimator_ = new_estimator();
-  if (tick_ == 0)
-    return;
-  g_source_remove(tick_);
+  if (tick_ != 0)
+    g_source_remove(tick_);
   tick_ = 0;
   chair_.close();
-  say("closed", "");
 }

@@ -41,9 +41,12 @@ public:
   void feel(const tactile::TactileMap &map, follow::Time duration, const std::string &page);
   /// Motors to zero if the page is the one that plays.
   void left(const std::string &page);
+  /// Motors to zero, until nobody rests any more: the screen is locked, or the computer sleeps.
+  void rest(bool rests, const std::string &why);
 
 private:
   void open();
+  void close();
   void failed(const std::string &text);
   void say(const std::string &state, const std::string &text);
   void step();
@@ -58,5 +61,7 @@ private:
   follow::TrackFollower follower_;
   Chair chair_;
   bool was_paused_ = true;
+  bool rests_ = false;
+  bool has_felt_ = false; ///< one map, which may still be felt
   guint tick_ = 0;
 };

@@ -5,9 +5,13 @@
 #include "options.h"
 #include "server.h"
 
+#include "../visuotactile-follow/session_watch.h"
+
+#include "desk/files.h"
 #include "film/or_throw.h"
 #include "tactor/drivers/registry.h"
 #include "tracks/formats/track_file.h"
+#include "tracks/formats/webvtt.h"
 
 #include <glib-unix.h>
 
@@ -57,25 +61,44 @@ usual_port(const std::string &track)
   return static_cast<guint16>(kFirst + g_str_hash(track.c_str()) % (65536 - kFirst));
 }
 
-/// The track beside a film: the one that is there, or the name of a new one. Subtitles of the same
-/// name are left alone.
+/// The track beside a film: the one that visuotactile-follow takes, too, or the name of a new one.
+/// Subtitles of the same name are left alone.
 std::string
 track_beside(const std::string &film)
 {
-  fs::path name = film;
   std::string free;
-  for (const char *ending : { ".vtt", ".tactile.vtt" }) {
-    name.replace_filename(fs::path(film).stem().string() + ending);
-    std::error_code ignored;
-    if (!fs::exists(name, ignored))
-      free = free.empty() ? name.string() : free;
-    else if (tactile::read_track_file(name.string()))
-      return name.string();
+  std::string taken;
+  for (const std::string ending : tactile::kFilmTrackEndings) {
+    if (!ending.ends_with(".vtt"))
+      continue;
+    fs::path path = film;
+    path.replace_filename(path.stem().string() + ending);
+    const std::string name = path.string();
+    std::error_code error;
+    if (!fs::exists(name, error)) {
+      free = name;
+      continue;
+    }
+    const std::string text = or_throw(desk::read_whole(name, tactile::kMaxTrackFile));
+    auto track = tactile::read_webvtt(text);
+    if (track)
+      return name;
+    if (tactile::is_tactile_webvtt(text))
+      throw std::runtime_error(std::move(track.error()).within("'" + name + "'").text());
+    taken = name;
   }
   if (free.empty())
-    throw std::runtime_error("'" + name.string() + "' is no track; name the track to edit");
+    throw std::runtime_error("'" + taken + "' is no track; name the track to edit");
   return free;
 }
+
+struct Unref
+{
+  void operator()(gpointer object) const
+  {
+    g_object_unref(object);
+  }
+};
 
 /// Runs until Ctrl-C.
 void
@@ -135,6 +158,12 @@ run(const DeskOptions &options)
                   .review = options.review != FALSE },
                 *session, draft);
   const Server server(static_cast<guint16>(options.port), usual_port(session->path()), routes);
+  const std::unique_ptr<GDBusConnection, Unref> bus(
+      g_bus_get_sync(G_BUS_TYPE_SESSION, nullptr, nullptr)); // none: the system's tells enough
+  if (bus)
+    g_dbus_connection_set_exit_on_close(bus.get(), FALSE);
+  const SessionWatch watch(bus.get(), kProgram,
+                           [&](bool rests, const std::string &why) { routes.rest(rests, why); });
   std::printf("%s\n", server.address().c_str());
   std::fflush(stdout);
   Browser browser;

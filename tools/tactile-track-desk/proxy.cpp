@@ -43,7 +43,7 @@ launch_line(const Film &film)
 class Proxies::Stream
 {
 public:
-  /// Throws std::runtime_error.
+  /// Throws std::runtime_error if it cannot be made; start() does if it cannot be played.
   Stream(const Film &film, SoupServerMessage *message, GstClockTime from)
       : message_(SOUP_SERVER_MESSAGE(g_object_ref(message))), from_(from),
         has_sound_(film.has_sound), pipeline_(make_pipeline(launch_line(film))),
@@ -87,8 +87,16 @@ public:
           return G_SOURCE_CONTINUE;
         },
         this);
-    if (gst_element_set_state(pipeline_.get(), GST_STATE_PLAYING) == GST_STATE_CHANGE_FAILURE)
-      throw std::runtime_error(start_error(bus.get()));
+  }
+
+  void start()
+  {
+    if (gst_element_set_state(pipeline_.get(), GST_STATE_PLAYING) != GST_STATE_CHANGE_FAILURE)
+      return;
+    const std::string error
+        = start_error(Owned<GstBus>(gst_element_get_bus(pipeline_.get())).get());
+    end(); // the connection stays, for the answer
+    throw std::runtime_error(error);
   }
 
   ~Stream()
@@ -249,9 +257,11 @@ Proxies::answer(SoupServerMessage *message, GstClockTime from)
   while (streams_.size() >= kMost)
     streams_.pop_front();
   try {
-    streams_.push_back(std::make_unique<Stream>(film_, message, from));
+    auto stream = std::make_unique<Stream>(film_, message, from);
+    stream->start();
+    streams_.push_back(std::move(stream));
   } catch (const std::runtime_error &error) {
-    answer_error(message, 500, error.what());
+    answer_error(message, 500, "the film cannot be converted: " + std::string(error.what()));
     return;
   }
   SoupMessageHeaders *headers = soup_server_message_get_response_headers(message);

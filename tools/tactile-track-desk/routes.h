@@ -41,6 +41,12 @@ public:
 
   void answer(SoupServerMessage *message, const std::string &path);
 
+  /// As SessionWatch tells.
+  void rest(bool rests, const std::string &why)
+  {
+    feel_.rest(rests, why);
+  }
+
 private:
   using Handler = void (Routes::*)(SoupServerMessage *, std::string_view body);
   struct Route

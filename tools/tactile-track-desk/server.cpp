@@ -92,6 +92,7 @@ Server::on_headers(SoupServerMessage *message)
     watch_body(message, Guard::kLargestOther);
     return;
   }
+  connections_->admit(message);
   const std::string methods = routes_.methods(*path);
   const std::string method = soup_server_message_get_method(message);
   const goffset most = Guard::largest_body("/" + *path);
@@ -114,6 +115,11 @@ void
 Server::on_request(SoupServerMessage *message)
 {
   const auto *path = static_cast<const char *>(g_object_get_data(G_OBJECT(message), kPath));
-  if (path != nullptr && soup_server_message_get_status(message) == SOUP_STATUS_NONE)
+  if (path == nullptr || soup_server_message_get_status(message) != SOUP_STATUS_NONE)
+    return;
+  try {
     routes_.answer(message, path);
+  } catch (const std::exception &error) { // the motors would stay as they are
+    answer_error(message, 500, error.what());
+  }
 }

@@ -143,7 +143,8 @@ void
 Follower::run()
 {
   session_ = std::make_unique<SessionWatch>(
-      bus_, [this](bool rests, const std::string &why) { rest(rests, why); });
+      bus_, "visuotactile-follow",
+      [this](bool rests, const std::string &why) { rest(rests, why); });
   if (bus_ != nullptr)
     service_ = std::make_unique<FollowService>(
         bus_, FollowService::Calls{ .status = [this] { return status(); },

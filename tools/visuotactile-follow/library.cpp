@@ -6,7 +6,6 @@
 #include <glib.h>
 
 #include <algorithm>
-#include <array>
 #include <cstring>
 #include <filesystem>
 #include <functional>
@@ -19,8 +18,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// In this order.
-constexpr std::array kEndings = { ".tactile.vtt", ".vtt", ".csv", ".hjif", ".sem.xml" };
+constexpr auto &kEndings = tactile::kFilmTrackEndings;
 
 /// Tracks that are read to see when they end.
 constexpr std::size_t kMostAlike = 16;

@@ -37,8 +37,9 @@ flag(GVariant *parameters)
 
 } // namespace
 
-SessionWatch::SessionWatch(GDBusConnection *session, Rests rests)
-    : rests_(std::move(rests)), canceled_(g_cancellable_new()), session_(session)
+SessionWatch::SessionWatch(GDBusConnection *session, std::string program, Rests rests)
+    : program_(std::move(program)), rests_(std::move(rests)), canceled_(g_cancellable_new()),
+      session_(session)
 {
   if (session_ != nullptr) {
     g_object_ref(session_);
@@ -165,7 +166,7 @@ SessionWatch::delay_sleep()
 {
   if (delay_ < 0)
     call_logind("Inhibit",
-                g_variant_new("(ssss)", "sleep", "visuotactile-follow",
+                g_variant_new("(ssss)", "sleep", program_.c_str(),
                               "Motors of the chair are brought to zero", "delay"),
                 on_delay);
 }

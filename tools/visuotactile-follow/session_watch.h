@@ -18,8 +18,8 @@ public:
   /// default).
   using Rests = std::function<void(bool rests, const std::string &why)>;
 
-  /// `session`: the session bus, or nullptr.
-  SessionWatch(GDBusConnection *session, Rests rests);
+  /// `session`: the session bus, or nullptr. `program` is what the user is told to delay sleep.
+  SessionWatch(GDBusConnection *session, std::string program, Rests rests);
   ~SessionWatch();
   SessionWatch(const SessionWatch &) = delete;
   SessionWatch &operator=(const SessionWatch &) = delete;
@@ -42,6 +42,7 @@ private:
   static void on_saver_gone(GDBusConnection *bus, const gchar *name, gpointer self);
   static void on_delay(GObject *bus, GAsyncResult *result, gpointer self);
 
+  const std::string program_;
   const Rests rests_;
   GCancellable *canceled_;
   GDBusConnection *session_ = nullptr;

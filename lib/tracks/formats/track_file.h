@@ -3,6 +3,7 @@
 
 #include "tracks/track.h"
 
+#include <array>
 #include <cstddef>
 #include <string>
 #include <string_view>
@@ -21,6 +22,11 @@ enum class TrackFormat
 
 /// Size limit in bytes; larger files are not read.
 inline constexpr std::size_t kMaxTrackFile = std::size_t{ 256 } << 20;
+
+/// What a film's track ends with where the film's name has its ending. Of several the first is
+/// taken, also by subtitles' names.
+inline constexpr std::array kFilmTrackEndings
+    = { ".tactile.vtt", ".vtt", ".csv", ".hjif", ".sem.xml" };
 
 /// Format for a file name; the error lists the known extensions.
 tl::expected<TrackFormat, FormatError> track_format(std::string_view name);

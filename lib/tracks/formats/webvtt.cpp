@@ -204,4 +204,14 @@ read_webvtt(std::string_view text)
   return Reader(text)();
 }
 
+bool
+is_tactile_webvtt(std::string_view text)
+{
+  constexpr std::string_view kNote = "NOTE";
+  for (LineReader lines(text); lines.next();)
+    if (lines.line().starts_with(kNote) && webvtt_tactile_note(lines.line().substr(kNote.size())))
+      return true;
+  return false;
+}
+
 } // namespace tactile

@@ -23,4 +23,7 @@ std::string write_webvtt(const Track &track);
 /// line: invalid WebVTT, no map, another grid, cues out of order or overlapping.
 tl::expected<Track, FormatError> read_webvtt(std::string_view text);
 
+/// Whether a note says that it is a track, even if it cannot be read. Subtitles have none.
+bool is_tactile_webvtt(std::string_view text);
+
 } // namespace tactile

@@ -158,6 +158,8 @@ GST_START_TEST(test_blocks_stay)
     { grid + one + "\nNOTE " + longest + "\n\n" + two, { longest } },
     { grid + one + "\nREGION\nid:a\n\nNOTE a --> b\n\n" + two, { "id:a", "a --> b" } },
     { "WEBVTT\n\n" + one + "\nNOTE tactile grid=1x2 rate=7\n\n" + two, { "rate=7" } },
+    { "WEBVTT\n\n" + one + "\n00:02.000 --> 00:03.000\n3\n4\n", {} },
+    { "WEBVTT\n\n" + one + "\n00:02.000 --> 00:03.000\n3\n4\n\nNOTE tactile grid=1x2\n", {} },
     { grid + many + one, {} },
     { grid + one + "\n" + many + two, {} },
     { "WEBVTT\n\nNOTE tactile grid=1x2\r", {} },
@@ -194,6 +196,7 @@ GST_START_TEST(test_blocks_stay)
       Document saved = document_of(text);
       fail_unless(saved.cues() == document.cues(), "%s", text.c_str());
       fail_unless(saved.rate() == original.rate(), "%s", text.c_str());
+      fail_unless(saved.grid() == original.grid(), "%s", text.c_str());
       ASSERT_TEXT(saved.text(), text.c_str());
       for (const std::string &block : one_case.stays)
         fail_unless(text.find(block) != std::string::npos, "no %s in:\n%s", block.c_str(),
