@@ -16,7 +16,7 @@ command="tests/bench/measured.sh $*"
 shift
 case $page in
   calibration) targets=tests/quality/rise_time_accuracy ;;
-  desk) targets=tools/tactile-track-desk ;;
+  desk) targets="tools/tactile-track-desk tools/tactile-track" ;;
   devices) targets=tests/bench/devices ;;
   drafts) targets="tools/visuotactile-follow tools/tactile-track lib/modules/visuotactile-websocket.so" ;;
   follow) targets="tests/bench/follow tools/visuotactile-follow" ;;
@@ -161,6 +161,9 @@ browser's threads, of which two cores have 33.3 ms a frame.
 
 CAPTION
       /usr/bin/python3 "$here/../desk/frames.py" 15
+      printf '\n## Two hours\n\nIn the same browser, an H.264 film of two hours with sound and a key frame every two seconds.\n\n'
+      TRACK="$built/tools/tactile-track" VISUOTACTILE_DESK="$built/tools/tactile-track-desk" VISUOTACTILE_DESK_PAGE="$root/tools/tactile-track-desk/page" \
+        VISUOTACTILE_MODULES="$built/lib/modules" GST_PLUGIN_PATH_1_0="$built/gst" GST_REGISTRY_FORK=no /usr/bin/python3 "$here/../desk/two_hours.py"
       ;;
     devices)
       head_of "Devices that people own"
