@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
-"""Real players, without sound: each plays, pauses, seeks and changes its rate at once when it is told to, and says when it was told.
+"""Real players: each plays, pauses, seeks and changes its rate at once when it is told to, and says when it was told. They are heard where the stage
+has a sound server, `stage.sound`, the path of its socket.
 
 Root starts them as nobody, since VLC does not run as root, on a session bus of their own."""
 
@@ -15,6 +16,9 @@ import gi
 
 gi.require_version("Gio", "2.0")
 from gi.repository import Gio, GLib  # noqa: E402
+from selenium import webdriver  # noqa: E402
+from selenium.webdriver.chrome.options import Options  # noqa: E402
+from selenium.webdriver.chrome.service import Service  # noqa: E402
 
 from mpv_socket import MpvSocket  # noqa: E402
 
@@ -51,7 +55,9 @@ class Bus:
 
 
 class Player:
-    """`how` are the options that make visuotactile-follow follow it, `name` is what it calls it."""
+    """`how` are the options that make visuotactile-follow follow it, `name` is what it calls it, `film` what it calls its film."""
+
+    film = "film.mkv"
 
     def __init__(self, words, stage, **environment):
         home = stage.folder / self.kind
@@ -64,6 +70,8 @@ class Player:
                    DBUS_SESSION_BUS_ADDRESS=stage.bus.address, **environment)
         for name in ("XDG_CONFIG_HOME", "XDG_CACHE_HOME", "XDG_DATA_HOME", "WAYLAND_DISPLAY", "PULSE_SERVER"):
             env.pop(name, None)
+        if stage.sound:
+            env["PULSE_SERVER"] = f"unix:{stage.sound}"
         self.said = open(stage.folder / f"{self.kind}.log", "ab")
         self.process = subprocess.Popen(words, env=env, cwd=home, stdin=subprocess.DEVNULL, stdout=self.said, stderr=subprocess.STDOUT,
                                         start_new_session=True, **NOBODY)
@@ -95,7 +103,7 @@ class Mpv(Player):
 
     def __init__(self, film, stage):
         self.path = str(stage.folder / self.kind / "mpv.sock")
-        super().__init__(["mpv", "--no-config", "--vo=x11", "--ao=null", "--fullscreen", "--pause", "--no-osc", f"--input-ipc-server={self.path}", str(film)], stage)
+        super().__init__(["mpv", "--no-config", "--vo=x11", f"--ao={'pulse' if stage.sound else 'null'}", "--fullscreen", "--pause", "--no-osc", f"--input-ipc-server={self.path}", str(film)], stage)
         self.socket = MpvSocket(self.path)
         wait_until("mpv's socket", self.socket.connects)
         self.how, self.name = [f"--mpv={self.path}"], f"mpv at {self.path}"
@@ -125,7 +133,7 @@ class Vlc(Player):
     bus_name, path = "org.mpris.MediaPlayer2.vlc", "/org/mpris/MediaPlayer2"
 
     def __init__(self, film, stage):
-        super().__init__(["vlc", "-I", "dummy", "--no-audio", "--vout=xcb_x11", "--fullscreen", "--no-video-title-show", "--no-spu", "--no-osd",
+        super().__init__(["vlc", "-I", "dummy", "--aout=pulse" if stage.sound else "--no-audio", "--vout=xcb_x11", "--fullscreen", "--no-video-title-show", "--no-spu", "--no-osd",
                           "--start-paused", film.as_uri()], stage)
         self.bus = stage.bus.connection()
         wait_until("VLC on the bus", self._is_paused)
@@ -171,7 +179,7 @@ class Kodi(Player):
         with socket.socket() as unused:
             unused.bind(("127.0.0.1", 0))
             self.port = unused.getsockname()[1]
-        super().__init__(["kodi", "--windowing=x11", "--gl-interface=glx", "--audio-backend=null"], stage, LIBGL_ALWAYS_SOFTWARE="1")
+        super().__init__(["kodi", "--windowing=x11", "--gl-interface=glx", f"--audio-backend={'pulseaudio' if stage.sound else 'null'}"], stage, LIBGL_ALWAYS_SOFTWARE="1")
         self.line, self.id, self.bytes = socket.socket(), 0, ""
         wait_until("Kodi's port", self._connects)
         self.how, self.name = [f"--kodi=127.0.0.1:{self.port}"], "kodi"
@@ -232,3 +240,66 @@ class Kodi(Player):
 
     def rate(self, rate):
         return self._do("Player.SetSpeed", speed=rate)
+
+
+class Chromium(Player):
+    """A page that is a film. It is told to the bus once it has played."""
+
+    kind, film = "chromium", "film"
+    options = ("--no-sandbox --no-first-run --disable-background-networking --disable-component-update --disable-sync --disable-gpu --kiosk "
+               "--autoplay-policy=no-user-gesture-required --remote-debugging-port=0")
+
+    def __init__(self, film, stage):
+        page = film.with_suffix(".html")
+        page.write_text(f"""<!DOCTYPE html><title>{self.film}</title><style>body {{ margin: 0; overflow: hidden }} video {{ width: 100vw; height: 100vh }}</style>
+<video src="{film.name}"></video>""", encoding="utf-8")
+        page.chmod(0o644)
+        profile = stage.folder / self.kind / "profile"
+        super().__init__(["chromium", *self.options.split(), f"--user-data-dir={profile}", page.as_uri()], stage)
+        port = profile / "DevToolsActivePort"
+        wait_until("Chromium's port", lambda: port.exists() and port.read_text(encoding="utf-8").count("\n") > 0)
+        options = Options()
+        options.debugger_address = f"127.0.0.1:{port.read_text(encoding='utf-8').splitlines()[0]}"
+        self.page = webdriver.Chrome(service=Service("/usr/bin/chromedriver"), options=options)
+        wait_until("the film", lambda: self._does("return film.readyState == 4"))
+        self.play()
+        bus = stage.bus.connection()
+        wait_until("Chromium on the bus", lambda: self._names(bus))
+        self.name = self._names(bus)[0]
+        self.how = [f"--mpris={self.name}", f"--tracks={stage.folder}"]
+        self.pause()
+        self._does("film.currentTime = 0")
+
+    def _names(self, bus):
+        assert self.is_alive(), "Chromium has ended"
+        prefix = "org.mpris.MediaPlayer2."
+        names, = bus.call_sync("org.freedesktop.DBus", "/", "org.freedesktop.DBus", "ListNames", None, None, Gio.DBusCallFlags.NONE, 10000, None).unpack()
+        return [name.removeprefix(prefix) for name in names if name.startswith(prefix + self.kind)]
+
+    def _does(self, script):
+        return self.page.execute_script(f"const film = document.querySelector('video'); {script}")
+
+    def _do(self, script):
+        at = time.monotonic()
+        self._does(script)
+        return at
+
+    def play(self):
+        return self._do("film.play()")
+
+    def pause(self):
+        return self._do("film.pause()")
+
+    def seek(self, by):
+        return self._do(f"film.currentTime += {by}")
+
+    def rate(self, rate):
+        return self._do(f"film.playbackRate = {rate}")
+
+    def kill(self):
+        at = super().kill()
+        self.page.service.stop()
+        return at
+
+
+PLAYERS = {player.kind: player for player in (Mpv, Vlc, Kodi, Chromium)}

@@ -49,7 +49,7 @@ word(Doing doing)
 
 Follower::Follower(const FollowSettings &settings)
     : settings_(settings), loop_(g_main_loop_new(nullptr, FALSE)),
-      offsets_(PlayerOffsets::usual_path()),
+      timing_(PlayerTiming::usual_path()),
       film_track_(settings.track, { .found =
                                         [this](std::shared_ptr<const tactile::Draft> track) {
                                           change_track(std::move(track));
@@ -396,11 +396,11 @@ Follower::nudge(double by)
   if (current_ == nullptr)
     throw std::runtime_error("no film plays whose time could be moved");
   const std::string kind = player_kind(current_->player->name());
-  offsets_.set(kind, offsets_.of(kind) + by);
+  timing_.set_offset(kind, timing_.offset(kind) + by);
   set_offset();
-  const auto offset = std::to_string(std::lround(offsets_.of(kind)));
-  tell("with " + kind + ", all is felt " + offset + " ms later than it says");
-  return offsets_.of(kind);
+  const double offset = timing_.offset(kind);
+  tell("with " + kind + ", all is felt " + std::to_string(std::lround(offset)) + " ms later");
+  return offset;
 }
 
 gboolean
@@ -414,12 +414,24 @@ Follower::nudged(double by)
   return G_SOURCE_CONTINUE;
 }
 
+/// How much later than the followed player shows a picture it is seen, or its sound heard, in ms.
+double
+Follower::latency() const
+{
+  if (settings_.latency)
+    return *settings_.latency;
+  const follow::Player &player = *current_->player;
+  const auto set = timing_.latency(player_kind(player.name()), settings_.sync_to);
+  if (set || settings_.sync_to == SyncTo::screen)
+    return set.value_or(0);
+  return std::chrono::duration<double, std::milli>(player.sound_latency()).count();
+}
+
 void
 Follower::set_offset()
 {
-  const double of_player
-      = current_ != nullptr ? offsets_.of(player_kind(current_->player->name())) : 0;
-  cues_.set_offset(follow::Time(std::llround((settings_.offset + of_player) * 1e6)));
+  const double later = latency() + timing_.offset(player_kind(current_->player->name()));
+  cues_.set_offset(follow::Time(std::llround(later * 1e6)));
 }
 
 FollowStatus
@@ -437,7 +449,9 @@ Follower::status() const
     status.state = word(current_->last.doing);
   status.film = film_name(film_);
   status.track = film_track_.what();
-  status.offset = offsets_.of(player_kind(status.player));
+  status.sync_to = name_of(settings_.sync_to);
+  status.latency = latency();
+  status.offset = timing_.offset(player_kind(status.player));
   if (const auto estimate = current_->estimator.at(now))
     status.position = seconds(estimate->position);
   if (const auto known = film_track_.known_until(position_);

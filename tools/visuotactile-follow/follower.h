@@ -4,7 +4,7 @@
 #include "chair.h"
 #include "film_track.h"
 #include "follow_service.h"
-#include "player_offsets.h"
+#include "player_timing.h"
 #include "session_watch.h"
 
 #include "follow/players/kodi_player.h"
@@ -15,6 +15,7 @@
 
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 
 struct FollowSettings
@@ -26,8 +27,10 @@ struct FollowSettings
   bool uses_bus = true;
   std::string mpris; ///< only the player of that name; empty: any
   FilmTrack::Settings track{};
-  std::string sink;  ///< as on a launch line
-  double offset = 0; ///< ms, of all players
+  std::string sink; ///< as on a launch line
+  SyncTo sync_to = SyncTo::screen;
+  std::optional<double>
+      latency{};     ///< ms, of all players; none: as each is set, or is known to have
   bool once = false; ///< ends when a player is gone
   bool quiet = false;
 };
@@ -79,6 +82,7 @@ private:
   double nudge(double by);
   gboolean nudged(double by);
   void set_offset();
+  double latency() const;
   FollowStatus status() const;
   void tell(const std::string &text);
   void fail(const std::string &text);
@@ -91,7 +95,7 @@ private:
   std::unique_ptr<follow::KodiSearch> kodi_;
   std::unique_ptr<FollowService> service_;
   std::unique_ptr<SessionWatch> session_;
-  PlayerOffsets offsets_;
+  PlayerTiming timing_;
   std::map<std::string, Followed> players_;
   Followed *current_ = nullptr;
   std::string film_;           ///< whose track is played, or looked for

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "player_offsets.h"
+#include "player_timing.h"
 
 #include <algorithm>
 #include <cerrno>
@@ -24,15 +24,30 @@ player_kind(const std::string &name)
   return kind.empty() ? "player" : kind;
 }
 
+std::optional<SyncTo>
+sync_to(std::string_view name)
+{
+  for (const SyncTo sync : { SyncTo::screen, SyncTo::sound })
+    if (name == name_of(sync))
+      return sync;
+  return std::nullopt;
+}
+
+const char *
+name_of(SyncTo sync)
+{
+  return sync == SyncTo::screen ? "screen" : "sound";
+}
+
 std::string
-PlayerOffsets::usual_path()
+PlayerTiming::usual_path()
 {
   g_autofree gchar *path
       = g_build_filename(g_get_user_config_dir(), "visuotactile", "follow.conf", nullptr);
   return path;
 }
 
-PlayerOffsets::PlayerOffsets(std::string path)
+PlayerTiming::PlayerTiming(std::string path)
     : path_(std::move(path)), file_(g_key_file_new(), g_key_file_unref)
 {
   std::error_code none;
@@ -47,15 +62,28 @@ PlayerOffsets::PlayerOffsets(std::string path)
     throw std::runtime_error("cannot read '" + path_ + "': " + error->message);
 }
 
-double
-PlayerOffsets::of(const std::string &kind) const
+std::optional<double>
+PlayerTiming::number(const std::string &kind, const char *key) const
 {
-  const double offset = g_key_file_get_double(file_.get(), kind.c_str(), kOffset, nullptr);
-  return std::abs(offset) <= kMost ? offset : 0;
+  g_autoptr(GError) error = nullptr;
+  const double number = g_key_file_get_double(file_.get(), kind.c_str(), key, &error);
+  return error == nullptr && std::abs(number) <= kMost ? std::optional(number) : std::nullopt;
+}
+
+std::optional<double>
+PlayerTiming::latency(const std::string &kind, SyncTo sync) const
+{
+  return number(kind, sync == SyncTo::screen ? "screen-latency" : "sound-latency");
+}
+
+double
+PlayerTiming::offset(const std::string &kind) const
+{
+  return number(kind, kOffset).value_or(0);
 }
 
 void
-PlayerOffsets::set(const std::string &kind, double offset)
+PlayerTiming::set_offset(const std::string &kind, double offset)
 {
   g_key_file_set_double(file_.get(), kind.c_str(), kOffset, std::clamp(offset, -kMost, kMost));
   g_autofree gchar *folder = g_path_get_dirname(path_.c_str());
