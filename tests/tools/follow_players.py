@@ -1,11 +1,13 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """Real players: each plays, pauses, seeks and changes its rate at once when it is told to, and says when it was told. They are heard where the stage
-has a sound server, `stage.sound`, the path of its socket.
+has a sound server, `stage.sound`, a NullSink.
 
 Root starts them as nobody, since VLC does not run as root, on a session bus of their own."""
 
 import json
 import os
+import pathlib
+import shutil
 import signal
 import socket
 import subprocess
@@ -71,7 +73,7 @@ class Player:
         for name in ("XDG_CONFIG_HOME", "XDG_CACHE_HOME", "XDG_DATA_HOME", "WAYLAND_DISPLAY", "PULSE_SERVER"):
             env.pop(name, None)
         if stage.sound:
-            env["PULSE_SERVER"] = f"unix:{stage.sound}"
+            env["PULSE_SERVER"] = f"unix:{stage.sound.socket}"
         self.said = open(stage.folder / f"{self.kind}.log", "ab")
         self.process = subprocess.Popen(words, env=env, cwd=home, stdin=subprocess.DEVNULL, stdout=self.said, stderr=subprocess.STDOUT,
                                         start_new_session=True, **NOBODY)
@@ -245,7 +247,7 @@ class Kodi(Player):
 class Chromium(Player):
     """A page that is a film. It is told to the bus once it has played."""
 
-    kind, film = "chromium", "film"
+    kind, film, extension = "chromium", "film", None
     options = ("--no-sandbox --no-first-run --disable-background-networking --disable-component-update --disable-sync --disable-gpu --kiosk "
                "--autoplay-policy=no-user-gesture-required --remote-debugging-port=0")
 
@@ -255,12 +257,14 @@ class Chromium(Player):
 <video src="{film.name}"></video>""", encoding="utf-8")
         page.chmod(0o644)
         profile = stage.folder / self.kind / "profile"
-        super().__init__(["chromium", *self.options.split(), f"--user-data-dir={profile}", page.as_uri()], stage)
+        extended = [f"--load-extension={shutil.copytree(self.extension, stage.folder / 'extension')}"] if self.extension else []
+        super().__init__(["chromium", *self.options.split(), *extended, f"--user-data-dir={profile}", "about:blank"], stage)
         port = profile / "DevToolsActivePort"
         wait_until("Chromium's port", lambda: port.exists() and port.read_text(encoding="utf-8").count("\n") > 0)
         options = Options()
         options.debugger_address = f"127.0.0.1:{port.read_text(encoding='utf-8').splitlines()[0]}"
         self.page = webdriver.Chrome(service=Service("/usr/bin/chromedriver"), options=options)
+        self.page.get(page.as_uri())
         wait_until("the film", lambda: self._does("return film.readyState == 4"))
         self.play()
         bus = stage.bus.connection()
@@ -302,4 +306,8 @@ class Chromium(Player):
         return at
 
 
-PLAYERS = {player.kind: player for player in (Mpv, Vlc, Kodi, Chromium)}
+class ExtendedChromium(Chromium):
+    extension = pathlib.Path(__file__).resolve().parents[2] / "examples/chromium"
+
+
+PLAYERS = {"mpv": Mpv, "vlc": Vlc, "kodi": Kodi, "chromium": Chromium, "chromium-extended": ExtendedChromium}

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """Records what a real player in Xvfb reports while it plays, pauses, seeks and plays faster, with the frames on its screen, for the test `recorded_reports`.
 
-Usage: follow_record.py PLAYER FILE [SECONDS]      PLAYER: mpv, vlc, kodi or chromium; SECONDS: of each stretch (default: 12)
+Usage: follow_record.py PLAYER FILE [SECONDS]      PLAYER: mpv, vlc, kodi, chromium or chromium-extended; SECONDS: of each stretch (default: 12)
 Expects RECORD, the program followrecord."""
 
 import os
@@ -13,8 +13,9 @@ import sys
 import tempfile
 import time
 
-from follow_players import PLAYERS, Bus, Kodi
+from follow_players import PLAYERS, Bus, Chromium, Kodi
 from follow_screen import KNOWN_TO, Screen, make_film
+from null_sink import NullSink
 
 PLAYER = PLAYERS[sys.argv[1]]
 SECONDS = float(sys.argv[3]) if len(sys.argv) > 3 else 12
@@ -22,7 +23,8 @@ SECONDS = float(sys.argv[3]) if len(sys.argv) > 3 else 12
 
 class Stage:
     def __init__(self, folder):
-        self.folder, self.bus, self.screen, self.sound = folder, Bus(folder), Screen(folder), None
+        self.folder, self.bus, self.screen = folder, Bus(folder), Screen(folder)
+        self.sound = NullSink(folder) if issubclass(PLAYER, Chromium) else None
 
 
 folder = pathlib.Path(tempfile.mkdtemp(prefix="visuotactile-record-"))
@@ -63,6 +65,8 @@ try:
     lines = [",".join(str(field) for field in record) for record in records]
     pathlib.Path(sys.argv[2]).write_text("\n".join(lines) + "\n", encoding="utf-8")
 finally:
+    if stage.sound:
+        stage.sound.stop()
     stage.screen.stop()
     stage.bus.stop()
     shutil.rmtree(folder)
