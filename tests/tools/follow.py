@@ -40,7 +40,7 @@ class Stage:
         self.folder = pathlib.Path(tempfile.mkdtemp(prefix="visuotactile-follow-"))
         self.folder.chmod(0o755)
         self.bus, self.screen = Bus(self.folder), Screen(self.folder)
-        self.sound = NullSink(self.folder) if issubclass(PLAYER, Chromium) else None  # films that are not heard are not told to the bus
+        self.sound = NullSink(self.folder)
         self.started = []
         self.env = dict(os.environ, DBUS_SESSION_BUS_ADDRESS=self.bus.address, HOME=str(self.folder), XDG_CONFIG_HOME=str(self.folder / "config"),
                         XDG_CACHE_HOME=str(self.folder / "cache"), XDG_RUNTIME_DIR=str(self.folder))
@@ -48,8 +48,7 @@ class Stage:
     def stop(self):
         for process in self.started:
             process.kill()
-        if self.sound:
-            self.sound.stop()
+        self.sound.stop()
         self.screen.stop()
         self.bus.stop()
         shutil.rmtree(self.folder)

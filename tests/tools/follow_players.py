@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
-"""Real players: each plays, pauses, seeks and changes its rate at once when it is told to, and says when it was told. They are heard where the stage
-has a sound server, `stage.sound`, a NullSink.
+"""Real players: each plays, pauses, seeks and changes its rate at once when it is told to, and says when it was told. They are heard at `stage.sound`, a
+NullSink.
 
 Root starts them as nobody, since VLC does not run as root, on a session bus of their own."""
 
@@ -69,11 +69,9 @@ class Player:
         self.home = home
         self.prepare(stage)
         env = dict(os.environ, HOME=str(home), XDG_RUNTIME_DIR=str(home), DISPLAY=stage.screen.name,
-                   DBUS_SESSION_BUS_ADDRESS=stage.bus.address, **environment)
-        for name in ("XDG_CONFIG_HOME", "XDG_CACHE_HOME", "XDG_DATA_HOME", "WAYLAND_DISPLAY", "PULSE_SERVER"):
+                   DBUS_SESSION_BUS_ADDRESS=stage.bus.address, PULSE_SERVER=f"unix:{stage.sound.socket}", **environment)
+        for name in ("XDG_CONFIG_HOME", "XDG_CACHE_HOME", "XDG_DATA_HOME", "WAYLAND_DISPLAY"):
             env.pop(name, None)
-        if stage.sound:
-            env["PULSE_SERVER"] = f"unix:{stage.sound.socket}"
         self.said = open(stage.folder / f"{self.kind}.log", "ab")
         self.process = subprocess.Popen(words, env=env, cwd=home, stdin=subprocess.DEVNULL, stdout=self.said, stderr=subprocess.STDOUT,
                                         start_new_session=True, **NOBODY)
@@ -105,7 +103,7 @@ class Mpv(Player):
 
     def __init__(self, film, stage):
         self.path = str(stage.folder / self.kind / "mpv.sock")
-        super().__init__(["mpv", "--no-config", "--vo=x11", f"--ao={'pulse' if stage.sound else 'null'}", "--fullscreen", "--pause", "--no-osc", f"--input-ipc-server={self.path}", str(film)], stage)
+        super().__init__(["mpv", "--no-config", "--vo=x11", "--ao=pulse", "--fullscreen", "--pause", "--no-osc", f"--input-ipc-server={self.path}", str(film)], stage)
         self.socket = MpvSocket(self.path)
         wait_until("mpv's socket", self.socket.connects)
         self.how, self.name = [f"--mpv={self.path}"], f"mpv at {self.path}"
@@ -135,7 +133,7 @@ class Vlc(Player):
     bus_name, path = "org.mpris.MediaPlayer2.vlc", "/org/mpris/MediaPlayer2"
 
     def __init__(self, film, stage):
-        super().__init__(["vlc", "-I", "dummy", "--aout=pulse" if stage.sound else "--no-audio", "--vout=xcb_x11", "--fullscreen", "--no-video-title-show", "--no-spu", "--no-osd",
+        super().__init__(["vlc", "-I", "dummy", "--aout=pulse", "--vout=xcb_x11", "--fullscreen", "--no-video-title-show", "--no-spu", "--no-osd",
                           "--start-paused", film.as_uri()], stage)
         self.bus = stage.bus.connection()
         wait_until("VLC on the bus", self._is_paused)
@@ -181,7 +179,7 @@ class Kodi(Player):
         with socket.socket() as unused:
             unused.bind(("127.0.0.1", 0))
             self.port = unused.getsockname()[1]
-        super().__init__(["kodi", "--windowing=x11", "--gl-interface=glx", f"--audio-backend={'pulseaudio' if stage.sound else 'null'}"], stage, LIBGL_ALWAYS_SOFTWARE="1")
+        super().__init__(["kodi", "--windowing=x11", "--gl-interface=glx", "--audio-backend=pulseaudio"], stage, LIBGL_ALWAYS_SOFTWARE="1")
         self.line, self.id, self.bytes = socket.socket(), 0, ""
         wait_until("Kodi's port", self._connects)
         self.how, self.name = [f"--kodi=127.0.0.1:{self.port}"], "kodi"

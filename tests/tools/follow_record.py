@@ -13,7 +13,7 @@ import sys
 import tempfile
 import time
 
-from follow_players import PLAYERS, Bus, Chromium, Kodi
+from follow_players import PLAYERS, Bus, Kodi
 from follow_screen import KNOWN_TO, Screen, make_film
 from null_sink import NullSink
 
@@ -24,7 +24,7 @@ SECONDS = float(sys.argv[3]) if len(sys.argv) > 3 else 12
 class Stage:
     def __init__(self, folder):
         self.folder, self.bus, self.screen = folder, Bus(folder), Screen(folder)
-        self.sound = NullSink(folder) if issubclass(PLAYER, Chromium) else None
+        self.sound = NullSink(folder)
 
 
 folder = pathlib.Path(tempfile.mkdtemp(prefix="visuotactile-record-"))
@@ -65,8 +65,7 @@ try:
     lines = [",".join(str(field) for field in record) for record in records]
     pathlib.Path(sys.argv[2]).write_text("\n".join(lines) + "\n", encoding="utf-8")
 finally:
-    if stage.sound:
-        stage.sound.stop()
+    stage.sound.stop()
     stage.screen.stop()
     stage.bus.stop()
     shutil.rmtree(folder)

@@ -99,7 +99,7 @@ def main():
             found.append(later(stage, since, since + SECONDS))
             assert len(found[-1]) > SECONDS / 2, (f"{len(found[-1])} tones with pictures in {SECONDS} s, of {len(stage.ear.tones)} tones and "
                                                   f"{len(stage.screen.frames)} frames")
-        print(f"| {sys.argv[1]} | " + " | ".join(f"{statistics.median(of):+.0f} ms" for of in found) + f" | {max(map(max, found)) - min(map(min, found)):.0f} ms |")
+        print(f"| {sys.argv[1]} | " + " | ".join(f"{statistics.median(of):+.0f} ms" for of in found) + f" | {min(map(min, found)):+.0f} to {max(map(max, found)):+.0f} ms |")
     finally:
         if player:
             player.kill()
