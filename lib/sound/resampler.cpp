@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "sound/resampler.h"
 
+#include "sound/dot.h"
+
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -11,20 +13,8 @@ namespace sound {
 namespace {
 
 constexpr double kCrossings = 8; ///< zero crossings of the sine on each side
-constexpr int kLanes = 8;
 /// Rates with more phases use the nearest of these: 1/512 of a sample.
 constexpr std::int64_t kMostPhases = 512;
-
-/// In an order that does not depend on where the samples lie.
-float
-dot(const float *a, const float *b, int count)
-{
-  std::array<float, kLanes> sums{};
-  for (int i = 0; i < count; i += kLanes)
-    for (int lane = 0; lane < kLanes; lane++)
-      sums[static_cast<std::size_t>(lane)] += a[i + lane] * b[i + lane];
-  return std::accumulate(sums.begin(), sums.end(), 0.0F);
-}
 
 } // namespace
 

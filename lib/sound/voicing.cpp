@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "sound/voicing.h"
 
+#include "sound/dot.h"
+
 #include <algorithm>
 #include <cmath>
 
@@ -8,23 +10,8 @@ namespace sound {
 
 namespace {
 
-constexpr int kLanes = 8;
 /// Added to the mean square of both parts: what is below −70 dB of full scale is not voiced.
 constexpr float kFaintest = 1e-7F;
-
-/// `count`: a multiple of kLanes.
-float
-dot(const float *a, const float *b, int count)
-{
-  std::array<float, kLanes> sums{};
-  for (int i = 0; i < count; i += kLanes)
-    for (int lane = 0; lane < kLanes; lane++)
-      sums[static_cast<std::size_t>(lane)] += a[i + lane] * b[i + lane];
-  float sum = 0;
-  for (const float lane : sums)
-    sum += lane;
-  return sum;
-}
 
 } // namespace
 

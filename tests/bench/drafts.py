@@ -6,17 +6,18 @@ plays is known, and so felt, and which share of a core it takes. Prints a table.
 Expects FOLLOW, the plugins on GST_PLUGIN_PATH, ffmpeg, mpv, dbus-daemon and python3-dbus; takes two minutes.
 Usage: drafts.py CLIP [SECONDS]      a film, ten seconds of which are scaled up to each size; how long each event is watched, 20 by default"""
 
-import json
 import os
 import pathlib
 import shutil
-import socket
 import subprocess
 import sys
 import tempfile
 import time
 
 import dbus
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "tools"))
+from mpv_socket import MpvSocket  # noqa: E402
 
 FOLLOW, CLIP = os.environ["FOLLOW"], sys.argv[1]
 WATCHED = float(sys.argv[2]) if len(sys.argv) > 2 else 20
@@ -52,23 +53,12 @@ def make_film(width, height):
     return film
 
 
-class Mpv:
+class Mpv(MpvSocket):
     def __init__(self, film):
-        self.path = str(work / "socket")
+        super().__init__(str(work / "socket"))
         self.process = start("mpv", "--no-config", "--vo=null", "--ao=null", "--hwdec=no", f"--input-ipc-server={self.path}", str(film), "--pause", stdout=subprocess.DEVNULL,
                              stderr=subprocess.DEVNULL)
-        self.line = socket.socket(socket.AF_UNIX)
-        wait_until("mpv's socket", self._connects)
-
-    def _connects(self):
-        try:
-            self.line.connect(self.path)
-        except OSError:
-            return False
-        return True
-
-    def command(self, *words):
-        self.line.sendall((json.dumps({"command": words}) + "\n").encode())
+        wait_until("mpv's socket", self.connects)
 
     def end(self):
         self.process.kill()

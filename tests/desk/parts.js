@@ -6,7 +6,7 @@ import { OPERATIONS, request } from '../../tools/tactile-track-desk/page/operati
 import { Pad, rumble } from '../../tools/tactile-track-desk/page/pad.js';
 import { Recorder } from '../../tools/tactile-track-desk/page/recorder.js';
 import { changes } from '../../tools/tactile-track-desk/page/review.js';
-import { formatTime, parseTime } from '../../tools/tactile-track-desk/page/time.js';
+import { formatTime, frameFrom, parseTime } from '../../tools/tactile-track-desk/page/time.js';
 import { Track } from '../../tools/tactile-track-desk/page/track.js';
 
 export function timesAreReadAsTheyAreWritten() {
@@ -19,6 +19,23 @@ export function timesAreReadAsTheyAreWritten() {
   }
   for (const ms of [0, 7, 999, 59999, 60000, 3599999, 3600000, 359999999])
     equal(parseTime(formatTime(ms)), ms, `${ms}`);
+}
+
+export function framesAreSteppedOneByOneForHours() {
+  for (const [numerator, denominator] of [[24, 1], [25, 1], [24000, 1001], [30000, 1001], [60000, 1001], [120, 1]]) {
+    const frame = Number((1000 * denominator / numerator).toPrecision(15)); // as the desk tells it
+    // The first whole ms of frame n, in whole numbers.
+    const begin = (n) => Number((BigInt(n) * 1000n * BigInt(denominator) + BigInt(numerator) - 1n) / BigInt(numerator));
+    for (const first of [0, 172560, 10_000_000]) {
+      let ms = begin(first);
+      for (let n = first + 1; n < first + 50; n++) {
+        ms = frameFrom(ms, frame, 1);
+        equal(ms, begin(n), `frame ${n} at ${numerator}/${denominator}`);
+      }
+      equal(frameFrom(ms, frame, -49), begin(first), `back to ${first} at ${numerator}/${denominator}`);
+    }
+  }
+  equal(frameFrom(7_190_020, Number((1000 / 24).toPrecision(15)), 1), 7_190_042, 'from within a frame');
 }
 
 export function strokesAreRecordedAsHeld() {

@@ -56,10 +56,8 @@ def main():
                 for _ in range(10):
                     at = page.position()
                     page.keys(".")
-                    page.wait("the next frame", lambda: abs(page.position() - at - 1000 / RATE) < 2 and not page.js("return document.getElementById('video').seeking"))
+                    page.wait("the next frame", lambda: abs(page.position() - at - 1000 / RATE) < 1 and not page.js("return document.getElementById('video').seeking"))
 
-            page.keys(".")  # to where a frame begins
-            page.wait("its begin", lambda: page.position() % 1000 < 50 and not page.js("return document.getElementById('video').seeking"))
             timed("ten frames on, one by one", steps)
             page.go_to(7_180_180)
             page.record()

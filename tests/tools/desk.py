@@ -250,7 +250,8 @@ def test_film_and_strip():
             line.sendall(f"GET {desk.path}film HTTP/1.1\r\nHost: 127.0.0.1:{desk.port}\r\n\r\n".encode())
             line.recv(100)
 
-        wait_until("the strip", lambda: Page(desk, "p", writes=False).last("progress")["strip"] == 1)
+        page = Page(desk, "p", writes=False)
+        wait_until("the strip", lambda: page.last("progress")["strip"] == 1)
         # The film is cut at 4 s.
         assert desk.get("cuts").json["cuts"] == [4000], desk.get("cuts").body
         pictures = desk.get("thumbnails").json

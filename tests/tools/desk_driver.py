@@ -27,7 +27,9 @@ def wait_until(what, is_true):
 
 
 def run_gst(line):
-    subprocess.run(["gst-launch-1.0", "-q", *line.split()], check=True, timeout=LATEST)
+    """Without the plugins that are tested: gst-launch-1.0 cannot load those that were built with a sanitizer."""
+    env = {name: value for name, value in os.environ.items() if not name.startswith("GST_")}
+    subprocess.run(["gst-launch-1.0", "-q", *line.split()], env=env, check=True, timeout=LATEST)
 
 
 def make_film(path, seconds=8, sound=True, muxer="webmmux", encoder="vp8enc deadline=1 cpu-used=8"):

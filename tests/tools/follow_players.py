@@ -16,6 +16,8 @@ import gi
 gi.require_version("Gio", "2.0")
 from gi.repository import Gio, GLib  # noqa: E402
 
+from mpv_socket import MpvSocket  # noqa: E402
+
 signal.signal(signal.SIGTERM, lambda *_: sys.exit("ended by SIGTERM"))  # so that the players are ended, too
 NOBODY = {"user": 65534, "group": 65534, "extra_groups": []} if os.geteuid() == 0 else {}
 BUS = """<busconfig><type>session</type><listen>unix:tmpdir=/tmp</listen><auth>EXTERNAL</auth>
@@ -94,19 +96,12 @@ class Mpv(Player):
     def __init__(self, film, stage):
         self.path = str(stage.folder / self.kind / "mpv.sock")
         super().__init__(["mpv", "--no-config", "--vo=x11", "--ao=null", "--fullscreen", "--pause", "--no-osc", f"--input-ipc-server={self.path}", str(film)], stage)
-        self.line = socket.socket(socket.AF_UNIX)
-        wait_until("mpv's socket", self._connects)
+        self.socket = MpvSocket(self.path)
+        wait_until("mpv's socket", self.socket.connects)
         self.how, self.name = [f"--mpv={self.path}"], f"mpv at {self.path}"
 
-    def _connects(self):
-        try:
-            self.line.connect(self.path)
-        except OSError:
-            return False
-        return True
-
     def _command(self, *words):
-        self.line.sendall((json.dumps({"command": words}) + "\n").encode())
+        self.socket.command(*words)
         return time.monotonic()
 
     def play(self):

@@ -6,17 +6,17 @@ Expects FOLLOW, SERVER (haptic_server.py), the plugins on GST_PLUGIN_PATH, mpv a
 
 import atexit
 import contextlib
-import json
 import os
 import pathlib
 import shutil
 import signal
-import socket
 import subprocess
 import sys
 import tempfile
 import threading
 import time
+
+from mpv_socket import MpvSocket
 
 FOLLOW = os.environ["FOLLOW"]
 LATEST = 60  # s: until something that has to happen has failed to
@@ -45,24 +45,13 @@ def start_bus(environment=None):
     return bus, bus.stdout.readline().strip()
 
 
-class Mpv:
+class Mpv(MpvSocket):
     def __init__(self, film, *options):
-        self.path = str(work / "mpv.sock")
+        super().__init__(str(work / "mpv.sock"))
         pathlib.Path(self.path).unlink(missing_ok=True)
         self.process = start("mpv", "--no-config", "--vo=null", "--ao=null", f"--input-ipc-server={self.path}", *options, str(film),
                              stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-        self.line = socket.socket(socket.AF_UNIX)
-        wait_until("mpv's socket", self._connects)
-
-    def _connects(self):
-        try:
-            self.line.connect(self.path)
-        except OSError:
-            return False
-        return True
-
-    def command(self, *words):
-        self.line.sendall((json.dumps({"command": words}) + "\n").encode())
+        wait_until("mpv's socket", self.connects)
 
     def quit(self):
         self.command("quit")

@@ -137,6 +137,8 @@ parse_options(int argc, char **argv, const GOptionEntry *entries, CommonOptions 
   g_autoptr(GOptionContext) context = g_option_context_new(usage.arguments);
   GOptionGroup *group = g_option_group_new("main", "Options:", "", usage.callback_data, nullptr);
   g_option_group_add_entries(group, entries);
+  if (usage.more)
+    g_option_group_add_entries(group, usage.more);
   g_option_group_add_entries(group, common_entries);
   g_option_context_set_main_group(context, group);
   g_option_context_set_help_enabled(context, usage.group != nullptr); // for --help-all

@@ -62,8 +62,9 @@ struct Usage
   std::size_t most;
   const char *force_help = kOverwritesAnyway;
   const char *quiet_help = kOnlyErrors;
-  gpointer callback_data = nullptr; ///< for G_OPTION_ARG_CALLBACK
-  GOptionGroup *group = nullptr;    ///< of a library, transfer full
+  const GOptionEntry *more = nullptr; ///< entries that several programs share, ended likewise
+  gpointer callback_data = nullptr;   ///< for G_OPTION_ARG_CALLBACK
+  GOptionGroup *group = nullptr;      ///< of a library, transfer full
 };
 
 /// What --help prints, thrown where that is given.

@@ -8,14 +8,13 @@
 #include "../visuotactile-follow/session_watch.h"
 
 #include "desk/files.h"
+#include "film/known_driver.h"
 #include "film/or_throw.h"
-#include "tactor/drivers/registry.h"
 #include "tracks/formats/track_file.h"
 #include "tracks/formats/webvtt.h"
 
 #include <glib-unix.h>
 
-#include <array>
 #include <csignal>
 #include <cstdio>
 #include <filesystem>
@@ -25,32 +24,6 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr const char *kProgram = "tactile-track desk";
-
-std::string
-sink_line(const DeskOptions &options)
-{
-  std::string drivers;
-  bool known = false;
-  for (const tactor::DriverInfo &driver : tactor::drivers()) {
-    known = known || driver.name == options.driver.text("auto");
-    drivers += (drivers.empty() ? "" : ", ") + std::string(driver.name);
-  }
-  if (!known)
-    throw UsageError("--driver is one of " + drivers);
-  std::array<char, G_ASCII_DTOSTR_BUF_SIZE> number{};
-  g_ascii_dtostr(number.data(), static_cast<gint>(number.size()), options.intensity);
-  std::string line = "tactorsink rate=0 driver=" + launch_value(options.driver.text("auto"))
-                     + " intensity=" + number.data();
-  const auto add = [&line](const char *property, const TextOption &option) {
-    if (option.is_set())
-      line += std::string(" ") + property + "=" + launch_value(option.text());
-  };
-  add("device", options.device);
-  add("mapping", options.mapping);
-  add("calibration", options.calibration);
-  add("trace-location", options.trace);
-  return line;
-}
 
 /// The port of a track, above those that Linux gives away by itself. A page that was killed, or
 /// whose desk was, has edits in storage of its origin, which the next one finds at the same port.
@@ -123,7 +96,7 @@ run_loop()
 void
 run(const DeskOptions &options)
 {
-  const std::string sink = sink_line(options);
+  expect_driver(options.chair.driver.text());
   const char *set = g_getenv("VISUOTACTILE_DESK_PAGE");
   const std::string page = set ? set : DESK_PAGE;
   std::error_code error;
@@ -153,8 +126,8 @@ run(const DeskOptions &options)
   Routes routes({ .film = options.film,
                   .found = film,
                   .page = page,
-                  .sink = sink,
-                  .driver = options.driver.text("auto"),
+                  .sink = options.chair.sink_line(),
+                  .driver = options.chair.driver.text(),
                   .review = options.review != FALSE },
                 *session, draft);
   const Server server(static_cast<guint16>(options.port), usual_port(session->path()), routes);

@@ -14,20 +14,9 @@ read_desk_options(int argc, char **argv, DeskOptions &options)
       "Port of 127.0.0.1, 0 to 65535; 0 (default): the track's usual one, or any", "N" },
     { "no-browser", 0, 0, G_OPTION_ARG_NONE, &options.no_browser,
       "Open no browser: only print the address", nullptr },
-    { "driver", 'd', 0, G_OPTION_ARG_STRING, &options.driver.value,
-      "What is felt: a driver of tactorsink (default: auto)", "NAME" },
-    { "device", 0, 0, G_OPTION_ARG_STRING, &options.device.value, "Which device of the driver",
-      "ID" },
-    { "mapping", 0, 0, G_OPTION_ARG_STRING, &options.mapping.value,
-      "Tactor of each cell, such as 2,1,0", "TACTORS" },
-    { "calibration", 0, 0, G_OPTION_ARG_FILENAME, &options.calibration.value,
-      "Your motors, as tactor-calibrate has measured them", "FILE" },
-    { "intensity", 'i', 0, G_OPTION_ARG_DOUBLE, &options.intensity,
-      "Factor on all vibration, 0 to 1 (default: 1)", "FACTOR" },
-    { "trace", 0, 0, G_OPTION_ARG_FILENAME, &options.trace.value,
-      "Write all commands to a CSV file", "FILE" },
     {},
   };
+  const auto chair = options.chair.entries();
   const std::vector<std::string> arguments = parse_options(
       argc, argv, entries, options.common,
       { .arguments = "FILM [TRACK]",
@@ -37,11 +26,11 @@ read_desk_options(int argc, char **argv, DeskOptions &options)
                    "the desk, with all motors\nat zero.",
         .least = 1,
         .most = 2,
-        .force_help = Usage::kOverwritesAnyway });
+        .force_help = Usage::kOverwritesAnyway,
+        .more = chair.data() });
   if (options.port < 0 || options.port > kHighestPort)
     throw UsageError("--port is a number from 0 to 65535");
-  if (!(options.intensity >= 0 && options.intensity <= 1))
-    throw UsageError("--intensity is a number from 0 to 1");
+  options.chair.check();
   options.film = arguments[0];
   if (arguments.size() > 1)
     options.track = arguments[1];

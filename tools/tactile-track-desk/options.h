@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include "film/command_line.h"
+#include "film/chair_options.h"
 
 #include <string>
 
@@ -12,12 +12,7 @@ struct DeskOptions
   gboolean review = FALSE;
   gint port = 0; ///< 0: any
   gboolean no_browser = FALSE;
-  TextOption driver{};
-  TextOption device{};
-  TextOption mapping{};
-  TextOption calibration{};
-  TextOption trace{};
-  gdouble intensity = 1;
+  ChairOptions chair;
   CommonOptions common;
   std::string film;
   std::string track; ///< empty: the one beside the film

@@ -18,7 +18,7 @@ std::string
 number(double value)
 {
   std::array<char, G_ASCII_DTOSTR_BUF_SIZE> text{};
-  return g_ascii_formatd(text.data(), static_cast<gint>(text.size()), "%.9g", value);
+  return g_ascii_formatd(text.data(), static_cast<gint>(text.size()), "%.15g", value);
 }
 
 std::string

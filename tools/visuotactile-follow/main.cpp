@@ -3,7 +3,7 @@
 // visuotactile-follow: the chair follows a film that another program plays.
 #include "follower.h"
 
-#include "film/command_line.h"
+#include "film/chair_options.h"
 #include "film/known_driver.h"
 #include "film/sound.h"
 
@@ -25,13 +25,7 @@ struct Options
   TextOption mpris{};
   TextOption kodi{};
   TextOption tracks{};
-  TextOption driver{ "auto" };
-  TextOption device{};
-  TextOption mapping{};
-  TextOption calibration{};
-  TextOption trace{};
   TextOption sound{};
-  gdouble intensity = 1;
   gdouble offset = 0;
   gdouble nudge = 0; ///< ms; 0: none
   gboolean no_drafts = FALSE;
@@ -39,6 +33,7 @@ struct Options
   gboolean list = FALSE;
   gboolean status = FALSE;
   gboolean version = FALSE;
+  ChairOptions chair;
   CommonOptions common;
 };
 
@@ -61,22 +56,10 @@ read_command_line(int argc, char **argv, Options &options)
     { "no-drafts", 0, 0, G_OPTION_ARG_NONE, &options.no_drafts,
       "Make no drafts of films that have no track", nullptr },
     { "sound", 0, 0, G_OPTION_ARG_STRING, &options.sound.value, kSoundHelp, "PROFILE" },
-    { "driver", 'd', 0, G_OPTION_ARG_STRING, &options.driver.value,
-      "What is felt: a driver of tactorsink (default: auto)", "NAME" },
-    { "device", 0, 0, G_OPTION_ARG_STRING, &options.device.value, "Which device of the driver",
-      "ID" },
-    { "mapping", 0, 0, G_OPTION_ARG_STRING, &options.mapping.value,
-      "Tactor of each cell, such as 2,1,0", "TACTORS" },
-    { "calibration", 0, 0, G_OPTION_ARG_FILENAME, &options.calibration.value,
-      "Your motors, as tactor-calibrate has measured them", "FILE" },
-    { "intensity", 'i', 0, G_OPTION_ARG_DOUBLE, &options.intensity,
-      "Factor on all vibration, 0 to 1 (default: 1)", "FACTOR" },
     { "offset", 'o', 0, G_OPTION_ARG_DOUBLE, &options.offset,
       "How much later than the player says its picture is on the screen, in ms, -5000 to 5000 "
       "(default: 0)",
       "MS" },
-    { "trace", 0, 0, G_OPTION_ARG_FILENAME, &options.trace.value,
-      "Write all commands to a CSV file", "FILE" },
     { "status", 's', 0, G_OPTION_ARG_NONE, &options.status,
       "Print what the visuotactile-follow that runs does, and exit", nullptr },
     { "nudge", 'n', 0, G_OPTION_ARG_DOUBLE, &options.nudge,
@@ -88,6 +71,7 @@ read_command_line(int argc, char **argv, Options &options)
     { "version", 0, 0, G_OPTION_ARG_NONE, &options.version, "Print the version and exit", nullptr },
     {},
   };
+  const auto chair = options.chair.entries();
   parse_options(
       argc, argv, entries, options.common,
       { .arguments = "",
@@ -104,31 +88,14 @@ read_command_line(int argc, char **argv, Options &options)
         .most = 0,
         .force_help = Usage::kWritesNothing,
         .quiet_help = Usage::kOnlyErrors,
+        .more = chair.data(),
         .group = gst_init_get_option_group() });
-  if (!(options.intensity >= 0 && options.intensity <= 1))
-    throw UsageError("--intensity is a number from 0 to 1");
+  options.chair.check();
   if (!(std::abs(options.offset) <= kMostOffset))
     throw UsageError("--offset is a number of ms from -5000 to 5000");
   if (!(std::abs(options.nudge) <= kMostOffset))
     throw UsageError("--nudge is a number of ms from -5000 to 5000");
-  expect_driver(options.driver.text());
-}
-
-std::string
-sink_line(const Options &options)
-{
-  char number[G_ASCII_DTOSTR_BUF_SIZE];
-  std::string line = "tactorsink rate=0 driver=" + launch_value(options.driver.text())
-                     + " intensity=" + g_ascii_dtostr(number, sizeof number, options.intensity);
-  const auto add = [&line](const char *property, const TextOption &option) {
-    if (option.is_set())
-      line += std::string(" ") + property + "=" + launch_value(option.text());
-  };
-  add("device", options.device);
-  add("mapping", options.mapping);
-  add("calibration", options.calibration);
-  add("trace-location", options.trace);
-  return line;
+  expect_driver(options.chair.driver.text());
 }
 
 /// The socket in the user's own folder, where nobody else can put one.
@@ -187,7 +154,7 @@ run(const Options &options)
         .track = { .folder = options.tracks.text(),
                    .makes_drafts = options.no_drafts == FALSE,
                    .analysis = { .sound = sound_profile(options.sound.text("off")) } },
-        .sink = sink_line(options),
+        .sink = options.chair.sink_line(),
         .offset = options.offset,
         .once = options.once != FALSE,
         .quiet = options.common.quiet || options.list });

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 
+import { frameFrom } from './time.js';
+
 /**
  * The film and its transport, whether the browser plays the file itself or the desk's proxy stream.
  *
@@ -90,8 +92,7 @@ export class Film extends EventTarget {
   /** Goes to the begin of a frame nearby. The film pauses. */
   step(frames) {
     this.pause();
-    const now = Math.floor(this.position / this.frame + 1e-6);
-    this.seek(Math.ceil((now + frames) * this.frame - 1e-6));
+    this.seek(frameFrom(this.position, this.frame, frames));
   }
 
   #clamp(ms) { return Math.max(0, this.duration ? Math.min(ms, this.duration) : ms); }

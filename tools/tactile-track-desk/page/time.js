@@ -28,3 +28,15 @@ export function parseTime(text) {
   const [, hours = 0, minutes = 0, seconds, rest = ''] = match;
   return ((hours * 60 + +minutes) * 60 + +seconds) * 1000 + +rest.padEnd(3, '0');
 }
+
+/**
+ * Where a frame begins, so many frames from the one that is shown.
+ * @param {number} ms a time in the frame that is shown, of its begin the first whole one
+ * @param {number} frame its duration in ms, more than 0, to fifteen digits
+ * @param {number} frames negative: back
+ * @returns {number} ms, the first whole one in that frame
+ */
+export function frameFrom(ms, frame, frames) {
+  const off = 1e-6; // by rounding
+  return Math.ceil((Math.floor(ms / frame + off) + frames) * frame - off);
+}

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "chair_options.h"
+
+#include "pipeline.h"
+
+std::array<GOptionEntry, 7>
+ChairOptions::entries()
+{
+  return { {
+      { "driver", 'd', 0, G_OPTION_ARG_STRING, &driver.value,
+        "What is felt: a driver of tactorsink (default: auto)", "NAME" },
+      { "device", 0, 0, G_OPTION_ARG_STRING, &device.value, "Which device of the driver", "ID" },
+      { "mapping", 0, 0, G_OPTION_ARG_STRING, &mapping.value, "Tactor of each cell, such as 2,1,0",
+        "TACTORS" },
+      { "calibration", 0, 0, G_OPTION_ARG_FILENAME, &calibration.value,
+        "Your motors, as tactor-calibrate has measured them", "FILE" },
+      { "intensity", 'i', 0, G_OPTION_ARG_DOUBLE, &intensity,
+        "Factor on all vibration, 0 to 1 (default: 1)", "FACTOR" },
+      { "trace", 0, 0, G_OPTION_ARG_FILENAME, &trace.value, "Write all commands to a CSV file",
+        "FILE" },
+      {},
+  } };
+}
+
+void
+ChairOptions::check() const
+{
+  if (!(intensity >= 0 && intensity <= 1))
+    throw UsageError("--intensity is a number from 0 to 1");
+}
+
+std::string
+ChairOptions::sink_line() const
+{
+  std::array<char, G_ASCII_DTOSTR_BUF_SIZE> number{};
+  std::string line = "tactorsink rate=0 driver=" + launch_value(driver.text()) + " intensity="
+                     + g_ascii_dtostr(number.data(), static_cast<gint>(number.size()), intensity);
+  const auto add = [&line](const char *property, const TextOption &option) {
+    if (option.is_set())
+      line += std::string(" ") + property + "=" + launch_value(option.text());
+  };
+  add("device", device);
+  add("mapping", mapping);
+  add("calibration", calibration);
+  add("trace-location", trace);
+  return line;
+}
