@@ -9,8 +9,9 @@
 
 namespace sound {
 
-/// What of a sound below 65 Hz is felt as rumble: what makes a large part of the whole sound, or
-/// comes from a channel for low frequency effects, and stands out from what was heard for long.
+/// What of a sound below 65 Hz is felt as rumble: what makes a large part of the whole sound for a
+/// while, or comes from a channel for low frequency effects, and stands out from what was heard for
+/// long.
 class Rumble
 {
 public:
@@ -27,9 +28,12 @@ public:
 private:
   std::vector<bool> is_low_; ///< of each speaker: for low frequency effects
   std::array<double, kMaxSpeakers> deep_{};
+  double quick_ = 0;  ///< power below 65 Hz, smoothed less
   double middle_ = 0; ///< smoothed power of 65 Hz to 1 kHz: voices, most of music
   double floor_ = 0;  ///< what was heard for long, dB
+  int lasted_ = 0;    ///< hops
   bool is_large_ = false;
+  bool is_felt_ = false;
 };
 
 } // namespace sound

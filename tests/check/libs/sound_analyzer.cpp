@@ -142,6 +142,23 @@ GST_START_TEST(test_rumble)
 }
 GST_END_TEST;
 
+// A puff of breath into a microphone, 100 ms below 65 Hz, is no rumble, however loud; 400 ms are.
+GST_START_TEST(test_puffs)
+{
+  const auto puffs = [](double lasts) {
+    std::vector<float> frames = tone(40, 0.5, 4);
+    for (std::size_t i = 0; i < frames.size(); i++) {
+      // A Hann window, once a second: it has no click.
+      const double at = std::fmod(static_cast<double>(i) / kTestRate, 1.0) / lasts;
+      frames[i] *= at < 1 ? static_cast<float>(0.5 - 0.5 * std::cos(2 * std::numbers::pi * at)) : 0;
+    }
+    return analyze(frames, kTestRate, usual_speakers(1));
+  };
+  fail_unless_near(share_on(puffs(0.1)), 0, 1e-6);
+  fail_unless(share_on(puffs(0.4)) > 0.1);
+}
+GST_END_TEST;
+
 // What is deep is no rumble where it is a small part of the sound, but for an LFE channel's.
 GST_START_TEST(test_rumble_under_others)
 {
@@ -300,6 +317,7 @@ sound_analyzer_suite(void)
   tcase_add_test(tc, test_blocks);
   tcase_add_test(tc, test_rates);
   tcase_add_test(tc, test_rumble);
+  tcase_add_test(tc, test_puffs);
   tcase_add_test(tc, test_rumble_under_others);
   tcase_add_test(tc, test_engine_fades);
   tcase_add_test(tc, test_blows_in_music);
