@@ -14,9 +14,12 @@ constexpr double kLeastDb = -36;
 /// It begins to be a large part of the sound at the first, and ceases at the second, dB.
 constexpr double kLargeDb = -3;
 constexpr double kSmallDb = -10;
-/// It has to last this long: a puff of breath into a microphone lasts 20 to 100 ms.
+/// It has to last this long where a vowel was as loud: a puff of breath into a microphone lasts 20
+/// to 100 ms.
 constexpr int kLeastHops = 40;
-/// It is over when what is smoothed less falls so far below what is smoothed more, dB.
+constexpr double kVoiced = 0.8;       ///< voicing of vowels
+constexpr double kForgotten = 0.9886; ///< of a vowel's power in a hop: 10 dB a second
+/// It lasts until what is smoothed less falls so far below what is smoothed more, dB.
 constexpr double kQuickS = 0.02;
 constexpr double kOverDb = -12;
 /// Times in which the floor follows a louder and a weaker sound; silence counts as kSilenceDb.
@@ -60,7 +63,10 @@ Rumble::add(const BandPowers &powers, double gain_db)
   floor_ += share_in(heard > floor_ ? kRiseS : kFallS) * (heard - floor_);
   const bool goes_on = is_large_ && decibels(deep) + gain_db >= kLeastDb;
   lasted_ = goes_on && decibels(quick_) - decibels(deep) > kOverDb ? lasted_ + 1 : 0;
-  is_felt_ = goes_on && (is_felt_ || lasted_ >= kLeastHops);
+  vowel_ *= kForgotten;
+  if (powers.voicing > kVoiced)
+    vowel_ = std::max(vowel_, middle_);
+  is_felt_ = goes_on && (is_felt_ || lasted_ >= kLeastHops || vowel_ < deep);
   const double felt = is_felt_ ? deep : effects;
   if (decibels(felt) + gain_db < kLeastDb)
     return 0;
@@ -80,6 +86,7 @@ Rumble::reset()
   deep_.fill(0);
   quick_ = 0;
   middle_ = 0;
+  vowel_ = 0;
   lasted_ = 0;
   floor_ = kSilenceDb;
   is_large_ = false;
