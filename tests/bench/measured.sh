@@ -302,7 +302,7 @@ from the harmonics of a spectrogram from 0 to 4 kHz, to about 0.05 s. Soft music
 and the tail of a boom under the beginnings of the second and the fourth: these two are not speech
 only. The man's pitch is 60 to 105 Hz, the woman's 135 to 250 Hz, as read from a spectrogram from 0 to
 500 Hz. So all of their voices is above 50 Hz. The sound is split there, by filters of 48 dB an octave
-forward and backward (`tests/sound/lines.sh`). What is above is the voices without the boom's deepest part.
+forward and backward (`tests/sound/lines.sh`). What is above is the voices, without the deepest part of the boom.
 The test `voices_of_film` demands that at most 1 % of each line is felt of it. With `rumble=false` nothing
 is felt of any line.
 
@@ -312,8 +312,8 @@ CAPTION
       "$root/tests/sound/lines.sh" "$clips/sintel-trailer.mp4"
       cat <<'CAPTION'
 
-A cut above the man's pitch, at 80 Hz or more, takes it from his voice. Then a syllable of the third line
-is taken for a blow, which is 4 to 5 % of the line.
+With a cut at 100 Hz, below the woman's pitch, nothing of her lines is felt of what is above, either. It
+takes the man's pitch from his voice: then a syllable of the third line is taken for a blow, 4.4 % of it.
 CAPTION
       printf '\n## Big Buck Bunny\n\n'
       clip "$clips/big-buck-bunny-5.1.mp4"

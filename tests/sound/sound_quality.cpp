@@ -272,10 +272,10 @@ voices(std::span<char *> names)
       "book (LibriVox), men name cards and say commands (of pocketsphinx). es-co, fr-Armelle and\n"
       "it-Menardi are announcements of three women, recorded at 8 kHz.\n"
       "\n"
-      "More than 1 % have recordings that no film has, but for Allison-es-8kHz. What is felt "
-      "there:\n"
-      "steps at the begin of messages (fr-Armelle), deep noise as of breath that lasts\n"
-      "(it-Menardi), puffs and knocks at the microphone and a “t” at the very begin (cards,\n"
+      "More than 1 % have recordings that are less clean, and one at 8 kHz. As their spectra "
+      "tell,\n"
+      "what is felt are steps at the begin of messages (fr-Armelle), deep noise that lasts\n"
+      "(it-Menardi), puffs of breath of an “f”, a knock, and a “t” at the very begin (cards,\n"
       "commands). Of Allison-es-8kHz syllables are taken for blows, none of them at 16 kHz.\n\n"
       "| voice | seconds | on in silence | on in noise |\n|---|---|---|---|");
   const auto speakers = sound::usual_speakers(1);

@@ -142,8 +142,8 @@ GST_START_TEST(test_rumble)
 }
 GST_END_TEST;
 
-// Puffs of breath into a microphone last 100 ms at most: where somebody speaks as loud, what is deep
-// has to last longer to be rumble. Elsewhere it may be a film's.
+// Puffs of breath into a microphone last 100 ms at most: where somebody speaks as loud, what is
+// deep has to last longer to be rumble. Elsewhere it may be a film's.
 GST_START_TEST(test_puffs)
 {
   const auto heard = [](double vowel, double lasts) {
