@@ -4,6 +4,8 @@
 # The people's recordings are those of Debian's packages asterisk-core-sounds-{en,es}-g722, alsa-utils, asterisk-prompt-es-co,
 # asterisk-prompt-fr-armelle, asterisk-prompt-it-menardi-wav and pocketsphinx-testdata (tools/setup.sh).
 #
+# Of those that are less clean, and of telephones, it writes what is above 80 Hz, too.
+#
 # Usage: speech.sh FOLDER
 set -euo pipefail
 text="At breakfast nobody spoke. Then Tom dropped his cup, and everybody talked at once. Be quiet, please! Could
@@ -34,3 +36,7 @@ done
 "$join" 8000 "$1/es-co.wav" $asterisk/es/{conf,dir}-*.gsm
 "$join" 8000 "$1/fr-Armelle.wav" $asterisk/fr/{conf,dir}-*.gsm
 "$join" 8000 "$1/it-Menardi.wav" $asterisk/it_IT_f_Menardi/{demo,conf,dir}-*.wav
+for voice in Allison-es-8kHz es-co fr-Armelle it-Menardi {cards,commands}{,-8kHz}; do
+  "$(dirname "$0")/split.py" 80 "$1/$voice.wav" "$1/below" "$1/$voice-above-80Hz.wav"
+done
+rm "$1/below"

@@ -15,4 +15,7 @@ rate, samples = wavfile.read(sound)
 for kind, file in zip(("lowpass", "highpass"), parts):
     # Forward and backward: 6 dB less at the frequency, 96 dB less an octave beside it.
     sections = butter(8, float(hz), kind, fs=rate, output="sos")
-    wavfile.write(file, rate, sosfiltfilt(sections, samples, axis=0).astype(np.float32))
+    part = sosfiltfilt(sections, samples, axis=0)
+    if samples.dtype == np.int16:
+        part = np.clip(np.round(part), -32768, 32767)
+    wavfile.write(file, rate, part.astype(samples.dtype))
