@@ -14,6 +14,14 @@ constexpr double kLeastDb = -36;
 /// It begins to be a large part of the sound at the first, and ceases at the second, dB.
 constexpr double kLargeDb = -3;
 constexpr double kSmallDb = -10;
+/// It has to last this long where a vowel was as loud: a puff of breath into a microphone lasts 20
+/// to 100 ms.
+constexpr int kLeastHops = 40;
+constexpr double kVoiced = 0.8;       ///< voicing of vowels
+constexpr double kForgotten = 0.9886; ///< of a vowel's power in a hop: 10 dB a second
+/// It lasts until what is smoothed less falls so far below what is smoothed more, dB.
+constexpr double kQuickS = 0.02;
+constexpr double kOverDb = -12;
 /// Times in which the floor follows a louder and a weaker sound; silence counts as kSilenceDb.
 constexpr double kRiseS = 10;
 constexpr double kFallS = 2;
@@ -43,6 +51,7 @@ Rumble::add(const BandPowers &powers, double gain_db)
   const double part = share_in(kSmoothS);
   double deep = 0;
   double effects = 0;
+  quick_ += share_in(kQuickS) * (powers.sum[0] - quick_);
   for (std::size_t c = 0; c < is_low_.size(); c++) {
     deep_[c] += part * (powers.of[c][0] - deep_[c]);
     deep += deep_[c];
@@ -52,7 +61,13 @@ Rumble::add(const BandPowers &powers, double gain_db)
   is_large_ = decibels(deep) - decibels(middle_) > (is_large_ ? kSmallDb : kLargeDb);
   const double heard = std::max(decibels(deep), kSilenceDb);
   floor_ += share_in(heard > floor_ ? kRiseS : kFallS) * (heard - floor_);
-  const double felt = is_large_ ? deep : effects;
+  const bool goes_on = is_large_ && decibels(deep) + gain_db >= kLeastDb;
+  lasted_ = goes_on && decibels(quick_) - decibels(deep) > kOverDb ? lasted_ + 1 : 0;
+  vowel_ *= kForgotten;
+  if (powers.voicing > kVoiced)
+    vowel_ = std::max(vowel_, middle_);
+  is_felt_ = goes_on && (is_felt_ || lasted_ >= kLeastHops || vowel_ < deep);
+  const double felt = is_felt_ ? deep : effects;
   if (decibels(felt) + gain_db < kLeastDb)
     return 0;
   const double out = (decibels(felt) - floor_ - kOutDb) / (kFullDb - kOutDb);
@@ -69,9 +84,13 @@ void
 Rumble::reset()
 {
   deep_.fill(0);
+  quick_ = 0;
   middle_ = 0;
+  vowel_ = 0;
+  lasted_ = 0;
   floor_ = kSilenceDb;
   is_large_ = false;
+  is_felt_ = false;
 }
 
 } // namespace sound

@@ -11,6 +11,7 @@ namespace sound {
 
 /// What of a sound below 65 Hz is felt as rumble: what makes a large part of the whole sound, or
 /// comes from a channel for low frequency effects, and stands out from what was heard for long.
+/// Where somebody speaks as loud, it has to last.
 class Rumble
 {
 public:
@@ -27,9 +28,13 @@ public:
 private:
   std::vector<bool> is_low_; ///< of each speaker: for low frequency effects
   std::array<double, kMaxSpeakers> deep_{};
+  double quick_ = 0;  ///< power below 65 Hz, smoothed less
   double middle_ = 0; ///< smoothed power of 65 Hz to 1 kHz: voices, most of music
   double floor_ = 0;  ///< what was heard for long, dB
+  double vowel_ = 0;  ///< power of the loudest vowel, which is forgotten
+  int lasted_ = 0;    ///< hops
   bool is_large_ = false;
+  bool is_felt_ = false;
 };
 
 } // namespace sound

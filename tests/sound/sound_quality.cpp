@@ -266,9 +266,19 @@ voices(std::span<char *> names)
   std::puts(
       "\n## Voices alone\n\n"
       "Voices at −20 dB of full scale, in silence and in white noise at −60 dB: espeak-ng's, and\n"
-      "flite's, which are made of recordings of people. kal has a rate of 8 kHz. Allison is a "
-      "person\n"
-      "who speaks Asterisk's announcements, at 16 and at 8 kHz.\n\n"
+      "flite's, which are made of recordings of people. kal has a rate of 8 kHz. The others are\n"
+      "people, at the rate of the recording and at 8 kHz: Allison speaks Asterisk's announcements\n"
+      "in English and in Spanish (es), ALSA is who names the speakers in its test. A man reads a\n"
+      "book (LibriVox), men name cards and say commands (of pocketsphinx). es-co, fr-Armelle and\n"
+      "it-Menardi are announcements of three women, recorded at 8 kHz.\n"
+      "\n"
+      "More than 1 % have recordings that are less clean, and one at 8 kHz. As their spectra "
+      "tell,\n"
+      "what is felt are steps at the begin of messages (fr-Armelle), deep noise that lasts\n"
+      "(it-Menardi), puffs of breath of an “f”, a knock, and a “t” at the very begin (cards,\n"
+      "commands). Of Allison-es-8kHz syllables are taken for blows, none of them at 16 kHz.\n"
+      "Without what is below 80 Hz, which sound editors usually take out of dialogue, all have at\n"
+      "most 1 %, but for the knock.\n\n"
       "| voice | seconds | on in silence | on in noise |\n|---|---|---|---|");
   const auto speakers = sound::usual_speakers(1);
   double seconds = 0;
@@ -279,6 +289,9 @@ voices(std::span<char *> names)
       std::fprintf(stderr, "%s: expected a WAV file with 16-bit samples\n", name);
       return false;
     }
+    const char *slash = std::strrchr(name, '/');
+    const std::string base = slash ? slash + 1 : name;
+    const bool is_whole = base.find("-above-") == std::string::npos;
     std::array<double, 2> shares{};
     std::uint64_t state = 1;
     for (std::size_t noisy = 0; noisy < 2; noisy++) {
@@ -290,17 +303,17 @@ voices(std::span<char *> names)
       const auto moments = analyzed(speech.samples, speech.rate, speakers);
       const auto count = std::ranges::count_if(
           moments, [](const sound::Moment &moment) { return moment.level > 0; });
-      on[noisy] += static_cast<double>(count) * 0.005;
+      if (is_whole)
+        on[noisy] += static_cast<double>(count) * 0.005;
       shares[noisy] = static_cast<double>(count) / static_cast<double>(moments.size());
     }
     const double lasts = static_cast<double>(speech.samples.size()) / speech.rate;
-    seconds += lasts;
-    const char *slash = std::strrchr(name, '/');
-    const std::string base = slash ? slash + 1 : name;
+    if (is_whole)
+      seconds += lasts;
     std::printf("| %s | %.0f | %.2f %% | %.2f %% |\n", base.substr(0, base.size() - 4).c_str(),
                 lasts, 100 * shares[0], 100 * shares[1]);
   }
-  std::printf("| all | %.0f | %.2f %% | %.2f %% |\n", seconds, 100 * on[0] / seconds,
+  std::printf("| all that are whole | %.0f | %.2f %% | %.2f %% |\n", seconds, 100 * on[0] / seconds,
               100 * on[1] / seconds);
   return true;
 }

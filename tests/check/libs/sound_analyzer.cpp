@@ -142,6 +142,34 @@ GST_START_TEST(test_rumble)
 }
 GST_END_TEST;
 
+// Puffs of breath into a microphone last 100 ms at most: where somebody speaks as loud, what is
+// deep has to last longer to be rumble. Elsewhere it may be a film's.
+GST_START_TEST(test_puffs)
+{
+  const auto heard = [](double vowel, double lasts) {
+    std::vector<float> frames(static_cast<std::size_t>(kTestRate) * 4);
+    for (std::size_t i = 0; i < frames.size(); i++) {
+      const double seconds = static_cast<double>(i) / kTestRate;
+      const auto sine = [&](double hz) {
+        return std::sin(2 * std::numbers::pi * hz * seconds);
+      };
+      // In each second, without a click.
+      const auto swell = [&](double begin, double length) {
+        const double at = (std::fmod(seconds, 1.0) - begin) / length;
+        return at > 0 && at < 1 ? 0.5 - 0.5 * std::cos(2 * std::numbers::pi * at) : 0;
+      };
+      frames[i] = static_cast<float>(vowel * swell(0, 0.5)
+                                         * (sine(120) + sine(240) + sine(360) + sine(480))
+                                     + 0.15 * swell(0.5, lasts) * sine(40));
+    }
+    return share_on(analyze(frames, kTestRate, usual_speakers(1)));
+  };
+  fail_unless_near(heard(0.2, 0.1), 0, 1e-6);
+  fail_unless(heard(0.2, 0.45) > 0.1);
+  fail_unless(heard(0, 0.1) > 0.02);
+}
+GST_END_TEST;
+
 // What is deep is no rumble where it is a small part of the sound, but for an LFE channel's.
 GST_START_TEST(test_rumble_under_others)
 {
@@ -300,6 +328,7 @@ sound_analyzer_suite(void)
   tcase_add_test(tc, test_blocks);
   tcase_add_test(tc, test_rates);
   tcase_add_test(tc, test_rumble);
+  tcase_add_test(tc, test_puffs);
   tcase_add_test(tc, test_rumble_under_others);
   tcase_add_test(tc, test_engine_fades);
   tcase_add_test(tc, test_blows_in_music);

@@ -1,0 +1,29 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: LGPL-2.1-or-later
+# Rows of a table: how much is felt where somebody speaks in Sintel's trailer, of all of its sound, of what is above 50 Hz and of
+# what is below. The lowest voice's pitch is 60 Hz. Exits with 1 if of a line more than 1 % is felt of what is above, or if of all is
+# felt more than of what is below; with 77 without the film.
+#
+# Usage: lines.sh SINTEL_TRAILER.mp4 [HZ]      with GStreamer's path to soundtactile; HZ: instead of 50
+set -euo pipefail
+[ -f "$1" ] || { echo "there is no film $1" >&2; exit 77; }
+here=$(dirname "$0")
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+ffmpeg -v error -i "$1" -vn -c:a pcm_f32le "$work/all.wav"
+"$here/split.py" "${2:-50}" "$work"/{all,below,above}.wav
+for part in all above below; do
+  timeout 60 gst-launch-1.0 -q filesrc location="$work/$part.wav" ! wavparse ! soundtactile name=s \
+    s.src ! queue ! fakesink sync=false s.tactile ! queue ! filesink async=false location="$work/$part.maps" >&2
+  # A boom where nobody speaks, and the lines. Fields: time, what, felt, strongest.
+  "$here/clip_felt.py" "$work/$part.maps" 9.4-12 "(nobody; a boom)" 12.25-14.4 "“What brings you to the land of the gatekeepers?”" \
+    18.65-19.85 "“I'm searching for someone.”" 37.05-38.85 "“A dangerous quest for a lone hunter.”" \
+    41.95-43.65 "“I've been alone for as long as I can remember.”" | tail -n +2 >"$work/$part.rows"
+done
+paste -d '|' "$work"/{all,above,below}.rows | awk -F ' *[|] *' '
+  function complain(what) { print what ": " $3 >"/dev/stderr"; bad = 1 }
+  { all = $4 + 0; above = $10 + 0; below = $16 + 0; print "| " $2 " | " $3 " | " $4 " | " $10 " | " $16 " |" }
+  NR == 1 && all < 90 { complain("expected to feel at least 90 %") }
+  NR > 1 && above > 1 { complain("expected at most 1 % of what is above the cut") }
+  NR > 1 && all > 1 && all > below { complain("expected no more of all than of what is below the cut") }
+  END { exit bad || NR != 5 }'
