@@ -4,6 +4,7 @@ NullSink.
 
 Root starts them as nobody, since VLC does not run as root, on a session bus of their own."""
 
+import atexit
 import json
 import os
 import pathlib
@@ -18,10 +19,6 @@ import gi
 
 gi.require_version("Gio", "2.0")
 from gi.repository import Gio, GLib  # noqa: E402
-from selenium import webdriver  # noqa: E402
-from selenium.webdriver.chrome.options import Options  # noqa: E402
-from selenium.webdriver.chrome.service import Service  # noqa: E402
-
 from mpv_socket import MpvSocket  # noqa: E402
 
 signal.signal(signal.SIGTERM, lambda *_: sys.exit("ended by SIGTERM"))  # so that the players are ended, too
@@ -75,6 +72,7 @@ class Player:
         self.said = open(stage.folder / f"{self.kind}.log", "ab")
         self.process = subprocess.Popen(words, env=env, cwd=home, stdin=subprocess.DEVNULL, stdout=self.said, stderr=subprocess.STDOUT,
                                         start_new_session=True, **NOBODY)
+        atexit.register(self.kill)
 
     def prepare(self, stage):
         pass
@@ -245,7 +243,7 @@ class Kodi(Player):
 class Chromium(Player):
     """A page that is a film. It is told to the bus once it has played."""
 
-    kind, film, extension = "chromium", "film", None
+    kind, film, extension, page = "chromium", "film", None, None
     options = ("--no-sandbox --no-first-run --disable-background-networking --disable-component-update --disable-sync --disable-gpu --kiosk "
                "--autoplay-policy=no-user-gesture-required --remote-debugging-port=0")
 
@@ -257,6 +255,10 @@ class Chromium(Player):
         profile = stage.folder / self.kind / "profile"
         extended = [f"--load-extension={shutil.copytree(self.extension, stage.folder / 'extension')}"] if self.extension else []
         super().__init__(["chromium", *self.options.split(), *extended, f"--user-data-dir={profile}", "about:blank"], stage)
+        from selenium import webdriver  # other players do without it
+        from selenium.webdriver.chrome.options import Options
+        from selenium.webdriver.chrome.service import Service
+
         port = profile / "DevToolsActivePort"
         wait_until("Chromium's port", lambda: port.exists() and port.read_text(encoding="utf-8").count("\n") > 0)
         options = Options()
@@ -300,7 +302,8 @@ class Chromium(Player):
 
     def kill(self):
         at = super().kill()
-        self.page.service.stop()
+        if self.page:
+            self.page.service.stop()
         return at
 
 

@@ -205,7 +205,12 @@ def latencies_of_each_kind(mpv, bus):
     settings.write_text("[mpv]\nscreen-latency=soon\n", encoding="utf-8")
     follower = Follower(mpv)
     follower.wait_for("plays 'status.mkv' with")
-    assert "latency:  +0 ms" in ask("--status")
+    assert "latency:  +0 ms, of the screen" in ask("--status")
+    # What is written there meanwhile is not lost, and counts with the next nudge.
+    settings.write_text("[mpv]\nsync-to=sound\nsound-latency=55\n", encoding="utf-8")
+    assert ask("--nudge=5") == "offset: +5 ms\n"
+    assert "latency:  +55 ms, of the sound" in ask("--status")
+    assert settings.read_text(encoding="utf-8").split() == ["[mpv]", "sync-to=sound", "sound-latency=55", "offset=5"]
     follower.end()
 
 

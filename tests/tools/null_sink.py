@@ -6,7 +6,7 @@ import subprocess
 import sys
 import time
 
-RATE = 48000  # samples a second
+RATE = 44100  # samples a second: PulseAudio's default
 LATEST = 20  # s
 
 
@@ -26,11 +26,15 @@ class NullSink:
         env = os.environ | {name: str(folder) for name in ("XDG_RUNTIME_DIR", "XDG_CONFIG_HOME", "XDG_STATE_HOME", "HOME")}
         try:
             self.process = subprocess.Popen(["pulseaudio", "-n", "--daemonize=no", "--exit-idle-time=-1", "--use-pid-file=no", "--log-level=error",
-                                             f"--load=module-null-sink sink_name=null rate={RATE}",
+                                             "--load=module-null-sink sink_name=null",
                                              f"--load=module-native-protocol-unix socket={self.socket} auth-anonymous=1"], env=env)
         except FileNotFoundError:
             sys.exit("there is no pulseaudio: run tools/setup.sh test")
-        appears(self.socket)
+        try:
+            appears(self.socket)
+        except BaseException:
+            self.stop()
+            raise
 
     def stop(self):
         self.process.terminate()

@@ -306,7 +306,7 @@ Follower::choose()
     if (plays(followed)) {
       if (std::exchange(current_, &followed) != &followed) {
         cues_.change_player();
-        set_offset();
+        set_delay();
       }
       return;
     }
@@ -397,9 +397,9 @@ Follower::nudge(double by)
     throw std::runtime_error("no film plays whose time could be moved");
   const std::string kind = player_kind(current_->player->name());
   timing_.set_offset(kind, timing_.offset(kind) + by);
-  set_offset();
+  set_delay();
   const double offset = timing_.offset(kind);
-  tell("with " + kind + ", all is felt " + std::to_string(std::lround(offset)) + " ms later");
+  tell("the offset with " + kind + " is " + std::to_string(std::lround(offset)) + " ms");
   return offset;
 }
 
@@ -414,24 +414,30 @@ Follower::nudged(double by)
   return G_SOURCE_CONTINUE;
 }
 
+SyncTo
+Follower::sync_to() const
+{
+  return settings_.sync_to.value_or(
+      timing_.sync_to(player_kind(current_->player->name())).value_or(SyncTo::screen));
+}
+
 /// How much later than the followed player shows a picture it is seen, or its sound heard, in ms.
 double
 Follower::latency() const
 {
-  if (settings_.latency)
-    return *settings_.latency;
   const follow::Player &player = *current_->player;
-  const auto set = timing_.latency(player_kind(player.name()), settings_.sync_to);
-  if (set || settings_.sync_to == SyncTo::screen)
-    return set.value_or(0);
-  return std::chrono::duration<double, std::milli>(player.sound_latency()).count();
+  const std::string kind = player_kind(player.name());
+  if (sync_to() == SyncTo::screen)
+    return settings_.screen_latency.value_or(timing_.screen_latency(kind).value_or(0));
+  const std::chrono::duration<double, std::milli> measured = player.sound_latency();
+  return settings_.sound_latency.value_or(timing_.sound_latency(kind).value_or(measured.count()));
 }
 
 void
-Follower::set_offset()
+Follower::set_delay()
 {
   const double later = latency() + timing_.offset(player_kind(current_->player->name()));
-  cues_.set_offset(follow::Time(std::llround(later * 1e6)));
+  cues_.set_delay(follow::Time(std::llround(later * 1e6)));
 }
 
 FollowStatus
@@ -449,7 +455,7 @@ Follower::status() const
     status.state = word(current_->last.doing);
   status.film = film_name(film_);
   status.track = film_track_.what();
-  status.sync_to = name_of(settings_.sync_to);
+  status.sync_to = name_of(sync_to());
   status.latency = latency();
   status.offset = timing_.offset(player_kind(status.player));
   if (const auto estimate = current_->estimator.at(now))

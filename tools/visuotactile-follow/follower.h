@@ -27,11 +27,11 @@ struct FollowSettings
   bool uses_bus = true;
   std::string mpris; ///< only the player of that name; empty: any
   FilmTrack::Settings track{};
-  std::string sink; ///< as on a launch line
-  SyncTo sync_to = SyncTo::screen;
-  std::optional<double>
-      latency{};     ///< ms, of all players; none: as each is set, or is known to have
-  bool once = false; ///< ends when a player is gone
+  std::string sink;                       ///< as on a launch line
+  std::optional<SyncTo> sync_to{};        ///< none: as is set for each kind of player
+  std::optional<double> screen_latency{}; ///< ms, of all players; none: likewise
+  std::optional<double> sound_latency{};  ///< likewise, or as it was measured
+  bool once = false;                      ///< ends when a player is gone
   bool quiet = false;
 };
 
@@ -81,7 +81,8 @@ private:
   void update();
   double nudge(double by);
   gboolean nudged(double by);
-  void set_offset();
+  void set_delay();
+  SyncTo sync_to() const;
   double latency() const;
   FollowStatus status() const;
   void tell(const std::string &text);

@@ -70,11 +70,11 @@ read_command_line(int argc, char **argv, Options &options)
     { "sync-to", 0, 0, G_OPTION_ARG_STRING, &options.sync_to.value,
       "What of the film the chair is in sync with: screen or sound (default: screen)", "WHAT" },
     { "screen-latency", 0, 0, G_OPTION_ARG_DOUBLE, &options.screen_latency,
-      "How much later than a player shows a picture the screen does, in ms, -5000 to 5000 "
+      "Delay from when a player shows a picture until it is seen, in ms, -5000 to 5000 "
       "(default: 0)",
       "MS" },
     { "sound-latency", 0, 0, G_OPTION_ARG_DOUBLE, &options.sound_latency,
-      "How much later than a player shows a picture its sound is heard, in ms, -5000 to 5000 "
+      "Delay from when a player shows a picture until its sound is heard, in ms, -5000 to 5000 "
       "(default: as measured with each player)",
       "MS" },
     { "status", 's', 0, G_OPTION_ARG_NONE, &options.status,
@@ -111,7 +111,7 @@ read_command_line(int argc, char **argv, Options &options)
   expect_ms("screen-latency", options.screen_latency);
   expect_ms("sound-latency", options.sound_latency);
   expect_ms("nudge", options.nudge);
-  if (!sync_to(options.sync_to.text("screen")))
+  if (!sync_of(options.sync_to.text("screen")))
     throw UsageError("--sync-to is screen or sound, not '" + options.sync_to.text() + "'");
   expect_driver(options.chair.driver.text());
 }
@@ -163,8 +163,9 @@ run(const Options &options)
     print_status();
   if (options.nudge != 0 || options.status)
     return;
-  const SyncTo sync = sync_to(options.sync_to.text("screen")).value();
-  const gdouble latency = sync == SyncTo::screen ? options.screen_latency : options.sound_latency;
+  const auto given = [](gdouble ms) {
+    return ms != kNotSet ? std::optional(ms) : std::nullopt;
+  };
   const bool any = !options.mpv.is_set() && !options.kodi.is_set() && !options.mpris.is_set();
   Follower follower(
       { .mpv_socket = options.mpv.text(any ? usual_socket().c_str() : ""),
@@ -177,8 +178,9 @@ run(const Options &options)
                    .makes_drafts = options.no_drafts == FALSE,
                    .analysis = { .sound = sound_profile(options.sound.text("off")) } },
         .sink = options.chair.sink_line(),
-        .sync_to = sync,
-        .latency = latency != kNotSet ? std::optional(latency) : std::nullopt,
+        .sync_to = sync_of(options.sync_to.text()),
+        .screen_latency = given(options.screen_latency),
+        .sound_latency = given(options.sound_latency),
         .once = options.once != FALSE,
         .quiet = options.common.quiet || options.list });
   if (options.list)

@@ -25,7 +25,7 @@ player_kind(const std::string &name)
 }
 
 std::optional<SyncTo>
-sync_to(std::string_view name)
+sync_of(std::string_view name)
 {
   for (const SyncTo sync : { SyncTo::screen, SyncTo::sound })
     if (name == name_of(sync))
@@ -50,6 +50,12 @@ PlayerTiming::usual_path()
 PlayerTiming::PlayerTiming(std::string path)
     : path_(std::move(path)), file_(g_key_file_new(), g_key_file_unref)
 {
+  read();
+}
+
+void
+PlayerTiming::read()
+{
   std::error_code none;
   const std::uintmax_t size = std::filesystem::file_size(path_, none);
   if (none == std::errc::no_such_file_or_directory)
@@ -70,10 +76,23 @@ PlayerTiming::number(const std::string &kind, const char *key) const
   return error == nullptr && std::abs(number) <= kMost ? std::optional(number) : std::nullopt;
 }
 
-std::optional<double>
-PlayerTiming::latency(const std::string &kind, SyncTo sync) const
+std::optional<SyncTo>
+PlayerTiming::sync_to(const std::string &kind) const
 {
-  return number(kind, sync == SyncTo::screen ? "screen-latency" : "sound-latency");
+  g_autofree gchar *name = g_key_file_get_string(file_.get(), kind.c_str(), "sync-to", nullptr);
+  return name != nullptr ? sync_of(name) : std::nullopt;
+}
+
+std::optional<double>
+PlayerTiming::screen_latency(const std::string &kind) const
+{
+  return number(kind, "screen-latency");
+}
+
+std::optional<double>
+PlayerTiming::sound_latency(const std::string &kind) const
+{
+  return number(kind, "sound-latency");
 }
 
 double
@@ -85,6 +104,7 @@ PlayerTiming::offset(const std::string &kind) const
 void
 PlayerTiming::set_offset(const std::string &kind, double offset)
 {
+  read();
   g_key_file_set_double(file_.get(), kind.c_str(), kOffset, std::clamp(offset, -kMost, kMost));
   g_autofree gchar *folder = g_path_get_dirname(path_.c_str());
   g_autoptr(GError) error = nullptr;
