@@ -277,7 +277,7 @@ voices(std::span<char *> names)
       "what is felt are steps at the beginning of messages (fr-Armelle), deep noise that lasts\n"
       "(it-Menardi), puffs of breath of an “f”, a knock, and a “t” at the very beginning (cards,\n"
       "commands). Of Allison-es-8kHz syllables are taken for blows, none of them at 16 kHz.\n"
-      "Without what is below 80 Hz, which sound editors usually take out of dialogue, all have at\n"
+      "Without what is below 80 Hz, which sound editors usually take out of speech, all have at\n"
       "most 1 %, but for the knock.\n\n"
       "| voice | seconds | on in silence | on in noise |\n|---|---|---|---|");
   const auto speakers = sound::usual_speakers(1);
