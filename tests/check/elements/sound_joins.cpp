@@ -2,7 +2,7 @@
 //
 // Picture and sound of a film in playbin and playbin3: a ball that hits the ground with a blow is
 // one cue. No test depends on the machine's speed: a map waits until the sound of its time has been
-// heard.
+// heard, and the clock does not go on while the machine holds all up.
 #include "sound/synthetic_sound.h"
 #include "tactile/synthetic_film.h"
 
@@ -21,6 +21,7 @@
 #include <vector>
 
 // gstcheck.h defines a macro `fail`, so it follows the standard library's headers.
+#include "support/patient_clock.h"
 #include "support/playing.h"
 #include "support/start_player.h"
 #include "support/temporary_file.h"
@@ -184,7 +185,8 @@ public:
   Player(const char *playbin, const std::string &film, const char *profile = "film",
          Chair chair = Chair::sink)
       : pipeline(gst_element_factory_make(playbin, nullptr)),
-        sound(gst_element_factory_make("soundtactile", nullptr)), profile_(profile)
+        sound(gst_element_factory_make("soundtactile", nullptr)), profile_(profile),
+        clock_(pipeline)
   {
     GstElement *screen = gst_element_factory_make("fakesink", nullptr);
     GstElement *speakers = gst_element_factory_make("fakesink", nullptr);
@@ -268,6 +270,7 @@ private:
   }
 
   const char *profile_;
+  PatientClock clock_;
   Heard heard_;
   TemporaryFile trace_file_{ "", ".csv" };
 };
