@@ -124,17 +124,22 @@ PositionEstimator::stands_still(const Report &report) const
 void
 PositionEstimator::start(const Report &report, std::optional<Estimate> before)
 {
+  const bool same_rate = evidence_ && evidence_->rate() == report.rate;
   stands_.reset();
   doubt_.reset();
   evidence_.emplace(report, settings_.habits);
-  stretch_++;
   anchor_ = { report.received, evidence_->position(report.received) };
-  // Another rate alone is no leap.
-  if (before && before->rate > 0 && !report.sought) {
+  // Another rate alone is no leap, nor is a position that is put right.
+  bool goes_on = false;
+  if (before && before->rate > 0) {
     const Time off = anchor_.position - before->position;
-    if (off > -kLeap && off < kLeap)
-      anchor_.position = before->position;
+    const Time most = report.sought ? kPutRight : kLeap;
+    goes_on = off > -most && off < most;
   }
+  if (goes_on)
+    anchor_.position = before->position;
+  if (!goes_on || !same_rate)
+    stretch_++;
 }
 
 void

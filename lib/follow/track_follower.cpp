@@ -28,7 +28,7 @@ TrackFollower::set_track(std::shared_ptr<const tactile::Draft> track)
 }
 
 void
-TrackFollower::set_offset(Time later)
+TrackFollower::set_delay(Time later)
 {
   offset_ = later;
 }

@@ -29,8 +29,8 @@ public:
   /// Estimates are those of another player of the film from now on.
   void change_player();
 
-  /// How much later than the player says its picture is on the screen; may be negative.
-  void set_offset(Time later);
+  /// How much later than the player shows a picture it is felt; may be negative.
+  void set_delay(Time later);
 
   /// Cues from the last step's on, up to `ahead` of now. None where the film stands or is unknown.
   Step step(const std::optional<PositionEstimator::Estimate> &estimate, Time now, Time ahead);

@@ -3,7 +3,7 @@
 # Makes pages of docs/measured, each whole. Those of quality and speed are made by tactile_quality and speed.
 #
 # Usage: tests/bench/measured.sh PAGE [FILM ...]      PAGE: calibration, desk, devices, drafts, follow, playback, sound, sound-clips, synth, timing, ways-out; FILM: default three of ../shared/data/clips (timing)
-# Expects a computer on which nothing else runs. Takes 5, 2, 5, 3, 14, 1, 8, 3, 5, 15 and 1 minutes. VISUOTACTILE_BUILD names a build folder that is built already.
+# Expects a computer on which nothing else runs. Takes 5, 2, 5, 3, 24, 1, 8, 3, 5, 15 and 1 minutes. VISUOTACTILE_BUILD names a build folder that is built already.
 set -euo pipefail
 here=$(cd "$(dirname "$0")" && pwd)
 # shellcheck source=../../tools/build.sh
@@ -229,16 +229,32 @@ CAPTION
       cat <<'CAPTION'
 ## Players
 
-Real players play a film of 24 frames a second, which show their numbers, on Xvfb's screen, without
-sound. How much later than its frame came to the screen a simulated motor has to have its level by
-the command's trace, from 3 s after each event on: the median, and what 95 % of the errors do not
-exceed either way. When a frame came is known to 3 ms. A real screen adds its own delay.
+Real players play a film of 24 frames a second, which show their numbers, on Xvfb's screen. How much
+later than its frame came to the screen a simulated motor has to have its level by the command's
+trace, from 3 s after each event on: the median, and what 95 % of the errors do not exceed either way.
+When a frame came is known to 3 ms. A real screen adds its own delay. Their sound goes to
+PulseAudio's null sink. chromium-extended has the extension of
+[examples/chromium](../../examples/chromium/position.js). Without it, each start, pause and seek has an error of its
+own, up to 0.1 s, which Chromium allows itself.
 
 CAPTION
-      for player in mpv vlc kodi; do
-        FOLLOW="$built/tools/visuotactile-follow" GST_PLUGIN_PATH_1_0="$built/gst" /usr/bin/python3 "$here/../tools/follow.py" "$player" 40
+      for player in mpv vlc kodi chromium chromium-extended; do
+        FOLLOW="$built/tools/visuotactile-follow" GST_PLUGIN_PATH_1_0="$built/gst" /usr/bin/python3 "$here/../tools/follow.py" "$player" 30
         echo
       done
+      cat <<'CAPTION'
+## Sound
+
+How much later than its picture came to Xvfb's screen a tone came to PulseAudio's null sink, from 3 s
+after each event on, for 20 s: the median, and between which it was at all. Tones are known to 5 ms.
+
+| player | after the start | after a pause | after a seek | all |
+|---|---|---|---|---|
+CAPTION
+      for player in mpv vlc kodi chromium; do
+        /usr/bin/python3 "$here/../tools/follow_sound.py" "$player"
+      done
+      echo
       cat <<'CAPTION'
 ## Reports of each kind
 

@@ -81,6 +81,37 @@ def an_edit_that_does_not_fit_is_offered(driver):
         other.leave()
 
 
+# Answers to "writer" wait until `release()`; `held` counts them.
+HOLD_ANSWERS = """
+    const whole = window.fetch;
+    window.held = 0;
+    const released = new Promise((resolve) => { window.release = resolve; });
+    window.fetch = async (...all) => {
+      const answer = await whole(...all);
+      if (all[0] === 'writer') {
+        window.held++;
+        await released;
+      }
+      return answer;
+    };"""
+
+
+def the_seat_becomes_free_while_the_page_hears_a_refusal(driver):
+    with desk_with(driver, [PULSE]) as (desk, _):
+        page = Page(driver, desk)
+        other = Listener(desk, "other", writes=False)
+        assert desk.post("writer", {"page": "other", "take": True}).json == {"writer": True}
+        script = driver.execute_cdp_cmd("Page.addScriptToEvaluateOnNewDocument", {"source": HOLD_ANSWERS})["identifier"]
+        driver.get(desk.address)
+        driver.execute_cdp_cmd("Page.removeScriptToEvaluateOnNewDocument", {"identifier": script})
+        page.wait("a refusal on its way", lambda: page.js("return window.held") == 1)
+        other.leave()
+        page.wait("a free seat", lambda: "no page edits" in page.js("return document.getElementById('reader-text').textContent"))
+        page.js("window.release()")
+        page.stamp(0, 5000)
+        assert page.track()[1] == (5000, 5200, {0: 75}, [])
+
+
 def browser_of(driver):
     """The process of Chromium, a child of the driver's."""
     own = driver.service.process.pid
@@ -133,7 +164,7 @@ def another_program_has_changed_the_file(driver):
 
 
 TESTS = [another_program_has_changed_the_file, a_reload_keeps_what_was_edited, edits_that_did_not_get_through_are_sent_later, edits_are_sent_when_the_line_is_back,
-         an_edit_that_does_not_fit_is_offered, a_browser_is_killed_in_the_middle]
+         an_edit_that_does_not_fit_is_offered, the_seat_becomes_free_while_the_page_hears_a_refusal, a_browser_is_killed_in_the_middle]
 
 if __name__ == "__main__":
     with chromium() as browser:

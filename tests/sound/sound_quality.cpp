@@ -274,10 +274,10 @@ voices(std::span<char *> names)
       "\n"
       "More than 1 % have recordings that are less clean, and one at 8 kHz. As their spectra "
       "tell,\n"
-      "what is felt are steps at the begin of messages (fr-Armelle), deep noise that lasts\n"
-      "(it-Menardi), puffs of breath of an “f”, a knock, and a “t” at the very begin (cards,\n"
+      "what is felt are steps at the beginning of messages (fr-Armelle), deep noise that lasts\n"
+      "(it-Menardi), puffs of breath of an “f”, a knock, and a “t” at the very beginning (cards,\n"
       "commands). Of Allison-es-8kHz syllables are taken for blows, none of them at 16 kHz.\n"
-      "Without what is below 80 Hz, which sound editors usually take out of dialogue, all have at\n"
+      "Without what is below 80 Hz, which sound editors usually take out of speech, all have at\n"
       "most 1 %, but for the knock.\n\n"
       "| voice | seconds | on in silence | on in noise |\n|---|---|---|---|");
   const auto speakers = sound::usual_speakers(1);
@@ -313,7 +313,7 @@ voices(std::span<char *> names)
     std::printf("| %s | %.0f | %.2f %% | %.2f %% |\n", base.substr(0, base.size() - 4).c_str(),
                 lasts, 100 * shares[0], 100 * shares[1]);
   }
-  std::printf("| all that are whole | %.0f | %.2f %% | %.2f %% |\n", seconds, 100 * on[0] / seconds,
+  std::printf("| all unfiltered | %.0f | %.2f %% | %.2f %% |\n", seconds, 100 * on[0] / seconds,
               100 * on[1] / seconds);
   return true;
 }

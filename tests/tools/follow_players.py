@@ -1,10 +1,14 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
-"""Real players, without sound: each plays, pauses, seeks and changes its rate at once when it is told to, and says when it was told.
+"""Real players: each plays, pauses, seeks and changes its rate at once when it is told to, and says when it was told. They are heard at `stage.sound`, a
+NullSink.
 
 Root starts them as nobody, since VLC does not run as root, on a session bus of their own."""
 
+import atexit
 import json
 import os
+import pathlib
+import shutil
 import signal
 import socket
 import subprocess
@@ -15,7 +19,6 @@ import gi
 
 gi.require_version("Gio", "2.0")
 from gi.repository import Gio, GLib  # noqa: E402
-
 from mpv_socket import MpvSocket  # noqa: E402
 
 signal.signal(signal.SIGTERM, lambda *_: sys.exit("ended by SIGTERM"))  # so that the players are ended, too
@@ -51,7 +54,9 @@ class Bus:
 
 
 class Player:
-    """`how` are the options that make visuotactile-follow follow it, `name` is what it calls it."""
+    """`how` are the options that make visuotactile-follow follow it, `name` is what it calls it, `film` what it calls its film."""
+
+    film = "film.mkv"
 
     def __init__(self, words, stage, **environment):
         home = stage.folder / self.kind
@@ -61,12 +66,13 @@ class Player:
         self.home = home
         self.prepare(stage)
         env = dict(os.environ, HOME=str(home), XDG_RUNTIME_DIR=str(home), DISPLAY=stage.screen.name,
-                   DBUS_SESSION_BUS_ADDRESS=stage.bus.address, **environment)
-        for name in ("XDG_CONFIG_HOME", "XDG_CACHE_HOME", "XDG_DATA_HOME", "WAYLAND_DISPLAY", "PULSE_SERVER"):
+                   DBUS_SESSION_BUS_ADDRESS=stage.bus.address, PULSE_SERVER=f"unix:{stage.sound.socket}", **environment)
+        for name in ("XDG_CONFIG_HOME", "XDG_CACHE_HOME", "XDG_DATA_HOME", "WAYLAND_DISPLAY"):
             env.pop(name, None)
         self.said = open(stage.folder / f"{self.kind}.log", "ab")
         self.process = subprocess.Popen(words, env=env, cwd=home, stdin=subprocess.DEVNULL, stdout=self.said, stderr=subprocess.STDOUT,
                                         start_new_session=True, **NOBODY)
+        atexit.register(self.kill)
 
     def prepare(self, stage):
         pass
@@ -95,7 +101,7 @@ class Mpv(Player):
 
     def __init__(self, film, stage):
         self.path = str(stage.folder / self.kind / "mpv.sock")
-        super().__init__(["mpv", "--no-config", "--vo=x11", "--ao=null", "--fullscreen", "--pause", "--no-osc", f"--input-ipc-server={self.path}", str(film)], stage)
+        super().__init__(["mpv", "--no-config", "--vo=x11", "--ao=pulse", "--fullscreen", "--pause", "--no-osc", f"--input-ipc-server={self.path}", str(film)], stage)
         self.socket = MpvSocket(self.path)
         wait_until("mpv's socket", self.socket.connects)
         self.how, self.name = [f"--mpv={self.path}"], f"mpv at {self.path}"
@@ -125,7 +131,7 @@ class Vlc(Player):
     bus_name, path = "org.mpris.MediaPlayer2.vlc", "/org/mpris/MediaPlayer2"
 
     def __init__(self, film, stage):
-        super().__init__(["vlc", "-I", "dummy", "--no-audio", "--vout=xcb_x11", "--fullscreen", "--no-video-title-show", "--no-spu", "--no-osd",
+        super().__init__(["vlc", "-I", "dummy", "--aout=pulse", "--vout=xcb_x11", "--fullscreen", "--no-video-title-show", "--no-spu", "--no-osd",
                           "--start-paused", film.as_uri()], stage)
         self.bus = stage.bus.connection()
         wait_until("VLC on the bus", self._is_paused)
@@ -171,7 +177,7 @@ class Kodi(Player):
         with socket.socket() as unused:
             unused.bind(("127.0.0.1", 0))
             self.port = unused.getsockname()[1]
-        super().__init__(["kodi", "--windowing=x11", "--gl-interface=glx", "--audio-backend=null"], stage, LIBGL_ALWAYS_SOFTWARE="1")
+        super().__init__(["kodi", "--windowing=x11", "--gl-interface=glx", "--audio-backend=pulseaudio"], stage, LIBGL_ALWAYS_SOFTWARE="1")
         self.line, self.id, self.bytes = socket.socket(), 0, ""
         wait_until("Kodi's port", self._connects)
         self.how, self.name = [f"--kodi=127.0.0.1:{self.port}"], "kodi"
@@ -232,3 +238,77 @@ class Kodi(Player):
 
     def rate(self, rate):
         return self._do("Player.SetSpeed", speed=rate)
+
+
+class Chromium(Player):
+    """A page that is a film. It is told to the bus once it has played."""
+
+    kind, film, extension, page = "chromium", "film", None, None
+    options = ("--no-sandbox --no-first-run --disable-background-networking --disable-component-update --disable-sync --disable-gpu --kiosk "
+               "--autoplay-policy=no-user-gesture-required --remote-debugging-port=0")
+
+    def __init__(self, film, stage):
+        page = film.with_suffix(".html")
+        page.write_text(f"""<!DOCTYPE html><title>{self.film}</title><style>body {{ margin: 0; overflow: hidden }} video {{ width: 100vw; height: 100vh }}</style>
+<video src="{film.name}"></video>""", encoding="utf-8")
+        page.chmod(0o644)
+        profile = stage.folder / self.kind / "profile"
+        extended = [f"--load-extension={shutil.copytree(self.extension, stage.folder / 'extension')}"] if self.extension else []
+        super().__init__(["chromium", *self.options.split(), *extended, f"--user-data-dir={profile}", "about:blank"], stage)
+        from selenium import webdriver  # other players do without it
+        from selenium.webdriver.chrome.options import Options
+        from selenium.webdriver.chrome.service import Service
+
+        port = profile / "DevToolsActivePort"
+        wait_until("Chromium's port", lambda: port.exists() and port.read_text(encoding="utf-8").count("\n") > 0)
+        options = Options()
+        options.debugger_address = f"127.0.0.1:{port.read_text(encoding='utf-8').splitlines()[0]}"
+        self.page = webdriver.Chrome(service=Service("/usr/bin/chromedriver"), options=options)
+        self.page.get(page.as_uri())
+        wait_until("the film", lambda: self._does("return film.readyState == 4"))
+        self.play()
+        bus = stage.bus.connection()
+        wait_until("Chromium on the bus", lambda: self._names(bus))
+        self.name = self._names(bus)[0]
+        self.how = [f"--mpris={self.name}", f"--tracks={stage.folder}"]
+        self.pause()
+        self._does("film.currentTime = 0")
+
+    def _names(self, bus):
+        assert self.is_alive(), "Chromium has ended"
+        prefix = "org.mpris.MediaPlayer2."
+        names, = bus.call_sync("org.freedesktop.DBus", "/", "org.freedesktop.DBus", "ListNames", None, None, Gio.DBusCallFlags.NONE, 10000, None).unpack()
+        return [name.removeprefix(prefix) for name in names if name.startswith(prefix + self.kind)]
+
+    def _does(self, script):
+        return self.page.execute_script(f"const film = document.querySelector('video'); {script}")
+
+    def _do(self, script):
+        at = time.monotonic()
+        self._does(script)
+        return at
+
+    def play(self):
+        return self._do("film.play()")
+
+    def pause(self):
+        return self._do("film.pause()")
+
+    def seek(self, by):
+        return self._do(f"film.currentTime += {by}")
+
+    def rate(self, rate):
+        return self._do(f"film.playbackRate = {rate}")
+
+    def kill(self):
+        at = super().kill()
+        if self.page:
+            self.page.service.stop()
+        return at
+
+
+class ExtendedChromium(Chromium):
+    extension = pathlib.Path(__file__).resolve().parents[2] / "examples/chromium"
+
+
+PLAYERS = {"mpv": Mpv, "vlc": Vlc, "kodi": Kodi, "chromium": Chromium, "chromium-extended": ExtendedChromium}

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 """Records what a real player in Xvfb reports while it plays, pauses, seeks and plays faster, with the frames on its screen, for the test `recorded_reports`.
 
-Usage: follow_record.py PLAYER FILE [SECONDS]      PLAYER: mpv, vlc or kodi; SECONDS: of each stretch (default: 12)
+Usage: follow_record.py PLAYER FILE [SECONDS]      PLAYER: mpv, vlc, kodi, chromium or chromium-extended; SECONDS: of each stretch (default: 12)
 Expects RECORD, the program followrecord."""
 
 import os
@@ -13,16 +13,18 @@ import sys
 import tempfile
 import time
 
-from follow_players import Bus, Kodi, Mpv, Vlc
+from follow_players import PLAYERS, Bus, Kodi
 from follow_screen import KNOWN_TO, Screen, make_film
+from null_sink import NullSink
 
-PLAYER = {"mpv": Mpv, "vlc": Vlc, "kodi": Kodi}[sys.argv[1]]
+PLAYER = PLAYERS[sys.argv[1]]
 SECONDS = float(sys.argv[3]) if len(sys.argv) > 3 else 12
 
 
 class Stage:
     def __init__(self, folder):
         self.folder, self.bus, self.screen = folder, Bus(folder), Screen(folder)
+        self.sound = NullSink(folder)
 
 
 folder = pathlib.Path(tempfile.mkdtemp(prefix="visuotactile-record-"))
@@ -31,7 +33,8 @@ stage = Stage(folder)
 try:
     make_film(folder / "film.mkv", int(6 * SECONDS) + 40)
     player = PLAYER(folder / "film.mkv", stage)
-    where = {"mpv": lambda: ["mpv", player.path], "vlc": lambda: ["mpris", "vlc"], "kodi": lambda: ["kodi", f"127.0.0.1:{player.port}"]}[player.kind]()
+    where = {"mpv": lambda: ["mpv", player.path], "vlc": lambda: ["mpris", "vlc"], "kodi": lambda: ["kodi", f"127.0.0.1:{player.port}"],
+             "chromium": lambda: ["mpris", player.name]}[player.kind]()
     record = subprocess.Popen([os.environ["RECORD"], *where], stdout=subprocess.PIPE, text=True, env=dict(os.environ, DBUS_SESSION_BUS_ADDRESS=stage.bus.address))
     try:
         time.sleep(0.5)
@@ -62,6 +65,7 @@ try:
     lines = [",".join(str(field) for field in record) for record in records]
     pathlib.Path(sys.argv[2]).write_text("\n".join(lines) + "\n", encoding="utf-8")
 finally:
+    stage.sound.stop()
     stage.screen.stop()
     stage.bus.stop()
     shutil.rmtree(folder)

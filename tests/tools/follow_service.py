@@ -159,7 +159,7 @@ def status():
     wait_until("the pause", lambda: "state:    paused" in ask("--status"))
     said = ask("--status")
     assert 1 <= float(said.split("position:")[1].split()[0]) < 20, said
-    for line in ( f"player:   mpv at {mpv.path}", "film:     status.mkv", f"track:    '{film.with_suffix('.csv')}'", "offset:   +0 ms"):
+    for line in ( f"player:   mpv at {mpv.path}", "film:     status.mkv", f"track:    '{film.with_suffix('.csv')}'", "latency:  +0 ms, of the screen", "offset:   +0 ms"):
         assert line in said, said
     bus = dbus.SessionBus(private=True)
     service = bus.get_object(NAME, PATH)
@@ -180,6 +180,7 @@ def status():
     follower.wait_for("plays 'status.mkv' with")
     assert "offset:   +15 ms" in ask("--status")
     follower.end()
+    latencies_of_each_kind(mpv, bus)
     # What is no key file is not overwritten.
     (work / "config/visuotactile/follow.conf").write_text("nonsense\n", encoding="utf-8")
     follower = Follower(mpv)
@@ -188,6 +189,29 @@ def status():
     (work / "config/visuotactile/follow.conf").unlink()
     mpv.quit()
     shutil.rmtree(film.parent)
+
+
+def latencies_of_each_kind(mpv, bus):
+    """An option goes before what is set for a kind of player. What is no time counts as not set."""
+    settings = work / "config/visuotactile/follow.conf"
+    settings.write_text("[mpv]\noffset=15\nscreen-latency=30\nsound-latency=120\n[vlc]\nscreen-latency=70\n", encoding="utf-8")
+    for options, sync, latency in (([], "screen", 30), (["--sync-to=sound"], "sound", 120), (["--sound-latency=-80"], "screen", 30),
+                                   (["--sync-to=sound", "--sound-latency=-80"], "sound", -80), (["--screen-latency=0"], "screen", 0)):
+        follower = Follower(mpv, *options)
+        follower.wait_for("plays 'status.mkv' with")
+        said = bus.get_object(NAME, PATH).GetAll(NAME, dbus_interface="org.freedesktop.DBus.Properties")
+        assert (said["SyncTo"], said["Latency"], said["Offset"]) == (sync, latency, 15), (options, said)
+        follower.end()
+    settings.write_text("[mpv]\nscreen-latency=soon\n", encoding="utf-8")
+    follower = Follower(mpv)
+    follower.wait_for("plays 'status.mkv' with")
+    assert "latency:  +0 ms, of the screen" in ask("--status")
+    # What is written there meanwhile is not lost, and counts with the next nudge.
+    settings.write_text("[mpv]\nsync-to=sound\nsound-latency=55\n", encoding="utf-8")
+    assert ask("--nudge=5") == "offset: +5 ms\n"
+    assert "latency:  +55 ms, of the sound" in ask("--status")
+    assert settings.read_text(encoding="utf-8").split() == ["[mpv]", "sync-to=sound", "sound-latency=55", "offset=5"]
+    follower.end()
 
 
 def activation():

@@ -25,6 +25,8 @@ import gi
 gi.require_version("Gst", "1.0")
 from gi.repository import Gst  # noqa: E402
 
+from null_sink import NullSink, appears  # noqa: E402
+
 PLAYERS = ("playbin", "playbin3")
 SERVERS = {"pulse": "PulseAudio", "pipewire": "PipeWire"}
 NULL_SINK = """context.objects = [ { factory = adapter args = {
@@ -106,11 +108,12 @@ def started(env, *command, **options):
 
 
 @contextlib.contextmanager
-def pulseaudio(work, env):
-    socket = f"{work}/socket"
-    with started(env, "pulseaudio", "-n", "--daemonize=no", "--exit-idle-time=-1", "--use-pid-file=no", "--log-level=error",
-                 "--load=module-null-sink", f"--load=module-native-protocol-unix socket={socket} auth-anonymous=1"):
-        yield socket
+def pulseaudio(work, _env):
+    sink = NullSink(work)
+    try:
+        yield sink.socket
+    finally:
+        sink.stop()
 
 
 @contextlib.contextmanager
@@ -126,14 +129,6 @@ def pipewire(work, env):
             appears(f"{work}/pipewire-0")
             with started(env, "wireplumber", **quiet), started(env, "pipewire-pulse", **quiet):
                 yield f"{work}/pulse/native"
-
-
-def appears(path):
-    deadline = now() + 20
-    while not os.path.exists(path):
-        if now() > deadline:
-            sys.exit(f"the sound server does not start: expected its socket {path} within 20 s")
-        time.sleep(0.05)
 
 
 @contextlib.contextmanager

@@ -24,6 +24,8 @@ constexpr const char *kXml = R"(<node><interface name="org.visuotactile.Follow1"
   <property name="Track" type="s" access="read"/>
   <property name="Position" type="d" access="read"/>
   <property name="Ahead" type="d" access="read"/>
+  <property name="SyncTo" type="s" access="read"/>
+  <property name="Latency" type="d" access="read"/>
   <property name="Offset" type="d" access="read"/>
 </interface></node>)";
 
@@ -53,9 +55,12 @@ property_of(const FollowStatus &status, std::string_view name)
     return text(status.film);
   if (name == "Track")
     return text(status.track);
-  return g_variant_new_double(name == "Position" ? status.position
-                              : name == "Ahead"  ? status.ahead
-                                                 : status.offset);
+  if (name == "SyncTo")
+    return text(status.sync_to);
+  return g_variant_new_double(name == "Position"  ? status.position
+                              : name == "Ahead"   ? status.ahead
+                              : name == "Latency" ? status.latency
+                                                  : status.offset);
 }
 
 /// Calls the follower that runs; starts none.
@@ -156,6 +161,8 @@ ask_status()
            .track = words("Track"),
            .position = number("Position"),
            .ahead = number("Ahead"),
+           .sync_to = words("SyncTo"),
+           .latency = number("Latency"),
            .offset = number("Offset") };
 }
 

@@ -12,10 +12,12 @@ struct FollowStatus
   std::string player{};       ///< empty: none
   std::string state = "idle"; ///< idle, stopped, paused, waits, plays or rests
   std::string film{};
-  std::string track{};  ///< what is felt; empty: nothing
-  double position = -1; ///< s; < 0: unknown
-  double ahead = -1;    ///< s of the track that are known from there on; < 0: all
-  double offset = 0;    ///< ms that the player's picture is later than it says
+  std::string track{};   ///< what is felt; empty: nothing
+  double position = -1;  ///< s; < 0: unknown
+  double ahead = -1;     ///< s of the track that are known from there on; < 0: all
+  std::string sync_to{}; ///< screen or sound
+  double latency = 0;    ///< ms: of the screen, or of the sound
+  double offset = 0;     ///< ms that all is felt later than that
 };
 
 /// A running follower on the session bus: org.visuotactile.Follow1 at /org/visuotactile/Follow1. Of

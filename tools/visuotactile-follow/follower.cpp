@@ -49,7 +49,7 @@ word(Doing doing)
 
 Follower::Follower(const FollowSettings &settings)
     : settings_(settings), loop_(g_main_loop_new(nullptr, FALSE)),
-      offsets_(PlayerOffsets::usual_path()),
+      timing_(PlayerTiming::usual_path()),
       film_track_(settings.track, { .found =
                                         [this](std::shared_ptr<const tactile::Draft> track) {
                                           change_track(std::move(track));
@@ -306,7 +306,7 @@ Follower::choose()
     if (plays(followed)) {
       if (std::exchange(current_, &followed) != &followed) {
         cues_.change_player();
-        set_offset();
+        set_delay();
       }
       return;
     }
@@ -396,11 +396,11 @@ Follower::nudge(double by)
   if (current_ == nullptr)
     throw std::runtime_error("no film plays whose time could be moved");
   const std::string kind = player_kind(current_->player->name());
-  offsets_.set(kind, offsets_.of(kind) + by);
-  set_offset();
-  const auto offset = std::to_string(std::lround(offsets_.of(kind)));
-  tell("with " + kind + ", all is felt " + offset + " ms later than it says");
-  return offsets_.of(kind);
+  timing_.set_offset(kind, timing_.offset(kind) + by);
+  set_delay();
+  const double offset = timing_.offset(kind);
+  tell("the offset with " + kind + " is " + std::to_string(std::lround(offset)) + " ms");
+  return offset;
 }
 
 gboolean
@@ -414,12 +414,30 @@ Follower::nudged(double by)
   return G_SOURCE_CONTINUE;
 }
 
-void
-Follower::set_offset()
+SyncTo
+Follower::sync_to() const
 {
-  const double of_player
-      = current_ != nullptr ? offsets_.of(player_kind(current_->player->name())) : 0;
-  cues_.set_offset(follow::Time(std::llround((settings_.offset + of_player) * 1e6)));
+  return settings_.sync_to.value_or(
+      timing_.sync_to(player_kind(current_->player->name())).value_or(SyncTo::screen));
+}
+
+/// How much later than the followed player shows a picture it is seen, or its sound heard, in ms.
+double
+Follower::latency() const
+{
+  const follow::Player &player = *current_->player;
+  const std::string kind = player_kind(player.name());
+  if (sync_to() == SyncTo::screen)
+    return settings_.screen_latency.value_or(timing_.screen_latency(kind).value_or(0));
+  const std::chrono::duration<double, std::milli> measured = player.sound_latency();
+  return settings_.sound_latency.value_or(timing_.sound_latency(kind).value_or(measured.count()));
+}
+
+void
+Follower::set_delay()
+{
+  const double later = latency() + timing_.offset(player_kind(current_->player->name()));
+  cues_.set_delay(follow::Time(std::llround(later * 1e6)));
 }
 
 FollowStatus
@@ -437,7 +455,9 @@ Follower::status() const
     status.state = word(current_->last.doing);
   status.film = film_name(film_);
   status.track = film_track_.what();
-  status.offset = offsets_.of(player_kind(status.player));
+  status.sync_to = name_of(sync_to());
+  status.latency = latency();
+  status.offset = timing_.offset(player_kind(status.player));
   if (const auto estimate = current_->estimator.at(now))
     status.position = seconds(estimate->position);
   if (const auto known = film_track_.known_until(position_);

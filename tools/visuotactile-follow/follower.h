@@ -4,7 +4,7 @@
 #include "chair.h"
 #include "film_track.h"
 #include "follow_service.h"
-#include "player_offsets.h"
+#include "player_timing.h"
 #include "session_watch.h"
 
 #include "follow/players/kodi_player.h"
@@ -15,6 +15,7 @@
 
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 
 struct FollowSettings
@@ -26,9 +27,11 @@ struct FollowSettings
   bool uses_bus = true;
   std::string mpris; ///< only the player of that name; empty: any
   FilmTrack::Settings track{};
-  std::string sink;  ///< as on a launch line
-  double offset = 0; ///< ms, of all players
-  bool once = false; ///< ends when a player is gone
+  std::string sink;                       ///< as on a launch line
+  std::optional<SyncTo> sync_to{};        ///< none: as is set for each kind of player
+  std::optional<double> screen_latency{}; ///< ms, of all players; none: likewise
+  std::optional<double> sound_latency{};  ///< likewise, or as it was measured
+  bool once = false;                      ///< ends when a player is gone
   bool quiet = false;
 };
 
@@ -78,7 +81,9 @@ private:
   void update();
   double nudge(double by);
   gboolean nudged(double by);
-  void set_offset();
+  void set_delay();
+  SyncTo sync_to() const;
+  double latency() const;
   FollowStatus status() const;
   void tell(const std::string &text);
   void fail(const std::string &text);
@@ -91,7 +96,7 @@ private:
   std::unique_ptr<follow::KodiSearch> kodi_;
   std::unique_ptr<FollowService> service_;
   std::unique_ptr<SessionWatch> session_;
-  PlayerOffsets offsets_;
+  PlayerTiming timing_;
   std::map<std::string, Followed> players_;
   Followed *current_ = nullptr;
   std::string film_;           ///< whose track is played, or looked for

@@ -12,12 +12,14 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <limits>
+#include <optional>
 #include <string>
 
 namespace {
 
 constexpr const char *kProgram = "visuotactile-follow";
-constexpr double kMostOffset = 5000; ///< ms
+constexpr gdouble kNotSet = std::numeric_limits<gdouble>::max();
 
 struct Options
 {
@@ -26,8 +28,10 @@ struct Options
   TextOption kodi{};
   TextOption tracks{};
   TextOption sound{};
-  gdouble offset = 0;
-  gdouble nudge = 0; ///< ms; 0: none
+  TextOption sync_to{};
+  gdouble screen_latency = kNotSet; ///< ms
+  gdouble sound_latency = kNotSet;  ///< ms
+  gdouble nudge = 0;                ///< ms; 0: none
   gboolean no_drafts = FALSE;
   gboolean once = FALSE;
   gboolean list = FALSE;
@@ -36,6 +40,13 @@ struct Options
   ChairOptions chair;
   CommonOptions common;
 };
+
+void
+expect_ms(const char *name, gdouble value)
+{
+  if (value != kNotSet && !(std::abs(value) <= PlayerTiming::kMost))
+    throw UsageError(std::string("--") + name + " is a number of ms from -5000 to 5000");
+}
 
 void
 read_command_line(int argc, char **argv, Options &options)
@@ -56,9 +67,15 @@ read_command_line(int argc, char **argv, Options &options)
     { "no-drafts", 0, 0, G_OPTION_ARG_NONE, &options.no_drafts,
       "Make no drafts of films that have no track", nullptr },
     { "sound", 0, 0, G_OPTION_ARG_STRING, &options.sound.value, kSoundHelp, "PROFILE" },
-    { "offset", 'o', 0, G_OPTION_ARG_DOUBLE, &options.offset,
-      "How much later than the player says its picture is on the screen, in ms, -5000 to 5000 "
+    { "sync-to", 0, 0, G_OPTION_ARG_STRING, &options.sync_to.value,
+      "What of the film the chair is in sync with: screen or sound (default: screen)", "WHAT" },
+    { "screen-latency", 0, 0, G_OPTION_ARG_DOUBLE, &options.screen_latency,
+      "Delay from when a player shows a picture until it is seen, in ms, -5000 to 5000 "
       "(default: 0)",
+      "MS" },
+    { "sound-latency", 0, 0, G_OPTION_ARG_DOUBLE, &options.sound_latency,
+      "Delay from when a player shows a picture until its sound is heard, in ms, -5000 to 5000 "
+      "(default: as measured with each player)",
       "MS" },
     { "status", 's', 0, G_OPTION_ARG_NONE, &options.status,
       "Print what the visuotactile-follow that runs does, and exit", nullptr },
@@ -91,10 +108,11 @@ read_command_line(int argc, char **argv, Options &options)
         .more = chair.data(),
         .group = gst_init_get_option_group() });
   options.chair.check();
-  if (!(std::abs(options.offset) <= kMostOffset))
-    throw UsageError("--offset is a number of ms from -5000 to 5000");
-  if (!(std::abs(options.nudge) <= kMostOffset))
-    throw UsageError("--nudge is a number of ms from -5000 to 5000");
+  expect_ms("screen-latency", options.screen_latency);
+  expect_ms("sound-latency", options.sound_latency);
+  expect_ms("nudge", options.nudge);
+  if (!sync_of(options.sync_to.text("screen")))
+    throw UsageError("--sync-to is screen or sound, not '" + options.sync_to.text() + "'");
   expect_driver(options.chair.driver.text());
 }
 
@@ -130,8 +148,10 @@ print_status()
     std::printf("%-9s %.1f s\n", "position:", status.position);
   if (status.ahead >= 0)
     std::printf("%-9s %.1f s of the film are known\n", "ahead:", status.ahead);
-  if (!status.player.empty())
-    std::printf("%-9s %+.0f ms\n", "offset:", status.offset);
+  if (status.player.empty())
+    return;
+  std::printf("%-9s %+.0f ms, of the %s\n", "latency:", status.latency, status.sync_to.c_str());
+  std::printf("%-9s %+.0f ms\n", "offset:", status.offset);
 }
 
 void
@@ -143,6 +163,9 @@ run(const Options &options)
     print_status();
   if (options.nudge != 0 || options.status)
     return;
+  const auto given = [](gdouble ms) {
+    return ms != kNotSet ? std::optional(ms) : std::nullopt;
+  };
   const bool any = !options.mpv.is_set() && !options.kodi.is_set() && !options.mpris.is_set();
   Follower follower(
       { .mpv_socket = options.mpv.text(any ? usual_socket().c_str() : ""),
@@ -155,7 +178,9 @@ run(const Options &options)
                    .makes_drafts = options.no_drafts == FALSE,
                    .analysis = { .sound = sound_profile(options.sound.text("off")) } },
         .sink = options.chair.sink_line(),
-        .offset = options.offset,
+        .sync_to = sync_of(options.sync_to.text()),
+        .screen_latency = given(options.screen_latency),
+        .sound_latency = given(options.sound_latency),
         .once = options.once != FALSE,
         .quiet = options.common.quiet || options.list });
   if (options.list)

@@ -43,6 +43,10 @@ public:
   {
     return { .coarseness = kCoarseness, .lingers = true };
   }
+  Time sound_latency() const override
+  {
+    return kSoundLater;
+  }
   void ask() override
   {
     send(conversation_.ask(local_time()));
@@ -52,6 +56,8 @@ private:
   /// Kodi 20 renews its time each 0.2 s, and seldom later. A hundredth of a second times the golden
   /// section, so that questions never fall in step with that.
   static constexpr guint kAskEvery = 62; ///< ms
+  /// Than the picture (docs/measured/follow.md).
+  static constexpr Time kSoundLater = std::chrono::milliseconds(75);
   static constexpr Time kCoarseness = std::chrono::milliseconds(300);
 
   bool received(std::string_view bytes, Time now)

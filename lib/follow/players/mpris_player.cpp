@@ -29,14 +29,19 @@ struct Known
   std::string_view name; ///< begins so
   Time renewed;          ///< after so long at the latest
   Time later;            ///< than it is told, a picture is on the screen
+  Time sound_later;      ///< than the picture (docs/measured/follow.md)
 };
 constexpr Known kKnown[] = {
   // VLC 3 after 250 to 290 ms, and seldom later.
-  { .name = "vlc", .renewed = std::chrono::milliseconds(400), .later = Time(0) },
+  { .name = "vlc",
+    .renewed = std::chrono::milliseconds(400),
+    .later = Time(0),
+    .sound_later = Time(0) },
   // Chromium 156 each 100 ms.
   { .name = "chromium",
     .renewed = std::chrono::milliseconds(200),
-    .later = std::chrono::milliseconds(60) },
+    .later = std::chrono::milliseconds(60),
+    .sound_later = std::chrono::milliseconds(30) },
 };
 
 Known
@@ -83,6 +88,10 @@ public:
     habits.coarseness = known_.renewed;
     habits.lingers = known_.renewed > Time(0);
     return habits;
+  }
+  Time sound_latency() const override
+  {
+    return known_.sound_later;
   }
   void ask() override
   {

@@ -28,6 +28,11 @@ public:
 
   virtual const std::string &name() const = 0; ///< for messages
   virtual Habits habits() const = 0;
+  /// How much later than its picture its sound is heard, as it was measured.
+  virtual Time sound_latency() const
+  {
+    return Time(0);
+  }
   /// Asks for the position now, where that is asked for.
   virtual void ask()
   {

@@ -2,7 +2,7 @@
 //
 // Picture and sound of a film in playbin and playbin3: a ball that hits the ground with a blow is
 // one cue. No test depends on the machine's speed: a map waits until the sound of its time has been
-// heard.
+// heard, and the clock does not go on while the machine holds all up.
 #include "sound/synthetic_sound.h"
 #include "tactile/synthetic_film.h"
 
@@ -21,6 +21,7 @@
 #include <vector>
 
 // gstcheck.h defines a macro `fail`, so it follows the standard library's headers.
+#include "support/patient_clock.h"
 #include "support/playing.h"
 #include "support/start_player.h"
 #include "support/temporary_file.h"
@@ -36,6 +37,7 @@ constexpr int kRate = 48000;
 constexpr int kWidth = 320;
 constexpr int kHeight = 240;
 constexpr double kLength = 1.8; ///< s
+constexpr double kLong = 30;    ///< s: more than a player's queues hold
 
 /// When the film's ball appears, and where: the cell of 3 x 3.
 struct Hit
@@ -71,9 +73,9 @@ blow()
 
 /// Samples of a sound with a blow at this time; without one, silence.
 std::vector<gint16>
-track_of(std::optional<double> at)
+track_of(std::optional<double> at, double length)
 {
-  std::vector<gint16> samples(static_cast<std::size_t>(kLength * kRate) * 2);
+  std::vector<gint16> samples(static_cast<std::size_t>(length * kRate) * 2);
   const std::vector<float> one = blow();
   for (std::size_t i = 0; at && i < one.size(); i++) {
     const std::size_t sample = (static_cast<std::size_t>(*at * kRate) + i) * 2;
@@ -86,13 +88,14 @@ track_of(std::optional<double> at)
 
 /// A film whose ball comes with a blow that is so much later than its picture, an audio track each.
 void
-make_film(const std::string &path, const std::vector<std::optional<double>> &later)
+make_film(const std::string &path, const std::vector<std::optional<double>> &later,
+          double length = kLength)
 {
   std::string tracks;
   std::list<TemporaryFile> files;
   for (const std::optional<double> &by : later) {
     files.emplace_back("", ".raw");
-    const std::vector<gint16> samples = track_of(by ? the_hit().at + *by : by);
+    const std::vector<gint16> samples = track_of(by ? the_hit().at + *by : by, length);
     std::ofstream(files.back().path, std::ios::binary)
         .write(reinterpret_cast<const char *>(samples.data()),
                static_cast<std::streamsize>(samples.size() * sizeof(gint16)));
@@ -101,7 +104,7 @@ make_film(const std::string &path, const std::vector<std::optional<double>> &lat
   }
   play_to_the_end(make_pipeline(
       "tactiletestsrc pattern=static-motion seed=3 balls=1 num-buffers="
-      + std::to_string(static_cast<int>(kLength * 30))
+      + std::to_string(static_cast<int>(length * 30))
       + " ! video/x-raw,format=I420,width=320,height=240,framerate=30/1 ! jpegenc ! matroskamux "
         "name=mux ! filesink location="
       + path + tracks));
@@ -184,7 +187,8 @@ public:
   Player(const char *playbin, const std::string &film, const char *profile = "film",
          Chair chair = Chair::sink)
       : pipeline(gst_element_factory_make(playbin, nullptr)),
-        sound(gst_element_factory_make("soundtactile", nullptr)), profile_(profile)
+        sound(gst_element_factory_make("soundtactile", nullptr)), profile_(profile),
+        clock_(pipeline)
   {
     GstElement *screen = gst_element_factory_make("fakesink", nullptr);
     GstElement *speakers = gst_element_factory_make("fakesink", nullptr);
@@ -218,11 +222,16 @@ public:
     fail_unless(gst_element_get_state(pipeline, nullptr, nullptr, GST_CLOCK_TIME_NONE)
                 == GST_STATE_CHANGE_SUCCESS);
   }
-  void seek(double rate, GstClockTime from, GstClockTime until)
+  /// Whether the player got there.
+  bool try_seek(double rate, GstClockTime from, GstClockTime until)
   {
     seek_exactly(pipeline, rate, from, until);
-    fail_unless(gst_element_get_state(pipeline, nullptr, nullptr, GST_CLOCK_TIME_NONE)
-                == GST_STATE_CHANGE_SUCCESS);
+    return gst_element_get_state(pipeline, nullptr, nullptr, GST_CLOCK_TIME_NONE)
+           == GST_STATE_CHANGE_SUCCESS;
+  }
+  void seek(double rate, GstClockTime from, GstClockTime until)
+  {
+    fail_unless(try_seek(rate, from, until));
   }
   /// Plays to the end. The commands that maps caused, by when they take effect.
   std::vector<IssuedCommand> play()
@@ -268,6 +277,7 @@ private:
   }
 
   const char *profile_;
+  PatientClock clock_;
   Heard heard_;
   TemporaryFile trace_file_{ "", ".csv" };
 };
@@ -420,6 +430,27 @@ switch_track(Player &player, const char *playbin)
   g_list_free(wanted);
 }
 
+/// Switches to the film's second audio track, once the first one's blow is known, and seeks.
+/* playbin of GStreamer 1.22 hangs at the seek if the first track waits in a pause, or for the ends
+ * of the others; so the film plays, and is longer than what its queues hold. decodebin3 ends about
+ * one such seek in 150 with an error of its queue (not-negotiated or flushing). Both do so with no
+ * element of this project. Returns whether the player got over it. */
+static bool
+switch_and_seek(Player &player, const char *playbin)
+{
+  player.seek(1, 700 * GST_MSECOND, GST_CLOCK_TIME_NONE);
+  change_state(player.pipeline, GST_STATE_PLAYING);
+  switch_track(player, playbin);
+  if (player.try_seek(1, 300 * GST_MSECOND, static_cast<GstClockTime>(kLength * GST_SECOND)))
+    return true;
+  g_autoptr(GstBus) bus = gst_element_get_bus(player.pipeline);
+  g_autoptr(GstMessage) error = gst_bus_pop_filtered(bus, GST_MESSAGE_ERROR);
+  fail_unless(error != nullptr);
+  fail_unless(g_str_has_prefix(GST_OBJECT_NAME(GST_MESSAGE_SRC(error)), "multiqueue"), "%s",
+              Said(error).details.c_str());
+  return false;
+}
+
 // After a switch to another audio track and the seek by which players make it heard at once, its
 // blows are felt, and those of the other are not.
 GST_START_TEST(test_track_switch)
@@ -427,15 +458,17 @@ GST_START_TEST(test_track_switch)
   for (const bool joins : { true, false }) {
     const TemporaryFile film("", ".mkv");
     if (joins)
-      make_film(film.path, { std::nullopt, -0.05 });
+      make_film(film.path, { std::nullopt, -0.05 }, kLong);
     else
-      make_film(film.path, { -0.05, std::nullopt });
-    Player player(kPlaybins[__i__], film.path);
-    player.prepare();
-    player.seek(1, 700 * GST_MSECOND, GST_CLOCK_TIME_NONE); // the first track's blow is known
-    switch_track(player, kPlaybins[__i__]);
-    player.seek(1, 300 * GST_MSECOND, GST_CLOCK_TIME_NONE);
-    const std::vector<IssuedCommand> lines = player.play();
+      make_film(film.path, { -0.05, std::nullopt }, kLong);
+    std::optional<Player> player;
+    int tries = 0;
+    do {
+      ck_assert_int_lt(tries++, 10);
+      player.emplace(kPlaybins[__i__], film.path);
+      player->prepare();
+    } while (!switch_and_seek(*player, kPlaybins[__i__]));
+    const std::vector<IssuedCommand> lines = player->play();
     if (joins)
       assert_one_cue(lines, the_hit().at - 0.05 - 0.3);
     else

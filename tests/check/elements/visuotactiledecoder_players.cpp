@@ -11,10 +11,12 @@
 #include <functional>
 #include <map>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <vector>
 
 // gstcheck.h defines a macro `fail`, so it follows the standard library's headers.
+#include "support/patient_clock.h"
 #include "support/playing.h"
 #include "support/start_player.h"
 #include "support/temporary_file.h"
@@ -67,6 +69,7 @@ public:
   {
     rank_decoder("visuotactiledecoder", GST_RANK_PRIMARY + 1000);
     pipeline = gst_element_factory_make(playbin, nullptr);
+    clock.emplace(pipeline);
     GstElement *screen = gst_element_factory_make("fakesink", nullptr);
     GstElement *speakers = gst_element_factory_make("fakesink", nullptr);
     g_object_set(screen, "sync", sync, "qos", TRUE, nullptr);
@@ -230,6 +233,7 @@ private:
   }
 
   std::mutex mutex;
+  std::optional<PatientClock> clock;
 };
 
 } // namespace

@@ -212,6 +212,7 @@ GST_START_TEST(test_known_player)
   stage.own(kChromium);
   const auto player = open_mpris(stage.ours.get(), kChromium, stage.events());
   fail_unless(player->habits().lingers && player->habits().coarseness == 200ms);
+  fail_unless(player->sound_latency() == 30ms);
   ck_assert(stage.wait_for(has_position).position == 5s - 60ms);
   stage.tell_seek(10'000);
   ck_assert(stage.wait_for([](const Report &one) { return one.sought; }).position == 0s);

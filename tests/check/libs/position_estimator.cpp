@@ -214,6 +214,28 @@ GST_START_TEST(test_told_seek)
 GST_END_TEST;
 
 /// A seek that the player does not tell is told from a wrong report by the next one.
+/// A player that puts its position right by a little has not leapt: nothing that is felt is cut.
+GST_START_TEST(test_put_right)
+{
+  PositionEstimator estimator;
+  const Time now = play(estimator, kBegin, 10s, 50);
+  const std::uint64_t stretch = estimator.at(now)->stretch;
+  Report right = told(now, 12s + 30ms);
+  right.sought = true;
+  estimator.report(right);
+  fail_unless(estimator.at(now)->stretch == stretch);
+  assert_near(estimator, now, 12s);
+  assert_near(estimator, play(estimator, now + 40ms, 12s + 70ms, 10), 12s + 470ms);
+  fail_unless(estimator.at(now + 440ms)->stretch == stretch);
+  // Further is a leap.
+  right = told(now + 440ms, 12s + 530ms);
+  right.sought = true;
+  estimator.report(right);
+  fail_unless(estimator.at(now + 440ms)->stretch != stretch);
+  assert_near(estimator, now + 440ms, 12s + 530ms);
+}
+GST_END_TEST;
+
 GST_START_TEST(test_untold_seek)
 {
   for (const Time to : { Time(10min), Time(11s) }) {
@@ -429,6 +451,7 @@ position_estimator_suite(void)
   tcase_add_test(tcase, test_wrong_reports);
   tcase_add_test(tcase, test_never_backwards);
   tcase_add_test(tcase, test_told_seek);
+  tcase_add_test(tcase, test_put_right);
   tcase_add_test(tcase, test_untold_seek);
   tcase_add_test(tcase, test_lone_wrong_report);
   tcase_add_test(tcase, test_pause);

@@ -99,12 +99,12 @@ GST_END_TEST;
 GST_START_TEST(test_offset)
 {
   TrackFollower chair = follower();
-  chair.set_offset(60ms); // the picture is later
+  chair.set_delay(60ms); // the picture is later
   TrackFollower::Step step = chair.step(at(1900ms), kBegin, kAhead);
   ck_assert(is_on(step.cues.at(1)) && step.cues[1].begin == kBegin + 160ms);
   // Before the film's beginning there is nothing.
   TrackFollower early = follower();
-  early.set_offset(500ms);
+  early.set_delay(500ms);
   step = early.step(at(0s), kBegin, 1s);
   ck_assert(step.cues.at(0).begin == kBegin + 500ms);
 }

@@ -44,6 +44,7 @@ class Page {
   draft = null;
   draftFailed = false;
   writing = null;
+  again = null;
 
   constructor(session, data) {
     const [rows, columns] = session.track.grid;
@@ -150,14 +151,23 @@ class Page {
     $('single-keys').addEventListener('change', () => localStorage.setItem('single-keys', $('single-keys').checked ? 'on' : 'off'));
   }
 
-  /** Asks to write; whoever writes gets the newest track first. One attempt at a time. */
+  /**
+   * Asks to write; whoever writes gets the newest track first. One attempt at a time: what is asked
+   * during one is asked again after a refusal, as the seat may have become free meanwhile.
+   */
   write(take) {
+    this.again = this.writing ? { take: take || (this.again?.take ?? false) } : null;
     this.writing ??= this.#write(take).finally(() => { this.writing = null; });
     return this.writing;
   }
 
   async #write(take) {
-    const { writer } = await desk.post('writer', { take });
+    let { writer } = await desk.post('writer', { take });
+    while (!writer && this.again) {
+      const again = this.again;
+      this.again = null;
+      ({ writer } = await desk.post('writer', again));
+    }
     if (!writer) {
       this.setWriter(this.writer);
       return;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-#include "player_offsets.h"
+#include "player_timing.h"
 
 #include <algorithm>
 #include <cerrno>
@@ -24,16 +24,37 @@ player_kind(const std::string &name)
   return kind.empty() ? "player" : kind;
 }
 
+std::optional<SyncTo>
+sync_of(std::string_view name)
+{
+  for (const SyncTo sync : { SyncTo::screen, SyncTo::sound })
+    if (name == name_of(sync))
+      return sync;
+  return std::nullopt;
+}
+
+const char *
+name_of(SyncTo sync)
+{
+  return sync == SyncTo::screen ? "screen" : "sound";
+}
+
 std::string
-PlayerOffsets::usual_path()
+PlayerTiming::usual_path()
 {
   g_autofree gchar *path
       = g_build_filename(g_get_user_config_dir(), "visuotactile", "follow.conf", nullptr);
   return path;
 }
 
-PlayerOffsets::PlayerOffsets(std::string path)
+PlayerTiming::PlayerTiming(std::string path)
     : path_(std::move(path)), file_(g_key_file_new(), g_key_file_unref)
+{
+  read();
+}
+
+void
+PlayerTiming::read()
 {
   std::error_code none;
   const std::uintmax_t size = std::filesystem::file_size(path_, none);
@@ -47,16 +68,43 @@ PlayerOffsets::PlayerOffsets(std::string path)
     throw std::runtime_error("cannot read '" + path_ + "': " + error->message);
 }
 
-double
-PlayerOffsets::of(const std::string &kind) const
+std::optional<double>
+PlayerTiming::number(const std::string &kind, const char *key) const
 {
-  const double offset = g_key_file_get_double(file_.get(), kind.c_str(), kOffset, nullptr);
-  return std::abs(offset) <= kMost ? offset : 0;
+  g_autoptr(GError) error = nullptr;
+  const double number = g_key_file_get_double(file_.get(), kind.c_str(), key, &error);
+  return error == nullptr && std::abs(number) <= kMost ? std::optional(number) : std::nullopt;
+}
+
+std::optional<SyncTo>
+PlayerTiming::sync_to(const std::string &kind) const
+{
+  g_autofree gchar *name = g_key_file_get_string(file_.get(), kind.c_str(), "sync-to", nullptr);
+  return name != nullptr ? sync_of(name) : std::nullopt;
+}
+
+std::optional<double>
+PlayerTiming::screen_latency(const std::string &kind) const
+{
+  return number(kind, "screen-latency");
+}
+
+std::optional<double>
+PlayerTiming::sound_latency(const std::string &kind) const
+{
+  return number(kind, "sound-latency");
+}
+
+double
+PlayerTiming::offset(const std::string &kind) const
+{
+  return number(kind, kOffset).value_or(0);
 }
 
 void
-PlayerOffsets::set(const std::string &kind, double offset)
+PlayerTiming::set_offset(const std::string &kind, double offset)
 {
+  read();
   g_key_file_set_double(file_.get(), kind.c_str(), kOffset, std::clamp(offset, -kMost, kMost));
   g_autofree gchar *folder = g_path_get_dirname(path_.c_str());
   g_autoptr(GError) error = nullptr;

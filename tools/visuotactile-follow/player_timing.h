@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include <glib.h>
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+
+/// What kind of player it is by its name: "vlc" of "vlc.instance123", "mpv" of "mpv at /run/…".
+std::string player_kind(const std::string &name);
+
+/// What of a film the chair is in sync with.
+enum class SyncTo
+{
+  screen,
+  sound,
+};
+std::optional<SyncTo> sync_of(std::string_view name);
+const char *name_of(SyncTo sync);
+
+/// What the user has set for players of each kind, in a key file. Times are in ms, from −kMost to
+/// kMost; what is no such number counts as not set.
+///
+///     [vlc]
+///     sync-to=sound
+///     screen-latency=40
+///     sound-latency=120
+///     offset=10
+class PlayerTiming
+{
+public:
+  static constexpr double kMost = 5000; ///< ms
+
+  /// $XDG_CONFIG_HOME/visuotactile/follow.conf
+  static std::string usual_path();
+
+  /// A file that does not exist is empty. Throws std::runtime_error, with the path, if it is no key
+  /// file or larger than a MiB.
+  explicit PlayerTiming(std::string path);
+
+  std::optional<SyncTo> sync_to(const std::string &kind) const;
+  /// How much later than the player puts a picture on this computer's screen it is seen.
+  std::optional<double> screen_latency(const std::string &kind) const;
+  /// How much later than that its sound is heard.
+  std::optional<double> sound_latency(const std::string &kind) const;
+
+  /// How much later than that it is felt.
+  double offset(const std::string &kind) const;
+
+  /// Limits it to kMost, and writes the file at once. What the user has changed in it meanwhile is
+  /// kept, and counts from then on. Throws std::runtime_error with the path.
+  void set_offset(const std::string &kind, double offset);
+
+private:
+  void read();
+  std::optional<double> number(const std::string &kind, const char *key) const;
+
+  std::string path_;
+  std::unique_ptr<GKeyFile, void (*)(GKeyFile *)> file_;
+};
