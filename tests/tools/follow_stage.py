@@ -81,11 +81,15 @@ class Vest:
         return not self.lines or not self.lines[-1][1]
 
 
+# Like a user, who may not raise a thread's priority again.
+AS_USER = ["setpriv", "--bounding-set=-sys_nice", "--inh-caps=-sys_nice"] if os.geteuid() == 0 else []
+
+
 class Follower:
     def __init__(self, mpv, *options):
         self.log = work / "log"
         with open(self.log, "w", encoding="utf-8") as log:
-            self.process = start(FOLLOW, f"--mpv={mpv.path}", "--driver=bhaptics", f"--device={vest.device}", *options, stderr=log)
+            self.process = start(*AS_USER, FOLLOW, f"--mpv={mpv.path}", "--driver=bhaptics", f"--device={vest.device}", *options, stderr=log)
 
     def said(self):
         return self.log.read_text(encoding="utf-8")
@@ -98,6 +102,7 @@ class Follower:
         if status == 0:
             self.process.send_signal(signal.SIGINT)
         assert self.process.wait(LATEST) == status, self.said()
+        assert "CRITICAL" not in self.said(), self.said()
         wait_until("silence", vest.is_silent)
 
 

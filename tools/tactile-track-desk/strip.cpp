@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "strip.h"
 
+#include "film/background.h"
 #include "film/sound.h"
 #include "frame/front_end.h"
 #include "saliency/shot_cut.h"
@@ -11,27 +12,12 @@
 #include <algorithm>
 #include <cmath>
 #include <span>
-#include <sys/resource.h>
-#include <unistd.h>
 
 namespace {
 
 constexpr int kWidth = 160;                  ///< of a picture, pixels
 constexpr gint64 kLongest = 100 * 3'600'000; ///< ms
 constexpr const char *kQueue = "queue max-size-bytes=0 max-size-buffers=0 max-size-time=1000000000";
-
-/// What plays comes first: streaming threads give way.
-GstBusSyncReply
-give_way(GstBus *, GstMessage *message, gpointer)
-{
-  GstStreamStatusType type = GST_STREAM_STATUS_TYPE_CREATE;
-  if (GST_MESSAGE_TYPE(message) == GST_MESSAGE_STREAM_STATUS) {
-    gst_message_parse_stream_status(message, &type, nullptr);
-    if (type == GST_STREAM_STATUS_TYPE_ENTER)
-      setpriority(PRIO_PROCESS, static_cast<id_t>(gettid()), 15);
-  }
-  return GST_BUS_PASS;
-}
 
 /// Film time in ms; -1: none.
 gint64
@@ -144,7 +130,7 @@ Strip::Strip(const Film &film)
                      pipeline_.get());
   }
   const Owned<GstBus> bus(gst_element_get_bus(pipeline_.get()));
-  gst_bus_set_sync_handler(bus.get(), give_way, nullptr, nullptr);
+  run_in_background(pipeline_.get());
   watch_ = gst_bus_add_watch(
       bus.get(),
       +[](GstBus *, GstMessage *message, gpointer self) {

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "map_source.h"
 
+#include "film/background.h"
 #include "film/film.h"
 #include "gst/cues/cue_stream.h"
 
 #include <gst/app/gstappsink.h>
-#include <sys/resource.h>
 
 #include <algorithm>
 #include <atomic>
@@ -21,7 +21,6 @@ namespace {
 
 /// Frames or cues that wait to be taken: the rest of the pipeline waits with them.
 constexpr guint kMostWaiting = 16;
-constexpr int kNice = 5; ///< of decoders
 
 /// Lasts a cue that does not say so, as in tactileconverter.
 constexpr Time kDefaultDuration = std::chrono::seconds(1);
@@ -98,18 +97,7 @@ protected:
   {
     pipeline_ = std::move(pipeline);
     const Owned<GstBus> bus(gst_element_get_bus(pipeline_.get()));
-    gst_bus_set_sync_handler(
-        bus.get(),
-        +[](GstBus *, GstMessage *message, gpointer) {
-          GstStreamStatusType type{};
-          if (GST_MESSAGE_TYPE(message) == GST_MESSAGE_STREAM_STATUS) {
-            gst_message_parse_stream_status(message, &type, nullptr);
-            if (type == GST_STREAM_STATUS_TYPE_ENTER)
-              setpriority(PRIO_PROCESS, 0, kNice); // of the calling thread
-          }
-          return GST_BUS_PASS;
-        },
-        nullptr, nullptr);
+    run_in_background(pipeline_.get());
     if (gst_element_set_state(pipeline_.get(), GST_STATE_PLAYING) == GST_STATE_CHANGE_FAILURE)
       throw std::runtime_error(start_error(bus.get()));
   }
