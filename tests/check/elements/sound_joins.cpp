@@ -432,9 +432,9 @@ switch_track(Player &player, const char *playbin)
 
 /// Switches to the film's second audio track, once the first one's blow is known, and seeks.
 /* playbin of GStreamer 1.22 hangs at the seek if the first track waits in a pause, or for the ends
- * of the others; so the film plays, and is longer than what its queues hold. decodebin3 ends about
- * one such seek in 150 with an error of its queue (not-negotiated or flushing). Both do so with no
- * element of this project. Returns whether the player got over it. */
+ * of the others; so the film plays, and is longer than what its queues hold. decodebin3 ends some
+ * such seeks, one of 450, with an error of its queue (not-negotiated or flushing). Both do so with
+ * no element of this project. Returns whether the player got over it. */
 static bool
 switch_and_seek(Player &player, const char *playbin)
 {
