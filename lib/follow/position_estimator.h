@@ -45,7 +45,7 @@ public:
   static constexpr double kMostCorrection = 0.2;
   /// A report off by less is late or a little wrong, and alone changes nothing.
   static constexpr Time kLeap = std::chrono::milliseconds(150);
-  /// A seek by less is none.
+  /// A seek by less only puts the position right: the stretch goes on.
   static constexpr Time kPutRight = std::chrono::milliseconds(50);
 
   PositionEstimator() = default;

@@ -4,18 +4,20 @@
 #include <algorithm>
 #include <chrono>
 #include <mutex>
+#include <new>
 #include <thread>
 
 #include <gst/gst.h>
 
 /// A clock for a pipeline in real time that stands still while the machine holds the whole process
 /// up: then nothing is late. The clock's time goes on by 6 ms at most from one look at it to the
-/// next, and a thread looks every 2 ms.
+/// next, and a thread looks about every 2 ms.
 class PatientClock
 {
 public:
   explicit PatientClock(GstElement *pipeline)
-      : clock_(GST_CLOCK(g_object_new(type(), "clock-type", GST_CLOCK_TYPE_MONOTONIC, nullptr))),
+      : clock_(GST_CLOCK(gst_object_ref_sink(
+          g_object_new(type(), "clock-type", GST_CLOCK_TYPE_MONOTONIC, nullptr)))),
         thread_([this](const std::stop_token &stop) {
           while (!stop.stop_requested()) {
             gst_clock_get_time(clock_);
@@ -23,7 +25,6 @@ public:
           }
         })
   {
-    gst_object_ref_sink(clock_);
     gst_pipeline_use_clock(GST_PIPELINE(pipeline), clock_);
   }
   ~PatientClock()
