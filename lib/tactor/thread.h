@@ -12,7 +12,7 @@
 
 namespace tactor {
 
-/// A thread that is joined by its destructor. Unlike std::thread it returns an error where the
+/// A thread that is joined by its destructor and blocks signals, but for faults. Unlike std::thread it returns an error where the
 /// system has no more threads.
 class Thread
 {

@@ -38,6 +38,8 @@ cdc_acm_line(const libusb_device_descriptor &device, const libusb_config_descrip
         // DTR and RTS: an ATmega32u4 is silent until DTR.
         { kToInterface, kSetControlLineState, 0x0003, index },
       };
+      if (line->is_adapter || is_one_of(device, kDtrResets))
+        line->hang_up = { { kToInterface, kSetControlLineState, 0x0000, index } };
       return line;
     }
   }

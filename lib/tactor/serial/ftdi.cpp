@@ -33,6 +33,10 @@ ftdi_line(const libusb_device_descriptor &device, const libusb_config_descriptor
     { kToDevice, kModemControl, 0x0202, index }, // RTS
     { kToDevice, kLatencyTimer, 0x0001, index }, // short packets wait 1 ms, not 16
   };
+  line->hang_up = {
+    { kToDevice, kModemControl, 0x0100, index }, // DTR
+    { kToDevice, kModemControl, 0x0200, index }, // RTS
+  };
   return line;
 }
 

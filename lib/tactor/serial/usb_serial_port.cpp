@@ -13,6 +13,9 @@ namespace tactor {
 
 namespace {
 
+/// DTR acts on a board's reset by a capacitor of 100 nF, which 10 kΩ discharge.
+constexpr auto kHangUp = std::chrono::milliseconds(20);
+
 constexpr auto kErrorPause = std::chrono::milliseconds(10);
 
 /// Delay of a USB chip between its endpoint and its serial line.
@@ -86,7 +89,9 @@ ClaimedDevice::open(const UsbContext &context, const SerialDevice &device,
   claimed.handle_.reset(handle);
   libusb_set_auto_detach_kernel_driver(handle, 1);
   return claimed.claim(device)
-      .and_then([&] { return claimed.set_up(context, device, request_patience, stop); })
+      .and_then([&] {
+        return claimed.make(claimed.line_.set_up, context, device, request_patience, stop);
+      })
       .map([&] { return std::move(claimed); });
 }
 
@@ -108,14 +113,28 @@ ClaimedDevice::claim(const SerialDevice &device)
 }
 
 tl::expected<void, DriverError>
-ClaimedDevice::set_up(const UsbContext &context, const SerialDevice &device,
-                      std::chrono::milliseconds patience, const std::stop_token &stop)
+ClaimedDevice::make(const std::vector<ControlRequest> &requests, const UsbContext &context,
+                    const SerialDevice &device, std::chrono::milliseconds patience,
+                    const std::stop_token &stop) const
 {
-  for (const ControlRequest &request : line_.set_up)
+  for (const ControlRequest &request : requests)
     if (const int error = control_transfer(context, handle_.get(), request, patience, stop);
         error != LIBUSB_SUCCESS)
       return failure(error, device, "cannot be set up");
   return {};
+}
+
+tl::expected<void, DriverError>
+ClaimedDevice::pulse_dtr(const UsbContext &context, const SerialDevice &device,
+                         std::chrono::milliseconds patience) const
+{
+  if (line_.hang_up.empty())
+    return tl::unexpected(DriverError{ DriverError::Kind::failed,
+                                       called(device) + " is not known to be reset by DTR" });
+  return make(line_.hang_up, context, device, patience, {}).and_then([&] {
+    std::this_thread::sleep_for(kHangUp);
+    return make(line_.set_up, context, device, patience, {});
+  });
 }
 
 tl::expected<std::unique_ptr<UsbSerialPort>, DriverError>

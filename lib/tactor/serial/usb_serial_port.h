@@ -31,6 +31,11 @@ public:
   ClaimedDevice(ClaimedDevice &&) = default;
   ClaimedDevice &operator=(ClaimedDevice &&) = delete;
 
+  /// Hangs up and sets the line up again.
+  [[nodiscard]] tl::expected<void, DriverError> pulse_dtr(const UsbContext &context,
+                                                          const SerialDevice &device,
+                                                          std::chrono::milliseconds patience) const;
+
   libusb_device_handle *get() const
   {
     return handle_.get();
@@ -44,9 +49,10 @@ public:
 private:
   ClaimedDevice() = default;
   tl::expected<void, DriverError> claim(const SerialDevice &device);
-  tl::expected<void, DriverError> set_up(const UsbContext &context, const SerialDevice &device,
-                                         std::chrono::milliseconds patience,
-                                         const std::stop_token &stop);
+  tl::expected<void, DriverError> make(const std::vector<ControlRequest> &requests,
+                                       const UsbContext &context, const SerialDevice &device,
+                                       std::chrono::milliseconds patience,
+                                       const std::stop_token &stop) const;
 
   struct Close
   {
