@@ -148,14 +148,22 @@ private:
   /// Returns only if the application handles or ignores the signal by now.
   static void die(int number)
   {
+    restore(number);
+    struct sigaction action
+    {
+    };
+    sigaction(number, nullptr, &action);
+    if (!is_default(action)) {
+      kill(getpid(), number); // on a thread of the application's
+      return;
+    }
+    // On this thread, at once: one that dumps core is only noted on others.
     sigset_t one;
-    sigset_t before;
     sigemptyset(&one);
     sigaddset(&one, number);
-    restore(number);
-    pthread_sigmask(SIG_UNBLOCK, &one, &before);
-    kill(getpid(), number);
-    pthread_sigmask(SIG_SETMASK, &before, nullptr);
+    pthread_sigmask(SIG_UNBLOCK, &one, nullptr);
+    raise(number);
+    pthread_sigmask(SIG_BLOCK, &one, nullptr);
   }
 
   const std::array<int, 2> pipe_;

@@ -29,9 +29,9 @@ GST_START_TEST(test_killed)
   for (const Transport transport : kTransports)
     for (const int signal : { SIGKILL, SIGSEGV }) {
       Chair chair(false, transport);
-      Launch launch;
+      BarePlayer player; // gst-launch-1.0 catches SIGSEGV and spins
       fail_unless(chair.wait_for_motors());
-      const int status = launch.end(signal);
+      const int status = player.end(signal);
       fail_unless(WIFSIGNALED(status) && WTERMSIG(status) == signal);
       fail_unless(chair.wait_for_zero());
       fail_unless(chair.wait_for_return());
@@ -43,7 +43,7 @@ GST_END_TEST;
 /// gst-launch-1.0 -e drops its handler at the first Ctrl-C, and plays what is queued.
 GST_START_TEST(test_interrupted_twice)
 {
-  for (const int second : { SIGINT, SIGTERM, SIGHUP, SIGQUIT }) {
+  for (const int second : { SIGINT, SIGTERM, SIGHUP }) {
     Chair chair;
     Launch launch({ "-e" });
     fail_unless(chair.wait_for_motors());

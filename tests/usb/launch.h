@@ -92,6 +92,32 @@ private:
   pid_t pid_ = -1;
 };
 
+/// The words of a launch line after a program: `source`, which produces maps, and tactorsink.
+inline std::vector<std::string>
+launch_line(std::vector<std::string> words, const std::vector<std::string> &source,
+            const std::vector<std::string> &properties)
+{
+  words.insert(words.end(), source.begin(), source.end());
+  for (const char *word : { "!", "tactorsink", "max-on-time=0", "max-duty=0", "max-active=0" })
+    words.emplace_back(word);
+  words.insert(words.end(), properties.begin(), properties.end());
+  return words;
+}
+
+/// Maps that turn nine motors on: 36 bytes of value 63 are nine floats of 0.747.
+inline const std::vector<std::string> kNineMotors{
+  "videotestsrc",
+  "pattern=solid-color",
+  "foreground-color=0xff373737",
+  "!",
+  "video/x-raw,format=GRAY8,width=36,height=1,framerate=30/1",
+  "!",
+  "capssetter",
+  "replace=true",
+  "join=false",
+  "caps=application/x-tactile-map,rows=3,columns=3,framerate=30/1"
+};
+
 /// gst-launch-1.0 with tactorsink.
 class Launch : public Program
 {
@@ -99,57 +125,31 @@ public:
   /// Turns nine motors on. `options` of gst-launch-1.0, `properties` of tactorsink.
   explicit Launch(const std::vector<std::string> &options = {},
                   const std::vector<std::string> &properties = { "driver=firmata" })
-      : Launch(nine_motors(), options, properties)
+      : Launch(kNineMotors, options, properties)
   {
   }
   /// `source` is a launch line that produces maps.
   Launch(const std::vector<std::string> &source, const std::vector<std::string> &options,
          const std::vector<std::string> &properties)
-      : Program(line({ "gst-launch-1.0", "-q" }, source, options, properties))
-  {
-  }
-
-protected:
-  Launch(std::vector<std::string> program, const std::vector<std::string> &properties)
-      : Program(line(std::move(program), nine_motors(), {}, properties))
+      : Program(launch_line(program(options), source, properties))
   {
   }
 
 private:
-  static std::vector<std::string> nine_motors()
+  static std::vector<std::string> program(const std::vector<std::string> &options)
   {
-    // 36 bytes of value 63 are a map of nine floats of 0.747.
-    return { "videotestsrc",
-             "pattern=solid-color",
-             "foreground-color=0xff373737",
-             "!",
-             "video/x-raw,format=GRAY8,width=36,height=1,framerate=30/1",
-             "!",
-             "capssetter",
-             "replace=true",
-             "join=false",
-             "caps=application/x-tactile-map,rows=3,columns=3,framerate=30/1" };
-  }
-  static std::vector<std::string> line(std::vector<std::string> words,
-                                       const std::vector<std::string> &source,
-                                       const std::vector<std::string> &options,
-                                       const std::vector<std::string> &properties)
-  {
+    std::vector<std::string> words{ "gst-launch-1.0", "-q" };
     words.insert(words.end(), options.begin(), options.end());
-    words.insert(words.end(), source.begin(), source.end());
-    for (const char *word : { "!", "tactorsink", "max-on-time=0", "max-duty=0", "max-active=0" })
-      words.emplace_back(word);
-    words.insert(words.end(), properties.begin(), properties.end());
     return words;
   }
 };
 
 /// bare_player, which has no handlers for signals.
-class BarePlayer : public Launch
+class BarePlayer : public Program
 {
 public:
   explicit BarePlayer(const std::vector<std::string> &properties = { "driver=firmata" })
-      : Launch({ g_getenv("BARE_PLAYER") }, properties)
+      : Program(launch_line({ g_getenv("BARE_PLAYER") }, kNineMotors, properties))
   {
   }
 };

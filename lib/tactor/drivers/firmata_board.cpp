@@ -164,7 +164,7 @@ FirmataBoard::ask(firmata::Encoder &out, Time now)
     return;
   }
   if (!std::exchange(is_reset_, true))
-    out.reset();
+    out.end_sysex().reset(); // its last host may have been cut off
   out.ask_capabilities();
 }
 

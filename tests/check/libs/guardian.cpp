@@ -29,7 +29,8 @@ public:
   Script()
   {
     const std::string path = folder_.file("guardian", R"(#!/bin/sh
-open=$(readlink /proc/$$/fd/* | grep -c -e pipe: -e socket:)
+readlink /proc/$$/fd/* >"$0.open"
+open=$(grep -c -e pipe: -e socket: "$0.open")
 exec >"$0.said"
 echo "$1"
 echo $$ $(cut -d' ' -f6,7 /proc/$$/stat)
@@ -86,7 +87,9 @@ GST_START_TEST(test_started)
   ck_assert_int_eq(terminal, 0);
   assert_text(script.hear(), "1");
   assert_text(script.hear(), "0000000000000000");
-  assert_text(script.hear(), "0000000000000000");
+  // Those of C's library itself, from 32 on, do not count.
+  const unsigned long long ignored = std::stoull(script.hear(), nullptr, 16);
+  fail_unless((ignored & 0x7fffffff) == 0, "%llx", ignored);
   fail_unless(waitpid(-1, nullptr, __WALL | WNOHANG) == -1 && errno == ECHILD);
   ck_assert_int_eq(children, 0);
   guardian.dismiss();
