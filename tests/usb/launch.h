@@ -35,7 +35,18 @@ public:
     input_ = input[1];
     posix_spawn_file_actions_adddup2(&files, input[0], STDIN_FILENO);
     posix_spawn_file_actions_adddup2(&files, fileno(errors_), STDERR_FILENO);
-    const int error = posix_spawnp(&pid_, arguments[0], &files, nullptr, arguments.data(), environ);
+    // The test ignores SIGHUP, and its runner SIGPIPE.
+    sigset_t ignored;
+    sigemptyset(&ignored);
+    sigaddset(&ignored, SIGHUP);
+    sigaddset(&ignored, SIGPIPE);
+    posix_spawnattr_t attributes;
+    posix_spawnattr_init(&attributes);
+    posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGDEF);
+    posix_spawnattr_setsigdefault(&attributes, &ignored);
+    const int error
+        = posix_spawnp(&pid_, arguments[0], &files, &attributes, arguments.data(), environ);
+    posix_spawnattr_destroy(&attributes);
     posix_spawn_file_actions_destroy(&files);
     close(input[0]);
     if (error != 0)
