@@ -10,13 +10,13 @@ namespace tactor {
 ///
 /// Every signal that ends a process by default and is no fault of its code is caught while its
 /// action is the default one. Those that the application handles or ignores are left alone; when it
-/// drops its handler, the signal is caught within kLook. After the last guard all have their default
-/// action again.
+/// drops its handler, the signal is caught within kLook. After the last guard all have their
+/// default action again.
 ///
 /// The handler writes a byte to a pipe; a thread calls every `leave` and raises the first signal
 /// again with its default action, so that the exit status is right. That takes kPatience at most,
-/// and no other signal ends the process meanwhile but SIGKILL: a closed terminal or timeout(1) sends
-/// several within microseconds. Forked children are not affected.
+/// and no other signal ends the process meanwhile but SIGKILL: a closed terminal or timeout(1)
+/// sends several within microseconds. Forked children are not affected.
 ///
 /// No signal is caught where the environment has VISUOTACTILE_NO_SIGNALS.
 class TerminationGuard

@@ -80,8 +80,8 @@ GST_START_TEST(test_terminated_while_opening)
 }
 GST_END_TEST;
 
-/// After SIGKILL without a guardian nothing is sent. With StandardFirmata the motors stay on until the
-/// next play, which begins with a reset.
+/// After SIGKILL without a guardian nothing is sent. With StandardFirmata the motors stay on until
+/// the next play, which begins with a reset.
 GST_START_TEST(test_killed)
 {
   Chair chair;

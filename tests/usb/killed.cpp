@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 //
-// Boards without a watchdog whose player ends in a way that it cannot guard against, and boards that
-// do not take their zeros.
+// Boards without a watchdog whose player ends in a way that it cannot guard against, and boards
+// that do not take their zeros.
 #include "chair.h"
 #include "launch.h"
 
@@ -81,8 +81,8 @@ GST_START_TEST(test_ended)
 }
 GST_END_TEST;
 
-/// A board that takes nothing: the player says so when it ends, and the guardian goes on trying. DTR
-/// resets a board that is known to be reset by it.
+/// A board that takes nothing: the player says so when it ends, and the guardian goes on trying.
+/// DTR resets a board that is known to be reset by it.
 GST_START_TEST(test_takes_nothing)
 {
   for (const bool has_guardian : { true, false }) {
@@ -119,8 +119,8 @@ GST_START_TEST(test_takes_nothing_for_a_while)
 }
 GST_END_TEST;
 
-/// Transfers that fail once, each time for another reason: the zeros are sent again, and nothing has
-/// to be said.
+/// Transfers that fail once, each time for another reason: the zeros are sent again, and nothing
+/// has to be said.
 GST_START_TEST(test_fails_once)
 {
   for (const int error : { EPROTO, EPIPE, ESHUTDOWN }) {

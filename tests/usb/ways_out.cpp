@@ -360,9 +360,9 @@ constexpr std::array kSignals{
 
 } // namespace
 
-/// Two signals, one right after the other, without a guardian: motors are at zero before the process
-/// ends, by the first one or, where the kernel delivers that later, the second. All pairs with
-/// WAYS_OUT=all, else each signal with itself and with the next one.
+/// Two signals, one right after the other, without a guardian: motors are at zero before the
+/// process ends, by the first one or, where the kernel delivers that later, the second. All pairs
+/// with WAYS_OUT=all, else each signal with itself and with the next one.
 GST_START_TEST(test_two_signals)
 {
   const bool all = g_strcmp0(g_getenv("WAYS_OUT"), "all") == 0;

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 //
 // Stops a board's motors when the process is gone that plays on it. tactorsink runs it with one end
-// of a socket as its standard input: a byte means that the motors were stopped. It is no program for
-// users.
+// of a socket as its standard input: a byte means that the motors were stopped. It is no program
+// for users.
 #include "tactor/drivers/stop_board.h"
 
 #include <algorithm>

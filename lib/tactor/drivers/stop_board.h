@@ -14,9 +14,9 @@ struct StopPatience
   int tries = 2;                           ///< resets that may stay without an answer
 };
 
-/// Stops the motors of a board that is known to speak Firmata, and that its last host has left as it
-/// was: by a reset, whose answer proves that the board has read it. The pins need not be known. If
-/// none comes and `may_pulse`, DTR is switched off and on, which resets most boards.
+/// Stops the motors of a board that is known to speak Firmata, and that its last host has left as
+/// it was: by a reset, whose answer proves that the board has read it. The pins need not be known.
+/// If none comes and `may_pulse`, DTR is switched off and on, which resets most boards.
 ///
 /// The error says why the motors may still be on. Blocks, for longer than the patience only where
 /// requests of the setup are not answered. Any thread that may use the bus.

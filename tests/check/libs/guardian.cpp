@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 //
-// How a guardian is started and told. A script stands for it; tests/usb/killed.cpp has the real one.
+// How a guardian is started and told. A script stands for it; tests/usb/killed.cpp has the real
+// one.
 #include "tactor/drivers/guardian.h"
 
 #include <cerrno>
@@ -63,8 +64,8 @@ volatile std::sig_atomic_t children = 0;
 
 } // namespace
 
-/// It has a session of its own without a terminal, no file but the socket, default signals, and is no
-/// child to wait for.
+/// It has a session of its own without a terminal, no file but the socket, default signals, and is
+/// no child to wait for.
 GST_START_TEST(test_started)
 {
   int inherited[2];

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 //
-// A board whose motors are on is stopped without its last host, and the driver tells if it cannot be.
+// A board whose motors are on is stopped without its last host, and the driver tells if it cannot
+// be.
 #include "tactor/drivers/stop_board.h"
 
 #include "firmata_driver_rig.h"

@@ -60,8 +60,8 @@ public:
     return conversation_;
   }
   int transfers_pending() const;
-  /// Whether the last thing that happened to it is that the kernel's driver got it. The caller holds
-  /// the lock.
+  /// Whether the last thing that happened to it is that the kernel's driver got it. The caller
+  /// holds the lock.
   bool is_returned() const
   {
     return !conversation_.empty() && conversation_.back().starts_with("return");
