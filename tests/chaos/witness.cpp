@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "witness.h"
 
+#include "support/boards/known_home.h"
 #include "tactor/drivers/auto_driver.h"
 #include "tactor/drivers/firmata_driver.h"
 #include "tactor/drivers/registry.h"
@@ -88,8 +89,12 @@ private:
 std::unique_ptr<tactor::Driver>
 make_board(tactor::FirmataDriver::Firmware firmware)
 {
-  // Boards in memory answer immediately.
+  // Both boards are known at each play, also after one in which they did not answer.
+  static const KnownHome home;
   tactor::FirmataDriver::Settings settings;
+  for (const MemoryBoard *board : { &witness().mega, &witness().seat })
+    tactor::KnownBoards(settings.known_boards).add(board->device);
+  // Boards in memory answer immediately.
   settings.patience.answer = std::chrono::seconds(2);
   settings.look_again = std::chrono::milliseconds(200);
   return std::make_unique<tactor::FirmataDriver>(
