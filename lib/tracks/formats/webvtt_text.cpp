@@ -265,12 +265,13 @@ public:
       kept_ += piece_++->kept;
     if (origin)
       ++piece_;
-    // In front of the first cue, notes that other blocks follow would be the header's; and it may
-    // give the grid, by its lines.
-    const bool can_stay = !is_first || (origin && origin == of_.pieces_.data())
-                          || (origin && of_.header_has_grid_ && !origin->has_note_before_kept);
+    // The first cue may give the grid, by its lines; in front of it, notes that other blocks follow
+    // would be the header's.
+    const bool picture_stays = !is_first || origin == of_.pieces_.data() || of_.header_has_grid_;
+    const bool front_stays = !is_first || origin == of_.pieces_.data()
+                             || (origin && picture_stays && !origin->has_note_before_kept);
     end_line();
-    if (origin && can_stay && origin->cue.notes == cue.notes) {
+    if (origin && front_stays && origin->cue.notes == cue.notes) {
       if (kept_.empty())
         add(text_, origin->lead);
       else
@@ -282,7 +283,7 @@ public:
       add_block(std::exchange(kept_, {}));
       add_notes(cue);
     }
-    add_lines(cue, origin, can_stay && !of_.is_resampled_);
+    add_lines(cue, origin, picture_stays && !of_.is_resampled_);
   }
 
   std::string finish() &&

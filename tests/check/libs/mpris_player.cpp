@@ -286,7 +286,7 @@ heard(MprisPosition &meaning, Time from, Time to, double rate,
 {
   std::optional<Time> position;
   for (Time now = from; now <= to; now += 155ms)
-    position = meaning.take(told(10s + now * rate), now, rate);
+    position = meaning.take(told(10s + std::chrono::duration_cast<Time>(now * rate)), now, rate);
   return position;
 }
 } // namespace
@@ -316,7 +316,7 @@ GST_START_TEST(test_units)
       // Another film, and a leap that nobody tells, by which milliseconds become nanoseconds for once.
       meaning.leap();
       heard(meaning, 20s, 22s, rate, told);
-      meaning.take(told(1000s).value() * 1000, 22s + 155ms, rate);
+      meaning.take(told(Time(1000s)).value() * 1000, 22s + 155ms, rate);
       position = heard(meaning, 23s, 28s, rate, told);
       ck_assert_str_eq(meaning.unit(), one.unit);
       ck_assert_str_eq(meaning.fault().c_str(), "");

@@ -188,6 +188,8 @@ GST_START_TEST(test_films)
   ck_assert(talk.property("path", R"("https://example.org/a.mkv")").film
             == "https://example.org/a.mkv");
   ck_assert(talk.property("path", R"("/b \"c\".mkv")").film == "/b \"c\".mkv");
+  ck_assert(talk.property("path", "\"/caf\xe9 \xc3\xa9\xff.mkv\"").film
+            == "/caf\xe9 \xc3\xa9\xff.mkv");
   ck_assert(talk.tells(R"({"event":"end-file","reason":"eof"})").doing == Doing::stopped);
   talk.tells(R"({"event":"start-file","playlist_entry_id":2})");
   const std::string last = talk.property("path", "\"d.mkv\"").film;
