@@ -155,7 +155,7 @@ UsbSerialBus::reset(const SerialDevice &device)
   const tl::expected<UsbContext, DriverError> context = UsbContext::create();
   if (!context)
     return tl::unexpected(context.error());
-  return ClaimedDevice::open(*context, device, patience_.request, {})
+  return ClaimedDevice::open(*context, device, true, patience_.request, {})
       .and_then([&](const ClaimedDevice &claimed) {
         return claimed.pulse_dtr(*context, device, patience_.request);
       });

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cassert>
+#include <iterator>
 #include <utility>
 
 namespace tactor {
@@ -24,7 +25,7 @@ constexpr auto kChipTime = std::chrono::milliseconds(2);
 std::string
 called(const SerialDevice &device)
 {
-  return (device.name.empty() ? "the board" : device.name) + " at USB " + device.bus_path;
+  return device.name + " at USB " + device.bus_path;
 }
 
 tl::unexpected<DriverError>
@@ -75,7 +76,7 @@ forward(libusb_transfer *transfer)
 } // namespace
 
 tl::expected<ClaimedDevice, DriverError>
-ClaimedDevice::open(const UsbContext &context, const SerialDevice &device,
+ClaimedDevice::open(const UsbContext &context, const SerialDevice &device, bool raises_dtr,
                     std::chrono::milliseconds request_patience, const std::stop_token &stop)
 {
   tl::expected<UsbSerialDevice, DriverError> found = find(context, device);
@@ -90,7 +91,10 @@ ClaimedDevice::open(const UsbContext &context, const SerialDevice &device,
   libusb_set_auto_detach_kernel_driver(handle, 1);
   return claimed.claim(device)
       .and_then([&] {
-        return claimed.make(claimed.line_.set_up, context, device, request_patience, stop);
+        std::vector<ControlRequest> requests = claimed.line_.set_up;
+        if (raises_dtr)
+          std::ranges::copy(claimed.line_.ready, std::back_inserter(requests));
+        return claimed.make(requests, context, device, request_patience, stop);
       })
       .map([&] { return std::move(claimed); });
 }
@@ -133,7 +137,7 @@ ClaimedDevice::pulse_dtr(const UsbContext &context, const SerialDevice &device,
                                        called(device) + " is not known to be reset by DTR" });
   return make(line_.hang_up, context, device, patience, {}).and_then([&] {
     std::this_thread::sleep_for(kHangUp);
-    return make(line_.set_up, context, device, patience, {});
+    return make(line_.ready, context, device, patience, {});
   });
 }
 
@@ -145,7 +149,7 @@ UsbSerialPort::open(const SerialDevice &device, Events events, const UsbPatience
   if (!context)
     return tl::unexpected(context.error());
   tl::expected<ClaimedDevice, DriverError> claimed
-      = ClaimedDevice::open(*context, device, patience.request, stop);
+      = ClaimedDevice::open(*context, device, events.raises_dtr, patience.request, stop);
   if (!claimed)
     return tl::unexpected(claimed.error());
   std::unique_ptr<UsbSerialPort> port(

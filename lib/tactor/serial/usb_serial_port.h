@@ -25,13 +25,13 @@ class ClaimedDevice
 {
 public:
   [[nodiscard]] static tl::expected<ClaimedDevice, DriverError>
-  open(const UsbContext &context, const SerialDevice &device,
+  open(const UsbContext &context, const SerialDevice &device, bool raises_dtr,
        std::chrono::milliseconds request_patience, const std::stop_token &stop);
   ~ClaimedDevice();
   ClaimedDevice(ClaimedDevice &&) = default;
   ClaimedDevice &operator=(ClaimedDevice &&) = delete;
 
-  /// Hangs up and sets the line up again.
+  /// Switches DTR off and on.
   [[nodiscard]] tl::expected<void, DriverError> pulse_dtr(const UsbContext &context,
                                                           const SerialDevice &device,
                                                           std::chrono::milliseconds patience) const;

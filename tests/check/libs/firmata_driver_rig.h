@@ -50,6 +50,8 @@ public:
                  .look_again = look_again,
                  .known_boards = folder.file("boards") })
   {
+    for (const MemoryBoard *board : { &mega, &uno, &seat })
+      known.add(board->device);
   }
 
   void open(int min_tactors = 1, const std::string &name = "")
@@ -109,6 +111,7 @@ public:
   }
 
   const TemporaryFolder folder;
+  KnownBoards known{ folder.file("boards") };
   std::stop_source stop; ///< of the next open()
   Sockets sockets;
   MemoryBoard mega{ device("7573", "1-2"), kMega };
