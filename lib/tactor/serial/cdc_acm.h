@@ -22,13 +22,13 @@ inline constexpr std::array kCdcAcmDevices{
 };
 
 /// Boards with an ATmega16U2 or 8U2 whose DTR resets the ATmega that drives the motors: Uno, Mega,
-/// Mega ADK (boards.txt of Arduino's AVR core).
+/// Mega ADK (boards.txt of Arduino's AVR core). And the USB chips of WCH, which boards wire alike.
 inline constexpr std::array kDtrResets{
   UsbId{ 0x2341, 0x0001 }, UsbId{ 0x2341, 0x0010 }, UsbId{ 0x2341, 0x003f },
   UsbId{ 0x2341, 0x0042 }, UsbId{ 0x2341, 0x0043 }, UsbId{ 0x2341, 0x0044 },
   UsbId{ 0x2341, 0x0210 }, UsbId{ 0x2341, 0x0242 }, UsbId{ 0x2341, 0x0243 },
   UsbId{ 0x2a03, 0x0010 }, UsbId{ 0x2a03, 0x003f }, UsbId{ 0x2a03, 0x0042 },
-  UsbId{ 0x2a03, 0x0043 }, UsbId{ 0x2a03, 0x0044 },
+  UsbId{ 0x2a03, 0x0043 }, UsbId{ 0x2a03, 0x0044 }, UsbId{ 0x1a86, 0 },
 };
 
 /// The serial line of the USB communications class (CDC 1.2, PSTN 1.2, abstract control model):
