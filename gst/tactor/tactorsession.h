@@ -51,7 +51,8 @@ public:
 
 private:
   TactorTiming glance_at_timing() const;
-  void agree_on_lead();
+  bool agree_on_lead();
+  std::optional<GstClockTime> opening_time();
   void device_event(const tactor::DriverEvent &event);
 
   GstBaseSink *sink_;
