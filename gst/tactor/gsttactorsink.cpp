@@ -27,9 +27,9 @@
  *
  * Without #GstTactorSink:device the first board that answers is taken of those that have answered
  * before. Name a board once by `device`: other devices may be 3D printers, which a question resets.
- * `driver=auto` does not touch them, `driver=firmata` and `driver=seat` ask one only if it is alone.
- * A board whose port another program has open is not taken. See
- * [which board is taken](../design/tactorsink.md#which-board-is-taken).
+ * `driver=auto` does not touch them, `driver=firmata` and `driver=seat` ask one that is alone. A
+ * board whose port another program has open is not taken. See [which
+ * board is taken](../design/tactorsink.md#which-board-is-taken).
  *
  * As a #GstURIHandler it plays on `tactor://SERIAL`, the board with that serial number or bus path.
  *

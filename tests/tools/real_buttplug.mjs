@@ -30,30 +30,44 @@ globalThis.Window = class {
 globalThis.window = globalThis.self = globalThis;
 Object.defineProperty(globalThis, "navigator", { value: { bluetooth: { requestDevice: async () => device } } });
 
-// ---- the server: one for each client ----
+// ---- the server: one for each client, made before it comes, as that takes seconds ----
 const require = createRequire(process.cwd() + "/");
 const folder = join(dirname(require.resolve("buttplug-wasm/package.json")), "dist");
 const wasm = await import(pathToFileURL(join(folder, readdirSync(folder).find((name) => name.startsWith("buttplug_wasm")))));
 await wasm.__tla;
+class Server {
+  waiting = []; // until the device was found
+  hear = (bytes) => {
+    const text = new TextDecoder().decode(bytes);
+    say("said", text);
+    this.socket.send(text);
+    if (text.includes("ServerInfo")) this.tell('[{"StartScanning":{"Id":4000000000}}]');
+    if (!text.includes("DeviceAdded")) return;
+    for (const held of this.waiting.splice(0)) this.tell(held);
+    this.waiting = null;
+  };
+  pointer = wasm.buttplug_create_embedded_wasm_server(this.hear);
+  tell(text) {
+    wasm.buttplug_client_send_json_message(this.pointer, new TextEncoder().encode(text), this.hear);
+  }
+}
+const servers = [new Server(), new Server()]; // a feel-test connects twice: it asks for the motors' names first
 const { WebSocketServer } = require("ws");
 const sockets = new WebSocketServer({ host: "127.0.0.1", port: 0 });
 sockets.on("listening", () => say("port", sockets.address().port));
 sockets.on("connection", (socket) => {
-  let waiting = []; // until the device was found
-  const hear = (bytes) => {
-    const text = new TextDecoder().decode(bytes);
-    say("said", text);
-    socket.send(text);
-    if (text.includes("ServerInfo")) tell('[{"StartScanning":{"Id":4000000000}}]');
-    if (text.includes("DeviceAdded")) for (const held of waiting.splice(0)) tell(held);
-    if (text.includes("DeviceAdded")) waiting = null;
-  };
-  const tell = (text) => wasm.buttplug_client_send_json_message(server, new TextEncoder().encode(text), hear);
-  const server = wasm.buttplug_create_embedded_wasm_server(hear);
+  let server = null;
   socket.on("message", (data) => {
     const text = data.toString();
     say("got", text);
-    if (waiting && text.includes("RequestDeviceList")) waiting.push(text);
-    else tell(text);
+    if (text.includes("ProtocolVersionMajor")) {
+      // This wrapper of the server panics at a greeting of version 4, to which Intiface answers an error.
+      socket.send('[{"Error":{"Id":0,"ErrorMessage":"not of version 3","ErrorCode":3}}]');
+      return;
+    }
+    server ??= servers.shift();
+    server.socket = socket;
+    if (server.waiting && text.includes("RequestDeviceList")) server.waiting.push(text);
+    else server.tell(text);
   });
 });

@@ -42,6 +42,6 @@ for motor in 1 2; do
 done
 
 feel holds 0 hold
-awk '/^got .*"Scalar":1/ { level = 1; next } level && /^got / { print; exit }' holds >next
+awk '!level && /^got .*"Scalar":(1|0\.)/ { level = 1; next } level && /^got / { print; exit }' holds >next
 grep -q '"Scalar":0,' next || fail "expected a zero as the next message after the level, got: $(cat next)"
 echo "a real Buttplug server gets each level, and each zero at once"

@@ -38,7 +38,7 @@ public:
     /// The board is gone or takes no bytes, with the reason in one line. The last event.
     std::function<void(const std::string &)> lost;
     bool realtime = false; ///< request real-time scheduling of the port's thread
-    /// Raise DTR and RTS. That resets many boards and 3D printers, and others are silent until then.
+    /// Raise DTR and RTS. That resets many boards and 3D printers; others are silent until then.
     bool raises_dtr = true;
   };
 

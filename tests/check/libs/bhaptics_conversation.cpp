@@ -153,8 +153,8 @@ GST_START_TEST(test_one_message_under_way)
 }
 GST_END_TEST;
 
-/// A zero is sent at once, whatever is under way; other levels wait. So does a zero for a server that
-/// usually takes more than 50 ms: it would wait there.
+/// A zero is sent at once, whatever is under way; other levels wait. So does a zero for a server
+/// that usually takes more than 50 ms: it would wait there.
 GST_START_TEST(test_a_zero_waits_for_no_answer)
 {
   Talk talk;

@@ -49,7 +49,7 @@ public:
 
   /// When the next message may go, as far as answers are concerned.
   Time ready_at() const;
-  /// Whether a message beside one that is under way would not wait long, as far as it answers at all.
+  /// Whether a message beside one that is under way does not wait long, where it answers at all.
   bool is_quick() const;
   /// How long motors run after a message without another one.
   Time duration() const;

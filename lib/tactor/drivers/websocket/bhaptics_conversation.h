@@ -40,8 +40,9 @@ struct BhapticsPatience
 ///    before is ended. The server may send a status by itself, which is no answer: hence the first
 ///    message waits for it, and play for what else comes.
 /// 2. *Playing*: the newest intensities, one message at a time (BhapticsAnswers), and again before
-///    their duration ends while a motor is on. A zero waits for an answer only
-///    where it would wait at a slow server all the same. The duration is the watchdog. A server that has answered before and does not for long is left.
+///    their duration ends while a motor is on. A zero waits for an answer only where the server is
+///    slow, at which it would wait all the same. The duration is the watchdog. A server that has
+///    answered before and does not for long is left.
 class BhapticsConversation : public Conversation
 {
 public:
