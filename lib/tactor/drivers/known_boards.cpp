@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "tactor/drivers/known_boards.h"
 
+#include "files/regular_file.h"
+
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
 #include <fstream>
 #include <mutex>
+#include <sstream>
 #include <system_error>
 #include <unistd.h>
 #include <utility>
@@ -105,11 +108,10 @@ std::vector<std::string>
 KnownBoards::read() const
 {
   std::vector<std::string> lines;
-  std::error_code error;
-  if (file_.empty() || !fs::is_regular_file(file_, error) // a pipe would block
-      || fs::file_size(file_, error) > kMost * kLongestLine)
+  tl::expected<std::string, files::Error> text = files::read(file_, kMost * kLongestLine);
+  if (!text)
     return lines;
-  std::ifstream file(file_);
+  std::istringstream file(*std::move(text));
   for (std::string line; lines.size() < kMost && std::getline(file, line);)
     if (!line.empty())
       lines.push_back(line);
