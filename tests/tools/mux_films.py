@@ -102,7 +102,9 @@ class Film:
 
     def __init__(self, path):
         whole = ffprobe(path, "-show_streams", "-show_packets", "-show_chapters", "-show_format")
-        self.start = float(whole["format"].get("start_time", 0))
+        times = [float(one["pts_time"]) for one in whole["packets"] if one["codec_type"] in ("video", "audio") and "pts_time" in one]
+        # Players' 0:00 (docs/design/time.md).
+        self.start = 0.0 if "mp4" in whole["format"]["format_name"] or not times else min(times)
         self.tags = {key.lower(): value for key, value in whole["format"].get("tags", {}).items()}
         self.chapters = [(float(one["start_time"]), one.get("tags", {}).get("title")) for one in whole.get("chapters", [])]
         self.streams = {"video": [], "audio": [], "subtitle": [], "data": [], "attachment": []}
@@ -130,7 +132,7 @@ def facts(stream):
     side = {one["side_data_type"]: round(one["rotation"]) if "rotation" in one else True for one in stream.get("side_data_list", [])}
     side.pop("CPB properties", None)
     return {
-        "codec": stream.get("codec_name") if stream["codec_type"] != "subtitle" else "text",
+        "codec": stream.get("codec_name", "").replace("mp2", "mp3") if stream["codec_type"] != "subtitle" else "text",
         "size": (stream.get("width"), stream.get("height")) if stream["codec_type"] == "video" else None,
         "pixel": stream.get("sample_aspect_ratio") if stream.get("sample_aspect_ratio") not in ("1:1", "0:1") else None,
         "colors": [stream.get(f"color_{name}") for name in ("space", "transfer", "primaries")],
@@ -154,6 +156,8 @@ def differences(film, copy):
     for kind in ("audio", "video"):
         if film.streams[kind] and copy.streams[kind]:
             pairs = zip(film.times(kind, 0), copy.times(kind, 0))
+            if kind == "video" and not any(film.times(kind, 0)):
+                shift = copy.start
             shift = next((after - before for before, after in pairs if before is not None and after is not None), shift)
     for kind, streams in film.streams.items():
         others = copy.streams[kind]
@@ -178,7 +182,7 @@ def differences(film, copy):
             if kind == "video" and None in before and len(set(after)) != len(after):
                 found.append(f"{name}: times are not all different")
             had, has = facts(one), facts(other)
-            found += [f"{name}: {key} {had[key]} is {has[key]}" for key in had if had[key] != has[key] and had[key] not in (None, "", "unknown", [None, None, None])]
+            found += [f"{name}: {key} {had[key]} is {has[key]}" for key in had if had[key] != has[key] and not (key == "side" and had[key].items() <= has[key].items()) and had[key] not in (None, "", "unknown", [None, None, None])]
     if [md5 for _, md5 in film.frames] != [md5 for _, md5 in copy.frames]:
         found.append(f"{len(copy.frames)} pictures are others than the film's {len(film.frames)}")
     elif None not in film.times("video", 0):
@@ -191,7 +195,7 @@ def differences(film, copy):
     if len(copy.tracks) != 1:
         return found + [f"{len(copy.tracks)} tracks"]
     times = [float(one.get("pts_time", -1)) for one in copy.tracks[0]["packets"]]
-    if len(times) != len(CUES) or not all(near(film.start + shift + cue[0], time) for cue, time in zip(CUES, times)):
+    if len(times) != len(CUES) or not all(near(max(film.start + shift, 0) + cue[0], time) for cue, time in zip(CUES, times)):
         found.append(f"the track's times are {times}, the film begins at {film.start + shift}")
     if copy.tracks[0]["disposition"]["default"] or copy.tracks[0]["disposition"]["forced"]:
         found.append("players choose the track")
