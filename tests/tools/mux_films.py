@@ -64,6 +64,9 @@ FILMS = {
     "anamorphic.mkv": (f"{PICTURE} {X264} -vf setsar=16/11", {}),
     "stereo.mkv": (f"{PICTURE} {X264} -metadata:s:v stereo_mode=left_right", {}),
 }
+# Of shared/data/files, where they are.
+for name in ("base.mkv", "bfonly.mkv", "h264.avi", "xvid.avi", "raw.h264", "rot90.mp4", "alpha.webm", "hours.ts", "wrap_s.ts", "reschange.ts", "vfr.mkv"):
+    FILMS["shared/" + name] = (None, {})
 
 CUES = [(0.0, 0.4, 0), (0.4, 0.8, 75), (0.8, 1.2, 0), (1.2, 1.72, 100), (1.72, 2.0, 0)]
 
@@ -83,7 +86,7 @@ def make(folder, name, line):
     """A film in a folder; false if it is one of shared/data/files, which is not there."""
     path = os.path.join(folder, name)
     if line is None:
-        path = os.path.join(SHARED, name)
+        path = os.path.join(SHARED, os.path.basename(name))
         return path if os.path.exists(path) else None
     if line == "ROTATE":
         ffmpeg(f"{PICTURE} {SOUND} {X264} -c:a aac upright.mov")
@@ -211,7 +214,7 @@ def judge(name, path, container, expected):
 
 
 def judged(name, path, container, expected):
-    out = f"{name}.{container}"
+    out = f"{name.replace('/', '_')}.{container}"
     done = run(TRACK, "mux", path, "track.vtt", "-o", out, status=(0, 1, 3))
     told = done.stderr.splitlines()
     if expected is None:
@@ -228,8 +231,21 @@ def judged(name, path, container, expected):
     found = differences(Film(path), Film(out))
     # What was told may differ.
     wrong += [line for line in found if not any(re.search(pattern, line) for pattern in expected)]
+    if container == "ts" and ".ts" in name and other_packets(path) != other_packets(out):
+        wrong.append("other packets of the transport stream")
     os.remove(out)
     return wrong
+
+
+def other_packets(path):
+    """The packets of a transport stream, without the program map and the track."""
+    found = ffprobe(path, "-show_programs", "-show_streams")
+    without = {int(program["pmt_pid"]) for program in found["programs"]}
+    without |= {int(stream["id"], 16) for stream in found["streams"] if stream.get("codec_name") == "klv"}
+    with open(path, "rb") as file:
+        data = file.read()
+    packets = [data[at:at + 188] for at in range(0, len(data), 188)]
+    return [packet for packet in packets if ((packet[1] & 0x1F) << 8 | packet[2]) not in without]
 
 
 def main():

@@ -144,6 +144,8 @@ finish_ffmpeg(Arguments arguments, Container container, double duration, const s
       "experimental");
   if (container == Container::matroska)
     add(arguments, "-default_mode", "passthrough");
+  if (container == Container::transport_stream) // players that count from its clock begin at 0:00
+    add(arguments, "-muxdelay", "0", "-muxpreload", "0");
   add(arguments, "-f", format_of(container), "file:" + to);
   const ProgramEnd end = run_program(arguments, "ffmpeg", [&](std::string_view line) {
     constexpr std::string_view kTime = "out_time_us=";
