@@ -25,6 +25,8 @@ HDR = (":hdr10=1:repeat-headers=1:colorprim=bt2020:transfer=smpte2084:colormatri
 WORDS = "-i words.srt -i more.srt -i chapters.txt"
 SUBTITLES = "-metadata:s:s:0 language=ger -metadata:s:s:1 language=eng"
 
+PCM = ["audio, pcm_s16le", "^audio: 0 of 1"]
+
 # Name, how ffmpeg makes it, and what a copy lacks: a pattern for each line, by container. None: no copy can be made.
 FILMS = {
     "bframes.mkv": (f"{PICTURE} {SOUND} {X264} -c:a aac", {}),
@@ -33,17 +35,17 @@ FILMS = {
     "fragments.mp4": (f"{PICTURE} {SOUND} {X264} -c:a aac -movflags frag_keyframe+empty_moov", {}),
     "hdr.mkv": (f"{PICTURE} {X265}{HDR}", {}),
     "hdr.mp4": (f"{PICTURE} {X265}{HDR} -tag:v hvc1", {}),
-    "alpha.webm": (f"{PICTURE} {SOUND} -vf format=yuva420p,geq=lum=X:a=Y -c:v libvpx-vp9 -deadline realtime -cpu-used 8 -c:a libopus", {}),
-    "vp8.webm": (f"{PICTURE} {SOUND} -c:v libvpx -deadline realtime -cpu-used 8 -c:a libvorbis", {}),
-    "av1.mkv": (f"{PICTURE} -c:v libaom-av1 -cpu-used 8 -usage realtime -g 12", {}),
+    "alpha.webm": (f"{PICTURE} {SOUND} -vf format=yuva420p,geq=lum=X:a=Y -c:v libvpx-vp9 -deadline realtime -cpu-used 8 -c:a libopus", {"mp4": ["alpha"], "ts": None}),
+    "vp8.webm": (f"{PICTURE} {SOUND} -c:v libvpx -deadline realtime -cpu-used 8 -c:a libvorbis", {"mp4": None, "ts": None}),
+    "av1.mkv": (f"{PICTURE} -c:v libaom-av1 -cpu-used 8 -usage realtime -g 12", {"ts": None}),
     "ps.mpg": (f"{PICTURE} {SOUND} -c:v mpeg2video -bf 2 -c:a mp2", {}),
     "mpeg2.ts": (f"{PICTURE} {SOUND} -c:v mpeg2video -bf 2 -flags +ilme+ildct -c:a ac3", {}),
     "h264.avi": (f"{PICTURE} {SOUND} {X264} -c:a libmp3lame", {}),
-    "xvid.avi": (f"{PICTURE} {SOUND} -c:v mpeg4 -vtag xvid -bf 2 -c:a pcm_s16le", {}),
-    "mjpeg.avi": (f"{PICTURE} {SOUND} -c:v mjpeg -pix_fmt yuvj420p -c:a pcm_s16le", {}),
+    "xvid.avi": (f"{PICTURE} {SOUND} -c:v mpeg4 -vtag xvid -bf 2 -c:a pcm_s16le", {"mp4": PCM, "ts": PCM}),
+    "mjpeg.avi": (f"{PICTURE} {SOUND} -c:v mjpeg -pix_fmt yuvj420p -c:a pcm_s16le", {"mp4": PCM, "ts": None}),
     "raw.h264": (f"{PICTURE} {X264}", {}),
     "raw.hevc": (f"{PICTURE} {X265}", {}),
-    "prores.mov": (f"{PICTURE} {SOUND} -c:v prores_ks -c:a pcm_s16be -timecode 01:00:00:00", {}),
+    "prores.mov": (f"{PICTURE} {SOUND} -c:v prores_ks -c:a pcm_s16be -timecode 01:00:00:00", {"mkv": ["data, tmcd", "^data: 0 of 1"], "mp4": None, "ts": None}),
     "wrap.ts": (f"{PICTURE} {SOUND} {X264} -c:a aac -output_ts_offset 95441", {}),
     "hours.ts": (f"{PICTURE} {SOUND} {X264} -c:a aac -output_ts_offset 36000", {}),
     "hours.mkv": (f"{PICTURE} {SOUND} {X264} -c:a aac -output_ts_offset 36000", {}),
@@ -58,8 +60,8 @@ FILMS = {
                  f" {SUBTITLES} -map_chapters 5", {}),
     "cover.mp4": (f"{PICTURE} -i cover.png {X264} -map 0 -map 1 -c:v:1 png -disposition:v:1 attached_pic", {}),
     "flash.flv": (f"{PICTURE} {SOUND} {X264} -c:a aac -ar 44100", {}),
-    "windows.wmv": (f"{PICTURE} {SOUND} -c:v wmv2 -c:a wmav2", {}),
-    "theora.ogv": (f"{PICTURE} {SOUND} -c:v libtheora -c:a libvorbis", {}),
+    "windows.wmv": (f"{PICTURE} {SOUND} -c:v wmv2 -c:a wmav2", {"mp4": None, "ts": None}),
+    "theora.ogv": (f"{PICTURE} {SOUND} -c:v libtheora -c:a libvorbis", {"mp4": None, "ts": None}),
     "vfr.mkv": (f"{PICTURE} {X264} -vf setpts=N*N*0.0009/TB -vsync vfr", {}),
     "anamorphic.mkv": (f"{PICTURE} {X264} -vf setsar=16/11", {}),
     "stereo.mkv": (f"{PICTURE} {X264} -metadata:s:v stereo_mode=left_right", {}),

@@ -49,9 +49,7 @@ as_subrip(const std::deque<tactile::Cue> &cues)
     std::string timing = tactile::write_webvtt_timing(cues[i].begin, cues[i].end);
     std::ranges::replace(timing, '.', ',');
     text += std::to_string(i + 1) + "\n" + timing + "\n" + tactile::write_text_cue(cues[i].map)
-            + "
-
-              ";
+            + "\n\n";
   }
   return text;
 }
