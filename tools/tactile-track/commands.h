@@ -31,6 +31,9 @@ tactile::Time parse_time(const std::string &text, const char *option);
 /// name when it is complete.
 void write_track_file(const tactile::Track &track, const std::string &path);
 
+/// Writes a file in the same way.
+void write_bytes(const std::string &bytes, const std::string &path);
+
 /// A file's folder, "." where the path has none, and its name.
 std::pair<std::string, std::string> folder_and_name(const std::string &path);
 

@@ -111,8 +111,12 @@ film_path(const std::string &name)
 void
 write_track_file(const tactile::Track &track, const std::string &path)
 {
-  const std::string bytes
-      = tactile::write_track(track, or_throw(tactile::track_format(path)), date());
+  write_bytes(tactile::write_track(track, or_throw(tactile::track_format(path)), date()), path);
+}
+
+void
+write_bytes(const std::string &bytes, const std::string &path)
+{
   const auto [folder, name] = folder_and_name(path);
   Output output(folder, name);
   std::ofstream file(output.part_path(), std::ios::binary);

@@ -134,3 +134,15 @@ cue_from_buffer(GstBuffer *buffer, CueForm form, const std::optional<tactile::Gr
   gst_buffer_unmap(buffer, &info);
   return cue;
 }
+
+bool
+cue_is_remark(GstBuffer *text)
+{
+  GstMapInfo info;
+  if (!gst_buffer_map(text, &info, GST_MAP_READ))
+    return false;
+  const std::string_view words(reinterpret_cast<const char *>(info.data), info.size);
+  const bool is_remark = tactile::is_remark(words.substr(0, words.find('\0')));
+  gst_buffer_unmap(text, &info);
+  return is_remark;
+}

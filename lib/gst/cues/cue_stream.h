@@ -48,3 +48,6 @@ GstBuffer *cue_gap_get_packet(GstEvent *gap);
 /// requires `grid`. A text is read with `grid` if possible, otherwise with a grid of its own.
 tl::expected<tactile::Cue, tactile::FormatError>
 cue_from_buffer(GstBuffer *buffer, CueForm form, const std::optional<tactile::Grid> &grid);
+
+/// Whether a text is a remark among the maps of a track (tactile::is_remark()).
+bool cue_is_remark(GstBuffer *text);
