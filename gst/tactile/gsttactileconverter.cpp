@@ -104,6 +104,7 @@ struct GstTactileConverterPrivate
   guint sent_columns = 0;
   Time last_end{ 0 }; ///< of the output
   bool warned = false;
+  bool interrupted = true; ///< the next cue does not follow the last one
 
   ~GstTactileConverterPrivate()
   {
@@ -199,7 +200,10 @@ push_cue(GstTactileConverter *self, const Cue &cue)
   push_gap(self, cue.begin);
 
   priv->last_end = std::max(priv->last_end, cue.end);
-  return gst_pad_push(self->srcpad, cue_buffer_new(cue, *priv->out));
+  GstBuffer *buffer = cue_buffer_new(cue, *priv->out);
+  if (std::exchange(priv->interrupted, false))
+    GST_BUFFER_FLAG_SET(buffer, GST_BUFFER_FLAG_DISCONT);
+  return gst_pad_push(self->srcpad, buffer);
 }
 
 static GstFlowReturn
@@ -343,6 +347,7 @@ take_segment(GstTactileConverter *self, GstEvent *event)
   const GstSegment *segment = nullptr;
   gst_event_parse_segment(event, &segment);
   drain(self);
+  self->priv->interrupted = true;
   self->priv->last_end = segment->format == GST_FORMAT_TIME ? to_time(segment->start) : Time(0);
   gst_event_replace(&self->priv->pending_segment, event);
 }
@@ -388,6 +393,7 @@ gst_tactile_converter_sink_event(GstPad *pad, GstObject *parent, GstEvent *event
     break;
   case GST_EVENT_FLUSH_STOP:
     priv->builder.reset();
+    priv->interrupted = true;
     gst_clear_event(&priv->pending_segment);
     break;
   default:

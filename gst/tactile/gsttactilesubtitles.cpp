@@ -37,6 +37,7 @@
  */
 #include "gsttactilesubtitles.h"
 
+#include "../runningtime.h"
 #include "gst/cues/cue_stream.h"
 #include "gst/video/writable_frame.h"
 #include "gsttactileelements.h"
@@ -68,8 +69,8 @@ constexpr GstClockTime kDefaultDuration = GST_SECOND;
 struct Cue
 {
   GstClockTime pts = 0; ///< in the track
-  GstClockTime begin = 0;
-  GstClockTime end = 0;
+  tactile::Time begin{ 0 };
+  tactile::Time end{ 0 };
   TactileMap map;
 };
 
@@ -162,8 +163,12 @@ find_running_time(GstPad *pad, GstBuffer *buffer, GstClockTime duration, Cue &cu
                         GST_BUFFER_PTS(buffer) + duration, &begin, &end))
     return false;
   cue.pts = GST_BUFFER_PTS(buffer);
-  cue.begin = gst_segment_to_running_time(&segment, GST_FORMAT_TIME, begin);
-  cue.end = gst_segment_to_running_time(&segment, GST_FORMAT_TIME, end);
+  const std::optional<tactile::Time> first = running_time::of(segment, begin);
+  const std::optional<tactile::Time> last = running_time::of(segment, end);
+  if (!first || !last)
+    return false;
+  cue.begin = *first;
+  cue.end = *last;
   if (segment.rate < 0) { // a frame at its beginning, now the last, has it; one at its end has not
     std::swap(cue.begin, cue.end);
     cue.begin++;
@@ -282,7 +287,7 @@ on_subtitle_event(GstPad *pad, GstPadProbeInfo *info, gpointer data)
 /// The cue at a time. Rounded times may overlap: the track's later cue counts, also in reverse
 /// playback.
 static const Cue *
-cue_at(const std::deque<Cue> &cues, GstClockTime time)
+cue_at(const std::deque<Cue> &cues, tactile::Time time)
 {
   const Cue *found = nullptr;
   for (const Cue &cue : cues) {
@@ -296,7 +301,7 @@ cue_at(const std::deque<Cue> &cues, GstClockTime time)
 
 /// The map at a time; times must rise. None without a track.
 static std::optional<TactileMap>
-map_at(GstTactileSubtitles *self, GstClockTime time)
+map_at(GstTactileSubtitles *self, tactile::Time time)
 {
   GstTactileSubtitlesPrivate *priv = self->priv;
   std::optional<TactileMap> map;
@@ -319,11 +324,10 @@ on_frame(GstPad *pad, GstPadProbeInfo *info, gpointer data)
   auto *self = GST_TACTILE_SUBTITLES(data);
   GstBuffer *frame = GST_PAD_PROBE_INFO_BUFFER(info);
   const GstSegment segment = segment_of(pad);
-  const GstClockTime time
-      = gst_segment_to_running_time(&segment, GST_FORMAT_TIME, GST_BUFFER_PTS(frame));
-  if (!GST_CLOCK_TIME_IS_VALID(time))
+  const std::optional<tactile::Time> time = running_time::of(segment, GST_BUFFER_PTS(frame));
+  if (!time)
     return GST_PAD_PROBE_OK;
-  const std::optional<TactileMap> map = map_at(self, time);
+  const std::optional<TactileMap> map = map_at(self, *time);
   if (!map)
     return GST_PAD_PROBE_OK;
   frame = writable_frame(frame);

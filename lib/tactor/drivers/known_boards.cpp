@@ -34,6 +34,14 @@ line_of(const SerialDevice &device)
   return line.size() > kLongestLine || line.find('\n') != std::string::npos ? "" : line;
 }
 
+/// Likewise of one that is no tactor board.
+std::string
+refusal_of(const SerialDevice &device)
+{
+  const std::string line = line_of(device);
+  return line.empty() ? "" : "not " + line;
+}
+
 } // namespace
 
 KnownBoards::KnownBoards(fs::path file) : file_(std::move(file))
@@ -54,32 +62,46 @@ KnownBoards::default_file()
 bool
 KnownBoards::has(const SerialDevice &device) const
 {
-  const std::string line = line_of(device);
-  return !line.empty() && std::ranges::count(read(), line) > 0;
+  return has_line(line_of(device));
+}
+
+bool
+KnownBoards::has_refused(const SerialDevice &device) const
+{
+  return has_line(refusal_of(device));
 }
 
 void
 KnownBoards::add(const SerialDevice &device)
 {
+  put(line_of(device), refusal_of(device));
+}
+
+void
+KnownBoards::refuse(const SerialDevice &device)
+{
+  put(refusal_of(device), line_of(device));
+}
+
+bool
+KnownBoards::has_line(const std::string &line) const
+{
+  return !line.empty() && std::ranges::count(read(), line) > 0;
+}
+
+void
+KnownBoards::put(const std::string &line, const std::string &instead)
+{
   const std::lock_guard lock(changing);
-  const std::string line = line_of(device);
   std::vector<std::string> lines = read();
   if (line.empty() || (!lines.empty() && lines.back() == line))
     return;
+  std::erase(lines, instead);
   std::erase(lines, line);
   lines.push_back(line); // most recently used last
   if (lines.size() > kMost)
     lines.erase(lines.begin(), lines.end() - kMost);
   write(lines);
-}
-
-void
-KnownBoards::remove(const SerialDevice &device)
-{
-  const std::lock_guard lock(changing);
-  std::vector<std::string> lines = read();
-  if (std::erase(lines, line_of(device)) > 0)
-    write(lines);
 }
 
 std::vector<std::string>
