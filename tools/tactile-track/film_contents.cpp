@@ -166,6 +166,8 @@ FilmStream
 stream_of(JsonObject *from)
 {
   FilmStream stream{ .kind = value(from, "codec_type"), .codec = value(from, "codec_name") };
+  if (stream.codec == "mp2")
+    stream.codec = "mp3"; // of one type in MP4
   if (stream.codec.empty())
     stream.codec = value(from, "codec_tag_string");
   for (const char *name : kFormat)
