@@ -18,6 +18,9 @@
 #include <optional>
 #include <string>
 
+/// "plays"
+const char *word(follow::Doing doing);
+
 struct FollowSettings
 {
   std::string mpv_socket;       ///< empty: none
