@@ -36,7 +36,7 @@ declare -A packages=(
   [fuzz]="clang libclang-rt-14-dev"
   [analysis]="valgrind clang-tidy cppcheck libglib2.0-dev"
   [firmware]="gcc-avr avr-libc arduino-core-avr libsimavr-dev"
-  [arm64]="g++-aarch64-linux-gnu qemu-user-static"
+  [arm64]="g++-aarch64-linux-gnu qemu-user"
   [docs]="gi-docgen"
   [packages]="dpkg-dev debhelper fakeroot gi-docgen gstreamer1.0-plugins-base lintian git"
   [kernel]="qemu-system-x86 busybox-static kmod udev"
@@ -164,9 +164,10 @@ apt() {
 
 # Those of the names that apt does not know.
 unknown_names() {
-  local name
+  local name known
   for name in "$@"; do
-    apt-cache policy "$name" 2>/dev/null | grep -q '^  Candidate: [^(]' || printf '%s ' "$name"
+    known=$(apt-cache policy "$name" 2>/dev/null | sed -n '/^  Candidate: [^(]/p')
+    [ -n "$known" ] || printf '%s ' "$name"
   done
 }
 

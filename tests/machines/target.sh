@@ -24,7 +24,7 @@ fail() {
 }
 [ "$architecture" = arm64 ] || fail "expected arm64, got '$architecture'"
 triplet=aarch64-linux-gnu
-emulator=qemu-aarch64-static
+emulator=qemu-aarch64
 for program in $triplet-g++ $emulator; do
   command -v "$program" >/dev/null || fail "there is no $program: run tools/setup.sh arm64"
 done
