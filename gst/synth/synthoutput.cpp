@@ -51,8 +51,9 @@ wanted_channels(const SynthSettings &settings, guint rows, guint columns)
 
 } // namespace
 
-SynthOutput::SynthOutput(GstElement *element, GstPad *pad, SynthParts &parts)
-    : element_(element), pad_(pad), parts_(parts)
+SynthOutput::SynthOutput(GstElement *element, GstPad *pad, SynthParts &parts,
+                         std::function<bool()> is_silent)
+    : element_(element), pad_(pad), parts_(parts), is_silent_(std::move(is_silent))
 {
   reset();
 }
@@ -64,9 +65,10 @@ SynthOutput::play()
 }
 
 void
-SynthOutput::set_segment(const GstSegment &segment)
+SynthOutput::set_segment(const GstSegment &segment, guint32 seqnum)
 {
   segment_ = segment;
+  seqnum_ = seqnum;
   segment_sent_ = false;
 }
 
@@ -221,7 +223,10 @@ SynthOutput::send_segment()
     segment.stop = end == GST_CLOCK_TIME_NONE ? end : end + to_clock_time(Play::kRamp);
     segment.time = segment_.time;
   }
-  gst_pad_push_event(pad_, gst_event_new_segment(&segment));
+  GstEvent *event = gst_event_new_segment(&segment);
+  if (seqnum_ != GST_SEQNUM_INVALID)
+    gst_event_set_seqnum(event, seqnum_);
+  gst_pad_push_event(pad_, event);
   segment_sent_ = true;
 }
 
@@ -230,6 +235,7 @@ GstFlowReturn
 SynthOutput::push_samples(std::int64_t count)
 {
   const Time begin = play_->now();
+  play_->set_mute(is_silent_());
   const gsize size = static_cast<gsize>(count) * static_cast<gsize>(info_->bpf);
   GstBuffer *buffer = gst_buffer_new_allocate(nullptr, size, nullptr);
   GstMapInfo map;

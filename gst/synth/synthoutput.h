@@ -8,6 +8,7 @@
 #include <gst/audio/audio.h>
 
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <vector>
 
@@ -17,8 +18,8 @@ class SynthOutput
 {
 public:
   /// Pushes to `pad` and posts messages of `element`; both outlive this. `parts` are read before
-  /// the first negotiate().
-  SynthOutput(GstElement *element, GstPad *pad, SynthParts &parts);
+  /// the first negotiate(). `is_silent` is asked before each buffer.
+  SynthOutput(GstElement *element, GstPad *pad, SynthParts &parts, std::function<bool()> is_silent);
 
   /// Agrees on the sound with downstream, where that is due. Then there is a play().
   GstFlowReturn negotiate(const SynthSettings &settings, guint rows, guint columns);
@@ -26,8 +27,8 @@ public:
   /// Null before negotiate().
   synth::Play *play();
 
-  /// Of the input. The output's own is sent before the next samples.
-  void set_segment(const GstSegment &segment);
+  /// Of the input. The output's own is sent before the next samples, with this sequence number.
+  void set_segment(const GstSegment &segment, guint32 seqnum);
   const GstSegment &segment() const;
 
   /// The first sample is at `time`.
@@ -50,11 +51,13 @@ private:
   GstElement *element_;
   GstPad *pad_;
   SynthParts &parts_;
+  const std::function<bool()> is_silent_;
   GstSegment segment_;
   std::optional<GstAudioInfo> info_;
   std::optional<synth::Play> play_; ///< while there is info_
   guint rows_ = 0;                  ///< of the cells of play_
   guint columns_ = 0;
+  guint32 seqnum_ = GST_SEQNUM_INVALID; ///< of segment_
   bool segment_sent_ = false;
   bool resync_ = true; ///< the next buffer does not follow the last one
 };

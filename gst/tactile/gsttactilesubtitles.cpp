@@ -7,8 +7,9 @@
  * tactilesubtitles takes a film and its subtitles. The first cue tells what the subtitles are:
  *
  * - A tactile track, in text cues as [tactileconverter](tactileconverter.md) writes them: each
- *   frame gets the map that holds at its time as a #GstTactileMeta, or a silent one. A cue that is
- *   not a map, such as a designer's remark, is drawn.
+ *   frame gets the map that holds at its time as a #GstTactileMeta, or a silent one. A designer's
+ *   remark, which is a cue of words that do not begin with digits, is drawn. Any other cue that is
+ *   no map is neither felt nor drawn, with a warning: tactile-track refuses its file.
  * - Text: its child `words`, a `textoverlay`, draws it on the film. Frames get no map, and
  *   `visuotactilesink` analyzes them.
  *
@@ -36,6 +37,7 @@
  */
 #include "gsttactilesubtitles.h"
 
+#include "../runningtime.h"
 #include "gst/cues/cue_stream.h"
 #include "gst/video/writable_frame.h"
 #include "gsttactileelements.h"
@@ -67,8 +69,8 @@ constexpr GstClockTime kDefaultDuration = GST_SECOND;
 struct Cue
 {
   GstClockTime pts = 0; ///< in the track
-  GstClockTime begin = 0;
-  GstClockTime end = 0;
+  tactile::Time begin{ 0 };
+  tactile::Time end{ 0 };
   TactileMap map;
 };
 
@@ -92,18 +94,6 @@ segment_of(GstPad *pad)
   return segment;
 }
 
-/// The cue in a buffer, if it is one.
-std::optional<tactile::Cue>
-read_cue(GstBuffer *buffer, CueForm form, std::optional<tactile::Grid> grid)
-{
-  tl::expected<tactile::Cue, tactile::FormatError> cue = cue_from_buffer(buffer, form, grid);
-  if (!cue) {
-    GST_LOG("no map: %s", cue.error().text().c_str());
-    return std::nullopt;
-  }
-  return std::move(*cue);
-}
-
 } // namespace
 
 /// Guarded by the object lock.
@@ -114,6 +104,7 @@ struct GstTactileSubtitlesPrivate
   std::deque<Cue> cues;
   std::size_t levels = 0; ///< in cues
   bool warned = false;
+  bool warned_of_fault = false;
 };
 
 struct _GstTactileSubtitles
@@ -172,8 +163,12 @@ find_running_time(GstPad *pad, GstBuffer *buffer, GstClockTime duration, Cue &cu
                         GST_BUFFER_PTS(buffer) + duration, &begin, &end))
     return false;
   cue.pts = GST_BUFFER_PTS(buffer);
-  cue.begin = gst_segment_to_running_time(&segment, GST_FORMAT_TIME, begin);
-  cue.end = gst_segment_to_running_time(&segment, GST_FORMAT_TIME, end);
+  const std::optional<tactile::Time> first = running_time::of(segment, begin);
+  const std::optional<tactile::Time> last = running_time::of(segment, end);
+  if (!first || !last)
+    return false;
+  cue.begin = *first;
+  cue.end = *last;
   if (segment.rate < 0) { // a frame at its beginning, now the last, has it; one at its end has not
     std::swap(cue.begin, cue.end);
     cue.begin++;
@@ -203,6 +198,22 @@ keep(GstTactileSubtitles *self, const Cue &cue)
         ("expected at most %" G_GSIZE_FORMAT " levels before their frames come", kMaxLevels));
 }
 
+/// A cue that should be a map is neither felt nor drawn.
+static void
+warn_of_fault(GstTactileSubtitles *self, GstBuffer *buffer, const tactile::FormatError &error)
+{
+  GST_WARNING_OBJECT(self, "cue at %" GST_TIME_FORMAT " is no map: %s",
+                     GST_TIME_ARGS(GST_BUFFER_PTS(buffer)), error.text().c_str());
+  GST_OBJECT_LOCK(self);
+  const bool warned = std::exchange(self->priv->warned_of_fault, true);
+  GST_OBJECT_UNLOCK(self);
+  if (!warned)
+    GST_ELEMENT_WARNING(self, STREAM, DECODE,
+                        ("The tactile track is faulty; parts of it are not felt."),
+                        ("at %" GST_TIME_FORMAT ": %s", GST_TIME_ARGS(GST_BUFFER_PTS(buffer)),
+                         error.text().c_str()));
+}
+
 /// Takes a map of the track; false for other text.
 static bool
 take(GstTactileSubtitles *self, GstPad *pad, GstBuffer *buffer, CueForm form)
@@ -216,8 +227,8 @@ take(GstTactileSubtitles *self, GstPad *pad, GstBuffer *buffer, CueForm form)
     return false;
 
   const bool follows = kind == Kind::track;
-  const std::optional<tactile::Cue> read
-      = read_cue(buffer, form, follows ? std::optional(grid) : std::nullopt);
+  const tl::expected<tactile::Cue, tactile::FormatError> read
+      = cue_from_buffer(buffer, form, follows ? std::optional(grid) : std::nullopt);
   GST_OBJECT_LOCK(self);
   if (!follows)
     priv->kind = read ? Kind::track : Kind::words;
@@ -226,6 +237,10 @@ take(GstTactileSubtitles *self, GstPad *pad, GstBuffer *buffer, CueForm form)
   GST_OBJECT_UNLOCK(self);
   if (!follows)
     GST_INFO_OBJECT(self, "the subtitles are %s", read ? "a tactile track" : "to be read");
+  if (!read && follows && !cue_is_remark(buffer)) {
+    warn_of_fault(self, buffer, read.error());
+    return true;
+  }
   if (!read)
     return false;
   Cue cue{ .map = read->map };
@@ -272,7 +287,7 @@ on_subtitle_event(GstPad *pad, GstPadProbeInfo *info, gpointer data)
 /// The cue at a time. Rounded times may overlap: the track's later cue counts, also in reverse
 /// playback.
 static const Cue *
-cue_at(const std::deque<Cue> &cues, GstClockTime time)
+cue_at(const std::deque<Cue> &cues, tactile::Time time)
 {
   const Cue *found = nullptr;
   for (const Cue &cue : cues) {
@@ -286,7 +301,7 @@ cue_at(const std::deque<Cue> &cues, GstClockTime time)
 
 /// The map at a time; times must rise. None without a track.
 static std::optional<TactileMap>
-map_at(GstTactileSubtitles *self, GstClockTime time)
+map_at(GstTactileSubtitles *self, tactile::Time time)
 {
   GstTactileSubtitlesPrivate *priv = self->priv;
   std::optional<TactileMap> map;
@@ -309,11 +324,10 @@ on_frame(GstPad *pad, GstPadProbeInfo *info, gpointer data)
   auto *self = GST_TACTILE_SUBTITLES(data);
   GstBuffer *frame = GST_PAD_PROBE_INFO_BUFFER(info);
   const GstSegment segment = segment_of(pad);
-  const GstClockTime time
-      = gst_segment_to_running_time(&segment, GST_FORMAT_TIME, GST_BUFFER_PTS(frame));
-  if (!GST_CLOCK_TIME_IS_VALID(time))
+  const std::optional<tactile::Time> time = running_time::of(segment, GST_BUFFER_PTS(frame));
+  if (!time)
     return GST_PAD_PROBE_OK;
-  const std::optional<TactileMap> map = map_at(self, time);
+  const std::optional<TactileMap> map = map_at(self, *time);
   if (!map)
     return GST_PAD_PROBE_OK;
   frame = writable_frame(frame);

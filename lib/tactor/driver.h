@@ -2,6 +2,7 @@
 #pragma once
 
 #include "nanoseconds.h"
+#include "tactor/device_account.h"
 #include "tactor/driver_error.h"
 #include "tactor/layout.h"
 #include "tactor/line_time.h"
@@ -10,6 +11,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <span>
 #include <stop_token>
 #include <string>
@@ -39,12 +41,13 @@ struct DriverConfig
   std::string device;
   int max_tactors = 4096; ///< tactors to use at most, 1…4096
   int min_tactors = 1;    ///< a board with fewer is refused
-  /// Without `device`: also ask adapters behind which no board has answered yet. They may be 3D
-  /// printers, which a question may reset.
-  bool asks_strangers = true;
+  /// Without `device`, and without a board that has answered before: ask the device that is there,
+  /// if it is the only one, and was not asked in vain before. It may be anything.
+  bool asks_a_stranger = true;
   double full_scale_volts = 3.0; ///< volts at the motor when a board's output is fully on
   bool realtime = false;         ///< request real-time scheduling for threads that carry levels
-  std::stop_token stop{};        ///< cancels an open() that waits; it fails then
+  MotorLimits limits = MotorLimits::none(); ///< of account(), where there is one
+  std::stop_token stop{};                   ///< cancels an open() that waits; it fails then
   /// Called on any thread, one call at a time, from the beginning of open() to the end of close(),
   /// also from within these. May call only status().
   std::function<void(const DriverEvent &)> notify{};
@@ -61,6 +64,8 @@ struct DriverStatus
   std::vector<std::string> motors;
   std::uint64_t bytes = 0;      ///< sent since open()
   std::uint64_t reconnects = 0; ///< times it came back since open()
+  std::uint64_t cuts = 0;       ///< levels that account() cut since open()
+  std::uint64_t overtaken = 0;  ///< levels that newer ones replaced before they left, since open()
 };
 
 /// A board that drives tactors. One thread at a time, but for what any may call. close() and the
@@ -115,6 +120,13 @@ public:
   [[nodiscard]] virtual tl::expected<void, DriverError> write(std::span<const double> volts,
                                                               Time now)
       = 0;
+
+  /// On-times of the open device's motors in this process, and the limits that write() keeps. Null
+  /// where motors need none. Any thread.
+  virtual std::shared_ptr<DeviceAccount> account() const
+  {
+    return nullptr;
+  }
 
   /// Motors to zero, board released. Harmless when not open.
   virtual void close() noexcept = 0;

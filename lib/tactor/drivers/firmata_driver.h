@@ -21,10 +21,11 @@ namespace tactor {
 /// Any board with a Firmata sketch on a serial bus. Its tactors are the pins with pulse-width
 /// modulation, in ascending order: on a Mega 2–13 and 44–46, on an Uno 3, 5, 6, 9, 10 and 11.
 ///
-/// Without DriverConfig::device the first board that answers is taken. Devices are asked in the
-/// order of choose_boards(), each for FirmataPatience::answer at most; those that another program
-/// has open are skipped. A lost board is looked for whenever something is plugged in or out, and
-/// every `look_again`; BoardIdentity recognizes it.
+/// Without DriverConfig::device the first board that answers is taken. Only those devices are
+/// touched that choose_boards() names, in that order, each for FirmataPatience::answer at most;
+/// those that another program has open are skipped. What answered, or did not, is remembered. A
+/// lost board is looked for whenever something is plugged in or out, and every `look_again`;
+/// BoardIdentity recognizes it.
 ///
 /// If a signal or exit() ends the process while a board is open, the motors are stopped first: see
 /// TerminationGuard.
@@ -57,8 +58,6 @@ public:
   Time transport_latency() const override;
   LineTime line() const override;
   Time refresh_interval() const override;
-  [[nodiscard]] tl::expected<void, DriverError> write(std::span<const double> volts,
-                                                      Time now) override;
   DriverStatus status() const override;
 
 private:
@@ -69,8 +68,8 @@ private:
   tl::expected<std::vector<SerialDevice>, DriverError> list(Lock &lock, SerialBus &bus);
   tl::expected<std::unique_ptr<SerialPort>, DriverError> connect_first(Lock &lock, SerialBus &bus);
   std::unique_ptr<SerialPort> connect_again(Lock &lock, SerialBus &bus);
-  tl::expected<std::unique_ptr<SerialPort>, DriverError> connect(Lock &lock, SerialBus &bus,
-                                                                 const SerialDevice &device);
+  tl::expected<std::unique_ptr<SerialPort>, DriverError>
+  connect(Lock &lock, SerialBus &bus, const SerialDevice &device, bool is_stranger);
   void converse(Lock &lock, SerialPort &port, bool (FirmataDriver::*is_done)() const);
   void release(Lock &lock, std::unique_ptr<SerialPort> port);
   bool has_answered() const;
@@ -96,9 +95,7 @@ private:
   std::optional<FirmataBoard> board_;     ///< at the other end of the port, while there is one
   SerialDevice device_;                   ///< the last one that was taken
   std::optional<BoardIdentity> identity_; ///< of that
-  std::vector<double> levels_;            ///< 0…1, as written last
-  Time levels_set_{ 0 };
-  std::uint64_t bytes_before_ = 0; ///< sent to boards before board_
+  std::uint64_t bytes_before_ = 0;        ///< sent to boards before board_
   // Of the first board; they stay after a reconnection
   double resolution_ = 0;
   LineTime line_;
