@@ -27,8 +27,9 @@ std::string seconds(tactile::Time time);
 tactile::Time parse_time(const std::string &text, const char *option);
 
 /// Writes a track in the format that the file name's ending selects. The file appears under its
-/// name when it is complete.
-void write_track_file(const tactile::Track &track, const std::string &path);
+/// name when it is complete. `made_with`: of a draft (lib/tracks/formats/draft_note.h).
+void write_track_file(const tactile::Track &track, const std::string &path,
+                      const std::string &made_with = "");
 
 /// A file's folder, "." where the path has none, and its name.
 std::pair<std::string, std::string> folder_and_name(const std::string &path);

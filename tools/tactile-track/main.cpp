@@ -4,6 +4,7 @@
 #include "commands.h"
 
 #include "film/output.h"
+#include "tracks/formats/draft_note.h"
 #include "tracks/formats/track_file.h"
 
 #include <array>
@@ -88,10 +89,11 @@ folder_and_name(const std::string &path)
 }
 
 void
-write_track_file(const tactile::Track &track, const std::string &path)
+write_track_file(const tactile::Track &track, const std::string &path, const std::string &made_with)
 {
-  const std::string bytes
-      = tactile::write_track(track, or_throw(tactile::track_format(path)), date());
+  std::string bytes = tactile::write_track(track, or_throw(tactile::track_format(path)), date());
+  if (!made_with.empty())
+    bytes = tactile::with_draft_note(std::move(bytes), made_with);
   const auto [folder, name] = folder_and_name(path);
   Output output(folder, name);
   std::ofstream file(output.part_path(), std::ios::binary);

@@ -50,21 +50,26 @@ FilmTrack::open(const std::string &film)
   events_.found(nullptr);
   if (film.empty())
     return;
-  if (const auto beside = library_.beside(film, complaint_)) {
-    play(*beside);
-    return;
-  }
-  std::error_code error;
-  if (fs::is_regular_file(path_, error)) { // opening others may wait for ever
-    try {
-      probe_ = std::make_unique<FilmProbe>(uri_of(path_));
-      return;
-    } catch (const std::runtime_error &failure) {
-      complaint_ = failure.what();
-    }
-  }
   file_ = { .complaint = "it is no file on this computer" };
-  look_in_folder();
+  probe();
+  if (const auto beside = library_.beside(film, complaint_))
+    play(*beside);
+  else if (!probe_)
+    look_in_folder();
+}
+
+/// Also tells where the film's 0:00 is, whatever its track.
+void
+FilmTrack::probe()
+{
+  std::error_code error;
+  if (!fs::is_regular_file(path_, error)) // opening others may wait for ever
+    return;
+  try {
+    probe_ = std::make_unique<FilmProbe>(uri_of(path_));
+  } catch (const std::runtime_error &failure) {
+    complaint_ = failure.what();
+  }
 }
 
 void
@@ -72,7 +77,9 @@ FilmTrack::step(Time position, Time now)
 {
   if (probe_ && probe_->result()) {
     file_ = *std::exchange(probe_, nullptr)->result();
-    look_in_file();
+    events_.probed();
+    if (what_.empty())
+      look_in_file();
   }
   if (!reader_)
     return;
@@ -119,7 +126,7 @@ FilmTrack::look_in_file()
     return;
   }
   try {
-    read(open_embedded(path_), "the track in its file");
+    read(open_embedded(path_, file_.start.stream), "the track in its file");
   } catch (const std::runtime_error &error) {
     fail(error.what());
   }
@@ -152,7 +159,7 @@ FilmTrack::make_draft()
   }
   made_of_ = DraftCache::version(path_);
   try {
-    read(open_analysis(uri_of(path_), analysis_), "a draft that is made while it plays");
+    read(open_analysis(uri_of(path_), file_.start.stream, analysis_), "a draft that is made while it plays");
   } catch (const std::runtime_error &error) {
     fail(error.what());
   }

@@ -32,6 +32,7 @@ public:
     /// Calls for what is felt from now on; it may become known meanwhile.
     std::function<void(std::shared_ptr<const tactile::Draft>)> found;
     std::function<void()> chosen;                  ///< what() is decided
+    std::function<void()> probed;                  ///< told_at_start() is known
     std::function<void(const std::string &)> told; ///< for the user
   };
 
@@ -53,10 +54,16 @@ public:
   {
     return what_;
   }
+  /// What a player that does not count from the film's 0:00 tells there; 0 until it is known.
+  follow::Time told_at_start() const
+  {
+    return file_.start.told;
+  }
   /// Up to where the film is known from a position on; none: all.
   std::optional<follow::Time> known_until(follow::Time position) const;
 
 private:
+  void probe();
   void play(const FoundTrack &found);
   void look_in_file();
   void look_in_folder();

@@ -8,6 +8,7 @@
 
 #include <glib-unix.h>
 
+#include <algorithm>
 #include <cmath>
 #include <csignal>
 #include <cstdio>
@@ -59,6 +60,7 @@ Follower::Follower(const FollowSettings &settings)
                                           tell(current_->player->name() + " plays '"
                                                + film_name(film_) + "' with " + film_track_.what());
                                         },
+                                    .probed = [this] { cues_.change_player(); },
                                     .told =
                                         [this](const std::string &text) {
                                           tell(text);
@@ -383,11 +385,21 @@ Follower::update()
   choose();
   change_film();
   const follow::Time now = local_time();
-  const auto estimate
-      = current_ != nullptr && !current_->is_gone ? current_->estimator.at(now) : std::nullopt;
+  const auto estimate = film_position(now);
   if (estimate)
     position_ = estimate->position;
   chair_.take(cues_.step(estimate, now, chair_.ahead()));
+}
+
+/// Where the film is, from its 0:00 on.
+std::optional<follow::PositionEstimator::Estimate>
+Follower::film_position(follow::Time now) const
+{
+  auto estimate
+      = current_ != nullptr && !current_->is_gone ? current_->estimator.at(now) : std::nullopt;
+  if (estimate && !current_->player->counts_from_start())
+    estimate->position = std::max(estimate->position - film_track_.told_at_start(), follow::Time(0));
+  return estimate;
 }
 
 double
@@ -458,7 +470,7 @@ Follower::status() const
   status.sync_to = name_of(sync_to());
   status.latency = latency();
   status.offset = timing_.offset(player_kind(status.player));
-  if (const auto estimate = current_->estimator.at(now))
+  if (const auto estimate = film_position(now))
     status.position = seconds(estimate->position);
   if (const auto known = film_track_.known_until(position_);
       known && *known < tactile::Track::kMaxEnd)

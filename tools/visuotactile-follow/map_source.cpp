@@ -68,6 +68,7 @@ public:
   void seek(Time to, bool exactly) override
   {
     // After the last key frame there is no next one.
+    to += start_;
     if (!(exactly
               ? go(to, precisely_)
               : go(to, GST_SEEK_FLAG_KEY_UNIT | GST_SEEK_FLAG_SNAP_AFTER) || go(to, precisely_)))
@@ -89,7 +90,7 @@ public:
   }
 
 protected:
-  explicit PipelineSource(int precisely) : precisely_(precisely)
+  PipelineSource(int precisely, Time start) : start_(start), precisely_(precisely)
   {
   }
 
@@ -122,6 +123,7 @@ protected:
 
   virtual void sought() = 0;
 
+  const Time start_; ///< stream time of the film's 0:00
   Pipeline pipeline_;
 
 private:
@@ -153,8 +155,8 @@ use_one_thread(GstElement *element)
 class Analysis : public PipelineSource
 {
 public:
-  Analysis(const std::string &uri, const AnalysisSettings &settings)
-      : PipelineSource(GST_SEEK_FLAG_ACCURATE), rate_(settings.rate), sampler_(settings.rate)
+  Analysis(const std::string &uri, Time start, const AnalysisSettings &settings)
+      : PipelineSource(GST_SEEK_FLAG_ACCURATE, start), rate_(settings.rate), sampler_(settings.rate)
   {
     Film film;
     film.uri = uri;
@@ -189,7 +191,7 @@ public:
       const Sample sample = pull(maps_.get());
       if (!sample)
         return std::nullopt;
-      if (std::optional<FilmMap> map = film_map(sample.get()))
+      if (std::optional<FilmMap> map = film_map(sample.get(), start_))
         add(*std::move(map));
     }
     tactile::Cue cue = std::move(next_.front());
@@ -232,8 +234,8 @@ private:
 class Embedded : public PipelineSource
 {
 public:
-  explicit Embedded(const std::string &path)
-      : PipelineSource(GST_SEEK_FLAG_KEY_UNIT | GST_SEEK_FLAG_SNAP_BEFORE)
+  Embedded(const std::string &path, Time start)
+      : PipelineSource(GST_SEEK_FLAG_KEY_UNIT | GST_SEEK_FLAG_SNAP_BEFORE, start)
   {
     Pipeline pipeline
         = make_pipeline("filesrc location=" + launch_value(path) + " ! parsebin name=film");
@@ -323,8 +325,9 @@ private:
     Time duration = cue->end > Time(0) ? cue->end : kDefaultDuration;
     if (GST_BUFFER_DURATION_IS_VALID(buffer) && GST_BUFFER_DURATION(buffer) > 0)
       duration = Time(static_cast<Time::rep>(GST_BUFFER_DURATION(buffer)));
-    cue->begin = Time(static_cast<Time::rep>(time));
+    cue->begin = Time(static_cast<Time::rep>(time)) - start_;
     cue->end = cue->begin + duration;
+    cue->begin = std::max(cue->begin, Time(0));
     return *std::move(cue);
   }
 
@@ -339,13 +342,13 @@ private:
 } // namespace
 
 std::unique_ptr<follow::MapSource>
-open_analysis(const std::string &uri, const AnalysisSettings &settings)
+open_analysis(const std::string &uri, Time start, const AnalysisSettings &settings)
 {
-  return std::make_unique<Analysis>(uri, settings);
+  return std::make_unique<Analysis>(uri, start, settings);
 }
 
 std::unique_ptr<follow::MapSource>
-open_embedded(const std::string &path)
+open_embedded(const std::string &path, Time start)
 {
-  return std::make_unique<Embedded>(path);
+  return std::make_unique<Embedded>(path, start);
 }

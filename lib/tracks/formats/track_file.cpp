@@ -122,6 +122,13 @@ read_track(std::string_view text, TrackFormat format)
   return wrong("a funscript has one axis: it is written, not read");
 }
 
+tl::expected<std::string, FormatError>
+read_track_bytes(const std::string &path)
+{
+  return read_bytes(path).map_error(
+      [&](FormatError error) { return std::move(error).within("'" + path + "'"); });
+}
+
 tl::expected<Track, FormatError>
 read_track_file(const std::string &path)
 {

@@ -35,6 +35,9 @@ tl::expected<TrackFormat, FormatError> track_format(std::string_view name);
 std::string write_track(const Track &track, TrackFormat format, const std::string &date);
 tl::expected<Track, FormatError> read_track(std::string_view text, TrackFormat format);
 
+/// A file's bytes. Errors start with its name.
+tl::expected<std::string, FormatError> read_track_bytes(const std::string &path);
+
 /// Reads a file. Errors start with its name.
 tl::expected<Track, FormatError> read_track_file(const std::string &path);
 
