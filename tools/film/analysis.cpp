@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "analysis.h"
 
+#include "frame_times.h"
 #include "gst/fusion/sound_meta.h"
 #include "sound.h"
 #include "tracks/text_cue.h"
@@ -41,6 +42,8 @@ make_analysis(const std::string &source, const AnalysisSettings &settings)
       + " profile=" + settings.profile + joined_sound(kQueue, settings.sound)
       + " ! tactileextractor name=split split.tactile ! appsink name=maps sync=false"
       + (settings.sound ? heard_sound(kQueue, settings.sound) + "fakesink sync=false" : ""));
+  const Owned<GstElement> analysis = element(pipeline, "analysis");
+  let_times_advance(Owned<GstPad>(gst_element_get_static_pad(analysis.get(), "sink")).get());
   if (settings.sound)
     g_signal_connect(
         element(pipeline, "film").get(), "no-more-pads",

@@ -2,6 +2,7 @@
 #include "strip.h"
 
 #include "film/background.h"
+#include "film/frame_times.h"
 #include "film/sound.h"
 #include "frame/front_end.h"
 #include "saliency/shot_cut.h"
@@ -109,6 +110,7 @@ Strip::Strip(const Film &film)
     GstAppSinkCallbacks callbacks{};
     callbacks.new_sample = new_sample;
     gst_app_sink_set_callbacks(GST_APP_SINK(sink.get()), &callbacks, this, nullptr);
+    let_times_advance(Owned<GstPad>(gst_element_get_static_pad(sink.get(), "sink")).get());
   };
   listen("eye", [](GstAppSink *sink, gpointer self) {
     if (GstSample *sample = gst_app_sink_pull_sample(sink)) {

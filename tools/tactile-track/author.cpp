@@ -189,6 +189,7 @@ private:
     GstSample *sample = gst_app_sink_pull_sample(maps);
     if (!sample)
       return GST_FLOW_EOS;
+    frames_++;
     GstFlowReturn flow = GST_FLOW_OK;
     if (const std::optional<FilmMap> map = film_map(sample, start_)) {
       if (const auto added = recorder_->add(*map); !added) {
@@ -196,6 +197,9 @@ private:
                           (nullptr));
         flow = GST_FLOW_ERROR;
       }
+      if (!first_)
+        first_ = map->begin;
+      advances_ = advances_ || map->begin > *first_;
       position_ = static_cast<GstClockTime>(map->end.count());
     }
     gst_sample_unref(sample);
@@ -213,8 +217,12 @@ private:
       return G_SOURCE_CONTINUE;
     }
     gst_element_set_state(pipeline_.get(), GST_STATE_NULL);
-    if (failure.empty() && position_.load() == 0)
+    if (failure.empty() && frames_ == 0)
       failure = "no frame can be decoded";
+    else if (failure.empty() && (position_.load() == 0 || (frames_ > 1 && !advances_)))
+      failure = "the times of its " + std::to_string(frames_)
+                + " frames do not advance: expected a film whose container or decoder tells them; "
+                  "ffmpeg may convert it";
     if (failure.empty()) {
       try {
         write_track_file(or_throw(recorder_->finish()), output_, made_with(settings_));
@@ -236,6 +244,10 @@ private:
   gint64 began_ = 0; ///< µs
   std::optional<Recorder> recorder_;
   std::atomic<GstClockTime> position_{ 0 };
+  // Of the streaming thread, which has ended when others read them.
+  std::size_t frames_ = 0;
+  std::optional<Time> first_;
+  bool advances_ = false;
   guint watch_ = 0;
   Pipeline pipeline_;
 };

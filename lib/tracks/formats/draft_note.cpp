@@ -44,7 +44,7 @@ sum_of(std::string_view before, std::string_view after)
       sum = (sum ^ static_cast<std::uint8_t>(byte)) * 0x100000001b3;
   std::array<char, 16> digits{};
   const char *end = std::to_chars(digits.data(), digits.data() + digits.size(), sum, 16).ptr;
-  return { digits.data(), end };
+  return { digits.data(), static_cast<std::size_t>(end - digits.data()) };
 }
 
 } // namespace
