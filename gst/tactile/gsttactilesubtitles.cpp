@@ -127,8 +127,8 @@ struct GstTactileSubtitlesPrivate
   std::deque<Cue> cues;
   std::size_t levels = 0; ///< in cues
   bool warned = false;
-  std::string film;    ///< where the frames come from
-  FilmStart start{};   ///< its 0:00
+  std::string film;  ///< where the frames come from
+  FilmStart start{}; ///< its 0:00
 };
 
 struct _GstTactileSubtitles

@@ -27,9 +27,8 @@ constexpr const char *kAnalysis = "2";
 std::string
 made_with(const AnalysisSettings &settings)
 {
-  return tactile::write_grid({ settings.rows, settings.columns }, settings.rate)
-         + " profile=" + settings.profile
-         + " sound=" + (settings.sound != nullptr ? settings.sound->name : "off")
+  return tactile::write_grid({ settings.rows, settings.columns }, settings.rate) + " profile="
+         + settings.profile + " sound=" + (settings.sound != nullptr ? settings.sound->name : "off")
          + " version=" PACKAGE_VERSION "-" + kAnalysis;
 }
 

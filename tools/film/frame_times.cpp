@@ -57,8 +57,8 @@ on_data(GstPad *pad, GstPadProbeInfo *info, gpointer data)
 void
 let_times_advance(GstPad *pad)
 {
-  gst_pad_add_probe(pad,
-                    static_cast<GstPadProbeType>(GST_PAD_PROBE_TYPE_BUFFER
-                                                 | GST_PAD_PROBE_TYPE_EVENT_DOWNSTREAM),
-                    on_data, new Before, +[](gpointer before) { delete static_cast<Before *>(before); });
+  gst_pad_add_probe(
+      pad,
+      static_cast<GstPadProbeType>(GST_PAD_PROBE_TYPE_BUFFER | GST_PAD_PROBE_TYPE_EVENT_DOWNSTREAM),
+      on_data, new Before, +[](gpointer before) { delete static_cast<Before *>(before); });
 }

@@ -30,20 +30,19 @@ struct StartWatch::State
 
   static void on_element(GstBin *, GstBin *, GstElement *element, gpointer shared)
   {
-    const gchar *kind
-        = gst_element_class_get_metadata(GST_ELEMENT_GET_CLASS(element), GST_ELEMENT_METADATA_KLASS);
+    const gchar *kind = gst_element_class_get_metadata(GST_ELEMENT_GET_CLASS(element),
+                                                       GST_ELEMENT_METADATA_KLASS);
     if (kind != nullptr && std::string_view(kind).find("Demux") != std::string_view::npos)
       connect(element, "pad-added", G_CALLBACK(on_pad), shared);
   }
 
   static void on_pad(GstElement *, GstPad *pad, gpointer shared)
   {
-    gst_pad_add_probe(
-        pad,
-        static_cast<GstPadProbeType>(GST_PAD_PROBE_TYPE_BUFFER
-                                     | GST_PAD_PROBE_TYPE_EVENT_DOWNSTREAM),
-        on_data, new Shared(*static_cast<Shared *>(shared)),
-        [](gpointer data) { delete static_cast<Shared *>(data); });
+    gst_pad_add_probe(pad,
+                      static_cast<GstPadProbeType>(GST_PAD_PROBE_TYPE_BUFFER
+                                                   | GST_PAD_PROBE_TYPE_EVENT_DOWNSTREAM),
+                      on_data, new Shared(*static_cast<Shared *>(shared)),
+                      [](gpointer data) { delete static_cast<Shared *>(data); });
   }
 
   static GstPadProbeReturn on_data(GstPad *pad, GstPadProbeInfo *info, gpointer shared)

@@ -230,7 +230,7 @@ private:
   }
 
   SoupServerMessage *message_; ///< a reference
-  GstClockTime from_; ///< stream time
+  GstClockTime from_;          ///< stream time
   bool has_sound_;
   Pipeline pipeline_;
   GstElement *const top_ = pipeline_.get(); ///< also while that is stopped

@@ -119,7 +119,8 @@ public:
     return "kept, as it "
            + (is_known ? "was edited since it was made with '" + note->made_with + "'"
                        : "may be edited, and does not say what it was made with")
-           + "; expected '" + made_with(settings_) + "', newer than its film: --force makes it anew";
+           + "; expected '" + made_with(settings_)
+           + "', newer than its film: --force makes it anew";
   }
 
   /// `finished` is called from the main loop at the end, with the error or an empty text. Throws
@@ -240,7 +241,7 @@ private:
   AnalysisSettings settings_;
   std::function<void(Job &, const std::string &)> finished_;
   GstClockTime duration_ = 0;
-  Time start_{ 0 }; ///< stream time of the film's 0:00
+  Time start_{ 0 };  ///< stream time of the film's 0:00
   gint64 began_ = 0; ///< µs
   std::optional<Recorder> recorder_;
   std::atomic<GstClockTime> position_{ 0 };

@@ -9,6 +9,7 @@
 #include <gst/app/gstappsrc.h>
 #include <gst/tactile/tactile.h>
 
+#include <algorithm>
 #include <cmath>
 #include <csignal>
 #include <cstdio>
@@ -122,7 +123,7 @@ private:
 } // namespace
 
 void
-feed_track(GstElement *appsrc, const tactile::Track &track, CueForm form)
+feed_track(GstElement *appsrc, const tactile::Track &track, CueForm form, tactile::Time start)
 {
   // In the resolution that a file of text cues has.
   const tactile::Track sent
@@ -134,9 +135,15 @@ feed_track(GstElement *appsrc, const tactile::Track &track, CueForm form)
   gst_caps_unref(caps);
   tactile::CueBuilder builder;
   const auto &entries = sent.entries();
-  for (std::size_t i = 0; i < entries.size(); i++)
-    builder.add(entries[i].time, i + 1 < entries.size() ? entries[i + 1].time : sent.end(),
-                entries[i].map);
+  const auto running = [&](tactile::Time time) {
+    return std::max(time + start, tactile::Time(0));
+  };
+  for (std::size_t i = 0; i < entries.size(); i++) {
+    const tactile::Time begin = running(entries[i].time);
+    const tactile::Time end = running(i + 1 < entries.size() ? entries[i + 1].time : sent.end());
+    if (begin < end || entries.size() == 1)
+      builder.add(begin, end, entries[i].map);
+  }
   builder.flush();
   while (const std::optional<tactile::Cue> cue = builder.take())
     gst_app_src_push_buffer(GST_APP_SRC(appsrc), cue_buffer_new(*cue, form));

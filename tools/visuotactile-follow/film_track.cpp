@@ -159,7 +159,8 @@ FilmTrack::make_draft()
   }
   made_of_ = DraftCache::version(path_);
   try {
-    read(open_analysis(uri_of(path_), file_.start.stream, analysis_), "a draft that is made while it plays");
+    read(open_analysis(uri_of(path_), file_.start.stream, analysis_),
+         "a draft that is made while it plays");
   } catch (const std::runtime_error &error) {
     fail(error.what());
   }

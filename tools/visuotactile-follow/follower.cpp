@@ -398,7 +398,8 @@ Follower::film_position(follow::Time now) const
   auto estimate
       = current_ != nullptr && !current_->is_gone ? current_->estimator.at(now) : std::nullopt;
   if (estimate && !current_->player->counts_from_start())
-    estimate->position = std::max(estimate->position - film_track_.told_at_start(), follow::Time(0));
+    estimate->position
+        = std::max(estimate->position - film_track_.told_at_start(), follow::Time(0));
   return estimate;
 }
 

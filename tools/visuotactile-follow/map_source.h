@@ -15,5 +15,4 @@ std::unique_ptr<follow::MapSource> open_analysis(const std::string &uri, follow:
 
 /// The cues of the track that is in a film's file, of which nothing is decoded: text cues in
 /// subtitles, or KLV. Throws std::runtime_error.
-std::unique_ptr<follow::MapSource> open_embedded(const std::string &path,
-                                                 follow::Time start);
+std::unique_ptr<follow::MapSource> open_embedded(const std::string &path, follow::Time start);

@@ -16,10 +16,10 @@ void
 FilmStart::add_first(const GstSegment &segment, GstClockTime timestamp)
 {
   guint64 distance = 0;
-  const int sign = segment.format == GST_FORMAT_TIME && GST_CLOCK_TIME_IS_VALID(timestamp)
-                       ? gst_segment_to_stream_time_full(&segment, GST_FORMAT_TIME, timestamp,
-                                                         &distance)
-                       : 0;
+  const int sign
+      = segment.format == GST_FORMAT_TIME && GST_CLOCK_TIME_IS_VALID(timestamp)
+            ? gst_segment_to_stream_time_full(&segment, GST_FORMAT_TIME, timestamp, &distance)
+            : 0;
   if (sign == 0)
     return;
   const Time time(sign * static_cast<Time::rep>(distance));

@@ -14,8 +14,9 @@ namespace {
 
 constexpr const char *kMadeWith = "grid=2x2 rate=5 profile=tuned sound=off version=1.2-3";
 
-constexpr tactile::TrackFormat kTelling[] = { tactile::TrackFormat::webvtt, tactile::TrackFormat::csv,
-                                              tactile::TrackFormat::hjif, tactile::TrackFormat::sem };
+constexpr tactile::TrackFormat kTelling[]
+    = { tactile::TrackFormat::webvtt, tactile::TrackFormat::csv, tactile::TrackFormat::hjif,
+        tactile::TrackFormat::sem };
 
 tactile::Track
 track()
@@ -73,8 +74,9 @@ GST_START_TEST(test_again)
 {
   const std::string text = text_of(tactile::TrackFormat::webvtt);
   const std::string once = tactile::with_draft_note(text, kMadeWith);
-  fail_unless(tactile::with_draft_note(tactile::with_draft_note(text, "grid=2x2 other=1"), kMadeWith)
-              == once);
+  fail_unless(
+      tactile::with_draft_note(tactile::with_draft_note(text, "grid=2x2 other=1"), kMadeWith)
+      == once);
 }
 GST_END_TEST;
 
