@@ -94,7 +94,7 @@ protected:
   {
   }
 
-  void start(Pipeline pipeline)
+  void run(Pipeline pipeline)
   {
     pipeline_ = std::move(pipeline);
     const Owned<GstBus> bus(gst_element_get_bus(pipeline_.get()));
@@ -176,7 +176,7 @@ public:
     g_object_set(maps_.get(), "max-buffers", kMostWaiting, nullptr);
     take_freely(maps_.get());
     open_with(Owned<GstPad>(gst_element_get_static_pad(maps_.get(), "sink")).get());
-    start(std::move(pipeline));
+    run(std::move(pipeline));
   }
   ~Analysis() override
   {
@@ -244,7 +244,7 @@ public:
                        static_cast<Embedded *>(self)->add(pad);
                      }),
                      this);
-    start(std::move(pipeline));
+    run(std::move(pipeline));
   }
   ~Embedded() override
   {
