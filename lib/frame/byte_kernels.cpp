@@ -329,9 +329,10 @@ decimate_pixels_from(int x, const SourceRows &rows, int width, Carried carried,
       x, bytes == 4 ? width - 1 : width,
       [=, &part, &pixels, &begin](auto d, std::ptrdiff_t place) HWY_ATTR {
         const hn::Repartition<std::uint8_t, decltype(d)> d8;
-        const auto order = hn::LoadDup128(d8, kPairs.data());
-        const auto pairs = [d, d8, order, place](const std::uint8_t *row) HWY_ATTR {
-          return [d, d8, order, at = row + 2 * place * bytes](std::ptrdiff_t i) HWY_ATTR {
+        const auto pairs = [d, d8, place](const std::uint8_t *row) HWY_ATTR {
+          return [d, d8, at = row + 2 * place * bytes](std::ptrdiff_t i) HWY_ATTR {
+            const auto order
+                = hn::LoadDup128(d8, kPairs.data()); // lambdas cannot hold vectors of SVE
             return hn::BitCast(d, hn::TableLookupBytes(hn::LoadU(d8, at + 2 * i * bytes), order));
           };
         };

@@ -88,19 +88,23 @@ constexpr int kOne = 32767;
 constexpr int kLinearSignal = 1325; // 0.04045
 constexpr int kLeastRoot = 1580;    // between kLinearSignal and the smallest u, 1827
 
+/// factor · s + constant, the step of Horner's scheme.
+HWY_INLINE Signals
+times_plus(Signals factor, Signals s, int constant)
+{
+  return hn::SaturatedAdd(hn::MulFixedPoint15(factor, s), signal(constant));
+}
+
 /// Signal in [0, 1] → u, or the signal itself up to kLinearSignal. The polynomial is 1 at 1 and has
 /// the least error of its degree, weighted by the slope of lightness: 0.01 of L*.
 HWY_INLINE Signals
 root_of_light(Signals s)
 {
-  const auto next = [s](Signals sum, int constant) HWY_ATTR {
-    return hn::SaturatedAdd(hn::MulFixedPoint15(sum, s), signal(constant));
-  };
-  Signals u = next(signal(-4979), 16420);
-  u = next(u, -22784);
-  u = next(u, 21501);
-  u = next(u, 21691);
-  u = next(u, 919);
+  Signals u = times_plus(signal(-4979), s, 16420);
+  u = times_plus(u, s, -22784);
+  u = times_plus(u, s, 21501);
+  u = times_plus(u, s, 21691);
+  u = times_plus(u, s, 919);
   return hn::IfThenElse(hn::Gt(s, signal(kLinearSignal)), u, s);
 }
 
