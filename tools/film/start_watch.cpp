@@ -48,13 +48,14 @@ struct StartWatch::State
   static GstPadProbeReturn on_data(GstPad *pad, GstPadProbeInfo *info, gpointer shared)
   {
     State &state = **static_cast<Shared *>(shared);
-    if (GstEvent *event = GST_PAD_PROBE_INFO_EVENT(info)) {
+    if ((GST_PAD_PROBE_INFO_TYPE(info) & GST_PAD_PROBE_TYPE_BUFFER) == 0) {
+      GstEvent *event = GST_PAD_PROBE_INFO_EVENT(info);
       if (GST_EVENT_TYPE(event) == GST_EVENT_SEGMENT)
         state.add_segment(pad, event);
       return GST_PAD_PROBE_OK;
     }
     const GstBuffer *buffer = GST_PAD_PROBE_INFO_BUFFER(info);
-    if (buffer == nullptr || !GST_BUFFER_PTS_IS_VALID(buffer))
+    if (!GST_BUFFER_PTS_IS_VALID(buffer))
       return GST_PAD_PROBE_OK;
     state.add_first(pad, GST_BUFFER_PTS(buffer));
     return GST_PAD_PROBE_REMOVE;

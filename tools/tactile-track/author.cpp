@@ -32,6 +32,9 @@ using tactile::Track;
 
 namespace {
 
+/// Without a frame for so long, a film has stalled.
+constexpr guint kStalled = 30; // s
+
 /// Makes a track of a stream of maps.
 class Recorder
 {
@@ -152,13 +155,15 @@ public:
         this);
     if (gst_element_set_state(pipeline_.get(), GST_STATE_PLAYING) == GST_STATE_CHANGE_FAILURE)
       throw std::runtime_error("'" + film_ + "' cannot be played");
+    stall_ = g_timeout_add_seconds(
+        kStalled, +[](gpointer self) { return static_cast<Job *>(self)->look_for_stall(); }, this);
   }
 
   void stop()
   {
-    if (watch_)
-      g_source_remove(watch_);
-    watch_ = 0;
+    for (guint *source : { &watch_, &stall_ })
+      if (*source != 0)
+        g_source_remove(std::exchange(*source, 0));
     pipeline_.reset();
   }
 
@@ -207,6 +212,21 @@ private:
     return flow;
   }
 
+  /// GStreamer 1.22 comes to no end of some films, such as short animations.
+  gboolean look_for_stall()
+  {
+    const std::size_t frames = frames_;
+    if (frames == 0 || std::exchange(seen_, frames) != frames)
+      return G_SOURCE_CONTINUE;
+    const Owned<GstBus> bus(gst_element_get_bus(pipeline_.get()));
+    g_autoptr(GError) error = g_error_new(GST_STREAM_ERROR, GST_STREAM_ERROR_FAILED,
+                                          "nothing comes after %" G_GSIZE_FORMAT
+                                          " frames, nor the film's end; ffmpeg may convert it",
+                                          frames);
+    gst_bus_post(bus.get(), gst_message_new_error(GST_OBJECT(pipeline_.get()), error, nullptr));
+    return G_SOURCE_CONTINUE;
+  }
+
   gboolean on_message(GstMessage *message)
   {
     std::string failure;
@@ -232,6 +252,8 @@ private:
       }
     }
     watch_ = 0;
+    if (stall_ != 0)
+      g_source_remove(std::exchange(stall_, 0));
     finished_(*this, failure);
     return G_SOURCE_REMOVE;
   }
@@ -245,8 +267,10 @@ private:
   gint64 began_ = 0; ///< µs
   std::optional<Recorder> recorder_;
   std::atomic<GstClockTime> position_{ 0 };
+  std::atomic<std::size_t> frames_{ 0 };
+  std::size_t seen_ = 0; ///< frames at the last look_for_stall()
+  guint stall_ = 0;
   // Of the streaming thread, which has ended when others read them.
-  std::size_t frames_ = 0;
   std::optional<Time> first_;
   bool advances_ = false;
   guint watch_ = 0;

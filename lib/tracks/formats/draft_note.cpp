@@ -29,7 +29,7 @@ find_words(std::string_view text)
     return std::nullopt;
   std::string_view words = text.substr(begin);
   words = words.substr(0, words.find_first_of("\r\n\"<>,"));
-  while (words.ends_with(' ') || words.ends_with("--"))
+  while (words.ends_with(' ') || words.ends_with('-')) // of "-->"
     words.remove_suffix(1);
   return Place{ .begin = begin, .size = words.size() };
 }
