@@ -33,7 +33,7 @@ using tactile::Track;
 namespace {
 
 /// Without a frame for so long, a film has stalled.
-constexpr guint kStalled = 30; // s
+constexpr guint kStalled = 15; // s, or up to twice as long
 
 /// Makes a track of a stream of maps.
 class Recorder

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 //
-// Where a film's 0:00 is, by the segments and first time stamps that GStreamer 1.22's demuxers give. tests/tools/film_times.py holds it against players.
+// Where a film's 0:00 is, by the segments and first time stamps that GStreamer 1.22's demuxers
+// give. tests/tools/film_times.py holds it against players.
 #include "gst/cues/film_start.h"
 
 #include <gst/check/gstcheck.h>
