@@ -180,7 +180,8 @@ gst_saliency_tactile_analyze(GstSaliencyTactile *self, const SaliencySettings &s
   if (!no_people.empty() && !std::exchange(priv->warned_people, true))
     GST_ELEMENT_WARNING(self, RESOURCE, NOT_FOUND,
                         ("There is no look for people: %s.", no_people.c_str()),
-                        ("install OpenCV's object detection and its data, in Debian "
+                        ("the film is felt without it; where something is missing, install "
+                         "OpenCV's object detection and its data, in Debian "
                          "gstreamer1.0-visuotactile-people and opencv-data"));
   if (read || std::exchange(priv->warned_map, true))
     return;

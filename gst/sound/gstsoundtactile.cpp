@@ -52,7 +52,7 @@
 #include "../latency.h"
 #include "../properties.h"
 #include "../tactile/splitpads.h"
-#include "gst/fusion/sound_context.h"
+#include "gst/fusion/pipeline_sound.h"
 #include "gst/fusion/sound_meta.h"
 #include "gstsoundelements.h"
 #include "soundreader.h"
@@ -95,7 +95,6 @@ struct Private
   Settings used;                    ///< for this buffer
   GstSegment segment{};             ///< of the audio
   bool is_read = false;             ///< the format is one that can be read
-  bool discont = false;             ///< of the next map
   bool sounded = false;             ///< the last map had levels
   GstFlowReturn flow = GST_FLOW_OK; ///< of the tactile pad
 };
@@ -177,8 +176,6 @@ map_sink(GstSoundTactile *self)
     GstBuffer *buffer = gst_tactile_map_buffer_new(map.levels.data(), map.levels.size());
     GST_BUFFER_PTS(buffer) = begin;
     GST_BUFFER_DURATION(buffer) = end - begin;
-    if (std::exchange(self->priv->discont, false))
-      GST_BUFFER_FLAG_SET(buffer, GST_BUFFER_FLAG_DISCONT);
     const bool sounds = !tactile::is_silent(map);
     if (std::exchange(self->priv->sounded, sounds) || sounds)
       GST_BUFFER_FLAG_SET(buffer, kSoundMap);
@@ -191,7 +188,7 @@ static void
 drain(GstSoundTactile *self)
 {
   self->priv->reader.drain(self->priv->used, map_sink(self));
-  self->priv->discont = true;
+  self->priv->pads->interrupt();
 }
 
 /* Another chair, or a pad that was linked late, may want another grid. */
@@ -352,7 +349,7 @@ stop(GstSoundTactile *self)
   priv->pads->reset();
   priv->reader.reset();
   priv->is_read = false;
-  priv->discont = priv->sounded = false;
+  priv->sounded = false;
   gst_segment_init(&priv->segment, GST_FORMAT_TIME);
 }
 

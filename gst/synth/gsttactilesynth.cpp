@@ -252,7 +252,7 @@ gst_tactile_synth_sink_event(GstPad *pad, GstObject *parent, GstEvent *event)
   case GST_EVENT_SEGMENT: {
     const GstSegment *segment = nullptr;
     gst_event_parse_segment(event, &segment);
-    priv->output.set_segment(*segment);
+    priv->output.set_segment(*segment, gst_event_get_seqnum(event));
     gst_event_unref(event);
     return TRUE;
   }

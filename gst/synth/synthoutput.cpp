@@ -64,9 +64,10 @@ SynthOutput::play()
 }
 
 void
-SynthOutput::set_segment(const GstSegment &segment)
+SynthOutput::set_segment(const GstSegment &segment, guint32 seqnum)
 {
   segment_ = segment;
+  seqnum_ = seqnum;
   segment_sent_ = false;
 }
 
@@ -221,7 +222,10 @@ SynthOutput::send_segment()
     segment.stop = end == GST_CLOCK_TIME_NONE ? end : end + to_clock_time(Play::kRamp);
     segment.time = segment_.time;
   }
-  gst_pad_push_event(pad_, gst_event_new_segment(&segment));
+  GstEvent *event = gst_event_new_segment(&segment);
+  if (seqnum_ != GST_SEQNUM_INVALID)
+    gst_event_set_seqnum(event, seqnum_);
+  gst_pad_push_event(pad_, event);
   segment_sent_ = true;
 }
 

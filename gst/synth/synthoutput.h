@@ -26,8 +26,8 @@ public:
   /// Null before negotiate().
   synth::Play *play();
 
-  /// Of the input. The output's own is sent before the next samples.
-  void set_segment(const GstSegment &segment);
+  /// Of the input. The output's own is sent before the next samples, with this sequence number.
+  void set_segment(const GstSegment &segment, guint32 seqnum);
   const GstSegment &segment() const;
 
   /// The first sample is at `time`.
@@ -55,6 +55,7 @@ private:
   std::optional<synth::Play> play_; ///< while there is info_
   guint rows_ = 0;                  ///< of the cells of play_
   guint columns_ = 0;
+  guint32 seqnum_ = GST_SEQNUM_INVALID; ///< of segment_
   bool segment_sent_ = false;
   bool resync_ = true; ///< the next buffer does not follow the last one
 };

@@ -104,6 +104,7 @@ struct GstTactileConverterPrivate
   guint sent_columns = 0;
   Time last_end{ 0 }; ///< of the output
   bool warned = false;
+  bool interrupted = true; ///< the next cue does not follow the last one
 
   ~GstTactileConverterPrivate()
   {
@@ -199,7 +200,10 @@ push_cue(GstTactileConverter *self, const Cue &cue)
   push_gap(self, cue.begin);
 
   priv->last_end = std::max(priv->last_end, cue.end);
-  return gst_pad_push(self->srcpad, cue_buffer_new(cue, *priv->out));
+  GstBuffer *buffer = cue_buffer_new(cue, *priv->out);
+  if (std::exchange(priv->interrupted, false))
+    GST_BUFFER_FLAG_SET(buffer, GST_BUFFER_FLAG_DISCONT);
+  return gst_pad_push(self->srcpad, buffer);
 }
 
 static GstFlowReturn
@@ -244,6 +248,8 @@ convert(GstTactileConverter *self, GstBuffer *buffer, CueForm form)
   const tactile::Grid caps_grid{ static_cast<int>(priv->rows), static_cast<int>(priv->columns) };
   tl::expected<Cue, tactile::FormatError> read
       = cue_from_buffer(buffer, form, form == CueForm::map ? caps_grid : priv->grid);
+  if (!read && form == CueForm::text && priv->grid && cue_is_remark(buffer))
+    return GST_FLOW_OK;
   if (!read) {
     const std::string why = read.error().text();
     GST_WARNING_OBJECT(self, "buffer at %" GST_TIME_FORMAT " is no map: %s",
@@ -341,6 +347,7 @@ take_segment(GstTactileConverter *self, GstEvent *event)
   const GstSegment *segment = nullptr;
   gst_event_parse_segment(event, &segment);
   drain(self);
+  self->priv->interrupted = true;
   self->priv->last_end = segment->format == GST_FORMAT_TIME ? to_time(segment->start) : Time(0);
   gst_event_replace(&self->priv->pending_segment, event);
 }
@@ -386,6 +393,7 @@ gst_tactile_converter_sink_event(GstPad *pad, GstObject *parent, GstEvent *event
     break;
   case GST_EVENT_FLUSH_STOP:
     priv->builder.reset();
+    priv->interrupted = true;
     gst_clear_event(&priv->pending_segment);
     break;
   default:

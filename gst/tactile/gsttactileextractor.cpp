@@ -64,6 +64,8 @@ static GstStaticPadTemplate tactile_template = GST_STATIC_PAD_TEMPLATE(
 static GstFlowReturn
 push_tactile(GstTactileExtractor *self, GstBuffer *frame)
 {
+  if (GST_BUFFER_IS_DISCONT(frame))
+    self->pads->interrupt();
   const GstTactileMeta *meta = gst_buffer_get_tactile_meta(frame);
   const GstClockTime pts = GST_BUFFER_PTS(frame);
   const GstClockTime duration
@@ -78,8 +80,6 @@ push_tactile(GstTactileExtractor *self, GstBuffer *frame)
   GstBuffer *map = gst_tactile_map_buffer_new(levels, n_levels);
   GST_BUFFER_PTS(map) = pts;
   GST_BUFFER_DURATION(map) = duration;
-  if (GST_BUFFER_IS_DISCONT(frame))
-    GST_BUFFER_FLAG_SET(map, GST_BUFFER_FLAG_DISCONT);
   if (has_sound_meta(frame))
     GST_BUFFER_FLAG_SET(map, kSoundMap);
   self->pads->announce(meta->rows, meta->columns);

@@ -39,6 +39,7 @@
 #include "gsttactileelements.h"
 
 #include <optional>
+#include <string>
 
 GST_DEBUG_CATEGORY_STATIC(tactile_klv_dec_debug);
 #define GST_CAT_DEFAULT tactile_klv_dec_debug
@@ -47,6 +48,7 @@ struct _GstTactileKlvDec
 {
   GstElement parent;
   GstPad *srcpad;
+  CueForm form; /* streaming thread */
 };
 
 G_DEFINE_TYPE_WITH_CODE(GstTactileKlvDec, gst_tactile_klv_dec, GST_TYPE_ELEMENT,
@@ -55,10 +57,33 @@ G_DEFINE_TYPE_WITH_CODE(GstTactileKlvDec, gst_tactile_klv_dec, GST_TYPE_ELEMENT,
 GST_ELEMENT_REGISTER_DEFINE(tactileklvdec, "tactileklvdec", GST_RANK_MARGINAL,
                             GST_TYPE_TACTILE_KLV_DEC);
 
-static GstStaticPadTemplate sink_template
-    = GST_STATIC_PAD_TEMPLATE("sink", GST_PAD_SINK, GST_PAD_ALWAYS, GST_STATIC_CAPS(CUE_KLV_CAPS));
+static GstStaticPadTemplate sink_template = GST_STATIC_PAD_TEMPLATE(
+    "sink", GST_PAD_SINK, GST_PAD_ALWAYS, GST_STATIC_CAPS(CUE_KLV_CAPS "; " CUE_WEBVTT_CAPS));
 static GstStaticPadTemplate src_template
     = GST_STATIC_PAD_TEMPLATE("src", GST_PAD_SRC, GST_PAD_ALWAYS, GST_STATIC_CAPS(CUE_TEXT_CAPS));
+
+/* Words of WebVTT, without its tags; nullptr if the bytes are no text. */
+static GstBuffer *
+words_new(GstBuffer *block, CueForm form)
+{
+  GstMapInfo bytes;
+  if (form == CueForm::klv || !gst_buffer_map(block, &bytes, GST_MAP_READ))
+    return nullptr;
+  std::string words;
+  bool in_tag = false;
+  for (const char c : cue_text({ reinterpret_cast<const char *>(bytes.data), bytes.size }, form)) {
+    in_tag = in_tag || c == '<';
+    if (!in_tag)
+      words += c;
+    in_tag = in_tag && c != '>';
+  }
+  gst_buffer_unmap(block, &bytes);
+  if (words.empty() || !g_utf8_validate(words.data(), static_cast<gssize>(words.size()), nullptr))
+    return nullptr;
+  GstBuffer *buffer = gst_buffer_new_memdup(words.data(), words.size());
+  gst_buffer_copy_into(buffer, block, GST_BUFFER_COPY_TIMESTAMPS, 0, static_cast<gsize>(-1));
+  return buffer;
+}
 
 static GstFlowReturn
 gst_tactile_klv_dec_chain(GstPad *pad, GstObject *parent, GstBuffer *packet)
@@ -69,12 +94,23 @@ gst_tactile_klv_dec_chain(GstPad *pad, GstObject *parent, GstBuffer *packet)
   const GstClockTime pts = GST_BUFFER_PTS(packet);
   if (!GST_CLOCK_TIME_IS_VALID(pts))
     return GST_FLOW_OK;
-  const auto cue = cue_from_buffer(packet, CueForm::klv, std::nullopt);
-  if (!cue)
+  auto cue = cue_from_buffer(packet, self->form, std::nullopt);
+  if (!cue) {
     GST_DEBUG_OBJECT(self, "packet at %" GST_TIME_FORMAT " is no map: %s", GST_TIME_ARGS(pts),
                      cue.error().text().c_str());
-  gst_pad_push_event(self->srcpad,
-                     cue ? cue_gap_new(packet) : gst_event_new_gap(pts, GST_CLOCK_TIME_NONE));
+    if (GstBuffer *words = words_new(packet, self->form))
+      return gst_pad_push(self->srcpad, words);
+    gst_pad_push_event(self->srcpad, gst_event_new_gap(pts, GST_CLOCK_TIME_NONE));
+  } else if (self->form == CueForm::klv) {
+    gst_pad_push_event(self->srcpad, cue_gap_new(packet));
+  } else {
+    const GstClockTime duration
+        = GST_BUFFER_DURATION_IS_VALID(packet) ? GST_BUFFER_DURATION(packet) : GST_SECOND;
+    cue->begin = tactile::Time(static_cast<tactile::Time::rep>(pts));
+    cue->end = cue->begin + tactile::Time(static_cast<tactile::Time::rep>(duration));
+    g_autoptr(GstBuffer) klv = cue_buffer_new(*cue, CueForm::klv);
+    gst_pad_push_event(self->srcpad, cue_gap_new(klv));
+  }
   return GST_FLOW_OK;
 }
 
@@ -84,6 +120,9 @@ gst_tactile_klv_dec_sink_event(GstPad *pad, GstObject *parent, GstEvent *event)
   auto *self = GST_TACTILE_KLV_DEC(parent);
   if (GST_EVENT_TYPE(event) != GST_EVENT_CAPS)
     return gst_pad_event_default(pad, parent, event);
+  GstCaps *of = nullptr;
+  gst_event_parse_caps(event, &of);
+  self->form = cue_form_of(of).value_or(CueForm::klv);
   gst_event_unref(event);
   g_autoptr(GstCaps) caps = cue_caps_new(CueForm::text);
   return gst_pad_push_event(self->srcpad, gst_event_new_caps(caps));

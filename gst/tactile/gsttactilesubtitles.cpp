@@ -7,8 +7,9 @@
  * tactilesubtitles takes a film and its subtitles. The first cue tells what the subtitles are:
  *
  * - A tactile track, in text cues as [tactileconverter](tactileconverter.md) writes them: each
- *   frame gets the map that holds at its time as a #GstTactileMeta, or a silent one. A cue that is
- *   not a map, such as a designer's remark, is drawn.
+ *   frame gets the map that holds at its time as a #GstTactileMeta, or a silent one. A designer's
+ *   remark, which is a cue of words that do not begin with digits, is drawn. Any other cue that is
+ *   no map is neither felt nor drawn, with a warning: tactile-track refuses its file.
  * - Text: its child `words`, a `textoverlay`, draws it on the film. Frames get no map, and
  *   `visuotactilesink` analyzes them.
  *
@@ -105,18 +106,6 @@ source_of(GstPad *pad)
   return std::string(whole.substr(0, whole.find_first_of(":/")));
 }
 
-/// The cue in a buffer, if it is one.
-std::optional<tactile::Cue>
-read_cue(GstBuffer *buffer, CueForm form, std::optional<tactile::Grid> grid)
-{
-  tl::expected<tactile::Cue, tactile::FormatError> cue = cue_from_buffer(buffer, form, grid);
-  if (!cue) {
-    GST_LOG("no map: %s", cue.error().text().c_str());
-    return std::nullopt;
-  }
-  return std::move(*cue);
-}
-
 } // namespace
 
 /// Guarded by the object lock.
@@ -127,6 +116,7 @@ struct GstTactileSubtitlesPrivate
   std::deque<Cue> cues;
   std::size_t levels = 0; ///< in cues
   bool warned = false;
+  bool warned_of_fault = false;
   std::string film;  ///< where the frames come from
   FilmStart start{}; ///< its 0:00
 };
@@ -219,6 +209,22 @@ keep(GstTactileSubtitles *self, const Cue &cue)
         ("expected at most %" G_GSIZE_FORMAT " levels before their frames come", kMaxLevels));
 }
 
+/// A cue that should be a map is neither felt nor drawn.
+static void
+warn_of_fault(GstTactileSubtitles *self, GstBuffer *buffer, const tactile::FormatError &error)
+{
+  GST_WARNING_OBJECT(self, "cue at %" GST_TIME_FORMAT " is no map: %s",
+                     GST_TIME_ARGS(GST_BUFFER_PTS(buffer)), error.text().c_str());
+  GST_OBJECT_LOCK(self);
+  const bool warned = std::exchange(self->priv->warned_of_fault, true);
+  GST_OBJECT_UNLOCK(self);
+  if (!warned)
+    GST_ELEMENT_WARNING(self, STREAM, DECODE,
+                        ("The tactile track is faulty; parts of it are not felt."),
+                        ("at %" GST_TIME_FORMAT ": %s", GST_TIME_ARGS(GST_BUFFER_PTS(buffer)),
+                         error.text().c_str()));
+}
+
 /// Takes a map of the track; false for other text.
 static bool
 take(GstTactileSubtitles *self, GstPad *pad, GstBuffer *buffer, CueForm form)
@@ -232,8 +238,8 @@ take(GstTactileSubtitles *self, GstPad *pad, GstBuffer *buffer, CueForm form)
     return false;
 
   const bool follows = kind == Kind::track;
-  const std::optional<tactile::Cue> read
-      = read_cue(buffer, form, follows ? std::optional(grid) : std::nullopt);
+  const tl::expected<tactile::Cue, tactile::FormatError> read
+      = cue_from_buffer(buffer, form, follows ? std::optional(grid) : std::nullopt);
   GST_OBJECT_LOCK(self);
   if (!follows)
     priv->kind = read ? Kind::track : Kind::words;
@@ -242,6 +248,10 @@ take(GstTactileSubtitles *self, GstPad *pad, GstBuffer *buffer, CueForm form)
   GST_OBJECT_UNLOCK(self);
   if (!follows)
     GST_INFO_OBJECT(self, "the subtitles are %s", read ? "a tactile track" : "to be read");
+  if (!read && follows && !cue_is_remark(buffer)) {
+    warn_of_fault(self, buffer, read.error());
+    return true;
+  }
   if (!read)
     return false;
   Cue cue{ .map = read->map };

@@ -6,6 +6,7 @@
 #include <gst/tactile/tactile.h>
 
 #include <initializer_list>
+#include <utility>
 
 namespace {
 
@@ -225,7 +226,15 @@ SplitPads::maps_flow() const
 GstFlowReturn
 SplitPads::push_map(GstBuffer *map)
 {
+  if (std::exchange(interrupted_, false))
+    GST_BUFFER_FLAG_SET(map, GST_BUFFER_FLAG_DISCONT);
   return push(tactile_, map);
+}
+
+void
+SplitPads::interrupt()
+{
+  interrupted_ = true;
 }
 
 GstFlowReturn
@@ -276,6 +285,7 @@ SplitPads::pass_event(GstEvent *event)
     start_stream(event);
     break;
   case GST_EVENT_SEGMENT:
+    interrupt();
     if (rows_ > 0)
       gst_pad_push_event(tactile_, gst_event_ref(event));
     else
@@ -294,6 +304,7 @@ SplitPads::pass_event(GstEvent *event)
   case GST_EVENT_FLUSH_STOP:
     gst_flow_combiner_reset(combiner_);
     gst_clear_event(&segment_);
+    interrupt();
     handled = gst_pad_push_event(tactile_, gst_event_ref(event));
     break;
   default:
@@ -311,4 +322,5 @@ SplitPads::reset()
   fps_n_ = 0;
   fps_d_ = 1;
   fps_changed_ = false;
+  interrupt();
 }

@@ -42,6 +42,8 @@ public:
   /// To the tactile pad, a map after announce(). For pass().
   GstFlowReturn push_map(GstBuffer *map);
   GstFlowReturn push_gap(GstClockTime pts, GstClockTime duration);
+  /// The next map does not follow the last one. So it is after a flush, a segment and reset().
+  void interrupt();
   /// What the tactile pad returns if nothing is pushed.
   GstFlowReturn maps_flow() const;
 
@@ -70,6 +72,7 @@ private:
   gint fps_d_ = 1;
   guint rows_ = 0; ///< of the tactile pad's caps; 0: none sent yet
   guint columns_ = 0;
-  bool fps_changed_ = false;    ///< since these caps were sent
+  bool fps_changed_ = false; ///< since these caps were sent
+  bool interrupted_ = true;
   GstEvent *segment_ = nullptr; ///< for the tactile pad, which needs caps first
 };

@@ -25,10 +25,11 @@
  * message. A board that is unplugged costs one warning: the film plays on, and so does the board
  * when it is back.
  *
- * Without #GstTactorSink:device the first board that answers is taken: boards of board makers, then
- * adapter chips (FTDI, CH340) behind which a board has answered before. `driver=auto` leaves out
- * other adapters, which may be a 3D printer, until they are named once by `device`. A board whose
- * port another program has open is not taken.
+ * Without #GstTactorSink:device the first board that answers is taken of those that have answered
+ * before. Name a board once by `device`: other devices may be 3D printers, which a question resets.
+ * `driver=auto` does not touch them, `driver=firmata` and `driver=seat` ask one that is alone. A
+ * board whose port another program has open is not taken. See [which
+ * board is taken](../design/tactorsink.md#which-board-is-taken).
  *
  * As a #GstURIHandler it plays on `tactor://SERIAL`, the board with that serial number or bus path.
  *

@@ -107,8 +107,11 @@ TactorSession::wait_until_open()
   using Outcome = TactorScheduler::Outcome;
   for (Outcome outcome = Outcome::interrupted; outcome != Outcome::open;) {
     const guint64 interruptions = scheduler_.interruptions();
+    // Without the lock, which a flush needs, it waits, and upstream is asked.
     GST_BASE_SINK_PREROLL_UNLOCK(sink_);
     outcome = scheduler_.wait_until_open(interruptions);
+    if (outcome == Outcome::open)
+      opened_ = opening_time();
     GST_BASE_SINK_PREROLL_LOCK(sink_);
     if (sink_->flushing || outcome == Outcome::stopped)
       return GST_FLOW_FLUSHING;
@@ -117,14 +120,17 @@ TactorSession::wait_until_open()
       return GST_FLOW_ERROR;
     }
   }
-  agree_on_lead(); // once more: only now it is certain whether the source is live
-  opened_.reset();
-  if (GstClock *clock
-      = latency::is_live(GST_BASE_SINK_PAD(sink_)) ? gst_element_get_clock(element_) : nullptr) {
-    opened_ = gst_clock_get_time(clock);
-    gst_object_unref(clock);
-  }
   return GST_FLOW_OK;
+}
+
+/// The clock's time now, of a live source. Once more the lead is agreed on: only now it is certain
+/// whether the source is live.
+std::optional<GstClockTime>
+TactorSession::opening_time()
+{
+  const bool live = agree_on_lead();
+  g_autoptr(GstClock) clock = live ? gst_element_get_clock(element_) : nullptr;
+  return clock ? std::optional(gst_clock_get_time(clock)) : std::nullopt;
 }
 
 TactorOpening &
@@ -169,13 +175,16 @@ TactorSession::scheduler()
   return scheduler_;
 }
 
-/// Once the board's latency is known: data is requested so much earlier.
-void
+/// Once the board's latency is known: data is requested so much earlier. Returns whether the source
+/// is live. Not with the preroll lock: upstream is asked, and a message posted.
+bool
 TactorSession::agree_on_lead()
 {
-  if (latency::is_live(GST_BASE_SINK_PAD(sink_)))
+  const bool live = latency::is_live(GST_BASE_SINK_PAD(sink_));
+  if (live)
     opening_.latency = opening_.live_latency;
   gst_base_sink_set_render_delay(sink_, lead_of(opening_));
+  return live;
 }
 
 /// On any thread of the driver's.

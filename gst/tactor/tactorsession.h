@@ -42,7 +42,8 @@ public:
   TactorScheduler &scheduler();
 
 private:
-  void agree_on_lead();
+  bool agree_on_lead();
+  std::optional<GstClockTime> opening_time();
   void device_event(const tactor::DriverEvent &event);
   void tell_short_lead(tactor::Time lead, tactor::Time late);
 

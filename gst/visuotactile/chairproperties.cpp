@@ -60,6 +60,10 @@ ChairProperties::open()
     complain(settings);
     apply(settings, false);
   });
+  if (!watch_->watches())
+    GST_ELEMENT_WARNING(owner_, RESOURCE, FAILED,
+                        ("Changes of the settings are heard at the next start only."),
+                        ("the system has no more threads"));
   chair::Settings settings = chair::read_settings();
   complain(settings);
   apply(settings, true);

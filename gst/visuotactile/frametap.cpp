@@ -125,7 +125,8 @@ FrameTap::pass(GstEvent *event)
     gst_event_parse_segment(event, &segment);
     const GstSegment shifted = shift_.open(*segment);
     GstEvent *sent = gst_event_new_segment(&shifted);
-    gst_event_set_seqnum(sent, gst_event_get_seqnum(event));
+    seqnum_ = gst_event_get_seqnum(event);
+    gst_event_set_seqnum(sent, seqnum_);
     gst_pad_push_event(pad_, sent);
     return;
   }
@@ -157,7 +158,9 @@ FrameTap::pass(GstBuffer *frame)
   gate_.pass();
   if (shift_.pass(frame)) {
     const GstSegment segment = shift_.segment();
-    gst_pad_push_event(pad_, gst_event_new_segment(&segment));
+    GstEvent *sent = gst_event_new_segment(&segment);
+    gst_event_set_seqnum(sent, seqnum_);
+    gst_pad_push_event(pad_, sent);
   }
   gst_pad_push(pad_, gst_buffer_ref(frame));
 }

@@ -50,7 +50,8 @@ private:
   GstPad *pad_; ///< a source pad without an element
   gulong probe_ = 0;
   GroupShift shift_;
-  std::atomic<bool> told_{ false }; ///< the branch knows the stream
+  guint32 seqnum_ = GST_SEQNUM_INVALID; ///< of the segment
+  std::atomic<bool> told_{ false };     ///< the branch knows the stream
   std::atomic<bool> open_{ false };
   std::atomic<bool> ended_{ false };
   std::atomic<gint64> pixels_{ 0 };

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "playgate.h"
 
+#include "gst/fusion/topmost.h"
+
 #include <utility>
 
 PlayGate::PlayGate(GstElement *owner, GstPad *pad)
@@ -18,18 +20,13 @@ PlayGate::~PlayGate()
 bool
 PlayGate::pipeline_plays() const
 {
-  auto *top = GST_OBJECT(gst_object_ref(owner_));
-  while (GstObject *parent = gst_object_get_parent(top)) {
-    gst_object_unref(top);
-    top = parent;
-  }
-  bool plays = true;
-  if (top != GST_OBJECT(owner_)) {
-    GST_OBJECT_LOCK(top);
-    plays = GST_STATE(top) == GST_STATE_PLAYING && GST_STATE_PENDING(top) == GST_STATE_VOID_PENDING;
-    GST_OBJECT_UNLOCK(top);
-  }
-  gst_object_unref(top);
+  g_autoptr(GstObject) top = topmost(GST_OBJECT(owner_));
+  if (top == GST_OBJECT(owner_))
+    return true;
+  GST_OBJECT_LOCK(top);
+  const bool plays
+      = GST_STATE(top) == GST_STATE_PLAYING && GST_STATE_PENDING(top) == GST_STATE_VOID_PENDING;
+  GST_OBJECT_UNLOCK(top);
   return plays;
 }
 
@@ -43,8 +40,15 @@ PlayGate::flush()
 void
 PlayGate::pass()
 {
+  {
+    const std::lock_guard lock(mutex_);
+    if (!flushed_)
+      return;
+  }
+  const bool plays = pipeline_plays(); // without the mutex: others' locks are taken
   const std::lock_guard lock(mutex_);
-  if (!std::exchange(flushed_, false) || closed_ != 0 || pipeline_plays())
+  // open() may have come meanwhile.
+  if (!std::exchange(flushed_, false) || closed_ != 0 || plays)
     return;
   closed_ = gst_pad_add_probe(
       pad_, static_cast<GstPadProbeType>(GST_PAD_PROBE_TYPE_BLOCK | GST_PAD_PROBE_TYPE_BUFFER),

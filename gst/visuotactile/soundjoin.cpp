@@ -6,7 +6,7 @@
 #include "../properties.h"
 #include "../soundmode.h"
 #include "fusion/fusion.h"
-#include "gst/fusion/sound_context.h"
+#include "gst/fusion/pipeline_sound.h"
 #include "gst/fusion/sound_meta.h"
 
 #include <gst/tactile/tactile.h>
@@ -54,7 +54,8 @@ struct Private
   guint rows = 0;
   guint columns = 0;
   fusion::Fusion fusion;
-  bool sounded = false; ///< the last map had sound
+  bool sounded = false;    ///< the last map had sound
+  bool interrupted = true; ///< the next map does not follow the last one
 };
 
 } // namespace
@@ -111,7 +112,17 @@ running(GstSoundJoin *self, GstClockTime position)
 }
 
 static GstFlowReturn
-push_piece(GstSoundJoin *self, const SoundMap &piece, const TactileMap &felt, bool discont)
+push(GstSoundJoin *self, GstBuffer *map)
+{
+  if (std::exchange(self->priv->interrupted, false) && !GST_BUFFER_IS_DISCONT(map)) {
+    map = gst_buffer_make_writable(map);
+    GST_BUFFER_FLAG_SET(map, GST_BUFFER_FLAG_DISCONT);
+  }
+  return gst_pad_push(self->srcpad, map);
+}
+
+static GstFlowReturn
+push_piece(GstSoundJoin *self, const SoundMap &piece, const TactileMap &felt)
 {
   Private *priv = self->priv;
   const bool sounds = !piece.map.levels.empty();
@@ -122,11 +133,9 @@ push_piece(GstSoundJoin *self, const SoundMap &piece, const TactileMap &felt, bo
   GstBuffer *buffer = gst_tactile_map_buffer_new(felt.levels.data(), felt.levels.size());
   GST_BUFFER_PTS(buffer) = position(piece.begin);
   GST_BUFFER_DURATION(buffer) = position(piece.end) - GST_BUFFER_PTS(buffer);
-  if (discont)
-    GST_BUFFER_FLAG_SET(buffer, GST_BUFFER_FLAG_DISCONT);
   if (std::exchange(priv->sounded, sounds) || sounds)
     GST_BUFFER_FLAG_SET(buffer, kSoundMap);
-  return gst_pad_push(self->srcpad, buffer);
+  return push(self, buffer);
 }
 
 static std::optional<TactileMap>
@@ -159,7 +168,7 @@ next_place(GstSoundJoin *self)
 /// Pushes the maps of picture and sound in this time. False if there is none.
 static bool
 fuse(GstSoundJoin *self, GstClockTime pts, GstClockTime duration, const TactileMap &picture,
-     bool discont, GstFlowReturn *flow)
+     GstFlowReturn *flow)
 {
   Private *priv = self->priv;
   const Joined sound = joined(self);
@@ -178,8 +187,7 @@ fuse(GstSoundJoin *self, GstClockTime pts, GstClockTime duration, const TactileM
   for (const SoundMap &piece : fusion::pieces(*begin, *end, heard)) {
     const TactileMap felt = priv->fusion.mix(piece.begin, piece.end, picture, piece.map,
                                              sound.profile->mix, next ? &*next : nullptr);
-    *flow = push_piece(self, piece, felt, discont);
-    discont = false;
+    *flow = push_piece(self, piece, felt);
     if (*flow != GST_FLOW_OK)
       break;
   }
@@ -190,14 +198,13 @@ static GstFlowReturn
 pass(GstSoundJoin *self, GstBuffer *buffer)
 {
   GstFlowReturn flow = GST_FLOW_OK;
+  self->priv->interrupted |= GST_BUFFER_IS_DISCONT(buffer);
   if (!joined(self))
-    return gst_pad_push(self->srcpad, buffer);
+    return push(self, buffer);
   // What is wrong with a map is tactorsink's error.
   const std::optional<TactileMap> picture = read_map(self, buffer);
-  if (!picture
-      || !fuse(self, GST_BUFFER_PTS(buffer), GST_BUFFER_DURATION(buffer), *picture,
-               GST_BUFFER_IS_DISCONT(buffer), &flow))
-    return gst_pad_push(self->srcpad, buffer);
+  if (!picture || !fuse(self, GST_BUFFER_PTS(buffer), GST_BUFFER_DURATION(buffer), *picture, &flow))
+    return push(self, buffer);
   gst_buffer_unref(buffer);
   return flow;
 }
@@ -213,7 +220,7 @@ pass_gap(GstSoundJoin *self, GstEvent *event)
   gst_event_parse_gap(event, &pts, &duration);
   const TactileMap silent(static_cast<int>(std::max(priv->rows, 1u)),
                           static_cast<int>(std::max(priv->columns, 1u)));
-  if (priv->rows == 0 || !fuse(self, pts, duration, silent, false, &flow))
+  if (priv->rows == 0 || !fuse(self, pts, duration, silent, &flow))
     return gst_pad_push_event(self->srcpad, event);
   gst_event_unref(event);
   return flow == GST_FLOW_OK;
@@ -229,6 +236,7 @@ pass_event(GstSoundJoin *self, GstEvent *event)
     return pass_gap(self, event);
   case GST_EVENT_SEGMENT:
     gst_event_copy_segment(event, &priv->segment);
+    priv->interrupted = true;
     break;
   case GST_EVENT_CAPS:
     gst_event_parse_caps(event, &caps);
@@ -306,6 +314,7 @@ gst_sound_join_sink_event(GstPad *pad, GstObject *parent, GstEvent *event)
   case GST_EVENT_FLUSH_STOP:
     priv->fusion.reset();
     priv->sounded = false;
+    priv->interrupted = true;
     gst_pad_event_default(pad, parent, event);
     priv->held.flush();
     return TRUE;
@@ -350,6 +359,7 @@ gst_sound_join_leave(GstSoundJoin *self)
   priv->held.clear();
   priv->fusion.reset();
   priv->sounded = false;
+  priv->interrupted = true;
   priv->rows = priv->columns = 0;
   priv->frame = kUsualFrame;
   gst_segment_init(&priv->segment, GST_FORMAT_UNDEFINED);

@@ -6,6 +6,7 @@
 #include "soundjoin.h"
 
 #include <algorithm>
+#include <atomic>
 #include <vector>
 
 namespace {
@@ -168,10 +169,15 @@ gst_tactile_branch_change_state(GstElement *element, GstStateChange transition)
   return ret;
 }
 
-/* Steps by buffers are for the video sink; tactorsink steps by time. */
+/* Steps by buffers are for the video sink; tactorsink steps by time. Seeks are the video sink's,
+ * too: what one more sink sends comes upstream after the flush that it asks for. */
 static gboolean
 gst_tactile_branch_send_event(GstElement *element, GstEvent *event)
 {
+  if (GST_EVENT_TYPE(event) == GST_EVENT_SEEK) {
+    gst_event_unref(event);
+    return TRUE;
+  }
   if (GST_EVENT_TYPE(event) == GST_EVENT_STEP) {
     GstFormat format = GST_FORMAT_UNDEFINED;
     gst_event_parse_step(event, &format, nullptr, nullptr, nullptr, nullptr);
@@ -312,16 +318,29 @@ gst_tactile_branch_new(const gchar *name)
                                            gst_element_factory_make("tactorsink", "tactors") });
 }
 
-/* A frame that left the queue is no jump of the film: the analysis goes on after it. */
+/* The first frame of a stream, a segment or after a flush is discontinuous, also where the queue
+ * dropped the one that was marked. All others are not: a frame that left the queue is no jump of
+ * the film, and the analysis goes on after it. `begins`: a std::atomic<bool>. */
 static GstPadProbeReturn
-clear_discont(GstPad *, GstPadProbeInfo *info, gpointer)
+set_discont(GstPad *, GstPadProbeInfo *info, gpointer begins)
 {
-  GstBuffer *frame = GST_PAD_PROBE_INFO_BUFFER(info);
-  if (GST_BUFFER_IS_DISCONT(frame)) {
-    frame = writable_frame(frame);
-    GST_BUFFER_FLAG_UNSET(frame, GST_BUFFER_FLAG_DISCONT);
-    info->data = frame;
+  auto &first = *static_cast<std::atomic<bool> *>(begins);
+  if (!(info->type & GST_PAD_PROBE_TYPE_BUFFER)) {
+    const GstEventType type = GST_EVENT_TYPE(GST_PAD_PROBE_INFO_EVENT(info));
+    if (type == GST_EVENT_STREAM_START || type == GST_EVENT_SEGMENT || type == GST_EVENT_FLUSH_STOP)
+      first = true;
+    return GST_PAD_PROBE_OK;
   }
+  GstBuffer *frame = GST_PAD_PROBE_INFO_BUFFER(info);
+  const bool is_first = first.exchange(false);
+  if (static_cast<bool>(GST_BUFFER_IS_DISCONT(frame)) == is_first)
+    return GST_PAD_PROBE_OK;
+  frame = writable_frame(frame);
+  if (is_first)
+    GST_BUFFER_FLAG_SET(frame, GST_BUFFER_FLAG_DISCONT);
+  else
+    GST_BUFFER_FLAG_UNSET(frame, GST_BUFFER_FLAG_DISCONT);
+  info->data = frame;
   return GST_PAD_PROBE_OK;
 }
 
@@ -338,7 +357,12 @@ gst_tactile_branch_new_with_analysis(const gchar *name)
     return nullptr;
   g_object_set(self->rest->front(), "keep-maps", TRUE, nullptr);
   g_autoptr(GstPad) pad = gst_element_get_static_pad(self->queue, "src");
-  gst_pad_add_probe(pad, GST_PAD_PROBE_TYPE_BUFFER, clear_discont, nullptr, nullptr);
+  gst_pad_add_probe(pad,
+                    static_cast<GstPadProbeType>(GST_PAD_PROBE_TYPE_BUFFER
+                                                 | GST_PAD_PROBE_TYPE_EVENT_DOWNSTREAM
+                                                 | GST_PAD_PROBE_TYPE_EVENT_FLUSH),
+                    set_discont, new std::atomic<bool>(true),
+                    [](gpointer begins) { delete static_cast<std::atomic<bool> *>(begins); });
   return self;
 }
 

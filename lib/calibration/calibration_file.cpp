@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "calibration/calibration.h"
 
+#include "files/regular_file.h"
+
 #include <glib.h>
 
 #include <algorithm>
-#include <cerrno>
 #include <charconv>
 #include <cmath>
-#include <cstdio>
 #include <memory>
 #include <span>
 #include <string>
@@ -38,19 +38,10 @@ using Error = tl::unexpected<std::string>;
 tl::expected<std::string, std::string>
 contents(const std::string &path)
 {
-  std::string text;
-  const std::unique_ptr<std::FILE, int (*)(std::FILE *)> file(std::fopen(path.c_str(), "re"),
-                                                              std::fclose);
-  char part[16384];
-  while (file && text.size() <= kMostBytes)
-    if (const std::size_t size = std::fread(part, 1, sizeof part, file.get()); size > 0)
-      text.append(part, size);
-    else
-      break;
-  if (!file || std::ferror(file.get()))
-    return Error(std::generic_category().message(errno));
-  if (text.size() > kMostBytes)
-    return Error("expected at most " + std::to_string(kMostBytes) + " bytes");
+  tl::expected<std::string, files::Error> read = files::read(path, kMostBytes);
+  if (!read)
+    return Error(read.error().reason);
+  const std::string &text = *read;
   std::size_t longest = 0;
   std::ptrdiff_t lines = 0;
   for (std::size_t from = 0; from < text.size(); lines++) {
@@ -61,7 +52,7 @@ contents(const std::string &path)
   if (lines > kMostLines || longest > kLongestLine)
     return Error("expected at most " + std::to_string(kMostLines) + " lines of at most "
                  + std::to_string(kLongestLine) + " bytes");
-  return text;
+  return *std::move(read);
 }
 
 struct FreeKeyFile

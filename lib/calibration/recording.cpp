@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "calibration/recording.h"
 
+#include "files/regular_file.h"
+
 #include <algorithm>
-#include <cerrno>
 #include <charconv>
 #include <cmath>
-#include <fstream>
+#include <sstream>
 #include <system_error>
 
 namespace tactor {
@@ -18,6 +19,7 @@ constexpr double kLongestS = 1e5;
 constexpr double kMostRate = 1e6;
 constexpr double kGreatest = 1e12; ///< limit on values, in any unit
 constexpr std::streamsize kLongestLine = 1 << 16;
+constexpr std::size_t kMostBytes = std::size_t{ 1 } << 30;
 
 using Error = tl::unexpected<std::string>;
 
@@ -103,9 +105,10 @@ Recording::channel_of(int tactor, int tactors) const
 tl::expected<Recording, std::string>
 read_csv_recording(const std::string &path)
 {
-  std::ifstream file(path);
-  if (!file)
-    return Error("cannot read '" + path + "': " + std::generic_category().message(errno));
+  tl::expected<std::string, files::Error> text = files::read(path, kMostBytes);
+  if (!text)
+    return Error("cannot read '" + path + "': " + text.error().reason);
+  std::istringstream file(*std::move(text));
   Recording recording;
   std::vector<double> times;
   std::vector<char> line(kLongestLine);

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "chair/settings_file.h"
 
+#include "files/regular_file.h"
+
 #include <cerrno>
-#include <cstdio>
 
 #include <glib/gstdio.h>
 
@@ -13,23 +14,6 @@ namespace {
 constexpr std::size_t kMostBytes = std::size_t{ 1 } << 20;
 
 using Error = tl::unexpected<std::string>;
-
-/// Up to kMostBytes + 1 bytes; nothing if there is no such file.
-tl::expected<std::string, std::string>
-contents(const std::string &path)
-{
-  const std::unique_ptr<std::FILE, int (*)(std::FILE *)> file(std::fopen(path.c_str(), "re"),
-                                                              std::fclose);
-  if (!file && errno == ENOENT)
-    return "";
-  if (!file)
-    return Error(g_strerror(errno));
-  std::string text(kMostBytes + 1, '\0');
-  text.resize(std::fread(text.data(), 1, text.size(), file.get()));
-  if (std::ferror(file.get()))
-    return Error(g_strerror(errno));
-  return text;
-}
 
 } // namespace
 
@@ -59,12 +43,12 @@ SettingsFile::load(const std::string &path)
   const auto refused = [&path](const std::string &why) {
     return Error("cannot read the settings '" + path + "': " + why);
   };
-  const tl::expected<std::string, std::string> text = contents(path);
-  if (!text)
-    return refused(text.error());
-  if (text->size() > kMostBytes)
-    return refused("expected at most " + std::to_string(kMostBytes) + " bytes");
+  const tl::expected<std::string, files::Error> text = files::read(path, kMostBytes);
   SettingsFile file(path);
+  if (!text && text.error().number == ENOENT)
+    return file;
+  if (!text)
+    return refused(text.error().reason);
   g_autoptr(GError) error = nullptr;
   if (!g_key_file_load_from_data(file.file_.get(), text->data(), text->size(),
                                  G_KEY_FILE_KEEP_COMMENTS, &error))

@@ -3,8 +3,7 @@
 
 #include "chair/settings_file.h"
 
-#include <future>
-#include <thread>
+#include <semaphore>
 #include <utility>
 
 #include <gio/gio.h>
@@ -16,8 +15,8 @@ struct SettingsWatch::Impl
   std::function<void()> changed;
   GMainContext *context = g_main_context_new();
   GMainLoop *loop = g_main_loop_new(context, FALSE);
-  std::promise<void> watching{};
-  std::thread thread{};
+  std::binary_semaphore watching{ 0 };
+  GThread *thread = nullptr;
 
   static void on_changed(GFileMonitor *, GFile *, GFile *, GFileMonitorEvent event, gpointer self)
   {
@@ -34,7 +33,7 @@ struct SettingsWatch::Impl
         = g_file_monitor_file(file, G_FILE_MONITOR_NONE, nullptr, nullptr);
     if (monitor)
       g_signal_connect(monitor, "changed", G_CALLBACK(on_changed), this);
-    watching.set_value();
+    watching.release();
     g_main_loop_run(loop);
     g_clear_object(&monitor);
     g_main_context_pop_thread_default(context);
@@ -44,8 +43,19 @@ struct SettingsWatch::Impl
 SettingsWatch::SettingsWatch(std::function<void()> changed)
     : impl_(new Impl{ .changed = std::move(changed) })
 {
-  impl_->thread = std::thread([this] { impl_->run(); });
-  impl_->watching.get_future().wait();
+  const auto run = [](gpointer impl) -> gpointer {
+    static_cast<Impl *>(impl)->run();
+    return nullptr;
+  };
+  impl_->thread = g_thread_try_new("chair-settings", run, impl_.get(), nullptr);
+  if (impl_->thread)
+    impl_->watching.acquire();
+}
+
+bool
+SettingsWatch::watches() const
+{
+  return impl_->thread != nullptr;
 }
 
 static gboolean
@@ -58,8 +68,10 @@ quit(gpointer loop)
 SettingsWatch::~SettingsWatch()
 {
   // From within: a loop that has not begun to run would not hear g_main_loop_quit().
-  g_main_context_invoke_full(impl_->context, G_PRIORITY_HIGH, quit, impl_->loop, nullptr);
-  impl_->thread.join();
+  if (impl_->thread) {
+    g_main_context_invoke_full(impl_->context, G_PRIORITY_HIGH, quit, impl_->loop, nullptr);
+    g_thread_join(impl_->thread);
+  }
   g_main_loop_unref(impl_->loop);
   g_main_context_unref(impl_->context);
 }

@@ -12,6 +12,8 @@ class SettingsWatch
 {
 public:
   explicit SettingsWatch(std::function<void()> changed);
+  /// False where the system has no more threads: then no change is heard.
+  bool watches() const;
   ~SettingsWatch();
   SettingsWatch(const SettingsWatch &) = delete;
   SettingsWatch &operator=(const SettingsWatch &) = delete;

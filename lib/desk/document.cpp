@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "desk/document.h"
 
+#include "tracks/formats/utf16.h"
 #include "tracks/formats/webvtt.h"
 
 #include <glib.h>
@@ -99,16 +100,17 @@ size_in_file(const Cue &cue)
 
 } // namespace
 
-Document::Document(TrackText text, const tactile::Grid &grid, double rate, std::size_t size,
-                   std::size_t most)
+Document::Document(tactile::WebvttText text, const tactile::Grid &grid, double rate,
+                   std::size_t size, std::size_t most)
     : text_(std::move(text)), grid_(grid), rate_(rate), cues_(text_.cues()), most_(most),
       size_(size)
 {
 }
 
 tl::expected<Document, tactile::FormatError>
-Document::read(std::string_view text, std::size_t most)
+Document::read(std::string_view bytes, std::size_t most)
 {
+  std::string text = tactile::as_utf8(std::string(bytes));
   if (!g_utf8_validate(text.data(), static_cast<gssize>(text.size()), nullptr))
     return tl::unexpected(tactile::FormatError{
         .place = {}, .reason = "expected UTF-8; save it as that in a text editor" });
@@ -116,7 +118,7 @@ Document::read(std::string_view text, std::size_t most)
   if (!track)
     return tl::unexpected(track.error());
   const tactile::Grid grid{ track->rows(), track->columns() };
-  Document document(TrackText(text, grid), grid, track->rate(), text.size(), most);
+  Document document(tactile::WebvttText(text, grid), grid, track->rate(), text.size(), most);
   if (document.cues_.size() > kMostCues)
     return tl::unexpected(
         tactile::FormatError{ .place = {},
@@ -143,9 +145,10 @@ Document::check(const Cue &cue) const
                    + std::to_string(cue.levels.size()));
   if (std::ranges::any_of(cue.levels, [](int level) { return level > kMostPercent; }))
     return refused("expected levels from 0 to 100");
-  if (cue.notes.size() > kMostNotes || !std::ranges::all_of(cue.notes, is_note))
-    return refused("expected at most " + std::to_string(kMostNotes) + " notes of "
-                   + std::to_string(kLongestNote)
+  if (cue.notes.size() > tactile::kMostWebvttNotes
+      || !std::ranges::all_of(cue.notes, tactile::is_webvtt_note))
+    return refused("expected at most " + std::to_string(tactile::kMostWebvttNotes) + " notes of "
+                   + std::to_string(tactile::kLongestWebvttNote)
                    + " bytes, without empty lines and -->, that do not begin with 'tactile'");
   return {};
 }
@@ -219,16 +222,13 @@ Document::apply(const std::vector<Splice> &splices)
 std::string
 Document::text() const
 {
-  return text_.with(cues_, "tactile " + tactile::write_grid(grid_, rate_));
+  return text_.with(cues_, rate_);
 }
 
 tactile::TactileMap
 Document::map(const Cue &cue) const
 {
-  tactile::TactileMap map(grid_.rows, grid_.columns);
-  for (std::size_t i = 0; i < cue.levels.size() && i < map.levels.size(); i++)
-    map.levels[i] = static_cast<float>(cue.levels[i]) / static_cast<float>(kMostPercent);
-  return map;
+  return tactile::map_of(cue.levels, grid_);
 }
 
 tactile::Track

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include "desk/track_text.h"
+#include "desk/cue.h"
 #include "tracks/formats/track_file.h"
+#include "tracks/formats/webvtt_text.h"
 #include "tracks/text_cue.h"
 #include "tracks/track.h"
 
@@ -15,10 +16,10 @@ namespace desk {
 class Document
 {
 public:
-  /// Fails if the text is no WebVTT track in UTF-8, or has over kMostCues cues. Edits that would
+  /// Fails if the text is no WebVTT track in UTF-8 or UTF-16, which is saved as UTF-8, or has over kMostCues cues. Edits that would
   /// make it larger than `most` bytes are refused.
   static tl::expected<Document, tactile::FormatError>
-  read(std::string_view text, std::size_t most = tactile::kMaxTrackFile);
+  read(std::string_view bytes, std::size_t most = tactile::kMaxTrackFile);
 
   const tactile::Grid &grid() const
   {
@@ -54,13 +55,13 @@ public:
   tactile::Track track() const;
 
 private:
-  Document(TrackText text, const tactile::Grid &grid, double rate, std::size_t size,
+  Document(tactile::WebvttText text, const tactile::Grid &grid, double rate, std::size_t size,
            std::size_t most);
   tl::expected<void, std::string> check(const Cue &cue) const;
   tl::expected<void, std::string> check_order() const;
   tl::expected<void, std::string> check_size(std::size_t &size) const;
 
-  TrackText text_;
+  tactile::WebvttText text_;
   tactile::Grid grid_;
   double rate_;
   std::vector<Cue> cues_;

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "desk/files.h"
 
-#include <array>
 #include <cerrno>
 #include <charconv>
 #include <fcntl.h>
@@ -23,6 +22,12 @@ tl::unexpected<std::string>
 failed(const std::string &path)
 {
   return tl::unexpected(file_error(path));
+}
+
+std::string
+named(const std::string &path, const files::Error &error)
+{
+  return "'" + path + "': " + error.reason;
 }
 
 std::string
@@ -55,12 +60,6 @@ versions(const std::string &path)
 
 } // namespace
 
-File::~File()
-{
-  if (descriptor_ >= 0)
-    close(descriptor_);
-}
-
 std::string
 file_error(const std::string &path)
 {
@@ -70,29 +69,17 @@ file_error(const std::string &path)
 tl::expected<std::string, std::string>
 read_whole(const std::string &path, std::size_t most)
 {
-  const File file(open(path.c_str(), O_RDONLY | O_CLOEXEC));
-  return file ? read_whole(file, path, most) : failed(path);
+  return files::read(path, most).map_error([&](const files::Error &error) {
+    return named(path, error);
+  });
 }
 
 tl::expected<std::string, std::string>
 read_whole(const File &file, const std::string &path, std::size_t most)
 {
-  std::string bytes;
-  std::array<char, 65536> piece;
-  for (;;) {
-    const ssize_t count
-        = pread(file.descriptor(), piece.data(), piece.size(), static_cast<off_t>(bytes.size()));
-    if (count < 0 && errno == EINTR)
-      continue;
-    if (count < 0)
-      return failed(path);
-    if (count == 0)
-      return bytes;
-    if (bytes.size() + static_cast<std::size_t>(count) > most)
-      return tl::unexpected("'" + path + "': larger than the " + std::to_string(most >> 20)
-                            + " MiB that are read");
-    bytes.append(piece.data(), static_cast<std::size_t>(count));
-  }
+  return files::read(file, most).map_error([&](const files::Error &error) {
+    return named(path, error);
+  });
 }
 
 bool

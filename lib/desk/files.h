@@ -1,46 +1,16 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include "files/regular_file.h"
+
 #include <cstddef>
 #include <string>
 #include <string_view>
-#include <utility>
-
-#include <tl/expected.hpp>
 
 /// Files that are complete or not there. Errors are texts with the file's name.
 namespace desk {
 
-/// A file descriptor, closed with the object.
-class File
-{
-public:
-  File() = default;
-  explicit File(int descriptor) : descriptor_(descriptor)
-  {
-  }
-  ~File();
-  File(File &&other) noexcept : descriptor_(std::exchange(other.descriptor_, -1))
-  {
-  }
-  File &operator=(File &&other) noexcept
-  {
-    std::swap(descriptor_, other.descriptor_);
-    return *this;
-  }
-
-  int descriptor() const
-  {
-    return descriptor_;
-  }
-  explicit operator bool() const
-  {
-    return descriptor_ >= 0;
-  }
-
-private:
-  int descriptor_ = -1;
-};
+using files::File;
 
 /// "'film.vtt': No space left on device", with errno.
 std::string file_error(const std::string &path);

@@ -36,11 +36,14 @@ tl::expected<Journal, std::string>
 Journal::open(const std::string &path)
 {
   for (;;) {
-    File file(::open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0600));
+    File file(::open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK, 0600));
     if (!file)
       return tl::unexpected(
           file_error(path)
           + "; expected a folder that can be written to, for the journal of edits");
+    if (const auto regular = files::expect_regular(file); !regular)
+      return tl::unexpected("'" + path + "': " + regular.error().reason
+                            + "; the journal of edits needs this name");
     if (flock(file.descriptor(), LOCK_EX | LOCK_NB) != 0)
       return tl::unexpected("'" + path
                             + "' is in use: the track is open at another desk; close that one");

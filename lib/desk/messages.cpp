@@ -121,8 +121,9 @@ read_cue(JsonObject *object)
     return expected("notes in an array");
   for (guint i = 0; notes && i < json_array_get_length(notes); i++) {
     std::optional<std::string> note = string_of(json_array_get_element(notes, i));
-    if (!note || cue.notes.size() == kMostNotes)
-      return expected("at most " + std::to_string(kMostNotes) + " notes, each a text");
+    if (!note || cue.notes.size() == tactile::kMostWebvttNotes)
+      return expected("at most " + std::to_string(tactile::kMostWebvttNotes)
+                      + " notes, each a text");
     cue.notes.push_back(*std::move(note));
   }
   return cue;

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "desk/operation.h"
 
-#include "tracks/cue_builder.h"
-#include "tracks/formats/webvtt.h"
 #include "tracks/track_edit.h"
 
 #include <algorithm>
@@ -136,40 +134,6 @@ known(const Operation &operation, const Track *draft)
   return found;
 }
 
-/// A part of a track between two times as cues, silent or not.
-std::vector<Cue>
-stretches(const Track &track, std::int32_t from, std::int32_t to)
-{
-  std::vector<Cue> cues;
-  const auto &entries = track.entries();
-  Time time = milliseconds(from);
-  auto next = std::ranges::upper_bound(entries, time, {}, &Track::Entry::time);
-  while (time < milliseconds(to)) {
-    Time end = milliseconds(to);
-    if (next != entries.end())
-      end = std::min(end, next->time);
-    if (time < track.end())
-      end = std::min(end, track.end());
-    Cue cue;
-    cue.start = static_cast<std::int32_t>(time / milliseconds(1));
-    cue.end = static_cast<std::int32_t>(end / milliseconds(1));
-    for (const float level : track.at(time).levels)
-      cue.levels.push_back(
-          static_cast<std::uint8_t>(std::lround(level * static_cast<float>(kMostPercent))));
-    cues.push_back(std::move(cue));
-    time = end;
-    if (next != entries.end() && next->time <= time)
-      ++next;
-  }
-  return cues;
-}
-
-bool
-is_silent(const Cue &cue)
-{
-  return std::ranges::all_of(cue.levels, [](int level) { return level == 0; });
-}
-
 /// Writes splices down while it goes through the cues from the first to the last.
 class Splicer
 {
@@ -207,58 +171,27 @@ private:
   std::vector<Splice> splices_;
 };
 
-/// What is felt where there was no cue, in cues of a second at most.
-void
-fill_gap(Splicer &splicer, const Track &track, std::int32_t from, std::int32_t to)
-{
-  constexpr auto kLongestCue
-      = static_cast<std::int32_t>(tactile::CueBuilder::kLongest / milliseconds(1));
-  for (Cue &cue : stretches(track, from, to)) {
-    if (is_silent(cue))
-      continue;
-    const std::int32_t end = cue.end;
-    for (; cue.start < end; cue.start = cue.end) {
-      cue.end = std::min(cue.start + kLongestCue, end);
-      splicer.insert(cue);
-    }
-  }
-}
-
-void
-change_cue(Splicer &splicer, const Track &track, const Cue &cue, bool is_last)
-{
-  std::vector<Cue> now = stretches(track, cue.start, cue.end);
-  if (now.size() == 1 && now.front().levels == cue.levels)
-    return splicer.keep();
-  splicer.remove();
-  // A silent cue stays where it gives the track its length, or has a comment.
-  std::erase_if(now,
-                [&](const Cue &one) { return is_silent(one) && !(is_last && one.end == cue.end); });
-  if (now.empty() && !cue.notes.empty())
-    now.push_back({ .start = cue.start,
-                    .end = cue.end,
-                    .levels = std::vector<std::uint8_t>(cue.levels.size()),
-                    .notes = {} });
-  if (!now.empty())
-    now.front().notes = cue.notes;
-  for (Cue &one : now)
-    splicer.insert(std::move(one));
-}
-
 } // namespace
 
 std::vector<Splice>
 splices_to(const Document &document, const Track &track)
 {
-  const Track rounded = at_resolution(track, tactile::kTextTick, tactile::kTextSteps);
+  const std::vector<Cue> &before = document.cues();
+  const std::vector<Cue> after = cues_of(track, before);
   Splicer splicer;
-  std::int32_t end = 0;
-  for (const Cue &cue : document.cues()) {
-    fill_gap(splicer, rounded, end, cue.start);
-    change_cue(splicer, rounded, cue, &cue == &document.cues().back());
-    end = cue.end;
+  auto old = before.begin();
+  for (const Cue &cue : after) {
+    for (; old != before.end() && old->start <= cue.start && *old != cue; ++old)
+      splicer.remove();
+    if (old != before.end() && *old == cue) {
+      ++old;
+      splicer.keep();
+    } else {
+      splicer.insert(cue);
+    }
   }
-  fill_gap(splicer, rounded, end, static_cast<std::int32_t>(rounded.end() / milliseconds(1)));
+  for (; old != before.end(); ++old)
+    splicer.remove();
   return std::move(splicer).finish();
 }
 

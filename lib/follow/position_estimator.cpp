@@ -73,8 +73,10 @@ PositionEstimator::report(const Report &told)
     start(report, before);
   else if (told.position)
     follow(report);
-  if (told.position) {
+  if (told.position || (plays && before))
     count_span(told.received);
+  if (told.position) {
+    last_ = told.received;
     if (told.position != last_position_)
       last_change_ = told.received;
     last_position_ = told.position;
@@ -185,11 +187,11 @@ void
 PositionEstimator::count_span(Time received)
 {
   if (evidence_ && last_position_) {
-    spans_.push_back(received - last_);
+    spans_.push_back(received - alive_);
     if (spans_.size() > kSpans)
       spans_.pop_front();
   }
-  last_ = received;
+  alive_ = received;
 }
 
 Time
@@ -231,7 +233,7 @@ PositionEstimator::known_until() const
   const Time patience
       = std::clamp(3 * longest, settings_.habits.least_patience, settings_.habits.most_patience);
   const double widening = 1e-9 * static_cast<double>(settings_.habits.skew.count());
-  return last_ + std::min(patience, scaled(room, 1 / std::max(widening, 1e-9)));
+  return std::min(alive_ + patience, last_ + scaled(room, 1 / std::max(widening, 1e-9)));
 }
 
 bool

@@ -90,10 +90,11 @@ private:
   bool leapt_ = false;               ///< doubt_ is far from evidence_
   Anchor anchor_;
   std::uint64_t stretch_ = 0;
-  Time last_{ 0 };                      ///< local time of the last report with a position
+  Time last_{ 0 };  ///< local time of the last report with a position
+  Time alive_{ 0 }; ///< of the last one with a position, or that the film plays on
   std::optional<Time> last_position_{}; ///< as told
   Time last_change_{ 0 };               ///< local time at which that was told first
-  std::deque<Time> spans_;              ///< between reports
+  std::deque<Time> spans_;              ///< between those
 };
 
 } // namespace follow

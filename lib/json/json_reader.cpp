@@ -35,6 +35,41 @@ is_plausible(std::string_view text)
   return true;
 }
 
+/// Bytes that are no UTF-8, as in names of files, are these characters while JSON-GLib has them: of
+/// the last private use area, which no name has.
+constexpr gunichar kBytes = 0x10fe00;
+constexpr gunichar kLastByte = kBytes + 0xff;
+
+std::string
+with_bytes_as_characters(std::string_view text)
+{
+  std::string valid;
+  const gchar *end = nullptr;
+  while (!g_utf8_validate(text.data(), static_cast<gssize>(text.size()), &end)) {
+    const auto length = static_cast<std::size_t>(end - text.data());
+    valid += text.substr(0, length);
+    gchar character[6];
+    const auto byte = static_cast<guchar>(text[length]);
+    valid.append(character, static_cast<std::size_t>(g_unichar_to_utf8(kBytes + byte, character)));
+    text.remove_prefix(length + 1);
+  }
+  return valid.append(text);
+}
+
+std::string
+with_bytes(const gchar *text)
+{
+  std::string bytes;
+  for (const gchar *c = text; *c != '\0'; c = g_utf8_next_char(c)) {
+    const gunichar character = g_utf8_get_char(c);
+    if (character >= kBytes && character <= kLastByte)
+      bytes += static_cast<char>(character - kBytes);
+    else
+      bytes.append(c, static_cast<std::size_t>(g_utf8_next_char(c) - c));
+  }
+  return bytes;
+}
+
 JsonNode *
 member(JsonObject *of, const char *name)
 {
@@ -46,10 +81,11 @@ member(JsonObject *of, const char *name)
 JsonParser *
 parse(std::string_view text)
 {
-  if (!is_plausible(text))
+  if (!is_plausible(text) || text.find('\0') != std::string_view::npos)
     return nullptr;
   g_autoptr(JsonParser) parser = json_parser_new_immutable();
-  if (!json_parser_load_from_data(parser, text.data(), static_cast<gssize>(text.size()), nullptr)
+  const std::string valid = with_bytes_as_characters(text);
+  if (!json_parser_load_from_data(parser, valid.data(), static_cast<gssize>(valid.size()), nullptr)
       || json_parser_get_root(parser) == nullptr)
     return nullptr;
   return static_cast<JsonParser *>(g_steal_pointer(&parser));
@@ -121,7 +157,7 @@ name_of_file(JsonObject *of, const char *name)
   if (node == nullptr || !JSON_NODE_HOLDS_VALUE(node)
       || json_node_get_value_type(node) != G_TYPE_STRING)
     return {};
-  const std::string whole = json_node_get_string(node);
+  const std::string whole = with_bytes(json_node_get_string(node));
   return whole.size() <= kLongestName ? whole : std::string();
 }
 

@@ -29,7 +29,7 @@ std::optional<std::int64_t> integer(JsonObject *of, const char *name, std::int64
 std::optional<double> number(JsonObject *of, const char *name);
 std::optional<bool> truth(JsonObject *of, const char *name);
 
-/// A path or URI as it came; empty if there is none or if it has over 4096 bytes.
+/// A path or URI as it came, in any bytes; empty if there is none or if it has over 4096 bytes.
 std::string name_of_file(JsonObject *of, const char *name);
 
 /// A text for messages: of one line, 100 bytes at most. Empty if there is none.

@@ -9,6 +9,8 @@
 #include <algorithm>
 #include <cmath>
 #include <ctime>
+#include <exception>
+#include <new>
 #include <utility>
 
 namespace people {
@@ -101,18 +103,38 @@ DetectionThread::statistics()
   return statistics_;
 }
 
+/// What OpenCV throws, or an allocation, ends the look for people and not the process.
 void
 DetectionThread::run()
 {
+  std::string failure;
+  try {
+    failure = detect();
+  } catch (const std::bad_alloc &) {
+    failure = "out of memory"; // short enough to need none
+  } catch (const std::exception &error) {
+    failure = std::string("the face detector failed: ") + error.what();
+  } catch (...) {
+    failure = "the face detector failed";
+  }
+  const std::lock_guard lock(mutex_);
+  failure_ = std::move(failure);
+  done_.notify_one();
+}
+
+/// Returns at the end, or why nothing can be found.
+std::string
+DetectionThread::detect()
+{
   const tl::expected<std::unique_ptr<Detector>, std::string> detector = make_();
+  if (!detector)
+    return detector.error();
   Picture picture;
   std::unique_lock lock(mutex_);
-  if (!detector)
-    failure_ = detector.error();
-  while (detector) {
+  for (;;) {
     offered_.wait(lock, [this] { return is_waiting_ || end_; });
     if (end_)
-      return;
+      return {};
     is_waiting_ = false;
     std::swap(picture, waiting_);
     lock.unlock();
@@ -126,7 +148,6 @@ DetectionThread::run()
       hits_ = std::move(hits);
     done_.notify_one();
   }
-  done_.notify_one();
 }
 
 std::vector<Hit>

@@ -10,6 +10,7 @@
 #include <condition_variable>
 #include <mutex>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include <pthread.h>
@@ -50,7 +51,7 @@ public:
   /// The faces in the latest picture, once: none while it is not done, unless `wait` is set.
   std::optional<std::vector<Hit>> take(bool wait);
 
-  /// Why nothing can be found; empty if there is no reason.
+  /// Why nothing can be found, from then on; empty if there is no reason.
   std::string failure();
 
   Statistics statistics();
@@ -63,6 +64,7 @@ private:
   };
 
   void run();
+  std::string detect();
   std::vector<Hit> find(Detector &detector, const Picture &picture) const;
 
   MakeDetector make_;
@@ -74,7 +76,6 @@ private:
   std::condition_variable done_;
   Picture waiting_; ///< from here on under mutex_
   bool is_waiting_ = false;
-  bool is_running_ = false;
   bool end_ = false;
   std::optional<std::vector<Hit>> hits_;
   std::string failure_;

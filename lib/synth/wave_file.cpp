@@ -1,14 +1,13 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "synth/wave_file.h"
 
+#include "files/regular_file.h"
+
 #include <algorithm>
 #include <bit>
-#include <cerrno>
 #include <cstdint>
-#include <cstdio>
 #include <optional>
 #include <string_view>
-#include <system_error>
 #include <utility>
 #include <vector>
 
@@ -102,18 +101,13 @@ parse_wave_file(Bytes data)
 tl::expected<std::shared_ptr<const Wave>, std::string>
 read_wave_file(const std::string &path)
 {
-  const std::unique_ptr<std::FILE, int (*)(std::FILE *)> file(std::fopen(path.c_str(), "re"),
-                                                              std::fclose);
-  std::vector<std::byte> data(kMostBytes + 1);
-  const std::size_t size = file ? std::fread(data.data(), 1, data.size(), file.get()) : 0;
   const auto refused = [&](const std::string &why) {
     return Error("cannot read the loop '" + path + "': " + why);
   };
-  if (!file || std::ferror(file.get()))
-    return refused(std::generic_category().message(errno));
-  if (size > kMostBytes)
-    return refused("expected at most " + std::to_string(kMostBytes) + " bytes");
-  auto wave = parse_wave_file(std::span(data).first(size));
+  const tl::expected<std::string, files::Error> data = files::read(path, kMostBytes);
+  if (!data)
+    return refused(data.error().reason);
+  auto wave = parse_wave_file(std::as_bytes(std::span(*data)));
   return wave ? wave : refused(wave.error());
 }
 

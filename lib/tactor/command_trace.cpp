@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "tactor/command_trace.h"
 
-#include <cerrno>
+#include "files/regular_file.h"
+
 #include <charconv>
-#include <fstream>
+#include <sstream>
 #include <string_view>
-#include <system_error>
 #include <utility>
 
 namespace tactor {
@@ -14,6 +14,7 @@ namespace {
 
 constexpr std::string_view kHeader = "issued_ns,due_ns,effect_ns,tactor,volts";
 constexpr std::size_t kMaxCommands = 10'000'000;
+constexpr std::size_t kMaxBytes = std::size_t{ 1 } << 30;
 constexpr int kLastTactor = 4095;
 constexpr double kMostVolts = 1000; // fifty times the volts of any motor
 constexpr std::streamsize kMaxLine = 200;
@@ -101,10 +102,11 @@ CommandTrace::failed() const
 tl::expected<std::vector<IssuedCommand>, std::string>
 read_command_trace(const std::string &path)
 {
-  std::ifstream file(path);
-  if (!file)
-    return tl::unexpected("cannot read '" + path + "': " + std::generic_category().message(errno));
+  tl::expected<std::string, files::Error> text = files::read(path, kMaxBytes);
+  if (!text)
+    return tl::unexpected("cannot read '" + path + "': " + text.error().reason);
 
+  std::istringstream file(*std::move(text));
   std::vector<IssuedCommand> commands;
   std::vector<char> buffer(static_cast<std::size_t>(kMaxLine));
   for (std::size_t number = 1;; number++) {
@@ -113,8 +115,6 @@ read_command_trace(const std::string &path)
     const auto failure = [&](const std::string &why) {
       return tl::unexpected(path + ", line " + std::to_string(number) + ": " + why);
     };
-    if (file.bad())
-      return failure("it cannot be read further; is it a file?");
     if (number > 1 && file.eof() && length == 0)
       return commands;
     if (file.eof())

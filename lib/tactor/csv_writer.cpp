@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "tactor/csv_writer.h"
 
+#include "files/regular_file.h"
+
 #include <array>
-#include <cerrno>
 #include <charconv>
-#include <system_error>
 
 namespace tactor {
 
@@ -15,11 +15,11 @@ CsvWriter::CsvWriter(std::FILE *file) : file_(file)
 tl::expected<CsvWriter, DriverError>
 CsvWriter::create(const std::string &path)
 {
-  if (std::FILE *file = std::fopen(path.c_str(), "we"))
-    return CsvWriter(file);
-  return tl::unexpected(
-      DriverError{ DriverError::Kind::settings,
-                   "cannot write to '" + path + "': " + std::generic_category().message(errno) });
+  tl::expected<files::File, files::Error> file = files::create(path);
+  if (!file)
+    return tl::unexpected(DriverError{ DriverError::Kind::settings,
+                                       "cannot write to '" + path + "': " + file.error().reason });
+  return CsvWriter(fdopen(file->release(), "w"));
 }
 
 CsvWriter &

@@ -39,9 +39,9 @@ struct DriverConfig
   std::string device;
   int max_tactors = 4096; ///< tactors to use at most, 1…4096
   int min_tactors = 1;    ///< a board with fewer is refused
-  /// Without `device`: also ask adapters behind which no board has answered yet. They may be 3D
-  /// printers, which a question may reset.
-  bool asks_strangers = true;
+  /// Without `device`, and without a board that has answered before: ask the device that is there,
+  /// if it is the only one, and was not asked in vain before. It may be anything.
+  bool asks_a_stranger = true;
   double full_scale_volts = 3.0; ///< volts at the motor when a board's output is fully on
   bool realtime = false;         ///< request real-time scheduling for threads that carry levels
   std::stop_token stop{};        ///< cancels an open() that waits; it fails then

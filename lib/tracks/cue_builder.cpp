@@ -49,4 +49,19 @@ CueBuilder::reset()
   complete_.clear();
 }
 
+std::deque<Cue>
+cues_of(const Track &track)
+{
+  CueBuilder builder;
+  const auto &entries = track.entries();
+  for (std::size_t i = 0; i < entries.size(); i++)
+    builder.add(entries[i].time, i + 1 < entries.size() ? entries[i + 1].time : track.end(),
+                entries[i].map);
+  builder.flush();
+  std::deque<Cue> cues;
+  while (std::optional<Cue> cue = builder.take())
+    cues.push_back(*std::move(cue));
+  return cues;
+}
+
 } // namespace tactile

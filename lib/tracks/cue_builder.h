@@ -3,6 +3,7 @@
 
 #include "nanoseconds.h"
 #include "tactile/tactile_map.h"
+#include "tracks/track.h"
 
 #include <deque>
 #include <optional>
@@ -46,5 +47,8 @@ private:
   std::optional<Cue> open_; ///< the current map; its end may still change
   std::deque<Cue> complete_;
 };
+
+/// A whole track as cues from 0 to its end, silent ones too.
+std::deque<Cue> cues_of(const Track &track);
 
 } // namespace tactile

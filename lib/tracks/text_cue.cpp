@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "tracks/text_cue.h"
 
+#include <algorithm>
 #include <array>
 #include <charconv>
 #include <cmath>
@@ -46,7 +47,8 @@ take_level(std::string_view &text, std::size_t line)
   if (error != std::errc() || !(percent >= 0 && percent <= 100))
     return wrong(
         line, "expected levels from 0 to 100 percent, got '"
-                  + std::string(text.substr(0, text.find_first_of(" \t\r\n"))).substr(0, 20) + "'");
+                  + std::string(text.substr(0, text.find_first_of(" \t\r\n"))).substr(0, 20)
+                  + (error != std::errc() ? "'; a remark with numbers is written as a NOTE" : "'"));
   text.remove_prefix(static_cast<std::size_t>(end - text.data()));
   if (text.starts_with('%'))
     text.remove_prefix(1);
@@ -142,6 +144,32 @@ read_text_cue(std::string_view text, std::optional<Grid> grid, std::size_t first
                                  + std::to_string(levels.size()));
   map.levels = std::move(levels);
   return map;
+}
+
+bool
+is_remark(std::string_view text)
+{
+  const auto is_space = [](std::string_view rest) {
+    return rest.starts_with(kNoBreakSpace) || rest.starts_with('\n')
+           || (!rest.empty() && std::string_view(" \t\r").find(rest.front()) != rest.npos);
+  };
+  const auto is_digit = [](char c) {
+    return c >= '0' && c <= '9';
+  };
+  bool has_words = false;
+  for (bool in_word = false; !text.empty(); text.remove_prefix(1)) {
+    if (is_space(text)) {
+      text.remove_prefix(text.starts_with(kNoBreakSpace) ? kNoBreakSpace.size() - 1 : 0);
+      in_word = false;
+    } else if (!std::exchange(in_word, true)) {
+      has_words = true;
+      const std::string_view digits
+          = text.substr(std::min(text.find_first_not_of("+-."), text.size()));
+      if (!digits.empty() && is_digit(digits.front()))
+        return false;
+    }
+  }
+  return has_words;
 }
 
 std::string

@@ -32,6 +32,10 @@ std::string write_text_cue(const TactileMap &map);
 tl::expected<TactileMap, FormatError> read_text_cue(std::string_view text, std::optional<Grid> grid,
                                                     std::size_t first_line = 1);
 
+/// Whether a text is a remark among the maps of a track: it has words, none of which begins as a
+/// number does. Remarks are shown, not felt. Any other text that is no map is a faulty one.
+bool is_remark(std::string_view text);
+
 /// Writes "grid=3x3 rate=5", for the headers of tracks; no rate if it is 0.
 std::string write_grid(const Grid &grid, double rate);
 

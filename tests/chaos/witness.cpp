@@ -10,7 +10,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <limits>
+#include <unistd.h>
 
 using tactor::Time;
 
@@ -85,11 +87,27 @@ private:
   bool is_open_ = false;
 };
 
+/// Where the boards are remembered, for the life of this process.
+struct KnownFile
+{
+  ~KnownFile()
+  {
+    std::filesystem::remove(path);
+  }
+  const std::filesystem::path path
+      = std::filesystem::temp_directory_path() / ("chaos-boards-" + std::to_string(getpid()));
+};
+
 std::unique_ptr<tactor::Driver>
 make_board(tactor::FirmataDriver::Firmware firmware)
 {
-  // Boards in memory answer immediately.
+  static const KnownFile known;
   tactor::FirmataDriver::Settings settings;
+  settings.known_boards = known.path;
+  // Also after a play in which they did not answer.
+  for (const MemoryBoard *board : { &witness().mega, &witness().seat })
+    tactor::KnownBoards(known.path).add(board->device);
+  // Boards in memory answer immediately.
   settings.patience.answer = std::chrono::seconds(2);
   settings.look_again = std::chrono::milliseconds(200);
   return std::make_unique<tactor::FirmataDriver>(

@@ -6,7 +6,7 @@
 #include "desk/messages.h"
 #include "desk/operation.h"
 #include "fuzz.h"
-#include "tracks/formats/webvtt.h"
+#include "tracks/formats/utf16.h"
 
 #include <string_view>
 
@@ -59,7 +59,7 @@ LLVMFuzzerTestOneInput(const std::uint8_t *data, std::size_t size)
   read(desk::read_feel(text));
   if (const auto document = desk::Document::read(text)) {
     // What has not changed has its bytes.
-    expect(document->text() == text || document->cues().empty());
+    expect(document->text() == tactile::as_utf8(std::string(text)) || document->cues().empty());
     edit(*document, { { .at = 0, .remove = document->cues().size(), .insert = {} } });
     // A cue before all others, one after them, and one in the place of each.
     desk::Cue one{ .end = 1, .levels = std::vector<std::uint8_t>(document->cells(), 1) };

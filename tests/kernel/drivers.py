@@ -269,10 +269,12 @@ def in_use_unseen():
         fail_to_play("a program of another user has ttyUSB0 open", user=65534)
 
 
-def bare_adapter():
-    """driver=auto does not query a bare adapter unless it was named."""
-    with Board(transport="ftdi", silent=True) as board, untouched(board):
-        play_simulated()
+def strangers():
+    """driver=auto touches no device that was not named, whoever made it."""
+    shutil.rmtree(ENVIRONMENT["XDG_STATE_HOME"], ignore_errors=True)
+    for transport in "cdc-acm", "ftdi", "ch340":
+        with Board(transport=transport, silent=True) as board, untouched(board):
+            play_simulated()
 
 
 def two_of_one_number():
@@ -331,7 +333,7 @@ def permitted():
 
 
 CASES = [stop_4, stop_9, stop_9_ch340, end_9, pause_9, terminated, hung_up, killed, killed_released, in_use_auto, in_use_named, in_use_unseen,
-         bare_adapter, two_of_one_number, permitted]
+         strangers, two_of_one_number, permitted]
 
 
 def main():

@@ -9,11 +9,13 @@ as the published protocols have them, and what they do not have is refused. It p
   waiting N            when that message's turn has come: how many wait behind it
   motors WHERE LEVELS  what the motors of a position or device do from now on: MOTOR=LEVEL for each that is on
   expired WHERE        the duration of a level ended
+  set NAME=VALUE       from now on
 
 Usage: haptic_server.py (bhaptics|buttplug3|buttplug4) [NAME=VALUE ...]
   port=PORT    instead of a free one
   slow=MS      each message takes this long
   silent=1     answers nothing
+  speechless=1 carries out messages, and answers none
   deaf=1       reads nothing after the connection is open
   flood=N      sends messages as fast as it can, after N messages
   huge=N       sends 10 MB of JSON after N messages
@@ -295,7 +297,10 @@ async def serve(socket, _path):
             say("waiting", len(socket.messages))
             if "silent" in OPTIONS:
                 continue
-            await socket.send(server.answer(text))
+            answer = server.answer(text)
+            if "speechless" in OPTIONS:
+                continue
+            await socket.send(answer)
             if count == number("huge"):
                 await socket.send(json.dumps({"ConnectedPositions": ["x" * 100] * 100_000}))
             if count == number("flood"):
@@ -324,6 +329,7 @@ async def main():
             break
         if "=" in line:
             OPTIONS.update([line.split("=", 1)])
+            say("set", line)
             continue
         is_there = line == "add"
         for socket, one in list(clients):

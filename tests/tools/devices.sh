@@ -61,9 +61,20 @@ walked bhaptics ForearmL 100 0 1 2 3 4 5
 
 # ---- what has no motors of its own: the grid ----
 expect 0 "$PLAY" --feel-test --driver=simulator --rows=1 --columns=2
-[ "$(cat out)" = "$(printf 'row 1, column 1\nrow 1, column 2')" ] || fail "expected two cells, got: $(cat said)"
+[ "$(cat out)" = "$(printf 'simulated, as the driver is the simulator\nrow 1, column 1\nrow 1, column 2')" ] ||
+  fail "expected two cells, got: $(cat said)"
 expect 0 "$PLAY" --feel-test --quiet --driver=simulator --rows=1 --columns=1
 [ ! -s said ] || fail "with --quiet it says: $(cat said)"
+# Nothing is plugged in: that is the first line, and no motor is named.
+expect 0 "$SETTINGS" unset driver device
+for program in "$PLAY --feel-test" "$SETTINGS test"; do
+  for quiet in '' --quiet; do
+    # shellcheck disable=SC2086
+    expect 1 $program $quiet
+    head -n 1 said | grep -q 'the motors are simulated: no tactor board is plugged in' || fail "expected 'simulated' in the first line, got: $(cat said)"
+    [ ! -s out ] || fail "it names motors: $(cat out)"
+  done
+done
 
 # ---- the list ----
 expect 0 "$PLAY" --list-devices

@@ -4,7 +4,7 @@
 session, and its ways out: a locked screen, a computer that goes to sleep, a session bus that is gone. logind is dbusmock's.
 
 Expects what follow_stage.py does, TRACK, SESSION (the folder of the services' files), systemd-analyze and python3-dbusmock.
-Usage: follow_service.py [PART ...]      of drafts, embedded, library, status, activation, ways_out; all by default"""
+Usage: follow_service.py [PART ...]      of drafts, embedded, library, faulty, status, activation, ways_out; all by default"""
 
 import os
 import pathlib
@@ -145,6 +145,53 @@ def library():
     follower = Follower(mpv, f"--tracks={work}/tracks")
     follower.wait_for(f"with '{work}/tracks/Bouncing Balls.csv'")
     vest.wait_to_feel()
+    follower.end()
+    mpv.quit()
+    shutil.rmtree(film.parent)
+
+
+def faulty():
+    """A track of one's own that is faulty: it is said, nothing is felt, and no draft takes its place until that is asked for. A mended one is felt at once."""
+    film = make_film("faulty.mkv", 30)
+    own = film.with_suffix(".csv")
+    faults = {own: ("# tactile grid=1x1 rate=5\ntime_ms,t0\n1000,1\n700,0\n", "line 4"),
+              film.with_suffix(".vtt"): ("WEBVTT\n\nNOTE tactile grid=1x1\n\n00:02.000 --> 00:03.000\n100\n\n00:01.000 --> 00:01.500\n100\n", "line 8: the cue is out of order")}
+    bus = dbus.SessionBus(private=True)
+    for path, (text, where) in faults.items():
+        path.write_text(text, encoding="utf-8")
+        mpv = Mpv(film, "--loop")
+        follower = Follower(mpv)
+        follower.wait_for("nothing is felt of 'faulty.mkv': its track is faulty")
+        said = ask("--status")
+        assert "state:    plays" in said and f"fault:    '{path}': {where}" in said and "track:" not in said, said
+        properties = bus.get_object(NAME, PATH).GetAll(NAME, dbus_interface="org.freedesktop.DBus.Properties")
+        assert where in properties["Fault"] and properties["Track"] == "", properties
+        # Somebody mends it.
+        path.write_text("WEBVTT\n\nNOTE tactile grid=1x1\n\n00:00.000 --> 00:30.000\n100\n" if path.suffix == ".vtt" else text.replace("700,", "1700,"), encoding="utf-8")
+        follower.wait_for(f"plays 'faulty.mkv' with '{path}'")
+        assert "fault:" not in ask("--status")
+        if path.suffix == ".vtt":
+            vest.wait_to_feel()
+        assert "draft" not in follower.said(), follower.said()
+        follower.end()
+        mpv.quit()
+        # Or wants something else.
+        path.write_text(text, encoding="utf-8")
+        mpv = Mpv(film, "--loop")
+        follower = Follower(mpv)
+        follower.wait_for("its track is faulty")
+        ask("--pass-over")
+        follower.wait_for("plays 'faulty.mkv' with a draft")
+        assert "fault:" not in ask("--status")
+        assert "no faulty track" in ask("--pass-over", status=1)
+        follower.end()
+        mpv.quit()
+        path.unlink()
+    # Subtitles are nobody's track, whatever they are.
+    film.with_suffix(".vtt").write_text("WEBVTT\n\n00:02.000 --> 00:03.000\n1984: London\n\n00:01.000 --> 00:01.500\n100\n", encoding="utf-8")
+    mpv = Mpv(film, "--loop")
+    follower = Follower(mpv)
+    follower.wait_for("plays 'faulty.mkv' with a draft")
     follower.end()
     mpv.quit()
     shutil.rmtree(film.parent)
@@ -373,4 +420,4 @@ def active_changed(active):
     return message
 
 
-run({"drafts": drafts, "embedded": embedded, "library": library, "status": status, "activation": activation, "ways_out": ways_out})
+run({"drafts": drafts, "embedded": embedded, "library": library, "faulty": faulty, "status": status, "activation": activation, "ways_out": ways_out})

@@ -262,7 +262,8 @@ edits() {
   track edit a.csv -o b.csv --shift=0.5
   track edit b.csv -o c.csv --scale=0.5
   track edit c.csv -o stepwise.vtt --mask=r0c0 --mask=r2c2
-  cmp edited.vtt stepwise.vtt
+  play diff edited.vtt stepwise.vtt
+  expect_status 0
   # In the given order: levels are scaled, then pruned.
   track edit film.vtt -o order.vtt --scale=0.1 --prune-weaker=50
   track info order.vtt
@@ -278,6 +279,80 @@ edits() {
   track edit edited.vtt -o coarse.csv --resample=1x1 --quantize=4 --merge=5 --limit=1,0.5 --silence=0-1 --overlay-max=before.vtt
   track info coarse.csv
   expect_line out '^Grid +1 x 1'
+}
+
+# What a designer wrote beside the maps stays, byte for byte, and what changes is what was asked for.
+keeps_the_text() {
+  local ends
+  printf '%s\n' 'WEBVTT - by Andr\351' '' 'NOTE tactile grid=1x2 rate=5 by=hand' '' 'NOTE the storm begins here' '' STYLE '::cue { color: lime }' '' \
+    'thunder 1' '00:00:01.000 --> 00:00:01.400 line:0' '  0  75' '' 'NOTE review: accepted' '' '00:00:02.000 --> 00:00:02.400' '50%   0' '' \
+    '00:00:03.000 --> 00:00:04.000' 'what a blow!' >text
+  for ends in '' 's/$/\r/'; do
+    sed "$ends" text | sed 's/\\351/\xe9/' >notes.vtt
+    track convert notes.vtt -o same.vtt
+    cmp notes.vtt same.vtt
+    track edit notes.vtt -o same.vtt --prune-shorter=0.01
+    cmp notes.vtt same.vtt
+    sed 's/00:00:04\.000/00:00:05.000/; s/00:00:03\.000/00:00:04.000/; s/00:00:02\./00:00:03./g; s/00:00:01\./00:00:02./g' notes.vtt >expected
+    track edit notes.vtt -o later.vtt --shift=1
+    cmp expected later.vtt
+    cp notes.vtt place.vtt
+    track edit place.vtt --in-place --shift=1
+    cmp expected place.vtt
+    sed 's/^  0  75/  0  60/; s/^50%   0/ 40   0/' notes.vtt >expected
+    track edit notes.vtt -o softer.vtt --scale=0.8
+    cmp expected softer.vtt
+    track edit notes.vtt -o resampled.vtt --resample=2x2
+    expect_line resampled.vtt '^NOTE tactile grid=2x2 rate=5 by=hand'
+    expect_line resampled.vtt '^thunder 1'
+    expect_line resampled.vtt '--> 00:00:01.400 line:0'
+    expect_line resampled.vtt '^NOTE review: accepted'
+  done
+}
+
+utf16() {
+  local encoding
+  for encoding in UTF-16 UTF-16LE UTF-16BE; do
+    iconv -f UTF-8 -t "$encoding" "$work/good.vtt" >"$encoding.vtt"
+    track convert "$encoding.vtt" -o back.vtt
+    cmp "$work/good.vtt" back.vtt
+    track convert "$work/good.vtt" -o good.csv
+    iconv -f UTF-8 -t "$encoding" good.csv >"$encoding.csv"
+    play diff "$encoding.csv" good.csv
+    expect_status 0
+  done
+}
+
+# Names are bytes: these are no UTF-8.
+names_of_bytes() {
+  local name=$'caf\xe9 "1" \\ %41'
+  ln "$work/film.mkv" "$name.mkv"
+  track author "$name.mkv" -o "$name.vtt" -q
+  track edit "$name.vtt" -o "$name.2.vtt" --scale=0.5 --overlay-max="$name.vtt"
+  play diff "$name.vtt" "$name.2.vtt"
+  expect_status 0
+  track convert "$name.vtt" -o "$name.csv"
+  track validate "$name.csv"
+  track info "$name.vtt"
+  track plot "$name.vtt" -o "$name.png" --film "$name.mkv"
+  track preview "$name.mkv" "$name.vtt" -o "$name.preview.mkv"
+  track mux "$name.mkv" "$name.vtt" -o "$name.muxed.mkv"
+  [ -s "$name.muxed.mkv" ] && [ -s "$name.preview.mkv" ] && [ -s "$name.png" ] || fail "not all is written: $(ls)"
+}
+
+# Nobody writes to these pipes.
+pipes() {
+  local command
+  mkfifo pipe.vtt pipe.mkv
+  for command in "validate pipe.vtt" "info pipe.vtt" "edit pipe.vtt -o kept.vtt --shift=1" "convert pipe.vtt -o kept.vtt" "edit $work/good.vtt -o kept.vtt --overlay-max=pipe.vtt" \
+    "preview $work/film.mkv pipe.vtt -o kept.vtt.mkv" "mux $work/film.mkv pipe.vtt -o kept.vtt.mkv"; do
+    # shellcheck disable=SC2086
+    play $command
+    [ "$status" = 1 ] || [ "$status" = 2 ] || fail "$command: $status"
+    cat out err >said
+    expect_line said 'got a pipe'
+  done
+  refuses 1 'is a pipe or a device' author pipe.mkv -o kept.vtt
 }
 
 # Edits of the text itself: a cue deleted, a cue moved.
@@ -419,6 +494,10 @@ start players players
 start whole_film whole_film
 start forms forms
 start edits edits
+start keeps_the_text keeps_the_text
+start utf16 utf16
+start names_of_bytes names_of_bytes
+start pipes pipes
 start by_hand by_hand
 start pictures pictures
 start chair chair

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "motor_walk.h"
 
+#include "device_list.h"
 #include "or_throw.h"
 #include "pipeline.h"
 
@@ -40,18 +41,37 @@ patience(GstElement *pipeline, GstClockTime running_time)
   return running_time > now ? running_time - now : 0;
 }
 
-/// Listens to the bus until the end of the stream, true, or that running time.
+/// Throws std::runtime_error if the sink found nothing to be felt, with what it told.
+void
+expect_motors(GstElement *sink, const std::function<void(const std::string &)> &show,
+              const std::string &told)
+{
+  if (g_object_class_find_property(G_OBJECT_GET_CLASS(sink), "actuation-stats") == nullptr)
+    return;
+  g_autoptr(GstStructure) stats = nullptr;
+  g_object_get(sink, "actuation-stats", &stats, nullptr);
+  if (g_strcmp0(gst_structure_get_string(stats, "board"), "simulator") != 0)
+    return;
+  const std::string driver = text_property(sink, "driver");
+  if (driver == "simulator")
+    show("simulated, as the driver is the simulator");
+  else
+    throw std::runtime_error(told.empty() ? "the motors are simulated" : told);
+}
+
+/// Listens to the bus until the end of the stream, true, or that running time. `info` becomes the
+/// last information.
 bool
 ended(GstElement *pipeline, GstClockTime until,
-      const std::function<void(const std::string &)> &warn)
+      const std::function<void(const std::string &)> &warn, std::string &info)
 {
   const Owned<GstBus> bus(gst_element_get_bus(pipeline));
   while (true) {
     const bool waits = GST_CLOCK_TIME_IS_VALID(until);
     g_autoptr(GstMessage) message = gst_bus_timed_pop_filtered(
         bus.get(), waits ? patience(pipeline, until) : GST_CLOCK_TIME_NONE,
-        static_cast<GstMessageType>(GST_MESSAGE_ERROR | GST_MESSAGE_WARNING | GST_MESSAGE_LATENCY
-                                    | GST_MESSAGE_EOS));
+        static_cast<GstMessageType>(GST_MESSAGE_ERROR | GST_MESSAGE_WARNING | GST_MESSAGE_INFO
+                                    | GST_MESSAGE_LATENCY | GST_MESSAGE_EOS));
     if (message == nullptr)
       return false;
     if (GST_MESSAGE_TYPE(message) == GST_MESSAGE_EOS)
@@ -59,6 +79,9 @@ ended(GstElement *pipeline, GstClockTime until,
     g_autoptr(GError) error = nullptr;
     if (GST_MESSAGE_TYPE(message) == GST_MESSAGE_LATENCY) {
       gst_bin_recalculate_latency(GST_BIN(pipeline));
+    } else if (GST_MESSAGE_TYPE(message) == GST_MESSAGE_INFO) {
+      gst_message_parse_info(message, &error, nullptr);
+      info = error->message;
     } else if (GST_MESSAGE_TYPE(message) == GST_MESSAGE_WARNING) {
       gst_message_parse_warning(message, &error, nullptr);
       warn(error->message);
@@ -134,6 +157,11 @@ walk(GstElement *sink, const MotorWalk &motors,
   if (gst_element_set_state(pipeline.get(), GST_STATE_PLAYING) == GST_STATE_CHANGE_FAILURE)
     throw std::runtime_error(start_error(bus.get()));
 
+  std::string info;
+  std::vector<std::string> warnings; // of a device that is being opened
+  const auto hold = [&](const std::string &warning) {
+    warnings.push_back(warning);
+  };
   std::vector<gfloat> levels(std::size_t{ motors.rows } * motors.columns, 0);
   push(source.get(), levels, 0, kOff);
   GstClockTime at = kOff;
@@ -142,12 +170,16 @@ walk(GstElement *sink, const MotorWalk &motors,
     push(source.get(), levels, at, kOn);
     levels[motor] = 0;
     push(source.get(), levels, at + kOn, kOff);
-    if (motor == 0) // until the device is open
+    if (motor == 0) { // until the device is open
       gst_element_get_state(pipeline.get(), nullptr, nullptr, GST_CLOCK_TIME_NONE);
-    ended(pipeline.get(), at, warn);
+      ended(pipeline.get(), at, hold, info);
+      expect_motors(sink, show, warnings.empty() ? info : warnings.back());
+      std::ranges::for_each(warnings, warn);
+    }
+    ended(pipeline.get(), at, warn, info);
     show(motors.names[motor]);
   }
   gst_app_src_end_of_stream(GST_APP_SRC(source.get()));
-  while (!ended(pipeline.get(), GST_CLOCK_TIME_NONE, warn))
+  while (!ended(pipeline.get(), GST_CLOCK_TIME_NONE, warn, info))
     continue;
 }

@@ -29,7 +29,8 @@ MotorWalk walk_of_device(const std::string &driver, const std::string &device, u
                          unsigned columns);
 
 /// Drives each motor by `sink`, which is in no bin, for half a second. Calls `show` with its name
-/// when that begins, and `warn` with warnings. Throws std::runtime_error.
+/// when that begins, and `warn` with warnings. Where the motors are simulated that is shown first,
+/// and is an error unless the sink's driver is the simulator. Throws std::runtime_error.
 void walk(GstElement *sink, const MotorWalk &motors,
           const std::function<void(const std::string &)> &show,
           const std::function<void(const std::string &)> &warn);

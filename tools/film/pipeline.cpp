@@ -5,6 +5,35 @@
 #include <cstring>
 #include <stdexcept>
 
+namespace {
+
+/// Launch lines are UTF-8, names of files are bytes: those that are no UTF-8 have this before them,
+/// are escaped as in URIs, and are set once the elements are there.
+constexpr const char *kBytes = "bytes-of-a-name:";
+
+void
+set_bytes(const GValue *item, gpointer)
+{
+  auto *element = G_OBJECT(g_value_get_object(item));
+  guint count = 0;
+  g_autofree GParamSpec **properties
+      = g_object_class_list_properties(G_OBJECT_GET_CLASS(element), &count);
+  for (guint i = 0; i < count; i++) {
+    const GParamSpec *property = properties[i];
+    constexpr int kBoth = G_PARAM_READABLE | G_PARAM_WRITABLE;
+    if (!G_IS_PARAM_SPEC_STRING(property) || (property->flags & kBoth) != kBoth)
+      continue;
+    g_autofree gchar *value = nullptr;
+    g_object_get(element, property->name, &value, nullptr);
+    if (value == nullptr || !g_str_has_prefix(value, kBytes))
+      continue;
+    g_autofree gchar *bytes = g_uri_unescape_string(value + std::strlen(kBytes), nullptr);
+    g_object_set(element, property->name, bytes, nullptr);
+  }
+}
+
+} // namespace
+
 Pipeline
 make_pipeline(const std::string &line)
 {
@@ -13,6 +42,11 @@ make_pipeline(const std::string &line)
       gst_parse_launch_full(line.c_str(), nullptr, GST_PARSE_FLAG_FATAL_ERRORS, &error));
   if (!pipeline)
     throw std::runtime_error(std::string("cannot build the pipeline: ") + error->message);
+  if (line.find(kBytes) != std::string::npos) {
+    GstIterator *elements = gst_bin_iterate_recurse(GST_BIN(pipeline.get()));
+    gst_iterator_foreach(elements, set_bytes, nullptr); // resyncs do not happen: nobody adds any
+    gst_iterator_free(elements);
+  }
   return pipeline;
 }
 
@@ -36,6 +70,10 @@ start_error(GstBus *bus)
 std::string
 launch_value(const std::string &value)
 {
+  if (!g_utf8_validate(value.c_str(), -1, nullptr)) {
+    g_autofree gchar *escaped = g_uri_escape_string(value.c_str(), "/", FALSE);
+    return std::string(kBytes) + escaped;
+  }
   const auto is_plain = [](char c) {
     return g_ascii_isalnum(c) || std::strchr("_-./:%", c);
   };

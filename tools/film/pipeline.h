@@ -35,5 +35,5 @@ Owned<GstElement> element(const Pipeline &pipeline, const char *name);
 /// The first error on the bus of a pipeline that did not start.
 std::string start_error(GstBus *bus);
 
-/// A value for a launch line.
+/// A value for a launch line of make_pipeline(), such as the name of a file, which may be any bytes.
 std::string launch_value(const std::string &value);

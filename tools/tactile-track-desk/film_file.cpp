@@ -50,12 +50,14 @@ send_piece(SoupServerMessage *message, Sending &sending)
 void
 answer_file(SoupServerMessage *message, const std::string &path, const char *type)
 {
-  desk::File file(open(path.c_str(), O_RDONLY | O_CLOEXEC));
+  tl::expected<files::File, files::Error> opened = files::open_regular(path);
   struct stat found
   {
   };
-  if (!file || fstat(file.descriptor(), &found) != 0 || !S_ISREG(found.st_mode))
-    return answer_error(message, 404, desk::file_error(path));
+  if (!opened || fstat(opened->descriptor(), &found) != 0)
+    return answer_error(
+        message, 404, opened ? desk::file_error(path) : "'" + path + "': " + opened.error().reason);
+  files::File file = *std::move(opened);
   SoupMessageHeaders *asked = soup_server_message_get_request_headers(message);
   SoupMessageHeaders *headers = soup_server_message_get_response_headers(message);
   const goffset size = found.st_size;

@@ -52,11 +52,11 @@ track_beside(const std::string &film)
       free = name;
       continue;
     }
-    const std::string text = or_throw(desk::read_whole(name, tactile::kMaxTrackFile));
+    const std::string text = or_throw(tactile::read_track_text(name));
     auto track = tactile::read_webvtt(text);
     if (track)
       return name;
-    if (tactile::is_tactile_webvtt(text))
+    if (tactile::is_meant_as_track(text))
       throw std::runtime_error(std::move(track.error()).within("'" + name + "'").text());
     taken = name;
   }

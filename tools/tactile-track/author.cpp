@@ -185,7 +185,7 @@ public:
 private:
   static std::optional<tactile::DraftNote> note_of(const std::string &track)
   {
-    const auto bytes = tactile::read_track_bytes(track);
+    const auto bytes = tactile::read_track_text(track);
     return bytes ? tactile::draft_note(*bytes) : std::nullopt;
   }
 

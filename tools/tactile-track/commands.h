@@ -18,6 +18,7 @@ int edit(int argc, char **argv);
 int plot(int argc, char **argv);
 int preview(int argc, char **argv);
 int mux(int argc, char **argv);
+int extract(int argc, char **argv);
 int desk(int argc, char **argv);
 
 /// Seconds with three decimals.
@@ -31,5 +32,14 @@ tactile::Time parse_time(const std::string &text, const char *option);
 void write_track_file(const tactile::Track &track, const std::string &path,
                       const std::string &made_with = "");
 
+/// Writes a file in the same way.
+void write_bytes(const std::string &bytes, const std::string &path);
+
 /// A file's folder, "." where the path has none, and its name.
 std::pair<std::string, std::string> folder_and_name(const std::string &path);
+
+/// Throws UsageError if the output would overwrite the film.
+void refuse_same_file(const std::string &film, const std::string &output);
+
+/// The path of a film's file, which may be given as its URI. Throws std::runtime_error.
+std::string film_path(const std::string &name);

@@ -26,7 +26,8 @@ constexpr std::array kCommands = {
   Command{ "diff", diff, "print where two tracks differ" },
   Command{ "plot", plot, "draw a track over time as PNG or SVG" },
   Command{ "preview", preview, "play or record a film with a track" },
-  Command{ "mux", mux, "add a track to a film's file" },
+  Command{ "mux", mux, "copy a film's file with a track in it" },
+  Command{ "extract", extract, "take a track out of a film's file" },
 #ifdef DESK_PROGRAM
   Command{ "desk", desk, "edit a track beside its film, in a browser" },
 #endif
@@ -89,11 +90,37 @@ folder_and_name(const std::string &path)
 }
 
 void
+refuse_same_file(const std::string &film, const std::string &output)
+{
+  std::error_code none;
+  if (std::filesystem::equivalent(film, output, none))
+    throw UsageError("'" + output + "' is the film itself; give another name");
+}
+
+std::string
+film_path(const std::string &name)
+{
+  std::error_code error;
+  if (std::filesystem::is_regular_file(name, error))
+    return name;
+  g_autofree gchar *path = g_filename_from_uri(name.c_str(), nullptr, nullptr);
+  if (path != nullptr && std::filesystem::is_regular_file(path, error))
+    return path;
+  throw std::runtime_error("there is no film '" + name + "'; give the path of a film's file");
+}
+
+void
 write_track_file(const tactile::Track &track, const std::string &path, const std::string &made_with)
 {
   std::string bytes = tactile::write_track(track, or_throw(tactile::track_format(path)), date());
   if (!made_with.empty())
     bytes = tactile::with_draft_note(std::move(bytes), made_with);
+  write_bytes(bytes, path);
+}
+
+void
+write_bytes(const std::string &bytes, const std::string &path)
+{
   const auto [folder, name] = folder_and_name(path);
   Output output(folder, name);
   std::ofstream file(output.part_path(), std::ios::binary);

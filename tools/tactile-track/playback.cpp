@@ -3,7 +3,6 @@
 
 #include "film/progress.h"
 #include "tracks/cue_builder.h"
-#include "tracks/formats/webvtt.h"
 
 #include <glib-unix.h>
 #include <gst/app/gstappsrc.h>
@@ -18,15 +17,6 @@
 #include <vector>
 
 namespace {
-
-GstCaps *
-caps_of(const tactile::Track &track, CueForm form)
-{
-  if (form != CueForm::map)
-    return cue_caps_new(form);
-  return gst_tactile_map_caps_new(static_cast<guint>(track.rows()),
-                                  static_cast<guint>(track.columns()), 0, 1);
-}
 
 /// One run of a main loop.
 class Run
@@ -123,30 +113,16 @@ private:
 } // namespace
 
 void
-feed_track(GstElement *appsrc, const tactile::Track &track, CueForm form, tactile::Time start)
+feed_track(GstElement *appsrc, const tactile::Track &track, tactile::Time start)
 {
-  // In the resolution that a file of text cues has.
-  const tactile::Track sent
-      = form == CueForm::text
-            ? tactile::at_resolution(track, tactile::kTextTick, tactile::kTextSteps)
-            : track;
-  GstCaps *caps = caps_of(track, form);
+  g_autoptr(GstCaps) caps = gst_tactile_map_caps_new(static_cast<guint>(track.rows()),
+                                                     static_cast<guint>(track.columns()), 0, 1);
   g_object_set(appsrc, "caps", caps, "format", GST_FORMAT_TIME, "max-bytes", guint64{ 0 }, nullptr);
-  gst_caps_unref(caps);
-  tactile::CueBuilder builder;
-  const auto &entries = sent.entries();
-  const auto running = [&](tactile::Time time) {
-    return std::max(time + start, tactile::Time(0));
-  };
-  for (std::size_t i = 0; i < entries.size(); i++) {
-    const tactile::Time begin = running(entries[i].time);
-    const tactile::Time end = running(i + 1 < entries.size() ? entries[i + 1].time : sent.end());
-    if (begin < end || entries.size() == 1)
-      builder.add(begin, end, entries[i].map);
+  for (tactile::Cue cue : tactile::cues_of(track)) {
+    cue.begin = std::max(cue.begin + start, tactile::Time(0));
+    cue.end = std::max(cue.end + start, cue.begin);
+    gst_app_src_push_buffer(GST_APP_SRC(appsrc), cue_buffer_new(cue, CueForm::map));
   }
-  builder.flush();
-  while (const std::optional<tactile::Cue> cue = builder.take())
-    gst_app_src_push_buffer(GST_APP_SRC(appsrc), cue_buffer_new(*cue, form));
   gst_app_src_end_of_stream(GST_APP_SRC(appsrc));
 }
 

@@ -4,6 +4,7 @@
 #include "commands.h"
 
 #include "tracks/formats/track_file.h"
+#include "tracks/formats/webvtt_text.h"
 #include "tracks/text_cue.h"
 #include "tracks/track_edit.h"
 
@@ -17,7 +18,46 @@ using tactile::Track;
 
 namespace {
 
-using Operation = std::function<tl::expected<Track, tactile::FormatError>(const Track &)>;
+struct Operation
+{
+  template <typename Run>
+  Operation(Run of, Time by = Time(0)) : run(std::move(of)), offset(by) // NOLINT: a function is one
+  {
+  }
+
+  std::function<tl::expected<Track, tactile::FormatError>(const Track &)> run;
+  Time offset; ///< by which it moves the track
+};
+
+/// A track and the text of its file.
+struct TrackFile
+{
+  std::string text;
+  tactile::TrackFormat format;
+  Track track;
+};
+
+TrackFile
+read_file(const std::string &path)
+{
+  const auto format = or_throw(tactile::track_format(path));
+  std::string text = or_throw(tactile::read_track_text(path));
+  Track track = or_throw(tactile::read_track(text, format).map_error([&](auto error) {
+    return std::move(error).within("'" + path + "'");
+  }));
+  return { .text = std::move(text), .format = format, .track = std::move(track) };
+}
+
+/// Writes what became of a track. From WebVTT to WebVTT, what was not changed stays as it is.
+void
+write_file(const TrackFile &file, const Track &track, Time offset, const std::string &path)
+{
+  constexpr auto kText = tactile::TrackFormat::webvtt;
+  if (file.format != kText || or_throw(tactile::track_format(path)) != kText)
+    return write_track_file(track, path);
+  const tactile::Grid grid{ file.track.rows(), file.track.columns() };
+  write_bytes(tactile::WebvttText(file.text, grid).with(track, offset), path);
+}
 
 double
 parse_number(const std::string &text, const char *option, double least, double most)
@@ -103,9 +143,7 @@ parse_operation(const std::string &name, const std::string &value)
   }
   if (name == "--shift") {
     const Time offset = parse_time(value, option);
-    return [=](const Track &track) {
-      return shift(track, offset);
-    };
+    return { [=](const Track &track) { return shift(track, offset); }, offset };
   }
   if (name == "--scale") {
     const auto factor = static_cast<float>(parse_number(value, option, 0, 100));
@@ -119,8 +157,10 @@ parse_operation(const std::string &name, const std::string &value)
     const Time end = parse_time(to, option);
     if (end <= begin)
       throw UsageError(name + ": expected an end after the beginning, got '" + value + "'");
-    return [=, is_clip = name == "--clip"](const Track &track) {
-      return is_clip ? clip(track, begin, end) : silence(track, begin, end);
+    if (name == "--clip")
+      return { [=](const Track &track) { return clip(track, begin, end); }, -begin };
+    return [=](const Track &track) {
+      return silence(track, begin, end);
     };
   }
   if (name == "--mask")
@@ -178,7 +218,8 @@ convert(int argc, char **argv)
                         .most = 1 });
   if (!output.is_set())
     throw UsageError("expected -o OUT");
-  write_track_file(or_throw(tactile::read_track_file(tracks[0])), output.text());
+  const TrackFile file = read_file(tracks[0]);
+  write_file(file, file.track, Time(0), output.text());
   return 0;
 }
 
@@ -211,9 +252,9 @@ edit(int argc, char **argv)
     { "quantize", 0, 0, G_OPTION_ARG_CALLBACK, callback, "Round levels to so many steps", "N" },
     { "resample", 0, 0, G_OPTION_ARG_CALLBACK, callback, "Convert to another grid",
       "ROWSxCOLUMNS" },
-    { "overlay-max", 0, 0, G_OPTION_ARG_CALLBACK, callback,
+    { "overlay-max", 0, G_OPTION_FLAG_FILENAME, G_OPTION_ARG_CALLBACK, callback,
       "Take the stronger of this and another track for each cell", "TRACK" },
-    { "overlay-replace", 0, 0, G_OPTION_ARG_CALLBACK, callback,
+    { "overlay-replace", 0, G_OPTION_FLAG_FILENAME, G_OPTION_ARG_CALLBACK, callback,
       "Take another track wherever that is not silent", "TRACK" },
     {},
   };
@@ -233,9 +274,13 @@ edit(int argc, char **argv)
   if (!in_place && std::filesystem::equivalent(in, out, ignored))
     throw UsageError("'" + out + "' is the track itself; use --in-place to overwrite it");
 
-  Track track = or_throw(tactile::read_track_file(in));
-  for (const Operation &operation : operations)
-    track = or_throw(operation(track));
-  write_track_file(track, out);
+  const TrackFile file = read_file(in);
+  Track track = file.track;
+  Time offset{ 0 };
+  for (const Operation &operation : operations) {
+    track = or_throw(operation.run(track));
+    offset += operation.offset;
+  }
+  write_file(file, track, offset, out);
   return 0;
 }

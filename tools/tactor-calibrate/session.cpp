@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "session.h"
+
 #include "audio_file.h"
+#include "files/regular_file.h"
 
 #include "calibration/alignment.h"
 #include "calibration/median.h"
@@ -94,9 +96,11 @@ Session::begin(const fs::path &folder, const tactor::MeasurementSettings &settin
   const fs::path path = folder / "session.ini";
   const std::string text = to_text(settings, motor, sensor);
   fs::create_directories(folder);
-  g_autofree gchar *old = nullptr;
-  if (g_file_get_contents(path.c_str(), &old, nullptr, nullptr)) {
-    if (text != old)
+  const tl::expected<std::string, files::Error> old = files::read(path, kMostBytes);
+  if (!old && old.error().number != ENOENT)
+    throw std::runtime_error("cannot read '" + path.string() + "': " + old.error().reason);
+  if (old) {
+    if (text != *old)
       throw std::runtime_error("'" + folder.string()
                                + "' holds another measurement; expected the same options as in "
                                  "session.ini, or a new folder");
@@ -113,13 +117,12 @@ Session::open(const fs::path &folder)
 {
   const KeyFile file(g_key_file_new());
   g_autoptr(GError) error = nullptr;
-  std::error_code none;
-  if (fs::file_size(folder / "session.ini", none) > kMostBytes && !none)
+  const tl::expected<std::string, files::Error> text
+      = files::read(folder / "session.ini", kMostBytes);
+  if (!text)
     throw std::runtime_error("'" + folder.string()
-                             + "' holds no measurement: session.ini has more than "
-                             + std::to_string(kMostBytes) + " bytes");
-  if (!g_key_file_load_from_file(file.get(), (folder / "session.ini").c_str(), G_KEY_FILE_NONE,
-                                 &error))
+                             + "' holds no measurement: session.ini: " + text.error().reason);
+  if (!g_key_file_load_from_data(file.get(), text->data(), text->size(), G_KEY_FILE_NONE, &error))
     throw std::runtime_error("'" + folder.string() + "' holds no measurement: " + error->message);
   Session session;
   session.folder_ = folder;

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "film_probe.h"
 
+#include "gst/cues/cue_stream.h"
+
 #include <stdexcept>
 #include <string_view>
 
@@ -28,11 +30,8 @@ bool
 is_track(GstDiscovererStreamInfo *stream)
 {
   g_autoptr(GstCaps) caps = gst_discoverer_stream_info_get_caps(stream);
-  if (caps == nullptr || gst_caps_get_size(caps) == 0)
-    return false;
-  const GstStructure *structure = gst_caps_get_structure(caps, 0);
-  return gst_structure_has_name(structure, "meta/x-klv")
-         || (gst_structure_has_name(structure, "text/x-raw") && may_be_track(stream));
+  const std::optional<CueForm> form = cue_form_of(caps);
+  return form && (form == CueForm::klv || may_be_track(stream));
 }
 
 } // namespace

@@ -22,6 +22,8 @@ cpu_time()
   return std::chrono::seconds(time.tv_sec) + std::chrono::nanoseconds(time.tv_nsec);
 }
 
+constexpr Time kLookEvery = std::chrono::seconds(1); ///< whether a faulty track has changed
+
 std::string
 uri_of(const std::string &path)
 {
@@ -43,6 +45,7 @@ FilmTrack::open(const std::string &film)
   probe_.reset();
   reader_.reset();
   what_.clear();
+  fault_.clear();
   complaint_.clear();
   told_too_slow_ = false;
   film_ = film;
@@ -50,9 +53,12 @@ FilmTrack::open(const std::string &film)
   events_.found(nullptr);
   if (film.empty())
     return;
+  std::erase_if(passed_over_, [this](const std::string &path) { return has_changed(path); });
   file_ = { .complaint = "it is no file on this computer" };
+  const auto beside = library_.beside(film, passed_over_, complaint_);
   probe();
-  if (const auto beside = library_.beside(film, complaint_))
+  is_beside_ = beside.has_value();
+  if (beside)
     play(*beside);
   else if (!probe_)
     look_in_folder();
@@ -75,10 +81,17 @@ FilmTrack::probe()
 void
 FilmTrack::step(Time position, Time now)
 {
+  if (!fault_.empty() && now - looked_at_ >= kLookEvery) {
+    looked_at_ = now;
+    if (has_changed(faulty_)) {
+      open(std::string(film_));
+      return;
+    }
+  }
   if (probe_ && probe_->result()) {
     file_ = *std::exchange(probe_, nullptr)->result();
     events_.probed();
-    if (what_.empty())
+    if (!is_beside_)
       look_in_file();
   }
   if (!reader_)
@@ -113,8 +126,38 @@ FilmTrack::choose(std::string what)
 void
 FilmTrack::play(const FoundTrack &found)
 {
+  if (!found.fault.empty()) {
+    stop_at(found);
+    return;
+  }
   choose("'" + found.path + "'");
   events_.found(std::make_shared<tactile::Draft>(found.track));
+}
+
+void
+FilmTrack::stop_at(const FoundTrack &faulty)
+{
+  fault_ = faulty.fault;
+  faulty_ = faulty.path;
+  versions_[faulty.path] = DraftCache::version(faulty.path);
+  events_.told("nothing is felt of '" + film_name(film_) + "': its track is faulty: " + fault_
+               + "; mend it, or pass it over with visuotactile-follow --pass-over");
+}
+
+/// Since the faulty file was read.
+bool
+FilmTrack::has_changed(const std::string &path) const
+{
+  return DraftCache::version(path) != versions_.at(path);
+}
+
+void
+FilmTrack::pass_over()
+{
+  if (fault_.empty())
+    throw std::runtime_error("no faulty track of a film could be passed over");
+  passed_over_.insert(faulty_);
+  open(std::string(film_));
 }
 
 void
@@ -135,9 +178,13 @@ FilmTrack::look_in_file()
 void
 FilmTrack::look_in_folder()
 {
-  std::optional<FoundTrack> found = library_.named(film_, complaint_);
-  if (!found && file_.duration)
-    found = library_.alike(film_, *file_.duration);
+  std::optional<FoundTrack> found = library_.named(film_, passed_over_, complaint_);
+  if (!found && file_.duration) {
+    std::string faulty;
+    found = library_.alike(film_, *file_.duration, faulty);
+    if (!found && !faulty.empty())
+      events_.told("a track that '" + film_name(film_) + "' may have is faulty: " + faulty);
+  }
   if (found)
     play(*found);
   else if (settings_.makes_drafts && file_.has_picture)

@@ -9,14 +9,15 @@
 #include "follow/ahead_reader.h"
 
 #include <functional>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
 
 /// Where a film's track comes from. Of these the first that there is: a file beside the film, the
 /// film's own file, the user's folder of tracks, a draft of an earlier time, a draft that is made
-/// ahead of the position while the film plays. Of the main context's thread, which it does not
-/// hold up.
+/// ahead of the position while the film plays. A faulty file ends the search, and nothing is felt:
+/// until it changes or is passed over. Of the main context's thread, which it does not hold up.
 class FilmTrack
 {
 public:
@@ -41,6 +42,10 @@ public:
   /// `film` is what a player says; empty: none. What was found of the film before is no more.
   void open(const std::string &film);
 
+  /// Passes the film's faulty track over, as it is now, and looks on. Throws std::runtime_error if
+  /// there is none.
+  void pass_over();
+
   /// Looks and reads on. `position`: where the film is.
   void step(follow::Time position, follow::Time now);
 
@@ -59,12 +64,19 @@ public:
   {
     return file_.start.told;
   }
+  /// Why nothing is felt although there is a track; empty: no such thing.
+  const std::string &fault() const
+  {
+    return fault_;
+  }
   /// Up to where the film is known from a position on; none: all.
   std::optional<follow::Time> known_until(follow::Time position) const;
 
 private:
   void probe();
   void play(const FoundTrack &found);
+  void stop_at(const FoundTrack &faulty);
+  bool has_changed(const std::string &path) const;
   void look_in_file();
   void look_in_folder();
   void choose(std::string what);
@@ -82,10 +94,16 @@ private:
   std::string path_; ///< on this computer; empty: elsewhere
   std::string complaint_;
   std::string what_;
+  std::string fault_;
+  std::string faulty_;                                                 ///< the file
+  std::map<std::string, std::optional<DraftCache::Version>> versions_; ///< of faulty tracks
+  Library::Skipped passed_over_;
+  follow::Time looked_at_{ 0 }; ///< when the faulty file was
   std::unique_ptr<FilmProbe> probe_;
   AnalysisSettings analysis_; ///< of this film
   FilmProbe::Result file_;    ///< what is in it
   std::unique_ptr<follow::AheadReader> reader_;
+  bool is_beside_ = false;  ///< the track is a file beside the film
   bool reads_file_ = false; ///< reader_ reads the track in the film's file
   bool told_too_slow_ = false;
 };

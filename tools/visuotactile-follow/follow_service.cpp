@@ -18,10 +18,12 @@ constexpr const char *kXml = R"(<node><interface name="org.visuotactile.Follow1"
     <arg name="by" type="d" direction="in"/>
     <arg name="offset" type="d" direction="out"/>
   </method>
+  <method name="PassOver"/>
   <property name="Player" type="s" access="read"/>
   <property name="State" type="s" access="read"/>
   <property name="Film" type="s" access="read"/>
   <property name="Track" type="s" access="read"/>
+  <property name="Fault" type="s" access="read"/>
   <property name="Position" type="d" access="read"/>
   <property name="Ahead" type="d" access="read"/>
   <property name="SyncTo" type="s" access="read"/>
@@ -55,6 +57,8 @@ property_of(const FollowStatus &status, std::string_view name)
     return text(status.film);
   if (name == "Track")
     return text(status.track);
+  if (name == "Fault")
+    return text(status.fault);
   if (name == "SyncTo")
     return text(status.sync_to);
   return g_variant_new_double(name == "Position"  ? status.position
@@ -116,16 +120,21 @@ FollowService::~FollowService()
 
 void
 FollowService::on_call(GDBusConnection *, const gchar *, const gchar *, const gchar *,
-                       const gchar *, GVariant *arguments, GDBusMethodInvocation *invocation,
+                       const gchar *method, GVariant *arguments, GDBusMethodInvocation *invocation,
                        gpointer self)
 {
-  double by = 0;
-  g_variant_get(arguments, "(d)", &by); // the only method
+  const Calls &calls = static_cast<FollowService *>(self)->calls_;
   try {
+    if (std::string_view(method) == "PassOver") {
+      calls.pass_over();
+      g_dbus_method_invocation_return_value(invocation, nullptr);
+      return;
+    }
+    double by = 0;
+    g_variant_get(arguments, "(d)", &by);
     if (!std::isfinite(by))
       throw std::runtime_error("expected a number of ms");
-    g_dbus_method_invocation_return_value(
-        invocation, g_variant_new("(d)", static_cast<FollowService *>(self)->calls_.nudge(by)));
+    g_dbus_method_invocation_return_value(invocation, g_variant_new("(d)", calls.nudge(by)));
   } catch (const std::runtime_error &error) {
     g_dbus_method_invocation_return_error_literal(invocation, G_DBUS_ERROR, G_DBUS_ERROR_FAILED,
                                                   error.what());
@@ -159,6 +168,7 @@ ask_status()
            .state = words("State"),
            .film = words("Film"),
            .track = words("Track"),
+           .fault = words("Fault"),
            .position = number("Position"),
            .ahead = number("Ahead"),
            .sync_to = words("SyncTo"),
@@ -173,4 +183,10 @@ send_nudge(double by)
   double offset = 0;
   g_variant_get(answer, "(d)", &offset);
   return offset;
+}
+
+void
+send_pass_over()
+{
+  g_variant_unref(call(kName, "PassOver", g_variant_new("()"), "()"));
 }

@@ -10,9 +10,10 @@
 struct FollowStatus
 {
   std::string player{};       ///< empty: none
-  std::string state = "idle"; ///< idle, stopped, paused, waits, plays or rests
+  std::string state = "idle"; ///< idle, stopped, paused, waits, plays, lost or rests
   std::string film{};
   std::string track{};   ///< what is felt; empty: nothing
+  std::string fault{};   ///< why nothing is felt of a film that has a track; empty: no such thing
   double position = -1;  ///< s; < 0: unknown
   double ahead = -1;     ///< s of the track that are known from there on; < 0: all
   std::string sync_to{}; ///< screen or sound
@@ -29,7 +30,8 @@ public:
   {
     std::function<FollowStatus()> status;
     std::function<double(double by)>
-        nudge; ///< returns the offset, in ms. Throws std::runtime_error.
+        nudge;                       ///< returns the offset, in ms. Throws std::runtime_error.
+    std::function<void()> pass_over; ///< a faulty track. Throws std::runtime_error.
     std::function<void(const std::string &)> told;
   };
 
@@ -56,3 +58,5 @@ private:
 FollowStatus ask_status();
 /// Moves what is felt, and returns the player's offset, in ms. Throws std::runtime_error.
 double send_nudge(double by);
+/// Passes a faulty track over. Throws std::runtime_error.
+void send_pass_over();

@@ -151,6 +151,7 @@ Follower::run()
     service_ = std::make_unique<FollowService>(
         bus_, FollowService::Calls{ .status = [this] { return status(); },
                                     .nudge = [this](double by) { return nudge(by); },
+                                    .pass_over = [this] { film_track_.pass_over(); },
                                     .told =
                                         [this](const std::string &text) {
                                           tell(text);
@@ -468,6 +469,11 @@ Follower::status() const
     status.state = word(current_->last.doing);
   status.film = film_name(film_);
   status.track = film_track_.what();
+  status.fault = film_track_.fault();
+  if (current_->last.doing == Doing::playing && !current_->player->fault().empty()) {
+    status.state = "lost";
+    status.fault = no_position();
+  }
   status.sync_to = name_of(sync_to());
   status.latency = latency();
   status.offset = timing_.offset(player_kind(status.player));
@@ -479,10 +485,30 @@ Follower::status() const
   return status;
 }
 
+std::string
+Follower::no_position() const
+{
+  return "no usable position: " + current_->player->fault();
+}
+
+/// What is wrong with the player, or peculiar, once.
+void
+Follower::tell_of_player()
+{
+  const follow::Player &player = *current_->player;
+  std::string text
+      = player.fault().empty() ? player.remark() : "reports " + no_position() + "; nothing is felt";
+  if (text != current_->told && !text.empty())
+    tell(player.name() + " " + text);
+  current_->told = std::move(text);
+}
+
 gboolean
 Follower::tick()
 {
   update();
+  if (current_ != nullptr)
+    tell_of_player();
   if (!rests_)
     film_track_.step(position_, local_time());
   if (!track_ && !film_track_.is_looking())

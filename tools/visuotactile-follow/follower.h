@@ -60,6 +60,7 @@ private:
     follow::Report last{};   ///< newest of its kind
     bool was_paused = false; ///< and has not gone on yet
     bool is_gone = false;
+    std::string told{}; ///< its fault or remark, as the user knows it
   };
 
   void look_around();
@@ -83,6 +84,8 @@ private:
   double nudge(double by);
   gboolean nudged(double by);
   void set_delay();
+  std::string no_position() const;
+  void tell_of_player();
   SyncTo sync_to() const;
   double latency() const;
   FollowStatus status() const;

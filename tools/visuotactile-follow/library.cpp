@@ -2,6 +2,7 @@
 #include "library.h"
 
 #include "tracks/formats/track_file.h"
+#include "tracks/formats/webvtt.h"
 
 #include <glib.h>
 
@@ -51,19 +52,35 @@ stems(const fs::path &film)
   return names;
 }
 
+/// Of the names of a track, subtitles have one, too.
+bool
+may_be_subtitles(const std::string &path)
+{
+  constexpr std::string_view kSubtitles = ".vtt";
+  if (!path.ends_with(kSubtitles) || path.ends_with(kEndings[0]))
+    return false;
+  const auto text = tactile::read_track_text(path);
+  return text && !tactile::is_meant_as_track(*text);
+}
+
 std::optional<FoundTrack>
-find_in(const fs::path &folder, const fs::path &film, std::string &complaint)
+find_in(const fs::path &folder, const fs::path &film, const Library::Skipped &skipped,
+        std::string &complaint)
 {
   for (const std::string &stem : stems(film))
     for (const char *ending : kEndings) {
       std::string candidate = (folder / (stem + ending)).string();
       std::error_code error;
-      if (stem.empty() || !fs::is_regular_file(candidate, error))
+      if (stem.empty() || skipped.contains(candidate) || !fs::exists(candidate, error)
+          || fs::is_directory(candidate, error))
         continue;
       auto track = tactile::read_track_file(candidate);
       if (track)
-        return FoundTrack{ std::move(candidate), *std::move(track) };
-      complaint = std::move(track).error().text();
+        return FoundTrack{ .path = std::move(candidate), .track = *std::move(track) };
+      std::string fault = std::move(track).error().text();
+      if (!may_be_subtitles(candidate))
+        return FoundTrack{ .path = std::move(candidate), .fault = std::move(fault) };
+      complaint = std::move(fault);
     }
   return std::nullopt;
 }
@@ -115,21 +132,21 @@ film_name(const std::string &film)
 }
 
 std::optional<FoundTrack>
-Library::beside(const std::string &film, std::string &complaint) const
+Library::beside(const std::string &film, const Skipped &skipped, std::string &complaint) const
 {
   const fs::path path = local_path(film);
-  return path.empty() ? std::nullopt : find_in(path.parent_path(), path, complaint);
+  return path.empty() ? std::nullopt : find_in(path.parent_path(), path, skipped, complaint);
 }
 
 std::optional<FoundTrack>
-Library::named(const std::string &film, std::string &complaint) const
+Library::named(const std::string &film, const Skipped &skipped, std::string &complaint) const
 {
   return folder_.empty() || film.empty() ? std::nullopt
-                                         : find_in(folder_, path_of(film), complaint);
+                                         : find_in(folder_, path_of(film), skipped, complaint);
 }
 
 std::optional<FoundTrack>
-Library::alike(const std::string &film, tactile::Time duration) const
+Library::alike(const std::string &film, tactile::Time duration, std::string &complaint) const
 {
   std::multimap<std::size_t, std::string, std::greater<>> candidates; // by the number of words
   const std::set<std::string> of_film = words(film_name(film));
@@ -147,7 +164,9 @@ Library::alike(const std::string &film, tactile::Time duration) const
       break;
     auto track = tactile::read_track_file(path);
     if (track && std::chrono::abs(track->end() - duration) <= kSameEnd)
-      return FoundTrack{ path, *std::move(track) };
+      return FoundTrack{ .path = path, .track = *std::move(track) };
+    if (!track && !may_be_subtitles(path))
+      complaint = std::move(track).error().text();
   }
   return std::nullopt;
 }

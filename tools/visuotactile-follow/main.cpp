@@ -36,6 +36,7 @@ struct Options
   gboolean once = FALSE;
   gboolean list = FALSE;
   gboolean status = FALSE;
+  gboolean pass_over = FALSE;
   gboolean version = FALSE;
   ChairOptions chair;
   CommonOptions common;
@@ -83,6 +84,10 @@ read_command_line(int argc, char **argv, Options &options)
       "Let the one that runs be felt so much later, in ms, with the player that it follows; "
       "negative: earlier. It is remembered. Then exit",
       "MS" },
+    { "pass-over", 'p', 0, G_OPTION_ARG_NONE, &options.pass_over,
+      "Let the one that runs pass over the film's faulty track, as it is now, and look on: for "
+      "another track, or a draft. Then exit",
+      nullptr },
     { "list-players", 'l', 0, G_OPTION_ARG_NONE, &options.list,
       "Print the players that are there, and exit", nullptr },
     { "version", 0, 0, G_OPTION_ARG_NONE, &options.version, "Print the version and exit", nullptr },
@@ -144,6 +149,7 @@ print_status()
   line("player:", status.player);
   line("film:", status.film);
   line("track:", status.track);
+  line("fault:", status.fault);
   if (status.position >= 0)
     std::printf("%-9s %.1f s\n", "position:", status.position);
   if (status.ahead >= 0)
@@ -159,9 +165,11 @@ run(const Options &options)
 {
   if (options.nudge != 0)
     std::printf("offset: %+.0f ms\n", send_nudge(options.nudge));
+  if (options.pass_over)
+    send_pass_over();
   if (options.status)
     print_status();
-  if (options.nudge != 0 || options.status)
+  if (options.nudge != 0 || options.pass_over || options.status)
     return;
   const auto given = [](gdouble ms) {
     return ms != kNotSet ? std::optional(ms) : std::nullopt;

@@ -287,16 +287,14 @@ private:
     g_autoptr(GstCaps) caps = gst_pad_get_current_caps(pad);
     if (!caps)
       caps = gst_pad_query_caps(pad, nullptr);
-    const GstStructure *structure = gst_caps_get_structure(caps, 0);
-    const bool is_klv = gst_structure_has_name(structure, "meta/x-klv");
-    const bool may_be_track = is_klv || gst_structure_has_name(structure, "text/x-raw");
-    GstElement *sink = gst_element_factory_make(may_be_track ? "appsink" : "fakesink", nullptr);
+    const std::optional<CueForm> form = cue_form_of(caps);
+    GstElement *sink = gst_element_factory_make(form ? "appsink" : "fakesink", nullptr);
     take_freely(sink);
-    if (may_be_track) {
+    if (form) {
       g_object_set(sink, "max-buffers", kMostWaiting, nullptr);
       const std::lock_guard lock(mutex_);
-      streams_.push_back({ .sink = Owned<GstElement>(GST_ELEMENT(gst_object_ref(sink))),
-                           .form = is_klv ? CueForm::klv : CueForm::text });
+      streams_.push_back(
+          { .sink = Owned<GstElement>(GST_ELEMENT(gst_object_ref(sink))), .form = *form });
     }
     open_with(pad);
     gst_bin_add(GST_BIN(pipeline_.get()), sink);

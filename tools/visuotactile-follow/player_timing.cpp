@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "player_timing.h"
 
+#include "files/regular_file.h"
+
 #include <algorithm>
 #include <cerrno>
 #include <cmath>
-#include <filesystem>
 #include <stdexcept>
 #include <utility>
 
@@ -56,15 +57,14 @@ PlayerTiming::PlayerTiming(std::string path)
 void
 PlayerTiming::read()
 {
-  std::error_code none;
-  const std::uintmax_t size = std::filesystem::file_size(path_, none);
-  if (none == std::errc::no_such_file_or_directory)
+  const tl::expected<std::string, files::Error> text = files::read(path_, kMostBytes);
+  if (!text && text.error().number == ENOENT)
     return;
+  if (!text)
+    throw std::runtime_error("cannot read '" + path_ + "': " + text.error().reason);
   g_autoptr(GError) error = nullptr;
-  if (!none && size > kMostBytes)
-    throw std::runtime_error("cannot read '" + path_ + "': expected at most "
-                             + std::to_string(kMostBytes) + " bytes");
-  if (!g_key_file_load_from_file(file_.get(), path_.c_str(), G_KEY_FILE_KEEP_COMMENTS, &error))
+  if (!g_key_file_load_from_data(file_.get(), text->data(), text->size(), G_KEY_FILE_KEEP_COMMENTS,
+                                 &error))
     throw std::runtime_error("cannot read '" + path_ + "': " + error->message);
 }
 

@@ -122,8 +122,9 @@ read_command_line(int argc, char **argv, Options &options)
     { "print-pipeline", 0, 0, G_OPTION_ARG_NONE, &options.print_pipeline,
       "Print the gst-launch-1.0 line and exit", nullptr },
     { "release-boards", 0, 0, G_OPTION_ARG_NONE, &options.release_boards,
-      "Stop the motors of boards that a killed player left, return the boards to the system, and "
-      "exit",
+      "Stop the motors of boards that a killed player left, or of --device alone, return the "
+      "boards "
+      "to the system, and exit",
       nullptr },
     { "version", 0, 0, G_OPTION_ARG_NONE, &options.version, "Print the version and exit", nullptr },
     {},
@@ -183,9 +184,9 @@ read_command_line(int argc, char **argv, Options &options)
 
 /// Prints a line for each board. Returns the exit status.
 int
-release_boards()
+release_boards(const std::string &device)
 {
-  const auto released = tactor::release_boards();
+  const auto released = tactor::release_boards(device);
   if (!released)
     throw std::runtime_error(released.error().text);
   if (released->empty())
@@ -408,7 +409,7 @@ main(int argc, char **argv)
       return list_devices();
     if (options.feel_test)
       return feel_test(options);
-    return options.release_boards ? release_boards() : run(options);
+    return options.release_boards ? release_boards(options.device.text()) : run(options);
   } catch (const Help &help) {
     std::fputs(help.text.c_str(), stdout);
     return 0;

@@ -2,6 +2,7 @@
 #include "follow/players/mpris_player.h"
 
 #include "follow/players/mpris_bus.h"
+#include "follow/players/mpris_position.h"
 #include "follow/players/mpris_state.h"
 
 #include <algorithm>
@@ -99,6 +100,17 @@ public:
   {
     return known_.counts_from_start;
   }
+  const std::string &fault() const override
+  {
+    return position_.fault();
+  }
+  std::string remark() const override
+  {
+    const std::string unit = position_.unit();
+    return unit == MprisPosition().unit()
+               ? ""
+               : "tells its position in " + unit + " instead of microseconds, which is understood";
+  }
   void ask() override
   {
     if (asked_ || !state_.plays())
@@ -169,11 +181,12 @@ private:
   {
     auto *self = static_cast<MprisPlayer *>(data);
     self->overtaken_ = self->asked_.has_value();
+    self->position_.leap();
     Report report = self->state_.report(local_time());
     report.sought = true;
-    if (g_variant_is_of_type(parameters, G_VARIANT_TYPE("(x)"))) {
+    if (g_variant_n_children(parameters) == 1) {
       g_autoptr(GVariant) position = g_variant_get_child_value(parameters, 0);
-      report.position = self->shown(MprisState::position(position));
+      report.position = self->shown(self->position_.meant(MprisPosition::number(position)));
     }
     self->events_.reported(report);
     self->ask();
@@ -192,13 +205,15 @@ private:
       self->ask();
       return;
     }
-    if (value == nullptr || !g_variant_is_of_type(value, G_VARIANT_TYPE("(v)")))
-      return;
-    g_autoptr(GVariant) variant = g_variant_get_child_value(value, 0);
-    g_autoptr(GVariant) position = g_variant_get_variant(variant);
+    std::optional<double> told;
+    if (value != nullptr && g_variant_is_of_type(value, G_VARIANT_TYPE("(v)"))) {
+      g_autoptr(GVariant) variant = g_variant_get_child_value(value, 0);
+      g_autoptr(GVariant) position = g_variant_get_variant(variant);
+      told = MprisPosition::number(position);
+    }
     Report report = self->state_.report(local_time());
     report.asked = asked;
-    report.position = self->shown(MprisState::position(position));
+    report.position = self->shown(self->position_.take(told, report.received, report.rate));
     if (report.position)
       self->events_.reported(report);
   }
@@ -213,7 +228,12 @@ private:
   void changed()
   {
     overtaken_ = asked_.has_value();
-    events_.reported(state_.report(local_time()));
+    const Report report = state_.report(local_time());
+    if (report.doing != Doing::playing || report.film != film_ || report.rate != rate_)
+      position_.leap();
+    film_ = report.film;
+    rate_ = report.rate;
+    events_.reported(report);
     ask();
     if (timer_ == 0 && state_.plays())
       timer_ = g_timeout_add(kAskEvery, on_timer, this);
@@ -238,6 +258,9 @@ private:
   GCancellable *canceled_;
   std::array<guint, 2> subscriptions_{};
   MprisState state_;
+  MprisPosition position_;
+  std::string film_;          ///< whose position it is
+  double rate_ = 1;           ///< by which that goes
   std::optional<Time> asked_; ///< when the position was asked for that is awaited
   bool overtaken_ = false;    ///< the state changed since
   guint timer_ = 0;

@@ -8,7 +8,6 @@ namespace follow {
 namespace {
 
 constexpr std::size_t kLongestName = 4096;
-constexpr gint64 kMostMicroseconds = gint64{ 100 } * 3600 * G_USEC_PER_SEC;
 
 std::string
 text(GVariant *dictionary, const char *key)
@@ -50,17 +49,6 @@ Report
 MprisState::report(Time now) const
 {
   return { .received = now, .doing = doing_, .rate = rate_, .film = film_ };
-}
-
-std::optional<Time>
-MprisState::position(GVariant *microseconds)
-{
-  if (!g_variant_is_of_type(microseconds, G_VARIANT_TYPE_INT64))
-    return std::nullopt;
-  const gint64 count = g_variant_get_int64(microseconds);
-  if (count < 0 || count > kMostMicroseconds)
-    return std::nullopt;
-  return std::chrono::microseconds(count);
 }
 
 } // namespace follow

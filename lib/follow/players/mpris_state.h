@@ -5,7 +5,6 @@
 
 #include <glib.h>
 
-#include <optional>
 #include <string>
 
 namespace follow {
@@ -24,9 +23,6 @@ public:
   {
     return doing_ == Doing::playing;
   }
-
-  /// µs → film time; none if it is none.
-  static std::optional<Time> position(GVariant *microseconds);
 
 private:
   void take_metadata(GVariant *metadata);

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <utility>
 
 namespace follow {
@@ -13,8 +14,12 @@ namespace follow {
 namespace {
 
 constexpr std::array kProperties
-    = { "working-directory", "path",    "seeking", "core-idle", "pause", "speed",
-        "container-fps",     "time-pos" };
+    = { "working-directory",   "path",    "seeking", "core-idle", "pause", "speed", "container-fps",
+        "video-timing-offset", "time-pos" };
+
+constexpr std::int64_t kLifeSign = 1000;                     ///< number of the question
+constexpr Time kUsualOffset = std::chrono::milliseconds(50); ///< video-timing-offset
+constexpr Time kMostOffset = std::chrono::seconds(1);
 
 constexpr double kLeastRate = 1; ///< frames a second
 constexpr double kMostRate = 1000;
@@ -45,6 +50,17 @@ is_uri(const std::string &path)
 
 } // namespace
 
+MpvConversation::MpvConversation() : earliest_(kUsualOffset)
+{
+}
+
+std::string
+MpvConversation::life_sign()
+{
+  return R"({"command":["get_property","core-idle"],"request_id":)" + std::to_string(kLifeSign)
+         + "}\n";
+}
+
 std::string
 MpvConversation::questions()
 {
@@ -64,6 +80,8 @@ MpvConversation::take(const std::string &property, JsonObject *fields)
     position_ = read_time(fields);
   else if (property == "container-fps")
     frame_ = read_frame(fields);
+  else if (property == "video-timing-offset")
+    earliest_ = std::clamp(read_time(fields).value_or(kUsualOffset), Time(0), kMostOffset);
   else if (property == "path")
     path_ = json::name_of_file(fields, "data");
   else if (property == "working-directory")
@@ -93,12 +111,16 @@ MpvConversation::received(std::string_view line, Time now)
   if (event == "seek") {
     seeking_ = true;
     sought_ = true;
+    told_.reset();
   } else if (event == "playback-restart") {
     seeking_ = false; // the property's changes may have been too quick to be told
   } else if (event == "start-file") {
     ended_ = false;
   } else if (event == "end-file" || event == "shutdown") {
     ended_ = true;
+    told_.reset();
+  } else if (event.empty() && json::integer(fields, "request_id") == kLifeSign) {
+    idle_ = json::truth(fields, "data").value_or(true);
   } else if (event != "property-change" || !take(json::text(fields, "name"), fields)) {
     return std::nullopt;
   }
@@ -113,11 +135,15 @@ MpvConversation::received(std::string_view line, Time now)
   return report;
 }
 
-/// What is on the screen when mpv tells a position.
+/// Where the film is when mpv tells a position.
 Time
-MpvConversation::shown(Time position) const
+MpvConversation::shown(Time position)
 {
-  return std::max(Time(0), position - frame_);
+  if (const std::optional<Time> before = std::exchange(told_, position);
+      before && *before < position)
+    frame_ = position - *before;
+  const Time most(std::llround(static_cast<double>(earliest_.count()) * rate_));
+  return std::max(Time(0), position - std::min(frame_, most));
 }
 
 Doing

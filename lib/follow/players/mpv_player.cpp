@@ -18,6 +18,8 @@ namespace {
 
 using Error = tl::unexpected<std::string>;
 
+constexpr guint kAskEvery = 60; ///< ms
+
 class MpvPlayer : public Player
 {
 public:
@@ -43,8 +45,22 @@ public:
                                       .gone = events_.gone });
     if (const std::string wrong = socket_->send(MpvConversation::questions()); !wrong.empty())
       return Error(wrong);
+    timer_ = g_timeout_add(
+        kAskEvery,
+        +[](gpointer self) -> gboolean {
+          static_cast<MpvPlayer *>(self)->ask_for_life();
+          return G_SOURCE_CONTINUE;
+        },
+        this);
     return {};
   }
+  ~MpvPlayer() override
+  {
+    if (timer_ != 0)
+      g_source_remove(timer_);
+  }
+  MpvPlayer(const MpvPlayer &) = delete;
+  MpvPlayer &operator=(const MpvPlayer &) = delete;
 
   const std::string &name() const override
   {
@@ -61,6 +77,8 @@ private:
     if (!lines_.add(bytes))
       return gone("expected lines of at most " + std::to_string(LineBuffer::kLongestLine)
                   + " bytes");
+    told_ = true;
+    asked_ = false;
     while (const std::optional<std::string> line = lines_.next()) {
       if (socket_->is_flood(now))
         return gone(PlayerSocket::flood());
@@ -68,6 +86,13 @@ private:
         events_.reported(*report);
     }
     return true;
+  }
+
+  /// Where frames are far apart, nothing comes for long.
+  void ask_for_life()
+  {
+    if (conversation_.plays() && !std::exchange(told_, false) && !std::exchange(asked_, true))
+      socket_->send(MpvConversation::life_sign());
   }
 
   bool gone(const std::string &why)
@@ -80,6 +105,9 @@ private:
   const PlayerEvents events_;
   LineBuffer lines_;
   MpvConversation conversation_;
+  guint timer_ = 0;
+  bool told_ = false;  ///< something since the timer was here
+  bool asked_ = false; ///< nothing since it asked
   std::optional<PlayerSocket> socket_;
 };
 

@@ -39,6 +39,17 @@ public:
   {
     return true;
   }
+  /// Why its position is of no use, so that nothing is felt; empty: it is.
+  virtual const std::string &fault() const
+  {
+    static const std::string none;
+    return none;
+  }
+  /// What the user should know of it; empty: nothing.
+  virtual std::string remark() const
+  {
+    return {};
+  }
   /// Asks for the position now, where that is asked for.
   virtual void ask()
   {

@@ -58,13 +58,31 @@ cue_caps_new(CueForm form)
                                                       : CUE_KLV_CAPS);
 }
 
-CueForm
+std::optional<CueForm>
 cue_form_of(const GstCaps *caps)
 {
+  if (caps == nullptr || gst_caps_get_size(caps) == 0)
+    return std::nullopt;
   const GstStructure *structure = gst_caps_get_structure(caps, 0);
-  if (gst_structure_has_name(structure, GST_TACTILE_MAP_MEDIA_TYPE))
+  const std::string_view name = gst_structure_get_name(structure);
+  if (name == GST_TACTILE_MAP_MEDIA_TYPE)
     return CueForm::map;
-  return gst_structure_has_name(structure, "meta/x-klv") ? CueForm::klv : CueForm::text;
+  if (name == "text/x-raw")
+    return CueForm::text;
+  if (name == "meta/x-klv")
+    return CueForm::klv;
+  if (name == CUE_WEBVTT_CAPS)
+    return gst_structure_has_field(structure, "codec_data") ? CueForm::text : CueForm::block;
+  return std::nullopt;
+}
+
+std::string_view
+cue_text(std::string_view bytes, CueForm form)
+{
+  std::string_view text = bytes.substr(0, bytes.find('\0'));
+  for (int line = 0; form == CueForm::block && line < 2; line++)
+    text.remove_prefix(std::min(text.find('\n'), text.size() - 1) + 1);
+  return text;
 }
 
 GstBuffer *
@@ -112,7 +130,19 @@ cue_from_buffer(GstBuffer *buffer, CueForm form, const std::optional<tactile::Gr
   const std::string_view text(reinterpret_cast<const char *>(info.data), info.size);
   tl::expected<Cue, FormatError> cue = form == CueForm::klv
                                            ? tactile::read_klv({ info.data, info.size })
-                                           : read_text(text.substr(0, text.find('\0')), grid);
+                                           : read_text(cue_text(text, form), grid);
   gst_buffer_unmap(buffer, &info);
   return cue;
+}
+
+bool
+cue_is_remark(GstBuffer *text)
+{
+  GstMapInfo info;
+  if (!gst_buffer_map(text, &info, GST_MAP_READ))
+    return false;
+  const std::string_view words(reinterpret_cast<const char *>(info.data), info.size);
+  const bool is_remark = tactile::is_remark(words.substr(0, words.find('\0')));
+  gst_buffer_unmap(text, &info);
+  return is_remark;
 }

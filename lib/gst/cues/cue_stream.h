@@ -8,6 +8,7 @@
 #include <gst/gst.h>
 
 #include <optional>
+#include <string_view>
 
 /// Representation of cues in a GStreamer stream.
 enum class CueForm
@@ -15,18 +16,25 @@ enum class CueForm
   map,  ///< application/x-tactile-map
   text, ///< tracks/text_cue.h
   klv,  ///< tracks/klv.h
+  block ///< WebVTT as WebM has it: a line with the cue's name, one with its settings, then the text
 };
 
 #define CUE_TEXT_CAPS "text/x-raw, format = (string) utf8"
 #define CUE_KLV_CAPS "meta/x-klv, parsed = (boolean) true"
+/// WebVTT in Matroska (mkvmerge, with its header as codec_data) and WebM (FFmpeg, without):
+/// matroskademux has no name for it.
+#define CUE_WEBVTT_CAPS "application/x-subtitle-unknown"
 
-/// Template caps of this form; for text and KLV they are fixed. Transfer full.
+/// Template caps of this form, but for blocks; for text and KLV they are fixed. Transfer full.
 GstCaps *cue_caps_new(CueForm form);
 
-/// The form of a stream with these caps, which must be of one of the forms.
-CueForm cue_form_of(const GstCaps *caps);
+/// The form of cues in a stream with these caps; none if it has other data.
+std::optional<CueForm> cue_form_of(const GstCaps *caps);
 
-/// A buffer with the cue's map, timestamp and duration. Transfer full.
+/// The text of a cue in one of the forms of text.
+std::string_view cue_text(std::string_view bytes, CueForm form);
+
+/// A buffer with the cue's map, timestamp and duration, of any form but a block. Transfer full.
 GstBuffer *cue_buffer_new(const tactile::Cue &cue, CueForm form);
 
 /// A GAP event at the packet's time that carries the KLV packet, so that a subtitle renderer draws
@@ -40,3 +48,6 @@ GstBuffer *cue_gap_get_packet(GstEvent *gap);
 /// requires `grid`. A text is read with `grid` if possible, otherwise with a grid of its own.
 tl::expected<tactile::Cue, tactile::FormatError>
 cue_from_buffer(GstBuffer *buffer, CueForm form, const std::optional<tactile::Grid> &grid);
+
+/// Whether a text is a remark among the maps of a track (tactile::is_remark()).
+bool cue_is_remark(GstBuffer *text);

@@ -21,7 +21,7 @@ AutoDriver::open(const DriverConfig &config)
   close();
   chosen_ = board_.get();
   DriverConfig careful = config;
-  careful.asks_strangers = false; // the user has not said that there is a board
+  careful.asks_a_stranger = false; // the user has not said that there is a board
   const tl::expected<void, DriverError> board = board_->open(careful);
   if (board)
     return {};

@@ -38,25 +38,29 @@ describe(const std::vector<SerialDevice> &devices)
 }
 
 BoardChoice
-choose_boards(const std::vector<SerialDevice> &all, const std::string &name, bool asks_strangers,
+choose_boards(const std::vector<SerialDevice> &all, const std::string &name, bool asks_a_stranger,
               const KnownBoards &known)
 {
   BoardChoice choice;
-  std::vector<SerialDevice> known_adapters;
-  std::vector<SerialDevice> strangers;
   for (const SerialDevice &device : all) {
-    if (!name.empty()) {
-      if (device.serial == name || device.bus_path == name)
-        choice.wanted.push_back(device);
-    } else if (!device.is_adapter) {
+    const bool is_wanted
+        = name.empty() ? known.has(device) : device.serial == name || device.bus_path == name;
+    if (is_wanted)
       choice.wanted.push_back(device);
-    } else {
-      (known.has(device) ? known_adapters : strangers).push_back(device);
+    else if (name.empty())
+      choice.passed_over.push_back(device);
+  }
+  if (asks_a_stranger && choice.wanted.empty()) {
+    std::vector<SerialDevice> &others = choice.passed_over;
+    const auto may_be_asked = [&](const SerialDevice &device) {
+      return !known.has_refused(device);
+    };
+    const auto only = std::ranges::find_if(others, may_be_asked);
+    if (std::ranges::count_if(others, may_be_asked) == 1) {
+      choice.stranger = std::move(*only);
+      others.erase(only);
     }
   }
-  choice.wanted.insert(choice.wanted.end(), known_adapters.begin(), known_adapters.end());
-  std::vector<SerialDevice> &others = asks_strangers ? choice.wanted : choice.passed_over;
-  others.insert(others.end(), strangers.begin(), strangers.end());
   return choice;
 }
 

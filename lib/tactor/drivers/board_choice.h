@@ -18,14 +18,16 @@ std::string describe(const std::vector<SerialDevice> &devices);
 /// Which devices to ask whether they are tactor boards.
 struct BoardChoice
 {
-  std::vector<SerialDevice> wanted;      ///< in the order to ask
-  std::vector<SerialDevice> passed_over; ///< unknown adapters, not asked
+  std::vector<SerialDevice> wanted;        ///< to ask first, in this order
+  std::optional<SerialDevice> stranger;    ///< to ask without a reset, if none was wanted
+  std::vector<SerialDevice> passed_over{}; ///< not to be asked: each may be anything
 };
 
-/// `name` is a serial number or a bus path. If it is empty, boards of known makers come first, then
-/// known adapters, then, only if `asks_strangers`, other adapters; each kind in the bus's order.
+/// `name` is a serial number or a bus path, whose devices are wanted. If it is empty, those are
+/// wanted that are known to be tactor boards, in the bus's order. If none is there and
+/// `asks_a_stranger`, the only device that has not refused is the stranger.
 BoardChoice choose_boards(const std::vector<SerialDevice> &all, const std::string &name,
-                          bool asks_strangers, const KnownBoards &known);
+                          bool asks_a_stranger, const KnownBoards &known);
 
 /// Recognizes an open board after it was lost.
 ///

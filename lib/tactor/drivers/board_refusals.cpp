@@ -31,6 +31,11 @@ refusal_of_board(const SerialDevice &device, const FirmataBoard &board, int need
 {
   const std::vector<int> pins = board.pins();
   const auto count = static_cast<int>(pins.size());
+  if (count == 0)
+    return DriverError{ Kind::settings,
+                        describe(device) + ": expected pins with pulse-width modulation, and "
+                            + board.firmware()
+                            + " has none; flash StandardFirmata, or take a board that has some" };
   if (count < needed)
     return DriverError{ Kind::settings, describe(device) + " has " + std::to_string(count)
                                             + " pins with pulse-width modulation (" + describe(pins)
@@ -59,11 +64,25 @@ refusal_of_none(const std::string &name, const std::vector<SerialDevice> &device
 {
   if (name.empty())
     return { Kind::not_found,
-             "no tactor board is plugged in; expected one with StandardFirmata on USB" };
+             devices.empty()
+                 ? "no tactor board is plugged in; expected one with StandardFirmata on USB"
+                 : "no board that is known to be a tactor board is plugged in" };
   return { Kind::not_found,
            "no tactor board '" + name
                + "' is plugged in; expected the serial number or the bus path of one, and there is "
                + (devices.empty() ? "none" : describe(devices)) };
+}
+
+std::string
+advice(const std::vector<SerialDevice> &not_asked)
+{
+  if (not_asked.empty())
+    return {};
+  const bool is_one = not_asked.size() == 1;
+  return "; not asked, as it may be anything, also a 3D printer: " + describe(not_asked) + "; if "
+         + (is_one ? "that" : "one of these")
+         + " is the chair, name it once, as in visuotactile-play --feel-test --device="
+         + not_asked.front().bus_path;
 }
 
 void

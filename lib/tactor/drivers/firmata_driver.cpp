@@ -181,21 +181,17 @@ FirmataDriver::connect_first(Lock &lock, SerialBus &bus)
   if (!listed)
     return tl::unexpected(listed.error());
   std::vector<SerialDevice> devices = std::move(*listed);
-  const auto [wanted, passed_over]
-      = choose_boards(devices, config_.device, config_.asks_strangers, known_boards_);
-  const std::string not_asked
-      = passed_over.empty() ? ""
-                            : "; not asked, for it may be anything: " + describe(passed_over)
-                                  + "; if that is a tactor board, name it once by device=SERIAL "
-                                    "or device=BUS-PATH";
-  if (wanted.empty()) {
-    DriverError refusal = refusal_of_none(config_.device, devices);
-    refusal.text += not_asked;
-    return tl::unexpected(refusal);
-  }
+  const BoardChoice choice
+      = choose_boards(devices, config_.device, config_.asks_a_stranger, known_boards_);
+  std::vector<SerialDevice> asked = choice.wanted;
+  if (choice.stranger)
+    asked.push_back(*choice.stranger);
   std::vector<DriverError> refusals;
-  for (const SerialDevice &device : wanted) {
-    tl::expected<std::unique_ptr<SerialPort>, DriverError> port = connect(lock, bus, device);
+  if (asked.empty())
+    refusals.push_back(refusal_of_none(config_.device, devices));
+  for (const SerialDevice &device : asked) {
+    tl::expected<std::unique_ptr<SerialPort>, DriverError> port
+        = connect(lock, bus, device, choice.stranger.has_value());
     if (port) {
       tactors_ = std::min(config_.max_tactors, static_cast<int>(status_.pins.size()));
       resolution_ = board_->resolution() * config_.full_scale_volts;
@@ -205,6 +201,7 @@ FirmataDriver::connect_first(Lock &lock, SerialBus &bus)
       std::erase(devices, device);
       tell(lock, DriverEvent::Kind::opened,
            status_.board + ": " + status_.firmware + ", tactors on pins " + describe(status_.pins)
+               + (known_boards_.has(device) ? "" : "; it cannot be remembered for the next play")
                + (devices.empty() ? ""
                                   : "; another is chosen by device=SERIAL or device=BUS-PATH: "
                                         + describe(devices)));
@@ -220,7 +217,7 @@ FirmataDriver::connect_first(Lock &lock, SerialBus &bus)
     refusals.push_back(port.error());
   }
   DriverError refusal = summary(refusals);
-  refusal.text += not_asked;
+  refusal.text += advice(choice.passed_over);
   return tl::unexpected(refusal);
 }
 
@@ -244,7 +241,7 @@ FirmataDriver::connect_again(Lock &lock, SerialBus &bus)
     return_refusals_.clear();
     return nullptr;
   }
-  tl::expected<std::unique_ptr<SerialPort>, DriverError> port = connect(lock, bus, *found);
+  tl::expected<std::unique_ptr<SerialPort>, DriverError> port = connect(lock, bus, *found, false);
   if (!port) {
     if (!quit_ && return_refusals_.add(port.error()))
       tell(lock, DriverEvent::Kind::refused,
@@ -256,16 +253,16 @@ FirmataDriver::connect_again(Lock &lock, SerialBus &bus)
   return std::move(*port);
 }
 
-/// Opens a device, asks which board it is and hands it the current levels.
+/// Opens a device, asks which board it is and hands it the current levels. A stranger is not reset.
 tl::expected<std::unique_ptr<SerialPort>, DriverError>
-FirmataDriver::connect(Lock &lock, SerialBus &bus, const SerialDevice &device)
+FirmataDriver::connect(Lock &lock, SerialBus &bus, const SerialDevice &device, bool is_stranger)
 {
   LineUse use;
   {
     const Unlocked unlocked(lock);
     use = bus.use(device);
   }
-  const bool is_wanted = config_.asks_strangers || !config_.device.empty();
+  const bool is_wanted = config_.asks_a_stranger || !config_.device.empty();
   if (std::optional<DriverError> refusal = refusal_of_use(device, use, is_wanted))
     return tl::unexpected(*refusal);
 
@@ -286,6 +283,7 @@ FirmataDriver::connect(Lock &lock, SerialBus &bus, const SerialDevice &device)
     changed_.notify_all();
   };
   events.realtime = config_.realtime;
+  events.raises_dtr = !is_stranger;
 
   lost_.reset();
   board_.emplace(steady_now(), settings_.patience);
@@ -309,11 +307,13 @@ FirmataDriver::connect(Lock &lock, SerialBus &bus, const SerialDevice &device)
   else
     refusal = refusal_of_board(device, *board_, std::max(config_.min_tactors, tactors_),
                                firmware_ == Firmware::with_watchdog);
-  const bool is_board = board_->state() == FirmataBoard::State::running;
-  const bool is_none = board_->state() == FirmataBoard::State::failed;
-  if (device.is_adapter && (is_board || is_none)) {
+  if (board_->state() == FirmataBoard::State::running) {
     const Unlocked unlocked(lock);
-    is_board ? known_boards_.add(device) : known_boards_.remove(device);
+    known_boards_.add(device);
+  } else if (board_->state() == FirmataBoard::State::failed && !is_open_) {
+    refusal->text += "; it is asked again if it is named by device=" + device.bus_path;
+    const Unlocked unlocked(lock);
+    known_boards_.refuse(device);
   }
   if (refusal) {
     release(lock, std::move(*port));

@@ -21,10 +21,11 @@ namespace tactor {
 /// Any board with a Firmata sketch on a serial bus. Its tactors are the pins with pulse-width
 /// modulation, in ascending order: on a Mega 2–13 and 44–46, on an Uno 3, 5, 6, 9, 10 and 11.
 ///
-/// Without DriverConfig::device the first board that answers is taken. Devices are asked in the
-/// order of choose_boards(), each for FirmataPatience::answer at most; those that another program
-/// has open are skipped. A lost board is looked for whenever something is plugged in or out, and
-/// every `look_again`; BoardIdentity recognizes it.
+/// Without DriverConfig::device the first board that answers is taken. Only those devices are
+/// touched that choose_boards() names, in that order, each for FirmataPatience::answer at most;
+/// those that another program has open are skipped. What answered, or did not, is remembered. A
+/// lost board is looked for whenever something is plugged in or out, and every `look_again`;
+/// BoardIdentity recognizes it.
 ///
 /// If a signal or exit() ends the process while a board is open, the motors are stopped first: see
 /// TerminationGuard.
@@ -69,8 +70,8 @@ private:
   tl::expected<std::vector<SerialDevice>, DriverError> list(Lock &lock, SerialBus &bus);
   tl::expected<std::unique_ptr<SerialPort>, DriverError> connect_first(Lock &lock, SerialBus &bus);
   std::unique_ptr<SerialPort> connect_again(Lock &lock, SerialBus &bus);
-  tl::expected<std::unique_ptr<SerialPort>, DriverError> connect(Lock &lock, SerialBus &bus,
-                                                                 const SerialDevice &device);
+  tl::expected<std::unique_ptr<SerialPort>, DriverError>
+  connect(Lock &lock, SerialBus &bus, const SerialDevice &device, bool is_stranger);
   void converse(Lock &lock, SerialPort &port, bool (FirmataDriver::*is_done)() const);
   void release(Lock &lock, std::unique_ptr<SerialPort> port);
   bool has_answered() const;

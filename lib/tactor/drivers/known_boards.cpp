@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "tactor/drivers/known_boards.h"
 
+#include "files/regular_file.h"
+
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
 #include <fstream>
 #include <mutex>
+#include <sstream>
 #include <system_error>
 #include <unistd.h>
 #include <utility>
@@ -31,6 +34,14 @@ line_of(const SerialDevice &device)
   return line.size() > kLongestLine || line.find('\n') != std::string::npos ? "" : line;
 }
 
+/// Likewise of one that is no tactor board.
+std::string
+refusal_of(const SerialDevice &device)
+{
+  const std::string line = line_of(device);
+  return line.empty() ? "" : "not " + line;
+}
+
 } // namespace
 
 KnownBoards::KnownBoards(fs::path file) : file_(std::move(file))
@@ -51,18 +62,41 @@ KnownBoards::default_file()
 bool
 KnownBoards::has(const SerialDevice &device) const
 {
-  const std::string line = line_of(device);
-  return !line.empty() && std::ranges::count(read(), line) > 0;
+  return has_line(line_of(device));
+}
+
+bool
+KnownBoards::has_refused(const SerialDevice &device) const
+{
+  return has_line(refusal_of(device));
 }
 
 void
 KnownBoards::add(const SerialDevice &device)
 {
+  put(line_of(device), refusal_of(device));
+}
+
+void
+KnownBoards::refuse(const SerialDevice &device)
+{
+  put(refusal_of(device), line_of(device));
+}
+
+bool
+KnownBoards::has_line(const std::string &line) const
+{
+  return !line.empty() && std::ranges::count(read(), line) > 0;
+}
+
+void
+KnownBoards::put(const std::string &line, const std::string &instead)
+{
   const std::lock_guard lock(changing);
-  const std::string line = line_of(device);
   std::vector<std::string> lines = read();
   if (line.empty() || (!lines.empty() && lines.back() == line))
     return;
+  std::erase(lines, instead);
   std::erase(lines, line);
   lines.push_back(line); // most recently used last
   if (lines.size() > kMost)
@@ -70,24 +104,14 @@ KnownBoards::add(const SerialDevice &device)
   write(lines);
 }
 
-void
-KnownBoards::remove(const SerialDevice &device)
-{
-  const std::lock_guard lock(changing);
-  std::vector<std::string> lines = read();
-  if (std::erase(lines, line_of(device)) > 0)
-    write(lines);
-}
-
 std::vector<std::string>
 KnownBoards::read() const
 {
   std::vector<std::string> lines;
-  std::error_code error;
-  if (file_.empty() || !fs::is_regular_file(file_, error) // a pipe would block
-      || fs::file_size(file_, error) > kMost * kLongestLine)
+  tl::expected<std::string, files::Error> text = files::read(file_, kMost * kLongestLine);
+  if (!text)
     return lines;
-  std::ifstream file(file_);
+  std::istringstream file(*std::move(text));
   for (std::string line; lines.size() < kMost && std::getline(file, line);)
     if (!line.empty())
       lines.push_back(line);

@@ -9,10 +9,10 @@
 
 namespace tactor {
 
-/// Adapters behind which a tactor board has answered, and which may be asked again without being
-/// named. Known by serial number, or by socket if there is none. A file with lines like
-/// "0403:6001 serial A50285BI" and "1a86:7523 at 1-2"; other lines are ignored, and errors of the
-/// file, too. Not thread-safe.
+/// Devices that have answered as tactor boards, and may be asked again without being named; and
+/// those that were asked and are none. Known by serial number, or by socket if there is none. A
+/// file with lines like "0403:6001 serial A50285BI", "1a86:7523 at 1-2" and "not 2341:0042 at 1-3";
+/// other lines are ignored, and errors of the file, too. Not thread-safe.
 class KnownBoards
 {
 public:
@@ -26,10 +26,13 @@ public:
   static std::filesystem::path default_file();
 
   bool has(const SerialDevice &device) const;
+  bool has_refused(const SerialDevice &device) const;
   void add(const SerialDevice &device);
-  void remove(const SerialDevice &device);
+  void refuse(const SerialDevice &device);
 
 private:
+  bool has_line(const std::string &line) const;
+  void put(const std::string &line, const std::string &instead);
   std::vector<std::string> read() const;
   void write(const std::vector<std::string> &lines) const;
 

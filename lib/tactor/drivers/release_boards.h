@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include "tactor/drivers/firmata_board.h"
-#include "tactor/serial/serial_port.h"
+#include "tactor/drivers/firmata_driver.h"
 
 #include <optional>
+#include <string>
 #include <vector>
 
 namespace tactor {
@@ -18,9 +18,11 @@ struct ReleasedBoard
 
 /// Opens, stops and releases each board that a process held when it was killed (SIGKILL, crash).
 /// Such a board has no driver of the kernel's and thus no /dev/ttyACM0, and without a watchdog its
-/// motors are still on. Takes up to `patience.answer` for a board that does not answer. Fails if
-/// the bus cannot be used.
+/// motors are still on. Of devices without such a driver those are left alone that are not known to
+/// be tactor boards, unless their serial number or bus path is `name`. Takes up to
+/// `settings.patience.answer` for a board that does not answer. Fails if the bus cannot be used.
 [[nodiscard]] tl::expected<std::vector<ReleasedBoard>, DriverError>
-release_boards(const MakeSerialBus &make_bus = make_serial_bus, FirmataPatience patience = {});
+release_boards(const std::string &name = "", const MakeSerialBus &make_bus = make_serial_bus,
+               const FirmataDriver::Settings &settings = {});
 
 } // namespace tactor

@@ -5,7 +5,6 @@ namespace tactor {
 
 namespace {
 
-constexpr std::uint16_t kWch = 0x1a86; // CH9102, CH343: bare chips
 constexpr std::uint8_t kAbstractControlModel = 0x02;
 constexpr std::uint8_t kToInterface = 0x21; // host to device, class, interface
 constexpr std::uint8_t kSetLineCoding = 0x20;
@@ -28,16 +27,14 @@ cdc_acm_line(const libusb_device_descriptor &device, const libusb_config_descrip
     if (std::optional<SerialLine> line = bulk_line(*interface)) {
       const std::uint16_t index = control->bInterfaceNumber;
       line->transport = "cdc-acm";
-      line->is_adapter = device.idVendor == kWch;
       // The data interface is released first: the kernel's driver binds both when the control
       // interface is released.
       line->interfaces = { control->bInterfaceNumber, interface->bInterfaceNumber };
       line->set_up = {
         // PSTN 1.2, table 17: baud rate in 32 bits, 1 stop bit, no parity, 8 bits.
         { kToInterface, kSetLineCoding, 0, index, { 0x00, 0xe1, 0x00, 0x00, 0x00, 0x00, 0x08 } },
-        // DTR and RTS: an ATmega32u4 is silent until DTR.
-        { kToInterface, kSetControlLineState, 0x0003, index },
       };
+      line->ready = { { kToInterface, kSetControlLineState, 0x0003, index } };
       return line;
     }
   }

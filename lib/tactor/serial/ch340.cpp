@@ -21,15 +21,14 @@ ch340_line(const libusb_device_descriptor &device, const libusb_config_descripto
   if (!line)
     return std::nullopt;
   line->transport = "ch340";
-  line->is_adapter = true;
   line->set_up = {
     { kFromDevice, kReadVersion, 0, 0, { 0, 0 } },
     { kToDevice, kSerialInit, 0, 0 },
     { kToDevice, kWriteRegisters, 0x1312, 0x9883 }, // prescaler and divisor of 57600 baud
     { kToDevice, kWriteRegisters, 0x0f2c, 0x0010 },
     { kToDevice, kWriteRegisters, 0x2518, 0x00c3 }, // line control: receive, send, 8 bits
-    { kToDevice, kModemControl, 0xff9f, 0 },        // DTR and RTS, inverted
   };
+  line->ready = { { kToDevice, kModemControl, 0xff9f, 0 } }; // inverted
   return line;
 }
 

@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <array>
 #include <cstddef>
+#include <cstdio>
 #include <fstream>
 #include <optional>
 #include <string>
@@ -50,6 +51,20 @@ attribute(const std::string &bus_path, const char *name)
   std::array<char, kLongestText> text{};
   file.read(text.data(), text.size());
   return legible({ text.data(), static_cast<std::size_t>(file.gcount()) });
+}
+
+/// Manufacturer and product; of a device that tells neither, its ids.
+std::string
+name(const std::string &bus_path, const libusb_device_descriptor &descriptor)
+{
+  const std::string manufacturer = attribute(bus_path, "manufacturer");
+  const std::string product = attribute(bus_path, "product");
+  if (!manufacturer.empty() || !product.empty())
+    return manufacturer + (manufacturer.empty() || product.empty() ? "" : " ") + product;
+  std::array<char, 32> ids{};
+  std::snprintf(ids.data(), ids.size(), "USB device %04x:%04x", descriptor.idVendor,
+                descriptor.idProduct);
+  return ids.data();
 }
 
 tl::unexpected<DriverError>
@@ -106,17 +121,12 @@ find_serial_devices(const UsbContext &context)
     if (!line)
       continue;
     const std::string path = bus_path(place(device.get()));
-    const std::string manufacturer = attribute(path, "manufacturer");
-    const std::string product = attribute(path, "product");
-    SerialDevice described{
-      .serial = attribute(path, "serial"),
-      .bus_path = path,
-      .name = manufacturer + (manufacturer.empty() || product.empty() ? "" : " ") + product,
-      .vendor = descriptor.idVendor,
-      .product = descriptor.idProduct,
-      .transport = std::string(line->transport),
-      .is_adapter = line->is_adapter
-    };
+    SerialDevice described{ .serial = attribute(path, "serial"),
+                            .bus_path = path,
+                            .name = name(path, descriptor),
+                            .vendor = descriptor.idVendor,
+                            .product = descriptor.idProduct,
+                            .transport = std::string(line->transport) };
     const std::uint8_t address = libusb_get_device_address(device.get());
     found.push_back({ std::move(device), std::move(described), *std::move(line), address });
   }

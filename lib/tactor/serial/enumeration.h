@@ -61,9 +61,9 @@ struct UsbSerialDevice
 };
 
 /// All serial lines that are plugged in, sorted by bus and ports. No device is opened: descriptors
-/// and strings are those of the kernel (/sys/bus/usb/devices). Without sysfs, serial number and
-/// name are empty. The error (failed) says why they cannot be listed. The result must not outlive
-/// the context.
+/// and strings are those of the kernel (/sys/bus/usb/devices). Without sysfs there are no serial
+/// numbers, and names are USB ids. The error (failed) says why they cannot be listed. The result
+/// must not outlive the context.
 [[nodiscard]] tl::expected<std::vector<UsbSerialDevice>, DriverError>
 find_serial_devices(const UsbContext &context);
 

@@ -23,15 +23,16 @@ ftdi_line(const libusb_device_descriptor &device, const libusb_config_descriptor
   // Chips with several lines count them from 1; with one, it is 0.
   const std::uint16_t index = first_settings(config).size() > 1 ? 1 : 0;
   line->transport = "ftdi";
-  line->is_adapter = true;
   line->status_bytes = 2; // modem and line status
   line->set_up = {
     { kToDevice, kReset, 0, index },
     { kToDevice, kBaudRate, 0xc034, index },     // 3 MHz / (52 + 1/8): 57554 baud
     { kToDevice, kData, 0x0008, index },         // 8 bits, no parity, 1 stop bit
+    { kToDevice, kLatencyTimer, 0x0001, index }, // short packets wait 1 ms, not 16
+  };
+  line->ready = {
     { kToDevice, kModemControl, 0x0101, index }, // DTR
     { kToDevice, kModemControl, 0x0202, index }, // RTS
-    { kToDevice, kLatencyTimer, 0x0001, index }, // short packets wait 1 ms, not 16
   };
   return line;
 }

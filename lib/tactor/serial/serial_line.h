@@ -35,13 +35,13 @@ struct ControlRequest
 struct SerialLine
 {
   std::string_view transport;         ///< "cdc-acm", "ftdi", "ch340"
-  bool is_adapter = false;            ///< see SerialDevice
   std::vector<int> interfaces;        ///< to claim in this order and release in reverse
   std::uint8_t in_endpoint = 0;       ///< bulk
   std::uint8_t out_endpoint = 0;      ///< bulk
   int in_packet = 0;                  ///< bytes, > status_bytes
   int status_bytes = 0;               ///< at the begin of each packet, not from the line
-  std::vector<ControlRequest> set_up; ///< 57600 baud 8N1, DTR and RTS on
+  std::vector<ControlRequest> set_up; ///< 57600 baud 8N1
+  std::vector<ControlRequest> ready;  ///< DTR and RTS on, which resets many boards
 };
 
 /// A line over the first bulk endpoint in each direction of an interface. None if one is missing or

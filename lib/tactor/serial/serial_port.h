@@ -38,6 +38,8 @@ public:
     /// The board is gone or takes no bytes, with the reason in one line. The last event.
     std::function<void(const std::string &)> lost;
     bool realtime = false; ///< request real-time scheduling of the port's thread
+    /// Raise DTR and RTS. That resets many boards and 3D printers; others are silent until then.
+    bool raises_dtr = true;
   };
 
   virtual ~SerialPort() = default;
@@ -52,11 +54,10 @@ struct SerialDevice
 {
   std::string serial;   ///< serial number; may be empty, and clones may share one
   std::string bus_path; ///< bus and ports, "1-2.3": constant while it is plugged in
-  std::string name;     ///< manufacturer and product, for messages
+  std::string name;     ///< for messages: manufacturer and product, or else its USB ids
   std::uint16_t vendor = 0;
   std::uint16_t product = 0;
-  std::string transport;   ///< "cdc-acm", "ftdi", "ch340"
-  bool is_adapter = false; ///< a bare USB serial chip; anything may be behind it
+  std::string transport; ///< "cdc-acm", "ftdi", "ch340"
 
   bool operator==(const SerialDevice &) const = default;
 };

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cassert>
+#include <iterator>
 #include <utility>
 
 namespace tactor {
@@ -21,7 +22,7 @@ constexpr auto kChipTime = std::chrono::milliseconds(2);
 std::string
 called(const SerialDevice &device)
 {
-  return (device.name.empty() ? "the board" : device.name) + " at USB " + device.bus_path;
+  return device.name + " at USB " + device.bus_path;
 }
 
 tl::unexpected<DriverError>
@@ -72,7 +73,7 @@ forward(libusb_transfer *transfer)
 } // namespace
 
 tl::expected<ClaimedDevice, DriverError>
-ClaimedDevice::open(const UsbContext &context, const SerialDevice &device,
+ClaimedDevice::open(const UsbContext &context, const SerialDevice &device, bool raises_dtr,
                     std::chrono::milliseconds request_patience, const std::stop_token &stop)
 {
   tl::expected<UsbSerialDevice, DriverError> found = find(context, device);
@@ -86,7 +87,12 @@ ClaimedDevice::open(const UsbContext &context, const SerialDevice &device,
   claimed.handle_.reset(handle);
   libusb_set_auto_detach_kernel_driver(handle, 1);
   return claimed.claim(device)
-      .and_then([&] { return claimed.set_up(context, device, request_patience, stop); })
+      .and_then([&] {
+        std::vector<ControlRequest> requests = claimed.line_.set_up;
+        if (raises_dtr)
+          std::ranges::copy(claimed.line_.ready, std::back_inserter(requests));
+        return claimed.make(requests, context, device, request_patience, stop);
+      })
       .map([&] { return std::move(claimed); });
 }
 
@@ -108,10 +114,11 @@ ClaimedDevice::claim(const SerialDevice &device)
 }
 
 tl::expected<void, DriverError>
-ClaimedDevice::set_up(const UsbContext &context, const SerialDevice &device,
-                      std::chrono::milliseconds patience, const std::stop_token &stop)
+ClaimedDevice::make(const std::vector<ControlRequest> &requests, const UsbContext &context,
+                    const SerialDevice &device, std::chrono::milliseconds patience,
+                    const std::stop_token &stop) const
 {
-  for (const ControlRequest &request : line_.set_up)
+  for (const ControlRequest &request : requests)
     if (const int error = control_transfer(context, handle_.get(), request, patience, stop);
         error != LIBUSB_SUCCESS)
       return failure(error, device, "cannot be set up");
@@ -126,7 +133,7 @@ UsbSerialPort::open(const SerialDevice &device, Events events, const UsbPatience
   if (!context)
     return tl::unexpected(context.error());
   tl::expected<ClaimedDevice, DriverError> claimed
-      = ClaimedDevice::open(*context, device, patience.request, stop);
+      = ClaimedDevice::open(*context, device, events.raises_dtr, patience.request, stop);
   if (!claimed)
     return tl::unexpected(claimed.error());
   std::unique_ptr<UsbSerialPort> port(

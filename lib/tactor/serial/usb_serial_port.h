@@ -25,7 +25,7 @@ class ClaimedDevice
 {
 public:
   [[nodiscard]] static tl::expected<ClaimedDevice, DriverError>
-  open(const UsbContext &context, const SerialDevice &device,
+  open(const UsbContext &context, const SerialDevice &device, bool raises_dtr,
        std::chrono::milliseconds request_patience, const std::stop_token &stop);
   ~ClaimedDevice();
   ClaimedDevice(ClaimedDevice &&) = default;
@@ -44,9 +44,10 @@ public:
 private:
   ClaimedDevice() = default;
   tl::expected<void, DriverError> claim(const SerialDevice &device);
-  tl::expected<void, DriverError> set_up(const UsbContext &context, const SerialDevice &device,
-                                         std::chrono::milliseconds patience,
-                                         const std::stop_token &stop);
+  tl::expected<void, DriverError> make(const std::vector<ControlRequest> &requests,
+                                       const UsbContext &context, const SerialDevice &device,
+                                       std::chrono::milliseconds patience,
+                                       const std::stop_token &stop) const;
 
   struct Close
   {

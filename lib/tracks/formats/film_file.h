@@ -7,16 +7,12 @@
 
 namespace tactile {
 
-/// Marks a film's tactile tracks as disabled by default, so that no player selects them and draws
-/// their numbers. They are subtitle tracks of language zxx (ISO 639-2: no linguistic content).
+/// Marks the tactile tracks of an MP4 file (ISO/IEC 14496-12) as not enabled, so that no player
+/// selects them and draws their numbers: ffmpeg enables the first subtitles. They are subtitle
+/// tracks of language zxx (ISO 639-2: no linguistic content).
 ///
-/// - Matroska (RFC 9559): sets FlagDefault = 0. If a TrackEntry has no FlagDefault, its size field
-///   is shortened by three bytes to make room for it.
-/// - MP4 (ISO/IEC 14496-12): clears track_enabled in the flags of tkhd.
-///
-/// No byte outside of these tracks changes or moves. `file` is the whole file. Returns the number
-/// of tracks marked: 0 for other kinds of files and for files truncated before their tracks. A
-/// TrackEntry that has no room or is malformed is skipped.
+/// No other bit changes. `file` is the whole file. Returns the number of tracks marked: 0 for other
+/// kinds of files and for files truncated before their tracks.
 std::size_t disable_by_default(std::span<std::uint8_t> file);
 
 } // namespace tactile

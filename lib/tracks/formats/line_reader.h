@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <string_view>
 
@@ -21,15 +22,14 @@ public:
   bool next()
   {
     line_ = {};
+    whole_ = {};
     if (rest_.empty())
       return false;
-    const std::size_t length = rest_.find_first_of("\r\n");
+    const std::size_t length = std::min(rest_.find_first_of("\r\n"), rest_.size());
+    const std::size_t end = rest_.substr(length).starts_with("\r\n") ? 2 : 1;
     line_ = rest_.substr(0, length);
-    rest_.remove_prefix(line_.size());
-    if (rest_.starts_with("\r\n"))
-      rest_.remove_prefix(2);
-    else if (!rest_.empty())
-      rest_.remove_prefix(1);
+    whole_ = rest_.substr(0, length + end);
+    rest_.remove_prefix(whole_.size());
     number_++;
     return true;
   }
@@ -38,6 +38,12 @@ public:
   std::string_view line() const
   {
     return line_;
+  }
+
+  /// The line with its line end, if it has one.
+  std::string_view whole() const
+  {
+    return whole_;
   }
 
   /// Line number, from 1.
@@ -49,6 +55,7 @@ public:
 private:
   std::string_view rest_;
   std::string_view line_;
+  std::string_view whole_;
   std::size_t number_ = 0;
 };
 

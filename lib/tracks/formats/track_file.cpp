@@ -1,19 +1,15 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "tracks/formats/track_file.h"
 
+#include "files/regular_file.h"
 #include "tracks/formats/csv.h"
 #include "tracks/formats/funscript.h"
 #include "tracks/formats/hjif.h"
 #include "tracks/formats/mpegv_sem.h"
+#include "tracks/formats/utf16.h"
 #include "tracks/formats/webvtt.h"
 
 #include <array>
-#include <cerrno>
-#include <cstdint>
-#include <cstdio>
-#include <filesystem>
-#include <memory>
-#include <system_error>
 #include <utility>
 
 namespace tactile {
@@ -28,49 +24,10 @@ constexpr std::array<std::pair<std::string_view, TrackFormat>, 5> kEndings = { {
     { ".funscript", TrackFormat::funscript },
 } };
 
-struct Close
-{
-  void operator()(std::FILE *file) const
-  {
-    std::fclose(file);
-  }
-};
-
 tl::unexpected<FormatError>
 wrong(std::string reason)
 {
   return tl::unexpected(FormatError{ .place = {}, .reason = std::move(reason) });
-}
-
-tl::unexpected<FormatError>
-too_large()
-{
-  return wrong("larger than the " + std::to_string(kMaxTrackFile >> 20) + " MiB that are read");
-}
-
-tl::expected<std::string, FormatError>
-read_bytes(const std::string &path)
-{
-  const std::unique_ptr<std::FILE, Close> file(std::fopen(path.c_str(), "rbe"));
-  if (!file)
-    return wrong(std::generic_category().message(errno));
-  std::error_code no_size; // the size of a pipe is unknown
-  const std::uintmax_t size = std::filesystem::file_size(path, no_size);
-  std::string text;
-  if (!no_size) {
-    if (size > kMaxTrackFile)
-      return too_large();
-    text.reserve(size);
-  }
-  std::array<char, 65536> piece;
-  while (const std::size_t count = std::fread(piece.data(), 1, piece.size(), file.get())) {
-    if (text.size() + count > kMaxTrackFile)
-      return too_large();
-    text.append(piece.data(), count);
-  }
-  if (std::ferror(file.get()))
-    return wrong(std::generic_category().message(errno));
-  return text;
 }
 
 } // namespace
@@ -123,21 +80,25 @@ read_track(std::string_view text, TrackFormat format)
 }
 
 tl::expected<std::string, FormatError>
-read_track_bytes(const std::string &path)
+read_track_text(const std::string &path)
 {
-  return read_bytes(path).map_error(
-      [&](FormatError error) { return std::move(error).within("'" + path + "'"); });
+  const tl::expected<TrackFormat, FormatError> format = track_format(path);
+  if (!format)
+    return tl::unexpected(format.error());
+  auto bytes = files::read(path, kMaxTrackFile);
+  if (!bytes)
+    return tl::unexpected(FormatError{ "'" + path + "'", bytes.error().reason });
+  return *format == TrackFormat::sem ? *std::move(bytes) : as_utf8(*std::move(bytes));
 }
 
 tl::expected<Track, FormatError>
 read_track_file(const std::string &path)
 {
-  const tl::expected<TrackFormat, FormatError> format = track_format(path);
-  if (!format)
-    return tl::unexpected(format.error());
-  return read_bytes(path)
-      .and_then([&](const std::string &bytes) { return read_track(bytes, *format); })
-      .map_error([&](FormatError error) { return std::move(error).within("'" + path + "'"); });
+  return read_track_text(path).and_then([&](const std::string &text) {
+    return read_track(text, *track_format(path)).map_error([&](FormatError error) {
+      return std::move(error).within("'" + path + "'");
+    });
+  });
 }
 
 } // namespace tactile

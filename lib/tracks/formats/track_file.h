@@ -35,10 +35,11 @@ tl::expected<TrackFormat, FormatError> track_format(std::string_view name);
 std::string write_track(const Track &track, TrackFormat format, const std::string &date);
 tl::expected<Track, FormatError> read_track(std::string_view text, TrackFormat format);
 
-/// A file's bytes. Errors start with its name.
-tl::expected<std::string, FormatError> read_track_bytes(const std::string &path);
+/// The text of a track's file, in UTF-8 where it is UTF-16 (but for XML, which says what it is).
+/// Errors start with its name, as those of read_track_file().
+tl::expected<std::string, FormatError> read_track_text(const std::string &path);
 
-/// Reads a file. Errors start with its name.
+/// Reads a file.
 tl::expected<Track, FormatError> read_track_file(const std::string &path);
 
 } // namespace tactile

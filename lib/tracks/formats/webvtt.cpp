@@ -2,7 +2,7 @@
 #include "tracks/formats/webvtt.h"
 
 #include "tracks/cue_builder.h"
-#include "tracks/formats/line_reader.h"
+#include "tracks/formats/webvtt_blocks.h"
 #include "tracks/formats/webvtt_timing.h"
 #include "tracks/text_cue.h"
 
@@ -26,18 +26,24 @@ append_cue(std::string &text, Time begin, Time end, const TactileMap &map)
 class Reader
 {
 public:
-  explicit Reader(std::string_view text) : lines_(text)
+  explicit Reader(std::string_view text) : blocks_(text)
   {
   }
 
   tl::expected<Track, FormatError> operator()()
   {
-    read_signature();
-    while (!error_ && lines_.next())
-      if (!lines_.line().empty())
-        read_block();
+    const std::optional<WebvttBlock> first = blocks_.next();
+    read_signature(first.value_or(WebvttBlock{}));
+    std::size_t last = 1;
+    while (!error_) {
+      const std::optional<WebvttBlock> block = blocks_.next();
+      if (!block)
+        break;
+      last = block->line;
+      read_block(*block);
+    }
     if (!track_)
-      fail(lines_.number(), "there is no cue, and no note with a grid");
+      fail(last, "there is no cue, and no note with a grid");
     else
       track_->set_end(last_end_);
     return std::move(error_).unless_set(track_ ? std::move(*track_) : Track());
@@ -49,49 +55,40 @@ private:
     error_.set(FormatError::at_line(line, std::move(reason)));
   }
 
-  void read_signature()
+  void read_signature(const WebvttBlock &block)
   {
-    const bool found = lines_.next() && lines_.line().starts_with(kSignature);
-    const std::string_view rest
-        = found ? lines_.line().substr(kSignature.size()) : std::string_view();
+    const bool found = block.line == 1 && block.first.starts_with(kSignature);
+    const std::string_view rest = found ? block.first.substr(kSignature.size()) : "";
     if (!found || (!rest.empty() && rest.front() != ' ' && rest.front() != '\t'))
       return fail(1, "expected WEBVTT");
-    skip_block("expected an empty line before the first cue");
+    expect_no_cue(block, "expected an empty line before the first cue");
   }
 
-  /// Skips to the next empty line. Anything like a cue before that is an error.
-  void skip_block(const char *cue_in_it)
+  /// Anything like a cue after a block's first line is an error.
+  void expect_no_cue(const WebvttBlock &block, const char *cue_in_it)
   {
-    while (!error_ && lines_.next() && !lines_.line().empty())
-      if (lines_.line().find(kWebvttArrow) != std::string_view::npos)
-        fail(lines_.number(), cue_in_it);
+    LineReader lines(block.text);
+    for (lines.next(); lines.next();)
+      if (has_webvtt_arrow(lines.line()))
+        return fail(block.line + lines.number() - 1, cue_in_it);
   }
 
-  /// Reads a block: from a nonempty line to the next empty one.
-  void read_block()
+  void read_block(const WebvttBlock &block)
   {
-    const std::string_view first = lines_.line();
-    const auto is = [&](std::string_view word) {
-      return first == word || first.starts_with(std::string(word) + " ")
-             || first.starts_with(std::string(word) + "\t");
-    };
-    if (is("NOTE"))
-      read_note(first.substr(4));
-    else if (!is("STYLE") && !is("REGION"))
-      return read_cue();
-    skip_block("expected an empty line before the cue");
+    if (block.kind == WebvttBlock::Kind::cue)
+      return read_cue(block);
+    if (block.kind == WebvttBlock::Kind::track_note)
+      read_note(block);
+    expect_no_cue(block, "expected an empty line before the cue");
   }
 
-  void read_note(std::string_view text)
+  void read_note(const WebvttBlock &block)
   {
-    const std::optional<std::string_view> words = webvtt_tactile_note(text);
-    if (!words)
-      return;
-    const tl::expected<GridHeader, FormatError> header = read_grid(*words, lines_.number());
+    const tl::expected<GridHeader, FormatError> header = read_grid(block.first, block.line);
     if (!header)
       return error_.set(header.error());
     if (track_ && header->grid && *header->grid != Grid{ track_->rows(), track_->columns() })
-      return fail(lines_.number(), "another grid than before");
+      return fail(block.line, "another grid than before");
     if (header->grid)
       begin_track(*header->grid);
     rate_ = header->rate;
@@ -106,65 +103,50 @@ private:
     track_->set_rate(rate_);
   }
 
-  void read_cue()
+  void read_cue(const WebvttBlock &block)
   {
-    if (lines_.line().find(kWebvttArrow) == std::string_view::npos) { // an identifier
-      const std::size_t number = lines_.number();
-      if (!lines_.next() || lines_.line().find(kWebvttArrow) == std::string_view::npos)
-        return fail(number, "expected a cue: START --> END");
-    }
-    const std::size_t number = lines_.number();
-    Time begin{ 0 };
-    Time end{ 0 };
-    if (!read_timing(lines_.line(), begin, end))
+    const tl::expected<WebvttCueLines, FormatError> cue = read_webvtt_cue_lines(block);
+    if (!cue)
+      return error_.set(cue.error());
+    if (track_ && is_remark(cue->picture))
+      return; // without a note for the grid, the first cue tells whether this is a track
+    if (!check_times(*cue))
       return;
-    const std::string text = take_text();
     std::optional<Grid> grid;
     if (track_)
       grid = { track_->rows(), track_->columns() };
-    const tl::expected<TactileMap, FormatError> map = read_text_cue(text, grid, number + 1);
+    const tl::expected<TactileMap, FormatError> map
+        = read_text_cue(cue->picture, grid, cue->line + 1);
     if (!map)
       return error_.set(map.error());
     begin_track({ map->rows, map->columns });
-    auto appended = track_->append(begin, *map);
+    auto appended = track_->append(cue->timing.begin, *map);
     if (appended)
-      appended = track_->append(end, TactileMap(map->rows, map->columns));
+      appended = track_->append(cue->timing.end, TactileMap(map->rows, map->columns));
     if (!appended)
-      return fail(number, appended.error().reason);
-    last_end_ = end;
+      return fail(cue->line, appended.error().reason);
   }
 
-  /// The lines up to the next empty one.
-  std::string take_text()
+  bool check_times(const WebvttCueLines &cue)
   {
-    std::string text;
-    while (lines_.next() && !lines_.line().empty()) {
-      text += lines_.line();
-      text += '\n';
-    }
-    return text;
-  }
-
-  bool read_timing(std::string_view line, Time &begin, Time &end)
-  {
-    const std::optional<WebvttTiming> timing = read_webvtt_timing(line);
-    if (!timing)
-      fail(lines_.number(), "expected HH:MM:SS.mmm --> HH:MM:SS.mmm, up to 100 hours");
-    else if (timing->end <= timing->begin)
-      fail(lines_.number(), "the cue ends before it begins");
-    else if (timing->begin < last_end_)
-      fail(lines_.number(),
+    const WebvttTiming &timing = cue.timing;
+    if (timing.end <= timing.begin)
+      fail(cue.line, "the cue ends before it begins");
+    else if (timing.begin < last_begin_)
+      fail(cue.line, "the cue is out of order: the one before begins later, at "
+                         + write_webvtt_timestamp(last_begin_));
+    else if (timing.begin < last_end_)
+      fail(cue.line,
            "the cue overlaps the one before, which ends at " + write_webvtt_timestamp(last_end_));
-    if (error_)
-      return false;
-    begin = timing->begin;
-    end = timing->end;
-    return true;
+    last_begin_ = timing.begin;
+    last_end_ = timing.end;
+    return !error_;
   }
 
-  LineReader lines_;
+  WebvttBlocks blocks_;
   std::optional<Track> track_;
   double rate_ = 0;
+  Time last_begin_{ 0 };
   Time last_end_{ 0 };
   FirstError error_;
 };
@@ -205,13 +187,19 @@ read_webvtt(std::string_view text)
 }
 
 bool
-is_tactile_webvtt(std::string_view text)
+is_meant_as_track(std::string_view text)
 {
-  constexpr std::string_view kNote = "NOTE";
-  for (LineReader lines(text); lines.next();)
-    if (lines.line().starts_with(kNote) && webvtt_tactile_note(lines.line().substr(kNote.size())))
+  std::optional<bool> begins_with_map;
+  WebvttBlocks blocks(text);
+  while (const std::optional<WebvttBlock> block = blocks.next()) {
+    if (block->kind == WebvttBlock::Kind::track_note)
       return true;
-  return false;
+    if (block->kind == WebvttBlock::Kind::cue && !begins_with_map) {
+      const auto cue = read_webvtt_cue_lines(*block);
+      begins_with_map = cue && read_text_cue(cue->picture, std::nullopt);
+    }
+  }
+  return begins_with_map.value_or(false);
 }
 
 } // namespace tactile

@@ -19,11 +19,13 @@ inline constexpr int kTextSteps = 100;
 std::string write_webvtt(const Track &track);
 
 /// Reads WebVTT that an editor may have changed: identifiers, settings, notes, styles and regions
-/// are ignored; gaps are silent. Without the note, the first cue gives the grid. Errors give the
-/// line: invalid WebVTT, no map, another grid, cues out of order or overlapping.
+/// are ignored, and so are remarks (is_remark()); gaps are silent. Without the note, the first cue
+/// gives the grid. Errors give the line: invalid WebVTT, no map, another grid, cues out of order or
+/// overlapping.
 tl::expected<Track, FormatError> read_webvtt(std::string_view text);
 
-/// Whether a note says that it is a track, even if it cannot be read. Subtitles have none.
-bool is_tactile_webvtt(std::string_view text);
+/// Whether a text is meant as a track, even if it is a faulty one: a note says so, or its first cue
+/// is a map. Else it is subtitles or something else.
+bool is_meant_as_track(std::string_view text);
 
 } // namespace tactile

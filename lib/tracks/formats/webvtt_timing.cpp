@@ -92,7 +92,7 @@ read_webvtt_timing(std::string_view line)
   if (!take_timestamp(line, timing.end)
       || !(line.empty() || line.front() == ' ' || line.front() == '\t'))
     return std::nullopt;
-  timing.settings = webvtt_trimmed(line);
+  timing.rest = line;
   return timing;
 }
 

@@ -23,7 +23,7 @@ struct WebvttTiming
 {
   Time begin{ 0 };
   Time end{ 0 };
-  std::string_view settings; ///< what follows, without the white space around it
+  std::string_view rest; ///< what follows the end in the line, such as settings
 };
 
 /// None if it is no such line, or a time is above 100 hours.

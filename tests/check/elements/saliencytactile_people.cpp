@@ -178,6 +178,21 @@ GST_START_TEST(test_missing)
 }
 GST_END_TEST;
 
+/// A detector whose memory runs out: the film goes on, and is felt.
+GST_START_TEST(test_out_of_memory)
+{
+  g_setenv("VISUOTACTILE_MODULES", THROWING_MODULES, TRUE);
+  Film film;
+  film.play(60, false);
+  const Said said = film.messages.said(GST_MESSAGE_WARNING);
+  fail_unless(said.text == "There is no look for people: out of memory.", "%s", said.text.c_str());
+  film.play(60, false);
+  fail_if(film.messages.has(GST_MESSAGE_WARNING));
+  ck_assert_uint_eq(film.stat("analyzed"), 120);
+  ck_assert_uint_eq(film.stat("faces"), 0);
+}
+GST_END_TEST;
+
 /// It is switched on, off and to another effort while the film plays.
 GST_START_TEST(test_changes)
 {
@@ -277,6 +292,7 @@ saliencytactile_people_suite(void)
   tcase_add_test(tcase, test_the_same_each_time);
   tcase_add_test(tcase, test_regions_upstream);
   tcase_add_test(tcase, test_missing);
+  tcase_add_test(tcase, test_out_of_memory);
   tcase_add_test(tcase, test_changes);
   tcase_add_test(tcase, test_live);
   tcase_add_test(tcase, test_late_frames);

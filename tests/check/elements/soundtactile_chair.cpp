@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 //
 // What chairs get of soundtactile: from its pad, or by the meeting place of their pipeline.
-#include "gst/fusion/sound_context.h"
+#include "gst/fusion/pipeline_sound.h"
 #include "sound/synthetic_sound.h"
 
 #include <gst/check/gstcheck.h>

@@ -85,6 +85,14 @@ public:
     return false;
   }
 
+  /// Where the element posts its messages.
+  GstBus *bus()
+  {
+    GstBus *bus = gst_bus_new();
+    gst_element_set_bus(element_, bus);
+    return bus;
+  }
+
 private:
   GstElement *element_;
 
@@ -149,6 +157,25 @@ GST_START_TEST(test_remark)
   s.push_cue("louder?", 40, 400);
   fail_unless(s.draws_at(80));
   fail_unless(s.levels_at(120) == (Levels{ 0, 0 }));
+}
+GST_END_TEST;
+
+/// What tactile-track refuses is not drawn, and warned of once.
+GST_START_TEST(test_fault)
+{
+  for (const char *fault : { "1 101", "1 2 3\n4", "1 O", "2nd blow", "1,2" }) {
+    Subtitles s;
+    g_autoptr(GstBus) bus = s.bus();
+    s.push_cue("1 2", 0, 40);
+    s.push_cue(fault, 40, 400);
+    s.push_cue(fault, 400, 500);
+    fail_unless(s.levels_at(0) == (Levels{ 1, 2 }));
+    fail_if(s.draws_at(80), "%s is drawn", fault);
+    fail_unless(s.levels_at(120) == (Levels{ 0, 0 }));
+    g_autoptr(GstMessage) warning = gst_bus_pop_filtered(bus, GST_MESSAGE_WARNING);
+    g_autoptr(GstMessage) second = gst_bus_pop_filtered(bus, GST_MESSAGE_WARNING);
+    fail_unless(warning != nullptr && second == nullptr, "%s", fault);
+  }
 }
 GST_END_TEST;
 
@@ -359,6 +386,7 @@ tactilesubtitles_suite()
   tcase_add_test(cases, test_late_cue);
   tcase_add_test(cases, test_words);
   tcase_add_test(cases, test_remark);
+  tcase_add_test(cases, test_fault);
   tcase_add_test(cases, test_packets);
   tcase_add_test(cases, test_segments);
   tcase_add_test(cases, test_track_beside_a_clocked_film);

@@ -4,6 +4,7 @@
 // provides the serial bus.
 #include "gst/tactor/gsttactorsink.h"
 
+#include "support/boards/known_home.h"
 #include "support/boards/memory_bus.h"
 
 #include "tactor/command_trace.h"
@@ -133,6 +134,7 @@ public:
   Sockets sockets_;
   MemoryBoard mega{ device("7573", "Arduino Mega 2560"), kMega };
   MemoryBoard uno{ device("95", "Arduino Uno"), kUno };
+  const KnownHome home{ mega.device, uno.device };
   GstElement *element = make_tactorsink();
   ElementBus messages{ element };
   GstPad *pad;

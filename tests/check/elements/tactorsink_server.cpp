@@ -146,6 +146,55 @@ GST_START_TEST(test_zero_on_ways_out)
 }
 GST_END_TEST;
 
+/// Nothing that stops motors waits for a server that answers no more. Devices of Intiface are told
+/// so by a zero: what stops them when the server is left, 5 s later, is another message.
+GST_START_TEST(test_zero_waits_for_no_answer)
+{
+  const std::pair<const char *, void (*)(ServerRig &)> ways[] = {
+    { "map",
+      [](ServerRig &rig) {
+        rig.push({ 0 });
+      } },
+    { "mute",
+      [](ServerRig &rig) {
+        g_object_set(rig.element, "mute", TRUE, nullptr);
+      } },
+    { "pause",
+      [](ServerRig &rig) {
+        gst_element_set_state(rig.element, GST_STATE_PAUSED);
+      } },
+    { "stop",
+      [](ServerRig &rig) {
+        gst_element_set_state(rig.element, GST_STATE_NULL);
+      } },
+    { "flush",
+      [](ServerRig &rig) {
+        fail_unless(gst_pad_send_event(rig.sink_pad, gst_event_new_flush_start()));
+      } },
+  };
+  for (const Case &one : kCases)
+    for (const auto &[name, stop] : ways) {
+      if (&one != &kCases.back() && std::string(name) != "pause")
+        continue; // each takes a while
+      ServerRig rig(one.driver, one.device, { one.kind, "gap=1" });
+      rig.start(1, 1);
+      rig.push({ 1 });
+      rig.server.wait_for_line(one.full);
+      rig.server.say("speechless=1");
+      rig.server.wait_for("set speechless");
+      rig.push({ 0.5 });
+      rig.server.wait_for("motors ");
+      const auto stops = [&] {
+        return rig.server.lines(R"(got [{"Stop)").size();
+      };
+      const std::size_t before = stops();
+      stop(rig);
+      rig.server.wait_for_line(one.zero);
+      fail_unless(stops() == before || std::string(name) == "stop", "%s of %s", name, one.kind);
+    }
+}
+GST_END_TEST;
+
 /// The time that answers take is led by, also when it becomes longer during the play. There is room
 /// for it from the beginning.
 GST_START_TEST(test_latency)
@@ -205,6 +254,7 @@ tactorsink_server_suite(void)
   tcase_add_test(tests, test_sides);
   tcase_add_test(tests, test_mapping);
   tcase_add_test(tests, test_zero_on_ways_out);
+  tcase_add_test(tests, test_zero_waits_for_no_answer);
   tcase_add_test(tests, test_latency);
   tcase_add_test(tests, test_server_gone_and_back);
   return suite;

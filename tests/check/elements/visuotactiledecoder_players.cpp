@@ -17,6 +17,7 @@
 
 // gstcheck.h defines a macro `fail`, so it follows the standard library's headers.
 #include "support/patient_clock.h"
+#include "support/played_film.h"
 #include "support/playing.h"
 #include "support/start_player.h"
 #include "support/temporary_file.h"
@@ -28,27 +29,6 @@ namespace {
 
 constexpr GstClockTime kMs = GST_MSECOND;
 constexpr const char *kPlaybins[] = { "playbin", "playbin3" };
-
-void
-rank_decoder(const char *name, guint rank)
-{
-  g_autoptr(GstPluginFeature) feature = gst_registry_lookup_feature(gst_registry_get(), name);
-  fail_unless(feature != nullptr, "no %s", name);
-  gst_plugin_feature_set_rank(feature, rank);
-}
-
-/// A moving ball with a tone. Every frame is a key frame.
-void
-make_film(const std::string &path, guint frames)
-{
-  const std::string line
-      = "tactiletestsrc pattern=dynamic-motion num-buffers=" + std::to_string(frames)
-        + " ! video/x-raw,format=I420,width=160,height=120,framerate=30/1 ! "
-          "jpegenc quality=95 ! matroskamux name=mux ! filesink location="
-        + path + " audiotestsrc samplesperbuffer=1470 num-buffers=" + std::to_string(frames)
-        + " ! audio/x-raw,format=S16LE,rate=44100,channels=1 ! mux.";
-  play_to_the_end(make_pipeline(line));
-}
 
 /// A frame at the player's video sink.
 struct Shown
@@ -175,11 +155,6 @@ public:
   bool ended = false;
 
 private:
-  static std::string uri_of(const std::string &film)
-  {
-    g_autofree gchar *uri = gst_filename_to_uri(film.c_str(), nullptr);
-    return uri;
-  }
   static void on_element(GstBin *, GstBin *, GstElement *element, Player *self)
   {
     GstElementFactory *factory = gst_element_get_factory(element);

@@ -153,6 +153,46 @@ GST_START_TEST(test_one_message_under_way)
 }
 GST_END_TEST;
 
+/// A zero is sent at once, whatever is under way; other levels wait. So does a zero for a server
+/// that usually takes more than 50 ms: it would wait there.
+GST_START_TEST(test_a_zero_waits_for_no_answer)
+{
+  Talk talk;
+  talk.play();
+  talk.talk.set_levels(std::array{ 0.5, 0.3 });
+  talk.expect(back({ { 0, 50 }, { 1, 30 } }));
+  talk.now += 1ms;
+  talk.talk.set_levels(std::array{ 0.0, 0.8 });
+  fail_unless(talk.talk.deadline() <= talk.now);
+  talk.expect(back({ { 1, 30 } }));
+  talk.now += 1ms;
+  talk.talk.set_levels({});
+  talk.expect(kBackOff);
+  talk.now += 1ms;
+  talk.talk.set_levels(std::array{ 1.0 });
+  talk.expect_none();
+  talk.now += 199ms; // overdue
+  talk.expect(back({ { 0, 100 } }));
+
+  Talk slow;
+  slow.play();
+  for (const double level : { 0.1, 0.2, 0.3 }) {
+    slow.talk.set_levels(std::array{ level });
+    fail_unless(slow.talk.next(slow.now).has_value());
+    slow.now += 60ms;
+    slow.answer();
+  }
+  slow.talk.set_levels(std::array{ 1.0 });
+  fail_unless(slow.talk.next(slow.now).has_value());
+  slow.now += 50ms;
+  slow.talk.set_levels({});
+  slow.expect_none();
+  slow.now += 10ms;
+  slow.answer();
+  slow.expect(kBackOff);
+}
+GST_END_TEST;
+
 /// A server that answers nothing is left.
 GST_START_TEST(test_silent_server)
 {
@@ -206,6 +246,10 @@ GST_START_TEST(test_vest_of_two_sides)
               R"({"Position":"VestBack","DurationMillis":250,)"
               R"("DotPoints":[{"Index":0,"Intensity":100}]}},)"
               R"({"Type":"turnOff","Key":"visuotactile-VestFront"}]})");
+  // Before its turn a side that stops is told so alone.
+  talk.now += 1ms;
+  talk.talk.set_levels(levels);
+  talk.expect(kBackOff);
 }
 GST_END_TEST;
 
@@ -317,6 +361,7 @@ bhaptics_conversation_suite(void)
   tcase_add_test(tests, test_intensity);
   tcase_add_test(tests, test_renewal);
   tcase_add_test(tests, test_one_message_under_way);
+  tcase_add_test(tests, test_a_zero_waits_for_no_answer);
   tcase_add_test(tests, test_silent_server);
   tcase_add_test(tests, test_vest_of_two_sides);
   tcase_add_test(tests, test_sleeves);

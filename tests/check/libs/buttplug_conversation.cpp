@@ -129,11 +129,97 @@ GST_START_TEST(test_version_4)
               R"("Command":{"Vibrate":{"Value":10}}}}])");
   talk.expect_none();
   talk.answer(ok(4));
-  talk.talk.set_levels(std::array{ 0.5, std::nan("") });
+  talk.talk.set_levels(std::array{ 0.25, 1.0 });
   talk.expect_none(); // the second answer is not there
   talk.answer(ok(5));
-  talk.expect(R"([{"OutputCmd":{"Id":6,"DeviceIndex":0,"FeatureIndex":1,)"
+  talk.expect(R"([{"OutputCmd":{"Id":6,"DeviceIndex":0,"FeatureIndex":0,)"
+              R"("Command":{"Vibrate":{"Value":5}}}}])");
+  talk.answer(ok(6));
+  talk.talk.set_levels(std::array{ 0.25, std::nan("") });
+  talk.expect(R"([{"OutputCmd":{"Id":7,"DeviceIndex":0,"FeatureIndex":1,)"
               R"("Command":{"Vibrate":{"Value":0}}}}])");
+}
+GST_END_TEST;
+
+/// A zero is sent at once, whatever is under way; other levels wait. Once all is answered it is
+/// sent again, as the server may have carried out the level last.
+GST_START_TEST(test_a_zero_waits_for_no_answer)
+{
+  Talk talk;
+  talk.play();
+  talk.talk.set_levels(std::array{ 1.0, 1.0 });
+  fail_unless(talk.talk.next(talk.now).has_value()); // 4 and 5
+  talk.now += 1ms;
+  talk.talk.set_levels(std::array{ 0.0, 0.5 });
+  fail_unless(talk.talk.deadline() <= talk.now);
+  talk.expect(R"([{"OutputCmd":{"Id":6,"DeviceIndex":0,"FeatureIndex":0,)"
+              R"("Command":{"Vibrate":{"Value":0}}}}])");
+  talk.expect_none();
+  for (const int id : { 4, 6, 5 })
+    talk.answer(ok(id));
+  talk.expect(R"([{"OutputCmd":{"Id":7,"DeviceIndex":0,"FeatureIndex":0,)"
+              R"("Command":{"Vibrate":{"Value":0}}}},)"
+              R"({"OutputCmd":{"Id":8,"DeviceIndex":0,"FeatureIndex":1,)"
+              R"("Command":{"Vibrate":{"Value":5}}}}])");
+  talk.answer(ok(7));
+  talk.answer(ok(8));
+  talk.now += 1s;
+  talk.expect_none();
+}
+GST_END_TEST;
+
+/// Each motor's zero goes once to a server that never answers, which is left as soon as without.
+GST_START_TEST(test_zeros_for_a_silent_server)
+{
+  Talk talk;
+  talk.play();
+  talk.talk.set_levels(std::array{ 1.0, 1.0 });
+  fail_unless(talk.talk.next(talk.now).has_value());
+  const Time begun = talk.now;
+  for (const double other : { 1.0, 0.0 }) {
+    talk.now += 1s;
+    talk.talk.set_levels(std::array{ 0.0, other });
+    fail_unless(talk.talk.next(talk.now).has_value());
+    for (const double again : { 0.3, 0.0 }) {
+      talk.talk.set_levels(std::array{ again, other });
+      talk.expect_none();
+    }
+  }
+  fail_unless(talk.talk.deadline() == begun + 5s);
+  talk.now = begun + 5s;
+  talk.expect_none();
+  talk.expect_failure({ "expected an answer" });
+}
+GST_END_TEST;
+
+/// The gap is for the server to enforce, which sends the device the newest command after it.
+GST_START_TEST(test_a_zero_waits_for_no_gap)
+{
+  Talk talk;
+  talk.talk.hung_up("code 1002");
+  talk.talk.begin(talk.now);
+  talk.answer(kInfo3);
+  talk.answer(kList3);
+  while (talk.talk.next(talk.now))
+    continue;
+  talk.answer(ok(4));
+  fail_unless(talk.talk.state() == State::playing);
+  talk.now += 10ms;
+  talk.talk.set_levels(std::array{ 1.0 });
+  talk.expect_none(); // the gap is 100 ms
+  talk.now += 90ms;
+  while (const std::optional<std::string> text = talk.talk.next(talk.now))
+    if (text->find("Ping") == std::string::npos)
+      assert_contains(*text, { R"("Id":6)", R"("Scalar":1)" });
+  talk.answer(ok(5));
+  talk.answer(ok(6));
+  talk.now += 10ms;
+  talk.talk.set_levels({});
+  talk.expect(R"([{"ScalarCmd":{"Id":7,"DeviceIndex":0,"Scalars":[)"
+              R"({"Index":0,"Scalar":0,"ActuatorType":"Vibrate"}]}}])");
+  talk.answer(ok(7));
+  talk.talk.set_levels(std::array{ 1.0 });
+  talk.expect_none();
 }
 GST_END_TEST;
 
@@ -467,6 +553,9 @@ buttplug_conversation_suite(void)
   TCase *tests = tcase_create("general");
   suite_add_tcase(suite, tests);
   tcase_add_test(tests, test_version_4);
+  tcase_add_test(tests, test_a_zero_waits_for_no_answer);
+  tcase_add_test(tests, test_zeros_for_a_silent_server);
+  tcase_add_test(tests, test_a_zero_waits_for_no_gap);
   tcase_add_test(tests, test_version_3);
   tcase_add_test(tests, test_no_version);
   tcase_add_test(tests, test_names);

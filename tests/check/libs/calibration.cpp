@@ -95,7 +95,7 @@ GST_END_TEST
 GST_START_TEST(endless_files_are_refused)
 {
   for (const auto &[path, says] :
-       { std::pair{ "/dev/zero", "expected at most" }, std::pair{ "/", "Is a directory" },
+       { std::pair{ "/dev/zero", "got a device" }, std::pair{ "/", "got a folder" },
          std::pair{ "/nowhere", "No such file" } }) {
     const std::string got = read_calibration(path).error();
     fail_unless(got.find(says) != std::string::npos, "'%s' instead of '%s'", got.c_str(), says);

@@ -8,6 +8,7 @@
 #include <future>
 #include <iterator>
 
+#include "support/no_threads.h"
 #include "support/settings_home.h"
 #include <gst/check/gstcheck.h>
 
@@ -139,10 +140,10 @@ GST_START_TEST(a_file_that_is_none_is_told)
 {
   const SettingsHome home;
   fail_unless(contains(complaint(home, "intensity=1\n"), home.path()));
-  fail_unless(contains(complaint(home, std::string(2 << 20, '\n')), "expected at most 1048576"));
+  fail_unless(contains(complaint(home, std::string(2 << 20, '\n')), "larger than the 1 MiB"));
   unlink(home.path().c_str());
   std::filesystem::create_directory(home.path());
-  fail_unless(contains(read_settings().complaints.at(0), "Is a directory"));
+  fail_unless(contains(read_settings().complaints.at(0), "got a folder"));
 }
 GST_END_TEST
 
@@ -229,6 +230,15 @@ GST_START_TEST(a_watch_ends_at_once)
 }
 GST_END_TEST
 
+GST_START_TEST(without_threads_nothing_is_watched)
+{
+  const SettingsHome home;
+  const NoThreads none;
+  const SettingsWatch watch([] { fail("nothing was changed"); });
+  fail_if(watch.watches());
+}
+GST_END_TEST
+
 static Suite *
 chair_settings_suite(void)
 {
@@ -247,6 +257,7 @@ chair_settings_suite(void)
   tcase_add_test(tests, every_key_takes_what_it_says);
   tcase_add_test(tests, changes_are_heard);
   tcase_add_test(tests, a_watch_ends_at_once);
+  tcase_add_test(tests, without_threads_nothing_is_watched);
   return suite;
 }
 

@@ -11,6 +11,9 @@
 
 #include <opencv2/core.hpp>
 
+#include <functional>
+#include <iterator>
+#include <new>
 #include <thread>
 
 using people::DetectionThread;
@@ -190,6 +193,42 @@ GST_START_TEST(test_failures)
 }
 GST_END_TEST;
 
+/// What a detector throws, or what makes it, ends the look for people and not the process.
+GST_START_TEST(test_exceptions)
+{
+  const std::function<void()> throwing[] = {
+    [] { throw std::bad_alloc(); },
+    [] { cv::error(cv::Error::StsNoMem, "no 64 GB", "here", "there", 1); },
+    [] { throw 1; },
+  };
+  const char *told[] = { "out of memory", "no 64 GB", "failed" };
+  for (std::size_t i = 0; i < std::size(throwing); i++) {
+    FakeFaces fake;
+    DetectionThread thread(fake.make(), kWidth);
+    thread.offer(gray(20), 0);
+    fail_unless(thread.take(true).has_value() && thread.failure().empty());
+    fake.throw_from(throwing[i]);
+    thread.offer(gray(40), 0);
+    fail_if(thread.take(true).has_value());
+    fail_unless(thread.failure().find(told[i]) != std::string::npos, "%s",
+                thread.failure().c_str());
+    thread.offer(gray(60), 0);
+    fail_if(thread.take(true).has_value());
+    ck_assert_uint_eq(fake.seen().size(), 2);
+
+    DetectionThread unmade(
+        [&throwing, i]() -> tl::expected<std::unique_ptr<people::Detector>, std::string> {
+          throwing[i]();
+          return nullptr;
+        },
+        kWidth);
+    unmade.offer(gray(20), 0);
+    fail_if(unmade.take(true).has_value());
+    fail_unless(unmade.failure().find(told[i]) != std::string::npos);
+  }
+}
+GST_END_TEST;
+
 static Suite *
 detection_thread_suite(void)
 {
@@ -202,6 +241,7 @@ detection_thread_suite(void)
   tcase_add_test(tcase, test_sizes);
   tcase_add_test(tcase, test_skin);
   tcase_add_test(tcase, test_failures);
+  tcase_add_test(tcase, test_exceptions);
   return suite;
 }
 

@@ -7,6 +7,7 @@
 
 #include <condition_variable>
 #include <cstdint>
+#include <functional>
 #include <mutex>
 #include <vector>
 
@@ -33,6 +34,12 @@ public:
   {
     const std::lock_guard lock(mutex_);
     brightest_ = size;
+  }
+  /// From now on each detection throws what this does.
+  void throw_from(std::function<void()> throws)
+  {
+    const std::lock_guard lock(mutex_);
+    throws_ = std::move(throws);
   }
   /// Detections after the first `ends` do not end.
   void hold(std::size_t ends = 0)
@@ -76,6 +83,8 @@ private:
       const std::vector<cv::Rect> faces = owner.faces_;
       const std::size_t number = owner.seen_.size();
       owner.changed_.wait(lock, [this, number] { return number <= owner.ends_; });
+      if (owner.throws_)
+        owner.throws_();
       if (owner.brightest_.empty())
         return faces;
       cv::Point at;
@@ -89,6 +98,7 @@ private:
   std::condition_variable changed_;
   std::vector<cv::Rect> faces_;
   cv::Size brightest_;
+  std::function<void()> throws_;
   std::vector<int> seen_;
   std::size_t ends_ = SIZE_MAX;
   int made_ = 0;

@@ -6,6 +6,9 @@
 #include "tactor/drivers/release_boards.h"
 #include "tactor/simulator.h"
 
+#include <filesystem>
+#include <fstream>
+
 #include "firmata_driver_rig.h"
 
 GST_START_TEST(test_no_board)
@@ -137,7 +140,8 @@ GST_START_TEST(test_too_few_pins)
   // A device's name may contain any bytes.
   MemoryBoard odd(device("a\nb", "1-8", "\xff\x1b[2J"), none);
   rig.sockets.plug(odd);
-  assert_contains(rig.refusal(1, "1-8").text, { "??[2J (serial a?b, at 1-8) has 0 pins" });
+  assert_contains(rig.refusal(1, "1-8").text,
+                  { "??[2J (serial a?b, at 1-8): expected pins", "has none" });
   rig.sockets.unplug(odd);
 
   // No more tactors than requested.
@@ -210,59 +214,137 @@ GST_END_TEST;
 
 namespace {
 
-/// A Nano's clone, known only by its USB serial chip.
-const SerialDevice kNano{ .serial = "A50285BI",
-                          .bus_path = "1-1",
-                          .name = "FT232R USB UART",
-                          .vendor = 0x0403,
-                          .product = 0x6001,
-                          .transport = "ftdi",
-                          .is_adapter = true };
+/// A driver with a short patience, on a computer where no board is known.
+struct StrangersRig : DriverRig
+{
+  static constexpr FirmataPatience kShort{ .answer = 20ms,
+                                           .ask_again = 5ms,
+                                           .transfer = 1h,
+                                           .host_silence = 1h,
+                                           .keepalive = 1h,
+                                           .drain = 1h };
+
+  StrangersRig() : DriverRig(Firmware::any, kShort)
+  {
+    std::filesystem::remove(folder.file("boards"));
+  }
+  /// As driver=auto.
+  DriverConfig careful(const std::string &name = "")
+  {
+    DriverConfig config = this->config(1, name);
+    config.asks_a_stranger = false;
+    return config;
+  }
+  /// The refusal of a play that touches no device.
+  std::string untouched(const DriverConfig &config)
+  {
+    const int opens = mega.opens + uno.opens;
+    const DriverError error = refusal_of(driver.open(config));
+    fail_unless(error.kind == Kind::not_found, "%s", error.text.c_str());
+    ck_assert_int_eq(mega.opens + uno.opens, opens);
+    return error.text;
+  }
+};
 
 } // namespace
 
-/// An adapter may be a printer. It is asked only if the user names it or wants a board, or if it
-/// has answered before.
-GST_START_TEST(test_adapters)
+/// Whoever made it: the default driver touches no device that has not answered before. It says how
+/// a chair is named once.
+GST_START_TEST(test_strangers)
 {
-  FirmataPatience patience = kEndless;
-  patience.answer = 20ms;
-  patience.ask_again = 5ms;
-  MemoryBoard nano(kNano, kUno);
-  DriverRig rig(Firmware::any, patience);
-  rig.sockets.plug(nano);
-  DriverConfig careful = rig.config();
-  careful.asks_strangers = false;
-  const auto expect_not_asked = [&] {
-    const int opens = nano.opens;
-    const DriverError error = refusal_of(rig.driver.open(careful));
-    fail_unless(error.kind == Kind::not_found);
-    assert_contains(error.text, { "not asked", "FT232R", "A50285BI", "at 1-1", "device=" });
-    ck_assert_int_eq(nano.opens, opens);
-  };
-  expect_not_asked();
-
-  // Named once, it is known to later drivers. Other boards come first.
-  careful.device = "A50285BI";
-  unwrap(rig.driver.open(careful));
-  careful.device = "";
-  unwrap(rig.driver.open(careful));
-  fail_unless(nano.is_open);
+  StrangersRig rig;
   rig.sockets.plug(rig.mega);
-  unwrap(rig.driver.open(careful));
-  fail_unless(rig.mega.is_open && !nano.is_open);
+  assert_contains(rig.untouched(rig.careful()),
+                  { "Arduino Mega 2560 (serial 7573, at 1-2)", "not asked", "3D printer",
+                    "visuotactile-play --feel-test --device=1-2" });
+  unwrap(rig.driver.open(rig.careful("1-2")));
+  fail_unless(rig.mega.is_open && rig.mega.has_dtr);
+
+  // From now on it comes first, in any socket, and nobody waits for the stranger before it.
+  MemoryBoard elsewhere(device("7573", "3-1"), kMega);
   rig.driver.close();
   rig.sockets.unplug(rig.mega);
+  rig.uno.says_nothing = true;
+  rig.sockets.plug(rig.uno);
+  rig.sockets.plug(elsewhere);
+  for (const DriverConfig &config : { rig.careful(), rig.config() }) {
+    unwrap(rig.driver.open(config));
+    fail_unless(elsewhere.is_open);
+    ck_assert_int_eq(rig.uno.opens, 0);
+  }
+  // The stranger is not asked instead of a chair that cannot be used.
+  elsewhere.refusal = Kind::busy;
+  for (const DriverConfig &config : { rig.careful(), rig.config() })
+    assert_contains(refusal_of(rig.driver.open(config)).text,
+                    { "is refused; not asked", "Arduino Uno (serial 95, at 1-3)" });
+  ck_assert_int_eq(rig.uno.opens, 0);
+}
+GST_END_TEST;
 
-  // One that does not answer is forgotten.
-  nano.says_nothing = true;
-  assert_contains(refusal_of(rig.driver.open(careful)).text, { "does not answer" });
-  expect_not_asked();
-  nano.says_nothing = false;
+/// A caller that says that there is a board has the only stranger asked, without a reset.
+GST_START_TEST(test_the_only_stranger)
+{
+  StrangersRig rig;
+  rig.sockets.plug(rig.mega);
+  rig.open();
+  fail_unless(rig.mega.is_open);
+  fail_if(rig.mega.has_dtr);
+  rig.open(); // it is known
+  fail_unless(rig.mega.has_dtr);
 
-  // A caller that requires a board has adapters asked.
-  unwrap(rig.driver.open(rig.config()));
-  fail_unless(nano.is_open);
+  // One that is silent until DTR has to be named.
+  StrangersRig leonardo;
+  leonardo.mega.needs_dtr = true;
+  leonardo.sockets.plug(leonardo.mega);
+  assert_contains(leonardo.refusal().text, { "does not answer", "device=1-2" });
+  leonardo.open(1, "1-2");
+  leonardo.open();
+
+  // Of two it is not known which one is the board.
+  StrangersRig two;
+  two.sockets.plug(two.mega);
+  two.sockets.plug(two.uno);
+  assert_contains(two.untouched(two.config()), { "Arduino Mega", "Arduino Uno", "one of these" });
+}
+GST_END_TEST;
+
+/// One that did not answer is not asked again until it is named, and no more after that.
+GST_START_TEST(test_refusals_are_remembered)
+{
+  StrangersRig rig;
+  rig.mega.says_nothing = true;
+  rig.sockets.plug(rig.mega);
+  assert_contains(rig.refusal().text, { "does not answer", "device=1-2" });
+  for (const DriverConfig &config : { rig.careful(), rig.config() })
+    assert_contains(rig.untouched(config), { "Arduino Mega 2560", "--device=1-2" });
+  // Another one is the only stranger now.
+  rig.sockets.plug(rig.uno);
+  rig.open();
+  fail_unless(rig.uno.is_open);
+  rig.sockets.locked([&] { rig.mega.says_nothing = false; });
+  rig.open(1, "7573");
+  rig.open();
+  fail_unless(rig.mega.is_open);
+
+  // Nor is a board that has answered before and does not now: it may be a printer now.
+  rig.driver.close();
+  rig.sockets.unplug(rig.uno);
+  rig.mega.says_nothing = true;
+  assert_contains(refusal_of(rig.driver.open(rig.careful())).text, { "does not answer" });
+  rig.untouched(rig.careful());
+}
+GST_END_TEST;
+
+/// Where nothing can be remembered that is said.
+GST_START_TEST(test_no_memory)
+{
+  StrangersRig rig;
+  std::filesystem::create_directory(rig.folder.file("boards"));
+  std::ofstream(rig.folder.file("boards/in the way"));
+  rig.sockets.plug(rig.mega);
+  rig.open(1, "1-2");
+  assert_contains(rig.text(EventKind::opened), { "cannot be remembered" });
+  rig.untouched(rig.careful());
 }
 GST_END_TEST;
 
@@ -272,7 +354,7 @@ GST_START_TEST(test_in_use)
   DriverRig rig;
   rig.sockets.plug(rig.mega);
   DriverConfig careful = rig.config();
-  careful.asks_strangers = false;
+  careful.asks_a_stranger = false;
   rig.mega.use = { LineUse::Kind::certain, "cat (process 7) has ttyACM0 open" };
   for (const DriverConfig &config : { rig.config(), rig.config(1, "1-2"), careful }) {
     const DriverError error = refusal_of(rig.driver.open(config));
@@ -301,13 +383,25 @@ GST_START_TEST(test_release_boards)
     ck_assert_int_eq(board->model.duty[3], 255);
   }
   rig.mega.is_left = true;
-  const std::vector<ReleasedBoard> released
-      = unwrap(release_boards([&] { return std::make_unique<MemoryBus>(rig.sockets); }, kEndless));
-  ck_assert_uint_eq(released.size(), 1);
+  MemoryBoard stranger(device("9", "1-9", "Printer"), kMega);
+  stranger.is_left = true;
+  rig.sockets.plug(stranger);
+  const auto release = [&](const char *name) {
+    return unwrap(
+        release_boards(name, [&] { return std::make_unique<MemoryBus>(rig.sockets); },
+                       { .patience = kEndless, .known_boards = rig.folder.file("boards") }));
+  };
+  std::vector<ReleasedBoard> released = release("");
+  ck_assert_uint_eq(released.size(), 2);
   fail_unless(released[0].device == rig.mega.device && !released[0].refusal);
   fail_unless(rig.mega.model.is_silent() && !rig.mega.is_open);
   ck_assert_int_eq(rig.uno.model.duty[3], 255);
-  ck_assert_int_eq(rig.uno.opens, 0);
+  ck_assert_int_eq(rig.uno.opens + stranger.opens, 0);
+  assert_contains(released[1].refusal.value().text, { "not known", "--device=1-9" });
+  released = release("1-9");
+  ck_assert_uint_eq(released.size(), 1);
+  fail_if(released[0].refusal);
+  ck_assert_int_eq(stranger.opens, 1);
 }
 GST_END_TEST;
 
@@ -442,7 +536,8 @@ GST_START_TEST(test_auto)
   const Simulator &simulated = *simulator;
   AutoDriver driver(std::make_unique<FirmataDriver>(
                         Firmware::any, [&] { return std::make_unique<MemoryBus>(rig.sockets); },
-                        FirmataDriver::Settings{ .patience = kEndless }),
+                        FirmataDriver::Settings{ .patience = kEndless,
+                                                 .known_boards = rig.folder.file("boards") }),
                     std::move(simulator));
 
   // No board is plugged in.
@@ -497,7 +592,10 @@ firmata_driver_choice_suite(void)
   tcase_add_test(tests, test_two_boards);
   tcase_add_test(tests, test_too_few_pins);
   tcase_add_test(tests, test_which_board_returns);
-  tcase_add_test(tests, test_adapters);
+  tcase_add_test(tests, test_strangers);
+  tcase_add_test(tests, test_the_only_stranger);
+  tcase_add_test(tests, test_refusals_are_remembered);
+  tcase_add_test(tests, test_no_memory);
   tcase_add_test(tests, test_in_use);
   tcase_add_test(tests, test_release_boards);
   tcase_add_test(tests, test_twin_is_not_taken);

@@ -48,6 +48,8 @@ public:
           firmware, [this] { return std::make_unique<MemoryBus>(sockets); },
           { .patience = patience, .look_again = look_again, .known_boards = folder.file("boards") })
   {
+    for (const MemoryBoard *board : { &mega, &uno, &seat })
+      known.add(board->device);
   }
 
   void open(int min_tactors = 1, const std::string &name = "")
@@ -107,6 +109,7 @@ public:
   }
 
   const TemporaryFolder folder;
+  KnownBoards known{ folder.file("boards") };
   std::stop_source stop; ///< of the next open()
   Sockets sockets;
   MemoryBoard mega{ device("7573", "1-2"), kMega };

@@ -52,9 +52,14 @@ GST_START_TEST(test_remembers)
   other.product = 0x6015;
   fail_if(again.has(other));
 
-  boards.remove(adapter("A5", "1-1"));
+  // One that is none, until it answers.
+  boards.refuse(adapter("A5", "1-1"));
+  fail_unless(contents(file) == "0403:6001 at 1-2\nnot 0403:6001 serial A5\n");
   fail_if(again.has(adapter("A5", "1-1")));
+  fail_unless(again.has_refused(adapter("A5", "2-1")) && !again.has_refused(adapter("", "1-2")));
   fail_unless(again.has(adapter("", "1-2")));
+  boards.add(adapter("A5", "1-1"));
+  fail_unless(again.has(adapter("A5", "1-1")) && !again.has_refused(adapter("A5", "1-1")));
 }
 GST_END_TEST;
 

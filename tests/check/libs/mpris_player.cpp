@@ -3,9 +3,12 @@
 // A player on a bus of its own, which tells and answers what each test wants.
 #include "follow/players/mpris_player.h"
 #include "follow/players/mpris_bus.h"
+#include "follow/players/mpris_position.h"
 #include "follow/players/mpris_state.h"
 
 #include <algorithm>
+#include <cmath>
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -123,6 +126,7 @@ public:
   std::vector<Report> reports;
   std::string status = "Playing";
   gint64 microseconds = 5'000'000;
+  std::function<GVariant *(const Stage &)> position; ///< as something else
   double rate = 1;
 
 private:
@@ -142,7 +146,7 @@ private:
     if (property == "Rate")
       return g_variant_new_double(self->rate);
     if (property == "Position")
-      return g_variant_new_int64(self->microseconds);
+      return self->position ? self->position(*self) : g_variant_new_int64(self->microseconds);
     GVariantBuilder metadata;
     g_variant_builder_init(&metadata, G_VARIANT_TYPE_VARDICT);
     g_variant_builder_add(&metadata, "{sv}", "xesam:url",
@@ -222,12 +226,14 @@ GST_END_TEST;
 /// What is no time is none, and what is of another type than it should be is left out.
 GST_START_TEST(test_nonsense)
 {
+  const MprisPosition meaning;
   for (const gint64 microseconds : { gint64{ -1 }, G_MAXINT64, G_MININT64 }) {
     g_autoptr(GVariant) position = g_variant_ref_sink(g_variant_new_int64(microseconds));
-    fail_if(MprisState::position(position).has_value());
+    fail_if(meaning.meant(MprisPosition::number(position)).has_value());
   }
   g_autoptr(GVariant) text = g_variant_ref_sink(g_variant_new_string("5"));
-  fail_if(MprisState::position(text).has_value());
+  fail_if(MprisPosition::number(text).has_value());
+  fail_if(meaning.meant(std::nullopt).has_value() || meaning.meant(NAN).has_value());
 
   MprisState state;
   state.take(text);
@@ -244,6 +250,103 @@ GST_START_TEST(test_nonsense)
       = g_variant_ref_sink(g_variant_new_parsed("{'Metadata': <{'xesam:title': <'A film'>}>}"));
   state.take(titled);
   ck_assert(state.report(1s).film == "A film");
+}
+GST_END_TEST;
+
+/// Whatever number it is.
+GST_START_TEST(test_types)
+{
+  const auto is = [](GVariant *value, double number) {
+    g_autoptr(GVariant) owned = g_variant_ref_sink(value);
+    fail_unless(MprisPosition::number(owned) == number, "%s", g_variant_get_type_string(owned));
+  };
+  is(g_variant_new_int64(5'000'000), 5e6);
+  is(g_variant_new_uint64(5'000'000), 5e6);
+  is(g_variant_new_int32(5'000'000), 5e6);
+  is(g_variant_new_uint32(5'000'000), 5e6);
+  is(g_variant_new_double(5'000'000.5), 5'000'000.5);
+  Stage stage;
+  stage.own(kName);
+  stage.position = [](const Stage &self) {
+    return g_variant_new_double(static_cast<double>(self.microseconds));
+  };
+  const auto player = open_mpris(stage.ours.get(), kName, stage.events());
+  ck_assert(stage.wait_for(has_position).position == 5s);
+  stage.tell_seek(300'000'000);
+  ck_assert(stage.wait_for([](const Report &one) { return one.sought; }).position == 300s);
+}
+GST_END_TEST;
+
+namespace {
+/// A film that plays from ten seconds on and is asked after each 155 ms. What is told, and what
+/// that means: the last of it.
+std::optional<Time>
+heard(MprisPosition &meaning, Time from, Time to, double rate,
+      const std::function<std::optional<double>(Time)> &told)
+{
+  std::optional<Time> position;
+  for (Time now = from; now <= to; now += 155ms)
+    position = meaning.take(told(10s + std::chrono::duration_cast<Time>(now * rate)), now, rate);
+  return position;
+}
+} // namespace
+
+/// The unit is that by which the position goes as fast as the film.
+GST_START_TEST(test_units)
+{
+  struct Case
+  {
+    double nanoseconds;
+    const char *unit;
+    Time renewed; ///< each so often
+  };
+  for (const Case &one : { Case{ 1e3, "microseconds", 1ms }, Case{ 1e6, "milliseconds", 1ms },
+                           Case{ 1, "nanoseconds", 1ms }, Case{ 1e3, "microseconds", 290ms },
+                           Case{ 1e6, "milliseconds", 290ms }, Case{ 1e3, "microseconds", 1s } })
+    for (const double rate : { 0.5, 1.0, 4.0 }) {
+      MprisPosition meaning;
+      const auto told = [&](Time film) -> std::optional<double> {
+        const Time known = film / one.renewed * one.renewed;
+        return static_cast<double>(known.count()) / one.nanoseconds;
+      };
+      std::optional<Time> position = heard(meaning, 0s, 10s, rate, told);
+      ck_assert_str_eq(meaning.unit(), one.unit);
+      fail_unless(position && std::chrono::abs(*position - 10s - 10s * rate) < 155ms * rate + 1s);
+      ck_assert_str_eq(meaning.fault().c_str(), "");
+      // Another film, and a leap that nobody tells, by which milliseconds become nanoseconds for once.
+      meaning.leap();
+      heard(meaning, 20s, 22s, rate, told);
+      meaning.take(told(Time(1000s)).value() * 1000, 22s + 155ms, rate);
+      position = heard(meaning, 23s, 28s, rate, told);
+      ck_assert_str_eq(meaning.unit(), one.unit);
+      ck_assert_str_eq(meaning.fault().c_str(), "");
+    }
+}
+GST_END_TEST;
+
+/// A position that is of no use is called so, after a while, and no longer when it is one.
+GST_START_TEST(test_no_usable_position)
+{
+  const std::pair<std::function<std::optional<double>(Time)>, const char *> cases[] = {
+    { [](Time) { return 0.0; }, "stays the same" },
+    { [](Time) { return 5e6; }, "stays the same" },
+    { [](Time) { return -1.0; }, "tells none" },
+    { [](Time) { return std::nullopt; }, "tells none" },
+    { [](Time film) { return static_cast<double>(film / 1s); }, "does not go as the film plays" },
+  };
+  for (const auto &[told, fault] : cases) {
+    MprisPosition meaning;
+    heard(meaning, 0s, 2900ms, 1, told);
+    ck_assert_str_eq(meaning.fault().c_str(), "");
+    heard(meaning, 3s, 8s, 1, told);
+    fail_unless(meaning.fault().find(fault) != std::string::npos, "%s, not %s",
+                meaning.fault().c_str(), fault);
+    const auto right = [](Time film) {
+      return static_cast<double>(film / 1us);
+    };
+    heard(meaning, 9s, 15s, 1, right);
+    ck_assert_str_eq(meaning.fault().c_str(), "");
+  }
 }
 GST_END_TEST;
 
@@ -331,6 +434,9 @@ mpris_player_suite(void)
   tcase_add_test(tcase, test_seek);
   tcase_add_test(tcase, test_known_player);
   tcase_add_test(tcase, test_nonsense);
+  tcase_add_test(tcase, test_types);
+  tcase_add_test(tcase, test_units);
+  tcase_add_test(tcase, test_no_usable_position);
   tcase_add_test(tcase, test_bus);
   tcase_add_test(tcase, test_two_names);
   return suite;

@@ -364,6 +364,31 @@ GST_START_TEST(test_patience)
 }
 GST_END_TEST;
 
+/// Frames may be further apart than a player that hangs is waited for, if it says that it plays.
+GST_START_TEST(test_far_frames)
+{
+  for (const bool lives : { true, false }) {
+    PositionEstimator estimator;
+    const Time last = play(estimator, kBegin, 5s, 50) - 40ms;
+    const std::uint64_t stretch = estimator.at(last)->stretch;
+    const Time position = 5s + 49 * 40ms;
+    for (Time after = 60ms; after < 567ms; after += 60ms) {
+      if (lives)
+        estimator.report({ .received = last + after, .film = "film" });
+      const auto estimate = estimator.at(last + after);
+      fail_unless(estimate.has_value() == (lives || after <= 300ms), "%lld ms",
+                  static_cast<long long>(after / 1ms));
+      if (estimate)
+        fail_unless(std::chrono::abs(estimate->position - position - after) < 5ms);
+    }
+    estimator.report(told(last + 567ms, position + 567ms));
+    fail_unless((estimator.at(last + 567ms)->stretch == stretch) == lives);
+    // And then it hangs.
+    fail_unless(!lives || !estimator.at(last + 567ms + 301ms));
+  }
+}
+GST_END_TEST;
+
 GST_START_TEST(test_new_film)
 {
   PositionEstimator estimator;
@@ -458,6 +483,7 @@ position_estimator_suite(void)
   tcase_add_test(tcase, test_rate);
   tcase_add_test(tcase, test_stall);
   tcase_add_test(tcase, test_patience);
+  tcase_add_test(tcase, test_far_frames);
   tcase_add_test(tcase, test_new_film);
   tcase_add_test(tcase, test_too_coarse);
   tcase_add_test(tcase, test_nonsense);

@@ -96,8 +96,37 @@ GST_START_TEST(test_refused)
   ASSERT_COMPLAINT(read("00:02.000 --> 00:01.000\n0\n"), "line 3", "ends before it begins");
   ASSERT_COMPLAINT(read(cue + cue), "line 6", "overlaps");
   ASSERT_COMPLAINT(read(cue + "00:02.000 --> 00:03.000\n0 0 0\n"), "line 7", "grid of 1x2");
-  ASSERT_COMPLAINT(read(cue + "00:02.000 --> 00:03.000\nHello\n"), "line 7", "'Hello'");
+  ASSERT_COMPLAINT(read(cue + "00:00.500 --> 00:00.700\n0 0\n"), "line 6",
+                   "out of order: the one before begins later, at 00:00:01.000");
+  ASSERT_COMPLAINT(read(cue + "00:01.500 --> 00:02.700\n0 0\n"), "line 6",
+                   "overlaps the one before, which ends at 00:00:02.000");
+  ASSERT_COMPLAINT(read(cue + "00:02.000 --> 00:03.000\n0 O\n"), "line 7", "'O'; a remark");
+  ASSERT_COMPLAINT(read("00:02.000 --> 00:03.000\nHello\n"), "line 4", "'Hello'");
   ASSERT_COMPLAINT(read("00:01.000 --> 00:02.000\n\n"), "line 4", "nothing");
+}
+GST_END_TEST;
+
+/// A cue of words is not felt, whatever it overlaps. It says nothing about the track's length.
+GST_START_TEST(test_remarks)
+{
+  const std::string head = "WEBVTT\n\nNOTE tactile grid=1x2\n\n";
+  const std::string cue = "00:01.000 --> 00:02.000\n0 75\n\n";
+  const std::string remark = "00:00.500 --> 00:09.000\nwhat a <i>blow</i>...\n\n";
+  for (const std::string &text : { remark + cue, cue + remark, cue + remark + remark })
+    fail_unless(read_webvtt(head + text) == *read_webvtt(head + cue), "%s", text.c_str());
+}
+GST_END_TEST;
+
+GST_START_TEST(test_meant_as_track)
+{
+  const std::string faulty = "\n00:01.000 --> 00:02.000\n0 75\n\n00:01.000 --> 00:02.000\n0 75\n";
+  fail_unless(is_meant_as_track("WEBVTT\n" + faulty));
+  fail_unless(is_meant_as_track("WEBVTT\n\nNOTE tactile grid=9x\n"));
+  fail_unless(is_meant_as_track("WEBVTT\n\nNOTE tactile\n\n00:01.000 --> 00:02.000\nHello!\n"));
+  fail_if(is_meant_as_track("WEBVTT\n\n00:01.000 --> 00:02.000\nHello!\n" + faulty));
+  fail_if(is_meant_as_track("WEBVTT\n\n00:01.000 --> 00:02.000\n1984: London\n"));
+  fail_if(is_meant_as_track("WEBVTT\n\nNOTE tactical errors\n"));
+  fail_if(is_meant_as_track(""));
 }
 GST_END_TEST;
 
@@ -112,6 +141,8 @@ webvtt_suite(void)
   tcase_add_test(tests, test_text_from_editors);
   tcase_add_test(tests, test_deleted_cue_is_silence);
   tcase_add_test(tests, test_refused);
+  tcase_add_test(tests, test_remarks);
+  tcase_add_test(tests, test_meant_as_track);
   return suite;
 }
 

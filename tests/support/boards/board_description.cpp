@@ -53,6 +53,14 @@ usb_descriptors(Transport transport, std::optional<std::uint16_t> own_vendor)
       + model.body);
 }
 
+Bytes
+usb_descriptors(const BoardDescription &description)
+{
+  return description.descriptors.empty()
+             ? usb_descriptors(description.transport, description.vendor)
+             : description.descriptors;
+}
+
 std::string
 usb_node(int bus, int address)
 {
@@ -63,9 +71,7 @@ std::string
 umockdev_entry(const BoardDescription &description, const std::string &syspath, int bus,
                int address)
 {
-  const Bytes descriptors = description.descriptors.empty()
-                                ? usb_descriptors(description.transport, description.vendor)
-                                : description.descriptors;
+  const Bytes descriptors = usb_descriptors(description);
   return "P: " + syspath + "\n"
          + format("E: DEVNAME=%s\nE: SUBSYSTEM=usb\nE: DEVTYPE=usb_device\nE: BUSNUM=%03d\nE: "
                   "DEVNUM=%03d\n",

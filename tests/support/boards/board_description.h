@@ -27,8 +27,9 @@ struct BoardDescription
   std::string manufacturer = "Arduino (www.arduino.cc)";
   std::string product = "Mega 2560";
   std::optional<std::uint16_t> vendor{};
-  Bytes descriptors{}; ///< instead of the transport's
-  double baud = 0;     ///< of the emulated wire from host to board; with 0 it takes no time
+  bool is_known = true; ///< it has been a tactor board before
+  Bytes descriptors{};  ///< instead of the transport's
+  double baud = 0;      ///< of the emulated wire from host to board; with 0 it takes no time
   /// Size of the USB chip's transmit buffer in bytes (128 in the ATmega16U2 of a Mega). With 0, a
   /// transfer completes when its last byte has left. When the kernel's driver sets the baud rate,
   /// the buffer is lost.
@@ -40,6 +41,7 @@ struct BoardDescription
 };
 
 Bytes usb_descriptors(Transport transport, std::optional<std::uint16_t> vendor = {});
+Bytes usb_descriptors(const BoardDescription &description);
 
 /// A device below `syspath` with the node `/dev/bus/usb/BUS/ADDRESS`, in the format of
 /// umockdev_testbed_add_from_string().

@@ -33,6 +33,21 @@ EmulatedBoard::~EmulatedBoard()
   nodes_.clear(); // their threads use the board
 }
 
+/// As it is listed, as far as it is recognized by that.
+tactor::SerialDevice
+EmulatedBoard::serial_device() const
+{
+  const Bytes descriptors = usb_descriptors(description_);
+  const auto word = [&](std::size_t at) {
+    return static_cast<std::uint16_t>(
+        at + 1 < descriptors.size() ? descriptors[at] | descriptors[at + 1] << 8 : 0);
+  };
+  return { .serial = description_.serial,
+           .bus_path = description_.port,
+           .vendor = word(8),
+           .product = word(10) };
+}
+
 void
 EmulatedBoard::plug()
 {
@@ -46,6 +61,10 @@ EmulatedBoard::plug()
 
   plugged_ = true;
   dtr_ = false;
+  if (firmware_)
+    firmware_->reset(); // power; nobody hears its banner
+  if (description_.is_known)
+    tactor::KnownBoards(tactor::KnownBoards::default_file()).add(serial_device());
   const std::string device = umockdev_entry(description_, syspath_, bus, address);
   GError *error = nullptr;
   if (!umockdev_testbed_add_from_string(usb_.testbed(), device.c_str(), &error))

@@ -6,6 +6,7 @@
 #include "support/boards/firmware.h"
 #include "support/boards/packets.h"
 #include "support/boards/serial_chip.h"
+#include "tactor/drivers/known_boards.h"
 
 #include <cerrno>
 #include <condition_variable>
@@ -122,6 +123,7 @@ public:
   static constexpr int kAll = std::numeric_limits<int>::max();
 
 private:
+  tactor::SerialDevice serial_device() const;
   // The caller holds the lock.
   bool claim(const void *host, int interface) override;
   void release(int interface) override

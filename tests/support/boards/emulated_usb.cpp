@@ -65,6 +65,7 @@ EmulatedUsb::EmulatedUsb() : testbed_(umockdev_testbed_new())
   // Must be called while a test bed exists: the first answer is cached.
   if (!umockdev_in_mock_environment())
     throw std::runtime_error("this must be run by umockdev-wrapper");
+  setenv("XDG_STATE_HOME", path("/state").c_str(), 1);
 }
 
 EmulatedUsb::~EmulatedUsb()

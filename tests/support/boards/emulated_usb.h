@@ -18,8 +18,8 @@ namespace usb_test {
 /// except those of umockdev, which destroys clients that another thread still serves.
 void begin_emulation();
 
-/// The USB ports of an emulated machine. The process must run under umockdev-wrapper. Child
-/// processes see the same ports.
+/// The USB ports of an emulated machine, on which no tactor board is known yet. The process must
+/// run under umockdev-wrapper. Child processes see the same ports, and know the same boards.
 class EmulatedUsb
 {
 public:

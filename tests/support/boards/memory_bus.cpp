@@ -60,7 +60,7 @@ private:
         in.push_back(board_.model.replies.front());
         board_.model.replies.pop_front();
       }
-      if (board_.says_nothing)
+      if (board_.says_nothing || (board_.needs_dtr && !board_.has_dtr))
         in.clear();
       if (!board_.is_plugged) {
         is_lost_ = true;
@@ -142,7 +142,8 @@ MemoryBus::open(const tactor::SerialDevice &device, tactor::SerialPort::Events e
     if (board->is_open)
       return refused(DriverError::Kind::busy, device.name + " is in use");
     board->is_open = true;
-    if (board->resets_on_open)
+    board->has_dtr = board->has_dtr || events.raises_dtr;
+    if (board->resets_on_open && events.raises_dtr)
       board->model.restart({});
   }
   return std::make_unique<MemoryPort>(sockets_, *board, std::move(events));

@@ -30,6 +30,7 @@ struct MemoryBoard
   tactor::SerialDevice device;
   FirmataModel model;
   bool resets_on_open = true;                         ///< DTR is wired to reset
+  bool needs_dtr = false;                             ///< it is silent until DTR
   std::optional<tactor::DriverError::Kind> refusal{}; ///< of open()
   tactor::LineUse use{};                              ///< of its tty
   bool is_left = false;                               ///< a killed process left it open
@@ -41,6 +42,7 @@ struct MemoryBoard
   // State that the bus keeps
   bool is_plugged = false;
   bool is_open = false;
+  bool has_dtr = false; ///< raised by an opening
   int opens = 0;
 };
 

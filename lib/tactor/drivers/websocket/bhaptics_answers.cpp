@@ -84,6 +84,12 @@ BhapticsAnswers::ready_at() const
   return overdue_at_;
 }
 
+bool
+BhapticsAnswers::is_quick() const
+{
+  return took_.median() <= times_.quick;
+}
+
 Time
 BhapticsAnswers::duration() const
 {

@@ -33,6 +33,7 @@ public:
     /// For an answer, before the next message goes without it: twice the usual time, within these.
     Time shortest = std::chrono::milliseconds(200);
     Time longest = std::chrono::milliseconds(500);
+    Time quick = std::chrono::milliseconds(50); ///< see is_quick()
     Time slack = std::chrono::milliseconds(50); ///< that motors run on if the next one is late
     Time renewal = std::chrono::milliseconds(100);
     Time forgotten = std::chrono::seconds(1); ///< no answer is expected any more
@@ -48,6 +49,8 @@ public:
 
   /// When the next message may go, as far as answers are concerned.
   Time ready_at() const;
+  /// Whether a message beside one that is under way does not wait long, where it answers at all.
+  bool is_quick() const;
   /// How long motors run after a message without another one.
   Time duration() const;
   /// The first message since the last status.

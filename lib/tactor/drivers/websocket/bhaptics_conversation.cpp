@@ -247,17 +247,23 @@ BhapticsConversation::write_zeros(Time now)
   return write(frames, now);
 }
 
-/// A message with the wanted intensities of positions that are on or change.
+/// A message with the wanted intensities of positions that are on or change. Before its turn only
+/// motors stop.
 std::string
 BhapticsConversation::write_changes(Time now)
 {
+  const bool hurries = now < turn();
+  Intensities next = wanted_;
+  for (std::size_t i = 0; hurries && i < next.size(); i++)
+    next[i] = wanted_[i] == 0 ? 0 : sent_[i];
   std::vector<bhaptics::Frame> frames;
   for (std::size_t i = 0; i < part_.positions.size(); i++) {
-    bhaptics::Frame wanted = frame(i, wanted_);
-    if (is_on(wanted.intensities) || wanted.intensities != frame(i, sent_).intensities)
+    bhaptics::Frame wanted = frame(i, next);
+    const bool is_new = wanted.intensities != frame(i, sent_).intensities;
+    if (is_new || (!hurries && is_on(wanted.intensities)))
       frames.push_back(std::move(wanted));
   }
-  sent_ = wanted_;
+  sent_ = std::move(next);
   return write(frames, now);
 }
 
@@ -286,11 +292,20 @@ BhapticsConversation::plays_at() const
 std::optional<Time>
 BhapticsConversation::due() const
 {
-  const bool is_new = wanted_ != sent_;
-  if (state() != State::playing || greets_at_ || (!is_new && !is_on(wanted_)))
+  if (state() != State::playing || greets_at_ || (wanted_ == sent_ && !is_on(wanted_)))
     return std::nullopt;
-  return std::max(sent_at_ + (is_new ? patience_.interval : patience_.answers.renewal),
-                  answers_.ready_at());
+  for (std::size_t i = 0; answers_.is_quick() && i < wanted_.size(); i++)
+    if (wanted_[i] == 0 && sent_[i] != 0)
+      return sent_at_; // a zero, at once
+  return turn();
+}
+
+/// When any intensities may be sent, or those that are on again.
+Time
+BhapticsConversation::turn() const
+{
+  const Time interval = wanted_ != sent_ ? patience_.interval : patience_.answers.renewal;
+  return std::max(sent_at_ + interval, answers_.ready_at());
 }
 
 /// When the server has not answered for too long. One that never did plays for all we know.

@@ -40,7 +40,8 @@ struct BhapticsPatience
 ///    before is ended. The server may send a status by itself, which is no answer: hence the first
 ///    message waits for it, and play for what else comes.
 /// 2. *Playing*: the newest intensities, one message at a time (BhapticsAnswers), and again before
-///    their duration ends while a motor is on. The duration is the watchdog. A server that has
+///    their duration ends while a motor is on. A zero waits for an answer only where the server is
+///    slow, at which it would wait all the same. The duration is the watchdog. A server that has
 ///    answered before and does not for long is left.
 class BhapticsConversation : public Conversation
 {
@@ -68,6 +69,7 @@ private:
   std::string write(std::span<const bhaptics::Frame> frames, Time now);
   std::optional<Time> plays_at() const;
   std::optional<Time> due() const;
+  Time turn() const;
   std::optional<Time> silent_at() const;
   bhaptics::Frame frame(std::size_t position, const Intensities &intensities) const;
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <sstream>
 #include <utility>
 
@@ -262,10 +263,11 @@ void
 ButtplugConversation::stop_all(Time now)
 {
   for (Taken &taken : taken_) {
-    taken.unanswered = { new_id() };
-    taken.sent_at = now;
+    const Id id = new_id();
+    taken.unanswered.clear();
+    sends(taken, { id }, now);
     std::ranges::fill(taken.sent, 0);
-    outbox_.push_back(buttplug::write_stop(taken.unanswered.front(), taken.device.index, version_));
+    outbox_.push_back(buttplug::write_stop(id, taken.device.index, version_));
   }
 }
 
@@ -341,33 +343,57 @@ ButtplugConversation::next(Time now)
   return std::nullopt;
 }
 
-/// The vibrators of a device that change, in one message.
+/// The vibrators of a device that change, in one message. Before its turn only those that stop.
 std::optional<std::string>
 ButtplugConversation::next_command(Taken &taken, Time now)
 {
   const std::optional<Time> time = due(taken);
   if (!time || now < *time)
     return std::nullopt;
+  const std::optional<Time> its_turn = turn(taken);
+  const bool hurries = !its_turn || now < *its_turn;
+  if (!hurries && std::exchange(taken.has_hurried, false))
+    std::ranges::replace(taken.sent, 0, kUnknown);
   std::vector<buttplug::Value> values;
   for (std::size_t i = 0; i < taken.wanted.size(); i++)
-    if (taken.wanted[i] != taken.sent[i])
+    if (taken.wanted[i] != taken.sent[i] && (!hurries || taken.wanted[i] == 0)) {
       values.push_back({ taken.device.vibrators[i], taken.wanted[i] });
-  taken.sent = taken.wanted;
-  taken.sent_at = now;
-  const Id count = buttplug::count_commands(values.size(), version_);
-  const Id first = new_id(count);
-  for (Id i = 0; i < count; i++)
-    taken.unanswered.push_back(first + i);
+      taken.sent[i] = taken.wanted[i];
+    }
+  taken.has_hurried = hurries;
+  std::vector<Id> ids(buttplug::count_commands(values.size(), version_));
+  const Id first = new_id(static_cast<Id>(ids.size()));
+  std::iota(ids.begin(), ids.end(), first);
+  sends(taken, std::move(ids), now);
   return buttplug::write_values(first, taken.device.index, values, version_);
 }
 
-/// When a device may be sent its wanted values, if they are new.
+void
+ButtplugConversation::sends(Taken &taken, std::vector<Id> ids, Time now)
+{
+  if (taken.unanswered.empty())
+    taken.waits_since = now;
+  taken.unanswered.insert(taken.unanswered.end(), ids.begin(), ids.end());
+  taken.sent_at = now;
+}
+
+/// When a device may be sent any values: once all was answered and the gap is over.
+std::optional<Time>
+ButtplugConversation::turn(const Taken &taken) const
+{
+  if (!taken.unanswered.empty())
+    return std::nullopt;
+  return taken.sent_at + taken.device.gap.value_or(patience_.gap);
+}
+
+/// When a device is to be sent its wanted values, if they are new.
 std::optional<Time>
 ButtplugConversation::due(const Taken &taken) const
 {
-  if (taken.wanted == taken.sent || !taken.unanswered.empty())
-    return std::nullopt;
-  return taken.sent_at + taken.device.gap.value_or(patience_.gap);
+  for (std::size_t i = 0; i < taken.wanted.size(); i++)
+    if (taken.wanted[i] == 0 && taken.sent[i] != 0)
+      return taken.sent_at; // a zero, at once
+  return taken.wanted != taken.sent || taken.has_hurried ? turn(taken) : std::nullopt;
 }
 
 /// When the server has not answered for too long.
@@ -384,7 +410,7 @@ ButtplugConversation::silent_at() const
     add(ping_at_);
   for (const Taken &taken : taken_)
     if (!taken.unanswered.empty())
-      add(taken.sent_at);
+      add(taken.waits_since);
   return first;
 }
 

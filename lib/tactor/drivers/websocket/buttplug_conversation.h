@@ -27,8 +27,9 @@ struct ButtplugPatience
 /// 1. *Asking*: server and client agree on version 4, else on 3, which needs a new connection. Of
 ///    the server's devices those are taken that the user named; they are stopped.
 /// 2. *Playing*: for each device the newest values, one message at a time, not faster than its gap.
-///    How long the answers take is the latency. Pings, by which the server knows that this program
-///    lives.
+///    A zero waits for neither: it is sent at once, and again when the device's turn comes, as a
+///    server may carry out overlapping messages in another order. How long the answers take is the
+///    latency. Pings, by which the server knows that this program lives.
 /// 3. *Closing*: the devices are stopped. Others are never touched.
 class ButtplugConversation : public Conversation
 {
@@ -61,7 +62,9 @@ private:
     std::vector<int> wanted; ///< of each vibrator, in steps
     std::vector<int> sent;
     std::vector<buttplug::Id> unanswered; ///< commands under way
-    Time sent_at{ 0 };
+    Time sent_at{ 0 };                    ///< the last one
+    Time waits_since{ 0 };                ///< the first one that is under way, or the last one
+    bool has_hurried = false;             ///< a zero was sent before the device's turn
     AnswerTimes answers{};
     int errors = 0; ///< in a row
   };
@@ -86,7 +89,9 @@ private:
   void lose(const Taken &taken, const std::string &why);
   void try_older(const std::string &why);
   std::optional<std::string> next_command(Taken &taken, Time now);
+  std::optional<Time> turn(const Taken &taken) const;
   std::optional<Time> due(const Taken &taken) const;
+  void sends(Taken &taken, std::vector<buttplug::Id> ids, Time now);
   std::optional<Time> silent_at() const;
   buttplug::Id new_id(buttplug::Id count = 1);
 

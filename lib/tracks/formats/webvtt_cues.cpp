@@ -1,0 +1,152 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#include "tracks/formats/webvtt_cues.h"
+
+#include "tracks/cue_builder.h"
+#include "tracks/formats/webvtt.h"
+#include "tracks/formats/webvtt_timing.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <iterator>
+#include <utility>
+
+namespace tactile {
+
+namespace {
+
+using std::chrono::milliseconds;
+
+constexpr auto kLongestCue = static_cast<std::int32_t>(CueBuilder::kLongest / milliseconds(1));
+
+std::int32_t
+whole_ms(Time time)
+{
+  return static_cast<std::int32_t>(time / milliseconds(1));
+}
+
+/// A part of a track between two times as cues, silent or not.
+std::vector<WebvttCue>
+stretches(const Track &track, std::int32_t from, std::int32_t to)
+{
+  std::vector<WebvttCue> cues;
+  const auto &entries = track.entries();
+  Time time = milliseconds(from);
+  auto next = std::ranges::upper_bound(entries, time, {}, &Track::Entry::time);
+  while (time < milliseconds(to)) {
+    Time end = milliseconds(to);
+    if (next != entries.end())
+      end = std::min(end, next->time);
+    if (time < track.end())
+      end = std::min(end, track.end());
+    cues.push_back({ .start = whole_ms(time),
+                     .end = whole_ms(end),
+                     .levels = percents_of(track.at(time)),
+                     .notes = {} });
+    time = end;
+    if (next != entries.end() && next->time <= time)
+      ++next;
+  }
+  return cues;
+}
+
+bool
+is_silent(const WebvttCue &cue)
+{
+  return std::ranges::all_of(cue.levels, [](int level) { return level == 0; });
+}
+
+/// What is felt where there was no cue.
+void
+fill_gap(std::vector<WebvttCue> &cues, const Track &track, std::int32_t from, std::int32_t to)
+{
+  for (WebvttCue &cue : stretches(track, from, to)) {
+    if (is_silent(cue))
+      continue;
+    const std::int32_t end = cue.end;
+    for (; cue.start < end; cue.start = cue.end) {
+      cue.end = std::min(cue.start + kLongestCue, end);
+      cues.push_back(cue);
+    }
+  }
+}
+
+/// `is_last`: it ends when the track does.
+void
+change_cue(std::vector<WebvttCue> &cues, const Track &track, const WebvttCue &cue, bool is_last)
+{
+  std::vector<WebvttCue> now = stretches(track, cue.start, cue.end);
+  if (now.size() == 1 && now.front().levels == cue.levels) {
+    cues.push_back(cue);
+    return;
+  }
+  // A silent cue stays where it gives the track its length, or has a comment.
+  std::erase_if(now, [&](const WebvttCue &one) {
+    return is_silent(one) && !(is_last && one.end == cue.end);
+  });
+  if (now.empty() && !cue.notes.empty())
+    now.push_back({ .start = cue.start,
+                    .end = cue.end,
+                    .levels = percents_of(TactileMap(track.rows(), track.columns())),
+                    .notes = {} });
+  if (!now.empty())
+    now.front().notes = cue.notes;
+  std::ranges::move(now, std::back_inserter(cues));
+}
+
+} // namespace
+
+bool
+is_webvtt_note(std::string_view note)
+{
+  return note.size() <= kLongestWebvttNote && note.find(kWebvttArrow) == std::string_view::npos
+         && note.find("\n\n") == std::string_view::npos && !note.starts_with('\n')
+         && !note.ends_with('\n') && note.find_first_of(std::string_view("\r\0", 2)) == note.npos
+         && !webvtt_tactile_note(note.substr(0, note.find('\n')));
+}
+
+std::vector<std::uint8_t>
+percents_of(const TactileMap &map)
+{
+  std::vector<std::uint8_t> percents;
+  percents.reserve(map.levels.size());
+  for (const float level : map.levels)
+    percents.push_back(static_cast<std::uint8_t>(std::lround(level * kTextSteps)));
+  return percents;
+}
+
+TactileMap
+map_of(const std::vector<std::uint8_t> &percents, const Grid &grid)
+{
+  TactileMap map(grid.rows, grid.columns);
+  for (std::size_t i = 0; i < percents.size() && i < map.levels.size(); i++)
+    map.levels[i] = static_cast<float>(percents[i]) / static_cast<float>(kTextSteps);
+  return map;
+}
+
+std::vector<WebvttCue>
+cues_of(const Track &track, const std::vector<WebvttCue> &before)
+{
+  const Track rounded = at_resolution(track, kTextTick, kTextSteps);
+  const std::int32_t length = whole_ms(rounded.end());
+  std::vector<WebvttCue> cues;
+  cues.reserve(before.size());
+  std::int32_t end = 0;
+  for (WebvttCue cue : before) {
+    if (cue.start >= length)
+      break;
+    fill_gap(cues, rounded, end, cue.start);
+    end = cue.end = std::min(cue.end, length);
+    change_cue(cues, rounded, cue, end == length);
+  }
+  fill_gap(cues, rounded, end, length);
+  end = cues.empty() ? 0 : cues.back().end;
+  if (end < length)
+    cues.push_back({ .start = std::max(end, length - kLongestCue),
+                     .end = length,
+                     .levels = percents_of(TactileMap(track.rows(), track.columns())),
+                     .notes = {} });
+  return cues;
+}
+
+} // namespace tactile

@@ -1,0 +1,261 @@
+#!/usr/bin/python3
+# SPDX-License-Identifier: LGPL-2.1-or-later
+"""Copies of foreign films with a track: what goes in comes out, by ffprobe and by decoded pictures.
+
+Usage: mux_films.py [NAME ...]      (TRACK: tactile-track; without names, all films)
+"""
+import concurrent.futures
+import json
+import os
+import re
+import subprocess
+import sys
+import tempfile
+
+TRACK = os.environ["TRACK"]
+SHARED = os.path.join(os.path.dirname(os.path.abspath(__file__)), "../../../shared/data/files")
+SECONDS = 2
+PICTURE = f"-f lavfi -i testsrc2=size=160x120:rate=25:duration={SECONDS}"
+SOUND = f"-f lavfi -i sine=frequency=440:duration={SECONDS}"
+OTHER_SOUND = f"-f lavfi -i sine=frequency=880:duration={SECONDS}"
+X264 = "-c:v libx264 -preset ultrafast -bf 2 -b_strategy 0 -g 12 -pix_fmt yuv420p"
+X265 = "-c:v libx265 -preset ultrafast -pix_fmt yuv420p10le -x265-params log-level=none:keyint=12:bframes=2"
+HDR = (":hdr10=1:repeat-headers=1:colorprim=bt2020:transfer=smpte2084:colormatrix=bt2020nc:max-cll=1000,400"
+       ":master-display=G(13250,34500)B(7500,3000)R(34000,16000)WP(15635,16450)L(10000000,50)")
+WORDS = "-i words.srt -i more.srt -i chapters.txt"
+SUBTITLES = "-metadata:s:s:0 language=ger -metadata:s:s:1 language=eng"
+
+# Name, how ffmpeg makes it, and what a copy lacks: a pattern for each line, by container. None: no copy can be made.
+FILMS = {
+    "bframes.mkv": (f"{PICTURE} {SOUND} {X264} -c:a aac", {}),
+    "edit_list.mp4": (f"{PICTURE} {SOUND} {X264} -c:a aac", {}),
+    "offset.mp4": (f"{PICTURE} {SOUND} {X264} -c:a aac -output_ts_offset 1.5", {}),
+    "fragments.mp4": (f"{PICTURE} {SOUND} {X264} -c:a aac -movflags frag_keyframe+empty_moov", {}),
+    "hdr.mkv": (f"{PICTURE} {X265}{HDR}", {}),
+    "hdr.mp4": (f"{PICTURE} {X265}{HDR} -tag:v hvc1", {}),
+    "alpha.webm": (f"{PICTURE} {SOUND} -vf format=yuva420p,geq=lum=X:a=Y -c:v libvpx-vp9 -deadline realtime -cpu-used 8 -c:a libopus", {}),
+    "vp8.webm": (f"{PICTURE} {SOUND} -c:v libvpx -deadline realtime -cpu-used 8 -c:a libvorbis", {}),
+    "av1.mkv": (f"{PICTURE} -c:v libaom-av1 -cpu-used 8 -usage realtime -g 12", {}),
+    "ps.mpg": (f"{PICTURE} {SOUND} -c:v mpeg2video -bf 2 -c:a mp2", {}),
+    "mpeg2.ts": (f"{PICTURE} {SOUND} -c:v mpeg2video -bf 2 -flags +ilme+ildct -c:a ac3", {}),
+    "h264.avi": (f"{PICTURE} {SOUND} {X264} -c:a libmp3lame", {}),
+    "xvid.avi": (f"{PICTURE} {SOUND} -c:v mpeg4 -vtag xvid -bf 2 -c:a pcm_s16le", {}),
+    "mjpeg.avi": (f"{PICTURE} {SOUND} -c:v mjpeg -pix_fmt yuvj420p -c:a pcm_s16le", {}),
+    "raw.h264": (f"{PICTURE} {X264}", {}),
+    "raw.hevc": (f"{PICTURE} {X265}", {}),
+    "prores.mov": (f"{PICTURE} {SOUND} -c:v prores_ks -c:a pcm_s16be -timecode 01:00:00:00", {}),
+    "wrap.ts": (f"{PICTURE} {SOUND} {X264} -c:a aac -output_ts_offset 95441", {}),
+    "hours.ts": (f"{PICTURE} {SOUND} {X264} -c:a aac -output_ts_offset 36000", {}),
+    "hours.mkv": (f"{PICTURE} {SOUND} {X264} -c:a aac -output_ts_offset 36000", {}),
+    "blu_ray.m2ts": (f"{PICTURE} {SOUND} {X264} -c:a ac3 -mpegts_m2ts_mode 1", {}),
+    "programs.ts": (f"{PICTURE} {SOUND} {PICTURE} {X264} -c:a aac -map 0 -map 1 -map 2 -program st=0:st=1 -program st=2", {}),
+    "rotated.mov": ("ROTATE", {}),
+    "many.mkv": (f"{PICTURE} {SOUND} {OTHER_SOUND} {WORDS} {X264} -map 0 -map 1 -map 2 -map 3 -map 4 -c:a libvorbis -c:s:0 srt -c:s:1 ass"
+                 f" -metadata title=My@Film -metadata artist=Some@One -metadata:s:a:0 title=As@it@was -metadata:s:a:1 language=fre"
+                 f" {SUBTITLES} -metadata:s:s:1 title=For@all -disposition:a:0 0 -disposition:a:1 default -disposition:s:0 forced"
+                 " -attach font.ttf -metadata:s:t mimetype=application/x-truetype-font -map_chapters 5", {}),
+    "many.mp4": (f"{PICTURE} {SOUND} {OTHER_SOUND} {WORDS} {X264} -map 0 -map 1 -map 2 -map 3 -map 4 -c:a aac -c:s mov_text -metadata title=My@Film"
+                 f" {SUBTITLES} -map_chapters 5", {}),
+    "cover.mp4": (f"{PICTURE} -i cover.png {X264} -map 0 -map 1 -c:v:1 png -disposition:v:1 attached_pic", {}),
+    "flash.flv": (f"{PICTURE} {SOUND} {X264} -c:a aac -ar 44100", {}),
+    "windows.wmv": (f"{PICTURE} {SOUND} -c:v wmv2 -c:a wmav2", {}),
+    "theora.ogv": (f"{PICTURE} {SOUND} -c:v libtheora -c:a libvorbis", {}),
+    "vfr.mkv": (f"{PICTURE} {X264} -vf setpts=N*N*0.0009/TB -vsync vfr", {}),
+    "anamorphic.mkv": (f"{PICTURE} {X264} -vf setsar=16/11", {}),
+    "stereo.mkv": (f"{PICTURE} {X264} -metadata:s:v stereo_mode=left_right", {}),
+}
+
+CUES = [(0.0, 0.4, 0), (0.4, 0.8, 75), (0.8, 1.2, 0), (1.2, 1.72, 100), (1.72, 2.0, 0)]
+
+
+def run(*arguments, status=(0,)):
+    done = subprocess.run(arguments, capture_output=True, text=True, timeout=60, stdin=subprocess.DEVNULL, check=False)
+    if done.returncode not in status:
+        raise AssertionError(f"{' '.join(arguments)}: status {done.returncode}: {done.stdout[-500:]}{done.stderr[-1000:]}")
+    return done
+
+
+def ffmpeg(line):
+    run("ffmpeg", "-nostdin", "-y", "-v", "error", *[word.replace("@", " ") for word in line.split()])
+
+
+def make(folder, name, line):
+    """A film in a folder; false if it is one of shared/data/files, which is not there."""
+    path = os.path.join(folder, name)
+    if line is None:
+        path = os.path.join(SHARED, name)
+        return path if os.path.exists(path) else None
+    if line == "ROTATE":
+        ffmpeg(f"{PICTURE} {SOUND} {X264} -c:a aac upright.mov")
+        ffmpeg(f"-i upright.mov -c copy -metadata:s:v rotate=90 {path}")
+    else:
+        ffmpeg(f"{line} {path}")
+    return path
+
+
+def ffprobe(path, *what):
+    return json.loads(run("ffprobe", "-v", "error", "-of", "json", *what, "file:" + path).stdout)
+
+
+class Film:
+    """What is in a file, without its tactile track."""
+
+    def __init__(self, path):
+        whole = ffprobe(path, "-show_streams", "-show_packets", "-show_chapters", "-show_format")
+        self.start = float(whole["format"].get("start_time", 0))
+        self.tags = {key.lower(): value for key, value in whole["format"].get("tags", {}).items()}
+        self.chapters = [(float(one["start_time"]), one.get("tags", {}).get("title")) for one in whole.get("chapters", [])]
+        self.streams = {"video": [], "audio": [], "subtitle": [], "data": [], "attachment": []}
+        self.tracks = []
+        for stream in whole["streams"]:
+            stream["packets"] = [one for one in whole["packets"] if one["stream_index"] == stream["index"]]
+            if stream.get("codec_name") == "mov_text":
+                stream["packets"] = [one for one in stream["packets"] if int(one["size"]) > 2]
+            tags = stream.get("tags", {})
+            is_track = (stream["codec_type"] == "subtitle" and tags.get("language") == "zxx") or stream.get("codec_name") == "klv"
+            (self.tracks if is_track else self.streams[stream["codec_type"]]).append(stream)
+        lines = run("ffmpeg", "-nostdin", "-v", "quiet", "-copyts", "-i", "file:" + path, "-map", "0:v:0", "-vsync", "passthrough",
+                    "-enc_time_base", "1/90000", "-f", "framemd5", "-", status=(0, 1)).stdout
+        frames = [line.split(",") for line in lines.splitlines() if line and not line.startswith("#")]
+        self.frames = [(int(one[2]) / 90000, one[5].strip()) for one in frames]
+
+    def times(self, kind, index):
+        return [float(one["pts_time"]) if "pts_time" in one else None for one in self.streams[kind][index]["packets"]]
+
+
+def facts(stream):
+    """What has to be kept of a stream."""
+    tags = {key.lower(): value for key, value in stream.get("tags", {}).items()}
+    title = tags.get("title") or tags.get("handler_name", "")
+    side = {one["side_data_type"]: round(one["rotation"]) if "rotation" in one else True for one in stream.get("side_data_list", [])}
+    side.pop("CPB properties", None)
+    return {
+        "codec": stream.get("codec_name") if stream["codec_type"] != "subtitle" else "text",
+        "size": (stream.get("width"), stream.get("height")) if stream["codec_type"] == "video" else None,
+        "pixel": stream.get("sample_aspect_ratio") if stream.get("sample_aspect_ratio") not in ("1:1", "0:1") else None,
+        "colors": [stream.get(f"color_{name}") for name in ("space", "transfer", "primaries")],
+        "flags": {key for key, value in stream["disposition"].items() if value and key != "default"},
+        "language": tags.get("language") if tags.get("language") != "und" else None,
+        "title": "" if title.endswith("Handler") else title,
+        "alpha": tags.get("alpha_mode"),
+        "stereo": tags.get("stereo_mode"),
+        "side": side,
+    }
+
+
+def near(first, second, tolerance=0.0021):
+    return first is None or (second is not None and abs(first - second) <= tolerance)
+
+
+def differences(film, copy):
+    """Lines of what is other in a copy."""
+    found = []
+    shift = 0.0
+    for kind in ("audio", "video"):
+        if film.streams[kind] and copy.streams[kind]:
+            pairs = zip(film.times(kind, 0), copy.times(kind, 0))
+            shift = next((after - before for before, after in pairs if before is not None and after is not None), shift)
+    for kind, streams in film.streams.items():
+        others = copy.streams[kind]
+        if len(streams) != len(others):
+            found.append(f"{kind}: {len(others)} of {len(streams)} streams")
+            continue
+        for index, (one, other) in enumerate(zip(streams, others)):
+            name = f"{kind} {index}"
+            sizes = [sum(int(packet["size"]) for packet in stream["packets"]) for stream in (one, other)]
+            if kind == "attachment":
+                if one["extradata_size"] != other["extradata_size"] or one["tags"]["filename"] != other["tags"]["filename"]:
+                    found.append(f"{name}: another file")
+                continue
+            if one.get("codec_name", "").startswith("pcm") and len(one["packets"]) != len(other["packets"]) and sizes[0] == sizes[1]:
+                continue
+            if len(one["packets"]) != len(other["packets"]):
+                found.append(f"{name}: {len(other['packets'])} of {len(one['packets'])} packets")
+            before, after = film.times(kind, index), copy.times(kind, index)
+            off = [(a, b) for a, b in zip(before, after) if a is not None and not near(a + shift, b)]
+            if off:
+                found.append(f"{name}: {len(off)} packets have other times, {off[0]}")
+            if kind == "video" and None in before and len(set(after)) != len(after):
+                found.append(f"{name}: times are not all different")
+            had, has = facts(one), facts(other)
+            found += [f"{name}: {key} {had[key]} is {has[key]}" for key in had if had[key] != has[key] and had[key] not in (None, "", "unknown", [None, None, None])]
+    if [md5 for _, md5 in film.frames] != [md5 for _, md5 in copy.frames]:
+        found.append(f"{len(copy.frames)} pictures are others than the film's {len(film.frames)}")
+    elif None not in film.times("video", 0):
+        begin = copy.frames[0][0] - film.frames[0][0]
+        found += [f"a picture at {b[0]} instead of {a[0]}" for a, b in zip(film.frames, copy.frames) if not near(a[0] + begin, b[0])][:1]
+    if film.tags.get("title") != copy.tags.get("title"):
+        found.append(f"the title is {copy.tags.get('title')}")
+    if [(round(start + shift, 2), title) for start, title in film.chapters] != [(round(start, 2), title) for start, title in copy.chapters]:
+        found.append("other chapters")
+    if len(copy.tracks) != 1:
+        return found + [f"{len(copy.tracks)} tracks"]
+    times = [float(one.get("pts_time", -1)) for one in copy.tracks[0]["packets"]]
+    if len(times) != len(CUES) or not all(near(film.start + shift + cue[0], time) for cue, time in zip(CUES, times)):
+        found.append(f"the track's times are {times}, the film begins at {film.start + shift}")
+    if copy.tracks[0]["disposition"]["default"] or copy.tracks[0]["disposition"]["forced"]:
+        found.append("players choose the track")
+    return found
+
+
+def judge(name, path, container, expected):
+    """What is wrong with a copy."""
+    try:
+        return judged(name, path, container, expected)
+    except (AssertionError, subprocess.TimeoutExpired, KeyError) as error:
+        return [str(error)]
+
+
+def judged(name, path, container, expected):
+    out = f"{name}.{container}"
+    done = run(TRACK, "mux", path, "track.vtt", "-o", out, status=(0, 1, 3))
+    told = done.stderr.splitlines()
+    if expected is None:
+        return [] if done.returncode == 1 and len(told) == 1 and not os.path.exists(out) else [f"expected an error, got {done.returncode} {told}"]
+    if done.returncode == 1:
+        return told
+    wrong = []
+    if done.returncode != (3 if expected else 0):
+        wrong.append(f"status {done.returncode}")
+    for pattern in expected:
+        if not any(re.search(pattern, line) for line in told):
+            wrong.append(f"not told: {pattern}")
+    wrong += [f"told: {line}" for line in told if not any(re.search(pattern, line) for pattern in expected)]
+    found = differences(Film(path), Film(out))
+    # What was told may differ.
+    wrong += [line for line in found if not any(re.search(pattern, line) for pattern in expected)]
+    os.remove(out)
+    return wrong
+
+
+def main():
+    sources = {name: (line, lacks) for name, (line, lacks) in FILMS.items()}
+    with tempfile.TemporaryDirectory() as folder:
+        os.chdir(folder)
+        with open("track.vtt", "w", encoding="utf-8") as track:
+            track.write("WEBVTT\n\nNOTE tactile grid=2x2\n")
+            for begin, end, level in CUES:
+                track.write(f"\n00:00:{begin:06.3f} --> 00:00:{end:06.3f}\n{level} 0\n0 {level}\n")
+        for name in ("words", "more"):
+            with open(f"{name}.srt", "w", encoding="utf-8") as words:
+                words.write("1\n00:00:00,200 --> 00:00:00,900\nWho is there?\n\n2\n00:00:01,100 --> 00:00:01,600\nA & B < C\n")
+        with open("font.ttf", "wb") as font:
+            font.write(bytes(range(256)) * 8)
+        with open("chapters.txt", "w", encoding="utf-8") as chapters:
+            chapters.write(";FFMETADATA1\n[CHAPTER]\nTIMEBASE=1/1000\nSTART=0\nEND=1000\ntitle=To begin with\n[CHAPTER]\nTIMEBASE=1/1000\nSTART=1000\nEND=2000\ntitle=In the end\n")
+        ffmpeg("-f lavfi -i color=red:size=32x32:duration=1:rate=1 -frames:v 1 cover.png")
+        names = sys.argv[1:] or list(sources)
+        failed = False
+        with concurrent.futures.ThreadPoolExecutor(2) as pool:
+            paths = dict(zip(names, pool.map(lambda name: make(folder, name, sources[name][0]), names)))
+            jobs = [(name, container) for name in names for container in ("mkv", "mp4", "ts") if paths[name]]
+            for (name, container), wrong in zip(jobs, pool.map(lambda job: judge(job[0], paths[job[0]], job[1], sources[job[0]][1].get(job[1], [])), jobs)):
+                failed |= bool(wrong)
+                print(f"{name} -> {container}: {'; '.join(wrong) if wrong else 'the same'}")
+        left = [name for name in os.listdir(".") if name.startswith(".")]
+        assert not left, left
+    sys.exit(failed)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include "film_contents.h"
+
+#include "tracks/cue_builder.h"
+
+#include <deque>
+#include <functional>
+#include <string>
+#include <vector>
+
+enum class Container
+{
+  matroska,
+  mp4,
+  transport_stream,
+};
+
+/// A film, and a track that is added to a copy of it.
+struct FilmAndTrack
+{
+  std::string path;
+  const FilmContents &film;
+  std::vector<int> taken_out{}; ///< streams that are not copied: older tracks
+  std::deque<tactile::Cue> cues{};
+  std::string subtitles{}; ///< the name of a SubRip file with these cues
+  bool first = false;      ///< the track comes before the film's subtitles
+};
+
+/// The share of a step that is done, from 0 to 1.
+using OnProgress = std::function<void(double)>;
+
+// Each writes a file, by what the world uses for it. `at` is the time in the file, in seconds, at
+// which the track begins. They throw std::runtime_error if that fails, and Stopped.
+
+/// By mkvmerge, which keeps whatever Matroska can hold, and gives pictures without times theirs.
+void copy_by_mkvmerge(const FilmAndTrack &what, double at, const std::string &to,
+                      const OnProgress &on_progress);
+
+/// By ffmpeg. Streams that the container cannot hold, which the error names otherwise, are
+/// `left_out`. A transport stream gets no track.
+void copy_by_ffmpeg(const FilmAndTrack &what, Container container, const std::vector<int> &left_out,
+                    double at, const std::string &to, const OnProgress &on_progress);
+
+/// Where ffmpeg puts the film's 0:00, as far as that is known before.
+double zero_by_ffmpeg(const FilmContents &film, Container container);
+
+/// The streams of a film that ffmpeg cannot put into a container.
+std::vector<int> streams_not_for(Container container, const FilmAndTrack &what,
+                                 const std::string &scratch);
+
+/// Adds the track to a transport stream, whose packets stay as they are.
+void copy_transport_stream(const FilmAndTrack &what, const std::string &from, double at,
+                           const std::string &to, const OnProgress &on_progress);
