@@ -97,6 +97,7 @@ public:
     gst_element_set_state(pipeline_.get(), GST_STATE_READY);
     check_trace(bus.get());
     gst_element_set_state(pipeline_.get(), GST_STATE_NULL);
+    report_.motors_may_run = motors_may_run(chair_.get());
     report_.position = position_.load();
     report_.reached = std::max(report_.position, heard_.load());
     report_.recorded = recorded_.load();
