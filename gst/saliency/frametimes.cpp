@@ -22,6 +22,10 @@ FrameTimes::of(GstBuffer *frame, const GstVideoInfo &info, const GstSegment &seg
     time = next_;
   else if (segment.format == GST_FORMAT_TIME && segment.rate < 0)
     time = -time;
+  // A quarter of a frame: the next one, whose time stamp is swapped, too, is later.
+  if (last_ && time <= *last_ && *last_ - time <= kReorder * duration)
+    time = *last_ + std::max(duration / 4, Time(1));
+  last_ = time;
   next_ = std::min(time, Time(static_cast<gint64>(kLatest))) + duration;
   return { time, duration };
 }
@@ -30,4 +34,5 @@ void
 FrameTimes::reset()
 {
   next_ = Time(0);
+  last_.reset();
 }

@@ -5,6 +5,8 @@
 
 #include <gst/video/video.h>
 
+#include <optional>
+
 /// When frames are shown, on a time line that rises in reverse playback, too.
 class FrameTimes
 {
@@ -15,11 +17,18 @@ public:
     visuotactile::Time duration{ 0 };
   };
 
-  /// The next frame. Without a time stamp it follows the last one.
+  /// By how many frames a time stamp may step back in a stream that goes on. Frames in the order of
+  /// decoding step back by as many as are between two references, of which encoders make up to 7.
+  static constexpr int kReorder = 8;
+
+  /// The next frame. Without a time stamp it follows the last one. So does one whose time stamp
+  /// steps back a little: frames come as they are shown, and some muxers and decoders swap their
+  /// time stamps.
   Span of(GstBuffer *frame, const GstVideoInfo &info, const GstSegment &segment);
   /// The next frame follows no other.
   void reset();
 
 private:
-  visuotactile::Time next_{ 0 }; ///< for frames without a time stamp
+  visuotactile::Time next_{ 0 };             ///< for frames without a time stamp
+  std::optional<visuotactile::Time> last_{}; ///< of the last frame
 };

@@ -34,6 +34,10 @@
  * source is live or a sink reports (QoS) that frames come late. The detector is a module of its
  * own, and its data are in Debian's opencv-data; without them there is a warning.
  *
+ * Frames that a decoder marks as corrupted (#GST_BUFFER_FLAG_CORRUPTED) are not felt, and the
+ * analysis goes on with the next whole one. Time stamps that step back by up to eight frames do not
+ * interrupt it.
+ *
  * ## Example launch lines
  * |[
  * gst-launch-1.0 tactiletestsrc num-buffers=150 ! saliencytactile ! tactileoverlay ! \
@@ -271,9 +275,11 @@ gst_saliency_tactile_transform_ip(GstBaseTransform *transform, GstBuffer *buffer
   const auto [time, duration] = priv->times.of(buffer, priv->info, transform->segment);
   gst_saliency_tactile_orient(self, settings);
 
+  // What a decoder made up for lost data is not felt. The history goes on with the next whole frame.
+  const bool is_whole = !GST_BUFFER_FLAG_IS_SET(buffer, GST_BUFFER_FLAG_CORRUPTED);
   // Between two analyses the last map holds, unless the grid changed or time jumped.
   std::optional<GstClockTime> spent;
-  if (priv->analysis.is_due(settings, priv->orientation, time)) {
+  if (is_whole && priv->analysis.is_due(settings, priv->orientation, time)) {
     try {
       const GstClockTime begin = gst_util_get_timestamp();
       gst_saliency_tactile_analyze(self, settings, buffer, time, duration);
@@ -286,12 +292,14 @@ gst_saliency_tactile_transform_ip(GstBaseTransform *transform, GstBuffer *buffer
     }
   }
 
-  tactile::TactileMap felt = priv->analysis.map();
+  tactile::TactileMap felt
+      = is_whole ? priv->analysis.map() : tactile::TactileMap(settings.rows, settings.columns);
   priv->limiter.limit(felt, time, settings.cue_limits);
   gst_buffer_add_tactile_meta(buffer, static_cast<guint>(felt.rows),
                               static_cast<guint>(felt.columns), felt.levels.data(),
                               felt.levels.size());
-  gst_saliency_tactile_attach_saliency(self, settings, buffer);
+  if (is_whole)
+    gst_saliency_tactile_attach_saliency(self, settings, buffer);
 
   gst_saliency_tactile_count(self, felt.levels, spent);
   return GST_FLOW_OK;

@@ -51,6 +51,7 @@
 #include "../heldstream.h"
 #include "../latency.h"
 #include "../properties.h"
+#include "../runningtime.h"
 #include "../tactile/splitpads.h"
 #include "gst/fusion/pipeline_sound.h"
 #include "gst/fusion/sound_meta.h"
@@ -158,11 +159,10 @@ keep_map(GstSoundTactile *self, const tactile::TactileMap &map, GstClockTime beg
   if (segment.format != GST_FORMAT_TIME
       || !gst_segment_clip(&segment, GST_FORMAT_TIME, begin, end, &from, &until))
     return;
-  const auto running = [&segment](guint64 position) {
-    return fusion::Time(static_cast<fusion::Time::rep>(
-        gst_segment_to_running_time(&segment, GST_FORMAT_TIME, position)));
-  };
-  self->priv->maps->add(self, { running(from), running(until), map });
+  const std::optional<fusion::Time> first = running_time::of(segment, from);
+  const std::optional<fusion::Time> last = running_time::of(segment, until);
+  if (first && last)
+    self->priv->maps->add(self, { *first, *last, map });
 }
 
 static SoundReader::MapSink

@@ -69,6 +69,7 @@
  */
 #include "gsttactilesynth.h"
 
+#include "../gaps.h"
 #include "../latency.h"
 #include "../tactor/tactorstream.h"
 #include "synthcaps.h"
@@ -98,7 +99,13 @@ struct GstTactileSynthPrivate
   SynthOutput output;
   Time last_end{ 0 }; ///< of the last map
 
-  GstTactileSynthPrivate(GstElement *element, GstPad *srcpad) : output(element, srcpad, parts)
+  GstTactileSynthPrivate(GstElement *element, GstPad *srcpad)
+      : output(element, srcpad, parts, [this, element] {
+          GST_OBJECT_LOCK(element);
+          const bool silent = settings.is_silent();
+          GST_OBJECT_UNLOCK(element);
+          return silent;
+        })
   {
   }
 };
@@ -152,7 +159,6 @@ apply_settings(Play &play, const SynthSettings &settings)
   play.set_intensity(settings.intensity);
   play.set_limits(settings.limits, settings.rate);
   play.set_soft_start(settings.ramp_in);
-  play.set_mute(settings.mute);
 }
 
 static GstFlowReturn
@@ -257,7 +263,8 @@ gst_tactile_synth_sink_event(GstPad *pad, GstObject *parent, GstEvent *event)
     return TRUE;
   }
   case GST_EVENT_GAP:
-    play_gap(self, event);
+    if (!is_loss(event))
+      play_gap(self, event);
     gst_event_unref(event);
     return TRUE;
   case GST_EVENT_TAG: /* what is about the maps is not about the sound */

@@ -51,8 +51,9 @@ wanted_channels(const SynthSettings &settings, guint rows, guint columns)
 
 } // namespace
 
-SynthOutput::SynthOutput(GstElement *element, GstPad *pad, SynthParts &parts)
-    : element_(element), pad_(pad), parts_(parts)
+SynthOutput::SynthOutput(GstElement *element, GstPad *pad, SynthParts &parts,
+                         std::function<bool()> is_silent)
+    : element_(element), pad_(pad), parts_(parts), is_silent_(std::move(is_silent))
 {
   reset();
 }
@@ -234,6 +235,7 @@ GstFlowReturn
 SynthOutput::push_samples(std::int64_t count)
 {
   const Time begin = play_->now();
+  play_->set_mute(is_silent_());
   const gsize size = static_cast<gsize>(count) * static_cast<gsize>(info_->bpf);
   GstBuffer *buffer = gst_buffer_new_allocate(nullptr, size, nullptr);
   GstMapInfo map;

@@ -8,6 +8,7 @@
 #include <gst/audio/audio.h>
 
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <vector>
 
@@ -17,8 +18,8 @@ class SynthOutput
 {
 public:
   /// Pushes to `pad` and posts messages of `element`; both outlive this. `parts` are read before
-  /// the first negotiate().
-  SynthOutput(GstElement *element, GstPad *pad, SynthParts &parts);
+  /// the first negotiate(). `is_silent` is asked before each buffer.
+  SynthOutput(GstElement *element, GstPad *pad, SynthParts &parts, std::function<bool()> is_silent);
 
   /// Agrees on the sound with downstream, where that is due. Then there is a play().
   GstFlowReturn negotiate(const SynthSettings &settings, guint rows, guint columns);
@@ -50,6 +51,7 @@ private:
   GstElement *element_;
   GstPad *pad_;
   SynthParts &parts_;
+  const std::function<bool()> is_silent_;
   GstSegment segment_;
   std::optional<GstAudioInfo> info_;
   std::optional<synth::Play> play_; ///< while there is info_

@@ -33,6 +33,12 @@ struct SynthSettings
   tactor::MotorLimits limits;
   synth::Time ramp_in = std::chrono::milliseconds(100);
 
+  /// Whether nothing is to be felt, whatever the maps are.
+  bool is_silent() const
+  {
+    return mute || intensity <= 0;
+  }
+
   /// All properties of tactilesynth, in order.
   static std::span<const properties::Property<SynthSettings>> table();
 };

@@ -32,6 +32,7 @@
 #include "gsttactilecombiner.h"
 
 #include "../properties.h"
+#include "../runningtime.h"
 #include "fusion/fusion.h"
 #include "gst/fusion/sound_meta.h"
 #include "gst/video/writable_frame.h"
@@ -108,14 +109,13 @@ static GstStaticPadTemplate tactile_template = GST_STATIC_PAD_TEMPLATE(
 
 /* Running time of a buffer; none if it is before the segment or has no time. */
 static std::optional<gint64>
-running_time(GstAggregatorPad *pad, GstClockTime pts)
+time_of(GstAggregatorPad *pad, GstClockTime pts)
 {
   GST_OBJECT_LOCK(pad);
-  const GstClockTime time = gst_segment_to_running_time(&pad->segment, GST_FORMAT_TIME, pts);
+  const GstSegment segment = pad->segment;
   GST_OBJECT_UNLOCK(pad);
-  if (!GST_CLOCK_TIME_IS_VALID(time))
-    return std::nullopt;
-  return static_cast<gint64>(time);
+  const std::optional<fusion::Time> time = running_time::of(segment, pts);
+  return time ? std::optional<gint64>(time->count()) : std::nullopt;
 }
 
 /* The map in a buffer; silent for a GAP. FALSE if it is not a map. */
@@ -155,10 +155,18 @@ advance(GstTactileCombiner *self, GstAggregatorPad *pad, gint64 time)
       const bool covers = priv->held && priv->held->end && *priv->held->end > time;
       return covers || gst_aggregator_pad_is_eos(pad) ? GST_FLOW_OK : GST_AGGREGATOR_FLOW_NEED_DATA;
     }
-    const std::optional<gint64> running = running_time(pad, GST_BUFFER_PTS(head));
+    const std::optional<gint64> running = time_of(pad, GST_BUFFER_PTS(head));
     if (running && *running + offset > time) {
       gst_buffer_unref(head);
       return GST_FLOW_OK;
+    }
+    // Lost on the way: the map before it holds.
+    if (running && gst_buffer_get_custom_meta(head, "GstAggregatorMissingDataMeta") != nullptr) {
+      if (priv->held && priv->held->end && GST_BUFFER_DURATION_IS_VALID(head))
+        priv->held->end = *running + offset + static_cast<gint64>(GST_BUFFER_DURATION(head));
+      gst_buffer_unref(head);
+      gst_aggregator_pad_drop_buffer(pad);
+      continue;
     }
     Held next;
     const gboolean is_map = read_map(self, head, next.map);
@@ -240,7 +248,7 @@ gst_tactile_combiner_aggregate(GstAggregator *aggregator, gboolean timeout)
   GstBuffer *frame = gst_aggregator_pad_peek_buffer(self->videopad);
   if (frame == nullptr)
     return gst_aggregator_pad_is_eos(self->videopad) ? GST_FLOW_EOS : GST_AGGREGATOR_FLOW_NEED_DATA;
-  const std::optional<gint64> time = running_time(self->videopad, GST_BUFFER_PTS(frame));
+  const std::optional<gint64> time = time_of(self->videopad, GST_BUFFER_PTS(frame));
   gst_buffer_unref(frame);
 
   GstAggregatorPad *track = tactile_pad(self);

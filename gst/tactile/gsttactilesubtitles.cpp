@@ -37,6 +37,7 @@
  */
 #include "gsttactilesubtitles.h"
 
+#include "../runningtime.h"
 #include "gst/cues/cue_stream.h"
 #include "gst/cues/film_start.h"
 #include "gst/video/writable_frame.h"
@@ -71,8 +72,8 @@ constexpr GstClockTime kDefaultDuration = GST_SECOND;
 struct Cue
 {
   GstClockTime pts = 0; ///< in the track
-  GstClockTime begin = 0;
-  GstClockTime end = 0;
+  tactile::Time begin{ 0 };
+  tactile::Time end{ 0 };
   TactileMap map;
 };
 
@@ -178,8 +179,12 @@ find_running_time(GstPad *pad, GstBuffer *buffer, GstClockTime duration, Cue &cu
                         GST_BUFFER_PTS(buffer) + duration, &begin, &end))
     return false;
   cue.pts = GST_BUFFER_PTS(buffer);
-  cue.begin = gst_segment_to_running_time(&segment, GST_FORMAT_TIME, begin);
-  cue.end = gst_segment_to_running_time(&segment, GST_FORMAT_TIME, end);
+  const std::optional<tactile::Time> first = running_time::of(segment, begin);
+  const std::optional<tactile::Time> last = running_time::of(segment, end);
+  if (!first || !last)
+    return false;
+  cue.begin = *first;
+  cue.end = *last;
   if (segment.rate < 0) { // a frame at its beginning, now the last, has it; one at its end has not
     std::swap(cue.begin, cue.end);
     cue.begin++;
@@ -298,7 +303,7 @@ on_subtitle_event(GstPad *pad, GstPadProbeInfo *info, gpointer data)
 /// The cue at a time. Rounded times may overlap: the track's later cue counts, also in reverse
 /// playback.
 static const Cue *
-cue_at(const std::deque<Cue> &cues, GstClockTime time)
+cue_at(const std::deque<Cue> &cues, tactile::Time time)
 {
   const Cue *found = nullptr;
   for (const Cue &cue : cues) {
@@ -310,20 +315,19 @@ cue_at(const std::deque<Cue> &cues, GstClockTime time)
   return found;
 }
 
-/// The map at a time, NONE before all cues; times must rise. None without a track.
+/// The map at a time; times must rise. None without a track.
 static std::optional<TactileMap>
-map_at(GstTactileSubtitles *self, GstClockTime time)
+map_at(GstTactileSubtitles *self, tactile::Time time)
 {
   GstTactileSubtitlesPrivate *priv = self->priv;
   std::optional<TactileMap> map;
   GST_OBJECT_LOCK(self);
-  const bool before_all = !GST_CLOCK_TIME_IS_VALID(time);
-  while (!before_all && !priv->cues.empty() && priv->cues.front().end <= time) {
+  while (!priv->cues.empty() && priv->cues.front().end <= time) {
     priv->levels -= priv->cues.front().map.levels.size();
     priv->cues.pop_front();
   }
   if (priv->kind == Kind::track) {
-    const Cue *cue = before_all ? nullptr : cue_at(priv->cues, time);
+    const Cue *cue = cue_at(priv->cues, time);
     map = cue ? cue->map : TactileMap(priv->grid.rows, priv->grid.columns);
   }
   GST_OBJECT_UNLOCK(self);
@@ -351,23 +355,24 @@ on_film_event(GstPad *pad, GstPadProbeInfo *info, gpointer data)
   return GST_PAD_PROBE_OK;
 }
 
-/// The running time of the cues that a frame has; NONE before all of them. Subtitles beside a film
-/// count from its 0:00, and are sought to the player's position: where that is another time, the
-/// running times of both have nothing in common.
-static GstClockTime
+/// The running time of the cues that a frame has. Subtitles beside a film count from its 0:00, and
+/// are sought to the player's position: where that is another time, the running times of both have
+/// nothing in common.
+static tactile::Time
 cue_time(GstTactileSubtitles *self, const GstSegment &film, GstClockTime pts)
 {
+  constexpr tactile::Time kBeforeAll = tactile::Time::min();
   GST_OBJECT_LOCK(self);
   const auto start = static_cast<GstClockTime>(self->priv->start.stream_time().count());
   const std::string source = self->priv->film;
   GST_OBJECT_UNLOCK(self);
   if (start == 0 || source_of(self->text) == source)
-    return gst_segment_to_running_time(&film, GST_FORMAT_TIME, pts);
+    return running_time::of(film, pts).value_or(kBeforeAll);
   const GstSegment text = segment_of(self->text);
   const GstClockTime time = gst_segment_to_stream_time(&film, GST_FORMAT_TIME, pts);
-  return gst_segment_to_running_time(
-      &text, GST_FORMAT_TIME,
-      gst_segment_position_from_stream_time(&text, GST_FORMAT_TIME, std::max(time, start) - start));
+  return running_time::of(text, gst_segment_position_from_stream_time(
+                                    &text, GST_FORMAT_TIME, std::max(time, start) - start))
+      .value_or(kBeforeAll);
 }
 
 static GstPadProbeReturn
@@ -377,7 +382,7 @@ on_frame(GstPad *pad, GstPadProbeInfo *info, gpointer data)
   GstBuffer *frame = GST_PAD_PROBE_INFO_BUFFER(info);
   const GstSegment segment = segment_of(pad);
   const GstClockTime pts = GST_BUFFER_PTS(frame);
-  if (!GST_CLOCK_TIME_IS_VALID(gst_segment_to_running_time(&segment, GST_FORMAT_TIME, pts)))
+  if (!running_time::of(segment, pts))
     return GST_PAD_PROBE_OK;
   const std::optional<TactileMap> map = map_at(self, cue_time(self, segment, pts));
   if (!map)

@@ -58,7 +58,13 @@
  * ## Limits
  * #GstTactorSink:max-on-time, #GstTactorSink:max-duty and #GstTactorSink:max-active spare motors
  * and skin. A cue that a limit ended begins again when the film has let go of its tactor, or after
- * 3 s. Pauses, seeks and mute keep the account; READY clears it.
+ * 3 s. Pauses, seeks and mute keep the account, and so does the next play on the same device in this
+ * process. What is late, the device's own thread ends, by the clock of the motor.
+ *
+ * ## Streams with faults
+ * Frames without time stamps are felt when they come; a warning says so if there is no frame rate
+ * either. A GAP that stands for lost packets does not end a cue, unlike other GAPs: the last map
+ * holds, for a second at most.
  *
  * ## Example launch lines
  * |[
@@ -71,8 +77,11 @@
  * ## Statistics
  * The fields of #GstTactorSink:actuation-stats, times in ns:
  * - `issued`, `late` (by more than 5 ms), `came-late` (its map was), `thread-late` (its thread was)
- * - `coalesced`, `dropped`, `starved`
+ * - `coalesced` (replaced by newer ones), `dropped` (by a flush), `expired` (came too late to be
+ *   felt), `overtaken` (replaced before the driver's thread sent them)
+ * - `starved`: times when no map came and the motors were silenced
  * - `cut-on-time`, `cut-duty`, `cut-active`, `ramps`: cues that were limited, soft starts
+ * - `cut-driver`: levels that the driver ended, as the command that does came late
  * - `error-min`, `error-mean`, `error-p50`, `error-p99`, `error-max`: issued − due
  * - `thread-p99`, `thread-max`: delays by the thread
  * - `latency`: of the way to the motors, by which commands are issued earlier
@@ -93,6 +102,7 @@
  */
 #include "gsttactorsink.h"
 
+#include "../gaps.h"
 #include "../pooldemand.h"
 #include "queuewatch.h"
 #include "tactormessages.h"
@@ -196,7 +206,7 @@ gst_tactor_sink_wait_event(GstBaseSink *sink, GstEvent *event)
   if (ret != GST_FLOW_OK)
     return ret;
 
-  if (GST_EVENT_TYPE(event) == GST_EVENT_GAP) {
+  if (GST_EVENT_TYPE(event) == GST_EVENT_GAP && !is_loss(event)) {
     GstClockTime pts;
     GstClockTime length;
     gst_event_parse_gap(event, &pts, &length);
@@ -326,16 +336,16 @@ gst_tactor_sink_propose_allocation(GstBaseSink *sink, GstQuery *query)
 
 /* ---- life ---- */
 
-/// Hands a setting to the scheduler, and again if another thread changes it meanwhile: what the
-/// scheduler was told last is what the property is.
+/// Hands what the settings say to the scheduler, and again if another thread changes it meanwhile:
+/// what the scheduler was told last is what the properties are.
 template <class Value>
 static void
-gst_tactor_sink_apply(GstTactorSink *self, Value TactorSettings::*setting,
+gst_tactor_sink_apply(GstTactorSink *self, Value (TactorSettings::*read)() const,
                       void (TactorScheduler::*set)(Value))
 {
   for (std::optional<Value> applied;;) {
     GST_OBJECT_LOCK(self);
-    const Value value = self->priv->settings.*setting;
+    const Value value = (self->priv->settings.*read)();
     GST_OBJECT_UNLOCK(self);
     if (applied == value)
       return;
@@ -349,8 +359,8 @@ gst_tactor_sink_open(GstTactorSink *self)
 {
   GstTactorSinkPrivate *priv = self->priv;
 
-  gst_tactor_sink_apply(self, &TactorSettings::mute, &TactorScheduler::set_muted);
-  gst_tactor_sink_apply(self, &TactorSettings::ramp_in, &TactorScheduler::set_ramp_in);
+  gst_tactor_sink_apply(self, &TactorSettings::is_silent, &TactorScheduler::set_muted);
+  gst_tactor_sink_apply(self, &TactorSettings::ramp_in_time, &TactorScheduler::set_ramp_in);
   GST_OBJECT_LOCK(self);
   const TactorSettings settings = priv->settings;
   GST_OBJECT_UNLOCK(self);
@@ -409,14 +419,14 @@ gst_tactor_sink_send_event(GstElement *element, GstEvent *event)
   }
   const gboolean handled = GST_ELEMENT_CLASS(parent_class)->send_event(element, event);
   if (type == GST_EVENT_LATENCY)
-    scheduler_of(element).timing_changed();
+    priv->session.timing_changed();
   return handled;
 }
 
 static void
 gst_tactor_sink_timing_notify(GObject *object, GParamSpec *, gpointer)
 {
-  scheduler_of(object).timing_changed();
+  GST_TACTOR_SINK(object)->priv->session.timing_changed();
 }
 
 static void
@@ -443,10 +453,10 @@ gst_tactor_sink_property_changed(GObject *object, std::string_view name)
   if (name == "mapping" && !error.empty())
     GST_ELEMENT_WARNING(object, LIBRARY, SETTINGS, ("mapping stays as it was: %s.", error.c_str()),
                         (nullptr));
-  else if (name == "mute")
-    gst_tactor_sink_apply(self, &TactorSettings::mute, &TactorScheduler::set_muted);
+  else if (name == "mute" || name == "intensity")
+    gst_tactor_sink_apply(self, &TactorSettings::is_silent, &TactorScheduler::set_muted);
   else if (name == "ramp-in")
-    gst_tactor_sink_apply(self, &TactorSettings::ramp_in, &TactorScheduler::set_ramp_in);
+    gst_tactor_sink_apply(self, &TactorSettings::ramp_in_time, &TactorScheduler::set_ramp_in);
 }
 
 static void

@@ -28,6 +28,7 @@ TactorActuation::start(double full_scale_volts)
   expires_.reset();
   refresh_.reset();
   starved_.reset();
+  short_lead_.reset();
   soft_start_.arm();
 }
 
@@ -166,6 +167,12 @@ TactorActuation::take_starved()
   return std::exchange(starved_, std::nullopt);
 }
 
+std::optional<TactorActuation::ShortLead>
+TactorActuation::take_short_lead()
+{
+  return std::exchange(short_lead_, std::nullopt);
+}
+
 TactorActuation::Counters
 TactorActuation::counters() const
 {
@@ -191,7 +198,8 @@ TactorActuation::trace_failed() const
 TactorActuation::Step
 TactorActuation::starve(const Now &now)
 {
-  const std::vector<Command> stale = queue_.take_due(now.running);
+  std::optional<Command> stale; // the earliest
+  const std::size_t dropped = queue_.drop_due(now.running, stale);
   std::vector<Command> zeros;
   const std::span<const double> levels = queue_.levels();
   for (std::size_t i = 0; i < levels.size(); i++)
@@ -200,23 +208,24 @@ TactorActuation::starve(const Now &now)
           { .effect = *expires_, .lead = Time(0), .tactor = static_cast<int>(i), .volts = 0 });
   expires_.reset();
   Step step{ .running = now.running };
-  if (zeros.empty() && stale.empty())
+  if (zeros.empty() && !stale)
     return step;
-  counters_.dropped += stale.size();
+  counters_.dropped += dropped;
+  counters_.expired += dropped;
   counters_.starved += std::ranges::any_of(sent_, [](double volts) { return volts != 0; });
   starved_ = now.running;
   queue_.push(zeros);
   step.commands = queue_.take_due(now.running);
-  if (!stale.empty())
-    step.short_lead = { .lead = stale.front().lead, .late = now.running - stale.front().due() };
+  if (stale)
+    note({ .lead = stale->lead, .late = now.running - stale->due() });
   return with_volts(now, std::move(step));
 }
 
 /// Counts how late the commands of a timed step are.
 void
-TactorActuation::count(Step &step)
+TactorActuation::count(const Step &step)
 {
-  Step::ShortLead latest{};
+  ShortLead latest{};
   for (const Command &command : step.commands) {
     const Time late = step.running - command.due();
     counters_.error.add(late);
@@ -229,7 +238,14 @@ TactorActuation::count(Step &step)
       latest = { .lead = command.lead, .late = late };
   }
   if (latest.late > kLate)
-    step.short_lead = latest;
+    note(latest);
+}
+
+void
+TactorActuation::note(const ShortLead &lead)
+{
+  if (!short_lead_ || lead.late > short_lead_->late)
+    short_lead_ = lead;
 }
 
 /// Adds the volts to be written, unless the board has them.

@@ -34,6 +34,7 @@ public:
     guint64 coalesced = 0; ///< replaced by a later command for the same tactor
     /// Dropped by a flush or a stop before they were due, or because their map had expired.
     guint64 dropped = 0;
+    guint64 expired = 0;              ///< the latter: the stream or the thread got no CPU time
     guint64 starved = 0;              ///< times when no map came and the motors were silenced
     guint64 ramps = 0;                ///< soft starts
     tactor::ScheduleStatistics error; ///< |issued − due|
@@ -48,19 +49,20 @@ public:
     bool silent = false;       ///< the motors are to be at zero whatever the levels are
   };
 
+  /// A command that was issued `late` after its due time: it did not come `lead` ahead of its
+  /// frame.
+  struct ShortLead
+  {
+    tactor::Time lead{ 0 };
+    tactor::Time late{ 0 };
+  };
+
   /// Something to be done at once.
   struct Step
   {
-    struct ShortLead
-    {
-      tactor::Time lead{ 0 };
-      tactor::Time late{ 0 };
-    };
-
     tactor::Time running{ 0 };
     std::vector<tactor::Command> commands;    ///< that led to it
     std::optional<std::vector<double>> volts; ///< to be written; none: the board has them
-    std::optional<ShortLead> short_lead;      ///< of the latest command, if it was late
   };
 
   /// Forgets the last play. `full_scale_volts` is what the board makes at most.
@@ -102,13 +104,16 @@ public:
   /// Running time at which the motors were silenced for want of a map, if they were since the last
   /// call.
   std::optional<tactor::Time> take_starved();
+  /// The latest command that was late, if one was since the last call.
+  std::optional<ShortLead> take_short_lead();
   Counters counters() const;
   void flush_trace();
   bool trace_failed() const;
 
 private:
   Step starve(const Now &now);
-  void count(Step &step);
+  void count(const Step &step);
+  void note(const ShortLead &lead);
   Step with_volts(const Now &now, Step step);
   void trace(tactor::Time running, std::span<const tactor::Command> commands,
              std::span<const double> volts);
@@ -116,6 +121,7 @@ private:
   tactor::CommandQueue queue_{ 0 };
   std::optional<tactor::Time> expires_; ///< of the last map
   std::optional<tactor::Time> starved_; ///< see take_starved()
+  std::optional<ShortLead> short_lead_; ///< see take_short_lead()
 
   bool open_ = false;
   double full_scale_volts_ = 0;

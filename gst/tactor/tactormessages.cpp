@@ -143,19 +143,14 @@ tactor_stats_new(const TactorActuation::Counters &counters, const tactor::Driver
                           G_TYPE_BOOLEAN, static_cast<gboolean>(board.is_there), "watchdog",
                           G_TYPE_BOOLEAN, static_cast<gboolean>(board.has_watchdog), nullptr);
   const std::pair<const gchar *, guint64> counts[] = {
-    { "issued", counters.issued },
-    { "late", counters.late },
-    { "came-late", counters.came_late },
-    { "thread-late", counters.thread_late },
-    { "coalesced", counters.coalesced },
-    { "dropped", counters.dropped },
-    { "starved", counters.starved },
-    { "cut-on-time", limited.on_time },
-    { "cut-duty", limited.duty },
-    { "cut-active", limited.number },
-    { "ramps", counters.ramps },
-    { "reconnects", board.reconnects },
-    { "bytes", board.bytes },
+    { "issued", counters.issued },       { "late", counters.late },
+    { "came-late", counters.came_late }, { "thread-late", counters.thread_late },
+    { "coalesced", counters.coalesced }, { "dropped", counters.dropped },
+    { "expired", counters.expired },     { "overtaken", board.overtaken },
+    { "starved", counters.starved },     { "cut-on-time", limited.on_time },
+    { "cut-duty", limited.duty },        { "cut-active", limited.number },
+    { "cut-driver", board.cuts },        { "ramps", counters.ramps },
+    { "reconnects", board.reconnects },  { "bytes", board.bytes },
   };
   const std::pair<const gchar *, Time> times[] = {
     { "error-min", counters.error.min() },

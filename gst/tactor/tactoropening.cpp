@@ -124,6 +124,7 @@ open_tactors(GstElement *element, TactorOpening &opening,
                                      .min_tactors = settings.needed_tactors(),
                                      .full_scale_volts = settings.planner.volts_max,
                                      .realtime = settings.realtime,
+                                     .limits = settings.planner.limits,
                                      .stop = std::move(stop),
                                      .notify = std::move(notify) };
   TactorOutput output;
@@ -142,6 +143,7 @@ open_tactors(GstElement *element, TactorOpening &opening,
 
   opening.tactors = output.driver->tactors();
   opening.layout = output.driver->layout();
+  opening.account = output.driver->account();
   opening.planner.transport_latency = output.driver->transport_latency();
   opening.planner.line = output.driver->line();
   check_line(element, opening.planner, *output.driver);

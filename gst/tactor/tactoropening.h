@@ -21,12 +21,13 @@ struct TactorOpening
   TactorSettings settings;
   std::unique_ptr<tactor::Driver> driver; ///< not yet open; null afterwards
   tactor::PlannerSettings planner;        ///< with latency and line of the board, once it is open
-  std::vector<tactor::MotorParameters> motors; ///< of the calibration; empty without one
-  tactor::Time latency{ 0 };                   ///< longest one to a motor
-  tactor::Time live_latency{ 0 };              ///< that of a live source, whose picture waits
-  int tactors = 0;                             ///< of the board, once it is open
-  tactor::Layout layout;                       ///< of the board, once it is open
-  std::unique_ptr<tactor::OpeningTurn> turn;   ///< null after the opening
+  std::vector<tactor::MotorParameters> motors;    ///< of the calibration; empty without one
+  tactor::Time latency{ 0 };                      ///< longest one to a motor
+  tactor::Time live_latency{ 0 };                 ///< that of a live source, whose picture waits
+  int tactors = 0;                                ///< of the board, once it is open
+  tactor::Layout layout;                          ///< of the board, once it is open
+  std::shared_ptr<tactor::DeviceAccount> account; ///< of the board, once it is open; may be null
+  std::unique_ptr<tactor::OpeningTurn> turn;      ///< null after the opening
 };
 
 /// The part that does not wait: checks the settings and reads the calibration. Posts a warning if

@@ -17,16 +17,22 @@ TactorPlanning::TactorPlanning(GstElement *element) : element_(element)
 
 void
 TactorPlanning::start(const tactor::PlannerSettings &agreed, int tactors,
-                      const tactor::Layout &layout, std::vector<tactor::MotorParameters> motors)
+                      const tactor::Layout &layout, std::vector<tactor::MotorParameters> motors,
+                      std::shared_ptr<tactor::DeviceAccount> account)
 {
   agreed_ = agreed;
   tactors_ = tactors;
   layout_ = layout;
   planner_.emplace(tactors, agreed, std::move(motors));
+  account_ = std::move(account);
+  if (account_) {
+    const Time now = std::chrono::steady_clock::now().time_since_epoch();
+    planner_->resume(account_->uses(now), now);
+  }
   stream_ = {};
   checked_rows_ = checked_columns_ = 0;
   last_end_ = Time(0);
-  warned_no_meta_ = warned_grid_ = told_number_ = false;
+  warned_no_meta_ = warned_grid_ = warned_untimed_ = told_number_ = false;
 }
 
 bool
@@ -36,11 +42,17 @@ TactorPlanning::set_caps(const GstCaps *caps)
 }
 
 std::optional<TactorPlanning::Plan>
-TactorPlanning::plan_map(GstBuffer *buffer, const GstSegment &segment,
+TactorPlanning::plan_map(GstBuffer *buffer, const GstSegment &segment, std::optional<Time> now,
                          tactor::PlannerSettings settings)
 {
-  const TactorStream::Span shown
-      = stream_.shown(segment, GST_BUFFER_PTS(buffer), GST_BUFFER_DURATION(buffer), last_end_);
+  const GstClockTime pts = GST_BUFFER_PTS(buffer);
+  const GstClockTime duration = GST_BUFFER_DURATION(buffer);
+  const TactorStream::Span shown = stream_.shown(segment, pts, duration, last_end_, now);
+  if (stream_.is_untimed(segment, pts, duration) && !std::exchange(warned_untimed_, true))
+    GST_ELEMENT_WARNING(element_, STREAM, FORMAT,
+                        ("The frames have no times: they are felt when they come."),
+                        ("expected timestamps, which do-timestamp=true gives those of a live "
+                         "source, or a framerate in the caps, got neither"));
   TactorStream::Map map;
   const bool has_levels = stream_.read(buffer, map);
   if (!has_levels && stream_.is_map()) {
@@ -58,6 +70,8 @@ TactorPlanning::plan_map(GstBuffer *buffer, const GstSegment &segment,
   settings.volts_max = agreed_.volts_max;
   settings.max_lead = agreed_.max_lead;
   settings.line = agreed_.line;
+  if (account_)
+    account_->set_limits(settings.limits);
   if (has_levels)
     check_grid(map.rows, map.columns, settings);
   if (has_levels && is_pooled(settings)) {

@@ -2,11 +2,13 @@
 #pragma once
 
 #include "tactor/command_planner.h"
+#include "tactor/device_account.h"
 #include "tactor/layout.h"
 #include "tactorstream.h"
 
 #include <gst/gst.h>
 
+#include <memory>
 #include <optional>
 #include <vector>
 
@@ -26,17 +28,19 @@ public:
 
   /// Begins a play on a board of `tactors`, with Driver::layout(). `agreed` has settings that stay
   /// for the play: volts, max-lead and line. `motors` are those of the calibration, or
-  /// empty.
+  /// empty. `account` is that of the board, which goes on from earlier plays; it may be null.
   void start(const tactor::PlannerSettings &agreed, int tactors, const tactor::Layout &layout,
-             std::vector<tactor::MotorParameters> motors);
+             std::vector<tactor::MotorParameters> motors,
+             std::shared_ptr<tactor::DeviceAccount> account);
 
   /// False if the caps are of maps and their grid is invalid.
   bool set_caps(const GstCaps *caps);
 
   /// Plans a buffer with the present settings and latency, but for those agreed on. None after an
   /// error message.
+  /// `now` is as for TactorStream::shown().
   std::optional<Plan> plan_map(GstBuffer *buffer, const GstSegment &segment,
-                               tactor::PlannerSettings settings);
+                               std::optional<tactor::Time> now, tactor::PlannerSettings settings);
   /// As TactorStream::is_shown().
   bool is_shown(GstClockTime pts, GstClockTime duration, const GstSegment &segment) const;
   Plan plan_gap(GstClockTime pts, GstClockTime duration, const GstSegment &segment);
@@ -60,6 +64,7 @@ private:
   TactorStream stream_;
   std::optional<tactor::CommandPlanner> planner_; ///< from start() on
   tactor::PlannerSettings agreed_;
+  std::shared_ptr<tactor::DeviceAccount> account_;
   int tactors_ = 0;        ///< of the board
   tactor::Layout layout_;  ///< of it
   guint checked_rows_ = 0; ///< grid compared with the board
@@ -67,6 +72,7 @@ private:
   tactor::Time last_end_{ 0 }; ///< running time of the end of the last map
   bool warned_no_meta_ = false;
   bool warned_grid_ = false;
+  bool warned_untimed_ = false;
   bool told_number_ = false;
   std::vector<float> pooled_; ///< levels of the layout's tactors
 };

@@ -30,7 +30,8 @@ TactorPlay::wait_until_open()
   if (ret != GST_FLOW_OK)
     return ret;
   TactorOpening &opening = session_.opening();
-  planning_.start(opening.planner, opening.tactors, opening.layout, std::move(opening.motors));
+  planning_.start(opening.planner, opening.tactors, opening.layout, std::move(opening.motors),
+                  opening.account);
   plans_ = true;
   return GST_FLOW_OK;
 }
@@ -44,6 +45,7 @@ TactorPlay::set_caps(const GstCaps *caps)
 GstFlowReturn
 TactorPlay::play_map(GstBuffer *buffer, tactor::PlannerSettings settings)
 {
+  session_.tell_short_lead();
   if (const std::optional<Time> starved = scheduler_.take_starved())
     planning_.silenced(*starved);
   const GstSegment now = segment();
@@ -54,7 +56,7 @@ TactorPlay::play_map(GstBuffer *buffer, tactor::PlannerSettings settings)
     return GST_FLOW_OK;
   settings.transport_latency = std::min(scheduler_.transport_latency(), session_.opening().latency);
   const std::optional<TactorPlanning::Plan> plan
-      = planning_.plan_map(buffer, now, std::move(settings));
+      = planning_.plan_map(buffer, now, paced_time(), std::move(settings));
   if (!plan)
     return GST_FLOW_ERROR;
   push(*plan);
@@ -88,6 +90,7 @@ TactorPlay::drain()
   GST_BASE_SINK_PREROLL_LOCK(sink_);
   if (sink_->flushing)
     return GST_FLOW_FLUSHING;
+  session_.tell_short_lead();
   scheduler_.flush();
   return GST_FLOW_OK;
 }
@@ -137,6 +140,13 @@ TactorPlay::segment() const
   const GstSegment segment = sink_->segment;
   GST_OBJECT_UNLOCK(sink_);
   return segment;
+}
+
+/// The running time, if the clock paces the stream.
+std::optional<Time>
+TactorPlay::paced_time() const
+{
+  return gst_base_sink_get_sync(sink_) ? session_.read_timing().now() : std::nullopt;
 }
 
 /// Hands a plan to the scheduler.

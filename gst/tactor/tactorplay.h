@@ -38,6 +38,7 @@ public:
 
 private:
   GstSegment segment() const;
+  std::optional<tactor::Time> paced_time() const;
   void push(const TactorPlanning::Plan &plan);
 
   GstBaseSink *sink_;

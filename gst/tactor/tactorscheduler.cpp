@@ -135,8 +135,8 @@ void
 TactorScheduler::set_muted(bool muted)
 {
   std::unique_lock lock(mutex_);
-  muted_ = muted;
-  settle(lock);
+  if (std::exchange(muted_, muted) != muted)
+    settle(lock);
 }
 
 void
@@ -190,6 +190,13 @@ TactorScheduler::take_starved()
 {
   std::lock_guard lock(mutex_);
   return actuation_.take_starved();
+}
+
+std::optional<TactorActuation::ShortLead>
+TactorScheduler::take_short_lead()
+{
+  std::lock_guard lock(mutex_);
+  return actuation_.take_short_lead();
 }
 
 TactorScheduler::Counters
@@ -398,10 +405,6 @@ TactorScheduler::carry_out(Lock &lock, const TactorActuation::Step &step)
       actuation_.written(step);
     else
       fail(lock, step.running, written.error());
-  }
-  if (step.short_lead) {
-    const tactor::Unlocked unlocked(lock);
-    host_.lead_short(step.short_lead->lead, step.short_lead->late);
   }
 }
 

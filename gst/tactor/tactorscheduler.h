@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include "tactor/priority_mutex.h"
 #include "tactor/realtime/scheduling.h"
 #include "tactor/thread.h"
 #include "tactoractuation.h"
@@ -11,11 +12,9 @@
 
 #include <atomic>
 #include <chrono>
-#include <condition_variable>
 #include <cstdint>
 #include <functional>
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <span>
 #include <stop_token>
@@ -41,9 +40,6 @@ public:
     std::function<void(const tactor::DriverError &)> open_failed;
     /// The board failed during play.
     std::function<void(const tactor::DriverError &)> device_failed;
-    /// A command was issued `late` after its due time: upstream did not deliver it `lead` ahead of
-    /// its frame.
-    std::function<void(tactor::Time lead, tactor::Time late)> lead_short;
     /// How the thread is scheduled from now on, and the reason in one line. Also called on the
     /// thread that requests it.
     std::function<void(tactor::Scheduling, const std::string &)> scheduled{};
@@ -112,6 +108,10 @@ public:
   /// call. The planner has to know it.
   std::optional<tactor::Time> take_starved();
 
+  /// As TactorActuation::take_short_lead(). The thread itself posts no messages: it would wait for
+  /// locks of the element and the bus.
+  std::optional<TactorActuation::ShortLead> take_short_lead();
+
   /// To be called when the clock, base time, latency or ts-offset has changed.
   void timing_changed();
 
@@ -127,7 +127,7 @@ public:
   bool failed() const;
 
 private:
-  using Lock = std::unique_lock<std::mutex>;
+  using Lock = tactor::PriorityLock;
 
   // On the scheduler's thread, but for settle(), wake() and now(). Those with a lock release it
   // while they wait, use the driver or call the host.
@@ -144,9 +144,9 @@ private:
   TactorActuation::Now now() const;
 
   const Host host_;
-  mutable std::mutex mutex_; ///< guards all below but scheduling_
-  std::condition_variable wake_;
-  std::condition_variable settled_; ///< met_, live_ or failed_ changed
+  mutable tactor::PriorityMutex mutex_; ///< guards all below but scheduling_
+  tactor::PriorityCondition wake_;
+  tactor::PriorityCondition settled_; ///< met_, live_ or failed_ changed
   tactor::Thread thread_;
   std::stop_source opening_;
   GstClockID waiting_ = nullptr; ///< what the thread sleeps on; owned by it

@@ -2,6 +2,7 @@
 #include "tactorsession.h"
 
 #include "../latency.h"
+#include "../runningtime.h"
 #include "tactormessages.h"
 
 #include <algorithm>
@@ -33,14 +34,13 @@ lead_of(const TactorOpening &opening)
 TactorSession::TactorSession(GstBaseSink *sink)
     : sink_(sink), element_(GST_ELEMENT(sink)), grid_(GST_BASE_SINK_PAD(sink)),
       scheduler_({
-          .timing = [this] { return read_timing(); },
+          .timing = [this] { return glance_at_timing(); },
           .open_failed
           = [this](const tactor::DriverError &error) { tactor_post_open_error(element_, error); },
           .device_failed =
               [this](const tactor::DriverError &error) {
                 GST_ELEMENT_ERROR(element_, RESOURCE, WRITE, ("%s", error.text.c_str()), (nullptr));
               },
-          .lead_short = [this](Time lead, Time late) { tell_short_lead(lead, late); },
           .scheduled =
               [this](tactor::Scheduling scheduling, const std::string &text) {
                 GST_INFO_OBJECT(element_, "the thread that issues commands: %s (%s)",
@@ -145,10 +145,9 @@ TactorSession::is_missed(const GstSegment &segment, GstClockTime pts)
   if (!opened_ || segment.format != GST_FORMAT_TIME)
     return false;
   const Time opened = read_timing().running_time(*opened_);
-  const GstClockTime shown = gst_segment_to_running_time(&segment, GST_FORMAT_TIME, pts);
-  const auto lead = static_cast<GstClockTimeDiff>(gst_base_sink_get_render_delay(sink_));
-  if (opened > Time(0) && GST_CLOCK_TIME_IS_VALID(shown)
-      && static_cast<GstClockTimeDiff>(shown) < opened.count() + lead)
+  const std::optional<Time> shown = running_time::of(segment, pts);
+  const Time lead(static_cast<gint64>(gst_base_sink_get_render_delay(sink_)));
+  if (opened > Time(0) && shown && *shown < opened + lead)
     return true;
   opened_.reset();
   return false;
@@ -157,10 +156,41 @@ TactorSession::is_missed(const GstSegment &segment, GstClockTime pts)
 TactorTiming
 TactorSession::read_timing() const
 {
-  return { gst_element_get_clock(element_),
-           static_cast<GstClockTimeDiff>(gst_element_get_base_time(element_))
-               + static_cast<GstClockTimeDiff>(gst_base_sink_get_latency(sink_))
-               + gst_base_sink_get_ts_offset(sink_) };
+  const guint64 reading = ++readings_;
+  const GstClockTimeDiff delay = static_cast<GstClockTimeDiff>(gst_base_sink_get_latency(sink_))
+                                 + gst_base_sink_get_ts_offset(sink_);
+  TactorTiming timing(gst_element_get_clock(element_),
+                      static_cast<GstClockTimeDiff>(gst_element_get_base_time(element_)) + delay);
+  const std::lock_guard lock(timing_mutex_);
+  if (reading > reading_) { // else a later one was quicker
+    reading_ = reading;
+    delay_ = delay;
+    timing_ = timing;
+  }
+  return timing;
+}
+
+/// On the scheduler's thread. The object lock, which any thread of the application may have, is not
+/// waited for: its holder would get no CPU time on a busy machine while a motor is on. What changes
+/// latency or ts-offset reads the timing afterwards.
+TactorTiming
+TactorSession::glance_at_timing() const
+{
+  const std::lock_guard lock(timing_mutex_);
+  if (!GST_OBJECT_TRYLOCK(element_))
+    return timing_;
+  GstClock *clock = GST_ELEMENT_CLOCK(element_);
+  timing_ = TactorTiming(clock ? GST_CLOCK(gst_object_ref(clock)) : nullptr,
+                         static_cast<GstClockTimeDiff>(element_->base_time) + delay_);
+  GST_OBJECT_UNLOCK(element_);
+  return timing_;
+}
+
+void
+TactorSession::timing_changed()
+{
+  read_timing();
+  scheduler_.timing_changed();
 }
 
 const TactorGrid &
@@ -198,8 +228,12 @@ TactorSession::device_event(const tactor::DriverEvent &event)
 }
 
 void
-TactorSession::tell_short_lead(Time lead, Time late)
+TactorSession::tell_short_lead()
 {
+  const std::optional<TactorActuation::ShortLead> found = scheduler_.take_short_lead();
+  if (!found)
+    return;
+  const auto [lead, late] = *found;
   GST_DEBUG_OBJECT(element_,
                    "command with a lead of %" GST_STIME_FORMAT " is late by %" GST_STIME_FORMAT,
                    GST_STIME_ARGS(lead.count()), GST_STIME_ARGS(late.count()));

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include "tactor/priority_mutex.h"
 #include "tactorgrid.h"
 #include "tactoropening.h"
 #include "tactorscheduler.h"
@@ -9,6 +10,7 @@
 
 #include <gst/base/gstbasesink.h>
 
+#include <atomic>
 #include <optional>
 
 /// What tactorsink plays on from READY to READY: board, trace and the scheduler, opened anew for
@@ -35,17 +37,23 @@ public:
   /// thread only.
   bool is_missed(const GstSegment &segment, GstClockTime pts);
 
+  /// Posts a message, at most every 5 s, if commands were late since the last call. Streaming
+  /// thread only.
+  void tell_short_lead();
+
   TactorTiming read_timing() const;
+  /// To be called when latency or ts-offset has changed.
+  void timing_changed();
 
   const TactorGrid &grid() const;
 
   TactorScheduler &scheduler();
 
 private:
+  TactorTiming glance_at_timing() const;
   bool agree_on_lead();
   std::optional<GstClockTime> opening_time();
   void device_event(const tactor::DriverEvent &event);
-  void tell_short_lead(tactor::Time lead, tactor::Time late);
 
   GstBaseSink *sink_;
   GstElement *element_; ///< the sink
@@ -53,7 +61,14 @@ private:
   TactorOpening opening_;
   /// Clock time at which the board was open, in a live play until a frame is shown.
   std::optional<GstClockTime> opened_;
+  // As read last, by any thread.
+  mutable std::atomic<guint64> readings_{ 0 };
+  mutable tactor::PriorityMutex
+      timing_mutex_; ///< guards these three, and is held for no other lock
+  mutable guint64 reading_ = 0;
+  mutable TactorTiming timing_{ nullptr, 0 };
+  mutable GstClockTimeDiff delay_ = 0; ///< latency + ts-offset
   TactorGrid grid_;
-  std::optional<tactor::Time> last_lead_short_; ///< scheduler's thread only
+  std::optional<tactor::Time> last_lead_short_; ///< streaming thread only
   TactorScheduler scheduler_; ///< last: its thread, which uses the others, ends first
 };

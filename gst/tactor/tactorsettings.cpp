@@ -70,8 +70,9 @@ constexpr P kProperties[] = {
                      PROPERTY_FIELD(planner.volts_max), P::Range{ 0.1, 24 }),
   P::number<gdouble>("voltage-min", "Volts below which 0 is sent, as the motor would not start",
                      kPlaying, PROPERTY_FIELD(planner.volts_min), P::Range{ 0, 24 }),
-  P::number<gdouble>("intensity", "Factor on all levels, from the next map on", kControllable,
-                     PROPERTY_FIELD(planner.intensity), P::Range{ 0, 1 }),
+  P::number<gdouble>("intensity",
+                     "Factor on all levels, from the next map on; 0: all motors at zero, at once",
+                     kControllable, PROPERTY_FIELD(planner.intensity), P::Range{ 0, 1 }),
   P::flag("mute", "All motors at zero, at once", kControllable, PROPERTY_FIELD(mute)),
   P::parsed<write_mapping, read_mapping>(
       "mapping",

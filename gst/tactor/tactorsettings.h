@@ -25,6 +25,15 @@ struct TactorSettings
   tactor::Time ramp_in = std::chrono::milliseconds(100);
   std::string mapping_error; ///< why the last mapping was refused; empty: it was not
 
+  /// Whether nothing is to be felt, whatever the maps are.
+  bool is_silent() const
+  {
+    return mute || planner.intensity <= 0;
+  }
+  tactor::Time ramp_in_time() const
+  {
+    return ramp_in;
+  }
   /// Tactors that the mapping names, at least 1.
   int needed_tactors() const;
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "tactorstream.h"
 
+#include "../runningtime.h"
+
 #include <gst/tactile/tactile.h>
 
 #include <algorithm>
@@ -11,11 +13,13 @@ using tactor::Time;
 /// The coarsest resolution of timestamps in a container (Matroska).
 static constexpr GstClockTime kResolution = GST_MSECOND;
 
+/// Thirty years: sums do not overflow.
+static constexpr Time kLatest{ 1'000'000'000'000'000'000 };
+
 Time
 to_tactor_time(GstClockTime time)
 {
-  constexpr GstClockTime kLatest = 1'000'000'000'000'000'000;
-  return Time(static_cast<gint64>(std::min(time, kLatest)));
+  return Time(static_cast<gint64>(std::min(time, static_cast<GstClockTime>(kLatest.count()))));
 }
 
 bool
@@ -77,11 +81,10 @@ TactorStream::read(GstBuffer *buffer, Map &map)
 
 TactorStream::Span
 TactorStream::shown(const GstSegment &segment, GstClockTime pts, GstClockTime duration,
-                    Time last_end) const
+                    Time last_end, std::optional<Time> now) const
 {
   const double rate = segment.rate == 0 ? 1.0 : std::abs(segment.rate);
-  const Time length
-      = GST_CLOCK_TIME_IS_VALID(duration) ? to_tactor_time(duration) : frame_duration_;
+  Time length = GST_CLOCK_TIME_IS_VALID(duration) ? to_tactor_time(duration) : frame_duration_;
   GstClockTime position = segment.format == GST_FORMAT_TIME ? pts : GST_CLOCK_TIME_NONE;
   if (GST_CLOCK_TIME_IS_VALID(position)) {
     if (segment.rate < 0)
@@ -89,14 +92,21 @@ TactorStream::shown(const GstSegment &segment, GstClockTime pts, GstClockTime du
     if (GST_CLOCK_TIME_IS_VALID(segment.stop))
       position = std::min<GstClockTime>(position, segment.stop);
     position = std::max<GstClockTime>(position, segment.start);
+  } else if (length == Time(0) && !now) {
+    length = kUnknown;
   }
-  const GstClockTime running
-      = GST_CLOCK_TIME_IS_VALID(position)
-            ? gst_segment_to_running_time(&segment, GST_FORMAT_TIME, position)
-            : GST_CLOCK_TIME_NONE;
-  return { .start = GST_CLOCK_TIME_IS_VALID(running) ? to_tactor_time(running) : last_end,
+  const Time start
+      = running_time::of(segment, position).value_or(std::max(last_end, now.value_or(last_end)));
+  return { .start = std::clamp(start, -kLatest, kLatest),
            .duration = Time(
                static_cast<gint64>(std::min(static_cast<double>(length.count()) / rate, 1e15))) };
+}
+
+bool
+TactorStream::is_untimed(const GstSegment &segment, GstClockTime pts, GstClockTime duration) const
+{
+  const bool has_time = segment.format == GST_FORMAT_TIME && GST_CLOCK_TIME_IS_VALID(pts);
+  return !has_time && !GST_CLOCK_TIME_IS_VALID(duration) && frame_duration_ == Time(0);
 }
 
 bool

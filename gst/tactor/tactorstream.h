@@ -5,6 +5,7 @@
 
 #include <gst/gst.h>
 
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -18,6 +19,8 @@ class TactorStream
 public:
   /// How long a map holds after the end of its frame if no other follows.
   static constexpr tactor::Time kHold = std::chrono::seconds(1);
+  /// Length of a frame of which nothing is known.
+  static constexpr tactor::Time kUnknown{ 1'000'000'000 / 30 };
 
   struct Span
   {
@@ -50,9 +53,14 @@ public:
   bool read(GstBuffer *buffer, Map &map);
 
   /// Running time and duration of a buffer or gap at the segment's rate. Without a timestamp it
-  /// begins at `last_end`.
+  /// begins at `last_end`, or `now` if that is later: sinks show such frames as they come. `now` is
+  /// the running time, where the clock paces the stream; without it a frame of unknown duration is
+  /// kUnknown long.
   Span shown(const GstSegment &segment, GstClockTime pts, GstClockTime duration,
-             tactor::Time last_end) const;
+             tactor::Time last_end, std::optional<tactor::Time> now = std::nullopt) const;
+
+  /// Whether neither timestamp, duration nor frame rate tell when a buffer is shown.
+  bool is_untimed(const GstSegment &segment, GstClockTime pts, GstClockTime duration) const;
 
   /// Whether any of a buffer or gap is shown: a step moves the segment beyond frames that have
   /// come. Rests of less than the rounding of timestamps do not count.

@@ -10,6 +10,7 @@
 
 #include <memory>
 #include <optional>
+#include <utility>
 
 /// How running time and clock time relate at one moment. Not to be kept: a pause, a new clock or a
 /// new latency changes it.
@@ -20,6 +21,18 @@ public:
   /// running time: base time + latency + ts-offset.
   TactorTiming(GstClock *clock, GstClockTimeDiff offset) : clock_(clock), offset_(offset)
   {
+  }
+  TactorTiming(const TactorTiming &other)
+      : clock_(other.clock_ ? GST_CLOCK(gst_object_ref(other.clock_.get())) : nullptr),
+        offset_(other.offset_)
+  {
+  }
+  TactorTiming(TactorTiming &&) = default;
+  TactorTiming &operator=(TactorTiming other)
+  {
+    std::swap(clock_, other.clock_);
+    offset_ = other.offset_;
+    return *this;
   }
 
   tactor::Time running_time(GstClockTime clock_time) const

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "groupshift.h"
 
+#include "../runningtime.h"
+
 #include <algorithm>
 #include <utility>
 
@@ -41,8 +43,11 @@ GroupShift::open(const GstSegment &segment)
     segment_ = segment;
     any_ = changed_ = false;
     if (segment.format == GST_FORMAT_TIME && GST_CLOCK_TIME_IS_VALID(segment.stop))
-      length_ = gst_segment_to_running_time(&segment, GST_FORMAT_TIME,
-                                            segment.rate > 0 ? segment.stop : segment.start);
+      length_ = static_cast<GstClockTime>(
+          std::max(running_time::of(segment, segment.rate > 0 ? segment.stop : segment.start)
+                       .value_or(visuotactile::Time(0)),
+                   visuotactile::Time(0))
+              .count());
   }
   return this->segment();
 }

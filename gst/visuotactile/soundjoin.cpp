@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "soundjoin.h"
 
+#include "../gaps.h"
 #include "../heldstream.h"
 #include "../latency.h"
 #include "../properties.h"
+#include "../runningtime.h"
 #include "../soundmode.h"
 #include "fusion/fusion.h"
 #include "gst/fusion/pipeline_sound.h"
@@ -100,17 +102,6 @@ joined(GstSoundJoin *self)
 
 /* ---- maps ---- */
 
-/// Running time of a position, without those before the segment.
-static std::optional<Time>
-running(GstSoundJoin *self, GstClockTime position)
-{
-  const GstClockTime time
-      = gst_segment_to_running_time(&self->priv->segment, GST_FORMAT_TIME, position);
-  if (!GST_CLOCK_TIME_IS_VALID(time))
-    return std::nullopt;
-  return Time(static_cast<Time::rep>(time));
-}
-
 static GstFlowReturn
 push(GstSoundJoin *self, GstBuffer *map)
 {
@@ -127,8 +118,7 @@ push_piece(GstSoundJoin *self, const SoundMap &piece, const TactileMap &felt)
   Private *priv = self->priv;
   const bool sounds = !piece.map.levels.empty();
   const auto position = [priv](Time time) {
-    return gst_segment_position_from_running_time(&priv->segment, GST_FORMAT_TIME,
-                                                  static_cast<guint64>(time.count()));
+    return running_time::to_position(priv->segment, time);
   };
   GstBuffer *buffer = gst_tactile_map_buffer_new(felt.levels.data(), felt.levels.size());
   GST_BUFFER_PTS(buffer) = position(piece.begin);
@@ -178,8 +168,9 @@ fuse(GstSoundJoin *self, GstClockTime pts, GstClockTime duration, const TactileM
   const GstClockTime last = GST_CLOCK_TIME_IS_VALID(priv->segment.stop)
                                 ? std::min(pts + duration, priv->segment.stop)
                                 : pts + duration;
-  const std::optional<Time> begin = running(self, std::max(pts, priv->segment.start));
-  const std::optional<Time> end = running(self, last);
+  const std::optional<Time> begin
+      = running_time::of(priv->segment, std::max(pts, priv->segment.start));
+  const std::optional<Time> end = running_time::of(priv->segment, last);
   if (!begin || !end || *begin >= *end)
     return false;
   const std::vector<SoundMap> heard = sound.maps->between(*begin, *end);
@@ -220,7 +211,7 @@ pass_gap(GstSoundJoin *self, GstEvent *event)
   gst_event_parse_gap(event, &pts, &duration);
   const TactileMap silent(static_cast<int>(std::max(priv->rows, 1u)),
                           static_cast<int>(std::max(priv->columns, 1u)));
-  if (priv->rows == 0 || !fuse(self, pts, duration, silent, &flow))
+  if (priv->rows == 0 || is_loss(event) || !fuse(self, pts, duration, silent, &flow))
     return gst_pad_push_event(self->srcpad, event);
   gst_event_unref(event);
   return flow == GST_FLOW_OK;

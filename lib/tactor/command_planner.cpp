@@ -13,6 +13,9 @@ namespace tactor {
 
 static constexpr Time kDefaultFrame = Time(1'000'000'000 / 30);
 
+/// Later than any running time.
+static constexpr Time kAfterAll = std::chrono::hours(24 * 366 * 40);
+
 /// 1/6 as a float, of 3 V, must not fall below 0.5 V, where motors do not start.
 static constexpr double kRounding = 0.5e-6;
 
@@ -126,7 +129,7 @@ CommandPlanner::silenced(Time time)
       spend(tactor, tactor.end.time, tactor.end.limit);
       tactor.use.end(tactor.end.time, true);
     }
-    tactor.use.forget_from(time);
+    tactor.use.forget_from(restarts_after_.value_or(time)); // its entries are on that time line
     tactor = { .motor = MotorModel(tactor.motor.parameters()),
                .index = tactor.index,
                .due = time,
@@ -143,6 +146,16 @@ CommandPlanner::reset(Time time)
   silenced(*restarts_after_);
   for (Tactor &tactor : tactors_)
     tactor.due = Time::min();
+}
+
+void
+CommandPlanner::resume(const std::vector<MotorUse> &uses, Time now)
+{
+  restarts_after_ = kAfterAll;
+  for (std::size_t i = 0; i < std::min(tactors_.size(), uses.size()); i++) {
+    tactors_[i].use = uses[i].with_rest(MotorUse::kShortestRest);
+    tactors_[i].use.age(now - kAfterAll);
+  }
 }
 
 const LimitCounters &

@@ -72,6 +72,10 @@ public:
   /// As silenced(), and running time restarts (flush).
   void reset(Time time);
 
+  /// Before the first map: what the tactors did in earlier plays, by a clock of its own that says
+  /// `now`. Until the first command may be due no time passes.
+  void resume(const std::vector<MotorUse> &uses, Time now);
+
   /// Since construction.
   const LimitCounters &limited() const;
 

@@ -67,6 +67,17 @@ CommandQueue::take_due(Time now)
   return due;
 }
 
+std::size_t
+CommandQueue::drop_due(Time now, std::optional<Command> &earliest)
+{
+  const auto end = std::ranges::upper_bound(commands_, now, {}, &Command::due);
+  if (end != commands_.begin())
+    earliest = commands_.front();
+  const auto dropped = static_cast<std::size_t>(end - commands_.begin());
+  commands_.erase(commands_.begin(), end);
+  return dropped;
+}
+
 std::span<const double>
 CommandQueue::levels() const
 {

@@ -30,6 +30,9 @@ public:
   /// Volts of all tactors after the commands taken so far.
   std::span<const double> levels() const;
 
+  /// Drops the commands due at or before `now`. Returns their number, and the earliest, if any.
+  std::size_t drop_due(Time now, std::optional<Command> &earliest);
+
   /// Drops all commands and sets all levels to zero. Returns how many commands were dropped.
   std::size_t clear();
 

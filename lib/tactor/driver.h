@@ -2,6 +2,7 @@
 #pragma once
 
 #include "nanoseconds.h"
+#include "tactor/device_account.h"
 #include "tactor/driver_error.h"
 #include "tactor/layout.h"
 #include "tactor/line_time.h"
@@ -10,6 +11,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <span>
 #include <stop_token>
 #include <string>
@@ -44,7 +46,8 @@ struct DriverConfig
   bool asks_a_stranger = true;
   double full_scale_volts = 3.0; ///< volts at the motor when a board's output is fully on
   bool realtime = false;         ///< request real-time scheduling for threads that carry levels
-  std::stop_token stop{};        ///< cancels an open() that waits; it fails then
+  MotorLimits limits = MotorLimits::none(); ///< of account(), where there is one
+  std::stop_token stop{};                   ///< cancels an open() that waits; it fails then
   /// Called on any thread, one call at a time, from the beginning of open() to the end of close(),
   /// also from within these. May call only status().
   std::function<void(const DriverEvent &)> notify{};
@@ -61,6 +64,8 @@ struct DriverStatus
   std::vector<std::string> motors;
   std::uint64_t bytes = 0;      ///< sent since open()
   std::uint64_t reconnects = 0; ///< times it came back since open()
+  std::uint64_t cuts = 0;       ///< levels that account() cut since open()
+  std::uint64_t overtaken = 0;  ///< levels that newer ones replaced before they left, since open()
 };
 
 /// A board that drives tactors. One thread at a time, but for what any may call. close() and the
@@ -115,6 +120,13 @@ public:
   [[nodiscard]] virtual tl::expected<void, DriverError> write(std::span<const double> volts,
                                                               Time now)
       = 0;
+
+  /// On-times of the open device's motors in this process, and the limits that write() keeps. Null
+  /// where motors need none. Any thread.
+  virtual std::shared_ptr<DeviceAccount> account() const
+  {
+    return nullptr;
+  }
 
   /// Motors to zero, board released. Harmless when not open.
   virtual void close() noexcept = 0;

@@ -25,7 +25,7 @@ MotorUse::latest_end(Time begin, const MotorLimits &limits) const
 Time
 MotorUse::cue_begin(Time begin) const
 {
-  return !past_.empty() && begin - past_.back().end < kShortestRest ? past_.back().cue : begin;
+  return !past_.empty() && begin - past_.back().end < shortest_rest_ ? past_.back().cue : begin;
 }
 
 /// The latest end of a stretch from `begin` on such that no window has more than `allowed`.
@@ -90,7 +90,7 @@ MotorUse::end(Time time, bool limited)
 {
   past_.push_back({ cue_begin(*on_since_), *on_since_, time });
   on_since_.reset();
-  ready_at_ = limited ? time + kShortestRest : time;
+  ready_at_ = limited ? time + shortest_rest_ : time;
   if (past_.size() > kMostStretches) {
     past_[1].begin = past_[0].begin;
     past_.pop_front();

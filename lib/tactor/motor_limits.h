@@ -25,6 +25,11 @@ struct MotorLimits
     return max_active > 0 ? 2 * static_cast<std::size_t>(max_active) : LineTime::kAny;
   }
   bool operator==(const MotorLimits &) const = default;
+
+  static MotorLimits none()
+  {
+    return { .max_on_time = Time(0), .max_duty = 0, .max_active = 0 };
+  }
 };
 
 struct LimitCounters
@@ -37,7 +42,7 @@ struct LimitCounters
 /// The account of one motor's on-times, and how long it may be on. All times are due times of
 /// commands.
 ///
-/// A cue is felt as one: stretches with breaks below kShortestRest. The account is exact for
+/// A cue is felt as one: stretches with breaks below the shortest rest. The account is exact for
 /// kMostStretches stretches in kDutyWindow. With more, the oldest are joined, and the time between
 /// them counts as on. Not thread-safe.
 class MotorUse
@@ -60,6 +65,18 @@ public:
     Limit limit = Limit::none; ///< the one that sets it
   };
 
+  /// Breaks shorter than `shortest_rest` do not end a cue.
+  explicit MotorUse(Time shortest_rest = kShortestRest) : shortest_rest_(shortest_rest)
+  {
+  }
+  /// The same on-times; what follows is by another shortest rest.
+  MotorUse with_rest(Time shortest_rest) const
+  {
+    MotorUse use = *this;
+    use.shortest_rest_ = shortest_rest;
+    return use;
+  }
+
   /// When a stretch from `begin` on has to end, ≥ `begin`. For a motor that is on, `begin` is
   /// on_since().
   End latest_end(Time begin, const MotorLimits &limits) const;
@@ -78,7 +95,7 @@ public:
   /// Begins a stretch, not before ready_at().
   void begin(Time time);
 
-  /// Ends the stretch. `limited`: by a limit, so that a rest of kShortestRest follows.
+  /// Ends the stretch. `limited`: by a limit, so that the shortest rest follows.
   void end(Time time, bool limited);
 
   /// The motor was off from `time` on; what was entered for later did not happen.
@@ -98,6 +115,7 @@ private:
   Time cue_begin(Time begin) const;
   Time duty_end(Time begin, Time allowed) const;
 
+  Time shortest_rest_;
   std::deque<Stretch> past_; ///< in order, disjoint, of the last kDutyWindow at least
   std::optional<Time> on_since_;
   Time ready_at_ = Time::min();

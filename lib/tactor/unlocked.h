@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
-#include <mutex>
+#include "tactor/priority_mutex.h"
 
 namespace tactor {
 
@@ -9,7 +9,7 @@ namespace tactor {
 class Unlocked
 {
 public:
-  explicit Unlocked(std::unique_lock<std::mutex> &lock) : lock_(lock)
+  explicit Unlocked(PriorityLock &lock) : lock_(lock)
   {
     lock_.unlock();
   }
@@ -21,7 +21,7 @@ public:
   Unlocked &operator=(const Unlocked &) = delete;
 
 private:
-  std::unique_lock<std::mutex> &lock_;
+  PriorityLock &lock_;
 };
 
 } // namespace tactor

@@ -6,6 +6,8 @@
 #include <sched.h>
 #include <sys/types.h>
 
+#include <filesystem>
+#include <string>
 #include <thread>
 
 /// Usually SCHED_OTHER or SCHED_RR. 0 stands for the calling thread.
@@ -13,6 +15,16 @@ inline int
 policy_of(pid_t thread)
 {
   return sched_getscheduler(thread) & ~SCHED_RESET_ON_FORK;
+}
+
+/// How many threads of this process are real-time.
+inline int
+realtime_threads()
+{
+  int count = 0;
+  for (const auto &task : std::filesystem::directory_iterator("/proc/self/task"))
+    count += policy_of(std::stoi(task.path().filename())) == SCHED_RR;
+  return count;
 }
 
 /// Whether this process may make its threads real-time by itself.

@@ -78,6 +78,12 @@ AutoDriver::line() const
   return chosen_.load()->line();
 }
 
+std::shared_ptr<DeviceAccount>
+AutoDriver::account() const
+{
+  return chosen_.load()->account();
+}
+
 Time
 AutoDriver::refresh_interval() const
 {

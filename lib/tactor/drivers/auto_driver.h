@@ -26,6 +26,7 @@ public:
   Time longest_latency() const override;
   LineTime line() const override;
   Time refresh_interval() const override;
+  std::shared_ptr<DeviceAccount> account() const override;
   [[nodiscard]] tl::expected<void, DriverError> write(std::span<const double> volts,
                                                       Time now) override;
   void close() noexcept override;

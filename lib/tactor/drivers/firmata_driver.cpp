@@ -31,7 +31,6 @@ FirmataDriver::reset()
 {
   bus_changed_ = false;
   opening_ = std::stop_source();
-  levels_.clear();
   bytes_before_ = 0;
   resolution_ = 0;
   line_ = {};
@@ -75,25 +74,11 @@ FirmataDriver::refresh_interval() const
   return settings_.patience.keepalive;
 }
 
-tl::expected<void, DriverError>
-FirmataDriver::write(std::span<const double> volts, Time)
-{
-  std::lock_guard lock(mutex_);
-  levels_.assign(volts.begin(), volts.end());
-  levels_.resize(std::min(levels_.size(), static_cast<std::size_t>(tactors_)));
-  for (double &level : levels_)
-    level /= config_.full_scale_volts;
-  levels_set_ = steady_now();
-  if (board_ && board_->set_levels(levels_, levels_set_))
-    changed_.notify_all();
-  return {};
-}
-
 DriverStatus
 FirmataDriver::status() const
 {
   std::lock_guard lock(mutex_);
-  DriverStatus status = status_;
+  DriverStatus status = status_now();
   status.bytes = bytes_before_ + (board_ ? board_->bytes_sent() : 0);
   return status;
 }
@@ -197,6 +182,7 @@ FirmataDriver::connect_first(Lock &lock, SerialBus &bus)
       resolution_ = board_->resolution() * config_.full_scale_volts;
       line_ = board_->line();
       identity_.emplace(device, config_.device, devices);
+      use_account(identity_->is_of_its_socket() ? "USB " + device.bus_path : device.serial);
       return_refusals_.clear();
       std::erase(devices, device);
       tell(lock, DriverEvent::Kind::opened,
@@ -326,7 +312,6 @@ FirmataDriver::connect(Lock &lock, SerialBus &bus, const SerialDevice &device, b
   status_.has_watchdog = board_->has_watchdog();
   status_.pins = board_->pins();
   status_.is_there = true;
-  board_->set_levels(levels_, levels_set_);
   return port;
 }
 
@@ -337,7 +322,10 @@ FirmataDriver::converse(Lock &lock, SerialPort &port, bool (FirmataDriver::*is_d
   while (!lost_ && !(this->*is_done)()) {
     if (realtime_)
       realtime_->turn();
-    const std::vector<std::uint8_t> bytes = board_->next(steady_now());
+    const Time now = steady_now();
+    if (board_->state() == FirmataBoard::State::running && has_new_levels(now))
+      board_->set_levels(levels(now), written_at_);
+    const std::vector<std::uint8_t> bytes = board_->next(now);
     if (board_->state() == FirmataBoard::State::failed) {
       lost_ = board_->failure();
     } else if (!bytes.empty()) {
@@ -350,10 +338,10 @@ FirmataDriver::converse(Lock &lock, SerialPort &port, bool (FirmataDriver::*is_d
         lost_ = "it does not take what it is sent";
     } else if ((this->*is_done)()) {
       return;
-    } else if (const std::optional<Time> deadline = board_->deadline()) {
-      changed_.wait_until(lock, std::chrono::steady_clock::time_point(*deadline));
     } else {
-      changed_.wait(lock);
+      const Time until
+          = std::min(board_->deadline().value_or(Time::max()), levels_end().value_or(Time::max()));
+      changed_.wait_until(lock, std::chrono::steady_clock::time_point(until));
     }
   }
 }
@@ -363,6 +351,7 @@ void
 FirmataDriver::release(Lock &lock, std::unique_ptr<SerialPort> port)
 {
   board_->close(steady_now());
+  stand();
   converse(lock, *port, &FirmataDriver::has_left);
   {
     const Unlocked unlocked(lock);

@@ -58,8 +58,6 @@ public:
   Time transport_latency() const override;
   LineTime line() const override;
   Time refresh_interval() const override;
-  [[nodiscard]] tl::expected<void, DriverError> write(std::span<const double> volts,
-                                                      Time now) override;
   DriverStatus status() const override;
 
 private:
@@ -97,9 +95,7 @@ private:
   std::optional<FirmataBoard> board_;     ///< at the other end of the port, while there is one
   SerialDevice device_;                   ///< the last one that was taken
   std::optional<BoardIdentity> identity_; ///< of that
-  std::vector<double> levels_;            ///< 0…1, as written last
-  Time levels_set_{ 0 };
-  std::uint64_t bytes_before_ = 0; ///< sent to boards before board_
+  std::uint64_t bytes_before_ = 0;        ///< sent to boards before board_
   // Of the first board; they stay after a reconnection
   double resolution_ = 0;
   LineTime line_;

@@ -91,7 +91,6 @@ GamepadDriver::~GamepadDriver()
 void
 GamepadDriver::reset()
 {
-  levels_ = {};
 }
 
 /// The grips. Triggers are named by a mapping.
@@ -119,21 +118,6 @@ Time
 GamepadDriver::refresh_interval() const
 {
   return settings_.times.refresh;
-}
-
-tl::expected<void, DriverError>
-GamepadDriver::write(std::span<const double> volts, Time)
-{
-  const std::lock_guard lock(mutex_);
-  levels_ = {};
-  const auto used = std::min(volts.size(), static_cast<std::size_t>(tactors_));
-  for (std::size_t i = 0; i < used; i++)
-    levels_[i] = std::clamp(volts[i] / config_.full_scale_volts, 0.0, 1.0);
-  if (rumble_) {
-    rumble_->set(levels_);
-    changed_.notify_all();
-  }
-  return {};
 }
 
 /* ---- the driver's thread ---- */
@@ -233,7 +217,7 @@ GamepadDriver::connect(Lock &lock, Gamepads &gamepads)
       status_.has_watchdog = false;
       status_.is_there = true;
       rumble_.emplace(shortest_interval(gamepad), settings_.times);
-      rumble_->set(levels_);
+      use_account(gamepad.name + " " + gamepad.path);
       std::erase(all, gamepad_); // not by `gamepad`, which is in it
       tell(lock, DriverEvent::Kind::opened,
            describe(gamepad_) + ": " + std::to_string(tactors) + " motors"
@@ -288,7 +272,6 @@ GamepadDriver::connect_again(Lock &lock, Gamepads &gamepads)
   status_.board = describe(found);
   status_.is_there = true;
   rumble_.emplace(shortest_interval(found), settings_.times);
-  rumble_->set(levels_);
   return port;
 }
 
@@ -301,6 +284,12 @@ GamepadDriver::play(Lock &lock, Gamepads &gamepads, GamepadPort &port)
   while (!quit_) {
     realtime.turn();
     const Time now = steady_now();
+    if (has_new_levels(now)) {
+      const std::vector<double> wanted = levels(now);
+      GamepadLevels set{};
+      std::copy_n(wanted.begin(), std::min(wanted.size(), set.size()), set.begin());
+      rumble_->set(set);
+    }
     if (const std::optional<GamepadLevels> levels = rumble_->next(now)) {
       const Unlocked unlocked(lock);
       if (!port.rumble(*levels, settings_.times.duration))
@@ -311,7 +300,8 @@ GamepadDriver::play(Lock &lock, Gamepads &gamepads, GamepadPort &port)
       if (!port.is_there())
         return;
     } else {
-      const Time until = std::min(next_update, rumble_->deadline().value_or(Time::max()));
+      const Time until = std::min({ next_update, rumble_->deadline().value_or(Time::max()),
+                                    levels_end().value_or(Time::max()) });
       changed_.wait_until(lock, std::chrono::steady_clock::time_point(until));
       continue;
     }
@@ -323,6 +313,7 @@ GamepadDriver::play(Lock &lock, Gamepads &gamepads, GamepadPort &port)
 void
 GamepadDriver::release(Lock &lock, std::unique_ptr<GamepadPort> port)
 {
+  stand();
   rumble_->set({});
   const std::optional<Time> due = rumble_->deadline();
   rumble_.reset();

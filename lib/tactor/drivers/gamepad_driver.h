@@ -43,8 +43,6 @@ public:
   double resolution() const override;
   Time transport_latency() const override;
   Time refresh_interval() const override;
-  [[nodiscard]] tl::expected<void, DriverError> write(std::span<const double> volts,
-                                                      Time now) override;
 
 private:
   // On the driver's thread. Those with a lock release it while they use gamepads.
@@ -62,7 +60,6 @@ private:
   // Guarded by the mutex
   Gamepad gamepad_;              ///< the one that was taken last
   std::optional<Rumble> rumble_; ///< while a gamepad is open
-  GamepadLevels levels_{};       ///< as written last
 };
 
 } // namespace tactor

@@ -77,7 +77,6 @@ ServerDriver::~ServerDriver()
 void
 ServerDriver::reset()
 {
-  levels_.clear();
   told_.clear();
   device_ = {};
   latency_ = Time(0);
@@ -125,18 +124,11 @@ ServerDriver::refresh_interval() const
   return settings_.refresh;
 }
 
-tl::expected<void, DriverError>
-ServerDriver::write(std::span<const double> volts, Time)
+void
+ServerDriver::levels_written()
 {
-  const std::lock_guard lock(mutex_);
-  levels_.clear();
-  const auto used = std::min(volts.size(), static_cast<std::size_t>(tactors_));
-  for (std::size_t i = 0; i < used; i++)
-    levels_.push_back(std::clamp(volts[i] / config_.full_scale_volts, 0.0, 1.0));
-  written_at_ = steady_now();
   if (socket_ != nullptr)
     socket_->wake();
-  return {};
 }
 
 /* ---- the driver's thread ---- */
@@ -202,6 +194,7 @@ ServerDriver::visit(Lock &lock, Server &server, RealtimeThread &realtime)
       turn(lock, visit);
     }
     socket_ = nullptr;
+    stand();
     {
       const Unlocked unlocked(lock);
       visit.socket.reset();
@@ -227,7 +220,7 @@ ServerDriver::turn(Lock &lock, Visit &visit)
     return;
   }
   if (visit.is_connected) {
-    talk.set_levels(levels_);
+    talk.set_levels(levels(now));
     if (talk.state() == State::failed && !visit.ending)
       visit.end(talk);
     if ((quit_ || visit.ending) && !std::exchange(visit.is_closing, true))
@@ -256,6 +249,7 @@ ServerDriver::turn(Lock &lock, Visit &visit)
   };
   by(visit.is_connected ? talk.deadline() : visit.begun + settings_.answer);
   by(silent_at());
+  by(levels_end());
   SocketEvent event;
   {
     const Unlocked unlocked(lock);
@@ -330,6 +324,7 @@ ServerDriver::take(Lock &lock, const Server &server)
   }
   tactors_ = tactors;
   device_ = device;
+  use_account(server.name + " " + device.name);
   tell(lock, DriverEvent::Kind::opened,
        device.name + ": " + std::to_string(tactors) + " motors, " + device.server);
   opened();

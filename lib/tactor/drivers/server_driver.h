@@ -45,8 +45,6 @@ public:
   Time transport_latency() const override;
   Time longest_latency() const override;
   Time refresh_interval() const override;
-  [[nodiscard]] tl::expected<void, DriverError> write(std::span<const double> volts,
-                                                      Time now) override;
 
 private:
   struct Visit;
@@ -62,17 +60,16 @@ private:
 
   void reset() override;
   void wake() override;
+  void levels_written() override;
 
   const MakeServer make_server_;
   const Settings settings_;
 
   // Guarded by the mutex
   MessageSocket *socket_ = nullptr; ///< to be woken
-  std::vector<double> levels_;      ///< as written last
-  Time written_at_{ 0 };
-  ServedDevice device_;        ///< of the open driver
-  Time latency_{ 0 };          ///< as measured last; kept while it is lost
-  std::set<std::string> told_; ///< why a server that is back is not used
+  ServedDevice device_;             ///< of the open driver
+  Time latency_{ 0 };               ///< as measured last; kept while it is lost
+  std::set<std::string> told_;      ///< why a server that is back is not used
 };
 
 } // namespace tactor

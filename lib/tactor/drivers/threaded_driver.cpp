@@ -3,6 +3,7 @@
 
 #include "tactor/unlocked.h"
 
+#include <algorithm>
 #include <utility>
 
 namespace tactor {
@@ -17,6 +18,9 @@ ThreadedDriver::open(const DriverConfig &config)
     quit_ = false;
     refusal_.reset();
     status_ = {};
+    levels_.clear();
+    account_.reset();
+    is_new_ = false;
     reset();
     runs_ = true;
   }
@@ -63,11 +67,85 @@ ThreadedDriver::close() noexcept
   tactors_ = 0;
 }
 
+tl::expected<void, DriverError>
+ThreadedDriver::write(std::span<const double> volts, Time)
+{
+  const std::lock_guard lock(mutex_);
+  std::vector<double> levels;
+  const auto used = std::min(volts.size(), static_cast<std::size_t>(tactors_));
+  for (std::size_t i = 0; i < used; i++) // NaN is 0
+    levels.push_back(volts[i] > 0 ? std::min(volts[i] / config_.full_scale_volts, 1.0) : 0.0);
+  status_.overtaken += is_new_ && status_.is_there && levels != levels_;
+  levels_ = std::move(levels);
+  written_at_ = steady_now();
+  is_new_ = true;
+  changed_.notify_all();
+  levels_written();
+  return {};
+}
+
 DriverStatus
 ThreadedDriver::status() const
 {
   const std::lock_guard lock(mutex_);
-  return status_;
+  return status_now();
+}
+
+DriverStatus
+ThreadedDriver::status_now() const
+{
+  DriverStatus status = status_;
+  status.cuts = account_ ? account_->cuts() - cuts_before_ : 0;
+  return status;
+}
+
+std::shared_ptr<DeviceAccount>
+ThreadedDriver::account() const
+{
+  const std::lock_guard lock(mutex_);
+  return account_;
+}
+
+void
+ThreadedDriver::use_account(const std::string &device)
+{
+  const std::shared_ptr<DeviceAccount> account = DeviceAccount::of(device);
+  if (account == account_)
+    return; // its limits may have changed since
+  account_ = account;
+  account_->set_limits(config_.limits);
+  cuts_before_ = account_->cuts();
+}
+
+bool
+ThreadedDriver::has_new_levels(Time now) const
+{
+  const std::optional<Time> end = levels_end();
+  return is_new_ || (end && now >= *end);
+}
+
+std::vector<double>
+ThreadedDriver::levels(Time now)
+{
+  is_new_ = false;
+  std::vector<double> levels = levels_;
+  if (account_)
+    account_->admit(levels, now);
+  return levels;
+}
+
+std::optional<Time>
+ThreadedDriver::levels_end() const
+{
+  return account_ ? account_->deadline() : std::nullopt;
+}
+
+void
+ThreadedDriver::stand()
+{
+  is_new_ = true; // for the next device
+  if (account_)
+    account_->admit({}, steady_now());
 }
 
 void

@@ -2,19 +2,22 @@
 #pragma once
 
 #include "tactor/driver.h"
+#include "tactor/priority_mutex.h"
 #include "tactor/termination.h"
 #include "tactor/thread.h"
 
 #include <chrono>
-#include <condition_variable>
+#include <cstdint>
 #include <memory>
-#include <mutex>
 #include <optional>
+#include <span>
+#include <vector>
 
 namespace tactor {
 
 /// A driver with a thread of its own, which alone has the device: it finds it, sends it the newest
-/// levels, and looks for it when it is lost. write() leaves the levels to it and never waits.
+/// levels, and looks for it when it is lost. write() leaves the levels to it and never waits. What
+/// the limits of the device's account do not allow it cuts itself, whoever is late.
 ///
 /// If a signal or exit() ends the process, the thread stops the motors first: see TerminationGuard.
 class ThreadedDriver : public Driver
@@ -22,12 +25,15 @@ class ThreadedDriver : public Driver
 public:
   [[nodiscard]] tl::expected<void, DriverError> open(const DriverConfig &config) final;
   int tactors() const final;
+  [[nodiscard]] tl::expected<void, DriverError> write(std::span<const double> volts,
+                                                      Time now) final;
   /// The destructor of each derived class calls it.
   void close() noexcept final;
   DriverStatus status() const override;
+  std::shared_ptr<DeviceAccount> account() const final;
 
 protected:
-  using Lock = std::unique_lock<std::mutex>;
+  using Lock = PriorityLock;
 
   /// On the thread, with the lock, which it releases while it waits, uses the device or tells.
   /// Calls opened() or refuse() once, and returns soon after quit_ is set, with motors at zero and
@@ -40,6 +46,24 @@ protected:
   {
   }
 
+  /// There are new_levels(): ends what run() waits for besides changed_. With the lock.
+  virtual void levels_written()
+  {
+  }
+
+  /// The thread has the device of this name, which stays when it is lost and returns. With the
+  /// lock.
+  void use_account(const std::string &device);
+  /// Whether levels() are others than at its last call, or may be.
+  bool has_new_levels(Time now) const;
+  /// What is to be at the motors: the level of each tactor, 0…1, as written last, but for those
+  /// that the limits cut. They leave now. With the lock, on the thread.
+  std::vector<double> levels(Time now);
+  /// When levels() change without a write().
+  std::optional<Time> levels_end() const;
+  /// The motors have no levels any more. With the lock.
+  void stand();
+
   void opened();                         ///< with the lock
   void refuse(const DriverError &error); ///< why open() fails; with the lock
   /// Calls DriverConfig::notify. Releases the lock meanwhile.
@@ -49,20 +73,27 @@ protected:
     return std::chrono::steady_clock::now().time_since_epoch();
   }
 
-  mutable std::mutex mutex_; ///< guards everything below, and what derived classes say
-  std::condition_variable changed_;
+  mutable PriorityMutex mutex_; ///< guards everything below, and what derived classes say
+  PriorityCondition changed_;
   DriverConfig config_;
   bool is_open_ = false;
   bool quit_ = false;
   int tactors_ = 0;
   DriverStatus status_;
+  std::vector<double> levels_; ///< as written last
+  Time written_at_{ 0 };
+
+  DriverStatus status_now() const; ///< with the lock
 
 private:
   void quit();
   void leave(std::chrono::steady_clock::time_point until);
 
-  bool runs_ = false;                  ///< the thread has the device; guarded by the mutex
-  std::optional<DriverError> refusal_; ///< guarded by the mutex
+  bool runs_ = false;                      ///< the thread has the device; guarded by the mutex
+  std::optional<DriverError> refusal_;     ///< guarded by the mutex
+  bool is_new_ = false;                    ///< levels_ were not taken; guarded by the mutex
+  std::shared_ptr<DeviceAccount> account_; ///< of the last device; guarded by the mutex
+  std::uint64_t cuts_before_ = 0;          ///< of the account; guarded by the mutex
 
   // Of the thread that opens and closes
   Thread thread_;

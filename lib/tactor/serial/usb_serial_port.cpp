@@ -191,7 +191,7 @@ UsbSerialPort::~UsbSerialPort()
   for (Transfer &read : reads_)
     libusb_cancel_transfer(read.get());
   {
-    std::unique_lock lock(mutex_);
+    PriorityLock lock(mutex_);
     settled_.wait(lock, [this] { return in_flight_ == 0; });
     stop_ = true;
   }
@@ -231,7 +231,7 @@ void
 UsbSerialPort::run()
 {
   RealtimeThread realtime(events_.realtime);
-  std::unique_lock lock(mutex_);
+  PriorityLock lock(mutex_);
   while (!stop_) {
     lock.unlock();
     realtime.turn();

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "tactor/driver_error.h"
+#include "tactor/priority_mutex.h"
 #include "tactor/serial/enumeration.h"
 #include "tactor/serial/serial_port.h"
 #include "tactor/serial/usb_patience.h"
@@ -9,9 +10,7 @@
 
 #include <array>
 #include <chrono>
-#include <condition_variable>
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <span>
 #include <stop_token>
@@ -117,8 +116,8 @@ private:
   Transfer write_;
   std::vector<std::uint8_t> received_; ///< without status bytes; event thread only
 
-  std::mutex mutex_;                ///< guards what follows
-  std::condition_variable settled_; ///< in_flight_ became 0
+  PriorityMutex mutex_;             ///< guards what follows
+  PriorityCondition settled_;       ///< in_flight_ became 0
   std::size_t in_flight_ = 0;       ///< transfers submitted and not completed
   int read_errors_ = 0;             ///< in a row
   int write_errors_ = 0;            ///< in a row

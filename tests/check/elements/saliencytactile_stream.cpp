@@ -95,6 +95,55 @@ GST_START_TEST(test_no_burst_after_resets)
 }
 GST_END_TEST;
 
+/// The film with its time stamps swapped, 1 0 3 2 …, or in the order in which B-frames are decoded.
+/// A square that appears is the event that it is in order.
+GST_START_TEST(test_swapped_times)
+{
+  const SquareFilm film("I420", 0, 2);
+  const auto play = [&](const std::vector<int> &order, std::vector<gfloat> &levels) {
+    Analysis analysis;
+    analysis.set_caps(film.caps);
+    for (std::size_t i = 0; i < film.frames.size(); i++) {
+      GstBuffer *frame = gst_buffer_copy(film.frames[i]);
+      const std::size_t group = i / order.size() * order.size();
+      GST_BUFFER_PTS(frame) = gst_util_uint64_scale(
+          group + static_cast<guint64>(order[i % order.size()]), GST_SECOND, 30);
+      levels = analysis.felt(frame);
+    }
+  };
+  for (const std::vector<int> &order :
+       { std::vector<int>{ 1, 0 }, { 0, 3, 1, 2 }, { 3, 1, 0, 2 } }) {
+    std::vector<gfloat> levels;
+    play(order, levels);
+    fail_unless(std::ranges::max(levels) > 0, "no cue for the event");
+    ck_assert_uint_eq(strongest(levels), 2);
+  }
+}
+GST_END_TEST;
+
+/// What a decoder made up for lost data is not felt, and the history goes on: the square that is
+/// there in corrupted frames is an event once it is there in a whole one.
+GST_START_TEST(test_corrupted_frames)
+{
+  const SquareFilm film("I420", 0, 2);
+  Analysis analysis;
+  analysis.set_caps(film.caps);
+  for (std::size_t i = 0; i < film.frames.size(); i++) {
+    GstBuffer *frame = gst_buffer_copy(film.frames[i]);
+    const bool corrupted = i >= 11 && i < 14;
+    if (corrupted)
+      GST_BUFFER_FLAG_SET(frame, GST_BUFFER_FLAG_CORRUPTED);
+    const std::vector<gfloat> levels = analysis.felt(frame);
+    if (i < 14)
+      fail_unless(std::ranges::max(levels) == 0);
+    else
+      fail_unless(std::ranges::max(levels) > 0 && strongest(levels) == 2);
+  }
+  ck_assert_uint_eq(stat_of(analysis.element, "frames"), film.frames.size());
+  ck_assert_uint_eq(stat_of(analysis.element, "analyzed"), film.frames.size() - 3);
+}
+GST_END_TEST;
+
 /// Played backwards, a square that appears is an event as well.
 GST_START_TEST(test_reverse)
 {
@@ -208,6 +257,8 @@ saliencytactile_stream_suite(void)
   tcase_add_test(cases, test_threads);
   tcase_add_test(cases, test_floor_silences);
   tcase_add_test(cases, test_no_burst_after_resets);
+  tcase_add_test(cases, test_swapped_times);
+  tcase_add_test(cases, test_corrupted_frames);
   tcase_add_test(cases, test_reverse);
   tcase_add_test(cases, test_max_rate);
   tcase_add_test(cases, test_max_rate_is_not_exceeded);

@@ -63,11 +63,6 @@ public:
                    failed++;
                    if (on_failed)
                      on_failed();
-                 },
-             .lead_short =
-                 [this](Time lead, Time late) {
-                   std::lock_guard lock(mutex_);
-                   shorts_.emplace_back(lead, late);
                  } };
   }
 
@@ -82,11 +77,6 @@ public:
   {
     std::lock_guard lock(mutex_);
     return refusals_;
-  }
-  std::vector<std::pair<Time, Time>> shorts()
-  {
-    std::lock_guard lock(mutex_);
-    return shorts_;
   }
 
   std::atomic<int> failed{ 0 };
@@ -108,7 +98,6 @@ private:
   GstClock *clock_ = nullptr; ///< the rig's
   GstClockTimeDiff offset_ = 0;
   std::function<void()> after_timing_;
-  std::vector<std::pair<Time, Time>> shorts_;
   std::vector<std::string> refusals_;
 };
 

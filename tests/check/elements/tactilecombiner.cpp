@@ -65,9 +65,11 @@ public:
   {
     g_async_queue_push(to_push_, gst_event_new_eos());
   }
-  void push_gap(GstClockTime begin, GstClockTime duration)
+  void push_gap(GstClockTime begin, GstClockTime duration, GstGapFlags flags = {})
   {
-    g_async_queue_push(to_push_, gst_event_new_gap(begin, duration));
+    GstEvent *gap = gst_event_new_gap(begin, duration);
+    gst_event_set_gap_flags(gap, flags);
+    g_async_queue_push(to_push_, gap);
   }
   void push_raw(GstBuffer *map)
   {
@@ -201,6 +203,24 @@ GST_START_TEST(test_gaps)
     c.push_frame(i);
   ASSERT_LEVELS(c, { 0.5F, 0 });
   ASSERT_LEVELS(c, { 0, 0 });
+  ASSERT_LEVELS(c, { 0, 0 });
+  ASSERT_LEVELS(c, { 1, 0 });
+}
+GST_END_TEST;
+
+/// What was lost on the way does not end what is felt.
+GST_START_TEST(test_map_holds_for_lost_data)
+{
+  Combiner c;
+  c.push_map(0.5F, 0, 40);
+  c.push_gap(kFrame, kFrame, GST_GAP_FLAG_MISSING_DATA);
+  c.push_gap(2 * kFrame, kFrame);
+  c.push_map(1, 120, 160);
+  c.end_track();
+  for (guint i = 0; i < 4; i++)
+    c.push_frame(i);
+  ASSERT_LEVELS(c, { 0.5F, 0 });
+  ASSERT_LEVELS(c, { 0.5F, 0 });
   ASSERT_LEVELS(c, { 0, 0 });
   ASSERT_LEVELS(c, { 1, 0 });
 }
@@ -361,6 +381,7 @@ tactilecombiner_suite(void)
   tcase_add_test(tests, test_film_ends_first);
   tcase_add_test(tests, test_offset);
   tcase_add_test(tests, test_gaps);
+  tcase_add_test(tests, test_map_holds_for_lost_data);
   tcase_add_test(tests, test_map_without_duration_holds);
   tcase_add_test(tests, test_frame_waits_for_the_track);
   tcase_add_test(tests, test_mix);

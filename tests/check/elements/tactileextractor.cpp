@@ -404,16 +404,20 @@ GST_START_TEST(test_missing_times)
 }
 GST_END_TEST;
 
+// The first map, and the first after a frame that is marked, whether or not that one has a map.
 GST_START_TEST(test_discont)
 {
   Extractor e;
-  for (guint i = 0; i < 2; i++) {
-    GstBuffer *frame = make_frame(i, 3, 3);
-    if (i == 1)
+  for (guint i = 0; i < 6; i++) {
+    const bool has_map = i != 4;
+    GstBuffer *frame = has_map ? make_frame(i, 3, 3) : make_frame(i);
+    if (i == 2 || i == 4)
       GST_BUFFER_FLAG_SET(frame, GST_BUFFER_FLAG_DISCONT);
     push(e, frame);
+    if (!has_map)
+      continue;
     GstBuffer *map = gst_harness_pull(e.tactile);
-    fail_unless_equals_int(GST_BUFFER_IS_DISCONT(map), i == 1);
+    fail_unless_equals_int(GST_BUFFER_IS_DISCONT(map), i == 0 || i == 2 || i == 5);
     gst_buffer_unref(map);
   }
 }

@@ -142,6 +142,32 @@ GST_START_TEST(test_mute_and_intensity)
 }
 GST_END_TEST;
 
+/// In the middle of a long map, too.
+GST_START_TEST(test_mute_acts_at_once)
+{
+  const Ones ones;
+  Harness synth(kPlain + ones.properties(), 1, 1, sound_caps(1));
+  g_autoptr(GstElement) element = gst_harness_find_element(synth.h, "tactilesynth");
+  g_object_set_data(G_OBJECT(element), "muted", GINT_TO_POINTER(__i__));
+  gst_pad_add_probe(
+      GST_PAD_PEER(synth.h->sinkpad), GST_PAD_PROBE_TYPE_BUFFER,
+      [](GstPad *, GstPadProbeInfo *info, gpointer data) {
+        if (GST_BUFFER_PTS(GST_PAD_PROBE_INFO_BUFFER(info)) < GST_SECOND)
+          return GST_PAD_PROBE_OK;
+        if (g_object_get_data(G_OBJECT(data), "muted"))
+          g_object_set(data, "mute", TRUE, nullptr);
+        else
+          g_object_set(data, "intensity", 0.0, nullptr);
+        return GST_PAD_PROBE_OK;
+      },
+      element, nullptr);
+  fail_unless_equals_int(synth.push({ 0.8F }, 0, 2 * GST_SECOND), GST_FLOW_OK);
+  synth.end();
+  fail_unless_near(synth.at(990 * GST_MSECOND), 0.8, 1e-6);
+  fail_unless_near(synth.at(1060 * GST_MSECOND), 0, 1e-6); // a buffer and a ramp later
+}
+GST_END_TEST;
+
 GST_START_TEST(test_limits)
 {
   const Ones ones;
@@ -251,6 +277,7 @@ tactilesynth_suite(void)
   tcase_add_test(tcase, test_rise_time);
   tcase_add_test(tcase, test_latency);
   tcase_add_test(tcase, test_mute_and_intensity);
+  tcase_add_loop_test(tcase, test_mute_acts_at_once, 0, 2);
   tcase_add_test(tcase, test_limits);
   tcase_add_test(tcase, test_trace);
   tcase_add_test(tcase, test_wrong_settings);

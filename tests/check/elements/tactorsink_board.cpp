@@ -209,6 +209,38 @@ GST_START_TEST(test_auto_with_board)
 }
 GST_END_TEST;
 
+/// The film's time stands still while a motor is on: the limit is kept by the motor's. The next
+/// play on the board has the account of this one.
+GST_START_TEST(test_limits_are_of_the_motor)
+{
+  const std::vector<std::uint8_t> full{ 0xe2, 0x7f, 1 }; // pin 2, 255
+  const auto count_full = [&](const BoardRig &rig) {
+    int count = 0;
+    const std::vector<std::uint8_t> &received = rig.mega.model.received;
+    for (auto at = received.begin();
+         (at = std::search(at, received.end(), full.begin(), full.end())) != received.end(); ++at)
+      count++;
+    return count;
+  };
+  for (int play = 0; play < 2; play++) {
+    BoardRig rig("firmata");
+    g_object_set(rig.element, "max-duty", 0.001, nullptr); // 60 ms a minute
+    rig.sockets_.plug(rig.mega);
+    fail_unless(rig.start());
+    rig.push({ 255, 0, 0 });
+    if (play == 0) {
+      rig.sockets_.wait([&] { return count_full(rig) == 1 && rig.mega.model.duty[2] == 0; });
+      ck_assert_uint_eq(actuation_stat_of(rig.element, "cut-driver"), 1);
+    } else {
+      ck_assert_uint_eq(actuation_stat_of(rig.element, "cut-duty"), 1);
+      ck_assert_uint_eq(actuation_stat_of(rig.element, "issued"), 0);
+    }
+    rig.stop();
+    ck_assert_int_eq(count_full(rig), play == 0 ? 1 : 0);
+  }
+}
+GST_END_TEST;
+
 GST_START_TEST(test_end_of_stream)
 {
   BoardRig rig("firmata");
@@ -452,6 +484,7 @@ tactorsink_board_suite(void)
   tcase_add_test(cases, test_auto_without_board);
   tcase_add_test(cases, test_auto_with_board);
   tcase_add_test(cases, test_end_of_stream);
+  tcase_add_test(cases, test_limits_are_of_the_motor);
   tcase_add_test(cases, test_lost_and_found);
   tcase_add_test(cases, test_errors);
   tcase_add_test(cases, test_slow_board);

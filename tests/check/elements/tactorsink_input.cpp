@@ -144,6 +144,102 @@ GST_START_TEST(test_missing_pts_follow_each_other)
 }
 GST_END_TEST;
 
+/// Frames that have neither time stamps nor a rate are felt when they come, and a warning says so.
+GST_START_TEST(test_frames_without_times)
+{
+  SinkRig rig("application/x-tactile-map,rows=1,columns=1,framerate=0/1");
+  rig.uncompensated();
+  const auto push = [&](GstClockTime running, gfloat level, guint64 issued) {
+    gst_test_clock_set_time(rig.clock, kLatency + running);
+    ck_assert_int_eq(rig.push(GST_CLOCK_TIME_NONE, { level }, GST_CLOCK_TIME_NONE), GST_FLOW_OK);
+    while (rig.stat("issued") < issued)
+      std::this_thread::yield();
+  };
+  rig.start();
+  push(1000 * kMs, 0.0f, 0);
+  push(1240 * kMs, 1.0f, 1);
+  push(1480 * kMs, 0.5f, 2);
+  push(1720 * kMs, 0.0f, 3);
+  rig.rendered = true;
+  rig.run_to_end([] {});
+  fail_unless(rig.messages.has(GST_MESSAGE_WARNING));
+  const std::vector<Line> lines = rig.trace();
+  ck_assert_uint_eq(lines.size(), 3);
+  assert_line(lines[0], 1240 * kMs, 1240 * kMs, 1240 * kMs, 0, 3.0);
+  assert_line(lines[1], 1480 * kMs, 1480 * kMs, 1480 * kMs, 0, 1.5);
+  assert_line(lines[2], 1720 * kMs, 1720 * kMs, 1720 * kMs, 0, 0);
+}
+GST_END_TEST;
+
+/// Where nothing paces them, they follow each other.
+GST_START_TEST(test_frames_without_times_or_clock)
+{
+  SinkRig rig("application/x-tactile-map,rows=1,columns=1,framerate=0/1");
+  rig.uncompensated();
+  g_object_set(rig.element, "sync", FALSE, "rate", 0.0, nullptr);
+  rig.start();
+  for (const gfloat level : { 0.0f, 1.0f, 0.5f, 0.0f })
+    ck_assert_int_eq(rig.push(GST_CLOCK_TIME_NONE, { level }, GST_CLOCK_TIME_NONE), GST_FLOW_OK);
+  rig.end();
+  const std::vector<Line> lines = rig.trace();
+  ck_assert_uint_eq(lines.size(), 3);
+  for (std::size_t i = 0; i < lines.size(); i++)
+    ck_assert_int_eq(lines[i].due, static_cast<gint64>(i + 1) * (GST_SECOND / 30));
+}
+GST_END_TEST;
+
+/// A GAP that stands for lost packets does not end a cue, unlike one that stands for nothing.
+GST_START_TEST(test_lost_data_are_no_gap)
+{
+  SinkRig rig;
+  rig.uncompensated();
+  g_object_set(rig.element, "rate", 0.0, nullptr);
+  const auto gap = [&](GstClockTime pts, GstGapFlags flags) {
+    GstEvent *event = gst_event_new_gap(pts, kFrame);
+    gst_event_set_gap_flags(event, flags);
+    fail_unless(gst_pad_send_event(rig.sink_pad, event));
+  };
+  rig.play([&] {
+    rig.push_level(0, 200 * kMs, 1);
+    gap(200 * kMs, GST_GAP_FLAG_MISSING_DATA);
+    rig.push_level(240 * kMs, 400 * kMs, 1);
+    gap(400 * kMs, static_cast<GstGapFlags>(0));
+    rig.push_level(440 * kMs, 600 * kMs, 1);
+  });
+  const std::vector<Line> lines = rig.trace();
+  ck_assert_uint_eq(lines.size(), 4);
+  assert_line(lines[0], 0, 0, 0, 0, 3.0);
+  assert_line(lines[1], 400 * kMs, 400 * kMs, 400 * kMs, 0, 0);
+  assert_line(lines[2], 440 * kMs, 440 * kMs, 440 * kMs, 0, 3.0);
+  assert_line(lines[3], 600 * kMs, 600 * kMs, 600 * kMs, 0, 0);
+}
+GST_END_TEST;
+
+/// The pad's offset puts a second of the stream before the pipeline's zero. What is felt then does
+/// not put off what follows.
+GST_START_TEST(test_negative_running_time)
+{
+  SinkRig rig;
+  rig.uncompensated();
+  g_object_set(rig.element, "rate", 0.0, nullptr);
+  gst_pad_set_offset(rig.sink_pad, -static_cast<gint64>(GST_SECOND));
+  rig.start();
+  rig.push_level(0, 200 * kMs, 0); // these do not wait
+  rig.push_level(200 * kMs, 400 * kMs, 1);
+  rig.push_level(400 * kMs, 1000 * kMs, 0);
+  rig.rendered = true;
+  rig.run_to_end([&] {
+    rig.push_level(1000 * kMs, 1400 * kMs, 0.5f);
+    rig.push_level(1400 * kMs, 1600 * kMs, 0);
+  });
+  std::vector<Line> lines = rig.trace();
+  std::erase_if(lines, [](const Line &line) { return line.effect < 0; });
+  ck_assert_uint_eq(lines.size(), 2);
+  assert_line(lines[0], 0, 0, 0, 0, 1.5);
+  assert_line(lines[1], 400 * kMs, 400 * kMs, 400 * kMs, 0, 0);
+}
+GST_END_TEST;
+
 GST_START_TEST(test_wrong_size_is_an_error)
 {
   SinkRig rig;
@@ -338,6 +434,10 @@ tactorsink_input_suite(void)
   tcase_add_test(cases, test_full_disk_causes_a_warning);
   tcase_add_test(cases, test_video_frames_with_and_without_meta);
   tcase_add_test(cases, test_missing_pts_follow_each_other);
+  tcase_add_test(cases, test_frames_without_times);
+  tcase_add_test(cases, test_frames_without_times_or_clock);
+  tcase_add_test(cases, test_negative_running_time);
+  tcase_add_test(cases, test_lost_data_are_no_gap);
   tcase_add_test(cases, test_wrong_size_is_an_error);
   tcase_add_test(cases, test_absurd_caps_are_refused);
   tcase_add_test(cases, test_uri);

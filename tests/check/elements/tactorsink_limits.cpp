@@ -73,6 +73,33 @@ GST_START_TEST(test_max_on_time_without_another_map)
 }
 GST_END_TEST;
 
+/// A thread of the application has the element's lock, and gets no CPU time: motors stop in time.
+GST_START_TEST(test_max_on_time_while_others_have_the_lock)
+{
+  SinkRig rig("application/x-tactile-map,rows=1,columns=2,framerate=25/1");
+  rig.uncompensated();
+  g_object_set(rig.element, "max-on-time", guint64{ 500 * kMs }, "rate", 0.0, nullptr);
+  rig.start();
+  rig.stream([&] {
+    rig.push(0, { 1.0F, 0.0F });
+    rig.push(200 * kMs, { 1.0F, 1.0F });
+    rig.push(2000 * kMs, { 0.0F, 0.0F });
+  });
+  rig.run_to(600 * kMs);
+  GST_OBJECT_LOCK(rig.element);
+  ck_assert_uint_eq(rig.step(2), kLatency + 500 * kMs);
+  // The first one's zero is written before the scheduler waits for the second one's.
+  GList *pending = nullptr;
+  gst_test_clock_wait_for_multiple_pending_ids(rig.clock, 2, &pending);
+  g_list_free_full(pending, gst_clock_id_unref);
+  ck_assert_uint_eq(gst_test_clock_get_next_entry_time(rig.clock), kLatency + 700 * kMs);
+  GST_OBJECT_UNLOCK(rig.element);
+  const std::vector<Line> lines = rig.trace();
+  fail_unless(lines.size() >= 3);
+  assert_line(lines[2], 500 * kMs, 500 * kMs, 500 * kMs, 0, 0.0);
+}
+GST_END_TEST;
+
 /// Without the clock the film's time counts.
 GST_START_TEST(test_max_on_time_without_the_clock)
 {
@@ -240,6 +267,7 @@ tactorsink_limits_suite(void)
   tcase_add_test(cases, test_max_on_time);
   tcase_add_test(cases, test_muted_while_opening);
   tcase_add_test(cases, test_max_on_time_without_another_map);
+  tcase_add_test(cases, test_max_on_time_while_others_have_the_lock);
   tcase_add_test(cases, test_max_on_time_without_the_clock);
   tcase_add_test(cases, test_cue_runs_out_in_the_last_block);
   tcase_add_test(cases, test_max_duty_outlives_a_seek);

@@ -2,8 +2,10 @@
 //
 // The driver of real boards once it has its board: levels, unplugging, stalls, threads.
 // firmata_driver_choice tests how it finds one.
+#include <array>
 #include <atomic>
 #include <random>
+#include <thread>
 
 #include "firmata_driver_rig.h"
 #include "support/realtime.h"
@@ -46,6 +48,31 @@ GST_START_TEST(test_open_write_close)
   rig.open();
   rig.write({ 2.0 });
   rig.expect(rig.mega, { 2.0 });
+}
+GST_END_TEST;
+
+/// Whoever writes the levels goes on for ever: the driver's thread ends them.
+GST_START_TEST(test_limits)
+{
+  DriverRig rig;
+  rig.sockets.plug(rig.mega);
+  DriverConfig config = rig.config();
+  config.limits.max_on_time = 30ms;
+  unwrap(rig.driver.open(config));
+  const std::jthread writer([&](const std::stop_token &stop) {
+    while (!stop.stop_requested()) {
+      rig.write({ 3.0 });
+      std::this_thread::yield();
+    }
+  });
+  rig.sockets.wait([&] {
+    const std::vector<std::uint8_t> &received = rig.mega.model.received;
+    const std::array<std::uint8_t, 3> full{ 0xe2, 0x7f, 1 };
+    const std::array<std::uint8_t, 3> zero{ 0xe2, 0, 0 };
+    const auto on = std::ranges::search(received, full);
+    return !std::ranges::search(on.begin(), received.end(), zero.begin(), zero.end()).empty();
+  });
+  ck_assert_uint_eq(rig.driver.status().cuts, 1);
 }
 GST_END_TEST;
 
@@ -259,6 +286,7 @@ firmata_driver_suite(void)
   TCase *tests = tcase_create("general");
   suite_add_tcase(suite, tests);
   tcase_add_test(tests, test_open_write_close);
+  tcase_add_test(tests, test_limits);
   tcase_add_test(tests, test_realtime);
   tcase_add_test(tests, test_destroyed);
   tcase_add_test(tests, test_unplug_and_replug);

@@ -17,6 +17,7 @@
 #include <memory>
 #include <mutex>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include <gst/check/gstcheck.h>
@@ -173,6 +174,25 @@ assert_has(const std::string &text, const std::string &part)
 }
 
 } // namespace
+
+/// Whoever writes the levels goes on for ever: the driver's thread ends them.
+GST_START_TEST(test_limits)
+{
+  Rig rig;
+  DriverConfig config = rig.config();
+  config.limits.max_on_time = 30ms;
+  unwrap(rig.driver.open(config));
+  const std::jthread writer([&](const std::stop_token &stop) {
+    while (!stop.stop_requested()) {
+      unwrap(rig.driver.write(std::array{ 3.0 }, 0s));
+      std::this_thread::yield();
+    }
+  });
+  rig.wait_for_levels({ 1 });
+  rig.wait_for_levels({});
+  ck_assert_uint_eq(rig.driver.status().cuts, 1);
+}
+GST_END_TEST;
 
 GST_START_TEST(test_levels)
 {
@@ -363,6 +383,7 @@ gamepad_driver_suite(void)
 
   suite_add_tcase(suite, tcase);
   tcase_add_test(tcase, test_levels);
+  tcase_add_test(tcase, test_limits);
   tcase_add_test(tcase, test_fewer_tactors);
   tcase_add_test(tcase, test_zero_on_ways_out);
   tcase_add_test(tcase, test_zero_on_signal);

@@ -135,6 +135,26 @@ GST_START_TEST(test_levels)
 }
 GST_END_TEST;
 
+/// Whoever writes the levels goes on for ever: the driver's thread ends them.
+GST_START_TEST(test_limits)
+{
+  HapticServer server({ "buttplug4" });
+  ServerDriver driver(make_intiface_server);
+  DriverConfig config{ .device = server.device(kVibrator) };
+  config.limits.max_on_time = 100ms;
+  unwrap(driver.open(config));
+  server.wait_for_line("motors 0");
+  const std::jthread writer([&](const std::stop_token &stop) {
+    while (!stop.stop_requested()) {
+      unwrap(driver.write(std::array{ 1.5 }, 0s));
+      std::this_thread::yield();
+    }
+  });
+  server.wait_for_line("motors 0 0=10");
+  server.wait_for_line("motors 0");
+}
+GST_END_TEST;
+
 /// The server's pings are answered for as long as it is open.
 GST_START_TEST(test_pings)
 {
@@ -474,6 +494,7 @@ server_driver_suite(void)
   TCase *tests = tcase_create("general");
   suite_add_tcase(suite, tests);
   tcase_add_test(tests, test_levels);
+  tcase_add_test(tests, test_limits);
   tcase_add_test(tests, test_pings);
   tcase_add_test(tests, test_host_silence);
   tcase_add_test(tests, test_killed);

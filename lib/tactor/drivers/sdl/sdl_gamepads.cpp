@@ -2,6 +2,7 @@
 //
 // The module that tactor::make_sdl_gamepads() loads.
 #include "tactor/drivers/gamepads.h"
+#include "tactor/priority_mutex.h"
 
 #include <SDL.h>
 
@@ -18,7 +19,7 @@ using tactor::GamepadLevels;
 using tactor::Time;
 
 /// SDL counts its users, and this its open gamepads, for all drivers of the process.
-std::mutex sdl_mutex;
+tactor::PriorityMutex sdl_mutex;
 std::set<SDL_JoystickID> taken; ///< guarded by it
 
 Uint16
