@@ -315,19 +315,19 @@ cue_at(const std::deque<Cue> &cues, tactile::Time time)
   return found;
 }
 
-/// The map at a time, before all cues without one; times must rise. None without a track.
+/// The map at a time; times must rise. None without a track.
 static std::optional<TactileMap>
-map_at(GstTactileSubtitles *self, std::optional<tactile::Time> time)
+map_at(GstTactileSubtitles *self, tactile::Time time)
 {
   GstTactileSubtitlesPrivate *priv = self->priv;
   std::optional<TactileMap> map;
   GST_OBJECT_LOCK(self);
-  while (time && !priv->cues.empty() && priv->cues.front().end <= *time) {
+  while (!priv->cues.empty() && priv->cues.front().end <= time) {
     priv->levels -= priv->cues.front().map.levels.size();
     priv->cues.pop_front();
   }
   if (priv->kind == Kind::track) {
-    const Cue *cue = time ? cue_at(priv->cues, *time) : nullptr;
+    const Cue *cue = cue_at(priv->cues, time);
     map = cue ? cue->map : TactileMap(priv->grid.rows, priv->grid.columns);
   }
   GST_OBJECT_UNLOCK(self);
@@ -355,22 +355,24 @@ on_film_event(GstPad *pad, GstPadProbeInfo *info, gpointer data)
   return GST_PAD_PROBE_OK;
 }
 
-/// The running time of the cues that a frame has; none before all of them. Subtitles beside a film
-/// count from its 0:00, and are sought to the player's position: where that is another time, the
-/// running times of both have nothing in common.
-static std::optional<tactile::Time>
+/// The running time of the cues that a frame has. Subtitles beside a film count from its 0:00, and
+/// are sought to the player's position: where that is another time, the running times of both have
+/// nothing in common.
+static tactile::Time
 cue_time(GstTactileSubtitles *self, const GstSegment &film, GstClockTime pts)
 {
+  constexpr tactile::Time kBeforeAll = tactile::Time::min();
   GST_OBJECT_LOCK(self);
   const auto start = static_cast<GstClockTime>(self->priv->start.stream_time().count());
   const std::string source = self->priv->film;
   GST_OBJECT_UNLOCK(self);
   if (start == 0 || source_of(self->text) == source)
-    return running_time::of(film, pts);
+    return running_time::of(film, pts).value_or(kBeforeAll);
   const GstSegment text = segment_of(self->text);
   const GstClockTime time = gst_segment_to_stream_time(&film, GST_FORMAT_TIME, pts);
   return running_time::of(text, gst_segment_position_from_stream_time(
-                                    &text, GST_FORMAT_TIME, std::max(time, start) - start));
+                                    &text, GST_FORMAT_TIME, std::max(time, start) - start))
+      .value_or(kBeforeAll);
 }
 
 static GstPadProbeReturn
