@@ -74,7 +74,7 @@ CUES = [(0.0, 0.4, 0), (0.4, 0.8, 75), (0.8, 1.2, 0), (1.2, 1.72, 100), (1.72, 2
 
 
 def run(*arguments, status=(0,)):
-    done = subprocess.run(arguments, capture_output=True, text=True, timeout=60, stdin=subprocess.DEVNULL, check=False)
+    done = subprocess.run(arguments, capture_output=True, text=True, timeout=120, stdin=subprocess.DEVNULL, check=False)
     if done.returncode not in status:
         raise AssertionError(f"{' '.join(arguments)}: status {done.returncode}: {done.stdout[-500:]}{done.stderr[-1000:]}")
     return done

@@ -21,6 +21,7 @@ namespace {
 
 /// Tags that a muxer writes of itself.
 constexpr std::array kOwnTags = { "encoder",
+                                  "software",
                                   "major_brand",
                                   "minor_version",
                                   "compatible_brands",
