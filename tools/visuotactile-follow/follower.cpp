@@ -8,6 +8,7 @@
 
 #include <glib-unix.h>
 
+#include <algorithm>
 #include <csignal>
 #include <cstdio>
 #include <stdexcept>
@@ -42,6 +43,7 @@ Follower::Follower(const FollowSettings &settings)
                                           tell(current_->player->name() + " plays '"
                                                + film_name(film_) + "' with " + film_track_.what());
                                         },
+                                    .probed = [this] { cues_.change_player(); },
                                     .told =
                                         [this](const std::string &text) {
                                           tell(text);
@@ -367,11 +369,22 @@ Follower::update()
   choose();
   change_film();
   const follow::Time now = local_time();
-  const auto estimate
-      = current_ != nullptr && !current_->is_gone ? current_->estimator.at(now) : std::nullopt;
+  const auto estimate = film_position(now);
   if (estimate)
     position_ = estimate->position;
   chair_.take(cues_.step(estimate, now, chair_.ahead()));
+}
+
+/// Where the film is, from its 0:00 on.
+std::optional<follow::PositionEstimator::Estimate>
+Follower::film_position(follow::Time now) const
+{
+  auto estimate
+      = current_ != nullptr && !current_->is_gone ? current_->estimator.at(now) : std::nullopt;
+  if (estimate && !current_->player->counts_from_start())
+    estimate->position
+        = std::max(estimate->position - film_track_.told_at_start(), follow::Time(0));
+  return estimate;
 }
 
 gboolean

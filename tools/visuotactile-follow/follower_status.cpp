@@ -99,7 +99,7 @@ Follower::status() const
   status.sync_to = name_of(sync_to());
   status.latency = latency();
   status.offset = timing_.offset(player_kind(status.player));
-  if (const auto estimate = current_->estimator.at(now))
+  if (const auto estimate = film_position(now))
     status.position = seconds(estimate->position);
   if (const auto known = film_track_.known_until(position_);
       known && *known < tactile::Track::kMaxEnd)
