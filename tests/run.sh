@@ -43,11 +43,21 @@ case ${1:-} in
   --tsan) shift; directory=$root/build-tsan; patience=5; options+=(-Ddebug=true -Db_sanitize=thread -Db_lundef=false -Dintrospection=disabled -Ddocs=disabled); scans_first=yes ;;
 esac
 
+# Whoever leaves set-up to this script has the libraries of arm64 as well, for the test of its maps. Cross compilers are for PCs.
+if [ "$directory" = "$root/build" ] && [ -z "$analyzer" ] && [ "$(uname -m)" = x86_64 ]; then
+  parts+=" arm64"
+  target="$here/machines/target.sh"
+fi
+
 # cppcheck reads sources alone.
 if [ "$analyzer" != cppcheck ]; then
   build_project "$directory" "$parts" "" "${options[@]}"
 elif [ -z "${VISUOTACTILE_NO_SETUP:-}" ]; then
   "$root/tools/setup.sh" analysis
+fi
+
+if [ -n "${target:-}" ] && [ -z "${VISUOTACTILE_NO_SETUP:-}" ]; then
+  "$target" >/dev/null
 fi
 
 # Of this project's own code, what is compiled here.

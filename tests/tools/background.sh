@@ -12,6 +12,7 @@ begin() {
   pids+=($!)
   # shellcheck disable=SC2034 # for the tests
   first=$(head "$count" "$file.begun" | tr -d '\0')
+  [ -n "$first" ] || { echo "$1 ${2:-} ended before it was ready (see above)"; exit 1; }
 }
 
 # serve KIND: haptic_server.py, whose lines are in KIND; sets `port`
