@@ -99,7 +99,7 @@ expect 0 off totem
 # ---- test ----
 expect 0 set grid=1x2 mute=true
 expect 0 test --driver=simulator
-[ "$(cat said)" = "$(printf 'row 1, column 1\nrow 1, column 2')" ] || fail "expected two tactors: $(cat said)"
+[ "$(cat said)" = "$(printf 'simulated, as the driver is the simulator\nrow 1, column 1\nrow 1, column 2')" ] || fail "expected two tactors: $(cat said)"
 expect 1 test --driver=nothing
 said nothing
 echo "settings are as the programs take them"

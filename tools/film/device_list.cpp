@@ -28,6 +28,20 @@ text_property(gpointer object, const char *name)
   return text ? text : "";
 }
 
+bool
+is_simulated(GstElement *sink, const std::string &told)
+{
+  if (g_object_class_find_property(G_OBJECT_GET_CLASS(sink), "actuation-stats") == nullptr)
+    return false; // shakers
+  g_autoptr(GstStructure) stats = nullptr;
+  g_object_get(sink, "actuation-stats", &stats, nullptr);
+  if (g_strcmp0(gst_structure_get_string(stats, "board"), "simulator") != 0)
+    return false;
+  if (text_property(sink, "driver") != "simulator")
+    throw std::runtime_error(told.empty() ? "the motors are simulated" : told);
+  return true;
+}
+
 Owned<GstElement>
 element_of(GstDevice *device)
 {

@@ -17,6 +17,10 @@ void for_each_device(const char *classes, const std::function<void(GstDevice *)>
 /// Empty if it is not set.
 std::string text_property(gpointer object, const char *name);
 
+/// Whether an open sink's driver is the simulator. Throws std::runtime_error with `told`, the
+/// sink's last message, if it is not, but the motors are simulated as there is no board.
+bool is_simulated(GstElement *sink, const std::string &told);
+
 /// A new element that plays on the device; null if there can be none.
 Owned<GstElement> element_of(GstDevice *device);
 

@@ -41,24 +41,6 @@ patience(GstElement *pipeline, GstClockTime running_time)
   return running_time > now ? running_time - now : 0;
 }
 
-/// Throws std::runtime_error if the sink found nothing to be felt, with what it told.
-void
-expect_motors(GstElement *sink, const std::function<void(const std::string &)> &show,
-              const std::string &told)
-{
-  if (g_object_class_find_property(G_OBJECT_GET_CLASS(sink), "actuation-stats") == nullptr)
-    return;
-  g_autoptr(GstStructure) stats = nullptr;
-  g_object_get(sink, "actuation-stats", &stats, nullptr);
-  if (g_strcmp0(gst_structure_get_string(stats, "board"), "simulator") != 0)
-    return;
-  const std::string driver = text_property(sink, "driver");
-  if (driver == "simulator")
-    show("simulated, as the driver is the simulator");
-  else
-    throw std::runtime_error(told.empty() ? "the motors are simulated" : told);
-}
-
 /// Listens to the bus until the end of the stream, true, or that running time. `info` becomes the
 /// last information.
 bool
@@ -173,7 +155,8 @@ walk(GstElement *sink, const MotorWalk &motors,
     if (motor == 0) { // until the device is open
       gst_element_get_state(pipeline.get(), nullptr, nullptr, GST_CLOCK_TIME_NONE);
       ended(pipeline.get(), at, hold, info);
-      expect_motors(sink, show, warnings.empty() ? info : warnings.back());
+      if (is_simulated(sink, warnings.empty() ? info : warnings.back()))
+        show("simulated, as the driver is the simulator");
       std::ranges::for_each(warnings, warn);
     }
     ended(pipeline.get(), at, warn, info);

@@ -129,7 +129,7 @@ throw_interrupted()
 }
 
 /// Takes the pipeline to PAUSED. A microphone is live: without this, running time would begin
-/// before the board is open.
+/// before the board is open. Throws if there is none.
 void
 wait_for_board(GstElement *pipeline, GstElement *tactors, GstBus *bus,
                const std::atomic<bool> &interrupted)
@@ -139,8 +139,16 @@ wait_for_board(GstElement *pipeline, GstElement *tactors, GstBus *bus,
          == GST_STATE_CHANGE_ASYNC)
     if (interrupted)
       throw_interrupted();
-  if (g_autoptr(GstMessage) message = gst_bus_pop_filtered(bus, GST_MESSAGE_ERROR))
-    throw_message(message);
+  std::string told;
+  while (g_autoptr(GstMessage) message = gst_bus_pop_filtered(
+             bus, static_cast<GstMessageType>(GST_MESSAGE_ERROR | GST_MESSAGE_INFO))) {
+    if (GST_MESSAGE_TYPE(message) == GST_MESSAGE_ERROR)
+      throw_message(message);
+    g_autoptr(GError) info = nullptr;
+    gst_message_parse_info(message, &info, nullptr);
+    told = info->message;
+  }
+  is_simulated(tactors, told);
 }
 
 /// What is not common to both sinks. Limits for motors and skin hold; all that would change or

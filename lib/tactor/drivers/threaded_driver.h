@@ -89,11 +89,11 @@ private:
   void quit();
   void leave(std::chrono::steady_clock::time_point until);
 
-  bool runs_ = false;                     ///< the thread has the device; guarded by the mutex
-  std::optional<DriverError> refusal_;    ///< guarded by the mutex
-  bool is_new_ = false;                   ///< levels_ were not taken; guarded by the mutex
+  bool runs_ = false;                      ///< the thread has the device; guarded by the mutex
+  std::optional<DriverError> refusal_;     ///< guarded by the mutex
+  bool is_new_ = false;                    ///< levels_ were not taken; guarded by the mutex
   std::shared_ptr<DeviceAccount> account_; ///< of the last device; guarded by the mutex
-  std::uint64_t cuts_before_ = 0;         ///< of the account; guarded by the mutex
+  std::uint64_t cuts_before_ = 0;          ///< of the account; guarded by the mutex
 
   // Of the thread that opens and closes
   Thread thread_;
