@@ -87,6 +87,8 @@
  * - `latency`: of the way to the motors, by which commands are issued earlier
  * - `scheduling`: `direct`, `rtkit`, `portal`, `given-back` or `normal`
  * - `board`, `firmware`, `pins`, `connected`, `watchdog`, `reconnects`, `bytes`
+ * - `guardian`: `running`, or why there is none; empty for what needs none
+ * - `may-run`: closed, but its motors may still be on
  *
  * ## Messages
  * - `tactor-lead-short` (`lead`, `late`): a command came too late for its motor.
@@ -94,6 +96,8 @@
  *   chair.
  * - `tactor-device-lost`, `tactor-device-found`: the board went away, came back.
  * - `tactor-device-refused` (`reason`): it is back, and cannot be used.
+ * - `tactor-device-not-stopped` (`reason`): motors may still be on. Also on standard error, as
+ *   nobody may read messages any more.
  * - `tactor-stats`: #GstTactorSink:actuation-stats at the end of the stream.
  * - A warning on the way to PAUSED: one thread feeds this and another sink without queues between
  *   them, and the pipeline waits forever.

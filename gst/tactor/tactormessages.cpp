@@ -61,6 +61,13 @@ tactor_post_device_event(GstElement *element, const tactor::DriverEvent &event)
   case Kind::warning:
     GST_ELEMENT_WARNING(element, RESOURCE, SETTINGS, ("%s", event.text.c_str()), (nullptr));
     break;
+  case Kind::not_stopped:
+    // Also where nobody reads messages any more: the pipeline goes to NULL, or the process ends.
+    g_printerr("tactorsink: %s\n", event.text.c_str());
+    GST_ELEMENT_WARNING(element, RESOURCE, CLOSE, ("%s", event.text.c_str()), (nullptr));
+    post(element, gst_structure_new("tactor-device-not-stopped", "reason", G_TYPE_STRING,
+                                    event.text.c_str(), nullptr));
+    break;
   case Kind::lost:
     GST_ELEMENT_WARNING(element, RESOURCE, NOT_FOUND,
                         ("The tactor board is gone; the film plays on."),
@@ -136,12 +143,13 @@ GstStructure *
 tactor_stats_new(const TactorActuation::Counters &counters, const tactor::DriverStatus &board,
                  Time latency, const tactor::LimitCounters &limited, tactor::Scheduling scheduling)
 {
-  GstStructure *stats
-      = gst_structure_new("application/x-tactor-stats", "board", G_TYPE_STRING, board.board.c_str(),
-                          "firmware", G_TYPE_STRING, board.firmware.c_str(), "scheduling",
-                          G_TYPE_STRING, tactor::to_string(scheduling).data(), "connected",
-                          G_TYPE_BOOLEAN, static_cast<gboolean>(board.is_there), "watchdog",
-                          G_TYPE_BOOLEAN, static_cast<gboolean>(board.has_watchdog), nullptr);
+  GstStructure *stats = gst_structure_new(
+      "application/x-tactor-stats", "board", G_TYPE_STRING, board.board.c_str(), "firmware",
+      G_TYPE_STRING, board.firmware.c_str(), "scheduling", G_TYPE_STRING,
+      tactor::to_string(scheduling).data(), "connected", G_TYPE_BOOLEAN,
+      static_cast<gboolean>(board.is_there), "watchdog", G_TYPE_BOOLEAN,
+      static_cast<gboolean>(board.has_watchdog), "guardian", G_TYPE_STRING, board.guardian.c_str(),
+      "may-run", G_TYPE_BOOLEAN, static_cast<gboolean>(board.may_run), nullptr);
   const std::pair<const gchar *, guint64> counts[] = {
     { "issued", counters.issued },       { "late", counters.late },
     { "came-late", counters.came_late }, { "thread-late", counters.thread_late },

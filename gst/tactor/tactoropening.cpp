@@ -124,6 +124,7 @@ open_tactors(GstElement *element, TactorOpening &opening,
                                      .min_tactors = settings.needed_tactors(),
                                      .full_scale_volts = settings.planner.volts_max,
                                      .realtime = settings.realtime,
+                                     .guardian = settings.guardian,
                                      .limits = settings.planner.limits,
                                      .stop = std::move(stop),
                                      .notify = std::move(notify) };

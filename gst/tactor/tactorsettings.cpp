@@ -104,6 +104,10 @@ constexpr P kProperties[] = {
   P::flag("realtime",
           "Run the threads that bring commands to the motors at real-time priority, where allowed",
           kReady, PROPERTY_FIELD(realtime)),
+  P::flag("guardian",
+          "Run a process that stops the motors if this one is killed or crashes, where the board "
+          "has no watchdog",
+          kReady, PROPERTY_FIELD(guardian)),
   P::stats("actuation-stats",
            "Commands, schedule errors in ns, cues that limits cut, and the board"),
 };

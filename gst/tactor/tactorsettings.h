@@ -22,6 +22,7 @@ struct TactorSettings
   tactor::PlannerSettings planner;
   bool mute = false;
   bool realtime = true;
+  bool guardian = true;
   tactor::Time ramp_in = std::chrono::milliseconds(100);
   std::string mapping_error; ///< why the last mapping was refused; empty: it was not
 

@@ -143,6 +143,9 @@ constexpr Entry kEntries[] = {
     P::text("trace-location", "CSV file for a line per command", kReady, PROPERTY_FIELD(unset)) },
   { Owner::tactors, P::flag("realtime", "Real-time priority for the threads that drive motors",
                             kReady, PROPERTY_FIELD(yes)) },
+  { Owner::tactors,
+    P::flag("guardian", "Run a process that stops the motors if this one is killed or crashes",
+            kReady, PROPERTY_FIELD(yes)) },
   { Owner::tactors, P::stats("actuation-stats", "What the tactors did") },
 };
 

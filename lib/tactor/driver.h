@@ -24,11 +24,12 @@ struct DriverEvent
 {
   enum class Kind
   {
-    opened,   ///< which board, and how to choose another
-    warning,  ///< a problem that the user should know of
-    lost,     ///< the board went away; the driver looks for it
-    refused,  ///< it is back, but cannot be used; once for each reason
-    returned, ///< it is back and has the levels written last
+    opened,      ///< which board, and how to choose another
+    warning,     ///< a problem that the user should know of
+    not_stopped, ///< motors may still be on after the end; the process may be about to end
+    lost,        ///< the board went away; the driver looks for it
+    refused,     ///< it is back, but cannot be used; once for each reason
+    returned,    ///< it is back and has the levels written last
   };
 
   Kind kind;
@@ -46,6 +47,7 @@ struct DriverConfig
   bool asks_a_stranger = true;
   double full_scale_volts = 3.0; ///< volts at the motor when a board's output is fully on
   bool realtime = false;         ///< request real-time scheduling for threads that carry levels
+  bool guardian = false;         ///< run a Guardian where the board has no watchdog
   MotorLimits limits = MotorLimits::none(); ///< of account(), where there is one
   std::stop_token stop{};                   ///< cancels an open() that waits; it fails then
   /// Called on any thread, one call at a time, from the beginning of open() to the end of close(),
@@ -59,7 +61,10 @@ struct DriverStatus
   std::string firmware;      ///< name and version
   bool is_there = false;     ///< false while it is lost
   bool has_watchdog = false; ///< motors stop when the host falls silent
-  std::vector<int> pins;     ///< of each tactor
+  /// "running", or why there is no Guardian; empty for boards that need none.
+  std::string guardian;
+  bool may_run = false;  ///< closed, but motors may still be on
+  std::vector<int> pins; ///< of each tactor
   /// What one calls each tactor, for drivers with DriverInfo::names_motors.
   std::vector<std::string> motors;
   std::uint64_t bytes = 0;      ///< sent since open()

@@ -6,14 +6,17 @@
 
 namespace tactor {
 
-/// While one exists, the motors are stopped before SIGTERM, SIGINT, SIGHUP or exit() ends the
-/// process.
+/// While one exists, the motors are stopped before a signal, abort() or exit() ends the process.
 ///
-/// Signals are caught only if they have their default action when the first guard is made, which
-/// they get back after the last one. Those that the application handles or ignores are left alone.
-/// The handler writes a byte to a pipe; a thread calls every `leave` and raises the signal again
-/// with its default action, so that the exit status is right. That takes kPatience at most. A
-/// second signal of the same kind ends the process at once. Forked children are not affected.
+/// Every signal that ends a process by default and is no fault of its code is caught while its
+/// action is the default one. Those that the application handles or ignores are left alone; when it
+/// drops its handler, the signal is caught within kLook. After the last guard all have their
+/// default action again.
+///
+/// The handler writes a byte to a pipe; a thread calls every `leave` and raises the first signal
+/// again with its default action, so that the exit status is right. That takes kPatience at most,
+/// and no other signal ends the process meanwhile but SIGKILL: a closed terminal or timeout(1)
+/// sends several within microseconds. Forked children are not affected.
 ///
 /// No signal is caught where the environment has VISUOTACTILE_NO_SIGNALS.
 class TerminationGuard
@@ -21,7 +24,8 @@ class TerminationGuard
 public:
   using Leave = std::function<void(std::chrono::steady_clock::time_point until)>;
 
-  static constexpr std::chrono::seconds kPatience{ 1 };
+  static constexpr std::chrono::seconds kPatience{ 2 };
+  static constexpr std::chrono::milliseconds kLook{ 50 };
 
   /// `leave` stops the motors and returns when that is done or at the given time; it may be called
   /// again. It runs on another thread. The destructor waits for it.

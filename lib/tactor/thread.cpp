@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "tactor/thread.h"
 
+#include <csignal>
 #include <cstring>
 #include <string>
 #include <utility>
@@ -14,6 +15,13 @@ Thread::start(std::function<void()> run)
   thread.running_ = std::make_shared<Running>();
   thread.running_->run = std::move(run);
   auto own = std::make_unique<std::shared_ptr<Running>>(thread.running_);
+  // Signals are for the application's threads. Faults are handled where they happen.
+  sigset_t blocked;
+  sigset_t before;
+  sigfillset(&blocked);
+  for (const int fault : { SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGTRAP, SIGSYS, SIGABRT })
+    sigdelset(&blocked, fault);
+  pthread_sigmask(SIG_SETMASK, &blocked, &before);
   const int error = pthread_create(
       &thread.running_->id, nullptr,
       [](void *data) -> void * {
@@ -23,6 +31,7 @@ Thread::start(std::function<void()> run)
         return nullptr;
       },
       own.get());
+  pthread_sigmask(SIG_SETMASK, &before, nullptr);
   if (error == 0) {
     static_cast<void>(own.release());
     return thread;

@@ -12,8 +12,8 @@
 
 namespace tactor {
 
-/// A thread that is joined by its destructor. Unlike std::thread it returns an error where the
-/// system has no more threads.
+/// A thread that is joined by its destructor and blocks signals, but for faults. Unlike
+/// std::thread it returns an error where the system has no more threads.
 class Thread
 {
 public:

@@ -24,7 +24,7 @@ case $page in
   sound-clips) targets=tools/tactile-track ;;
   synth) targets=tests/bench/synth ;;
   timing) targets=tests/quality/rise_timing ;;
-  ways-out) targets=tests/usb/usb-ways_out ;;
+  ways-out) targets="tests/usb/usb-ways_out tests/usb/bare_player tools/tactor-guardian" ;;
 esac
 build_and_use
 built=$(realpath "$built")
@@ -378,7 +378,36 @@ The firmware's watchdog takes 250 ms.
 | event | until every motor is at zero |
 |---|---|
 CAPTION
-      meson test -C "$built" --no-rebuild -v ways_out | grep -oE '\| [^|]+ \| [0-9]+ ms \|$'
+      WAYS_OUT=all meson test -C "$built" --no-rebuild -t 10 -v ways_out | grep -oE '\| [^|]+ \| [0-9]+ ms \|$' >"$work/rows"
+      grep -v -e '^| StandardFirmata: ' -e '^| SIG[A-Z0-9]*, ' "$work/rows"
+      cat <<'CAPTION'
+
+With StandardFirmata, which has no watchdog, at the same board. SIGKILL, SIGSEGV, `_exit()`, `quick_exit()`
+and `exec()` are the guardian's, as is the second signal under `gst-launch-1.0 -e`.
+
+| event | until every motor is at zero |
+|---|---|
+CAPTION
+      sed -n 's/^| StandardFirmata: /| /p' "$work/rows"
+      cat <<'CAPTION'
+
+Two signals, one right after the other, to a player with default actions, StandardFirmata and no guardian: ms until
+every motor is at zero, which is before the process ends. The first signal is the row's, the second the column's.
+
+CAPTION
+      sed -n 's/^| SIG\([A-Z0-9]*\), SIG\([A-Z0-9]*\) | \([0-9]*\) ms |$/\1 \2 \3/p' "$work/rows" | awk '
+        !seen[$1]++ { order[++n] = $1 }
+        { ms[$1, $2] = $3 }
+        END {
+          line = "|  |"; rule = "|---|"
+          for (j = 1; j <= n; j++) { line = line " " order[j] " |"; rule = rule "---|" }
+          print line; print rule
+          for (i = 1; i <= n; i++) {
+            line = "| " order[i] " |"
+            for (j = 1; j <= n; j++) line = line " " ms[order[i], order[j]] " |"
+            print line
+          }
+        }'
       ;;
   esac
 } >"$work/page.md"

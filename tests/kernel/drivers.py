@@ -6,6 +6,7 @@ Asserts no times. Waits for events for at most PATIENCE seconds of the machine's
 import contextlib
 import grp
 import os
+import pty
 import shutil
 import signal
 import subprocess
@@ -15,7 +16,7 @@ import time
 TESTS, BUILD = os.environ["TESTS"], os.environ["BUILD"]
 PATIENCE = 60
 ENVIRONMENT = dict(os.environ, HOME="/tmp", XDG_CACHE_HOME="/tmp/cache", XDG_STATE_HOME="/tmp/state", GST_PLUGIN_PATH=BUILD + "/gst",
-                   LD_LIBRARY_PATH=BUILD + "/lib/gst/tactile", GST_REGISTRY="/tmp/registry", PATH="/usr/bin:/usr/sbin:/bin:/sbin")
+                   LD_LIBRARY_PATH=BUILD + "/lib/gst/tactile", GST_REGISTRY="/tmp/registry", VISUOTACTILE_GUARDIAN=BUILD + "/tools/tactor-guardian", PATH="/usr/bin:/usr/sbin:/bin:/sbin")
 
 
 class Failed(Exception):
@@ -63,6 +64,11 @@ class Board:
                 levels[int(pin)] = int(level)
         return levels
 
+    def zeros(self):
+        """The times at which motors went off."""
+        with open(self.log) as log:
+            return [float(line.split(None, 1)[0]) for line in log if line.split()[1:2] == ["pwm"] and line.split()[3] == "0"]
+
     def on(self):
         return sum(level > 0 for level in self.levels().values())
 
@@ -80,12 +86,12 @@ class Board:
 
 
 class Play:
-    def __init__(self, motors, driver, *device, user=None, groups=None):
+    def __init__(self, motors, driver, *device, user=None, groups=None, properties=""):
         self.motors = motors
         self.output = "/tmp/play.log"
         with open(self.output, "w") as output:
             self.process = subprocess.Popen([sys.executable, TESTS + "/play.py", str(motors), driver, *device], stdin=subprocess.PIPE, stdout=output,
-                                            stderr=output, text=True, env=ENVIRONMENT, user=user, extra_groups=groups)
+                                            stderr=output, text=True, env=dict(ENVIRONMENT, TACTORSINK=properties), user=user, extra_groups=groups)
 
     def said(self):
         with open(self.output) as output:
@@ -176,10 +182,85 @@ def hung_up():
     stopped("", 9, signal.SIGHUP)
 
 
-def killed():
-    """SIGKILL: the tty is missing, and back after the next play."""
+def ended(board, how, since):
+    """Waits until all motors are off and the tty is back. Prints the time, which is the machine's."""
+    wait_for("zeros", lambda: board.on() == 0)
+    zero = max(board.zeros())
+    settled(board)
+    print(f"     {how}: motors off after {1000 * (zero - since):.0f} ms", flush=True)
+
+
+def guarded():
+    """SIGKILL, SIGSEGV, exec() and _exit(): the guardian stops nine motors, and the tty is back."""
+    for how in signal.SIGKILL, signal.SIGSEGV, "exec", "_exit":
+        with Board() as board, Play(9, "firmata") as play:
+            play.wait_to("playing")
+            wait_for("motors", lambda: board.on() == 9)
+            begin = time.monotonic()
+            if isinstance(how, str):
+                play.tell(how)
+            else:
+                play.process.send_signal(how)
+            play.process.wait(timeout=PATIENCE)
+            ended(board, how if isinstance(how, str) else how.name, begin)
+
+
+def two_signals():
+    """Each signal twice, and followed by another, without a guardian: nine motors stop, and the tty is back. tests/usb/ways_out.cpp has all pairs."""
+    for i, first in enumerate(TWO):
+        for second in first, TWO[i - 1]:
+            with Board() as board, Play(9, "firmata", properties="guardian=false") as play:
+                play.wait_to("playing")
+                wait_for("motors", lambda: board.on() == 9)
+                begin = time.monotonic()
+                play.process.send_signal(first)
+                play.process.send_signal(second)
+                play.process.wait(timeout=PATIENCE)
+                expect(board.on() == 0, f"{first.name}, {second.name}: {board.on()} motors are still on")
+                ended(board, f"{first.name}, {second.name}", begin)
+
+
+def terminal_closed():
+    """A terminal is closed in which bash has started a player: SIGHUP by bash, then by the kernel."""
     with Board() as board:
-        with Play(9, "firmata") as play:
+        shell, master = pty.fork()
+        if shell == 0:
+            os.execve("/bin/bash", ["bash", "--norc", "-i"], dict(ENVIRONMENT, TACTORSINK="guardian=false"))
+        os.write(master, f"{sys.executable} {TESTS}/play.py 9 firmata >/tmp/play.log\n".encode())
+        wait_for("motors", lambda: board.on() == 9)
+        begin = time.monotonic()
+        os.close(master)
+        os.waitpid(shell, 0)
+        ended(board, "a closed terminal", begin)
+
+
+def timed_out():
+    """timeout(1), which sends SIGTERM to the player and to its group, and gst-launch-1.0 -e with Ctrl-C twice."""
+    line = ("videotestsrc pattern=solid-color foreground-color=0xff373737 ! video/x-raw,format=GRAY8,width=36,height=1,framerate=30/1 ! capssetter "
+            "replace=true join=false caps=application/x-tactile-map,rows=3,columns=3,framerate=30/1 ! tactorsink driver=firmata max-active=0 max-duty=0 "
+            "max-on-time=0").split()
+    with Board() as board:
+        player = subprocess.Popen(["timeout", "1000", "gst-launch-1.0", "-q", *line, "guardian=false"], env=ENVIRONMENT, start_new_session=True)
+        wait_for("motors", lambda: board.on() == 9)
+        begin = time.monotonic()
+        player.terminate()
+        player.wait(timeout=PATIENCE)
+        ended(board, "timeout", begin)
+    with Board() as board:
+        player = subprocess.Popen(["gst-launch-1.0", "-q", "-e", *line], env=ENVIRONMENT)
+        wait_for("motors", lambda: board.on() == 9)
+        begin = time.monotonic()
+        player.send_signal(signal.SIGINT)
+        time.sleep(0.01)
+        player.send_signal(signal.SIGINT)
+        player.wait(timeout=PATIENCE)
+        ended(board, "gst-launch-1.0 -e, SIGINT twice", begin)
+
+
+def killed():
+    """SIGKILL without a guardian: the tty is missing, and back after the next play."""
+    with Board() as board:
+        with Play(9, "firmata", properties="guardian=false") as play:
             play.wait_to("playing")
             wait_for("motors", lambda: board.on() == 9)
             play.process.kill()
@@ -195,9 +276,9 @@ def killed():
 
 
 def killed_released():
-    """SIGKILL, then visuotactile-play --release-boards: motors off, the tty is back."""
+    """SIGKILL without a guardian, then visuotactile-play --release-boards: motors off, the tty is back."""
     with Board() as board:
-        with Play(9, "firmata") as play:
+        with Play(9, "firmata", properties="guardian=false") as play:
             play.wait_to("playing")
             wait_for("motors", lambda: board.on() == 9)
             play.process.kill()
@@ -332,7 +413,10 @@ def permitted():
         udevadm("control", "--reload")
 
 
-CASES = [stop_4, stop_9, stop_9_ch340, end_9, pause_9, terminated, hung_up, killed, killed_released, in_use_auto, in_use_named, in_use_unseen,
+TWO = [signal.SIGTERM, signal.SIGHUP, signal.SIGQUIT, signal.SIGALRM, signal.SIGUSR1, signal.SIGABRT]
+
+CASES = [stop_4, stop_9, stop_9_ch340, end_9, pause_9, terminated, hung_up, two_signals, terminal_closed, timed_out, guarded, killed,
+         killed_released, in_use_auto, in_use_named, in_use_unseen,
          strangers, two_of_one_number, permitted]
 
 

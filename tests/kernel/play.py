@@ -1,8 +1,9 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: LGPL-2.1-or-later
-"""Plays a chair with the first MOTORS of nine fully on, until a word on standard input: null, eos, pause, or end of file.
+"""Plays a chair with the first MOTORS of nine fully on, until a word on standard input: null, eos, pause, exec, _exit, abort, or end of file.
 
-Usage: play.py MOTORS DRIVER [DEVICE]    Prints each message of tactorsink, "playing" when it plays, "done" after the word."""
+Usage: play.py MOTORS DRIVER [DEVICE]    $TACTORSINK are further properties of tactorsink. Prints each message of tactorsink, "playing" when it plays, "done" after the word."""
+import os
 import struct
 import sys
 import threading
@@ -16,7 +17,7 @@ motors, driver = int(sys.argv[1]), sys.argv[2]
 Gst.init(None)
 pipeline = Gst.parse_launch('appsrc name=maps format=time is-live=true do-timestamp=true '
                             'caps="application/x-tactile-map,rows=(int)3,columns=(int)3,framerate=(fraction)25/1" ! '
-                            f'tactorsink name=tactors driver={driver} max-active=0 max-duty=0 max-on-time=0')
+                            f'tactorsink name=tactors driver={driver} max-active=0 max-duty=0 max-on-time=0 {os.environ.get("TACTORSINK", "")}')
 if len(sys.argv) > 3:
     pipeline.get_by_name("tactors").set_property("device", sys.argv[3])
 
@@ -61,5 +62,11 @@ elif word == "eos":
     pipeline.send_event(Gst.Event.new_eos())
     pipeline.get_bus().timed_pop_filtered(Gst.CLOCK_TIME_NONE, Gst.MessageType.EOS)
     pipeline.set_state(Gst.State.NULL)
+elif word == "exec":
+    os.execv("/bin/true", ["true"])
+elif word == "_exit":
+    os._exit(0)
+elif word == "abort":
+    os.abort()
 print("done", flush=True)
 until_told()

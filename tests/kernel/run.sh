@@ -49,6 +49,7 @@ $b mount -t 9p -o trans=virtio,version=9p2000.L,ro,msize=262144,cache=loose host
 $b mount -t tmpfs none /layer; $b mkdir /layer/upper /layer/work
 $b mount -t overlay -o lowerdir=/host,upperdir=/layer/upper,workdir=/layer/work none /root
 for folder in proc sys dev; do $b mount --bind /$folder /root/$folder; done
+$b mkdir -p /root/dev/pts; $b mount -t devpts -o ptmxmode=666 none /root/dev/pts
 $b mount -t tmpfs none /root/run; $b mount -t tmpfs none /root/tmp
 $b ip link set lo up
 $b cp /command /root/tmp/command

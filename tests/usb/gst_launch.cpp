@@ -1,14 +1,11 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 //
 // The state of a chair after gst-launch-1.0, which knows nothing of chairs, was terminated.
+#include "chair.h"
 #include "launch.h"
-
 #include "map_stream.h"
-#include "support/boards/emulated_board.h"
 
 #include <algorithm>
-#include <array>
-#include <memory>
 
 #include <gst/check/gstcheck.h>
 
@@ -17,42 +14,7 @@ using namespace usb_test;
 
 namespace {
 
-/// The nine pins of the chair on a Mega.
-constexpr std::array kPins{ 2, 3, 4, 5, 6, 7, 8, 9, 10 };
-
-constexpr int kDuty = 190; ///< of 255: level 0.747
-
-struct Chair
-{
-  explicit Chair(bool seat = false, Transport transport = Transport::cdc_acm)
-      : firmware(std::make_shared<Firmware>(kMega, seat)),
-        board(usb, { .transport = transport, .baud = 57600, .chip = 128 }, firmware)
-  {
-  }
-
-  /// After the soft start.
-  bool wait_for_motors()
-  {
-    return board.wait_until([&] {
-      return std::ranges::all_of(kPins, [&](int pin) { return firmware->duty(pin) == kDuty; });
-    });
-  }
-  /// The last bytes: a reset, and a query whose answer confirms that it was read.
-  bool was_told_to_stand() const
-  {
-    const Bytes told = board.bytes();
-    return told.size() >= 2 && told[told.size() - 2] == 0xff && told.back() == 0xf9;
-  }
-  /// The kernel took the board back from a process that has ended.
-  bool wait_for_hosts_end()
-  {
-    return board.wait_until([&] { return board.hosts() == 0; });
-  }
-
-  EmulatedUsb usb;
-  std::shared_ptr<Firmware> firmware;
-  EmulatedBoard board;
-};
+const std::vector<std::string> kAlone{ "driver=firmata", "guardian=false" };
 
 } // namespace
 
@@ -118,18 +80,18 @@ GST_START_TEST(test_terminated_while_opening)
 }
 GST_END_TEST;
 
-/// After SIGKILL nothing is sent. With StandardFirmata the motors stay on until the next play,
-/// which begins with a reset.
+/// After SIGKILL without a guardian nothing is sent. With StandardFirmata the motors stay on until
+/// the next play, which begins with a reset.
 GST_START_TEST(test_killed)
 {
   Chair chair;
-  Launch launch;
+  Launch launch({}, kAlone);
   fail_unless(chair.wait_for_motors());
   fail_unless(WIFSIGNALED(launch.end(SIGKILL)));
   fail_unless(chair.wait_for_hosts_end());
   chair.board.with_firmware([&] {
-    for (const int pin : kPins)
-      fail_unless_equals_int(chair.firmware->duty(pin), kDuty);
+    for (const int pin : Chair::kPins)
+      fail_unless_equals_int(chair.firmware->duty(pin), Chair::kDuty);
     fail_if(chair.firmware->next()); // no watchdog is armed
   });
 
@@ -164,7 +126,7 @@ GST_START_TEST(test_killed_and_released)
   };
   for (const Transport transport : kTransports) {
     Chair chair(false, transport);
-    Launch launch;
+    Launch launch({}, kAlone);
     fail_unless(chair.wait_for_motors());
     fail_unless(WIFSIGNALED(launch.end(SIGKILL)));
     fail_unless(chair.wait_for_hosts_end());

@@ -6,14 +6,17 @@
 //
 // Times are those at which bytes arrive over the emulated wire, or at which the firmware's watchdog
 // trips.
+#include "chair.h"
 #include "launch.h"
 #include "map_stream.h"
 #include "support/boards/emulated_board.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
+#include <functional>
 #include <memory>
 #include <unistd.h>
 #include <utility>
@@ -307,6 +310,86 @@ GST_START_TEST(test_ways_out_of_a_process)
 }
 GST_END_TEST;
 
+/// With StandardFirmata: by the player itself, or by its guardian.
+GST_START_TEST(test_ways_out_of_a_process_without_a_watchdog)
+{
+  const auto measure
+      = [](const char *name, Program &launch, Chair &chair, const std::function<void()> &take) {
+          fail_unless(chair.wait_for_motors());
+          const Clock::time_point begin = Clock::now();
+          take();
+          launch.wait();
+          std::printf("| StandardFirmata: %s | %.0f ms |\n", name,
+                      ms(wait_for_zero(chair.board, *chair.firmware, begin)));
+          std::fflush(stdout);
+          fail_unless(chair.wait_for_return());
+        };
+  for (const auto &[name, number] : { std::pair("SIGKILL", SIGKILL), { "SIGSEGV", SIGSEGV } }) {
+    Chair chair;
+    BarePlayer player;
+    measure(name, player, chair, [&] { player.send(number); });
+  }
+  for (const char *word : { "exit", "_exit", "quick_exit", "abort", "exec" }) {
+    Chair chair;
+    BarePlayer player;
+    measure(word, player, chair, [&] { player.tell(word); });
+  }
+  Chair chair;
+  Launch launch({ "-e" });
+  measure("gst-launch-1.0 -e, SIGINT twice", launch, chair, [&] {
+    launch.send(SIGINT);
+    launch.send(SIGINT);
+  });
+}
+GST_END_TEST;
+
+namespace {
+
+struct NamedSignal
+{
+  const char *name;
+  int number;
+};
+
+constexpr std::array kSignals{
+  NamedSignal{ "SIGINT", SIGINT },   NamedSignal{ "SIGTERM", SIGTERM },
+  NamedSignal{ "SIGHUP", SIGHUP },   NamedSignal{ "SIGQUIT", SIGQUIT },
+  NamedSignal{ "SIGPIPE", SIGPIPE }, NamedSignal{ "SIGALRM", SIGALRM },
+  NamedSignal{ "SIGUSR1", SIGUSR1 }, NamedSignal{ "SIGABRT", SIGABRT },
+};
+
+} // namespace
+
+/// Two signals, one right after the other, without a guardian: motors are at zero before the
+/// process ends, by the first one or, where the kernel delivers that later, the second. All pairs
+/// with WAYS_OUT=all, else each signal with itself and with the next one.
+GST_START_TEST(test_two_signals)
+{
+  const bool all = g_strcmp0(g_getenv("WAYS_OUT"), "all") == 0;
+  for (std::size_t i = 0; i < kSignals.size(); i++)
+    for (std::size_t j = 0; j < kSignals.size(); j++) {
+      if (!all && j != i && j != (i + 1) % kSignals.size())
+        continue;
+      const NamedSignal &first = kSignals[i];
+      const NamedSignal &second = kSignals[j];
+      Chair chair;
+      BarePlayer player({ "driver=firmata", "guardian=false" });
+      fail_unless(chair.wait_for_motors());
+      const Clock::time_point begin = Clock::now();
+      player.send(first.number);
+      player.send(second.number);
+      const int status = player.wait();
+      fail_if(chair.any_motor_on(), "%s, %s", first.name, second.name);
+      fail_unless(WIFSIGNALED(status)
+                  && (WTERMSIG(status) == first.number || WTERMSIG(status) == second.number));
+      fail_unless(chair.wait_for_return());
+      std::printf("| %s, %s | %.0f ms |\n", first.name, second.name,
+                  ms(wait_for_zero(chair.board, *chair.firmware, begin)));
+      std::fflush(stdout);
+    }
+}
+GST_END_TEST;
+
 namespace {
 
 /// A track in a temporary file.
@@ -387,6 +470,10 @@ ways_out_suite(void)
   tcase_add_test(tests, test_ways_out_of_a_play);
   tcase_add_test(tests, test_ways_out_without_a_watchdog);
   tcase_add_test(tests, test_ways_out_of_a_process);
+  tcase_add_test(tests, test_ways_out_of_a_process_without_a_watchdog);
+  tcase_add_test(tests, test_two_signals);
+  if (g_getenv("WAYS_OUT"))
+    tcase_set_timeout(tests, 1000);
   tcase_add_test(tests, test_stopped_and_continued);
   return suite;
 }

@@ -67,6 +67,16 @@ start_error(GstBus *bus)
   return error->message;
 }
 
+bool
+motors_may_run(GstElement *sink)
+{
+  g_autoptr(GstStructure) stats = nullptr;
+  if (g_object_class_find_property(G_OBJECT_GET_CLASS(sink), "actuation-stats"))
+    g_object_get(sink, "actuation-stats", &stats, nullptr);
+  gboolean may_run = FALSE;
+  return stats && gst_structure_get_boolean(stats, "may-run", &may_run) && may_run;
+}
+
 std::string
 launch_value(const std::string &value)
 {

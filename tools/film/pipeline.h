@@ -35,5 +35,9 @@ Owned<GstElement> element(const Pipeline &pipeline, const char *name);
 /// The first error on the bus of a pipeline that did not start.
 std::string start_error(GstBus *bus);
 
+/// Whether the motors of a sink that was set to NULL may still be on, as its board did not confirm
+/// that they are not. The sink has said so on standard error.
+bool motors_may_run(GstElement *sink);
+
 /// A value for a launch line of make_pipeline(), such as the name of a file, which may be any bytes.
 std::string launch_value(const std::string &value);

@@ -315,7 +315,7 @@ feel_test(const Options &options)
         std::fflush(stdout);
       },
       [](const std::string &warning) { print_error(kProgram, warning); });
-  return 0;
+  return motors_may_run(sink.get()) ? 1 : 0;
 }
 
 int
@@ -389,7 +389,7 @@ run(const Options &options)
   if (!settings.window && report.played && !report.recorded)
     std::printf("Recording      not finished, so not kept\n");
   std::printf("Written        %s\n", written.empty() ? "nothing" : written.c_str());
-  return 0;
+  return report.motors_may_run ? 1 : 0;
 }
 
 } // namespace

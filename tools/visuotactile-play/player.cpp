@@ -3,6 +3,7 @@
 
 #include "steering.h"
 
+#include "film/frame_times.h"
 #include "film/pipeline.h"
 #include "film/progress.h"
 #include "gst/video/video_sinks.h"
@@ -51,6 +52,7 @@ public:
   {
     pipeline_ = make_pipeline(launch_line(film_, settings_));
     analysis_ = element(pipeline_, "analysis");
+    let_times_advance(Owned<GstPad>(gst_element_get_static_pad(analysis_.get(), "sink")).get());
     chair_ = element(pipeline_, "chair");
     if (const Owned<GstElement> recorder = element(pipeline_, "recorder"))
       g_object_set(recorder.get(), "location", settings_.recording.c_str(), nullptr);
@@ -95,6 +97,7 @@ public:
     gst_element_set_state(pipeline_.get(), GST_STATE_READY);
     check_trace(bus.get());
     gst_element_set_state(pipeline_.get(), GST_STATE_NULL);
+    report_.motors_may_run = motors_may_run(chair_.get());
     report_.position = position_.load();
     report_.reached = std::max(report_.position, heard_.load());
     report_.recorded = recorded_.load();

@@ -15,6 +15,7 @@ struct PlayReport
   bool played = false;              ///< at least one frame
   bool stopped = false;             ///< by the user
   bool recorded = false;            ///< the recording is complete
+  bool motors_may_run = false;      ///< see motors_may_run()
   bool silent = false;              ///< there is sound in the film, but none that can be decoded
   std::string failure;              ///< why nothing could be played or written, or empty
   std::string ended_early;          ///< the error at which a broken film ended, or empty

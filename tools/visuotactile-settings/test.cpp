@@ -74,5 +74,5 @@ test(int argc, char **argv)
         std::fflush(stdout);
       },
       [](const std::string &warning) { print_error("visuotactile-settings", warning); });
-  return 0;
+  return motors_may_run(tactors.get()) ? 1 : 0;
 }

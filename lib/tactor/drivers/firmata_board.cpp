@@ -59,8 +59,10 @@ FirmataBoard::take(const firmata::Event &event)
     if (state_ == State::asking && is_reset_)
       take_capabilities(*capabilities);
   } else if (std::holds_alternative<firmata::VersionReport>(event)) {
-    if (state_ == State::closing && shutdown_begun_)
+    if (state_ == State::closing && shutdown_begun_) {
       state_ = State::closed; // so it has read the zeros, too
+      is_stopped_ = true;
+    }
   }
 }
 
@@ -162,7 +164,7 @@ FirmataBoard::ask(firmata::Encoder &out, Time now)
     return;
   }
   if (!std::exchange(is_reset_, true))
-    out.reset();
+    out.end_sysex().reset(); // its last host may have been cut off
   out.ask_capabilities();
 }
 
@@ -258,6 +260,12 @@ FirmataBoard::is_settled() const
     if (pins_[i].value != target(i))
       return false;
   return true;
+}
+
+bool
+FirmataBoard::is_still(Time now) const
+{
+  return pins_.empty() || (!on_the_way_ && now >= line_free_ && !drives());
 }
 
 /// Whether a motor may be on.

@@ -25,8 +25,8 @@ struct FirmataPatience
   Time keepalive = std::chrono::milliseconds(
       100); ///< between transfers to a board with watchdog while a motor is on
   Time drain = std::chrono::milliseconds(250); ///< for the zeros of close() to be sent
-  Time acknowledge
-      = std::chrono::milliseconds(50); ///< after that, for the board's answer that it has read them
+  Time acknowledge = std::chrono::milliseconds(
+      250); ///< after that, for the board's answer that it has read them
 };
 
 /// State machine for one board that speaks Firmata. The owner sends what next() returns and reports
@@ -57,8 +57,7 @@ public:
     asking,
     running,
     closing,
-    /// The motors are at zero, or the board did not confirm it in time. Nothing more is sent.
-    closed,
+    closed, ///< nothing more is sent; see is_stopped()
     failed, ///< see failure()
   };
 
@@ -99,6 +98,13 @@ public:
   /// Name and version of the firmware, as "StandardFirmata.ino 2.5"; empty before the report.
   std::string firmware() const;
   bool has_watchdog() const;
+  /// Of a closed board: it has confirmed that its motors are at zero.
+  bool is_stopped() const
+  {
+    return is_stopped_;
+  }
+  /// Whether the board has no level but zero: what was sent last has been carried by the line.
+  bool is_still(Time now) const;
   /// Pin of each tactor.
   std::vector<int> pins() const;
   /// Smallest step of a level on the coarsest pin; 0 without pins.
@@ -144,6 +150,7 @@ private:
   std::vector<double> levels_;  ///< as wanted; shorter than pins_: the rest is 0
   bool shutdown_begun_ = false; ///< the last transfer of close() was begun
   bool shutdown_sent_ = false;  ///< it was written
+  bool is_stopped_ = false;
 
   Time started_;
   std::optional<Time> asked_;

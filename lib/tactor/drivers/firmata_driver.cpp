@@ -88,6 +88,7 @@ FirmataDriver::status() const
 void
 FirmataDriver::run(Lock &lock)
 {
+  may_run_ = false;
   std::unique_ptr<SerialBus> bus;
   std::unique_ptr<SerialPort> port;
   const tl::expected<void, DriverError> connected
@@ -127,6 +128,8 @@ FirmataDriver::run(Lock &lock)
   }
 
   realtime_.reset();
+  if (bus)
+    make_sure(lock, *bus);
   {
     const Unlocked unlocked(lock);
     if (bus)
@@ -194,8 +197,11 @@ FirmataDriver::connect_first(Lock &lock, SerialBus &bus)
       if (!status_.has_watchdog)
         tell(lock, DriverEvent::Kind::warning,
              status_.board + ": " + status_.firmware
-                 + " has no watchdog: motors run on if this computer hangs or the player is "
-                   "killed; the seat firmware has one (docs/hardware)");
+                 + " has no watchdog: motors run on if this computer hangs"
+                 + (guardian_          ? ""
+                    : config_.guardian ? " or the player is killed, as " + status_.guardian
+                                       : " or the player is killed")
+                 + "; the seat firmware has one (docs/hardware)");
       return port;
     }
     if (quit_)
@@ -312,6 +318,8 @@ FirmataDriver::connect(Lock &lock, SerialBus &bus, const SerialDevice &device, b
   status_.has_watchdog = board_->has_watchdog();
   status_.pins = board_->pins();
   status_.is_there = true;
+  may_run_ = false; // it was reset
+  guard(lock);
   return port;
 }
 
@@ -350,6 +358,7 @@ FirmataDriver::converse(Lock &lock, SerialPort &port, bool (FirmataDriver::*is_d
 void
 FirmataDriver::release(Lock &lock, std::unique_ptr<SerialPort> port)
 {
+  const bool was_still = board_->is_still(steady_now());
   board_->close(steady_now());
   stand();
   converse(lock, *port, &FirmataDriver::has_left);
@@ -357,8 +366,51 @@ FirmataDriver::release(Lock &lock, std::unique_ptr<SerialPort> port)
     const Unlocked unlocked(lock);
     port.reset();
   }
+  may_run_ = !board_->is_stopped() && (may_run_ || (!was_still && !board_->has_watchdog()));
   bytes_before_ += board_->bytes_sent();
   board_.reset();
+}
+
+/// Has a guardian watch over the board that was just connected, instead of the last one.
+void
+FirmataDriver::guard(Lock &lock)
+{
+  if (guardian_)
+    guardian_->dismiss();
+  guardian_.reset();
+  status_.guardian = status_.has_watchdog || config_.guardian ? "" : "off";
+  if (status_.has_watchdog || !config_.guardian)
+    return;
+  tl::expected<Guardian, std::string> started = [&] {
+    const Unlocked unlocked(lock);
+    return Guardian::start(device_.bus_path);
+  }();
+  status_.guardian = started ? "running" : started.error();
+  if (started)
+    guardian_ = std::move(*started);
+}
+
+/// After the last conversation: tries again to stop motors that may be on, and tells if they still
+/// may.
+void
+FirmataDriver::make_sure(Lock &lock, SerialBus &bus)
+{
+  if (may_run_) {
+    const tl::expected<void, DriverError> stopped = [&] {
+      const Unlocked unlocked(lock);
+      return stop_board(bus, device_, true, settings_.stop_patience);
+    }();
+    may_run_ = !stopped;
+    // One that is unplugged is without power, or its loss was told.
+    if (!stopped && stopped.error().kind != DriverError::Kind::not_found) {
+      status_.may_run = true;
+      tell(lock, DriverEvent::Kind::not_stopped,
+           stopped.error().text + "; its motors may still be on: switch their supply off");
+    }
+  }
+  if (guardian_ && !may_run_)
+    guardian_->dismiss();
+  guardian_.reset(); // it goes on trying
 }
 
 bool

@@ -4,7 +4,9 @@
 #include "tactor/drivers/board_choice.h"
 #include "tactor/drivers/board_refusals.h"
 #include "tactor/drivers/firmata_board.h"
+#include "tactor/drivers/guardian.h"
 #include "tactor/drivers/known_boards.h"
+#include "tactor/drivers/stop_board.h"
 #include "tactor/drivers/threaded_driver.h"
 #include "tactor/realtime/realtime_thread.h"
 #include "tactor/serial/serial_port.h"
@@ -28,7 +30,9 @@ namespace tactor {
 /// BoardIdentity recognizes it.
 ///
 /// If a signal or exit() ends the process while a board is open, the motors are stopped first: see
-/// TerminationGuard.
+/// TerminationGuard. If it is killed, a Guardian stops those of a board without a watchdog. A board
+/// that does not confirm its zeros at the end is tried again by stop_board(); if that fails, the
+/// event not_stopped says so.
 ///
 /// A thread of the driver has bus, port and reconnection; write() hands it the levels and never
 /// waits.
@@ -44,6 +48,7 @@ public:
   struct Settings
   {
     FirmataPatience patience{};
+    StopPatience stop_patience{};
     Time look_again = std::chrono::seconds(1);
     std::filesystem::path known_boards = KnownBoards::default_file(); ///< see KnownBoards
   };
@@ -72,6 +77,8 @@ private:
   connect(Lock &lock, SerialBus &bus, const SerialDevice &device, bool is_stranger);
   void converse(Lock &lock, SerialPort &port, bool (FirmataDriver::*is_done)() const);
   void release(Lock &lock, std::unique_ptr<SerialPort> port);
+  void guard(Lock &lock);
+  void make_sure(Lock &lock, SerialBus &bus);
   bool has_answered() const;
   bool is_quitting() const;
   bool has_left() const;
@@ -87,6 +94,8 @@ private:
   std::optional<RealtimeThread> realtime_;
   KnownBoards known_boards_;
   ReturnRefusals return_refusals_;
+  std::optional<Guardian> guardian_; ///< of the last board
+  bool may_run_ = false;             ///< the last board was left without word that it stands
 
   // Guarded by the mutex
   std::stop_source opening_; ///< cancels the opening of a port; requested with quit_

@@ -123,6 +123,12 @@ Encoder::reset()
 }
 
 Encoder &
+Encoder::end_sysex()
+{
+  return add({ kEndSysex });
+}
+
+Encoder &
 Encoder::keepalive()
 {
   return add({ kStartSysex, kKeepalive, kEndSysex });

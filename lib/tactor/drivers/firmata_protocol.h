@@ -37,8 +37,10 @@ public:
   /// Duty cycle of a pin: an analog message if pin (below 16) and value (14 bits) fit, else an
   /// extended one (21 bits).
   Encoder &set_value(int pin, unsigned value);
-  /// Sets all pins to output, low, and drops an incomplete message.
+  /// Sets all pins to output, low, and drops an incomplete message other than a system-exclusive
+  /// one.
   Encoder &reset();
+  Encoder &end_sysex(); ///< `F7`: ends one that was cut off
   /// `F0 01 F7`, an id that Firmata leaves to its users: the host is alive. For kSeatFirmware;
   /// others ignore it.
   Encoder &keepalive();

@@ -35,6 +35,8 @@ cdc_acm_line(const libusb_device_descriptor &device, const libusb_config_descrip
         { kToInterface, kSetLineCoding, 0, index, { 0x00, 0xe1, 0x00, 0x00, 0x00, 0x00, 0x08 } },
       };
       line->ready = { { kToInterface, kSetControlLineState, 0x0003, index } };
+      if (is_one_of(device, kDtrResets))
+        line->hang_up = { { kToInterface, kSetControlLineState, 0x0000, index } };
       return line;
     }
   }

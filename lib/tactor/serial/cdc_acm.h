@@ -21,6 +21,16 @@ inline constexpr std::array kCdcAcmDevices{
   UsbId{ 0x1a86, 0 }, // WCH, USB chips of many boards
 };
 
+/// Boards with an ATmega16U2 or 8U2 whose DTR resets the ATmega that drives the motors: Uno, Mega,
+/// Mega ADK (boards.txt of Arduino's AVR core). And the USB chips of WCH, which boards wire alike.
+inline constexpr std::array kDtrResets{
+  UsbId{ 0x2341, 0x0001 }, UsbId{ 0x2341, 0x0010 }, UsbId{ 0x2341, 0x003f },
+  UsbId{ 0x2341, 0x0042 }, UsbId{ 0x2341, 0x0043 }, UsbId{ 0x2341, 0x0044 },
+  UsbId{ 0x2341, 0x0210 }, UsbId{ 0x2341, 0x0242 }, UsbId{ 0x2341, 0x0243 },
+  UsbId{ 0x2a03, 0x0010 }, UsbId{ 0x2a03, 0x003f }, UsbId{ 0x2a03, 0x0042 },
+  UsbId{ 0x2a03, 0x0043 }, UsbId{ 0x2a03, 0x0044 }, UsbId{ 0x1a86, 0 },
+};
+
 /// The serial line of the USB communications class (CDC 1.2, PSTN 1.2, abstract control model):
 /// Uno, Mega, Leonardo, Teensy, RP2040. Only from vendors of boards: modems use it, too, and must
 /// not get bytes of Firmata.

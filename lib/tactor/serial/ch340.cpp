@@ -29,6 +29,7 @@ ch340_line(const libusb_device_descriptor &device, const libusb_config_descripto
     { kToDevice, kWriteRegisters, 0x2518, 0x00c3 }, // line control: receive, send, 8 bits
   };
   line->ready = { { kToDevice, kModemControl, 0xff9f, 0 } }; // inverted
+  line->hang_up = { { kToDevice, kModemControl, 0xffff, 0 } };
   return line;
 }
 

@@ -34,6 +34,10 @@ ftdi_line(const libusb_device_descriptor &device, const libusb_config_descriptor
     { kToDevice, kModemControl, 0x0101, index }, // DTR
     { kToDevice, kModemControl, 0x0202, index }, // RTS
   };
+  line->hang_up = {
+    { kToDevice, kModemControl, 0x0100, index }, // DTR
+    { kToDevice, kModemControl, 0x0200, index }, // RTS
+  };
   return line;
 }
 

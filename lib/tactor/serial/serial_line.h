@@ -42,6 +42,8 @@ struct SerialLine
   int status_bytes = 0;               ///< at the begin of each packet, not from the line
   std::vector<ControlRequest> set_up; ///< 57600 baud 8N1
   std::vector<ControlRequest> ready;  ///< DTR and RTS on, which resets many boards
+  /// DTR and RTS off, on boards that are reset when DTR is on again; empty for others.
+  std::vector<ControlRequest> hang_up;
 };
 
 /// A line over the first bulk endpoint in each direction of an interface. None if one is missing or

@@ -77,6 +77,13 @@ public:
   [[nodiscard]] virtual tl::expected<std::unique_ptr<SerialPort>, DriverError>
   open(const SerialDevice &device, SerialPort::Events events, std::stop_token stop = {}) = 0;
 
+  /// Resets a board that speaks no more, by DTR. Errors: as open(), and `failed` if the device is
+  /// not known to be reset by that.
+  [[nodiscard]] virtual tl::expected<void, DriverError> reset(const SerialDevice & /*device*/)
+  {
+    return tl::unexpected(DriverError{ DriverError::Kind::failed, "it has no line for a reset" });
+  }
+
   /// Whether a program has the operating system's line to the device open, from which open() would
   /// take it. Opens nothing.
   virtual LineUse use(const SerialDevice & /*device*/)

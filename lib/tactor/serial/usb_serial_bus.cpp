@@ -150,6 +150,18 @@ UsbSerialBus::open(const SerialDevice &device, SerialPort::Events events, std::s
 }
 
 tl::expected<void, DriverError>
+UsbSerialBus::reset(const SerialDevice &device)
+{
+  const tl::expected<UsbContext, DriverError> context = UsbContext::create();
+  if (!context)
+    return tl::unexpected(context.error());
+  return ClaimedDevice::open(*context, device, true, patience_.request, {})
+      .and_then([&](const ClaimedDevice &claimed) {
+        return claimed.pulse_dtr(*context, device, patience_.request);
+      });
+}
+
+tl::expected<void, DriverError>
 UsbSerialBus::watch(std::function<void()> changed)
 {
   watch_.reset();

@@ -27,6 +27,7 @@ public:
   [[nodiscard]] tl::expected<std::vector<SerialDevice>, DriverError> list() override;
   [[nodiscard]] tl::expected<std::unique_ptr<SerialPort>, DriverError>
   open(const SerialDevice &device, SerialPort::Events events, std::stop_token stop = {}) override;
+  [[nodiscard]] tl::expected<void, DriverError> reset(const SerialDevice &device) override;
   tl::expected<void, DriverError> watch(std::function<void()> changed) override;
   LineUse use(const SerialDevice &device) override;
   bool is_left(const SerialDevice &device) override;

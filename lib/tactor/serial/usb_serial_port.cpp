@@ -14,6 +14,9 @@ namespace tactor {
 
 namespace {
 
+/// DTR acts on a board's reset by a capacitor of 100 nF, which 10 kΩ discharge.
+constexpr auto kHangUp = std::chrono::milliseconds(20);
+
 constexpr auto kErrorPause = std::chrono::milliseconds(10);
 
 /// Delay of a USB chip between its endpoint and its serial line.
@@ -123,6 +126,19 @@ ClaimedDevice::make(const std::vector<ControlRequest> &requests, const UsbContex
         error != LIBUSB_SUCCESS)
       return failure(error, device, "cannot be set up");
   return {};
+}
+
+tl::expected<void, DriverError>
+ClaimedDevice::pulse_dtr(const UsbContext &context, const SerialDevice &device,
+                         std::chrono::milliseconds patience) const
+{
+  if (line_.hang_up.empty())
+    return tl::unexpected(DriverError{ DriverError::Kind::failed,
+                                       called(device) + " is not known to be reset by DTR" });
+  return make(line_.hang_up, context, device, patience, {}).and_then([&] {
+    std::this_thread::sleep_for(kHangUp);
+    return make(line_.ready, context, device, patience, {});
+  });
 }
 
 tl::expected<std::unique_ptr<UsbSerialPort>, DriverError>

@@ -30,6 +30,11 @@ public:
   ClaimedDevice(ClaimedDevice &&) = default;
   ClaimedDevice &operator=(ClaimedDevice &&) = delete;
 
+  /// Switches DTR off and on.
+  [[nodiscard]] tl::expected<void, DriverError> pulse_dtr(const UsbContext &context,
+                                                          const SerialDevice &device,
+                                                          std::chrono::milliseconds patience) const;
+
   libusb_device_handle *get() const
   {
     return handle_.get();

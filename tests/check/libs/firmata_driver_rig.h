@@ -43,10 +43,12 @@ class DriverRig
 {
 public:
   explicit DriverRig(Firmware firmware = Firmware::any, FirmataPatience patience = kEndless,
-                     Time look_again = 1h)
-      : driver(
-          firmware, [this] { return std::make_unique<MemoryBus>(sockets); },
-          { .patience = patience, .look_again = look_again, .known_boards = folder.file("boards") })
+                     Time look_again = 1h, StopPatience stop_patience = {})
+      : driver(firmware, [this] { return std::make_unique<MemoryBus>(sockets); },
+               { .patience = patience,
+                 .stop_patience = stop_patience,
+                 .look_again = look_again,
+                 .known_boards = folder.file("boards") })
   {
     for (const MemoryBoard *board : { &mega, &uno, &seat })
       known.add(board->device);

@@ -3,16 +3,19 @@
 // Each case is a process that receives a signal while it has something to release.
 #include "tactor/termination.h"
 
+#include <array>
 #include <csignal>
 #include <cstdlib>
 #include <fcntl.h>
 #include <functional>
 #include <memory>
 #include <optional>
+#include <sched.h>
 #include <string>
 #include <sys/wait.h>
 #include <thread>
 #include <unistd.h>
+#include <utility>
 
 // gstcheck.h defines a macro `fail`, so it follows the standard library's headers.
 #include "support/contains.h"
@@ -23,25 +26,33 @@ using tactor::TerminationGuard;
 
 namespace {
 
+/// What ends a process by default.
+constexpr std::array kSignals{
+  SIGINT, SIGTERM, SIGHUP, SIGQUIT, SIGPIPE, SIGALRM, SIGUSR1, SIGABRT
+};
+
 /// A child process, what it writes and how it ends.
 class Process
 {
 public:
   explicit Process(const std::function<void(Process &)> &act)
   {
-    fail_unless(pipe(ends_) == 0);
+    fail_unless(pipe(ends_) == 0 && pipe(permission_) == 0);
     pid_ = fork();
     if (pid_ == 0) {
-      for (const int number : { SIGTERM, SIGINT, SIGHUP })
+      close(permission_[1]);
+      for (const int number : kSignals)
         std::signal(number, SIG_DFL);
       act(*this);
       std::_Exit(0);
     }
     close(ends_[1]);
+    close(permission_[0]);
   }
   ~Process()
   {
     close(ends_[0]);
+    permit();
     if (status_)
       return;
     kill(pid_, SIGKILL);
@@ -55,13 +66,21 @@ public:
   {
     fail_unless(write(ends_[1], &c, 1) == 1);
   }
-  /// Writes 'l' when it leaves, which is on the second call.
-  std::unique_ptr<TerminationGuard> guard()
+  /// Writes 'l' when it leaves, which is on each second call.
+  std::unique_ptr<TerminationGuard> guard(const std::function<void()> &meanwhile = nullptr)
   {
-    return std::make_unique<TerminationGuard>([this, calls = 0](auto) mutable {
-      if (++calls == 2)
-        say('l');
+    return std::make_unique<TerminationGuard>([this, meanwhile, calls = 0](auto) mutable {
+      if (++calls % 2 != 0)
+        return;
+      if (meanwhile)
+        meanwhile();
+      say('l');
     });
+  }
+  void wait_for_permission()
+  {
+    char c = 0;
+    static_cast<void>(!read(permission_[0], &c, 1)); // until it is closed
   }
   void wait_for_a_signal()
   {
@@ -79,6 +98,11 @@ public:
   void send(int signal)
   {
     fail_unless(kill(pid_, signal) == 0);
+  }
+  void permit()
+  {
+    if (permission_[1] >= 0)
+      close(std::exchange(permission_[1], -1));
   }
   /// Everything it writes until its end.
   std::string end()
@@ -99,6 +123,7 @@ public:
 
 private:
   int ends_[2]{ -1, -1 };
+  int permission_[2]{ -1, -1 };
   pid_t pid_ = -1;
   std::optional<int> status_;
 };
@@ -108,7 +133,7 @@ private:
 /// Guards leave, then the process dies of the signal.
 GST_START_TEST(test_signals)
 {
-  for (const int signal : { SIGTERM, SIGINT, SIGHUP }) {
+  for (const int signal : kSignals) {
     Process process([](Process &self) {
       const auto guard = self.guard();
       self.wait_for_a_signal();
@@ -118,6 +143,98 @@ GST_START_TEST(test_signals)
     assert_text(process.end(), "l");
     fail_unless(process.died_of(signal));
   }
+}
+GST_END_TEST;
+
+/// Any other signals while a way out is under way, in any order and number, end nothing: the motors
+/// are stopped, then the process dies of the first one.
+GST_START_TEST(test_further_signals)
+{
+  for (const int first : kSignals)
+    for (const int second : kSignals) {
+      Process process([](Process &self) {
+        const auto guard = self.guard([&self] {
+          self.say('w');
+          self.wait_for_permission();
+        });
+        self.wait_for_a_signal();
+      });
+      fail_unless(process.hear() == 'b');
+      process.send(first);
+      fail_unless(process.hear() == 'w');
+      for (const int further : { second, first, second, SIGTERM })
+        process.send(further);
+      process.permit();
+      assert_text(process.end(), "l");
+      fail_unless(process.died_of(first));
+    }
+}
+GST_END_TEST;
+
+/// abort() is a signal, too, but ends the process when its handler returns.
+GST_START_TEST(test_abort)
+{
+  for (const bool on_a_thread : { false, true }) {
+    Process process([on_a_thread](Process &self) {
+      const auto guard = self.guard();
+      if (on_a_thread)
+        std::thread([] { std::abort(); }).join();
+      std::abort();
+    });
+    assert_text(process.end(), "l");
+    fail_unless(process.died_of(SIGABRT));
+  }
+}
+GST_END_TEST;
+
+/// gst-launch-1.0 -e drops its handler at the first Ctrl-C: from then on the signal is caught.
+GST_START_TEST(test_application_drops_its_handler)
+{
+  Process process([](Process &self) {
+    static Process *process = nullptr;
+    process = &self;
+    std::signal(SIGINT, [](int) { process->say('h'); });
+    const auto guard = self.guard();
+    self.say('b');
+    self.wait_for_permission();
+    std::signal(SIGINT, SIG_DFL);
+    struct sigaction action
+    {
+    };
+    do {
+      sigaction(SIGINT, nullptr, &action);
+      sched_yield();
+    } while (action.sa_handler == SIG_DFL);
+    self.wait_for_a_signal();
+  });
+  fail_unless(process.hear() == 'b');
+  process.send(SIGINT);
+  fail_unless(process.hear() == 'h');
+  process.permit();
+  fail_unless(process.hear() == 'b');
+  process.send(SIGINT);
+  assert_text(process.end(), "l");
+  fail_unless(process.died_of(SIGINT));
+}
+GST_END_TEST;
+
+/// An application that handles the signal when the motors have been stopped goes on, and is as well
+/// guarded as before.
+GST_START_TEST(test_application_handles_it_meanwhile)
+{
+  Process process([](Process &self) {
+    static Process *process = nullptr;
+    process = &self;
+    const auto guard = self.guard([] { std::signal(SIGTERM, [](int) { process->say('h'); }); });
+    self.wait_for_a_signal();
+  });
+  fail_unless(process.hear() == 'b');
+  process.send(SIGTERM);
+  for (const char c : std::string("lh"))
+    fail_unless(process.hear() == c);
+  process.send(SIGHUP);
+  assert_text(process.end(), "l");
+  fail_unless(process.died_of(SIGHUP));
 }
 GST_END_TEST;
 
@@ -277,27 +394,23 @@ GST_START_TEST(test_children_with_boards)
 }
 GST_END_TEST;
 
-/// A guard may take kPatience at most. A second signal ends the process at once.
+/// A guard may take kPatience at most.
 GST_START_TEST(test_time_limit)
 {
-  for (const bool twice : { false, true }) {
-    Process process([twice](Process &self) {
-      const TerminationGuard guard([&, calls = 0](auto until) mutable {
-        if (++calls == 1)
-          return;
-        self.say('w');
-        std::this_thread::sleep_until(twice ? until + 1h : until);
-      });
-      self.wait_for_a_signal();
+  Process process([](Process &self) {
+    const TerminationGuard guard([&, calls = 0](auto until) mutable {
+      if (++calls == 1)
+        return;
+      self.say('w');
+      std::this_thread::sleep_until(until);
     });
-    fail_unless(process.hear() == 'b');
-    process.send(SIGTERM);
-    fail_unless(process.hear() == 'w');
-    if (twice)
-      process.send(SIGTERM);
-    assert_text(process.end(), "");
-    fail_unless(process.died_of(SIGTERM));
-  }
+    self.wait_for_a_signal();
+  });
+  fail_unless(process.hear() == 'b');
+  process.send(SIGTERM);
+  fail_unless(process.hear() == 'w');
+  assert_text(process.end(), "");
+  fail_unless(process.died_of(SIGTERM));
 }
 GST_END_TEST;
 
@@ -308,6 +421,10 @@ termination_suite(void)
   TCase *tests = tcase_create("general");
   suite_add_tcase(suite, tests);
   tcase_add_test(tests, test_signals);
+  tcase_add_test(tests, test_further_signals);
+  tcase_add_test(tests, test_abort);
+  tcase_add_test(tests, test_application_drops_its_handler);
+  tcase_add_test(tests, test_application_handles_it_meanwhile);
   tcase_add_test(tests, test_all_guards_leave);
   tcase_add_test(tests, test_exit);
   tcase_add_test(tests, test_application_takes_precedence);

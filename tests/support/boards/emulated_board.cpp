@@ -258,6 +258,8 @@ EmulatedBoard::submit(const Urb &urb)
 {
   if (urb.is_control()) {
     control(urb);
+  } else if (write_failure_ != 0 && !urb.is_to_host()) {
+    nodes_.back().done(urb, -std::exchange(write_failure_, 0), 0);
   } else if (failures_ > 0) {
     break_one(urb, urb.is_to_host() ? 0 : urb.bytes().size() / 2);
   } else if (urb.is_to_host()) {
@@ -323,11 +325,13 @@ EmulatedBoard::control(const Urb &urb)
   // A rising DTR resets the board.
   const bool dtr = request.starts_with("21 22 0003") || request.starts_with("40 01 0101")
                    || request.starts_with("40 a4 ff9f");
-  if (dtr && !dtr_ && firmware_) {
+  if (dtr && !dtr_ && !ignore_dtr_ && firmware_) {
     say(firmware_->reset());
     feed_reads();
   }
-  dtr_ = dtr_ || dtr;
+  const bool is_off = request.starts_with("21 22 0000") || request.starts_with("40 01 0100")
+                      || request.starts_with("40 a4 ffff");
+  dtr_ = (dtr_ || dtr) && !is_off;
 }
 
 // ---- the wire to the firmware

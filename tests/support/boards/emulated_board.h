@@ -61,6 +61,12 @@ public:
     return conversation_;
   }
   int transfers_pending() const;
+  /// Whether the last thing that happened to it is that the kernel's driver got it. The caller
+  /// holds the lock.
+  bool is_returned() const
+  {
+    return !conversation_.empty() && conversation_.back().starts_with("return");
+  }
   /// Openings that have claimed the board. The caller holds the lock, as in wait_until() and
   /// with_firmware().
   std::size_t hosts() const
@@ -100,6 +106,17 @@ public:
   /// That many bulk transfers fail, or every one with kAll. Writes that begin later fail after half
   /// of their bytes.
   void break_transfers(int count, int error = EPROTO);
+  void fail_next_write(int error)
+  {
+    const std::lock_guard lock(mutex_);
+    write_failure_ = error;
+  }
+  /// DTR resets nothing.
+  void ignore_dtr(bool on)
+  {
+    const std::lock_guard lock(mutex_);
+    ignore_dtr_ = on;
+  }
   /// Control requests are never answered.
   void ignore_requests(bool on)
   {
@@ -174,7 +191,9 @@ private:
   std::function<void(Bytes &)> garble_;
   bool stalled_ = false;
   int failures_ = 0;
-  int failure_ = 0; ///< errno of each
+  int failure_ = 0;       ///< errno of each
+  int write_failure_ = 0; ///< errno of the next write; 0: none
+  bool ignore_dtr_ = false;
   bool ignore_requests_ = false;
   bool refuse_requests_ = false;
   bool busy_ = false;

@@ -60,16 +60,17 @@ FirmataModel::receive(std::uint8_t byte, Time now)
   if (tripped_)
     armed_ = true;
   tripped_ = false;
-  if (byte == 0xff) {
+  // As in Firmata.cpp: in a sysex all bytes up to F7 are data, FF too.
+  const bool is_in_sysex = !parsed_.empty() && parsed_[0] == 0xf0;
+  if (byte == 0xff && !is_in_sysex) {
     parsed_.clear();
     duty.clear();
     mode.clear();
     resets++;
     return;
   }
-  // As in Firmata.cpp: in a sysex all bytes up to F7 are data, elsewhere a status byte begins a
-  // message.
-  if (parsed_.empty() || parsed_[0] != 0xf0) {
+  // Elsewhere a status byte begins a message.
+  if (!is_in_sysex) {
     if (byte >= 0x80)
       parsed_.clear();
     else if (parsed_.empty())

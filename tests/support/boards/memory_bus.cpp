@@ -45,7 +45,8 @@ private:
   {
     std::unique_lock lock(sockets_.mutex);
     while (!quit_) {
-      const bool takes = !out_.empty() && !board_.takes_nothing;
+      const bool takes
+          = !out_.empty() && !board_.takes_nothing && !board_.takes_nothing_until_reopened;
       std::vector<std::uint8_t> in;
       bool is_written = false;
       if (board_.is_plugged && takes) {
@@ -142,6 +143,7 @@ MemoryBus::open(const tactor::SerialDevice &device, tactor::SerialPort::Events e
     if (board->is_open)
       return refused(DriverError::Kind::busy, device.name + " is in use");
     board->is_open = true;
+    board->takes_nothing_until_reopened = false;
     board->has_dtr = board->has_dtr || events.raises_dtr;
     if (board->resets_on_open && events.raises_dtr)
       board->model.restart({});
@@ -163,6 +165,20 @@ MemoryBus::is_left(const tactor::SerialDevice &device)
   std::lock_guard lock(sockets_.mutex);
   const MemoryBoard *board = find(device);
   return board && board->is_left;
+}
+
+tl::expected<void, tactor::DriverError>
+MemoryBus::reset(const tactor::SerialDevice &device)
+{
+  std::lock_guard lock(sockets_.mutex);
+  MemoryBoard *board = find(device);
+  if (!board)
+    return refused(tactor::DriverError::Kind::not_found, device.name + " was plugged out");
+  board->pulses++;
+  if (!board->resets_on_open)
+    return refused(tactor::DriverError::Kind::failed, device.name + " is not reset by DTR");
+  board->model.restart({});
+  return {};
 }
 
 tl::expected<void, tactor::DriverError>

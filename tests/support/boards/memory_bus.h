@@ -37,13 +37,15 @@ struct MemoryBoard
   bool hangs_on_open = false;                         ///< until interrupted
   bool says_nothing = false;
   bool takes_nothing = false; ///< writes never complete
-  long bytes_to_live = -1;    ///< unplugged after this many more bytes, −1: never
+  bool takes_nothing_until_reopened = false;
+  long bytes_to_live = -1; ///< unplugged after this many more bytes, −1: never
 
   // State that the bus keeps
   bool is_plugged = false;
   bool is_open = false;
   bool has_dtr = false; ///< raised by an opening
   int opens = 0;
+  int pulses = 0; ///< of DTR
 };
 
 /// The sockets, which all buses of a test share. Boards outlive them.
@@ -120,6 +122,7 @@ public:
        std::stop_token stop) override;
   tactor::LineUse use(const tactor::SerialDevice &device) override;
   bool is_left(const tactor::SerialDevice &device) override;
+  tl::expected<void, tactor::DriverError> reset(const tactor::SerialDevice &device) override;
   tl::expected<void, tactor::DriverError> watch(std::function<void()> changed) override;
 
 private:

@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+#pragma once
+
+#include "tactor/serial/serial_port.h"
+
+#include <chrono>
+
+namespace tactor {
+
+/// Timeouts of stop_board().
+struct StopPatience
+{
+  std::chrono::milliseconds answer{ 250 }; ///< for the answer to a reset
+  int tries = 2;                           ///< resets that may stay without an answer
+};
+
+/// Stops the motors of a board that is known to speak Firmata, and that its last host has left as
+/// it was: by a reset, whose answer proves that the board has read it. The pins need not be known.
+/// If none comes and `may_pulse`, DTR is switched off and on, which resets most boards.
+///
+/// The error says why the motors may still be on. Blocks, for longer than the patience only where
+/// requests of the setup are not answered. Any thread that may use the bus.
+[[nodiscard]] tl::expected<void, DriverError> stop_board(SerialBus &bus, const SerialDevice &device,
+                                                         bool may_pulse = true,
+                                                         const StopPatience &patience = {});
+
+} // namespace tactor

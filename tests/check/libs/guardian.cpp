@@ -1,0 +1,136 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+//
+// How a guardian is started and told. A script stands for it; tests/usb/killed.cpp has the real
+// one.
+#include "tactor/drivers/guardian.h"
+
+#include <cerrno>
+#include <csignal>
+#include <cstdio>
+#include <cstdlib>
+#include <fstream>
+#include <optional>
+#include <string>
+#include <sys/stat.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "support/contains.h"
+#include "support/temporary_file.h"
+#include "support/unwrap.h"
+
+using tactor::Guardian;
+
+namespace {
+
+/// Says into a pipe what it was given, then what comes on its standard input, as hexadecimal bytes.
+class Script
+{
+public:
+  Script()
+  {
+    const std::string path = folder_.file("guardian", R"(#!/bin/sh
+readlink /proc/$$/fd/* >"$0.open"
+open=$(grep -c -e pipe: -e socket: "$0.open")
+exec >"$0.said"
+echo "$1"
+echo $$ $(cut -d' ' -f6,7 /proc/$$/stat)
+echo "$open"
+sed -n 's/^Sig\(Blk\|Ign\):\t//p' /proc/$$/status
+od -An -tx1 -N1
+)");
+    fail_unless(chmod(path.c_str(), 0700) == 0);
+    fail_unless(mkfifo((path + ".said").c_str(), 0600) == 0);
+    setenv("VISUOTACTILE_GUARDIAN", path.c_str(), 1);
+  }
+
+  void open()
+  {
+    said_.open(folder_.file("guardian.said"));
+  }
+  std::string hear()
+  {
+    std::string line;
+    std::getline(said_, line);
+    return line;
+  }
+
+private:
+  TemporaryFolder folder_;
+  std::ifstream said_;
+};
+
+volatile std::sig_atomic_t children = 0;
+
+} // namespace
+
+/// It has a session of its own without a terminal, no file but the socket, default signals, and is
+/// no child to wait for.
+GST_START_TEST(test_started)
+{
+  int inherited[2];
+  fail_unless(pipe(inherited) == 0); // as of an application that does not close on exec
+  std::signal(SIGCHLD, [](int) { children = children + 1; });
+  std::signal(SIGTERM, SIG_IGN);
+  sigset_t blocked;
+  sigemptyset(&blocked);
+  sigaddset(&blocked, SIGINT);
+  sigprocmask(SIG_BLOCK, &blocked, nullptr);
+  Script script;
+  Guardian guardian = unwrap(Guardian::start("1-2.3"));
+  script.open();
+  assert_text(script.hear(), "1-2.3");
+  int pid = 0;
+  int session = 0;
+  int terminal = -1;
+  fail_unless(std::sscanf(script.hear().c_str(), "%d %d %d", &pid, &session, &terminal) == 3);
+  ck_assert_int_eq(session, pid);
+  ck_assert_int_eq(terminal, 0);
+  assert_text(script.hear(), "1");
+  assert_text(script.hear(), "0000000000000000");
+  // Those of C's library itself, from 32 on, do not count.
+  const unsigned long long ignored = std::stoull(script.hear(), nullptr, 16);
+  fail_unless((ignored & 0x7fffffff) == 0, "%llx", ignored);
+  fail_unless(waitpid(-1, nullptr, __WALL | WNOHANG) == -1 && errno == ECHILD);
+  ck_assert_int_eq(children, 0);
+  guardian.dismiss();
+  assert_text(script.hear(), " 00");
+}
+GST_END_TEST;
+
+/// It hears the end of the socket when this process is gone without a word.
+GST_START_TEST(test_left)
+{
+  Script script;
+  std::optional<Guardian> guardian = unwrap(Guardian::start("1-2"));
+  script.open();
+  for (int line = 0; line < 5; line++)
+    script.hear();
+  guardian.reset();
+  assert_text(script.hear(), "");
+}
+GST_END_TEST;
+
+GST_START_TEST(test_cannot_be_started)
+{
+  setenv("VISUOTACTILE_GUARDIAN", "/nonexistent/guardian", 1);
+  const auto none = Guardian::start("1-2");
+  fail_if(none.has_value());
+  assert_contains(none.error(), { "/nonexistent/guardian", "No such file" });
+  fail_unless(waitpid(-1, nullptr, __WALL | WNOHANG) == -1 && errno == ECHILD);
+}
+GST_END_TEST;
+
+static Suite *
+guardian_suite(void)
+{
+  Suite *suite = suite_create("guardian");
+  TCase *tests = tcase_create("general");
+  suite_add_tcase(suite, tests);
+  tcase_add_test(tests, test_started);
+  tcase_add_test(tests, test_left);
+  tcase_add_test(tests, test_cannot_be_started);
+  return suite;
+}
+
+GST_CHECK_MAIN(guardian)

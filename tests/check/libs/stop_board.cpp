@@ -1,0 +1,174 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+//
+// A board whose motors are on is stopped without its last host, and the driver tells if it cannot
+// be.
+#include "tactor/drivers/stop_board.h"
+
+#include "firmata_driver_rig.h"
+
+namespace {
+
+constexpr StopPatience kEndlessly{ .answer = 1h };
+constexpr StopPatience kBriefly{ .answer = 1ms };
+
+/// A board that its last host has left, maybe within a message.
+struct Left
+{
+  explicit Left(const std::vector<std::uint8_t> &begun = {})
+  {
+    board.resets_on_open = false; // the line was open all along
+    sockets.plug(board);
+    board.model.replies.clear(); // the banner was read
+    for (const int byte : { 0xf4, 3, 3, 0xe3, 0x7f, 1 })
+      board.model.receive(static_cast<std::uint8_t>(byte), {});
+    for (const std::uint8_t byte : begun)
+      board.model.receive(byte, {});
+    fail_if(board.model.is_silent());
+  }
+
+  Sockets sockets;
+  MemoryBus bus{ sockets };
+  MemoryBoard board{ device("7573", "1-2"), kMega };
+};
+
+} // namespace
+
+/// By a reset that the board confirms, wherever its host was cut off.
+GST_START_TEST(test_stopped)
+{
+  const std::vector<std::uint8_t> cuts[]
+      = { {}, { 0xe3 }, { 0xe3, 0x40 }, { 0xf4, 3 }, { 0xf0 }, { 0xf0, 0x6f, 44, 0 } };
+  for (const std::vector<std::uint8_t> &cut : cuts) {
+    Left left(cut);
+    unwrap(stop_board(left.bus, left.board.device, true, kEndlessly));
+    fail_unless(left.board.model.is_silent());
+    fail_if(left.board.is_open);
+    ck_assert_int_eq(left.board.pulses, 0);
+  }
+}
+GST_END_TEST;
+
+/// One that does not answer, or takes nothing, is reset by DTR; that it answers is not waited for.
+GST_START_TEST(test_not_stopped)
+{
+  for (const bool takes_nothing : { false, true })
+    for (const bool may_pulse : { false, true }) {
+      Left left;
+      left.board.says_nothing = true;
+      left.board.takes_nothing = takes_nothing;
+      const DriverError error
+          = refusal_of(stop_board(left.bus, left.board.device, may_pulse, kBriefly));
+      assert_contains(error.text, { "7573", takes_nothing ? "does not take" : "does not answer" });
+      fail_unless(error.kind == Kind::failed);
+      ck_assert_int_eq(left.board.pulses, may_pulse);
+      fail_if(left.board.is_open);
+    }
+}
+GST_END_TEST;
+
+GST_START_TEST(test_cannot_be_opened)
+{
+  Left left;
+  left.board.refusal = Kind::busy;
+  fail_unless(refusal_of(stop_board(left.bus, left.board.device)).kind == Kind::busy);
+  left.sockets.unplug(left.board);
+  fail_unless(refusal_of(stop_board(left.bus, left.board.device)).kind == Kind::not_found);
+}
+GST_END_TEST;
+
+namespace {
+
+constexpr FirmataPatience kShort{ .answer = 1h,
+                                  .ask_again = 1h,
+                                  .transfer = 1h,
+                                  .host_silence = 1h,
+                                  .keepalive = 1h,
+                                  .drain = 1ms,
+                                  .acknowledge = 1ms };
+
+/// A driver whose board has `volts` and then misbehaves at the end.
+struct LastWords
+{
+  LastWords(double volts, void (*misbehave)(DriverRig &), bool seat = false)
+  {
+    MemoryBoard &board = seat ? rig.seat : rig.mega;
+    rig.sockets.plug(board);
+    rig.open();
+    rig.write({ 3.0 });
+    rig.expect(board, { 3.0 });
+    if (volts == 0) {
+      rig.write({ 0.0 });
+      rig.expect(board, {});
+    }
+    misbehave(rig);
+    rig.driver.close();
+  }
+  bool are_told() const
+  {
+    fail_unless(rig.driver.status().may_run == (rig.count(EventKind::not_stopped) == 1));
+    return rig.driver.status().may_run;
+  }
+
+  mutable DriverRig rig{ Firmware::any, kShort, 1h, kBriefly };
+};
+
+} // namespace
+
+/// A board that does not confirm its last zeros: it is told that motors may still be on.
+GST_START_TEST(test_told)
+{
+  const auto hush = [](DriverRig &rig) {
+    rig.sockets.locked([&] { rig.mega.says_nothing = rig.seat.says_nothing = true; });
+  };
+  const auto stall = [](DriverRig &rig) {
+    rig.sockets.locked([&] {
+      rig.mega.takes_nothing = rig.seat.takes_nothing = true;
+      rig.mega.resets_on_open = false; // else its banner would come
+    });
+  };
+  for (void (*misbehave)(DriverRig &) : { +hush, +stall }) {
+    const LastWords last(3.0, misbehave);
+    fail_unless(last.are_told());
+    assert_contains(last.rig.text(EventKind::not_stopped),
+                    { "7573", "its motors may still be on: switch their supply off" });
+    ck_assert_int_eq(last.rig.mega.opens, 2); // it was tried again
+    ck_assert_int_eq(last.rig.mega.pulses, 1);
+    fail_if(LastWords(3.0, misbehave, true).are_told()); // its watchdog stops them
+  }
+  fail_if(LastWords(3.0, [](DriverRig &) {}).are_told());
+  fail_if(LastWords(3.0, [](DriverRig &rig) { rig.sockets.unplug(rig.mega); }).are_told());
+}
+GST_END_TEST;
+
+/// One that recovers: nothing is told.
+GST_START_TEST(test_tried_again)
+{
+  DriverRig rig(Firmware::any, kShort, 1h, kEndlessly);
+  rig.sockets.plug(rig.mega);
+  rig.open();
+  rig.write({ 3.0 });
+  rig.expect(rig.mega, { 3.0 });
+  rig.sockets.locked([&] { rig.mega.takes_nothing_until_reopened = true; });
+  rig.driver.close();
+  fail_unless(rig.mega.model.is_silent());
+  ck_assert_int_eq(rig.mega.opens, 2);
+  fail_if(rig.driver.status().may_run);
+  ck_assert_int_eq(rig.count(EventKind::not_stopped), 0);
+}
+GST_END_TEST;
+
+static Suite *
+stop_board_suite(void)
+{
+  Suite *suite = suite_create("stop_board");
+  TCase *tests = tcase_create("general");
+  suite_add_tcase(suite, tests);
+  tcase_add_test(tests, test_stopped);
+  tcase_add_test(tests, test_not_stopped);
+  tcase_add_test(tests, test_cannot_be_opened);
+  tcase_add_test(tests, test_told);
+  tcase_add_test(tests, test_tried_again);
+  return suite;
+}
+
+GST_CHECK_MAIN(stop_board)
