@@ -86,7 +86,8 @@ names_on() {
       continue
     fi
     for name in ${packages[$part]}; do
-      row=$(sed -n "s/^ *$name .*[[:space:]]$release=\([^ ]*\).*/\1/p" <<<"$renamed")
+      row=
+      [[ $renamed != *" $name "* ]] || row=$(sed -n "s/^ *$name .*[[:space:]]$release=\([^ ]*\).*/\1/p" <<<"$renamed")
       [ "$row" = - ] || printf '%s\n' "${row:-$name}"
     done
   done
@@ -152,13 +153,13 @@ export DEBIAN_FRONTEND=noninteractive LC_ALL=C.UTF-8
 # and says nothing.)
 lock_wait=10 # minutes
 apt() {
-  local tries=$((lock_wait * 12)) held
+  local tries=$((lock_wait * 6)) held
   until "${run[@]}" env DEBIAN_FRONTEND=noninteractive LC_ALL=C.UTF-8 apt-get -qq -o Dpkg::Use-Pty=0 "$@" >"$log" 2>&1; do
     held=$(grep -m 1 -o 'Could not get lock.*' "$log") || return 1
     [ $((tries -= 1)) -gt 0 ] || { echo "setup.sh: another program still installs packages after $lock_wait minutes" >&2; return 1; }
     [ -n "${has_said:-}" ] || echo "Waiting while another program installs packages: $held"
     has_said=yes
-    sleep 5
+    sleep 10
   done
 }
 

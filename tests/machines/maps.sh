@@ -66,7 +66,7 @@ while read -r film profile least; do
   maps here "$film" "$profile" "$work/here"
   [ "$(stat -c %s "$work/here")" -eq $((45 * 9 * 4)) ] || fail "expected 45 maps of 3 x 3 tactors of $film, got $(stat -c %s "$work/here") bytes"
   [ "$(levels "$work/here")" -ge "$least" ] || fail "expected $least levels in the maps of $film, profile $profile, got $(levels "$work/here")"
-  # 1 to 4 times 128 bits; a Raspberry Pi 4 has NEON alone.
+  # A Raspberry Pi 4 has NEON alone; others are SVE of 128, of 256 and of as many bits as the emulator has.
   cpus=(cortex-a72)
   [ "$film" != life ] || cpus+=("max,sve256=off,sve512=off" "max,sve256=on,sve512=off" max)
   for cpu in "${cpus[@]}"; do

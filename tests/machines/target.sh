@@ -15,7 +15,8 @@ case ${1:-} in
 esac
 architecture=${1:-arm64}
 # shellcheck disable=SC1091 # the machine's
-release=${2:-$(. /etc/os-release && echo "$VERSION_CODENAME")}
+here=$(. /etc/os-release && echo "$VERSION_CODENAME")
+release=${2:-$here}
 folder=${3:-${XDG_CACHE_HOME:-$HOME/.cache}/visuotactile/machines/$release-$architecture}
 
 fail() {
@@ -42,9 +43,9 @@ folder=$(cd "$folder" && pwd)
 root=$folder/root
 
 # An apt of the folder's own, which downloads from where this machine's does.
-# shellcheck disable=SC2016 # apt's fields
-mirror=$(apt-get indextargets --format '$(REPO_URI)' 'Created-By: Packages' 'Origin: Debian' 'Label: Debian' | head -n 1)
-[ -n "$mirror" ] || fail "apt knows no packages of Debian; run 'apt-get update' as root"
+# shellcheck disable=SC2016 # apt's field
+mirror=$(apt-get indextargets --no-release-info --format '$(REPO_URI)' 'Created-By: Packages' "Release: $here" | sed -n 1p)
+[ -n "$mirror" ] || fail "apt has no source of Debian's packages for '$here'"
 echo "deb [signed-by=/usr/share/keyrings/debian-archive-keyring.gpg] $mirror $release main" >"$folder/apt/etc/sources.list"
 touch "$folder/apt/status"
 cat >"$folder/apt/apt.conf" <<CONF

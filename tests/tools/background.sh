@@ -12,13 +12,13 @@ begin() {
   pids+=($!)
   # shellcheck disable=SC2034 # for the tests
   first=$(head "$count" "$file.begun" | tr -d '\0')
-  [ -n "$first" ] || { echo "$1 ${2:-} ended before it was ready (see above)"; exit 1; }
 }
 
 # serve KIND: haptic_server.py, whose lines are in KIND; sets `port`
 serve() {
   # It ends with its standard input.
   begin "$1" -n1 /usr/bin/python3 "$SERVER" "$1" < <(tail -f /dev/null --pid=$$)
+  [ -n "$first" ] || { echo "haptic_server.py ended before it was ready (see above)"; exit 1; }
   port=${first#port }
 }
 
