@@ -43,11 +43,24 @@ case ${1:-} in
   --tsan) shift; directory=$root/build-tsan; patience=5; options+=(-Ddebug=true -Db_sanitize=thread -Db_lundef=false -Dintrospection=disabled -Ddocs=disabled); scans_first=yes ;;
 esac
 
+# On a PC with a stable Debian, set-up includes arm64's libraries, for the test of its maps.
+# shellcheck disable=SC1091 # the machine's
+machine=$(. /etc/os-release && echo "${ID:-}-${VERSION_ID:-}-$(uname -m)")
+target=
+if [ "$directory" = "$root/build" ] && [ -z "$analyzer" ] && [[ $machine == debian-1[23]-x86_64 ]]; then
+  parts+=" arm64"
+  target="$here/machines/target.sh"
+fi
+
 # cppcheck reads sources alone.
 if [ "$analyzer" != cppcheck ]; then
   build_project "$directory" "$parts" "" "${options[@]}"
 elif [ -z "${VISUOTACTILE_NO_SETUP:-}" ]; then
   "$root/tools/setup.sh" analysis
+fi
+
+if [ -n "$target" ] && [ -z "${VISUOTACTILE_NO_SETUP:-}" ]; then
+  "$target" >/dev/null
 fi
 
 # Of this project's own code, what is compiled here.

@@ -2,18 +2,20 @@
 /**
  * SECTION:element-tactileklvdec
  * @title: tactileklvdec
- * @short_description: decodes the tactile track of an MPEG transport stream for players
+ * @short_description: decodes tactile tracks of transport streams, and WebVTT in Matroska, for players
  *
  * tactileklvdec is the decoder for KLV that players look for in a transport stream with a tactile
- * track. Without it GStreamer reports a missing plugin.
+ * track, and for the WebVTT that mkvmerge and FFmpeg put into Matroska, whose caps are
+ * `application/x-subtitle-unknown`. Without it GStreamer reports a missing plugin.
  *
- * It outputs no text. Each packet becomes a GAP event at its time. A packet of a tactile track
+ * Of a track it outputs no text. Each packet becomes a GAP event at its time. A packet of a tactile track
  * travels in that event, as the field `tactile-packet` (a #GstBuffer), which
  * [tactilesubtitles](tactilesubtitles.md) and [tactileconverter](tactileconverter.md) take for a
  * cue. A player without these shows the film as it is, and waits for nothing.
  *
  * Caps do not say whose KLV a stream has. Other KLV, such as a drone's, becomes gaps without a
- * packet. An application that wants the KLV itself names `meta/x-klv` in decodebin's `caps`.
+ * packet. An application that wants the KLV itself names `meta/x-klv` in decodebin's `caps`. WebVTT
+ * that is no track becomes text, without its tags.
  *
  * playbin3 of GStreamer 1.22 does not select KLV streams; playbin does:
  *
@@ -136,7 +138,7 @@ gst_tactile_klv_dec_class_init(GstTactileKlvDecClass *klass)
   gst_element_class_add_static_pad_template(element_class, &src_template);
   gst_element_class_set_static_metadata(
       element_class, "Tactile KLV decoder", "Codec/Decoder/Subtitle",
-      "Turns the tactile track of a transport stream into subtitles that show nothing",
+      "Turns tactile tracks in KLV or WebVTT into subtitles that show nothing",
       "The visuotactile authors");
 }
 

@@ -39,6 +39,7 @@
 
 #include "../runningtime.h"
 #include "gst/cues/cue_stream.h"
+#include "gst/cues/film_start.h"
 #include "gst/video/writable_frame.h"
 #include "gsttactileelements.h"
 #include "tracks/text_cue.h"
@@ -49,6 +50,8 @@
 #include <algorithm>
 #include <deque>
 #include <optional>
+#include <string>
+#include <string_view>
 #include <utility>
 
 using tactile::TactileMap;
@@ -94,6 +97,16 @@ segment_of(GstPad *pad)
   return segment;
 }
 
+/// What the streams of one file have in common (gst_pad_create_stream_id()): empty before there is
+/// any.
+std::string
+source_of(GstPad *pad)
+{
+  g_autofree gchar *id = gst_pad_get_stream_id(pad);
+  const std::string_view whole = id ? id : "";
+  return std::string(whole.substr(0, whole.find_first_of(":/")));
+}
+
 } // namespace
 
 /// Guarded by the object lock.
@@ -105,11 +118,14 @@ struct GstTactileSubtitlesPrivate
   std::size_t levels = 0; ///< in cues
   bool warned = false;
   bool warned_of_fault = false;
+  std::string film;  ///< where the frames come from
+  FilmStart start{}; ///< its 0:00
 };
 
 struct _GstTactileSubtitles
 {
   GstBin parent;
+  GstPad *text; ///< of a child, or NULL
   GstTactileSubtitlesPrivate *priv;
 };
 
@@ -318,16 +334,57 @@ map_at(GstTactileSubtitles *self, tactile::Time time)
   return map;
 }
 
+/// The film's events tell where its 0:00 is.
+static GstPadProbeReturn
+on_film_event(GstPad *pad, GstPadProbeInfo *info, gpointer data)
+{
+  GstTactileSubtitlesPrivate *priv = GST_TACTILE_SUBTITLES(data)->priv;
+  GstEvent *event = GST_PAD_PROBE_INFO_EVENT(info);
+  if (GST_EVENT_TYPE(event) != GST_EVENT_SEGMENT)
+    return GST_PAD_PROBE_OK;
+  const GstSegment *segment = nullptr;
+  gst_event_parse_segment(event, &segment);
+  std::string film = source_of(pad);
+  GST_OBJECT_LOCK(data);
+  if (film != priv->film) {
+    priv->film = std::move(film);
+    priv->start = {};
+  }
+  priv->start.add_segment(*segment);
+  GST_OBJECT_UNLOCK(data);
+  return GST_PAD_PROBE_OK;
+}
+
+/// The running time of the cues that a frame has. Subtitles beside a film count from its 0:00, and
+/// are sought to the player's position: where that is another time, the running times of both have
+/// nothing in common.
+static tactile::Time
+cue_time(GstTactileSubtitles *self, const GstSegment &film, GstClockTime pts)
+{
+  constexpr tactile::Time kBeforeAll = tactile::Time::min();
+  GST_OBJECT_LOCK(self);
+  const auto start = static_cast<GstClockTime>(self->priv->start.stream_time().count());
+  const std::string source = self->priv->film;
+  GST_OBJECT_UNLOCK(self);
+  if (start == 0 || source_of(self->text) == source)
+    return running_time::of(film, pts).value_or(kBeforeAll);
+  const GstSegment text = segment_of(self->text);
+  const GstClockTime time = gst_segment_to_stream_time(&film, GST_FORMAT_TIME, pts);
+  return running_time::of(text, gst_segment_position_from_stream_time(
+                                    &text, GST_FORMAT_TIME, std::max(time, start) - start))
+      .value_or(kBeforeAll);
+}
+
 static GstPadProbeReturn
 on_frame(GstPad *pad, GstPadProbeInfo *info, gpointer data)
 {
   auto *self = GST_TACTILE_SUBTITLES(data);
   GstBuffer *frame = GST_PAD_PROBE_INFO_BUFFER(info);
   const GstSegment segment = segment_of(pad);
-  const std::optional<tactile::Time> time = running_time::of(segment, GST_BUFFER_PTS(frame));
-  if (!time)
+  const GstClockTime pts = GST_BUFFER_PTS(frame);
+  if (!running_time::of(segment, pts))
     return GST_PAD_PROBE_OK;
-  const std::optional<TactileMap> map = map_at(self, *time);
+  const std::optional<TactileMap> map = map_at(self, cue_time(self, segment, pts));
   if (!map)
     return GST_PAD_PROBE_OK;
   frame = writable_frame(frame);
@@ -410,7 +467,9 @@ gst_tactile_subtitles_init(GstTactileSubtitles *self)
   g_autoptr(GstPad) src = add_ghost_pad(self, words, "src", &src_template);
   if (!words)
     return;
+  self->text = text; // as long as its element, a child
   gst_pad_add_probe(text, GST_PAD_PROBE_TYPE_BUFFER, on_subtitle, self, nullptr);
+  gst_pad_add_probe(video, GST_PAD_PROBE_TYPE_EVENT_DOWNSTREAM, on_film_event, self, nullptr);
   gst_pad_add_probe(text,
                     static_cast<GstPadProbeType>(GST_PAD_PROBE_TYPE_EVENT_DOWNSTREAM
                                                  | GST_PAD_PROBE_TYPE_EVENT_FLUSH),

@@ -48,6 +48,7 @@
 #include "frametap.h"
 #include "innerdecoder.h"
 #include "tactilebranch.h"
+#include "twostreams.h"
 
 #include <gst/base/gstbasesink.h>
 
@@ -471,6 +472,7 @@ gst_visuotactile_decoder_init(GstVisuotactileDecoder *self)
   gst_visuotactile_decoder_build(self);
   self->queue = gst_element_factory_make("queue", "video-queue");
   gst_object_ref_sink(self->queue);
+  let_streams_follow(self->queue);
   g_object_set(self->queue, "max-size-bytes", 0, "max-size-buffers", kMostAhead, "max-size-time",
                kAhead, nullptr);
   gst_bin_add(GST_BIN(self), self->queue);

@@ -38,6 +38,7 @@
 #include "sinkparts.h"
 #include "sinkproperties.h"
 #include "sinkwindow.h"
+#include "twostreams.h"
 #include "videosinks.h"
 
 #include <gst/video/navigation.h>
@@ -355,6 +356,8 @@ gst_visuotactile_sink_build(GstVisuotactileSink *self)
     gst_clear_object(&branch);
     return;
   }
+  let_streams_follow(frames);
+  let_streams_follow(queue);
   g_object_set(analysis, "keep-maps", TRUE, nullptr);
   g_object_set(frames, "max-size-bytes", 0, "max-size-buffers", kMostWaiting, "max-size-time",
                G_GUINT64_CONSTANT(0), nullptr);

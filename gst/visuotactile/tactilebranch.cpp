@@ -4,6 +4,7 @@
 #include "../tactile/wantedgrid.h"
 #include "gst/video/writable_frame.h"
 #include "soundjoin.h"
+#include "twostreams.h"
 
 #include <algorithm>
 #include <atomic>
@@ -276,6 +277,7 @@ make_queue(const gchar *name, guint most)
   GstElement *queue = gst_element_factory_make("queue", name);
   if (queue == nullptr)
     return nullptr;
+  let_streams_follow(queue);
   gst_util_set_object_arg(G_OBJECT(queue), "leaky", "downstream");
   g_object_set(queue, "max-size-bytes", 0, "max-size-buffers", most, "max-size-time",
                G_GUINT64_CONSTANT(0), nullptr);

@@ -37,7 +37,9 @@ server."""
 import asyncio
 import contextlib
 import json
+import os
 import sys
+import traceback
 
 import websockets
 
@@ -277,24 +279,33 @@ async def tell_news(socket, server):
         await socket.send(server.changed())
 
 
-async def serve(socket, _path):
-    server = Player() if KIND == "bhaptics" else Buttplug(int(KIND[-1]))
-    clients.add((socket, server))
-    say("open")
-    flooding = None
-    enforcing = asyncio.create_task(enforce_pings(socket, server)) if "enforces" in OPTIONS else None
-    telling = asyncio.create_task(tell_news(socket, server)) if "news" in OPTIONS else None
+async def listen(socket, messages):
+    """Puts what comes in line, and None at the end."""
+    with contextlib.suppress(websockets.ConnectionClosed):
+        async for text in socket:
+            messages.put_nowait(text)
+    messages.put_nowait(None)
+
+
+async def converse(socket, server):
+    messages = asyncio.Queue()
+    tasks = [listen(socket, messages)]
+    if "enforces" in OPTIONS:
+        tasks.append(enforce_pings(socket, server))
+    if "news" in OPTIONS:
+        tasks.append(tell_news(socket, server))
+    tasks = [asyncio.create_task(task) for task in tasks]
     count = 0
     try:
         if "deaf" in OPTIONS:
             socket.transport.pause_reading()
         if server.hello() and "silent" not in OPTIONS:
             await socket.send(server.hello())
-        async for text in socket:
+        while (text := await messages.get()) is not None:
             count += 1
             say("got", text)
             await asyncio.sleep(number("slow") / 1000)
-            say("waiting", len(socket.messages))
+            say("waiting", messages.qsize())
             if "silent" in OPTIONS:
                 continue
             answer = server.answer(text)
@@ -304,16 +315,29 @@ async def serve(socket, _path):
             if count == number("huge"):
                 await socket.send(json.dumps({"ConnectedPositions": ["x" * 100] * 100_000}))
             if count == number("flood"):
-                flooding = asyncio.create_task(flood(socket, server))
+                tasks.append(asyncio.create_task(flood(socket, server)))
             if count == number("drops"):
                 socket.transport.abort()
             if count == number("goodbye"):
                 await socket.close(1001)
+    finally:
+        for task in tasks:
+            task.cancel()
+
+
+async def serve(socket, _path=None):  # the path: until python3-websockets 10
+    server = Player() if KIND == "bhaptics" else Buttplug(int(KIND[-1]))
+    clients.add((socket, server))
+    say("open")
+    try:
+        await converse(socket, server)
     except websockets.ConnectionClosed:
         pass
+    except Exception:
+        # Else the library would go on without this client, for which a test then waits in vain.
+        traceback.print_exc()
+        os._exit(1)
     finally:
-        for task in filter(None, (flooding, enforcing, telling)):
-            task.cancel()
         clients.discard((socket, server))
         say("gone")
 

@@ -18,6 +18,7 @@ begin() {
 serve() {
   # It ends with its standard input.
   begin "$1" -n1 /usr/bin/python3 "$SERVER" "$1" < <(tail -f /dev/null --pid=$$)
+  [ -n "$first" ] || { echo "haptic_server.py ended before it was ready (see above)"; exit 1; }
   port=${first#port }
 }
 

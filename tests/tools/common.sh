@@ -81,7 +81,7 @@ finish() {
 # play ARGUMENTS ...: sets `status`, writes the files out and err
 play() {
   status=0
-  timeout 30 "$PLAY" "$@" >out 2>err || status=$?
+  timeout 120 "$PLAY" "$@" >out 2>err || status=$?
 }
 
 # ---- checks ------------------------------------------------------------------------------------

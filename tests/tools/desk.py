@@ -282,6 +282,26 @@ def test_film_and_strip():
             line.close()
 
 
+def test_clocked_film():
+    """A transport stream counts from a clock: pictures, sound and film are those of its 0:00."""
+    clocked = work / "clocked.ts"
+    subprocess.run(["ffmpeg", "-v", "error", "-i", film, "-c:v", "mpeg2video", "-bf", "2", "-c:a", "mp2", clocked], check=True)
+    told = json.loads(subprocess.check_output(["ffprobe", "-v", "error", "-show_entries", "format=start_time:stream=start_time", "-select_streams", "v", "-of", "json", clocked]))
+    first = float(told["streams"][0]["start_time"]) - float(told["format"]["start_time"])
+    (work / "clocked.vtt").write_text(TRACK)
+    with Desk(clocked) as desk:
+        page = Page(desk, "p", writes=False)
+        wait_until("the strip", lambda: page.last("progress")["strip"] == 1)
+        cuts = desk.get("cuts").json["cuts"]
+        assert len(cuts) == 1 and abs(cuts[0] - 4000 - 1000 * first) <= 1, (cuts, first)
+        loud = [i for i, peak in enumerate(desk.get("sound").body) if peak > 50]
+        assert {round(i / 100) for i in loud} - {8} == set(range(8)), loud
+        proxy = work / "clocked.webm"
+        proxy.write_bytes(desk.get("film.webm?from=3").body)
+        frames = subprocess.run(["ffprobe", "-v", "error", "-count_packets", "-select_streams", "v", "-show_entries", "stream=nb_read_packets", "-of", "csv=p=0", proxy], stdout=subprocess.PIPE, text=True, check=True).stdout
+        assert abs(int(frames) - 125 - 25 * first) <= 1, frames
+
+
 def test_operations():
     fresh(TRACK.replace("50.4", "50"))
     with Desk(film) as desk:

@@ -90,7 +90,7 @@ class Watch:
 
     def __init__(self, stage):
         self.stage, self.screen = stage, stage.screen
-        self.player = stage.play(PLAYER, "film.mkv")
+        self.player = stage.play(PLAYER, PLAYER.file)
         self.follower, self.said = stage.follow(*self.player.how, "--driver=simulator", f"--trace={stage.folder / 'trace.csv'}")
         self.stretches, self.events = [], []
 
@@ -234,6 +234,9 @@ try:
     if PLAYER is Mpv:
         refuses(stage)
     make_film(stage.folder / "film.mkv", FILM)
+    if PLAYER.file == "film.ts":
+        subprocess.run(["ffmpeg", "-v", "error", "-i", stage.folder / "film.mkv", "-c:v", "copy", "-c:a", "mp2", stage.folder / PLAYER.file], check=True)
+        (stage.folder / PLAYER.file).chmod(0o644)
     plays(stage)
     if PLAYER is Mpv and SETTLING < 3:
         has_no_track(stage)

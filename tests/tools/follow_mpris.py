@@ -24,6 +24,7 @@ PLAYERS = {
     "steady": {"clock": 1.0003, "renewed": 0.002, "jitter": 0, "rounded": 1e-6},
     "unsteady": {"clock": 0.9997, "renewed": 0.002, "jitter": 0.01, "rounded": 0.001},
     "vlc": {"clock": 1.0003, "renewed": 0.25, "jitter": 0.04, "rounded": 0.001},
+    "milliseconds": {"clock": 1, "renewed": 0.002, "jitter": 0, "rounded": 0.001, "second": 1000},  # instead of microseconds, and as a double
 }
 MOST = 0.025  # s
 
@@ -48,7 +49,7 @@ try:
     wait_until("the pulses", lambda: now(PLAYERS["vlc"]) > SETTLED + PULSES + 1)
     for follower in followers:
         follower.terminate()
-        assert follower.wait(LATEST) == 0
+        assert follower.wait(LATEST) == 0, follower.returncode
     print("| player | pulses | p50 | most |\n|---|---|---|---|")
     for name, how in PLAYERS.items():
         places = [(effect - begin) * how["clock"] for effect in onsets(read_trace(folder / f"{name}.csv"))]

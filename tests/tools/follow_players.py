@@ -54,9 +54,9 @@ class Bus:
 
 
 class Player:
-    """`how` are the options that make visuotactile-follow follow it, `name` is what it calls it, `film` what it calls its film."""
+    """`how` are the options that make visuotactile-follow follow it, `name` is what it calls it, `film` what it calls its film, which is in `file`."""
 
-    film = "film.mkv"
+    file = film = "film.mkv"
 
     def __init__(self, words, stage, **environment):
         home = stage.folder / self.kind
@@ -128,6 +128,7 @@ class Mpv(Player):
 
 class Vlc(Player):
     kind = "vlc"
+    file = film = "film.ts"  # whose 0:00 it shows as 0.7 s
     bus_name, path = "org.mpris.MediaPlayer2.vlc", "/org/mpris/MediaPlayer2"
 
     def __init__(self, film, stage):

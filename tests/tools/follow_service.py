@@ -61,6 +61,19 @@ def drafts():
     follower.end()
     mpv.quit()
     assert len(list((work / "cache/visuotactile/drafts").iterdir())) == 2
+    # In a transport stream, which counts from a clock, the same pictures have the same draft.
+    earlier = set((work / "cache/visuotactile/drafts").iterdir())
+    short, clocked = (other.with_name(name) for name in ("short.mkv", "clocked.ts"))
+    for name in (short, clocked):
+        subprocess.run(["ffmpeg", "-v", "error", "-t", "6", "-i", str(other), "-c", "copy", str(name)], check=True)
+    mpv = Mpv(clocked, "--loop")
+    follower = Follower(mpv)
+    follower.wait_for("the draft of 'clocked.ts' is complete")
+    follower.end()
+    mpv.quit()
+    kept, = set((work / "cache/visuotactile/drafts").iterdir()) - earlier
+    assert track("author", "-q", str(short), "-o", str(at_once), "-f").returncode == 0
+    same_films(at_once, kept)
     shutil.rmtree(film.parent)
 
 

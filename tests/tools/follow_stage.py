@@ -24,11 +24,14 @@ NAME, PATH = "org.visuotactile.Follow1", "/org/visuotactile/Follow1"
 
 work = pathlib.Path(tempfile.mkdtemp(prefix="visuotactile-follow-service-"))
 started = []
+helpers = []  # programs without which there is nothing to wait for
 
 
 def wait_until(what, is_true):
     end = time.monotonic() + LATEST
     while not is_true():
+        for helper in helpers:
+            assert helper.poll() is None, f"{' '.join(helper.args)} ended with status {helper.returncode} (see above); waited for {what}"
         assert time.monotonic() < end, f"waited {LATEST} s in vain for {what}"
         time.sleep(0.01)
 
@@ -63,7 +66,10 @@ class Vest:
 
     def __init__(self):
         self.server = start("/usr/bin/python3", os.environ["SERVER"], "bhaptics", stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
-        self.device = f"vest-back@127.0.0.1:{self.server.stdout.readline().split()[1]}"
+        port = self.server.stdout.readline()
+        assert port.startswith("port "), "haptic_server.py ended before it was ready (see above)"
+        self.device = f"vest-back@127.0.0.1:{port.split()[1]}"
+        helpers.append(self.server)
         self.lines = []
         threading.Thread(target=self._listen, daemon=True).start()
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
-"""A player for python3-dbusmock. Its film began at `begin` of CLOCK_MONOTONIC and goes by `clock` seconds a second; where it is is renewed each `renewed` s, up to `jitter` s later, and rounded down to `rounded` s."""
+"""A player for python3-dbusmock. Its film began at `begin` of CLOCK_MONOTONIC and goes by `clock` seconds a second; where it is is renewed each `renewed` s, up to `jitter` s later, and rounded down to `rounded` s. With `second`, that many are a second, and numbers are doubles."""
 
 import random
 import time
@@ -22,7 +22,7 @@ def load(mock, parameters):
     def renew():
         position = (time.monotonic() - begin) * clock
         position -= position % rounded
-        mock.props[MAIN_IFACE]["Position"] = dbus.Int64(round(position * 1e6))
+        mock.props[MAIN_IFACE]["Position"] = dbus.Double(position * float(parameters["second"])) if "second" in parameters else dbus.Int64(round(position * 1e6))
         GLib.timeout_add(round(1000 * (renewed + chance.uniform(0, jitter))), renew)
         return False
 

@@ -30,11 +30,34 @@ expect_line err 'broken.mp4'
 [ "$(find tracks -name '*.vtt' | wc -l)" -eq 3 ] || fail "$(find tracks)"
 
 rm films/broken.mp4 tracks/one.mkv.vtt
-"$catalogue" --jobs 2 films tracks -- --rows=2 >out 2>err || fail "$(cat out err)"
+"$catalogue" --jobs 2 films tracks >out 2>err || fail "$(cat out err)"
 expect_line out 'two three.mkv.vtt: up to date'
 expect_line out '^0 without a track$'
+expect_line tracks/one.mkv.vtt 'grid=3x3 rate=5 profile=tuned sound=off version=.* sum='
+
+# Other settings: drafts are made anew, but not what a designer has edited, nor what does not say what it was made with.
+"$catalogue" films tracks -- --rows=2 >out 2>err || fail "$(cat out err)"
+expect_line out '^0 without a track$'
 expect_line tracks/one.mkv.vtt 'grid=2x3'
-expect_line "tracks/b/two three.mkv.vtt" 'grid=3x3'
+expect_line "tracks/b/two three.mkv.vtt" 'grid=2x3'
+printf '\nNOTE mine\n' >>"tracks/b/two three.mkv.vtt"
+sed -i 's/ profile=.*//' tracks/one.mkv.vtt
+for options in --rate=4 --profile=paper --sound=film --columns=5; do
+  cp -r tracks before
+  "$catalogue" films tracks -- "$options" >out 2>err || fail "$(cat out err)"
+  expect_line err "two three.mkv.vtt: kept, as it was edited since it was made with 'grid=2x3 rate=5 .*; expected .*--force"
+  expect_line err "one.mkv.vtt: kept, as it may be edited, and does not say what it was made with; expected .*--force"
+  cmp before/one.mkv.vtt tracks/one.mkv.vtt
+  cmp "before/b/two three.mkv.vtt" "tracks/b/two three.mkv.vtt"
+  ! cmp -s before/b/it*.vtt tracks/b/it*.vtt || fail "$options: the draft of before is still there"
+  rm -r before
+done
+touch films/one.mkv "films/b/two three.mkv"
+"$catalogue" films tracks -- --rows=2 >out 2>err || fail "$(cat out err)"
+expect_line "tracks/b/two three.mkv.vtt" '^NOTE mine$'
+"$catalogue" films tracks -- --force >out 2>err || fail "$(cat out err)"
+expect_line tracks/one.mkv.vtt 'grid=3x3'
+! grep -q mine "tracks/b/two three.mkv.vtt" || fail "--force keeps it"
 
 # A task of a Slurm array is one of the films, in the list's order.
 rm -r tracks

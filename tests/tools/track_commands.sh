@@ -48,12 +48,12 @@ carriers() {
   track author "$work/film.mkv" -o film.vtt -q
   commands side "filesrc location=film.vtt ! subparse ! tactileconverter"
   for name in film.mkv film.mp4 film.ts; do
-    track mux "$work/film.mkv" film.vtt -o "$name"
+    play mux "$work/film.mkv" film.vtt -o "$name" # in a transport stream without names: status 3
   done
   commands mkv "filesrc location=film.mkv ! matroskademux name=d d.subtitle_0 ! queue ! tactileconverter"
   commands mp4 "filesrc location=film.mp4 ! qtdemux name=d d.subtitle_0 ! queue ! tactileconverter"
   # With the picture, which provides the stream's clock.
-  commands ts "filesrc location=film.ts ! tsdemux name=d d.video_0_0041 ! queue max-size-bytes=0 max-size-time=0 max-size-buffers=0 ! fakesink d.private_0_0042 ! queue max-size-bytes=0 max-size-time=0 max-size-buffers=0 ! tactileconverter"
+  commands ts "filesrc location=film.ts ! tsdemux name=d d.video_0_0100 ! queue max-size-bytes=0 max-size-time=0 max-size-buffers=0 ! fakesink d.private_0_0101 ! queue max-size-bytes=0 max-size-time=0 max-size-buffers=0 ! tactileconverter"
   expect_same_commands side mkv
   expect_same_commands side mp4
   expect_same_commands side ts
@@ -103,9 +103,9 @@ transport_stream() {
   track author "$work/film.mkv" -o draft.vtt -q
   track edit draft.vtt -o film.vtt --scale=0.5 --mask=r1c1
   commands side "filesrc location=film.vtt ! subparse ! tactileconverter"
-  track mux "$work/film.mkv" film.vtt -o film.ts
+  play mux "$work/film.mkv" film.vtt -o film.ts
   track edit film.vtt -o late.vtt --shift=3
-  track mux "$work/film.mkv" late.vtt -o late.ts
+  play mux "$work/film.mkv" late.vtt -o late.ts
   # shellcheck disable=SC2086
   gst-launch-1.0 -q mpegtsmux name=mux ! filesink location=plain.ts $film
   # shellcheck disable=SC2086
@@ -134,11 +134,9 @@ transport_stream() {
   "$PYTHON" "$here/same_commands.py" side.trace text.trace 0.016 200 || fail "the text sink does not play the track"
 }
 
-# stream FILE PAD: the data of a demuxer's pad; pictures are decoded, since parsers repack them
+# stream FILE PAD: the data of a demuxer's pad
 stream() {
-  local decode=identity
-  [ "$2" != video_0 ] || decode=decodebin
-  timeout 30 gst-launch-1.0 -q filesrc location="$1" ! matroskademux name=d d."$2" ! queue ! $decode ! filesink location=stream >stream.log 2>&1 || fail "$1 has no $2: $(cat stream.log)"
+  timeout 30 gst-launch-1.0 -q filesrc location="$1" ! matroskademux name=d d."$2" ! queue ! filesink location=stream >stream.log 2>&1 || fail "$1 has no $2: $(cat stream.log)"
   cat stream
 }
 
@@ -208,16 +206,80 @@ whole_film() {
   stream_names first.mkv >names_first
   expect_line names_first '^subtitle_0 Tactile zxx$'
   expect_line names_first '^subtitle_2 Deutsch de$'
-  # Subtitles that MP4 cannot store.
-  timeout 30 gst-launch-1.0 -q matroskamux name=mux ! filesink location=styled.mkv \
-    filesrc location="$work/film.mkv" ! matroskademux ! h264parse ! queue ! mux.video_0 \
-    filesrc location=one.srt ! subparse ! capssetter replace=true join=false caps=application/x-ssa ! queue ! mux.subtitle_0
-  track mux styled.mkv film.vtt -o styled.mp4
-  expect_line err 'left out: application/x-ssa$'
+  # What MP4 cannot store is named: the styles of subtitles, whose words are kept.
+  ffmpeg -nostdin -v error -i "$work/film.mkv" -i one.srt -map 0 -map 1 -c:v copy -c:s ass styled.mkv
+  play mux styled.mkv film.vtt -o styled.mp4
+  expect_status 3
+  expect_line err "not in 'styled.mp4': stream 1 .subtitle, ass.: its styles$"
   # A player that chooses the first subtitles.
   timeout 60 gst-launch-1.0 -q playbin uri="file://$PWD/first.mkv" video-sink="fakesink sync=true" audio-sink=fakesink \
     text-sink="tactileconverter ! tactorsink driver=simulator ramp-in=0 trace-location=player.trace" >log 2>&1 || fail "$(cat log)"
   "$PYTHON" "$here/same_commands.py" side.trace player.trace 0.016 200 || fail "the player does not play the track"
+}
+
+# A track comes out of a film as it went in, whoever has put it in: mux, mkvmerge (S_TEXT/WEBVTT) or
+# ffmpeg (D_WEBVTT). A player plays it, and muxing replaces it.
+foreign_carriers() {
+  local name
+  track author "$work/film.mkv" -o film.vtt -q
+  commands side "filesrc location=film.vtt ! subparse ! tactileconverter"
+  mkvmerge -q -o mkvmerge.mkv "$work/film.mkv" film.vtt
+  ffmpeg -nostdin -v error -i "$work/film.mkv" -i film.vtt -map 0 -map 1 -c copy ffmpeg.mkv
+  for name in mux.mkv mux.mp4 mux.ts; do
+    play mux "$work/film.mkv" film.vtt -o "$name"
+  done
+  track convert film.vtt -o film.csv
+  for name in mkvmerge.mkv ffmpeg.mkv mux.mkv mux.mp4 mux.ts; do
+    track extract "$name" -o "$name.csv"
+    play diff film.csv "$name.csv" --tolerance 0.51
+    expect_status 0
+  done
+  for name in mkvmerge.mkv ffmpeg.mkv; do
+    for player in playbin playbin3; do
+      GST_PLUGIN_FEATURE_RANK=tactilesubtitles:MAX timeout 60 gst-launch-1.0 -q "$player" uri="file://$PWD/$name" \
+        video-sink="visuotactilesink video-sink=fakesink driver=simulator tactors::ramp-in=0 trace-location=player.trace" >log 2>&1 || fail "$(cat log)"
+      "$PYTHON" "$here/same_commands.py" side.trace player.trace 0.016 200 || fail "$player does not play the track of $name"
+    done
+  done
+  track mux mux.mkv film.vtt -o twice.mkv
+  [ "$(subtitles_of twice.mkv)" = "0,zxx" ] || fail "it has $(subtitles_of twice.mkv)"
+  play mux mux.ts film.vtt -o twice.ts
+  [ "$(ffprobe -v error -select_streams d -show_entries stream=codec_name -of csv=p=0 twice.ts | sort -u)" = klv ] || fail "other streams"
+  play extract "$work/film.mkv" -o none.vtt
+  expect_status 1
+  expect_line err 'carries no track'
+}
+
+# A full disk, an interrupt: nothing is left, and what was there stays.
+mux_fails() {
+  local pid status=0
+  echo kept >out.mkv
+  (ulimit -f 8 && trap '' XFSZ && exec "$PLAY" mux "$work/film.mkv" "$work/good.vtt" -o out.mkv) >out 2>err || status=$?
+  [ "$status" -eq 1 ] || fail "status $status: $(cat err)"
+  [ "$(wc -l <err)" -eq 1 ] || fail "$(cat err)"
+  expect_only . out.mkv out err
+  [ "$(cat out.mkv)" = kept ] || fail "it was replaced"
+  # A program that waits in the place of one that copies.
+  mkdir bin
+  printf '#!/bin/sh\ntouch %q/copying\nexec sleep 60\n' "$PWD" >bin/mkvmerge
+  chmod +x bin/mkvmerge
+  for signal in INT TERM HUP; do
+    rm -f copying
+    PATH=$PWD/bin:$PATH "$PLAY" mux "$work/film.mkv" "$work/good.vtt" -o out.mkv >out 2>err &
+    pid=$!
+    until [ -e copying ]; do
+      kill -0 "$pid" || fail "it ended: $(cat err)"
+      sleep 0.02
+    done
+    kill -"$signal" "$pid"
+    status=0
+    wait "$pid" || status=$?
+    [ "$status" -eq 130 ] || fail "$signal: status $status: $(cat err)"
+    expect_only . out.mkv out err bin copying
+  done
+  [ "$(cat out.mkv)" = kept ] || fail "it was replaced"
+  PATH=/nowhere "$PLAY" mux "$work/film.mkv" "$work/good.vtt" -o out.mkv >out 2>err && fail "without programs"
+  expect_line err 'install the package ffmpeg'
 }
 
 # A film with a track as its subtitles in a player, with tactorsink as the text sink, in real time.
@@ -352,7 +414,9 @@ pipes() {
     cat out err >said
     expect_line said 'got a pipe'
   done
-  refuses 1 'is a pipe or a device' author pipe.mkv -o kept.vtt
+  play author pipe.mkv -o none.vtt
+  expect_status 1
+  expect_line err 'is a pipe or a device'
 }
 
 # Edits of the text itself: a cue deleted, a cue moved.
@@ -492,6 +556,8 @@ start transport_stream transport_stream
 start left_to_choice left_to_choice
 start players players
 start whole_film whole_film
+start foreign_carriers foreign_carriers
+start mux_fails mux_fails
 start forms forms
 start edits edits
 start keeps_the_text keeps_the_text

@@ -1,12 +1,16 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "analysis.h"
 
+#include "frame_times.h"
 #include "gst/fusion/sound_meta.h"
 #include "sound.h"
+#include "tracks/text_cue.h"
 
 #include <gst/tactile/tactile.h>
 
+#include <algorithm>
 #include <chrono>
+#include <utility>
 
 using visuotactile::Time;
 
@@ -15,7 +19,18 @@ namespace {
 /// What picture and sound may be apart in a file.
 constexpr const char *kQueue = "queue max-size-bytes=0 max-size-buffers=0 max-size-time=1000000000";
 
+/// Raised where the same film gets another track within one version. 2: times from 0:00 on.
+constexpr const char *kAnalysis = "2";
+
 } // namespace
+
+std::string
+made_with(const AnalysisSettings &settings)
+{
+  return tactile::write_grid({ settings.rows, settings.columns }, settings.rate) + " profile="
+         + settings.profile + " sound=" + (settings.sound != nullptr ? settings.sound->name : "off")
+         + " version=" PACKAGE_VERSION "-" + kAnalysis;
+}
 
 Pipeline
 make_analysis(const std::string &source, const AnalysisSettings &settings)
@@ -26,6 +41,8 @@ make_analysis(const std::string &source, const AnalysisSettings &settings)
       + " profile=" + settings.profile + joined_sound(kQueue, settings.sound)
       + " ! tactileextractor name=split split.tactile ! appsink name=maps sync=false"
       + (settings.sound ? heard_sound(kQueue, settings.sound) + "fakesink sync=false" : ""));
+  const Owned<GstElement> analysis = element(pipeline, "analysis");
+  let_times_advance(Owned<GstPad>(gst_element_get_static_pad(analysis.get(), "sink")).get());
   if (settings.sound)
     g_signal_connect(
         element(pipeline, "film").get(), "no-more-pads",
@@ -35,7 +52,7 @@ make_analysis(const std::string &source, const AnalysisSettings &settings)
 }
 
 std::optional<FilmMap>
-film_map(GstSample *sample)
+film_map(GstSample *sample, Time start)
 {
   GstBuffer *buffer = gst_sample_get_buffer(sample);
   guint rows = 0;
@@ -48,14 +65,15 @@ film_map(GstSample *sample)
       || !gst_tactile_map_caps_parse(gst_sample_get_caps(sample), &rows, &columns, nullptr, nullptr)
       || !gst_tactile_map_buffer_get_levels(buffer, rows, columns, &levels, &count))
     return std::nullopt;
-  FilmMap map{ .begin = Time(static_cast<Time::rep>(time)),
+  FilmMap map{ .begin = Time(static_cast<Time::rep>(time)) - start,
                .map = tactile::TactileMap(static_cast<int>(rows), static_cast<int>(columns)),
                .at_once = GST_BUFFER_FLAG_IS_SET(buffer, kSoundMap) };
   map.map.levels.assign(levels, levels + count);
   map.end = map.begin;
   if (GST_BUFFER_DURATION_IS_VALID(buffer))
     map.end += Time(static_cast<Time::rep>(GST_BUFFER_DURATION(buffer)));
-  return map;
+  map.begin = std::max(map.begin, Time(0));
+  return map.end >= map.begin ? std::optional(std::move(map)) : std::nullopt;
 }
 
 bool

@@ -23,6 +23,10 @@ struct AnalysisSettings
   const fusion::Profile *sound = nullptr; ///< what is felt of it
 };
 
+/// All that a track depends on but its film, in words: "grid=3x3 rate=5 profile=tuned sound=off
+/// version=0.1.0-2".
+std::string made_with(const AnalysisSettings &settings);
+
 /// A pipeline of a launch line that begins with film_source(), from which the appsink `maps` takes
 /// the maps of the picture and of `sound`. Throws std::runtime_error.
 Pipeline make_analysis(const std::string &source, const AnalysisSettings &settings);
@@ -36,8 +40,8 @@ struct FilmMap
   bool at_once = false; ///< of the sound, see BlockSampler
 };
 
-/// None for a sample that is no map in the film.
-std::optional<FilmMap> film_map(GstSample *sample);
+/// None for a sample that is no map in the film, whose time 0 is at this stream time.
+std::optional<FilmMap> film_map(GstSample *sample, visuotactile::Time start);
 
 /// Which maps of a stream are felt. As tactorsink does, it samples them in blocks of 1 / rate: a
 /// block begins with the first map more than half of which lies after the block's start, and has

@@ -118,6 +118,7 @@ discover_film(const std::string &path_or_uri)
       gst_discoverer_new(20 * GST_SECOND, &error));
   if (!discoverer)
     throw std::runtime_error(error->message);
+  const StartWatch start(discoverer.get());
   const std::unique_ptr<GstDiscovererInfo, GstUnref> info(
       gst_discoverer_discover_uri(discoverer.get(), film.uri.c_str(), &error));
   if (!info)
@@ -142,6 +143,7 @@ discover_film(const std::string &path_or_uri)
   GList *sounds = gst_discoverer_info_get_audio_streams(info.get());
   film.has_sound = sounds != nullptr;
   gst_discoverer_stream_info_list_free(sounds);
+  film.start = start.times();
   film.type = type_of(info.get());
   const GstClockTime duration = gst_discoverer_info_get_duration(info.get());
   if (duration > 0)

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include "start_watch.h"
+
 #include <gst/gst.h>
 
 #include <string>
@@ -15,6 +17,7 @@ struct Film
   double fps = 0;                              ///< 0: unknown or variable
   bool has_sound = false;                      ///< even if no decoder for it is installed
   GstClockTime duration = GST_CLOCK_TIME_NONE; ///< by the file's header
+  StartTimes start{};                          ///< its 0:00
   std::string type; ///< as browsers' canPlayType() takes it; empty: unknown
 };
 

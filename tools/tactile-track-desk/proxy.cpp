@@ -45,7 +45,8 @@ class Proxies::Stream
 public:
   /// Throws std::runtime_error if it cannot be made; start() does if it cannot be played.
   Stream(const Film &film, SoupServerMessage *message, GstClockTime from)
-      : message_(SOUP_SERVER_MESSAGE(g_object_ref(message))), from_(from),
+      : message_(SOUP_SERVER_MESSAGE(g_object_ref(message))),
+        from_(from + static_cast<GstClockTime>(film.start.stream.count())),
         has_sound_(film.has_sound), pipeline_(make_pipeline(launch_line(film))),
         film_(element(pipeline_, "film")), out_(element(pipeline_, "out"))
   {
@@ -229,7 +230,7 @@ private:
   }
 
   SoupServerMessage *message_; ///< a reference
-  GstClockTime from_;
+  GstClockTime from_;          ///< stream time
   bool has_sound_;
   Pipeline pipeline_;
   GstElement *const top_ = pipeline_.get(); ///< also while that is stopped

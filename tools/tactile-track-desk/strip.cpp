@@ -2,6 +2,7 @@
 #include "strip.h"
 
 #include "film/background.h"
+#include "film/frame_times.h"
 #include "film/sound.h"
 #include "frame/front_end.h"
 #include "saliency/shot_cut.h"
@@ -19,14 +20,16 @@ constexpr int kWidth = 160;                  ///< of a picture, pixels
 constexpr gint64 kLongest = 100 * 3'600'000; ///< ms
 constexpr const char *kQueue = "queue max-size-bytes=0 max-size-buffers=0 max-size-time=1000000000";
 
-/// Film time in ms; -1: none.
+/// Film time in ms; < 0: none. `start`: the stream time of the film's 0:00.
 gint64
-time_of(GstSample *sample)
+time_of(GstSample *sample, visuotactile::Time start)
 {
   const GstClockTime time
       = gst_segment_to_stream_time(gst_sample_get_segment(sample), GST_FORMAT_TIME,
                                    GST_BUFFER_PTS(gst_sample_get_buffer(sample)));
-  return GST_CLOCK_TIME_IS_VALID(time) ? static_cast<gint64>(GST_TIME_AS_MSECONDS(time)) : -1;
+  return GST_CLOCK_TIME_IS_VALID(time)
+             ? (static_cast<gint64>(time) - start.count()) / static_cast<gint64>(GST_MSECOND)
+             : -1;
 }
 
 std::string
@@ -85,7 +88,7 @@ Strip::Strip(const Film &film)
       duration_(GST_CLOCK_TIME_IS_VALID(film.duration)
                     ? std::min(static_cast<gint64>(GST_TIME_AS_MSECONDS(film.duration)), kLongest)
                     : 0),
-      eye_(std::make_unique<Eye>())
+      start_(film.start.stream), eye_(std::make_unique<Eye>())
 {
   constexpr gint64 kUnknown = 5000; // ms; 1000 pictures of a film of 80 minutes
   constexpr gint64 kLeast = 1000;
@@ -107,6 +110,7 @@ Strip::Strip(const Film &film)
     GstAppSinkCallbacks callbacks{};
     callbacks.new_sample = new_sample;
     gst_app_sink_set_callbacks(GST_APP_SINK(sink.get()), &callbacks, this, nullptr);
+    let_times_advance(Owned<GstPad>(gst_element_get_static_pad(sink.get(), "sink")).get());
   };
   listen("eye", [](GstAppSink *sink, gpointer self) {
     if (GstSample *sample = gst_app_sink_pull_sample(sink)) {
@@ -164,7 +168,7 @@ Strip::on_message(GstMessage *message)
 void
 Strip::on_frame(GstSample *sample)
 {
-  const gint64 time = time_of(sample);
+  const gint64 time = time_of(sample, start_);
   GstVideoInfo info;
   GstVideoFrame frame;
   if (time < 0 || time > kLongest || !gst_video_info_from_caps(&info, gst_sample_get_caps(sample))
@@ -192,7 +196,7 @@ void
 Strip::on_sound(GstSample *sample)
 {
   constexpr int kFullScale = 32768;
-  const gint64 time = time_of(sample);
+  const gint64 time = time_of(sample, start_);
   const GstStructure *format = gst_caps_get_structure(gst_sample_get_caps(sample), 0);
   int rate = 0;
   int channels = 0;

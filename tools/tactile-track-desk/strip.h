@@ -59,7 +59,8 @@ private:
   int width_;
   int height_;
   gint64 interval_;
-  gint64 duration_; ///< ms; 0: unknown
+  gint64 duration_;          ///< ms; 0: unknown
+  visuotactile::Time start_; ///< stream time of the film's 0:00
   std::unique_ptr<Eye> eye_;
   mutable std::mutex mutex_;
   std::vector<std::string> pictures_;

@@ -9,6 +9,7 @@
 #include "film/pipeline.h"
 #include "film/progress.h"
 #include "film/sound.h"
+#include "tracks/formats/draft_note.h"
 #include "tracks/formats/track_file.h"
 
 #include <glib-unix.h>
@@ -30,6 +31,9 @@ using tactile::Time;
 using tactile::Track;
 
 namespace {
+
+/// Without a frame for so long, a film has stalled.
+constexpr guint kStalled = 15; // s, or up to twice as long
 
 /// Makes a track of a stream of maps.
 class Recorder
@@ -88,14 +92,38 @@ public:
     return output_;
   }
 
-  /// Whether the track exists and is newer than its film.
-  bool is_done() const
+  /// What is there under the track's name.
+  enum class There
+  {
+    nothing,  ///< or a draft that nobody has edited, of another film, version or settings
+    same,     ///< made with these settings, newer than its film
+    precious, ///< edited, or it may be: what it was made with is not in it
+  };
+  There there() const
   {
     std::error_code no_film;
     std::error_code no_track;
     const auto film_time = fs::last_write_time(film_, no_film);
     const auto track_time = fs::last_write_time(output_, no_track);
-    return !no_track && (no_film || track_time >= film_time);
+    if (no_track)
+      return There::nothing;
+    const bool is_new = no_film || track_time >= film_time;
+    const std::optional<tactile::DraftNote> note = note_of(output_);
+    if (is_new && note && note->made_with == made_with(settings_))
+      return There::same;
+    return note && note->is_unchanged ? There::nothing : There::precious;
+  }
+
+  /// Why a precious track is kept.
+  std::string why_kept() const
+  {
+    const std::optional<tactile::DraftNote> note = note_of(output_);
+    const bool is_known = note && note->made_with.find("version=") != std::string::npos;
+    return "kept, as it "
+           + (is_known ? "was edited since it was made with '" + note->made_with + "'"
+                       : "may be edited, and does not say what it was made with")
+           + "; expected '" + made_with(settings_)
+           + "', newer than its film: --force makes it anew";
   }
 
   /// `finished` is called from the main loop at the end, with the error or an empty text. Throws
@@ -105,6 +133,7 @@ public:
     const Film film = discover_film(film_);
     finished_ = std::move(finished);
     duration_ = film.duration;
+    start_ = film.start.stream;
     recorder_.emplace(settings_);
     began_ = g_get_monotonic_time();
     AnalysisSettings settings = settings_;
@@ -126,13 +155,15 @@ public:
         this);
     if (gst_element_set_state(pipeline_.get(), GST_STATE_PLAYING) == GST_STATE_CHANGE_FAILURE)
       throw std::runtime_error("'" + film_ + "' cannot be played");
+    stall_ = g_timeout_add_seconds(
+        kStalled, +[](gpointer self) { return static_cast<Job *>(self)->look_for_stall(); }, this);
   }
 
   void stop()
   {
-    if (watch_)
-      g_source_remove(watch_);
-    watch_ = 0;
+    for (guint *source : { &watch_, &stall_ })
+      if (*source != 0)
+        g_source_remove(std::exchange(*source, 0));
     pipeline_.reset();
   }
 
@@ -152,23 +183,48 @@ public:
   }
 
 private:
+  static std::optional<tactile::DraftNote> note_of(const std::string &track)
+  {
+    const auto bytes = tactile::read_track_text(track);
+    return bytes ? tactile::draft_note(*bytes) : std::nullopt;
+  }
+
   /// On the streaming thread.
   GstFlowReturn on_map(GstAppSink *maps)
   {
     GstSample *sample = gst_app_sink_pull_sample(maps);
     if (!sample)
       return GST_FLOW_EOS;
+    frames_++;
     GstFlowReturn flow = GST_FLOW_OK;
-    if (const std::optional<FilmMap> map = film_map(sample)) {
+    if (const std::optional<FilmMap> map = film_map(sample, start_)) {
       if (const auto added = recorder_->add(*map); !added) {
         GST_ELEMENT_ERROR(GST_ELEMENT(maps), STREAM, FAILED, ("%s", added.error().text().c_str()),
                           (nullptr));
         flow = GST_FLOW_ERROR;
       }
+      if (!first_)
+        first_ = map->begin;
+      advances_ = advances_ || map->begin > *first_;
       position_ = static_cast<GstClockTime>(map->end.count());
     }
     gst_sample_unref(sample);
     return flow;
+  }
+
+  /// GStreamer 1.22 comes to no end of some films, such as short animations.
+  gboolean look_for_stall()
+  {
+    const std::size_t frames = frames_;
+    if (frames == 0 || std::exchange(seen_, frames) != frames)
+      return G_SOURCE_CONTINUE;
+    const Owned<GstBus> bus(gst_element_get_bus(pipeline_.get()));
+    g_autoptr(GError) error = g_error_new(GST_STREAM_ERROR, GST_STREAM_ERROR_FAILED,
+                                          "nothing comes after %" G_GSIZE_FORMAT
+                                          " frames, nor the film's end; ffmpeg may convert it",
+                                          frames);
+    gst_bus_post(bus.get(), gst_message_new_error(GST_OBJECT(pipeline_.get()), error, nullptr));
+    return G_SOURCE_CONTINUE;
   }
 
   gboolean on_message(GstMessage *message)
@@ -182,16 +238,22 @@ private:
       return G_SOURCE_CONTINUE;
     }
     gst_element_set_state(pipeline_.get(), GST_STATE_NULL);
-    if (failure.empty() && position_.load() == 0)
+    if (failure.empty() && frames_ == 0)
       failure = "no frame can be decoded";
+    else if (failure.empty() && (position_.load() == 0 || (frames_ > 1 && !advances_)))
+      failure = "the times of its " + std::to_string(frames_)
+                + " frames do not advance: expected a film whose container or decoder tells them; "
+                  "ffmpeg may convert it";
     if (failure.empty()) {
       try {
-        write_track_file(or_throw(recorder_->finish()), output_);
+        write_track_file(or_throw(recorder_->finish()), output_, made_with(settings_));
       } catch (const std::exception &error) {
         failure = error.what();
       }
     }
     watch_ = 0;
+    if (stall_ != 0)
+      g_source_remove(std::exchange(stall_, 0));
     finished_(*this, failure);
     return G_SOURCE_REMOVE;
   }
@@ -201,9 +263,16 @@ private:
   AnalysisSettings settings_;
   std::function<void(Job &, const std::string &)> finished_;
   GstClockTime duration_ = 0;
+  Time start_{ 0 };  ///< stream time of the film's 0:00
   gint64 began_ = 0; ///< µs
   std::optional<Recorder> recorder_;
   std::atomic<GstClockTime> position_{ 0 };
+  std::atomic<std::size_t> frames_{ 0 };
+  std::size_t seen_ = 0; ///< frames at the last look_for_stall()
+  guint stall_ = 0;
+  // Of the streaming thread, which has ended when others read them.
+  std::optional<Time> first_;
+  bool advances_ = false;
   guint watch_ = 0;
   Pipeline pipeline_;
 };
@@ -372,11 +441,12 @@ author(int argc, char **argv)
       { .arguments = "FILM... -o TRACK",
         .summary
         = "Makes tracks of films, with the levels and times that visuotactile-play has.\n"
-          "A track appears when it is complete. Tracks that are newer than their films are\n"
-          "skipped, so that the same command continues a batch that was interrupted.",
+          "A track appears when it is complete. Tracks that are newer than their films and were\n"
+          "made with the same settings are skipped, so that the same command continues a batch\n"
+          "that was interrupted. Tracks that were edited are kept.",
         .least = 1,
         .most = std::numeric_limits<std::size_t>::max(),
-        .force_help = "Make all tracks, also those that are newer than their films" });
+        .force_help = "Make all tracks, also those that are up to date or were edited" });
   if (!output.is_set())
     throw UsageError("expected -o TRACK");
   if (settings.rows < 1 || settings.rows > 64 || settings.columns < 1 || settings.columns > 64)
@@ -395,7 +465,10 @@ author(int argc, char **argv)
   std::vector<std::unique_ptr<Job>> work;
   for (std::size_t i = 0; i < films.size(); i++) {
     auto job = std::make_unique<Job>(films[i], names[i], settings);
-    if (common.force || !job->is_done())
+    const Job::There there = common.force ? Job::There::nothing : job->there();
+    if (there == Job::There::precious)
+      print_error("tactile-track", names[i] + ": " + job->why_kept());
+    else if (there == Job::There::nothing)
       work.push_back(std::move(job));
     else if (!common.quiet)
       std::printf("%s: up to date\n", names[i].c_str());

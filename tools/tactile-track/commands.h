@@ -28,8 +28,9 @@ std::string seconds(tactile::Time time);
 tactile::Time parse_time(const std::string &text, const char *option);
 
 /// Writes a track in the format that the file name's ending selects. The file appears under its
-/// name when it is complete.
-void write_track_file(const tactile::Track &track, const std::string &path);
+/// name when it is complete. `made_with`: of a draft (lib/tracks/formats/draft_note.h).
+void write_track_file(const tactile::Track &track, const std::string &path,
+                      const std::string &made_with = "");
 
 /// Writes a file in the same way.
 void write_bytes(const std::string &bytes, const std::string &path);

@@ -3,6 +3,7 @@
 // extract: the track of a film's file.
 #include "commands.h"
 
+#include "film/film.h"
 #include "tracks/formats/track_file.h"
 #include "visuotactile-follow/map_source.h"
 
@@ -69,7 +70,8 @@ extract(int argc, char **argv)
   gst_init(nullptr, nullptr);
   const std::string path = film_path(names[0]);
   refuse_same_file(path, output.text());
-  const std::unique_ptr<follow::MapSource> source = open_embedded(path);
+  const std::unique_ptr<follow::MapSource> source
+      = open_embedded(path, discover_film(path).start.stream);
   Extracted extracted;
   while (!source->is_ended()) {
     if (const std::optional<tactile::Cue> cue = source->take())

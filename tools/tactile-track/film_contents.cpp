@@ -21,6 +21,7 @@ namespace {
 
 /// Tags that a muxer writes of itself.
 constexpr std::array kOwnTags = { "encoder",
+                                  "software",
                                   "major_brand",
                                   "minor_version",
                                   "compatible_brands",
@@ -166,6 +167,8 @@ FilmStream
 stream_of(JsonObject *from)
 {
   FilmStream stream{ .kind = value(from, "codec_type"), .codec = value(from, "codec_name") };
+  if (stream.codec == "mp2")
+    stream.codec = "mp3"; // of one type in MP4
   if (stream.codec.empty())
     stream.codec = value(from, "codec_tag_string");
   for (const char *name : kFormat)

@@ -144,6 +144,8 @@ finish_ffmpeg(Arguments arguments, Container container, double duration, const s
       "experimental");
   if (container == Container::matroska)
     add(arguments, "-default_mode", "passthrough");
+  if (container == Container::transport_stream) // players that count from its clock begin at 0:00
+    add(arguments, "-muxdelay", "0", "-muxpreload", "0");
   add(arguments, "-f", format_of(container), "file:" + to);
   const ProgramEnd end = run_program(arguments, "ffmpeg", [&](std::string_view line) {
     constexpr std::string_view kTime = "out_time_us=";
@@ -274,10 +276,14 @@ copy_by_ffmpeg(const FilmAndTrack &what, Container container, const std::vector<
       add_track();
     const std::string index = std::to_string(count++);
     add(options, "-map", "0:" + std::to_string(i), "-c:" + index, encoder_for(container, stream));
+    if (container == Container::transport_stream && stream.codec == "mpeg4")
+      add(options, "-bsf:" + index, "dump_extra"); // headers, for who joins in
     if (const auto title = stream.facts.find("title");
         container == Container::mp4 && title != stream.facts.end())
       add(options, "-metadata:s:" + index, "handler_name=" + title->second);
   }
+  if (count == 0)
+    throw std::runtime_error("its container takes none of its streams");
   if (has_track) {
     if (!what.first || !is_placed)
       add_track();

@@ -4,6 +4,7 @@
 #include "commands.h"
 
 #include "film/output.h"
+#include "tracks/formats/draft_note.h"
 #include "tracks/formats/track_file.h"
 
 #include <array>
@@ -109,9 +110,12 @@ film_path(const std::string &name)
 }
 
 void
-write_track_file(const tactile::Track &track, const std::string &path)
+write_track_file(const tactile::Track &track, const std::string &path, const std::string &made_with)
 {
-  write_bytes(tactile::write_track(track, or_throw(tactile::track_format(path)), date()), path);
+  std::string bytes = tactile::write_track(track, or_throw(tactile::track_format(path)), date());
+  if (!made_with.empty())
+    bytes = tactile::with_draft_note(std::move(bytes), made_with);
+  write_bytes(bytes, path);
 }
 
 void

@@ -49,7 +49,7 @@ as_subrip(const std::deque<tactile::Cue> &cues)
     std::string timing = tactile::write_webvtt_timing(cues[i].begin, cues[i].end);
     std::ranges::replace(timing, '.', ',');
     text += std::to_string(i + 1) + "\n" + timing + "\n" + tactile::write_text_cue(cues[i].map)
-            + "\n";
+            + "\n\n";
   }
   return text;
 }
@@ -82,8 +82,9 @@ public:
                 else
                   by_ffmpeg(what_, at, to);
               },
-              !by_mkvmerge ? zero_by_ffmpeg(film, container_)
-              : film.is_in("matroska") ? film.zero() : 0);
+              !by_mkvmerge             ? zero_by_ffmpeg(film, container_)
+              : film.is_in("matroska") ? film.zero()
+                                       : 0);
     } else {
       if (container_ == Container::transport_stream && film.is_in("mpegts"))
         attempt(
@@ -162,7 +163,9 @@ private:
         differences.broken.push_back("the track is not whole");
         return differences;
       }
-      const double off = what_.film.zero() + differences.shift - packets->front().time;
+      // Some decoders hold sound up, so that it begins before 0.
+      const double off
+          = std::max(what_.film.zero() + differences.shift, 0.0) - packets->front().time;
       if (std::abs(off) <= kTolerance)
         return differences;
       if (is_again || std::isnan(off)) {

@@ -8,6 +8,7 @@
 #include <gst/app/gstappsrc.h>
 #include <gst/tactile/tactile.h>
 
+#include <algorithm>
 #include <cmath>
 #include <csignal>
 #include <cstdio>
@@ -112,13 +113,16 @@ private:
 } // namespace
 
 void
-feed_track(GstElement *appsrc, const tactile::Track &track)
+feed_track(GstElement *appsrc, const tactile::Track &track, tactile::Time start)
 {
   g_autoptr(GstCaps) caps = gst_tactile_map_caps_new(static_cast<guint>(track.rows()),
                                                      static_cast<guint>(track.columns()), 0, 1);
   g_object_set(appsrc, "caps", caps, "format", GST_FORMAT_TIME, "max-bytes", guint64{ 0 }, nullptr);
-  for (const tactile::Cue &cue : tactile::cues_of(track))
+  for (tactile::Cue cue : tactile::cues_of(track)) {
+    cue.begin = std::max(cue.begin + start, tactile::Time(0));
+    cue.end = std::max(cue.end + start, cue.begin);
     gst_app_src_push_buffer(GST_APP_SRC(appsrc), cue_buffer_new(cue, CueForm::map));
+  }
   gst_app_src_end_of_stream(GST_APP_SRC(appsrc));
 }
 

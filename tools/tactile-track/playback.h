@@ -6,7 +6,8 @@
 #include "tracks/track.h"
 
 /// Pushes the whole track into an appsrc as maps, then end of stream. Before the appsrc starts.
-void feed_track(GstElement *appsrc, const tactile::Track &track);
+/// `start`: the running time of the film's 0:00 (StartTimes::running).
+void feed_track(GstElement *appsrc, const tactile::Track &track, tactile::Time start);
 
 /// Plays to the end of the stream, with progress on a terminal in percent of `duration` where that
 /// is known. Throws std::runtime_error with what an element reports; false after SIGINT or SIGTERM.

@@ -71,7 +71,7 @@ preview(int argc, char **argv)
             + (has_display ? "autovideosink" : "fakesink sync=true") + " split.tactile ! " + look
             + " ! tactorsink " + chair.text("rate=0");
   const Pipeline pipeline = make_pipeline(line);
-  feed_track(element(pipeline, "track").get(), track);
+  feed_track(element(pipeline, "track").get(), track, film.start.running);
   if (output.is_set())
     return write_film(pipeline, output.text(), film.duration, common.quiet);
   return run_to_end(pipeline, film.duration, common.quiet) ? 0 : 130;

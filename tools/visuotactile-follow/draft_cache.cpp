@@ -19,8 +19,6 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// Of drafts that other versions of the analysis made, none is taken.
-constexpr const char *kAnalysis = "1";
 constexpr const char *kEnding = ".vtt";
 
 /// Of the beginning, the middle and the end.
@@ -59,10 +57,7 @@ DraftCache::path(const std::string &film, const AnalysisSettings &settings) cons
     return "";
   const std::unique_ptr<GChecksum, FreeChecksum> sum(g_checksum_new(G_CHECKSUM_SHA256));
   const std::string settled
-      = std::string(PACKAGE_VERSION) + " " + kAnalysis + " " + settings.profile + " "
-        + (settings.sound != nullptr ? settings.sound->name : "off") + " "
-        + std::to_string(settings.rows) + "x" + std::to_string(settings.columns) + " "
-        + std::to_string(settings.rate) + " " + std::to_string(size);
+      = made_with(settings) + " " + std::to_string(size); // of no other version's analysis
   g_checksum_update(sum.get(), reinterpret_cast<const guchar *>(settled.data()),
                     static_cast<gssize>(settled.size()));
   std::vector<char> bytes(kPart);

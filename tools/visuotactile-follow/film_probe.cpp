@@ -42,6 +42,7 @@ FilmProbe::FilmProbe(const std::string &uri)
   discoverer_.reset(gst_discoverer_new(kPatience, &error));
   if (!discoverer_)
     throw std::runtime_error(error->message);
+  start_.emplace(discoverer_.get());
   g_signal_connect(discoverer_.get(), "discovered", G_CALLBACK(on_discovered), this);
   gst_discoverer_start(discoverer_.get());
   if (!gst_discoverer_discover_uri_async(discoverer_.get(), uri.c_str()))
@@ -74,5 +75,7 @@ FilmProbe::on_discovered(GstDiscoverer *, GstDiscovererInfo *info, GError *error
     result.duration = Time(static_cast<Time::rep>(duration));
   if (!result.has_picture)
     result.complaint = error != nullptr ? error->message : "it has no moving picture";
-  static_cast<FilmProbe *>(self)->result_ = std::move(result);
+  auto *probe = static_cast<FilmProbe *>(self);
+  result.start = probe->start_->times();
+  probe->result_ = std::move(result);
 }

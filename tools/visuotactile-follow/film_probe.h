@@ -2,6 +2,7 @@
 #pragma once
 
 #include "film/pipeline.h"
+#include "film/start_watch.h"
 #include "nanoseconds.h"
 
 #include <gst/pbutils/pbutils.h>
@@ -16,6 +17,7 @@ public:
   struct Result
   {
     std::optional<visuotactile::Time> duration{};
+    StartTimes start{}; ///< the film's 0:00
     bool has_picture = false;
     bool has_sound = false;
     bool may_have_track = false; ///< subtitles that are not named otherwise, or KLV
@@ -39,5 +41,6 @@ private:
                             gpointer self);
 
   Owned<GstDiscoverer> discoverer_;
+  std::optional<StartWatch> start_;
   std::optional<Result> result_;
 };

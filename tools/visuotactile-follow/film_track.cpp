@@ -54,21 +54,28 @@ FilmTrack::open(const std::string &film)
   if (film.empty())
     return;
   std::erase_if(passed_over_, [this](const std::string &path) { return has_changed(path); });
-  if (const auto beside = library_.beside(film, passed_over_, complaint_)) {
-    play(*beside);
-    return;
-  }
-  std::error_code error;
-  if (fs::is_regular_file(path_, error)) { // opening others may wait for ever
-    try {
-      probe_ = std::make_unique<FilmProbe>(uri_of(path_));
-      return;
-    } catch (const std::runtime_error &failure) {
-      complaint_ = failure.what();
-    }
-  }
   file_ = { .complaint = "it is no file on this computer" };
-  look_in_folder();
+  const auto beside = library_.beside(film, passed_over_, complaint_);
+  probe();
+  is_beside_ = beside.has_value();
+  if (beside)
+    play(*beside);
+  else if (!probe_)
+    look_in_folder();
+}
+
+/// Also tells where the film's 0:00 is, whatever its track.
+void
+FilmTrack::probe()
+{
+  std::error_code error;
+  if (!fs::is_regular_file(path_, error)) // opening others may wait for ever
+    return;
+  try {
+    probe_ = std::make_unique<FilmProbe>(uri_of(path_));
+  } catch (const std::runtime_error &failure) {
+    complaint_ = failure.what();
+  }
 }
 
 void
@@ -83,7 +90,9 @@ FilmTrack::step(Time position, Time now)
   }
   if (probe_ && probe_->result()) {
     file_ = *std::exchange(probe_, nullptr)->result();
-    look_in_file();
+    events_.probed();
+    if (!is_beside_)
+      look_in_file();
   }
   if (!reader_)
     return;
@@ -160,7 +169,7 @@ FilmTrack::look_in_file()
     return;
   }
   try {
-    read(open_embedded(path_), "the track in its file");
+    read(open_embedded(path_, file_.start.stream), "the track in its file");
   } catch (const std::runtime_error &error) {
     fail(error.what());
   }
@@ -197,7 +206,8 @@ FilmTrack::make_draft()
   }
   made_of_ = DraftCache::version(path_);
   try {
-    read(open_analysis(uri_of(path_), analysis_), "a draft that is made while it plays");
+    read(open_analysis(uri_of(path_), file_.start.stream, analysis_),
+         "a draft that is made while it plays");
   } catch (const std::runtime_error &error) {
     fail(error.what());
   }

@@ -33,6 +33,7 @@ public:
     /// Calls for what is felt from now on; it may become known meanwhile.
     std::function<void(std::shared_ptr<const tactile::Draft>)> found;
     std::function<void()> chosen;                  ///< what() is decided
+    std::function<void()> probed;                  ///< told_at_start() is known
     std::function<void(const std::string &)> told; ///< for the user
   };
 
@@ -58,6 +59,11 @@ public:
   {
     return what_;
   }
+  /// What a player that does not count from the film's 0:00 tells there; 0 until it is known.
+  follow::Time told_at_start() const
+  {
+    return file_.start.told;
+  }
   /// Why nothing is felt although there is a track; empty: no such thing.
   const std::string &fault() const
   {
@@ -67,6 +73,7 @@ public:
   std::optional<follow::Time> known_until(follow::Time position) const;
 
 private:
+  void probe();
   void play(const FoundTrack &found);
   void stop_at(const FoundTrack &faulty);
   bool has_changed(const std::string &path) const;
@@ -96,6 +103,7 @@ private:
   AnalysisSettings analysis_; ///< of this film
   FilmProbe::Result file_;    ///< what is in it
   std::unique_ptr<follow::AheadReader> reader_;
+  bool is_beside_ = false;  ///< the track is a file beside the film
   bool reads_file_ = false; ///< reader_ reads the track in the film's file
   bool told_too_slow_ = false;
 };

@@ -18,6 +18,9 @@
 #include <optional>
 #include <string>
 
+/// "plays"
+const char *word(follow::Doing doing);
+
 struct FollowSettings
 {
   std::string mpv_socket;       ///< empty: none
@@ -80,6 +83,7 @@ private:
   void chair_failed(const std::string &text);
   void rest(bool rests, const std::string &why);
   void update();
+  std::optional<follow::PositionEstimator::Estimate> film_position(follow::Time now) const;
   double nudge(double by);
   gboolean nudged(double by);
   void set_delay();

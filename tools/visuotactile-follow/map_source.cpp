@@ -68,6 +68,7 @@ public:
   void seek(Time to, bool exactly) override
   {
     // After the last key frame there is no next one.
+    to += start_;
     if (!(exactly
               ? go(to, precisely_)
               : go(to, GST_SEEK_FLAG_KEY_UNIT | GST_SEEK_FLAG_SNAP_AFTER) || go(to, precisely_)))
@@ -89,11 +90,11 @@ public:
   }
 
 protected:
-  explicit PipelineSource(int precisely) : precisely_(precisely)
+  PipelineSource(int precisely, Time start) : start_(start), precisely_(precisely)
   {
   }
 
-  void start(Pipeline pipeline)
+  void run(Pipeline pipeline)
   {
     pipeline_ = std::move(pipeline);
     const Owned<GstBus> bus(gst_element_get_bus(pipeline_.get()));
@@ -122,6 +123,7 @@ protected:
 
   virtual void sought() = 0;
 
+  const Time start_; ///< stream time of the film's 0:00
   Pipeline pipeline_;
 
 private:
@@ -153,8 +155,8 @@ use_one_thread(GstElement *element)
 class Analysis : public PipelineSource
 {
 public:
-  Analysis(const std::string &uri, const AnalysisSettings &settings)
-      : PipelineSource(GST_SEEK_FLAG_ACCURATE), rate_(settings.rate), sampler_(settings.rate)
+  Analysis(const std::string &uri, Time start, const AnalysisSettings &settings)
+      : PipelineSource(GST_SEEK_FLAG_ACCURATE, start), rate_(settings.rate), sampler_(settings.rate)
   {
     Film film;
     film.uri = uri;
@@ -174,7 +176,7 @@ public:
     g_object_set(maps_.get(), "max-buffers", kMostWaiting, nullptr);
     take_freely(maps_.get());
     open_with(Owned<GstPad>(gst_element_get_static_pad(maps_.get(), "sink")).get());
-    start(std::move(pipeline));
+    run(std::move(pipeline));
   }
   ~Analysis() override
   {
@@ -189,7 +191,7 @@ public:
       const Sample sample = pull(maps_.get());
       if (!sample)
         return std::nullopt;
-      if (std::optional<FilmMap> map = film_map(sample.get()))
+      if (std::optional<FilmMap> map = film_map(sample.get(), start_))
         add(*std::move(map));
     }
     tactile::Cue cue = std::move(next_.front());
@@ -232,8 +234,8 @@ private:
 class Embedded : public PipelineSource
 {
 public:
-  explicit Embedded(const std::string &path)
-      : PipelineSource(GST_SEEK_FLAG_KEY_UNIT | GST_SEEK_FLAG_SNAP_BEFORE)
+  Embedded(const std::string &path, Time start)
+      : PipelineSource(GST_SEEK_FLAG_KEY_UNIT | GST_SEEK_FLAG_SNAP_BEFORE, start)
   {
     Pipeline pipeline
         = make_pipeline("filesrc location=" + launch_value(path) + " ! parsebin name=film");
@@ -242,7 +244,7 @@ public:
                        static_cast<Embedded *>(self)->add(pad);
                      }),
                      this);
-    start(std::move(pipeline));
+    run(std::move(pipeline));
   }
   ~Embedded() override
   {
@@ -321,8 +323,9 @@ private:
     Time duration = cue->end > Time(0) ? cue->end : kDefaultDuration;
     if (GST_BUFFER_DURATION_IS_VALID(buffer) && GST_BUFFER_DURATION(buffer) > 0)
       duration = Time(static_cast<Time::rep>(GST_BUFFER_DURATION(buffer)));
-    cue->begin = Time(static_cast<Time::rep>(time));
+    cue->begin = Time(static_cast<Time::rep>(time)) - start_;
     cue->end = cue->begin + duration;
+    cue->begin = std::max(cue->begin, Time(0));
     return *std::move(cue);
   }
 
@@ -337,13 +340,13 @@ private:
 } // namespace
 
 std::unique_ptr<follow::MapSource>
-open_analysis(const std::string &uri, const AnalysisSettings &settings)
+open_analysis(const std::string &uri, Time start, const AnalysisSettings &settings)
 {
-  return std::make_unique<Analysis>(uri, settings);
+  return std::make_unique<Analysis>(uri, start, settings);
 }
 
 std::unique_ptr<follow::MapSource>
-open_embedded(const std::string &path)
+open_embedded(const std::string &path, Time start)
 {
-  return std::make_unique<Embedded>(path);
+  return std::make_unique<Embedded>(path, start);
 }

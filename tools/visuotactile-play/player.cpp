@@ -3,6 +3,7 @@
 
 #include "steering.h"
 
+#include "film/frame_times.h"
 #include "film/pipeline.h"
 #include "film/progress.h"
 #include "gst/video/video_sinks.h"
@@ -51,6 +52,7 @@ public:
   {
     pipeline_ = make_pipeline(launch_line(film_, settings_));
     analysis_ = element(pipeline_, "analysis");
+    let_times_advance(Owned<GstPad>(gst_element_get_static_pad(analysis_.get(), "sink")).get());
     chair_ = element(pipeline_, "chair");
     if (const Owned<GstElement> recorder = element(pipeline_, "recorder"))
       g_object_set(recorder.get(), "location", settings_.recording.c_str(), nullptr);

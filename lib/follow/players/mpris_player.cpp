@@ -31,13 +31,15 @@ struct Known
   Time renewed;          ///< after so long at the latest
   Time later;            ///< than it is told, a picture is on the screen
   Time sound_later;      ///< than the picture (docs/measured/follow.md)
+  bool counts_from_start = true;
 };
 constexpr Known kKnown[] = {
   // VLC 3 after 250 to 290 ms, and seldom later.
   { .name = "vlc",
     .renewed = std::chrono::milliseconds(400),
     .later = Time(0),
-    .sound_later = Time(0) },
+    .sound_later = Time(0),
+    .counts_from_start = false },
   // Chromium 156 each 100 ms.
   { .name = "chromium",
     .renewed = std::chrono::milliseconds(200),
@@ -93,6 +95,10 @@ public:
   Time sound_latency() const override
   {
     return known_.sound_later;
+  }
+  bool counts_from_start() const override
+  {
+    return known_.counts_from_start;
   }
   const std::string &fault() const override
   {

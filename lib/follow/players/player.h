@@ -33,6 +33,12 @@ public:
   {
     return Time(0);
   }
+  /// Whether its position is 0 at the film's 0:00. Others tell the time stamps of Matroska, and of
+  /// transport and program streams the time since their clock began.
+  virtual bool counts_from_start() const
+  {
+    return true;
+  }
   /// Why its position is of no use, so that nothing is felt; empty: it is.
   virtual const std::string &fault() const
   {

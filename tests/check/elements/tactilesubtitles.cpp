@@ -313,6 +313,69 @@ GST_START_TEST(test_flush_and_other_subtitles)
 }
 GST_END_TEST;
 
+namespace {
+
+/// Of a transport stream whose clock began 740 ms before its first picture, played from the
+/// beginning or from a position that the player shows.
+void
+begin_at(GstHarness *harness, const gchar *stream, GstClockTime ms)
+{
+  if (stream)
+    gst_harness_push_event(harness, gst_event_new_stream_start(stream));
+  else {
+    gst_harness_push_event(harness, gst_event_new_flush_start());
+    gst_harness_push_event(harness, gst_event_new_flush_stop(TRUE));
+  }
+  GstSegment segment;
+  gst_segment_init(&segment, GST_FORMAT_TIME);
+  segment.start = segment.time = segment.position = ms * GST_MSECOND;
+  gst_harness_push_event(harness, gst_event_new_segment(&segment));
+}
+
+} // namespace
+
+/// A track beside a film counts from the film's 0:00, also after a seek, by which players send it
+/// to the time that they show, 740 ms from there.
+GST_START_TEST(test_track_beside_a_clocked_film)
+{
+  Subtitles s;
+  begin_at(s.film, "film:1/00000041", 740);
+  begin_at(s.text, "track", 0);
+  s.push_cue("10", 1000, 1400);
+  s.push_cue("20", 5000, 5400);
+  fail_unless(s.levels_at(740) == Levels{ 0 });
+  fail_unless(s.levels_at(1700) == Levels{ 0 });
+  fail_unless(s.levels_at(1740) == Levels{ 10 });
+  fail_unless(s.levels_at(2100) == Levels{ 10 });
+  fail_unless(s.levels_at(2140) == Levels{ 0 });
+
+  begin_at(s.text, nullptr, 5000);
+  begin_at(s.film, nullptr, 5000);
+  s.push_cue("20", 5000, 5400);
+  fail_unless(s.levels_at(5040) == Levels{ 0 }); // 4.3 s of the film
+  fail_unless(s.levels_at(5700) == Levels{ 0 });
+  fail_unless(s.levels_at(5740) == Levels{ 20 });
+  fail_unless(s.levels_at(6100) == Levels{ 20 });
+  fail_unless(s.levels_at(6140) == Levels{ 0 });
+}
+GST_END_TEST;
+
+/// One in its file has the times of its frames.
+GST_START_TEST(test_track_in_a_clocked_film)
+{
+  Subtitles s;
+  begin_at(s.film, "film:1/00000041", 740);
+  begin_at(s.text, "film:1/00000050", 740);
+  s.push_cue("10", 1740, 2140);
+  fail_unless(s.levels_at(1700) == Levels{ 0 });
+  fail_unless(s.levels_at(1740) == Levels{ 10 });
+  begin_at(s.text, nullptr, 5000);
+  begin_at(s.film, nullptr, 5000);
+  s.push_cue("20", 5000, 5400);
+  fail_unless(s.levels_at(5000) == Levels{ 20 });
+}
+GST_END_TEST;
+
 static Suite *
 tactilesubtitles_suite()
 {
@@ -326,6 +389,8 @@ tactilesubtitles_suite()
   tcase_add_test(cases, test_fault);
   tcase_add_test(cases, test_packets);
   tcase_add_test(cases, test_segments);
+  tcase_add_test(cases, test_track_beside_a_clocked_film);
+  tcase_add_test(cases, test_track_in_a_clocked_film);
   tcase_add_loop_test(cases, test_rates, 0, 5);
   tcase_add_test(cases, test_flush_and_other_subtitles);
   return s;

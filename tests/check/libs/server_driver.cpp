@@ -241,7 +241,7 @@ GST_START_TEST(test_slow_server)
     rig.open(server.device(one.device));
     const std::jthread writer([&](const std::stop_token &stop) {
       for (int i = 0; !stop.stop_requested(); i++) {
-        unwrap(rig.driver.write(std::array{ 0.15 * (i % 20), 0.0 }, 0s));
+        unwrap(rig.driver.write(std::array{ 0.15 * (1 + i % 20), 0.0 }, 0s)); // zeros do not wait
         std::this_thread::yield();
       }
     });

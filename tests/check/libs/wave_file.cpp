@@ -121,8 +121,9 @@ GST_START_TEST(test_files)
 {
   assert_contains(refusal_of(read_wave_file("/nonexistent/loop.wav")),
                   { "cannot read the loop '/nonexistent/loop.wav': No such file" });
-  assert_contains(refusal_of(read_wave_file("/")), { "cannot read the loop '/': expected a regular file, got a folder" });
-  assert_contains(refusal_of(read_wave_file("/dev/zero")), { "expected at most" });
+  assert_contains(refusal_of(read_wave_file("/")),
+                  { "cannot read the loop '/': expected a regular file, got a folder" });
+  assert_contains(refusal_of(read_wave_file("/dev/zero")), { "got a device" });
 }
 GST_END_TEST;
 
