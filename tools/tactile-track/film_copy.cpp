@@ -88,7 +88,7 @@ tracks_for_mkvmerge(const std::string &path)
   return found;
 }
 
-/// What FFmpeg 5.1 and mkvmerge leave away: how a phone was held, and when.
+/// What FFmpeg 5.1 and mkvmerge leave away: how a phone was held, alpha, and when.
 void
 complete_matroska(const FilmContents &film, const std::string &path)
 {
@@ -102,6 +102,8 @@ complete_matroska(const FilmContents &film, const std::string &path)
         && matrix->second.starts_with(rotation))
       add(edits, "--edit", "track:v" + std::to_string(videos), "--set",
           "projection-pose-roll=" + matrix->second.substr(rotation.size()));
+    if (stream.kind == "video" && stream.facts.contains("alpha_mode"))
+      add(edits, "--edit", "track:v" + std::to_string(videos), "--set", "alpha-mode=1");
   }
   if (const auto date = film.facts.find("creation_time"); date != film.facts.end())
     add(edits, "--edit", "info", "--set", "date=" + date->second + "Z");
@@ -308,13 +310,14 @@ streams_not_for(Container container, const FilmAndTrack &what, const std::string
   for (int i = 0; i < static_cast<int>(what.film.streams.size()); i++) {
     const FilmStream &stream = what.film.streams[static_cast<std::size_t>(i)];
     Arguments arguments = ffmpeg_reading(what.path);
-    add(arguments, "-t", "0.1", "-map", "0:" + std::to_string(i), "-c",
+    // A second: ffprobe takes fewer packets of sound for another codec's.
+    add(arguments, "-t", "1", "-map", "0:" + std::to_string(i), "-c",
         encoder_for(container, stream));
     try {
       finish_ffmpeg(arguments, container, 0, scratch, [](double) {});
       // Into a transport stream it writes all, also what nobody can read.
       const FilmContents written = read_contents(scratch, [](double) {});
-      if (written.streams.empty()
+      if (written.streams.empty() || written.streams[0].kind != stream.kind
           || (written.streams[0].codec != stream.codec && !stream.is_text()))
         not_for.push_back(i);
     } catch (const std::runtime_error &) {
