@@ -41,7 +41,8 @@ FILMS = {
     "fragments.mp4": (f"{PICTURE} {SOUND} {X264} -c:a aac -movflags frag_keyframe+empty_moov", {}),
     "hdr.mkv": (f"{PICTURE} {X265}{HDR}", {}),
     "hdr.mp4": (f"{PICTURE} {X265}{HDR} -tag:v hvc1", {}),
-    "alpha.webm": (f"{PICTURE} {SOUND} -vf format=yuva420p,geq=lum=X:a=Y -c:v libvpx-vp9 -deadline realtime -cpu-used 8 -c:a libopus", {"mp4": ["alpha"], "ts": None}),
+    "alpha.webm": (f"{PICTURE} -vf format=yuva420p,geq=lum=X:a=Y -c:v libvpx-vp9 -deadline realtime -cpu-used 8", {"mp4": ["alpha"], "ts": None}),
+    "opus.webm": (f"{PICTURE} {SOUND} -c:v libvpx-vp9 -deadline realtime -cpu-used 8 -c:a libopus", {"ts": None}),
     "vp8.webm": (f"{PICTURE} {SOUND} -c:v libvpx -deadline realtime -cpu-used 8 -c:a libvorbis", {"mp4": None, "ts": None}),
     "av1.mkv": (f"{PICTURE} -c:v libaom-av1 -cpu-used 8 -usage realtime -g 12", {"ts": None}),
     "ps.mpg": (f"{PICTURE} {SOUND} -c:v mpeg2video -bf 2 -c:a mp2", {}),
@@ -82,7 +83,7 @@ FILMS["shared/alpha.webm"] = (None, {"mp4": ["alpha"], "ts": None})
 FILMS["shared/base.mkv"] = (None, {"ts": ["language 'eng'", "^video 0: language", "title 'Video'", "^video 0: title", "creation_time"]})
 
 # What the suite tries. Others take the same ways: they are tried with --all.
-CHOSEN = {"bframes.mkv": "mp4 ts", "edit_list.mp4": "mkv ts", "fragments.mp4": "ts", "hdr.mkv": "mp4", "hdr.mp4": "mkv", "alpha.webm": "mkv mp4", "vp8.webm": "ts",
+CHOSEN = {"bframes.mkv": "mp4 ts", "edit_list.mp4": "mkv ts", "fragments.mp4": "ts", "hdr.mkv": "mp4", "hdr.mp4": "mkv", "alpha.webm": "mkv mp4", "opus.webm": "mkv", "vp8.webm": "ts",
           "ps.mpg": "mkv mp4", "mpeg2.ts": "ts", "h264.avi": "mkv mp4", "xvid.avi": "mp4", "raw.h264": "mkv", "prores.mov": "mkv", "wrap.ts": "mkv", "hours.mkv": "mp4",
           "programs.ts": "ts", "rotated.mov": "mkv ts", "many.mkv": "mkv mp4 ts", "many.mp4": "mkv mp4", "cover.mp4": "mkv mp4", "stereo.mkv": "mp4", "vfr.mkv": "mp4"}
 

@@ -88,7 +88,7 @@ tracks_for_mkvmerge(const std::string &path)
   return found;
 }
 
-/// What FFmpeg 5.1 and mkvmerge leave away: how a phone was held, alpha, and when.
+/// What FFmpeg 5.1 and mkvmerge leave away: how a phone was held, and when.
 void
 complete_matroska(const FilmContents &film, const std::string &path)
 {
@@ -102,8 +102,6 @@ complete_matroska(const FilmContents &film, const std::string &path)
         && matrix->second.starts_with(rotation))
       add(edits, "--edit", "track:v" + std::to_string(videos), "--set",
           "projection-pose-roll=" + matrix->second.substr(rotation.size()));
-    if (stream.kind == "video" && stream.facts.contains("alpha_mode"))
-      add(edits, "--edit", "track:v" + std::to_string(videos), "--set", "alpha-mode=1");
   }
   if (const auto date = film.facts.find("creation_time"); date != film.facts.end())
     add(edits, "--edit", "info", "--set", "date=" + date->second + "Z");
