@@ -275,7 +275,8 @@ gst_saliency_tactile_transform_ip(GstBaseTransform *transform, GstBuffer *buffer
   const auto [time, duration] = priv->times.of(buffer, priv->info, transform->segment);
   gst_saliency_tactile_orient(self, settings);
 
-  // What a decoder made up for lost data is not felt. The history goes on with the next whole frame.
+  // What a decoder made up for lost data is not felt. The history goes on with the next whole
+  // frame.
   const bool is_whole = !GST_BUFFER_FLAG_IS_SET(buffer, GST_BUFFER_FLAG_CORRUPTED);
   // Between two analyses the last map holds, unless the grid changed or time jumped.
   std::optional<GstClockTime> spent;

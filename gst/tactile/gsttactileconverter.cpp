@@ -22,8 +22,8 @@
  * has times in milliseconds and levels in percent; KLV is exact. Time without a cue becomes a GAP.
  * What is not a cue, such as subtitles to be read, is left out with a warning.
  *
- * Other players draw a text track in Matroska or MP4, since GStreamer's muxers mark it as the default
- * one. `tactile-track mux` does not. See [tracks](../guide/tracks.md).
+ * Other players draw a text track in Matroska or MP4, since GStreamer's muxers mark it as the
+ * default one. `tactile-track mux` does not. See [tracks](../guide/tracks.md).
  *
  * ## Example launch lines
  * |[

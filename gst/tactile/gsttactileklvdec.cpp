@@ -2,14 +2,14 @@
 /**
  * SECTION:element-tactileklvdec
  * @title: tactileklvdec
- * @short_description: decodes tactile tracks of transport streams, and WebVTT in Matroska, for players
+ * @short_description: decodes tactile tracks of transport streams and of WebVTT in Matroska
  *
  * tactileklvdec is the decoder for KLV that players look for in a transport stream with a tactile
  * track, and for the WebVTT that mkvmerge and FFmpeg put into Matroska, whose caps are
  * `application/x-subtitle-unknown`. Without it GStreamer reports a missing plugin.
  *
- * Of a track it outputs no text. Each packet becomes a GAP event at its time. A packet of a tactile track
- * travels in that event, as the field `tactile-packet` (a #GstBuffer), which
+ * Of a track it outputs no text. Each packet becomes a GAP event at its time. A packet of a tactile
+ * track travels in that event, as the field `tactile-packet` (a #GstBuffer), which
  * [tactilesubtitles](tactilesubtitles.md) and [tactileconverter](tactileconverter.md) take for a
  * cue. A player without these shows the film as it is, and waits for nothing.
  *

@@ -58,8 +58,8 @@
  * ## Limits
  * #GstTactorSink:max-on-time, #GstTactorSink:max-duty and #GstTactorSink:max-active spare motors
  * and skin. A cue that a limit ended begins again when the film has let go of its tactor, or after
- * 3 s. Pauses, seeks and mute keep the account, and so does the next play on the same device in this
- * process. What is late, the device's own thread ends, by the clock of the motor.
+ * 3 s. Pauses, seeks and mute keep the account, and so does the next play on the same device in
+ * this process. What is late, the device's own thread ends, by the clock of the motor.
  *
  * ## Streams with faults
  * Frames without time stamps are felt when they come; a warning says so if there is no frame rate

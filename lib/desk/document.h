@@ -16,8 +16,8 @@ namespace desk {
 class Document
 {
 public:
-  /// Fails if the text is no WebVTT track in UTF-8 or UTF-16, which is saved as UTF-8, or has over kMostCues cues. Edits that would
-  /// make it larger than `most` bytes are refused.
+  /// Fails if the text is no WebVTT track in UTF-8 or UTF-16, which is saved as UTF-8, or has over
+  /// kMostCues cues. Edits that would make it larger than `most` bytes are refused.
   static tl::expected<Document, tactile::FormatError>
   read(std::string_view bytes, std::size_t most = tactile::kMaxTrackFile);
 

@@ -39,5 +39,6 @@ std::string start_error(GstBus *bus);
 /// that they are not. The sink has said so on standard error.
 bool motors_may_run(GstElement *sink);
 
-/// A value for a launch line of make_pipeline(), such as the name of a file, which may be any bytes.
+/// A value for a launch line of make_pipeline(), such as the name of a file, which may be any
+/// bytes.
 std::string launch_value(const std::string &value);

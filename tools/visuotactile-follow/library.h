@@ -31,7 +31,8 @@ public:
   using Skipped = std::set<std::string>;
 
   // `film` is what a player says: a path, a URI or a title. A track of the right name is found even
-  // if it is faulty: it is somebody's own. Subtitles of that name are passed over, with a complaint.
+  // if it is faulty: it is somebody's own. Subtitles of that name are passed over, with a
+  // complaint.
 
   /// The track beside a film on this computer.
   std::optional<FoundTrack> beside(const std::string &film, const Skipped &skipped,

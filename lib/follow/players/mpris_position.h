@@ -10,10 +10,10 @@
 
 namespace follow {
 
-/// What a player means by its position. MPRIS says microseconds in a 64-bit integer. Some tell other
-/// numbers, other units, or nothing of use. The unit is that by which the position goes as fast as
-/// the film does; it is another one only if that holds twice in a row, as a leap may look like it
-/// once. Reads no clock; not thread-safe.
+/// What a player means by its position. MPRIS says microseconds in a 64-bit integer. Some tell
+/// other numbers, other units, or nothing of use. The unit is that by which the position goes as
+/// fast as the film does; it is another one only if that holds twice in a row, as a leap may look
+/// like it once. Reads no clock; not thread-safe.
 class MprisPosition
 {
 public:

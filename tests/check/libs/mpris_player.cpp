@@ -313,7 +313,8 @@ GST_START_TEST(test_units)
       ck_assert_str_eq(meaning.unit(), one.unit);
       fail_unless(position && std::chrono::abs(*position - 10s - 10s * rate) < 155ms * rate + 1s);
       ck_assert_str_eq(meaning.fault().c_str(), "");
-      // Another film, and a leap that nobody tells, by which milliseconds become nanoseconds for once.
+      // Another film, and a leap that nobody tells, by which milliseconds become nanoseconds for
+      // once.
       meaning.leap();
       heard(meaning, 20s, 22s, rate, told);
       meaning.take(told(Time(1000s)).value() * 1000, 22s + 155ms, rate);

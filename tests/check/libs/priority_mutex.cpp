@@ -37,8 +37,8 @@ priority_of(pid_t thread)
 
 } // namespace
 
-/// An ordinary thread that has the mutex runs at the priority of the real-time thread that waits for
-/// it, until it gives it back.
+/// An ordinary thread that has the mutex runs at the priority of the real-time thread that waits
+/// for it, until it gives it back.
 GST_START_TEST(test_holder_inherits_priority)
 {
   if (!may_be_realtime())
