@@ -217,7 +217,7 @@ namespace {
 /// A driver with a short patience, on a computer where no board is known.
 struct StrangersRig : DriverRig
 {
-  static constexpr FirmataPatience kShort{ .answer = 20ms,
+  static constexpr FirmataPatience kShort{ .answer = 300ms,
                                            .ask_again = 5ms,
                                            .transfer = 1h,
                                            .host_silence = 1h,
