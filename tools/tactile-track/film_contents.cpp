@@ -35,7 +35,8 @@ constexpr std::array kOwnTags = { "encoder",
                                   "bitsps",
                                   "encoder-eng",
                                   "duration-eng",
-                                  "rotate",
+                                  "rotate",      // the display matrix says it
+                                  "stereo_mode", // "stereo 3d" says it
                                   "bps-eng",
                                   "source_id-eng",
                                   "number_of_frames-eng",
@@ -171,6 +172,8 @@ stream_of(JsonObject *from)
     stream.codec = "mp3"; // of one type in MP4
   if (stream.codec.empty())
     stream.codec = value(from, "codec_tag_string");
+  if (stream.kind == "data" && value(from, "codec_tag_string") == "text")
+    stream.kind = FilmStream::kChapters;
   for (const char *name : kFormat)
     add(stream.facts, name, value(from, name));
   std::string pixel = value(from, "sample_aspect_ratio");
