@@ -59,8 +59,10 @@ elif [ -z "${VISUOTACTILE_NO_SETUP:-}" ]; then
   "$root/tools/setup.sh" analysis
 fi
 
+# Without arm64's libraries all other tests run, and the run fails.
+lacks=
 if [ -n "$target" ] && [ -z "${VISUOTACTILE_NO_SETUP:-}" ]; then
-  "$target" >/dev/null
+  "$target" >/dev/null || lacks="arm64_maps did not run, for want of arm64's libraries"
 fi
 
 # Of this project's own code, what is compiled here.
@@ -120,6 +122,10 @@ passed=$(count Ok); failed=$(count Fail); timeouts=$(count Timeout); unexpected=
 failed=$((${failed:-0} + ${timeouts:-0} + ${unexpected:-0}))
 echo
 echo "${passed:-0} passed, $failed failed, ${skipped:-0} skipped"
+if [ -n "$lacks" ]; then
+  echo "run.sh: $lacks" >&2
+  status=1
+fi
 if [ "$status" -eq 0 ] && [ "${passed:-0}" -eq 0 ]; then
   echo "run.sh: no test ran; expected at least one" >&2
   status=1

@@ -5,6 +5,7 @@
 
 #include <array>
 #include <charconv>
+#include <unistd.h>
 
 namespace tactor {
 
@@ -19,7 +20,14 @@ CsvWriter::create(const std::string &path)
   if (!file)
     return tl::unexpected(DriverError{ DriverError::Kind::settings,
                                        "cannot write to '" + path + "': " + file.error().reason });
-  return CsvWriter(fdopen(file->release(), "w"));
+  const int fd = file->release();
+  std::FILE *stream = fdopen(fd, "w");
+  if (stream == nullptr) {
+    close(fd);
+    return tl::unexpected(DriverError{ DriverError::Kind::settings,
+                                       "cannot write to '" + path + "': out of memory" });
+  }
+  return CsvWriter(stream);
 }
 
 CsvWriter &

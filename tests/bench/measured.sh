@@ -38,7 +38,7 @@ head_of() { # TITLE
   done
   # shellcheck disable=SC2016 # backticks of Markdown
   printf '# %s\n\nMade by `%s`; do not edit.\n\n' "$1" "$command"
-  printf '%s, %s CPUs, %s; %s, %s.\n\n' "$(sed -n 's/^model name.*: //p' /proc/cpuinfo | head -n 1)" "$(nproc)" "${set^^}" \
+  printf '%s, %s CPUs, %s, load average %s; %s, %s.\n\n' "$(sed -n 's/^model name.*: //p' /proc/cpuinfo | head -n 1)" "$(nproc)" "${set^^}" "$(cut -d ' ' -f 1 /proc/loadavg)" \
     "$(sed -n 's/^PRETTY_NAME="\(.*\)"/\1/p' /etc/os-release)" "$(gst-launch-1.0 --version | tail -n +2 | head -n 1)"
 }
 

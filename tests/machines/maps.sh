@@ -9,7 +9,7 @@ set -euo pipefail
 source=$1
 build=$2
 # shellcheck disable=SC1091 # the machine's
-folder=${XDG_CACHE_HOME:-$HOME/.cache}/visuotactile/machines/$(. /etc/os-release && echo "$VERSION_CODENAME")-arm64
+folder=${XDG_CACHE_HOME:-${HOME:-/root}/.cache}/visuotactile/machines/$(. /etc/os-release && echo "$VERSION_CODENAME")-arm64
 [ -f "$folder/complete" ] || { echo "there are no libraries of arm64: run tools/setup.sh arm64, then tests/machines/target.sh"; exit 77; }
 
 work=$(mktemp -d)

@@ -17,7 +17,7 @@ architecture=${1:-arm64}
 # shellcheck disable=SC1091 # the machine's
 here=$(. /etc/os-release && echo "$VERSION_CODENAME")
 release=${2:-$here}
-folder=${3:-${XDG_CACHE_HOME:-$HOME/.cache}/visuotactile/machines/$release-$architecture}
+folder=${3:-${XDG_CACHE_HOME:-${HOME:-/root}/.cache}/visuotactile/machines/$release-$architecture}
 
 fail() {
   echo "target.sh: $1" >&2
@@ -33,6 +33,10 @@ done
 # What the plugins are built with, but for modules, which need four times as much; and what plays films to them.
 packages="libc6-dev libstdc++-$($triplet-gcc -dumpversion)-dev libgstreamer1.0-dev libgstreamer-plugins-base1.0-dev libopencv-core-dev libopencv-imgproc-dev
   libhwy-dev libexpected-dev libusb-1.0-0-dev libjson-glib-dev libxml2-dev gstreamer1.0-tools gstreamer1.0-plugins-base"
+# One at a time: another checkout may make the same folder.
+mkdir -p "$(dirname "$folder")"
+exec 9>"$folder.lock"
+flock 9
 if [ "$(cat "$folder/complete" 2>/dev/null)" = "$packages" ]; then
   echo "$folder"
   exit 0

@@ -18,6 +18,7 @@
 #include <cstdlib>
 #include <functional>
 #include <memory>
+#include <mutex>
 #include <unistd.h>
 #include <utility>
 
@@ -30,6 +31,37 @@ namespace {
 
 constexpr int kFirstPin = 2; ///< of tactor 0 on a Mega
 constexpr auto kWatchdog = FirmataModel::kWatchdog;
+
+/// Held while the clock hangs, with whoever reads it.
+std::mutex clock_hangs;
+
+struct HangingClock
+{
+  GstSystemClock parent;
+};
+struct HangingClockClass
+{
+  GstSystemClockClass parent_class;
+};
+G_DEFINE_TYPE(HangingClock, hanging_clock, GST_TYPE_SYSTEM_CLOCK)
+
+GstClockTime
+hanging_clock_get_internal_time(GstClock *clock)
+{
+  const std::lock_guard lock(clock_hangs);
+  return GST_CLOCK_CLASS(hanging_clock_parent_class)->get_internal_time(clock);
+}
+
+void
+hanging_clock_class_init(HangingClockClass *klass)
+{
+  GST_CLOCK_CLASS(klass)->get_internal_time = hanging_clock_get_internal_time;
+}
+
+void
+hanging_clock_init(HangingClock *)
+{
+}
 
 /// Turns on nine motors, with limits off so that they stay on.
 class Play
@@ -47,7 +79,7 @@ public:
         "max-active=0 videotestsrc is-live=true ! fakesink name=video sync=true",
         &error);
     fail_unless(error == nullptr, "%s", error ? error->message : "");
-    clock = GST_CLOCK(g_object_new(GST_TYPE_SYSTEM_CLOCK, nullptr));
+    clock = GST_CLOCK(g_object_new(hanging_clock_get_type(), nullptr));
     gst_object_ref_sink(clock);
     gst_pipeline_use_clock(GST_PIPELINE(pipeline), clock);
     gst_element_set_state(pipeline, GST_STATE_PLAYING);
@@ -57,7 +89,7 @@ public:
   ~Play()
   {
     if (hung_)
-      GST_OBJECT_UNLOCK(hung_);
+      clock_hangs.unlock();
     quit_ = true;
     feeder_.join();
     if (pipeline) {
@@ -97,8 +129,8 @@ public:
   /// Blocks tactorsink's thread at the clock until the play ends. The driver's thread goes on.
   void hang()
   {
-    hung_ = element("tactors");
-    GST_OBJECT_LOCK(hung_);
+    clock_hangs.lock();
+    hung_ = true;
   }
   /// Stops the maps.
   void starve()
@@ -139,7 +171,7 @@ private:
     gst_object_unref(maps);
   }
 
-  GstElement *hung_ = nullptr;
+  bool hung_ = false;
   std::atomic<bool> quit_{ false };
   std::atomic<bool> feeds_{ true };
   std::thread feeder_;

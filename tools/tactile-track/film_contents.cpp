@@ -35,7 +35,8 @@ constexpr std::array kOwnTags = { "encoder",
                                   "bitsps",
                                   "encoder-eng",
                                   "duration-eng",
-                                  "rotate",
+                                  "rotate",      // the display matrix says it
+                                  "stereo_mode", // "stereo 3d" says it
                                   "bps-eng",
                                   "source_id-eng",
                                   "number_of_frames-eng",
@@ -175,6 +176,8 @@ stream_of(JsonObject *from)
     stream.codec = "mp3"; // of one type in MP4
   if (stream.codec.empty())
     stream.codec = value(from, "codec_tag_string");
+  if (stream.kind == "data" && value(from, "codec_tag_string") == "text")
+    stream.kind = FilmStream::kChapters;
   for (const char *name : kFormat)
     add(stream.facts, name, value(from, name));
   std::string pixel = value(from, "sample_aspect_ratio");
@@ -301,9 +304,15 @@ read_contents(const std::string &path, const std::function<void(double)> &on_pro
   const double duration = number(format, "duration");
   contents.duration = std::isnan(duration) ? 0 : duration;
   add_tags(contents.facts, format);
+  const auto date = contents.facts.find("creation_time");
   for (guint i = 0; i < json_array_get_length(streams); i++)
-    if (JsonObject *one = json::object(streams, i))
-      contents.streams.push_back(stream_of(one));
+    if (JsonObject *one = json::object(streams, i)) {
+      Facts &facts = contents.streams.emplace_back(stream_of(one)).facts;
+      // MP4 says the film's for each stream, Matroska once.
+      if (const auto of = facts.find("creation_time");
+          of != facts.end() && date != contents.facts.end() && of->second == date->second)
+        facts.erase(of);
+    }
   JsonArray *chapters = json::array(all, "chapters");
   for (guint i = 0; chapters && i < json_array_get_length(chapters); i++)
     if (JsonObject *one = json::object(chapters, i)) {

@@ -21,7 +21,10 @@ struct FilmStream
     long size = 0;        ///< in bytes
   };
 
-  std::string kind; ///< video, audio, subtitle, data or attachment
+  /// The names of MP4's chapters, which are chapters of the film besides.
+  static constexpr const char *kChapters = "chapters";
+
+  std::string kind; ///< video, audio, subtitle, data, attachment or kChapters
   std::string codec;
   Facts facts{};
   std::vector<Packet> packets{}; ///< in the file's order

@@ -315,13 +315,14 @@ streams_not_for(Container container, const FilmAndTrack &what, const std::string
   for (int i = 0; i < static_cast<int>(what.film.streams.size()); i++) {
     const FilmStream &stream = what.film.streams[static_cast<std::size_t>(i)];
     Arguments arguments = ffmpeg_reading(what.path);
-    add(arguments, "-t", "0.1", "-map", "0:" + std::to_string(i), "-c",
+    // A second: ffprobe takes fewer packets of sound for another codec's.
+    add(arguments, "-t", "1", "-map", "0:" + std::to_string(i), "-c",
         encoder_for(container, stream));
     try {
       finish_ffmpeg(arguments, container, 0, scratch, [](double) {});
       // Into a transport stream it writes all, also what nobody can read.
       const FilmContents written = read_contents(scratch, [](double) {});
-      if (written.streams.empty()
+      if (written.streams.empty() || written.streams[0].kind != stream.kind
           || (written.streams[0].codec != stream.codec && !stream.is_text()))
         not_for.push_back(i);
     } catch (const std::runtime_error &) {

@@ -22,7 +22,7 @@ struct FilmAndTrack
 {
   std::string path;
   const FilmContents &film;
-  std::vector<int> taken_out{}; ///< streams that are not copied: older tracks
+  std::vector<int> taken_out{}; ///< streams that are not copied as such: older tracks, chapters
   std::deque<tactile::Cue> cues{};
   std::string subtitles{}; ///< the name of a SubRip file with these cues
   bool first = false;      ///< the track comes before the film's subtitles

@@ -83,7 +83,7 @@ public:
                   by_ffmpeg(what_, at, to);
               },
               !by_mkvmerge             ? zero_by_ffmpeg(film, container_)
-              : film.is_in("matroska") ? film.zero()
+              : film.is_in("matroska") ? std::max(film.zero(), 0.0) // sound may begin before
                                        : 0);
     } else {
       if (container_ == Container::transport_stream && film.is_in("mpegts"))
@@ -281,7 +281,8 @@ mux(int argc, char **argv)
       throw std::runtime_error("'" + path + "' has no moving picture; expected a film");
     FilmAndTrack what{ .path = path, .film = film, .first = first != FALSE };
     for (int i = 0; i < static_cast<int>(film.streams.size()); i++)
-      if (film.streams[static_cast<std::size_t>(i)].is_tactile())
+      if (const FilmStream &stream = film.streams[static_cast<std::size_t>(i)];
+          stream.is_tactile() || stream.kind == FilmStream::kChapters)
         what.taken_out.push_back(i);
     what.cues
         = tactile::cues_of(container == Container::transport_stream

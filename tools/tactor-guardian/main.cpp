@@ -56,14 +56,13 @@ stop(tactor::SerialBus &bus, const tactor::SerialDevice &device)
   using Kind = tactor::DriverError::Kind;
   const auto begin = std::chrono::steady_clock::now();
   std::string why = "it was unplugged";
-  bool may_pulse = true;
+  bool may_pulse = true; // once: it boots for seconds
   for (auto now = begin; now < begin + kPatience; now = std::chrono::steady_clock::now()) {
     if (find(bus, device.bus_path) == device) { // another board may be there now
-      const auto stopped = tactor::stop_board(bus, device, may_pulse);
+      const auto stopped = tactor::stop_board(bus, device, &may_pulse);
       if (stopped || (stopped.error().kind == Kind::busy && now > begin + kBusy))
         return 0;
       why = stopped.error().text;
-      may_pulse = may_pulse && stopped.error().kind != Kind::failed; // once: it boots for seconds
     }
     std::this_thread::sleep_for(kTryAgain);
   }

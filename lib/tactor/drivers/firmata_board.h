@@ -25,8 +25,8 @@ struct FirmataPatience
   Time keepalive = std::chrono::milliseconds(
       100); ///< between transfers to a board with watchdog while a motor is on
   Time drain = std::chrono::milliseconds(250); ///< for the zeros of close() to be sent
-  Time acknowledge = std::chrono::milliseconds(
-      250); ///< after that, for the board's answer that it has read them
+  /// After that, for the board's answer that it has read them.
+  Time acknowledge = std::chrono::milliseconds(250);
 };
 
 /// State machine for one board that speaks Firmata. The owner sends what next() returns and reports

@@ -302,10 +302,9 @@ FirmataDriver::connect(Lock &lock, SerialBus &bus, const SerialDevice &device, b
   if (board_->state() == FirmataBoard::State::running) {
     const Unlocked unlocked(lock);
     known_boards_.add(device);
-  } else if (board_->state() == FirmataBoard::State::failed && !is_open_) {
+  } else if (board_->state() == FirmataBoard::State::failed && !is_open_
+             && remember_refusal(lock, device)) {
     refusal->text += "; it is asked again if it is named by device=" + device.bus_path;
-    const Unlocked unlocked(lock);
-    known_boards_.refuse(device);
   }
   if (refusal) {
     release(lock, std::move(*port));
@@ -321,6 +320,18 @@ FirmataDriver::connect(Lock &lock, SerialBus &bus, const SerialDevice &device, b
   may_run_ = false; // it was reset
   guard(lock);
   return port;
+}
+
+/// Remembers that a device is no board. A known one with a serial number stays known: it was slow or
+/// stuck this time. Without a number something else may be at its socket now.
+bool
+FirmataDriver::remember_refusal(Lock &lock, const SerialDevice &device)
+{
+  const Unlocked unlocked(lock);
+  if (!device.serial.empty() && known_boards_.has(device))
+    return false;
+  known_boards_.refuse(device);
+  return true;
 }
 
 /// Talks to the board until `is_done` or the port is lost.
@@ -398,7 +409,8 @@ FirmataDriver::make_sure(Lock &lock, SerialBus &bus)
   if (may_run_) {
     const tl::expected<void, DriverError> stopped = [&] {
       const Unlocked unlocked(lock);
-      return stop_board(bus, device_, true, settings_.stop_patience);
+      bool may_pulse = true;
+      return stop_board(bus, device_, &may_pulse, settings_.stop_patience);
     }();
     may_run_ = !stopped;
     // One that is unplugged is without power, or its loss was told.

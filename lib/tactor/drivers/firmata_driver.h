@@ -75,6 +75,7 @@ private:
   std::unique_ptr<SerialPort> connect_again(Lock &lock, SerialBus &bus);
   tl::expected<std::unique_ptr<SerialPort>, DriverError>
   connect(Lock &lock, SerialBus &bus, const SerialDevice &device, bool is_stranger);
+  bool remember_refusal(Lock &lock, const SerialDevice &device);
   void converse(Lock &lock, SerialPort &port, bool (FirmataDriver::*is_done)() const);
   void release(Lock &lock, std::unique_ptr<SerialPort> port);
   void guard(Lock &lock);

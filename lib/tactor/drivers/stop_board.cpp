@@ -80,7 +80,8 @@ private:
 } // namespace
 
 tl::expected<void, DriverError>
-stop_board(SerialBus &bus, const SerialDevice &device, bool may_pulse, const StopPatience &patience)
+stop_board(SerialBus &bus, const SerialDevice &device, bool *may_pulse,
+           const StopPatience &patience)
 {
   std::string why;
   {
@@ -94,7 +95,7 @@ stop_board(SerialBus &bus, const SerialDevice &device, bool may_pulse, const Sto
         return {};
     why = answers.why();
   }
-  if (may_pulse && bus.reset(device))
+  if (may_pulse != nullptr && std::exchange(*may_pulse, false) && bus.reset(device))
     why += "; it was reset by DTR and does not say whether that worked";
   return tl::unexpected(DriverError{ DriverError::Kind::failed, describe(device) + ": " + why });
 }

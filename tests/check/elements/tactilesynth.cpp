@@ -223,7 +223,7 @@ GST_START_TEST(test_wrong_settings)
   assert_contains(refusal("tactilesynth mapping=64"), { "mapping cannot be read", "0 to 63" });
   assert_contains(refusal("tactilesynth waveform=sample"), { "cannot read the loop ''" });
   assert_contains(refusal("tactilesynth waveform=sample sample=/dev/null"),
-                  { "'/dev/null': expected a RIFF WAVE file" });
+                  { "'/dev/null': expected a regular file, got a device" });
   // The file of the channel that plays one.
   assert_contains(refusal("tactilesynth waveform=sine,sample sample=,/nonexistent.wav"),
                   { "cannot read the loop '/nonexistent.wav': No such file" });

@@ -368,7 +368,8 @@ GST_START_TEST(test_closed_means_that_motors_stand)
         // Zeros, then reset and question of two bytes, plus one byte's time for each packet to wait
         // for.
         const Time line = (level_bytes(chair(tactors)) + 2 + 10) * kByte;
-        fail_unless(chip.now - begin <= line + (answers ? 0ms : 50ms),
+        const Time patience = answers ? Time(0) : tactor::FirmataPatience{}.acknowledge;
+        fail_unless(chip.now - begin <= line + patience,
                     "%d motors, seat %d, answers %d: closed after %d us", tactors, seat, answers,
                     static_cast<int>((chip.now - begin) / 1us));
       }
