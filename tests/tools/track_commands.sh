@@ -198,7 +198,8 @@ whole_film() {
     cmp before after || fail "$pad is not what it was"
   done
   stream_names with.mkv >names_with
-  { cat names; echo "subtitle_2 Tactile zxx"; } | diff - names_with || fail "other names, or another order"
+  # Of the picture mkvmerge writes the language that is Matroska's default.
+  { sed 1d names; echo "subtitle_2 Tactile zxx"; } | diff - <(sed 1d names_with) || fail "other names, or another order"
   commands side "filesrc location=film.vtt ! subparse ! tactileconverter"
   commands third "filesrc location=with.mkv ! matroskademux name=d d.subtitle_2 ! queue ! tactileconverter"
   expect_same_commands side third
@@ -244,7 +245,7 @@ foreign_carriers() {
   track mux mux.mkv film.vtt -o twice.mkv
   [ "$(subtitles_of twice.mkv)" = "0,zxx" ] || fail "it has $(subtitles_of twice.mkv)"
   play mux mux.ts film.vtt -o twice.ts
-  [ "$(ffprobe -v error -select_streams d -show_entries stream=codec_name -of csv=p=0 twice.ts | sort -u)" = klv ] || fail "other streams"
+  [ "$(ffprobe -v error -select_streams d -show_entries stream=codec_name -of csv=p=0 twice.ts | sed '/^$/d' | sort -u)" = klv ] || fail "other streams"
   play extract "$work/film.mkv" -o none.vtt
   expect_status 1
   expect_line err 'carries no track'
