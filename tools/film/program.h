@@ -19,8 +19,8 @@ struct Stopped
 };
 
 /// While one exists, SIGINT, SIGTERM and SIGHUP stop the other program that runs, and make
-/// signals_stop_here() throw. A signal that was ignored (nohup) stays so, in other programs, too. Of
-/// one thread; one within another does nothing.
+/// signals_stop_here() throw. A signal that was ignored (nohup) stays so, in other programs, too.
+/// Of one thread; one within another does nothing.
 class SignalsStop
 {
 public:

@@ -49,8 +49,8 @@ constexpr std::array kUnknown = { "", "N/A", "unknown", "und", "unspecified", "t
 constexpr std::array kFormat = { "width",          "height",          "color_range", "color_space",
                                  "color_transfer", "color_primaries", "sample_rate", "channels" };
 
-/// Packets of a stream's beginning: pictures may be decoded before earlier ones. Later times may step
-/// back in a recording, and tell nothing.
+/// Packets of a stream's beginning: pictures may be decoded before earlier ones. Later times may
+/// step back in a recording, and tell nothing.
 constexpr int kFirst = 64;
 
 struct ParserUnref
