@@ -16,6 +16,8 @@ namespace desk {
 
 namespace {
 
+using files::folder_of;
+
 constexpr std::string_view kVersion = ".desk~"; ///< and a number and "~"
 
 tl::unexpected<std::string>
@@ -28,13 +30,6 @@ std::string
 named(const std::string &path, const files::Error &error)
 {
   return "'" + path + "': " + error.reason;
-}
-
-std::string
-folder_of(const std::string &path)
-{
-  const std::string folder = fs::path(path).parent_path().string();
-  return folder.empty() ? "." : folder;
 }
 
 /// The numbers of the versions that are kept.
@@ -96,14 +91,6 @@ write_all(const File &file, std::string_view bytes)
   return true;
 }
 
-bool
-sync_folder(const std::string &path)
-{
-  const File folder(open(folder_of(path).c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
-  // Some folders can be written to but not read, and some file systems cannot do that.
-  return folder ? fsync(folder.descriptor()) == 0 || errno == EINVAL : errno == EACCES;
-}
-
 tl::expected<std::string, std::string>
 replace_file(const std::string &path, std::string_view bytes)
 {
@@ -112,23 +99,23 @@ replace_file(const std::string &path, std::string_view bytes)
   const File file(mkostemp(part.data(), O_CLOEXEC));
   if (!file)
     return failed(part);
-  struct stat before
-  {
-  };
-  const bool was_there = stat(path.c_str(), &before) == 0;
-  const mode_t mask = umask(0);
-  umask(mask);
-  const mode_t mode = was_there ? before.st_mode & 07777 : 0666 & ~mask;
-  const auto has_mode = [&] {
-    return fchmod(file.descriptor(), mode) == 0 || errno == EPERM; // FAT has no permissions
-  };
-  if (!write_all(file, bytes) || !has_mode() || fsync(file.descriptor()) != 0
-      || rename(part.c_str(), path.c_str()) != 0) {
-    auto error = failed(path);
+  const auto give_up = [&](tl::unexpected<std::string> error) {
     unlink(part.c_str());
     return error;
+  };
+  if (!write_all(file, bytes))
+    return give_up(failed(path));
+  std::error_code ignored;
+  if (!fs::exists(whole, ignored)) {
+    const mode_t mask = umask(0);
+    umask(mask);
+    if (fchmod(file.descriptor(), 0666 & ~mask) != 0 && errno != EPERM) // FAT has no permissions
+      return give_up(failed(path));
   }
-  return sync_folder(path)
+  const auto replaced = files::replace(file, part, path);
+  if (!replaced)
+    return give_up(tl::unexpected(named(path, replaced.error())));
+  return *replaced
              ? std::string()
              : file_error(folder_of(path)) + ", after the file was written; save it elsewhere, too";
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "files/regular_file.h"
+#include "files/replace.h"
 
 #include <cstddef>
 #include <string>
@@ -11,6 +12,7 @@
 namespace desk {
 
 using files::File;
+using files::sync_folder;
 
 /// "'film.vtt': No space left on device", with errno.
 std::string file_error(const std::string &path);
@@ -22,10 +24,6 @@ tl::expected<std::string, std::string> read_whole(const File &file, const std::s
 
 /// False, with errno, if not all can be written.
 bool write_all(const File &file, std::string_view bytes);
-
-/// Writes to the disk that a file of this name is there. False, with errno, if it fails; true where
-/// a folder cannot be written.
-bool sync_folder(const std::string &path);
 
 /// The file is replaced as a whole, and is on the disk. It keeps its permissions where files have
 /// some. Returns a warning if it is in place, but was perhaps not written to the disk; else none.

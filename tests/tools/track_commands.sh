@@ -198,7 +198,8 @@ whole_film() {
     cmp before after || fail "$pad is not what it was"
   done
   stream_names with.mkv >names_with
-  { cat names; echo "subtitle_2 Tactile zxx"; } | diff - names_with || fail "other names, or another order"
+  # Of the picture mkvmerge writes the language that is Matroska's default.
+  { sed 1d names; echo "subtitle_2 Tactile zxx"; } | diff - <(sed 1d names_with) || fail "other names, or another order"
   commands side "filesrc location=film.vtt ! subparse ! tactileconverter"
   commands third "filesrc location=with.mkv ! matroskademux name=d d.subtitle_2 ! queue ! tactileconverter"
   expect_same_commands side third
@@ -244,7 +245,7 @@ foreign_carriers() {
   track mux mux.mkv film.vtt -o twice.mkv
   [ "$(subtitles_of twice.mkv)" = "0,zxx" ] || fail "it has $(subtitles_of twice.mkv)"
   play mux mux.ts film.vtt -o twice.ts
-  [ "$(ffprobe -v error -select_streams d -show_entries stream=codec_name -of csv=p=0 twice.ts | sort -u)" = klv ] || fail "other streams"
+  [ "$(ffprobe -v error -select_streams d -show_entries stream=codec_name -of csv=p=0 twice.ts | sed '/^$/d' | sort -u)" = klv ] || fail "other streams"
   play extract "$work/film.mkv" -o none.vtt
   expect_status 1
   expect_line err 'carries no track'
@@ -265,7 +266,8 @@ mux_fails() {
   chmod +x bin/mkvmerge
   for signal in INT TERM HUP; do
     rm -f copying
-    PATH=$PWD/bin:$PATH "$PLAY" mux "$work/film.mkv" "$work/good.vtt" -o out.mkv >out 2>err &
+    # Commands in the background ignore SIGINT, which programs leave so.
+    PATH=$PWD/bin:$PATH env --default-signal=INT "$PLAY" mux "$work/film.mkv" "$work/good.vtt" -o out.mkv >out 2>err &
     pid=$!
     until [ -e copying ]; do
       kill -0 "$pid" || fail "it ended: $(cat err)"
@@ -280,6 +282,80 @@ mux_fails() {
   [ "$(cat out.mkv)" = kept ] || fail "it was replaced"
   PATH=/nowhere "$PLAY" mux "$work/film.mkv" "$work/good.vtt" -o out.mkv >out 2>err && fail "without programs"
   expect_line err 'install the package ffmpeg'
+}
+
+# As by nohup: neither this program nor the one that copies ends.
+ignored_signal() {
+  local pid status=0
+  mkdir bin
+  printf '#!/bin/sh\necho $$ >copier.new && mv copier.new copier\nuntil [ -e go ]; do sleep 0.02; done\nexec %q "$@"\n' "$(command -v mkvmerge)" >bin/mkvmerge
+  chmod +x bin/mkvmerge
+  (trap '' HUP && PATH=$PWD/bin:$PATH exec "$PLAY" mux "$work/film.mkv" "$work/good.vtt" -o out.mkv) >out 2>err &
+  pid=$!
+  until [ -e copier ]; do
+    kill -0 "$pid" || fail "it ended: $(cat err)"
+    sleep 0.02
+  done
+  kill -HUP "$pid" "$(cat copier)"
+  touch go
+  wait "$pid" || status=$?
+  [ "$status" -eq 0 ] || fail "status $status: $(cat err)"
+  [ "$(subtitles_of out.mkv)" = "0,zxx" ] || fail "it has $(subtitles_of out.mkv)"
+}
+
+# A link stays one, and a file keeps its permissions.
+links() {
+  mkdir there
+  cp "$work/good.vtt" there/real.vtt
+  chmod 640 there/real.vtt
+  ln -s there/real.vtt link.vtt
+  track edit link.vtt --in-place --shift=1
+  track edit "$work/good.vtt" -o expected.vtt --shift=1
+  [ -L link.vtt ] || fail "the link is none any more"
+  cmp expected.vtt there/real.vtt
+  [ "$(stat -c %a there/real.vtt)" = 640 ] || fail "permissions $(stat -c %a there/real.vtt)"
+  echo old >there/film.mkv
+  chmod 604 there/film.mkv
+  ln -s there/film.mkv film.mkv
+  track mux "$work/film.mkv" "$work/good.vtt" -o film.mkv
+  [ -L film.mkv ] && [ "$(stat -c %a there/film.mkv)" = 604 ] || fail "$(ls -l . there)"
+  [ "$(subtitles_of there/film.mkv)" = "0,zxx" ] || fail "it has $(subtitles_of there/film.mkv)"
+  expect_only there film.mkv real.vtt
+}
+
+# The film itself by another name: its URI.
+film_by_uri() {
+  cp "$work/film.mkv" "a film.mkv"
+  play preview "file://$PWD/a%20film.mkv" "$work/good.vtt" -o "$PWD/a film.mkv"
+  expect_status 2
+  expect_line err 'is the film itself'
+  cmp "$work/film.mkv" "a film.mkv"
+}
+
+# A part of a disc, which mkvmerge would complete by the next ones.
+parts_of_a_disc() {
+  ffmpeg -nostdin -v error -i "$work/film.mkv" -c:v mpeg2video -bf 2 -f vob VTS_01_1.VOB
+  cp VTS_01_1.VOB VTS_01_2.VOB
+  mkdir bin
+  printf '#!/bin/sh\nexec false\n' >bin/ffmpeg # the other way to copy
+  chmod +x bin/ffmpeg
+  PATH=$PWD/bin:$PATH play mux VTS_01_1.VOB "$work/good.vtt" -o out.mkv
+  [ "$status" = 0 ] || [ "$status" = 3 ] || fail "status $status: $(cat err)"
+  [ "$(ffprobe -v error -select_streams v -count_packets -show_entries stream=nb_read_packets -of csv=p=0 out.mkv | tr -d ,)" = 180 ] || fail "other pictures"
+}
+
+# A recording whose times step back: the film begins at its first time, not at its least.
+steps_back() {
+  local part
+  for part in 20 0; do
+    ffmpeg -nostdin -v error -i "$work/film.mkv" -c copy -output_ts_offset "$part" -muxdelay 0 -f mpegts "$part.ts"
+  done
+  cat 20.ts 0.ts >film.ts
+  play mux film.ts "$work/good.vtt" -o out.ts
+  [ "$status" = 0 ] || [ "$status" = 3 ] || fail "status $status: $(cat err)"
+  ffprobe -v error -select_streams d -show_entries packet=pts_time -of csv=p=0 out.ts >times
+  # Its first cue is at 1 s or, silent, at 0 s.
+  awk -F, 'NR == 1 && !($1 >= 20 && $1 <= 21.1) { exit 1 }' times && [ -s times ] || fail "the track begins at $(head -n 1 times)"
 }
 
 # A film with a track as its subtitles in a player, with tactorsink as the text sink, in real time.
@@ -548,6 +624,8 @@ gst-launch-1.0 -q tactiletestsrc num-buffers=180 ! video/x-raw,width=320,height=
 printf 'WEBVTT\n\n00:01.000 --> 00:02.000\nWho is there?\n' >subtitles.vtt
 printf 'WEBVTT\n\n00:01.000 --> 00:02.000\n1 2\n3 4\n' >good.vtt
 
+printf 'WEBVTT\n\nNOTE tactile grid=3x3\n' >empty.vtt
+
 echo '{}' >good.vtt.funscript
 
 start author author_plays_as_the_film
@@ -558,6 +636,11 @@ start players players
 start whole_film whole_film
 start foreign_carriers foreign_carriers
 start mux_fails mux_fails
+start ignored_signal ignored_signal
+start links links
+start film_by_uri film_by_uri
+start parts_of_a_disc parts_of_a_disc
+start steps_back steps_back
 start forms forms
 start edits edits
 start keeps_the_text keeps_the_text
@@ -573,6 +656,7 @@ start killed killed
 start subtitle_editor subtitle_editor
 start no_command refuses 2 "no command 'sing'" sing
 start no_film refuses 1 "there is no film" mux nowhere.mkv "$work/good.vtt" -o kept.vtt.mkv
+start no_cues refuses 1 "empty.vtt' has no cues" mux "$work/film.mkv" "$work/empty.vtt" -o kept.vtt.mkv
 start no_output refuses 2 "expected -o" author "$work/film.mkv"
 start bad_form refuses 1 "'x.txt'" author "$work/film.mkv" -o x.txt
 start bad_rows refuses 2 "--rows" author "$work/film.mkv" -o kept.vtt --rows=0

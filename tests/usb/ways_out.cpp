@@ -75,7 +75,8 @@ public:
     pipeline = gst_parse_launch(
         "appsrc name=maps format=time is-live=true do-timestamp=true "
         "caps=\"application/x-tactile-map,rows=(int)3,columns=(int)3,framerate=(fraction)25/1\" "
-        "! queue name=queue ! tactorsink name=tactors driver=firmata max-on-time=0 max-duty=0 "
+        "! queue name=queue ! tactorsink name=tactors driver=firmata guardian=false max-on-time=0 "
+        "max-duty=0 "
         "max-active=0 videotestsrc is-live=true ! fakesink name=video sync=true",
         &error);
     fail_unless(error == nullptr, "%s", error ? error->message : "");

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #include "output.h"
 
+#include "files/replace.h"
+
 #include <glib.h>
 
 #include <cerrno>
@@ -46,11 +48,12 @@ remove_stale_parts(const fs::path &directory, const std::string &stem)
 } // namespace
 
 Output::Output(const fs::path &directory, const std::string &name)
-    : final_(directory / name),
-      part_(directory / (part_stem(name) + std::to_string(getpid()) + std::string(kEnding)))
+    : final_(files::target_of(directory / name)),
+      part_(final_.parent_path()
+            / (part_stem(final_.filename()) + std::to_string(getpid()) + std::string(kEnding)))
 {
   std::error_code error;
-  remove_stale_parts(directory, part_stem(name));
+  remove_stale_parts(final_.parent_path(), part_stem(final_.filename()));
   if (fs::is_directory(final_, error))
     throw std::runtime_error("'" + final_.string()
                              + "' is a folder; move it away or give another --output");
@@ -68,9 +71,10 @@ Output::commit()
   std::error_code error;
   if (fs::file_size(part_, error) == 0 || error)
     return false;
-  fs::rename(part_, final_, error);
-  if (error)
-    throw std::runtime_error("cannot write '" + final_.string() + "': " + error.message());
+  const auto replaced = files::open_regular(part_).and_then(
+      [this](const files::File &part) { return files::replace(part, part_, final_); });
+  if (!replaced)
+    throw std::runtime_error("cannot write '" + final_.string() + "': " + replaced.error().reason);
   return true;
 }
 

@@ -5,7 +5,8 @@
 #include <string>
 
 /// A file that appears under its name when it is complete. Until commit() it is written to a part
-/// file in the same folder, and an existing file is kept. Without commit() the part is removed.
+/// file in the same folder, and an existing file is kept. Without commit() the part is removed. A
+/// link stays one: the file that it leads to is written.
 class Output
 {
 public:
@@ -26,8 +27,9 @@ public:
     return part_;
   }
 
-  /// Renames the part if anything was written, and returns whether it was. Throws
-  /// std::runtime_error if the file cannot have its name.
+  /// Renames the part if anything was written, which is then on the disk, and returns whether it
+  /// was. A file that is replaced keeps its permissions. Throws std::runtime_error if the file
+  /// cannot have its name.
   bool commit();
 
 private:

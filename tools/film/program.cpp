@@ -27,31 +27,16 @@ stop(int)
     kill(child, SIGTERM);
 }
 
-/// Signals stop the other program while this exists.
-class SignalsStop
-{
-public:
-  SignalsStop()
-  {
-    was_stopped = false;
-    struct sigaction action = {};
-    action.sa_handler = stop; // without SA_RESTART: read() returns
-    for (std::size_t i = 0; i < kSignals.size(); i++)
-      sigaction(kSignals.at(i), &action, &before_.at(i));
-  }
-  ~SignalsStop()
-  {
-    the_child = 0;
-    for (std::size_t i = 0; i < kSignals.size(); i++)
-      sigaction(kSignals.at(i), &before_.at(i), nullptr);
-  }
-  SignalsStop(const SignalsStop &) = delete;
-  SignalsStop &operator=(const SignalsStop &) = delete;
+constexpr std::array kSignals = { SIGINT, SIGTERM, SIGHUP };
+using Actions = std::array<struct sigaction, kSignals.size()>;
+Actions the_actions_before{};
+int the_depth = 0;
 
-private:
-  static constexpr std::array kSignals = { SIGINT, SIGTERM, SIGHUP };
-  std::array<struct sigaction, kSignals.size()> before_{};
-};
+bool
+is_ignored(const struct sigaction &action)
+{
+  return (action.sa_flags & SA_SIGINFO) == 0 && action.sa_handler == SIG_IGN;
+}
 
 class FileDescriptor
 {
@@ -74,11 +59,14 @@ private:
   int number_;
 };
 
-/// In the child, before it becomes the other program.
+/// In the child, before it becomes the other program. GLib has reset its signals.
 void
-end_with_parent(gpointer)
+prepare_child(gpointer)
 {
   prctl(PR_SET_PDEATHSIG, SIGKILL);
+  for (std::size_t i = 0; i < kSignals.size(); i++)
+    if (is_ignored(the_actions_before[i]))
+      signal(kSignals[i], SIG_IGN);
 }
 
 /// Calls for each line up to the end of the stream. mkvmerge ends lines of progress with \r.
@@ -118,6 +106,35 @@ last_line(int file)
 
 } // namespace
 
+SignalsStop::SignalsStop()
+{
+  if (the_depth++ > 0)
+    return;
+  was_stopped = false;
+  struct sigaction action = {};
+  action.sa_handler = stop; // without SA_RESTART: read() returns
+  for (std::size_t i = 0; i < kSignals.size(); i++) {
+    sigaction(kSignals[i], nullptr, &the_actions_before[i]);
+    if (!is_ignored(the_actions_before[i]))
+      sigaction(kSignals[i], &action, nullptr);
+  }
+}
+
+SignalsStop::~SignalsStop()
+{
+  if (--the_depth > 0)
+    return;
+  for (std::size_t i = 0; i < kSignals.size(); i++)
+    sigaction(kSignals[i], &the_actions_before[i], nullptr);
+}
+
+void
+signals_stop_here()
+{
+  if (was_stopped)
+    throw Stopped();
+}
+
 ProgramEnd
 run_program(const std::vector<std::string> &arguments, const char *package,
             const std::function<void(std::string_view)> &on_line)
@@ -135,12 +152,13 @@ run_program(const std::vector<std::string> &arguments, const char *package,
   auto to = std::make_unique<FileDescriptor>(ends[1]);
 
   const SignalsStop signals_stop;
+  signals_stop_here();
   GPid child = 0;
   g_autoptr(GError) error = nullptr;
   if (!g_spawn_async_with_fds(
           nullptr, const_cast<gchar **>(argv.data()), environment,
-          static_cast<GSpawnFlags>(G_SPAWN_SEARCH_PATH | G_SPAWN_DO_NOT_REAP_CHILD),
-          end_with_parent, nullptr, &child, -1, **to, *errors, &error))
+          static_cast<GSpawnFlags>(G_SPAWN_SEARCH_PATH | G_SPAWN_DO_NOT_REAP_CHILD), prepare_child,
+          nullptr, &child, -1, **to, *errors, &error))
     throw std::runtime_error(std::string("'") + argv[0] + "' is needed: "
                              + (g_error_matches(error, G_SPAWN_ERROR, G_SPAWN_ERROR_NOENT)
                                     ? std::string("install the package ") + package
@@ -153,8 +171,8 @@ run_program(const std::vector<std::string> &arguments, const char *package,
   int status = 0;
   while (waitpid(child, &status, 0) < 0 && errno == EINTR) {
   }
-  if (was_stopped)
-    throw Stopped();
+  the_child = 0;
+  signals_stop_here();
   return { .status = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status),
            .complaint = last_line(*errors) };
 }

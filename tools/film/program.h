@@ -13,10 +13,25 @@ struct ProgramEnd
   std::string complaint; ///< the last line on its standard error
 };
 
-/// The user has stopped this program while it waited for another one: exit status 130.
+/// The user has stopped this program: exit status 130.
 struct Stopped
 {
 };
+
+/// While one exists, SIGINT, SIGTERM and SIGHUP stop the other program that runs, and make
+/// signals_stop_here() throw. A signal that was ignored (nohup) stays so, in other programs, too.
+/// Of one thread; one within another does nothing.
+class SignalsStop
+{
+public:
+  SignalsStop();
+  ~SignalsStop();
+  SignalsStop(const SignalsStop &) = delete;
+  SignalsStop &operator=(const SignalsStop &) = delete;
+};
+
+/// Throws Stopped after such a signal.
+void signals_stop_here();
 
 /// Runs a program of $PATH to its end, in a locale with UTF-8, and calls `on_line` for each line of
 /// its standard output. SIGINT, SIGTERM and SIGHUP, and the end of this process, end it. Throws

@@ -35,7 +35,7 @@ void write_track_file(const tactile::Track &track, const std::string &path,
 /// Writes a file in the same way.
 void write_bytes(const std::string &bytes, const std::string &path);
 
-/// A file's folder, "." where the path has none, and its name.
+/// The folder, "." where the path has none, and the name of a file to write, to which a link leads.
 std::pair<std::string, std::string> folder_and_name(const std::string &path);
 
 /// Throws UsageError if the output would overwrite the film.

@@ -76,11 +76,13 @@ extract(int argc, char **argv)
   while (!source->is_ended()) {
     if (const std::optional<tactile::Cue> cue = source->take())
       extracted.add(*cue);
-    else if (const std::string failure = source->failure(); !failure.empty())
-      throw std::runtime_error("cannot read '" + path + "': " + failure);
-    else
+    else if (source->failure().empty())
       g_usleep(1000);
+    else
+      break;
   }
+  if (const std::string failure = source->failure(); !failure.empty())
+    throw std::runtime_error("cannot read '" + path + "': " + failure);
   const std::optional<tactile::Track> track = extracted.track();
   if (!track)
     throw std::runtime_error("'" + path

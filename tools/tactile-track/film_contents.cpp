@@ -49,6 +49,10 @@ constexpr std::array kUnknown = { "", "N/A", "unknown", "und", "unspecified", "t
 constexpr std::array kFormat = { "width",          "height",          "color_range", "color_space",
                                  "color_transfer", "color_primaries", "sample_rate", "channels" };
 
+/// Packets of a stream's beginning: pictures may be decoded before earlier ones. Later times may
+/// step back in a recording, and tell nothing.
+constexpr int kFirst = 64;
+
 struct ParserUnref
 {
   void operator()(JsonParser *parser) const
@@ -266,8 +270,13 @@ FilmContents::earliest() const
   double least = HUGE_VAL;
   for (const FilmStream &stream : streams)
     if (stream.kind == "audio" || stream.is_picture())
-      for (const FilmStream::Packet &packet : stream.packets)
-        least = std::fmin(least, packet.time);
+      for (int count = 0; const FilmStream::Packet &packet : stream.packets) {
+        if (std::isnan(packet.time))
+          continue;
+        least = std::min(least, packet.time);
+        if (++count == kFirst)
+          break;
+      }
   return std::isinf(least) ? 0 : least;
 }
 

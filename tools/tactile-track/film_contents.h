@@ -54,7 +54,7 @@ struct FilmContents
   /// Packets of pictures or sound lack times of presentation.
   bool lacks_times() const;
   bool is_in(const char *format) const;
-  /// The earliest time of a picture or sound.
+  /// The earliest time of a picture or sound, where the film begins.
   double earliest() const;
   /// The time of the film's 0:00 (docs/design/time.md).
   double zero() const

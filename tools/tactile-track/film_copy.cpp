@@ -44,6 +44,13 @@ whole_path(const std::string &path)
   return std::filesystem::absolute(path).string();
 }
 
+/// For mkvmerge, which else appends files whose names go on counting: VTS_01_2.VOB to VTS_01_1.VOB.
+std::string
+alone(const std::string &path)
+{
+  return "=" + whole_path(path);
+}
+
 bool
 contains(const std::vector<int> &numbers, int number)
 {
@@ -73,7 +80,7 @@ std::vector<std::pair<std::string, bool>>
 tracks_for_mkvmerge(const std::string &path)
 {
   std::string text;
-  run_program({ "mkvmerge", "-J", whole_path(path) }, "mkvtoolnix",
+  run_program({ "mkvmerge", "-J", alone(path) }, "mkvtoolnix",
               [&](std::string_view line) { text.append(line).append("\n"); });
   const std::unique_ptr<JsonParser, ParserUnref> parser(json::parse(text));
   JsonNode *root = parser ? json_parser_get_root(parser.get()) : nullptr;
@@ -213,7 +220,7 @@ copy_by_mkvmerge(const FilmAndTrack &what, double at, const std::string &to,
     others += (others.empty() ? "!" : ",") + std::to_string(index);
   if (!others.empty())
     add(arguments, "--subtitle-tracks", others);
-  add(arguments, whole_path(what.path));
+  add(arguments, alone(what.path));
   if (!what.subtitles.empty()) {
     std::string order;
     bool is_placed = !what.first;
@@ -224,7 +231,7 @@ copy_by_mkvmerge(const FilmAndTrack &what, double at, const std::string &to,
     }
     add(arguments, "--language", "0:zxx", "--track-name", "0:Tactile", "--default-track-flag",
         "0:no", "--compression", "0:none", "--sync", "0:" + decimal(at * 1000, 0),
-        whole_path(what.subtitles), "--track-order", order + "1:0");
+        alone(what.subtitles), "--track-order", order + "1:0");
   }
   std::string complaint;
   const ProgramEnd end = run_program(arguments, "mkvtoolnix", [&](std::string_view line) {
@@ -337,6 +344,7 @@ copy_transport_stream(const FilmAndTrack &what, const std::string &from, double 
   std::size_t size = 0;
   const auto next = [&] {
     size = std::fread(packet.data(), 1, packet.size(), film.get());
+    signals_stop_here();
     return size == packet.size();
   };
   while (next())

@@ -3,6 +3,7 @@
 // tactile-track: tactile tracks of films, from the first draft to the film that carries them.
 #include "commands.h"
 
+#include "files/replace.h"
 #include "film/output.h"
 #include "tracks/formats/draft_note.h"
 #include "tracks/formats/track_file.h"
@@ -84,9 +85,8 @@ parse_time(const std::string &text, const char *option)
 std::pair<std::string, std::string>
 folder_and_name(const std::string &path)
 {
-  const std::filesystem::path whole(path);
-  const std::string folder = whole.parent_path().string();
-  return { folder.empty() ? "." : folder, whole.filename().string() };
+  const std::string target = files::target_of(path);
+  return { files::folder_of(target), std::filesystem::path(target).filename().string() };
 }
 
 void

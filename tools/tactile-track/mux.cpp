@@ -100,6 +100,7 @@ public:
     }
     if (!is_a_copy())
       throw std::runtime_error("no copy of '" + what_.path + "' can be made: " + why_not_);
+    signals_stop_here();
     output_.commit();
     return best_->lost;
   }
@@ -150,6 +151,7 @@ private:
   Differences written(const Write &write, double at, const std::string &to)
   {
     for (bool is_again = false;; is_again = true) {
+      signals_stop_here();
       write(at, to);
       const FilmContents copy = read_contents(to, progress("checked"));
       const int track = track_in(copy);
@@ -272,6 +274,7 @@ mux(int argc, char **argv)
   refuse_same_file(path, out);
   const tactile::Track track = or_throw(tactile::read_track_file(names[1]));
   const auto [folder, name] = folder_and_name(out);
+  const SignalsStop signals_stop;
   try {
     const FilmContents film = read_contents(path, [](double) {});
     if (std::ranges::none_of(film.streams, &FilmStream::is_picture))
@@ -285,6 +288,9 @@ mux(int argc, char **argv)
         = tactile::cues_of(container == Container::transport_stream
                                ? track
                                : tactile::at_resolution(track, std::chrono::milliseconds(1), 100));
+    if (what.cues.empty())
+      throw std::runtime_error("'" + names[1]
+                               + "' has no cues; expected a track with one at least");
     const Output subtitles(folder, name + ".srt");
     what.subtitles = subtitles.part_path().string();
     std::ofstream(what.subtitles, std::ios::binary) << as_subrip(what.cues);

@@ -52,10 +52,11 @@ preview(int argc, char **argv)
                         .least = 2,
                         .most = 2 });
   gst_init(nullptr, nullptr);
-  if (output.is_set())
-    refuse_same_file(names[0], output.text());
   const tactile::Track track = or_throw(tactile::read_track_file(names[1]));
   const Film film = discover_film(names[0]);
+  g_autofree gchar *path = g_filename_from_uri(film.uri.c_str(), nullptr, nullptr);
+  if (output.is_set() && path != nullptr)
+    refuse_same_file(path, output.text());
   const std::string look = kLookahead;
   const bool has_display = g_getenv("DISPLAY") || g_getenv("WAYLAND_DISPLAY");
   std::string line = film_source(film) + " film. ! " + look

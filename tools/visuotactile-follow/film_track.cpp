@@ -139,7 +139,7 @@ FilmTrack::stop_at(const FoundTrack &faulty)
 {
   fault_ = faulty.fault;
   faulty_ = faulty.path;
-  versions_[faulty.path] = DraftCache::version(faulty.path);
+  versions_[faulty.path] = faulty.version;
   events_.told("nothing is felt of '" + film_name(film_) + "': its track is faulty: " + fault_
                + "; mend it, or pass it over with visuotactile-follow --pass-over");
 }

@@ -74,12 +74,15 @@ find_in(const fs::path &folder, const fs::path &film, const Library::Skipped &sk
       if (stem.empty() || skipped.contains(candidate) || !fs::exists(candidate, error)
           || fs::is_directory(candidate, error))
         continue;
+      const auto version = DraftCache::version(candidate);
       auto track = tactile::read_track_file(candidate);
       if (track)
         return FoundTrack{ .path = std::move(candidate), .track = *std::move(track) };
       std::string fault = std::move(track).error().text();
       if (!may_be_subtitles(candidate))
-        return FoundTrack{ .path = std::move(candidate), .fault = std::move(fault) };
+        return FoundTrack{ .path = std::move(candidate),
+                           .fault = std::move(fault),
+                           .version = version };
       complaint = std::move(fault);
     }
   return std::nullopt;

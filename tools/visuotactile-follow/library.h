@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 #pragma once
 
+#include "draft_cache.h"
+
 #include "tracks/track.h"
 
 #include <optional>
@@ -12,7 +14,8 @@ struct FoundTrack
 {
   std::string path;
   tactile::Track track{};
-  std::string fault{}; ///< why it cannot be read; empty: it can
+  std::string fault{};                          ///< why it cannot be read; empty: it can
+  std::optional<DraftCache::Version> version{}; ///< of a faulty file, before it was read
 };
 
 /// Where tracks of films are: beside the film, and in the user's folder of tracks, which may be

@@ -322,8 +322,8 @@ FirmataDriver::connect(Lock &lock, SerialBus &bus, const SerialDevice &device, b
   return port;
 }
 
-/// Remembers that a device is no board. A known one with a serial number stays known: it was slow or
-/// stuck this time. Without a number something else may be at its socket now.
+/// Remembers that a device is no board. A known one with a serial number stays known: it was slow
+/// or stuck this time. Without a number something else may be at its socket now.
 bool
 FirmataDriver::remember_refusal(Lock &lock, const SerialDevice &device)
 {

@@ -16,8 +16,8 @@ struct StopPatience
 
 /// Stops the motors of a board that is known to speak Firmata, and that its last host has left as
 /// it was: by a reset, whose answer proves that the board has read it. The pins need not be known.
-/// If none comes and `*may_pulse` is true, DTR is switched off and on, which resets most boards, and
-/// `*may_pulse` becomes false. NULL: no DTR.
+/// If none comes and `*may_pulse` is true, DTR is switched off and on, which resets most boards,
+/// and `*may_pulse` becomes false. NULL: no DTR.
 ///
 /// The error says why the motors may still be on. Blocks, for longer than the patience only where
 /// requests of the setup are not answered. Any thread that may use the bus.
