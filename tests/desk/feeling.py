@@ -53,7 +53,8 @@ def a_pad_plays_along(driver):
         page.wait("silence when it is switched off", lambda: last(driver) == (0, 0))
         count = len(rumbles(driver))
         page.play_until(page.position() + 500)
-        assert len(rumbles(driver)) == count
+        # Zeros may follow: a film that stalls stops the pad again.
+        assert all((each["strong"], each["weak"]) == (0, 0) for each in rumbles(driver)[count:]), rumbles(driver)[count:]
 
 
 def a_pad_paints(driver):
