@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
-/// Raw I420 film → its saliency maps and tactile maps, as bytes: what has to be the same on every machine.
-/// Usage: maps PROFILE WIDTH HEIGHT <FILM >MAPS (30 frames a second, 3 x 3 tactors; levels alone on standard error, a frame a line)
+/// Raw I420 film → its saliency maps and tactile maps, as bytes: the same on every machine.
+/// Usage: maps PROFILE WIDTH HEIGHT <FILM >MAPS
+/// Plays 30 frames a second on 3 x 3 tactors; prints the levels on standard error, a frame a line.
 #include "saliency/analyzer.h"
 #include "tactile/tactile_mapping.h"
 
