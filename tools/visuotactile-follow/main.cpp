@@ -101,8 +101,8 @@ read_command_line(int argc, char **argv, Options &options)
                    "program plays: mpv, Kodi, VLC, a browser and others that tell where they\n"
                    "are, by mpv's socket, Kodi's JSON-RPC or MPRIS on the session bus. Without\n"
                    "--mpv, --kodi and --mpris any player is followed that plays.\n\n"
-                   "The track of FILM.mkv is FILM.vtt (or .tactile.vtt, .csv, .hjif, .sem.xml)\n"
-                   "beside it, in its file, or in the folder of --tracks; tactile-track makes it.\n"
+                   "The track of FILM.mkv is FILM.vtt (or .tactile.vtt, .csv, .hjif, .sem.xml,\n"
+                   ".haptic, .ahap, .funscript, .tact) beside it, in its file, or in the folder of --tracks; tactile-track makes it.\n"
                    "Of other films on this computer a draft is made while they play.\n\n"
                    "Ctrl-C ends the program, with all motors at zero. SIGUSR1 lets all be felt\n"
                    "10 ms later, SIGUSR2 10 ms earlier.",
