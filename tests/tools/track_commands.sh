@@ -388,7 +388,7 @@ forms() {
   done
   # One actuator: the strongest cell. The parts that are lost are printed.
   for form in haptic ahap funscript; do
-    "$TRACK" convert film.csv -o "film.$form" 2>err
+    track convert film.csv -o "film.$form"
     grep -q "not in 'film.$form': the place of each vibration" err || fail "$form"
     "$PYTHON" -m json.tool "film.$form" >/dev/null
     track convert "film.$form" -o one.csv

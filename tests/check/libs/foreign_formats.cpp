@@ -253,8 +253,8 @@ GST_END_TEST;
 
 GST_START_TEST(test_tact_dots)
 {
-  const Track track = read(
-      tact(dots(R"({"index":7,"intensity":0.5},{"index":19,"intensity":1})")), TrackFormat::tact);
+  const Track track = read(tact(dots(R"({"index":7,"intensity":0.5},{"index":19,"intensity":1})")),
+                           TrackFormat::tact);
   fail_unless(track.rows() == 5 && track.columns() == 4);
   for (const auto &[at, cell, expected] :
        { std::tuple(99ms, 7, 0.0), { 100ms, 7, 0.5 }, { 299ms, 7, 0.5 }, { 300ms, 7, 0.0 } })
