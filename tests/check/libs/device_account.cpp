@@ -144,8 +144,8 @@ GST_START_TEST(test_a_cut_level_rests)
 }
 GST_END_TEST;
 
-/// One that was cut, let go and wanted again at once begins when the shortest rest is over, as a cue
-/// of its own.
+/// One that was cut, let go and wanted again at once begins when the shortest rest is over: that is
+/// another cue.
 GST_START_TEST(test_a_cut_level_is_wanted_again)
 {
   DeviceAccount account;
