@@ -87,8 +87,8 @@ public:
   }
 
 private:
-  /// Zero, as SDL 2 has it. The one over SDL 3 (sdl2-compat 2.32.74) hands the callback's answer on,
-  /// where success is true.
+  /// Zero, as SDL 2 has it. The one over SDL 3 (sdl2-compat 2.32.74) hands the callback's answer
+  /// on, where success is true.
   void learn_success(int index)
   {
     SDL_GameController *controller = SDL_GameControllerOpen(index);

@@ -100,8 +100,8 @@ turn(GstVideoOrientationMethod direction)
   }
 }
 
-/* The matrix is of the pixels' upper left corners: where it mirrors, the pixel's other corner is the
- * upper left one. FALSE if sides do not stay parallel. */
+/* The matrix is of the pixels' upper left corners: where it mirrors, the pixel's other corner is
+ * the upper left one. FALSE if sides do not stay parallel. */
 static gboolean
 read_matrix(const MatrixTransform *transform, GstTactileAffine *affine)
 {

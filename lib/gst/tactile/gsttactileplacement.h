@@ -19,9 +19,9 @@ typedef struct
   gboolean turns_by; /* the whole picture, by the direction that it was to be turned by */
 } GstTactilePlacement;
 
-/* Of the transform `gst-video-matrix` (GStreamer 1.28), as seen on a screen that turns both pictures
- * by `direction`. FALSE for other transforms, and where the sides of the picture do not stay
- * parallel to those of the screen. */
+/* Of the transform `gst-video-matrix` (GStreamer 1.28), as seen on a screen that turns both
+ * pictures by `direction`. FALSE for other transforms, and where the sides of the picture do not
+ * stay parallel to those of the screen. */
 gboolean gst_tactile_placement_init(GstTactilePlacement *self, GQuark type, gconstpointer data,
                                     GstVideoOrientationMethod direction);
 

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 //
-// Elements that move the picture move its tactile map along, or drop it. Each cell of the frame that
-// goes in is as bright as its level is high, so the picture that comes out says what its map is.
+// Elements that move the picture move its tactile map along, or drop it. Each cell of the frame
+// that goes in is as bright as its level is high, so the picture that comes out says what its map
+// is.
 #include <array>
 #include <cmath>
 #include <string>
@@ -157,8 +158,7 @@ GST_START_TEST(test_elements)
 }
 GST_END_TEST;
 
-/// Scaled, a picture keeps its map on each version; with borders it is told where they are from 1.28
-/// on.
+/// Scaled, a picture keeps its map on each version. With borders, 1.28 says where the picture is.
 GST_START_TEST(test_scalers)
 {
   for (const char *scaled : { "width=48,height=48", "width=120,height=90,pixel-aspect-ratio=3/4",
