@@ -49,8 +49,8 @@ gst_saliency_meta_transform(GstBuffer *dest, GstMeta *meta, GstBuffer *buffer, G
   gfloat *moved = NULL;
   gboolean added;
 
-  /* The map covers the whole picture as it is stored, at a resolution of its own. A copy of a region
-   * copies a range of bytes, not a part of the picture, so it keeps the whole map. */
+  /* The map covers the whole picture as it is stored, at a resolution of its own. A copy of a
+   * region copies a range of bytes, not a part of the picture, so it keeps the whole map. */
   if (!GST_META_TRANSFORM_IS_COPY(type) && !GST_VIDEO_META_TRANSFORM_IS_SCALE(type)) {
     if (!gst_tactile_placement_init(&placement, type, data, GST_VIDEO_ORIENTATION_IDENTITY))
       return FALSE;

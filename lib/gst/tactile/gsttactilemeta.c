@@ -42,7 +42,7 @@ gst_tactile_meta_free(GstMeta *meta, GstBuffer *buffer)
   g_clear_pointer(&self->levels, g_free);
 }
 
-/* Several pictures of one frame, as of compositor, have one map: the stronger level of each cell. */
+/* Several pictures of one frame, as of compositor, have one map: each cell's stronger level. */
 static GstTactileMeta *
 gst_tactile_meta_place(GstBuffer *dest, const GstTactileMeta *self,
                        const GstTactilePlacement *placement)
