@@ -11,8 +11,8 @@
  *
  * A frame without a map is a GAP on the `tactile` pad. The first one is reported by an INFO
  * message, as elements that move the picture, such as `videoflip`, drop the map. Before the first
- * map, the grid is the one that downstream prefers, or 3 × 3. Either source pad may be unlinked. Each branch
- * needs its own queue, as after a demuxer.
+ * map, the grid is the one that downstream prefers, or 3 × 3. Either source pad may be
+ * unlinked. Each branch needs its own queue, as after a demuxer.
  *
  * ## Example launch lines
  * |[
