@@ -11,13 +11,13 @@
 #            packages  tools/packages.sh; then on another bare machine, with Depends alone and as a user who is not root: debian/tests film, python and
 #                      application
 #   Default: set-up,build,film,packages.
-#   arm64 on a PC is cross-compiled: set-up; build, of libraries and plugins; film, by qemu; tests, of which maps.sh with all vectors is one.
+#   arm64 on a PC is cross-compiled: set-up; build, of libraries and plugins, whose maps are compared by maps.sh; film, by qemu.
 # Expects debootstrap. It keeps the bare machine as an archive in the user's cache, $VISUOTACTILE_MACHINES if that is set.
 set -euo pipefail
 root=$(cd "$(dirname "$0")/../.." && pwd)
 steps=set-up,build,film,packages
 case ${1:-} in
-  -h | --help) sed -n '3,16s/^# \{0,1\}//p' "$0"; exit 0 ;;
+  -h | --help) sed -n '3,17s/^# \{0,1\}//p' "$0"; exit 0 ;;
   --steps=*) steps=${1#--steps=}; shift ;;
 esac
 fail() {
@@ -67,18 +67,21 @@ in_machine() {
     mount -t tmpfs tmpfs "$0/tmp"
     folder=$0
     exec chroot "$folder" /usr/bin/env -i HOME=/root PATH=/usr/sbin:/usr/bin:/sbin:/bin LANG=C.UTF-8 TERM=dumb \
-      ${http_proxy:+http_proxy=$http_proxy} ${https_proxy:+https_proxy=$https_proxy} DEBIAN_FRONTEND=noninteractive bash -ec "$1"
+      ${http_proxy:+http_proxy=$http_proxy} ${https_proxy:+https_proxy=$https_proxy} DEBIAN_FRONTEND=noninteractive bash -o pipefail -ec "$1"
   ' "$folder" "$1" </dev/null
 }
 make_machine() {
   rm -rf "$1"
   mkdir -p "$1"
   tar -x -C "$1" -f "$bare"
+  echo force-unsafe-io >"$1/etc/dpkg/dpkg.cfg.d/unsafe-io"
   cp /etc/resolv.conf "$1/etc/"
   cp /etc/apt/apt.conf.d/*proxy* "$1/etc/apt/apt.conf.d/" 2>/dev/null || true
 }
 make_machine "$machine"
-git -c safe.directory="$root" clone -q --no-hardlinks "file://$root" "$machine/visuotactile" || fail "the checkout could not be copied"
+# Root may run this in a user's checkout.
+git -c safe.directory="$root" -C "$root" bundle create -q "$machine/commits" HEAD
+git -c advice.detachedHead=false clone -q "$machine/commits" "$machine/visuotactile"
 
 status=0
 broken=
@@ -109,8 +112,10 @@ if [ -n "$cross" ]; then
       -E GST_PLUGIN_PATH_1_0=$PWD/$all/gst $target/bin/gst-launch-1.0 -q tactiletestsrc num-buffers=50 ! saliencytactile ! tactorsink driver=simulator sync=false trace-location=/tmp/trace.csv
     echo "result: $(sed 1d /tmp/trace.csv | wc -l) commands"'
 else
-  step set-up 'tools/setup.sh build play test players docs; g++ --version | sed -n "1s/^/result: /p"'
-  step build '. tools/build.sh; VISUOTACTILE_NO_SETUP=1 build_project build "" play'
+  parts="build play"
+  [[ ,$steps, != *,tests,* ]] || parts+=" test players docs"
+  step set-up "tools/setup.sh $parts; "'g++ --version | sed -n "1s/^/result: /p"'
+  step build 'meson setup build; ninja -C build play | tee /tmp/log; echo "result: $(grep -c warning: /tmp/log || true) warnings"'
   step film 'export XDG_RUNTIME_DIR=/tmp; gst-launch-1.0 -q tactiletestsrc num-buffers=90 ! videoconvert ! vp8enc deadline=1 ! webmmux ! filesink location=/tmp/film.webm
     VISUOTACTILE_NO_SETUP=1 pipelines/play.sh --no-window --output=/tmp/played /tmp/film.webm; n=$(sed 1d /tmp/played/commands.csv | wc -l); [ "$n" -gt 0 ]; echo "result: $n commands"'
   step tests 'tests/run.sh'
