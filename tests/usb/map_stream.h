@@ -19,8 +19,7 @@
 namespace usb_test {
 
 /// Random 3 × 3 tactile maps, a new one every 200 ms, played in real time by
-/// `tactorsink driver=firmata` in this process, without a guardian, which would outlive the emulated
-/// USB.
+/// `tactorsink driver=firmata` in this process. A guardian would outlive the emulated USB.
 class MapStream
 {
 public:
