@@ -148,8 +148,8 @@ PeerSaliency::State::difference()
   gray.copyTo(previous);
 }
 
-/// Center-surround contrast of L*a*b* between two levels; means over 1, 2, 4 and 8 frames above those
-/// over eight times as many.
+/// Center-surround contrast of L*a*b* between two levels; means over 1, 2, 4 and 8 frames above
+/// those over eight times as many.
 void
 PeerSaliency::State::rising_contrast(const cv::Mat &picture)
 {

@@ -32,8 +32,8 @@ bool is_available(Peer peer);
 bool needs_motion(Peer peer);
 
 /// The size to which larger frames are scaled down, with their aspect ratio: 320 wide for the
-/// detectors of motion and the rival, 640 × 480 as in HapticLens's program. The others get the whole frame, as in
-/// OpenCV's example (spectral residual scales it to 64 × 64 itself).
+/// detectors of motion and the rival, 640 × 480 as in HapticLens's program. The others get the
+/// whole frame, as in OpenCV's example (spectral residual scales it to 64 × 64 itself).
 cv::Size scaled_for(Peer peer, cv::Size frame);
 
 /// A peer that analyzes a film frame by frame.
