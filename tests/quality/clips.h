@@ -56,8 +56,8 @@ enum class Contenders
 /// Analyzes the films of list_films(directory), and of its folder `unseen`, with `profile=paper`
 /// and `profile=tuned`, as saliencytactile does, decoded by decodebin to I420; those with labels by
 /// each available peer, too: as it is, and silent but for as many of its strongest frames as
-/// `tuned` is felt ("same share"). "center, same frames" is felt where `tuned` is, in the middle cell alone.
-/// Rows are sorted by the clip's name; paper, tuned, then peers.
+/// `tuned` is felt ("same share"). "center, same frames" is felt where `tuned` is, in the middle
+/// cell alone. Rows are sorted by the clip's name; paper, tuned, then peers.
 ///
 /// `threads` ≥ 1 share the work, and the result does not depend on their number. Requires
 /// gst_init(). Throws std::runtime_error if there is no film, or if one cannot be played to its
