@@ -109,13 +109,14 @@ def embedded():
     black = make_film("black.mkv", 12, pattern=None)
     pulses = work / "pulses" / "pulses.csv"
     make_track(pulses, 12)
-    for ending in ("mkv", "mp4"):  # a transport stream is not felt here since it is copied by ffmpeg: open
+    for ending in ("mkv", "mp4", "ts"):
         carrier = black.with_name(f"carrier.{ending}")
         muxed = track("mux", "-q", str(black), str(pulses), "-o", str(carrier))
         assert muxed.returncode in (0, 3), muxed  # 3: names that the container cannot hold
-        mpv = Mpv(carrier, "--start=9")
+        mpv = Mpv(carrier, "--start=9", "--pause")
         follower = Follower(mpv, "--no-drafts")
         follower.wait_for(f"plays 'carrier.{ending}' with the track in its file")
+        mpv.command("set_property", "pause", False)
         vest.wait_to_feel()
         # The film ends.
         mpv.process.wait(LATEST)
