@@ -192,24 +192,28 @@ private:
   {
     const bool needs_track = container_ == Container::transport_stream;
     const std::string first = needs_track ? between_.part_path().string() : to;
-    std::string failure;
     std::vector<int> left_out;
-    try {
-      copy_by_ffmpeg(what, container_, {}, at, first, progress("copied"));
+    std::optional<FilmContents> copy; // a transport stream
+    const auto make = [&] {
+      copy_by_ffmpeg(what, container_, left_out, at, first, progress("copied"));
       if (needs_track)
+        copy = read_contents(first, progress("checked"));
+    };
+    try {
+      make();
+      // Into a transport stream it writes all, also what nobody can read.
+      if (copy && !compare(what.film, what.taken_out, *copy, -1).left_out.empty())
         left_out = streams_not_for(container_, what, scratch_.part_path().string());
-    } catch (const std::runtime_error &error) {
-      failure = error.what();
+    } catch (const std::runtime_error &) {
       left_out = streams_not_for(container_, what, scratch_.part_path().string());
       if (left_out.empty())
         throw;
     }
     if (!left_out.empty())
-      copy_by_ffmpeg(what, container_, left_out, at, first, progress("copied"));
-    if (!needs_track)
+      make();
+    if (!copy)
       return;
-    const FilmContents copy = read_contents(first, progress("checked"));
-    const double shift = compare(what_.film, what_.taken_out, copy, -1).shift;
+    const double shift = compare(what_.film, what_.taken_out, *copy, -1).shift;
     copy_transport_stream(what_, first, what_.film.zero() + shift, to, progress("copied"));
   }
 
@@ -279,10 +283,11 @@ mux(int argc, char **argv)
     const FilmContents film = read_contents(path, [](double) {});
     if (std::ranges::none_of(film.streams, &FilmStream::is_picture))
       throw std::runtime_error("'" + path + "' has no moving picture; expected a film");
-    FilmAndTrack what{ .path = path, .film = film, .first = first != FALSE };
+    FilmAndTrack what{
+      .path = path, .film = film, .taken_out = older_tracks(path, film), .first = first != FALSE
+    };
     for (int i = 0; i < static_cast<int>(film.streams.size()); i++)
-      if (const FilmStream &stream = film.streams[static_cast<std::size_t>(i)];
-          stream.is_tactile() || stream.kind == FilmStream::kChapters)
+      if (film.streams[static_cast<std::size_t>(i)].kind == FilmStream::kChapters)
         what.taken_out.push_back(i);
     what.cues
         = tactile::cues_of(container == Container::transport_stream
