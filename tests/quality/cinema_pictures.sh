@@ -15,8 +15,10 @@ trap 'rm -rf "$work"' EXIT
 mkdir -p "$out"
 for labels in "$here"/labels/*.csv; do
   film=$(basename "$labels" .csv)
+  file=$(find "$clips" -maxdepth 2 -name "$film.*" ! -name '*.csv' | sort | head -n 1)
+  [[ $file ]] || continue # another set of films
   GST_PLUGIN_PATH=$build/gst GST_REGISTRY_1_0=$work/registry \
-    "$build/tools/tactile-track" author -q --rate=0 "$clips/$film.mp4" -o "$work/$film, $name.csv"
+    "$build/tools/tactile-track" author -q --rate=0 "$file" -o "$work/$film, $name.csv"
   "$draw" "$work/$film, $name.csv" "$labels" "$out/$film-track-$name.png"
-  "$draw" "$work/$film, $name.csv" "$labels" "$out/$film-moments-$name.png" "$clips/$film.mp4"
+  "$draw" "$work/$film, $name.csv" "$labels" "$out/$film-moments-$name.png" "$file"
 done

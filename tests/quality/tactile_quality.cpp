@@ -24,7 +24,9 @@
 #include <filesystem>
 #include <fstream>
 #include <iostream>
+#include <iterator>
 #include <limits>
+#include <map>
 #include <sstream>
 #include <stdexcept>
 #include <string_view>
@@ -41,6 +43,7 @@ struct Options
   gint threads = 2;
   gchar *data = nullptr;
   gchar **tables = nullptr;
+  gchar *scene = nullptr;
   gchar *markdown = nullptr;
   gchar *csv = nullptr;
 };
@@ -96,39 +99,75 @@ photograph_section(const Extent &extent, Summary &summary)
   return { table };
 }
 
+/// Whether a model of score_clips() is judged as `ours`, and not among its peers.
+bool
+is_compared(const ClipRow &row, const std::string &ours)
+{
+  return row.labels && (row.model == ours || !row.model.starts_with("tuned"));
+}
+
 /// Over the spans of the labels of all clips.
 SummaryRow
 clip_row(const std::vector<ClipRow> &rows, std::string figure,
-         std::vector<Mean> LabelScores::*spans)
+         std::vector<Mean> LabelScores::*spans, const std::string &ours = model_at(1))
 {
   UnitsByModel units;
   for (const ClipRow &row : rows)
-    if (row.labels) {
-      auto &all = units[row.model];
+    if (is_compared(row, ours)) {
+      auto &all = units[row.model == ours ? model_at(1) : row.model];
       all.insert(all.end(), (*row.labels.*spans).begin(), (*row.labels.*spans).end());
     }
   return summary_row("real films", std::move(figure), units);
 }
 
+/// Whether strong events feel stronger than weak ones, over all clips.
+SummaryRow
+strength_row(const std::vector<ClipRow> &rows)
+{
+  std::map<std::string, std::array<std::vector<double>, 4>> levels;
+  for (const ClipRow &row : rows)
+    if (is_compared(row, model_at(1)))
+      for (std::size_t i = 0; i < row.labels->levels.size(); ++i)
+        std::ranges::copy(row.labels->levels[i], std::back_inserter(levels[row.model][i]));
+  UnitsByModel units;
+  for (const auto &[model, by_strength] : levels)
+    units[model] = above(by_strength[3], by_strength[1]);
+  return summary_row("real films", "a blow feels stronger than a gesture", units);
+}
+
 Section
 clip_section(const Extent &extent, Summary &summary)
 {
-  const auto rows = score_clips(extent.data / "clips", extent.threads);
+  auto rows = score_clips(extent.data / "clips", extent.quick ? Contenders::ours : Contenders::all,
+                          extent.threads);
+  std::ranges::move(fitted_elsewhere(rows), std::back_inserter(rows));
   summary.push_back(clip_row(rows, "precision against labels", &LabelScores::right));
   summary.push_back(clip_row(rows, "recall against labels", &LabelScores::found));
+  summary.push_back(clip_row(rows, "quiet time felt", &LabelScores::quiet));
+  summary.back().higher = false;
+  summary.push_back(strength_row(rows));
+  summary.push_back(
+      clip_row(rows, "precision, fitted on the other films", &LabelScores::right, kFitted));
+  summary.push_back(
+      clip_row(rows, "recall, fitted on the other films", &LabelScores::found, kFitted));
   Table table("Real films",
               "What is felt of the films in clips/, as shares of frames and of tactors. Precision "
-              "and recall are those of tests/quality/labels.",
+              "and recall are those of tests/quality/labels. Quiet felt: share of the time in "
+              "which nothing is to be felt. Full: share of the felt frames with a level above 0.9.",
               { "clip", "model", "frames", "felt", "tactors felt", "at a time", "longest, s",
                 "longest of a tactor, s", "cues a minute", "camera moves", "cuts", "precision",
-                "recall" });
+                "recall", "quiet felt", "full" });
   constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+  std::erase_if(rows, [](const ClipRow &row) {
+    return row.model.starts_with("tuned") && row.model != model_at(1) && row.model != kFitted;
+  });
   for (const auto &[clip, model, s, labels] : rows)
-    table.add({ clip, model, std::to_string(s.frames), percent(s.active), percent(s.tactors),
-                figure(s.tactors_active, 2), figure(s.longest, 1), figure(s.longest_tactor, 1),
-                figure(s.cues_per_minute, 0), percent(s.camera_moves), std::to_string(s.cuts),
-                figure(labels ? labels->precision : kNone, 2),
-                figure(labels ? labels->recall : kNone, 2) });
+    table.add(
+        { clip, model, std::to_string(s.frames), percent(s.active), percent(s.tactors),
+          figure(s.tactors_active, 2), figure(s.longest, 1), figure(s.longest_tactor, 1),
+          figure(s.cues_per_minute, 0), percent(s.camera_moves), std::to_string(s.cuts),
+          figure(labels ? labels->precision : kNone, 2), figure(labels ? labels->recall : kNone, 2),
+          percent(labels ? labels->quiet_felt : kNone), percent(labels ? labels->full : kNone) });
   return { table };
 }
 
@@ -285,7 +324,7 @@ report(const Options &options, const std::vector<std::string> &command)
 {
   check_names(options.tables);
   const Extent extent{ options.quick != FALSE, options.full != FALSE, options.threads,
-                       options.data ? options.data : "" };
+                       options.data ? options.data : "", options.scene ? options.scene : "" };
   Summary summary;
   std::ostringstream sections;
   std::ostringstream csv;
@@ -342,6 +381,8 @@ main(int argc, char **argv)
       "Peers at all sizes and frame rates, the oracle for whole films: an hour and a half",
       nullptr },
     { "table", 0, 0, G_OPTION_ARG_STRING_ARRAY, &options.tables, only_table.c_str(), "NAME" },
+    { "scene", 0, 0, G_OPTION_ARG_STRING, &options.scene,
+      "Of the scenes of cinema those whose name has TEXT in it", "TEXT" },
     { "markdown", 0, 0, G_OPTION_ARG_FILENAME, &options.markdown, "Write the page", "FILE" },
     { "csv", 0, 0, G_OPTION_ARG_FILENAME, &options.csv, "Write every figure of films as CSV",
       "FILE" },

@@ -21,11 +21,25 @@ constexpr std::array<const gchar *, 8> kTags
     = { "rotate-0",      "rotate-90",      "rotate-180",      "rotate-270",
         "flip-rotate-0", "flip-rotate-90", "flip-rotate-180", "flip-rotate-270" };
 
-/// The picture with 2 × 3 levels after these elements, without the padding of its rows.
+/// Where a frame comes to tactileoverlay it gets 2 × 3 levels: videoflip drops or turns a map.
+GstPadProbeReturn
+add_levels(GstPad *, GstPadProbeInfo *info, gpointer)
+{
+  constexpr std::array<gfloat, 6> kLevels{ 0, 0.2F, 1, 0.4F, 0.8F, 0.1F };
+  GstBuffer *frame = gst_buffer_make_writable(GST_PAD_PROBE_INFO_BUFFER(info));
+  gst_buffer_add_tactile_meta(frame, 2, 3, kLevels.data(), kLevels.size());
+  GST_PAD_PROBE_INFO_DATA(info) = frame;
+  return GST_PAD_PROBE_OK;
+}
+
+/// The picture after these elements, without the padding of its rows.
 std::vector<int>
 picture_after(const std::string &line, const gchar *tag)
 {
   GstHarness *h = gst_harness_new_parse(line.c_str());
+  g_autoptr(GstElement) overlay = gst_bin_get_by_name(GST_BIN(h->element), "draw");
+  g_autoptr(GstPad) pad = gst_element_get_static_pad(overlay, "sink");
+  gst_pad_add_probe(pad, GST_PAD_PROBE_TYPE_BUFFER, add_levels, nullptr, nullptr);
   gst_harness_set_src_caps_str(h, kCaps);
   gst_harness_push_event(
       h, gst_event_new_tag(gst_tag_list_new(GST_TAG_IMAGE_ORIENTATION, tag, nullptr)));
@@ -38,8 +52,6 @@ picture_after(const std::string &line, const gchar *tag)
     for (int x = 0; x < stride; x++)
       map.data[y * stride + x] = static_cast<guint8>(40 + x + y);
   gst_buffer_unmap(frame, &map);
-  const std::array<gfloat, 6> levels{ 0, 0.2F, 1, 0.4F, 0.8F, 0.1F };
-  gst_buffer_add_tactile_meta(frame, 2, 3, levels.data(), levels.size());
 
   g_autoptr(GstBuffer) out = gst_harness_push_and_pull(h, frame);
   fail_unless(out != nullptr);
@@ -77,7 +89,7 @@ difference(const std::vector<int> &one, const std::vector<int> &other)
 GST_START_TEST(test_drawn_and_turned)
 {
   const gchar *tag = kTags[static_cast<std::size_t>(__i__)];
-  const std::string draw = "tactileoverlay style=heatmap opacity=1 ";
+  const std::string draw = "tactileoverlay name=draw style=heatmap opacity=1 ";
   const std::string turn = "videoflip video-direction=auto";
   const std::vector<int> expected
       = picture_after(turn + " ! " + draw + "video-direction=identity", tag);
