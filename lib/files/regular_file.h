@@ -65,8 +65,8 @@ tl::expected<std::string, Error> read(const File &file, std::size_t most);
 tl::expected<std::string, Error> read(const std::string &path, std::size_t most);
 
 /// Creates or empties a file for writing, which never waits: a pipe is refused, but for this
-/// process's own output and errors (/dev/stdout). A device, such as a terminal, and that pipe fail a
-/// write for which they have no room.
+/// process's own output and errors (/dev/stdout). A device, such as a terminal, and that pipe fail
+/// a write for which they have no room.
 tl::expected<File, Error> create(const std::string &path);
 
 } // namespace files
